@@ -1,0 +1,62 @@
+/*
+  The ground every stage stands on: PETSc, the version, tables of named rows, and errors that are
+  the user's to mend.
+*/
+#ifndef ISPH_BASE_H
+#define ISPH_BASE_H
+
+#include <petsc.h>
+
+#define ISPH_VERSION "0.1.0"
+#define ISPH_MAX_DIM 3
+
+#if PETSC_VERSION_LT(3, 19, 0)
+#define PETSC_SUCCESS 0
+#endif
+
+/*
+  A table is a const array of structs that all begin with these three members. The user's word is
+  the row's name; no other code compares names.
+*/
+typedef struct {
+  const char *name;     /* the word typed after the option */
+  const char *brief;    /* one line on what it is */
+  const char *citation; /* who published it, or "" */
+} TableRow;
+
+typedef struct {
+  const char *option; /* e.g. "-kernel" */
+  const char *title;  /* plural heading in the catalogue, e.g. "Kernels" */
+  const void *rows;
+  size_t      row_size; /* bytes */
+  PetscInt    count;
+} Table;
+
+#define TABLE(option, title, rows)                                                                 \
+  {                                                                                                \
+    option, title, rows, sizeof((rows)[0]), (PetscInt)(sizeof(rows) / sizeof((rows)[0]))           \
+  }
+
+const TableRow *TableGet(const Table *table, PetscInt k);
+PetscErrorCode  TableFind(const Table *table, const char name[], const TableRow **row);
+PetscErrorCode  TableSelect(const Table *table, const char option[], const char fallback[],
+                            const TableRow **row);
+PetscErrorCode  TableView(const Table *table, PetscViewer viewer);
+
+/* Options with a range: the value outside it ends the run with one line. */
+PetscErrorCode OptionReal(const char option[], const char text[], PetscReal low, PetscReal high,
+                          PetscReal *value, PetscBool *set);
+PetscErrorCode OptionInt(const char option[], const char text[], PetscInt low, PetscInt high,
+                         PetscInt *value, PetscBool *set);
+PetscErrorCode OptionsRefuseTogether(const char a[], const char b[], const char why[]);
+PetscErrorCode OptionsRefuseUnknown(PetscBool deferred_too);
+
+/*
+  What the user can mend (an option, a file, a diverged solve) is told in one line, without a
+  traceback; ErrorsInstall() sees to that. Use UserCheck() with the option's name, the value and
+  what is allowed. Collective: all ranks must come to the same decision.
+*/
+#define UserCheck(condition, ...) PetscCheck(condition, PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT, __VA_ARGS__)
+PetscErrorCode ErrorsInstall(void);
+
+#endif

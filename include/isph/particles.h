@@ -1,0 +1,127 @@
+/*
+  Particles: plain arrays, distributed over ranks, and the rows of neighbours found among them.
+
+  Local storage of every array:  own fluid | own wall | halo fluid | halo wall
+
+  Ownership, order and global numbers stay as they are during an EPOCH, which ends when some particle
+  has moved half a skin from where it was at its start. Then, and only then, particles migrate, are
+  sorted by cell and numbered anew, every registered field is permuted alike, and the halo is rebuilt.
+*/
+#ifndef ISPH_PARTICLES_H
+#define ISPH_PARTICLES_H
+
+#include "isph/scene.h"
+
+#define PARTICLES_MAX_FIELDS 16
+
+/* Which values of a field the halo needs. */
+typedef enum {
+  HALO_NONE,  /* none: own values only */
+  HALO_EPOCH, /* copied when an epoch starts (it does not change within one) */
+} HaloPolicy;
+
+typedef struct {
+  const char *name;
+  PetscInt    components;
+  HaloPolicy  halo;
+  PetscReal **slot; /* the registrant's components pointers: slot[c][i], i < capacity; kept valid */
+} Field;
+
+typedef struct {
+  MPI_Comm  comm;
+  PetscInt  dim;
+  PetscInt  n_fluid, n_wall;           /* own */
+  PetscInt  n_halo_fluid, n_halo_wall; /* copies of other ranks' particles and periodic images */
+  PetscInt  capacity;                  /* of every array below and of every field */
+  PetscInt  N_fluid, N_wall;           /* global */
+  PetscInt  fluid_start, wall_start;   /* global numbers of the first own fluid and wall particle */
+  PetscInt *id;                        /* name for life: fluid lattice index, then N_fluid + wall */
+  PetscInt *number;                    /* global number among fluid, resp. among wall particles */
+
+  PetscReal *x[ISPH_MAX_DIM];       /* positions (field) [m]; ParticlesUpdateHalo refreshes the halo */
+  PetscReal *u[ISPH_MAX_DIM];       /* velocities of own particles (field) [m/s] */
+  PetscReal *p;                     /* pressures of own fluid (field) [Pa]; NULL: no pressure */
+  PetscReal *x_epoch[ISPH_MAX_DIM]; /* own positions when the epoch started (field) [m] */
+  PetscReal *normal[ISPH_MAX_DIM];  /* of wall particles, into the fluid (field); NULL: no walls */
+  PetscReal *depth;                 /* of wall particles below the surface [m] (field) */
+  PetscReal *side;                  /* of wall particles: which wall, a whole number (field) */
+  Field      field[PARTICLES_MAX_FIELDS];
+  PetscInt   n_fields;
+
+  PetscReal lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM]; /* the box of space this rank owns [m] */
+  PetscReal halo_width;                         /* largest interaction radius [m] */
+  PetscReal skin;                               /* [m] */
+  PetscInt  epoch;                              /* counter, from 1; 0 before the first */
+  PetscInt  moved;                              /* stamp: changes when positions change */
+
+  PetscSF    sf;                         /* own (roots) -> halo (leaves), fixed within an epoch */
+  PetscReal *halo_shift[ISPH_MAX_DIM];   /* of halo particle k: added to its owner's position [m] */
+} Particles;
+
+/* How a wall treatment wants its wall particles: one layer on the surface, or layers behind it. */
+typedef struct {
+  PetscInt layers; /* 0: one layer on the surface; k: k dummy layers from dx/2 below it */
+} WallPlacement;
+
+PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscReal halo_width,
+                               Particles **particles);
+PetscErrorCode ParticlesDestroy(Particles **particles);
+PetscErrorCode ParticlesRegister(Particles *particles, const char name[], PetscInt components,
+                                 HaloPolicy halo, PetscReal **slot);
+PetscErrorCode ParticlesUpdateEpoch(const Scene *scene, Particles *particles, PetscBool force,
+                                    PetscBool *started);
+PetscErrorCode ParticlesUpdateHalo(Particles *particles);
+PetscErrorCode ParticlesHaloField(const Particles *particles, PetscReal values[]);
+
+static inline PetscInt ParticlesOwn(const Particles *p)
+{
+  return p->n_fluid + p->n_wall;
+}
+static inline PetscInt ParticlesAll(const Particles *p)
+{
+  return p->n_fluid + p->n_wall + p->n_halo_fluid + p->n_halo_wall;
+}
+static inline PetscBool ParticlesIsWall(const Particles *p, PetscInt i)
+{
+  const PetscInt own = p->n_fluid + p->n_wall;
+  return (i < own ? i >= p->n_fluid : i >= own + p->n_halo_fluid) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Cells of a uniform grid over the local particles, each cell's particles stored contiguously. */
+typedef struct {
+  PetscInt   dim;
+  PetscReal  origin[ISPH_MAX_DIM], size; /* [m] */
+  PetscInt   count[ISPH_MAX_DIM];        /* cells along each axis */
+  PetscInt  *start;                      /* of each cell in list, count[0] fastest; one more at end */
+  PetscInt  *list;                       /* local particle indices, ascending in each cell */
+  PetscReal *x[ISPH_MAX_DIM];            /* positions in the order of list [m] */
+  PetscInt   n, capacity, cells_capacity;
+} Cells;
+
+PetscErrorCode CellsBuild(const Particles *particles, PetscReal size, Cells *cells);
+PetscErrorCode CellsFree(Cells *cells);
+PetscErrorCode CellsFind(const Cells *cells, const PetscReal x[], PetscReal radius, PetscInt max,
+                         PetscInt list[], PetscInt *count);
+
+/*
+  Neighbours of own fluid particle i: col[row[i]] ... col[row[i+1]-1], local indices in ascending
+  order, i itself left out. Within an unspent Verlet margin the rows also hold pairs a little further
+  apart than radius: whoever reads them drops r >= radius.
+*/
+typedef struct {
+  PetscReal  radius;             /* [m] */
+  PetscReal  margin;             /* of the rows as they stand [m] */
+  PetscInt  *row, *col;
+  PetscInt   row_capacity, col_capacity;
+  PetscReal *x_built[ISPH_MAX_DIM]; /* own positions when the rows were built [m] */
+  PetscInt   epoch, moved;          /* stamps of the particles the rows were built from */
+  PetscInt   builds;                /* how many times rows were built, a cost counter */
+  Cells      cells;
+} Neighbors;
+
+PetscErrorCode NeighborsCreate(PetscReal radius, Neighbors **neighbors);
+PetscErrorCode NeighborsDestroy(Neighbors **neighbors);
+PetscErrorCode NeighborsUpdate(const Particles *particles, PetscReal step_length,
+                               Neighbors *neighbors);
+
+#endif

@@ -1,0 +1,86 @@
+/*
+  The scene: what is to be computed, checked and complete, before a particle exists. It holds the
+  domain, the fluid, the forces and the physics the case needs; nothing of how it is solved.
+*/
+#ifndef ISPH_SCENE_H
+#define ISPH_SCENE_H
+
+#include "isph/base.h"
+
+typedef struct Scene  Scene;
+typedef struct Flow   Flow;
+typedef struct Report Report;
+
+/* What a case needs. What it does not need is neither allocated nor computed, written or printed. */
+typedef enum {
+  PHYSICS_VISCOSITY  = 1 << 0, /* nu lap u */
+  PHYSICS_PRESSURE   = 1 << 1, /* div u = 0 and its pressure */
+  PHYSICS_CONVECTION = 1 << 2, /* u.grad u: particles move, or the term of the fixed ones */
+  PHYSICS_WALLS      = 1 << 3, /* solid boundaries */
+  PHYSICS_BODY_FORCE = 1 << 4  /* a force per unit mass */
+} Physics;
+#define PHYSICS_COUNT 5
+extern const char *const PhysicsNames[PHYSICS_COUNT]; /* bit order of Physics */
+
+/* A plane tangent to a wall at the point nearest to some x. */
+typedef struct {
+  PetscReal distance;             /* of x from the wall, positive in the fluid [m] */
+  PetscReal normal[ISPH_MAX_DIM]; /* unit, into the fluid */
+  PetscInt  side;                 /* 2 axis + (0 low, 1 high) */
+} WallPlane;
+#define SCENE_MAX_PLANES 6
+
+/*
+  A case: geometry, initial and boundary values, exact solution or reference data. One file each in
+  cases/, one row each in cases/cases.c. Never a time loop, never a scheme.
+*/
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscBool   three_d;       /* -dim 3 allowed */
+  unsigned    physics;       /* bits of Physics */
+  PetscReal   reynolds;      /* default [-] */
+  PetscReal   t_end;         /* default [s] */
+  PetscInt    n;             /* default particles along the reference length */
+  PetscErrorCode (*Setup)(Scene *scene); /* box, periodicity, walls, length, speed, nu, body */
+  void (*Velocity)(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[]); /* at t=0 */
+  void (*WallVelocity)(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                       PetscReal u[]); /* NULL: walls at rest */
+  void (*Exact)(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
+                PetscReal *p);                         /* NULL: none; p may be left alone */
+  PetscErrorCode (*Judge)(const Flow *flow, Report *report); /* adds the quantities of the case */
+} CaseRow;
+
+struct Scene {
+  const CaseRow *problem;
+  unsigned       physics; /* bits of Physics, after -with and -without */
+
+  PetscInt  dim;                        /* 2 or 3 */
+  PetscInt  n;                          /* particles along the reference length */
+  PetscReal dx;                         /* particle spacing at the start [m] */
+  PetscReal lo[ISPH_MAX_DIM];           /* corners of the box [m] */
+  PetscReal hi[ISPH_MAX_DIM];           /* */
+  PetscInt  cells[ISPH_MAX_DIM];        /* particles along each side of the box */
+  PetscBool periodic[ISPH_MAX_DIM];     /* both sides of an axis, else walls */
+  PetscReal length;                     /* reference length L [m] */
+  PetscReal speed;                      /* reference speed U [m/s] */
+  PetscReal rho;                        /* density [kg/m^3] */
+  PetscReal nu;                         /* kinematic viscosity [m^2/s] */
+  PetscReal body[ISPH_MAX_DIM];         /* body force per unit mass [m/s^2] */
+  PetscBool unsteady_walls;             /* wall velocities depend on time */
+  PetscReal jitter;                     /* largest random displacement at the start [dx] */
+  PetscInt  seed;                       /* of the jitter */
+};
+
+extern const Table CaseTable; /* cases/cases.c */
+
+PetscErrorCode SceneCreate(Scene **scene);
+PetscErrorCode SceneDestroy(Scene **scene);
+PetscBool      SceneHas(const Scene *scene, Physics what);
+PetscReal      SceneReynolds(const Scene *scene);
+PetscReal      SceneVolume(const Scene *scene); /* dx^dim, the volume of every particle [m^dim] */
+void           SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                                 PetscReal u[]);
+void           SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
+                               WallPlane planes[SCENE_MAX_PLANES], PetscInt *count);
+
+#endif
