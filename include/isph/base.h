@@ -39,24 +39,40 @@ typedef struct {
 
 const TableRow *TableGet(const Table *table, PetscInt k);
 PetscErrorCode  TableFind(const Table *table, const char name[], const TableRow **row);
-PetscErrorCode  TableSelect(const Table *table, const char option[], const char fallback[],
-                            const TableRow **row);
+PetscErrorCode  TableSelect_Private(PetscOptionItems *items, const Table *table,
+                                    const char option[], const char text[], const char fallback[],
+                                    const void *row);
 PetscErrorCode  TableView(const Table *table, PetscViewer viewer);
 
-/* Options with a range: the value outside it ends the run with one line. */
-PetscErrorCode OptionReal(const char option[], const char text[], PetscReal low, PetscReal high,
-                          PetscReal *value, PetscBool *set);
-PetscErrorCode OptionInt(const char option[], const char text[], PetscInt low, PetscInt high,
-                         PetscInt *value, PetscBool *set);
+/*
+  Options with a range: a value outside it, or no number, ends the run with one line. To be used, as
+  PETSc's own, between PetscOptionsBegin() and PetscOptionsEnd(); set may be NULL.
+*/
+PetscErrorCode OptionReal_Private(PetscOptionItems *items, const char option[], const char text[],
+                                  PetscReal low, PetscReal high, PetscReal *value, PetscBool *set);
+PetscErrorCode OptionInt_Private(PetscOptionItems *items, const char option[], const char text[],
+                                 PetscInt low, PetscInt high, PetscInt *value, PetscBool *set);
+PetscErrorCode OptionFlags_Private(PetscOptionItems *items, const char option[], const char text[],
+                                   const char *const names[], PetscInt count, unsigned *flags);
+PetscErrorCode OptionFile_Private(PetscOptionItems *items, const char option[], const char text[],
+                                  char path[PETSC_MAX_PATH_LEN]);
+#define TableSelect(...) TableSelect_Private(PetscOptionsObject, __VA_ARGS__)
+#define OptionReal(...)  OptionReal_Private(PetscOptionsObject, __VA_ARGS__)
+#define OptionInt(...)   OptionInt_Private(PetscOptionsObject, __VA_ARGS__)
+#define OptionFlags(...) OptionFlags_Private(PetscOptionsObject, __VA_ARGS__)
+#define OptionFile(...)  OptionFile_Private(PetscOptionsObject, __VA_ARGS__)
+
+PetscErrorCode OptionGiven(const char option[], PetscBool *given);
 PetscErrorCode OptionsRefuseTogether(const char a[], const char b[], const char why[]);
 PetscErrorCode OptionsRefuseUnknown(PetscBool deferred_too);
 
 /*
   What the user can mend (an option, a file, a diverged solve) is told in one line, without a
-  traceback; ErrorsInstall() sees to that. Use UserCheck() with the option's name, the value and
+  traceback; ErrorsInstall() sees to that, ErrorsExit() to the exit status. Use UserCheck() with the option's name, the value and
   what is allowed. Collective: all ranks must come to the same decision.
 */
 #define UserCheck(condition, ...) PetscCheck(condition, PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT, __VA_ARGS__)
 PetscErrorCode ErrorsInstall(void);
+int            ErrorsExit(PetscErrorCode code);
 
 #endif

@@ -3,9 +3,10 @@
 
   Local storage of every array:  own fluid | own wall | halo fluid | halo wall
 
-  Ownership, order and global numbers stay as they are during an EPOCH, which ends when some particle
-  has moved half a skin from where it was at its start. Then, and only then, particles migrate, are
-  sorted by cell and numbered anew, every registered field is permuted alike, and the halo is rebuilt.
+  Ownership, order and global numbers stay as they are during an EPOCH, which ends when some
+  particle has moved half a skin from where it was at its start. Then, and only then, particles
+  migrate, are sorted by cell and numbered anew, every registered field is permuted alike, and the
+  halo is rebuilt.
 */
 #ifndef ISPH_PARTICLES_H
 #define ISPH_PARTICLES_H
@@ -38,9 +39,9 @@ typedef struct {
   PetscInt *id;                        /* name for life: fluid lattice index, then N_fluid + wall */
   PetscInt *number;                    /* global number among fluid, resp. among wall particles */
 
-  PetscReal *x[ISPH_MAX_DIM];       /* positions (field) [m]; ParticlesUpdateHalo refreshes the halo */
-  PetscReal *u[ISPH_MAX_DIM];       /* velocities of own particles (field) [m/s] */
-  PetscReal *p;                     /* pressures of own fluid (field) [Pa]; NULL: no pressure */
+  PetscReal *x[ISPH_MAX_DIM]; /* positions (field) [m]; ParticlesUpdateHalo refreshes the halo */
+  PetscReal *u[ISPH_MAX_DIM]; /* velocities of own particles (field) [m/s] */
+  PetscReal *p;               /* pressures of own fluid (field) [Pa]; NULL: no pressure */
   PetscReal *x_epoch[ISPH_MAX_DIM]; /* own positions when the epoch started (field) [m] */
   PetscReal *normal[ISPH_MAX_DIM];  /* of wall particles, into the fluid (field); NULL: no walls */
   PetscReal *depth;                 /* of wall particles below the surface [m] (field) */
@@ -48,14 +49,17 @@ typedef struct {
   Field      field[PARTICLES_MAX_FIELDS];
   PetscInt   n_fields;
 
-  PetscReal lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM]; /* the box of space this rank owns [m] */
-  PetscReal halo_width;                         /* largest interaction radius [m] */
-  PetscReal skin;                               /* [m] */
-  PetscInt  epoch;                              /* counter, from 1; 0 before the first */
-  PetscInt  moved;                              /* stamp: changes when positions change */
+  /* Ranks [a, b) are cut at m = (a + b) / 2: those below m own x[cut_axis[m]] < cut[m] [m] */
+  PetscInt  *cut_axis;
+  PetscReal *cut;
+  PetscReal  lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM]; /* the box of space this rank owns [m] */
+  PetscReal  halo_width;                         /* largest interaction radius [m] */
+  PetscReal  skin;                               /* [m] */
+  PetscInt   epoch;                              /* counter, from 1; 0 before the first */
+  PetscInt   moved; /* stamp: positions changed; ParticlesUpdateHalo() advances it */
 
-  PetscSF    sf;                         /* own (roots) -> halo (leaves), fixed within an epoch */
-  PetscReal *halo_shift[ISPH_MAX_DIM];   /* of halo particle k: added to its owner's position [m] */
+  PetscSF    sf;                       /* own (roots) -> halo (leaves), fixed within an epoch */
+  PetscReal *halo_shift[ISPH_MAX_DIM]; /* of halo particle k: added to its owner's position [m] */
 } Particles;
 
 /* How a wall treatment wants its wall particles: one layer on the surface, or layers behind it. */
@@ -92,9 +96,9 @@ typedef struct {
   PetscInt   dim;
   PetscReal  origin[ISPH_MAX_DIM], size; /* [m] */
   PetscInt   count[ISPH_MAX_DIM];        /* cells along each axis */
-  PetscInt  *start;                      /* of each cell in list, count[0] fastest; one more at end */
-  PetscInt  *list;                       /* local particle indices, ascending in each cell */
-  PetscReal *x[ISPH_MAX_DIM];            /* positions in the order of list [m] */
+  PetscInt  *start;           /* of each cell in list, count[0] fastest; one more at end */
+  PetscInt  *list;            /* local particle indices, ascending in each cell */
+  PetscReal *x[ISPH_MAX_DIM]; /* positions in the order of list [m] */
   PetscInt   n, capacity, cells_capacity;
 } Cells;
 
@@ -105,12 +109,13 @@ PetscErrorCode CellsFind(const Cells *cells, const PetscReal x[], PetscReal radi
 
 /*
   Neighbours of own fluid particle i: col[row[i]] ... col[row[i+1]-1], local indices in ascending
-  order, i itself left out. Within an unspent Verlet margin the rows also hold pairs a little further
-  apart than radius: whoever reads them drops r >= radius.
+  order, i itself left out. Within an unspent Verlet margin the rows also hold pairs a little
+  further apart than radius: whoever reads them drops r >= radius. The cells are of the positions
+  when the rows were built: a probe asks CellsFind() for radius + margin / 2 and drops likewise.
 */
 typedef struct {
-  PetscReal  radius;             /* [m] */
-  PetscReal  margin;             /* of the rows as they stand [m] */
+  PetscReal  radius; /* [m] */
+  PetscReal  margin; /* of the rows as they stand [m] */
   PetscInt  *row, *col;
   PetscInt   row_capacity, col_capacity;
   PetscReal *x_built[ISPH_MAX_DIM]; /* own positions when the rows were built [m] */

@@ -39,6 +39,7 @@ typedef struct {
   PetscBool   three_d;       /* -dim 3 allowed */
   unsigned    physics;       /* bits of Physics */
   PetscReal   reynolds;      /* default [-] */
+  PetscReal   reynolds_length; /* the length in it, U length/nu [reference lengths] */
   PetscReal   t_end;         /* default [s] */
   PetscInt    n;             /* default particles along the reference length */
   PetscErrorCode (*Setup)(Scene *scene); /* box, periodicity, walls, length, speed, nu, body */

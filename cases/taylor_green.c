@@ -1,0 +1,41 @@
+/*
+  Decaying Taylor-Green vortices in a periodic square, an exact solution of the Navier-Stokes equations;
+  in 3D the same flow uniform along z in a cube, exact too.
+*/
+#include "cases.h"
+
+PetscErrorCode TaylorGreenSetup(Scene *scene)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    scene->hi[a]       = scene->length;
+    scene->periodic[a] = PETSC_TRUE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  TaylorGreenExact - Velocity and pressure, X = 2 pi x/L, Y = 2 pi y/L, k = 2 pi/L
+
+    u = U (sin X cos Y, -cos X sin Y) exp(-2 k^2 nu t),  p = rho U^2/4 (cos 2X + cos 2Y) exp(-4 k^2 nu t)
+
+  Reference: G. I. Taylor, A. E. Green, Proc. R. Soc. A 158 (1937) 499-521
+*/
+void TaylorGreenExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[], PetscReal *p)
+{
+  const PetscReal k = 2.0 * PETSC_PI / scene->length, X = k * x[0], Y = k * x[1];
+  const PetscReal nu    = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu : 0.0;
+  const PetscReal decay = scene->speed * PetscExpReal(-2.0 * k * k * nu * t);
+
+  u[0] = decay * PetscSinReal(X) * PetscCosReal(Y);
+  u[1] = -decay * PetscCosReal(X) * PetscSinReal(Y);
+  if (scene->dim == 3) u[2] = 0.0;
+  *p = 0.25 * scene->rho * decay * decay * (PetscCosReal(2.0 * X) + PetscCosReal(2.0 * Y));
+}
+
+void TaylorGreenVelocity(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[])
+{
+  PetscReal p;
+
+  TaylorGreenExact(scene, t, x, u, &p);
+}

@@ -1,0 +1,75 @@
+/*
+  What a run tells: probes, the report, snapshots, progress and the catalogue.
+*/
+#ifndef ISPH_IO_H
+#define ISPH_IO_H
+
+#include "isph/schemes.h"
+
+/* The flow as a case's Judge and the writers see it. */
+struct Flow {
+  const Scene     *scene;
+  const Particles *particles;
+  const Neighbors *neighbors;
+  const Operators *ops;
+  const Clock     *clock;
+  const Scheme    *scheme;
+};
+
+/* Interpolates velocity (and pressure, unless p is NULL) at points. */
+PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal u[],
+                           PetscReal p[]);
+
+/* Reference curves: two columns of a CSV file in the directory of reference data. */
+typedef struct {
+  PetscInt   n;
+  PetscReal *x, *y; /* x ascending */
+} Curve;
+PetscErrorCode CurveRead(const char file[], Curve *curve);
+PetscErrorCode CurveFree(Curve *curve);
+
+/* One measured quantity, in SI units. */
+typedef struct {
+  char      name[32];
+  PetscReal t;         /* [s] */
+  PetscReal value;     /* NaN: a diverged run */
+  PetscReal reference; /* NaN: none */
+  PetscReal error;     /* relative to the scale; NaN: none [-] */
+} Quantity;
+
+struct Report {
+  Quantity *quantity;
+  PetscInt  n, capacity;
+  PetscReal t; /* of the quantities being added, set by who adds them [s] */
+};
+PetscErrorCode ReportCreate(Report **report);
+PetscErrorCode ReportDestroy(Report **report);
+PetscErrorCode ReportAdd(Report *report, const char name[], PetscReal value);
+PetscErrorCode ReportAddReference(Report *report, const char name[], PetscReal value,
+                                  PetscReal reference, PetscReal scale);
+PetscErrorCode ReportAddError(Report *report, const char name[], PetscReal error);
+PetscErrorCode ReportView(const Report *report, PetscReal wall_seconds, PetscViewer viewer);
+PetscErrorCode ReportCheck(const Report *report);
+PetscErrorCode ReportFileCheck(const char path[]);
+PetscErrorCode ReportWrite(const Flow *flow, const Report *report, const char path[],
+                           PetscReal wall_seconds, const char status[]);
+
+/* What cases share: error norms against Exact(), and the quantities every case reports. */
+PetscErrorCode JudgeExact(const Flow *flow, Report *report);
+PetscErrorCode JudgeCommon(const Flow *flow, Report *report);
+
+/* Snapshots of the particles for ParaView, as -output asks. */
+typedef struct Snapshots Snapshots;
+PetscErrorCode           SnapshotsCreate(const Scene *scene, Snapshots **snapshots);
+PetscErrorCode           SnapshotsDestroy(Snapshots **snapshots);
+PetscErrorCode           SnapshotsWrite(const Flow *flow, PetscBool final, Snapshots *snapshots);
+
+typedef struct Progress Progress;
+PetscErrorCode          ProgressCreate(Progress **progress);
+PetscErrorCode          ProgressDestroy(Progress **progress);
+PetscErrorCode          ProgressUpdate(const Flow *flow, PetscBool final, Progress *progress);
+
+PetscErrorCode BannerView(const Flow *flow, PetscViewer viewer);
+PetscErrorCode CatalogueView(PetscViewer viewer);
+
+#endif

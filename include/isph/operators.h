@@ -1,0 +1,172 @@
+/*
+  Operators: from neighbours to sparse matrices.
+
+  A quantity on fluid particles f (unknown) and data e on wall particles (given) are joined by
+
+    (op f)_i = sum_j A_ij f_j + sum_w B_iw e_w,
+
+  A over fluid, B over wall particles. Every row is made by one row function from one gathered stencil,
+  on differences f_j - f_i, so that constants are in the null space; the wall treatment says what a
+  wall neighbour means in it.
+*/
+#ifndef ISPH_OPERATORS_H
+#define ISPH_OPERATORS_H
+
+#include "isph/particles.h"
+
+/* Kernels W(r) = sigma_d/h^d w(r/h), W = 0 for r >= support h. */
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscReal   support;  /* radius of the support [h] */
+  PetscReal   sigma[3]; /* normalisation in 1, 2, 3 dimensions */
+  void (*Shape)(PetscReal q, PetscReal w[3]); /* w, dw/dq, d2w/dq2 */
+} KernelRow;
+extern const Table KernelTable;
+
+void KernelEvaluate(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscReal r, PetscReal w[3]);
+
+/* What the equation of a neighbour in a least-squares fit of f about particle i says. */
+typedef enum {
+  ROLE_VALUE,             /* f at X is the neighbour's: unknown of fluid, given on walls */
+  ROLE_NORMAL_DERIVATIVE, /* n.grad f at X is given */
+  ROLE_NORMAL_COMPONENT   /* n.f at X is given, f a vector */
+} Role;
+
+#define MLS_MAX_TERMS 9 /* X_a and X_a X_b, a <= b, in 3D */
+typedef struct {
+  PetscBool valid;
+  PetscInt  terms;
+  PetscReal factor[MLS_MAX_TERMS * MLS_MAX_TERMS]; /* Cholesky factor of the moment matrix */
+} MlsFit;
+
+/* The neighbourhood of one particle, gathered once and read by every row function. */
+typedef struct {
+  PetscInt   i, dim, n, n_wall; /* particle, neighbours, wall particles among them */
+  PetscInt   capacity;
+  PetscReal  radius;            /* of the support [m] */
+  PetscInt  *j;                 /* local index of each neighbour */
+  PetscReal *X[ISPH_MAX_DIM];   /* x_j - x_i [m] */
+  PetscReal *r, *V;             /* distance [m], volume [m^dim] */
+  PetscReal *W, *dW, *ddW;      /* kernel and its r-derivatives [m^-dim, ...] */
+  PetscBool *wall;              /* neighbour is a wall particle */
+  PetscReal *normal[ISPH_MAX_DIM]; /* of wall neighbours, into the fluid */
+  PetscReal *beta;              /* of wall neighbours: f_j - f_i = beta (f_wall - f_i) */
+  PetscBool  fits_walls;        /* wall neighbours enter fits by role, else as plain points */
+  Role       role;              /* of the wall neighbours in the fit at hand */
+  MlsFit     fit;               /* of that role; shared by gradient and Laplacian */
+  PetscInt   weak;              /* fits so far whose points did not determine them */
+} Stencil;
+
+PetscErrorCode StencilCreate(PetscInt dim, PetscReal radius, Stencil **stencil);
+PetscErrorCode StencilDestroy(Stencil **stencil);
+PetscErrorCode StencilReserve(Stencil *stencil, PetscInt n);
+void           StencilSetRole(Stencil *stencil, Role role);
+
+/*
+  Laplacians: w[k] multiplies f_k - f_i of neighbour k, or in a fit with wall roles the given n.grad f
+  of wall neighbour k.
+*/
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscBool   symmetric;       /* with equal volumes */
+  PetscBool   exact_linear;    /* on any arrangement of particles */
+  PetscBool   exact_quadratic; /* on any arrangement of particles */
+  PetscBool   full_support;    /* wants particles behind walls; cannot take wall roles */
+  PetscErrorCode (*Row)(Stencil *stencil, PetscReal w[]);
+} LaplacianRow;
+extern const Table LaplacianTable;
+
+/*
+  Gradients and their divergences. Row: g[a][k] multiplies f_k - f_i in df/dx_a. DivergenceFit: d[a][k]
+  multiplies (u_k - u_i)_a of fluid, m[k] the normal component n.(u_k - u_i) of wall neighbour k.
+*/
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscBool   exact_linear, full_support;
+  PetscErrorCode (*Row)(Stencil *stencil, PetscReal *g[]);
+  PetscErrorCode (*DivergenceFit)(Stencil *stencil, PetscReal *d[], PetscReal m[]); /* or NULL */
+} GradientRow;
+extern const Table GradientTable;
+
+/* Wall treatments. */
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscBool   on_surface; /* one layer of particles on the wall, entering fits by role */
+  PetscReal (*Beta)(const Scene *scene, PetscReal distance, PetscReal depth);
+} WallRow;
+extern const Table WallTable;
+
+/* Vectors over own fluid or own wall particles; array NULL: storage of their own. */
+PetscErrorCode FluidVec(const Particles *particles, PetscReal array[], Vec *v);
+PetscErrorCode WallVec(const Particles *particles, Vec *v);
+
+PetscErrorCode MlsFactor(Stencil *stencil);
+PetscErrorCode MlsWeights(Stencil *stencil, const PetscReal functional[], PetscReal w[]);
+PetscInt       DenseCholesky(PetscInt n, PetscReal a[]);
+void           DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[]);
+PetscBool      MomentInverse(const Stencil *stencil, PetscReal inverse[]);
+void           ConcentrationRow(const Scene *scene, const KernelRow *kernel, PetscReal h,
+                                const Stencil *stencil, const PetscReal x[], PetscBool mirrored,
+                                PetscReal *concentration, PetscReal gradient[]);
+
+/* One operator: its two matrices, their values in the shared pattern, and what it is scaled by. */
+typedef struct {
+  PetscBool  needed;
+  Mat        A, B; /* fluid x fluid, fluid x wall (NULL without walls) */
+  PetscReal *a, *b;
+} AffineOperator;
+
+/* Columns of the rows of all operators: they share neighbours, so they share the pattern. */
+typedef struct {
+  PetscInt *row, *col; /* compressed rows, global columns ascending */
+  PetscInt  n, capacity;
+} Pattern;
+
+typedef struct {
+  const KernelRow    *kernel;
+  const LaplacianRow *visc_form, *ppe_form;
+  const GradientRow  *gradient;
+  const WallRow      *wall; /* NULL: no walls */
+  PetscReal           h;    /* smoothing length [m] */
+  PetscReal           radius;
+
+  AffineOperator visc;                 /* lap u [m^-2]; wall data: u_wall,c */
+  AffineOperator ppe;                  /* -dx^2 lap p [-]; wall data: n.grad p */
+  AffineOperator grad_p[ISPH_MAX_DIM]; /* dp/dx_a; wall data: n.grad p */
+  AffineOperator grad_u[ISPH_MAX_DIM]; /* du_c/dx_a; wall data: u_wall,c */
+  AffineOperator div[ISPH_MAX_DIM];    /* (D u)_i = sum_c div[c] u_c; wall data: u_wall,c */
+  PetscBool      need_concentration;
+  PetscReal     *concentration;             /* C_i = sum_j V_j W_ij, without walls' deficit [-] */
+  PetscReal     *gradient_c[ISPH_MAX_DIM];  /* grad C [1/m] */
+
+  Vec wall_u[ISPH_MAX_DIM]; /* velocities of own wall particles [m/s] */
+  Vec wall_slope;           /* n.grad p at own wall particles [Pa/m] */
+  Vec wall_slope_step;      /* what n.grad p gains in this step [Pa/m] */
+
+  Stencil   *stencil;
+  Pattern    fluid, walls;
+  PetscInt  *slot;          /* of each neighbour in its row of the pattern */
+  PetscReal *w, *g[ISPH_MAX_DIM], *m; /* of one row */
+  PetscInt   slot_capacity;
+  PetscInt   epoch, moved;  /* stamps of the particles the operators were assembled from */
+  PetscInt   assemblies;    /* stamp of the matrices: changes when they do */
+  PetscInt   weak_rows;     /* fits of the last assembly that their points did not determine */
+} Operators;
+
+PetscErrorCode OperatorsCreate(const Scene *scene, Operators **ops);
+PetscErrorCode OperatorsDestroy(Operators **ops);
+PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, WallPlacement *walls);
+PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *particles,
+                                 const Neighbors *neighbors, Operators *ops, PetscBool *changed);
+PetscErrorCode OperatorsSetWallVelocity(const Scene *scene, const Particles *particles, PetscReal t,
+                                        PetscReal slip, Operators *ops);
+PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y);
+PetscErrorCode AffineApplyAdd(const AffineOperator *op, Vec f, Vec walls, Vec y);
+
+PetscErrorCode PatternBegin(Pattern *pattern, PetscInt rows, PetscInt entries);
+void           PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], PetscInt n, PetscInt slot[]);
+PetscErrorCode PatternMat(MPI_Comm comm, const Pattern *pattern, PetscInt rows, PetscInt cols,
+                          PetscReal values[], Mat *A);
+PetscErrorCode PatternFree(Pattern *pattern);
+
+#endif

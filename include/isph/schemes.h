@@ -1,0 +1,127 @@
+/*
+  Schemes: one step of the flow. The Clock owns time; the viscous TS and the pressure KSP are told what
+  to do and asked how it went.
+*/
+#ifndef ISPH_SCHEMES_H
+#define ISPH_SCHEMES_H
+
+#include "isph/operators.h"
+
+#define CLOCK_MAX_REPORTS 32
+
+/* Time, owned by the run; everything second order uses variable-step coefficients. */
+typedef struct {
+  PetscReal t, dt, dt_previous;  /* [s]; dt_previous = 0 before the second step */
+  PetscInt  step;                /* finished steps */
+  PetscReal t_end;               /* [s] */
+  PetscInt  max_steps;
+  PetscReal dt_given, cfl;       /* -dt, or else dt = cfl dx/speed [s], [-] */
+  PetscReal steady_tol;          /* 0: off [-] */
+  PetscReal report_time[CLOCK_MAX_REPORTS]; /* times the steps must hit, ascending [s] */
+  PetscInt  n_reports, next_report;
+} Clock;
+
+PetscErrorCode ClockCreate(const Scene *scene, Clock **clock);
+PetscErrorCode ClockDestroy(Clock **clock);
+PetscErrorCode ClockChoose(const Scene *scene, PetscReal speed, Clock *clock);
+PetscReal      ClockExplicitLimit(const Scene *scene, PetscReal support_radius);
+
+/* How a TS type is used: which callback carries viscosity and which convection. */
+typedef enum {
+  TIME_IMPLICIT, /* IFunction: viscosity; convection extrapolated into the force */
+  TIME_IMEX,     /* IFunction: viscosity; RHSFunction: convection */
+  TIME_EXPLICIT  /* RHSFunction: everything */
+} TimeKind;
+typedef struct {
+  const char *name, *brief, *citation; /* name: the TS type */
+  TimeKind    kind;
+  PetscBool   history;          /* one stage: starts from (4u^n - u^{n-1})/3 for second order */
+  PetscBool   end_of_step;      /* the force is taken at the end of the step, else at its middle */
+  PetscReal (*Response)(TS ts); /* of u* to a force newly switched on, over dt; NULL: 1 */
+} TimeKindRow;
+extern const Table TimeKindTable;
+
+typedef struct Viscosity Viscosity;
+PetscErrorCode ViscosityCreate(const Scene *scene, PetscReal dt, const Operators *ops, Viscosity **visc);
+PetscErrorCode ViscosityDestroy(Viscosity **visc);
+PetscErrorCode ViscosityRenumber(const Particles *particles, Viscosity *visc);
+const TimeKindRow *ViscosityTimeKind(const Viscosity *visc);
+PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, const Particles *particles,
+                              PetscReal dt, PetscReal slip, const Vec force[], const Vec advecting[],
+                              Operators *ops, Vec u[], Viscosity *visc);
+PetscReal      ViscosityResponse(const Viscosity *visc);
+PetscErrorCode ViscosityNames(const Viscosity *visc, const char **ts, const char **ksp, const char **pc);
+PetscInt       ViscosityIterations(const Viscosity *visc); /* of the last solve, all components */
+
+typedef struct Pressure Pressure;
+PetscErrorCode PressureCreate(const Operators *ops, Pressure **ppe);
+PetscErrorCode PressureDestroy(Pressure **ppe);
+PetscErrorCode PressureSolve(const Clock *clock, const Particles *particles, const Operators *ops, Vec b,
+                             Vec phi, Pressure *ppe);
+PetscErrorCode PressureNames(const Pressure *ppe, const char **ksp, const char **pc);
+PetscInt       PressureIterations(const Pressure *ppe); /* of the last solve */
+
+/* Particle shifting: where to move particles so that they stay evenly spread. */
+typedef struct {
+  const char *name, *brief, *citation;
+  void (*Displace)(const Scene *scene, PetscReal speed, PetscReal dt, const PetscReal gradient_c[],
+                   PetscReal displacement[]); /* NULL: none */
+} ShiftRow;
+extern const Table ShiftTable;
+
+/* How the new pressure follows from the increment phi. */
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscBool   incremental; /* the predictor feels grad p^n */
+  PetscBool   rotational;  /* p loses mu div u* */
+} ProjectionRow;
+extern const Table ProjectionTable;
+
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscBool   particles_move;
+} MotionRow;
+extern const Table MotionTable;
+
+/* What a step did, for progress, the steady test and the report. */
+typedef struct {
+  PetscReal speed_max;      /* largest particle speed [m/s] */
+  PetscReal kinetic_energy; /* [J] (per metre of depth in 2D) */
+  PetscReal divergence;     /* largest |D u| [1/s] */
+  PetscReal change;         /* the largest of the three below */
+  PetscReal change_u, change_div, change_p; /* per shortest time scale, relative [-] */
+  PetscInt  visc_its, ppe_its;              /* of the last step */
+  PetscInt  visc_its_sum, ppe_its_sum;
+} StepStats;
+
+typedef struct Scheme Scheme;
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscErrorCode (*Create)(const Scene *scene, const Clock *clock, Operators *ops, Scheme *scheme);
+  PetscErrorCode (*Register)(const Scene *scene, Particles *particles, Scheme *scheme);
+  PetscErrorCode (*Begin)(const Scene *scene, const Particles *particles, Scheme *scheme);
+  PetscErrorCode (*Step)(const Scene *scene, Clock *clock, Particles *particles, Neighbors *neighbors,
+                         Operators *ops, Scheme *scheme);
+  PetscErrorCode (*Destroy)(Scheme *scheme);
+} SchemeRow;
+extern const Table SchemeTable;
+
+struct Scheme {
+  const SchemeRow     *row;
+  const ProjectionRow *projection; /* NULL: no pressure */
+  const MotionRow     *motion;
+  const ShiftRow      *shift;
+  PetscInt             time_order;
+  PetscReal            alpha;  /* share of the density error in the pressure source [-] */
+  PetscReal            filter; /* strength of the grid-scale pressure filter [-] */
+  Viscosity           *visc;
+  Pressure            *ppe;
+  StepStats            stats;
+  void                *data;
+};
+
+PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *ops, Scheme **scheme);
+PetscErrorCode SchemeRegister(const Scene *scene, Particles *particles, Scheme *scheme);
+PetscErrorCode SchemeDestroy(Scheme **scheme);
+
+#endif

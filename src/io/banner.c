@@ -1,0 +1,190 @@
+/*
+  The first lines of a run: what is computed, with what, by whose formulas, what was left out, and
+  whether implicit viscosity pays.
+*/
+#include "isph/io.h"
+
+#define BANNER_LABEL "%-11s "
+
+/* Case, fluid and particles. */
+static PetscErrorCode BannerCase(const Flow *flow, PetscViewer viewer)
+{
+  const Scene   *scene = flow->scene;
+  const CaseRow *row   = scene->problem;
+  PetscMPIInt    ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(PetscViewerASCIIPrintf(
+      viewer, "isph %s, incompressible viscous SPH on PETSc %d.%d.%d\n", ISPH_VERSION,
+      PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR));
+  PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "%s: %s", "case", row->name, row->brief));
+  if (row->citation[0]) PetscCall(PetscViewerASCIIPrintf(viewer, " [%s]", row->citation));
+  PetscCall(
+      PetscViewerASCIIPrintf(viewer, "\n" BANNER_LABEL "%" PetscInt_FMT "D, ", "flow", scene->dim));
+  if (SceneHas(scene, PHYSICS_VISCOSITY)) {
+    PetscCall(PetscViewerASCIIPrintf(viewer, "Re = %.6g, nu = %.6g m^2/s, ",
+                                     (double)SceneReynolds(scene), (double)scene->nu));
+  }
+  PetscCall(PetscViewerASCIIPrintf(viewer, "L = %.4g m, U = %.4g m/s\n", (double)scene->length,
+                                   (double)scene->speed));
+  PetscCall(PetscViewerASCIIPrintf(
+      viewer,
+      BANNER_LABEL "%" PetscInt_FMT " fluid + %" PetscInt_FMT " wall, dx = %.4g m, h/dx = %.3g; "
+                   "%d rank%s\n",
+      "particles", flow->particles->N_fluid, flow->particles->N_wall, (double)scene->dx,
+      (double)(flow->ops->h / scene->dx), ranks, ranks == 1 ? "" : "s"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What is computed, and what of the program is left out. */
+static PetscErrorCode BannerPhysics(const Scene *scene, PetscViewer viewer)
+{
+  char names[2][128] = {"", ""}; /* left out, active */
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < PHYSICS_COUNT; k++) {
+    char *list = names[SceneHas(scene, (Physics)(1u << k)) ? 1 : 0];
+
+    if (list[0]) PetscCall(PetscStrlcat(list, ", ", sizeof(names[0])));
+    PetscCall(PetscStrlcat(list, PhysicsNames[k], sizeof(names[0])));
+  }
+  PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "%s; left out: %s\n", "physics", names[1],
+                                   names[0][0] ? names[0] : "nothing"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Whether implicit viscosity pays: it allows steps up to the advective limit 0.25 dx/U, explicit
+  viscosity those up to dt_explicit.
+*/
+static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_explicit,
+                                 PetscViewer viewer)
+{
+  const Scene    *scene    = flow->scene;
+  const PetscReal advect   = 0.25 * scene->dx / scene->speed;
+  const PetscBool explicit = ViscosityTimeKind(flow->scheme->visc)->kind == TIME_EXPLICIT;
+
+  PetscFunctionBegin;
+  PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "dt_explicit = %.3g s, dt = %.3g of it: ",
+                                   "viscosity", (double)dt_explicit, (double)(dt / dt_explicit)));
+  if (explicit && dt > dt_explicit) {
+    PetscCall(PetscViewerASCIIPrintf(viewer, "too long for explicit viscosity\n"));
+  } else if (!SceneHas(scene, PHYSICS_CONVECTION)) {
+    PetscCall(PetscViewerASCIIPrintf(
+        viewer, "nothing is advected, implicit steps are limited by accuracy alone\n"));
+  } else if (advect > dt_explicit) {
+    PetscCall(PetscViewerASCIIPrintf(
+        viewer, "implicit viscosity pays here, by steps up to %.3g times longer\n",
+        (double)(advect / dt_explicit)));
+  } else {
+    PetscCall(PetscViewerASCIIPrintf(
+        viewer, "implicit viscosity does not pay here, advection allows %.2g of it\n",
+        (double)(advect / dt_explicit)));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The time step and its limits. */
+static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
+{
+  const Scene    *scene = flow->scene;
+  const PetscReal dt = flow->clock->dt, h = flow->ops->h;
+
+  PetscFunctionBegin;
+  PetscCall(PetscViewerASCIIPrintf(
+      viewer, BANNER_LABEL "t_end = %.6g s, dt = %.4g s, U dt/dx = %.3g", "time",
+      (double)flow->clock->t_end, (double)dt, (double)(scene->speed * dt / scene->dx)));
+  if (SceneHas(scene, PHYSICS_VISCOSITY)) {
+    PetscCall(PetscViewerASCIIPrintf(viewer, ", nu dt/h^2 = %.3g",
+                                     (double)(scene->nu * dt / PetscSqr(h))));
+  }
+  PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
+  if (flow->scheme->visc) {
+    PetscCall(BannerPays(flow, dt, ClockExplicitLimit(scene, flow->ops->radius), viewer));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One chosen row; nothing where the run has none. */
+static PetscErrorCode BannerRow(const char label[], const void *row, PetscViewer viewer)
+{
+  const TableRow *r = row;
+
+  PetscFunctionBegin;
+  if (!r) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "%s: %s", label, r->name, r->brief));
+  if (r->citation[0]) PetscCall(PetscViewerASCIIPrintf(viewer, " [%s]", r->citation));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The forms of space, then those of time. */
+static PetscErrorCode BannerForms(const Flow *flow, PetscViewer viewer)
+{
+  const Operators *ops      = flow->ops;
+  const Scheme    *scheme   = flow->scheme;
+  const PetscBool  visc     = SceneHas(flow->scene, PHYSICS_VISCOSITY);
+  const PetscBool  pressure = SceneHas(flow->scene, PHYSICS_PRESSURE);
+  const PetscBool  gradient = pressure || SceneHas(flow->scene, PHYSICS_CONVECTION);
+
+  PetscFunctionBegin;
+  PetscCall(BannerRow("scheme", scheme->row, viewer));
+  PetscCall(BannerRow("projection", scheme->projection, viewer));
+  PetscCall(BannerRow("motion", scheme->motion, viewer));
+  if (scheme->motion && scheme->motion->particles_move) {
+    PetscCall(BannerRow("shift", scheme->shift, viewer));
+  }
+  PetscCall(BannerRow("kernel", ops->kernel, viewer));
+  PetscCall(BannerRow("visc lap.", visc ? ops->visc_form : NULL, viewer));
+  PetscCall(BannerRow("ppe lap.", pressure ? ops->ppe_form : NULL, viewer));
+  PetscCall(BannerRow("gradient", gradient ? ops->gradient : NULL, viewer));
+  PetscCall(BannerRow("wall", ops->wall, viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How the linear systems are solved; what is not solved for has no line. */
+static PetscErrorCode BannerSolver(const char label[], const char ksp[], const char pc[],
+                                   PetscViewer viewer)
+{
+  PetscFunctionBegin;
+  if (ksp) {
+    PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "KSP %s, PC %s\n", label, ksp,
+                                     pc ? pc : "none"));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode BannerSolvers(const Scheme *scheme, PetscViewer viewer)
+{
+  const char *ts = NULL, *ksp = NULL, *pc = NULL;
+
+  PetscFunctionBegin;
+  if (scheme->visc) {
+    PetscCall(BannerRow("visc TS", ViscosityTimeKind(scheme->visc), viewer));
+    PetscCall(ViscosityNames(scheme->visc, &ts, &ksp, &pc));
+    PetscCall(BannerSolver("visc solver", ksp, pc, viewer));
+  }
+  if (scheme->ppe) {
+    PetscCall(PressureNames(scheme->ppe, &ksp, &pc));
+    PetscCall(BannerSolver("ppe solver", ksp, pc, viewer));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  BannerView - Prints what the run is going to do
+
+  Collective on the viewer. Called when all is configured and the Clock has chosen its first step.
+*/
+PetscErrorCode BannerView(const Flow *flow, PetscViewer viewer)
+{
+  PetscFunctionBegin;
+  PetscCall(BannerCase(flow, viewer));
+  PetscCall(BannerPhysics(flow->scene, viewer));
+  PetscCall(BannerTime(flow, viewer));
+  PetscCall(BannerForms(flow, viewer));
+  PetscCall(BannerSolvers(flow->scheme, viewer));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,152 @@
+/*
+  Reference curves: two columns of numbers in a CSV file of the reference data. The first rank
+  reads, all ranks get the numbers.
+*/
+#include "isph/io.h"
+#include <stdlib.h>
+
+/* Opens a file of the reference data: as installed, else in the source tree; NULL: in neither. */
+static PetscErrorCode CurveOpen(const char file[], FILE **stream)
+{
+  const char *const directory[] = {ISPH_DATA_INSTALL, ISPH_DATA_SOURCE};
+
+  PetscFunctionBegin;
+  *stream = NULL;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(directory) && !*stream; k++) {
+    char path[PETSC_MAX_PATH_LEN];
+
+    PetscCall(PetscSNPrintf(path, sizeof(path), "%s/%s", directory[k], file));
+    *stream = fopen(path, "r");
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CurveAppend(Curve *curve, PetscInt *capacity, PetscReal x, PetscReal y)
+{
+  PetscFunctionBegin;
+  if (curve->n == *capacity) {
+    *capacity = 2 * *capacity + 64;
+    PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)*capacity, &curve->x));
+    PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)*capacity, &curve->y));
+  }
+  curve->x[curve->n] = x;
+  curve->y[curve->n] = y;
+  curve->n++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Reads the lines: '#' comments, one header, then numbers. bad is the number of the first line that
+  is not two numbers, 0 for none. Comments may be longer than the buffer.
+*/
+static PetscErrorCode CurveParse(FILE *stream, Curve *curve, PetscInt *bad)
+{
+  char      piece[512];
+  PetscBool starts = PETSC_TRUE, header = PETSC_TRUE;
+  PetscInt  line = 0, capacity = 0;
+
+  PetscFunctionBegin;
+  *bad = 0;
+  while (!*bad && fgets(piece, (int)sizeof(piece), stream)) {
+    const PetscBool first = starts;
+    size_t          length;
+    char           *comma, *end;
+    PetscReal       x, y;
+
+    PetscCall(PetscStrlen(piece, &length));
+    starts = length && piece[length - 1] == '\n' ? PETSC_TRUE : PETSC_FALSE;
+    if (first) line++;
+    if (!first || piece[0] == '#' || piece[0] == '\n' || piece[0] == '\r') continue;
+    if (header) {
+      header = PETSC_FALSE;
+      continue;
+    }
+    x = (PetscReal)strtod(piece, &comma);
+    y = *comma == ',' ? (PetscReal)strtod(comma + 1, &end) : 0.0;
+    if (comma == piece || *comma != ',' || end == comma + 1) *bad = line;
+    else PetscCall(CurveAppend(curve, &capacity, x, y));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Orders the points by x. */
+static PetscErrorCode CurveSort(Curve *curve)
+{
+  PetscInt  *order;
+  PetscReal *x, *y;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc3(curve->n, &order, curve->n, &x, curve->n, &y));
+  for (PetscInt k = 0; k < curve->n; k++) order[k] = k;
+  PetscCall(PetscSortRealWithPermutation(curve->n, curve->x, order));
+  PetscCall(PetscArraycpy(x, curve->x, curve->n));
+  PetscCall(PetscArraycpy(y, curve->y, curve->n));
+  for (PetscInt k = 0; k < curve->n; k++) {
+    curve->x[k] = x[order[k]];
+    curve->y[k] = y[order[k]];
+  }
+  PetscCall(PetscFree3(order, x, y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  CurveRead - Reads a reference curve
+
+  Collective on PETSC_COMM_WORLD
+
+  Input Parameter:
+. file - name within the directory of reference data: '#' comments, one header line, then lines of
+         two or more columns, of which the first two are taken
+
+  Output Parameter:
+. curve - to be freed with CurveFree(); x ascending, the same on all ranks
+
+  Errors: a file that is missing, empty or holds a line without two numbers ends the run
+*/
+PetscErrorCode CurveRead(const char file[], Curve *curve)
+{
+  PetscMPIInt rank;
+  PetscInt    found[3] = {0, 0, 0}; /* opened, points, first bad line */
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(curve, sizeof(*curve)));
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (rank == 0) {
+    FILE *stream;
+
+    PetscCall(CurveOpen(file, &stream));
+    if (stream) {
+      found[0] = 1;
+      PetscCall(CurveParse(stream, curve, &found[2]));
+      (void)fclose(stream);
+    }
+    found[1] = curve->n;
+  }
+  PetscCallMPI(MPI_Bcast(found, 3, MPIU_INT, 0, PETSC_COMM_WORLD));
+  PetscCheck(found[0], PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN,
+             "%s: reference data not found in %s or %s", file, ISPH_DATA_INSTALL, ISPH_DATA_SOURCE);
+  PetscCheck(!found[2], PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
+             "%s: line %" PetscInt_FMT " of the reference data is not two numbers", file, found[2]);
+  PetscCheck(found[1], PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
+             "%s: the reference data hold no numbers", file);
+  if (rank == 0) {
+    PetscCall(CurveSort(curve));
+  } else {
+    curve->n = found[1];
+    PetscCall(PetscMalloc(sizeof(PetscReal) * (size_t)curve->n, &curve->x));
+    PetscCall(PetscMalloc(sizeof(PetscReal) * (size_t)curve->n, &curve->y));
+  }
+  PetscCallMPI(MPI_Bcast(curve->x, (PetscMPIInt)curve->n, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(curve->y, (PetscMPIInt)curve->n, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* CurveFree - Frees what CurveRead() made; not collective */
+PetscErrorCode CurveFree(Curve *curve)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(curve->x));
+  PetscCall(PetscFree(curve->y));
+  curve->n = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,135 @@
+/* Parallel HDF5: the few calls a snapshot is made of, each with its failure noted. */
+#include "hdf5file.h"
+
+/* Notes whether an HDF5 call failed, and passes its result on. */
+static hid_t Noted(Hdf5File *file, hid_t result)
+{
+  if (result < 0) file->failed = PETSC_TRUE;
+  return result;
+}
+
+/*
+  Hdf5FileCreate - Creates a file, or empties it
+
+  Collective on comm. Whether it worked is told by Hdf5FileClose().
+*/
+PetscErrorCode Hdf5FileCreate(MPI_Comm comm, const char path[], Hdf5File *file)
+{
+  hid_t access;
+
+  PetscFunctionBegin;
+  file->comm   = comm;
+  file->failed = PETSC_FALSE;
+  (void)Noted(file, H5Eset_auto2(H5E_DEFAULT, NULL, NULL)); /* the words are ours */
+  access = Noted(file, H5Pcreate(H5P_FILE_ACCESS));
+  (void)Noted(file, H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL));
+  file->file     = Noted(file, H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access));
+  file->transfer = Noted(file, H5Pcreate(H5P_DATASET_XFER));
+  (void)Noted(file, H5Pset_dxpl_mpio(file->transfer, H5FD_MPIO_COLLECTIVE));
+  (void)Noted(file, H5Pclose(access));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Hdf5FileClose - Closes the file
+
+  Collective on comm. Output: good - whether every call succeeded on every rank.
+*/
+PetscErrorCode Hdf5FileClose(Hdf5File *file, PetscBool *good)
+{
+  PetscInt failed;
+
+  PetscFunctionBegin;
+  (void)Noted(file, H5Pclose(file->transfer));
+  if (file->file >= 0) (void)Noted(file, H5Fclose(file->file));
+  failed = file->failed ? 1 : 0;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_MAX, file->comm));
+  *good = failed ? PETSC_FALSE : PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Hdf5WriteRows - Writes a data set of N rows, each rank its own
+
+  Collective on comm; a rank may have no rows.
+
+  Input Parameters:
++ file    - with start, own and N set
+. columns - 0 for a data set of one dimension
+. stored  - type in the file
+. given   - type in memory
+. rows    - own rows, columns values each
+- units   - SI, "1" for a plain number
+*/
+PetscErrorCode Hdf5WriteRows(Hdf5File *file, const char name[], PetscInt columns, hid_t stored,
+                             hid_t given, const void *rows, const char units[])
+{
+  const hsize_t size[2]  = {(hsize_t)file->N, (hsize_t)columns};
+  const hsize_t first[2] = {(hsize_t)file->start, 0};
+  const hsize_t count[2] = {(hsize_t)file->own, (hsize_t)columns};
+  const int     rank     = columns ? 2 : 1;
+  hid_t         space, memory, data;
+
+  PetscFunctionBegin;
+  space  = Noted(file, H5Screate_simple(rank, size, NULL));
+  memory = Noted(file, H5Screate_simple(rank, count, NULL));
+  data   = Noted(file,
+                 H5Dcreate2(file->file, name, stored, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  if (file->own) {
+    (void)Noted(file, H5Sselect_hyperslab(space, H5S_SELECT_SET, first, NULL, count, NULL));
+  } else {
+    (void)Noted(file, H5Sselect_none(space));
+    (void)Noted(file, H5Sselect_none(memory));
+  }
+  if (data >= 0) {
+    (void)Noted(file, H5Dwrite(data, given, memory, space, file->transfer, rows));
+    PetscCall(Hdf5WriteText(file, data, "units", units));
+    (void)Noted(file, H5Dclose(data));
+  }
+  (void)Noted(file, H5Sclose(memory));
+  (void)Noted(file, H5Sclose(space));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Hdf5WriteNumber - Writes one number as an attribute of the file; collective on comm */
+PetscErrorCode Hdf5WriteNumber(Hdf5File *file, const char name[], hid_t type, const void *value)
+{
+  hid_t space, attribute;
+
+  PetscFunctionBegin;
+  space     = Noted(file, H5Screate(H5S_SCALAR));
+  attribute = Noted(file, H5Acreate2(file->file, name, type, space, H5P_DEFAULT, H5P_DEFAULT));
+  if (attribute >= 0) {
+    (void)Noted(file, H5Awrite(attribute, type, value));
+    (void)Noted(file, H5Aclose(attribute));
+  }
+  (void)Noted(file, H5Sclose(space));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Hdf5WriteText - Writes a string as an attribute of the file or of a data set
+
+  Collective on comm. Note: HDF5 holds no attribute above 64 kB; a longer text is cut.
+*/
+PetscErrorCode Hdf5WriteText(Hdf5File *file, hid_t object, const char name[], const char text[])
+{
+  hid_t  space, type, attribute;
+  size_t length;
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrlen(text, &length));
+  space = Noted(file, H5Screate(H5S_SCALAR));
+  type  = Noted(file, H5Tcopy(H5T_C_S1));
+  (void)Noted(file, H5Tset_size(type, PetscMin(length + 1, (size_t)60000)));
+  (void)Noted(file, H5Tset_strpad(type, H5T_STR_NULLPAD));
+  (void)Noted(file, H5Tset_cset(type, H5T_CSET_UTF8));
+  attribute = Noted(file, H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT));
+  if (attribute >= 0) {
+    (void)Noted(file, H5Awrite(attribute, type, text));
+    (void)Noted(file, H5Aclose(attribute));
+  }
+  (void)Noted(file, H5Tclose(type));
+  (void)Noted(file, H5Sclose(space));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,145 @@
+/*
+  What cases share when they judge a flow: its errors against the exact solution at the particles,
+  and the integrals every case reports.
+*/
+#include "isph/io.h"
+
+/* Sums over all fluid particles, made of one MPI reduction. */
+typedef struct {
+  PetscReal u2, exact2;      /* of |u - u_e|^2 and |u_e|^2 [m^2/s^2] */
+  PetscReal p, p_exact, n_p; /* of p, p_e [Pa], and the particles that have a p_e */
+} ExactSums;
+typedef struct {
+  PetscReal u, exact; /* of |u - u_e| and |u_e| [m/s] */
+} ExactMaxima;
+
+/* Compares this rank's fluid; exact_p[i] becomes the exact pressure, NaN where the case has none.
+ */
+static PetscErrorCode JudgeCompare(const Flow *flow, PetscReal exact_p[], ExactSums *sums,
+                                   ExactMaxima *maxima)
+{
+  const Particles *p = flow->particles;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(sums, sizeof(*sums)));
+  PetscCall(PetscMemzero(maxima, sizeof(*maxima)));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal x[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM] = {0.0}, d2 = 0.0, e2 = 0.0;
+
+    for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+    exact_p[i] = NAN;
+    flow->scene->problem->Exact(flow->scene, flow->clock->t, x, u, &exact_p[i]);
+    for (PetscInt c = 0; c < p->dim; c++) {
+      d2 += PetscSqr(p->u[c][i] - u[c]);
+      e2 += PetscSqr(u[c]);
+    }
+    sums->u2 += d2;
+    sums->exact2 += e2;
+    if (!(PetscSqrtReal(d2) <= maxima->u)) maxima->u = PetscSqrtReal(d2); /* a NaN stays */
+    maxima->exact = PetscMax(maxima->exact, PetscSqrtReal(e2));
+    if (PetscIsNanReal(exact_p[i]) || !p->p) continue;
+    sums->p += p->p[i];
+    sums->p_exact += exact_p[i];
+    sums->n_p += 1.0;
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sums, (PetscMPIInt)(sizeof(*sums) / sizeof(PetscReal)),
+                           MPIU_REAL, MPIU_SUM, p->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, maxima, (PetscMPIInt)(sizeof(*maxima) / sizeof(PetscReal)),
+                           MPIU_REAL, MPIU_MAX, p->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Relative L2 error of the pressure, which is known up to a constant: means are taken off. */
+static PetscErrorCode JudgePressure(const Flow *flow, const PetscReal exact_p[],
+                                    const ExactSums *sums, Report *report)
+{
+  const Particles *p         = flow->particles;
+  const Scene     *scene     = flow->scene;
+  PetscReal        square[2] = {0.0, 0.0}, scale;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    const PetscReal exact = exact_p[i] - sums->p_exact / sums->n_p;
+
+    square[0] += PetscSqr(p->p[i] - sums->p / sums->n_p - exact);
+    square[1] += PetscSqr(exact);
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, square, 2, MPIU_REAL, MPIU_SUM, p->comm));
+  scale = PetscSqrtReal(square[1] / p->N_fluid);
+  if (scale < 1e-12 * scene->rho * PetscSqr(scene->speed))
+    scale = scene->rho * PetscSqr(scene->speed);
+  PetscCall(ReportAddError(report, "pressure_l2", PetscSqrtReal(square[0] / p->N_fluid) / scale));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  JudgeExact - Relative errors against the case's exact solution, over all fluid particles
+
+    velocity_l2 = (sum |u - u_e|^2 / sum |u_e|^2)^1/2,   velocity_linf = max |u - u_e| / max |u_e|
+
+  Collective. Adds nothing where the case has no exact solution; pressure_l2, means removed, where
+the run has a pressure and the solution gives one.
+
+  Input Parameter:
+. flow - at clock->t
+
+  Output Parameter:
+. report - with the quantities added
+
+  Note: where the exact field vanishes, errors are relative to U and rho U^2
+*/
+PetscErrorCode JudgeExact(const Flow *flow, Report *report)
+{
+  const Particles *p = flow->particles;
+  PetscReal       *exact_p, scale;
+  ExactSums        sums;
+  ExactMaxima      maxima;
+
+  PetscFunctionBegin;
+  if (!flow->scene->problem->Exact) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(p->n_fluid, &exact_p));
+  PetscCall(JudgeCompare(flow, exact_p, &sums, &maxima));
+  scale = PetscSqrtReal(sums.exact2 / p->N_fluid);
+  if (scale < 1e-12 * flow->scene->speed) scale = maxima.exact = flow->scene->speed;
+  PetscCall(ReportAddError(report, "velocity_l2", PetscSqrtReal(sums.u2 / p->N_fluid) / scale));
+  PetscCall(ReportAddError(report, "velocity_linf", maxima.u / maxima.exact));
+  if (SceneHas(flow->scene, PHYSICS_PRESSURE) && sums.n_p > p->N_fluid - 0.5) {
+    PetscCall(JudgePressure(flow, exact_p, &sums, report));
+  }
+  PetscCall(PetscFree(exact_p));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  JudgeCommon - The quantities that every case reports
+
+    kinetic_energy [J], linear_momentum = |sum_i rho V u_i| [kg m/s], both per metre of depth in 2D;
+    divergence_max = max |D u| [1/s], where there is a pressure to see to it
+
+  Collective
+
+  Input Parameter:
+. flow - with the statistics of the last step
+
+  Output Parameter:
+. report - with the quantities added
+*/
+PetscErrorCode JudgeCommon(const Flow *flow, Report *report)
+{
+  const Particles *p                      = flow->particles;
+  const PetscReal  mass                   = flow->scene->rho * SceneVolume(flow->scene);
+  PetscReal        momentum[ISPH_MAX_DIM] = {0.0}, square = 0.0;
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < p->dim; c++) {
+    for (PetscInt i = 0; i < p->n_fluid; i++) momentum[c] += mass * p->u[c][i];
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, momentum, ISPH_MAX_DIM, MPIU_REAL, MPIU_SUM, p->comm));
+  for (PetscInt c = 0; c < p->dim; c++) square += PetscSqr(momentum[c]);
+  PetscCall(ReportAdd(report, "kinetic_energy", flow->scheme->stats.kinetic_energy));
+  if (SceneHas(flow->scene, PHYSICS_PRESSURE)) {
+    PetscCall(ReportAdd(report, "divergence_max", flow->scheme->stats.divergence));
+  }
+  PetscCall(ReportAdd(report, "linear_momentum", PetscSqrtReal(square)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,260 @@
+/*
+  Values at points of space: a quadratic moving-least-squares fit about each point,
+
+    f(x + X) = c_0 + sum_t c_t phi_t(X/R),   min sum_k W_k (f_k - fit(X_k))^2,   value = c_0,
+
+  by the rank that owns the place. Exact for quadratics, on walls and in corners too.
+
+  Reference: P. Lancaster & K. Salkauskas, Math. Comput. 37 (1981) 141-158
+*/
+#include "isph/io.h"
+
+#define PROBE_MAX_TERMS (1 + MLS_MAX_TERMS)
+
+/* What the fits of all points share. */
+typedef struct {
+  const Flow *flow;
+  Cells       cells;
+  PetscReal  *field[ISPH_MAX_DIM + 1]; /* own and halo values of u, then p [m/s], [Pa] */
+  PetscInt    n_fields;
+  PetscReal   reach; /* as far as this rank knows of all particles [m] */
+  PetscInt   *list;  /* neighbours of the point at hand */
+  PetscReal  *w;     /* and their weights [-] */
+} Probe;
+
+/* The basis 1, X_a/R, X_a X_b/R^2; returns the number of terms. */
+static PetscInt ProbeBasis(PetscInt dim, const PetscReal s[], PetscReal phi[])
+{
+  PetscInt t = 0;
+
+  phi[t++] = 1.0;
+  for (PetscInt a = 0; a < dim; a++) phi[t++] = s[a];
+  for (PetscInt a = 0; a < dim; a++) {
+    for (PetscInt b = 0; b <= a; b++) phi[t++] = s[a] * s[b];
+  }
+  return t;
+}
+
+/* (x_j - x)/R, and the kernel stretched to support R. */
+static PetscReal ProbeOffset(const Probe *probe, PetscInt j, const PetscReal x[], PetscReal R,
+                             PetscReal s[])
+{
+  const Operators *ops = probe->flow->ops;
+  const Particles *p   = probe->flow->particles;
+  PetscReal        r2  = 0.0, w[3];
+
+  for (PetscInt a = 0; a < p->dim; a++) {
+    s[a] = (p->x[a][j] - x[a]) / R;
+    r2 += PetscSqr(s[a]);
+  }
+  KernelEvaluate(ops->kernel, p->dim, ops->h, PetscSqrtReal(r2) * ops->radius, w);
+  return w[0];
+}
+
+/* Neighbours of a point that have a value: fluid, and walls where walls is set. */
+static PetscErrorCode ProbeFind(Probe *probe, const PetscReal x[], PetscReal R, PetscBool walls,
+                                PetscInt *n)
+{
+  PetscInt found;
+
+  PetscFunctionBegin;
+  PetscCall(CellsFind(&probe->cells, x, R, probe->cells.n, probe->list, &found));
+  *n = 0;
+  for (PetscInt k = 0; k < found; k++) {
+    const PetscInt j = probe->list[k];
+
+    if (walls || !ParticlesIsWall(probe->flow->particles, j)) probe->list[(*n)++] = j;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Moment matrix sum_k W_k phi_k phi_k^T of the points listed; returns the number of terms. */
+static PetscInt ProbeMoments(const Probe *probe, const PetscReal x[], PetscReal R, PetscInt n,
+                             PetscReal moments[])
+{
+  const PetscInt dim = probe->flow->particles->dim, terms = 1 + dim + dim * (dim + 1) / 2;
+
+  for (PetscInt t = 0; t < terms * terms; t++) moments[t] = 0.0;
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal       s[ISPH_MAX_DIM], phi[PROBE_MAX_TERMS];
+    const PetscReal W = ProbeOffset(probe, probe->list[k], x, R, s);
+
+    (void)ProbeBasis(dim, s, phi);
+    for (PetscInt t = 0; t < terms; t++) {
+      for (PetscInt q = 0; q < terms; q++) moments[t * terms + q] += W * phi[t] * phi[q];
+    }
+  }
+  return terms;
+}
+
+/* Factors the moments, with a ridge where the points do not determine the fit. */
+static void ProbeFactorWithRidge(PetscInt terms, const PetscReal moments[], PetscReal factor[])
+{
+  PetscReal ridge = 0.0, trace = 0.0;
+
+  for (PetscInt t = 0; t < terms; t++) trace += moments[t * terms + t];
+  do {
+    ridge = PetscMax(1e-10, 100.0 * ridge);
+    for (PetscInt t = 0; t < terms * terms; t++) factor[t] = moments[t];
+    for (PetscInt t = 0; t < terms; t++) {
+      factor[t * terms + t] += ridge * (trace > 0.0 ? trace : 1.0);
+    }
+  } while (DenseCholesky(terms, factor));
+}
+
+/*
+  Weights of the value at x, f(x) = sum_k w_k f_k:  w_k = W_k phi_k . M^-1 e_0. The support grows as
+  far as the halo allows where it holds too few points, as with half a support on a wall.
+*/
+static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscBool walls, PetscInt *n)
+{
+  const PetscInt dim = probe->flow->particles->dim;
+  PetscReal      moments[PROBE_MAX_TERMS * PROBE_MAX_TERMS], c[PROBE_MAX_TERMS] = {1.0};
+  PetscReal      factor[PROBE_MAX_TERMS * PROBE_MAX_TERMS], R = probe->flow->ops->radius;
+  PetscInt       terms;
+
+  PetscFunctionBegin;
+  while (PETSC_TRUE) {
+    PetscCall(ProbeFind(probe, x, R, walls, n));
+    terms = ProbeMoments(probe, x, R, *n, moments);
+    for (PetscInt t = 0; t < terms * terms; t++) factor[t] = moments[t];
+    if (*n >= terms && !DenseCholesky(terms, factor)) break;
+    if (R >= probe->reach) {
+      ProbeFactorWithRidge(terms, moments, factor);
+      break;
+    }
+    R = PetscMin(1.15 * R, probe->reach);
+  }
+  DenseCholeskySolve(terms, factor, c);
+  for (PetscInt k = 0; k < *n; k++) {
+    PetscReal       s[ISPH_MAX_DIM], phi[PROBE_MAX_TERMS], sum = 0.0;
+    const PetscReal W = ProbeOffset(probe, probe->list[k], x, R, s);
+
+    (void)ProbeBasis(dim, s, phi);
+    for (PetscInt t = 0; t < terms; t++) sum += phi[t] * c[t];
+    probe->w[k] = W * sum;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Copies own values into storage with room for the halo, and fetches the halo's. Collective. */
+static PetscErrorCode ProbeFetch(const Particles *p, const PetscReal own[], PetscInt n,
+                                 PetscReal **values)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(p->capacity, values));
+  PetscCall(PetscArraycpy(*values, own, n));
+  PetscCall(ParticlesHaloField(p, *values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ProbeBegin(const Flow *flow, PetscBool pressure, Probe *probe)
+{
+  const Particles *p = flow->particles;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(probe, sizeof(*probe)));
+  probe->flow = flow;
+  /* Within an epoch a particle moves by half a skin at most. */
+  probe->reach = PetscMax(flow->ops->radius, p->halo_width + 0.5 * p->skin);
+  PetscCall(CellsBuild(p, 0.5 * flow->ops->radius, &probe->cells));
+  PetscCall(PetscMalloc2(probe->cells.n, &probe->list, probe->cells.n, &probe->w));
+  for (PetscInt c = 0; c < p->dim; c++) {
+    PetscCall(ProbeFetch(p, p->u[c], ParticlesOwn(p), &probe->field[probe->n_fields++]));
+  }
+  if (pressure) PetscCall(ProbeFetch(p, p->p, p->n_fluid, &probe->field[probe->n_fields++]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ProbeEnd(Probe *probe)
+{
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < probe->n_fields; f++) PetscCall(PetscFree(probe->field[f]));
+  PetscCall(PetscFree2(probe->list, probe->w));
+  PetscCall(CellsFree(&probe->cells));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether this rank owns the place x, which is wrapped into a periodic box: one rank does. */
+static PetscBool ProbeOwns(const Flow *flow, PetscReal x[])
+{
+  const Scene     *scene = flow->scene;
+  const Particles *p     = flow->particles;
+
+  for (PetscInt a = 0; a < p->dim; a++) {
+    const PetscReal lo = scene->lo[a], period = scene->hi[a] - lo;
+
+    if (scene->periodic[a] && !(x[a] >= lo && x[a] < scene->hi[a])) {
+      x[a] -= period * PetscFloorReal((x[a] - lo) / period);
+      if (!(x[a] >= lo && x[a] < scene->hi[a])) x[a] = lo; /* rounding */
+    }
+    if (!(x[a] >= p->lo[a] && x[a] < p->hi[a])) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* All fields at one point. Only wall particles on the surface have the velocity of their place. */
+static PetscErrorCode ProbeEvaluate(Probe *probe, const PetscReal x[], PetscReal values[])
+{
+  const PetscInt  dim   = probe->flow->particles->dim;
+  const WallRow  *wall  = probe->flow->ops->wall;
+  const PetscBool walls = wall && wall->on_surface ? PETSC_TRUE : PETSC_FALSE;
+  PetscInt        n     = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < probe->n_fields; f++) {
+    const PetscBool pressure = f == dim ? PETSC_TRUE : PETSC_FALSE;
+
+    if (f == 0 || (pressure && walls)) {
+      PetscCall(ProbeWeights(probe, x, pressure ? PETSC_FALSE : walls, &n));
+    }
+    values[f] = 0.0;
+    for (PetscInt k = 0; k < n; k++) values[f] += probe->w[k] * probe->field[f][probe->list[k]];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ProbePoints - Velocity and pressure at points
+
+  Collective
+
+  Input Parameters:
++ flow - with the halo's positions up to date
+. n    - number of points
+- x    - the points, dim coordinates each, the same on all ranks; walls and periodic images are
+         allowed [m]
+
+  Output Parameters:
++ u - velocities, dim components each, on all ranks [m/s]
+- p - pressures, NaN where the run has none; may be NULL [Pa]
+*/
+PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal u[],
+                           PetscReal p[])
+{
+  const PetscInt  dim      = flow->particles->dim;
+  const PetscBool pressure = p && flow->particles->p ? PETSC_TRUE : PETSC_FALSE;
+  Probe           probe;
+  PetscReal      *values;
+  PetscInt        width;
+
+  PetscFunctionBegin;
+  PetscCall(ProbeBegin(flow, pressure, &probe));
+  width = probe.n_fields;
+  PetscCall(PetscCalloc1(n * width, &values));
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal place[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < dim; a++) place[a] = x[k * dim + a];
+    if (ProbeOwns(flow, place)) PetscCall(ProbeEvaluate(&probe, place, &values[k * width]));
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, values, (PetscMPIInt)(n * width), MPIU_REAL, MPIU_SUM,
+                           flow->particles->comm));
+  for (PetscInt k = 0; k < n; k++) {
+    for (PetscInt c = 0; c < dim; c++) u[k * dim + c] = values[k * width + c];
+    if (p) p[k] = pressure ? values[k * width + dim] : NAN;
+  }
+  PetscCall(PetscFree(values));
+  PetscCall(ProbeEnd(&probe));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

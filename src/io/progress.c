@@ -1,0 +1,152 @@
+/*
+  The progress line: how far the run is, what the flow does, what a step costs and what is left.
+*/
+#include "isph/io.h"
+#include <unistd.h>
+
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscBool   shown;
+} ProgressRow;
+
+static const ProgressRow progresses[] = {
+    {"line", "one line: rewritten on a terminal, else printed every 10 %", "", PETSC_TRUE},
+    {"none", "no progress", "", PETSC_FALSE},
+};
+static const Table ProgressTable = TABLE("-progress", "Progress", progresses);
+
+struct Progress {
+  const ProgressRow *row;
+  PetscBool          terminal;      /* standard output is one */
+  PetscReal          start, last;   /* wall clock at creation and at the last line [s] */
+  PetscReal          last_fraction; /* of the run, at the last line [-] */
+  size_t             width;         /* of the last line, to be wiped by the next */
+};
+
+/*
+  ProgressCreate - Starts the run's stop-watch
+
+  Collective on PETSC_COMM_WORLD
+
+  Options Database Key:
+. -progress line|none - whether to tell how far the run is
+*/
+PetscErrorCode ProgressCreate(Progress **progress)
+{
+  PetscLogDouble now;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(progress));
+  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Progress", "");
+  PetscCall(TableSelect(&ProgressTable, "-progress", "How the run tells how far it is", "line",
+                        &(*progress)->row));
+  PetscOptionsEnd();
+  PetscCall(PetscTime(&now));
+  (*progress)->start    = (PetscReal)now;
+  (*progress)->terminal = isatty(STDOUT_FILENO) ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ProgressDestroy(Progress **progress)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(*progress));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Share of the run that is done: of the time or of the steps, whichever ends it first. */
+static PetscReal ProgressFraction(const Clock *clock)
+{
+  const PetscReal time  = clock->t_end > 0.0 ? clock->t / clock->t_end : 0.0;
+  const PetscReal steps = clock->max_steps > 0 ? (PetscReal)clock->step / clock->max_steps : 0.0;
+
+  return PetscMin(1.0, PetscMax(time, steps));
+}
+
+/* "35 s", "12 min", "3.4 h". */
+static PetscErrorCode ProgressDuration(PetscReal seconds, char text[], size_t length)
+{
+  const double s = (double)seconds;
+
+  PetscFunctionBegin;
+  if (s < 100.0) PetscCall(PetscSNPrintf(text, length, "%.0f s", s));
+  else if (s < 6000.0) PetscCall(PetscSNPrintf(text, length, "%.0f min", s / 60.0));
+  else PetscCall(PetscSNPrintf(text, length, "%.1f h", s / 3600.0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The line; what the run does not compute is not in it. */
+static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscReal elapsed,
+                                   char line[], size_t length)
+{
+  const StepStats *stats = &flow->scheme->stats;
+  char             part[64], left[32];
+  PetscReal        rate = 0.0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(line, length, "%3.0f %%  t %-8.4g step %-6" PetscInt_FMT " energy %.5e",
+                          100.0 * (double)fraction, (double)flow->clock->t, flow->clock->step,
+                          (double)stats->kinetic_energy));
+  if (flow->scheme->ppe) {
+    PetscCall(PetscSNPrintf(part, sizeof(part), "  div %.1e", (double)stats->divergence));
+    PetscCall(PetscStrlcat(line, part, length));
+  }
+  if (flow->scheme->visc) {
+    PetscCall(PetscSNPrintf(part, sizeof(part), "  its %" PetscInt_FMT, stats->visc_its));
+    PetscCall(PetscStrlcat(line, part, length));
+  }
+  if (flow->scheme->ppe) {
+    PetscCall(PetscSNPrintf(part, sizeof(part), "%s%" PetscInt_FMT,
+                            flow->scheme->visc ? "+" : "  its ", stats->ppe_its));
+    PetscCall(PetscStrlcat(line, part, length));
+  }
+  if (elapsed > 0.0) rate = 1e-6 * flow->clock->step * flow->particles->N_fluid / elapsed;
+  PetscCall(PetscSNPrintf(part, sizeof(part), "  %.2f M/s", (double)rate));
+  PetscCall(PetscStrlcat(line, part, length));
+  if (fraction > 0.0 && fraction < 1.0) {
+    PetscCall(ProgressDuration(elapsed * (1.0 - fraction) / fraction, left, sizeof(left)));
+    PetscCall(PetscSNPrintf(part, sizeof(part), "  left %s", left));
+    PetscCall(PetscStrlcat(line, part, length));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ProgressUpdate - Prints the progress line where it is time to
+
+  Not collective; the first rank prints: on a terminal at most four times a second over the line
+  before, else every 10 %. Called after each step.
+
+  Input Parameters:
++ flow     - with the statistics of the step; M/s counts million particle-steps per second of wall
+             clock since ProgressCreate()
+. final    - the run is over: print in any case
+- progress - the progress
+*/
+PetscErrorCode ProgressUpdate(const Flow *flow, PetscBool final, Progress *progress)
+{
+  const PetscReal fraction = ProgressFraction(flow->clock);
+  PetscLogDouble  now;
+  PetscMPIInt     rank;
+  PetscReal       gap;
+  size_t          width;
+  char            line[256];
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (rank || !progress->row->shown) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscTime(&now));
+  gap = progress->terminal ? (PetscReal)now - progress->last - 0.25
+                           : fraction - progress->last_fraction - 0.1;
+  if (!final && gap < 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ProgressLine(flow, fraction, (PetscReal)now - progress->start, line, sizeof(line)));
+  PetscCall(PetscStrlen(line, &width));
+  PetscCall(PetscPrintf(PETSC_COMM_SELF, "%s%s%*s%s", progress->terminal ? "\r" : "", line,
+                        width < progress->width ? (int)(progress->width - width) : 0, "",
+                        progress->terminal && !final ? "" : "\n"));
+  (void)fflush(stdout);
+  progress->width         = progress->terminal ? width : 0;
+  progress->last          = (PetscReal)now;
+  progress->last_fraction = 0.1 * PetscFloorReal(10.0 * fraction + 1e-9);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,214 @@
+/*
+  The report: what was measured, how far it is from exact or published values, and whether that is
+  within what -check_<quantity> allows. The file of all runs is written in reportfile.c.
+*/
+#include "isph/io.h"
+
+/* ReportCreate - Makes an empty report; not collective */
+PetscErrorCode ReportCreate(Report **report)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscNew(report));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ReportDestroy(Report **report)
+{
+  PetscFunctionBegin;
+  if (!*report) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree((*report)->quantity));
+  PetscCall(PetscFree(*report));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReportAppend(Report *report, const char name[], PetscReal value,
+                                   PetscReal reference, PetscReal error)
+{
+  Quantity *q;
+
+  PetscFunctionBegin;
+  if (report->n == report->capacity) {
+    report->capacity = 2 * report->capacity + 16;
+    PetscCall(PetscRealloc(sizeof(Quantity) * (size_t)report->capacity, &report->quantity));
+  }
+  q = &report->quantity[report->n++];
+  PetscCall(PetscStrncpy(q->name, name, sizeof(q->name)));
+  q->t         = report->t;
+  q->value     = value;
+  q->reference = reference;
+  q->error     = error;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ReportAdd - Adds a quantity that has nothing to be compared with, at time report->t
+
+  Not collective; all ranks add the same. Input: name - as in the report file, at most 31 letters.
+*/
+PetscErrorCode ReportAdd(Report *report, const char name[], PetscReal value)
+{
+  PetscFunctionBegin;
+  PetscCall(ReportAppend(report, name, value, NAN, NAN));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ReportAddReference - Adds a quantity with its exact or published value
+
+    error = |value - reference| / scale
+
+  Not collective; all ranks add the same. Input: scale - positive, in the quantity's unit; usually
+  |reference|.
+*/
+PetscErrorCode ReportAddReference(Report *report, const char name[], PetscReal value,
+                                  PetscReal reference, PetscReal scale)
+{
+  PetscFunctionBegin;
+  PetscCall(ReportAppend(report, name, value, reference, PetscAbsReal(value - reference) / scale));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ReportAddError - Adds a quantity that is itself a relative error [-]; not collective */
+PetscErrorCode ReportAddError(Report *report, const char name[], PetscReal error)
+{
+  PetscFunctionBegin;
+  PetscCall(ReportAppend(report, name, error, NAN, error));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether the quantities were taken at more than one time. */
+static PetscBool ReportSpansTimes(const Report *report)
+{
+  for (PetscInt k = 1; k < report->n; k++) {
+    if (report->quantity[k].t != report->quantity[0].t) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/*
+  ReportView - Prints the table of quantities, then the wall time
+
+  Collective on the viewer. Input: wall_seconds - what the run cost [s].
+*/
+PetscErrorCode ReportView(const Report *report, PetscReal wall_seconds, PetscViewer viewer)
+{
+  const PetscBool times = ReportSpansTimes(report);
+
+  PetscFunctionBegin;
+  if (report->n) {
+    PetscCall(PetscViewerASCIIPrintf(viewer, "\n%-22s", "quantity"));
+    if (times) PetscCall(PetscViewerASCIIPrintf(viewer, " %10s", "t"));
+    PetscCall(PetscViewerASCIIPrintf(viewer, " %14s %14s %10s\n", "value", "reference", "error %"));
+  }
+  for (PetscInt k = 0; k < report->n; k++) {
+    const Quantity *q             = &report->quantity[k];
+    char            reference[32] = "-", error[32] = "-";
+
+    if (!PetscIsNanReal(q->reference)) {
+      PetscCall(PetscSNPrintf(reference, sizeof(reference), "%.6g", (double)q->reference));
+    }
+    if (!PetscIsNanReal(q->error)) {
+      PetscCall(PetscSNPrintf(error, sizeof(error), "%.3g", 100.0 * (double)q->error));
+    }
+    PetscCall(PetscViewerASCIIPrintf(viewer, "%-22s", q->name));
+    if (times) PetscCall(PetscViewerASCIIPrintf(viewer, " %10.4g", (double)q->t));
+    PetscCall(
+        PetscViewerASCIIPrintf(viewer, " %14.6g %14s %10s\n", (double)q->value, reference, error));
+  }
+  PetscCall(PetscViewerASCIIPrintf(viewer, "\nwall time %.3g s\n", (double)wall_seconds));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether quantity k is the last of its name. */
+static PetscErrorCode ReportIsLast(const Report *report, PetscInt k, PetscBool *last)
+{
+  PetscFunctionBegin;
+  *last = PETSC_TRUE;
+  for (PetscInt m = k + 1; m < report->n && *last; m++) {
+    PetscBool same;
+
+    PetscCall(PetscStrcmp(report->quantity[k].name, report->quantity[m].name, &same));
+    if (same) *last = PETSC_FALSE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Compares all quantities of one name with its tolerance; says which exceed it and counts them. */
+static PetscErrorCode ReportCheckQuantity(const Report *report, const char name[],
+                                          PetscReal tolerance, PetscInt *failed)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < report->n; k++) {
+    const Quantity *q = &report->quantity[k];
+    PetscBool       same;
+
+    PetscCall(PetscStrcmp(q->name, name, &same));
+    if (!same || q->error <= tolerance) continue;
+    UserCheck(!PetscIsNanReal(q->error) || PetscIsNanReal(q->value),
+              "-check_%s: the quantity has no reference to be compared with", name);
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "check_%s: error %.4g > %.4g at t = %.6g\n", name,
+                          (double)q->error, (double)tolerance, (double)q->t));
+    (*failed)++;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses a -check_<name> that no quantity has answered to, naming those there are. */
+static PetscErrorCode ReportRefuseUnknown(const char known[])
+{
+  PetscInt n;
+  char   **names, **values, unknown[128] = "";
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsLeftGet(NULL, &n, &names, &values));
+  for (PetscInt k = 0; k < n && !unknown[0]; k++) {
+    PetscBool check;
+
+    PetscCall(PetscStrncmp(names[k], "check_", 6, &check));
+    if (check) PetscCall(PetscStrncpy(unknown, names[k], sizeof(unknown)));
+  }
+  PetscCall(PetscOptionsLeftRestore(NULL, &n, &names, &values));
+  UserCheck(!unknown[0], "-%s: the run reports no such quantity; it reports %s", unknown,
+            known[0] ? known : "none");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ReportCheck - Holds the errors against what the user allows
+
+  Collective on PETSC_COMM_WORLD. Called at the end of the run.
+
+  Options Database Key:
+. -check_<quantity> tol - largest relative error allowed, at all times reported [-]
+
+  Errors: an error above its tolerance (each is printed), a quantity that does not exist and one
+  without a reference end the run
+*/
+PetscErrorCode ReportCheck(const Report *report)
+{
+  char     known[1024] = "";
+  PetscInt failed      = 0;
+
+  PetscFunctionBegin;
+  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Checks", "");
+  for (PetscInt k = 0; k < report->n; k++) {
+    const char *name = report->quantity[k].name;
+    char        option[64];
+    PetscReal   tolerance = 0.0;
+    PetscBool   last, set;
+
+    PetscCall(ReportIsLast(report, k, &last));
+    if (!last) continue;
+    if (known[0]) PetscCall(PetscStrlcat(known, ", ", sizeof(known)));
+    PetscCall(PetscStrlcat(known, name, sizeof(known)));
+    PetscCall(PetscSNPrintf(option, sizeof(option), "-check_%s", name));
+    PetscCall(
+        OptionReal(option, "Largest relative error allowed [-]", 0.0, 1e300, &tolerance, &set));
+    if (set) PetscCall(ReportCheckQuantity(report, name, tolerance, &failed));
+  }
+  PetscOptionsEnd();
+  PetscCall(ReportRefuseUnknown(known));
+  UserCheck(!failed, "%" PetscInt_FMT " error%s above what -check_... allows", failed,
+            failed == 1 ? " is" : "s are");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

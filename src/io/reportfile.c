@@ -1,0 +1,262 @@
+/*
+  The file of all runs: one row a quantity and time, in long form, so that a study is a loop over
+  runs and a table program does the rest.
+*/
+#include "isph/io.h"
+#include <sys/resource.h>
+
+static const char ReportHeader[] =
+    "case,dim,reynolds,scheme,projection,motion,physics,visc_laplacian,ppe_laplacian,gradient,"
+    "correction,visc_ts,visc_ksp,visc_pc,ppe_ksp,ppe_pc,kernel,h_over_dx,wall,shift,jitter,seed,n,"
+    "particles,ranks,dt,steps,t,wall_s,us_per_particle_step,visc_its,ppe_its,rss_mb,status,"
+    "quantity,"
+    "value,reference,error\n";
+
+/* A row being written: the columns before t, which are the same for all rows, or those after it. */
+typedef struct {
+  char text[1024];
+} Columns;
+
+static PetscErrorCode ColumnWord(Columns *columns, const char word[])
+{
+  PetscFunctionBegin;
+  if (word) PetscCall(PetscStrlcat(columns->text, word, sizeof(columns->text)));
+  PetscCall(PetscStrlcat(columns->text, ",", sizeof(columns->text)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A number; an empty column for NaN, which stands for "not applicable". */
+static PetscErrorCode ColumnNumber(Columns *columns, PetscReal number)
+{
+  char word[32] = "";
+
+  PetscFunctionBegin;
+  if (!PetscIsNanReal(number)) {
+    PetscCall(PetscSNPrintf(word, sizeof(word), "%.10g", (double)number));
+  }
+  PetscCall(ColumnWord(columns, word));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The active physics, joined by '+'. */
+static PetscErrorCode ColumnPhysics(Columns *columns, const Scene *scene)
+{
+  char word[128] = "";
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < PHYSICS_COUNT; k++) {
+    if (!SceneHas(scene, (Physics)(1u << k))) continue;
+    if (word[0]) PetscCall(PetscStrlcat(word, "+", sizeof(word)));
+    PetscCall(PetscStrlcat(word, PhysicsNames[k], sizeof(word)));
+  }
+  PetscCall(ColumnWord(columns, word));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* visc_laplacian ... ppe_pc: what is not computed has no name. */
+static PetscErrorCode ColumnsForms(const Flow *flow, Columns *columns)
+{
+  const Operators *ops      = flow->ops;
+  const PetscBool  visc     = SceneHas(flow->scene, PHYSICS_VISCOSITY);
+  const PetscBool  pressure = SceneHas(flow->scene, PHYSICS_PRESSURE);
+  const PetscBool  gradient = pressure || SceneHas(flow->scene, PHYSICS_CONVECTION);
+  const char *visc_ts = NULL, *visc_ksp = NULL, *visc_pc = NULL, *ppe_ksp = NULL, *ppe_pc = NULL;
+
+  PetscFunctionBegin;
+  if (flow->scheme->visc) {
+    PetscCall(ViscosityNames(flow->scheme->visc, &visc_ts, &visc_ksp, &visc_pc));
+  }
+  if (flow->scheme->ppe) PetscCall(PressureNames(flow->scheme->ppe, &ppe_ksp, &ppe_pc));
+  PetscCall(ColumnWord(columns, visc ? ops->visc_form->name : NULL));
+  PetscCall(ColumnWord(columns, pressure ? ops->ppe_form->name : NULL));
+  PetscCall(ColumnWord(columns, gradient ? ops->gradient->name : NULL));
+  PetscCall(ColumnWord(columns, "none"));
+  PetscCall(ColumnWord(columns, visc_ts));
+  PetscCall(ColumnWord(columns, visc_ksp));
+  PetscCall(ColumnWord(columns, visc_pc));
+  PetscCall(ColumnWord(columns, ppe_ksp));
+  PetscCall(ColumnWord(columns, ppe_pc));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* case ... steps */
+static PetscErrorCode ColumnsBeforeTime(const Flow *flow, Columns *columns)
+{
+  const Scene  *scene  = flow->scene;
+  const Scheme *scheme = flow->scheme;
+  PetscMPIInt   ranks;
+
+  PetscFunctionBegin;
+  columns->text[0] = '\0';
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(ColumnWord(columns, scene->problem->name));
+  PetscCall(ColumnNumber(columns, scene->dim));
+  PetscCall(ColumnNumber(columns, SceneReynolds(scene)));
+  PetscCall(ColumnWord(columns, scheme->row->name));
+  PetscCall(ColumnWord(columns, scheme->projection ? scheme->projection->name : NULL));
+  PetscCall(ColumnWord(columns, scheme->motion ? scheme->motion->name : NULL));
+  PetscCall(ColumnPhysics(columns, scene));
+  PetscCall(ColumnsForms(flow, columns));
+  PetscCall(ColumnWord(columns, flow->ops->kernel->name));
+  PetscCall(ColumnNumber(columns, flow->ops->h / scene->dx));
+  PetscCall(ColumnWord(columns, flow->ops->wall ? flow->ops->wall->name : NULL));
+  PetscCall(ColumnWord(columns, scheme->shift ? scheme->shift->name : NULL));
+  PetscCall(ColumnNumber(columns, scene->jitter));
+  PetscCall(ColumnNumber(columns, scene->seed));
+  PetscCall(ColumnNumber(columns, scene->n));
+  PetscCall(ColumnNumber(columns, flow->particles->N_fluid));
+  PetscCall(ColumnNumber(columns, ranks));
+  PetscCall(ColumnNumber(columns, flow->clock->dt));
+  PetscCall(ColumnNumber(columns, flow->clock->step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* wall_s ... status. Collective: the largest memory of a rank is reported. */
+static PetscErrorCode ColumnsAfterTime(const Flow *flow, PetscReal wall_seconds,
+                                       const char status[], Columns *columns)
+{
+  const StepStats *stats = &flow->scheme->stats;
+  const PetscReal  steps = flow->clock->step;
+  const PetscReal  work  = steps * flow->particles->N_fluid;
+  struct rusage    usage;
+  PetscReal        rss_mb;
+
+  PetscFunctionBegin;
+  columns->text[0] = '\0';
+  PetscCheck(getrusage(RUSAGE_SELF, &usage) == 0, PETSC_COMM_SELF, PETSC_ERR_SYS, "getrusage()");
+  rss_mb = (PetscReal)usage.ru_maxrss / 1024.0;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &rss_mb, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
+  PetscCall(ColumnNumber(columns, wall_seconds));
+  PetscCall(ColumnNumber(columns, work > 0.0 ? 1e6 * wall_seconds / work : NAN));
+  PetscCall(ColumnNumber(columns, steps && flow->scheme->visc ? stats->visc_its_sum / steps : NAN));
+  PetscCall(ColumnNumber(columns, steps && flow->scheme->ppe ? stats->ppe_its_sum / steps : NAN));
+  PetscCall(ColumnNumber(columns, rss_mb));
+  PetscCall(ColumnWord(columns, status));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Appends to the file; failed tells what went wrong, NULL for nothing. */
+static PetscErrorCode ReportAppendFile(const char path[], const char text[], const char **failed)
+{
+  FILE *stream;
+  long  size;
+  int   status;
+
+  PetscFunctionBegin;
+  *failed = NULL;
+  stream  = fopen(path, "a");
+  if (!stream) {
+    *failed = "cannot be written";
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  status = fseek(stream, 0, SEEK_END);
+  size   = ftell(stream);
+  if (!status && !size) status = fputs(ReportHeader, stream) < 0;
+  if (!status && text[0]) status = fputs(text, stream) < 0;
+  if (fclose(stream) || status) *failed = "cannot be written to its end";
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether an existing file has the columns of this program. */
+static PetscErrorCode ReportFileIsOurs(const char path[], const char **failed)
+{
+  char      line[sizeof(ReportHeader)] = "";
+  FILE     *stream                     = fopen(path, "r");
+  PetscBool same;
+
+  PetscFunctionBegin;
+  *failed = NULL;
+  if (!stream) PetscFunctionReturn(PETSC_SUCCESS);
+  if (fgets(line, (int)sizeof(line), stream)) {
+    PetscCall(PetscStrcmp(line, ReportHeader, &same));
+    if (!same) *failed = "is no report file, or one with other columns";
+  }
+  (void)fclose(stream);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Ends the run on all ranks where the first one failed. */
+static PetscErrorCode ReportFileVerdict(const char path[], const char failed[])
+{
+  char sentence[64] = "";
+
+  PetscFunctionBegin;
+  if (failed) PetscCall(PetscStrncpy(sentence, failed, sizeof(sentence)));
+  PetscCallMPI(MPI_Bcast(sentence, (PetscMPIInt)sizeof(sentence), MPI_CHAR, 0, PETSC_COMM_WORLD));
+  PetscCheck(!sentence[0], PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN, "-report %s: the file %s", path,
+             sentence);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ReportFileCheck - Makes sure before the run that its report can be written after it
+
+  Collective on PETSC_COMM_WORLD. A new file gets its header.
+
+  Errors: as ReportWrite()
+*/
+PetscErrorCode ReportFileCheck(const char path[])
+{
+  PetscMPIInt rank;
+  const char *failed = NULL;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (rank == 0) PetscCall(ReportFileIsOurs(path, &failed));
+  if (rank == 0 && !failed) PetscCall(ReportAppendFile(path, "", &failed));
+  PetscCall(ReportFileVerdict(path, failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ReportWrite - Appends the run to a CSV file, one row a quantity and time
+
+  Collective on PETSC_COMM_WORLD; the first rank writes.
+
+  Input Parameters:
++ flow         - as it is now
+. report       - where empty, as after a diverged run, one row without a quantity is written
+. path         - of the file; a new one gets its header
+. wall_seconds - of the time loop [s]
+- status       - ok, diverged or interrupted
+
+  Notes: particles counts the fluid; visc_its and ppe_its are means per step
+
+  Errors: a file that cannot be written, or has other columns, ends the run
+*/
+PetscErrorCode ReportWrite(const Flow *flow, const Report *report, const char path[],
+                           PetscReal wall_seconds, const char status[])
+{
+  const PetscInt rows = PetscMax(1, report->n);
+  const size_t   room = (size_t)rows * (2 * sizeof(Columns) + 256);
+  Columns        before, after;
+  PetscMPIInt    rank;
+  const char    *failed = NULL;
+  char          *text, row[2 * sizeof(Columns) + 256];
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(ColumnsBeforeTime(flow, &before));
+  PetscCall(ColumnsAfterTime(flow, wall_seconds, status, &after));
+  PetscCall(PetscCalloc1(room, &text));
+  for (PetscInt k = 0; k < rows; k++) {
+    const Quantity none = {
+        .name = "", .t = flow->clock->t, .value = NAN, .reference = NAN, .error = NAN};
+    const Quantity *q    = report->n ? &report->quantity[k] : &none;
+    Columns         time = {""}, numbers = {""};
+
+    PetscCall(ColumnNumber(&time, q->t));
+    PetscCall(ColumnNumber(&numbers, q->value));
+    PetscCall(ColumnNumber(&numbers, q->reference));
+    PetscCall(ColumnNumber(&numbers, q->error));
+    PetscCall(PetscSNPrintf(row, sizeof(row), "%s%s%s%s,%s", before.text, time.text, after.text,
+                            q->name, numbers.text));
+    row[strlen(row) - 1] = '\n'; /* in place of the last comma */
+    PetscCall(PetscStrlcat(text, row, room));
+  }
+  if (rank == 0) PetscCall(ReportFileIsOurs(path, &failed));
+  if (rank == 0 && !failed) PetscCall(ReportAppendFile(path, text, &failed));
+  PetscCall(PetscFree(text));
+  PetscCall(ReportFileVerdict(path, failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

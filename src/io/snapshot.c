@@ -1,0 +1,246 @@
+/*
+  Snapshots: one HDF5 file each, written under another name and renamed when it is complete, and the
+  index ParaView opens. What is on disk can be read whatever happens to the run.
+*/
+#include "hdf5file.h"
+#include "xdmf.h"
+#include <unistd.h>
+
+struct Snapshots {
+  char      base[PETSC_MAX_PATH_LEN]; /* the path given, without .h5; empty: no snapshots */
+  PetscReal every;                    /* between snapshots; 0: start and end only [s] */
+  Snapshot *done;
+  PetscInt  n, capacity, step; /* how many are done, and the step of the last one */
+};
+
+/* Ends the run on all ranks where a file could not be written; good as the first rank sees it. */
+static PetscErrorCode SnapshotsVerdict(const Snapshots *snapshots, const char path[],
+                                       PetscBool good)
+{
+  PetscInt agreed = good ? 1 : 0;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Bcast(&agreed, 1, MPIU_INT, 0, PETSC_COMM_WORLD));
+  PetscCheck(agreed, PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN, "-output %s.h5: cannot write %s",
+             snapshots->base, path);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Tries the directory before hours are spent on the run. */
+static PetscErrorCode SnapshotsTry(const Snapshots *snapshots)
+{
+  PetscMPIInt rank;
+  PetscBool   good = PETSC_TRUE;
+  char        path[PETSC_MAX_PATH_LEN];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_0000.h5.part", snapshots->base));
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (rank == 0) {
+    FILE *f = fopen(path, "w");
+
+    good = f ? PETSC_TRUE : PETSC_FALSE;
+    if (f) (void)fclose(f);
+    if (f) (void)remove(path);
+  }
+  PetscCall(SnapshotsVerdict(snapshots, path, good));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SnapshotsCreate - Reads where snapshots go and makes sure that they can
+
+  Collective on PETSC_COMM_WORLD
+
+  Options Database Keys:
++ -output file.h5 - snapshots file_0000.h5, file_0001.h5, ... and their index file.xdmf
+- -output_every T - one at every multiple of T, besides start and end [s]
+
+  Errors: a name that does not end in .h5, or a place that cannot be written, ends the run
+*/
+PetscErrorCode SnapshotsCreate(const Scene *scene, Snapshots **snapshots)
+{
+  Snapshots *s;
+  PetscBool  every, h5 = PETSC_TRUE;
+  size_t     length;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&s));
+  s->step = -1;
+  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Output", "");
+  PetscCall(OptionFile("-output", "Snapshots for ParaView: file.h5", s->base));
+  PetscCall(OptionReal("-output_every", "Time between snapshots; by default start and end only [s]",
+                       1e-12, 1e12, &s->every, &every));
+  PetscOptionsEnd();
+  UserCheck(!every || s->base[0], "-output_every: there is no -output");
+  if (s->base[0]) {
+    PetscCall(PetscStrendswith(s->base, ".h5", &h5));
+    PetscCall(PetscStrlen(s->base, &length));
+    UserCheck(h5 && length > 3, "-output %s: the name must end in .h5", s->base);
+    s->base[length - 3] = '\0';
+    PetscCall(SnapshotsTry(s));
+  }
+  *snapshots = s;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SnapshotsDestroy(Snapshots **snapshots)
+{
+  PetscFunctionBegin;
+  if (!*snapshots) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree((*snapshots)->done));
+  PetscCall(PetscFree(*snapshots));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What the run was: attributes of the file. */
+static PetscErrorCode SnapshotAttributes(const Flow *flow, Hdf5File *file)
+{
+  const Scene *scene = flow->scene;
+  const double t = (double)flow->clock->t, reynolds = (double)SceneReynolds(scene);
+  const int    step = (int)flow->clock->step, dim = (int)scene->dim;
+  char         text[64], *options;
+  unsigned     major, minor, release;
+
+  PetscFunctionBegin;
+  PetscCall(Hdf5WriteNumber(file, "time", H5T_NATIVE_DOUBLE, &t));
+  PetscCall(Hdf5WriteNumber(file, "step", H5T_NATIVE_INT, &step));
+  PetscCall(Hdf5WriteNumber(file, "dim", H5T_NATIVE_INT, &dim));
+  PetscCall(Hdf5WriteNumber(file, "reynolds", H5T_NATIVE_DOUBLE, &reynolds));
+  PetscCall(Hdf5WriteText(file, file->file, "case", scene->problem->name));
+  PetscCall(Hdf5WriteText(file, file->file, "version", ISPH_VERSION));
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%d.%d.%d", PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR,
+                          PETSC_VERSION_SUBMINOR));
+  PetscCall(Hdf5WriteText(file, file->file, "petsc_version", text));
+  if (H5get_libversion(&major, &minor, &release) < 0) file->failed = PETSC_TRUE;
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%u.%u.%u", major, minor, release));
+  PetscCall(Hdf5WriteText(file, file->file, "hdf5_version", text));
+  PetscCall(Hdf5WriteText(file, file->file, "units",
+                          "SI; time in s, the other units stand at their data sets"));
+  PetscCall(PetscOptionsGetAll(NULL, &options));
+  PetscCall(Hdf5WriteText(file, file->file, "options", options));
+  PetscCall(PetscFree(options));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Positions, in the box where it is periodic: within an epoch particles may be a little outside. */
+static void GatherPositions(const Scene *scene, const Particles *p, double rows[])
+{
+  for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
+    for (PetscInt a = 0; a < p->dim; a++) {
+      const PetscReal lo = scene->lo[a], period = scene->hi[a] - lo, x = p->x[a][i];
+      const PetscReal turns = scene->periodic[a] ? PetscFloorReal((x - lo) / period) : 0.0;
+
+      rows[i * p->dim + a] = (double)(x - turns * period);
+    }
+  }
+}
+
+/* The fields: own fluid, then own walls, of one rank after another. */
+static PetscErrorCode SnapshotFields(const Flow *flow, Hdf5File *file)
+{
+  const Particles *p   = flow->particles;
+  const PetscInt   own = ParticlesOwn(p);
+  double          *rows;
+  int             *type;
+  long long       *id;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc3(own * p->dim, &rows, own, &type, own, &id));
+  file->start = p->fluid_start + p->wall_start;
+  file->own   = own;
+  file->N     = p->N_fluid + p->N_wall;
+  GatherPositions(flow->scene, p, rows);
+  PetscCall(Hdf5WriteRows(file, "position", p->dim, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, rows, "m"));
+  for (PetscInt i = 0; i < own; i++) {
+    for (PetscInt c = 0; c < p->dim; c++) rows[i * p->dim + c] = (double)p->u[c][i];
+  }
+  PetscCall(
+      Hdf5WriteRows(file, "velocity", p->dim, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, rows, "m/s"));
+  if (SceneHas(flow->scene, PHYSICS_PRESSURE)) {
+    for (PetscInt i = 0; i < own; i++) rows[i] = i < p->n_fluid ? (double)p->p[i] : 0.0;
+    PetscCall(Hdf5WriteRows(file, "pressure", 0, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, rows, "Pa"));
+  }
+  for (PetscInt i = 0; i < own; i++) {
+    type[i] = ParticlesIsWall(p, i) ? 1 : 0;
+    id[i]   = p->id[i];
+  }
+  PetscCall(Hdf5WriteRows(file, "type", 0, H5T_STD_I32LE, H5T_NATIVE_INT, type, "0 fluid, 1 wall"));
+  PetscCall(Hdf5WriteRows(file, "id", 0, H5T_STD_I64LE, H5T_NATIVE_LLONG, id, "1"));
+  PetscCall(PetscFree3(rows, type, id));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes the next file and, when it is complete, the index anew. */
+static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
+{
+  char        path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN];
+  Hdf5File    file;
+  PetscMPIInt rank;
+  PetscBool   good;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_%04d.h5", s->base, (int)s->n));
+  PetscCall(PetscSNPrintf(part, sizeof(part), "%s.part", path));
+  PetscCall(Hdf5FileCreate(PETSC_COMM_WORLD, part, &file));
+  if (file.file >= 0) {
+    PetscCall(SnapshotAttributes(flow, &file));
+    PetscCall(SnapshotFields(flow, &file));
+  }
+  PetscCall(Hdf5FileClose(&file, &good));
+  if (rank == 0 && !good) (void)remove(part);
+  if (rank == 0 && good && rename(part, path)) good = PETSC_FALSE;
+  PetscCall(SnapshotsVerdict(s, path, good));
+
+  if (s->n == s->capacity) {
+    s->capacity = 2 * s->capacity + 16;
+    PetscCall(PetscRealloc(sizeof(Snapshot) * (size_t)s->capacity, &s->done));
+  }
+  s->done[s->n].number = s->n;
+  s->done[s->n].t      = flow->clock->t;
+  s->done[s->n].N      = file.N;
+  s->n++;
+  s->step = flow->clock->step;
+  if (rank == 0) {
+    PetscCall(XdmfWrite(s->base, flow->scene->dim, SceneHas(flow->scene, PHYSICS_PRESSURE), s->n,
+                        s->done, &good));
+  }
+  PetscCall(PetscSNPrintf(path, sizeof(path), "%s.xdmf", s->base));
+  PetscCall(SnapshotsVerdict(s, path, good));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SnapshotsWrite - Writes a snapshot where one is due
+
+  Collective on PETSC_COMM_WORLD. Called before the first step, after every step and, with final, at
+  the end.
+
+  Input Parameters:
++ flow      - as it is now
+. final     - the run is over: write, unless this step is written already
+- snapshots - the snapshots
+
+  Errors: a file that cannot be written ends the run; those complete stay readable, and the index
+  names no other
+*/
+PetscErrorCode SnapshotsWrite(const Flow *flow, PetscBool final, Snapshots *snapshots)
+{
+  PetscBool due = final;
+
+  PetscFunctionBegin;
+  if (!snapshots->base[0] || snapshots->step == flow->clock->step)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  if (!snapshots->n) due = PETSC_TRUE;
+  else if (snapshots->every > 0.0 && !due) {
+    const PetscReal last = snapshots->done[snapshots->n - 1].t / snapshots->every;
+
+    /* the multiples of -output_every passed since, by now against by then; 1e-9 for rounding */
+    due = PetscFloorReal(flow->clock->t / snapshots->every + 1e-9) > PetscFloorReal(last + 1e-9)
+              ? PETSC_TRUE
+              : PETSC_FALSE;
+  }
+  if (due) PetscCall(SnapshotWrite(flow, snapshots));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

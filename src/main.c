@@ -1,0 +1,195 @@
+static const char help[] =
+  "isph: incompressible viscous flow by Smoothed Particle Hydrodynamics.\n\n"
+  "  du/dt = -grad p/rho + nu lap u + f,   div u = 0\n\n"
+  "Viscosity is advanced implicitly by a PETSc TS (prefix -visc_), the pressure Poisson equation is\n"
+  "solved by a KSP (prefix -ppe_). Example:\n\n"
+  "  isph -options_file options/cavity.opts -reynolds 1000 -t_end 40 -visc_ts_type arkimex\n\n"
+  "-catalogue lists cases, operators, walls, schemes and integrators with their papers.\n\n";
+
+#include "isph/io.h"
+
+/* Everything a run owns, in the order of its making. */
+typedef struct {
+  Scene         *scene;
+  Clock         *clock;
+  Operators     *ops;
+  Scheme        *scheme;
+  Particles     *particles;
+  Neighbors     *neighbors;
+  Snapshots     *snapshots;
+  Progress      *progress;
+  Report        *report;
+  char           report_file[PETSC_MAX_PATH_LEN];
+  PetscLogDouble started; /* wall clock [s] */
+} Run;
+
+static Flow RunFlow(const Run *run)
+{
+  const Flow flow = {run->scene, run->particles, run->neighbors, run->ops, run->clock, run->scheme};
+
+  return flow;
+}
+
+/* options -> scene -> operators, scheme -> particles -> neighbours -> first matrices. */
+static PetscErrorCode RunCreate(Run *run)
+{
+  WallPlacement walls;
+  PetscBool     changed;
+
+  PetscFunctionBegin;
+  PetscCall(PetscTime(&run->started));
+  PetscCall(SceneCreate(&run->scene));
+  PetscCall(ClockCreate(run->scene, &run->clock));
+  PetscCall(OperatorsCreate(run->scene, &run->ops));
+  PetscCall(SchemeCreate(run->scene, run->clock, run->ops, &run->scheme));
+  PetscCall(OperatorsPlacement(run->scene, run->ops, &walls));
+  PetscCall(ParticlesCreate(run->scene, walls, run->ops->radius, &run->particles));
+  PetscCall(SchemeRegister(run->scene, run->particles, run->scheme));
+  PetscCall(NeighborsCreate(run->ops->radius, &run->neighbors));
+  PetscCall(SnapshotsCreate(run->scene, &run->snapshots));
+  PetscCall(ProgressCreate(&run->progress));
+  PetscCall(ReportCreate(&run->report));
+  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Report", "");
+  PetscCall(OptionFile("-report", "CSV file that this run's errors and cost are appended to", run->report_file));
+  PetscOptionsEnd();
+  PetscCall(OptionsRefuseUnknown(PETSC_FALSE));
+  PetscCall(NeighborsUpdate(run->particles, 0.0, run->neighbors));
+  PetscCall(OperatorsAssemble(run->scene, run->particles, run->neighbors, run->ops, &changed));
+  PetscCall(OperatorsSetWallVelocity(run->scene, run->particles, 0.0, 0.0, run->ops));
+  PetscCall(run->scheme->row->Begin(run->scene, run->particles, run->scheme));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RunDestroy(Run *run)
+{
+  PetscFunctionBegin;
+  PetscCall(ReportDestroy(&run->report));
+  PetscCall(ProgressDestroy(&run->progress));
+  PetscCall(SnapshotsDestroy(&run->snapshots));
+  PetscCall(NeighborsDestroy(&run->neighbors));
+  PetscCall(ParticlesDestroy(&run->particles));
+  PetscCall(SchemeDestroy(&run->scheme));
+  PetscCall(OperatorsDestroy(&run->ops));
+  PetscCall(ClockDestroy(&run->clock));
+  PetscCall(SceneDestroy(&run->scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether the run is over, and in words why where that is not t_end. */
+static PetscErrorCode RunIsOver(const Run *run, PetscBool *over)
+{
+  const Clock *clock = run->clock;
+
+  PetscFunctionBegin;
+  *over = (clock->t >= clock->t_end * (1.0 - 1e-12) || clock->step >= clock->max_steps) ? PETSC_TRUE : PETSC_FALSE;
+  if (clock->steady_tol > 0.0 && clock->step > 2 && run->scheme->stats.change < clock->steady_tol) {
+    *over = PETSC_TRUE;
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "\nsteady at t = %g: du %.1e, div u* %.1e, dp %.1e, all below %g\n",
+                          (double)clock->t, (double)run->scheme->stats.change_u,
+                          (double)run->scheme->stats.change_div, (double)run->scheme->stats.change_p,
+                          (double)clock->steady_tol));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The time loop. */
+static PetscErrorCode RunSolve(Run *run)
+{
+  const Flow flow = RunFlow(run);
+  Clock     *clock = run->clock;
+  PetscBool  over;
+
+  PetscFunctionBegin;
+  PetscCall(SnapshotsWrite(&flow, PETSC_FALSE, run->snapshots));
+  PetscCall(RunIsOver(run, &over));
+  while (!over) {
+    PetscCall(ClockChoose(run->scene, run->scheme->stats.speed_max, clock));
+    PetscCall(run->scheme->row->Step(run->scene, clock, run->particles, run->neighbors, run->ops, run->scheme));
+    if (clock->step == 1) PetscCall(OptionsRefuseUnknown(PETSC_TRUE));
+    PetscCall(RunIsOver(run, &over));
+    if (!over && clock->next_report < clock->n_reports && clock->t >= clock->report_time[clock->next_report] * (1.0 - 1e-12)) {
+      run->report->t = clock->t;
+      PetscCall(run->scene->problem->Judge(&flow, run->report));
+      clock->next_report++;
+    }
+    PetscCall(SnapshotsWrite(&flow, over, run->snapshots));
+    PetscCall(ProgressUpdate(&flow, over, run->progress));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Errors beside what they cost: on the screen, in the CSV file, and against -check_ tolerances. */
+static PetscErrorCode RunReport(Run *run)
+{
+  const Flow     flow = RunFlow(run);
+  PetscLogDouble now;
+
+  PetscFunctionBegin;
+  PetscCall(PetscTime(&now));
+  run->report->t = run->clock->t;
+  PetscCall(run->scene->problem->Judge(&flow, run->report));
+  PetscCall(ReportView(run->report, now - run->started, PETSC_VIEWER_STDOUT_WORLD));
+  if (run->report_file[0]) PetscCall(ReportWrite(&flow, run->report, run->report_file, now - run->started, "ok"));
+  PetscCall(ReportCheck(run->report));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A run that diverged leaves a row that says so. */
+static PetscErrorCode RunReportFailure(Run *run)
+{
+  const Flow     flow = RunFlow(run);
+  PetscLogDouble now;
+
+  PetscFunctionBegin;
+  PetscCall(PetscTime(&now));
+  if (run->report && run->report_file[0]) {
+    PetscCall(ReportWrite(&flow, run->report, run->report_file, now - run->started, "diverged"));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Solve(void)
+{
+  Run            run = {0};
+  Flow           flow;
+  PetscBool      wants_help;
+  PetscErrorCode failed;
+
+  PetscFunctionBegin;
+  PetscCall(RunCreate(&run));
+  PetscCall(OptionGiven("-help", &wants_help));
+  if (!wants_help) {
+    flow = RunFlow(&run);
+    PetscCall(BannerView(&flow, PETSC_VIEWER_STDOUT_WORLD));
+    failed = RunSolve(&run);
+    if (failed) {
+      if (failed == PETSC_ERR_NOT_CONVERGED || failed == PETSC_ERR_FP) PetscCall(RunReportFailure(&run));
+      PetscCall(failed);
+    }
+    PetscCall(RunReport(&run));
+  }
+  PetscCall(RunDestroy(&run));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SolveOrList(void)
+{
+  PetscBool catalogue;
+
+  PetscFunctionBegin;
+  PetscCall(ErrorsInstall());
+  PetscCall(OptionGiven("-catalogue", &catalogue));
+  if (catalogue) PetscCall(CatalogueView(PETSC_VIEWER_STDOUT_WORLD));
+  else PetscCall(Solve());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  PetscErrorCode failed = PetscInitialize(&argc, &argv, NULL, help);
+
+  if (failed) return (int)failed;
+  failed = SolveOrList();
+  if (failed) return ErrorsExit(failed);
+  return (int)PetscFinalize();
+}

@@ -1,0 +1,338 @@
+/*
+  The one assembly loop: gather the stencil of each fluid particle, let every chosen form write its row,
+  let the wall treatment close it, and put the values into the shared pattern.
+*/
+#include "isph/operators.h"
+
+/* Everything row functions may ask of the neighbourhood of own fluid particle i. */
+static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                    const Operators *ops, PetscInt i, Stencil *st)
+{
+  const PetscInt  d = scene->dim, first = nb->row[i], last = nb->row[i + 1];
+  const PetscReal volume = SceneVolume(scene), radius2 = PetscSqr(ops->radius);
+  PetscInt        n = 0;
+
+  PetscFunctionBegin;
+  PetscCall(StencilReserve(st, last - first));
+  st->i         = i;
+  st->n_wall    = 0;
+  st->fit.valid = PETSC_FALSE;
+  for (PetscInt q = first; q < last; q++) {
+    const PetscInt j = nb->col[q];
+    PetscReal      X[ISPH_MAX_DIM], r2 = 0.0, w[3];
+
+    for (PetscInt a = 0; a < d; a++) {
+      X[a] = p->x[a][j] - p->x[a][i];
+      r2 += PetscSqr(X[a]);
+    }
+    if (r2 >= radius2 || r2 == 0.0) continue;
+    st->j[n] = j;
+    st->r[n] = PetscSqrtReal(r2);
+    for (PetscInt a = 0; a < d; a++) st->X[a][n] = X[a];
+    KernelEvaluate(ops->kernel, d, ops->h, st->r[n], w);
+    st->V[n]    = volume;
+    st->W[n]    = w[0];
+    st->dW[n]   = w[1];
+    st->ddW[n]  = w[2];
+    st->wall[n] = ParticlesIsWall(p, j);
+    if (st->wall[n]) {
+      PetscReal height = 0.0;
+
+      for (PetscInt a = 0; a < d; a++) {
+        st->normal[a][n] = p->normal[a][j];
+        height -= X[a] * p->normal[a][j];
+      }
+      st->beta[n] = ops->wall->Beta(scene, height - p->depth[j], p->depth[j]);
+      st->n_wall++;
+    }
+    n++;
+  }
+  st->n = n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Columns of row i in both patterns; slot[k] of neighbour k, and the slot of the diagonal. */
+static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, PetscInt *diagonal)
+{
+  PetscInt *cols = ops->slot + ops->slot_capacity, *place = cols + ops->slot_capacity, n = 0, own = -1;
+
+  for (PetscInt k = 0; k < st->n; k++) { /* own column goes where ascending order wants it */
+    if (st->wall[k]) continue;
+    if (own < 0 && st->j[k] > st->i) {
+      own       = n;
+      cols[n++] = p->number[st->i];
+    }
+    cols[n++] = p->number[st->j[k]];
+  }
+  if (own < 0) {
+    own       = n;
+    cols[n++] = p->number[st->i];
+  }
+  PatternRow(&ops->fluid, st->i, cols, n, place);
+  *diagonal = place[own];
+  for (PetscInt k = 0, q = 0; k < st->n; k++) {
+    if (st->wall[k]) continue;
+    if (q == own) q++;
+    ops->slot[k] = place[q++];
+  }
+  if (!ops->wall) return;
+  n = 0;
+  for (PetscInt k = 0; k < st->n; k++) {
+    if (st->wall[k]) cols[n++] = p->number[st->j[k]];
+  }
+  PatternRow(&ops->walls, st->i, cols, n, place);
+  n = 0;
+  for (PetscInt k = 0; k < st->n; k++) {
+    if (st->wall[k]) ops->slot[k] = place[n++];
+  }
+}
+
+/* A row on values: sum_k w_k (f_k - f_i), f_wall - f_i taken beta-fold. */
+static void CloseRow_Value(const Stencil *st, const Operators *ops, PetscInt diagonal,
+                           const PetscReal w[], AffineOperator *op)
+{
+  PetscReal sum = 0.0;
+
+  for (PetscInt k = 0; k < st->n; k++) {
+    const PetscReal weight = st->wall[k] ? w[k] * st->beta[k] : w[k];
+
+    if (st->wall[k]) op->b[ops->slot[k]] += weight;
+    else op->a[ops->slot[k]] += weight;
+    sum += weight;
+  }
+  op->a[diagonal] -= sum;
+}
+
+/*
+  A row on a scalar with given normal derivative: wall neighbours of a fit carry weights of n.grad f;
+  dummies stand for f_w - f_i = (X.n) n.grad f.
+*/
+static void CloseRow_Slope(const Stencil *st, const Operators *ops, PetscInt diagonal, PetscReal scale,
+                           const PetscReal w[], AffineOperator *op)
+{
+  PetscReal sum = 0.0;
+
+  for (PetscInt k = 0; k < st->n; k++) {
+    PetscReal weight = scale * w[k];
+
+    if (!st->wall[k]) {
+      op->a[ops->slot[k]] += weight;
+      sum += weight;
+      continue;
+    }
+    if (!st->fits_walls) {
+      PetscReal height = 0.0;
+
+      for (PetscInt a = 0; a < st->dim; a++) height += st->X[a][k] * st->normal[a][k];
+      weight *= height;
+    }
+    op->b[ops->slot[k]] += weight;
+  }
+  op->a[diagonal] -= sum;
+}
+
+/* A divergence: fluid by components d, walls by their normal component with weight m. */
+static void CloseRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d[],
+                                const PetscReal m[], Operators *ops)
+{
+  for (PetscInt c = 0; c < st->dim; c++) {
+    AffineOperator *op  = &ops->div[c];
+    PetscReal       sum = 0.0;
+
+    for (PetscInt k = 0; k < st->n; k++) {
+      const PetscReal weight = st->wall[k] ? m[k] * st->normal[c][k] * st->beta[k] : d[c][k];
+
+      if (st->wall[k]) op->b[ops->slot[k]] += weight;
+      else op->a[ops->slot[k]] += weight;
+      sum += weight;
+    }
+    op->a[diagonal] -= sum;
+  }
+}
+
+/* The divergence of row i: a vector fit where walls bear roles, else the gradient's weights. */
+static PetscErrorCode DivergenceRow(Stencil *st, PetscInt diagonal, Operators *ops)
+{
+  PetscFunctionBegin;
+  if (st->n_wall && st->fits_walls && ops->gradient->DivergenceFit) {
+    PetscCall(ops->gradient->DivergenceFit(st, ops->g, ops->m));
+  } else {
+    StencilSetRole(st, ROLE_VALUE);
+    PetscCall(ops->gradient->Row(st, ops->g));
+    for (PetscInt k = 0; st->n_wall && k < st->n; k++) {
+      ops->m[k] = 0.0;
+      for (PetscInt c = 0; st->wall[k] && c < st->dim; c++) ops->m[k] += ops->g[c][k] * st->normal[c][k];
+    }
+  }
+  CloseRow_Divergence(st, diagonal, ops->g, ops->m, ops);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* All operators' rows of one particle; the order keeps fits alive from one to the next. */
+static PetscErrorCode AssembleRow(const Scene *scene, Stencil *st, PetscInt diagonal, Operators *ops)
+{
+  PetscFunctionBegin;
+  StencilSetRole(st, ROLE_VALUE);
+  if (ops->visc.needed) {
+    PetscCall(ops->visc_form->Row(st, ops->w));
+    CloseRow_Value(st, ops, diagonal, ops->w, &ops->visc);
+  }
+  if (ops->grad_u[0].needed) {
+    PetscCall(ops->gradient->Row(st, ops->g));
+    for (PetscInt a = 0; a < st->dim; a++) CloseRow_Value(st, ops, diagonal, ops->g[a], &ops->grad_u[a]);
+  }
+  if (ops->ppe.needed) {
+    StencilSetRole(st, ROLE_NORMAL_DERIVATIVE);
+    PetscCall(ops->ppe_form->Row(st, ops->w));
+    CloseRow_Slope(st, ops, diagonal, -PetscSqr(scene->dx), ops->w, &ops->ppe);
+    PetscCall(ops->gradient->Row(st, ops->g));
+    for (PetscInt a = 0; a < st->dim; a++) {
+      CloseRow_Slope(st, ops, diagonal, 1.0, ops->g[a], &ops->grad_p[a]);
+    }
+    PetscCall(DivergenceRow(st, diagonal, ops));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Calls body with each operator that the run needs. */
+static PetscInt NeededOperators(Operators *ops, PetscInt dim, AffineOperator *needed[])
+{
+  AffineOperator *all[2 + 3 * ISPH_MAX_DIM];
+  PetscInt        n = 0, count = 0;
+
+  all[n++] = &ops->visc;
+  all[n++] = &ops->ppe;
+  for (PetscInt a = 0; a < dim; a++) {
+    all[n++] = &ops->grad_u[a];
+    all[n++] = &ops->grad_p[a];
+    all[n++] = &ops->div[a];
+  }
+  for (PetscInt k = 0; k < n; k++) {
+    if (all[k]->needed) needed[count++] = all[k];
+  }
+  return count;
+}
+
+/* Room for the rows to come, and the matrices of the previous assembly let go. */
+static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                    Operators *ops, AffineOperator *needed[], PetscInt count)
+{
+  const PetscInt entries = nb->row[p->n_fluid] + p->n_fluid;
+  PetscInt       longest = 1;
+  PetscBool      grown;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < count; k++) {
+    PetscCall(MatDestroy(&needed[k]->A));
+    PetscCall(MatDestroy(&needed[k]->B));
+  }
+  grown = (entries > ops->fluid.capacity || !needed[0]->a) ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(PatternBegin(&ops->fluid, p->n_fluid, entries));
+  if (ops->wall) PetscCall(PatternBegin(&ops->walls, p->n_fluid, entries));
+  for (PetscInt k = 0; k < count; k++) {
+    if (grown) PetscCall(PetscFree2(needed[k]->a, needed[k]->b));
+    if (grown) {
+      PetscCall(PetscMalloc2(ops->fluid.capacity, &needed[k]->a,
+                             ops->wall ? ops->walls.capacity : 0, &needed[k]->b));
+    }
+  }
+  for (PetscInt i = 0; i < p->n_fluid; i++) longest = PetscMax(longest, nb->row[i + 1] - nb->row[i] + 1);
+  if (longest > ops->slot_capacity) {
+    ops->slot_capacity = 2 * longest;
+    PetscCall(PetscFree3(ops->slot, ops->w, ops->m));
+    PetscCall(PetscMalloc3(3 * ops->slot_capacity, &ops->slot, ops->slot_capacity, &ops->w,
+                           ops->slot_capacity, &ops->m));
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      PetscCall(PetscFree(ops->g[a]));
+      PetscCall(PetscMalloc1(ops->slot_capacity, &ops->g[a]));
+    }
+  }
+  if (ops->need_concentration && ops->epoch != p->epoch) {
+    PetscCall(PetscFree(ops->concentration));
+    PetscCall(PetscMalloc1(p->n_fluid, &ops->concentration));
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      PetscCall(PetscFree(ops->gradient_c[a]));
+      PetscCall(PetscMalloc1(p->n_fluid, &ops->gradient_c[a]));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Vectors of wall data follow the numbering of wall particles. */
+static PetscErrorCode RenumberWalls(const Scene *scene, const Particles *p, Operators *ops)
+{
+  PetscFunctionBegin;
+  if (!ops->wall || ops->epoch == p->epoch) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    PetscCall(VecDestroy(&ops->wall_u[a]));
+    PetscCall(WallVec(p, &ops->wall_u[a]));
+  }
+  PetscCall(VecDestroy(&ops->wall_slope));
+  PetscCall(WallVec(p, &ops->wall_slope));
+  PetscCall(VecDestroy(&ops->wall_slope_step));
+  PetscCall(WallVec(p, &ops->wall_slope_step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The concentration of particle i, for shifting and the mixed pressure source. */
+static void AssembleConcentration(const Scene *scene, const Particles *p, const Stencil *st, PetscInt i,
+                                  Operators *ops)
+{
+  PetscReal x[ISPH_MAX_DIM], gradient[ISPH_MAX_DIM];
+
+  for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
+  ConcentrationRow(scene, ops->kernel, ops->h, st, x, st->fits_walls, &ops->concentration[i], gradient);
+  for (PetscInt a = 0; a < scene->dim; a++) ops->gradient_c[a][i] = gradient[a];
+}
+
+/*
+  OperatorsAssemble - Makes all matrices the run needs from the particles' present positions
+
+    (op f)_i = sum_j A_ij f_j + sum_w B_iw e_w
+
+  Collective on the particles' communicator. Does nothing where positions and numbering are those of
+  the last assembly.
+
+  Output Parameter:
+. changed - whether the matrices are new
+
+  Notes: ops->assemblies is the stamp that solvers compare; ops->weak_rows counts least-squares fits
+  that their points did not determine and a ridge closed.
+*/
+PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                 Operators *ops, PetscBool *changed)
+{
+  Stencil        *st = ops->stencil;
+  AffineOperator *needed[2 + 3 * ISPH_MAX_DIM];
+  const PetscInt  count = NeededOperators(ops, scene->dim, needed);
+
+  PetscFunctionBegin;
+  *changed = (ops->epoch != p->epoch || ops->moved != p->moved) ? PETSC_TRUE : PETSC_FALSE;
+  if (!*changed) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(BeginAssembly(scene, p, nb, ops, needed, count));
+  PetscCall(RenumberWalls(scene, p, ops));
+  st->weak = 0;
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscInt diagonal;
+
+    PetscCall(GatherStencil(scene, p, nb, ops, i, st));
+    PlaceRow(p, st, ops, &diagonal);
+    for (PetscInt k = 0; k < count; k++) {
+      for (PetscInt s = ops->fluid.row[i]; s < ops->fluid.row[i + 1]; s++) needed[k]->a[s] = 0.0;
+      if (!ops->wall) continue;
+      for (PetscInt s = ops->walls.row[i]; s < ops->walls.row[i + 1]; s++) needed[k]->b[s] = 0.0;
+    }
+    PetscCall(AssembleRow(scene, st, diagonal, ops));
+    if (ops->need_concentration) AssembleConcentration(scene, p, st, i, ops);
+  }
+  for (PetscInt k = 0; k < count; k++) {
+    PetscCall(PatternMat(p->comm, &ops->fluid, p->n_fluid, p->n_fluid, needed[k]->a, &needed[k]->A));
+    if (!ops->wall) continue;
+    PetscCall(PatternMat(p->comm, &ops->walls, p->n_fluid, p->n_wall, needed[k]->b, &needed[k]->B));
+  }
+  ops->weak_rows = st->weak;
+  ops->epoch     = p->epoch;
+  ops->moved     = p->moved;
+  ops->assemblies++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

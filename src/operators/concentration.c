@@ -1,0 +1,80 @@
+/*
+  The particle concentration and its gradient: what shifting flattens and Zheng's mixed pressure source
+  reads.
+*/
+#include "isph/operators.h"
+
+/* Adds the images of the point at X from particle i in every combination of mirrors. */
+static void ConcentrationImages(const KernelRow *kernel, PetscReal h, const Stencil *st,
+                                const WallPlane planes[], PetscInt n_planes, const PetscReal X[],
+                                PetscReal volume, PetscReal *concentration, PetscReal gradient[])
+{
+  for (PetscInt set = 1; set < 1 << n_planes; set++) {
+    PetscReal Y[ISPH_MAX_DIM], r = 0.0, w[3];
+
+    for (PetscInt a = 0; a < st->dim; a++) Y[a] = X[a];
+    for (PetscInt p = 0; p < n_planes; p++) {
+      PetscReal height = planes[p].distance;
+
+      if (!(set & (1 << p))) continue;
+      for (PetscInt a = 0; a < st->dim; a++) height += Y[a] * planes[p].normal[a];
+      for (PetscInt a = 0; a < st->dim; a++) Y[a] -= 2.0 * height * planes[p].normal[a];
+    }
+    for (PetscInt a = 0; a < st->dim; a++) r += PetscSqr(Y[a]);
+    r = PetscSqrtReal(r);
+    if (r >= st->radius || r == 0.0) continue;
+    KernelEvaluate(kernel, st->dim, h, r, w);
+    *concentration += volume * w[0];
+    for (PetscInt a = 0; a < st->dim; a++) gradient[a] -= volume * w[1] * Y[a] / r;
+  }
+}
+
+/*
+  ConcentrationRow - Concentration of particles about particle i and its gradient
+
+    C_i = sum_j V_j W_ij,   grad C_i = sum_j V_j grad_i W_ij
+
+  over fluid neighbours, i itself, and what stands for the fluid beyond walls: mirror images where the
+  wall particles lie on the surface, the dummies where there are layers of them.
+
+  Not collective.
+
+  Input Parameters:
++ x        - of particle i [m]
+- mirrored - whether walls are represented by images
+
+  Output Parameters:
++ concentration - near 1 [-]
+- gradient      - [1/m]
+*/
+void ConcentrationRow(const Scene *scene, const KernelRow *kernel, PetscReal h, const Stencil *st,
+                      const PetscReal x[], PetscBool mirrored, PetscReal *concentration,
+                      PetscReal gradient[])
+{
+  const PetscReal volume = SceneVolume(scene), origin[ISPH_MAX_DIM] = {0.0};
+  PetscReal       w[3], sum[ISPH_MAX_DIM] = {0.0};
+  WallPlane       planes[SCENE_MAX_PLANES];
+  PetscInt        n_planes = 0;
+
+  KernelEvaluate(kernel, st->dim, h, 0.0, w);
+  *concentration = volume * w[0];
+  for (PetscInt k = 0; k < st->n; k++) {
+    const PetscReal scale = st->V[k] * st->dW[k] / st->r[k];
+
+    if (mirrored && st->wall[k]) continue;
+    *concentration += st->V[k] * st->W[k];
+    for (PetscInt a = 0; a < st->dim; a++) sum[a] -= scale * st->X[a][k];
+  }
+  if (mirrored && st->n_wall) SceneWallPlanes(scene, x, st->radius, planes, &n_planes);
+  if (n_planes) {
+    ConcentrationImages(kernel, h, st, planes, n_planes, origin, volume, concentration, sum);
+    for (PetscInt k = 0; k < st->n; k++) {
+      PetscReal X[ISPH_MAX_DIM];
+
+      if (st->wall[k]) continue;
+      for (PetscInt a = 0; a < st->dim; a++) X[a] = st->X[a][k];
+      ConcentrationImages(kernel, h, st, planes, n_planes, X, st->V[k], concentration, sum);
+    }
+  }
+  for (PetscInt a = 0; a < st->dim; a++) gradient[a] = sum[a];
+}

@@ -1,0 +1,64 @@
+/*
+  Gradients on differences f_j - f_i and their table; a divergence takes the same weights. A new
+  gradient is one row function and one row here.
+*/
+#include "rows.h"
+
+/*
+  GradientRow_Plain - SPH gradient of differences
+
+    (df/dx_a)_i = sum_j V_j (dW/dx_a)_i (f_j - f_i)
+
+  Properties: exact for constants; linear fields on a lattice up to its quadrature error.
+
+  Reference: J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703-1759
+*/
+static PetscErrorCode GradientRow_Plain(Stencil *st, PetscReal *g[])
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < st->dim; a++) {
+    for (PetscInt k = 0; k < st->n; k++) g[a][k] = -st->V[k] * st->X[a][k] * st->dW[k] / st->r[k];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  GradientRow_Corrected - First-order consistent SPH gradient
+
+    (grad f)_i = M^-1 sum_j V_j grad_i W (f_j - f_i),   M = sum_j V_j (grad_i W) X^T
+
+  Properties: exact for linear fields on any arrangement.
+
+  Reference: J. Bonet, T.-S. L. Lok, Comput. Methods Appl. Mech. Eng. 180 (1999) 97-115
+*/
+static PetscErrorCode GradientRow_Corrected(Stencil *st, PetscReal *g[])
+{
+  PetscReal inverse[ISPH_MAX_DIM * ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  if (!MomentInverse(st, inverse)) st->weak++;
+  for (PetscInt k = 0; k < st->n; k++) {
+    const PetscReal scale = -st->V[k] * st->dW[k] / st->r[k];
+
+    for (PetscInt a = 0; a < st->dim; a++) {
+      PetscReal sum = 0.0;
+
+      for (PetscInt b = 0; b < st->dim; b++) sum += inverse[a * st->dim + b] * st->X[b][k];
+      g[a][k] = scale * sum;
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const GradientRow gradients[] = {
+  /* name, brief, citation, exact linear, full support, row, divergence with normal components */
+  {"plain", "SPH gradient of differences", "Monaghan, Rep. Prog. Phys. 68 (2005)", PETSC_FALSE,
+   PETSC_TRUE, GradientRow_Plain, NULL},
+  {"corrected", "exact for linear fields by the inverse moment matrix",
+   "Bonet & Lok, Comput. Methods Appl. Mech. Eng. 180 (1999)", PETSC_TRUE, PETSC_TRUE,
+   GradientRow_Corrected, NULL},
+  {"mls", "quadratic moving least squares, takes boundary conditions in the fit",
+   "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", PETSC_TRUE, PETSC_FALSE, GradientRow_Mls,
+   DivergenceFit_Mls},
+};
+const Table GradientTable = TABLE("-gradient", "Gradients and divergences", gradients);

@@ -1,0 +1,85 @@
+/*
+  Small dense algebra of one stencil: Cholesky factors of moment matrices, at most a few tens of rows.
+*/
+#include "isph/operators.h"
+
+/*
+  DenseCholesky - Factors a symmetric positive definite matrix in place
+
+  Not collective.
+
+  Input/Output Parameter:
+. a - n x n by rows, only the lower triangle read; out: L with L L^T = a, diagonal inverted
+
+  Returns: 0, or 1 + the first row whose pivot fell below 1e-10 of its diagonal
+*/
+PetscInt DenseCholesky(PetscInt n, PetscReal a[])
+{
+  for (PetscInt j = 0; j < n; j++) {
+    const PetscReal diagonal = a[j * n + j];
+    PetscReal       pivot    = diagonal;
+
+    for (PetscInt k = 0; k < j; k++) pivot -= a[j * n + k] * a[j * n + k];
+    if (!(pivot > 1e-10 * diagonal)) return j + 1;
+    pivot        = 1.0 / PetscSqrtReal(pivot);
+    a[j * n + j] = pivot;
+    for (PetscInt i = j + 1; i < n; i++) {
+      PetscReal sum = a[i * n + j];
+
+      for (PetscInt k = 0; k < j; k++) sum -= a[i * n + k] * a[j * n + k];
+      a[i * n + j] = sum * pivot;
+    }
+  }
+  return 0;
+}
+
+/* DenseCholeskySolve - Solves L L^T x = b with the factor of DenseCholesky(); x holds b on entry */
+void DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[])
+{
+  for (PetscInt i = 0; i < n; i++) {
+    for (PetscInt k = 0; k < i; k++) x[i] -= factor[i * n + k] * x[k];
+    x[i] *= factor[i * n + i];
+  }
+  for (PetscInt i = n - 1; i >= 0; i--) {
+    for (PetscInt k = i + 1; k < n; k++) x[i] -= factor[k * n + i] * x[k];
+    x[i] *= factor[i * n + i];
+  }
+}
+
+/*
+  MomentInverse - Inverse of the first moment matrix of a stencil
+
+    M_ab = sum_j V_j X_b dW/dx_a = -sum_j V_j (W'/r) X_a X_b  -> delta_ab
+
+  Not collective.
+
+  Output Parameter:
+. inverse - dim x dim by rows [-]
+
+  Returns: PETSC_FALSE, and the unit matrix, where the neighbours do not span space
+
+  Reference: G. Oger et al., J. Comput. Phys. 225 (2007) 1472-1492
+*/
+PetscBool MomentInverse(const Stencil *st, PetscReal inverse[])
+{
+  const PetscInt d                            = st->dim;
+  PetscReal      m[ISPH_MAX_DIM * ISPH_MAX_DIM] = {0.0};
+  PetscBool      regular;
+
+  for (PetscInt k = 0; k < st->n; k++) {
+    const PetscReal weight = -st->V[k] * st->dW[k] / st->r[k];
+
+    for (PetscInt a = 0; a < d; a++) {
+      for (PetscInt b = 0; b <= a; b++) m[a * d + b] += weight * st->X[a][k] * st->X[b][k];
+    }
+  }
+  regular = DenseCholesky(d, m) ? PETSC_FALSE : PETSC_TRUE;
+  for (PetscInt b = 0; b < d; b++) {
+    PetscReal column[ISPH_MAX_DIM] = {0.0};
+
+    column[b] = 1.0;
+    if (regular) DenseCholeskySolve(d, m, column);
+    for (PetscInt a = 0; a < d; a++) inverse[a * d + b] = column[a];
+  }
+  return regular;
+}

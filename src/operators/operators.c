@@ -1,0 +1,183 @@
+/*
+  The operators of a run: chosen from the tables, checked against each other and against the physics,
+  and applied. Assembly is in assemble.c.
+*/
+#include "isph/operators.h"
+
+/* The wall treatment the user chose, or the one that his forms can meet. */
+static PetscErrorCode OperatorsChooseWall(PetscOptionItems *PetscOptionsObject, const Scene *scene,
+                                          Operators *ops)
+{
+  const TableRow *blind = NULL; /* a chosen form that cannot do without particles behind walls */
+  const char     *kind  = "";
+
+  PetscFunctionBegin;
+  if (SceneHas(scene, PHYSICS_VISCOSITY) && ops->visc_form->full_support) {
+    blind = (const TableRow *)(const void *)ops->visc_form;
+    kind  = "-visc_laplacian";
+  }
+  if (SceneHas(scene, PHYSICS_PRESSURE) && ops->ppe_form->full_support) {
+    blind = (const TableRow *)(const void *)ops->ppe_form;
+    kind  = "-ppe_laplacian";
+  }
+  if ((SceneHas(scene, PHYSICS_PRESSURE) || SceneHas(scene, PHYSICS_CONVECTION)) &&
+      ops->gradient->full_support) {
+    blind = (const TableRow *)(const void *)ops->gradient;
+    kind  = "-gradient";
+  }
+  PetscCall(TableSelect(&WallTable, "-wall", "Wall treatment; by default the one that the chosen forms can meet",
+                        blind ? "dummy_linear" : "wall_layer", &ops->wall));
+  UserCheck(!blind || !ops->wall->on_surface,
+            "-wall %s: %s %s needs particles behind the wall; use -wall dummy_linear, or mls in its place",
+            ops->wall->name, kind, blind ? blind->name : "");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  OperatorsCreate - Chooses the operators of a run
+
+  Collective on PETSC_COMM_WORLD. Nothing is assembled yet; what the physics does not need never is.
+
+  Options Database Keys:
++ -kernel name         - row of the kernel table
+. -h_over_dx ratio     - smoothing length over particle spacing
+. -visc_laplacian name - form of the viscous term
+. -ppe_laplacian name  - form of the pressure Poisson equation
+. -gradient name       - form of gradients and divergences
+- -wall name           - wall treatment
+
+  Errors: forms that need particles behind walls are refused with a treatment that has none
+*/
+PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
+{
+  Operators *ops;
+  PetscReal  h_over_dx = 1.3;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&ops));
+  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Operators", "");
+  PetscCall(TableSelect(&KernelTable, "-kernel", "Smoothing kernel", "wendland_c2", &ops->kernel));
+  PetscCall(OptionReal("-h_over_dx", "Smoothing length over particle spacing [-]", 0.8, 4.0, &h_over_dx, NULL));
+  PetscCall(TableSelect(&LaplacianTable, "-visc_laplacian", "Form of the viscous term", "mls", &ops->visc_form));
+  PetscCall(TableSelect(&LaplacianTable, "-ppe_laplacian", "Form of the pressure Poisson equation", "mls",
+                        &ops->ppe_form));
+  PetscCall(TableSelect(&GradientTable, "-gradient", "Form of gradients and divergences", "mls", &ops->gradient));
+  if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(OperatorsChooseWall(PetscOptionsObject, scene, ops));
+  PetscOptionsEnd();
+  ops->h               = h_over_dx * scene->dx;
+  ops->radius          = ops->kernel->support * ops->h;
+  ops->visc.needed     = SceneHas(scene, PHYSICS_VISCOSITY);
+  ops->ppe.needed      = SceneHas(scene, PHYSICS_PRESSURE);
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    ops->grad_p[a].needed = ops->div[a].needed = SceneHas(scene, PHYSICS_PRESSURE);
+    ops->grad_u[a].needed                      = SceneHas(scene, PHYSICS_CONVECTION);
+  }
+  PetscCall(StencilCreate(scene->dim, ops->radius, &ops->stencil));
+  ops->stencil->fits_walls = ops->wall ? ops->wall->on_surface : PETSC_FALSE;
+  *operators               = ops;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AffineFree(AffineOperator *op)
+{
+  PetscFunctionBegin;
+  PetscCall(MatDestroy(&op->A));
+  PetscCall(MatDestroy(&op->B));
+  PetscCall(PetscFree2(op->a, op->b));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OperatorsDestroy(Operators **operators)
+{
+  Operators *ops = *operators;
+
+  PetscFunctionBegin;
+  if (!ops) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(AffineFree(&ops->visc));
+  PetscCall(AffineFree(&ops->ppe));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    PetscCall(AffineFree(&ops->grad_p[a]));
+    PetscCall(AffineFree(&ops->grad_u[a]));
+    PetscCall(AffineFree(&ops->div[a]));
+    PetscCall(VecDestroy(&ops->wall_u[a]));
+    PetscCall(PetscFree(ops->gradient_c[a]));
+    PetscCall(PetscFree(ops->g[a]));
+  }
+  PetscCall(VecDestroy(&ops->wall_slope));
+  PetscCall(VecDestroy(&ops->wall_slope_step));
+  PetscCall(PetscFree(ops->concentration));
+  PetscCall(PetscFree3(ops->slot, ops->w, ops->m));
+  PetscCall(PatternFree(&ops->fluid));
+  PetscCall(PatternFree(&ops->walls));
+  PetscCall(StencilDestroy(&ops->stencil));
+  PetscCall(PetscFree(*operators));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* OperatorsPlacement - Where the wall treatment wants its particles; not collective */
+PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, WallPlacement *walls)
+{
+  PetscFunctionBegin;
+  walls->layers = 0;
+  if (ops->wall && !ops->wall->on_surface) {
+    walls->layers = (PetscInt)PetscCeilReal(ops->radius / scene->dx - 1e-9);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  OperatorsSetWallVelocity - Gives the own wall particles their velocity at time t
+
+    u_w = u_wall(t) + slip (d(n.grad p)) n
+
+  Not collective. The wall's own velocity is that of the surface point nearest to the particle. The
+  second term belongs to a predicted velocity that the pressure step will correct by -slip grad phi
+  where n.grad phi is known and not zero; with slip = 0 [m^3 s/kg] it is absent.
+*/
+PetscErrorCode OperatorsSetWallVelocity(const Scene *scene, const Particles *p, PetscReal t,
+                                        PetscReal slip, Operators *ops)
+{
+  PetscReal       *u[ISPH_MAX_DIM];
+  const PetscReal *slope = NULL;
+
+  PetscFunctionBegin;
+  if (!ops->wall) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecGetArrayRead(ops->wall_slope_step, &slope));
+  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecGetArray(ops->wall_u[a], &u[a]));
+  for (PetscInt k = 0; k < p->n_wall; k++) {
+    const PetscInt i = p->n_fluid + k;
+    PetscReal      x[ISPH_MAX_DIM], velocity[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i] + p->depth[i] * p->normal[a][i];
+    SceneWallVelocity(scene, (PetscInt)p->side[i], t, x, velocity);
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      p->u[a][i] = velocity[a];
+      u[a][k]    = velocity[a] + slip * slope[k] * p->normal[a][i];
+    }
+  }
+  PetscCall(VecRestoreArrayRead(ops->wall_slope_step, &slope));
+  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArray(ops->wall_u[a], &u[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  AffineApply - y = A f + B e
+
+  Collective. Input: f over fluid, walls the wall data e (ignored without walls).
+*/
+PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y)
+{
+  PetscFunctionBegin;
+  PetscCall(MatMult(op->A, f, y));
+  if (op->B) PetscCall(MatMultAdd(op->B, walls, y, y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* AffineApplyAdd - y += A f + B e; collective */
+PetscErrorCode AffineApplyAdd(const AffineOperator *op, Vec f, Vec walls, Vec y)
+{
+  PetscFunctionBegin;
+  PetscCall(MatMultAdd(op->A, f, y, y));
+  if (op->B) PetscCall(MatMultAdd(op->B, walls, y, y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,110 @@
+/*
+  The common sparsity pattern of the operators and the matrices made on it. All operators read the same
+  neighbours, so columns are sorted once a row and every operator writes its values through slots.
+*/
+#include "isph/operators.h"
+
+/*
+  PatternBegin - Empties a pattern and makes room
+
+  Not collective. Input: rows of this rank, and the most entries they can have together.
+*/
+PetscErrorCode PatternBegin(Pattern *pattern, PetscInt rows, PetscInt entries)
+{
+  PetscFunctionBegin;
+  if (rows > pattern->n || !pattern->row || entries > pattern->capacity) {
+    const PetscInt capacity = PetscMax(pattern->capacity, entries + entries / 8 + 16);
+
+    PetscCall(PatternFree(pattern));
+    PetscCall(PetscMalloc2(rows + 1, &pattern->row, capacity, &pattern->col));
+    pattern->capacity = capacity;
+  }
+  pattern->n      = rows;
+  pattern->row[0] = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  PatternRow - Adds row i, to be called for i = 0, 1, 2, ...
+
+  Not collective. Columns that occur twice (a particle and its periodic image) become one entry.
+
+  Input Parameters:
++ cols - global columns in any order
+- n    - how many
+
+  Output Parameter:
+. slot - position of the entry of cols[k] in the arrays of values
+*/
+void PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], PetscInt n, PetscInt slot[])
+{
+  const PetscInt first = pattern->row[i];
+  PetscInt      *row   = &pattern->col[first], length = 0;
+  PetscBool      ascending = PETSC_TRUE;
+
+  for (PetscInt k = 0; k < n; k++) {
+    if (k && cols[k] <= cols[k - 1]) ascending = PETSC_FALSE;
+    row[k]  = cols[k];
+    slot[k] = first + k;
+  }
+  pattern->row[i + 1] = first + n;
+  if (ascending) return;
+  for (PetscInt k = 1; k < n; k++) { /* insertion sort: the columns are nearly in order */
+    const PetscInt col = row[k];
+    PetscInt       q   = k;
+
+    for (; q > 0 && row[q - 1] > col; q--) row[q] = row[q - 1];
+    row[q] = col;
+  }
+  for (PetscInt k = 0; k < n; k++) {
+    if (length == 0 || row[k] != row[length - 1]) row[length++] = row[k];
+  }
+  pattern->row[i + 1] = first + length;
+  for (PetscInt k = 0; k < n; k++) {
+    PetscInt low = 0, high = length - 1;
+
+    while (low < high) {
+      const PetscInt middle = (low + high) / 2;
+
+      if (row[middle] < cols[k]) low = middle + 1;
+      else high = middle;
+    }
+    slot[k] = first + low;
+  }
+}
+
+/*
+  PatternMat - A matrix on the pattern
+
+  Collective on comm.
+
+  Input Parameters:
++ rows, cols - local sizes
+- values     - in the order of the pattern; kept in use, not copied, on one rank
+
+  Output Parameter:
+. A - MATSEQAIJ on one rank, MATMPIAIJ on several
+*/
+PetscErrorCode PatternMat(MPI_Comm comm, const Pattern *pattern, PetscInt rows, PetscInt cols,
+                          PetscReal values[], Mat *A)
+{
+  PetscMPIInt size;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  if (size == 1) {
+    PetscCall(MatCreateSeqAIJWithArrays(comm, rows, cols, pattern->row, pattern->col, values, A));
+  } else {
+    PetscCall(MatCreateMPIAIJWithArrays(comm, rows, cols, PETSC_DETERMINE, PETSC_DETERMINE,
+                                        pattern->row, pattern->col, values, A));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PatternFree(Pattern *pattern)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree2(pattern->row, pattern->col));
+  pattern->n = pattern->capacity = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

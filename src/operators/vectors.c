@@ -1,0 +1,41 @@
+/* Vectors over the particles of this rank: of the standard type, so that they meet any matrix. */
+#include "isph/operators.h"
+
+static PetscErrorCode VecOfSize(MPI_Comm comm, PetscInt n, PetscReal array[], Vec *v)
+{
+  PetscMPIInt size;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  if (!array) {
+    PetscCall(VecCreate(comm, v));
+    PetscCall(VecSetSizes(*v, n, PETSC_DETERMINE));
+    PetscCall(VecSetType(*v, VECSTANDARD));
+  } else if (size == 1) {
+    PetscCall(VecCreateSeqWithArray(comm, 1, n, array, v));
+  } else {
+    PetscCall(VecCreateMPIWithArray(comm, 1, n, PETSC_DECIDE, array, v));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  FluidVec - Vector of one scalar over the own fluid particles
+
+  Collective. Input: array - a particle field to be seen through the vector, or NULL for storage of its
+  own. Valid for the present epoch.
+*/
+PetscErrorCode FluidVec(const Particles *p, PetscReal array[], Vec *v)
+{
+  PetscFunctionBegin;
+  PetscCall(VecOfSize(p->comm, p->n_fluid, array, v));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* WallVec - Vector of one scalar over the own wall particles; collective, valid for the epoch */
+PetscErrorCode WallVec(const Particles *p, Vec *v)
+{
+  PetscFunctionBegin;
+  PetscCall(VecOfSize(p->comm, p->n_wall, NULL, v));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

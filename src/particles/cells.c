@@ -1,0 +1,185 @@
+/*
+  A uniform grid of cells over the local particles, sorted by counting. Positions are packed in the
+  order of the cells, so that a search reads memory in runs.
+*/
+#include "isph/particles.h"
+
+/* Index of the cell that holds coordinate x along axis a; nearest one if x is outside the grid. */
+static inline PetscInt CellAlong(const Cells *cells, PetscInt a, PetscReal x)
+{
+  const PetscReal s = (x - cells->origin[a]) / cells->size;
+
+  if (!(s >= 0.0)) return 0;
+  return s < cells->count[a] ? (PetscInt)s : cells->count[a] - 1;
+}
+
+/* Lays the grid around all local particles. Cells grow where there would be more of them than
+   particles by far, as with a stray particle. */
+static PetscErrorCode LayGrid(const Particles *p, PetscReal size, Cells *cells)
+{
+  PetscReal high[ISPH_MAX_DIM] = {0}, number;
+
+  PetscFunctionBegin;
+  cells->dim  = p->dim;
+  cells->size = size;
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    cells->origin[a] = 0.0;
+    cells->count[a]  = 1;
+    if (a >= p->dim || ParticlesAll(p) == 0) continue;
+    cells->origin[a] = high[a] = p->x[a][0];
+    for (PetscInt i = 1; i < ParticlesAll(p); i++) {
+      cells->origin[a] = PetscMin(cells->origin[a], p->x[a][i]);
+      high[a]          = PetscMax(high[a], p->x[a][i]);
+    }
+    PetscCheck(!PetscIsInfOrNanReal(high[a] - cells->origin[a]), PETSC_COMM_SELF, PETSC_ERR_FP,
+               "The flow diverged: the position of a particle is not a finite number");
+  }
+  while (PETSC_TRUE) {
+    number = 1.0;
+    for (PetscInt a = 0; a < p->dim; a++) {
+      number *= 1.0 + PetscFloorReal((high[a] - cells->origin[a]) / cells->size);
+    }
+    if (number <= 4.0 * ParticlesAll(p) + 64.0) break;
+    cells->size *= 2.0;
+  }
+  for (PetscInt a = 0; a < p->dim; a++) {
+    cells->count[a] = 1 + (PetscInt)((high[a] - cells->origin[a]) / cells->size);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CellsReserve(Cells *cells, PetscInt n_cells)
+{
+  PetscFunctionBegin;
+  if (n_cells + 1 > cells->cells_capacity) {
+    cells->cells_capacity = n_cells + 1 + n_cells / 2;
+    PetscCall(PetscFree(cells->start));
+    PetscCall(PetscMalloc1(cells->cells_capacity, &cells->start));
+  }
+  if (cells->n > cells->capacity) {
+    cells->capacity = cells->n + cells->n / 4;
+    PetscCall(PetscFree(cells->list));
+    PetscCall(PetscMalloc1(cells->capacity, &cells->list));
+    for (PetscInt a = 0; a < cells->dim; a++) {
+      PetscCall(PetscFree(cells->x[a]));
+      PetscCall(PetscMalloc1(cells->capacity, &cells->x[a]));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  CellsBuild - Sorts all local particles, own and halo, into cells
+
+  Not collective
+
+  Input Parameters:
++ particles - with a halo that is up to date
+- size      - edge of a cell [m]; made larger where the grid would be much emptier than full
+
+  Output Parameter:
+. cells - zeroed before its first use; storage is reused afterwards
+
+  Error: PETSC_ERR_FP if a position is not finite
+*/
+PetscErrorCode CellsBuild(const Particles *particles, PetscReal size, Cells *cells)
+{
+  const Particles *p = particles;
+  PetscInt         n_cells, *of;
+
+  PetscFunctionBegin;
+  PetscCheck(size > 0.0, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+             "Cell size %g, must be positive", (double)size);
+  cells->n = ParticlesAll(p);
+  PetscCall(LayGrid(p, size, cells));
+  n_cells = cells->count[0] * cells->count[1] * cells->count[2];
+  PetscCall(CellsReserve(cells, n_cells));
+  PetscCall(PetscMalloc1(cells->n, &of));
+  PetscCall(PetscArrayzero(cells->start, n_cells + 1));
+  for (PetscInt i = 0; i < cells->n; i++) {
+    PetscInt c = 0;
+    for (PetscInt a = p->dim - 1; a >= 0; a--) {
+      c = c * cells->count[a] + CellAlong(cells, a, p->x[a][i]);
+    }
+    of[i] = c;
+    cells->start[c + 1]++;
+  }
+  for (PetscInt c = 0; c < n_cells; c++) cells->start[c + 1] += cells->start[c];
+  for (PetscInt i = 0; i < cells->n; i++) {
+    const PetscInt k = cells->start[of[i]]++;
+    cells->list[k]   = i;
+    for (PetscInt a = 0; a < p->dim; a++) cells->x[a][k] = p->x[a][i];
+  }
+  for (PetscInt c = n_cells; c > 0; c--) cells->start[c] = cells->start[c - 1];
+  cells->start[0] = 0;
+  PetscCall(PetscFree(of));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  CellsFree - Frees the arrays; the cells can be built anew
+
+  Not collective
+*/
+PetscErrorCode CellsFree(Cells *cells)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(cells->start));
+  PetscCall(PetscFree(cells->list));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(cells->x[a]));
+  PetscCall(PetscMemzero(cells, sizeof(*cells)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  CellsFind - Lists the local particles within a radius of a point
+
+    |x_j - x| < radius
+
+  Not collective
+
+  Input Parameters:
++ cells  - the cells
+. x      - the point [m]
+. radius - of any size [m]
+- max    - room in list
+
+  Output Parameters:
++ list  - local indices, ascending
+- count - how many
+
+  Note: distances are those when the cells were built. With cells of Neighbors whose margin may be
+  partly spent, ask for radius + margin / 2 and drop by present positions.
+
+  Error: PETSC_ERR_ARG_OUTOFRANGE if there are more than max
+*/
+PetscErrorCode CellsFind(const Cells *cells, const PetscReal x[], PetscReal radius, PetscInt max,
+                         PetscInt list[], PetscInt *count)
+{
+  PetscInt first[ISPH_MAX_DIM] = {0}, last[ISPH_MAX_DIM] = {0}, n = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cells->dim; a++) {
+    first[a] = CellAlong(cells, a, x[a] - radius);
+    last[a]  = CellAlong(cells, a, x[a] + radius);
+  }
+  for (PetscInt c2 = first[2]; c2 <= last[2]; c2++) {
+    for (PetscInt c1 = first[1]; c1 <= last[1]; c1++) {
+      const PetscInt row = cells->count[0] * (c1 + cells->count[1] * c2);
+
+      for (PetscInt k = cells->start[row + first[0]]; k < cells->start[row + last[0] + 1]; k++) {
+        PetscReal r2 = 0.0;
+
+        for (PetscInt a = 0; a < cells->dim; a++) r2 += PetscSqr(cells->x[a][k] - x[a]);
+        if (r2 >= radius * radius) continue;
+        PetscCheck(n < max, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+                   "More than %" PetscInt_FMT " particles within %g of a point", max,
+                   (double)radius);
+        list[n++] = cells->list[k];
+      }
+    }
+  }
+  PetscCall(PetscSortInt(n, list));
+  *count = n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,278 @@
+/*
+  Recursive coordinate bisection: a group of ranks and its piece of space are halved until each rank
+  has a box, so that all boxes hold about equally many fluid particles. A cut is found by histograms
+  summed over the ranks, all groups of a level together; particles do not move meanwhile.
+*/
+#include "impl.h"
+
+#define BISECT_BINS      64   /* of one round's histogram */
+#define BISECT_IMBALANCE 1.1  /* max / mean of fluid particles above which boxes are drawn anew */
+#define BISECT_FINENESS  0.01 /* how exactly a cut is placed [dx] */
+
+/* A group of ranks [begin, end) whose space is being cut. */
+typedef struct {
+  PetscInt  begin, end;
+  PetscInt  axis;       /* cut across it */
+  PetscReal low, width; /* first edge and width of the histogram's bins [m] */
+  PetscReal below;      /* particles below the first edge */
+  PetscReal target;     /* particles wanted below the cut; negative: not known yet */
+  PetscReal cut, miss;  /* best edge so far [m], and how far from the target it is [particles] */
+} Group;
+
+static inline PetscInt MiddleRank(PetscInt begin, PetscInt end)
+{
+  return (begin + end) / 2;
+}
+
+static PetscInt OwnerOf(const Particles *p, PetscMPIInt ranks, PetscInt i)
+{
+  PetscInt begin = 0, end = ranks;
+
+  while (end - begin > 1) {
+    const PetscInt m = MiddleRank(begin, end);
+    if (p->x[p->cut_axis[m]][i] < p->cut[m]) end = m;
+    else begin = m;
+  }
+  return begin;
+}
+
+/* The box of ranks [begin, end), cut out of [lo, hi] as given. */
+static void CutOutBox(const Particles *p, PetscMPIInt ranks, PetscInt begin, PetscInt end,
+                      PetscReal lo[], PetscReal hi[])
+{
+  PetscInt b = 0, e = ranks;
+
+  while (b < begin || e > end) {
+    const PetscInt m = MiddleRank(b, e), axis = p->cut_axis[m];
+    if (begin < m) {
+      hi[axis] = PetscMin(hi[axis], p->cut[m]);
+      e        = m;
+    } else {
+      lo[axis] = PetscMax(lo[axis], p->cut[m]);
+      b        = m;
+    }
+  }
+}
+
+/* Chooses each group's axis, the longest side around its particles, and the first histogram. */
+static PetscErrorCode GroupsStart(const Scene *scene, const Particles *p, PetscMPIInt ranks,
+                                  const PetscInt of[], PetscInt n_groups, Group groups[])
+{
+  const PetscInt dim = p->dim;
+  PetscReal     *bound; /* smallest x, smallest -x of each group */
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(2 * dim * n_groups, &bound));
+  for (PetscInt k = 0; k < 2 * dim * n_groups; k++) bound[k] = PETSC_MAX_REAL;
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    if (of[i] < 0) continue;
+    for (PetscInt a = 0; a < dim; a++) {
+      PetscReal *b = &bound[2 * (dim * of[i] + a)];
+      b[0]         = PetscMin(b[0], p->x[a][i]);
+      b[1]         = PetscMin(b[1], -p->x[a][i]);
+    }
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, bound, 2 * dim * n_groups, MPIU_REAL, MPIU_MIN, p->comm));
+  for (PetscInt k = 0; k < n_groups; k++) {
+    Group    *g = &groups[k];
+    PetscReal lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM];
+
+    PetscCall(PetscArraycpy(lo, scene->lo, dim));
+    PetscCall(PetscArraycpy(hi, scene->hi, dim));
+    CutOutBox(p, ranks, g->begin, g->end, lo, hi);
+    for (PetscInt a = 0; a < dim && bound[2 * dim * k] < PETSC_MAX_REAL; a++) {
+      lo[a] = bound[2 * (dim * k + a)];
+      hi[a] = -bound[2 * (dim * k + a) + 1];
+    }
+    g->axis = 0;
+    for (PetscInt a = 1; a < dim; a++) {
+      if (hi[a] - lo[a] > (1.0 + 1e-6) * (hi[g->axis] - lo[g->axis])) g->axis = a;
+    }
+    g->low    = lo[g->axis] - 0.25 * scene->dx;
+    g->width  = (hi[g->axis] - lo[g->axis] + 0.5 * scene->dx) / BISECT_BINS;
+    g->cut    = 0.5 * (lo[g->axis] + hi[g->axis]);
+    g->below  = 0.0;
+    g->target = -1.0;
+    g->miss   = PETSC_MAX_REAL;
+  }
+  PetscCall(PetscFree(bound));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Bin of x with exactly the edges a cut can have, or -1. */
+static inline PetscInt BinOf(const Group *g, PetscReal x)
+{
+  const PetscReal s = (x - g->low) / g->width;
+  PetscInt        k;
+
+  if (!(s > -1.0 && s < BISECT_BINS + 1.0)) return -1;
+  k = (PetscInt)PetscFloorReal(s);
+  if (x < g->low + k * g->width) k--;
+  else if (x >= g->low + (k + 1) * g->width) k++;
+  return k < 0 || k >= BISECT_BINS ? -1 : k;
+}
+
+/* Picks the best edge of a group's histogram and zooms into the bin that holds the target. */
+static void GroupZoom(Group *g, const PetscInt histogram[])
+{
+  PetscReal below = g->below, next_low = g->low, next_below = g->below;
+
+  if (g->target < 0.0) {
+    PetscReal total = 0.0;
+    for (PetscInt k = 0; k < BISECT_BINS; k++) total += histogram[k];
+    g->target = total * (MiddleRank(g->begin, g->end) - g->begin) / (g->end - g->begin);
+    if (total == 0.0) g->miss = 0.0; /* nobody there: keep the middle */
+  }
+  for (PetscInt k = 0; k <= BISECT_BINS; k++) {
+    const PetscReal edge = g->low + k * g->width, miss = PetscAbsReal(below - g->target);
+
+    if (miss < g->miss) {
+      g->miss = miss;
+      g->cut  = edge;
+    }
+    if (k == BISECT_BINS) break;
+    if (below <= g->target) {
+      next_low   = edge;
+      next_below = below;
+    }
+    below += histogram[k];
+  }
+  g->low   = next_low;
+  g->below = next_below;
+  g->width /= BISECT_BINS;
+}
+
+/* One round of histograms for all groups. */
+static PetscErrorCode GroupsZoom(const Particles *p, const PetscInt of[], PetscInt n_groups,
+                                 Group groups[])
+{
+  PetscInt *histogram;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(n_groups * BISECT_BINS, &histogram));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscInt bin;
+
+    if (of[i] < 0) continue;
+    bin = BinOf(&groups[of[i]], p->x[groups[of[i]].axis][i]);
+    if (bin >= 0) histogram[of[i] * BISECT_BINS + bin]++;
+  }
+  PetscCall(
+      MPIU_Allreduce(MPI_IN_PLACE, histogram, n_groups * BISECT_BINS, MPIU_INT, MPI_SUM, p->comm));
+  for (PetscInt k = 0; k < n_groups; k++) GroupZoom(&groups[k], &histogram[k * BISECT_BINS]);
+  PetscCall(PetscFree(histogram));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Records the cuts of a level and makes the groups of the next one of all halves not yet one rank.
+ */
+static PetscErrorCode GroupsSplit(Particles *p, PetscInt of[], PetscInt *n_groups, Group groups[])
+{
+  PetscInt n = 0, *child;
+  Group   *parents;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(2 * *n_groups, &child, *n_groups, &parents));
+  PetscCall(PetscArraycpy(parents, groups, *n_groups));
+  for (PetscInt k = 0; k < 2 * *n_groups; k++) {
+    const Group   *g     = &parents[k / 2];
+    const PetscInt m     = MiddleRank(g->begin, g->end);
+    const PetscInt begin = k % 2 ? m : g->begin, end = k % 2 ? g->end : m;
+
+    p->cut_axis[m] = g->axis;
+    p->cut[m]      = g->cut;
+    child[k]       = end - begin > 1 ? n : -1;
+    if (child[k] >= 0) groups[n++] = (Group){.begin = begin, .end = end};
+  }
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    if (of[i] < 0) continue;
+    of[i] = child[2 * of[i] + (p->x[parents[of[i]].axis][i] < parents[of[i]].cut ? 0 : 1)];
+  }
+  *n_groups = n;
+  PetscCall(PetscFree2(child, parents));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Draws the boxes of all ranks anew. */
+static PetscErrorCode Bisect(const Scene *scene, Particles *p, PetscMPIInt ranks)
+{
+  PetscInt n_groups = ranks > 1 ? 1 : 0, *of;
+  Group   *groups;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc2(p->n_fluid, &of, ranks, &groups));
+  groups[0] = (Group){.begin = 0, .end = ranks};
+  while (n_groups > 0) {
+    PetscReal widest = PETSC_MAX_REAL;
+
+    PetscCall(GroupsStart(scene, p, ranks, of, n_groups, groups));
+    while (widest > BISECT_FINENESS * scene->dx) {
+      PetscCall(GroupsZoom(p, of, n_groups, groups));
+      widest = 0.0;
+      for (PetscInt k = 0; k < n_groups; k++) {
+        widest = PetscMax(widest, groups[k].width * BISECT_BINS);
+      }
+    }
+    PetscCall(GroupsSplit(p, of, &n_groups, groups));
+  }
+  PetscCall(PetscFree2(of, groups));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds the owners of own particles by the boxes as they are, and max / mean of fluid in a box. */
+static PetscErrorCode FindOwners(const Particles *p, PetscMPIInt ranks, PetscInt owner[],
+                                 PetscReal *imbalance)
+{
+  PetscInt *load, most = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(ranks, &load));
+  for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
+    owner[i] = OwnerOf(p, ranks, i);
+    if (i < p->n_fluid) load[owner[i]]++;
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, load, ranks, MPIU_INT, MPI_SUM, p->comm));
+  for (PetscMPIInt r = 0; r < ranks; r++) most = PetscMax(most, load[r]);
+  *imbalance = (PetscReal)most * ranks / PetscMax(p->N_fluid, 1);
+  PetscCall(PetscFree(load));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ParticlesDecompose - Says which rank each own particle belongs to, and sets the box of this rank
+
+  Collective
+
+  Input Parameters:
++ scene - the scene
+- p     - the particles, wrapped into periodic boxes
+
+  Output Parameters:
++ owner - rank of every own particle, fluid and wall
+- p     - cut_axis, cut, lo and hi
+
+  Notes:
+  Boxes are drawn in the first epoch, and again when one holds more than 1.1 times the mean number
+of fluid particles. Outer boxes have no end where the scene is not periodic: walls lie beyond the
+box.
+*/
+PetscErrorCode ParticlesDecompose(const Scene *scene, Particles *p, PetscInt owner[])
+{
+  PetscMPIInt rank, ranks;
+  PetscReal   imbalance = PETSC_MAX_REAL;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(p->comm, &rank));
+  PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
+  if (p->epoch > 0) PetscCall(FindOwners(p, ranks, owner, &imbalance));
+  if (imbalance > BISECT_IMBALANCE) {
+    PetscCall(Bisect(scene, p, ranks));
+    PetscCall(FindOwners(p, ranks, owner, &imbalance));
+  }
+  for (PetscInt a = 0; a < p->dim; a++) {
+    p->lo[a] = scene->periodic[a] ? scene->lo[a] : PETSC_NINFINITY;
+    p->hi[a] = scene->periodic[a] ? scene->hi[a] : PETSC_INFINITY;
+  }
+  CutOutBox(p, ranks, rank, rank + 1, p->lo, p->hi);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,90 @@
+/*
+  When an epoch ends and what the start of the next one consists of.
+*/
+#include "impl.h"
+
+/* Largest distance of an own fluid particle from where it was at the epoch's start, squared [m^2].
+ */
+static PetscErrorCode LargestMove(const Particles *p, PetscReal *move2)
+{
+  PetscReal largest = 0.0;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal d2 = 0.0;
+
+    for (PetscInt a = 0; a < p->dim; a++) d2 += PetscSqr(p->x[a][i] - p->x_epoch[a][i]);
+    if (!(d2 <= largest)) largest = PetscIsInfOrNanReal(d2) ? PETSC_MAX_REAL : d2;
+  }
+  PetscCall(MPIU_Allreduce(&largest, move2, 1, MPIU_REAL, MPIU_MAX, p->comm));
+  PetscCheck(*move2 < PETSC_MAX_REAL, p->comm, PETSC_ERR_FP,
+             "The flow diverged: the position of a particle is not a finite number");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WrapPeriodic(const Scene *scene, Particles *p)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < p->dim; a++) {
+    const PetscReal lo = scene->lo[a], hi = scene->hi[a], period = hi - lo;
+    PetscReal      *x = p->x[a];
+
+    if (!scene->periodic[a]) continue;
+    for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
+      if (x[i] >= lo && x[i] < hi) continue;
+      x[i] -= period * PetscFloorReal((x[i] - lo) / period);
+      if (!(x[i] >= lo && x[i] < hi)) x[i] = lo; /* rounding */
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ParticlesUpdateEpoch - Starts a new epoch if the skin is used up
+
+    max_i |x_i - x_i(epoch)| >= skin / 2
+
+  Collective
+
+  Input Parameters:
++ scene     - the scene
+. particles - with new positions of own particles
+- force     - start one in any case; the same on all ranks
+
+  Output Parameter:
+. started - whether an epoch started; may be NULL
+
+  Notes:
+  A start wraps positions into periodic boxes, migrates and sorts the particles with all registered
+  fields, numbers them anew, rebuilds the halo and refreshes its positions. Without a start nothing
+  changes: call ParticlesUpdateHalo() then. Two particles that come closer than halo_width during
+the epoch were closer than halo_width + skin at its start, hence know each other.
+
+  Error: PETSC_ERR_FP if a position is not finite
+*/
+PetscErrorCode ParticlesUpdateEpoch(const Scene *scene, Particles *particles, PetscBool force,
+                                    PetscBool *started)
+{
+  Particles *p = particles;
+  PetscReal  move2;
+  PetscInt  *owner;
+  PetscBool  due;
+
+  PetscFunctionBegin;
+  PetscCall(LargestMove(p, &move2));
+  due = force || (move2 > 0.0 && move2 >= PetscSqr(0.5 * p->skin)) ? PETSC_TRUE : PETSC_FALSE;
+  if (started) *started = due;
+  if (!due) PetscFunctionReturn(PETSC_SUCCESS);
+
+  PetscCall(WrapPeriodic(scene, p));
+  PetscCall(PetscMalloc1(ParticlesOwn(p), &owner));
+  PetscCall(ParticlesDecompose(scene, p, owner));
+  PetscCall(ParticlesMigrate(scene, p, owner));
+  PetscCall(PetscFree(owner));
+  for (PetscInt a = 0; a < p->dim; a++) {
+    PetscCall(PetscArraycpy(p->x_epoch[a], p->x[a], ParticlesOwn(p)));
+  }
+  PetscCall(HaloBuild(scene, p));
+  p->epoch++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

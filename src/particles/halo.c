@@ -1,0 +1,265 @@
+/*
+  Copies of other ranks' particles, and of own ones as periodic images, wherever a particle lies
+  within reach = halo_width + skin of a rank's box. Within an epoch the list stays as it is and a
+  PetscSF carries values from owners (roots) to copies (leaves).
+*/
+#include "impl.h"
+
+/* A copy to be made: which own particle, and by how many periods it is displaced. */
+typedef struct {
+  PetscInt root, is_wall, image[ISPH_MAX_DIM];
+} HaloItem;
+#define HALO_ITEM_WIDTH ((PetscInt)(sizeof(HaloItem) / sizeof(PetscInt)))
+
+typedef struct {
+  HaloItem *item;
+  PetscInt *rank; /* to which it goes */
+  PetscInt  n, capacity;
+} HaloList;
+
+static PetscErrorCode HaloListAppend(HaloList *list, PetscInt rank, HaloItem item)
+{
+  PetscFunctionBegin;
+  if (list->n == list->capacity) {
+    list->capacity = 2 * list->capacity + 256;
+    PetscCall(PetscRealloc(sizeof(HaloItem) * (size_t)list->capacity, &list->item));
+    PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)list->capacity, &list->rank));
+  }
+  list->item[list->n] = item;
+  list->rank[list->n] = rank;
+  list->n++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The ranks of [begin, end) whose boxes a cube of half side reach around y touches. */
+static void RanksTouched(const Particles *p, const PetscReal y[], PetscReal reach, PetscInt begin,
+                         PetscInt end, PetscInt touched[], PetscInt *n)
+{
+  const PetscInt m = (begin + end) / 2;
+
+  if (end - begin == 1) {
+    touched[(*n)++] = begin;
+    return;
+  }
+  if (y[p->cut_axis[m]] - reach < p->cut[m]) RanksTouched(p, y, reach, begin, m, touched, n);
+  if (y[p->cut_axis[m]] + reach >= p->cut[m]) RanksTouched(p, y, reach, m, end, touched, n);
+}
+
+/* Lists one image of own particle i for all ranks that need it; an owner has the original. */
+static PetscErrorCode ListImage(const Scene *scene, const Particles *p, PetscReal reach, PetscInt i,
+                                const PetscInt image[], PetscInt touched[], HaloList *list)
+{
+  HaloItem    item = {.root = i, .is_wall = ParticlesIsWall(p, i)};
+  PetscReal   y[ISPH_MAX_DIM];
+  PetscInt    n = 0, moved = 0;
+  PetscMPIInt rank, ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(p->comm, &rank));
+  PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
+  for (PetscInt a = 0; a < p->dim; a++) {
+    y[a]          = p->x[a][i] + image[a] * (scene->hi[a] - scene->lo[a]);
+    item.image[a] = image[a];
+    moved         = moved || image[a] != 0;
+  }
+  RanksTouched(p, y, reach, 0, ranks, touched, &n);
+  for (PetscInt k = 0; k < n; k++) {
+    if (touched[k] != rank || moved) PetscCall(HaloListAppend(list, touched[k], item));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Lists all copies to be made of own particles. A short period has several images within reach. */
+static PetscErrorCode ListImages(const Scene *scene, const Particles *p, HaloList *list)
+{
+  const PetscReal reach = (1.0 + 1e-9) * (p->halo_width + p->skin);
+  PetscInt       *touched, image[ISPH_MAX_DIM];
+  PetscMPIInt     ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
+  PetscCall(PetscMalloc1(ranks, &touched));
+  for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
+    PetscInt  first[ISPH_MAX_DIM] = {0}, last[ISPH_MAX_DIM] = {0};
+    PetscBool inside = PETSC_TRUE;
+
+    for (PetscInt a = 0; a < p->dim; a++) {
+      const PetscReal period = scene->hi[a] - scene->lo[a], x = p->x[a][i];
+
+      if (x - reach >= p->lo[a] && x + reach < p->hi[a]) continue;
+      inside = PETSC_FALSE;
+      if (!scene->periodic[a]) continue;
+      first[a] = (PetscInt)PetscCeilReal((scene->lo[a] - reach - x) / period);
+      last[a]  = (PetscInt)PetscFloorReal((scene->hi[a] + reach - x) / period);
+    }
+    if (inside) continue;
+    for (image[2] = first[2]; image[2] <= last[2]; image[2]++) {
+      for (image[1] = first[1]; image[1] <= last[1]; image[1]++) {
+        for (image[0] = first[0]; image[0] <= last[0]; image[0]++) {
+          PetscCall(ListImage(scene, p, reach, i, image, touched, list));
+        }
+      }
+    }
+  }
+  PetscCall(PetscFree(touched));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Orders the list by rank, keeping the order of particles. */
+static PetscErrorCode HaloListPack(const HaloList *list, PetscMPIInt ranks, PetscInt n_to[],
+                                   HaloItem **packed)
+{
+  PetscInt *next;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(list->n, packed));
+  PetscCall(PetscCalloc1(ranks + 1, &next));
+  for (PetscInt k = 0; k < list->n; k++) n_to[list->rank[k]]++;
+  for (PetscMPIInt r = 0; r < ranks; r++) next[r + 1] = next[r] + n_to[r];
+  for (PetscInt k = 0; k < list->n; k++) (*packed)[next[list->rank[k]]++] = list->item[k];
+  PetscCall(PetscFree(next));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes room for the items received, halo fluid then halo wall, and the PetscSF that fills them. */
+static PetscErrorCode HaloConnect(const Scene *scene, Particles *p, PetscMPIInt n_sources,
+                                  const PetscMPIInt source[], const PetscInt n_from[],
+                                  const HaloItem items[])
+{
+  PetscInt     n = 0, k = 0, fluid = 0, wall = 0;
+  PetscSFNode *root;
+
+  PetscFunctionBegin;
+  for (PetscMPIInt s = 0; s < n_sources; s++) n += n_from[s];
+  for (PetscInt j = 0; j < n; j++) wall += items[j].is_wall;
+  p->n_halo_fluid = n - wall;
+  p->n_halo_wall  = wall;
+  wall            = p->n_halo_fluid;
+  PetscCall(ParticlesReserve(p, ParticlesAll(p)));
+  PetscCall(PetscMalloc1(n, &root));
+  for (PetscInt a = 0; a < p->dim; a++) {
+    PetscCall(PetscFree(p->halo_shift[a]));
+    PetscCall(PetscMalloc1(n, &p->halo_shift[a]));
+  }
+  for (PetscMPIInt s = 0; s < n_sources; s++) {
+    for (PetscInt j = 0; j < n_from[s]; j++, k++) {
+      const PetscInt leaf = items[k].is_wall ? wall++ : fluid++;
+
+      root[leaf].rank  = source[s];
+      root[leaf].index = items[k].root;
+      for (PetscInt a = 0; a < p->dim; a++) {
+        p->halo_shift[a][leaf] = items[k].image[a] * (scene->hi[a] - scene->lo[a]);
+      }
+    }
+  }
+  PetscCall(
+      PetscSFSetGraph(p->sf, ParticlesOwn(p), n, NULL, PETSC_OWN_POINTER, root, PETSC_OWN_POINTER));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Fills what of the halo does not change within the epoch, and its positions. */
+static PetscErrorCode HaloFill(Particles *p)
+{
+  PetscInt *names[2] = {p->id, p->number};
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < 2; k++) {
+    PetscInt *copies = names[k] + ParticlesOwn(p);
+    PetscCall(PetscSFBcastBegin(p->sf, MPIU_INT, names[k], copies, MPI_REPLACE));
+    PetscCall(PetscSFBcastEnd(p->sf, MPIU_INT, names[k], copies, MPI_REPLACE));
+  }
+  for (PetscInt f = 0; f < p->n_fields; f++) {
+    if (p->field[f].halo != HALO_EPOCH) continue;
+    for (PetscInt c = 0; c < p->field[f].components; c++) {
+      PetscCall(ParticlesHaloField(p, p->field[f].slot[c]));
+    }
+  }
+  PetscCall(ParticlesUpdateHalo(p));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  HaloBuild - Finds the particles each rank needs copies of and copies them
+
+  Collective
+
+  Input Parameters:
++ scene - the scene
+- p     - own particles migrated and sorted, wrapped into periodic boxes
+
+  Output Parameter:
+. p - halo counts, sf, halo_shift; halo values of id, number, x and the fields of HALO_EPOCH
+*/
+PetscErrorCode HaloBuild(const Scene *scene, Particles *p)
+{
+  HaloList    list = {0};
+  HaloItem   *sent, *received;
+  PetscMPIInt ranks, n_sources, *source;
+  PetscInt   *n_to, *n_from;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
+  PetscCall(PetscCalloc1(ranks, &n_to));
+  PetscCall(ListImages(scene, p, &list));
+  PetscCall(HaloListPack(&list, ranks, n_to, &sent));
+  PetscCall(ExchangeItems(p->comm, MPIU_INT, HALO_ITEM_WIDTH, n_to, sent, &n_sources, &source,
+                          &n_from, &received));
+  PetscCall(HaloConnect(scene, p, n_sources, source, n_from, received));
+  PetscCall(HaloFill(p));
+  PetscCall(PetscFree(received));
+  PetscCall(PetscFree(n_from));
+  PetscCall(PetscFree(source));
+  PetscCall(PetscFree(sent));
+  PetscCall(PetscFree(list.item));
+  PetscCall(PetscFree(list.rank));
+  PetscCall(PetscFree(n_to));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ParticlesUpdateHalo - Moves the halo to where its owners are now
+
+    x_copy = x_owner + shift
+
+  Collective
+
+  Input Parameter:
+. particles - with new positions of own particles
+
+  Note: call it after each change of own positions that did not start an epoch. It changes the stamp
+  `moved`, which tells neighbours and matrices that they are out of date.
+*/
+PetscErrorCode ParticlesUpdateHalo(Particles *particles)
+{
+  Particles     *p   = particles;
+  const PetscInt own = ParticlesOwn(p), n_halo = ParticlesAll(p) - own;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < p->dim; a++) {
+    PetscCall(ParticlesHaloField(p, p->x[a]));
+    for (PetscInt k = 0; k < n_halo; k++) p->x[a][own + k] += p->halo_shift[a][k];
+  }
+  p->moved++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ParticlesHaloField - Copies values of own particles to their copies
+
+  Collective
+
+  Input Parameter:
+. particles - the particles
+
+  Input/Output Parameter:
+. values - by local index: those of own particles are read, those of the halo written
+*/
+PetscErrorCode ParticlesHaloField(const Particles *particles, PetscReal values[])
+{
+  PetscReal *copies = values + ParticlesOwn(particles);
+
+  PetscFunctionBegin;
+  PetscCall(PetscSFBcastBegin(particles->sf, MPIU_REAL, values, copies, MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(particles->sf, MPIU_REAL, values, copies, MPI_REPLACE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

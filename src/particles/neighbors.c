@@ -1,0 +1,221 @@
+/*
+  Rows of neighbours of own fluid particles, kept as long as they are good: where particles move
+  little in a step, rows are made with a margin and serve until the margin is spent.
+*/
+#include "isph/particles.h"
+
+#define MARGIN_LARGEST 0.15        /* of the radius */
+#define MARGIN_STEPS   10          /* how many steps a margin is to serve */
+#define STEP_TOO_LONG  (0.1 / 2.6) /* of the radius: a margin would serve two steps or fewer */
+#define ROW_SORT_SHORT 128         /* longest row sorted by insertion */
+
+/*
+  NeighborsCreate - Makes an empty set of rows
+
+  Not collective
+
+  Input Parameter:
+. radius - pairs closer than this are neighbours [m]; at most Particles.halo_width
+
+  Output Parameter:
+. neighbors - to be filled by NeighborsUpdate()
+*/
+PetscErrorCode NeighborsCreate(PetscReal radius, Neighbors **neighbors)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscNew(neighbors));
+  (*neighbors)->radius = radius;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  NeighborsDestroy - Frees the rows
+
+  Not collective
+*/
+PetscErrorCode NeighborsDestroy(Neighbors **neighbors)
+{
+  Neighbors *nb = *neighbors;
+
+  PetscFunctionBegin;
+  if (!nb) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree(nb->row));
+  PetscCall(PetscFree(nb->col));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(nb->x_built[a]));
+  PetscCall(CellsFree(&nb->cells));
+  PetscCall(PetscFree(*neighbors));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReserveRows(PetscInt n, PetscInt dim, Neighbors *nb)
+{
+  PetscFunctionBegin;
+  if (n + 1 <= nb->row_capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  nb->row_capacity = n + 1 + n / 4;
+  PetscCall(PetscFree(nb->row));
+  PetscCall(PetscMalloc1(nb->row_capacity, &nb->row));
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscCall(PetscFree(nb->x_built[a]));
+    PetscCall(PetscMalloc1(nb->row_capacity, &nb->x_built[a]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReserveColumns(PetscInt n, Neighbors *nb)
+{
+  PetscFunctionBegin;
+  if (n <= nb->col_capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  nb->col_capacity = n + n / 2;
+  PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)nb->col_capacity, &nb->col));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Appends to col the particles of run [begin, end) of the cells' list within reach of x, i left
+ * out. */
+static inline PetscInt ScanRun(const Cells *cells, PetscInt begin, PetscInt end,
+                               const PetscReal x[], PetscReal reach2, PetscInt i, PetscInt col[])
+{
+  const PetscReal *x0 = cells->x[0], *x1 = cells->x[1], *x2 = cells->x[2];
+  PetscInt         n = 0;
+
+  if (cells->dim == 2) {
+    for (PetscInt k = begin; k < end; k++) {
+      const PetscReal d0 = x0[k] - x[0], d1 = x1[k] - x[1];
+      col[n] = cells->list[k];
+      n += (d0 * d0 + d1 * d1 < reach2) & (col[n] != i);
+    }
+  } else {
+    for (PetscInt k = begin; k < end; k++) {
+      const PetscReal d0 = x0[k] - x[0], d1 = x1[k] - x[1], d2 = x2[k] - x[2];
+      col[n] = cells->list[k];
+      n += (d0 * d0 + d1 * d1 + d2 * d2 < reach2) & (col[n] != i);
+    }
+  }
+  return n;
+}
+
+static PetscErrorCode SortRow(PetscInt n, PetscInt col[])
+{
+  PetscFunctionBegin;
+  if (n > ROW_SORT_SHORT) {
+    PetscCall(PetscSortInt(n, col));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt k = 1; k < n; k++) {
+    const PetscInt j = col[k];
+    PetscInt       l = k;
+
+    for (; l > 0 && col[l - 1] > j; l--) col[l] = col[l - 1];
+    col[l] = j;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Appends row i: three cells along the first axis are one run of the list. */
+static PetscErrorCode BuildRow(const Particles *p, PetscInt i, PetscReal reach2, Neighbors *nb)
+{
+  const Cells *cells               = &nb->cells;
+  PetscInt     first[ISPH_MAX_DIM] = {0}, last[ISPH_MAX_DIM] = {0}, n = nb->row[i];
+  PetscReal    x[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < p->dim; a++) {
+    PetscInt c;
+
+    x[a]     = p->x[a][i];
+    c        = (PetscInt)((x[a] - cells->origin[a]) / cells->size);
+    first[a] = PetscMax(c - 1, 0);
+    last[a]  = PetscMin(c + 1, cells->count[a] - 1);
+  }
+  for (PetscInt c2 = first[2]; c2 <= last[2]; c2++) {
+    for (PetscInt c1 = first[1]; c1 <= last[1]; c1++) {
+      const PetscInt cell  = cells->count[0] * (c1 + cells->count[1] * c2);
+      const PetscInt begin = cells->start[cell + first[0]], end = cells->start[cell + last[0] + 1];
+
+      PetscCall(ReserveColumns(n + end - begin + 1, nb));
+      n += ScanRun(cells, begin, end, x, reach2, i, &nb->col[n]);
+    }
+  }
+  PetscCall(SortRow(n - nb->row[i], &nb->col[nb->row[i]]));
+  nb->row[i + 1] = n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes all rows for present positions. */
+static PetscErrorCode BuildRows(const Particles *p, PetscReal step_length, Neighbors *nb)
+{
+  PetscReal reach;
+
+  PetscFunctionBegin;
+  nb->margin = PetscMin(MARGIN_LARGEST * nb->radius, 2.0 * MARGIN_STEPS * step_length);
+  if (step_length > STEP_TOO_LONG * nb->radius) nb->margin = 0.0;
+  reach = nb->radius + nb->margin;
+  PetscCall(CellsBuild(p, reach, &nb->cells));
+  PetscCall(ReserveRows(p->n_fluid, p->dim, nb));
+  nb->row[0] = 0;
+  for (PetscInt i = 0; i < p->n_fluid; i++) PetscCall(BuildRow(p, i, reach * reach, nb));
+  for (PetscInt a = 0; a < p->dim; a++) {
+    PetscCall(PetscArraycpy(nb->x_built[a], p->x[a], p->n_fluid));
+  }
+  nb->epoch = p->epoch;
+  nb->moved = p->moved;
+  nb->builds++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Largest distance of a fluid particle on any rank from where it was when the rows were made [m].
+ */
+static PetscErrorCode LargestMove(const Particles *p, const Neighbors *nb, PetscReal *move)
+{
+  PetscReal largest = 0.0;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal d2 = 0.0;
+
+    for (PetscInt a = 0; a < p->dim; a++) d2 += PetscSqr(p->x[a][i] - nb->x_built[a][i]);
+    if (!(d2 <= largest)) largest = PetscIsInfOrNanReal(d2) ? PETSC_MAX_REAL : d2;
+  }
+  PetscCall(MPIU_Allreduce(&largest, move, 1, MPIU_REAL, MPIU_MAX, p->comm));
+  *move = PetscSqrtReal(*move);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  NeighborsUpdate - Brings the rows up to date if particles have moved too far since they were made
+
+    rows are kept while  2 max_i |x_i - x_i(made)| <= margin
+
+  Collective
+
+  Input Parameters:
++ particles   - with a halo that is up to date
+- step_length - bound of the largest displacement in a step [m], the same on all ranks; it chooses
+the margin: none if more than 0.1 / 2.6 of the radius or zero, else ten steps' worth, at most 0.15
+radius
+
+  Output Parameter:
+. neighbors - row, col; cells and x_built are of the positions when the rows were made
+
+  Note: any pair closer than radius is in the rows, also after they were kept. For a search in kept
+  cells see CellsFind().
+*/
+PetscErrorCode NeighborsUpdate(const Particles *particles, PetscReal step_length,
+                               Neighbors *neighbors)
+{
+  const Particles *p  = particles;
+  Neighbors       *nb = neighbors;
+  PetscReal        move;
+
+  PetscFunctionBegin;
+  PetscCheck(nb->radius <= p->halo_width * (1.0 + 1e-12), p->comm, PETSC_ERR_ARG_OUTOFRANGE,
+             "Radius %g of neighbours exceeds halo_width = %g of the particles", (double)nb->radius,
+             (double)p->halo_width);
+  if (nb->builds > 0 && nb->epoch == p->epoch) {
+    if (nb->moved == p->moved) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(LargestMove(p, nb, &move));
+    if (2.0 * move <= nb->margin) PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(BuildRows(p, step_length, nb));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,169 @@
+/*
+  The life of the particles' storage: made from the scene, grown, and taken down. Every array that
+  belongs to a particle is a registered field, so that migration and sorting treat all alike.
+*/
+#include "impl.h"
+
+/*
+  ParticlesReserve - Makes room for n particles, own and halo, in every array; keeps what is there
+
+  Not collective
+
+  Note: new entries are zero. Capacity is never less than 1, so that an existing field is never
+  NULL.
+*/
+PetscErrorCode ParticlesReserve(Particles *p, PetscInt n)
+{
+  const PetscInt old      = p->capacity;
+  const PetscInt capacity = PetscMax(PetscMax(n, 1), old + old / 4);
+  PetscInt     **names[2] = {&p->id, &p->number};
+
+  PetscFunctionBegin;
+  if (n <= old && old > 0) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < 2; k++) {
+    PetscInt *grown;
+    PetscCall(PetscCalloc1(capacity, &grown));
+    PetscCall(PetscArraycpy(grown, *names[k], old));
+    PetscCall(PetscFree(*names[k]));
+    *names[k] = grown;
+  }
+  for (PetscInt f = 0; f < p->n_fields; f++) {
+    for (PetscInt c = 0; c < p->field[f].components; c++) {
+      PetscReal *grown;
+      PetscCall(PetscCalloc1(capacity, &grown));
+      PetscCall(PetscArraycpy(grown, p->field[f].slot[c], old));
+      PetscCall(PetscFree(p->field[f].slot[c]));
+      p->field[f].slot[c] = grown;
+    }
+  }
+  p->capacity = capacity;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ParticlesRegister - Makes an array of the caller's a field, which then follows the particles
+
+  Collective: fields must be registered in the same order on all ranks
+
+  Input Parameters:
++ particles  - the particles
+. name       - for messages and files; the string is not copied
+. components - number of arrays
+. halo       - HALO_EPOCH: halo copies are filled when an epoch starts, from the next one on
+- slot       - the caller's array of `components` pointers; must live as long as the particles
+
+  Notes:
+  slot[c][i], i < capacity, is allocated here, set to zero, freed by ParticlesDestroy(), and may be
+  another address after each epoch's start: read the slot anew, keep no copy of it. Every field must
+  hold values of own particles, fluid and wall; a field of positions is not wrapped into the box.
+*/
+PetscErrorCode ParticlesRegister(Particles *particles, const char name[], PetscInt components,
+                                 HaloPolicy halo, PetscReal **slot)
+{
+  Field *field = &particles->field[particles->n_fields];
+
+  PetscFunctionBegin;
+  PetscCheck(particles->n_fields < PARTICLES_MAX_FIELDS, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+             "Field %s is one more than PARTICLES_MAX_FIELDS = %d", name, PARTICLES_MAX_FIELDS);
+  PetscCall(ParticlesReserve(particles, 1));
+  for (PetscInt c = 0; c < components; c++) {
+    PetscCall(PetscCalloc1(particles->capacity, &slot[c]));
+  }
+  *field = (Field){.name = name, .components = components, .halo = halo, .slot = slot};
+  particles->n_fields++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RegisterOwnFields(const Scene *scene, Particles *p)
+{
+  PetscFunctionBegin;
+  PetscCall(ParticlesRegister(p, "x", p->dim, HALO_NONE, p->x));
+  PetscCall(ParticlesRegister(p, "u", p->dim, HALO_NONE, p->u));
+  PetscCall(ParticlesRegister(p, "x_epoch", p->dim, HALO_NONE, p->x_epoch));
+  if (SceneHas(scene, PHYSICS_PRESSURE)) {
+    PetscCall(ParticlesRegister(p, "p", 1, HALO_NONE, &p->p));
+  }
+  if (SceneHas(scene, PHYSICS_WALLS)) {
+    PetscCall(ParticlesRegister(p, "normal", p->dim, HALO_EPOCH, p->normal));
+    PetscCall(ParticlesRegister(p, "depth", 1, HALO_EPOCH, &p->depth));
+    PetscCall(ParticlesRegister(p, "side", 1, HALO_EPOCH, &p->side));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ParticlesCreate - Fills the box with fluid particles and its sides with wall particles
+
+    x_j = lo + (j + 1/2) (hi - lo) / cells + jitter dx xi,  xi uniform in (-1, 1)^dim
+
+  Collective on PETSC_COMM_WORLD
+
+  Input Parameters:
++ scene      - the scene
+. walls      - how the wall treatment wants its particles; ignored without PHYSICS_WALLS
+- halo_width - largest interaction radius anyone will ask for [m]
+
+  Output Parameter:
+. particles - in their first epoch, halo filled; velocities and pressures are zero
+
+  Options Database Key:
+. -skin <4> - how far apart beyond halo_width particles may start an epoch and be copied [dx]
+
+  Note: xi is a hash of (seed, id, axis) and does not depend on the number of ranks.
+*/
+PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscReal halo_width,
+                               Particles **particles)
+{
+  Particles  *p;
+  PetscReal   skin = 4.0;
+  PetscMPIInt ranks;
+
+  PetscFunctionBegin;
+  PetscCheck(halo_width > 0.0, PETSC_COMM_WORLD, PETSC_ERR_ARG_OUTOFRANGE,
+             "halo_width = %g, must be positive", (double)halo_width);
+  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Particles", "");
+  PetscCall(OptionReal("-skin", "Halo beyond the interaction radius, used up by an epoch [dx]", 0.0,
+                       100.0, &skin, NULL));
+  PetscOptionsEnd();
+
+  PetscCall(PetscNew(&p));
+  p->comm       = PETSC_COMM_WORLD;
+  p->dim        = scene->dim;
+  p->halo_width = halo_width;
+  p->skin       = skin * scene->dx;
+  PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
+  PetscCall(PetscCalloc2(ranks, &p->cut_axis, ranks, &p->cut));
+  PetscCall(PetscSFCreate(p->comm, &p->sf));
+  PetscCall(RegisterOwnFields(scene, p));
+
+  PetscCall(LatticeCount(scene, walls, &p->N_fluid, &p->N_wall));
+  PetscCall(LatticeFill(scene, walls, p));
+  PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
+  *particles = p;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ParticlesDestroy - Frees the particles and the arrays of all registered fields
+
+  Collective
+*/
+PetscErrorCode ParticlesDestroy(Particles **particles)
+{
+  Particles *p = *particles;
+
+  PetscFunctionBegin;
+  if (!p) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt f = 0; f < p->n_fields; f++) {
+    for (PetscInt c = 0; c < p->field[f].components; c++) {
+      PetscCall(PetscFree(p->field[f].slot[c]));
+    }
+  }
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(p->halo_shift[a]));
+  PetscCall(PetscFree(p->id));
+  PetscCall(PetscFree(p->number));
+  PetscCall(PetscFree2(p->cut_axis, p->cut));
+  PetscCall(PetscSFDestroy(&p->sf));
+  PetscCall(PetscFree(*particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

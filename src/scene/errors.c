@@ -1,0 +1,68 @@
+/*
+  What the user sees of an error: one line for what he can mend, PETSc's traceback for a defect.
+*/
+#include "isph/base.h"
+
+/* Whether an error code speaks of the user's input, files or a diverged solve. */
+static PetscBool ErrorIsUsers(PetscErrorCode code)
+{
+  switch (code) {
+  case PETSC_ERR_USER_INPUT:
+  case PETSC_ERR_NOT_CONVERGED:
+  case PETSC_ERR_FP:
+  case PETSC_ERR_FILE_OPEN:
+  case PETSC_ERR_FILE_READ:
+  case PETSC_ERR_FILE_WRITE:
+  case PETSC_ERR_FILE_UNEXPECTED:
+  case PETSC_ERR_ARG_UNKNOWN_TYPE:
+  case PETSC_ERR_MISSING_FACTOR: return PETSC_TRUE;
+  default: return PETSC_FALSE;
+  }
+}
+
+static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *function,
+                                           const char *file, PetscErrorCode code,
+                                           PetscErrorType type, const char *message, void *ctx)
+{
+  int rank = 0;
+
+  if (!ErrorIsUsers(code)) {
+    return PetscTraceBackErrorHandler(comm, line, function, file, code, type, message, ctx);
+  }
+  (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  if (type == PETSC_ERROR_INITIAL && (rank == 0 || comm == PETSC_COMM_SELF)) {
+    (void)fflush(stdout);
+    (void)fprintf(stderr, "isph: %s\n", message);
+  }
+  return code;
+}
+
+/*
+  ErrorsInstall - Makes errors that are the user's to mend print one line
+
+  Not collective. Called once after PetscInitialize().
+*/
+PetscErrorCode ErrorsInstall(void)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscPushErrorHandler(ErrorHandler_OneLine, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ErrorsExit - Ends the program after an error
+
+  Collective for what the user can mend, which all ranks meet together; anything else may be one rank's
+  alone and takes the others with it.
+
+  Returns: the exit status, never zero
+*/
+int ErrorsExit(PetscErrorCode code)
+{
+  int size = 1;
+
+  (void)MPI_Comm_size(PETSC_COMM_WORLD, &size);
+  if (ErrorIsUsers(code)) (void)PetscFinalize();
+  else if (size > 1) (void)MPI_Abort(PETSC_COMM_WORLD, (int)code);
+  return (int)code;
+}

@@ -1,0 +1,166 @@
+/*
+  From options to a checked Scene: the case is chosen, its physics switched, its numbers read and
+  refused where they make no sense. Nothing here knows of particles or solvers.
+*/
+#include "isph/scene.h"
+
+const char *const PhysicsNames[PHYSICS_COUNT] = {"viscosity", "pressure", "convection", "walls",
+                                                 "body_force"};
+
+/* SceneHas - Whether the run computes a piece of physics */
+PetscBool SceneHas(const Scene *scene, Physics what)
+{
+  return (scene->physics & (unsigned)what) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* SceneReynolds - U L/nu with the case's lengths; infinite where there is no viscosity */
+PetscReal SceneReynolds(const Scene *scene)
+{
+  if (!SceneHas(scene, PHYSICS_VISCOSITY)) return PETSC_INFINITY;
+  return scene->speed * scene->problem->reynolds_length * scene->length / scene->nu;
+}
+
+/* SceneVolume - Volume of each particle, dx^dim [m^dim] */
+PetscReal SceneVolume(const Scene *scene)
+{
+  return scene->dim == 2 ? PetscSqr(scene->dx) : scene->dx * PetscSqr(scene->dx);
+}
+
+/* -with and -without against what the case declares. */
+static PetscErrorCode SceneReadPhysics(PetscOptionItems *PetscOptionsObject, Scene *scene)
+{
+  unsigned with, without;
+
+  PetscFunctionBegin;
+  PetscCall(OptionFlags("-with", "Physics added to the case's own", PhysicsNames, PHYSICS_COUNT, &with));
+  PetscCall(OptionFlags("-without", "Physics taken from the case's own", PhysicsNames, PHYSICS_COUNT,
+                        &without));
+  for (PetscInt k = 0; k < PHYSICS_COUNT; k++) {
+    UserCheck(!(with & without & (1u << k)), "-with %s and -without %s cannot both be given",
+              PhysicsNames[k], PhysicsNames[k]);
+  }
+  UserCheck(!(without & PHYSICS_WALLS), "-without walls: the walls belong to the geometry of case %s",
+            scene->problem->name);
+  UserCheck(!(with & PHYSICS_WALLS) || (scene->problem->physics & PHYSICS_WALLS),
+            "-with walls: case %s has none", scene->problem->name);
+  scene->physics = (scene->problem->physics | with) & ~without;
+  UserCheck(SceneHas(scene, PHYSICS_VISCOSITY) || SceneHas(scene, PHYSICS_PRESSURE),
+            "-without viscosity: with no pressure either nothing is left to compute");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Resolution, dimension and fluid. */
+static PetscErrorCode SceneReadNumbers(PetscOptionItems *PetscOptionsObject, Scene *scene)
+{
+  PetscReal reynolds = scene->problem->reynolds, viscosity = 0.0;
+  PetscBool set;
+
+  PetscFunctionBegin;
+  PetscCall(OptionInt("-dim", "Space dimension", 2, 3, &scene->dim, NULL));
+  UserCheck(scene->dim == 2 || scene->problem->three_d, "-dim 3: case %s is two-dimensional",
+            scene->problem->name);
+  scene->n = scene->problem->n;
+  PetscCall(OptionInt("-n", "Particles along the reference length, dx = L/n", 4, 100000, &scene->n, NULL));
+  scene->dx = scene->length / scene->n;
+  PetscCall(OptionsRefuseTogether("-reynolds", "-viscosity", "one follows from the other"));
+  PetscCall(OptionReal("-reynolds", "Reynolds number U L/nu [-]", 1e-12, 1e12, &reynolds, NULL));
+  scene->nu = scene->speed * scene->problem->reynolds_length * scene->length / reynolds;
+  viscosity = scene->nu;
+  PetscCall(OptionReal("-viscosity", "Kinematic viscosity nu [m^2/s]", 1e-12, 1e12, &viscosity, &set));
+  if (set) scene->nu = viscosity;
+  PetscCall(OptionReal("-jitter", "Largest random displacement of the lattice at the start [dx]", 0.0,
+                       0.5, &scene->jitter, NULL));
+  PetscCall(OptionInt("-seed", "Seed of the jitter", 0, PETSC_MAX_INT, &scene->seed, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SceneCreate - Reads and checks everything the run is about
+
+  Collective on PETSC_COMM_WORLD.
+
+  Output Parameter:
+. scene - complete: geometry in m, fluid, forces and the physics in force
+
+  Options Database Keys:
++ -case name              - row of the table in cases/cases.c
+. -dim 2|3                - space dimension
+. -n N                    - particles along the reference length
+. -reynolds, -viscosity   - one of the two
+. -with, -without names   - physics against the case's declaration
+. -jitter J               - largest random displacement of the start lattice, in dx
+- -seed S                 - of the jitter
+*/
+PetscErrorCode SceneCreate(Scene **scene)
+{
+  Scene *s;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&s));
+  s->dim    = 2;
+  s->length = s->speed = s->rho = 1.0;
+  s->seed                       = 1;
+  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Scene", "");
+  PetscCall(TableSelect(&CaseTable, "-case", "What to compute", "cavity", &s->problem));
+  PetscCall(SceneReadPhysics(PetscOptionsObject, s));
+  PetscCall(SceneReadNumbers(PetscOptionsObject, s));
+  PetscOptionsEnd();
+  PetscCall(s->problem->Setup(s));
+  for (PetscInt a = 0; a < s->dim; a++) {
+    s->cells[a] = (PetscInt)PetscFloorReal((s->hi[a] - s->lo[a]) / s->dx + 0.5);
+  }
+  *scene = s;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SceneDestroy(Scene **scene)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(*scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SceneWallVelocity - Velocity of a wall at a point of its surface [m/s]
+
+  Not collective. Zero where the case moves no wall.
+*/
+void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                       PetscReal u[])
+{
+  for (PetscInt c = 0; c < scene->dim; c++) u[c] = 0.0;
+  if (scene->problem->WallVelocity) scene->problem->WallVelocity(scene, side, t, x, u);
+}
+
+/*
+  SceneWallPlanes - Tangent planes of all walls nearer to x than reach
+
+  Not collective. Used where geometry, not particles, decides: mirror images, the distance kept from
+  walls, the extrapolation of wall velocities.
+
+  Input Parameters:
++ x     - a point [m]
+- reach - [m]
+
+  Output Parameters:
++ planes - one for each wall in reach
+- count  - how many
+*/
+void SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
+                     WallPlane planes[SCENE_MAX_PLANES], PetscInt *count)
+{
+  *count = 0;
+  if (!SceneHas(scene, PHYSICS_WALLS)) return;
+  for (PetscInt side = 0; side < 2 * scene->dim; side++) {
+    const PetscInt  a        = side / 2;
+    const PetscReal distance = side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
+    WallPlane      *plane    = &planes[*count];
+
+    if (scene->periodic[a] || distance >= reach) continue;
+    plane->distance = distance;
+    plane->side     = side;
+    for (PetscInt c = 0; c < ISPH_MAX_DIM; c++) plane->normal[c] = 0.0;
+    plane->normal[a] = side % 2 ? -1.0 : 1.0;
+    (*count)++;
+  }
+}

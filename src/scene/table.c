@@ -1,0 +1,96 @@
+/*
+  Tables of named rows: look-up by the user's word, the choice from the command line and the listing.
+  This is the one place of the program where a row's name is compared.
+*/
+#include "isph/base.h"
+
+/*
+  TableGet - Row k of a table by its common head
+
+  Not collective. Input: the table and 0 <= k < table->count.
+*/
+const TableRow *TableGet(const Table *table, PetscInt k)
+{
+  return (const TableRow *)(const void *)((const char *)table->rows + (size_t)k * table->row_size);
+}
+
+/*
+  TableFind - Row with a given name
+
+  Not collective. Output: row, NULL where the table has none of that name.
+*/
+PetscErrorCode TableFind(const Table *table, const char name[], const TableRow **row)
+{
+  PetscFunctionBegin;
+  *row = NULL;
+  for (PetscInt k = 0; k < table->count; k++) {
+    PetscBool same;
+
+    PetscCall(PetscStrcmp(TableGet(table, k)->name, name, &same));
+    if (same) *row = TableGet(table, k);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* All names of a table, "a, b, c". */
+static PetscErrorCode TableNames(const Table *table, char names[], size_t length)
+{
+  PetscFunctionBegin;
+  names[0] = '\0';
+  for (PetscInt k = 0; k < table->count; k++) {
+    if (k) PetscCall(PetscStrlcat(names, ", ", length));
+    PetscCall(PetscStrlcat(names, TableGet(table, k)->name, length));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  TableSelect - Row chosen on the command line
+
+  Collective. Called between PetscOptionsBegin() and PetscOptionsEnd().
+
+  Input Parameters:
++ table    - the rows to choose from
+. option   - e.g. "-visc_laplacian"; usually table->option
+. text     - for -help
+- fallback - name of the row taken when the option is not given
+
+  Output Parameter:
+. row - address of a pointer to the chosen row (any row type)
+
+  Errors: an unknown name ends the run with the list of the known ones
+*/
+PetscErrorCode TableSelect_Private(PetscOptionItems *PetscOptionsObject, const Table *table,
+                                   const char option[], const char text[], const char fallback[],
+                                   const void *row)
+{
+  char            name[128] = "", names[1024], help[1280];
+  const TableRow *found;
+
+  PetscFunctionBegin;
+  PetscCall(TableNames(table, names, sizeof(names)));
+  PetscCall(PetscSNPrintf(help, sizeof(help), "%s: %s", text, names));
+  PetscCall(PetscOptionsString(option, help, "", fallback, name, sizeof(name), NULL));
+  PetscCall(TableFind(table, name[0] ? name : fallback, &found));
+  UserCheck(found, "%s %s: no such name; choose one of %s", option, name, names);
+  *(const TableRow **)row = found;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  TableView - Lists a table for -catalogue: name, what it is, who published it
+
+  Collective on the viewer.
+*/
+PetscErrorCode TableView(const Table *table, PetscViewer viewer)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscViewerASCIIPrintf(viewer, "\n%s (%s)\n", table->title, table->option));
+  for (PetscInt k = 0; k < table->count; k++) {
+    const TableRow *row = TableGet(table, k);
+
+    PetscCall(PetscViewerASCIIPrintf(viewer, "  %-16s %s\n", row->name, row->brief));
+    if (row->citation[0]) PetscCall(PetscViewerASCIIPrintf(viewer, "  %-16s [%s]\n", "", row->citation));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

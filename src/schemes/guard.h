@@ -1,0 +1,20 @@
+/* The guard of linear solves; see guard.c. */
+#ifndef ISPH_GUARD_H
+#define ISPH_GUARD_H
+
+#include "isph/schemes.h"
+
+typedef struct {
+  const char *what;     /* "viscous" or "pressure" */
+  const char *prefix;   /* "visc_" or "ppe_" */
+  PetscBool   failed;   /* a solve since the last GuardReset() */
+  PetscReal   residual; /* true, relative, of the solve that failed or else of the last */
+  KSPConvergedReason reason;
+  PetscInt    iterations;
+} Guard;
+
+PetscErrorCode GuardAttach(KSP ksp, Guard *guard);
+PetscErrorCode GuardCheck(KSP ksp, const Clock *clock, Guard *guard);
+PetscErrorCode OptionDefault(const char prefix[], const char name[], const char value[]);
+
+#endif

@@ -1,0 +1,356 @@
+/*
+  The projection scheme. One step, particles moving first so that all that follows is at t^{n+1}:
+
+    x   += dr                                             ParticlesMove
+    du/dt = nu lap u - (u-w).grad u - grad p^n/rho + f    -> u*          ViscositySolve
+    lap phi = rho/k div u*                                               PressureSolve
+    u    = u* - k/rho grad phi                                           VelocityCorrect
+    p    = p^n + phi - mu div u*                                         PressureUpdate
+
+  with k = 2dt/3 for the second-order default, a backward Euler step from (4u^n - u^{n-1})/3. w is the
+  particles' velocity: u (Lagrangian) or 0 (Eulerian).
+*/
+#include "projection.h"
+
+PetscErrorCode ProjectionCreate(const Scene *scene, const Clock *clock, Operators *ops, Scheme *scheme)
+{
+  const char *const events[EVENT_COUNT] = {"ParticlesMove", "NeighborsUpdate", "OperatorsAssem", "ViscositySolve",
+                                           "PressureSolve", "PressureUpdate"};
+  PetscClassId      class_id;
+  Projection       *pr;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&pr));
+  PetscCall(PetscClassIdRegister("Projection", &class_id));
+  for (PetscInt k = 0; k < EVENT_COUNT; k++) PetscCall(PetscLogEventRegister(events[k], class_id, &pr->event[k]));
+  pr->has_convection = (scheme->motion && !scheme->motion->particles_move) ? PETSC_TRUE : PETSC_FALSE;
+  pr->has_moved      = (scheme->motion && scheme->motion->particles_move && clock->steady_tol > 0.0) ? PETSC_TRUE : PETSC_FALSE;
+  scheme->data       = pr;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Fields the scheme carries, and the case's initial values in them. */
+PetscErrorCode ProjectionRegister(const Scene *scene, Particles *p, Scheme *scheme)
+{
+  Projection *pr = (Projection *)scheme->data;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesRegister(p, "u_previous", scene->dim, HALO_NONE, pr->u_previous));
+  if (pr->has_convection) PetscCall(ParticlesRegister(p, "convection", scene->dim, HALO_NONE, pr->convection));
+  if (pr->has_moved) PetscCall(ParticlesRegister(p, "moved", scene->dim, HALO_NONE, pr->moved));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM] = {0.0}, pressure = 0.0, speed2 = 0.0;
+
+    for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
+    if (scene->problem->Velocity) scene->problem->Velocity(scene, 0.0, x, u);
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      p->u[a][i] = pr->u_previous[a][i] = u[a];
+      speed2 += PetscSqr(u[a]);
+    }
+    scheme->stats.speed_max = PetscMax(scheme->stats.speed_max, PetscSqrtReal(speed2));
+    if (p->p && scene->problem->Exact) scene->problem->Exact(scene, 0.0, x, u, &pressure);
+    if (p->p) p->p[i] = pressure;
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &scheme->stats.speed_max, 1, MPIU_REAL, MPIU_MAX, p->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ProjectionFree(Projection *pr)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    PetscCall(VecDestroy(&pr->u[a]));
+    PetscCall(VecDestroy(&pr->u_prev[a]));
+    PetscCall(VecDestroy(&pr->conv_prev[a]));
+    PetscCall(VecDestroy(&pr->star[a]));
+    PetscCall(VecDestroy(&pr->force[a]));
+    PetscCall(VecDestroy(&pr->conv[a]));
+    for (PetscInt c = 0; c < ISPH_MAX_DIM; c++) PetscCall(VecDestroy(&pr->velocity_slope[c][a]));
+  }
+  PetscCall(VecDestroy(&pr->p));
+  PetscCall(VecDestroy(&pr->p_before));
+  PetscCall(VecDestroy(&pr->phi));
+  PetscCall(VecDestroy(&pr->b));
+  PetscCall(VecDestroy(&pr->div));
+  PetscCall(VecDestroy(&pr->work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ProjectionDestroy(Scheme *scheme)
+{
+  PetscFunctionBegin;
+  PetscCall(ProjectionFree((Projection *)scheme->data));
+  PetscCall(PetscFree(scheme->data));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ProjectionRenumber - Vectors over the particles as they are numbered now; nothing to do within an epoch */
+PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *p, Scheme *scheme)
+{
+  Projection *pr = (Projection *)scheme->data;
+
+  PetscFunctionBegin;
+  if (pr->epoch == p->epoch) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ProjectionFree(pr));
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    PetscCall(FluidVec(p, p->u[a], &pr->u[a]));
+    PetscCall(FluidVec(p, pr->u_previous[a], &pr->u_prev[a]));
+    PetscCall(FluidVec(p, NULL, &pr->star[a]));
+    PetscCall(FluidVec(p, NULL, &pr->force[a]));
+    if (pr->has_convection) PetscCall(FluidVec(p, pr->convection[a], &pr->conv_prev[a]));
+    if (pr->has_convection) PetscCall(FluidVec(p, NULL, &pr->conv[a]));
+    for (PetscInt c = 0; scheme->shift && scheme->shift->Displace && c < scene->dim; c++) {
+      PetscCall(FluidVec(p, NULL, &pr->velocity_slope[c][a]));
+    }
+  }
+  PetscCall(FluidVec(p, NULL, &pr->work));
+  if (p->p) {
+    PetscCall(FluidVec(p, p->p, &pr->p));
+    PetscCall(FluidVec(p, NULL, &pr->p_before));
+    PetscCall(FluidVec(p, NULL, &pr->phi));
+    PetscCall(FluidVec(p, NULL, &pr->b));
+    PetscCall(FluidVec(p, NULL, &pr->div));
+  }
+  if (scheme->visc) PetscCall(ViscosityRenumber(p, scheme->visc));
+  pr->epoch = p->epoch;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* n.grad p = rho n.f at walls: what p^n has of it already, and what this step adds. */
+static PetscErrorCode SetWallSlopes(const Scene *scene, const Clock *clock, const Particles *p, const Scheme *scheme,
+                                    Operators *ops)
+{
+  const PetscReal had = scheme->projection->incremental && clock->step > 0 ? 1.0 : 0.0;
+  PetscScalar    *slope, *step;
+
+  PetscFunctionBegin;
+  if (!ops->wall) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecGetArray(ops->wall_slope, &slope));
+  PetscCall(VecGetArray(ops->wall_slope_step, &step));
+  for (PetscInt w = 0; w < p->n_wall; w++) {
+    PetscReal full = 0.0;
+
+    for (PetscInt a = 0; a < scene->dim; a++) full += scene->rho * scene->body[a] * p->normal[a][p->n_fluid + w];
+    slope[w] = had * full;
+    step[w]  = (1.0 - had) * full;
+  }
+  PetscCall(VecRestoreArray(ops->wall_slope, &slope));
+  PetscCall(VecRestoreArray(ops->wall_slope_step, &step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  u.grad u of fixed particles: extrapolated into the force for implicit kinds; for the others the
+  advecting velocity is extrapolated and the TS does the rest.
+*/
+static PetscErrorCode AddConvection(const Scene *scene, const Clock *clock, const Operators *ops, PetscReal at,
+                                    Scheme *scheme)
+{
+  Projection     *pr       = (Projection *)scheme->data;
+  const PetscBool extrapolate = !scheme->visc || ViscosityTimeKind(scheme->visc)->kind == TIME_IMPLICIT;
+  const PetscReal w = scheme->time_order == 2 && clock->dt_previous > 0.0 ? at * clock->dt / clock->dt_previous : 0.0;
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < scene->dim; c++) {
+    if (!extrapolate) {
+      PetscCall(VecCopy(pr->u[c], pr->conv[c]));
+      PetscCall(VecAXPBY(pr->conv[c], -w, 1.0 + w, pr->u_prev[c]));
+      continue;
+    }
+    PetscCall(VecZeroEntries(pr->conv[c]));
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      PetscCall(AffineApply(&ops->grad_u[a], pr->u[c], ops->wall_u[c], pr->work));
+      PetscCall(VecPointwiseMult(pr->work, pr->work, pr->u[a]));
+      PetscCall(VecAXPY(pr->conv[c], 1.0, pr->work));
+    }
+    PetscCall(VecAXPY(pr->force[c], -(1.0 + w), pr->conv[c]));
+    PetscCall(VecAXPY(pr->force[c], w, pr->conv_prev[c]));
+    PetscCall(VecCopy(pr->conv[c], pr->conv_prev[c]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The force on u*: -grad p^n/rho + f - convection; at = 1 or 1/2: where in the step it is taken. */
+static PetscErrorCode AssembleForce(const Scene *scene, const Clock *clock, const Operators *ops, PetscReal at,
+                                    Scheme *scheme)
+{
+  Projection *pr = (Projection *)scheme->data;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    if (scheme->projection && scheme->projection->incremental) {
+      PetscCall(AffineApply(&ops->grad_p[a], pr->p, ops->wall_slope, pr->force[a]));
+      PetscCall(VecScale(pr->force[a], -1.0 / scene->rho));
+    } else {
+      PetscCall(VecZeroEntries(pr->force[a]));
+    }
+    if (SceneHas(scene, PHYSICS_BODY_FORCE)) PetscCall(VecShift(pr->force[a], scene->body[a]));
+  }
+  if (pr->has_convection) PetscCall(AddConvection(scene, clock, ops, at, scheme));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  The predictor: start value and length of the viscous step.
+  BDF2 with w = dt/dt_previous: k = dt (1+w)/(1+2w), start = ((1+w)^2 u^n - w^2 u^{n-1})/(1+2w).
+*/
+static PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, const Particles *p, Operators *ops,
+                                      Scheme *scheme)
+{
+  Projection        *pr      = (Projection *)scheme->data;
+  const TimeKindRow *kind    = scheme->visc ? ViscosityTimeKind(scheme->visc) : NULL;
+  const PetscBool    history = (!kind || kind->history) && scheme->time_order == 2 && clock->dt_previous > 0.0;
+  const PetscReal    w       = history ? clock->dt / clock->dt_previous : 0.0;
+  const PetscBool    inner   = pr->has_convection && kind && kind->kind != TIME_IMPLICIT;
+  PetscReal          dt      = clock->dt * (1.0 + w) / (1.0 + 2.0 * w);
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    PetscCall(VecCopy(pr->u[a], pr->star[a]));
+    PetscCall(VecAXPBY(pr->star[a], -w * w / (1.0 + 2.0 * w), PetscSqr(1.0 + w) / (1.0 + 2.0 * w), pr->u_prev[a]));
+  }
+  PetscCall(AssembleForce(scene, clock, ops, !kind || kind->end_of_step ? 1.0 : 0.5, scheme));
+  pr->k = dt;
+  if (scheme->visc) {
+    const PetscReal slip = scheme->projection ? dt / scene->rho : 0.0;
+
+    PetscCall(ViscositySolve(scene, clock, p, dt, slip, pr->force, inner ? pr->conv : NULL, ops, pr->star, scheme->visc));
+    pr->k *= ViscosityResponse(scheme->visc);
+  } else {
+    for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecAXPY(pr->star[a], dt, pr->force[a]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Right-hand side of A phi = b, A = -dx^2 lap: -dx^2 rho/k ((1-alpha) div u* + alpha (1-C)/dt) - B slope. */
+static PetscErrorCode AssemblePressureSource(const Scene *scene, const Clock *clock, const Particles *p,
+                                             const Operators *ops, Scheme *scheme)
+{
+  Projection     *pr = (Projection *)scheme->data;
+  const PetscReal scale = -PetscSqr(scene->dx) * scene->rho / pr->k;
+  PetscScalar    *b;
+
+  PetscFunctionBegin;
+  PetscCall(VecZeroEntries(pr->div));
+  for (PetscInt c = 0; c < scene->dim; c++) {
+    PetscCall(AffineApplyAdd(&ops->div[c], pr->star[c], ops->wall_u[c], pr->div));
+  }
+  PetscCall(VecCopy(pr->div, pr->b));
+  PetscCall(VecScale(pr->b, scale * (1.0 - scheme->alpha)));
+  if (scheme->alpha > 0.0) {
+    PetscCall(VecGetArray(pr->b, &b));
+    for (PetscInt i = 0; i < p->n_fluid; i++) b[i] += scale * scheme->alpha * (1.0 - ops->concentration[i]) / clock->dt;
+    PetscCall(VecRestoreArray(pr->b, &b));
+  }
+  if (ops->ppe.B) {
+    PetscCall(MatMult(ops->ppe.B, ops->wall_slope_step, pr->work));
+    PetscCall(VecAXPY(pr->b, -1.0, pr->work));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* u = u* - k/rho (grad phi). */
+static PetscErrorCode VelocityCorrect(const Scene *scene, const Operators *ops, Projection *pr)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    PetscCall(AffineApply(&ops->grad_p[a], pr->phi, ops->wall_slope_step, pr->work));
+    PetscCall(VecAXPY(pr->star[a], -pr->k / scene->rho, pr->work));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  p = [p^n] + phi [- mu div u*], then p += S dx^2 lap p, which takes grid-scale modes that no projection
+  on one set of points sees and leaves smooth pressure to second order; its mean is the gauge.
+*/
+static PetscErrorCode PressureUpdate(const Scene *scene, const Particles *p, Operators *ops, const Scheme *scheme)
+{
+  Projection *pr = (Projection *)scheme->data;
+  PetscScalar mean;
+
+  PetscFunctionBegin;
+  PetscCall(VecCopy(pr->p, pr->p_before));
+  if (!scheme->projection->incremental) PetscCall(VecZeroEntries(pr->p));
+  PetscCall(VecAXPY(pr->p, 1.0, pr->phi));
+  if (scheme->projection->rotational && SceneHas(scene, PHYSICS_VISCOSITY)) {
+    PetscCall(VecAXPY(pr->p, -scene->rho * scene->nu, pr->div));
+  }
+  if (ops->wall) PetscCall(VecAXPY(ops->wall_slope, 1.0, ops->wall_slope_step));
+  if (scheme->filter > 0.0) {
+    PetscCall(AffineApply(&ops->ppe, pr->p, ops->wall_slope, pr->work));
+    PetscCall(VecAXPY(pr->p, -scheme->filter, pr->work));
+  }
+  PetscCall(VecSum(pr->p, &mean));
+  PetscCall(VecShift(pr->p, -mean / (PetscReal)p->N_fluid));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Everything that follows from new positions: ownership, neighbours, matrices. */
+static PetscErrorCode RebuildOperators(const Scene *scene, const Clock *clock, Particles *p, Neighbors *nb,
+                                       Operators *ops, Scheme *scheme)
+{
+  Projection *pr = (Projection *)scheme->data;
+  PetscBool   started, changed;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(pr->event[EVENT_NEIGHBORS], 0, 0, 0, 0));
+  PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_FALSE, &started));
+  if (!started) PetscCall(ParticlesUpdateHalo(p));
+  PetscCall(NeighborsUpdate(p, scheme->stats.speed_max * clock->dt, nb));
+  PetscCall(PetscLogEventEnd(pr->event[EVENT_NEIGHBORS], 0, 0, 0, 0));
+  PetscCall(PetscLogEventBegin(pr->event[EVENT_OPERATORS], 0, 0, 0, 0));
+  PetscCall(OperatorsAssemble(scene, p, nb, ops, &changed));
+  PetscCall(PetscLogEventEnd(pr->event[EVENT_OPERATORS], 0, 0, 0, 0));
+  PetscCall(ProjectionRenumber(scene, p, scheme));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* phi from div u*, then velocity and pressure from phi. */
+static PetscErrorCode ProjectVelocity(const Scene *scene, const Clock *clock, const Particles *p, Operators *ops,
+                                      Scheme *scheme)
+{
+  Projection *pr = (Projection *)scheme->data;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(pr->event[EVENT_PRESSURE], 0, 0, 0, 0));
+  PetscCall(OperatorsSetWallVelocity(scene, p, clock->t + clock->dt, pr->k / scene->rho, ops));
+  PetscCall(AssemblePressureSource(scene, clock, p, ops, scheme));
+  PetscCall(PressureSolve(clock, p, ops, pr->b, pr->phi, scheme->ppe));
+  PetscCall(PetscLogEventEnd(pr->event[EVENT_PRESSURE], 0, 0, 0, 0));
+  PetscCall(PetscLogEventBegin(pr->event[EVENT_CORRECT], 0, 0, 0, 0));
+  PetscCall(VelocityCorrect(scene, ops, pr));
+  PetscCall(PressureUpdate(scene, p, ops, scheme));
+  PetscCall(PetscLogEventEnd(pr->event[EVENT_CORRECT], 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ProjectionStep - One step of the clock's dt; collective; errors as in the solvers */
+PetscErrorCode ProjectionStep(const Scene *scene, Clock *clock, Particles *p, Neighbors *nb, Operators *ops,
+                              Scheme *scheme)
+{
+  Projection *pr = (Projection *)scheme->data;
+
+  PetscFunctionBegin;
+  if (scheme->motion && scheme->motion->particles_move) {
+    PetscCall(PetscLogEventBegin(pr->event[EVENT_MOVE], 0, 0, 0, 0));
+    PetscCall(ParticlesMove(scene, clock, ops, p, scheme));
+    PetscCall(PetscLogEventEnd(pr->event[EVENT_MOVE], 0, 0, 0, 0));
+    PetscCall(RebuildOperators(scene, clock, p, nb, ops, scheme));
+  }
+  if (scheme->projection) PetscCall(SetWallSlopes(scene, clock, p, scheme, ops));
+  PetscCall(PetscLogEventBegin(pr->event[EVENT_VISCOSITY], 0, 0, 0, 0));
+  PetscCall(PredictVelocity(scene, clock, p, ops, scheme));
+  PetscCall(PetscLogEventEnd(pr->event[EVENT_VISCOSITY], 0, 0, 0, 0));
+  if (scheme->projection) PetscCall(ProjectVelocity(scene, clock, p, ops, scheme));
+  PetscCall(OperatorsSetWallVelocity(scene, p, clock->t + clock->dt, 0.0, ops));
+  PetscCall(StepJudge(scene, clock, p, ops, scheme));
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    PetscCall(VecCopy(pr->u[a], pr->u_prev[a]));
+    PetscCall(VecCopy(pr->star[a], pr->u[a]));
+  }
+  clock->t += clock->dt;
+  clock->dt_previous = clock->dt;
+  clock->step++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,36 @@
+/*
+  Particle shifting: where particles go, besides with the flow, so that they stay evenly spread. A new
+  kind is one function and one row.
+*/
+#include "isph/schemes.h"
+
+/*
+  ShiftDisplace_Fickian - Down the gradient of concentration, as Fick's law would
+
+    delta r = -D grad C,   D = min(h U dt, h^2/2), h = 1.3 dx,   |delta r| <= 0.1 dx
+
+  Input: speed - the flow's largest [m/s]; gradient_c [1/m]. Output: displacement [m]
+
+  Reference: S. J. Lind et al., J. Comput. Phys. 231 (2012) 1499-1523
+*/
+static void ShiftDisplace_Fickian(const Scene *scene, PetscReal speed, PetscReal dt,
+                                  const PetscReal gradient_c[], PetscReal displacement[])
+{
+  const PetscReal h = 1.3 * scene->dx, D = PetscMin(h * speed * dt, 0.5 * h * h);
+  PetscReal       length = 0.0;
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    displacement[a] = -D * gradient_c[a];
+    length += PetscSqr(displacement[a]);
+  }
+  length = PetscSqrtReal(length);
+  if (length <= 0.1 * scene->dx) return;
+  for (PetscInt a = 0; a < scene->dim; a++) displacement[a] *= 0.1 * scene->dx / length;
+}
+
+static const ShiftRow shifts[] = {
+  {"fickian", "down the gradient of particle concentration, at most 0.1 dx a step",
+   "Lind et al., J. Comput. Phys. 231 (2012)", ShiftDisplace_Fickian},
+  {"none", "particles go with the flow only", "", NULL},
+};
+const Table ShiftTable = TABLE("-shift", "Particle shifting", shifts);

@@ -1,0 +1,367 @@
+/*
+  Viscosity by PETSc's TS: one scalar system for each velocity component,
+
+    du_c/dt = nu (A u_c + B u_wall,c) - (v.grad) u_c + force_c,
+
+  the same matrix and the same KSP for all. Where each term enters is the time kind's choice
+  (timekinds.c); v is the advecting velocity of particles that do not move, given for the whole step.
+*/
+#include "guard.h"
+
+typedef struct {
+  Viscosity *visc;
+  PetscInt   c; /* component */
+} Component;
+
+struct Viscosity {
+  const TimeKindRow *row;
+  PetscInt           dim;
+  TS                 ts[ISPH_MAX_DIM]; /* they share the SNES's KSP of the first */
+  Component          component[ISPH_MAX_DIM];
+  KSP                ksp; /* NULL: explicit */
+  Guard              guard;
+  PetscInt           iterations;
+  Mat                J;          /* shift I - nu A */
+  PetscReal          shift;      /* in J; NaN: J is not yet made [1/s] */
+  PetscInt           assemblies; /* stamp of the operators in J */
+  Vec                boundary[ISPH_MAX_DIM], gradient; /* B u_wall,c at wall_t; work */
+  PetscReal          wall_t;
+
+  const Scene     *scene; /* of the solve at hand, for the callbacks */
+  const Particles *particles;
+  Operators       *ops;
+  PetscReal        slip;
+  const Vec       *force, *advecting;
+};
+
+/* Wall terms at time t; they are computed anew only where walls change their velocity. */
+static PetscErrorCode UpdateBoundary(Viscosity *v, PetscReal t)
+{
+  PetscFunctionBegin;
+  if (!v->ops->visc.B || v->wall_t == t) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!v->scene->unsteady_walls && !PetscIsNanReal(v->wall_t)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(OperatorsSetWallVelocity(v->scene, v->particles, t, v->slip, v->ops));
+  for (PetscInt c = 0; c < v->dim; c++) PetscCall(MatMult(v->ops->visc.B, v->ops->wall_u[c], v->boundary[c]));
+  v->wall_t = t;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* f = nu (A u + B u_wall). */
+static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, Vec f)
+{
+  PetscFunctionBegin;
+  PetscCall(UpdateBoundary(v, t));
+  PetscCall(MatMult(v->ops->visc.A, u, f));
+  if (v->ops->visc.B) PetscCall(VecAXPY(f, 1.0, v->boundary[c]));
+  PetscCall(VecScale(f, v->scene->nu));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* f = force - (v.grad) u. */
+static PetscErrorCode ConvectiveTerm(Viscosity *v, PetscInt c, Vec u, Vec f)
+{
+  PetscFunctionBegin;
+  PetscCall(VecCopy(v->force[c], f));
+  for (PetscInt a = 0; v->advecting && a < v->dim; a++) {
+    PetscCall(AffineApply(&v->ops->grad_u[a], u, v->ops->wall_u[c], v->gradient));
+    PetscCall(VecPointwiseMult(v->gradient, v->gradient, v->advecting[a]));
+    PetscCall(VecAXPY(f, -1.0, v->gradient));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ViscosityIFunction(TS ts, PetscReal t, Vec u, Vec udot, Vec f, void *ctx)
+{
+  Component *part = (Component *)ctx;
+  Viscosity *v    = part->visc;
+
+  PetscFunctionBegin;
+  PetscCall(ViscousTerm(v, part->c, t, u, f));
+  PetscCall(VecAYPX(f, -1.0, udot));
+  if (v->row->kind == TIME_IMPLICIT) PetscCall(VecAXPY(f, -1.0, v->force[part->c]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal shift, Mat J, Mat P,
+                                         void *ctx)
+{
+  Viscosity *v = ((Component *)ctx)->visc;
+
+  PetscFunctionBegin;
+  if (shift == v->shift) PetscFunctionReturn(PETSC_SUCCESS); /* and the preconditioner stays too */
+  PetscCall(MatCopy(v->ops->visc.A, P, SAME_NONZERO_PATTERN));
+  PetscCall(MatScale(P, -v->scene->nu));
+  PetscCall(MatShift(P, shift));
+  v->shift = shift;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ViscosityRHSFunction(TS ts, PetscReal t, Vec u, Vec f, void *ctx)
+{
+  Component *part = (Component *)ctx;
+  Viscosity *v    = part->visc;
+  Vec        convective;
+
+  PetscFunctionBegin;
+  if (v->row->kind == TIME_IMEX) {
+    PetscCall(UpdateBoundary(v, t));
+    PetscCall(ConvectiveTerm(v, part->c, u, f));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(VecDuplicate(f, &convective));
+  PetscCall(ViscousTerm(v, part->c, t, u, f));
+  PetscCall(ConvectiveTerm(v, part->c, u, convective));
+  PetscCall(VecAXPY(f, 1.0, convective));
+  PetscCall(VecDestroy(&convective));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The clock owns time; what would give it to the TS is refused. */
+static PetscErrorCode RefuseTimeOptions(void)
+{
+  const char *const refused[][2] = {{"-visc_ts_dt", "-dt"},
+                                    {"-visc_ts_max_time", "-t_end"},
+                                    {"-visc_ts_max_steps", "-max_steps"}};
+
+  PetscFunctionBegin;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(refused); k++) {
+    PetscBool given;
+
+    PetscCall(OptionGiven(refused[k][0], &given));
+    UserCheck(!given, "%s: time is the run's own; use %s", refused[k][0], refused[k][1]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  The linear solver: a preconditioner as strong as the step is stiff. nu dt/dx^2 below 2 is met by Jacobi,
+  up to 200 by block Jacobi with ILU(0), beyond by AMG.
+*/
+static PetscErrorCode ViscosityCreateSolver(const Scene *scene, PetscReal dt, const Operators *ops, Viscosity *v)
+{
+  const PetscReal stiffness = scene->nu * dt / PetscSqr(scene->dx);
+  SNES            snes;
+  PC              pc;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetSNES(v->ts[0], &snes));
+  PetscCall(SNESGetKSP(snes, &v->ksp));
+  PetscCall(KSPSetType(v->ksp, ops->visc_form->symmetric ? KSPCG : KSPGMRES));
+  PetscCall(KSPSetTolerances(v->ksp, 1e-7, PETSC_SMALL * PETSC_SMALL, PETSC_DEFAULT, 1000));
+  PetscCall(KSPGetPC(v->ksp, &pc));
+  PetscCall(PCSetType(pc, stiffness < 2.0 ? PCJACOBI : stiffness < 200.0 ? PCBJACOBI : PCHYPRE));
+  for (PetscInt c = 1; c < v->dim; c++) {
+    PetscCall(TSGetSNES(v->ts[c], &snes));
+    PetscCall(SNESSetKSP(snes, v->ksp));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ViscosityCreate - The integrators of the viscous term
+
+  Collective on PETSC_COMM_WORLD.
+
+  Input Parameter:
+. dt - first time step, for the choice of a preconditioner [s]
+
+  Options Database Keys:
+. -visc_ts_type, -visc_ksp_type, -visc_pc_type, ... - any TS, SNES, KSP or PC option of PETSc's
+
+  Errors: TS types that are no row of TimeKindTable, and options that would give time to the TS
+*/
+PetscErrorCode ViscosityCreate(const Scene *scene, PetscReal dt, const Operators *ops, Viscosity **visc)
+{
+  Viscosity *v;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&v));
+  v->dim          = scene->dim;
+  v->scene        = scene;
+  v->guard.what   = "viscous";
+  v->guard.prefix = "visc_";
+  PetscCall(RefuseTimeOptions());
+  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Viscosity", "");
+  PetscCall(TableSelect(&TimeKindTable, "-visc_ts_type", "Time integrator of viscosity", TSBEULER, &v->row));
+  PetscOptionsEnd();
+  for (PetscInt c = 0; c < v->dim; c++) {
+    v->component[c].visc = v;
+    v->component[c].c    = c;
+    PetscCall(TSCreate(PETSC_COMM_WORLD, &v->ts[c]));
+    PetscCall(TSSetOptionsPrefix(v->ts[c], "visc_"));
+    PetscCall(TSSetProblemType(v->ts[c], TS_LINEAR));
+    PetscCall(TSSetType(v->ts[c], v->row->name));
+    PetscCall(TSSetExactFinalTime(v->ts[c], TS_EXACTFINALTIME_STEPOVER));
+    PetscCall(TSSetMaxSteps(v->ts[c], PETSC_MAX_INT - 1));
+    PetscCall(TSSetMaxTime(v->ts[c], PETSC_MAX_REAL));
+    PetscCall(TSSetErrorIfStepFails(v->ts[c], PETSC_FALSE));
+    if (v->row->kind != TIME_IMPLICIT) {
+      PetscCall(TSSetRHSFunction(v->ts[c], NULL, ViscosityRHSFunction, &v->component[c]));
+    }
+    if (v->row->kind != TIME_EXPLICIT) {
+      PetscCall(TSSetIFunction(v->ts[c], NULL, ViscosityIFunction, &v->component[c]));
+    }
+  }
+  if (v->row->kind != TIME_EXPLICIT) PetscCall(ViscosityCreateSolver(scene, dt, ops, v));
+  for (PetscInt c = 0; c < v->dim; c++) {
+    TSAdapt adapt;
+
+    PetscCall(TSGetAdapt(v->ts[c], &adapt));
+    PetscCall(TSAdaptSetType(adapt, TSADAPTNONE));
+    PetscCall(TSSetFromOptions(v->ts[c]));
+  }
+  if (v->ksp) PetscCall(GuardAttach(v->ksp, &v->guard));
+  *visc = v;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ViscosityFree(Viscosity *v)
+{
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < v->dim; c++) PetscCall(VecDestroy(&v->boundary[c]));
+  PetscCall(VecDestroy(&v->gradient));
+  PetscCall(MatDestroy(&v->J));
+  v->assemblies = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ViscosityDestroy(Viscosity **visc)
+{
+  PetscFunctionBegin;
+  if (!*visc) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ViscosityFree(*visc));
+  for (PetscInt c = 0; c < (*visc)->dim; c++) PetscCall(TSDestroy(&(*visc)->ts[c]));
+  PetscCall(PetscFree(*visc));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ViscosityRenumber - Forgets what belongs to an old numbering, TS history included; collective */
+PetscErrorCode ViscosityRenumber(const Particles *p, Viscosity *v)
+{
+  PetscFunctionBegin;
+  PetscCall(ViscosityFree(v));
+  for (PetscInt c = 0; c < v->dim; c++) {
+    PetscCall(TSReset(v->ts[c]));
+    PetscCall(FluidVec(p, NULL, &v->boundary[c]));
+  }
+  PetscCall(FluidVec(p, NULL, &v->gradient));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A Jacobian of the pattern that the operators have now. */
+static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
+{
+  PetscFunctionBegin;
+  if (!v->ksp || v->assemblies == v->ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatDestroy(&v->J));
+  PetscCall(MatDuplicate(v->ops->visc.A, MAT_DO_NOT_COPY_VALUES, &v->J));
+  PetscCall(MatSetOptionsPrefix(v->J, "visc_"));
+  for (PetscInt c = 0; c < v->dim; c++) {
+    PetscCall(TSSetIJacobian(v->ts[c], v->J, v->J, ViscosityIJacobian, &v->component[c]));
+  }
+  v->shift      = NAN;
+  v->assemblies = v->ops->assemblies;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One component over [t, t + dt], in one TS step unless an adaptor of the user's takes several. */
+static PetscErrorCode ViscosityStepComponent(Viscosity *v, const Clock *clock, PetscInt c, PetscReal t, PetscReal dt,
+                                             Vec u)
+{
+  const PetscReal   end = t + dt;
+  PetscReal         now = t, next;
+  PetscInt          its_before = 0, its_after = 0;
+  TSConvergedReason reason     = TS_CONVERGED_ITERATING;
+  TS                ts         = v->ts[c];
+
+  PetscFunctionBegin;
+  PetscCall(TSSetSolution(ts, u));
+  PetscCall(TSSetTime(ts, t));
+  PetscCall(TSSetTimeStep(ts, dt));
+  PetscCall(TSGetKSPIterations(ts, &its_before));
+  while (end - now > 1e-10 * dt) {
+    PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_ITERATING));
+    PetscCall(TSStep(ts));
+    PetscCall(TSGetConvergedReason(ts, &reason));
+    if (v->ksp) PetscCall(GuardCheck(v->ksp, clock, &v->guard));
+    PetscCheck(reason >= 0, PETSC_COMM_WORLD, PETSC_ERR_NOT_CONVERGED,
+               "step %" PetscInt_FMT " (t = %g): the viscous TS %s ended with %s; try a smaller time step",
+               clock->step + 1, (double)(clock->t + clock->dt), v->row->name, TSConvergedReasons[reason]);
+    PetscCall(TSGetTime(ts, &now));
+    PetscCall(TSGetTimeStep(ts, &next));
+    PetscCall(TSSetTimeStep(ts, PetscMin(next, PetscMax(end - now, 1e-10 * dt))));
+  }
+  PetscCall(TSGetKSPIterations(ts, &its_after));
+  v->iterations += its_after - its_before;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ViscositySolve - Advances all velocity components over [t_new - dt, t_new], t_new = clock's t + dt
+
+    du/dt = nu lap u - (v.grad) u + force
+
+  Collective.
+
+  Input Parameters:
++ dt        - length of this viscous step; less than the clock's where it starts from a history [s]
+. slip      - see OperatorsSetWallVelocity()
+. force     - per unit mass, constant over the step [m/s^2]
+- advecting - v, NULL where particles move or the force holds the convection already [m/s]
+
+  Input/Output Parameter:
+. u - velocity components [m/s]
+
+  Errors: ends the run where a TS or its KSP diverges, or the true residual is not small
+*/
+PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, const Particles *p, PetscReal dt,
+                              PetscReal slip, const Vec force[], const Vec advecting[], Operators *ops,
+                              Vec u[], Viscosity *v)
+{
+  const PetscReal t_new = clock->t + clock->dt;
+
+  PetscFunctionBegin;
+  v->scene      = scene;
+  v->particles  = p;
+  v->ops        = ops;
+  v->slip       = slip;
+  v->force      = force;
+  v->advecting  = advecting;
+  v->wall_t     = NAN;
+  v->iterations = 0;
+  PetscCall(ViscosityUpdateJacobian(v));
+  for (PetscInt c = 0; c < v->dim; c++) PetscCall(ViscosityStepComponent(v, clock, c, t_new - dt, dt, u[c]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const TimeKindRow *ViscosityTimeKind(const Viscosity *v)
+{
+  return v->row;
+}
+
+/* ViscosityResponse - What a force newly switched on does to u in one step, over dt: 1, or less for BDF */
+PetscReal ViscosityResponse(const Viscosity *v)
+{
+  return v->row->Response ? v->row->Response(v->ts[0]) : 1.0;
+}
+
+/* ViscosityNames - Types of the TS, KSP and preconditioner; NULL where there is none */
+PetscErrorCode ViscosityNames(const Viscosity *v, const char **ts, const char **ksp, const char **pc)
+{
+  PC inner;
+
+  PetscFunctionBegin;
+  *ts  = v->row->name;
+  *ksp = *pc = NULL;
+  if (!v->ksp) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(KSPGetType(v->ksp, ksp));
+  PetscCall(KSPGetPC(v->ksp, &inner));
+  PetscCall(PCGetType(inner, pc));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ViscosityIterations - KSP iterations of the last solve, all components together */
+PetscInt ViscosityIterations(const Viscosity *v)
+{
+  return v->iterations;
+}

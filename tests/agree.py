@@ -1,0 +1,53 @@
+"""agree.py TOLERANCE QUANTITY[,QUANTITY...] COMMAND_A... --and COMMAND_B...
+
+Runs both commands, each in a directory of its own (a/, then b/, so B may read ../a/), with -report,
+and passes if every quantity's last value agrees: |a - b| <= TOLERANCE max(|a|, |b|).
+"""
+
+import csv
+import math
+import os
+import subprocess
+import sys
+
+
+def run(name, command):
+    """Run a command and return the last value of every quantity it reported."""
+    os.makedirs(name)
+    print(f"{name}: {' '.join(command)}", flush=True)
+    done = subprocess.run(command + ["-report", "report.csv"], cwd=name, text=True,
+                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT)
+    if done.returncode != 0:
+        sys.exit(f"{done.stdout}\n{name}: exit status {done.returncode}")
+    with open(os.path.join(name, "report.csv"), newline="") as file:
+        rows = list(csv.DictReader(file))
+    for row in rows:
+        if row["status"] != "ok":
+            sys.exit(f"{done.stdout}\n{name}: status {row['status']}")
+    return {row["quantity"]: float(row["value"]) for row in rows if row["value"]}
+
+
+def main():
+    tolerance, quantities = float(sys.argv[1]), sys.argv[2].split(",")
+    split = sys.argv.index("--and")
+    a, b = run("a", sys.argv[3:split]), run("b", sys.argv[split + 1:])
+
+    agree = True
+    print(f"{'quantity':20} {'a':>22} {'b':>22} {'relative':>10}   tolerance {tolerance:g}")
+    for quantity in quantities:
+        if quantity not in a or quantity not in b:
+            agree = False
+            print(f"{quantity:20} not reported; there are {', '.join(sorted(a.keys() & b.keys()))}")
+            continue
+        va, vb = a[quantity], b[quantity]
+        size = max(abs(va), abs(vb))
+        relative = abs(va - vb) / size if size > 0 else abs(va - vb)
+        good = math.isfinite(relative) and relative <= tolerance
+        agree = agree and good
+        verdict = "ok" if good else "DIFFERS"
+        print(f"{quantity:20} {va:22.14e} {vb:22.14e} {relative:10.2e}   {verdict}")
+    sys.exit(0 if agree else 1)
+
+
+main()
