@@ -1,5 +1,6 @@
 /*
-  The cases, one row each. A new case is one file with the functions, one row here and one .opts file.
+  The cases, one row each. A new case is one file with the functions, one row here and one .opts
+  file.
 */
 #include "cases.h"
 
@@ -15,15 +16,21 @@ PetscErrorCode ExactJudge(const Flow *flow, Report *report)
 #define NAVIER_STOKES (PHYSICS_VISCOSITY | PHYSICS_PRESSURE | PHYSICS_CONVECTION)
 
 static const CaseRow cases[] = {
-  /* name, brief, citation,
-     3D, physics, Reynolds number and its length, t_end, n, setup, velocity, wall velocity, exact, judge */
-  {"cavity", "lid-driven square or cubic cavity", "Botella & Peyret, Computers & Fluids 27 (1998)",
-   PETSC_TRUE, NAVIER_STOKES | PHYSICS_WALLS, 100.0, 1.0, 20.0, 50, CavitySetup, NULL, CavityWallVelocity, NULL, CavityJudge},
-  {"taylor_green", "decaying Taylor-Green vortices, in 3D uniform along z", "Taylor & Green, Proc. R. Soc. A 158 (1937)",
-   PETSC_TRUE, NAVIER_STOKES, 100.0, 1.0, 1.0, 50, TaylorGreenSetup, TaylorGreenVelocity, NULL, TaylorGreenExact, ExactJudge},
-  {"couette", "start-up of plane Couette flow", "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)",
-   PETSC_FALSE, PHYSICS_VISCOSITY | PHYSICS_WALLS, 1.0, 1.0, 1.0, 40, CouetteSetup, NULL, CouetteWallVelocity, CouetteExact, ChannelJudge},
-  {"poiseuille", "start-up of plane Poiseuille flow; Re on the half width", "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)",
-   PETSC_FALSE, PHYSICS_VISCOSITY | PHYSICS_WALLS | PHYSICS_BODY_FORCE, 0.5, 0.5, 0.3, 40, PoiseuilleSetup, NULL, NULL, PoiseuilleExact, ChannelJudge},
+    /* name, brief, citation,
+       3D, physics, Reynolds number and its length, t_end, n, setup, velocity, wall velocity, exact,
+       judge */
+    {"cavity", "lid-driven square or cubic cavity",
+     "Botella & Peyret, Computers & Fluids 27 (1998)", PETSC_TRUE, NAVIER_STOKES | PHYSICS_WALLS,
+     100.0, 1.0, 20.0, 50, CavitySetup, NULL, CavityWallVelocity, NULL, CavityJudge},
+    {"taylor_green", "decaying Taylor-Green vortices, in 3D uniform along z",
+     "Taylor & Green, Proc. R. Soc. A 158 (1937)", PETSC_TRUE, NAVIER_STOKES, 100.0, 1.0, 1.0, 50,
+     TaylorGreenSetup, TaylorGreenVelocity, NULL, TaylorGreenExact, ExactJudge},
+    {"couette", "start-up of plane Couette flow", "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)",
+     PETSC_FALSE, PHYSICS_VISCOSITY | PHYSICS_WALLS, 1.0, 1.0, 1.0, 40, CouetteSetup, NULL,
+     CouetteWallVelocity, CouetteExact, ChannelJudge},
+    {"poiseuille", "start-up of plane Poiseuille flow; Re on the half width",
+     "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", PETSC_FALSE,
+     PHYSICS_VISCOSITY | PHYSICS_WALLS | PHYSICS_BODY_FORCE, 0.5, 0.5, 0.3, 40, PoiseuilleSetup,
+     NULL, NULL, PoiseuilleExact, ChannelJudge},
 };
 const Table CaseTable = TABLE("-case", "Cases", cases);

@@ -14,15 +14,16 @@ PetscErrorCode CavitySetup(Scene *scene)
 }
 
 /* The lid is the wall at the high end of y. */
-void CavityWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[], PetscReal u[])
+void CavityWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                        PetscReal u[])
 {
   if (side == 3) u[0] = scene->speed;
 }
 
 /*
   References in 2D: extrema on the centrelines over U, from when to when they hold (t U/L), and the
-  files of profiles and kinetic energy. The finite-volume data were extrapolated from meshes of 50^2,
-  100^2 and 200^2 cells (see the files' heads).
+  files of profiles and kinetic energy. The finite-volume data were extrapolated from meshes of
+  50^2, 100^2 and 200^2 cells (see the files' heads).
 */
 typedef struct {
   PetscReal   reynolds_low, reynolds_high, from, to;
@@ -31,15 +32,19 @@ typedef struct {
 } CavityReference;
 
 static const CavityReference references[] = {
-  /* Stokes flow: u_min of a converged stream-function solution, steady from t nu/L^2 = 0.2 on */
-  {0.0, 0.1, 0.2, PETSC_MAX_REAL, -0.2073, NAN, NAN, NULL, NULL, NULL},
-  /* finite volumes, Richardson extrapolation */
-  {99.9, 100.1, 10.0, PETSC_MAX_REAL, -0.21404, 0.17957, -0.25380, "cavity_re100_u.csv", "cavity_re100_v.csv", "cavity_re100_ke.csv"},
-  {399.9, 400.1, 40.0, PETSC_MAX_REAL, -0.32873, 0.30383, -0.45407, "cavity_re400_u.csv", "cavity_re400_v.csv", NULL},
-  /* at t = 40 from rest the flow is not yet steady */
-  {999.9, 1000.1, 39.9, 40.1, -0.38730, 0.37541, -0.52594, "cavity_re1000_t40_u.csv", "cavity_re1000_t40_v.csv", "cavity_re1000_ke.csv"},
-  /* Botella & Peyret, Computers & Fluids 27 (1998) 421-433, spectral */
-  {999.9, 1000.1, 60.0, PETSC_MAX_REAL, -0.38857, 0.37694, -0.52708, "cavity_re1000_u.csv", "cavity_re1000_v.csv", "cavity_re1000_ke.csv"},
+    /* Stokes flow: u_min of a converged stream-function solution, steady from t nu/L^2 = 0.2 on */
+    {0.0, 0.1, 0.2, PETSC_MAX_REAL, -0.2073, NAN, NAN, NULL, NULL, NULL},
+    /* finite volumes, Richardson extrapolation */
+    {99.9, 100.1, 10.0, PETSC_MAX_REAL, -0.21404, 0.17957, -0.25380, "cavity_re100_u.csv",
+     "cavity_re100_v.csv", "cavity_re100_ke.csv"},
+    {399.9, 400.1, 40.0, PETSC_MAX_REAL, -0.32873, 0.30383, -0.45407, "cavity_re400_u.csv",
+     "cavity_re400_v.csv", NULL},
+    /* at t = 40 from rest the flow is not yet steady */
+    {999.9, 1000.1, 39.9, 40.1, -0.38730, 0.37541, -0.52594, "cavity_re1000_t40_u.csv",
+     "cavity_re1000_t40_v.csv", "cavity_re1000_ke.csv"},
+    /* Botella & Peyret, Computers & Fluids 27 (1998) 421-433, spectral */
+    {999.9, 1000.1, 60.0, PETSC_MAX_REAL, -0.38857, 0.37694, -0.52708, "cavity_re1000_u.csv",
+     "cavity_re1000_v.csv", "cavity_re1000_ke.csv"},
 };
 
 /* The reference that holds for this run at its present time, or NULL. */
@@ -49,16 +54,20 @@ static const CavityReference *FindReference(const Scene *scene, PetscReal t)
 
   if (scene->dim != 2) return NULL;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(references); k++) {
-    const CavityReference *r    = &references[k];
-    const PetscReal        time = reynolds < 1.0 ? t * scene->nu / PetscSqr(scene->length) : t * scene->speed / scene->length;
+    const CavityReference *r = &references[k];
+    const PetscReal        time =
+        reynolds < 1.0 ? t * scene->nu / PetscSqr(scene->length) : t * scene->speed / scene->length;
 
-    if (reynolds > r->reynolds_low && reynolds < r->reynolds_high && time >= r->from && time <= r->to) return r;
+    if (reynolds > r->reynolds_low && reynolds < r->reynolds_high && time >= r->from &&
+        time <= r->to)
+      return r;
   }
   return NULL;
 }
 
 /* Velocity component c over U at n points along axis a through the centre, at s over L. */
-static PetscErrorCode SampleLine(const Flow *flow, PetscInt a, PetscInt c, PetscInt n, const PetscReal s[], PetscReal value[])
+static PetscErrorCode SampleLine(const Flow *flow, PetscInt a, PetscInt c, PetscInt n,
+                                 const PetscReal s[], PetscReal value[])
 {
   const Scene *scene = flow->scene;
   PetscReal   *x, *u;
@@ -66,7 +75,8 @@ static PetscErrorCode SampleLine(const Flow *flow, PetscInt a, PetscInt c, Petsc
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(n * scene->dim, &x, n * scene->dim, &u));
   for (PetscInt k = 0; k < n; k++) {
-    for (PetscInt b = 0; b < scene->dim; b++) x[k * scene->dim + b] = scene->length * (a == b ? s[k] : 0.5);
+    for (PetscInt b = 0; b < scene->dim; b++)
+      x[k * scene->dim + b] = scene->length * (a == b ? s[k] : 0.5);
   }
   PetscCall(ProbePoints(flow, n, x, u, NULL));
   for (PetscInt k = 0; k < n; k++) value[k] = u[k * scene->dim + c] / scene->speed;
@@ -93,15 +103,19 @@ static PetscErrorCode AddExtrema(const Flow *flow, const CavityReference *r, Rep
   PetscFunctionBegin;
   for (PetscInt k = 0; k < LINE_POINTS; k++) s[k] = (PetscReal)k / (LINE_POINTS - 1);
   PetscCall(SampleLine(flow, 1, 0, LINE_POINTS, s, value));
-  PetscCall(ReportAddReference(report, "u_min", Extremum(LINE_POINTS, value, -1.0), r ? r->u_min : NAN, r ? PetscAbsReal(r->u_min) : 1.0));
+  PetscCall(ReportAddReference(report, "u_min", Extremum(LINE_POINTS, value, -1.0),
+                               r ? r->u_min : NAN, r ? PetscAbsReal(r->u_min) : 1.0));
   PetscCall(SampleLine(flow, 0, 1, LINE_POINTS, s, value));
-  PetscCall(ReportAddReference(report, "v_max", Extremum(LINE_POINTS, value, 1.0), r ? r->v_max : NAN, r ? PetscAbsReal(r->v_max) : 1.0));
-  PetscCall(ReportAddReference(report, "v_min", Extremum(LINE_POINTS, value, -1.0), r ? r->v_min : NAN, r ? PetscAbsReal(r->v_min) : 1.0));
+  PetscCall(ReportAddReference(report, "v_max", Extremum(LINE_POINTS, value, 1.0),
+                               r ? r->v_max : NAN, r ? PetscAbsReal(r->v_max) : 1.0));
+  PetscCall(ReportAddReference(report, "v_min", Extremum(LINE_POINTS, value, -1.0),
+                               r ? r->v_min : NAN, r ? PetscAbsReal(r->v_min) : 1.0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Root mean square difference over U from a reference profile along axis a. */
-static PetscErrorCode AddProfile(const Flow *flow, PetscInt a, PetscInt c, const char file[], const char name[], Report *report)
+static PetscErrorCode AddProfile(const Flow *flow, PetscInt a, PetscInt c, const char file[],
+                                 const char name[], Report *report)
 {
   Curve      curve;
   PetscReal *value, sum = 0.0;

@@ -1,6 +1,6 @@
 /*
-  Start-up of plane channel flows, viscous only by default: walls at y = 0 and y = L, periodic along x over
-  eight particles. Their series are exact for an impulsive start from rest.
+  Start-up of plane channel flows, viscous only by default: walls at y = 0 and y = L, periodic along
+  x over eight particles. Their series are exact for an impulsive start from rest.
 */
 #include "cases.h"
 
@@ -15,8 +15,8 @@ PetscErrorCode ChannelBox(Scene *scene)
 }
 
 /*
-  ChannelJudge - Relative norms against the series, and u_profile_l2: the root mean square error over the
-  largest exact velocity of the moment
+  ChannelJudge - Relative norms against the series, and u_profile_l2: the root mean square error
+  over the largest exact velocity of the moment
 */
 PetscErrorCode ChannelJudge(const Flow *flow, Report *report)
 {
@@ -35,7 +35,8 @@ PetscErrorCode ChannelJudge(const Flow *flow, Report *report)
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, p->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, p->comm));
-  if (most > 0.0) PetscCall(ReportAddError(report, "u_profile_l2", PetscSqrtReal(sum / p->N_fluid) / most));
+  if (most > 0.0)
+    PetscCall(ReportAddError(report, "u_profile_l2", PetscSqrtReal(sum / p->N_fluid) / most));
   PetscCall(ExactJudge(flow, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -48,7 +49,8 @@ PetscErrorCode CouetteSetup(Scene *scene)
 }
 
 /* The wall at y = L moves with U. */
-void CouetteWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[], PetscReal u[])
+void CouetteWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                         PetscReal u[])
 {
   if (side == 3) u[0] = scene->speed;
 }
@@ -88,16 +90,19 @@ PetscErrorCode PoiseuilleSetup(Scene *scene)
 /*
   PoiseuilleExact - Start-up of plane Poiseuille flow, Y = distance from the middle, d = L/2
 
-    u/U = 1 - (Y/d)^2 - 32/pi^3 sum_n (-1)^n/(2n+1)^3 cos((2n+1) pi Y/2d) exp(-(2n+1)^2 pi^2 nu t/4d^2)
+    u/U = 1 - (Y/d)^2 - 32/pi^3 sum_n (-1)^n/(2n+1)^3 cos((2n+1) pi Y/2d) exp(-(2n+1)^2 pi^2 nu
+  t/4d^2)
 
-  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eq. (36), whose
-  printed form multiplies the series by (Y/d)^2 and so has u = U at the wall; this one satisfies the
-  equation, the wall and the start from rest.
+  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eq. (36),
+  whose printed form multiplies the series by (Y/d)^2 and so has u = U at the wall; this one
+  satisfies the equation, the wall and the start from rest.
 */
-void PoiseuilleExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[], PetscReal *p)
+void PoiseuilleExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
+                     PetscReal *p)
 {
-  const PetscReal d = 0.5 * scene->length, y = (x[1] - d) / d, tau = scene->nu * t / PetscSqr(2.0 * d);
-  PetscReal       sum = 0.0;
+  const PetscReal d = 0.5 * scene->length, y = (x[1] - d) / d,
+                  tau = scene->nu * t / PetscSqr(2.0 * d);
+  PetscReal sum       = 0.0;
 
   u[0] = u[1] = 0.0;
   if (t <= 0.0) return;

@@ -1,6 +1,6 @@
 /*
-  Decaying Taylor-Green vortices in a periodic square, an exact solution of the Navier-Stokes equations;
-  in 3D the same flow uniform along z in a cube, exact too.
+  Decaying Taylor-Green vortices in a periodic square, an exact solution of the Navier-Stokes
+  equations; in 3D the same flow uniform along z in a cube, exact too.
 */
 #include "cases.h"
 
@@ -17,11 +17,13 @@ PetscErrorCode TaylorGreenSetup(Scene *scene)
 /*
   TaylorGreenExact - Velocity and pressure, X = 2 pi x/L, Y = 2 pi y/L, k = 2 pi/L
 
-    u = U (sin X cos Y, -cos X sin Y) exp(-2 k^2 nu t),  p = rho U^2/4 (cos 2X + cos 2Y) exp(-4 k^2 nu t)
+    u = U (sin X cos Y, -cos X sin Y) exp(-2 k^2 nu t),  p = rho U^2/4 (cos 2X + cos 2Y) exp(-4 k^2
+  nu t)
 
   Reference: G. I. Taylor, A. E. Green, Proc. R. Soc. A 158 (1937) 499-521
 */
-void TaylorGreenExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[], PetscReal *p)
+void TaylorGreenExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
+                      PetscReal *p)
 {
   const PetscReal k = 2.0 * PETSC_PI / scene->length, X = k * x[0], Y = k * x[1];
   const PetscReal nu    = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu : 0.0;

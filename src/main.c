@@ -1,10 +1,11 @@
 static const char help[] =
-  "isph: incompressible viscous flow by Smoothed Particle Hydrodynamics.\n\n"
-  "  du/dt = -grad p/rho + nu lap u + f,   div u = 0\n\n"
-  "Viscosity is advanced implicitly by a PETSc TS (prefix -visc_), the pressure Poisson equation is\n"
-  "solved by a KSP (prefix -ppe_). Example:\n\n"
-  "  isph -options_file options/cavity.opts -reynolds 1000 -t_end 40 -visc_ts_type arkimex\n\n"
-  "-catalogue lists cases, operators, walls, schemes and integrators with their papers.\n\n";
+    "isph: incompressible viscous flow by Smoothed Particle Hydrodynamics.\n\n"
+    "  du/dt = -grad p/rho + nu lap u + f,   div u = 0\n\n"
+    "Viscosity is advanced implicitly by a PETSc TS (prefix -visc_), the pressure Poisson equation "
+    "is\n"
+    "solved by a KSP (prefix -ppe_). Example:\n\n"
+    "  isph -options_file options/cavity.opts -reynolds 1000 -t_end 40 -visc_ts_type arkimex\n\n"
+    "-catalogue lists cases, operators, walls, schemes and integrators with their papers.\n\n";
 
 #include "isph/io.h"
 
@@ -50,8 +51,10 @@ static PetscErrorCode RunCreate(Run *run)
   PetscCall(ProgressCreate(&run->progress));
   PetscCall(ReportCreate(&run->report));
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Report", "");
-  PetscCall(OptionFile("-report", "CSV file that this run's errors and cost are appended to", run->report_file));
+  PetscCall(OptionFile("-report", "CSV file that this run's errors and cost are appended to",
+                       run->report_file));
   PetscOptionsEnd();
+  if (run->report_file[0]) PetscCall(ReportFileCheck(run->report_file));
   PetscCall(OptionsRefuseUnknown(PETSC_FALSE));
   PetscCall(NeighborsUpdate(run->particles, 0.0, run->neighbors));
   PetscCall(OperatorsAssemble(run->scene, run->particles, run->neighbors, run->ops, &changed));
@@ -81,13 +84,16 @@ static PetscErrorCode RunIsOver(const Run *run, PetscBool *over)
   const Clock *clock = run->clock;
 
   PetscFunctionBegin;
-  *over = (clock->t >= clock->t_end * (1.0 - 1e-12) || clock->step >= clock->max_steps) ? PETSC_TRUE : PETSC_FALSE;
+  *over = (clock->t >= clock->t_end * (1.0 - 1e-12) || clock->step >= clock->max_steps)
+              ? PETSC_TRUE
+              : PETSC_FALSE;
   if (clock->steady_tol > 0.0 && clock->step > 2 && run->scheme->stats.change < clock->steady_tol) {
     *over = PETSC_TRUE;
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "\nsteady at t = %g: du %.1e, div u* %.1e, dp %.1e, all below %g\n",
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD,
+                          "\nsteady at t = %.6g: du %.1e, div u* %.1e, dp %.1e, all below %.3g\n",
                           (double)clock->t, (double)run->scheme->stats.change_u,
-                          (double)run->scheme->stats.change_div, (double)run->scheme->stats.change_p,
-                          (double)clock->steady_tol));
+                          (double)run->scheme->stats.change_div,
+                          (double)run->scheme->stats.change_p, (double)clock->steady_tol));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -95,7 +101,7 @@ static PetscErrorCode RunIsOver(const Run *run, PetscBool *over)
 /* The time loop. */
 static PetscErrorCode RunSolve(Run *run)
 {
-  const Flow flow = RunFlow(run);
+  const Flow flow  = RunFlow(run);
   Clock     *clock = run->clock;
   PetscBool  over;
 
@@ -104,10 +110,12 @@ static PetscErrorCode RunSolve(Run *run)
   PetscCall(RunIsOver(run, &over));
   while (!over) {
     PetscCall(ClockChoose(run->scene, run->scheme->stats.speed_max, clock));
-    PetscCall(run->scheme->row->Step(run->scene, clock, run->particles, run->neighbors, run->ops, run->scheme));
+    PetscCall(run->scheme->row->Step(run->scene, clock, run->particles, run->neighbors, run->ops,
+                                     run->scheme));
     if (clock->step == 1) PetscCall(OptionsRefuseUnknown(PETSC_TRUE));
     PetscCall(RunIsOver(run, &over));
-    if (!over && clock->next_report < clock->n_reports && clock->t >= clock->report_time[clock->next_report] * (1.0 - 1e-12)) {
+    if (!over && clock->next_report < clock->n_reports &&
+        clock->t >= clock->report_time[clock->next_report] * (1.0 - 1e-12)) {
       run->report->t = clock->t;
       PetscCall(run->scene->problem->Judge(&flow, run->report));
       clock->next_report++;
@@ -129,7 +137,8 @@ static PetscErrorCode RunReport(Run *run)
   run->report->t = run->clock->t;
   PetscCall(run->scene->problem->Judge(&flow, run->report));
   PetscCall(ReportView(run->report, now - run->started, PETSC_VIEWER_STDOUT_WORLD));
-  if (run->report_file[0]) PetscCall(ReportWrite(&flow, run->report, run->report_file, now - run->started, "ok"));
+  if (run->report_file[0])
+    PetscCall(ReportWrite(&flow, run->report, run->report_file, now - run->started, "ok"));
   PetscCall(ReportCheck(run->report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -163,7 +172,8 @@ static PetscErrorCode Solve(void)
     PetscCall(BannerView(&flow, PETSC_VIEWER_STDOUT_WORLD));
     failed = RunSolve(&run);
     if (failed) {
-      if (failed == PETSC_ERR_NOT_CONVERGED || failed == PETSC_ERR_FP) PetscCall(RunReportFailure(&run));
+      if (failed == PETSC_ERR_NOT_CONVERGED || failed == PETSC_ERR_FP)
+        PetscCall(RunReportFailure(&run));
       PetscCall(failed);
     }
     PetscCall(RunReport(&run));

@@ -39,10 +39,9 @@ typedef struct {
 
 const TableRow *TableGet(const Table *table, PetscInt k);
 PetscErrorCode  TableFind(const Table *table, const char name[], const TableRow **row);
-PetscErrorCode  TableSelect_Private(PetscOptionItems *items, const Table *table,
-                                    const char option[], const char text[], const char fallback[],
-                                    const void *row);
-PetscErrorCode  TableView(const Table *table, PetscViewer viewer);
+PetscErrorCode TableSelect_Private(PetscOptionItems *items, const Table *table, const char option[],
+                                   const char text[], const char fallback[], const void *row);
+PetscErrorCode TableView(const Table *table, PetscViewer viewer);
 
 /*
   Options with a range: a value outside it, or no number, ends the run with one line. To be used, as
@@ -68,10 +67,12 @@ PetscErrorCode OptionsRefuseUnknown(PetscBool deferred_too);
 
 /*
   What the user can mend (an option, a file, a diverged solve) is told in one line, without a
-  traceback; ErrorsInstall() sees to that, ErrorsExit() to the exit status. Use UserCheck() with the option's name, the value and
-  what is allowed. Collective: all ranks must come to the same decision.
+  traceback; ErrorsInstall() sees to that, ErrorsExit() to the exit status. Use UserCheck() with the
+  option's name, the value and what is allowed. Collective: all ranks must come to the same
+  decision.
 */
-#define UserCheck(condition, ...) PetscCheck(condition, PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT, __VA_ARGS__)
+#define UserCheck(condition, ...)                                                                  \
+  PetscCheck(condition, PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT, __VA_ARGS__)
 PetscErrorCode ErrorsInstall(void);
 int            ErrorsExit(PetscErrorCode code);
 

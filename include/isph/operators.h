@@ -5,9 +5,9 @@
 
     (op f)_i = sum_j A_ij f_j + sum_w B_iw e_w,
 
-  A over fluid, B over wall particles. Every row is made by one row function from one gathered stencil,
-  on differences f_j - f_i, so that constants are in the null space; the wall treatment says what a
-  wall neighbour means in it.
+  A over fluid, B over wall particles. Every row is made by one row function from one gathered
+  stencil, on differences f_j - f_i, so that constants are in the null space; the wall treatment
+  says what a wall neighbour means in it.
 */
 #ifndef ISPH_OPERATORS_H
 #define ISPH_OPERATORS_H
@@ -17,13 +17,14 @@
 /* Kernels W(r) = sigma_d/h^d w(r/h), W = 0 for r >= support h. */
 typedef struct {
   const char *name, *brief, *citation;
-  PetscReal   support;  /* radius of the support [h] */
-  PetscReal   sigma[3]; /* normalisation in 1, 2, 3 dimensions */
+  PetscReal   support;                        /* radius of the support [h] */
+  PetscReal   sigma[3];                       /* normalisation in 1, 2, 3 dimensions */
   void (*Shape)(PetscReal q, PetscReal w[3]); /* w, dw/dq, d2w/dq2 */
 } KernelRow;
 extern const Table KernelTable;
 
-void KernelEvaluate(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscReal r, PetscReal w[3]);
+void KernelEvaluate(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscReal r,
+                    PetscReal w[3]);
 
 /* What the equation of a neighbour in a least-squares fit of f about particle i says. */
 typedef enum {
@@ -43,18 +44,18 @@ typedef struct {
 typedef struct {
   PetscInt   i, dim, n, n_wall; /* particle, neighbours, wall particles among them */
   PetscInt   capacity;
-  PetscReal  radius;            /* of the support [m] */
-  PetscInt  *j;                 /* local index of each neighbour */
-  PetscReal *X[ISPH_MAX_DIM];   /* x_j - x_i [m] */
-  PetscReal *r, *V;             /* distance [m], volume [m^dim] */
-  PetscReal *W, *dW, *ddW;      /* kernel and its r-derivatives [m^-dim, ...] */
-  PetscBool *wall;              /* neighbour is a wall particle */
+  PetscReal  radius;               /* of the support [m] */
+  PetscInt  *j;                    /* local index of each neighbour */
+  PetscReal *X[ISPH_MAX_DIM];      /* x_j - x_i [m] */
+  PetscReal *r, *V;                /* distance [m], volume [m^dim] */
+  PetscReal *W, *dW, *ddW;         /* kernel and its r-derivatives [m^-dim, ...] */
+  PetscBool *wall;                 /* neighbour is a wall particle */
   PetscReal *normal[ISPH_MAX_DIM]; /* of wall neighbours, into the fluid */
-  PetscReal *beta;              /* of wall neighbours: f_j - f_i = beta (f_wall - f_i) */
-  PetscBool  fits_walls;        /* wall neighbours enter fits by role, else as plain points */
-  Role       role;              /* of the wall neighbours in the fit at hand */
-  MlsFit     fit;               /* of that role; shared by gradient and Laplacian */
-  PetscInt   weak;              /* fits so far whose points did not determine them */
+  PetscReal *beta;                 /* of wall neighbours: f_j - f_i = beta (f_wall - f_i) */
+  PetscBool  fits_walls;           /* wall neighbours enter fits by role, else as plain points */
+  Role       role;                 /* of the wall neighbours in the fit at hand */
+  MlsFit     fit;                  /* of that role; shared by gradient and Laplacian */
+  PetscInt   weak;                 /* fits so far whose points did not determine them */
 } Stencil;
 
 PetscErrorCode StencilCreate(PetscInt dim, PetscReal radius, Stencil **stencil);
@@ -63,8 +64,8 @@ PetscErrorCode StencilReserve(Stencil *stencil, PetscInt n);
 void           StencilSetRole(Stencil *stencil, Role role);
 
 /*
-  Laplacians: w[k] multiplies f_k - f_i of neighbour k, or in a fit with wall roles the given n.grad f
-  of wall neighbour k.
+  Laplacians: w[k] multiplies f_k - f_i of neighbour k, or in a fit with wall roles the given n.grad
+  f of wall neighbour k.
 */
 typedef struct {
   const char *name, *brief, *citation;
@@ -77,8 +78,9 @@ typedef struct {
 extern const Table LaplacianTable;
 
 /*
-  Gradients and their divergences. Row: g[a][k] multiplies f_k - f_i in df/dx_a. DivergenceFit: d[a][k]
-  multiplies (u_k - u_i)_a of fluid, m[k] the normal component n.(u_k - u_i) of wall neighbour k.
+  Gradients and their divergences. Row: g[a][k] multiplies f_k - f_i in df/dx_a. DivergenceFit:
+  d[a][k] multiplies (u_k - u_i)_a of fluid, m[k] the normal component n.(u_k - u_i) of wall
+  neighbour k.
 */
 typedef struct {
   const char *name, *brief, *citation;
@@ -136,8 +138,8 @@ typedef struct {
   AffineOperator grad_u[ISPH_MAX_DIM]; /* du_c/dx_a; wall data: u_wall,c */
   AffineOperator div[ISPH_MAX_DIM];    /* (D u)_i = sum_c div[c] u_c; wall data: u_wall,c */
   PetscBool      need_concentration;
-  PetscReal     *concentration;             /* C_i = sum_j V_j W_ij, without walls' deficit [-] */
-  PetscReal     *gradient_c[ISPH_MAX_DIM];  /* grad C [1/m] */
+  PetscReal     *concentration;            /* C_i = sum_j V_j W_ij, without walls' deficit [-] */
+  PetscReal     *gradient_c[ISPH_MAX_DIM]; /* grad C [1/m] */
 
   Vec wall_u[ISPH_MAX_DIM]; /* velocities of own wall particles [m/s] */
   Vec wall_slope;           /* n.grad p at own wall particles [Pa/m] */
@@ -145,12 +147,12 @@ typedef struct {
 
   Stencil   *stencil;
   Pattern    fluid, walls;
-  PetscInt  *slot;          /* of each neighbour in its row of the pattern */
+  PetscInt  *slot;                    /* of each neighbour in its row of the pattern */
   PetscReal *w, *g[ISPH_MAX_DIM], *m; /* of one row */
   PetscInt   slot_capacity;
-  PetscInt   epoch, moved;  /* stamps of the particles the operators were assembled from */
-  PetscInt   assemblies;    /* stamp of the matrices: changes when they do */
-  PetscInt   weak_rows;     /* fits of the last assembly that their points did not determine */
+  PetscInt   epoch, moved; /* stamps of the particles the operators were assembled from */
+  PetscInt   assemblies;   /* stamp of the matrices: changes when they do */
+  PetscInt   weak_rows;    /* fits of the last assembly that their points did not determine */
 } Operators;
 
 PetscErrorCode OperatorsCreate(const Scene *scene, Operators **ops);
@@ -164,7 +166,7 @@ PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y);
 PetscErrorCode AffineApplyAdd(const AffineOperator *op, Vec f, Vec walls, Vec y);
 
 PetscErrorCode PatternBegin(Pattern *pattern, PetscInt rows, PetscInt entries);
-void           PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], PetscInt n, PetscInt slot[]);
+void PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], PetscInt n, PetscInt slot[]);
 PetscErrorCode PatternMat(MPI_Comm comm, const Pattern *pattern, PetscInt rows, PetscInt cols,
                           PetscReal values[], Mat *A);
 PetscErrorCode PatternFree(Pattern *pattern);

@@ -11,7 +11,8 @@ typedef struct Scene  Scene;
 typedef struct Flow   Flow;
 typedef struct Report Report;
 
-/* What a case needs. What it does not need is neither allocated nor computed, written or printed. */
+/* What a case needs. What it does not need is neither allocated nor computed, written or printed.
+ */
 typedef enum {
   PHYSICS_VISCOSITY  = 1 << 0, /* nu lap u */
   PHYSICS_PRESSURE   = 1 << 1, /* div u = 0 and its pressure */
@@ -36,18 +37,19 @@ typedef struct {
 */
 typedef struct {
   const char *name, *brief, *citation;
-  PetscBool   three_d;       /* -dim 3 allowed */
-  unsigned    physics;       /* bits of Physics */
-  PetscReal   reynolds;      /* default [-] */
-  PetscReal   reynolds_length; /* the length in it, U length/nu [reference lengths] */
-  PetscReal   t_end;         /* default [s] */
-  PetscInt    n;             /* default particles along the reference length */
+  PetscBool   three_d;                   /* -dim 3 allowed */
+  unsigned    physics;                   /* bits of Physics */
+  PetscReal   reynolds;                  /* default [-] */
+  PetscReal   reynolds_length;           /* the length in it, U length/nu [reference lengths] */
+  PetscReal   t_end;                     /* default [s] */
+  PetscInt    n;                         /* default particles along the reference length */
   PetscErrorCode (*Setup)(Scene *scene); /* box, periodicity, walls, length, speed, nu, body */
-  void (*Velocity)(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[]); /* at t=0 */
+  void (*Velocity)(const Scene *scene, PetscReal t, const PetscReal x[],
+                   PetscReal u[]); /* at t=0 */
   void (*WallVelocity)(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                        PetscReal u[]); /* NULL: walls at rest */
   void (*Exact)(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
-                PetscReal *p);                         /* NULL: none; p may be left alone */
+                PetscReal *p);                               /* NULL: none; p may be left alone */
   PetscErrorCode (*Judge)(const Flow *flow, Report *report); /* adds the quantities of the case */
 } CaseRow;
 
@@ -55,21 +57,21 @@ struct Scene {
   const CaseRow *problem;
   unsigned       physics; /* bits of Physics, after -with and -without */
 
-  PetscInt  dim;                        /* 2 or 3 */
-  PetscInt  n;                          /* particles along the reference length */
-  PetscReal dx;                         /* particle spacing at the start [m] */
-  PetscReal lo[ISPH_MAX_DIM];           /* corners of the box [m] */
-  PetscReal hi[ISPH_MAX_DIM];           /* */
-  PetscInt  cells[ISPH_MAX_DIM];        /* particles along each side of the box */
-  PetscBool periodic[ISPH_MAX_DIM];     /* both sides of an axis, else walls */
-  PetscReal length;                     /* reference length L [m] */
-  PetscReal speed;                      /* reference speed U [m/s] */
-  PetscReal rho;                        /* density [kg/m^3] */
-  PetscReal nu;                         /* kinematic viscosity [m^2/s] */
-  PetscReal body[ISPH_MAX_DIM];         /* body force per unit mass [m/s^2] */
-  PetscBool unsteady_walls;             /* wall velocities depend on time */
-  PetscReal jitter;                     /* largest random displacement at the start [dx] */
-  PetscInt  seed;                       /* of the jitter */
+  PetscInt  dim;                    /* 2 or 3 */
+  PetscInt  n;                      /* particles along the reference length */
+  PetscReal dx;                     /* particle spacing at the start [m] */
+  PetscReal lo[ISPH_MAX_DIM];       /* corners of the box [m] */
+  PetscReal hi[ISPH_MAX_DIM];       /* */
+  PetscInt  cells[ISPH_MAX_DIM];    /* particles along each side of the box */
+  PetscBool periodic[ISPH_MAX_DIM]; /* both sides of an axis, else walls */
+  PetscReal length;                 /* reference length L [m] */
+  PetscReal speed;                  /* reference speed U [m/s] */
+  PetscReal rho;                    /* density [kg/m^3] */
+  PetscReal nu;                     /* kinematic viscosity [m^2/s] */
+  PetscReal body[ISPH_MAX_DIM];     /* body force per unit mass [m/s^2] */
+  PetscBool unsteady_walls;         /* wall velocities depend on time */
+  PetscReal jitter;                 /* largest random displacement at the start [dx] */
+  PetscInt  seed;                   /* of the jitter */
 };
 
 extern const Table CaseTable; /* cases/cases.c */
@@ -79,9 +81,9 @@ PetscErrorCode SceneDestroy(Scene **scene);
 PetscBool      SceneHas(const Scene *scene, Physics what);
 PetscReal      SceneReynolds(const Scene *scene);
 PetscReal      SceneVolume(const Scene *scene); /* dx^dim, the volume of every particle [m^dim] */
-void           SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
-                                 PetscReal u[]);
-void           SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
-                               WallPlane planes[SCENE_MAX_PLANES], PetscInt *count);
+void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                       PetscReal u[]);
+void SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
+                     WallPlane planes[SCENE_MAX_PLANES], PetscInt *count);
 
 #endif

@@ -1,6 +1,6 @@
 /*
-  Schemes: one step of the flow. The Clock owns time; the viscous TS and the pressure KSP are told what
-  to do and asked how it went.
+  Schemes: one step of the flow. The Clock owns time; the viscous TS and the pressure KSP are told
+  what to do and asked how it went.
 */
 #ifndef ISPH_SCHEMES_H
 #define ISPH_SCHEMES_H
@@ -11,12 +11,12 @@
 
 /* Time, owned by the run; everything second order uses variable-step coefficients. */
 typedef struct {
-  PetscReal t, dt, dt_previous;  /* [s]; dt_previous = 0 before the second step */
-  PetscInt  step;                /* finished steps */
-  PetscReal t_end;               /* [s] */
+  PetscReal t, dt, dt_previous; /* [s]; dt_previous = 0 before the second step */
+  PetscInt  step;               /* finished steps */
+  PetscReal t_end;              /* [s] */
   PetscInt  max_steps;
-  PetscReal dt_given, cfl;       /* -dt, or else dt = cfl dx/speed [s], [-] */
-  PetscReal steady_tol;          /* 0: off [-] */
+  PetscReal dt_given, cfl;                  /* -dt, or else dt = cfl dx/speed [s], [-] */
+  PetscReal steady_tol;                     /* 0: off [-] */
   PetscReal report_time[CLOCK_MAX_REPORTS]; /* times the steps must hit, ascending [s] */
   PetscInt  n_reports, next_report;
 } Clock;
@@ -42,22 +42,24 @@ typedef struct {
 extern const Table TimeKindTable;
 
 typedef struct Viscosity Viscosity;
-PetscErrorCode ViscosityCreate(const Scene *scene, PetscReal dt, const Operators *ops, Viscosity **visc);
-PetscErrorCode ViscosityDestroy(Viscosity **visc);
-PetscErrorCode ViscosityRenumber(const Particles *particles, Viscosity *visc);
-const TimeKindRow *ViscosityTimeKind(const Viscosity *visc);
+PetscErrorCode           ViscosityCreate(const Scene *scene, PetscReal dt, const Operators *ops,
+                                         Viscosity **visc);
+PetscErrorCode           ViscosityDestroy(Viscosity **visc);
+PetscErrorCode           ViscosityRenumber(const Particles *particles, Viscosity *visc);
+const TimeKindRow       *ViscosityTimeKind(const Viscosity *visc);
 PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, const Particles *particles,
-                              PetscReal dt, PetscReal slip, const Vec force[], const Vec advecting[],
-                              Operators *ops, Vec u[], Viscosity *visc);
+                              PetscReal dt, PetscReal slip, const Vec force[],
+                              const Vec advecting[], Operators *ops, Vec u[], Viscosity *visc);
 PetscReal      ViscosityResponse(const Viscosity *visc);
-PetscErrorCode ViscosityNames(const Viscosity *visc, const char **ts, const char **ksp, const char **pc);
+PetscErrorCode ViscosityNames(const Viscosity *visc, const char **ts, const char **ksp,
+                              const char **pc);
 PetscInt       ViscosityIterations(const Viscosity *visc); /* of the last solve, all components */
 
 typedef struct Pressure Pressure;
-PetscErrorCode PressureCreate(const Operators *ops, Pressure **ppe);
-PetscErrorCode PressureDestroy(Pressure **ppe);
-PetscErrorCode PressureSolve(const Clock *clock, const Particles *particles, const Operators *ops, Vec b,
-                             Vec phi, Pressure *ppe);
+PetscErrorCode          PressureCreate(const Operators *ops, Pressure **ppe);
+PetscErrorCode          PressureDestroy(Pressure **ppe);
+PetscErrorCode PressureSolve(const Clock *clock, const Particles *particles, const Operators *ops,
+                             Vec b, Vec phi, Pressure *ppe);
 PetscErrorCode PressureNames(const Pressure *ppe, const char **ksp, const char **pc);
 PetscInt       PressureIterations(const Pressure *ppe); /* of the last solve */
 
@@ -85,10 +87,10 @@ extern const Table MotionTable;
 
 /* What a step did, for progress, the steady test and the report. */
 typedef struct {
-  PetscReal speed_max;      /* largest particle speed [m/s] */
-  PetscReal kinetic_energy; /* [J] (per metre of depth in 2D) */
-  PetscReal divergence;     /* largest |D u| [1/s] */
-  PetscReal change;         /* the largest of the three below */
+  PetscReal speed_max;                      /* largest particle speed [m/s] */
+  PetscReal kinetic_energy;                 /* [J] (per metre of depth in 2D) */
+  PetscReal divergence;                     /* largest |D u| [1/s] */
+  PetscReal change;                         /* the largest of the three below */
   PetscReal change_u, change_div, change_p; /* per shortest time scale, relative [-] */
   PetscInt  visc_its, ppe_its;              /* of the last step */
   PetscInt  visc_its_sum, ppe_its_sum;
@@ -100,8 +102,8 @@ typedef struct {
   PetscErrorCode (*Create)(const Scene *scene, const Clock *clock, Operators *ops, Scheme *scheme);
   PetscErrorCode (*Register)(const Scene *scene, Particles *particles, Scheme *scheme);
   PetscErrorCode (*Begin)(const Scene *scene, const Particles *particles, Scheme *scheme);
-  PetscErrorCode (*Step)(const Scene *scene, Clock *clock, Particles *particles, Neighbors *neighbors,
-                         Operators *ops, Scheme *scheme);
+  PetscErrorCode (*Step)(const Scene *scene, Clock *clock, Particles *particles,
+                         Neighbors *neighbors, Operators *ops, Scheme *scheme);
   PetscErrorCode (*Destroy)(Scheme *scheme);
 } SchemeRow;
 extern const Table SchemeTable;
@@ -120,7 +122,8 @@ struct Scheme {
   void                *data;
 };
 
-PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *ops, Scheme **scheme);
+PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *ops,
+                            Scheme **scheme);
 PetscErrorCode SchemeRegister(const Scene *scene, Particles *particles, Scheme *scheme);
 PetscErrorCode SchemeDestroy(Scheme **scheme);
 

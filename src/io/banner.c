@@ -66,20 +66,20 @@ static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_ex
   const PetscBool explicit = ViscosityTimeKind(flow->scheme->visc)->kind == TIME_EXPLICIT;
 
   PetscFunctionBegin;
-  PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "dt_explicit = %.3g s, dt = %.3g of it: ",
-                                   "viscosity", (double)dt_explicit, (double)(dt / dt_explicit)));
+  PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "dt = %.3g dt_explicit (%.3g s): ",
+                                   "viscosity", (double)(dt / dt_explicit), (double)dt_explicit));
   if (explicit && dt > dt_explicit) {
     PetscCall(PetscViewerASCIIPrintf(viewer, "too long for explicit viscosity\n"));
   } else if (!SceneHas(scene, PHYSICS_CONVECTION)) {
     PetscCall(PetscViewerASCIIPrintf(
-        viewer, "nothing is advected, implicit steps are limited by accuracy alone\n"));
+        viewer, "nothing is advected, accuracy alone limits implicit steps\n"));
   } else if (advect > dt_explicit) {
     PetscCall(PetscViewerASCIIPrintf(
-        viewer, "implicit viscosity pays here, by steps up to %.3g times longer\n",
+        viewer, "implicit pays here, advection allows up to %.3g dt_explicit\n",
         (double)(advect / dt_explicit)));
   } else {
     PetscCall(PetscViewerASCIIPrintf(
-        viewer, "implicit viscosity does not pay here, advection allows %.2g of it\n",
+        viewer, "implicit does not pay here, advection allows %.2g dt_explicit\n",
         (double)(advect / dt_explicit)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -93,7 +93,7 @@ static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
 
   PetscFunctionBegin;
   PetscCall(PetscViewerASCIIPrintf(
-      viewer, BANNER_LABEL "t_end = %.6g s, dt = %.4g s, U dt/dx = %.3g", "time",
+      viewer, BANNER_LABEL "t_end = %.6g s, dt = %.4g s, CFL U dt/dx = %.3g", "time",
       (double)flow->clock->t_end, (double)dt, (double)(scene->speed * dt / scene->dx)));
   if (SceneHas(scene, PHYSICS_VISCOSITY)) {
     PetscCall(PetscViewerASCIIPrintf(viewer, ", nu dt/h^2 = %.3g",
@@ -106,16 +106,23 @@ static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One chosen row; nothing where the run has none. */
+/* One chosen row; what it is where that fits the line; nothing where the run has none. */
 static PetscErrorCode BannerRow(const char label[], const void *row, PetscViewer viewer)
 {
   const TableRow *r = row;
+  char            line[512];
+  size_t          length;
 
   PetscFunctionBegin;
   if (!r) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "%s: %s", label, r->name, r->brief));
-  if (r->citation[0]) PetscCall(PetscViewerASCIIPrintf(viewer, " [%s]", r->citation));
-  PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
+  PetscCall(PetscSNPrintf(line, sizeof(line), BANNER_LABEL "%s: %s%s%s%s", label, r->name, r->brief,
+                          r->citation[0] ? " [" : "", r->citation, r->citation[0] ? "]" : ""));
+  PetscCall(PetscStrlen(line, &length));
+  if (length > 100 && r->citation[0]) {
+    PetscCall(
+        PetscSNPrintf(line, sizeof(line), BANNER_LABEL "%s [%s]", label, r->name, r->citation));
+  }
+  PetscCall(PetscViewerASCIIPrintf(viewer, "%s\n", line));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

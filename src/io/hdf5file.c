@@ -73,8 +73,8 @@ PetscErrorCode Hdf5WriteRows(Hdf5File *file, const char name[], PetscInt columns
   PetscFunctionBegin;
   space  = Noted(file, H5Screate_simple(rank, size, NULL));
   memory = Noted(file, H5Screate_simple(rank, count, NULL));
-  data   = Noted(file,
-                 H5Dcreate2(file->file, name, stored, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  data   = H5Dcreate2(file->file, name, stored, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  (void)Noted(file, data);
   if (file->own) {
     (void)Noted(file, H5Sselect_hyperslab(space, H5S_SELECT_SET, first, NULL, count, NULL));
   } else {

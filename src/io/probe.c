@@ -103,29 +103,48 @@ static void ProbeFactorWithRidge(PetscInt terms, const PetscReal moments[], Pets
 }
 
 /*
-  Weights of the value at x, f(x) = sum_k w_k f_k:  w_k = W_k phi_k . M^-1 e_0. The support grows as
-  far as the halo allows where it holds too few points, as with half a support on a wall.
+  Moments of the fit at x and their factor. The support grows as far as the halo allows where it
+  holds too few points, as a quarter of it does in a corner.
 */
+static PetscErrorCode ProbeFit(Probe *probe, const PetscReal x[], PetscBool walls, PetscInt *n,
+                               PetscReal *R, PetscInt *terms, PetscReal moments[],
+                               PetscReal factor[])
+{
+  PetscFunctionBegin;
+  *R = probe->flow->ops->radius;
+  while (PETSC_TRUE) {
+    PetscCall(ProbeFind(probe, x, *R, walls, n));
+    *terms = ProbeMoments(probe, x, *R, *n, moments);
+    PetscCall(PetscArraycpy(factor, moments, *terms * *terms));
+    if (*n >= 2 * *terms && !DenseCholesky(*terms, factor)) break;
+    if (*R >= probe->reach) {
+      ProbeFactorWithRidge(*terms, moments, factor);
+      break;
+    }
+    *R = PetscMin(1.15 * *R, probe->reach);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Weights of the value at x, f(x) = sum_k w_k f_k:  w_k = W_k phi_k . M^-1 e_0. */
 static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscBool walls, PetscInt *n)
 {
   const PetscInt dim = probe->flow->particles->dim;
-  PetscReal      moments[PROBE_MAX_TERMS * PROBE_MAX_TERMS], c[PROBE_MAX_TERMS] = {1.0};
-  PetscReal      factor[PROBE_MAX_TERMS * PROBE_MAX_TERMS], R = probe->flow->ops->radius;
+  PetscReal      moments[PROBE_MAX_TERMS * PROBE_MAX_TERMS], c[PROBE_MAX_TERMS] = {0.0};
+  PetscReal      factor[PROBE_MAX_TERMS * PROBE_MAX_TERMS], R;
   PetscInt       terms;
 
   PetscFunctionBegin;
-  while (PETSC_TRUE) {
-    PetscCall(ProbeFind(probe, x, R, walls, n));
-    terms = ProbeMoments(probe, x, R, *n, moments);
-    for (PetscInt t = 0; t < terms * terms; t++) factor[t] = moments[t];
-    if (*n >= terms && !DenseCholesky(terms, factor)) break;
-    if (R >= probe->reach) {
-      ProbeFactorWithRidge(terms, moments, factor);
-      break;
+  PetscCall(ProbeFit(probe, x, walls, n, &R, &terms, moments, factor));
+  for (PetscInt pass = 0; pass < 3; pass++) { /* c = M^-1 e_0; M is ill conditioned in corners */
+    PetscReal residual[PROBE_MAX_TERMS] = {1.0};
+
+    for (PetscInt t = 0; t < terms; t++) {
+      for (PetscInt q = 0; q < terms; q++) residual[t] -= moments[t * terms + q] * c[q];
     }
-    R = PetscMin(1.15 * R, probe->reach);
+    DenseCholeskySolve(terms, factor, residual);
+    for (PetscInt t = 0; t < terms; t++) c[t] += residual[t];
   }
-  DenseCholeskySolve(terms, factor, c);
   for (PetscInt k = 0; k < *n; k++) {
     PetscReal       s[ISPH_MAX_DIM], phi[PROBE_MAX_TERMS], sum = 0.0;
     const PetscReal W = ProbeOffset(probe, probe->list[k], x, R, s);

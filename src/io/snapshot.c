@@ -4,6 +4,7 @@
 */
 #include "hdf5file.h"
 #include "xdmf.h"
+#include <fcntl.h>
 #include <unistd.h>
 
 struct Snapshots {
@@ -21,27 +22,28 @@ static PetscErrorCode SnapshotsVerdict(const Snapshots *snapshots, const char pa
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Bcast(&agreed, 1, MPIU_INT, 0, PETSC_COMM_WORLD));
-  PetscCheck(agreed, PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN, "-output %s.h5: cannot write %s",
-             snapshots->base, path);
+  PetscCheck(agreed, PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN,
+             "-output %s.h5: cannot write %s, or the disk is full", snapshots->base, path);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Tries the directory before hours are spent on the run. */
-static PetscErrorCode SnapshotsTry(const Snapshots *snapshots)
+/*
+  Makes sure on the first rank that a file of so many bytes can be written: before hours are spent
+  on the run, and before each snapshot, as HDF5 does not outlive a full disk. Collective.
+*/
+static PetscErrorCode SnapshotsReserve(const Snapshots *snapshots, const char path[], size_t bytes)
 {
   PetscMPIInt rank;
   PetscBool   good = PETSC_TRUE;
-  char        path[PETSC_MAX_PATH_LEN];
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_0000.h5.part", snapshots->base));
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   if (rank == 0) {
-    FILE *f = fopen(path, "w");
+    const int file = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0666);
 
-    good = f ? PETSC_TRUE : PETSC_FALSE;
-    if (f) (void)fclose(f);
-    if (f) (void)remove(path);
+    good = file >= 0 && posix_fallocate(file, 0, (off_t)bytes) == 0 ? PETSC_TRUE : PETSC_FALSE;
+    if (file >= 0) (void)close(file);
+    if (file >= 0) (void)remove(path);
   }
   PetscCall(SnapshotsVerdict(snapshots, path, good));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -63,6 +65,7 @@ PetscErrorCode SnapshotsCreate(const Scene *scene, Snapshots **snapshots)
   Snapshots *s;
   PetscBool  every, h5 = PETSC_TRUE;
   size_t     length;
+  char       path[PETSC_MAX_PATH_LEN];
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&s));
@@ -78,7 +81,8 @@ PetscErrorCode SnapshotsCreate(const Scene *scene, Snapshots **snapshots)
     PetscCall(PetscStrlen(s->base, &length));
     UserCheck(h5 && length > 3, "-output %s: the name must end in .h5", s->base);
     s->base[length - 3] = '\0';
-    PetscCall(SnapshotsTry(s));
+    PetscCall(PetscSNPrintf(path, sizeof(path), "%s_0000.h5.part", s->base));
+    PetscCall(SnapshotsReserve(s, path, 1));
   }
   *snapshots = s;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -171,6 +175,15 @@ static PetscErrorCode SnapshotFields(const Flow *flow, Hdf5File *file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Room a snapshot takes at most: its rows, and what HDF5 keeps beside them. */
+static size_t SnapshotBytes(const Flow *flow)
+{
+  const size_t N   = (size_t)(flow->particles->N_fluid + flow->particles->N_wall);
+  const size_t row = 8 * (2 * (size_t)flow->particles->dim + 1) + 4 + 8;
+
+  return N * row + (size_t)131072;
+}
+
 /* Writes the next file and, when it is complete, the index anew. */
 static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
 {
@@ -183,6 +196,7 @@ static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCall(PetscSNPrintf(path, sizeof(path), "%s_%04d.h5", s->base, (int)s->n));
   PetscCall(PetscSNPrintf(part, sizeof(part), "%s.part", path));
+  PetscCall(SnapshotsReserve(s, part, SnapshotBytes(flow)));
   PetscCall(Hdf5FileCreate(PETSC_COMM_WORLD, part, &file));
   if (file.file >= 0) {
     PetscCall(SnapshotAttributes(flow, &file));

@@ -1,8 +1,13 @@
 /*
   XDMF 3: a small text file that tells ParaView what the HDF5 files hold, as a collection in time of
-  point clouds. Vectors have three components there, so those of plane flows get a zero.
+  point clouds. Every particle is a vertex; as ids are the numbers from 0 to N - 1, they serve as
+  the list of vertices, without which ParaView's XDMF 3 reader shows nothing.
 */
 #include "xdmf.h"
+
+#define XDMF_DOUBLE "NumberType=\"Float\" Precision=\"8\""
+#define XDMF_INT32  "NumberType=\"Int\" Precision=\"4\""
+#define XDMF_INT64  "NumberType=\"Int\" Precision=\"8\""
 
 /* One data item: a data set of the snapshot's file. */
 static void XdmfItem(FILE *f, const char indent[], const char file[], const char set[],
@@ -13,37 +18,12 @@ static void XdmfItem(FILE *f, const char indent[], const char file[], const char
   fprintf(f, "\">%s:/%s</DataItem>\n", file, set);
 }
 
-/* Component c of a vector of two, as a slab of the data set. */
-static void XdmfComponent(FILE *f, const char file[], const char set[], PetscInt N, PetscInt c)
+/* One field at the particles; type says what ParaView takes it for. */
+static void XdmfAttribute(FILE *f, const char file[], const char set[], const char type[],
+                          const char number[], PetscInt N, PetscInt columns)
 {
-  fprintf(f, "            <DataItem ItemType=\"HyperSlab\" Dimensions=\"%" PetscInt_FMT " 1\">\n",
-          N);
-  fprintf(f, "              <DataItem Format=\"XML\" Dimensions=\"3 2\">0 %" PetscInt_FMT, c);
-  fprintf(f, " 1 1 %" PetscInt_FMT " 1</DataItem>\n", N);
-  XdmfItem(f, "              ", file, set, "NumberType=\"Float\" Precision=\"8\"", N, 2);
-  fprintf(f, "            </DataItem>\n");
-}
-
-/* A vector; in 2D (u, v, 0). */
-static void XdmfVector(FILE *f, const char file[], const char set[], PetscInt dim, PetscInt N)
-{
-  fprintf(f, "        <Attribute Name=\"%s\" AttributeType=\"Vector\" Center=\"Node\">\n", set);
-  if (dim == 3) {
-    XdmfItem(f, "          ", file, set, "NumberType=\"Float\" Precision=\"8\"", N, 3);
-  } else {
-    fprintf(f, "          <DataItem ItemType=\"Function\" Dimensions=\"%" PetscInt_FMT " 3\" ", N);
-    fprintf(f, "Function=\"JOIN($0, $1, 0 * $1)\">\n");
-    XdmfComponent(f, file, set, N, 0);
-    XdmfComponent(f, file, set, N, 1);
-    fprintf(f, "          </DataItem>\n");
-  }
-  fprintf(f, "        </Attribute>\n");
-}
-
-static void XdmfScalar(FILE *f, const char file[], const char set[], const char type[], PetscInt N)
-{
-  fprintf(f, "        <Attribute Name=\"%s\" AttributeType=\"Scalar\" Center=\"Node\">\n", set);
-  XdmfItem(f, "          ", file, set, type, N, 0);
+  fprintf(f, "        <Attribute Name=\"%s\" AttributeType=\"%s\" Center=\"Node\">\n", set, type);
+  XdmfItem(f, "          ", file, set, number, N, columns);
   fprintf(f, "        </Attribute>\n");
 }
 
@@ -58,14 +38,16 @@ static void XdmfGrid(FILE *f, const char name[], PetscInt dim, PetscBool pressur
   fprintf(f, "      <Grid Name=\"%s_%04d\" GridType=\"Uniform\">\n", name, (int)snapshot->number);
   fprintf(f, "        <Time Value=\"%.17g\"/>\n", (double)snapshot->t);
   fprintf(f, "        <Topology TopologyType=\"Polyvertex\" NodesPerElement=\"1\" ");
-  fprintf(f, "NumberOfElements=\"%" PetscInt_FMT "\"/>\n", N);
+  fprintf(f, "NumberOfElements=\"%" PetscInt_FMT "\">\n", N);
+  XdmfItem(f, "          ", file, "id", XDMF_INT64, N, 0);
+  fprintf(f, "        </Topology>\n");
   fprintf(f, "        <Geometry GeometryType=\"%s\">\n", dim == 2 ? "XY" : "XYZ");
-  XdmfItem(f, "          ", file, "position", "NumberType=\"Float\" Precision=\"8\"", N, dim);
+  XdmfItem(f, "          ", file, "position", XDMF_DOUBLE, N, dim);
   fprintf(f, "        </Geometry>\n");
-  XdmfVector(f, file, "velocity", dim, N);
-  if (pressure) XdmfScalar(f, file, "pressure", "NumberType=\"Float\" Precision=\"8\"", N);
-  XdmfScalar(f, file, "type", "NumberType=\"Int\" Precision=\"4\"", N);
-  XdmfScalar(f, file, "id", "NumberType=\"Int\" Precision=\"8\"", N);
+  XdmfAttribute(f, file, "velocity", "Vector", XDMF_DOUBLE, N, dim);
+  if (pressure) XdmfAttribute(f, file, "pressure", "Scalar", XDMF_DOUBLE, N, 0);
+  XdmfAttribute(f, file, "type", "Scalar", XDMF_INT32, N, 0);
+  XdmfAttribute(f, file, "id", "Scalar", XDMF_INT64, N, 0);
   fprintf(f, "      </Grid>\n");
 }
 

@@ -1,6 +1,6 @@
 /*
-  The one assembly loop: gather the stencil of each fluid particle, let every chosen form write its row,
-  let the wall treatment close it, and put the values into the shared pattern.
+  The one assembly loop: gather the stencil of each fluid particle, let every chosen form write its
+  row, let the wall treatment close it, and put the values into the shared pattern.
 */
 #include "isph/operators.h"
 
@@ -54,7 +54,8 @@ static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, cons
 /* Columns of row i in both patterns; slot[k] of neighbour k, and the slot of the diagonal. */
 static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, PetscInt *diagonal)
 {
-  PetscInt *cols = ops->slot + ops->slot_capacity, *place = cols + ops->slot_capacity, n = 0, own = -1;
+  PetscInt *cols = ops->slot + ops->slot_capacity, *place = cols + ops->slot_capacity, n = 0,
+           own = -1;
 
   for (PetscInt k = 0; k < st->n; k++) { /* own column goes where ascending order wants it */
     if (st->wall[k]) continue;
@@ -104,11 +105,11 @@ static void CloseRow_Value(const Stencil *st, const Operators *ops, PetscInt dia
 }
 
 /*
-  A row on a scalar with given normal derivative: wall neighbours of a fit carry weights of n.grad f;
-  dummies stand for f_w - f_i = (X.n) n.grad f.
+  A row on a scalar with given normal derivative: wall neighbours of a fit carry weights of n.grad
+  f; dummies stand for f_w - f_i = (X.n) n.grad f.
 */
-static void CloseRow_Slope(const Stencil *st, const Operators *ops, PetscInt diagonal, PetscReal scale,
-                           const PetscReal w[], AffineOperator *op)
+static void CloseRow_Slope(const Stencil *st, const Operators *ops, PetscInt diagonal,
+                           PetscReal scale, const PetscReal w[], AffineOperator *op)
 {
   PetscReal sum = 0.0;
 
@@ -161,7 +162,8 @@ static PetscErrorCode DivergenceRow(Stencil *st, PetscInt diagonal, Operators *o
     PetscCall(ops->gradient->Row(st, ops->g));
     for (PetscInt k = 0; st->n_wall && k < st->n; k++) {
       ops->m[k] = 0.0;
-      for (PetscInt c = 0; st->wall[k] && c < st->dim; c++) ops->m[k] += ops->g[c][k] * st->normal[c][k];
+      for (PetscInt c = 0; st->wall[k] && c < st->dim; c++)
+        ops->m[k] += ops->g[c][k] * st->normal[c][k];
     }
   }
   CloseRow_Divergence(st, diagonal, ops->g, ops->m, ops);
@@ -169,7 +171,8 @@ static PetscErrorCode DivergenceRow(Stencil *st, PetscInt diagonal, Operators *o
 }
 
 /* All operators' rows of one particle; the order keeps fits alive from one to the next. */
-static PetscErrorCode AssembleRow(const Scene *scene, Stencil *st, PetscInt diagonal, Operators *ops)
+static PetscErrorCode AssembleRow(const Scene *scene, Stencil *st, PetscInt diagonal,
+                                  Operators *ops)
 {
   PetscFunctionBegin;
   StencilSetRole(st, ROLE_VALUE);
@@ -179,7 +182,8 @@ static PetscErrorCode AssembleRow(const Scene *scene, Stencil *st, PetscInt diag
   }
   if (ops->grad_u[0].needed) {
     PetscCall(ops->gradient->Row(st, ops->g));
-    for (PetscInt a = 0; a < st->dim; a++) CloseRow_Value(st, ops, diagonal, ops->g[a], &ops->grad_u[a]);
+    for (PetscInt a = 0; a < st->dim; a++)
+      CloseRow_Value(st, ops, diagonal, ops->g[a], &ops->grad_u[a]);
   }
   if (ops->ppe.needed) {
     StencilSetRole(st, ROLE_NORMAL_DERIVATIVE);
@@ -236,7 +240,8 @@ static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, cons
                              ops->wall ? ops->walls.capacity : 0, &needed[k]->b));
     }
   }
-  for (PetscInt i = 0; i < p->n_fluid; i++) longest = PetscMax(longest, nb->row[i + 1] - nb->row[i] + 1);
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    longest = PetscMax(longest, nb->row[i + 1] - nb->row[i] + 1);
   if (longest > ops->slot_capacity) {
     ops->slot_capacity = 2 * longest;
     PetscCall(PetscFree3(ops->slot, ops->w, ops->m));
@@ -275,13 +280,14 @@ static PetscErrorCode RenumberWalls(const Scene *scene, const Particles *p, Oper
 }
 
 /* The concentration of particle i, for shifting and the mixed pressure source. */
-static void AssembleConcentration(const Scene *scene, const Particles *p, const Stencil *st, PetscInt i,
-                                  Operators *ops)
+static void AssembleConcentration(const Scene *scene, const Particles *p, const Stencil *st,
+                                  PetscInt i, Operators *ops)
 {
   PetscReal x[ISPH_MAX_DIM], gradient[ISPH_MAX_DIM];
 
   for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
-  ConcentrationRow(scene, ops->kernel, ops->h, st, x, st->fits_walls, &ops->concentration[i], gradient);
+  ConcentrationRow(scene, ops->kernel, ops->h, st, x, st->fits_walls, &ops->concentration[i],
+                   gradient);
   for (PetscInt a = 0; a < scene->dim; a++) ops->gradient_c[a][i] = gradient[a];
 }
 
@@ -326,7 +332,8 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
     if (ops->need_concentration) AssembleConcentration(scene, p, st, i, ops);
   }
   for (PetscInt k = 0; k < count; k++) {
-    PetscCall(PatternMat(p->comm, &ops->fluid, p->n_fluid, p->n_fluid, needed[k]->a, &needed[k]->A));
+    PetscCall(
+        PatternMat(p->comm, &ops->fluid, p->n_fluid, p->n_fluid, needed[k]->a, &needed[k]->A));
     if (!ops->wall) continue;
     PetscCall(PatternMat(p->comm, &ops->walls, p->n_fluid, p->n_wall, needed[k]->b, &needed[k]->B));
   }

@@ -1,6 +1,6 @@
 /*
-  The particle concentration and its gradient: what shifting flattens and Zheng's mixed pressure source
-  reads.
+  The particle concentration and its gradient: what shifting flattens and Zheng's mixed pressure
+  source reads.
 */
 #include "isph/operators.h"
 
@@ -34,8 +34,8 @@ static void ConcentrationImages(const KernelRow *kernel, PetscReal h, const Sten
 
     C_i = sum_j V_j W_ij,   grad C_i = sum_j V_j grad_i W_ij
 
-  over fluid neighbours, i itself, and what stands for the fluid beyond walls: mirror images where the
-  wall particles lie on the surface, the dummies where there are layers of them.
+  over fluid neighbours, i itself, and what stands for the fluid beyond walls: mirror images where
+the wall particles lie on the surface, the dummies where there are layers of them.
 
   Not collective.
 
@@ -52,7 +52,7 @@ void ConcentrationRow(const Scene *scene, const KernelRow *kernel, PetscReal h, 
                       PetscReal gradient[])
 {
   const PetscReal volume = SceneVolume(scene), origin[ISPH_MAX_DIM] = {0.0};
-  PetscReal       w[3], sum[ISPH_MAX_DIM] = {0.0};
+  PetscReal       w[3], sum[ISPH_MAX_DIM]                           = {0.0};
   WallPlane       planes[SCENE_MAX_PLANES];
   PetscInt        n_planes = 0;
 

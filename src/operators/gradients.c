@@ -51,14 +51,14 @@ static PetscErrorCode GradientRow_Corrected(Stencil *st, PetscReal *g[])
 }
 
 static const GradientRow gradients[] = {
-  /* name, brief, citation, exact linear, full support, row, divergence with normal components */
-  {"plain", "SPH gradient of differences", "Monaghan, Rep. Prog. Phys. 68 (2005)", PETSC_FALSE,
-   PETSC_TRUE, GradientRow_Plain, NULL},
-  {"corrected", "exact for linear fields by the inverse moment matrix",
-   "Bonet & Lok, Comput. Methods Appl. Mech. Eng. 180 (1999)", PETSC_TRUE, PETSC_TRUE,
-   GradientRow_Corrected, NULL},
-  {"mls", "quadratic moving least squares, takes boundary conditions in the fit",
-   "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", PETSC_TRUE, PETSC_FALSE, GradientRow_Mls,
-   DivergenceFit_Mls},
+    /* name, brief, citation, exact linear, full support, row, divergence with normal components */
+    {"plain", "SPH gradient of differences", "Monaghan, Rep. Prog. Phys. 68 (2005)", PETSC_FALSE,
+     PETSC_TRUE, GradientRow_Plain, NULL},
+    {"corrected", "exact for linear fields by the inverse moment matrix",
+     "Bonet & Lok, Comput. Methods Appl. Mech. Eng. 180 (1999)", PETSC_TRUE, PETSC_TRUE,
+     GradientRow_Corrected, NULL},
+    {"mls", "quadratic moving least squares, takes boundary conditions in the fit",
+     "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", PETSC_TRUE, PETSC_FALSE, GradientRow_Mls,
+     DivergenceFit_Mls},
 };
 const Table GradientTable = TABLE("-gradient", "Gradients and divergences", gradients);

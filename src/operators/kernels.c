@@ -1,6 +1,6 @@
 /*
-  Smoothing kernels. A row gives the shape w(q), q = r/h, and what makes it integrate to 1 in 1, 2 and
-  3 dimensions; a new kernel is one shape function and one row.
+  Smoothing kernels. A row gives the shape w(q), q = r/h, and what makes it integrate to 1 in 1, 2
+  and 3 dimensions; a new kernel is one shape function and one row.
 */
 #include "isph/operators.h"
 
@@ -85,13 +85,29 @@ void KernelEvaluate(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscRea
 }
 
 static const KernelRow kernels[] = {
-  {"cubic_spline", "cubic B-spline, support 2h", "Monaghan & Lattanzio, Astron. Astrophys. 149 (1985)",
-   2.0, {2.0 / 3.0, 10.0 / (7.0 * PETSC_PI), 1.0 / PETSC_PI}, Shape_CubicSpline},
-  {"quintic_spline", "quintic B-spline, support 3h", "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)",
-   3.0, {1.0 / 120.0, 7.0 / (478.0 * PETSC_PI), 3.0 / (359.0 * PETSC_PI)}, Shape_QuinticSpline},
-  {"wendland_c2", "Wendland C2, support 2h", "Wendland, Adv. Comput. Math. 4 (1995)",
-   2.0, {3.0 / 4.0, 7.0 / (4.0 * PETSC_PI), 21.0 / (16.0 * PETSC_PI)}, Shape_WendlandC2},
-  {"wendland_c4", "Wendland C4, support 2h", "Wendland, Adv. Comput. Math. 4 (1995)",
-   2.0, {27.0 / 32.0, 9.0 / (4.0 * PETSC_PI), 495.0 / (256.0 * PETSC_PI)}, Shape_WendlandC4},
+    {"cubic_spline",
+     "cubic B-spline, support 2h",
+     "Monaghan & Lattanzio, Astron. Astrophys. 149 (1985)",
+     2.0,
+     {2.0 / 3.0, 10.0 / (7.0 * PETSC_PI), 1.0 / PETSC_PI},
+     Shape_CubicSpline},
+    {"quintic_spline",
+     "quintic B-spline, support 3h",
+     "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)",
+     3.0,
+     {1.0 / 120.0, 7.0 / (478.0 * PETSC_PI), 3.0 / (359.0 * PETSC_PI)},
+     Shape_QuinticSpline},
+    {"wendland_c2",
+     "Wendland C2, support 2h",
+     "Wendland, Adv. Comput. Math. 4 (1995)",
+     2.0,
+     {3.0 / 4.0, 7.0 / (4.0 * PETSC_PI), 21.0 / (16.0 * PETSC_PI)},
+     Shape_WendlandC2},
+    {"wendland_c4",
+     "Wendland C4, support 2h",
+     "Wendland, Adv. Comput. Math. 4 (1995)",
+     2.0,
+     {27.0 / 32.0, 9.0 / (4.0 * PETSC_PI), 495.0 / (256.0 * PETSC_PI)},
+     Shape_WendlandC4},
 };
 const Table KernelTable = TABLE("-kernel", "Kernels", kernels);

@@ -1,6 +1,6 @@
 /*
-  The scalar Laplacians, rows on differences f_j - f_i, and their table. A new form is one row function
-  and one row here. Notation: X = x_j - x_i, r = |X|, W' = dW/dr < 0, grad_i W = -(X/r) W'.
+  The scalar Laplacians, rows on differences f_j - f_i, and their table. A new form is one row
+  function and one row here. Notation: X = x_j - x_i, r = |X|, W' = dW/dr < 0, grad_i W = -(X/r) W'.
 */
 #include "rows.h"
 
@@ -39,7 +39,8 @@ static inline void CorrectedKernelGradient(const Stencil *st, const PetscReal in
 
   Properties: exact for |x - x_i|^2; linear fields leave an error O(1/dx) on disorder.
 
-  Reference: G. Oger et al., J. Comput. Phys. 225 (2007); X. Zheng, Q. Ma, S. Shao, Water 10 (2018), VISC-04
+  Reference: G. Oger et al., J. Comput. Phys. 225 (2007); X. Zheng, Q. Ma, S. Shao, Water 10 (2018),
+  VISC-04
 */
 static PetscErrorCode LaplacianRow_Corrected(Stencil *st, PetscReal w[])
 {
@@ -92,19 +93,23 @@ static PetscErrorCode LaplacianRow_Schwaiger(Stencil *st, PetscReal w[])
 
 /*
   The symmetric matrix B of Fatehi & Manzari, packed (a >= b, off-diagonal entries counted once):
-  solves  sum_k V_k W' (B:ee) [-X_a X_b/r + (X/r).G^ab] = delta_ab,  G^ab = M^-1 sum V X_a X_b grad_i W.
+  solves  sum_k V_k W' (B:ee) [-X_a X_b/r + (X/r).G^ab] = delta_ab,  G^ab = M^-1 sum V X_a X_b
+  grad_i W.
 */
-static PetscErrorCode FatehiManzariMatrix(const Stencil *st, const PetscReal inverse[], PetscReal B[])
+static PetscErrorCode FatehiManzariMatrix(const Stencil *st, const PetscReal inverse[],
+                                          PetscReal B[])
 {
   const PetscInt d = st->dim, n = d * (d + 1) / 2;
-  PetscReal      G[SYM_MAX][ISPH_MAX_DIM] = {{0.0}}, lhs[SYM_MAX][SYM_MAX + 1] = {{0.0}}, gradient[ISPH_MAX_DIM];
+  PetscReal      G[SYM_MAX][ISPH_MAX_DIM] = {{0.0}}, lhs[SYM_MAX][SYM_MAX + 1] = {{0.0}},
+            gradient[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < st->n; k++) {
     CorrectedKernelGradient(st, inverse, k, gradient);
     for (PetscInt a = 0, s = 0; a < d; a++) {
       for (PetscInt b = 0; b <= a; b++, s++) {
-        for (PetscInt c = 0; c < d; c++) G[s][c] += st->V[k] * st->X[a][k] * st->X[b][k] * gradient[c];
+        for (PetscInt c = 0; c < d; c++)
+          G[s][c] += st->V[k] * st->X[a][k] * st->X[b][k] * gradient[c];
       }
     }
   }
@@ -118,7 +123,8 @@ static PetscErrorCode FatehiManzariMatrix(const Stencil *st, const PetscReal inv
         for (PetscInt c = 0; c < d; c++) bracket += st->X[c][k] / r * G[s][c];
         for (PetscInt e = 0, q = 0; e < d; e++) {
           for (PetscInt f = 0; f <= e; f++, q++) {
-            lhs[s][q] += st->V[k] * st->dW[k] * (e == f ? 1.0 : 2.0) * st->X[e][k] * st->X[f][k] / (r * r) * bracket;
+            lhs[s][q] += st->V[k] * st->dW[k] * (e == f ? 1.0 : 2.0) * st->X[e][k] * st->X[f][k] /
+                         (r * r) * bracket;
           }
         }
       }
@@ -130,7 +136,8 @@ static PetscErrorCode FatehiManzariMatrix(const Stencil *st, const PetscReal inv
   for (PetscInt p = 0; p < n; p++) { /* Gauss with partial pivoting: the matrix is not symmetric */
     PetscInt best = p;
 
-    for (PetscInt s = p + 1; s < n; s++) best = PetscAbsReal(lhs[s][p]) > PetscAbsReal(lhs[best][p]) ? s : best;
+    for (PetscInt s = p + 1; s < n; s++)
+      best = PetscAbsReal(lhs[s][p]) > PetscAbsReal(lhs[best][p]) ? s : best;
     for (PetscInt q = 0; q <= n; q++) {
       const PetscReal swap = lhs[p][q];
 
@@ -148,8 +155,8 @@ static PetscErrorCode FatehiManzariMatrix(const Stencil *st, const PetscReal inv
 }
 
 /*
-  LaplacianRow_FatehiManzari - Laplacian with the gradient's error removed and a matrix B_i chosen so
-  that quadratics are exact
+  LaplacianRow_FatehiManzari - Laplacian with the gradient's error removed and a matrix B_i chosen
+  so that quadratics are exact
 
     (lap f)_i = 2 sum_j V_j W' (B_i : ee) [ (f_i - f_j)/r - e.g_i ],   e = (x_i - x_j)/r
 
@@ -185,21 +192,21 @@ static PetscErrorCode LaplacianRow_FatehiManzari(Stencil *st, PetscReal w[])
 }
 
 static const LaplacianRow laplacians[] = {
-  /* name, brief, citation, symmetric, exact: linear, quadratic, full support, row */
-  {"morris", "finite difference times kernel gradient (VISC-01, model E)",
-   "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)", PETSC_TRUE, PETSC_FALSE, PETSC_FALSE, PETSC_TRUE,
-   LaplacianRow_Morris},
-  {"corrected", "morris with first-order corrected gradient (VISC-04)",
-   "Oger et al., J. Comput. Phys. 225 (2007)", PETSC_FALSE, PETSC_FALSE, PETSC_FALSE, PETSC_TRUE,
-   LaplacianRow_Corrected},
-  {"schwaiger", "morris freed from the error of linear fields (VISC-03)",
-   "Schwaiger, Int. J. Numer. Meth. Eng. 75 (2008)", PETSC_FALSE, PETSC_TRUE, PETSC_FALSE, PETSC_TRUE,
-   LaplacianRow_Schwaiger},
-  {"fatehi_manzari", "exact for quadratics by a matrix per particle",
-   "Fatehi & Manzari, Comput. Math. Appl. 61 (2011)", PETSC_FALSE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE,
-   LaplacianRow_FatehiManzari},
-  {"mls", "quadratic moving least squares, takes boundary conditions in the fit",
-   "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", PETSC_FALSE, PETSC_TRUE, PETSC_TRUE,
-   PETSC_FALSE, LaplacianRow_Mls},
+    /* name, brief, citation, symmetric, exact: linear, quadratic, full support, row */
+    {"morris", "finite difference times kernel gradient (VISC-01, model E)",
+     "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)", PETSC_TRUE, PETSC_FALSE, PETSC_FALSE,
+     PETSC_TRUE, LaplacianRow_Morris},
+    {"corrected", "morris with first-order corrected gradient (VISC-04)",
+     "Oger et al., J. Comput. Phys. 225 (2007)", PETSC_FALSE, PETSC_FALSE, PETSC_FALSE, PETSC_TRUE,
+     LaplacianRow_Corrected},
+    {"schwaiger", "morris freed from the error of linear fields (VISC-03)",
+     "Schwaiger, Int. J. Numer. Meth. Eng. 75 (2008)", PETSC_FALSE, PETSC_TRUE, PETSC_FALSE,
+     PETSC_TRUE, LaplacianRow_Schwaiger},
+    {"fatehi_manzari", "exact for quadratics by a matrix per particle",
+     "Fatehi & Manzari, Comput. Math. Appl. 61 (2011)", PETSC_FALSE, PETSC_TRUE, PETSC_TRUE,
+     PETSC_TRUE, LaplacianRow_FatehiManzari},
+    {"mls", "quadratic moving least squares, takes boundary conditions in the fit",
+     "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", PETSC_FALSE, PETSC_TRUE, PETSC_TRUE,
+     PETSC_FALSE, LaplacianRow_Mls},
 };
 const Table LaplacianTable = TABLE("-visc_laplacian, -ppe_laplacian", "Laplacians", laplacians);

@@ -1,13 +1,15 @@
 /*
   Moving least squares, quadratic and interpolating: about particle i the fit
 
-    f(x_i + X) - f_i = sum_t c_t phi_t(X/R),   phi = X_a, X_a X_b (a <= b),   R the support's radius,
+    f(x_i + X) - f_i = sum_t c_t phi_t(X/R),   phi = X_a, X_a X_b (a <= b),   R the support's
+  radius,
 
-  minimises sum_k W_k (equation of neighbour k)^2. Where a wall particle bears a role, its equation is
-  the boundary condition: n.grad f = g, or n.f = n.f_wall for vectors. Exact for quadratics.
+  minimises sum_k W_k (equation of neighbour k)^2. Where a wall particle bears a role, its equation
+  is the boundary condition: n.grad f = g, or n.f = n.f_wall for vectors. Exact for quadratics.
 
-  Reference: G. R. Liu & Y. T. Gu, An Introduction to Meshfree Methods, Springer 2005, ch. 3; boundary
-  conditions as equations of the fit: J. Kuhnert, PhD thesis, Kaiserslautern 1999 (finite pointsets).
+  Reference: G. R. Liu & Y. T. Gu, An Introduction to Meshfree Methods, Springer 2005, ch. 3;
+  boundary conditions as equations of the fit: J. Kuhnert, PhD thesis, Kaiserslautern 1999 (finite
+  pointsets).
 */
 #include "isph/operators.h"
 
@@ -56,10 +58,11 @@ static inline PetscReal MlsEquation(const Stencil *st, PetscInt dim, PetscInt k,
 }
 
 /*
-  Factors a moment matrix; where the points do not determine the fit, a ridge makes it the smallest of
-  the best fits and the stencil counts it.
+  Factors a moment matrix; where the points do not determine the fit, a ridge makes it the smallest
+  of the best fits and the stencil counts it.
 */
-static void MlsFactorOrRidge(PetscInt n, PetscReal moments[], const PetscReal copy[], PetscInt *weak)
+static void MlsFactorOrRidge(PetscInt n, PetscReal moments[], const PetscReal copy[],
+                             PetscInt *weak)
 {
   PetscReal ridge = 1e-8;
 
@@ -116,7 +119,8 @@ PetscErrorCode MlsFactor(Stencil *st)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static inline void MlsWeightsInline(const Stencil *st, PetscInt dim, const PetscReal c[], PetscReal w[])
+static inline void MlsWeightsInline(const Stencil *st, PetscInt dim, const PetscReal c[],
+                                    PetscReal w[])
 {
   const PetscInt terms = dim + dim * (dim + 1) / 2;
 
@@ -193,13 +197,15 @@ static void MlsVectorMoments(const Stencil *st, PetscReal moments[])
     MlsBasis(st, d, k, phi);
     for (PetscInt c = 0; c < d; c++) {
       for (PetscInt e = 0; e < d; e++) {
-        const PetscReal couple = st->wall[k] ? st->normal[c][k] * st->normal[e][k] : (c == e ? 1.0 : 0.0);
+        const PetscReal couple =
+            st->wall[k] ? st->normal[c][k] * st->normal[e][k] : (c == e ? 1.0 : 0.0);
 
         if (couple == 0.0) continue;
         for (PetscInt t = 0; t < terms; t++) {
           const PetscReal weighted = couple * st->W[k] * phi[t];
 
-          for (PetscInt q = 0; q < terms; q++) moments[(c * terms + t) * n + e * terms + q] += weighted * phi[q];
+          for (PetscInt q = 0; q < terms; q++)
+            moments[(c * terms + t) * n + e * terms + q] += weighted * phi[q];
         }
       }
     }
@@ -209,10 +215,11 @@ static void MlsVectorMoments(const Stencil *st, PetscReal moments[])
 /*
   DivergenceFit_Mls - Divergence of a vector fit that sees of each wall only its normal velocity
 
-    div u = sum_c c_c,c/R,   sum_k W_k |u_k - u_i - fit|^2 over fluid + sum_w W_w (n.(u_w - u_i - fit))^2
+    div u = sum_c c_c,c/R,   sum_k W_k |u_k - u_i - fit|^2 over fluid + sum_w W_w (n.(u_w - u_i -
+fit))^2
 
-  The wall's tangential velocity (a lid's jump at a corner) is none of the divergence's business; the
-  fit couples the components so that this holds for any orientation of the wall.
+  The wall's tangential velocity (a lid's jump at a corner) is none of the divergence's business;
+the fit couples the components so that this holds for any orientation of the wall.
 
   Output Parameters:
 + d - d[c][k] multiplies (u_k - u_i)_c of fluid neighbour k, zero for walls [1/m]

@@ -1,5 +1,6 @@
 /*
-  Small dense algebra of one stencil: Cholesky factors of moment matrices, at most a few tens of rows.
+  Small dense algebra of one stencil: Cholesky factors of moment matrices, at most a few tens of
+  rows.
 */
 #include "isph/operators.h"
 
@@ -62,7 +63,7 @@ void DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[])
 */
 PetscBool MomentInverse(const Stencil *st, PetscReal inverse[])
 {
-  const PetscInt d                            = st->dim;
+  const PetscInt d                              = st->dim;
   PetscReal      m[ISPH_MAX_DIM * ISPH_MAX_DIM] = {0.0};
   PetscBool      regular;
 

@@ -1,6 +1,6 @@
 /*
-  The operators of a run: chosen from the tables, checked against each other and against the physics,
-  and applied. Assembly is in assemble.c.
+  The operators of a run: chosen from the tables, checked against each other and against the
+  physics, and applied. Assembly is in assemble.c.
 */
 #include "isph/operators.h"
 
@@ -25,10 +25,12 @@ static PetscErrorCode OperatorsChooseWall(PetscOptionItems *PetscOptionsObject, 
     blind = (const TableRow *)(const void *)ops->gradient;
     kind  = "-gradient";
   }
-  PetscCall(TableSelect(&WallTable, "-wall", "Wall treatment; by default the one that the chosen forms can meet",
+  PetscCall(TableSelect(&WallTable, "-wall",
+                        "Wall treatment; by default the one that the chosen forms can meet",
                         blind ? "dummy_linear" : "wall_layer", &ops->wall));
   UserCheck(!blind || !ops->wall->on_surface,
-            "-wall %s: %s %s needs particles behind the wall; use -wall dummy_linear, or mls in its place",
+            "-wall %s: %s %s needs particles behind the wall; use -wall dummy_linear, or mls in "
+            "its place",
             ops->wall->name, kind, blind ? blind->name : "");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -57,17 +59,21 @@ PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
   PetscCall(PetscNew(&ops));
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Operators", "");
   PetscCall(TableSelect(&KernelTable, "-kernel", "Smoothing kernel", "wendland_c2", &ops->kernel));
-  PetscCall(OptionReal("-h_over_dx", "Smoothing length over particle spacing [-]", 0.8, 4.0, &h_over_dx, NULL));
-  PetscCall(TableSelect(&LaplacianTable, "-visc_laplacian", "Form of the viscous term", "mls", &ops->visc_form));
-  PetscCall(TableSelect(&LaplacianTable, "-ppe_laplacian", "Form of the pressure Poisson equation", "mls",
-                        &ops->ppe_form));
-  PetscCall(TableSelect(&GradientTable, "-gradient", "Form of gradients and divergences", "mls", &ops->gradient));
-  if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(OperatorsChooseWall(PetscOptionsObject, scene, ops));
+  PetscCall(OptionReal("-h_over_dx", "Smoothing length over particle spacing [-]", 0.8, 4.0,
+                       &h_over_dx, NULL));
+  PetscCall(TableSelect(&LaplacianTable, "-visc_laplacian", "Form of the viscous term", "mls",
+                        &ops->visc_form));
+  PetscCall(TableSelect(&LaplacianTable, "-ppe_laplacian", "Form of the pressure Poisson equation",
+                        "mls", &ops->ppe_form));
+  PetscCall(TableSelect(&GradientTable, "-gradient", "Form of gradients and divergences", "mls",
+                        &ops->gradient));
+  if (SceneHas(scene, PHYSICS_WALLS))
+    PetscCall(OperatorsChooseWall(PetscOptionsObject, scene, ops));
   PetscOptionsEnd();
-  ops->h               = h_over_dx * scene->dx;
-  ops->radius          = ops->kernel->support * ops->h;
-  ops->visc.needed     = SceneHas(scene, PHYSICS_VISCOSITY);
-  ops->ppe.needed      = SceneHas(scene, PHYSICS_PRESSURE);
+  ops->h           = h_over_dx * scene->dx;
+  ops->radius      = ops->kernel->support * ops->h;
+  ops->visc.needed = SceneHas(scene, PHYSICS_VISCOSITY);
+  ops->ppe.needed  = SceneHas(scene, PHYSICS_PRESSURE);
   for (PetscInt a = 0; a < scene->dim; a++) {
     ops->grad_p[a].needed = ops->div[a].needed = SceneHas(scene, PHYSICS_PRESSURE);
     ops->grad_u[a].needed                      = SceneHas(scene, PHYSICS_CONVECTION);

@@ -1,6 +1,7 @@
 /*
-  The common sparsity pattern of the operators and the matrices made on it. All operators read the same
-  neighbours, so columns are sorted once a row and every operator writes its values through slots.
+  The common sparsity pattern of the operators and the matrices made on it. All operators read the
+  same neighbours, so columns are sorted once a row and every operator writes its values through
+  slots.
 */
 #include "isph/operators.h"
 
@@ -39,7 +40,7 @@ PetscErrorCode PatternBegin(Pattern *pattern, PetscInt rows, PetscInt entries)
 void PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], PetscInt n, PetscInt slot[])
 {
   const PetscInt first = pattern->row[i];
-  PetscInt      *row   = &pattern->col[first], length = 0;
+  PetscInt      *row = &pattern->col[first], length = 0;
   PetscBool      ascending = PETSC_TRUE;
 
   for (PetscInt k = 0; k < n; k++) {

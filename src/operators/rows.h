@@ -1,4 +1,5 @@
-/* Row functions of the least-squares forms, listed in the tables of laplacians.c and gradients.c. */
+/* Row functions of the least-squares forms, listed in the tables of laplacians.c and gradients.c.
+ */
 #ifndef ISPH_ROWS_H
 #define ISPH_ROWS_H
 

@@ -22,8 +22,8 @@ static PetscErrorCode VecOfSize(MPI_Comm comm, PetscInt n, PetscReal array[], Ve
 /*
   FluidVec - Vector of one scalar over the own fluid particles
 
-  Collective. Input: array - a particle field to be seen through the vector, or NULL for storage of its
-  own. Valid for the present epoch.
+  Collective. Input: array - a particle field to be seen through the vector, or NULL for storage of
+  its own. Valid for the present epoch.
 */
 PetscErrorCode FluidVec(const Particles *p, PetscReal array[], Vec *v)
 {

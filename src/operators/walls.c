@@ -28,9 +28,10 @@ static PetscReal WallBeta_DummyLinear(const Scene *scene, PetscReal distance, Pe
 }
 
 static const WallRow walls[] = {
-  {"wall_layer", "one layer of particles on the wall, its conditions equations of least-squares fits",
-   "Kuhnert (1999); divergence sees the normal velocity only", PETSC_TRUE, WallBeta_Layer},
-  {"dummy_linear", "dummy layers behind the wall, velocities extrapolated linearly",
-   "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)", PETSC_FALSE, WallBeta_DummyLinear},
+    {"wall_layer",
+     "one layer of particles on the wall, its conditions equations of least-squares fits",
+     "Kuhnert (1999); divergence sees the normal velocity only", PETSC_TRUE, WallBeta_Layer},
+    {"dummy_linear", "dummy layers behind the wall, velocities extrapolated linearly",
+     "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)", PETSC_FALSE, WallBeta_DummyLinear},
 };
 const Table WallTable = TABLE("-wall", "Wall treatments", walls);

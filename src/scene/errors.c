@@ -2,6 +2,7 @@
   What the user sees of an error: one line for what he can mend, PETSc's traceback for a defect.
 */
 #include "isph/base.h"
+#include <unistd.h>
 
 /* Whether an error code speaks of the user's input, files or a diverged solve. */
 static PetscBool ErrorIsUsers(PetscErrorCode code)
@@ -15,8 +16,10 @@ static PetscBool ErrorIsUsers(PetscErrorCode code)
   case PETSC_ERR_FILE_WRITE:
   case PETSC_ERR_FILE_UNEXPECTED:
   case PETSC_ERR_ARG_UNKNOWN_TYPE:
-  case PETSC_ERR_MISSING_FACTOR: return PETSC_TRUE;
-  default: return PETSC_FALSE;
+  case PETSC_ERR_MISSING_FACTOR:
+    return PETSC_TRUE;
+  default:
+    return PETSC_FALSE;
   }
 }
 
@@ -31,6 +34,7 @@ static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *
   }
   (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   if (type == PETSC_ERROR_INITIAL && (rank == 0 || comm == PETSC_COMM_SELF)) {
+    if (isatty(STDOUT_FILENO)) (void)fputc('\n', stdout); /* off an unfinished progress line */
     (void)fflush(stdout);
     (void)fprintf(stderr, "isph: %s\n", message);
   }
@@ -52,8 +56,8 @@ PetscErrorCode ErrorsInstall(void)
 /*
   ErrorsExit - Ends the program after an error
 
-  Collective for what the user can mend, which all ranks meet together; anything else may be one rank's
-  alone and takes the others with it.
+  Collective for what the user can mend, which all ranks meet together; anything else may be one
+  rank's alone and takes the others with it.
 
   Returns: the exit status, never zero
 */

@@ -27,12 +27,13 @@ PetscErrorCode OptionReal_Private(PetscOptionItems *PetscOptionsObject, const ch
   PetscBool given;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsGetString(NULL, PetscOptionsObject->prefix, option, word, sizeof(word), &given));
+  PetscCall(
+      PetscOptionsGetString(NULL, PetscOptionsObject->prefix, option, word, sizeof(word), &given));
   if (given) {
     const double number = strtod(word, &end);
 
     UserCheck(end != word && *end == '\0', "%s %s: a number is wanted", option, word);
-    UserCheck(number >= low && number <= high, "%s %s: allowed is %g to %g", option, word,
+    UserCheck(number >= low && number <= high, "%s %s: allowed is %.6g to %.6g", option, word,
               (double)low, (double)high);
   }
   PetscCall(PetscOptionsReal(option, text, "", *value, value, NULL));
@@ -49,14 +50,16 @@ PetscErrorCode OptionInt_Private(PetscOptionItems *PetscOptionsObject, const cha
   PetscBool given;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsGetString(NULL, PetscOptionsObject->prefix, option, word, sizeof(word), &given));
+  PetscCall(
+      PetscOptionsGetString(NULL, PetscOptionsObject->prefix, option, word, sizeof(word), &given));
   if (given) {
     errno                  = 0;
     const long long number = strtoll(word, &end, 10);
 
-    UserCheck(end != word && *end == '\0' && errno == 0, "%s %s: a whole number is wanted", option, word);
-    UserCheck(number >= low && number <= high, "%s %s: allowed is %" PetscInt_FMT " to %" PetscInt_FMT,
-              option, word, low, high);
+    UserCheck(end != word && *end == '\0' && errno == 0, "%s %s: a whole number is wanted", option,
+              word);
+    UserCheck(number >= low && number <= high,
+              "%s %s: allowed is %" PetscInt_FMT " to %" PetscInt_FMT, option, word, low, high);
   }
   PetscCall(PetscOptionsInt(option, text, "", *value, value, NULL));
   if (set) *set = given;
@@ -135,22 +138,85 @@ PetscErrorCode OptionsRefuseTogether(const char a[], const char b[], const char 
 
 /* Names to suggest for a misspelt option: ours, then PETSc's commonest behind visc_ and ppe_. */
 static const char *const OwnNames[] = {
-  "case", "n", "dim", "reynolds", "viscosity", "t_end", "dt", "cfl", "max_steps", "seed", "jitter",
-  "scheme", "projection", "motion", "with", "without", "steady_tol", "time_order", "kernel",
-  "h_over_dx", "visc_laplacian", "ppe_laplacian", "ppe_alpha", "ppe_filter", "gradient", "wall",
-  "shift", "skin", "output", "output_every", "report", "report_times", "progress", "catalogue",
-  "options_file", "help", "log_view", "options_left",
+    "case",
+    "n",
+    "dim",
+    "reynolds",
+    "viscosity",
+    "t_end",
+    "dt",
+    "cfl",
+    "max_steps",
+    "seed",
+    "jitter",
+    "scheme",
+    "projection",
+    "motion",
+    "with",
+    "without",
+    "steady_tol",
+    "time_order",
+    "kernel",
+    "h_over_dx",
+    "visc_laplacian",
+    "ppe_laplacian",
+    "ppe_alpha",
+    "ppe_filter",
+    "gradient",
+    "wall",
+    "shift",
+    "skin",
+    "output",
+    "output_every",
+    "report",
+    "report_times",
+    "progress",
+    "catalogue",
+    "options_file",
+    "help",
+    "log_view",
+    "options_left",
 };
 static const char *const SolverNames[] = {
-  "ksp_type", "ksp_rtol", "ksp_atol", "ksp_max_it", "ksp_monitor", "ksp_converged_reason",
-  "ksp_view", "ksp_gmres_restart", "ksp_norm_type", "ksp_pc_side", "ksp_monitor_true_residual",
-  "pc_type", "pc_hypre_type", "pc_gamg_type", "pc_gamg_threshold", "pc_factor_levels",
-  "pc_hypre_boomeramg_coarsen_type", "pc_hypre_boomeramg_interp_type",
-  "pc_hypre_boomeramg_strong_threshold", "pc_hypre_boomeramg_P_max",
-  "pc_hypre_boomeramg_agg_nl", "pc_hypre_boomeramg_relax_type_all", "sub_pc_type",
-  "sub_ksp_type", "mg_levels_ksp_type", "mg_levels_pc_type", "ts_type", "ts_theta_theta",
-  "ts_bdf_order", "ts_arkimex_type", "ts_rosw_type", "ts_rk_type", "ts_ssp_type", "ts_monitor",
-  "ts_view", "ts_adapt_type", "snes_type", "snes_monitor", "snes_rtol",
+    "ksp_type",
+    "ksp_rtol",
+    "ksp_atol",
+    "ksp_max_it",
+    "ksp_monitor",
+    "ksp_converged_reason",
+    "ksp_view",
+    "ksp_gmres_restart",
+    "ksp_norm_type",
+    "ksp_pc_side",
+    "ksp_monitor_true_residual",
+    "pc_type",
+    "pc_hypre_type",
+    "pc_gamg_type",
+    "pc_gamg_threshold",
+    "pc_factor_levels",
+    "pc_hypre_boomeramg_coarsen_type",
+    "pc_hypre_boomeramg_interp_type",
+    "pc_hypre_boomeramg_strong_threshold",
+    "pc_hypre_boomeramg_P_max",
+    "pc_hypre_boomeramg_agg_nl",
+    "pc_hypre_boomeramg_relax_type_all",
+    "sub_pc_type",
+    "sub_ksp_type",
+    "mg_levels_ksp_type",
+    "mg_levels_pc_type",
+    "ts_type",
+    "ts_theta_theta",
+    "ts_bdf_order",
+    "ts_arkimex_type",
+    "ts_rosw_type",
+    "ts_rk_type",
+    "ts_ssp_type",
+    "ts_monitor",
+    "ts_view",
+    "ts_adapt_type",
+    "snes_type",
+    "snes_monitor",
+    "snes_rtol",
 };
 
 /* Levenshtein distance of two words of fewer than 128 letters. */
@@ -204,8 +270,8 @@ static PetscErrorCode NearestOption(const char name[], char nearest[], size_t le
 /* Whether PETSc reads an option only later: inside a preconditioner's set-up, or at the end. */
 static PetscErrorCode OptionIsDeferred(const char name[], PetscBool *deferred)
 {
-  const char *const inner[] = {"sub_", "mg_levels", "mg_coarse", "redundant_", "_view",
-                               "_monitor", "_converged_reason", "esteig", "fieldsplit_", "ml_"};
+  const char *const inner[] = {"sub_",     "mg_levels",         "mg_coarse", "redundant_",  "_view",
+                               "_monitor", "_converged_reason", "esteig",    "fieldsplit_", "ml_"};
 
   PetscFunctionBegin;
   *deferred = PETSC_FALSE;
@@ -221,8 +287,8 @@ static PetscErrorCode OptionIsDeferred(const char name[], PetscBool *deferred)
 /*
   OptionsRefuseUnknown - Ends the run where an option was given that nothing has read
 
-  Collective. Called once all objects are configured, with deferred_too = PETSC_FALSE, and again when
-  the first step has set up the preconditioners, with PETSC_TRUE.
+  Collective. Called once all objects are configured, with deferred_too = PETSC_FALSE, and again
+  when the first step has set up the preconditioners, with PETSC_TRUE.
 
   Errors: names the option and the known one nearest to it
 */
@@ -240,14 +306,18 @@ PetscErrorCode OptionsRefuseUnknown(PetscBool deferred_too)
     PetscCall(OptionIsDeferred(names[k], &deferred));
     PetscCall(PetscStrcmp(names[k], "options_left", &own));
     PetscCall(PetscStrncmp(names[k], "check_", 6, &check)); /* ReportCheck() sees to those */
-    if (!own && !check && (deferred_too || !deferred)) PetscCall(PetscStrncpy(unknown, names[k], sizeof(unknown)));
+    if (!own && !check && (deferred_too || !deferred))
+      PetscCall(PetscStrncpy(unknown, names[k], sizeof(unknown)));
   }
   PetscCall(PetscOptionsLeftRestore(NULL, &n, &names, &values));
   if (unknown[0]) {
     char nearest[128] = "";
 
     PetscCall(NearestOption(unknown, nearest, sizeof(nearest)));
-    UserCheck(PETSC_FALSE, "-%s: unknown option, or one that the chosen solvers do not read; the nearest known name is -%s (see -help)", unknown, nearest);
+    UserCheck(PETSC_FALSE,
+              "-%s: unknown option, or one that the chosen solvers do not read; the nearest known "
+              "name is -%s (see -help)",
+              unknown, nearest);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -32,15 +32,16 @@ static PetscErrorCode SceneReadPhysics(PetscOptionItems *PetscOptionsObject, Sce
   unsigned with, without;
 
   PetscFunctionBegin;
-  PetscCall(OptionFlags("-with", "Physics added to the case's own", PhysicsNames, PHYSICS_COUNT, &with));
-  PetscCall(OptionFlags("-without", "Physics taken from the case's own", PhysicsNames, PHYSICS_COUNT,
-                        &without));
+  PetscCall(
+      OptionFlags("-with", "Physics added to the case's own", PhysicsNames, PHYSICS_COUNT, &with));
+  PetscCall(OptionFlags("-without", "Physics taken from the case's own", PhysicsNames,
+                        PHYSICS_COUNT, &without));
   for (PetscInt k = 0; k < PHYSICS_COUNT; k++) {
     UserCheck(!(with & without & (1u << k)), "-with %s and -without %s cannot both be given",
               PhysicsNames[k], PhysicsNames[k]);
   }
-  UserCheck(!(without & PHYSICS_WALLS), "-without walls: the walls belong to the geometry of case %s",
-            scene->problem->name);
+  UserCheck(!(without & PHYSICS_WALLS),
+            "-without walls: the walls belong to the geometry of case %s", scene->problem->name);
   UserCheck(!(with & PHYSICS_WALLS) || (scene->problem->physics & PHYSICS_WALLS),
             "-with walls: case %s has none", scene->problem->name);
   scene->physics = (scene->problem->physics | with) & ~without;
@@ -60,16 +61,18 @@ static PetscErrorCode SceneReadNumbers(PetscOptionItems *PetscOptionsObject, Sce
   UserCheck(scene->dim == 2 || scene->problem->three_d, "-dim 3: case %s is two-dimensional",
             scene->problem->name);
   scene->n = scene->problem->n;
-  PetscCall(OptionInt("-n", "Particles along the reference length, dx = L/n", 4, 100000, &scene->n, NULL));
+  PetscCall(OptionInt("-n", "Particles along the reference length, dx = L/n", 4, 100000, &scene->n,
+                      NULL));
   scene->dx = scene->length / scene->n;
   PetscCall(OptionsRefuseTogether("-reynolds", "-viscosity", "one follows from the other"));
   PetscCall(OptionReal("-reynolds", "Reynolds number U L/nu [-]", 1e-12, 1e12, &reynolds, NULL));
   scene->nu = scene->speed * scene->problem->reynolds_length * scene->length / reynolds;
   viscosity = scene->nu;
-  PetscCall(OptionReal("-viscosity", "Kinematic viscosity nu [m^2/s]", 1e-12, 1e12, &viscosity, &set));
+  PetscCall(
+      OptionReal("-viscosity", "Kinematic viscosity nu [m^2/s]", 1e-12, 1e12, &viscosity, &set));
   if (set) scene->nu = viscosity;
-  PetscCall(OptionReal("-jitter", "Largest random displacement of the lattice at the start [dx]", 0.0,
-                       0.5, &scene->jitter, NULL));
+  PetscCall(OptionReal("-jitter", "Largest random displacement of the lattice at the start [dx]",
+                       0.0, 0.5, &scene->jitter, NULL));
   PetscCall(OptionInt("-seed", "Seed of the jitter", 0, PETSC_MAX_INT, &scene->seed, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

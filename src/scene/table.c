@@ -1,6 +1,6 @@
 /*
-  Tables of named rows: look-up by the user's word, the choice from the command line and the listing.
-  This is the one place of the program where a row's name is compared.
+  Tables of named rows: look-up by the user's word, the choice from the command line and the
+  listing. This is the one place of the program where a row's name is compared.
 */
 #include "isph/base.h"
 
@@ -90,7 +90,8 @@ PetscErrorCode TableView(const Table *table, PetscViewer viewer)
     const TableRow *row = TableGet(table, k);
 
     PetscCall(PetscViewerASCIIPrintf(viewer, "  %-16s %s\n", row->name, row->brief));
-    if (row->citation[0]) PetscCall(PetscViewerASCIIPrintf(viewer, "  %-16s [%s]\n", "", row->citation));
+    if (row->citation[0])
+      PetscCall(PetscViewerASCIIPrintf(viewer, "  %-16s [%s]\n", "", row->citation));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

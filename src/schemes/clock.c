@@ -20,11 +20,13 @@ static PetscErrorCode ClockReadReports(PetscOptionItems *PetscOptionsObject, Clo
   PetscInt n = CLOCK_MAX_REPORTS;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsRealArray("-report_times", "Times besides the end at which quantities are reported [s]",
-                                  "", clock->report_time, &n, NULL));
+  PetscCall(PetscOptionsRealArray("-report_times",
+                                  "Times besides the end at which quantities are reported [s]", "",
+                                  clock->report_time, &n, NULL));
   for (PetscInt k = 0; k < n; k++) {
     UserCheck(clock->report_time[k] > (k ? clock->report_time[k - 1] : 0.0),
-              "-report_times: the times must be positive and ascending, got %g", (double)clock->report_time[k]);
+              "-report_times: the times must be positive and ascending, got %.6g",
+              (double)clock->report_time[k]);
   }
   while (n > 0 && clock->report_time[n - 1] >= clock->t_end) n--;
   clock->n_reports = n;
@@ -57,10 +59,13 @@ PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
   PetscCall(OptionsRefuseTogether("-dt", "-cfl", "one time step follows from each"));
   PetscCall(OptionReal("-t_end", "End of the run [s]", 0.0, 1e12, &c->t_end, NULL));
   PetscCall(OptionReal("-dt", "Time step [s]; 0: from -cfl", 0.0, 1e12, &c->dt_given, NULL));
-  PetscCall(OptionReal("-cfl", "Time step over dx/U, U the larger of reference and present speed [-]",
-                       1e-6, 1e6, &c->cfl, NULL));
-  PetscCall(OptionInt("-max_steps", "Stop after this many steps", 0, PETSC_MAX_INT, &c->max_steps, NULL));
-  PetscCall(OptionReal("-steady_tol", "Stop when nothing changes by more than this relative rate; 0: never [-]",
+  PetscCall(OptionReal("-cfl",
+                       "Time step over dx/U, U the larger of reference and present speed [-]", 1e-6,
+                       1e6, &c->cfl, NULL));
+  PetscCall(
+      OptionInt("-max_steps", "Stop after this many steps", 0, PETSC_MAX_INT, &c->max_steps, NULL));
+  PetscCall(OptionReal("-steady_tol",
+                       "Stop when nothing changes by more than this relative rate; 0: never [-]",
                        0.0, 1.0, &c->steady_tol, NULL));
   PetscCall(ClockReadReports(PetscOptionsObject, c));
   PetscOptionsEnd();
@@ -79,15 +84,16 @@ PetscErrorCode ClockDestroy(Clock **clock)
 /*
   ClockChoose - Sets dt of the coming step
 
-  Not collective. Steps are evened out so that the next report time and t_end are hit exactly without
-  a rest that is shorter than the others.
+  Not collective. Steps are evened out so that the next report time and t_end are hit exactly
+without a rest that is shorter than the others.
 
   Input Parameter:
 . speed - largest speed of the flow [m/s]
 */
 PetscErrorCode ClockChoose(const Scene *scene, PetscReal speed, Clock *clock)
 {
-  const PetscReal target = clock->next_report < clock->n_reports ? clock->report_time[clock->next_report] : clock->t_end;
+  const PetscReal target =
+      clock->next_report < clock->n_reports ? clock->report_time[clock->next_report] : clock->t_end;
   const PetscReal left = target - clock->t;
   PetscReal       dt   = clock->dt_given;
 

@@ -1,7 +1,8 @@
 /*
-  The guard: looks at the true residual after every linear solve, whatever the method claims, and turns
-  a failure into one sentence with a remedy. An AMG-preconditioned method can report convergence with a
-  residual as large as the right-hand side; a flow computed from that is wrong without a word.
+  The guard: looks at the true residual after every linear solve, whatever the method claims, and
+  turns a failure into one sentence with a remedy. An AMG-preconditioned method can report
+  convergence with a residual as large as the right-hand side; a flow computed from that is wrong
+  without a word.
 */
 #include "guard.h"
 
@@ -27,15 +28,16 @@ static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
   PetscCall(VecNorm(rhs, NORM_2, &norm_b));
   PetscCall(VecDestroy(&r));
   guard->residual = norm_b > 0.0 ? norm_r / norm_b : norm_r;
-  if (guard->reason < 0 || !(norm_r <= GUARD_SLACK * PetscMax(rtol * norm_b, atol))) guard->failed = PETSC_TRUE;
+  if (guard->reason < 0 || !(norm_r <= GUARD_SLACK * PetscMax(rtol * norm_b, atol)))
+    guard->failed = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
   GuardAttach - Puts the guard on a KSP; to be called after KSPSetFromOptions()
 
-  Collective. Also asks for the unpreconditioned norm where the user did not choose one, so that -ksp_rtol
-  means the true residual.
+  Collective. Also asks for the unpreconditioned norm where the user did not choose one, so that
+  -ksp_rtol means the true residual.
 */
 PetscErrorCode GuardAttach(KSP ksp, Guard *guard)
 {
@@ -70,12 +72,15 @@ PetscErrorCode GuardCheck(KSP ksp, const Clock *clock, Guard *guard)
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCGetType(pc, &pc_type));
   PetscCheck(PETSC_FALSE, PETSC_COMM_WORLD, PETSC_ERR_NOT_CONVERGED,
-             "step %" PetscInt_FMT " (t = %g): the %s solve by %s with %s ended with %s after %" PetscInt_FMT
-             " iterations, true residual %.1e of the right-hand side; %s -%sksp_type %s -%spc_type hypre%s",
+             "step %" PetscInt_FMT
+             " (t = %.6g): the %s solve by %s with %s ended with %s after %" PetscInt_FMT
+             " iterations, true residual %.1e of the right-hand side; %s -%sksp_type %s -%spc_type "
+             "hypre%s",
              clock->step + 1, (double)(clock->t + clock->dt), guard->what, ksp_type, pc_type,
              reasons[guard->reason], guard->iterations, (double)guard->residual,
-             PetscIsInfOrNanReal(guard->residual) ? "the flow itself is no longer finite: try a smaller time step, or"
-                                                  : "try",
+             PetscIsInfOrNanReal(guard->residual)
+                 ? "the flow itself is no longer finite: try a smaller time step, or"
+                 : "try",
              guard->prefix, guard->prefix[0] == 'p' ? "fgmres" : "gmres", guard->prefix,
              guard->reason == KSP_DIVERGED_ITS ? ", or a larger -ksp_max_it" : "");
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -5,12 +5,12 @@
 #include "isph/schemes.h"
 
 typedef struct {
-  const char *what;     /* "viscous" or "pressure" */
-  const char *prefix;   /* "visc_" or "ppe_" */
-  PetscBool   failed;   /* a solve since the last GuardReset() */
-  PetscReal   residual; /* true, relative, of the solve that failed or else of the last */
+  const char        *what;     /* "viscous" or "pressure" */
+  const char        *prefix;   /* "visc_" or "ppe_" */
+  PetscBool          failed;   /* a solve since the last GuardReset() */
+  PetscReal          residual; /* true, relative, of the solve that failed or else of the last */
   KSPConvergedReason reason;
-  PetscInt    iterations;
+  PetscInt           iterations;
 } Guard;
 
 PetscErrorCode GuardAttach(KSP ksp, Guard *guard);

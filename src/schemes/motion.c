@@ -1,6 +1,6 @@
 /*
-  Moving particles: with the flow, then a little aside so that they stay evenly spread; the fields they
-  carry follow by Taylor series.
+  Moving particles: with the flow, then a little aside so that they stay evenly spread; the fields
+  they carry follow by Taylor series.
 */
 #include "projection.h"
 
@@ -19,8 +19,10 @@ static void KeepOffWalls(const Scene *scene, PetscReal x[])
   }
 }
 
-/* Gradients at the old positions that the Taylor series need: of p always, of u where there is shifting. */
-static PetscErrorCode EvaluateSlopes(const Scene *scene, const Operators *ops, PetscBool shifting, Projection *pr)
+/* Gradients at the old positions that the Taylor series need: of p always, of u where there is
+ * shifting. */
+static PetscErrorCode EvaluateSlopes(const Scene *scene, const Operators *ops, PetscBool shifting,
+                                     Projection *pr)
 {
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) {
@@ -38,15 +40,16 @@ static PetscErrorCode EvaluateSlopes(const Scene *scene, const Operators *ops, P
     dr = dt ((1 + w/2) u^n - w/2 u^{n-1}) + shift,   w = dt/dt_previous
     u += shift.grad u,   p += dr.grad p
 
-  Collective. The pressure is carried as an Eulerian field, velocities as the particles' own but for the
-  shift. On entry the operators are those at x^n; on exit they are stale.
+  Collective. The pressure is carried as an Eulerian field, velocities as the particles' own but for
+  the shift. On entry the operators are those at x^n; on exit they are stale.
 */
 PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *ops, Particles *p,
                              Scheme *scheme)
 {
-  Projection       *pr       = (Projection *)scheme->data;
-  const PetscBool   shifting = scheme->shift->Displace ? PETSC_TRUE : PETSC_FALSE;
-  const PetscReal   w = scheme->time_order == 2 && clock->dt_previous > 0.0 ? clock->dt / clock->dt_previous : 0.0;
+  Projection     *pr       = (Projection *)scheme->data;
+  const PetscBool shifting = scheme->shift->Displace ? PETSC_TRUE : PETSC_FALSE;
+  const PetscReal w =
+      scheme->time_order == 2 && clock->dt_previous > 0.0 ? clock->dt / clock->dt_previous : 0.0;
   const PetscScalar *slope_p[ISPH_MAX_DIM], *slope_u[ISPH_MAX_DIM][ISPH_MAX_DIM];
 
   PetscFunctionBegin;
@@ -61,9 +64,11 @@ PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *
     PetscReal shift[ISPH_MAX_DIM] = {0.0}, x[ISPH_MAX_DIM], gradient_c[ISPH_MAX_DIM];
 
     for (PetscInt a = 0; shifting && a < scene->dim; a++) gradient_c[a] = ops->gradient_c[a][i];
-    if (shifting) scheme->shift->Displace(scene, scheme->stats.speed_max, clock->dt, gradient_c, shift);
+    if (shifting)
+      scheme->shift->Displace(scene, scheme->stats.speed_max, clock->dt, gradient_c, shift);
     for (PetscInt a = 0; a < scene->dim; a++) {
-      x[a] = p->x[a][i] + clock->dt * ((1.0 + 0.5 * w) * p->u[a][i] - 0.5 * w * pr->u_previous[a][i]) + shift[a];
+      x[a] = p->x[a][i] +
+             clock->dt * ((1.0 + 0.5 * w) * p->u[a][i] - 0.5 * w * pr->u_previous[a][i]) + shift[a];
     }
     KeepOffWalls(scene, x);
     for (PetscInt a = 0; a < scene->dim; a++) {

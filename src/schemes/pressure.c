@@ -45,8 +45,8 @@ static PetscErrorCode PressureDefaults(void)
   Collective on PETSC_COMM_WORLD.
 
   Options Database Keys:
-. -ppe_ksp_type, -ppe_pc_type, ... - any of PETSc's; by default cg for a symmetric form, else fgmres,
-                                     with hypre BoomerAMG
+. -ppe_ksp_type, -ppe_pc_type, ... - any of PETSc's; by default cg for a symmetric form, else
+fgmres, with hypre BoomerAMG
 */
 PetscErrorCode PressureCreate(const Operators *ops, Pressure **ppe)
 {
@@ -90,7 +90,8 @@ static PetscErrorCode PressureRenumber(const Particles *p, Pressure *s)
   PetscCall(MatDestroy(&s->ones));
   PetscCall(MatCreateDense(p->comm, p->n_fluid, PETSC_DECIDE, PETSC_DETERMINE, 1, NULL, &s->ones));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscCall(MatSetValue(s->ones, p->fluid_start + i, 0, 1.0 / PetscSqrtReal((PetscReal)p->N_fluid), INSERT_VALUES));
+    PetscCall(MatSetValue(s->ones, p->fluid_start + i, 0,
+                          1.0 / PetscSqrtReal((PetscReal)p->N_fluid), INSERT_VALUES));
   }
   PetscCall(MatAssemblyBegin(s->ones, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(s->ones, MAT_FINAL_ASSEMBLY));
@@ -138,10 +139,10 @@ static PetscErrorCode PressureUpdateMatrices(const Particles *p, const Operators
 
   Errors: ends the run where the true residual is not small, with the reason and a remedy
 */
-PetscErrorCode PressureSolve(const Clock *clock, const Particles *p, const Operators *ops, Vec b, Vec phi,
-                             Pressure *s)
+PetscErrorCode PressureSolve(const Clock *clock, const Particles *p, const Operators *ops, Vec b,
+                             Vec phi, Pressure *s)
 {
-  PetscReal norm;
+  PetscReal   norm;
   PetscScalar mean;
 
   PetscFunctionBegin;

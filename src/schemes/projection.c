@@ -7,25 +7,30 @@
     u    = u* - k/rho grad phi                                           VelocityCorrect
     p    = p^n + phi - mu div u*                                         PressureUpdate
 
-  with k = 2dt/3 for the second-order default, a backward Euler step from (4u^n - u^{n-1})/3. w is the
-  particles' velocity: u (Lagrangian) or 0 (Eulerian).
+  with k = 2dt/3 for the second-order default, a backward Euler step from (4u^n - u^{n-1})/3. w is
+  the particles' velocity: u (Lagrangian) or 0 (Eulerian).
 */
 #include "projection.h"
 
-PetscErrorCode ProjectionCreate(const Scene *scene, const Clock *clock, Operators *ops, Scheme *scheme)
+PetscErrorCode ProjectionCreate(const Scene *scene, const Clock *clock, Operators *ops,
+                                Scheme *scheme)
 {
-  const char *const events[EVENT_COUNT] = {"ParticlesMove", "NeighborsUpdate", "OperatorsAssem", "ViscositySolve",
-                                           "PressureSolve", "PressureUpdate"};
+  const char *const events[EVENT_COUNT] = {"ParticlesMove",  "NeighborsUpdate", "OperatorsAssem",
+                                           "ViscositySolve", "PressureSolve",   "PressureUpdate"};
   PetscClassId      class_id;
   Projection       *pr;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&pr));
   PetscCall(PetscClassIdRegister("Projection", &class_id));
-  for (PetscInt k = 0; k < EVENT_COUNT; k++) PetscCall(PetscLogEventRegister(events[k], class_id, &pr->event[k]));
-  pr->has_convection = (scheme->motion && !scheme->motion->particles_move) ? PETSC_TRUE : PETSC_FALSE;
-  pr->has_moved      = (scheme->motion && scheme->motion->particles_move && clock->steady_tol > 0.0) ? PETSC_TRUE : PETSC_FALSE;
-  scheme->data       = pr;
+  for (PetscInt k = 0; k < EVENT_COUNT; k++)
+    PetscCall(PetscLogEventRegister(events[k], class_id, &pr->event[k]));
+  pr->has_convection =
+      (scheme->motion && !scheme->motion->particles_move) ? PETSC_TRUE : PETSC_FALSE;
+  pr->has_moved = (scheme->motion && scheme->motion->particles_move && clock->steady_tol > 0.0)
+                      ? PETSC_TRUE
+                      : PETSC_FALSE;
+  scheme->data  = pr;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -36,7 +41,8 @@ PetscErrorCode ProjectionRegister(const Scene *scene, Particles *p, Scheme *sche
 
   PetscFunctionBegin;
   PetscCall(ParticlesRegister(p, "u_previous", scene->dim, HALO_NONE, pr->u_previous));
-  if (pr->has_convection) PetscCall(ParticlesRegister(p, "convection", scene->dim, HALO_NONE, pr->convection));
+  if (pr->has_convection)
+    PetscCall(ParticlesRegister(p, "convection", scene->dim, HALO_NONE, pr->convection));
   if (pr->has_moved) PetscCall(ParticlesRegister(p, "moved", scene->dim, HALO_NONE, pr->moved));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM] = {0.0}, pressure = 0.0, speed2 = 0.0;
@@ -51,7 +57,8 @@ PetscErrorCode ProjectionRegister(const Scene *scene, Particles *p, Scheme *sche
     if (p->p && scene->problem->Exact) scene->problem->Exact(scene, 0.0, x, u, &pressure);
     if (p->p) p->p[i] = pressure;
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &scheme->stats.speed_max, 1, MPIU_REAL, MPIU_MAX, p->comm));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, &scheme->stats.speed_max, 1, MPIU_REAL, MPIU_MAX, p->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -84,7 +91,8 @@ PetscErrorCode ProjectionDestroy(Scheme *scheme)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ProjectionRenumber - Vectors over the particles as they are numbered now; nothing to do within an epoch */
+/* ProjectionRenumber - Vectors over the particles as they are numbered now; nothing to do within an
+ * epoch */
 PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *p, Scheme *scheme)
 {
   Projection *pr = (Projection *)scheme->data;
@@ -117,8 +125,8 @@ PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *p, Scheme
 }
 
 /* n.grad p = rho n.f at walls: what p^n has of it already, and what this step adds. */
-static PetscErrorCode SetWallSlopes(const Scene *scene, const Clock *clock, const Particles *p, const Scheme *scheme,
-                                    Operators *ops)
+static PetscErrorCode SetWallSlopes(const Scene *scene, const Clock *clock, const Particles *p,
+                                    const Scheme *scheme, Operators *ops)
 {
   const PetscReal had = scheme->projection->incremental && clock->step > 0 ? 1.0 : 0.0;
   PetscScalar    *slope, *step;
@@ -130,7 +138,8 @@ static PetscErrorCode SetWallSlopes(const Scene *scene, const Clock *clock, cons
   for (PetscInt w = 0; w < p->n_wall; w++) {
     PetscReal full = 0.0;
 
-    for (PetscInt a = 0; a < scene->dim; a++) full += scene->rho * scene->body[a] * p->normal[a][p->n_fluid + w];
+    for (PetscInt a = 0; a < scene->dim; a++)
+      full += scene->rho * scene->body[a] * p->normal[a][p->n_fluid + w];
     slope[w] = had * full;
     step[w]  = (1.0 - had) * full;
   }
@@ -143,12 +152,15 @@ static PetscErrorCode SetWallSlopes(const Scene *scene, const Clock *clock, cons
   u.grad u of fixed particles: extrapolated into the force for implicit kinds; for the others the
   advecting velocity is extrapolated and the TS does the rest.
 */
-static PetscErrorCode AddConvection(const Scene *scene, const Clock *clock, const Operators *ops, PetscReal at,
-                                    Scheme *scheme)
+static PetscErrorCode AddConvection(const Scene *scene, const Clock *clock, const Operators *ops,
+                                    PetscReal at, Scheme *scheme)
 {
-  Projection     *pr       = (Projection *)scheme->data;
-  const PetscBool extrapolate = !scheme->visc || ViscosityTimeKind(scheme->visc)->kind == TIME_IMPLICIT;
-  const PetscReal w = scheme->time_order == 2 && clock->dt_previous > 0.0 ? at * clock->dt / clock->dt_previous : 0.0;
+  Projection     *pr = (Projection *)scheme->data;
+  const PetscBool extrapolate =
+      !scheme->visc || ViscosityTimeKind(scheme->visc)->kind == TIME_IMPLICIT;
+  const PetscReal w = scheme->time_order == 2 && clock->dt_previous > 0.0
+                          ? at * clock->dt / clock->dt_previous
+                          : 0.0;
 
   PetscFunctionBegin;
   for (PetscInt c = 0; c < scene->dim; c++) {
@@ -171,8 +183,8 @@ static PetscErrorCode AddConvection(const Scene *scene, const Clock *clock, cons
 }
 
 /* The force on u*: -grad p^n/rho + f - convection; at = 1 or 1/2: where in the step it is taken. */
-static PetscErrorCode AssembleForce(const Scene *scene, const Clock *clock, const Operators *ops, PetscReal at,
-                                    Scheme *scheme)
+static PetscErrorCode AssembleForce(const Scene *scene, const Clock *clock, const Operators *ops,
+                                    PetscReal at, Scheme *scheme)
 {
   Projection *pr = (Projection *)scheme->data;
 
@@ -194,27 +206,30 @@ static PetscErrorCode AssembleForce(const Scene *scene, const Clock *clock, cons
   The predictor: start value and length of the viscous step.
   BDF2 with w = dt/dt_previous: k = dt (1+w)/(1+2w), start = ((1+w)^2 u^n - w^2 u^{n-1})/(1+2w).
 */
-static PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, const Particles *p, Operators *ops,
-                                      Scheme *scheme)
+static PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, const Particles *p,
+                                      Operators *ops, Scheme *scheme)
 {
-  Projection        *pr      = (Projection *)scheme->data;
-  const TimeKindRow *kind    = scheme->visc ? ViscosityTimeKind(scheme->visc) : NULL;
-  const PetscBool    history = (!kind || kind->history) && scheme->time_order == 2 && clock->dt_previous > 0.0;
-  const PetscReal    w       = history ? clock->dt / clock->dt_previous : 0.0;
-  const PetscBool    inner   = pr->has_convection && kind && kind->kind != TIME_IMPLICIT;
-  PetscReal          dt      = clock->dt * (1.0 + w) / (1.0 + 2.0 * w);
+  Projection        *pr   = (Projection *)scheme->data;
+  const TimeKindRow *kind = scheme->visc ? ViscosityTimeKind(scheme->visc) : NULL;
+  const PetscBool    history =
+      (!kind || kind->history) && scheme->time_order == 2 && clock->dt_previous > 0.0;
+  const PetscReal w     = history ? clock->dt / clock->dt_previous : 0.0;
+  const PetscBool inner = pr->has_convection && kind && kind->kind != TIME_IMPLICIT;
+  PetscReal       dt    = clock->dt * (1.0 + w) / (1.0 + 2.0 * w);
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) {
     PetscCall(VecCopy(pr->u[a], pr->star[a]));
-    PetscCall(VecAXPBY(pr->star[a], -w * w / (1.0 + 2.0 * w), PetscSqr(1.0 + w) / (1.0 + 2.0 * w), pr->u_prev[a]));
+    PetscCall(VecAXPBY(pr->star[a], -w * w / (1.0 + 2.0 * w), PetscSqr(1.0 + w) / (1.0 + 2.0 * w),
+                       pr->u_prev[a]));
   }
   PetscCall(AssembleForce(scene, clock, ops, !kind || kind->end_of_step ? 1.0 : 0.5, scheme));
   pr->k = dt;
   if (scheme->visc) {
     const PetscReal slip = scheme->projection ? dt / scene->rho : 0.0;
 
-    PetscCall(ViscositySolve(scene, clock, p, dt, slip, pr->force, inner ? pr->conv : NULL, ops, pr->star, scheme->visc));
+    PetscCall(ViscositySolve(scene, clock, p, dt, slip, pr->force, inner ? pr->conv : NULL, ops,
+                             pr->star, scheme->visc));
     pr->k *= ViscosityResponse(scheme->visc);
   } else {
     for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecAXPY(pr->star[a], dt, pr->force[a]));
@@ -222,11 +237,13 @@ static PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Right-hand side of A phi = b, A = -dx^2 lap: -dx^2 rho/k ((1-alpha) div u* + alpha (1-C)/dt) - B slope. */
-static PetscErrorCode AssemblePressureSource(const Scene *scene, const Clock *clock, const Particles *p,
-                                             const Operators *ops, Scheme *scheme)
+/* Right-hand side of A phi = b, A = -dx^2 lap: -dx^2 rho/k ((1-alpha) div u* + alpha (1-C)/dt) - B
+ * slope. */
+static PetscErrorCode AssemblePressureSource(const Scene *scene, const Clock *clock,
+                                             const Particles *p, const Operators *ops,
+                                             Scheme *scheme)
 {
-  Projection     *pr = (Projection *)scheme->data;
+  Projection     *pr    = (Projection *)scheme->data;
   const PetscReal scale = -PetscSqr(scene->dx) * scene->rho / pr->k;
   PetscScalar    *b;
 
@@ -239,7 +256,8 @@ static PetscErrorCode AssemblePressureSource(const Scene *scene, const Clock *cl
   PetscCall(VecScale(pr->b, scale * (1.0 - scheme->alpha)));
   if (scheme->alpha > 0.0) {
     PetscCall(VecGetArray(pr->b, &b));
-    for (PetscInt i = 0; i < p->n_fluid; i++) b[i] += scale * scheme->alpha * (1.0 - ops->concentration[i]) / clock->dt;
+    for (PetscInt i = 0; i < p->n_fluid; i++)
+      b[i] += scale * scheme->alpha * (1.0 - ops->concentration[i]) / clock->dt;
     PetscCall(VecRestoreArray(pr->b, &b));
   }
   if (ops->ppe.B) {
@@ -261,10 +279,12 @@ static PetscErrorCode VelocityCorrect(const Scene *scene, const Operators *ops, 
 }
 
 /*
-  p = [p^n] + phi [- mu div u*], then p += S dx^2 lap p, which takes grid-scale modes that no projection
-  on one set of points sees and leaves smooth pressure to second order; its mean is the gauge.
+  p = [p^n] + phi [- mu div u*], then p += S dx^2 lap p, which takes grid-scale modes that no
+  projection on one set of points sees and leaves smooth pressure to second order; its mean is the
+  gauge.
 */
-static PetscErrorCode PressureUpdate(const Scene *scene, const Particles *p, Operators *ops, const Scheme *scheme)
+static PetscErrorCode PressureUpdate(const Scene *scene, const Particles *p, Operators *ops,
+                                     const Scheme *scheme)
 {
   Projection *pr = (Projection *)scheme->data;
   PetscScalar mean;
@@ -287,8 +307,8 @@ static PetscErrorCode PressureUpdate(const Scene *scene, const Particles *p, Ope
 }
 
 /* Everything that follows from new positions: ownership, neighbours, matrices. */
-static PetscErrorCode RebuildOperators(const Scene *scene, const Clock *clock, Particles *p, Neighbors *nb,
-                                       Operators *ops, Scheme *scheme)
+static PetscErrorCode RebuildOperators(const Scene *scene, const Clock *clock, Particles *p,
+                                       Neighbors *nb, Operators *ops, Scheme *scheme)
 {
   Projection *pr = (Projection *)scheme->data;
   PetscBool   started, changed;
@@ -307,8 +327,8 @@ static PetscErrorCode RebuildOperators(const Scene *scene, const Clock *clock, P
 }
 
 /* phi from div u*, then velocity and pressure from phi. */
-static PetscErrorCode ProjectVelocity(const Scene *scene, const Clock *clock, const Particles *p, Operators *ops,
-                                      Scheme *scheme)
+static PetscErrorCode ProjectVelocity(const Scene *scene, const Clock *clock, const Particles *p,
+                                      Operators *ops, Scheme *scheme)
 {
   Projection *pr = (Projection *)scheme->data;
 
@@ -326,8 +346,8 @@ static PetscErrorCode ProjectVelocity(const Scene *scene, const Clock *clock, co
 }
 
 /* ProjectionStep - One step of the clock's dt; collective; errors as in the solvers */
-PetscErrorCode ProjectionStep(const Scene *scene, Clock *clock, Particles *p, Neighbors *nb, Operators *ops,
-                              Scheme *scheme)
+PetscErrorCode ProjectionStep(const Scene *scene, Clock *clock, Particles *p, Neighbors *nb,
+                              Operators *ops, Scheme *scheme)
 {
   Projection *pr = (Projection *)scheme->data;
 

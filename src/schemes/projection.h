@@ -1,4 +1,5 @@
-/* The projection scheme: its state, and the parts of its step in projection.c, motion.c and steady.c. */
+/* The projection scheme: its state, and the parts of its step in projection.c, motion.c and
+ * steady.c. */
 #ifndef ISPH_PROJECTION_H
 #define ISPH_PROJECTION_H
 
@@ -17,32 +18,33 @@ enum {
 
 /* State on the particles (fields) and the vectors through which it is seen in the present epoch. */
 typedef struct {
-  PetscReal *u_previous[ISPH_MAX_DIM];  /* u^{n-1} (field) [m/s] */
-  PetscReal *convection[ISPH_MAX_DIM];  /* (u.grad u)^{n-1} of fixed particles (field) [m/s^2] */
-  PetscReal *moved[ISPH_MAX_DIM];       /* displacement in this step, for the steady test (field) [m] */
+  PetscReal *u_previous[ISPH_MAX_DIM]; /* u^{n-1} (field) [m/s] */
+  PetscReal *convection[ISPH_MAX_DIM]; /* (u.grad u)^{n-1} of fixed particles (field) [m/s^2] */
+  PetscReal *moved[ISPH_MAX_DIM]; /* displacement in this step, for the steady test (field) [m] */
   PetscBool  has_convection, has_moved; /* which of the fields exist */
 
-  PetscInt epoch;                       /* the vectors below belong to this one */
+  PetscInt epoch; /* the vectors below belong to this one */
   Vec      u[ISPH_MAX_DIM], u_prev[ISPH_MAX_DIM], conv_prev[ISPH_MAX_DIM], p; /* on fields */
-  Vec      star[ISPH_MAX_DIM];          /* u*, then u^{n+1} */
-  Vec      force[ISPH_MAX_DIM];         /* on u* [m/s^2] */
+  Vec      star[ISPH_MAX_DIM];                                                /* u*, then u^{n+1} */
+  Vec      force[ISPH_MAX_DIM];                                               /* on u* [m/s^2] */
   Vec      conv[ISPH_MAX_DIM];          /* (u.grad u)^n, or the advecting velocity of IMEX */
   Vec      p_before, phi, b, div, work; /* */
   Vec      velocity_slope[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* du_c/dx_a, for shifting */
 
   PetscLogEvent event[EVENT_COUNT];
-  PetscReal k;                          /* u = u* - k/rho grad phi [s] */
+  PetscReal     k; /* u = u* - k/rho grad phi [s] */
 } Projection;
 
-PetscErrorCode ProjectionCreate(const Scene *scene, const Clock *clock, Operators *ops, Scheme *scheme);
+PetscErrorCode ProjectionCreate(const Scene *scene, const Clock *clock, Operators *ops,
+                                Scheme *scheme);
 PetscErrorCode ProjectionRegister(const Scene *scene, Particles *particles, Scheme *scheme);
-PetscErrorCode ProjectionStep(const Scene *scene, Clock *clock, Particles *particles, Neighbors *neighbors,
-                              Operators *ops, Scheme *scheme);
+PetscErrorCode ProjectionStep(const Scene *scene, Clock *clock, Particles *particles,
+                              Neighbors *neighbors, Operators *ops, Scheme *scheme);
 PetscErrorCode ProjectionDestroy(Scheme *scheme);
 
 PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *particles, Scheme *scheme);
-PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *ops, Particles *particles,
-                             Scheme *scheme);
+PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *ops,
+                             Particles *particles, Scheme *scheme);
 PetscErrorCode StepJudge(const Scene *scene, const Clock *clock, const Particles *particles,
                          const Operators *ops, Scheme *scheme);
 

@@ -4,25 +4,26 @@
 #include "projection.h"
 
 static const ProjectionRow projections[] = {
-  {"rotational", "p = p^n + phi - mu div u*: second order, right in the Stokes limit",
-   "Guermond, Minev & Shen, Comput. Methods Appl. Mech. Eng. 195 (2006)", PETSC_TRUE, PETSC_TRUE},
-  {"incremental", "p = p^n + phi; wrong steady states at low Reynolds number and large steps",
-   "van Kan, SIAM J. Sci. Stat. Comput. 7 (1986)", PETSC_TRUE, PETSC_FALSE},
-  {"chorin", "p = phi, no pressure in the predictor: first order", "Chorin, Math. Comput. 22 (1968)",
-   PETSC_FALSE, PETSC_FALSE},
+    {"rotational", "p = p^n + phi - mu div u*: second order, right in the Stokes limit",
+     "Guermond, Minev & Shen, Comput. Methods Appl. Mech. Eng. 195 (2006)", PETSC_TRUE, PETSC_TRUE},
+    {"incremental", "p = p^n + phi; wrong steady states at low Reynolds number and large steps",
+     "van Kan, SIAM J. Sci. Stat. Comput. 7 (1986)", PETSC_TRUE, PETSC_FALSE},
+    {"chorin", "p = phi, no pressure in the predictor: first order",
+     "Chorin, Math. Comput. 22 (1968)", PETSC_FALSE, PETSC_FALSE},
 };
 const Table ProjectionTable = TABLE("-projection", "Projections", projections);
 
 static const MotionRow motions[] = {
-  {"lagrangian", "particles move with the flow and are shifted", "", PETSC_TRUE},
-  {"eulerian", "particles stay; du/dt gains -u.grad u; operators are built once", "", PETSC_FALSE},
+    {"lagrangian", "particles move with the flow and are shifted", "", PETSC_TRUE},
+    {"eulerian", "particles stay; du/dt gains -u.grad u; operators are built once", "",
+     PETSC_FALSE},
 };
 const Table MotionTable = TABLE("-motion", "Motions", motions);
 
 static const SchemeRow schemes[] = {
-  {"projection", "implicit viscosity, then a pressure projection",
-   "Guermond, Minev & Shen, Comput. Methods Appl. Mech. Eng. 195 (2006)", ProjectionCreate,
-   ProjectionRegister, ProjectionRenumber, ProjectionStep, ProjectionDestroy},
+    {"projection", "implicit viscosity, then a pressure projection",
+     "Guermond, Minev & Shen, Comput. Methods Appl. Mech. Eng. 195 (2006)", ProjectionCreate,
+     ProjectionRegister, ProjectionRenumber, ProjectionStep, ProjectionDestroy},
 };
 const Table SchemeTable = TABLE("-scheme", "Schemes", schemes);
 
@@ -45,26 +46,31 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
   PetscCall(PetscNew(&s));
   s->time_order = 2;
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Scheme", "");
-  PetscCall(TableSelect(&SchemeTable, "-scheme", "How velocity and pressure are advanced", "projection", &s->row));
+  PetscCall(TableSelect(&SchemeTable, "-scheme", "How velocity and pressure are advanced",
+                        "projection", &s->row));
   PetscCall(OptionInt("-time_order", "Order of the time integration", 1, 2, &s->time_order, NULL));
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
     s->filter = 0.1;
-    PetscCall(TableSelect(&ProjectionTable, "-projection", "How the pressure follows from its increment",
-                          "rotational", &s->projection));
-    PetscCall(OptionReal("-ppe_alpha", "Share of the density error in the pressure source [-]", 0.0, 1.0,
-                         &s->alpha, NULL));
-    PetscCall(OptionReal("-ppe_filter", "Strength of the grid-scale pressure filter [-]", 0.0, 0.5, &s->filter,
-                         NULL));
+    PetscCall(TableSelect(&ProjectionTable, "-projection",
+                          "How the pressure follows from its increment", "rotational",
+                          &s->projection));
+    PetscCall(OptionReal("-ppe_alpha", "Share of the density error in the pressure source [-]", 0.0,
+                         1.0, &s->alpha, NULL));
+    PetscCall(OptionReal("-ppe_filter", "Strength of the grid-scale pressure filter [-]", 0.0, 0.5,
+                         &s->filter, NULL));
   }
   if (SceneHas(scene, PHYSICS_CONVECTION)) {
-    PetscCall(TableSelect(&MotionTable, "-motion", "Whether particles move", "lagrangian", &s->motion));
+    PetscCall(
+        TableSelect(&MotionTable, "-motion", "Whether particles move", "lagrangian", &s->motion));
     if (s->motion->particles_move) {
       PetscCall(TableSelect(&ShiftTable, "-shift", "Particle shifting", "fickian", &s->shift));
     }
   }
   PetscOptionsEnd();
-  ops->need_concentration = (s->alpha > 0.0 || (s->shift && s->shift->Displace)) ? PETSC_TRUE : PETSC_FALSE;
-  if (SceneHas(scene, PHYSICS_VISCOSITY)) PetscCall(ViscosityCreate(scene, clock->dt, ops, &s->visc));
+  ops->need_concentration =
+      (s->alpha > 0.0 || (s->shift && s->shift->Displace)) ? PETSC_TRUE : PETSC_FALSE;
+  if (SceneHas(scene, PHYSICS_VISCOSITY))
+    PetscCall(ViscosityCreate(scene, clock->dt, ops, &s->visc));
   if (SceneHas(scene, PHYSICS_PRESSURE)) PetscCall(PressureCreate(ops, &s->ppe));
   PetscCall(s->row->Create(scene, clock, ops, s));
   *scheme = s;

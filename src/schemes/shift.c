@@ -1,6 +1,6 @@
 /*
-  Particle shifting: where particles go, besides with the flow, so that they stay evenly spread. A new
-  kind is one function and one row.
+  Particle shifting: where particles go, besides with the flow, so that they stay evenly spread. A
+  new kind is one function and one row.
 */
 #include "isph/schemes.h"
 
@@ -29,8 +29,8 @@ static void ShiftDisplace_Fickian(const Scene *scene, PetscReal speed, PetscReal
 }
 
 static const ShiftRow shifts[] = {
-  {"fickian", "down the gradient of particle concentration, at most 0.1 dx a step",
-   "Lind et al., J. Comput. Phys. 231 (2012)", ShiftDisplace_Fickian},
-  {"none", "particles go with the flow only", "", NULL},
+    {"fickian", "down the gradient of particle concentration, at most 0.1 dx a step",
+     "Lind et al., J. Comput. Phys. 231 (2012)", ShiftDisplace_Fickian},
+    {"none", "particles go with the flow only", "", NULL},
 };
 const Table ShiftTable = TABLE("-shift", "Particle shifting", shifts);

@@ -13,8 +13,8 @@ static PetscErrorCode RootMeanSquare(const Particles *p, Vec v, PetscReal *rms)
 }
 
 /* Change of u at a fixed place: (u^{n+1} - u^n) - dr.grad u, rms over components. */
-static PetscErrorCode ChangeOfVelocity(const Scene *scene, const Particles *p, const Operators *ops, Projection *pr,
-                                       PetscReal *change)
+static PetscErrorCode ChangeOfVelocity(const Scene *scene, const Particles *p, const Operators *ops,
+                                       Projection *pr, PetscReal *change)
 {
   PetscReal sum = 0.0;
 
@@ -42,16 +42,18 @@ static PetscErrorCode ChangeOfVelocity(const Scene *scene, const Particles *p, c
 
 /*
   The three rates that must all be small at a steady state: du, div u* and dp, each relative and per
-  shortest time scale T = min(L/U, L^2/nu) or per step if that is longer. An incremental projection at
-  large steps shows a small du long before the flow is right; div u* and dp tell.
+  shortest time scale T = min(L/U, L^2/nu) or per step if that is longer. An incremental projection
+  at large steps shows a small du long before the flow is right; div u* and dp tell.
 */
-static PetscErrorCode MeasureChange(const Scene *scene, const Clock *clock, const Particles *p, const Operators *ops,
-                                    Scheme *scheme)
+static PetscErrorCode MeasureChange(const Scene *scene, const Clock *clock, const Particles *p,
+                                    const Operators *ops, Scheme *scheme)
 {
   Projection     *pr    = (Projection *)scheme->data;
   StepStats      *stats = &scheme->stats;
-  const PetscReal L = scene->length, U = scene->speed, nu = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu : 0.0;
-  const PetscReal scale = PetscMax(1.0, PetscMin(L / U, nu > 0.0 ? L * L / nu : PETSC_MAX_REAL) / clock->dt);
+  const PetscReal L = scene->length, U = scene->speed,
+                  nu = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu : 0.0;
+  const PetscReal scale =
+      PetscMax(1.0, PetscMin(L / U, nu > 0.0 ? L * L / nu : PETSC_MAX_REAL) / clock->dt);
 
   PetscFunctionBegin;
   PetscCall(ChangeOfVelocity(scene, p, ops, pr, &stats->change_u));
@@ -69,7 +71,8 @@ static PetscErrorCode MeasureChange(const Scene *scene, const Clock *clock, cons
 }
 
 /* Largest |D u| of the new velocity [1/s]. */
-static PetscErrorCode MeasureDivergence(const Scene *scene, const Operators *ops, Projection *pr, PetscReal *largest)
+static PetscErrorCode MeasureDivergence(const Scene *scene, const Operators *ops, Projection *pr,
+                                        PetscReal *largest)
 {
   PetscFunctionBegin;
   PetscCall(VecZeroEntries(pr->work));
@@ -87,12 +90,12 @@ static PetscErrorCode MeasureDivergence(const Scene *scene, const Operators *ops
 
   Errors: PETSC_ERR_FP where energy is not finite or speeds have left every bound
 */
-PetscErrorCode StepJudge(const Scene *scene, const Clock *clock, const Particles *p, const Operators *ops,
-                         Scheme *scheme)
+PetscErrorCode StepJudge(const Scene *scene, const Clock *clock, const Particles *p,
+                         const Operators *ops, Scheme *scheme)
 {
-  Projection        *pr     = (Projection *)scheme->data;
-  StepStats         *stats  = &scheme->stats;
-  PetscReal          sum    = 0.0, most = 0.0;
+  Projection        *pr    = (Projection *)scheme->data;
+  StepStats         *stats = &scheme->stats;
+  PetscReal          sum = 0.0, most = 0.0;
   const PetscScalar *u[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
@@ -109,10 +112,14 @@ PetscErrorCode StepJudge(const Scene *scene, const Clock *clock, const Particles
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, p->comm));
   stats->kinetic_energy = 0.5 * scene->rho * SceneVolume(scene) * sum;
   stats->speed_max      = PetscSqrtReal(most);
-  PetscCheck(!PetscIsInfOrNanReal(sum) && stats->speed_max < 100.0 * scene->speed, PETSC_COMM_WORLD, PETSC_ERR_FP,
-             "step %" PetscInt_FMT " (t = %g): the velocity has left every bound (largest speed %g, reference %g): the flow is unstable at dt = %g (CFL %.2g); try a smaller -dt or -cfl",
-             clock->step + 1, (double)(clock->t + clock->dt), (double)stats->speed_max, (double)scene->speed,
-             (double)clock->dt, (double)(clock->dt * scene->speed / scene->dx));
+  PetscCheck(!PetscIsInfOrNanReal(sum) && stats->speed_max < 100.0 * scene->speed, PETSC_COMM_WORLD,
+             PETSC_ERR_FP,
+             "step %" PetscInt_FMT
+             " (t = %.6g): the velocity has left every bound (largest speed %.6g, reference %.6g): "
+             "the flow is unstable at dt = %.6g (CFL %.2g); try a smaller -dt or -cfl",
+             clock->step + 1, (double)(clock->t + clock->dt), (double)stats->speed_max,
+             (double)scene->speed, (double)clock->dt,
+             (double)(clock->dt * scene->speed / scene->dx));
   stats->visc_its = scheme->visc ? ViscosityIterations(scheme->visc) : 0;
   stats->ppe_its  = scheme->ppe ? PressureIterations(scheme->ppe) : 0;
   stats->visc_its_sum += stats->visc_its;

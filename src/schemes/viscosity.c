@@ -4,7 +4,8 @@
     du_c/dt = nu (A u_c + B u_wall,c) - (v.grad) u_c + force_c,
 
   the same matrix and the same KSP for all. Where each term enters is the time kind's choice
-  (timekinds.c); v is the advecting velocity of particles that do not move, given for the whole step.
+  (timekinds.c); v is the advecting velocity of particles that do not move, given for the whole
+  step.
 */
 #include "guard.h"
 
@@ -21,9 +22,9 @@ struct Viscosity {
   KSP                ksp; /* NULL: explicit */
   Guard              guard;
   PetscInt           iterations;
-  Mat                J;          /* shift I - nu A */
-  PetscReal          shift;      /* in J; NaN: J is not yet made [1/s] */
-  PetscInt           assemblies; /* stamp of the operators in J */
+  Mat                J;                                /* shift I - nu A */
+  PetscReal          shift;                            /* in J; NaN: J is not yet made [1/s] */
+  PetscInt           assemblies;                       /* stamp of the operators in J */
   Vec                boundary[ISPH_MAX_DIM], gradient; /* B u_wall,c at wall_t; work */
   PetscReal          wall_t;
 
@@ -41,7 +42,8 @@ static PetscErrorCode UpdateBoundary(Viscosity *v, PetscReal t)
   if (!v->ops->visc.B || v->wall_t == t) PetscFunctionReturn(PETSC_SUCCESS);
   if (!v->scene->unsteady_walls && !PetscIsNanReal(v->wall_t)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(OperatorsSetWallVelocity(v->scene, v->particles, t, v->slip, v->ops));
-  for (PetscInt c = 0; c < v->dim; c++) PetscCall(MatMult(v->ops->visc.B, v->ops->wall_u[c], v->boundary[c]));
+  for (PetscInt c = 0; c < v->dim; c++)
+    PetscCall(MatMult(v->ops->visc.B, v->ops->wall_u[c], v->boundary[c]));
   v->wall_t = t;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -82,8 +84,8 @@ static PetscErrorCode ViscosityIFunction(TS ts, PetscReal t, Vec u, Vec udot, Ve
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal shift, Mat J, Mat P,
-                                         void *ctx)
+static PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal shift,
+                                         Mat J, Mat P, void *ctx)
 {
   Viscosity *v = ((Component *)ctx)->visc;
 
@@ -134,10 +136,11 @@ static PetscErrorCode RefuseTimeOptions(void)
 }
 
 /*
-  The linear solver: a preconditioner as strong as the step is stiff. nu dt/dx^2 below 2 is met by Jacobi,
-  up to 200 by block Jacobi with ILU(0), beyond by AMG.
+  The linear solver: a preconditioner as strong as the step is stiff. nu dt/dx^2 below 2 is met by
+  Jacobi, up to 200 by block Jacobi with ILU(0), beyond by AMG.
 */
-static PetscErrorCode ViscosityCreateSolver(const Scene *scene, PetscReal dt, const Operators *ops, Viscosity *v)
+static PetscErrorCode ViscosityCreateSolver(const Scene *scene, PetscReal dt, const Operators *ops,
+                                            Viscosity *v)
 {
   const PetscReal stiffness = scene->nu * dt / PetscSqr(scene->dx);
   SNES            snes;
@@ -170,7 +173,8 @@ static PetscErrorCode ViscosityCreateSolver(const Scene *scene, PetscReal dt, co
 
   Errors: TS types that are no row of TimeKindTable, and options that would give time to the TS
 */
-PetscErrorCode ViscosityCreate(const Scene *scene, PetscReal dt, const Operators *ops, Viscosity **visc)
+PetscErrorCode ViscosityCreate(const Scene *scene, PetscReal dt, const Operators *ops,
+                               Viscosity **visc)
 {
   Viscosity *v;
 
@@ -182,7 +186,8 @@ PetscErrorCode ViscosityCreate(const Scene *scene, PetscReal dt, const Operators
   v->guard.prefix = "visc_";
   PetscCall(RefuseTimeOptions());
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Viscosity", "");
-  PetscCall(TableSelect(&TimeKindTable, "-visc_ts_type", "Time integrator of viscosity", TSBEULER, &v->row));
+  PetscCall(TableSelect(&TimeKindTable, "-visc_ts_type", "Time integrator of viscosity", TSBEULER,
+                        &v->row));
   PetscOptionsEnd();
   for (PetscInt c = 0; c < v->dim; c++) {
     v->component[c].visc = v;
@@ -265,14 +270,14 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
 }
 
 /* One component over [t, t + dt], in one TS step unless an adaptor of the user's takes several. */
-static PetscErrorCode ViscosityStepComponent(Viscosity *v, const Clock *clock, PetscInt c, PetscReal t, PetscReal dt,
-                                             Vec u)
+static PetscErrorCode ViscosityStepComponent(Viscosity *v, const Clock *clock, PetscInt c,
+                                             PetscReal t, PetscReal dt, Vec u)
 {
-  const PetscReal   end = t + dt;
-  PetscReal         now = t, next;
+  const PetscReal   end        = t + dt;
+  PetscReal         now        = t, next;
   PetscInt          its_before = 0, its_after = 0;
-  TSConvergedReason reason     = TS_CONVERGED_ITERATING;
-  TS                ts         = v->ts[c];
+  TSConvergedReason reason = TS_CONVERGED_ITERATING;
+  TS                ts     = v->ts[c];
 
   PetscFunctionBegin;
   PetscCall(TSSetSolution(ts, u));
@@ -285,8 +290,10 @@ static PetscErrorCode ViscosityStepComponent(Viscosity *v, const Clock *clock, P
     PetscCall(TSGetConvergedReason(ts, &reason));
     if (v->ksp) PetscCall(GuardCheck(v->ksp, clock, &v->guard));
     PetscCheck(reason >= 0, PETSC_COMM_WORLD, PETSC_ERR_NOT_CONVERGED,
-               "step %" PetscInt_FMT " (t = %g): the viscous TS %s ended with %s; try a smaller time step",
-               clock->step + 1, (double)(clock->t + clock->dt), v->row->name, TSConvergedReasons[reason]);
+               "step %" PetscInt_FMT
+               " (t = %.6g): the viscous TS %s ended with %s; try a smaller time step",
+               clock->step + 1, (double)(clock->t + clock->dt), v->row->name,
+               TSConvergedReasons[reason]);
     PetscCall(TSGetTime(ts, &now));
     PetscCall(TSGetTimeStep(ts, &next));
     PetscCall(TSSetTimeStep(ts, PetscMin(next, PetscMax(end - now, 1e-10 * dt))));
@@ -314,9 +321,9 @@ static PetscErrorCode ViscosityStepComponent(Viscosity *v, const Clock *clock, P
 
   Errors: ends the run where a TS or its KSP diverges, or the true residual is not small
 */
-PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, const Particles *p, PetscReal dt,
-                              PetscReal slip, const Vec force[], const Vec advecting[], Operators *ops,
-                              Vec u[], Viscosity *v)
+PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, const Particles *p,
+                              PetscReal dt, PetscReal slip, const Vec force[],
+                              const Vec advecting[], Operators *ops, Vec u[], Viscosity *v)
 {
   const PetscReal t_new = clock->t + clock->dt;
 
@@ -330,7 +337,8 @@ PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, const Part
   v->wall_t     = NAN;
   v->iterations = 0;
   PetscCall(ViscosityUpdateJacobian(v));
-  for (PetscInt c = 0; c < v->dim; c++) PetscCall(ViscosityStepComponent(v, clock, c, t_new - dt, dt, u[c]));
+  for (PetscInt c = 0; c < v->dim; c++)
+    PetscCall(ViscosityStepComponent(v, clock, c, t_new - dt, dt, u[c]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -339,14 +347,16 @@ const TimeKindRow *ViscosityTimeKind(const Viscosity *v)
   return v->row;
 }
 
-/* ViscosityResponse - What a force newly switched on does to u in one step, over dt: 1, or less for BDF */
+/* ViscosityResponse - What a force newly switched on does to u in one step, over dt: 1, or less for
+ * BDF */
 PetscReal ViscosityResponse(const Viscosity *v)
 {
   return v->row->Response ? v->row->Response(v->ts[0]) : 1.0;
 }
 
 /* ViscosityNames - Types of the TS, KSP and preconditioner; NULL where there is none */
-PetscErrorCode ViscosityNames(const Viscosity *v, const char **ts, const char **ksp, const char **pc)
+PetscErrorCode ViscosityNames(const Viscosity *v, const char **ts, const char **ksp,
+                              const char **pc)
 {
   PC inner;
 
