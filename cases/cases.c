@@ -9,7 +9,7 @@ PetscErrorCode ExactJudge(const Flow *flow, Report *report)
 {
   PetscFunctionBegin;
   PetscCall(JudgeExact(flow, report));
-  PetscCall(JudgeCommon(flow, report));
+  PetscCall(JudgeCommon(flow, NAN, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -56,7 +56,7 @@ PetscErrorCode ReportWrite(const Flow *flow, const Report *report, const char pa
 
 /* What cases share: error norms against Exact(), and the quantities every case reports. */
 PetscErrorCode JudgeExact(const Flow *flow, Report *report);
-PetscErrorCode JudgeCommon(const Flow *flow, Report *report);
+PetscErrorCode JudgeCommon(const Flow *flow, PetscReal energy, Report *report);
 
 /* Snapshots of the particles for ParaView, as -output asks. */
 typedef struct Snapshots Snapshots;

@@ -45,6 +45,7 @@ typedef struct {
   PetscInt   i, dim, n, n_wall; /* particle, neighbours, wall particles among them */
   PetscInt   capacity;
   PetscReal  radius;               /* of the support [m] */
+  PetscReal  spacing;              /* of particles; scales equations of derivatives [m] */
   PetscInt  *j;                    /* local index of each neighbour */
   PetscReal *X[ISPH_MAX_DIM];      /* x_j - x_i [m] */
   PetscReal *r, *V;                /* distance [m], volume [m^dim] */
@@ -58,7 +59,7 @@ typedef struct {
   PetscInt   weak;                 /* fits so far whose points did not determine them */
 } Stencil;
 
-PetscErrorCode StencilCreate(PetscInt dim, PetscReal radius, Stencil **stencil);
+PetscErrorCode StencilCreate(PetscInt dim, PetscReal radius, PetscReal spacing, Stencil **stencil);
 PetscErrorCode StencilDestroy(Stencil **stencil);
 PetscErrorCode StencilReserve(Stencil *stencil, PetscInt n);
 void           StencilSetRole(Stencil *stencil, Role role);

@@ -118,13 +118,14 @@ PetscErrorCode JudgeExact(const Flow *flow, Report *report)
 
   Collective
 
-  Input Parameter:
-. flow - with the statistics of the last step
+  Input Parameters:
++ flow   - with the statistics of the last step
+- energy - reference of the kinetic energy, NaN where there is none [J]
 
   Output Parameter:
 . report - with the quantities added
 */
-PetscErrorCode JudgeCommon(const Flow *flow, Report *report)
+PetscErrorCode JudgeCommon(const Flow *flow, PetscReal energy, Report *report)
 {
   const Particles *p                      = flow->particles;
   const PetscReal  mass                   = flow->scene->rho * SceneVolume(flow->scene);
@@ -136,7 +137,8 @@ PetscErrorCode JudgeCommon(const Flow *flow, Report *report)
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, momentum, ISPH_MAX_DIM, MPIU_REAL, MPIU_SUM, p->comm));
   for (PetscInt c = 0; c < p->dim; c++) square += PetscSqr(momentum[c]);
-  PetscCall(ReportAdd(report, "kinetic_energy", flow->scheme->stats.kinetic_energy));
+  PetscCall(ReportAddReference(report, "kinetic_energy", flow->scheme->stats.kinetic_energy, energy,
+                               energy));
   if (SceneHas(flow->scene, PHYSICS_PRESSURE)) {
     PetscCall(ReportAdd(report, "divergence_max", flow->scheme->stats.divergence));
   }

@@ -131,8 +131,8 @@ static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscBool 
 {
   const PetscInt dim = probe->flow->particles->dim;
   PetscReal      moments[PROBE_MAX_TERMS * PROBE_MAX_TERMS], c[PROBE_MAX_TERMS] = {0.0};
-  PetscReal      factor[PROBE_MAX_TERMS * PROBE_MAX_TERMS], R;
-  PetscInt       terms;
+  PetscReal      factor[PROBE_MAX_TERMS * PROBE_MAX_TERMS], R                   = 0.0;
+  PetscInt       terms = 0;
 
   PetscFunctionBegin;
   PetscCall(ProbeFit(probe, x, walls, n, &R, &terms, moments, factor));

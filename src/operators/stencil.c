@@ -7,14 +7,15 @@
 /*
   StencilCreate - An empty stencil
 
-  Not collective. Input: dim, and the radius of the kernel's support [m].
+  Not collective. Input: dim, the radius of the kernel's support and the particle spacing [m].
 */
-PetscErrorCode StencilCreate(PetscInt dim, PetscReal radius, Stencil **stencil)
+PetscErrorCode StencilCreate(PetscInt dim, PetscReal radius, PetscReal spacing, Stencil **stencil)
 {
   PetscFunctionBegin;
   PetscCall(PetscNew(stencil));
-  (*stencil)->dim    = dim;
-  (*stencil)->radius = radius;
+  (*stencil)->dim     = dim;
+  (*stencil)->radius  = radius;
+  (*stencil)->spacing = spacing;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
