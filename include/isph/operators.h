@@ -44,13 +44,13 @@ typedef struct {
 typedef struct {
   PetscInt   i, dim, n, n_wall; /* particle, neighbours, wall particles among them */
   PetscInt   capacity;
-  PetscReal  radius;               /* of the support [m] */
-  PetscReal  spacing;              /* of particles; scales equations of derivatives [m] */
-  PetscInt  *j;                    /* local index of each neighbour */
-  PetscReal *X[ISPH_MAX_DIM];      /* x_j - x_i [m] */
-  PetscReal *r, *V;                /* distance [m], volume [m^dim] */
-  PetscReal *W, *dW, *ddW;         /* kernel and its r-derivatives [m^-dim, ...] */
-  PetscBool *wall;                 /* neighbour is a wall particle */
+  PetscReal  radius;          /* of the support [m] */
+  PetscReal  scale;           /* of equations of derivatives in fits: n.grad f times this [m] */
+  PetscInt  *j;               /* local index of each neighbour */
+  PetscReal *X[ISPH_MAX_DIM]; /* x_j - x_i [m] */
+  PetscReal *r, *V;           /* distance [m], volume [m^dim] */
+  PetscReal *W, *dW, *ddW;    /* kernel and its r-derivatives [m^-dim, ...] */
+  PetscBool *wall;            /* neighbour is a wall particle */
   PetscReal *normal[ISPH_MAX_DIM]; /* of wall neighbours, into the fluid */
   PetscReal *beta;                 /* of wall neighbours: f_j - f_i = beta (f_wall - f_i) */
   PetscBool  fits_walls;           /* wall neighbours enter fits by role, else as plain points */
@@ -59,7 +59,7 @@ typedef struct {
   PetscInt   weak;                 /* fits so far whose points did not determine them */
 } Stencil;
 
-PetscErrorCode StencilCreate(PetscInt dim, PetscReal radius, PetscReal spacing, Stencil **stencil);
+PetscErrorCode StencilCreate(PetscInt dim, PetscReal radius, PetscReal scale, Stencil **stencil);
 PetscErrorCode StencilDestroy(Stencil **stencil);
 PetscErrorCode StencilReserve(Stencil *stencil, PetscInt n);
 void           StencilSetRole(Stencil *stencil, Role role);

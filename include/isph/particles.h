@@ -75,6 +75,7 @@ PetscErrorCode ParticlesRegister(Particles *particles, const char name[], PetscI
 PetscErrorCode ParticlesUpdateEpoch(const Scene *scene, Particles *particles, PetscBool force,
                                     PetscBool *started);
 PetscErrorCode ParticlesUpdateHalo(Particles *particles);
+PetscReal      ParticlesHash(PetscInt seed, PetscInt id, PetscInt axis);
 PetscErrorCode ParticlesHaloField(const Particles *particles, PetscReal values[]);
 
 static inline PetscInt ParticlesOwn(const Particles *p)

@@ -66,8 +66,9 @@ PetscInt       PressureIterations(const Pressure *ppe); /* of the last solve */
 /* Particle shifting: where to move particles so that they stay evenly spread. */
 typedef struct {
   const char *name, *brief, *citation;
-  void (*Displace)(const Scene *scene, PetscReal speed, PetscReal dt, const PetscReal gradient_c[],
-                   PetscReal displacement[]); /* NULL: none */
+  void (*Displace)(const Scene *scene, PetscReal speed, PetscReal rate, PetscReal dt,
+                   const PetscReal gradient_c[], PetscReal displacement[]); /* NULL: none */
+  PetscReal disturbance; /* random, in the first step, which breaks the symmetry of lattices [dx] */
 } ShiftRow;
 extern const Table ShiftTable;
 

@@ -221,7 +221,7 @@ static PetscInt NeededOperators(Operators *ops, PetscInt dim, AffineOperator *ne
 static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, const Neighbors *nb,
                                     Operators *ops, AffineOperator *needed[], PetscInt count)
 {
-  const PetscInt entries = nb->row[p->n_fluid] + p->n_fluid;
+  const PetscInt entries = nb->row[p->n_fluid] + p->n_fluid, capacity = ops->fluid.capacity;
   PetscInt       longest = 1;
   PetscBool      grown;
 
@@ -230,9 +230,9 @@ static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, cons
     PetscCall(MatDestroy(&needed[k]->A));
     PetscCall(MatDestroy(&needed[k]->B));
   }
-  grown = (entries > ops->fluid.capacity || !needed[0]->a) ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(PatternBegin(&ops->fluid, p->n_fluid, entries));
   if (ops->wall) PetscCall(PatternBegin(&ops->walls, p->n_fluid, entries));
+  grown = (ops->fluid.capacity != capacity || !needed[0]->a) ? PETSC_TRUE : PETSC_FALSE;
   for (PetscInt k = 0; k < count; k++) {
     if (grown) PetscCall(PetscFree2(needed[k]->a, needed[k]->b));
     if (grown) {

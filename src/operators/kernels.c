@@ -95,7 +95,7 @@ static const KernelRow kernels[] = {
      "quintic B-spline, support 3h",
      "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)",
      3.0,
-     {1.0 / 120.0, 7.0 / (478.0 * PETSC_PI), 3.0 / (359.0 * PETSC_PI)},
+     {1.0 / 120.0, 7.0 / (478.0 * PETSC_PI), 1.0 / (120.0 * PETSC_PI)},
      Shape_QuinticSpline},
     {"wendland_c2",
      "Wendland C2, support 2h",

@@ -30,7 +30,7 @@ static inline void MlsBasis(const Stencil *st, PetscInt dim, PetscInt k, PetscRe
   }
 }
 
-/* dx n.grad of the basis at wall neighbour k. */
+/* Scaled n.grad of the basis at wall neighbour k. */
 static inline void MlsBasisNormalDerivative(const Stencil *st, PetscInt dim, PetscInt k,
                                             PetscReal phi[])
 {
@@ -39,7 +39,7 @@ static inline void MlsBasisNormalDerivative(const Stencil *st, PetscInt dim, Pet
 
   for (PetscInt a = 0; a < dim; a++) {
     s[a]   = st->X[a][k] / st->radius;
-    phi[a] = n[a] = st->normal[a][k] * st->spacing / st->radius;
+    phi[a] = n[a] = st->normal[a][k] * st->scale / st->radius;
   }
   for (PetscInt a = 0; a < dim; a++) {
     for (PetscInt b = 0; b <= a; b++) phi[t++] = n[a] * s[b] + s[a] * n[b];
@@ -51,7 +51,7 @@ static inline PetscReal MlsEquation(const Stencil *st, PetscInt dim, PetscInt k,
 {
   if (st->fits_walls && st->wall[k] && st->role == ROLE_NORMAL_DERIVATIVE) {
     MlsBasisNormalDerivative(st, dim, k, phi);
-    return st->spacing;
+    return st->scale;
   }
   MlsBasis(st, dim, k, phi);
   return 1.0;

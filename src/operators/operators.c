@@ -78,7 +78,7 @@ PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
     ops->grad_p[a].needed = ops->div[a].needed = SceneHas(scene, PHYSICS_PRESSURE);
     ops->grad_u[a].needed                      = SceneHas(scene, PHYSICS_CONVECTION);
   }
-  PetscCall(StencilCreate(scene->dim, ops->radius, scene->dx, &ops->stencil));
+  PetscCall(StencilCreate(scene->dim, ops->radius, 0.5 * ops->radius, &ops->stencil));
   ops->stencil->fits_walls = ops->wall ? ops->wall->on_surface : PETSC_FALSE;
   *operators               = ops;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -7,15 +7,16 @@
 /*
   StencilCreate - An empty stencil
 
-  Not collective. Input: dim, the radius of the kernel's support and the particle spacing [m].
+  Not collective. Input: dim, the radius of the kernel's support, and the length that scales
+  equations of derivatives in least-squares fits [m].
 */
-PetscErrorCode StencilCreate(PetscInt dim, PetscReal radius, PetscReal spacing, Stencil **stencil)
+PetscErrorCode StencilCreate(PetscInt dim, PetscReal radius, PetscReal scale, Stencil **stencil)
 {
   PetscFunctionBegin;
   PetscCall(PetscNew(stencil));
-  (*stencil)->dim     = dim;
-  (*stencil)->radius  = radius;
-  (*stencil)->spacing = spacing;
+  (*stencil)->dim    = dim;
+  (*stencil)->radius = radius;
+  (*stencil)->scale  = scale;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

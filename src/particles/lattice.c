@@ -76,8 +76,14 @@ PetscErrorCode LatticeCount(const Scene *scene, WallPlacement walls, PetscInt *N
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A number in (-1, 1) that depends on its arguments only: the finaliser of SplitMix64. */
-static PetscReal HashUniform(PetscInt seed, PetscInt id, PetscInt axis)
+/*
+  ParticlesHash - A number in (-1, 1) that depends on its arguments only, not on ranks or order
+
+  Not collective. The finaliser of SplitMix64; axis is less than 4.
+
+  Reference: G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014
+*/
+PetscReal ParticlesHash(PetscInt seed, PetscInt id, PetscInt axis)
 {
   uint64_t z = (uint64_t)seed * 0xD1342543DE82EF95u + (uint64_t)id * 4u + (uint64_t)axis;
 
@@ -109,7 +115,7 @@ static void FluidPosition(const Scene *scene, PetscInt id, PetscReal x[])
     const PetscReal side = scene->hi[a] - scene->lo[a], h = side / scene->cells[a];
 
     x[a] = scene->lo[a] + (cell[a] + 0.5) * h;
-    if (scene->jitter > 0.0) x[a] += scene->jitter * scene->dx * HashUniform(scene->seed, id, a);
+    if (scene->jitter > 0.0) x[a] += scene->jitter * scene->dx * ParticlesHash(scene->seed, id, a);
     if (scene->periodic[a]) x[a] -= side * PetscFloorReal((x[a] - scene->lo[a]) / side);
     else x[a] = PetscMin(PetscMax(x[a], scene->lo[a] + 0.3 * h), scene->hi[a] - 0.3 * h);
   }

@@ -19,29 +19,88 @@ static void KeepOffWalls(const Scene *scene, PetscReal x[])
   }
 }
 
-/* Gradients at the old positions that the Taylor series need: of p always, of u where there is
- * shifting. */
-static PetscErrorCode EvaluateSlopes(const Scene *scene, const Operators *ops, PetscBool shifting,
-                                     Projection *pr)
+/*
+  Derivatives at the old positions for the Taylor series: grad p always; grad u and lap u where
+  there is shifting. Arrays are NULL where a derivative is not needed.
+*/
+typedef struct {
+  const PetscScalar *p[ISPH_MAX_DIM];               /* dp/dx_a */
+  const PetscScalar *u[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* du_c/dx_a at [c][a] */
+  const PetscScalar *lap[ISPH_MAX_DIM];             /* lap u_c */
+} Slopes;
+
+static PetscErrorCode SlopesGet(const Scene *scene, const Operators *ops, PetscBool shifting,
+                                Projection *pr, Slopes *slopes)
 {
   PetscFunctionBegin;
+  PetscCall(PetscMemzero(slopes, sizeof(*slopes)));
   for (PetscInt a = 0; a < scene->dim; a++) {
-    if (pr->p) PetscCall(AffineApply(&ops->grad_p[a], pr->p, ops->wall_slope, pr->force[a]));
+    if (pr->p) {
+      PetscCall(AffineApply(&ops->grad_p[a], pr->p, ops->wall_slope, pr->force[a]));
+      PetscCall(VecGetArrayRead(pr->force[a], &slopes->p[a]));
+    }
     for (PetscInt c = 0; shifting && c < scene->dim; c++) {
       PetscCall(AffineApply(&ops->grad_u[a], pr->u[c], ops->wall_u[c], pr->velocity_slope[c][a]));
+      PetscCall(VecGetArrayRead(pr->velocity_slope[c][a], &slopes->u[c][a]));
+    }
+    if (shifting && ops->visc.needed) {
+      PetscCall(AffineApply(&ops->visc, pr->u[a], ops->wall_u[a], pr->star[a]));
+      PetscCall(VecGetArrayRead(pr->star[a], &slopes->lap[a]));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode SlopesRestore(const Scene *scene, Projection *pr, Slopes *slopes)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    if (slopes->p[a]) PetscCall(VecRestoreArrayRead(pr->force[a], &slopes->p[a]));
+    for (PetscInt c = 0; c < scene->dim; c++) {
+      if (slopes->u[c][a])
+        PetscCall(VecRestoreArrayRead(pr->velocity_slope[c][a], &slopes->u[c][a]));
+    }
+    if (slopes->lap[a]) PetscCall(VecRestoreArrayRead(pr->star[a], &slopes->lap[a]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Where particle i is shifted to, and what of u that changes in component c: s.grad u + |s|^2/2d
+ * lap u. */
+static void ShiftParticle(const Scene *scene, const Clock *clock, const Particles *p,
+                          const Operators *ops, const Scheme *scheme, const Slopes *slopes,
+                          PetscInt i, PetscReal shift[], PetscReal change[])
+{
+  PetscReal gradient_c[ISPH_MAX_DIM], rate2 = 0.0, length2 = 0.0;
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    gradient_c[a] = ops->gradient_c[a][i];
+    for (PetscInt c = 0; c < scene->dim; c++) rate2 += PetscSqr(slopes->u[c][a][i]);
+  }
+  scheme->shift->Displace(scene, scheme->stats.speed_max, PetscSqrtReal(rate2), clock->dt,
+                          gradient_c, shift);
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    if (clock->step == 0)
+      shift[a] +=
+          scheme->shift->disturbance * scene->dx * ParticlesHash(scene->seed + 1, p->id[i], a);
+    length2 += PetscSqr(shift[a]);
+  }
+  for (PetscInt c = 0; c < scene->dim; c++) {
+    change[c] = slopes->lap[c] ? 0.5 * length2 / scene->dim * slopes->lap[c][i] : 0.0;
+    for (PetscInt a = 0; a < scene->dim; a++) change[c] += shift[a] * slopes->u[c][a][i];
+  }
+}
+
 /*
   ParticlesMove - Takes particles from x^n to x^{n+1} by Adams-Bashforth and shifts them
 
-    dr = dt ((1 + w/2) u^n - w/2 u^{n-1}) + shift,   w = dt/dt_previous
-    u += shift.grad u,   p += dr.grad p
+    dr = dt ((1 + w/2) u^n - w/2 u^{n-1}) + s,   w = dt/dt_previous
+    u += s.grad u + |s|^2/(2d) lap u,   p += dr.grad p
 
   Collective. The pressure is carried as an Eulerian field, velocities as the particles' own but for
-  the shift. On entry the operators are those at x^n; on exit they are stale.
+  the shift s. The second-order term stands for s s : grad grad u, whose mean it is; without it
+  shifting feeds energy into the flow. On entry the operators are those at x^n; on exit they are
+  stale.
 */
 PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *ops, Particles *p,
                              Scheme *scheme)
@@ -50,42 +109,27 @@ PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *
   const PetscBool shifting = scheme->shift->Displace ? PETSC_TRUE : PETSC_FALSE;
   const PetscReal w =
       scheme->time_order == 2 && clock->dt_previous > 0.0 ? clock->dt / clock->dt_previous : 0.0;
-  const PetscScalar *slope_p[ISPH_MAX_DIM], *slope_u[ISPH_MAX_DIM][ISPH_MAX_DIM];
+  Slopes slopes;
 
   PetscFunctionBegin;
-  PetscCall(EvaluateSlopes(scene, ops, shifting, pr));
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    PetscCall(VecGetArrayRead(pr->force[a], &slope_p[a]));
-    for (PetscInt c = 0; shifting && c < scene->dim; c++) {
-      PetscCall(VecGetArrayRead(pr->velocity_slope[c][a], &slope_u[c][a]));
-    }
-  }
+  PetscCall(SlopesGet(scene, ops, shifting, pr, &slopes));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal shift[ISPH_MAX_DIM] = {0.0}, x[ISPH_MAX_DIM], gradient_c[ISPH_MAX_DIM];
+    PetscReal shift[ISPH_MAX_DIM] = {0.0}, change[ISPH_MAX_DIM] = {0.0}, x[ISPH_MAX_DIM];
 
-    for (PetscInt a = 0; shifting && a < scene->dim; a++) gradient_c[a] = ops->gradient_c[a][i];
-    if (shifting)
-      scheme->shift->Displace(scene, scheme->stats.speed_max, clock->dt, gradient_c, shift);
+    if (shifting) ShiftParticle(scene, clock, p, ops, scheme, &slopes, i, shift, change);
     for (PetscInt a = 0; a < scene->dim; a++) {
       x[a] = p->x[a][i] +
              clock->dt * ((1.0 + 0.5 * w) * p->u[a][i] - 0.5 * w * pr->u_previous[a][i]) + shift[a];
     }
     KeepOffWalls(scene, x);
     for (PetscInt a = 0; a < scene->dim; a++) {
-      if (p->p) p->p[i] += (x[a] - p->x[a][i]) * slope_p[a][i];
+      if (p->p) p->p[i] += (x[a] - p->x[a][i]) * slopes.p[a][i];
       if (pr->has_moved) pr->moved[a][i] = x[a] - p->x[a][i];
       p->x[a][i] = x[a];
-      for (PetscInt c = 0; shifting && c < scene->dim; c++) {
-        p->u[c][i] += shift[a] * slope_u[c][a][i];
-        pr->u_previous[c][i] += shift[a] * slope_u[c][a][i];
-      }
+      p->u[a][i] += change[a];
+      pr->u_previous[a][i] += change[a];
     }
   }
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    PetscCall(VecRestoreArrayRead(pr->force[a], &slope_p[a]));
-    for (PetscInt c = 0; shifting && c < scene->dim; c++) {
-      PetscCall(VecRestoreArrayRead(pr->velocity_slope[c][a], &slope_u[c][a]));
-    }
-  }
+  PetscCall(SlopesRestore(scene, pr, &slopes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,0 +1,302 @@
+/* The builder of cloud.h: from a few numbers to particles, neighbours and assembled operators. */
+#include "cloud.h"
+
+void CloudAssertNone(const char *what, const char *where, PetscInt wrong)
+{
+  MPI_Allreduce(MPI_IN_PLACE, &wrong, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD);
+  if (wrong) print_error("%s: %s: %d wrong\n", where, what, (int)wrong);
+  assert_int_equal(wrong, 0);
+}
+
+static void CloudWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                              PetscReal u[])
+{
+  const Cloud *cloud = (const Cloud *)(const void *)scene->problem;
+
+  for (PetscInt c = 0; c < scene->dim; c++)
+    u[c] = QuadraticAt(cloud, &cloud->wall_u[c], x) + cloud->slide[side][c];
+}
+
+/*
+  CloudOperators - The scene and the operators that the options choose, no particle yet
+
+  Collective. The options are read from a database of their own.
+
+  Errors: those of OperatorsCreate(), the database restored
+*/
+PetscErrorCode CloudOperators(const CloudBox *box, const char options[], Cloud *cloud)
+{
+  Scene         *scene = &cloud->scene;
+  PetscOptions   database;
+  PetscErrorCode code;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(cloud, sizeof(*cloud)));
+  cloud->problem              = (CaseRow){.name = "cloud", .brief = "", .citation = ""};
+  cloud->problem.WallVelocity = CloudWallVelocity;
+  scene->problem              = &cloud->problem;
+  scene->physics              = PHYSICS_VISCOSITY | PHYSICS_PRESSURE | PHYSICS_CONVECTION;
+  if (box->n_periodic < box->dim) scene->physics |= PHYSICS_WALLS;
+  scene->dim    = box->dim;
+  scene->n      = box->cells[0];
+  scene->dx     = 0.1;
+  scene->length = scene->speed = scene->rho = 1.0;
+  scene->jitter                             = box->jitter;
+  scene->seed                               = 3;
+  for (PetscInt a = 0; a < box->dim; a++) {
+    scene->lo[a]       = -0.3 + 0.7 * a;
+    scene->hi[a]       = scene->lo[a] + box->cells[a] * scene->dx;
+    scene->cells[a]    = box->cells[a];
+    scene->periodic[a] = a < box->n_periodic;
+  }
+  PetscCall(PetscOptionsCreate(&database));
+  PetscCall(PetscOptionsInsertString(database, options));
+  PetscCall(PetscOptionsPush(database));
+  code = OperatorsCreate(scene, &cloud->ops);
+  PetscCall(PetscOptionsPop());
+  PetscCall(PetscOptionsDestroy(&database));
+  PetscFunctionReturn(code);
+}
+
+static PetscErrorCode CloudAssemble(PetscReal margin_step, Cloud *cloud)
+{
+  PetscBool changed;
+
+  PetscFunctionBegin;
+  PetscCall(NeighborsUpdate(cloud->particles, margin_step * cloud->scene.dx, cloud->neighbors));
+  PetscCall(
+      OperatorsAssemble(&cloud->scene, cloud->particles, cloud->neighbors, cloud->ops, &changed));
+  PetscCheck(changed, PETSC_COMM_WORLD, PETSC_ERR_PLIB, "Operators of new positions are not new");
+  for (PetscInt a = 0; a < cloud->scene.dim; a++) {
+    PetscCall(VecDestroy(&cloud->f[a]));
+    PetscCall(FluidVec(cloud->particles, NULL, &cloud->f[a]));
+  }
+  PetscCall(VecDestroy(&cloud->y));
+  PetscCall(VecDestroy(&cloud->e));
+  PetscCall(FluidVec(cloud->particles, NULL, &cloud->y));
+  PetscCall(WallVec(cloud->particles, &cloud->e));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* CloudCreate - All of a cloud, operators assembled, walls at rest; collective */
+PetscErrorCode CloudCreate(const CloudBox *box, const char options[], Cloud *cloud)
+{
+  WallPlacement walls;
+
+  PetscFunctionBegin;
+  PetscCall(CloudOperators(box, options, cloud));
+  cloud->ops->need_concentration = PETSC_TRUE;
+  PetscCall(OperatorsPlacement(&cloud->scene, cloud->ops, &walls));
+  PetscCall(ParticlesCreate(&cloud->scene, walls, cloud->ops->radius, &cloud->particles));
+  PetscCall(NeighborsCreate(cloud->ops->radius, &cloud->neighbors));
+  PetscCall(CloudAssemble(0.0, cloud));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CloudDestroy(Cloud *cloud)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < cloud->scene.dim; a++) PetscCall(VecDestroy(&cloud->f[a]));
+  PetscCall(VecDestroy(&cloud->y));
+  PetscCall(VecDestroy(&cloud->e));
+  PetscCall(OperatorsDestroy(&cloud->ops));
+  PetscCall(NeighborsDestroy(&cloud->neighbors));
+  PetscCall(ParticlesDestroy(&cloud->particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  CloudMove - Moves every fluid particle by at most `length` [dx] along each axis, and assembles
+
+  Collective
+
+  Input Parameters:
++ renumber    - whether a new epoch begins
+- margin_step - the step length that neighbours are told [dx]
+*/
+PetscErrorCode CloudMove(PetscReal length, PetscBool renumber, PetscReal margin_step, Cloud *cloud)
+{
+  const Scene *scene = &cloud->scene;
+  Particles   *p     = cloud->particles;
+  PetscBool    started;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    for (PetscInt a = 0; a < p->dim; a++) {
+      const PetscReal s = PetscSinReal(12.9898 * (p->id[i] + 1) + 78.233 * (a + 1)) * 43758.5453;
+
+      p->x[a][i] += length * scene->dx * (2.0 * (s - PetscFloorReal(s)) - 1.0);
+      if (scene->periodic[a]) continue;
+      p->x[a][i] = PetscMin(PetscMax(p->x[a][i], scene->lo[a] + 0.3 * scene->dx),
+                            scene->hi[a] - 0.3 * scene->dx);
+    }
+  }
+  PetscCall(ParticlesUpdateEpoch(scene, p, renumber, &started));
+  if (!started) PetscCall(ParticlesUpdateHalo(p));
+  PetscCall(CloudAssemble(margin_step, cloud));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* QuadraticCount - How many monomials: the s_a, then the s_a s_b */
+PetscInt QuadraticCount(PetscInt dim)
+{
+  return dim + dim * (dim + 1) / 2;
+}
+
+/* QuadraticMonomial - Monomial k: s_a for k < dim, then s_a s_b, b <= a, by rows */
+Quadratic QuadraticMonomial(PetscInt dim, PetscInt k)
+{
+  Quadratic q = {0};
+
+  if (k < dim) {
+    q.g[k] = 1.0;
+    return q;
+  }
+  k -= dim;
+  for (PetscInt a = 0; a < dim; a++) {
+    for (PetscInt b = 0; b <= a; b++) {
+      if (k-- != 0) continue;
+      q.H[a][b] += 1.0;
+      q.H[b][a] += 1.0;
+    }
+  }
+  return q;
+}
+
+static PetscReal Scaled(const Cloud *cloud, const PetscReal x[], PetscInt a)
+{
+  const Scene *scene = &cloud->scene;
+
+  return (x[a] - 0.5 * (scene->lo[a] + scene->hi[a])) / scene->dx;
+}
+
+PetscReal QuadraticAt(const Cloud *cloud, const Quadratic *q, const PetscReal x[])
+{
+  PetscReal value = q->c;
+
+  for (PetscInt a = 0; a < cloud->scene.dim; a++) {
+    value += q->g[a] * Scaled(cloud, x, a);
+    for (PetscInt b = 0; b < cloud->scene.dim; b++)
+      value += 0.5 * q->H[a][b] * Scaled(cloud, x, a) * Scaled(cloud, x, b);
+  }
+  return value;
+}
+
+/* QuadraticDerivative - d/dx_a of a field, again a field */
+Quadratic QuadraticDerivative(const Cloud *cloud, const Quadratic *q, PetscInt a)
+{
+  Quadratic d = {.c = q->g[a] / cloud->scene.dx};
+
+  for (PetscInt b = 0; b < cloud->scene.dim; b++) d.g[b] = q->H[a][b] / cloud->scene.dx;
+  return d;
+}
+
+/* QuadraticLaplacian - A constant field */
+Quadratic QuadraticLaplacian(const Cloud *cloud, const Quadratic *q)
+{
+  Quadratic lap = {0};
+
+  for (PetscInt a = 0; a < cloud->scene.dim; a++) lap.c += q->H[a][a] / PetscSqr(cloud->scene.dx);
+  return lap;
+}
+
+static void Position(const Particles *p, PetscInt i, PetscReal x[])
+{
+  for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+}
+
+/* CloudSet - The field over the fluid; collective on v */
+PetscErrorCode CloudSet(const Cloud *cloud, const Quadratic *q, Vec v)
+{
+  PetscReal *value, x[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArray(v, &value));
+  for (PetscInt i = 0; i < cloud->particles->n_fluid; i++) {
+    Position(cloud->particles, i, x);
+    value[i] = QuadraticAt(cloud, q, x);
+  }
+  PetscCall(VecRestoreArray(v, &value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* CloudSetSlope - n.grad of the field at the surface point of each wall particle; collective on e
+ */
+PetscErrorCode CloudSetSlope(const Cloud *cloud, const Quadratic *q, Vec e)
+{
+  const Particles *p = cloud->particles;
+  PetscReal       *value, x[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArray(e, &value));
+  for (PetscInt k = 0; k < p->n_wall; k++) {
+    const PetscInt i = p->n_fluid + k;
+
+    Position(p, i, x);
+    for (PetscInt a = 0; a < p->dim; a++) x[a] += p->depth[i] * p->normal[a][i];
+    value[k] = 0.0;
+    for (PetscInt a = 0; a < p->dim; a++) {
+      const Quadratic d = QuadraticDerivative(cloud, q, a);
+
+      value[k] += p->normal[a][i] * QuadraticAt(cloud, &d, x);
+    }
+  }
+  PetscCall(VecRestoreArray(e, &value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* CloudSetWalls - Tells the operators the walls' velocity; not collective */
+PetscErrorCode CloudSetWalls(Cloud *cloud)
+{
+  PetscFunctionBegin;
+  PetscCall(OperatorsSetWallVelocity(&cloud->scene, cloud->particles, 0.0, 0.0, cloud->ops));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* CloudDivergence - y = div of the velocity f with the walls' velocity; collective */
+PetscErrorCode CloudDivergence(const Cloud *cloud, Vec y)
+{
+  const Operators *ops = cloud->ops;
+
+  PetscFunctionBegin;
+  PetscCall(AffineApply(&ops->div[0], cloud->f[0], ops->wall_u[0], y));
+  for (PetscInt c = 1; c < cloud->scene.dim; c++)
+    PetscCall(AffineApplyAdd(&ops->div[c], cloud->f[c], ops->wall_u[c], y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  CloudError - Largest |y - expected| over fluid particles
+
+  Collective. Input: interior - leave out particles whose support reaches over a periodic side,
+  where a polynomial jumps.
+*/
+PetscErrorCode CloudError(const Cloud *cloud, Vec y, const Quadratic *expected, PetscBool interior,
+                          PetscReal *error)
+{
+  const Scene     *scene = &cloud->scene;
+  const PetscReal *value;
+  PetscReal        largest = 0.0, x[ISPH_MAX_DIM];
+  PetscInt         rows    = 0;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(y, &value));
+  for (PetscInt i = 0; i < cloud->particles->n_fluid; i++) {
+    PetscReal miss, room = PETSC_MAX_REAL;
+
+    Position(cloud->particles, i, x);
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      if (!scene->periodic[a]) continue;
+      room = PetscMin(room, PetscMin(x[a] - scene->lo[a], scene->hi[a] - x[a]));
+    }
+    if (interior && room < cloud->ops->radius) continue;
+    miss = PetscAbsReal(value[i] - QuadraticAt(cloud, expected, x));
+    if (!(miss <= largest)) largest = PetscIsInfOrNanReal(miss) ? PETSC_MAX_REAL : miss;
+    rows++;
+  }
+  PetscCall(VecRestoreArrayRead(y, &value));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &rows, 1, MPIU_INT, MPI_SUM, cloud->particles->comm));
+  PetscCall(MPIU_Allreduce(&largest, error, 1, MPIU_REAL, MPIU_MAX, cloud->particles->comm));
+  PetscCheck(rows > 0, PETSC_COMM_WORLD, PETSC_ERR_PLIB, "The box has no interior row");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

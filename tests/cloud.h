@@ -1,0 +1,61 @@
+/*
+  A cloud of particles with its operators, built as a run builds them, for the tests of identities:
+  a box of spacing 0.1, walls on the axes that are not periodic, polynomial fields about its centre.
+*/
+#ifndef CLOUD_H
+#define CLOUD_H
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <cmocka.h>
+#include "isph/operators.h"
+
+/* What is to be built; cells of the axes beyond dim are ignored. */
+typedef struct {
+  const char *name; /* for messages */
+  PetscInt    dim, cells[ISPH_MAX_DIM];
+  PetscInt    n_periodic; /* the first axes are periodic, the others have walls */
+  PetscReal   jitter;     /* [dx] */
+} CloudBox;
+
+/* f(x) = c + g.s + s.H s/2,  s = (x - centre)/dx;  H symmetric */
+typedef struct {
+  PetscReal c, g[ISPH_MAX_DIM], H[ISPH_MAX_DIM][ISPH_MAX_DIM];
+} Quadratic;
+
+typedef struct {
+  CaseRow    problem; /* first: the walls' velocity finds the cloud through it */
+  Scene      scene;
+  Particles *particles;
+  Neighbors *neighbors;
+  Operators *ops;
+  Quadratic  wall_u[ISPH_MAX_DIM];                  /* velocity of all walls, by components */
+  PetscReal  slide[2 * ISPH_MAX_DIM][ISPH_MAX_DIM]; /* and what each side adds to it */
+  Vec        f[ISPH_MAX_DIM], y, e; /* over fluid, over fluid, over wall particles */
+} Cloud;
+
+/* All ranks fail or none, or those left would wait for ever. */
+void CloudAssertNone(const char *what, const char *where, PetscInt wrong);
+#define ASSERT_OK(call) CloudAssertNone(#call, "PETSc", (call) ? 1 : 0)
+
+/* options: as on the command line, the only ones the operators see. */
+PetscErrorCode CloudCreate(const CloudBox *box, const char options[], Cloud *cloud);
+PetscErrorCode CloudDestroy(Cloud *cloud);
+PetscErrorCode CloudMove(PetscReal length, PetscBool renumber, PetscReal margin_step, Cloud *cloud);
+PetscErrorCode CloudOperators(const CloudBox *box, const char options[], Cloud *cloud);
+
+PetscInt  QuadraticCount(PetscInt dim);
+Quadratic QuadraticMonomial(PetscInt dim, PetscInt k);
+PetscReal QuadraticAt(const Cloud *cloud, const Quadratic *q, const PetscReal x[]);
+Quadratic QuadraticDerivative(const Cloud *cloud, const Quadratic *q, PetscInt a);
+Quadratic QuadraticLaplacian(const Cloud *cloud, const Quadratic *q);
+
+PetscErrorCode CloudSet(const Cloud *cloud, const Quadratic *q, Vec v);
+PetscErrorCode CloudSetSlope(const Cloud *cloud, const Quadratic *q, Vec e);
+PetscErrorCode CloudSetWalls(Cloud *cloud);
+PetscErrorCode CloudDivergence(const Cloud *cloud, Vec y);
+PetscErrorCode CloudError(const Cloud *cloud, Vec y, const Quadratic *expected, PetscBool interior,
+                          PetscReal *error);
+
+#endif

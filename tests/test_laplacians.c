@@ -1,0 +1,346 @@
+/*
+  Identities of every row of the Laplacian table: what a row declares is so, on lattices and on
+  disordered clouds, in two and three dimensions, and what it does not declare is not.
+*/
+/* RANKS: 1 2 */
+#include "cloud.h"
+
+static const LaplacianRow *Laplacian(PetscInt k)
+{
+  return (const LaplacianRow *)(const void *)TableGet(&LaplacianTable, k);
+}
+
+/* A periodic box with interior rows for supports of up to 3 dx. */
+static CloudBox Periodic(PetscInt dim, PetscReal jitter)
+{
+  const PetscInt n = dim == 2 ? 16 : 9;
+
+  return (CloudBox){.name       = jitter > 0.0 ? (dim == 2 ? "2D disorder" : "3D disorder")
+                                               : (dim == 2 ? "2D lattice" : "3D lattice"),
+                    .dim        = dim,
+                    .cells      = {n, n, n},
+                    .n_periodic = dim,
+                    .jitter     = jitter};
+}
+
+static void Create(const CloudBox *box, const char kernel[], const LaplacianRow *form, Cloud *cloud)
+{
+  char options[256];
+
+  ASSERT_OK(PetscSNPrintf(options, sizeof(options), "%s -visc_laplacian %s -ppe_laplacian %s",
+                          kernel, form->name, form->name));
+  ASSERT_OK(CloudCreate(box, options, cloud));
+}
+
+/* Largest error of the rows on monomials [first, last), in units of 1/dx^2. */
+static PetscReal MonomialError(const Cloud *cloud, PetscInt first, PetscInt last)
+{
+  PetscReal error, largest = 0.0;
+
+  for (PetscInt k = first; k < last; k++) {
+    const Quadratic f = QuadraticMonomial(cloud->scene.dim, k), lap = QuadraticLaplacian(cloud, &f);
+
+    ASSERT_OK(CloudSet(cloud, &f, cloud->f[0]));
+    ASSERT_OK(AffineApply(&cloud->ops->visc, cloud->f[0], NULL, cloud->y));
+    ASSERT_OK(CloudError(cloud, cloud->y, &lap, PETSC_TRUE, &error));
+    largest = PetscMax(largest, error * PetscSqr(cloud->scene.dx));
+  }
+  return largest;
+}
+
+/* |A - A^T| / |A|, Frobenius norms */
+static PetscReal Asymmetry(Mat A)
+{
+  Mat       T;
+  PetscReal difference, norm;
+
+  ASSERT_OK(MatTranspose(A, MAT_INITIAL_MATRIX, &T));
+  ASSERT_OK(MatAXPY(T, -1.0, A, DIFFERENT_NONZERO_PATTERN));
+  ASSERT_OK(MatNorm(T, NORM_FROBENIUS, &difference));
+  ASSERT_OK(MatNorm(A, NORM_FROBENIUS, &norm));
+  ASSERT_OK(MatDestroy(&T));
+  return difference / norm;
+}
+
+/* Constants vanish and the pressure operator is -dx^2 times the viscous one, on all rows. */
+static void CheckRows(const char *where, const Cloud *cloud)
+{
+  const PetscReal dx2 = PetscSqr(cloud->scene.dx);
+  const Quadratic one = {.c = 1.0}, zero = {0};
+  PetscReal       error, norm;
+  Mat             difference;
+
+  ASSERT_OK(CloudSet(cloud, &one, cloud->f[0]));
+  ASSERT_OK(AffineApply(&cloud->ops->visc, cloud->f[0], NULL, cloud->y));
+  ASSERT_OK(CloudError(cloud, cloud->y, &zero, PETSC_FALSE, &error));
+  CloudAssertNone("row sums of visc", where, error * dx2 > 1e-13);
+  ASSERT_OK(AffineApply(&cloud->ops->ppe, cloud->f[0], NULL, cloud->y));
+  ASSERT_OK(CloudError(cloud, cloud->y, &zero, PETSC_FALSE, &error));
+  CloudAssertNone("row sums of ppe", where, error > 1e-13);
+
+  ASSERT_OK(MatDuplicate(cloud->ops->ppe.A, MAT_COPY_VALUES, &difference));
+  ASSERT_OK(MatAXPY(difference, dx2, cloud->ops->visc.A, SAME_NONZERO_PATTERN));
+  ASSERT_OK(MatNorm(difference, NORM_FROBENIUS, &error));
+  ASSERT_OK(MatNorm(cloud->ops->ppe.A, NORM_FROBENIUS, &norm));
+  ASSERT_OK(MatDestroy(&difference));
+  CloudAssertNone("ppe = -dx^2 visc", where, error > 1e-14 * norm);
+  CloudAssertNone("a fit was not determined", where, cloud->ops->weak_rows);
+}
+
+static void CheckDeclared(const LaplacianRow *form, const char *where, const Cloud *cloud)
+{
+  const PetscInt  dim    = cloud->scene.dim;
+  const PetscReal linear = MonomialError(cloud, 0, dim), asymmetry = Asymmetry(cloud->ops->visc.A),
+                  quadratic = MonomialError(cloud, dim, QuadraticCount(dim));
+
+  if (form->symmetric) CloudAssertNone("declared symmetric", where, asymmetry > 1e-13);
+  if (form->exact_linear) CloudAssertNone("declared exact_linear", where, linear > 1e-9);
+  if (form->exact_quadratic) CloudAssertNone("declared exact_quadratic", where, quadratic > 1e-8);
+  if (cloud->scene.jitter == 0.0) {
+    /* odd moments vanish: any form that treats neighbours alike is exact */
+    CloudAssertNone("linear fields on a lattice", where, linear > 1e-9);
+    return;
+  }
+  /* OPERATORS.md, section 6, at 0.25 dx: asymmetry .025 and more, errors 1e-2 and more */
+  if (!form->symmetric) CloudAssertNone("symmetric, undeclared", where, asymmetry < 1e-3);
+  if (!form->exact_linear) CloudAssertNone("exact_linear, undeclared", where, linear < 1e-3);
+  if (!form->exact_quadratic)
+    CloudAssertNone("exact_quadratic, undeclared", where, quadratic < 1e-3);
+}
+
+/* On clouds as created, then on the same after moves, some of which renumber. */
+static void Declared(PetscInt dim)
+{
+  for (PetscInt k = 0; k < LaplacianTable.count; k++) {
+    const LaplacianRow *form = Laplacian(k);
+
+    for (PetscReal jitter = 0.0; jitter < 0.3; jitter += 0.25) {
+      const CloudBox box = Periodic(dim, jitter);
+      Cloud          cloud;
+      char           where[128];
+
+      ASSERT_OK(PetscSNPrintf(where, sizeof(where), "%s, %s", form->name, box.name));
+      Create(&box, "", form, &cloud);
+      CheckRows(where, &cloud);
+      CheckDeclared(form, where, &cloud);
+      for (PetscInt move = 0; move < 3 && jitter > 0.0; move++) {
+        ASSERT_OK(CloudMove(0.03, move % 2 == 0, 0.01 * move, &cloud));
+        CheckRows(where, &cloud);
+        CheckDeclared(form, where, &cloud);
+      }
+      ASSERT_OK(CloudDestroy(&cloud));
+    }
+  }
+}
+
+static void test_declared_2d(void **state)
+{
+  (void)state;
+  Declared(2);
+}
+
+static void test_declared_3d(void **state)
+{
+  (void)state;
+  Declared(3);
+}
+
+/*
+  f = sin(k x + 1) sin(k y + 2), one wave along each side of the box: lap f = -2 k^2 f. Returns the
+  relative L2 error.
+*/
+static PetscReal WaveError(PetscInt dim, PetscInt n, const LaplacianRow *form)
+{
+  const CloudBox   box = {.dim = dim, .cells = {n, n, 4}, .n_periodic = dim};
+  const PetscReal *x[2];
+  Cloud            cloud;
+  PetscReal       *f, k, error, norm;
+
+  Create(&box, "-kernel cubic_spline -h_over_dx 1.5", form, &cloud);
+  k = 2.0 * PETSC_PI / (n * cloud.scene.dx);
+  for (PetscInt a = 0; a < 2; a++) x[a] = cloud.particles->x[a];
+  ASSERT_OK(VecGetArray(cloud.f[0], &f));
+  for (PetscInt i = 0; i < cloud.particles->n_fluid; i++)
+    f[i] = PetscSinReal(k * x[0][i] + 1.0) * PetscSinReal(k * x[1][i] + 2.0);
+  ASSERT_OK(VecRestoreArray(cloud.f[0], &f));
+  ASSERT_OK(AffineApply(&cloud.ops->visc, cloud.f[0], NULL, cloud.y));
+  ASSERT_OK(VecNorm(cloud.f[0], NORM_2, &norm));
+  ASSERT_OK(VecAXPY(cloud.y, 2.0 * k * k, cloud.f[0]));
+  ASSERT_OK(VecNorm(cloud.y, NORM_2, &error));
+  ASSERT_OK(CloudDestroy(&cloud));
+  return error / (2.0 * k * k * norm);
+}
+
+/*
+  On lattices every form whose moments are corrected is of order 2, a symmetric one is left with the
+  lattice's own error in the second moment: OPERATORS.md, section 6, cubic spline, h/dx = 1.5
+  (at most 5.8e-2 for the forms that are safe to use).
+*/
+static void test_order_on_lattice(void **state)
+{
+  (void)state;
+  for (PetscInt k = 0; k < LaplacianTable.count; k++) {
+    const LaplacianRow *form = Laplacian(k);
+
+    for (PetscInt dim = 2; dim <= 3; dim++) {
+      const PetscInt  n     = dim == 2 ? 20 : 16; /* and twice, resp. 3/2 as many */
+      const PetscReal ratio = dim == 2 ? 2.0 : 1.5;
+      const PetscReal error = WaveError(dim, n, form);
+      const PetscReal finer = WaveError(dim, (PetscInt)(ratio * n), form);
+      const PetscReal order = PetscLogReal(error / finer) / PetscLogReal(ratio);
+
+      if (form->symmetric) CloudAssertNone("consistent on a lattice", form->name, finer > 0.06);
+      else CloudAssertNone("order 2 on a lattice", form->name, !(order > 1.9 && order < 2.1));
+    }
+  }
+}
+
+/* The factor of the second moment at h = dx, cubic spline: OPERATORS.md, section 1, proved there.
+ */
+static PetscReal FactorAtDx(const LaplacianRow *form)
+{
+  const PetscReal b  = 2.0 - PetscSqrtReal(2.0);
+  const PetscReal S1 = 5.0 / (7.0 * PETSC_PI) * (3.0 + 4.0 * PetscSqrtReal(2.0) * 0.75 * b * b);
+
+  assert_true(PetscAbsReal(S1 / 1.013095 - 1.0) < 1e-5);
+  return form->symmetric ? S1 : 1.0;
+}
+
+/*
+  Table 1 of X. Zheng, Q. Ma, S. Shao, Water 10 (2018), as OPERATORS.md, section 1, explains it:
+  nodes i dx, i = 0..N, dx = 1/N, h = dx, sampled at i = 2..N-2, printed is (1/M) sum |num - exact|
+  / sum |exact| with M = (N-3)^2 for lap f = 12 |x|^2 (f = x^4 + y^4).
+*/
+static PetscReal ZhengError(PetscInt N, const LaplacianRow *form, PetscReal *worst)
+{
+  const CloudBox   box = {.dim = 2, .cells = {N + 1, N + 1, 1}, .n_periodic = 2};
+  const PetscReal  dx = 1.0 / N, S = FactorAtDx(form), *lap;
+  Cloud            cloud;
+  const Particles *p;
+  PetscReal       *f, unit, sum[3] = {0.0};
+
+  Create(&box, "-kernel cubic_spline -h_over_dx 1", form, &cloud);
+  p    = cloud.particles;
+  unit = dx / cloud.scene.dx; /* the paper's length over the cloud's */
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    for (PetscInt a = 0; a < 2; a++)
+      p->x[a][i] = unit * (p->x[a][i] - cloud.scene.lo[a]) - 0.5 * dx;
+  }
+  ASSERT_OK(VecGetArray(cloud.f[0], &f));
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    f[i] = PetscPowRealInt(p->x[0][i], 4) + PetscPowRealInt(p->x[1][i], 4);
+  ASSERT_OK(VecRestoreArray(cloud.f[0], &f));
+  ASSERT_OK(AffineApply(&cloud.ops->visc, cloud.f[0], NULL, cloud.y));
+  *worst = 0.0;
+  ASSERT_OK(VecGetArrayRead(cloud.y, &lap));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    const PetscReal x = p->x[0][i], y = p->x[1][i], exact = 12.0 * (x * x + y * y);
+    const PetscReal numerical = lap[i] / PetscSqr(unit);
+
+    if (PetscMin(x, y) < 1.5 * dx || PetscMax(x, y) > 1.0 - 1.5 * dx) continue;
+    *worst = PetscMax(*worst, PetscAbsReal(numerical - S * (exact + 4.0 * dx * dx)));
+    sum[0] += PetscAbsReal(numerical - exact);
+    sum[1] += exact;
+    sum[2] += 1.0;
+  }
+  ASSERT_OK(VecRestoreArrayRead(cloud.y, &lap));
+  MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD);
+  MPI_Allreduce(MPI_IN_PLACE, worst, 1, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD);
+  ASSERT_OK(CloudDestroy(&cloud));
+  CloudAssertNone("nodes sampled", form->name, sum[2] != PetscSqr(N - 3.0));
+  return sum[0] / sum[1] / sum[2];
+}
+
+static void test_zheng_table_1(void **state)
+{
+  static const struct {
+    const char *name;
+    PetscInt    N;
+    PetscReal   printed;
+  } entries[] = {{"morris", 20, 5.00e-5},    {"morris", 40, 9.81e-6},
+                 {"schwaiger", 20, 4.65e-6}, {"schwaiger", 40, 2.37e-7},
+                 {"corrected", 20, 4.65e-6}, {"corrected", 40, 2.37e-7}};
+
+  (void)state;
+  for (size_t e = 0; e < PETSC_STATIC_ARRAY_LENGTH(entries); e++) {
+    const TableRow *row;
+    PetscReal       worst, error;
+
+    ASSERT_OK(TableFind(&LaplacianTable, entries[e].name, &row));
+    assert_non_null(row);
+    error = ZhengError(entries[e].N, (const LaplacianRow *)(const void *)row, &worst);
+    CloudAssertNone("printed value", row->name,
+                    PetscAbsReal(error / entries[e].printed - 1.0) > 2e-3); /* three digits */
+  }
+}
+
+/* The closed form behind the table, and |x|^2 on the same lattice: lap = 4 S. */
+static void test_closed_form(void **state)
+{
+  (void)state;
+  for (PetscInt k = 0; k < LaplacianTable.count; k++) {
+    const LaplacianRow *form = Laplacian(k);
+    const CloudBox      box  = Periodic(2, 0.0);
+    Quadratic           f    = {.H = {{2.0, 0.0}, {0.0, 2.0}}}, lap;
+    Cloud               cloud;
+    PetscReal           error, worst;
+
+    (void)ZhengError(20, form, &worst);
+    CloudAssertNone("S (12 |x|^2 + 4 dx^2)", form->name, worst > 1e-9);
+    Create(&box, "-kernel cubic_spline -h_over_dx 1", form, &cloud);
+    lap = QuadraticLaplacian(&cloud, &f);
+    lap.c *= FactorAtDx(form);
+    ASSERT_OK(CloudSet(&cloud, &f, cloud.f[0]));
+    ASSERT_OK(AffineApply(&cloud.ops->visc, cloud.f[0], NULL, cloud.y));
+    ASSERT_OK(CloudError(&cloud, cloud.y, &lap, PETSC_TRUE, &error));
+    CloudAssertNone("|x|^2 at h = dx", form->name, error > 1e-10 * lap.c);
+    ASSERT_OK(CloudDestroy(&cloud));
+  }
+}
+
+/*
+  Particles drift and crowd together while neighbours' margins grow: rows and entries of a rank
+  outgrow what was allocated for them, at different times (the sanitizers watch), and rows stay what
+  they were.
+*/
+static void test_reassembly(void **state)
+{
+  const CloudBox  box = {.dim = 2, .cells = {20, 17, 1}, .n_periodic = 2, .jitter = 0.25};
+  const Quadratic one = {.c = 1.0}, zero = {0};
+  Cloud           cloud;
+  PetscReal       error;
+
+  (void)state;
+  ASSERT_OK(CloudCreate(&box, "", &cloud));
+  for (PetscInt move = 0; move < 24; move++) {
+    const Particles *p = cloud.particles;
+
+    for (PetscInt i = 0; i < p->n_fluid; i++) {
+      const PetscReal phase =
+          (p->x[0][i] - cloud.scene.lo[0]) / (cloud.scene.hi[0] - cloud.scene.lo[0]);
+
+      p->x[0][i] += 0.05 * cloud.scene.dx * (2.0 - PetscSinReal(2.0 * PETSC_PI * phase));
+    }
+    ASSERT_OK(CloudMove(0.02, move % 2, 5e-4 * move, &cloud));
+    ASSERT_OK(CloudSet(&cloud, &one, cloud.f[0]));
+    ASSERT_OK(AffineApply(&cloud.ops->visc, cloud.f[0], NULL, cloud.y));
+    ASSERT_OK(CloudError(&cloud, cloud.y, &zero, PETSC_FALSE, &error));
+    CloudAssertNone("row sums", "crowded", error * PetscSqr(cloud.scene.dx) > 1e-12);
+  }
+  ASSERT_OK(CloudDestroy(&cloud));
+}
+
+int main(int argc, char **argv)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_declared_2d),      cmocka_unit_test(test_declared_3d),
+      cmocka_unit_test(test_order_on_lattice), cmocka_unit_test(test_zheng_table_1),
+      cmocka_unit_test(test_closed_form),      cmocka_unit_test(test_reassembly),
+  };
+  int failed;
+
+  if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;
+  failed = cmocka_run_group_tests(tests, NULL, NULL);
+  MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
+  return PetscFinalize() || failed ? 1 : 0;
+}
