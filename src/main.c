@@ -8,6 +8,8 @@ static const char help[] =
     "-catalogue lists cases, operators, walls, schemes and integrators with their papers.\n\n";
 
 #include "isph/io.h"
+#include <errno.h>
+#include <string.h>
 
 /* Everything a run owns, in the order of its making. */
 typedef struct {
@@ -194,12 +196,47 @@ static PetscErrorCode SolveOrList(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  What PETSc would pass over or meet with a traceback: a stray word, an unreadable options file.
+  Returns the sentence, or an empty one.
+*/
+static void CheckArguments(int argc, char **argv, char sentence[], size_t length)
+{
+  sentence[0] = '\0';
+  for (int k = 1; k < argc && !sentence[0]; k++) {
+    const PetscBool word = argv[k][0] != '-' ? PETSC_TRUE : PETSC_FALSE;
+
+    if (word && (k == 1 || argv[k - 1][0] != '-')) {
+      (void)snprintf(sentence, length,
+                     "%s: a stray word; options begin with a dash, e.g. -case cavity", argv[k]);
+    } else if (word && strcmp(argv[k - 1], "-options_file") == 0) {
+      FILE *file = fopen(argv[k], "r");
+
+      if (file) (void)fclose(file);
+      else (void)snprintf(sentence, length, "-options_file %s: %s", argv[k], strerror(errno));
+    }
+  }
+}
+
 int main(int argc, char **argv)
 {
-  PetscErrorCode failed = PetscInitialize(&argc, &argv, NULL, help);
+  char           sentence[PETSC_MAX_PATH_LEN + 128];
+  int            rank;
+  PetscErrorCode failed;
 
+  if (MPI_Init(&argc, &argv)) return 1;
+  (void)MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  CheckArguments(argc, argv, sentence, sizeof(sentence));
+  if (sentence[0]) {
+    if (rank == 0) (void)fprintf(stderr, "isph: %s\n", sentence);
+    (void)MPI_Finalize();
+    return 1;
+  }
+  failed = PetscInitialize(&argc, &argv, NULL, help);
   if (failed) return (int)failed;
   failed = SolveOrList();
   if (failed) return ErrorsExit(failed);
-  return (int)PetscFinalize();
+  failed = PetscFinalize();
+  (void)MPI_Finalize();
+  return (int)failed;
 }

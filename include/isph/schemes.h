@@ -35,7 +35,8 @@ typedef enum {
 typedef struct {
   const char *name, *brief, *citation; /* name: the TS type */
   TimeKind    kind;
-  PetscBool   history;          /* one stage: starts from (4u^n - u^{n-1})/3 for second order */
+  PetscBool   history;   /* one stage: starts from (4u^n - u^{n-1})/3 for second order */
+  PetscBool   multistep; /* PETSc keeps earlier velocities; they cannot follow shifted particles */
   PetscBool   end_of_step;      /* the force is taken at the end of the step, else at its middle */
   PetscReal (*Response)(TS ts); /* of u* to a force newly switched on, over dt; NULL: 1 */
 } TimeKindRow;

@@ -2,7 +2,7 @@
   The one assembly loop: gather the stencil of each fluid particle, let every chosen form write its
   row, let the wall treatment close it, and put the values into the shared pattern.
 */
-#include "isph/operators.h"
+#include "close.h"
 
 /* Everything row functions may ask of the neighbourhood of own fluid particle i. */
 static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neighbors *nb,
@@ -88,88 +88,6 @@ static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, Pets
   }
 }
 
-/* A row on values: sum_k w_k (f_k - f_i), f_wall - f_i taken beta-fold. */
-static void CloseRow_Value(const Stencil *st, const Operators *ops, PetscInt diagonal,
-                           const PetscReal w[], AffineOperator *op)
-{
-  PetscReal sum = 0.0;
-
-  for (PetscInt k = 0; k < st->n; k++) {
-    const PetscReal weight = st->wall[k] ? w[k] * st->beta[k] : w[k];
-
-    if (st->wall[k]) op->b[ops->slot[k]] += weight;
-    else op->a[ops->slot[k]] += weight;
-    sum += weight;
-  }
-  op->a[diagonal] -= sum;
-}
-
-/*
-  A row on a scalar with given normal derivative: wall neighbours of a fit carry weights of n.grad
-  f; dummies stand for f_w - f_i = (X.n) n.grad f.
-*/
-static void CloseRow_Slope(const Stencil *st, const Operators *ops, PetscInt diagonal,
-                           PetscReal scale, const PetscReal w[], AffineOperator *op)
-{
-  PetscReal sum = 0.0;
-
-  for (PetscInt k = 0; k < st->n; k++) {
-    PetscReal weight = scale * w[k];
-
-    if (!st->wall[k]) {
-      op->a[ops->slot[k]] += weight;
-      sum += weight;
-      continue;
-    }
-    if (!st->fits_walls) {
-      PetscReal height = 0.0;
-
-      for (PetscInt a = 0; a < st->dim; a++) height += st->X[a][k] * st->normal[a][k];
-      weight *= height;
-    }
-    op->b[ops->slot[k]] += weight;
-  }
-  op->a[diagonal] -= sum;
-}
-
-/* A divergence: fluid by components d, walls by their normal component with weight m. */
-static void CloseRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d[],
-                                const PetscReal m[], Operators *ops)
-{
-  for (PetscInt c = 0; c < st->dim; c++) {
-    AffineOperator *op  = &ops->div[c];
-    PetscReal       sum = 0.0;
-
-    for (PetscInt k = 0; k < st->n; k++) {
-      const PetscReal weight = st->wall[k] ? m[k] * st->normal[c][k] * st->beta[k] : d[c][k];
-
-      if (st->wall[k]) op->b[ops->slot[k]] += weight;
-      else op->a[ops->slot[k]] += weight;
-      sum += weight;
-    }
-    op->a[diagonal] -= sum;
-  }
-}
-
-/* The divergence of row i: a vector fit where walls bear roles, else the gradient's weights. */
-static PetscErrorCode DivergenceRow(Stencil *st, PetscInt diagonal, Operators *ops)
-{
-  PetscFunctionBegin;
-  if (st->n_wall && st->fits_walls && ops->gradient->DivergenceFit) {
-    PetscCall(ops->gradient->DivergenceFit(st, ops->g, ops->m));
-  } else {
-    StencilSetRole(st, ROLE_VALUE);
-    PetscCall(ops->gradient->Row(st, ops->g));
-    for (PetscInt k = 0; st->n_wall && k < st->n; k++) {
-      ops->m[k] = 0.0;
-      for (PetscInt c = 0; st->wall[k] && c < st->dim; c++)
-        ops->m[k] += ops->g[c][k] * st->normal[c][k];
-    }
-  }
-  CloseRow_Divergence(st, diagonal, ops->g, ops->m, ops);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* All operators' rows of one particle; the order keeps fits alive from one to the next. */
 static PetscErrorCode AssembleRow(const Scene *scene, Stencil *st, PetscInt diagonal,
                                   Operators *ops)
@@ -186,14 +104,8 @@ static PetscErrorCode AssembleRow(const Scene *scene, Stencil *st, PetscInt diag
       CloseRow_Value(st, ops, diagonal, ops->g[a], &ops->grad_u[a]);
   }
   if (ops->ppe.needed) {
-    StencilSetRole(st, ROLE_NORMAL_DERIVATIVE);
-    PetscCall(ops->ppe_form->Row(st, ops->w));
-    CloseRow_Slope(st, ops, diagonal, -PetscSqr(scene->dx), ops->w, &ops->ppe);
-    PetscCall(ops->gradient->Row(st, ops->g));
-    for (PetscInt a = 0; a < st->dim; a++) {
-      CloseRow_Slope(st, ops, diagonal, 1.0, ops->g[a], &ops->grad_p[a]);
-    }
-    PetscCall(DivergenceRow(st, diagonal, ops));
+    PetscCall(CloseRows_Pressure(scene, st, diagonal, ops));
+    PetscCall(CloseRows_Divergence(st, diagonal, ops));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

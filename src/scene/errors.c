@@ -16,10 +16,28 @@ static PetscBool ErrorIsUsers(PetscErrorCode code)
   case PETSC_ERR_FILE_WRITE:
   case PETSC_ERR_FILE_UNEXPECTED:
   case PETSC_ERR_ARG_UNKNOWN_TYPE:
+  case PETSC_ERR_ARG_OUTOFRANGE:
+  case PETSC_ERR_USER:
+  case PETSC_ERR_SUP:
   case PETSC_ERR_MISSING_FACTOR:
     return PETSC_TRUE;
   default:
     return PETSC_FALSE;
+  }
+}
+
+/* Where to look, for messages that are PETSc's own and name no option. */
+static const char *ErrorHint(PetscErrorCode code)
+{
+  switch (code) {
+  case PETSC_ERR_ARG_UNKNOWN_TYPE:
+    return " (a type named after a -visc_ or -ppe_ option; -help lists what there is)";
+  case PETSC_ERR_ARG_OUTOFRANGE:
+  case PETSC_ERR_USER:
+  case PETSC_ERR_SUP:
+    return " (said by PETSc of a -visc_, -ppe_ or numeric option; -help lists what they take)";
+  default:
+    return "";
   }
 }
 
@@ -36,7 +54,7 @@ static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *
   if (type == PETSC_ERROR_INITIAL && (rank == 0 || comm == PETSC_COMM_SELF)) {
     if (isatty(STDOUT_FILENO)) (void)fputc('\n', stdout); /* off an unfinished progress line */
     (void)fflush(stdout);
-    (void)fprintf(stderr, "isph: %s\n", message);
+    (void)fprintf(stderr, "isph: %s%s\n", message, ErrorHint(code));
   }
   return code;
 }
@@ -66,7 +84,11 @@ int ErrorsExit(PetscErrorCode code)
   int size = 1;
 
   (void)MPI_Comm_size(PETSC_COMM_WORLD, &size);
-  if (ErrorIsUsers(code)) (void)PetscFinalize();
-  else if (size > 1) (void)MPI_Abort(PETSC_COMM_WORLD, (int)code);
+  if (ErrorIsUsers(code)) {
+    (void)PetscFinalize();
+    (void)MPI_Finalize();
+  } else if (size > 1) {
+    (void)MPI_Abort(PETSC_COMM_WORLD, (int)code);
+  }
   return (int)code;
 }

@@ -75,8 +75,9 @@ PetscErrorCode OptionFlags_Private(PetscOptionItems *PetscOptionsObject, const c
                                    const char text[], const char *const names[], PetscInt count,
                                    unsigned *flags)
 {
-  char    *words[16], all[512] = "", help[640];
-  PetscInt n = 16;
+  char     *words[16], all[512] = "", help[640];
+  PetscInt  n = 16;
+  PetscBool given;
 
   PetscFunctionBegin;
   *flags = 0;
@@ -85,7 +86,8 @@ PetscErrorCode OptionFlags_Private(PetscOptionItems *PetscOptionsObject, const c
     PetscCall(PetscStrlcat(all, names[k], sizeof(all)));
   }
   PetscCall(PetscSNPrintf(help, sizeof(help), "%s: %s", text, all));
-  PetscCall(PetscOptionsStringArray(option, help, "", words, &n, NULL));
+  PetscCall(PetscOptionsStringArray(option, help, "", words, &n, &given));
+  UserCheck(!given || n > 0, "%s: names are wanted; choose from %s", option, all);
   for (PetscInt w = 0; w < n; w++) {
     PetscBool same = PETSC_FALSE;
 

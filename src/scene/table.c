@@ -66,11 +66,13 @@ PetscErrorCode TableSelect_Private(PetscOptionItems *PetscOptionsObject, const T
 {
   char            name[128] = "", names[1024], help[1280];
   const TableRow *found;
+  PetscBool       given;
 
   PetscFunctionBegin;
   PetscCall(TableNames(table, names, sizeof(names)));
   PetscCall(PetscSNPrintf(help, sizeof(help), "%s: %s", text, names));
-  PetscCall(PetscOptionsString(option, help, "", fallback, name, sizeof(name), NULL));
+  PetscCall(PetscOptionsString(option, help, "", fallback, name, sizeof(name), &given));
+  UserCheck(!given || name[0], "%s: a name is wanted; choose one of %s", option, names);
   PetscCall(TableFind(table, name[0] ? name : fallback, &found));
   UserCheck(found, "%s %s: no such name; choose one of %s", option, name, names);
   *(const TableRow **)row = found;

@@ -6,20 +6,23 @@
 */
 #include "guard.h"
 
-/* How far the true residual may exceed what was asked before the solve counts as failed. */
+/* How far the true residual may exceed what was asked, and what no tolerance of the user's makes
+ * good. */
 #define GUARD_SLACK 10.0
+#define GUARD_WORST 0.1
 
 static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
 {
   Guard    *guard = (Guard *)ctx;
-  PetscReal rtol, atol, norm_b, norm_r;
+  PetscReal rtol, norm_b, norm_r;
   Mat       A;
   Vec       r;
 
   PetscFunctionBegin;
+  if (guard->failed) PetscFunctionReturn(PETSC_SUCCESS); /* the first failure is the one to tell */
   PetscCall(KSPGetConvergedReason(ksp, &guard->reason));
   PetscCall(KSPGetIterationNumber(ksp, &guard->iterations));
-  PetscCall(KSPGetTolerances(ksp, &rtol, &atol, NULL, NULL));
+  PetscCall(KSPGetTolerances(ksp, &rtol, NULL, NULL, NULL));
   PetscCall(KSPGetOperators(ksp, &A, NULL));
   PetscCall(VecDuplicate(rhs, &r));
   PetscCall(MatMult(A, solution, r));
@@ -28,7 +31,7 @@ static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
   PetscCall(VecNorm(rhs, NORM_2, &norm_b));
   PetscCall(VecDestroy(&r));
   guard->residual = norm_b > 0.0 ? norm_r / norm_b : norm_r;
-  if (guard->reason < 0 || !(norm_r <= GUARD_SLACK * PetscMax(rtol * norm_b, atol)))
+  if (guard->reason < 0 || !(norm_r <= PetscMin(GUARD_SLACK * rtol, GUARD_WORST) * norm_b))
     guard->failed = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -37,17 +40,64 @@ static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
   GuardAttach - Puts the guard on a KSP; to be called after KSPSetFromOptions()
 
   Collective. Also asks for the unpreconditioned norm where the user did not choose one, so that
-  -ksp_rtol means the true residual.
+-ksp_rtol means the true residual.
+
+  Input Parameter:
+. symmetric - whether the matrix will be
+
+  Errors: refuses incomplete and complete Cholesky factors of a matrix that is not symmetric
 */
-PetscErrorCode GuardAttach(KSP ksp, Guard *guard)
+PetscErrorCode GuardAttach(KSP ksp, PetscBool symmetric, Guard *guard)
 {
-  PetscBool preonly, chosen;
+  PetscBool preonly, chosen, cholesky, icc;
+  PC        pc;
 
   PetscFunctionBegin;
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCICC, &icc));
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCCHOLESKY, &cholesky));
+  UserCheck(symmetric || (!icc && !cholesky),
+            "-%spc_type %s: the chosen form's matrix is not symmetric; use %s", guard->prefix,
+            icc ? PCICC : PCCHOLESKY, icc ? "ilu or bjacobi" : "lu");
+  PetscCall(PCSetUseAmat(pc, PETSC_FALSE)); /* a kept preconditioner outlives the operator */
   PetscCall(PetscObjectTypeCompare((PetscObject)ksp, KSPPREONLY, &preonly));
   PetscCall(PetscOptionsHasName(NULL, guard->prefix, "-ksp_norm_type", &chosen));
   if (!preonly && !chosen) PetscCall(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
   PetscCall(KSPSetPostSolve(ksp, Guard_PostSolve, guard));
+  guard->symmetric = symmetric;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What to try instead of the method that failed. */
+static PetscErrorCode GuardRemedy(KSP ksp, PC pc, const Guard *guard, char remedy[], size_t length)
+{
+  const char *best = guard->prefix[0] == 'p' ? KSPFGMRES : KSPGMRES;
+  PetscBool   cg, is_best, amg;
+
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare((PetscObject)ksp, KSPCG, &cg));
+  PetscCall(PetscObjectTypeCompare((PetscObject)ksp, best, &is_best));
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCHYPRE, &amg));
+  if (PetscIsInfOrNanReal(guard->residual)) {
+    PetscCall(
+        PetscSNPrintf(remedy, length, "the flow is no longer finite: try a smaller -dt or -cfl"));
+  } else if (cg && !guard->symmetric) {
+    PetscCall(PetscSNPrintf(remedy, length,
+                            "cg needs a symmetric form and this one is not: use -%sksp_type %s",
+                            guard->prefix, best));
+  } else if (guard->residual > GUARD_WORST && guard->reason > 0) {
+    PetscCall(PetscSNPrintf(remedy, length,
+                            "the tolerance given is too loose: use a smaller -%sksp_rtol",
+                            guard->prefix));
+  } else if (!is_best || !amg) {
+    PetscCall(PetscSNPrintf(remedy, length, "try -%sksp_type %s -%spc_type hypre", guard->prefix,
+                            best, guard->prefix));
+  } else {
+    PetscCall(PetscSNPrintf(remedy, length,
+                            "the matrix is out of shape, most often because particles have "
+                            "clustered: try a smaller -dt or -cfl, or a larger -%sksp_max_it",
+                            guard->prefix));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -61,6 +111,7 @@ PetscErrorCode GuardAttach(KSP ksp, Guard *guard)
 PetscErrorCode GuardCheck(KSP ksp, const Clock *clock, Guard *guard)
 {
   const char *const *reasons = KSPConvergedReasons;
+  char               remedy[256];
   KSPType            ksp_type;
   PCType             pc_type;
   PC                 pc;
@@ -71,18 +122,43 @@ PetscErrorCode GuardCheck(KSP ksp, const Clock *clock, Guard *guard)
   PetscCall(KSPGetType(ksp, &ksp_type));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCGetType(pc, &pc_type));
+  PetscCall(GuardRemedy(ksp, pc, guard, remedy, sizeof(remedy)));
   PetscCheck(PETSC_FALSE, PETSC_COMM_WORLD, PETSC_ERR_NOT_CONVERGED,
              "step %" PetscInt_FMT
              " (t = %.6g): the %s solve by %s with %s ended with %s after %" PetscInt_FMT
-             " iterations, true residual %.1e of the right-hand side; %s -%sksp_type %s -%spc_type "
-             "hypre%s",
+             " iterations, true residual %.1e of the right-hand side; %s",
              clock->step + 1, (double)(clock->t + clock->dt), guard->what, ksp_type, pc_type,
-             reasons[guard->reason], guard->iterations, (double)guard->residual,
-             PetscIsInfOrNanReal(guard->residual)
-                 ? "the flow itself is no longer finite: try a smaller time step, or"
-                 : "try",
-             guard->prefix, guard->prefix[0] == 'p' ? "fgmres" : "gmres", guard->prefix,
-             guard->reason == KSP_DIVERGED_ITS ? ", or a larger -ksp_max_it" : "");
+             reasons[guard->reason], guard->iterations, (double)guard->residual, remedy);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  GuardRenewPC - Readies a preconditioner for a matrix of another pattern or size
+
+  Collective. A PCReset() does for all but gamg, whose coarse levels keep their old sizes
+  (PETSC 3.18).
+*/
+PetscErrorCode GuardRenewPC(KSP ksp)
+{
+  PetscBool   gamg;
+  const char *prefix;
+  PC          pc, fresh;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCGAMG, &gamg));
+  if (!gamg) {
+    PetscCall(PCReset(pc));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PCGetOptionsPrefix(pc, &prefix));
+  PetscCall(PCCreate(PetscObjectComm((PetscObject)ksp), &fresh));
+  PetscCall(PCSetOptionsPrefix(fresh, prefix));
+  PetscCall(PCSetType(fresh, PCGAMG));
+  PetscCall(PCSetFromOptions(fresh));
+  PetscCall(PCSetUseAmat(fresh, PETSC_FALSE));
+  PetscCall(KSPSetPC(ksp, fresh));
+  PetscCall(PCDestroy(&fresh));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

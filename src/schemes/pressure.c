@@ -65,7 +65,7 @@ PetscErrorCode PressureCreate(const Operators *ops, Pressure **ppe)
   PetscCall(KSPGetPC(s->ksp, &pc));
   PetscCall(PCSetType(pc, PCHYPRE));
   PetscCall(KSPSetFromOptions(s->ksp));
-  PetscCall(GuardAttach(s->ksp, &s->guard));
+  PetscCall(GuardAttach(s->ksp, ops->ppe_form->symmetric, &s->guard));
   *ppe = s;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -116,6 +116,7 @@ static PetscErrorCode PressureUpdateMatrices(const Particles *p, const Operators
     rebuild = PETSC_TRUE;
   }
   if (rebuild) {
+    PetscCall(GuardRenewPC(s->ksp));
     PetscCall(MatDestroy(&s->preconditioner));
     PetscCall(MatDuplicate(ops->ppe.A, MAT_COPY_VALUES, &s->preconditioner));
     PetscCall(MatShift(s->preconditioner, 1e-6));

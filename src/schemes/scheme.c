@@ -71,6 +71,10 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
       (s->alpha > 0.0 || (s->shift && s->shift->Displace)) ? PETSC_TRUE : PETSC_FALSE;
   if (SceneHas(scene, PHYSICS_VISCOSITY))
     PetscCall(ViscosityCreate(scene, clock->dt, ops, &s->visc));
+  UserCheck(!s->visc || !ViscosityTimeKind(s->visc)->multistep || !s->shift || !s->shift->Displace,
+            "-visc_ts_type %s: its own history cannot follow shifted particles; use beuler, which "
+            "is BDF2 with the history on particles, or -motion eulerian",
+            ViscosityTimeKind(s->visc)->name);
   if (SceneHas(scene, PHYSICS_PRESSURE)) PetscCall(PressureCreate(ops, &s->ppe));
   PetscCall(s->row->Create(scene, clock, ops, s));
   *scheme = s;

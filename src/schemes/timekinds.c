@@ -17,29 +17,30 @@ static PetscReal Response_Bdf(TS ts)
 }
 
 static const TimeKindRow kinds[] = {
-    /* name, brief, citation, kind, history, force at end, response */
+    /* name, brief, citation, kind, history, multistep, force at end, response */
     {TSBEULER,
      "backward Euler, from (4u^n - u^{n-1})/3 over 2dt/3: BDF2 with the history on particles",
-     "Hairer & Wanner, Solving ODEs II (1996)", TIME_IMPLICIT, PETSC_TRUE, PETSC_TRUE, NULL},
-    {TSBDF, "backward differentiation by PETSc, history until the next epoch",
-     "Hairer & Wanner, Solving ODEs II (1996)", TIME_IMPLICIT, PETSC_FALSE, PETSC_TRUE,
+     "Hairer & Wanner, Solving ODEs II (1996)", TIME_IMPLICIT, PETSC_TRUE, PETSC_FALSE, PETSC_TRUE,
+     NULL},
+    {TSBDF, "backward differentiation by PETSc; particles fixed, or moving unshifted",
+     "Hairer & Wanner, Solving ODEs II (1996)", TIME_IMPLICIT, PETSC_FALSE, PETSC_TRUE, PETSC_TRUE,
      Response_Bdf},
     {TSCN, "Crank-Nicolson; rings on impulsively moved walls", "Crank & Nicolson (1947)",
-     TIME_IMPLICIT, PETSC_FALSE, PETSC_FALSE, NULL},
+     TIME_IMPLICIT, PETSC_FALSE, PETSC_FALSE, PETSC_FALSE, NULL},
     {TSTHETA, "theta scheme (-visc_ts_theta_theta)", "Hairer & Wanner, Solving ODEs II (1996)",
-     TIME_IMPLICIT, PETSC_FALSE, PETSC_FALSE, NULL},
+     TIME_IMPLICIT, PETSC_FALSE, PETSC_FALSE, PETSC_FALSE, NULL},
     {TSALPHA, "generalised alpha",
      "Jansen, Whiting & Hulbert, Comput. Methods Appl. Mech. Eng. 190 (2000)", TIME_IMPLICIT,
-     PETSC_FALSE, PETSC_FALSE, NULL},
+     PETSC_FALSE, PETSC_FALSE, PETSC_FALSE, NULL},
     {TSARKIMEX, "additive Runge-Kutta, viscosity implicit, convection explicit",
      "Kennedy & Carpenter, Appl. Numer. Math. 44 (2003)", TIME_IMEX, PETSC_FALSE, PETSC_FALSE,
-     NULL},
+     PETSC_FALSE, NULL},
     {TSROSW, "Rosenbrock-W, viscosity implicit, convection explicit",
-     "Rang & Angermann, BIT 45 (2005)", TIME_IMEX, PETSC_FALSE, PETSC_FALSE, NULL},
-    {TSEULER, "forward Euler", "", TIME_EXPLICIT, PETSC_FALSE, PETSC_FALSE, NULL},
+     "Rang & Angermann, BIT 45 (2005)", TIME_IMEX, PETSC_FALSE, PETSC_FALSE, PETSC_FALSE, NULL},
+    {TSEULER, "forward Euler", "", TIME_EXPLICIT, PETSC_FALSE, PETSC_FALSE, PETSC_FALSE, NULL},
     {TSSSP, "strong stability preserving Runge-Kutta", "Ketcheson, SIAM J. Sci. Comput. 30 (2008)",
-     TIME_EXPLICIT, PETSC_FALSE, PETSC_FALSE, NULL},
+     TIME_EXPLICIT, PETSC_FALSE, PETSC_FALSE, PETSC_FALSE, NULL},
     {TSRK, "explicit Runge-Kutta", "Bogacki & Shampine, Appl. Math. Lett. 2 (1989)", TIME_EXPLICIT,
-     PETSC_FALSE, PETSC_FALSE, NULL},
+     PETSC_FALSE, PETSC_FALSE, PETSC_FALSE, NULL},
 };
 const Table TimeKindTable = TABLE("-visc_ts_type", "Time integrators of viscosity", kinds);

@@ -118,20 +118,28 @@ static PetscErrorCode ViscosityRHSFunction(TS ts, PetscReal t, Vec u, Vec f, voi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The clock owns time; what would give it to the TS is refused. */
-static PetscErrorCode RefuseTimeOptions(void)
+/* The clock owns time and the history is on particles: what contradicts that is refused. */
+static PetscErrorCode RefuseTimeOptions(const TimeKindRow *row)
 {
   const char *const refused[][2] = {{"-visc_ts_dt", "-dt"},
                                     {"-visc_ts_max_time", "-t_end"},
                                     {"-visc_ts_max_steps", "-max_steps"}};
+  PetscReal         theta        = 0.5;
+  PetscBool         given;
 
   PetscFunctionBegin;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(refused); k++) {
-    PetscBool given;
-
     PetscCall(OptionGiven(refused[k][0], &given));
     UserCheck(!given, "%s: time is the run's own; use %s", refused[k][0], refused[k][1]);
   }
+  PetscCall(OptionGiven("-visc_ts_adapt_type", &given));
+  UserCheck(!given || !row->multistep,
+            "-visc_ts_adapt_type: %s shares its steps with the projection; use a one-step type "
+            "such as arkimex",
+            row->name);
+  PetscCall(PetscOptionsGetReal(NULL, NULL, "-visc_ts_theta_theta", &theta, &given));
+  UserCheck(theta > 0.0 && theta <= 1.0, "-visc_ts_theta_theta %.6g: allowed is more than 0 to 1",
+            (double)theta);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -184,11 +192,11 @@ PetscErrorCode ViscosityCreate(const Scene *scene, PetscReal dt, const Operators
   v->scene        = scene;
   v->guard.what   = "viscous";
   v->guard.prefix = "visc_";
-  PetscCall(RefuseTimeOptions());
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Viscosity", "");
   PetscCall(TableSelect(&TimeKindTable, "-visc_ts_type", "Time integrator of viscosity", TSBEULER,
                         &v->row));
   PetscOptionsEnd();
+  PetscCall(RefuseTimeOptions(v->row));
   for (PetscInt c = 0; c < v->dim; c++) {
     v->component[c].visc = v;
     v->component[c].c    = c;
@@ -215,7 +223,7 @@ PetscErrorCode ViscosityCreate(const Scene *scene, PetscReal dt, const Operators
     PetscCall(TSAdaptSetType(adapt, TSADAPTNONE));
     PetscCall(TSSetFromOptions(v->ts[c]));
   }
-  if (v->ksp) PetscCall(GuardAttach(v->ksp, &v->guard));
+  if (v->ksp) PetscCall(GuardAttach(v->ksp, ops->visc_form->symmetric, &v->guard));
   *visc = v;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -253,11 +261,13 @@ PetscErrorCode ViscosityRenumber(const Particles *p, Viscosity *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A Jacobian of the pattern that the operators have now. */
+/* A Jacobian of the pattern that the operators have now; a preconditioner of the old pattern goes.
+ */
 static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
 {
   PetscFunctionBegin;
   if (!v->ksp || v->assemblies == v->ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(GuardRenewPC(v->ksp));
   PetscCall(MatDestroy(&v->J));
   PetscCall(MatDuplicate(v->ops->visc.A, MAT_DO_NOT_COPY_VALUES, &v->J));
   PetscCall(MatSetOptionsPrefix(v->J, "visc_"));
@@ -283,6 +293,8 @@ static PetscErrorCode ViscosityStepComponent(Viscosity *v, const Clock *clock, P
   PetscCall(TSSetSolution(ts, u));
   PetscCall(TSSetTime(ts, t));
   PetscCall(TSSetTimeStep(ts, dt));
+  if (!v->row->multistep)
+    PetscCall(TSRestartStep(ts)); /* stages of the last step are of another flow */
   PetscCall(TSGetKSPIterations(ts, &its_before));
   while (end - now > 1e-10 * dt) {
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_ITERATING));

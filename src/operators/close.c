@@ -1,0 +1,295 @@
+/*
+  What wall neighbours mean in rows sum_k w_k (f_k - f_i), and the rows put in place. A wall speaks
+  of its normal direction only: it gives n.grad p, or n.u. In the others a dummy's value follows the
+  linear field that the row itself finds; with X_t = X - (X.n) n
+
+    p_w - p_i = (X.n) n.grad p + X_t.(grad p)_i
+    u_w - u_i = n beta n.(u_wall - u_i) + ...              see DummyRow_Divergence
+
+  The row's gradient on the right is unknown and linear in what is given: one small system for each
+  row with dummies changes its weights, and rows exact for linear fields stay so beside walls.
+*/
+#include "close.h"
+
+/* A row on values: sum_k w_k (f_k - f_i), f_wall - f_i taken beta-fold. */
+void CloseRow_Value(const Stencil *st, const Operators *ops, PetscInt diagonal, const PetscReal w[],
+                    AffineOperator *op)
+{
+  PetscReal sum = 0.0;
+
+  for (PetscInt k = 0; k < st->n; k++) {
+    const PetscReal weight = st->wall[k] ? w[k] * st->beta[k] : w[k];
+
+    if (st->wall[k]) op->b[ops->slot[k]] += weight;
+    else op->a[ops->slot[k]] += weight;
+    sum += weight;
+  }
+  op->a[diagonal] -= sum;
+}
+
+/* Parts of X of wall neighbour k: returns X.n and gives X_t. */
+static PetscReal SplitX(const Stencil *st, PetscInt k, PetscReal tangent[])
+{
+  PetscReal height = 0.0;
+
+  for (PetscInt a = 0; a < st->dim; a++) height += st->X[a][k] * st->normal[a][k];
+  for (PetscInt a = 0; a < st->dim; a++) tangent[a] = st->X[a][k] - height * st->normal[a][k];
+  return height;
+}
+
+/*
+  A row on a scalar with given normal derivative: wall neighbours of a fit carry weights of n.grad
+  f; dummies stand for f_w - f_i = (X.n) n.grad f, what they follow is in the weights already.
+*/
+static void CloseRow_Slope(const Stencil *st, const Operators *ops, PetscInt diagonal,
+                           PetscReal scale, const PetscReal w[], AffineOperator *op)
+{
+  PetscReal sum = 0.0, tangent[ISPH_MAX_DIM];
+
+  for (PetscInt k = 0; k < st->n; k++) {
+    PetscReal weight = scale * w[k];
+
+    if (!st->wall[k]) {
+      op->a[ops->slot[k]] += weight;
+      sum += weight;
+      continue;
+    }
+    if (!st->fits_walls) weight *= SplitX(st, k, tangent);
+    op->b[ops->slot[k]] += weight;
+  }
+  op->a[diagonal] -= sum;
+}
+
+#define SMALL_MAX (ISPH_MAX_DIM * ISPH_MAX_DIM) /* unknowns: the entries of grad u */
+
+/* Exchanges columns p and q of `rows` rows of n. */
+static void SwapColumns(PetscInt rows, PetscInt n, PetscReal A[], PetscInt p, PetscInt q)
+{
+  for (PetscInt r = 0; r < rows; r++) {
+    const PetscReal kept = A[r * n + p];
+
+    A[r * n + p] = A[r * n + q];
+    A[r * n + q] = kept;
+  }
+}
+
+/*
+  Solves X A = B for the `rows` rows of X, in place of B, by Gauss elimination with pivots; A and B
+  by rows, of order one. Returns PETSC_FALSE where A is singular or so nearly that an entry of X
+  passes 50, which no fluid that spans space calls for: near 2 beside a flat wall, 5 in corners.
+*/
+static PetscBool SmallSolve(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
+{
+  for (PetscInt p = 0; p < n; p++) {
+    PetscInt best = p;
+
+    for (PetscInt q = p + 1; q < n; q++)
+      best = PetscAbsReal(A[p * n + q]) > PetscAbsReal(A[p * n + best]) ? q : best;
+    if (!(PetscAbsReal(A[p * n + best]) > PETSC_SMALL)) return PETSC_FALSE;
+    SwapColumns(n, n, A, p, best);
+    SwapColumns(rows, n, B, p, best);
+    for (PetscInt q = 0; q < n; q++) {
+      const PetscReal factor = A[p * n + q] / A[p * n + p];
+
+      if (q == p) continue;
+      for (PetscInt r = p; r < n; r++) A[r * n + q] -= factor * A[r * n + p];
+      for (PetscInt r = 0; r < rows; r++) B[r * n + q] -= factor * B[r * n + p];
+    }
+  }
+  for (PetscInt t = 0; t < rows * n; t++) {
+    B[t] /= A[t % n * (n + 1)];
+    if (!(PetscAbsReal(B[t]) <= 50.0)) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* g_k becomes K g_k, K dim x dim by rows, for the vectors g_k of weights of all neighbours. */
+static void MultiplyWeights(const Stencil *st, const PetscReal K[], PetscReal *g[])
+{
+  const PetscInt d = st->dim;
+
+  for (PetscInt k = 0; k < st->n; k++) {
+    PetscReal c[ISPH_MAX_DIM];
+
+    for (PetscInt b = 0; b < d; b++) c[b] = g[b][k];
+    for (PetscInt a = 0; a < d; a++) {
+      g[a][k] = 0.0;
+      for (PetscInt b = 0; b < d; b++) g[a][k] += K[a * d + b] * c[b];
+    }
+  }
+}
+
+/*
+  DummyRow_Gradient - Gradient weights of a scalar with given normal derivative, dummies following
+
+    (I - sum_w g_w X_t^T) grad f = sum_fluid g_k (f_k - f_i) + sum_w g_w (X.n) n.grad f
+
+  Input/Output Parameter:
+. g - the vectors g_k of weights, multiplied by the inverse; unchanged where there is none
+
+  Properties: exact for linear fields if g is.
+*/
+static void DummyRow_Gradient(const Stencil *st, PetscReal *g[])
+{
+  const PetscInt d            = st->dim;
+  PetscReal      A[SMALL_MAX] = {0.0}, inverse[SMALL_MAX] = {0.0}, tangent[ISPH_MAX_DIM];
+
+  for (PetscInt a = 0; a < d; a++) A[a * d + a] = inverse[a * d + a] = 1.0;
+  for (PetscInt k = 0; k < st->n; k++) {
+    if (!st->wall[k]) continue;
+    (void)SplitX(st, k, tangent);
+    for (PetscInt a = 0; a < d; a++) {
+      for (PetscInt b = 0; b < d; b++) A[a * d + b] -= g[a][k] * tangent[b];
+    }
+  }
+  if (SmallSolve(d, A, d, inverse)) MultiplyWeights(st, inverse, g);
+}
+
+/*
+  DummyRow_Laplacian - Laplacian weights with dummies that follow the gradient of the row
+
+    w_k += (sum_w w_w X_t).g_k,   g_k the weights that DummyRow_Gradient() gave
+
+  Properties: exact for linear fields if w and g are; not symmetric.
+*/
+static void DummyRow_Laplacian(const Stencil *st, PetscReal *const g[], PetscReal w[])
+{
+  PetscReal sum[ISPH_MAX_DIM] = {0.0}, tangent[ISPH_MAX_DIM];
+
+  for (PetscInt k = 0; k < st->n; k++) {
+    if (!st->wall[k]) continue;
+    (void)SplitX(st, k, tangent);
+    for (PetscInt a = 0; a < st->dim; a++) sum[a] += w[k] * tangent[a];
+  }
+  for (PetscInt k = 0; k < st->n; k++) {
+    for (PetscInt a = 0; a < st->dim; a++) w[k] += sum[a] * g[a][k];
+  }
+}
+
+/*
+  CloseRows_Pressure - The rows of -dx^2 lap p and of grad p of one particle, where n.grad p is
+  given
+
+  Not collective.
+
+  Notes: a Laplacian declared symmetric keeps f_w - f_i = (X.n) n.grad f alone, which leaves its
+  matrix symmetric, for CG; so does one beside a gradient that is not exact for linear fields.
+*/
+PetscErrorCode CloseRows_Pressure(const Scene *scene, Stencil *st, PetscInt diagonal,
+                                  Operators *ops)
+{
+  const PetscBool follow = !ops->ppe_form->symmetric && ops->gradient->exact_linear;
+
+  PetscFunctionBegin;
+  StencilSetRole(st, ROLE_NORMAL_DERIVATIVE);
+  PetscCall(ops->ppe_form->Row(st, ops->w));
+  PetscCall(ops->gradient->Row(st, ops->g));
+  if (st->n_wall && !st->fits_walls) {
+    DummyRow_Gradient(st, ops->g);
+    if (follow) DummyRow_Laplacian(st, ops->g, ops->w);
+  }
+  CloseRow_Slope(st, ops, diagonal, -PetscSqr(scene->dx), ops->w, &ops->ppe);
+  for (PetscInt a = 0; a < st->dim; a++)
+    CloseRow_Slope(st, ops, diagonal, 1.0, ops->g[a], &ops->grad_p[a]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The matrix I - T of DummyRow_Divergence(), by rows (a, b) and columns (c, e). */
+static void DummyMatrix(const Stencil *st, PetscReal *const g[], PetscReal A[])
+{
+  const PetscInt d = st->dim, n = d * d;
+
+  for (PetscInt t = 0; t < n * n; t++) A[t] = t % (n + 1) ? 0.0 : 1.0;
+  for (PetscInt k = 0; k < st->n; k++) {
+    PetscReal tangent[ISPH_MAX_DIM];
+
+    if (!st->wall[k]) continue;
+    (void)SplitX(st, k, tangent);
+    for (PetscInt a = 0; a < d; a++) {
+      for (PetscInt c = 0; c < d; c++) {
+        const PetscReal nn = st->normal[a][k] * st->normal[c][k];
+
+        for (PetscInt e = 0; e < d; e++) {
+          const PetscReal follows =
+              ((a == c) - nn) * st->X[e][k] - (st->beta[k] - 1.0) * nn * tangent[e];
+
+          for (PetscInt b = 0; b < d; b++) A[(a * d + b) * n + c * d + e] -= g[b][k] * follows;
+        }
+      }
+    }
+  }
+}
+
+/*
+  DummyRow_Divergence - Weights of the divergence of a velocity given at walls, dummies following
+
+    u_w - u_i = n [ beta n.(u_wall - u_i) - (beta - 1) n.(grad u X_t) ] + (I - n n^T) grad u X
+
+  The normal component is extrapolated linearly from where the fluid would be straight above the
+  dummy, at x_i + X_t; the tangential one is the fluid's, whatever the wall's is. With U_ab =
+  du_a/dx_b
+
+    U_ab - sum_ce T_ab,ce U_ce = sum_fluid g_k,b (u_k - u_i)_a + sum_w g_w,b n_a beta n.(u_wall -
+u_i) T_ab,ce = sum_w g_w,b [ (delta_ac - n_a n_c) X_e - (beta - 1) n_a n_c X_t,e ]
+
+  of which only tr U is wanted: sum_ab lambda_ab (right-hand side)_ab, lambda (I - T) = delta.
+
+  Input/Output Parameter:
+. g - gradient weights; out: g[a][k] = sum_b lambda_ab g_k,b multiplies (u_k - u_i)_a; unchanged
+      where I - T has no inverse
+
+  Properties: exact for linear velocities if g is and beta is not capped.
+*/
+static void DummyRow_Divergence(const Stencil *st, PetscReal *g[])
+{
+  const PetscInt d = st->dim;
+  PetscReal      A[SMALL_MAX * SMALL_MAX], lambda[SMALL_MAX] = {0.0};
+
+  DummyMatrix(st, g, A);
+  for (PetscInt a = 0; a < d; a++) lambda[a * d + a] = 1.0;
+  if (SmallSolve(d * d, A, 1, lambda)) MultiplyWeights(st, lambda, g);
+}
+
+/* A divergence: fluid by components d, walls by their normal component with weight m. */
+static void CloseRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d[],
+                                const PetscReal m[], Operators *ops)
+{
+  for (PetscInt c = 0; c < st->dim; c++) {
+    AffineOperator *op  = &ops->div[c];
+    PetscReal       sum = 0.0;
+
+    for (PetscInt k = 0; k < st->n; k++) {
+      const PetscReal weight = st->wall[k] ? m[k] * st->normal[c][k] * st->beta[k] : d[c][k];
+
+      if (st->wall[k]) op->b[ops->slot[k]] += weight;
+      else op->a[ops->slot[k]] += weight;
+      sum += weight;
+    }
+    op->a[diagonal] -= sum;
+  }
+}
+
+/*
+  CloseRows_Divergence - The row of the divergence of one particle: a vector fit where walls bear
+  roles, else the gradient's weights
+
+  Not collective.
+*/
+PetscErrorCode CloseRows_Divergence(Stencil *st, PetscInt diagonal, Operators *ops)
+{
+  PetscFunctionBegin;
+  if (st->n_wall && st->fits_walls && ops->gradient->DivergenceFit) {
+    PetscCall(ops->gradient->DivergenceFit(st, ops->g, ops->m));
+  } else {
+    StencilSetRole(st, ROLE_VALUE);
+    PetscCall(ops->gradient->Row(st, ops->g));
+    if (st->n_wall && !st->fits_walls) DummyRow_Divergence(st, ops->g);
+    for (PetscInt k = 0; st->n_wall && k < st->n; k++) {
+      ops->m[k] = 0.0;
+      for (PetscInt c = 0; st->wall[k] && c < st->dim; c++)
+        ops->m[k] += ops->g[c][k] * st->normal[c][k];
+    }
+  }
+  CloseRow_Divergence(st, diagonal, ops->g, ops->m, ops);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
