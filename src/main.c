@@ -81,16 +81,16 @@ static PetscErrorCode RunDestroy(Run *run)
 }
 
 /* Whether the run is over, and in words why where that is not t_end. */
-static PetscErrorCode RunIsOver(const Run *run, PetscBool *over)
+static PetscErrorCode RunIsOver(Run *run, PetscBool *over)
 {
-  const Clock *clock = run->clock;
+  Clock *clock = run->clock;
 
   PetscFunctionBegin;
   *over = (clock->t >= clock->t_end * (1.0 - 1e-12) || clock->step >= clock->max_steps)
               ? PETSC_TRUE
               : PETSC_FALSE;
   if (clock->steady_tol > 0.0 && clock->step > 2 && run->scheme->stats.change < clock->steady_tol) {
-    *over = PETSC_TRUE;
+    *over = clock->steady = PETSC_TRUE;
     PetscCall(PetscPrintf(PETSC_COMM_WORLD,
                           "\nsteady at t = %.6g: du %.1e, div u* %.1e, dp %.1e, all below %.3g\n",
                           (double)clock->t, (double)run->scheme->stats.change_u,

@@ -19,6 +19,7 @@ typedef struct {
   PetscReal steady_tol;                     /* 0: off [-] */
   PetscReal report_time[CLOCK_MAX_REPORTS]; /* times the steps must hit, ascending [s] */
   PetscInt  n_reports, next_report;
+  PetscBool steady;                         /* steady_tol was met */
 } Clock;
 
 PetscErrorCode ClockCreate(const Scene *scene, Clock **clock);

@@ -31,6 +31,7 @@ typedef struct {
   Vec      p_before, phi, b, div, work; /* */
   Vec      velocity_slope[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* du_c/dx_a, for shifting */
 
+  PetscReal     div_before; /* rms of div u* in the last step, for the steady test [1/s] */
   PetscLogEvent event[EVENT_COUNT];
   PetscReal     k; /* u = u* - k/rho grad phi [s] */
 } Projection;

@@ -55,13 +55,16 @@ static PetscErrorCode MeasureChange(const Scene *scene, const Clock *clock, cons
   const PetscReal scale =
       PetscMax(1.0, PetscMin(L / U, nu > 0.0 ? L * L / nu : PETSC_MAX_REAL) / clock->dt);
 
+  PetscReal div;
+
   PetscFunctionBegin;
   PetscCall(ChangeOfVelocity(scene, p, ops, pr, &stats->change_u));
   stats->change_u *= scale / U;
   stats->change_div = stats->change_p = 0.0;
   if (scheme->projection) {
-    PetscCall(RootMeanSquare(p, pr->div, &stats->change_div));
-    stats->change_div *= L / U;
+    PetscCall(RootMeanSquare(p, pr->div, &div));
+    stats->change_div = PetscAbsReal(div - pr->div_before) * scale * L / U;
+    pr->div_before    = div;
     PetscCall(VecWAXPY(pr->work, -1.0, pr->p_before, pr->p));
     PetscCall(RootMeanSquare(p, pr->work, &stats->change_p));
     stats->change_p *= scale / (scene->rho * U * (U + nu / L));
