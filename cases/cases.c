@@ -4,11 +4,16 @@
 */
 #include "cases.h"
 
-/* ExactJudge - The quantities of a case whose Exact() is all there is to compare with */
+/*
+  ExactJudge - The quantities of a case whose Exact() is all there is to compare with; it holds only
+  while none of the case's physics is left out
+*/
 PetscErrorCode ExactJudge(const Flow *flow, Report *report)
 {
+  const Scene *scene = flow->scene;
+
   PetscFunctionBegin;
-  PetscCall(JudgeExact(flow, report));
+  if (!(scene->problem->physics & ~scene->physics)) PetscCall(JudgeExact(flow, report));
   PetscCall(JudgeCommon(flow, NAN, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -43,7 +43,7 @@ static const CavityReference references[] = {
     {999.9, 1000.1, 39.9, 40.1, -0.38730, 0.37541, -0.52594, "cavity_re1000_t40_u.csv",
      "cavity_re1000_t40_v.csv"},
     /* Botella & Peyret, Computers & Fluids 27 (1998) 421-433, spectral */
-    {999.9, 1000.1, 60.0, PETSC_MAX_REAL, -0.38857, 0.37694, -0.52708, "cavity_re1000_u.csv",
+    {999.9, 1000.1, 40.1, PETSC_MAX_REAL, -0.38857, 0.37694, -0.52708, "cavity_re1000_u.csv",
      "cavity_re1000_v.csv"},
 };
 
@@ -55,7 +55,7 @@ static const CavityReference *FindReference(const Scene *scene, const Clock *clo
   const PetscReal unit =
       reynolds < 1.0 ? PetscSqr(scene->length) / scene->nu : scene->length / scene->speed;
 
-  if (scene->dim != 2) return NULL;
+  if (scene->dim != 2 || scene->physics != scene->problem->physics) return NULL;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(references); k++) {
     const CavityReference *r = &references[k];
 
@@ -146,7 +146,9 @@ static PetscErrorCode ReferenceEnergy(const Flow *flow, PetscReal *energy)
 
   PetscFunctionBegin;
   *energy = NAN;
-  if (!file || scene->dim != 2) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!file || scene->dim != 2 || scene->physics != scene->problem->physics) {
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(CurveRead(file, &curve));
   for (PetscInt k = 1; k < curve.n; k++) {
     if (t < curve.x[k - 1] || t > curve.x[k]) continue;

@@ -55,13 +55,17 @@ static PetscErrorCode RunCreate(Run *run)
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Report", "");
   PetscCall(OptionFile("-report", "CSV file that this run's errors and cost are appended to",
                        run->report_file));
+  PetscCall(
+      PetscOptionsReal("-check_<quantity>",
+                       "Fail if the error of a reported quantity is larger, e.g. -check_u_min [-]",
+                       "", 0.0, NULL, NULL));
   PetscOptionsEnd();
   if (run->report_file[0]) PetscCall(ReportFileCheck(run->report_file));
   PetscCall(OptionsRefuseUnknown(PETSC_FALSE));
   PetscCall(NeighborsUpdate(run->particles, 0.0, run->neighbors));
   PetscCall(OperatorsAssemble(run->scene, run->particles, run->neighbors, run->ops, &changed));
   PetscCall(OperatorsSetWallVelocity(run->scene, run->particles, 0.0, 0.0, run->ops));
-  PetscCall(run->scheme->row->Begin(run->scene, run->particles, run->scheme));
+  PetscCall(run->scheme->row->Begin(run->scene, run->particles, run->ops, run->scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -83,19 +87,21 @@ static PetscErrorCode RunDestroy(Run *run)
 /* Whether the run is over, and in words why where that is not t_end. */
 static PetscErrorCode RunIsOver(Run *run, PetscBool *over)
 {
-  Clock *clock = run->clock;
+  Clock           *clock  = run->clock;
+  const PetscReal *change = run->scheme->stats.change;
 
   PetscFunctionBegin;
   *over = (clock->t >= clock->t_end * (1.0 - 1e-12) || clock->step >= clock->max_steps)
               ? PETSC_TRUE
               : PETSC_FALSE;
-  if (clock->steady_tol > 0.0 && clock->step > 2 && run->scheme->stats.change < clock->steady_tol) {
+  if (clock->steady_tol > 0.0 && clock->step > 2 && change[0] < clock->steady_tol &&
+      change[1] < clock->steady_tol && change[2] < clock->steady_tol) {
     *over = clock->steady = PETSC_TRUE;
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD,
-                          "\nsteady at t = %.6g: du %.1e, div u* %.1e, dp %.1e, all below %.3g\n",
-                          (double)clock->t, (double)run->scheme->stats.change_u,
-                          (double)run->scheme->stats.change_div,
-                          (double)run->scheme->stats.change_p, (double)clock->steady_tol));
+    PetscCall(PetscPrintf(
+        PETSC_COMM_WORLD,
+        "\nsteady at t = %.6g: u changes by %.1e, div u* by %.1e, p by %.1e, all below %.3g\n",
+        (double)clock->t, (double)change[0], (double)change[1], (double)change[2],
+        (double)clock->steady_tol));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -125,6 +131,7 @@ static PetscErrorCode RunSolve(Run *run)
     PetscCall(SnapshotsWrite(&flow, over, run->snapshots));
     PetscCall(ProgressUpdate(&flow, over, run->progress));
   }
+  if (clock->step == 0) PetscCall(OptionsRefuseUnknown(PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -56,6 +56,7 @@ typedef struct {
 struct Scene {
   const CaseRow *problem;
   unsigned       physics; /* bits of Physics, after -with and -without */
+  unsigned       without; /* bits that the user took away */
 
   PetscInt  dim;                    /* 2 or 3 */
   PetscInt  n;                      /* particles along the reference length */

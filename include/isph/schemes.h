@@ -19,7 +19,7 @@ typedef struct {
   PetscReal steady_tol;                     /* 0: off [-] */
   PetscReal report_time[CLOCK_MAX_REPORTS]; /* times the steps must hit, ascending [s] */
   PetscInt  n_reports, next_report;
-  PetscBool steady;                         /* steady_tol was met */
+  PetscBool steady; /* steady_tol was met */
 } Clock;
 
 PetscErrorCode ClockCreate(const Scene *scene, Clock **clock);
@@ -90,12 +90,11 @@ extern const Table MotionTable;
 
 /* What a step did, for progress, the steady test and the report. */
 typedef struct {
-  PetscReal speed_max;                      /* largest particle speed [m/s] */
-  PetscReal kinetic_energy;                 /* [J] (per metre of depth in 2D) */
-  PetscReal divergence;                     /* largest |D u| [1/s] */
-  PetscReal change;                         /* the largest of the three below */
-  PetscReal change_u, change_div, change_p; /* per shortest time scale, relative [-] */
-  PetscInt  visc_its, ppe_its;              /* of the last step */
+  PetscReal speed_max;         /* largest particle speed [m/s] */
+  PetscReal kinetic_energy;    /* [J] (per metre of depth in 2D) */
+  PetscReal divergence;        /* largest |D u| [1/s] */
+  PetscReal change[3];         /* of u, div u* and p, relative, per shortest time scale [-] */
+  PetscInt  visc_its, ppe_its; /* of the last step */
   PetscInt  visc_its_sum, ppe_its_sum;
 } StepStats;
 
@@ -104,7 +103,8 @@ typedef struct {
   const char *name, *brief, *citation;
   PetscErrorCode (*Create)(const Scene *scene, const Clock *clock, Operators *ops, Scheme *scheme);
   PetscErrorCode (*Register)(const Scene *scene, Particles *particles, Scheme *scheme);
-  PetscErrorCode (*Begin)(const Scene *scene, const Particles *particles, Scheme *scheme);
+  PetscErrorCode (*Begin)(const Scene *scene, const Particles *particles, const Operators *ops,
+                          Scheme *scheme);
   PetscErrorCode (*Step)(const Scene *scene, Clock *clock, Particles *particles,
                          Neighbors *neighbors, Operators *ops, Scheme *scheme);
   PetscErrorCode (*Destroy)(Scheme *scheme);

@@ -217,7 +217,7 @@ PetscErrorCode ReportFileCheck(const char path[])
 + flow         - as it is now
 . report       - where empty, as after a diverged run, one row without a quantity is written
 . path         - of the file; a new one gets its header
-. wall_seconds - of the time loop [s]
+. wall_seconds - of the run so far, set-up included [s]
 - status       - ok, diverged or interrupted
 
   Notes: particles counts the fluid; visc_its and ppe_its are means per step

@@ -110,7 +110,7 @@ static PetscErrorCode AssembleRow(const Scene *scene, Stencil *st, PetscInt diag
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Calls body with each operator that the run needs. */
+/* The operators that the run needs; returns how many. */
 static PetscInt NeededOperators(Operators *ops, PetscInt dim, AffineOperator *needed[])
 {
   AffineOperator *all[2 + 3 * ISPH_MAX_DIM];

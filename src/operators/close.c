@@ -226,11 +226,12 @@ static void DummyMatrix(const Stencil *st, PetscReal *const g[], PetscReal A[])
     u_w - u_i = n [ beta n.(u_wall - u_i) - (beta - 1) n.(grad u X_t) ] + (I - n n^T) grad u X
 
   The normal component is extrapolated linearly from where the fluid would be straight above the
-  dummy, at x_i + X_t; the tangential one is the fluid's, whatever the wall's is. With U_ab =
-  du_a/dx_b
+  dummy, at x_i + X_t; the tangential one is the fluid's, whatever the wall's is. With
+  U_ab = du_a/dx_b
 
-    U_ab - sum_ce T_ab,ce U_ce = sum_fluid g_k,b (u_k - u_i)_a + sum_w g_w,b n_a beta n.(u_wall -
-u_i) T_ab,ce = sum_w g_w,b [ (delta_ac - n_a n_c) X_e - (beta - 1) n_a n_c X_t,e ]
+    U_ab - sum_ce T_ab,ce U_ce = sum_fluid g_k,b (u_k - u_i)_a
+                                 + sum_w g_w,b n_a beta n.(u_wall - u_i)
+    T_ab,ce = sum_w g_w,b [ (delta_ac - n_a n_c) X_e - (beta - 1) n_a n_c X_t,e ]
 
   of which only tr U is wanted: sum_ab lambda_ab (right-hand side)_ab, lambda (I - T) = delta.
 

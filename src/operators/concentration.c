@@ -35,7 +35,7 @@ static void ConcentrationImages(const KernelRow *kernel, PetscReal h, const Sten
     C_i = sum_j V_j W_ij,   grad C_i = sum_j V_j grad_i W_ij
 
   over fluid neighbours, i itself, and what stands for the fluid beyond walls: mirror images where
-the wall particles lie on the surface, the dummies where there are layers of them.
+  the wall particles lie on the surface, the dummies where there are layers of them.
 
   Not collective.
 

@@ -215,11 +215,12 @@ static void MlsVectorMoments(const Stencil *st, PetscReal moments[])
 /*
   DivergenceFit_Mls - Divergence of a vector fit that sees of each wall only its normal velocity
 
-    div u = sum_c c_c,c/R,   sum_k W_k |u_k - u_i - fit|^2 over fluid + sum_w W_w (n.(u_w - u_i -
-fit))^2
+    div u = sum_c c_c,c/R,  least: sum_k W_k |u_k - u_i - fit|^2 + sum_w W_w (n.(u_w - u_i - fit))^2
+
+  over fluid neighbours k and wall neighbours w.
 
   The wall's tangential velocity (a lid's jump at a corner) is none of the divergence's business;
-the fit couples the components so that this holds for any orientation of the wall.
+  the fit couples the components so that this holds for any orientation of the wall.
 
   Output Parameters:
 + d - d[c][k] multiplies (u_k - u_i)_c of fluid neighbour k, zero for walls [1/m]

@@ -61,12 +61,18 @@ PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
   PetscCall(TableSelect(&KernelTable, "-kernel", "Smoothing kernel", "wendland_c2", &ops->kernel));
   PetscCall(OptionReal("-h_over_dx", "Smoothing length over particle spacing [-]", 0.8, 4.0,
                        &h_over_dx, NULL));
-  PetscCall(TableSelect(&LaplacianTable, "-visc_laplacian", "Form of the viscous term", "mls",
-                        &ops->visc_form));
-  PetscCall(TableSelect(&LaplacianTable, "-ppe_laplacian", "Form of the pressure Poisson equation",
-                        "mls", &ops->ppe_form));
-  PetscCall(TableSelect(&GradientTable, "-gradient", "Form of gradients and divergences", "mls",
-                        &ops->gradient));
+  if (SceneHas(scene, PHYSICS_VISCOSITY)) {
+    PetscCall(TableSelect(&LaplacianTable, "-visc_laplacian", "Form of the viscous term", "mls",
+                          &ops->visc_form));
+  }
+  if (SceneHas(scene, PHYSICS_PRESSURE)) {
+    PetscCall(TableSelect(&LaplacianTable, "-ppe_laplacian",
+                          "Form of the pressure Poisson equation", "mls", &ops->ppe_form));
+  }
+  if (SceneHas(scene, PHYSICS_PRESSURE) || SceneHas(scene, PHYSICS_CONVECTION)) {
+    PetscCall(TableSelect(&GradientTable, "-gradient", "Form of gradients and divergences", "mls",
+                          &ops->gradient));
+  }
   if (SceneHas(scene, PHYSICS_WALLS))
     PetscCall(OperatorsChooseWall(PetscOptionsObject, scene, ops));
   PetscOptionsEnd();

@@ -253,8 +253,7 @@ static PetscErrorCode FindOwners(const Particles *p, PetscMPIInt ranks, PetscInt
 
   Notes:
   Boxes are drawn in the first epoch, and again when one holds more than 1.1 times the mean number
-of fluid particles. Outer boxes have no end where the scene is not periodic: walls lie beyond the
-box.
+  of fluid particles. Outer boxes have no end where the scene is not periodic: walls lie beyond.
 */
 PetscErrorCode ParticlesDecompose(const Scene *scene, Particles *p, PetscInt owner[])
 {

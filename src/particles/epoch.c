@@ -58,7 +58,7 @@ static PetscErrorCode WrapPeriodic(const Scene *scene, Particles *p)
   A start wraps positions into periodic boxes, migrates and sorts the particles with all registered
   fields, numbers them anew, rebuilds the halo and refreshes its positions. Without a start nothing
   changes: call ParticlesUpdateHalo() then. Two particles that come closer than halo_width during
-the epoch were closer than halo_width + skin at its start, hence know each other.
+  the epoch were closer than halo_width + skin at its start, hence know each other.
 
   Error: PETSC_ERR_FP if a position is not finite
 */

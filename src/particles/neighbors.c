@@ -191,8 +191,8 @@ static PetscErrorCode LargestMove(const Particles *p, const Neighbors *nb, Petsc
   Input Parameters:
 + particles   - with a halo that is up to date
 - step_length - bound of the largest displacement in a step [m], the same on all ranks; it chooses
-the margin: none if more than 0.1 / 2.6 of the radius or zero, else ten steps' worth, at most 0.15
-radius
+                the margin: none if more than 0.1/2.6 of the radius or zero, else ten steps' worth,
+                at most 0.15 radius
 
   Output Parameter:
 . neighbors - row, col; cells and x_built are of the positions when the rows were made

@@ -140,49 +140,20 @@ PetscErrorCode OptionsRefuseTogether(const char a[], const char b[], const char 
 
 /* Names to suggest for a misspelt option: ours, then PETSc's commonest behind visc_ and ppe_. */
 static const char *const OwnNames[] = {
-    "case",
-    "n",
-    "dim",
-    "reynolds",
-    "viscosity",
-    "t_end",
-    "dt",
-    "cfl",
-    "max_steps",
-    "seed",
-    "jitter",
-    "scheme",
-    "projection",
-    "motion",
-    "with",
-    "without",
-    "steady_tol",
-    "time_order",
-    "kernel",
-    "h_over_dx",
-    "visc_laplacian",
-    "ppe_laplacian",
-    "ppe_alpha",
-    "ppe_filter",
-    "gradient",
-    "wall",
-    "shift",
-    "skin",
-    "output",
-    "output_every",
-    "report",
-    "report_times",
-    "progress",
-    "catalogue",
-    "options_file",
-    "help",
-    "log_view",
-    "options_left",
+    "case",         "density",      "body_force",     "n",
+    "dim",          "reynolds",     "viscosity",      "t_end",
+    "dt",           "cfl",          "max_steps",      "seed",
+    "jitter",       "scheme",       "projection",     "motion",
+    "with",         "without",      "steady_tol",     "time_order",
+    "kernel",       "h_over_dx",    "visc_laplacian", "ppe_laplacian",
+    "ppe_alpha",    "ppe_filter",   "gradient",       "wall",
+    "shift",        "skin",         "output",         "output_every",
+    "report",       "report_times", "progress",       "catalogue",
+    "options_file", "help",         "log_view",       "options_left",
 };
 static const char *const SolverNames[] = {
     "ksp_type",
     "ksp_rtol",
-    "ksp_atol",
     "ksp_max_it",
     "ksp_monitor",
     "ksp_converged_reason",
@@ -313,9 +284,15 @@ PetscErrorCode OptionsRefuseUnknown(PetscBool deferred_too)
   }
   PetscCall(PetscOptionsLeftRestore(NULL, &n, &names, &values));
   if (unknown[0]) {
-    char nearest[128] = "";
+    char      nearest[128] = "";
+    PetscBool known;
 
     PetscCall(NearestOption(unknown, nearest, sizeof(nearest)));
+    PetscCall(PetscStrcmp(unknown, nearest, &known));
+    UserCheck(!known,
+              "-%s: this run has no use for it, the physics or the choice it belongs to is left "
+              "out (see the catalogue and -with)",
+              unknown);
     UserCheck(PETSC_FALSE,
               "-%s: unknown option, or one that the chosen solvers do not read; the nearest known "
               "name is -%s (see -help)",

@@ -44,9 +44,40 @@ static PetscErrorCode SceneReadPhysics(PetscOptionItems *PetscOptionsObject, Sce
             "-without walls: the walls belong to the geometry of case %s", scene->problem->name);
   UserCheck(!(with & PHYSICS_WALLS) || (scene->problem->physics & PHYSICS_WALLS),
             "-with walls: case %s has none", scene->problem->name);
+  UserCheck(!(without & PHYSICS_VISCOSITY) || !(scene->problem->physics & PHYSICS_WALLS),
+            "-without viscosity: the walls of case %s are no-slip walls", scene->problem->name);
+  scene->without = without;
   scene->physics = (scene->problem->physics | with) & ~without;
   UserCheck(SceneHas(scene, PHYSICS_VISCOSITY) || SceneHas(scene, PHYSICS_PRESSURE),
             "-without viscosity: with no pressure either nothing is left to compute");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* -body_force against the case's own, and none where the physics is left out. */
+static PetscErrorCode SceneReadForce(PetscOptionItems *PetscOptionsObject, Scene *scene)
+{
+  PetscReal force[ISPH_MAX_DIM] = {0.0}, size = 0.0;
+  PetscInt  n = scene->dim;
+  PetscBool given;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsRealArray(
+      "-body_force", "Body force per unit mass, fx,fy[,fz]; adds to the physics [m/s^2]", "", force,
+      &n, &given));
+  UserCheck(!given || n == scene->dim,
+            "-body_force: %" PetscInt_FMT " components are wanted, got %" PetscInt_FMT, scene->dim,
+            n);
+  UserCheck(!given || !(scene->without & PHYSICS_BODY_FORCE),
+            "-body_force and -without body_force cannot both be given");
+  if (given) scene->physics |= PHYSICS_BODY_FORCE;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    if (given) scene->body[a] = force[a];
+    if (!SceneHas(scene, PHYSICS_BODY_FORCE)) scene->body[a] = 0.0;
+    size += PetscAbsReal(scene->body[a]);
+  }
+  UserCheck(given || size > 0.0 || !SceneHas(scene, PHYSICS_BODY_FORCE),
+            "-with body_force: case %s has none of its own; give -body_force",
+            scene->problem->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -71,6 +102,7 @@ static PetscErrorCode SceneReadNumbers(PetscOptionItems *PetscOptionsObject, Sce
   PetscCall(
       OptionReal("-viscosity", "Kinematic viscosity nu [m^2/s]", 1e-12, 1e12, &viscosity, &set));
   if (set) scene->nu = viscosity;
+  PetscCall(OptionReal("-density", "Density rho [kg/m^3]", 1e-12, 1e12, &scene->rho, NULL));
   PetscCall(OptionReal("-jitter", "Largest random displacement of the lattice at the start [dx]",
                        0.0, 0.5, &scene->jitter, NULL));
   PetscCall(OptionInt("-seed", "Seed of the jitter", 0, PETSC_MAX_INT, &scene->seed, NULL));
@@ -90,6 +122,8 @@ static PetscErrorCode SceneReadNumbers(PetscOptionItems *PetscOptionsObject, Sce
 . -dim 2|3                - space dimension
 . -n N                    - particles along the reference length
 . -reynolds, -viscosity   - one of the two
+. -density RHO            - of the fluid
+. -body_force fx,fy,fz    - per unit mass, in place of the case's own
 . -with, -without names   - physics against the case's declaration
 . -jitter J               - largest random displacement of the start lattice, in dx
 - -seed S                 - of the jitter
@@ -107,8 +141,9 @@ PetscErrorCode SceneCreate(Scene **scene)
   PetscCall(TableSelect(&CaseTable, "-case", "What to compute", "cavity", &s->problem));
   PetscCall(SceneReadPhysics(PetscOptionsObject, s));
   PetscCall(SceneReadNumbers(PetscOptionsObject, s));
-  PetscOptionsEnd();
   PetscCall(s->problem->Setup(s));
+  PetscCall(SceneReadForce(PetscOptionsObject, s));
+  PetscOptionsEnd();
   for (PetscInt a = 0; a < s->dim; a++) {
     s->cells[a] = (PetscInt)PetscFloorReal((s->hi[a] - s->lo[a]) / s->dx + 0.5);
   }

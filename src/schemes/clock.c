@@ -28,7 +28,10 @@ static PetscErrorCode ClockReadReports(PetscOptionItems *PetscOptionsObject, Clo
               "-report_times: the times must be positive and ascending, got %.6g",
               (double)clock->report_time[k]);
   }
-  while (n > 0 && clock->report_time[n - 1] >= clock->t_end) n--;
+  UserCheck(n == 0 || clock->report_time[n - 1] <= clock->t_end,
+            "-report_times %.6g: the run ends at -t_end %.6g",
+            (double)clock->report_time[n ? n - 1 : 0], (double)clock->t_end);
+  while (n > 0 && clock->report_time[n - 1] >= clock->t_end) n--; /* the end reports anyway */
   clock->n_reports = n;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -53,9 +56,9 @@ static PetscReal ClockDefaultCfl(const Scene *scene)
   Options Database Keys:
 + -t_end T            - end of the run [s]
 . -dt DT              - time step [s]; or
-. -cfl C              - dt = C dx/max(U, largest speed); by default 0.5 where U dx/nu <= 5, else
-0.25 . -max_steps N        - stop after N steps . -steady_tol TOL     - stop when velocity,
-divergence and pressure change less than this
+. -cfl C              - dt = C dx/max(U, largest speed); default 0.5 where U dx/nu <= 5, else 0.25
+. -max_steps N        - stop after N steps
+. -steady_tol TOL     - stop when u, div u* and p change by less than this per time scale
 - -report_times t,... - report quantities at these times too
 */
 PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)

@@ -40,12 +40,12 @@ static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
   GuardAttach - Puts the guard on a KSP; to be called after KSPSetFromOptions()
 
   Collective. Also asks for the unpreconditioned norm where the user did not choose one, so that
--ksp_rtol means the true residual.
+  -ksp_rtol means the true residual.
 
   Input Parameter:
 . symmetric - whether the matrix will be
 
-  Errors: refuses incomplete and complete Cholesky factors of a matrix that is not symmetric
+  Errors: refuses Cholesky factors of a matrix that is not symmetric, and absolute tolerances
 */
 PetscErrorCode GuardAttach(KSP ksp, PetscBool symmetric, Guard *guard)
 {
@@ -59,6 +59,9 @@ PetscErrorCode GuardAttach(KSP ksp, PetscBool symmetric, Guard *guard)
   UserCheck(symmetric || (!icc && !cholesky),
             "-%spc_type %s: the chosen form's matrix is not symmetric; use %s", guard->prefix,
             icc ? PCICC : PCCHOLESKY, icc ? "ilu or bjacobi" : "lu");
+  PetscCall(PetscOptionsHasName(NULL, guard->prefix, "-ksp_atol", &chosen));
+  UserCheck(!chosen, "-%sksp_atol: an absolute tolerance depends on units; use -%sksp_rtol",
+            guard->prefix, guard->prefix);
   PetscCall(PCSetUseAmat(pc, PETSC_FALSE)); /* a kept preconditioner outlives the operator */
   PetscCall(PetscObjectTypeCompare((PetscObject)ksp, KSPPREONLY, &preonly));
   PetscCall(PetscOptionsHasName(NULL, guard->prefix, "-ksp_norm_type", &chosen));

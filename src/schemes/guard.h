@@ -8,7 +8,7 @@ typedef struct {
   const char        *what;      /* "viscous" or "pressure" */
   const char        *prefix;    /* "visc_" or "ppe_" */
   PetscBool          symmetric; /* the matrix is */
-  PetscBool          failed;    /* a solve since the last GuardReset() */
+  PetscBool          failed;    /* a solve since the last GuardCheck() */
   PetscReal          residual;  /* true, relative, of the solve that failed or else of the last */
   KSPConvergedReason reason;
   PetscInt           iterations;

@@ -124,7 +124,6 @@ PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *
     KeepOffWalls(scene, x);
     for (PetscInt a = 0; a < scene->dim; a++) {
       if (p->p) p->p[i] += (x[a] - p->x[a][i]) * slopes.p[a][i];
-      if (pr->has_moved) pr->moved[a][i] = x[a] - p->x[a][i];
       p->x[a][i] = x[a];
       p->u[a][i] += change[a];
       pr->u_previous[a][i] += change[a];

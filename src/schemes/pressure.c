@@ -22,16 +22,15 @@ struct Pressure {
 /* BoomerAMG as measured best for these matrices. */
 static PetscErrorCode PressureDefaults(void)
 {
-  char      type[32] = PCHYPRE;
-  PetscBool hypre;
+  char      type[32] = PCHYPRE, method[32] = "boomeramg";
+  PetscBool hypre, amg;
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsGetString(NULL, "ppe_", "-pc_type", type, sizeof(type), NULL));
+  PetscCall(PetscOptionsGetString(NULL, "ppe_", "-pc_hypre_type", method, sizeof(method), NULL));
   PetscCall(PetscStrcmp(type, PCHYPRE, &hypre));
-  if (!hypre) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscOptionsGetString(NULL, "ppe_", "-pc_hypre_type", type, sizeof(type), NULL));
-  PetscCall(PetscStrcmp(type, "boomeramg", &hypre));
-  if (!hypre && type[0] != 'h') PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscStrcmp(method, "boomeramg", &amg));
+  if (!hypre || !amg) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(OptionDefault("ppe_", "-pc_hypre_boomeramg_coarsen_type", "PMIS"));
   PetscCall(OptionDefault("ppe_", "-pc_hypre_boomeramg_interp_type", "ext+i"));
   PetscCall(OptionDefault("ppe_", "-pc_hypre_boomeramg_P_max", "4"));
@@ -46,7 +45,7 @@ static PetscErrorCode PressureDefaults(void)
 
   Options Database Keys:
 . -ppe_ksp_type, -ppe_pc_type, ... - any of PETSc's; by default cg for a symmetric form, else
-fgmres, with hypre BoomerAMG
+                                     fgmres, with hypre BoomerAMG
 */
 PetscErrorCode PressureCreate(const Operators *ops, Pressure **ppe)
 {

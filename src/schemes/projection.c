@@ -27,10 +27,7 @@ PetscErrorCode ProjectionCreate(const Scene *scene, const Clock *clock, Operator
     PetscCall(PetscLogEventRegister(events[k], class_id, &pr->event[k]));
   pr->has_convection =
       (scheme->motion && !scheme->motion->particles_move) ? PETSC_TRUE : PETSC_FALSE;
-  pr->has_moved = (scheme->motion && scheme->motion->particles_move && clock->steady_tol > 0.0)
-                      ? PETSC_TRUE
-                      : PETSC_FALSE;
-  scheme->data  = pr;
+  scheme->data = pr;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -43,17 +40,14 @@ PetscErrorCode ProjectionRegister(const Scene *scene, Particles *p, Scheme *sche
   PetscCall(ParticlesRegister(p, "u_previous", scene->dim, HALO_NONE, pr->u_previous));
   if (pr->has_convection)
     PetscCall(ParticlesRegister(p, "convection", scene->dim, HALO_NONE, pr->convection));
-  if (pr->has_moved) PetscCall(ParticlesRegister(p, "moved", scene->dim, HALO_NONE, pr->moved));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM] = {0.0}, pressure = 0.0, speed2 = 0.0;
+    PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM] = {0.0}, pressure = 0.0;
 
     for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
     if (scene->problem->Velocity) scene->problem->Velocity(scene, 0.0, x, u);
     for (PetscInt a = 0; a < scene->dim; a++) {
       p->u[a][i] = pr->u_previous[a][i] = u[a];
-      speed2 += PetscSqr(u[a]);
     }
-    scheme->stats.speed_max = PetscMax(scheme->stats.speed_max, PetscSqrtReal(speed2));
     if (p->p && scene->problem->Exact) scene->problem->Exact(scene, 0.0, x, u, &pressure);
     if (p->p) p->p[i] = pressure;
   }
@@ -121,6 +115,17 @@ PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *p, Scheme
   }
   if (scheme->visc) PetscCall(ViscosityRenumber(p, scheme->visc));
   pr->epoch = p->epoch;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ProjectionBegin - Readies the vectors and measures the flow at the start; collective */
+PetscErrorCode ProjectionBegin(const Scene *scene, const Particles *p, const Operators *ops,
+                               Scheme *scheme)
+{
+  PetscFunctionBegin;
+  PetscCall(ProjectionRenumber(scene, p, scheme));
+  PetscCall(MeasureFlow(scene, p, ops, ((Projection *)scheme->data)->u, scheme));
+  scheme->stats.change[0] = scheme->stats.change[1] = scheme->stats.change[2] = PETSC_INFINITY;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -226,7 +231,8 @@ static PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, co
   PetscCall(AssembleForce(scene, clock, ops, !kind || kind->end_of_step ? 1.0 : 0.5, scheme));
   pr->k = dt;
   if (scheme->visc) {
-    const PetscReal slip = scheme->projection ? dt / scene->rho : 0.0;
+    const PetscReal slip =
+        scheme->projection ? dt * ViscosityResponse(scheme->visc) / scene->rho : 0.0;
 
     PetscCall(ViscositySolve(scene, clock, p, dt, slip, pr->force, inner ? pr->conv : NULL, ops,
                              pr->star, scheme->visc));

@@ -16,12 +16,18 @@ enum {
   EVENT_COUNT
 };
 
+/* Means over a stretch of steps of the root mean squares of u, div u* and p, relative. */
+typedef struct {
+  PetscReal start; /* [s] */
+  PetscInt  n;     /* steps so far */
+  PetscReal sum[3], mean[3];
+} Window;
+
 /* State on the particles (fields) and the vectors through which it is seen in the present epoch. */
 typedef struct {
   PetscReal *u_previous[ISPH_MAX_DIM]; /* u^{n-1} (field) [m/s] */
   PetscReal *convection[ISPH_MAX_DIM]; /* (u.grad u)^{n-1} of fixed particles (field) [m/s^2] */
-  PetscReal *moved[ISPH_MAX_DIM]; /* displacement in this step, for the steady test (field) [m] */
-  PetscBool  has_convection, has_moved; /* which of the fields exist */
+  PetscBool  has_convection;           /* whether that field exists */
 
   PetscInt epoch; /* the vectors below belong to this one */
   Vec      u[ISPH_MAX_DIM], u_prev[ISPH_MAX_DIM], conv_prev[ISPH_MAX_DIM], p; /* on fields */
@@ -31,6 +37,7 @@ typedef struct {
   Vec      p_before, phi, b, div, work; /* */
   Vec      velocity_slope[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* du_c/dx_a, for shifting */
 
+  Window        window;     /* for the steady test of moving particles */
   PetscReal     div_before; /* rms of div u* in the last step, for the steady test [1/s] */
   PetscLogEvent event[EVENT_COUNT];
   PetscReal     k; /* u = u* - k/rho grad phi [s] */
@@ -41,11 +48,15 @@ PetscErrorCode ProjectionCreate(const Scene *scene, const Clock *clock, Operator
 PetscErrorCode ProjectionRegister(const Scene *scene, Particles *particles, Scheme *scheme);
 PetscErrorCode ProjectionStep(const Scene *scene, Clock *clock, Particles *particles,
                               Neighbors *neighbors, Operators *ops, Scheme *scheme);
+PetscErrorCode ProjectionBegin(const Scene *scene, const Particles *particles, const Operators *ops,
+                               Scheme *scheme);
 PetscErrorCode ProjectionDestroy(Scheme *scheme);
 
 PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *particles, Scheme *scheme);
 PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *ops,
                              Particles *particles, Scheme *scheme);
+PetscErrorCode MeasureFlow(const Scene *scene, const Particles *particles, const Operators *ops,
+                           const Vec u[], Scheme *scheme);
 PetscErrorCode StepJudge(const Scene *scene, const Clock *clock, const Particles *particles,
                          const Operators *ops, Scheme *scheme);
 

@@ -23,7 +23,7 @@ const Table MotionTable = TABLE("-motion", "Motions", motions);
 static const SchemeRow schemes[] = {
     {"projection", "implicit viscosity, then a pressure projection",
      "Guermond, Minev & Shen, Comput. Methods Appl. Mech. Eng. 195 (2006)", ProjectionCreate,
-     ProjectionRegister, ProjectionRenumber, ProjectionStep, ProjectionDestroy},
+     ProjectionRegister, ProjectionBegin, ProjectionStep, ProjectionDestroy},
 };
 const Table SchemeTable = TABLE("-scheme", "Schemes", schemes);
 

@@ -7,8 +7,7 @@
 /*
   ShiftDisplace_Fickian - Down the gradient of concentration, as Fick's law would
 
-    delta r = -D grad C,   D = min((U + 4 h |grad u|) h dt, h^2/2), h = 1.3 dx,   |delta r| <= 0.1
-  dx
+    delta r = -D grad C,  D = min((U + 4 h |grad u|) h dt, h^2/2),  h = 1.3 dx,  |delta r| <= 0.1 dx
 
   The first term of D spreads particles wherever there is flow, the second keeps pace with strain. A
   lattice strained along its axes stays symmetric, so that grad C vanishes while its rows drift

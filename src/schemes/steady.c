@@ -12,27 +12,15 @@ static PetscErrorCode RootMeanSquare(const Particles *p, Vec v, PetscReal *rms)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Change of u at a fixed place: (u^{n+1} - u^n) - dr.grad u, rms over components. */
-static PetscErrorCode ChangeOfVelocity(const Scene *scene, const Particles *p, const Operators *ops,
-                                       Projection *pr, PetscReal *change)
+/* Root mean square of u^{n+1} - u^n of fixed particles. */
+static PetscErrorCode ChangeOfVelocity(const Scene *scene, const Particles *p, Projection *pr,
+                                       PetscReal *change)
 {
-  PetscReal sum = 0.0;
+  PetscReal sum = 0.0, part;
 
   PetscFunctionBegin;
   for (PetscInt c = 0; c < scene->dim; c++) {
-    PetscReal          part;
-    const PetscScalar *slope;
-    PetscScalar       *diff;
-
     PetscCall(VecWAXPY(pr->force[c], -1.0, pr->u[c], pr->star[c]));
-    for (PetscInt a = 0; pr->has_moved && a < scene->dim; a++) {
-      PetscCall(AffineApply(&ops->grad_u[a], pr->star[c], ops->wall_u[c], pr->work));
-      PetscCall(VecGetArrayRead(pr->work, &slope));
-      PetscCall(VecGetArray(pr->force[c], &diff));
-      for (PetscInt i = 0; i < p->n_fluid; i++) diff[i] -= pr->moved[a][i] * slope[i];
-      PetscCall(VecRestoreArray(pr->force[c], &diff));
-      PetscCall(VecRestoreArrayRead(pr->work, &slope));
-    }
     PetscCall(RootMeanSquare(p, pr->force[c], &part));
     sum += PetscSqr(part);
   }
@@ -40,49 +28,131 @@ static PetscErrorCode ChangeOfVelocity(const Scene *scene, const Particles *p, c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What pressures are measured by, rho U (U + nu/L) [Pa]. */
+static PetscReal PressureScale(const Scene *scene)
+{
+  const PetscReal nu = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu : 0.0;
+
+  return scene->rho * scene->speed * (scene->speed + nu / scene->length);
+}
+
+/* The shortest time scale of the flow, min(L/U, L^2/nu) [s]. */
+static PetscReal TimeScale(const Scene *scene)
+{
+  const PetscReal advective = scene->length / scene->speed;
+
+  if (!SceneHas(scene, PHYSICS_VISCOSITY)) return advective;
+  return PetscMin(advective, PetscSqr(scene->length) / scene->nu);
+}
+
 /*
-  The three rates that must all be small at a steady state: du, div u* and dp, each relative and per
-  shortest time scale T = min(L/U, L^2/nu) or per step if that is longer. An incremental projection
-  at large steps shows a small du long before the flow is right; div u* and dp tell.
+  The rates of fixed particles: of u and p at each particle and of div u*, whose root mean square settles
+  at what the approximate projection leaves, not at zero; all relative, per time scale T, or per step
+  if that is longer. An incremental projection at large steps shows a small du long before the flow is
+  right; the pressure increment tells.
 */
-static PetscErrorCode MeasureChange(const Scene *scene, const Clock *clock, const Particles *p,
-                                    const Operators *ops, Scheme *scheme)
+static PetscErrorCode MeasureChange_Fixed(const Scene *scene, const Clock *clock,
+                                          const Particles *p, Scheme *scheme)
 {
   Projection     *pr    = (Projection *)scheme->data;
   StepStats      *stats = &scheme->stats;
-  const PetscReal L = scene->length, U = scene->speed,
-                  nu = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu : 0.0;
-  const PetscReal scale =
-      PetscMax(1.0, PetscMin(L / U, nu > 0.0 ? L * L / nu : PETSC_MAX_REAL) / clock->dt);
-
-  PetscReal div;
+  const PetscReal scale = PetscMax(1.0, TimeScale(scene) / clock->dt);
+  PetscReal       du = 0.0, div = 0.0, dp = 0.0;
 
   PetscFunctionBegin;
-  PetscCall(ChangeOfVelocity(scene, p, ops, pr, &stats->change_u));
-  stats->change_u *= scale / U;
-  stats->change_div = stats->change_p = 0.0;
+  PetscCall(ChangeOfVelocity(scene, p, pr, &du));
   if (scheme->projection) {
     PetscCall(RootMeanSquare(p, pr->div, &div));
-    stats->change_div = PetscAbsReal(div - pr->div_before) * scale * L / U;
-    pr->div_before    = div;
     PetscCall(VecWAXPY(pr->work, -1.0, pr->p_before, pr->p));
-    PetscCall(RootMeanSquare(p, pr->work, &stats->change_p));
-    stats->change_p *= scale / (scene->rho * U * (U + nu / L));
+    PetscCall(RootMeanSquare(p, pr->work, &dp));
   }
-  stats->change = PetscMax(stats->change_u, PetscMax(stats->change_div, stats->change_p));
+  stats->change[0] = du * scale / scene->speed;
+  stats->change[1] = PetscAbsReal(div - pr->div_before) * scale * scene->length / scene->speed;
+  stats->change[2] = dp * scale / PressureScale(scene);
+  pr->div_before   = div;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  The rates of moving particles: single steps are noise of shifting and of new neighbours, so means of the
+  root mean squares of u, div u* and p over windows of T, at least 20 steps, are compared, each with the
+  window before.
+*/
+static PetscErrorCode MeasureChange_Moving(const Scene *scene, const Clock *clock,
+                                           const Particles *p, Scheme *scheme)
+{
+  Projection     *pr    = (Projection *)scheme->data;
+  StepStats      *stats = &scheme->stats;
+  Window         *win   = &pr->window;
+  const PetscReal t = clock->t + clock->dt, T = TimeScale(scene);
+  PetscReal       u, div = 0.0, pressure = 0.0;
+
+  PetscFunctionBegin;
+  u = PetscSqrtReal(2.0 * stats->kinetic_energy /
+                    (scene->rho * SceneVolume(scene) * PetscMax(p->N_fluid, 1)));
+  if (scheme->projection) {
+    PetscCall(RootMeanSquare(p, pr->div, &div));
+    PetscCall(RootMeanSquare(p, pr->p, &pressure));
+  }
+  win->sum[0] += u / scene->speed;
+  win->sum[1] += div * scene->length / scene->speed;
+  win->sum[2] += pressure / PressureScale(scene);
+  win->n++;
+  if (win->n < 20 || t - win->start < T) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < 3; k++) {
+    const PetscReal mean = win->sum[k] / win->n;
+
+    stats->change[k] = win->start > 0.0 ? PetscAbsReal(mean - win->mean[k]) * T / (t - win->start)
+                                        : PETSC_INFINITY;
+    win->mean[k]     = mean;
+    win->sum[k]      = 0.0;
+  }
+  win->start = t;
+  win->n     = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Largest |D u| of the new velocity [1/s]. */
-static PetscErrorCode MeasureDivergence(const Scene *scene, const Operators *ops, Projection *pr,
-                                        PetscReal *largest)
+static PetscErrorCode MeasureDivergence(const Scene *scene, const Operators *ops, const Vec u[],
+                                        Projection *pr, PetscReal *largest)
 {
   PetscFunctionBegin;
   PetscCall(VecZeroEntries(pr->work));
   for (PetscInt c = 0; c < scene->dim; c++) {
-    PetscCall(AffineApplyAdd(&ops->div[c], pr->star[c], ops->wall_u[c], pr->work));
+    PetscCall(AffineApplyAdd(&ops->div[c], u[c], ops->wall_u[c], pr->work));
   }
   PetscCall(VecNorm(pr->work, NORM_INFINITY, largest));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  MeasureFlow - Kinetic energy, largest speed and, where there is a pressure, largest divergence
+
+  Collective. Input: u - velocity components. Output: scheme->stats.
+*/
+PetscErrorCode MeasureFlow(const Scene *scene, const Particles *p, const Operators *ops,
+                           const Vec u[], Scheme *scheme)
+{
+  StepStats         *stats = &scheme->stats;
+  PetscReal          sum = 0.0, most = 0.0;
+  const PetscScalar *v[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecGetArrayRead(u[a], &v[a]));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal speed2 = 0.0;
+
+    for (PetscInt a = 0; a < scene->dim; a++) speed2 += PetscSqr(v[a][i]);
+    sum += speed2;
+    most = PetscMax(most, speed2);
+  }
+  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(u[a], &v[a]));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, p->comm));
+  stats->kinetic_energy = 0.5 * scene->rho * SceneVolume(scene) * sum;
+  stats->speed_max      = PetscSqrtReal(most);
+  if (scheme->projection)
+    PetscCall(MeasureDivergence(scene, ops, u, (Projection *)scheme->data, &stats->divergence));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -96,27 +166,13 @@ static PetscErrorCode MeasureDivergence(const Scene *scene, const Operators *ops
 PetscErrorCode StepJudge(const Scene *scene, const Clock *clock, const Particles *p,
                          const Operators *ops, Scheme *scheme)
 {
-  Projection        *pr    = (Projection *)scheme->data;
-  StepStats         *stats = &scheme->stats;
-  PetscReal          sum = 0.0, most = 0.0;
-  const PetscScalar *u[ISPH_MAX_DIM];
+  Projection *pr    = (Projection *)scheme->data;
+  StepStats  *stats = &scheme->stats;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecGetArrayRead(pr->star[a], &u[a]));
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal speed2 = 0.0;
-
-    for (PetscInt a = 0; a < scene->dim; a++) speed2 += PetscSqr(u[a][i]);
-    sum += speed2;
-    most = PetscMax(most, speed2);
-  }
-  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(pr->star[a], &u[a]));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, p->comm));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, p->comm));
-  stats->kinetic_energy = 0.5 * scene->rho * SceneVolume(scene) * sum;
-  stats->speed_max      = PetscSqrtReal(most);
-  PetscCheck(!PetscIsInfOrNanReal(sum) && stats->speed_max < 100.0 * scene->speed, PETSC_COMM_WORLD,
-             PETSC_ERR_FP,
+  PetscCall(MeasureFlow(scene, p, ops, pr->star, scheme));
+  PetscCheck(!PetscIsInfOrNanReal(stats->kinetic_energy) && stats->speed_max < 100.0 * scene->speed,
+             PETSC_COMM_WORLD, PETSC_ERR_FP,
              "step %" PetscInt_FMT
              " (t = %.6g): the velocity has left every bound (largest speed %.6g, reference %.6g): "
              "the flow is unstable at dt = %.6g (CFL %.2g); try a smaller -dt or -cfl",
@@ -127,7 +183,10 @@ PetscErrorCode StepJudge(const Scene *scene, const Clock *clock, const Particles
   stats->ppe_its  = scheme->ppe ? PressureIterations(scheme->ppe) : 0;
   stats->visc_its_sum += stats->visc_its;
   stats->ppe_its_sum += stats->ppe_its;
-  if (scheme->projection) PetscCall(MeasureDivergence(scene, ops, pr, &stats->divergence));
-  if (clock->steady_tol > 0.0) PetscCall(MeasureChange(scene, clock, p, ops, scheme));
+  if (clock->steady_tol > 0.0 && scheme->motion && scheme->motion->particles_move) {
+    PetscCall(MeasureChange_Moving(scene, clock, p, scheme));
+  } else if (clock->steady_tol > 0.0) {
+    PetscCall(MeasureChange_Fixed(scene, clock, p, scheme));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
