@@ -2,6 +2,7 @@
   Identities of the particles and their neighbours, on any number of ranks: nothing is lost, fields
   follow, copies are where they belong, rows equal brute force over all particles and all images.
 */
+/* RANKS: 1 2 3 */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
