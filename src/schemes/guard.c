@@ -76,8 +76,10 @@ static PetscErrorCode GuardRemedy(KSP ksp, PC pc, const Guard *guard, char remed
 {
   const char *best = guard->prefix[0] == 'p' ? KSPFGMRES : KSPGMRES;
   PetscBool   cg, is_best, amg;
+  PetscReal   rtol;
 
   PetscFunctionBegin;
+  PetscCall(KSPGetTolerances(ksp, &rtol, NULL, NULL, NULL));
   PetscCall(PetscObjectTypeCompare((PetscObject)ksp, KSPCG, &cg));
   PetscCall(PetscObjectTypeCompare((PetscObject)ksp, best, &is_best));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCHYPRE, &amg));
@@ -88,7 +90,7 @@ static PetscErrorCode GuardRemedy(KSP ksp, PC pc, const Guard *guard, char remed
     PetscCall(PetscSNPrintf(remedy, length,
                             "cg needs a symmetric form and this one is not: use -%sksp_type %s",
                             guard->prefix, best));
-  } else if (guard->residual > GUARD_WORST && guard->reason > 0) {
+  } else if (GUARD_SLACK * rtol > GUARD_WORST) {
     PetscCall(PetscSNPrintf(remedy, length,
                             "the tolerance given is too loose: use a smaller -%sksp_rtol",
                             guard->prefix));
