@@ -135,6 +135,17 @@ static PetscErrorCode RunSolve(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Appends to the file of -report, if there is one; status as in ReportWrite(). */
+static PetscErrorCode RunWriteReport(const Run *run, PetscReal seconds, const char status[])
+{
+  const Flow flow = RunFlow(run);
+
+  PetscFunctionBegin;
+  if (run->report_file[0])
+    PetscCall(ReportWrite(&flow, run->report, run->report_file, seconds, status));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Errors beside what they cost: on the screen, in the CSV file, and against -check_ tolerances. */
 static PetscErrorCode RunReport(Run *run)
 {
@@ -146,23 +157,8 @@ static PetscErrorCode RunReport(Run *run)
   run->report->t = run->clock->t;
   PetscCall(run->scene->problem->Judge(&flow, run->report));
   PetscCall(ReportView(run->report, now - run->started, PETSC_VIEWER_STDOUT_WORLD));
-  if (run->report_file[0])
-    PetscCall(ReportWrite(&flow, run->report, run->report_file, now - run->started, "ok"));
+  PetscCall(RunWriteReport(run, now - run->started, "ok"));
   PetscCall(ReportCheck(run->report));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* A run that diverged leaves a row that says so. */
-static PetscErrorCode RunReportFailure(Run *run)
-{
-  const Flow     flow = RunFlow(run);
-  PetscLogDouble now;
-
-  PetscFunctionBegin;
-  PetscCall(PetscTime(&now));
-  if (run->report && run->report_file[0]) {
-    PetscCall(ReportWrite(&flow, run->report, run->report_file, now - run->started, "diverged"));
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -171,6 +167,7 @@ static PetscErrorCode Solve(void)
   Run            run = {0};
   Flow           flow;
   PetscBool      wants_help;
+  PetscLogDouble now;
   PetscErrorCode failed;
 
   PetscFunctionBegin;
@@ -181,8 +178,11 @@ static PetscErrorCode Solve(void)
     PetscCall(BannerView(&flow, PETSC_VIEWER_STDOUT_WORLD));
     failed = RunSolve(&run);
     if (failed) {
-      if (failed == PETSC_ERR_NOT_CONVERGED || failed == PETSC_ERR_FP)
-        PetscCall(RunReportFailure(&run));
+      PetscCall(PetscTime(&now));
+      if (failed == PETSC_ERR_NOT_CONVERGED || failed == PETSC_ERR_FP) {
+        PetscCall(
+            RunWriteReport(&run, now - run.started, "diverged")); /* the row says what happened */
+      }
       PetscCall(failed);
     }
     PetscCall(RunReport(&run));
