@@ -53,10 +53,18 @@ typedef struct {
   PetscErrorCode (*Judge)(const Flow *flow, Report *report); /* adds the quantities of the case */
 } CaseRow;
 
+/* Whether particles go with the flow. */
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscBool   particles_move;
+} MotionRow;
+extern const Table MotionTable;
+
 struct Scene {
-  const CaseRow *problem;
-  unsigned       physics; /* bits of Physics, after -with and -without */
-  unsigned       without; /* bits that the user took away */
+  const CaseRow   *problem;
+  const MotionRow *motion;  /* NULL: nothing is convected */
+  unsigned         physics; /* bits of Physics, after -with and -without */
+  unsigned         without; /* bits that the user took away */
 
   PetscInt  dim;                    /* 2 or 3 */
   PetscInt  n;                      /* particles along the reference length */

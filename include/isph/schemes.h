@@ -82,12 +82,6 @@ typedef struct {
 } ProjectionRow;
 extern const Table ProjectionTable;
 
-typedef struct {
-  const char *name, *brief, *citation;
-  PetscBool   particles_move;
-} MotionRow;
-extern const Table MotionTable;
-
 /* What a step did, for progress, the steady test and the report. */
 typedef struct {
   PetscReal speed_max;         /* largest particle speed [m/s] */

@@ -127,6 +127,8 @@ static PetscErrorCode SceneReadNumbers(PetscOptionItems *PetscOptionsObject, Sce
 . -with, -without names   - physics against the case's declaration
 . -jitter J               - largest random displacement of the start lattice, in dx
 - -seed S                 - of the jitter
+
+  and -motion, a row of its table, where there is convection
 */
 PetscErrorCode SceneCreate(Scene **scene)
 {
@@ -141,6 +143,10 @@ PetscErrorCode SceneCreate(Scene **scene)
   PetscCall(TableSelect(&CaseTable, "-case", "What to compute", "cavity", &s->problem));
   PetscCall(SceneReadPhysics(PetscOptionsObject, s));
   PetscCall(SceneReadNumbers(PetscOptionsObject, s));
+  if (SceneHas(s, PHYSICS_CONVECTION)) {
+    PetscCall(
+        TableSelect(&MotionTable, "-motion", "Whether particles move", "lagrangian", &s->motion));
+  }
   PetscCall(s->problem->Setup(s));
   PetscCall(SceneReadForce(PetscOptionsObject, s));
   PetscOptionsEnd();

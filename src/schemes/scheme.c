@@ -13,13 +13,6 @@ static const ProjectionRow projections[] = {
 };
 const Table ProjectionTable = TABLE("-projection", "Projections", projections);
 
-static const MotionRow motions[] = {
-    {"lagrangian", "particles move with the flow and are shifted", "", PETSC_TRUE},
-    {"eulerian", "particles stay; du/dt gains -u.grad u; operators are built once", "",
-     PETSC_FALSE},
-};
-const Table MotionTable = TABLE("-motion", "Motions", motions);
-
 static const SchemeRow schemes[] = {
     {"projection", "implicit viscosity, then a pressure projection",
      "Guermond, Minev & Shen, Comput. Methods Appl. Mech. Eng. 195 (2006)", ProjectionCreate,
@@ -51,7 +44,7 @@ static PetscErrorCode SchemeRefuseCreep(const Scene *scene, const Clock *clock,
   Collective on PETSC_COMM_WORLD.
 
   Options Database Keys:
-+ -scheme, -projection, -motion, -shift - rows of their tables
++ -scheme, -projection, -shift - rows of their tables
 . -time_order 1|2   - order of the time integration
 . -ppe_alpha A      - share of the density error in the pressure source (Zheng et al. 2018, Eq. 13)
 - -ppe_filter S     - strength of the grid-scale pressure filter p += S dx^2 lap p
@@ -77,12 +70,9 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
     PetscCall(OptionReal("-ppe_filter", "Strength of the grid-scale pressure filter [-]", 0.0, 0.5,
                          &s->filter, NULL));
   }
-  if (SceneHas(scene, PHYSICS_CONVECTION)) {
-    PetscCall(
-        TableSelect(&MotionTable, "-motion", "Whether particles move", "lagrangian", &s->motion));
-    if (s->motion->particles_move) {
-      PetscCall(TableSelect(&ShiftTable, "-shift", "Particle shifting", "fickian", &s->shift));
-    }
+  s->motion = scene->motion;
+  if (s->motion && s->motion->particles_move) {
+    PetscCall(TableSelect(&ShiftTable, "-shift", "Particle shifting", "fickian", &s->shift));
   }
   PetscOptionsEnd();
   PetscCall(SchemeRefuseCreep(scene, clock, s->projection));
