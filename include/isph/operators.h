@@ -28,9 +28,8 @@ void KernelEvaluate(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscRea
 
 /* What the equation of a neighbour in a least-squares fit of f about particle i says. */
 typedef enum {
-  ROLE_VALUE,             /* f at X is the neighbour's: unknown of fluid, given on walls */
-  ROLE_NORMAL_DERIVATIVE, /* n.grad f at X is given */
-  ROLE_NORMAL_COMPONENT   /* n.f at X is given, f a vector */
+  ROLE_VALUE,            /* f at X is the neighbour's: unknown of fluid, given on walls */
+  ROLE_NORMAL_DERIVATIVE /* n.grad f at X is given; n.f of vectors: GradientRow.DivergenceFit */
 } Role;
 
 #define MLS_MAX_TERMS 9 /* X_a and X_a X_b, a <= b, in 3D */
