@@ -23,19 +23,22 @@ PetscErrorCode ExactJudge(const Flow *flow, Report *report)
 static const CaseRow cases[] = {
     /* name, brief, citation,
        3D, physics, Reynolds number and its length, t_end, n, setup, velocity, wall velocity, exact,
-       judge */
+       judge, patch test */
     {"cavity", "lid-driven square or cubic cavity",
      "Botella & Peyret, Computers & Fluids 27 (1998)", PETSC_TRUE, NAVIER_STOKES | PHYSICS_WALLS,
-     100.0, 1.0, 20.0, 50, CavitySetup, NULL, CavityWallVelocity, NULL, CavityJudge},
+     100.0, 1.0, 20.0, 50, CavitySetup, NULL, CavityWallVelocity, NULL, CavityJudge, PETSC_FALSE},
     {"taylor_green", "decaying Taylor-Green vortices, in 3D uniform along z",
      "Taylor & Green, Proc. R. Soc. A 158 (1937)", PETSC_TRUE, NAVIER_STOKES, 100.0, 1.0, 1.0, 50,
-     TaylorGreenSetup, TaylorGreenVelocity, NULL, TaylorGreenExact, ExactJudge},
+     TaylorGreenSetup, TaylorGreenVelocity, NULL, TaylorGreenExact, ExactJudge, PETSC_FALSE},
     {"couette", "start-up of plane Couette flow", "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)",
      PETSC_FALSE, PHYSICS_VISCOSITY | PHYSICS_WALLS, 1.0, 1.0, 1.0, 40, CouetteSetup, NULL,
-     CouetteWallVelocity, CouetteExact, ChannelJudge},
+     CouetteWallVelocity, CouetteExact, ChannelJudge, PETSC_FALSE},
     {"poiseuille", "start-up of plane Poiseuille flow; Re on the half width",
      "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", PETSC_FALSE,
      PHYSICS_VISCOSITY | PHYSICS_WALLS | PHYSICS_BODY_FORCE, 0.5, 0.5, 0.3, 40, PoiseuilleSetup,
-     NULL, NULL, PoiseuilleExact, ChannelJudge},
+     NULL, NULL, PoiseuilleExact, ChannelJudge, PETSC_FALSE},
+    {"patch", "patch test: what an operator is worth on a given field, no flow",
+     "Zheng, Ma & Shao, Water 10 (2018)", PETSC_TRUE, PHYSICS_VISCOSITY | PHYSICS_WALLS, 1.0, 1.0,
+     0.0, 50, PatchSetup, NULL, NULL, NULL, NULL, PETSC_TRUE},
 };
 const Table CaseTable = TABLE("-case", "Cases", cases);

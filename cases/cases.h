@@ -24,6 +24,8 @@ PetscErrorCode PoiseuilleSetup(Scene *scene);
 void           PoiseuilleExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
                                PetscReal *p);
 
+PetscErrorCode PatchSetup(Scene *scene);
+
 PetscErrorCode ChannelBox(Scene *scene);
 PetscErrorCode ChannelJudge(const Flow *flow, Report *report);
 PetscErrorCode ExactJudge(const Flow *flow, Report *report);

@@ -7,7 +7,7 @@ static const char help[] =
     "  isph -options_file options/cavity.opts -reynolds 1000 -t_end 40 -visc_ts_type arkimex\n\n"
     "-catalogue lists cases, operators, walls, schemes and integrators with their papers.\n\n";
 
-#include "isph/io.h"
+#include "isph/patch.h"
 #include <errno.h>
 #include <string.h>
 
@@ -22,7 +22,7 @@ typedef struct {
   Snapshots     *snapshots;
   Progress      *progress;
   Report        *report;
-  char           report_file[PETSC_MAX_PATH_LEN];
+  MatrixFile    *visc_matrix, *ppe_matrix;
   PetscLogDouble started; /* wall clock [s] */
 } Run;
 
@@ -33,15 +33,13 @@ static Flow RunFlow(const Run *run)
   return flow;
 }
 
-/* options -> scene -> operators, scheme -> particles -> neighbours -> first matrices. */
+/* scene -> operators, scheme -> particles -> neighbours -> first matrices. */
 static PetscErrorCode RunCreate(Run *run)
 {
   WallPlacement walls;
   PetscBool     changed;
 
   PetscFunctionBegin;
-  PetscCall(PetscTime(&run->started));
-  PetscCall(SceneCreate(&run->scene));
   PetscCall(ClockCreate(run->scene, &run->clock));
   PetscCall(OperatorsCreate(run->scene, &run->ops));
   PetscCall(SchemeCreate(run->scene, run->clock, run->ops, &run->scheme));
@@ -52,15 +50,8 @@ static PetscErrorCode RunCreate(Run *run)
   PetscCall(SnapshotsCreate(run->scene, &run->snapshots));
   PetscCall(ProgressCreate(&run->progress));
   PetscCall(ReportCreate(&run->report));
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Report", "");
-  PetscCall(OptionFile("-report", "CSV file that this run's errors and cost are appended to",
-                       run->report_file));
-  PetscCall(
-      PetscOptionsReal("-check_<quantity>",
-                       "Fail if the error of a reported quantity is larger, e.g. -check_u_min [-]",
-                       "", 0.0, NULL, NULL));
-  PetscOptionsEnd();
-  if (run->report_file[0]) PetscCall(ReportFileCheck(run->report_file));
+  PetscCall(MatrixFileCreate("visc_", &run->visc_matrix));
+  PetscCall(MatrixFileCreate("ppe_", &run->ppe_matrix));
   PetscCall(OptionsRefuseUnknown(PETSC_FALSE));
   PetscCall(NeighborsUpdate(run->particles, 0.0, run->neighbors));
   PetscCall(OperatorsAssemble(run->scene, run->particles, run->neighbors, run->ops, &changed));
@@ -72,6 +63,8 @@ static PetscErrorCode RunCreate(Run *run)
 static PetscErrorCode RunDestroy(Run *run)
 {
   PetscFunctionBegin;
+  PetscCall(MatrixFileDestroy(&run->ppe_matrix));
+  PetscCall(MatrixFileDestroy(&run->visc_matrix));
   PetscCall(ReportDestroy(&run->report));
   PetscCall(ProgressDestroy(&run->progress));
   PetscCall(SnapshotsDestroy(&run->snapshots));
@@ -135,14 +128,15 @@ static PetscErrorCode RunSolve(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends to the file of -report, if there is one; status as in ReportWrite(). */
-static PetscErrorCode RunWriteReport(const Run *run, PetscReal seconds, const char status[])
+/* The matrices of the last solves, where asked for. */
+static PetscErrorCode RunWriteMatrices(const Run *run)
 {
-  const Flow flow = RunFlow(run);
+  const Scheme *scheme = run->scheme;
 
   PetscFunctionBegin;
-  if (run->report_file[0])
-    PetscCall(ReportWrite(&flow, run->report, run->report_file, seconds, status));
+  PetscCall(MatrixFileWrite(run->particles, scheme->visc ? ViscosityMatrix(scheme->visc) : NULL,
+                            run->visc_matrix));
+  PetscCall(MatrixFileWrite(run->particles, run->ops->ppe.A, run->ppe_matrix));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -157,36 +151,57 @@ static PetscErrorCode RunReport(Run *run)
   run->report->t = run->clock->t;
   PetscCall(run->scene->problem->Judge(&flow, run->report));
   PetscCall(ReportView(run->report, now - run->started, PETSC_VIEWER_STDOUT_WORLD));
-  PetscCall(RunWriteReport(run, now - run->started, "ok"));
+  PetscCall(ReportWrite(&flow, run->report, now - run->started, "ok"));
   PetscCall(ReportCheck(run->report));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A run that ended without its flow tells in the file of reports what happened. */
+static PetscErrorCode RunReportFailure(Run *run)
+{
+  const Flow     flow = RunFlow(run);
+  PetscLogDouble now;
+
+  PetscFunctionBegin;
+  PetscCall(PetscTime(&now));
+  run->report->t = run->clock->t;
+  PetscCall(RunWriteMatrices(run));
+  PetscCall(ReportWrite(&flow, run->report, now - run->started, "diverged"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A flow, from its scene to its report. */
+static PetscErrorCode SolveFlow(Run *run)
+{
+  PetscBool wants_help;
+
+  PetscFunctionBegin;
+  PetscCall(RunCreate(run));
+  PetscCall(OptionGiven("-help", &wants_help));
+  if (!wants_help) {
+    const Flow     flow = RunFlow(run);
+    PetscErrorCode failed;
+
+    PetscCall(BannerView(&flow, PETSC_VIEWER_STDOUT_WORLD));
+    failed = RunSolve(run);
+    if (failed == PETSC_ERR_NOT_CONVERGED || failed == PETSC_ERR_FP)
+      PetscCall(RunReportFailure(run));
+    PetscCall(failed);
+    PetscCall(RunWriteMatrices(run));
+    PetscCall(RunReport(run));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Solve(void)
 {
-  Run            run = {0};
-  Flow           flow;
-  PetscBool      wants_help;
-  PetscLogDouble now;
-  PetscErrorCode failed;
+  Run run = {0};
 
   PetscFunctionBegin;
-  PetscCall(RunCreate(&run));
-  PetscCall(OptionGiven("-help", &wants_help));
-  if (!wants_help) {
-    flow = RunFlow(&run);
-    PetscCall(BannerView(&flow, PETSC_VIEWER_STDOUT_WORLD));
-    failed = RunSolve(&run);
-    if (failed) {
-      PetscCall(PetscTime(&now));
-      if (failed == PETSC_ERR_NOT_CONVERGED || failed == PETSC_ERR_FP) {
-        PetscCall(
-            RunWriteReport(&run, now - run.started, "diverged")); /* the row says what happened */
-      }
-      PetscCall(failed);
-    }
-    PetscCall(RunReport(&run));
-  }
+  PetscCall(PetscTime(&run.started));
+  PetscCall(SceneCreate(&run.scene));
+  if (run.scene->problem->patch) PetscCall(PatchRun(run.scene));
+  else PetscCall(SolveFlow(&run));
   PetscCall(RunDestroy(&run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

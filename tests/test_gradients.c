@@ -114,12 +114,14 @@ static void CheckDeclared(const GradientRow *form, const char *where, const Clou
   const TableRow *mls;
 
   ASSERT_OK(TableFind(&GradientTable, "mls", &mls));
-  if (form->exact_linear) CloudAssertNone("declared exact_linear", where, linear > 1e-9);
+  if ((form->properties & FORM_EXACT_LINEAR))
+    CloudAssertNone("declared exact_linear", where, linear > 1e-9);
   if ((const void *)form == (const void *)mls) {
     CloudAssertNone("quadratics", where,
                     MonomialError(cloud, dim, QuadraticCount(dim), 1.0) > 1e-8);
   }
-  if (form->exact_linear || cloud->scene.jitter == 0.0) CheckSolenoidal(where, cloud);
+  if ((form->properties & FORM_EXACT_LINEAR) || cloud->scene.jitter == 0.0)
+    CheckSolenoidal(where, cloud);
   /* OPERATORS.md, section 5: 0.09 to 0.2 for the plain gradient on random particles */
   else CloudAssertNone("exact_linear, undeclared", where, linear < 1e-2);
 }
@@ -179,7 +181,8 @@ static void test_closed_form(void **state)
 
     Create(&box, "-kernel cubic_spline -h_over_dx 1", form, &cloud);
     CloudAssertNone("linear fields at h = dx", form->name,
-                    MonomialError(&cloud, 0, 2, form->exact_linear ? 1.0 : S1) > 1e-9);
+                    MonomialError(&cloud, 0, 2, (form->properties & FORM_EXACT_LINEAR) ? 1.0 : S1) >
+                        1e-9);
     ASSERT_OK(CloudDestroy(&cloud));
   }
 }
@@ -220,7 +223,7 @@ static void test_order_on_lattice(void **state)
     const PetscReal    error = WaveError(20, form), finer = WaveError(40, form);
     const PetscReal    order = PetscLogReal(error / finer) / PetscLogReal(2.0);
 
-    if (!form->exact_linear) continue;
+    if (!(form->properties & FORM_EXACT_LINEAR)) continue;
     CloudAssertNone("order 2 on a lattice", form->name, !(order > 1.9 && order < 2.1));
   }
 }

@@ -23,12 +23,18 @@ static CloudBox Periodic(PetscInt dim, PetscReal jitter)
                     .jitter     = jitter};
 }
 
+static PetscBool Is(const LaplacianRow *form, FormProperty property)
+{
+  return (form->properties & (unsigned)property) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* A form that no pressure may be solved with has mls at its side. */
 static void Create(const CloudBox *box, const char kernel[], const LaplacianRow *form, Cloud *cloud)
 {
   char options[256];
 
   ASSERT_OK(PetscSNPrintf(options, sizeof(options), "%s -visc_laplacian %s -ppe_laplacian %s",
-                          kernel, form->name, form->name));
+                          kernel, form->name, Is(form, FORM_SAFE_IMPLICIT) ? form->name : "mls"));
   ASSERT_OK(CloudCreate(box, options, cloud));
 }
 
@@ -63,7 +69,7 @@ static PetscReal Asymmetry(Mat A)
 }
 
 /* Constants vanish and the pressure operator is -dx^2 times the viscous one, on all rows. */
-static void CheckRows(const char *where, const Cloud *cloud)
+static void CheckRows(const LaplacianRow *form, const char *where, const Cloud *cloud)
 {
   const PetscReal dx2 = PetscSqr(cloud->scene.dx);
   const Quadratic one = {.c = 1.0}, zero = {0};
@@ -73,10 +79,13 @@ static void CheckRows(const char *where, const Cloud *cloud)
   ASSERT_OK(CloudSet(cloud, &one, cloud->f[0]));
   ASSERT_OK(AffineApply(&cloud->ops->visc, cloud->f[0], NULL, cloud->y));
   ASSERT_OK(CloudError(cloud, cloud->y, &zero, PETSC_FALSE, &error));
-  CloudAssertNone("row sums of visc", where, error * dx2 > 1e-13);
+  CloudAssertNone("null_constants of visc", where,
+                  (error * dx2 > 1e-13) == Is(form, FORM_NULL_CONSTANTS));
   ASSERT_OK(AffineApply(&cloud->ops->ppe, cloud->f[0], NULL, cloud->y));
   ASSERT_OK(CloudError(cloud, cloud->y, &zero, PETSC_FALSE, &error));
   CloudAssertNone("row sums of ppe", where, error > 1e-13);
+  CloudAssertNone("a fit was not determined", where, cloud->ops->weak_rows);
+  if (!Is(form, FORM_SAFE_IMPLICIT)) return;
 
   ASSERT_OK(MatDuplicate(cloud->ops->ppe.A, MAT_COPY_VALUES, &difference));
   ASSERT_OK(MatAXPY(difference, dx2, cloud->ops->visc.A, SAME_NONZERO_PATTERN));
@@ -84,7 +93,6 @@ static void CheckRows(const char *where, const Cloud *cloud)
   ASSERT_OK(MatNorm(cloud->ops->ppe.A, NORM_FROBENIUS, &norm));
   ASSERT_OK(MatDestroy(&difference));
   CloudAssertNone("ppe = -dx^2 visc", where, error > 1e-14 * norm);
-  CloudAssertNone("a fit was not determined", where, cloud->ops->weak_rows);
 }
 
 static void CheckDeclared(const LaplacianRow *form, const char *where, const Cloud *cloud)
@@ -93,18 +101,20 @@ static void CheckDeclared(const LaplacianRow *form, const char *where, const Clo
   const PetscReal linear = MonomialError(cloud, 0, dim), asymmetry = Asymmetry(cloud->ops->visc.A),
                   quadratic = MonomialError(cloud, dim, QuadraticCount(dim));
 
-  if (form->symmetric) CloudAssertNone("declared symmetric", where, asymmetry > 1e-13);
-  if (form->exact_linear) CloudAssertNone("declared exact_linear", where, linear > 1e-9);
-  if (form->exact_quadratic) CloudAssertNone("declared exact_quadratic", where, quadratic > 1e-8);
+  if (Is(form, FORM_SYMMETRIC)) CloudAssertNone("declared symmetric", where, asymmetry > 1e-13);
+  if (Is(form, FORM_EXACT_LINEAR)) CloudAssertNone("declared exact_linear", where, linear > 1e-9);
+  if (Is(form, FORM_EXACT_QUADRATIC))
+    CloudAssertNone("declared exact_quadratic", where, quadratic > 1e-8);
   if (cloud->scene.jitter == 0.0) {
     /* odd moments vanish: any form that treats neighbours alike is exact */
     CloudAssertNone("linear fields on a lattice", where, linear > 1e-9);
     return;
   }
   /* OPERATORS.md, section 6, at 0.25 dx: asymmetry .025 and more, errors 1e-2 and more */
-  if (!form->symmetric) CloudAssertNone("symmetric, undeclared", where, asymmetry < 1e-3);
-  if (!form->exact_linear) CloudAssertNone("exact_linear, undeclared", where, linear < 1e-3);
-  if (!form->exact_quadratic)
+  if (!Is(form, FORM_SYMMETRIC)) CloudAssertNone("symmetric, undeclared", where, asymmetry < 1e-3);
+  if (!Is(form, FORM_EXACT_LINEAR))
+    CloudAssertNone("exact_linear, undeclared", where, linear < 1e-3);
+  if (!Is(form, FORM_EXACT_QUADRATIC))
     CloudAssertNone("exact_quadratic, undeclared", where, quadratic < 1e-3);
 }
 
@@ -121,11 +131,11 @@ static void Declared(PetscInt dim)
 
       ASSERT_OK(PetscSNPrintf(where, sizeof(where), "%s, %s", form->name, box.name));
       Create(&box, "", form, &cloud);
-      CheckRows(where, &cloud);
+      CheckRows(form, where, &cloud);
       CheckDeclared(form, where, &cloud);
       for (PetscInt move = 0; move < 3 && jitter > 0.0; move++) {
         ASSERT_OK(CloudMove(0.03, move % 2 == 0, 0.01 * move, &cloud));
-        CheckRows(where, &cloud);
+        CheckRows(form, where, &cloud);
         CheckDeclared(form, where, &cloud);
       }
       ASSERT_OK(CloudDestroy(&cloud));
@@ -171,39 +181,155 @@ static PetscReal WaveError(PetscInt dim, PetscInt n, const LaplacianRow *form)
   return error / (2.0 * k * k * norm);
 }
 
-/*
-  On lattices every form whose moments are corrected is of order 2, a symmetric one is left with the
-  lattice's own error in the second moment: OPERATORS.md, section 6, cubic spline, h/dx = 1.5
-  (at most 5.8e-2 for the forms that are safe to use).
-*/
+/* On lattices every form whose moments are corrected is of order 2. */
 static void test_order_on_lattice(void **state)
 {
   (void)state;
-  for (PetscInt k = 0; k < LaplacianTable.count; k++) {
-    const LaplacianRow *form = Laplacian(k);
+  for (PetscInt m = 0; m < LaplacianTable.count; m++) {
+    const LaplacianRow *form = Laplacian(m);
 
-    for (PetscInt dim = 2; dim <= 3; dim++) {
+    for (PetscInt dim = 2; dim <= 3 && !Is(form, FORM_SYMMETRIC); dim++) {
       const PetscInt  n     = dim == 2 ? 20 : 16; /* and twice, resp. 3/2 as many */
       const PetscReal ratio = dim == 2 ? 2.0 : 1.5;
       const PetscReal error = WaveError(dim, n, form);
       const PetscReal finer = WaveError(dim, (PetscInt)(ratio * n), form);
       const PetscReal order = PetscLogReal(error / finer) / PetscLogReal(ratio);
 
-      if (form->symmetric) CloudAssertNone("consistent on a lattice", form->name, finer > 0.06);
-      else CloudAssertNone("order 2 on a lattice", form->name, !(order > 1.9 && order < 2.1));
+      CloudAssertNone("order 2 on a lattice", form->name, !(order > 1.9 && order < 2.1));
     }
   }
 }
 
-/* The factor of the second moment at h = dx, cubic spline: OPERATORS.md, section 1, proved there.
- */
+/*
+  Without corrected moments a lattice leaves a factor S in the Laplacian of |x|^2 = 2 dim S:
+  OPERATORS.md, section 2, has 100 (S - 1) of the square lattice with the cubic spline, to one
+  digit behind the point.
+*/
+static void test_second_moment(void **state)
+{
+  static const char *const names[3] = {"morris", "gotoh", "direct_scalar"};
+  static const struct {
+    PetscReal h_over_dx, percent[3];
+  } known[] = {{1.0, {1.3, -0.6, -2.5}}, {1.1, {-0.3, -7.9, -15.5}}, {1.2, {-0.9, 4.4, 9.7}},
+               {1.3, {1.1, 6.2, 11.3}},  {1.5, {0.7, -5.2, -11.1}},  {2.0, {-0.1, 0.1, 0.3}}};
+
+  (void)state;
+  for (size_t q = 0; q < PETSC_STATIC_ARRAY_LENGTH(known); q++) {
+    for (PetscInt m = 0; m < 3; m++) {
+      const CloudBox  box = Periodic(2, 0.0);
+      const TableRow *row;
+      Quadratic       f = {.H = {{2.0, 0.0}, {0.0, 2.0}}}, lap;
+      Cloud           cloud;
+      PetscReal       error;
+      char            kernel[64];
+
+      ASSERT_OK(TableFind(&LaplacianTable, names[m], &row));
+      ASSERT_OK(PetscSNPrintf(kernel, sizeof(kernel), "-kernel cubic_spline -h_over_dx %g",
+                              (double)known[q].h_over_dx));
+      Create(&box, kernel, (const LaplacianRow *)(const void *)row, &cloud);
+      lap = QuadraticLaplacian(&cloud, &f);
+      lap.c *= 1.0 + 0.01 * known[q].percent[m];
+      ASSERT_OK(CloudSet(&cloud, &f, cloud.f[0]));
+      ASSERT_OK(AffineApply(&cloud.ops->visc, cloud.f[0], NULL, cloud.y));
+      ASSERT_OK(CloudError(&cloud, cloud.y, &lap, PETSC_TRUE, &error));
+      CloudAssertNone("second moment", names[m], error > 0.00055 * PetscAbsReal(lap.c));
+      ASSERT_OK(CloudDestroy(&cloud));
+    }
+  }
+}
+
+/*
+  Least real part of the eigenvalues of -L dx^2 on a periodic cloud of one rank, and how many do not
+  exceed rounding; one of them belongs to the constants.
+*/
+static void LeastEigenvalue(const Cloud *cloud, PetscReal *least, PetscInt *not_positive)
+{
+  const PetscInt n = cloud->particles->N_fluid;
+  PetscReal     *re, *im;
+  KSP            ksp;
+  PC             pc;
+
+  ASSERT_OK(PetscMalloc2(n, &re, n, &im));
+  ASSERT_OK(KSPCreate(PETSC_COMM_WORLD, &ksp));
+  ASSERT_OK(KSPSetOperators(ksp, cloud->ops->visc.A, cloud->ops->visc.A));
+  ASSERT_OK(KSPGetPC(ksp, &pc));
+  ASSERT_OK(PCSetType(pc, PCNONE));
+  ASSERT_OK(KSPSetUp(ksp));
+  ASSERT_OK(KSPComputeEigenvaluesExplicitly(ksp, n, re, im));
+  *least        = PETSC_MAX_REAL;
+  *not_positive = 0;
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal value = -re[k] * PetscSqr(cloud->scene.dx);
+
+    *least = PetscMin(*least, value);
+    if (value < 1e-9) (*not_positive)++;
+  }
+  ASSERT_OK(KSPDestroy(&ksp));
+  ASSERT_OK(PetscFree2(re, im));
+}
+
+/*
+  safe_implicit: all eigenvalues of -L but that of the constants have positive real parts, on
+  lattices and on disorder as strong as it comes; where a form does not declare it, some are
+  negative by -0.05/dx^2 and more (OPERATORS.md, section 6).
+*/
+static void test_safe_implicit(void **state)
+{
+  PetscMPIInt ranks;
+
+  (void)state;
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  if (ranks > 1) return;
+  for (PetscInt m = 0; m < LaplacianTable.count; m++) {
+    const LaplacianRow *form = Laplacian(m);
+
+    for (PetscInt dim = 2; dim <= 3; dim++) {
+      for (PetscReal jitter = 0.25; jitter < 0.6; jitter += 0.25) {
+        const PetscInt side = dim == 2 ? 14 : 6;
+        const CloudBox box  = {
+             .dim = dim, .cells = {side, side, side}, .n_periodic = dim, .jitter = jitter};
+        PetscReal least;
+        PetscInt  not_positive;
+        Cloud     cloud;
+
+        Create(&box, "", form, &cloud);
+        LeastEigenvalue(&cloud, &least, &not_positive);
+        if (Is(form, FORM_SAFE_IMPLICIT))
+          CloudAssertNone("safe_implicit", form->name, not_positive != 1);
+        else CloudAssertNone("safe_implicit, undeclared", form->name, least > -0.05);
+        ASSERT_OK(CloudDestroy(&cloud));
+      }
+    }
+  }
+}
+
+/*
+  The factor S of the second moment at h = dx, cubic spline: four neighbours at dx and four at
+  sqrt(2) dx, S = 1/2 sum_k w_k x_k^2. OPERATORS.md, section 1, has 1.013099 (the closed form there
+  prints as 1.013095) and 0.993882, section 2 a defect of 2.5 % for direct_scalar.
+*/
 static PetscReal FactorAtDx(const LaplacianRow *form)
 {
-  const PetscReal b  = 2.0 - PetscSqrtReal(2.0);
-  const PetscReal S1 = 5.0 / (7.0 * PETSC_PI) * (3.0 + 4.0 * PetscSqrtReal(2.0) * 0.75 * b * b);
+  const PetscReal sigma = 10.0 / (7.0 * PETSC_PI), root = PetscSqrtReal(2.0), b = 2.0 - root;
+  const struct {
+    const char *name;
+    PetscReal   factor;
+  } pairwise[] = {
+      {"morris", sigma * (1.5 + 1.5 * root * b * b)},
+      {"gotoh", sigma * (1.125 + 1.5 * b + 0.75 * b * b / root)},
+      {"direct_scalar", sigma * (0.75 + 3.0 * b - 1.5 * b * b / root)},
+  };
 
-  assert_true(PetscAbsReal(S1 / 1.013095 - 1.0) < 1e-5);
-  return form->symmetric ? S1 : 1.0;
+  assert_true(PetscAbsReal(pairwise[0].factor / 1.013099 - 1.0) < 1e-6);
+  assert_true(PetscAbsReal(pairwise[1].factor / 0.993882 - 1.0) < 1e-6);
+  assert_true(PetscAbsReal(pairwise[2].factor / 0.975 - 1.0) < 1e-3);
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(pairwise); k++) {
+    PetscBool same;
+
+    ASSERT_OK(PetscStrcmp(pairwise[k].name, form->name, &same));
+    if (same) return pairwise[k].factor;
+  }
+  return 1.0;
 }
 
 /*
@@ -257,8 +383,8 @@ static void test_zheng_table_1(void **state)
     const char *name;
     PetscInt    N;
     PetscReal   printed;
-  } entries[] = {{"morris", 20, 5.00e-5},    {"morris", 40, 9.81e-6},
-                 {"schwaiger", 20, 4.65e-6}, {"schwaiger", 40, 2.37e-7},
+  } entries[] = {{"morris", 20, 5.00e-5},    {"morris", 40, 9.81e-6},    {"gotoh", 20, 1.68e-5},
+                 {"gotoh", 40, 4.24e-6},     {"schwaiger", 20, 4.65e-6}, {"schwaiger", 40, 2.37e-7},
                  {"corrected", 20, 4.65e-6}, {"corrected", 40, 2.37e-7}};
 
   (void)state;
@@ -270,7 +396,7 @@ static void test_zheng_table_1(void **state)
     assert_non_null(row);
     error = ZhengError(entries[e].N, (const LaplacianRow *)(const void *)row, &worst);
     CloudAssertNone("printed value", row->name,
-                    PetscAbsReal(error / entries[e].printed - 1.0) > 2e-3); /* three digits */
+                    PetscAbsReal(error / entries[e].printed - 1.0) > 3e-3); /* three digits */
   }
 }
 
@@ -334,7 +460,8 @@ int main(int argc, char **argv)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_declared_2d),      cmocka_unit_test(test_declared_3d),
-      cmocka_unit_test(test_order_on_lattice), cmocka_unit_test(test_zheng_table_1),
+      cmocka_unit_test(test_order_on_lattice), cmocka_unit_test(test_second_moment),
+      cmocka_unit_test(test_safe_implicit),    cmocka_unit_test(test_zheng_table_1),
       cmocka_unit_test(test_closed_form),      cmocka_unit_test(test_reassembly),
   };
   int failed;

@@ -30,12 +30,15 @@ typedef struct {
   const void *rows;
   size_t      row_size; /* bytes */
   PetscInt    count;
+  PetscErrorCode (*Describe)(const TableRow *row, char text[], size_t length); /* or NULL */
 } Table;
 
-#define TABLE(option, title, rows)                                                                 \
+/* Describe tells in one line for the catalogue what a row declares of itself. */
+#define TABLE_DESCRIBED(option, title, rows, Describe)                                             \
   {                                                                                                \
-    option, title, rows, sizeof((rows)[0]), (PetscInt)(sizeof(rows) / sizeof((rows)[0]))           \
+    option, title, rows, sizeof((rows)[0]), (PetscInt)(sizeof(rows) / sizeof((rows)[0])), Describe \
   }
+#define TABLE(option, title, rows) TABLE_DESCRIBED(option, title, rows, NULL)
 
 const TableRow *TableGet(const Table *table, PetscInt k);
 PetscErrorCode  TableFind(const Table *table, const char name[], const TableRow **row);

@@ -6,7 +6,7 @@
 
 #include "isph/schemes.h"
 
-/* The flow as a case's Judge and the writers see it. */
+/* The flow as a case's Judge and the writers see it; a patch test has no clock and no scheme. */
 struct Flow {
   const Scene     *scene;
   const Particles *particles;
@@ -40,7 +40,8 @@ typedef struct {
 struct Report {
   Quantity *quantity;
   PetscInt  n, capacity;
-  PetscReal t; /* of the quantities being added, set by who adds them [s] */
+  PetscReal t;                        /* of quantities being added, set by who adds them [s] */
+  char      file[PETSC_MAX_PATH_LEN]; /* of all runs; empty: none */
 };
 PetscErrorCode ReportCreate(Report **report);
 PetscErrorCode ReportDestroy(Report **report);
@@ -51,8 +52,8 @@ PetscErrorCode ReportAddError(Report *report, const char name[], PetscReal error
 PetscErrorCode ReportView(const Report *report, PetscReal wall_seconds, PetscViewer viewer);
 PetscErrorCode ReportCheck(const Report *report);
 PetscErrorCode ReportFileCheck(const char path[]);
-PetscErrorCode ReportWrite(const Flow *flow, const Report *report, const char path[],
-                           PetscReal wall_seconds, const char status[]);
+PetscErrorCode ReportWrite(const Flow *flow, const Report *report, PetscReal wall_seconds,
+                           const char status[]);
 
 /* What cases share: error norms against Exact(), and the quantities every case reports. */
 PetscErrorCode JudgeExact(const Flow *flow, Report *report);
@@ -63,6 +64,12 @@ typedef struct Snapshots Snapshots;
 PetscErrorCode           SnapshotsCreate(const Scene *scene, Snapshots **snapshots);
 PetscErrorCode           SnapshotsDestroy(Snapshots **snapshots);
 PetscErrorCode           SnapshotsWrite(const Flow *flow, PetscBool final, Snapshots *snapshots);
+
+/* Matrices in the order of particle ids, as -visc_mat_view and -ppe_mat_view ask. */
+typedef struct MatrixFile MatrixFile;
+PetscErrorCode            MatrixFileCreate(const char prefix[], MatrixFile **file);
+PetscErrorCode            MatrixFileDestroy(MatrixFile **file);
+PetscErrorCode            MatrixFileWrite(const Particles *particles, Mat A, MatrixFile *file);
 
 typedef struct Progress Progress;
 PetscErrorCode          ProgressCreate(Progress **progress);

@@ -32,10 +32,11 @@ typedef enum {
   ROLE_NORMAL_DERIVATIVE /* n.grad f at X is given; n.f of vectors: GradientRow.DivergenceFit */
 } Role;
 
-#define MLS_MAX_TERMS 9 /* X_a and X_a X_b, a <= b, in 3D */
+#define MLS_MAX_TERMS       19 /* X_a, X_a X_b, X_a X_b X_c, a <= b <= c, in 3D */
+#define MLS_QUADRATIC_TERMS 9  /* the first two of these */
 typedef struct {
   PetscBool valid;
-  PetscInt  terms;
+  PetscInt  degree, terms;
   PetscReal factor[MLS_MAX_TERMS * MLS_MAX_TERMS]; /* Cholesky factor of the moment matrix */
 } MlsFit;
 
@@ -49,13 +50,15 @@ typedef struct {
   PetscReal *X[ISPH_MAX_DIM]; /* x_j - x_i [m] */
   PetscReal *r, *V;           /* distance [m], volume [m^dim] */
   PetscReal *W, *dW, *ddW;    /* kernel and its r-derivatives [m^-dim, ...] */
+  PetscReal *corrected[2];    /* room for corrected dW and ddW */
   PetscBool *wall;            /* neighbour is a wall particle */
   PetscReal *normal[ISPH_MAX_DIM]; /* of wall neighbours, into the fluid */
   PetscReal *beta;                 /* of wall neighbours: f_j - f_i = beta (f_wall - f_i) */
   PetscBool  fits_walls;           /* wall neighbours enter fits by role, else as plain points */
   Role       role;                 /* of the wall neighbours in the fit at hand */
-  MlsFit     fit;                  /* of that role; shared by gradient and Laplacian */
-  PetscInt   weak;                 /* fits so far whose points did not determine them */
+  MlsFit     fit;                  /* quadratic, of that role; shared by gradient and Laplacian */
+  PetscReal  self[3]; /* V W, V dW/dr and V d2W/dr2 at r = 0, of the particle itself [-, ...] */
+  PetscInt   weak;    /* fits so far whose points did not determine them */
 } Stencil;
 
 PetscErrorCode StencilCreate(PetscInt dim, PetscReal radius, PetscReal scale, Stencil **stencil);
@@ -63,19 +66,46 @@ PetscErrorCode StencilDestroy(Stencil **stencil);
 PetscErrorCode StencilReserve(Stencil *stencil, PetscInt n);
 void           StencilSetRole(Stencil *stencil, Role role);
 
+/* What a form is declared to be; decides defaults and refusals, and the tests try every word. */
+typedef enum {
+  FORM_NULL_CONSTANTS  = 1 << 0, /* constants vanish */
+  FORM_SYMMETRIC       = 1 << 1, /* the matrix is, with equal volumes, uncorrected */
+  FORM_EXACT_LINEAR    = 1 << 2, /* on any arrangement of particles */
+  FORM_EXACT_QUADRATIC = 1 << 3, /* on any arrangement of particles */
+  FORM_FULL_SUPPORT    = 1 << 4, /* wants particles behind walls; cannot take wall roles */
+  FORM_SAFE_IMPLICIT   = 1 << 5  /* the eigenvalues of -L have positive real parts */
+} FormProperty;
+#define FORM_PROPERTY_COUNT 6
+extern const char *const FormPropertyNames[FORM_PROPERTY_COUNT]; /* bit order of FormProperty */
+
+/* Corrections of the kernel that a row reads; bits that a row lists as those it can take. */
+typedef enum { CORRECTION_SHEPARD = 1 << 0, CORRECTION_FIRST_ORDER = 1 << 1 } CorrectionBit;
+typedef struct {
+  const char *name, *brief, *citation;
+  unsigned    bit;                                            /* of CorrectionBit; 0: none */
+  void (*Kernel)(Stencil *, PetscReal dW[], PetscReal ddW[]); /* in place of st->dW, st->ddW */
+} CorrectionRow;
+extern const Table CorrectionTable;
+
 /*
   Laplacians: w[k] multiplies f_k - f_i of neighbour k, or in a fit with wall roles the given n.grad
   f of wall neighbour k.
 */
 typedef struct {
   const char *name, *brief, *citation;
-  PetscBool   symmetric;       /* with equal volumes */
-  PetscBool   exact_linear;    /* on any arrangement of particles */
-  PetscBool   exact_quadratic; /* on any arrangement of particles */
-  PetscBool   full_support;    /* wants particles behind walls; cannot take wall roles */
+  unsigned    properties;  /* bits of FormProperty */
+  unsigned    corrections; /* bits of CorrectionBit it can take */
   PetscErrorCode (*Row)(Stencil *stencil, PetscReal w[]);
 } LaplacianRow;
 extern const Table LaplacianTable;
+
+/* A Laplacian as chosen. */
+typedef struct {
+  const LaplacianRow  *row;        /* NULL: not needed */
+  const CorrectionRow *correction; /* NULL: none */
+} LaplacianForm;
+PetscBool      LaplacianIs(const LaplacianForm *form, FormProperty property);
+PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *stencil, PetscReal w[]);
 
 /*
   Gradients and their divergences. Row: g[a][k] multiplies f_k - f_i in df/dx_a. DivergenceFit:
@@ -84,7 +114,7 @@ extern const Table LaplacianTable;
 */
 typedef struct {
   const char *name, *brief, *citation;
-  PetscBool   exact_linear, full_support;
+  unsigned    properties; /* bits of FormProperty; of constants, exactness and support */
   PetscErrorCode (*Row)(Stencil *stencil, PetscReal *g[]);
   PetscErrorCode (*DivergenceFit)(Stencil *stencil, PetscReal *d[], PetscReal m[]); /* or NULL */
 } GradientRow;
@@ -96,20 +126,19 @@ typedef struct {
   PetscBool   on_surface; /* one layer of particles on the wall, entering fits by role */
   PetscReal (*Beta)(const Scene *scene, PetscReal distance, PetscReal depth);
 } WallRow;
-extern const Table WallTable;
+extern const Table   WallTable;
+extern const WallRow WallGiven; /* of patch tests, not to be chosen */
 
 /* Vectors over own fluid or own wall particles; array NULL: storage of their own. */
 PetscErrorCode FluidVec(const Particles *particles, PetscReal array[], Vec *v);
 PetscErrorCode WallVec(const Particles *particles, Vec *v);
 
-PetscErrorCode MlsFactor(Stencil *stencil);
-PetscErrorCode MlsWeights(Stencil *stencil, const PetscReal functional[], PetscReal w[]);
-PetscInt       DenseCholesky(PetscInt n, PetscReal a[]);
-void           DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[]);
-PetscBool      MomentInverse(const Stencil *stencil, PetscReal inverse[]);
-void           ConcentrationRow(const Scene *scene, const KernelRow *kernel, PetscReal h,
-                                const Stencil *stencil, const PetscReal x[], PetscBool mirrored,
-                                PetscReal *concentration, PetscReal gradient[]);
+PetscInt  DenseCholesky(PetscInt n, PetscReal a[]);
+void      DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[]);
+PetscBool MomentInverse(const Stencil *stencil, const PetscReal weight[], PetscReal inverse[]);
+void      ConcentrationRow(const Scene *scene, const KernelRow *kernel, PetscReal h,
+                           const Stencil *stencil, const PetscReal x[], PetscBool mirrored,
+                           PetscReal *concentration, PetscReal gradient[]);
 
 /* One operator: its two matrices, their values in the shared pattern, and what it is scaled by. */
 typedef struct {
@@ -125,12 +154,12 @@ typedef struct {
 } Pattern;
 
 typedef struct {
-  const KernelRow    *kernel;
-  const LaplacianRow *visc_form, *ppe_form;
-  const GradientRow  *gradient;
-  const WallRow      *wall; /* NULL: no walls */
-  PetscReal           h;    /* smoothing length [m] */
-  PetscReal           radius;
+  const KernelRow   *kernel;
+  LaplacianForm      visc_form, ppe_form;
+  const GradientRow *gradient;
+  const WallRow     *wall; /* NULL: no walls */
+  PetscReal          h;    /* smoothing length [m] */
+  PetscReal          radius;
 
   AffineOperator visc;                 /* lap u [m^-2]; wall data: u_wall,c */
   AffineOperator ppe;                  /* -dx^2 lap p [-]; wall data: n.grad p */
@@ -157,6 +186,7 @@ typedef struct {
 
 PetscErrorCode OperatorsCreate(const Scene *scene, Operators **ops);
 PetscErrorCode OperatorsDestroy(Operators **ops);
+const char    *OperatorsCorrection(const Operators *ops);
 PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, WallPlacement *walls);
 PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *particles,
                                  const Neighbors *neighbors, Operators *ops, PetscBool *changed);

@@ -64,7 +64,8 @@ typedef struct {
 
 /* How a wall treatment wants its wall particles: one layer on the surface, or layers behind it. */
 typedef struct {
-  PetscInt layers; /* 0: one layer on the surface; k: k dummy layers from dx/2 below it */
+  PetscInt  layers;   /* 0: one layer on the surface; k: k dummy layers from dx/2 below it */
+  PetscBool jittered; /* like the fluid, which may then come as near as it likes */
 } WallPlacement;
 
 PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscReal halo_width,

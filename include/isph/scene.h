@@ -51,6 +51,7 @@ typedef struct {
   void (*Exact)(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
                 PetscReal *p);                               /* NULL: none; p may be left alone */
   PetscErrorCode (*Judge)(const Flow *flow, Report *report); /* adds the quantities of the case */
+  PetscBool patch; /* no flow: operators are measured on a box with values given around it */
 } CaseRow;
 
 /* Whether particles go with the flow. */
@@ -80,7 +81,8 @@ struct Scene {
   PetscReal body[ISPH_MAX_DIM];     /* body force per unit mass [m/s^2] */
   PetscBool unsteady_walls;         /* wall velocities depend on time */
   PetscReal jitter;                 /* largest random displacement at the start [dx] */
-  PetscInt  seed;                   /* of the jitter */
+  PetscInt  seed;                   /* of the jitter and of random fields */
+  PetscReal margin;                 /* of a patch test: left out at each side [dx] */
 };
 
 extern const Table CaseTable; /* cases/cases.c */

@@ -8,6 +8,7 @@
 #include "isph/operators.h"
 
 #define CLOCK_MAX_REPORTS 32
+#define CLOCK_WHERE       64 /* room for what ClockWhere() says */
 
 /* Time, owned by the run; everything second order uses variable-step coefficients. */
 typedef struct {
@@ -25,6 +26,7 @@ typedef struct {
 PetscErrorCode ClockCreate(const Scene *scene, Clock **clock);
 PetscErrorCode ClockDestroy(Clock **clock);
 PetscErrorCode ClockChoose(const Scene *scene, PetscReal speed, Clock *clock);
+PetscErrorCode ClockWhere(const Clock *clock, char where[]);
 PetscReal      ClockExplicitLimit(const Scene *scene, PetscReal support_radius);
 
 /* How a TS type is used: which callback carries viscosity and which convection. */
@@ -55,6 +57,8 @@ PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, const Part
 PetscReal      ViscosityResponse(const Viscosity *visc);
 PetscErrorCode ViscosityNames(const Viscosity *visc, const char **ts, const char **ksp,
                               const char **pc);
+Mat            ViscosityMatrix(const Viscosity *visc);
+const char    *ViscosityNote(const Viscosity *visc);
 PetscInt       ViscosityIterations(const Viscosity *visc); /* of the last solve, all components */
 
 typedef struct Pressure Pressure;
@@ -63,6 +67,7 @@ PetscErrorCode          PressureDestroy(Pressure **ppe);
 PetscErrorCode PressureSolve(const Clock *clock, const Particles *particles, const Operators *ops,
                              Vec b, Vec phi, Pressure *ppe);
 PetscErrorCode PressureNames(const Pressure *ppe, const char **ksp, const char **pc);
+const char    *PressureNote(const Pressure *ppe);
 PetscInt       PressureIterations(const Pressure *ppe); /* of the last solve */
 
 /* Particle shifting: where to move particles so that they stay evenly spread. */

@@ -129,11 +129,8 @@ static PetscErrorCode BannerRow(const char label[], const void *row, PetscViewer
 /* The forms of space, then those of time. */
 static PetscErrorCode BannerForms(const Flow *flow, PetscViewer viewer)
 {
-  const Operators *ops      = flow->ops;
-  const Scheme    *scheme   = flow->scheme;
-  const PetscBool  visc     = SceneHas(flow->scene, PHYSICS_VISCOSITY);
-  const PetscBool  pressure = SceneHas(flow->scene, PHYSICS_PRESSURE);
-  const PetscBool  gradient = pressure || SceneHas(flow->scene, PHYSICS_CONVECTION);
+  const Operators *ops    = flow->ops;
+  const Scheme    *scheme = flow->scheme;
 
   PetscFunctionBegin;
   PetscCall(BannerRow("scheme", scheme->row, viewer));
@@ -143,9 +140,12 @@ static PetscErrorCode BannerForms(const Flow *flow, PetscViewer viewer)
     PetscCall(BannerRow("shift", scheme->shift, viewer));
   }
   PetscCall(BannerRow("kernel", ops->kernel, viewer));
-  PetscCall(BannerRow("visc lap.", visc ? ops->visc_form : NULL, viewer));
-  PetscCall(BannerRow("ppe lap.", pressure ? ops->ppe_form : NULL, viewer));
-  PetscCall(BannerRow("gradient", gradient ? ops->gradient : NULL, viewer));
+  PetscCall(BannerRow("visc lap.", ops->visc_form.row, viewer));
+  PetscCall(BannerRow("ppe lap.", ops->ppe_form.row, viewer));
+  PetscCall(BannerRow("correction", ops->visc_form.correction, viewer));
+  if (!ops->visc_form.correction)
+    PetscCall(BannerRow("correction", ops->ppe_form.correction, viewer));
+  PetscCall(BannerRow("gradient", ops->gradient, viewer));
   PetscCall(BannerRow("wall", ops->wall, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -162,6 +162,14 @@ static PetscErrorCode BannerSolver(const char label[], const char ksp[], const c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What is legal but unwise. */
+static PetscErrorCode BannerNote(const char note[], PetscViewer viewer)
+{
+  PetscFunctionBegin;
+  if (note[0]) PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "%s\n", "unwise", note));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode BannerSolvers(const Scheme *scheme, PetscViewer viewer)
 {
   const char *ts = NULL, *ksp = NULL, *pc = NULL;
@@ -171,10 +179,12 @@ static PetscErrorCode BannerSolvers(const Scheme *scheme, PetscViewer viewer)
     PetscCall(BannerRow("visc TS", ViscosityTimeKind(scheme->visc), viewer));
     PetscCall(ViscosityNames(scheme->visc, &ts, &ksp, &pc));
     PetscCall(BannerSolver("visc solver", ksp, pc, viewer));
+    PetscCall(BannerNote(ViscosityNote(scheme->visc), viewer));
   }
   if (scheme->ppe) {
     PetscCall(PressureNames(scheme->ppe, &ksp, &pc));
     PetscCall(BannerSolver("ppe solver", ksp, pc, viewer));
+    PetscCall(BannerNote(PressureNote(scheme->ppe), viewer));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,5 +1,5 @@
 /* All tables of the program with their papers: what -catalogue prints and the README quotes. */
-#include "isph/io.h"
+#include "isph/patch.h"
 
 /*
   CatalogueView - Lists everything that can be chosen by name, with what it is and who published it
@@ -8,9 +8,9 @@
 */
 PetscErrorCode CatalogueView(PetscViewer viewer)
 {
-  const Table *const tables[] = {&CaseTable,  &SchemeTable,  &ProjectionTable, &MotionTable,
-                                 &ShiftTable, &KernelTable,  &LaplacianTable,  &GradientTable,
-                                 &WallTable,  &TimeKindTable};
+  const Table *const tables[] = {&CaseTable,     &SchemeTable, &ProjectionTable, &MotionTable,
+                                 &ShiftTable,    &KernelTable, &LaplacianTable,  &CorrectionTable,
+                                 &GradientTable, &WallTable,   &TimeKindTable,   &FieldTable};
 
   PetscFunctionBegin;
   PetscCall(PetscViewerASCIIPrintf(viewer, "isph %s: what can be chosen by name\n", ISPH_VERSION));

@@ -4,11 +4,29 @@
 */
 #include "isph/io.h"
 
-/* ReportCreate - Makes an empty report; not collective */
+/*
+  ReportCreate - Makes an empty report
+
+  Collective on PETSC_COMM_WORLD
+
+  Options Database Key:
+. -report file.csv - file of all runs, see ReportWrite()
+
+  Errors: a file that cannot be written, or has other columns, ends the run before it begins
+*/
 PetscErrorCode ReportCreate(Report **report)
 {
   PetscFunctionBegin;
   PetscCall(PetscNew(report));
+  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Report", "");
+  PetscCall(OptionFile("-report", "CSV file that this run's errors and cost are appended to",
+                       (*report)->file));
+  PetscCall(
+      PetscOptionsReal("-check_<quantity>",
+                       "Fail if the error of a reported quantity is larger, e.g. -check_u_min [-]",
+                       "", 0.0, NULL, NULL));
+  PetscOptionsEnd();
+  if ((*report)->file[0]) PetscCall(ReportFileCheck((*report)->file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -56,26 +56,31 @@ static PetscErrorCode ColumnPhysics(Columns *columns, const Scene *scene)
 /* visc_laplacian ... ppe_pc: what is not computed has no name. */
 static PetscErrorCode ColumnsForms(const Flow *flow, Columns *columns)
 {
-  const Operators *ops      = flow->ops;
-  const PetscBool  visc     = SceneHas(flow->scene, PHYSICS_VISCOSITY);
-  const PetscBool  pressure = SceneHas(flow->scene, PHYSICS_PRESSURE);
-  const PetscBool  gradient = pressure || SceneHas(flow->scene, PHYSICS_CONVECTION);
+  const Operators *ops    = flow->ops;
+  const Scheme    *scheme = flow->scheme;
   const char *visc_ts = NULL, *visc_ksp = NULL, *visc_pc = NULL, *ppe_ksp = NULL, *ppe_pc = NULL;
 
   PetscFunctionBegin;
-  if (flow->scheme->visc) {
-    PetscCall(ViscosityNames(flow->scheme->visc, &visc_ts, &visc_ksp, &visc_pc));
-  }
-  if (flow->scheme->ppe) PetscCall(PressureNames(flow->scheme->ppe, &ppe_ksp, &ppe_pc));
-  PetscCall(ColumnWord(columns, visc ? ops->visc_form->name : NULL));
-  PetscCall(ColumnWord(columns, pressure ? ops->ppe_form->name : NULL));
-  PetscCall(ColumnWord(columns, gradient ? ops->gradient->name : NULL));
-  PetscCall(ColumnWord(columns, "none"));
+  if (scheme && scheme->visc)
+    PetscCall(ViscosityNames(scheme->visc, &visc_ts, &visc_ksp, &visc_pc));
+  if (scheme && scheme->ppe) PetscCall(PressureNames(scheme->ppe, &ppe_ksp, &ppe_pc));
+  PetscCall(ColumnWord(columns, ops->visc_form.row ? ops->visc_form.row->name : NULL));
+  PetscCall(ColumnWord(columns, ops->ppe_form.row ? ops->ppe_form.row->name : NULL));
+  PetscCall(ColumnWord(columns, ops->gradient ? ops->gradient->name : NULL));
+  PetscCall(ColumnWord(columns, OperatorsCorrection(ops)));
   PetscCall(ColumnWord(columns, visc_ts));
   PetscCall(ColumnWord(columns, visc_ksp));
   PetscCall(ColumnWord(columns, visc_pc));
   PetscCall(ColumnWord(columns, ppe_ksp));
   PetscCall(ColumnWord(columns, ppe_pc));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The name of a table's row, nothing where there is none. */
+static PetscErrorCode ColumnRow(Columns *columns, const void *row)
+{
+  PetscFunctionBegin;
+  PetscCall(ColumnWord(columns, row ? ((const TableRow *)row)->name : NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -91,23 +96,23 @@ static PetscErrorCode ColumnsBeforeTime(const Flow *flow, Columns *columns)
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(ColumnWord(columns, scene->problem->name));
   PetscCall(ColumnNumber(columns, scene->dim));
-  PetscCall(ColumnNumber(columns, SceneReynolds(scene)));
-  PetscCall(ColumnWord(columns, scheme->row->name));
-  PetscCall(ColumnWord(columns, scheme->projection ? scheme->projection->name : NULL));
-  PetscCall(ColumnWord(columns, scheme->motion ? scheme->motion->name : NULL));
+  PetscCall(ColumnNumber(columns, scheme ? SceneReynolds(scene) : NAN));
+  PetscCall(ColumnRow(columns, scheme ? scheme->row : NULL));
+  PetscCall(ColumnRow(columns, scheme ? scheme->projection : NULL));
+  PetscCall(ColumnRow(columns, scheme ? scheme->motion : NULL));
   PetscCall(ColumnPhysics(columns, scene));
   PetscCall(ColumnsForms(flow, columns));
   PetscCall(ColumnWord(columns, flow->ops->kernel->name));
   PetscCall(ColumnNumber(columns, flow->ops->h / scene->dx));
-  PetscCall(ColumnWord(columns, flow->ops->wall ? flow->ops->wall->name : NULL));
-  PetscCall(ColumnWord(columns, scheme->shift ? scheme->shift->name : NULL));
+  PetscCall(ColumnRow(columns, flow->ops->wall));
+  PetscCall(ColumnRow(columns, scheme ? scheme->shift : NULL));
   PetscCall(ColumnNumber(columns, scene->jitter));
   PetscCall(ColumnNumber(columns, scene->seed));
   PetscCall(ColumnNumber(columns, scene->n));
   PetscCall(ColumnNumber(columns, flow->particles->N_fluid));
   PetscCall(ColumnNumber(columns, ranks));
-  PetscCall(ColumnNumber(columns, flow->clock->dt));
-  PetscCall(ColumnNumber(columns, flow->clock->step));
+  PetscCall(ColumnNumber(columns, flow->clock ? flow->clock->dt : NAN));
+  PetscCall(ColumnNumber(columns, flow->clock ? flow->clock->step : NAN));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -115,21 +120,23 @@ static PetscErrorCode ColumnsBeforeTime(const Flow *flow, Columns *columns)
 static PetscErrorCode ColumnsAfterTime(const Flow *flow, PetscReal wall_seconds,
                                        const char status[], Columns *columns)
 {
-  const StepStats *stats = &flow->scheme->stats;
-  const PetscReal  steps = flow->clock->step;
-  const PetscReal  work  = steps * flow->particles->N_fluid;
-  struct rusage    usage;
-  PetscReal        rss_mb;
+  const Scheme   *scheme = flow->scheme;
+  const PetscReal steps  = flow->clock ? flow->clock->step : 0.0;
+  const PetscReal work   = steps * flow->particles->N_fluid;
+  PetscReal       rss_mb, visc_its = NAN, ppe_its = NAN;
+  struct rusage   usage;
 
   PetscFunctionBegin;
   columns->text[0] = '\0';
   PetscCheck(getrusage(RUSAGE_SELF, &usage) == 0, PETSC_COMM_SELF, PETSC_ERR_SYS, "getrusage()");
   rss_mb = (PetscReal)usage.ru_maxrss / 1024.0;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &rss_mb, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
+  if (steps > 0.0 && scheme->visc) visc_its = scheme->stats.visc_its_sum / steps;
+  if (steps > 0.0 && scheme->ppe) ppe_its = scheme->stats.ppe_its_sum / steps;
   PetscCall(ColumnNumber(columns, wall_seconds));
   PetscCall(ColumnNumber(columns, work > 0.0 ? 1e6 * wall_seconds / work : NAN));
-  PetscCall(ColumnNumber(columns, steps && flow->scheme->visc ? stats->visc_its_sum / steps : NAN));
-  PetscCall(ColumnNumber(columns, steps && flow->scheme->ppe ? stats->ppe_its_sum / steps : NAN));
+  PetscCall(ColumnNumber(columns, visc_its));
+  PetscCall(ColumnNumber(columns, ppe_its));
   PetscCall(ColumnNumber(columns, rss_mb));
   PetscCall(ColumnWord(columns, status));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -209,14 +216,14 @@ PetscErrorCode ReportFileCheck(const char path[])
 }
 
 /*
-  ReportWrite - Appends the run to a CSV file, one row a quantity and time
+  ReportWrite - Appends the run to the CSV file of -report, one row a quantity and time; does nothing
+  without that option
 
   Collective on PETSC_COMM_WORLD; the first rank writes.
 
   Input Parameters:
 + flow         - as it is now
 . report       - where empty, as after a diverged run, one row without a quantity is written
-. path         - of the file; a new one gets its header
 . wall_seconds - of the run so far, set-up included [s]
 - status       - ok, diverged or interrupted
 
@@ -224,9 +231,10 @@ PetscErrorCode ReportFileCheck(const char path[])
 
   Errors: a file that cannot be written, or has other columns, ends the run
 */
-PetscErrorCode ReportWrite(const Flow *flow, const Report *report, const char path[],
-                           PetscReal wall_seconds, const char status[])
+PetscErrorCode ReportWrite(const Flow *flow, const Report *report, PetscReal wall_seconds,
+                           const char status[])
 {
+  const char    *path = report->file;
   const PetscInt rows = PetscMax(1, report->n);
   const size_t   room = (size_t)rows * (2 * sizeof(Columns) + 256);
   Columns        before, after;
@@ -235,13 +243,14 @@ PetscErrorCode ReportWrite(const Flow *flow, const Report *report, const char pa
   char          *text, row[2 * sizeof(Columns) + 256];
 
   PetscFunctionBegin;
+  if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCall(ColumnsBeforeTime(flow, &before));
   PetscCall(ColumnsAfterTime(flow, wall_seconds, status, &after));
   PetscCall(PetscCalloc1(room, &text));
   for (PetscInt k = 0; k < rows; k++) {
     const Quantity none = {
-        .name = "", .t = flow->clock->t, .value = NAN, .reference = NAN, .error = NAN};
+        .name = "", .t = report->t, .value = NAN, .reference = NAN, .error = NAN};
     const Quantity *q    = report->n ? &report->quantity[k] : &none;
     Columns         time = {""}, numbers = {""};
 

@@ -95,7 +95,7 @@ static PetscErrorCode AssembleRow(const Scene *scene, Stencil *st, PetscInt diag
   PetscFunctionBegin;
   StencilSetRole(st, ROLE_VALUE);
   if (ops->visc.needed) {
-    PetscCall(ops->visc_form->Row(st, ops->w));
+    PetscCall(LaplacianWeights(&ops->visc_form, st, ops->w));
     CloseRow_Value(st, ops, diagonal, ops->w, &ops->visc);
   }
   if (ops->grad_u[0].needed) {

@@ -178,11 +178,12 @@ static void DummyRow_Laplacian(const Stencil *st, PetscReal *const g[], PetscRea
 PetscErrorCode CloseRows_Pressure(const Scene *scene, Stencil *st, PetscInt diagonal,
                                   Operators *ops)
 {
-  const PetscBool follow = !ops->ppe_form->symmetric && ops->gradient->exact_linear;
+  const PetscBool follow = !LaplacianIs(&ops->ppe_form, FORM_SYMMETRIC) &&
+                           (ops->gradient->properties & FORM_EXACT_LINEAR);
 
   PetscFunctionBegin;
   StencilSetRole(st, ROLE_NORMAL_DERIVATIVE);
-  PetscCall(ops->ppe_form->Row(st, ops->w));
+  PetscCall(LaplacianWeights(&ops->ppe_form, st, ops->w));
   PetscCall(ops->gradient->Row(st, ops->g));
   if (st->n_wall && !st->fits_walls) {
     DummyRow_Gradient(st, ops->g);

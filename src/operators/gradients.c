@@ -36,9 +36,10 @@ static PetscErrorCode GradientRow_Corrected(Stencil *st, PetscReal *g[])
   PetscReal inverse[ISPH_MAX_DIM * ISPH_MAX_DIM];
 
   PetscFunctionBegin;
-  if (!MomentInverse(st, inverse)) st->weak++;
+  for (PetscInt k = 0; k < st->n; k++) g[0][k] = -st->V[k] * st->dW[k] / st->r[k];
+  if (!MomentInverse(st, g[0], inverse)) st->weak++;
   for (PetscInt k = 0; k < st->n; k++) {
-    const PetscReal scale = -st->V[k] * st->dW[k] / st->r[k];
+    const PetscReal scale = g[0][k];
 
     for (PetscInt a = 0; a < st->dim; a++) {
       PetscReal sum = 0.0;
@@ -51,14 +52,24 @@ static PetscErrorCode GradientRow_Corrected(Stencil *st, PetscReal *g[])
 }
 
 static const GradientRow gradients[] = {
-    /* name, brief, citation, exact linear, full support, row, divergence with normal components */
-    {"plain", "SPH gradient of differences", "Monaghan, Rep. Prog. Phys. 68 (2005)", PETSC_FALSE,
-     PETSC_TRUE, GradientRow_Plain, NULL},
+    /* name, brief, citation, properties, row, divergence with normal components */
+    {"plain", "SPH gradient of differences", "Monaghan, Rep. Prog. Phys. 68 (2005)",
+     FORM_NULL_CONSTANTS | FORM_FULL_SUPPORT, GradientRow_Plain, NULL},
     {"corrected", "exact for linear fields by the inverse moment matrix",
-     "Bonet & Lok, Comput. Methods Appl. Mech. Eng. 180 (1999)", PETSC_TRUE, PETSC_TRUE,
-     GradientRow_Corrected, NULL},
+     "Bonet & Lok, Comput. Methods Appl. Mech. Eng. 180 (1999)",
+     FORM_NULL_CONSTANTS | FORM_EXACT_LINEAR | FORM_FULL_SUPPORT, GradientRow_Corrected, NULL},
     {"mls", "quadratic moving least squares, takes boundary conditions in the fit",
-     "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", PETSC_TRUE, PETSC_FALSE, GradientRow_Mls,
+     "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)",
+     FORM_NULL_CONSTANTS | FORM_EXACT_LINEAR | FORM_EXACT_QUADRATIC, GradientRow_Mls,
      DivergenceFit_Mls},
 };
-const Table GradientTable = TABLE("-gradient", "Gradients and divergences", gradients);
+
+static PetscErrorCode GradientDescribe(const TableRow *row, char text[], size_t length)
+{
+  PetscFunctionBegin;
+  PetscCall(FormDescribe(((const GradientRow *)(const void *)row)->properties, text, length));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const Table GradientTable =
+    TABLE_DESCRIBED("-gradient", "Gradients and divergences", gradients, GradientDescribe);

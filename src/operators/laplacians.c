@@ -20,16 +20,46 @@ static PetscErrorCode LaplacianRow_Morris(Stencil *st, PetscReal w[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* M^-1 grad_i W for neighbour k. */
-static inline void CorrectedKernelGradient(const Stencil *st, const PetscReal inverse[], PetscInt k,
-                                           PetscReal gradient[])
+/*
+  LaplacianRow_Gotoh - Laplacian from the divergence of the kernel's Hessian along the pair
+
+    (lap f)_i = 2/(d+2) sum_j V_j (W'' - W'/r) (f_j - f_i)
+
+  Properties: symmetric with equal volumes, weights all positive (W'/r grows with r for every kernel
+  here); a factor off by up to 8 % on lattices, error O(1/dx) on disorder.
+
+  Reference: X. Zheng, Q. Ma, S. Shao, Water 10 (2018), VISC-02, Eq. (16), after H. Gotoh et al.,
+  Appl. Ocean Res. 46 (2014) 104-115; as printed it is -(d+2)/2 times the Laplacian
+*/
+static PetscErrorCode LaplacianRow_Gotoh(Stencil *st, PetscReal w[])
 {
-  for (PetscInt a = 0; a < st->dim; a++) {
-    gradient[a] = 0.0;
-    for (PetscInt b = 0; b < st->dim; b++) {
-      gradient[a] -= inverse[a * st->dim + b] * st->X[b][k] * st->dW[k] / st->r[k];
-    }
-  }
+  const PetscReal factor = 2.0 / (PetscReal)(st->dim + 2);
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < st->n; k++)
+    w[k] = factor * st->V[k] * (st->ddW[k] - st->dW[k] / st->r[k]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  LaplacianRow_DirectScalar - Laplacian of the kernel itself
+
+    (lap f)_i = sum_j V_j (W'' + (d-1) W'/r) (f_j - f_i)
+
+  Properties: symmetric with equal volumes; its weights change sign and it has negative eigenvalues,
+  on lattices too: what should be damped grows. Here for comparison.
+
+  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), model A where
+  div u = 0
+*/
+static PetscErrorCode LaplacianRow_DirectScalar(Stencil *st, PetscReal w[])
+{
+  const PetscReal factor = (PetscReal)(st->dim - 1);
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < st->n; k++)
+    w[k] = st->V[k] * (st->ddW[k] + factor * st->dW[k] / st->r[k]);
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
@@ -44,17 +74,9 @@ static inline void CorrectedKernelGradient(const Stencil *st, const PetscReal in
 */
 static PetscErrorCode LaplacianRow_Corrected(Stencil *st, PetscReal w[])
 {
-  PetscReal inverse[ISPH_MAX_DIM * ISPH_MAX_DIM], gradient[ISPH_MAX_DIM];
-
   PetscFunctionBegin;
-  if (!MomentInverse(st, inverse)) st->weak++;
-  for (PetscInt k = 0; k < st->n; k++) {
-    PetscReal dot = 0.0;
-
-    CorrectedKernelGradient(st, inverse, k, gradient);
-    for (PetscInt a = 0; a < st->dim; a++) dot += st->X[a][k] * gradient[a];
-    w[k] = 2.0 * st->V[k] * dot / PetscSqr(st->r[k]);
-  }
+  CorrectKernel_FirstOrder(st, w, NULL);
+  for (PetscInt k = 0; k < st->n; k++) w[k] = -2.0 * st->V[k] * w[k] / st->r[k];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -74,139 +96,113 @@ static PetscErrorCode LaplacianRow_Schwaiger(Stencil *st, PetscReal w[])
   PetscReal sum[ISPH_MAX_DIM] = {0.0}, trace = 0.0;
 
   PetscFunctionBegin;
-  if (!MomentInverse(st, inverse)) st->weak++;
+  for (PetscInt k = 0; k < st->n; k++) w[k] = -st->V[k] * st->dW[k] / st->r[k];
+  if (!MomentInverse(st, w, inverse)) st->weak++;
   for (PetscInt a = 0; a < st->dim; a++) {
     trace += inverse[a * st->dim + a] / st->dim;
-    for (PetscInt k = 0; k < st->n; k++) sum[a] -= st->V[k] * st->X[a][k] * st->dW[k] / st->r[k];
+    for (PetscInt k = 0; k < st->n; k++) sum[a] += w[k] * st->X[a][k];
   }
   for (PetscInt k = 0; k < st->n; k++) {
     PetscReal dot = 0.0;
 
     CorrectedKernelGradient(st, inverse, k, gradient);
     for (PetscInt a = 0; a < st->dim; a++) dot += gradient[a] * sum[a];
-    w[k] = -2.0 * trace * st->V[k] * (st->dW[k] / st->r[k] + dot);
+    w[k] = 2.0 * trace * (w[k] - st->V[k] * dot);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define SYM_MAX (ISPH_MAX_DIM * (ISPH_MAX_DIM + 1) / 2)
-
 /*
-  The symmetric matrix B of Fatehi & Manzari, packed (a >= b, off-diagonal entries counted once):
-  solves  sum_k V_k W' (B:ee) [-X_a X_b/r + (X/r).G^ab] = delta_ab,  G^ab = M^-1 sum V X_a X_b
-  grad_i W.
+  LaplacianRow_Lsph - Renormalised meshless Laplacian
+
+    (lap f)_i = 2d sum_j c_j (f_j - f_i) / sum_j c_j r^2,   c_j = V_j W (1 - X.B o),
+    o = sum_j V_j W X,   B = (sum_j V_j W X X^T)^-1
+
+  Properties: exact for linear fields and |x - x_i|^2; error O(1) in general quadratics on disorder.
+
+  Reference: J. Basic, N. Degiuli, D. Ban, J. Comput. Phys. 354 (2018) 269-287
 */
-static PetscErrorCode FatehiManzariMatrix(const Stencil *st, const PetscReal inverse[],
-                                          PetscReal B[])
-{
-  const PetscInt d = st->dim, n = d * (d + 1) / 2;
-  PetscReal      G[SYM_MAX][ISPH_MAX_DIM] = {{0.0}}, lhs[SYM_MAX][SYM_MAX + 1] = {{0.0}},
-            gradient[ISPH_MAX_DIM];
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < st->n; k++) {
-    CorrectedKernelGradient(st, inverse, k, gradient);
-    for (PetscInt a = 0, s = 0; a < d; a++) {
-      for (PetscInt b = 0; b <= a; b++, s++) {
-        for (PetscInt c = 0; c < d; c++)
-          G[s][c] += st->V[k] * st->X[a][k] * st->X[b][k] * gradient[c];
-      }
-    }
-  }
-  for (PetscInt k = 0; k < st->n; k++) {
-    const PetscReal r = st->r[k];
-
-    for (PetscInt a = 0, s = 0; a < d; a++) {
-      for (PetscInt b = 0; b <= a; b++, s++) {
-        PetscReal bracket = -st->X[a][k] * st->X[b][k] / r;
-
-        for (PetscInt c = 0; c < d; c++) bracket += st->X[c][k] / r * G[s][c];
-        for (PetscInt e = 0, q = 0; e < d; e++) {
-          for (PetscInt f = 0; f <= e; f++, q++) {
-            lhs[s][q] += st->V[k] * st->dW[k] * (e == f ? 1.0 : 2.0) * st->X[e][k] * st->X[f][k] /
-                         (r * r) * bracket;
-          }
-        }
-      }
-    }
-  }
-  for (PetscInt a = 0, s = 0; a < d; a++) {
-    for (PetscInt b = 0; b <= a; b++, s++) lhs[s][n] = a == b ? 1.0 : 0.0;
-  }
-  for (PetscInt p = 0; p < n; p++) { /* Gauss with partial pivoting: the matrix is not symmetric */
-    PetscInt best = p;
-
-    for (PetscInt s = p + 1; s < n; s++)
-      best = PetscAbsReal(lhs[s][p]) > PetscAbsReal(lhs[best][p]) ? s : best;
-    for (PetscInt q = 0; q <= n; q++) {
-      const PetscReal swap = lhs[p][q];
-
-      lhs[p][q]    = lhs[best][q];
-      lhs[best][q] = swap;
-    }
-    for (PetscInt s = 0; s < n; s++) {
-      const PetscReal factor = s == p || lhs[p][p] == 0.0 ? 0.0 : lhs[s][p] / lhs[p][p];
-
-      for (PetscInt q = p; q <= n; q++) lhs[s][q] -= factor * lhs[p][q];
-    }
-  }
-  for (PetscInt s = 0; s < n; s++) B[s] = lhs[s][s] == 0.0 ? 0.0 : lhs[s][n] / lhs[s][s];
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  LaplacianRow_FatehiManzari - Laplacian with the gradient's error removed and a matrix B_i chosen
-  so that quadratics are exact
-
-    (lap f)_i = 2 sum_j V_j W' (B_i : ee) [ (f_i - f_j)/r - e.g_i ],   e = (x_i - x_j)/r
-
-  Properties: exact for quadratics on any arrangement; not symmetric.
-
-  Reference: R. Fatehi, M. T. Manzari, Comput. Math. Appl. 61 (2011) 482-498
-*/
-static PetscErrorCode LaplacianRow_FatehiManzari(Stencil *st, PetscReal w[])
+static PetscErrorCode LaplacianRow_Lsph(Stencil *st, PetscReal w[])
 {
   const PetscInt d = st->dim;
-  PetscReal      inverse[ISPH_MAX_DIM * ISPH_MAX_DIM], B[SYM_MAX], gradient[ISPH_MAX_DIM];
-  PetscReal      Q[ISPH_MAX_DIM] = {0.0};
+  PetscReal      B[ISPH_MAX_DIM * ISPH_MAX_DIM], o[ISPH_MAX_DIM] = {0.0}, Bo[ISPH_MAX_DIM] = {0.0},
+                                            sum = 0.0;
 
   PetscFunctionBegin;
-  if (!MomentInverse(st, inverse)) st->weak++;
-  PetscCall(FatehiManzariMatrix(st, inverse, B));
   for (PetscInt k = 0; k < st->n; k++) {
-    PetscReal bee = 0.0;
-
-    for (PetscInt a = 0, s = 0; a < d; a++) {
-      for (PetscInt b = 0; b <= a; b++, s++) {
-        bee += (a == b ? 1.0 : 2.0) * B[s] * st->X[a][k] * st->X[b][k] / PetscSqr(st->r[k]);
-      }
+    w[k] = st->V[k] * st->W[k];
+    for (PetscInt a = 0; a < d; a++) o[a] += w[k] * st->X[a][k];
+  }
+  if (MomentInverse(st, w, B)) {
+    for (PetscInt a = 0; a < d; a++) {
+      for (PetscInt b = 0; b < d; b++) Bo[a] += B[a * d + b] * o[b];
     }
-    w[k] = -2.0 * st->V[k] * st->dW[k] * bee / st->r[k];
-    for (PetscInt a = 0; a < d; a++) Q[a] -= w[k] * st->X[a][k];
+  } else {
+    st->weak++;
   }
   for (PetscInt k = 0; k < st->n; k++) {
-    CorrectedKernelGradient(st, inverse, k, gradient);
-    for (PetscInt a = 0; a < d; a++) w[k] += st->V[k] * Q[a] * gradient[a];
+    PetscReal dot = 0.0;
+
+    for (PetscInt a = 0; a < d; a++) dot += st->X[a][k] * Bo[a];
+    w[k] *= 1.0 - dot;
+    sum += w[k] * PetscSqr(st->r[k]);
+  }
+  for (PetscInt k = 0; k < st->n; k++) w[k] *= 2.0 * (PetscReal)d / sum;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define PAIRWISE  (FORM_NULL_CONSTANTS | FORM_FULL_SUPPORT)
+#define ADAPTED   (FORM_NULL_CONSTANTS | FORM_EXACT_LINEAR | FORM_SAFE_IMPLICIT)
+#define QUADRATIC (ADAPTED | FORM_EXACT_QUADRATIC)
+
+static const LaplacianRow laplacians[] = {
+    /* name, brief, citation, properties, corrections it can take, row */
+    {"morris", "finite difference times kernel gradient (VISC-01, model E)",
+     "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)",
+     PAIRWISE | FORM_SYMMETRIC | FORM_SAFE_IMPLICIT, CORRECTION_SHEPARD | CORRECTION_FIRST_ORDER,
+     LaplacianRow_Morris},
+    {"gotoh", "from the kernel's Hessian along the pair (VISC-02)",
+     "Gotoh et al., Appl. Ocean Res. 46 (2014); Zheng, Ma & Shao, Water 10 (2018)",
+     PAIRWISE | FORM_SYMMETRIC | FORM_SAFE_IMPLICIT, CORRECTION_SHEPARD, LaplacianRow_Gotoh},
+    {"schwaiger", "morris freed from the error of linear fields (VISC-03)",
+     "Schwaiger, Int. J. Numer. Meth. Eng. 75 (2008)", ADAPTED | FORM_FULL_SUPPORT, 0,
+     LaplacianRow_Schwaiger},
+    {"corrected", "morris with -correction first_order, by its own name (VISC-04)",
+     "Oger et al., J. Comput. Phys. 225 (2007)", PAIRWISE | FORM_SAFE_IMPLICIT, 0,
+     LaplacianRow_Corrected},
+    {"direct_scalar", "Laplacian of the kernel; anti-diffusive, for comparison",
+     "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", PAIRWISE | FORM_SYMMETRIC,
+     CORRECTION_SHEPARD, LaplacianRow_DirectScalar},
+    {"fatehi_manzari", "exact for quadratics by a matrix per particle",
+     "Fatehi & Manzari, Comput. Math. Appl. 61 (2011)", QUADRATIC | FORM_FULL_SUPPORT, 0,
+     LaplacianRow_FatehiManzari},
+    {"mls", "quadratic moving least squares, takes boundary conditions in the fit",
+     "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", QUADRATIC, 0, LaplacianRow_Mls},
+    {"mls3", "cubic moving least squares, second order on disorder too",
+     "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", QUADRATIC, 0, LaplacianRow_Mls3},
+    {"lsph", "renormalised meshless Laplacian", "Basic, Degiuli & Ban, J. Comput. Phys. 354 (2018)",
+     ADAPTED | FORM_FULL_SUPPORT, 0, LaplacianRow_Lsph},
+};
+
+/* What a Laplacian declares, and the corrections it can take. */
+static PetscErrorCode LaplacianDescribe(const TableRow *row, char text[], size_t length)
+{
+  const LaplacianRow *form  = (const LaplacianRow *)(const void *)row;
+  const char         *comma = "; -correction ";
+
+  PetscFunctionBegin;
+  PetscCall(FormDescribe(form->properties, text, length));
+  for (PetscInt k = 0; k < CorrectionTable.count; k++) {
+    const CorrectionRow *correction =
+        (const CorrectionRow *)(const void *)TableGet(&CorrectionTable, k);
+
+    if (!(form->corrections & correction->bit)) continue;
+    PetscCall(PetscStrlcat(text, comma, length));
+    PetscCall(PetscStrlcat(text, correction->name, length));
+    comma = ", ";
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const LaplacianRow laplacians[] = {
-    /* name, brief, citation, symmetric, exact: linear, quadratic, full support, row */
-    {"morris", "finite difference times kernel gradient (VISC-01, model E)",
-     "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)", PETSC_TRUE, PETSC_FALSE, PETSC_FALSE,
-     PETSC_TRUE, LaplacianRow_Morris},
-    {"corrected", "morris with first-order corrected gradient (VISC-04)",
-     "Oger et al., J. Comput. Phys. 225 (2007)", PETSC_FALSE, PETSC_FALSE, PETSC_FALSE, PETSC_TRUE,
-     LaplacianRow_Corrected},
-    {"schwaiger", "morris freed from the error of linear fields (VISC-03)",
-     "Schwaiger, Int. J. Numer. Meth. Eng. 75 (2008)", PETSC_FALSE, PETSC_TRUE, PETSC_FALSE,
-     PETSC_TRUE, LaplacianRow_Schwaiger},
-    {"fatehi_manzari", "exact for quadratics by a matrix per particle",
-     "Fatehi & Manzari, Comput. Math. Appl. 61 (2011)", PETSC_FALSE, PETSC_TRUE, PETSC_TRUE,
-     PETSC_TRUE, LaplacianRow_FatehiManzari},
-    {"mls", "quadratic moving least squares, takes boundary conditions in the fit",
-     "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", PETSC_FALSE, PETSC_TRUE, PETSC_TRUE,
-     PETSC_FALSE, LaplacianRow_Mls},
-};
-const Table LaplacianTable = TABLE("-visc_laplacian, -ppe_laplacian", "Laplacians", laplacians);
+const Table LaplacianTable =
+    TABLE_DESCRIBED("-visc_laplacian, -ppe_laplacian", "Laplacians", laplacians, LaplacianDescribe);

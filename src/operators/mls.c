@@ -1,38 +1,22 @@
 /*
-  Moving least squares, quadratic and interpolating: about particle i the fit
+  Moving least squares, interpolating: about particle i the fit
 
-    f(x_i + X) - f_i = sum_t c_t phi_t(X/R),   phi = X_a, X_a X_b (a <= b),   R the support's
+    f(x_i + X) - f_i = sum_t c_t phi_t(X/R),   phi = X_a, X_a X_b (a <= b), ...,   R the support's
   radius,
 
   minimises sum_k W_k (equation of neighbour k)^2. Where a wall particle bears a role, its equation
-  is the boundary condition: n.grad f = g, or n.f = n.f_wall for vectors. Exact for quadratics.
+  is the boundary condition: n.grad f = g, or n.f = n.f_wall for vectors (mlsvector.c). Exact for
+  polynomials of the fit's degree.
 
   Reference: G. R. Liu & Y. T. Gu, An Introduction to Meshfree Methods, Springer 2005, ch. 3;
   boundary conditions as equations of the fit: J. Kuhnert, PhD thesis, Kaiserslautern 1999 (finite
   pointsets).
 */
-#include "isph/operators.h"
-
-static inline PetscInt MlsTerms(PetscInt dim)
-{
-  return dim + dim * (dim + 1) / 2;
-}
-
-/* Basis at neighbour k: first the X_a, then the X_a X_b by rows of the lower triangle. */
-static inline void MlsBasis(const Stencil *st, PetscInt dim, PetscInt k, PetscReal phi[])
-{
-  PetscReal s[ISPH_MAX_DIM];
-  PetscInt  t = dim;
-
-  for (PetscInt a = 0; a < dim; a++) phi[a] = s[a] = st->X[a][k] / st->radius;
-  for (PetscInt a = 0; a < dim; a++) {
-    for (PetscInt b = 0; b <= a; b++) phi[t++] = s[a] * s[b];
-  }
-}
+#include "mls.h"
 
 /* Scaled n.grad of the basis at wall neighbour k. */
-static inline void MlsBasisNormalDerivative(const Stencil *st, PetscInt dim, PetscInt k,
-                                            PetscReal phi[])
+static inline void MlsBasisNormalDerivative(const Stencil *st, PetscInt dim, PetscInt degree,
+                                            PetscInt k, PetscReal phi[])
 {
   PetscReal s[ISPH_MAX_DIM], n[ISPH_MAX_DIM];
   PetscInt  t = dim;
@@ -44,25 +28,33 @@ static inline void MlsBasisNormalDerivative(const Stencil *st, PetscInt dim, Pet
   for (PetscInt a = 0; a < dim; a++) {
     for (PetscInt b = 0; b <= a; b++) phi[t++] = n[a] * s[b] + s[a] * n[b];
   }
+  for (PetscInt a = 0; degree > 2 && a < dim; a++) {
+    for (PetscInt b = 0; b <= a; b++) {
+      for (PetscInt c = 0; c <= b; c++)
+        phi[t++] = n[a] * s[b] * s[c] + s[a] * n[b] * s[c] + s[a] * s[b] * n[c];
+    }
+  }
 }
 
 /* The left-hand side of the equation of neighbour k, and what its right-hand side is scaled by. */
-static inline PetscReal MlsEquation(const Stencil *st, PetscInt dim, PetscInt k, PetscReal phi[])
+static inline PetscReal MlsEquation(const Stencil *st, PetscInt dim, PetscInt degree, PetscInt k,
+                                    PetscReal phi[])
 {
   if (st->fits_walls && st->wall[k] && st->role == ROLE_NORMAL_DERIVATIVE) {
-    MlsBasisNormalDerivative(st, dim, k, phi);
+    MlsBasisNormalDerivative(st, dim, degree, k, phi);
     return st->scale;
   }
-  MlsBasis(st, dim, k, phi);
+  MlsBasis(st, dim, degree, k, phi);
   return 1.0;
 }
 
 /*
-  Factors a moment matrix; where the points do not determine the fit, a ridge makes it the smallest
-  of the best fits and the stencil counts it.
+  MlsFactorOrRidge - Factors a moment matrix; where the points do not determine the fit, a ridge
+  makes it the smallest of the best fits and the stencil counts it
+
+  Not collective. Input: copy - of the moments, which the factor replaces.
 */
-static void MlsFactorOrRidge(PetscInt n, PetscReal moments[], const PetscReal copy[],
-                             PetscInt *weak)
+void MlsFactorOrRidge(PetscInt n, PetscReal moments[], const PetscReal copy[], PetscInt *weak)
 {
   PetscReal ridge = 1e-8;
 
@@ -77,17 +69,19 @@ static void MlsFactorOrRidge(PetscInt n, PetscReal moments[], const PetscReal co
   }
 }
 
-/* Moment matrix sum_k W_k phi_k phi_k^T, lower triangle; inlined with a constant dim. */
-static inline void MlsMoments(const Stencil *st, PetscInt dim, PetscReal moments[])
+/* Moment matrix sum_k W_k phi_k phi_k^T; inlined with constant dim and degree. */
+static inline void MlsMomentsInline(const Stencil *st, PetscInt dim, PetscInt degree,
+                                    PetscReal moments[])
 {
-  const PetscInt terms = dim + dim * (dim + 1) / 2;
-  PetscReal      phi[MLS_MAX_TERMS], sum[MLS_MAX_TERMS * (MLS_MAX_TERMS + 1) / 2] = {0.0};
+  const PetscInt terms = MlsTerms(dim, degree);
+  PetscReal      phi[MLS_MAX_TERMS], sum[MLS_MAX_TERMS * (MLS_MAX_TERMS + 1) / 2];
   PetscInt       s = 0;
 
+  for (PetscInt e = 0; e < terms * (terms + 1) / 2; e++) sum[e] = 0.0;
   for (PetscInt k = 0; k < st->n; k++) {
     PetscInt e = 0;
 
-    (void)MlsEquation(st, dim, k, phi);
+    (void)MlsEquation(st, dim, degree, k, phi);
     for (PetscInt t = 0; t < terms; t++) {
       const PetscReal weighted = st->W[k] * phi[t];
 
@@ -99,34 +93,52 @@ static inline void MlsMoments(const Stencil *st, PetscInt dim, PetscReal moments
   }
 }
 
-/*
-  MlsFactor - Makes the stencil's fit ready for its present role
-
-  Not collective. Does nothing where the fit is already valid.
-*/
-PetscErrorCode MlsFactor(Stencil *st)
+static void MlsMoments(const Stencil *st, PetscInt degree, PetscReal moments[])
 {
-  PetscReal copy[MLS_MAX_TERMS * MLS_MAX_TERMS];
+  if (st->dim == 2 && degree == 2) MlsMomentsInline(st, 2, 2, moments);
+  else if (st->dim == 2) MlsMomentsInline(st, 2, 3, moments);
+  else if (degree == 2) MlsMomentsInline(st, 3, 2, moments);
+  else MlsMomentsInline(st, 3, 3, moments);
+}
+
+/*
+  The cubic fit of the stencil's present role.
+
+  Returns: PETSC_FALSE where the neighbours do not determine it
+*/
+static PetscBool MlsFactorCubic(const Stencil *st, MlsFit *fit)
+{
+  fit->degree = 3;
+  fit->terms  = MlsTerms(st->dim, 3);
+  MlsMoments(st, 3, fit->factor);
+  return DenseCholesky(fit->terms, fit->factor) ? PETSC_FALSE : PETSC_TRUE;
+}
+
+/* Makes the stencil's quadratic fit ready for its present role, where it is not already. */
+static PetscErrorCode MlsFactor(Stencil *st)
+{
+  MlsFit   *fit = &st->fit;
+  PetscReal copy[MLS_QUADRATIC_TERMS * MLS_QUADRATIC_TERMS];
 
   PetscFunctionBegin;
-  if (st->fit.valid) PetscFunctionReturn(PETSC_SUCCESS);
-  st->fit.terms = MlsTerms(st->dim);
-  if (st->dim == 2) MlsMoments(st, 2, st->fit.factor);
-  else MlsMoments(st, 3, st->fit.factor);
-  PetscCall(PetscArraycpy(copy, st->fit.factor, st->fit.terms * st->fit.terms));
-  MlsFactorOrRidge(st->fit.terms, st->fit.factor, copy, &st->weak);
-  st->fit.valid = PETSC_TRUE;
+  if (fit->valid) PetscFunctionReturn(PETSC_SUCCESS);
+  fit->degree = 2;
+  fit->terms  = MlsTerms(st->dim, 2);
+  MlsMoments(st, 2, fit->factor);
+  PetscCall(PetscArraycpy(copy, fit->factor, fit->terms * fit->terms));
+  MlsFactorOrRidge(fit->terms, fit->factor, copy, &st->weak);
+  fit->valid = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static inline void MlsWeightsInline(const Stencil *st, PetscInt dim, const PetscReal c[],
-                                    PetscReal w[])
+static inline void MlsWeightsInline(const Stencil *st, PetscInt dim, PetscInt degree,
+                                    const PetscReal c[], PetscReal w[])
 {
-  const PetscInt terms = dim + dim * (dim + 1) / 2;
+  const PetscInt terms = MlsTerms(dim, degree);
 
   for (PetscInt k = 0; k < st->n; k++) {
     PetscReal       phi[MLS_MAX_TERMS], sum = 0.0;
-    const PetscReal scale = MlsEquation(st, dim, k, phi);
+    const PetscReal scale = MlsEquation(st, dim, degree, k, phi);
 
     for (PetscInt t = 0; t < terms; t++) sum += phi[t] * c[t];
     w[k] = scale * st->W[k] * sum;
@@ -134,42 +146,69 @@ static inline void MlsWeightsInline(const Stencil *st, PetscInt dim, const Petsc
 }
 
 /*
-  MlsWeights - Weights of a functional of the fit
+  Weights of a functional of a fit, one number for each basis function in scaled coordinates X/R:
 
     sum_t functional_t c_t = sum_k w_k (right-hand side of neighbour k)
-
-  Not collective. Input: functional - one number for each basis function, in scaled coordinates X/R.
 */
-PetscErrorCode MlsWeights(Stencil *st, const PetscReal functional[], PetscReal w[])
+static void MlsWeights(const Stencil *st, const MlsFit *fit, const PetscReal functional[],
+                       PetscReal w[])
 {
   PetscReal c[MLS_MAX_TERMS];
 
-  PetscFunctionBegin;
-  PetscCall(MlsFactor(st));
-  for (PetscInt t = 0; t < st->fit.terms; t++) c[t] = functional[t];
-  DenseCholeskySolve(st->fit.terms, st->fit.factor, c);
-  if (st->dim == 2) MlsWeightsInline(st, 2, c, w);
-  else MlsWeightsInline(st, 3, c, w);
-  PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt t = 0; t < fit->terms; t++) c[t] = functional[t];
+  DenseCholeskySolve(fit->terms, fit->factor, c);
+  if (st->dim == 2 && fit->degree == 2) MlsWeightsInline(st, 2, 2, c, w);
+  else if (st->dim == 2) MlsWeightsInline(st, 2, 3, c, w);
+  else if (fit->degree == 2) MlsWeightsInline(st, 3, 2, c, w);
+  else MlsWeightsInline(st, 3, 3, c, w);
 }
 
-/*
-  LaplacianRow_Mls - Laplacian of the quadratic fit, lap f = 2/R^2 sum_a c_aa
-
-  Properties: exact for quadratics on any arrangement; not symmetric; takes wall roles.
-*/
-PetscErrorCode LaplacianRow_Mls(Stencil *st, PetscReal w[])
+/* lap f = 2/R^2 sum_a c_aa of a fit of either degree. */
+static void MlsLaplacian(const Stencil *st, const MlsFit *fit, PetscReal w[])
 {
   PetscReal functional[MLS_MAX_TERMS] = {0.0};
   PetscInt  t                         = st->dim;
 
-  PetscFunctionBegin;
   for (PetscInt a = 0; a < st->dim; a++) {
     for (PetscInt b = 0; b <= a; b++, t++) {
       if (a == b) functional[t] = 2.0 / PetscSqr(st->radius);
     }
   }
-  PetscCall(MlsWeights(st, functional, w));
+  MlsWeights(st, fit, functional, w);
+}
+
+/*
+  LaplacianRow_Mls - Laplacian of the quadratic fit
+
+    lap f = 2/R^2 sum_a c_aa
+
+  Properties: exact for quadratics on any arrangement; not symmetric; takes wall roles.
+*/
+PetscErrorCode LaplacianRow_Mls(Stencil *st, PetscReal w[])
+{
+  PetscFunctionBegin;
+  PetscCall(MlsFactor(st));
+  MlsLaplacian(st, &st->fit, w);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  LaplacianRow_Mls3 - Laplacian of the cubic fit; where its points do not determine that, of the
+  quadratic one, and the stencil counts it
+
+  Properties: exact for cubics, so of second order on disorder too; not symmetric; takes wall roles.
+*/
+PetscErrorCode LaplacianRow_Mls3(Stencil *st, PetscReal w[])
+{
+  MlsFit cubic;
+
+  PetscFunctionBegin;
+  if (MlsFactorCubic(st, &cubic)) {
+    MlsLaplacian(st, &cubic, w);
+  } else {
+    st->weak++;
+    PetscCall(LaplacianRow_Mls(st, w));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -177,80 +216,12 @@ PetscErrorCode LaplacianRow_Mls(Stencil *st, PetscReal w[])
 PetscErrorCode GradientRow_Mls(Stencil *st, PetscReal *g[])
 {
   PetscFunctionBegin;
+  PetscCall(MlsFactor(st));
   for (PetscInt a = 0; a < st->dim; a++) {
-    PetscReal functional[MLS_MAX_TERMS] = {0.0};
+    PetscReal functional[MLS_QUADRATIC_TERMS] = {0.0};
 
     functional[a] = 1.0 / st->radius;
-    PetscCall(MlsWeights(st, functional, g[a]));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Moment matrix of the vector fit: components coupled by the equations n.f of wall neighbours. */
-static void MlsVectorMoments(const Stencil *st, PetscReal moments[])
-{
-  const PetscInt d = st->dim, terms = MlsTerms(d), n = d * terms;
-
-  for (PetscInt k = 0; k < st->n; k++) {
-    PetscReal phi[MLS_MAX_TERMS];
-
-    MlsBasis(st, d, k, phi);
-    for (PetscInt c = 0; c < d; c++) {
-      for (PetscInt e = 0; e < d; e++) {
-        const PetscReal couple =
-            st->wall[k] ? st->normal[c][k] * st->normal[e][k] : (c == e ? 1.0 : 0.0);
-
-        if (couple == 0.0) continue;
-        for (PetscInt t = 0; t < terms; t++) {
-          const PetscReal weighted = couple * st->W[k] * phi[t];
-
-          for (PetscInt q = 0; q < terms; q++)
-            moments[(c * terms + t) * n + e * terms + q] += weighted * phi[q];
-        }
-      }
-    }
-  }
-}
-
-/*
-  DivergenceFit_Mls - Divergence of a vector fit that sees of each wall only its normal velocity
-
-    div u = sum_c c_c,c/R,  least: sum_k W_k |u_k - u_i - fit|^2 + sum_w W_w (n.(u_w - u_i - fit))^2
-
-  over fluid neighbours k and wall neighbours w.
-
-  The wall's tangential velocity (a lid's jump at a corner) is none of the divergence's business;
-  the fit couples the components so that this holds for any orientation of the wall.
-
-  Output Parameters:
-+ d - d[c][k] multiplies (u_k - u_i)_c of fluid neighbour k, zero for walls [1/m]
-- m - m[k] multiplies n.(u_k - u_i) of wall neighbour k, zero for fluid [1/m]
-*/
-PetscErrorCode DivergenceFit_Mls(Stencil *st, PetscReal *d[], PetscReal m[])
-{
-  const PetscInt dim = st->dim, terms = MlsTerms(dim), n = dim * terms;
-  PetscReal      moments[ISPH_MAX_DIM * ISPH_MAX_DIM * MLS_MAX_TERMS * MLS_MAX_TERMS] = {0.0};
-  PetscReal      copy[ISPH_MAX_DIM * ISPH_MAX_DIM * MLS_MAX_TERMS * MLS_MAX_TERMS];
-  PetscReal      c[ISPH_MAX_DIM * MLS_MAX_TERMS] = {0.0};
-
-  PetscFunctionBegin;
-  MlsVectorMoments(st, moments);
-  PetscCall(PetscArraycpy(copy, moments, n * n));
-  MlsFactorOrRidge(n, moments, copy, &st->weak);
-  for (PetscInt a = 0; a < dim; a++) c[a * terms + a] = 1.0 / st->radius;
-  DenseCholeskySolve(n, moments, c);
-  for (PetscInt k = 0; k < st->n; k++) {
-    PetscReal phi[MLS_MAX_TERMS];
-
-    MlsBasis(st, dim, k, phi);
-    m[k] = 0.0;
-    for (PetscInt a = 0; a < dim; a++) {
-      PetscReal sum = 0.0;
-
-      for (PetscInt t = 0; t < terms; t++) sum += phi[t] * c[a * terms + t];
-      if (st->wall[k]) m[k] += st->W[k] * st->normal[a][k] * sum;
-      d[a][k] = st->wall[k] ? 0.0 : st->W[k] * sum;
-    }
+    MlsWeights(st, &st->fit, functional, g[a]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -48,30 +48,29 @@ void DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[])
 }
 
 /*
-  MomentInverse - Inverse of the first moment matrix of a stencil
+  MomentInverse - Inverse of a second moment matrix of a stencil
 
-    M_ab = sum_j V_j X_b dW/dx_a = -sum_j V_j (W'/r) X_a X_b  -> delta_ab
+    M_ab = sum_k weight_k X_a X_b
 
   Not collective.
 
+  Input Parameter:
+. weight - of each neighbour; -V W'/r makes M the first moment of the kernel's gradient, near delta
+
   Output Parameter:
-. inverse - dim x dim by rows [-]
+. inverse - dim x dim by rows
 
   Returns: PETSC_FALSE, and the unit matrix, where the neighbours do not span space
-
-  Reference: G. Oger et al., J. Comput. Phys. 225 (2007) 1472-1492
 */
-PetscBool MomentInverse(const Stencil *st, PetscReal inverse[])
+PetscBool MomentInverse(const Stencil *st, const PetscReal weight[], PetscReal inverse[])
 {
   const PetscInt d                              = st->dim;
   PetscReal      m[ISPH_MAX_DIM * ISPH_MAX_DIM] = {0.0};
   PetscBool      regular;
 
   for (PetscInt k = 0; k < st->n; k++) {
-    const PetscReal weight = -st->V[k] * st->dW[k] / st->r[k];
-
     for (PetscInt a = 0; a < d; a++) {
-      for (PetscInt b = 0; b <= a; b++) m[a * d + b] += weight * st->X[a][k] * st->X[b][k];
+      for (PetscInt b = 0; b <= a; b++) m[a * d + b] += weight[k] * st->X[a][k] * st->X[b][k];
     }
   }
   regular = DenseCholesky(d, m) ? PETSC_FALSE : PETSC_TRUE;

@@ -4,25 +4,67 @@
 */
 #include "isph/operators.h"
 
+static PetscErrorCode OperatorsChooseLaplacian(PetscOptionItems *PetscOptionsObject,
+                                               const char option[], const char text[],
+                                               const CorrectionRow *correction, LaplacianForm *form)
+{
+  PetscFunctionBegin;
+  PetscCall(TableSelect(&LaplacianTable, option, text, "mls", &form->row));
+  if (form->row->corrections & correction->bit) form->correction = correction;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The Laplacians that the physics needs; one correction for both, where they can take it. */
+static PetscErrorCode OperatorsChooseLaplacians(PetscOptionItems *PetscOptionsObject,
+                                                const Scene *scene, Operators *ops)
+{
+  const CorrectionRow *correction;
+
+  PetscFunctionBegin;
+  PetscCall(TableSelect(&CorrectionTable, "-correction",
+                        "Correction of the kernel in Laplacians that can take it", "none",
+                        &correction));
+  if (SceneHas(scene, PHYSICS_VISCOSITY)) {
+    PetscCall(OperatorsChooseLaplacian(PetscOptionsObject, "-visc_laplacian",
+                                       "Form of the viscous term", correction, &ops->visc_form));
+  }
+  if (SceneHas(scene, PHYSICS_PRESSURE)) {
+    PetscCall(OperatorsChooseLaplacian(PetscOptionsObject, "-ppe_laplacian",
+                                       "Form of the pressure Poisson equation", correction,
+                                       &ops->ppe_form));
+    UserCheck(LaplacianIs(&ops->ppe_form, FORM_SAFE_IMPLICIT),
+              "-ppe_laplacian %s: its matrix has eigenvalues of both signs, so no pressure can be "
+              "solved for; use a form that is safe_implicit in -catalogue, such as mls or morris",
+              ops->ppe_form.row->name);
+  }
+  UserCheck(!correction->Kernel || ops->visc_form.correction || ops->ppe_form.correction,
+            "-correction %s: no chosen Laplacian can take it; -catalogue lists those that do",
+            correction->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The wall treatment the user chose, or the one that his forms can meet. */
 static PetscErrorCode OperatorsChooseWall(PetscOptionItems *PetscOptionsObject, const Scene *scene,
                                           Operators *ops)
 {
-  const TableRow *blind = NULL; /* a chosen form that cannot do without particles behind walls */
-  const char     *kind  = "";
+  const char *blind = NULL; /* a chosen form that cannot do without particles behind walls */
+  const char *kind  = "";
 
   PetscFunctionBegin;
-  if (SceneHas(scene, PHYSICS_VISCOSITY) && ops->visc_form->full_support) {
-    blind = (const TableRow *)(const void *)ops->visc_form;
+  if (scene->problem->patch) {
+    ops->wall = &WallGiven;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (ops->visc_form.row && LaplacianIs(&ops->visc_form, FORM_FULL_SUPPORT)) {
+    blind = ops->visc_form.row->name;
     kind  = "-visc_laplacian";
   }
-  if (SceneHas(scene, PHYSICS_PRESSURE) && ops->ppe_form->full_support) {
-    blind = (const TableRow *)(const void *)ops->ppe_form;
+  if (ops->ppe_form.row && LaplacianIs(&ops->ppe_form, FORM_FULL_SUPPORT)) {
+    blind = ops->ppe_form.row->name;
     kind  = "-ppe_laplacian";
   }
-  if ((SceneHas(scene, PHYSICS_PRESSURE) || SceneHas(scene, PHYSICS_CONVECTION)) &&
-      ops->gradient->full_support) {
-    blind = (const TableRow *)(const void *)ops->gradient;
+  if (ops->gradient && (ops->gradient->properties & FORM_FULL_SUPPORT)) {
+    blind = ops->gradient->name;
     kind  = "-gradient";
   }
   PetscCall(TableSelect(&WallTable, "-wall",
@@ -31,7 +73,7 @@ static PetscErrorCode OperatorsChooseWall(PetscOptionItems *PetscOptionsObject, 
   UserCheck(!blind || !ops->wall->on_surface,
             "-wall %s: %s %s needs particles behind the wall; use -wall dummy_linear, or mls in "
             "its place",
-            ops->wall->name, kind, blind ? blind->name : "");
+            ops->wall->name, kind, blind);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -60,10 +102,12 @@ static PetscReal DefaultSmoothing(const Scene *scene)
 . -h_over_dx ratio     - smoothing length over particle spacing; see DefaultSmoothing()
 . -visc_laplacian name - form of the viscous term
 . -ppe_laplacian name  - form of the pressure Poisson equation
+. -correction name     - of the kernel that these Laplacians read
 . -gradient name       - form of gradients and divergences
 - -wall name           - wall treatment
 
-  Errors: forms that need particles behind walls are refused with a treatment that has none
+  Errors: forms that need particles behind walls are refused with a treatment that has none,
+  corrections with forms that do not read the kernel's slope, anti-diffusive forms for the pressure
 */
 PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
 {
@@ -76,14 +120,7 @@ PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
   PetscCall(TableSelect(&KernelTable, "-kernel", "Smoothing kernel", "wendland_c2", &ops->kernel));
   PetscCall(OptionReal("-h_over_dx", "Smoothing length over particle spacing [-]", 0.8, 4.0,
                        &h_over_dx, NULL));
-  if (SceneHas(scene, PHYSICS_VISCOSITY)) {
-    PetscCall(TableSelect(&LaplacianTable, "-visc_laplacian", "Form of the viscous term", "mls",
-                          &ops->visc_form));
-  }
-  if (SceneHas(scene, PHYSICS_PRESSURE)) {
-    PetscCall(TableSelect(&LaplacianTable, "-ppe_laplacian",
-                          "Form of the pressure Poisson equation", "mls", &ops->ppe_form));
-  }
+  PetscCall(OperatorsChooseLaplacians(PetscOptionsObject, scene, ops));
   if (SceneHas(scene, PHYSICS_PRESSURE) || SceneHas(scene, PHYSICS_CONVECTION)) {
     PetscCall(TableSelect(&GradientTable, "-gradient", "Form of gradients and divergences", "mls",
                           &ops->gradient));
@@ -101,7 +138,9 @@ PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
   }
   PetscCall(StencilCreate(scene->dim, ops->radius, 0.5 * ops->radius, &ops->stencil));
   ops->stencil->fits_walls = ops->wall ? ops->wall->on_surface : PETSC_FALSE;
-  *operators               = ops;
+  KernelEvaluate(ops->kernel, scene->dim, ops->h, 0.0, ops->stencil->self);
+  for (PetscInt k = 0; k < 3; k++) ops->stencil->self[k] *= SceneVolume(scene);
+  *operators = ops;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -145,7 +184,8 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
 PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, WallPlacement *walls)
 {
   PetscFunctionBegin;
-  walls->layers = 0;
+  walls->layers   = 0;
+  walls->jittered = scene->problem->patch;
   if (ops->wall && !ops->wall->on_surface) {
     walls->layers = (PetscInt)PetscCeilReal(ops->radius / scene->dx - 1e-9);
   }

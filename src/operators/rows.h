@@ -1,12 +1,27 @@
-/* Row functions of the least-squares forms, listed in the tables of laplacians.c and gradients.c.
- */
+/* Row functions that the tables of laplacians.c and gradients.c list but other files hold. */
 #ifndef ISPH_ROWS_H
 #define ISPH_ROWS_H
 
 #include "isph/operators.h"
 
+PetscErrorCode LaplacianRow_FatehiManzari(Stencil *stencil, PetscReal w[]);
 PetscErrorCode LaplacianRow_Mls(Stencil *stencil, PetscReal w[]);
+PetscErrorCode LaplacianRow_Mls3(Stencil *stencil, PetscReal w[]);
 PetscErrorCode GradientRow_Mls(Stencil *stencil, PetscReal *g[]);
 PetscErrorCode DivergenceFit_Mls(Stencil *stencil, PetscReal *d[], PetscReal m[]);
+void           CorrectKernel_FirstOrder(Stencil *stencil, PetscReal dW[], PetscReal ddW[]);
+PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length);
+
+/* M^-1 grad_i W for neighbour k, M^-1 = inverse of the first moment matrix. */
+static inline void CorrectedKernelGradient(const Stencil *st, const PetscReal inverse[], PetscInt k,
+                                           PetscReal gradient[])
+{
+  for (PetscInt a = 0; a < st->dim; a++) {
+    gradient[a] = 0.0;
+    for (PetscInt b = 0; b < st->dim; b++) {
+      gradient[a] -= inverse[a * st->dim + b] * st->X[b][k] * st->dW[k] / st->r[k];
+    }
+  }
+}
 
 #endif

@@ -4,8 +4,8 @@
 */
 #include "isph/operators.h"
 
-/* Particles on the surface have the wall's velocity. */
-static PetscReal WallBeta_Layer(const Scene *scene, PetscReal distance, PetscReal depth)
+/* Particles on the surface, or any with given values, speak for themselves. */
+static PetscReal WallBeta_Own(const Scene *scene, PetscReal distance, PetscReal depth)
 {
   return 1.0;
 }
@@ -30,8 +30,12 @@ static PetscReal WallBeta_DummyLinear(const Scene *scene, PetscReal distance, Pe
 static const WallRow walls[] = {
     {"wall_layer",
      "one layer of particles on the wall, its conditions equations of least-squares fits",
-     "Kuhnert (1999); divergence sees the normal velocity only", PETSC_TRUE, WallBeta_Layer},
+     "Kuhnert (1999); divergence sees the normal velocity only", PETSC_TRUE, WallBeta_Own},
     {"dummy_linear", "dummy layers behind the wall, velocities extrapolated linearly",
      "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)", PETSC_FALSE, WallBeta_DummyLinear},
 };
+/* Around the box of a patch test: no wall, particles whose values are given. */
+const WallRow WallGiven = {"given", "values given at particles around the box", "", PETSC_FALSE,
+                           WallBeta_Own};
+
 const Table WallTable = TABLE("-wall", "Wall treatments", walls);

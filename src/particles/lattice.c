@@ -105,8 +105,8 @@ static void CellOf(PetscInt dim, const PetscInt count[], PetscInt index, PetscIn
   }
 }
 
-/* Position of fluid particle id; a jittered one stays 0.3 of a cell away from walls. */
-static void FluidPosition(const Scene *scene, PetscInt id, PetscReal x[])
+/* Position of fluid particle id; a jittered one stays 0.3 of a cell away from walls that do not. */
+static void FluidPosition(const Scene *scene, WallPlacement walls, PetscInt id, PetscReal x[])
 {
   PetscInt cell[ISPH_MAX_DIM];
 
@@ -117,7 +117,8 @@ static void FluidPosition(const Scene *scene, PetscInt id, PetscReal x[])
     x[a] = scene->lo[a] + (cell[a] + 0.5) * h;
     if (scene->jitter > 0.0) x[a] += scene->jitter * scene->dx * ParticlesHash(scene->seed, id, a);
     if (scene->periodic[a]) x[a] -= side * PetscFloorReal((x[a] - scene->lo[a]) / side);
-    else x[a] = PetscMin(PetscMax(x[a], scene->lo[a] + 0.3 * h), scene->hi[a] - 0.3 * h);
+    else if (!walls.jittered)
+      x[a] = PetscMin(PetscMax(x[a], scene->lo[a] + 0.3 * h), scene->hi[a] - 0.3 * h);
   }
 }
 
@@ -145,7 +146,11 @@ static void WallParticle(const Scene *scene, WallPlacement walls, const WallSlab
     }
   }
   if (walls.layers == 0) p->x[side / 2][i] = side % 2 ? scene->hi[side / 2] : scene->lo[side / 2];
-  for (PetscInt a = 0; a < scene->dim; a++) p->normal[a][i] = 0.0;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    p->normal[a][i] = 0.0;
+    if (walls.jittered)
+      p->x[a][i] += scene->jitter * scene->dx * ParticlesHash(scene->seed, p->N_fluid + index, a);
+  }
   p->normal[side / 2][i] = side % 2 ? -1.0 : 1.0;
   p->depth[i]            = deepest;
   p->side[i]             = (PetscReal)side;
@@ -185,7 +190,7 @@ PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, Particles *p
     PetscReal x[ISPH_MAX_DIM];
 
     p->id[i] = (PetscInt)fluid + i;
-    FluidPosition(scene, p->id[i], x);
+    FluidPosition(scene, walls, p->id[i], x);
     for (PetscInt a = 0; a < p->dim; a++) p->x[a][i] = x[a];
   }
   for (PetscInt w = 0; w < p->n_wall; w++) {

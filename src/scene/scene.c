@@ -32,6 +32,8 @@ static PetscErrorCode SceneReadPhysics(PetscOptionItems *PetscOptionsObject, Sce
   unsigned with, without;
 
   PetscFunctionBegin;
+  scene->physics = scene->problem->physics;
+  if (scene->problem->patch) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(
       OptionFlags("-with", "Physics added to the case's own", PhysicsNames, PHYSICS_COUNT, &with));
   PetscCall(OptionFlags("-without", "Physics taken from the case's own", PhysicsNames,
@@ -81,20 +83,13 @@ static PetscErrorCode SceneReadForce(PetscOptionItems *PetscOptionsObject, Scene
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Resolution, dimension and fluid. */
-static PetscErrorCode SceneReadNumbers(PetscOptionItems *PetscOptionsObject, Scene *scene)
+/* The fluid; a patch test has none. */
+static PetscErrorCode SceneReadFluid(PetscOptionItems *PetscOptionsObject, Scene *scene)
 {
   PetscReal reynolds = scene->problem->reynolds, viscosity = 0.0;
   PetscBool set;
 
   PetscFunctionBegin;
-  PetscCall(OptionInt("-dim", "Space dimension", 2, 3, &scene->dim, NULL));
-  UserCheck(scene->dim == 2 || scene->problem->three_d, "-dim 3: case %s is two-dimensional",
-            scene->problem->name);
-  scene->n = scene->problem->n;
-  PetscCall(OptionInt("-n", "Particles along the reference length, dx = L/n", 4, 100000, &scene->n,
-                      NULL));
-  scene->dx = scene->length / scene->n;
   PetscCall(OptionsRefuseTogether("-reynolds", "-viscosity", "one follows from the other"));
   PetscCall(OptionReal("-reynolds", "Reynolds number U L/nu [-]", 1e-12, 1e12, &reynolds, NULL));
   scene->nu = scene->speed * scene->problem->reynolds_length * scene->length / reynolds;
@@ -103,9 +98,30 @@ static PetscErrorCode SceneReadNumbers(PetscOptionItems *PetscOptionsObject, Sce
       OptionReal("-viscosity", "Kinematic viscosity nu [m^2/s]", 1e-12, 1e12, &viscosity, &set));
   if (set) scene->nu = viscosity;
   PetscCall(OptionReal("-density", "Density rho [kg/m^3]", 1e-12, 1e12, &scene->rho, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Dimension, resolution and disorder. */
+static PetscErrorCode SceneReadNumbers(PetscOptionItems *PetscOptionsObject, Scene *scene)
+{
+  PetscFunctionBegin;
+  PetscCall(OptionInt("-dim", "Space dimension", 2, 3, &scene->dim, NULL));
+  UserCheck(scene->dim == 2 || scene->problem->three_d, "-dim 3: case %s is two-dimensional",
+            scene->problem->name);
+  scene->n = scene->problem->n;
+  PetscCall(OptionInt("-n", "Particles along the reference length, dx = L/N", 4, 100000, &scene->n,
+                      NULL));
+  scene->dx = scene->length / scene->n;
   PetscCall(OptionReal("-jitter", "Largest random displacement of the lattice at the start [dx]",
                        0.0, 0.5, &scene->jitter, NULL));
-  PetscCall(OptionInt("-seed", "Seed of the jitter", 0, PETSC_MAX_INT, &scene->seed, NULL));
+  PetscCall(OptionInt("-seed", "Seed of the jitter and of random fields", 0, PETSC_MAX_INT,
+                      &scene->seed, NULL));
+  if (scene->problem->patch) {
+    PetscCall(OptionReal("-patch_margin", "What is left out at the sides of the unit square [dx]",
+                         0.0, 1e5, &scene->margin, NULL));
+  } else {
+    PetscCall(SceneReadFluid(PetscOptionsObject, scene));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -126,7 +142,8 @@ static PetscErrorCode SceneReadNumbers(PetscOptionItems *PetscOptionsObject, Sce
 . -body_force fx,fy,fz    - per unit mass, in place of the case's own
 . -with, -without names   - physics against the case's declaration
 . -jitter J               - largest random displacement of the start lattice, in dx
-- -seed S                 - of the jitter
+. -seed S                 - of the jitter and of random fields
+- -patch_margin M         - of a patch test, which reads nothing of the fluid and the physics [dx]
 
   and -motion, a row of its table, where there is convection
 */
@@ -148,7 +165,7 @@ PetscErrorCode SceneCreate(Scene **scene)
         TableSelect(&MotionTable, "-motion", "Whether particles move", "lagrangian", &s->motion));
   }
   PetscCall(s->problem->Setup(s));
-  PetscCall(SceneReadForce(PetscOptionsObject, s));
+  if (!s->problem->patch) PetscCall(SceneReadForce(PetscOptionsObject, s));
   PetscOptionsEnd();
   for (PetscInt a = 0; a < s->dim; a++) {
     s->cells[a] = (PetscInt)PetscFloorReal((s->hi[a] - s->lo[a]) / s->dx + 0.5);

@@ -80,7 +80,7 @@ PetscErrorCode TableSelect_Private(PetscOptionItems *PetscOptionsObject, const T
 }
 
 /*
-  TableView - Lists a table for -catalogue: name, what it is, who published it
+  TableView - Lists a table for -catalogue: name, what it is, who published it, what it declares
 
   Collective on the viewer.
 */
@@ -94,6 +94,12 @@ PetscErrorCode TableView(const Table *table, PetscViewer viewer)
     PetscCall(PetscViewerASCIIPrintf(viewer, "  %-16s %s\n", row->name, row->brief));
     if (row->citation[0])
       PetscCall(PetscViewerASCIIPrintf(viewer, "  %-16s [%s]\n", "", row->citation));
+    if (table->Describe) {
+      char text[256] = "";
+
+      PetscCall(table->Describe(row, text, sizeof(text)));
+      PetscCall(PetscViewerASCIIPrintf(viewer, "  %-16s %s\n", "", text));
+    }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

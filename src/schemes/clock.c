@@ -118,3 +118,12 @@ PetscErrorCode ClockChoose(const Scene *scene, PetscReal speed, Clock *clock)
   clock->dt = dt;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* ClockWhere - "step 12 (t = 0.34)" of the step at hand, in CLOCK_WHERE letters; not collective */
+PetscErrorCode ClockWhere(const Clock *clock, char where[])
+{
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(where, CLOCK_WHERE, "step %" PetscInt_FMT " (t = %.6g)", clock->step + 1,
+                          (double)(clock->t + clock->dt)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -4,7 +4,7 @@
   convergence with a residual as large as the right-hand side; a flow computed from that is wrong
   without a word.
 */
-#include "guard.h"
+#include "isph/guard.h"
 
 /* How far the true residual may exceed what was asked, and what no tolerance of the user's makes
  * good. */
@@ -36,6 +36,30 @@ static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A note on what is legal but unwise with the chosen form. */
+static PetscErrorCode GuardNote(KSP ksp, const LaplacianForm *form, Guard *guard)
+{
+  PetscBool   needs_symmetry;
+  const char *type, *name = form->row->name;
+
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)ksp, &needs_symmetry, KSPCG, KSPFCG, KSPGROPPCG,
+                                      KSPPIPECG, KSPMINRES, KSPSYMMLQ, KSPCR, ""));
+  PetscCall(KSPGetType(ksp, &type));
+  if (needs_symmetry && !guard->symmetric) {
+    PetscCall(PetscSNPrintf(guard->note, sizeof(guard->note),
+                            "-%sksp_type %s wants a symmetric matrix, that of %s is not: it may "
+                            "fail or take longer than gmres",
+                            guard->prefix, type, name));
+  } else if (!LaplacianIs(form, FORM_SAFE_IMPLICIT)) {
+    PetscCall(PetscSNPrintf(guard->note, sizeof(guard->note),
+                            "-%slaplacian %s is anti-diffusive: it amplifies what it should damp, "
+                            "and an implicit step may be singular",
+                            guard->prefix, name));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   GuardAttach - Puts the guard on a KSP; to be called after KSPSetFromOptions()
 
@@ -43,20 +67,24 @@ static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
   -ksp_rtol means the true residual.
 
   Input Parameter:
-. symmetric - whether the matrix will be
+. form - the Laplacian that the matrix is of
+
+  Output Parameter:
+. guard - its note says what is legal but unwise
 
   Errors: refuses Cholesky factors of a matrix that is not symmetric, and absolute tolerances
 */
-PetscErrorCode GuardAttach(KSP ksp, PetscBool symmetric, Guard *guard)
+PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
 {
   PetscBool preonly, chosen, cholesky, icc;
   PC        pc;
 
   PetscFunctionBegin;
+  guard->symmetric = LaplacianIs(form, FORM_SYMMETRIC);
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCICC, &icc));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCCHOLESKY, &cholesky));
-  UserCheck(symmetric || (!icc && !cholesky),
+  UserCheck(guard->symmetric || (!icc && !cholesky),
             "-%spc_type %s: the chosen form's matrix is not symmetric; use %s", guard->prefix,
             icc ? PCICC : PCCHOLESKY, icc ? "ilu or bjacobi" : "lu");
   PetscCall(PetscOptionsHasName(NULL, guard->prefix, "-ksp_atol", &chosen));
@@ -67,7 +95,7 @@ PetscErrorCode GuardAttach(KSP ksp, PetscBool symmetric, Guard *guard)
   PetscCall(PetscOptionsHasName(NULL, guard->prefix, "-ksp_norm_type", &chosen));
   if (!preonly && !chosen) PetscCall(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
   PetscCall(KSPSetPostSolve(ksp, Guard_PostSolve, guard));
-  guard->symmetric = symmetric;
+  PetscCall(GuardNote(ksp, form, guard));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -111,9 +139,12 @@ static PetscErrorCode GuardRemedy(KSP ksp, PC pc, const Guard *guard, char remed
 
   Collective.
 
+  Input Parameter:
+. where - the beginning of the sentence, as ClockWhere() gives it
+
   Errors: PETSC_ERR_NOT_CONVERGED with the step, the methods, the reason and what to try
 */
-PetscErrorCode GuardCheck(KSP ksp, const Clock *clock, Guard *guard)
+PetscErrorCode GuardCheck(KSP ksp, const char where[], Guard *guard)
 {
   const char *const *reasons = KSPConvergedReasons;
   char               remedy[256];
@@ -129,11 +160,10 @@ PetscErrorCode GuardCheck(KSP ksp, const Clock *clock, Guard *guard)
   PetscCall(PCGetType(pc, &pc_type));
   PetscCall(GuardRemedy(ksp, pc, guard, remedy, sizeof(remedy)));
   PetscCheck(PETSC_FALSE, PETSC_COMM_WORLD, PETSC_ERR_NOT_CONVERGED,
-             "step %" PetscInt_FMT
-             " (t = %.6g): the %s solve by %s with %s ended with %s after %" PetscInt_FMT
+             "%s: the %s solve by %s with %s ended with %s after %" PetscInt_FMT
              " iterations, true residual %.1e of the right-hand side; %s",
-             clock->step + 1, (double)(clock->t + clock->dt), guard->what, ksp_type, pc_type,
-             reasons[guard->reason], guard->iterations, (double)guard->residual, remedy);
+             where, guard->what, ksp_type, pc_type, reasons[guard->reason], guard->iterations,
+             (double)guard->residual, remedy);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

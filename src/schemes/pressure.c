@@ -7,7 +7,7 @@
   The rank-one term makes the matrix regular: it fixes the mean of phi and takes from b the uniform
   source that no phi can answer (the left null vector of an unsymmetric L is not constant).
 */
-#include "guard.h"
+#include "isph/guard.h"
 
 struct Pressure {
   KSP      ksp;
@@ -39,32 +39,45 @@ static PetscErrorCode PressureDefaults(void)
 }
 
 /*
+  PressureSolver - A KSP for -dx^2 L, with the options of prefix ppe_ and its guard
+
+  Collective on PETSC_COMM_WORLD. By default cg for a symmetric form, else fgmres, with hypre
+  BoomerAMG. Input: rtol - the tolerance where the user gives none; guard - with what and prefix.
+*/
+PetscErrorCode PressureSolver(const LaplacianForm *form, PetscReal rtol, KSP *ksp, Guard *guard)
+{
+  PC pc;
+
+  PetscFunctionBegin;
+  PetscCall(PressureDefaults());
+  PetscCall(KSPCreate(PETSC_COMM_WORLD, ksp));
+  PetscCall(KSPSetOptionsPrefix(*ksp, guard->prefix));
+  PetscCall(KSPSetType(*ksp, LaplacianIs(form, FORM_SYMMETRIC) ? KSPCG : KSPFGMRES));
+  PetscCall(KSPSetTolerances(*ksp, rtol, PETSC_SMALL * PETSC_SMALL, PETSC_DEFAULT, 500));
+  PetscCall(KSPGetPC(*ksp, &pc));
+  PetscCall(PCSetType(pc, PCHYPRE));
+  PetscCall(KSPSetFromOptions(*ksp));
+  PetscCall(GuardAttach(*ksp, form, guard));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
   PressureCreate - The KSP of the pressure equation
 
   Collective on PETSC_COMM_WORLD.
 
   Options Database Keys:
-. -ppe_ksp_type, -ppe_pc_type, ... - any of PETSc's; by default cg for a symmetric form, else
-                                     fgmres, with hypre BoomerAMG
+. -ppe_ksp_type, -ppe_pc_type, ... - any of PETSc's, see PressureSolver()
 */
 PetscErrorCode PressureCreate(const Operators *ops, Pressure **ppe)
 {
   Pressure *s;
-  PC        pc;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&s));
   s->guard.what   = "pressure";
   s->guard.prefix = "ppe_";
-  PetscCall(PressureDefaults());
-  PetscCall(KSPCreate(PETSC_COMM_WORLD, &s->ksp));
-  PetscCall(KSPSetOptionsPrefix(s->ksp, "ppe_"));
-  PetscCall(KSPSetType(s->ksp, ops->ppe_form->symmetric ? KSPCG : KSPFGMRES));
-  PetscCall(KSPSetTolerances(s->ksp, 1e-5, PETSC_SMALL * PETSC_SMALL, PETSC_DEFAULT, 500));
-  PetscCall(KSPGetPC(s->ksp, &pc));
-  PetscCall(PCSetType(pc, PCHYPRE));
-  PetscCall(KSPSetFromOptions(s->ksp));
-  PetscCall(GuardAttach(s->ksp, ops->ppe_form->symmetric, &s->guard));
+  PetscCall(PressureSolver(&ops->ppe_form, 1e-5, &s->ksp, &s->guard));
   *ppe = s;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -144,6 +157,7 @@ PetscErrorCode PressureSolve(const Clock *clock, const Particles *p, const Opera
 {
   PetscReal   norm;
   PetscScalar mean;
+  char        where[CLOCK_WHERE];
 
   PetscFunctionBegin;
   PetscCall(PressureUpdateMatrices(p, ops, s));
@@ -154,7 +168,8 @@ PetscErrorCode PressureSolve(const Clock *clock, const Particles *p, const Opera
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(KSPSolve(s->ksp, b, phi));
-  PetscCall(GuardCheck(s->ksp, clock, &s->guard));
+  PetscCall(ClockWhere(clock, where));
+  PetscCall(GuardCheck(s->ksp, where, &s->guard));
   s->iterations = s->guard.iterations;
   if (s->its_new == 0) s->its_new = s->iterations;
   PetscCall(VecSum(phi, &mean));
@@ -172,6 +187,12 @@ PetscErrorCode PressureNames(const Pressure *s, const char **ksp, const char **p
   PetscCall(KSPGetPC(s->ksp, &inner));
   PetscCall(PCGetType(inner, pc));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* PressureNote - What is unwise in the choice of solver and form, or "" */
+const char *PressureNote(const Pressure *s)
+{
+  return s->guard.note;
 }
 
 /* PressureIterations - Iterations of the last solve */

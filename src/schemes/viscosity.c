@@ -7,7 +7,7 @@
   (timekinds.c); v is the advecting velocity of particles that do not move, given for the whole
   step.
 */
-#include "guard.h"
+#include "isph/guard.h"
 
 typedef struct {
   Viscosity *visc;
@@ -157,7 +157,7 @@ static PetscErrorCode ViscosityCreateSolver(const Scene *scene, PetscReal dt, co
   PetscFunctionBegin;
   PetscCall(TSGetSNES(v->ts[0], &snes));
   PetscCall(SNESGetKSP(snes, &v->ksp));
-  PetscCall(KSPSetType(v->ksp, ops->visc_form->symmetric ? KSPCG : KSPGMRES));
+  PetscCall(KSPSetType(v->ksp, LaplacianIs(&ops->visc_form, FORM_SYMMETRIC) ? KSPCG : KSPGMRES));
   PetscCall(KSPSetTolerances(v->ksp, 1e-7, PETSC_SMALL * PETSC_SMALL, PETSC_DEFAULT, 1000));
   PetscCall(KSPGetPC(v->ksp, &pc));
   PetscCall(PCSetType(pc, stiffness < 2.0 ? PCJACOBI : stiffness < 200.0 ? PCBJACOBI : PCHYPRE));
@@ -223,7 +223,7 @@ PetscErrorCode ViscosityCreate(const Scene *scene, PetscReal dt, const Operators
     PetscCall(TSAdaptSetType(adapt, TSADAPTNONE));
     PetscCall(TSSetFromOptions(v->ts[c]));
   }
-  if (v->ksp) PetscCall(GuardAttach(v->ksp, ops->visc_form->symmetric, &v->guard));
+  if (v->ksp) PetscCall(GuardAttach(v->ksp, &ops->visc_form, &v->guard));
   *visc = v;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -270,7 +270,6 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
   PetscCall(GuardRenewPC(v->ksp));
   PetscCall(MatDestroy(&v->J));
   PetscCall(MatDuplicate(v->ops->visc.A, MAT_DO_NOT_COPY_VALUES, &v->J));
-  PetscCall(MatSetOptionsPrefix(v->J, "visc_"));
   for (PetscInt c = 0; c < v->dim; c++) {
     PetscCall(TSSetIJacobian(v->ts[c], v->J, v->J, ViscosityIJacobian, &v->component[c]));
   }
@@ -288,8 +287,10 @@ static PetscErrorCode ViscosityStepComponent(Viscosity *v, const Clock *clock, P
   PetscInt          its_before = 0, its_after = 0;
   TSConvergedReason reason = TS_CONVERGED_ITERATING;
   TS                ts     = v->ts[c];
+  char              where[CLOCK_WHERE];
 
   PetscFunctionBegin;
+  PetscCall(ClockWhere(clock, where));
   PetscCall(TSSetSolution(ts, u));
   PetscCall(TSSetTime(ts, t));
   PetscCall(TSSetTimeStep(ts, dt));
@@ -300,11 +301,9 @@ static PetscErrorCode ViscosityStepComponent(Viscosity *v, const Clock *clock, P
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_ITERATING));
     PetscCall(TSStep(ts));
     PetscCall(TSGetConvergedReason(ts, &reason));
-    if (v->ksp) PetscCall(GuardCheck(v->ksp, clock, &v->guard));
+    if (v->ksp) PetscCall(GuardCheck(v->ksp, where, &v->guard));
     PetscCheck(reason >= 0, PETSC_COMM_WORLD, PETSC_ERR_NOT_CONVERGED,
-               "step %" PetscInt_FMT
-               " (t = %.6g): the viscous TS %s ended with %s; try a smaller time step",
-               clock->step + 1, (double)(clock->t + clock->dt), v->row->name,
+               "%s: the viscous TS %s ended with %s; try a smaller time step", where, v->row->name,
                TSConvergedReasons[reason]);
     PetscCall(TSGetTime(ts, &now));
     PetscCall(TSGetTimeStep(ts, &next));
@@ -380,6 +379,18 @@ PetscErrorCode ViscosityNames(const Viscosity *v, const char **ts, const char **
   PetscCall(KSPGetPC(v->ksp, &inner));
   PetscCall(PCGetType(inner, pc));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ViscosityMatrix - Matrix of the last implicit solve, shift I - nu A; NULL: there was none */
+Mat ViscosityMatrix(const Viscosity *v)
+{
+  return v->J;
+}
+
+/* ViscosityNote - What is unwise in the choice of solver and form, or "" */
+const char *ViscosityNote(const Viscosity *v)
+{
+  return v->guard.note;
 }
 
 /* ViscosityIterations - KSP iterations of the last solve, all components together */

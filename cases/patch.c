@@ -1,0 +1,18 @@
+/*
+  The box of patch tests: particles at cell centres of the unit square or cube, the outermost
+  -patch_margin spacings left out. src/patch/ does the rest.
+*/
+#include "cases.h"
+
+PetscErrorCode PatchSetup(Scene *scene)
+{
+  PetscFunctionBegin;
+  UserCheck(scene->n - 2.0 * scene->margin >= 2.0,
+            "-patch_margin %.6g: with -n %" PetscInt_FMT " at most %.6g is allowed",
+            (double)scene->margin, scene->n, 0.5 * (double)scene->n - 1.0);
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    scene->lo[a] = scene->margin * scene->dx;
+    scene->hi[a] = scene->length - scene->margin * scene->dx;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,86 @@
+/*
+  Corrections of the kernel, for the pairwise Laplacians that read nothing but its derivatives along
+  the pair: W' and W''. A correction gives them anew for each neighbour of one particle.
+*/
+#include "rows.h"
+
+/*
+  CorrectKernel_Shepard - Derivatives of the kernel divided by the sum of kernels
+
+    psi_j = W_j/S,   S = sum_k V_k W_k, the particle itself included
+    W'  <- -(X/r).grad psi = W'/S + W (X.grad S)/(r S^2)
+    W'' <- lap psi - (d-1) W'/r,
+    lap psi = lap W/S - 2 grad W.grad S/S^2 - W lap S/S^2 + 2 W |grad S|^2/S^3
+
+  so that a row with W'' + (d-1) W'/r becomes the Laplacian of Shepard's interpolant.
+
+  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eqs (22), (23)
+*/
+static void CorrectKernel_Shepard(Stencil *st, PetscReal dW[], PetscReal ddW[])
+{
+  const PetscReal d = (PetscReal)st->dim;
+  PetscReal S = st->self[0], lap_S = d * st->self[2], grad_S[ISPH_MAX_DIM] = {0.0}, grad2 = 0.0;
+
+  for (PetscInt k = 0; k < st->n; k++) {
+    const PetscReal slope = st->dW[k] / st->r[k];
+
+    S += st->V[k] * st->W[k];
+    lap_S += st->V[k] * (st->ddW[k] + (d - 1.0) * slope);
+    for (PetscInt a = 0; a < st->dim; a++) grad_S[a] -= st->V[k] * slope * st->X[a][k];
+  }
+  for (PetscInt a = 0; a < st->dim; a++) grad2 += PetscSqr(grad_S[a]);
+  for (PetscInt k = 0; k < st->n; k++) {
+    const PetscReal W = st->W[k], slope = st->dW[k] / st->r[k];
+    PetscReal       along = 0.0, lap; /* X.grad S */
+
+    for (PetscInt a = 0; a < st->dim; a++) along += st->X[a][k] * grad_S[a];
+    lap = (st->ddW[k] + (d - 1.0) * slope) / S + (2.0 * slope * along - W * lap_S) / PetscSqr(S) +
+          2.0 * W * grad2 / (S * S * S);
+    dW[k]  = st->dW[k] / S + W * along / (st->r[k] * PetscSqr(S));
+    ddW[k] = lap - (d - 1.0) * dW[k] / st->r[k];
+  }
+}
+
+/*
+  CorrectKernel_FirstOrder - Slope of the kernel along the pair, its gradient corrected
+
+    W' <- -(X/r).M^-1 grad_i W,   M = sum_j V_j (grad_i W) X^T
+
+  Where the neighbours do not span space, M is the unit matrix and the stencil counts it.
+
+  Output Parameters:
++ dW  - W'; may be what the caller has for any purpose, but not st->dW
+- ddW - W'', unchanged; may be NULL
+
+  Reference: J. Bonet, T.-S. L. Lok, Comput. Methods Appl. Mech. Eng. 180 (1999) 97-115
+*/
+void CorrectKernel_FirstOrder(Stencil *st, PetscReal dW[], PetscReal ddW[])
+{
+  const PetscInt d = st->dim;
+  PetscReal      inverse[ISPH_MAX_DIM * ISPH_MAX_DIM];
+
+  for (PetscInt k = 0; k < st->n; k++) dW[k] = -st->V[k] * st->dW[k] / st->r[k];
+  if (!MomentInverse(st, dW, inverse)) st->weak++;
+  for (PetscInt k = 0; k < st->n; k++) {
+    PetscReal sum = 0.0;
+
+    for (PetscInt a = 0; a < d; a++) {
+      for (PetscInt b = 0; b < d; b++) sum += st->X[a][k] * inverse[a * d + b] * st->X[b][k];
+    }
+    dW[k] = st->dW[k] * sum / PetscSqr(st->r[k]);
+    if (ddW) ddW[k] = st->ddW[k];
+  }
+}
+
+static const CorrectionRow corrections[] = {
+    /* name, brief, citation, bit, kernel */
+    {"none", "the kernel as it is", "", 0, NULL},
+    {"shepard", "kernel over the sum of kernels",
+     "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", CORRECTION_SHEPARD,
+     CorrectKernel_Shepard},
+    {"first_order", "gradient times the inverse moment matrix; morris with it is corrected",
+     "Bonet & Lok, Comput. Methods Appl. Mech. Eng. 180 (1999)", CORRECTION_FIRST_ORDER,
+     CorrectKernel_FirstOrder},
+};
+const Table CorrectionTable =
+    TABLE("-correction", "Corrections of the kernel in Laplacians", corrections);

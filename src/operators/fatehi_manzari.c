@@ -1,0 +1,108 @@
+/*
+  The Laplacian of Fatehi and Manzari: a pairwise form whose two errors on disorder are removed, that
+  of linear fields by the corrected gradient and that of quadratics by a matrix for each particle.
+*/
+#include "rows.h"
+
+#define SYM_MAX (ISPH_MAX_DIM * (ISPH_MAX_DIM + 1) / 2)
+
+/*
+  The symmetric matrix B of Fatehi & Manzari, packed (a >= b, off-diagonal entries counted once):
+  solves  sum_k V_k W' (B:ee) [-X_a X_b/r + (X/r).G^ab] = delta_ab,  G^ab = M^-1 sum V X_a X_b
+  grad_i W.
+*/
+static PetscErrorCode FatehiManzariMatrix(const Stencil *st, const PetscReal inverse[],
+                                          PetscReal B[])
+{
+  const PetscInt d = st->dim, n = d * (d + 1) / 2;
+  PetscReal      G[SYM_MAX][ISPH_MAX_DIM] = {{0.0}}, lhs[SYM_MAX][SYM_MAX + 1] = {{0.0}},
+            gradient[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < st->n; k++) {
+    CorrectedKernelGradient(st, inverse, k, gradient);
+    for (PetscInt a = 0, s = 0; a < d; a++) {
+      for (PetscInt b = 0; b <= a; b++, s++) {
+        for (PetscInt c = 0; c < d; c++)
+          G[s][c] += st->V[k] * st->X[a][k] * st->X[b][k] * gradient[c];
+      }
+    }
+  }
+  for (PetscInt k = 0; k < st->n; k++) {
+    const PetscReal r = st->r[k];
+
+    for (PetscInt a = 0, s = 0; a < d; a++) {
+      for (PetscInt b = 0; b <= a; b++, s++) {
+        PetscReal bracket = -st->X[a][k] * st->X[b][k] / r;
+
+        for (PetscInt c = 0; c < d; c++) bracket += st->X[c][k] / r * G[s][c];
+        for (PetscInt e = 0, q = 0; e < d; e++) {
+          for (PetscInt f = 0; f <= e; f++, q++) {
+            lhs[s][q] += st->V[k] * st->dW[k] * (e == f ? 1.0 : 2.0) * st->X[e][k] * st->X[f][k] /
+                         (r * r) * bracket;
+          }
+        }
+      }
+    }
+  }
+  for (PetscInt a = 0, s = 0; a < d; a++) {
+    for (PetscInt b = 0; b <= a; b++, s++) lhs[s][n] = a == b ? 1.0 : 0.0;
+  }
+  for (PetscInt p = 0; p < n; p++) { /* Gauss with partial pivoting: the matrix is not symmetric */
+    PetscInt best = p;
+
+    for (PetscInt s = p + 1; s < n; s++)
+      best = PetscAbsReal(lhs[s][p]) > PetscAbsReal(lhs[best][p]) ? s : best;
+    for (PetscInt q = 0; q <= n; q++) {
+      const PetscReal swap = lhs[p][q];
+
+      lhs[p][q]    = lhs[best][q];
+      lhs[best][q] = swap;
+    }
+    for (PetscInt s = 0; s < n; s++) {
+      const PetscReal factor = s == p || lhs[p][p] == 0.0 ? 0.0 : lhs[s][p] / lhs[p][p];
+
+      for (PetscInt q = p; q <= n; q++) lhs[s][q] -= factor * lhs[p][q];
+    }
+  }
+  for (PetscInt s = 0; s < n; s++) B[s] = lhs[s][s] == 0.0 ? 0.0 : lhs[s][n] / lhs[s][s];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  LaplacianRow_FatehiManzari - Laplacian with the gradient's error removed and a matrix B_i chosen
+  so that quadratics are exact
+
+    (lap f)_i = 2 sum_j V_j W' (B_i : ee) [ (f_i - f_j)/r - e.g_i ],   e = (x_i - x_j)/r
+
+  Properties: exact for quadratics on any arrangement; not symmetric.
+
+  Reference: R. Fatehi, M. T. Manzari, Comput. Math. Appl. 61 (2011) 482-498
+*/
+PetscErrorCode LaplacianRow_FatehiManzari(Stencil *st, PetscReal w[])
+{
+  const PetscInt d = st->dim;
+  PetscReal      inverse[ISPH_MAX_DIM * ISPH_MAX_DIM], B[SYM_MAX], gradient[ISPH_MAX_DIM];
+  PetscReal      Q[ISPH_MAX_DIM] = {0.0};
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < st->n; k++) w[k] = -st->V[k] * st->dW[k] / st->r[k];
+  if (!MomentInverse(st, w, inverse)) st->weak++;
+  PetscCall(FatehiManzariMatrix(st, inverse, B));
+  for (PetscInt k = 0; k < st->n; k++) {
+    PetscReal bee = 0.0;
+
+    for (PetscInt a = 0, s = 0; a < d; a++) {
+      for (PetscInt b = 0; b <= a; b++, s++) {
+        bee += (a == b ? 1.0 : 2.0) * B[s] * st->X[a][k] * st->X[b][k] / PetscSqr(st->r[k]);
+      }
+    }
+    w[k] = -2.0 * st->V[k] * st->dW[k] * bee / st->r[k];
+    for (PetscInt a = 0; a < d; a++) Q[a] -= w[k] * st->X[a][k];
+  }
+  for (PetscInt k = 0; k < st->n; k++) {
+    CorrectedKernelGradient(st, inverse, k, gradient);
+    for (PetscInt a = 0; a < d; a++) w[k] += st->V[k] * Q[a] * gradient[a];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

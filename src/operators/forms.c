@@ -1,0 +1,67 @@
+/*
+  What forms declare of themselves, and a Laplacian as chosen: a row of the table that reads the
+  kernel, corrected or not.
+*/
+#include "rows.h"
+
+const char *const FormPropertyNames[FORM_PROPERTY_COUNT] = {"null_constants", "symmetric",
+                                                            "exact_linear",   "exact_quadratic",
+                                                            "full_support",   "safe_implicit"};
+
+/* FormDescribe - The names of properties, "null_constants, symmetric"; not collective */
+PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < FORM_PROPERTY_COUNT; k++) {
+    if (!(properties & (1u << k))) continue;
+    if (text[0]) PetscCall(PetscStrlcat(text, ", ", length));
+    PetscCall(PetscStrlcat(text, FormPropertyNames[k], length));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  LaplacianIs - Whether a Laplacian as chosen has a property
+
+  Not collective. A corrected kernel differs from particle to particle: no matrix of it is
+  symmetric.
+*/
+PetscBool LaplacianIs(const LaplacianForm *form, FormProperty property)
+{
+  unsigned properties = form->row->properties;
+
+  if (form->correction) properties &= ~(unsigned)FORM_SYMMETRIC;
+  return (properties & (unsigned)property) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/*
+  LaplacianWeights - The row of a Laplacian as chosen
+
+  Not collective.
+
+  Output Parameter:
+. w - w[k] multiplies f_k - f_i [m^-2], or what LaplacianRow says of wall roles
+*/
+PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *st, PetscReal w[])
+{
+  PetscReal *const dW = st->dW, *const ddW = st->ddW;
+
+  PetscFunctionBegin;
+  if (form->correction) {
+    form->correction->Kernel(st, st->corrected[0], st->corrected[1]);
+    st->dW  = st->corrected[0];
+    st->ddW = st->corrected[1];
+  }
+  PetscCall(form->row->Row(st, w));
+  st->dW  = dW;
+  st->ddW = ddW;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* OperatorsCorrection - Name of the correction that some Laplacian of the run takes, or "none" */
+const char *OperatorsCorrection(const Operators *ops)
+{
+  if (ops->visc_form.correction) return ops->visc_form.correction->name;
+  if (ops->ppe_form.correction) return ops->ppe_form.correction->name;
+  return TableGet(&CorrectionTable, 0)->name;
+}

@@ -1,0 +1,225 @@
+/*
+  The run of a patch test: a field on a box of particles and on those around it, the Laplacian of it
+  by the chosen form beside the exact one, and what that cost.
+*/
+#include "isph/patch.h"
+
+/* What the banner of a flow tells, as far as it is so here. */
+static PetscErrorCode PatchBanner(const Patch *patch)
+{
+  const Scene         *scene = patch->scene;
+  const LaplacianForm *form  = &patch->ops->visc_form;
+  const PetscViewer    out   = PETSC_VIEWER_STDOUT_WORLD;
+
+  PetscFunctionBegin;
+  PetscCall(PetscViewerASCIIPrintf(out, "isph %s, patch test: no flow\n", ISPH_VERSION));
+  PetscCall(
+      PetscViewerASCIIPrintf(out, "field       %s: %s\n", patch->field->name, patch->field->brief));
+  PetscCall(PetscViewerASCIIPrintf(out,
+                                   "particles   %" PetscInt_FMT "D, %" PetscInt_FMT
+                                   " measured + %" PetscInt_FMT
+                                   " around them, dx = %.4g, jitter %.3g dx\n",
+                                   scene->dim, patch->particles->N_fluid, patch->particles->N_wall,
+                                   (double)scene->dx, (double)scene->jitter));
+  PetscCall(PetscViewerASCIIPrintf(out, "kernel      %s, h/dx = %.4g\n", patch->ops->kernel->name,
+                                   (double)(patch->ops->h / scene->dx)));
+  PetscCall(PetscViewerASCIIPrintf(out, "form        %s: %s\n", form->row->name, form->row->brief));
+  PetscCall(PetscViewerASCIIPrintf(out, "correction  %s\n", OperatorsCorrection(patch->ops)));
+  if (patch->ops->weak_rows) {
+    PetscCall(PetscViewerASCIIPrintf(
+        out, "weak        %" PetscInt_FMT " rows whose neighbours do not determine the form\n",
+        patch->ops->weak_rows));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PatchReadOptions(Patch *patch)
+{
+  PetscFunctionBegin;
+  patch->repeats = 3;
+  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Patch test", "");
+  PetscCall(TableSelect(&FieldTable, "-patch_field", "Field that the operators are applied to",
+                        "mixed", &patch->field));
+  PetscCall(OptionInt("-patch_repeats",
+                      "How often what is timed is repeated; the least time counts", 1, 1000,
+                      &patch->repeats, NULL));
+  PetscCall(PetscOptionsBool("-patch_spectrum", "Report eigenvalues and condition of -L", "",
+                             patch->spectrum, &patch->spectrum, NULL));
+  PetscCall(PetscOptionsBool("-patch_solve", "Solve the Poisson problem with L (KSP prefix ppe_)",
+                             "", patch->solve, &patch->solve, NULL));
+  PetscOptionsEnd();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The field over the box and around it, and its exact Laplacian. */
+static PetscErrorCode PatchSetField(Patch *patch)
+{
+  const Particles *p     = patch->particles;
+  const FieldRow  *field = patch->field;
+  const PetscInt   dim = patch->scene->dim, seed = patch->scene->seed;
+  PetscReal       *f, *around, *exact, x[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  PetscCall(FluidVec(p, NULL, &patch->f));
+  PetscCall(FluidVec(p, NULL, &patch->exact));
+  PetscCall(WallVec(p, &patch->f_around));
+  PetscCall(VecGetArray(patch->f, &f));
+  PetscCall(VecGetArray(patch->exact, &exact));
+  PetscCall(VecGetArray(patch->f_around, &around));
+  for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
+    for (PetscInt a = 0; a < dim; a++) x[a] = p->x[a][i];
+    if (i < p->n_fluid) {
+      f[i]     = field->Value(field, dim, seed, x);
+      exact[i] = field->Laplacian(field, dim, seed, x);
+    } else {
+      around[i - p->n_fluid] = field->Value(field, dim, seed, x);
+    }
+  }
+  PetscCall(VecRestoreArray(patch->f, &f));
+  PetscCall(VecRestoreArray(patch->exact, &exact));
+  PetscCall(VecRestoreArray(patch->f_around, &around));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Truncation error L f - lap f in four norms: relative ones, and zheng_err, the relative L1 norm over
+  the number of particles once more, which is what the paper prints. Where lap f vanishes the
+  error is left as it is, in units of the field over the square's side squared.
+*/
+static PetscErrorCode PatchCompare(const Patch *patch, Vec lap, Report *report)
+{
+  const NormType    type[3] = {NORM_1, NORM_2, NORM_INFINITY};
+  const char *const name[3] = {"laplacian_l1", "laplacian_l2", "laplacian_linf"};
+  PetscReal         l1      = 0.0;
+  Vec               error;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(lap, &error));
+  PetscCall(VecWAXPY(error, -1.0, patch->exact, lap));
+  for (PetscInt k = 0; k < 3; k++) {
+    PetscReal e, scale;
+
+    PetscCall(VecNorm(error, type[k], &e));
+    PetscCall(VecNorm(patch->exact, type[k], &scale));
+    if (scale > 0.0) e /= scale;
+    else if (type[k] == NORM_1) e /= (PetscReal)patch->particles->N_fluid;
+    else if (type[k] == NORM_2) e /= PetscSqrtReal((PetscReal)patch->particles->N_fluid);
+    if (type[k] == NORM_1) l1 = e;
+    PetscCall(ReportAddError(report, name[k], e));
+  }
+  PetscCall(ReportAddError(report, "zheng_err", l1 / (PetscReal)patch->particles->N_fluid));
+  PetscCall(VecDestroy(&error));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Assembles and applies L as often as asked; the least times are reported. */
+static PetscErrorCode PatchMeasure(Patch *patch, Report *report)
+{
+  PetscReal assemble = PETSC_MAX_REAL, apply = PETSC_MAX_REAL;
+  Vec       lap;
+
+  PetscFunctionBegin;
+  PetscCall(FluidVec(patch->particles, NULL, &lap));
+  for (PetscInt k = 0; k < patch->repeats; k++) {
+    PetscLogDouble start, assembled, applied;
+    PetscBool      changed;
+
+    PetscCall(ParticlesUpdateHalo(patch->particles)); /* positions count as new */
+    PetscCall(PetscTime(&start));
+    PetscCall(
+        OperatorsAssemble(patch->scene, patch->particles, patch->neighbors, patch->ops, &changed));
+    PetscCall(PetscTime(&assembled));
+    PetscCall(AffineApply(&patch->ops->visc, patch->f, patch->f_around, lap));
+    PetscCall(PetscTime(&applied));
+    assemble = PetscMin(assemble, assembled - start);
+    apply    = PetscMin(apply, applied - assembled);
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &assemble, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &apply, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
+  PetscCall(PatchCompare(patch, lap, report));
+  PetscCall(ReportAdd(report, "assemble_s", assemble));
+  PetscCall(ReportAdd(report, "apply_s", apply));
+  PetscCall(VecDestroy(&lap));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PatchCreate(const Scene *scene, Patch *patch)
+{
+  WallPlacement around;
+
+  PetscFunctionBegin;
+  patch->scene = scene;
+  PetscCall(OperatorsCreate(scene, &patch->ops));
+  PetscCall(PatchReadOptions(patch));
+  PetscCall(OperatorsPlacement(scene, patch->ops, &around));
+  PetscCall(ParticlesCreate(scene, around, patch->ops->radius, &patch->particles));
+  PetscCall(NeighborsCreate(patch->ops->radius, &patch->neighbors));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PatchDestroy(Patch *patch)
+{
+  PetscFunctionBegin;
+  PetscCall(VecDestroy(&patch->f));
+  PetscCall(VecDestroy(&patch->f_around));
+  PetscCall(VecDestroy(&patch->exact));
+  PetscCall(NeighborsDestroy(&patch->neighbors));
+  PetscCall(ParticlesDestroy(&patch->particles));
+  PetscCall(OperatorsDestroy(&patch->ops));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  PatchRun - Runs a patch test from its scene to its report
+
+  Collective on PETSC_COMM_WORLD.
+
+  Options Database Keys:
++ -patch_field name  - row of the field table
+. -patch_repeats K   - of what is timed
+. -patch_spectrum    - eigenvalues and condition, see PatchSpectrum()
+. -patch_solve       - Poisson problem, see PatchSolve()
+- -visc_mat_view     - writes L, see MatrixFileCreate()
+
+  Notes: lengths are in units of the square's side
+*/
+PetscErrorCode PatchRun(const Scene *scene)
+{
+  Patch          patch = {0};
+  Report        *report;
+  MatrixFile    *matrix;
+  Flow           flow = {.scene = scene};
+  PetscBool      changed, wants_help;
+  PetscLogDouble start, end;
+
+  PetscFunctionBegin;
+  PetscCall(PetscTime(&start));
+  PetscCall(PatchCreate(scene, &patch));
+  PetscCall(ReportCreate(&report));
+  PetscCall(MatrixFileCreate("visc_", &matrix));
+  PetscCall(OptionGiven("-help", &wants_help));
+  if (!wants_help) {
+    if (!patch.solve) PetscCall(OptionsRefuseUnknown(PETSC_FALSE));
+    PetscCall(NeighborsUpdate(patch.particles, 0.0, patch.neighbors));
+    PetscCall(OperatorsAssemble(scene, patch.particles, patch.neighbors, patch.ops, &changed));
+    PetscCall(PatchBanner(&patch));
+    PetscCall(PatchSetField(&patch));
+    PetscCall(PatchMeasure(&patch, report));
+    PetscCall(PatchStructure(&patch, report));
+    if (patch.spectrum) PetscCall(PatchSpectrum(&patch, report));
+    if (patch.solve) PetscCall(PatchSolve(&patch, report));
+    PetscCall(MatrixFileWrite(patch.particles, patch.ops->visc.A, matrix));
+    PetscCall(OptionsRefuseUnknown(PETSC_TRUE));
+    PetscCall(PetscTime(&end));
+    flow.particles = patch.particles;
+    flow.neighbors = patch.neighbors;
+    flow.ops       = patch.ops;
+    PetscCall(ReportView(report, end - start, PETSC_VIEWER_STDOUT_WORLD));
+    PetscCall(ReportWrite(&flow, report, end - start, "ok"));
+    PetscCall(ReportCheck(report));
+  }
+  PetscCall(MatrixFileDestroy(&matrix));
+  PetscCall(ReportDestroy(&report));
+  PetscCall(PatchDestroy(&patch));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,66 @@
+/* The Poisson problem of a patch: L f = lap f on the box, f given around it, solved for f. */
+#include "isph/guard.h"
+#include "isph/patch.h"
+
+/* The right-hand side of -dx^2 A f = -dx^2 (lap f - B f_around). */
+static PetscErrorCode PoissonSource(const Patch *patch, Vec b)
+{
+  PetscFunctionBegin;
+  PetscCall(MatMult(patch->ops->visc.B, patch->f_around, b));
+  PetscCall(VecAYPX(b, -1.0, patch->exact));
+  PetscCall(VecScale(b, -PetscSqr(patch->scene->dx)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  PatchSolve - Solves the Poisson problem by the KSP of the pressure, prefix ppe_
+
+  Collective. Quantities: solution_l2 and solution_linf, relative to the field; solve_its; setup_s and
+  solve_s, of the preconditioner and of the iterations [s].
+
+  Options Database Keys:
+. -ppe_ksp_type, -ppe_pc_type, ... - any of PETSc's; to rtol 1e-10 by default
+
+  Errors: ends the run where the true residual is not small
+*/
+PetscErrorCode PatchSolve(const Patch *patch, Report *report)
+{
+  Guard          guard = {.what = "Poisson", .prefix = "ppe_"};
+  PetscLogDouble start, ready, end;
+  PetscReal      error[2], norm[2];
+  KSP            ksp;
+  Mat            A;
+  Vec            b, f;
+
+  PetscFunctionBegin;
+  PetscCall(PressureSolver(&patch->ops->visc_form, 1e-10, &ksp, &guard));
+  PetscCall(OptionsRefuseUnknown(PETSC_FALSE));
+  if (guard.note[0]) PetscCall(PetscPrintf(PETSC_COMM_WORLD, "unwise      %s\n", guard.note));
+  PetscCall(MatDuplicate(patch->ops->visc.A, MAT_COPY_VALUES, &A));
+  PetscCall(MatScale(A, -PetscSqr(patch->scene->dx)));
+  PetscCall(VecDuplicate(patch->f, &b));
+  PetscCall(VecDuplicate(patch->f, &f));
+  PetscCall(PoissonSource(patch, b));
+  PetscCall(PetscTime(&start));
+  PetscCall(KSPSetOperators(ksp, A, A));
+  PetscCall(KSPSetUp(ksp));
+  PetscCall(PetscTime(&ready));
+  PetscCall(KSPSolve(ksp, b, f));
+  PetscCall(PetscTime(&end));
+  PetscCall(GuardCheck(ksp, "patch test", &guard));
+  PetscCall(VecAXPY(f, -1.0, patch->f));
+  PetscCall(VecNorm(f, NORM_2, &error[0]));
+  PetscCall(VecNorm(f, NORM_INFINITY, &error[1]));
+  PetscCall(VecNorm(patch->f, NORM_2, &norm[0]));
+  PetscCall(VecNorm(patch->f, NORM_INFINITY, &norm[1]));
+  PetscCall(ReportAddError(report, "solution_l2", error[0] / norm[0]));
+  PetscCall(ReportAddError(report, "solution_linf", error[1] / norm[1]));
+  PetscCall(ReportAdd(report, "solve_its", guard.iterations));
+  PetscCall(ReportAdd(report, "setup_s", ready - start));
+  PetscCall(ReportAdd(report, "solve_s", end - ready));
+  PetscCall(VecDestroy(&f));
+  PetscCall(VecDestroy(&b));
+  PetscCall(MatDestroy(&A));
+  PetscCall(KSPDestroy(&ksp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,87 @@
+#!/usr/bin/env python3
+"""The matrices that -visc_mat_view and -ppe_mat_view write: the same on any number of ranks, row k that
+of the particle of id k, and what the solves use: I/k - nu L and -dx^2 L with L exact for linear fields.
+
+    matrices.py N DT NU COMMAND_1 --and COMMAND_2
+
+Both commands run the same flow of N x N particles in the unit square, the first with files a.bin, p.txt,
+the second with b.txt, q.bin."""
+import csv
+import struct
+import subprocess
+import sys
+
+
+def binary(path):
+    """PETSc's binary format: big-endian class, rows, columns, entries, row lengths, columns, values."""
+    with open(path, "rb") as file:
+        data = file.read()
+    kind, rows, cols, nnz = struct.unpack(">4i", data[:16])
+    assert kind == 1211216 and rows == cols, path
+    lengths = struct.unpack(f">{rows}i", data[16:16 + 4 * rows])
+    at = 16 + 4 * rows
+    columns = struct.unpack(f">{nnz}i", data[at:at + 4 * nnz])
+    values = struct.unpack(f">{nnz}d", data[at + 4 * nnz:at + 12 * nnz])
+    matrix, first = [], 0
+    for length in lengths:
+        matrix.append(dict(zip(columns[first:first + length], values[first:first + length])))
+        first += length
+    return matrix
+
+
+def ascii_(path):
+    matrix = []
+    with open(path) as file:
+        for line in file:
+            if not line.startswith("row "):
+                continue
+            head, entries = line.split(":", 1)
+            assert int(head[4:]) == len(matrix), line
+            pairs = entries.replace("(", " ").split(")")
+            matrix.append({int(c): float(v) for c, v in (p.split(",") for p in pairs if "," in p)})
+    return matrix
+
+
+def particles(path):
+    with open(path) as file:
+        rows = list(csv.DictReader(file))
+    assert [int(row["id"]) for row in rows] == list(range(len(rows))), path
+    return [(float(row["x"]), float(row["y"])) for row in rows]
+
+
+def difference(a, b):
+    assert len(a) == len(b) and all(set(r) == set(s) for r, s in zip(a, b)), "other entries"
+    largest = max(abs(v) for row in a for v in row.values())
+    return max(abs(r[c] - s[c]) for r, s in zip(a, b) for c in r) / largest
+
+
+def apply(matrix, f, row):
+    return sum(value * f[column] for column, value in matrix[row].items())
+
+
+def main():
+    n, dt, nu = int(sys.argv[1]), float(sys.argv[2]), float(sys.argv[3])
+    cut = sys.argv.index("--and")
+    for command in sys.argv[4:cut], sys.argv[cut + 1:]:
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    visc, ppe, x = binary("a.bin"), ascii_("p.txt"), particles("a.bin.particles.csv")
+    assert len(visc) == len(ppe) == len(x) == n * n
+    # Ranks change the rounding of 10 steps; ASCII has six digits.
+    assert difference(visc, ascii_("b.txt")) < 1e-5
+    assert difference(ppe, binary("q.bin")) < 1e-5
+    for here, there in zip(x, particles("b.txt.particles.csv")):
+        assert max(abs(a - b) for a, b in zip(here, there)) < 1e-8
+    # BDF2 by one step of 2dt/3: shift 3/(2 dt).
+    shift, one, dx = 1.5 / dt, [1.0] * (n * n), 1.0 / n
+    inner = [k for k, p in enumerate(x) if all(4.2 * dx < c < 1 - 4.2 * dx for c in p)]
+    assert inner
+    for k in inner:
+        assert abs(apply(visc, one, k) / shift - 1) < 1e-9
+        assert abs(apply(ppe, one, k)) < 1e-4
+        for a in range(2):
+            f = [p[a] - x[k][a] for p in x]
+            assert abs(apply(visc, f, k)) < 1e-9 * nu / dx
+            assert abs(apply(ppe, f, k)) < 1e-4 * dx
+
+
+main()
