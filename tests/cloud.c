@@ -137,6 +137,41 @@ PetscErrorCode CloudMove(PetscReal length, PetscBool renumber, PetscReal margin_
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+const LaplacianRow *CloudLaplacian(PetscInt k)
+{
+  return (const LaplacianRow *)(const void *)TableGet(&LaplacianTable, k);
+}
+
+PetscBool CloudHas(const LaplacianRow *form, FormProperty property)
+{
+  return (form->properties & (unsigned)property) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* CloudPeriodic - A periodic box with interior rows for supports of up to 3 dx */
+CloudBox CloudPeriodic(PetscInt dim, PetscReal jitter)
+{
+  const PetscInt n = dim == 2 ? 16 : 9;
+
+  return (CloudBox){.name       = jitter > 0.0 ? (dim == 2 ? "2D disorder" : "3D disorder")
+                                               : (dim == 2 ? "2D lattice" : "3D lattice"),
+                    .dim        = dim,
+                    .cells      = {n, n, n},
+                    .n_periodic = dim,
+                    .jitter     = jitter};
+}
+
+/* CloudCreateForm - A cloud with one Laplacian; mls for the pressure where that is not solvable */
+void CloudCreateForm(const CloudBox *box, const char kernel[], const LaplacianRow *form,
+                     Cloud *cloud)
+{
+  char options[256];
+
+  ASSERT_OK(PetscSNPrintf(options, sizeof(options), "%s -visc_laplacian %s -ppe_laplacian %s",
+                          kernel, form->name,
+                          CloudHas(form, FORM_SAFE_IMPLICIT) ? form->name : "mls"));
+  ASSERT_OK(CloudCreate(box, options, cloud));
+}
+
 /* QuadraticCount - How many monomials: the s_a, then the s_a s_b */
 PetscInt QuadraticCount(PetscInt dim)
 {

@@ -45,6 +45,12 @@ PetscErrorCode CloudDestroy(Cloud *cloud);
 PetscErrorCode CloudMove(PetscReal length, PetscBool renumber, PetscReal margin_step, Cloud *cloud);
 PetscErrorCode CloudOperators(const CloudBox *box, const char options[], Cloud *cloud);
 
+const LaplacianRow *CloudLaplacian(PetscInt k); /* row k of its table */
+PetscBool           CloudHas(const LaplacianRow *form, FormProperty property);
+CloudBox            CloudPeriodic(PetscInt dim, PetscReal jitter);
+void CloudCreateForm(const CloudBox *box, const char kernel[], const LaplacianRow *form,
+                     Cloud *cloud);
+
 PetscInt  QuadraticCount(PetscInt dim);
 Quadratic QuadraticMonomial(PetscInt dim, PetscInt k);
 PetscReal QuadraticAt(const Cloud *cloud, const Quadratic *q, const PetscReal x[]);

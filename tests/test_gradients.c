@@ -10,19 +10,6 @@ static const GradientRow *Gradient(PetscInt k)
   return (const GradientRow *)(const void *)TableGet(&GradientTable, k);
 }
 
-/* A periodic box with interior rows for supports of up to 3 dx. */
-static CloudBox Periodic(PetscInt dim, PetscReal jitter)
-{
-  const PetscInt n = dim == 2 ? 16 : 9;
-
-  return (CloudBox){.name       = jitter > 0.0 ? (dim == 2 ? "2D disorder" : "3D disorder")
-                                               : (dim == 2 ? "2D lattice" : "3D lattice"),
-                    .dim        = dim,
-                    .cells      = {n, n, n},
-                    .n_periodic = dim,
-                    .jitter     = jitter};
-}
-
 static void Create(const CloudBox *box, const char kernel[], const GradientRow *form, Cloud *cloud)
 {
   char options[256];
@@ -133,7 +120,7 @@ static void Declared(PetscInt dim)
     const GradientRow *form = Gradient(k);
 
     for (PetscReal jitter = 0.0; jitter < 0.3; jitter += 0.25) {
-      const CloudBox box = Periodic(dim, jitter);
+      const CloudBox box = CloudPeriodic(dim, jitter);
       Cloud          cloud;
       char           where[128];
 
@@ -176,7 +163,7 @@ static void test_closed_form(void **state)
   (void)state;
   for (PetscInt k = 0; k < GradientTable.count; k++) {
     const GradientRow *form = Gradient(k);
-    const CloudBox     box  = Periodic(2, 0.0);
+    const CloudBox     box  = CloudPeriodic(2, 0.0);
     Cloud              cloud;
 
     Create(&box, "-kernel cubic_spline -h_over_dx 1", form, &cloud);

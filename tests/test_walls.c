@@ -18,11 +18,6 @@ static const WallRow *Wall(PetscInt k)
   return (const WallRow *)(const void *)TableGet(&WallTable, k);
 }
 
-static const LaplacianRow *Laplacian(PetscInt k)
-{
-  return (const LaplacianRow *)(const void *)TableGet(&LaplacianTable, k);
-}
-
 static const GradientRow *Gradient(PetscInt k)
 {
   return (const GradientRow *)(const void *)TableGet(&GradientTable, k);
@@ -32,12 +27,6 @@ static const GradientRow *Gradient(PetscInt k)
 static PetscBool Blind(unsigned properties)
 {
   return (properties & FORM_FULL_SUPPORT) ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/* Whether a Laplacian serves the pressure; what does not is tested elsewhere. */
-static PetscBool Solvable(const LaplacianRow *form)
-{
-  return (form->properties & FORM_SAFE_IMPLICIT) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Whether a form can do with what a treatment puts behind the wall. */
@@ -54,14 +43,16 @@ static PetscInt AllForms(Forms forms[], PetscInt most)
   PetscInt            n              = 0;
 
   for (PetscInt k = 0; k < LaplacianTable.count; k++)
-    if (!Blind(Laplacian(k)->properties)) some_laplacian = Laplacian(k);
+    if (!Blind(CloudLaplacian(k)->properties)) some_laplacian = CloudLaplacian(k);
   for (PetscInt k = 0; k < GradientTable.count; k++)
     if (!Blind(Gradient(k)->properties)) some_gradient = Gradient(k);
   for (PetscInt w = 0; w < WallTable.count; w++) {
     for (PetscInt k = 0; k < LaplacianTable.count; k++) {
-      if (!Meets(Wall(w), Blind(Laplacian(k)->properties)) || !Solvable(Laplacian(k))) continue;
+      if (!Meets(Wall(w), Blind(CloudLaplacian(k)->properties)) ||
+          !CloudHas(CloudLaplacian(k), FORM_SAFE_IMPLICIT))
+        continue;
       assert_true(n < most);
-      forms[n++] = (Forms){Wall(w), Laplacian(k), some_gradient};
+      forms[n++] = (Forms){Wall(w), CloudLaplacian(k), some_gradient};
     }
     for (PetscInt k = 0; k < GradientTable.count; k++) {
       if (!Meets(Wall(w), Blind(Gradient(k)->properties)) || Gradient(k) == some_gradient) continue;
@@ -447,9 +438,11 @@ static void test_refusals(void **state)
 {
   (void)state;
   for (PetscInt k = 0; k < LaplacianTable.count; k++) {
-    CheckRefusal("-visc_laplacian", TableGet(&LaplacianTable, k), Blind(Laplacian(k)->properties));
-    if (!Solvable(Laplacian(k))) continue;
-    CheckRefusal("-ppe_laplacian", TableGet(&LaplacianTable, k), Blind(Laplacian(k)->properties));
+    CheckRefusal("-visc_laplacian", TableGet(&LaplacianTable, k),
+                 Blind(CloudLaplacian(k)->properties));
+    if (!CloudHas(CloudLaplacian(k), FORM_SAFE_IMPLICIT)) continue;
+    CheckRefusal("-ppe_laplacian", TableGet(&LaplacianTable, k),
+                 Blind(CloudLaplacian(k)->properties));
   }
   for (PetscInt k = 0; k < GradientTable.count; k++)
     CheckRefusal("-gradient", TableGet(&GradientTable, k), Blind(Gradient(k)->properties));

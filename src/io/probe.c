@@ -9,7 +9,7 @@
 */
 #include "isph/io.h"
 
-#define PROBE_MAX_TERMS (1 + MLS_MAX_TERMS)
+#define PROBE_MAX_TERMS (1 + MLS_QUADRATIC_TERMS)
 
 /* What the fits of all points share. */
 typedef struct {
