@@ -24,6 +24,11 @@ PetscErrorCode PoiseuilleSetup(Scene *scene);
 void           PoiseuilleExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
                                PetscReal *p);
 
+PetscErrorCode HydrostaticSetup(Scene *scene);
+void           HydrostaticExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
+                                PetscReal *p);
+PetscErrorCode HydrostaticJudge(const Flow *flow, Report *report);
+
 PetscErrorCode PatchSetup(Scene *scene);
 
 PetscErrorCode ChannelBox(Scene *scene);

@@ -78,5 +78,6 @@ PetscErrorCode OptionsRefuseUnknown(PetscBool deferred_too);
   PetscCheck(condition, PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT, __VA_ARGS__)
 PetscErrorCode ErrorsInstall(void);
 int            ErrorsExit(PetscErrorCode code);
+PetscErrorCode SayLine(const char format[], ...) PETSC_ATTRIBUTE_FORMAT(1, 2);
 
 #endif

@@ -1,23 +1,35 @@
-/* The guard of linear solves; see src/schemes/guard.c. */
+/*
+  The guard of linear solves: it looks at the true residual after each, climbs the fallback ladder where
+  that is not small, and tells the step when nothing helped. See src/schemes/guard.c and ladder.c.
+*/
 #ifndef ISPH_GUARD_H
 #define ISPH_GUARD_H
 
 #include "isph/schemes.h"
 
+#define GUARD_RUNGS 3 /* of the ladder, see ladder.c */
+
 typedef struct {
-  const char        *what;      /* "viscous", "pressure", ... */
-  const char        *prefix;    /* "visc_" or "ppe_" */
-  PetscBool          symmetric; /* the matrix is */
-  PetscBool          failed;    /* a solve since the last GuardCheck() */
-  PetscReal          residual;  /* true, relative, of the solve that failed or else of the last */
-  KSPConvergedReason reason;
+  const char        *what;               /* "viscous", "pressure", ... */
+  const char        *prefix;             /* "visc_" or "ppe_" */
+  char               where[CLOCK_WHERE]; /* the step at hand, for messages */
+  char               note[256];          /* what is unwise in the user's choice; empty: nothing */
+  PetscBool          symmetric;          /* the matrix is */
+  PetscInt           patience;           /* falls in a row that are borne; -1: no ladder */
+  KSP                rung[GUARD_RUNGS];  /* of the ladder; NULL until needed */
+  PetscInt           falls, in_a_row;    /* solves that needed the ladder; since the last without */
+  PetscBool          failed;             /* a solve since the last GuardCheck() */
+  PetscReal          residual; /* true, relative, of the solve that failed or else of the last */
+  KSPConvergedReason reason;   /* of the chosen method in that solve */
   PetscInt           iterations;
-  char               note[256]; /* what is unwise in the user's choice; empty: nothing */
 } Guard;
 
 PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard);
-PetscErrorCode GuardCheck(KSP ksp, const char where[], Guard *guard);
+PetscErrorCode GuardDetach(Guard *guard);
+PetscErrorCode GuardMeasure(KSP ksp, Vec b, Vec x, PetscReal *residual, PetscBool *good);
+PetscErrorCode GuardCheck(KSP ksp, Guard *guard, StepFailure *failure);
 PetscErrorCode GuardRenewPC(KSP ksp);
+PetscErrorCode LadderClimb(KSP ksp, Vec b, Vec x, Guard *guard, PetscBool *solved);
 PetscErrorCode PressureSolver(const LaplacianForm *form, PetscReal rtol, KSP *ksp, Guard *guard);
 PetscErrorCode OptionDefault(const char prefix[], const char name[], const char value[]);
 

@@ -49,6 +49,7 @@ PetscErrorCode ReportAdd(Report *report, const char name[], PetscReal value);
 PetscErrorCode ReportAddReference(Report *report, const char name[], PetscReal value,
                                   PetscReal reference, PetscReal scale);
 PetscErrorCode ReportAddError(Report *report, const char name[], PetscReal error);
+PetscErrorCode ReportRestore(Report *report, const char name[], const PetscReal row[4]);
 PetscErrorCode ReportView(const Report *report, PetscReal wall_seconds, PetscViewer viewer);
 PetscErrorCode ReportCheck(const Report *report);
 PetscErrorCode ReportFileCheck(const char path[]);
@@ -64,12 +65,23 @@ typedef struct Snapshots Snapshots;
 PetscErrorCode           SnapshotsCreate(const Scene *scene, Snapshots **snapshots);
 PetscErrorCode           SnapshotsDestroy(Snapshots **snapshots);
 PetscErrorCode           SnapshotsWrite(const Flow *flow, PetscBool final, Snapshots *snapshots);
+PetscInt                 SnapshotsCount(const Snapshots *snapshots);
+void                     SnapshotsGet(const Snapshots *snapshots, PetscReal rows[]);
+PetscErrorCode           SnapshotsSet(Snapshots *snapshots, PetscInt n, const PetscReal rows[],
+                                      PetscInt step);
 
 /* Matrices in the order of particle ids, as -visc_mat_view and -ppe_mat_view ask. */
 typedef struct MatrixFile MatrixFile;
 PetscErrorCode            MatrixFileCreate(const char prefix[], MatrixFile **file);
 PetscErrorCode            MatrixFileDestroy(MatrixFile **file);
 PetscErrorCode            MatrixFileWrite(const Particles *particles, Mat A, MatrixFile *file);
+
+/* Probes, forces and fluxes in the course of a run, as -probe_..., -forces and -flux ask. */
+typedef struct Monitors Monitors;
+PetscErrorCode          MonitorsCreate(const Scene *scene, Monitors **monitors);
+PetscErrorCode          MonitorsDestroy(Monitors **monitors);
+PetscErrorCode          MonitorsRestart(PetscReal t, Monitors *monitors);
+PetscErrorCode          MonitorsWrite(const Flow *flow, Monitors *monitors);
 
 typedef struct Progress Progress;
 PetscErrorCode          ProgressCreate(Progress **progress);

@@ -52,6 +52,7 @@ typedef struct {
   /* Ranks [a, b) are cut at m = (a + b) / 2: those below m own x[cut_axis[m]] < cut[m] [m] */
   PetscInt  *cut_axis;
   PetscReal *cut;
+  PetscBool  redraw; /* the next epoch draws the boxes anew, whatever they were */
   PetscReal  lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM]; /* the box of space this rank owns [m] */
   PetscReal  halo_width;                         /* largest interaction radius [m] */
   PetscReal  skin;                               /* [m] */
@@ -76,6 +77,11 @@ PetscErrorCode ParticlesRegister(Particles *particles, const char name[], PetscI
 PetscErrorCode ParticlesUpdateEpoch(const Scene *scene, Particles *particles, PetscBool force,
                                     PetscBool *started);
 PetscErrorCode ParticlesUpdateHalo(Particles *particles);
+PetscInt       ParticlesRecordWidth(const Particles *particles);
+PetscErrorCode ParticlesPack(const Particles *particles, PetscReal record[]);
+PetscErrorCode ParticlesUnpack(Particles *particles, const PetscReal record[]);
+PetscErrorCode ParticlesReplace(const Scene *scene, Particles *particles, PetscInt n,
+                                const PetscReal record[]);
 PetscReal      ParticlesHash(PetscInt seed, PetscInt id, PetscInt axis);
 PetscErrorCode ParticlesHaloField(const Particles *particles, PetscReal values[]);
 

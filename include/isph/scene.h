@@ -41,7 +41,7 @@ typedef struct {
   unsigned    physics;                   /* bits of Physics */
   PetscReal   reynolds;                  /* default [-] */
   PetscReal   reynolds_length;           /* the length in it, U length/nu [reference lengths] */
-  PetscReal   t_end;                     /* default [s] */
+  PetscReal   t_end;                     /* default [L/U] */
   PetscInt    n;                         /* default particles along the reference length */
   PetscErrorCode (*Setup)(Scene *scene); /* box, periodicity, walls, length, speed, nu, body */
   void (*Velocity)(const Scene *scene, PetscReal t, const PetscReal x[],

@@ -10,6 +10,26 @@
 #define CLOCK_MAX_REPORTS 32
 #define CLOCK_WHERE       64 /* room for what ClockWhere() says */
 
+/*
+  What went wrong in a step. The step ends early and the run decides: to end with the sentence, or
+  to undo the step and try a shorter one.
+*/
+typedef struct {
+  PetscErrorCode code;          /* 0: nothing; else PETSC_ERR_NOT_CONVERGED or PETSC_ERR_FP */
+  PetscBool      hopeless;      /* a shorter step would not help */
+  char           sentence[640]; /* step, quantity, likely cause and remedy */
+} StepFailure;
+void FailureSet(StepFailure *failure, PetscErrorCode code, const char format[], ...)
+    PETSC_ATTRIBUTE_FORMAT(3, 4);
+
+/* How the length of steps follows the flow. */
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscBool   follows; /* the present speed and the body force, else -dt or the reference speed */
+  PetscBool   retries; /* a step that fails is undone and made in shorter ones */
+} DtAdaptRow;
+extern const Table DtAdaptTable;
+
 /* Time, owned by the run; everything second order uses variable-step coefficients. */
 typedef struct {
   PetscReal t, dt, dt_previous; /* [s]; dt_previous = 0 before the second step */
@@ -21,11 +41,20 @@ typedef struct {
   PetscReal report_time[CLOCK_MAX_REPORTS]; /* times the steps must hit, ascending [s] */
   PetscInt  n_reports, next_report;
   PetscBool steady; /* steady_tol was met */
+
+  const DtAdaptRow *adapt;
+  PetscReal         move_max; /* displacement in a step above which it has failed [dx] */
+  PetscInt          retries;  /* steps undone so far */
+  PetscInt          cut;      /* dt is what it would be over 2^cut */
+  PetscInt          patience; /* good steps after which cut is lessened */
+  PetscInt          good;     /* steps since the last failure or lessening */
 } Clock;
 
 PetscErrorCode ClockCreate(const Scene *scene, Clock **clock);
 PetscErrorCode ClockDestroy(Clock **clock);
 PetscErrorCode ClockChoose(const Scene *scene, PetscReal speed, Clock *clock);
+PetscErrorCode ClockAdvance(Clock *clock);
+PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure);
 PetscErrorCode ClockWhere(const Clock *clock, char where[]);
 PetscReal      ClockExplicitLimit(const Scene *scene, PetscReal support_radius);
 
@@ -53,11 +82,13 @@ PetscErrorCode           ViscosityRenumber(const Particles *particles, Viscosity
 const TimeKindRow       *ViscosityTimeKind(const Viscosity *visc);
 PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, const Particles *particles,
                               PetscReal dt, PetscReal slip, const Vec force[],
-                              const Vec advecting[], Operators *ops, Vec u[], Viscosity *visc);
+                              const Vec advecting[], Operators *ops, Vec u[], Viscosity *visc,
+                              StepFailure *failure);
 PetscReal      ViscosityResponse(const Viscosity *visc);
 PetscErrorCode ViscosityNames(const Viscosity *visc, const char **ts, const char **ksp,
                               const char **pc);
 Mat            ViscosityMatrix(const Viscosity *visc);
+PetscInt      *ViscosityFalls(Viscosity *visc);
 const char    *ViscosityNote(const Viscosity *visc);
 PetscInt       ViscosityIterations(const Viscosity *visc); /* of the last solve, all components */
 
@@ -65,8 +96,9 @@ typedef struct Pressure Pressure;
 PetscErrorCode          PressureCreate(const Operators *ops, Pressure **ppe);
 PetscErrorCode          PressureDestroy(Pressure **ppe);
 PetscErrorCode PressureSolve(const Clock *clock, const Particles *particles, const Operators *ops,
-                             Vec b, Vec phi, Pressure *ppe);
+                             Vec b, Vec phi, Pressure *ppe, StepFailure *failure);
 PetscErrorCode PressureNames(const Pressure *ppe, const char **ksp, const char **pc);
+PetscInt      *PressureFalls(Pressure *ppe);
 const char    *PressureNote(const Pressure *ppe);
 PetscInt       PressureIterations(const Pressure *ppe); /* of the last solve */
 
@@ -102,14 +134,15 @@ typedef struct {
   const char *name, *brief, *citation;
   PetscErrorCode (*Create)(const Scene *scene, const Clock *clock, Operators *ops, Scheme *scheme);
   PetscErrorCode (*Register)(const Scene *scene, Particles *particles, Scheme *scheme);
-  PetscErrorCode (*Begin)(const Scene *scene, const Particles *particles, const Operators *ops,
-                          Scheme *scheme);
+  PetscErrorCode (*Begin)(const Scene *scene, const Clock *clock, Particles *particles,
+                          Neighbors *neighbors, Operators *ops, Scheme *scheme);
   PetscErrorCode (*Step)(const Scene *scene, Clock *clock, Particles *particles,
                          Neighbors *neighbors, Operators *ops, Scheme *scheme);
   PetscErrorCode (*Destroy)(Scheme *scheme);
 } SchemeRow;
 extern const Table SchemeTable;
 
+#define SCHEME_NUMBERS 9
 struct Scheme {
   const SchemeRow     *row;
   const ProjectionRow *projection; /* NULL: no pressure */
@@ -121,6 +154,8 @@ struct Scheme {
   Viscosity           *visc;
   Pressure            *ppe;
   StepStats            stats;
+  StepFailure          failure;                /* of the step just tried */
+  PetscReal            number[SCHEME_NUMBERS]; /* what else a step remembers of those before it */
   void                *data;
 };
 
@@ -128,5 +163,14 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
                             Scheme **scheme);
 PetscErrorCode SchemeRegister(const Scene *scene, Particles *particles, Scheme *scheme);
 PetscErrorCode SchemeDestroy(Scheme **scheme);
+
+/* The flow before a step, to go back to. */
+typedef struct Undo Undo;
+PetscErrorCode      UndoCreate(Undo **undo);
+PetscErrorCode      UndoDestroy(Undo **undo);
+PetscErrorCode      UndoSave(const Clock *clock, const Particles *particles, const Scheme *scheme,
+                             Undo *undo);
+PetscErrorCode UndoRestore(const Scene *scene, const Undo *undo, Clock *clock, Particles *particles,
+                           Neighbors *neighbors, Operators *ops, Scheme *scheme);
 
 #endif

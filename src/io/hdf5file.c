@@ -1,5 +1,7 @@
-/* Parallel HDF5: the few calls a snapshot is made of, each with its failure noted. */
-#include "hdf5file.h"
+/* Parallel HDF5: the few calls snapshots and checkpoints are made of, each with its failure noted. */
+#include "isph/hdf5file.h"
+#include <fcntl.h>
+#include <unistd.h>
 
 /* Notes whether an HDF5 call failed, and passes its result on. */
 static hid_t Noted(Hdf5File *file, hid_t result)
@@ -8,12 +10,9 @@ static hid_t Noted(Hdf5File *file, hid_t result)
   return result;
 }
 
-/*
-  Hdf5FileCreate - Creates a file, or empties it
-
-  Collective on comm. Whether it worked is told by Hdf5FileClose().
-*/
-PetscErrorCode Hdf5FileCreate(MPI_Comm comm, const char path[], Hdf5File *file)
+/* Opens or creates; access to the file is by all ranks together. */
+static PetscErrorCode Hdf5FileBegin(MPI_Comm comm, const char path[], PetscBool create,
+                                    Hdf5File *file)
 {
   hid_t access;
 
@@ -23,10 +22,56 @@ PetscErrorCode Hdf5FileCreate(MPI_Comm comm, const char path[], Hdf5File *file)
   (void)Noted(file, H5Eset_auto2(H5E_DEFAULT, NULL, NULL)); /* the words are ours */
   access = Noted(file, H5Pcreate(H5P_FILE_ACCESS));
   (void)Noted(file, H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL));
-  file->file     = Noted(file, H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access));
+  file->file     = Noted(file, create ? H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access)
+                                      : H5Fopen(path, H5F_ACC_RDONLY, access));
   file->transfer = Noted(file, H5Pcreate(H5P_DATASET_XFER));
   (void)Noted(file, H5Pset_dxpl_mpio(file->transfer, H5FD_MPIO_COLLECTIVE));
   (void)Noted(file, H5Pclose(access));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Hdf5FileCreate - Creates a file, or empties it
+
+  Collective on comm. Whether it worked is told by Hdf5FileClose().
+*/
+PetscErrorCode Hdf5FileCreate(MPI_Comm comm, const char path[], Hdf5File *file)
+{
+  PetscFunctionBegin;
+  PetscCall(Hdf5FileBegin(comm, path, PETSC_TRUE, file));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Hdf5FileOpen - Opens a file for reading; as Hdf5FileCreate() */
+PetscErrorCode Hdf5FileOpen(MPI_Comm comm, const char path[], Hdf5File *file)
+{
+  PetscFunctionBegin;
+  PetscCall(Hdf5FileBegin(comm, path, PETSC_FALSE, file));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  FileReserve - Makes sure that a file of so many bytes can be written
+
+  Collective on PETSC_COMM_WORLD; the first rank tries. For before hours are spent on a run, and before
+  each file, as HDF5 does not outlive a full disk. A file of that name is gone afterwards.
+*/
+PetscErrorCode FileReserve(const char path[], size_t bytes, PetscBool *good)
+{
+  PetscMPIInt rank;
+  PetscInt    agreed = 1;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (rank == 0) {
+    const int file = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0666);
+
+    agreed = file >= 0 && posix_fallocate(file, 0, (off_t)bytes) == 0 ? 1 : 0;
+    if (file >= 0) (void)close(file);
+    if (file >= 0) (void)remove(path);
+  }
+  PetscCallMPI(MPI_Bcast(&agreed, 1, MPIU_INT, 0, PETSC_COMM_WORLD));
+  *good = agreed ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -131,5 +176,90 @@ PetscErrorCode Hdf5WriteText(Hdf5File *file, hid_t object, const char name[], co
   }
   (void)Noted(file, H5Tclose(type));
   (void)Noted(file, H5Sclose(space));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Hdf5CountRows - Size of a data set; columns 0 for one dimension; collective on comm */
+PetscErrorCode Hdf5CountRows(Hdf5File *file, const char name[], PetscInt *N, PetscInt *columns)
+{
+  hsize_t size[2] = {0, 0};
+  hid_t   data, space;
+
+  PetscFunctionBegin;
+  data = Noted(file, H5Dopen2(file->file, name, H5P_DEFAULT));
+  if (data >= 0) {
+    space = Noted(file, H5Dget_space(data));
+    if (Noted(file, H5Sget_simple_extent_ndims(space)) > 2) file->failed = PETSC_TRUE;
+    else (void)Noted(file, H5Sget_simple_extent_dims(space, size, NULL));
+    (void)Noted(file, H5Sclose(space));
+    (void)Noted(file, H5Dclose(data));
+  }
+  *N       = (PetscInt)size[0];
+  *columns = (PetscInt)size[1];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Hdf5ReadRows - Reads rows [start, start + own) of a data set
+
+  Collective on comm; a rank may want no rows. Input: as Hdf5WriteRows().
+*/
+PetscErrorCode Hdf5ReadRows(Hdf5File *file, const char name[], PetscInt columns, hid_t given,
+                            void *rows)
+{
+  const hsize_t first[2] = {(hsize_t)file->start, 0};
+  const hsize_t count[2] = {(hsize_t)file->own, (hsize_t)columns};
+  hid_t         space, memory, data;
+
+  PetscFunctionBegin;
+  data = Noted(file, H5Dopen2(file->file, name, H5P_DEFAULT));
+  if (data < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  space  = Noted(file, H5Dget_space(data));
+  memory = Noted(file, H5Screate_simple(columns ? 2 : 1, count, NULL));
+  if (file->own) {
+    (void)Noted(file, H5Sselect_hyperslab(space, H5S_SELECT_SET, first, NULL, count, NULL));
+  } else {
+    (void)Noted(file, H5Sselect_none(space));
+    (void)Noted(file, H5Sselect_none(memory));
+  }
+  (void)Noted(file, H5Dread(data, given, memory, space, file->transfer, rows));
+  (void)Noted(file, H5Sclose(memory));
+  (void)Noted(file, H5Sclose(space));
+  (void)Noted(file, H5Dclose(data));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Hdf5ReadNumber - Reads an attribute of the file that is one number; collective on comm */
+PetscErrorCode Hdf5ReadNumber(Hdf5File *file, const char name[], hid_t type, void *value)
+{
+  hid_t attribute;
+
+  PetscFunctionBegin;
+  attribute = Noted(file, H5Aopen(file->file, name, H5P_DEFAULT));
+  if (attribute >= 0) {
+    (void)Noted(file, H5Aread(attribute, type, value));
+    (void)Noted(file, H5Aclose(attribute));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Hdf5ReadText - Reads an attribute of the file that is a string, cut to length; collective on comm */
+PetscErrorCode Hdf5ReadText(Hdf5File *file, const char name[], char text[], size_t length)
+{
+  hid_t attribute, type;
+
+  PetscFunctionBegin;
+  text[0]   = '\0';
+  attribute = Noted(file, H5Aopen(file->file, name, H5P_DEFAULT));
+  if (attribute >= 0) {
+    type = Noted(file, H5Tcopy(H5T_C_S1));
+    (void)Noted(file, H5Tset_size(type, length));
+    (void)Noted(file, H5Tset_strpad(type, H5T_STR_NULLTERM));
+    (void)Noted(file, H5Tset_cset(type, H5T_CSET_UTF8));
+    (void)Noted(file, H5Aread(attribute, type, text));
+    (void)Noted(file, H5Tclose(type));
+    (void)Noted(file, H5Aclose(attribute));
+  }
+  text[length - 1] = '\0';
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -86,6 +86,18 @@ PetscErrorCode ReportAddReference(Report *report, const char name[], PetscReal v
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ReportRestore - Adds a quantity reported before a restart: its t, value, reference, error */
+PetscErrorCode ReportRestore(Report *report, const char name[], const PetscReal row[4])
+{
+  const PetscReal now = report->t;
+
+  PetscFunctionBegin;
+  report->t = row[0];
+  PetscCall(ReportAppend(report, name, row[1], row[2], row[3]));
+  report->t = now;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ReportAddError - Adds a quantity that is itself a relative error [-]; not collective */
 PetscErrorCode ReportAddError(Report *report, const char name[], PetscReal error)
 {

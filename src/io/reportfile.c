@@ -38,6 +38,17 @@ static PetscErrorCode ColumnNumber(Columns *columns, PetscReal number)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A measured number, to its last bit. */
+static PetscErrorCode ColumnExact(Columns *columns, PetscReal number)
+{
+  char word[32] = "";
+
+  PetscFunctionBegin;
+  if (!PetscIsNanReal(number)) (void)snprintf(word, sizeof(word), "%.17g", (double)number);
+  PetscCall(ColumnWord(columns, word));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The active physics, joined by '+'. */
 static PetscErrorCode ColumnPhysics(Columns *columns, const Scene *scene)
 {
@@ -255,9 +266,9 @@ PetscErrorCode ReportWrite(const Flow *flow, const Report *report, PetscReal wal
     Columns         time = {""}, numbers = {""};
 
     PetscCall(ColumnNumber(&time, q->t));
-    PetscCall(ColumnNumber(&numbers, q->value));
+    PetscCall(ColumnExact(&numbers, q->value));
     PetscCall(ColumnNumber(&numbers, q->reference));
-    PetscCall(ColumnNumber(&numbers, q->error));
+    PetscCall(ColumnExact(&numbers, q->error));
     PetscCall(PetscSNPrintf(row, sizeof(row), "%s%s%s%s,%s", before.text, time.text, after.text,
                             q->name, numbers.text));
     row[strlen(row) - 1] = '\n'; /* in place of the last comma */

@@ -2,10 +2,8 @@
   Snapshots: one HDF5 file each, written under another name and renamed when it is complete, and the
   index ParaView opens. What is on disk can be read whatever happens to the run.
 */
-#include "hdf5file.h"
+#include "isph/hdf5file.h"
 #include "xdmf.h"
-#include <fcntl.h>
-#include <unistd.h>
 
 struct Snapshots {
   char      base[PETSC_MAX_PATH_LEN]; /* the path given, without .h5; empty: no snapshots */
@@ -27,24 +25,13 @@ static PetscErrorCode SnapshotsVerdict(const Snapshots *snapshots, const char pa
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Makes sure on the first rank that a file of so many bytes can be written: before hours are spent
-  on the run, and before each snapshot, as HDF5 does not outlive a full disk. Collective.
-*/
+/* Room for a file of so many bytes, or the end of the run. Collective. */
 static PetscErrorCode SnapshotsReserve(const Snapshots *snapshots, const char path[], size_t bytes)
 {
-  PetscMPIInt rank;
-  PetscBool   good = PETSC_TRUE;
+  PetscBool good;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (rank == 0) {
-    const int file = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0666);
-
-    good = file >= 0 && posix_fallocate(file, 0, (off_t)bytes) == 0 ? PETSC_TRUE : PETSC_FALSE;
-    if (file >= 0) (void)close(file);
-    if (file >= 0) (void)remove(path);
-  }
+  PetscCall(FileReserve(path, bytes, &good));
   PetscCall(SnapshotsVerdict(snapshots, path, good));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -73,7 +60,7 @@ PetscErrorCode SnapshotsCreate(const Scene *scene, Snapshots **snapshots)
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Output", "");
   PetscCall(OptionFile("-output", "Snapshots for ParaView: file.h5", s->base));
   PetscCall(OptionReal("-output_every", "Time between snapshots; by default start and end only [s]",
-                       1e-12, 1e12, &s->every, &every));
+                       1e-300, 1e300, &s->every, &every));
   PetscOptionsEnd();
   UserCheck(!every || s->base[0], "-output_every: there is no -output");
   if (s->base[0]) {
@@ -256,5 +243,40 @@ PetscErrorCode SnapshotsWrite(const Flow *flow, PetscBool final, Snapshots *snap
               : PETSC_FALSE;
   }
   if (due) PetscCall(SnapshotWrite(flow, snapshots));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SnapshotsCount, SnapshotsGet, SnapshotsSet - What a checkpoint keeps of the snapshots done: number,
+  time and particles of each
+
+  Not collective.
+*/
+PetscInt SnapshotsCount(const Snapshots *snapshots)
+{
+  return snapshots->n;
+}
+
+void SnapshotsGet(const Snapshots *snapshots, PetscReal rows[])
+{
+  for (PetscInt k = 0; k < snapshots->n; k++) {
+    rows[3 * k]     = (PetscReal)snapshots->done[k].number;
+    rows[3 * k + 1] = snapshots->done[k].t;
+    rows[3 * k + 2] = (PetscReal)snapshots->done[k].N;
+  }
+}
+
+PetscErrorCode SnapshotsSet(Snapshots *snapshots, PetscInt n, const PetscReal rows[], PetscInt step)
+{
+  PetscFunctionBegin;
+  if (!snapshots->base[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  snapshots->n = snapshots->capacity = n;
+  snapshots->step                    = n ? step : -1;
+  PetscCall(PetscRealloc(sizeof(Snapshot) * (size_t)PetscMax(n, 1), &snapshots->done));
+  for (PetscInt k = 0; k < n; k++) {
+    snapshots->done[k].number = (PetscInt)rows[3 * k];
+    snapshots->done[k].t      = rows[3 * k + 1];
+    snapshots->done[k].N      = (PetscInt)rows[3 * k + 2];
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -252,8 +252,8 @@ static PetscErrorCode FindOwners(const Particles *p, PetscMPIInt ranks, PetscInt
 - p     - cut_axis, cut, lo and hi
 
   Notes:
-  Boxes are drawn in the first epoch, and again when one holds more than 1.1 times the mean number
-  of fluid particles. Outer boxes have no end where the scene is not periodic: walls lie beyond.
+  Boxes are drawn in the first epoch, where p->redraw asks for it, and when one holds more than 1.1
+  times the mean number of fluid particles. Outer boxes have no end where the scene is not periodic: walls lie beyond.
 */
 PetscErrorCode ParticlesDecompose(const Scene *scene, Particles *p, PetscInt owner[])
 {
@@ -263,9 +263,10 @@ PetscErrorCode ParticlesDecompose(const Scene *scene, Particles *p, PetscInt own
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(p->comm, &rank));
   PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
-  if (p->epoch > 0) PetscCall(FindOwners(p, ranks, owner, &imbalance));
+  if (p->epoch > 0 && !p->redraw) PetscCall(FindOwners(p, ranks, owner, &imbalance));
   if (imbalance > BISECT_IMBALANCE) {
     PetscCall(Bisect(scene, p, ranks));
+    p->redraw = PETSC_FALSE;
     PetscCall(FindOwners(p, ranks, owner, &imbalance));
   }
   for (PetscInt a = 0; a < p->dim; a++) {

@@ -14,7 +14,8 @@ typedef struct {
 
 #define CELL_BITS 20 /* of each axis in SortKey.cell */
 
-static PetscInt RecordWidth(const Particles *p)
+/* ParticlesRecordWidth - Numbers in a particle's record: its id, then all components of all fields */
+PetscInt ParticlesRecordWidth(const Particles *p)
 {
   PetscInt width = 1;
 
@@ -27,7 +28,7 @@ static PetscErrorCode FieldColumns(const Particles *p, PetscInt *n, PetscReal **
 {
   PetscFunctionBegin;
   *n = 0;
-  PetscCall(PetscMalloc1(RecordWidth(p), column));
+  PetscCall(PetscMalloc1(ParticlesRecordWidth(p), column));
   for (PetscInt f = 0; f < p->n_fields; f++) {
     for (PetscInt c = 0; c < p->field[f].components; c++) {
       (*column)[(*n)++] = p->field[f].slot[c];
@@ -36,11 +37,53 @@ static PetscErrorCode FieldColumns(const Particles *p, PetscInt *n, PetscReal **
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  ParticlesPack - Copies the own particles with all fields
+
+  Not collective. Output: record - ParticlesOwn() records of ParticlesRecordWidth() numbers, in order.
+*/
+PetscErrorCode ParticlesPack(const Particles *p, PetscReal record[])
+{
+  const PetscInt width = ParticlesRecordWidth(p);
+  PetscInt       n;
+  PetscReal    **column;
+
+  PetscFunctionBegin;
+  PetscCall(FieldColumns(p, &n, &column));
+  for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
+    record[(size_t)i * width] = (PetscReal)p->id[i]; /* exact below 2^53 */
+    for (PetscInt k = 0; k < n; k++) record[(size_t)i * width + 1 + k] = column[k][i];
+  }
+  PetscCall(PetscFree(column));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ParticlesUnpack - Gives the own particles the fields of records packed in the present epoch
+
+  Collective: the halo's positions follow.
+*/
+PetscErrorCode ParticlesUnpack(Particles *p, const PetscReal record[])
+{
+  const PetscInt width = ParticlesRecordWidth(p);
+  PetscInt       n;
+  PetscReal    **column;
+
+  PetscFunctionBegin;
+  PetscCall(FieldColumns(p, &n, &column));
+  for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
+    for (PetscInt k = 0; k < n; k++) column[k][i] = record[(size_t)i * width + 1 + k];
+  }
+  PetscCall(PetscFree(column));
+  PetscCall(ParticlesUpdateHalo(p));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Lays the own particles out as records, those for rank 0 first. */
 static PetscErrorCode PackRecords(const Particles *p, const PetscInt owner[], PetscInt n_to[],
                                   PetscReal **records)
 {
-  const PetscInt own = ParticlesOwn(p), width = RecordWidth(p);
+  const PetscInt own = ParticlesOwn(p), width = ParticlesRecordWidth(p);
   PetscMPIInt    ranks;
   PetscInt      *next, n;
   PetscReal    **column;
@@ -78,7 +121,7 @@ static int CompareKeys(const void *a, const void *b)
 static PetscErrorCode SortRecords(const Scene *scene, const Particles *p, PetscInt n,
                                   const PetscReal records[], SortKey **keys)
 {
-  const PetscInt  width = RecordWidth(p), last = (1 << CELL_BITS) - 1;
+  const PetscInt  width = ParticlesRecordWidth(p), last = (1 << CELL_BITS) - 1;
   const PetscReal offset = 1024.0; /* cells below the box, for walls */
 
   PetscFunctionBegin;
@@ -104,7 +147,7 @@ static PetscErrorCode SortRecords(const Scene *scene, const Particles *p, PetscI
 static PetscErrorCode UnpackRecords(Particles *p, PetscInt n, const PetscReal records[],
                                     const SortKey keys[])
 {
-  const PetscInt width = RecordWidth(p);
+  const PetscInt width = ParticlesRecordWidth(p);
   PetscInt       n_columns;
   PetscReal    **column;
 
@@ -139,6 +182,30 @@ static PetscErrorCode NumberParticles(Particles *p)
 }
 
 /*
+  ParticlesReplace - Puts records in the place of the own particles and starts an epoch
+
+  Collective. Together the ranks give each particle once, whoever owns it afterwards: owners, order and
+  numbers that follow depend on the particles and the number of ranks alone.
+
+  Input Parameters:
++ n      - how many records this rank gives
+- record - as ParticlesPack() lays them out
+*/
+PetscErrorCode ParticlesReplace(const Scene *scene, Particles *p, PetscInt n,
+                                const PetscReal record[])
+{
+  SortKey *keys;
+
+  PetscFunctionBegin;
+  PetscCall(SortRecords(scene, p, n, record, &keys));
+  PetscCall(UnpackRecords(p, n, record, keys));
+  PetscCall(PetscFree(keys));
+  p->redraw = PETSC_TRUE;
+  PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
   ParticlesMigrate - Sends own particles with all fields to their owners, sorts and numbers them
 
   Collective
@@ -162,8 +229,8 @@ PetscErrorCode ParticlesMigrate(const Scene *scene, Particles *p, const PetscInt
   PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
   PetscCall(PetscCalloc1(ranks, &n_to));
   PetscCall(PackRecords(p, owner, n_to, &sent));
-  PetscCall(ExchangeItems(p->comm, MPIU_REAL, RecordWidth(p), n_to, sent, &n_sources, &source,
-                          &n_from, &records));
+  PetscCall(ExchangeItems(p->comm, MPIU_REAL, ParticlesRecordWidth(p), n_to, sent, &n_sources,
+                          &source, &n_from, &records));
   PetscCall(PetscFree(sent));
   for (PetscMPIInt s = 0; s < n_sources; s++) n += n_from[s];
   PetscCall(SortRecords(scene, p, n, records, &keys));

@@ -2,6 +2,7 @@
   What the user sees of an error: one line for what he can mend, PETSc's traceback for a defect.
 */
 #include "isph/base.h"
+#include <stdarg.h>
 #include <unistd.h>
 
 /* Whether an error code speaks of the user's input, files or a diverged solve. */
@@ -68,6 +69,28 @@ PetscErrorCode ErrorsInstall(void)
 {
   PetscFunctionBegin;
   PetscCall(PetscPushErrorHandler(ErrorHandler_OneLine, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SayLine - Tells the user something in the course of a run, off an unfinished progress line
+
+  Not collective; the first rank prints.
+*/
+PetscErrorCode SayLine(const char format[], ...)
+{
+  PetscMPIInt rank;
+  va_list     arguments;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (rank) PetscFunctionReturn(PETSC_SUCCESS);
+  if (isatty(STDOUT_FILENO)) (void)fputc('\n', stdout);
+  va_start(arguments, format);
+  (void)vfprintf(stdout, format, arguments);
+  va_end(arguments);
+  (void)fputc('\n', stdout);
+  (void)fflush(stdout);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

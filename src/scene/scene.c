@@ -95,9 +95,9 @@ static PetscErrorCode SceneReadFluid(PetscOptionItems *PetscOptionsObject, Scene
   scene->nu = scene->speed * scene->problem->reynolds_length * scene->length / reynolds;
   viscosity = scene->nu;
   PetscCall(
-      OptionReal("-viscosity", "Kinematic viscosity nu [m^2/s]", 1e-12, 1e12, &viscosity, &set));
+      OptionReal("-viscosity", "Kinematic viscosity nu [m^2/s]", 1e-300, 1e300, &viscosity, &set));
   if (set) scene->nu = viscosity;
-  PetscCall(OptionReal("-density", "Density rho [kg/m^3]", 1e-12, 1e12, &scene->rho, NULL));
+  PetscCall(OptionReal("-density", "Density rho [kg/m^3]", 1e-100, 1e100, &scene->rho, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -108,6 +108,10 @@ static PetscErrorCode SceneReadNumbers(PetscOptionItems *PetscOptionsObject, Sce
   PetscCall(OptionInt("-dim", "Space dimension", 2, 3, &scene->dim, NULL));
   UserCheck(scene->dim == 2 || scene->problem->three_d, "-dim 3: case %s is two-dimensional",
             scene->problem->name);
+  if (!scene->problem->patch) {
+    PetscCall(OptionReal("-length", "Reference length L [m]", 1e-100, 1e100, &scene->length, NULL));
+    PetscCall(OptionReal("-speed", "Reference speed U [m/s]", 1e-100, 1e100, &scene->speed, NULL));
+  }
   scene->n = scene->problem->n;
   PetscCall(OptionInt("-n", "Particles along the reference length, dx = L/N", 4, 100000, &scene->n,
                       NULL));
@@ -137,6 +141,7 @@ static PetscErrorCode SceneReadNumbers(PetscOptionItems *PetscOptionsObject, Sce
 + -case name              - row of the table in cases/cases.c
 . -dim 2|3                - space dimension
 . -n N                    - particles along the reference length
+. -length, -speed         - the case's L and U
 . -reynolds, -viscosity   - one of the two
 . -density RHO            - of the fluid
 . -body_force fx,fy,fz    - per unit mass, in place of the case's own

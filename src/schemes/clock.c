@@ -3,6 +3,19 @@
 */
 #include "isph/schemes.h"
 
+#define CLOCK_MAX_CUT  10 /* halvings of a step */
+#define CLOCK_PATIENCE 10 /* half the good steps before the first growth */
+
+static const DtAdaptRow adapts[] = {
+    /* name, brief, citation, follows the flow, retries */
+    {"cfl", "from -cfl with the present speed, and from the body force", "", PETSC_TRUE,
+     PETSC_FALSE},
+    {"none", "-dt, or from -cfl with the reference speed", "", PETSC_FALSE, PETSC_FALSE},
+    {"retry", "as cfl (or -dt); a step that fails is undone, made in halves, and grows back", "",
+     PETSC_TRUE, PETSC_TRUE},
+};
+const Table DtAdaptTable = TABLE("-dt_adapt", "Time step control", adapts);
+
 /*
   ClockExplicitLimit - Largest stable step of an explicit viscous term, 0.125 h^2/nu [s]
 
@@ -57,6 +70,8 @@ static PetscReal ClockDefaultCfl(const Scene *scene)
 + -t_end T            - end of the run [s]
 . -dt DT              - time step [s]; or
 . -cfl C              - dt = C dx/max(U, largest speed); default 0.5 where U dx/nu <= 5, else 0.25
+. -dt_adapt name      - how steps follow the flow
+. -dt_move_max M      - displacement in dx above which a step is undone, where steps are retried
 . -max_steps N        - stop after N steps
 . -steady_tol TOL     - stop when u, div u* and p change by less than this per time scale
 - -report_times t,... - report quantities at these times too
@@ -67,16 +82,27 @@ PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&c));
-  c->t_end     = scene->problem->t_end;
+  c->t_end     = scene->problem->t_end * scene->length / scene->speed;
   c->cfl       = ClockDefaultCfl(scene);
   c->max_steps = PETSC_MAX_INT;
+  c->move_max  = 0.6;
+  c->patience  = CLOCK_PATIENCE;
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Time", "");
   PetscCall(OptionsRefuseTogether("-dt", "-cfl", "one time step follows from each"));
-  PetscCall(OptionReal("-t_end", "End of the run [s]", 0.0, 1e12, &c->t_end, NULL));
-  PetscCall(OptionReal("-dt", "Time step [s]; 0: from -cfl", 0.0, 1e12, &c->dt_given, NULL));
+  PetscCall(OptionReal("-t_end", "End of the run [s]", 0.0, 1e300, &c->t_end, NULL));
+  PetscCall(OptionReal("-dt", "Time step [s]; 0: from -cfl", 0.0, 1e300, &c->dt_given, NULL));
   PetscCall(OptionReal("-cfl",
                        "Time step over dx/U, U the larger of reference and present speed [-]", 1e-6,
                        1e6, &c->cfl, NULL));
+  PetscCall(TableSelect(&DtAdaptTable, "-dt_adapt", "How the length of steps follows the flow",
+                        c->dt_given > 0.0 ? "none" : "cfl", &c->adapt));
+  UserCheck(c->dt_given == 0.0 || !c->adapt->follows || c->adapt->retries,
+            "-dt_adapt %s and -dt cannot both be given: give -cfl", c->adapt->name);
+  if (c->adapt->retries) {
+    PetscCall(OptionReal("-dt_move_max",
+                         "Displacement with the flow above which a step is undone [dx]", 0.01, 10.0,
+                         &c->move_max, NULL));
+  }
   PetscCall(
       OptionInt("-max_steps", "Stop after this many steps", 0, PETSC_MAX_INT, &c->max_steps, NULL));
   PetscCall(OptionReal("-steady_tol",
@@ -96,11 +122,28 @@ PetscErrorCode ClockDestroy(Clock **clock)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The step that the flow asks for [s]. */
+static PetscReal ClockTarget(const Scene *scene, PetscReal speed, const Clock *clock)
+{
+  PetscReal force2 = 0.0, dt;
+
+  if (clock->dt_given > 0.0) return clock->dt_given;
+  dt = clock->cfl * scene->dx /
+       (clock->adapt->follows ? PetscMax(scene->speed, speed) : scene->speed);
+  if (!clock->adapt->follows || !SceneHas(scene, PHYSICS_CONVECTION)) return dt;
+  for (PetscInt a = 0; a < scene->dim; a++) force2 += PetscSqr(scene->body[a]);
+  if (force2 > 0.0)
+    dt = PetscMin(dt, PetscSqrtReal(clock->cfl * scene->dx / PetscSqrtReal(force2)));
+  return dt;
+}
+
 /*
   ClockChoose - Sets dt of the coming step
 
+    dt = C min(dx/max(U, speed), sqrt(dx/(C |f|)))/2^cut,  or -dt/2^cut
+
   Not collective. Steps are evened out so that the next report time and t_end are hit exactly
-without a rest that is shorter than the others.
+  without a rest that is shorter than the others.
 
   Input Parameter:
 . speed - largest speed of the flow [m/s]
@@ -110,12 +153,65 @@ PetscErrorCode ClockChoose(const Scene *scene, PetscReal speed, Clock *clock)
   const PetscReal target =
       clock->next_report < clock->n_reports ? clock->report_time[clock->next_report] : clock->t_end;
   const PetscReal left = target - clock->t;
-  PetscReal       dt   = clock->dt_given;
+  PetscReal       dt   = ClockTarget(scene, speed, clock);
 
   PetscFunctionBegin;
-  if (dt == 0.0) dt = clock->cfl * scene->dx / PetscMax(scene->speed, speed);
+  for (PetscInt k = 0; k < clock->cut; k++) dt *= 0.5;
   if (left > 0.0) dt = left / PetscCeilReal(left / dt * (1.0 - 1e-9));
   clock->dt = dt;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ClockAdvance - Time after a step that went well
+
+  Not collective. A step that was cut for a failure grows back after as many good ones as the clock has
+  patience for.
+*/
+PetscErrorCode ClockAdvance(Clock *clock)
+{
+  PetscFunctionBegin;
+  clock->t += clock->dt;
+  clock->dt_previous = clock->dt;
+  clock->step++;
+  if (!clock->cut) PetscFunctionReturn(PETSC_SUCCESS);
+  clock->good++;
+  if (clock->good >= clock->patience) {
+    clock->cut--;
+    clock->good = 0;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ClockRetry - Halves the steps to come after one that failed
+
+  Collective. To be called when the step has been undone.
+
+  Output Parameter:
+. failure - made hopeless, with advice, where steps were halved too often already
+
+  Notes: each failure doubles the number of good steps after which one tries to grow back, so that a flow
+  that bears no longer steps is left alone after a few
+*/
+PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
+{
+  size_t length;
+
+  PetscFunctionBegin;
+  if (clock->cut >= CLOCK_MAX_CUT) {
+    PetscCall(PetscStrlen(failure->sentence, &length));
+    (void)snprintf(failure->sentence + length, sizeof(failure->sentence) - length,
+                   "; steps were halved %d times for it already", CLOCK_MAX_CUT);
+    failure->hopeless = PETSC_TRUE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  clock->cut++;
+  clock->retries++;
+  clock->good     = 0;
+  clock->patience = PetscMin(2 * clock->patience, 1000000);
+  PetscCall(SayLine("%s; undone, trying dt/%" PetscInt_FMT " for %" PetscInt_FMT " steps",
+                    failure->sentence, (PetscInt)1 << clock->cut, clock->patience));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -5,34 +5,61 @@
   without a word.
 */
 #include "isph/guard.h"
+#include <stdarg.h>
 
 /* How far the true residual may exceed what was asked, and what no tolerance of the user's makes
  * good. */
 #define GUARD_SLACK 10.0
 #define GUARD_WORST 0.1
 
+/*
+  GuardMeasure - The true residual |b - A x|/|b| of a solve, and whether it is what was asked for
+
+  Collective. Good is a method that claims success and a residual within ten times its tolerance, and
+  never above 0.1.
+*/
+PetscErrorCode GuardMeasure(KSP ksp, Vec b, Vec x, PetscReal *residual, PetscBool *good)
+{
+  KSPConvergedReason reason;
+  PetscReal          rtol, norm_b, norm_r;
+  Mat                A;
+  Vec                r;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetConvergedReason(ksp, &reason));
+  PetscCall(KSPGetTolerances(ksp, &rtol, NULL, NULL, NULL));
+  PetscCall(KSPGetOperators(ksp, &A, NULL));
+  PetscCall(VecDuplicate(b, &r));
+  PetscCall(MatMult(A, x, r));
+  PetscCall(VecAYPX(r, -1.0, b));
+  PetscCall(VecNorm(r, NORM_2, &norm_r));
+  PetscCall(VecNorm(b, NORM_2, &norm_b));
+  PetscCall(VecDestroy(&r));
+  *residual = norm_b > 0.0 ? norm_r / norm_b : norm_r;
+  *good = reason >= 0 && norm_r <= PetscMin(GUARD_SLACK * rtol, GUARD_WORST) * norm_b ? PETSC_TRUE
+                                                                                      : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
 {
   Guard    *guard = (Guard *)ctx;
-  PetscReal rtol, norm_b, norm_r;
-  Mat       A;
-  Vec       r;
+  PetscReal residual;
+  PetscBool good;
 
   PetscFunctionBegin;
   if (guard->failed) PetscFunctionReturn(PETSC_SUCCESS); /* the first failure is the one to tell */
   PetscCall(KSPGetConvergedReason(ksp, &guard->reason));
   PetscCall(KSPGetIterationNumber(ksp, &guard->iterations));
-  PetscCall(KSPGetTolerances(ksp, &rtol, NULL, NULL, NULL));
-  PetscCall(KSPGetOperators(ksp, &A, NULL));
-  PetscCall(VecDuplicate(rhs, &r));
-  PetscCall(MatMult(A, solution, r));
-  PetscCall(VecAYPX(r, -1.0, rhs));
-  PetscCall(VecNorm(r, NORM_2, &norm_r));
-  PetscCall(VecNorm(rhs, NORM_2, &norm_b));
-  PetscCall(VecDestroy(&r));
-  guard->residual = norm_b > 0.0 ? norm_r / norm_b : norm_r;
-  if (guard->reason < 0 || !(norm_r <= PetscMin(GUARD_SLACK * rtol, GUARD_WORST) * norm_b))
-    guard->failed = PETSC_TRUE;
+  PetscCall(GuardMeasure(ksp, rhs, solution, &guard->residual, &good));
+  if (good) {
+    guard->in_a_row = 0;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  residual = guard->residual;
+  if (guard->patience >= 0) PetscCall(LadderClimb(ksp, rhs, solution, guard, &good));
+  if (!good) guard->residual = residual;
+  if (!good || guard->in_a_row > guard->patience) guard->failed = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -72,6 +99,9 @@ static PetscErrorCode GuardNote(KSP ksp, const LaplacianForm *form, Guard *guard
   Output Parameter:
 . guard - its note says what is legal but unwise
 
+  Options Database Key:
+. -fallback N - how many solves in a row may be left to the ladder
+
   Errors: refuses Cholesky factors of a matrix that is not symmetric, and absolute tolerances
 */
 PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
@@ -96,6 +126,21 @@ PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
   if (!preonly && !chosen) PetscCall(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
   PetscCall(KSPSetPostSolve(ksp, Guard_PostSolve, guard));
   PetscCall(GuardNote(ksp, form, guard));
+  guard->patience = 10;
+  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Solvers", "");
+  PetscCall(OptionInt("-fallback",
+                      "Solves in a row that other methods may make in place of the chosen one; -1: "
+                      "none, the first failure ends the step",
+                      -1, PETSC_MAX_INT, &guard->patience, NULL));
+  PetscOptionsEnd();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* GuardDetach - Frees the ladder's solvers; collective */
+PetscErrorCode GuardDetach(Guard *guard)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < GUARD_RUNGS; k++) PetscCall(KSPDestroy(&guard->rung[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -135,22 +180,20 @@ static PetscErrorCode GuardRemedy(KSP ksp, PC pc, const Guard *guard, char remed
 }
 
 /*
-  GuardCheck - Ends the run where a solve failed since the last check
+  GuardCheck - Tells the step where a solve failed since the last check
 
   Collective.
 
-  Input Parameter:
-. where - the beginning of the sentence, as ClockWhere() gives it
-
-  Errors: PETSC_ERR_NOT_CONVERGED with the step, the methods, the reason and what to try
+  Output Parameter:
+. failure - set to a sentence with the step, the methods, the reason and what to try; hopeless where the
+            ladder had to be climbed too often in a row
 */
-PetscErrorCode GuardCheck(KSP ksp, const char where[], Guard *guard)
+PetscErrorCode GuardCheck(KSP ksp, Guard *guard, StepFailure *failure)
 {
-  const char *const *reasons = KSPConvergedReasons;
-  char               remedy[256];
-  KSPType            ksp_type;
-  PCType             pc_type;
-  PC                 pc;
+  char    remedy[256];
+  KSPType ksp_type;
+  PCType  pc_type;
+  PC      pc;
 
   PetscFunctionBegin;
   if (!guard->failed) PetscFunctionReturn(PETSC_SUCCESS);
@@ -159,12 +202,36 @@ PetscErrorCode GuardCheck(KSP ksp, const char where[], Guard *guard)
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCGetType(pc, &pc_type));
   PetscCall(GuardRemedy(ksp, pc, guard, remedy, sizeof(remedy)));
-  PetscCheck(PETSC_FALSE, PETSC_COMM_WORLD, PETSC_ERR_NOT_CONVERGED,
+  if (guard->patience >= 0 && guard->in_a_row > guard->patience) {
+    FailureSet(
+        failure, PETSC_ERR_NOT_CONVERGED,
+        "%s: %" PetscInt_FMT
+        " %s solves in a row were beyond %s with %s (%s) and were left to the fallback ladder; "
+        "%s, or -fallback a larger number",
+        guard->where, guard->in_a_row, guard->what, ksp_type, pc_type,
+        KSPConvergedReasons[guard->reason], remedy);
+    failure->hopeless = PETSC_TRUE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
              "%s: the %s solve by %s with %s ended with %s after %" PetscInt_FMT
              " iterations, true residual %.1e of the right-hand side; %s",
-             where, guard->what, ksp_type, pc_type, reasons[guard->reason], guard->iterations,
-             (double)guard->residual, remedy);
+             guard->where, guard->what, ksp_type, pc_type, KSPConvergedReasons[guard->reason],
+             guard->iterations, (double)guard->residual, remedy);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FailureSet - Notes what went wrong, unless something did before; not collective */
+void FailureSet(StepFailure *failure, PetscErrorCode code, const char format[], ...)
+{
+  va_list arguments;
+
+  if (failure->code) return;
+  failure->code     = code;
+  failure->hopeless = PETSC_FALSE;
+  va_start(arguments, format);
+  (void)vsnprintf(failure->sentence, sizeof(failure->sentence), format, arguments);
+  va_end(arguments);
 }
 
 /*

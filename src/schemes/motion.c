@@ -91,6 +91,23 @@ static void ShiftParticle(const Scene *scene, const Clock *clock, const Particle
   }
 }
 
+/* A particle that flew further than is allowed makes the step a failed one. Collective. */
+static PetscErrorCode CheckMove(const Scene *scene, const Clock *clock, PetscReal moved,
+                                Scheme *scheme)
+{
+  char where[CLOCK_WHERE];
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &moved, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
+  if (moved <= clock->move_max * scene->dx) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ClockWhere(clock, where));
+  FailureSet(
+      &scheme->failure, PETSC_ERR_FP,
+      "%s: a particle moved by %.3g dx, more than -dt_move_max %.3g; try a smaller -dt or -cfl",
+      where, (double)(moved / scene->dx), (double)clock->move_max);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   ParticlesMove - Takes particles from x^n to x^{n+1} by Adams-Bashforth and shifts them
 
@@ -109,19 +126,24 @@ PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *
   const PetscBool shifting = scheme->shift->Displace ? PETSC_TRUE : PETSC_FALSE;
   const PetscReal w =
       scheme->time_order == 2 && clock->dt_previous > 0.0 ? clock->dt / clock->dt_previous : 0.0;
-  Slopes slopes;
+  PetscReal moved2 = 0.0;
+  Slopes    slopes;
 
   PetscFunctionBegin;
   PetscCall(SlopesGet(scene, ops, shifting, pr, &slopes));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal shift[ISPH_MAX_DIM] = {0.0}, change[ISPH_MAX_DIM] = {0.0}, x[ISPH_MAX_DIM];
+    PetscReal shift[ISPH_MAX_DIM] = {0.0}, change[ISPH_MAX_DIM] = {0.0}, x[ISPH_MAX_DIM], d2 = 0.0;
 
     if (shifting) ShiftParticle(scene, clock, p, ops, scheme, &slopes, i, shift, change);
     for (PetscInt a = 0; a < scene->dim; a++) {
-      x[a] = p->x[a][i] +
-             clock->dt * ((1.0 + 0.5 * w) * p->u[a][i] - 0.5 * w * pr->u_previous[a][i]) + shift[a];
+      const PetscReal flown =
+          clock->dt * ((1.0 + 0.5 * w) * p->u[a][i] - 0.5 * w * pr->u_previous[a][i]);
+
+      x[a] = p->x[a][i] + flown + shift[a];
+      d2 += PetscSqr(flown);
     }
     KeepOffWalls(scene, x);
+    moved2 = PetscIsNanReal(d2) ? PETSC_INFINITY : PetscMax(moved2, d2);
     for (PetscInt a = 0; a < scene->dim; a++) {
       if (p->p) p->p[i] += (x[a] - p->x[a][i]) * slopes.p[a][i];
       p->x[a][i] = x[a];
@@ -130,5 +152,6 @@ PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *
     }
   }
   PetscCall(SlopesRestore(scene, pr, &slopes));
+  if (clock->adapt->retries) PetscCall(CheckMove(scene, clock, PetscSqrtReal(moved2), scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

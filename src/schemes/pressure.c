@@ -53,7 +53,7 @@ PetscErrorCode PressureSolver(const LaplacianForm *form, PetscReal rtol, KSP *ks
   PetscCall(KSPCreate(PETSC_COMM_WORLD, ksp));
   PetscCall(KSPSetOptionsPrefix(*ksp, guard->prefix));
   PetscCall(KSPSetType(*ksp, LaplacianIs(form, FORM_SYMMETRIC) ? KSPCG : KSPFGMRES));
-  PetscCall(KSPSetTolerances(*ksp, rtol, PETSC_SMALL * PETSC_SMALL, PETSC_DEFAULT, 500));
+  PetscCall(KSPSetTolerances(*ksp, rtol, 0.0, PETSC_DEFAULT, 500));
   PetscCall(KSPGetPC(*ksp, &pc));
   PetscCall(PCSetType(pc, PCHYPRE));
   PetscCall(KSPSetFromOptions(*ksp));
@@ -86,6 +86,7 @@ PetscErrorCode PressureDestroy(Pressure **ppe)
 {
   PetscFunctionBegin;
   if (!*ppe) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(GuardDetach(&(*ppe)->guard));
   PetscCall(KSPDestroy(&(*ppe)->ksp));
   PetscCall(MatDestroy(&(*ppe)->preconditioner));
   PetscCall(MatDestroy(&(*ppe)->ones));
@@ -147,17 +148,15 @@ static PetscErrorCode PressureUpdateMatrices(const Particles *p, const Operators
 
   Collective.
 
-  Output Parameter:
-. phi - of mean zero [Pa]
-
-  Errors: ends the run where the true residual is not small, with the reason and a remedy
+  Output Parameters:
++ phi     - of mean zero [Pa]
+- failure - set where no method reaches a small true residual
 */
 PetscErrorCode PressureSolve(const Clock *clock, const Particles *p, const Operators *ops, Vec b,
-                             Vec phi, Pressure *s)
+                             Vec phi, Pressure *s, StepFailure *failure)
 {
   PetscReal   norm;
   PetscScalar mean;
-  char        where[CLOCK_WHERE];
 
   PetscFunctionBegin;
   PetscCall(PressureUpdateMatrices(p, ops, s));
@@ -167,9 +166,9 @@ PetscErrorCode PressureSolve(const Clock *clock, const Particles *p, const Opera
     PetscCall(VecZeroEntries(phi));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  PetscCall(ClockWhere(clock, s->guard.where));
   PetscCall(KSPSolve(s->ksp, b, phi));
-  PetscCall(ClockWhere(clock, where));
-  PetscCall(GuardCheck(s->ksp, where, &s->guard));
+  PetscCall(GuardCheck(s->ksp, &s->guard, failure));
   s->iterations = s->guard.iterations;
   if (s->its_new == 0) s->its_new = s->iterations;
   PetscCall(VecSum(phi, &mean));
@@ -187,6 +186,12 @@ PetscErrorCode PressureNames(const Pressure *s, const char **ksp, const char **p
   PetscCall(KSPGetPC(s->ksp, &inner));
   PetscCall(PCGetType(inner, pc));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* PressureFalls - How many solves the fallback ladder has made */
+PetscInt *PressureFalls(Pressure *s)
+{
+  return &s->guard.falls;
 }
 
 /* PressureNote - What is unwise in the choice of solver and form, or "" */

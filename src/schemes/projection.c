@@ -34,7 +34,8 @@ PetscErrorCode ProjectionCreate(const Scene *scene, const Clock *clock, Operator
 /* Fields the scheme carries, and the case's initial values in them. */
 PetscErrorCode ProjectionRegister(const Scene *scene, Particles *p, Scheme *scheme)
 {
-  Projection *pr = (Projection *)scheme->data;
+  Projection *pr   = (Projection *)scheme->data;
+  PetscReal   most = 0.0;
 
   PetscFunctionBegin;
   PetscCall(ParticlesRegister(p, "u_previous", scene->dim, HALO_NONE, pr->u_previous));
@@ -50,9 +51,10 @@ PetscErrorCode ProjectionRegister(const Scene *scene, Particles *p, Scheme *sche
     }
     if (p->p && scene->problem->Exact) scene->problem->Exact(scene, 0.0, x, u, &pressure);
     if (p->p) p->p[i] = pressure;
+    most = PetscMax(most, PetscAbsReal(pressure));
   }
-  PetscCallMPI(
-      MPI_Allreduce(MPI_IN_PLACE, &scheme->stats.speed_max, 1, MPIU_REAL, MPIU_MAX, p->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, p->comm));
+  pr->balanced = most > 0.0 ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -118,23 +120,11 @@ PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *p, Scheme
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ProjectionBegin - Readies the vectors and measures the flow at the start; collective */
-PetscErrorCode ProjectionBegin(const Scene *scene, const Particles *p, const Operators *ops,
-                               Scheme *scheme)
+/* n.grad p = rho n.f at walls: what share of it p^n has already, and what share this step adds. */
+static PetscErrorCode SetWallSlopes(const Scene *scene, const Particles *p, PetscReal had,
+                                    PetscReal adds, Operators *ops)
 {
-  PetscFunctionBegin;
-  PetscCall(ProjectionRenumber(scene, p, scheme));
-  PetscCall(MeasureFlow(scene, p, ops, ((Projection *)scheme->data)->u, scheme));
-  scheme->stats.change[0] = scheme->stats.change[1] = scheme->stats.change[2] = PETSC_INFINITY;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* n.grad p = rho n.f at walls: what p^n has of it already, and what this step adds. */
-static PetscErrorCode SetWallSlopes(const Scene *scene, const Clock *clock, const Particles *p,
-                                    const Scheme *scheme, Operators *ops)
-{
-  const PetscReal had = scheme->projection->incremental && clock->step > 0 ? 1.0 : 0.0;
-  PetscScalar    *slope, *step;
+  PetscScalar *slope, *step;
 
   PetscFunctionBegin;
   if (!ops->wall) PetscFunctionReturn(PETSC_SUCCESS);
@@ -146,7 +136,7 @@ static PetscErrorCode SetWallSlopes(const Scene *scene, const Clock *clock, cons
     for (PetscInt a = 0; a < scene->dim; a++)
       full += scene->rho * scene->body[a] * p->normal[a][p->n_fluid + w];
     slope[w] = had * full;
-    step[w]  = (1.0 - had) * full;
+    step[w]  = adds * full;
   }
   PetscCall(VecRestoreArray(ops->wall_slope, &slope));
   PetscCall(VecRestoreArray(ops->wall_slope_step, &step));
@@ -235,7 +225,7 @@ static PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, co
         scheme->projection ? dt * ViscosityResponse(scheme->visc) / scene->rho : 0.0;
 
     PetscCall(ViscositySolve(scene, clock, p, dt, slip, pr->force, inner ? pr->conv : NULL, ops,
-                             pr->star, scheme->visc));
+                             pr->star, scheme->visc, &scheme->failure));
     pr->k *= ViscosityResponse(scheme->visc);
   } else {
     for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecAXPY(pr->star[a], dt, pr->force[a]));
@@ -312,23 +302,45 @@ static PetscErrorCode PressureUpdate(const Scene *scene, const Particles *p, Ope
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Everything that follows from new positions: ownership, neighbours, matrices. */
+/* Whether p^n answers the body force at walls: after a step, or from the start. */
+static PetscBool HasBalance(const Clock *clock, const Scheme *scheme)
+{
+  return clock->step > 0 || ((const Projection *)scheme->data)->balanced ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Everything that follows from new positions: neighbours, matrices, vectors. */
 static PetscErrorCode RebuildOperators(const Scene *scene, const Clock *clock, Particles *p,
                                        Neighbors *nb, Operators *ops, Scheme *scheme)
 {
   Projection *pr = (Projection *)scheme->data;
-  PetscBool   started, changed;
+  PetscBool   changed;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(pr->event[EVENT_NEIGHBORS], 0, 0, 0, 0));
-  PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_FALSE, &started));
-  if (!started) PetscCall(ParticlesUpdateHalo(p));
   PetscCall(NeighborsUpdate(p, scheme->stats.speed_max * clock->dt, nb));
   PetscCall(PetscLogEventEnd(pr->event[EVENT_NEIGHBORS], 0, 0, 0, 0));
   PetscCall(PetscLogEventBegin(pr->event[EVENT_OPERATORS], 0, 0, 0, 0));
   PetscCall(OperatorsAssemble(scene, p, nb, ops, &changed));
   PetscCall(PetscLogEventEnd(pr->event[EVENT_OPERATORS], 0, 0, 0, 0));
   PetscCall(ProjectionRenumber(scene, p, scheme));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ProjectionBegin - Readies everything for the flow as the particles carry it: at the start, after a
+  restart, after a step was undone
+
+  Collective. What a finished step leaves behind beside the particles' fields is made anew from them.
+*/
+PetscErrorCode ProjectionBegin(const Scene *scene, const Clock *clock, Particles *p, Neighbors *nb,
+                               Operators *ops, Scheme *scheme)
+{
+  PetscFunctionBegin;
+  PetscCall(RebuildOperators(scene, clock, p, nb, ops, scheme));
+  PetscCall(OperatorsSetWallVelocity(scene, p, clock->t, 0.0, ops));
+  if (scheme->projection)
+    PetscCall(SetWallSlopes(scene, p, HasBalance(clock, scheme) ? 1.0 : 0.0, 0.0, ops));
+  if (clock->step == 0) PetscCall(MeasureBegin(scene, p, ops, scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -342,8 +354,9 @@ static PetscErrorCode ProjectVelocity(const Scene *scene, const Clock *clock, co
   PetscCall(PetscLogEventBegin(pr->event[EVENT_PRESSURE], 0, 0, 0, 0));
   PetscCall(OperatorsSetWallVelocity(scene, p, clock->t + clock->dt, pr->k / scene->rho, ops));
   PetscCall(AssemblePressureSource(scene, clock, p, ops, scheme));
-  PetscCall(PressureSolve(clock, p, ops, pr->b, pr->phi, scheme->ppe));
+  PetscCall(PressureSolve(clock, p, ops, pr->b, pr->phi, scheme->ppe, &scheme->failure));
   PetscCall(PetscLogEventEnd(pr->event[EVENT_PRESSURE], 0, 0, 0, 0));
+  if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(pr->event[EVENT_CORRECT], 0, 0, 0, 0));
   PetscCall(VelocityCorrect(scene, ops, pr));
   PetscCall(PressureUpdate(scene, p, ops, scheme));
@@ -351,32 +364,72 @@ static PetscErrorCode ProjectVelocity(const Scene *scene, const Clock *clock, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ProjectionStep - One step of the clock's dt; collective; errors as in the solvers */
+/* Particles move, and ownership, neighbours and matrices follow. */
+static PetscErrorCode MoveAndRebuild(const Scene *scene, const Clock *clock, Particles *p,
+                                     Neighbors *nb, Operators *ops, Scheme *scheme)
+{
+  Projection *pr = (Projection *)scheme->data;
+  PetscBool   started;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(pr->event[EVENT_MOVE], 0, 0, 0, 0));
+  PetscCall(ParticlesMove(scene, clock, ops, p, scheme));
+  PetscCall(PetscLogEventEnd(pr->event[EVENT_MOVE], 0, 0, 0, 0));
+  if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscLogEventBegin(pr->event[EVENT_NEIGHBORS], 0, 0, 0, 0));
+  PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_FALSE, &started));
+  if (!started) PetscCall(ParticlesUpdateHalo(p));
+  PetscCall(PetscLogEventEnd(pr->event[EVENT_NEIGHBORS], 0, 0, 0, 0));
+  PetscCall(RebuildOperators(scene, clock, p, nb, ops, scheme));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The parts of a step in turn; a failed one is the last. */
+static PetscErrorCode TryStep(const Scene *scene, const Clock *clock, Particles *p, Neighbors *nb,
+                              Operators *ops, Scheme *scheme)
+{
+  Projection     *pr = (Projection *)scheme->data;
+  const PetscBool moves =
+      scheme->motion && scheme->motion->particles_move ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  if (moves) PetscCall(MoveAndRebuild(scene, clock, p, nb, ops, scheme));
+  if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
+  if (scheme->projection) {
+    const PetscReal had = scheme->projection->incremental && HasBalance(clock, scheme) ? 1.0 : 0.0;
+
+    PetscCall(SetWallSlopes(scene, p, had, 1.0 - had, ops));
+  }
+  PetscCall(PetscLogEventBegin(pr->event[EVENT_VISCOSITY], 0, 0, 0, 0));
+  PetscCall(PredictVelocity(scene, clock, p, ops, scheme));
+  PetscCall(PetscLogEventEnd(pr->event[EVENT_VISCOSITY], 0, 0, 0, 0));
+  if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
+  if (scheme->projection) PetscCall(ProjectVelocity(scene, clock, p, ops, scheme));
+  if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(OperatorsSetWallVelocity(scene, p, clock->t + clock->dt, 0.0, ops));
+  PetscCall(StepJudge(scene, clock, p, ops, scheme));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ProjectionStep - One step of the clock's dt
+
+  Collective. Where it fails, scheme->failure says how, time has not advanced and the fields are of no
+  use.
+*/
 PetscErrorCode ProjectionStep(const Scene *scene, Clock *clock, Particles *p, Neighbors *nb,
                               Operators *ops, Scheme *scheme)
 {
   Projection *pr = (Projection *)scheme->data;
 
   PetscFunctionBegin;
-  if (scheme->motion && scheme->motion->particles_move) {
-    PetscCall(PetscLogEventBegin(pr->event[EVENT_MOVE], 0, 0, 0, 0));
-    PetscCall(ParticlesMove(scene, clock, ops, p, scheme));
-    PetscCall(PetscLogEventEnd(pr->event[EVENT_MOVE], 0, 0, 0, 0));
-    PetscCall(RebuildOperators(scene, clock, p, nb, ops, scheme));
-  }
-  if (scheme->projection) PetscCall(SetWallSlopes(scene, clock, p, scheme, ops));
-  PetscCall(PetscLogEventBegin(pr->event[EVENT_VISCOSITY], 0, 0, 0, 0));
-  PetscCall(PredictVelocity(scene, clock, p, ops, scheme));
-  PetscCall(PetscLogEventEnd(pr->event[EVENT_VISCOSITY], 0, 0, 0, 0));
-  if (scheme->projection) PetscCall(ProjectVelocity(scene, clock, p, ops, scheme));
-  PetscCall(OperatorsSetWallVelocity(scene, p, clock->t + clock->dt, 0.0, ops));
-  PetscCall(StepJudge(scene, clock, p, ops, scheme));
+  scheme->failure.code = PETSC_SUCCESS;
+  PetscCall(TryStep(scene, clock, p, nb, ops, scheme));
+  if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < scene->dim; a++) {
     PetscCall(VecCopy(pr->u[a], pr->u_prev[a]));
     PetscCall(VecCopy(pr->star[a], pr->u[a]));
   }
-  clock->t += clock->dt;
-  clock->dt_previous = clock->dt;
-  clock->step++;
+  PetscCall(ClockAdvance(clock));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -16,18 +16,21 @@ enum {
   EVENT_COUNT
 };
 
-/* Means over a stretch of steps of the root mean squares of u, div u* and p, relative. */
-typedef struct {
-  PetscReal start; /* [s] */
-  PetscInt  n;     /* steps so far */
-  PetscReal sum[3], mean[3];
-} Window;
+/* What scheme->number holds, for the steady test. */
+enum {
+  NUMBER_START,                 /* of the stretch of steps that means are taken over [s] */
+  NUMBER_COUNT,                 /* steps of it so far */
+  NUMBER_SUM,                   /* 3: of root mean squares of u, div u* and p, relative */
+  NUMBER_MEAN = NUMBER_SUM + 3, /* 3: their means over the stretch before */
+  NUMBER_DIV  = NUMBER_MEAN + 3 /* root mean square of div u* in the last step [1/s] */
+};
 
 /* State on the particles (fields) and the vectors through which it is seen in the present epoch. */
 typedef struct {
   PetscReal *u_previous[ISPH_MAX_DIM]; /* u^{n-1} (field) [m/s] */
   PetscReal *convection[ISPH_MAX_DIM]; /* (u.grad u)^{n-1} of fixed particles (field) [m/s^2] */
   PetscBool  has_convection;           /* whether that field exists */
+  PetscBool  balanced;                 /* the flow starts with a pressure that balances the force */
 
   PetscInt epoch; /* the vectors below belong to this one */
   Vec      u[ISPH_MAX_DIM], u_prev[ISPH_MAX_DIM], conv_prev[ISPH_MAX_DIM], p; /* on fields */
@@ -37,8 +40,6 @@ typedef struct {
   Vec      p_before, phi, b, div, work; /* */
   Vec      velocity_slope[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* du_c/dx_a, for shifting */
 
-  Window        window;     /* for the steady test of moving particles */
-  PetscReal     div_before; /* rms of div u* in the last step, for the steady test [1/s] */
   PetscLogEvent event[EVENT_COUNT];
   PetscReal     k; /* u = u* - k/rho grad phi [s] */
 } Projection;
@@ -48,8 +49,8 @@ PetscErrorCode ProjectionCreate(const Scene *scene, const Clock *clock, Operator
 PetscErrorCode ProjectionRegister(const Scene *scene, Particles *particles, Scheme *scheme);
 PetscErrorCode ProjectionStep(const Scene *scene, Clock *clock, Particles *particles,
                               Neighbors *neighbors, Operators *ops, Scheme *scheme);
-PetscErrorCode ProjectionBegin(const Scene *scene, const Particles *particles, const Operators *ops,
-                               Scheme *scheme);
+PetscErrorCode ProjectionBegin(const Scene *scene, const Clock *clock, Particles *particles,
+                               Neighbors *neighbors, Operators *ops, Scheme *scheme);
 PetscErrorCode ProjectionDestroy(Scheme *scheme);
 
 PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *particles, Scheme *scheme);
@@ -57,6 +58,8 @@ PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *
                              Particles *particles, Scheme *scheme);
 PetscErrorCode MeasureFlow(const Scene *scene, const Particles *particles, const Operators *ops,
                            const Vec u[], Scheme *scheme);
+PetscErrorCode MeasureBegin(const Scene *scene, const Particles *particles, const Operators *ops,
+                            Scheme *scheme);
 PetscErrorCode StepJudge(const Scene *scene, const Clock *clock, const Particles *particles,
                          const Operators *ops, Scheme *scheme);
 

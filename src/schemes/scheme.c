@@ -84,6 +84,11 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
             "-visc_ts_type %s: its own history cannot follow shifted particles; use beuler, which "
             "is BDF2 with the history on particles, or -motion eulerian",
             ViscosityTimeKind(s->visc)->name);
+  UserCheck(
+      !s->visc || !ViscosityTimeKind(s->visc)->multistep || !clock->adapt->retries,
+      "-visc_ts_type %s: its own history cannot be undone with a step, as -dt_adapt retry wants; "
+      "use beuler",
+      ViscosityTimeKind(s->visc)->name);
   if (SceneHas(scene, PHYSICS_PRESSURE)) PetscCall(PressureCreate(ops, &s->ppe));
   PetscCall(s->row->Create(scene, clock, ops, s));
   *scheme = s;

@@ -67,9 +67,10 @@ static PetscErrorCode MeasureChange_Fixed(const Scene *scene, const Clock *clock
     PetscCall(RootMeanSquare(p, pr->work, &dp));
   }
   stats->change[0] = du * scale / scene->speed;
-  stats->change[1] = PetscAbsReal(div - pr->div_before) * scale * scene->length / scene->speed;
-  stats->change[2] = dp * scale / PressureScale(scene);
-  pr->div_before   = div;
+  stats->change[1] =
+      PetscAbsReal(div - scheme->number[NUMBER_DIV]) * scale * scene->length / scene->speed;
+  stats->change[2]           = dp * scale / PressureScale(scene);
+  scheme->number[NUMBER_DIV] = div;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -81,10 +82,10 @@ static PetscErrorCode MeasureChange_Fixed(const Scene *scene, const Clock *clock
 static PetscErrorCode MeasureChange_Moving(const Scene *scene, const Clock *clock,
                                            const Particles *p, Scheme *scheme)
 {
-  Projection     *pr    = (Projection *)scheme->data;
-  StepStats      *stats = &scheme->stats;
-  Window         *win   = &pr->window;
-  const PetscReal t = clock->t + clock->dt, T = TimeScale(scene);
+  Projection     *pr     = (Projection *)scheme->data;
+  StepStats      *stats  = &scheme->stats;
+  PetscReal      *number = scheme->number, *sum = &number[NUMBER_SUM], *mean = &number[NUMBER_MEAN];
+  const PetscReal t = clock->t + clock->dt, T = TimeScale(scene), start = number[NUMBER_START];
   PetscReal       u, div = 0.0, pressure = 0.0;
 
   PetscFunctionBegin;
@@ -94,21 +95,20 @@ static PetscErrorCode MeasureChange_Moving(const Scene *scene, const Clock *cloc
     PetscCall(RootMeanSquare(p, pr->div, &div));
     PetscCall(RootMeanSquare(p, pr->p, &pressure));
   }
-  win->sum[0] += u / scene->speed;
-  win->sum[1] += div * scene->length / scene->speed;
-  win->sum[2] += pressure / PressureScale(scene);
-  win->n++;
-  if (win->n < 20 || t - win->start < T) PetscFunctionReturn(PETSC_SUCCESS);
+  sum[0] += u / scene->speed;
+  sum[1] += div * scene->length / scene->speed;
+  sum[2] += pressure / PressureScale(scene);
+  number[NUMBER_COUNT] += 1.0;
+  if (number[NUMBER_COUNT] < 20.0 || t - start < T) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < 3; k++) {
-    const PetscReal mean = win->sum[k] / win->n;
+    const PetscReal now = sum[k] / number[NUMBER_COUNT];
 
-    stats->change[k] = win->start > 0.0 ? PetscAbsReal(mean - win->mean[k]) * T / (t - win->start)
-                                        : PETSC_INFINITY;
-    win->mean[k]     = mean;
-    win->sum[k]      = 0.0;
+    stats->change[k] = start > 0.0 ? PetscAbsReal(now - mean[k]) * T / (t - start) : PETSC_INFINITY;
+    mean[k]          = now;
+    sum[k]           = 0.0;
   }
-  win->start = t;
-  win->n     = 0;
+  number[NUMBER_START] = t;
+  number[NUMBER_COUNT] = 0.0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -156,12 +156,20 @@ PetscErrorCode MeasureFlow(const Scene *scene, const Particles *p, const Operato
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* MeasureBegin - What a step would have measured, of the flow at the start; collective */
+PetscErrorCode MeasureBegin(const Scene *scene, const Particles *p, const Operators *ops,
+                            Scheme *scheme)
+{
+  PetscFunctionBegin;
+  PetscCall(MeasureFlow(scene, p, ops, ((Projection *)scheme->data)->u, scheme));
+  for (PetscInt k = 0; k < 3; k++) scheme->stats.change[k] = PETSC_INFINITY;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
-  StepJudge - Measures the step just made, u* being the new velocity, and stops a run gone wrong
+  StepJudge - Measures the step just made, u* being the new velocity, and tells one gone wrong
 
-  Collective.
-
-  Errors: PETSC_ERR_FP where energy is not finite or speeds have left every bound
+  Collective. Sets scheme->failure where energy is not finite or speeds have left every bound.
 */
 PetscErrorCode StepJudge(const Scene *scene, const Clock *clock, const Particles *p,
                          const Operators *ops, Scheme *scheme)
@@ -171,14 +179,17 @@ PetscErrorCode StepJudge(const Scene *scene, const Clock *clock, const Particles
 
   PetscFunctionBegin;
   PetscCall(MeasureFlow(scene, p, ops, pr->star, scheme));
-  PetscCheck(!PetscIsInfOrNanReal(stats->kinetic_energy) && stats->speed_max < 100.0 * scene->speed,
-             PETSC_COMM_WORLD, PETSC_ERR_FP,
-             "step %" PetscInt_FMT
-             " (t = %.6g): the velocity has left every bound (largest speed %.6g, reference %.6g): "
-             "the flow is unstable at dt = %.6g (CFL %.2g); try a smaller -dt or -cfl",
-             clock->step + 1, (double)(clock->t + clock->dt), (double)stats->speed_max,
-             (double)scene->speed, (double)clock->dt,
-             (double)(clock->dt * scene->speed / scene->dx));
+  if (PetscIsInfOrNanReal(stats->kinetic_energy) || stats->speed_max >= 100.0 * scene->speed) {
+    char where[CLOCK_WHERE];
+
+    PetscCall(ClockWhere(clock, where));
+    FailureSet(&scheme->failure, PETSC_ERR_FP,
+               "%s: the velocity has left every bound (largest speed %.6g, reference %.6g): the "
+               "flow is unstable at dt = %.6g (CFL %.2g); try a smaller -dt or -cfl",
+               where, (double)stats->speed_max, (double)scene->speed, (double)clock->dt,
+               (double)(clock->dt * scene->speed / scene->dx));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   stats->visc_its = scheme->visc ? ViscosityIterations(scheme->visc) : 0;
   stats->ppe_its  = scheme->ppe ? PressureIterations(scheme->ppe) : 0;
   stats->visc_its_sum += stats->visc_its;

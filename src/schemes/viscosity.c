@@ -158,12 +158,13 @@ static PetscErrorCode ViscosityCreateSolver(const Scene *scene, PetscReal dt, co
   PetscCall(TSGetSNES(v->ts[0], &snes));
   PetscCall(SNESGetKSP(snes, &v->ksp));
   PetscCall(KSPSetType(v->ksp, LaplacianIs(&ops->visc_form, FORM_SYMMETRIC) ? KSPCG : KSPGMRES));
-  PetscCall(KSPSetTolerances(v->ksp, 1e-7, PETSC_SMALL * PETSC_SMALL, PETSC_DEFAULT, 1000));
+  PetscCall(KSPSetTolerances(v->ksp, 1e-7, 0.0, PETSC_DEFAULT, 1000));
   PetscCall(KSPGetPC(v->ksp, &pc));
   PetscCall(PCSetType(pc, stiffness < 2.0 ? PCJACOBI : stiffness < 200.0 ? PCBJACOBI : PCHYPRE));
-  for (PetscInt c = 1; c < v->dim; c++) {
+  for (PetscInt c = 0; c < v->dim; c++) {
     PetscCall(TSGetSNES(v->ts[c], &snes));
-    PetscCall(SNESSetKSP(snes, v->ksp));
+    if (c) PetscCall(SNESSetKSP(snes, v->ksp));
+    PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_MAX_INT)); /* the guard sees to those */
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -243,6 +244,7 @@ PetscErrorCode ViscosityDestroy(Viscosity **visc)
   PetscFunctionBegin;
   if (!*visc) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ViscosityFree(*visc));
+  PetscCall(GuardDetach(&(*visc)->guard));
   for (PetscInt c = 0; c < (*visc)->dim; c++) PetscCall(TSDestroy(&(*visc)->ts[c]));
   PetscCall(PetscFree(*visc));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -279,32 +281,32 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
 }
 
 /* One component over [t, t + dt], in one TS step unless an adaptor of the user's takes several. */
-static PetscErrorCode ViscosityStepComponent(Viscosity *v, const Clock *clock, PetscInt c,
-                                             PetscReal t, PetscReal dt, Vec u)
+static PetscErrorCode ViscosityStepComponent(Viscosity *v, PetscInt c, PetscReal t, PetscReal dt,
+                                             Vec u, StepFailure *failure)
 {
   const PetscReal   end        = t + dt;
   PetscReal         now        = t, next;
   PetscInt          its_before = 0, its_after = 0;
   TSConvergedReason reason = TS_CONVERGED_ITERATING;
   TS                ts     = v->ts[c];
-  char              where[CLOCK_WHERE];
 
   PetscFunctionBegin;
-  PetscCall(ClockWhere(clock, where));
   PetscCall(TSSetSolution(ts, u));
   PetscCall(TSSetTime(ts, t));
   PetscCall(TSSetTimeStep(ts, dt));
   if (!v->row->multistep)
     PetscCall(TSRestartStep(ts)); /* stages of the last step are of another flow */
   PetscCall(TSGetKSPIterations(ts, &its_before));
-  while (end - now > 1e-10 * dt) {
+  while (end - now > 1e-10 * dt && !failure->code) {
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_ITERATING));
     PetscCall(TSStep(ts));
     PetscCall(TSGetConvergedReason(ts, &reason));
-    if (v->ksp) PetscCall(GuardCheck(v->ksp, where, &v->guard));
-    PetscCheck(reason >= 0, PETSC_COMM_WORLD, PETSC_ERR_NOT_CONVERGED,
-               "%s: the viscous TS %s ended with %s; try a smaller time step", where, v->row->name,
-               TSConvergedReasons[reason]);
+    if (v->ksp) PetscCall(GuardCheck(v->ksp, &v->guard, failure));
+    if (reason < 0) {
+      FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
+                 "%s: the viscous TS %s ended with %s; try a smaller time step", v->guard.where,
+                 v->row->name, TSConvergedReasons[reason]);
+    }
     PetscCall(TSGetTime(ts, &now));
     PetscCall(TSGetTimeStep(ts, &next));
     PetscCall(TSSetTimeStep(ts, PetscMin(next, PetscMax(end - now, 1e-10 * dt))));
@@ -330,11 +332,13 @@ static PetscErrorCode ViscosityStepComponent(Viscosity *v, const Clock *clock, P
   Input/Output Parameter:
 . u - velocity components [m/s]
 
-  Errors: ends the run where a TS or its KSP diverges, or the true residual is not small
+  Output Parameter:
+. failure - set where a TS diverges, or no method reaches a small true residual
 */
 PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, const Particles *p,
                               PetscReal dt, PetscReal slip, const Vec force[],
-                              const Vec advecting[], Operators *ops, Vec u[], Viscosity *v)
+                              const Vec advecting[], Operators *ops, Vec u[], Viscosity *v,
+                              StepFailure *failure)
 {
   const PetscReal t_new = clock->t + clock->dt;
 
@@ -348,8 +352,9 @@ PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, const Part
   v->wall_t     = NAN;
   v->iterations = 0;
   PetscCall(ViscosityUpdateJacobian(v));
-  for (PetscInt c = 0; c < v->dim; c++)
-    PetscCall(ViscosityStepComponent(v, clock, c, t_new - dt, dt, u[c]));
+  PetscCall(ClockWhere(clock, v->guard.where));
+  for (PetscInt c = 0; c < v->dim && !failure->code; c++)
+    PetscCall(ViscosityStepComponent(v, c, t_new - dt, dt, u[c], failure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -385,6 +390,12 @@ PetscErrorCode ViscosityNames(const Viscosity *v, const char **ts, const char **
 Mat ViscosityMatrix(const Viscosity *v)
 {
   return v->J;
+}
+
+/* ViscosityFalls - How many solves the fallback ladder has made */
+PetscInt *ViscosityFalls(Viscosity *v)
+{
+  return &v->guard.falls;
 }
 
 /* ViscosityNote - What is unwise in the choice of solver and form, or "" */

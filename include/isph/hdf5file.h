@@ -1,9 +1,9 @@
 /*
-  An HDF5 file written by all ranks together. Failures are gathered while it is open and told once,
+  An HDF5 file written or read by all ranks together. Failures are gathered while it is open and told once,
   by all ranks alike, when it is closed: a full disk must not leave some ranks waiting for others.
 */
-#ifndef ISPH_IO_HDF5FILE_H
-#define ISPH_IO_HDF5FILE_H
+#ifndef ISPH_HDF5FILE_H
+#define ISPH_HDF5FILE_H
 
 #include "isph/io.h"
 #include <hdf5.h>
@@ -16,10 +16,17 @@ typedef struct {
 } Hdf5File;
 
 PetscErrorCode Hdf5FileCreate(MPI_Comm comm, const char path[], Hdf5File *file);
+PetscErrorCode Hdf5FileOpen(MPI_Comm comm, const char path[], Hdf5File *file);
 PetscErrorCode Hdf5FileClose(Hdf5File *file, PetscBool *good);
 PetscErrorCode Hdf5WriteRows(Hdf5File *file, const char name[], PetscInt columns, hid_t stored,
                              hid_t given, const void *rows, const char units[]);
 PetscErrorCode Hdf5WriteNumber(Hdf5File *file, const char name[], hid_t type, const void *value);
 PetscErrorCode Hdf5WriteText(Hdf5File *file, hid_t object, const char name[], const char text[]);
+PetscErrorCode Hdf5CountRows(Hdf5File *file, const char name[], PetscInt *N, PetscInt *columns);
+PetscErrorCode Hdf5ReadRows(Hdf5File *file, const char name[], PetscInt columns, hid_t given,
+                            void *rows);
+PetscErrorCode Hdf5ReadNumber(Hdf5File *file, const char name[], hid_t type, void *value);
+PetscErrorCode Hdf5ReadText(Hdf5File *file, const char name[], char text[], size_t length);
+PetscErrorCode FileReserve(const char path[], size_t bytes, PetscBool *good);
 
 #endif

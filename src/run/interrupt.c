@@ -1,0 +1,35 @@
+/* SIGTERM and SIGINT: noted when they come, answered between steps. */
+#include "impl.h"
+#include <signal.h>
+
+static volatile sig_atomic_t caught; /* the signal, 0: none; a handler can reach nothing else */
+
+static void Interrupt_Handler(int signal)
+{
+  caught = signal;
+}
+
+/* InterruptInstall - From now on the two signals are noted; not collective */
+PetscErrorCode InterruptInstall(void)
+{
+  PetscFunctionBegin;
+  caught = 0;
+  (void)signal(SIGTERM, Interrupt_Handler);
+  (void)signal(SIGINT, Interrupt_Handler);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  InterruptCheck - Whether a signal has reached any rank
+
+  Collective on PETSC_COMM_WORLD. Output: signal - its name, NULL for none.
+*/
+PetscErrorCode InterruptCheck(const char **signal)
+{
+  PetscInt most = (PetscInt)caught;
+
+  PetscFunctionBegin;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_INT, MPI_MAX, PETSC_COMM_WORLD));
+  *signal = most == 0 ? NULL : most == SIGTERM ? "SIGTERM" : "SIGINT";
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

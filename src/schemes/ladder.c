@@ -1,0 +1,105 @@
+/*
+  The fallback ladder of a linear solve: where the method chosen does not reach the true residual asked
+  for, others are tried on the same matrix, from the cheapest to the surest. Each fall is told and
+  counted.
+*/
+#include "isph/guard.h"
+
+/* What is tried in turn, with the matrix that the preconditioner is made from. */
+static const struct {
+  const char *ksp, *pc;
+  PetscInt    most; /* rows it is tried for; 0: any number */
+} rungs[GUARD_RUNGS] = {
+    {KSPGMRES, PCHYPRE, 0},
+    {KSPGMRES, PCBJACOBI, 0},
+    {KSPGMRES, PCLU, 20000},
+};
+
+/* The solver of a rung, made when it is first needed. */
+static PetscErrorCode LadderRung(KSP ksp, PetscInt k, Guard *guard)
+{
+  PetscReal   rtol;
+  PetscMPIInt ranks;
+  PC          pc;
+
+  PetscFunctionBegin;
+  if (guard->rung[k]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(KSPGetTolerances(ksp, &rtol, NULL, NULL, NULL));
+  PetscCall(KSPCreate(PETSC_COMM_WORLD, &guard->rung[k]));
+  PetscCall(KSPSetType(guard->rung[k], rungs[k].ksp));
+  PetscCall(KSPGMRESSetRestart(guard->rung[k], 60));
+  PetscCall(KSPSetPCSide(guard->rung[k], PC_RIGHT)); /* its residual is the true one */
+  PetscCall(KSPSetTolerances(guard->rung[k], rtol, 0.0, PETSC_DEFAULT, 1000));
+  PetscCall(KSPGetPC(guard->rung[k], &pc));
+  PetscCall(PCSetType(pc, rungs[k].pc));
+  if (ranks > 1 && rungs[k].most) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether a rung is what has failed already. */
+static PetscErrorCode LadderSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBool *skips)
+{
+  PetscBool same_ksp, same_pc;
+  PC        pc;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PetscObjectTypeCompare((PetscObject)ksp, rungs[k].ksp, &same_ksp));
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, rungs[k].pc, &same_pc));
+  *skips =
+      (same_ksp && same_pc) || (rungs[k].most && rows > rungs[k].most) ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  LadderClimb - Solves A x = b again by the methods of the ladder, until one reaches the true residual
+
+  Collective.
+
+  Input Parameters:
++ ksp - the solver that failed, with its matrices and tolerance
+- b   - the right-hand side
+
+  Output Parameters:
++ x      - the solution, if solved
+- solved - PETSC_FALSE where no rung got there, or b is not finite
+
+  Notes: each fall is printed; guard->falls counts them, guard->in_a_row those without a success of the
+  chosen method between
+*/
+PetscErrorCode LadderClimb(KSP ksp, Vec b, Vec x, Guard *guard, PetscBool *solved)
+{
+  KSPType  ksp_type;
+  PCType   pc_type;
+  PC       pc;
+  Mat      A, P;
+  PetscInt rows;
+
+  PetscFunctionBegin;
+  *solved = PETSC_FALSE;
+  if (PetscIsInfOrNanReal(guard->residual)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(KSPGetOperators(ksp, &A, &P));
+  PetscCall(MatGetSize(A, &rows, NULL));
+  for (PetscInt k = 0; k < GUARD_RUNGS && !*solved; k++) {
+    PetscBool skips = PETSC_FALSE;
+
+    PetscCall(LadderSkips(ksp, k, rows, &skips));
+    if (skips) continue;
+    PetscCall(LadderRung(ksp, k, guard));
+    PetscCall(KSPReset(guard->rung[k]));
+    PetscCall(KSPSetOperators(guard->rung[k], A, P));
+    PetscCall(KSPSolve(guard->rung[k], b, x));
+    PetscCall(GuardMeasure(guard->rung[k], b, x, &guard->residual, solved));
+    if (!*solved) continue;
+    PetscCall(KSPGetType(ksp, &ksp_type));
+    PetscCall(KSPGetPC(ksp, &pc));
+    PetscCall(PCGetType(pc, &pc_type));
+    PetscCall(SayLine("%s: the %s solve by %s with %s ended with %s; %s with %s solved it",
+                      guard->where, guard->what, ksp_type, pc_type,
+                      KSPConvergedReasons[guard->reason], rungs[k].ksp, rungs[k].pc));
+    guard->falls++;
+    guard->in_a_row++;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,62 @@
+#!/usr/bin/env python3
+"""What monitors write, against exact values: steady plane Couette and Poiseuille flow, a fluid at rest.
+
+    monitors.py COMMAND...         the program, on some ranks"""
+import csv
+import subprocess
+import sys
+
+
+def rows(path):
+    with open(path, newline="") as file:
+        return [{k: float(v) if v else None for k, v in row.items()} for row in csv.DictReader(file)]
+
+
+def run(*options):
+    subprocess.run([*sys.argv[1:], *options, "-progress", "none"], check=True, stdout=subprocess.DEVNULL)
+
+
+def last(table, **where):
+    return [row for row in table if all(row[k] == v for k, v in where.items())][-1]
+
+
+def close(a, b, tolerance):
+    assert abs(a - b) <= tolerance, (a, b)
+
+
+def main():
+    # Steady: 20 steps of nu dt/L^2 = 1. Linear and quadratic fields are exact up to the solvers.
+    steady = ["-n", "16", "-dt", "1", "-t_end", "20", "-visc_ksp_rtol", "1e-12"]
+    run("-case", "couette", *steady, "-probe_point", "0.1,0.3,0.2,1", "-probe_line", "0.1,0,0.1,1,5",
+        "-probe_flux", "0.2,1,0.2,0", "-probe_forces")  # nu = rho = U = L = 1, length 8/16
+    point = rows("probe_point.csv")
+    assert len(point) == 2 * 21 and point[0]["u"] == 0 and point[0]["p"] is None
+    close(last(point, point=0)["u"], 0.3, 1e-8)
+    close(last(point, point=1)["u"], 1.0, 1e-8)
+    line = rows("probe_line.csv")
+    assert len(line) == 5 * 21
+    for row in line[-5:]:
+        close(row["u"], row["y"], 1e-8)
+    close(rows("probe_flux.csv")[-1]["flux"], -0.5, 1e-8)  # to the right of the way down is -x
+    forces = rows("probe_forces.csv")
+    close(last(forces, wall=2)["fx"], 0.5, 1e-7)  # mu U/L times the length
+    close(last(forces, wall=3)["fx"], -0.5, 1e-7)
+    close(last(forces, wall=3)["tz"], 0.25, 1e-7)  # arm L/2
+
+    run("-case", "poiseuille", *steady, "-probe_forces", "-probe_flux", "0.2,0,0.2,1", "-probe_every", "10")
+    forces = rows("probe_forces.csv")  # f = 8 nu U/L^2, nu = U d/Re = 1, half of it on each wall
+    assert len(forces) == 2 * 3
+    for wall in 2, 3:
+        close(last(forces, wall=wall)["fx"], 0.5 * 8 * 0.5, 1e-6)
+    close(rows("probe_flux.csv")[-1]["flux"], 2 / 3, 2e-3)  # midpoint rule, 16 cells: U/(12 n^2) = 3e-4
+
+    run("-case", "hydrostatic", "-n", "16", "-max_steps", "5", "-probe_forces")
+    forces = rows("probe_forces.csv")
+    close(last(forces, wall=0)["fx"] + last(forces, wall=1)["fx"], 0, 1e-9)
+    close(last(forces, wall=0)["tz"], -1 / 12, 1e-3)  # sum of y rho g y dA, midpoint rule
+    close(last(forces, wall=2)["fy"] + last(forces, wall=3)["fy"], -1, 1e-9)  # the weight, rho g L^2
+    for row in forces[-4:]:
+        close(row["fz"], 0, 0)
+
+
+main()

@@ -1,0 +1,200 @@
+#!/usr/bin/env python3
+"""Runs that are stopped and go on.
+
+    restart.py kill ISPH           killed 30 times at random moments: the same report, files and probes
+    restart.py bitwise ISPH...     continued and restarted runs are equal to the last bit (1 and 3 ranks)
+    restart.py ranks ISPH...       a checkpoint of 2 ranks restarted on 1, 2, 3: the same flow to 1e-10
+    restart.py term ISPH           SIGTERM: a checkpoint, status interrupted, the same flow to 1e-4
+    restart.py damage ISPH         corrupted, truncated and foreign checkpoints are refused in one line
+    restart.py disk ISPH           a full disk: one line, and all files complete
+
+ISPH... is the program, after it the words that start it on several ranks with {} for their number."""
+import csv
+import glob
+import os
+import random
+import re
+import resource
+import signal
+import subprocess
+import sys
+import time
+
+BASE = ["-n", "24", "-t_end", "3", "-progress", "none", "-skin", "1"]
+FILES = ["-checkpoint", "c.h5", "-checkpoint_every", "0.1", "-output", "flow.h5", "-output_every", "0.5",
+         "-report_times", "1,2", "-probe_point", "0.5,0.5", "-probe_every", "0.25", "-probe_forces"]
+
+
+def start(command, folder="."):
+    return subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                            text=True)
+
+
+def run(command, folder=".", good=True):
+    """Runs to the end; the one line of an error."""
+    done = start(command, folder)
+    error = done.communicate()[1]
+    assert (done.returncode == 0) == good, (command, done.returncode, error)
+    return error
+
+
+def report(path):
+    with open(path, newline="") as file:
+        return [(row["status"], row["quantity"], row["t"], row["value"]) for row in csv.DictReader(file)]
+
+
+def number(rows, quantity):
+    return [float(value) for _, name, _, value in rows if name == quantity][-1]
+
+
+def complete(folder):
+    """Snapshots that the index names, each present and none half written."""
+    with open(f"{folder}/flow.xdmf") as file:
+        named = sorted(set(re.findall(r"flow_\d+\.h5", file.read())))
+    assert named, folder
+    for name in named:
+        with open(f"{folder}/{name}", "rb") as file:
+            assert file.read(8) == b"\x89HDF\r\n\x1a\n", name
+    return named
+
+
+def kill(isph):
+    random.seed(1)
+    os.mkdir("calm")
+    begun = time.time()
+    run([isph, *BASE, *FILES, "-report", "r.csv"], "calm")
+    length = time.time() - begun
+    os.mkdir("killed")
+    kills = 0
+    while True:
+        again = ["-restart", "c.h5"] if os.path.exists("killed/c.h5") else []
+        process = start([isph, *BASE, *FILES, *again, "-report", "r.csv"], "killed")
+        try:
+            error = process.communicate(timeout=None if kills == 30 else random.uniform(0, 0.6 * length))[1]
+            assert process.returncode == 0, error
+            if kills == 30:
+                break
+            for path in glob.glob("killed/*"):  # it came through: from the start again
+                os.remove(path)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
+            kills += 1
+            if os.path.exists("killed/flow.xdmf"):
+                complete("killed")
+    assert report("calm/r.csv") == report("killed/r.csv")
+    assert complete("calm") == complete("killed"), (complete("calm"), complete("killed"))
+    for name in "probe_point.csv", "probe_forces.csv":
+        with open(f"calm/{name}") as a, open(f"killed/{name}") as b:
+            assert a.read() == b.read(), name
+    assert len(complete("calm")) == 7
+    print(f"{kills} kills, a run of {length:.2f} s")
+
+
+def ranked(command, n):
+    isph, *mpi = command
+    return [word.replace("{}", str(n)) for word in mpi] + [isph] if n > 1 else [isph]
+
+
+def bitwise(*command):
+    for n in 1, 3:
+        for motion in "lagrangian", "eulerian":
+            folder = f"{motion}{n}"
+            os.mkdir(folder)
+            start_ = [*ranked(command, n), "-n", "16", "-dt", "0.02", "-skin", "0.5", "-motion", motion,
+                      "-progress", "none", "-checkpoint_every", "0.1"]
+            run([*start_, "-max_steps", "30", "-checkpoint", "a.h5", "-report", "a.csv"], folder)
+            run([*start_, "-max_steps", "10", "-checkpoint", "b.h5"], folder)
+            run([*start_, "-max_steps", "30", "-checkpoint", "c.h5", "-restart", "b.h5", "-report", "c.csv"],
+                folder)
+            assert report(f"{folder}/a.csv") == report(f"{folder}/c.csv"), folder
+
+
+def ranks(*command):
+    tight = ["-n", "16", "-progress", "none", "-visc_ksp_rtol", "1e-13", "-ppe_ksp_rtol", "1e-13"]
+    for motion in "lagrangian", "eulerian":
+        file = f"{motion}.h5"
+        run([*ranked(command, 2), *tight, "-motion", motion, "-max_steps", "10", "-checkpoint", file])
+        flows = []
+        for n in 1, 2, 3:
+            run([*ranked(command, n), *tight, "-motion", motion, "-max_steps", "20", "-restart", file, "-report",
+                 f"{motion}{n}.csv"])
+            flows.append(report(f"{motion}{n}.csv"))
+        for quantity in "u_min", "v_max", "v_min", "kinetic_energy":
+            values = [number(flow, quantity) for flow in flows]
+            print(motion, quantity, values)
+            assert max(values) - min(values) < 1e-10, (motion, quantity, values)  # U = 1
+
+
+def term(isph):
+    run([isph, *BASE, "-report", "calm.csv"])
+    process = start([isph, *BASE, "-t_end", "30", "-checkpoint", "c.h5", "-checkpoint_every", "0.5", "-report",
+                     "r.csv"])
+    while not os.path.exists("c.h5"):
+        time.sleep(0.01)
+    process.send_signal(signal.SIGTERM)
+    error = process.communicate()[1]
+    assert process.returncode > 0 and error.startswith("isph: interrupted by SIGTERM"), error
+    assert {row[0] for row in report("r.csv")} == {"interrupted"}
+    run([isph, *BASE, "-restart", "c.h5", "-report", "rest.csv"])
+    for quantity in "u_min", "v_max", "v_min", "kinetic_energy":
+        a, b = (number(report(path), quantity) for path in ("calm.csv", "rest.csv"))
+        print(quantity, a, b)  # the epoch at the checkpoint changes the order of sums: 1e-6 was seen
+        assert abs(a - b) < 1e-4 * abs(a)
+
+
+def damage(isph):
+    run([isph, "-n", "16", "-max_steps", "3", "-checkpoint", "c.h5"])
+    with open("c.h5", "rb") as file:
+        data = file.read()
+
+    def refused(name, content, words, *options):
+        with open(name, "wb") as file:
+            file.write(content)
+        error = run([isph, "-n", "16", "-max_steps", "6", "-restart", name, *options], good=False)
+        print(error.strip())
+        assert error.count("\n") == 1 and error.startswith(f"isph: -restart {name}: ") and words in error, error
+
+    place = len(data) * 3 // 4  # among the particles
+    refused("bit.h5", data[:place] + bytes([data[place] ^ 1]) + data[place + 1:], "checksum")
+    for share in 2, 4, 40:
+        refused(f"cut{share}.h5", data[:len(data) - len(data) // share], "truncated")
+    refused("text.h5", b"no HDF5 at all\n" * 100, "no HDF5 file")
+    refused("case.h5", data, "is of case cavity, this run is of case hydrostatic", "-case", "hydrostatic")
+    refused("size.h5", data, "particles in 2D", "-wall", "dummy_linear")
+    refused("motion.h5", data, "this run needs", "-motion", "eulerian")
+    refused("version.h5", data.replace(b"0.1.0", b"9.9.9"), "the file is of isph 9.9.9")
+
+
+def disk(isph):
+    """A file system of 1 MB where one may be mounted, else a limit on the size of files."""
+    os.mkdir("small")
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "isph_test", "small"], check=False,
+                             capture_output=True).returncode == 0
+    limit = None if mounted else lambda: (signal.signal(signal.SIGXFSZ, signal.SIG_IGN),
+                                          resource.setrlimit(resource.RLIMIT_FSIZE, (150000, 150000)))
+    try:
+        for files in (["-output", "flow.h5", "-output_every", "0.02"],
+                      ["-probe_line", "0,0.5,1,0.5,200"],
+                      ["-n", "60", "-checkpoint", "c.h5", "-checkpoint_every", "0.01", "-output", "flow.h5",
+                       "-output_every", "0.05"]):
+            done = subprocess.run([isph, *BASE, *files], cwd="small", capture_output=True, text=True,
+                                  preexec_fn=limit, check=False)
+            print(mounted, done.stderr.strip())
+            assert done.returncode > 0 and done.stderr.count("\n") == 1, done.stderr
+            assert "cannot" in done.stderr and "disk is full" in done.stderr, done.stderr
+            if "-output" in files:
+                assert complete("small")
+            for path in glob.glob("small/*"):
+                os.remove(path)
+    finally:
+        if mounted:
+            subprocess.run(["umount", "small"], check=True)
+
+
+def main():
+    tests = {"kill": kill, "bitwise": bitwise, "ranks": ranks, "term": term, "damage": damage, "disk": disk}
+    tests[sys.argv[1]](*sys.argv[2:])
+
+
+main()

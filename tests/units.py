@@ -1,0 +1,51 @@
+#!/usr/bin/env python3
+"""The cavity in other units of length, time and mass, 2^30 and 2^-30 times the first: every dimensionless
+quantity must be the same to the last bit, for multiplying by a power of two rounds nothing. A tolerance
+that is not relative would show.
+
+    units.py ISPH"""
+import csv
+import os
+import subprocess
+import sys
+
+POWER = {  # of length, time and mass in what the report gives with units; the cavity's are over U
+    "u_min": (0, 0, 0), "v_max": (0, 0, 0), "v_min": (0, 0, 0), "kinetic_energy": (2, -2, 1),
+    "divergence_max": (0, -1, 0), "linear_momentum": (1, -1, 1)}
+DEPTH = 1  # in 2D energies and momenta are per length of depth, and the density is mass / length^3
+
+
+def run(isph, name, length, time, mass):
+    path = f"{name}.csv"
+    subprocess.run(
+        [isph, "-n", "16", "-max_steps", "12", "-progress", "none", "-report", path,
+         "-length", repr(length), "-speed", repr(length / time), "-density", repr(mass / length ** 3),
+         "-body_force", f"{0.1 * length / time ** 2!r},0"], check=True, stdout=subprocess.DEVNULL)
+    with open(path, newline="") as file:
+        rows = {row["quantity"]: float(row["value"]) for row in csv.DictReader(file)}
+    os.remove(path)
+    scaled = {}
+    for quantity, value in rows.items():
+        l, t, m = POWER[quantity]
+        if m:
+            l -= DEPTH
+        scaled[quantity] = value / (length ** l * time ** t * mass ** m)
+    return scaled
+
+
+def main():
+    big, small, wrong = 2.0 ** 30, 2.0 ** -30, 0
+    base = run(sys.argv[1], "base", 1.0, 1.0, 1.0)
+    assert set(base) == set(POWER), base
+    for length, time, mass in ((big, 1, 1), (small, 1, 1), (1, big, 1), (1, small, 1), (1, 1, big),
+                               (1, 1, small), (big, small, small), (small, big, big)):
+        other = run(sys.argv[1], "other", float(length), float(time), float(mass))
+        same = other == base
+        print(f"length {length:g}, time {time:g}, mass {mass:g}: {'same' if same else 'DIFFERENT'}")
+        if not same:
+            print(base, other, sep="\n")
+            wrong += 1
+    sys.exit(wrong > 0)
+
+
+main()
