@@ -14,26 +14,22 @@ typedef struct {
   PetscErrorCode (*Write)(const Flow *flow, const Monitor *monitor);
 } MonitorKind;
 
-static PetscErrorCode WritePoints(const Flow *flow, const Monitor *monitor);
-static PetscErrorCode WriteLines(const Flow *flow, const Monitor *monitor);
-static PetscErrorCode WriteFluxes(const Flow *flow, const Monitor *monitor);
-
 static const MonitorKind kinds[MONITOR_KINDS] = {
     {"probe_point",
      "Velocity and pressure at points: x,y[,z] of each [m]",
      "point,x,y,z,u,v,w,p",
      {2, 3},
-     WritePoints},
+     MonitorPoints},
     {"probe_line",
      "Velocity and pressure along lines: both ends and the number of points of each",
      "line,x,y,z,u,v,w,p",
      {5, 7},
-     WriteLines},
+     MonitorLines},
     {"probe_flux",
      "Flux through sections: both ends of each [m]; in 3D a corner and its two neighbours",
      "section,flux",
      {4, 9},
-     WriteFluxes},
+     MonitorFluxes},
     {"probe_forces",
      "Forces and torques of the fluid on each wall",
      "wall,fx,fy,fz,tx,ty,tz",
@@ -65,7 +61,7 @@ static PetscErrorCode MonitorRead(PetscOptionItems *PetscOptionsObject, const Sc
                                   const MonitorKind *kind, Monitor *monitor)
 {
   const PetscInt group = kind->group[scene->dim - 2];
-  PetscReal      number[MONITOR_NUMBERS];
+  PetscReal      number[MONITOR_NUMBERS] = {0.0};
   PetscInt       n = MONITOR_NUMBERS;
   PetscBool      given;
   char           option[64];
@@ -85,7 +81,7 @@ static PetscErrorCode MonitorRead(PetscOptionItems *PetscOptionsObject, const Sc
   monitor->n  = n / group;
   PetscCall(PetscMalloc1(n, &monitor->number));
   PetscCall(PetscArraycpy(monitor->number, number, n));
-  for (PetscInt k = 0; k < monitor->n && kind->Write == WriteLines; k++) {
+  for (PetscInt k = 0; k < monitor->n && kind->Write == MonitorLines; k++) {
     const PetscReal points = number[k * group + group - 1];
 
     UserCheck(points >= 2.0 && points <= 1e6 && points == PetscFloorReal(points),
@@ -272,115 +268,4 @@ void MonitorVector(const Monitor *monitor, PetscInt dim, const PetscReal v[])
 {
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)
     (void)fprintf(monitor->stream, ",%.12g", a < dim ? (double)v[a] : 0.0);
-}
-
-/* Velocity and pressure at n points, one row each, all under one number or each under its own. */
-static PetscErrorCode WriteProbes(const Flow *flow, const Monitor *monitor, PetscInt n,
-                                  const PetscReal x[], PetscInt number)
-{
-  const PetscInt dim = flow->scene->dim;
-  PetscReal     *u, *p;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc2(n * dim, &u, n, &p));
-  PetscCall(ProbePoints(flow, n, x, u, p));
-  for (PetscInt k = 0; k < n; k++) {
-    if (!MonitorRow(flow, monitor, number < 0 ? k : number)) continue;
-    MonitorVector(monitor, dim, &x[k * dim]);
-    MonitorVector(monitor, dim, &u[k * dim]);
-    if (PetscIsNanReal(p[k])) (void)fprintf(monitor->stream, ",\n"); /* the run has no pressure */
-    else (void)fprintf(monitor->stream, ",%.12g\n", (double)p[k]);
-  }
-  PetscCall(PetscFree2(u, p));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode WritePoints(const Flow *flow, const Monitor *monitor)
-{
-  PetscFunctionBegin;
-  PetscCall(WriteProbes(flow, monitor, monitor->n, monitor->number, -1));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode WriteLines(const Flow *flow, const Monitor *monitor)
-{
-  const PetscInt dim = flow->scene->dim;
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < monitor->n; k++) {
-    const PetscReal *end = &monitor->number[k * (2 * dim + 1)];
-    const PetscInt   n   = (PetscInt)end[2 * dim];
-    PetscReal       *x;
-
-    PetscCall(PetscMalloc1(n * dim, &x));
-    for (PetscInt q = 0; q < n; q++) {
-      const PetscReal s = (PetscReal)q / (PetscReal)(n - 1);
-
-      for (PetscInt a = 0; a < dim; a++) x[q * dim + a] = (1.0 - s) * end[a] + s * end[dim + a];
-    }
-    PetscCall(WriteProbes(flow, monitor, n, x, k));
-    PetscCall(PetscFree(x));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  Flux of one section, by the midpoint rule on cells of at most dx:  sum u.n dA [m^2/s, m^3/s]. In 2D n
-  dA is the way from end to end turned to the right, in 3D the product of the two sides.
-*/
-static PetscErrorCode SectionFlux(const Flow *flow, const PetscReal corner[], PetscReal *flux)
-{
-  const PetscInt dim                   = flow->scene->dim;
-  PetscReal      side[2][ISPH_MAX_DIM] = {{0.0}}, area[ISPH_MAX_DIM], *x, *u;
-  PetscInt       n[2]                  = {1, 1}, total;
-
-  PetscFunctionBegin;
-  for (PetscInt s = 0; s < dim - 1; s++) {
-    PetscReal length2 = 0.0;
-
-    for (PetscInt a = 0; a < dim; a++) {
-      side[s][a] = corner[(s + 1) * dim + a] - corner[a];
-      length2 += PetscSqr(side[s][a]);
-    }
-    n[s] = PetscMax(1, (PetscInt)PetscCeilReal(PetscSqrtReal(length2) / flow->scene->dx - 1e-9));
-  }
-  total = n[0] * n[1];
-  if (dim == 2) {
-    area[0] = side[0][1];
-    area[1] = -side[0][0];
-  } else {
-    for (PetscInt a = 0; a < 3; a++) {
-      const PetscInt b = (a + 1) % 3, c = (a + 2) % 3;
-
-      area[a] = side[0][b] * side[1][c] - side[0][c] * side[1][b];
-    }
-  }
-  PetscCall(PetscMalloc2(total * dim, &x, total * dim, &u));
-  for (PetscInt k = 0; k < total; k++) {
-    for (PetscInt a = 0; a < dim; a++) {
-      x[k * dim + a] = corner[a] + (k % n[0] + 0.5) / n[0] * side[0][a] +
-                       (dim == 3 ? (k / n[0] + 0.5) / n[1] * side[1][a] : 0.0);
-    }
-  }
-  PetscCall(ProbePoints(flow, total, x, u, NULL));
-  *flux = 0.0;
-  for (PetscInt k = 0; k < total; k++) {
-    for (PetscInt a = 0; a < dim; a++) *flux += u[k * dim + a] * area[a] / total;
-  }
-  PetscCall(PetscFree2(x, u));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode WriteFluxes(const Flow *flow, const Monitor *monitor)
-{
-  const PetscInt dim = flow->scene->dim, group = dim == 2 ? 4 : 9;
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < monitor->n; k++) {
-    PetscReal flux = 0.0;
-
-    PetscCall(SectionFlux(flow, &monitor->number[k * group], &flux));
-    if (MonitorRow(flow, monitor, k)) (void)fprintf(monitor->stream, ",%.12g\n", (double)flux);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }

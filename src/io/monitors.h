@@ -20,6 +20,9 @@ typedef struct {
 
 PetscBool      MonitorRow(const Flow *flow, const Monitor *monitor, PetscInt thing);
 void           MonitorVector(const Monitor *monitor, PetscInt dim, const PetscReal v[]);
+PetscErrorCode MonitorPoints(const Flow *flow, const Monitor *monitor);
+PetscErrorCode MonitorLines(const Flow *flow, const Monitor *monitor);
+PetscErrorCode MonitorFluxes(const Flow *flow, const Monitor *monitor);
 PetscErrorCode MonitorForces(const Flow *flow, const Monitor *monitor);
 
 #endif

@@ -1,5 +1,5 @@
-/* The projection scheme: its state, and the parts of its step in projection.c, motion.c and
- * steady.c. */
+/* The projection scheme: its state, and the parts of its step in projection.c, motion.c, predictor.c,
+ * corrector.c and steady.c. */
 #ifndef ISPH_PROJECTION_H
 #define ISPH_PROJECTION_H
 
@@ -54,6 +54,10 @@ PetscErrorCode ProjectionBegin(const Scene *scene, const Clock *clock, Particles
 PetscErrorCode ProjectionDestroy(Scheme *scheme);
 
 PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *particles, Scheme *scheme);
+PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, const Particles *particles,
+                               Operators *ops, Scheme *scheme);
+PetscErrorCode ProjectVelocity(const Scene *scene, const Clock *clock, const Particles *particles,
+                               Operators *ops, Scheme *scheme);
 PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *ops,
                              Particles *particles, Scheme *scheme);
 PetscErrorCode MeasureFlow(const Scene *scene, const Particles *particles, const Operators *ops,

@@ -1,0 +1,26 @@
+/* The checkpoint file: what writing it and restarting from it share. */
+#ifndef ISPH_RUN_CHECKPOINT_H
+#define ISPH_RUN_CHECKPOINT_H
+
+#include "impl.h"
+#include "isph/hdf5file.h"
+
+#define CHECKPOINT_FORMAT 1 /* to be raised when what is in the file changes */
+#define CLOCK_NUMBERS     9
+#define STATS_NUMBERS     12
+
+struct Checkpoints {
+  char      path[PETSC_MAX_PATH_LEN];    /* empty: none are written */
+  char      restart[PETSC_MAX_PATH_LEN]; /* empty: the run starts from the beginning */
+  PetscReal every;                       /* between checkpoints; 0: at the end only [s] */
+  PetscReal last;                        /* time of the last one, or of the start [s] */
+  PetscInt  step;                        /* of the last one; -1: none */
+};
+
+void           CheckpointPack(const Run *run, double clock[], double stats[]);
+void           CheckpointUnpack(const double clock[], const double stats[], Run *run);
+PetscErrorCode CheckpointRecord(const Particles *particles, char names[], size_t length);
+PetscErrorCode CheckpointChecksum(PetscInt n, PetscInt width, const PetscReal record[],
+                                  uint64_t *sum);
+
+#endif

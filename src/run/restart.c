@@ -1,0 +1,162 @@
+/* Restarting from a checkpoint, or saying why not. The file is written in checkpoint.c. */
+#include "checkpoint.h"
+#include <string.h>
+
+/* Reads a table whole on all ranks; other than `rows` rows (if not negative) count as damage. */
+static PetscErrorCode ReadTable(Hdf5File *file, const char name[], PetscInt rows, PetscInt columns,
+                                PetscReal **values)
+{
+  PetscInt N, width;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(PetscMax(rows * columns, 1), values));
+  if (!rows) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Hdf5CountRows(file, name, &N, &width));
+  if (N != rows || width != columns) file->failed = PETSC_TRUE;
+  if (file->failed) PetscFunctionReturn(PETSC_SUCCESS);
+  file->start = 0;
+  file->own = file->N = rows;
+  PetscCall(Hdf5ReadRows(file, name, columns, H5T_NATIVE_DOUBLE, *values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Ends the run with the reason why a file does not fit it. Collective. */
+static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File *file)
+{
+  int       format = 0, dim = 0, N_fluid = 0, N_wall = 0;
+  char      version[64], problem[64], names[512], wanted[512];
+  PetscBool same;
+
+  PetscFunctionBegin;
+  PetscCall(Hdf5ReadNumber(file, "format", H5T_NATIVE_INT, &format));
+  UserCheck(!file->failed, "-restart %s: is no checkpoint of isph, or a damaged one", path);
+  PetscCall(Hdf5ReadText(file, "version", version, sizeof(version)));
+  PetscCall(Hdf5ReadText(file, "case", problem, sizeof(problem)));
+  PetscCall(Hdf5ReadText(file, "record", names, sizeof(names)));
+  PetscCall(Hdf5ReadNumber(file, "dim", H5T_NATIVE_INT, &dim));
+  PetscCall(Hdf5ReadNumber(file, "fluid", H5T_NATIVE_INT, &N_fluid));
+  PetscCall(Hdf5ReadNumber(file, "walls", H5T_NATIVE_INT, &N_wall));
+  PetscCall(PetscStrcmp(version, ISPH_VERSION, &same));
+  UserCheck(same && format == CHECKPOINT_FORMAT,
+            "-restart %s: the file is of isph %s (format %d), this is %s (format %d)", path,
+            version, format, ISPH_VERSION, CHECKPOINT_FORMAT);
+  PetscCall(PetscStrcmp(problem, run->scene->problem->name, &same));
+  UserCheck(same, "-restart %s: the file is of case %s, this run is of case %s", path, problem,
+            run->scene->problem->name);
+  UserCheck(dim == run->particles->dim && N_fluid == run->particles->N_fluid &&
+                N_wall == run->particles->N_wall,
+            "-restart %s: the file has %d + %d particles in %dD, this run %" PetscInt_FMT
+            " + %" PetscInt_FMT " in %" PetscInt_FMT "D; use the same -n, -dim and -wall",
+            path, N_fluid, N_wall, dim, run->particles->N_fluid, run->particles->N_wall,
+            run->particles->dim);
+  PetscCall(CheckpointRecord(run->particles, wanted, sizeof(wanted)));
+  PetscCall(PetscStrcmp(names, wanted, &same));
+  UserCheck(same,
+            "-restart %s: the file holds %s, this run needs %s; use the same physics and -motion",
+            path, names, wanted);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What was reported and written before. */
+static PetscErrorCode ReadHistory(Run *run, Hdf5File *file)
+{
+  int        n_report = 0, n_snapshots = 0;
+  PetscReal *report, *snapshots;
+  char      *names, *name;
+
+  PetscFunctionBegin;
+  PetscCall(Hdf5ReadNumber(file, "n_report", H5T_NATIVE_INT, &n_report));
+  PetscCall(Hdf5ReadNumber(file, "n_snapshots", H5T_NATIVE_INT, &n_snapshots));
+  PetscCall(PetscCalloc1((size_t)(33 * n_report + 2), &names));
+  PetscCall(Hdf5ReadText(file, "report_names", names, (size_t)(33 * n_report + 2)));
+  PetscCall(ReadTable(file, "report", n_report, 4, &report));
+  PetscCall(ReadTable(file, "snapshots", n_snapshots, 3, &snapshots));
+  name = names;
+  for (PetscInt k = 0; k < n_report && !file->failed; k++) {
+    char *comma = strchr(name, ',');
+
+    if (comma) *comma = '\0';
+    PetscCall(ReportRestore(run->report, name, &report[4 * k]));
+    name = comma ? comma + 1 : name;
+  }
+  if (!file->failed)
+    PetscCall(SnapshotsSet(run->snapshots, n_snapshots, snapshots, run->clock->step));
+  PetscCall(PetscFree(report));
+  PetscCall(PetscFree(snapshots));
+  PetscCall(PetscFree(names));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Clock, scheme, history and this rank's share of the records. */
+static PetscErrorCode ReadFile(Run *run, Hdf5File *file, PetscInt *n, PetscReal **record,
+                               PetscBool *whole)
+{
+  const Particles *p     = run->particles;
+  const PetscInt   width = ParticlesRecordWidth(p), N = p->N_fluid + p->N_wall;
+  PetscReal       *clock, *stats, *number;
+  PetscMPIInt      rank, ranks;
+  PetscInt         rows, columns;
+  uint64_t         wanted = 0, checksum;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(ReadTable(file, "clock", 1, CLOCK_NUMBERS, &clock));
+  PetscCall(ReadTable(file, "stats", 1, STATS_NUMBERS, &stats));
+  PetscCall(ReadTable(file, "number", 1, SCHEME_NUMBERS, &number));
+  CheckpointUnpack(clock, stats, run);
+  PetscCall(PetscArraycpy(run->scheme->number, number, SCHEME_NUMBERS));
+  PetscCall(PetscFree(clock));
+  PetscCall(PetscFree(stats));
+  PetscCall(PetscFree(number));
+  PetscCall(ReadHistory(run, file));
+  PetscCall(Hdf5ReadNumber(file, "checksum", H5T_NATIVE_UINT64, &wanted));
+  PetscCall(Hdf5CountRows(file, "particles", &rows, &columns));
+  file->start = (PetscInt)((PetscInt64)N * rank / ranks);
+  *n = file->own = (PetscInt)((PetscInt64)N * (rank + 1) / ranks) - file->start;
+  PetscCall(PetscCalloc1((size_t)(*n * width + 1), record));
+  if (rows != N || columns != width) file->failed = PETSC_TRUE;
+  if (!file->failed) PetscCall(Hdf5ReadRows(file, "particles", width, H5T_NATIVE_DOUBLE, *record));
+  PetscCall(CheckpointChecksum(*n, width, *record, &checksum));
+  *whole = checksum == wanted ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  CheckpointsRestart - Puts the flow of a checkpoint in the place of the one at the start
+
+  Collective on PETSC_COMM_WORLD. Output: restarted - whether one was given.
+
+  Errors: a file of another case, version or size, and one that is damaged, end the run saying which
+*/
+PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted)
+{
+  Checkpoints *c    = run->checkpoints;
+  const char  *path = c->restart;
+  Hdf5File     file;
+  PetscReal   *record;
+  PetscInt     n;
+  PetscBool    good, whole;
+
+  PetscFunctionBegin;
+  *restarted = path[0] ? PETSC_TRUE : PETSC_FALSE;
+  if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Hdf5FileOpen(PETSC_COMM_WORLD, path, &file));
+  PetscCheck(file.file >= 0, PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN,
+             "-restart %s: is absent, no HDF5 file, or a truncated one", path);
+  PetscCall(RestartRefuse(run, path, &file));
+  PetscCall(ReadFile(run, &file, &n, &record, &whole));
+  PetscCall(Hdf5FileClose(&file, &good));
+  PetscCheck(good && whole, PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
+             "-restart %s: the file is damaged: %s", path,
+             good ? "its checksum does not fit" : "parts of it cannot be read");
+  PetscCall(ParticlesReplace(run->scene, run->particles, n, record));
+  PetscCall(PetscFree(record));
+  PetscCall(run->scheme->row->Begin(run->scene, run->clock, run->particles, run->neighbors,
+                                    run->ops, run->scheme));
+  c->last = run->clock->t;
+  c->step = run->clock->step;
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "restart     %s: t = %.6g, step %" PetscInt_FMT "\n",
+                        path, (double)run->clock->t, run->clock->step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,93 @@
+/* What a checkpoint holds besides particles: numbers of clock and scheme, and how both are verified. */
+#include "checkpoint.h"
+
+/* CheckpointPack - Numbers of clock and scheme as the file has them; not collective */
+void CheckpointPack(const Run *run, double clock[], double stats[])
+{
+  const Clock     *c           = run->clock;
+  const Scheme    *scheme      = run->scheme;
+  const StepStats *s           = &scheme->stats;
+  const double     c_numbers[] = {c->t,       c->dt,  c->dt_previous, c->step, c->next_report,
+                                  c->retries, c->cut, c->patience,    c->good};
+  const double     s_numbers[] = {s->speed_max,
+                                  s->kinetic_energy,
+                                  s->divergence,
+                                  s->change[0],
+                                  s->change[1],
+                                  s->change[2],
+                                  s->visc_its,
+                                  s->ppe_its,
+                                  s->visc_its_sum,
+                                  s->ppe_its_sum,
+                              scheme->visc ? *ViscosityFalls(scheme->visc) : 0,
+                              scheme->ppe ? *PressureFalls(scheme->ppe) : 0};
+
+  for (PetscInt k = 0; k < CLOCK_NUMBERS; k++) clock[k] = c_numbers[k];
+  for (PetscInt k = 0; k < STATS_NUMBERS; k++) stats[k] = s_numbers[k];
+}
+
+/* CheckpointUnpack - And back; not collective */
+void CheckpointUnpack(const double clock[], const double stats[], Run *run)
+{
+  Clock     *c      = run->clock;
+  Scheme    *scheme = run->scheme;
+  StepStats *s      = &scheme->stats;
+
+  c->t           = clock[0];
+  c->dt          = clock[1];
+  c->dt_previous = clock[2];
+  c->step        = (PetscInt)clock[3];
+  c->next_report = PetscMin((PetscInt)clock[4], c->n_reports);
+  c->retries     = (PetscInt)clock[5];
+  c->cut         = (PetscInt)clock[6];
+  c->patience    = (PetscInt)clock[7];
+  c->good        = (PetscInt)clock[8];
+
+  s->speed_max      = stats[0];
+  s->kinetic_energy = stats[1];
+  s->divergence     = stats[2];
+  for (PetscInt k = 0; k < 3; k++) s->change[k] = stats[3 + k];
+  s->visc_its     = (PetscInt)stats[6];
+  s->ppe_its      = (PetscInt)stats[7];
+  s->visc_its_sum = (PetscInt)stats[8];
+  s->ppe_its_sum  = (PetscInt)stats[9];
+  if (scheme->visc) *ViscosityFalls(scheme->visc) = (PetscInt)stats[10];
+  if (scheme->ppe) *PressureFalls(scheme->ppe) = (PetscInt)stats[11];
+}
+
+/* CheckpointRecord - The names of a record's numbers, "id,x:2,u:2,p:1": a file fits a run that has the same. */
+PetscErrorCode CheckpointRecord(const Particles *p, char names[], size_t length)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(names, "id", length));
+  for (PetscInt f = 0; f < p->n_fields; f++) {
+    char part[64];
+
+    PetscCall(PetscSNPrintf(part, sizeof(part), ",%s:%" PetscInt_FMT, p->field[f].name,
+                            p->field[f].components));
+    PetscCall(PetscStrlcat(names, part, length));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* CheckpointChecksum - A sum over all records that any changed bit changes, whichever rank holds them. Collective. */
+PetscErrorCode CheckpointChecksum(PetscInt n, PetscInt width, const PetscReal record[],
+                                  uint64_t *sum)
+{
+  PetscFunctionBegin;
+  *sum = 0;
+  for (PetscInt i = 0; i < n; i++) {
+    uint64_t hash = 14695981039346656037u; /* FNV-1a by words */
+
+    for (PetscInt k = 0; k < width; k++) {
+      uint64_t bits;
+
+      PetscCall(PetscMemcpy(&bits, &record[(size_t)i * width + k], sizeof(bits)));
+      hash = (hash ^ bits) * 1099511628211u;
+      hash ^= hash >> 29;
+    }
+    *sum += hash;
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 1, MPI_UINT64_T, MPI_SUM, PETSC_COMM_WORLD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

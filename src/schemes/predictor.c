@@ -1,0 +1,93 @@
+/* The predictor of the projection scheme: forces at the new time, then the viscous step to u*. */
+#include "projection.h"
+
+/*
+  u.grad u of fixed particles: extrapolated into the force for implicit kinds; for the others the
+  advecting velocity is extrapolated and the TS does the rest.
+*/
+static PetscErrorCode AddConvection(const Scene *scene, const Clock *clock, const Operators *ops,
+                                    PetscReal at, Scheme *scheme)
+{
+  Projection     *pr = (Projection *)scheme->data;
+  const PetscBool extrapolate =
+      !scheme->visc || ViscosityTimeKind(scheme->visc)->kind == TIME_IMPLICIT;
+  const PetscReal w = scheme->time_order == 2 && clock->dt_previous > 0.0
+                          ? at * clock->dt / clock->dt_previous
+                          : 0.0;
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < scene->dim; c++) {
+    if (!extrapolate) {
+      PetscCall(VecCopy(pr->u[c], pr->conv[c]));
+      PetscCall(VecAXPBY(pr->conv[c], -w, 1.0 + w, pr->u_prev[c]));
+      continue;
+    }
+    PetscCall(VecZeroEntries(pr->conv[c]));
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      PetscCall(AffineApply(&ops->grad_u[a], pr->u[c], ops->wall_u[c], pr->work));
+      PetscCall(VecPointwiseMult(pr->work, pr->work, pr->u[a]));
+      PetscCall(VecAXPY(pr->conv[c], 1.0, pr->work));
+    }
+    PetscCall(VecAXPY(pr->force[c], -(1.0 + w), pr->conv[c]));
+    PetscCall(VecAXPY(pr->force[c], w, pr->conv_prev[c]));
+    PetscCall(VecCopy(pr->conv[c], pr->conv_prev[c]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The force on u*: -grad p^n/rho + f - convection; at = 1 or 1/2: where in the step it is taken. */
+static PetscErrorCode AssembleForce(const Scene *scene, const Clock *clock, const Operators *ops,
+                                    PetscReal at, Scheme *scheme)
+{
+  Projection *pr = (Projection *)scheme->data;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    if (scheme->projection && scheme->projection->incremental) {
+      PetscCall(AffineApply(&ops->grad_p[a], pr->p, ops->wall_slope, pr->force[a]));
+      PetscCall(VecScale(pr->force[a], -1.0 / scene->rho));
+    } else {
+      PetscCall(VecZeroEntries(pr->force[a]));
+    }
+    if (SceneHas(scene, PHYSICS_BODY_FORCE)) PetscCall(VecShift(pr->force[a], scene->body[a]));
+  }
+  if (pr->has_convection) PetscCall(AddConvection(scene, clock, ops, at, scheme));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  PredictVelocity - u*: start value and length of the viscous step, its force, and the step
+
+  Collective. BDF2 with w = dt/dt_previous: k = dt (1+w)/(1+2w), start = ((1+w)^2 u^n - w^2 u^{n-1})/(1+2w).
+*/
+PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, const Particles *p,
+                               Operators *ops, Scheme *scheme)
+{
+  Projection        *pr   = (Projection *)scheme->data;
+  const TimeKindRow *kind = scheme->visc ? ViscosityTimeKind(scheme->visc) : NULL;
+  const PetscBool    history =
+      (!kind || kind->history) && scheme->time_order == 2 && clock->dt_previous > 0.0;
+  const PetscReal w     = history ? clock->dt / clock->dt_previous : 0.0;
+  const PetscBool inner = pr->has_convection && kind && kind->kind != TIME_IMPLICIT;
+  PetscReal       dt    = clock->dt * (1.0 + w) / (1.0 + 2.0 * w);
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    PetscCall(VecCopy(pr->u[a], pr->star[a]));
+    PetscCall(VecAXPBY(pr->star[a], -w * w / (1.0 + 2.0 * w), PetscSqr(1.0 + w) / (1.0 + 2.0 * w),
+                       pr->u_prev[a]));
+  }
+  PetscCall(AssembleForce(scene, clock, ops, !kind || kind->end_of_step ? 1.0 : 0.5, scheme));
+  pr->k = dt;
+  if (scheme->visc) {
+    const PetscReal slip =
+        scheme->projection ? dt * ViscosityResponse(scheme->visc) / scene->rho : 0.0;
+
+    PetscCall(ViscositySolve(scene, clock, p, dt, slip, pr->force, inner ? pr->conv : NULL, ops,
+                             pr->star, scheme->visc, &scheme->failure));
+    pr->k *= ViscosityResponse(scheme->visc);
+  } else {
+    for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecAXPY(pr->star[a], dt, pr->force[a]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

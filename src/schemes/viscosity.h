@@ -1,0 +1,38 @@
+/* The viscous integrators: their state, and the callbacks in viscterms.c that a TS is given. */
+#ifndef ISPH_SCHEMES_VISCOSITY_H
+#define ISPH_SCHEMES_VISCOSITY_H
+
+#include "isph/guard.h"
+
+typedef struct {
+  Viscosity *visc;
+  PetscInt   c; /* component */
+} Component;
+
+struct Viscosity {
+  const TimeKindRow *row;
+  PetscInt           dim;
+  TS                 ts[ISPH_MAX_DIM]; /* they share the SNES's KSP of the first */
+  Component          component[ISPH_MAX_DIM];
+  KSP                ksp; /* NULL: explicit */
+  Guard              guard;
+  PetscInt           iterations;
+  Mat                J;                                /* shift I - nu A */
+  PetscReal          shift;                            /* in J; NaN: J is not yet made [1/s] */
+  PetscInt           assemblies;                       /* stamp of the operators in J */
+  Vec                boundary[ISPH_MAX_DIM], gradient; /* B u_wall,c at wall_t; work */
+  PetscReal          wall_t;
+
+  const Scene     *scene; /* of the solve at hand, for the callbacks */
+  const Particles *particles;
+  Operators       *ops;
+  PetscReal        slip;
+  const Vec       *force, *advecting;
+};
+
+PetscErrorCode ViscosityIFunction(TS ts, PetscReal t, Vec u, Vec udot, Vec f, void *ctx);
+PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal shift, Mat J,
+                                  Mat P, void *ctx);
+PetscErrorCode ViscosityRHSFunction(TS ts, PetscReal t, Vec u, Vec f, void *ctx);
+
+#endif
