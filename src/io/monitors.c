@@ -60,9 +60,9 @@ static PetscErrorCode MonitorVerdict(const char path[], PetscBool good)
 static PetscErrorCode MonitorRead(PetscOptionItems *PetscOptionsObject, const Scene *scene,
                                   const MonitorKind *kind, Monitor *monitor)
 {
-  const PetscInt group = kind->group[scene->dim - 2];
+  const PetscInt group                   = kind->group[scene->dim - 2];
   PetscReal      number[MONITOR_NUMBERS] = {0.0};
-  PetscInt       n = MONITOR_NUMBERS;
+  PetscInt       n                       = MONITOR_NUMBERS;
   PetscBool      given;
   char           option[64];
 
