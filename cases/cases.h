@@ -9,6 +9,14 @@ void CavityWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pe
                         PetscReal u[]);
 PetscErrorCode CavityJudge(const Flow *flow, Report *report);
 
+PetscErrorCode CavityCylinderSetup(Scene *scene);
+PetscErrorCode CavityCylinderJudge(const Flow *flow, Report *report);
+
+PetscErrorCode TaylorCouetteSetup(Scene *scene);
+void TaylorCouetteExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
+                        PetscReal *p);
+PetscErrorCode TaylorCouetteJudge(const Flow *flow, Report *report);
+
 PetscErrorCode TaylorGreenSetup(Scene *scene);
 void TaylorGreenVelocity(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[]);
 void TaylorGreenExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
@@ -29,7 +37,21 @@ void           HydrostaticExact(const Scene *scene, PetscReal t, const PetscReal
                                 PetscReal *p);
 PetscErrorCode HydrostaticJudge(const Flow *flow, Report *report);
 
+PetscErrorCode StokesCylindersSetup(Scene *scene);
+PetscErrorCode StokesCylindersJudge(const Flow *flow, Report *report);
+
+PetscErrorCode SceneTypedSetup(Scene *scene);
+void SceneTypedWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                            PetscReal u[]);
+PetscErrorCode SceneTypedJudge(const Flow *flow, Report *report);
+
 PetscErrorCode PatchSetup(Scene *scene);
+
+PetscErrorCode CentrelineExtrema(const Flow *flow, PetscReal u_min, PetscReal v_max,
+                                 PetscReal v_min, Report *report);
+PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const char file[],
+                                 const char name[], Report *report);
+PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], PetscReal *energy);
 
 PetscErrorCode ChannelBox(Scene *scene);
 PetscErrorCode ChannelJudge(const Flow *flow, Report *report);

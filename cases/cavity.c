@@ -4,8 +4,6 @@
 */
 #include "cases.h"
 
-#define LINE_POINTS 401
-
 PetscErrorCode CavitySetup(Scene *scene)
 {
   PetscFunctionBegin;
@@ -66,100 +64,6 @@ static const CavityReference *FindReference(const Scene *scene, const Clock *clo
   return NULL;
 }
 
-/* Velocity component c over U at n points along axis a through the centre, at s over L. */
-static PetscErrorCode SampleLine(const Flow *flow, PetscInt a, PetscInt c, PetscInt n,
-                                 const PetscReal s[], PetscReal value[])
-{
-  const Scene *scene = flow->scene;
-  PetscReal   *x, *u;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc2(n * scene->dim, &x, n * scene->dim, &u));
-  for (PetscInt k = 0; k < n; k++) {
-    for (PetscInt b = 0; b < scene->dim; b++)
-      x[k * scene->dim + b] = scene->length * (a == b ? s[k] : 0.5);
-  }
-  PetscCall(ProbePoints(flow, n, x, u, NULL));
-  for (PetscInt k = 0; k < n; k++) value[k] = u[k * scene->dim + c] / scene->speed;
-  PetscCall(PetscFree2(x, u));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Extremum of samples, sharpened by the parabola through it and its neighbours. */
-static PetscReal Extremum(PetscInt n, const PetscReal value[], PetscReal sign)
-{
-  PetscInt  best = 1;
-  PetscReal slope, bend;
-
-  for (PetscInt k = 1; k < n - 1; k++) best = sign * value[k] > sign * value[best] ? k : best;
-  slope = 0.5 * (value[best + 1] - value[best - 1]);
-  bend  = value[best + 1] - 2.0 * value[best] + value[best - 1];
-  return sign * bend < 0.0 ? value[best] - 0.5 * slope * slope / bend : value[best];
-}
-
-static PetscErrorCode AddExtrema(const Flow *flow, const CavityReference *r, Report *report)
-{
-  PetscReal s[LINE_POINTS], value[LINE_POINTS];
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < LINE_POINTS; k++) s[k] = (PetscReal)k / (LINE_POINTS - 1);
-  PetscCall(SampleLine(flow, 1, 0, LINE_POINTS, s, value));
-  PetscCall(ReportAddReference(report, "u_min", Extremum(LINE_POINTS, value, -1.0),
-                               r ? r->u_min : NAN, r ? PetscAbsReal(r->u_min) : 1.0));
-  PetscCall(SampleLine(flow, 0, 1, LINE_POINTS, s, value));
-  PetscCall(ReportAddReference(report, "v_max", Extremum(LINE_POINTS, value, 1.0),
-                               r ? r->v_max : NAN, r ? PetscAbsReal(r->v_max) : 1.0));
-  PetscCall(ReportAddReference(report, "v_min", Extremum(LINE_POINTS, value, -1.0),
-                               r ? r->v_min : NAN, r ? PetscAbsReal(r->v_min) : 1.0));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Root mean square difference over U from a reference profile along axis a. */
-static PetscErrorCode AddProfile(const Flow *flow, PetscInt a, PetscInt c, const char file[],
-                                 const char name[], Report *report)
-{
-  Curve      curve;
-  PetscReal *value, sum = 0.0;
-
-  PetscFunctionBegin;
-  PetscCall(CurveRead(file, &curve));
-  PetscCall(PetscMalloc1(curve.n, &value));
-  PetscCall(SampleLine(flow, a, c, curve.n, curve.x, value));
-  for (PetscInt k = 0; k < curve.n; k++) sum += PetscSqr(value[k] - curve.y[k]);
-  PetscCall(ReportAddError(report, name, PetscSqrtReal(sum / curve.n)));
-  PetscCall(PetscFree(value));
-  PetscCall(CurveFree(&curve));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Kinetic energy from rest at the present time, between the times of the file; NaN where there is
- * none. */
-static PetscErrorCode ReferenceEnergy(const Flow *flow, PetscReal *energy)
-{
-  const Scene    *scene    = flow->scene;
-  const PetscReal t        = flow->clock->t * scene->speed / scene->length,
-                  reynolds = SceneReynolds(scene);
-  const char *file         = PetscAbsReal(reynolds - 100.0) < 0.1    ? "cavity_re100_ke.csv"
-                             : PetscAbsReal(reynolds - 1000.0) < 0.1 ? "cavity_re1000_ke.csv"
-                                                                     : NULL;
-  Curve       curve;
-
-  PetscFunctionBegin;
-  *energy = NAN;
-  if (!file || scene->dim != 2 || scene->physics != scene->problem->physics) {
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(CurveRead(file, &curve));
-  for (PetscInt k = 1; k < curve.n; k++) {
-    if (t < curve.x[k - 1] || t > curve.x[k]) continue;
-    *energy = curve.y[k - 1] +
-              (curve.y[k] - curve.y[k - 1]) * (t - curve.x[k - 1]) / (curve.x[k] - curve.x[k - 1]);
-    *energy *= scene->rho * PetscSqr(scene->speed * scene->length);
-  }
-  PetscCall(CurveFree(&curve));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   CavityJudge - Extrema and profiles of the velocity on the centrelines, in units of U
 
@@ -167,16 +71,22 @@ static PetscErrorCode ReferenceEnergy(const Flow *flow, PetscReal *energy)
 */
 PetscErrorCode CavityJudge(const Flow *flow, Report *report)
 {
-  const CavityReference *r = FindReference(flow->scene, flow->clock);
+  const CavityReference *r        = FindReference(flow->scene, flow->clock);
+  const PetscReal        reynolds = SceneReynolds(flow->scene);
   PetscReal              energy;
 
   PetscFunctionBegin;
-  PetscCall(AddExtrema(flow, r, report));
+  PetscCall(
+      CentrelineExtrema(flow, r ? r->u_min : NAN, r ? r->v_max : NAN, r ? r->v_min : NAN, report));
   if (r && r->u_file) {
-    PetscCall(AddProfile(flow, 1, 0, r->u_file, "u_profile_l2", report));
-    PetscCall(AddProfile(flow, 0, 1, r->v_file, "v_profile_l2", report));
+    PetscCall(CentrelineProfile(flow, 1, 0, r->u_file, "u_profile_l2", report));
+    PetscCall(CentrelineProfile(flow, 0, 1, r->v_file, "v_profile_l2", report));
   }
-  PetscCall(ReferenceEnergy(flow, &energy));
+  PetscCall(ReferenceEnergy(flow,
+                            PetscAbsReal(reynolds - 100.0) < 0.1    ? "cavity_re100_ke.csv"
+                            : PetscAbsReal(reynolds - 1000.0) < 0.1 ? "cavity_re1000_ke.csv"
+                                                                    : NULL,
+                            &energy));
   PetscCall(JudgeCommon(flow, energy, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

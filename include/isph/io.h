@@ -83,6 +83,8 @@ PetscErrorCode          MonitorsDestroy(Monitors **monitors);
 PetscErrorCode          MonitorsRestart(PetscReal t, Monitors *monitors);
 PetscErrorCode          MonitorsWrite(const Flow *flow, Monitors *monitors);
 
+PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscReal T[]);
+
 typedef struct Progress Progress;
 PetscErrorCode          ProgressCreate(Progress **progress);
 PetscErrorCode          ProgressDestroy(Progress **progress);

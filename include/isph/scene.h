@@ -27,9 +27,33 @@ extern const char *const PhysicsNames[PHYSICS_COUNT]; /* bit order of Physics */
 typedef struct {
   PetscReal distance;             /* of x from the wall, positive in the fluid [m] */
   PetscReal normal[ISPH_MAX_DIM]; /* unit, into the fluid */
-  PetscInt  side;                 /* 2 axis + (0 low, 1 high) */
+  PetscInt  side; /* 2 axis + (0 low, 1 high) of the box, then 2 dim + k of body k */
 } WallPlane;
-#define SCENE_MAX_PLANES 6
+
+#define SCENE_MAX_BODIES 16
+#define SCENE_MAX_PLANES (6 + SCENE_MAX_BODIES)
+#define BODY_NUMBERS     64
+
+/* Solid bodies in the plane; with `around`, the fluid is inside and the wall around it. */
+typedef struct Body Body;
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscInt    fewest, most; /* numbers that describe it */
+  PetscReal (*Distance)(const Body *body, const PetscReal x[],
+                        PetscReal normal[]);         /* outside > 0 */
+  PetscInt (*Count)(const Body *body, PetscReal dx); /* points along the surface */
+  PetscReal (*Point)(const Body *body, PetscInt k, PetscReal dx, PetscReal x[],
+                     PetscReal normal[]); /* returns the length it stands for */
+} ShapeRow;
+extern const Table ShapeTable;
+struct Body {
+  const ShapeRow *shape;
+  PetscInt        n;
+  PetscReal       number[BODY_NUMBERS]; /* of the shape [m] */
+  PetscReal       centre[2], extent;    /* of the body, and how far it reaches from there [m] */
+  PetscBool       around;
+  PetscReal       velocity[2], rotation; /* of the surface [m/s], [rad/s] */
+};
 
 /*
   A case: geometry, initial and boundary values, exact solution or reference data. One file each in
@@ -51,6 +75,7 @@ typedef struct {
   void (*Exact)(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
                 PetscReal *p);                               /* NULL: none; p may be left alone */
   PetscErrorCode (*Judge)(const Flow *flow, Report *report); /* adds the quantities of the case */
+  PetscBool typed; /* the geometry comes from -scene_ options */
   PetscBool patch; /* no flow: operators are measured on a box with values given around it */
 } CaseRow;
 
@@ -67,26 +92,32 @@ struct Scene {
   unsigned         physics; /* bits of Physics, after -with and -without */
   unsigned         without; /* bits that the user took away */
 
-  PetscInt  dim;                    /* 2 or 3 */
-  PetscInt  n;                      /* particles along the reference length */
-  PetscReal dx;                     /* particle spacing at the start [m] */
-  PetscReal lo[ISPH_MAX_DIM];       /* corners of the box [m] */
-  PetscReal hi[ISPH_MAX_DIM];       /* */
-  PetscInt  cells[ISPH_MAX_DIM];    /* particles along each side of the box */
-  PetscBool periodic[ISPH_MAX_DIM]; /* both sides of an axis, else walls */
-  PetscReal length;                 /* reference length L [m] */
-  PetscReal speed;                  /* reference speed U [m/s] */
-  PetscReal rho;                    /* density [kg/m^3] */
-  PetscReal nu;                     /* kinematic viscosity [m^2/s] */
-  PetscReal body[ISPH_MAX_DIM];     /* body force per unit mass [m/s^2] */
-  PetscBool unsteady_walls;         /* wall velocities depend on time */
-  PetscReal jitter;                 /* largest random displacement at the start [dx] */
-  PetscInt  seed;                   /* of the jitter and of random fields */
-  PetscReal margin;                 /* of a patch test: left out at each side [dx] */
+  PetscInt  dim;                            /* 2 or 3 */
+  PetscInt  n;                              /* particles along the reference length */
+  PetscReal dx;                             /* particle spacing at the start [m] */
+  PetscReal lo[ISPH_MAX_DIM];               /* corners of the box [m] */
+  PetscReal hi[ISPH_MAX_DIM];               /* */
+  PetscInt  cells[ISPH_MAX_DIM];            /* particles along each side of the box */
+  PetscBool periodic[ISPH_MAX_DIM];         /* both sides of an axis, else walls */
+  PetscReal length;                         /* reference length L [m] */
+  PetscReal speed;                          /* reference speed U [m/s] */
+  PetscReal rho;                            /* density [kg/m^3] */
+  PetscReal nu;                             /* kinematic viscosity [m^2/s] */
+  PetscReal body[ISPH_MAX_DIM];             /* body force per unit mass [m/s^2] */
+  PetscBool unsteady_walls;                 /* wall velocities depend on time */
+  PetscReal side_velocity[4][ISPH_MAX_DIM]; /* of a typed scene [m/s] */
+  PetscBool bare; /* no walls on the box's sides: a body encloses the fluid */
+  Body      body_of[SCENE_MAX_BODIES];
+  PetscInt  n_bodies;
+  PetscReal jitter;         /* largest random displacement at the start [dx] */
+  PetscInt  seed;           /* of the jitter and of random fields */
+  PetscReal solid_fraction; /* of an array of bodies [-] */
+  PetscReal margin;         /* of a patch test: left out at each side [dx] */
 };
 
 extern const Table CaseTable; /* cases/cases.c */
 
+PetscErrorCode SceneReadTyped(PetscOptionItems *items, Scene *scene);
 PetscErrorCode SceneCreate(Scene **scene);
 PetscErrorCode SceneDestroy(Scene **scene);
 PetscBool      SceneHas(const Scene *scene, Physics what);
@@ -94,7 +125,15 @@ PetscReal      SceneReynolds(const Scene *scene);
 PetscReal      SceneVolume(const Scene *scene); /* dx^dim, the volume of every particle [m^dim] */
 void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                        PetscReal u[]);
-void SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
-                     WallPlane planes[SCENE_MAX_PLANES], PetscInt *count);
+void SceneWallAcceleration(const Scene *scene, PetscInt side, const PetscReal x[], PetscReal a[]);
+void BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[]);
+PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
+                       PetscReal normal[]);
+PetscInt  BodyPoints(const Body *body, PetscReal dx);
+PetscReal BodyPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], PetscReal normal[]);
+PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,
+                        PetscReal normal[]);
+void      SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
+                          WallPlane planes[SCENE_MAX_PLANES], PetscInt *count);
 
 #endif

@@ -8,7 +8,7 @@
 */
 PetscErrorCode CatalogueView(PetscViewer viewer)
 {
-  const Table *const tables[] = {&CaseTable,     &SchemeTable, &ProjectionTable, &MotionTable,
+  const Table *const tables[] = {&CaseTable, &ShapeTable,     &SchemeTable, &ProjectionTable, &MotionTable,
                                  &ShiftTable,    &KernelTable, &LaplacianTable,  &CorrectionTable,
                                  &GradientTable, &WallTable,   &TimeKindTable,   &FieldTable};
 

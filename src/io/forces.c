@@ -1,99 +1,149 @@
 /*
-  Forces and torques of the fluid on the walls of the box: the traction at points on the surface,
-  summed.
+  Forces and torques of the fluid on walls: the traction at points on the surface, summed.
 
-    F = sum (-p n + mu du/dn) dA,   T = sum (x - c) x (...),   c the middle of the box
+    F = sum (-p n + mu dw/dn) dA,   T = sum (x - c) x (...)
 
-  n points into the fluid; on a rigid wall without slip the rest of the viscous stress vanishes. du/dn
-  is one-sided, of second order, from probes at the wall and one and two dx above it.
+  n points into the fluid, w is the velocity less that of the wall, taken on as a rigid body: on a wall
+  without slip the rest of the viscous stress vanishes. dw/dn is one-sided, of second order, from
+  probes one and two dx above the wall.
 */
 #include "monitors.h"
 
-/* Midpoints of cells of the lattice on a side of the box. */
-static PetscInt SidePoints(const Scene *scene, PetscInt side, PetscReal x[])
-{
-  const PetscInt axis = side / 2;
-  PetscInt       n    = 1;
+/* A wall as points with inner normals and the areas they stand for. */
+typedef struct {
+  PetscInt   n;
+  PetscReal *x, *normal, *area; /* dim coordinates each [m]; [m^(dim-1)] */
+} Surface;
 
-  for (PetscInt a = 0; a < scene->dim; a++) n *= a == axis ? 1 : scene->cells[a];
-  for (PetscInt k = 0; x && k < n; k++) {
+/* A side of the box: midpoints of the lattice's cells on it. */
+static void SideSurface(const Scene *scene, PetscInt side, Surface *s)
+{
+  const PetscInt axis = side / 2, dim = scene->dim;
+  PetscReal      area = 1.0;
+
+  for (PetscInt a = 0; a < dim; a++)
+    area *= a == axis ? 1.0 : (scene->hi[a] - scene->lo[a]) / scene->cells[a];
+  for (PetscInt k = 0; k < s->n; k++) {
     PetscInt index = k;
 
-    for (PetscInt a = 0; a < scene->dim; a++) {
+    s->area[k] = area;
+    for (PetscInt a = 0; a < dim; a++) {
       const PetscReal h = (scene->hi[a] - scene->lo[a]) / scene->cells[a];
 
-      if (a == axis) {
-        x[k * scene->dim + a] = side % 2 ? scene->hi[a] : scene->lo[a];
-        continue;
-      }
-      x[k * scene->dim + a] = scene->lo[a] + (index % scene->cells[a] + 0.5) * h;
+      s->normal[k * dim + a] = a == axis ? (side % 2 ? -1.0 : 1.0) : 0.0;
+      s->x[k * dim + a]      = side % 2 ? scene->hi[a] : scene->lo[a];
+      if (a == axis) continue;
+      s->x[k * dim + a] = scene->lo[a] + (index % scene->cells[a] + 0.5) * h;
       index /= scene->cells[a];
     }
   }
-  return n;
 }
 
-/* Velocities at the points raised by `height` along the inner normal. */
-static PetscErrorCode ProbeAbove(const Flow *flow, PetscInt side, PetscReal height, PetscInt n,
-                                 const PetscReal x[], PetscReal raised[], PetscReal u[],
-                                 PetscReal p[])
+static PetscErrorCode SurfaceCreate(const Scene *scene, PetscInt side, Surface *s)
 {
-  const PetscInt dim = flow->scene->dim;
+  const PetscInt dim  = scene->dim;
+  const Body    *body = side < 2 * dim ? NULL : &scene->body_of[side - 2 * dim];
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < n * dim; k++)
-    raised[k] = x[k] + (k % dim == side / 2 ? (side % 2 ? -height : height) : 0.0);
-  PetscCall(ProbePoints(flow, n, raised, u, p));
+  s->n = body ? BodyPoints(body, scene->dx) : 1;
+  for (PetscInt a = 0; !body && a < dim; a++) s->n *= a == side / 2 ? 1 : scene->cells[a];
+  PetscCall(PetscMalloc3(s->n * dim, &s->x, s->n * dim, &s->normal, s->n, &s->area));
+  if (!body) SideSurface(scene, side, s);
+  for (PetscInt k = 0; body && k < s->n; k++) {
+    PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
+
+    s->area[k] = BodyPoint(body, k, scene->dx, x, normal);
+    for (PetscInt a = 0; a < dim; a++) {
+      s->x[k * dim + a]      = x[a];
+      s->normal[k * dim + a] = normal[a];
+    }
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* T += (x - c) x f; in 2D the component out of the plane, which stands in T[2]. */
-static void AddTorque(const Scene *scene, const PetscReal x[], const PetscReal f[], PetscReal T[])
+/* Velocities less the wall's at the points raised by `height` along their normals. */
+static PetscErrorCode ProbeAbove(const Flow *flow, PetscInt side, const Surface *s,
+                                 PetscReal height, PetscReal w[], PetscReal p[])
 {
-  PetscReal arm[ISPH_MAX_DIM] = {0.0}, g[ISPH_MAX_DIM] = {0.0};
+  const Scene   *scene = flow->scene;
+  const PetscInt dim   = scene->dim;
+  PetscReal     *raised;
 
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    arm[a] = x[a] - 0.5 * (scene->lo[a] + scene->hi[a]);
-    g[a]   = f[a];
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(s->n * dim, &raised));
+  for (PetscInt q = 0; q < s->n * dim; q++) raised[q] = s->x[q] + height * s->normal[q];
+  PetscCall(ProbePoints(flow, s->n, raised, w, p));
+  for (PetscInt k = 0; k < s->n; k++) {
+    const PetscReal *x = side < 2 * dim ? &s->x[k * dim] : &raised[k * dim];
+    PetscReal        wall[ISPH_MAX_DIM];
+
+    SceneWallVelocity(scene, side, flow->clock->t, x, wall);
+    for (PetscInt a = 0; a < dim; a++) w[k * dim + a] -= wall[a];
   }
-  for (PetscInt a = 0; a < 3; a++) {
-    const PetscInt b = (a + 1) % 3, c = (a + 2) % 3;
+  PetscCall(PetscFree(raised));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    T[a] += arm[b] * g[c] - arm[c] * g[b];
+/* What torques are about: a body's centre, or the middle of the box. */
+static void TorqueCentre(const Scene *scene, PetscInt side, PetscReal c[])
+{
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    c[a] = 0.5 * (scene->lo[a] + scene->hi[a]);
+    if (side >= 2 * scene->dim && a < 2) c[a] = scene->body_of[side - 2 * scene->dim].centre[a];
   }
 }
 
-/* Force and torque on one side [N, N m; per metre of depth in 2D]. */
-static PetscErrorCode SideForce(const Flow *flow, PetscInt side, PetscReal F[], PetscReal T[])
+/* T += (x - c) x f; in 2D the component out of the plane, which stands in T[2]. */
+static void AddTorque(PetscInt dim, const PetscReal c[], const PetscReal x[], const PetscReal f[],
+                      PetscReal T[])
+{
+  PetscReal arm[ISPH_MAX_DIM] = {0.0}, g[ISPH_MAX_DIM] = {0.0};
+
+  for (PetscInt a = 0; a < dim; a++) {
+    arm[a] = x[a] - c[a];
+    g[a]   = f[a];
+  }
+  for (PetscInt a = 0; a < 3; a++) {
+    const PetscInt b = (a + 1) % 3, e = (a + 2) % 3;
+
+    T[a] += arm[b] * g[e] - arm[e] * g[b];
+  }
+}
+
+/*
+  WallForce - Force and torque of the fluid on one wall: a side of the box or a body
+
+  Collective. Output: F [N], T [N m] about a body's centre or the middle of the box; per metre of depth in
+  2D, where the torque stands in T[2].
+*/
+PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscReal T[])
 {
   const Scene    *scene = flow->scene;
-  const PetscInt  dim = scene->dim, axis = side / 2, n = SidePoints(scene, side, NULL);
-  const PetscReal mu     = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->rho * scene->nu : 0.0;
-  const PetscReal normal = side % 2 ? -1.0 : 1.0, d = scene->dx;
-  PetscReal      *x, *raised, *u[3], *p, area = 1.0;
+  const PetscInt  dim   = scene->dim;
+  const PetscReal mu    = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->rho * scene->nu : 0.0,
+                  d     = scene->dx;
+  PetscReal *w[3], *p, centre[ISPH_MAX_DIM];
+  Surface    s;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < dim; a++)
-    area *= a == axis ? 1.0 : (scene->hi[a] - scene->lo[a]) / scene->cells[a];
-  PetscCall(PetscMalloc6(n * dim, &x, n * dim, &raised, n * dim, &u[0], n * dim, &u[1], n * dim,
-                         &u[2], n, &p));
-  (void)SidePoints(scene, side, x);
-  for (PetscInt k = 0; k < 3; k++)
-    PetscCall(ProbeAbove(flow, side, k * d, n, x, raised, u[k], k ? NULL : p));
-  for (PetscInt k = 0; k < n; k++) {
-    PetscReal f[ISPH_MAX_DIM] = {0.0}, wall[ISPH_MAX_DIM];
+  TorqueCentre(scene, side, centre);
+  PetscCall(SurfaceCreate(scene, side, &s));
+  PetscCall(PetscMalloc4(s.n * dim, &w[0], s.n * dim, &w[1], s.n * dim, &w[2], s.n, &p));
+  for (PetscInt k = 0; k < 3; k++) PetscCall(ProbeAbove(flow, side, &s, k * d, w[k], k ? NULL : p));
+  for (PetscInt k = 0; k < s.n; k++) {
+    PetscReal f[ISPH_MAX_DIM] = {0.0};
 
-    SceneWallVelocity(scene, side, flow->clock->t, &x[k * dim], wall);
     for (PetscInt a = 0; a < dim; a++) {
       const PetscInt q = k * dim + a;
 
-      f[a] = area * mu * (-3.0 * wall[a] + 4.0 * u[1][q] - u[2][q]) / (2.0 * d);
+      f[a] = s.area[k] * mu * (4.0 * w[1][q] - w[2][q]) / (2.0 * d);
+      if (!PetscIsNanReal(p[k])) f[a] -= s.area[k] * p[k] * s.normal[q];
+      F[a] += f[a];
     }
-    if (!PetscIsNanReal(p[k])) f[axis] -= area * p[k] * normal;
-    for (PetscInt a = 0; a < dim; a++) F[a] += f[a];
-    AddTorque(scene, &x[k * dim], f, T);
+    AddTorque(dim, centre, &s.x[k * dim], f, T);
   }
-  PetscCall(PetscFree6(x, raised, u[0], u[1], u[2], p));
+  PetscCall(PetscFree4(w[0], w[1], w[2], p));
+  PetscCall(PetscFree3(s.x, s.normal, s.area));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -103,11 +153,12 @@ PetscErrorCode MonitorForces(const Flow *flow, const Monitor *monitor)
   const Scene *scene = flow->scene;
 
   PetscFunctionBegin;
-  for (PetscInt side = 0; side < 2 * scene->dim; side++) {
+  for (PetscInt side = 0; side < 2 * scene->dim + scene->n_bodies; side++) {
     PetscReal F[ISPH_MAX_DIM] = {0.0}, T[ISPH_MAX_DIM] = {0.0};
 
-    if (scene->periodic[side / 2] || !SceneHas(scene, PHYSICS_WALLS)) continue;
-    PetscCall(SideForce(flow, side, F, T));
+    if (!SceneHas(scene, PHYSICS_WALLS)) continue;
+    if (side < 2 * scene->dim && (scene->bare || scene->periodic[side / 2])) continue;
+    PetscCall(WallForce(flow, side, F, T));
     if (!MonitorRow(flow, monitor, side)) continue;
     MonitorVector(monitor, scene->dim, F);
     MonitorVector(monitor, 3, T);

@@ -10,8 +10,6 @@
 PetscErrorCode ParticlesReserve(Particles *p, PetscInt n);
 
 /* lattice.c */
-PetscErrorCode LatticeCount(const Scene *scene, WallPlacement walls, PetscInt *N_fluid,
-                            PetscInt *N_wall);
 PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, Particles *p);
 
 /* decompose.c */

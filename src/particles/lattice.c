@@ -1,7 +1,8 @@
 /*
-  The particles a run begins with. The fluid is a lattice of cell centres; a wall is one layer on
-  its plane or some layers of the same lattice behind it. Any index of the lattice can be turned
-  into its particle alone, so that each rank makes a contiguous share and nobody holds all.
+  The particles a run begins with. The fluid is a lattice of cell centres, without those in bodies or too
+  near to them; a wall is one layer on its surface or some layers of the same lattice behind it. Any
+  index can be turned into its particle alone, so that each rank makes a contiguous share and nobody
+  holds all.
 */
 #include "impl.h"
 
@@ -43,7 +44,7 @@ static PetscErrorCode WallSlabsCreate(const Scene *scene, WallPlacement walls, W
     const PetscInt axis = side / 2, s = slabs->n;
     PetscInt       total = 0;
 
-    if (scene->periodic[axis] || !SceneHas(scene, PHYSICS_WALLS)) continue;
+    if (scene->periodic[axis] || scene->bare || !SceneHas(scene, PHYSICS_WALLS)) continue;
     for (PetscInt b = 0; b < scene->dim; b++) {
       const PetscInt extra = b < axis && !scene->periodic[b] ? k : 0;
       slabs->begin[s][b]   = -extra;
@@ -56,23 +57,6 @@ static PetscErrorCode WallSlabsCreate(const Scene *scene, WallPlacement walls, W
     slabs->first[s + 1] = slabs->first[s] + total;
     slabs->n++;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  LatticeCount - How many particles the scene begins with
-
-  Not collective
-*/
-PetscErrorCode LatticeCount(const Scene *scene, WallPlacement walls, PetscInt *N_fluid,
-                            PetscInt *N_wall)
-{
-  WallSlabs slabs;
-
-  PetscFunctionBegin;
-  PetscCall(CountCells(scene->dim, scene->cells, N_fluid));
-  PetscCall(WallSlabsCreate(scene, walls, &slabs));
-  *N_wall = slabs.first[slabs.n];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -105,21 +89,46 @@ static void CellOf(PetscInt dim, const PetscInt count[], PetscInt index, PetscIn
   }
 }
 
-/* Position of fluid particle id; a jittered one stays 0.3 of a cell away from walls that do not. */
-static void FluidPosition(const Scene *scene, WallPlacement walls, PetscInt id, PetscReal x[])
-{
-  PetscInt cell[ISPH_MAX_DIM];
+/* What becomes of a cell of the box's lattice. */
+typedef enum { CELL_FLUID, CELL_DUMMY, CELL_EMPTY } CellKind;
 
-  CellOf(scene->dim, scene->cells, id, cell);
+/*
+  Kind of a cell by the distance of its centre x from the nearest body; a dummy's body, depth and
+  normal too. Fluid keeps 0.4 dx from surface particles and 0.25 dx from a surface with dummies behind it.
+*/
+static CellKind ClassifyCell(const Scene *scene, WallPlacement walls, PetscInt index, PetscReal x[],
+                             PetscInt *body, PetscReal *depth, PetscReal normal[])
+{
+  const PetscReal clearance = (walls.layers ? 0.25 : 0.4) * scene->dx;
+  PetscInt        cell[ISPH_MAX_DIM];
+
+  CellOf(scene->dim, scene->cells, index, cell);
+  for (PetscInt a = 0; a < scene->dim; a++)
+    x[a] = scene->lo[a] + (cell[a] + 0.5) * (scene->hi[a] - scene->lo[a]) / scene->cells[a];
+  *depth = -SceneDistance(scene, x, body, normal);
+  if (*depth <= -clearance) return CELL_FLUID;
+  return walls.layers && *depth >= clearance && *depth < walls.layers * scene->dx ? CELL_DUMMY
+                                                                                  : CELL_EMPTY;
+}
+
+/* Displaces fluid particle id from its place; it stays 0.3 of a cell away from walls that do not. */
+static void JitterFluid(const Scene *scene, WallPlacement walls, PetscInt id, PetscReal x[])
+{
+  PetscReal normal[ISPH_MAX_DIM], distance;
+  PetscInt  body;
+
+  if (scene->jitter == 0.0) return;
   for (PetscInt a = 0; a < scene->dim; a++) {
     const PetscReal side = scene->hi[a] - scene->lo[a], h = side / scene->cells[a];
 
-    x[a] = scene->lo[a] + (cell[a] + 0.5) * h;
-    if (scene->jitter > 0.0) x[a] += scene->jitter * scene->dx * ParticlesHash(scene->seed, id, a);
+    x[a] += scene->jitter * scene->dx * ParticlesHash(scene->seed, id, a);
     if (scene->periodic[a]) x[a] -= side * PetscFloorReal((x[a] - scene->lo[a]) / side);
     else if (!walls.jittered)
       x[a] = PetscMin(PetscMax(x[a], scene->lo[a] + 0.3 * h), scene->hi[a] - 0.3 * h);
   }
+  distance = SceneDistance(scene, x, &body, normal);
+  for (PetscInt a = 0; distance < 0.25 * scene->dx && a < scene->dim; a++)
+    x[a] += (0.25 * scene->dx - distance) * normal[a];
 }
 
 /* Writes wall particle `index` of the scene to local place i. */
@@ -157,44 +166,132 @@ static void WallParticle(const Scene *scene, WallPlacement walls, const WallSlab
   p->id[i]               = p->N_fluid + index;
 }
 
-/*
-  LatticeFill - Makes this rank's share of the first particles, a contiguous range of lattice
-indices
+/* This rank's share [first, last) of n things. */
+static void Share(MPI_Comm comm, PetscInt n, PetscInt *first, PetscInt *last)
+{
+  PetscMPIInt rank = 0, ranks = 1;
 
-  Not collective
+  (void)MPI_Comm_rank(comm, &rank);
+  (void)MPI_Comm_size(comm, &ranks);
+  *first = (PetscInt)((PetscInt64)n * rank / ranks);
+  *last  = (PetscInt)((PetscInt64)n * (rank + 1) / ranks);
+}
+
+/* Fluid and dummies among the lattice cells of this rank, then the numbers of the first of each. */
+static PetscErrorCode CountShare(const Scene *scene, WallPlacement walls, PetscInt first,
+                                 PetscInt last, MPI_Comm comm, PetscInt own[2], PetscInt start[2],
+                                 PetscInt all[2])
+{
+  PetscReal x[ISPH_MAX_DIM], depth, normal[ISPH_MAX_DIM];
+  PetscInt  body;
+
+  PetscFunctionBegin;
+  own[0] = own[1] = start[0] = start[1] = 0;
+  for (PetscInt c = first; c < last; c++) {
+    const CellKind kind = ClassifyCell(scene, walls, c, x, &body, &depth, normal);
+
+    if (kind != CELL_EMPTY) own[kind == CELL_FLUID ? 0 : 1]++;
+  }
+  PetscCallMPI(MPI_Exscan(own, start, 2, MPIU_INT, MPI_SUM, comm));
+  PetscCallMPI(MPI_Allreduce(own, all, 2, MPIU_INT, MPI_SUM, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes a wall particle of a body to local place i. */
+static void BodyParticle(const Scene *scene, PetscInt body, const PetscReal x[], PetscReal depth,
+                         const PetscReal normal[], PetscInt id, Particles *p, PetscInt i)
+{
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    p->x[a][i]      = x[a];
+    p->normal[a][i] = normal[a];
+  }
+  p->depth[i] = depth;
+  p->side[i]  = (PetscReal)(2 * scene->dim + body);
+  p->id[i]    = id;
+}
+
+/* Surface points of all bodies, or none where walls are layers. */
+static PetscInt SurfacePoints(const Scene *scene, WallPlacement walls)
+{
+  PetscInt n = 0;
+
+  for (PetscInt k = 0; !walls.layers && k < scene->n_bodies; k++)
+    n += BodyPoints(&scene->body_of[k], scene->dx);
+  return n;
+}
+
+/* Writes surface point `index` of all bodies' to local place i. */
+static void SurfaceParticle(const Scene *scene, PetscInt index, PetscInt id, Particles *p,
+                            PetscInt i)
+{
+  PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
+  PetscInt  k = 0;
+
+  while (index >= BodyPoints(&scene->body_of[k], scene->dx))
+    index -= BodyPoints(&scene->body_of[k++], scene->dx);
+  (void)BodyPoint(&scene->body_of[k], index, scene->dx, x, normal);
+  BodyParticle(scene, k, x, 0.0, normal, id, p, i);
+}
+
+/* The lattice cells [first, last): fluid and dummies, whose ids begin at fluid and wall. */
+static PetscErrorCode FillCells(const Scene *scene, WallPlacement walls, PetscInt first,
+                                PetscInt last, PetscInt fluid, PetscInt wall, PetscInt dummy,
+                                Particles *p)
+{
+  PetscReal x[ISPH_MAX_DIM], depth, normal[ISPH_MAX_DIM];
+  PetscInt  body, i = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt c = first; c < last; c++) {
+    const CellKind kind = ClassifyCell(scene, walls, c, x, &body, &depth, normal);
+
+    if (kind == CELL_DUMMY) BodyParticle(scene, body, x, depth, normal, dummy++, p, wall++);
+    if (kind != CELL_FLUID) continue;
+    p->id[i] = fluid + i;
+    JitterFluid(scene, walls, p->id[i], x);
+    for (PetscInt a = 0; a < p->dim; a++) p->x[a][i] = x[a];
+    i++;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  LatticeFill - Makes this rank's share of the first particles, contiguous ranges of lattice indices
+
+  Collective
 
   Input Parameters:
 + scene - the scene
 . walls - placement of wall particles
-- p     - N_fluid and N_wall set, own fields registered
+- p     - own fields registered
 
   Output Parameter:
-. p - own particles with id, x, normal, depth and side; they are not where they belong yet
+. p - N_fluid, N_wall, and own particles with id, x, normal, depth and side; they are not where they
+      belong yet. Ids: fluid, then the walls of the box, then those of bodies.
 */
 PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, Particles *p)
 {
-  WallSlabs   slabs;
-  PetscMPIInt rank, ranks;
-  PetscInt64  fluid, wall;
+  WallSlabs slabs;
+  PetscInt  cells = 0, first, last, own[2], start[2], all[2], slab[2], point[2], wall;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(p->comm, &rank));
-  PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
+  PetscCall(CountCells(scene->dim, scene->cells, &cells));
+  Share(p->comm, cells, &first, &last);
+  PetscCall(CountShare(scene, walls, first, last, p->comm, own, start, all));
   PetscCall(WallSlabsCreate(scene, walls, &slabs));
-  fluid      = (PetscInt64)p->N_fluid * rank / ranks;
-  wall       = (PetscInt64)p->N_wall * rank / ranks;
-  p->n_fluid = (PetscInt)((PetscInt64)p->N_fluid * (rank + 1) / ranks - fluid);
-  p->n_wall  = (PetscInt)((PetscInt64)p->N_wall * (rank + 1) / ranks - wall);
+  Share(p->comm, slabs.first[slabs.n], &slab[0], &slab[1]);
+  Share(p->comm, SurfacePoints(scene, walls), &point[0], &point[1]);
+  UserCheck(all[0] > 0, "the bodies leave no room for fluid at dx = %.4g", (double)scene->dx);
+  p->N_fluid = all[0];
+  p->N_wall  = slabs.first[slabs.n] + all[1] + SurfacePoints(scene, walls);
+  p->n_fluid = own[0];
+  p->n_wall  = slab[1] - slab[0] + own[1] + point[1] - point[0];
   PetscCall(ParticlesReserve(p, ParticlesOwn(p)));
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal x[ISPH_MAX_DIM];
-
-    p->id[i] = (PetscInt)fluid + i;
-    FluidPosition(scene, walls, p->id[i], x);
-    for (PetscInt a = 0; a < p->dim; a++) p->x[a][i] = x[a];
-  }
-  for (PetscInt w = 0; w < p->n_wall; w++) {
-    WallParticle(scene, walls, &slabs, (PetscInt)wall + w, p, p->n_fluid + w);
-  }
+  wall = p->n_fluid;
+  for (PetscInt k = slab[0]; k < slab[1]; k++) WallParticle(scene, walls, &slabs, k, p, wall++);
+  for (PetscInt k = point[0]; k < point[1]; k++)
+    SurfaceParticle(scene, k, p->N_fluid + slabs.first[slabs.n] + k, p, wall++);
+  PetscCall(FillCells(scene, walls, first, last, start[0], wall,
+                      p->N_fluid + slabs.first[slabs.n] + start[1], p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -136,7 +136,6 @@ PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscRea
   PetscCall(PetscSFCreate(p->comm, &p->sf));
   PetscCall(RegisterOwnFields(scene, p));
 
-  PetscCall(LatticeCount(scene, walls, &p->N_fluid, &p->N_wall));
   PetscCall(LatticeFill(scene, walls, p));
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
   *particles = p;

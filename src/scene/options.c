@@ -202,6 +202,14 @@ static const char *const OwnNames[] = {
     "probe_forces",
     "probe_every",
     "probe_output",
+    "solid_fraction",
+    "scene_box",
+    "scene_periodic",
+    "scene_wall_top_velocity",
+    "scene_body_1",
+    "scene_body_1_velocity",
+    "scene_body_1_rotation",
+    "scene_body_1_around",
 };
 static const char *const SolverNames[] = {
     "ksp_type",

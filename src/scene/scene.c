@@ -125,6 +125,8 @@ static PetscErrorCode SceneReadNumbers(PetscOptionItems *PetscOptionsObject, Sce
                          0.0, 1e5, &scene->margin, NULL));
   } else {
     PetscCall(SceneReadFluid(PetscOptionsObject, scene));
+    PetscCall(OptionReal("-solid_fraction", "Of arrays of bodies [-]", 0.001, 0.6,
+                         &scene->solid_fraction, NULL));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -161,6 +163,7 @@ PetscErrorCode SceneCreate(Scene **scene)
   s->dim    = 2;
   s->length = s->speed = s->rho = 1.0;
   s->seed                       = 1;
+  s->solid_fraction             = 0.1;
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Scene", "");
   PetscCall(TableSelect(&CaseTable, "-case", "What to compute", "cavity", &s->problem));
   PetscCall(SceneReadPhysics(PetscOptionsObject, s));
@@ -169,6 +172,7 @@ PetscErrorCode SceneCreate(Scene **scene)
     PetscCall(
         TableSelect(&MotionTable, "-motion", "Whether particles move", "lagrangian", &s->motion));
   }
+  if (s->problem->typed) PetscCall(SceneReadTyped(PetscOptionsObject, s));
   PetscCall(s->problem->Setup(s));
   if (!s->problem->patch) PetscCall(SceneReadForce(PetscOptionsObject, s));
   PetscOptionsEnd();
@@ -195,7 +199,30 @@ void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pet
                        PetscReal u[])
 {
   for (PetscInt c = 0; c < scene->dim; c++) u[c] = 0.0;
+  if (side >= 2 * scene->dim) {
+    const Body *body = &scene->body_of[side - 2 * scene->dim];
+
+    u[0] = body->velocity[0] - body->rotation * (x[1] - body->centre[1]);
+    u[1] = body->velocity[1] + body->rotation * (x[0] - body->centre[0]);
+    return;
+  }
   if (scene->problem->WallVelocity) scene->problem->WallVelocity(scene, side, t, x, u);
+}
+
+/*
+  SceneWallAcceleration - Acceleration of the wall's matter at a point of its surface [m/s^2]
+
+  Not collective. That of a body's rotation, -w^2 (x - c); the sides of the box do not turn, and what they
+  gain along themselves is none of the pressure's business.
+*/
+void SceneWallAcceleration(const Scene *scene, PetscInt side, const PetscReal x[], PetscReal a[])
+{
+  for (PetscInt c = 0; c < scene->dim; c++) a[c] = 0.0;
+  if (side >= 2 * scene->dim) {
+    const Body *body = &scene->body_of[side - 2 * scene->dim];
+
+    for (PetscInt c = 0; c < 2; c++) a[c] = -PetscSqr(body->rotation) * (x[c] - body->centre[c]);
+  }
 }
 
 /*
@@ -222,11 +249,18 @@ void SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
     const PetscReal distance = side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
     WallPlane      *plane    = &planes[*count];
 
-    if (scene->periodic[a] || distance >= reach) continue;
+    if (scene->periodic[a] || scene->bare || distance >= reach) continue;
     plane->distance = distance;
     plane->side     = side;
     for (PetscInt c = 0; c < ISPH_MAX_DIM; c++) plane->normal[c] = 0.0;
     plane->normal[a] = side % 2 ? -1.0 : 1.0;
     (*count)++;
+  }
+  for (PetscInt k = 0; k < scene->n_bodies; k++) {
+    WallPlane *plane = &planes[*count];
+
+    plane->distance = BodyDistance(scene, &scene->body_of[k], x, plane->normal);
+    plane->side     = 2 * scene->dim + k;
+    if (plane->distance < reach) (*count)++;
   }
 }

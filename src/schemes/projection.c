@@ -120,7 +120,10 @@ PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *p, Scheme
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* n.grad p = rho n.f at walls: what share of it p^n has already, and what share this step adds. */
+/*
+  n.grad p = rho n.(f - a) at walls, a the acceleration of the wall: what share of it p^n has already, and
+  what share this step adds.
+*/
 static PetscErrorCode SetWallSlopes(const Scene *scene, const Particles *p, PetscReal had,
                                     PetscReal adds, Operators *ops)
 {
@@ -131,10 +134,13 @@ static PetscErrorCode SetWallSlopes(const Scene *scene, const Particles *p, Pets
   PetscCall(VecGetArray(ops->wall_slope, &slope));
   PetscCall(VecGetArray(ops->wall_slope_step, &step));
   for (PetscInt w = 0; w < p->n_wall; w++) {
-    PetscReal full = 0.0;
+    const PetscInt i    = p->n_fluid + w;
+    PetscReal      full = 0.0, x[ISPH_MAX_DIM], acceleration[ISPH_MAX_DIM];
 
+    for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i] + p->depth[i] * p->normal[a][i];
+    SceneWallAcceleration(scene, (PetscInt)p->side[i], x, acceleration);
     for (PetscInt a = 0; a < scene->dim; a++)
-      full += scene->rho * scene->body[a] * p->normal[a][p->n_fluid + w];
+      full += scene->rho * (scene->body[a] - acceleration[a]) * p->normal[a][i];
     slope[w] = had * full;
     step[w]  = adds * full;
   }

@@ -1,0 +1,49 @@
+/*
+  Lid-driven square cavity with a fixed cylinder of diameter L/2 at its centre, after Zheng, Ma & Shao
+  (2018), section 5.2. Compared with body-fitted finite volumes.
+*/
+#include "cases.h"
+
+PetscErrorCode CavityCylinderSetup(Scene *scene)
+{
+  const PetscReal circle[3] = {0.5 * scene->length, 0.5 * scene->length, 0.25 * scene->length};
+  const TableRow *row;
+
+  PetscFunctionBegin;
+  PetscCall(CavitySetup(scene));
+  PetscCall(TableFind(&ShapeTable, "circle", &row));
+  BodySet(&scene->body_of[scene->n_bodies++], (const ShapeRow *)(const void *)row, 3, circle);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  CavityCylinderJudge - Extrema and profiles on the centrelines outside the cylinder, at Re = 1000 against
+  finite volumes at t = 40 from rest (extrapolated from 2,176, 8,704 and 34,816 cells)
+*/
+PetscErrorCode CavityCylinderJudge(const Flow *flow, Report *report)
+{
+  const Scene    *scene    = flow->scene;
+  const PetscReal time     = flow->clock->t * scene->speed / scene->length;
+  const PetscBool compares = PetscAbsReal(SceneReynolds(scene) - 1000.0) < 0.1 &&
+                                     PetscAbsReal(time - 40.0) < 0.1 &&
+                                     scene->physics == scene->problem->physics
+                                 ? PETSC_TRUE
+                                 : PETSC_FALSE;
+  PetscReal       energy;
+
+  PetscFunctionBegin;
+  PetscCall(CentrelineExtrema(flow, compares ? -0.31484 : NAN, compares ? 0.30706 : NAN,
+                              compares ? -0.41752 : NAN, report));
+  if (compares) {
+    PetscCall(
+        CentrelineProfile(flow, 1, 0, "cavity_cylinder_re1000_u.csv", "u_profile_l2", report));
+    PetscCall(
+        CentrelineProfile(flow, 0, 1, "cavity_cylinder_re1000_v.csv", "v_profile_l2", report));
+  }
+  PetscCall(ReferenceEnergy(
+      flow,
+      PetscAbsReal(SceneReynolds(scene) - 1000.0) < 0.1 ? "cavity_cylinder_re1000_ke.csv" : NULL,
+      &energy));
+  PetscCall(JudgeCommon(flow, energy, report));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

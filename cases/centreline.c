@@ -1,0 +1,124 @@
+/*
+  What cavities are judged by: extrema and profiles of the velocity on the centrelines, and the kinetic
+  energy in the course of time from rest.
+*/
+#include "cases.h"
+
+#define LINE_POINTS 401
+
+/* Velocity component c over U at n points along axis a through the centre, at s over L. */
+static PetscErrorCode SampleLine(const Flow *flow, PetscInt a, PetscInt c, PetscInt n,
+                                 const PetscReal s[], PetscReal value[])
+{
+  const Scene *scene = flow->scene;
+  PetscReal   *x, *u;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(n * scene->dim, &x, n * scene->dim, &u));
+  for (PetscInt k = 0; k < n; k++) {
+    for (PetscInt b = 0; b < scene->dim; b++)
+      x[k * scene->dim + b] = scene->length * (a == b ? s[k] : 0.5);
+  }
+  PetscCall(ProbePoints(flow, n, x, u, NULL));
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal normal[ISPH_MAX_DIM];
+    PetscInt  body;
+
+    value[k] = u[k * scene->dim + c] / scene->speed;
+    if (SceneDistance(scene, &x[k * scene->dim], &body, normal) < 0.0) value[k] = 0.0; /* solid */
+  }
+  PetscCall(PetscFree2(x, u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Extremum of samples, sharpened by the parabola through it and its neighbours. */
+static PetscReal Extremum(PetscInt n, const PetscReal value[], PetscReal sign)
+{
+  PetscInt  best = 1;
+  PetscReal slope, bend;
+
+  for (PetscInt k = 1; k < n - 1; k++) best = sign * value[k] > sign * value[best] ? k : best;
+  slope = 0.5 * (value[best + 1] - value[best - 1]);
+  bend  = value[best + 1] - 2.0 * value[best] + value[best - 1];
+  return sign * bend < 0.0 ? value[best] - 0.5 * slope * slope / bend : value[best];
+}
+
+static PetscErrorCode AddExtremum(const char name[], const PetscReal value[], PetscReal sign,
+                                  PetscReal reference, Report *report)
+{
+  const PetscReal scale = PetscIsNanReal(reference) ? 1.0 : PetscAbsReal(reference);
+
+  PetscFunctionBegin;
+  PetscCall(ReportAddReference(report, name, Extremum(LINE_POINTS, value, sign), reference, scale));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  CentrelineExtrema - u_min on the line x = L/2, v_max and v_min on y = L/2 (all other coordinates in the
+  middle too), over U
+
+  Collective. Input: references, NaN for none.
+*/
+PetscErrorCode CentrelineExtrema(const Flow *flow, PetscReal u_min, PetscReal v_max,
+                                 PetscReal v_min, Report *report)
+{
+  PetscReal s[LINE_POINTS], value[LINE_POINTS];
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < LINE_POINTS; k++) s[k] = (PetscReal)k / (LINE_POINTS - 1);
+  PetscCall(SampleLine(flow, 1, 0, LINE_POINTS, s, value));
+  PetscCall(AddExtremum("u_min", value, -1.0, u_min, report));
+  PetscCall(SampleLine(flow, 0, 1, LINE_POINTS, s, value));
+  PetscCall(AddExtremum("v_max", value, 1.0, v_max, report));
+  PetscCall(AddExtremum("v_min", value, -1.0, v_min, report));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  CentrelineProfile - Root mean square difference over U from a reference profile
+
+  Collective. Input: a - axis that the line runs along; c - component; file - of the reference.
+*/
+PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const char file[],
+                                 const char name[], Report *report)
+{
+  Curve      curve;
+  PetscReal *value, sum = 0.0;
+
+  PetscFunctionBegin;
+  PetscCall(CurveRead(file, &curve));
+  PetscCall(PetscMalloc1(curve.n, &value));
+  PetscCall(SampleLine(flow, a, c, curve.n, curve.x, value));
+  for (PetscInt k = 0; k < curve.n; k++) sum += PetscSqr(value[k] - curve.y[k]);
+  PetscCall(ReportAddError(report, name, PetscSqrtReal(sum / curve.n)));
+  PetscCall(PetscFree(value));
+  PetscCall(CurveFree(&curve));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ReferenceEnergy - Kinetic energy from rest at the present time, between the times of a file [J/m]
+
+  Not collective. NaN where the file, NULL for none, does not hold for this run.
+*/
+PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], PetscReal *energy)
+{
+  const Scene    *scene = flow->scene;
+  const PetscReal t     = flow->clock->t * scene->speed / scene->length;
+  Curve           curve;
+
+  PetscFunctionBegin;
+  *energy = NAN;
+  if (!file || scene->dim != 2 || scene->physics != scene->problem->physics) {
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(CurveRead(file, &curve));
+  for (PetscInt k = 1; k < curve.n; k++) {
+    if (t < curve.x[k - 1] || t > curve.x[k]) continue;
+    *energy = curve.y[k - 1] +
+              (curve.y[k] - curve.y[k - 1]) * (t - curve.x[k - 1]) / (curve.x[k] - curve.x[k - 1]);
+    *energy *= scene->rho * PetscSqr(scene->speed * scene->length);
+  }
+  PetscCall(CurveFree(&curve));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,97 @@
+/*
+  Creeping flow through a square array of cylinders: one cylinder in a periodic cell of side L, driven by
+  a body force; its drag against the series solution. The solid fraction is set by -solid_fraction.
+*/
+#include "cases.h"
+
+/*
+  Drag of a cylinder of the array on mu U, U the superficial velocity: series in the solid fraction c,
+  good at small ones
+
+    F/(mu U) = 4 pi/(-ln(c)/2 - 0.738 + c - 0.887 c^2 + 2.038 c^3),
+
+  here to give velocities of order U at any fraction.
+
+  Reference: A. S. Sangani, A. Acrivos, Int. J. Multiphase Flow 8 (1982) 193-206
+*/
+static PetscReal DiluteDrag(PetscReal c)
+{
+  return 4.0 * PETSC_PI / (-0.5 * PetscLogReal(c) - 0.738 + c - 0.887 * c * c + 2.038 * c * c * c);
+}
+
+/* The same by the paper's multipole expansion, its table; NaN for fractions that are not in it. */
+static PetscReal TabulatedDrag(PetscReal c)
+{
+  static const PetscReal table[][2] = {{0.05, 15.56}, {0.1, 24.83},  {0.2, 51.53},
+                                       {0.3, 102.90}, {0.4, 217.89}, {0.5, 532.55}};
+
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(table); k++) {
+    if (PetscAbsReal(table[k][0] - c) < 1e-9) return table[k][1];
+  }
+  return NAN;
+}
+
+/* The force that drives it gives velocities of order U: f = nu U/L^2 times the drag at that fraction. */
+PetscErrorCode StokesCylindersSetup(Scene *scene)
+{
+  const PetscReal middle    = 0.5 * scene->length,
+                  circle[3] = {middle, middle,
+                               scene->length * PetscSqrtReal(scene->solid_fraction / PETSC_PI)};
+  const TableRow *row;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    scene->hi[a]       = scene->length;
+    scene->periodic[a] = PETSC_TRUE;
+  }
+  PetscCall(TableFind(&ShapeTable, "circle", &row));
+  BodySet(&scene->body_of[scene->n_bodies++], (const ShapeRow *)(const void *)row, 3, circle);
+  scene->body[0] =
+      scene->nu * scene->speed / PetscSqr(scene->length) * DiluteDrag(scene->solid_fraction);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Mean velocity through the cell's periodic side, which no cylinder cuts, by the trapezoidal rule. */
+static PetscErrorCode SuperficialVelocity(const Flow *flow, PetscReal *mean)
+{
+  const Scene   *scene = flow->scene;
+  const PetscInt n     = scene->cells[1];
+  PetscReal     *x, *u;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(2 * n, &x, 2 * n, &u));
+  for (PetscInt k = 0; k < n; k++) {
+    x[2 * k]     = scene->lo[0];
+    x[2 * k + 1] = scene->lo[1] + (k + 0.5) * (scene->hi[1] - scene->lo[1]) / n;
+  }
+  PetscCall(ProbePoints(flow, n, x, u, NULL));
+  *mean = 0.0;
+  for (PetscInt k = 0; k < n; k++) *mean += u[2 * k] / n;
+  PetscCall(PetscFree2(x, u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  StokesCylindersJudge - Drag on mu U, from the traction on the cylinder and from the balance with the
+  driving force, which the steady flow must have
+*/
+PetscErrorCode StokesCylindersJudge(const Flow *flow, Report *report)
+{
+  const Scene    *scene = flow->scene;
+  const PetscReal c = scene->solid_fraction, mu = scene->rho * scene->nu;
+  const PetscReal known  = TabulatedDrag(c);
+  const PetscReal driven = scene->rho * scene->body[0] * PetscSqr(scene->length);
+  PetscReal       mean = 0.0, F[ISPH_MAX_DIM] = {0.0}, T[ISPH_MAX_DIM] = {0.0};
+
+  PetscFunctionBegin;
+  PetscCall(SuperficialVelocity(flow, &mean));
+  PetscCall(WallForce(flow, 2 * scene->dim, F, T));
+  if (mean > 0.0) {
+    /* the body force on the solid's share of the cell is what its pressure gradient stands for */
+    PetscCall(ReportAddReference(report, "drag", driven / (mu * mean), known,
+                                 PetscIsNanReal(known) ? 1.0 : known));
+    PetscCall(ReportAddReference(report, "traction", F[0] / (1.0 - c), driven, driven));
+  }
+  PetscCall(JudgeCommon(flow, NAN, report));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,66 @@
+/*
+  Flow between concentric cylinders, R1 = L/2 turning with surface speed U inside R2 = L at rest: steady
+  Taylor-Couette flow below the onset of vortices, exact.
+*/
+#include "cases.h"
+
+/* The box leaves room for layers behind the outer wall; it has no walls of its own. */
+PetscErrorCode TaylorCouetteSetup(Scene *scene)
+{
+  const PetscReal room     = scene->length + 6.0 * scene->dx;
+  const PetscReal inner[3] = {0.0, 0.0, 0.5 * scene->length}, outer[3] = {0.0, 0.0, scene->length};
+  const TableRow *row;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    scene->lo[a] = -room;
+    scene->hi[a] = room;
+  }
+  scene->bare = PETSC_TRUE;
+  PetscCall(TableFind(&ShapeTable, "circle", &row));
+  BodySet(&scene->body_of[0], (const ShapeRow *)(const void *)row, 3, inner);
+  BodySet(&scene->body_of[1], (const ShapeRow *)(const void *)row, 3, outer);
+  scene->body_of[0].rotation = scene->speed / inner[2];
+  scene->body_of[1].around   = PETSC_TRUE;
+  scene->n_bodies            = 2;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  TaylorCouetteExact - Rest at the start, else the steady velocity and pressure, which are reached after
+  a few (R2 - R1)^2/nu
+
+    u_theta = A r + B/r,  A = -U R1/(R2^2 - R1^2),  B = U R1 R2^2/(R2^2 - R1^2)
+    p = rho (A^2 r^2/2 + 2 A B ln r - B^2/(2 r^2)) + const
+
+  Reference: G. I. Taylor, Phil. Trans. R. Soc. A 223 (1923) 289-343
+*/
+void TaylorCouetteExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
+                        PetscReal *p)
+{
+  const PetscReal R1 = 0.5 * scene->length, R2 = scene->length, gap = R2 * R2 - R1 * R1;
+  const PetscReal A = -scene->speed * R1 / gap, B = scene->speed * R1 * R2 * R2 / gap;
+  const PetscReal r2 = x[0] * x[0] + x[1] * x[1], turn = A + B / r2;
+
+  u[0] = u[1] = *p = 0.0;
+  if (t <= 0.0) return;
+  u[0] = -turn * x[1];
+  u[1] = turn * x[0];
+  *p   = scene->rho * (0.5 * A * A * r2 + A * B * PetscLogReal(r2) - 0.5 * B * B / r2);
+}
+
+/* TaylorCouetteJudge - Norms, and the torque on the inner cylinder, -4 pi mu B per metre of depth */
+PetscErrorCode TaylorCouetteJudge(const Flow *flow, Report *report)
+{
+  const Scene    *scene = flow->scene;
+  const PetscReal R1 = 0.5 * scene->length, R2 = scene->length;
+  const PetscReal B               = scene->speed * R1 * R2 * R2 / (R2 * R2 - R1 * R1);
+  const PetscReal exact           = -4.0 * PETSC_PI * scene->rho * scene->nu * B;
+  PetscReal       F[ISPH_MAX_DIM] = {0.0}, T[ISPH_MAX_DIM] = {0.0};
+
+  PetscFunctionBegin;
+  PetscCall(WallForce(flow, 2 * scene->dim, F, T));
+  PetscCall(ReportAddReference(report, "torque", T[2], exact, PetscAbsReal(exact)));
+  PetscCall(ExactJudge(flow, report));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,107 @@
+/*
+  Shapes of bodies: distances against the nearest of many points of the surface, normals against their
+  gradients, surface points on the surface, lengths against the perimeter.
+*/
+/* RANKS: 1 */
+#include "cloud.h"
+
+static const struct {
+  const char *shape;
+  PetscInt    n;
+  PetscReal   number[12], perimeter;
+} samples[] = {
+    {"circle", 3, {0.1, -0.2, 0.7}, 1.4 * PETSC_PI},
+    {"box", 4, {-0.5, -0.25, 0.75, 0.5}, 4.0},
+    {"box", 4, {0.75, 0.5, -0.5, -0.25}, 4.0},
+    {"polygon", 6, {0.0, 0.0, 3.0, 0.0, 0.0, 4.0}, 12.0},
+    {"polygon", 6, {0.0, 4.0, 3.0, 0.0, 0.0, 0.0}, 12.0}, /* clockwise */
+    {"polygon", 12, {0.0, 0.0, 2.0, 0.0, 2.0, 1.0, 1.0, 1.0, 1.0, 2.0, 0.0, 2.0}, 8.0}, /* an L */
+};
+
+static void Make(size_t k, PetscBool around, Scene *scene, Body *body)
+{
+  const TableRow *row;
+
+  ASSERT_OK(PetscMemzero(scene, sizeof(*scene)));
+  scene->dim = 2;
+  ASSERT_OK(TableFind(&ShapeTable, samples[k].shape, &row));
+  assert_non_null(row);
+  BodySet(body, (const ShapeRow *)(const void *)row, samples[k].n, samples[k].number);
+  body->around = around;
+}
+
+static void test_surface(void **state)
+{
+  (void)state;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(samples); k++) {
+    const PetscReal dx  = 0.01;
+    PetscReal       sum = 0.0;
+    Scene           scene;
+    Body            body;
+
+    Make(k, PETSC_FALSE, &scene, &body);
+    for (PetscInt q = 0; q < BodyPoints(&body, dx); q++) {
+      PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM], out[ISPH_MAX_DIM], found[ISPH_MAX_DIM];
+
+      sum += BodyPoint(&body, q, dx, x, normal);
+      CloudAssertNone("on the surface", samples[k].shape,
+                      PetscAbsReal(BodyDistance(&scene, &body, x, found)) > 1e-12);
+      for (PetscInt a = 0; a < 2; a++) out[a] = x[a] + 1e-3 * normal[a];
+      CloudAssertNone("normal outward", samples[k].shape,
+                      PetscAbsReal(BodyDistance(&scene, &body, out, found) - 1e-3) > 1e-9);
+    }
+    CloudAssertNone("perimeter", samples[k].shape,
+                    PetscAbsReal(sum / samples[k].perimeter - 1.0) > 1e-9);
+  }
+}
+
+/* Distance of x from the nearest of all points of the surface. */
+static PetscReal Nearest(const Body *body, PetscReal dx, const PetscReal x[])
+{
+  PetscReal best = PETSC_MAX_REAL;
+
+  for (PetscInt q = 0; q < BodyPoints(body, dx); q++) {
+    PetscReal y[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
+
+    (void)BodyPoint(body, q, dx, y, normal);
+    best = PetscMin(best, PetscSqr(x[0] - y[0]) + PetscSqr(x[1] - y[1]));
+  }
+  return PetscSqrtReal(best);
+}
+
+static void test_distance(void **state)
+{
+  (void)state;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(samples); k++) {
+    for (PetscInt around = 0; around < 2; around++) {
+      const PetscReal dx = 0.005, step = 1e-6;
+      Scene           scene;
+      Body            body;
+
+      Make(k, around ? PETSC_TRUE : PETSC_FALSE, &scene, &body);
+      for (PetscInt q = 0; q < 60; q++) {
+        PetscReal x[2], n[ISPH_MAX_DIM], m[ISPH_MAX_DIM], d;
+
+        for (PetscInt a = 0; a < 2; a++)
+          x[a] = body.centre[a] + 1.6 * body.extent * ParticlesHash(5, q, a);
+        d = BodyDistance(&scene, &body, x, n);
+        CloudAssertNone("distance", samples[k].shape,
+                        PetscAbsReal(PetscAbsReal(d) - Nearest(&body, dx, x)) > 0.6 * dx);
+        for (PetscInt a = 0; a < 2; a++) x[a] += step * n[a];
+        CloudAssertNone("normal is the distance's gradient", samples[k].shape,
+                        PetscAbsReal(BodyDistance(&scene, &body, x, m) - d - step) > 1e-3 * step);
+      }
+    }
+  }
+}
+
+int main(int argc, char **argv)
+{
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_surface),
+                                     cmocka_unit_test(test_distance)};
+  int                     failed;
+
+  if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;
+  failed = cmocka_run_group_tests(tests, NULL, NULL);
+  return PetscFinalize() || failed ? 1 : 0;
+}
