@@ -78,6 +78,7 @@ PetscErrorCode OptionsRefuseUnknown(PetscBool deferred_too);
   PetscCheck(condition, PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT, __VA_ARGS__)
 PetscErrorCode ErrorsInstall(void);
 int            ErrorsExit(PetscErrorCode code);
+PetscErrorCode FirstRankDecides(PetscBool *verdict);
 PetscErrorCode SayLine(const char format[], ...) PETSC_ATTRIBUTE_FORMAT(1, 2);
 
 #endif

@@ -18,6 +18,8 @@ typedef struct {
 PetscErrorCode Hdf5FileCreate(MPI_Comm comm, const char path[], Hdf5File *file);
 PetscErrorCode Hdf5FileOpen(MPI_Comm comm, const char path[], Hdf5File *file);
 PetscErrorCode Hdf5FileClose(Hdf5File *file, PetscBool *good);
+PetscErrorCode Hdf5FileFinish(Hdf5File *file, const char part[], const char path[],
+                              PetscBool *good);
 PetscErrorCode Hdf5WriteRows(Hdf5File *file, const char name[], PetscInt columns, hid_t stored,
                              hid_t given, const void *rows, const char units[]);
 PetscErrorCode Hdf5WriteNumber(Hdf5File *file, const char name[], hid_t type, const void *value);

@@ -77,6 +77,7 @@ PetscErrorCode ParticlesRegister(Particles *particles, const char name[], PetscI
 PetscErrorCode ParticlesUpdateEpoch(const Scene *scene, Particles *particles, PetscBool force,
                                     PetscBool *started);
 PetscErrorCode ParticlesUpdateHalo(Particles *particles);
+void           ParticlesShare(MPI_Comm comm, PetscInt n, PetscInt *first, PetscInt *last);
 PetscInt       ParticlesRecordWidth(const Particles *particles);
 PetscErrorCode ParticlesPack(const Particles *particles, PetscReal record[]);
 PetscErrorCode ParticlesUnpack(Particles *particles, const PetscReal record[]);

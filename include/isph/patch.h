@@ -19,7 +19,7 @@ struct FieldRow {
 };
 extern const Table FieldTable;
 
-/* A patch: one matrix L = A over the box and B over the given values around it, times dx^2. */
+/* A patch: one matrix L = A over the box and B over the given values around it. */
 typedef struct {
   const Scene    *scene;
   const FieldRow *field;

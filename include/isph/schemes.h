@@ -55,6 +55,7 @@ PetscErrorCode ClockDestroy(Clock **clock);
 PetscErrorCode ClockChoose(const Scene *scene, PetscReal speed, Clock *clock);
 PetscErrorCode ClockAdvance(Clock *clock);
 PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure);
+PetscBool      ClockPasses(PetscReal every, PetscReal last, PetscReal now);
 PetscErrorCode ClockWhere(const Clock *clock, char where[]);
 PetscReal      ClockExplicitLimit(const Scene *scene, PetscReal support_radius);
 

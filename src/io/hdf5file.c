@@ -59,19 +59,18 @@ PetscErrorCode Hdf5FileOpen(MPI_Comm comm, const char path[], Hdf5File *file)
 PetscErrorCode FileReserve(const char path[], size_t bytes, PetscBool *good)
 {
   PetscMPIInt rank;
-  PetscInt    agreed = 1;
 
   PetscFunctionBegin;
+  *good = PETSC_TRUE;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   if (rank == 0) {
     const int file = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0666);
 
-    agreed = file >= 0 && posix_fallocate(file, 0, (off_t)bytes) == 0 ? 1 : 0;
+    *good = file >= 0 && posix_fallocate(file, 0, (off_t)bytes) == 0 ? PETSC_TRUE : PETSC_FALSE;
     if (file >= 0) (void)close(file);
     if (file >= 0) (void)remove(path);
   }
-  PetscCallMPI(MPI_Bcast(&agreed, 1, MPIU_INT, 0, PETSC_COMM_WORLD));
-  *good = agreed ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(FirstRankDecides(good));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -90,6 +89,24 @@ PetscErrorCode Hdf5FileClose(Hdf5File *file, PetscBool *good)
   failed = file->failed ? 1 : 0;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_MAX, file->comm));
   *good = failed ? PETSC_FALSE : PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Hdf5FileFinish - Closes a file written as `part` and gives it its name `path`, if it is complete
+
+  Collective on PETSC_COMM_WORLD. Output: good - whether it is there, the same on all ranks.
+*/
+PetscErrorCode Hdf5FileFinish(Hdf5File *file, const char part[], const char path[], PetscBool *good)
+{
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(Hdf5FileClose(file, good));
+  if (rank == 0 && !*good) (void)remove(part);
+  if (rank == 0 && *good && rename(part, path)) *good = PETSC_FALSE;
+  PetscCall(FirstRankDecides(good));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -47,11 +47,9 @@ struct Monitors {
 /* Ends the run where a file could not be written. Collective. */
 static PetscErrorCode MonitorVerdict(const char path[], PetscBool good)
 {
-  PetscInt agreed = good ? 1 : 0;
-
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Bcast(&agreed, 1, MPIU_INT, 0, PETSC_COMM_WORLD));
-  PetscCheck(agreed, PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN,
+  PetscCall(FirstRankDecides(&good));
+  PetscCheck(good, PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN,
              "-probe_output: cannot write %s, or the disk is full", path);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -202,11 +200,11 @@ PetscErrorCode MonitorsRestart(PetscReal t, Monitors *m)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   for (PetscInt k = 0; k < MONITOR_KINDS; k++) {
-    PetscInt kept;
+    PetscBool kept;
 
     if (!m->of[k].on) continue;
-    kept = rank == 0 && KeepRows(&m->of[k], t) ? 1 : 0;
-    PetscCallMPI(MPI_Bcast(&kept, 1, MPIU_INT, 0, PETSC_COMM_WORLD));
+    kept = rank == 0 && KeepRows(&m->of[k], t) ? PETSC_TRUE : PETSC_FALSE;
+    PetscCall(FirstRankDecides(&kept));
     m->of[k].opened = PETSC_TRUE;
     if (!kept) PetscCall(MonitorOpen(&kinds[k], &m->of[k]));
   }
@@ -227,8 +225,7 @@ PetscErrorCode MonitorsWrite(const Flow *flow, Monitors *m)
 
   PetscFunctionBegin;
   if (!m->any) PetscFunctionReturn(PETSC_SUCCESS);
-  if (m->every > 0.0 && m->last > PETSC_NINFINITY &&
-      !(PetscFloorReal(t / m->every + 1e-9) > PetscFloorReal(m->last / m->every + 1e-9)))
+  if (m->every > 0.0 && m->last > PETSC_NINFINITY && !ClockPasses(m->every, m->last, t))
     PetscFunctionReturn(PETSC_SUCCESS);
   m->last = t;
   for (PetscInt k = 0; k < MONITOR_KINDS; k++) {

@@ -16,11 +16,9 @@ struct Snapshots {
 static PetscErrorCode SnapshotsVerdict(const Snapshots *snapshots, const char path[],
                                        PetscBool good)
 {
-  PetscInt agreed = good ? 1 : 0;
-
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Bcast(&agreed, 1, MPIU_INT, 0, PETSC_COMM_WORLD));
-  PetscCheck(agreed, PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN,
+  PetscCall(FirstRankDecides(&good));
+  PetscCheck(good, PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN,
              "-output %s.h5: cannot write %s, or the disk is full", snapshots->base, path);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -189,9 +187,7 @@ static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
     PetscCall(SnapshotAttributes(flow, &file));
     PetscCall(SnapshotFields(flow, &file));
   }
-  PetscCall(Hdf5FileClose(&file, &good));
-  if (rank == 0 && !good) (void)remove(part);
-  if (rank == 0 && good && rename(part, path)) good = PETSC_FALSE;
+  PetscCall(Hdf5FileFinish(&file, part, path, &good));
   PetscCall(SnapshotsVerdict(s, path, good));
 
   if (s->n == s->capacity) {
@@ -234,14 +230,8 @@ PetscErrorCode SnapshotsWrite(const Flow *flow, PetscBool final, Snapshots *snap
   if (!snapshots->base[0] || snapshots->step == flow->clock->step)
     PetscFunctionReturn(PETSC_SUCCESS);
   if (!snapshots->n) due = PETSC_TRUE;
-  else if (snapshots->every > 0.0 && !due) {
-    const PetscReal last = snapshots->done[snapshots->n - 1].t / snapshots->every;
-
-    /* the multiples of -output_every passed since, by now against by then; 1e-9 for rounding */
-    due = PetscFloorReal(flow->clock->t / snapshots->every + 1e-9) > PetscFloorReal(last + 1e-9)
-              ? PETSC_TRUE
-              : PETSC_FALSE;
-  }
+  else if (snapshots->every > 0.0 && !due)
+    due = ClockPasses(snapshots->every, snapshots->done[snapshots->n - 1].t, flow->clock->t);
   if (due) PetscCall(SnapshotWrite(flow, snapshots));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

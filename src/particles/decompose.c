@@ -253,7 +253,8 @@ static PetscErrorCode FindOwners(const Particles *p, PetscMPIInt ranks, PetscInt
 
   Notes:
   Boxes are drawn in the first epoch, where p->redraw asks for it, and when one holds more than 1.1
-  times the mean number of fluid particles. Outer boxes have no end where the scene is not periodic: walls lie beyond.
+  times the mean number of fluid particles. Outer boxes have no end where the scene is not periodic:
+  walls lie beyond.
 */
 PetscErrorCode ParticlesDecompose(const Scene *scene, Particles *p, PetscInt owner[])
 {

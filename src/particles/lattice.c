@@ -166,8 +166,8 @@ static void WallParticle(const Scene *scene, WallPlacement walls, const WallSlab
   p->id[i]               = p->N_fluid + index;
 }
 
-/* This rank's share [first, last) of n things. */
-static void Share(MPI_Comm comm, PetscInt n, PetscInt *first, PetscInt *last)
+/* ParticlesShare - This rank's share [first, last) of n things that all ranks make or read together */
+void ParticlesShare(MPI_Comm comm, PetscInt n, PetscInt *first, PetscInt *last)
 {
   PetscMPIInt rank = 0, ranks = 1;
 
@@ -276,11 +276,11 @@ PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, Particles *p
 
   PetscFunctionBegin;
   PetscCall(CountCells(scene->dim, scene->cells, &cells));
-  Share(p->comm, cells, &first, &last);
+  ParticlesShare(p->comm, cells, &first, &last);
   PetscCall(CountShare(scene, walls, first, last, p->comm, own, start, all));
   PetscCall(WallSlabsCreate(scene, walls, &slabs));
-  Share(p->comm, slabs.first[slabs.n], &slab[0], &slab[1]);
-  Share(p->comm, SurfacePoints(scene, walls), &point[0], &point[1]);
+  ParticlesShare(p->comm, slabs.first[slabs.n], &slab[0], &slab[1]);
+  ParticlesShare(p->comm, SurfacePoints(scene, walls), &point[0], &point[1]);
   UserCheck(all[0] > 0, "the bodies leave no room for fluid at dx = %.4g", (double)scene->dx);
   p->N_fluid = all[0];
   p->N_wall  = slabs.first[slabs.n] + all[1] + SurfacePoints(scene, walls);

@@ -37,6 +37,14 @@ static PetscErrorCode FieldColumns(const Particles *p, PetscInt *n, PetscReal **
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The record of own particle i: id, then its components in all columns. */
+static inline void PackRecord(const Particles *p, PetscInt n, PetscReal *const column[], PetscInt i,
+                              PetscReal record[])
+{
+  record[0] = (PetscReal)p->id[i]; /* exact below 2^53 */
+  for (PetscInt k = 0; k < n; k++) record[1 + k] = column[k][i];
+}
+
 /*
   ParticlesPack - Copies the own particles with all fields
 
@@ -50,10 +58,8 @@ PetscErrorCode ParticlesPack(const Particles *p, PetscReal record[])
 
   PetscFunctionBegin;
   PetscCall(FieldColumns(p, &n, &column));
-  for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
-    record[(size_t)i * width] = (PetscReal)p->id[i]; /* exact below 2^53 */
-    for (PetscInt k = 0; k < n; k++) record[(size_t)i * width + 1 + k] = column[k][i];
-  }
+  for (PetscInt i = 0; i < ParticlesOwn(p); i++)
+    PackRecord(p, n, column, i, &record[(size_t)i * width]);
   PetscCall(PetscFree(column));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -95,12 +101,8 @@ static PetscErrorCode PackRecords(const Particles *p, const PetscInt owner[], Pe
   PetscCall(FieldColumns(p, &n, &column));
   for (PetscInt i = 0; i < own; i++) n_to[owner[i]]++;
   for (PetscMPIInt r = 0; r < ranks; r++) next[r + 1] = next[r] + n_to[r];
-  for (PetscInt i = 0; i < own; i++) {
-    PetscReal *record = &(*records)[(size_t)next[owner[i]]++ * width];
-
-    record[0] = (PetscReal)p->id[i]; /* exact below 2^53 */
-    for (PetscInt k = 0; k < n; k++) record[1 + k] = column[k][i];
-  }
+  for (PetscInt i = 0; i < own; i++)
+    PackRecord(p, n, column, i, &(*records)[(size_t)next[owner[i]]++ * width]);
   PetscCall(PetscFree(column));
   PetscCall(PetscFree(next));
   PetscFunctionReturn(PETSC_SUCCESS);

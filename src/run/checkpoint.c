@@ -131,14 +131,11 @@ static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const 
   const PetscInt   own = ParticlesOwn(p), width = ParticlesRecordWidth(p);
   const size_t     bytes = (size_t)(p->N_fluid + p->N_wall) * (size_t)width * 8 + (size_t)262144;
   char             part[PETSC_MAX_PATH_LEN];
-  PetscMPIInt      rank;
-  PetscInt         agreed;
   PetscBool        good;
   Hdf5File         file;
   uint64_t         checksum;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCall(PetscSNPrintf(part, sizeof(part), "%s.part", path));
   PetscCall(CheckpointChecksum(own, width, record, &checksum));
   PetscCall(FileReserve(part, bytes, &good));
@@ -152,13 +149,9 @@ static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const 
       PetscCall(Hdf5WriteRows(&file, "particles", width, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, record,
                               "SI, the numbers that the attribute record names"));
     }
-    PetscCall(Hdf5FileClose(&file, &good));
-    if (rank == 0 && !good) (void)remove(part);
-    if (rank == 0 && good && rename(part, path)) good = PETSC_FALSE;
+    PetscCall(Hdf5FileFinish(&file, part, path, &good));
   }
-  agreed = good ? 1 : 0;
-  PetscCallMPI(MPI_Bcast(&agreed, 1, MPIU_INT, 0, PETSC_COMM_WORLD));
-  PetscCheck(agreed, PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN,
+  PetscCheck(good, PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN,
              "-checkpoint %s: cannot be written, or the disk is full; an earlier one is as it was",
              path);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -182,12 +175,8 @@ PetscErrorCode CheckpointsUpdate(PetscBool final, Run *run)
 
   PetscFunctionBegin;
   if (!c->path[0] || c->step == clock->step) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!final) {
-    if (c->every == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
-    /* the multiples of -checkpoint_every passed by now against by then; 1e-9 for rounding */
-    if (!(PetscFloorReal(clock->t / c->every + 1e-9) > PetscFloorReal(c->last / c->every + 1e-9)))
-      PetscFunctionReturn(PETSC_SUCCESS);
-  }
+  if (!final && (c->every == 0.0 || !ClockPasses(c->every, c->last, clock->t)))
+    PetscFunctionReturn(PETSC_SUCCESS);
   n = ParticlesOwn(run->particles);
   PetscCall(PetscMalloc1((size_t)n * ParticlesRecordWidth(run->particles), &record));
   PetscCall(ParticlesPack(run->particles, record));

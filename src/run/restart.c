@@ -94,13 +94,10 @@ static PetscErrorCode ReadFile(Run *run, Hdf5File *file, PetscInt *n, PetscReal 
   const Particles *p     = run->particles;
   const PetscInt   width = ParticlesRecordWidth(p), N = p->N_fluid + p->N_wall;
   PetscReal       *clock, *stats, *number;
-  PetscMPIInt      rank, ranks;
-  PetscInt         rows, columns;
+  PetscInt         rows, columns, last;
   uint64_t         wanted = 0, checksum;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(ReadTable(file, "clock", 1, CLOCK_NUMBERS, &clock));
   PetscCall(ReadTable(file, "stats", 1, STATS_NUMBERS, &stats));
   PetscCall(ReadTable(file, "number", 1, SCHEME_NUMBERS, &number));
@@ -112,8 +109,8 @@ static PetscErrorCode ReadFile(Run *run, Hdf5File *file, PetscInt *n, PetscReal 
   PetscCall(ReadHistory(run, file));
   PetscCall(Hdf5ReadNumber(file, "checksum", H5T_NATIVE_UINT64, &wanted));
   PetscCall(Hdf5CountRows(file, "particles", &rows, &columns));
-  file->start = (PetscInt)((PetscInt64)N * rank / ranks);
-  *n = file->own = (PetscInt)((PetscInt64)N * (rank + 1) / ranks) - file->start;
+  ParticlesShare(p->comm, N, &file->start, &last);
+  *n = file->own = last - file->start;
   PetscCall(PetscCalloc1((size_t)(*n * width + 1), record));
   if (rows != N || columns != width) file->failed = PETSC_TRUE;
   if (!file->failed) PetscCall(Hdf5ReadRows(file, "particles", width, H5T_NATIVE_DOUBLE, *record));
@@ -135,7 +132,7 @@ PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted)
   const char  *path = c->restart;
   Hdf5File     file;
   PetscReal   *record;
-  PetscInt     n;
+  PetscInt     n = 0;
   PetscBool    good, whole;
 
   PetscFunctionBegin;

@@ -73,6 +73,21 @@ PetscErrorCode ErrorsInstall(void)
 }
 
 /*
+  FirstRankDecides - Gives all ranks the verdict of the first one, which alone opened or wrote a file
+
+  Collective on PETSC_COMM_WORLD.
+*/
+PetscErrorCode FirstRankDecides(PetscBool *verdict)
+{
+  PetscInt decided = *verdict ? 1 : 0;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Bcast(&decided, 1, MPIU_INT, 0, PETSC_COMM_WORLD));
+  *verdict = decided ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
   SayLine - Tells the user something in the course of a run, off an unfinished progress line
 
   Not collective; the first rank prints.

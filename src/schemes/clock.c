@@ -215,6 +215,14 @@ PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ClockPasses - Whether a multiple of `every` [s] lies after time last and not after now */
+PetscBool ClockPasses(PetscReal every, PetscReal last, PetscReal now)
+{
+  /* multiples passed by now against by then; 1e-9 for rounding */
+  return PetscFloorReal(now / every + 1e-9) > PetscFloorReal(last / every + 1e-9) ? PETSC_TRUE
+                                                                                  : PETSC_FALSE;
+}
+
 /* ClockWhere - "step 12 (t = 0.34)" of the step at hand, in CLOCK_WHERE letters; not collective */
 PetscErrorCode ClockWhere(const Clock *clock, char where[])
 {
