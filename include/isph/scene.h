@@ -75,7 +75,8 @@ typedef struct {
   void (*Exact)(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
                 PetscReal *p);                               /* NULL: none; p may be left alone */
   PetscErrorCode (*Judge)(const Flow *flow, Report *report); /* adds the quantities of the case */
-  PetscBool typed; /* the geometry comes from -scene_ options */
+  PetscReal solid_fraction; /* default, of an array of bodies; 0: there is none [-] */
+  PetscBool typed;          /* the geometry comes from -scene_ options */
   PetscBool patch; /* no flow: operators are measured on a box with values given around it */
 } CaseRow;
 

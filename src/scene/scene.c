@@ -101,7 +101,7 @@ static PetscErrorCode SceneReadFluid(PetscOptionItems *PetscOptionsObject, Scene
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Dimension, resolution and disorder. */
+/* Dimension, resolution and disorder, and what only some cases ask for. */
 static PetscErrorCode SceneReadNumbers(PetscOptionItems *PetscOptionsObject, Scene *scene)
 {
   PetscFunctionBegin;
@@ -120,13 +120,16 @@ static PetscErrorCode SceneReadNumbers(PetscOptionItems *PetscOptionsObject, Sce
                        0.0, 0.5, &scene->jitter, NULL));
   PetscCall(OptionInt("-seed", "Seed of the jitter and of random fields", 0, PETSC_MAX_INT,
                       &scene->seed, NULL));
+  scene->solid_fraction = scene->problem->solid_fraction;
+  if (scene->solid_fraction > 0.0) {
+    PetscCall(OptionReal("-solid_fraction", "Of an array of bodies [-]", 0.001, 0.6,
+                         &scene->solid_fraction, NULL));
+  }
   if (scene->problem->patch) {
     PetscCall(OptionReal("-patch_margin", "What is left out at the sides of the unit square [dx]",
                          0.0, 1e5, &scene->margin, NULL));
   } else {
     PetscCall(SceneReadFluid(PetscOptionsObject, scene));
-    PetscCall(OptionReal("-solid_fraction", "Of arrays of bodies [-]", 0.001, 0.6,
-                         &scene->solid_fraction, NULL));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -163,7 +166,6 @@ PetscErrorCode SceneCreate(Scene **scene)
   s->dim    = 2;
   s->length = s->speed = s->rho = 1.0;
   s->seed                       = 1;
-  s->solid_fraction             = 0.1;
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Scene", "");
   PetscCall(TableSelect(&CaseTable, "-case", "What to compute", "cavity", &s->problem));
   PetscCall(SceneReadPhysics(PetscOptionsObject, s));
