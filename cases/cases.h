@@ -41,6 +41,9 @@ PetscErrorCode StokesCylindersSetup(Scene *scene);
 PetscErrorCode StokesCylindersJudge(const Flow *flow, Report *report);
 
 PetscErrorCode SceneTypedSetup(Scene *scene);
+void SceneTypedVelocity(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[]);
+void SceneTypedExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
+                     PetscReal *p);
 void SceneTypedWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                             PetscReal u[]);
 PetscErrorCode SceneTypedJudge(const Flow *flow, Report *report);

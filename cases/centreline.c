@@ -6,7 +6,7 @@
 
 #define LINE_POINTS 401
 
-/* Velocity component c over U at n points along axis a through the centre, at s over L. */
+/* Velocity component c over U at n points along axis a through the centre, at s over the box's width. */
 static PetscErrorCode SampleLine(const Flow *flow, PetscInt a, PetscInt c, PetscInt n,
                                  const PetscReal s[], PetscReal value[])
 {
@@ -17,7 +17,7 @@ static PetscErrorCode SampleLine(const Flow *flow, PetscInt a, PetscInt c, Petsc
   PetscCall(PetscMalloc2(n * scene->dim, &x, n * scene->dim, &u));
   for (PetscInt k = 0; k < n; k++) {
     for (PetscInt b = 0; b < scene->dim; b++)
-      x[k * scene->dim + b] = scene->length * (a == b ? s[k] : 0.5);
+      x[k * scene->dim + b] = scene->lo[b] + (scene->hi[b] - scene->lo[b]) * (a == b ? s[k] : 0.5);
   }
   PetscCall(ProbePoints(flow, n, x, u, NULL));
   for (PetscInt k = 0; k < n; k++) {
@@ -54,8 +54,8 @@ static PetscErrorCode AddExtremum(const char name[], const PetscReal value[], Pe
 }
 
 /*
-  CentrelineExtrema - u_min on the line x = L/2, v_max and v_min on y = L/2 (all other coordinates in the
-  middle too), over U
+  CentrelineExtrema - u_min on the line along y through the middle of the box, v_max and v_min on the one
+  along x, over U
 
   Collective. Input: references, NaN for none.
 */

@@ -11,15 +11,32 @@ PetscErrorCode SceneTypedSetup(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* SceneTypedVelocity - -scene_velocity, else -scene_exact at the start, else rest */
+void SceneTypedVelocity(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[])
+{
+  const Expression *e = scene->velocity.n ? &scene->velocity : &scene->exact;
+
+  for (PetscInt a = 0; a < scene->dim; a++) u[a] = ExpressionValue(e, a, t, x);
+}
+
+/* SceneTypedExact - -scene_exact; p is left alone where it has none */
+void SceneTypedExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
+                     PetscReal *p)
+{
+  for (PetscInt a = 0; a < scene->dim; a++) u[a] = ExpressionValue(&scene->exact, a, t, x);
+  if (scene->exact.n > scene->dim) *p = ExpressionValue(&scene->exact, scene->dim, t, x);
+}
+
 /* SceneTypedWallVelocity - The velocity typed for a side of the box */
 void SceneTypedWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                             PetscReal u[])
 {
-  for (PetscInt a = 0; a < scene->dim; a++) u[a] = scene->side_velocity[side][a];
+  for (PetscInt a = 0; a < scene->dim; a++)
+    u[a] = ExpressionValue(&scene->side_velocity[side], a, t, x);
 }
 
-/* SceneTypedJudge - Integrals, and force and torque on each body */
-PetscErrorCode SceneTypedJudge(const Flow *flow, Report *report)
+/* Force and torque on each body. */
+static PetscErrorCode JudgeBodies(const Flow *flow, Report *report)
 {
   const Scene *scene = flow->scene;
 
@@ -36,6 +53,22 @@ PetscErrorCode SceneTypedJudge(const Flow *flow, Report *report)
     PetscCall(PetscSNPrintf(name, sizeof(name), "body_%" PetscInt_FMT "_torque", k + 1));
     PetscCall(ReportAdd(report, name, T[2]));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SceneTypedJudge - Errors against -scene_exact, force and torque on each body, extrema on the centrelines of
+  a closed box without bodies, integrals
+*/
+PetscErrorCode SceneTypedJudge(const Flow *flow, Report *report)
+{
+  const Scene *scene = flow->scene;
+
+  PetscFunctionBegin;
+  if (scene->exact.n) PetscCall(JudgeExact(flow, report));
+  PetscCall(JudgeBodies(flow, report));
+  if (!scene->n_bodies && !scene->periodic[0] && !scene->periodic[1])
+    PetscCall(CentrelineExtrema(flow, NAN, NAN, NAN, report));
   PetscCall(JudgeCommon(flow, NAN, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -20,7 +20,7 @@ PetscErrorCode TaylorCouetteSetup(Scene *scene)
   PetscCall(TableFind(&ShapeTable, "circle", &row));
   BodySet(&scene->body_of[0], (const ShapeRow *)(const void *)row, 3, inner);
   BodySet(&scene->body_of[1], (const ShapeRow *)(const void *)row, 3, outer);
-  scene->body_of[0].rotation = scene->speed / inner[2];
+  scene->body_of[0].rotation = ExpressionNumber(scene->speed / inner[2]);
   scene->body_of[1].around   = PETSC_TRUE;
   scene->n_bodies            = 2;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -5,7 +5,7 @@
 #ifndef ISPH_SCENE_H
 #define ISPH_SCENE_H
 
-#include "isph/base.h"
+#include "isph/expression.h"
 
 typedef struct Scene  Scene;
 typedef struct Flow   Flow;
@@ -52,7 +52,7 @@ struct Body {
   PetscReal       number[BODY_NUMBERS]; /* of the shape [m] */
   PetscReal       centre[2], extent;    /* of the body, and how far it reaches from there [m] */
   PetscBool       around;
-  PetscReal       velocity[2], rotation; /* of the surface [m/s], [rad/s] */
+  Expression      velocity, rotation; /* of the surface, of t [m/s], [rad/s] */
 };
 
 /*
@@ -93,27 +93,31 @@ struct Scene {
   unsigned         physics; /* bits of Physics, after -with and -without */
   unsigned         without; /* bits that the user took away */
 
-  PetscInt  dim;                            /* 2 or 3 */
-  PetscInt  n;                              /* particles along the reference length */
-  PetscReal dx;                             /* particle spacing at the start [m] */
-  PetscReal lo[ISPH_MAX_DIM];               /* corners of the box [m] */
-  PetscReal hi[ISPH_MAX_DIM];               /* */
-  PetscInt  cells[ISPH_MAX_DIM];            /* particles along each side of the box */
-  PetscBool periodic[ISPH_MAX_DIM];         /* both sides of an axis, else walls */
-  PetscReal length;                         /* reference length L [m] */
-  PetscReal speed;                          /* reference speed U [m/s] */
-  PetscReal rho;                            /* density [kg/m^3] */
-  PetscReal nu;                             /* kinematic viscosity [m^2/s] */
-  PetscReal body[ISPH_MAX_DIM];             /* body force per unit mass [m/s^2] */
-  PetscBool unsteady_walls;                 /* wall velocities depend on time */
-  PetscReal side_velocity[4][ISPH_MAX_DIM]; /* of a typed scene [m/s] */
-  PetscBool bare; /* no walls on the box's sides: a body encloses the fluid */
-  Body      body_of[SCENE_MAX_BODIES];
-  PetscInt  n_bodies;
-  PetscReal jitter;         /* largest random displacement at the start [dx] */
-  PetscInt  seed;           /* of the jitter and of random fields */
-  PetscReal solid_fraction; /* of an array of bodies [-] */
-  PetscReal margin;         /* of a patch test: left out at each side [dx] */
+  PetscInt         dim;                    /* 2 or 3 */
+  PetscInt         n;                      /* particles along the reference length */
+  PetscReal        dx;                     /* particle spacing at the start [m] */
+  PetscReal        lo[ISPH_MAX_DIM];       /* corners of the box [m] */
+  PetscReal        hi[ISPH_MAX_DIM];       /* */
+  PetscInt         cells[ISPH_MAX_DIM];    /* particles along each side of the box */
+  PetscBool        periodic[ISPH_MAX_DIM]; /* both sides of an axis, else walls */
+  PetscReal        length;                 /* reference length L [m] */
+  PetscReal        speed;                  /* reference speed U [m/s] */
+  PetscReal        rho;                    /* density [kg/m^3] */
+  PetscReal        nu;                     /* kinematic viscosity [m^2/s] */
+  PetscReal        body[ISPH_MAX_DIM];     /* body force per unit mass [m/s^2] */
+  PetscBool        unsteady_walls;         /* wall velocities depend on time */
+  ExpressionScope *scope;    /* of the expressions below; NULL: numbers are all there is */
+  Expression       velocity; /* typed: at the start, of x, y [m/s] */
+  Expression       exact;    /* typed: reference solution u, v[, p], of x, y, t [m/s], [Pa] */
+  Expression       force;    /* typed: in place of body, of x, y, t [m/s^2] */
+  Expression       side_velocity[4]; /* typed: of the sides of the box, of x, y, t [m/s] */
+  PetscBool        bare;             /* no walls on the box's sides: a body encloses the fluid */
+  Body             body_of[SCENE_MAX_BODIES];
+  PetscInt         n_bodies;
+  PetscReal        jitter;         /* largest random displacement at the start [dx] */
+  PetscInt         seed;           /* of the jitter and of random fields */
+  PetscReal        solid_fraction; /* of an array of bodies [-] */
+  PetscReal        margin;         /* of a patch test: left out at each side [dx] */
 };
 
 extern const Table CaseTable; /* cases/cases.c */
@@ -124,10 +128,12 @@ PetscErrorCode SceneDestroy(Scene **scene);
 PetscBool      SceneHas(const Scene *scene, Physics what);
 PetscReal      SceneReynolds(const Scene *scene);
 PetscReal      SceneVolume(const Scene *scene); /* dx^dim, the volume of every particle [m^dim] */
-void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
-                       PetscReal u[]);
-void SceneWallAcceleration(const Scene *scene, PetscInt side, const PetscReal x[], PetscReal a[]);
-void BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[]);
+void      SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                            PetscReal u[]);
+void      SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                                PetscReal a[]);
+void      SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal f[]);
+void      BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[]);
 PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
                        PetscReal normal[]);
 PetscInt  BodyPoints(const Body *body, PetscReal dx);

@@ -52,7 +52,7 @@ typedef struct {
 
 PetscErrorCode ClockCreate(const Scene *scene, Clock **clock);
 PetscErrorCode ClockDestroy(Clock **clock);
-PetscErrorCode ClockChoose(const Scene *scene, PetscReal speed, Clock *clock);
+PetscErrorCode ClockChoose(const Scene *scene, PetscReal speed, PetscReal force, Clock *clock);
 PetscErrorCode ClockAdvance(Clock *clock);
 PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure);
 PetscBool      ClockPasses(PetscReal every, PetscReal last, PetscReal now);
@@ -123,6 +123,7 @@ extern const Table ProjectionTable;
 /* What a step did, for progress, the steady test and the report. */
 typedef struct {
   PetscReal speed_max;         /* largest particle speed [m/s] */
+  PetscReal force_max;         /* largest body force per unit mass [m/s^2] */
   PetscReal kinetic_energy;    /* [J] (per metre of depth in 2D) */
   PetscReal divergence;        /* largest |D u| [1/s] */
   PetscReal change[3];         /* of u, div u* and p, relative, per shortest time scale [-] */

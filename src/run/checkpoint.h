@@ -5,9 +5,9 @@
 #include "impl.h"
 #include "isph/hdf5file.h"
 
-#define CHECKPOINT_FORMAT 1 /* to be raised when what is in the file changes */
+#define CHECKPOINT_FORMAT 2 /* to be raised when what is in the file changes */
 #define CLOCK_NUMBERS     9
-#define STATS_NUMBERS     12
+#define STATS_NUMBERS     13
 
 struct Checkpoints {
   char      path[PETSC_MAX_PATH_LEN];    /* empty: none are written */

@@ -72,6 +72,7 @@ static PetscErrorCode RunBegin(Run *run)
     PetscCall(SnapshotsWrite(&flow, PETSC_FALSE, run->snapshots));
     PetscCall(MonitorsWrite(&flow, run->monitors));
   }
+  PetscCall(ExpressionScopeCheck(run->scene->scope));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -102,15 +103,17 @@ static PetscErrorCode RunIsOver(Run *run, PetscBool *over)
 */
 static PetscErrorCode RunStep(Run *run)
 {
-  Clock       *clock   = run->clock;
-  StepFailure *failure = &run->scheme->failure;
+  Clock           *clock   = run->clock;
+  const StepStats *stats   = &run->scheme->stats;
+  StepFailure     *failure = &run->scheme->failure;
 
   PetscFunctionBegin;
   do {
-    PetscCall(ClockChoose(run->scene, run->scheme->stats.speed_max, clock));
+    PetscCall(ClockChoose(run->scene, stats->speed_max, stats->force_max, clock));
     if (run->undo) PetscCall(UndoSave(clock, run->particles, run->scheme, run->undo));
     PetscCall(run->scheme->row->Step(run->scene, clock, run->particles, run->neighbors, run->ops,
                                      run->scheme));
+    PetscCall(ExpressionScopeCheck(run->scene->scope));
     if (!failure->code) PetscFunctionReturn(PETSC_SUCCESS);
     if (!run->undo || failure->hopeless) break;
     PetscCall(UndoRestore(run->scene, run->undo, clock, run->particles, run->neighbors, run->ops,
@@ -201,6 +204,7 @@ static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measure
   run->report->t = run->clock->t;
   PetscCall(RunWriteMatrices(run));
   if (measured) PetscCall(run->scene->problem->Judge(&flow, run->report));
+  PetscCall(ExpressionScopeCheck(run->scene->scope));
   PetscCall(RunCountTroubles(run));
   PetscCall(PetscTime(&now));
   if (measured) PetscCall(ReportView(run->report, now - run->started, PETSC_VIEWER_STDOUT_WORLD));

@@ -20,7 +20,8 @@ void CheckpointPack(const Run *run, double clock[], double stats[])
                                   s->visc_its_sum,
                                   s->ppe_its_sum,
                               scheme->visc ? *ViscosityFalls(scheme->visc) : 0,
-                              scheme->ppe ? *PressureFalls(scheme->ppe) : 0};
+                              scheme->ppe ? *PressureFalls(scheme->ppe) : 0,
+                                  s->force_max};
 
   for (PetscInt k = 0; k < CLOCK_NUMBERS; k++) clock[k] = c_numbers[k];
   for (PetscInt k = 0; k < STATS_NUMBERS; k++) stats[k] = s_numbers[k];
@@ -53,6 +54,7 @@ void CheckpointUnpack(const double clock[], const double stats[], Run *run)
   s->ppe_its_sum  = (PetscInt)stats[9];
   if (scheme->visc) *ViscosityFalls(scheme->visc) = (PetscInt)stats[10];
   if (scheme->ppe) *PressureFalls(scheme->ppe) = (PetscInt)stats[11];
+  s->force_max = stats[12];
 }
 
 /* CheckpointRecord - The names of a record's numbers, "id,x:2,u:2,p:1": a file fits a run that has the same. */

@@ -210,6 +210,8 @@ static const char *const OwnNames[] = {
     "scene_body_1_velocity",
     "scene_body_1_rotation",
     "scene_body_1_around",
+    "scene_velocity",
+    "scene_exact",
 };
 static const char *const SolverNames[] = {
     "ksp_type",

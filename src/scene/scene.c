@@ -58,14 +58,23 @@ static PetscErrorCode SceneReadPhysics(PetscOptionItems *PetscOptionsObject, Sce
 /* -body_force against the case's own, and none where the physics is left out. */
 static PetscErrorCode SceneReadForce(PetscOptionItems *PetscOptionsObject, Scene *scene)
 {
-  PetscReal force[ISPH_MAX_DIM] = {0.0}, size = 0.0;
-  PetscInt  n = scene->dim;
-  PetscBool given;
+  const char *const text = "Body force per unit mass, fx,fy[,fz]; adds to the physics; of -case "
+                           "scene an expression of x, y, t [m/s^2]";
+  PetscReal         force[ISPH_MAX_DIM] = {0.0}, size = 0.0;
+  PetscInt          n = scene->dim;
+  PetscBool         given;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsRealArray(
-      "-body_force", "Body force per unit mass, fx,fy[,fz]; adds to the physics [m/s^2]", "", force,
-      &n, &given));
+  if (scene->problem->typed) {
+    PetscCall(ExpressionRead(scene->scope, "-body_force", text, n, n,
+                             EXPRESSION_PLACE | EXPRESSION_TIME, &scene->force, &given));
+    for (PetscInt a = 0; a < n; a++) force[a] = scene->force.value[a];
+    if (!ExpressionUses(&scene->force, EXPRESSION_PLACE) &&
+        !ExpressionUses(&scene->force, EXPRESSION_TIME))
+      scene->force.n = 0; /* body holds it */
+  } else {
+    PetscCall(PetscOptionsRealArray("-body_force", text, "", force, &n, &given));
+  }
   UserCheck(!given || n == scene->dim,
             "-body_force: %" PetscInt_FMT " components are wanted, got %" PetscInt_FMT, scene->dim,
             n);
@@ -134,6 +143,20 @@ static PetscErrorCode SceneReadNumbers(PetscOptionItems *PetscOptionsObject, Sce
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What expressions may name besides pi: nu (zero without viscosity), rho, L and U; not collective. */
+static PetscErrorCode SceneNameConstants(Scene *scene)
+{
+  const PetscReal nu = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu : 0.0;
+
+  PetscFunctionBegin;
+  PetscCall(ExpressionScopeCreate(scene->dim, &scene->scope));
+  PetscCall(ExpressionScopeDefine(scene->scope, "nu", nu));
+  PetscCall(ExpressionScopeDefine(scene->scope, "rho", scene->rho));
+  PetscCall(ExpressionScopeDefine(scene->scope, "L", scene->length));
+  PetscCall(ExpressionScopeDefine(scene->scope, "U", scene->speed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   SceneCreate - Reads and checks everything the run is about
 
@@ -149,7 +172,7 @@ static PetscErrorCode SceneReadNumbers(PetscOptionItems *PetscOptionsObject, Sce
 . -length, -speed         - the case's L and U
 . -reynolds, -viscosity   - one of the two
 . -density RHO            - of the fluid
-. -body_force fx,fy,fz    - per unit mass, in place of the case's own
+. -body_force fx,fy,fz    - per unit mass, in place of the case's own; of -case scene expressions of x, y, t
 . -with, -without names   - physics against the case's declaration
 . -jitter J               - largest random displacement of the start lattice, in dx
 . -seed S                 - of the jitter and of random fields
@@ -174,10 +197,14 @@ PetscErrorCode SceneCreate(Scene **scene)
     PetscCall(
         TableSelect(&MotionTable, "-motion", "Whether particles move", "lagrangian", &s->motion));
   }
-  if (s->problem->typed) PetscCall(SceneReadTyped(PetscOptionsObject, s));
+  if (s->problem->typed) {
+    PetscCall(SceneNameConstants(s));
+    PetscCall(SceneReadTyped(PetscOptionsObject, s));
+  }
   PetscCall(s->problem->Setup(s));
   if (!s->problem->patch) PetscCall(SceneReadForce(PetscOptionsObject, s));
   PetscOptionsEnd();
+  if (s->scope && ExpressionScopeIsIdle(s->scope)) PetscCall(ExpressionScopeDestroy(&s->scope));
   for (PetscInt a = 0; a < s->dim; a++) {
     s->cells[a] = (PetscInt)PetscFloorReal((s->hi[a] - s->lo[a]) / s->dx + 0.5);
   }
@@ -188,6 +215,7 @@ PetscErrorCode SceneCreate(Scene **scene)
 PetscErrorCode SceneDestroy(Scene **scene)
 {
   PetscFunctionBegin;
+  PetscCall(ExpressionScopeDestroy(&(*scene)->scope));
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -202,10 +230,11 @@ void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pet
 {
   for (PetscInt c = 0; c < scene->dim; c++) u[c] = 0.0;
   if (side >= 2 * scene->dim) {
-    const Body *body = &scene->body_of[side - 2 * scene->dim];
+    const Body     *body = &scene->body_of[side - 2 * scene->dim];
+    const PetscReal w    = ExpressionValue(&body->rotation, 0, t, NULL);
 
-    u[0] = body->velocity[0] - body->rotation * (x[1] - body->centre[1]);
-    u[1] = body->velocity[1] + body->rotation * (x[0] - body->centre[0]);
+    u[0] = ExpressionValue(&body->velocity, 0, t, NULL) - w * (x[1] - body->centre[1]);
+    u[1] = ExpressionValue(&body->velocity, 1, t, NULL) + w * (x[0] - body->centre[0]);
     return;
   }
   if (scene->problem->WallVelocity) scene->problem->WallVelocity(scene, side, t, x, u);
@@ -214,17 +243,38 @@ void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pet
 /*
   SceneWallAcceleration - Acceleration of the wall's matter at a point of its surface [m/s^2]
 
-  Not collective. That of a body's rotation, -w^2 (x - c); the sides of the box do not turn, and what they
-  gain along themselves is none of the pressure's business.
+    a = dV/dt + dw/dt z x (x - c) - w^2 (x - c)
+
+  of a body; of a side of a typed box dV/dt along its normal: sides do not turn, and what they gain along
+  themselves is none of the pressure's business. Not collective. Derivatives are centred differences
+  (ExpressionRate()) over 2e-5 L/U.
 */
-void SceneWallAcceleration(const Scene *scene, PetscInt side, const PetscReal x[], PetscReal a[])
+void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                           PetscReal a[])
 {
+  const PetscReal tau = scene->length / scene->speed;
+
   for (PetscInt c = 0; c < scene->dim; c++) a[c] = 0.0;
   if (side >= 2 * scene->dim) {
-    const Body *body = &scene->body_of[side - 2 * scene->dim];
+    const Body     *body = &scene->body_of[side - 2 * scene->dim];
+    const PetscReal w    = ExpressionValue(&body->rotation, 0, t, NULL),
+                    spin = ExpressionRate(&body->rotation, 0, t, NULL, tau);
+    const PetscReal r[2] = {x[0] - body->centre[0], x[1] - body->centre[1]};
 
-    for (PetscInt c = 0; c < 2; c++) a[c] = -PetscSqr(body->rotation) * (x[c] - body->centre[c]);
+    for (PetscInt c = 0; c < 2; c++)
+      a[c] = ExpressionRate(&body->velocity, c, t, NULL, tau) - PetscSqr(w) * r[c];
+    a[0] -= spin * r[1];
+    a[1] += spin * r[0];
+  } else if (scene->problem->typed) {
+    a[side / 2] = ExpressionRate(&scene->side_velocity[side], side / 2, t, x, tau);
   }
+}
+
+/* SceneBodyForce - Body force per unit mass at a place and time [m/s^2]; not collective */
+void SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal f[])
+{
+  for (PetscInt a = 0; a < scene->dim; a++)
+    f[a] = scene->force.n ? ExpressionValue(&scene->force, a, t, x) : scene->body[a];
 }
 
 /*

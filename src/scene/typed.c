@@ -1,24 +1,10 @@
 /*
-  Scenes typed on the command line: the box, its sides and bodies from options, checked so that a mistake
-  is told before a particle exists.
+  Scenes typed on the command line: the box, its sides and bodies, velocities and a reference solution from
+  options, checked so that a mistake is told before a particle exists.
 */
 #include "isph/scene.h"
 #include <stdlib.h>
 #include <string.h>
-
-/* n numbers of an option, all or none. */
-static PetscErrorCode ReadNumbers(PetscOptionItems *PetscOptionsObject, const char option[],
-                                  const char text[], PetscInt n, PetscReal number[],
-                                  PetscBool *given)
-{
-  PetscInt got = n;
-
-  PetscFunctionBegin;
-  PetscCall(PetscOptionsRealArray(option, text, "", number, &got, given));
-  UserCheck(!*given || got == n, "%s: %" PetscInt_FMT " numbers are wanted, got %" PetscInt_FMT,
-            option, n, got);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* "circle,0.5,0.5,0.25": the shape's word, then its numbers. */
 static PetscErrorCode ReadShape(const char option[], const char text[], Body *body)
@@ -50,6 +36,50 @@ static PetscErrorCode ReadShape(const char option[], const char text[], Body *bo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  The body stays where it is. A velocity of its surface that has a part normal to it and lasts would carry
+  fluid through it; with t in it, it may be that of motions small against the body.
+*/
+static PetscErrorCode CheckBodyMotion(const Scene *scene, const Body *body)
+{
+  const Expression *v = &body->velocity, *w = &body->rotation;
+  const PetscBool   round = body->shape->most == 3 ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  if (!SceneHas(scene, PHYSICS_CONVECTION)) PetscFunctionReturn(PETSC_SUCCESS);
+  UserCheck(ExpressionUses(v, EXPRESSION_TIME) || (v->value[0] == 0.0 && v->value[1] == 0.0),
+            "%s: bodies stay where they are, and a steady velocity would carry fluid through the "
+            "surface; allowed are 0,0, expressions of t for motions small against the body, and "
+            "-without convection",
+            v->option);
+  UserCheck(round || ExpressionUses(w, EXPRESSION_TIME) || w->value[0] == 0.0,
+            "%s: a %s stays as it is, and a steady rotation would carry fluid through its surface; "
+            "allowed are circles, expressions of t for small motions, and -without convection",
+            w->option, body->shape->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Velocity and rotation of the surface of body k. */
+static PetscErrorCode ReadBodyMotion(PetscOptionItems *PetscOptionsObject, PetscInt k, Scene *scene,
+                                     Body *body)
+{
+  char option[64];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_body_%" PetscInt_FMT "_velocity", k));
+  PetscCall(ExpressionRead(scene->scope, option, "Velocity u,v of its surface, of t [m/s]", 2, 2,
+                           EXPRESSION_TIME, &body->velocity, NULL));
+  PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_body_%" PetscInt_FMT "_rotation", k));
+  PetscCall(ExpressionRead(scene->scope, option,
+                           "Rotation rate of its surface about its centre, of t [rad/s]", 1, 1,
+                           EXPRESSION_TIME, &body->rotation, NULL));
+  if (ExpressionUses(&body->velocity, EXPRESSION_TIME) ||
+      ExpressionUses(&body->rotation, EXPRESSION_TIME))
+    scene->unsteady_walls = PETSC_TRUE;
+  PetscCall(CheckBodyMotion(scene, body));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Bodies 1, 2, ... as far as they are given. */
 static PetscErrorCode ReadBodies(PetscOptionItems *PetscOptionsObject, Scene *scene)
 {
@@ -65,12 +95,7 @@ static PetscErrorCode ReadBodies(PetscOptionItems *PetscOptionsObject, Scene *sc
                                  text, text, sizeof(text), &given));
     if (!given) break;
     PetscCall(ReadShape(option, text, body));
-    PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_body_%" PetscInt_FMT "_velocity", k));
-    PetscCall(ReadNumbers(PetscOptionsObject, option, "Velocity of its surface [m/s]", 2,
-                          body->velocity, &given));
-    PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_body_%" PetscInt_FMT "_rotation", k));
-    PetscCall(OptionReal(option, "Rotation rate of its surface about its centre [rad/s]", -1e100,
-                         1e100, &body->rotation, NULL));
+    PetscCall(ReadBodyMotion(PetscOptionsObject, k, scene, body));
     PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_body_%" PetscInt_FMT "_around", k));
     PetscCall(
         PetscOptionsBool(option, "The fluid is inside it", "", body->around, &body->around, NULL));
@@ -109,6 +134,46 @@ static PetscErrorCode CheckGaps(const Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Velocities of the sides of the box that are walls. */
+static PetscErrorCode ReadSides(PetscOptionItems *PetscOptionsObject, Scene *scene)
+{
+  const char *const sides[4] = {"left", "right", "bottom", "top"};
+
+  PetscFunctionBegin;
+  for (PetscInt side = 0; side < 4; side++) {
+    Expression    *v      = &scene->side_velocity[side];
+    const PetscInt normal = side / 2;
+    char           option[64];
+
+    if (scene->periodic[normal]) continue;
+    PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_wall_%s_velocity", sides[side]));
+    PetscCall(ExpressionRead(scene->scope, option,
+                             "Velocity u,v of a side of the box, of x, y, t [m/s]", 2, 2,
+                             EXPRESSION_PLACE | EXPRESSION_TIME, v, NULL));
+    if (ExpressionUses(v, EXPRESSION_TIME)) scene->unsteady_walls = PETSC_TRUE;
+    UserCheck(!SceneHas(scene, PHYSICS_CONVECTION) || (!v->uses[normal] && v->value[normal] == 0.0),
+              "%s: %s is normal to that side and must be 0: with convection there is no in- or "
+              "outflow",
+              option, normal ? "v" : "u");
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The flow at the start and the one it is compared with. */
+static PetscErrorCode ReadFields(PetscOptionItems *PetscOptionsObject, Scene *scene)
+{
+  PetscFunctionBegin;
+  PetscCall(ExpressionRead(scene->scope, "-scene_velocity",
+                           "Velocity u,v at the start, of x, y; by default that of -scene_exact at "
+                           "t = 0, or rest [m/s]",
+                           2, 2, EXPRESSION_PLACE, &scene->velocity, NULL));
+  PetscCall(ExpressionRead(scene->scope, "-scene_exact",
+                           "Reference solution u,v[,p] of x, y, t: errors are reported, and the "
+                           "flow starts from it [m/s], [Pa]",
+                           2, 3, EXPRESSION_PLACE | EXPRESSION_TIME, &scene->exact, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   SceneReadTyped - The scene of -case scene
 
@@ -117,24 +182,32 @@ static PetscErrorCode CheckGaps(const Scene *scene)
   Options Database Keys:
 + -scene_box x0,y0,x1,y1           - corners [m]; by default the unit square
 . -scene_periodic x,y              - axes that are periodic
-. -scene_wall_<side>_velocity u,v  - of the sides left, right, bottom, top [m/s]
+. -scene_wall_<side>_velocity u,v  - of the sides left, right, bottom, top, of x, y, t [m/s]
 . -scene_body_<k> shape,...        - bodies 1, 2, ...
-. -scene_body_<k>_velocity u,v     - of its surface [m/s]
-. -scene_body_<k>_rotation w       - of its surface [rad/s]
-- -scene_body_<k>_around           - the fluid is inside; the box then has no walls of its own
+. -scene_body_<k>_velocity u,v     - of its surface, of t [m/s]
+. -scene_body_<k>_rotation w       - of its surface, of t [rad/s]
+. -scene_body_<k>_around           - the fluid is inside; the box then has no walls of its own
+. -scene_velocity u,v              - at the start, of x, y [m/s]
+- -scene_exact u,v[,p]             - reference solution, of x, y, t [m/s], [Pa]
 
-  Errors: what is no shape, bodies that overlap or leave gaps of less than 4 dx
+  Notes: velocities and the reference are expressions, see ExpressionSet(). A periodic box without bodies has
+  no walls, and the physics loses them.
+
+  Errors: what is no shape, bodies that overlap or leave gaps of less than 4 dx; expressions that cannot be
+  understood; velocities through a surface
 */
 PetscErrorCode SceneReadTyped(PetscOptionItems *PetscOptionsObject, Scene *scene)
 {
-  const char *const axes[2] = {"x", "y"}, *const sides[4] = {"left", "right", "bottom", "top"};
-  PetscReal box[4] = {0.0, 0.0, scene->length, scene->length};
-  unsigned  periodic;
-  PetscBool given;
+  const char *const axes[2] = {"x", "y"};
+  PetscReal         box[4]  = {0.0, 0.0, scene->length, scene->length};
+  PetscInt          n       = 4;
+  unsigned          periodic;
+  PetscBool         given;
 
   PetscFunctionBegin;
-  PetscCall(ReadNumbers(PetscOptionsObject, "-scene_box", "Corners of the box: x0,y0,x1,y1 [m]", 4,
-                        box, &given));
+  PetscCall(PetscOptionsRealArray("-scene_box", "Corners of the box: x0,y0,x1,y1 [m]", "", box, &n,
+                                  &given));
+  UserCheck(!given || n == 4, "-scene_box: 4 numbers are wanted, got %" PetscInt_FMT, n);
   PetscCall(OptionFlags("-scene_periodic", "Periodic axes", axes, 2, &periodic));
   for (PetscInt a = 0; a < 2; a++) {
     scene->lo[a]       = box[a];
@@ -144,15 +217,11 @@ PetscErrorCode SceneReadTyped(PetscOptionItems *PetscOptionsObject, Scene *scene
               "-scene_box: it is %.4g wide along %s; at least 4 dx = %.4g is allowed",
               (double)(box[2 + a] - box[a]), axes[a], (double)(4.0 * scene->dx));
   }
-  for (PetscInt side = 0; side < 4; side++) {
-    char option[64];
-
-    if (scene->periodic[side / 2]) continue;
-    PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_wall_%s_velocity", sides[side]));
-    PetscCall(ReadNumbers(PetscOptionsObject, option, "Velocity of a side of the box [m/s]", 2,
-                          scene->side_velocity[side], &given));
-  }
+  PetscCall(ReadSides(PetscOptionsObject, scene));
   PetscCall(ReadBodies(PetscOptionsObject, scene));
   PetscCall(CheckGaps(scene));
+  if (scene->periodic[0] && scene->periodic[1] && !scene->n_bodies)
+    scene->physics &= ~(unsigned)PHYSICS_WALLS;
+  PetscCall(ReadFields(PetscOptionsObject, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -78,7 +78,8 @@ static PetscReal ClockDefaultCfl(const Scene *scene)
 */
 PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
 {
-  Clock *c;
+  Clock    *c;
+  PetscReal force2 = 0.0;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&c));
@@ -110,7 +111,8 @@ PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
                        0.0, 1.0, &c->steady_tol, NULL));
   PetscCall(ClockReadReports(PetscOptionsObject, c));
   PetscOptionsEnd();
-  PetscCall(ClockChoose(scene, scene->speed, c));
+  for (PetscInt a = 0; a < scene->dim; a++) force2 += PetscSqr(scene->body[a]);
+  PetscCall(ClockChoose(scene, scene->speed, PetscSqrtReal(force2), c));
   *clock = c;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -123,17 +125,16 @@ PetscErrorCode ClockDestroy(Clock **clock)
 }
 
 /* The step that the flow asks for [s]. */
-static PetscReal ClockTarget(const Scene *scene, PetscReal speed, const Clock *clock)
+static PetscReal ClockTarget(const Scene *scene, PetscReal speed, PetscReal force,
+                             const Clock *clock)
 {
-  PetscReal force2 = 0.0, dt;
+  PetscReal dt;
 
   if (clock->dt_given > 0.0) return clock->dt_given;
   dt = clock->cfl * scene->dx /
        (clock->adapt->follows ? PetscMax(scene->speed, speed) : scene->speed);
   if (!clock->adapt->follows || !SceneHas(scene, PHYSICS_CONVECTION)) return dt;
-  for (PetscInt a = 0; a < scene->dim; a++) force2 += PetscSqr(scene->body[a]);
-  if (force2 > 0.0)
-    dt = PetscMin(dt, PetscSqrtReal(clock->cfl * scene->dx / PetscSqrtReal(force2)));
+  if (force > 0.0) dt = PetscMin(dt, PetscSqrtReal(clock->cfl * scene->dx / force));
   return dt;
 }
 
@@ -145,15 +146,16 @@ static PetscReal ClockTarget(const Scene *scene, PetscReal speed, const Clock *c
   Not collective. Steps are evened out so that the next report time and t_end are hit exactly
   without a rest that is shorter than the others.
 
-  Input Parameter:
-. speed - largest speed of the flow [m/s]
+  Input Parameters:
++ speed - largest speed of the flow [m/s]
+- force - largest body force per unit mass [m/s^2]
 */
-PetscErrorCode ClockChoose(const Scene *scene, PetscReal speed, Clock *clock)
+PetscErrorCode ClockChoose(const Scene *scene, PetscReal speed, PetscReal force, Clock *clock)
 {
   const PetscReal target =
       clock->next_report < clock->n_reports ? clock->report_time[clock->next_report] : clock->t_end;
   const PetscReal left = target - clock->t;
-  PetscReal       dt   = ClockTarget(scene, speed, clock);
+  PetscReal       dt   = ClockTarget(scene, speed, force, clock);
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < clock->cut; k++) dt *= 0.5;

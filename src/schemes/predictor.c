@@ -35,9 +35,40 @@ static PetscErrorCode AddConvection(const Scene *scene, const Clock *clock, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  AddBodyForce - force += f(x, t) on the own fluid, and the largest |f| of it
+
+  Collective. Input: t [s]; force - vectors over the fluid, NULL where only the largest is asked for. Output:
+  scheme->stats.force_max [m/s^2].
+*/
+PetscErrorCode AddBodyForce(const Scene *scene, PetscReal t, const Particles *p, Vec force[],
+                            Scheme *scheme)
+{
+  PetscScalar *g[ISPH_MAX_DIM];
+  PetscReal    most = 0.0;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim && force; a++) PetscCall(VecGetArray(force[a], &g[a]));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal x[ISPH_MAX_DIM], f[ISPH_MAX_DIM], square = 0.0;
+
+    for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
+    SceneBodyForce(scene, t, x, f);
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      if (force) g[a][i] += f[a];
+      square += PetscSqr(f[a]);
+    }
+    most = PetscMax(most, square);
+  }
+  for (PetscInt a = 0; a < scene->dim && force; a++) PetscCall(VecRestoreArray(force[a], &g[a]));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, p->comm));
+  scheme->stats.force_max = PetscSqrtReal(most);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The force on u*: -grad p^n/rho + f - convection; at = 1 or 1/2: where in the step it is taken. */
-static PetscErrorCode AssembleForce(const Scene *scene, const Clock *clock, const Operators *ops,
-                                    PetscReal at, Scheme *scheme)
+static PetscErrorCode AssembleForce(const Scene *scene, const Clock *clock, const Particles *p,
+                                    const Operators *ops, PetscReal at, Scheme *scheme)
 {
   Projection *pr = (Projection *)scheme->data;
 
@@ -49,8 +80,9 @@ static PetscErrorCode AssembleForce(const Scene *scene, const Clock *clock, cons
     } else {
       PetscCall(VecZeroEntries(pr->force[a]));
     }
-    if (SceneHas(scene, PHYSICS_BODY_FORCE)) PetscCall(VecShift(pr->force[a], scene->body[a]));
   }
+  if (SceneHas(scene, PHYSICS_BODY_FORCE))
+    PetscCall(AddBodyForce(scene, clock->t + at * clock->dt, p, pr->force, scheme));
   if (pr->has_convection) PetscCall(AddConvection(scene, clock, ops, at, scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -77,7 +109,7 @@ PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, const Par
     PetscCall(VecAXPBY(pr->star[a], -w * w / (1.0 + 2.0 * w), PetscSqr(1.0 + w) / (1.0 + 2.0 * w),
                        pr->u_prev[a]));
   }
-  PetscCall(AssembleForce(scene, clock, ops, !kind || kind->end_of_step ? 1.0 : 0.5, scheme));
+  PetscCall(AssembleForce(scene, clock, p, ops, !kind || kind->end_of_step ? 1.0 : 0.5, scheme));
   pr->k = dt;
   if (scheme->visc) {
     const PetscReal slip =

@@ -120,31 +120,48 @@ PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *p, Scheme
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  n.grad p = rho n.(f - a) at walls, a the acceleration of the wall: what share of it p^n has already, and
-  what share this step adds.
-*/
-static PetscErrorCode SetWallSlopes(const Scene *scene, const Particles *p, PetscReal had,
-                                    PetscReal adds, Operators *ops)
+/* n.grad p = rho n.(f - a) at own wall particle w, a the acceleration of the wall. */
+static PetscReal WallSlope(const Scene *scene, const Particles *p, PetscInt w, PetscReal t)
 {
-  PetscScalar *slope, *step;
+  const PetscInt i    = p->n_fluid + w;
+  PetscReal      full = 0.0, x[ISPH_MAX_DIM], acceleration[ISPH_MAX_DIM], force[ISPH_MAX_DIM];
+
+  for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i] + p->depth[i] * p->normal[a][i];
+  SceneWallAcceleration(scene, (PetscInt)p->side[i], t, x, acceleration);
+  SceneBodyForce(scene, t, x, force);
+  for (PetscInt a = 0; a < scene->dim; a++)
+    full += scene->rho * (force[a] - acceleration[a]) * p->normal[a][i];
+  return full;
+}
+
+/* Slopes that p^n has at time t, a share `had` of the full ones; a step adds nothing yet. */
+static PetscErrorCode SetWallSlopes(const Scene *scene, const Particles *p, PetscReal t,
+                                    PetscReal had, Operators *ops)
+{
+  PetscScalar *slope;
 
   PetscFunctionBegin;
   if (!ops->wall) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VecGetArray(ops->wall_slope, &slope));
-  PetscCall(VecGetArray(ops->wall_slope_step, &step));
-  for (PetscInt w = 0; w < p->n_wall; w++) {
-    const PetscInt i    = p->n_fluid + w;
-    PetscReal      full = 0.0, x[ISPH_MAX_DIM], acceleration[ISPH_MAX_DIM];
-
-    for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i] + p->depth[i] * p->normal[a][i];
-    SceneWallAcceleration(scene, (PetscInt)p->side[i], x, acceleration);
-    for (PetscInt a = 0; a < scene->dim; a++)
-      full += scene->rho * (scene->body[a] - acceleration[a]) * p->normal[a][i];
-    slope[w] = had * full;
-    step[w]  = adds * full;
-  }
+  for (PetscInt w = 0; w < p->n_wall; w++) slope[w] = had * WallSlope(scene, p, w, t);
   PetscCall(VecRestoreArray(ops->wall_slope, &slope));
+  PetscCall(VecZeroEntries(ops->wall_slope_step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What the step to time t adds to them: what the full ones are then, less what p^n has. */
+static PetscErrorCode AddWallSlopes(const Scene *scene, const Particles *p, PetscReal t,
+                                    Operators *ops)
+{
+  const PetscScalar *slope;
+  PetscScalar       *step;
+
+  PetscFunctionBegin;
+  if (!ops->wall) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecGetArrayRead(ops->wall_slope, &slope));
+  PetscCall(VecGetArray(ops->wall_slope_step, &step));
+  for (PetscInt w = 0; w < p->n_wall; w++) step[w] = WallSlope(scene, p, w, t) - slope[w];
+  PetscCall(VecRestoreArrayRead(ops->wall_slope, &slope));
   PetscCall(VecRestoreArray(ops->wall_slope_step, &step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -186,7 +203,7 @@ PetscErrorCode ProjectionBegin(const Scene *scene, const Clock *clock, Particles
   PetscCall(RebuildOperators(scene, clock, p, nb, ops, scheme));
   PetscCall(OperatorsSetWallVelocity(scene, p, clock->t, 0.0, ops));
   if (scheme->projection)
-    PetscCall(SetWallSlopes(scene, p, HasBalance(clock, scheme) ? 1.0 : 0.0, 0.0, ops));
+    PetscCall(SetWallSlopes(scene, p, clock->t, HasBalance(clock, scheme) ? 1.0 : 0.0, ops));
   if (clock->step == 0) PetscCall(MeasureBegin(scene, p, ops, scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -225,7 +242,8 @@ static PetscErrorCode TryStep(const Scene *scene, const Clock *clock, Particles 
   if (scheme->projection) {
     const PetscReal had = scheme->projection->incremental && HasBalance(clock, scheme) ? 1.0 : 0.0;
 
-    PetscCall(SetWallSlopes(scene, p, had, 1.0 - had, ops));
+    PetscCall(SetWallSlopes(scene, p, clock->t, had, ops));
+    PetscCall(AddWallSlopes(scene, p, clock->t + clock->dt, ops));
   }
   PetscCall(PetscLogEventBegin(pr->event[EVENT_VISCOSITY], 0, 0, 0, 0));
   PetscCall(PredictVelocity(scene, clock, p, ops, scheme));

@@ -56,6 +56,8 @@ PetscErrorCode ProjectionDestroy(Scheme *scheme);
 PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *particles, Scheme *scheme);
 PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, const Particles *particles,
                                Operators *ops, Scheme *scheme);
+PetscErrorCode AddBodyForce(const Scene *scene, PetscReal t, const Particles *particles,
+                            Vec force[], Scheme *scheme);
 PetscErrorCode ProjectVelocity(const Scene *scene, const Clock *clock, const Particles *particles,
                                Operators *ops, Scheme *scheme);
 PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *ops,

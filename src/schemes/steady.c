@@ -162,6 +162,7 @@ PetscErrorCode MeasureBegin(const Scene *scene, const Particles *p, const Operat
 {
   PetscFunctionBegin;
   PetscCall(MeasureFlow(scene, p, ops, ((Projection *)scheme->data)->u, scheme));
+  if (SceneHas(scene, PHYSICS_BODY_FORCE)) PetscCall(AddBodyForce(scene, 0.0, p, NULL, scheme));
   for (PetscInt k = 0; k < 3; k++) scheme->stats.change[k] = PETSC_INFINITY;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

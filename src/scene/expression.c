@@ -1,0 +1,348 @@
+/*
+  Expressions of x, y, z and t typed by the user. muParser does the parsing and the evaluation; here its
+  handles are owned, texts split into components, names given to what a scene knows, and complaints turned
+  into one line. A component that is a plain number needs no parser.
+*/
+#include "isph/expression.h"
+#include <muParserDLL.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SCOPE_CONSTANTS 8
+#define SCOPE_PARSERS   192 /* 4 sides, 16 bodies and the fields of a scene need fewer */
+#define TEXT_LENGTH     4096
+
+struct ExpressionScope {
+  PetscInt         dim;
+  PetscInt         n_constants, n_parsers;
+  char             name[SCOPE_CONSTANTS][16];
+  PetscReal        constant[SCOPE_CONSTANTS];
+  muParserHandle_t parser[SCOPE_PARSERS];
+  muFloat_t        x[ISPH_MAX_DIM], t; /* where and when: what the parsers read [m], [s] */
+  char             fault[512];         /* the first value that was not finite, or "" */
+};
+
+/*
+  ExpressionScopeCreate - Knows pi; other constants are defined before the first expression is set
+
+  Not collective. Input: dim - how many of x, y, z there are.
+*/
+PetscErrorCode ExpressionScopeCreate(PetscInt dim, ExpressionScope **scope)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscNew(scope));
+  (*scope)->dim = dim;
+  PetscCall(ExpressionScopeDefine(*scope, "pi", PETSC_PI));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ExpressionScopeDefine - Gives a number a name in all expressions set from now on; not collective */
+PetscErrorCode ExpressionScopeDefine(ExpressionScope *scope, const char name[], PetscReal value)
+{
+  PetscFunctionBegin;
+  PetscCheck(scope->n_constants < SCOPE_CONSTANTS, PETSC_COMM_SELF, PETSC_ERR_PLIB,
+             "no room for the constant %s", name);
+  PetscCall(PetscStrncpy(scope->name[scope->n_constants], name, sizeof(scope->name[0])));
+  scope->constant[scope->n_constants++] = value;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ExpressionScopeDestroy - And with it every expression that was set in it; not collective */
+PetscErrorCode ExpressionScopeDestroy(ExpressionScope **scope)
+{
+  PetscFunctionBegin;
+  if (!*scope) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < (*scope)->n_parsers; k++) mupRelease((*scope)->parser[k]);
+  PetscCall(PetscFree(*scope));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ExpressionScopeIsIdle - Whether numbers are all there is, so that the scope may go; not collective */
+PetscBool ExpressionScopeIsIdle(const ExpressionScope *scope)
+{
+  return scope->n_parsers ? PETSC_FALSE : PETSC_TRUE;
+}
+
+/*
+  ExpressionScopeCheck - Ends the run where a value was not finite, on whichever rank
+
+  Collective on PETSC_COMM_WORLD. Input: scope, NULL where there are no expressions.
+
+  Errors: names the option, the place and the time
+*/
+PetscErrorCode ExpressionScopeCheck(const ExpressionScope *scope)
+{
+  PetscMPIInt rank, first;
+  char        fault[sizeof(scope->fault)];
+
+  PetscFunctionBegin;
+  if (!scope) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  first = scope->fault[0] ? rank : PETSC_MPI_INT_MAX;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD));
+  if (first == PETSC_MPI_INT_MAX) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscStrncpy(fault, scope->fault, sizeof(fault)));
+  PetscCallMPI(MPI_Bcast(fault, sizeof(fault), MPI_CHAR, first, PETSC_COMM_WORLD));
+  UserCheck(PETSC_FALSE, "%s", fault);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A parser that knows the scope's constants and what of place and time is allowed. */
+static PetscErrorCode ParserCreate(ExpressionScope *scope, unsigned allowed,
+                                   muParserHandle_t *parser)
+{
+  static const char *const axes[ISPH_MAX_DIM] = {"x", "y", "z"};
+
+  PetscFunctionBegin;
+  PetscCheck(scope->n_parsers < SCOPE_PARSERS, PETSC_COMM_SELF, PETSC_ERR_PLIB,
+             "no room for another expression");
+  *parser = scope->parser[scope->n_parsers++] = mupCreate(muBASETYPE_FLOAT);
+  for (PetscInt k = 0; k < scope->n_constants; k++)
+    mupDefineConst(*parser, scope->name[k], scope->constant[k]);
+  for (PetscInt a = 0; a < scope->dim && (allowed & EXPRESSION_PLACE); a++)
+    mupDefineVar(*parser, axes[a], &scope->x[a]);
+  if (allowed & EXPRESSION_TIME) mupDefineVar(*parser, "t", &scope->t);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* "x, y, t, pi, nu": the names that a text may hold. */
+static PetscErrorCode AllowedNames(const ExpressionScope *scope, unsigned allowed, char names[],
+                                   size_t length)
+{
+  static const char *const places[] = {"", "x, ", "x, y, ", "x, y, z, "};
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(names, allowed & EXPRESSION_PLACE ? places[scope->dim] : "", length));
+  if (allowed & EXPRESSION_TIME) PetscCall(PetscStrlcat(names, "t, ", length));
+  for (PetscInt k = 0; k < scope->n_constants; k++) {
+    if (k) PetscCall(PetscStrlcat(names, ", ", length));
+    PetscCall(PetscStrlcat(names, scope->name[k], length));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether a text gives a variable a value, "x = 3", which muParser would do. */
+static PetscBool Assigns(const char text[])
+{
+  for (const char *s = strchr(text, '='); s; s = strchr(s, '=')) {
+    const PetscBool compares =
+        s[1] == '=' || (s > text && strchr("<>!", s[-1])) ? PETSC_TRUE : PETSC_FALSE;
+
+    if (!compares) return PETSC_TRUE;
+    s += s[1] == '=' ? 2 : 1;
+  }
+  return PETSC_FALSE;
+}
+
+/* What a parsed component depends on. */
+static unsigned ParserUses(const ExpressionScope *scope, muParserHandle_t parser)
+{
+  const int count = mupGetExprVarNum(parser);
+  unsigned  uses  = 0;
+
+  for (int k = 0; k < count; k++) {
+    const muChar_t *name;
+    muFloat_t      *variable;
+
+    mupGetExprVar(parser, (unsigned)k, &name, &variable);
+    uses |= variable == &scope->t ? EXPRESSION_TIME : EXPRESSION_PLACE;
+  }
+  return uses;
+}
+
+/* The text that a parser was given; muParser keeps it with a space at its end. */
+static const char *ParserText(muParserHandle_t parser, int *length)
+{
+  const char *text = mupGetExpr(parser);
+
+  *length = (int)strlen(text);
+  while (*length && text[*length - 1] == ' ') --*length;
+  return text;
+}
+
+/* muParser's complaint, without its full stop. */
+static PetscErrorCode ParserComplaint(muParserHandle_t parser, char text[], size_t size)
+{
+  size_t length;
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(text, mupGetErrorMsg(parser), size));
+  PetscCall(PetscStrlen(text, &length));
+  if (length && text[length - 1] == '.') text[length - 1] = '\0';
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One component of a text: a number, or a parser that has understood it. */
+static PetscErrorCode SetComponent(ExpressionScope *scope, const char text[], unsigned allowed,
+                                   Expression *e)
+{
+  const PetscInt   c = e->n;
+  char            *end, names[256], complaint[256];
+  muParserHandle_t parser;
+
+  PetscFunctionBegin;
+  e->value[c] = strtod(text, &end);
+  while (end != text && *end == ' ') end++;
+  if (end == text || *end) {
+    PetscCall(AllowedNames(scope, allowed, names, sizeof(names)));
+    UserCheck(!Assigns(text), "%s '%s': = gives a value to nothing here; == compares", e->option,
+              text);
+    PetscCall(ParserCreate(scope, allowed, &parser));
+    mupSetExpr(parser, text);
+    e->value[c] = mupEval(parser);
+    PetscCall(ParserComplaint(parser, complaint, sizeof(complaint)));
+    UserCheck(!mupError(parser), "%s '%s': %s; names are %s, and functions as sin, exp, min",
+              e->option, text, complaint, names);
+    e->uses[c] = ParserUses(scope, parser);
+    if (e->uses[c]) {
+      e->parser[c] = parser;
+      e->scope     = scope;
+    } else {
+      mupRelease(scope->parser[--scope->n_parsers]);
+    }
+  }
+  UserCheck(e->uses[c] || !PetscIsInfOrNanReal(e->value[c]), "%s '%s': is not finite", e->option,
+            text);
+  e->n++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Ends the component that begins at text, at a comma outside brackets; returns the next, or NULL. */
+static char *SplitComponent(char text[])
+{
+  PetscInt depth = 0;
+
+  for (char *s = text; *s; s++) {
+    if (*s == '(') depth++;
+    if (*s == ')') depth--;
+    if (*s != ',' || depth > 0) continue;
+    *s = '\0';
+    return s + 1;
+  }
+  return NULL;
+}
+
+/*
+  ExpressionSet - Makes the components of a text, "sin(pi*y), 0"
+
+  Collective on PETSC_COMM_WORLD.
+
+  Input Parameters:
++ option       - whose text it is, for messages
+. fewest, most - components that are wanted
+- allowed      - bits of ExpressionUse
+
+  Output Parameter:
+. e - lives as long as the scope
+
+  Errors: a text that cannot be understood, holds unknown names, or has more or fewer components
+*/
+PetscErrorCode ExpressionSet(ExpressionScope *scope, const char option[], const char text[],
+                             PetscInt fewest, PetscInt most, unsigned allowed, Expression *e)
+{
+  char     parts[TEXT_LENGTH], *next = parts;
+  PetscInt n = 0;
+
+  PetscFunctionBegin;
+  *e = (Expression){.n = 0};
+  PetscCall(PetscStrncpy(e->option, option, sizeof(e->option)));
+  PetscCall(PetscStrncpy(parts, text, sizeof(parts)));
+  for (char *s = parts; s; s = SplitComponent(s)) n++;
+  UserCheck(n >= fewest && n <= most,
+            "%s %s: %" PetscInt_FMT "%s components are wanted, got %" PetscInt_FMT, option, text,
+            fewest, fewest < most ? " or more" : "", n);
+  PetscCall(PetscStrncpy(parts, text, sizeof(parts)));
+  while (next) {
+    char *part = next;
+
+    next = SplitComponent(part);
+    while (*part == ' ') part++;
+    PetscCall(SetComponent(scope, part, allowed, e));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ExpressionRead - ExpressionSet() with the text of an option, where it is given
+
+  Collective. Between PetscOptionsBegin() and PetscOptionsEnd(). Output: e, as it was where the option is not
+  given; set - whether it is, may be NULL.
+*/
+PetscErrorCode ExpressionRead_Private(PetscOptionItems *PetscOptionsObject, ExpressionScope *scope,
+                                      const char option[], const char text[], PetscInt fewest,
+                                      PetscInt most, unsigned allowed, Expression *e,
+                                      PetscBool *set)
+{
+  char      typed[TEXT_LENGTH] = "";
+  PetscBool given;
+  size_t    length;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsString(option, text, "", "", typed, sizeof(typed), &given));
+  PetscCall(PetscStrlen(typed, &length));
+  UserCheck(!given || length,
+            "%s: an expression is wanted; one that begins with - and a letter goes in brackets",
+            option);
+  UserCheck(length < sizeof(typed) - 1, "%s: fewer than %d letters are allowed", option,
+            TEXT_LENGTH - 1);
+  if (given) PetscCall(ExpressionSet(scope, option, typed, fewest, most, allowed, e));
+  if (set) *set = given;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ExpressionNumber - The expression of one component that is a number; not collective */
+Expression ExpressionNumber(PetscReal value)
+{
+  return (Expression){.n = 1, .value = {value}};
+}
+
+/* ExpressionUses - Whether any component depends on place, or on time; not collective */
+PetscBool ExpressionUses(const Expression *e, ExpressionUse what)
+{
+  for (PetscInt c = 0; c < e->n; c++) {
+    if (e->uses[c] & (unsigned)what) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/*
+  ExpressionValue - Component c at a place and time; zero where nothing was given
+
+  Not collective. x may be NULL for what depends on time only. A value that is not finite counts as zero and
+  is kept in mind for ExpressionScopeCheck().
+*/
+PetscReal ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[])
+{
+  ExpressionScope *scope = e->scope;
+  PetscReal        value;
+
+  if (!e->parser[c]) return e->value[c];
+  for (PetscInt a = 0; a < scope->dim && x; a++) scope->x[a] = x[a];
+  scope->t = t;
+  value    = mupEval(e->parser[c]);
+  if (!PetscIsInfOrNanReal(value)) return value;
+  if (!scope->fault[0]) {
+    int         length;
+    const char *text = ParserText(e->parser[c], &length);
+
+    (void)snprintf(scope->fault, sizeof(scope->fault),
+                   "%s '%.*s': is not finite at x = %.6g, y = %.6g, t = %.6g", e->option,
+                   PetscMin(length, 300), text, scope->x[0], scope->x[1], (double)t);
+  }
+  return 0.0;
+}
+
+/*
+  ExpressionRate - Time derivative of component c, [f(t + 1e-5 tau) - f(t - 1e-5 tau)]/(2e-5 tau)
+
+  Not collective. Input: tau - of the order of the time in which it changes [s]. A frequency w leaves a relative
+  error of (1e-5 w tau)^2/6. Times before zero are not asked for.
+*/
+PetscReal ExpressionRate(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[],
+                         PetscReal tau)
+{
+  const PetscReal before = PetscMax(t - 1e-5 * tau, 0.0), after = t + 1e-5 * tau;
+
+  if (!(e->uses[c] & EXPRESSION_TIME)) return 0.0;
+  return (ExpressionValue(e, c, after, x) - ExpressionValue(e, c, before, x)) / (after - before);
+}
