@@ -160,7 +160,7 @@ static const char *ParserText(muParserHandle_t parser, int *length)
   return text;
 }
 
-/* muParser's complaint, without its full stop. */
+/* muParser's complaint without its full stop, and with the place in the text, counted from 0. */
 static PetscErrorCode ParserComplaint(muParserHandle_t parser, char text[], size_t size)
 {
   size_t length;
@@ -168,7 +168,9 @@ static PetscErrorCode ParserComplaint(muParserHandle_t parser, char text[], size
   PetscFunctionBegin;
   PetscCall(PetscStrncpy(text, mupGetErrorMsg(parser), size));
   PetscCall(PetscStrlen(text, &length));
-  if (length && text[length - 1] == '.') text[length - 1] = '\0';
+  if (length && text[length - 1] == '.') text[--length] = '\0';
+  if (!strstr(text, "position") && mupGetErrorPos(parser) >= 0)
+    (void)snprintf(text + length, size - length, " at position %d", mupGetErrorPos(parser));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -240,7 +242,7 @@ static char *SplitComponent(char text[])
 PetscErrorCode ExpressionSet(ExpressionScope *scope, const char option[], const char text[],
                              PetscInt fewest, PetscInt most, unsigned allowed, Expression *e)
 {
-  char     parts[TEXT_LENGTH], *next = parts;
+  char     parts[TEXT_LENGTH], *next = parts, wanted[32];
   PetscInt n = 0;
 
   PetscFunctionBegin;
@@ -248,9 +250,11 @@ PetscErrorCode ExpressionSet(ExpressionScope *scope, const char option[], const 
   PetscCall(PetscStrncpy(e->option, option, sizeof(e->option)));
   PetscCall(PetscStrncpy(parts, text, sizeof(parts)));
   for (char *s = parts; s; s = SplitComponent(s)) n++;
-  UserCheck(n >= fewest && n <= most,
-            "%s %s: %" PetscInt_FMT "%s components are wanted, got %" PetscInt_FMT, option, text,
-            fewest, fewest < most ? " or more" : "", n);
+  PetscCall(PetscSNPrintf(wanted, sizeof(wanted),
+                          fewest < most ? "%" PetscInt_FMT " to %" PetscInt_FMT : "%" PetscInt_FMT,
+                          fewest, most));
+  UserCheck(n >= fewest && n <= most, "%s %s: %s components are wanted, got %" PetscInt_FMT, option,
+            text, wanted, n);
   PetscCall(PetscStrncpy(parts, text, sizeof(parts)));
   while (next) {
     char *part = next;

@@ -1,0 +1,209 @@
+/*
+  Expressions: values against C's own arithmetic, what they depend on, rates against derivatives, and texts
+  that cannot be understood refused with the option and the place in the text.
+*/
+/* RANKS: 1 2 */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <string.h>
+#include <cmocka.h>
+#include "isph/expression.h"
+
+#define ANYWHERE (EXPRESSION_PLACE | EXPRESSION_TIME)
+
+/* Keeps the message of an error instead of printing it. */
+static PetscErrorCode ErrorHandler_Keep(MPI_Comm comm, int line, const char *function,
+                                        const char *file, PetscErrorCode code, PetscErrorType type,
+                                        const char *message, void *kept)
+{
+  if (type == PETSC_ERROR_INITIAL) (void)PetscStrncpy((char *)kept, message, 512);
+  return code;
+}
+
+/* A scope of `dim` dimensions that knows nu = 0.25. */
+static ExpressionScope *Scope(PetscInt dim)
+{
+  ExpressionScope *scope = NULL;
+
+  assert_int_equal(ExpressionScopeCreate(dim, &scope), PETSC_SUCCESS);
+  assert_int_equal(ExpressionScopeDefine(scope, "nu", 0.25), PETSC_SUCCESS);
+  return scope;
+}
+
+static void test_values(void **state)
+{
+  const PetscReal  x[] = {0.3, -0.7, 1.1}, t = 2.0;
+  ExpressionScope *scope = Scope(3);
+  const struct {
+    const char *text;
+    PetscReal   value;
+    unsigned    uses;
+  } samples[] = {
+      {"-1.5e-3", -1.5e-3, 0},
+      {" 0.1 ", 0.1, 0},
+      {"2*pi*nu", 0.5 * PETSC_PI, 0},
+      {"x+2*y-z/2", 0.3 - 1.4 - 0.55, EXPRESSION_PLACE},
+      {"sin(2*pi*t)+t^2", 4.0, EXPRESSION_TIME},
+      {"min(x, y) * max(t, 1)", -1.4, ANYWHERE},
+      {"x > 0 && t <= 2 ? exp(-x) : 7", 0.74081822068171788, ANYWHERE},
+      {"log(t)", 0.69314718055994531, EXPRESSION_TIME}, /* natural */
+      {"-x^2", -0.09, EXPRESSION_PLACE},
+      {"(-y)", 0.7, EXPRESSION_PLACE},
+  };
+
+  (void)state;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(samples); k++) {
+    const PetscReal wanted = samples[k].value;
+    Expression      e;
+    PetscReal       value;
+
+    assert_int_equal(ExpressionSet(scope, "-t", samples[k].text, 1, 1, ANYWHERE, &e),
+                     PETSC_SUCCESS);
+    value = ExpressionValue(&e, 0, t, x);
+    if (!(PetscAbsReal(value - wanted) <= 4e-15 * PetscAbsReal(wanted)))
+      fail_msg("%s is %.17g, not %.17g", samples[k].text, value, wanted);
+    assert_int_equal(e.uses[0], samples[k].uses);
+    assert_true((e.parser[0] == NULL) == (samples[k].uses == 0)); /* numbers need no parser */
+  }
+  assert_int_equal(ExpressionScopeCheck(scope), PETSC_SUCCESS);
+  assert_false(ExpressionScopeIsIdle(scope));
+  assert_int_equal(ExpressionScopeDestroy(&scope), PETSC_SUCCESS);
+}
+
+/* Numbers arrive with all their bits and leave nothing behind. */
+static void test_numbers(void **state)
+{
+  ExpressionScope *scope = Scope(2);
+  Expression       e;
+  const Expression none = {.n = 0}, one = ExpressionNumber(0.1);
+
+  (void)state;
+  assert_int_equal(ExpressionSet(scope, "-t", "0.1,-3,1e-300", 2, 3, ANYWHERE, &e), PETSC_SUCCESS);
+  assert_int_equal(e.n, 3);
+  assert_true(e.value[0] == 0.1 && e.value[1] == -3.0 && e.value[2] == 1e-300);
+  assert_true(ExpressionValue(&e, 1, 5.0, NULL) == -3.0);
+  assert_true(ExpressionRate(&e, 1, 5.0, NULL, 1.0) == 0.0);
+  assert_true(ExpressionValue(&none, 0, 5.0, NULL) == 0.0);
+  assert_true(ExpressionValue(&one, 0, 5.0, NULL) == 0.1);
+  assert_true(ExpressionScopeIsIdle(scope));
+  assert_int_equal(ExpressionScopeDestroy(&scope), PETSC_SUCCESS);
+}
+
+/* Components are split at commas outside brackets; each has its own uses. */
+static void test_components(void **state)
+{
+  const PetscReal  x[]   = {0.25, 0.5};
+  ExpressionScope *scope = Scope(2);
+  Expression       e;
+
+  (void)state;
+  assert_int_equal(ExpressionSet(scope, "-t", "max(x,(y)), 3, t*min(1,2)", 2, 3, ANYWHERE, &e),
+                   PETSC_SUCCESS);
+  assert_int_equal(e.n, 3);
+  assert_true(ExpressionValue(&e, 0, 2.0, x) == 0.5);
+  assert_true(ExpressionValue(&e, 1, 2.0, x) == 3.0);
+  assert_true(ExpressionValue(&e, 2, 2.0, x) == 2.0);
+  assert_int_equal(e.uses[0], EXPRESSION_PLACE);
+  assert_int_equal(e.uses[1], 0);
+  assert_int_equal(e.uses[2], EXPRESSION_TIME);
+  assert_true(ExpressionUses(&e, EXPRESSION_TIME) && ExpressionUses(&e, EXPRESSION_PLACE));
+  assert_int_equal(ExpressionScopeDestroy(&scope), PETSC_SUCCESS);
+}
+
+/* d/dt sin(3t) to (1e-5 w tau)^2/6 of it, 4.5e-10, and rounding over 1e-5 tau, 2e-11; times before zero are not asked for. */
+static void test_rate(void **state)
+{
+  ExpressionScope *scope = Scope(2);
+  Expression       e;
+
+  (void)state;
+  assert_int_equal(ExpressionSet(scope, "-t", "sin(3*t),sqrt(t)*t", 2, 2, EXPRESSION_TIME, &e),
+                   PETSC_SUCCESS);
+  for (PetscInt k = 1; k < 20; k++) {
+    const PetscReal t = 0.1 * k;
+
+    assert_true(PetscAbsReal(ExpressionRate(&e, 0, t, NULL, 1.0) - 3.0 * PetscCosReal(3.0 * t)) <
+                4.8e-10);
+  }
+  assert_true(PetscAbsReal(ExpressionRate(&e, 1, 0.0, NULL, 1.0)) < 1e-2);
+  assert_int_equal(ExpressionScopeCheck(scope), PETSC_SUCCESS);
+  assert_int_equal(ExpressionScopeDestroy(&scope), PETSC_SUCCESS);
+}
+
+static void test_refused(void **state)
+{
+  static const struct {
+    const char *text, *says;
+  } wrong[] = {
+      {"sin(2*x", "position"},
+      {"x+foo", "\"foo\" found at position 2"},
+      {"z", "names are x, y, t, pi, nu"},
+      {"x=3", "= gives a value"},
+      {"y+(t=2)", "= gives a value"},
+      {"2pi", "position 1"},
+      {"1,2", "got 2"},
+      {"", "empty"},
+      {"(1,2)", "(1,2)"},
+      {"1/0", "not finite"},
+      {"inf", "not finite"},
+      {"sin(1,2)", "sin(1,2)"},
+      {"\"a\"", "\"a\""},
+  };
+  char             message[512];
+  ExpressionScope *scope = Scope(2);
+  Expression       e;
+
+  (void)state;
+  assert_int_equal(PetscPushErrorHandler(ErrorHandler_Keep, message), PETSC_SUCCESS);
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(wrong); k++) {
+    message[0] = '\0';
+    if (ExpressionSet(scope, "-t_text", wrong[k].text, 1, 1, ANYWHERE, &e) != PETSC_ERR_USER_INPUT)
+      fail_msg("'%s' was taken", wrong[k].text);
+    assert_non_null(strstr(message, "-t_text"));
+    if (!strstr(message, wrong[k].says)) fail_msg("'%s': %s", wrong[k].text, message);
+  }
+  assert_int_equal(ExpressionSet(scope, "-t_text", "t", 1, 1, EXPRESSION_PLACE, &e),
+                   PETSC_ERR_USER_INPUT);
+  assert_int_equal(PetscPopErrorHandler(), PETSC_SUCCESS);
+  assert_int_equal(ExpressionScopeDestroy(&scope), PETSC_SUCCESS);
+}
+
+/* A value that is not finite on one rank ends the run on all, with the option, the place and the time. */
+static void test_not_finite(void **state)
+{
+  const PetscReal  x[]          = {0.5, 0.25};
+  char             message[512] = "";
+  ExpressionScope *scope        = Scope(2);
+  Expression       e;
+  PetscMPIInt      rank, size;
+
+  (void)state;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  MPI_Comm_size(PETSC_COMM_WORLD, &size);
+  assert_int_equal(ExpressionSet(scope, "-t_text", "1/(x-t)", 1, 1, ANYWHERE, &e), PETSC_SUCCESS);
+  assert_true(ExpressionValue(&e, 0, 0.25, x) == 4.0);
+  assert_int_equal(ExpressionScopeCheck(scope), PETSC_SUCCESS);
+  if (rank == size - 1) assert_true(ExpressionValue(&e, 0, 0.5, x) == 0.0);
+  assert_int_equal(PetscPushErrorHandler(ErrorHandler_Keep, message), PETSC_SUCCESS);
+  assert_int_equal(ExpressionScopeCheck(scope), PETSC_ERR_USER_INPUT);
+  assert_int_equal(PetscPopErrorHandler(), PETSC_SUCCESS);
+  assert_string_equal(message, "-t_text '1/(x-t)': is not finite at x = 0.5, y = 0.25, t = 0.5");
+  assert_int_equal(ExpressionScopeCheck(NULL), PETSC_SUCCESS);
+  assert_int_equal(ExpressionScopeDestroy(&scope), PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_values),     cmocka_unit_test(test_numbers),
+      cmocka_unit_test(test_components), cmocka_unit_test(test_rate),
+      cmocka_unit_test(test_refused),    cmocka_unit_test(test_not_finite),
+  };
+  int failed;
+
+  if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;
+  failed = cmocka_run_group_tests(tests, NULL, NULL);
+  MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
+  return PetscFinalize() || failed ? 1 : 0;
+}
