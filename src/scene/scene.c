@@ -245,9 +245,9 @@ void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pet
 
     a = dV/dt + dw/dt z x (x - c) - w^2 (x - c)
 
-  of a body; of a side of a typed box dV/dt along its normal: sides do not turn, and what they gain along
-  themselves is none of the pressure's business. Not collective. Derivatives are centred differences
-  (ExpressionRate()) over 2e-5 L/U.
+  of a body, the last term only where the fluid has u.grad u to go with it; of a side of a typed box dV/dt
+  along its normal: sides do not turn, and what they gain along themselves is none of the pressure's business.
+  Not collective. Derivatives are centred differences (ExpressionRate()) over 2e-5 L/U.
 */
 void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                            PetscReal a[])
@@ -257,7 +257,9 @@ void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const
   for (PetscInt c = 0; c < scene->dim; c++) a[c] = 0.0;
   if (side >= 2 * scene->dim) {
     const Body     *body = &scene->body_of[side - 2 * scene->dim];
-    const PetscReal w    = ExpressionValue(&body->rotation, 0, t, NULL),
+    const PetscReal w    = SceneHas(scene, PHYSICS_CONVECTION)
+                               ? ExpressionValue(&body->rotation, 0, t, NULL)
+                               : 0.0,
                     spin = ExpressionRate(&body->rotation, 0, t, NULL, tau);
     const PetscReal r[2] = {x[0] - body->centre[0], x[1] - body->centre[1]};
 
