@@ -1,7 +1,6 @@
 /*
-  Expressions of x, y, z and t typed by the user. muParser does the parsing and the evaluation; here its
-  handles are owned, texts split into components, names given to what a scene knows, and complaints turned
-  into one line. A component that is a plain number needs no parser.
+  Expressions of x, y, z and t typed by the user. muParser parses and evaluates; here its handles are owned,
+  texts split into components, and complaints turned into one line. A plain number needs no parser.
 */
 #include "isph/expression.h"
 #include <muParserDLL.h>
@@ -197,6 +196,7 @@ static PetscErrorCode SetComponent(ExpressionScope *scope, const char text[], un
               e->option, text, complaint, names);
     e->uses[c] = ParserUses(scope, parser);
     if (e->uses[c]) {
+      e->value[c]  = 0.0;
       e->parser[c] = parser;
       e->scope     = scope;
     } else {
