@@ -1,8 +1,11 @@
 """What the studies share: runs of isph, each made once and kept in a CSV file, one row a run."""
 import csv
 import os
+import resource
+import shlex
 import subprocess
 import tempfile
+import time
 
 FORMS = ["morris", "gotoh", "schwaiger", "corrected", "direct_scalar", "fatehi_manzari", "lsph", "mls",
          "mls3"]
@@ -11,8 +14,15 @@ COLOURS = dict(zip(FORMS, ["#000000", "#E69F00", "#56B4E9", "#009E73", "#999999"
 MARKERS = dict(zip(FORMS, "osd^xPvD*"))
 
 
+def cpu_seconds():
+    """CPU time of the processes that have been run and waited for."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 class Runs:
-    """Quantities of runs by their arguments; a run that failed has the sentence in `failed`."""
+    """Quantities of runs by their arguments, at the end of the run; those of -report_times before it as name@time. A
+    run that failed has the sentence in `failed`."""
 
     def __init__(self, path, isph):
         self.path, self.isph, self.rows, self.unsaved = path, isph, {}, 0
@@ -26,9 +36,10 @@ class Runs:
         """The quantities of a run as numbers; it is made unless the file has it."""
         if arguments not in self.rows:
             print(arguments, flush=True)
+            start = time.monotonic()
             self.rows[arguments] = self.make(arguments)
             self.unsaved += 1
-            if self.unsaved >= 20:
+            if self.unsaved >= 20 or time.monotonic() - start > 5.0:
                 self.save()
         return {k: float(v) if k not in ("run", "failed") else v
                 for k, v in self.rows[arguments].items()}
@@ -36,17 +47,20 @@ class Runs:
     def make(self, arguments):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "run.csv")
-            done = subprocess.run([self.isph, *arguments.split(), "-report", path],
+            before = cpu_seconds()
+            done = subprocess.run([self.isph, *shlex.split(arguments), "-report", path],
                                   capture_output=True, text=True, check=False)
-            row = {"run": arguments}
+            row = {"run": arguments, "cpu_s": f"{cpu_seconds() - before:.4g}"}
             if done.returncode:
                 sentence = [line for line in done.stderr.splitlines() if line.startswith("isph: ")]
                 row["failed"] = sentence[0][6:] if sentence else f"status {done.returncode}"
                 return row
             with open(path, newline="") as file:
-                for line in csv.DictReader(file):
-                    row[line["quantity"]] = line["value"]
-                    row["wall_s"], row["particles"] = line["wall_s"], line["particles"]
+                lines = list(csv.DictReader(file))
+            for line in lines:
+                early = line["t"] != lines[-1]["t"]
+                row[line["quantity"] + (f"@{line['t']}" if early else "")] = line["value"]
+            row.update({name: lines[-1][name] for name in ("wall_s", "particles", "steps")})
             return row
 
     def save(self):
