@@ -14,6 +14,8 @@ MARKERS = dict(zip(FORMS, "osd^xPvD*"))
 class Runs:
     """Quantities of runs by their arguments; a run that failed has the sentence in `failed`."""
 
+    every = 20  # runs between two savings of the file
+
     def __init__(self, path, isph):
         self.path, self.isph, self.rows, self.unsaved = path, isph, {}, 0
         os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
@@ -28,7 +30,7 @@ class Runs:
             print(arguments, flush=True)
             self.rows[arguments] = self.make(arguments)
             self.unsaved += 1
-            if self.unsaved >= 20:
+            if self.unsaved >= self.every:
                 self.save()
         return {k: float(v) if k not in ("run", "failed") else v
                 for k, v in self.rows[arguments].items()}
@@ -59,6 +61,16 @@ class Runs:
             writer.writerows(self.rows.values())
         os.replace(self.path + ".new", self.path)
         self.unsaved = 0
+
+
+def front(points):
+    """Those that no other beats in both time and error, by time; points begin with both."""
+    best, kept = float("inf"), []
+    for point in sorted(points, key=lambda point: point[:2]):
+        if point[1] < best:
+            best = point[1]
+            kept.append(point)
+    return kept
 
 
 def table(head, rows):
