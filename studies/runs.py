@@ -1,7 +1,9 @@
 """What the studies share: runs of isph, each made once and kept in a CSV file, one row a run."""
 import csv
+import importlib.util
 import os
 import subprocess
+import sys
 import tempfile
 
 FORMS = ["morris", "gotoh", "schwaiger", "corrected", "direct_scalar", "fatehi_manzari", "lsph", "mls",
@@ -61,6 +63,14 @@ class Runs:
             writer.writerows(self.rows.values())
         os.replace(self.path + ".new", self.path)
         self.unsaved = 0
+
+
+def need(*modules):
+    """Ends the program with one line where a module is missing."""
+    missing = [name for name in modules if importlib.util.find_spec(name) is None]
+    if missing:
+        sys.exit(f"{os.path.basename(sys.argv[0])}: {sys.executable} has no {', '.join(missing)}: install Debian's "
+                 f"{', '.join('python3-' + name for name in missing)} and use /usr/bin/python3")
 
 
 def front(points):
