@@ -1,9 +1,11 @@
 """What the studies share: runs of isph, each made once and kept in a CSV file, one row a run."""
 import csv
+import importlib.util
 import os
 import resource
 import shlex
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -73,6 +75,24 @@ class Runs:
             writer.writerows(self.rows.values())
         os.replace(self.path + ".new", self.path)
         self.unsaved = 0
+
+
+def need(*modules):
+    """Ends the program with one line where a module is missing."""
+    missing = [name for name in modules if importlib.util.find_spec(name) is None]
+    if missing:
+        sys.exit(f"{os.path.basename(sys.argv[0])}: {sys.executable} has no {', '.join(missing)}: install Debian's "
+                 f"{', '.join('python3-' + name for name in missing)} and use /usr/bin/python3")
+
+
+def front(points):
+    """Those that no other beats in both time and error, by time; points begin with both."""
+    best, kept = float("inf"), []
+    for point in sorted(points, key=lambda point: point[:2]):
+        if point[1] < best:
+            best = point[1]
+            kept.append(point)
+    return kept
 
 
 def table(head, rows):

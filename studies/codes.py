@@ -1,0 +1,129 @@
+"""The codes that are compared: how each runs a flow on one core and is timed and judged.
+
+A run is a line of words, the first of which names the code; what is known of it is a dict of numbers, or of the one
+sentence `failed`. wall_s and cpu_s are of the whole program and its children, but of PySPH's time loop only.
+"""
+import csv
+import json
+import os
+import subprocess
+import sys
+import time
+
+import centreline
+import icofoam
+import numpy as np
+
+STUDIES = os.path.dirname(os.path.realpath(__file__))
+
+
+def timed(command, folder):
+    """Runs a command on one core; what it said, its end, and what it took with all its children."""
+    path = os.path.join(folder, "log")
+    environment = {**icofoam.environment(), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    with open(path, "w") as log:
+        start = time.perf_counter()
+        child = subprocess.Popen(command, cwd=folder, env=environment, stdout=log, stderr=subprocess.STDOUT)
+        _, status, used = os.wait4(child.pid, 0)
+        wall = time.perf_counter() - start
+    child.returncode = os.waitstatus_to_exitcode(status)
+    with open(path, errors="replace") as log:
+        said = log.read()
+    return said, child.returncode, {"wall_s": wall, "cpu_s": used.ru_utime + used.ru_stime}
+
+
+def end_of(said, status):
+    """The reason of a run that failed, in one line."""
+    lines = [line.strip() for line in said.splitlines() if line.strip()]
+    told = [line[6:] for line in lines if line.startswith("isph: ")]
+    return {"failed": (told or lines[-1:] or [f"status {status}"])[0][:200]}
+
+
+def option(words, name, kind=float):
+    return kind(words[words.index(name) + 1])
+
+
+def run_isph(flow, words, folder, isph):
+    said, status, cost = timed([isph, *words, "-progress", "none", "-report", "run.csv"], folder)
+    if status:
+        return end_of(said, status)
+    with open(os.path.join(folder, "run.csv"), newline="") as file:
+        lines = list(csv.DictReader(file))
+    row = {**cost, "steps": lines[-1]["steps"], "dt": flow.t_end / float(lines[-1]["steps"])}
+    found = {line["quantity"]: float(line["value"]) for line in lines}
+    if flow.reference:
+        found.update(centreline.extrema_errors(found, flow.reference))
+    keep = {*flow.quantities, *centreline.EXTREMA, "u_profile_l2", "v_profile_l2",
+            *(f"{name}_error" for name in centreline.EXTREMA)}
+    return {**row, **{name: value for name, value in found.items() if name in keep}}
+
+
+def run_icofoam(flow, words, folder, isph):
+    n, t_end = option(words, "-n", int), option(words, "-t_end")
+    dt, steps = icofoam.write_case(folder, option(words, "-reynolds"), n, t_end, option(words, "-courant"))
+    for command in (icofoam.MESH, icofoam.SOLVE):
+        said, status, cost = timed(command, folder)
+        if status:
+            return end_of(said, status)
+    u, v = icofoam.read_velocity(folder, n, t_end)
+    if not np.isfinite(u).all():
+        return {"failed": "the velocity is no number"}
+    return {**cost, "steps": steps, "dt": dt, **centreline.judge(centreline.of_cells(u, v), flow.reference)}
+
+
+def run_pysph(flow, words, folder, isph):
+    said, status, _ = timed([pysph_python(), os.path.join(STUDIES, "pysph_run.py"), folder, *words], folder)
+    if status:
+        return end_of(said, status)
+    with open(os.path.join(folder, "run.json")) as file:
+        row = json.load(file)
+    outputs = np.load(os.path.join(folder, "run.npz"))
+    if not all(np.isfinite(outputs[name]).all() for name in "xyuv"):
+        return {"failed": "the velocity is no number"}
+    if flow.reference:
+        return {**row, **judge_outputs(flow, outputs, 1 / option(words, "--nx"))}
+    decay = np.exp(-8 * np.pi**2 * row["t"] / option(words, "--re"))
+    x, y, u, v = (outputs[name][-1] for name in "xyuv")
+    u_exact = -decay * np.cos(2 * np.pi * x) * np.sin(2 * np.pi * y)
+    v_exact = decay * np.sin(2 * np.pi * x) * np.cos(2 * np.pi * y)
+    square = np.sum((u - u_exact)**2 + (v - v_exact)**2) / np.sum(u_exact**2 + v_exact**2)
+    return {**row, "velocity_l2": np.sqrt(square)}
+
+
+def judge_outputs(flow, outputs, dx):
+    """Quantities of the last output or of the mean of the last ones, as the example draws: the better."""
+    lines = [centreline.of_particles(*(outputs[name][k] for name in "xyuv"), dx) for k in range(len(outputs["x"]))]
+    samples = {}
+
+    def mean(component, s):
+        return np.mean([line(component, s) for line in lines], axis=0)
+
+    for averaged, line in ((1, lines[-1]), (len(lines), mean)):
+        samples[averaged] = {**centreline.judge(line, flow.reference), "averaged": averaged}
+    return min(samples.values(), key=lambda found: max(found[name] for name in flow.quantities))
+
+
+def pysph_python():
+    """An interpreter that has PySPH, or None; the first python3 of the PATH need not."""
+    for python in (sys.executable, "/usr/bin/python3"):
+        if subprocess.run([python, "-c", "import pysph"], capture_output=True, check=False).returncode == 0:
+            return python
+    return None
+
+
+CODES = {  # by the first word of a run's arguments: what is missing, or None; and who runs it
+    "isph": (lambda isph: None if os.access(isph, os.X_OK) else "no program isph (--isph PATH)", run_isph),
+    "icoFoam": (lambda isph: icofoam.absent(), run_icofoam),
+    "pysph": (lambda isph: None if pysph_python() else "no PySPH (Debian package python3-pysph)", run_pysph),
+}
+
+
+def run(flow, arguments, folder, isph):
+    """Makes a run in an empty folder."""
+    code, *words = arguments.split()
+    return CODES[code][1](flow, words, folder, isph)
+
+
+def absent(code, isph):
+    """What is missing to run a code, or None."""
+    return CODES[code][0](isph)

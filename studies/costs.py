@@ -1,0 +1,50 @@
+"""Error against wall time of the runs in -report files."""
+import csv
+
+from runs import front
+
+OF_THE_RUN = ("t", "quantity", "value", "reference", "error")  # columns that differ between rows of a run
+COLOURS = ["#0072B2", "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#8C6D31", "#000000", "#999999"]
+MARKERS = "osd^vPX*"  # with COLOURS: told apart by every eye
+
+
+def read_runs(paths):
+    """(columns of the run, errors by quantity at its last time) of all runs that ended well."""
+    runs = {}
+    for path in paths:
+        with open(path, newline="", errors="replace") as file:
+            for row in csv.DictReader(file):
+                if not {"wall_s", "status", *OF_THE_RUN} <= row.keys():
+                    raise ValueError(f"{path} is no file of -report, or one of another version")
+                key = path, *(value for name, value in row.items() if name not in OF_THE_RUN)
+                _, errors = runs.setdefault(key, (row, {}))
+                if row["status"] == "ok" and row["error"]:
+                    errors[row["quantity"]] = float(row["error"])  # a later time follows an earlier one
+    return [(row, errors) for row, errors in runs.values() if errors]
+
+
+def draw(axes, paths, quantity, group):
+    """One curve for each value of the columns of group, and the front of the best."""
+    runs = read_runs(paths)
+    found = list(dict.fromkeys(name for _, errors in runs for name in errors))
+    if not found:
+        raise ValueError(f"{', '.join(paths)}: no run that ended well has an error")
+    quantity = quantity or found[0]
+    if quantity not in found:
+        raise ValueError(f"--quantity {quantity} has no error in these files; those that have: {', '.join(found)}")
+    for column in group:
+        if column not in runs[0][0]:
+            raise ValueError(f"--group {column} is no column of the files; columns: {', '.join(runs[0][0])}")
+    curves = {}
+    for row, errors in runs:
+        if errors.get(quantity, 0) > 0:  # a logarithm is drawn
+            label = ", ".join(row[column] or "none" for column in group)
+            curves.setdefault(label, []).append((float(row["wall_s"]), errors[quantity]))
+    for k, (label, points) in enumerate(curves.items()):
+        axes.plot(*zip(*sorted(points)), MARKERS[(k + k // 8) % 8], linestyle="-", linewidth=0.8, markersize=5,
+                  color=COLOURS[k % 8], alpha=0.8, label=label)
+    best = front(point for points in curves.values() for point in points)
+    axes.plot(*zip(*best), "-", color="#D55E00", linewidth=2.5, alpha=0.45, zorder=0, label="front")
+    axes.set(xscale="log", yscale="log", xlabel="wall time [s]", ylabel=f"error of {quantity}")
+    axes.grid(alpha=0.3, which="both", linewidth=0.5)
+    axes.legend(title=", ".join(group), loc="upper left", bbox_to_anchor=(1, 1))
