@@ -65,7 +65,7 @@ def run_icofoam(flow, words, folder, isph):
         said, status, cost = timed(command, folder)
         if status:
             return end_of(said, status)
-    u, v = icofoam.read_velocity(folder, n, t_end)
+    u, v = icofoam.read_velocity(folder, n)
     if not np.isfinite(u).all():
         return {"failed": "the velocity is no number"}
     return {**cost, "steps": steps, "dt": dt, **centreline.judge(centreline.of_cells(u, v), flow.reference)}

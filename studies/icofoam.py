@@ -40,9 +40,9 @@ snGradSchemes {{ default orthogonal; }}
     "system/fvSolution": ("dictionary", """
 solvers
 {{
-  p {{ solver GAMG; smoother GaussSeidel; tolerance 1e-6; relTol 0.05; }}
+  p {{ solver GAMG; smoother GaussSeidel; tolerance {tolerance}; relTol 0.05; }}
   pFinal {{ $p; relTol 0; }}
-  U {{ solver smoothSolver; smoother symGaussSeidel; tolerance 1e-6; relTol 0; }}
+  U {{ solver smoothSolver; smoother symGaussSeidel; tolerance {tolerance}; relTol 0; }}
 }}
 PISO {{ nCorrectors 2; nNonOrthogonalCorrectors 0; pRefCell 0; pRefValue 0; }}
 """),
@@ -79,11 +79,11 @@ def environment():
     return {"WM_PROJECT_DIR": "/usr/share/openfoam", **os.environ}
 
 
-def write_case(folder, reynolds, n, t_end, courant):
-    """Writes the case for steps of at most courant dx/U; returns (dt, steps)."""
+def write_case(folder, reynolds, n, t_end, courant, tolerance="1e-6"):
+    """Writes the case for steps of at most courant dx/U and linear solvers that stop at a residual; returns (dt, steps)."""
     steps = math.ceil(t_end * n / courant - 1e-9)
     values = {"n": n, "dx": 1 / n, "nu": 1 / reynolds, "t_end": f"{t_end:g}", "steps": steps,
-              "dt": f"{t_end / steps:.15g}"}
+              "dt": f"{t_end / steps:.15g}", "tolerance": tolerance}
     for path, (kind, text) in FILES.items():
         path = os.path.join(folder, path)
         os.makedirs(os.path.dirname(path), exist_ok=True)
@@ -92,9 +92,10 @@ def write_case(folder, reynolds, n, t_end, courant):
     return t_end / steps, steps
 
 
-def read_velocity(folder, n, t_end):
+def read_velocity(folder, n):
     """u[j, i] and v[j, i] of the cell in column i and row j at the end."""
-    with open(os.path.join(folder, f"{t_end:g}", "U")) as file:
+    times = [name for name in os.listdir(folder) if re.fullmatch(r"[0-9.e+-]+", name)]
+    with open(os.path.join(folder, max(times, key=float), "U")) as file:
         text = file.read()
     block = re.search(r"nonuniform List<vector>\s*(\d+)\s*\((.*?)\n\)", text, re.DOTALL)
     if not block or int(block[1]) != n * n:
