@@ -87,7 +87,7 @@ PetscErrorCode CloudCreate(const CloudBox *box, const char options[], Cloud *clo
   PetscCall(CloudOperators(box, options, cloud));
   cloud->ops->need_concentration = PETSC_TRUE;
   PetscCall(OperatorsPlacement(&cloud->scene, cloud->ops, &walls));
-  PetscCall(ParticlesCreate(&cloud->scene, walls, cloud->ops->radius, &cloud->particles));
+  PetscCall(ParticlesCreate(&cloud->scene, walls, cloud->ops->reach, &cloud->particles));
   PetscCall(NeighborsCreate(cloud->ops->radius, &cloud->neighbors));
   PetscCall(CloudAssemble(0.0, cloud));
   PetscFunctionReturn(PETSC_SUCCESS);

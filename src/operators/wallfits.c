@@ -1,0 +1,347 @@
+/*
+  Rows of the extension of the velocity behind walls: fits over the fluid near the foot or the mirror
+  image of a wall particle, weighted by the kernel stretched over the reach of the fit.
+*/
+#include "extension.h"
+
+#define FIT_MAX_TERMS (2 * ISPH_MAX_DIM) /* the quadratic fit's */
+
+/* Basis of a fit at s, and how many terms it has. */
+typedef PetscInt (*FitBasis)(const Extension *ext, PetscReal reach, const PetscReal s[],
+                             PetscReal phi[]);
+
+/* Fluid within reach of a point: s = (x_j - centre)/reach, and weights. */
+static PetscErrorCode Gather(const PetscReal centre[], PetscReal reach, Extension *ext)
+{
+  const Particles *p = ext->particles;
+  PetscInt         found, n = 0;
+
+  PetscFunctionBegin;
+  PetscCall(
+      CellsFind(ext->cells, centre, reach + 0.5 * ext->margin, ext->cells->n, ext->j, &found));
+  for (PetscInt k = 0; k < found; k++) {
+    const PetscInt j = ext->j[k];
+    PetscReal      r = 0.0, w[3];
+
+    if (ParticlesIsWall(p, j)) continue;
+    for (PetscInt a = 0; a < ext->dim; a++) {
+      ext->s[a][n] = (p->x[a][j] - centre[a]) / reach;
+      r += PetscSqr(ext->s[a][n]);
+    }
+    if (r >= 1.0) continue;
+    KernelEvaluate(ext->kernel, ext->dim, 1.0 / ext->kernel->support, PetscSqrtReal(r), w);
+    ext->weight[n] = w[0];
+    ext->j[n++]    = j;
+  }
+  ext->n = n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Distance of fluid particle j from the wall that the wall particle belongs to [m]. */
+static PetscReal Height(const Extension *ext, PetscInt j)
+{
+  const Particles *p = ext->particles;
+  PetscReal        x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM], height = 0.0;
+
+  for (PetscInt a = 0; a < ext->dim; a++) {
+    x[a] = p->x[a][j];
+    height += (x[a] - ext->foot[a]) * ext->normal[a];
+  }
+  if (ext->side < 2 * ext->dim) return height;
+  return BodyDistance(ext->scene, &ext->scene->body_of[ext->side - 2 * ext->dim], x, normal);
+}
+
+/*
+  GatherAtWall - Fluid near the foot, in coordinates of the wall
+
+    s = (xi, tau)/reach,   xi the distance from the wall, tau along the tangent plane
+
+  tau are the components of X - (X.n) n along all axes but the one that n is nearest to.
+*/
+static PetscErrorCode GatherAtWall(PetscReal reach, Extension *ext)
+{
+  PetscInt steep = 0;
+
+  PetscFunctionBegin;
+  PetscCall(Gather(ext->foot, reach, ext));
+  for (PetscInt a = 1; a < ext->dim; a++) {
+    if (PetscAbsReal(ext->normal[a]) > PetscAbsReal(ext->normal[steep])) steep = a;
+  }
+  for (PetscInt k = 0; k < ext->n; k++) {
+    PetscReal X[ISPH_MAX_DIM], above = 0.0;
+    PetscInt  t = 1;
+
+    for (PetscInt a = 0; a < ext->dim; a++) {
+      X[a] = ext->s[a][k];
+      above += X[a] * ext->normal[a];
+    }
+    ext->s[0][k] = Height(ext, ext->j[k]) / reach;
+    for (PetscInt a = 0; a < ext->dim; a++) {
+      if (a != steep) ext->s[t++][k] = X[a] - above * ext->normal[a];
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Fit - Row of a weighted least-squares fit sum_t c_t phi_t of the gathered points
+
+    e_j = w_j phi(s_j).M^-1 functional,   M = sum_j w_j phi phi^T
+
+  Returns: PETSC_FALSE, nothing written, where the points do not determine the fit: a term that differs
+  from those before it by less than 0.1 % of its square
+*/
+static PetscBool Fit(FitBasis basis, PetscReal reach, const PetscReal functional[], Extension *ext)
+{
+  PetscReal M[FIT_MAX_TERMS * FIT_MAX_TERMS] = {0.0}, square[FIT_MAX_TERMS], c[FIT_MAX_TERMS],
+                              phi[FIT_MAX_TERMS], s[ISPH_MAX_DIM] = {0.0};
+  const PetscInt terms = basis(ext, reach, s, phi);
+
+  for (PetscInt k = 0; k < ext->n; k++) {
+    for (PetscInt a = 0; a < ext->dim; a++) s[a] = ext->s[a][k];
+    (void)basis(ext, reach, s, phi);
+    for (PetscInt t = 0; t < terms; t++) {
+      for (PetscInt q = 0; q <= t; q++) M[t * terms + q] += ext->weight[k] * phi[t] * phi[q];
+    }
+  }
+  for (PetscInt t = 0; t < terms; t++) square[t] = M[t * terms + t];
+  if (DenseCholesky(terms, M)) return PETSC_FALSE;
+  for (PetscInt t = 0; t < terms; t++) { /* the diagonal of the factor is inverted */
+    if (1e-3 * square[t] * PetscSqr(M[t * terms + t]) > 1.0) return PETSC_FALSE;
+    c[t] = functional[t];
+  }
+  DenseCholeskySolve(terms, M, c);
+  for (PetscInt k = 0; k < ext->n; k++) {
+    for (PetscInt a = 0; a < ext->dim; a++) s[a] = ext->s[a][k];
+    (void)basis(ext, reach, s, phi);
+    ext->e[k] = 0.0;
+    for (PetscInt t = 0; t < terms; t++) ext->e[k] += ext->weight[k] * phi[t] * c[t];
+  }
+  return PETSC_TRUE;
+}
+
+/* The row of a fit about the foot, its value taken at the wall particle: xi = -d, tau = 0. */
+static PetscErrorCode FitAtWall(FitBasis basis, PetscReal reach, Extension *ext, PetscBool *fits)
+{
+  PetscReal functional[FIT_MAX_TERMS], s[ISPH_MAX_DIM] = {-ext->depth / reach};
+
+  PetscFunctionBegin;
+  PetscCall(GatherAtWall(reach, ext));
+  (void)basis(ext, reach, s, functional);
+  *fits = Fit(basis, reach, functional, ext);
+  if (!*fits) {
+    ext->weak++;
+    ext->n = 0;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- bases ---- */
+
+static PetscInt Basis_Constant(const Extension *ext, PetscReal reach, const PetscReal s[],
+                               PetscReal phi[])
+{
+  phi[0] = 1.0;
+  return 1;
+}
+
+static PetscInt Basis_Full(const Extension *ext, PetscReal reach, const PetscReal s[],
+                           PetscReal phi[])
+{
+  phi[0] = 1.0;
+  for (PetscInt a = 0; a < ext->dim; a++) phi[1 + a] = s[a];
+  return 1 + ext->dim;
+}
+
+static PetscInt Basis_Slope(const Extension *ext, PetscReal reach, const PetscReal s[],
+                            PetscReal phi[])
+{
+  phi[0] = s[0];
+  return 1;
+}
+
+static PetscInt Basis_Linear(const Extension *ext, PetscReal reach, const PetscReal s[],
+                             PetscReal phi[])
+{
+  for (PetscInt a = 0; a < ext->dim; a++) phi[a] = s[a];
+  return ext->dim;
+}
+
+static PetscInt Basis_Quadratic(const Extension *ext, PetscReal reach, const PetscReal s[],
+                                PetscReal phi[])
+{
+  const PetscInt d = ext->dim == 2 ? 2 : 3;
+
+  for (PetscInt a = 0; a < d; a++) {
+    phi[a]     = s[a];
+    phi[d + a] = s[0] * s[a];
+  }
+  return 2 * d;
+}
+
+/* xi (H - xi), zero on both walls. */
+static PetscInt Basis_Channel(const Extension *ext, PetscReal reach, const PetscReal s[],
+                              PetscReal phi[])
+{
+  const PetscInt  axis = ext->side / 2;
+  const PetscReal H    = (ext->scene->hi[axis] - ext->scene->lo[axis]) / reach;
+
+  phi[0] = s[0] * (1.0 - s[0] / H);
+  return 1;
+}
+
+/* ---- rows ---- */
+
+/*
+  Weights that grow as 1/s^2, so that a particle in the centre decides alone: P. Lancaster, K. Salkauskas,
+  Math. Comput. 37 (1981). 1e-8 keeps them finite.
+*/
+static void WeighInterpolating(Extension *ext)
+{
+  for (PetscInt k = 0; k < ext->n; k++) {
+    PetscReal s2 = 1e-8;
+
+    for (PetscInt a = 0; a < ext->dim; a++) s2 += PetscSqr(ext->s[a][k]);
+    ext->weight[k] /= s2;
+  }
+}
+
+/*
+  WallExtend_Mirror - The fluid's velocity at the mirror image, turned about the wall's
+
+    u_w = 2 u_wall - u(m),   m = s + d n,
+
+  u(m) by a linear least-squares fit over fluid within 2 dx of m, exact for linear fields and where a
+  particle sits at m. Where these do not determine it those within 3 dx are taken, and then their mean.
+
+  References: mirrored particles, M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60
+  (2009); at fixed places, S. Marrone et al., Comput. Methods Appl. Mech. Eng. 200 (2011)
+*/
+PetscErrorCode WallExtend_Mirror(Extension *ext)
+{
+  const PetscReal functional[FIT_MAX_TERMS] = {-1.0};
+  const struct {
+    FitBasis  basis;
+    PetscReal reach; /* [dx] */
+  } tries[] = {{Basis_Full, 2.0}, {Basis_Full, 3.0}, {Basis_Constant, 3.0}};
+  PetscReal m[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < ext->dim; a++) m[a] = ext->foot[a] + ext->depth * ext->normal[a];
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(tries); k++) {
+    const PetscReal reach = tries[k].reach * ext->dx;
+
+    PetscCall(Gather(m, reach, ext));
+    WeighInterpolating(ext);
+    if (Fit(tries[k].basis, reach, functional, ext)) PetscFunctionReturn(PETSC_SUCCESS);
+    ext->weak++;
+  }
+  ext->n = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  WallExtend_Linear - The line through the wall's velocity and the fluid nearest to the wall
+
+    u_w = u_wall - d slope,   u_j - u_wall = slope xi_j + b.tau_j over fluid within 2 dx of the foot
+
+  b follows walls whose velocity varies along them. Without what determines b: slope alone; without
+  fluid: the wall's velocity.
+
+  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), section 6.1.2
+*/
+PetscErrorCode WallExtend_Linear(Extension *ext)
+{
+  PetscBool fits = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(FitAtWall(Basis_Linear, 2.0 * ext->dx, ext, &fits));
+  if (!fits) PetscCall(FitAtWall(Basis_Slope, 2.0 * ext->dx, ext, &fits));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  WallExtend_Quadratic - As linear, with
+
+    u_j - u_wall = a xi_j + b.tau_j + c xi_j^2 + xi_j d.tau_j over fluid within 3 dx of the foot
+
+  exact for all quadratics that are constant on a flat wall. Linear where that is not determined.
+
+  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), section 6.1.2
+*/
+PetscErrorCode WallExtend_Quadratic(Extension *ext)
+{
+  PetscBool fits = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(FitAtWall(Basis_Quadratic, 3.0 * ext->dx, ext, &fits));
+  if (!fits) PetscCall(WallExtend_Linear(ext));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  WallExtend_GlobalQuadratic - The parabola through both walls of a channel and the nearest fluid
+
+    u_w - u_wall = -c d (H + d),   u_j - u_wall = c xi_j (H - xi_j) over fluid within 2 dx of the foot
+
+  Reference: S. J. Watkins et al., Astron. Astrophys. Suppl. Ser. 119 (1996) 177-187, as told by M.
+  Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)
+*/
+PetscErrorCode WallExtend_GlobalQuadratic(Extension *ext)
+{
+  PetscBool fits = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(FitAtWall(Basis_Channel, 2.0 * ext->dx, ext, &fits));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  WallExtend_Adami - The mean of the fluid in the wall particle's own support, turned about the wall's
+
+    u_w = 2 u_wall - sum_j W_wj u_j / sum_j W_wj
+
+  Reference: S. Adami, X. Y. Hu, N. A. Adams, J. Comput. Phys. 231 (2012) 7057-7075
+*/
+PetscErrorCode WallExtend_Adami(Extension *ext)
+{
+  const PetscReal functional[FIT_MAX_TERMS] = {-1.0};
+
+  PetscFunctionBegin;
+  PetscCall(Gather(ext->x, ext->radius, ext));
+  if (!Fit(Basis_Constant, ext->radius, functional, ext))
+    ext->n = 0; /* nor does any fluid see it */
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* WallCheck_Channel - Refuses what has no parabola between two walls; collective */
+PetscErrorCode WallCheck_Channel(const Scene *scene)
+{
+  PetscReal u[2][ISPH_MAX_DIM], x[ISPH_MAX_DIM];
+  PetscInt  walled = 0, axis = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    x[a] = 0.5 * (scene->lo[a] + scene->hi[a]);
+    if (scene->periodic[a]) continue;
+    walled++;
+    axis = a;
+  }
+  UserCheck(
+      walled == 1 && !scene->n_bodies,
+      "-wall global_quadratic: it is a parabola between two flat walls, which case %s is not; "
+      "use quadratic",
+      scene->problem->name);
+  for (PetscInt end = 0; end < 2; end++) {
+    x[axis] = end ? scene->hi[axis] : scene->lo[axis];
+    SceneWallVelocity(scene, 2 * axis + end, 0.0, x, u[end]);
+  }
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    UserCheck(
+        u[0][a] == u[1][a] && !scene->unsteady_walls,
+        "-wall global_quadratic: its parabola wants both walls at one velocity, which those of "
+        "case %s do not have; use quadratic",
+        scene->problem->name);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
