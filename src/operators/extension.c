@@ -49,7 +49,7 @@ static PetscErrorCode ExtensionCreate(const Scene *scene, const Particles *p, co
                      .dx        = scene->dx,
                      .h         = ops->h,
                      .radius    = ops->radius};
-  PetscCall(PetscMalloc3(n, &ext->j, n, &ext->weight, n, &ext->e));
+  PetscCall(PetscMalloc4(n, &ext->j, n, &ext->q, n, &ext->weight, n, &ext->e));
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(PetscMalloc1(n, &ext->s[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -57,14 +57,13 @@ static PetscErrorCode ExtensionCreate(const Scene *scene, const Particles *p, co
 static PetscErrorCode ExtensionDestroy(Extension *ext)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree3(ext->j, ext->weight, ext->e));
+  PetscCall(PetscFree4(ext->j, ext->q, ext->weight, ext->e));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(ext->s[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  The place of own wall particle i. Behind an edge of the box the foot of the normal lies beyond another
-  side; the fluid's boundary ends at the edge.
+  The place of own wall particle i.
 
   Returns: whether fluid may see the particle and read it as anything but the wall itself
 */
@@ -80,9 +79,10 @@ static PetscBool ExtensionPlace(const Particles *p, PetscInt i, Extension *ext)
     ext->x[a]      = p->x[a][i];
     ext->normal[a] = p->normal[a][i];
     ext->foot[a]   = ext->x[a] + ext->depth * ext->normal[a];
+    ext->edge[a]   = ext->foot[a];
     if (!scene->periodic[a])
-      ext->foot[a] = PetscMin(PetscMax(ext->foot[a], scene->lo[a]), scene->hi[a]);
-    d2 += PetscSqr(ext->x[a] - ext->foot[a]);
+      ext->edge[a] = PetscMin(PetscMax(ext->foot[a], scene->lo[a]), scene->hi[a]);
+    d2 += PetscSqr(ext->x[a] - ext->edge[a]);
   }
   return ext->depth > 0.0 && d2 < PetscSqr(ext->radius) ? PETSC_TRUE : PETSC_FALSE;
 }

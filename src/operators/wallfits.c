@@ -1,17 +1,20 @@
 /*
-  Rows of the extension of the velocity behind walls: fits over the fluid near the foot or the mirror
-  image of a wall particle, weighted by the kernel stretched over the reach of the fit.
+  Rows of the extension of the velocity behind walls: fits over the fluid near the foot s = x_w + d n or
+  the mirror image m = x_w + 2 d n of a wall particle of depth d, weighted by the kernel stretched over
+  the reach of the fit. Behind an edge of the box both lie beyond another side; the fluid taken is then
+  that nearest to the edge, and the fit reaches over to them.
 */
 #include "extension.h"
 
-#define FIT_MAX_TERMS (2 * ISPH_MAX_DIM) /* the quadratic fit's */
+#define FIT_MAX_TERMS MLS_QUADRATIC_TERMS
 
 /* Basis of a fit at s, and how many terms it has. */
 typedef PetscInt (*FitBasis)(const Extension *ext, PetscReal reach, const PetscReal s[],
                              PetscReal phi[]);
 
-/* Fluid within reach of a point: s = (x_j - centre)/reach, and weights. */
-static PetscErrorCode Gather(const PetscReal centre[], PetscReal reach, Extension *ext)
+/* Fluid within reach of a centre, weighted by its distance from there: s = (x_j - origin)/reach. */
+static PetscErrorCode Gather(const PetscReal centre[], const PetscReal origin[], PetscReal reach,
+                             Extension *ext)
 {
   const Particles *p = ext->particles;
   PetscInt         found, n = 0;
@@ -21,65 +24,21 @@ static PetscErrorCode Gather(const PetscReal centre[], PetscReal reach, Extensio
       CellsFind(ext->cells, centre, reach + 0.5 * ext->margin, ext->cells->n, ext->j, &found));
   for (PetscInt k = 0; k < found; k++) {
     const PetscInt j = ext->j[k];
-    PetscReal      r = 0.0, w[3];
+    PetscReal      q = 0.0, w[3];
 
     if (ParticlesIsWall(p, j)) continue;
     for (PetscInt a = 0; a < ext->dim; a++) {
-      ext->s[a][n] = (p->x[a][j] - centre[a]) / reach;
-      r += PetscSqr(ext->s[a][n]);
+      ext->s[a][n] = (p->x[a][j] - origin[a]) / reach;
+      q += PetscSqr((p->x[a][j] - centre[a]) / reach);
     }
-    if (r >= 1.0) continue;
-    KernelEvaluate(ext->kernel, ext->dim, 1.0 / ext->kernel->support, PetscSqrtReal(r), w);
+    q = PetscSqrtReal(q);
+    if (q >= 1.0) continue;
+    KernelEvaluate(ext->kernel, ext->dim, 1.0 / ext->kernel->support, q, w);
+    ext->q[n]      = q;
     ext->weight[n] = w[0];
     ext->j[n++]    = j;
   }
   ext->n = n;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Distance of fluid particle j from the wall that the wall particle belongs to [m]. */
-static PetscReal Height(const Extension *ext, PetscInt j)
-{
-  const Particles *p = ext->particles;
-  PetscReal        x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM], height = 0.0;
-
-  for (PetscInt a = 0; a < ext->dim; a++) {
-    x[a] = p->x[a][j];
-    height += (x[a] - ext->foot[a]) * ext->normal[a];
-  }
-  if (ext->side < 2 * ext->dim) return height;
-  return BodyDistance(ext->scene, &ext->scene->body_of[ext->side - 2 * ext->dim], x, normal);
-}
-
-/*
-  GatherAtWall - Fluid near the foot, in coordinates of the wall
-
-    s = (xi, tau)/reach,   xi the distance from the wall, tau along the tangent plane
-
-  tau are the components of X - (X.n) n along all axes but the one that n is nearest to.
-*/
-static PetscErrorCode GatherAtWall(PetscReal reach, Extension *ext)
-{
-  PetscInt steep = 0;
-
-  PetscFunctionBegin;
-  PetscCall(Gather(ext->foot, reach, ext));
-  for (PetscInt a = 1; a < ext->dim; a++) {
-    if (PetscAbsReal(ext->normal[a]) > PetscAbsReal(ext->normal[steep])) steep = a;
-  }
-  for (PetscInt k = 0; k < ext->n; k++) {
-    PetscReal X[ISPH_MAX_DIM], above = 0.0;
-    PetscInt  t = 1;
-
-    for (PetscInt a = 0; a < ext->dim; a++) {
-      X[a] = ext->s[a][k];
-      above += X[a] * ext->normal[a];
-    }
-    ext->s[0][k] = Height(ext, ext->j[k]) / reach;
-    for (PetscInt a = 0; a < ext->dim; a++) {
-      if (a != steep) ext->s[t++][k] = X[a] - above * ext->normal[a];
-    }
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -120,13 +79,14 @@ static PetscBool Fit(FitBasis basis, PetscReal reach, const PetscReal functional
   return PETSC_TRUE;
 }
 
-/* The row of a fit about the foot, its value taken at the wall particle: xi = -d, tau = 0. */
+/* The row of a fit that is zero at the foot, its value taken at the wall particle: X = -d n. */
 static PetscErrorCode FitAtWall(FitBasis basis, PetscReal reach, Extension *ext, PetscBool *fits)
 {
-  PetscReal functional[FIT_MAX_TERMS], s[ISPH_MAX_DIM] = {-ext->depth / reach};
+  PetscReal functional[FIT_MAX_TERMS], s[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCall(GatherAtWall(reach, ext));
+  PetscCall(Gather(ext->edge, ext->foot, reach, ext));
+  for (PetscInt a = 0; a < ext->dim; a++) s[a] = -ext->depth * ext->normal[a] / reach;
   (void)basis(ext, reach, s, functional);
   *fits = Fit(basis, reach, functional, ext);
   if (!*fits) {
@@ -153,10 +113,12 @@ static PetscInt Basis_Full(const Extension *ext, PetscReal reach, const PetscRea
   return 1 + ext->dim;
 }
 
+/* Height above the tangent plane. */
 static PetscInt Basis_Slope(const Extension *ext, PetscReal reach, const PetscReal s[],
                             PetscReal phi[])
 {
-  phi[0] = s[0];
+  phi[0] = 0.0;
+  for (PetscInt a = 0; a < ext->dim; a++) phi[0] += s[a] * ext->normal[a];
   return 1;
 }
 
@@ -171,12 +133,13 @@ static PetscInt Basis_Quadratic(const Extension *ext, PetscReal reach, const Pet
                                 PetscReal phi[])
 {
   const PetscInt d = ext->dim == 2 ? 2 : 3;
+  PetscInt       t = d;
 
   for (PetscInt a = 0; a < d; a++) {
-    phi[a]     = s[a];
-    phi[d + a] = s[0] * s[a];
+    phi[a] = s[a];
+    for (PetscInt b = 0; b <= a; b++) phi[t++] = s[a] * s[b];
   }
-  return 2 * d;
+  return t;
 }
 
 /* xi (H - xi), zero on both walls. */
@@ -186,30 +149,26 @@ static PetscInt Basis_Channel(const Extension *ext, PetscReal reach, const Petsc
   const PetscInt  axis = ext->side / 2;
   const PetscReal H    = (ext->scene->hi[axis] - ext->scene->lo[axis]) / reach;
 
-  phi[0] = s[0] * (1.0 - s[0] / H);
+  (void)Basis_Slope(ext, reach, s, phi);
+  phi[0] *= 1.0 - phi[0] / H;
   return 1;
 }
 
 /* ---- rows ---- */
 
 /*
-  Weights that grow as 1/s^2, so that a particle in the centre decides alone: P. Lancaster, K. Salkauskas,
+  Weights that grow as 1/q^2, so that a particle in the centre decides alone: P. Lancaster, K. Salkauskas,
   Math. Comput. 37 (1981). 1e-8 keeps them finite.
 */
 static void WeighInterpolating(Extension *ext)
 {
-  for (PetscInt k = 0; k < ext->n; k++) {
-    PetscReal s2 = 1e-8;
-
-    for (PetscInt a = 0; a < ext->dim; a++) s2 += PetscSqr(ext->s[a][k]);
-    ext->weight[k] /= s2;
-  }
+  for (PetscInt k = 0; k < ext->n; k++) ext->weight[k] /= PetscSqr(ext->q[k]) + 1e-8;
 }
 
 /*
   WallExtend_Mirror - The fluid's velocity at the mirror image, turned about the wall's
 
-    u_w = 2 u_wall - u(m),   m = s + d n,
+    u_w = 2 u_wall - u(m),
 
   u(m) by a linear least-squares fit over fluid within 2 dx of m, exact for linear fields and where a
   particle sits at m. Where these do not determine it those within 3 dx are taken, and then their mean.
@@ -224,14 +183,17 @@ PetscErrorCode WallExtend_Mirror(Extension *ext)
     FitBasis  basis;
     PetscReal reach; /* [dx] */
   } tries[] = {{Basis_Full, 2.0}, {Basis_Full, 3.0}, {Basis_Constant, 3.0}};
-  PetscReal m[ISPH_MAX_DIM];
+  PetscReal m[ISPH_MAX_DIM], centre[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < ext->dim; a++) m[a] = ext->foot[a] + ext->depth * ext->normal[a];
+  for (PetscInt a = 0; a < ext->dim; a++) {
+    m[a]      = ext->foot[a] + ext->depth * ext->normal[a];
+    centre[a] = ext->edge[a] + ext->depth * ext->normal[a];
+  }
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(tries); k++) {
     const PetscReal reach = tries[k].reach * ext->dx;
 
-    PetscCall(Gather(m, reach, ext));
+    PetscCall(Gather(centre, m, reach, ext));
     WeighInterpolating(ext);
     if (Fit(tries[k].basis, reach, functional, ext)) PetscFunctionReturn(PETSC_SUCCESS);
     ext->weak++;
@@ -243,10 +205,10 @@ PetscErrorCode WallExtend_Mirror(Extension *ext)
 /*
   WallExtend_Linear - The line through the wall's velocity and the fluid nearest to the wall
 
-    u_w = u_wall - d slope,   u_j - u_wall = slope xi_j + b.tau_j over fluid within 2 dx of the foot
+    u_w = u_wall - d g.n,   u_j - u_wall = g.(x_j - s) over fluid within 2 dx of s
 
-  b follows walls whose velocity varies along them. Without what determines b: slope alone; without
-  fluid: the wall's velocity.
+  Exact for linear fields, on curved walls too and where walls shear. Where the points do not
+  determine g: its normal component alone; without fluid: the wall's velocity.
 
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), section 6.1.2
 */
@@ -261,11 +223,11 @@ PetscErrorCode WallExtend_Linear(Extension *ext)
 }
 
 /*
-  WallExtend_Quadratic - As linear, with
+  WallExtend_Quadratic - The parabola through the wall's velocity and the fluid nearest to the wall
 
-    u_j - u_wall = a xi_j + b.tau_j + c xi_j^2 + xi_j d.tau_j over fluid within 3 dx of the foot
+    u_w = u_wall - d g.n + d^2 n.H n/2,   u_j - u_wall = g.X + X.H X/2 over fluid within 3 dx of s
 
-  exact for all quadratics that are constant on a flat wall. Linear where that is not determined.
+  X = x_j - s. Exact for quadratic fields; the linear one where that is not determined.
 
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), section 6.1.2
 */
@@ -282,7 +244,7 @@ PetscErrorCode WallExtend_Quadratic(Extension *ext)
 /*
   WallExtend_GlobalQuadratic - The parabola through both walls of a channel and the nearest fluid
 
-    u_w - u_wall = -c d (H + d),   u_j - u_wall = c xi_j (H - xi_j) over fluid within 2 dx of the foot
+    u_w - u_wall = -c d (H + d),   u_j - u_wall = c xi_j (H - xi_j) over fluid within 2 dx of s
 
   Reference: S. J. Watkins et al., Astron. Astrophys. Suppl. Ser. 119 (1996) 177-187, as told by M.
   Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)
@@ -308,7 +270,7 @@ PetscErrorCode WallExtend_Adami(Extension *ext)
   const PetscReal functional[FIT_MAX_TERMS] = {-1.0};
 
   PetscFunctionBegin;
-  PetscCall(Gather(ext->x, ext->radius, ext));
+  PetscCall(Gather(ext->x, ext->x, ext->radius, ext));
   if (!Fit(Basis_Constant, ext->radius, functional, ext))
     ext->n = 0; /* nor does any fluid see it */
   PetscFunctionReturn(PETSC_SUCCESS);
