@@ -79,23 +79,6 @@ static PetscBool Fit(FitBasis basis, PetscReal reach, const PetscReal functional
   return PETSC_TRUE;
 }
 
-/* The row of a fit that is zero at the foot, its value taken at the wall particle: X = -d n. */
-static PetscErrorCode FitAtWall(FitBasis basis, PetscReal reach, Extension *ext, PetscBool *fits)
-{
-  PetscReal functional[FIT_MAX_TERMS], s[ISPH_MAX_DIM];
-
-  PetscFunctionBegin;
-  PetscCall(Gather(ext->edge, ext->foot, reach, ext));
-  for (PetscInt a = 0; a < ext->dim; a++) s[a] = -ext->depth * ext->normal[a] / reach;
-  (void)basis(ext, reach, s, functional);
-  *fits = Fit(basis, reach, functional, ext);
-  if (!*fits) {
-    ext->weak++;
-    ext->n = 0;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* ---- bases ---- */
 
 static PetscInt Basis_Constant(const Extension *ext, PetscReal reach, const PetscReal s[],
@@ -156,6 +139,12 @@ static PetscInt Basis_Channel(const Extension *ext, PetscReal reach, const Petsc
 
 /* ---- rows ---- */
 
+/* What is fitted, with fluid from how far [m]. */
+typedef struct {
+  FitBasis  basis;
+  PetscReal reach;
+} FitTry;
+
 /*
   Weights that grow as 1/q^2, so that a particle in the centre decides alone: P. Lancaster, K. Salkauskas,
   Math. Comput. 37 (1981). 1e-8 keeps them finite.
@@ -166,9 +155,51 @@ static void WeighInterpolating(Extension *ext)
 }
 
 /*
+  FitFirst - Row of the first of n fits that its points determine, or an empty one
+
+    sum_j e_j f_j = sign f(origin + at),   f fitted about the centre
+
+  A fit other than of the first basis is counted as weak.
+*/
+static PetscErrorCode FitFirst(const FitTry tries[], size_t n, const PetscReal centre[],
+                               const PetscReal origin[], const PetscReal at[], PetscReal sign,
+                               PetscBool interpolating, Extension *ext)
+{
+  PetscFunctionBegin;
+  for (size_t k = 0; k < n; k++) {
+    const PetscReal reach = tries[k].reach;
+    PetscReal       s[ISPH_MAX_DIM], functional[FIT_MAX_TERMS];
+    PetscInt        terms;
+
+    for (PetscInt a = 0; a < ext->dim; a++) s[a] = at[a] / reach;
+    terms = tries[k].basis(ext, reach, s, functional);
+    for (PetscInt t = 0; t < terms; t++) functional[t] *= sign;
+    PetscCall(Gather(centre, origin, reach, ext));
+    if (interpolating) WeighInterpolating(ext);
+    if (!Fit(tries[k].basis, reach, functional, ext)) continue;
+    if (tries[k].basis != tries[0].basis) ext->weak++;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  ext->n = 0;
+  ext->weak++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The first fit of u - u_wall about the foot, where it is zero, taken at the wall particle. */
+static PetscErrorCode FitAtWall(const FitTry tries[], size_t n, Extension *ext)
+{
+  PetscReal at[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < ext->dim; a++) at[a] = -ext->depth * ext->normal[a];
+  PetscCall(FitFirst(tries, n, ext->edge, ext->foot, at, 1.0, PETSC_FALSE, ext));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
   WallExtend_Mirror - The fluid's velocity at the mirror image, turned about the wall's
 
-    u_w = 2 u_wall - u(m),
+    u_w = 2 u_wall - u(m)
 
   u(m) by a linear least-squares fit over fluid within 2 dx of m, exact for linear fields and where a
   particle sits at m. Where these do not determine it those within 3 dx are taken, and then their mean.
@@ -178,27 +209,17 @@ static void WeighInterpolating(Extension *ext)
 */
 PetscErrorCode WallExtend_Mirror(Extension *ext)
 {
-  const PetscReal functional[FIT_MAX_TERMS] = {-1.0};
-  const struct {
-    FitBasis  basis;
-    PetscReal reach; /* [dx] */
-  } tries[] = {{Basis_Full, 2.0}, {Basis_Full, 3.0}, {Basis_Constant, 3.0}};
-  PetscReal m[ISPH_MAX_DIM], centre[ISPH_MAX_DIM];
+  const FitTry tries[] = {
+      {Basis_Full, 2.0 * ext->dx}, {Basis_Full, 3.0 * ext->dx}, {Basis_Constant, 3.0 * ext->dx}};
+  PetscReal centre[ISPH_MAX_DIM], at[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < ext->dim; a++) {
-    m[a]      = ext->foot[a] + ext->depth * ext->normal[a];
     centre[a] = ext->edge[a] + ext->depth * ext->normal[a];
+    at[a]     = ext->foot[a] - ext->edge[a];
   }
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(tries); k++) {
-    const PetscReal reach = tries[k].reach * ext->dx;
-
-    PetscCall(Gather(centre, m, reach, ext));
-    WeighInterpolating(ext);
-    if (Fit(tries[k].basis, reach, functional, ext)) PetscFunctionReturn(PETSC_SUCCESS);
-    ext->weak++;
-  }
-  ext->n = 0;
+  PetscCall(
+      FitFirst(tries, PETSC_STATIC_ARRAY_LENGTH(tries), centre, centre, at, -1.0, PETSC_TRUE, ext));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -208,17 +229,18 @@ PetscErrorCode WallExtend_Mirror(Extension *ext)
     u_w = u_wall - d g.n,   u_j - u_wall = g.(x_j - s) over fluid within 2 dx of s
 
   Exact for linear fields, on curved walls too and where walls shear. Where the points do not
-  determine g: its normal component alone; without fluid: the wall's velocity.
+  determine g those within 3 dx are taken, then the normal component alone; without fluid: the wall's
+  velocity.
 
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), section 6.1.2
 */
 PetscErrorCode WallExtend_Linear(Extension *ext)
 {
-  PetscBool fits = PETSC_FALSE;
+  const FitTry tries[] = {
+      {Basis_Linear, 2.0 * ext->dx}, {Basis_Linear, 3.0 * ext->dx}, {Basis_Slope, 3.0 * ext->dx}};
 
   PetscFunctionBegin;
-  PetscCall(FitAtWall(Basis_Linear, 2.0 * ext->dx, ext, &fits));
-  if (!fits) PetscCall(FitAtWall(Basis_Slope, 2.0 * ext->dx, ext, &fits));
+  PetscCall(FitAtWall(tries, PETSC_STATIC_ARRAY_LENGTH(tries), ext));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -227,17 +249,21 @@ PetscErrorCode WallExtend_Linear(Extension *ext)
 
     u_w = u_wall - d g.n + d^2 n.H n/2,   u_j - u_wall = g.X + X.H X/2 over fluid within 3 dx of s
 
-  X = x_j - s. Exact for quadratic fields; the linear one where that is not determined.
+  X = x_j - s. Exact for quadratic fields. Where the points do not determine it those within 4 dx are
+  taken, then the linear fit.
 
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), section 6.1.2
 */
 PetscErrorCode WallExtend_Quadratic(Extension *ext)
 {
-  PetscBool fits = PETSC_FALSE;
+  const FitTry tries[] = {{Basis_Quadratic, 3.0 * ext->dx},
+                          {Basis_Quadratic, 4.0 * ext->dx},
+                          {Basis_Linear, 2.0 * ext->dx},
+                          {Basis_Linear, 3.0 * ext->dx},
+                          {Basis_Slope, 3.0 * ext->dx}};
 
   PetscFunctionBegin;
-  PetscCall(FitAtWall(Basis_Quadratic, 3.0 * ext->dx, ext, &fits));
-  if (!fits) PetscCall(WallExtend_Linear(ext));
+  PetscCall(FitAtWall(tries, PETSC_STATIC_ARRAY_LENGTH(tries), ext));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -246,15 +272,17 @@ PetscErrorCode WallExtend_Quadratic(Extension *ext)
 
     u_w - u_wall = -c d (H + d),   u_j - u_wall = c xi_j (H - xi_j) over fluid within 2 dx of s
 
+  xi_j is the distance from the wall; 3 dx where there is no fluid as near.
+
   Reference: S. J. Watkins et al., Astron. Astrophys. Suppl. Ser. 119 (1996) 177-187, as told by M.
   Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)
 */
 PetscErrorCode WallExtend_GlobalQuadratic(Extension *ext)
 {
-  PetscBool fits = PETSC_FALSE;
+  const FitTry tries[] = {{Basis_Channel, 2.0 * ext->dx}, {Basis_Channel, 3.0 * ext->dx}};
 
   PetscFunctionBegin;
-  PetscCall(FitAtWall(Basis_Channel, 2.0 * ext->dx, ext, &fits));
+  PetscCall(FitAtWall(tries, PETSC_STATIC_ARRAY_LENGTH(tries), ext));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -263,16 +291,17 @@ PetscErrorCode WallExtend_GlobalQuadratic(Extension *ext)
 
     u_w = 2 u_wall - sum_j W_wj u_j / sum_j W_wj
 
+  Without fluid there the row is empty, and no fluid sees the particle.
+
   Reference: S. Adami, X. Y. Hu, N. A. Adams, J. Comput. Phys. 231 (2012) 7057-7075
 */
 PetscErrorCode WallExtend_Adami(Extension *ext)
 {
-  const PetscReal functional[FIT_MAX_TERMS] = {-1.0};
+  const PetscReal functional = -1.0;
 
   PetscFunctionBegin;
   PetscCall(Gather(ext->x, ext->x, ext->radius, ext));
-  if (!Fit(Basis_Constant, ext->radius, functional, ext))
-    ext->n = 0; /* nor does any fluid see it */
+  if (!Fit(Basis_Constant, ext->radius, &functional, ext)) ext->n = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
