@@ -44,9 +44,11 @@ class Runs:
                 row["failed"] = sentence[0][6:] if sentence else f"status {done.returncode}"
                 return row
             with open(path, newline="") as file:
-                for line in csv.DictReader(file):
-                    row[line["quantity"]] = line["value"]
-                    row["wall_s"], row["particles"] = line["wall_s"], line["particles"]
+                lines = list(csv.DictReader(file))
+            for line in lines:  # of -report_times quantity@t, at the end of the run quantity
+                time = "" if line["t"] == lines[-1]["t"] else f"@{float(line['t']):.4g}"
+                row[line["quantity"] + time] = line["value"]
+                row["wall_s"], row["particles"] = line["wall_s"], line["particles"]
             return row
 
     def save(self):

@@ -148,7 +148,8 @@ static PetscErrorCode BannerForms(const Flow *flow, PetscViewer viewer)
   PetscCall(BannerRow("gradient", ops->gradient, viewer));
   PetscCall(BannerRow("wall", ops->wall, viewer));
   if (ops->wall_surface)
-    PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "particles on it too\n", "wall surface"));
+    PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "particles, before those behind\n",
+                                     "on the wall"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -47,7 +47,6 @@ static PetscErrorCode ExtensionCreate(const Scene *scene, const Particles *p, co
                      .kernel    = ops->kernel,
                      .dim       = scene->dim,
                      .dx        = scene->dx,
-                     .h         = ops->h,
                      .radius    = ops->radius};
   PetscCall(PetscMalloc4(n, &ext->j, n, &ext->q, n, &ext->weight, n, &ext->e));
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(PetscMalloc1(n, &ext->s[a]));

@@ -12,7 +12,7 @@ struct Extension {
   PetscReal        margin; /* of the cells' positions [m] */
   const KernelRow *kernel;
   PetscInt         dim, side;            /* the wall it belongs to: WallPlane.side */
-  PetscReal        dx, h, radius, depth; /* [m] */
+  PetscReal        dx, radius, depth;    /* [m] */
   PetscReal        x[ISPH_MAX_DIM];      /* the wall particle [m] */
   PetscReal        foot[ISPH_MAX_DIM];   /* of its normal, on the wall or the plane beyond it [m] */
   PetscReal        edge[ISPH_MAX_DIM];   /* the point of the box nearest to that [m] */
