@@ -60,8 +60,8 @@ class Runs:
             with open(path, newline="") as file:
                 lines = list(csv.DictReader(file))
             for line in lines:
-                early = line["t"] != lines[-1]["t"]
-                row[line["quantity"] + (f"@{line['t']}" if early else "")] = line["value"]
+                time = "" if line["t"] == lines[-1]["t"] else f"@{float(line['t']):.4g}"
+                row[line["quantity"] + time] = line["value"]
             row.update({name: lines[-1][name] for name in ("wall_s", "particles", "steps")})
             return row
 

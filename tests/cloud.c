@@ -17,6 +17,21 @@ static void CloudWallVelocity(const Scene *scene, PetscInt side, PetscReal t, co
     u[c] = QuadraticAt(cloud, &cloud->wall_u[c], x) + cloud->slide[side][c];
 }
 
+/* A circle at rest in the middle of the box. */
+static PetscErrorCode CloudAddCircle(PetscReal radius, Scene *scene)
+{
+  const PetscReal number[3] = {0.5 * (scene->lo[0] + scene->hi[0]),
+                               0.5 * (scene->lo[1] + scene->hi[1]), radius};
+  const TableRow *circle;
+
+  PetscFunctionBegin;
+  PetscCall(TableFind(&ShapeTable, "circle", &circle));
+  BodySet(&scene->body_of[0], (const ShapeRow *)(const void *)circle, 3, number);
+  scene->n_bodies = 1;
+  scene->physics |= PHYSICS_WALLS;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   CloudOperators - The scene and the operators that the options choose, no particle yet
 
@@ -49,6 +64,7 @@ PetscErrorCode CloudOperators(const CloudBox *box, const char options[], Cloud *
     scene->cells[a]    = box->cells[a];
     scene->periodic[a] = a < box->n_periodic;
   }
+  if (box->circle > 0.0) PetscCall(CloudAddCircle(box->circle * scene->dx, scene));
   PetscCall(PetscOptionsCreate(&database));
   PetscCall(PetscOptionsInsertString(database, options));
   PetscCall(PetscOptionsPush(database));
@@ -87,7 +103,7 @@ PetscErrorCode CloudCreate(const CloudBox *box, const char options[], Cloud *clo
   PetscCall(CloudOperators(box, options, cloud));
   cloud->ops->need_concentration = PETSC_TRUE;
   PetscCall(OperatorsPlacement(&cloud->scene, cloud->ops, &walls));
-  PetscCall(ParticlesCreate(&cloud->scene, walls, cloud->ops->radius, &cloud->particles));
+  PetscCall(ParticlesCreate(&cloud->scene, walls, cloud->ops->reach, &cloud->particles));
   PetscCall(NeighborsCreate(cloud->ops->radius, &cloud->neighbors));
   PetscCall(CloudAssemble(0.0, cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -324,7 +340,7 @@ PetscErrorCode CloudError(const Cloud *cloud, Vec y, const Quadratic *expected, 
       if (!scene->periodic[a]) continue;
       room = PetscMin(room, PetscMin(x[a] - scene->lo[a], scene->hi[a] - x[a]));
     }
-    if (interior && room < cloud->ops->radius) continue;
+    if (interior && room < cloud->ops->reach) continue;
     miss = PetscAbsReal(value[i] - QuadraticAt(cloud, expected, x));
     if (!(miss <= largest)) largest = PetscIsInfOrNanReal(miss) ? PETSC_MAX_REAL : miss;
     rows++;

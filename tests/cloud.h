@@ -17,6 +17,7 @@ typedef struct {
   PetscInt    dim, cells[ISPH_MAX_DIM];
   PetscInt    n_periodic; /* the first axes are periodic, the others have walls */
   PetscReal   jitter;     /* [dx] */
+  PetscReal   circle;     /* radius of a body in the middle [dx]; 0: none */
 } CloudBox;
 
 /* f(x) = c + g.s + s.H s/2,  s = (x - centre)/dx;  H symmetric */

@@ -49,7 +49,7 @@ static Stencil *Made(PetscInt dim, PetscReal h, PetscInt walls)
 
 static LaplacianForm Form(const char name[], const char correction[])
 {
-  LaplacianForm   form = {NULL, NULL};
+  LaplacianForm   form = {0};
   const TableRow *row;
 
   ASSERT_OK(TableFind(&LaplacianTable, name, &row));

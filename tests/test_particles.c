@@ -207,7 +207,7 @@ static void CheckWalls(const Setting *s, const Particles *p)
     if (!ParticlesIsWall(p, i)) continue;
     wrong += PetscAbsReal(p->x[axis][i] + p->normal[axis][i] * p->depth[i] - plane) > 1e-12;
     wrong += p->normal[axis][i] != (side % 2 ? -1.0 : 1.0);
-    wrong += s->walls.layers > 0 && p->depth[i] < 0.49 * s->scene.dx;
+    wrong += s->walls.layers > 0 && !s->walls.surface && p->depth[i] < 0.49 * s->scene.dx;
     for (PetscInt a = 0; a < p->dim; a++) {
       if (s->scene.periodic[a]) continue;
       wrong +=
@@ -256,8 +256,11 @@ static void test_walls(void **state)
 {
   const Setting layers = Box("2D layers", 2, 24, 17, 1, 0, 3);
   const Setting plane  = Box("2D plane", 2, 24, 17, 1, 0, 0);
+  Setting       both   = Box("2D plane and layers", 2, 24, 17, 1, 0, 3);
 
   (void)state;
+  both.walls.surface = PETSC_TRUE;
+  Follow(&both, 0.7, 5);
   Follow(&layers, 0.7, 10);
   Follow(&plane, 0.7, 10);
   Follow(&layers, 0.01, 30);

@@ -103,6 +103,7 @@ extern const Table LaplacianTable;
 typedef struct {
   const LaplacianRow  *row;        /* NULL: not needed */
   const CorrectionRow *correction; /* NULL: none */
+  PetscBool            extended;   /* walls' values follow from the fluid: no longer symmetric */
 } LaplacianForm;
 PetscBool      LaplacianIs(const LaplacianForm *form, FormProperty property);
 PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *stencil, PetscReal w[]);
@@ -120,11 +121,21 @@ typedef struct {
 } GradientRow;
 extern const Table GradientTable;
 
-/* Wall treatments. */
+/*
+  Wall treatments. Those with Extend give each wall particle one velocity, whatever reads it,
+
+    u_w = u_wall + sum_j E_wj (u_j - u_wall),   j over fluid near the wall,
+
+  and Extend writes row w of E; without it, and for other quantities, Beta says what fluid reads.
+*/
+typedef struct Extension Extension;
 typedef struct {
   const char *name, *brief, *citation;
   PetscBool   on_surface; /* one layer of particles on the wall, entering fits by role */
   PetscReal (*Beta)(const Scene *scene, PetscReal distance, PetscReal depth);
+  PetscErrorCode (*Extend)(Extension *extension); /* or NULL */
+  PetscReal radii, spacings;                      /* Extend looks no further [radius], + [dx] */
+  PetscErrorCode (*Check)(const Scene *scene);    /* refuses scenes; NULL: takes any */
 } WallRow;
 extern const Table   WallTable;
 extern const WallRow WallGiven; /* of patch tests, not to be chosen */
@@ -157,9 +168,11 @@ typedef struct {
   const KernelRow   *kernel;
   LaplacianForm      visc_form, ppe_form;
   const GradientRow *gradient;
-  const WallRow     *wall; /* NULL: no walls */
-  PetscReal          h;    /* smoothing length [m] */
-  PetscReal          radius;
+  const WallRow     *wall;         /* NULL: no walls */
+  PetscBool          wall_surface; /* particles on the walls' surface before the dummies */
+  PetscReal          h;            /* smoothing length [m] */
+  PetscReal          radius;       /* of the kernel's support [m] */
+  PetscReal          reach;        /* how far from a particle assembly looks, for the halo [m] */
 
   AffineOperator visc;                 /* lap u [m^-2]; wall data: u_wall,c */
   AffineOperator ppe;                  /* -dx^2 lap p [-]; wall data: n.grad p */

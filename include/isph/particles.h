@@ -46,6 +46,7 @@ typedef struct {
   PetscReal *normal[ISPH_MAX_DIM];  /* of wall particles, into the fluid (field); NULL: no walls */
   PetscReal *depth;                 /* of wall particles below the surface [m] (field) */
   PetscReal *side;                  /* of wall particles: which wall, a whole number (field) */
+  PetscReal *volume; /* of wall particles (field) [m^dim]; NULL: dx^dim as the fluid's */
   Field      field[PARTICLES_MAX_FIELDS];
   PetscInt   n_fields;
 
@@ -66,6 +67,7 @@ typedef struct {
 /* How a wall treatment wants its wall particles: one layer on the surface, or layers behind it. */
 typedef struct {
   PetscInt  layers;   /* 0: one layer on the surface; k: k dummy layers from dx/2 below it */
+  PetscBool surface;  /* the k layers begin on the surface itself, with half a particle's volume */
   PetscBool jittered; /* like the fluid, which may then come as near as it likes */
 } WallPlacement;
 

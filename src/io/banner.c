@@ -147,6 +147,9 @@ static PetscErrorCode BannerForms(const Flow *flow, PetscViewer viewer)
     PetscCall(BannerRow("correction", ops->ppe_form.correction, viewer));
   PetscCall(BannerRow("gradient", ops->gradient, viewer));
   PetscCall(BannerRow("wall", ops->wall, viewer));
+  if (ops->wall_surface)
+    PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "particles, before those behind\n",
+                                     "on the wall"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -64,6 +64,20 @@ static PetscErrorCode ColumnPhysics(Columns *columns, const Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The wall treatment, '+surface' where there are particles on walls before the layers behind. */
+static PetscErrorCode ColumnWall(Columns *columns, const Operators *ops)
+{
+  char word[128] = "";
+
+  PetscFunctionBegin;
+  if (ops->wall) {
+    PetscCall(PetscSNPrintf(word, sizeof(word), "%s%s", ops->wall->name,
+                            ops->wall_surface ? "+surface" : ""));
+  }
+  PetscCall(ColumnWord(columns, word));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* visc_laplacian ... ppe_pc: what is not computed has no name. */
 static PetscErrorCode ColumnsForms(const Flow *flow, Columns *columns)
 {
@@ -115,7 +129,7 @@ static PetscErrorCode ColumnsBeforeTime(const Flow *flow, Columns *columns)
   PetscCall(ColumnsForms(flow, columns));
   PetscCall(ColumnWord(columns, flow->ops->kernel->name));
   PetscCall(ColumnNumber(columns, flow->ops->h / scene->dx));
-  PetscCall(ColumnRow(columns, flow->ops->wall));
+  PetscCall(ColumnWall(columns, flow->ops));
   PetscCall(ColumnRow(columns, scheme ? scheme->shift : NULL));
   PetscCall(ColumnNumber(columns, scene->jitter));
   PetscCall(ColumnNumber(columns, scene->seed));

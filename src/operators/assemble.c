@@ -3,6 +3,7 @@
   row, let the wall treatment close it, and put the values into the shared pattern.
 */
 #include "close.h"
+#include "extension.h"
 
 /* Everything row functions may ask of the neighbourhood of own fluid particle i. */
 static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neighbors *nb,
@@ -30,11 +31,11 @@ static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, cons
     st->r[n] = PetscSqrtReal(r2);
     for (PetscInt a = 0; a < d; a++) st->X[a][n] = X[a];
     KernelEvaluate(ops->kernel, d, ops->h, st->r[n], w);
-    st->V[n]    = volume;
+    st->wall[n] = ParticlesIsWall(p, j);
+    st->V[n]    = st->wall[n] && p->volume ? p->volume[j] : volume;
     st->W[n]    = w[0];
     st->dW[n]   = w[1];
     st->ddW[n]  = w[2];
-    st->wall[n] = ParticlesIsWall(p, j);
     if (st->wall[n]) {
       PetscReal height = 0.0;
 
@@ -249,6 +250,7 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
     if (!ops->wall) continue;
     PetscCall(PatternMat(p->comm, &ops->walls, p->n_fluid, p->n_wall, needed[k]->b, &needed[k]->B));
   }
+  if (ops->wall && ops->wall->Extend) PetscCall(ExtendWalls(scene, p, nb, ops));
   ops->weak_rows = st->weak;
   ops->epoch     = p->epoch;
   ops->moved     = p->moved;

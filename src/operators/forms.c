@@ -30,7 +30,7 @@ PetscBool LaplacianIs(const LaplacianForm *form, FormProperty property)
 {
   unsigned properties = form->row->properties;
 
-  if (form->correction) properties &= ~(unsigned)FORM_SYMMETRIC;
+  if (form->correction || form->extended) properties &= ~(unsigned)FORM_SYMMETRIC;
   return (properties & (unsigned)property) ? PETSC_TRUE : PETSC_FALSE;
 }
 

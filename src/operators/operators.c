@@ -74,6 +74,14 @@ static PetscErrorCode OperatorsChooseWall(PetscOptionItems *PetscOptionsObject, 
             "-wall %s: %s %s needs particles behind the wall; use -wall dummy_linear, or mls in "
             "its place",
             ops->wall->name, kind, blind);
+  if (ops->wall->Check) PetscCall(ops->wall->Check(scene));
+  PetscCall(PetscOptionsBool("-wall_surface", "Particles on walls, before those behind them", "",
+                             ops->wall_surface, &ops->wall_surface, NULL));
+  UserCheck(
+      !ops->wall_surface || !ops->wall->on_surface,
+      "-wall_surface: -wall %s has its particles on the wall already; choose a treatment with "
+      "particles behind it, such as dummy_linear",
+      ops->wall->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -104,10 +112,12 @@ static PetscReal DefaultSmoothing(const Scene *scene)
 . -ppe_laplacian name  - form of the pressure Poisson equation
 . -correction name     - of the kernel that these Laplacians read
 . -gradient name       - form of gradients and divergences
-- -wall name           - wall treatment
+. -wall name           - wall treatment
+- -wall_surface        - a layer of particles on the walls before the layers behind them
 
   Errors: forms that need particles behind walls are refused with a treatment that has none,
-  corrections with forms that do not read the kernel's slope, anti-diffusive forms for the pressure
+  corrections with forms that do not read the kernel's slope, anti-diffusive forms for the pressure,
+  treatments with scenes they cannot take
 */
 PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
 {
@@ -128,8 +138,13 @@ PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
   if (SceneHas(scene, PHYSICS_WALLS))
     PetscCall(OperatorsChooseWall(PetscOptionsObject, scene, ops));
   PetscOptionsEnd();
-  ops->h           = h_over_dx * scene->dx;
-  ops->radius      = ops->kernel->support * ops->h;
+  ops->h      = h_over_dx * scene->dx;
+  ops->radius = ops->reach = ops->kernel->support * ops->h;
+  if (ops->wall && ops->wall->Extend) {
+    ops->reach =
+        PetscMax(ops->radius, ops->wall->radii * ops->radius + ops->wall->spacings * scene->dx);
+    ops->visc_form.extended = PETSC_TRUE;
+  }
   ops->visc.needed = SceneHas(scene, PHYSICS_VISCOSITY);
   ops->ppe.needed  = SceneHas(scene, PHYSICS_PRESSURE);
   for (PetscInt a = 0; a < scene->dim; a++) {
@@ -185,6 +200,7 @@ PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, Wall
 {
   PetscFunctionBegin;
   walls->layers   = 0;
+  walls->surface  = ops->wall_surface;
   walls->jittered = scene->problem->patch;
   if (ops->wall && !ops->wall->on_surface) {
     walls->layers = (PetscInt)PetscCeilReal(ops->radius / scene->dx - 1e-9);

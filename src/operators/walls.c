@@ -1,8 +1,9 @@
 /*
   Wall treatments: where the wall particles lie, and what a fluid particle reads from one.
-  Velocities: f_w - f_i = beta (f_wall - f_i), f_wall the wall's own. Pressures: n.grad p is given.
+  Velocities: f_w - f_i = beta (f_wall - f_i), f_wall the wall's own, or the particle's from the fluid
+  near it (wallfits.c), the divergence keeping beta. Pressures: n.grad p is given.
 */
-#include "isph/operators.h"
+#include "extension.h"
 
 /* Particles on the surface, or any with given values, speak for themselves. */
 static PetscReal WallBeta_Own(const Scene *scene, PetscReal distance, PetscReal depth)
@@ -28,14 +29,34 @@ static PetscReal WallBeta_DummyLinear(const Scene *scene, PetscReal distance, Pe
 }
 
 static const WallRow walls[] = {
+    /* name, brief, citation, on the surface, beta, extend, it looks as far as: radii, dx; check */
     {"wall_layer",
      "one layer of particles on the wall, its conditions equations of least-squares fits",
-     "Kuhnert (1999); divergence sees the normal velocity only", PETSC_TRUE, WallBeta_Own},
+     "Kuhnert (1999); divergence sees the normal velocity only", PETSC_TRUE, WallBeta_Own, NULL,
+     0.0, 0.0, NULL},
     {"dummy_linear", "dummy layers behind the wall, velocities extrapolated linearly",
-     "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)", PETSC_FALSE, WallBeta_DummyLinear},
+     "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)", PETSC_FALSE, WallBeta_DummyLinear, NULL, 0.0,
+     0.0, NULL},
+    {"mirror", "dummies have the velocity at their mirror image, turned about the wall's",
+     "Basa, Quinlan & Lastiwka (2009); Marrone et al. (2011)", PETSC_FALSE, WallBeta_DummyLinear,
+     WallExtend_Mirror, 2.0, 3.0, NULL},
+    {"linear", "dummies on the line through the wall and the fluid nearest to it",
+     "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", PETSC_FALSE,
+     WallBeta_DummyLinear, WallExtend_Linear, 1.0, 3.0, NULL},
+    {"quadratic", "dummies on the parabola through the wall and the fluid nearest to it",
+     "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", PETSC_FALSE,
+     WallBeta_DummyLinear, WallExtend_Quadratic, 1.0, 4.0, NULL},
+    {"global_quadratic", "dummies on the parabola through both walls of a channel",
+     "Watkins et al., Astron. Astrophys. Suppl. 119 (1996)", PETSC_FALSE, WallBeta_DummyLinear,
+     WallExtend_GlobalQuadratic, 1.0, 3.0, WallCheck_Channel},
+    {"adami", "dummies have the mean velocity of the fluid they see, turned about the wall's",
+     "Adami, Hu & Adams, J. Comput. Phys. 231 (2012)", PETSC_FALSE, WallBeta_DummyLinear,
+     WallExtend_Adami, 1.0, 0.0, NULL},
 };
 /* Around the box of a patch test: no wall, particles whose values are given. */
-const WallRow WallGiven = {"given", "values given at particles around the box", "", PETSC_FALSE,
-                           WallBeta_Own};
+const WallRow WallGiven = {.name     = "given",
+                           .brief    = "values given at particles around the box",
+                           .citation = "",
+                           .Beta     = WallBeta_Own};
 
 const Table WallTable = TABLE("-wall", "Wall treatments", walls);

@@ -1,8 +1,8 @@
 /*
   The particles a run begins with. The fluid is a lattice of cell centres, without those in bodies or too
-  near to them; a wall is one layer on its surface or some layers of the same lattice behind it. Any
-  index can be turned into its particle alone, so that each rank makes a contiguous share and nobody
-  holds all.
+  near to them; a wall is one layer on its surface, or some layers of the same lattice behind it, or both:
+  then the layer on the surface stands for the half cell between fluid and dummies. Any index can be
+  turned into its particle alone, so that each rank makes a contiguous share and nobody holds all.
 */
 #include "impl.h"
 
@@ -92,23 +92,32 @@ static void CellOf(PetscInt dim, const PetscInt count[], PetscInt index, PetscIn
 /* What becomes of a cell of the box's lattice. */
 typedef enum { CELL_FLUID, CELL_DUMMY, CELL_EMPTY } CellKind;
 
+/* What cell centres keep from a body's surface: fluid 0.4 dx where particles lie on it. */
+static PetscReal FluidClearance(const Scene *scene, WallPlacement walls)
+{
+  return (walls.layers && !walls.surface ? 0.25 : 0.4) * scene->dx;
+}
+static PetscReal DummyClearance(const Scene *scene, WallPlacement walls)
+{
+  return (walls.surface ? 0.5 : 0.25) * scene->dx;
+}
+
 /*
   Kind of a cell by the distance of its centre x from the nearest body; a dummy's body, depth and
-  normal too. Fluid keeps 0.4 dx from surface particles and 0.25 dx from a surface with dummies behind it.
+  normal too.
 */
 static CellKind ClassifyCell(const Scene *scene, WallPlacement walls, PetscInt index, PetscReal x[],
                              PetscInt *body, PetscReal *depth, PetscReal normal[])
 {
-  const PetscReal clearance = (walls.layers ? 0.25 : 0.4) * scene->dx;
-  PetscInt        cell[ISPH_MAX_DIM];
+  PetscInt cell[ISPH_MAX_DIM];
 
   CellOf(scene->dim, scene->cells, index, cell);
   for (PetscInt a = 0; a < scene->dim; a++)
     x[a] = scene->lo[a] + (cell[a] + 0.5) * (scene->hi[a] - scene->lo[a]) / scene->cells[a];
   *depth = -SceneDistance(scene, x, body, normal);
-  if (*depth <= -clearance) return CELL_FLUID;
-  return walls.layers && *depth >= clearance && *depth < walls.layers * scene->dx ? CELL_DUMMY
-                                                                                  : CELL_EMPTY;
+  if (*depth <= -FluidClearance(scene, walls)) return CELL_FLUID;
+  if (*depth < DummyClearance(scene, walls)) return CELL_EMPTY;
+  return *depth < walls.layers * scene->dx ? CELL_DUMMY : CELL_EMPTY;
 }
 
 /* Displaces fluid particle id from its place; it stays 0.3 of a cell away from walls that do not. */
@@ -131,21 +140,39 @@ static void JitterFluid(const Scene *scene, WallPlacement walls, PetscInt id, Pe
     x[a] += (0.25 * scene->dx - distance) * normal[a];
 }
 
+/*
+  Coordinate of lattice cell c along axis a, beyond a wall half a cell nearer to it where the layers
+  begin on its surface. Output: share - the part of that cell's length that the particle stands for.
+*/
+static PetscReal WallCoordinate(const Scene *scene, WallPlacement walls, PetscInt a, PetscInt c,
+                                PetscReal *share)
+{
+  const PetscReal h     = (scene->hi[a] - scene->lo[a]) / scene->cells[a];
+  PetscReal       place = c + 0.5;
+
+  *share = 1.0;
+  if (walls.surface && (c < 0 || c >= scene->cells[a])) {
+    place += c < 0 ? 0.5 : -0.5;
+    if (c == -1 || c == scene->cells[a]) *share = 0.5;
+  }
+  return scene->lo[a] + place * h;
+}
+
 /* Writes wall particle `index` of the scene to local place i. */
 static void WallParticle(const Scene *scene, WallPlacement walls, const WallSlabs *slabs,
                          PetscInt index, Particles *p, PetscInt i)
 {
   PetscInt  s       = 0, cell[ISPH_MAX_DIM], side;
-  PetscReal deepest = 0.0;
+  PetscReal deepest = 0.0, volume = SceneVolume(scene);
 
   while (index >= slabs->first[s + 1]) s++;
   CellOf(scene->dim, slabs->count[s], index - slabs->first[s], cell);
   side = slabs->side[s];
   for (PetscInt a = 0; a < scene->dim; a++) {
-    const PetscReal h = (scene->hi[a] - scene->lo[a]) / scene->cells[a];
-    PetscReal       below, above;
+    PetscReal below, above, share;
 
-    p->x[a][i] = scene->lo[a] + (slabs->begin[s][a] + cell[a] + 0.5) * h;
+    p->x[a][i] = WallCoordinate(scene, walls, a, slabs->begin[s][a] + cell[a], &share);
+    volume *= share;
     if (walls.layers == 0 || scene->periodic[a]) continue;
     below = scene->lo[a] - p->x[a][i];
     above = p->x[a][i] - scene->hi[a];
@@ -164,6 +191,7 @@ static void WallParticle(const Scene *scene, WallPlacement walls, const WallSlab
   p->depth[i]            = deepest;
   p->side[i]             = (PetscReal)side;
   p->id[i]               = p->N_fluid + index;
+  if (p->volume) p->volume[i] = volume;
 }
 
 /* ParticlesShare - This rank's share [first, last) of n things that all ranks make or read together */
@@ -199,7 +227,8 @@ static PetscErrorCode CountShare(const Scene *scene, WallPlacement walls, PetscI
 
 /* Writes a wall particle of a body to local place i. */
 static void BodyParticle(const Scene *scene, PetscInt body, const PetscReal x[], PetscReal depth,
-                         const PetscReal normal[], PetscInt id, Particles *p, PetscInt i)
+                         const PetscReal normal[], PetscReal volume, PetscInt id, Particles *p,
+                         PetscInt i)
 {
   for (PetscInt a = 0; a < scene->dim; a++) {
     p->x[a][i]      = x[a];
@@ -208,29 +237,34 @@ static void BodyParticle(const Scene *scene, PetscInt body, const PetscReal x[],
   p->depth[i] = depth;
   p->side[i]  = (PetscReal)(2 * scene->dim + body);
   p->id[i]    = id;
+  if (p->volume) p->volume[i] = volume;
 }
 
-/* Surface points of all bodies, or none where walls are layers. */
+/* Surface points of all bodies, or none where all layers are behind it. */
 static PetscInt SurfacePoints(const Scene *scene, WallPlacement walls)
 {
   PetscInt n = 0;
 
-  for (PetscInt k = 0; !walls.layers && k < scene->n_bodies; k++)
-    n += BodyPoints(&scene->body_of[k], scene->dx);
+  if (walls.layers && !walls.surface) return 0;
+  for (PetscInt k = 0; k < scene->n_bodies; k++) n += BodyPoints(&scene->body_of[k], scene->dx);
   return n;
 }
 
-/* Writes surface point `index` of all bodies' to local place i. */
-static void SurfaceParticle(const Scene *scene, PetscInt index, PetscInt id, Particles *p,
-                            PetscInt i)
+/*
+  Writes surface point `index` of all bodies' to local place i; it stands for the band between the cells
+  of fluid and those of dummies.
+*/
+static void SurfaceParticle(const Scene *scene, WallPlacement walls, PetscInt index, PetscInt id,
+                            Particles *p, PetscInt i)
 {
-  PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
-  PetscInt  k = 0;
+  const PetscReal band = FluidClearance(scene, walls) + DummyClearance(scene, walls);
+  PetscReal       x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM], length;
+  PetscInt        k = 0;
 
   while (index >= BodyPoints(&scene->body_of[k], scene->dx))
     index -= BodyPoints(&scene->body_of[k++], scene->dx);
-  (void)BodyPoint(&scene->body_of[k], index, scene->dx, x, normal);
-  BodyParticle(scene, k, x, 0.0, normal, id, p, i);
+  length = BodyPoint(&scene->body_of[k], index, scene->dx, x, normal);
+  BodyParticle(scene, k, x, 0.0, normal, length * band, id, p, i);
 }
 
 /* The lattice cells [first, last): fluid and dummies, whose ids begin at fluid and wall. */
@@ -245,7 +279,8 @@ static PetscErrorCode FillCells(const Scene *scene, WallPlacement walls, PetscIn
   for (PetscInt c = first; c < last; c++) {
     const CellKind kind = ClassifyCell(scene, walls, c, x, &body, &depth, normal);
 
-    if (kind == CELL_DUMMY) BodyParticle(scene, body, x, depth, normal, dummy++, p, wall++);
+    if (kind == CELL_DUMMY)
+      BodyParticle(scene, body, x, depth, normal, SceneVolume(scene), dummy++, p, wall++);
     if (kind != CELL_FLUID) continue;
     p->id[i] = fluid + i;
     JitterFluid(scene, walls, p->id[i], x);
@@ -266,13 +301,13 @@ static PetscErrorCode FillCells(const Scene *scene, WallPlacement walls, PetscIn
 - p     - own fields registered
 
   Output Parameter:
-. p - N_fluid, N_wall, and own particles with id, x, normal, depth and side; they are not where they
-      belong yet. Ids: fluid, then the walls of the box, then those of bodies.
+. p - N_fluid, N_wall, and own particles with id, x, normal, depth, side and volume; they are not where
+      they belong yet. Ids: fluid, then the walls of the box, then those of bodies.
 */
 PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, Particles *p)
 {
   WallSlabs slabs;
-  PetscInt  cells = 0, first, last, own[2], start[2], all[2], slab[2], point[2], wall;
+  PetscInt  cells = 0, first, last, own[2], start[2], all[2], slab[2], point[2], wall, dummy;
 
   PetscFunctionBegin;
   PetscCall(CountCells(scene->dim, scene->cells, &cells));
@@ -290,8 +325,8 @@ PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, Particles *p
   wall = p->n_fluid;
   for (PetscInt k = slab[0]; k < slab[1]; k++) WallParticle(scene, walls, &slabs, k, p, wall++);
   for (PetscInt k = point[0]; k < point[1]; k++)
-    SurfaceParticle(scene, k, p->N_fluid + slabs.first[slabs.n] + k, p, wall++);
-  PetscCall(FillCells(scene, walls, first, last, start[0], wall,
-                      p->N_fluid + slabs.first[slabs.n] + start[1], p));
+    SurfaceParticle(scene, walls, k, p->N_fluid + slabs.first[slabs.n] + k, p, wall++);
+  dummy = p->N_fluid + slabs.first[slabs.n] + SurfacePoints(scene, walls) + start[1];
+  PetscCall(FillCells(scene, walls, first, last, start[0], wall, dummy, p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -74,7 +74,7 @@ PetscErrorCode ParticlesRegister(Particles *particles, const char name[], PetscI
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode RegisterOwnFields(const Scene *scene, Particles *p)
+static PetscErrorCode RegisterOwnFields(const Scene *scene, WallPlacement walls, Particles *p)
 {
   PetscFunctionBegin;
   PetscCall(ParticlesRegister(p, "x", p->dim, HALO_NONE, p->x));
@@ -87,6 +87,7 @@ static PetscErrorCode RegisterOwnFields(const Scene *scene, Particles *p)
     PetscCall(ParticlesRegister(p, "normal", p->dim, HALO_EPOCH, p->normal));
     PetscCall(ParticlesRegister(p, "depth", 1, HALO_EPOCH, &p->depth));
     PetscCall(ParticlesRegister(p, "side", 1, HALO_EPOCH, &p->side));
+    if (walls.surface) PetscCall(ParticlesRegister(p, "volume", 1, HALO_EPOCH, &p->volume));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -134,7 +135,7 @@ PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscRea
   PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
   PetscCall(PetscCalloc2(ranks, &p->cut_axis, ranks, &p->cut));
   PetscCall(PetscSFCreate(p->comm, &p->sf));
-  PetscCall(RegisterOwnFields(scene, p));
+  PetscCall(RegisterOwnFields(scene, walls, p));
 
   PetscCall(LatticeFill(scene, walls, p));
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));

@@ -52,7 +52,8 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
   PetscCall(CheckpointRecord(run->particles, wanted, sizeof(wanted)));
   PetscCall(PetscStrcmp(names, wanted, &same));
   UserCheck(same,
-            "-restart %s: the file holds %s, this run needs %s; use the same physics and -motion",
+            "-restart %s: the file holds %s, this run needs %s; use the same physics, -motion and "
+            "-wall_surface",
             path, names, wanted);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

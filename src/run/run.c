@@ -22,7 +22,7 @@ static PetscErrorCode RunCreate(Run *run)
   PetscCall(SchemeCreate(run->scene, run->clock, run->ops, &run->scheme));
   if (run->clock->adapt->retries) PetscCall(UndoCreate(&run->undo));
   PetscCall(OperatorsPlacement(run->scene, run->ops, &walls));
-  PetscCall(ParticlesCreate(run->scene, walls, run->ops->radius, &run->particles));
+  PetscCall(ParticlesCreate(run->scene, walls, run->ops->reach, &run->particles));
   PetscCall(SchemeRegister(run->scene, run->particles, run->scheme));
   PetscCall(NeighborsCreate(run->ops->radius, &run->neighbors));
   PetscCall(SnapshotsCreate(run->scene, &run->snapshots));

@@ -168,6 +168,7 @@ static const char *const OwnNames[] = {
     "ppe_filter",
     "gradient",
     "wall",
+    "wall_surface",
     "correction",
     "shift",
     "skin",

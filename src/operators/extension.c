@@ -1,0 +1,167 @@
+/*
+  Walls as an affine extension of the fluid: with u_w = u_wall + sum_j E_wj (u_j - u_wall) the operators
+  of velocities, assembled on the values of wall particles, become operators on fluid and wall data
+
+    A u + B u_w = (A + B E) u + B diag(S) u_wall,   S_w = 1 - sum_j E_wj,
+
+  so that what comes after knows of walls what it knew before.
+*/
+#include "extension.h"
+
+/* E, entry by entry, and S. */
+typedef struct {
+  PetscInt   n, capacity;
+  PetscInt  *row, *col; /* global */
+  PetscReal *value;
+  Vec        S;
+} Entries;
+
+static PetscErrorCode EntriesAppend(Entries *list, PetscInt row, const Extension *ext)
+{
+  PetscFunctionBegin;
+  if (list->n + ext->n > list->capacity) {
+    list->capacity = 2 * list->capacity + ext->n + 1024;
+    PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)list->capacity, &list->row));
+    PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)list->capacity, &list->col));
+    PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)list->capacity, &list->value));
+  }
+  for (PetscInt k = 0; k < ext->n; k++, list->n++) {
+    list->row[list->n]   = row;
+    list->col[list->n]   = ext->particles->number[ext->j[k]];
+    list->value[list->n] = ext->e[k];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Room for as many points as there are local particles. */
+static PetscErrorCode ExtensionCreate(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                      const Operators *ops, Extension *ext)
+{
+  const PetscInt n = nb->cells.n;
+
+  PetscFunctionBegin;
+  *ext = (Extension){.scene     = scene,
+                     .particles = p,
+                     .cells     = &nb->cells,
+                     .margin    = nb->margin,
+                     .kernel    = ops->kernel,
+                     .dim       = scene->dim,
+                     .dx        = scene->dx,
+                     .radius    = ops->radius};
+  PetscCall(PetscMalloc4(n, &ext->j, n, &ext->q, n, &ext->weight, n, &ext->e));
+  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(PetscMalloc1(n, &ext->s[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ExtensionDestroy(Extension *ext)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree4(ext->j, ext->q, ext->weight, ext->e));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(ext->s[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  The place of own wall particle i.
+
+  Returns: whether fluid may see the particle and read it as anything but the wall itself
+*/
+static PetscBool ExtensionPlace(const Particles *p, PetscInt i, Extension *ext)
+{
+  const Scene *scene = ext->scene;
+  PetscReal    d2    = 0.0;
+
+  ext->n     = 0;
+  ext->depth = p->depth[i];
+  ext->side  = (PetscInt)p->side[i];
+  for (PetscInt a = 0; a < ext->dim; a++) {
+    ext->x[a]      = p->x[a][i];
+    ext->normal[a] = p->normal[a][i];
+    ext->foot[a]   = ext->x[a] + ext->depth * ext->normal[a];
+    ext->edge[a]   = ext->foot[a];
+    if (!scene->periodic[a])
+      ext->edge[a] = PetscMin(PetscMax(ext->foot[a], scene->lo[a]), scene->hi[a]);
+    d2 += PetscSqr(ext->x[a] - ext->edge[a]);
+  }
+  return ext->depth > 0.0 && d2 < PetscSqr(ext->radius) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* The rows of E of own wall particles, and S. */
+static PetscErrorCode FillEntries(const WallRow *wall, const Particles *p, Extension *ext,
+                                  Entries *list)
+{
+  PetscReal *S;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArray(list->S, &S));
+  for (PetscInt k = 0; k < p->n_wall; k++) {
+    const PetscInt i = p->n_fluid + k;
+
+    S[k] = 1.0;
+    if (!ExtensionPlace(p, i, ext)) continue;
+    PetscCall(wall->Extend(ext));
+    for (PetscInt q = 0; q < ext->n; q++) S[k] -= ext->e[q];
+    PetscCall(EntriesAppend(list, p->number[i], ext));
+  }
+  PetscCall(VecRestoreArray(list->S, &S));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* E as a matrix; particles and their periodic images are one column. */
+static PetscErrorCode EntriesMat(const Particles *p, Entries *list, Mat *E)
+{
+  PetscFunctionBegin;
+  PetscCall(MatCreate(p->comm, E));
+  PetscCall(MatSetSizes(*E, p->n_wall, p->n_fluid, p->N_wall, p->N_fluid));
+  PetscCall(MatSetType(*E, MATAIJ));
+  PetscCall(MatSetPreallocationCOO(*E, list->n, list->row, list->col));
+  PetscCall(MatSetValuesCOO(*E, list->value, ADD_VALUES));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A <- A + B E, B <- B diag(S). */
+static PetscErrorCode ExtendOperator(Mat E, Vec S, AffineOperator *op)
+{
+  Mat BE;
+
+  PetscFunctionBegin;
+  if (!op->needed) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatMatMult(op->B, E, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &BE));
+  PetscCall(MatAXPY(op->A, 1.0, BE, DIFFERENT_NONZERO_PATTERN));
+  PetscCall(MatDestroy(&BE));
+  PetscCall(MatDiagonalScale(op->B, NULL, S));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ExtendWalls - Makes the operators of velocities, lap u and du/dx_a, read the walls' velocity through
+  the extension of the wall treatment
+
+  Collective on the particles' communicator. To be called once after their matrices were made.
+
+  Notes: fits that their points did not determine are counted in ops->stencil->weak. Particles on the
+  surface itself keep the wall's velocity.
+*/
+PetscErrorCode ExtendWalls(const Scene *scene, const Particles *p, const Neighbors *nb,
+                           Operators *ops)
+{
+  Extension ext;
+  Entries   list = {0};
+  Mat       E;
+
+  PetscFunctionBegin;
+  PetscCall(WallVec(p, &list.S));
+  PetscCall(ExtensionCreate(scene, p, nb, ops, &ext));
+  PetscCall(FillEntries(ops->wall, p, &ext, &list));
+  PetscCall(EntriesMat(p, &list, &E));
+  PetscCall(ExtendOperator(E, list.S, &ops->visc));
+  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(ExtendOperator(E, list.S, &ops->grad_u[a]));
+  ops->stencil->weak += ext.weak;
+  PetscCall(MatDestroy(&E));
+  PetscCall(VecDestroy(&list.S));
+  PetscCall(PetscFree(list.row));
+  PetscCall(PetscFree(list.col));
+  PetscCall(PetscFree(list.value));
+  PetscCall(ExtensionDestroy(&ext));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

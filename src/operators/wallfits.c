@@ -1,0 +1,338 @@
+/*
+  Rows of the extension of the velocity behind walls: fits over the fluid near the foot s = x_w + d n or
+  the mirror image m = x_w + 2 d n of a wall particle of depth d, weighted by the kernel stretched over
+  the reach of the fit. Behind an edge of the box both lie beyond another side; the fluid taken is then
+  that nearest to the edge, and the fit reaches over to them.
+*/
+#include "extension.h"
+
+#define FIT_MAX_TERMS MLS_QUADRATIC_TERMS
+
+/* Basis of a fit at s, and how many terms it has. */
+typedef PetscInt (*FitBasis)(const Extension *ext, PetscReal reach, const PetscReal s[],
+                             PetscReal phi[]);
+
+/* Fluid within reach of a centre, weighted by its distance from there: s = (x_j - origin)/reach. */
+static PetscErrorCode Gather(const PetscReal centre[], const PetscReal origin[], PetscReal reach,
+                             Extension *ext)
+{
+  const Particles *p = ext->particles;
+  PetscInt         found, n = 0;
+
+  PetscFunctionBegin;
+  PetscCall(
+      CellsFind(ext->cells, centre, reach + 0.5 * ext->margin, ext->cells->n, ext->j, &found));
+  for (PetscInt k = 0; k < found; k++) {
+    const PetscInt j = ext->j[k];
+    PetscReal      q = 0.0, w[3];
+
+    if (ParticlesIsWall(p, j)) continue;
+    for (PetscInt a = 0; a < ext->dim; a++) {
+      ext->s[a][n] = (p->x[a][j] - origin[a]) / reach;
+      q += PetscSqr((p->x[a][j] - centre[a]) / reach);
+    }
+    q = PetscSqrtReal(q);
+    if (q >= 1.0) continue;
+    KernelEvaluate(ext->kernel, ext->dim, 1.0 / ext->kernel->support, q, w);
+    ext->q[n]      = q;
+    ext->weight[n] = w[0];
+    ext->j[n++]    = j;
+  }
+  ext->n = n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Fit - Row of a weighted least-squares fit sum_t c_t phi_t of the gathered points
+
+    e_j = w_j phi(s_j).M^-1 functional,   M = sum_j w_j phi phi^T
+
+  Returns: PETSC_FALSE, nothing written, where the points do not determine the fit: a term that differs
+  from those before it by less than 0.1 % of its square
+*/
+static PetscBool Fit(FitBasis basis, PetscReal reach, const PetscReal functional[], Extension *ext)
+{
+  PetscReal M[FIT_MAX_TERMS * FIT_MAX_TERMS] = {0.0}, square[FIT_MAX_TERMS], c[FIT_MAX_TERMS],
+                              phi[FIT_MAX_TERMS], s[ISPH_MAX_DIM] = {0.0};
+  const PetscInt terms = basis(ext, reach, s, phi);
+
+  for (PetscInt k = 0; k < ext->n; k++) {
+    for (PetscInt a = 0; a < ext->dim; a++) s[a] = ext->s[a][k];
+    (void)basis(ext, reach, s, phi);
+    for (PetscInt t = 0; t < terms; t++) {
+      for (PetscInt q = 0; q <= t; q++) M[t * terms + q] += ext->weight[k] * phi[t] * phi[q];
+    }
+  }
+  for (PetscInt t = 0; t < terms; t++) square[t] = M[t * terms + t];
+  if (DenseCholesky(terms, M)) return PETSC_FALSE;
+  for (PetscInt t = 0; t < terms; t++) { /* the diagonal of the factor is inverted */
+    if (1e-3 * square[t] * PetscSqr(M[t * terms + t]) > 1.0) return PETSC_FALSE;
+    c[t] = functional[t];
+  }
+  DenseCholeskySolve(terms, M, c);
+  for (PetscInt k = 0; k < ext->n; k++) {
+    for (PetscInt a = 0; a < ext->dim; a++) s[a] = ext->s[a][k];
+    (void)basis(ext, reach, s, phi);
+    ext->e[k] = 0.0;
+    for (PetscInt t = 0; t < terms; t++) ext->e[k] += ext->weight[k] * phi[t] * c[t];
+  }
+  return PETSC_TRUE;
+}
+
+/* ---- bases ---- */
+
+static PetscInt Basis_Constant(const Extension *ext, PetscReal reach, const PetscReal s[],
+                               PetscReal phi[])
+{
+  phi[0] = 1.0;
+  return 1;
+}
+
+static PetscInt Basis_Full(const Extension *ext, PetscReal reach, const PetscReal s[],
+                           PetscReal phi[])
+{
+  phi[0] = 1.0;
+  for (PetscInt a = 0; a < ext->dim; a++) phi[1 + a] = s[a];
+  return 1 + ext->dim;
+}
+
+/* Height above the tangent plane. */
+static PetscInt Basis_Slope(const Extension *ext, PetscReal reach, const PetscReal s[],
+                            PetscReal phi[])
+{
+  phi[0] = 0.0;
+  for (PetscInt a = 0; a < ext->dim; a++) phi[0] += s[a] * ext->normal[a];
+  return 1;
+}
+
+static PetscInt Basis_Linear(const Extension *ext, PetscReal reach, const PetscReal s[],
+                             PetscReal phi[])
+{
+  for (PetscInt a = 0; a < ext->dim; a++) phi[a] = s[a];
+  return ext->dim;
+}
+
+static PetscInt Basis_Quadratic(const Extension *ext, PetscReal reach, const PetscReal s[],
+                                PetscReal phi[])
+{
+  const PetscInt d = ext->dim == 2 ? 2 : 3;
+  PetscInt       t = d;
+
+  for (PetscInt a = 0; a < d; a++) {
+    phi[a] = s[a];
+    for (PetscInt b = 0; b <= a; b++) phi[t++] = s[a] * s[b];
+  }
+  return t;
+}
+
+/* xi (H - xi), zero on both walls. */
+static PetscInt Basis_Channel(const Extension *ext, PetscReal reach, const PetscReal s[],
+                              PetscReal phi[])
+{
+  const PetscInt  axis = ext->side / 2;
+  const PetscReal H    = (ext->scene->hi[axis] - ext->scene->lo[axis]) / reach;
+
+  (void)Basis_Slope(ext, reach, s, phi);
+  phi[0] *= 1.0 - phi[0] / H;
+  return 1;
+}
+
+/* ---- rows ---- */
+
+/* What is fitted, with fluid from how far [m]. */
+typedef struct {
+  FitBasis  basis;
+  PetscReal reach;
+} FitTry;
+
+/*
+  Weights that grow as 1/q^2, so that a particle in the centre decides alone: P. Lancaster, K. Salkauskas,
+  Math. Comput. 37 (1981). 1e-8 keeps them finite.
+*/
+static void WeighInterpolating(Extension *ext)
+{
+  for (PetscInt k = 0; k < ext->n; k++) ext->weight[k] /= PetscSqr(ext->q[k]) + 1e-8;
+}
+
+/*
+  FitFirst - Row of the first of n fits that its points determine, or an empty one
+
+    sum_j e_j f_j = sign f(origin + at),   f fitted about the centre
+
+  A fit other than of the first basis is counted as weak.
+*/
+static PetscErrorCode FitFirst(const FitTry tries[], size_t n, const PetscReal centre[],
+                               const PetscReal origin[], const PetscReal at[], PetscReal sign,
+                               PetscBool interpolating, Extension *ext)
+{
+  PetscFunctionBegin;
+  for (size_t k = 0; k < n; k++) {
+    const PetscReal reach = tries[k].reach;
+    PetscReal       s[ISPH_MAX_DIM], functional[FIT_MAX_TERMS];
+    PetscInt        terms;
+
+    for (PetscInt a = 0; a < ext->dim; a++) s[a] = at[a] / reach;
+    terms = tries[k].basis(ext, reach, s, functional);
+    for (PetscInt t = 0; t < terms; t++) functional[t] *= sign;
+    PetscCall(Gather(centre, origin, reach, ext));
+    if (interpolating) WeighInterpolating(ext);
+    if (!Fit(tries[k].basis, reach, functional, ext)) continue;
+    if (tries[k].basis != tries[0].basis) ext->weak++;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  ext->n = 0;
+  ext->weak++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The first fit of u - u_wall about the foot, where it is zero, taken at the wall particle. */
+static PetscErrorCode FitAtWall(const FitTry tries[], size_t n, Extension *ext)
+{
+  PetscReal at[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < ext->dim; a++) at[a] = -ext->depth * ext->normal[a];
+  PetscCall(FitFirst(tries, n, ext->edge, ext->foot, at, 1.0, PETSC_FALSE, ext));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  WallExtend_Mirror - The fluid's velocity at the mirror image, turned about the wall's
+
+    u_w = 2 u_wall - u(m)
+
+  u(m) by a linear least-squares fit over fluid within 2 dx of m, exact for linear fields and where a
+  particle sits at m. Where these do not determine it those within 3 dx are taken, and then their mean.
+
+  References: mirrored particles, M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60
+  (2009); at fixed places, S. Marrone et al., Comput. Methods Appl. Mech. Eng. 200 (2011)
+*/
+PetscErrorCode WallExtend_Mirror(Extension *ext)
+{
+  const FitTry tries[] = {
+      {Basis_Full, 2.0 * ext->dx}, {Basis_Full, 3.0 * ext->dx}, {Basis_Constant, 3.0 * ext->dx}};
+  PetscReal centre[ISPH_MAX_DIM], at[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < ext->dim; a++) {
+    centre[a] = ext->edge[a] + ext->depth * ext->normal[a];
+    at[a]     = ext->foot[a] - ext->edge[a];
+  }
+  PetscCall(
+      FitFirst(tries, PETSC_STATIC_ARRAY_LENGTH(tries), centre, centre, at, -1.0, PETSC_TRUE, ext));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  WallExtend_Linear - The line through the wall's velocity and the fluid nearest to the wall
+
+    u_w = u_wall - d g.n,   u_j - u_wall = g.(x_j - s) over fluid within 2 dx of s
+
+  Exact for linear fields, on curved walls too and where walls shear. Where the points do not
+  determine g those within 3 dx are taken, then the normal component alone; without fluid: the wall's
+  velocity.
+
+  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), section 6.1.2
+*/
+PetscErrorCode WallExtend_Linear(Extension *ext)
+{
+  const FitTry tries[] = {
+      {Basis_Linear, 2.0 * ext->dx}, {Basis_Linear, 3.0 * ext->dx}, {Basis_Slope, 3.0 * ext->dx}};
+
+  PetscFunctionBegin;
+  PetscCall(FitAtWall(tries, PETSC_STATIC_ARRAY_LENGTH(tries), ext));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  WallExtend_Quadratic - The parabola through the wall's velocity and the fluid nearest to the wall
+
+    u_w = u_wall - d g.n + d^2 n.H n/2,   u_j - u_wall = g.X + X.H X/2 over fluid within 3 dx of s
+
+  X = x_j - s. Exact for quadratic fields. Where the points do not determine it those within 4 dx are
+  taken, then the linear fit.
+
+  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), section 6.1.2
+*/
+PetscErrorCode WallExtend_Quadratic(Extension *ext)
+{
+  const FitTry tries[] = {{Basis_Quadratic, 3.0 * ext->dx},
+                          {Basis_Quadratic, 4.0 * ext->dx},
+                          {Basis_Linear, 2.0 * ext->dx},
+                          {Basis_Linear, 3.0 * ext->dx},
+                          {Basis_Slope, 3.0 * ext->dx}};
+
+  PetscFunctionBegin;
+  PetscCall(FitAtWall(tries, PETSC_STATIC_ARRAY_LENGTH(tries), ext));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  WallExtend_GlobalQuadratic - The parabola through both walls of a channel and the nearest fluid
+
+    u_w - u_wall = -c d (H + d),   u_j - u_wall = c xi_j (H - xi_j) over fluid within 2 dx of s
+
+  xi_j is the distance from the wall; 3 dx where there is no fluid as near.
+
+  Reference: S. J. Watkins et al., Astron. Astrophys. Suppl. Ser. 119 (1996) 177-187, as told by M.
+  Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)
+*/
+PetscErrorCode WallExtend_GlobalQuadratic(Extension *ext)
+{
+  const FitTry tries[] = {{Basis_Channel, 2.0 * ext->dx}, {Basis_Channel, 3.0 * ext->dx}};
+
+  PetscFunctionBegin;
+  PetscCall(FitAtWall(tries, PETSC_STATIC_ARRAY_LENGTH(tries), ext));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  WallExtend_Adami - The mean of the fluid in the wall particle's own support, turned about the wall's
+
+    u_w = 2 u_wall - sum_j W_wj u_j / sum_j W_wj
+
+  Without fluid there the row is empty, and no fluid sees the particle.
+
+  Reference: S. Adami, X. Y. Hu, N. A. Adams, J. Comput. Phys. 231 (2012) 7057-7075
+*/
+PetscErrorCode WallExtend_Adami(Extension *ext)
+{
+  const PetscReal functional = -1.0;
+
+  PetscFunctionBegin;
+  PetscCall(Gather(ext->x, ext->x, ext->radius, ext));
+  if (!Fit(Basis_Constant, ext->radius, &functional, ext)) ext->n = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* WallCheck_Channel - Refuses what has no parabola between two walls; collective */
+PetscErrorCode WallCheck_Channel(const Scene *scene)
+{
+  PetscReal u[2][ISPH_MAX_DIM], x[ISPH_MAX_DIM];
+  PetscInt  walled = 0, axis = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    x[a] = 0.5 * (scene->lo[a] + scene->hi[a]);
+    if (scene->periodic[a]) continue;
+    walled++;
+    axis = a;
+  }
+  UserCheck(
+      walled == 1 && !scene->n_bodies,
+      "-wall global_quadratic: it is a parabola between two flat walls, which case %s is not; "
+      "use quadratic",
+      scene->problem->name);
+  for (PetscInt end = 0; end < 2; end++) {
+    x[axis] = end ? scene->hi[axis] : scene->lo[axis];
+    SceneWallVelocity(scene, 2 * axis + end, 0.0, x, u[end]);
+  }
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    UserCheck(
+        u[0][a] == u[1][a] && !scene->unsteady_walls,
+        "-wall global_quadratic: its parabola wants both walls at one velocity, which those of "
+        "case %s do not have; use quadratic",
+        scene->problem->name);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,120 @@
+/*
+  Identities of pressures beside walls, for every row of the wall table that is closed pair by pair with
+  all forms it can meet, on lattices and on disordered clouds, in two and three dimensions.
+*/
+/* RANKS: 1 2 */
+#include "walled.h"
+
+/* lap p of a pressure with its normal derivative given, where the form is exact. */
+static void CheckLaplacian(const Quadratic *p, const WalledForms *forms, const char *where,
+                           Cloud *cloud)
+{
+  const PetscBool even  = cloud->scene.jitter == 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  const Quadratic exact = QuadraticLaplacian(cloud, p);
+
+  if (!even && !(forms->laplacian->properties & FORM_EXACT_LINEAR)) return;
+  ASSERT_OK(CloudSet(cloud, p, cloud->f[0]));
+  ASSERT_OK(CloudSetSlope(cloud, p, cloud->e));
+  ASSERT_OK(AffineApply(&cloud->ops->ppe, cloud->f[0], cloud->e, cloud->y));
+  ASSERT_OK(VecScale(cloud->y, -1.0 / PetscSqr(cloud->scene.dx)));
+  WalledAssert("lap p", where, cloud, cloud->y, &exact, 2, 1e-8);
+}
+
+/* grad p of a pressure with its normal derivative given, where the form is exact. */
+static void CheckGradient(const Quadratic *p, const WalledForms *forms, const char *where,
+                          Cloud *cloud)
+{
+  if (!(forms->gradient->properties & FORM_EXACT_LINEAR)) return;
+  ASSERT_OK(CloudSet(cloud, p, cloud->f[0]));
+  ASSERT_OK(CloudSetSlope(cloud, p, cloud->e));
+  for (PetscInt a = 0; a < cloud->scene.dim; a++) {
+    const Quadratic exact = QuadraticDerivative(cloud, p, a);
+
+    ASSERT_OK(AffineApply(&cloud->ops->grad_p[a], cloud->f[0], cloud->e, cloud->y));
+    WalledAssert("grad p", where, cloud, cloud->y, &exact, 1, 1e-8);
+  }
+}
+
+/* What all closures see of a pressure varies along the normal: p = rho f.x, f normal to walls. */
+static void CheckHydrostatic(const WalledForms *forms, const char *where, Cloud *cloud)
+{
+  Quadratic p = {.c = 2.0};
+
+  p.g[cloud->scene.dim - 1] = -1.3;
+  CheckLaplacian(&p, forms, where, cloud);
+  CheckGradient(&p, forms, where, cloud);
+}
+
+/*
+  Any linear pressure in a closed box: fits take n.grad p where it is, dummies follow the gradient
+  of the row along the wall. They do not in the Laplacian that must stay symmetric, nor beside a
+  gradient that is not exact itself.
+*/
+static void CheckLinearPressure(const WalledForms *forms, const char *where, Cloud *cloud)
+{
+  const PetscBool follows = !(forms->laplacian->properties & FORM_SYMMETRIC) &&
+                            (forms->gradient->properties & FORM_EXACT_LINEAR);
+
+  for (PetscInt k = 0; k < cloud->scene.dim; k++) {
+    const Quadratic p = QuadraticMonomial(cloud->scene.dim, k);
+
+    if (follows) CheckLaplacian(&p, forms, where, cloud);
+    CheckGradient(&p, forms, where, cloud);
+  }
+}
+
+/* A fit is exact for quadratic pressures too; dummies know no second derivative. */
+static void CheckQuadraticPressure(const WalledForms *forms, const char *where, Cloud *cloud)
+{
+  const PetscInt dim = cloud->scene.dim;
+
+  if (!forms->wall->on_surface || !(forms->laplacian->properties & FORM_EXACT_QUADRATIC)) return;
+  for (PetscInt k = dim; k < QuadraticCount(dim); k++) {
+    const Quadratic p = QuadraticMonomial(dim, k);
+
+    CheckLaplacian(&p, forms, where, cloud);
+    CheckGradient(&p, forms, where, cloud);
+  }
+}
+
+/* A matrix that a form calls symmetric is so beside walls. */
+static void CheckSymmetry(const WalledForms *forms, const char *where, Cloud *cloud)
+{
+  PetscBool symmetric = PETSC_TRUE;
+
+  if (forms->laplacian->properties & FORM_SYMMETRIC)
+    ASSERT_OK(MatIsSymmetric(cloud->ops->ppe.A, 1e-12, &symmetric));
+  CloudAssertNone("symmetry", where, !symmetric);
+}
+
+static void test_hydrostatic(void **state)
+{
+  (void)state;
+  WalledForAll(PETSC_FALSE, CheckHydrostatic);
+}
+
+static void test_polynomials(void **state)
+{
+  (void)state;
+  WalledForAll(PETSC_TRUE, CheckLinearPressure);
+  WalledForAll(PETSC_TRUE, CheckQuadraticPressure);
+}
+
+static void test_symmetry(void **state)
+{
+  (void)state;
+  WalledForAll(PETSC_TRUE, CheckSymmetry);
+}
+
+int main(int argc, char **argv)
+{
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_hydrostatic),
+                                     cmocka_unit_test(test_polynomials),
+                                     cmocka_unit_test(test_symmetry)};
+  int                     failed;
+
+  if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;
+  failed = cmocka_run_group_tests(tests, NULL, NULL);
+  MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
+  return PetscFinalize() || failed ? 1 : 0;
+}

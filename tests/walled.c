@@ -1,0 +1,122 @@
+/* The combinations of walled.h: which there are, and the cloud of each. */
+#include "walled.h"
+
+const WallRow *WalledWall(PetscInt k)
+{
+  return (const WallRow *)(const void *)TableGet(&WallTable, k);
+}
+
+const GradientRow *WalledGradient(PetscInt k)
+{
+  return (const GradientRow *)(const void *)TableGet(&GradientTable, k);
+}
+
+/* WalledBlind - Whether a form cannot take the roles of wall particles */
+PetscBool WalledBlind(unsigned properties)
+{
+  return (properties & FORM_FULL_SUPPORT) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* WalledMeets - Whether a form can do with what a treatment puts behind the wall */
+PetscBool WalledMeets(const WallRow *wall, PetscBool full_support)
+{
+  return (!wall->on_surface || !full_support) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/*
+  Every wall treatment that is closed pair by pair with every Laplacian and one gradient, and the other
+  way round; those that extend the fluid have test_extension.c.
+*/
+static PetscInt AllForms(WalledForms forms[], PetscInt most)
+{
+  const LaplacianRow *some_laplacian = NULL;
+  const GradientRow  *some_gradient  = NULL;
+  PetscInt            n              = 0;
+
+  for (PetscInt k = 0; k < LaplacianTable.count; k++)
+    if (!WalledBlind(CloudLaplacian(k)->properties)) some_laplacian = CloudLaplacian(k);
+  for (PetscInt k = 0; k < GradientTable.count; k++)
+    if (!WalledBlind(WalledGradient(k)->properties)) some_gradient = WalledGradient(k);
+  for (PetscInt w = 0; w < WallTable.count; w++) {
+    const WallRow *wall = WalledWall(w);
+
+    if (wall->Extend) continue;
+    for (PetscInt k = 0; k < LaplacianTable.count; k++) {
+      if (!WalledMeets(wall, WalledBlind(CloudLaplacian(k)->properties)) ||
+          !CloudHas(CloudLaplacian(k), FORM_SAFE_IMPLICIT))
+        continue;
+      assert_true(n < most);
+      forms[n++] = (WalledForms){wall, PETSC_FALSE, CloudLaplacian(k), some_gradient};
+    }
+    for (PetscInt k = 0; k < GradientTable.count; k++) {
+      if (!WalledMeets(wall, WalledBlind(WalledGradient(k)->properties)) ||
+          WalledGradient(k) == some_gradient)
+        continue;
+      assert_true(n < most);
+      forms[n++] = (WalledForms){wall, PETSC_FALSE, some_laplacian, WalledGradient(k)};
+    }
+  }
+  return n;
+}
+
+/* WalledForOne - Builds the cloud of one combination, whose fits are determined, and lets check judge it */
+void WalledForOne(const WalledForms *forms, const CloudBox *box, WalledCheck check)
+{
+  char  options[256], where[320];
+  Cloud cloud;
+
+  ASSERT_OK(PetscSNPrintf(options, sizeof(options),
+                          "-wall %s%s -visc_laplacian %s -ppe_laplacian %s -gradient %s",
+                          forms->wall->name, forms->surface ? " -wall_surface" : "",
+                          forms->laplacian->name, forms->laplacian->name, forms->gradient->name));
+  ASSERT_OK(PetscSNPrintf(where, sizeof(where), "%dD %s, %s", (int)box->dim,
+                          box->jitter > 0.0 ? "disorder" : "lattice", options));
+  ASSERT_OK(CloudCreate(box, options, &cloud));
+  CloudAssertNone("a fit was not determined", where, cloud.ops->weak_rows);
+  check(forms, where, &cloud);
+  ASSERT_OK(CloudDestroy(&cloud));
+}
+
+/*
+  WalledForAll - Every combination in 2D and 3D, on a lattice and on disorder, in a closed box or in a
+  channel whose last axis has the walls
+*/
+void WalledForAll(PetscBool closed, WalledCheck check)
+{
+  WalledForms    forms[64];
+  const PetscInt n = AllForms(forms, 64);
+
+  for (PetscInt k = 0; k < n; k++) {
+    for (PetscInt dim = 2; dim <= 3; dim++) {
+      for (PetscInt disorder = 0; disorder < 2; disorder++) {
+        const PetscInt narrow = closed ? 4 : 7; /* 7: a periodic axis with interior rows */
+        const CloudBox box    = {.cells      = {dim == 2 ? 12 : narrow, dim == 2 ? 9 : narrow, 5},
+                                 .dim        = dim,
+                                 .n_periodic = closed ? 0 : dim - 1,
+                                 .jitter     = disorder ? WALLED_JITTER : 0.0};
+
+        WalledForOne(&forms[k], &box, check);
+      }
+    }
+  }
+}
+
+/* WalledAssert - Whether y is the expected field up to tolerance/dx^power */
+void WalledAssert(const char *what, const char *where, const Cloud *cloud, Vec y,
+                  const Quadratic *expected, PetscInt power, PetscReal tolerance)
+{
+  PetscReal error;
+
+  ASSERT_OK(CloudError(cloud, y, expected, PETSC_FALSE, &error));
+  CloudAssertNone(what, where, !(error * PetscPowRealInt(cloud->scene.dx, power) <= tolerance));
+}
+
+/* WalledSetVelocity - Gives fluid and walls the velocity u */
+void WalledSetVelocity(Cloud *cloud, const Quadratic u[])
+{
+  for (PetscInt c = 0; c < cloud->scene.dim; c++) {
+    cloud->wall_u[c] = u[c];
+    ASSERT_OK(CloudSet(cloud, &u[c], cloud->f[c]));
+  }
+  ASSERT_OK(CloudSetWalls(cloud));
+}
