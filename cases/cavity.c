@@ -44,6 +44,10 @@ static const CavityReference references[] = {
     /* at t = 40 from rest the flow is not yet steady */
     {2, 999.9, 1000.1, 39.9, 40.1, -0.38730, 0.37541, -0.52594, "cavity_re1000_t40_u.csv",
      "cavity_re1000_t40_v.csv"},
+    {3, 99.9, 100.1, 12.0, PETSC_MAX_REAL, -0.21560, 0.15298, -0.24923, "cavity3d_re100_u.csv",
+     "cavity3d_re100_v.csv"},
+    {3, 399.9, 400.1, 30.0, PETSC_MAX_REAL, -0.23666, 0.20809, -0.38145, "cavity3d_re400_u.csv",
+     "cavity3d_re400_v.csv"},
     /* Botella & Peyret, Computers & Fluids 27 (1998) 421-433, spectral */
     {2, 999.9, 1000.1, 40.1, PETSC_MAX_REAL, -0.38857, 0.37694, -0.52708, "cavity_re1000_u.csv",
      "cavity_re1000_v.csv"},

@@ -178,11 +178,10 @@ static void CheckTurning(const WalledForms *forms, const char *where, Cloud *clo
   Quadratic u[3] = {{.c = 0.4}, {.c = -0.3}}, zero = {0};
 
   if (!forms->wall->Extend || !claims[ClaimOf(forms)].linear) return;
-  u[0].g[1]         = -1.0;
-  u[1].g[0]         = 1.0;
-  body->velocity[0] = u[0].c;
-  body->velocity[1] = u[1].c;
-  body->rotation    = 1.0 / cloud->scene.dx;
+  u[0].g[1]      = -1.0;
+  u[1].g[0]      = 1.0;
+  body->velocity = (Expression){.n = 2, .value = {u[0].c, u[1].c}};
+  body->rotation = ExpressionNumber(1.0 / cloud->scene.dx);
   WalledSetVelocity(cloud, u);
   for (PetscInt c = 0; c < 2; c++) {
     const Operators *ops = cloud->ops;
