@@ -4,7 +4,7 @@
 */
 #include "projection.h"
 
-/* Keeps a displaced position 0.3 dx off every wall; returns nothing, mends x. */
+/* Keeps a displaced position 0.3 dx off every wall; mends x. */
 static void KeepOffWalls(const Scene *scene, PetscReal x[])
 {
   const PetscReal clearance = 0.3 * scene->dx;
@@ -65,13 +65,12 @@ static PetscErrorCode SlopesRestore(const Scene *scene, Projection *pr, Slopes *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where particle i is shifted to, and what of u that changes in component c: s.grad u + |s|^2/2d
- * lap u. */
+/* Where particle i is shifted to, beside its flight. */
 static void ShiftParticle(const Scene *scene, const Clock *clock, const Particles *p,
                           const Operators *ops, const Scheme *scheme, const Slopes *slopes,
-                          PetscInt i, PetscReal shift[], PetscReal change[])
+                          PetscInt i, PetscReal shift[])
 {
-  PetscReal gradient_c[ISPH_MAX_DIM], rate2 = 0.0, length2 = 0.0;
+  PetscReal gradient_c[ISPH_MAX_DIM], rate2 = 0.0;
 
   for (PetscInt a = 0; a < scene->dim; a++) {
     gradient_c[a] = ops->gradient_c[a][i];
@@ -83,8 +82,16 @@ static void ShiftParticle(const Scene *scene, const Clock *clock, const Particle
     if (clock->step == 0)
       shift[a] +=
           scheme->shift->disturbance * scene->dx * ParticlesHash(scene->seed + 1, p->id[i], a);
-    length2 += PetscSqr(shift[a]);
   }
+}
+
+/* What particle i's velocity changes by where it is shifted: s.grad u + |s|^2/2d lap u. */
+static void FollowShift(const Scene *scene, const Slopes *slopes, PetscInt i,
+                        const PetscReal shift[], PetscReal change[])
+{
+  PetscReal length2 = 0.0;
+
+  for (PetscInt a = 0; a < scene->dim; a++) length2 += PetscSqr(shift[a]);
   for (PetscInt c = 0; c < scene->dim; c++) {
     change[c] = slopes->lap[c] ? 0.5 * length2 / scene->dim * slopes->lap[c][i] : 0.0;
     for (PetscInt a = 0; a < scene->dim; a++) change[c] += shift[a] * slopes->u[c][a][i];
@@ -115,7 +122,8 @@ static PetscErrorCode CheckMove(const Scene *scene, const Clock *clock, PetscRea
     u += s.grad u + |s|^2/(2d) lap u,   p += dr.grad p
 
   Collective. The pressure is carried as an Eulerian field, velocities as the particles' own but for
-  the shift s. The second-order term stands for s s : grad grad u, whose mean it is; without it
+  the shift s, what keeps particles off walls included: without that, those pushed off a moving lid keep its
+  speed. The second-order term stands for s s : grad grad u, whose mean it is; without it
   shifting feeds energy into the flow. On entry the operators are those at x^n; on exit they are
   stale.
 */
@@ -132,17 +140,18 @@ PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *
   PetscFunctionBegin;
   PetscCall(SlopesGet(scene, ops, shifting, pr, &slopes));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal shift[ISPH_MAX_DIM] = {0.0}, change[ISPH_MAX_DIM] = {0.0}, x[ISPH_MAX_DIM], d2 = 0.0;
+    PetscReal shift[ISPH_MAX_DIM] = {0.0}, change[ISPH_MAX_DIM] = {0.0}, flown[ISPH_MAX_DIM],
+              x[ISPH_MAX_DIM], d2                               = 0.0;
 
-    if (shifting) ShiftParticle(scene, clock, p, ops, scheme, &slopes, i, shift, change);
+    if (shifting) ShiftParticle(scene, clock, p, ops, scheme, &slopes, i, shift);
     for (PetscInt a = 0; a < scene->dim; a++) {
-      const PetscReal flown =
-          clock->dt * ((1.0 + 0.5 * w) * p->u[a][i] - 0.5 * w * pr->u_previous[a][i]);
-
-      x[a] = p->x[a][i] + flown + shift[a];
-      d2 += PetscSqr(flown);
+      flown[a] = clock->dt * ((1.0 + 0.5 * w) * p->u[a][i] - 0.5 * w * pr->u_previous[a][i]);
+      x[a]     = p->x[a][i] + flown[a] + shift[a];
+      d2 += PetscSqr(flown[a]);
     }
     KeepOffWalls(scene, x);
+    for (PetscInt a = 0; a < scene->dim; a++) shift[a] = x[a] - p->x[a][i] - flown[a];
+    if (shifting) FollowShift(scene, &slopes, i, shift, change);
     moved2 = PetscIsNanReal(d2) ? PETSC_INFINITY : PetscMax(moved2, d2);
     for (PetscInt a = 0; a < scene->dim; a++) {
       if (p->p) p->p[i] += (x[a] - p->x[a][i]) * slopes.p[a][i];
