@@ -20,7 +20,7 @@ void CavityWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pe
 
 /*
   References: extrema on the centrelines over U, from when to when they hold (t U/L, below Re = 10 t nu/L^2),
-  and the files of profiles. The finite-volume data were extrapolated from three meshes (see the files' heads).
+  and the files of profiles. The finite-volume data were extrapolated from two or three meshes (see the files' heads).
 */
 typedef struct {
   PetscInt    dim;

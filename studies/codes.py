@@ -65,10 +65,13 @@ def run_icofoam(flow, words, folder, isph):
         said, status, cost = timed(command, folder)
         if status:
             return end_of(said, status)
-    u, v = icofoam.read_velocity(folder, n)
+    try:
+        u, v = icofoam.read_velocity(folder, n)
+    except (OSError, ValueError) as error:
+        return {"failed": str(error)}
     if not np.isfinite(u).all():
         return {"failed": "the velocity is no number"}
-    return {**cost, "steps": steps, "dt": dt, **centreline.judge(centreline.of_cells(u, v), flow.reference)}
+    return {**cost, "steps": steps, "dt": dt, **centreline.judge(centreline.of_cells(u[0], v[0]), flow.reference)}
 
 
 def run_pysph(flow, words, folder, isph):

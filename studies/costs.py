@@ -40,11 +40,16 @@ def draw(axes, paths, quantity, group):
         if errors.get(quantity, 0) > 0:  # a logarithm is drawn
             label = ", ".join(row[column] or "none" for column in group)
             curves.setdefault(label, []).append((float(row["wall_s"]), errors[quantity]))
-    for k, (label, points) in enumerate(curves.items()):
+    draw_curves(axes, curves, f"error of {quantity}", ", ".join(group))
+
+
+def draw_curves(axes, curves, label, title):
+    """Lists of (wall time, error) by label, and the front of the best."""
+    for k, (name, points) in enumerate(curves.items()):
         axes.plot(*zip(*sorted(points)), MARKERS[(k + k // 8) % 8], linestyle="-", linewidth=0.8, markersize=5,
-                  color=COLOURS[k % 8], alpha=0.8, label=label)
+                  color=COLOURS[k % 8], alpha=0.8, label=name)
     best = front(point for points in curves.values() for point in points)
     axes.plot(*zip(*best), "-", color="#D55E00", linewidth=2.5, alpha=0.45, zorder=0, label="front")
-    axes.set(xscale="log", yscale="log", xlabel="wall time [s]", ylabel=f"error of {quantity}")
+    axes.set(xscale="log", yscale="log", xlabel="wall time [s]", ylabel=label)
     axes.grid(alpha=0.3, which="both", linewidth=0.5)
-    axes.legend(title=", ".join(group), loc="upper left", bbox_to_anchor=(1, 1))
+    axes.legend(title=title, loc="upper left", bbox_to_anchor=(1, 1))

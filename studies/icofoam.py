@@ -79,26 +79,29 @@ def environment():
     return {"WM_PROJECT_DIR": "/usr/share/openfoam", **os.environ}
 
 
-def write_case(folder, reynolds, n, t_end, courant, tolerance="1e-6"):
-    """Writes the case for steps of at most courant dx/U and linear solvers that stop at a residual; returns (dt, steps)."""
-    steps = math.ceil(t_end * n / courant - 1e-9)
-    values = {"n": n, "dx": 1 / n, "nu": 1 / reynolds, "t_end": f"{t_end:g}", "steps": steps,
-              "dt": f"{t_end / steps:.15g}", "tolerance": tolerance}
-    for path, (kind, text) in FILES.items():
+def write_files(folder, files, **values):
+    """Writes the files of a case, with these values in their fields."""
+    for path, (kind, text) in files.items():
         path = os.path.join(folder, path)
         os.makedirs(os.path.dirname(path), exist_ok=True)
         with open(path, "w") as file:
             file.write((HEAD + text).format(kind=kind, name=os.path.basename(path), **values))
+
+
+def write_case(folder, reynolds, n, t_end, courant, tolerance="1e-6"):
+    """Writes the case for steps of at most courant dx/U and linear solvers that stop at a residual; returns (dt, steps)."""
+    steps = math.ceil(t_end * n / courant - 1e-9)
+    write_files(folder, FILES, n=n, dx=1 / n, nu=1 / reynolds, t_end=f"{t_end:g}", steps=steps,
+                dt=f"{t_end / steps:.15g}", tolerance=tolerance)
     return t_end / steps, steps
 
 
 def read_velocity(folder, n):
-    """u[j, i] and v[j, i] of the cell in column i and row j at the end."""
+    """u[k, j, i] and v[k, j, i] of the cell in column i, row j and layer k at the end."""
     times = [name for name in os.listdir(folder) if re.fullmatch(r"[0-9.e+-]+", name)]
     with open(os.path.join(folder, max(times, key=float), "U")) as file:
-        text = file.read()
-    block = re.search(r"nonuniform List<vector>\s*(\d+)\s*\((.*?)\n\)", text, re.DOTALL)
-    if not block or int(block[1]) != n * n:
-        raise ValueError(f"no velocity of {n * n} cells")
-    values = np.array(block[2].replace("(", " ").replace(")", " ").split(), dtype=float)
-    return values.reshape(n, n, 3)[:, :, 0], values.reshape(n, n, 3)[:, :, 1]
+        block = re.search(r"nonuniform List<vector>\s*(\d+)\s*\((.*?)\n\)", file.read(), re.DOTALL)
+    if not block or int(block[1]) % (n * n):
+        raise ValueError(f"no velocity of layers of {n * n} cells")
+    values = np.array(block[2].replace("(", " ").replace(")", " ").split(), dtype=float).reshape(-1, n, n, 3)
+    return values[..., 0], values[..., 1]

@@ -134,6 +134,7 @@ void      SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, 
                                 PetscReal a[]);
 void      SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal f[]);
 void      BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[]);
+void      BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2]);
 PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
                        PetscReal normal[]);
 PetscInt  BodyPoints(const Body *body, PetscReal dx);

@@ -310,6 +310,7 @@ PetscErrorCode WallCheck_Channel(const Scene *scene)
 {
   PetscReal u[2][ISPH_MAX_DIM], x[ISPH_MAX_DIM];
   PetscInt  walled = 0, axis = 0;
+  PetscBool varies = PETSC_FALSE;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) {
@@ -325,11 +326,14 @@ PetscErrorCode WallCheck_Channel(const Scene *scene)
       scene->problem->name);
   for (PetscInt end = 0; end < 2; end++) {
     x[axis] = end ? scene->hi[axis] : scene->lo[axis];
+    if (scene->problem->typed &&
+        ExpressionUses(&scene->side_velocity[2 * axis + end], EXPRESSION_PLACE))
+      varies = PETSC_TRUE;
     SceneWallVelocity(scene, 2 * axis + end, 0.0, x, u[end]);
   }
   for (PetscInt a = 0; a < scene->dim; a++) {
     UserCheck(
-        u[0][a] == u[1][a] && !scene->unsteady_walls,
+        u[0][a] == u[1][a] && !scene->unsteady_walls && !varies,
         "-wall global_quadratic: its parabola wants both walls at one velocity, which those of "
         "case %s do not have; use quadratic",
         scene->problem->name);

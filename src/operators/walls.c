@@ -24,6 +24,7 @@ static PetscReal WallBeta_DummyLinear(const Scene *scene, PetscReal distance, Pe
 {
   const PetscReal cap = 10.0;
 
+  if (depth <= 0.0) return 1.0; /* on the surface, above or below which the fluid may be */
   if (distance * (cap - 1.0) <= depth) return cap;
   return 1.0 + depth / distance;
 }

@@ -329,9 +329,15 @@ PetscReal ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const Pe
     int         length;
     const char *text = ParserText(e->parser[c], &length);
 
-    (void)snprintf(scope->fault, sizeof(scope->fault),
-                   "%s '%.*s': is not finite at x = %.6g, y = %.6g, t = %.6g", e->option,
-                   PetscMin(length, 300), text, scope->x[0], scope->x[1], (double)t);
+    length = PetscMin(length, 300);
+    if (x) {
+      (void)snprintf(scope->fault, sizeof(scope->fault),
+                     "%s '%.*s': is not finite at x = %.6g, y = %.6g, t = %.6g", e->option, length,
+                     text, scope->x[0], scope->x[1], (double)t);
+    } else {
+      (void)snprintf(scope->fault, sizeof(scope->fault), "%s '%.*s': is not finite at t = %.6g",
+                     e->option, length, text, (double)t);
+    }
   }
   return 0.0;
 }

@@ -46,8 +46,6 @@ static PetscErrorCode SceneReadPhysics(PetscOptionItems *PetscOptionsObject, Sce
             "-without walls: the walls belong to the geometry of case %s", scene->problem->name);
   UserCheck(!(with & PHYSICS_WALLS) || (scene->problem->physics & PHYSICS_WALLS),
             "-with walls: case %s has none", scene->problem->name);
-  UserCheck(!(without & PHYSICS_VISCOSITY) || !(scene->problem->physics & PHYSICS_WALLS),
-            "-without viscosity: the walls of case %s are no-slip walls", scene->problem->name);
   scene->without = without;
   scene->physics = (scene->problem->physics | with) & ~without;
   UserCheck(SceneHas(scene, PHYSICS_VISCOSITY) || SceneHas(scene, PHYSICS_PRESSURE),
@@ -201,6 +199,8 @@ PetscErrorCode SceneCreate(Scene **scene)
     PetscCall(SceneNameConstants(s));
     PetscCall(SceneReadTyped(PetscOptionsObject, s));
   }
+  UserCheck(SceneHas(s, PHYSICS_VISCOSITY) || !SceneHas(s, PHYSICS_WALLS),
+            "-without viscosity: the walls of case %s are no-slip walls", s->problem->name);
   PetscCall(s->problem->Setup(s));
   if (!s->problem->patch) PetscCall(SceneReadForce(PetscOptionsObject, s));
   PetscOptionsEnd();
@@ -232,9 +232,11 @@ void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pet
   if (side >= 2 * scene->dim) {
     const Body     *body = &scene->body_of[side - 2 * scene->dim];
     const PetscReal w    = ExpressionValue(&body->rotation, 0, t, NULL);
+    PetscReal       r[2];
 
-    u[0] = ExpressionValue(&body->velocity, 0, t, NULL) - w * (x[1] - body->centre[1]);
-    u[1] = ExpressionValue(&body->velocity, 1, t, NULL) + w * (x[0] - body->centre[0]);
+    BodyArm(scene, body, x, r);
+    u[0] = ExpressionValue(&body->velocity, 0, t, NULL) - w * r[1];
+    u[1] = ExpressionValue(&body->velocity, 1, t, NULL) + w * r[0];
     return;
   }
   if (scene->problem->WallVelocity) scene->problem->WallVelocity(scene, side, t, x, u);
@@ -261,8 +263,9 @@ void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const
                                ? ExpressionValue(&body->rotation, 0, t, NULL)
                                : 0.0,
                     spin = ExpressionRate(&body->rotation, 0, t, NULL, tau);
-    const PetscReal r[2] = {x[0] - body->centre[0], x[1] - body->centre[1]};
+    PetscReal r[2];
 
+    BodyArm(scene, body, x, r);
     for (PetscInt c = 0; c < 2; c++)
       a[c] = ExpressionRate(&body->velocity, c, t, NULL, tau) - PetscSqr(w) * r[c];
     a[0] -= spin * r[1];

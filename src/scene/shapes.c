@@ -172,6 +172,21 @@ void BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal numb
 }
 
 /*
+  BodyArm - Where x is, seen from a body's centre [m]
+
+  Not collective. In a periodic box of the body's images that nearest to x counts.
+*/
+void BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2])
+{
+  for (PetscInt a = 0; a < 2; a++) {
+    const PetscReal period = scene->hi[a] - scene->lo[a];
+
+    arm[a] = x[a] - body->centre[a];
+    if (scene->periodic[a]) arm[a] -= period * PetscFloorReal(arm[a] / period + 0.5);
+  }
+}
+
+/*
   BodyDistance - Distance from a body's surface, positive in the fluid [m]
 
   Not collective. Of a body in a periodic box the nearest image counts. Output: normal - of the surface at
@@ -182,13 +197,8 @@ PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[]
 {
   PetscReal y[2], distance;
 
-  for (PetscInt a = 0; a < 2; a++) {
-    const PetscReal period = scene->hi[a] - scene->lo[a];
-
-    y[a] = x[a];
-    if (scene->periodic[a])
-      y[a] -= period * PetscFloorReal((x[a] - body->centre[a]) / period + 0.5);
-  }
+  BodyArm(scene, body, x, y);
+  for (PetscInt a = 0; a < 2; a++) y[a] += body->centre[a];
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) normal[a] = 0.0;
   distance = body->shape->Distance(body, y, normal);
   if (!body->around) return distance;

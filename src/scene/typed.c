@@ -47,7 +47,7 @@ static PetscErrorCode CheckBodyMotion(const Scene *scene, const Body *body)
 
   PetscFunctionBegin;
   if (!SceneHas(scene, PHYSICS_CONVECTION)) PetscFunctionReturn(PETSC_SUCCESS);
-  UserCheck(ExpressionUses(v, EXPRESSION_TIME) || (v->value[0] == 0.0 && v->value[1] == 0.0),
+  UserCheck((v->uses[0] || v->value[0] == 0.0) && (v->uses[1] || v->value[1] == 0.0),
             "%s: bodies stay where they are, and a steady velocity would carry fluid through the "
             "surface; allowed are 0,0, expressions of t for motions small against the body, and "
             "-without convection",
@@ -217,8 +217,8 @@ PetscErrorCode SceneReadTyped(PetscOptionItems *PetscOptionsObject, Scene *scene
               "-scene_box: it is %.4g wide along %s; at least 4 dx = %.4g is allowed",
               (double)(box[2 + a] - box[a]), axes[a], (double)(4.0 * scene->dx));
   }
-  PetscCall(ReadSides(PetscOptionsObject, scene));
   PetscCall(ReadBodies(PetscOptionsObject, scene));
+  if (!scene->bare) PetscCall(ReadSides(PetscOptionsObject, scene));
   PetscCall(CheckGaps(scene));
   if (scene->periodic[0] && scene->periodic[1] && !scene->n_bodies)
     scene->physics &= ~(unsigned)PHYSICS_WALLS;

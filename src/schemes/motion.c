@@ -123,7 +123,7 @@ static PetscErrorCode CheckMove(const Scene *scene, const Clock *clock, PetscRea
 
   Collective. The pressure is carried as an Eulerian field, velocities as the particles' own but for
   the shift s, what keeps particles off walls included: without that, those pushed off a moving lid keep its
-  speed. The second-order term stands for s s : grad grad u, whose mean it is; without it
+  speed, as they do where there is no shifting. The second-order term stands for s s : grad grad u, whose mean it is; without it
   shifting feeds energy into the flow. On entry the operators are those at x^n; on exit they are
   stale.
 */

@@ -49,7 +49,8 @@ PetscErrorCode ProjectionRegister(const Scene *scene, Particles *p, Scheme *sche
     for (PetscInt a = 0; a < scene->dim; a++) {
       p->u[a][i] = pr->u_previous[a][i] = u[a];
     }
-    if (p->p && scene->problem->Exact) scene->problem->Exact(scene, 0.0, x, u, &pressure);
+    if (p->p && scene->problem->Exact && !scene->velocity.n)
+      scene->problem->Exact(scene, 0.0, x, u, &pressure);
     if (p->p) p->p[i] = pressure;
     most = PetscMax(most, PetscAbsReal(pressure));
   }
@@ -172,6 +173,12 @@ static PetscBool HasBalance(const Clock *clock, const Scheme *scheme)
   return clock->step > 0 || ((const Projection *)scheme->data)->balanced ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/* The time whose slopes p has after a step of length dt that ends at t: that of the step's force. */
+static PetscReal SlopeTime(const Scheme *scheme, PetscReal t, PetscReal dt)
+{
+  return !scheme->visc || ViscosityTimeKind(scheme->visc)->end_of_step ? t : t - 0.5 * dt;
+}
+
 /* Everything that follows from new positions: neighbours, matrices, vectors. */
 static PetscErrorCode RebuildOperators(const Scene *scene, const Clock *clock, Particles *p,
                                        Neighbors *nb, Operators *ops, Scheme *scheme)
@@ -203,7 +210,8 @@ PetscErrorCode ProjectionBegin(const Scene *scene, const Clock *clock, Particles
   PetscCall(RebuildOperators(scene, clock, p, nb, ops, scheme));
   PetscCall(OperatorsSetWallVelocity(scene, p, clock->t, 0.0, ops));
   if (scheme->projection)
-    PetscCall(SetWallSlopes(scene, p, clock->t, HasBalance(clock, scheme) ? 1.0 : 0.0, ops));
+    PetscCall(SetWallSlopes(scene, p, SlopeTime(scheme, clock->t, clock->dt_previous),
+                            HasBalance(clock, scheme) ? 1.0 : 0.0, ops));
   if (clock->step == 0) PetscCall(MeasureBegin(scene, p, ops, scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -235,6 +243,8 @@ static PetscErrorCode TryStep(const Scene *scene, const Clock *clock, Particles 
   Projection     *pr = (Projection *)scheme->data;
   const PetscBool moves =
       scheme->motion && scheme->motion->particles_move ? PETSC_TRUE : PETSC_FALSE;
+  const PetscReal before = SlopeTime(scheme, clock->t, clock->dt_previous),
+                  after  = SlopeTime(scheme, clock->t + clock->dt, clock->dt);
 
   PetscFunctionBegin;
   if (moves) PetscCall(MoveAndRebuild(scene, clock, p, nb, ops, scheme));
@@ -242,8 +252,8 @@ static PetscErrorCode TryStep(const Scene *scene, const Clock *clock, Particles 
   if (scheme->projection) {
     const PetscReal had = scheme->projection->incremental && HasBalance(clock, scheme) ? 1.0 : 0.0;
 
-    PetscCall(SetWallSlopes(scene, p, clock->t, had, ops));
-    PetscCall(AddWallSlopes(scene, p, clock->t + clock->dt, ops));
+    PetscCall(SetWallSlopes(scene, p, before, had, ops));
+    PetscCall(AddWallSlopes(scene, p, after, ops));
   }
   PetscCall(PetscLogEventBegin(pr->event[EVENT_VISCOSITY], 0, 0, 0, 0));
   PetscCall(PredictVelocity(scene, clock, p, ops, scheme));
@@ -251,6 +261,7 @@ static PetscErrorCode TryStep(const Scene *scene, const Clock *clock, Particles 
   if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   if (scheme->projection) PetscCall(ProjectVelocity(scene, clock, p, ops, scheme));
   if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
+  if (scheme->projection) PetscCall(SetWallSlopes(scene, p, after, 1.0, ops)); /* less rounding */
   PetscCall(OperatorsSetWallVelocity(scene, p, clock->t + clock->dt, 0.0, ops));
   PetscCall(StepJudge(scene, clock, p, ops, scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
