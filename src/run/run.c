@@ -124,23 +124,34 @@ static PetscErrorCode RunStep(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What is due after a step: reports at their times, files, the progress line. */
-static PetscErrorCode RunBetweenSteps(Run *run, PetscBool over)
+/* Judges the flow if it has come to a time of -report_times; at a run's end the end's report does. */
+static PetscErrorCode RunJudgeDue(Run *run)
 {
   const Flow flow  = RunFlow(run);
   Clock     *clock = run->clock;
 
   PetscFunctionBegin;
-  if (!over && clock->next_report < clock->n_reports &&
-      clock->t >= clock->report_time[clock->next_report] * (1.0 - 1e-12)) {
-    run->report->t = clock->t;
-    PetscCall(run->scene->problem->Judge(&flow, run->report));
-    clock->next_report++;
+  if (clock->next_report == clock->n_reports ||
+      clock->t < clock->report_time[clock->next_report] * (1.0 - 1e-12)) {
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
+  run->report->t = clock->t;
+  PetscCall(run->scene->problem->Judge(&flow, run->report));
+  clock->next_report++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What is due after a step: files, the progress line, reports at their times. */
+static PetscErrorCode RunBetweenSteps(Run *run, PetscBool over)
+{
+  const Flow flow = RunFlow(run);
+
+  PetscFunctionBegin;
   PetscCall(SnapshotsWrite(&flow, over, run->snapshots));
   PetscCall(MonitorsWrite(&flow, run->monitors));
   PetscCall(ProgressUpdate(&flow, over, run->progress));
   PetscCall(CheckpointsUpdate(over, run));
+  if (!over) PetscCall(RunJudgeDue(run)); /* with the particles in the order of a restarted run */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -154,6 +165,7 @@ static PetscErrorCode RunSolve(Run *run, const char **signal)
   PetscFunctionBegin;
   *signal = NULL;
   PetscCall(RunIsOver(run, &over));
+  if (!over) PetscCall(RunJudgeDue(run)); /* of a run that was stopped at such a time */
   while (!over && !*signal) {
     PetscCall(RunStep(run));
     if (clock->step == first + 1) PetscCall(OptionsRefuseUnknown(PETSC_TRUE));
