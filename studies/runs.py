@@ -60,8 +60,8 @@ class Runs:
             with open(path, newline="") as file:
                 lines = list(csv.DictReader(file))
             for line in lines:
-                time = "" if line["t"] == lines[-1]["t"] else f"@{float(line['t']):.4g}"
-                row[line["quantity"] + time] = line["value"]
+                when = "" if line["t"] == lines[-1]["t"] else f"@{float(line['t']):.4g}"
+                row[line["quantity"] + when] = line["value"]
             row.update({name: lines[-1][name] for name in ("wall_s", "particles", "steps")})
             return row
 

@@ -102,6 +102,12 @@ static inline PetscBool ParticlesIsWall(const Particles *p, PetscInt i)
   return (i < own ? i >= p->n_fluid : i >= own + p->n_halo_fluid) ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/* The point of the surface above wall particle i, or of its plane beyond an edge [m]. */
+static inline void ParticlesFoot(const Particles *p, PetscInt i, PetscReal x[])
+{
+  for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i] + p->depth[i] * p->normal[a][i];
+}
+
 /* Cells of a uniform grid over the local particles, each cell's particles stored contiguously. */
 typedef struct {
   PetscInt   dim;

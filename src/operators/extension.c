@@ -74,10 +74,10 @@ static PetscBool ExtensionPlace(const Particles *p, PetscInt i, Extension *ext)
   ext->n     = 0;
   ext->depth = p->depth[i];
   ext->side  = (PetscInt)p->side[i];
+  ParticlesFoot(p, i, ext->foot);
   for (PetscInt a = 0; a < ext->dim; a++) {
     ext->x[a]      = p->x[a][i];
     ext->normal[a] = p->normal[a][i];
-    ext->foot[a]   = ext->x[a] + ext->depth * ext->normal[a];
     ext->edge[a]   = ext->foot[a];
     if (!scene->periodic[a])
       ext->edge[a] = PetscMin(PetscMax(ext->foot[a], scene->lo[a]), scene->hi[a]);

@@ -231,7 +231,7 @@ PetscErrorCode OperatorsSetWallVelocity(const Scene *scene, const Particles *p, 
     const PetscInt i = p->n_fluid + k;
     PetscReal      x[ISPH_MAX_DIM], velocity[ISPH_MAX_DIM];
 
-    for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i] + p->depth[i] * p->normal[a][i];
+    ParticlesFoot(p, i, x);
     SceneWallVelocity(scene, (PetscInt)p->side[i], t, x, velocity);
     for (PetscInt a = 0; a < scene->dim; a++) {
       p->u[a][i] = velocity[a];

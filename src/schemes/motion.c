@@ -122,10 +122,10 @@ static PetscErrorCode CheckMove(const Scene *scene, const Clock *clock, PetscRea
     u += s.grad u + |s|^2/(2d) lap u,   p += dr.grad p
 
   Collective. The pressure is carried as an Eulerian field, velocities as the particles' own but for
-  the shift s, what keeps particles off walls included: without that, those pushed off a moving lid keep its
-  speed, as they do where there is no shifting. The second-order term stands for s s : grad grad u, whose mean it is; without it
-  shifting feeds energy into the flow. On entry the operators are those at x^n; on exit they are
-  stale.
+  the shift s, what keeps particles off walls included: without that, those pushed off a moving lid
+  keep its speed, as they do where there is no shifting. The second-order term stands for
+  s s : grad grad u, whose mean it is; without it shifting feeds energy into the flow. On entry the
+  operators are those at x^n; on exit they are stale.
 */
 PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *ops, Particles *p,
                              Scheme *scheme)
@@ -140,8 +140,8 @@ PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *
   PetscFunctionBegin;
   PetscCall(SlopesGet(scene, ops, shifting, pr, &slopes));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal shift[ISPH_MAX_DIM] = {0.0}, change[ISPH_MAX_DIM] = {0.0}, flown[ISPH_MAX_DIM],
-              x[ISPH_MAX_DIM], d2                               = 0.0;
+    PetscReal shift[ISPH_MAX_DIM] = {0.0}, change[ISPH_MAX_DIM] = {0.0}, d2 = 0.0;
+    PetscReal flown[ISPH_MAX_DIM], x[ISPH_MAX_DIM];
 
     if (shifting) ShiftParticle(scene, clock, p, ops, scheme, &slopes, i, shift);
     for (PetscInt a = 0; a < scene->dim; a++) {

@@ -39,7 +39,7 @@ static PetscErrorCode AddConvection(const Scene *scene, const Clock *clock, cons
   AddBodyForce - force += f(x, t) on the own fluid, and the largest |f| of it
 
   Collective. Input: t [s]; force - vectors over the fluid, NULL where only the largest is asked for. Output:
-  scheme->stats.force_max [m/s^2].
+  scheme->stats.force_max [m/s^2]. A force that is the same everywhere takes no look at particles.
 */
 PetscErrorCode AddBodyForce(const Scene *scene, PetscReal t, const Particles *p, Vec force[],
                             Scheme *scheme)
@@ -48,6 +48,14 @@ PetscErrorCode AddBodyForce(const Scene *scene, PetscReal t, const Particles *p,
   PetscReal    most = 0.0;
 
   PetscFunctionBegin;
+  if (!scene->force.n) {
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      if (force) PetscCall(VecShift(force[a], scene->body[a]));
+      most += PetscSqr(scene->body[a]);
+    }
+    scheme->stats.force_max = PetscSqrtReal(most);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (PetscInt a = 0; a < scene->dim && force; a++) PetscCall(VecGetArray(force[a], &g[a]));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal x[ISPH_MAX_DIM], f[ISPH_MAX_DIM], square = 0.0;

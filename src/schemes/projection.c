@@ -127,7 +127,7 @@ static PetscReal WallSlope(const Scene *scene, const Particles *p, PetscInt w, P
   const PetscInt i    = p->n_fluid + w;
   PetscReal      full = 0.0, x[ISPH_MAX_DIM], acceleration[ISPH_MAX_DIM], force[ISPH_MAX_DIM];
 
-  for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i] + p->depth[i] * p->normal[a][i];
+  ParticlesFoot(p, i, x);
   SceneWallAcceleration(scene, (PetscInt)p->side[i], t, x, acceleration);
   SceneBodyForce(scene, t, x, force);
   for (PetscInt a = 0; a < scene->dim; a++)
