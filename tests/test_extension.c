@@ -3,7 +3,7 @@
   the surface: what each reproduces exactly, and nothing more than that, behind sides, edges and a
   curved wall, on any number of ranks.
 */
-/* RANKS: 1 2 3 */
+/* RANKS: 1 3 */
 #include "walled.h"
 
 /* Velocities whose extension is the velocity itself; test_claims holds the list against the table. */
