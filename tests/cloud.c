@@ -1,6 +1,15 @@
 /* The builder of cloud.h: from a few numbers to particles, neighbours and assembled operators. */
 #include "cloud.h"
 
+/* CloudKeepMessage - For PetscPushErrorHandler(); kept takes 512 characters */
+PetscErrorCode CloudKeepMessage(MPI_Comm comm, int line, const char *function, const char *file,
+                                PetscErrorCode code, PetscErrorType type, const char *message,
+                                void *kept)
+{
+  if (type == PETSC_ERROR_INITIAL) (void)PetscStrncpy((char *)kept, message, 512);
+  return code;
+}
+
 void CloudAssertNone(const char *what, const char *where, PetscInt wrong)
 {
   MPI_Allreduce(MPI_IN_PLACE, &wrong, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD);
@@ -103,7 +112,7 @@ PetscErrorCode CloudCreate(const CloudBox *box, const char options[], Cloud *clo
   PetscCall(CloudOperators(box, options, cloud));
   cloud->ops->need_concentration = PETSC_TRUE;
   PetscCall(OperatorsPlacement(&cloud->scene, cloud->ops, &walls));
-  PetscCall(ParticlesCreate(&cloud->scene, walls, cloud->ops->reach, &cloud->particles));
+  PetscCall(ParticlesCreate(&cloud->scene, walls, cloud->ops->reach, NULL, &cloud->particles));
   PetscCall(NeighborsCreate(cloud->ops->radius, &cloud->neighbors));
   PetscCall(CloudAssemble(0.0, cloud));
   PetscFunctionReturn(PETSC_SUCCESS);

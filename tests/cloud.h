@@ -40,6 +40,11 @@ typedef struct {
 void CloudAssertNone(const char *what, const char *where, PetscInt wrong);
 #define ASSERT_OK(call) CloudAssertNone(#call, "PETSc", (call) ? 1 : 0)
 
+/* An error handler that keeps the message, 512 characters, instead of printing it. */
+PetscErrorCode CloudKeepMessage(MPI_Comm comm, int line, const char *function, const char *file,
+                                PetscErrorCode code, PetscErrorType type, const char *message,
+                                void *kept);
+
 /* options: as on the command line, the only ones the operators see. */
 PetscErrorCode CloudCreate(const CloudBox *box, const char options[], Cloud *cloud);
 PetscErrorCode CloudDestroy(Cloud *cloud);

@@ -3,23 +3,11 @@
   that cannot be understood refused with the option and the place in the text.
 */
 /* RANKS: 1 2 */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
 #include <string.h>
-#include <cmocka.h>
+#include "cloud.h"
 #include "isph/expression.h"
 
 #define ANYWHERE (EXPRESSION_PLACE | EXPRESSION_TIME)
-
-/* Keeps the message of an error instead of printing it. */
-static PetscErrorCode ErrorHandler_Keep(MPI_Comm comm, int line, const char *function,
-                                        const char *file, PetscErrorCode code, PetscErrorType type,
-                                        const char *message, void *kept)
-{
-  if (type == PETSC_ERROR_INITIAL) (void)PetscStrncpy((char *)kept, message, 512);
-  return code;
-}
 
 /* A scope of `dim` dimensions that knows nu = 0.25. */
 static ExpressionScope *Scope(PetscInt dim)
@@ -155,7 +143,7 @@ static void test_refused(void **state)
   Expression       e;
 
   (void)state;
-  assert_int_equal(PetscPushErrorHandler(ErrorHandler_Keep, message), PETSC_SUCCESS);
+  assert_int_equal(PetscPushErrorHandler(CloudKeepMessage, message), PETSC_SUCCESS);
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(wrong); k++) {
     message[0] = '\0';
     if (ExpressionSet(scope, "-t_text", wrong[k].text, 1, 1, ANYWHERE, &e) != PETSC_ERR_USER_INPUT)
@@ -185,7 +173,7 @@ static void test_not_finite(void **state)
   assert_true(ExpressionValue(&e, 0, 0.25, x) == 4.0);
   assert_int_equal(ExpressionScopeCheck(scope), PETSC_SUCCESS);
   if (rank == size - 1) assert_true(ExpressionValue(&e, 0, 0.5, x) == 0.0);
-  assert_int_equal(PetscPushErrorHandler(ErrorHandler_Keep, message), PETSC_SUCCESS);
+  assert_int_equal(PetscPushErrorHandler(CloudKeepMessage, message), PETSC_SUCCESS);
   assert_int_equal(ExpressionScopeCheck(scope), PETSC_ERR_USER_INPUT);
   assert_int_equal(PetscPopErrorHandler(), PETSC_SUCCESS);
   assert_string_equal(message, "-t_text '1/(x-t)': is not finite at x = 0.5, y = 0.25, t = 0.5");

@@ -3,25 +3,13 @@
   and what he mistypes is refused with the option and the value in the message.
 */
 /* RANKS: 1 2 */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
 #include <string.h>
-#include <cmocka.h>
+#include "cloud.h"
 #include "isph/io.h"
 
 static const Table *const tables[] = {
     &CaseTable,     &KernelTable, &LaplacianTable,  &GradientTable, &WallTable,
     &TimeKindTable, &ShiftTable,  &ProjectionTable, &MotionTable,   &SchemeTable};
-
-/* Keeps the message of an error instead of printing it. */
-static PetscErrorCode ErrorHandler_Keep(MPI_Comm comm, int line, const char *function,
-                                        const char *file, PetscErrorCode code, PetscErrorType type,
-                                        const char *message, void *kept)
-{
-  if (type == PETSC_ERROR_INITIAL) (void)PetscStrncpy((char *)kept, message, 512);
-  return code;
-}
 
 /* What one option is read as, for the one function that reads them all. */
 typedef struct {
@@ -65,7 +53,7 @@ static PetscErrorCode Read(const char option[], const char value[], Reading *r)
   PetscFunctionBegin;
   r->message[0] = '\0';
   if (option) PetscCall(PetscOptionsSetValue(NULL, option, value));
-  PetscCall(PetscPushErrorHandler(ErrorHandler_Keep, r->message));
+  PetscCall(PetscPushErrorHandler(CloudKeepMessage, r->message));
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Test", "");
   code = ReadOne(PetscOptionsObject, r);
   PetscOptionsEnd();

@@ -24,6 +24,7 @@ PetscErrorCode Hdf5WriteRows(Hdf5File *file, const char name[], PetscInt columns
                              hid_t given, const void *rows, const char units[]);
 PetscErrorCode Hdf5WriteNumber(Hdf5File *file, const char name[], hid_t type, const void *value);
 PetscErrorCode Hdf5WriteText(Hdf5File *file, hid_t object, const char name[], const char text[]);
+PetscErrorCode Hdf5Has(Hdf5File *file, const char name[], PetscBool *there);
 PetscErrorCode Hdf5CountRows(Hdf5File *file, const char name[], PetscInt *N, PetscInt *columns);
 PetscErrorCode Hdf5ReadRows(Hdf5File *file, const char name[], PetscInt columns, hid_t given,
                             void *rows);

@@ -35,8 +35,10 @@ typedef struct {
   PetscInt  n_halo_fluid, n_halo_wall; /* copies of other ranks' particles and periodic images */
   PetscInt  capacity;                  /* of every array below and of every field */
   PetscInt  N_fluid, N_wall;           /* global */
+  PetscInt  N_lattice;                 /* fluid particles that a lattice has in this scene */
   PetscInt  fluid_start, wall_start;   /* global numbers of the first own fluid and wall particle */
   PetscInt *id;                        /* name for life: fluid lattice index, then N_fluid + wall */
+  PetscBool flowing;                   /* velocities were given with the places */
   PetscInt *number;                    /* global number among fluid, resp. among wall particles */
 
   PetscReal *x[ISPH_MAX_DIM]; /* positions (field) [m]; ParticlesUpdateHalo refreshes the halo */
@@ -71,8 +73,14 @@ typedef struct {
   PetscBool jittered; /* like the fluid, which may then come as near as it likes */
 } WallPlacement;
 
+/* Fluid that begins at given places, not on the lattice: this rank's share of it. */
+typedef struct {
+  PetscInt   N, n, first; /* particles of all ranks, of this one, and the id of its first */
+  PetscReal *x, *u;       /* dim values of each [m], [m/s]; u NULL: velocities are the case's */
+} FluidStart;
+
 PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscReal halo_width,
-                               Particles **particles);
+                               const FluidStart *start, Particles **particles);
 PetscErrorCode ParticlesDestroy(Particles **particles);
 PetscErrorCode ParticlesRegister(Particles *particles, const char name[], PetscInt components,
                                  HaloPolicy halo, PetscReal **slot);

@@ -196,6 +196,17 @@ PetscErrorCode Hdf5WriteText(Hdf5File *file, hid_t object, const char name[], co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Hdf5Has - Whether the file has a data set of that name; collective on comm */
+PetscErrorCode Hdf5Has(Hdf5File *file, const char name[], PetscBool *there)
+{
+  const htri_t found = H5Lexists(file->file, name, H5P_DEFAULT);
+
+  PetscFunctionBegin;
+  if (found < 0) file->failed = PETSC_TRUE;
+  *there = found > 0 ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Hdf5CountRows - Size of a data set; columns 0 for one dimension; collective on comm */
 PetscErrorCode Hdf5CountRows(Hdf5File *file, const char name[], PetscInt *N, PetscInt *columns)
 {

@@ -10,7 +10,8 @@
 PetscErrorCode ParticlesReserve(Particles *p, PetscInt n);
 
 /* lattice.c */
-PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, Particles *p);
+PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidStart *start,
+                           Particles *p);
 
 /* decompose.c */
 PetscErrorCode ParticlesDecompose(const Scene *scene, Particles *p, PetscInt owner[]);

@@ -1,6 +1,6 @@
 /*
   The particles a run begins with. The fluid is a lattice of cell centres, without those in bodies or too
-  near to them; a wall is one layer on its surface, or some layers of the same lattice behind it, or both:
+  near to them, or where the user has put it; a wall is one layer on its surface, or some layers of the same lattice behind it, or both:
   then the layer on the surface stands for the half cell between fluid and dummies. Any index can be
   turned into its particle alone, so that each rank makes a contiguous share and nobody holds all.
 */
@@ -267,27 +267,39 @@ static void SurfaceParticle(const Scene *scene, WallPlacement walls, PetscInt in
   BodyParticle(scene, k, x, 0.0, normal, length * band, id, p, i);
 }
 
-/* The lattice cells [first, last): fluid and dummies, whose ids begin at fluid and wall. */
-static PetscErrorCode FillCells(const Scene *scene, WallPlacement walls, PetscInt first,
-                                PetscInt last, PetscInt fluid, PetscInt wall, PetscInt dummy,
-                                Particles *p)
+/*
+  The lattice cells [first, last): fluid, whose ids begin at `fluid` (negative: none is wanted), and dummies,
+  whose places begin at `wall` and ids at `dummy`.
+*/
+static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, PetscInt last,
+                      PetscInt fluid, PetscInt wall, PetscInt dummy, Particles *p)
 {
   PetscReal x[ISPH_MAX_DIM], depth, normal[ISPH_MAX_DIM];
   PetscInt  body, i = 0;
 
-  PetscFunctionBegin;
   for (PetscInt c = first; c < last; c++) {
     const CellKind kind = ClassifyCell(scene, walls, c, x, &body, &depth, normal);
 
     if (kind == CELL_DUMMY)
       BodyParticle(scene, body, x, depth, normal, SceneVolume(scene), dummy++, p, wall++);
-    if (kind != CELL_FLUID) continue;
+    if (kind != CELL_FLUID || fluid < 0) continue;
     p->id[i] = fluid + i;
     JitterFluid(scene, walls, p->id[i], x);
     for (PetscInt a = 0; a < p->dim; a++) p->x[a][i] = x[a];
     i++;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The fluid of given places; ids follow one another in the order of the ranks. */
+static void FillGiven(const FluidStart *start, Particles *p)
+{
+  for (PetscInt i = 0; i < start->n; i++) {
+    p->id[i] = start->first + i;
+    for (PetscInt a = 0; a < p->dim; a++) {
+      p->x[a][i] = start->x[i * p->dim + a];
+      if (start->u) p->u[a][i] = start->u[i * p->dim + a];
+    }
+  }
 }
 
 /*
@@ -298,35 +310,40 @@ static PetscErrorCode FillCells(const Scene *scene, WallPlacement walls, PetscIn
   Input Parameters:
 + scene - the scene
 . walls - placement of wall particles
+. start - where the fluid begins, NULL for the lattice
 - p     - own fields registered
 
   Output Parameter:
 . p - N_fluid, N_wall, and own particles with id, x, normal, depth, side and volume; they are not where
       they belong yet. Ids: fluid, then the walls of the box, then those of bodies.
 */
-PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, Particles *p)
+PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidStart *start,
+                           Particles *p)
 {
   WallSlabs slabs;
-  PetscInt  cells = 0, first, last, own[2], start[2], all[2], slab[2], point[2], wall, dummy;
+  PetscInt  cells = 0, first, last, own[2], before[2], all[2], slab[2], point[2], wall, dummy;
 
   PetscFunctionBegin;
   PetscCall(CountCells(scene->dim, scene->cells, &cells));
   ParticlesShare(p->comm, cells, &first, &last);
-  PetscCall(CountShare(scene, walls, first, last, p->comm, own, start, all));
+  PetscCall(CountShare(scene, walls, first, last, p->comm, own, before, all));
   PetscCall(WallSlabsCreate(scene, walls, &slabs));
   ParticlesShare(p->comm, slabs.first[slabs.n], &slab[0], &slab[1]);
   ParticlesShare(p->comm, SurfacePoints(scene, walls), &point[0], &point[1]);
   UserCheck(all[0] > 0, "the bodies leave no room for fluid at dx = %.4g", (double)scene->dx);
-  p->N_fluid = all[0];
-  p->N_wall  = slabs.first[slabs.n] + all[1] + SurfacePoints(scene, walls);
-  p->n_fluid = own[0];
-  p->n_wall  = slab[1] - slab[0] + own[1] + point[1] - point[0];
+  p->N_lattice = all[0];
+  p->N_fluid   = start ? start->N : all[0];
+  p->N_wall    = slabs.first[slabs.n] + all[1] + SurfacePoints(scene, walls);
+  p->n_fluid   = start ? start->n : own[0];
+  p->n_wall    = slab[1] - slab[0] + own[1] + point[1] - point[0];
+  p->flowing   = start && start->u ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(ParticlesReserve(p, ParticlesOwn(p)));
   wall = p->n_fluid;
   for (PetscInt k = slab[0]; k < slab[1]; k++) WallParticle(scene, walls, &slabs, k, p, wall++);
   for (PetscInt k = point[0]; k < point[1]; k++)
     SurfaceParticle(scene, walls, k, p->N_fluid + slabs.first[slabs.n] + k, p, wall++);
-  dummy = p->N_fluid + slabs.first[slabs.n] + SurfacePoints(scene, walls) + start[1];
-  PetscCall(FillCells(scene, walls, first, last, start[0], wall, dummy, p));
+  dummy = p->N_fluid + slabs.first[slabs.n] + SurfacePoints(scene, walls) + before[1];
+  FillCells(scene, walls, first, last, start ? -1 : before[0], wall, dummy, p);
+  if (start) FillGiven(start, p);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

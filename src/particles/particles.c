@@ -102,10 +102,11 @@ static PetscErrorCode RegisterOwnFields(const Scene *scene, WallPlacement walls,
   Input Parameters:
 + scene      - the scene
 . walls      - how the wall treatment wants its particles; ignored without PHYSICS_WALLS
-- halo_width - largest interaction radius anyone will ask for [m]
+. halo_width - largest interaction radius anyone will ask for [m]
+- start      - where the fluid begins, NULL for the lattice
 
   Output Parameter:
-. particles - in their first epoch, halo filled; velocities and pressures are zero
+. particles - in their first epoch, halo filled; pressures are zero, velocities too unless start has some
 
   Options Database Key:
 . -skin <4> - how far apart beyond halo_width particles may start an epoch and be copied [dx]
@@ -113,7 +114,7 @@ static PetscErrorCode RegisterOwnFields(const Scene *scene, WallPlacement walls,
   Note: xi is a hash of (seed, id, axis) and does not depend on the number of ranks.
 */
 PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscReal halo_width,
-                               Particles **particles)
+                               const FluidStart *start, Particles **particles)
 {
   Particles  *p;
   PetscReal   skin = 4.0;
@@ -137,7 +138,7 @@ PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscRea
   PetscCall(PetscSFCreate(p->comm, &p->sf));
   PetscCall(RegisterOwnFields(scene, walls, p));
 
-  PetscCall(LatticeFill(scene, walls, p));
+  PetscCall(LatticeFill(scene, walls, start, p));
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
   *particles = p;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -152,7 +152,7 @@ static PetscErrorCode PatchCreate(const Scene *scene, Patch *patch)
   PetscCall(OperatorsCreate(scene, &patch->ops));
   PetscCall(PatchReadOptions(patch));
   PetscCall(OperatorsPlacement(scene, patch->ops, &around));
-  PetscCall(ParticlesCreate(scene, around, patch->ops->reach, &patch->particles));
+  PetscCall(ParticlesCreate(scene, around, patch->ops->reach, NULL, &patch->particles));
   PetscCall(NeighborsCreate(patch->ops->radius, &patch->neighbors));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -15,16 +15,22 @@ static Flow RunFlow(const Run *run)
 static PetscErrorCode RunCreate(Run *run)
 {
   WallPlacement walls;
+  FluidStart    start;
+  char          path[PETSC_MAX_PATH_LEN];
 
   PetscFunctionBegin;
+  PetscCall(StartRead(run->scene, &start, path));
   PetscCall(ClockCreate(run->scene, &run->clock));
   PetscCall(OperatorsCreate(run->scene, &run->ops));
   PetscCall(SchemeCreate(run->scene, run->clock, run->ops, &run->scheme));
   if (run->clock->adapt->retries) PetscCall(UndoCreate(&run->undo));
   PetscCall(OperatorsPlacement(run->scene, run->ops, &walls));
-  PetscCall(ParticlesCreate(run->scene, walls, run->ops->reach, &run->particles));
+  PetscCall(ParticlesCreate(run->scene, walls, run->ops->reach, path[0] ? &start : NULL,
+                            &run->particles));
+  PetscCall(StartFree(&start));
   PetscCall(SchemeRegister(run->scene, run->particles, run->scheme));
   PetscCall(NeighborsCreate(run->ops->radius, &run->neighbors));
+  PetscCall(StartCheck(run->scene, path, run->particles, run->neighbors));
   PetscCall(SnapshotsCreate(run->scene, &run->snapshots));
   PetscCall(MonitorsCreate(run->scene, &run->monitors));
   PetscCall(ProgressCreate(&run->progress));

@@ -153,6 +153,7 @@ static const char *const OwnNames[] = {
     "max_steps",
     "seed",
     "jitter",
+    "particles",
     "scheme",
     "projection",
     "motion",

@@ -45,11 +45,15 @@ PetscErrorCode ProjectionRegister(const Scene *scene, Particles *p, Scheme *sche
     PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM] = {0.0}, pressure = 0.0;
 
     for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
-    if (scene->problem->Velocity) scene->problem->Velocity(scene, 0.0, x, u);
+    if (p->flowing) {
+      for (PetscInt a = 0; a < scene->dim; a++) u[a] = p->u[a][i];
+    } else if (scene->problem->Velocity) {
+      scene->problem->Velocity(scene, 0.0, x, u);
+    }
     for (PetscInt a = 0; a < scene->dim; a++) {
       p->u[a][i] = pr->u_previous[a][i] = u[a];
     }
-    if (p->p && scene->problem->Exact && !scene->velocity.n)
+    if (p->p && scene->problem->Exact && !scene->velocity.n && !p->flowing)
       scene->problem->Exact(scene, 0.0, x, u, &pressure);
     if (p->p) p->p[i] = pressure;
     most = PetscMax(most, PetscAbsReal(pressure));

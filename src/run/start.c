@@ -1,0 +1,188 @@
+/* A run that begins with the user's particles: places, and velocities if there are any, from a file. */
+#include "impl.h"
+#include "isph/hdf5file.h"
+
+#define START_CLOSEST 0.01 /* distance of two particles below which their fits mean nothing [dx] */
+
+/* What may be wrong with a place; later ones are looked for only where earlier ones are not met. */
+enum { PLACE_NOT_FINITE, PLACE_OUTSIDE, PLACE_IN_BODY, PLACE_FAULTS };
+
+/* This rank's share of a data set that may be absent, then NULL. */
+static PetscErrorCode ReadShare(Hdf5File *file, const char name[], PetscInt columns, hid_t given,
+                                size_t size, void **rows)
+{
+  PetscInt  N, width;
+  PetscBool there;
+
+  PetscFunctionBegin;
+  *rows = NULL;
+  PetscCall(Hdf5Has(file, name, &there));
+  if (!there) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Hdf5CountRows(file, name, &N, &width));
+  if (N != file->N || width != columns) file->failed = PETSC_TRUE;
+  PetscCall(PetscMalloc((size_t)(file->own * PetscMax(columns, 1) + 1) * size, rows));
+  if (!file->failed && N) PetscCall(Hdf5ReadRows(file, name, columns, given, *rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads the fluid, and in which row of the file each is; others, as snapshots have them, are left out. */
+static PetscErrorCode ReadParticles(PetscInt dim, Hdf5File *file, FluidStart *start,
+                                    PetscInt *columns, PetscInt **row)
+{
+  PetscInt last;
+  int     *type;
+
+  PetscFunctionBegin;
+  *row = NULL;
+  PetscCall(Hdf5CountRows(file, "position", &file->N, columns));
+  if (*columns != dim) PetscFunctionReturn(PETSC_SUCCESS);
+  ParticlesShare(PETSC_COMM_WORLD, file->N, &file->start, &last);
+  file->own = last - file->start;
+  PetscCall(
+      ReadShare(file, "position", dim, H5T_NATIVE_DOUBLE, sizeof(PetscReal), (void **)&start->x));
+  PetscCall(
+      ReadShare(file, "velocity", dim, H5T_NATIVE_DOUBLE, sizeof(PetscReal), (void **)&start->u));
+  PetscCall(ReadShare(file, "type", 0, H5T_NATIVE_INT, sizeof(int), (void **)&type));
+  PetscCall(PetscMalloc1(file->own + 1, row));
+  for (PetscInt k = 0; k < file->own; k++) {
+    (*row)[start->n] = file->start + k;
+    if (type && type[k]) continue;
+    for (PetscInt a = 0; a < dim; a++) {
+      start->x[start->n * dim + a] = start->x[k * dim + a];
+      if (start->u) start->u[start->n * dim + a] = start->u[k * dim + a];
+    }
+    start->n++;
+  }
+  PetscCall(PetscFree(type));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What is wrong with one particle, PLACE_FAULTS for nothing; a periodic box takes it in. */
+static PetscInt PlaceFault(const Scene *scene, PetscReal x[], const PetscReal u[])
+{
+  PetscReal normal[ISPH_MAX_DIM];
+  PetscInt  body;
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    const PetscReal lo = scene->lo[a], side = scene->hi[a] - lo;
+
+    if (PetscIsInfOrNanReal(x[a]) || (u && PetscIsInfOrNanReal(u[a]))) return PLACE_NOT_FINITE;
+    if (scene->periodic[a]) x[a] -= side * PetscFloorReal((x[a] - lo) / side);
+    else if (x[a] <= lo || x[a] >= scene->hi[a]) return PLACE_OUTSIDE;
+  }
+  return SceneDistance(scene, x, &body, normal) <= 0.0 ? PLACE_IN_BODY : PLACE_FAULTS;
+}
+
+/* Ends the run where a particle cannot be where it is; names the first. Collective. */
+static PetscErrorCode CheckPlaces(const Scene *scene, const char path[], const FluidStart *start,
+                                  const PetscInt row[])
+{
+  const char *const faults[PLACE_FAULTS] = {"is not finite", "is not inside the box",
+                                            "is inside a body"};
+  PetscInt          first[2]             = {PETSC_MAX_INT, PLACE_FAULTS}, found;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < start->n && first[1] == PLACE_FAULTS; i++) {
+    first[1] =
+        PlaceFault(scene, &start->x[i * scene->dim], start->u ? &start->u[i * scene->dim] : NULL);
+    if (first[1] < PLACE_FAULTS) first[0] = row[i];
+  }
+  PetscCallMPI(MPI_Allreduce(&first[0], &found, 1, MPIU_INT, MPI_MIN, PETSC_COMM_WORLD));
+  if (first[0] != found) first[1] = PLACE_FAULTS;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &first[1], 1, MPIU_INT, MPI_MIN, PETSC_COMM_WORLD));
+  UserCheck(first[1] == PLACE_FAULTS, "-particles %s: the particle in row %" PetscInt_FMT " %s",
+            path, found, faults[first[1]]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  StartRead - Reads the particles a run begins with
+
+  Collective on PETSC_COMM_WORLD.
+
+  Output Parameters:
++ start - this rank's share, to be freed by StartFree(); N = 0 where the fluid begins on the lattice
+- path  - of the file, empty where there is none
+
+  Options Database Key:
+. -particles file.h5 - data set `position` [m], and if there are `velocity` [m/s] and `type` (0: fluid, others
+                       are left out): a snapshot will do. The case's walls stay as they are.
+
+  Errors: a file that cannot be read or has no fluid, and a particle outside the fluid, end the run
+*/
+PetscErrorCode StartRead(const Scene *scene, FluidStart *start, char path[])
+{
+  Hdf5File  file;
+  PetscInt  columns, *row;
+  PetscBool good;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(start, sizeof(*start)));
+  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Start", "");
+  PetscCall(
+      OptionFile("-particles", "The fluid's particles at the start, not a lattice: file.h5", path));
+  PetscOptionsEnd();
+  if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(OptionsRefuseTogether("-particles", "-jitter", "it displaces a lattice"));
+  PetscCall(Hdf5FileOpen(PETSC_COMM_WORLD, path, &file));
+  PetscCheck(file.file >= 0, PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN,
+             "-particles %s: is absent, no HDF5 file, or a truncated one", path);
+  PetscCall(ReadParticles(scene->dim, &file, start, &columns, &row));
+  PetscCall(Hdf5FileClose(&file, &good));
+  UserCheck(columns == scene->dim,
+            "-particles %s: a data set 'position' of N rows and %" PetscInt_FMT
+            " columns is wanted",
+            path, scene->dim);
+  PetscCheck(good, PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
+             "-particles %s: 'velocity' and 'type' must have the rows of 'position', or be absent",
+             path);
+  PetscCall(CheckPlaces(scene, path, start, row));
+  PetscCall(PetscFree(row));
+  PetscCallMPI(MPI_Exscan(&start->n, &start->first, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Allreduce(&start->n, &start->N, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
+  UserCheck(start->N > 0, "-particles %s: there is no fluid in it", path);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* StartFree - Frees what StartRead() has read; not collective */
+PetscErrorCode StartFree(FluidStart *start)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(start->x));
+  PetscCall(PetscFree(start->u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  StartCheck - Says how well the user's particles fill their room, and ends the run where two are at one place
+
+  Collective on PETSC_COMM_WORLD. Every particle stands for dx^dim; a room that is filled too little or too
+  much is the user's affair.
+*/
+PetscErrorCode StartCheck(const Scene *scene, const char path[], const Particles *p, Neighbors *nb)
+{
+  PetscReal closest = PetscSqr(nb->radius);
+
+  PetscFunctionBegin;
+  if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(NeighborsUpdate(p, 0.0, nb));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    for (PetscInt k = nb->row[i]; k < nb->row[i + 1]; k++) {
+      PetscReal square = 0.0;
+
+      for (PetscInt a = 0; a < p->dim; a++) square += PetscSqr(p->x[a][nb->col[k]] - p->x[a][i]);
+      closest = PetscMin(closest, square);
+    }
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &closest, 1, MPIU_REAL, MPIU_MIN, p->comm));
+  closest = PetscSqrtReal(closest) / scene->dx;
+  UserCheck(closest >= START_CLOSEST,
+            "-particles %s: two particles are %.2g dx apart; at least %.2g dx is allowed", path,
+            (double)closest, START_CLOSEST);
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD,
+                        "particles   %s: %" PetscInt_FMT
+                        " of fluid where a lattice has %" PetscInt_FMT
+                        ", none closer than %.2g dx\n",
+                        path, p->N_fluid, p->N_lattice, (double)closest));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
