@@ -67,7 +67,10 @@ void WalledForOne(const WalledForms *forms, const CloudBox *box, WalledCheck che
 
   ASSERT_OK(PetscSNPrintf(options, sizeof(options),
                           "-wall %s%s -visc_laplacian %s -ppe_laplacian %s -gradient %s",
-                          forms->wall->name, forms->surface ? " -wall_surface" : "",
+                          forms->wall->name,
+                          forms->wall->on_surface ? ""
+                          : forms->surface        ? " -wall_surface"
+                                                  : " -wall_surface 0",
                           forms->laplacian->name, forms->laplacian->name, forms->gradient->name));
   ASSERT_OK(PetscSNPrintf(where, sizeof(where), "%dD %s, %s", (int)box->dim,
                           box->jitter > 0.0 ? "disorder" : "lattice", options));

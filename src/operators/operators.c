@@ -75,8 +75,11 @@ static PetscErrorCode OperatorsChooseWall(PetscOptionItems *PetscOptionsObject, 
             "its place",
             ops->wall->name, kind, blind);
   if (ops->wall->Check) PetscCall(ops->wall->Check(scene));
-  PetscCall(PetscOptionsBool("-wall_surface", "Particles on walls, before those behind them", "",
-                             ops->wall_surface, &ops->wall_surface, NULL));
+  ops->wall_surface = scene->n_bodies > 0 && !ops->wall->on_surface ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(PetscOptionsBool("-wall_surface",
+                             "Particles on walls, before those behind them; by default where there "
+                             "are bodies, whose dummies alone leave a gap at curved walls",
+                             "", ops->wall_surface, &ops->wall_surface, NULL));
   UserCheck(
       !ops->wall_surface || !ops->wall->on_surface,
       "-wall_surface: -wall %s has its particles on the wall already; choose a treatment with "
@@ -113,7 +116,7 @@ static PetscReal DefaultSmoothing(const Scene *scene)
 . -correction name     - of the kernel that these Laplacians read
 . -gradient name       - form of gradients and divergences
 . -wall name           - wall treatment
-- -wall_surface        - a layer of particles on the walls before the layers behind them
+- -wall_surface        - a layer of particles on the walls before the layers behind them; by default with bodies
 
   Errors: forms that need particles behind walls are refused with a treatment that has none,
   corrections with forms that do not read the kernel's slope, anti-diffusive forms for the pressure,
