@@ -2,8 +2,10 @@
 import csv
 import importlib.util
 import os
+import re
 import resource
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
@@ -24,10 +26,11 @@ def cpu_seconds():
 
 class Runs:
     """Quantities of runs by their arguments, at the end of the run; those of -report_times before it as name@time. A
-    run that failed has the sentence in `failed`."""
+    run that failed has the sentence in `failed`, and in `failed_t` the time where it was under way; so has one that
+    takes more than `seconds` of CPU time."""
 
-    def __init__(self, path, isph):
-        self.path, self.isph, self.rows, self.unsaved = path, isph, {}, 0
+    def __init__(self, path, isph, seconds=None):
+        self.path, self.isph, self.seconds, self.rows, self.unsaved = path, isph, seconds, {}, 0
         os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
         if os.path.exists(path):
             with open(path, newline="") as file:
@@ -46,20 +49,40 @@ class Runs:
         return {k: float(v) if k not in ("run", "failed") else v
                 for k, v in self.rows[arguments].items()}
 
+    def bound(self):
+        """In the process of a run: no more CPU time than it may take."""
+        if self.seconds:
+            resource.setrlimit(resource.RLIMIT_CPU, (int(self.seconds), int(self.seconds) + 5))
+
+    def why(self, done):
+        """The sentence with which a run ended, and the time it names."""
+        if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL) and self.seconds:
+            return {"failed": f"more than {self.seconds:g} s of CPU time"}
+        sentence = [line for line in done.stderr.splitlines() if line.startswith("isph: ")]
+        row = {"failed": sentence[0][6:] if sentence else f"status {done.returncode}"}
+        time_named = re.match(r"step \d+ \(t = ([^)]+)\)", row["failed"])
+        if time_named:
+            row["failed_t"] = time_named.group(1)
+        return row
+
     def make(self, arguments):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "run.csv")
             before = cpu_seconds()
-            done = subprocess.run([self.isph, *shlex.split(arguments), "-report", path],
+            done = subprocess.run([self.isph, *shlex.split(arguments), "-report", path], preexec_fn=self.bound,
                                   capture_output=True, text=True, check=False)
             row = {"run": arguments, "cpu_s": f"{cpu_seconds() - before:.4g}"}
             if done.returncode:
-                sentence = [line for line in done.stderr.splitlines() if line.startswith("isph: ")]
-                row["failed"] = sentence[0][6:] if sentence else f"status {done.returncode}"
+                row.update(self.why(done))
+            lines = []
+            if os.path.exists(path):
+                with open(path, newline="") as file:
+                    lines = list(csv.DictReader(file))
+            if not lines:
                 return row
-            with open(path, newline="") as file:
-                lines = list(csv.DictReader(file))
             for line in lines:
+                if not line["quantity"]:  # of a run that failed
+                    continue
                 when = "" if line["t"] == lines[-1]["t"] else f"@{float(line['t']):.4g}"
                 row[line["quantity"] + when] = line["value"]
             row.update({name: lines[-1][name] for name in ("wall_s", "particles", "steps")})
