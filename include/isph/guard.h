@@ -11,7 +11,8 @@
 
 typedef struct {
   const char        *what;               /* "viscous", "pressure", ... */
-  const char        *prefix;             /* "visc_" or "ppe_" */
+  const char        *prefix;             /* "visc_", "ppe_" or "coupled_" */
+  const char        *remedy;             /* what else to try; NULL: told from what was chosen */
   char               where[CLOCK_WHERE]; /* the step at hand, for messages */
   char               note[256];          /* what is unwise in the user's choice; empty: nothing */
   PetscBool          symmetric;          /* the matrix is */

@@ -28,8 +28,9 @@ void KernelEvaluate(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscRea
 
 /* What the equation of a neighbour in a least-squares fit of f about particle i says. */
 typedef enum {
-  ROLE_VALUE,            /* f at X is the neighbour's: unknown of fluid, given on walls */
-  ROLE_NORMAL_DERIVATIVE /* n.grad f at X is given; n.f of vectors: GradientRow.DivergenceFit */
+  ROLE_VALUE,             /* f at X is the neighbour's: unknown of fluid, given on walls */
+  ROLE_NORMAL_DERIVATIVE, /* n.grad f at X is given; n.f of vectors: GradientRow.DivergenceFit */
+  ROLE_NONE               /* of a wall nothing is known: the fit is one of fluid alone */
 } Role;
 
 #define MLS_MAX_TERMS       19 /* X_a, X_a X_b, X_a X_b X_c, a <= b <= c, in 3D */
@@ -179,6 +180,8 @@ typedef struct {
   AffineOperator grad_p[ISPH_MAX_DIM]; /* dp/dx_a; wall data: n.grad p */
   AffineOperator grad_u[ISPH_MAX_DIM]; /* du_c/dx_a; wall data: u_wall,c */
   AffineOperator div[ISPH_MAX_DIM];    /* (D u)_i = sum_c div[c] u_c; wall data: u_wall,c */
+  AffineOperator rough;                /* p less its quadratic fit [-]; no wall data */
+  PetscBool      one_sided;            /* grad_p sees no walls, for want of n.grad p there */
   PetscBool      need_concentration;
   PetscReal     *concentration;            /* C_i = sum_j V_j W_ij, without walls' deficit [-] */
   PetscReal     *gradient_c[ISPH_MAX_DIM]; /* grad C [1/m] */

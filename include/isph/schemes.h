@@ -40,7 +40,8 @@ typedef struct {
   PetscReal steady_tol;                     /* 0: off [-] */
   PetscReal report_time[CLOCK_MAX_REPORTS]; /* times the steps must hit, ascending [s] */
   PetscInt  n_reports, next_report;
-  PetscBool steady; /* steady_tol was met */
+  PetscBool steady; /* steady_tol was met, or the steady flow solved for */
+  PetscBool direct; /* no du/dt: one step to t_end */
 
   const DtAdaptRow *adapt;
   PetscReal         move_max; /* displacement in a step above which it has failed [dx] */
@@ -131,9 +132,38 @@ typedef struct {
   PetscInt  visc_its_sum, ppe_its_sum;
 } StepStats;
 
-typedef struct Scheme Scheme;
+/* What stands for the inverse of the Schur complement of the pressure, see schur.c. */
+typedef struct Schur Schur;
 typedef struct {
   const char *name, *brief, *citation;
+  PetscBool   poisson; /* it needs the pressure Laplacian */
+  PetscErrorCode (*Apply)(Schur *schur, Vec x, Vec y);
+} SchurRow;
+extern const Table SchurTable;
+
+/* How the coupled scheme goes through a step. */
+typedef struct {
+  const char *name, *brief, *citation; /* name: the TS type */
+  PetscBool   substeps; /* several a step, as long as their error allows; else one, with history */
+} CoupledTimeRow;
+extern const Table CoupledTimeTable;
+
+typedef struct Scheme  Scheme;
+typedef struct Coupled Coupled;
+PetscErrorCode         CoupledCreate(const Scene *scene, PetscReal dt, PetscBool convects,
+                                     Coupled **coupled);
+PetscErrorCode         CoupledDestroy(Coupled **coupled);
+PetscErrorCode         CoupledNames(const Coupled *coupled, const char **ts, const char **ksp,
+                                    const char **pc);
+const CoupledTimeRow  *CoupledTimeKind(const Coupled *coupled);
+const SchurRow        *CoupledSchur(const Coupled *coupled);
+PetscInt              *CoupledFalls(Coupled *coupled);
+const char            *CoupledNote(const Coupled *coupled);
+PetscInt               CoupledIterations(const Coupled *coupled); /* of the last step */
+
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscBool   splits; /* velocity and pressure are solved for in turn */
   PetscErrorCode (*Create)(const Scene *scene, const Clock *clock, Operators *ops, Scheme *scheme);
   PetscErrorCode (*Register)(const Scene *scene, Particles *particles, Scheme *scheme);
   PetscErrorCode (*Begin)(const Scene *scene, const Clock *clock, Particles *particles,
@@ -144,7 +174,7 @@ typedef struct {
 } SchemeRow;
 extern const Table SchemeTable;
 
-#define SCHEME_NUMBERS 9
+#define SCHEME_NUMBERS 10
 struct Scheme {
   const SchemeRow     *row;
   const ProjectionRow *projection; /* NULL: no pressure */
@@ -155,6 +185,7 @@ struct Scheme {
   PetscReal            filter; /* strength of the grid-scale pressure filter [-] */
   Viscosity           *visc;
   Pressure            *ppe;
+  Coupled             *coupled; /* in place of both; NULL: they are there */
   StepStats            stats;
   StepFailure          failure;                /* of the step just tried */
   PetscReal            number[SCHEME_NUMBERS]; /* what else a step remembers of those before it */

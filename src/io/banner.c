@@ -61,9 +61,10 @@ static PetscErrorCode BannerPhysics(const Scene *scene, PetscViewer viewer)
 static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_explicit,
                                  PetscViewer viewer)
 {
-  const Scene    *scene    = flow->scene;
-  const PetscReal advect   = 0.25 * scene->dx / scene->speed;
-  const PetscBool explicit = ViscosityTimeKind(flow->scheme->visc)->kind == TIME_EXPLICIT;
+  const Scene    *scene  = flow->scene;
+  const PetscReal advect = 0.25 * scene->dx / scene->speed;
+  const PetscBool explicit =
+      flow->scheme->visc && ViscosityTimeKind(flow->scheme->visc)->kind == TIME_EXPLICIT;
 
   PetscFunctionBegin;
   PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "dt = %.3g dt_explicit (%.3g s): ",
@@ -183,6 +184,13 @@ static PetscErrorCode BannerSolvers(const Scheme *scheme, PetscViewer viewer)
     PetscCall(ViscosityNames(scheme->visc, &ts, &ksp, &pc));
     PetscCall(BannerSolver("visc solver", ksp, pc, viewer));
     PetscCall(BannerNote(ViscosityNote(scheme->visc), viewer));
+  }
+  if (scheme->coupled) {
+    PetscCall(BannerRow("time", CoupledTimeKind(scheme->coupled), viewer));
+    PetscCall(CoupledNames(scheme->coupled, &ts, &ksp, &pc));
+    PetscCall(BannerSolver("solver", ksp, pc, viewer));
+    PetscCall(BannerRow("schur", CoupledSchur(scheme->coupled), viewer));
+    PetscCall(BannerNote(CoupledNote(scheme->coupled), viewer));
   }
   if (scheme->ppe) {
     PetscCall(PressureNames(scheme->ppe, &ksp, &pc));

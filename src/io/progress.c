@@ -87,11 +87,11 @@ static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscRe
   PetscCall(PetscSNPrintf(line, length, "%3.0f %%  t %-8.4g step %-6" PetscInt_FMT " energy %.5e",
                           100.0 * (double)fraction, (double)flow->clock->t, flow->clock->step,
                           (double)stats->kinetic_energy));
-  if (flow->scheme->ppe) {
+  if (flow->particles->p) {
     PetscCall(PetscSNPrintf(part, sizeof(part), "  div %.1e", (double)stats->divergence));
     PetscCall(PetscStrlcat(line, part, length));
   }
-  if (flow->scheme->visc) {
+  if (flow->scheme->visc || flow->scheme->coupled) {
     PetscCall(PetscSNPrintf(part, sizeof(part), "  its %" PetscInt_FMT, stats->visc_its));
     PetscCall(PetscStrlcat(line, part, length));
   }

@@ -89,6 +89,8 @@ static PetscErrorCode ColumnsForms(const Flow *flow, Columns *columns)
   if (scheme && scheme->visc)
     PetscCall(ViscosityNames(scheme->visc, &visc_ts, &visc_ksp, &visc_pc));
   if (scheme && scheme->ppe) PetscCall(PressureNames(scheme->ppe, &ppe_ksp, &ppe_pc));
+  if (scheme && scheme->coupled)
+    PetscCall(CoupledNames(scheme->coupled, &visc_ts, &visc_ksp, &visc_pc));
   PetscCall(ColumnWord(columns, ops->visc_form.row ? ops->visc_form.row->name : NULL));
   PetscCall(ColumnWord(columns, ops->ppe_form.row ? ops->ppe_form.row->name : NULL));
   PetscCall(ColumnWord(columns, ops->gradient ? ops->gradient->name : NULL));
@@ -156,7 +158,8 @@ static PetscErrorCode ColumnsAfterTime(const Flow *flow, PetscReal wall_seconds,
   PetscCheck(getrusage(RUSAGE_SELF, &usage) == 0, PETSC_COMM_SELF, PETSC_ERR_SYS, "getrusage()");
   rss_mb = (PetscReal)usage.ru_maxrss / 1024.0;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &rss_mb, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
-  if (steps > 0.0 && scheme->visc) visc_its = scheme->stats.visc_its_sum / steps;
+  if (steps > 0.0 && (scheme->visc || scheme->coupled))
+    visc_its = scheme->stats.visc_its_sum / steps;
   if (steps > 0.0 && scheme->ppe) ppe_its = scheme->stats.ppe_its_sum / steps;
   PetscCall(ColumnNumber(columns, wall_seconds));
   PetscCall(ColumnNumber(columns, work > 0.0 ? 1e6 * wall_seconds / work : NAN));
@@ -252,7 +255,8 @@ PetscErrorCode ReportFileCheck(const char path[])
 . wall_seconds - of the run so far, set-up included [s]
 - status       - ok, diverged or interrupted
 
-  Notes: particles counts the fluid; visc_its and ppe_its are means per step
+  Notes: particles counts the fluid; visc_its and ppe_its are means per step; the columns visc_ts,
+  visc_ksp, visc_pc and visc_its are those of both where velocity and pressure are coupled
 
   Errors: a file that cannot be written, or has other columns, ends the run
 */

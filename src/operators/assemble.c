@@ -5,6 +5,8 @@
 #include "close.h"
 #include "extension.h"
 
+#define OPERATORS_MAX (3 + 3 * ISPH_MAX_DIM)
+
 /* Everything row functions may ask of the neighbourhood of own fluid particle i. */
 static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neighbors *nb,
                                     const Operators *ops, PetscInt i, Stencil *st)
@@ -106,6 +108,7 @@ static PetscErrorCode AssembleRow(const Scene *scene, Stencil *st, PetscInt diag
   }
   if (ops->ppe.needed) {
     PetscCall(CloseRows_Pressure(scene, st, diagonal, ops));
+    if (ops->one_sided) PetscCall(CloseRows_OneSided(scene, st, diagonal, ops));
     PetscCall(CloseRows_Divergence(st, diagonal, ops));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -114,11 +117,12 @@ static PetscErrorCode AssembleRow(const Scene *scene, Stencil *st, PetscInt diag
 /* The operators that the run needs; returns how many. */
 static PetscInt NeededOperators(Operators *ops, PetscInt dim, AffineOperator *needed[])
 {
-  AffineOperator *all[2 + 3 * ISPH_MAX_DIM];
+  AffineOperator *all[OPERATORS_MAX];
   PetscInt        n = 0, count = 0;
 
   all[n++] = &ops->visc;
   all[n++] = &ops->ppe;
+  all[n++] = &ops->rough;
   for (PetscInt a = 0; a < dim; a++) {
     all[n++] = &ops->grad_u[a];
     all[n++] = &ops->grad_p[a];
@@ -222,7 +226,7 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
                                  Operators *ops, PetscBool *changed)
 {
   Stencil        *st = ops->stencil;
-  AffineOperator *needed[2 + 3 * ISPH_MAX_DIM];
+  AffineOperator *needed[OPERATORS_MAX];
   const PetscInt  count = NeededOperators(ops, scene->dim, needed);
 
   PetscFunctionBegin;

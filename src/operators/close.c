@@ -10,6 +10,7 @@
   row with dummies changes its weights, and rows exact for linear fields stay so beside walls.
 */
 #include "close.h"
+#include "rows.h"
 
 /*
   A row on values: sum_k w_k (f_k - f_i), f_wall - f_i taken beta-fold; a treatment that extends the
@@ -194,8 +195,30 @@ PetscErrorCode CloseRows_Pressure(const Scene *scene, Stencil *st, PetscInt diag
     if (follow) DummyRow_Laplacian(st, ops->g, ops->w);
   }
   CloseRow_Slope(st, ops, diagonal, -PetscSqr(scene->dx), ops->w, &ops->ppe);
+  if (ops->one_sided) PetscFunctionReturn(PETSC_SUCCESS); /* see CloseRows_OneSided() */
   for (PetscInt a = 0; a < st->dim; a++)
     CloseRow_Slope(st, ops, diagonal, 1.0, ops->g[a], &ops->grad_p[a]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  CloseRows_OneSided - The rows of grad p and of the roughness of p of one particle, from fluid alone
+
+  Not collective. For a pressure that is solved for together with the velocity: what n.grad p is at a
+  wall follows from the momentum there and is not known before. A particle that sees no fluid has the
+  pressure zero.
+*/
+PetscErrorCode CloseRows_OneSided(const Scene *scene, Stencil *st, PetscInt diagonal,
+                                  Operators *ops)
+{
+  PetscFunctionBegin;
+  StencilSetRole(st, ROLE_NONE);
+  PetscCall(ops->gradient->Row(st, ops->g));
+  for (PetscInt a = 0; a < st->dim; a++)
+    CloseRow_Slope(st, ops, diagonal, 1.0, ops->g[a], &ops->grad_p[a]);
+  PetscCall(RoughRow_Mls(st, st->self[0] / SceneVolume(scene), ops->w));
+  CloseRow_Slope(st, ops, diagonal, 1.0, ops->w, &ops->rough);
+  if (st->n == st->n_wall) ops->rough.a[diagonal] = 1.0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -8,6 +8,8 @@ void           CloseRow_Value(const Stencil *stencil, const Operators *ops, Pets
                               const PetscReal w[], AffineOperator *op);
 PetscErrorCode CloseRows_Pressure(const Scene *scene, Stencil *stencil, PetscInt diagonal,
                                   Operators *ops);
+PetscErrorCode CloseRows_OneSided(const Scene *scene, Stencil *stencil, PetscInt diagonal,
+                                  Operators *ops);
 PetscErrorCode CloseRows_Divergence(Stencil *stencil, PetscInt diagonal, Operators *ops);
 
 #endif

@@ -179,6 +179,7 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   if (!ops) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(AffineFree(&ops->visc));
   PetscCall(AffineFree(&ops->ppe));
+  PetscCall(AffineFree(&ops->rough));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     PetscCall(AffineFree(&ops->grad_p[a]));
     PetscCall(AffineFree(&ops->grad_u[a]));

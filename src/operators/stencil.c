@@ -59,10 +59,13 @@ PetscErrorCode StencilReserve(Stencil *st, PetscInt n)
 /*
   StencilSetRole - Says what the wall neighbours mean in the fits that follow
 
-  Not collective. Keeps the factored fit where it stays the same: in rows that see no wall.
+  Not collective. Keeps the factored fit where it stays the same: in rows that see no wall, and
+  between roles that particles behind walls do not tell apart.
 */
 void StencilSetRole(Stencil *st, Role role)
 {
-  if (st->n_wall && st->fits_walls && role != st->role) st->fit.valid = PETSC_FALSE;
+  const PetscBool apart = st->fits_walls || role == ROLE_NONE || st->role == ROLE_NONE;
+
+  if (st->n_wall && apart && role != st->role) st->fit.valid = PETSC_FALSE;
   st->role = role;
 }

@@ -198,14 +198,16 @@ static PetscErrorCode RunWriteMatrices(const Run *run)
 /* What it took to get there, where it took anything. */
 static PetscErrorCode RunCountTroubles(Run *run)
 {
-  const Scheme  *scheme = run->scheme;
-  const PetscInt visc   = scheme->visc ? *ViscosityFalls(scheme->visc) : 0;
-  const PetscInt ppe    = scheme->ppe ? *PressureFalls(scheme->ppe) : 0;
+  const Scheme  *scheme  = run->scheme;
+  const PetscInt visc    = scheme->visc ? *ViscosityFalls(scheme->visc) : 0;
+  const PetscInt ppe     = scheme->ppe ? *PressureFalls(scheme->ppe) : 0;
+  const PetscInt coupled = scheme->coupled ? *CoupledFalls(scheme->coupled) : 0;
 
   PetscFunctionBegin;
   if (run->undo) PetscCall(ReportAdd(run->report, "retries", run->clock->retries));
   if (visc) PetscCall(ReportAdd(run->report, "visc_falls", visc));
   if (ppe) PetscCall(ReportAdd(run->report, "ppe_falls", ppe));
+  if (coupled) PetscCall(ReportAdd(run->report, "coupled_falls", coupled));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -19,7 +19,9 @@ void CheckpointPack(const Run *run, double clock[], double stats[])
                                   s->ppe_its,
                                   s->visc_its_sum,
                                   s->ppe_its_sum,
-                              scheme->visc ? *ViscosityFalls(scheme->visc) : 0,
+                              scheme->visc      ? *ViscosityFalls(scheme->visc)
+                                  : scheme->coupled ? *CoupledFalls(scheme->coupled)
+                                                    : 0,
                               scheme->ppe ? *PressureFalls(scheme->ppe) : 0,
                                   s->force_max};
 
@@ -53,6 +55,7 @@ void CheckpointUnpack(const double clock[], const double stats[], Run *run)
   s->visc_its_sum = (PetscInt)stats[8];
   s->ppe_its_sum  = (PetscInt)stats[9];
   if (scheme->visc) *ViscosityFalls(scheme->visc) = (PetscInt)stats[10];
+  if (scheme->coupled) *CoupledFalls(scheme->coupled) = (PetscInt)stats[10];
   if (scheme->ppe) *PressureFalls(scheme->ppe) = (PetscInt)stats[11];
   s->force_max = stats[12];
 }

@@ -49,6 +49,21 @@ static PetscErrorCode ClockReadReports(PetscOptionItems *PetscOptionsObject, Clo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* -steady: a single step to t_end, in which time stands still for the scheme. */
+static PetscErrorCode ClockReadSteady(PetscOptionItems *PetscOptionsObject, Clock *clock)
+{
+  const char *const others[] = {"-dt", "-cfl", "-steady_tol", "-report_times", "-dt_adapt"};
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsBool("-steady", "No du/dt: solve for the steady flow (-scheme coupled)", "",
+                             clock->direct, &clock->direct, NULL));
+  if (!clock->direct) PetscFunctionReturn(PETSC_SUCCESS);
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(others); k++)
+    PetscCall(OptionsRefuseTogether("-steady", others[k], "a steady flow has no steps in time"));
+  clock->dt_given = clock->t_end;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   CFL number that held in every run tried: where viscosity smooths the grid scale, U dx/nu <= 5,
   twice as large as where it does not.
@@ -73,6 +88,7 @@ static PetscReal ClockDefaultCfl(const Scene *scene)
 . -dt_adapt name      - how steps follow the flow
 . -dt_move_max M      - displacement in dx above which a step is undone, where steps are retried
 . -max_steps N        - stop after N steps
+. -steady             - no du/dt: one step to t_end, see CoupledSolve()
 . -steady_tol TOL     - stop when u, div u* and p change by less than this per time scale
 - -report_times t,... - report quantities at these times too
 */
@@ -110,6 +126,7 @@ PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
                        "Stop when nothing changes by more than this relative rate; 0: never [-]",
                        0.0, 1.0, &c->steady_tol, NULL));
   PetscCall(ClockReadReports(PetscOptionsObject, c));
+  PetscCall(ClockReadSteady(PetscOptionsObject, c));
   PetscOptionsEnd();
   for (PetscInt a = 0; a < scene->dim; a++) force2 += PetscSqr(scene->body[a]);
   PetscCall(ClockChoose(scene, scene->speed, PetscSqrtReal(force2), c));
@@ -176,6 +193,7 @@ PetscErrorCode ClockAdvance(Clock *clock)
   clock->t += clock->dt;
   clock->dt_previous = clock->dt;
   clock->step++;
+  if (clock->direct) clock->steady = PETSC_TRUE;
   if (!clock->cut) PetscFunctionReturn(PETSC_SUCCESS);
   clock->good++;
   if (clock->good >= clock->patience) {

@@ -67,7 +67,7 @@ static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
 static PetscErrorCode GuardNote(KSP ksp, const LaplacianForm *form, Guard *guard)
 {
   PetscBool   needs_symmetry;
-  const char *type, *name = form->row->name;
+  const char *type, *name = form ? form->row->name : guard->what;
 
   PetscFunctionBegin;
   PetscCall(PetscObjectTypeCompareAny((PetscObject)ksp, &needs_symmetry, KSPCG, KSPFCG, KSPGROPPCG,
@@ -78,7 +78,7 @@ static PetscErrorCode GuardNote(KSP ksp, const LaplacianForm *form, Guard *guard
                             "-%sksp_type %s wants a symmetric matrix, that of %s is not: it may "
                             "fail or take longer than gmres",
                             guard->prefix, type, name));
-  } else if (!LaplacianIs(form, FORM_SAFE_IMPLICIT)) {
+  } else if (form && !LaplacianIs(form, FORM_SAFE_IMPLICIT)) {
     PetscCall(PetscSNPrintf(guard->note, sizeof(guard->note),
                             "-%slaplacian %s is anti-diffusive: it amplifies what it should damp, "
                             "and an implicit step may be singular",
@@ -94,7 +94,7 @@ static PetscErrorCode GuardNote(KSP ksp, const LaplacianForm *form, Guard *guard
   -ksp_rtol means the true residual.
 
   Input Parameter:
-. form - the Laplacian that the matrix is of
+. form - the Laplacian that the matrix is of; NULL: it is no symmetric one
 
   Output Parameter:
 . guard - its note says what is legal but unwise
@@ -110,7 +110,7 @@ PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
   PC        pc;
 
   PetscFunctionBegin;
-  guard->symmetric = LaplacianIs(form, FORM_SYMMETRIC);
+  guard->symmetric = form ? LaplacianIs(form, FORM_SYMMETRIC) : PETSC_FALSE;
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCICC, &icc));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCCHOLESKY, &cholesky));
@@ -159,6 +159,8 @@ static PetscErrorCode GuardRemedy(KSP ksp, PC pc, const Guard *guard, char remed
   if (PetscIsInfOrNanReal(guard->residual)) {
     PetscCall(
         PetscSNPrintf(remedy, length, "the flow is no longer finite: try a smaller -dt or -cfl"));
+  } else if (guard->remedy) {
+    PetscCall(PetscStrncpy(remedy, guard->remedy, length));
   } else if (cg && !guard->symmetric) {
     PetscCall(PetscSNPrintf(remedy, length,
                             "cg needs a symmetric form and this one is not: use -%sksp_type %s",

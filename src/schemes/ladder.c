@@ -4,15 +4,17 @@
   counted.
 */
 #include "isph/guard.h"
+#include "saddle.h"
 
 /* What is tried in turn, with the matrix that the preconditioner is made from. */
 static const struct {
   const char *ksp, *pc;
-  PetscInt    most; /* rows it is tried for; 0: any number */
+  PetscInt    most;   /* rows it is tried for; 0: any number */
+  PetscBool   saddle; /* for velocity and pressure together */
 } rungs[GUARD_RUNGS] = {
-    {KSPGMRES, PCHYPRE, 0},
-    {KSPGMRES, PCBJACOBI, 0},
-    {KSPGMRES, PCLU, 20000},
+    {KSPGMRES, PCHYPRE, 0, PETSC_FALSE},
+    {KSPGMRES, PCBJACOBI, 0, PETSC_FALSE},
+    {KSPGMRES, PCLU, 20000, PETSC_TRUE},
 };
 
 /* The solver of a rung, made when it is first needed. */
@@ -38,7 +40,8 @@ static PetscErrorCode LadderRung(KSP ksp, PetscInt k, Guard *guard)
 }
 
 /* Whether a rung is what has failed already. */
-static PetscErrorCode LadderSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBool *skips)
+static PetscErrorCode LadderSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBool saddle,
+                                  PetscBool *skips)
 {
   PetscBool same_ksp, same_pc;
   PC        pc;
@@ -47,8 +50,10 @@ static PetscErrorCode LadderSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBool 
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PetscObjectTypeCompare((PetscObject)ksp, rungs[k].ksp, &same_ksp));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, rungs[k].pc, &same_pc));
-  *skips =
-      (same_ksp && same_pc) || (rungs[k].most && rows > rungs[k].most) ? PETSC_TRUE : PETSC_FALSE;
+  *skips = (same_ksp && same_pc) || (rungs[k].most && rows > rungs[k].most) ||
+                   (saddle && !rungs[k].saddle)
+               ? PETSC_TRUE
+               : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -70,25 +75,28 @@ static PetscErrorCode LadderSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBool 
 */
 PetscErrorCode LadderClimb(KSP ksp, Vec b, Vec x, Guard *guard, PetscBool *solved)
 {
-  KSPType  ksp_type;
-  PCType   pc_type;
-  PC       pc;
-  Mat      A, P;
-  PetscInt rows;
+  KSPType   ksp_type;
+  PCType    pc_type;
+  PC        pc;
+  Mat       A, P, flat = NULL;
+  PetscInt  rows;
+  PetscBool saddle;
 
   PetscFunctionBegin;
   *solved = PETSC_FALSE;
   if (PetscIsInfOrNanReal(guard->residual)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(KSPGetOperators(ksp, &A, &P));
   PetscCall(MatGetSize(A, &rows, NULL));
+  PetscCall(PetscObjectTypeCompare((PetscObject)P, MATNEST, &saddle));
+  if (saddle && rows <= rungs[GUARD_RUNGS - 1].most) PetscCall(SaddleFlatten(P, &flat));
   for (PetscInt k = 0; k < GUARD_RUNGS && !*solved; k++) {
     PetscBool skips = PETSC_FALSE;
 
-    PetscCall(LadderSkips(ksp, k, rows, &skips));
+    PetscCall(LadderSkips(ksp, k, rows, saddle, &skips));
     if (skips) continue;
     PetscCall(LadderRung(ksp, k, guard));
     PetscCall(KSPReset(guard->rung[k]));
-    PetscCall(KSPSetOperators(guard->rung[k], A, P));
+    PetscCall(KSPSetOperators(guard->rung[k], A, flat ? flat : P));
     PetscCall(KSPSolve(guard->rung[k], b, x));
     PetscCall(GuardMeasure(guard->rung[k], b, x, &guard->residual, solved));
     if (!*solved) continue;
@@ -101,5 +109,6 @@ PetscErrorCode LadderClimb(KSP ksp, Vec b, Vec x, Guard *guard, PetscBool *solve
     guard->falls++;
     guard->in_a_row++;
   }
+  PetscCall(MatDestroy(&flat));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

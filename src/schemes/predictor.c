@@ -96,20 +96,25 @@ static PetscErrorCode AssembleForce(const Scene *scene, const Clock *clock, cons
 }
 
 /*
-  PredictVelocity - u*: start value and length of the viscous step, its force, and the step
+  PredictorStart - What an implicit step starts from, in u*, how long it is, and its force
 
   Collective. BDF2 with w = dt/dt_previous: k = dt (1+w)/(1+2w), start = ((1+w)^2 u^n - w^2 u^{n-1})/(1+2w).
+
+  Input Parameters:
++ history - BDF2 where u^{n-1} is known; else from u^n over dt
+- at      - 1 or 1/2: where in the step the force is taken
+
+  Output Parameter:
+. dt - k [s]
 */
-PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, const Particles *p,
-                               Operators *ops, Scheme *scheme)
+PetscErrorCode PredictorStart(const Scene *scene, const Clock *clock, const Particles *p,
+                              const Operators *ops, PetscBool history, PetscReal at, Scheme *scheme,
+                              PetscReal *dt)
 {
-  Projection        *pr   = (Projection *)scheme->data;
-  const TimeKindRow *kind = scheme->visc ? ViscosityTimeKind(scheme->visc) : NULL;
-  const PetscBool    history =
-      (!kind || kind->history) && scheme->time_order == 2 && clock->dt_previous > 0.0;
-  const PetscReal w     = history ? clock->dt / clock->dt_previous : 0.0;
-  const PetscBool inner = pr->has_convection && kind && kind->kind != TIME_IMPLICIT;
-  PetscReal       dt    = clock->dt * (1.0 + w) / (1.0 + 2.0 * w);
+  Projection     *pr = (Projection *)scheme->data;
+  const PetscReal w  = history && scheme->time_order == 2 && clock->dt_previous > 0.0
+                           ? clock->dt / clock->dt_previous
+                           : 0.0;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) {
@@ -117,7 +122,23 @@ PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, const Par
     PetscCall(VecAXPBY(pr->star[a], -w * w / (1.0 + 2.0 * w), PetscSqr(1.0 + w) / (1.0 + 2.0 * w),
                        pr->u_prev[a]));
   }
-  PetscCall(AssembleForce(scene, clock, p, ops, !kind || kind->end_of_step ? 1.0 : 0.5, scheme));
+  PetscCall(AssembleForce(scene, clock, p, ops, at, scheme));
+  *dt = clock->dt * (1.0 + w) / (1.0 + 2.0 * w);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* PredictVelocity - u*: start value and length of the viscous step, its force, and the step; collective */
+PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, const Particles *p,
+                               Operators *ops, Scheme *scheme)
+{
+  Projection        *pr    = (Projection *)scheme->data;
+  const TimeKindRow *kind  = scheme->visc ? ViscosityTimeKind(scheme->visc) : NULL;
+  const PetscBool    inner = pr->has_convection && kind && kind->kind != TIME_IMPLICIT;
+  PetscReal          dt;
+
+  PetscFunctionBegin;
+  PetscCall(PredictorStart(scene, clock, p, ops, !kind || kind->history,
+                           !kind || kind->end_of_step ? 1.0 : 0.5, scheme, &dt));
   pr->k = dt;
   if (scheme->visc) {
     const PetscReal slip =

@@ -16,7 +16,8 @@ PetscErrorCode ProjectionCreate(const Scene *scene, const Clock *clock, Operator
                                 Scheme *scheme)
 {
   const char *const events[EVENT_COUNT] = {"ParticlesMove",  "NeighborsUpdate", "OperatorsAssem",
-                                           "ViscositySolve", "PressureSolve",   "PressureUpdate"};
+                                           "ViscositySolve", "PressureSolve",   "PressureUpdate",
+                                           "CoupledSolve"};
   PetscClassId      class_id;
   Projection       *pr;
 
@@ -240,19 +241,15 @@ static PetscErrorCode MoveAndRebuild(const Scene *scene, const Clock *clock, Par
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The parts of a step in turn; a failed one is the last. */
-static PetscErrorCode TryStep(const Scene *scene, const Clock *clock, Particles *p, Neighbors *nb,
-                              Operators *ops, Scheme *scheme)
+/* u^{n+1} in u* and p^{n+1}, by the parts of a projection in turn; a failed one is the last. */
+static PetscErrorCode SolveInTurn(const Scene *scene, const Clock *clock, const Particles *p,
+                                  Operators *ops, Scheme *scheme)
 {
-  Projection     *pr = (Projection *)scheme->data;
-  const PetscBool moves =
-      scheme->motion && scheme->motion->particles_move ? PETSC_TRUE : PETSC_FALSE;
+  Projection     *pr     = (Projection *)scheme->data;
   const PetscReal before = SlopeTime(scheme, clock->t, clock->dt_previous),
                   after  = SlopeTime(scheme, clock->t + clock->dt, clock->dt);
 
   PetscFunctionBegin;
-  if (moves) PetscCall(MoveAndRebuild(scene, clock, p, nb, ops, scheme));
-  if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   if (scheme->projection) {
     const PetscReal had = scheme->projection->incremental && HasBalance(clock, scheme) ? 1.0 : 0.0;
 
@@ -266,30 +263,45 @@ static PetscErrorCode TryStep(const Scene *scene, const Clock *clock, Particles 
   if (scheme->projection) PetscCall(ProjectVelocity(scene, clock, p, ops, scheme));
   if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   if (scheme->projection) PetscCall(SetWallSlopes(scene, p, after, 1.0, ops)); /* less rounding */
-  PetscCall(OperatorsSetWallVelocity(scene, p, clock->t + clock->dt, 0.0, ops));
-  PetscCall(StepJudge(scene, clock, p, ops, scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  ProjectionStep - One step of the clock's dt
+  FlowStep - One step of the clock's dt
 
   Collective. Where it fails, scheme->failure says how, time has not advanced and the fields are of no
   use.
+
+  Input Parameter:
+. Solve - leaves u^{n+1} in u* and p^{n+1} in p
 */
-PetscErrorCode ProjectionStep(const Scene *scene, Clock *clock, Particles *p, Neighbors *nb,
-                              Operators *ops, Scheme *scheme)
+PetscErrorCode FlowStep(const Scene *scene, Clock *clock, Particles *p, Neighbors *nb,
+                        Operators *ops, FlowSolve Solve, Scheme *scheme)
 {
   Projection *pr = (Projection *)scheme->data;
 
   PetscFunctionBegin;
   scheme->failure.code = PETSC_SUCCESS;
-  PetscCall(TryStep(scene, clock, p, nb, ops, scheme));
+  if (scheme->motion && scheme->motion->particles_move)
+    PetscCall(MoveAndRebuild(scene, clock, p, nb, ops, scheme));
+  if (!scheme->failure.code) PetscCall(Solve(scene, clock, p, ops, scheme));
+  if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(OperatorsSetWallVelocity(scene, p, clock->t + clock->dt, 0.0, ops));
+  PetscCall(StepJudge(scene, clock, p, ops, scheme));
   if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < scene->dim; a++) {
     PetscCall(VecCopy(pr->u[a], pr->u_prev[a]));
     PetscCall(VecCopy(pr->star[a], pr->u[a]));
   }
   PetscCall(ClockAdvance(clock));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ProjectionStep - One step: prediction, projection; see FlowStep() */
+PetscErrorCode ProjectionStep(const Scene *scene, Clock *clock, Particles *p, Neighbors *nb,
+                              Operators *ops, Scheme *scheme)
+{
+  PetscFunctionBegin;
+  PetscCall(FlowStep(scene, clock, p, nb, ops, SolveInTurn, scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

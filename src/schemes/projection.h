@@ -13,16 +13,18 @@ enum {
   EVENT_VISCOSITY,
   EVENT_PRESSURE,
   EVENT_CORRECT,
+  EVENT_COUPLED,
   EVENT_COUNT
 };
 
-/* What scheme->number holds, for the steady test. */
+/* What scheme->number holds: for the steady test, but for the last. */
 enum {
-  NUMBER_START,                 /* of the stretch of steps that means are taken over [s] */
-  NUMBER_COUNT,                 /* steps of it so far */
-  NUMBER_SUM,                   /* 3: of root mean squares of u, div u* and p, relative */
-  NUMBER_MEAN = NUMBER_SUM + 3, /* 3: their means over the stretch before */
-  NUMBER_DIV  = NUMBER_MEAN + 3 /* root mean square of div u* in the last step [1/s] */
+  NUMBER_START,                  /* of the stretch of steps that means are taken over [s] */
+  NUMBER_COUNT,                  /* steps of it so far */
+  NUMBER_SUM,                    /* 3: of root mean squares of u, div u* and p, relative */
+  NUMBER_MEAN = NUMBER_SUM + 3,  /* 3: their means over the stretch before */
+  NUMBER_DIV  = NUMBER_MEAN + 3, /* root mean square of div u* in the last step [1/s] */
+  NUMBER_SUBSTEP                 /* the last of the coupled scheme's integrator [s] */
 };
 
 /* State on the particles (fields) and the vectors through which it is seen in the present epoch. */
@@ -53,7 +55,18 @@ PetscErrorCode ProjectionBegin(const Scene *scene, const Clock *clock, Particles
                                Neighbors *neighbors, Operators *ops, Scheme *scheme);
 PetscErrorCode ProjectionDestroy(Scheme *scheme);
 
+/* What makes u^{n+1} of a flow whose particles are where they will be. */
+typedef PetscErrorCode (*FlowSolve)(const Scene *scene, const Clock *clock,
+                                    const Particles *particles, Operators *ops, Scheme *scheme);
+PetscErrorCode FlowStep(const Scene *scene, Clock *clock, Particles *particles,
+                        Neighbors *neighbors, Operators *ops, FlowSolve Solve, Scheme *scheme);
+PetscErrorCode MonolithStep(const Scene *scene, Clock *clock, Particles *particles,
+                            Neighbors *neighbors, Operators *ops, Scheme *scheme);
+
 PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *particles, Scheme *scheme);
+PetscErrorCode PredictorStart(const Scene *scene, const Clock *clock, const Particles *particles,
+                              const Operators *ops, PetscBool history, PetscReal at, Scheme *scheme,
+                              PetscReal *dt);
 PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, const Particles *particles,
                                Operators *ops, Scheme *scheme);
 PetscErrorCode AddBodyForce(const Scene *scene, PetscReal t, const Particles *particles,

@@ -15,8 +15,11 @@ const Table ProjectionTable = TABLE("-projection", "Projections", projections);
 
 static const SchemeRow schemes[] = {
     {"projection", "implicit viscosity, then a pressure projection",
-     "Guermond, Minev & Shen, Comput. Methods Appl. Mech. Eng. 195 (2006)", ProjectionCreate,
-     ProjectionRegister, ProjectionBegin, ProjectionStep, ProjectionDestroy},
+     "Guermond, Minev & Shen, Comput. Methods Appl. Mech. Eng. 195 (2006)", PETSC_TRUE,
+     ProjectionCreate, ProjectionRegister, ProjectionBegin, ProjectionStep, ProjectionDestroy},
+    {"coupled", "velocity and pressure in one matrix: no splitting error at any step, or -steady",
+     "Elman, Silvester & Wathen, Finite Elements and Fast Iterative Solvers (2014)", PETSC_FALSE,
+     ProjectionCreate, ProjectionRegister, ProjectionBegin, MonolithStep, ProjectionDestroy},
 };
 const Table SchemeTable = TABLE("-scheme", "Schemes", schemes);
 
@@ -35,6 +38,48 @@ static PetscErrorCode SchemeRefuseCreep(const Scene *scene, const Clock *clock,
             "-steady_tol with -projection %s at nu dt/L^2 = %.2g: it creeps too slowly for a "
             "steady state to be told; use -projection rotational, or -dt below %.2g",
             projection->name, (double)number, (double)(0.01 * clock->dt / number));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What the coupled scheme cannot be made of. */
+static PetscErrorCode SchemeRefuseCoupled(const Scene *scene, const Operators *ops)
+{
+  const PetscBool viscous = SceneHas(scene, PHYSICS_VISCOSITY);
+
+  PetscFunctionBegin;
+  UserCheck(viscous && SceneHas(scene, PHYSICS_PRESSURE),
+            "-scheme coupled: it solves for velocity and pressure together, and case %s has no %s "
+            "here; add -with %s, or use -scheme projection",
+            scene->problem->name, viscous ? "pressure" : "viscosity",
+            viscous ? "pressure" : "viscosity");
+  UserCheck(ops->gradient->DivergenceFit,
+            "-gradient %s: -scheme coupled takes grad p from the fluid alone beside walls, which "
+            "only -gradient mls can",
+            ops->gradient->name);
+  UserCheck(LaplacianIs(&ops->visc_form, FORM_SAFE_IMPLICIT),
+            "-visc_laplacian %s: its matrix has eigenvalues of both signs, and -scheme coupled has "
+            "no solver for it; use a form that is safe_implicit in -catalogue",
+            ops->visc_form.row->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What has no steady flow, or none that one system gives. */
+static PetscErrorCode SchemeRefuseSteady(const Scene *scene, const SchemeRow *row)
+{
+  const PetscBool moves = scene->motion && scene->motion->particles_move;
+
+  PetscFunctionBegin;
+  UserCheck(!row->splits,
+            "-steady: -scheme %s advances in time; use -scheme coupled, or -steady_tol", row->name);
+  UserCheck(!moves, "-steady: particles that move never come to rest; use -motion eulerian, or "
+                    "-without convection for creeping flow");
+  UserCheck(SceneHas(scene, PHYSICS_WALLS),
+            "-steady: case %s has no walls, and without them any uniform velocity is a solution",
+            scene->problem->name);
+  UserCheck(!scene->unsteady_walls &&
+                !(scene->force.n && ExpressionUses(&scene->force, EXPRESSION_TIME)),
+            "-steady: a wall's velocity or the body force depends on t; advance in time, with "
+            "-coupled_ts_type rosw in steps of any length");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -60,7 +105,7 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
   PetscCall(TableSelect(&SchemeTable, "-scheme", "How velocity and pressure are advanced",
                         "projection", &s->row));
   PetscCall(OptionInt("-time_order", "Order of the time integration", 1, 2, &s->time_order, NULL));
-  if (SceneHas(scene, PHYSICS_PRESSURE)) {
+  if (SceneHas(scene, PHYSICS_PRESSURE) && s->row->splits) {
     s->filter = 0.1;
     PetscCall(TableSelect(&ProjectionTable, "-projection",
                           "How the pressure follows from its increment", "rotational",
@@ -75,10 +120,12 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
     PetscCall(TableSelect(&ShiftTable, "-shift", "Particle shifting", "fickian", &s->shift));
   }
   PetscOptionsEnd();
+  if (!s->row->splits) PetscCall(SchemeRefuseCoupled(scene, ops));
+  if (clock->direct) PetscCall(SchemeRefuseSteady(scene, s->row));
   PetscCall(SchemeRefuseCreep(scene, clock, s->projection));
   ops->need_concentration =
       (s->alpha > 0.0 || (s->shift && s->shift->Displace)) ? PETSC_TRUE : PETSC_FALSE;
-  if (SceneHas(scene, PHYSICS_VISCOSITY))
+  if (SceneHas(scene, PHYSICS_VISCOSITY) && s->row->splits)
     PetscCall(ViscosityCreate(scene, clock->dt, ops, &s->visc));
   UserCheck(!s->visc || !ViscosityTimeKind(s->visc)->multistep || !s->shift || !s->shift->Displace,
             "-visc_ts_type %s: its own history cannot follow shifted particles; use beuler, which "
@@ -89,7 +136,13 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
       "-visc_ts_type %s: its own history cannot be undone with a step, as -dt_adapt retry wants; "
       "use beuler",
       ViscosityTimeKind(s->visc)->name);
-  if (SceneHas(scene, PHYSICS_PRESSURE)) PetscCall(PressureCreate(ops, &s->ppe));
+  if (SceneHas(scene, PHYSICS_PRESSURE) && s->row->splits) PetscCall(PressureCreate(ops, &s->ppe));
+  if (!s->row->splits) {
+    ops->one_sided = ops->rough.needed = PETSC_TRUE;
+    PetscCall(CoupledCreate(scene, clock->dt,
+                            s->motion && !s->motion->particles_move ? PETSC_TRUE : PETSC_FALSE,
+                            &s->coupled));
+  }
   PetscCall(s->row->Create(scene, clock, ops, s));
   *scheme = s;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -110,6 +163,7 @@ PetscErrorCode SchemeDestroy(Scheme **scheme)
   PetscCall((*scheme)->row->Destroy(*scheme));
   PetscCall(ViscosityDestroy(&(*scheme)->visc));
   PetscCall(PressureDestroy(&(*scheme)->ppe));
+  PetscCall(CoupledDestroy(&(*scheme)->coupled));
   PetscCall(PetscFree(*scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -61,7 +61,7 @@ static PetscErrorCode MeasureChange_Fixed(const Scene *scene, const Clock *clock
 
   PetscFunctionBegin;
   PetscCall(ChangeOfVelocity(scene, p, pr, &du));
-  if (scheme->projection) {
+  if (pr->p) {
     PetscCall(RootMeanSquare(p, pr->div, &div));
     PetscCall(VecWAXPY(pr->work, -1.0, pr->p_before, pr->p));
     PetscCall(RootMeanSquare(p, pr->work, &dp));
@@ -91,7 +91,7 @@ static PetscErrorCode MeasureChange_Moving(const Scene *scene, const Clock *cloc
   PetscFunctionBegin;
   u = PetscSqrtReal(2.0 * stats->kinetic_energy /
                     (scene->rho * SceneVolume(scene) * PetscMax(p->N_fluid, 1)));
-  if (scheme->projection) {
+  if (pr->p) {
     PetscCall(RootMeanSquare(p, pr->div, &div));
     PetscCall(RootMeanSquare(p, pr->p, &pressure));
   }
@@ -151,7 +151,7 @@ PetscErrorCode MeasureFlow(const Scene *scene, const Particles *p, const Operato
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, p->comm));
   stats->kinetic_energy = 0.5 * scene->rho * SceneVolume(scene) * sum;
   stats->speed_max      = PetscSqrtReal(most);
-  if (scheme->projection)
+  if (p->p)
     PetscCall(MeasureDivergence(scene, ops, u, (Projection *)scheme->data, &stats->divergence));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -192,7 +192,8 @@ PetscErrorCode StepJudge(const Scene *scene, const Clock *clock, const Particles
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   stats->visc_its = scheme->visc ? ViscosityIterations(scheme->visc) : 0;
-  stats->ppe_its  = scheme->ppe ? PressureIterations(scheme->ppe) : 0;
+  if (scheme->coupled) stats->visc_its = CoupledIterations(scheme->coupled);
+  stats->ppe_its = scheme->ppe ? PressureIterations(scheme->ppe) : 0;
   stats->visc_its_sum += stats->visc_its;
   stats->ppe_its_sum += stats->ppe_its;
   if (clock->steady_tol > 0.0 && scheme->motion && scheme->motion->particles_move) {

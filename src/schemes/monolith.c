@@ -1,0 +1,181 @@
+/*
+  The coupled scheme's step: where it starts, then velocity and pressure at once; in time, or steady by
+  Picard iterations where there is convection.
+*/
+#include "coupled.h"
+#include "projection.h"
+
+#define PICARD_MOST   50   /* iterations of a steady flow */
+#define PICARD_CHANGE 1e-6 /* of u in the last of them, relative */
+
+/*
+  From t over dt: one TS step, or as many as the error wants; those begin with the last substep of the
+  step before, or dt/100.
+*/
+static PetscErrorCode AdvanceInTime(PetscReal t, PetscReal dt, PetscReal *substep, Coupled *c,
+                                    StepFailure *failure)
+{
+  const PetscReal   end    = t + dt;
+  const PetscReal   first  = *substep > 0.0 ? PetscMin(*substep, dt) : 0.01 * dt;
+  PetscReal         now    = t, next;
+  PetscInt          before = 0, after = 0;
+  TSConvergedReason reason = TS_CONVERGED_ITERATING;
+
+  PetscFunctionBegin;
+  PetscCall(
+      TSSetIJacobian(c->ts, c->saddle.A, c->flat ? c->flat : c->saddle.P, CoupledIJacobian, c));
+  PetscCall(TSSetSolution(c->ts, c->x));
+  PetscCall(TSSetTime(c->ts, t));
+  PetscCall(TSSetTimeStep(c->ts, c->row->substeps ? first : dt));
+  PetscCall(TSRestartStep(c->ts));
+  PetscCall(TSGetKSPIterations(c->ts, &before));
+  while (end - now > 1e-10 * dt && !failure->code) {
+    PetscCall(TSSetConvergedReason(c->ts, TS_CONVERGED_ITERATING));
+    PetscCall(TSStep(c->ts));
+    PetscCall(TSGetConvergedReason(c->ts, &reason));
+    PetscCall(GuardCheck(c->ksp, &c->guard, failure));
+    if (reason < 0) {
+      FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
+                 "%s: the coupled TS %s ended with %s; try a smaller time step", c->guard.where,
+                 c->row->name, TSConvergedReasons[reason]);
+    }
+    PetscCall(TSGetTime(c->ts, &now));
+    PetscCall(TSGetTimeStep(c->ts, &next));
+    if (c->row->substeps && end - now > 1e-10 * dt) *substep = next;
+    PetscCall(TSSetTimeStep(c->ts, PetscMin(next, PetscMax(end - now, 1e-10 * dt))));
+  }
+  PetscCall(TSGetKSPIterations(c->ts, &after));
+  c->iterations = after - before;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One solve of the steady equations at time t. */
+static PetscErrorCode SolveSteady(PetscReal t, Coupled *c, StepFailure *failure)
+{
+  PetscFunctionBegin;
+  PetscCall(CoupledRightHandSide(c, t));
+  PetscCall(KSPSetOperators(c->ksp, c->saddle.A, c->flat ? c->flat : c->saddle.P));
+  PetscCall(KSPSetInitialGuessNonzero(c->ksp, PETSC_TRUE));
+  PetscCall(KSPSolve(c->ksp, c->b, c->x));
+  PetscCall(GuardCheck(c->ksp, &c->guard, failure));
+  c->iterations += c->guard.iterations;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* |u - v|/|u| over all components. */
+static PetscErrorCode RelativeChange(PetscInt dim, const Vec u[], const Vec v[], Vec work,
+                                     PetscReal *change)
+{
+  PetscReal sum = 0.0, all = 0.0, part;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscCall(VecWAXPY(work, -1.0, v[a], u[a]));
+    PetscCall(VecNorm(work, NORM_2, &part));
+    sum += PetscSqr(part);
+    PetscCall(VecNorm(u[a], NORM_2, &part));
+    all += PetscSqr(part);
+  }
+  *change = all > 0.0 ? PetscSqrtReal(sum / all) : 0.0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  (v.grad) u with v = u of the iteration before, until u stays.
+
+  Reference: H. C. Elman, D. J. Silvester, A. J. Wathen, Finite Elements and Fast Iterative Solvers
+  (2014), ch. 8
+*/
+static PetscErrorCode IteratePicard(PetscReal t, Vec u[], Vec pressure, Vec advecting[], Coupled *c,
+                                    StepFailure *failure)
+{
+  PetscReal change = PETSC_INFINITY;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < PICARD_MOST && change > PICARD_CHANGE && !failure->code; k++) {
+    PetscCall(SaddleGet(&c->saddle, c->x, advecting, pressure));
+    PetscCall(CoupledAssemble(0.0, advecting, c));
+    PetscCall(SaddlePut(&c->saddle, advecting, pressure, c->x));
+    PetscCall(SolveSteady(t, c, failure));
+    PetscCall(SaddleGet(&c->saddle, c->x, u, NULL));
+    PetscCall(RelativeChange(c->saddle.dim, u, advecting, c->part, &change));
+  }
+  if (change > PICARD_CHANGE) {
+    FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
+               "-steady: u still changes by %.1e of itself after %d Picard iterations; the flow at "
+               "this Reynolds number must be advanced in time (no -steady)",
+               (double)change, PICARD_MOST);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Velocity and pressure at clock's t + dt, in place of the velocity where the step of length dt starts
+  and a guess at the pressure.
+*/
+static PetscErrorCode SolveSystem(const Scene *scene, const Clock *clock, const Particles *p,
+                                  PetscReal dt, Operators *ops, Scheme *scheme)
+{
+  Projection     *pr    = (Projection *)scheme->data;
+  Coupled        *c     = scheme->coupled;
+  const PetscReal end   = clock->t + clock->dt;
+  const PetscReal shift = clock->direct ? 0.0 : 1.0 / dt;
+  PetscScalar     mean;
+
+  PetscFunctionBegin;
+  c->scene      = scene;
+  c->particles  = p;
+  c->ops        = ops;
+  c->scheme     = scheme;
+  c->force      = pr->force;
+  c->stages     = c->row->substeps || clock->direct;
+  c->b_t        = NAN;
+  c->iterations = 0;
+  PetscCall(ClockWhere(clock, c->guard.where));
+  PetscCall(CoupledAssemble(shift, NULL, c));
+  PetscCall(SaddlePut(&c->saddle, pr->star, pr->p, c->x));
+  if (clock->direct) {
+    PetscCall(SolveSteady(end, c, &scheme->failure));
+    if (SceneHas(scene, PHYSICS_CONVECTION))
+      PetscCall(IteratePicard(end, pr->star, pr->p, pr->conv, c, &scheme->failure));
+  } else {
+    PetscCall(AdvanceInTime(end - dt, dt, &scheme->number[NUMBER_SUBSTEP], c, &scheme->failure));
+  }
+  PetscCall(SaddleGet(&c->saddle, c->x, pr->star, pr->p));
+  PetscCall(VecSum(pr->p, &mean));
+  PetscCall(VecShift(pr->p, -mean / (PetscReal)p->N_fluid));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* u^{n+1} in u*, p^{n+1}, and the divergence that u^{n+1} has. */
+static PetscErrorCode SolveTogether(const Scene *scene, const Clock *clock, const Particles *p,
+                                    Operators *ops, Scheme *scheme)
+{
+  Projection *pr = (Projection *)scheme->data;
+  PetscReal   dt = clock->dt;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(pr->event[EVENT_COUPLED], 0, 0, 0, 0));
+  if (clock->direct || CoupledTimeKind(scheme->coupled)->substeps) {
+    for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecCopy(pr->u[a], pr->star[a]));
+  } else {
+    PetscCall(PredictorStart(scene, clock, p, ops, PETSC_TRUE, 1.0, scheme, &dt));
+  }
+  PetscCall(VecCopy(pr->p, pr->p_before));
+  PetscCall(SolveSystem(scene, clock, p, dt, ops, scheme));
+  PetscCall(OperatorsSetWallVelocity(scene, p, clock->t + clock->dt, 0.0, ops));
+  PetscCall(VecZeroEntries(pr->div));
+  for (PetscInt a = 0; a < scene->dim; a++)
+    PetscCall(AffineApplyAdd(&ops->div[a], pr->star[a], ops->wall_u[a], pr->div));
+  PetscCall(PetscLogEventEnd(pr->event[EVENT_COUPLED], 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* MonolithStep - One step of velocity and pressure together; see FlowStep() */
+PetscErrorCode MonolithStep(const Scene *scene, Clock *clock, Particles *p, Neighbors *nb,
+                            Operators *ops, Scheme *scheme)
+{
+  PetscFunctionBegin;
+  PetscCall(FlowStep(scene, clock, p, nb, ops, SolveTogether, scheme));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

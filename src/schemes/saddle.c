@@ -1,0 +1,234 @@
+/*
+  Velocity and pressure in one matrix, scaled so that all entries are of order one, and residuals of
+  momentum and of mass count alike. With T = 1/(shift/4 + nu/dx^2), p = rho dx/T q:
+
+    [ T (shift - nu L)   dx G          ] [u]   [T f]
+    [ dx D               C + 1 1^T/N   ] [q] = [g  ]
+
+  The pressure's gradient G is one-sided at walls: n.grad p there follows from the momentum of the
+  particles next to the wall. G and D see no mode of the grid's scale, as particles carry all
+  unknowns; C q = q less its own quadratic fit gives those modes to the continuity equation, where it
+  is a flux of order dx^4 (dx^3 beside walls) of smooth pressures, nothing for quadratic ones, with no
+  condition at walls and no time step in it. 1 1^T/N makes the mean of q the uniform source that no
+  velocity can answer; it is taken from the pressure afterwards.
+*/
+#include "saddle.h"
+
+/* What a scalar operator is in a block: its rows and columns times dim, or not. */
+typedef struct {
+  PetscInt rows, cols; /* 1 or dim */
+} Interlacing;
+
+/* A block of dim operators on the common pattern: component c in rows dim i + c, or columns dim j + c. */
+static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, Interlacing by,
+                                  PetscReal scale, const AffineOperator op[], Mat *block)
+{
+  const PetscInt n = p->n_fluid, entries = pattern->row[n];
+  PetscInt      *row, *col, q = 0;
+  PetscScalar   *value;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc3(by.rows * n + 1, &row, by.rows * by.cols * entries, &col,
+                         by.rows * by.cols * entries, &value));
+  row[0] = 0;
+  for (PetscInt r = 0; r < by.rows * n; r++) {
+    const PetscInt i = r / by.rows;
+
+    for (PetscInt s = pattern->row[i]; s < pattern->row[i + 1]; s++) {
+      for (PetscInt c = 0; c < by.cols; c++) {
+        col[q]     = by.cols * pattern->col[s] + c;
+        value[q++] = scale * op[by.rows > 1 ? r % by.rows : c].a[s];
+      }
+    }
+    row[r + 1] = q;
+  }
+  PetscCall(MatCreate(p->comm, block));
+  PetscCall(MatSetSizes(*block, by.rows * n, by.cols * n, PETSC_DETERMINE, PETSC_DETERMINE));
+  PetscCall(MatSetType(*block, MATAIJ));
+  PetscCall(MatSeqAIJSetPreallocationCSR(*block, row, col, value));
+  PetscCall(MatMPIAIJSetPreallocationCSR(*block, row, col, value));
+  PetscCall(PetscFree3(row, col, value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* T (-nu L + sum_a v_a d/dx_a) on one component, then on all of them. */
+static PetscErrorCode ViscousCreate(const Scene *scene, const Operators *ops, PetscReal step,
+                                    const Vec advecting[], Mat *viscous)
+{
+  Mat scalar, gradient, all;
+
+  PetscFunctionBegin;
+  PetscCall(MatDuplicate(ops->visc.A, MAT_COPY_VALUES, &scalar));
+  PetscCall(MatScale(scalar, -scene->nu * step));
+  for (PetscInt a = 0; advecting && a < scene->dim; a++) {
+    PetscCall(MatDuplicate(ops->grad_u[a].A, MAT_COPY_VALUES, &gradient));
+    PetscCall(MatDiagonalScale(gradient, advecting[a], NULL));
+    PetscCall(MatAXPY(scalar, step, gradient, UNKNOWN_NONZERO_PATTERN));
+    PetscCall(MatDestroy(&gradient));
+  }
+  PetscCall(MatCreateMAIJ(scalar, scene->dim, &all));
+  PetscCall(MatConvert(all, MATAIJ, MAT_INITIAL_MATRIX, viscous));
+  PetscCall(MatSetBlockSize(*viscous, scene->dim));
+  PetscCall(MatDestroy(&all));
+  PetscCall(MatDestroy(&scalar));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The column (0, 1/sqrt(N)) whose square is the gauge. */
+static PetscErrorCode GaugeCreate(const Particles *p, PetscInt dim, Mat *gauge)
+{
+  const PetscInt n = p->n_fluid;
+  PetscScalar   *entry;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateDense(p->comm, (dim + 1) * n, PETSC_DECIDE, PETSC_DETERMINE, 1, NULL, gauge));
+  PetscCall(MatDenseGetArrayWrite(*gauge, &entry));
+  for (PetscInt i = 0; i < (dim + 1) * n; i++)
+    entry[i] = i < dim * n ? 0.0 : 1.0 / PetscSqrtReal((PetscReal)p->N_fluid);
+  PetscCall(MatDenseRestoreArrayWrite(*gauge, &entry));
+  PetscCall(MatAssemblyBegin(*gauge, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*gauge, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SaddleAssemble - The blocks from the operators as they are now; F is made by SaddleSetShift()
+
+  Collective.
+
+  Input Parameters:
++ step      - T [s]
+- advecting - v of implicit convection [m/s]; NULL: none
+*/
+PetscErrorCode SaddleAssemble(const Scene *scene, const Particles *p, const Operators *ops,
+                              PetscReal step, const Vec advecting[], Saddle *s)
+{
+  const Interlacing tall = {scene->dim, 1}, wide = {1, scene->dim}, single = {1, 1};
+
+  PetscFunctionBegin;
+  PetscCall(SaddleFree(s));
+  s->dim        = scene->dim;
+  s->n          = p->n_fluid;
+  s->step       = step;
+  s->unit       = scene->rho * scene->dx / step;
+  s->shift      = NAN;
+  s->assemblies = ops->assemblies;
+  PetscCall(ViscousCreate(scene, ops, step, advecting, &s->viscous));
+  PetscCall(MatDuplicate(s->viscous, MAT_DO_NOT_COPY_VALUES, &s->F));
+  PetscCall(BlockCreate(p, &ops->fluid, tall, scene->dx, ops->grad_p, &s->G));
+  PetscCall(BlockCreate(p, &ops->fluid, wide, scene->dx, ops->div, &s->D));
+  PetscCall(BlockCreate(p, &ops->fluid, single, 1.0, &ops->rough, &s->C));
+  PetscCall(GaugeCreate(p, scene->dim, &s->gauge));
+  PetscCall(MatCreateNest(p->comm, 2, NULL, 2, NULL, (Mat[]){s->F, s->G, s->D, s->C}, &s->P));
+  PetscCall(MatCreateLRC(s->P, s->gauge, NULL, s->gauge, &s->A));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SaddleSetShift - F = T shift + viscous, made where the shift is new; collective */
+PetscErrorCode SaddleSetShift(PetscReal shift, Saddle *s)
+{
+  PetscFunctionBegin;
+  if (shift == s->shift) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatCopy(s->viscous, s->F, SAME_NONZERO_PATTERN));
+  PetscCall(MatShift(s->F, s->step * shift));
+  for (PetscInt k = 0; k < 2; k++) { /* lets PETSc know that a block is new */
+    PetscCall(MatAssemblyBegin(k ? s->A : s->P, MAT_FINAL_ASSEMBLY));
+    PetscCall(MatAssemblyEnd(k ? s->A : s->P, MAT_FINAL_ASSEMBLY));
+  }
+  s->shift = shift;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SaddleFree - Lets go of all matrices; collective */
+PetscErrorCode SaddleFree(Saddle *s)
+{
+  Mat *all[] = {&s->A, &s->P, &s->gauge, &s->C, &s->D, &s->G, &s->F, &s->viscous};
+
+  PetscFunctionBegin;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(all); k++) PetscCall(MatDestroy(all[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SaddleFlatten - One sparse matrix from the blocks, for preconditioners that know no blocks
+
+  Collective. Its pressures gain 1e-6 q, without which their constant would make it singular. flat is
+  NULL, or one of the same blocks to be used again.
+*/
+PetscErrorCode SaddleFlatten(Mat nest, Mat *flat)
+{
+  const PetscInt *index;
+  PetscInt        n;
+  IS              rows[2];
+
+  PetscFunctionBegin;
+  PetscCall(MatConvert(nest, MATAIJ, *flat ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX, flat));
+  PetscCall(MatNestGetISs(nest, rows, NULL));
+  PetscCall(ISGetLocalSize(rows[1], &n));
+  PetscCall(ISGetIndices(rows[1], &index));
+  for (PetscInt i = 0; i < n; i++)
+    PetscCall(MatSetValue(*flat, index[i], index[i], 1e-6, ADD_VALUES));
+  PetscCall(ISRestoreIndices(rows[1], &index));
+  PetscCall(MatAssemblyBegin(*flat, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*flat, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SaddlePut - x = (u, p/unit); not collective */
+PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
+{
+  const PetscScalar *from;
+  PetscScalar       *to;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArray(x, &to));
+  for (PetscInt c = 0; c < s->dim; c++) {
+    PetscCall(VecGetArrayRead(u[c], &from));
+    for (PetscInt i = 0; i < s->n; i++) to[s->dim * i + c] = from[i];
+    PetscCall(VecRestoreArrayRead(u[c], &from));
+  }
+  PetscCall(VecGetArrayRead(p, &from));
+  for (PetscInt i = 0; i < s->n; i++) to[s->dim * s->n + i] = from[i] / s->unit;
+  PetscCall(VecRestoreArrayRead(p, &from));
+  PetscCall(VecRestoreArray(x, &to));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SaddleGet - (u, p/unit) = x; p may be NULL; not collective */
+PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
+{
+  const PetscScalar *from;
+  PetscScalar       *to;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(x, &from));
+  for (PetscInt c = 0; c < s->dim; c++) {
+    PetscCall(VecGetArray(u[c], &to));
+    for (PetscInt i = 0; i < s->n; i++) to[i] = from[s->dim * i + c];
+    PetscCall(VecRestoreArray(u[c], &to));
+  }
+  if (p) {
+    PetscCall(VecGetArray(p, &to));
+    for (PetscInt i = 0; i < s->n; i++) to[i] = from[s->dim * s->n + i] * s->unit;
+    PetscCall(VecRestoreArray(p, &to));
+  }
+  PetscCall(VecRestoreArrayRead(x, &from));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SaddleAdd - x += scale part in the rows of velocity component c, or of the pressure for c = dim;
+ * not collective */
+PetscErrorCode SaddleAdd(const Saddle *s, PetscInt c, PetscReal scale, Vec part, Vec x)
+{
+  const PetscInt     stride = c < s->dim ? s->dim : 1, first = c < s->dim ? c : s->dim * s->n;
+  const PetscScalar *from;
+  PetscScalar       *to;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(part, &from));
+  PetscCall(VecGetArray(x, &to));
+  for (PetscInt i = 0; i < s->n; i++) to[first + stride * i] += scale * from[i];
+  PetscCall(VecRestoreArray(x, &to));
+  PetscCall(VecRestoreArrayRead(part, &from));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

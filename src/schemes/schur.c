@@ -1,0 +1,144 @@
+/*
+  The Schur complement of the pressure, S = C - D F^-1 G, and what stands for its inverse in the
+  preconditioner. In the scaled unknowns, with sigma = dx^2/T,
+
+    S = sigma (-lap) (shift - nu lap)^-1,   S^-1 = nu/sigma + shift/sigma (-lap)^-1
+
+  where F commutes with gradients. A new one is one function and one row.
+*/
+#include "coupled.h"
+
+/*
+  SchurApply_Mass - y = x: the creeping limit, where S is the mass matrix over the viscosity
+
+  Reference: H. C. Elman, D. J. Silvester, A. J. Wathen, Finite Elements and Fast Iterative Solvers (2014)
+*/
+static PetscErrorCode SchurApply_Mass(Schur *s, Vec x, Vec y)
+{
+  PetscFunctionBegin;
+  PetscCall(VecCopy(x, y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* x less its mean. */
+static PetscErrorCode RemoveMean(Vec x)
+{
+  PetscScalar mean;
+  PetscInt    N;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetSize(x, &N));
+  PetscCall(VecSum(x, &mean));
+  PetscCall(VecShift(x, -mean / (PetscReal)N));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SchurApply_CahouetChabard - Any step: y = nu/sigma x + shift dx^2/sigma (-dx^2 lap)^-1 x
+
+  The Poisson equation is singular: both sides lose their mean. What the left null vector, which is not
+  constant, leaves in x would come back as a constant a million times as large.
+
+  Reference: J. Cahouet, J.-P. Chabard, Int. J. Numer. Meth. Fluids 8 (1988) 869-895
+*/
+static PetscErrorCode SchurApply_CahouetChabard(Schur *s, Vec x, Vec y)
+{
+  PetscFunctionBegin;
+  if (s->inert == 0.0) {
+    PetscCall(VecCopy(x, y));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(VecCopy(x, s->work));
+  PetscCall(RemoveMean(s->work));
+  PetscCall(KSPSolve(s->ksp, s->work, y));
+  PetscCall(RemoveMean(y));
+  PetscCall(VecScale(y, s->inert));
+  PetscCall(VecAXPY(y, s->viscous, x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const SchurRow schurs[] = {
+    /* name, brief, citation, needs the pressure Laplacian, apply */
+    {"cahouet_chabard", "viscosity times mass, plus the Poisson equation over dt: any step",
+     "Cahouet & Chabard, Int. J. Numer. Meth. Fluids 8 (1988)", PETSC_TRUE,
+     SchurApply_CahouetChabard},
+    {"mass", "viscosity times mass: steps long against dx^2/nu, and -steady",
+     "Elman, Silvester & Wathen, Finite Elements and Fast Iterative Solvers (2014)", PETSC_FALSE,
+     SchurApply_Mass},
+};
+const Table SchurTable =
+    TABLE("-coupled_schur", "Preconditioners of the pressure in the coupled scheme", schurs);
+
+static PetscErrorCode Schur_Apply(PC pc, Vec x, Vec y)
+{
+  Schur *s;
+
+  PetscFunctionBegin;
+  PetscCall(PCShellGetContext(pc, &s));
+  PetscCall(s->row->Apply(s, x, y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SchurAttach - Makes the preconditioner of the pressure this one, where it is a shell; collective */
+PetscErrorCode SchurAttach(PC fieldsplit, Schur *s)
+{
+  KSP      *sub;
+  PetscInt  n;
+  PetscBool shell;
+  PC        pc;
+
+  PetscFunctionBegin;
+  PetscCall(PCFieldSplitGetSubKSP(fieldsplit, &n, &sub));
+  PetscCall(KSPGetPC(sub[n - 1], &pc));
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCSHELL, &shell));
+  if (shell) {
+    PetscCall(PCShellSetContext(pc, s));
+    PetscCall(PCShellSetApply(pc, Schur_Apply));
+    PetscCall(PCShellSetName(pc, s->row->name));
+  }
+  PetscCall(PetscFree(sub));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SchurAssemble - What the approximation is made of, for new operators
+
+  Collective. Notes: the matrix that PETSc is told of is that of row mass, so that pc types other than
+  shell (-coupled_fieldsplit_pressure_pc_type jacobi) have one.
+*/
+PetscErrorCode SchurAssemble(const Particles *p, const Operators *ops, Schur *s)
+{
+  PC pc;
+
+  PetscFunctionBegin;
+  PetscCall(MatDestroy(&s->mass));
+  PetscCall(VecDestroy(&s->work));
+  PetscCall(FluidVec(p, NULL, &s->work));
+  PetscCall(MatCreateConstantDiagonal(p->comm, p->n_fluid, p->n_fluid, PETSC_DETERMINE,
+                                      PETSC_DETERMINE, 1.0, &s->mass));
+  PetscCall(MatDestroy(&s->poisson));
+  if (!s->row->poisson) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatDuplicate(ops->ppe.A, MAT_COPY_VALUES, &s->poisson));
+  PetscCall(MatShift(s->poisson, 1e-6));
+  if (!s->ksp) {
+    PetscCall(KSPCreate(p->comm, &s->ksp));
+    PetscCall(KSPSetOptionsPrefix(s->ksp, "coupled_schur_"));
+    PetscCall(KSPSetType(s->ksp, KSPPREONLY));
+    PetscCall(KSPGetPC(s->ksp, &pc));
+    PetscCall(PCSetType(pc, PCHYPRE));
+    PetscCall(KSPSetFromOptions(s->ksp));
+  }
+  PetscCall(KSPReset(s->ksp));
+  PetscCall(KSPSetOperators(s->ksp, s->poisson, s->poisson));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SchurFree(Schur *s)
+{
+  PetscFunctionBegin;
+  PetscCall(MatDestroy(&s->mass));
+  PetscCall(MatDestroy(&s->poisson));
+  PetscCall(VecDestroy(&s->work));
+  PetscCall(KSPDestroy(&s->ksp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
