@@ -3,8 +3,10 @@ static const char help[] =
     "  du/dt = -grad p/rho + nu lap u + f,   div u = 0\n\n"
     "Viscosity is advanced implicitly by a PETSc TS (prefix -visc_), the pressure Poisson equation "
     "is\n"
-    "solved by a KSP (prefix -ppe_). Example:\n\n"
-    "  isph -options_file options/cavity.opts -reynolds 1000 -t_end 40 -visc_ts_type arkimex\n\n"
+    "solved by a KSP (prefix -ppe_); or both at once by a field split (-scheme coupled, prefix "
+    "-coupled_).\nExamples:\n\n"
+    "  isph -options_file options/cavity.opts -reynolds 1000 -t_end 40 -visc_ts_type arkimex\n"
+    "  isph -case cavity -reynolds 0.01 -motion eulerian -scheme coupled -steady\n\n"
     "-catalogue lists cases, operators, walls, schemes and integrators with their papers.\n\n";
 
 #include "isph/patch.h"

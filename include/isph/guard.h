@@ -32,6 +32,7 @@ PetscErrorCode GuardCheck(KSP ksp, Guard *guard, StepFailure *failure);
 PetscErrorCode GuardRenewPC(KSP ksp);
 PetscErrorCode LadderClimb(KSP ksp, Vec b, Vec x, Guard *guard, PetscBool *solved);
 PetscErrorCode PressureSolver(const LaplacianForm *form, PetscReal rtol, KSP *ksp, Guard *guard);
+PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[]);
 PetscErrorCode OptionDefault(const char prefix[], const char name[], const char value[]);
 
 #endif

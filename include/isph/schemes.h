@@ -75,6 +75,7 @@ typedef struct {
   PetscReal (*Response)(TS ts); /* of u* to a force newly switched on, over dt; NULL: 1 */
 } TimeKindRow;
 extern const Table TimeKindTable;
+PetscErrorCode     TimeOptionsRefuse(const char prefix[]);
 
 typedef struct Viscosity Viscosity;
 PetscErrorCode           ViscosityCreate(const Scene *scene, PetscReal dt, const Operators *ops,

@@ -86,6 +86,22 @@ static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_ex
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Where steps are so long against diffusion that splitting velocity from pressure limits them. */
+static PetscErrorCode BannerSplitting(const Flow *flow, PetscReal dt, PetscViewer viewer)
+{
+  const Scene    *scene  = flow->scene;
+  const PetscReal number = scene->nu * dt / PetscSqr(scene->length);
+
+  PetscFunctionBegin;
+  if (!flow->scheme->projection || number <= 0.02) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscViewerASCIIPrintf(viewer,
+                                   BANNER_LABEL
+                                   "nu dt/L^2 = %.2g: first order in dt until the flow "
+                                   "is steady; -scheme coupled has no such error\n",
+                                   "splitting", (double)number));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The time step and its limits. */
 static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
 {
@@ -93,6 +109,10 @@ static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
   const PetscReal dt = flow->clock->dt, h = flow->ops->h;
 
   PetscFunctionBegin;
+  if (flow->clock->direct) {
+    PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "none: the steady flow\n", "time"));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(PetscViewerASCIIPrintf(
       viewer, BANNER_LABEL "t_end = %.6g s, dt = %.4g s, CFL U dt/dx = %.3g", "time",
       (double)flow->clock->t_end, (double)dt, (double)(scene->speed * dt / scene->dx)));
@@ -101,8 +121,9 @@ static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
                                      (double)(scene->nu * dt / PetscSqr(h))));
   }
   PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
-  if (flow->scheme->visc) {
+  if (flow->scheme->visc || flow->scheme->coupled) {
     PetscCall(BannerPays(flow, dt, ClockExplicitLimit(scene, flow->ops->radius), viewer));
+    PetscCall(BannerSplitting(flow, dt, viewer));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -174,9 +195,10 @@ static PetscErrorCode BannerNote(const char note[], PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode BannerSolvers(const Scheme *scheme, PetscViewer viewer)
+static PetscErrorCode BannerSolvers(const Flow *flow, PetscViewer viewer)
 {
-  const char *ts = NULL, *ksp = NULL, *pc = NULL;
+  const Scheme *scheme = flow->scheme;
+  const char   *ts = NULL, *ksp = NULL, *pc = NULL;
 
   PetscFunctionBegin;
   if (scheme->visc) {
@@ -186,7 +208,8 @@ static PetscErrorCode BannerSolvers(const Scheme *scheme, PetscViewer viewer)
     PetscCall(BannerNote(ViscosityNote(scheme->visc), viewer));
   }
   if (scheme->coupled) {
-    PetscCall(BannerRow("time", CoupledTimeKind(scheme->coupled), viewer));
+    if (!flow->clock->direct)
+      PetscCall(BannerRow("coupled TS", CoupledTimeKind(scheme->coupled), viewer));
     PetscCall(CoupledNames(scheme->coupled, &ts, &ksp, &pc));
     PetscCall(BannerSolver("solver", ksp, pc, viewer));
     PetscCall(BannerRow("schur", CoupledSchur(scheme->coupled), viewer));
@@ -212,7 +235,7 @@ PetscErrorCode BannerView(const Flow *flow, PetscViewer viewer)
   PetscCall(BannerPhysics(flow->scene, viewer));
   PetscCall(BannerTime(flow, viewer));
   PetscCall(BannerForms(flow, viewer));
-  PetscCall(BannerSolvers(flow->scheme, viewer));
+  PetscCall(BannerSolvers(flow, viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

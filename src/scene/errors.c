@@ -32,11 +32,12 @@ static const char *ErrorHint(PetscErrorCode code)
 {
   switch (code) {
   case PETSC_ERR_ARG_UNKNOWN_TYPE:
-    return " (a type named after a -visc_ or -ppe_ option; -help lists what there is)";
+    return " (a type named after a -visc_, -ppe_ or -coupled_ option; -help lists what there is)";
   case PETSC_ERR_ARG_OUTOFRANGE:
   case PETSC_ERR_USER:
   case PETSC_ERR_SUP:
-    return " (said by PETSc of a -visc_, -ppe_ or numeric option; -help lists what they take)";
+    return " (said by PETSc of a -visc_, -ppe_, -coupled_ or numeric option; -help lists what they "
+           "take)";
   default:
     return "";
   }

@@ -138,7 +138,7 @@ PetscErrorCode OptionsRefuseTogether(const char a[], const char b[], const char 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Names to suggest for a misspelt option: ours, then PETSc's commonest behind visc_ and ppe_. */
+/* Names to suggest for a misspelt option: ours, then PETSc's commonest behind their prefixes. */
 static const char *const OwnNames[] = {
     "case",
     "density",
@@ -159,6 +159,7 @@ static const char *const OwnNames[] = {
     "motion",
     "with",
     "without",
+    "steady",
     "steady_tol",
     "time_order",
     "kernel",
@@ -167,6 +168,10 @@ static const char *const OwnNames[] = {
     "ppe_laplacian",
     "ppe_alpha",
     "ppe_filter",
+    "coupled_schur",
+    "coupled_pc_fieldsplit_schur_fact_type",
+    "coupled_pc_fieldsplit_schur_precondition",
+    "coupled_ts_rtol",
     "gradient",
     "wall",
     "wall_surface",
@@ -280,7 +285,12 @@ static PetscInt WordDistance(const char a[], const char b[])
 /* The known option nearest to name (without its dash). */
 static PetscErrorCode NearestOption(const char name[], char nearest[], size_t length)
 {
-  const char *const prefix[] = {"visc_", "ppe_"};
+  const char *const prefix[] = {"visc_",
+                                "ppe_",
+                                "coupled_",
+                                "coupled_schur_",
+                                "coupled_fieldsplit_velocity_",
+                                "coupled_fieldsplit_pressure_"};
   PetscInt          best     = 1000;
 
   PetscFunctionBegin;

@@ -54,6 +54,7 @@ static PetscErrorCode BlockDefaults(const Scene *scene, PetscReal dt)
   if (!split) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(OptionDefault("coupled_fieldsplit_velocity_", "-ksp_type", KSPPREONLY));
   PetscCall(OptionDefault("coupled_fieldsplit_velocity_", "-pc_type", velocity));
+  PetscCall(AmgDefaults("coupled_fieldsplit_velocity_", "0"));
   PetscCall(OptionDefault("coupled_fieldsplit_pressure_", "-ksp_type", KSPPREONLY));
   PetscCall(OptionDefault("coupled_fieldsplit_pressure_", "-pc_type", PCSHELL));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -105,11 +106,14 @@ static PetscErrorCode CoupledCreateTS(Coupled *c)
 . -coupled_ksp_type, -coupled_pc_type, -coupled_pc_fieldsplit_..., -coupled_ts_... - any of PETSc's
 . -coupled_fieldsplit_velocity_..., -coupled_fieldsplit_pressure_... - KSP and PC of the blocks
 - -coupled_schur_ksp_type, -coupled_schur_pc_type, ... - of the Poisson equation in cahouet_chabard
+
+  Errors: options that would give time to the TS, and absolute tolerances
 */
 PetscErrorCode CoupledCreate(const Scene *scene, PetscReal dt, PetscBool convects,
                              Coupled **coupled)
 {
-  Coupled *c;
+  Coupled  *c;
+  PetscBool given;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&c));
@@ -124,6 +128,11 @@ PetscErrorCode CoupledCreate(const Scene *scene, PetscReal dt, PetscBool convect
                         "Preconditioner of the pressure in the coupled scheme", "cahouet_chabard",
                         &c->schur.row));
   PetscOptionsEnd();
+  PetscCall(TimeOptionsRefuse("coupled_"));
+  PetscCall(OptionGiven("-coupled_ts_atol", &given));
+  UserCheck(!given, "-coupled_ts_atol: an absolute tolerance depends on units; use "
+                    "-coupled_ts_rtol, of |u| + U");
+  PetscCall(SchurCreate(&c->schur));
   c->convects = convects && c->row->substeps;
   PetscCall(CoupledCreateTS(c));
   PetscCall(GuardAttach(c->ksp, NULL, &c->guard));
@@ -194,20 +203,50 @@ static PetscErrorCode RenewPC(Coupled *c)
 }
 
 /*
-  T, the time in which momentum changes a velocity of the grid's scale: 1/T = shift/4 + nu/dx^2. The
-  quarter makes C weigh against inertia as it does against viscosity; of 1, 3, 6, 12, 24 those about 4
-  take the fewest iterations, and moving vortices at Re = 100 half the error that 1 has.
+  T, the time in which momentum changes a velocity of the grid's scale: 1/T = 1/(4 dt) + nu/dx^2. The
+  quarter makes C weigh against inertia as it does against viscosity; of 1, 1/3, 1/6, 1/12, 1/24 those
+  about it take the fewest iterations, and moving vortices at Re = 100 half the error that 1 has. dt is
+  rounded to eighths of a power of two, so that steps that differ by rounding share their matrices.
 */
-static PetscReal GridTime(const Scene *scene, PetscReal shift)
+static PetscReal GridTime(const Scene *scene, PetscReal dt, PetscBool steady)
 {
-  return 1.0 / (0.25 * shift + scene->nu / PetscSqr(scene->dx));
+  const PetscReal diffusion = scene->nu / PetscSqr(scene->dx);
+  int             exponent;
+
+  if (steady) return 1.0 / diffusion;
+  dt = PetscFloorReal(8.0 * frexp(dt, &exponent) + 0.5) / 8.0;
+  return 1.0 / (0.25 / ldexp(dt, exponent) + diffusion);
+}
+
+/*
+  The error that substeps may make: -coupled_ts_rtol times |u| + U. Of the pressure none is asked: it is
+  no part of the history, and jumps where walls do.
+*/
+static PetscErrorCode SetTolerances(const Scene *scene, Coupled *c)
+{
+  const PetscInt n = c->saddle.dim * c->saddle.n;
+  PetscReal      rtol;
+  PetscScalar   *entry;
+  PetscInt       size;
+  Vec            atol;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetTolerances(c->ts, NULL, NULL, &rtol, NULL));
+  PetscCall(VecDuplicate(c->x, &atol));
+  PetscCall(VecGetLocalSize(atol, &size));
+  PetscCall(VecGetArray(atol, &entry));
+  for (PetscInt i = 0; i < size; i++) entry[i] = i < n ? rtol * scene->speed : PETSC_INFINITY;
+  PetscCall(VecRestoreArray(atol, &entry));
+  PetscCall(TSSetTolerances(c->ts, PETSC_DECIDE, atol, PETSC_DECIDE, NULL));
+  PetscCall(VecDestroy(&atol));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Matrices and vectors for the operators as they are now. */
-static PetscErrorCode CoupledMake(PetscReal shift, const Vec advecting[], Coupled *c)
+static PetscErrorCode CoupledMake(PetscReal step, PetscReal shift, const Vec advecting[],
+                                  Coupled *c)
 {
   const Scene     *scene = c->scene;
-  const PetscReal  step  = GridTime(c->scene, shift);
   const Particles *p     = c->particles;
 
   PetscFunctionBegin;
@@ -216,6 +255,7 @@ static PetscErrorCode CoupledMake(PetscReal shift, const Vec advecting[], Couple
   PetscCall(SaddleAssemble(scene, p, c->ops, step, advecting, &c->saddle));
   PetscCall(SchurAssemble(p, c->ops, &c->schur));
   PetscCall(MatCreateVecs(c->saddle.A, &c->x, &c->b));
+  PetscCall(SetTolerances(scene, c));
   PetscCall(FluidVec(p, NULL, &c->part));
   PetscCall(FluidVec(p, NULL, &c->work));
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(FluidVec(p, NULL, &c->u[a]));
@@ -228,23 +268,24 @@ static PetscErrorCode CoupledMake(PetscReal shift, const Vec advecting[], Couple
 }
 
 /*
-  CoupledAssemble - Matrices, vectors and preconditioner for the operators and a shift
+  CoupledAssemble - Matrices, vectors and preconditioner for the operators and a step
 
-  Collective. Keeps what is there where the operators are those of the last assembly, nothing is
-  advected, and T is within a factor of two.
+  Collective. Keeps what is there where it is of the same operators and T, and nothing is advected.
 
   Input Parameters:
-+ shift     - the first [1/s]
++ clock     - its dt, or that the flow is steady
+. shift     - the first [1/s]
 - advecting - v of implicit convection, to stay as long as the matrices do; NULL: none [m/s]
 */
-PetscErrorCode CoupledAssemble(PetscReal shift, const Vec advecting[], Coupled *c)
+PetscErrorCode CoupledAssemble(const Clock *clock, PetscReal shift, const Vec advecting[],
+                               Coupled *c)
 {
-  const PetscReal share = c->saddle.step / GridTime(c->scene, shift);
-  const PetscBool same  = c->saddle.A && c->saddle.assemblies == c->ops->assemblies;
+  const PetscReal step = GridTime(c->scene, clock->dt, clock->direct);
+  const PetscBool same = c->saddle.A && c->saddle.assemblies == c->ops->assemblies;
 
   PetscFunctionBegin;
-  if (!same || advecting || c->advecting || share > 2.0 || share < 0.5)
-    PetscCall(CoupledMake(shift, advecting, c));
+  if (!same || advecting || c->advecting || step != c->saddle.step)
+    PetscCall(CoupledMake(step, shift, advecting, c));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -16,6 +16,7 @@ struct Schur {
   PetscReal       viscous, inert; /* nu/sigma, shift dx^2/sigma, see schur.c [-] */
 };
 
+PetscErrorCode SchurCreate(Schur *schur);
 PetscErrorCode SchurAssemble(const Particles *particles, const Operators *ops, Schur *schur);
 PetscErrorCode SchurAttach(PC fieldsplit, Schur *schur);
 PetscErrorCode SchurFree(Schur *schur);
@@ -45,9 +46,11 @@ struct Coupled {
   const Vec       *advecting; /* v of implicit convection; NULL: none [m/s] */
 };
 
-PetscErrorCode CoupledAssemble(PetscReal shift, const Vec advecting[], Coupled *coupled);
+PetscErrorCode CoupledAssemble(const Clock *clock, PetscReal shift, const Vec advecting[],
+                               Coupled *coupled);
 PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *coupled);
 PetscErrorCode CoupledRightHandSide(Coupled *coupled, PetscReal t);
+PetscErrorCode CoupledAddConvection(Coupled *coupled, Vec x, PetscReal scale, Vec f);
 PetscErrorCode CoupledIFunction(TS ts, PetscReal t, Vec x, Vec xdot, Vec f, void *ctx);
 PetscErrorCode CoupledIJacobian(TS ts, PetscReal t, Vec x, Vec xdot, PetscReal shift, Mat A, Mat P,
                                 void *ctx);

@@ -41,8 +41,8 @@ PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* f += T u.grad u of a stage. */
-static PetscErrorCode AddConvection(Coupled *c, Vec x, Vec f)
+/* CoupledAddConvection - f += scale u.grad u, u the velocity in x; collective */
+PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
 {
   const Saddle *s = &c->saddle;
 
@@ -52,7 +52,7 @@ static PetscErrorCode AddConvection(Coupled *c, Vec x, Vec f)
     for (PetscInt e = 0; e < s->dim; e++) {
       PetscCall(AffineApply(&c->ops->grad_u[e], c->u[a], c->ops->wall_u[a], c->part));
       PetscCall(VecPointwiseMult(c->part, c->part, c->u[e]));
-      PetscCall(SaddleAdd(s, a, s->step, c->part, f));
+      PetscCall(SaddleAdd(s, a, scale, c->part, f));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -75,7 +75,7 @@ PetscErrorCode CoupledIFunction(TS ts, PetscReal t, Vec x, Vec xdot, Vec f, void
   PetscCall(CoupledRightHandSide(c, t));
   PetscCall(MatMult(s->A, x, f));
   PetscCall(VecAXPY(f, -1.0, c->b));
-  if (c->convects) PetscCall(AddConvection(c, x, f));
+  if (c->convects) PetscCall(CoupledAddConvection(c, x, s->step, f));
   PetscCall(VecGetArrayRead(x, &u));
   PetscCall(VecGetArrayRead(xdot, &udot));
   PetscCall(VecGetArray(f, &r));

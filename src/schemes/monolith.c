@@ -8,15 +8,47 @@
 #define PICARD_MOST   50   /* iterations of a steady flow */
 #define PICARD_CHANGE 1e-6 /* of u in the last of them, relative */
 
+/* One linear solve, from the unknowns as they are. */
+static PetscErrorCode SolveLinear(Vec b, Coupled *c, StepFailure *failure)
+{
+  PetscFunctionBegin;
+  PetscCall(KSPSetOperators(c->ksp, c->saddle.A, c->flat ? c->flat : c->saddle.P));
+  PetscCall(KSPSetInitialGuessNonzero(c->ksp, PETSC_TRUE));
+  PetscCall(KSPSolve(c->ksp, b, c->x));
+  PetscCall(KSPSetInitialGuessNonzero(c->ksp, PETSC_FALSE));
+  PetscCall(GuardCheck(c->ksp, &c->guard, failure));
+  c->iterations += c->guard.iterations;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
-  From t over dt: one TS step, or as many as the error wants; those begin with the last substep of the
-  step before, or dt/100.
+  A step of backward Euler from t over h: velocities at the start of a run need not be solenoidal, nor
+  those of the walls theirs, and an integrator that measures its error would see no end of it.
 */
-static PetscErrorCode AdvanceInTime(PetscReal t, PetscReal dt, PetscReal *substep, Coupled *c,
-                                    StepFailure *failure)
+static PetscErrorCode StartConsistently(PetscReal t, PetscReal h, Coupled *c, StepFailure *failure)
+{
+  const PetscReal T = c->saddle.step;
+  Vec             b;
+
+  PetscFunctionBegin;
+  PetscCall(CoupledSetShift(1.0 / h, c));
+  PetscCall(CoupledRightHandSide(c, t + h));
+  PetscCall(VecDuplicate(c->b, &b));
+  PetscCall(VecCopy(c->b, b));
+  if (c->convects) PetscCall(CoupledAddConvection(c, c->x, -T, b));
+  PetscCall(SaddleGet(&c->saddle, c->x, c->u, NULL));
+  for (PetscInt a = 0; a < c->saddle.dim; a++)
+    PetscCall(SaddleAdd(&c->saddle, a, T / h, c->u[a], b));
+  PetscCall(SolveLinear(b, c, failure));
+  PetscCall(VecDestroy(&b));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* From t over dt by steps of the TS, the first of length h; out: the last but for what was left. */
+static PetscErrorCode StepThrough(PetscReal t, PetscReal dt, PetscReal *h, Coupled *c,
+                                  StepFailure *failure)
 {
   const PetscReal   end    = t + dt;
-  const PetscReal   first  = *substep > 0.0 ? PetscMin(*substep, dt) : 0.01 * dt;
   PetscReal         now    = t, next;
   PetscInt          before = 0, after = 0;
   TSConvergedReason reason = TS_CONVERGED_ITERATING;
@@ -26,7 +58,7 @@ static PetscErrorCode AdvanceInTime(PetscReal t, PetscReal dt, PetscReal *subste
       TSSetIJacobian(c->ts, c->saddle.A, c->flat ? c->flat : c->saddle.P, CoupledIJacobian, c));
   PetscCall(TSSetSolution(c->ts, c->x));
   PetscCall(TSSetTime(c->ts, t));
-  PetscCall(TSSetTimeStep(c->ts, c->row->substeps ? first : dt));
+  PetscCall(TSSetTimeStep(c->ts, *h));
   PetscCall(TSRestartStep(c->ts));
   PetscCall(TSGetKSPIterations(c->ts, &before));
   while (end - now > 1e-10 * dt && !failure->code) {
@@ -41,24 +73,32 @@ static PetscErrorCode AdvanceInTime(PetscReal t, PetscReal dt, PetscReal *subste
     }
     PetscCall(TSGetTime(c->ts, &now));
     PetscCall(TSGetTimeStep(c->ts, &next));
-    if (c->row->substeps && end - now > 1e-10 * dt) *substep = next;
+    if (end - now > 1e-10 * dt) *h = next;
     PetscCall(TSSetTimeStep(c->ts, PetscMin(next, PetscMax(end - now, 1e-10 * dt))));
   }
   PetscCall(TSGetKSPIterations(c->ts, &after));
-  c->iterations = after - before;
+  c->iterations += after - before;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One solve of the steady equations at time t. */
-static PetscErrorCode SolveSteady(PetscReal t, Coupled *c, StepFailure *failure)
+/*
+  From t over dt: one step of the TS, or as many as the error wants. Those begin with the last of the
+  clock's step before; in a run's first after one of dt/100 that makes the flow consistent.
+*/
+static PetscErrorCode AdvanceInTime(PetscReal t, PetscReal dt, PetscReal *substep, Coupled *c,
+                                    StepFailure *failure)
 {
+  PetscReal h = dt, started = 0.0;
+
   PetscFunctionBegin;
-  PetscCall(CoupledRightHandSide(c, t));
-  PetscCall(KSPSetOperators(c->ksp, c->saddle.A, c->flat ? c->flat : c->saddle.P));
-  PetscCall(KSPSetInitialGuessNonzero(c->ksp, PETSC_TRUE));
-  PetscCall(KSPSolve(c->ksp, c->b, c->x));
-  PetscCall(GuardCheck(c->ksp, &c->guard, failure));
-  c->iterations += c->guard.iterations;
+  if (c->row->substeps && *substep == 0.0) {
+    h = started = 0.01 * dt;
+    PetscCall(StartConsistently(t, started, c, failure));
+  } else if (c->row->substeps) {
+    h = PetscMin(*substep, dt);
+  }
+  PetscCall(StepThrough(t + started, dt - started, &h, c, failure));
+  if (c->row->substeps) *substep = h;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -86,17 +126,18 @@ static PetscErrorCode RelativeChange(PetscInt dim, const Vec u[], const Vec v[],
   Reference: H. C. Elman, D. J. Silvester, A. J. Wathen, Finite Elements and Fast Iterative Solvers
   (2014), ch. 8
 */
-static PetscErrorCode IteratePicard(PetscReal t, Vec u[], Vec pressure, Vec advecting[], Coupled *c,
-                                    StepFailure *failure)
+static PetscErrorCode IteratePicard(const Clock *clock, Vec u[], Vec pressure, Vec advecting[],
+                                    Coupled *c, StepFailure *failure)
 {
   PetscReal change = PETSC_INFINITY;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < PICARD_MOST && change > PICARD_CHANGE && !failure->code; k++) {
     PetscCall(SaddleGet(&c->saddle, c->x, advecting, pressure));
-    PetscCall(CoupledAssemble(0.0, advecting, c));
+    PetscCall(CoupledAssemble(clock, 0.0, advecting, c));
     PetscCall(SaddlePut(&c->saddle, advecting, pressure, c->x));
-    PetscCall(SolveSteady(t, c, failure));
+    PetscCall(CoupledRightHandSide(c, clock->t + clock->dt));
+    PetscCall(SolveLinear(c->b, c, failure));
     PetscCall(SaddleGet(&c->saddle, c->x, u, NULL));
     PetscCall(RelativeChange(c->saddle.dim, u, advecting, c->part, &change));
   }
@@ -132,12 +173,13 @@ static PetscErrorCode SolveSystem(const Scene *scene, const Clock *clock, const 
   c->b_t        = NAN;
   c->iterations = 0;
   PetscCall(ClockWhere(clock, c->guard.where));
-  PetscCall(CoupledAssemble(shift, NULL, c));
+  PetscCall(CoupledAssemble(clock, shift, NULL, c));
   PetscCall(SaddlePut(&c->saddle, pr->star, pr->p, c->x));
   if (clock->direct) {
-    PetscCall(SolveSteady(end, c, &scheme->failure));
+    PetscCall(CoupledRightHandSide(c, end));
+    PetscCall(SolveLinear(c->b, c, &scheme->failure));
     if (SceneHas(scene, PHYSICS_CONVECTION))
-      PetscCall(IteratePicard(end, pr->star, pr->p, pr->conv, c, &scheme->failure));
+      PetscCall(IteratePicard(clock, pr->star, pr->p, pr->conv, c, &scheme->failure));
   } else {
     PetscCall(AdvanceInTime(end - dt, dt, &scheme->number[NUMBER_SUBSTEP], c, &scheme->failure));
   }

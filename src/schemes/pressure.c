@@ -19,22 +19,27 @@ struct Pressure {
   PetscInt iterations, its_new; /* of the last solve, of the first after a set-up */
 };
 
-/* BoomerAMG as measured best for these matrices. */
-static PetscErrorCode PressureDefaults(void)
+/*
+  AmgDefaults - BoomerAMG as measured best for these matrices, where the user has it and says no more
+
+  Collective on PETSC_COMM_WORLD. Input: aggressive - levels of aggressive coarsening, which pay for
+  pressures and cost velocities twice the iterations.
+*/
+PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[])
 {
   char      type[32] = PCHYPRE, method[32] = "boomeramg";
   PetscBool hypre, amg;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsGetString(NULL, "ppe_", "-pc_type", type, sizeof(type), NULL));
-  PetscCall(PetscOptionsGetString(NULL, "ppe_", "-pc_hypre_type", method, sizeof(method), NULL));
+  PetscCall(PetscOptionsGetString(NULL, prefix, "-pc_type", type, sizeof(type), NULL));
+  PetscCall(PetscOptionsGetString(NULL, prefix, "-pc_hypre_type", method, sizeof(method), NULL));
   PetscCall(PetscStrcmp(type, PCHYPRE, &hypre));
   PetscCall(PetscStrcmp(method, "boomeramg", &amg));
   if (!hypre || !amg) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(OptionDefault("ppe_", "-pc_hypre_boomeramg_coarsen_type", "PMIS"));
-  PetscCall(OptionDefault("ppe_", "-pc_hypre_boomeramg_interp_type", "ext+i"));
-  PetscCall(OptionDefault("ppe_", "-pc_hypre_boomeramg_P_max", "4"));
-  PetscCall(OptionDefault("ppe_", "-pc_hypre_boomeramg_agg_nl", "1"));
+  PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_coarsen_type", "PMIS"));
+  PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_interp_type", "ext+i"));
+  PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_P_max", "4"));
+  PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_agg_nl", aggressive));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -49,7 +54,7 @@ PetscErrorCode PressureSolver(const LaplacianForm *form, PetscReal rtol, KSP *ks
   PC pc;
 
   PetscFunctionBegin;
-  PetscCall(PressureDefaults());
+  PetscCall(AmgDefaults("ppe_", "1"));
   PetscCall(KSPCreate(PETSC_COMM_WORLD, ksp));
   PetscCall(KSPSetOptionsPrefix(*ksp, guard->prefix));
   PetscCall(KSPSetType(*ksp, LaplacianIs(form, FORM_SYMMETRIC) ? KSPCG : KSPFGMRES));

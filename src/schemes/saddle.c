@@ -1,6 +1,6 @@
 /*
   Velocity and pressure in one matrix, scaled so that all entries are of order one, and residuals of
-  momentum and of mass count alike. With T = 1/(shift/4 + nu/dx^2), p = rho dx/T q:
+  momentum and of mass count alike. With 1/T = 1/(4 dt) + nu/dx^2, p = rho dx/T q:
 
     [ T (shift - nu L)   dx G          ] [u]   [T f]
     [ dx D               C + 1 1^T/N   ] [q] = [g  ]

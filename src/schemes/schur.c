@@ -100,6 +100,23 @@ PetscErrorCode SchurAttach(PC fieldsplit, Schur *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* SchurCreate - The KSP of its Poisson equation, where the row has one: one application of AMG; collective */
+PetscErrorCode SchurCreate(Schur *s)
+{
+  PC pc;
+
+  PetscFunctionBegin;
+  if (!s->row->poisson) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(KSPCreate(PETSC_COMM_WORLD, &s->ksp));
+  PetscCall(KSPSetOptionsPrefix(s->ksp, "coupled_schur_"));
+  PetscCall(KSPSetType(s->ksp, KSPPREONLY));
+  PetscCall(KSPGetPC(s->ksp, &pc));
+  PetscCall(PCSetType(pc, PCHYPRE));
+  PetscCall(AmgDefaults("coupled_schur_", "1"));
+  PetscCall(KSPSetFromOptions(s->ksp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   SchurAssemble - What the approximation is made of, for new operators
 
@@ -108,8 +125,6 @@ PetscErrorCode SchurAttach(PC fieldsplit, Schur *s)
 */
 PetscErrorCode SchurAssemble(const Particles *p, const Operators *ops, Schur *s)
 {
-  PC pc;
-
   PetscFunctionBegin;
   PetscCall(MatDestroy(&s->mass));
   PetscCall(VecDestroy(&s->work));
@@ -120,14 +135,6 @@ PetscErrorCode SchurAssemble(const Particles *p, const Operators *ops, Schur *s)
   if (!s->row->poisson) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatDuplicate(ops->ppe.A, MAT_COPY_VALUES, &s->poisson));
   PetscCall(MatShift(s->poisson, 1e-6));
-  if (!s->ksp) {
-    PetscCall(KSPCreate(p->comm, &s->ksp));
-    PetscCall(KSPSetOptionsPrefix(s->ksp, "coupled_schur_"));
-    PetscCall(KSPSetType(s->ksp, KSPPREONLY));
-    PetscCall(KSPGetPC(s->ksp, &pc));
-    PetscCall(PCSetType(pc, PCHYPRE));
-    PetscCall(KSPSetFromOptions(s->ksp));
-  }
   PetscCall(KSPReset(s->ksp));
   PetscCall(KSPSetOperators(s->ksp, s->poisson, s->poisson));
   PetscFunctionReturn(PETSC_SUCCESS);

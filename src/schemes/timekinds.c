@@ -5,6 +5,24 @@
 */
 #include "isph/schemes.h"
 
+/* TimeOptionsRefuse - Ends the run where an option of a TS would take time from the clock; collective */
+PetscErrorCode TimeOptionsRefuse(const char prefix[])
+{
+  const char *const refused[][2] = {
+      {"ts_dt", "-dt"}, {"ts_max_time", "-t_end"}, {"ts_max_steps", "-max_steps"}};
+
+  PetscFunctionBegin;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(refused); k++) {
+    char      option[64];
+    PetscBool given;
+
+    PetscCall(PetscSNPrintf(option, sizeof(option), "-%s%s", prefix, refused[k][0]));
+    PetscCall(OptionGiven(option, &given));
+    UserCheck(!given, "%s: time is the run's own; use %s", option, refused[k][1]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* BDF of order 1, 2, 3, ...: coefficient of the newest force, 1, 2/3, 6/11, ... */
 static PetscReal Response_Bdf(TS ts)
 {

@@ -12,17 +12,11 @@
 /* The clock owns time and the history is on particles: what contradicts that is refused. */
 static PetscErrorCode RefuseTimeOptions(const TimeKindRow *row)
 {
-  const char *const refused[][2] = {{"-visc_ts_dt", "-dt"},
-                                    {"-visc_ts_max_time", "-t_end"},
-                                    {"-visc_ts_max_steps", "-max_steps"}};
-  PetscReal         theta        = 0.5;
-  PetscBool         given;
+  PetscReal theta = 0.5;
+  PetscBool given;
 
   PetscFunctionBegin;
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(refused); k++) {
-    PetscCall(OptionGiven(refused[k][0], &given));
-    UserCheck(!given, "%s: time is the run's own; use %s", refused[k][0], refused[k][1]);
-  }
+  PetscCall(TimeOptionsRefuse("visc_"));
   PetscCall(OptionGiven("-visc_ts_adapt_type", &given));
   UserCheck(!given || !row->multistep,
             "-visc_ts_adapt_type: %s shares its steps with the projection; use a one-step type "
