@@ -18,6 +18,7 @@ typedef struct {
   PetscInt    n_periodic; /* the first axes are periodic, the others have walls */
   PetscReal   jitter;     /* [dx] */
   PetscReal   circle;     /* radius of a body in the middle [dx]; 0: none */
+  PetscBool   one_sided;  /* pressures as the coupled scheme has them */
 } CloudBox;
 
 /* f(x) = c + g.s + s.H s/2,  s = (x - centre)/dx;  H symmetric */

@@ -240,8 +240,8 @@ PetscErrorCode GradientRow_Mls(Stencil *st, PetscReal *g[])
 
   Input: self - W(0), the weight of the particle itself [m^-dim]
 
-  Properties: vanishes for quadratics on any arrangement, of order dx^3 one-sided and dx^4 inside; f_i
-  less a mean of its neighbours for modes of the grid's scale. The row is symmetric in nothing.
+  Properties: vanishes for quadratics on any arrangement, of order dx^3 one-sided and dx^4 inside; about
+  0.3 f_i for the mode +1, -1 of a lattice; not symmetric.
 
   Reference: after C. R. Dohrmann, P. B. Bochev, Int. J. Numer. Meth. Fluids 46 (2004) 183-201
 */
