@@ -85,7 +85,7 @@ class Runs:
                     continue
                 when = "" if line["t"] == lines[-1]["t"] else f"@{float(line['t']):.4g}"
                 row[line["quantity"] + when] = line["value"]
-            row.update({name: lines[-1][name] for name in ("wall_s", "particles", "steps")})
+            row.update({name: lines[-1][name] for name in ("wall_s", "particles", "steps", "visc_its")})
             return row
 
     def save(self):

@@ -9,7 +9,7 @@
 #include "coupled.h"
 
 static const CoupledTimeRow kinds[] = {
-    /* name, brief, citation, several substeps, their relative error by default */
+    /* name, brief, citation, several substeps */
     {TSBEULER,
      "backward Euler, from (4u^n - u^{n-1})/3 over 2dt/3: BDF2 with the history on particles",
      "Hairer & Wanner, Solving ODEs II (1996)", PETSC_FALSE},

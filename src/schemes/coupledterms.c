@@ -61,8 +61,8 @@ PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
 /*
   CoupledIFunction - T du/dt + [T u.grad u] + A_0 x - b
 
-  Collective. The Jacobian leaves convection out: rosw, a W method, keeps its
-  order without, bdf iterates.
+  Collective. The Jacobian leaves convection out: rosw, a W method, keeps its order without, bdf
+  iterates.
 */
 PetscErrorCode CoupledIFunction(TS ts, PetscReal t, Vec x, Vec xdot, Vec f, void *ctx)
 {
