@@ -13,10 +13,9 @@ static const CoupledTimeRow kinds[] = {
     {TSBEULER,
      "backward Euler, from (4u^n - u^{n-1})/3 over 2dt/3: BDF2 with the history on particles",
      "Hairer & Wanner, Solving ODEs II (1996)", PETSC_FALSE},
-    {TSROSW,
-     "Rosenbrock-W of order 3 in substeps that follow the error; for dt beyond the flow's scale",
+    {TSROSW, "Rosenbrock-W of order 3 in substeps that follow the error; particles fixed",
      "Rang & Angermann, BIT 45 (2005)", PETSC_TRUE},
-    {TSBDF, "backward differentiation in substeps that follow the error",
+    {TSBDF, "backward differentiation in substeps that follow the error; particles fixed",
      "Hairer & Wanner, Solving ODEs II (1996)", PETSC_TRUE},
 };
 const Table CoupledTimeTable =

@@ -96,7 +96,8 @@ static PetscErrorCode SchemeRefuseSteady(const Scene *scene, const SchemeRow *ro
 */
 PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *ops, Scheme **scheme)
 {
-  Scheme *s;
+  const PetscBool moves = scene->motion && scene->motion->particles_move ? PETSC_TRUE : PETSC_FALSE;
+  Scheme         *s;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&s));
@@ -116,7 +117,7 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
                          &s->filter, NULL));
   }
   s->motion = scene->motion;
-  if (s->motion && s->motion->particles_move) {
+  if (moves) {
     PetscCall(TableSelect(&ShiftTable, "-shift", "Particle shifting", "fickian", &s->shift));
   }
   PetscOptionsEnd();
@@ -139,9 +140,12 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
   if (SceneHas(scene, PHYSICS_PRESSURE) && s->row->splits) PetscCall(PressureCreate(ops, &s->ppe));
   if (!s->row->splits) {
     ops->one_sided = ops->rough.needed = PETSC_TRUE;
-    PetscCall(CoupledCreate(scene, clock->dt,
-                            s->motion && !s->motion->particles_move ? PETSC_TRUE : PETSC_FALSE,
+    PetscCall(CoupledCreate(scene, clock->dt, s->motion && !moves ? PETSC_TRUE : PETSC_FALSE,
                             &s->coupled));
+    UserCheck(!moves || !CoupledTimeKind(s->coupled)->substeps,
+              "-coupled_ts_type %s: particles that move leave its substeps nothing to begin from; "
+              "use beuler, or -motion eulerian",
+              CoupledTimeKind(s->coupled)->name);
   }
   PetscCall(s->row->Create(scene, clock, ops, s));
   *scheme = s;
