@@ -5,7 +5,7 @@
 #include "impl.h"
 #include "isph/hdf5file.h"
 
-#define CHECKPOINT_FORMAT 2 /* to be raised when what is in the file changes */
+#define CHECKPOINT_FORMAT 3 /* to be raised when what is in the file changes */
 #define CLOCK_NUMBERS     9
 #define STATS_NUMBERS     13
 
