@@ -103,7 +103,8 @@ def ranked(command, n):
 
 def bitwise(*command):
     for n in 1, 3:
-        for name, flow in (("lagrangian", []), ("eulerian", ["-motion", "eulerian"]), ("forced", FORCED)):
+        for name, flow in (("lagrangian", []), ("eulerian", ["-motion", "eulerian"]), ("forced", FORCED),
+                           ("coupled", ["-scheme", "coupled"])):
             folder = f"{name}{n}"
             os.mkdir(folder)
             start_ = [*ranked(command, n), "-n", "16", "-dt", "0.02", "-skin", "0.5", *flow, "-progress", "none",
