@@ -73,9 +73,10 @@ typedef enum {
   FORM_EXACT_LINEAR    = 1 << 2, /* on any arrangement of particles */
   FORM_EXACT_QUADRATIC = 1 << 3, /* on any arrangement of particles */
   FORM_FULL_SUPPORT    = 1 << 4, /* wants particles behind walls; cannot take wall roles */
-  FORM_SAFE_IMPLICIT   = 1 << 5  /* the eigenvalues of -L have positive real parts */
+  FORM_SAFE_IMPLICIT   = 1 << 5, /* the eigenvalues of -L have positive real parts */
+  FORM_VARYING         = 1 << 6  /* takes a viscosity that varies, by the means of pairs */
 } FormProperty;
-#define FORM_PROPERTY_COUNT 6
+#define FORM_PROPERTY_COUNT 7
 extern const char *const FormPropertyNames[FORM_PROPERTY_COUNT]; /* bit order of FormProperty */
 
 /* Corrections of the kernel that a row reads; bits that a row lists as those it can take. */
@@ -174,8 +175,8 @@ typedef struct {
   PetscReal          radius;       /* of the kernel's support [m] */
   PetscReal          reach;        /* how far from a particle assembly looks, for the halo [m] */
 
-  AffineOperator visc;                 /* lap u [m^-2]; wall data: u_wall,c */
-  AffineOperator ppe;                  /* -dx^2 lap p [-]; wall data: n.grad p */
+  AffineOperator visc; /* lap u, or div(nu grad u)/scene->nu [m^-2]; wall data: u_wall,c */
+  AffineOperator ppe;  /* -dx^2 lap p [-]; wall data: n.grad p */
   AffineOperator grad_p[ISPH_MAX_DIM]; /* dp/dx_a; wall data: n.grad p */
   AffineOperator grad_u[ISPH_MAX_DIM]; /* du_c/dx_a; wall data: u_wall,c */
   AffineOperator div[ISPH_MAX_DIM];    /* (D u)_i = sum_c div[c] u_c; wall data: u_wall,c */

@@ -37,6 +37,17 @@ static PetscErrorCode BannerCase(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Where the viscosity varies: by how much, and what pairs of particles make of it. */
+static PetscErrorCode BannerViscosity(const Scene *scene, PetscViewer viewer)
+{
+  PetscFunctionBegin;
+  if (!SceneViscosityVaries(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscViewerASCIIPrintf(
+      viewer, BANNER_LABEL "nu from %.4g to %.4g m^2/s, harmonic means of pairs; Re is of %.4g\n",
+      "varies", (double)scene->nu_low, (double)scene->nu_high, (double)scene->nu));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* What is computed, and what of the program is left out. */
 static PetscErrorCode BannerPhysics(const Scene *scene, PetscViewer viewer)
 {
@@ -201,6 +212,7 @@ PetscErrorCode BannerView(const Flow *flow, PetscViewer viewer)
 {
   PetscFunctionBegin;
   PetscCall(BannerCase(flow, viewer));
+  PetscCall(BannerViscosity(flow->scene, viewer));
   PetscCall(BannerPhysics(flow->scene, viewer));
   PetscCall(BannerTime(flow, viewer));
   PetscCall(BannerForms(flow, viewer));

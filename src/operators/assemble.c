@@ -90,13 +90,14 @@ static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, Pets
 }
 
 /* All operators' rows of one particle; the order keeps fits alive from one to the next. */
-static PetscErrorCode AssembleRow(const Scene *scene, Stencil *st, PetscInt diagonal,
-                                  Operators *ops)
+static PetscErrorCode AssembleRow(const Scene *scene, const Particles *p, Stencil *st,
+                                  PetscInt diagonal, Operators *ops)
 {
   PetscFunctionBegin;
   StencilSetRole(st, ROLE_VALUE);
   if (ops->visc.needed) {
     PetscCall(LaplacianWeights(&ops->visc_form, st, ops->w));
+    if (p->nu) WeighByViscosity(scene, p, st, ops->w);
     CloseRow_Value(st, ops, diagonal, ops->w, &ops->visc);
   }
   if (ops->grad_u[0].needed) {
@@ -241,7 +242,7 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
       if (!ops->wall) continue;
       for (PetscInt s = ops->walls.row[i]; s < ops->walls.row[i + 1]; s++) needed[k]->b[s] = 0.0;
     }
-    PetscCall(AssembleRow(scene, st, diagonal, ops));
+    PetscCall(AssembleRow(scene, p, st, diagonal, ops));
     if (ops->need_concentration) AssembleConcentration(scene, p, st, i, ops);
   }
   for (PetscInt k = 0; k < count; k++) {

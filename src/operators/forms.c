@@ -4,9 +4,9 @@
 */
 #include "rows.h"
 
-const char *const FormPropertyNames[FORM_PROPERTY_COUNT] = {"null_constants", "symmetric",
-                                                            "exact_linear",   "exact_quadratic",
-                                                            "full_support",   "safe_implicit"};
+const char *const FormPropertyNames[FORM_PROPERTY_COUNT] = {
+    "null_constants", "symmetric",     "exact_linear",     "exact_quadratic",
+    "full_support",   "safe_implicit", "varying_viscosity"};
 
 /* FormDescribe - The names of properties, "null_constants, symmetric"; not collective */
 PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length)

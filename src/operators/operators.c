@@ -27,6 +27,10 @@ static PetscErrorCode OperatorsChooseLaplacians(PetscOptionItems *PetscOptionsOb
   if (SceneHas(scene, PHYSICS_VISCOSITY)) {
     PetscCall(OperatorsChooseLaplacian(PetscOptionsObject, "-visc_laplacian",
                                        "Form of the viscous term", correction, &ops->visc_form));
+    UserCheck(!SceneViscosityVaries(scene) || LaplacianIs(&ops->visc_form, FORM_VARYING),
+              "-visc_laplacian %s: it cannot take a viscosity that varies; use a form that has "
+              "varying_viscosity in -catalogue, such as mls or schwaiger",
+              ops->visc_form.row->name);
   }
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
     PetscCall(OperatorsChooseLaplacian(PetscOptionsObject, "-ppe_laplacian",
@@ -98,7 +102,7 @@ static PetscReal DefaultSmoothing(const Scene *scene)
   const PetscBool moving =
       scene->motion && scene->motion->particles_move && SceneHas(scene, PHYSICS_WALLS);
   const PetscBool smooth =
-      SceneHas(scene, PHYSICS_VISCOSITY) && scene->speed * scene->dx <= 5.0 * scene->nu;
+      SceneHas(scene, PHYSICS_VISCOSITY) && scene->speed * scene->dx <= 5.0 * scene->nu_low;
 
   return moving && smooth ? 1.5 : 1.3;
 }

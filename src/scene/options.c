@@ -212,6 +212,9 @@ static const char *const OwnNames[] = {
     "scene_body_1_velocity",
     "scene_body_1_rotation",
     "scene_body_1_around",
+    "scene_fluid_1",
+    "scene_fluid_1_viscosity",
+    "viscosity_field",
     "scene_velocity",
     "scene_exact",
 };

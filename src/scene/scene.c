@@ -208,6 +208,7 @@ PetscErrorCode SceneCreate(Scene **scene)
   for (PetscInt a = 0; a < s->dim; a++) {
     s->cells[a] = (PetscInt)PetscFloorReal((s->hi[a] - s->lo[a]) / s->dx + 0.5);
   }
+  PetscCall(SceneBoundViscosity(s));
   *scene = s;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -41,7 +41,7 @@ static PetscErrorCode RefuseTimeOptions(const TimeKindRow *row)
 static PetscErrorCode ViscosityCreateSolver(const Scene *scene, PetscReal dt, const Operators *ops,
                                             Viscosity *v)
 {
-  const PetscReal stiffness = scene->nu * dt / PetscSqr(scene->dx);
+  const PetscReal stiffness = scene->nu_high * dt / PetscSqr(scene->dx);
   SNES            snes;
   PC              pc;
 
