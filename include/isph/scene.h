@@ -88,6 +88,31 @@ typedef struct {
 } MotionRow;
 extern const Table MotionTable;
 
+/* How viscosity follows the strain rate g = sqrt(2 E:E); numbers are over the density. */
+typedef enum {
+  RHEOLOGY_CONSISTENCY,    /* K [m^2 s^(n-2)] */
+  RHEOLOGY_EXPONENT,       /* n [-] */
+  RHEOLOGY_TIME,           /* lambda [s] */
+  RHEOLOGY_INFINITE,       /* nu_inf [m^2/s] */
+  RHEOLOGY_YIELD,          /* tau_0 [m^2/s^2] */
+  RHEOLOGY_REGULARISATION, /* m [s] */
+  RHEOLOGY_NUMBERS
+} RheologyNumber;
+typedef struct Rheology Rheology;
+typedef struct {
+  const char *name, *brief, *citation;
+  unsigned    takes, wants; /* bits of RheologyNumber; wanted ones have no default */
+  PetscReal (*Nu)(const Rheology *rheology, PetscReal rate); /* NULL: does not follow it [m^2/s] */
+  PetscReal (*Rate)(const Rheology *rheology, PetscReal stress); /* of the true fluid [1/s] */
+} RheologyRow;
+extern const Table RheologyTable;
+struct Rheology {
+  const RheologyRow *row; /* NULL: newtonian */
+  PetscReal          nu;  /* Scene.nu [m^2/s] */
+  PetscReal          number[RHEOLOGY_NUMBERS];
+  PetscReal          low, high; /* bounds of the viscosity [m^2/s] */
+};
+
 struct Scene {
   const CaseRow   *problem;
   const MotionRow *motion;  /* NULL: nothing is convected */
@@ -120,6 +145,7 @@ struct Scene {
   Body             region[SCENE_MAX_FLUIDS];    /* of fluids 1, 2, ..., later ones over earlier */
   PetscReal        region_nu[SCENE_MAX_FLUIDS]; /* their viscosities [m^2/s] */
   PetscInt         n_regions;
+  Rheology         rheology;
   PetscReal        jitter;         /* largest random displacement at the start [dx] */
   PetscInt         seed;           /* of the jitter and of random fields */
   PetscReal        solid_fraction; /* of an array of bodies [-] */
@@ -134,12 +160,15 @@ PetscErrorCode SceneDestroy(Scene **scene);
 PetscBool      SceneHas(const Scene *scene, Physics what);
 PetscReal      SceneReynolds(const Scene *scene);
 PetscReal      SceneVolume(const Scene *scene); /* dx^dim, the volume of every particle [m^dim] */
-void      SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
-                            PetscReal u[]);
-void      SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
-                                PetscReal a[]);
-PetscBool SceneViscosityVaries(const Scene *scene);
-PetscReal SceneViscosity(const Scene *scene, const PetscReal x[]);
+void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                       PetscReal u[]);
+void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                           PetscReal a[]);
+PetscErrorCode SceneReadRheology(PetscOptionItems *items, Scene *scene);
+PetscBool      SceneIsNewtonian(const Scene *scene);
+PetscReal      RheologyViscosity(const Rheology *rheology, PetscReal rate);
+PetscBool      SceneViscosityVaries(const Scene *scene);
+PetscReal      SceneViscosity(const Scene *scene, const PetscReal x[]);
 PetscErrorCode SceneBoundViscosity(Scene *scene);
 void           SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal f[]);
 void           BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[]);

@@ -8,10 +8,10 @@
 */
 PetscErrorCode CatalogueView(PetscViewer viewer)
 {
-  const Table *const tables[] = {&CaseTable,       &ShapeTable,    &SchemeTable, &ProjectionTable,
-                                 &MotionTable,     &ShiftTable,    &KernelTable, &LaplacianTable,
-                                 &CorrectionTable, &GradientTable, &WallTable,   &TimeKindTable,
-                                 &FieldTable};
+  const Table *const tables[] = {
+      &CaseTable,     &ShapeTable, &SchemeTable,   &ProjectionTable, &MotionTable,
+      &RheologyTable, &ShiftTable, &KernelTable,   &LaplacianTable,  &CorrectionTable,
+      &GradientTable, &WallTable,  &TimeKindTable, &FieldTable};
 
   PetscFunctionBegin;
   PetscCall(PetscViewerASCIIPrintf(viewer, "isph %s: what can be chosen by name\n", ISPH_VERSION));

@@ -110,13 +110,27 @@ static void AddTorque(PetscInt dim, const PetscReal c[], const PetscReal x[], co
   }
 }
 
-/* Kinematic viscosity of the fluid at the points [m^2/s]. */
-static PetscErrorCode SurfaceViscosity(const Flow *flow, const Surface *s, PetscReal nu[])
+/*
+  Kinematic viscosity of the fluid at the points [m^2/s]: where it follows the strain rate, that of |dw/dn|, the
+  rate beside a wall without slip.
+*/
+static PetscErrorCode SurfaceViscosity(const Flow *flow, const Surface *s, const PetscReal slope[],
+                                       PetscReal nu[])
 {
+  const Scene *scene = flow->scene;
+
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < s->n; k++)
-    nu[k] = SceneHas(flow->scene, PHYSICS_VISCOSITY) ? flow->scene->nu : 0.0;
-  if (flow->particles->nu) PetscCall(ProbeViscosity(flow, s->n, s->x, nu));
+  for (PetscInt k = 0; k < s->n; k++) nu[k] = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu : 0.0;
+  if (SceneIsNewtonian(scene)) {
+    if (flow->particles->nu) PetscCall(ProbeViscosity(flow, s->n, s->x, nu));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt k = 0; k < s->n; k++) {
+    PetscReal square = 0.0;
+
+    for (PetscInt a = 0; a < scene->dim; a++) square += PetscSqr(slope[k * scene->dim + a]);
+    nu[k] = RheologyViscosity(&scene->rheology, PetscSqrtReal(square));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -138,15 +152,16 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
   TorqueCentre(scene, side, centre);
   PetscCall(SurfaceCreate(scene, side, &s));
   PetscCall(PetscMalloc5(s.n * dim, &w[0], s.n * dim, &w[1], s.n * dim, &w[2], s.n, &p, s.n, &nu));
-  PetscCall(SurfaceViscosity(flow, &s, nu));
   for (PetscInt k = 0; k < 3; k++) PetscCall(ProbeAbove(flow, side, &s, k * d, w[k], k ? NULL : p));
+  for (PetscInt q = 0; q < s.n * dim; q++) w[0][q] = (4.0 * w[1][q] - w[2][q]) / (2.0 * d);
+  PetscCall(SurfaceViscosity(flow, &s, w[0], nu));
   for (PetscInt k = 0; k < s.n; k++) {
     PetscReal f[ISPH_MAX_DIM] = {0.0};
 
     for (PetscInt a = 0; a < dim; a++) {
       const PetscInt q = k * dim + a;
 
-      f[a] = s.area[k] * scene->rho * nu[k] * (4.0 * w[1][q] - w[2][q]) / (2.0 * d);
+      f[a] = s.area[k] * (scene->rho * nu[k]) * (4.0 * w[1][q] - w[2][q]) / (2.0 * d);
       if (!PetscIsNanReal(p[k])) f[a] -= s.area[k] * p[k] * s.normal[q];
       F[a] += f[a];
     }

@@ -8,6 +8,8 @@ void WeighByViscosity(const Scene *scene, const Particles *particles, const Sten
                       PetscReal w[]);
 void CloseRow_Value(const Stencil *stencil, const Operators *ops, PetscInt diagonal,
                     const PetscReal w[], AffineOperator *op);
+void KeepRow(const Stencil *stencil, PetscInt diagonal, const PetscReal w[], Operators *ops);
+PetscErrorCode AssembleTogether(const Scene *scene, const Particles *particles, Operators *ops);
 PetscErrorCode CloseRows_Pressure(const Scene *scene, Stencil *stencil, PetscInt diagonal,
                                   Operators *ops);
 PetscErrorCode CloseRows_Divergence(Stencil *stencil, PetscInt diagonal, Operators *ops);

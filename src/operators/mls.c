@@ -225,3 +225,52 @@ PetscErrorCode GradientRow_Mls(Stencil *st, PetscReal *g[])
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* Second derivatives d_ab of the quadratic fit at component pair (a, b), a >= b. */
+static PetscInt MlsTerm(PetscInt dim, PetscInt a, PetscInt b)
+{
+  return dim + a * (a + 1) / 2 + b;
+}
+
+/*
+  LaplacianRow_StressMls - Divergence of a viscous stress by the quadratic fit, components coupled
+
+    sum_b (delta_ab lap + 2 d_a d_b) u_b = (div 2 E)_a + d_a div u
+
+  With the means nu_ij on its differences (viscous.c) it is (div 2 nu E)_a + d_a (nu div u), grad nu
+  terms included:
+
+    2 d_a d_b (nu_ij u_b) = 2 nu d_a d_b u_b + d_a nu d_b u_b + d_b nu d_a u_b.
+
+  The last part is that of a bulk viscosity, which a flow of div u = 0 does not feel; without it, with
+  d_a d_b once, half of grad nu.(grad u)^T would be missing.
+
+  Properties: exact for quadratics on any arrangement; takes wall roles.
+*/
+PetscErrorCode LaplacianRow_StressMls(Stencil *st, PetscReal w[])
+{
+  const PetscInt d = st->dim;
+  PetscReal      c[ISPH_MAX_DIM * ISPH_MAX_DIM][MLS_MAX_TERMS];
+
+  PetscFunctionBegin;
+  PetscCall(MlsFactor(st));
+  for (PetscInt e = 0; e < d * d; e++) {
+    const PetscInt  a = e / d, b = e % d;
+    const PetscReal unit = 1.0 / PetscSqr(st->radius); /* of a term's coefficient, over that of X */
+
+    for (PetscInt t = 0; t < st->fit.terms; t++) c[e][t] = 0.0;
+    for (PetscInt k = 0; a == b && k < d; k++) c[e][MlsTerm(d, k, k)] += 2.0 * unit;
+    c[e][MlsTerm(d, PetscMax(a, b), PetscMin(a, b))] += (a == b ? 4.0 : 2.0) * unit;
+    DenseCholeskySolve(st->fit.terms, st->fit.factor, c[e]);
+  }
+  for (PetscInt k = 0; k < st->n; k++) {
+    PetscReal phi[MLS_MAX_TERMS];
+
+    MlsBasis(st, d, 2, k, phi);
+    for (PetscInt e = 0; e < d * d; e++) {
+      w[k * d * d + e] = 0.0;
+      for (PetscInt t = 0; t < st->fit.terms; t++) w[k * d * d + e] += st->W[k] * phi[t] * c[e][t];
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -9,7 +9,8 @@
 /* SceneViscosityVaries - Whether particles carry viscosities of their own; not collective */
 PetscBool SceneViscosityVaries(const Scene *scene)
 {
-  return scene->n_regions || scene->nu_field.n ? PETSC_TRUE : PETSC_FALSE;
+  return scene->n_regions || scene->nu_field.n || !SceneIsNewtonian(scene) ? PETSC_TRUE
+                                                                           : PETSC_FALSE;
 }
 
 /* Kinematic viscosity at a point [m^2/s]. */
@@ -43,7 +44,8 @@ static PetscBool IsInFluid(const Scene *scene, const PetscReal x[])
     1/nu = mean of 1/nu over the part of the cell of side dx about x that is fluid
 
   Not collective. So layers resist shear as they lie, wherever interfaces cut the lattice: resistances in
-  series add. A smooth field without fluids in it is taken at x.
+  series add. A smooth field without fluids in it is taken at x; where the viscosity follows the strain rate,
+  that at the rate U/L is what the first iteration starts from.
 
   Reference: S. V. Patankar, Numerical Heat Transfer and Fluid Flow (1980), section 4.2-3
 */
@@ -52,6 +54,8 @@ PetscReal SceneViscosity(const Scene *scene, const PetscReal x[])
   PetscReal sum = 0.0;
   PetscInt  n   = 0;
 
+  if (!SceneIsNewtonian(scene))
+    return RheologyViscosity(&scene->rheology, scene->speed / scene->length);
   if (!scene->n_regions) return ViscosityAt(scene, x);
   for (PetscInt s = 0; s < SAMPLES * SAMPLES; s++) {
     const PetscReal y[2] = {x[0] + scene->dx * ((s % SAMPLES + 0.5) / SAMPLES - 0.5),
@@ -65,7 +69,7 @@ PetscReal SceneViscosity(const Scene *scene, const PetscReal x[])
 }
 
 /*
-  SceneBoundViscosity - Least and largest viscosity on the lattice of the start
+  SceneBoundViscosity - Least and largest viscosity on the lattice of the start, or of the rheology
 
   Collective. Output: scene->nu_low, scene->nu_high. Errors: a field that is not positive.
 */
@@ -73,6 +77,11 @@ PetscErrorCode SceneBoundViscosity(Scene *scene)
 {
   PetscFunctionBegin;
   scene->nu_low = scene->nu_high = scene->nu;
+  if (!SceneIsNewtonian(scene)) {
+    scene->nu_low  = scene->rheology.low;
+    scene->nu_high = scene->rheology.high;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (!SceneViscosityVaries(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   scene->nu_low  = PETSC_MAX_REAL;
   scene->nu_high = 0.0;

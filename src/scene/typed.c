@@ -185,6 +185,11 @@ static PetscErrorCode ReadFluids(PetscOptionItems *PetscOptionsObject, Scene *sc
     UserCheck(given, "%s: the fluid's kinematic viscosity is wanted [m^2/s]", option);
     scene->n_regions++;
   }
+  UserCheck(
+      SceneIsNewtonian(scene) || (!scene->n_regions && !scene->nu_field.n),
+      "-rheology %s with -scene_fluid_1 or -viscosity_field: viscosity follows the strain rate or "
+      "the place, not both",
+      scene->rheology.row->name);
   UserCheck(!SceneViscosityVaries(scene) || SceneHas(scene, PHYSICS_VISCOSITY),
             "-without viscosity: there are fluids of other viscosity");
   PetscFunctionReturn(PETSC_SUCCESS);

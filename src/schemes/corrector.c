@@ -43,7 +43,7 @@ static PetscErrorCode VelocityCorrect(const Scene *scene, const Operators *ops, 
 }
 
 /*
-  p = [p^n] + phi [- mu div u*], mu the least there is: stable however it varies (with the local one a drop
+  p = [p^n] + phi [- c mu div u*], c of LaplacianDilatation(), mu the least there is: stable however it varies (with the local one a drop
   of 1e5 times the viscosity blew up within 4 steps), right where it is uniform. Then p += S dx^2 lap p, which takes grid-scale modes that no
   projection on one set of points sees and leaves smooth pressure to second order; its mean is the
   gauge.
@@ -59,7 +59,8 @@ static PetscErrorCode PressureUpdate(const Scene *scene, const Particles *p, Ope
   if (!scheme->projection->incremental) PetscCall(VecZeroEntries(pr->p));
   PetscCall(VecAXPY(pr->p, 1.0, pr->phi));
   if (scheme->projection->rotational && SceneHas(scene, PHYSICS_VISCOSITY)) {
-    PetscCall(VecAXPY(pr->p, -scene->rho * scene->nu_low, pr->div));
+    PetscCall(VecAXPY(pr->p, -LaplacianDilatation(&ops->visc_form) * scene->rho * scene->nu_low,
+                      pr->div));
   }
   if (ops->wall) PetscCall(VecAXPY(ops->wall_slope, 1.0, ops->wall_slope_step));
   if (scheme->filter > 0.0) {

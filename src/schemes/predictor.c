@@ -100,8 +100,8 @@ static PetscErrorCode AssembleForce(const Scene *scene, const Clock *clock, cons
 
   Collective. BDF2 with w = dt/dt_previous: k = dt (1+w)/(1+2w), start = ((1+w)^2 u^n - w^2 u^{n-1})/(1+2w).
 */
-PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, const Particles *p,
-                               Operators *ops, Scheme *scheme)
+PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, Particles *p, Operators *ops,
+                               Scheme *scheme)
 {
   Projection        *pr   = (Projection *)scheme->data;
   const TimeKindRow *kind = scheme->visc ? ViscosityTimeKind(scheme->visc) : NULL;

@@ -54,7 +54,7 @@ PetscErrorCode ProjectionBegin(const Scene *scene, const Clock *clock, Particles
 PetscErrorCode ProjectionDestroy(Scheme *scheme);
 
 PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *particles, Scheme *scheme);
-PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, const Particles *particles,
+PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, Particles *particles,
                                Operators *ops, Scheme *scheme);
 PetscErrorCode AddBodyForce(const Scene *scene, PetscReal t, const Particles *particles,
                             Vec force[], Scheme *scheme);

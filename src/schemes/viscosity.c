@@ -3,7 +3,8 @@
 
     du_c/dt = nu (A u_c + B u_wall,c) - (v.grad) u_c + force_c,
 
-  the same matrix and the same KSP for all. Where each term enters is the time kind's choice
+  the same matrix and the same KSP for all; one system for all components where a form couples them or the
+  viscosity follows their strain rate. Where each term enters is the time kind's choice
   (timekinds.c); v is the advecting velocity of particles that do not move, given for the whole
   step.
 */
@@ -35,6 +36,31 @@ static PetscErrorCode RefuseTimeOptions(const TimeKindRow *row)
 }
 
 /*
+  The nonlinear solver: SNES newtonls. With shift I - nu A at the present viscosities as Jacobian its steps are
+  Picard's iteration, which need not lessen every residual. Where nu goes as g^(n-1) its error changes by
+  1 - n in a steady flow, a part lambda of its steps by 1 - lambda n: lambda = 1/n for fluids that thicken. With
+  -visc_snes_mf_operator that matrix preconditions Newton's steps, and the line search guards those.
+*/
+static PetscErrorCode ViscosityChooseIteration(const Scene *scene, SNES snes)
+{
+  const PetscReal n = scene->rheology.number[RHEOLOGY_EXPONENT];
+  SNESLineSearch  search;
+  PetscBool       given;
+
+  PetscFunctionBegin;
+  PetscCall(OptionGiven("-visc_snes_atol", &given));
+  UserCheck(!given, "-visc_snes_atol: an absolute tolerance depends on units; use -visc_snes_rtol");
+  PetscCall(SNESSetType(snes, SNESNEWTONLS));
+  PetscCall(SNESSetTolerances(snes, 0.0, 1e-6, 0.0, 500, PETSC_MAX_INT));
+  PetscCall(SNESSetDivergenceTolerance(snes, -1.0)); /* none: at rest, viscosities may be far off */
+  PetscCall(SNESGetLineSearch(snes, &search));
+  PetscCall(OptionGiven("-visc_snes_mf_operator", &given));
+  PetscCall(SNESLineSearchSetType(search, given ? SNESLINESEARCHBT : SNESLINESEARCHBASIC));
+  if (!given) PetscCall(SNESLineSearchSetDamping(search, 1.0 / PetscMax(n, 1.0)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
   The linear solver: a preconditioner as strong as the step is stiff. nu dt/dx^2 below 2 is met by
   Jacobi, up to 200 by block Jacobi with ILU(0), beyond by AMG.
 */
@@ -42,21 +68,24 @@ static PetscErrorCode ViscosityCreateSolver(const Scene *scene, PetscReal dt, co
                                             Viscosity *v)
 {
   const PetscReal stiffness = scene->nu_high * dt / PetscSqr(scene->dx);
+  PetscBool       symmetric;
   SNES            snes;
   PC              pc;
 
   PetscFunctionBegin;
   PetscCall(TSGetSNES(v->ts[0], &snes));
   PetscCall(SNESGetKSP(snes, &v->ksp));
-  PetscCall(KSPSetType(v->ksp, LaplacianIs(&ops->visc_form, FORM_SYMMETRIC) ? KSPCG : KSPGMRES));
-  PetscCall(KSPSetTolerances(v->ksp, 1e-7, 0.0, PETSC_DEFAULT, 1000));
+  symmetric = LaplacianIs(&ops->visc_form, FORM_SYMMETRIC) && !v->nonlinear;
+  PetscCall(KSPSetType(v->ksp, symmetric ? KSPCG : KSPGMRES));
+  PetscCall(KSPSetTolerances(v->ksp, v->nonlinear ? 1e-3 : 1e-7, 0.0, PETSC_DEFAULT, 1000));
   PetscCall(KSPGetPC(v->ksp, &pc));
   PetscCall(PCSetType(pc, stiffness < 2.0 ? PCJACOBI : stiffness < 200.0 ? PCBJACOBI : PCHYPRE));
-  for (PetscInt c = 0; c < v->dim; c++) {
+  for (PetscInt c = 0; c < v->systems; c++) {
     PetscCall(TSGetSNES(v->ts[c], &snes));
     if (c) PetscCall(SNESSetKSP(snes, v->ksp));
     PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_MAX_INT)); /* the guard sees to those */
   }
+  if (v->nonlinear) PetscCall(ViscosityChooseIteration(scene, snes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -81,20 +110,23 @@ PetscErrorCode ViscosityCreate(const Scene *scene, PetscReal dt, const Operators
   PetscFunctionBegin;
   PetscCall(PetscNew(&v));
   v->dim          = scene->dim;
+  v->systems      = ops->together ? 1 : scene->dim;
+  v->nonlinear    = SceneIsNewtonian(scene) ? PETSC_FALSE : PETSC_TRUE;
   v->scene        = scene;
   v->guard.what   = "viscous";
   v->guard.prefix = "visc_";
+  v->guard.inner  = v->nonlinear;
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Viscosity", "");
   PetscCall(TableSelect(&TimeKindTable, "-visc_ts_type", "Time integrator of viscosity", TSBEULER,
                         &v->row));
   PetscOptionsEnd();
   PetscCall(RefuseTimeOptions(v->row));
-  for (PetscInt c = 0; c < v->dim; c++) {
+  for (PetscInt c = 0; c < v->systems; c++) {
     v->component[c].visc = v;
     v->component[c].c    = c;
     PetscCall(TSCreate(PETSC_COMM_WORLD, &v->ts[c]));
     PetscCall(TSSetOptionsPrefix(v->ts[c], "visc_"));
-    PetscCall(TSSetProblemType(v->ts[c], TS_LINEAR));
+    PetscCall(TSSetProblemType(v->ts[c], v->nonlinear ? TS_NONLINEAR : TS_LINEAR));
     PetscCall(TSSetType(v->ts[c], v->row->name));
     PetscCall(TSSetExactFinalTime(v->ts[c], TS_EXACTFINALTIME_STEPOVER));
     PetscCall(TSSetMaxSteps(v->ts[c], PETSC_MAX_INT - 1));
@@ -108,7 +140,7 @@ PetscErrorCode ViscosityCreate(const Scene *scene, PetscReal dt, const Operators
     }
   }
   if (v->row->kind != TIME_EXPLICIT) PetscCall(ViscosityCreateSolver(scene, dt, ops, v));
-  for (PetscInt c = 0; c < v->dim; c++) {
+  for (PetscInt c = 0; c < v->systems; c++) {
     TSAdapt adapt;
 
     PetscCall(TSGetAdapt(v->ts[c], &adapt));
@@ -123,8 +155,12 @@ PetscErrorCode ViscosityCreate(const Scene *scene, PetscReal dt, const Operators
 static PetscErrorCode ViscosityFree(Viscosity *v)
 {
   PetscFunctionBegin;
-  for (PetscInt c = 0; c < v->dim; c++) PetscCall(VecDestroy(&v->boundary[c]));
+  for (PetscInt c = 0; c < v->systems; c++) PetscCall(VecDestroy(&v->boundary[c]));
   PetscCall(VecDestroy(&v->gradient));
+  PetscCall(VecDestroy(&v->all));
+  PetscCall(VecDestroy(&v->all_force));
+  PetscCall(VecDestroy(&v->all_walls));
+  for (PetscInt c = 0; c < v->dim; c++) PetscCall(VecDestroy(&v->part[c]));
   PetscCall(MatDestroy(&v->J));
   v->assemblies = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -136,7 +172,7 @@ PetscErrorCode ViscosityDestroy(Viscosity **visc)
   if (!*visc) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ViscosityFree(*visc));
   PetscCall(GuardDetach(&(*visc)->guard));
-  for (PetscInt c = 0; c < (*visc)->dim; c++) PetscCall(TSDestroy(&(*visc)->ts[c]));
+  for (PetscInt c = 0; c < (*visc)->systems; c++) PetscCall(TSDestroy(&(*visc)->ts[c]));
   PetscCall(PetscFree(*visc));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -146,11 +182,17 @@ PetscErrorCode ViscosityRenumber(const Particles *p, Viscosity *v)
 {
   PetscFunctionBegin;
   PetscCall(ViscosityFree(v));
-  for (PetscInt c = 0; c < v->dim; c++) {
+  for (PetscInt c = 0; c < v->systems; c++) {
     PetscCall(TSReset(v->ts[c]));
-    PetscCall(FluidVec(p, NULL, &v->boundary[c]));
+    if (v->systems > 1) PetscCall(FluidVec(p, NULL, &v->boundary[c]));
   }
   PetscCall(FluidVec(p, NULL, &v->gradient));
+  if (v->systems > 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VelocityVec(p, &v->boundary[0]));
+  PetscCall(VelocityVec(p, &v->all));
+  PetscCall(VelocityVec(p, &v->all_force));
+  PetscCall(WallVelocityVec(p, &v->all_walls));
+  for (PetscInt c = 0; c < v->dim; c++) PetscCall(FluidVec(p, NULL, &v->part[c]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -162,8 +204,14 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
   if (!v->ksp || v->assemblies == v->ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(GuardRenewPC(v->ksp));
   PetscCall(MatDestroy(&v->J));
+  if (v->nonlinear) {
+    SNES snes;
+
+    PetscCall(TSGetSNES(v->ts[0], &snes)); /* -visc_snes_mf_operator is set up for the new one */
+    PetscCall(SNESReset(snes));
+  }
   PetscCall(MatDuplicate(v->ops->visc.A, MAT_DO_NOT_COPY_VALUES, &v->J));
-  for (PetscInt c = 0; c < v->dim; c++) {
+  for (PetscInt c = 0; c < v->systems; c++) {
     PetscCall(TSSetIJacobian(v->ts[c], v->J, v->J, ViscosityIJacobian, &v->component[c]));
   }
   v->shift      = NAN;
@@ -171,9 +219,52 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One component over [t, t + dt], in one TS step unless an adaptor of the user's takes several. */
-static PetscErrorCode ViscosityStepComponent(Viscosity *v, PetscInt c, PetscReal t, PetscReal dt,
-                                             Vec u, StepFailure *failure)
+/* What was asked of the residual, over the terms that it is made of: near a steady flow it starts small. */
+static PetscErrorCode ViscositySetTolerance(Viscosity *v, PetscReal t, Vec u)
+{
+  PetscReal rtol, scale;
+  PetscInt  its;
+  SNES      snes;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetSNES(v->ts[0], &snes));
+  PetscCall(SNESGetTolerances(snes, NULL, &rtol, NULL, &its, NULL));
+  PetscCall(ViscosityScale(v, t, u, v->all_force, &scale));
+  PetscCall(SNESSetTolerances(snes, rtol * scale, rtol, 0.0, its, PETSC_MAX_INT));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Tells the step where the nonlinear solver did not get there. */
+static PetscErrorCode ViscosityCheckIteration(Viscosity *v, StepFailure *failure)
+{
+  SNESConvergedReason reason;
+  PetscReal           norm, scale;
+  PetscBool           newton;
+  PetscInt            its;
+  SNES                snes;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetSNES(v->ts[0], &snes));
+  PetscCall(SNESGetConvergedReason(snes, &reason));
+  if (reason >= 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SNESGetFunctionNorm(snes, &norm));
+  PetscCall(SNESGetIterationNumber(snes, &its));
+  PetscCall(SNESGetTolerances(snes, &scale, NULL, NULL, NULL, NULL));
+  PetscCall(OptionGiven("-visc_snes_mf_operator", &newton));
+  FailureSet(
+      failure, PETSC_ERR_NOT_CONVERGED,
+      "%s: the viscosity and the velocity did not agree: %s after %" PetscInt_FMT
+      " iterations, residual %.1e times what is allowed; try a smaller -dt, %s "
+      "-visc_snes_mf_operator, or -rheology_viscosity_min and -rheology_viscosity_max closer "
+      "together",
+      v->guard.where, SNESConvergedReasons[reason], its, (double)(norm / scale),
+      newton ? "no" : "Newton's steps with");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One system over [t, t + dt], in one TS step unless an adaptor of the user's takes several. */
+static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t, PetscReal dt,
+                                          Vec u, StepFailure *failure)
 {
   const PetscReal   end        = t + dt;
   PetscReal         now        = t, next;
@@ -188,11 +279,13 @@ static PetscErrorCode ViscosityStepComponent(Viscosity *v, PetscInt c, PetscReal
   if (!v->row->multistep)
     PetscCall(TSRestartStep(ts)); /* stages of the last step are of another flow */
   PetscCall(TSGetKSPIterations(ts, &its_before));
+  if (v->nonlinear && v->ksp) PetscCall(ViscositySetTolerance(v, t, u));
   while (end - now > 1e-10 * dt && !failure->code) {
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_ITERATING));
     PetscCall(TSStep(ts));
     PetscCall(TSGetConvergedReason(ts, &reason));
     if (v->ksp) PetscCall(GuardCheck(v->ksp, &v->guard, failure));
+    if (v->ksp && v->nonlinear) PetscCall(ViscosityCheckIteration(v, failure));
     if (reason < 0) {
       FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
                  "%s: the viscous TS %s ended with %s; try a smaller time step", v->guard.where,
@@ -226,10 +319,9 @@ static PetscErrorCode ViscosityStepComponent(Viscosity *v, PetscInt c, PetscReal
   Output Parameter:
 . failure - set where a TS diverges, or no method reaches a small true residual
 */
-PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, const Particles *p,
-                              PetscReal dt, PetscReal slip, const Vec force[],
-                              const Vec advecting[], Operators *ops, Vec u[], Viscosity *v,
-                              StepFailure *failure)
+PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, Particles *p, PetscReal dt,
+                              PetscReal slip, const Vec force[], const Vec advecting[],
+                              Operators *ops, Vec u[], Viscosity *v, StepFailure *failure)
 {
   const PetscReal t_new = clock->t + clock->dt;
 
@@ -244,8 +336,14 @@ PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, const Part
   v->iterations = 0;
   PetscCall(ViscosityUpdateJacobian(v));
   PetscCall(ClockWhere(clock, v->guard.where));
-  for (PetscInt c = 0; c < v->dim && !failure->code; c++)
-    PetscCall(ViscosityStepComponent(v, c, t_new - dt, dt, u[c], failure));
+  for (PetscInt c = 0; c < v->dim && v->systems == 1; c++) {
+    PetscCall(VecStrideScatter(u[c], c, v->all, INSERT_VALUES));
+    PetscCall(VecStrideScatter(force[c], c, v->all_force, INSERT_VALUES));
+  }
+  for (PetscInt c = 0; c < v->systems && !failure->code; c++)
+    PetscCall(ViscosityStepSystem(v, c, t_new - dt, dt, v->systems == 1 ? v->all : u[c], failure));
+  for (PetscInt c = 0; c < v->dim && v->systems == 1; c++)
+    PetscCall(VecStrideGather(v->all, c, u[c], INSERT_VALUES));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -274,6 +372,22 @@ PetscErrorCode ViscosityNames(const Viscosity *v, const char **ts, const char **
   PetscCall(KSPGetType(v->ksp, ksp));
   PetscCall(KSPGetPC(v->ksp, &inner));
   PetscCall(PCGetType(inner, pc));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ViscosityIteration - Types of the nonlinear solver and its line search; NULL where there is none */
+PetscErrorCode ViscosityIteration(const Viscosity *v, const char **snes, const char **search)
+{
+  SNES           inner;
+  SNESLineSearch line;
+
+  PetscFunctionBegin;
+  *snes = *search = NULL;
+  if (!v->nonlinear || !v->ksp) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(TSGetSNES(v->ts[0], &inner));
+  PetscCall(SNESGetType(inner, snes));
+  PetscCall(SNESGetLineSearch(inner, &line));
+  PetscCall(SNESLineSearchGetType(line, search));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
