@@ -78,6 +78,7 @@ typedef struct {
 typedef struct {
   PetscInt   N, n, first; /* particles of all ranks, of this one, and the id of its first */
   PetscReal *x, *u;       /* dim values of each [m], [m/s]; u NULL: velocities are the case's */
+  PetscReal *nu;          /* viscosities [m^2/s]; NULL: those of the places */
 } FluidStart;
 
 PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscReal halo_width,

@@ -94,14 +94,14 @@ static PetscErrorCode RegisterOwnFields(const Scene *scene, WallPlacement walls,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Viscosities of fluid by where it is at the start. */
-static void SetViscosities(const Scene *scene, Particles *p)
+/* Viscosities of fluid: given, or by where it is at the start. */
+static void SetViscosities(const Scene *scene, const FluidStart *start, Particles *p)
 {
   for (PetscInt i = 0; p->nu && i < p->n_fluid; i++) {
     PetscReal x[ISPH_MAX_DIM];
 
     for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
-    p->nu[i] = SceneViscosity(scene, x);
+    p->nu[i] = start && start->nu ? start->nu[i] : SceneViscosity(scene, x);
   }
 }
 
@@ -152,7 +152,7 @@ PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscRea
   PetscCall(RegisterOwnFields(scene, walls, p));
 
   PetscCall(LatticeFill(scene, walls, start, p));
-  SetViscosities(scene, p);
+  SetViscosities(scene, start, p);
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
   *particles = p;
   PetscFunctionReturn(PETSC_SUCCESS);
