@@ -36,31 +36,6 @@ static PetscErrorCode RefuseTimeOptions(const TimeKindRow *row)
 }
 
 /*
-  The nonlinear solver: SNES newtonls. With shift I - nu A at the present viscosities as Jacobian its steps are
-  Picard's iteration, which need not lessen every residual. Where nu goes as g^(n-1) its error changes by
-  1 - n in a steady flow, a part lambda of its steps by 1 - lambda n: lambda = 1/n for fluids that thicken. With
-  -visc_snes_mf_operator that matrix preconditions Newton's steps, and the line search guards those.
-*/
-static PetscErrorCode ViscosityChooseIteration(const Scene *scene, SNES snes)
-{
-  const PetscReal n = scene->rheology.number[RHEOLOGY_EXPONENT];
-  SNESLineSearch  search;
-  PetscBool       given;
-
-  PetscFunctionBegin;
-  PetscCall(OptionGiven("-visc_snes_atol", &given));
-  UserCheck(!given, "-visc_snes_atol: an absolute tolerance depends on units; use -visc_snes_rtol");
-  PetscCall(SNESSetType(snes, SNESNEWTONLS));
-  PetscCall(SNESSetTolerances(snes, 0.0, 1e-6, 0.0, 500, PETSC_MAX_INT));
-  PetscCall(SNESSetDivergenceTolerance(snes, -1.0)); /* none: at rest, viscosities may be far off */
-  PetscCall(SNESGetLineSearch(snes, &search));
-  PetscCall(OptionGiven("-visc_snes_mf_operator", &given));
-  PetscCall(SNESLineSearchSetType(search, given ? SNESLINESEARCHBT : SNESLINESEARCHBASIC));
-  if (!given) PetscCall(SNESLineSearchSetDamping(search, 1.0 / PetscMax(n, 1.0)));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
   The linear solver: a preconditioner as strong as the step is stiff. nu dt/dx^2 below 2 is met by
   Jacobi, up to 200 by block Jacobi with ILU(0), beyond by AMG.
 */
@@ -85,7 +60,7 @@ static PetscErrorCode ViscosityCreateSolver(const Scene *scene, PetscReal dt, co
     if (c) PetscCall(SNESSetKSP(snes, v->ksp));
     PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_MAX_INT)); /* the guard sees to those */
   }
-  if (v->nonlinear) PetscCall(ViscosityChooseIteration(scene, snes));
+  if (v->nonlinear) PetscCall(IterationChoose(snes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -219,49 +194,6 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What was asked of the residual, over the terms that it is made of: near a steady flow it starts small. */
-static PetscErrorCode ViscositySetTolerance(Viscosity *v, PetscReal t, Vec u)
-{
-  PetscReal rtol, scale;
-  PetscInt  its;
-  SNES      snes;
-
-  PetscFunctionBegin;
-  PetscCall(TSGetSNES(v->ts[0], &snes));
-  PetscCall(SNESGetTolerances(snes, NULL, &rtol, NULL, &its, NULL));
-  PetscCall(ViscosityScale(v, t, u, v->all_force, &scale));
-  PetscCall(SNESSetTolerances(snes, rtol * scale, rtol, 0.0, its, PETSC_MAX_INT));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Tells the step where the nonlinear solver did not get there. */
-static PetscErrorCode ViscosityCheckIteration(Viscosity *v, StepFailure *failure)
-{
-  SNESConvergedReason reason;
-  PetscReal           norm, scale;
-  PetscBool           newton;
-  PetscInt            its;
-  SNES                snes;
-
-  PetscFunctionBegin;
-  PetscCall(TSGetSNES(v->ts[0], &snes));
-  PetscCall(SNESGetConvergedReason(snes, &reason));
-  if (reason >= 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SNESGetFunctionNorm(snes, &norm));
-  PetscCall(SNESGetIterationNumber(snes, &its));
-  PetscCall(SNESGetTolerances(snes, &scale, NULL, NULL, NULL, NULL));
-  PetscCall(OptionGiven("-visc_snes_mf_operator", &newton));
-  FailureSet(
-      failure, PETSC_ERR_NOT_CONVERGED,
-      "%s: the viscosity and the velocity did not agree: %s after %" PetscInt_FMT
-      " iterations, residual %.1e times what is allowed; try a smaller -dt, %s "
-      "-visc_snes_mf_operator, or -rheology_viscosity_min and -rheology_viscosity_max closer "
-      "together",
-      v->guard.where, SNESConvergedReasons[reason], its, (double)(norm / scale),
-      newton ? "no" : "Newton's steps with");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* One system over [t, t + dt], in one TS step unless an adaptor of the user's takes several. */
 static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t, PetscReal dt,
                                           Vec u, StepFailure *failure)
@@ -279,13 +211,13 @@ static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t,
   if (!v->row->multistep)
     PetscCall(TSRestartStep(ts)); /* stages of the last step are of another flow */
   PetscCall(TSGetKSPIterations(ts, &its_before));
-  if (v->nonlinear && v->ksp) PetscCall(ViscositySetTolerance(v, t, u));
+  if (v->nonlinear && v->ksp) PetscCall(IterationSetTolerance(v, t, u));
   while (end - now > 1e-10 * dt && !failure->code) {
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_ITERATING));
     PetscCall(TSStep(ts));
     PetscCall(TSGetConvergedReason(ts, &reason));
     if (v->ksp) PetscCall(GuardCheck(v->ksp, &v->guard, failure));
-    if (v->ksp && v->nonlinear) PetscCall(ViscosityCheckIteration(v, failure));
+    if (v->ksp && v->nonlinear) PetscCall(IterationCheck(v, failure));
     if (reason < 0) {
       FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
                  "%s: the viscous TS %s ended with %s; try a smaller time step", v->guard.where,
@@ -372,22 +304,6 @@ PetscErrorCode ViscosityNames(const Viscosity *v, const char **ts, const char **
   PetscCall(KSPGetType(v->ksp, ksp));
   PetscCall(KSPGetPC(v->ksp, &inner));
   PetscCall(PCGetType(inner, pc));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ViscosityIteration - Types of the nonlinear solver and its line search; NULL where there is none */
-PetscErrorCode ViscosityIteration(const Viscosity *v, const char **snes, const char **search)
-{
-  SNES           inner;
-  SNESLineSearch line;
-
-  PetscFunctionBegin;
-  *snes = *search = NULL;
-  if (!v->nonlinear || !v->ksp) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(TSGetSNES(v->ts[0], &inner));
-  PetscCall(SNESGetType(inner, snes));
-  PetscCall(SNESGetLineSearch(inner, &line));
-  PetscCall(SNESLineSearchGetType(line, search));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

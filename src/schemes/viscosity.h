@@ -1,4 +1,5 @@
-/* The viscous integrators: their state, and the callbacks in viscterms.c that a TS is given. */
+/* The viscous integrators: their state, and the callbacks in viscterms.c that a TS is given, the nonlinear solver
+ * in iteration.c. */
 #ifndef ISPH_SCHEMES_VISCOSITY_H
 #define ISPH_SCHEMES_VISCOSITY_H
 
@@ -34,6 +35,9 @@ struct Viscosity {
   const Vec   *force, *advecting;
 };
 
+PetscErrorCode IterationChoose(SNES snes);
+PetscErrorCode IterationSetTolerance(Viscosity *visc, PetscReal t, Vec u);
+PetscErrorCode IterationCheck(Viscosity *visc, StepFailure *failure);
 PetscErrorCode ViscosityScale(Viscosity *visc, PetscReal t, Vec u, Vec force, PetscReal *scale);
 PetscErrorCode ViscosityIFunction(TS ts, PetscReal t, Vec u, Vec udot, Vec f, void *ctx);
 PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal shift, Mat J,
