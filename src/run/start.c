@@ -110,8 +110,9 @@ static PetscErrorCode CheckPlaces(const Scene *scene, const char path[], const F
 - path  - of the file, empty where there is none
 
   Options Database Key:
-. -particles file.h5 - data set `position` [m], and if there are `velocity` [m/s], `viscosity` (where it varies)
-                       [m^2/s] and `type` (0: fluid, others are left out): a snapshot will do. The case's walls stay as they are.
+. -particles file.h5 - data set `position` [m], and if there are `velocity` [m/s], `viscosity` [m^2/s], read
+                       where it varies, and `type` (0: fluid, others are left out): a snapshot will do. The
+                       case's walls stay as they are.
 
   Errors: a file that cannot be read or has no fluid, and a particle outside the fluid, end the run
 */

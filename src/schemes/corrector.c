@@ -43,10 +43,10 @@ static PetscErrorCode VelocityCorrect(const Scene *scene, const Operators *ops, 
 }
 
 /*
-  p = [p^n] + phi [- c mu div u*], c of LaplacianDilatation(), mu the least there is: stable however it varies (with the local one a drop
-  of 1e5 times the viscosity blew up within 4 steps), right where it is uniform. Then p += S dx^2 lap p, which takes grid-scale modes that no
+  p = [p^n] + phi [- c mu div u*], then p += S dx^2 lap p, which takes grid-scale modes that no
   projection on one set of points sees and leaves smooth pressure to second order; its mean is the
-  gauge.
+  gauge. c is LaplacianDilatation(); mu the least there is: right where it is uniform, stable however
+  it varies. With the local one a drop of 1e5 times the viscosity about it blew up within 4 steps.
 */
 static PetscErrorCode PressureUpdate(const Scene *scene, const Particles *p, Operators *ops,
                                      const Scheme *scheme)

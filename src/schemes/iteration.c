@@ -47,15 +47,15 @@ PetscErrorCode IterationChoose(SNES snes)
 */
 PetscErrorCode IterationSetTolerance(Viscosity *v, PetscReal t, Vec u)
 {
-  PetscReal rtol, scale;
-  PetscInt  its;
+  PetscReal rtol, stol, scale;
+  PetscInt  its, evaluations;
   SNES      snes;
 
   PetscFunctionBegin;
   PetscCall(TSGetSNES(v->ts[0], &snes));
-  PetscCall(SNESGetTolerances(snes, NULL, &rtol, NULL, &its, NULL));
+  PetscCall(SNESGetTolerances(snes, NULL, &rtol, &stol, &its, &evaluations));
   PetscCall(ViscosityScale(v, t, u, v->all_force, &scale));
-  PetscCall(SNESSetTolerances(snes, rtol * scale, rtol, 0.0, its, PETSC_MAX_INT));
+  PetscCall(SNESSetTolerances(snes, rtol * scale, rtol, stol, its, evaluations));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
