@@ -181,9 +181,10 @@ static const LaplacianRow laplacians[] = {
      "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", QUADRATIC, 0, LaplacianRow_Mls3},
     {"lsph", "renormalised meshless Laplacian", "Basic, Degiuli & Ban, J. Comput. Phys. 354 (2018)",
      ADAPTED | FORM_FULL_SUPPORT, 0, LaplacianRow_Lsph},
-    {"stress_mls", "div of the stress 2 nu E + nu (div u) I by mls; viscosity only",
-     "Cleary & Monaghan, J. Comput. Phys. 148 (1999); Liu & Gu, Meshfree Methods (2005)",
-     QUADRATIC | FORM_COUPLES, 0, LaplacianRow_StressMls},
+    {"stress_mls",
+     "div of the stress 2 nu E + nu (div u) I, least squares along pairs; viscosity only",
+     "after Cleary & Monaghan, J. Comput. Phys. 148 (1999)",
+     QUADRATIC | FORM_COUPLES | FORM_FULL_SUPPORT, 0, LaplacianRow_StressMls},
 };
 
 /* What a Laplacian declares, and the corrections it can take. */
