@@ -72,6 +72,7 @@ static const CavityReference *FindReference(const Scene *scene, const Clock *clo
   const PetscReal unit =
       reynolds < 10.0 ? PetscSqr(scene->length) / scene->nu : scene->length / scene->speed;
 
+  if (!SceneIsNewtonian(scene)) return NULL;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(references); k++) {
     const CavityReference *r = &references[k];
 
@@ -90,9 +91,9 @@ static const CavityReference *FindReference(const Scene *scene, const Clock *clo
 */
 PetscErrorCode CavityJudge(const Flow *flow, Report *report)
 {
-  const CavityReference *r        = FindReference(flow->scene, flow->clock);
-  const PetscReal        reynolds = SceneReynolds(flow->scene);
-  PetscReal              energy;
+  const CavityReference *r = FindReference(flow->scene, flow->clock);
+  const PetscReal reynolds = SceneIsNewtonian(flow->scene) ? SceneReynolds(flow->scene) : NAN;
+  PetscReal       energy;
 
   PetscFunctionBegin;
   PetscCall(

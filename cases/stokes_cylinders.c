@@ -79,7 +79,7 @@ PetscErrorCode StokesCylindersJudge(const Flow *flow, Report *report)
 {
   const Scene    *scene = flow->scene;
   const PetscReal c = scene->solid_fraction, mu = scene->rho * scene->nu;
-  const PetscReal known  = TabulatedDrag(c);
+  const PetscReal known  = SceneIsNewtonian(scene) ? TabulatedDrag(c) : NAN;
   const PetscReal driven = scene->rho * scene->body[0] * PetscSqr(scene->length);
   PetscReal       mean = 0.0, F[ISPH_MAX_DIM] = {0.0}, T[ISPH_MAX_DIM] = {0.0};
 

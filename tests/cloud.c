@@ -168,6 +168,14 @@ const LaplacianRow *CloudLaplacian(PetscInt k)
   return (const LaplacianRow *)(const void *)TableGet(&LaplacianTable, k);
 }
 
+PetscInt CloudScalarForms(void)
+{
+  PetscInt n = 0;
+
+  while (n < LaplacianTable.count && !CloudHas(CloudLaplacian(n), FORM_COUPLES)) n++;
+  return n;
+}
+
 PetscBool CloudHas(const LaplacianRow *form, FormProperty property)
 {
   return (form->properties & (unsigned)property) ? PETSC_TRUE : PETSC_FALSE;

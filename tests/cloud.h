@@ -53,10 +53,11 @@ PetscErrorCode CloudMove(PetscReal length, PetscBool renumber, PetscReal margin_
 PetscErrorCode CloudOperators(const CloudBox *box, const char options[], Cloud *cloud);
 
 const LaplacianRow *CloudLaplacian(PetscInt k); /* row k of its table */
-PetscBool           CloudHas(const LaplacianRow *form, FormProperty property);
-CloudBox            CloudPeriodic(PetscInt dim, PetscReal jitter);
-void CloudCreateForm(const CloudBox *box, const char kernel[], const LaplacianRow *form,
-                     Cloud *cloud);
+PetscInt  CloudScalarForms(void); /* its rows that do not couple components; they come first */
+PetscBool CloudHas(const LaplacianRow *form, FormProperty property);
+CloudBox  CloudPeriodic(PetscInt dim, PetscReal jitter);
+void      CloudCreateForm(const CloudBox *box, const char kernel[], const LaplacianRow *form,
+                          Cloud *cloud);
 
 PetscInt  QuadraticCount(PetscInt dim);
 Quadratic QuadraticMonomial(PetscInt dim, PetscInt k);

@@ -88,7 +88,7 @@ static void test_roles(void **state)
 {
   (void)state;
   for (PetscInt dim = 2; dim <= 3; dim++) {
-    for (PetscInt m = 0; m < LaplacianTable.count; m++) {
+    for (PetscInt m = 0; m < CloudScalarForms(); m++) {
       const LaplacianRow *row = (const LaplacianRow *)(const void *)TableGet(&LaplacianTable, m);
       Stencil            *st  = Made(dim, 1.3, 3);
       PetscReal           value[MOST], slope[MOST], difference = 0.0;

@@ -91,7 +91,7 @@ static void CheckDeclared(const LaplacianRow *form, const char *where, const Clo
 /* On clouds as created, then on the same after moves, some of which renumber. */
 static void Declared(PetscInt dim)
 {
-  for (PetscInt k = 0; k < LaplacianTable.count; k++) {
+  for (PetscInt k = 0; k < CloudScalarForms(); k++) {
     const LaplacianRow *form = CloudLaplacian(k);
 
     for (PetscReal jitter = 0.0; jitter < 0.3; jitter += 0.25) {
@@ -167,7 +167,7 @@ static void test_safe_implicit(void **state)
   (void)state;
   MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
   if (ranks > 1) return;
-  for (PetscInt m = 0; m < LaplacianTable.count; m++) {
+  for (PetscInt m = 0; m < CloudScalarForms(); m++) {
     const LaplacianRow *form = CloudLaplacian(m);
 
     for (PetscInt dim = 2; dim <= 3; dim++) {

@@ -8,7 +8,7 @@
 #include "isph/io.h"
 
 static const Table *const tables[] = {
-    &CaseTable,     &KernelTable, &LaplacianTable,  &GradientTable, &WallTable,
+    &CaseTable,     &KernelTable, &LaplacianTable,  &GradientTable, &WallTable,  &RheologyTable,
     &TimeKindTable, &ShiftTable,  &ProjectionTable, &MotionTable,   &SchemeTable};
 
 /* What one option is read as, for the one function that reads them all. */

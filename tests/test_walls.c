@@ -235,7 +235,7 @@ static void CheckRefusal(const char *option, const TableRow *form, PetscBool ful
 static void test_refusals(void **state)
 {
   (void)state;
-  for (PetscInt k = 0; k < LaplacianTable.count; k++) {
+  for (PetscInt k = 0; k < CloudScalarForms(); k++) {
     CheckRefusal("-visc_laplacian", TableGet(&LaplacianTable, k),
                  WalledBlind(CloudLaplacian(k)->properties));
     if (!CloudHas(CloudLaplacian(k), FORM_SAFE_IMPLICIT)) continue;

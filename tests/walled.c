@@ -33,7 +33,7 @@ static PetscInt AllForms(WalledForms forms[], PetscInt most)
   const GradientRow  *some_gradient  = NULL;
   PetscInt            n              = 0;
 
-  for (PetscInt k = 0; k < LaplacianTable.count; k++)
+  for (PetscInt k = 0; k < CloudScalarForms(); k++)
     if (!WalledBlind(CloudLaplacian(k)->properties)) some_laplacian = CloudLaplacian(k);
   for (PetscInt k = 0; k < GradientTable.count; k++)
     if (!WalledBlind(WalledGradient(k)->properties)) some_gradient = WalledGradient(k);
@@ -41,7 +41,7 @@ static PetscInt AllForms(WalledForms forms[], PetscInt most)
     const WallRow *wall = WalledWall(w);
 
     if (wall->Extend) continue;
-    for (PetscInt k = 0; k < LaplacianTable.count; k++) {
+    for (PetscInt k = 0; k < CloudScalarForms(); k++) {
       if (!WalledMeets(wall, WalledBlind(CloudLaplacian(k)->properties)) ||
           !CloudHas(CloudLaplacian(k), FORM_SAFE_IMPLICIT))
         continue;

@@ -16,6 +16,7 @@ typedef struct {
   char               where[CLOCK_WHERE]; /* the step at hand, for messages */
   char               note[256];          /* what is unwise in the user's choice; empty: nothing */
   PetscBool          symmetric;          /* the matrix is */
+  PetscBool          inner;              /* a nonlinear solver looks at the residual that counts */
   PetscInt           patience;           /* falls in a row that are borne; -1: no ladder */
   KSP                rung[GUARD_RUNGS];  /* of the ladder; NULL until needed */
   PetscInt           falls, in_a_row;    /* solves that needed the ladder; since the last without */

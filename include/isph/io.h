@@ -19,6 +19,7 @@ struct Flow {
 /* Interpolates velocity (and pressure, unless p is NULL) at points. */
 PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal u[],
                            PetscReal p[]);
+PetscErrorCode ProbeViscosity(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal nu[]);
 
 /* Reference curves: two columns of a CSV file in the directory of reference data. */
 typedef struct {

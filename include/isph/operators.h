@@ -74,9 +74,11 @@ typedef enum {
   FORM_EXACT_LINEAR    = 1 << 2, /* on any arrangement of particles */
   FORM_EXACT_QUADRATIC = 1 << 3, /* on any arrangement of particles */
   FORM_FULL_SUPPORT    = 1 << 4, /* wants particles behind walls; cannot take wall roles */
-  FORM_SAFE_IMPLICIT   = 1 << 5  /* the eigenvalues of -L have positive real parts */
+  FORM_SAFE_IMPLICIT   = 1 << 5, /* the eigenvalues of -L have positive real parts */
+  FORM_VARYING         = 1 << 6, /* takes a viscosity that varies, by the means of pairs */
+  FORM_COUPLES         = 1 << 7  /* velocity components: a stress, no Laplacian of each */
 } FormProperty;
-#define FORM_PROPERTY_COUNT 6
+#define FORM_PROPERTY_COUNT 8
 extern const char *const FormPropertyNames[FORM_PROPERTY_COUNT]; /* bit order of FormProperty */
 
 /* Corrections of the kernel that a row reads; bits that a row lists as those it can take. */
@@ -90,7 +92,8 @@ extern const Table CorrectionTable;
 
 /*
   Laplacians: w[k] multiplies f_k - f_i of neighbour k, or in a fit with wall roles the given n.grad
-  f of wall neighbour k.
+  f of wall neighbour k. Of forms that couple components w[(k dim + a) dim + b] multiplies (u_k - u_i)_b
+  in component a.
 */
 typedef struct {
   const char *name, *brief, *citation;
@@ -107,6 +110,8 @@ typedef struct {
   PetscBool            extended;   /* walls' values follow from the fluid: no longer symmetric */
 } LaplacianForm;
 PetscBool      LaplacianIs(const LaplacianForm *form, FormProperty property);
+PetscInt       LaplacianWidth(const LaplacianForm *form, PetscInt dim);
+PetscReal      LaplacianDilatation(const LaplacianForm *form);
 PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *stencil, PetscReal w[]);
 
 /*
@@ -155,7 +160,8 @@ void      ConcentrationRow(const Scene *scene, const KernelRow *kernel, PetscRea
 /* One operator: its two matrices, their values in the shared pattern, and what it is scaled by. */
 typedef struct {
   PetscBool  needed;
-  Mat        A, B; /* fluid x fluid, fluid x wall (NULL without walls) */
+  PetscInt   width; /* values in each slot of the pattern: 1, dim^2 where components couple */
+  Mat        A, B;  /* fluid x fluid, fluid x wall (NULL without walls) */
   PetscReal *a, *b;
 } AffineOperator;
 
@@ -175,8 +181,10 @@ typedef struct {
   PetscReal          radius;       /* of the kernel's support [m] */
   PetscReal          reach;        /* how far from a particle assembly looks, for the halo [m] */
 
-  AffineOperator visc;                 /* lap u [m^-2]; wall data: u_wall,c */
-  AffineOperator ppe;                  /* -dx^2 lap p [-]; wall data: n.grad p */
+  AffineOperator visc;       /* lap u, or div(nu grad u)/scene->nu [m^-2]; wall data: u_wall,c */
+  PetscBool      visc_plain; /* it is lap u */
+  PetscBool      together;   /* it is on all components together, see together.c */
+  AffineOperator ppe;        /* -dx^2 lap p [-]; wall data: n.grad p */
   AffineOperator grad_p[ISPH_MAX_DIM]; /* dp/dx_a; wall data: n.grad p */
   AffineOperator grad_u[ISPH_MAX_DIM]; /* du_c/dx_a; wall data: u_wall,c */
   AffineOperator div[ISPH_MAX_DIM];    /* (D u)_i = sum_c div[c] u_c; wall data: u_wall,c */
@@ -190,9 +198,10 @@ typedef struct {
   Vec wall_slope;           /* n.grad p at own wall particles [Pa/m] */
   Vec wall_slope_step;      /* what n.grad p gains in this step [Pa/m] */
 
-  Stencil   *stencil;
-  Pattern    fluid, walls;
-  PetscInt  *slot;                    /* of each neighbour in its row of the pattern */
+  Stencil  *stencil;
+  Pattern   fluid, walls;
+  PetscInt *slot; /* of each neighbour in its row of the pattern */
+  PetscInt *near; /* where components go together: local index of the particle in a slot of fluid */
   PetscReal *w, *g[ISPH_MAX_DIM], *m; /* of one row */
   PetscInt   slot_capacity;
   PetscInt   epoch, moved; /* stamps of the particles the operators were assembled from */
@@ -210,6 +219,13 @@ PetscErrorCode OperatorsSetWallVelocity(const Scene *scene, const Particles *par
                                         PetscReal slip, Operators *ops);
 PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y);
 PetscErrorCode AffineApplyAdd(const AffineOperator *op, Vec f, Vec walls, Vec y);
+
+PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *particles,
+                                       Operators *ops);
+PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *particles, const Vec u[],
+                                     Operators *ops);
+PetscErrorCode VelocityVec(const Particles *particles, Vec *v);
+PetscErrorCode WallVelocityVec(const Particles *particles, Vec *v);
 
 PetscErrorCode PatternBegin(Pattern *pattern, PetscInt rows, PetscInt entries);
 void PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], PetscInt n, PetscInt slot[]);

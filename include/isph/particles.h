@@ -44,6 +44,7 @@ typedef struct {
   PetscReal *x[ISPH_MAX_DIM]; /* positions (field) [m]; ParticlesUpdateHalo refreshes the halo */
   PetscReal *u[ISPH_MAX_DIM]; /* velocities of own particles (field) [m/s] */
   PetscReal *p;               /* pressures of own fluid (field) [Pa]; NULL: no pressure */
+  PetscReal *nu; /* kinematic viscosities of fluid (field) [m^2/s]; NULL: uniform, scene->nu */
   PetscReal *x_epoch[ISPH_MAX_DIM]; /* own positions when the epoch started (field) [m] */
   PetscReal *normal[ISPH_MAX_DIM];  /* of wall particles, into the fluid (field); NULL: no walls */
   PetscReal *depth;                 /* of wall particles below the surface [m] (field) */
@@ -77,6 +78,7 @@ typedef struct {
 typedef struct {
   PetscInt   N, n, first; /* particles of all ranks, of this one, and the id of its first */
   PetscReal *x, *u;       /* dim values of each [m], [m/s]; u NULL: velocities are the case's */
+  PetscReal *nu;          /* viscosities [m^2/s]; NULL: those of the places */
 } FluidStart;
 
 PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscReal halo_width,

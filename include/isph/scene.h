@@ -33,6 +33,7 @@ typedef struct {
 #define SCENE_MAX_BODIES 16
 #define SCENE_MAX_PLANES (6 + SCENE_MAX_BODIES)
 #define BODY_NUMBERS     64
+#define SCENE_MAX_FLUIDS 8
 
 /* Solid bodies in the plane; with `around`, the fluid is inside and the wall around it. */
 typedef struct Body Body;
@@ -87,6 +88,31 @@ typedef struct {
 } MotionRow;
 extern const Table MotionTable;
 
+/* How viscosity follows the strain rate g = sqrt(2 E:E); numbers are over the density. */
+typedef enum {
+  RHEOLOGY_CONSISTENCY,    /* K [m^2 s^(n-2)] */
+  RHEOLOGY_EXPONENT,       /* n [-] */
+  RHEOLOGY_TIME,           /* lambda [s] */
+  RHEOLOGY_INFINITE,       /* nu_inf [m^2/s] */
+  RHEOLOGY_YIELD,          /* tau_0 [m^2/s^2] */
+  RHEOLOGY_REGULARISATION, /* m [s] */
+  RHEOLOGY_NUMBERS
+} RheologyNumber;
+typedef struct Rheology Rheology;
+typedef struct {
+  const char *name, *brief, *citation;
+  unsigned    takes, wants; /* bits of RheologyNumber; wanted ones have no default */
+  PetscReal (*Nu)(const Rheology *rheology, PetscReal rate); /* NULL: does not follow it [m^2/s] */
+  PetscReal (*Rate)(const Rheology *rheology, PetscReal stress); /* of the true fluid [1/s] */
+} RheologyRow;
+extern const Table RheologyTable;
+struct Rheology {
+  const RheologyRow *row; /* NULL: newtonian */
+  PetscReal          nu;  /* Scene.nu [m^2/s] */
+  PetscReal          number[RHEOLOGY_NUMBERS];
+  PetscReal          low, high; /* bounds of the viscosity [m^2/s] */
+};
+
 struct Scene {
   const CaseRow   *problem;
   const MotionRow *motion;  /* NULL: nothing is convected */
@@ -103,9 +129,10 @@ struct Scene {
   PetscReal        length;                 /* reference length L [m] */
   PetscReal        speed;                  /* reference speed U [m/s] */
   PetscReal        rho;                    /* density [kg/m^3] */
-  PetscReal        nu;                     /* kinematic viscosity [m^2/s] */
-  PetscReal        body[ISPH_MAX_DIM];     /* body force per unit mass [m/s^2] */
-  PetscBool        unsteady_walls;         /* wall velocities depend on time */
+  PetscReal        nu; /* kinematic viscosity; where it varies, that of Reynolds numbers [m^2/s] */
+  PetscReal        nu_low, nu_high;    /* its bounds over the fluid; nu where uniform [m^2/s] */
+  PetscReal        body[ISPH_MAX_DIM]; /* body force per unit mass [m/s^2] */
+  PetscBool        unsteady_walls;     /* wall velocities depend on time */
   ExpressionScope *scope;    /* of the expressions below; NULL: numbers are all there is */
   Expression       velocity; /* typed: at the start, of x, y [m/s] */
   Expression       exact;    /* typed: reference solution u, v[, p], of x, y, t [m/s], [Pa] */
@@ -114,6 +141,11 @@ struct Scene {
   PetscBool        bare;             /* no walls on the box's sides: a body encloses the fluid */
   Body             body_of[SCENE_MAX_BODIES];
   PetscInt         n_bodies;
+  Expression       nu_field; /* typed: viscosity where no fluid below is, of x, y [m^2/s] */
+  Body             region[SCENE_MAX_FLUIDS];    /* of fluids 1, 2, ..., later ones over earlier */
+  PetscReal        region_nu[SCENE_MAX_FLUIDS]; /* their viscosities [m^2/s] */
+  PetscInt         n_regions;
+  Rheology         rheology;
   PetscReal        jitter;         /* largest random displacement at the start [dx] */
   PetscInt         seed;           /* of the jitter and of random fields */
   PetscReal        solid_fraction; /* of an array of bodies [-] */
@@ -128,16 +160,22 @@ PetscErrorCode SceneDestroy(Scene **scene);
 PetscBool      SceneHas(const Scene *scene, Physics what);
 PetscReal      SceneReynolds(const Scene *scene);
 PetscReal      SceneVolume(const Scene *scene); /* dx^dim, the volume of every particle [m^dim] */
-void      SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
-                            PetscReal u[]);
-void      SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
-                                PetscReal a[]);
-void      SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal f[]);
-void      BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[]);
-void      BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2]);
-PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
-                       PetscReal normal[]);
-PetscInt  BodyPoints(const Body *body, PetscReal dx);
+void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                       PetscReal u[]);
+void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                           PetscReal a[]);
+PetscErrorCode SceneReadRheology(PetscOptionItems *items, Scene *scene);
+PetscBool      SceneIsNewtonian(const Scene *scene);
+PetscReal      RheologyViscosity(const Rheology *rheology, PetscReal rate);
+PetscBool      SceneViscosityVaries(const Scene *scene);
+PetscReal      SceneViscosity(const Scene *scene, const PetscReal x[]);
+PetscErrorCode SceneBoundViscosity(Scene *scene);
+void           SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal f[]);
+void           BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[]);
+void           BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2]);
+PetscReal      BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
+                            PetscReal normal[]);
+PetscInt       BodyPoints(const Body *body, PetscReal dx);
 PetscReal BodyPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], PetscReal normal[]);
 PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,
                         PetscReal normal[]);

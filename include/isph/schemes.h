@@ -83,13 +83,14 @@ PetscErrorCode           ViscosityCreate(const Scene *scene, PetscReal dt, const
 PetscErrorCode           ViscosityDestroy(Viscosity **visc);
 PetscErrorCode           ViscosityRenumber(const Particles *particles, Viscosity *visc);
 const TimeKindRow       *ViscosityTimeKind(const Viscosity *visc);
-PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, const Particles *particles,
+PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, Particles *particles,
                               PetscReal dt, PetscReal slip, const Vec force[],
                               const Vec advecting[], Operators *ops, Vec u[], Viscosity *visc,
                               StepFailure *failure);
 PetscReal      ViscosityResponse(const Viscosity *visc);
 PetscErrorCode ViscosityNames(const Viscosity *visc, const char **ts, const char **ksp,
                               const char **pc);
+PetscErrorCode ViscosityIteration(const Viscosity *visc, const char **snes, const char **search);
 Mat            ViscosityMatrix(const Viscosity *visc);
 PetscInt      *ViscosityFalls(Viscosity *visc);
 const char    *ViscosityNote(const Viscosity *visc);

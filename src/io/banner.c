@@ -37,6 +37,38 @@ static PetscErrorCode BannerCase(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* One chosen row; what it is where that fits the line; nothing where the run has none. */
+static PetscErrorCode BannerRow(const char label[], const void *row, PetscViewer viewer)
+{
+  const TableRow *r = row;
+  char            line[512];
+  size_t          length;
+
+  PetscFunctionBegin;
+  if (!r) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(line, sizeof(line), BANNER_LABEL "%s: %s%s%s%s", label, r->name, r->brief,
+                          r->citation[0] ? " [" : "", r->citation, r->citation[0] ? "]" : ""));
+  PetscCall(PetscStrlen(line, &length));
+  if (length > 100 && r->citation[0]) {
+    PetscCall(
+        PetscSNPrintf(line, sizeof(line), BANNER_LABEL "%s [%s]", label, r->name, r->citation));
+  }
+  PetscCall(PetscViewerASCIIPrintf(viewer, "%s\n", line));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Where the viscosity varies: by how much, and what pairs of particles make of it. */
+static PetscErrorCode BannerViscosity(const Scene *scene, PetscViewer viewer)
+{
+  PetscFunctionBegin;
+  if (!SceneViscosityVaries(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!SceneIsNewtonian(scene)) PetscCall(BannerRow("rheology", scene->rheology.row, viewer));
+  PetscCall(PetscViewerASCIIPrintf(
+      viewer, BANNER_LABEL "nu from %.4g to %.4g m^2/s, harmonic means of pairs; Re is of %.4g\n",
+      "varies", (double)scene->nu_low, (double)scene->nu_high, (double)scene->nu));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* What is computed, and what of the program is left out. */
 static PetscErrorCode BannerPhysics(const Scene *scene, PetscViewer viewer)
 {
@@ -128,26 +160,6 @@ static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One chosen row; what it is where that fits the line; nothing where the run has none. */
-static PetscErrorCode BannerRow(const char label[], const void *row, PetscViewer viewer)
-{
-  const TableRow *r = row;
-  char            line[512];
-  size_t          length;
-
-  PetscFunctionBegin;
-  if (!r) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(line, sizeof(line), BANNER_LABEL "%s: %s%s%s%s", label, r->name, r->brief,
-                          r->citation[0] ? " [" : "", r->citation, r->citation[0] ? "]" : ""));
-  PetscCall(PetscStrlen(line, &length));
-  if (length > 100 && r->citation[0]) {
-    PetscCall(
-        PetscSNPrintf(line, sizeof(line), BANNER_LABEL "%s [%s]", label, r->name, r->citation));
-  }
-  PetscCall(PetscViewerASCIIPrintf(viewer, "%s\n", line));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The forms of space, then those of time. */
 static PetscErrorCode BannerForms(const Flow *flow, PetscViewer viewer)
 {
@@ -198,12 +210,16 @@ static PetscErrorCode BannerNote(const char note[], PetscViewer viewer)
 static PetscErrorCode BannerSolvers(const Flow *flow, PetscViewer viewer)
 {
   const Scheme *scheme = flow->scheme;
-  const char   *ts = NULL, *ksp = NULL, *pc = NULL;
+  const char   *ts = NULL, *ksp = NULL, *pc = NULL, *snes = NULL, *search = NULL;
 
   PetscFunctionBegin;
   if (scheme->visc) {
     PetscCall(BannerRow("visc TS", ViscosityTimeKind(scheme->visc), viewer));
     PetscCall(ViscosityNames(scheme->visc, &ts, &ksp, &pc));
+    PetscCall(ViscosityIteration(scheme->visc, &snes, &search));
+    if (snes)
+      PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "SNES %s, line search %s\n",
+                                       "nonlinear", snes, search));
     PetscCall(BannerSolver("visc solver", ksp, pc, viewer));
     PetscCall(BannerNote(ViscosityNote(scheme->visc), viewer));
   }
@@ -232,6 +248,7 @@ PetscErrorCode BannerView(const Flow *flow, PetscViewer viewer)
 {
   PetscFunctionBegin;
   PetscCall(BannerCase(flow, viewer));
+  PetscCall(BannerViscosity(flow->scene, viewer));
   PetscCall(BannerPhysics(flow->scene, viewer));
   PetscCall(BannerTime(flow, viewer));
   PetscCall(BannerForms(flow, viewer));

@@ -8,10 +8,11 @@
 */
 PetscErrorCode CatalogueView(PetscViewer viewer)
 {
-  const Table *const tables[] = {&CaseTable,        &ShapeTable,    &SchemeTable, &ProjectionTable,
-                                 &MotionTable,      &ShiftTable,    &KernelTable, &LaplacianTable,
-                                 &CorrectionTable,  &GradientTable, &WallTable,   &TimeKindTable,
-                                 &CoupledTimeTable, &SchurTable,    &FieldTable};
+  const Table *const tables[] = {
+      &CaseTable,      &ShapeTable,       &SchemeTable,   &ProjectionTable,
+      &MotionTable,    &RheologyTable,    &ShiftTable,    &KernelTable,
+      &LaplacianTable, &CorrectionTable,  &GradientTable, &WallTable,
+      &TimeKindTable,  &CoupledTimeTable, &SchurTable,    &FieldTable};
 
   PetscFunctionBegin;
   PetscCall(PetscViewerASCIIPrintf(viewer, "isph %s: what can be chosen by name\n", ISPH_VERSION));

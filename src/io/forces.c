@@ -111,6 +111,30 @@ static void AddTorque(PetscInt dim, const PetscReal c[], const PetscReal x[], co
 }
 
 /*
+  Kinematic viscosity of the fluid at the points [m^2/s]: where it follows the strain rate, that of |dw/dn|, the
+  rate beside a wall without slip.
+*/
+static PetscErrorCode SurfaceViscosity(const Flow *flow, const Surface *s, const PetscReal slope[],
+                                       PetscReal nu[])
+{
+  const Scene *scene = flow->scene;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < s->n; k++) nu[k] = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu : 0.0;
+  if (SceneIsNewtonian(scene)) {
+    if (flow->particles->nu) PetscCall(ProbeViscosity(flow, s->n, s->x, nu));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt k = 0; k < s->n; k++) {
+    PetscReal square = 0.0;
+
+    for (PetscInt a = 0; a < scene->dim; a++) square += PetscSqr(slope[k * scene->dim + a]);
+    nu[k] = RheologyViscosity(&scene->rheology, PetscSqrtReal(square));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
   WallForce - Force and torque of the fluid on one wall: a side of the box or a body
 
   Collective. Output: F [N], T [N m] about a body's centre or the middle of the box; per metre of depth in
@@ -120,29 +144,30 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
 {
   const Scene    *scene = flow->scene;
   const PetscInt  dim   = scene->dim;
-  const PetscReal mu    = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->rho * scene->nu : 0.0,
-                  d     = scene->dx;
-  PetscReal *w[3], *p, centre[ISPH_MAX_DIM];
-  Surface    s;
+  const PetscReal d     = scene->dx;
+  PetscReal      *w[3], *p, *nu, centre[ISPH_MAX_DIM];
+  Surface         s;
 
   PetscFunctionBegin;
   TorqueCentre(scene, side, centre);
   PetscCall(SurfaceCreate(scene, side, &s));
-  PetscCall(PetscMalloc4(s.n * dim, &w[0], s.n * dim, &w[1], s.n * dim, &w[2], s.n, &p));
+  PetscCall(PetscMalloc5(s.n * dim, &w[0], s.n * dim, &w[1], s.n * dim, &w[2], s.n, &p, s.n, &nu));
   for (PetscInt k = 0; k < 3; k++) PetscCall(ProbeAbove(flow, side, &s, k * d, w[k], k ? NULL : p));
+  for (PetscInt q = 0; q < s.n * dim; q++) w[0][q] = (4.0 * w[1][q] - w[2][q]) / (2.0 * d);
+  PetscCall(SurfaceViscosity(flow, &s, w[0], nu));
   for (PetscInt k = 0; k < s.n; k++) {
     PetscReal f[ISPH_MAX_DIM] = {0.0};
 
     for (PetscInt a = 0; a < dim; a++) {
       const PetscInt q = k * dim + a;
 
-      f[a] = s.area[k] * mu * (4.0 * w[1][q] - w[2][q]) / (2.0 * d);
+      f[a] = s.area[k] * (scene->rho * nu[k]) * (4.0 * w[1][q] - w[2][q]) / (2.0 * d);
       if (!PetscIsNanReal(p[k])) f[a] -= s.area[k] * p[k] * s.normal[q];
       F[a] += f[a];
     }
     AddTorque(dim, centre, &s.x[k * dim], f, T);
   }
-  PetscCall(PetscFree4(w[0], w[1], w[2], p));
+  PetscCall(PetscFree5(w[0], w[1], w[2], p, nu));
   PetscCall(PetscFree3(s.x, s.normal, s.area));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -51,8 +51,8 @@ static PetscErrorCode VecById(const Particles *p, const PetscReal values[], Vec 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Global numbers of the particles in the order of their ids. */
-static PetscErrorCode NumbersById(const Particles *p, IS *order)
+/* Global numbers of the particles in the order of their ids, each standing for `size` rows. */
+static PetscErrorCode NumbersById(const Particles *p, PetscInt size, IS *order)
 {
   const PetscScalar *number;
   PetscInt          *indices;
@@ -65,7 +65,7 @@ static PetscErrorCode NumbersById(const Particles *p, IS *order)
   for (PetscInt k = 0; k < p->n_fluid; k++) indices[k] = (PetscInt)number[k];
   PetscCall(VecRestoreArrayRead(by_id, &number));
   PetscCall(VecDestroy(&by_id));
-  PetscCall(ISCreateGeneral(p->comm, p->n_fluid, indices, PETSC_OWN_POINTER, order));
+  PetscCall(ISCreateBlock(p->comm, size, p->n_fluid, indices, PETSC_OWN_POINTER, order));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -103,7 +103,8 @@ static PetscErrorCode WritePositions(const Particles *p, const char matrix[])
 /*
   MatrixFileWrite - Writes a matrix over the fluid as it is now, if it was asked for
 
-  Collective. Row and column k of what is written belong to the particle of id k, wherever and
+  Collective. Row and column k of what is written, or the dim from dim k on where components
+  go together, belong to the particle of id k, wherever and
   whatever its number; <file>.particles.csv has the ids and positions [m].
 
   Input Parameter:
@@ -113,12 +114,14 @@ PetscErrorCode MatrixFileWrite(const Particles *p, Mat A, MatrixFile *file)
 {
   const char *path = NULL;
   PetscBool   binary, ascii;
+  PetscInt    size;
   IS          order;
   Mat         by_id;
 
   PetscFunctionBegin;
   if (!file->viewer || !A) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(NumbersById(p, &order));
+  PetscCall(MatGetBlockSize(A, &size));
+  PetscCall(NumbersById(p, size, &order));
   PetscCall(MatCreateSubMatrix(A, order, order, MAT_INITIAL_MATRIX, &by_id));
   PetscCall(PetscViewerPushFormat(file->viewer, file->format));
   PetscCall(MatView(by_id, file->viewer));

@@ -277,3 +277,49 @@ PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], Pe
   PetscCall(ProbeEnd(&probe));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* Viscosity of the fluid particle nearest to x that this rank knows of. */
+static PetscErrorCode NearestViscosity(Probe *probe, const PetscReal x[], PetscReal *nu)
+{
+  const Particles *p    = probe->flow->particles;
+  PetscReal        best = PETSC_INFINITY;
+  PetscInt         n;
+
+  PetscFunctionBegin;
+  *nu = 0.0;
+  PetscCall(ProbeFind(probe, x, probe->flow->ops->radius, PETSC_FALSE, &n));
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscInt j  = probe->list[k];
+    PetscReal      r2 = 0.0;
+
+    for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(p->x[a][j] - x[a]);
+    if (r2 >= best) continue;
+    best = r2;
+    *nu  = p->nu[j];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ProbeViscosity - Kinematic viscosity of the fluid nearest to points, where it varies: no mean of two fluids
+
+  Collective. Input as ProbePoints() has it. Output: nu - on all ranks [m^2/s].
+*/
+PetscErrorCode ProbeViscosity(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal nu[])
+{
+  const Particles *p = flow->particles;
+  Probe            probe;
+
+  PetscFunctionBegin;
+  PetscCall(ProbeBegin(flow, PETSC_FALSE, &probe));
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal place[ISPH_MAX_DIM];
+
+    nu[k] = 0.0;
+    for (PetscInt a = 0; a < p->dim; a++) place[a] = x[k * p->dim + a];
+    if (ProbeOwns(flow, place)) PetscCall(NearestViscosity(&probe, place, &nu[k]));
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, nu, (PetscMPIInt)n, MPIU_REAL, MPIU_SUM, p->comm));
+  PetscCall(ProbeEnd(&probe));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -150,6 +150,11 @@ static PetscErrorCode SnapshotFields(const Flow *flow, Hdf5File *file)
     for (PetscInt i = 0; i < own; i++) rows[i] = i < p->n_fluid ? (double)p->p[i] : 0.0;
     PetscCall(Hdf5WriteRows(file, "pressure", 0, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, rows, "Pa"));
   }
+  if (p->nu) {
+    for (PetscInt i = 0; i < own; i++) rows[i] = i < p->n_fluid ? (double)p->nu[i] : 0.0;
+    PetscCall(
+        Hdf5WriteRows(file, "viscosity", 0, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, rows, "m^2/s"));
+  }
   for (PetscInt i = 0; i < own; i++) {
     type[i] = ParticlesIsWall(p, i) ? 1 : 0;
     id[i]   = p->id[i];
@@ -164,7 +169,7 @@ static PetscErrorCode SnapshotFields(const Flow *flow, Hdf5File *file)
 static size_t SnapshotBytes(const Flow *flow)
 {
   const size_t N   = (size_t)(flow->particles->N_fluid + flow->particles->N_wall);
-  const size_t row = 8 * (2 * (size_t)flow->particles->dim + 1) + 4 + 8;
+  const size_t row = 8 * (2 * (size_t)flow->particles->dim + 2) + 4 + 8;
 
   return N * row + (size_t)131072;
 }
@@ -200,8 +205,7 @@ static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
   s->n++;
   s->step = flow->clock->step;
   if (rank == 0) {
-    PetscCall(XdmfWrite(s->base, flow->scene->dim, SceneHas(flow->scene, PHYSICS_PRESSURE), s->n,
-                        s->done, &good));
+    PetscCall(XdmfWrite(s->base, flow->particles, s->n, s->done, &good));
   }
   PetscCall(PetscSNPrintf(path, sizeof(path), "%s.xdmf", s->base));
   PetscCall(SnapshotsVerdict(s, path, good));

@@ -28,8 +28,7 @@ static void XdmfAttribute(FILE *f, const char file[], const char set[], const ch
 }
 
 /* The grid of one snapshot; file names are relative to the index. */
-static void XdmfGrid(FILE *f, const char name[], PetscInt dim, PetscBool pressure,
-                     const Snapshot *snapshot)
+static void XdmfGrid(FILE *f, const char name[], const Particles *p, const Snapshot *snapshot)
 {
   const PetscInt N = snapshot->N;
   char           file[PETSC_MAX_PATH_LEN];
@@ -41,11 +40,12 @@ static void XdmfGrid(FILE *f, const char name[], PetscInt dim, PetscBool pressur
   fprintf(f, "NumberOfElements=\"%" PetscInt_FMT "\">\n", N);
   XdmfItem(f, "          ", file, "id", XDMF_INT64, N, 0);
   fprintf(f, "        </Topology>\n");
-  fprintf(f, "        <Geometry GeometryType=\"%s\">\n", dim == 2 ? "XY" : "XYZ");
-  XdmfItem(f, "          ", file, "position", XDMF_DOUBLE, N, dim);
+  fprintf(f, "        <Geometry GeometryType=\"%s\">\n", p->dim == 2 ? "XY" : "XYZ");
+  XdmfItem(f, "          ", file, "position", XDMF_DOUBLE, N, p->dim);
   fprintf(f, "        </Geometry>\n");
-  XdmfAttribute(f, file, "velocity", "Vector", XDMF_DOUBLE, N, dim);
-  if (pressure) XdmfAttribute(f, file, "pressure", "Scalar", XDMF_DOUBLE, N, 0);
+  XdmfAttribute(f, file, "velocity", "Vector", XDMF_DOUBLE, N, p->dim);
+  if (p->p) XdmfAttribute(f, file, "pressure", "Scalar", XDMF_DOUBLE, N, 0);
+  if (p->nu) XdmfAttribute(f, file, "viscosity", "Scalar", XDMF_DOUBLE, N, 0);
   XdmfAttribute(f, file, "type", "Scalar", XDMF_INT32, N, 0);
   XdmfAttribute(f, file, "id", "Scalar", XDMF_INT64, N, 0);
   fprintf(f, "      </Grid>\n");
@@ -58,15 +58,14 @@ static void XdmfGrid(FILE *f, const char name[], PetscInt dim, PetscBool pressur
 
   Input Parameters:
 + base      - path of the snapshots without _0000.h5
-. dim       - 2 or 3
-. pressure  - whether the snapshots hold pressures
+. p         - the particles, whose fields the snapshots hold
 . n         - how many
 - snapshots - those complete on disk
 
   Output Parameter:
 . good - whether the file could be written
 */
-PetscErrorCode XdmfWrite(const char base[], PetscInt dim, PetscBool pressure, PetscInt n,
+PetscErrorCode XdmfWrite(const char base[], const Particles *p, PetscInt n,
                          const Snapshot snapshots[], PetscBool *good)
 {
   char  path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN];
@@ -83,7 +82,7 @@ PetscErrorCode XdmfWrite(const char base[], PetscInt dim, PetscBool pressure, Pe
   if (!f) PetscFunctionReturn(PETSC_SUCCESS);
   fprintf(f, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n");
   fprintf(f, "    <Grid Name=\"%s\" GridType=\"Collection\" CollectionType=\"Temporal\">\n", name);
-  for (PetscInt k = 0; k < n; k++) XdmfGrid(f, name, dim, pressure, &snapshots[k]);
+  for (PetscInt k = 0; k < n; k++) XdmfGrid(f, name, p, &snapshots[k]);
   fprintf(f, "    </Grid>\n  </Domain>\n</Xdmf>\n");
   status = ferror(f);
   if (fclose(f) || status || rename(part, path)) PetscFunctionReturn(PETSC_SUCCESS);

@@ -11,7 +11,7 @@ typedef struct {
   PetscInt  N;      /* particles in it */
 } Snapshot;
 
-PetscErrorCode XdmfWrite(const char base[], PetscInt dim, PetscBool pressure, PetscInt n,
+PetscErrorCode XdmfWrite(const char base[], const Particles *particles, PetscInt n,
                          const Snapshot snapshots[], PetscBool *good);
 
 #endif

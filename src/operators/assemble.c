@@ -92,14 +92,16 @@ static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, Pets
 }
 
 /* All operators' rows of one particle; the order keeps fits alive from one to the next. */
-static PetscErrorCode AssembleRow(const Scene *scene, Stencil *st, PetscInt diagonal,
-                                  Operators *ops)
+static PetscErrorCode AssembleRow(const Scene *scene, const Particles *p, Stencil *st,
+                                  PetscInt diagonal, Operators *ops)
 {
   PetscFunctionBegin;
   StencilSetRole(st, ROLE_VALUE);
   if (ops->visc.needed) {
     PetscCall(LaplacianWeights(&ops->visc_form, st, ops->w));
-    CloseRow_Value(st, ops, diagonal, ops->w, &ops->visc);
+    if (p->nu && !ops->together) WeighByViscosity(scene, p, st, ops->w);
+    if (ops->together) KeepRow(st, diagonal, ops->w, ops);
+    else CloseRow_Value(st, ops, diagonal, ops->w, &ops->visc);
   }
   if (ops->grad_u[0].needed) {
     PetscCall(ops->gradient->Row(st, ops->g));
@@ -153,17 +155,22 @@ static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, cons
   for (PetscInt k = 0; k < count; k++) {
     if (grown) PetscCall(PetscFree2(needed[k]->a, needed[k]->b));
     if (grown) {
-      PetscCall(PetscMalloc2(ops->fluid.capacity, &needed[k]->a,
-                             ops->wall ? ops->walls.capacity : 0, &needed[k]->b));
+      PetscCall(PetscMalloc2(ops->fluid.capacity * needed[k]->width, &needed[k]->a,
+                             ops->wall ? ops->walls.capacity * needed[k]->width : 0,
+                             &needed[k]->b));
     }
+  }
+  if (grown && ops->together) {
+    PetscCall(PetscFree(ops->near));
+    PetscCall(PetscMalloc1(ops->fluid.capacity, &ops->near));
   }
   for (PetscInt i = 0; i < p->n_fluid; i++)
     longest = PetscMax(longest, nb->row[i + 1] - nb->row[i] + 1);
   if (longest > ops->slot_capacity) {
     ops->slot_capacity = 2 * longest;
     PetscCall(PetscFree3(ops->slot, ops->w, ops->m));
-    PetscCall(PetscMalloc3(3 * ops->slot_capacity, &ops->slot, ops->slot_capacity, &ops->w,
-                           ops->slot_capacity, &ops->m));
+    PetscCall(PetscMalloc3(3 * ops->slot_capacity, &ops->slot, ops->slot_capacity * ops->visc.width,
+                           &ops->w, ops->slot_capacity, &ops->m));
     for (PetscInt a = 0; a < scene->dim; a++) {
       PetscCall(PetscFree(ops->g[a]));
       PetscCall(PetscMalloc1(ops->slot_capacity, &ops->g[a]));
@@ -241,19 +248,25 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
     PetscCall(GatherStencil(scene, p, nb, ops, i, st));
     PlaceRow(p, st, ops, &diagonal);
     for (PetscInt k = 0; k < count; k++) {
-      for (PetscInt s = ops->fluid.row[i]; s < ops->fluid.row[i + 1]; s++) needed[k]->a[s] = 0.0;
+      const PetscInt width = needed[k]->width;
+
+      for (PetscInt s = ops->fluid.row[i] * width; s < ops->fluid.row[i + 1] * width; s++)
+        needed[k]->a[s] = 0.0;
       if (!ops->wall) continue;
-      for (PetscInt s = ops->walls.row[i]; s < ops->walls.row[i + 1]; s++) needed[k]->b[s] = 0.0;
+      for (PetscInt s = ops->walls.row[i] * width; s < ops->walls.row[i + 1] * width; s++)
+        needed[k]->b[s] = 0.0;
     }
-    PetscCall(AssembleRow(scene, st, diagonal, ops));
+    PetscCall(AssembleRow(scene, p, st, diagonal, ops));
     if (ops->need_concentration) AssembleConcentration(scene, p, st, i, ops);
   }
   for (PetscInt k = 0; k < count; k++) {
+    if (ops->together && needed[k] == &ops->visc) continue;
     PetscCall(
         PatternMat(p->comm, &ops->fluid, p->n_fluid, p->n_fluid, needed[k]->a, &needed[k]->A));
     if (!ops->wall) continue;
     PetscCall(PatternMat(p->comm, &ops->walls, p->n_fluid, p->n_wall, needed[k]->b, &needed[k]->B));
   }
+  if (ops->together) PetscCall(AssembleTogether(scene, p, ops));
   if (ops->wall && ops->wall->Extend) PetscCall(ExtendWalls(scene, p, nb, ops));
   ops->weak_rows = st->weak;
   ops->epoch     = p->epoch;

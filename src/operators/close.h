@@ -4,8 +4,12 @@
 
 #include "isph/operators.h"
 
-void           CloseRow_Value(const Stencil *stencil, const Operators *ops, PetscInt diagonal,
-                              const PetscReal w[], AffineOperator *op);
+void WeighByViscosity(const Scene *scene, const Particles *particles, const Stencil *stencil,
+                      PetscReal w[]);
+void CloseRow_Value(const Stencil *stencil, const Operators *ops, PetscInt diagonal,
+                    const PetscReal w[], AffineOperator *op);
+void KeepRow(const Stencil *stencil, PetscInt diagonal, const PetscReal w[], Operators *ops);
+PetscErrorCode AssembleTogether(const Scene *scene, const Particles *particles, Operators *ops);
 PetscErrorCode CloseRows_Pressure(const Scene *scene, Stencil *stencil, PetscInt diagonal,
                                   Operators *ops);
 PetscErrorCode CloseRows_OneSided(const Scene *scene, Stencil *stencil, PetscInt diagonal,

@@ -4,9 +4,9 @@
 */
 #include "rows.h"
 
-const char *const FormPropertyNames[FORM_PROPERTY_COUNT] = {"null_constants", "symmetric",
-                                                            "exact_linear",   "exact_quadratic",
-                                                            "full_support",   "safe_implicit"};
+const char *const FormPropertyNames[FORM_PROPERTY_COUNT] = {
+    "null_constants", "symmetric",     "exact_linear",      "exact_quadratic",
+    "full_support",   "safe_implicit", "varying_viscosity", "couples_components"};
 
 /* FormDescribe - The names of properties, "null_constants, symmetric"; not collective */
 PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length)
@@ -32,6 +32,23 @@ PetscBool LaplacianIs(const LaplacianForm *form, FormProperty property)
 
   if (form->correction || form->extended) properties &= ~(unsigned)FORM_SYMMETRIC;
   return (properties & (unsigned)property) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* LaplacianWidth - Weights that a row has for each neighbour: dim^2 where components couple */
+PetscInt LaplacianWidth(const LaplacianForm *form, PetscInt dim)
+{
+  return form->row && LaplacianIs(form, FORM_COUPLES) ? dim * dim : 1;
+}
+
+/*
+  LaplacianDilatation - c of the form's lap u + (c - 1) grad div u: c nu div u* is what the gradient that makes u*
+  solenoidal takes from its viscous term, and the pressure has to make up for
+
+  Not collective.
+*/
+PetscReal LaplacianDilatation(const LaplacianForm *form)
+{
+  return LaplacianIs(form, FORM_COUPLES) ? 3.0 : 1.0;
 }
 
 /*

@@ -152,24 +152,23 @@ static PetscErrorCode LaplacianRow_Lsph(Stencil *st, PetscReal w[])
 }
 
 #define PAIRWISE  (FORM_NULL_CONSTANTS | FORM_FULL_SUPPORT)
-#define ADAPTED   (FORM_NULL_CONSTANTS | FORM_EXACT_LINEAR | FORM_SAFE_IMPLICIT)
+#define DIFFUSIVE (FORM_SAFE_IMPLICIT | FORM_VARYING)
+#define ADAPTED   (FORM_NULL_CONSTANTS | FORM_EXACT_LINEAR | DIFFUSIVE)
 #define QUADRATIC (ADAPTED | FORM_EXACT_QUADRATIC)
 
 static const LaplacianRow laplacians[] = {
     /* name, brief, citation, properties, corrections it can take, row */
     {"morris", "finite difference times kernel gradient (VISC-01, model E)",
-     "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)",
-     PAIRWISE | FORM_SYMMETRIC | FORM_SAFE_IMPLICIT, CORRECTION_SHEPARD | CORRECTION_FIRST_ORDER,
-     LaplacianRow_Morris},
+     "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)", PAIRWISE | FORM_SYMMETRIC | DIFFUSIVE,
+     CORRECTION_SHEPARD | CORRECTION_FIRST_ORDER, LaplacianRow_Morris},
     {"gotoh", "from the kernel's Hessian along the pair (VISC-02)",
      "Gotoh et al., Appl. Ocean Res. 46 (2014); Zheng, Ma & Shao, Water 10 (2018)",
-     PAIRWISE | FORM_SYMMETRIC | FORM_SAFE_IMPLICIT, CORRECTION_SHEPARD, LaplacianRow_Gotoh},
+     PAIRWISE | FORM_SYMMETRIC | DIFFUSIVE, CORRECTION_SHEPARD, LaplacianRow_Gotoh},
     {"schwaiger", "morris freed from the error of linear fields (VISC-03)",
      "Schwaiger, Int. J. Numer. Meth. Eng. 75 (2008)", ADAPTED | FORM_FULL_SUPPORT, 0,
      LaplacianRow_Schwaiger},
     {"corrected", "morris with -correction first_order, by its own name (VISC-04)",
-     "Oger et al., J. Comput. Phys. 225 (2007)", PAIRWISE | FORM_SAFE_IMPLICIT, 0,
-     LaplacianRow_Corrected},
+     "Oger et al., J. Comput. Phys. 225 (2007)", PAIRWISE | DIFFUSIVE, 0, LaplacianRow_Corrected},
     {"direct_scalar", "Laplacian of the kernel; anti-diffusive, for comparison",
      "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", PAIRWISE | FORM_SYMMETRIC,
      CORRECTION_SHEPARD, LaplacianRow_DirectScalar},
@@ -182,6 +181,10 @@ static const LaplacianRow laplacians[] = {
      "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", QUADRATIC, 0, LaplacianRow_Mls3},
     {"lsph", "renormalised meshless Laplacian", "Basic, Degiuli & Ban, J. Comput. Phys. 354 (2018)",
      ADAPTED | FORM_FULL_SUPPORT, 0, LaplacianRow_Lsph},
+    {"stress_mls",
+     "div of the stress 2 nu E + nu (div u) I, least squares along pairs; viscosity only",
+     "after Cleary & Monaghan, J. Comput. Phys. 148 (1999)",
+     QUADRATIC | FORM_COUPLES | FORM_FULL_SUPPORT, 0, LaplacianRow_StressMls},
 };
 
 /* What a Laplacian declares, and the corrections it can take. */

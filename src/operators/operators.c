@@ -27,6 +27,10 @@ static PetscErrorCode OperatorsChooseLaplacians(PetscOptionItems *PetscOptionsOb
   if (SceneHas(scene, PHYSICS_VISCOSITY)) {
     PetscCall(OperatorsChooseLaplacian(PetscOptionsObject, "-visc_laplacian",
                                        "Form of the viscous term", correction, &ops->visc_form));
+    UserCheck(!SceneViscosityVaries(scene) || LaplacianIs(&ops->visc_form, FORM_VARYING),
+              "-visc_laplacian %s: it cannot take a viscosity that varies; use a form that has "
+              "varying_viscosity in -catalogue, such as mls or schwaiger",
+              ops->visc_form.row->name);
   }
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
     PetscCall(OperatorsChooseLaplacian(PetscOptionsObject, "-ppe_laplacian",
@@ -36,6 +40,10 @@ static PetscErrorCode OperatorsChooseLaplacians(PetscOptionItems *PetscOptionsOb
               "-ppe_laplacian %s: its matrix has eigenvalues of both signs, so no pressure can be "
               "solved for; use a form that is safe_implicit in -catalogue, such as mls or morris",
               ops->ppe_form.row->name);
+    UserCheck(
+        !LaplacianIs(&ops->ppe_form, FORM_COUPLES),
+        "-ppe_laplacian %s: it is made for the components of a velocity; use mls in its place",
+        ops->ppe_form.row->name);
   }
   UserCheck(!correction->Kernel || ops->visc_form.correction || ops->ppe_form.correction,
             "-correction %s: no chosen Laplacian can take it; -catalogue lists those that do",
@@ -98,9 +106,30 @@ static PetscReal DefaultSmoothing(const Scene *scene)
   const PetscBool moving =
       scene->motion && scene->motion->particles_move && SceneHas(scene, PHYSICS_WALLS);
   const PetscBool smooth =
-      SceneHas(scene, PHYSICS_VISCOSITY) && scene->speed * scene->dx <= 5.0 * scene->nu;
+      SceneHas(scene, PHYSICS_VISCOSITY) && scene->speed * scene->dx <= 5.0 * scene->nu_low;
 
   return moving && smooth ? 1.5 : 1.3;
+}
+
+/* Whether velocity components go together, and what that excludes. */
+static PetscErrorCode OperatorsJoinComponents(const Scene *scene, Operators *ops)
+{
+  const PetscBool couple = ops->visc_form.row && LaplacianIs(&ops->visc_form, FORM_COUPLES);
+
+  PetscFunctionBegin;
+  ops->ppe.width  = 1;
+  ops->visc.width = LaplacianWidth(&ops->visc_form, scene->dim);
+  ops->visc_plain = !couple && !SceneViscosityVaries(scene) ? PETSC_TRUE : PETSC_FALSE;
+  ops->together   = couple || !SceneIsNewtonian(scene) ? PETSC_TRUE : PETSC_FALSE;
+  UserCheck(
+      !couple || !scene->problem->patch,
+      "-visc_laplacian %s: a patch test is of scalars; use a form that does not couple components",
+      ops->visc_form.row->name);
+  UserCheck(
+      !ops->together || !ops->wall || !ops->wall->Extend,
+      "-wall %s: with %s walls must give their own velocity; use -wall wall_layer or dummy_linear",
+      ops->wall->name, couple ? ops->visc_form.row->name : "-rheology");
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
@@ -134,7 +163,8 @@ PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
   PetscCall(OptionReal("-h_over_dx", "Smoothing length over particle spacing [-]", 0.8, 4.0,
                        &h_over_dx, NULL));
   PetscCall(OperatorsChooseLaplacians(PetscOptionsObject, scene, ops));
-  if (SceneHas(scene, PHYSICS_PRESSURE) || SceneHas(scene, PHYSICS_CONVECTION)) {
+  if (SceneHas(scene, PHYSICS_PRESSURE) || SceneHas(scene, PHYSICS_CONVECTION) ||
+      !SceneIsNewtonian(scene)) {
     PetscCall(TableSelect(&GradientTable, "-gradient", "Form of gradients and divergences", "mls",
                           &ops->gradient));
   }
@@ -152,8 +182,10 @@ PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
   ops->ppe.needed  = SceneHas(scene, PHYSICS_PRESSURE);
   for (PetscInt a = 0; a < scene->dim; a++) {
     ops->grad_p[a].needed = ops->div[a].needed = SceneHas(scene, PHYSICS_PRESSURE);
-    ops->grad_u[a].needed                      = SceneHas(scene, PHYSICS_CONVECTION);
+    ops->grad_u[a].needed = SceneHas(scene, PHYSICS_CONVECTION) || !SceneIsNewtonian(scene);
+    ops->grad_p[a].width = ops->grad_u[a].width = ops->div[a].width = 1;
   }
+  PetscCall(OperatorsJoinComponents(scene, ops));
   PetscCall(StencilCreate(scene->dim, ops->radius, 0.5 * ops->radius, &ops->stencil));
   ops->stencil->fits_walls = ops->wall ? ops->wall->on_surface : PETSC_FALSE;
   KernelEvaluate(ops->kernel, scene->dim, ops->h, 0.0, ops->stencil->self);
@@ -192,6 +224,7 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   PetscCall(VecDestroy(&ops->wall_slope_step));
   PetscCall(PetscFree(ops->concentration));
   PetscCall(PetscFree3(ops->slot, ops->w, ops->m));
+  PetscCall(PetscFree(ops->near));
   PetscCall(PatternFree(&ops->fluid));
   PetscCall(PatternFree(&ops->walls));
   PetscCall(StencilDestroy(&ops->stencil));

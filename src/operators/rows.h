@@ -7,6 +7,7 @@
 PetscErrorCode LaplacianRow_FatehiManzari(Stencil *stencil, PetscReal w[]);
 PetscErrorCode LaplacianRow_Mls(Stencil *stencil, PetscReal w[]);
 PetscErrorCode LaplacianRow_Mls3(Stencil *stencil, PetscReal w[]);
+PetscErrorCode LaplacianRow_StressMls(Stencil *stencil, PetscReal w[]);
 PetscErrorCode GradientRow_Mls(Stencil *stencil, PetscReal *g[]);
 PetscErrorCode RoughRow_Mls(Stencil *stencil, PetscReal self, PetscReal w[]);
 PetscErrorCode DivergenceFit_Mls(Stencil *stencil, PetscReal *d[], PetscReal m[]);

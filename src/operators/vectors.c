@@ -19,6 +19,16 @@ static PetscErrorCode VecOfSize(MPI_Comm comm, PetscInt n, PetscReal array[], Ve
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode VecOfBlocks(MPI_Comm comm, PetscInt n, PetscInt size, Vec *v)
+{
+  PetscFunctionBegin;
+  PetscCall(VecCreate(comm, v));
+  PetscCall(VecSetSizes(*v, size * n, PETSC_DETERMINE));
+  PetscCall(VecSetBlockSize(*v, size));
+  PetscCall(VecSetType(*v, VECSTANDARD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   FluidVec - Vector of one scalar over the own fluid particles
 
@@ -37,5 +47,21 @@ PetscErrorCode WallVec(const Particles *p, Vec *v)
 {
   PetscFunctionBegin;
   PetscCall(VecOfSize(p->comm, p->n_wall, NULL, v));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* VelocityVec - Vector of dim components at each own fluid particle, its components together; collective */
+PetscErrorCode VelocityVec(const Particles *p, Vec *v)
+{
+  PetscFunctionBegin;
+  PetscCall(VecOfBlocks(p->comm, p->n_fluid, p->dim, v));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* WallVelocityVec - The same over the own wall particles; collective */
+PetscErrorCode WallVelocityVec(const Particles *p, Vec *v)
+{
+  PetscFunctionBegin;
+  PetscCall(VecOfBlocks(p->comm, p->n_wall, p->dim, v));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -83,6 +83,8 @@ static PetscErrorCode RegisterOwnFields(const Scene *scene, WallPlacement walls,
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
     PetscCall(ParticlesRegister(p, "p", 1, HALO_NONE, &p->p));
   }
+  if (SceneViscosityVaries(scene))
+    PetscCall(ParticlesRegister(p, "viscosity", 1, HALO_EPOCH, &p->nu));
   if (SceneHas(scene, PHYSICS_WALLS)) {
     PetscCall(ParticlesRegister(p, "normal", p->dim, HALO_EPOCH, p->normal));
     PetscCall(ParticlesRegister(p, "depth", 1, HALO_EPOCH, &p->depth));
@@ -90,6 +92,17 @@ static PetscErrorCode RegisterOwnFields(const Scene *scene, WallPlacement walls,
     if (walls.surface) PetscCall(ParticlesRegister(p, "volume", 1, HALO_EPOCH, &p->volume));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Viscosities of fluid: given, or by where it is at the start. */
+static void SetViscosities(const Scene *scene, const FluidStart *start, Particles *p)
+{
+  for (PetscInt i = 0; p->nu && i < p->n_fluid; i++) {
+    PetscReal x[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+    p->nu[i] = start && start->nu ? start->nu[i] : SceneViscosity(scene, x);
+  }
 }
 
 /*
@@ -139,6 +152,7 @@ PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscRea
   PetscCall(RegisterOwnFields(scene, walls, p));
 
   PetscCall(LatticeFill(scene, walls, start, p));
+  SetViscosities(scene, start, p);
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
   *particles = p;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -5,7 +5,7 @@
 #define START_CLOSEST 0.01 /* distance of two particles below which their fits mean nothing [dx] */
 
 /* What may be wrong with a place; later ones are looked for only where earlier ones are not met. */
-enum { PLACE_NOT_FINITE, PLACE_OUTSIDE, PLACE_IN_BODY, PLACE_FAULTS };
+enum { PLACE_NOT_FINITE, PLACE_OUTSIDE, PLACE_IN_BODY, PLACE_NO_VISCOSITY, PLACE_FAULTS };
 
 /* This rank's share of a data set that may be absent, then NULL. */
 static PetscErrorCode ReadShare(Hdf5File *file, const char name[], PetscInt columns, hid_t given,
@@ -42,6 +42,8 @@ static PetscErrorCode ReadParticles(PetscInt dim, Hdf5File *file, FluidStart *st
       ReadShare(file, "position", dim, H5T_NATIVE_DOUBLE, sizeof(PetscReal), (void **)&start->x));
   PetscCall(
       ReadShare(file, "velocity", dim, H5T_NATIVE_DOUBLE, sizeof(PetscReal), (void **)&start->u));
+  PetscCall(
+      ReadShare(file, "viscosity", 0, H5T_NATIVE_DOUBLE, sizeof(PetscReal), (void **)&start->nu));
   PetscCall(ReadShare(file, "type", 0, H5T_NATIVE_INT, sizeof(int), (void **)&type));
   PetscCall(PetscMalloc1(file->own + 1, row));
   for (PetscInt k = 0; k < file->own; k++) {
@@ -51,6 +53,7 @@ static PetscErrorCode ReadParticles(PetscInt dim, Hdf5File *file, FluidStart *st
       start->x[start->n * dim + a] = start->x[k * dim + a];
       if (start->u) start->u[start->n * dim + a] = start->u[k * dim + a];
     }
+    if (start->nu) start->nu[start->n] = start->nu[k];
     start->n++;
   }
   PetscCall(PetscFree(type));
@@ -58,10 +61,12 @@ static PetscErrorCode ReadParticles(PetscInt dim, Hdf5File *file, FluidStart *st
 }
 
 /* What is wrong with one particle, PLACE_FAULTS for nothing; a periodic box takes it in. */
-static PetscInt PlaceFault(const Scene *scene, PetscReal x[], const PetscReal u[])
+static PetscInt PlaceFault(const Scene *scene, const FluidStart *start, PetscInt i)
 {
-  PetscReal normal[ISPH_MAX_DIM];
-  PetscInt  body;
+  PetscReal       *x = &start->x[i * scene->dim];
+  const PetscReal *u = start->u ? &start->u[i * scene->dim] : NULL;
+  PetscReal        normal[ISPH_MAX_DIM];
+  PetscInt         body;
 
   for (PetscInt a = 0; a < scene->dim; a++) {
     const PetscReal lo = scene->lo[a], side = scene->hi[a] - lo;
@@ -70,7 +75,8 @@ static PetscInt PlaceFault(const Scene *scene, PetscReal x[], const PetscReal u[
     if (scene->periodic[a]) x[a] -= side * PetscFloorReal((x[a] - lo) / side);
     else if (x[a] <= lo || x[a] >= scene->hi[a]) return PLACE_OUTSIDE;
   }
-  return SceneDistance(scene, x, &body, normal) <= 0.0 ? PLACE_IN_BODY : PLACE_FAULTS;
+  if (SceneDistance(scene, x, &body, normal) <= 0.0) return PLACE_IN_BODY;
+  return start->nu && !(start->nu[i] > 0.0) ? PLACE_NO_VISCOSITY : PLACE_FAULTS;
 }
 
 /* Ends the run where a particle cannot be where it is; names the first. Collective. */
@@ -78,13 +84,12 @@ static PetscErrorCode CheckPlaces(const Scene *scene, const char path[], const F
                                   const PetscInt row[])
 {
   const char *const faults[PLACE_FAULTS] = {"is not finite", "is not inside the box",
-                                            "is inside a body"};
+                                            "is inside a body", "has no positive viscosity"};
   PetscInt          first[2]             = {PETSC_MAX_INT, PLACE_FAULTS}, found;
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < start->n && first[1] == PLACE_FAULTS; i++) {
-    first[1] =
-        PlaceFault(scene, &start->x[i * scene->dim], start->u ? &start->u[i * scene->dim] : NULL);
+    first[1] = PlaceFault(scene, start, i);
     if (first[1] < PLACE_FAULTS) first[0] = row[i];
   }
   PetscCallMPI(MPI_Allreduce(&first[0], &found, 1, MPIU_INT, MPI_MIN, PETSC_COMM_WORLD));
@@ -105,8 +110,9 @@ static PetscErrorCode CheckPlaces(const Scene *scene, const char path[], const F
 - path  - of the file, empty where there is none
 
   Options Database Key:
-. -particles file.h5 - data set `position` [m], and if there are `velocity` [m/s] and `type` (0: fluid, others
-                       are left out): a snapshot will do. The case's walls stay as they are.
+. -particles file.h5 - data set `position` [m], and if there are `velocity` [m/s], `viscosity` [m^2/s], read
+                       where it varies, and `type` (0: fluid, others are left out): a snapshot will do. The
+                       case's walls stay as they are.
 
   Errors: a file that cannot be read or has no fluid, and a particle outside the fluid, end the run
 */
@@ -134,7 +140,8 @@ PetscErrorCode StartRead(const Scene *scene, FluidStart *start, char path[])
             " columns is wanted",
             path, scene->dim);
   PetscCheck(good, PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
-             "-particles %s: 'velocity' and 'type' must have the rows of 'position', or be absent",
+             "-particles %s: 'velocity', 'viscosity' and 'type' must have the rows of 'position', "
+             "or be absent",
              path);
   PetscCall(CheckPlaces(scene, path, start, row));
   PetscCall(PetscFree(row));
@@ -150,6 +157,7 @@ PetscErrorCode StartFree(FluidStart *start)
   PetscFunctionBegin;
   PetscCall(PetscFree(start->x));
   PetscCall(PetscFree(start->u));
+  PetscCall(PetscFree(start->nu));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

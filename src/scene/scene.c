@@ -191,6 +191,7 @@ PetscErrorCode SceneCreate(Scene **scene)
   PetscCall(TableSelect(&CaseTable, "-case", "What to compute", "cavity", &s->problem));
   PetscCall(SceneReadPhysics(PetscOptionsObject, s));
   PetscCall(SceneReadNumbers(PetscOptionsObject, s));
+  if (!s->problem->patch) PetscCall(SceneReadRheology(PetscOptionsObject, s));
   if (SceneHas(s, PHYSICS_CONVECTION)) {
     PetscCall(
         TableSelect(&MotionTable, "-motion", "Whether particles move", "lagrangian", &s->motion));
@@ -208,6 +209,7 @@ PetscErrorCode SceneCreate(Scene **scene)
   for (PetscInt a = 0; a < s->dim; a++) {
     s->cells[a] = (PetscInt)PetscFloorReal((s->hi[a] - s->lo[a]) / s->dx + 0.5);
   }
+  PetscCall(SceneBoundViscosity(s));
   *scene = s;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

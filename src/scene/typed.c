@@ -159,6 +159,42 @@ static PetscErrorCode ReadSides(PetscOptionItems *PetscOptionsObject, Scene *sce
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Fluids 1, 2, ... as far as they are given, and the viscosity elsewhere. */
+static PetscErrorCode ReadFluids(PetscOptionItems *PetscOptionsObject, Scene *scene)
+{
+  PetscBool given;
+
+  PetscFunctionBegin;
+  PetscCall(ExpressionRead(scene->scope, "-viscosity_field",
+                           "Kinematic viscosity, of x, y; by default uniform [m^2/s]", 1, 1,
+                           EXPRESSION_PLACE, &scene->nu_field, NULL));
+  for (PetscInt k = 1; k <= SCENE_MAX_FLUIDS; k++) {
+    PetscReal *nu = &scene->region_nu[scene->n_regions];
+    char       option[64], text[512] = "";
+
+    PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_fluid_%" PetscInt_FMT, k));
+    PetscCall(
+        PetscOptionsString(option,
+                           "Where another fluid is at the start; later ones lie over earlier: "
+                           "circle,cx,cy,r | box,x0,y0,x1,y1 | polygon,x0,y0,...",
+                           "", text, text, sizeof(text), &given));
+    if (!given) break;
+    PetscCall(ReadShape(option, text, &scene->region[scene->n_regions]));
+    PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_fluid_%" PetscInt_FMT "_viscosity", k));
+    PetscCall(OptionReal(option, "Its kinematic viscosity [m^2/s]", 1e-300, 1e300, nu, &given));
+    UserCheck(given, "%s: the fluid's kinematic viscosity is wanted [m^2/s]", option);
+    scene->n_regions++;
+  }
+  UserCheck(
+      SceneIsNewtonian(scene) || (!scene->n_regions && !scene->nu_field.n),
+      "-rheology %s with -scene_fluid_1 or -viscosity_field: viscosity follows the strain rate or "
+      "the place, not both",
+      scene->rheology.row->name);
+  UserCheck(!SceneViscosityVaries(scene) || SceneHas(scene, PHYSICS_VISCOSITY),
+            "-without viscosity: there are fluids of other viscosity");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The flow at the start and the one it is compared with. */
 static PetscErrorCode ReadFields(PetscOptionItems *PetscOptionsObject, Scene *scene)
 {
@@ -187,6 +223,9 @@ static PetscErrorCode ReadFields(PetscOptionItems *PetscOptionsObject, Scene *sc
 . -scene_body_<k>_velocity u,v     - of its surface, of t [m/s]
 . -scene_body_<k>_rotation w       - of its surface, of t [rad/s]
 . -scene_body_<k>_around           - the fluid is inside; the box then has no walls of its own
+. -scene_fluid_<k> shape,...       - where fluids 1, 2, ... are at the start
+. -scene_fluid_<k>_viscosity nu    - of that fluid [m^2/s]
+. -viscosity_field nu              - elsewhere, of x, y [m^2/s]
 . -scene_velocity u,v              - at the start, of x, y [m/s]
 - -scene_exact u,v[,p]             - reference solution, of x, y, t [m/s], [Pa]
 
@@ -222,6 +261,7 @@ PetscErrorCode SceneReadTyped(PetscOptionItems *PetscOptionsObject, Scene *scene
   PetscCall(CheckGaps(scene));
   if (scene->periodic[0] && scene->periodic[1] && !scene->n_bodies)
     scene->physics &= ~(unsigned)PHYSICS_WALLS;
+  PetscCall(ReadFluids(PetscOptionsObject, scene));
   PetscCall(ReadFields(PetscOptionsObject, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -17,14 +17,15 @@ static const DtAdaptRow adapts[] = {
 const Table DtAdaptTable = TABLE("-dt_adapt", "Time step control", adapts);
 
 /*
-  ClockExplicitLimit - Largest stable step of an explicit viscous term, 0.125 h^2/nu [s]
+  ClockExplicitLimit - Largest stable step of an explicit viscous term, 0.125 h^2/(largest nu) [s]
 
   h is half the radius of the support, for every form and kernel.
 */
 PetscReal ClockExplicitLimit(const Scene *scene, PetscReal support_radius)
 {
-  return SceneHas(scene, PHYSICS_VISCOSITY) ? 0.125 * PetscSqr(0.5 * support_radius) / scene->nu
-                                            : PETSC_INFINITY;
+  return SceneHas(scene, PHYSICS_VISCOSITY)
+             ? 0.125 * PetscSqr(0.5 * support_radius) / scene->nu_high
+             : PETSC_INFINITY;
 }
 
 /* The times at which quantities are reported besides the end. */
@@ -71,7 +72,7 @@ static PetscErrorCode ClockReadSteady(PetscOptionItems *PetscOptionsObject, Cloc
 static PetscReal ClockDefaultCfl(const Scene *scene)
 {
   const PetscBool smooth =
-      SceneHas(scene, PHYSICS_VISCOSITY) && scene->speed * scene->dx <= 5.0 * scene->nu;
+      SceneHas(scene, PHYSICS_VISCOSITY) && scene->speed * scene->dx <= 5.0 * scene->nu_low;
 
   return smooth ? 0.5 : 0.25;
 }

@@ -52,6 +52,7 @@ static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
   PetscCall(KSPGetConvergedReason(ksp, &guard->reason));
   PetscCall(KSPGetIterationNumber(ksp, &guard->iterations));
   PetscCall(GuardMeasure(ksp, rhs, solution, &guard->residual, &good));
+  if (guard->inner && guard->reason >= 0) good = PETSC_TRUE;
   if (good) {
     guard->in_a_row = 0;
     PetscFunctionReturn(PETSC_SUCCESS);

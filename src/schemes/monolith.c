@@ -190,7 +190,7 @@ static PetscErrorCode SolveSystem(const Scene *scene, const Clock *clock, const 
 }
 
 /* u^{n+1} in u*, p^{n+1}, and the divergence that u^{n+1} has. */
-static PetscErrorCode SolveTogether(const Scene *scene, const Clock *clock, const Particles *p,
+static PetscErrorCode SolveTogether(const Scene *scene, const Clock *clock, Particles *p,
                                     Operators *ops, Scheme *scheme)
 {
   Projection *pr = (Projection *)scheme->data;

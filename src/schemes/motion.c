@@ -20,8 +20,8 @@ static void KeepOffWalls(const Scene *scene, PetscReal x[])
 }
 
 /*
-  Derivatives at the old positions for the Taylor series: grad p always; grad u and lap u where
-  there is shifting. Arrays are NULL where a derivative is not needed.
+  Derivatives at the old positions for the Taylor series: grad p always; grad u and, where it
+  is at hand, lap u where there is shifting. Arrays are NULL where a derivative is not needed.
 */
 typedef struct {
   const PetscScalar *p[ISPH_MAX_DIM];               /* dp/dx_a */
@@ -43,7 +43,7 @@ static PetscErrorCode SlopesGet(const Scene *scene, const Operators *ops, PetscB
       PetscCall(AffineApply(&ops->grad_u[a], pr->u[c], ops->wall_u[c], pr->velocity_slope[c][a]));
       PetscCall(VecGetArrayRead(pr->velocity_slope[c][a], &slopes->u[c][a]));
     }
-    if (shifting && ops->visc.needed) {
+    if (shifting && ops->visc.needed && ops->visc_plain) {
       PetscCall(AffineApply(&ops->visc, pr->u[a], ops->wall_u[a], pr->star[a]));
       PetscCall(VecGetArrayRead(pr->star[a], &slopes->lap[a]));
     }

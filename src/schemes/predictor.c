@@ -128,8 +128,8 @@ PetscErrorCode PredictorStart(const Scene *scene, const Clock *clock, const Part
 }
 
 /* PredictVelocity - u*: start value and length of the viscous step, its force, and the step; collective */
-PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, const Particles *p,
-                               Operators *ops, Scheme *scheme)
+PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, Particles *p, Operators *ops,
+                               Scheme *scheme)
 {
   Projection        *pr    = (Projection *)scheme->data;
   const TimeKindRow *kind  = scheme->visc ? ViscosityTimeKind(scheme->visc) : NULL;

@@ -211,12 +211,15 @@ static PetscErrorCode RebuildOperators(const Scene *scene, const Clock *clock, P
 PetscErrorCode ProjectionBegin(const Scene *scene, const Clock *clock, Particles *p, Neighbors *nb,
                                Operators *ops, Scheme *scheme)
 {
+  const Projection *pr = (const Projection *)scheme->data;
+
   PetscFunctionBegin;
   PetscCall(RebuildOperators(scene, clock, p, nb, ops, scheme));
   PetscCall(OperatorsSetWallVelocity(scene, p, clock->t, 0.0, ops));
   if (scheme->projection)
     PetscCall(SetWallSlopes(scene, p, SlopeTime(scheme, clock->t, clock->dt_previous),
                             HasBalance(clock, scheme) ? 1.0 : 0.0, ops));
+  if (!SceneIsNewtonian(scene)) PetscCall(OperatorsFollowStrain(scene, p, pr->u, ops));
   if (clock->step == 0) PetscCall(MeasureBegin(scene, p, ops, scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -242,7 +245,7 @@ static PetscErrorCode MoveAndRebuild(const Scene *scene, const Clock *clock, Par
 }
 
 /* u^{n+1} in u* and p^{n+1}, by the parts of a projection in turn; a failed one is the last. */
-static PetscErrorCode SolveInTurn(const Scene *scene, const Clock *clock, const Particles *p,
+static PetscErrorCode SolveInTurn(const Scene *scene, const Clock *clock, Particles *p,
                                   Operators *ops, Scheme *scheme)
 {
   Projection     *pr     = (Projection *)scheme->data;

@@ -56,8 +56,8 @@ PetscErrorCode ProjectionBegin(const Scene *scene, const Clock *clock, Particles
 PetscErrorCode ProjectionDestroy(Scheme *scheme);
 
 /* What makes u^{n+1} of a flow whose particles are where they will be. */
-typedef PetscErrorCode (*FlowSolve)(const Scene *scene, const Clock *clock,
-                                    const Particles *particles, Operators *ops, Scheme *scheme);
+typedef PetscErrorCode (*FlowSolve)(const Scene *scene, const Clock *clock, Particles *particles,
+                                    Operators *ops, Scheme *scheme);
 PetscErrorCode FlowStep(const Scene *scene, Clock *clock, Particles *particles,
                         Neighbors *neighbors, Operators *ops, FlowSolve Solve, Scheme *scheme);
 PetscErrorCode MonolithStep(const Scene *scene, Clock *clock, Particles *particles,
@@ -67,7 +67,7 @@ PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *particles
 PetscErrorCode PredictorStart(const Scene *scene, const Clock *clock, const Particles *particles,
                               const Operators *ops, PetscBool history, PetscReal at, Scheme *scheme,
                               PetscReal *dt);
-PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, const Particles *particles,
+PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, Particles *particles,
                                Operators *ops, Scheme *scheme);
 PetscErrorCode AddBodyForce(const Scene *scene, PetscReal t, const Particles *particles,
                             Vec force[], Scheme *scheme);

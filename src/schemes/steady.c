@@ -42,7 +42,7 @@ static PetscReal TimeScale(const Scene *scene)
   const PetscReal advective = scene->length / scene->speed;
 
   if (!SceneHas(scene, PHYSICS_VISCOSITY)) return advective;
-  return PetscMin(advective, PetscSqr(scene->length) / scene->nu);
+  return PetscMin(advective, PetscSqr(scene->length) / scene->nu_high);
 }
 
 /*

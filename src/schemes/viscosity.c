@@ -3,7 +3,8 @@
 
     du_c/dt = nu (A u_c + B u_wall,c) - (v.grad) u_c + force_c,
 
-  the same matrix and the same KSP for all. Where each term enters is the time kind's choice
+  the same matrix and the same KSP for all; one system for all components where a form couples them or the
+  viscosity follows their strain rate. Where each term enters is the time kind's choice
   (timekinds.c); v is the advecting velocity of particles that do not move, given for the whole
   step.
 */
@@ -35,22 +36,25 @@ static PetscErrorCode RefuseTimeOptions(const TimeKindRow *row)
 static PetscErrorCode ViscosityCreateSolver(const Scene *scene, PetscReal dt, const Operators *ops,
                                             Viscosity *v)
 {
-  const PetscReal stiffness = scene->nu * dt / PetscSqr(scene->dx);
+  const PetscReal stiffness = scene->nu_high * dt / PetscSqr(scene->dx);
+  PetscBool       symmetric;
   SNES            snes;
   PC              pc;
 
   PetscFunctionBegin;
   PetscCall(TSGetSNES(v->ts[0], &snes));
   PetscCall(SNESGetKSP(snes, &v->ksp));
-  PetscCall(KSPSetType(v->ksp, LaplacianIs(&ops->visc_form, FORM_SYMMETRIC) ? KSPCG : KSPGMRES));
-  PetscCall(KSPSetTolerances(v->ksp, 1e-7, 0.0, PETSC_DEFAULT, 1000));
+  symmetric = LaplacianIs(&ops->visc_form, FORM_SYMMETRIC) && !v->nonlinear;
+  PetscCall(KSPSetType(v->ksp, symmetric ? KSPCG : KSPGMRES));
+  PetscCall(KSPSetTolerances(v->ksp, v->nonlinear ? 1e-3 : 1e-7, 0.0, PETSC_DEFAULT, 1000));
   PetscCall(KSPGetPC(v->ksp, &pc));
   PetscCall(PCSetType(pc, stiffness < 2.0 ? PCJACOBI : stiffness < 200.0 ? PCBJACOBI : PCHYPRE));
-  for (PetscInt c = 0; c < v->dim; c++) {
+  for (PetscInt c = 0; c < v->systems; c++) {
     PetscCall(TSGetSNES(v->ts[c], &snes));
     if (c) PetscCall(SNESSetKSP(snes, v->ksp));
     PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_MAX_INT)); /* the guard sees to those */
   }
+  if (v->nonlinear) PetscCall(IterationChoose(snes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -75,20 +79,23 @@ PetscErrorCode ViscosityCreate(const Scene *scene, PetscReal dt, const Operators
   PetscFunctionBegin;
   PetscCall(PetscNew(&v));
   v->dim          = scene->dim;
+  v->systems      = ops->together ? 1 : scene->dim;
+  v->nonlinear    = SceneIsNewtonian(scene) ? PETSC_FALSE : PETSC_TRUE;
   v->scene        = scene;
   v->guard.what   = "viscous";
   v->guard.prefix = "visc_";
+  v->guard.inner  = v->nonlinear;
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Viscosity", "");
   PetscCall(TableSelect(&TimeKindTable, "-visc_ts_type", "Time integrator of viscosity", TSBEULER,
                         &v->row));
   PetscOptionsEnd();
   PetscCall(RefuseTimeOptions(v->row));
-  for (PetscInt c = 0; c < v->dim; c++) {
+  for (PetscInt c = 0; c < v->systems; c++) {
     v->component[c].visc = v;
     v->component[c].c    = c;
     PetscCall(TSCreate(PETSC_COMM_WORLD, &v->ts[c]));
     PetscCall(TSSetOptionsPrefix(v->ts[c], "visc_"));
-    PetscCall(TSSetProblemType(v->ts[c], TS_LINEAR));
+    PetscCall(TSSetProblemType(v->ts[c], v->nonlinear ? TS_NONLINEAR : TS_LINEAR));
     PetscCall(TSSetType(v->ts[c], v->row->name));
     PetscCall(TSSetExactFinalTime(v->ts[c], TS_EXACTFINALTIME_STEPOVER));
     PetscCall(TSSetMaxSteps(v->ts[c], PETSC_MAX_INT - 1));
@@ -102,7 +109,7 @@ PetscErrorCode ViscosityCreate(const Scene *scene, PetscReal dt, const Operators
     }
   }
   if (v->row->kind != TIME_EXPLICIT) PetscCall(ViscosityCreateSolver(scene, dt, ops, v));
-  for (PetscInt c = 0; c < v->dim; c++) {
+  for (PetscInt c = 0; c < v->systems; c++) {
     TSAdapt adapt;
 
     PetscCall(TSGetAdapt(v->ts[c], &adapt));
@@ -117,8 +124,12 @@ PetscErrorCode ViscosityCreate(const Scene *scene, PetscReal dt, const Operators
 static PetscErrorCode ViscosityFree(Viscosity *v)
 {
   PetscFunctionBegin;
-  for (PetscInt c = 0; c < v->dim; c++) PetscCall(VecDestroy(&v->boundary[c]));
+  for (PetscInt c = 0; c < v->systems; c++) PetscCall(VecDestroy(&v->boundary[c]));
   PetscCall(VecDestroy(&v->gradient));
+  PetscCall(VecDestroy(&v->all));
+  PetscCall(VecDestroy(&v->all_force));
+  PetscCall(VecDestroy(&v->all_walls));
+  for (PetscInt c = 0; c < v->dim; c++) PetscCall(VecDestroy(&v->part[c]));
   PetscCall(MatDestroy(&v->J));
   v->assemblies = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -130,7 +141,7 @@ PetscErrorCode ViscosityDestroy(Viscosity **visc)
   if (!*visc) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ViscosityFree(*visc));
   PetscCall(GuardDetach(&(*visc)->guard));
-  for (PetscInt c = 0; c < (*visc)->dim; c++) PetscCall(TSDestroy(&(*visc)->ts[c]));
+  for (PetscInt c = 0; c < (*visc)->systems; c++) PetscCall(TSDestroy(&(*visc)->ts[c]));
   PetscCall(PetscFree(*visc));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -140,11 +151,17 @@ PetscErrorCode ViscosityRenumber(const Particles *p, Viscosity *v)
 {
   PetscFunctionBegin;
   PetscCall(ViscosityFree(v));
-  for (PetscInt c = 0; c < v->dim; c++) {
+  for (PetscInt c = 0; c < v->systems; c++) {
     PetscCall(TSReset(v->ts[c]));
-    PetscCall(FluidVec(p, NULL, &v->boundary[c]));
+    if (v->systems > 1) PetscCall(FluidVec(p, NULL, &v->boundary[c]));
   }
   PetscCall(FluidVec(p, NULL, &v->gradient));
+  if (v->systems > 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VelocityVec(p, &v->boundary[0]));
+  PetscCall(VelocityVec(p, &v->all));
+  PetscCall(VelocityVec(p, &v->all_force));
+  PetscCall(WallVelocityVec(p, &v->all_walls));
+  for (PetscInt c = 0; c < v->dim; c++) PetscCall(FluidVec(p, NULL, &v->part[c]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -156,8 +173,14 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
   if (!v->ksp || v->assemblies == v->ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(GuardRenewPC(v->ksp));
   PetscCall(MatDestroy(&v->J));
+  if (v->nonlinear) {
+    SNES snes;
+
+    PetscCall(TSGetSNES(v->ts[0], &snes)); /* -visc_snes_mf_operator is set up for the new one */
+    PetscCall(SNESReset(snes));
+  }
   PetscCall(MatDuplicate(v->ops->visc.A, MAT_DO_NOT_COPY_VALUES, &v->J));
-  for (PetscInt c = 0; c < v->dim; c++) {
+  for (PetscInt c = 0; c < v->systems; c++) {
     PetscCall(TSSetIJacobian(v->ts[c], v->J, v->J, ViscosityIJacobian, &v->component[c]));
   }
   v->shift      = NAN;
@@ -165,9 +188,9 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One component over [t, t + dt], in one TS step unless an adaptor of the user's takes several. */
-static PetscErrorCode ViscosityStepComponent(Viscosity *v, PetscInt c, PetscReal t, PetscReal dt,
-                                             Vec u, StepFailure *failure)
+/* One system over [t, t + dt], in one TS step unless an adaptor of the user's takes several. */
+static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t, PetscReal dt,
+                                          Vec u, StepFailure *failure)
 {
   const PetscReal   end        = t + dt;
   PetscReal         now        = t, next;
@@ -182,11 +205,13 @@ static PetscErrorCode ViscosityStepComponent(Viscosity *v, PetscInt c, PetscReal
   if (!v->row->multistep)
     PetscCall(TSRestartStep(ts)); /* stages of the last step are of another flow */
   PetscCall(TSGetKSPIterations(ts, &its_before));
+  if (v->nonlinear && v->ksp) PetscCall(IterationSetTolerance(v, t, u));
   while (end - now > 1e-10 * dt && !failure->code) {
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_ITERATING));
     PetscCall(TSStep(ts));
     PetscCall(TSGetConvergedReason(ts, &reason));
     if (v->ksp) PetscCall(GuardCheck(v->ksp, &v->guard, failure));
+    if (v->ksp && v->nonlinear) PetscCall(IterationCheck(v, failure));
     if (reason < 0) {
       FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
                  "%s: the viscous TS %s ended with %s; try a smaller time step", v->guard.where,
@@ -220,10 +245,9 @@ static PetscErrorCode ViscosityStepComponent(Viscosity *v, PetscInt c, PetscReal
   Output Parameter:
 . failure - set where a TS diverges, or no method reaches a small true residual
 */
-PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, const Particles *p,
-                              PetscReal dt, PetscReal slip, const Vec force[],
-                              const Vec advecting[], Operators *ops, Vec u[], Viscosity *v,
-                              StepFailure *failure)
+PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, Particles *p, PetscReal dt,
+                              PetscReal slip, const Vec force[], const Vec advecting[],
+                              Operators *ops, Vec u[], Viscosity *v, StepFailure *failure)
 {
   const PetscReal t_new = clock->t + clock->dt;
 
@@ -238,8 +262,14 @@ PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, const Part
   v->iterations = 0;
   PetscCall(ViscosityUpdateJacobian(v));
   PetscCall(ClockWhere(clock, v->guard.where));
-  for (PetscInt c = 0; c < v->dim && !failure->code; c++)
-    PetscCall(ViscosityStepComponent(v, c, t_new - dt, dt, u[c], failure));
+  for (PetscInt c = 0; c < v->dim && v->systems == 1; c++) {
+    PetscCall(VecStrideScatter(u[c], c, v->all, INSERT_VALUES));
+    PetscCall(VecStrideScatter(force[c], c, v->all_force, INSERT_VALUES));
+  }
+  for (PetscInt c = 0; c < v->systems && !failure->code; c++)
+    PetscCall(ViscosityStepSystem(v, c, t_new - dt, dt, v->systems == 1 ? v->all : u[c], failure));
+  for (PetscInt c = 0; c < v->dim && v->systems == 1; c++)
+    PetscCall(VecStrideGather(v->all, c, u[c], INSERT_VALUES));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

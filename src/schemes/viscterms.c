@@ -1,6 +1,20 @@
 /* The terms of the viscous equation as the TS callbacks of one velocity component. */
 #include "viscosity.h"
 
+/* B u_wall, of each component or of all together. */
+static PetscErrorCode ApplyBoundary(Viscosity *v)
+{
+  Vec *wall_u = v->ops->wall_u;
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < v->dim; c++) {
+    if (v->systems == 1) PetscCall(VecStrideScatter(wall_u[c], c, v->all_walls, INSERT_VALUES));
+    else PetscCall(MatMult(v->ops->visc.B, wall_u[c], v->boundary[c]));
+  }
+  if (v->systems == 1) PetscCall(MatMult(v->ops->visc.B, v->all_walls, v->boundary[0]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Wall terms at time t; they are computed anew only where walls change their velocity. */
 static PetscErrorCode UpdateBoundary(Viscosity *v, PetscReal t)
 {
@@ -8,9 +22,20 @@ static PetscErrorCode UpdateBoundary(Viscosity *v, PetscReal t)
   if (!v->ops->visc.B || v->wall_t == t) PetscFunctionReturn(PETSC_SUCCESS);
   if (!v->scene->unsteady_walls && !PetscIsNanReal(v->wall_t)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(OperatorsSetWallVelocity(v->scene, v->particles, t, v->slip, v->ops));
-  for (PetscInt c = 0; c < v->dim; c++)
-    PetscCall(MatMult(v->ops->visc.B, v->ops->wall_u[c], v->boundary[c]));
+  PetscCall(ApplyBoundary(v));
   v->wall_t = t;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The operator at the viscosities that belong to u, where they follow it. */
+static PetscErrorCode FollowStrain(Viscosity *v, PetscReal t, Vec u)
+{
+  PetscFunctionBegin;
+  PetscCall(UpdateBoundary(v, t));
+  if (!v->nonlinear) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt c = 0; c < v->dim; c++) PetscCall(VecStrideGather(u, c, v->part[c], INSERT_VALUES));
+  PetscCall(OperatorsFollowStrain(v->scene, v->particles, v->part, v->ops));
+  if (v->ops->visc.B) PetscCall(ApplyBoundary(v));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -18,10 +43,22 @@ static PetscErrorCode UpdateBoundary(Viscosity *v, PetscReal t)
 static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, Vec f)
 {
   PetscFunctionBegin;
-  PetscCall(UpdateBoundary(v, t));
+  PetscCall(FollowStrain(v, t, u));
   PetscCall(MatMult(v->ops->visc.A, u, f));
   if (v->ops->visc.B) PetscCall(VecAXPY(f, 1.0, v->boundary[c]));
   PetscCall(VecScale(f, v->scene->nu));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* f -= (v.grad) u of component c. */
+static PetscErrorCode TakeConvection(Viscosity *v, PetscInt c, Vec u, Vec f)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; v->advecting && a < v->dim; a++) {
+    PetscCall(AffineApply(&v->ops->grad_u[a], u, v->ops->wall_u[c], v->gradient));
+    PetscCall(VecPointwiseMult(v->gradient, v->gradient, v->advecting[a]));
+    PetscCall(VecAXPY(f, -1.0, v->gradient));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -29,12 +66,33 @@ static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, 
 static PetscErrorCode ConvectiveTerm(Viscosity *v, PetscInt c, Vec u, Vec f)
 {
   PetscFunctionBegin;
-  PetscCall(VecCopy(v->force[c], f));
-  for (PetscInt a = 0; v->advecting && a < v->dim; a++) {
-    PetscCall(AffineApply(&v->ops->grad_u[a], u, v->ops->wall_u[c], v->gradient));
-    PetscCall(VecPointwiseMult(v->gradient, v->gradient, v->advecting[a]));
-    PetscCall(VecAXPY(f, -1.0, v->gradient));
+  if (v->systems > 1) {
+    PetscCall(VecCopy(v->force[c], f));
+    PetscCall(TakeConvection(v, c, u, f));
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
+  for (PetscInt k = 0; k < v->dim; k++) {
+    PetscCall(VecStrideGather(u, k, v->part[0], INSERT_VALUES));
+    PetscCall(VecCopy(v->force[k], v->part[1]));
+    PetscCall(TakeConvection(v, k, v->part[0], v->part[1]));
+    PetscCall(VecStrideScatter(v->part[1], k, f, INSERT_VALUES));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ViscosityScale - The larger norm of the viscous term of u and the force [m/s^2]; collective */
+PetscErrorCode ViscosityScale(Viscosity *v, PetscReal t, Vec u, Vec force, PetscReal *scale)
+{
+  Vec       term;
+  PetscReal norm;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(u, &term));
+  PetscCall(ViscousTerm(v, 0, t, u, term));
+  PetscCall(VecNorm(term, NORM_2, scale));
+  PetscCall(VecNorm(force, NORM_2, &norm));
+  *scale = PetscMax(*scale, norm);
+  PetscCall(VecDestroy(&term));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -47,18 +105,28 @@ PetscErrorCode ViscosityIFunction(TS ts, PetscReal t, Vec u, Vec udot, Vec f, vo
   PetscFunctionBegin;
   PetscCall(ViscousTerm(v, part->c, t, u, f));
   PetscCall(VecAYPX(f, -1.0, udot));
-  if (v->row->kind == TIME_IMPLICIT) PetscCall(VecAXPY(f, -1.0, v->force[part->c]));
+  if (v->row->kind == TIME_IMPLICIT)
+    PetscCall(VecAXPY(f, -1.0, v->systems == 1 ? v->all_force : v->force[part->c]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ViscosityIJacobian - shift I - nu A, made where the shift is new; collective */
+/*
+  ViscosityIJacobian - shift I - nu A into P, made where the shift is new, or the viscosities may be
+
+  Collective. J is P, or a matrix-free operator of SNES's.
+*/
 PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal shift, Mat J,
                                   Mat P, void *ctx)
 {
   Viscosity *v = ((Component *)ctx)->visc;
 
   PetscFunctionBegin;
-  if (shift == v->shift) PetscFunctionReturn(PETSC_SUCCESS); /* and the preconditioner stays too */
+  if (J != P) {
+    PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
+    PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+  }
+  if (v->nonlinear) PetscCall(FollowStrain(v, t, u)); /* the last residual may be of another u */
+  else if (shift == v->shift) PetscFunctionReturn(PETSC_SUCCESS); /* the preconditioner stays too */
   PetscCall(MatCopy(v->ops->visc.A, P, SAME_NONZERO_PATTERN));
   PetscCall(MatScale(P, -v->scene->nu));
   PetscCall(MatShift(P, shift));

@@ -1,0 +1,150 @@
+/*
+  The viscous operator on all velocity components together, where they couple or the viscosity follows
+  them: unknowns u_jb are numbered dim j + b, and
+
+    (A u)_ia = sum_j sum_b w_ij,ab nu_ij/nu (u_j - u_i)_b.
+
+  The weights are kept in the slots of the common pattern, so that other viscosities need no new rows.
+*/
+#include "close.h"
+
+/* Entries that a slot makes: (a, b) where components couple, else (a, a). */
+static PetscInt SlotEntries(const Operators *ops, PetscInt dim)
+{
+  return ops->visc.width == 1 ? dim : ops->visc.width;
+}
+
+/* KeepRow - The weights of one row in their slots, f_wall - f_i taken beta-fold; not collective */
+void KeepRow(const Stencil *st, PetscInt diagonal, const PetscReal w[], Operators *ops)
+{
+  const PetscInt  width = ops->visc.width;
+  AffineOperator *op    = &ops->visc;
+
+  for (PetscInt k = 0; k < st->n; k++) {
+    PetscReal *to = (st->wall[k] ? op->b : op->a) + ops->slot[k] * width;
+
+    for (PetscInt e = 0; e < width; e++)
+      to[e] += st->wall[k] ? st->beta[k] * w[k * width + e] : w[k * width + e];
+    if (!st->wall[k]) ops->near[ops->slot[k]] = st->j[k];
+  }
+  ops->near[diagonal] = st->i;
+}
+
+/* A matrix of the pattern with its components, no values yet; columns as many as particles. */
+static PetscErrorCode TogetherMat(const Particles *p, const Operators *ops, const Pattern *pattern,
+                                  PetscInt columns, Mat *A)
+{
+  const PetscInt d = p->dim, entries = SlotEntries(ops, d),
+                 count = pattern->row[p->n_fluid] * entries;
+  PetscInt *row, *col, n = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(count, &row, count, &col));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    for (PetscInt s = pattern->row[i]; s < pattern->row[i + 1]; s++) {
+      for (PetscInt e = 0; e < entries; e++, n++) {
+        row[n] = d * p->number[i] + (entries == d ? e : e / d);
+        col[n] = d * pattern->col[s] + e % d;
+      }
+    }
+  }
+  PetscCall(MatCreate(p->comm, A));
+  PetscCall(MatSetSizes(*A, d * p->n_fluid, d * columns, PETSC_DETERMINE, PETSC_DETERMINE));
+  PetscCall(MatSetBlockSizes(*A, d, d));
+  PetscCall(MatSetType(*A, MATAIJ));
+  PetscCall(MatSetPreallocationCOO(*A, count, row, col));
+  PetscCall(PetscFree2(row, col));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* AssembleTogether - The matrices of the rows kept; collective on the particles' communicator */
+PetscErrorCode AssembleTogether(const Scene *scene, const Particles *p, Operators *ops)
+{
+  PetscFunctionBegin;
+  PetscCall(TogetherMat(p, ops, &ops->fluid, p->n_fluid, &ops->visc.A));
+  if (ops->wall) PetscCall(TogetherMat(p, ops, &ops->walls, p->n_wall, &ops->visc.B));
+  PetscCall(OperatorsScaleViscosity(scene, p, ops));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Entries of one slot of weights times a viscosity over scene->nu; those of fluid are summed. */
+static void ScaleSlot(PetscInt width, PetscInt entries, PetscReal ratio, const PetscReal w[],
+                      PetscReal value[], PetscReal sum[])
+{
+  for (PetscInt e = 0; e < entries; e++) {
+    value[e] = ratio * w[width == 1 ? 0 : e];
+    sum[e] += value[e];
+  }
+}
+
+/*
+  OperatorsScaleViscosity - The values of visc.A and visc.B from the particles' viscosities as they are now
+
+  Collective on the particles' communicator. For operators on all components together; the halo of the
+  viscosities must be up to date.
+*/
+PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, Operators *ops)
+{
+  const PetscInt        width = ops->visc.width, entries = SlotEntries(ops, p->dim);
+  const Pattern        *fluid = &ops->fluid, *walls = &ops->walls;
+  const AffineOperator *op = &ops->visc;
+  PetscReal            *a, *b;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(fluid->row[p->n_fluid] * entries, &a,
+                         ops->wall ? walls->row[p->n_fluid] * entries : 0, &b));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    const PetscReal own                              = p->nu ? p->nu[i] / scene->nu : 1.0;
+    PetscReal       sum[ISPH_MAX_DIM * ISPH_MAX_DIM] = {0.0};
+    PetscInt        diagonal                         = -1;
+
+    for (PetscInt s = fluid->row[i]; s < fluid->row[i + 1]; s++) {
+      const PetscReal ratio = p->nu ? 2.0 / (1.0 / own + scene->nu / p->nu[ops->near[s]]) : own;
+
+      if (fluid->col[s] == p->number[i]) diagonal = s;
+      else ScaleSlot(width, entries, ratio, &op->a[s * width], &a[s * entries], sum);
+    }
+    for (PetscInt s = ops->wall ? walls->row[i] : 0; ops->wall && s < walls->row[i + 1]; s++)
+      ScaleSlot(width, entries, own, &op->b[s * width], &b[s * entries], sum);
+    for (PetscInt e = 0; e < entries; e++) a[diagonal * entries + e] = -sum[e];
+  }
+  PetscCall(MatSetValuesCOO(op->A, a, INSERT_VALUES));
+  if (ops->wall) PetscCall(MatSetValuesCOO(op->B, b, INSERT_VALUES));
+  PetscCall(PetscFree2(a, b));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  OperatorsFollowStrain - Viscosities of particles, and the viscous operator with them, from the velocity
+
+    g = sqrt(2 E:E),   E = (grad u + grad u^T)/2
+
+  Collective on the particles' communicator. Input: u - components over the fluid; ops->wall_u gives those of
+  walls. Output: p->nu with its halo, ops->visc.
+*/
+PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *p, const Vec u[],
+                                     Operators *ops)
+{
+  Vec                slope;
+  const PetscScalar *g;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(u[0], &slope));
+  for (PetscInt i = 0; i < p->n_fluid; i++) p->nu[i] = 0.0;
+  for (PetscInt c = 0; c < p->dim;
+       c++) { /* g^2 = sum_c,a<=c (1 or 1/2) (du_c/dx_a + du_a/dx_c)^2 */
+    for (PetscInt a = 0; a <= c; a++) {
+      PetscCall(AffineApply(&ops->grad_u[a], u[c], ops->wall_u[c], slope));
+      PetscCall(AffineApplyAdd(&ops->grad_u[c], u[a], ops->wall_u[a], slope));
+      PetscCall(VecGetArrayRead(slope, &g));
+      for (PetscInt i = 0; i < p->n_fluid; i++) p->nu[i] += (a == c ? 0.5 : 1.0) * PetscSqr(g[i]);
+      PetscCall(VecRestoreArrayRead(slope, &g));
+    }
+  }
+  PetscCall(VecDestroy(&slope));
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    p->nu[i] = RheologyViscosity(&scene->rheology, PetscSqrtReal(p->nu[i]));
+  PetscCall(ParticlesHaloField(p, p->nu));
+  PetscCall(OperatorsScaleViscosity(scene, p, ops));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,102 @@
+/*
+  Viscosity that varies from place to place: fluids in regions of the scene, or a field of x and y. A
+  particle takes the viscosity of its place at the start and keeps it.
+*/
+#include "isph/scene.h"
+
+#define SAMPLES 8 /* along each side of a particle's cell */
+
+/* SceneViscosityVaries - Whether particles carry viscosities of their own; not collective */
+PetscBool SceneViscosityVaries(const Scene *scene)
+{
+  return scene->n_regions || scene->nu_field.n || !SceneIsNewtonian(scene) ? PETSC_TRUE
+                                                                           : PETSC_FALSE;
+}
+
+/* Kinematic viscosity at a point [m^2/s]. */
+static PetscReal ViscosityAt(const Scene *scene, const PetscReal x[])
+{
+  PetscReal nu = scene->nu_field.n ? ExpressionValue(&scene->nu_field, 0, 0.0, x) : scene->nu;
+
+  for (PetscInt k = 0; k < scene->n_regions; k++) {
+    PetscReal normal[ISPH_MAX_DIM];
+
+    if (BodyDistance(scene, &scene->region[k], x, normal) <= 0.0) nu = scene->region_nu[k];
+  }
+  return nu;
+}
+
+/* Whether fluid can be at x. */
+static PetscBool IsInFluid(const Scene *scene, const PetscReal x[])
+{
+  PetscReal normal[ISPH_MAX_DIM];
+  PetscInt  body;
+
+  for (PetscInt a = 0; a < scene->dim && !scene->bare; a++) {
+    if (!scene->periodic[a] && (x[a] < scene->lo[a] || x[a] > scene->hi[a])) return PETSC_FALSE;
+  }
+  return SceneDistance(scene, x, &body, normal) >= 0.0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/*
+  SceneViscosity - Kinematic viscosity of a particle that starts at x [m^2/s]
+
+    1/nu = mean of 1/nu over the part of the cell of side dx about x that is fluid
+
+  Not collective. So layers resist shear as they lie, wherever interfaces cut the lattice: resistances in
+  series add. A smooth field without fluids in it is taken at x; where the viscosity follows the strain rate,
+  that at the rate U/L is what the first iteration starts from.
+
+  Reference: S. V. Patankar, Numerical Heat Transfer and Fluid Flow (1980), section 4.2-3
+*/
+PetscReal SceneViscosity(const Scene *scene, const PetscReal x[])
+{
+  PetscReal sum = 0.0;
+  PetscInt  n   = 0;
+
+  if (!SceneIsNewtonian(scene))
+    return RheologyViscosity(&scene->rheology, scene->speed / scene->length);
+  if (!scene->n_regions) return ViscosityAt(scene, x);
+  for (PetscInt s = 0; s < SAMPLES * SAMPLES; s++) {
+    const PetscReal y[2] = {x[0] + scene->dx * ((s % SAMPLES + 0.5) / SAMPLES - 0.5),
+                            x[1] + scene->dx * ((s / SAMPLES + 0.5) / SAMPLES - 0.5)};
+
+    if (!IsInFluid(scene, y)) continue;
+    sum += 1.0 / ViscosityAt(scene, y);
+    n++;
+  }
+  return n ? n / sum : ViscosityAt(scene, x);
+}
+
+/*
+  SceneBoundViscosity - Least and largest viscosity on the lattice of the start, or of the rheology
+
+  Collective. Output: scene->nu_low, scene->nu_high. Errors: a field that is not positive.
+*/
+PetscErrorCode SceneBoundViscosity(Scene *scene)
+{
+  PetscFunctionBegin;
+  scene->nu_low = scene->nu_high = scene->nu;
+  if (!SceneIsNewtonian(scene)) {
+    scene->nu_low  = scene->rheology.low;
+    scene->nu_high = scene->rheology.high;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (!SceneViscosityVaries(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  scene->nu_low  = PETSC_MAX_REAL;
+  scene->nu_high = 0.0;
+  for (PetscInt k = 0; k < scene->cells[0] * scene->cells[1]; k++) {
+    const PetscReal x[2] = {scene->lo[0] + (k % scene->cells[0] + 0.5) * scene->dx,
+                            scene->lo[1] + (k / scene->cells[0] + 0.5) * scene->dx};
+    PetscReal       nu;
+
+    if (!IsInFluid(scene, x)) continue;
+    nu = ViscosityAt(scene, x);
+    if (nu <= 0.0) PetscCall(ExpressionScopeCheck(scene->scope)); /* not finite counts as zero */
+    UserCheck(nu > 0.0, "-viscosity_field: it is %.6g at (%.4g, %.4g), and must be positive",
+              (double)nu, (double)x[0], (double)x[1]);
+    scene->nu_low  = PetscMin(scene->nu_low, nu);
+    scene->nu_high = PetscMax(scene->nu_high, nu);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

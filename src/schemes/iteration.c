@@ -1,0 +1,104 @@
+/*
+  Viscosity and velocity brought together where one follows the other: SNES newtonls on the residual of a TS
+  stage, with shift I - nu A at the present viscosities as Jacobian, whose steps are Picard's iteration, or as
+  preconditioner of Newton's steps, which -visc_snes_mf_operator takes.
+*/
+#include "viscosity.h"
+
+static PetscErrorCode TakesNewton(PetscBool *newton)
+{
+  PetscFunctionBegin;
+  *newton = PETSC_FALSE;
+  PetscCall(PetscOptionsGetBool(NULL, "visc_", "-snes_mf_operator", newton, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  IterationChoose - The nonlinear solver before the user's options
+
+  Collective. Line searches as measured best, power laws of exponent 0.2 to 3 and plastics: l2, which may go
+  beyond Picard's steps, took half the iterations of full steps and got to the end where these, or bt, did not;
+  Newton's steps go with bt.
+
+  Errors: an absolute tolerance
+*/
+PetscErrorCode IterationChoose(SNES snes)
+{
+  SNESLineSearch search;
+  PetscBool      given, newton;
+
+  PetscFunctionBegin;
+  PetscCall(OptionGiven("-visc_snes_atol", &given));
+  UserCheck(!given, "-visc_snes_atol: an absolute tolerance depends on units; use -visc_snes_rtol");
+  PetscCall(TakesNewton(&newton));
+  PetscCall(SNESSetType(snes, SNESNEWTONLS));
+  PetscCall(SNESSetTolerances(snes, 0.0, 1e-6, 0.0, 500, PETSC_MAX_INT));
+  PetscCall(SNESSetDivergenceTolerance(snes, -1.0)); /* none: at rest, viscosities may be far off */
+  PetscCall(SNESGetLineSearch(snes, &search));
+  PetscCall(SNESLineSearchSetType(search, newton ? SNESLINESEARCHBT : SNESLINESEARCHL2));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  IterationSetTolerance - What -visc_snes_rtol asks, over the terms that the residual is made of too: near a steady
+  flow it starts small
+
+  Collective. Input: u at time t, before the step.
+*/
+PetscErrorCode IterationSetTolerance(Viscosity *v, PetscReal t, Vec u)
+{
+  PetscReal rtol, stol, scale;
+  PetscInt  its, evaluations;
+  SNES      snes;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetSNES(v->ts[0], &snes));
+  PetscCall(SNESGetTolerances(snes, NULL, &rtol, &stol, &its, &evaluations));
+  PetscCall(ViscosityScale(v, t, u, v->all_force, &scale));
+  PetscCall(SNESSetTolerances(snes, rtol * scale, rtol, stol, its, evaluations));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* IterationCheck - Tells the step where the solver did not get there; collective */
+PetscErrorCode IterationCheck(Viscosity *v, StepFailure *failure)
+{
+  SNESConvergedReason reason;
+  PetscReal           norm, scale;
+  PetscBool           newton;
+  PetscInt            its;
+  SNES                snes;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetSNES(v->ts[0], &snes));
+  PetscCall(SNESGetConvergedReason(snes, &reason));
+  if (reason >= 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SNESGetFunctionNorm(snes, &norm));
+  PetscCall(SNESGetIterationNumber(snes, &its));
+  PetscCall(SNESGetTolerances(snes, &scale, NULL, NULL, NULL, NULL));
+  PetscCall(TakesNewton(&newton));
+  FailureSet(
+      failure, PETSC_ERR_NOT_CONVERGED,
+      "%s: the viscosity and the velocity did not agree: %s after %" PetscInt_FMT
+      " iterations, residual %.1e times what is allowed; try a smaller -dt, %s "
+      "-visc_snes_mf_operator, or -rheology_viscosity_min and -rheology_viscosity_max closer "
+      "together",
+      v->guard.where, SNESConvergedReasons[reason], its, (double)(norm / scale),
+      newton ? "no" : "Newton's steps with");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ViscosityIteration - Types of the nonlinear solver and its line search; NULL where there is none */
+PetscErrorCode ViscosityIteration(const Viscosity *v, const char **snes, const char **search)
+{
+  SNES           inner;
+  SNESLineSearch line;
+
+  PetscFunctionBegin;
+  *snes = *search = NULL;
+  if (!v->nonlinear || !v->ksp) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(TSGetSNES(v->ts[0], &inner));
+  PetscCall(SNESGetType(inner, snes));
+  PetscCall(SNESGetLineSearch(inner, &line));
+  PetscCall(SNESLineSearchGetType(line, search));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
