@@ -183,7 +183,7 @@ PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
   for (PetscInt a = 0; a < scene->dim; a++) {
     ops->grad_p[a].needed = ops->div[a].needed = SceneHas(scene, PHYSICS_PRESSURE);
     ops->grad_u[a].needed = SceneHas(scene, PHYSICS_CONVECTION) || !SceneIsNewtonian(scene);
-    ops->grad_p[a].width = ops->grad_u[a].width = ops->div[a].width = 1;
+    ops->grad_p[a].width = ops->grad_u[a].width = ops->div[a].width = ops->rough.width = 1;
   }
   PetscCall(OperatorsJoinComponents(scene, ops));
   PetscCall(StencilCreate(scene->dim, ops->radius, 0.5 * ops->radius, &ops->stencil));

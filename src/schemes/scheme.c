@@ -63,6 +63,10 @@ static PetscErrorCode SchemeRefuseCoupled(const Scene *scene, const Operators *o
             "-visc_laplacian %s: its matrix has eigenvalues of both signs, and -scheme coupled has "
             "no solver for it; use a form that is safe_implicit in -catalogue",
             ops->visc_form.row->name);
+  UserCheck(!ops->together,
+            "-scheme coupled: its viscosity is one matrix for each component, and %s couples them; "
+            "use -scheme projection",
+            SceneIsNewtonian(scene) ? ops->visc_form.row->name : "-rheology");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
