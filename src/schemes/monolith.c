@@ -1,6 +1,6 @@
 /*
-  The coupled scheme's step: where it starts, then velocity and pressure at once; in time, or steady by
-  Picard iterations where there is convection.
+  The coupled scheme's step: where it starts, then velocity and pressure at once; in time, or steady
+  by Picard iterations where there is convection.
 */
 #include "coupled.h"
 #include "projection.h"
@@ -22,8 +22,8 @@ static PetscErrorCode SolveLinear(Vec b, Coupled *c, StepFailure *failure)
 }
 
 /*
-  A step of backward Euler from t over h: velocities at the start of a run need not be solenoidal, nor
-  those of the walls theirs, and an integrator that measures its error would see no end of it.
+  A step of backward Euler from t over h: velocities at the start of a run need not be solenoidal,
+  nor those of the walls theirs, and an integrator that measures its error would see no end of it.
 */
 static PetscErrorCode StartConsistently(PetscReal t, PetscReal h, Coupled *c, StepFailure *failure)
 {
@@ -45,8 +45,8 @@ static PetscErrorCode StartConsistently(PetscReal t, PetscReal h, Coupled *c, St
 }
 
 /*
-  From t over dt: one step of the TS, or as many as the error wants. Those begin with the last of the
-  clock's step before; in a run's first after one of dt/100 that makes the flow consistent.
+  From t over dt: one step of the TS, or as many as the error wants. Those begin with the last of
+  the clock's step before; in a run's first after one of dt/100 that makes the flow consistent.
 */
 static PetscErrorCode AdvanceInTime(PetscReal t, PetscReal dt, PetscReal *substep, Coupled *c,
                                     StepFailure *failure)
@@ -119,8 +119,8 @@ static PetscErrorCode IteratePicard(const Clock *clock, Vec u[], Vec pressure, V
 }
 
 /*
-  Velocity and pressure at clock's t + dt, in place of the velocity where the step of length dt starts
-  and a guess at the pressure.
+  Velocity and pressure at clock's t + dt, in place of the velocity where the step of length dt
+  starts and a guess at the pressure.
 */
 static PetscErrorCode SolveSystem(const Scene *scene, const Clock *clock, const Particles *p,
                                   PetscReal dt, Operators *ops, Scheme *scheme)

@@ -5,7 +5,7 @@
 */
 #include "isph/guard.h"
 
-/* TimeOptionsRefuse - Ends the run where an option of a TS would take time from the clock; collective */
+/* TimeOptionsRefuse - Ends the run where an option of a TS would own time; collective */
 PetscErrorCode TimeOptionsRefuse(const char prefix[])
 {
   const char *const refused[][2] = {
