@@ -1,6 +1,6 @@
 /*
-  What the coupled scheme asks of a pressure that no wall knows: its gradient from fluid alone is exact
-  for quadratics beside walls too, and its roughness sees none of them.
+  What the coupled scheme asks of a pressure that no wall knows: its gradient from fluid alone is
+  exact for quadratics beside walls too, and its roughness sees none of them.
 */
 /* RANKS: 1 2 */
 #include "cloud.h"

@@ -33,6 +33,9 @@ PetscErrorCode GuardCheck(KSP ksp, Guard *guard, StepFailure *failure);
 PetscErrorCode GuardRenewPC(KSP ksp);
 PetscErrorCode LadderClimb(KSP ksp, Vec b, Vec x, Guard *guard, PetscBool *solved);
 PetscErrorCode PressureSolver(const LaplacianForm *form, PetscReal rtol, KSP *ksp, Guard *guard);
+PetscErrorCode TimeStepThrough(TS ts, const char name[], KSP ksp, Guard *guard, PetscReal t,
+                               PetscReal dt, PetscReal *h, PetscInt *iterations,
+                               StepFailure *failure);
 PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[]);
 PetscErrorCode OptionDefault(const char prefix[], const char name[], const char value[]);
 

@@ -202,11 +202,11 @@ PetscErrorCode CloseRows_Pressure(const Scene *scene, Stencil *st, PetscInt diag
 }
 
 /*
-  CloseRows_OneSided - The rows of grad p and of the roughness of p of one particle, from fluid alone
+  CloseRows_OneSided - The rows of grad p and of the roughness of p of one particle, walls unseen
 
-  Not collective. For a pressure that is solved for together with the velocity: what n.grad p is at a
-  wall follows from the momentum there and is not known before. A particle that sees no fluid has the
-  pressure zero.
+  Not collective. For a pressure that is solved for together with the velocity: what n.grad p is at
+  a wall follows from the momentum there and is not known before. A particle that sees no fluid has
+  the pressure zero.
 */
 PetscErrorCode CloseRows_OneSided(const Scene *scene, Stencil *st, PetscInt diagonal,
                                   Operators *ops)

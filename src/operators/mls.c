@@ -231,7 +231,7 @@ PetscErrorCode GradientRow_Mls(Stencil *st, PetscReal *g[])
 }
 
 /*
-  RoughRow_Mls - What of f a quadratic fit that need not pass through f_i leaves at the particle itself
+  RoughRow_Mls - What a quadratic fit that need not pass through f_i leaves of it
 
     f_i - c_0 = -sum_k w_k (f_k - f_i),   w_k = W_k (1 - m.c_k)/(W(0) + sum_k W_k - m.M^-1 m),
     c_k = M^-1 phi_k,   m = sum_k W_k phi_k,   M = sum_k W_k phi_k phi_k^T
@@ -240,8 +240,8 @@ PetscErrorCode GradientRow_Mls(Stencil *st, PetscReal *g[])
 
   Input: self - W(0), the weight of the particle itself [m^-dim]
 
-  Properties: vanishes for quadratics on any arrangement, of order dx^3 one-sided and dx^4 inside; about
-  0.3 f_i for the mode +1, -1 of a lattice; not symmetric.
+  Properties: vanishes for quadratics on any arrangement, of order dx^3 one-sided and dx^4 inside;
+  about 0.3 f_i for the mode +1, -1 of a lattice; not symmetric.
 
   Reference: after C. R. Dohrmann, P. B. Bochev, Int. J. Numer. Meth. Fluids 46 (2004) 183-201
 */

@@ -3,8 +3,9 @@
 
     du/dt = nu lap u - (v.grad) u - grad p/rho + f,   div u = 0,
 
-  differential-algebraic, its Jacobian that of saddle.c: advanced by a PETSc TS, or solved for without
-  du/dt where the flow is steady. The pressure is no part of the history and has no splitting error.
+  differential-algebraic, its Jacobian that of saddle.c: advanced by a PETSc TS, or solved for
+  without du/dt where the flow is steady. The pressure is no part of the history and has no
+  splitting error.
 */
 #include "coupled.h"
 
@@ -21,8 +22,7 @@ static const CoupledTimeRow kinds[] = {
 const Table CoupledTimeTable =
     TABLE("-coupled_ts_type", "Time integrators of the coupled scheme", kinds);
 
-/* CoupledSetShift - The matrix with a shift; the preconditioner of another within 3/2 of it is kept.
- * Collective. */
+/* CoupledSetShift - The matrix with a shift; the preconditioner of one within 3/2 of it is kept */
 PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
 {
   const PetscBool keep = shift <= 1.5 * c->shift && c->shift <= 1.5 * shift;
@@ -202,10 +202,11 @@ static PetscErrorCode RenewPC(Coupled *c)
 }
 
 /*
-  T, the time in which momentum changes a velocity of the grid's scale: 1/T = 1/(4 dt) + nu/dx^2. The
-  quarter makes C weigh against inertia as it does against viscosity; of 1, 1/3, 1/6, 1/12, 1/24 those
-  about it take the fewest iterations, and moving vortices at Re = 100 half the error that 1 has. dt is
-  rounded to eighths of a power of two, so that steps that differ by rounding share their matrices.
+  T, the time in which momentum changes a velocity of the grid's scale: 1/T = 1/(4 dt) + nu/dx^2.
+  The quarter makes C weigh against inertia as it does against viscosity; of 1, 1/3, 1/6, 1/12, 1/24
+  those about it take the fewest iterations, and moving vortices at Re = 100 half the error that 1
+  has. dt is rounded to eighths of a power of two, so that steps that differ by rounding share their
+  matrices.
 */
 static PetscReal GridTime(const Scene *scene, PetscReal dt, PetscBool steady)
 {
@@ -218,8 +219,8 @@ static PetscReal GridTime(const Scene *scene, PetscReal dt, PetscBool steady)
 }
 
 /*
-  The error that substeps may make: -coupled_ts_rtol times |u| + U. Of the pressure none is asked: it is
-  no part of the history, and jumps where walls do.
+  The error that substeps may make: -coupled_ts_rtol times |u| + U. Of the pressure none is asked:
+  it is no part of the history, and jumps where walls do.
 */
 static PetscErrorCode SetTolerances(const Scene *scene, Coupled *c)
 {

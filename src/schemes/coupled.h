@@ -1,5 +1,7 @@
-/* Velocity and pressure in one system: the solver in coupled.c, its terms in coupledterms.c, its matrix
- * in saddle.c, the Schur complement in schur.c, the step in monolith.c. */
+/*
+  Velocity and pressure in one system: the solver in coupled.c, its terms in coupledterms.c, its
+  matrix in saddle.c, the Schur complement in schur.c, the step in monolith.c.
+*/
 #ifndef ISPH_SCHEMES_COUPLED_H
 #define ISPH_SCHEMES_COUPLED_H
 

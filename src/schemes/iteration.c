@@ -60,7 +60,7 @@ PetscErrorCode IterationSetTolerance(Viscosity *v, PetscReal t, Vec u)
 }
 
 /* IterationCheck - Tells the step where the solver did not get there; collective */
-PetscErrorCode IterationCheck(Viscosity *v, StepFailure *failure)
+PetscErrorCode IterationCheck(TS ts, const char where[], StepFailure *failure)
 {
   SNESConvergedReason reason;
   PetscReal           norm, scale;
@@ -69,7 +69,7 @@ PetscErrorCode IterationCheck(Viscosity *v, StepFailure *failure)
   SNES                snes;
 
   PetscFunctionBegin;
-  PetscCall(TSGetSNES(v->ts[0], &snes));
+  PetscCall(TSGetSNES(ts, &snes));
   PetscCall(SNESGetConvergedReason(snes, &reason));
   if (reason >= 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SNESGetFunctionNorm(snes, &norm));
@@ -82,7 +82,7 @@ PetscErrorCode IterationCheck(Viscosity *v, StepFailure *failure)
       " iterations, residual %.1e times what is allowed; try a smaller -dt, %s "
       "-visc_snes_mf_operator, or -rheology_viscosity_min and -rheology_viscosity_max closer "
       "together",
-      v->guard.where, SNESConvergedReasons[reason], its, (double)(norm / scale),
+      where, SNESConvergedReasons[reason], its, (double)(norm / scale),
       newton ? "no" : "Newton's steps with");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,6 +1,6 @@
 /*
-  The coupled scheme's step: where it starts, then velocity and pressure at once; in time, or steady by
-  Picard iterations where there is convection.
+  The coupled scheme's step: where it starts, then velocity and pressure at once; in time, or steady
+  by Picard iterations where there is convection.
 */
 #include "coupled.h"
 #include "projection.h"
@@ -22,8 +22,8 @@ static PetscErrorCode SolveLinear(Vec b, Coupled *c, StepFailure *failure)
 }
 
 /*
-  A step of backward Euler from t over h: velocities at the start of a run need not be solenoidal, nor
-  those of the walls theirs, and an integrator that measures its error would see no end of it.
+  A step of backward Euler from t over h: velocities at the start of a run need not be solenoidal,
+  nor those of the walls theirs, and an integrator that measures its error would see no end of it.
 */
 static PetscErrorCode StartConsistently(PetscReal t, PetscReal h, Coupled *c, StepFailure *failure)
 {
@@ -44,46 +44,9 @@ static PetscErrorCode StartConsistently(PetscReal t, PetscReal h, Coupled *c, St
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* From t over dt by steps of the TS, the first of length h; out: the last but for what was left. */
-static PetscErrorCode StepThrough(PetscReal t, PetscReal dt, PetscReal *h, Coupled *c,
-                                  StepFailure *failure)
-{
-  const PetscReal   end    = t + dt;
-  PetscReal         now    = t, next;
-  PetscInt          before = 0, after = 0;
-  TSConvergedReason reason = TS_CONVERGED_ITERATING;
-
-  PetscFunctionBegin;
-  PetscCall(
-      TSSetIJacobian(c->ts, c->saddle.A, c->flat ? c->flat : c->saddle.P, CoupledIJacobian, c));
-  PetscCall(TSSetSolution(c->ts, c->x));
-  PetscCall(TSSetTime(c->ts, t));
-  PetscCall(TSSetTimeStep(c->ts, *h));
-  PetscCall(TSRestartStep(c->ts));
-  PetscCall(TSGetKSPIterations(c->ts, &before));
-  while (end - now > 1e-10 * dt && !failure->code) {
-    PetscCall(TSSetConvergedReason(c->ts, TS_CONVERGED_ITERATING));
-    PetscCall(TSStep(c->ts));
-    PetscCall(TSGetConvergedReason(c->ts, &reason));
-    PetscCall(GuardCheck(c->ksp, &c->guard, failure));
-    if (reason < 0) {
-      FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
-                 "%s: the coupled TS %s ended with %s; try a smaller time step", c->guard.where,
-                 c->row->name, TSConvergedReasons[reason]);
-    }
-    PetscCall(TSGetTime(c->ts, &now));
-    PetscCall(TSGetTimeStep(c->ts, &next));
-    if (end - now > 1e-10 * dt) *h = next;
-    PetscCall(TSSetTimeStep(c->ts, PetscMin(next, PetscMax(end - now, 1e-10 * dt))));
-  }
-  PetscCall(TSGetKSPIterations(c->ts, &after));
-  c->iterations += after - before;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
-  From t over dt: one step of the TS, or as many as the error wants. Those begin with the last of the
-  clock's step before; in a run's first after one of dt/100 that makes the flow consistent.
+  From t over dt: one step of the TS, or as many as the error wants. Those begin with the last of
+  the clock's step before; in a run's first after one of dt/100 that makes the flow consistent.
 */
 static PetscErrorCode AdvanceInTime(PetscReal t, PetscReal dt, PetscReal *substep, Coupled *c,
                                     StepFailure *failure)
@@ -97,7 +60,12 @@ static PetscErrorCode AdvanceInTime(PetscReal t, PetscReal dt, PetscReal *subste
   } else if (c->row->substeps) {
     h = PetscMin(*substep, dt);
   }
-  PetscCall(StepThrough(t + started, dt - started, &h, c, failure));
+  PetscCall(
+      TSSetIJacobian(c->ts, c->saddle.A, c->flat ? c->flat : c->saddle.P, CoupledIJacobian, c));
+  PetscCall(TSSetSolution(c->ts, c->x));
+  PetscCall(TSRestartStep(c->ts));
+  PetscCall(TimeStepThrough(c->ts, c->row->name, c->ksp, &c->guard, t + started, dt - started, &h,
+                            &c->iterations, failure));
   if (c->row->substeps) *substep = h;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -151,8 +119,8 @@ static PetscErrorCode IteratePicard(const Clock *clock, Vec u[], Vec pressure, V
 }
 
 /*
-  Velocity and pressure at clock's t + dt, in place of the velocity where the step of length dt starts
-  and a guess at the pressure.
+  Velocity and pressure at clock's t + dt, in place of the velocity where the step of length dt
+  starts and a guess at the pressure.
 */
 static PetscErrorCode SolveSystem(const Scene *scene, const Clock *clock, const Particles *p,
                                   PetscReal dt, Operators *ops, Scheme *scheme)

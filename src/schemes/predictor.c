@@ -127,7 +127,7 @@ PetscErrorCode PredictorStart(const Scene *scene, const Clock *clock, const Part
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* PredictVelocity - u*: start value and length of the viscous step, its force, and the step; collective */
+/* PredictVelocity - u*: where the viscous step starts, its force, and the step; collective */
 PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, Particles *p, Operators *ops,
                                Scheme *scheme)
 {

@@ -20,7 +20,7 @@ struct Pressure {
 };
 
 /*
-  AmgDefaults - BoomerAMG as measured best for these matrices, where the user has it and says no more
+  AmgDefaults - BoomerAMG as measured best for these matrices, where the user says no more
 
   Collective on PETSC_COMM_WORLD. Input: aggressive - levels of aggressive coarsening, which pay for
   pressures and cost velocities twice the iterations.

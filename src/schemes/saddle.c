@@ -7,10 +7,10 @@
 
   The pressure's gradient G is one-sided at walls: n.grad p there follows from the momentum of the
   particles next to the wall. G and D see no mode of the grid's scale, as particles carry all
-  unknowns; C q = q less its own quadratic fit gives those modes to the continuity equation, where it
-  is a flux of order dx^4 (dx^3 beside walls) of smooth pressures, nothing for quadratic ones, with no
-  condition at walls and no time step in it. 1 1^T/N makes the mean of q the uniform source that no
-  velocity can answer; it is taken from the pressure afterwards.
+  unknowns; C q = q less its own quadratic fit gives those modes to the continuity equation, where
+  it is a flux of order dx^4 (dx^3 beside walls) of smooth pressures, nothing for quadratic ones,
+  with no condition at walls. 1 1^T/N makes the mean of q the uniform source that no velocity can
+  answer; it is taken from the pressure afterwards.
 */
 #include "saddle.h"
 
@@ -19,7 +19,7 @@ typedef struct {
   PetscInt rows, cols; /* 1 or dim */
 } Interlacing;
 
-/* A block of dim operators on the common pattern: component c in rows dim i + c, or columns dim j + c. */
+/* A block of operators on the common pattern: component c in rows dim i + c, or columns dim j + c. */
 static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, Interlacing by,
                                   PetscReal scale, const AffineOperator op[], Mat *block)
 {
@@ -152,8 +152,8 @@ PetscErrorCode SaddleFree(Saddle *s)
 /*
   SaddleFlatten - One sparse matrix from the blocks, for preconditioners that know no blocks
 
-  Collective. Its pressures gain 1e-6 q, without which their constant would make it singular. flat is
-  NULL, or one of the same blocks to be used again.
+  Collective. Its pressures gain 1e-6 q, without which their constant would make it singular. flat
+  is NULL, or one of the same blocks to be used again.
 */
 PetscErrorCode SaddleFlatten(Mat nest, Mat *flat)
 {

@@ -63,10 +63,12 @@ static PetscErrorCode SchemeRefuseCoupled(const Scene *scene, const Operators *o
             "-visc_laplacian %s: its matrix has eigenvalues of both signs, and -scheme coupled has "
             "no solver for it; use a form that is safe_implicit in -catalogue",
             ops->visc_form.row->name);
-  UserCheck(!ops->together,
-            "-scheme coupled: its viscosity is one matrix for each component, and %s couples them; "
-            "use -scheme projection",
-            SceneIsNewtonian(scene) ? ops->visc_form.row->name : "-rheology");
+  UserCheck(!ops->together && !SceneViscosityVaries(scene),
+            "-scheme coupled: it takes one viscosity, the same matrix for each component, and not "
+            "%s; use -scheme projection",
+            SceneViscosityVaries(scene) ? "fluids of several"
+            : SceneIsNewtonian(scene)   ? ops->visc_form.row->name
+                                        : "-rheology");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -11,7 +11,8 @@
 /*
   SchurApply_Mass - y = x: the creeping limit, where S is the mass matrix over the viscosity
 
-  Reference: H. C. Elman, D. J. Silvester, A. J. Wathen, Finite Elements and Fast Iterative Solvers (2014)
+  Reference: H. C. Elman, D. J. Silvester, A. J. Wathen, Finite Elements and Fast Iterative Solvers
+  (2014)
 */
 static PetscErrorCode SchurApply_Mass(Schur *s, Vec x, Vec y)
 {
@@ -36,8 +37,8 @@ static PetscErrorCode RemoveMean(Vec x)
 /*
   SchurApply_CahouetChabard - Any step: y = nu/sigma x + shift dx^2/sigma (-dx^2 lap)^-1 x
 
-  The Poisson equation is singular: both sides lose their mean. What the left null vector, which is not
-  constant, leaves in x would come back as a constant a million times as large.
+  The Poisson equation is singular: both sides lose their mean. What the left null vector, which is
+  not constant, leaves in x would come back as a constant a million times as large.
 
   Reference: J. Cahouet, J.-P. Chabard, Int. J. Numer. Meth. Fluids 8 (1988) 869-895
 */
@@ -79,7 +80,7 @@ static PetscErrorCode Schur_Apply(PC pc, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SchurAttach - Makes the preconditioner of the pressure this one, where it is a shell; collective */
+/* SchurAttach - Makes a shell that preconditions the pressure this one; collective */
 PetscErrorCode SchurAttach(PC fieldsplit, Schur *s)
 {
   KSP      *sub;
@@ -100,7 +101,7 @@ PetscErrorCode SchurAttach(PC fieldsplit, Schur *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SchurCreate - The KSP of its Poisson equation, where the row has one: one application of AMG; collective */
+/* SchurCreate - The KSP of its Poisson equation, if any: one application of AMG; collective */
 PetscErrorCode SchurCreate(Schur *s)
 {
   PC pc;
@@ -120,8 +121,8 @@ PetscErrorCode SchurCreate(Schur *s)
 /*
   SchurAssemble - What the approximation is made of, for new operators
 
-  Collective. Notes: the matrix that PETSc is told of is that of row mass, so that pc types other than
-  shell (-coupled_fieldsplit_pressure_pc_type jacobi) have one.
+  Collective. Notes: the matrix that PETSc is told of is that of row mass, so that pc types other
+  than shell (-coupled_fieldsplit_pressure_pc_type jacobi) have one.
 */
 PetscErrorCode SchurAssemble(const Particles *p, const Operators *ops, Schur *s)
 {

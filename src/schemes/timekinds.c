@@ -3,9 +3,9 @@
   cannot serve all: explicit types refuse an IFunction, and implicit ones take an RHSFunction beside
   it with the wrong Jacobian.
 */
-#include "isph/schemes.h"
+#include "viscosity.h"
 
-/* TimeOptionsRefuse - Ends the run where an option of a TS would take time from the clock; collective */
+/* TimeOptionsRefuse - Ends the run where an option of a TS would own time; collective */
 PetscErrorCode TimeOptionsRefuse(const char prefix[])
 {
   const char *const refused[][2] = {
@@ -20,6 +20,56 @@ PetscErrorCode TimeOptionsRefuse(const char prefix[])
     PetscCall(OptionGiven(option, &given));
     UserCheck(!given, "%s: time is the run's own; use %s", option, refused[k][1]);
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  TimeStepThrough - From t over dt by steps of a TS whose solution is set
+
+  Collective. One step, unless an adaptor takes several.
+
+  Input Parameters:
++ name - type of the TS, for messages
+- ksp  - of its solves, which the guard watches; NULL: none
+
+  Input/Output Parameters:
++ h          - the first step; the last but for what was left of dt [s]
+- iterations - of the KSP: gains those made
+
+  Output Parameter:
+. failure - set where the TS diverges, or no method reaches a small true residual
+*/
+PetscErrorCode TimeStepThrough(TS ts, const char name[], KSP ksp, Guard *guard, PetscReal t,
+                               PetscReal dt, PetscReal *h, PetscInt *iterations,
+                               StepFailure *failure)
+{
+  const PetscReal   end    = t + dt;
+  PetscReal         now    = t, next;
+  PetscInt          before = 0, after = 0;
+  TSConvergedReason reason = TS_CONVERGED_ITERATING;
+
+  PetscFunctionBegin;
+  PetscCall(TSSetTime(ts, t));
+  PetscCall(TSSetTimeStep(ts, *h));
+  PetscCall(TSGetKSPIterations(ts, &before));
+  while (end - now > 1e-10 * dt && !failure->code) {
+    PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_ITERATING));
+    PetscCall(TSStep(ts));
+    PetscCall(TSGetConvergedReason(ts, &reason));
+    if (ksp) PetscCall(GuardCheck(ksp, guard, failure));
+    if (ksp && guard->inner) PetscCall(IterationCheck(ts, guard->where, failure));
+    if (reason < 0) {
+      FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
+                 "%s: the %s TS %s ended with %s; try a smaller time step", guard->where,
+                 guard->what, name, TSConvergedReasons[reason]);
+    }
+    PetscCall(TSGetTime(ts, &now));
+    PetscCall(TSGetTimeStep(ts, &next));
+    if (end - now > 1e-10 * dt) *h = next;
+    PetscCall(TSSetTimeStep(ts, PetscMin(next, PetscMax(end - now, 1e-10 * dt))));
+  }
+  PetscCall(TSGetKSPIterations(ts, &after));
+  *iterations += after - before;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -192,37 +192,15 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
 static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t, PetscReal dt,
                                           Vec u, StepFailure *failure)
 {
-  const PetscReal   end        = t + dt;
-  PetscReal         now        = t, next;
-  PetscInt          its_before = 0, its_after = 0;
-  TSConvergedReason reason = TS_CONVERGED_ITERATING;
-  TS                ts     = v->ts[c];
+  PetscReal h = dt;
 
   PetscFunctionBegin;
-  PetscCall(TSSetSolution(ts, u));
-  PetscCall(TSSetTime(ts, t));
-  PetscCall(TSSetTimeStep(ts, dt));
+  PetscCall(TSSetSolution(v->ts[c], u));
   if (!v->row->multistep)
-    PetscCall(TSRestartStep(ts)); /* stages of the last step are of another flow */
-  PetscCall(TSGetKSPIterations(ts, &its_before));
+    PetscCall(TSRestartStep(v->ts[c])); /* stages of the last step are of another flow */
   if (v->nonlinear && v->ksp) PetscCall(IterationSetTolerance(v, t, u));
-  while (end - now > 1e-10 * dt && !failure->code) {
-    PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_ITERATING));
-    PetscCall(TSStep(ts));
-    PetscCall(TSGetConvergedReason(ts, &reason));
-    if (v->ksp) PetscCall(GuardCheck(v->ksp, &v->guard, failure));
-    if (v->ksp && v->nonlinear) PetscCall(IterationCheck(v, failure));
-    if (reason < 0) {
-      FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
-                 "%s: the viscous TS %s ended with %s; try a smaller time step", v->guard.where,
-                 v->row->name, TSConvergedReasons[reason]);
-    }
-    PetscCall(TSGetTime(ts, &now));
-    PetscCall(TSGetTimeStep(ts, &next));
-    PetscCall(TSSetTimeStep(ts, PetscMin(next, PetscMax(end - now, 1e-10 * dt))));
-  }
-  PetscCall(TSGetKSPIterations(ts, &its_after));
-  v->iterations += its_after - its_before;
+  PetscCall(TimeStepThrough(v->ts[c], v->row->name, v->ksp, &v->guard, t, dt, &h, &v->iterations,
+                            failure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

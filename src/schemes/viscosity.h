@@ -37,7 +37,7 @@ struct Viscosity {
 
 PetscErrorCode IterationChoose(SNES snes);
 PetscErrorCode IterationSetTolerance(Viscosity *visc, PetscReal t, Vec u);
-PetscErrorCode IterationCheck(Viscosity *visc, StepFailure *failure);
+PetscErrorCode IterationCheck(TS ts, const char where[], StepFailure *failure);
 PetscErrorCode ViscosityScale(Viscosity *visc, PetscReal t, Vec u, Vec force, PetscReal *scale);
 PetscErrorCode ViscosityIFunction(TS ts, PetscReal t, Vec u, Vec udot, Vec f, void *ctx);
 PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal shift, Mat J,
