@@ -6,12 +6,25 @@
 
 static PetscErrorCode OperatorsChooseLaplacian(PetscOptionItems *PetscOptionsObject,
                                                const char option[], const char text[],
+                                               const char           standard[],
                                                const CorrectionRow *correction, LaplacianForm *form)
 {
   PetscFunctionBegin;
-  PetscCall(TableSelect(&LaplacianTable, option, text, "mls", &form->row));
+  PetscCall(TableSelect(&LaplacianTable, option, text, standard, &form->row));
   if (form->row->corrections & correction->bit) form->correction = correction;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  mls, but the whole stress where the viscosity is not the same everywhere and the flow not as simple as a
+  channel's, which has no pressure: what turns beside another viscosity is wrong by tens of per cent in lap u.
+*/
+static const char *DefaultLaplacian(const Scene *scene)
+{
+  const PetscBool one =
+      !SceneViscosityVaries(scene) && SceneIsNewtonian(scene) ? PETSC_TRUE : PETSC_FALSE;
+
+  return one || !SceneHas(scene, PHYSICS_PRESSURE) ? "mls" : "stress_mls";
 }
 
 /* The Laplacians that the physics needs; one correction for both, where they can take it. */
@@ -26,7 +39,8 @@ static PetscErrorCode OperatorsChooseLaplacians(PetscOptionItems *PetscOptionsOb
                         &correction));
   if (SceneHas(scene, PHYSICS_VISCOSITY)) {
     PetscCall(OperatorsChooseLaplacian(PetscOptionsObject, "-visc_laplacian",
-                                       "Form of the viscous term", correction, &ops->visc_form));
+                                       "Form of the viscous term", DefaultLaplacian(scene),
+                                       correction, &ops->visc_form));
     UserCheck(!SceneViscosityVaries(scene) || LaplacianIs(&ops->visc_form, FORM_VARYING),
               "-visc_laplacian %s: it cannot take a viscosity that varies; use a form that has "
               "varying_viscosity in -catalogue, such as mls or schwaiger",
@@ -34,7 +48,7 @@ static PetscErrorCode OperatorsChooseLaplacians(PetscOptionItems *PetscOptionsOb
   }
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
     PetscCall(OperatorsChooseLaplacian(PetscOptionsObject, "-ppe_laplacian",
-                                       "Form of the pressure Poisson equation", correction,
+                                       "Form of the pressure Poisson equation", "mls", correction,
                                        &ops->ppe_form));
     UserCheck(LaplacianIs(&ops->ppe_form, FORM_SAFE_IMPLICIT),
               "-ppe_laplacian %s: its matrix has eigenvalues of both signs, so no pressure can be "
