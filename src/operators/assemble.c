@@ -4,6 +4,7 @@
 */
 #include "close.h"
 #include "extension.h"
+#include "rows.h"
 
 /* Everything row functions may ask of the neighbourhood of own fluid particle i. */
 static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neighbors *nb,
@@ -104,6 +105,11 @@ static PetscErrorCode AssembleRow(const Scene *scene, Stencil *st, PetscInt diag
     for (PetscInt a = 0; a < st->dim; a++)
       CloseRow_Value(st, ops, diagonal, ops->g[a], &ops->grad_u[a]);
   }
+  if (ops->rough.needed) {
+    PetscCall(SmoothingRow(st, st->self[0] / SceneVolume(scene), ops->w));
+    for (PetscInt k = 0; k < st->n; k++) ops->w[k] *= ops->velocity_filter;
+    CloseRow_Value(st, ops, diagonal, ops->w, &ops->rough);
+  }
   if (ops->ppe.needed) {
     PetscCall(CloseRows_Pressure(scene, st, diagonal, ops));
     PetscCall(CloseRows_Divergence(st, diagonal, ops));
@@ -114,11 +120,12 @@ static PetscErrorCode AssembleRow(const Scene *scene, Stencil *st, PetscInt diag
 /* The operators that the run needs; returns how many. */
 static PetscInt NeededOperators(Operators *ops, PetscInt dim, AffineOperator *needed[])
 {
-  AffineOperator *all[2 + 3 * ISPH_MAX_DIM];
+  AffineOperator *all[3 + 3 * ISPH_MAX_DIM];
   PetscInt        n = 0, count = 0;
 
   all[n++] = &ops->visc;
   all[n++] = &ops->ppe;
+  all[n++] = &ops->rough;
   for (PetscInt a = 0; a < dim; a++) {
     all[n++] = &ops->grad_u[a];
     all[n++] = &ops->grad_p[a];
@@ -222,7 +229,7 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
                                  Operators *ops, PetscBool *changed)
 {
   Stencil        *st = ops->stencil;
-  AffineOperator *needed[2 + 3 * ISPH_MAX_DIM];
+  AffineOperator *needed[3 + 3 * ISPH_MAX_DIM];
   const PetscInt  count = NeededOperators(ops, scene->dim, needed);
 
   PetscFunctionBegin;

@@ -116,6 +116,8 @@ static PetscReal DefaultSmoothing(const Scene *scene)
 . -correction name     - of the kernel that these Laplacians read
 . -gradient name       - form of gradients and divergences
 . -wall name           - wall treatment
+. -velocity_filter S   - strength of the filter of velocities that change from particle to particle, for
+                         ConvectionApply() and ParticlesMove()
 - -wall_surface        - a layer of particles on the walls before the layers behind them; by default with bodies
 
   Errors: forms that need particles behind walls are refused with a treatment that has none,
@@ -138,6 +140,12 @@ PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
     PetscCall(TableSelect(&GradientTable, "-gradient", "Form of gradients and divergences", "mls",
                           &ops->gradient));
   }
+  if (SceneHas(scene, PHYSICS_CONVECTION)) {
+    ops->velocity_filter = 1.0;
+    PetscCall(OptionReal("-velocity_filter",
+                         "Strength of the grid-scale filter of velocities; 0: off [-]", 0.0, 1.0,
+                         &ops->velocity_filter, NULL));
+  }
   if (SceneHas(scene, PHYSICS_WALLS))
     PetscCall(OperatorsChooseWall(PetscOptionsObject, scene, ops));
   PetscOptionsEnd();
@@ -148,8 +156,9 @@ PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
         PetscMax(ops->radius, ops->wall->radii * ops->radius + ops->wall->spacings * scene->dx);
     ops->visc_form.extended = PETSC_TRUE;
   }
-  ops->visc.needed = SceneHas(scene, PHYSICS_VISCOSITY);
-  ops->ppe.needed  = SceneHas(scene, PHYSICS_PRESSURE);
+  ops->visc.needed  = SceneHas(scene, PHYSICS_VISCOSITY);
+  ops->rough.needed = ops->velocity_filter > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  ops->ppe.needed   = SceneHas(scene, PHYSICS_PRESSURE);
   for (PetscInt a = 0; a < scene->dim; a++) {
     ops->grad_p[a].needed = ops->div[a].needed = SceneHas(scene, PHYSICS_PRESSURE);
     ops->grad_u[a].needed                      = SceneHas(scene, PHYSICS_CONVECTION);
@@ -179,6 +188,7 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   if (!ops) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(AffineFree(&ops->visc));
   PetscCall(AffineFree(&ops->ppe));
+  PetscCall(AffineFree(&ops->rough));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     PetscCall(AffineFree(&ops->grad_p[a]));
     PetscCall(AffineFree(&ops->grad_u[a]));

@@ -7,6 +7,7 @@
 PetscErrorCode LaplacianRow_FatehiManzari(Stencil *stencil, PetscReal w[]);
 PetscErrorCode LaplacianRow_Mls(Stencil *stencil, PetscReal w[]);
 PetscErrorCode LaplacianRow_Mls3(Stencil *stencil, PetscReal w[]);
+PetscErrorCode SmoothingRow(Stencil *stencil, PetscReal own, PetscReal w[]);
 PetscErrorCode GradientRow_Mls(Stencil *stencil, PetscReal *g[]);
 PetscErrorCode DivergenceFit_Mls(Stencil *stencil, PetscReal *d[], PetscReal m[]);
 void           CorrectKernel_FirstOrder(Stencil *stencil, PetscReal dW[], PetscReal ddW[]);

@@ -167,6 +167,7 @@ static const char *const OwnNames[] = {
     "ppe_laplacian",
     "ppe_alpha",
     "ppe_filter",
+    "velocity_filter",
     "gradient",
     "wall",
     "wall_surface",

@@ -61,7 +61,7 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
                         "projection", &s->row));
   PetscCall(OptionInt("-time_order", "Order of the time integration", 1, 2, &s->time_order, NULL));
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
-    s->filter = 0.1;
+    s->filter = 0.02;
     PetscCall(TableSelect(&ProjectionTable, "-projection",
                           "How the pressure follows from its increment", "rotational",
                           &s->projection));

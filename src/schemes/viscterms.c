@@ -29,12 +29,12 @@ static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, 
 static PetscErrorCode ConvectiveTerm(Viscosity *v, PetscInt c, Vec u, Vec f)
 {
   PetscFunctionBegin;
-  PetscCall(VecCopy(v->force[c], f));
-  for (PetscInt a = 0; v->advecting && a < v->dim; a++) {
-    PetscCall(AffineApply(&v->ops->grad_u[a], u, v->ops->wall_u[c], v->gradient));
-    PetscCall(VecPointwiseMult(v->gradient, v->gradient, v->advecting[a]));
-    PetscCall(VecAXPY(f, -1.0, v->gradient));
+  if (!v->advecting) {
+    PetscCall(VecCopy(v->force[c], f));
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
+  PetscCall(ConvectionApply(v->scene, v->ops, v->advecting, u, v->ops->wall_u[c], v->gradient, f));
+  PetscCall(VecAYPX(f, -1.0, v->force[c]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
