@@ -4,12 +4,12 @@
 /*
   ConvectionApply - What the flow v carries past fixed particles
 
-    (v.grad u)_i - S |v_i|/dx (fit - u)_i
+    (v.grad u)_i - S max(0, |v_i|/dx - 2 nu/dx^2) (fit - u)_i
 
   Collective. The second term is what upwind-biased differences have over central ones: it takes what
   changes from one particle to the next in the time the flow passes dx, and is of second order, U dx^2 u''',
   on any cloud (third order on lattices). Without it (-velocity_filter 0) explicit steps of the first
-  term alone feed the grid scale wherever viscosity does not damp it, U dx/nu > 2.
+  term alone feed the grid scale where viscosity does not damp it, and only there it acts: |v| dx/nu > 2.
 
   Input Parameters:
 + v     - advecting velocity over fluid [m/s]
@@ -23,6 +23,7 @@ PetscErrorCode ConvectionApply(const Scene *scene, const Operators *ops, const V
                                Vec walls, Vec work, Vec result)
 {
   const PetscScalar *at[ISPH_MAX_DIM];
+  const PetscReal    nu = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu : 0.0;
   PetscScalar       *rough, *sum;
   PetscInt           n;
 
@@ -43,7 +44,7 @@ PetscErrorCode ConvectionApply(const Scene *scene, const Operators *ops, const V
     PetscReal speed2 = 0.0;
 
     for (PetscInt a = 0; a < scene->dim; a++) speed2 += PetscSqr(at[a][i]);
-    sum[i] -= PetscSqrtReal(speed2) / scene->dx * rough[i];
+    sum[i] -= PetscMax(0.0, PetscSqrtReal(speed2) - 2.0 * nu / scene->dx) / scene->dx * rough[i];
   }
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(v[a], &at[a]));
   PetscCall(VecRestoreArray(result, &sum));
