@@ -46,8 +46,8 @@ static PetscErrorCode VelocityCorrect(const Scene *scene, const Operators *ops, 
   p = [p^n] + phi [- mu div u*], then p += S dx^2 lap p, which takes grid-scale modes that no
   projection on one set of points sees and leaves smooth pressure to second order; its mean is the
   gauge. What p gains so leaves a divergence (k/rho) S dx^2 lap lap p, so S is as small as it can be:
-  with 0.1 u_min at Re = 1, nu dt/dx^2 = 2 is 1.1 % too small, with 0.02 0.1 %, and fixed particles at
-  Re = 1000, n = 50 have 11 and 0.6 % too much energy at t = 5.
+  with 0.1 u_min at Re = 1, nu dt/dx^2 = 2 is 1.1 % too small, with 0.02 0.1 %, and the cavity at
+  Re = 10,000, n = 100 has 10 and 6 % too little energy at t = 2.
 */
 static PetscErrorCode PressureUpdate(const Scene *scene, const Particles *p, Operators *ops,
                                      const Scheme *scheme)
