@@ -103,9 +103,10 @@ PetscErrorCode CavityJudge(const Flow *flow, Report *report)
     PetscCall(CentrelineProfile(flow, 0, 1, r->v_file, "v_profile_l2", report));
   }
   PetscCall(ReferenceEnergy(flow,
-                            PetscAbsReal(reynolds - 100.0) < 0.1    ? "cavity_re100_ke.csv"
-                            : PetscAbsReal(reynolds - 1000.0) < 0.1 ? "cavity_re1000_ke.csv"
-                                                                    : NULL,
+                            PetscAbsReal(reynolds - 100.0) < 0.1     ? "cavity_re100_ke.csv"
+                            : PetscAbsReal(reynolds - 1000.0) < 0.1  ? "cavity_re1000_ke.csv"
+                            : PetscAbsReal(reynolds - 10000.0) < 1.0 ? "cavity_re10000_ke.csv"
+                                                                     : NULL,
                             &energy));
   PetscCall(JudgeCommon(flow, energy, report));
   PetscFunctionReturn(PETSC_SUCCESS);

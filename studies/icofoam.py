@@ -16,7 +16,7 @@ FILES = {  # path: (class, text), the fields of str.format in single braces
     "system/blockMeshDict": ("dictionary", """
 scale 1;
 vertices ((0 0 0) (1 0 0) (1 1 0) (0 1 0) (0 0 {dx}) (1 0 {dx}) (1 1 {dx}) (0 1 {dx}));
-blocks (hex (0 1 2 3 4 5 6 7) ({n} {n} 1) simpleGrading (1 1 1));
+blocks (hex (0 1 2 3 4 5 6 7) ({n} {n} 1) simpleGrading ({grading} {grading} 1));
 boundary
 (
   lid {{ type wall; faces ((3 7 6 2)); }}
@@ -26,7 +26,7 @@ boundary
 """),
     "system/controlDict": ("dictionary", """
 application icoFoam; startFrom startTime; startTime 0; stopAt endTime; endTime {t_end}; deltaT {dt};
-writeControl timeStep; writeInterval {steps}; writeFormat ascii; writePrecision 12; timePrecision 12;
+writeControl timeStep; writeInterval {interval}; writeFormat ascii; writePrecision 12; timePrecision 12;
 runTimeModifiable false;
 """),
     "system/fvSchemes": ("dictionary", """
@@ -88,18 +88,31 @@ def write_files(folder, files, **values):
             file.write((HEAD + text).format(kind=kind, name=os.path.basename(path), **values))
 
 
-def write_case(folder, reynolds, n, t_end, courant, tolerance="1e-6"):
-    """Writes the case for steps of at most courant dx/U and linear solvers that stop at a residual; returns (dt, steps)."""
-    steps = math.ceil(t_end * n / courant - 1e-9)
-    write_files(folder, FILES, n=n, dx=1 / n, nu=1 / reynolds, t_end=f"{t_end:g}", steps=steps,
-                dt=f"{t_end / steps:.15g}", tolerance=tolerance)
+def write_case(folder, reynolds, n, t_end, courant, tolerance="1e-6", writes=1, ratio=1):
+    """Writes the case for steps of at most courant dx/U and linear solvers that stop at a residual; the velocity is written
+    so many times, and cells grow by a ratio from walls to the middle. Returns (dt, steps)."""
+    steps = math.ceil(t_end * n / courant / writes - 1e-9) * writes
+    write_files(folder, FILES, n=n, dx=1 / n, nu=1 / reynolds, t_end=f"{t_end:g}", interval=steps // writes,
+                dt=f"{t_end / steps:.15g}", tolerance=tolerance,
+                grading=1 if ratio == 1 else f"((0.5 0.5 {ratio})(0.5 0.5 {1 / ratio}))")
     return t_end / steps, steps
 
 
-def read_velocity(folder, n):
-    """u[k, j, i] and v[k, j, i] of the cell in column i, row j and layer k at the end."""
-    times = [name for name in os.listdir(folder) if re.fullmatch(r"[0-9.e+-]+", name)]
-    with open(os.path.join(folder, max(times, key=float), "U")) as file:
+def cell_sizes(n, ratio):
+    """Of write_case, along an axis."""
+    half = float(ratio) ** (np.arange(n // 2) / (n // 2 - 1))
+    half *= 0.5 / half.sum()
+    return np.concatenate([half, half[::-1]])
+
+
+def times(folder):
+    """Names of the times at which the velocity was written, ascending, the start left out."""
+    return sorted((name for name in os.listdir(folder) if re.fullmatch(r"[0-9.e+-]+", name) and name != "0"), key=float)
+
+
+def read_velocity(folder, n, time=None):
+    """u[k, j, i] and v[k, j, i] of the cell in column i, row j and layer k at a time, by default at the end."""
+    with open(os.path.join(folder, time or times(folder)[-1], "U")) as file:
         block = re.search(r"nonuniform List<vector>\s*(\d+)\s*\((.*?)\n\)", file.read(), re.DOTALL)
     if not block or int(block[1]) % (n * n):
         raise ValueError(f"no velocity of layers of {n * n} cells")

@@ -111,7 +111,7 @@ PetscErrorCode CloudCreate(const CloudBox *box, const char options[], Cloud *clo
   PetscFunctionBegin;
   PetscCall(CloudOperators(box, options, cloud));
   cloud->ops->need_concentration = PETSC_TRUE;
-  cloud->ops->one_sided = cloud->ops->rough.needed = box->one_sided;
+  cloud->ops->one_sided = cloud->ops->rough_p.needed = box->one_sided;
   PetscCall(OperatorsPlacement(&cloud->scene, cloud->ops, &walls));
   PetscCall(ParticlesCreate(&cloud->scene, walls, cloud->ops->reach, NULL, &cloud->particles));
   PetscCall(NeighborsCreate(cloud->ops->radius, &cloud->neighbors));

@@ -31,7 +31,7 @@ static void CheckQuadratics(const char *where, const Cloud *cloud)
       ASSERT_OK(CloudError(cloud, cloud->y, &exact, PETSC_FALSE, &error));
       CloudAssertNone("grad p", where, error * dx > 1e-9);
     }
-    ASSERT_OK(AffineApply(&cloud->ops->rough, cloud->f[0], cloud->e, cloud->y));
+    ASSERT_OK(AffineApply(&cloud->ops->rough_p, cloud->f[0], cloud->e, cloud->y));
     ASSERT_OK(CloudError(cloud, cloud->y, &zero, PETSC_FALSE, &error));
     CloudAssertNone("roughness", where, error > 1e-10);
   }

@@ -175,11 +175,12 @@ typedef struct {
   const KernelRow   *kernel;
   LaplacianForm      visc_form, ppe_form;
   const GradientRow *gradient;
-  const WallRow     *wall;         /* NULL: no walls */
-  PetscBool          wall_surface; /* particles on the walls' surface before the dummies */
-  PetscReal          h;            /* smoothing length [m] */
-  PetscReal          radius;       /* of the kernel's support [m] */
-  PetscReal          reach;        /* how far from a particle assembly looks, for the halo [m] */
+  const WallRow     *wall;            /* NULL: no walls */
+  PetscBool          wall_surface;    /* particles on the walls' surface before the dummies */
+  PetscReal          h;               /* smoothing length [m] */
+  PetscReal          radius;          /* of the kernel's support [m] */
+  PetscReal          velocity_filter; /* strength of the grid-scale filter of velocities [-] */
+  PetscReal          reach;           /* how far from a particle assembly looks, for the halo [m] */
 
   AffineOperator visc;       /* lap u, or div(nu grad u)/scene->nu [m^-2]; wall data: u_wall,c */
   PetscBool      visc_plain; /* it is lap u */
@@ -188,7 +189,8 @@ typedef struct {
   AffineOperator grad_p[ISPH_MAX_DIM]; /* dp/dx_a; wall data: n.grad p */
   AffineOperator grad_u[ISPH_MAX_DIM]; /* du_c/dx_a; wall data: u_wall,c */
   AffineOperator div[ISPH_MAX_DIM];    /* (D u)_i = sum_c div[c] u_c; wall data: u_wall,c */
-  AffineOperator rough;                /* p less its quadratic fit [-]; no wall data */
+  AffineOperator rough_u;              /* u_c less its quadratic fit [-]; wall data: u_wall,c */
+  AffineOperator rough_p;              /* p less its quadratic fit [-]; no wall data */
   PetscBool      one_sided;            /* grad_p sees no walls, for want of n.grad p there */
   PetscBool      need_concentration;
   PetscReal     *concentration;            /* C_i = sum_j V_j W_ij, without walls' deficit [-] */

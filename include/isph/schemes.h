@@ -96,6 +96,9 @@ PetscInt      *ViscosityFalls(Viscosity *visc);
 const char    *ViscosityNote(const Viscosity *visc);
 PetscInt       ViscosityIterations(const Viscosity *visc); /* of the last solve, all components */
 
+PetscErrorCode ConvectionApply(const Scene *scene, const Operators *ops, const Vec v[], Vec u,
+                               Vec walls, Vec work, Vec result);
+
 typedef struct Pressure Pressure;
 PetscErrorCode          PressureCreate(const Operators *ops, Pressure **ppe);
 PetscErrorCode          PressureDestroy(Pressure **ppe);

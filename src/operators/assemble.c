@@ -4,8 +4,9 @@
 */
 #include "close.h"
 #include "extension.h"
+#include "rows.h"
 
-#define OPERATORS_MAX (3 + 3 * ISPH_MAX_DIM)
+#define OPERATORS_MAX (4 + 3 * ISPH_MAX_DIM)
 
 /* Everything row functions may ask of the neighbourhood of own fluid particle i. */
 static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neighbors *nb,
@@ -108,6 +109,10 @@ static PetscErrorCode AssembleRow(const Scene *scene, const Particles *p, Stenci
     for (PetscInt a = 0; a < st->dim; a++)
       CloseRow_Value(st, ops, diagonal, ops->g[a], &ops->grad_u[a]);
   }
+  if (ops->rough_u.needed) {
+    PetscCall(RoughRow_Mls(st, st->self[0] / SceneVolume(scene), ops->w));
+    CloseRow_Value(st, ops, diagonal, ops->w, &ops->rough_u);
+  }
   if (ops->ppe.needed) {
     PetscCall(CloseRows_Pressure(scene, st, diagonal, ops));
     if (ops->one_sided) PetscCall(CloseRows_OneSided(scene, st, diagonal, ops));
@@ -124,7 +129,8 @@ static PetscInt NeededOperators(Operators *ops, PetscInt dim, AffineOperator *ne
 
   all[n++] = &ops->visc;
   all[n++] = &ops->ppe;
-  all[n++] = &ops->rough;
+  all[n++] = &ops->rough_u;
+  all[n++] = &ops->rough_p;
   for (PetscInt a = 0; a < dim; a++) {
     all[n++] = &ops->grad_u[a];
     all[n++] = &ops->grad_p[a];

@@ -217,8 +217,8 @@ PetscErrorCode CloseRows_OneSided(const Scene *scene, Stencil *st, PetscInt diag
   for (PetscInt a = 0; a < st->dim; a++)
     CloseRow_Slope(st, ops, diagonal, 1.0, ops->g[a], &ops->grad_p[a]);
   PetscCall(RoughRow_Mls(st, st->self[0] / SceneVolume(scene), ops->w));
-  CloseRow_Slope(st, ops, diagonal, 1.0, ops->w, &ops->rough);
-  if (st->n == st->n_wall) ops->rough.a[diagonal] = 1.0;
+  CloseRow_Slope(st, ops, diagonal, 1.0, ops->w, &ops->rough_p);
+  if (st->n == st->n_wall) ops->rough_p.a[diagonal] = 1.0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -156,6 +156,7 @@ PetscErrorCode ExtendWalls(const Scene *scene, const Particles *p, const Neighbo
   PetscCall(EntriesMat(p, &list, &E));
   PetscCall(ExtendOperator(E, list.S, &ops->visc));
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(ExtendOperator(E, list.S, &ops->grad_u[a]));
+  PetscCall(ExtendOperator(E, list.S, &ops->rough_u));
   ops->stencil->weak += ext.weak;
   PetscCall(MatDestroy(&E));
   PetscCall(VecDestroy(&list.S));

@@ -159,6 +159,8 @@ static PetscErrorCode OperatorsJoinComponents(const Scene *scene, Operators *ops
 . -correction name     - of the kernel that these Laplacians read
 . -gradient name       - form of gradients and divergences
 . -wall name           - wall treatment
+. -velocity_filter S   - strength of the filter of velocities that change from particle to particle, for
+                         ConvectionApply() and ParticlesMove()
 - -wall_surface        - a layer of particles on the walls before the layers behind them; by default with bodies
 
   Errors: forms that need particles behind walls are refused with a treatment that has none,
@@ -182,6 +184,12 @@ PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
     PetscCall(TableSelect(&GradientTable, "-gradient", "Form of gradients and divergences", "mls",
                           &ops->gradient));
   }
+  if (SceneHas(scene, PHYSICS_CONVECTION)) {
+    ops->velocity_filter = 1.0;
+    PetscCall(OptionReal("-velocity_filter",
+                         "Strength of the grid-scale filter of velocities; 0: off [-]", 0.0, 1.0,
+                         &ops->velocity_filter, NULL));
+  }
   if (SceneHas(scene, PHYSICS_WALLS))
     PetscCall(OperatorsChooseWall(PetscOptionsObject, scene, ops));
   PetscOptionsEnd();
@@ -192,12 +200,14 @@ PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
         PetscMax(ops->radius, ops->wall->radii * ops->radius + ops->wall->spacings * scene->dx);
     ops->visc_form.extended = PETSC_TRUE;
   }
-  ops->visc.needed = SceneHas(scene, PHYSICS_VISCOSITY);
-  ops->ppe.needed  = SceneHas(scene, PHYSICS_PRESSURE);
+  ops->visc.needed    = SceneHas(scene, PHYSICS_VISCOSITY);
+  ops->rough_u.needed = ops->velocity_filter > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  ops->ppe.needed     = SceneHas(scene, PHYSICS_PRESSURE);
   for (PetscInt a = 0; a < scene->dim; a++) {
     ops->grad_p[a].needed = ops->div[a].needed = SceneHas(scene, PHYSICS_PRESSURE);
     ops->grad_u[a].needed = SceneHas(scene, PHYSICS_CONVECTION) || !SceneIsNewtonian(scene);
-    ops->grad_p[a].width = ops->grad_u[a].width = ops->div[a].width = ops->rough.width = 1;
+    ops->grad_p[a].width = ops->grad_u[a].width = ops->div[a].width = ops->rough_u.width =
+        ops->rough_p.width                                          = 1;
   }
   PetscCall(OperatorsJoinComponents(scene, ops));
   PetscCall(StencilCreate(scene->dim, ops->radius, 0.5 * ops->radius, &ops->stencil));
@@ -225,7 +235,8 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   if (!ops) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(AffineFree(&ops->visc));
   PetscCall(AffineFree(&ops->ppe));
-  PetscCall(AffineFree(&ops->rough));
+  PetscCall(AffineFree(&ops->rough_u));
+  PetscCall(AffineFree(&ops->rough_p));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     PetscCall(AffineFree(&ops->grad_p[a]));
     PetscCall(AffineFree(&ops->grad_u[a]));

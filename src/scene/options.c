@@ -168,6 +168,7 @@ static const char *const OwnNames[] = {
     "ppe_laplacian",
     "ppe_alpha",
     "ppe_filter",
+    "velocity_filter",
     "coupled_schur",
     "coupled_pc_fieldsplit_schur_fact_type",
     "coupled_pc_fieldsplit_schur_precondition",

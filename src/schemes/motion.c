@@ -4,6 +4,8 @@
 */
 #include "projection.h"
 
+#define FILTER_RATE 2.0 /* over |A A|^(1/2) [-] */
+
 /* Keeps a displaced position 0.3 dx off every wall; mends x. */
 static void KeepOffWalls(const Scene *scene, PetscReal x[])
 {
@@ -20,13 +22,15 @@ static void KeepOffWalls(const Scene *scene, PetscReal x[])
 }
 
 /*
-  Derivatives at the old positions for the Taylor series: grad p always; grad u and, where it
-  is at hand, lap u where there is shifting. Arrays are NULL where a derivative is not needed.
+  What changes fields, at the old positions: grad p always; grad u and, where it is at hand, lap u where
+  there is shifting; grad u and u less its fit where velocities are filtered. Arrays are NULL where they
+  are not needed.
 */
 typedef struct {
   const PetscScalar *p[ISPH_MAX_DIM];               /* dp/dx_a */
   const PetscScalar *u[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* du_c/dx_a at [c][a] */
   const PetscScalar *lap[ISPH_MAX_DIM];             /* lap u_c */
+  const PetscScalar *rough[ISPH_MAX_DIM];           /* u_c - fit */
 } Slopes;
 
 static PetscErrorCode SlopesGet(const Scene *scene, const Operators *ops, PetscBool shifting,
@@ -39,13 +43,17 @@ static PetscErrorCode SlopesGet(const Scene *scene, const Operators *ops, PetscB
       PetscCall(AffineApply(&ops->grad_p[a], pr->p, ops->wall_slope, pr->force[a]));
       PetscCall(VecGetArrayRead(pr->force[a], &slopes->p[a]));
     }
-    for (PetscInt c = 0; shifting && c < scene->dim; c++) {
+    for (PetscInt c = 0; (shifting || ops->rough_u.needed) && c < scene->dim; c++) {
       PetscCall(AffineApply(&ops->grad_u[a], pr->u[c], ops->wall_u[c], pr->velocity_slope[c][a]));
       PetscCall(VecGetArrayRead(pr->velocity_slope[c][a], &slopes->u[c][a]));
     }
     if (shifting && ops->visc.needed && ops->visc_plain) {
       PetscCall(AffineApply(&ops->visc, pr->u[a], ops->wall_u[a], pr->star[a]));
       PetscCall(VecGetArrayRead(pr->star[a], &slopes->lap[a]));
+    }
+    if (ops->rough_u.needed) {
+      PetscCall(AffineApply(&ops->rough_u, pr->u[a], ops->wall_u[a], pr->rough[a]));
+      PetscCall(VecGetArrayRead(pr->rough[a], &slopes->rough[a]));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -61,6 +69,7 @@ static PetscErrorCode SlopesRestore(const Scene *scene, Projection *pr, Slopes *
         PetscCall(VecRestoreArrayRead(pr->velocity_slope[c][a], &slopes->u[c][a]));
     }
     if (slopes->lap[a]) PetscCall(VecRestoreArrayRead(pr->star[a], &slopes->lap[a]));
+    if (slopes->rough[a]) PetscCall(VecRestoreArrayRead(pr->rough[a], &slopes->rough[a]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -96,6 +105,32 @@ static void FollowShift(const Scene *scene, const Slopes *slopes, PetscInt i,
     change[c] = slopes->lap[c] ? 0.5 * length2 / scene->dim * slopes->lap[c][i] : 0.0;
     for (PetscInt a = 0; a < scene->dim; a++) change[c] += shift[a] * slopes->u[c][a][i];
   }
+}
+
+/*
+  Takes from particle i's velocity what changes from one particle to the next,
+
+    u -= S min(1, RATE dt |A A|^(1/2)) (u - fit),   A_ca = du_c/dx_a,   |.| Frobenius' norm
+
+  |A A|^(1/2) is the rate at which the flow can feed disturbances: the eigenvalues of A in strain and
+  rotation, nothing in parallel flow however sheared, so that boundary layers as thin as dx are left
+  alone. Where the flow is resolved that is U/L, and the filter of third order.
+*/
+static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i, PetscReal strength,
+                           PetscReal dt, PetscReal change[])
+{
+  PetscReal square = 0.0, share;
+
+  for (PetscInt c = 0; c < scene->dim; c++) {
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      PetscReal entry = 0.0;
+
+      for (PetscInt b = 0; b < scene->dim; b++) entry += slopes->u[c][b][i] * slopes->u[b][a][i];
+      square += PetscSqr(entry);
+    }
+  }
+  share = strength * PetscMin(1.0, FILTER_RATE * dt * PetscSqrtReal(PetscSqrtReal(square)));
+  for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * slopes->rough[c][i];
 }
 
 /* A particle that flew further than is allowed makes the step a failed one. Collective. */
@@ -152,6 +187,8 @@ PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *
     KeepOffWalls(scene, x);
     for (PetscInt a = 0; a < scene->dim; a++) shift[a] = x[a] - p->x[a][i] - flown[a];
     if (shifting) FollowShift(scene, &slopes, i, shift, change);
+    if (ops->rough_u.needed)
+      FilterVelocity(scene, &slopes, i, ops->velocity_filter, clock->dt, change);
     moved2 = PetscIsNanReal(d2) ? PETSC_INFINITY : PetscMax(moved2, d2);
     for (PetscInt a = 0; a < scene->dim; a++) {
       if (p->p) p->p[i] += (x[a] - p->x[a][i]) * slopes.p[a][i];

@@ -22,12 +22,7 @@ static PetscErrorCode AddConvection(const Scene *scene, const Clock *clock, cons
       PetscCall(VecAXPBY(pr->conv[c], -w, 1.0 + w, pr->u_prev[c]));
       continue;
     }
-    PetscCall(VecZeroEntries(pr->conv[c]));
-    for (PetscInt a = 0; a < scene->dim; a++) {
-      PetscCall(AffineApply(&ops->grad_u[a], pr->u[c], ops->wall_u[c], pr->work));
-      PetscCall(VecPointwiseMult(pr->work, pr->work, pr->u[a]));
-      PetscCall(VecAXPY(pr->conv[c], 1.0, pr->work));
-    }
+    PetscCall(ConvectionApply(scene, ops, pr->u, pr->u[c], ops->wall_u[c], pr->work, pr->conv[c]));
     PetscCall(VecAXPY(pr->force[c], -(1.0 + w), pr->conv[c]));
     PetscCall(VecAXPY(pr->force[c], w, pr->conv_prev[c]));
     PetscCall(VecCopy(pr->conv[c], pr->conv_prev[c]));

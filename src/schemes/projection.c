@@ -74,6 +74,7 @@ static PetscErrorCode ProjectionFree(Projection *pr)
     PetscCall(VecDestroy(&pr->star[a]));
     PetscCall(VecDestroy(&pr->force[a]));
     PetscCall(VecDestroy(&pr->conv[a]));
+    PetscCall(VecDestroy(&pr->rough[a]));
     for (PetscInt c = 0; c < ISPH_MAX_DIM; c++) PetscCall(VecDestroy(&pr->velocity_slope[c][a]));
   }
   PetscCall(VecDestroy(&pr->p));
@@ -109,7 +110,8 @@ PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *p, Scheme
     PetscCall(FluidVec(p, NULL, &pr->force[a]));
     if (pr->has_convection) PetscCall(FluidVec(p, pr->convection[a], &pr->conv_prev[a]));
     if (pr->has_convection) PetscCall(FluidVec(p, NULL, &pr->conv[a]));
-    for (PetscInt c = 0; scheme->shift && scheme->shift->Displace && c < scene->dim; c++) {
+    if (scheme->shift) PetscCall(FluidVec(p, NULL, &pr->rough[a]));
+    for (PetscInt c = 0; scheme->shift && c < scene->dim; c++) {
       PetscCall(FluidVec(p, NULL, &pr->velocity_slope[c][a]));
     }
   }

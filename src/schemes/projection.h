@@ -40,7 +40,8 @@ typedef struct {
   Vec      force[ISPH_MAX_DIM];                                               /* on u* [m/s^2] */
   Vec      conv[ISPH_MAX_DIM];          /* (u.grad u)^n, or the advecting velocity of IMEX */
   Vec      p_before, phi, b, div, work; /* */
-  Vec      velocity_slope[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* du_c/dx_a, for shifting */
+  Vec      velocity_slope[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* du_c/dx_a of moving particles */
+  Vec      rough[ISPH_MAX_DIM]; /* what the filter would take from them [m/s] */
 
   PetscLogEvent event[EVENT_COUNT];
   PetscReal     k; /* u = u* - k/rho grad phi [s] */

@@ -116,7 +116,7 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
                         "projection", &s->row));
   PetscCall(OptionInt("-time_order", "Order of the time integration", 1, 2, &s->time_order, NULL));
   if (SceneHas(scene, PHYSICS_PRESSURE) && s->row->splits) {
-    s->filter = 0.1;
+    s->filter = 0.02;
     PetscCall(TableSelect(&ProjectionTable, "-projection",
                           "How the pressure follows from its increment", "rotational",
                           &s->projection));
@@ -148,7 +148,7 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
       ViscosityTimeKind(s->visc)->name);
   if (SceneHas(scene, PHYSICS_PRESSURE) && s->row->splits) PetscCall(PressureCreate(ops, &s->ppe));
   if (!s->row->splits) {
-    ops->one_sided = ops->rough.needed = PETSC_TRUE;
+    ops->one_sided = ops->rough_p.needed = PETSC_TRUE;
     PetscCall(CoupledCreate(scene, clock->dt, s->motion && !moves ? PETSC_TRUE : PETSC_FALSE,
                             &s->coupled));
     UserCheck(!moves || !CoupledTimeKind(s->coupled)->substeps,

@@ -126,6 +126,7 @@ static PetscErrorCode ViscosityFree(Viscosity *v)
   PetscFunctionBegin;
   for (PetscInt c = 0; c < v->systems; c++) PetscCall(VecDestroy(&v->boundary[c]));
   PetscCall(VecDestroy(&v->gradient));
+  PetscCall(VecDestroy(&v->work));
   PetscCall(VecDestroy(&v->all));
   PetscCall(VecDestroy(&v->all_force));
   PetscCall(VecDestroy(&v->all_walls));
@@ -156,6 +157,7 @@ PetscErrorCode ViscosityRenumber(const Particles *p, Viscosity *v)
     if (v->systems > 1) PetscCall(FluidVec(p, NULL, &v->boundary[c]));
   }
   PetscCall(FluidVec(p, NULL, &v->gradient));
+  PetscCall(FluidVec(p, NULL, &v->work));
   if (v->systems > 1) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VelocityVec(p, &v->boundary[0]));
   PetscCall(VelocityVec(p, &v->all));

@@ -20,10 +20,10 @@ struct Viscosity {
   KSP                ksp; /* NULL: explicit */
   Guard              guard;
   PetscInt           iterations;
-  Mat                J;                                /* shift I - nu A */
-  PetscReal          shift;                            /* in J; NaN: J is not yet made [1/s] */
-  PetscInt           assemblies;                       /* stamp of the operators in J */
-  Vec                boundary[ISPH_MAX_DIM], gradient; /* B u_wall,c at wall_t; work */
+  Mat                J;          /* shift I - nu A */
+  PetscReal          shift;      /* in J; NaN: J is not yet made [1/s] */
+  PetscInt           assemblies; /* stamp of the operators in J */
+  Vec                boundary[ISPH_MAX_DIM], gradient, work; /* B u_wall,c at wall_t; work */
   PetscReal          wall_t;
   Vec all, all_force, all_walls; /* of all components: velocity, force, walls' velocity */
   Vec part[ISPH_MAX_DIM];        /* their components; work */

@@ -54,11 +54,10 @@ static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, 
 static PetscErrorCode TakeConvection(Viscosity *v, PetscInt c, Vec u, Vec f)
 {
   PetscFunctionBegin;
-  for (PetscInt a = 0; v->advecting && a < v->dim; a++) {
-    PetscCall(AffineApply(&v->ops->grad_u[a], u, v->ops->wall_u[c], v->gradient));
-    PetscCall(VecPointwiseMult(v->gradient, v->gradient, v->advecting[a]));
-    PetscCall(VecAXPY(f, -1.0, v->gradient));
-  }
+  if (!v->advecting) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(
+      ConvectionApply(v->scene, v->ops, v->advecting, u, v->ops->wall_u[c], v->work, v->gradient));
+  PetscCall(VecAXPY(f, -1.0, v->gradient));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
