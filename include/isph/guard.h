@@ -31,6 +31,7 @@ PetscErrorCode GuardDetach(Guard *guard);
 PetscErrorCode GuardMeasure(KSP ksp, Vec b, Vec x, PetscReal *residual, PetscBool *good);
 PetscErrorCode GuardCheck(KSP ksp, Guard *guard, StepFailure *failure);
 PetscErrorCode GuardRenewPC(KSP ksp);
+PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc);
 PetscErrorCode LadderClimb(KSP ksp, Vec b, Vec x, Guard *guard, PetscBool *solved);
 PetscErrorCode PressureSolver(const LaplacianForm *form, PetscReal rtol, KSP *ksp, Guard *guard);
 PetscErrorCode TimeStepThrough(TS ts, const char name[], KSP ksp, Guard *guard, PetscReal t,

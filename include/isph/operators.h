@@ -149,6 +149,7 @@ extern const WallRow WallGiven; /* of patch tests, not to be chosen */
 /* Vectors over own fluid or own wall particles; array NULL: storage of their own. */
 PetscErrorCode FluidVec(const Particles *particles, PetscReal array[], Vec *v);
 PetscErrorCode WallVec(const Particles *particles, Vec *v);
+PetscErrorCode VecRemoveMean(Vec v);
 
 PetscInt  DenseCholesky(PetscInt n, PetscReal a[]);
 void      DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[]);

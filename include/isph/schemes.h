@@ -96,6 +96,8 @@ PetscInt      *ViscosityFalls(Viscosity *visc);
 const char    *ViscosityNote(const Viscosity *visc);
 PetscInt       ViscosityIterations(const Viscosity *visc); /* of the last solve, all components */
 
+PetscErrorCode ConvectionCentral(PetscInt dim, const Operators *ops, const Vec v[], Vec u,
+                                 Vec walls, Vec work, Vec result);
 PetscErrorCode ConvectionApply(const Scene *scene, const Operators *ops, const Vec v[], Vec u,
                                Vec walls, Vec work, Vec result);
 

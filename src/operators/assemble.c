@@ -6,8 +6,6 @@
 #include "extension.h"
 #include "rows.h"
 
-#define OPERATORS_MAX (4 + 3 * ISPH_MAX_DIM)
-
 /* Everything row functions may ask of the neighbourhood of own fluid particle i. */
 static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neighbors *nb,
                                     const Operators *ops, PetscInt i, Stencil *st)
@@ -122,21 +120,13 @@ static PetscErrorCode AssembleRow(const Scene *scene, const Particles *p, Stenci
 }
 
 /* The operators that the run needs; returns how many. */
-static PetscInt NeededOperators(Operators *ops, PetscInt dim, AffineOperator *needed[])
+static PetscInt NeededOperators(Operators *ops, AffineOperator *needed[])
 {
-  AffineOperator *all[OPERATORS_MAX];
-  PetscInt        n = 0, count = 0;
+  AffineOperator *all[OPERATORS_COUNT];
+  PetscInt        count = 0;
 
-  all[n++] = &ops->visc;
-  all[n++] = &ops->ppe;
-  all[n++] = &ops->rough_u;
-  all[n++] = &ops->rough_p;
-  for (PetscInt a = 0; a < dim; a++) {
-    all[n++] = &ops->grad_u[a];
-    all[n++] = &ops->grad_p[a];
-    all[n++] = &ops->div[a];
-  }
-  for (PetscInt k = 0; k < n; k++) {
+  OperatorsList(ops, all);
+  for (PetscInt k = 0; k < OPERATORS_COUNT; k++) {
     if (all[k]->needed) needed[count++] = all[k];
   }
   return count;
@@ -239,8 +229,8 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
                                  Operators *ops, PetscBool *changed)
 {
   Stencil        *st = ops->stencil;
-  AffineOperator *needed[OPERATORS_MAX];
-  const PetscInt  count = NeededOperators(ops, scene->dim, needed);
+  AffineOperator *needed[OPERATORS_COUNT];
+  const PetscInt  count = NeededOperators(ops, needed);
 
   PetscFunctionBegin;
   *changed = (ops->epoch != p->epoch || ops->moved != p->moved) ? PETSC_TRUE : PETSC_FALSE;

@@ -4,6 +4,15 @@
 
 #include "isph/operators.h"
 
+#define OPERATORS_COUNT (4 + 3 * ISPH_MAX_DIM)
+void OperatorsList(Operators *ops, AffineOperator *all[OPERATORS_COUNT]);
+
+/* Viscosity between two particles, the harmonic mean of theirs; P. W. Cleary, J. J. Monaghan (1999). */
+static inline PetscReal PairViscosity(PetscReal own, PetscReal other)
+{
+  return 2.0 / (1.0 / own + 1.0 / other);
+}
+
 void WeighByViscosity(const Scene *scene, const Particles *particles, const Stencil *stencil,
                       PetscReal w[]);
 void CloseRow_Value(const Stencil *stencil, const Operators *ops, PetscInt diagonal,

@@ -2,7 +2,7 @@
   The operators of a run: chosen from the tables, checked against each other and against the
   physics, and applied. Assembly is in assemble.c.
 */
-#include "isph/operators.h"
+#include "close.h"
 
 static PetscErrorCode OperatorsChooseLaplacian(PetscOptionItems *PetscOptionsObject,
                                                const char option[], const char text[],
@@ -119,19 +119,35 @@ static PetscReal DefaultSmoothing(const Scene *scene)
 {
   const PetscBool moving =
       scene->motion && scene->motion->particles_move && SceneHas(scene, PHYSICS_WALLS);
-  const PetscBool smooth =
-      SceneHas(scene, PHYSICS_VISCOSITY) && scene->speed * scene->dx <= 5.0 * scene->nu_low;
 
-  return moving && smooth ? 1.5 : 1.3;
+  return moving && SceneCellReynolds(scene) <= 5.0 ? 1.5 : 1.3;
+}
+
+/* OperatorsList - All operators there may be, needed or not, in the order of assembly; not collective */
+void OperatorsList(Operators *ops, AffineOperator *all[OPERATORS_COUNT])
+{
+  PetscInt n = 0;
+
+  all[n++] = &ops->visc;
+  all[n++] = &ops->ppe;
+  all[n++] = &ops->rough_u;
+  all[n++] = &ops->rough_p;
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    all[n++] = &ops->grad_u[a];
+    all[n++] = &ops->grad_p[a];
+    all[n++] = &ops->div[a];
+  }
 }
 
 /* Whether velocity components go together, and what that excludes. */
 static PetscErrorCode OperatorsJoinComponents(const Scene *scene, Operators *ops)
 {
   const PetscBool couple = ops->visc_form.row && LaplacianIs(&ops->visc_form, FORM_COUPLES);
+  AffineOperator *all[OPERATORS_COUNT];
 
   PetscFunctionBegin;
-  ops->ppe.width  = 1;
+  OperatorsList(ops, all);
+  for (PetscInt k = 0; k < OPERATORS_COUNT; k++) all[k]->width = 1;
   ops->visc.width = LaplacianWidth(&ops->visc_form, scene->dim);
   ops->visc_plain = !couple && !SceneViscosityVaries(scene) ? PETSC_TRUE : PETSC_FALSE;
   ops->together   = couple || !SceneIsNewtonian(scene) ? PETSC_TRUE : PETSC_FALSE;
@@ -155,11 +171,8 @@ static PetscErrorCode OperatorsJoinComponents(const Scene *scene, Operators *ops
 static PetscReal DefaultVelocityFilter(const Scene *scene)
 {
   const PetscBool moves = scene->motion && scene->motion->particles_move;
-  const PetscReal cell  = SceneHas(scene, PHYSICS_VISCOSITY)
-                              ? scene->speed * scene->dx / scene->nu_low
-                              : PETSC_INFINITY;
 
-  return cell > (moves ? 45.0 : 5.0) ? 1.0 : 0.0;
+  return SceneCellReynolds(scene) > (moves ? 45.0 : 5.0) ? 1.0 : 0.0;
 }
 
 /*
@@ -223,8 +236,6 @@ PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
   for (PetscInt a = 0; a < scene->dim; a++) {
     ops->grad_p[a].needed = ops->div[a].needed = SceneHas(scene, PHYSICS_PRESSURE);
     ops->grad_u[a].needed = SceneHas(scene, PHYSICS_CONVECTION) || !SceneIsNewtonian(scene);
-    ops->grad_p[a].width = ops->grad_u[a].width = ops->div[a].width = ops->rough_u.width =
-        ops->rough_p.width                                          = 1;
   }
   PetscCall(OperatorsJoinComponents(scene, ops));
   PetscCall(StencilCreate(scene->dim, ops->radius, 0.5 * ops->radius, &ops->stencil));
@@ -246,18 +257,14 @@ static PetscErrorCode AffineFree(AffineOperator *op)
 
 PetscErrorCode OperatorsDestroy(Operators **operators)
 {
-  Operators *ops = *operators;
+  Operators      *ops = *operators;
+  AffineOperator *all[OPERATORS_COUNT];
 
   PetscFunctionBegin;
   if (!ops) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(AffineFree(&ops->visc));
-  PetscCall(AffineFree(&ops->ppe));
-  PetscCall(AffineFree(&ops->rough_u));
-  PetscCall(AffineFree(&ops->rough_p));
+  OperatorsList(ops, all);
+  for (PetscInt k = 0; k < OPERATORS_COUNT; k++) PetscCall(AffineFree(all[k]));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
-    PetscCall(AffineFree(&ops->grad_p[a]));
-    PetscCall(AffineFree(&ops->grad_u[a]));
-    PetscCall(AffineFree(&ops->div[a]));
     PetscCall(VecDestroy(&ops->wall_u[a]));
     PetscCall(PetscFree(ops->gradient_c[a]));
     PetscCall(PetscFree(ops->g[a]));

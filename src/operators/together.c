@@ -99,7 +99,7 @@ PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, O
     PetscInt        diagonal                         = -1;
 
     for (PetscInt s = fluid->row[i]; s < fluid->row[i + 1]; s++) {
-      const PetscReal ratio = p->nu ? 2.0 / (1.0 / own + scene->nu / p->nu[ops->near[s]]) : own;
+      const PetscReal ratio = p->nu ? PairViscosity(own, p->nu[ops->near[s]] / scene->nu) : own;
 
       if (fluid->col[s] == p->number[i]) diagonal = s;
       else ScaleSlot(width, entries, ratio, &op->a[s * width], &a[s * entries], sum);

@@ -1,24 +1,7 @@
 /* Vectors over the particles of this rank: of the standard type, so that they meet any matrix. */
 #include "isph/operators.h"
 
-static PetscErrorCode VecOfSize(MPI_Comm comm, PetscInt n, PetscReal array[], Vec *v)
-{
-  PetscMPIInt size;
-
-  PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(comm, &size));
-  if (!array) {
-    PetscCall(VecCreate(comm, v));
-    PetscCall(VecSetSizes(*v, n, PETSC_DETERMINE));
-    PetscCall(VecSetType(*v, VECSTANDARD));
-  } else if (size == 1) {
-    PetscCall(VecCreateSeqWithArray(comm, 1, n, array, v));
-  } else {
-    PetscCall(VecCreateMPIWithArray(comm, 1, n, PETSC_DECIDE, array, v));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
+/* With storage of its own: `size` values at each of n particles. */
 static PetscErrorCode VecOfBlocks(MPI_Comm comm, PetscInt n, PetscInt size, Vec *v)
 {
   PetscFunctionBegin;
@@ -26,6 +9,22 @@ static PetscErrorCode VecOfBlocks(MPI_Comm comm, PetscInt n, PetscInt size, Vec 
   PetscCall(VecSetSizes(*v, size * n, PETSC_DETERMINE));
   PetscCall(VecSetBlockSize(*v, size));
   PetscCall(VecSetType(*v, VECSTANDARD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode VecOfSize(MPI_Comm comm, PetscInt n, PetscReal array[], Vec *v)
+{
+  PetscMPIInt size;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  if (!array) {
+    PetscCall(VecOfBlocks(comm, n, 1, v));
+  } else if (size == 1) {
+    PetscCall(VecCreateSeqWithArray(comm, 1, n, array, v));
+  } else {
+    PetscCall(VecCreateMPIWithArray(comm, 1, n, PETSC_DECIDE, array, v));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -39,6 +38,19 @@ PetscErrorCode FluidVec(const Particles *p, PetscReal array[], Vec *v)
 {
   PetscFunctionBegin;
   PetscCall(VecOfSize(p->comm, p->n_fluid, array, v));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* VecRemoveMean - v less its mean: the gauge of pressures; collective */
+PetscErrorCode VecRemoveMean(Vec v)
+{
+  PetscScalar sum;
+  PetscInt    N;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetSize(v, &N));
+  PetscCall(VecSum(v, &sum));
+  PetscCall(VecShift(v, -sum / (PetscReal)N));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

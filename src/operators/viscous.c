@@ -13,16 +13,12 @@
 */
 #include "close.h"
 
-/* nu_ij of neighbour k; a wall has the viscosity of whoever looks at it. */
-static PetscReal PairViscosity(const Particles *p, const Stencil *st, PetscInt k)
+/* WeighByViscosity - w_k nu_ik/nu in place of the weights w_k of a Laplacian, a wall having the viscosity of
+ * whoever looks at it; not collective */
+void WeighByViscosity(const Scene *scene, const Particles *p, const Stencil *st, PetscReal w[])
 {
   const PetscReal own = p->nu[st->i];
 
-  return st->wall[k] ? own : 2.0 / (1.0 / own + 1.0 / p->nu[st->j[k]]);
-}
-
-/* WeighByViscosity - w_k nu_ik/nu in place of the weights w_k of a Laplacian; not collective */
-void WeighByViscosity(const Scene *scene, const Particles *p, const Stencil *st, PetscReal w[])
-{
-  for (PetscInt k = 0; k < st->n; k++) w[k] *= PairViscosity(p, st, k) / scene->nu;
+  for (PetscInt k = 0; k < st->n; k++)
+    w[k] *= (st->wall[k] ? own : PairViscosity(own, p->nu[st->j[k]])) / scene->nu;
 }

@@ -20,6 +20,13 @@ PetscReal SceneReynolds(const Scene *scene)
   return scene->speed * scene->problem->reynolds_length * scene->length / scene->nu;
 }
 
+/* SceneCellReynolds - U dx/nu with the least viscosity; infinite where there is none */
+PetscReal SceneCellReynolds(const Scene *scene)
+{
+  if (!SceneHas(scene, PHYSICS_VISCOSITY)) return PETSC_INFINITY;
+  return scene->speed * scene->dx / scene->nu_low;
+}
+
 /* SceneVolume - Volume of each particle, dx^dim [m^dim] */
 PetscReal SceneVolume(const Scene *scene)
 {

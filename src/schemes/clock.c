@@ -71,10 +71,7 @@ static PetscErrorCode ClockReadSteady(PetscOptionItems *PetscOptionsObject, Cloc
 */
 static PetscReal ClockDefaultCfl(const Scene *scene)
 {
-  const PetscBool smooth =
-      SceneHas(scene, PHYSICS_VISCOSITY) && scene->speed * scene->dx <= 5.0 * scene->nu_low;
-
-  return smooth ? 0.5 : 0.25;
+  return SceneCellReynolds(scene) <= 5.0 ? 0.5 : 0.25;
 }
 
 /*
@@ -89,7 +86,7 @@ static PetscReal ClockDefaultCfl(const Scene *scene)
 . -dt_adapt name      - how steps follow the flow
 . -dt_move_max M      - displacement in dx above which a step is undone, where steps are retried
 . -max_steps N        - stop after N steps
-. -steady             - no du/dt: one step to t_end, see CoupledSolve()
+. -steady             - no du/dt: one step to t_end, of -scheme coupled
 . -steady_tol TOL     - stop when u, div u* and p change by less than this per time scale
 - -report_times t,... - report quantities at these times too
 */

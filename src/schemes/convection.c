@@ -2,6 +2,24 @@
 #include "isph/schemes.h"
 
 /*
+  ConvectionCentral - (v.grad u)_i by the gradients as they are
+
+  Collective. Input, output: as ConvectionApply().
+*/
+PetscErrorCode ConvectionCentral(PetscInt dim, const Operators *ops, const Vec v[], Vec u,
+                                 Vec walls, Vec work, Vec result)
+{
+  PetscFunctionBegin;
+  PetscCall(VecZeroEntries(result));
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscCall(AffineApply(&ops->grad_u[a], u, walls, work));
+    PetscCall(VecPointwiseMult(work, work, v[a]));
+    PetscCall(VecAXPY(result, 1.0, work));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
   ConvectionApply - What the flow v carries past fixed particles
 
     (v.grad u)_i + S max(0, |v_i|/dx - 2 nu/dx^2) (u - fit)_i
@@ -28,12 +46,7 @@ PetscErrorCode ConvectionApply(const Scene *scene, const Operators *ops, const V
   PetscInt           n;
 
   PetscFunctionBegin;
-  PetscCall(VecZeroEntries(result));
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    PetscCall(AffineApply(&ops->grad_u[a], u, walls, work));
-    PetscCall(VecPointwiseMult(work, work, v[a]));
-    PetscCall(VecAXPY(result, 1.0, work));
-  }
+  PetscCall(ConvectionCentral(scene->dim, ops, v, u, walls, work, result));
   if (!ops->rough_u.needed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(AffineApply(&ops->rough_u, u, walls, work));
   PetscCall(VecGetLocalSize(u, &n));

@@ -55,7 +55,6 @@ static PetscErrorCode PressureUpdate(const Scene *scene, const Particles *p, Ope
                                      const Scheme *scheme)
 {
   Projection *pr = (Projection *)scheme->data;
-  PetscScalar mean;
 
   PetscFunctionBegin;
   PetscCall(VecCopy(pr->p, pr->p_before));
@@ -70,8 +69,7 @@ static PetscErrorCode PressureUpdate(const Scene *scene, const Particles *p, Ope
     PetscCall(AffineApply(&ops->ppe, pr->p, ops->wall_slope, pr->work));
     PetscCall(VecAXPY(pr->p, -scheme->filter, pr->work));
   }
-  PetscCall(VecSum(pr->p, &mean));
-  PetscCall(VecShift(pr->p, -mean / (PetscReal)p->N_fluid));
+  PetscCall(VecRemoveMean(pr->p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -292,13 +292,9 @@ PetscErrorCode CoupledAssemble(const Clock *clock, PetscReal shift, const Vec ad
 /* CoupledNames - Types of the TS, KSP and preconditioner; not collective */
 PetscErrorCode CoupledNames(const Coupled *c, const char **ts, const char **ksp, const char **pc)
 {
-  PC inner;
-
   PetscFunctionBegin;
   *ts = c->row->name;
-  PetscCall(KSPGetType(c->ksp, ksp));
-  PetscCall(KSPGetPC(c->ksp, &inner));
-  PetscCall(PCGetType(inner, pc));
+  PetscCall(SolverNames(c->ksp, ksp, pc));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

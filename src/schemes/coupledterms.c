@@ -49,11 +49,9 @@ PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
   PetscFunctionBegin;
   PetscCall(SaddleGet(s, x, c->u, NULL));
   for (PetscInt a = 0; a < s->dim; a++) {
-    for (PetscInt e = 0; e < s->dim; e++) {
-      PetscCall(AffineApply(&c->ops->grad_u[e], c->u[a], c->ops->wall_u[a], c->part));
-      PetscCall(VecPointwiseMult(c->part, c->part, c->u[e]));
-      PetscCall(SaddleAdd(s, a, scale, c->part, f));
-    }
+    PetscCall(
+        ConvectionCentral(s->dim, c->ops, c->u, c->u[a], c->ops->wall_u[a], c->work, c->part));
+    PetscCall(SaddleAdd(s, a, scale, c->part, f));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

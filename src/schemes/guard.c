@@ -224,6 +224,18 @@ PetscErrorCode GuardCheck(KSP ksp, Guard *guard, StepFailure *failure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* SolverNames - Types of a KSP and its preconditioner; not collective */
+PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc)
+{
+  PC inner;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetType(ksp, type));
+  PetscCall(KSPGetPC(ksp, &inner));
+  PetscCall(PCGetType(inner, pc));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* FailureSet - Notes what went wrong, unless something did before; not collective */
 void FailureSet(StepFailure *failure, PetscErrorCode code, const char format[], ...)
 {

@@ -129,7 +129,6 @@ static PetscErrorCode SolveSystem(const Scene *scene, const Clock *clock, const 
   Coupled        *c     = scheme->coupled;
   const PetscReal end   = clock->t + clock->dt;
   const PetscReal shift = clock->direct ? 0.0 : 1.0 / dt;
-  PetscScalar     mean;
 
   PetscFunctionBegin;
   c->scene      = scene;
@@ -152,8 +151,7 @@ static PetscErrorCode SolveSystem(const Scene *scene, const Clock *clock, const 
     PetscCall(AdvanceInTime(end - dt, dt, &scheme->number[NUMBER_SUBSTEP], c, &scheme->failure));
   }
   PetscCall(SaddleGet(&c->saddle, c->x, pr->star, pr->p));
-  PetscCall(VecSum(pr->p, &mean));
-  PetscCall(VecShift(pr->p, -mean / (PetscReal)p->N_fluid));
+  PetscCall(VecRemoveMean(pr->p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -33,6 +33,17 @@ typedef struct {
   const PetscScalar *rough[ISPH_MAX_DIM];           /* u_c - fit */
 } Slopes;
 
+/* y = op u, read through slope; y is made when it is first wanted in an epoch. */
+static PetscErrorCode SlopeOf(const AffineOperator *op, Vec u, Vec walls, Vec *y,
+                              const PetscScalar **slope)
+{
+  PetscFunctionBegin;
+  if (!*y) PetscCall(VecDuplicate(u, y));
+  PetscCall(AffineApply(op, u, walls, *y));
+  PetscCall(VecGetArrayRead(*y, slope));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode SlopesGet(const Scene *scene, const Operators *ops, PetscBool shifting,
                                 Projection *pr, Slopes *slopes)
 {
@@ -40,20 +51,17 @@ static PetscErrorCode SlopesGet(const Scene *scene, const Operators *ops, PetscB
   PetscCall(PetscMemzero(slopes, sizeof(*slopes)));
   for (PetscInt a = 0; a < scene->dim; a++) {
     if (pr->p) {
-      PetscCall(AffineApply(&ops->grad_p[a], pr->p, ops->wall_slope, pr->force[a]));
-      PetscCall(VecGetArrayRead(pr->force[a], &slopes->p[a]));
+      PetscCall(SlopeOf(&ops->grad_p[a], pr->p, ops->wall_slope, &pr->force[a], &slopes->p[a]));
     }
     for (PetscInt c = 0; (shifting || ops->rough_u.needed) && c < scene->dim; c++) {
-      PetscCall(AffineApply(&ops->grad_u[a], pr->u[c], ops->wall_u[c], pr->velocity_slope[c][a]));
-      PetscCall(VecGetArrayRead(pr->velocity_slope[c][a], &slopes->u[c][a]));
+      PetscCall(SlopeOf(&ops->grad_u[a], pr->u[c], ops->wall_u[c], &pr->velocity_slope[c][a],
+                        &slopes->u[c][a]));
     }
     if (shifting && ops->visc.needed && ops->visc_plain) {
-      PetscCall(AffineApply(&ops->visc, pr->u[a], ops->wall_u[a], pr->star[a]));
-      PetscCall(VecGetArrayRead(pr->star[a], &slopes->lap[a]));
+      PetscCall(SlopeOf(&ops->visc, pr->u[a], ops->wall_u[a], &pr->star[a], &slopes->lap[a]));
     }
     if (ops->rough_u.needed) {
-      PetscCall(AffineApply(&ops->rough_u, pr->u[a], ops->wall_u[a], pr->rough[a]));
-      PetscCall(VecGetArrayRead(pr->rough[a], &slopes->rough[a]));
+      PetscCall(SlopeOf(&ops->rough_u, pr->u[a], ops->wall_u[a], &pr->rough[a], &slopes->rough[a]));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

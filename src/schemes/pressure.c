@@ -160,8 +160,7 @@ static PetscErrorCode PressureUpdateMatrices(const Particles *p, const Operators
 PetscErrorCode PressureSolve(const Clock *clock, const Particles *p, const Operators *ops, Vec b,
                              Vec phi, Pressure *s, StepFailure *failure)
 {
-  PetscReal   norm;
-  PetscScalar mean;
+  PetscReal norm;
 
   PetscFunctionBegin;
   PetscCall(PressureUpdateMatrices(p, ops, s));
@@ -176,20 +175,15 @@ PetscErrorCode PressureSolve(const Clock *clock, const Particles *p, const Opera
   PetscCall(GuardCheck(s->ksp, &s->guard, failure));
   s->iterations = s->guard.iterations;
   if (s->its_new == 0) s->its_new = s->iterations;
-  PetscCall(VecSum(phi, &mean));
-  PetscCall(VecShift(phi, -mean / (PetscReal)p->N_fluid));
+  PetscCall(VecRemoveMean(phi));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* PressureNames - Types of the KSP and its preconditioner; not collective */
 PetscErrorCode PressureNames(const Pressure *s, const char **ksp, const char **pc)
 {
-  PC inner;
-
   PetscFunctionBegin;
-  PetscCall(KSPGetType(s->ksp, ksp));
-  PetscCall(KSPGetPC(s->ksp, &inner));
-  PetscCall(PCGetType(inner, pc));
+  PetscCall(SolverNames(s->ksp, ksp, pc));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -110,10 +110,6 @@ PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *p, Scheme
     PetscCall(FluidVec(p, NULL, &pr->force[a]));
     if (pr->has_convection) PetscCall(FluidVec(p, pr->convection[a], &pr->conv_prev[a]));
     if (pr->has_convection) PetscCall(FluidVec(p, NULL, &pr->conv[a]));
-    if (scheme->shift) PetscCall(FluidVec(p, NULL, &pr->rough[a]));
-    for (PetscInt c = 0; scheme->shift && c < scene->dim; c++) {
-      PetscCall(FluidVec(p, NULL, &pr->velocity_slope[c][a]));
-    }
   }
   PetscCall(FluidVec(p, NULL, &pr->work));
   if (p->p) {

@@ -21,19 +21,6 @@ static PetscErrorCode SchurApply_Mass(Schur *s, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* x less its mean. */
-static PetscErrorCode RemoveMean(Vec x)
-{
-  PetscScalar mean;
-  PetscInt    N;
-
-  PetscFunctionBegin;
-  PetscCall(VecGetSize(x, &N));
-  PetscCall(VecSum(x, &mean));
-  PetscCall(VecShift(x, -mean / (PetscReal)N));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   SchurApply_CahouetChabard - Any step: y = nu/sigma x + shift dx^2/sigma (-dx^2 lap)^-1 x
 
@@ -50,9 +37,9 @@ static PetscErrorCode SchurApply_CahouetChabard(Schur *s, Vec x, Vec y)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(VecCopy(x, s->work));
-  PetscCall(RemoveMean(s->work));
+  PetscCall(VecRemoveMean(s->work));
   PetscCall(KSPSolve(s->ksp, s->work, y));
-  PetscCall(RemoveMean(y));
+  PetscCall(VecRemoveMean(y));
   PetscCall(VecScale(y, s->inert));
   PetscCall(VecAXPY(y, s->viscous, x));
   PetscFunctionReturn(PETSC_SUCCESS);

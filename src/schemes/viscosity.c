@@ -269,15 +269,11 @@ PetscReal ViscosityResponse(const Viscosity *v)
 PetscErrorCode ViscosityNames(const Viscosity *v, const char **ts, const char **ksp,
                               const char **pc)
 {
-  PC inner;
-
   PetscFunctionBegin;
   *ts  = v->row->name;
   *ksp = *pc = NULL;
   if (!v->ksp) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(KSPGetType(v->ksp, ksp));
-  PetscCall(KSPGetPC(v->ksp, &inner));
-  PetscCall(PCGetType(inner, pc));
+  PetscCall(SolverNames(v->ksp, ksp, pc));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
