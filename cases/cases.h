@@ -57,7 +57,8 @@ PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const
 PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], PetscReal *energy);
 
 PetscErrorCode ChannelBox(Scene *scene);
-PetscErrorCode ChannelJudge(const Flow *flow, Report *report);
+PetscErrorCode CouetteJudge(const Flow *flow, Report *report);
+PetscErrorCode PoiseuilleJudge(const Flow *flow, Report *report);
 PetscErrorCode ExactJudge(const Flow *flow, Report *report);
 
 #endif

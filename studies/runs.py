@@ -26,8 +26,8 @@ def cpu_seconds():
 
 class Runs:
     """Quantities of runs by their arguments, at the end of the run; those of -report_times before it as name@time. A
-    run that failed has the sentence in `failed`, and in `failed_t` the time where it was under way; so has one that
-    takes more than `seconds` of CPU time."""
+    run that failed has the sentence in `failed`, and in `failed_t` the time where it was under way. One that takes more
+    than `seconds` of CPU time is stopped and fails; its quantities at its last step, at t, are there all the same."""
 
     def __init__(self, path, isph, seconds=None):
         self.path, self.isph, self.seconds, self.rows, self.unsaved = path, isph, seconds, {}, 0
@@ -50,13 +50,15 @@ class Runs:
                 for k, v in self.rows[arguments].items()}
 
     def bound(self):
-        """In the process of a run: no more CPU time than it may take."""
+        """In the process of a run: no more CPU time than it may take; a step that does not end is killed."""
         if self.seconds:
-            resource.setrlimit(resource.RLIMIT_CPU, (int(self.seconds), int(self.seconds) + 5))
+            resource.setrlimit(resource.RLIMIT_CPU, (int(self.seconds), int(1.5 * self.seconds)))
 
     def why(self, done):
         """The sentence with which a run ended, and the time it names."""
-        if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL) and self.seconds:
+        if done.returncode == -signal.SIGKILL and self.seconds:
+            return {"failed": f"more than {1.5 * self.seconds:g} s of CPU time, killed"}
+        if "interrupted by SIGXCPU" in done.stderr:
             return {"failed": f"more than {self.seconds:g} s of CPU time"}
         sentence = [line for line in done.stderr.splitlines() if line.startswith("isph: ")]
         row = {"failed": sentence[0][6:] if sentence else f"status {done.returncode}"}
@@ -85,7 +87,7 @@ class Runs:
                     continue
                 when = "" if line["t"] == lines[-1]["t"] else f"@{float(line['t']):.4g}"
                 row[line["quantity"] + when] = line["value"]
-            row.update({name: lines[-1][name] for name in ("wall_s", "particles", "steps", "visc_its")})
+            row.update({name: lines[-1][name] for name in ("t", "wall_s", "particles", "steps", "visc_its")})
             return row
 
     def save(self):

@@ -197,9 +197,10 @@ typedef struct {
   PetscReal     *concentration;            /* C_i = sum_j V_j W_ij, without walls' deficit [-] */
   PetscReal     *gradient_c[ISPH_MAX_DIM]; /* grad C [1/m] */
 
-  Vec wall_u[ISPH_MAX_DIM]; /* velocities of own wall particles [m/s] */
-  Vec wall_slope;           /* n.grad p at own wall particles [Pa/m] */
-  Vec wall_slope_step;      /* what n.grad p gains in this step [Pa/m] */
+  Vec       wall_u[ISPH_MAX_DIM]; /* velocities of own wall particles [m/s] */
+  PetscReal wall_drive;           /* fastest flow that walls have been able to make [m/s] */
+  Vec       wall_slope;           /* n.grad p at own wall particles [Pa/m] */
+  Vec       wall_slope_step;      /* what n.grad p gains in this step [Pa/m] */
 
   Stencil  *stencil;
   Pattern   fluid, walls;

@@ -161,10 +161,13 @@ PetscBool      SceneHas(const Scene *scene, Physics what);
 PetscReal      SceneReynolds(const Scene *scene);
 PetscReal      SceneCellReynolds(const Scene *scene);
 PetscReal      SceneVolume(const Scene *scene); /* dx^dim, the volume of every particle [m^dim] */
-void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
-                       PetscReal u[]);
-void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
-                           PetscReal a[]);
+void      SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                            PetscReal u[]);
+void      SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                                PetscReal a[]);
+PetscReal SceneWallDrive(const Scene *scene, PetscInt side, const PetscReal x[],
+                         const PetscReal normal[], const PetscReal u[]);
+PetscReal SceneDecayRate(const Scene *scene);
 PetscErrorCode SceneReadRheology(PetscOptionItems *items, Scene *scene);
 PetscBool      SceneIsNewtonian(const Scene *scene);
 PetscReal      RheologyViscosity(const Rheology *rheology, PetscReal rate);

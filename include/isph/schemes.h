@@ -131,6 +131,7 @@ extern const Table ProjectionTable;
 /* What a step did, for progress, the steady test and the report. */
 typedef struct {
   PetscReal speed_max;         /* largest particle speed [m/s] */
+  PetscReal wall_drive;        /* fastest flow that walls have been able to make [m/s] */
   PetscReal force_max;         /* largest body force per unit mass [m/s^2] */
   PetscReal kinetic_energy;    /* [J] (per metre of depth in 2D) */
   PetscReal divergence;        /* largest |D u| [1/s] */
@@ -181,15 +182,16 @@ typedef struct {
 } SchemeRow;
 extern const Table SchemeTable;
 
-#define SCHEME_NUMBERS 10
+#define SCHEME_NUMBERS 14
 struct Scheme {
   const SchemeRow     *row;
   const ProjectionRow *projection; /* NULL: no pressure */
   const MotionRow     *motion;
   const ShiftRow      *shift;
   PetscInt             time_order;
-  PetscReal            alpha;  /* share of the density error in the pressure source [-] */
-  PetscReal            filter; /* strength of the grid-scale pressure filter [-] */
+  PetscReal            alpha;      /* share of the density error in the pressure source [-] */
+  PetscReal            filter;     /* strength of the grid-scale pressure filter [-] */
+  PetscReal            force_step; /* largest body force met in the step [m/s^2] */
   Viscosity           *visc;
   Pressure            *ppe;
   Coupled             *coupled; /* in place of both; NULL: they are there */

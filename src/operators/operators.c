@@ -301,7 +301,8 @@ PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, Wall
 
   Not collective. The wall's own velocity is that of the surface point nearest to the particle. The
   second term belongs to a predicted velocity that the pressure step will correct by -slip grad phi
-  where n.grad phi is known and not zero; with slip = 0 [m^3 s/kg] it is absent.
+  where n.grad phi is known and not zero; with slip = 0 [m^3 s/kg] it is absent. ops->wall_drive
+  follows.
 */
 PetscErrorCode OperatorsSetWallVelocity(const Scene *scene, const Particles *p, PetscReal t,
                                         PetscReal slip, Operators *ops)
@@ -315,14 +316,17 @@ PetscErrorCode OperatorsSetWallVelocity(const Scene *scene, const Particles *p, 
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecGetArray(ops->wall_u[a], &u[a]));
   for (PetscInt k = 0; k < p->n_wall; k++) {
     const PetscInt i = p->n_fluid + k;
-    PetscReal      x[ISPH_MAX_DIM], velocity[ISPH_MAX_DIM];
+    PetscReal      x[ISPH_MAX_DIM], velocity[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
 
     ParticlesFoot(p, i, x);
     SceneWallVelocity(scene, (PetscInt)p->side[i], t, x, velocity);
     for (PetscInt a = 0; a < scene->dim; a++) {
       p->u[a][i] = velocity[a];
       u[a][k]    = velocity[a] + slip * slope[k] * p->normal[a][i];
+      normal[a]  = p->normal[a][i];
     }
+    ops->wall_drive =
+        PetscMax(ops->wall_drive, SceneWallDrive(scene, (PetscInt)p->side[i], x, normal, velocity));
   }
   PetscCall(VecRestoreArrayRead(ops->wall_slope_step, &slope));
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArray(ops->wall_u[a], &u[a]));

@@ -1,4 +1,4 @@
-/* SIGTERM and SIGINT: noted when they come, answered between steps. */
+/* SIGTERM, SIGINT and SIGXCPU (a limit on CPU time): noted when they come, answered between steps. */
 #include "impl.h"
 #include <signal.h>
 
@@ -9,13 +9,14 @@ static void Interrupt_Handler(int signal)
   caught = signal;
 }
 
-/* InterruptInstall - From now on the two signals are noted; not collective */
+/* InterruptInstall - From now on the signals are noted; not collective */
 PetscErrorCode InterruptInstall(void)
 {
   PetscFunctionBegin;
   caught = 0;
   (void)signal(SIGTERM, Interrupt_Handler);
   (void)signal(SIGINT, Interrupt_Handler);
+  (void)signal(SIGXCPU, Interrupt_Handler);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -30,6 +31,6 @@ PetscErrorCode InterruptCheck(const char **signal)
 
   PetscFunctionBegin;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_INT, MPI_MAX, PETSC_COMM_WORLD));
-  *signal = most == 0 ? NULL : most == SIGTERM ? "SIGTERM" : "SIGINT";
+  *signal = most == 0 ? NULL : most == SIGTERM ? "SIGTERM" : most == SIGINT ? "SIGINT" : "SIGXCPU";
   PetscFunctionReturn(PETSC_SUCCESS);
 }

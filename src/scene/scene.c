@@ -284,6 +284,60 @@ void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const
   }
 }
 
+/* How far from a body's centre the box reaches [m]. */
+static PetscReal Reach(const Scene *scene, const Body *body)
+{
+  PetscReal sum = 0.0;
+
+  for (PetscInt a = 0; a < 2; a++)
+    sum += PetscSqr(PetscMax(body->centre[a] - scene->lo[a], scene->hi[a] - body->centre[a]));
+  return PetscSqrtReal(sum);
+}
+
+/*
+  SceneWallDrive - The fastest flow that a wall makes, by its velocity at a point of its surface [m/s]
+
+  Not collective. A wall that slides along itself drags fluid no faster than it goes, but a stiff fluid may
+  turn with a body as far as the box reaches. One that moves along its normal squeezes fluid through gaps at
+  any speed: infinite.
+*/
+PetscReal SceneWallDrive(const Scene *scene, PetscInt side, const PetscReal x[],
+                         const PetscReal normal[], const PetscReal u[])
+{
+  PetscReal speed2 = 0.0, through = 0.0, arm[2];
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    speed2 += PetscSqr(u[a]);
+    through += side < 2 * scene->dim ? (a == side / 2) * u[a] : normal[a] * u[a];
+  }
+  if (PetscSqr(through) > 1e-6 * speed2) return PETSC_INFINITY;
+  if (side >= 2 * scene->dim && speed2 > 0.0) {
+    const Body *body = &scene->body_of[side - 2 * scene->dim];
+
+    BodyArm(scene, body, x, arm);
+    if (!body->around)
+      speed2 *= PetscSqr(Reach(scene, body)) / (PetscSqr(arm[0]) + PetscSqr(arm[1]));
+  }
+  return PetscSqrtReal(speed2);
+}
+
+/*
+  SceneDecayRate - At least how fast a flow between walls at rest dies [1/s]
+
+    d|u|/dt <= -nu (pi/W)^2 |u|,  W the distance of the closest pair of sides that are walls
+
+  in root mean squares (Poincare's inequality); zero without such a pair or without viscosity. Not collective.
+*/
+PetscReal SceneDecayRate(const Scene *scene)
+{
+  PetscReal width = PETSC_INFINITY;
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    if (!scene->periodic[a]) width = PetscMin(width, scene->hi[a] - scene->lo[a]);
+  }
+  return SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low * PetscSqr(PETSC_PI / width) : 0.0;
+}
+
 /* SceneBodyForce - Body force per unit mass at a place and time [m/s^2]; not collective */
 void SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal f[])
 {

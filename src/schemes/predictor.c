@@ -49,6 +49,7 @@ PetscErrorCode AddBodyForce(const Scene *scene, PetscReal t, const Particles *p,
       most += PetscSqr(scene->body[a]);
     }
     scheme->stats.force_max = PetscSqrtReal(most);
+    scheme->force_step      = PetscMax(scheme->force_step, scheme->stats.force_max);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt a = 0; a < scene->dim && force; a++) PetscCall(VecGetArray(force[a], &g[a]));
@@ -66,6 +67,7 @@ PetscErrorCode AddBodyForce(const Scene *scene, PetscReal t, const Particles *p,
   for (PetscInt a = 0; a < scene->dim && force; a++) PetscCall(VecRestoreArray(force[a], &g[a]));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, p->comm));
   scheme->stats.force_max = PetscSqrtReal(most);
+  scheme->force_step      = PetscMax(scheme->force_step, scheme->stats.force_max);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

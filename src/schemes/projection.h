@@ -17,14 +17,18 @@ enum {
   EVENT_COUNT
 };
 
-/* What scheme->number holds: for the steady test, but for the last. */
+/* What scheme->number holds: for the steady test, the integrator, the bound of the velocity. */
 enum {
   NUMBER_START,                  /* of the stretch of steps that means are taken over [s] */
   NUMBER_COUNT,                  /* steps of it so far */
   NUMBER_SUM,                    /* 3: of root mean squares of u, div u* and p, relative */
   NUMBER_MEAN = NUMBER_SUM + 3,  /* 3: their means over the stretch before */
   NUMBER_DIV  = NUMBER_MEAN + 3, /* root mean square of div u* in the last step [1/s] */
-  NUMBER_SUBSTEP                 /* the last of the coupled scheme's integrator [s] */
+  NUMBER_SUBSTEP,                /* the last of the coupled scheme's integrator [s] */
+  NUMBER_SPEED,                  /* root mean square of u at the start [m/s] */
+  NUMBER_IMPULSE,                /* int max |f| dt [m/s] */
+  NUMBER_FORCE,                  /* largest |f| so far [m/s^2] */
+  NUMBER_WALLS                   /* fastest flow that walls can have made so far [m/s] */
 };
 
 /* State on the particles (fields) and the vectors through which it is seen in the present epoch. */

@@ -74,6 +74,13 @@ static PetscErrorCode MeasureChange_Fixed(const Scene *scene, const Clock *clock
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Root mean square of the velocity, from the energy [m/s]. */
+static PetscReal RmsSpeed(const Scene *scene, const Particles *p, const StepStats *stats)
+{
+  return PetscSqrtReal(2.0 * stats->kinetic_energy /
+                       (scene->rho * SceneVolume(scene) * PetscMax(p->N_fluid, 1)));
+}
+
 /*
   The rates of moving particles: single steps are noise of shifting and of new neighbours, so means of the
   root mean squares of u, div u* and p over windows of T, at least 20 steps, are compared, each with the
@@ -89,8 +96,7 @@ static PetscErrorCode MeasureChange_Moving(const Scene *scene, const Clock *cloc
   PetscReal       u, div = 0.0, pressure = 0.0;
 
   PetscFunctionBegin;
-  u = PetscSqrtReal(2.0 * stats->kinetic_energy /
-                    (scene->rho * SceneVolume(scene) * PetscMax(p->N_fluid, 1)));
+  u = RmsSpeed(scene, p, stats);
   if (pr->p) {
     PetscCall(RootMeanSquare(p, pr->div, &div));
     PetscCall(RootMeanSquare(p, pr->p, &pressure));
@@ -134,7 +140,7 @@ PetscErrorCode MeasureFlow(const Scene *scene, const Particles *p, const Operato
                            const Vec u[], Scheme *scheme)
 {
   StepStats         *stats = &scheme->stats;
-  PetscReal          sum = 0.0, most = 0.0;
+  PetscReal          sum = 0.0, most[2] = {0.0, ops->wall_drive};
   const PetscScalar *v[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
@@ -144,13 +150,14 @@ PetscErrorCode MeasureFlow(const Scene *scene, const Particles *p, const Operato
 
     for (PetscInt a = 0; a < scene->dim; a++) speed2 += PetscSqr(v[a][i]);
     sum += speed2;
-    most = PetscMax(most, speed2);
+    most[0] = PetscMax(most[0], PetscSqrtReal(speed2));
   }
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(u[a], &v[a]));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, p->comm));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, p->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, 2, MPIU_REAL, MPIU_MAX, p->comm));
   stats->kinetic_energy = 0.5 * scene->rho * SceneVolume(scene) * sum;
-  stats->speed_max      = PetscSqrtReal(most);
+  stats->speed_max      = most[0];
+  stats->wall_drive     = most[1];
   if (p->p)
     PetscCall(MeasureDivergence(scene, ops, u, (Projection *)scheme->data, &stats->divergence));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -164,31 +171,60 @@ PetscErrorCode MeasureBegin(const Scene *scene, const Particles *p, const Operat
   PetscCall(MeasureFlow(scene, p, ops, ((Projection *)scheme->data)->u, scheme));
   if (SceneHas(scene, PHYSICS_BODY_FORCE)) PetscCall(AddBodyForce(scene, 0.0, p, NULL, scheme));
   for (PetscInt k = 0; k < 3; k++) scheme->stats.change[k] = PETSC_INFINITY;
+  scheme->number[NUMBER_SPEED] = RmsSpeed(scene, p, &scheme->stats);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  What the velocity's root mean square can be by all that moves the flow, 5 % added for discretisation
+
+    |u| <= |u|(0) + min(int F dt, max F/r) + max wall drive,  F = max |f|
+
+  with the rate r at which walls at rest would slow it (SceneDecayRate()). All but the last term follow from
+  the energy's balance, whatever the length of the step; that walls make no flow faster than SceneWallDrive()
+  holds of every flow known to be right, with room: a cavity has a third of that at most.
+*/
+static PetscReal SpeedBound(const Scene *scene, const Clock *clock, Scheme *scheme)
+{
+  const PetscReal rate   = SceneDecayRate(scene);
+  PetscReal      *number = scheme->number, forced;
+
+  number[NUMBER_IMPULSE] += scheme->force_step * clock->dt;
+  number[NUMBER_FORCE] = PetscMax(number[NUMBER_FORCE], scheme->force_step);
+  number[NUMBER_WALLS] = PetscMax(number[NUMBER_WALLS], scheme->stats.wall_drive);
+  scheme->force_step   = 0.0;
+  forced               = number[NUMBER_IMPULSE];
+  if (rate > 0.0) forced = PetscMin(forced, number[NUMBER_FORCE] / rate);
+  return 1.05 * (number[NUMBER_SPEED] + forced + number[NUMBER_WALLS]);
 }
 
 /*
   StepJudge - Measures the step just made, u* being the new velocity, and tells one gone wrong
 
-  Collective. Sets scheme->failure where energy is not finite or speeds have left every bound.
+  Collective. Sets scheme->failure where energy is not finite, or is more than what moves the flow can have made
+  of it, or a particle is a hundred times as fast as the reference.
 */
 PetscErrorCode StepJudge(const Scene *scene, const Clock *clock, const Particles *p,
                          const Operators *ops, Scheme *scheme)
 {
   Projection *pr    = (Projection *)scheme->data;
   StepStats  *stats = &scheme->stats;
+  PetscReal   bound, rms;
 
   PetscFunctionBegin;
   PetscCall(MeasureFlow(scene, p, ops, pr->star, scheme));
-  if (PetscIsInfOrNanReal(stats->kinetic_energy) || stats->speed_max >= 100.0 * scene->speed) {
+  bound = SpeedBound(scene, clock, scheme);
+  rms   = RmsSpeed(scene, p, stats);
+  if (!(rms <= bound) || stats->speed_max >= 100.0 * scene->speed) {
     char where[CLOCK_WHERE];
 
     PetscCall(ClockWhere(clock, where));
     FailureSet(&scheme->failure, PETSC_ERR_FP,
-               "%s: the velocity has left every bound (largest speed %.6g, reference %.6g): the "
-               "flow is unstable at dt = %.6g (CFL %.2g); try a smaller -dt or -cfl",
-               where, (double)stats->speed_max, (double)scene->speed, (double)clock->dt,
-               (double)(clock->dt * scene->speed / scene->dx));
+               "%s: the velocity has left every bound (root mean square %.6g, at most %.6g by what "
+               "moves the flow; largest %.6g, reference %.6g): the flow is unstable at dt = %.6g "
+               "(CFL %.2g); try a smaller -dt or -cfl",
+               where, (double)rms, (double)bound, (double)stats->speed_max, (double)scene->speed,
+               (double)clock->dt, (double)(clock->dt * scene->speed / scene->dx));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   stats->visc_its = scheme->visc ? ViscosityIterations(scheme->visc) : 0;
