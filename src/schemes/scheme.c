@@ -101,7 +101,7 @@ static PetscErrorCode SchemeRefuseSteady(const Scene *scene, const SchemeRow *ro
 + -scheme, -projection, -shift - rows of their tables
 . -time_order 1|2   - order of the time integration
 . -ppe_alpha A      - share of the density error in the pressure source (Zheng et al. 2018, Eq. 13)
-- -ppe_filter S     - strength of the grid-scale pressure filter p += S dx^2 lap p
+- -ppe_filter S     - strength of the grid-scale pressure filter p -= S dx^4 lap lap p
 */
 PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *ops, Scheme **scheme)
 {
@@ -116,13 +116,13 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
                         "projection", &s->row));
   PetscCall(OptionInt("-time_order", "Order of the time integration", 1, 2, &s->time_order, NULL));
   if (SceneHas(scene, PHYSICS_PRESSURE) && s->row->splits) {
-    s->filter = 0.02;
+    s->filter = 0.005;
     PetscCall(TableSelect(&ProjectionTable, "-projection",
                           "How the pressure follows from its increment", "rotational",
                           &s->projection));
     PetscCall(OptionReal("-ppe_alpha", "Share of the density error in the pressure source [-]", 0.0,
                          1.0, &s->alpha, NULL));
-    PetscCall(OptionReal("-ppe_filter", "Strength of the grid-scale pressure filter [-]", 0.0, 0.5,
+    PetscCall(OptionReal("-ppe_filter", "Strength of the grid-scale pressure filter [-]", 0.0, 0.03,
                          &s->filter, NULL));
   }
   s->motion = scene->motion;
