@@ -47,7 +47,7 @@ class Runs:
             if self.unsaved >= 20 or time.monotonic() - start > 5.0:
                 self.save()
         return {k: float(v) if k not in ("run", "failed") else v
-                for k, v in self.rows[arguments].items()}
+                for k, v in self.rows[arguments].items() if v}
 
     def bound(self):
         """In the process of a run: no more CPU time than it may take; a step that does not end is killed."""

@@ -113,7 +113,8 @@ static PetscErrorCode AssembleRow(const Scene *scene, const Particles *p, Stenci
   }
   if (ops->ppe.needed) {
     PetscCall(CloseRows_Pressure(scene, st, diagonal, ops));
-    if (ops->one_sided) PetscCall(CloseRows_OneSided(scene, st, diagonal, ops));
+    if (ops->one_sided) PetscCall(CloseRows_OneSided(st, diagonal, ops));
+    if (ops->rough_p.needed) PetscCall(CloseRow_Roughness(scene, st, diagonal, ops));
     PetscCall(CloseRows_Divergence(st, diagonal, ops));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

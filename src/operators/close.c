@@ -202,20 +202,32 @@ PetscErrorCode CloseRows_Pressure(const Scene *scene, Stencil *st, PetscInt diag
 }
 
 /*
-  CloseRows_OneSided - The rows of grad p and of the roughness of p of one particle, walls unseen
+  CloseRows_OneSided - The rows of grad p of one particle, walls unseen
 
   Not collective. For a pressure that is solved for together with the velocity: what n.grad p is at
-  a wall follows from the momentum there and is not known before. A particle that sees no fluid has
-  the pressure zero.
+  a wall follows from the momentum there and is not known before.
 */
-PetscErrorCode CloseRows_OneSided(const Scene *scene, Stencil *st, PetscInt diagonal,
-                                  Operators *ops)
+PetscErrorCode CloseRows_OneSided(Stencil *st, PetscInt diagonal, Operators *ops)
 {
   PetscFunctionBegin;
   StencilSetRole(st, ROLE_NONE);
   PetscCall(ops->gradient->Row(st, ops->g));
   for (PetscInt a = 0; a < st->dim; a++)
     CloseRow_Slope(st, ops, diagonal, 1.0, ops->g[a], &ops->grad_p[a]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  CloseRow_Roughness - The row of p less its quadratic fit, walls unseen
+
+  Not collective. What n.grad p is at a wall is none of its business. A particle that sees no fluid is as
+  rough as its pressure.
+*/
+PetscErrorCode CloseRow_Roughness(const Scene *scene, Stencil *st, PetscInt diagonal,
+                                  Operators *ops)
+{
+  PetscFunctionBegin;
+  StencilSetRole(st, ROLE_NONE);
   PetscCall(RoughRow_Mls(st, st->self[0] / SceneVolume(scene), ops->w));
   CloseRow_Slope(st, ops, diagonal, 1.0, ops->w, &ops->rough_p);
   if (st->n == st->n_wall) ops->rough_p.a[diagonal] = 1.0;

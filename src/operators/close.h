@@ -21,7 +21,8 @@ void KeepRow(const Stencil *stencil, PetscInt diagonal, const PetscReal w[], Ope
 PetscErrorCode AssembleTogether(const Scene *scene, const Particles *particles, Operators *ops);
 PetscErrorCode CloseRows_Pressure(const Scene *scene, Stencil *stencil, PetscInt diagonal,
                                   Operators *ops);
-PetscErrorCode CloseRows_OneSided(const Scene *scene, Stencil *stencil, PetscInt diagonal,
+PetscErrorCode CloseRows_OneSided(Stencil *stencil, PetscInt diagonal, Operators *ops);
+PetscErrorCode CloseRow_Roughness(const Scene *scene, Stencil *stencil, PetscInt diagonal,
                                   Operators *ops);
 PetscErrorCode CloseRows_Divergence(Stencil *stencil, PetscInt diagonal, Operators *ops);
 

@@ -171,16 +171,18 @@ static PetscErrorCode OperatorsJoinComponents(const Scene *scene, Operators *ops
 }
 
 /*
-  Filter of grid-scale velocities: on where the flow cannot do without, by the cell Reynolds number U dx/nu.
-  Moving particles held without it up to 40 (Re = 1000, n = 25) and died above 100 (Re = 10,000, n = 100); where
-  the filter is not needed it takes from boundary layers: a quarter of that cavity's energy at n = 25. Fixed
-  ones held up to 6 and died at 7 (Re = 100 in 3D).
+  Filter of grid-scale velocities: on where the flow cannot do without, by the cell Reynolds number R = U dx/nu.
+  Where it is not needed it takes from boundary layers: a quarter of the cavity's energy at Re = 1000, n = 25.
+  Without it moving particles held at R = 20 and died at 25, at CFL numbers of 0.1 and less (Re = 1000, n = 40);
+  they need 0.2 at R = 40 and 1 at 200 (Re = 10,000, n = 50). Fixed ones held up to 6 and died at 7 (Re = 100
+  in 3D).
 */
 static PetscReal DefaultVelocityFilter(const Scene *scene)
 {
-  const PetscBool moves = scene->motion && scene->motion->particles_move;
+  const PetscReal R = SceneCellReynolds(scene);
 
-  return SceneCellReynolds(scene) > (moves ? 45.0 : 5.0) ? 1.0 : 0.0;
+  if (!scene->motion || !scene->motion->particles_move) return R > 5.0 ? 1.0 : 0.0;
+  return PetscMin(1.0, PetscMax(0.0, (R - 20.0) / 40.0));
 }
 
 /*
@@ -224,10 +226,12 @@ PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
   }
   if (SceneHas(scene, PHYSICS_CONVECTION)) {
     ops->velocity_filter = DefaultVelocityFilter(scene);
-    PetscCall(OptionReal("-velocity_filter",
-                         "Strength of the grid-scale filter of velocities; 0: off; by default 1 "
-                         "where U dx/nu is above 45, with fixed particles above 5 [-]",
-                         0.0, 1.0, &ops->velocity_filter, NULL));
+    PetscCall(
+        OptionReal("-velocity_filter",
+                   "Strength of the grid-scale filter of velocities; 0: off; by default it "
+                   "grows from 0 to 1 between U dx/nu = 20 and 60, with fixed particles it is "
+                   "1 above 5 [-]",
+                   0.0, 1.0, &ops->velocity_filter, NULL));
   }
   if (SceneHas(scene, PHYSICS_WALLS))
     PetscCall(OperatorsChooseWall(PetscOptionsObject, scene, ops));

@@ -43,17 +43,29 @@ static PetscErrorCode VelocityCorrect(const Scene *scene, const Operators *ops, 
 }
 
 /*
-  p = [p^n] + phi [- c mu div u*], then p -= S dx^4 lap lap p, which takes grid-scale modes that no
-  projection on one set of points sees and leaves smooth pressure to fourth order; its mean is the
-  gauge. c is LaplacianDilatation(); mu the least there is: right where it is uniform, stable however
-  it varies. With the local one a drop of 1e5 times the viscosity about it blew up within 4 steps.
+  Which share of the pressure's roughness a step takes,
 
-  What p gains by the filter leaves a divergence (k/rho) S dx^4 lap^3 p, from which convection makes
-  energy. That of p += S dx^2 lap p is larger: no S served both Re = 1 (0.1 leaves u_min 1.1 % too small at
-  nu dt/dx^2 = 2) and Re = 100 moving (0.02 leaves v_min 0.5 % off at n = 100, this one 0.004 %). The largest
-  eigenvalue of -dx^2 lap is 8 in 2D and 12 in 3D on lattices, so that S < 1/72 takes no mode beyond zero.
+    S max(0.1, 1/(1 + 8 nu dt/dx^2)),
+
+  for S = 1 about what an implicit viscous step leaves of the mode +1, -1 of a lattice. Modes of the pressure
+  that no projection on one set of points sees, L^-1 D G p = m p with a small and, among disordered particles,
+  negative m, grow by |m|^(1/2) in each step of an incremental projection, however short it is, unless
+  viscosity or this takes them; the less the one, the more the other.
 */
-static PetscErrorCode PressureUpdate(const Scene *scene, const Particles *p, Operators *ops,
+static PetscReal FilterShare(const Scene *scene, const Clock *clock, const Scheme *scheme)
+{
+  const PetscReal nu = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low : 0.0;
+
+  return scheme->filter * PetscMax(0.1, 1.0 / (1.0 + 8.0 * nu * clock->dt / PetscSqr(scene->dx)));
+}
+
+/*
+  p = [p^n] + phi [- c mu div u*], less a share of what a quadratic fit leaves of it, which is of
+  fourth order where p is smooth; its mean is the gauge. c is LaplacianDilatation(); mu the least there
+  is: right where it is uniform, stable however it varies. With the local one a drop of 1e5 times the
+  viscosity about it blew up within 4 steps.
+*/
+static PetscErrorCode PressureUpdate(const Scene *scene, const Clock *clock, Operators *ops,
                                      const Scheme *scheme)
 {
   Projection *pr = (Projection *)scheme->data;
@@ -68,9 +80,8 @@ static PetscErrorCode PressureUpdate(const Scene *scene, const Particles *p, Ope
   }
   if (ops->wall) PetscCall(VecAXPY(ops->wall_slope, 1.0, ops->wall_slope_step));
   if (scheme->filter > 0.0) {
-    PetscCall(AffineApply(&ops->ppe, pr->p, ops->wall_slope, pr->work)); /* -dx^2 lap p */
-    PetscCall(MatMult(ops->ppe.A, pr->work, pr->b));                     /* dx^4 lap lap p */
-    PetscCall(VecAXPY(pr->p, -scheme->filter, pr->b));
+    PetscCall(MatMult(ops->rough_p.A, pr->p, pr->work));
+    PetscCall(VecAXPY(pr->p, -FilterShare(scene, clock, scheme), pr->work));
   }
   PetscCall(VecRemoveMean(pr->p));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -91,7 +102,7 @@ PetscErrorCode ProjectVelocity(const Scene *scene, const Clock *clock, const Par
   if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(pr->event[EVENT_CORRECT], 0, 0, 0, 0));
   PetscCall(VelocityCorrect(scene, ops, pr));
-  PetscCall(PressureUpdate(scene, p, ops, scheme));
+  PetscCall(PressureUpdate(scene, clock, ops, scheme));
   PetscCall(PetscLogEventEnd(pr->event[EVENT_CORRECT], 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

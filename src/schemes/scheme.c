@@ -92,6 +92,17 @@ static PetscErrorCode SchemeRefuseSteady(const Scene *scene, const SchemeRow *ro
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether particles are and stay on a lattice that no body cuts. */
+static PetscErrorCode OnLattice(const Scene *scene, PetscBool moves, PetscBool *on)
+{
+  PetscBool given;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-particles", &given));
+  *on = !moves && scene->jitter == 0.0 && !scene->n_bodies && !given ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   SchemeCreate - Chooses the scheme and makes its solvers
 
@@ -101,11 +112,12 @@ static PetscErrorCode SchemeRefuseSteady(const Scene *scene, const SchemeRow *ro
 + -scheme, -projection, -shift - rows of their tables
 . -time_order 1|2   - order of the time integration
 . -ppe_alpha A      - share of the density error in the pressure source (Zheng et al. 2018, Eq. 13)
-- -ppe_filter S     - strength of the grid-scale pressure filter p -= S dx^4 lap lap p
+- -ppe_filter S     - strength of the grid-scale pressure filter, by default 1, on lattices 0.1; see FilterShare()
 */
 PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *ops, Scheme **scheme)
 {
   const PetscBool moves = scene->motion && scene->motion->particles_move ? PETSC_TRUE : PETSC_FALSE;
+  PetscBool       lattice = PETSC_FALSE;
   Scheme         *s;
 
   PetscFunctionBegin;
@@ -116,14 +128,18 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
                         "projection", &s->row));
   PetscCall(OptionInt("-time_order", "Order of the time integration", 1, 2, &s->time_order, NULL));
   if (SceneHas(scene, PHYSICS_PRESSURE) && s->row->splits) {
-    s->filter = 0.005;
+    PetscCall(OnLattice(scene, moves, &lattice));
+    s->filter = lattice ? 0.1 : 1.0;
     PetscCall(TableSelect(&ProjectionTable, "-projection",
                           "How the pressure follows from its increment", "rotational",
                           &s->projection));
     PetscCall(OptionReal("-ppe_alpha", "Share of the density error in the pressure source [-]", 0.0,
                          1.0, &s->alpha, NULL));
-    PetscCall(OptionReal("-ppe_filter", "Strength of the grid-scale pressure filter [-]", 0.0, 0.03,
-                         &s->filter, NULL));
+    PetscCall(OptionReal("-ppe_filter",
+                         "Strength of the grid-scale pressure filter; 0: off; by default 1, on "
+                         "lattices that stay 0.1 [-]",
+                         0.0, 2.0, &s->filter, NULL));
+    ops->rough_p.needed = s->filter > 0.0 ? PETSC_TRUE : PETSC_FALSE;
   }
   s->motion = scene->motion;
   if (moves) {
