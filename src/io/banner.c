@@ -134,6 +134,26 @@ static PetscErrorCode BannerSplitting(const Flow *flow, PetscReal dt, PetscViewe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  Where particles may not be able to go so far in a step: the cavity ended at CFL numbers of 1 and more where
+  viscosity does not smooth the grid scale (studies/stability).
+*/
+static PetscErrorCode BannerAdvection(const Flow *flow, PetscReal dt, PetscViewer viewer)
+{
+  const Scene    *scene = flow->scene;
+  const PetscReal R = SceneCellReynolds(scene), cfl = scene->speed * dt / scene->dx;
+
+  PetscFunctionBegin;
+  if (!scene->motion || !scene->motion->particles_move || R <= 20.0 || cfl <= 0.5)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscViewerASCIIPrintf(viewer,
+                                   BANNER_LABEL
+                                   "U dx/nu = %.3g: moving particles may not hold beyond a CFL "
+                                   "number of 0.5; -dt_adapt retry shortens steps that fail\n",
+                                   "advection", (double)R));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The time step and its limits. */
 static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
 {
@@ -153,6 +173,7 @@ static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
                                      (double)(scene->nu * dt / PetscSqr(h))));
   }
   PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
+  PetscCall(BannerAdvection(flow, dt, viewer));
   if (flow->scheme->visc || flow->scheme->coupled) {
     PetscCall(BannerPays(flow, dt, ClockExplicitLimit(scene, flow->ops->radius), viewer));
     PetscCall(BannerSplitting(flow, dt, viewer));
