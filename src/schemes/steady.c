@@ -176,7 +176,8 @@ PetscErrorCode MeasureBegin(const Scene *scene, const Particles *p, const Operat
 }
 
 /*
-  What the velocity's root mean square can be by all that moves the flow, 5 % added for discretisation
+  What the velocity's root mean square can be by all that moves the flow, 5 % added for discretisation, 1e-6 U
+  for rounding
 
     |u| <= |u|(0) + min(int F dt, max F/r) + max wall drive,  F = max |f|
 
@@ -195,7 +196,7 @@ static PetscReal SpeedBound(const Scene *scene, const Clock *clock, Scheme *sche
   scheme->force_step   = 0.0;
   forced               = number[NUMBER_IMPULSE];
   if (rate > 0.0) forced = PetscMin(forced, number[NUMBER_FORCE] / rate);
-  return 1.05 * (number[NUMBER_SPEED] + forced + number[NUMBER_WALLS]);
+  return 1.05 * (number[NUMBER_SPEED] + forced + number[NUMBER_WALLS]) + 1e-6 * scene->speed;
 }
 
 /*
