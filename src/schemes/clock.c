@@ -149,17 +149,21 @@ static PetscReal ClockTarget(const Scene *scene, PetscReal speed, PetscReal forc
   dt = clock->cfl * scene->dx /
        (clock->adapt->follows ? PetscMax(scene->speed, speed) : scene->speed);
   if (!clock->adapt->follows || !SceneHas(scene, PHYSICS_CONVECTION)) return dt;
-  if (force > 0.0) dt = PetscMin(dt, PetscSqrtReal(clock->cfl * scene->dx / force));
+  if (force > 0.0) {
+    dt = PetscMin(dt, PetscMax(PetscSqrtReal(clock->cfl * scene->dx / force),
+                               clock->cfl * scene->dx * SceneDecayRate(scene) / force));
+  }
   return dt;
 }
 
 /*
   ClockChoose - Sets dt of the coming step
 
-    dt = C min(dx/max(U, speed), sqrt(dx/(C |f|)))/2^cut,  or -dt/2^cut
+    dt = C min(dx/max(U, speed), max(sqrt(dx/(C |f|)), r dx/|f|))/2^cut,  or -dt/2^cut
 
-  Not collective. Steps are evened out so that the next report time and t_end are hit exactly
-  without a rest that is shorter than the others.
+  Not collective. The force alone moves a particle by f dt^2 in a step, or by f dt/r where walls at rest slow
+  it at the rate r (SceneDecayRate()): the most viscous flows are not held to short steps. Steps are evened
+  out so that the next report time and t_end are hit exactly without a rest that is shorter than the others.
 
   Input Parameters:
 + speed - largest speed of the flow [m/s]
