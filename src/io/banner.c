@@ -87,8 +87,8 @@ static PetscErrorCode BannerPhysics(const Scene *scene, PetscViewer viewer)
 }
 
 /*
-  Whether implicit viscosity pays: it allows steps up to the advective limit 0.25 dx/U, explicit
-  viscosity those up to dt_explicit.
+  Whether implicit viscosity pays: it allows steps up to the advective limit, here 0.25 dx/U, as steps
+  a little longer do not pay for the solve; explicit viscosity those up to dt_explicit.
 */
 static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_explicit,
                                  PetscViewer viewer)
