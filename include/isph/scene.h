@@ -160,6 +160,7 @@ PetscErrorCode SceneDestroy(Scene **scene);
 PetscBool      SceneHas(const Scene *scene, Physics what);
 PetscReal      SceneReynolds(const Scene *scene);
 PetscReal      SceneCellReynolds(const Scene *scene);
+PetscBool      SceneMoves(const Scene *scene);
 PetscReal      SceneVolume(const Scene *scene); /* dx^dim, the volume of every particle [m^dim] */
 void      SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                             PetscReal u[]);

@@ -186,7 +186,6 @@ extern const Table SchemeTable;
 struct Scheme {
   const SchemeRow     *row;
   const ProjectionRow *projection; /* NULL: no pressure */
-  const MotionRow     *motion;
   const ShiftRow      *shift;
   PetscInt             time_order;
   PetscReal            alpha;      /* share of the density error in the pressure source [-] */

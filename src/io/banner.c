@@ -144,8 +144,7 @@ static PetscErrorCode BannerAdvection(const Flow *flow, PetscReal dt, PetscViewe
   const PetscReal R = SceneCellReynolds(scene), cfl = scene->speed * dt / scene->dx;
 
   PetscFunctionBegin;
-  if (!scene->motion || !scene->motion->particles_move || R <= 20.0 || cfl <= 0.5)
-    PetscFunctionReturn(PETSC_SUCCESS);
+  if (!SceneMoves(scene) || R <= 20.0 || cfl <= 0.5) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscViewerASCIIPrintf(viewer,
                                    BANNER_LABEL
                                    "U dx/nu = %.3g: moving particles may not hold beyond a CFL "
@@ -190,10 +189,8 @@ static PetscErrorCode BannerForms(const Flow *flow, PetscViewer viewer)
   PetscFunctionBegin;
   PetscCall(BannerRow("scheme", scheme->row, viewer));
   PetscCall(BannerRow("projection", scheme->projection, viewer));
-  PetscCall(BannerRow("motion", scheme->motion, viewer));
-  if (scheme->motion && scheme->motion->particles_move) {
-    PetscCall(BannerRow("shift", scheme->shift, viewer));
-  }
+  PetscCall(BannerRow("motion", flow->scene->motion, viewer));
+  if (SceneMoves(flow->scene)) PetscCall(BannerRow("shift", scheme->shift, viewer));
   PetscCall(BannerRow("kernel", ops->kernel, viewer));
   PetscCall(BannerRow("visc lap.", ops->visc_form.row, viewer));
   PetscCall(BannerRow("ppe lap.", ops->ppe_form.row, viewer));

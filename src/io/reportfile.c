@@ -126,7 +126,7 @@ static PetscErrorCode ColumnsBeforeTime(const Flow *flow, Columns *columns)
   PetscCall(ColumnNumber(columns, scheme ? SceneReynolds(scene) : NAN));
   PetscCall(ColumnRow(columns, scheme ? scheme->row : NULL));
   PetscCall(ColumnRow(columns, scheme ? scheme->projection : NULL));
-  PetscCall(ColumnRow(columns, scheme ? scheme->motion : NULL));
+  PetscCall(ColumnRow(columns, scheme ? scene->motion : NULL));
   PetscCall(ColumnPhysics(columns, scene));
   PetscCall(ColumnsForms(flow, columns));
   PetscCall(ColumnWord(columns, flow->ops->kernel->name));

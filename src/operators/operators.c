@@ -120,10 +120,8 @@ static PetscErrorCode OperatorsChooseWall(PetscOptionItems *PetscOptionsObject, 
 */
 static PetscReal DefaultSmoothing(const Scene *scene, const Operators *ops)
 {
-  const PetscBool moving = scene->motion && scene->motion->particles_move;
-
   if (SceneCellReynolds(scene) > 5.0) return 1.3;
-  if (SceneHas(scene, PHYSICS_WALLS)) return moving ? 1.5 : 1.3;
+  if (SceneHas(scene, PHYSICS_WALLS)) return SceneMoves(scene) ? 1.5 : 1.3;
   if (!SceneHas(scene, PHYSICS_PRESSURE)) return 1.3;
   return LaplacianIs(&ops->visc_form, FORM_EXACT_QUADRATIC) &&
                  LaplacianIs(&ops->ppe_form, FORM_EXACT_QUADRATIC)
@@ -181,7 +179,7 @@ static PetscReal DefaultVelocityFilter(const Scene *scene)
 {
   const PetscReal R = SceneCellReynolds(scene);
 
-  if (!scene->motion || !scene->motion->particles_move) return R > 5.0 ? 1.0 : 0.0;
+  if (!SceneMoves(scene)) return R > 5.0 ? 1.0 : 0.0;
   return PetscMin(1.0, PetscMax(0.0, (R - 20.0) / 40.0));
 }
 

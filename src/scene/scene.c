@@ -27,6 +27,12 @@ PetscReal SceneCellReynolds(const Scene *scene)
   return scene->speed * scene->dx / scene->nu_low;
 }
 
+/* SceneMoves - Whether particles go with the flow */
+PetscBool SceneMoves(const Scene *scene)
+{
+  return scene->motion && scene->motion->particles_move ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /* SceneVolume - Volume of each particle, dx^dim [m^dim] */
 PetscReal SceneVolume(const Scene *scene)
 {

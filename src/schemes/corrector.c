@@ -51,6 +51,10 @@ static PetscErrorCode VelocityCorrect(const Scene *scene, const Operators *ops, 
   that no projection on one set of points sees, L^-1 D G p = m p with a small and, among disordered particles,
   negative m, grow by |m|^(1/2) in each step of an incremental projection, however short it is, unless
   viscosity or this takes them; the less the one, the more the other.
+
+  The price: a steady pressure whose roughness is r leaves a divergence of dt (L - D G) s r/rho, and that may feed
+  energy where layers are thin. Fixed particles at Re = 1000, n = 48, CFL number 1, t = 40 in the cavity: -18, -8.5,
+  5.1, 38 % for S = 0, 0.02, 0.1, 0.5. Hence only 0.1 where particles stay on a lattice.
 */
 static PetscReal FilterShare(const Scene *scene, const Clock *clock, const Scheme *scheme)
 {

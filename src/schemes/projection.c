@@ -26,9 +26,8 @@ PetscErrorCode ProjectionCreate(const Scene *scene, const Clock *clock, Operator
   PetscCall(PetscClassIdRegister("Projection", &class_id));
   for (PetscInt k = 0; k < EVENT_COUNT; k++)
     PetscCall(PetscLogEventRegister(events[k], class_id, &pr->event[k]));
-  pr->has_convection =
-      (scheme->motion && !scheme->motion->particles_move) ? PETSC_TRUE : PETSC_FALSE;
-  scheme->data = pr;
+  pr->has_convection = scene->motion && !SceneMoves(scene) ? PETSC_TRUE : PETSC_FALSE;
+  scheme->data       = pr;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -283,8 +282,7 @@ PetscErrorCode FlowStep(const Scene *scene, Clock *clock, Particles *p, Neighbor
 
   PetscFunctionBegin;
   scheme->failure.code = PETSC_SUCCESS;
-  if (scheme->motion && scheme->motion->particles_move)
-    PetscCall(MoveAndRebuild(scene, clock, p, nb, ops, scheme));
+  if (SceneMoves(scene)) PetscCall(MoveAndRebuild(scene, clock, p, nb, ops, scheme));
   if (!scheme->failure.code) PetscCall(Solve(scene, clock, p, ops, scheme));
   if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(OperatorsSetWallVelocity(scene, p, clock->t + clock->dt, 0.0, ops));

@@ -75,13 +75,12 @@ static PetscErrorCode SchemeRefuseCoupled(const Scene *scene, const Operators *o
 /* What has no steady flow, or none that one system gives. */
 static PetscErrorCode SchemeRefuseSteady(const Scene *scene, const SchemeRow *row)
 {
-  const PetscBool moves = scene->motion && scene->motion->particles_move;
-
   PetscFunctionBegin;
   UserCheck(!row->splits,
             "-steady: -scheme %s advances in time; use -scheme coupled, or -steady_tol", row->name);
-  UserCheck(!moves, "-steady: particles that move never come to rest; use -motion eulerian, or "
-                    "-without convection for creeping flow");
+  UserCheck(!SceneMoves(scene),
+            "-steady: particles that move never come to rest; use -motion eulerian, or "
+            "-without convection for creeping flow");
   UserCheck(SceneHas(scene, PHYSICS_WALLS),
             "-steady: case %s has no walls, and without them any uniform velocity is a solution",
             scene->problem->name);
@@ -93,13 +92,40 @@ static PetscErrorCode SchemeRefuseSteady(const Scene *scene, const SchemeRow *ro
 }
 
 /* Whether particles are and stay on a lattice that no body cuts. */
-static PetscErrorCode OnLattice(const Scene *scene, PetscBool moves, PetscBool *on)
+static PetscErrorCode OnLattice(const Scene *scene, PetscBool *on)
 {
   PetscBool given;
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsHasName(NULL, NULL, "-particles", &given));
-  *on = !moves && scene->jitter == 0.0 && !scene->n_bodies && !given ? PETSC_TRUE : PETSC_FALSE;
+  *on = !SceneMoves(scene) && scene->jitter == 0.0 && !scene->n_bodies && !given ? PETSC_TRUE
+                                                                                 : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The solver of velocity and pressure together; with convection in its matrix that is not filtered. */
+static PetscErrorCode SchemeCreateCoupled(const Scene *scene, const Clock *clock, Operators *ops,
+                                          Scheme *s)
+{
+  const PetscBool       moves = SceneMoves(scene);
+  const CoupledTimeRow *time;
+  PetscBool             filter;
+
+  PetscFunctionBegin;
+  ops->one_sided = ops->rough_p.needed = PETSC_TRUE;
+  PetscCall(CoupledCreate(scene, clock->dt, scene->motion && !moves ? PETSC_TRUE : PETSC_FALSE,
+                          &s->coupled));
+  time = CoupledTimeKind(s->coupled);
+  UserCheck(!moves || !time->substeps,
+            "-coupled_ts_type %s: particles that move leave its substeps nothing to begin from; "
+            "use beuler, or -motion eulerian",
+            time->name);
+  if (!clock->direct && !time->substeps) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-velocity_filter", &filter));
+  UserCheck(!filter || !scene->motion,
+            "-velocity_filter: %s has convection in its matrix, as it is, without a filter",
+            clock->direct ? "-steady" : "this -coupled_ts_type");
+  ops->rough_u.needed = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -116,8 +142,7 @@ static PetscErrorCode OnLattice(const Scene *scene, PetscBool moves, PetscBool *
 */
 PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *ops, Scheme **scheme)
 {
-  const PetscBool moves = scene->motion && scene->motion->particles_move ? PETSC_TRUE : PETSC_FALSE;
-  PetscBool       lattice = PETSC_FALSE;
+  const PetscBool moves = SceneMoves(scene);
   Scheme         *s;
 
   PetscFunctionBegin;
@@ -128,7 +153,9 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
                         "projection", &s->row));
   PetscCall(OptionInt("-time_order", "Order of the time integration", 1, 2, &s->time_order, NULL));
   if (SceneHas(scene, PHYSICS_PRESSURE) && s->row->splits) {
-    PetscCall(OnLattice(scene, moves, &lattice));
+    PetscBool lattice = PETSC_FALSE;
+
+    PetscCall(OnLattice(scene, &lattice));
     s->filter = lattice ? 0.1 : 1.0;
     PetscCall(TableSelect(&ProjectionTable, "-projection",
                           "How the pressure follows from its increment", "rotational",
@@ -141,7 +168,6 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
                          0.0, 2.0, &s->filter, NULL));
     ops->rough_p.needed = s->filter > 0.0 ? PETSC_TRUE : PETSC_FALSE;
   }
-  s->motion = scene->motion;
   if (moves) {
     PetscCall(TableSelect(&ShiftTable, "-shift", "Particle shifting", "fickian", &s->shift));
   }
@@ -163,15 +189,7 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
       "use beuler",
       ViscosityTimeKind(s->visc)->name);
   if (SceneHas(scene, PHYSICS_PRESSURE) && s->row->splits) PetscCall(PressureCreate(ops, &s->ppe));
-  if (!s->row->splits) {
-    ops->one_sided = ops->rough_p.needed = PETSC_TRUE;
-    PetscCall(CoupledCreate(scene, clock->dt, s->motion && !moves ? PETSC_TRUE : PETSC_FALSE,
-                            &s->coupled));
-    UserCheck(!moves || !CoupledTimeKind(s->coupled)->substeps,
-              "-coupled_ts_type %s: particles that move leave its substeps nothing to begin from; "
-              "use beuler, or -motion eulerian",
-              CoupledTimeKind(s->coupled)->name);
-  }
+  if (!s->row->splits) PetscCall(SchemeCreateCoupled(scene, clock, ops, s));
   PetscCall(s->row->Create(scene, clock, ops, s));
   *scheme = s;
   PetscFunctionReturn(PETSC_SUCCESS);

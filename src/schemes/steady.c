@@ -233,7 +233,7 @@ PetscErrorCode StepJudge(const Scene *scene, const Clock *clock, const Particles
   stats->ppe_its = scheme->ppe ? PressureIterations(scheme->ppe) : 0;
   stats->visc_its_sum += stats->visc_its;
   stats->ppe_its_sum += stats->ppe_its;
-  if (clock->steady_tol > 0.0 && scheme->motion && scheme->motion->particles_move) {
+  if (clock->steady_tol > 0.0 && SceneMoves(scene)) {
     PetscCall(MeasureChange_Moving(scene, clock, p, scheme));
   } else if (clock->steady_tol > 0.0) {
     PetscCall(MeasureChange_Fixed(scene, clock, p, scheme));
