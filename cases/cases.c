@@ -6,15 +6,14 @@
 
 /*
   ExactJudge - The quantities of a case whose Exact() is all there is to compare with; it holds only
-  while none of the case's physics is left out and the viscosity does not follow the strain rate
+  for the flow as the case poses it, of a viscosity that does not follow the strain rate
 */
 PetscErrorCode ExactJudge(const Flow *flow, Report *report)
 {
   const Scene *scene = flow->scene;
 
   PetscFunctionBegin;
-  if (!(scene->problem->physics & ~scene->physics) && SceneIsNewtonian(scene))
-    PetscCall(JudgeExact(flow, report));
+  if (SceneIsAsPosed(scene) && SceneIsNewtonian(scene)) PetscCall(JudgeExact(flow, report));
   PetscCall(JudgeCommon(flow, NAN, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

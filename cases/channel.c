@@ -33,14 +33,14 @@ static PetscErrorCode JudgeProfile(const Flow *flow, PetscBool relative, Report 
     PetscReal x[ISPH_MAX_DIM], exact[ISPH_MAX_DIM], pressure;
 
     for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
-    scene->problem->Exact(scene, flow->clock->t, x, exact, &pressure);
+    scene->problem->Exact(scene, ClockMoment(flow->clock), x, exact, &pressure);
     sum[0] += PetscSqr(p->u[0][i] - exact[0]);
     if (relative && exact[0] != 0.0) sum[1] += PetscSqr(p->u[0][i] / exact[0] - 1.0);
     most = PetscMax(most, PetscAbsReal(exact[0]));
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, p->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, p->comm));
-  if (!(scene->problem->physics & ~scene->physics)) {
+  if (SceneIsAsPosed(scene)) {
     if (most > 0.0)
       PetscCall(ReportAddError(report, "u_profile_l2", PetscSqrtReal(sum[0] / p->N_fluid) / most));
     if (most > 0.0 && relative)
@@ -144,7 +144,7 @@ static PetscReal SteadyVelocity(const Scene *scene, PetscReal y)
   PoiseuilleExact - Start-up of plane Poiseuille flow, Y = distance from the middle, d = L/2
 
     u/U = 1 - (Y/d)^2 - 32/pi^3 sum_n (-1)^n/(2n+1)^3 cos((2n+1) pi Y/2d) exp(-(2n+1)^2 pi^2 nu
-  t/4d^2)
+  t/4d^2),   U = f d^2/(2 nu)
 
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eq. (36),
   whose printed form multiplies the series by (Y/d)^2 and so has u = U at the wall; this one
@@ -171,5 +171,6 @@ void PoiseuilleExact(const Scene *scene, PetscReal t, const PetscReal x[], Petsc
     if (decay < 1e-16) break;
     sum += (n % 2 ? -1.0 : 1.0) / (m * m * m) * PetscCosReal(0.5 * m * PETSC_PI * y) * decay;
   }
-  u[0] = scene->speed * (1.0 - y * y - 32.0 / (PETSC_PI * PETSC_PI * PETSC_PI) * sum);
+  u[0] = scene->body[0] * d * d / (2.0 * scene->nu) *
+         (1.0 - y * y - 32.0 / (PETSC_PI * PETSC_PI * PETSC_PI) * sum);
 }

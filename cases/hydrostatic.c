@@ -9,14 +9,15 @@ PetscErrorCode HydrostaticSetup(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* HydrostaticExact - u = 0, p = rho g (L/2 - height) */
+/* HydrostaticExact - u = 0, p = rho f.(x - middle), f the force per unit mass */
 void HydrostaticExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
                       PetscReal *p)
 {
-  const PetscInt up = scene->dim - 1;
-
-  for (PetscInt a = 0; a < scene->dim; a++) u[a] = 0.0;
-  *p = scene->rho * scene->body[up] * (x[up] - 0.5 * scene->length);
+  *p = 0.0;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    u[a] = 0.0;
+    *p += scene->rho * scene->body[a] * (x[a] - 0.5 * scene->length);
+  }
 }
 
 /*
@@ -25,10 +26,12 @@ void HydrostaticExact(const Scene *scene, PetscReal t, const PetscReal x[], Pets
 */
 PetscErrorCode HydrostaticJudge(const Flow *flow, Report *report)
 {
-  const Scene    *scene = flow->scene;
-  const PetscReal fall  = PetscAbsReal(scene->body[scene->dim - 1]) * flow->clock->dt;
+  const Scene *scene = flow->scene;
+  PetscReal    fall  = 0.0;
 
   PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) fall += PetscSqr(scene->body[a]);
+  fall = PetscSqrtReal(fall) * flow->clock->dt;
   if (fall > 0.0)
     PetscCall(ReportAddError(report, "speed_over_gdt", flow->scheme->stats.speed_max / fall));
   PetscCall(ExactJudge(flow, report));

@@ -6,6 +6,7 @@
     restart.py ranks ISPH...       a checkpoint of 2 ranks restarted on 1, 2, 3: the same flow to 1e-10
     restart.py term ISPH           SIGTERM: a checkpoint, status interrupted, the same flow to 1e-4
     restart.py damage ISPH         corrupted, truncated and foreign checkpoints are refused in one line
+    restart.py other ISPH          restarted with other -report_times and another -output
     restart.py disk ISPH           a full disk: one line, and all files complete
 
 ISPH... is the program, after it the words that start it on several ranks with {} for their number."""
@@ -172,6 +173,17 @@ def damage(isph):
     refused("version.h5", data.replace(b"0.1.0", b"9.9.9"), "the file is of isph 9.9.9")
 
 
+def other(isph):
+    flow = [isph, "-n", "16", "-progress", "none", "-output_every", "0.5"]
+    run([*flow, "-t_end", "1", "-report_times", "0.5", "-checkpoint", "c.h5", "-output", "one.h5"])
+    run([*flow, "-t_end", "2", "-report_times", "1.25,1.75", "-restart", "c.h5", "-output", "flow.h5", "-report",
+         "r.csv"])
+    times = sorted({float(row[2]) for row in report("r.csv")})
+    assert times == [0.5, 1.25, 1.75, 2.0], times  # those of the run before are kept
+    named = complete(".")
+    assert named == sorted(glob.glob("flow_*.h5")) and len(named) == 3, named  # at once, at 1.5 and at the end
+
+
 def disk(isph):
     """A file system of 1 MB where one may be mounted, else a limit on the size of files."""
     os.mkdir("small")
@@ -199,7 +211,8 @@ def disk(isph):
 
 
 def main():
-    tests = {"kill": kill, "bitwise": bitwise, "ranks": ranks, "term": term, "damage": damage, "disk": disk}
+    tests = {"kill": kill, "bitwise": bitwise, "ranks": ranks, "term": term, "damage": damage, "other": other,
+             "disk": disk}
     tests[sys.argv[1]](*sys.argv[2:])
 
 

@@ -54,6 +54,9 @@ PetscErrorCode OptionReal_Private(PetscOptionItems *items, const char option[], 
                                   PetscReal low, PetscReal high, PetscReal *value, PetscBool *set);
 PetscErrorCode OptionInt_Private(PetscOptionItems *items, const char option[], const char text[],
                                  PetscInt low, PetscInt high, PetscInt *value, PetscBool *set);
+PetscErrorCode OptionReals_Private(PetscOptionItems *items, const char option[], const char text[],
+                                   PetscInt capacity, PetscReal value[], PetscInt *n,
+                                   PetscBool *set);
 PetscErrorCode OptionFlags_Private(PetscOptionItems *items, const char option[], const char text[],
                                    const char *const names[], PetscInt count, unsigned *flags);
 PetscErrorCode OptionFile_Private(PetscOptionItems *items, const char option[], const char text[],
@@ -61,6 +64,7 @@ PetscErrorCode OptionFile_Private(PetscOptionItems *items, const char option[], 
 #define TableSelect(...) TableSelect_Private(PetscOptionsObject, __VA_ARGS__)
 #define OptionReal(...)  OptionReal_Private(PetscOptionsObject, __VA_ARGS__)
 #define OptionInt(...)   OptionInt_Private(PetscOptionsObject, __VA_ARGS__)
+#define OptionReals(...) OptionReals_Private(PetscOptionsObject, __VA_ARGS__)
 #define OptionFlags(...) OptionFlags_Private(PetscOptionsObject, __VA_ARGS__)
 #define OptionFile(...)  OptionFile_Private(PetscOptionsObject, __VA_ARGS__)
 

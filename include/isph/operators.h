@@ -152,6 +152,7 @@ PetscErrorCode WallVec(const Particles *particles, Vec *v);
 PetscErrorCode VecRemoveMean(Vec v);
 
 PetscInt  DenseCholesky(PetscInt n, PetscReal a[]);
+void      DenseCholeskyRidge(PetscInt n, const PetscReal a[], PetscReal ridge, PetscReal factor[]);
 void      DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[]);
 PetscBool MomentInverse(const Stencil *stencil, const PetscReal weight[], PetscReal inverse[]);
 void      ConcentrationRow(const Scene *scene, const KernelRow *kernel, PetscReal h,

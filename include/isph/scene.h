@@ -160,8 +160,9 @@ PetscErrorCode SceneDestroy(Scene **scene);
 PetscBool      SceneHas(const Scene *scene, Physics what);
 PetscReal      SceneReynolds(const Scene *scene);
 PetscReal      SceneCellReynolds(const Scene *scene);
+PetscBool      SceneIsAsPosed(const Scene *scene);
 PetscBool      SceneMoves(const Scene *scene);
-PetscReal      SceneVolume(const Scene *scene); /* dx^dim, the volume of every particle [m^dim] */
+PetscReal      SceneVolume(const Scene *scene); /* of every particle, about dx^dim [m^dim] */
 void      SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                             PetscReal u[]);
 void      SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
@@ -175,9 +176,11 @@ PetscReal      RheologyViscosity(const Rheology *rheology, PetscReal rate);
 PetscBool      SceneViscosityVaries(const Scene *scene);
 PetscReal      SceneViscosity(const Scene *scene, const PetscReal x[]);
 PetscErrorCode SceneBoundViscosity(Scene *scene);
+PetscErrorCode SceneBoundGivenViscosity(PetscInt n, const PetscReal nu[], Scene *scene);
 void           SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal f[]);
 void           BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[]);
 void           BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2]);
+void           BodySpan(const Body *body, PetscInt axis, PetscReal span[2]);
 PetscReal      BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
                             PetscReal normal[]);
 PetscInt       BodyPoints(const Body *body, PetscReal dx);

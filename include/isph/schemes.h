@@ -34,6 +34,8 @@ extern const Table DtAdaptTable;
 typedef struct {
   PetscReal t, dt, dt_previous; /* [s]; dt_previous = 0 before the second step */
   PetscInt  step;               /* finished steps */
+  PetscReal t_first;            /* where this process began: a restart has time and */
+  PetscInt  step_first;         /* steps behind it [s] */
   PetscReal t_end;              /* [s] */
   PetscInt  max_steps;
   PetscReal dt_given, cfl;                  /* -dt, or else dt = cfl dx/speed [s], [-] */
@@ -58,6 +60,7 @@ PetscErrorCode ClockAdvance(Clock *clock);
 PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure);
 PetscBool      ClockPasses(PetscReal every, PetscReal last, PetscReal now);
 PetscErrorCode ClockWhere(const Clock *clock, char where[]);
+PetscReal      ClockMoment(const Clock *clock);
 PetscReal      ClockExplicitLimit(const Scene *scene, PetscReal support_radius);
 
 /* How a TS type is used: which callback carries viscosity and which convection. */

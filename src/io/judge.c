@@ -28,7 +28,7 @@ static PetscErrorCode JudgeCompare(const Flow *flow, PetscReal exact_p[], ExactS
 
     for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
     exact_p[i] = NAN;
-    flow->scene->problem->Exact(flow->scene, flow->clock->t, x, u, &exact_p[i]);
+    flow->scene->problem->Exact(flow->scene, ClockMoment(flow->clock), x, u, &exact_p[i]);
     for (PetscInt c = 0; c < p->dim; c++) {
       d2 += PetscSqr(p->u[c][i] - u[c]);
       e2 += PetscSqr(u[c]);

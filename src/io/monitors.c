@@ -60,7 +60,7 @@ static PetscErrorCode MonitorRead(PetscOptionItems *PetscOptionsObject, const Sc
 {
   const PetscInt group                   = kind->group[scene->dim - 2];
   PetscReal      number[MONITOR_NUMBERS] = {0.0};
-  PetscInt       n                       = MONITOR_NUMBERS;
+  PetscInt       n;
   PetscBool      given;
   char           option[64];
 
@@ -70,7 +70,7 @@ static PetscErrorCode MonitorRead(PetscOptionItems *PetscOptionsObject, const Sc
     PetscCall(PetscOptionsBool(option, kind->text, "", PETSC_FALSE, &monitor->on, NULL));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(PetscOptionsRealArray(option, kind->text, "", number, &n, &given));
+  PetscCall(OptionReals(option, kind->text, MONITOR_NUMBERS, number, &n, &given));
   if (!given) PetscFunctionReturn(PETSC_SUCCESS);
   UserCheck(n > 0 && n % group == 0,
             "%s: %" PetscInt_FMT " numbers describe each in %" PetscInt_FMT "D, got %" PetscInt_FMT,

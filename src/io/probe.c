@@ -87,21 +87,6 @@ static PetscInt ProbeMoments(const Probe *probe, const PetscReal x[], PetscReal 
   return terms;
 }
 
-/* Factors the moments, with a ridge where the points do not determine the fit. */
-static void ProbeFactorWithRidge(PetscInt terms, const PetscReal moments[], PetscReal factor[])
-{
-  PetscReal ridge = 0.0, trace = 0.0;
-
-  for (PetscInt t = 0; t < terms; t++) trace += moments[t * terms + t];
-  do {
-    ridge = PetscMax(1e-10, 100.0 * ridge);
-    for (PetscInt t = 0; t < terms * terms; t++) factor[t] = moments[t];
-    for (PetscInt t = 0; t < terms; t++) {
-      factor[t * terms + t] += ridge * (trace > 0.0 ? trace : 1.0);
-    }
-  } while (DenseCholesky(terms, factor));
-}
-
 /*
   Moments of the fit at x and their factor. The support grows as far as the halo allows where it
   holds too few points, as a quarter of it does in a corner.
@@ -118,7 +103,7 @@ static PetscErrorCode ProbeFit(Probe *probe, const PetscReal x[], PetscBool wall
     PetscCall(PetscArraycpy(factor, moments, *terms * *terms));
     if (*n >= 2 * *terms && !DenseCholesky(*terms, factor)) break;
     if (*R >= probe->reach) {
-      ProbeFactorWithRidge(*terms, moments, factor);
+      DenseCholeskyRidge(*terms, moments, 1e-10, factor);
       break;
     }
     *R = PetscMin(1.15 * *R, probe->reach);

@@ -55,10 +55,10 @@ PetscErrorCode ProgressDestroy(Progress **progress)
 }
 
 /* Share of the run that is done: of the time or of the steps, whichever ends it first. */
-static PetscReal ProgressFraction(const Clock *clock)
+static PetscReal ProgressFraction(const Clock *clock, PetscReal t, PetscInt step)
 {
-  const PetscReal time  = clock->t_end > 0.0 ? clock->t / clock->t_end : 0.0;
-  const PetscReal steps = clock->max_steps > 0 ? (PetscReal)clock->step / clock->max_steps : 0.0;
+  const PetscReal time  = clock->t_end > 0.0 ? t / clock->t_end : 0.0;
+  const PetscReal steps = clock->max_steps > 0 ? (PetscReal)step / clock->max_steps : 0.0;
 
   return PetscMin(1.0, PetscMax(time, steps));
 }
@@ -79,13 +79,15 @@ static PetscErrorCode ProgressDuration(PetscReal seconds, char text[], size_t le
 static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscReal elapsed,
                                    char line[], size_t length)
 {
-  const StepStats *stats = &flow->scheme->stats;
+  const StepStats *stats  = &flow->scheme->stats;
+  const Clock     *clock  = flow->clock;
+  const PetscReal  before = ProgressFraction(clock, clock->t_first, clock->step_first);
   char             part[64], left[32];
   PetscReal        rate = 0.0;
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(line, length, "%3.0f %%  t %-8.4g step %-6" PetscInt_FMT " energy %.5e",
-                          100.0 * (double)fraction, (double)flow->clock->t, flow->clock->step,
+                          100.0 * (double)fraction, (double)clock->t, clock->step,
                           (double)stats->kinetic_energy));
   if (flow->particles->p) {
     PetscCall(PetscSNPrintf(part, sizeof(part), "  div %.1e", (double)stats->divergence));
@@ -100,11 +102,13 @@ static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscRe
                             flow->scheme->visc ? "+" : "  its ", stats->ppe_its));
     PetscCall(PetscStrlcat(line, part, length));
   }
-  if (elapsed > 0.0) rate = 1e-6 * flow->clock->step * flow->particles->N_fluid / elapsed;
+  if (elapsed > 0.0)
+    rate = 1e-6 * (clock->step - clock->step_first) * flow->particles->N_fluid / elapsed;
   PetscCall(PetscSNPrintf(part, sizeof(part), "  %.2f M/s", (double)rate));
   PetscCall(PetscStrlcat(line, part, length));
-  if (fraction > 0.0 && fraction < 1.0) {
-    PetscCall(ProgressDuration(elapsed * (1.0 - fraction) / fraction, left, sizeof(left)));
+  if (fraction > before && fraction < 1.0) {
+    PetscCall(
+        ProgressDuration(elapsed * (1.0 - fraction) / (fraction - before), left, sizeof(left)));
     PetscCall(PetscSNPrintf(part, sizeof(part), "  left %s", left));
     PetscCall(PetscStrlcat(line, part, length));
   }
@@ -125,7 +129,7 @@ static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscRe
 */
 PetscErrorCode ProgressUpdate(const Flow *flow, PetscBool final, Progress *progress)
 {
-  const PetscReal fraction = ProgressFraction(flow->clock);
+  const PetscReal fraction = ProgressFraction(flow->clock, flow->clock->t, flow->clock->step);
   PetscLogDouble  now;
   PetscMPIInt     rank;
   PetscReal       gap;

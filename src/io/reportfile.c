@@ -149,9 +149,10 @@ static PetscErrorCode ColumnsAfterTime(const Flow *flow, PetscReal wall_seconds,
 {
   const Scheme   *scheme = flow->scheme;
   const PetscReal steps  = flow->clock ? flow->clock->step : 0.0;
-  const PetscReal work   = steps * flow->particles->N_fluid;
-  PetscReal       rss_mb, visc_its = NAN, ppe_its = NAN;
-  struct rusage   usage;
+  const PetscReal work =
+      flow->clock ? (steps - flow->clock->step_first) * flow->particles->N_fluid : 0.0;
+  PetscReal     rss_mb, visc_its = NAN, ppe_its = NAN;
+  struct rusage usage;
 
   PetscFunctionBegin;
   columns->text[0] = '\0';

@@ -4,6 +4,7 @@
 */
 #include "isph/hdf5file.h"
 #include "xdmf.h"
+#include <unistd.h>
 
 struct Snapshots {
   char      base[PETSC_MAX_PATH_LEN]; /* the path given, without .h5; empty: no snapshots */
@@ -174,17 +175,27 @@ static size_t SnapshotBytes(const Flow *flow)
   return N * row + (size_t)131072;
 }
 
+/* base_0000.h5 and so on. */
+static PetscErrorCode SnapshotPath(const Snapshots *s, PetscInt number,
+                                   char path[PETSC_MAX_PATH_LEN])
+{
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(path, PETSC_MAX_PATH_LEN, "%s_%04d.h5", s->base, (int)number));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Writes the next file and, when it is complete, the index anew. */
 static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
 {
-  char        path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN];
-  Hdf5File    file;
-  PetscMPIInt rank;
-  PetscBool   good;
+  const PetscInt number = s->n ? s->done[s->n - 1].number + 1 : 0;
+  char           path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN];
+  Hdf5File       file;
+  PetscMPIInt    rank;
+  PetscBool      good;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_%04d.h5", s->base, (int)s->n));
+  PetscCall(SnapshotPath(s, number, path));
   PetscCall(PetscSNPrintf(part, sizeof(part), "%s.part", path));
   PetscCall(SnapshotsReserve(s, part, SnapshotBytes(flow)));
   PetscCall(Hdf5FileCreate(PETSC_COMM_WORLD, part, &file));
@@ -199,7 +210,7 @@ static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
     s->capacity = 2 * s->capacity + 16;
     PetscCall(PetscRealloc(sizeof(Snapshot) * (size_t)s->capacity, &s->done));
   }
-  s->done[s->n].number = s->n;
+  s->done[s->n].number = number;
   s->done[s->n].t      = flow->clock->t;
   s->done[s->n].N      = file.N;
   s->n++;
@@ -244,7 +255,7 @@ PetscErrorCode SnapshotsWrite(const Flow *flow, PetscBool final, Snapshots *snap
   SnapshotsCount, SnapshotsGet, SnapshotsSet - What a checkpoint keeps of the snapshots done: number,
   time and particles of each
 
-  Not collective.
+  Not collective; the last is. It passes over those that are not there, as after a restart with another -output.
 */
 PetscInt SnapshotsCount(const Snapshots *snapshots)
 {
@@ -264,13 +275,19 @@ PetscErrorCode SnapshotsSet(Snapshots *snapshots, PetscInt n, const PetscReal ro
 {
   PetscFunctionBegin;
   if (!snapshots->base[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  snapshots->n = snapshots->capacity = n;
-  snapshots->step                    = n ? step : -1;
+  snapshots->n        = 0;
+  snapshots->capacity = n;
   PetscCall(PetscRealloc(sizeof(Snapshot) * (size_t)PetscMax(n, 1), &snapshots->done));
   for (PetscInt k = 0; k < n; k++) {
-    snapshots->done[k].number = (PetscInt)rows[3 * k];
-    snapshots->done[k].t      = rows[3 * k + 1];
-    snapshots->done[k].N      = (PetscInt)rows[3 * k + 2];
+    const Snapshot snapshot = {(PetscInt)rows[3 * k], rows[3 * k + 1], (PetscInt)rows[3 * k + 2]};
+    char           path[PETSC_MAX_PATH_LEN];
+    PetscBool      there;
+
+    PetscCall(SnapshotPath(snapshots, snapshot.number, path));
+    there = access(path, R_OK) == 0 ? PETSC_TRUE : PETSC_FALSE;
+    PetscCall(FirstRankDecides(&there));
+    if (there) snapshots->done[snapshots->n++] = snapshot;
   }
+  snapshots->step = snapshots->n ? step : -1;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

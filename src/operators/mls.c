@@ -60,17 +60,9 @@ static inline PetscReal MlsEquation(const Stencil *st, PetscInt dim, PetscInt de
 */
 void MlsFactorOrRidge(PetscInt n, PetscReal moments[], const PetscReal copy[], PetscInt *weak)
 {
-  PetscReal ridge = 1e-8;
-
   if (!DenseCholesky(n, moments)) return;
   (*weak)++;
-  for (PetscReal trace = 0.0;; ridge *= 100.0) {
-    trace = 0.0;
-    for (PetscInt t = 0; t < n; t++) trace += copy[t * n + t];
-    for (PetscInt t = 0; t < n * n; t++) moments[t] = copy[t];
-    for (PetscInt t = 0; t < n; t++) moments[t * n + t] += ridge * (trace > 0.0 ? trace : 1.0);
-    if (!DenseCholesky(n, moments)) return;
-  }
+  DenseCholeskyRidge(n, copy, 1e-8, moments);
 }
 
 /* Moment matrix sum_k W_k phi_k phi_k^T; inlined with constant dim and degree. */

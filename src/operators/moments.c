@@ -34,6 +34,32 @@ PetscInt DenseCholesky(PetscInt n, PetscReal a[])
   return 0;
 }
 
+/*
+  DenseCholeskyRidge - Factors a symmetric matrix of which a ridge makes a positive definite one
+
+  Not collective. The ridge is the least of ridge, 100 ridge, ... times the trace that will do; a matrix that
+  is not finite has none, and neither has its factor.
+
+  Input Parameters:
++ a     - n x n by rows
+- ridge - the least over the trace
+
+  Output Parameter:
+. factor - as DenseCholesky() leaves it
+*/
+void DenseCholeskyRidge(PetscInt n, const PetscReal a[], PetscReal ridge, PetscReal factor[])
+{
+  PetscReal trace = 0.0;
+
+  for (PetscInt t = 0; t < n; t++) trace += a[t * n + t];
+  if (!(trace > 0.0)) trace = 1.0;
+  for (; ridge < 1e6; ridge *= 100.0) {
+    for (PetscInt t = 0; t < n * n; t++) factor[t] = a[t];
+    for (PetscInt t = 0; t < n; t++) factor[t * n + t] += ridge * trace;
+    if (!DenseCholesky(n, factor)) return;
+  }
+}
+
 /* DenseCholeskySolve - Solves L L^T x = b with the factor of DenseCholesky(); x holds b on entry */
 void DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[])
 {

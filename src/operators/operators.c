@@ -161,10 +161,10 @@ static PetscErrorCode OperatorsJoinComponents(const Scene *scene, Operators *ops
       !couple || !scene->problem->patch,
       "-visc_laplacian %s: a patch test is of scalars; use a form that does not couple components",
       ops->visc_form.row->name);
-  UserCheck(
-      !ops->together || !ops->wall || !ops->wall->Extend,
-      "-wall %s: with %s walls must give their own velocity; use -wall wall_layer or dummy_linear",
-      ops->wall->name, couple ? ops->visc_form.row->name : "-rheology");
+  UserCheck(!ops->together || !ops->wall || !ops->wall->Extend,
+            "-wall %s: with %s walls must give their own velocity; use -wall %s", ops->wall->name,
+            couple ? ops->visc_form.row->name : "-rheology",
+            couple ? "dummy_linear" : "wall_layer or dummy_linear");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -302,6 +302,28 @@ static void FillGiven(const FluidStart *start, Particles *p)
   }
 }
 
+/* Behind a body around the fluid the box must hold all layers of its wall. */
+static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < scene->n_bodies; k++) {
+    const Body     *body = &scene->body_of[k];
+    const PetscReal want = walls.layers * scene->dx;
+
+    for (PetscInt a = 0; a < 2 && body->around; a++) {
+      PetscReal span[2], room;
+
+      BodySpan(body, a, span);
+      room = PetscMin(span[0] - scene->lo[a], scene->hi[a] - span[1]);
+      UserCheck(room >= want - 1e-9 * scene->dx,
+                "body %" PetscInt_FMT " has the fluid inside, and the box leaves %.4g m behind it "
+                "along %c; its wall takes %.4g m; use a larger -scene_box or a smaller -h_over_dx",
+                k + 1, (double)room, "xy"[a], (double)want);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   LatticeFill - Makes this rank's share of the first particles, contiguous ranges of lattice indices
 
@@ -324,6 +346,7 @@ PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidS
   PetscInt  cells = 0, first, last, own[2], before[2], all[2], slab[2], point[2], wall, dummy;
 
   PetscFunctionBegin;
+  PetscCall(CheckRoom(scene, walls));
   PetscCall(CountCells(scene->dim, scene->cells, &cells));
   ParticlesShare(p->comm, cells, &first, &last);
   PetscCall(CountShare(scene, walls, first, last, p->comm, own, before, all));

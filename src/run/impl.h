@@ -8,7 +8,7 @@ typedef struct Checkpoints Checkpoints;
 
 /* In the order of their making. */
 typedef struct {
-  const Scene   *scene;
+  Scene         *scene;
   Clock         *clock;
   Operators     *ops;
   Scheme        *scheme;

@@ -35,8 +35,9 @@ static PetscErrorCode RunCreate(Run *run)
   PetscCall(MonitorsCreate(run->scene, &run->monitors));
   PetscCall(ProgressCreate(&run->progress));
   PetscCall(ReportCreate(&run->report));
-  PetscCall(MatrixFileCreate("visc_", &run->visc_matrix));
-  PetscCall(MatrixFileCreate("ppe_", &run->ppe_matrix));
+  if (run->scheme->visc && ViscosityTimeKind(run->scheme->visc)->kind != TIME_EXPLICIT)
+    PetscCall(MatrixFileCreate("visc_", &run->visc_matrix));
+  if (run->ops->ppe.needed) PetscCall(MatrixFileCreate("ppe_", &run->ppe_matrix));
   PetscCall(CheckpointsCreate(&run->checkpoints));
   PetscCall(OptionsRefuseUnknown(PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -189,9 +190,9 @@ static PetscErrorCode RunWriteMatrices(const Run *run)
   const Scheme *scheme = run->scheme;
 
   PetscFunctionBegin;
-  PetscCall(MatrixFileWrite(run->particles, scheme->visc ? ViscosityMatrix(scheme->visc) : NULL,
-                            run->visc_matrix));
-  PetscCall(MatrixFileWrite(run->particles, run->ops->ppe.A, run->ppe_matrix));
+  if (run->visc_matrix)
+    PetscCall(MatrixFileWrite(run->particles, ViscosityMatrix(scheme->visc), run->visc_matrix));
+  if (run->ppe_matrix) PetscCall(MatrixFileWrite(run->particles, run->ops->ppe.A, run->ppe_matrix));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

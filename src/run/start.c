@@ -109,6 +109,9 @@ static PetscErrorCode CheckPlaces(const Scene *scene, const char path[], const F
 + start - this rank's share, to be freed by StartFree(); N = 0 where the fluid begins on the lattice
 - path  - of the file, empty where there is none
 
+  Input/Output Parameter:
+. scene - its bounds of the viscosity follow the file's
+
   Options Database Key:
 . -particles file.h5 - data set `position` [m], and if there are `velocity` [m/s], `viscosity` [m^2/s], read
                        where it varies, and `type` (0: fluid, others are left out): a snapshot will do. The
@@ -116,7 +119,7 @@ static PetscErrorCode CheckPlaces(const Scene *scene, const char path[], const F
 
   Errors: a file that cannot be read or has no fluid, and a particle outside the fluid, end the run
 */
-PetscErrorCode StartRead(const Scene *scene, FluidStart *start, char path[])
+PetscErrorCode StartRead(Scene *scene, FluidStart *start, char path[])
 {
   Hdf5File  file;
   PetscInt  columns, *row;
@@ -148,6 +151,8 @@ PetscErrorCode StartRead(const Scene *scene, FluidStart *start, char path[])
   PetscCallMPI(MPI_Exscan(&start->n, &start->first, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
   PetscCallMPI(MPI_Allreduce(&start->n, &start->N, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
   UserCheck(start->N > 0, "-particles %s: there is no fluid in it", path);
+  if (SceneViscosityVaries(scene))
+    PetscCall(SceneBoundGivenViscosity(start->nu ? start->n : 0, start->nu, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

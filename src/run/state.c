@@ -29,6 +29,19 @@ void CheckpointPack(const Run *run, double clock[], double stats[])
   for (PetscInt k = 0; k < STATS_NUMBERS; k++) stats[k] = s_numbers[k];
 }
 
+/*
+  The first report to come at or after the clock's time: -report_times need not be those of the run that was
+  stopped. One due at this very time has been made if that run had counted it.
+*/
+static PetscInt NextReport(const Clock *clock, PetscInt counted)
+{
+  PetscInt k = 0;
+
+  while (k < clock->n_reports && clock->report_time[k] < clock->t * (1.0 - 1e-12)) k++;
+  if (k < clock->n_reports && clock->report_time[k] <= clock->t * (1.0 + 1e-12) && counted > k) k++;
+  return k;
+}
+
 /* CheckpointUnpack - And back; not collective */
 void CheckpointUnpack(const double clock[], const double stats[], Run *run)
 {
@@ -40,7 +53,9 @@ void CheckpointUnpack(const double clock[], const double stats[], Run *run)
   c->dt          = clock[1];
   c->dt_previous = clock[2];
   c->step        = (PetscInt)clock[3];
-  c->next_report = PetscMin((PetscInt)clock[4], c->n_reports);
+  c->t_first     = c->t;
+  c->step_first  = c->step;
+  c->next_report = NextReport(c, (PetscInt)clock[4]);
   c->retries     = (PetscInt)clock[5];
   c->cut         = (PetscInt)clock[6];
   c->patience    = (PetscInt)clock[7];

@@ -5,6 +5,9 @@
 #include <stdarg.h>
 #include <unistd.h>
 
+/* An error that one rank met, of those that all are wont to meet together. */
+static PetscBool alone = PETSC_FALSE;
+
 /* Whether an error code speaks of the user's input, files or a diverged solve. */
 static PetscBool ErrorIsUsers(PetscErrorCode code)
 {
@@ -58,6 +61,7 @@ static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *
     (void)fflush(stdout);
     (void)fprintf(stderr, "isph: %s%s\n", message, ErrorHint(code));
   }
+  if (type == PETSC_ERROR_INITIAL && comm == PETSC_COMM_SELF) alone = PETSC_TRUE;
   return code;
 }
 
@@ -113,8 +117,8 @@ PetscErrorCode SayLine(const char format[], ...)
 /*
   ErrorsExit - Ends the program after an error
 
-  Collective for what the user can mend, which all ranks meet together; anything else may be one
-  rank's alone and takes the others with it.
+  Collective for what the user can mend and all ranks meet together; anything else may be one rank's
+  alone, as a file that the first cannot open, and takes the others with it.
 
   Returns: the exit status, never zero
 */
@@ -123,7 +127,7 @@ int ErrorsExit(PetscErrorCode code)
   int size = 1;
 
   (void)MPI_Comm_size(PETSC_COMM_WORLD, &size);
-  if (ErrorIsUsers(code)) {
+  if (ErrorIsUsers(code) && !(alone && size > 1)) {
     (void)PetscFinalize();
     (void)MPI_Finalize();
   } else if (size > 1) {

@@ -100,3 +100,26 @@ PetscErrorCode SceneBoundViscosity(Scene *scene)
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/*
+  SceneBoundGivenViscosity - Least and largest viscosity of the particles a run begins with
+
+  Collective. Input: nu - of this rank's n particles [m^2/s]; where no rank has any, the bounds stay. Output:
+  scene->nu_low, scene->nu_high.
+*/
+PetscErrorCode SceneBoundGivenViscosity(PetscInt n, const PetscReal nu[], Scene *scene)
+{
+  PetscReal bound[2] = {-PETSC_MAX_REAL, 0.0};
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < n; i++) {
+    bound[0] = PetscMax(bound[0], -nu[i]);
+    bound[1] = PetscMax(bound[1], nu[i]);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bound, 2, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
+  if (bound[1] > 0.0) {
+    scene->nu_low  = -bound[0];
+    scene->nu_high = bound[1];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -67,6 +67,38 @@ PetscErrorCode OptionInt_Private(PetscOptionItems *PetscOptionsObject, const cha
 }
 
 /*
+  OptionReals - Real numbers separated by commas
+
+  Collective. Between PetscOptionsBegin() and PetscOptionsEnd().
+
+  Input Parameter:
+. capacity - how many there may be
+
+  Output Parameters:
++ value - the numbers, left alone where the option is not given
+. n     - how many, 0 where it is not given
+- set   - whether it is
+
+  Errors: more than capacity, of which PETSc would drop the rest unsaid
+*/
+PetscErrorCode OptionReals_Private(PetscOptionItems *PetscOptionsObject, const char option[],
+                                   const char text[], PetscInt capacity, PetscReal value[],
+                                   PetscInt *n, PetscBool *set)
+{
+  PetscReal *number;
+
+  PetscFunctionBegin;
+  *n = capacity + 1;
+  PetscCall(PetscCalloc1(capacity + 1, &number));
+  PetscCall(PetscOptionsRealArray(option, text, "", number, n, set));
+  if (!*set) *n = 0;
+  for (PetscInt k = 0; k < PetscMin(*n, capacity); k++) value[k] = number[k];
+  PetscCall(PetscFree(number));
+  UserCheck(*n <= capacity, "%s: at most %" PetscInt_FMT " numbers are allowed", option, capacity);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
   OptionFlags - Names separated by commas, each standing for one bit
 
   Collective. Input: names[k] is the word for bit k. Output: flags, 0 if the option is not given.
@@ -87,7 +119,7 @@ PetscErrorCode OptionFlags_Private(PetscOptionItems *PetscOptionsObject, const c
   }
   PetscCall(PetscSNPrintf(help, sizeof(help), "%s: %s", text, all));
   PetscCall(PetscOptionsStringArray(option, help, "", words, &n, &given));
-  UserCheck(!given || n > 0, "%s: names are wanted; choose from %s", option, all);
+  if (!given) n = 0;
   for (PetscInt w = 0; w < n; w++) {
     PetscBool same = PETSC_FALSE;
 

@@ -27,16 +27,33 @@ PetscReal SceneCellReynolds(const Scene *scene)
   return scene->speed * scene->dx / scene->nu_low;
 }
 
+/*
+  SceneIsAsPosed - Whether the flow is its case's: none of the case's physics left out, no force added. Pressure
+  or convection where the case does without change nothing of what it says to be exact.
+*/
+PetscBool SceneIsAsPosed(const Scene *scene)
+{
+  const unsigned posed = scene->problem->physics;
+
+  return !(posed & ~scene->physics) && !(scene->physics & ~posed & (unsigned)PHYSICS_BODY_FORCE)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
 /* SceneMoves - Whether particles go with the flow */
 PetscBool SceneMoves(const Scene *scene)
 {
   return scene->motion && scene->motion->particles_move ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* SceneVolume - Volume of each particle, dx^dim [m^dim] */
+/* SceneVolume - Volume of each particle: a cell of the lattice that fills the box [m^dim] */
 PetscReal SceneVolume(const Scene *scene)
 {
-  return scene->dim == 2 ? PetscSqr(scene->dx) : scene->dx * PetscSqr(scene->dx);
+  PetscReal volume = 1.0;
+
+  for (PetscInt a = 0; a < scene->dim; a++)
+    volume *= (scene->hi[a] - scene->lo[a]) / scene->cells[a];
+  return volume;
 }
 
 /* -with and -without against what the case declares. */
@@ -84,7 +101,7 @@ static PetscErrorCode SceneReadForce(PetscOptionItems *PetscOptionsObject, Scene
         !ExpressionUses(&scene->force, EXPRESSION_TIME))
       scene->force.n = 0; /* body holds it */
   } else {
-    PetscCall(PetscOptionsRealArray("-body_force", text, "", force, &n, &given));
+    PetscCall(OptionReals("-body_force", text, n, force, &n, &given));
   }
   UserCheck(!given || n == scene->dim,
             "-body_force: %" PetscInt_FMT " components are wanted, got %" PetscInt_FMT, scene->dim,

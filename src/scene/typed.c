@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define SHAPE_TEXT 2048 /* room for BODY_NUMBERS numbers with all their digits */
+
 /* "circle,0.5,0.5,0.25": the shape's word, then its numbers. */
 static PetscErrorCode ReadShape(const char option[], const char text[], Body *body)
 {
@@ -13,9 +15,11 @@ static PetscErrorCode ReadShape(const char option[], const char text[], Body *bo
   const ShapeRow *shape;
   PetscReal       number[BODY_NUMBERS];
   PetscInt        n = 0;
-  char            word[512], *next, *end;
+  char            word[SHAPE_TEXT], *next, *end;
 
   PetscFunctionBegin;
+  UserCheck(strlen(text) < SHAPE_TEXT - 1, "%s: it is longer than %d characters", option,
+            SHAPE_TEXT - 2);
   PetscCall(PetscStrncpy(word, text, sizeof(word)));
   next = strchr(word, ',');
   if (next) *next++ = '\0';
@@ -33,6 +37,14 @@ static PetscErrorCode ReadShape(const char option[], const char text[], Body *bo
   UserCheck(n != 3 || number[2] > 0.0, "%s: the radius must be positive, got %.6g", option,
             (double)number[2]);
   BodySet(body, shape, n, number);
+  for (PetscInt k = 0; n != 3 && k < body->n; k += 2) {
+    const PetscReal *a = &body->number[k], *b = &body->number[(k + 2) % body->n];
+
+    UserCheck(a[0] != b[0] || a[1] != b[1],
+              "%s: two corners in a row are at (%.6g, %.6g); each side needs a length, and a "
+              "polygon closes by itself",
+              option, (double)a[0], (double)a[1]);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -86,7 +98,7 @@ static PetscErrorCode ReadBodies(PetscOptionItems *PetscOptionsObject, Scene *sc
   PetscFunctionBegin;
   for (PetscInt k = 1; k <= SCENE_MAX_BODIES; k++) {
     Body     *body = &scene->body_of[scene->n_bodies];
-    char      option[64], text[512] = "";
+    char      option[64], text[SHAPE_TEXT] = "";
     PetscBool given;
 
     PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_body_%" PetscInt_FMT, k));
@@ -105,10 +117,31 @@ static PetscErrorCode ReadBodies(PetscOptionItems *PetscOptionsObject, Scene *sc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A body in a periodic box keeps apart from its own image, as far as its corners show. */
+static PetscErrorCode CheckImages(const Scene *scene)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < scene->n_bodies; k++) {
+    for (PetscInt a = 0; a < 2; a++) {
+      PetscReal span[2], gap;
+
+      BodySpan(&scene->body_of[k], a, span);
+      gap = scene->hi[a] - scene->lo[a] - (span[1] - span[0]);
+      UserCheck(!scene->periodic[a] || gap >= 4.0 * scene->dx,
+                "-scene_body_%" PetscInt_FMT
+                ": along %c its periodic image is %.3g away; less than 4 dx = %.3g, or "
+                "overlapping; use a larger -n",
+                k + 1, "xy"[a], (double)gap, (double)(4.0 * scene->dx));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Surfaces keep apart by what a fit needs between them. */
 static PetscErrorCode CheckGaps(const Scene *scene)
 {
   PetscFunctionBegin;
+  PetscCall(CheckImages(scene));
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
     const Body *body = &scene->body_of[k];
 
@@ -170,7 +203,7 @@ static PetscErrorCode ReadFluids(PetscOptionItems *PetscOptionsObject, Scene *sc
                            EXPRESSION_PLACE, &scene->nu_field, NULL));
   for (PetscInt k = 1; k <= SCENE_MAX_FLUIDS; k++) {
     PetscReal *nu = &scene->region_nu[scene->n_regions];
-    char       option[64], text[512] = "";
+    char       option[64], text[SHAPE_TEXT] = "";
 
     PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_fluid_%" PetscInt_FMT, k));
     PetscCall(
@@ -239,13 +272,12 @@ PetscErrorCode SceneReadTyped(PetscOptionItems *PetscOptionsObject, Scene *scene
 {
   const char *const axes[2] = {"x", "y"};
   PetscReal         box[4]  = {0.0, 0.0, scene->length, scene->length};
-  PetscInt          n       = 4;
+  PetscInt          n;
   unsigned          periodic;
   PetscBool         given;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsRealArray("-scene_box", "Corners of the box: x0,y0,x1,y1 [m]", "", box, &n,
-                                  &given));
+  PetscCall(OptionReals("-scene_box", "Corners of the box: x0,y0,x1,y1 [m]", 4, box, &n, &given));
   UserCheck(!given || n == 4, "-scene_box: 4 numbers are wanted, got %" PetscInt_FMT, n);
   PetscCall(OptionFlags("-scene_periodic", "Periodic axes", axes, 2, &periodic));
   for (PetscInt a = 0; a < 2; a++) {

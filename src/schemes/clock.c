@@ -31,15 +31,22 @@ PetscReal ClockExplicitLimit(const Scene *scene, PetscReal support_radius)
              : PETSC_INFINITY;
 }
 
+/* ClockMoment - The time whose flow there is: of a steady flow solved for without time that after all others [s] */
+PetscReal ClockMoment(const Clock *clock)
+{
+  return clock->direct ? PETSC_INFINITY : clock->t;
+}
+
 /* The times at which quantities are reported besides the end. */
 static PetscErrorCode ClockReadReports(PetscOptionItems *PetscOptionsObject, Clock *clock)
 {
-  PetscInt n = CLOCK_MAX_REPORTS;
+  PetscInt  n;
+  PetscBool given;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsRealArray("-report_times",
-                                  "Times besides the end at which quantities are reported [s]", "",
-                                  clock->report_time, &n, NULL));
+  PetscCall(OptionReals("-report_times",
+                        "Times besides the end at which quantities are reported [s]",
+                        CLOCK_MAX_REPORTS, clock->report_time, &n, &given));
   for (PetscInt k = 0; k < n; k++) {
     UserCheck(clock->report_time[k] > (k ? clock->report_time[k - 1] : 0.0),
               "-report_times: the times must be positive and ascending, got %.6g",
@@ -56,7 +63,8 @@ static PetscErrorCode ClockReadReports(PetscOptionItems *PetscOptionsObject, Clo
 /* -steady: a single step to t_end, in which time stands still for the scheme. */
 static PetscErrorCode ClockReadSteady(PetscOptionItems *PetscOptionsObject, Clock *clock)
 {
-  const char *const others[] = {"-dt", "-cfl", "-steady_tol", "-report_times", "-dt_adapt"};
+  const char *const others[] = {"-dt",       "-cfl",        "-steady_tol",     "-report_times",
+                                "-dt_adapt", "-time_order", "-coupled_ts_type"};
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsBool("-steady", "No du/dt: solve for the steady flow (-scheme coupled)", "",

@@ -85,8 +85,10 @@ static PetscErrorCode SchemeRefuseSteady(const Scene *scene, const SchemeRow *ro
             "-steady: case %s has no walls, and without them any uniform velocity is a solution",
             scene->problem->name);
   UserCheck(!scene->unsteady_walls &&
-                !(scene->force.n && ExpressionUses(&scene->force, EXPRESSION_TIME)),
-            "-steady: a wall's velocity or the body force depends on t; advance in time, with "
+                !(scene->force.n && ExpressionUses(&scene->force, EXPRESSION_TIME)) &&
+                !(scene->exact.n && ExpressionUses(&scene->exact, EXPRESSION_TIME)),
+            "-steady: a wall's velocity, the body force or -scene_exact depends on t; advance in "
+            "time, with "
             "-coupled_ts_type rosw in steps of any length");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -103,13 +105,13 @@ static PetscErrorCode OnLattice(const Scene *scene, PetscBool *on)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The solver of velocity and pressure together; with convection in its matrix that is not filtered. */
+/* The solver of velocity and pressure together. */
 static PetscErrorCode SchemeCreateCoupled(const Scene *scene, const Clock *clock, Operators *ops,
                                           Scheme *s)
 {
   const PetscBool       moves = SceneMoves(scene);
   const CoupledTimeRow *time;
-  PetscBool             filter;
+  PetscBool             filter, order;
 
   PetscFunctionBegin;
   ops->one_sided = ops->rough_p.needed = PETSC_TRUE;
@@ -121,10 +123,11 @@ static PetscErrorCode SchemeCreateCoupled(const Scene *scene, const Clock *clock
             "use beuler, or -motion eulerian",
             time->name);
   if (!clock->direct && !time->substeps) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscOptionsHasName(NULL, NULL, "-velocity_filter", &filter));
-  UserCheck(!filter || !scene->motion,
-            "-velocity_filter: %s has convection in its matrix, as it is, without a filter",
+  PetscCall(OptionGiven("-velocity_filter", &filter));
+  UserCheck(!filter || !scene->motion, "-velocity_filter: %s takes convection as it is, unfiltered",
             clock->direct ? "-steady" : "this -coupled_ts_type");
+  PetscCall(OptionGiven("-time_order", &order));
+  UserCheck(!order, "-time_order: -coupled_ts_type %s has its own order", time->name);
   ops->rough_u.needed = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

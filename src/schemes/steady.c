@@ -190,7 +190,8 @@ static PetscReal SpeedBound(const Scene *scene, const Clock *clock, Scheme *sche
   const PetscReal rate   = SceneDecayRate(scene);
   PetscReal      *number = scheme->number, forced;
 
-  number[NUMBER_IMPULSE] += scheme->force_step * clock->dt;
+  if (scheme->force_step > 0.0)
+    number[NUMBER_IMPULSE] += clock->direct ? PETSC_INFINITY : scheme->force_step * clock->dt;
   number[NUMBER_FORCE] = PetscMax(number[NUMBER_FORCE], scheme->force_step);
   number[NUMBER_WALLS] = PetscMax(number[NUMBER_WALLS], scheme->stats.wall_drive);
   scheme->force_step   = 0.0;
@@ -217,15 +218,20 @@ PetscErrorCode StepJudge(const Scene *scene, const Clock *clock, const Particles
   bound = SpeedBound(scene, clock, scheme);
   rms   = RmsSpeed(scene, p, stats);
   if (!(rms <= bound) || stats->speed_max >= 100.0 * scene->speed) {
-    char where[CLOCK_WHERE];
+    char where[CLOCK_WHERE], advice[128] = "try a smaller -coupled_ksp_rtol, or advance in time";
 
     PetscCall(ClockWhere(clock, where));
+    if (!clock->direct) {
+      PetscCall(
+          PetscSNPrintf(advice, sizeof(advice),
+                        "the flow is unstable at dt = %.6g (CFL %.2g); try a smaller -dt or -cfl",
+                        (double)clock->dt, (double)(clock->dt * scene->speed / scene->dx)));
+    }
     FailureSet(&scheme->failure, PETSC_ERR_FP,
                "%s: the velocity has left every bound (root mean square %.6g, at most %.6g by what "
-               "moves the flow; largest %.6g, reference %.6g): the flow is unstable at dt = %.6g "
-               "(CFL %.2g); try a smaller -dt or -cfl",
+               "moves the flow; largest %.6g, reference %.6g): %s",
                where, (double)rms, (double)bound, (double)stats->speed_max, (double)scene->speed,
-               (double)clock->dt, (double)(clock->dt * scene->speed / scene->dx));
+               advice);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   stats->visc_its = scheme->visc ? ViscosityIterations(scheme->visc) : 0;
