@@ -42,12 +42,11 @@ class Runs:
         if arguments not in self.rows:
             print(arguments, flush=True)
             start = time.monotonic()
-            self.rows[arguments] = self.make(arguments)
+            self.rows[arguments] = {k: v for k, v in self.make(arguments).items() if v != ""}
             self.unsaved += 1
             if self.unsaved >= 20 or time.monotonic() - start > 5.0:
                 self.save()
-        return {k: float(v) if k not in ("run", "failed") else v
-                for k, v in self.rows[arguments].items() if v}
+        return {k: float(v) if k not in ("run", "failed") else v for k, v in self.rows[arguments].items()}
 
     def bound(self):
         """In the process of a run: no more CPU time than it may take; a step that does not end is killed."""
