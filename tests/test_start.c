@@ -76,7 +76,7 @@ static void MakeScene(PetscBool periodic, PetscBool body, Scene *scene)
 }
 
 /* Reads the file as a run does; the message of the error, or "". */
-static void Read(const Scene *scene, const char path[], FluidStart *start, char message[])
+static void Read(Scene *scene, const char path[], FluidStart *start, char message[])
 {
   char           read[PETSC_MAX_PATH_LEN];
   PetscErrorCode code;
@@ -153,7 +153,7 @@ static void test_places(void **state)
 }
 
 /* What is refused, and what is said. */
-static void Refused(const Scene *scene, const Given *given, const char *words)
+static void Refused(Scene *scene, const Given *given, const char *words)
 {
   FluidStart start;
   char       message[512];
