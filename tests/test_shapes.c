@@ -55,6 +55,38 @@ static void test_surface(void **state)
   }
 }
 
+/* The span along each axis holds all of the surface and is not too wide for it. */
+static void test_span(void **state)
+{
+  (void)state;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(samples); k++) {
+    const PetscReal dx     = 0.001;
+    PetscReal       low[2] = {PETSC_MAX_REAL, PETSC_MAX_REAL},
+              high[2]      = {-PETSC_MAX_REAL, -PETSC_MAX_REAL};
+    Scene scene;
+    Body  body;
+
+    Make(k, PETSC_FALSE, &scene, &body);
+    for (PetscInt q = 0; q < BodyPoints(&body, dx); q++) {
+      PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
+
+      (void)BodyPoint(&body, q, dx, x, normal);
+      for (PetscInt a = 0; a < 2; a++) {
+        low[a]  = PetscMin(low[a], x[a]);
+        high[a] = PetscMax(high[a], x[a]);
+      }
+    }
+    for (PetscInt a = 0; a < 2; a++) {
+      PetscReal span[2];
+
+      BodySpan(&body, a, span);
+      CloudAssertNone("span", samples[k].shape,
+                      span[0] > low[a] + 1e-12 || span[1] < high[a] - 1e-12 ||
+                          span[0] < low[a] - dx || span[1] > high[a] + dx);
+    }
+  }
+}
+
 /* Distance of x from the nearest of all points of the surface. */
 static PetscReal Nearest(const Body *body, PetscReal dx, const PetscReal x[])
 {
@@ -97,7 +129,7 @@ static void test_distance(void **state)
 
 int main(int argc, char **argv)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_surface),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_surface), cmocka_unit_test(test_span),
                                      cmocka_unit_test(test_distance)};
   int                     failed;
 
