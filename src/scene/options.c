@@ -77,7 +77,7 @@ PetscErrorCode OptionInt_Private(PetscOptionItems *PetscOptionsObject, const cha
   Output Parameters:
 + value - the numbers, left alone where the option is not given
 . n     - how many, 0 where it is not given
-- set   - whether it is
+- set   - whether it is; may be NULL
 
   Errors: more than capacity, of which PETSc would drop the rest unsaid
 */
@@ -86,15 +86,17 @@ PetscErrorCode OptionReals_Private(PetscOptionItems *PetscOptionsObject, const c
                                    PetscInt *n, PetscBool *set)
 {
   PetscReal *number;
+  PetscBool  given;
 
   PetscFunctionBegin;
   *n = capacity + 1;
   PetscCall(PetscCalloc1(capacity + 1, &number));
-  PetscCall(PetscOptionsRealArray(option, text, "", number, n, set));
-  if (!*set) *n = 0;
+  PetscCall(PetscOptionsRealArray(option, text, "", number, n, &given));
+  if (!given) *n = 0;
   for (PetscInt k = 0; k < PetscMin(*n, capacity); k++) value[k] = number[k];
   PetscCall(PetscFree(number));
   UserCheck(*n <= capacity, "%s: at most %" PetscInt_FMT " numbers are allowed", option, capacity);
+  if (set) *set = given;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -119,7 +121,7 @@ PetscErrorCode OptionFlags_Private(PetscOptionItems *PetscOptionsObject, const c
   }
   PetscCall(PetscSNPrintf(help, sizeof(help), "%s: %s", text, all));
   PetscCall(PetscOptionsStringArray(option, help, "", words, &n, &given));
-  if (!given) n = 0;
+  UserCheck(!given || n > 0, "%s: names are wanted; choose from %s", option, all);
   for (PetscInt w = 0; w < n; w++) {
     PetscBool same = PETSC_FALSE;
 

@@ -174,9 +174,13 @@ void BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal numb
 /* BodySpan - From where to where a body reaches along an axis of the plane [m] */
 void BodySpan(const Body *body, PetscInt axis, PetscReal span[2])
 {
-  span[0] = body->centre[axis] - (body->n == 3 ? body->extent : 0.0);
-  span[1] = body->centre[axis] + (body->n == 3 ? body->extent : 0.0);
-  for (PetscInt k = axis; body->n != 3 && k < body->n; k += 2) {
+  if (body->n == 3) {
+    span[0] = body->centre[axis] - body->extent;
+    span[1] = body->centre[axis] + body->extent;
+    return;
+  }
+  span[0] = span[1] = body->number[axis];
+  for (PetscInt k = axis; k < body->n; k += 2) {
     span[0] = PetscMin(span[0], body->number[k]);
     span[1] = PetscMax(span[1], body->number[k]);
   }

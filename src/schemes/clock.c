@@ -40,13 +40,12 @@ PetscReal ClockMoment(const Clock *clock)
 /* The times at which quantities are reported besides the end. */
 static PetscErrorCode ClockReadReports(PetscOptionItems *PetscOptionsObject, Clock *clock)
 {
-  PetscInt  n;
-  PetscBool given;
+  PetscInt n;
 
   PetscFunctionBegin;
   PetscCall(OptionReals("-report_times",
                         "Times besides the end at which quantities are reported [s]",
-                        CLOCK_MAX_REPORTS, clock->report_time, &n, &given));
+                        CLOCK_MAX_REPORTS, clock->report_time, &n, NULL));
   for (PetscInt k = 0; k < n; k++) {
     UserCheck(clock->report_time[k] > (k ? clock->report_time[k - 1] : 0.0),
               "-report_times: the times must be positive and ascending, got %.6g",

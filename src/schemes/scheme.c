@@ -88,8 +88,7 @@ static PetscErrorCode SchemeRefuseSteady(const Scene *scene, const SchemeRow *ro
                 !(scene->force.n && ExpressionUses(&scene->force, EXPRESSION_TIME)) &&
                 !(scene->exact.n && ExpressionUses(&scene->exact, EXPRESSION_TIME)),
             "-steady: a wall's velocity, the body force or -scene_exact depends on t; advance in "
-            "time, with "
-            "-coupled_ts_type rosw in steps of any length");
+            "time, with -coupled_ts_type rosw in steps of any length");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -99,7 +98,7 @@ static PetscErrorCode OnLattice(const Scene *scene, PetscBool *on)
   PetscBool given;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsHasName(NULL, NULL, "-particles", &given));
+  PetscCall(OptionGiven("-particles", &given));
   *on = !SceneMoves(scene) && scene->jitter == 0.0 && !scene->n_bodies && !given ? PETSC_TRUE
                                                                                  : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
