@@ -18,6 +18,7 @@ static Stencil *Made(PetscInt dim, PetscReal h, PetscInt walls)
   ASSERT_OK(StencilCreate(dim, kernel->support * h, 0.5 * kernel->support * h, &st));
   ASSERT_OK(StencilReserve(st, MOST));
   KernelEvaluate(kernel, dim, h, 0.0, st->self);
+  st->volume = 1.0;
   for (PetscInt a = 0; a < dim; a++) cells *= SIDE;
   for (PetscInt c = 0; c < cells; c++) {
     PetscReal X[ISPH_MAX_DIM], r = 0.0, w[3];

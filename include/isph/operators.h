@@ -58,8 +58,9 @@ typedef struct {
   PetscBool  fits_walls;           /* wall neighbours enter fits by role, else as plain points */
   Role       role;                 /* of the wall neighbours in the fit at hand */
   MlsFit     fit;                  /* quadratic, of that role; shared by gradient and Laplacian */
-  PetscReal  self[3]; /* V W, V dW/dr and V d2W/dr2 at r = 0, of the particle itself [-, ...] */
-  PetscInt   weak;    /* fits so far whose points did not determine them */
+  PetscReal  volume;               /* of the particle itself [m^dim] */
+  PetscReal  self[3];              /* W, dW/dr and d2W/dr2 at r = 0 [m^-dim, ...] */
+  PetscInt   weak;                 /* fits so far whose points did not determine them */
 } Stencil;
 
 PetscErrorCode StencilCreate(PetscInt dim, PetscReal radius, PetscReal scale, Stencil **stencil);

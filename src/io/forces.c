@@ -21,19 +21,16 @@ static void SideSurface(const Scene *scene, PetscInt side, Surface *s)
   const PetscInt axis = side / 2, dim = scene->dim;
   PetscReal      area = 1.0;
 
-  for (PetscInt a = 0; a < dim; a++)
-    area *= a == axis ? 1.0 : (scene->hi[a] - scene->lo[a]) / scene->cells[a];
+  for (PetscInt a = 0; a < dim; a++) area *= a == axis ? 1.0 : SceneCellSide(scene, a);
   for (PetscInt k = 0; k < s->n; k++) {
     PetscInt index = k;
 
     s->area[k] = area;
     for (PetscInt a = 0; a < dim; a++) {
-      const PetscReal h = (scene->hi[a] - scene->lo[a]) / scene->cells[a];
-
       s->normal[k * dim + a] = a == axis ? (side % 2 ? -1.0 : 1.0) : 0.0;
       s->x[k * dim + a]      = side % 2 ? scene->hi[a] : scene->lo[a];
       if (a == axis) continue;
-      s->x[k * dim + a] = scene->lo[a] + (index % scene->cells[a] + 0.5) * h;
+      s->x[k * dim + a] = scene->lo[a] + (index % scene->cells[a] + 0.5) * SceneCellSide(scene, a);
       index /= scene->cells[a];
     }
   }

@@ -108,13 +108,13 @@ static PetscErrorCode AssembleRow(const Scene *scene, const Particles *p, Stenci
       CloseRow_Value(st, ops, diagonal, ops->g[a], &ops->grad_u[a]);
   }
   if (ops->rough_u.needed) {
-    PetscCall(RoughRow_Mls(st, st->self[0] / SceneVolume(scene), ops->w));
+    PetscCall(RoughRow_Mls(st, ops->w));
     CloseRow_Value(st, ops, diagonal, ops->w, &ops->rough_u);
   }
   if (ops->ppe.needed) {
     PetscCall(CloseRows_Pressure(scene, st, diagonal, ops));
     if (ops->one_sided) PetscCall(CloseRows_OneSided(st, diagonal, ops));
-    if (ops->rough_p.needed) PetscCall(CloseRow_Roughness(scene, st, diagonal, ops));
+    if (ops->rough_p.needed) PetscCall(CloseRow_Roughness(st, diagonal, ops));
     PetscCall(CloseRows_Divergence(st, diagonal, ops));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

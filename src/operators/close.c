@@ -223,12 +223,11 @@ PetscErrorCode CloseRows_OneSided(Stencil *st, PetscInt diagonal, Operators *ops
   Not collective. What n.grad p is at a wall is none of its business. A particle that sees no fluid is as
   rough as its pressure.
 */
-PetscErrorCode CloseRow_Roughness(const Scene *scene, Stencil *st, PetscInt diagonal,
-                                  Operators *ops)
+PetscErrorCode CloseRow_Roughness(Stencil *st, PetscInt diagonal, Operators *ops)
 {
   PetscFunctionBegin;
   StencilSetRole(st, ROLE_NONE);
-  PetscCall(RoughRow_Mls(st, st->self[0] / SceneVolume(scene), ops->w));
+  PetscCall(RoughRow_Mls(st, ops->w));
   CloseRow_Slope(st, ops, diagonal, 1.0, ops->w, &ops->rough_p);
   if (st->n == st->n_wall) ops->rough_p.a[diagonal] = 1.0;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -22,8 +22,7 @@ PetscErrorCode AssembleTogether(const Scene *scene, const Particles *particles, 
 PetscErrorCode CloseRows_Pressure(const Scene *scene, Stencil *stencil, PetscInt diagonal,
                                   Operators *ops);
 PetscErrorCode CloseRows_OneSided(Stencil *stencil, PetscInt diagonal, Operators *ops);
-PetscErrorCode CloseRow_Roughness(const Scene *scene, Stencil *stencil, PetscInt diagonal,
-                                  Operators *ops);
+PetscErrorCode CloseRow_Roughness(Stencil *stencil, PetscInt diagonal, Operators *ops);
 PetscErrorCode CloseRows_Divergence(Stencil *stencil, PetscInt diagonal, Operators *ops);
 
 #endif

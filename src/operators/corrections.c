@@ -19,7 +19,8 @@
 static void CorrectKernel_Shepard(Stencil *st, PetscReal dW[], PetscReal ddW[])
 {
   const PetscReal d = (PetscReal)st->dim;
-  PetscReal S = st->self[0], lap_S = d * st->self[2], grad_S[ISPH_MAX_DIM] = {0.0}, grad2 = 0.0;
+  PetscReal       S = st->volume * st->self[0], lap_S = d * st->volume * st->self[2];
+  PetscReal       grad_S[ISPH_MAX_DIM] = {0.0}, grad2 = 0.0;
 
   for (PetscInt k = 0; k < st->n; k++) {
     const PetscReal slope = st->dW[k] / st->r[k];

@@ -230,17 +230,15 @@ PetscErrorCode GradientRow_Mls(Stencil *st, PetscReal *g[])
 
   the terms phi and M those of the interpolating fit: the constant is eliminated by hand.
 
-  Input: self - W(0), the weight of the particle itself [m^-dim]
-
   Properties: vanishes for quadratics on any arrangement, of order dx^3 one-sided and dx^4 inside;
   about 0.3 f_i for the mode +1, -1 of a lattice; not symmetric.
 
   Reference: after C. R. Dohrmann, P. B. Bochev, Int. J. Numer. Meth. Fluids 46 (2004) 183-201
 */
-PetscErrorCode RoughRow_Mls(Stencil *st, PetscReal self, PetscReal w[])
+PetscErrorCode RoughRow_Mls(Stencil *st, PetscReal w[])
 {
   PetscReal mean[MLS_QUADRATIC_TERMS] = {0.0}, c[MLS_QUADRATIC_TERMS], phi[MLS_MAX_TERMS];
-  PetscReal sum                       = self;
+  PetscReal sum                       = st->self[0];
 
   PetscFunctionBegin;
   PetscCall(MlsFactor(st));

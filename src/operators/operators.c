@@ -252,8 +252,8 @@ PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
   PetscCall(StencilCreate(scene->dim, ops->radius, 0.5 * ops->radius, &ops->stencil));
   ops->stencil->fits_walls = ops->wall ? ops->wall->on_surface : PETSC_FALSE;
   KernelEvaluate(ops->kernel, scene->dim, ops->h, 0.0, ops->stencil->self);
-  for (PetscInt k = 0; k < 3; k++) ops->stencil->self[k] *= SceneVolume(scene);
-  *operators = ops;
+  ops->stencil->volume = SceneVolume(scene);
+  *operators           = ops;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

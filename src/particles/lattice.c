@@ -113,7 +113,7 @@ static CellKind ClassifyCell(const Scene *scene, WallPlacement walls, PetscInt i
 
   CellOf(scene->dim, scene->cells, index, cell);
   for (PetscInt a = 0; a < scene->dim; a++)
-    x[a] = scene->lo[a] + (cell[a] + 0.5) * (scene->hi[a] - scene->lo[a]) / scene->cells[a];
+    x[a] = scene->lo[a] + (cell[a] + 0.5) * SceneCellSide(scene, a);
   *depth = -SceneDistance(scene, x, body, normal);
   if (*depth <= -FluidClearance(scene, walls)) return CELL_FLUID;
   if (*depth < DummyClearance(scene, walls)) return CELL_EMPTY;
@@ -128,7 +128,7 @@ static void JitterFluid(const Scene *scene, WallPlacement walls, PetscInt id, Pe
 
   if (scene->jitter == 0.0) return;
   for (PetscInt a = 0; a < scene->dim; a++) {
-    const PetscReal side = scene->hi[a] - scene->lo[a], h = side / scene->cells[a];
+    const PetscReal side = scene->hi[a] - scene->lo[a], h = SceneCellSide(scene, a);
 
     x[a] += scene->jitter * scene->dx * ParticlesHash(scene->seed, id, a);
     if (scene->periodic[a]) x[a] -= side * PetscFloorReal((x[a] - scene->lo[a]) / side);
@@ -147,15 +147,14 @@ static void JitterFluid(const Scene *scene, WallPlacement walls, PetscInt id, Pe
 static PetscReal WallCoordinate(const Scene *scene, WallPlacement walls, PetscInt a, PetscInt c,
                                 PetscReal *share)
 {
-  const PetscReal h     = (scene->hi[a] - scene->lo[a]) / scene->cells[a];
-  PetscReal       place = c + 0.5;
+  PetscReal place = c + 0.5;
 
   *share = 1.0;
   if (walls.surface && (c < 0 || c >= scene->cells[a])) {
     place += c < 0 ? 0.5 : -0.5;
     if (c == -1 || c == scene->cells[a]) *share = 0.5;
   }
-  return scene->lo[a] + place * h;
+  return scene->lo[a] + place * SceneCellSide(scene, a);
 }
 
 /* Writes wall particle `index` of the scene to local place i. */

@@ -41,7 +41,7 @@ static PetscBool IsInFluid(const Scene *scene, const PetscReal x[])
 /*
   SceneViscosity - Kinematic viscosity of a particle that starts at x [m^2/s]
 
-    1/nu = mean of 1/nu over the part of the cell of side dx about x that is fluid
+    1/nu = mean of 1/nu over the part of the lattice's cell about x that is fluid
 
   Not collective. So layers resist shear as they lie, wherever interfaces cut the lattice: resistances in
   series add. A smooth field without fluids in it is taken at x; where the viscosity follows the strain rate,
@@ -51,15 +51,16 @@ static PetscBool IsInFluid(const Scene *scene, const PetscReal x[])
 */
 PetscReal SceneViscosity(const Scene *scene, const PetscReal x[])
 {
-  PetscReal sum = 0.0;
-  PetscInt  n   = 0;
+  const PetscReal side[2] = {SceneCellSide(scene, 0), SceneCellSide(scene, 1)};
+  PetscReal       sum     = 0.0;
+  PetscInt        n       = 0;
 
   if (!SceneIsNewtonian(scene))
     return RheologyViscosity(&scene->rheology, scene->speed / scene->length);
   if (!scene->n_regions) return ViscosityAt(scene, x);
   for (PetscInt s = 0; s < SAMPLES * SAMPLES; s++) {
-    const PetscReal y[2] = {x[0] + scene->dx * ((s % SAMPLES + 0.5) / SAMPLES - 0.5),
-                            x[1] + scene->dx * ((s / SAMPLES + 0.5) / SAMPLES - 0.5)};
+    const PetscReal y[2] = {x[0] + side[0] * ((s % SAMPLES + 0.5) / SAMPLES - 0.5),
+                            x[1] + side[1] * ((s / SAMPLES + 0.5) / SAMPLES - 0.5)};
 
     if (!IsInFluid(scene, y)) continue;
     sum += 1.0 / ViscosityAt(scene, y);
@@ -86,8 +87,8 @@ PetscErrorCode SceneBoundViscosity(Scene *scene)
   scene->nu_low  = PETSC_MAX_REAL;
   scene->nu_high = 0.0;
   for (PetscInt k = 0; k < scene->cells[0] * scene->cells[1]; k++) {
-    const PetscReal x[2] = {scene->lo[0] + (k % scene->cells[0] + 0.5) * scene->dx,
-                            scene->lo[1] + (k / scene->cells[0] + 0.5) * scene->dx};
+    const PetscReal x[2] = {scene->lo[0] + (k % scene->cells[0] + 0.5) * SceneCellSide(scene, 0),
+                            scene->lo[1] + (k / scene->cells[0] + 0.5) * SceneCellSide(scene, 1)};
     PetscReal       nu;
 
     if (!IsInFluid(scene, x)) continue;

@@ -46,13 +46,19 @@ PetscBool SceneMoves(const Scene *scene)
   return scene->motion && scene->motion->particles_move ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* SceneVolume - Volume of each particle: a cell of the lattice that fills the box [m^dim] */
+/* SceneCellSide - Side along an axis of a cell of the lattice that fills the box: dx, where the box is a whole number
+   of them long [m] */
+PetscReal SceneCellSide(const Scene *scene, PetscInt axis)
+{
+  return (scene->hi[axis] - scene->lo[axis]) / scene->cells[axis];
+}
+
+/* SceneVolume - Volume of each particle: a cell of the lattice [m^dim] */
 PetscReal SceneVolume(const Scene *scene)
 {
   PetscReal volume = 1.0;
 
-  for (PetscInt a = 0; a < scene->dim; a++)
-    volume *= (scene->hi[a] - scene->lo[a]) / scene->cells[a];
+  for (PetscInt a = 0; a < scene->dim; a++) volume *= SceneCellSide(scene, a);
   return volume;
 }
 
