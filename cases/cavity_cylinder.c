@@ -6,13 +6,10 @@
 
 PetscErrorCode CavityCylinderSetup(Scene *scene)
 {
-  const PetscReal circle[3] = {0.5 * scene->length, 0.5 * scene->length, 0.25 * scene->length};
-  const TableRow *row;
-
   PetscFunctionBegin;
   PetscCall(CavitySetup(scene));
-  PetscCall(TableFind(&ShapeTable, "circle", &row));
-  BodySet(&scene->body_of[scene->n_bodies++], (const ShapeRow *)(const void *)row, 3, circle);
+  BodyCircle(&scene->body_of[scene->n_bodies++], 0.5 * scene->length, 0.5 * scene->length,
+             0.25 * scene->length);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -23,7 +20,7 @@ PetscErrorCode CavityCylinderSetup(Scene *scene)
 PetscErrorCode CavityCylinderJudge(const Flow *flow, Report *report)
 {
   const Scene    *scene    = flow->scene;
-  const PetscReal time     = flow->clock->t * scene->speed / scene->length;
+  const PetscReal time     = ClockMoment(flow->clock) * scene->speed / scene->length;
   const PetscReal reynolds = SceneIsNewtonian(scene) ? SceneReynolds(scene) : NAN;
   const PetscBool compares = PetscAbsReal(reynolds - 1000.0) < 0.1 &&
                                      PetscAbsReal(time - 40.0) < 0.1 &&

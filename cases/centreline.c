@@ -99,12 +99,13 @@ PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const
 /*
   ReferenceEnergy - Kinetic energy from rest at the present time, between the times of a file [J/m]
 
-  Not collective. NaN where the file, NULL for none, does not hold for this run.
+  Collective. NaN where the file, NULL for none, does not hold for this run, and for a steady flow solved for
+  without time.
 */
 PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], PetscReal *energy)
 {
   const Scene    *scene = flow->scene;
-  const PetscReal t     = flow->clock->t * scene->speed / scene->length;
+  const PetscReal t     = ClockMoment(flow->clock) * scene->speed / scene->length;
   Curve           curve;
 
   PetscFunctionBegin;

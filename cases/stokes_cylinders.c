@@ -34,24 +34,21 @@ static PetscReal TabulatedDrag(PetscReal c)
 /* The force that drives it gives velocities of order U: f = nu U/L^2 times the drag at that fraction. */
 PetscErrorCode StokesCylindersSetup(Scene *scene)
 {
-  const PetscReal middle    = 0.5 * scene->length,
-                  circle[3] = {middle, middle,
-                               scene->length * PetscSqrtReal(scene->solid_fraction / PETSC_PI)};
-  const TableRow *row;
+  const PetscReal middle = 0.5 * scene->length,
+                  radius = scene->length * PetscSqrtReal(scene->solid_fraction / PETSC_PI);
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) {
     scene->hi[a]       = scene->length;
     scene->periodic[a] = PETSC_TRUE;
   }
-  PetscCall(TableFind(&ShapeTable, "circle", &row));
-  BodySet(&scene->body_of[scene->n_bodies++], (const ShapeRow *)(const void *)row, 3, circle);
+  BodyCircle(&scene->body_of[scene->n_bodies++], middle, middle, radius);
   scene->body[0] =
       scene->nu * scene->speed / PetscSqr(scene->length) * DiluteDrag(scene->solid_fraction);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Mean velocity through the cell's periodic side, which no cylinder cuts, by the trapezoidal rule. */
+/* Mean velocity through the cell's periodic side, which no cylinder cuts, by the midpoint rule. */
 static PetscErrorCode SuperficialVelocity(const Flow *flow, PetscReal *mean)
 {
   const Scene   *scene = flow->scene;

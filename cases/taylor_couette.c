@@ -7,9 +7,7 @@
 /* The box leaves room for layers behind the outer wall; it has no walls of its own. */
 PetscErrorCode TaylorCouetteSetup(Scene *scene)
 {
-  const PetscReal room     = scene->length + 6.0 * scene->dx;
-  const PetscReal inner[3] = {0.0, 0.0, 0.5 * scene->length}, outer[3] = {0.0, 0.0, scene->length};
-  const TableRow *row;
+  const PetscReal room = scene->length + 6.0 * scene->dx;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) {
@@ -17,10 +15,9 @@ PetscErrorCode TaylorCouetteSetup(Scene *scene)
     scene->hi[a] = room;
   }
   scene->bare = PETSC_TRUE;
-  PetscCall(TableFind(&ShapeTable, "circle", &row));
-  BodySet(&scene->body_of[0], (const ShapeRow *)(const void *)row, 3, inner);
-  BodySet(&scene->body_of[1], (const ShapeRow *)(const void *)row, 3, outer);
-  scene->body_of[0].rotation = ExpressionNumber(scene->speed / inner[2]);
+  BodyCircle(&scene->body_of[0], 0.0, 0.0, 0.5 * scene->length);
+  BodyCircle(&scene->body_of[1], 0.0, 0.0, scene->length);
+  scene->body_of[0].rotation = ExpressionNumber(scene->speed / (0.5 * scene->length));
   scene->body_of[1].around   = PETSC_TRUE;
   scene->n_bodies            = 2;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -27,18 +27,12 @@ static void CloudWallVelocity(const Scene *scene, PetscInt side, PetscReal t, co
 }
 
 /* A circle at rest in the middle of the box. */
-static PetscErrorCode CloudAddCircle(PetscReal radius, Scene *scene)
+static void CloudAddCircle(PetscReal radius, Scene *scene)
 {
-  const PetscReal number[3] = {0.5 * (scene->lo[0] + scene->hi[0]),
-                               0.5 * (scene->lo[1] + scene->hi[1]), radius};
-  const TableRow *circle;
-
-  PetscFunctionBegin;
-  PetscCall(TableFind(&ShapeTable, "circle", &circle));
-  BodySet(&scene->body_of[0], (const ShapeRow *)(const void *)circle, 3, number);
+  BodyCircle(&scene->body_of[0], 0.5 * (scene->lo[0] + scene->hi[0]),
+             0.5 * (scene->lo[1] + scene->hi[1]), radius);
   scene->n_bodies = 1;
   scene->physics |= PHYSICS_WALLS;
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
@@ -73,7 +67,7 @@ PetscErrorCode CloudOperators(const CloudBox *box, const char options[], Cloud *
     scene->cells[a]    = box->cells[a];
     scene->periodic[a] = a < box->n_periodic;
   }
-  if (box->circle > 0.0) PetscCall(CloudAddCircle(box->circle * scene->dx, scene));
+  if (box->circle > 0.0) CloudAddCircle(box->circle * scene->dx, scene);
   PetscCall(PetscOptionsCreate(&database));
   PetscCall(PetscOptionsInsertString(database, options));
   PetscCall(PetscOptionsPush(database));

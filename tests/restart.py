@@ -7,6 +7,8 @@
     restart.py term ISPH           SIGTERM: a checkpoint, status interrupted, the same flow to 1e-4
     restart.py damage ISPH         corrupted, truncated and foreign checkpoints are refused in one line
     restart.py other ISPH          restarted with other -report_times and another -output
+    restart.py probes ISPH         probe files that cannot be gone on with end the run and stay
+    restart.py particles ISPH      a snapshot's particles begin a run as the lattice they were
     restart.py disk ISPH           a full disk: one line, and all files complete
 
 ISPH... is the program, after it the words that start it on several ranks with {} for their number."""
@@ -17,6 +19,7 @@ import random
 import re
 import resource
 import signal
+import struct
 import subprocess
 import sys
 import time
@@ -151,7 +154,7 @@ def term(isph):
 
 
 def damage(isph):
-    run([isph, "-n", "16", "-max_steps", "3", "-checkpoint", "c.h5"])
+    run([isph, "-n", "16", "-max_steps", "3", "-dt", "0.01", "-t_end", "1", "-checkpoint", "c.h5"])
     with open("c.h5", "rb") as file:
         data = file.read()
 
@@ -162,8 +165,10 @@ def damage(isph):
         print(error.strip())
         assert error.count("\n") == 1 and error.startswith(f"isph: -restart {name}: ") and words in error, error
 
-    place = len(data) * 3 // 4  # among the particles
-    refused("bit.h5", data[:place] + bytes([data[place] ^ 1]) + data[place + 1:], "checksum")
+    clock = struct.pack("<d", 0.01)
+    assert clock in data
+    for k, place in enumerate((len(data) * 3 // 4, data.index(clock))):  # among the particles, in the clock
+        refused(f"bit{k}.h5", data[:place] + bytes([data[place] ^ 1]) + data[place + 1:], "checksum")
     for share in 2, 4, 40:
         refused(f"cut{share}.h5", data[:len(data) - len(data) // share], "truncated")
     refused("text.h5", b"no HDF5 at all\n" * 100, "no HDF5 file")
@@ -182,6 +187,28 @@ def other(isph):
     assert times == [0.5, 1.25, 1.75, 2.0], times  # those of the run before are kept
     named = complete(".")
     assert named == sorted(glob.glob("flow_*.h5")) and len(named) == 3, named  # at once, at 1.5 and at the end
+
+
+def probes(isph):
+    flow = [isph, "-n", "16", "-progress", "none", "-probe_point", "0.5,0.5"]
+    run([*flow, "-t_end", "0.5", "-checkpoint", "c.h5"])
+    with open("probe_point.csv") as file:
+        written = file.read()
+    os.mkdir("probe_point.csv.part")
+    error = run([*flow, "-t_end", "1", "-restart", "c.h5"], good=False)
+    assert error.startswith("isph: -probe_output: cannot write probe_point.csv"), error
+    with open("probe_point.csv") as file:
+        assert file.read() == written
+
+
+def particles(isph):
+    """Their viscosities are those of the rate they begin with, not bounds of those to come."""
+    flow = [isph, "-case", "poiseuille", "-rheology", "power_law", "-rheology_exponent", "0.5", "-n", "16", "-dt", "100",
+            "-t_end", "500", "-progress", "none"]
+    run([*flow, "-output", "s.h5", "-report", "lattice.csv"])
+    run([*flow, "-particles", "s_0000.h5", "-report", "given.csv"])
+    energies = [number(report(path), "kinetic_energy") for path in ("lattice.csv", "given.csv")]
+    assert abs(energies[0] - energies[1]) < 1e-6 * energies[0], energies
 
 
 def disk(isph):
@@ -212,7 +239,7 @@ def disk(isph):
 
 def main():
     tests = {"kill": kill, "bitwise": bitwise, "ranks": ranks, "term": term, "damage": damage, "other": other,
-             "disk": disk}
+             "probes": probes, "particles": particles, "disk": disk}
     tests[sys.argv[1]](*sys.argv[2:])
 
 

@@ -20,13 +20,12 @@ static const struct {
 
 static void Make(size_t k, PetscBool around, Scene *scene, Body *body)
 {
-  const TableRow *row;
+  const ShapeRow *row;
 
   ASSERT_OK(PetscMemzero(scene, sizeof(*scene)));
   scene->dim = 2;
-  ASSERT_OK(TableFind(&ShapeTable, samples[k].shape, &row));
-  assert_non_null(row);
-  BodySet(body, (const ShapeRow *)(const void *)row, samples[k].n, samples[k].number);
+  ASSERT_OK(TableWant(&ShapeTable, "test", samples[k].shape, &row));
+  assert_null(BodySet(body, row, samples[k].n, samples[k].number));
   body->around = around;
 }
 
@@ -87,6 +86,36 @@ static void test_span(void **state)
   }
 }
 
+/* A plate, a small circle and a sharp wedge are thin, a box's corners and a wide wedge are not. */
+static void test_thickness(void **state)
+{
+  const struct {
+    const char *shape;
+    PetscInt    n;
+    PetscReal   number[6], low, high;
+  } bodies[] = {
+      {"box", 4, {0.0, 0.0, 1.0, 0.0123}, 0.0123 - 1e-12, 0.0123 + 1e-12},
+      {"box", 4, {0.0, 0.0, 1.0, 0.25}, 0.2, 0.2},
+      {"circle", 3, {0.0, 0.0, 0.07}, 0.14 - 1e-12, 0.14 + 1e-12},
+      {"polygon", 6, {0.0, 0.0, 1.0, 0.0, 0.0, 0.3}, 0.0, 0.04}, /* 17 degrees */
+      {"polygon", 6, {0.0, 0.0, 1.0, 0.0, 0.5, 0.8}, 0.2, 0.2},  /* 58 and 64 */
+  };
+
+  (void)state;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(bodies); k++) {
+    const ShapeRow *row;
+    Body            body;
+    PetscReal       place[2], thin;
+
+    ASSERT_OK(TableWant(&ShapeTable, "test", bodies[k].shape, &row));
+    assert_null(BodySet(&body, row, bodies[k].n, bodies[k].number));
+    thin = BodyThickness(&body, 0.05, 0.2, place);
+    CloudAssertNone("thickness", bodies[k].shape, thin < bodies[k].low || thin > bodies[k].high);
+    body.around = PETSC_TRUE;
+    assert_true(BodyThickness(&body, 0.05, 0.2, place) == 0.2);
+  }
+}
+
 /* Distance of x from the nearest of all points of the surface. */
 static PetscReal Nearest(const Body *body, PetscReal dx, const PetscReal x[])
 {
@@ -127,11 +156,42 @@ static void test_distance(void **state)
   }
 }
 
+/* A drop whose area is far from its middle, in a periodic box: the nearest of all images counts. */
+static void test_images(void **state)
+{
+  const PetscReal drop[8] = {0.1, 0.4, 0.85, 0.5, 0.1, 0.6, 0.05, 0.5};
+  const ShapeRow *row;
+  Scene           plain, periodic;
+  Body            body;
+
+  (void)state;
+  ASSERT_OK(PetscMemzero(&plain, sizeof(plain)));
+  plain.dim   = 2;
+  plain.hi[0] = plain.hi[1] = 1.0;
+  periodic                  = plain;
+  periodic.periodic[0] = periodic.periodic[1] = PETSC_TRUE;
+  ASSERT_OK(TableWant(&ShapeTable, "test", "polygon", &row));
+  assert_null(BodySet(&body, row, 8, drop));
+  for (PetscInt q = 0; q < 200; q++) {
+    PetscReal x[2], least = PETSC_INFINITY, d, n[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < 2; a++) x[a] = 0.5 + 0.5 * ParticlesHash(5, q, a);
+    for (PetscInt image = 0; image < 9; image++) {
+      const PetscReal y[2] = {x[0] + image % 3 - 1, x[1] + image / 3 - 1};
+
+      least = PetscMin(least, BodyDistance(&plain, &body, y, n));
+    }
+    d = BodyDistance(&periodic, &body, x, n);
+    CloudAssertNone("image", "polygon", PetscAbsReal(d - least) > 1e-12);
+  }
+}
+
 int main(int argc, char **argv)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_surface), cmocka_unit_test(test_span),
-                                     cmocka_unit_test(test_distance)};
-  int                     failed;
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_surface), cmocka_unit_test(test_span), cmocka_unit_test(test_thickness),
+      cmocka_unit_test(test_distance), cmocka_unit_test(test_images)};
+  int failed;
 
   if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;
   failed = cmocka_run_group_tests(tests, NULL, NULL);

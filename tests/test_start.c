@@ -60,9 +60,6 @@ static void WriteGiven(const char path[], const Given *given)
 /* A unit square of spacing 0.2, periodic along x where asked for, with a small body where asked for. */
 static void MakeScene(PetscBool periodic, PetscBool body, Scene *scene)
 {
-  const TableRow *circle;
-  const PetscReal number[3] = {0.5, 0.3, 0.05};
-
   memset(scene, 0, sizeof(*scene));
   scene->dim   = 2;
   scene->dx    = 0.2;
@@ -70,9 +67,7 @@ static void MakeScene(PetscBool periodic, PetscBool body, Scene *scene)
   scene->cells[0] = scene->cells[1] = 5;
   scene->physics                    = PHYSICS_WALLS;
   scene->periodic[0]                = periodic;
-  assert_int_equal(TableFind(&ShapeTable, "circle", &circle), 0);
-  if (body)
-    BodySet(&scene->body_of[scene->n_bodies++], (const ShapeRow *)(const void *)circle, 3, number);
+  if (body) BodyCircle(&scene->body_of[scene->n_bodies++], 0.5, 0.3, 0.05);
 }
 
 /* Reads the file as a run does; the message of the error, or "". */

@@ -42,6 +42,8 @@ typedef struct {
 
 const TableRow *TableGet(const Table *table, PetscInt k);
 PetscErrorCode  TableFind(const Table *table, const char name[], const TableRow **row);
+PetscErrorCode  TableWant(const Table *table, const char option[], const char name[],
+                          const void *row);
 PetscErrorCode TableSelect_Private(PetscOptionItems *items, const Table *table, const char option[],
                                    const char text[], const char fallback[], const void *row);
 PetscErrorCode TableView(const Table *table, PetscViewer viewer);

@@ -49,7 +49,7 @@ typedef struct {
   PetscReal *normal[ISPH_MAX_DIM];  /* of wall particles, into the fluid (field); NULL: no walls */
   PetscReal *depth;                 /* of wall particles below the surface [m] (field) */
   PetscReal *side;                  /* of wall particles: which wall, a whole number (field) */
-  PetscReal *volume; /* of wall particles (field) [m^dim]; NULL: dx^dim as the fluid's */
+  PetscReal *volume; /* of wall particles (field) [m^dim]; NULL: the fluid's, SceneVolume() */
   Field      field[PARTICLES_MAX_FIELDS];
   PetscInt   n_fields;
 

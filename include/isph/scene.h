@@ -39,7 +39,10 @@ typedef struct {
 typedef struct Body Body;
 typedef struct {
   const char *name, *brief, *citation;
-  PetscInt    fewest, most; /* numbers that describe it */
+  PetscInt    fewest, most;           /* numbers that describe it */
+  PetscBool   round;                  /* turning about its centre changes nothing */
+  const char *(*Prepare)(Body *body); /* numbers in order, centre and extent; why not, or NULL */
+  void (*Span)(const Body *body, PetscInt axis, PetscReal span[2]); /* see BodySpan() */
   PetscReal (*Distance)(const Body *body, const PetscReal x[],
                         PetscReal normal[]);         /* outside > 0 */
   PetscInt (*Count)(const Body *body, PetscReal dx); /* points along the surface */
@@ -179,7 +182,9 @@ PetscReal      SceneViscosity(const Scene *scene, const PetscReal x[]);
 PetscErrorCode SceneBoundViscosity(Scene *scene);
 PetscErrorCode SceneBoundGivenViscosity(PetscInt n, const PetscReal nu[], Scene *scene);
 void           SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal f[]);
-void           BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[]);
+const char    *BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[]);
+void           BodyCircle(Body *body, PetscReal x, PetscReal y, PetscReal r);
+PetscReal      BodyThickness(const Body *body, PetscReal dx, PetscReal limit, PetscReal place[2]);
 void           BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2]);
 void           BodySpan(const Body *body, PetscInt axis, PetscReal span[2]);
 PetscReal      BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],

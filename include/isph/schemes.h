@@ -78,7 +78,7 @@ typedef struct {
   PetscReal (*Response)(TS ts); /* of u* to a force newly switched on, over dt; NULL: 1 */
 } TimeKindRow;
 extern const Table TimeKindTable;
-PetscErrorCode     TimeOptionsRefuse(const char prefix[]);
+PetscErrorCode     TimeOptionsRefuse(const char prefix[], const char type[]);
 
 typedef struct Viscosity Viscosity;
 PetscErrorCode           ViscosityCreate(const Scene *scene, PetscReal dt, const Operators *ops,

@@ -69,6 +69,28 @@ static PetscErrorCode BannerViscosity(const Scene *scene, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Bodies through which fluid sees fluid: an operator knows distances, not what is in between. */
+static PetscErrorCode BannerThinBodies(const Flow *flow, PetscViewer viewer)
+{
+  const Scene *scene = flow->scene;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < scene->n_bodies; k++) {
+    PetscReal       place[2];
+    const PetscReal reach = flow->ops->radius,
+                    thin  = BodyThickness(&scene->body_of[k], scene->dx, reach, place);
+
+    if (thin >= reach) continue;
+    PetscCall(PetscViewerASCIIPrintf(
+        viewer,
+        BANNER_LABEL "body %" PetscInt_FMT " is %.2g dx thick at (%.4g, %.4g); fluid on its two "
+                     "sides is not kept apart below the kernel's %.2g dx, use a larger -n\n",
+        "thin", k + 1, (double)(thin / scene->dx), (double)place[0], (double)place[1],
+        (double)(reach / scene->dx)));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* What is computed, and what of the program is left out. */
 static PetscErrorCode BannerPhysics(const Scene *scene, PetscViewer viewer)
 {
@@ -202,6 +224,7 @@ static PetscErrorCode BannerForms(const Flow *flow, PetscViewer viewer)
   if (ops->wall_surface)
     PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "particles, before those behind\n",
                                      "on the wall"));
+  PetscCall(BannerThinBodies(flow, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

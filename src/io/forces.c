@@ -142,7 +142,7 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
   const Scene    *scene = flow->scene;
   const PetscInt  dim   = scene->dim;
   const PetscReal d     = scene->dx;
-  PetscReal      *w[3], *p, *nu, centre[ISPH_MAX_DIM];
+  PetscReal      *w[3], *slope = NULL, *p, *nu, centre[ISPH_MAX_DIM];
   Surface         s;
 
   PetscFunctionBegin;
@@ -150,15 +150,16 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
   PetscCall(SurfaceCreate(scene, side, &s));
   PetscCall(PetscMalloc5(s.n * dim, &w[0], s.n * dim, &w[1], s.n * dim, &w[2], s.n, &p, s.n, &nu));
   for (PetscInt k = 0; k < 3; k++) PetscCall(ProbeAbove(flow, side, &s, k * d, w[k], k ? NULL : p));
-  for (PetscInt q = 0; q < s.n * dim; q++) w[0][q] = (4.0 * w[1][q] - w[2][q]) / (2.0 * d);
-  PetscCall(SurfaceViscosity(flow, &s, w[0], nu));
+  slope = w[0]; /* dw/dn; on the surface w itself vanishes */
+  for (PetscInt q = 0; q < s.n * dim; q++) slope[q] = (4.0 * w[1][q] - w[2][q]) / (2.0 * d);
+  PetscCall(SurfaceViscosity(flow, &s, slope, nu));
   for (PetscInt k = 0; k < s.n; k++) {
     PetscReal f[ISPH_MAX_DIM] = {0.0};
 
     for (PetscInt a = 0; a < dim; a++) {
       const PetscInt q = k * dim + a;
 
-      f[a] = s.area[k] * (scene->rho * nu[k]) * (4.0 * w[1][q] - w[2][q]) / (2.0 * d);
+      f[a] = s.area[k] * (scene->rho * nu[k]) * slope[q];
       if (!PetscIsNanReal(p[k])) f[a] -= s.area[k] * p[k] * s.normal[q];
       F[a] += f[a];
     }
@@ -169,7 +170,11 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MonitorForces - A row for each side of the box that is a wall: 2 axis + (0 low, 1 high); collective */
+/*
+  MonitorForces - A row for each wall: sides of the box, 2 axis + (0 low, 1 high), then bodies, 2 dim + k
+
+  Collective.
+*/
 PetscErrorCode MonitorForces(const Flow *flow, const Monitor *monitor)
 {
   const Scene *scene = flow->scene;

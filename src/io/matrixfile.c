@@ -5,6 +5,7 @@
 #include "isph/io.h"
 
 struct MatrixFile {
+  const char       *prefix; /* of the option, without its dash */
   PetscViewer       viewer; /* NULL: not asked for */
   PetscViewerFormat format;
 };
@@ -25,6 +26,7 @@ PetscErrorCode MatrixFileCreate(const char prefix[], MatrixFile **file)
 
   PetscFunctionBegin;
   PetscCall(PetscNew(file));
+  (*file)->prefix = prefix;
   PetscCall(PetscOptionsGetViewer(PETSC_COMM_WORLD, NULL, prefix, "-mat_view", &(*file)->viewer,
                                   &(*file)->format, &set));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -108,7 +110,7 @@ static PetscErrorCode WritePositions(const Particles *p, const char matrix[])
   whatever its number; <file>.particles.csv has the ids and positions [m].
 
   Input Parameter:
-. A - in the particles' present numbering; NULL: there is none, nothing is written
+. A - in the particles' present numbering; NULL: there is none, which is told
 */
 PetscErrorCode MatrixFileWrite(const Particles *p, Mat A, MatrixFile *file)
 {
@@ -119,7 +121,11 @@ PetscErrorCode MatrixFileWrite(const Particles *p, Mat A, MatrixFile *file)
   Mat         by_id;
 
   PetscFunctionBegin;
-  if (!file->viewer || !A) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!file->viewer) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!A) {
+    PetscCall(SayLine("-%smat_view: nothing was solved, so there is no matrix", file->prefix));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(MatGetBlockSize(A, &size));
   PetscCall(NumbersById(p, size, &order));
   PetscCall(MatCreateSubMatrix(A, order, order, MAT_INITIAL_MATRIX, &by_id));

@@ -3,6 +3,7 @@
   and time, flushed row by row so that nothing written is lost.
 */
 #include "monitors.h"
+#include <errno.h>
 
 #define MONITOR_NUMBERS 256 /* of one option */
 
@@ -54,6 +55,23 @@ static PetscErrorCode MonitorVerdict(const char path[], PetscBool good)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Points lie in the box; a periodic one goes on. A group is of points, a line's with one number more. */
+static PetscErrorCode CheckInBox(const Scene *scene, const char option[], PetscInt group,
+                                 PetscInt n, const PetscReal number[])
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscInt  place = k % group, a = place % scene->dim;
+    const PetscReal slack = 1e-9 * scene->dx;
+
+    if (place >= group / scene->dim * scene->dim || scene->periodic[a]) continue;
+    UserCheck(number[k] >= scene->lo[a] - slack && number[k] <= scene->hi[a] + slack,
+              "%s: %c = %.6g lies outside the box, which reaches from %.6g to %.6g", option,
+              "xyz"[a], (double)number[k], (double)scene -> lo[a], (double)scene -> hi[a]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The numbers of one option, whole groups of them. */
 static PetscErrorCode MonitorRead(PetscOptionItems *PetscOptionsObject, const Scene *scene,
                                   const MonitorKind *kind, Monitor *monitor)
@@ -75,6 +93,7 @@ static PetscErrorCode MonitorRead(PetscOptionItems *PetscOptionsObject, const Sc
   UserCheck(n > 0 && n % group == 0,
             "%s: %" PetscInt_FMT " numbers describe each in %" PetscInt_FMT "D, got %" PetscInt_FMT,
             option, group, scene->dim, n);
+  PetscCall(CheckInBox(scene, option, group, n, number));
   monitor->on = PETSC_TRUE;
   monitor->n  = n / group;
   PetscCall(PetscMalloc1(n, &monitor->number));
@@ -164,13 +183,16 @@ PetscErrorCode MonitorsDestroy(Monitors **monitors)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Copies the header and the rows up to time t to a new file, which then takes the old one's place. */
-static PetscBool KeepRows(Monitor *monitor, PetscReal t)
+/*
+  Copies the header and the rows up to time t to a new file, which then takes the old one's place and is
+  open. Returns whether that went well; if not, the old file is as it was.
+*/
+static PetscBool KeepRows(Monitor *monitor, FILE *old, PetscReal t)
 {
-  char  part[PETSC_MAX_PATH_LEN + 8], line[512];
-  FILE *old = fopen(monitor->path, "r"), *kept;
+  char      part[PETSC_MAX_PATH_LEN + 8], line[512];
+  FILE     *kept;
+  PetscBool good;
 
-  if (!old) return PETSC_FALSE;
   (void)snprintf(part, sizeof(part), "%s.part", monitor->path);
   kept = fopen(part, "w");
   for (PetscInt k = 0; kept && fgets(line, (int)sizeof(line), old); k++) {
@@ -180,9 +202,13 @@ static PetscBool KeepRows(Monitor *monitor, PetscReal t)
     if (k && atof(line) > (double)t + 1e-9 * PetscAbsReal(t)) break;
     (void)fputs(line, kept);
   }
-  (void)fclose(old);
   if (!kept) return PETSC_FALSE;
-  if (ferror(kept) || fclose(kept) || rename(part, monitor->path)) return PETSC_FALSE;
+  good = !ferror(old) && !ferror(kept) ? PETSC_TRUE : PETSC_FALSE;
+  if (fclose(kept)) good = PETSC_FALSE;
+  if (!good || rename(part, monitor->path)) {
+    (void)remove(part);
+    return PETSC_FALSE;
+  }
   monitor->stream = fopen(monitor->path, "a");
   return monitor->stream ? PETSC_TRUE : PETSC_FALSE;
 }
@@ -191,7 +217,8 @@ static PetscBool KeepRows(Monitor *monitor, PetscReal t)
   MonitorsRestart - Goes on with the files of the run that is restarted, without what it wrote after
   the checkpoint; files that are absent begin anew
 
-  Collective on PETSC_COMM_WORLD. Input: t - of the checkpoint [s].
+  Collective on PETSC_COMM_WORLD. Input: t - of the checkpoint [s]. Errors: a file that cannot be gone on with
+  ends the run and stays as it is
 */
 PetscErrorCode MonitorsRestart(PetscReal t, Monitors *m)
 {
@@ -200,13 +227,18 @@ PetscErrorCode MonitorsRestart(PetscReal t, Monitors *m)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   for (PetscInt k = 0; k < MONITOR_KINDS; k++) {
-    PetscBool kept;
+    FILE     *old;
+    PetscBool there, good;
 
     if (!m->of[k].on) continue;
-    kept = rank == 0 && KeepRows(&m->of[k], t) ? PETSC_TRUE : PETSC_FALSE;
-    PetscCall(FirstRankDecides(&kept));
+    old   = rank == 0 ? fopen(m->of[k].path, "r") : NULL;
+    there = old || (rank == 0 && errno != ENOENT) ? PETSC_TRUE : PETSC_FALSE;
+    good  = old && KeepRows(&m->of[k], old, t) ? PETSC_TRUE : PETSC_FALSE;
+    if (old) (void)fclose(old);
+    PetscCall(FirstRankDecides(&there));
     m->of[k].opened = PETSC_TRUE;
-    if (!kept) PetscCall(MonitorOpen(&kinds[k], &m->of[k]));
+    if (there) PetscCall(MonitorVerdict(m->of[k].path, good));
+    else PetscCall(MonitorOpen(&kinds[k], &m->of[k]));
   }
   m->last = t;
   PetscFunctionReturn(PETSC_SUCCESS);

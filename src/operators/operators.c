@@ -21,10 +21,7 @@ static PetscErrorCode OperatorsChooseLaplacian(PetscOptionItems *PetscOptionsObj
 */
 static const char *DefaultLaplacian(const Scene *scene)
 {
-  const PetscBool one =
-      !SceneViscosityVaries(scene) && SceneIsNewtonian(scene) ? PETSC_TRUE : PETSC_FALSE;
-
-  return one || !SceneHas(scene, PHYSICS_PRESSURE) ? "mls" : "stress_mls";
+  return SceneViscosityVaries(scene) && SceneHas(scene, PHYSICS_PRESSURE) ? "stress_mls" : "mls";
 }
 
 /* The Laplacians that the physics needs; one correction for both, where they can take it. */

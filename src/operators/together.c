@@ -67,7 +67,7 @@ PetscErrorCode AssembleTogether(const Scene *scene, const Particles *p, Operator
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Entries of one slot of weights times a viscosity over scene->nu; those of fluid are summed. */
+/* Entries of one slot of weights times a viscosity over scene->nu; all are summed, walls too. */
 static void ScaleSlot(PetscInt width, PetscInt entries, PetscReal ratio, const PetscReal w[],
                       PetscReal value[], PetscReal sum[])
 {

@@ -152,7 +152,7 @@ PetscErrorCode PatchSpectrum(const Patch *patch, Report *report)
   PetscFunctionBegin;
   PetscCall(MatDuplicate(patch->ops->visc.A, MAT_COPY_VALUES, &A));
   PetscCall(MatScale(A, -PetscSqr(patch->scene->dx)));
-  if (patch->particles->N_fluid < SPECTRUM_DENSE) PetscCall(SpectrumDense(A, &spectrum));
+  if (patch->particles->N_fluid <= SPECTRUM_DENSE) PetscCall(SpectrumDense(A, &spectrum));
   else PetscCall(SpectrumSparse(A, &spectrum));
   PetscCall(MatDestroy(&A));
   PetscCall(ReportAdd(report, "eig_min", spectrum.eig_min));

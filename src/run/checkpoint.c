@@ -51,9 +51,9 @@ PetscErrorCode CheckpointsDestroy(Checkpoints **checkpoints)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A small table of numbers, the same on all ranks; the first one writes. */
+/* A small table of numbers, the same on all ranks; the first one writes. They are added to the sum. */
 static PetscErrorCode WriteTable(Hdf5File *file, const char name[], PetscInt rows, PetscInt columns,
-                                 const double values[])
+                                 const double values[], uint64_t *sum)
 {
   PetscMPIInt rank;
 
@@ -64,11 +64,12 @@ static PetscErrorCode WriteTable(Hdf5File *file, const char name[], PetscInt row
   file->own   = rank == 0 ? rows : 0;
   file->N     = rows;
   PetscCall(Hdf5WriteRows(file, name, columns, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values, "SI"));
+  CheckpointSumNumbers(rows * columns, values, sum);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* What has been reported and written so far. */
-static PetscErrorCode WriteHistory(const Run *run, Hdf5File *file)
+static PetscErrorCode WriteHistory(const Run *run, Hdf5File *file, uint64_t *sum)
 {
   const Report *report   = run->report;
   const int     n_report = (int)report->n, n_snapshots = (int)SnapshotsCount(run->snapshots);
@@ -89,16 +90,17 @@ static PetscErrorCode WriteHistory(const Run *run, Hdf5File *file)
   }
   PetscCall(Hdf5WriteNumber(file, "n_report", H5T_NATIVE_INT, &n_report));
   PetscCall(Hdf5WriteText(file, file->file, "report_names", names));
-  PetscCall(WriteTable(file, "report", n_report, 4, rows));
+  CheckpointSumText(names, sum);
+  PetscCall(WriteTable(file, "report", n_report, 4, rows, sum));
   SnapshotsGet(run->snapshots, &rows[4 * n_report]);
   PetscCall(Hdf5WriteNumber(file, "n_snapshots", H5T_NATIVE_INT, &n_snapshots));
-  PetscCall(WriteTable(file, "snapshots", n_snapshots, 3, &rows[4 * n_report]));
+  PetscCall(WriteTable(file, "snapshots", n_snapshots, 3, &rows[4 * n_report], sum));
   PetscCall(PetscFree2(rows, names));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Everything but the particles. */
-static PetscErrorCode WriteState(const Run *run, uint64_t checksum, Hdf5File *file)
+static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
 {
   const Particles *p      = run->particles;
   const int        format = CHECKPOINT_FORMAT, dim = (int)p->dim, N_fluid = (int)p->N_fluid,
@@ -115,12 +117,11 @@ static PetscErrorCode WriteState(const Run *run, uint64_t checksum, Hdf5File *fi
   PetscCall(Hdf5WriteNumber(file, "fluid", H5T_NATIVE_INT, &N_fluid));
   PetscCall(Hdf5WriteNumber(file, "walls", H5T_NATIVE_INT, &N_wall));
   PetscCall(Hdf5WriteText(file, file->file, "record", names));
-  PetscCall(Hdf5WriteNumber(file, "checksum", H5T_NATIVE_UINT64, &checksum));
   CheckpointPack(run, clock, stats);
-  PetscCall(WriteTable(file, "clock", 1, CLOCK_NUMBERS, clock));
-  PetscCall(WriteTable(file, "stats", 1, STATS_NUMBERS, stats));
-  PetscCall(WriteTable(file, "number", 1, SCHEME_NUMBERS, run->scheme->number));
-  PetscCall(WriteHistory(run, file));
+  PetscCall(WriteTable(file, "clock", 1, CLOCK_NUMBERS, clock, sum));
+  PetscCall(WriteTable(file, "stats", 1, STATS_NUMBERS, stats, sum));
+  PetscCall(WriteTable(file, "number", 1, SCHEME_NUMBERS, run->scheme->number, sum));
+  PetscCall(WriteHistory(run, file, sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -133,21 +134,22 @@ static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const 
   char             part[PETSC_MAX_PATH_LEN];
   PetscBool        good;
   Hdf5File         file;
-  uint64_t         checksum;
+  uint64_t         sum = 0;
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(part, sizeof(part), "%s.part", path));
-  PetscCall(CheckpointChecksum(own, width, record, &checksum));
   PetscCall(FileReserve(part, bytes, &good));
   if (good) {
     PetscCall(Hdf5FileCreate(PETSC_COMM_WORLD, part, &file));
     if (file.file >= 0) {
-      PetscCall(WriteState(run, checksum, &file));
+      PetscCall(WriteState(run, &file, &sum));
       file.start = p->fluid_start + p->wall_start;
       file.own   = own;
       file.N     = p->N_fluid + p->N_wall;
       PetscCall(Hdf5WriteRows(&file, "particles", width, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, record,
                               "SI, the numbers that the attribute record names"));
+      PetscCall(CheckpointSumRecords(own, width, record, &sum));
+      PetscCall(Hdf5WriteNumber(&file, "checksum", H5T_NATIVE_UINT64, &sum));
     }
     PetscCall(Hdf5FileFinish(&file, part, path, &good));
   }

@@ -5,7 +5,7 @@
 #include "impl.h"
 #include "isph/hdf5file.h"
 
-#define CHECKPOINT_FORMAT 3 /* to be raised when what is in the file changes */
+#define CHECKPOINT_FORMAT 4 /* to be raised when what is in the file changes */
 #define CLOCK_NUMBERS     9
 #define STATS_NUMBERS     13
 
@@ -20,7 +20,9 @@ struct Checkpoints {
 void           CheckpointPack(const Run *run, double clock[], double stats[]);
 void           CheckpointUnpack(const double clock[], const double stats[], Run *run);
 PetscErrorCode CheckpointRecord(const Particles *particles, char names[], size_t length);
-PetscErrorCode CheckpointChecksum(PetscInt n, PetscInt width, const PetscReal record[],
-                                  uint64_t *sum);
+void           CheckpointSumNumbers(PetscInt n, const double numbers[], uint64_t *sum);
+void           CheckpointSumText(const char text[], uint64_t *sum);
+PetscErrorCode CheckpointSumRecords(PetscInt n, PetscInt width, const PetscReal record[],
+                                    uint64_t *sum);
 
 #endif

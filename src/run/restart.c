@@ -2,21 +2,25 @@
 #include "checkpoint.h"
 #include <string.h>
 
-/* Reads a table whole on all ranks; other than `rows` rows (if not negative) count as damage. */
+/*
+  Reads a table whole on all ranks and adds it to the sum; other than `rows` rows count as damage. There is
+  room for one row at least, of zeros where nothing can be read.
+*/
 static PetscErrorCode ReadTable(Hdf5File *file, const char name[], PetscInt rows, PetscInt columns,
-                                PetscReal **values)
+                                PetscReal **values, uint64_t *sum)
 {
-  PetscInt N, width;
+  PetscInt N = 0, width = columns;
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc1(PetscMax(rows * columns, 1), values));
-  if (!rows) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Hdf5CountRows(file, name, &N, &width));
+  if (rows) PetscCall(Hdf5CountRows(file, name, &N, &width));
   if (N != rows || width != columns) file->failed = PETSC_TRUE;
-  if (file->failed) PetscFunctionReturn(PETSC_SUCCESS);
+  if (file->failed) rows = 0;
+  PetscCall(PetscCalloc1((size_t)PetscMax(rows, 1) * (size_t)columns, values));
+  if (!rows) PetscFunctionReturn(PETSC_SUCCESS);
   file->start = 0;
   file->own = file->N = rows;
   PetscCall(Hdf5ReadRows(file, name, columns, H5T_NATIVE_DOUBLE, *values));
+  CheckpointSumNumbers(rows * columns, *values, sum);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -59,7 +63,7 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
 }
 
 /* What was reported and written before. */
-static PetscErrorCode ReadHistory(Run *run, Hdf5File *file)
+static PetscErrorCode ReadHistory(Run *run, Hdf5File *file, uint64_t *sum)
 {
   int        n_report = 0, n_snapshots = 0;
   PetscReal *report, *snapshots;
@@ -68,10 +72,12 @@ static PetscErrorCode ReadHistory(Run *run, Hdf5File *file)
   PetscFunctionBegin;
   PetscCall(Hdf5ReadNumber(file, "n_report", H5T_NATIVE_INT, &n_report));
   PetscCall(Hdf5ReadNumber(file, "n_snapshots", H5T_NATIVE_INT, &n_snapshots));
+  PetscCall(ReadTable(file, "report", n_report, 4, &report, sum));
+  PetscCall(ReadTable(file, "snapshots", n_snapshots, 3, &snapshots, sum));
+  if (file->failed) n_report = 0; /* then it may be any number */
   PetscCall(PetscCalloc1((size_t)(33 * n_report + 2), &names));
   PetscCall(Hdf5ReadText(file, "report_names", names, (size_t)(33 * n_report + 2)));
-  PetscCall(ReadTable(file, "report", n_report, 4, &report));
-  PetscCall(ReadTable(file, "snapshots", n_snapshots, 3, &snapshots));
+  CheckpointSumText(names, sum);
   name = names;
   for (PetscInt k = 0; k < n_report && !file->failed; k++) {
     char *comma = strchr(name, ',');
@@ -96,18 +102,18 @@ static PetscErrorCode ReadFile(Run *run, Hdf5File *file, PetscInt *n, PetscReal 
   const PetscInt   width = ParticlesRecordWidth(p), N = p->N_fluid + p->N_wall;
   PetscReal       *clock, *stats, *number;
   PetscInt         rows, columns, last;
-  uint64_t         wanted = 0, checksum;
+  uint64_t         wanted = 0, sum = 0;
 
   PetscFunctionBegin;
-  PetscCall(ReadTable(file, "clock", 1, CLOCK_NUMBERS, &clock));
-  PetscCall(ReadTable(file, "stats", 1, STATS_NUMBERS, &stats));
-  PetscCall(ReadTable(file, "number", 1, SCHEME_NUMBERS, &number));
+  PetscCall(ReadTable(file, "clock", 1, CLOCK_NUMBERS, &clock, &sum));
+  PetscCall(ReadTable(file, "stats", 1, STATS_NUMBERS, &stats, &sum));
+  PetscCall(ReadTable(file, "number", 1, SCHEME_NUMBERS, &number, &sum));
   CheckpointUnpack(clock, stats, run);
   PetscCall(PetscArraycpy(run->scheme->number, number, SCHEME_NUMBERS));
   PetscCall(PetscFree(clock));
   PetscCall(PetscFree(stats));
   PetscCall(PetscFree(number));
-  PetscCall(ReadHistory(run, file));
+  PetscCall(ReadHistory(run, file, &sum));
   PetscCall(Hdf5ReadNumber(file, "checksum", H5T_NATIVE_UINT64, &wanted));
   PetscCall(Hdf5CountRows(file, "particles", &rows, &columns));
   ParticlesShare(p->comm, N, &file->start, &last);
@@ -115,8 +121,8 @@ static PetscErrorCode ReadFile(Run *run, Hdf5File *file, PetscInt *n, PetscReal 
   PetscCall(PetscCalloc1((size_t)(*n * width + 1), record));
   if (rows != N || columns != width) file->failed = PETSC_TRUE;
   if (!file->failed) PetscCall(Hdf5ReadRows(file, "particles", width, H5T_NATIVE_DOUBLE, *record));
-  PetscCall(CheckpointChecksum(*n, width, *record, &checksum));
-  *whole = checksum == wanted ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(CheckpointSumRecords(*n, width, *record, &sum));
+  *whole = sum == wanted ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -28,6 +28,8 @@ static PetscErrorCode RunCreate(Run *run)
   PetscCall(ParticlesCreate(run->scene, walls, run->ops->reach, path[0] ? &start : NULL,
                             &run->particles));
   PetscCall(StartFree(&start));
+  if (run->particles->nu && SceneIsNewtonian(run->scene))
+    PetscCall(SceneBoundGivenViscosity(run->particles->n_fluid, run->particles->nu, run->scene));
   PetscCall(SchemeRegister(run->scene, run->particles, run->scheme));
   PetscCall(NeighborsCreate(run->ops->radius, &run->neighbors));
   PetscCall(StartCheck(run->scene, path, run->particles, run->neighbors));
@@ -180,7 +182,6 @@ static PetscErrorCode RunSolve(Run *run, const char **signal)
     PetscCall(InterruptCheck(signal));
     PetscCall(RunBetweenSteps(run, over || *signal ? PETSC_TRUE : PETSC_FALSE));
   }
-  if (clock->step == first) PetscCall(OptionsRefuseUnknown(PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -151,7 +151,7 @@ PetscErrorCode StartRead(Scene *scene, FluidStart *start, char path[])
   PetscCallMPI(MPI_Exscan(&start->n, &start->first, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
   PetscCallMPI(MPI_Allreduce(&start->n, &start->N, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
   UserCheck(start->N > 0, "-particles %s: there is no fluid in it", path);
-  if (SceneViscosityVaries(scene))
+  if (SceneViscosityVaries(scene) && SceneIsNewtonian(scene))
     PetscCall(SceneBoundGivenViscosity(start->nu ? start->n : 0, start->nu, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -169,7 +169,7 @@ PetscErrorCode StartFree(FluidStart *start)
 /*
   StartCheck - Says how well the user's particles fill their room, and ends the run where two are at one place
 
-  Collective on PETSC_COMM_WORLD. Every particle stands for dx^dim; a room that is filled too little or too
+  Collective on PETSC_COMM_WORLD. Every particle stands for a cell of the lattice; a room that is filled too little or too
   much is the user's affair.
 */
 PetscErrorCode StartCheck(const Scene *scene, const char path[], const Particles *p, Neighbors *nb)

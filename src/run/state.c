@@ -1,5 +1,6 @@
 /* What a checkpoint holds besides particles: numbers of clock and scheme, and how both are verified. */
 #include "checkpoint.h"
+#include <string.h>
 
 /* CheckpointPack - Numbers of clock and scheme as the file has them; not collective */
 void CheckpointPack(const Run *run, double clock[], double stats[])
@@ -90,24 +91,52 @@ PetscErrorCode CheckpointRecord(const Particles *p, char names[], size_t length)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CheckpointChecksum - A sum over all records that any changed bit changes, whichever rank holds them. Collective. */
-PetscErrorCode CheckpointChecksum(PetscInt n, PetscInt width, const PetscReal record[],
-                                  uint64_t *sum)
+/* A hash with one more word in it: FNV-1a, by words. */
+static uint64_t HashWord(uint64_t hash, uint64_t word)
 {
-  PetscFunctionBegin;
-  *sum = 0;
-  for (PetscInt i = 0; i < n; i++) {
-    uint64_t hash = 14695981039346656037u; /* FNV-1a by words */
+  hash = (hash ^ word) * 1099511628211u;
+  return hash ^ hash >> 29;
+}
 
-    for (PetscInt k = 0; k < width; k++) {
-      uint64_t bits;
+#define HASH_OF_NOTHING 14695981039346656037u
 
-      PetscCall(PetscMemcpy(&bits, &record[(size_t)i * width + k], sizeof(bits)));
-      hash = (hash ^ bits) * 1099511628211u;
-      hash ^= hash >> 29;
-    }
-    *sum += hash;
+/*
+  CheckpointSumNumbers - Adds to a sum what any changed bit of some numbers changes
+
+  Not collective. What all ranks have is summed with it, what each has its share of by CheckpointSumRecords().
+*/
+void CheckpointSumNumbers(PetscInt n, const double numbers[], uint64_t *sum)
+{
+  uint64_t hash = HASH_OF_NOTHING;
+
+  for (PetscInt k = 0; k < n; k++) {
+    uint64_t word;
+
+    memcpy(&word, &numbers[k], sizeof(word));
+    hash = HashWord(hash, word);
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 1, MPI_UINT64_T, MPI_SUM, PETSC_COMM_WORLD));
+  *sum += hash;
+}
+
+/* CheckpointSumText - The same of a text; not collective */
+void CheckpointSumText(const char text[], uint64_t *sum)
+{
+  uint64_t hash = HASH_OF_NOTHING;
+
+  for (const char *c = text; *c; c++) hash = HashWord(hash, (unsigned char)*c);
+  *sum += hash;
+}
+
+/* CheckpointSumRecords - The same of all records, whichever rank holds them. Collective. */
+PetscErrorCode CheckpointSumRecords(PetscInt n, PetscInt width, const PetscReal record[],
+                                    uint64_t *sum)
+{
+  uint64_t records = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < n; i++)
+    CheckpointSumNumbers(width, &record[(size_t)i * width], &records);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &records, 1, MPI_UINT64_T, MPI_SUM, PETSC_COMM_WORLD));
+  *sum += records;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

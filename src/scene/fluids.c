@@ -70,9 +70,9 @@ PetscReal SceneViscosity(const Scene *scene, const PetscReal x[])
 }
 
 /*
-  SceneBoundViscosity - Least and largest viscosity on the lattice of the start, or of the rheology
+  SceneBoundViscosity - Least and largest viscosity at the centres of the lattice, or of the rheology
 
-  Collective. Output: scene->nu_low, scene->nu_high. Errors: a field that is not positive.
+  Collective. What particles then have, which may be elsewhere and take means, is SceneBoundGivenViscosity()'s. Output: scene->nu_low, scene->nu_high. Errors: a field that is not positive.
 */
 PetscErrorCode SceneBoundViscosity(Scene *scene)
 {
@@ -86,18 +86,20 @@ PetscErrorCode SceneBoundViscosity(Scene *scene)
   if (!SceneViscosityVaries(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   scene->nu_low  = PETSC_MAX_REAL;
   scene->nu_high = 0.0;
-  for (PetscInt k = 0; k < scene->cells[0] * scene->cells[1]; k++) {
-    const PetscReal x[2] = {scene->lo[0] + (k % scene->cells[0] + 0.5) * SceneCellSide(scene, 0),
-                            scene->lo[1] + (k / scene->cells[0] + 0.5) * SceneCellSide(scene, 1)};
-    PetscReal       nu;
+  for (PetscInt row = 0; row < scene->cells[1]; row++) {
+    for (PetscInt column = 0; column < scene->cells[0]; column++) {
+      const PetscReal x[2] = {scene->lo[0] + (column + 0.5) * SceneCellSide(scene, 0),
+                              scene->lo[1] + (row + 0.5) * SceneCellSide(scene, 1)};
+      PetscReal       nu;
 
-    if (!IsInFluid(scene, x)) continue;
-    nu = ViscosityAt(scene, x);
-    if (nu <= 0.0) PetscCall(ExpressionScopeCheck(scene->scope)); /* not finite counts as zero */
-    UserCheck(nu > 0.0, "-viscosity_field: it is %.6g at (%.4g, %.4g), and must be positive",
-              (double)nu, (double)x[0], (double)x[1]);
-    scene->nu_low  = PetscMin(scene->nu_low, nu);
-    scene->nu_high = PetscMax(scene->nu_high, nu);
+      if (!IsInFluid(scene, x)) continue;
+      nu = ViscosityAt(scene, x);
+      if (nu <= 0.0) PetscCall(ExpressionScopeCheck(scene->scope)); /* not finite counts as zero */
+      UserCheck(nu > 0.0, "-viscosity_field: it is %.6g at (%.4g, %.4g), and must be positive",
+                (double)nu, (double)x[0], (double)x[1]);
+      scene->nu_low  = PetscMin(scene->nu_low, nu);
+      scene->nu_high = PetscMax(scene->nu_high, nu);
+    }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -106,7 +108,7 @@ PetscErrorCode SceneBoundViscosity(Scene *scene)
   SceneBoundGivenViscosity - Least and largest viscosity of the particles a run begins with
 
   Collective. Input: nu - of this rank's n particles [m^2/s]; where no rank has any, the bounds stay. Output:
-  scene->nu_low, scene->nu_high.
+  scene->nu_low, scene->nu_high. Errors: one that is not positive.
 */
 PetscErrorCode SceneBoundGivenViscosity(PetscInt n, const PetscReal nu[], Scene *scene)
 {
@@ -118,9 +120,12 @@ PetscErrorCode SceneBoundGivenViscosity(PetscInt n, const PetscReal nu[], Scene 
     bound[1] = PetscMax(bound[1], nu[i]);
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bound, 2, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
-  if (bound[1] > 0.0) {
-    scene->nu_low  = -bound[0];
-    scene->nu_high = bound[1];
-  }
+  if (bound[0] == -PETSC_MAX_REAL) PetscFunctionReturn(PETSC_SUCCESS);
+  if (bound[0] >= 0.0) PetscCall(ExpressionScopeCheck(scene->scope));
+  UserCheck(bound[0] < 0.0,
+            "-viscosity_field: it is %.6g where a particle starts, and must be positive",
+            (double)-bound[0]);
+  scene->nu_low  = -bound[0];
+  scene->nu_high = bound[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -79,7 +79,7 @@ PetscErrorCode OptionInt_Private(PetscOptionItems *PetscOptionsObject, const cha
 . n     - how many, 0 where it is not given
 - set   - whether it is; may be NULL
 
-  Errors: more than capacity, of which PETSc would drop the rest unsaid
+  Errors: more than capacity, of which PETSc would drop the rest unsaid; numbers that are not finite
 */
 PetscErrorCode OptionReals_Private(PetscOptionItems *PetscOptionsObject, const char option[],
                                    const char text[], PetscInt capacity, PetscReal value[],
@@ -96,6 +96,10 @@ PetscErrorCode OptionReals_Private(PetscOptionItems *PetscOptionsObject, const c
   for (PetscInt k = 0; k < PetscMin(*n, capacity); k++) value[k] = number[k];
   PetscCall(PetscFree(number));
   UserCheck(*n <= capacity, "%s: at most %" PetscInt_FMT " numbers are allowed", option, capacity);
+  for (PetscInt k = 0; k < *n; k++)
+    UserCheck(!PetscIsInfOrNanReal(value[k]),
+              "%s: number %" PetscInt_FMT " is %g, and must be finite", option, k + 1,
+              (double)value[k]);
   if (set) *set = given;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

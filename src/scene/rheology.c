@@ -102,6 +102,16 @@ static void RheologyDefaults(PetscReal rate, Rheology *r)
   r->number[RHEOLOGY_CONSISTENCY] = r->nu * PetscPowReal(rate, 1.0 - r->number[RHEOLOGY_EXPONENT]);
 }
 
+/* Viscosity towards no rate (end = -1) or an infinite one (1); where it has no limit, 12 powers of ten off. */
+static PetscReal RheologyLimit(const Rheology *r, PetscReal rate, PetscInt end, PetscBool *limited)
+{
+  const PetscReal last = r->row->Nu(r, rate * PetscPowReal(1e100, end)),
+                  near = r->row->Nu(r, rate * PetscPowReal(1e90, end));
+
+  *limited = PetscAbsReal(last - near) <= 1e-3 * last ? PETSC_TRUE : PETSC_FALSE;
+  return *limited ? last : r->row->Nu(r, rate * PetscPowReal(1e12, end));
+}
+
 /*
   Bounds by default: the row's own, towards no and infinite rate; 1000 nu and nu/1000 where it has none, but nu/20
   for what thickens from nothing: where the rate vanishes, a particle of hardly any viscosity lets go of those
@@ -109,12 +119,15 @@ static void RheologyDefaults(PetscReal rate, Rheology *r)
 */
 static void RheologyBound(PetscReal rate, Rheology *r)
 {
-  const PetscReal slow = r->row->Nu(r, 1e-12 * rate), fast = r->row->Nu(r, 1e12 * rate);
+  PetscBool       slow_limited, fast_limited;
+  const PetscReal slow = RheologyLimit(r, rate, -1, &slow_limited);
+  const PetscReal fast = RheologyLimit(r, rate, 1, &fast_limited);
 
   r->low  = PetscMin(slow, fast);
   r->high = PetscMax(slow, fast);
-  if (r->low < 1e-5 * r->nu) r->low = r->nu * (slow < fast ? 0.05 : 1e-3);
-  if (r->high > 1e5 * r->nu) r->high = 1e3 * r->nu;
+  if (r->low < 1e-5 * r->nu && !(slow < fast ? slow_limited : fast_limited))
+    r->low = r->nu * (slow < fast ? 0.05 : 1e-3);
+  if (r->high > 1e5 * r->nu && !(slow < fast ? fast_limited : slow_limited)) r->high = 1e3 * r->nu;
 }
 
 /*

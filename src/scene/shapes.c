@@ -1,10 +1,23 @@
 /*
   Shapes of bodies in the plane, by their signed distance and by points along their surface. A new
-  shape is three functions and one row.
+  shape is five functions and one row.
 */
 #include "isph/scene.h"
 
 /* ---- circle: cx, cy, r ---- */
+
+static const char *CirclePrepare(Body *body)
+{
+  for (PetscInt a = 0; a < 2; a++) body->centre[a] = body->number[a];
+  body->extent = body->number[2];
+  return body->extent > 0.0 ? NULL : "the radius must be positive";
+}
+
+static void CircleSpan(const Body *body, PetscInt axis, PetscReal span[2])
+{
+  span[0] = body->centre[axis] - body->extent;
+  span[1] = body->centre[axis] + body->extent;
+}
 
 static PetscReal CircleDistance(const Body *body, const PetscReal x[], PetscReal normal[])
 {
@@ -46,6 +59,89 @@ static PetscReal Edge(const Body *body, PetscInt e, const PetscReal **from, cons
   *from = &body->number[2 * e];
   *to   = &body->number[2 * ((e + 1) % Corners(body))];
   return PetscSqrtReal(PetscSqr((*to)[0] - (*from)[0]) + PetscSqr((*to)[1] - (*from)[1]));
+}
+
+/* Twice the signed area of the triangle a, b, c. */
+static PetscReal Turn(const PetscReal a[], const PetscReal b[], const PetscReal c[])
+{
+  return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+/* Whether two edges without a common corner cross or touch. */
+static PetscBool EdgesCross(const Body *body, PetscInt e, PetscInt f)
+{
+  const PetscReal *a, *b, *c, *d;
+
+  (void)Edge(body, e, &a, &b);
+  (void)Edge(body, f, &c, &d);
+  for (PetscInt k = 0; k < 2; k++) { /* apart along an axis: on one line, too */
+    if (PetscMax(a[k], b[k]) < PetscMin(c[k], d[k]) || PetscMax(c[k], d[k]) < PetscMin(a[k], b[k]))
+      return PETSC_FALSE;
+  }
+  return Turn(a, b, c) * Turn(a, b, d) <= 0.0 && Turn(c, d, a) * Turn(c, d, b) <= 0.0 ? PETSC_TRUE
+                                                                                      : PETSC_FALSE;
+}
+
+/* Corners counter-clockwise; the centre is that of the area. */
+static const char *PolygonPrepare(Body *body)
+{
+  PetscReal     *c = body->number, area = 0.0;
+  const PetscInt corners = Corners(body);
+
+  if (body->n % 2) return "a polygon has two numbers for each corner";
+  for (PetscInt e = 0; e < corners; e++) {
+    const PetscReal *a, *b;
+    PetscReal        triangle;
+
+    if (Edge(body, e, &a, &b) == 0.0)
+      return "two corners in a row are at one place; each side needs a length, and a polygon "
+             "closes "
+             "by itself";
+    triangle = 0.5 * Turn(c, a, b);
+    area += triangle;
+    for (PetscInt k = 0; k < 2; k++) body->centre[k] += triangle * (c[k] + a[k] + b[k]) / 3.0;
+  }
+  for (PetscInt e = 0; e < corners; e++) {
+    for (PetscInt f = e + 2; f < corners - (e == 0); f++) {
+      if (EdgesCross(body, e, f)) return "its sides cross or touch; a polygon has one inside";
+    }
+  }
+  if (area == 0.0) return "it has no area";
+  for (PetscInt k = 0; k < 2; k++) body->centre[k] /= area;
+  for (PetscInt k = 0; area < 0.0 && k < corners / 2; k++) {
+    const PetscInt m = corners - 1 - k;
+
+    for (PetscInt a = 0; a < 2; a++) {
+      const PetscReal kept = c[2 * k + a];
+
+      c[2 * k + a] = c[2 * m + a];
+      c[2 * m + a] = kept;
+    }
+  }
+  for (PetscInt k = 0; k < body->n; k++)
+    body->extent = PetscMax(body->extent, PetscAbsReal(c[k] - body->centre[k % 2]));
+  return NULL;
+}
+
+/* Two opposite corners become the four of a polygon. */
+static const char *BoxPrepare(Body *body)
+{
+  PetscReal      *c      = body->number;
+  const PetscReal box[8] = {c[0], c[1], c[2], c[1], c[2], c[3], c[0], c[3]};
+
+  if (c[0] == c[2] || c[1] == c[3]) return "the box has no width or no height";
+  for (PetscInt k = 0; k < 8; k++) c[k] = box[k];
+  body->n = 8;
+  return PolygonPrepare(body);
+}
+
+static void PolygonSpan(const Body *body, PetscInt axis, PetscReal span[2])
+{
+  span[0] = span[1] = body->number[axis];
+  for (PetscInt k = axis; k < body->n; k += 2) {
+    span[0] = PetscMin(span[0], body->number[k]);
+    span[1] = PetscMax(span[1], body->number[k]);
+  }
 }
 
 /* Nearest point of all edges; inside by the number of edges that a ray along x crosses. */
@@ -111,79 +207,103 @@ static PetscReal PolygonPoint(const Body *body, PetscInt k, PetscReal dx, PetscR
 }
 
 static const ShapeRow shapes[] = {
-    /* name, brief, citation, numbers: fewest, most, distance, points along the surface */
-    {"circle", "cx,cy,r", "", 3, 3, CircleDistance, CircleCount, CirclePoint},
-    {"box", "x0,y0,x1,y1: two opposite corners", "", 4, 4, PolygonDistance, PolygonCount,
-     PolygonPoint},
-    {"polygon", "x0,y0,x1,y1,...: corners in order", "", 6, BODY_NUMBERS, PolygonDistance,
-     PolygonCount, PolygonPoint},
+    /* name, brief, citation, numbers: fewest, most, round, functions */
+    {"circle", "cx,cy,r", "", 3, 3, PETSC_TRUE, CirclePrepare, CircleSpan, CircleDistance,
+     CircleCount, CirclePoint},
+    {"box", "x0,y0,x1,y1: two opposite corners", "", 4, 4, PETSC_FALSE, BoxPrepare, PolygonSpan,
+     PolygonDistance, PolygonCount, PolygonPoint},
+    {"polygon", "x0,y0,x1,y1,...: corners in order", "", 6, BODY_NUMBERS, PETSC_FALSE,
+     PolygonPrepare, PolygonSpan, PolygonDistance, PolygonCount, PolygonPoint},
 };
 const Table ShapeTable = TABLE("-scene_body_<k>", "Shapes of bodies", shapes);
-
-/* Corners of a box as those of a polygon, and any polygon counter-clockwise. */
-static void BodyOrder(Body *body)
-{
-  PetscReal *c = body->number, area = 0.0;
-
-  if (body->n == 4) {
-    const PetscReal box[8] = {c[0], c[1], c[2], c[1], c[2], c[3], c[0], c[3]};
-
-    for (PetscInt k = 0; k < 8; k++) c[k] = box[k];
-    body->n = 8;
-  }
-  for (PetscInt e = 0; e < Corners(body); e++) {
-    const PetscReal *a, *b;
-
-    (void)Edge(body, e, &a, &b);
-    area += a[0] * b[1] - a[1] * b[0];
-  }
-  for (PetscInt k = 0; area < 0.0 && k < Corners(body) / 2; k++) {
-    const PetscInt m = Corners(body) - 1 - k;
-
-    for (PetscInt a = 0; a < 2; a++) {
-      const PetscReal kept = c[2 * k + a];
-
-      c[2 * k + a] = c[2 * m + a];
-      c[2 * m + a] = kept;
-    }
-  }
-}
 
 /*
   BodySet - Makes a body of its shape's numbers [m]
 
   Not collective. The body is at rest, the fluid around it. Its centre, which it rotates about, is a
-  circle's centre or the middle of the corners.
+  circle's centre or that of the area. Returns: NULL, or what is wrong with the numbers.
 */
-void BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[])
+const char *BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[])
 {
   *body = (Body){.shape = shape, .n = n};
   for (PetscInt k = 0; k < n; k++) body->number[k] = number[k];
-  if (n == 3) {
-    body->centre[0] = number[0];
-    body->centre[1] = number[1];
-    body->extent    = number[2];
-    return;
-  }
-  BodyOrder(body);
-  for (PetscInt k = 0; k < body->n; k++) body->centre[k % 2] += body->number[k] / Corners(body);
-  for (PetscInt k = 0; k < body->n; k++)
-    body->extent = PetscMax(body->extent, PetscAbsReal(body->number[k] - body->centre[k % 2]));
+  return shape->Prepare(body);
+}
+
+/* BodyCircle - A body of the first shape, of radius r > 0 about (x, y) [m]; not collective */
+void BodyCircle(Body *body, PetscReal x, PetscReal y, PetscReal r)
+{
+  const PetscReal number[3] = {x, y, r};
+
+  (void)BodySet(body, &shapes[0], 3, number);
 }
 
 /* BodySpan - From where to where a body reaches along an axis of the plane [m] */
 void BodySpan(const Body *body, PetscInt axis, PetscReal span[2])
 {
-  if (body->n == 3) {
-    span[0] = body->centre[axis] - body->extent;
-    span[1] = body->centre[axis] + body->extent;
-    return;
+  body->shape->Span(body, axis, span);
+}
+
+/*
+  BodyThickness - How thin a body is between surfaces that face away from each other [m]
+
+  Not collective. Looks inwards from points dx apart on the surface, in steps of dx/4; the tips of wedges of
+  more than about 50 degrees do not count. Input: limit - how far it looks. Output: place - of the thinnest spot. Returns:
+  limit where the body is nowhere thinner, and of bodies around the fluid.
+*/
+PetscReal BodyThickness(const Body *body, PetscReal dx, PetscReal limit, PetscReal place[2])
+{
+  PetscReal thinnest = limit;
+
+  for (PetscInt k = 0; !body->around && k < BodyPoints(body, dx); k++) {
+    PetscReal x[ISPH_MAX_DIM], out[ISPH_MAX_DIM], y[2], other[ISPH_MAX_DIM], beyond = -1.0;
+
+    (void)BodyPoint(body, k, dx, x, out);
+    for (PetscReal s = 0.25 * dx; beyond <= 0.0 && s < limit + 0.25 * dx; s += 0.25 * dx) {
+      for (PetscInt a = 0; a < 2; a++) y[a] = x[a] - s * out[a];
+      beyond = body->shape->Distance(body, y, other);
+      if (beyond <= 0.0 || s - beyond >= thinnest || other[0] * out[0] + other[1] * out[1] > -0.6)
+        continue;
+      thinnest = s - beyond;
+      place[0] = x[0];
+      place[1] = x[1];
+    }
   }
-  span[0] = span[1] = body->number[axis];
-  for (PetscInt k = axis; k < body->n; k += 2) {
-    span[0] = PetscMin(span[0], body->number[k]);
-    span[1] = PetscMax(span[1], body->number[k]);
+  return thinnest;
+}
+
+/*
+  Signed distance of x from the nearest of a body's images in a periodic box, the body taken as solid [m].
+  Output: y - x as seen from that image, which lies where the body does; normal - out of the body.
+*/
+static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscReal x[],
+                              PetscReal y[2], PetscReal normal[])
+{
+  PetscReal base[2], step[2] = {0.0, 0.0}, best = PETSC_INFINITY;
+
+  for (PetscInt a = 0; a < 2; a++) {
+    const PetscReal period = scene->hi[a] - scene->lo[a];
+    PetscReal       span[2], middle;
+
+    base[a] = x[a];
+    if (!scene->periodic[a]) continue;
+    BodySpan(body, a, span);
+    middle = 0.5 * (span[0] + span[1]);
+    base[a] -= period * PetscFloorReal((x[a] - middle) / period + 0.5);
+    step[a] = base[a] > middle ? -period : period; /* the image on the other side of x */
   }
+  for (PetscInt image = 0; image < 4; image++) {
+    const PetscReal z[2] = {base[0] + (image % 2) * step[0], base[1] + (image / 2) * step[1]};
+    PetscReal       distance, n[ISPH_MAX_DIM] = {0.0};
+
+    if ((image % 2 && step[0] == 0.0) || (image / 2 && step[1] == 0.0)) continue;
+    distance = body->shape->Distance(body, z, n);
+    if (distance >= best) continue;
+    best = distance;
+    for (PetscInt a = 0; a < 2; a++) y[a] = z[a];
+    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) normal[a] = n[a];
+  }
+  return best;
 }
 
 /*
@@ -193,12 +313,10 @@ void BodySpan(const Body *body, PetscInt axis, PetscReal span[2])
 */
 void BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2])
 {
-  for (PetscInt a = 0; a < 2; a++) {
-    const PetscReal period = scene->hi[a] - scene->lo[a];
+  PetscReal normal[ISPH_MAX_DIM];
 
-    arm[a] = x[a] - body->centre[a];
-    if (scene->periodic[a]) arm[a] -= period * PetscFloorReal(arm[a] / period + 0.5);
-  }
+  (void)NearestImage(scene, body, x, arm, normal);
+  for (PetscInt a = 0; a < 2; a++) arm[a] -= body->centre[a];
 }
 
 /*
@@ -210,12 +328,9 @@ void BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscRea
 PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
                        PetscReal normal[])
 {
-  PetscReal y[2], distance;
+  PetscReal       y[2];
+  const PetscReal distance = NearestImage(scene, body, x, y, normal);
 
-  BodyArm(scene, body, x, y);
-  for (PetscInt a = 0; a < 2; a++) y[a] += body->centre[a];
-  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) normal[a] = 0.0;
-  distance = body->shape->Distance(body, y, normal);
   if (!body->around) return distance;
   for (PetscInt a = 0; a < 2; a++) normal[a] = -normal[a];
   return -distance;

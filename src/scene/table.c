@@ -45,6 +45,27 @@ static PetscErrorCode TableNames(const Table *table, char names[], size_t length
 }
 
 /*
+  TableWant - Row with a given name
+
+  Not collective. Input: option - that gave the name. Output: row - address of a pointer to it (any row type).
+
+  Errors: an unknown name ends the run with the list of the known ones
+*/
+PetscErrorCode TableWant(const Table *table, const char option[], const char name[],
+                         const void *row)
+{
+  char            names[1024];
+  const TableRow *found;
+
+  PetscFunctionBegin;
+  PetscCall(TableFind(table, name, &found));
+  PetscCall(TableNames(table, names, sizeof(names)));
+  UserCheck(found, "%s %s: no such name; choose one of %s", option, name, names);
+  *(const TableRow **)row = found;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
   TableSelect - Row chosen on the command line
 
   Collective. Called between PetscOptionsBegin() and PetscOptionsEnd().
@@ -64,18 +85,15 @@ PetscErrorCode TableSelect_Private(PetscOptionItems *PetscOptionsObject, const T
                                    const char option[], const char text[], const char fallback[],
                                    const void *row)
 {
-  char            name[128] = "", names[1024], help[1280];
-  const TableRow *found;
-  PetscBool       given;
+  char      name[128] = "", names[1024], help[1280];
+  PetscBool given;
 
   PetscFunctionBegin;
   PetscCall(TableNames(table, names, sizeof(names)));
   PetscCall(PetscSNPrintf(help, sizeof(help), "%s: %s", text, names));
   PetscCall(PetscOptionsString(option, help, "", fallback, name, sizeof(name), &given));
   UserCheck(!given || name[0], "%s: a name is wanted; choose one of %s", option, names);
-  PetscCall(TableFind(table, name[0] ? name : fallback, &found));
-  UserCheck(found, "%s %s: no such name; choose one of %s", option, name, names);
-  *(const TableRow **)row = found;
+  PetscCall(TableWant(table, option, name[0] ? name : fallback, row));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -11,8 +11,8 @@
 /* "circle,0.5,0.5,0.25": the shape's word, then its numbers. */
 static PetscErrorCode ReadShape(const char option[], const char text[], Body *body)
 {
-  const TableRow *row;
   const ShapeRow *shape;
+  const char     *wrong;
   PetscReal       number[BODY_NUMBERS];
   PetscInt        n = 0;
   char            word[SHAPE_TEXT], *next, *end;
@@ -23,28 +23,19 @@ static PetscErrorCode ReadShape(const char option[], const char text[], Body *bo
   PetscCall(PetscStrncpy(word, text, sizeof(word)));
   next = strchr(word, ',');
   if (next) *next++ = '\0';
-  PetscCall(TableFind(&ShapeTable, word, &row));
-  UserCheck(row, "%s %s: no such shape; choose one of circle, box, polygon", option, word);
-  shape = (const ShapeRow *)(const void *)row;
+  PetscCall(TableWant(&ShapeTable, option, word, &shape));
   while (next && n < BODY_NUMBERS) {
     number[n++] = strtod(next, &end);
     UserCheck(end != next && (*end == ',' || !*end), "%s: a number is wanted at '%s'", option,
               next);
     next = *end ? end + 1 : NULL;
   }
-  UserCheck(!next && n >= shape->fewest && n <= shape->most && (n % 2 == 0 || shape->most == 3),
-            "%s: a %s is %s", option, shape->name, shape->brief);
-  UserCheck(n != 3 || number[2] > 0.0, "%s: the radius must be positive, got %.6g", option,
-            (double)number[2]);
-  BodySet(body, shape, n, number);
-  for (PetscInt k = 0; n != 3 && k < body->n; k += 2) {
-    const PetscReal *a = &body->number[k], *b = &body->number[(k + 2) % body->n];
-
-    UserCheck(a[0] != b[0] || a[1] != b[1],
-              "%s: two corners in a row are at (%.6g, %.6g); each side needs a length, and a "
-              "polygon closes by itself",
-              option, (double)a[0], (double)a[1]);
-  }
+  UserCheck(!next && n >= shape->fewest && n <= shape->most, "%s: a %s is %s", option, shape->name,
+            shape->brief);
+  for (PetscInt k = 0; k < n; k++)
+    UserCheck(!PetscIsInfOrNanReal(number[k]), "%s: its numbers must be finite", option);
+  wrong = BodySet(body, shape, n, number);
+  UserCheck(!wrong, "%s: %s", option, wrong);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -55,7 +46,6 @@ static PetscErrorCode ReadShape(const char option[], const char text[], Body *bo
 static PetscErrorCode CheckBodyMotion(const Scene *scene, const Body *body)
 {
   const Expression *v = &body->velocity, *w = &body->rotation;
-  const PetscBool   round = body->shape->most == 3 ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
   if (!SceneHas(scene, PHYSICS_CONVECTION)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -64,7 +54,7 @@ static PetscErrorCode CheckBodyMotion(const Scene *scene, const Body *body)
             "surface; allowed are 0,0, expressions of t for motions small against the body, and "
             "-without convection",
             v->option);
-  UserCheck(round || ExpressionUses(w, EXPRESSION_TIME) || w->value[0] == 0.0,
+  UserCheck(body->shape->round || ExpressionUses(w, EXPRESSION_TIME) || w->value[0] == 0.0,
             "%s: a %s stays as it is, and a steady rotation would carry fluid through its surface; "
             "allowed are circles, expressions of t for small motions, and -without convection",
             w->option, body->shape->name);

@@ -71,6 +71,7 @@ static PetscErrorCode ClockReadSteady(PetscOptionItems *PetscOptionsObject, Cloc
   if (!clock->direct) PetscFunctionReturn(PETSC_SUCCESS);
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(others); k++)
     PetscCall(OptionsRefuseTogether("-steady", others[k], "a steady flow has no steps in time"));
+  UserCheck(clock->t_end > 0.0, "-t_end 0 with -steady: nothing would be solved");
   clock->dt_given = clock->t_end;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

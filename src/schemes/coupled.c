@@ -43,14 +43,9 @@ PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
 */
 static PetscErrorCode BlockDefaults(const Scene *scene, PetscReal dt)
 {
-  char        type[32] = PCFIELDSPLIT;
   const char *velocity = scene->nu * dt / PetscSqr(scene->dx) < 2.0 ? PCBJACOBI : PCHYPRE;
-  PetscBool   split;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsGetString(NULL, "coupled_", "-pc_type", type, sizeof(type), NULL));
-  PetscCall(PetscStrcmp(type, PCFIELDSPLIT, &split));
-  if (!split) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(OptionDefault("coupled_fieldsplit_velocity_", "-ksp_type", KSPPREONLY));
   PetscCall(OptionDefault("coupled_fieldsplit_velocity_", "-pc_type", velocity));
   PetscCall(AmgDefaults("coupled_fieldsplit_velocity_", "0"));
@@ -112,26 +107,33 @@ PetscErrorCode CoupledCreate(const Scene *scene, PetscReal dt, PetscBool convect
                              Coupled **coupled)
 {
   Coupled  *c;
-  PetscBool given;
+  char      type[32] = PCFIELDSPLIT;
+  PetscBool given, split, lu;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&c));
+  PetscCall(PetscOptionsGetString(NULL, "coupled_", "-pc_type", type, sizeof(type), NULL));
+  PetscCall(PetscStrcmp(type, PCFIELDSPLIT, &split));
+  PetscCall(PetscStrcmp(type, PCLU, &lu));
   c->guard.what   = "coupled";
   c->guard.prefix = "coupled_";
-  c->guard.remedy = "try -coupled_pc_type lu, a larger -coupled_ksp_max_it, or a smaller -dt";
-  PetscCall(BlockDefaults(scene, dt));
+  c->guard.remedy = lu ? "try a larger -coupled_ksp_max_it, or a smaller -dt"
+                       : "try -coupled_pc_type lu, a larger -coupled_ksp_max_it, or a smaller -dt";
+  if (split) PetscCall(BlockDefaults(scene, dt));
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Coupled scheme", "");
   PetscCall(TableSelect(&CoupledTimeTable, "-coupled_ts_type",
                         "Time integrator of the coupled scheme", TSBEULER, &c->row));
-  PetscCall(TableSelect(&SchurTable, "-coupled_schur",
-                        "Preconditioner of the pressure in the coupled scheme", "cahouet_chabard",
-                        &c->schur.row));
+  if (split) {
+    PetscCall(TableSelect(&SchurTable, "-coupled_schur",
+                          "Preconditioner of the pressure in the coupled scheme", "cahouet_chabard",
+                          &c->schur.row));
+  }
   PetscOptionsEnd();
-  PetscCall(TimeOptionsRefuse("coupled_"));
+  PetscCall(TimeOptionsRefuse("coupled_", c->row->name));
   PetscCall(OptionGiven("-coupled_ts_atol", &given));
   UserCheck(!given, "-coupled_ts_atol: an absolute tolerance depends on units; use "
                     "-coupled_ts_rtol, of |u| + U");
-  PetscCall(SchurCreate(&c->schur));
+  if (split) PetscCall(SchurCreate(&c->schur));
   c->convects = convects && c->row->substeps;
   PetscCall(CoupledCreateTS(c));
   PetscCall(GuardAttach(c->ksp, NULL, &c->guard));
@@ -253,7 +255,7 @@ static PetscErrorCode CoupledMake(PetscReal step, PetscReal shift, const Vec adv
   PetscCall(TSReset(c->ts));
   PetscCall(CoupledFree(c));
   PetscCall(SaddleAssemble(scene, p, c->ops, step, advecting, &c->saddle));
-  PetscCall(SchurAssemble(p, c->ops, &c->schur));
+  if (c->schur.row) PetscCall(SchurAssemble(p, c->ops, &c->schur));
   PetscCall(MatCreateVecs(c->saddle.A, &c->x, &c->b));
   PetscCall(SetTolerances(scene, c));
   PetscCall(FluidVec(p, NULL, &c->part));

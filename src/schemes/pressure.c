@@ -28,14 +28,15 @@ struct Pressure {
 PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[])
 {
   char      type[32] = PCHYPRE, method[32] = "boomeramg";
-  PetscBool hypre, amg;
+  PetscBool amg;
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsGetString(NULL, prefix, "-pc_type", type, sizeof(type), NULL));
+  PetscCall(PetscStrcmp(type, PCHYPRE, &amg));
+  if (!amg) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscOptionsGetString(NULL, prefix, "-pc_hypre_type", method, sizeof(method), NULL));
-  PetscCall(PetscStrcmp(type, PCHYPRE, &hypre));
   PetscCall(PetscStrcmp(method, "boomeramg", &amg));
-  if (!hypre || !amg) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!amg) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_coarsen_type", "PMIS"));
   PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_interp_type", "ext+i"));
   PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_P_max", "4"));

@@ -37,7 +37,8 @@ static PetscErrorCode SchemeRefuseCreep(const Scene *scene, const Clock *clock,
 
   PetscFunctionBegin;
   UserCheck(
-      clock->steady_tol == 0.0 || !projection || number <= 0.01,
+      clock->steady_tol == 0.0 || !projection || !SceneHas(scene, PHYSICS_VISCOSITY) ||
+          number <= 0.01,
       "-steady_tol with -projection %s at nu dt/L^2 = %.2g: it creeps too slowly for a "
       "steady state to be told; use -projection rotational with one viscosity, or -dt below %.2g",
       projection->name, (double)number, (double)(0.01 * clock->dt / number));
@@ -122,9 +123,11 @@ static PetscErrorCode SchemeCreateCoupled(const Scene *scene, const Clock *clock
             "use beuler, or -motion eulerian",
             time->name);
   if (!clock->direct && !time->substeps) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(OptionGiven("-velocity_filter", &filter));
-  UserCheck(!filter || !scene->motion, "-velocity_filter: %s takes convection as it is, unfiltered",
-            clock->direct ? "-steady" : "this -coupled_ts_type");
+  if (scene->motion) {
+    PetscCall(OptionGiven("-velocity_filter", &filter));
+    UserCheck(!filter, "-velocity_filter: %s takes convection as it is, unfiltered",
+              clock->direct ? "-steady" : "this -coupled_ts_type");
+  }
   PetscCall(OptionGiven("-time_order", &order));
   UserCheck(!order, "-time_order: -coupled_ts_type %s has its own order", time->name);
   ops->rough_u.needed = PETSC_FALSE;

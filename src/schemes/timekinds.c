@@ -5,21 +5,28 @@
 */
 #include "viscosity.h"
 
-/* TimeOptionsRefuse - Ends the run where an option of a TS would own time; collective */
-PetscErrorCode TimeOptionsRefuse(const char prefix[])
+/*
+  TimeOptionsRefuse - Ends the run where an option of a TS would own time, or a theta that type has not
+
+  Collective. PETSc's beuler and cn are theta schemes, whose number they would refuse only in the first step.
+*/
+PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[])
 {
   const char *const refused[][2] = {
       {"ts_dt", "-dt"}, {"ts_max_time", "-t_end"}, {"ts_max_steps", "-max_steps"}};
+  char      option[64];
+  PetscBool given, theta;
 
   PetscFunctionBegin;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(refused); k++) {
-    char      option[64];
-    PetscBool given;
-
     PetscCall(PetscSNPrintf(option, sizeof(option), "-%s%s", prefix, refused[k][0]));
     PetscCall(OptionGiven(option, &given));
     UserCheck(!given, "%s: time is the run's own; use %s", option, refused[k][1]);
   }
+  PetscCall(PetscStrcmp(type, TSTHETA, &theta));
+  PetscCall(PetscSNPrintf(option, sizeof(option), "-%sts_theta_theta", prefix));
+  if (!theta) PetscCall(OptionGiven(option, &given));
+  UserCheck(theta || !given, "%s: -%sts_type %s has no theta to be chosen", option, prefix, type);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

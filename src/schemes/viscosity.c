@@ -17,13 +17,13 @@ static PetscErrorCode RefuseTimeOptions(const TimeKindRow *row)
   PetscBool given;
 
   PetscFunctionBegin;
-  PetscCall(TimeOptionsRefuse("visc_"));
+  PetscCall(TimeOptionsRefuse("visc_", row->name));
   PetscCall(OptionGiven("-visc_ts_adapt_type", &given));
   UserCheck(!given || !row->multistep,
             "-visc_ts_adapt_type: %s shares its steps with the projection; use a one-step type "
             "such as arkimex",
             row->name);
-  PetscCall(PetscOptionsGetReal(NULL, NULL, "-visc_ts_theta_theta", &theta, &given));
+  PetscCall(PetscOptionsGetReal(NULL, NULL, "-visc_ts_theta_theta", &theta, NULL));
   UserCheck(theta > 0.0 && theta <= 1.0, "-visc_ts_theta_theta %.6g: allowed is more than 0 to 1",
             (double)theta);
   PetscFunctionReturn(PETSC_SUCCESS);
