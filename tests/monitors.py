@@ -50,6 +50,16 @@ def main():
         close(last(forces, wall=wall)["fx"], 0.5 * 8 * 0.5, 1e-6)
     close(rows("probe_flux.csv")[-1]["flux"], 2 / 3, 2e-3)  # midpoint rule, 16 cells: U/(12 n^2) = 3e-4
 
+    # Walls whose velocity varies along them: no stress in rigid rotation, 2 mu du/dx in plane strain.
+    for flow, strain in (("0.5-y, x-0.5", 0), ("x-0.5, 0.5-y", 1)):
+        run("-case", "scene", "-without", "convection", "-reynolds", "1", *steady, "-ppe_ksp_rtol", "1e-12",
+            "-scene_exact", f"{flow}, 0", "-probe_forces",
+            *(word for side in ("left", "right", "bottom", "top") for word in (f"-scene_wall_{side}_velocity", flow)))
+        forces = rows("probe_forces.csv")
+        for wall, (fx, fy) in enumerate(((2, 0), (-2, 0), (0, -2), (0, 2))):
+            close(last(forces, wall=wall)["fx"], strain * fx, 1e-6)
+            close(last(forces, wall=wall)["fy"], strain * fy, 1e-6)
+
     run("-case", "hydrostatic", "-n", "16", "-max_steps", "5", "-probe_forces")
     forces = rows("probe_forces.csv")
     close(last(forces, wall=0)["fx"] + last(forces, wall=1)["fx"], 0, 1e-9)

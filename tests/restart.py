@@ -9,6 +9,7 @@
     restart.py other ISPH          restarted with other -report_times and another -output
     restart.py probes ISPH         probe files that cannot be gone on with end the run and stay
     restart.py particles ISPH      a snapshot's particles begin a run as the lattice they were
+    restart.py scene ISPH          restarted with another box or other viscosities: refused
     restart.py disk ISPH           a full disk: one line, and all files complete
 
 ISPH... is the program, after it the words that start it on several ranks with {} for their number."""
@@ -211,6 +212,18 @@ def particles(isph):
     assert abs(energies[0] - energies[1]) < 1e-6 * energies[0], energies
 
 
+def scene(isph):
+    """What a restart would not change is not taken from its options."""
+    flow = [isph, "-case", "scene", "-n", "16", "-max_steps", "2", "-progress", "none", "-scene_fluid_1",
+            "circle,0.5,0.5,0.2", "-scene_fluid_1_viscosity"]
+    run([*flow, "1", "-checkpoint", "c.h5"])
+    run([*flow, "1", "-restart", "c.h5"])
+    for options, words in ((["2"], "viscosities"), (["1", "-reynolds", "7"], "viscosities"),
+                           (["1", "-scene_box", "0,0,1,1.001"], "box")):
+        error = run([*flow, *options, "-restart", "c.h5"], good=False)
+        assert error.startswith("isph: -restart c.h5: ") and words in error, error
+
+
 def disk(isph):
     """A file system of 1 MB where one may be mounted, else a limit on the size of files."""
     os.mkdir("small")
@@ -239,7 +252,7 @@ def disk(isph):
 
 def main():
     tests = {"kill": kill, "bitwise": bitwise, "ranks": ranks, "term": term, "damage": damage, "other": other,
-             "probes": probes, "particles": particles, "disk": disk}
+             "probes": probes, "particles": particles, "scene": scene, "disk": disk}
     tests[sys.argv[1]](*sys.argv[2:])
 
 

@@ -58,6 +58,7 @@ PetscErrorCode ClockDestroy(Clock **clock);
 PetscErrorCode ClockChoose(const Scene *scene, PetscReal speed, PetscReal force, Clock *clock);
 PetscErrorCode ClockAdvance(Clock *clock);
 PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure);
+PetscReal      ClockRatio(const Clock *clock);
 PetscBool      ClockPasses(PetscReal every, PetscReal last, PetscReal now);
 PetscErrorCode ClockWhere(const Clock *clock, char where[]);
 PetscReal      ClockMoment(const Clock *clock);
@@ -72,8 +73,8 @@ typedef enum {
 typedef struct {
   const char *name, *brief, *citation; /* name: the TS type */
   TimeKind    kind;
-  PetscBool   history;   /* one stage: starts from (4u^n - u^{n-1})/3 for second order */
-  PetscBool   multistep; /* PETSc keeps earlier velocities; they cannot follow shifted particles */
+  PetscBool   history;          /* one stage: starts from (4u^n - u^{n-1})/3 for second order */
+  PetscBool   multistep;        /* PETSc keeps earlier velocities; they cannot follow particles */
   PetscBool   end_of_step;      /* the force is taken at the end of the step, else at its middle */
   PetscReal (*Response)(TS ts); /* of u* to a force newly switched on, over dt; NULL: 1 */
 } TimeKindRow;

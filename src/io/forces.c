@@ -1,10 +1,11 @@
 /*
   Forces and torques of the fluid on walls: the traction at points on the surface, summed.
 
-    F = sum (-p n + mu dw/dn) dA,   T = sum (x - c) x (...)
+    F = sum (-p n + mu (dw/dn + grad(w.n))) dA,   T = sum (x - c) x (...)
 
-  n points into the fluid, w is the velocity less that of the wall, taken on as a rigid body: on a wall
-  without slip the rest of the viscous stress vanishes. dw/dn is one-sided, of second order, from
+  n points into the fluid, w is the velocity less that of the wall. A body's is taken on as a rigid body: on a
+  wall without slip the rest of the viscous stress, mu grad(w.n), vanishes. A side's velocity may vary along it: there
+  that rest is added. dw/dn is one-sided, of second order, from
   probes one and two dx above the wall.
 */
 #include "monitors.h"
@@ -79,6 +80,34 @@ static PetscErrorCode ProbeAbove(const Flow *flow, PetscInt side, const Surface 
   }
   PetscCall(PetscFree(raised));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Derivative along an axis of component c of the velocity of a side of the box at x [1/s]. */
+static PetscReal WallSlope(const Flow *flow, PetscInt side, PetscInt c, PetscInt axis,
+                           const PetscReal x[])
+{
+  const Scene    *scene = flow->scene;
+  const PetscReal way   = 0.25 * SceneCellSide(scene, axis);
+  PetscReal       y[ISPH_MAX_DIM], u[2][ISPH_MAX_DIM];
+
+  for (PetscInt end = 0; end < 2; end++) {
+    for (PetscInt b = 0; b < scene->dim; b++) y[b] = x[b];
+    y[axis] += end ? way : -way;
+    SceneWallVelocity(scene, side, flow->clock->t, y, u[end]);
+  }
+  return (u[1][c] - u[0][c]) / (2.0 * way);
+}
+
+/* d(u.n)/dx_a on a side of the box at x; along n by continuity [1/s]. */
+static PetscReal NormalSlope(const Flow *flow, PetscInt side, PetscInt a, const PetscReal x[])
+{
+  const PetscInt axis  = side / 2;
+  PetscReal      along = 0.0;
+
+  if (a != axis) return (side % 2 ? -1.0 : 1.0) * WallSlope(flow, side, axis, a, x);
+  for (PetscInt b = 0; b < flow->scene->dim; b++)
+    along -= b == axis ? 0.0 : WallSlope(flow, side, b, b, x);
+  return along * (side % 2 ? -1.0 : 1.0);
 }
 
 /* What torques are about: a body's centre, or the middle of the box. */
@@ -160,6 +189,8 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
       const PetscInt q = k * dim + a;
 
       f[a] = s.area[k] * (scene->rho * nu[k]) * slope[q];
+      if (side < 2 * dim)
+        f[a] += s.area[k] * (scene->rho * nu[k]) * NormalSlope(flow, side, a, &s.x[k * dim]);
       if (!PetscIsNanReal(p[k])) f[a] -= s.area[k] * p[k] * s.normal[q];
       F[a] += f[a];
     }

@@ -15,9 +15,9 @@
 . -checkpoint_every T - at every multiple of T [s]
 - -restart file.h5    - go on from there, on any number of ranks
 
-  Errors: a place that cannot be written ends the run
+  Errors: a place that cannot be written ends the run, and a scheme whose history no file would hold
 */
-PetscErrorCode CheckpointsCreate(Checkpoints **checkpoints)
+PetscErrorCode CheckpointsCreate(const Scheme *scheme, Checkpoints **checkpoints)
 {
   Checkpoints *c;
   PetscBool    every, good;
@@ -34,6 +34,12 @@ PetscErrorCode CheckpointsCreate(Checkpoints **checkpoints)
   PetscCall(OptionFile("-restart", "Checkpoint to go on from", c->restart));
   PetscOptionsEnd();
   UserCheck(!every || c->path[0], "-checkpoint_every: there is no -checkpoint");
+  UserCheck(
+      (!c->path[0] && !c->restart[0]) || !scheme->visc ||
+          !ViscosityTimeKind(scheme->visc)->multistep,
+      "%s with -visc_ts_type %s: earlier velocities are PETSc's, and would not be in the file; "
+      "use beuler",
+      c->path[0] ? "-checkpoint" : "-restart", ViscosityTimeKind(scheme->visc)->name);
   if (c->path[0]) {
     PetscCall(PetscSNPrintf(part, sizeof(part), "%s.part", c->path));
     PetscCall(FileReserve(part, 1, &good));
@@ -105,7 +111,7 @@ static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
   const Particles *p      = run->particles;
   const int        format = CHECKPOINT_FORMAT, dim = (int)p->dim, N_fluid = (int)p->N_fluid,
             N_wall = (int)p->N_wall;
-  double clock[CLOCK_NUMBERS], stats[STATS_NUMBERS];
+  double clock[CLOCK_NUMBERS], stats[STATS_NUMBERS], scene[SCENE_NUMBERS];
   char   names[512];
 
   PetscFunctionBegin;
@@ -118,6 +124,8 @@ static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
   PetscCall(Hdf5WriteNumber(file, "walls", H5T_NATIVE_INT, &N_wall));
   PetscCall(Hdf5WriteText(file, file->file, "record", names));
   CheckpointPack(run, clock, stats);
+  PetscCall(CheckpointScene(run->scene, scene));
+  PetscCall(WriteTable(file, "scene", 1, SCENE_NUMBERS, scene, sum));
   PetscCall(WriteTable(file, "clock", 1, CLOCK_NUMBERS, clock, sum));
   PetscCall(WriteTable(file, "stats", 1, STATS_NUMBERS, stats, sum));
   PetscCall(WriteTable(file, "number", 1, SCHEME_NUMBERS, run->scheme->number, sum));

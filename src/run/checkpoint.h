@@ -8,6 +8,7 @@
 #define CHECKPOINT_FORMAT 4 /* to be raised when what is in the file changes */
 #define CLOCK_NUMBERS     9
 #define STATS_NUMBERS     13
+#define SCENE_NUMBERS     (2 * ISPH_MAX_DIM + 2)
 
 struct Checkpoints {
   char      path[PETSC_MAX_PATH_LEN];    /* empty: none are written */
@@ -20,6 +21,7 @@ struct Checkpoints {
 void           CheckpointPack(const Run *run, double clock[], double stats[]);
 void           CheckpointUnpack(const double clock[], const double stats[], Run *run);
 PetscErrorCode CheckpointRecord(const Particles *particles, char names[], size_t length);
+PetscErrorCode CheckpointScene(const Scene *scene, double box[SCENE_NUMBERS]);
 void           CheckpointSumNumbers(PetscInt n, const double numbers[], uint64_t *sum);
 void           CheckpointSumText(const char text[], uint64_t *sum);
 PetscErrorCode CheckpointSumRecords(PetscInt n, PetscInt width, const PetscReal record[],

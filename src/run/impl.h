@@ -25,7 +25,7 @@ typedef struct {
 } Run;
 
 /* checkpoint.c */
-PetscErrorCode CheckpointsCreate(Checkpoints **checkpoints);
+PetscErrorCode CheckpointsCreate(const Scheme *scheme, Checkpoints **checkpoints);
 PetscErrorCode CheckpointsDestroy(Checkpoints **checkpoints);
 PetscErrorCode CheckpointsUpdate(PetscBool final, Run *run);
 PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted);

@@ -62,6 +62,30 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The same box, spacing and viscosities; the file's are added to the sum. */
+static PetscErrorCode CheckScene(const Run *run, const char path[], Hdf5File *file, uint64_t *sum)
+{
+  double     own[SCENE_NUMBERS];
+  PetscReal *scene;
+  PetscBool  same = PETSC_TRUE, viscosity;
+
+  PetscFunctionBegin;
+  PetscCall(CheckpointScene(run->scene, own));
+  PetscCall(ReadTable(file, "scene", 1, SCENE_NUMBERS, &scene, sum));
+  for (PetscInt k = 0; k < SCENE_NUMBERS - 1; k++)
+    same =
+        same && PetscAbsReal(scene[k] - own[k]) <= 1e-9 * run->scene->dx ? PETSC_TRUE : PETSC_FALSE;
+  viscosity = scene[SCENE_NUMBERS - 1] == own[SCENE_NUMBERS - 1] ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(PetscFree(scene));
+  UserCheck(file->failed || same, "-restart %s: the file is of another box or spacing", path);
+  UserCheck(
+      file->failed || viscosity,
+      "-restart %s: particles carry the viscosities of the file's run; use the same -viscosity "
+      "(or -reynolds), -viscosity_field and -scene_fluid_ options",
+      path);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* What was reported and written before. */
 static PetscErrorCode ReadHistory(Run *run, Hdf5File *file, uint64_t *sum)
 {
@@ -95,8 +119,8 @@ static PetscErrorCode ReadHistory(Run *run, Hdf5File *file, uint64_t *sum)
 }
 
 /* Clock, scheme, history and this rank's share of the records. */
-static PetscErrorCode ReadFile(Run *run, Hdf5File *file, PetscInt *n, PetscReal **record,
-                               PetscBool *whole)
+static PetscErrorCode ReadFile(Run *run, const char path[], Hdf5File *file, PetscInt *n,
+                               PetscReal **record, PetscBool *whole)
 {
   const Particles *p     = run->particles;
   const PetscInt   width = ParticlesRecordWidth(p), N = p->N_fluid + p->N_wall;
@@ -105,6 +129,7 @@ static PetscErrorCode ReadFile(Run *run, Hdf5File *file, PetscInt *n, PetscReal 
   uint64_t         wanted = 0, sum = 0;
 
   PetscFunctionBegin;
+  PetscCall(CheckScene(run, path, file, &sum));
   PetscCall(ReadTable(file, "clock", 1, CLOCK_NUMBERS, &clock, &sum));
   PetscCall(ReadTable(file, "stats", 1, STATS_NUMBERS, &stats, &sum));
   PetscCall(ReadTable(file, "number", 1, SCHEME_NUMBERS, &number, &sum));
@@ -149,7 +174,7 @@ PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted)
   PetscCheck(file.file >= 0, PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN,
              "-restart %s: is absent, no HDF5 file, or a truncated one", path);
   PetscCall(RestartRefuse(run, path, &file));
-  PetscCall(ReadFile(run, &file, &n, &record, &whole));
+  PetscCall(ReadFile(run, path, &file, &n, &record, &whole));
   PetscCall(Hdf5FileClose(&file, &good));
   PetscCheck(good && whole, PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
              "-restart %s: the file is damaged: %s", path,

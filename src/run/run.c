@@ -40,7 +40,7 @@ static PetscErrorCode RunCreate(Run *run)
   if (run->scheme->visc && ViscosityTimeKind(run->scheme->visc)->kind != TIME_EXPLICIT)
     PetscCall(MatrixFileCreate("visc_", &run->visc_matrix));
   if (run->ops->ppe.needed) PetscCall(MatrixFileCreate("ppe_", &run->ppe_matrix));
-  PetscCall(CheckpointsCreate(&run->checkpoints));
+  PetscCall(CheckpointsCreate(run->scheme, &run->checkpoints));
   PetscCall(OptionsRefuseUnknown(PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

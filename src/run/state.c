@@ -76,6 +76,50 @@ void CheckpointUnpack(const double clock[], const double stats[], Run *run)
   s->force_max = stats[12];
 }
 
+/* Adds an option of the user's to a sum. */
+static PetscErrorCode SumOption(const char option[], uint64_t *sum)
+{
+  char text[4096] = "";
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsGetString(NULL, NULL, option, text, sizeof(text), NULL));
+  CheckpointSumText(text, sum);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  CheckpointScene - Numbers by which a file's scene is told from the run's
+
+  Collective. Corners of the box and spacing; and where particles carry viscosities of their own, which
+  options at a restart would not change, a sum of those, else zero.
+*/
+PetscErrorCode CheckpointScene(const Scene *scene, double numbers[SCENE_NUMBERS])
+{
+  uint64_t sum = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    numbers[2 * a]     = scene->lo[a];
+    numbers[2 * a + 1] = scene->hi[a];
+  }
+  numbers[SCENE_NUMBERS - 2] = scene->dx;
+  if (SceneViscosityVaries(scene) && SceneIsNewtonian(scene)) {
+    const double nu = scene->nu;
+
+    CheckpointSumNumbers(1, &nu, &sum);
+    PetscCall(SumOption("-viscosity_field", &sum));
+    for (PetscInt k = 1; k <= scene->n_regions; k++) {
+      char option[64];
+
+      PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_fluid_%" PetscInt_FMT, k));
+      PetscCall(SumOption(option, &sum));
+      CheckpointSumNumbers(1, &scene->region_nu[k - 1], &sum);
+    }
+  }
+  numbers[SCENE_NUMBERS - 1] = (double)(sum >> 16); /* such as a double holds whole */
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* CheckpointRecord - The names of a record's numbers, "id,x:2,u:2,p:1": a file fits a run that has the same. */
 PetscErrorCode CheckpointRecord(const Particles *p, char names[], size_t length)
 {

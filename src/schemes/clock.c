@@ -239,6 +239,19 @@ PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  ClockRatio - w = dt over the step before, for what extrapolates over both; not collective
+
+  0, which means first order, where there is none, or where it is beyond 1 + sqrt(2): BDF2 is no longer stable then, and a
+  short step for a report after an impulsive start would be drawn out tenfold.
+*/
+PetscReal ClockRatio(const Clock *clock)
+{
+  const PetscReal w = clock->dt_previous > 0.0 ? clock->dt / clock->dt_previous : 0.0;
+
+  return w <= 1.0 + PETSC_SQRT2 ? w : 0.0;
+}
+
 /* ClockPasses - Whether a multiple of `every` [s] lies after time last and not after now */
 PetscBool ClockPasses(PetscReal every, PetscReal last, PetscReal now)
 {

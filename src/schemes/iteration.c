@@ -87,6 +87,50 @@ PetscErrorCode IterationCheck(TS ts, const char where[], StepFailure *failure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  IterationFallBack - Full steps of Picard's in the place of line search l2, where that did not get there: from rest it
+  may go far beyond them and not come back
+
+  Collective. Input: failure - of the step. Output: again - whether the step is worth making again, the line
+  search being full steps then.
+*/
+PetscErrorCode IterationFallBack(Viscosity *v, const StepFailure *failure, PetscBool *again)
+{
+  SNESConvergedReason reason;
+  SNESLineSearch      search;
+  SNES                snes;
+
+  PetscFunctionBegin;
+  *again = PETSC_FALSE;
+  if (!failure->code || v->row->multistep) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(TSGetSNES(v->ts[0], &snes));
+  PetscCall(SNESGetConvergedReason(snes, &reason));
+  PetscCall(SNESGetLineSearch(snes, &search));
+  PetscCall(PetscObjectTypeCompare((PetscObject)search, SNESLINESEARCHL2, again));
+  if (reason >= 0) *again = PETSC_FALSE;
+  if (!*again) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));
+  PetscCall(
+      SayLine("%s: viscosity and velocity did not agree with line search l2: %s; full steps of "
+              "Picard's are tried",
+              v->guard.where, SNESConvergedReasons[reason]));
+  v->guard.falls++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* IterationGoBack - The line search as it was before IterationFallBack(); collective */
+PetscErrorCode IterationGoBack(Viscosity *v)
+{
+  SNESLineSearch search;
+  SNES           snes;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetSNES(v->ts[0], &snes));
+  PetscCall(SNESGetLineSearch(snes, &search));
+  PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHL2));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ViscosityIteration - Types of the nonlinear solver and its line search; NULL where there is none */
 PetscErrorCode ViscosityIteration(const Viscosity *v, const char **snes, const char **search)
 {

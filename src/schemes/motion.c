@@ -161,7 +161,7 @@ static PetscErrorCode CheckMove(const Scene *scene, const Clock *clock, PetscRea
 /*
   ParticlesMove - Takes particles from x^n to x^{n+1} by Adams-Bashforth and shifts them
 
-    dr = dt ((1 + w/2) u^n - w/2 u^{n-1}) + s,   w = dt/dt_previous
+    dr = dt ((1 + w/2) u^n - w/2 u^{n-1}) + s,   w = ClockRatio()
     u += s.grad u + |s|^2/(2d) lap u,   p += dr.grad p
 
   Collective. The pressure is carried as an Eulerian field, velocities as the particles' own but for
@@ -175,10 +175,9 @@ PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *
 {
   Projection     *pr       = (Projection *)scheme->data;
   const PetscBool shifting = scheme->shift->Displace ? PETSC_TRUE : PETSC_FALSE;
-  const PetscReal w =
-      scheme->time_order == 2 && clock->dt_previous > 0.0 ? clock->dt / clock->dt_previous : 0.0;
-  PetscReal moved2 = 0.0;
-  Slopes    slopes;
+  const PetscReal w        = scheme->time_order == 2 ? ClockRatio(clock) : 0.0;
+  PetscReal       moved2   = 0.0;
+  Slopes          slopes;
 
   PetscFunctionBegin;
   PetscCall(SlopesGet(scene, ops, shifting, pr, &slopes));

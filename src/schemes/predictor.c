@@ -11,9 +11,7 @@ static PetscErrorCode AddConvection(const Scene *scene, const Clock *clock, cons
   Projection     *pr = (Projection *)scheme->data;
   const PetscBool extrapolate =
       !scheme->visc || ViscosityTimeKind(scheme->visc)->kind == TIME_IMPLICIT;
-  const PetscReal w = scheme->time_order == 2 && clock->dt_previous > 0.0
-                          ? at * clock->dt / clock->dt_previous
-                          : 0.0;
+  const PetscReal w = scheme->time_order == 2 ? at * ClockRatio(clock) : 0.0;
 
   PetscFunctionBegin;
   for (PetscInt c = 0; c < scene->dim; c++) {
@@ -95,7 +93,7 @@ static PetscErrorCode AssembleForce(const Scene *scene, const Clock *clock, cons
 /*
   PredictorStart - What an implicit step starts from, in u*, how long it is, and its force
 
-  Collective. BDF2 with w = dt/dt_previous: k = dt (1+w)/(1+2w), start = ((1+w)^2 u^n - w^2 u^{n-1})/(1+2w).
+  Collective. BDF2 with w = ClockRatio(): k = dt (1+w)/(1+2w), start = ((1+w)^2 u^n - w^2 u^{n-1})/(1+2w).
 
   Input Parameters:
 + history - BDF2 where u^{n-1} is known; else from u^n over dt
@@ -109,9 +107,7 @@ PetscErrorCode PredictorStart(const Scene *scene, const Clock *clock, const Part
                               PetscReal *dt)
 {
   Projection     *pr = (Projection *)scheme->data;
-  const PetscReal w  = history && scheme->time_order == 2 && clock->dt_previous > 0.0
-                           ? clock->dt / clock->dt_previous
-                           : 0.0;
+  const PetscReal w  = history && scheme->time_order == 2 ? ClockRatio(clock) : 0.0;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) {

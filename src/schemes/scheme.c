@@ -23,6 +23,14 @@ static const SchemeRow schemes[] = {
 };
 const Table SchemeTable = TABLE("-scheme", "Schemes", schemes);
 
+/* Whether what drives the flow depends on time. */
+static PetscBool IsDrivenInTime(const Scene *scene)
+{
+  return scene->unsteady_walls || (scene->force.n && ExpressionUses(&scene->force, EXPRESSION_TIME))
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
 /*
   A projection creeps towards the Stokes limit by what it is not rotational for: all of the viscosity, or what
   exceeds the least. At large steps that is so slow that any steadiness test is met far from it: the
@@ -36,6 +44,10 @@ static PetscErrorCode SchemeRefuseCreep(const Scene *scene, const Clock *clock,
   const PetscReal number = left * clock->dt / PetscSqr(scene->length);
 
   PetscFunctionBegin;
+  UserCheck(
+      clock->steady_tol == 0.0 || !IsDrivenInTime(scene),
+      "-steady_tol: a wall's velocity or the body force depends on t, and a flow that is steady "
+      "for now would end the run; use -t_end");
   UserCheck(
       clock->steady_tol == 0.0 || !projection || !SceneHas(scene, PHYSICS_VISCOSITY) ||
           number <= 0.01,
@@ -85,8 +97,7 @@ static PetscErrorCode SchemeRefuseSteady(const Scene *scene, const SchemeRow *ro
   UserCheck(SceneHas(scene, PHYSICS_WALLS),
             "-steady: case %s has no walls, and without them any uniform velocity is a solution",
             scene->problem->name);
-  UserCheck(!scene->unsteady_walls &&
-                !(scene->force.n && ExpressionUses(&scene->force, EXPRESSION_TIME)) &&
+  UserCheck(!IsDrivenInTime(scene) &&
                 !(scene->exact.n && ExpressionUses(&scene->exact, EXPRESSION_TIME)),
             "-steady: a wall's velocity, the body force or -scene_exact depends on t; advance in "
             "time, with -coupled_ts_type rosw in steps of any length");
@@ -184,10 +195,11 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
       (s->alpha > 0.0 || (s->shift && s->shift->Displace)) ? PETSC_TRUE : PETSC_FALSE;
   if (SceneHas(scene, PHYSICS_VISCOSITY) && s->row->splits)
     PetscCall(ViscosityCreate(scene, clock->dt, ops, &s->visc));
-  UserCheck(!s->visc || !ViscosityTimeKind(s->visc)->multistep || !s->shift || !s->shift->Displace,
-            "-visc_ts_type %s: its own history cannot follow shifted particles; use beuler, which "
-            "is BDF2 with the history on particles, or -motion eulerian",
-            ViscosityTimeKind(s->visc)->name);
+  UserCheck(
+      !s->visc || !ViscosityTimeKind(s->visc)->multistep || !moves,
+      "-visc_ts_type %s: its own history cannot follow particles that move; use beuler, which "
+      "is BDF2 with the history on particles, or -motion eulerian",
+      ViscosityTimeKind(s->visc)->name);
   UserCheck(
       !s->visc || !ViscosityTimeKind(s->visc)->multistep || !clock->adapt->retries,
       "-visc_ts_type %s: its own history cannot be undone with a step, as -dt_adapt retry wants; "

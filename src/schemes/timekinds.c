@@ -97,7 +97,7 @@ static const TimeKindRow kinds[] = {
      "backward Euler, from (4u^n - u^{n-1})/3 over 2dt/3: BDF2 with the history on particles",
      "Hairer & Wanner, Solving ODEs II (1996)", TIME_IMPLICIT, PETSC_TRUE, PETSC_FALSE, PETSC_TRUE,
      NULL},
-    {TSBDF, "backward differentiation by PETSc; particles fixed, or moving unshifted",
+    {TSBDF, "backward differentiation by PETSc; particles fixed",
      "Hairer & Wanner, Solving ODEs II (1996)", TIME_IMPLICIT, PETSC_FALSE, PETSC_TRUE, PETSC_TRUE,
      Response_Bdf},
     {TSCN, "Crank-Nicolson; rings on impulsively moved walls", "Crank & Nicolson (1947)",

@@ -191,8 +191,8 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
 }
 
 /* One system over [t, t + dt], in one TS step unless an adaptor of the user's takes several. */
-static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t, PetscReal dt,
-                                          Vec u, StepFailure *failure)
+static PetscErrorCode ViscosityTrySystem(Viscosity *v, PetscInt c, PetscReal t, PetscReal dt, Vec u,
+                                         StepFailure *failure)
 {
   PetscReal h = dt;
 
@@ -203,6 +203,32 @@ static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t,
   if (v->nonlinear && v->ksp) PetscCall(IterationSetTolerance(v, t, u));
   PetscCall(TimeStepThrough(v->ts[c], v->row->name, v->ksp, &v->guard, t, dt, &h, &v->iterations,
                             failure));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The same, a viscosity that follows the flow by the iteration that gets there. */
+static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t, PetscReal dt,
+                                          Vec u, StepFailure *failure)
+{
+  Vec       before;
+  PetscBool again;
+
+  PetscFunctionBegin;
+  if (!v->nonlinear || !v->ksp) {
+    PetscCall(ViscosityTrySystem(v, c, t, dt, u, failure));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(VecDuplicate(u, &before));
+  PetscCall(VecCopy(u, before));
+  PetscCall(ViscosityTrySystem(v, c, t, dt, u, failure));
+  PetscCall(IterationFallBack(v, failure, &again));
+  if (again) {
+    failure->code = PETSC_SUCCESS;
+    PetscCall(VecCopy(before, u));
+    PetscCall(ViscosityTrySystem(v, c, t, dt, u, failure));
+    PetscCall(IterationGoBack(v));
+  }
+  PetscCall(VecDestroy(&before));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -36,6 +36,8 @@ struct Viscosity {
 };
 
 PetscErrorCode IterationChoose(SNES snes);
+PetscErrorCode IterationFallBack(Viscosity *visc, const StepFailure *failure, PetscBool *again);
+PetscErrorCode IterationGoBack(Viscosity *visc);
 PetscErrorCode IterationSetTolerance(Viscosity *visc, PetscReal t, Vec u);
 PetscErrorCode IterationCheck(TS ts, const char where[], StepFailure *failure);
 PetscErrorCode ViscosityScale(Viscosity *visc, PetscReal t, Vec u, Vec force, PetscReal *scale);

@@ -79,7 +79,12 @@ static PetscErrorCode ConvectiveTerm(Viscosity *v, PetscInt c, Vec u, Vec f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ViscosityScale - The larger norm of the viscous term of u and the force [m/s^2]; collective */
+/*
+  ViscosityScale - The largest norm of the viscous term of u, the force, and nu u/L^2 [m/s^2]
+
+  Collective. The last is what there is of the first in a flow of its size: between walls that drive it the
+  viscous term vanishes when it is steady, and with it what could be asked of a residual.
+*/
 PetscErrorCode ViscosityScale(Viscosity *v, PetscReal t, Vec u, Vec force, PetscReal *scale)
 {
   Vec       term;
@@ -91,6 +96,8 @@ PetscErrorCode ViscosityScale(Viscosity *v, PetscReal t, Vec u, Vec force, Petsc
   PetscCall(VecNorm(term, NORM_2, scale));
   PetscCall(VecNorm(force, NORM_2, &norm));
   *scale = PetscMax(*scale, norm);
+  PetscCall(VecNorm(u, NORM_2, &norm));
+  *scale = PetscMax(*scale, norm * v->scene->nu / PetscSqr(v->scene->length));
   PetscCall(VecDestroy(&term));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
