@@ -56,7 +56,6 @@ PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const
                                  const char name[], Report *report);
 PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], PetscReal *energy);
 
-PetscErrorCode ChannelBox(Scene *scene);
 PetscErrorCode CouetteJudge(const Flow *flow, Report *report);
 PetscErrorCode PoiseuilleJudge(const Flow *flow, Report *report);
 PetscErrorCode ExactJudge(const Flow *flow, Report *report);

@@ -4,8 +4,8 @@
 */
 #include "cases.h"
 
-/* ChannelBox - The box both channels share */
-PetscErrorCode ChannelBox(Scene *scene)
+/* The box both channels share. */
+static PetscErrorCode ChannelBox(Scene *scene)
 {
   PetscFunctionBegin;
   scene->hi[0]       = 8.0 * scene->dx;

@@ -56,6 +56,8 @@ PetscErrorCode OptionReal_Private(PetscOptionItems *items, const char option[], 
                                   PetscReal low, PetscReal high, PetscReal *value, PetscBool *set);
 PetscErrorCode OptionInt_Private(PetscOptionItems *items, const char option[], const char text[],
                                  PetscInt low, PetscInt high, PetscInt *value, PetscBool *set);
+PetscErrorCode OptionSwitch_Private(PetscOptionItems *items, const char option[], const char text[],
+                                    PetscBool *value);
 PetscErrorCode OptionReals_Private(PetscOptionItems *items, const char option[], const char text[],
                                    PetscInt capacity, PetscReal value[], PetscInt *n,
                                    PetscBool *set);
@@ -63,12 +65,13 @@ PetscErrorCode OptionFlags_Private(PetscOptionItems *items, const char option[],
                                    const char *const names[], PetscInt count, unsigned *flags);
 PetscErrorCode OptionFile_Private(PetscOptionItems *items, const char option[], const char text[],
                                   char path[PETSC_MAX_PATH_LEN]);
-#define TableSelect(...) TableSelect_Private(PetscOptionsObject, __VA_ARGS__)
-#define OptionReal(...)  OptionReal_Private(PetscOptionsObject, __VA_ARGS__)
-#define OptionInt(...)   OptionInt_Private(PetscOptionsObject, __VA_ARGS__)
-#define OptionReals(...) OptionReals_Private(PetscOptionsObject, __VA_ARGS__)
-#define OptionFlags(...) OptionFlags_Private(PetscOptionsObject, __VA_ARGS__)
-#define OptionFile(...)  OptionFile_Private(PetscOptionsObject, __VA_ARGS__)
+#define TableSelect(...)  TableSelect_Private(PetscOptionsObject, __VA_ARGS__)
+#define OptionReal(...)   OptionReal_Private(PetscOptionsObject, __VA_ARGS__)
+#define OptionInt(...)    OptionInt_Private(PetscOptionsObject, __VA_ARGS__)
+#define OptionSwitch(...) OptionSwitch_Private(PetscOptionsObject, __VA_ARGS__)
+#define OptionReals(...)  OptionReals_Private(PetscOptionsObject, __VA_ARGS__)
+#define OptionFlags(...)  OptionFlags_Private(PetscOptionsObject, __VA_ARGS__)
+#define OptionFile(...)   OptionFile_Private(PetscOptionsObject, __VA_ARGS__)
 
 PetscErrorCode OptionGiven(const char option[], PetscBool *given);
 PetscErrorCode OptionsRefuseTogether(const char a[], const char b[], const char why[]);

@@ -33,7 +33,7 @@ typedef enum {
   ROLE_NONE               /* of a wall nothing is known: the fit is one of fluid alone */
 } Role;
 
-#define MLS_MAX_TERMS       19 /* X_a, X_a X_b, X_a X_b X_c, a <= b <= c, in 3D */
+#define MLS_MAX_TERMS       19 /* X_a, X_a X_b, X_a X_b X_c, c <= b <= a, in 3D */
 #define MLS_QUADRATIC_TERMS 9  /* the first two of these */
 typedef struct {
   PetscBool valid;

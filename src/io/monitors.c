@@ -85,7 +85,7 @@ static PetscErrorCode MonitorRead(PetscOptionItems *PetscOptionsObject, const Sc
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(option, sizeof(option), "-%s", kind->name));
   if (!group) {
-    PetscCall(PetscOptionsBool(option, kind->text, "", PETSC_FALSE, &monitor->on, NULL));
+    PetscCall(OptionSwitch(option, kind->text, &monitor->on));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(OptionReals(option, kind->text, MONITOR_NUMBERS, number, &n, &given));

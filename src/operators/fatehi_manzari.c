@@ -11,12 +11,12 @@
   solves  sum_k V_k W' (B:ee) [-X_a X_b/r + (X/r).G^ab] = delta_ab,  G^ab = M^-1 sum V X_a X_b
   grad_i W.
 */
-static PetscErrorCode FatehiManzariMatrix(const Stencil *st, const PetscReal inverse[],
-                                          PetscReal B[])
+static PetscErrorCode FatehiManzariMatrix(Stencil *st, const PetscReal inverse[], PetscReal B[])
 {
   const PetscInt d = st->dim, n = d * (d + 1) / 2;
   PetscReal      G[SYM_MAX][ISPH_MAX_DIM] = {{0.0}}, lhs[SYM_MAX][SYM_MAX + 1] = {{0.0}},
             gradient[ISPH_MAX_DIM];
+  PetscBool singular = PETSC_FALSE;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < st->n; k++) {
@@ -65,7 +65,11 @@ static PetscErrorCode FatehiManzariMatrix(const Stencil *st, const PetscReal inv
       for (PetscInt q = p; q <= n; q++) lhs[s][q] -= factor * lhs[p][q];
     }
   }
-  for (PetscInt s = 0; s < n; s++) B[s] = lhs[s][s] == 0.0 ? 0.0 : lhs[s][n] / lhs[s][s];
+  for (PetscInt s = 0; s < n; s++) {
+    if (lhs[s][s] == 0.0) singular = PETSC_TRUE;
+    B[s] = lhs[s][s] == 0.0 ? 0.0 : lhs[s][n] / lhs[s][s];
+  }
+  if (singular) st->weak++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

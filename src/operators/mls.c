@@ -1,10 +1,9 @@
 /*
   Moving least squares, interpolating: about particle i the fit
 
-    f(x_i + X) - f_i = sum_t c_t phi_t(X/R),   phi = X_a, X_a X_b (a <= b), ...,   R the support's
-  radius,
+    f(x_i + X) - f_i = sum_t c_t phi_t(X/R),   phi = X_a, X_a X_b (b <= a), ...,
 
-  minimises sum_k W_k (equation of neighbour k)^2. Where a wall particle bears a role, its equation
+  R the radius of the support, minimises sum_k W_k (equation of neighbour k)^2. Where a wall particle bears a role, its equation
   is the boundary condition: n.grad f = g, or n.f = n.f_wall for vectors (mlsvector.c). Exact for
   polynomials of the fit's degree.
 

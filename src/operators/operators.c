@@ -17,11 +17,14 @@ static PetscErrorCode OperatorsChooseLaplacian(PetscOptionItems *PetscOptionsObj
 
 /*
   mls, but the whole stress where the viscosity is not the same everywhere and the flow not as simple as a
-  channel's, which has no pressure: what turns beside another viscosity is wrong by tens of per cent in lap u.
+  channel's, which has no pressure and no bodies: what turns beside another viscosity is wrong by tens of per cent in lap u.
 */
 static const char *DefaultLaplacian(const Scene *scene)
 {
-  return SceneViscosityVaries(scene) && SceneHas(scene, PHYSICS_PRESSURE) ? "stress_mls" : "mls";
+  const PetscBool curved =
+      SceneHas(scene, PHYSICS_PRESSURE) || scene->n_bodies ? PETSC_TRUE : PETSC_FALSE;
+
+  return SceneViscosityVaries(scene) && curved ? "stress_mls" : "mls";
 }
 
 /* The Laplacians that the physics needs; one correction for both, where they can take it. */
@@ -95,10 +98,10 @@ static PetscErrorCode OperatorsChooseWall(PetscOptionItems *PetscOptionsObject, 
             ops->wall->name, kind, blind);
   if (ops->wall->Check) PetscCall(ops->wall->Check(scene));
   ops->wall_surface = scene->n_bodies > 0 && !ops->wall->on_surface ? PETSC_TRUE : PETSC_FALSE;
-  PetscCall(PetscOptionsBool("-wall_surface",
-                             "Particles on walls, before those behind them; by default where there "
-                             "are bodies, whose dummies alone leave a gap at curved walls",
-                             "", ops->wall_surface, &ops->wall_surface, NULL));
+  PetscCall(OptionSwitch("-wall_surface",
+                         "Particles on walls, before those behind them; by default where there "
+                         "are bodies, whose dummies alone leave a gap at curved walls",
+                         &ops->wall_surface));
   UserCheck(
       !ops->wall_surface || !ops->wall->on_surface,
       "-wall_surface: -wall %s has its particles on the wall already; choose a treatment with "

@@ -3,9 +3,13 @@
 */
 #include "impl.h"
 
-/* Largest distance of an own fluid particle from where it was at the epoch's start, squared [m^2].
- */
-static PetscErrorCode LargestMove(const Particles *p, PetscReal *move2)
+/*
+  ParticlesLargestMove - Largest distance of a fluid particle on any rank from where it was [m]
+
+  Collective. Input: from - own particles' earlier positions [m]. Output: move - PETSC_MAX_REAL where a position is not
+  a finite number.
+*/
+PetscErrorCode ParticlesLargestMove(const Particles *p, PetscReal *const from[], PetscReal *move)
 {
   PetscReal largest = 0.0;
 
@@ -13,12 +17,11 @@ static PetscErrorCode LargestMove(const Particles *p, PetscReal *move2)
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal d2 = 0.0;
 
-    for (PetscInt a = 0; a < p->dim; a++) d2 += PetscSqr(p->x[a][i] - p->x_epoch[a][i]);
+    for (PetscInt a = 0; a < p->dim; a++) d2 += PetscSqr(p->x[a][i] - from[a][i]);
     if (!(d2 <= largest)) largest = PetscIsInfOrNanReal(d2) ? PETSC_MAX_REAL : d2;
   }
-  PetscCall(MPIU_Allreduce(&largest, move2, 1, MPIU_REAL, MPIU_MAX, p->comm));
-  PetscCheck(*move2 < PETSC_MAX_REAL, p->comm, PETSC_ERR_FP,
-             "The flow diverged: the position of a particle is not a finite number");
+  PetscCall(MPIU_Allreduce(&largest, move, 1, MPIU_REAL, MPIU_MAX, p->comm));
+  if (*move < PETSC_MAX_REAL) *move = PetscSqrtReal(*move);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -66,13 +69,15 @@ PetscErrorCode ParticlesUpdateEpoch(const Scene *scene, Particles *particles, Pe
                                     PetscBool *started)
 {
   Particles *p = particles;
-  PetscReal  move2;
+  PetscReal  move;
   PetscInt  *owner;
   PetscBool  due;
 
   PetscFunctionBegin;
-  PetscCall(LargestMove(p, &move2));
-  due = force || (move2 > 0.0 && move2 >= PetscSqr(0.5 * p->skin)) ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(ParticlesLargestMove(p, p->x_epoch, &move));
+  PetscCheck(move < PETSC_MAX_REAL, p->comm, PETSC_ERR_FP,
+             "The flow diverged: the position of a particle is not a finite number");
+  due = force || (move > 0.0 && move >= 0.5 * p->skin) ? PETSC_TRUE : PETSC_FALSE;
   if (started) *started = due;
   if (!due) PetscFunctionReturn(PETSC_SUCCESS);
 

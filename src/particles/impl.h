@@ -9,6 +9,9 @@
 /* particles.c */
 PetscErrorCode ParticlesReserve(Particles *p, PetscInt n);
 
+/* epoch.c */
+PetscErrorCode ParticlesLargestMove(const Particles *p, PetscReal *const from[], PetscReal *move);
+
 /* lattice.c */
 PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidStart *start,
                            Particles *p);

@@ -163,24 +163,6 @@ static PetscErrorCode BuildRows(const Particles *p, PetscReal step_length, Neigh
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Largest distance of a fluid particle on any rank from where it was when the rows were made [m].
- */
-static PetscErrorCode LargestMove(const Particles *p, const Neighbors *nb, PetscReal *move)
-{
-  PetscReal largest = 0.0;
-
-  PetscFunctionBegin;
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal d2 = 0.0;
-
-    for (PetscInt a = 0; a < p->dim; a++) d2 += PetscSqr(p->x[a][i] - nb->x_built[a][i]);
-    if (!(d2 <= largest)) largest = PetscIsInfOrNanReal(d2) ? PETSC_MAX_REAL : d2;
-  }
-  PetscCall(MPIU_Allreduce(&largest, move, 1, MPIU_REAL, MPIU_MAX, p->comm));
-  *move = PetscSqrtReal(*move);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   NeighborsUpdate - Brings the rows up to date if particles have moved too far since they were made
 
@@ -213,7 +195,7 @@ PetscErrorCode NeighborsUpdate(const Particles *particles, PetscReal step_length
              (double)p->halo_width);
   if (nb->builds > 0 && nb->epoch == p->epoch) {
     if (nb->moved == p->moved) PetscFunctionReturn(PETSC_SUCCESS);
-    PetscCall(LargestMove(p, nb, &move));
+    PetscCall(ParticlesLargestMove(p, nb->x_built, &move));
     if (2.0 * move <= nb->margin) PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(BuildRows(p, step_length, nb));

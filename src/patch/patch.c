@@ -43,10 +43,10 @@ static PetscErrorCode PatchReadOptions(Patch *patch)
   PetscCall(OptionInt("-patch_repeats",
                       "How often what is timed is repeated; the least time counts", 1, 1000,
                       &patch->repeats, NULL));
-  PetscCall(PetscOptionsBool("-patch_spectrum", "Report eigenvalues and condition of -L", "",
-                             patch->spectrum, &patch->spectrum, NULL));
-  PetscCall(PetscOptionsBool("-patch_solve", "Solve the Poisson problem with L (KSP prefix ppe_)",
-                             "", patch->solve, &patch->solve, NULL));
+  PetscCall(
+      OptionSwitch("-patch_spectrum", "Report eigenvalues and condition of -L", &patch->spectrum));
+  PetscCall(OptionSwitch("-patch_solve", "Solve the Poisson problem with L (KSP prefix ppe_)",
+                         &patch->solve));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }

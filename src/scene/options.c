@@ -67,6 +67,30 @@ PetscErrorCode OptionInt_Private(PetscOptionItems *PetscOptionsObject, const cha
 }
 
 /*
+  OptionSwitch - true or false, true where nothing is said of it
+
+  Collective. Between PetscOptionsBegin() and PetscOptionsEnd(). Output: value - left alone where the option is not
+  given.
+
+  Errors: what is no such word
+*/
+PetscErrorCode OptionSwitch_Private(PetscOptionItems *PetscOptionsObject, const char option[],
+                                    const char text[], PetscBool *value)
+{
+  const char *const words[]  = {"", "true", "yes", "on", "1", "0", "false", "no", "off", NULL};
+  char              word[64] = "";
+  PetscBool         given, known = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsGetString(NULL, NULL, option, word, sizeof(word), &given));
+  for (PetscInt k = 0; given && words[k] && !known; k++)
+    PetscCall(PetscStrcasecmp(word, words[k], &known));
+  UserCheck(!given || known, "%s %s: it is true or false, and by itself true", option, word);
+  PetscCall(PetscOptionsBool(option, text, "", *value, value, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
   OptionReals - Real numbers separated by commas
 
   Collective. Between PetscOptionsBegin() and PetscOptionsEnd().

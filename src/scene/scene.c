@@ -243,6 +243,9 @@ PetscErrorCode SceneCreate(Scene **scene)
   PetscOptionsEnd();
   if (s->scope && ExpressionScopeIsIdle(s->scope)) PetscCall(ExpressionScopeDestroy(&s->scope));
   for (PetscInt a = 0; a < s->dim; a++) {
+    UserCheck((s->hi[a] - s->lo[a]) / s->dx < PETSC_MAX_INT / 8,
+              "-n asks for more particles than fit: the box is %.6g dx wide along %c",
+              (double)((s->hi[a] - s->lo[a]) / s->dx), "xyz"[a]);
     s->cells[a] = (PetscInt)PetscFloorReal((s->hi[a] - s->lo[a]) / s->dx + 0.5);
   }
   PetscCall(SceneBoundViscosity(s));

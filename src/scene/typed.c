@@ -99,8 +99,7 @@ static PetscErrorCode ReadBodies(PetscOptionItems *PetscOptionsObject, Scene *sc
     PetscCall(ReadShape(option, text, body));
     PetscCall(ReadBodyMotion(PetscOptionsObject, k, scene, body));
     PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_body_%" PetscInt_FMT "_around", k));
-    PetscCall(
-        PetscOptionsBool(option, "The fluid is inside it", "", body->around, &body->around, NULL));
+    PetscCall(OptionSwitch(option, "The fluid is inside it", &body->around));
     if (body->around) scene->bare = PETSC_TRUE;
     scene->n_bodies++;
   }

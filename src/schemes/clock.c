@@ -66,8 +66,8 @@ static PetscErrorCode ClockReadSteady(PetscOptionItems *PetscOptionsObject, Cloc
                                 "-dt_adapt", "-time_order", "-coupled_ts_type"};
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsBool("-steady", "No du/dt: solve for the steady flow (-scheme coupled)", "",
-                             clock->direct, &clock->direct, NULL));
+  PetscCall(OptionSwitch("-steady", "No du/dt: solve for the steady flow (-scheme coupled)",
+                         &clock->direct));
   if (!clock->direct) PetscFunctionReturn(PETSC_SUCCESS);
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(others); k++)
     PetscCall(OptionsRefuseTogether("-steady", others[k], "a steady flow has no steps in time"));

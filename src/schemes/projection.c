@@ -93,9 +93,8 @@ PetscErrorCode ProjectionDestroy(Scheme *scheme)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ProjectionRenumber - Vectors over the particles as they are numbered now; nothing to do within an
- * epoch */
-PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *p, Scheme *scheme)
+/* Vectors over the particles as they are numbered now; nothing to do within an epoch. */
+static PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *p, Scheme *scheme)
 {
   Projection *pr = (Projection *)scheme->data;
 

@@ -1,5 +1,5 @@
 /* The projection scheme: its state, and the parts of its step in projection.c, motion.c, predictor.c,
- * corrector.c and steady.c. */
+ * corrector.c and measure.c. */
 #ifndef ISPH_PROJECTION_H
 #define ISPH_PROJECTION_H
 
@@ -68,7 +68,6 @@ PetscErrorCode FlowStep(const Scene *scene, Clock *clock, Particles *particles,
 PetscErrorCode MonolithStep(const Scene *scene, Clock *clock, Particles *particles,
                             Neighbors *neighbors, Operators *ops, Scheme *scheme);
 
-PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *particles, Scheme *scheme);
 PetscErrorCode PredictorStart(const Scene *scene, const Clock *clock, const Particles *particles,
                               const Operators *ops, PetscBool history, PetscReal at, Scheme *scheme,
                               PetscReal *dt);
@@ -80,8 +79,6 @@ PetscErrorCode ProjectVelocity(const Scene *scene, const Clock *clock, const Par
                                Operators *ops, Scheme *scheme);
 PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *ops,
                              Particles *particles, Scheme *scheme);
-PetscErrorCode MeasureFlow(const Scene *scene, const Particles *particles, const Operators *ops,
-                           const Vec u[], Scheme *scheme);
 PetscErrorCode MeasureBegin(const Scene *scene, const Particles *particles, const Operators *ops,
                             Scheme *scheme);
 PetscErrorCode StepJudge(const Scene *scene, const Clock *clock, const Particles *particles,

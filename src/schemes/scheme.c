@@ -79,9 +79,9 @@ static PetscErrorCode SchemeRefuseCoupled(const Scene *scene, const Operators *o
   UserCheck(!ops->together && !SceneViscosityVaries(scene),
             "-scheme coupled: it takes one viscosity, the same matrix for each component, and not "
             "%s; use -scheme projection",
-            SceneViscosityVaries(scene) ? "fluids of several"
-            : SceneIsNewtonian(scene)   ? ops->visc_form.row->name
-                                        : "-rheology");
+            !SceneIsNewtonian(scene)      ? "-rheology"
+            : SceneViscosityVaries(scene) ? "fluids of several"
+                                          : ops->visc_form.row->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -132,12 +132,12 @@ static PetscErrorCode MeasureDivergence(const Scene *scene, const Operators *ops
 }
 
 /*
-  MeasureFlow - Kinetic energy, largest speed and, where there is a pressure, largest divergence
+  Kinetic energy, largest speed and, where there is a pressure, largest divergence
 
   Collective. Input: u - velocity components. Output: scheme->stats.
 */
-PetscErrorCode MeasureFlow(const Scene *scene, const Particles *p, const Operators *ops,
-                           const Vec u[], Scheme *scheme)
+static PetscErrorCode MeasureFlow(const Scene *scene, const Particles *p, const Operators *ops,
+                                  const Vec u[], Scheme *scheme)
 {
   StepStats         *stats = &scheme->stats;
   PetscReal          sum = 0.0, most[2] = {0.0, ops->wall_drive};
