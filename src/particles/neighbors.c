@@ -2,7 +2,7 @@
   Rows of neighbours of own fluid particles, kept as long as they are good: where particles move
   little in a step, rows are made with a margin and serve until the margin is spent.
 */
-#include "isph/particles.h"
+#include "impl.h"
 
 #define MARGIN_LARGEST 0.15        /* of the radius */
 #define MARGIN_STEPS   10          /* how many steps a margin is to serve */
