@@ -67,6 +67,36 @@ static void test_couette(void **state)
   WalledForAll(PETSC_FALSE, CheckCouette);
 }
 
+/* In a closed box whose walls move with any linear flow, across and along: no viscous force, its own gradient. */
+static void CheckLinearFlow(const WalledForms *forms, const char *where, Cloud *cloud)
+{
+  const Operators *ops  = cloud->ops;
+  const Quadratic  zero = {0};
+
+  for (PetscInt k = 0; k < cloud->scene.dim; k++) {
+    const Quadratic u[3] = {QuadraticMonomial(cloud->scene.dim, k)};
+
+    WalledSetVelocity(cloud, u);
+    if (forms->laplacian->properties & FORM_EXACT_LINEAR) {
+      ASSERT_OK(AffineApply(&ops->visc, cloud->f[0], ops->wall_u[0], cloud->y));
+      WalledAssert("lap of linear flow", where, cloud, cloud->y, &zero, 2, 1e-8);
+    }
+    for (PetscInt a = 0; a < cloud->scene.dim; a++) {
+      const Quadratic exact = QuadraticDerivative(cloud, &u[0], a);
+
+      if (!(forms->gradient->properties & FORM_EXACT_LINEAR)) continue;
+      ASSERT_OK(AffineApply(&ops->grad_u[a], cloud->f[0], ops->wall_u[0], cloud->y));
+      WalledAssert("grad of linear flow", where, cloud, cloud->y, &exact, 1, 1e-8);
+    }
+  }
+}
+
+static void test_linear_flow(void **state)
+{
+  (void)state;
+  WalledForAll(PETSC_TRUE, CheckLinearFlow);
+}
+
 /* A lid that slides along fluid at rest moves no volume, at the corners neither: div u = 0. */
 static void CheckSlidingLid(const WalledForms *forms, const char *where, Cloud *cloud)
 {
@@ -251,8 +281,9 @@ int main(int argc, char **argv)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_constants),   cmocka_unit_test(test_couette),
-      cmocka_unit_test(test_sliding_lid), cmocka_unit_test(test_divergence),
-      cmocka_unit_test(test_wall_data),   cmocka_unit_test(test_refusals),
+      cmocka_unit_test(test_linear_flow), cmocka_unit_test(test_sliding_lid),
+      cmocka_unit_test(test_divergence),  cmocka_unit_test(test_wall_data),
+      cmocka_unit_test(test_refusals),
   };
   int failed;
 

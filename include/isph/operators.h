@@ -54,13 +54,15 @@ typedef struct {
   PetscReal *corrected[2];    /* room for corrected dW and ddW */
   PetscBool *wall;            /* neighbour is a wall particle */
   PetscReal *normal[ISPH_MAX_DIM]; /* of wall neighbours, into the fluid */
-  PetscReal *beta;                 /* of wall neighbours: f_j - f_i = beta (f_wall - f_i) */
-  PetscBool  fits_walls;           /* wall neighbours enter fits by role, else as plain points */
-  Role       role;                 /* of the wall neighbours in the fit at hand */
-  MlsFit     fit;                  /* quadratic, of that role; shared by gradient and Laplacian */
-  PetscReal  volume;               /* of the particle itself [m^dim] */
-  PetscReal  self[3];              /* W, dW/dr and d2W/dr2 at r = 0 [m^-dim, ...] */
-  PetscInt   weak;                 /* fits so far whose points did not determine them */
+  PetscInt  *side;                 /* of wall neighbours: which wall */
+  PetscReal *beta;       /* of wall neighbours: f_j - f_i = beta (f_wall - f_i), see foot.c */
+  PetscReal *share;      /* of wall neighbours: in their wall's velocity at the foot of i */
+  PetscBool  fits_walls; /* wall neighbours enter fits by role, else as plain points */
+  Role       role;       /* of the wall neighbours in the fit at hand */
+  MlsFit     fit;        /* quadratic, of that role; shared by gradient and Laplacian */
+  PetscReal  volume;     /* of the particle itself [m^dim] */
+  PetscReal  self[3];    /* W, dW/dr and d2W/dr2 at r = 0 [m^-dim, ...] */
+  PetscInt   weak;       /* fits so far whose points did not determine them */
 } Stencil;
 
 PetscErrorCode StencilCreate(PetscInt dim, PetscReal radius, PetscReal scale, Stencil **stencil);
@@ -209,6 +211,7 @@ typedef struct {
   PetscInt *slot; /* of each neighbour in its row of the pattern */
   PetscInt *near; /* where components go together: local index of the particle in a slot of fluid */
   PetscReal *w, *g[ISPH_MAX_DIM], *m; /* of one row */
+  PetscReal *wall_w;                  /* of its wall data, see foot.c */
   PetscInt   slot_capacity;
   PetscInt   epoch, moved; /* stamps of the particles the operators were assembled from */
   PetscInt   assemblies;   /* stamp of the matrices: changes when they do */

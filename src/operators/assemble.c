@@ -45,11 +45,13 @@ static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, cons
         height -= X[a] * p->normal[a][j];
       }
       st->beta[n] = ops->wall->Beta(scene, height - p->depth[j], p->depth[j]);
+      st->side[n] = (PetscInt)p->side[j];
       st->n_wall++;
     }
     n++;
   }
   st->n = n;
+  if (st->n_wall && HasFeet(ops)) FootShares(st);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -165,9 +167,10 @@ static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, cons
     longest = PetscMax(longest, nb->row[i + 1] - nb->row[i] + 1);
   if (longest > ops->slot_capacity) {
     ops->slot_capacity = 2 * longest;
-    PetscCall(PetscFree3(ops->slot, ops->w, ops->m));
-    PetscCall(PetscMalloc3(3 * ops->slot_capacity, &ops->slot, ops->slot_capacity * ops->visc.width,
-                           &ops->w, ops->slot_capacity, &ops->m));
+    PetscCall(PetscFree4(ops->slot, ops->w, ops->m, ops->wall_w));
+    PetscCall(PetscMalloc4(3 * ops->slot_capacity, &ops->slot, ops->slot_capacity * ops->visc.width,
+                           &ops->w, ops->slot_capacity, &ops->m,
+                           ops->slot_capacity * ops->visc.width, &ops->wall_w));
     for (PetscInt a = 0; a < scene->dim; a++) {
       PetscCall(PetscFree(ops->g[a]));
       PetscCall(PetscMalloc1(ops->slot_capacity, &ops->g[a]));

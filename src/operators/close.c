@@ -13,17 +13,17 @@
 #include "rows.h"
 
 /*
-  A row on values: sum_k w_k (f_k - f_i), f_wall - f_i taken beta-fold; a treatment that extends the
-  fluid gives each wall particle its value afterwards, in ExtendWalls().
+  A row on values: sum_k w_k (f_k - f_i), f_wall - f_i as foot.c has it; a wall on the surface has its own
+  value, and a treatment that extends the fluid gives each wall particle one afterwards, in ExtendWalls().
 */
 void CloseRow_Value(const Stencil *st, const Operators *ops, PetscInt diagonal, const PetscReal w[],
                     AffineOperator *op)
 {
-  const PetscBool extended = ops->wall && ops->wall->Extend ? PETSC_TRUE : PETSC_FALSE;
-  PetscReal       sum      = 0.0;
+  PetscReal sum = 0.0, *b = ops->wall_w;
 
+  if (st->n_wall && HasFeet(ops)) FootWeights(st, 1, w, b);
   for (PetscInt k = 0; k < st->n; k++) {
-    const PetscReal weight = st->wall[k] && !extended ? w[k] * st->beta[k] : w[k];
+    const PetscReal weight = st->wall[k] && HasFeet(ops) ? b[k] : w[k];
 
     if (st->wall[k]) op->b[ops->slot[k]] += weight;
     else op->a[ops->slot[k]] += weight;

@@ -15,6 +15,14 @@ static inline PetscReal PairViscosity(PetscReal own, PetscReal other)
 
 void WeighByViscosity(const Scene *scene, const Particles *particles, const Stencil *stencil,
                       PetscReal w[]);
+/* Whether walls speak through dummies whose values follow from their beta. */
+static inline PetscBool HasFeet(const Operators *ops)
+{
+  return ops->wall && !ops->wall->on_surface && !ops->wall->Extend ? PETSC_TRUE : PETSC_FALSE;
+}
+
+void FootShares(Stencil *stencil);
+void FootWeights(const Stencil *stencil, PetscInt width, const PetscReal w[], PetscReal b[]);
 void CloseRow_Value(const Stencil *stencil, const Operators *ops, PetscInt diagonal,
                     const PetscReal w[], AffineOperator *op);
 void KeepRow(const Stencil *stencil, PetscInt diagonal, const PetscReal w[], Operators *ops);

@@ -283,7 +283,7 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   PetscCall(VecDestroy(&ops->wall_slope));
   PetscCall(VecDestroy(&ops->wall_slope_step));
   PetscCall(PetscFree(ops->concentration));
-  PetscCall(PetscFree3(ops->slot, ops->w, ops->m));
+  PetscCall(PetscFree4(ops->slot, ops->w, ops->m, ops->wall_w));
   PetscCall(PetscFree(ops->near));
   PetscCall(PatternFree(&ops->fluid));
   PetscCall(PatternFree(&ops->walls));

@@ -25,7 +25,7 @@ static PetscErrorCode StencilFree(Stencil *st)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree2(st->X[a], st->normal[a]));
   PetscCall(PetscFree7(st->r, st->V, st->W, st->dW, st->ddW, st->beta, st->j));
-  PetscCall(PetscFree3(st->wall, st->corrected[0], st->corrected[1]));
+  PetscCall(PetscFree5(st->wall, st->corrected[0], st->corrected[1], st->side, st->share));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -51,8 +51,8 @@ PetscErrorCode StencilReserve(Stencil *st, PetscInt n)
   PetscCall(PetscMalloc7(st->capacity, &st->r, st->capacity, &st->V, st->capacity, &st->W,
                          st->capacity, &st->dW, st->capacity, &st->ddW, st->capacity, &st->beta,
                          st->capacity, &st->j));
-  PetscCall(PetscMalloc3(st->capacity, &st->wall, st->capacity, &st->corrected[0], st->capacity,
-                         &st->corrected[1]));
+  PetscCall(PetscMalloc5(st->capacity, &st->wall, st->capacity, &st->corrected[0], st->capacity,
+                         &st->corrected[1], st->capacity, &st->side, st->capacity, &st->share));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

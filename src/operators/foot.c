@@ -1,0 +1,88 @@
+/*
+  What a dummy says of its wall in the row of particle i. Its velocity lies on the line through the fluid and the
+  wall, whose velocity may vary along it:
+
+    u_w - u_i = (u_wall,w - u_wall,i) + beta (u_wall,i - u_i),
+
+  u_wall,w the wall's velocity at the foot of the dummy, u_wall,i that at the foot of i. The latter is a linear fit
+  along the wall through the wall neighbours of its side; without it rows would see the variation along the wall
+  beta-fold.
+*/
+#include "close.h"
+
+/* The part of X along the wall of neighbour k, over the support's radius. */
+static void Along(const Stencil *st, PetscInt k, PetscReal s[])
+{
+  PetscReal height = 0.0;
+
+  for (PetscInt a = 0; a < st->dim; a++) height += st->X[a][k] * st->normal[a][k];
+  for (PetscInt a = 0; a < st->dim; a++)
+    s[a] = (st->X[a][k] - height * st->normal[a][k]) / st->radius;
+}
+
+/* Shares of the wall neighbours of one side in the velocity at the foot; they sum up to 1. */
+static void SideShares(Stencil *st, PetscInt side)
+{
+  const PetscInt n                                               = st->dim + 1;
+  PetscReal      moment[(ISPH_MAX_DIM + 1) * (ISPH_MAX_DIM + 1)] = {0.0}, sum = 0.0;
+  PetscReal      factor[(ISPH_MAX_DIM + 1) * (ISPH_MAX_DIM + 1)];
+  PetscReal      at_foot[ISPH_MAX_DIM + 1] = {1.0}, phi[ISPH_MAX_DIM + 1] = {1.0};
+
+  for (PetscInt k = 0; k < st->n; k++) {
+    if (!st->wall[k] || st->side[k] != side) continue;
+    Along(st, k, phi + 1);
+    for (PetscInt t = 0; t < n * n; t++) moment[t] += st->W[k] * phi[t / n] * phi[t % n];
+  }
+  DenseCholeskyRidge(n, moment, 1e-12, factor); /* nothing varies along the normal */
+  DenseCholeskySolve(n, factor, at_foot);
+  for (PetscInt k = 0; k < st->n; k++) {
+    if (!st->wall[k] || st->side[k] != side) continue;
+    Along(st, k, phi + 1);
+    st->share[k] = 0.0;
+    for (PetscInt t = 0; t < n; t++) st->share[k] += st->W[k] * phi[t] * at_foot[t];
+    sum += st->share[k];
+  }
+  for (PetscInt k = 0; k < st->n; k++) {
+    if (st->wall[k] && st->side[k] == side) st->share[k] /= sum;
+  }
+}
+
+/* FootShares - Fills share of all wall neighbours; not collective */
+void FootShares(Stencil *st)
+{
+  PetscBool done[SCENE_MAX_PLANES] = {PETSC_FALSE};
+
+  for (PetscInt k = 0; k < st->n; k++) {
+    if (!st->wall[k] || done[st->side[k]]) continue;
+    SideShares(st, st->side[k]);
+    done[st->side[k]] = PETSC_TRUE;
+  }
+}
+
+/*
+  FootWeights - Weights of wall data for those of u_w - u_i
+
+    b_w = w_w + share_w sum_v w_v (beta_v - 1),   v over the wall neighbours of w's side
+
+  Not collective.
+
+  Input Parameters:
++ width - entries of each neighbour's weight
+- w     - of u_k - u_i, neighbour by neighbour
+
+  Output Parameter:
+. b - of wall neighbours' velocities; nothing is written for fluid; their sum is that of beta w
+*/
+void FootWeights(const Stencil *st, PetscInt width, const PetscReal w[], PetscReal b[])
+{
+  PetscReal excess[SCENE_MAX_PLANES] = {0.0};
+
+  for (PetscInt e = 0; e < width; e++) {
+    for (PetscInt k = 0; k < st->n; k++)
+      if (st->wall[k]) excess[st->side[k]] = 0.0;
+    for (PetscInt k = 0; k < st->n; k++)
+      if (st->wall[k]) excess[st->side[k]] += w[k * width + e] * (st->beta[k] - 1.0);
+    for (PetscInt k = 0; k < st->n; k++)
+      if (st->wall[k]) b[k * width + e] = w[k * width + e] + st->share[k] * excess[st->side[k]];
+  }
+}
