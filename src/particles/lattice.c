@@ -316,8 +316,9 @@ static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
       room = PetscMin(span[0] - scene->lo[a], scene->hi[a] - span[1]);
       UserCheck(room >= want - 1e-9 * scene->dx,
                 "body %" PetscInt_FMT " has the fluid inside, and the box leaves %.4g m behind it "
-                "along %c; its wall takes %.4g m; use a larger -scene_box or a smaller -h_over_dx",
-                k + 1, (double)room, "xy"[a], (double)want);
+                "along %c; its wall takes %.4g m; use %sa smaller -h_over_dx",
+                k + 1, (double)room, "xy"[a], (double)want,
+                scene -> problem -> typed ? "a larger -scene_box or " : "");
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

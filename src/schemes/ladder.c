@@ -39,19 +39,22 @@ static PetscErrorCode LadderRung(KSP ksp, PetscInt k, Guard *guard)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether a rung is what has failed already. */
+/* Whether a rung is what has failed already, or needs a factorisation on several ranks that is not there. */
 static PetscErrorCode LadderSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBool saddle,
                                   PetscBool *skips)
 {
-  PetscBool same_ksp, same_pc;
-  PC        pc;
+  PetscBool   same_ksp, same_pc;
+  PetscMPIInt ranks;
+  PC          pc;
 
   PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PetscObjectTypeCompare((PetscObject)ksp, rungs[k].ksp, &same_ksp));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, rungs[k].pc, &same_pc));
   *skips = (same_ksp && same_pc) || (rungs[k].most && rows > rungs[k].most) ||
-                   (saddle && !rungs[k].saddle)
+                   (saddle && !rungs[k].saddle) ||
+                   (rungs[k].most && ranks > 1 && !PetscDefined(HAVE_MUMPS))
                ? PETSC_TRUE
                : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
