@@ -51,7 +51,7 @@ static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, cons
     n++;
   }
   st->n = n;
-  if (st->n_wall && HasFeet(ops)) FootShares(st);
+  FootShares(ops, st);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

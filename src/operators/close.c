@@ -19,27 +19,17 @@
 void CloseRow_Value(const Stencil *st, const Operators *ops, PetscInt diagonal, const PetscReal w[],
                     AffineOperator *op)
 {
-  PetscReal sum = 0.0, *b = ops->wall_w;
+  const PetscReal *b   = WallWeights(st, ops, 1, w);
+  PetscReal        sum = 0.0;
 
-  if (st->n_wall && HasFeet(ops)) FootWeights(st, 1, w, b);
   for (PetscInt k = 0; k < st->n; k++) {
-    const PetscReal weight = st->wall[k] && HasFeet(ops) ? b[k] : w[k];
+    const PetscReal weight = st->wall[k] ? b[k] : w[k];
 
     if (st->wall[k]) op->b[ops->slot[k]] += weight;
     else op->a[ops->slot[k]] += weight;
     sum += weight;
   }
   op->a[diagonal] -= sum;
-}
-
-/* Parts of X of wall neighbour k: returns X.n and gives X_t. */
-static PetscReal SplitX(const Stencil *st, PetscInt k, PetscReal tangent[])
-{
-  PetscReal height = 0.0;
-
-  for (PetscInt a = 0; a < st->dim; a++) height += st->X[a][k] * st->normal[a][k];
-  for (PetscInt a = 0; a < st->dim; a++) tangent[a] = st->X[a][k] - height * st->normal[a][k];
-  return height;
 }
 
 /*

@@ -15,16 +15,21 @@ static inline PetscReal PairViscosity(PetscReal own, PetscReal other)
 
 void WeighByViscosity(const Scene *scene, const Particles *particles, const Stencil *stencil,
                       PetscReal w[]);
-/* Whether walls speak through dummies whose values follow from their beta. */
-static inline PetscBool HasFeet(const Operators *ops)
+/* Parts of X of wall neighbour k: returns X.n and gives X_t. */
+static inline PetscReal SplitX(const Stencil *st, PetscInt k, PetscReal tangent[])
 {
-  return ops->wall && !ops->wall->on_surface && !ops->wall->Extend ? PETSC_TRUE : PETSC_FALSE;
+  PetscReal height = 0.0;
+
+  for (PetscInt a = 0; a < st->dim; a++) height += st->X[a][k] * st->normal[a][k];
+  for (PetscInt a = 0; a < st->dim; a++) tangent[a] = st->X[a][k] - height * st->normal[a][k];
+  return height;
 }
 
-void FootShares(Stencil *stencil);
-void FootWeights(const Stencil *stencil, PetscInt width, const PetscReal w[], PetscReal b[]);
-void CloseRow_Value(const Stencil *stencil, const Operators *ops, PetscInt diagonal,
-                    const PetscReal w[], AffineOperator *op);
+void             FootShares(const Operators *ops, Stencil *stencil);
+const PetscReal *WallWeights(const Stencil *stencil, const Operators *ops, PetscInt width,
+                             const PetscReal w[]);
+void             CloseRow_Value(const Stencil *stencil, const Operators *ops, PetscInt diagonal,
+                                const PetscReal w[], AffineOperator *op);
 void KeepRow(const Stencil *stencil, PetscInt diagonal, const PetscReal w[], Operators *ops);
 PetscErrorCode AssembleTogether(const Scene *scene, const Particles *particles, Operators *ops);
 PetscErrorCode CloseRows_Pressure(const Scene *scene, Stencil *stencil, PetscInt diagonal,

@@ -10,14 +10,18 @@
 */
 #include "close.h"
 
-/* The part of X along the wall of neighbour k, over the support's radius. */
-static void Along(const Stencil *st, PetscInt k, PetscReal s[])
+/* Whether walls speak through dummies whose values follow from their beta. */
+static PetscBool HasFeet(const Stencil *st, const Operators *ops)
 {
-  PetscReal height = 0.0;
+  return st->n_wall && !ops->wall->on_surface && !ops->wall->Extend ? PETSC_TRUE : PETSC_FALSE;
+}
 
-  for (PetscInt a = 0; a < st->dim; a++) height += st->X[a][k] * st->normal[a][k];
-  for (PetscInt a = 0; a < st->dim; a++)
-    s[a] = (st->X[a][k] - height * st->normal[a][k]) / st->radius;
+/* The terms of the fit at neighbour k: 1, and X_t over the support's radius. */
+static void AlongWall(const Stencil *st, PetscInt k, PetscReal phi[])
+{
+  phi[0] = 1.0;
+  (void)SplitX(st, k, &phi[1]);
+  for (PetscInt a = 0; a < st->dim; a++) phi[1 + a] /= st->radius;
 }
 
 /* Shares of the wall neighbours of one side in the velocity at the foot; they sum up to 1. */
@@ -26,18 +30,18 @@ static void SideShares(Stencil *st, PetscInt side)
   const PetscInt n                                               = st->dim + 1;
   PetscReal      moment[(ISPH_MAX_DIM + 1) * (ISPH_MAX_DIM + 1)] = {0.0}, sum = 0.0;
   PetscReal      factor[(ISPH_MAX_DIM + 1) * (ISPH_MAX_DIM + 1)];
-  PetscReal      at_foot[ISPH_MAX_DIM + 1] = {1.0}, phi[ISPH_MAX_DIM + 1] = {1.0};
+  PetscReal      at_foot[ISPH_MAX_DIM + 1] = {1.0}, phi[ISPH_MAX_DIM + 1];
 
   for (PetscInt k = 0; k < st->n; k++) {
     if (!st->wall[k] || st->side[k] != side) continue;
-    Along(st, k, phi + 1);
+    AlongWall(st, k, phi);
     for (PetscInt t = 0; t < n * n; t++) moment[t] += st->W[k] * phi[t / n] * phi[t % n];
   }
   DenseCholeskyRidge(n, moment, 1e-12, factor); /* nothing varies along the normal */
   DenseCholeskySolve(n, factor, at_foot);
   for (PetscInt k = 0; k < st->n; k++) {
     if (!st->wall[k] || st->side[k] != side) continue;
-    Along(st, k, phi + 1);
+    AlongWall(st, k, phi);
     st->share[k] = 0.0;
     for (PetscInt t = 0; t < n; t++) st->share[k] += st->W[k] * phi[t] * at_foot[t];
     sum += st->share[k];
@@ -47,11 +51,12 @@ static void SideShares(Stencil *st, PetscInt side)
   }
 }
 
-/* FootShares - Fills share of all wall neighbours; not collective */
-void FootShares(Stencil *st)
+/* FootShares - Fills share of all wall neighbours that are dummies; not collective */
+void FootShares(const Operators *ops, Stencil *st)
 {
   PetscBool done[SCENE_MAX_PLANES] = {PETSC_FALSE};
 
+  if (!HasFeet(st, ops)) return;
   for (PetscInt k = 0; k < st->n; k++) {
     if (!st->wall[k] || done[st->side[k]]) continue;
     SideShares(st, st->side[k]);
@@ -60,9 +65,11 @@ void FootShares(Stencil *st)
 }
 
 /*
-  FootWeights - Weights of wall data for those of u_w - u_i
+  WallWeights - Weights of wall data for those of u_w - u_i
 
     b_w = w_w + share_w sum_v w_v (beta_v - 1),   v over the wall neighbours of w's side
+
+  of dummies, whose sum is that of beta w; other walls have their own value, or are given one afterwards: b = w.
 
   Not collective.
 
@@ -70,13 +77,14 @@ void FootShares(Stencil *st)
 + width - entries of each neighbour's weight
 - w     - of u_k - u_i, neighbour by neighbour
 
-  Output Parameter:
-. b - of wall neighbours' velocities; nothing is written for fluid; their sum is that of beta w
+  Returns: b, to be read for wall neighbours only; good until the next call
 */
-void FootWeights(const Stencil *st, PetscInt width, const PetscReal w[], PetscReal b[])
+const PetscReal *WallWeights(const Stencil *st, const Operators *ops, PetscInt width,
+                             const PetscReal w[])
 {
-  PetscReal excess[SCENE_MAX_PLANES] = {0.0};
+  PetscReal excess[SCENE_MAX_PLANES] = {0.0}, *b = ops->wall_w;
 
+  if (!HasFeet(st, ops)) return w;
   for (PetscInt e = 0; e < width; e++) {
     for (PetscInt k = 0; k < st->n; k++)
       if (st->wall[k]) excess[st->side[k]] = 0.0;
@@ -85,4 +93,5 @@ void FootWeights(const Stencil *st, PetscInt width, const PetscReal w[], PetscRe
     for (PetscInt k = 0; k < st->n; k++)
       if (st->wall[k]) b[k * width + e] = w[k * width + e] + st->share[k] * excess[st->side[k]];
   }
+  return b;
 }

@@ -17,7 +17,8 @@ static PetscErrorCode OperatorsChooseLaplacian(PetscOptionItems *PetscOptionsObj
 
 /*
   mls, but the whole stress where the viscosity is not the same everywhere and the flow not as simple as a
-  channel's, which has no pressure and no bodies: what turns beside another viscosity is wrong by tens of per cent in lap u.
+  channel's, which has no pressure and no bodies: what turns beside another viscosity is wrong by tens of per
+  cent in lap u.
 */
 static const char *DefaultLaplacian(const Scene *scene)
 {

@@ -17,13 +17,13 @@ static PetscInt SlotEntries(const Operators *ops, PetscInt dim)
 /* KeepRow - The weights of one row in their slots, f_wall - f_i as foot.c has it; not collective */
 void KeepRow(const Stencil *st, PetscInt diagonal, const PetscReal w[], Operators *ops)
 {
-  const PetscInt  width = ops->visc.width;
-  AffineOperator *op    = &ops->visc;
+  const PetscInt   width = ops->visc.width;
+  const PetscReal *b     = WallWeights(st, ops, width, w);
+  AffineOperator  *op    = &ops->visc;
 
-  if (st->n_wall && HasFeet(ops)) FootWeights(st, width, w, ops->wall_w);
   for (PetscInt k = 0; k < st->n; k++) {
     PetscReal       *to   = (st->wall[k] ? op->b : op->a) + ops->slot[k] * width;
-    const PetscReal *from = st->wall[k] && HasFeet(ops) ? ops->wall_w : w;
+    const PetscReal *from = st->wall[k] ? b : w;
 
     for (PetscInt e = 0; e < width; e++) to[e] += from[k * width + e];
     if (!st->wall[k]) ops->near[ops->slot[k]] = st->j[k];

@@ -310,15 +310,15 @@ static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
     const PetscReal want = walls.layers * scene->dx;
 
     for (PetscInt a = 0; a < 2 && body->around; a++) {
-      PetscReal span[2], room;
+      const char *const larger = scene->problem->typed ? "a larger -scene_box or " : "";
+      PetscReal         span[2], room;
 
       BodySpan(body, a, span);
       room = PetscMin(span[0] - scene->lo[a], scene->hi[a] - span[1]);
       UserCheck(room >= want - 1e-9 * scene->dx,
                 "body %" PetscInt_FMT " has the fluid inside, and the box leaves %.4g m behind it "
                 "along %c; its wall takes %.4g m; use %sa smaller -h_over_dx",
-                k + 1, (double)room, "xy"[a], (double)want,
-                scene -> problem -> typed ? "a larger -scene_box or " : "");
+                k + 1, (double)room, "xy"[a], (double)want, larger);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
