@@ -19,8 +19,9 @@ void CavityWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pe
 }
 
 /*
-  References: extrema on the centrelines over U, from when to when they hold (t U/L, below Re = 10 t nu/L^2),
-  and the files of profiles. The finite-volume data were extrapolated from two or three meshes (see the files' heads).
+  References: extrema on the centrelines over U, from when to when they hold (t U/L, below Re = 10
+  t nu/L^2), and the files of profiles. The finite-volume data were extrapolated from two or three
+  meshes (see the files' heads).
 */
 typedef struct {
   PetscInt    dim;
@@ -53,7 +54,8 @@ static const CavityReference references[] = {
      "cavity_re1000_v.csv"},
 };
 
-/* Whether the run has the physics that a reference is of; creeping flow may leave convection out. */
+/* Whether the run has the physics that a reference is of; creeping flow may leave convection
+   out. */
 static PetscBool ReferenceApplies(const Scene *scene, const CavityReference *r)
 {
   const unsigned full = scene->problem->physics;

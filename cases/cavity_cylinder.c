@@ -1,6 +1,6 @@
 /*
-  Lid-driven square cavity with a fixed cylinder of diameter L/2 at its centre, after Zheng, Ma & Shao
-  (2018), section 5.2. Compared with body-fitted finite volumes.
+  Lid-driven square cavity with a fixed cylinder of diameter L/2 at its centre, after Zheng, Ma &
+  Shao (2018), section 5.2. Compared with body-fitted finite volumes.
 */
 #include "cases.h"
 
@@ -14,8 +14,8 @@ PetscErrorCode CavityCylinderSetup(Scene *scene)
 }
 
 /*
-  CavityCylinderJudge - Extrema and profiles on the centrelines outside the cylinder, at Re = 1000 against
-  finite volumes at t = 40 from rest (extrapolated from 2,176, 8,704 and 34,816 cells)
+  CavityCylinderJudge - Extrema and profiles on the centrelines outside the cylinder, at Re = 1000
+  against finite volumes at t = 40 from rest (extrapolated from 2,176, 8,704 and 34,816 cells)
 */
 PetscErrorCode CavityCylinderJudge(const Flow *flow, Report *report)
 {

@@ -1,12 +1,13 @@
 /*
-  What cavities are judged by: extrema and profiles of the velocity on the centrelines, and the kinetic
-  energy in the course of time from rest.
+  What cavities are judged by: extrema and profiles of the velocity on the centrelines, and the
+  kinetic energy in the course of time from rest.
 */
 #include "cases.h"
 
 #define LINE_POINTS 401
 
-/* Velocity component c over U at n points along axis a through the centre, at s over the box's width. */
+/* Velocity component c over U at n points along axis a through the centre, at s over the box's
+   width. */
 static PetscErrorCode SampleLine(const Flow *flow, PetscInt a, PetscInt c, PetscInt n,
                                  const PetscReal s[], PetscReal value[])
 {
@@ -54,8 +55,8 @@ static PetscErrorCode AddExtremum(const char name[], const PetscReal value[], Pe
 }
 
 /*
-  CentrelineExtrema - u_min on the line along y through the middle of the box, v_max and v_min on the one
-  along x, over U
+  CentrelineExtrema - u_min on the line along y through the middle of the box, v_max and v_min on
+  the one along x, over U
 
   Collective. Input: references, NaN for none.
 */
@@ -99,8 +100,8 @@ PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const
 /*
   ReferenceEnergy - Kinetic energy from rest at the present time, between the times of a file [J/m]
 
-  Collective. NaN where the file, NULL for none, does not hold for this run, and for a steady flow solved for
-  without time.
+  Collective. NaN where the file, NULL for none, does not hold for this run, and for a steady flow
+  solved for without time.
 */
 PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], PetscReal *energy)
 {

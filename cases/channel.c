@@ -20,7 +20,8 @@ static PetscErrorCode ChannelBox(Scene *scene)
     u_profile_l2   = sqrt(mean (u - U)^2)/max U,  U the exact velocity of the moment
     u_relative_rms = sqrt(mean ((u - U)/U)^2), where `relative`
 
-  Reference of the second: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eq. (38)
+  Reference of the second: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009),
+  Eq. (38)
 */
 static PetscErrorCode JudgeProfile(const Flow *flow, PetscBool relative, Report *report)
 {
@@ -51,7 +52,8 @@ static PetscErrorCode JudgeProfile(const Flow *flow, PetscBool relative, Report 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CouetteJudge - The profile's errors; far from the wall that moves U is as good as zero at first */
+/* CouetteJudge - The profile's errors; far from the wall that moves U is as good as zero at
+   first */
 PetscErrorCode CouetteJudge(const Flow *flow, Report *report)
 {
   PetscFunctionBegin;
@@ -120,8 +122,8 @@ PetscErrorCode PoiseuilleSetup(Scene *scene)
 }
 
 /*
-  Steady velocity between plates of a fluid whose viscosity follows the strain rate: the shear stress is
-  f (d - s) at a distance s from the nearer wall, so
+  Steady velocity between plates of a fluid whose viscosity follows the strain rate: the shear
+  stress is f (d - s) at a distance s from the nearer wall, so
 
     u = int_(tau(y))^(tau_w) g(tau) dtau/f,   g the strain rate of the true fluid at a stress,
 

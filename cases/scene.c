@@ -1,6 +1,6 @@
 /*
-  A scene typed by the user: a box with its sides, and bodies in it. What the options of -scene_ do not say
-  is at rest.
+  A scene typed by the user: a box with its sides, and bodies in it. What the options of -scene_ do
+  not say is at rest.
 */
 #include "cases.h"
 
@@ -57,8 +57,8 @@ static PetscErrorCode JudgeBodies(const Flow *flow, Report *report)
 }
 
 /*
-  SceneTypedJudge - Errors against -scene_exact, force and torque on each body, extrema on the centrelines of
-  a closed box without bodies, integrals
+  SceneTypedJudge - Errors against -scene_exact, force and torque on each body, extrema on the
+  centrelines of a closed box without bodies, integrals
 */
 PetscErrorCode SceneTypedJudge(const Flow *flow, Report *report)
 {

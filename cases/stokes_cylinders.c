@@ -1,12 +1,13 @@
 /*
-  Creeping flow through a square array of cylinders: one cylinder in a periodic cell of side L, driven by
-  a body force; its drag against the series solution. The solid fraction is set by -solid_fraction.
+  Creeping flow through a square array of cylinders: one cylinder in a periodic cell of side L,
+  driven by a body force; its drag against the series solution. The solid fraction is set by
+  -solid_fraction.
 */
 #include "cases.h"
 
 /*
-  Drag of a cylinder of the array on mu U, U the superficial velocity: series in the solid fraction c,
-  good at small ones
+  Drag of a cylinder of the array on mu U, U the superficial velocity: series in the solid fraction
+  c, good at small ones
 
     F/(mu U) = 4 pi/(-ln(c)/2 - 0.738 + c - 0.887 c^2 + 2.038 c^3),
 
@@ -31,7 +32,8 @@ static PetscReal TabulatedDrag(PetscReal c)
   return NAN;
 }
 
-/* The force that drives it gives velocities of order U: f = nu U/L^2 times the drag at that fraction. */
+/* The force that drives it gives velocities of order U: f = nu U/L^2 times the drag at that
+   fraction. */
 PetscErrorCode StokesCylindersSetup(Scene *scene)
 {
   const PetscReal middle = 0.5 * scene->length,
@@ -69,8 +71,8 @@ static PetscErrorCode SuperficialVelocity(const Flow *flow, PetscReal *mean)
 }
 
 /*
-  StokesCylindersJudge - Drag on mu U, from the traction on the cylinder and from the balance with the
-  driving force, which the steady flow must have
+  StokesCylindersJudge - Drag on mu U, from the traction on the cylinder and from the balance with
+  the driving force, which the steady flow must have
 */
 PetscErrorCode StokesCylindersJudge(const Flow *flow, Report *report)
 {

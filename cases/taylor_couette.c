@@ -1,6 +1,6 @@
 /*
-  Flow between concentric cylinders, R1 = L/2 turning with surface speed U inside R2 = L at rest: steady
-  Taylor-Couette flow below the onset of vortices, exact.
+  Flow between concentric cylinders, R1 = L/2 turning with surface speed U inside R2 = L at rest:
+  steady Taylor-Couette flow below the onset of vortices, exact.
 */
 #include "cases.h"
 
@@ -24,8 +24,8 @@ PetscErrorCode TaylorCouetteSetup(Scene *scene)
 }
 
 /*
-  TaylorCouetteExact - Rest at the start, else the steady velocity and pressure, which are reached after
-  a few (R2 - R1)^2/nu
+  TaylorCouetteExact - Rest at the start, else the steady velocity and pressure, which are reached
+  after a few (R2 - R1)^2/nu
 
     u_theta = A r + B/r,  A = -U R1/(R2^2 - R1^2),  B = U R1 R2^2/(R2^2 - R1^2)
     p = rho (A^2 r^2/2 + 2 A B ln r - B^2/(2 r^2)) + const
@@ -46,7 +46,8 @@ void TaylorCouetteExact(const Scene *scene, PetscReal t, const PetscReal x[], Pe
   *p   = scene->rho * (0.5 * A * A * r2 + A * B * PetscLogReal(r2) - 0.5 * B * B / r2);
 }
 
-/* TaylorCouetteJudge - Norms, and the torque on the inner cylinder, -4 pi mu B per metre of depth */
+/* TaylorCouetteJudge - Norms, and the torque on the inner cylinder, -4 pi mu B per metre of
+   depth */
 PetscErrorCode TaylorCouetteJudge(const Flow *flow, Report *report)
 {
   const Scene    *scene = flow->scene;

@@ -1,4 +1,5 @@
-/* The small dense factors of stencils: what is definite, what a ridge mends, and what nothing does. */
+/* The small dense factors of stencils: what is definite, what a ridge mends, and what nothing
+   does. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -24,7 +25,8 @@ static void test_definite(void **state)
   for (PetscInt i = 0; i < N; i++) assert_true(PetscAbsReal(b[i] - x[i]) < 1e-14);
 }
 
-/* Points on a line: the matrix knows no second axis. With a ridge the solution is the smallest one. */
+/* Points on a line: the matrix knows no second axis. With a ridge the solution is the smallest
+   one. */
 static void test_ridge(void **state)
 {
   const PetscReal a[4] = {1.0, 2.0, 2.0, 4.0};

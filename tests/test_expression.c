@@ -1,6 +1,6 @@
 /*
-  Expressions: values against C's own arithmetic, what they depend on, rates against derivatives, and texts
-  that cannot be understood refused with the option and the place in the text.
+  Expressions: values against C's own arithmetic, what they depend on, rates against derivatives,
+  and texts that cannot be understood refused with the option and the place in the text.
 */
 /* RANKS: 1 2 */
 #include <string.h>
@@ -99,7 +99,8 @@ static void test_components(void **state)
   assert_int_equal(ExpressionScopeDestroy(&scope), PETSC_SUCCESS);
 }
 
-/* d/dt sin(3t) to (1e-5 w tau)^2/6 of it, 4.5e-10, and rounding over 1e-5 tau, 2e-11; times before zero are not asked for. */
+/* d/dt sin(3t) to (1e-5 w tau)^2/6 of it, 4.5e-10, and rounding over 1e-5 tau, 2e-11; times
+   before zero are not asked for. */
 static void test_rate(void **state)
 {
   ExpressionScope *scope = Scope(2);
@@ -157,7 +158,8 @@ static void test_refused(void **state)
   assert_int_equal(ExpressionScopeDestroy(&scope), PETSC_SUCCESS);
 }
 
-/* A value that is not finite on one rank ends the run on all, with the option, the place and the time. */
+/* A value that is not finite on one rank ends the run on all, with the option, the place and the
+   time. */
 static void test_not_finite(void **state)
 {
   const PetscReal  x[]          = {0.5, 0.25};

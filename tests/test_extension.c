@@ -1,12 +1,13 @@
 /*
-  Wall treatments that give dummies one velocity from the fluid near them, with and without particles on
-  the surface: what each reproduces exactly, and nothing more than that, behind sides, edges and a
-  curved wall, on any number of ranks.
+  Wall treatments that give dummies one velocity from the fluid near them, with and without
+  particles on the surface: what each reproduces exactly, and nothing more than that, behind sides,
+  edges and a curved wall, on any number of ranks.
 */
 /* RANKS: 1 3 */
 #include "walled.h"
 
-/* Velocities whose extension is the velocity itself; test_claims holds the list against the table. */
+/* Velocities whose extension is the velocity itself; test_claims holds the list against the
+   table. */
 static const struct {
   const char *name;
   PetscBool   linear, quadratic; /* any such field, whatever it is on the wall */
@@ -61,7 +62,8 @@ static void ForAllTreatments(const CloudBox *box, size_t pair, WalledCheck check
   }
 }
 
-/* In closed boxes or channels of two and three dimensions, on lattices (3D: closed ones) and disorder. */
+/* In closed boxes or channels of two and three dimensions, on lattices (3D: closed ones) and
+   disorder. */
 static void ForAllBoxes(PetscBool closed, size_t pair, WalledCheck check)
 {
   for (PetscInt dim = 2; dim <= 3; dim++) {
@@ -108,7 +110,8 @@ static PetscReal VelocityError(const Quadratic *u, Cloud *cloud)
   return largest;
 }
 
-/* Fields of a claim are exact, up to the rounding of fits; one outside it is off by a per cent of u. */
+/* Fields of a claim are exact, up to the rounding of fits; one outside it is off by a per cent
+   of u. */
 static void AssertClaim(const char *what, const char *where, PetscBool claimed, PetscReal error)
 {
   CloudAssertNone(what, where, claimed ? !(error <= 1e-8) : !(error >= 1e-2));
@@ -199,8 +202,8 @@ static void CheckTurning(const WalledForms *forms, const char *where, Cloud *clo
 
 /*
   Fluid and wall particles fill the box and as much around it and inside the cylinder as there are
-  layers: exactly so at flat walls; at the cylinder up to the few lattice points by which a disc of this
-  size may miss its area, 6 for two circles.
+  layers: exactly so at flat walls; at the cylinder up to the few lattice points by which a disc
+  of this size may miss its area, 6 for two circles.
 */
 static void CheckVolume(const WalledForms *forms, const char *where, Cloud *cloud)
 {

@@ -84,7 +84,8 @@ static PetscReal SlopeError(const Stencil *st, const PetscReal w[])
   return worst;
 }
 
-/* full_support: the row is blind to roles. Without it n.grad f of walls serves as well as values. */
+/* full_support: the row is blind to roles. Without it n.grad f of walls serves as well as
+   values. */
 static void test_roles(void **state)
 {
   (void)state;

@@ -1,6 +1,6 @@
 /*
-  Shapes of bodies: distances against the nearest of many points of the surface, normals against their
-  gradients, surface points on the surface, lengths against the perimeter.
+  Shapes of bodies: distances against the nearest of many points of the surface, normals against
+  their gradients, surface points on the surface, lengths against the perimeter.
 */
 /* RANKS: 1 */
 #include "cloud.h"

@@ -1,6 +1,6 @@
 /*
-  Particles given in a file: each rank takes its share, what is no fluid is left out, velocities go with
-  the places, and what cannot be a start is refused with the row and the reason.
+  Particles given in a file: each rank takes its share, what is no fluid is left out, velocities go
+  with the places, and what cannot be a start is refused with the row and the reason.
 */
 /* RANKS: 1 3 */
 #include <string.h>
@@ -57,7 +57,8 @@ static void WriteGiven(const char path[], const Given *given)
   assert_true(good);
 }
 
-/* A unit square of spacing 0.2, periodic along x where asked for, with a small body where asked for. */
+/* A unit square of spacing 0.2, periodic along x where asked for, with a small body where asked
+   for. */
 static void MakeScene(PetscBool periodic, PetscBool body, Scene *scene)
 {
   memset(scene, 0, sizeof(*scene));
@@ -184,7 +185,8 @@ static void test_refusals(void **state)
   Refused(&scene, &given, "must have the rows of 'position'");
 }
 
-/* The particles begin where they were put, with their velocities, wherever they belong; walls stay. */
+/* The particles begin where they were put, with their velocities, wherever they belong; walls
+   stay. */
 static void test_particles(void **state)
 {
   const WallPlacement walls = {0};

@@ -1,6 +1,6 @@
 /*
-  Identities of the forms that couple velocity components: on quadratic velocities the stress's divergence to
-  the last digit, nothing of motions as one piece, eigenvalues that damp.
+  Identities of the forms that couple velocity components: on quadratic velocities the stress's
+  divergence to the last digit, nothing of motions as one piece, eigenvalues that damp.
 */
 /* RANKS: 1 2 */
 #include "cloud.h"

@@ -1,6 +1,6 @@
 /*
-  Identities of pressures beside walls, for every row of the wall table that is closed pair by pair with
-  all forms it can meet, on lattices and on disordered clouds, in two and three dimensions.
+  Identities of pressures beside walls, for every row of the wall table that is closed pair by pair
+  with all forms it can meet, on lattices and on disordered clouds, in two and three dimensions.
 */
 /* RANKS: 1 2 */
 #include "walled.h"

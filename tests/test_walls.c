@@ -67,7 +67,8 @@ static void test_couette(void **state)
   WalledForAll(PETSC_FALSE, CheckCouette);
 }
 
-/* In a closed box whose walls move with any linear flow, across and along: no viscous force, its own gradient. */
+/* In a closed box whose walls move with any linear flow, across and along: no viscous force, its
+   own gradient. */
 static void CheckLinearFlow(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const Operators *ops  = cloud->ops;

@@ -24,8 +24,8 @@ PetscBool WalledMeets(const WallRow *wall, PetscBool full_support)
 }
 
 /*
-  Every wall treatment that is closed pair by pair with every Laplacian and one gradient, and the other
-  way round; those that extend the fluid have test_extension.c.
+  Every wall treatment that is closed pair by pair with every Laplacian and one gradient, and the
+  other way round; those that extend the fluid have test_extension.c.
 */
 static PetscInt AllForms(WalledForms forms[], PetscInt most)
 {
@@ -59,7 +59,8 @@ static PetscInt AllForms(WalledForms forms[], PetscInt most)
   return n;
 }
 
-/* WalledForOne - Builds the cloud of one combination, whose fits are determined, and lets check judge it */
+/* WalledForOne - Builds the cloud of one combination, whose fits are determined, and lets check
+   judge it */
 void WalledForOne(const WalledForms *forms, const CloudBox *box, WalledCheck check)
 {
   char  options[256], where[320];
@@ -81,8 +82,8 @@ void WalledForOne(const WalledForms *forms, const CloudBox *box, WalledCheck che
 }
 
 /*
-  WalledForAll - Every combination in 2D and 3D, on a lattice and on disorder, in a closed box or in a
-  channel whose last axis has the walls
+  WalledForAll - Every combination in 2D and 3D, on a lattice and on disorder, in a closed box or in
+  a channel whose last axis has the walls
 */
 void WalledForAll(PetscBool closed, WalledCheck check)
 {

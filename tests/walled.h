@@ -1,6 +1,6 @@
 /*
-  Clouds with walls, one for each combination of wall treatment and forms, for the tests of what a fluid
-  bounded by walls must reproduce exactly.
+  Clouds with walls, one for each combination of wall treatment and forms, for the tests of what
+  a fluid bounded by walls must reproduce exactly.
 */
 #ifndef WALLED_H
 #define WALLED_H

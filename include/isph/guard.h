@@ -1,6 +1,7 @@
 /*
-  The guard of linear solves: it looks at the true residual after each, climbs the fallback ladder where
-  that is not small, and tells the step when nothing helped. See src/schemes/guard.c and ladder.c.
+  The guard of linear solves: it looks at the true residual after each, climbs the fallback ladder
+  where that is not small, and tells the step when nothing helped. See src/schemes/guard.c and
+  ladder.c.
 */
 #ifndef ISPH_GUARD_H
 #define ISPH_GUARD_H

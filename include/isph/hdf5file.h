@@ -1,6 +1,7 @@
 /*
-  An HDF5 file written or read by all ranks together. Failures are gathered while it is open and told once,
-  by all ranks alike, when it is closed: a full disk must not leave some ranks waiting for others.
+  An HDF5 file written or read by all ranks together. Failures are gathered while it is open and
+  told once, by all ranks alike, when it is closed: a full disk must not leave some ranks waiting
+  for others.
 */
 #ifndef ISPH_HDF5FILE_H
 #define ISPH_HDF5FILE_H

@@ -77,7 +77,8 @@ PetscErrorCode            MatrixFileCreate(const char prefix[], MatrixFile **fil
 PetscErrorCode            MatrixFileDestroy(MatrixFile **file);
 PetscErrorCode            MatrixFileWrite(const Particles *particles, Mat A, MatrixFile *file);
 
-/* Probes, forces and fluxes in the course of a run, as -probe_point, -probe_line, -probe_flux and -probe_forces ask. */
+/* Probes, forces and fluxes in the course of a run, as -probe_point, -probe_line, -probe_flux
+   and -probe_forces ask. */
 typedef struct Monitors Monitors;
 PetscErrorCode          MonitorsCreate(const Scene *scene, Monitors **monitors);
 PetscErrorCode          MonitorsDestroy(Monitors **monitors);

@@ -95,8 +95,8 @@ extern const Table CorrectionTable;
 
 /*
   Laplacians: w[k] multiplies f_k - f_i of neighbour k, or in a fit with wall roles the given n.grad
-  f of wall neighbour k. Of forms that couple components w[(k dim + a) dim + b] multiplies (u_k - u_i)_b
-  in component a.
+  f of wall neighbour k. Of forms that couple components w[(k dim + a) dim + b] multiplies
+  (u_k - u_i)_b in component a.
 */
 typedef struct {
   const char *name, *brief, *citation;

@@ -109,8 +109,8 @@ static PetscErrorCode BannerPhysics(const Scene *scene, PetscViewer viewer)
 }
 
 /*
-  Whether implicit viscosity pays: it allows steps up to the advective limit, here 0.25 dx/U, as steps
-  a little longer do not pay for the solve; explicit viscosity those up to dt_explicit.
+  Whether implicit viscosity pays: it allows steps up to the advective limit, here 0.25 dx/U, as
+  steps a little longer do not pay for the solve; explicit viscosity those up to dt_explicit.
 */
 static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_explicit,
                                  PetscViewer viewer)
@@ -157,8 +157,8 @@ static PetscErrorCode BannerSplitting(const Flow *flow, PetscReal dt, PetscViewe
 }
 
 /*
-  Where particles may not be able to go so far in a step: the cavity ended at CFL numbers of 1 and more where
-  viscosity does not smooth the grid scale (studies/stability).
+  Where particles may not be able to go so far in a step: the cavity ended at CFL numbers of 1 and
+  more where viscosity does not smooth the grid scale (studies/stability).
 */
 static PetscErrorCode BannerAdvection(const Flow *flow, PetscReal dt, PetscViewer viewer)
 {

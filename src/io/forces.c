@@ -3,9 +3,9 @@
 
     F = sum (-p n + mu (dw/dn + grad(w.n))) dA,   T = sum (x - c) x (...)
 
-  n points into the fluid, w is the velocity less that of the wall. A body's is taken on as a rigid body: on a
-  wall without slip the rest of the viscous stress, mu grad(w.n), vanishes. A side's velocity may vary along it: there
-  that rest is added. dw/dn is one-sided, of second order, from
+  n points into the fluid, w is the velocity less that of the wall. A body's is taken on as a rigid
+  body: on a wall without slip the rest of the viscous stress, mu grad(w.n), vanishes. A side's
+  velocity may vary along it: there that rest is added. dw/dn is one-sided, of second order, from
   probes one and two dx above the wall.
 */
 #include "monitors.h"
@@ -137,8 +137,8 @@ static void AddTorque(PetscInt dim, const PetscReal c[], const PetscReal x[], co
 }
 
 /*
-  Kinematic viscosity of the fluid at the points [m^2/s]: where it follows the strain rate, that of |dw/dn|, the
-  rate beside a wall without slip.
+  Kinematic viscosity of the fluid at the points [m^2/s]: where it follows the strain rate, that of
+  |dw/dn|, the rate beside a wall without slip.
 */
 static PetscErrorCode SurfaceViscosity(const Flow *flow, const Surface *s, const PetscReal slope[],
                                        PetscReal nu[])
@@ -163,8 +163,8 @@ static PetscErrorCode SurfaceViscosity(const Flow *flow, const Surface *s, const
 /*
   WallForce - Force and torque of the fluid on one wall: a side of the box or a body
 
-  Collective. Output: F [N], T [N m] about a body's centre or the middle of the box; per metre of depth in
-  2D, where the torque stands in T[2].
+  Collective. Output: F [N], T [N m] about a body's centre or the middle of the box; per metre
+  of depth in 2D, where the torque stands in T[2].
 */
 PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscReal T[])
 {
@@ -202,7 +202,8 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
 }
 
 /*
-  MonitorForces - A row for each wall: sides of the box, 2 axis + (0 low, 1 high), then bodies, 2 dim + k
+  MonitorForces - A row for each wall: sides of the box, 2 axis + (0 low, 1 high), then bodies,
+  2 dim + k
 
   Collective.
 */

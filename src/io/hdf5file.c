@@ -1,4 +1,5 @@
-/* Parallel HDF5: the few calls snapshots and checkpoints are made of, each with its failure noted. */
+/* Parallel HDF5: the few calls snapshots and checkpoints are made of, each with its failure
+   noted. */
 #include "isph/hdf5file.h"
 #include <fcntl.h>
 #include <unistd.h>
@@ -53,8 +54,8 @@ PetscErrorCode Hdf5FileOpen(MPI_Comm comm, const char path[], Hdf5File *file)
 /*
   FileReserve - Makes sure that a file of so many bytes can be written
 
-  Collective on PETSC_COMM_WORLD; the first rank tries. For before hours are spent on a run, and before
-  each file, as HDF5 does not outlive a full disk. A file of that name is gone afterwards.
+  Collective on PETSC_COMM_WORLD; the first rank tries. For before hours are spent on a run, and
+  before each file, as HDF5 does not outlive a full disk. A file of that name is gone afterwards.
 */
 PetscErrorCode FileReserve(const char path[], size_t bytes, PetscBool *good)
 {
@@ -271,7 +272,8 @@ PetscErrorCode Hdf5ReadNumber(Hdf5File *file, const char name[], hid_t type, voi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Hdf5ReadText - Reads an attribute of the file that is a string, cut to length; collective on comm */
+/* Hdf5ReadText - Reads an attribute of the file that is a string, cut to length; collective on
+   comm */
 PetscErrorCode Hdf5ReadText(Hdf5File *file, const char name[], char text[], size_t length)
 {
   hid_t attribute, type;

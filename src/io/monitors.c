@@ -1,13 +1,14 @@
 /*
-  Monitors: what is measured in the course of a run. One CSV file a kind, a header, one row a quantity
-  and time, flushed row by row so that nothing written is lost.
+  Monitors: what is measured in the course of a run. One CSV file a kind, a header, one row
+  a quantity and time, flushed row by row so that nothing written is lost.
 */
 #include "monitors.h"
 #include <errno.h>
 
 #define MONITOR_NUMBERS 256 /* of one option */
 
-/* One kind of monitor: an option, a file, the numbers given, and who writes the rows of a moment. */
+/* One kind of monitor: an option, a file, the numbers given, and who writes the rows of a
+   moment. */
 typedef struct {
   const char *name, *text; /* of the option, and for -help */
   const char *header;      /* of the file, behind "t,step" */
@@ -55,7 +56,8 @@ static PetscErrorCode MonitorVerdict(const char path[], PetscBool good)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Points lie in the box; a periodic one goes on. A group is of points, a line's with one number more. */
+/* Points lie in the box; a periodic one goes on. A group is of points, a line's with one number
+   more. */
 static PetscErrorCode CheckInBox(const Scene *scene, const char option[], PetscInt group,
                                  PetscInt n, const PetscReal number[])
 {
@@ -138,7 +140,8 @@ static PetscErrorCode MonitorOpen(const MonitorKind *kind, Monitor *monitor)
 . -probe_flux x0,y0,x1,y1,...   - sections; the flux counts to the right of the way from end to end
 . -probe_forces                 - on each wall
 . -probe_every T                - between rows; by default every step [s]
-- -probe_output base            - files base_point.csv, base_line.csv, base_flux.csv, base_forces.csv
+- -probe_output base            - files base_point.csv, base_line.csv, base_flux.csv,
+                                  base_forces.csv
 
   Errors: numbers that do not make whole things end the run
 */
@@ -184,8 +187,8 @@ PetscErrorCode MonitorsDestroy(Monitors **monitors)
 }
 
 /*
-  Copies the header and the rows up to time t to a new file, which then takes the old one's place and is
-  open. Returns whether that went well; if not, the old file is as it was.
+  Copies the header and the rows up to time t to a new file, which then takes the old one's place
+  and is open. Returns whether that went well; if not, the old file is as it was.
 */
 static PetscBool KeepRows(Monitor *monitor, FILE *old, PetscReal t)
 {
@@ -217,8 +220,8 @@ static PetscBool KeepRows(Monitor *monitor, FILE *old, PetscReal t)
   MonitorsRestart - Goes on with the files of the run that is restarted, without what it wrote after
   the checkpoint; files that are absent begin anew
 
-  Collective on PETSC_COMM_WORLD. Input: t - of the checkpoint [s]. Errors: a file that cannot be gone on with
-  ends the run and stays as it is
+  Collective on PETSC_COMM_WORLD. Input: t - of the checkpoint [s]. Errors: a file that cannot be
+  gone on with ends the run and stays as it is
 */
 PetscErrorCode MonitorsRestart(PetscReal t, Monitors *m)
 {

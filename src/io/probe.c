@@ -286,7 +286,8 @@ static PetscErrorCode NearestViscosity(Probe *probe, const PetscReal x[], PetscR
 }
 
 /*
-  ProbeViscosity - Kinematic viscosity of the fluid nearest to points, where it varies: no mean of two fluids
+  ProbeViscosity - Kinematic viscosity of the fluid nearest to points, where it varies: no mean
+  of two fluids
 
   Collective. Input as ProbePoints() has it. Output: nu - on all ranks [m^2/s].
 */

@@ -54,8 +54,8 @@ PetscErrorCode MonitorLines(const Flow *flow, const Monitor *monitor)
 }
 
 /*
-  Flux of one section, by the midpoint rule on cells of at most dx:  sum u.n dA [m^2/s, m^3/s]. In 2D n
-  dA is the way from end to end turned to the right, in 3D the product of the two sides.
+  Flux of one section, by the midpoint rule on cells of at most dx:  sum u.n dA [m^2/s, m^3/s]. In
+  2D n dA is the way from end to end turned to the right, in 3D the product of the two sides.
 */
 static PetscErrorCode SectionFlux(const Flow *flow, const PetscReal corner[], PetscReal *flux)
 {

@@ -245,8 +245,8 @@ PetscErrorCode ReportFileCheck(const char path[])
 }
 
 /*
-  ReportWrite - Appends the run to the CSV file of -report, one row a quantity and time; does nothing
-  without that option
+  ReportWrite - Appends the run to the CSV file of -report, one row a quantity and time; does
+  nothing without that option
 
   Collective on PETSC_COMM_WORLD; the first rank writes.
 

@@ -252,10 +252,11 @@ PetscErrorCode SnapshotsWrite(const Flow *flow, PetscBool final, Snapshots *snap
 }
 
 /*
-  SnapshotsCount, SnapshotsGet, SnapshotsSet - What a checkpoint keeps of the snapshots done: number,
-  time and particles of each
+  SnapshotsCount, SnapshotsGet, SnapshotsSet - What a checkpoint keeps of the snapshots done:
+  number, time and particles of each
 
-  Not collective; the last is. It passes over those that are not there, as after a restart with another -output.
+  Not collective; the last is. It passes over those that are not there, as after a restart with
+  another -output.
 */
 PetscInt SnapshotsCount(const Snapshots *snapshots)
 {

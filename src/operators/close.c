@@ -13,8 +13,9 @@
 #include "rows.h"
 
 /*
-  A row on values: sum_k w_k (f_k - f_i), f_wall - f_i as foot.c has it; a wall on the surface has its own
-  value, and a treatment that extends the fluid gives each wall particle one afterwards, in ExtendWalls().
+  A row on values: sum_k w_k (f_k - f_i), f_wall - f_i as foot.c has it; a wall on the surface has
+  its own value, and a treatment that extends the fluid gives each wall particle one afterwards, in
+  ExtendWalls().
 */
 void CloseRow_Value(const Stencil *st, const Operators *ops, PetscInt diagonal, const PetscReal w[],
                     AffineOperator *op)
@@ -210,8 +211,8 @@ PetscErrorCode CloseRows_OneSided(Stencil *st, PetscInt diagonal, Operators *ops
 /*
   CloseRow_Roughness - The row of p less its quadratic fit, walls unseen
 
-  Not collective. What n.grad p is at a wall is none of its business. A particle that sees no fluid is as
-  rough as its pressure.
+  Not collective. What n.grad p is at a wall is none of its business. A particle that sees no fluid
+  is as rough as its pressure.
 */
 PetscErrorCode CloseRow_Roughness(Stencil *st, PetscInt diagonal, Operators *ops)
 {

@@ -7,7 +7,8 @@
 #define OPERATORS_COUNT (4 + 3 * ISPH_MAX_DIM)
 void OperatorsList(Operators *ops, AffineOperator *all[OPERATORS_COUNT]);
 
-/* Viscosity between two particles, the harmonic mean of theirs; P. W. Cleary, J. J. Monaghan (1999). */
+/* Viscosity between two particles, the harmonic mean of theirs; P. W. Cleary, J. J. Monaghan
+   (1999). */
 static inline PetscReal PairViscosity(PetscReal own, PetscReal other)
 {
   return 2.0 / (1.0 / own + 1.0 / other);

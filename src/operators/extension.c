@@ -1,6 +1,7 @@
 /*
-  Walls as an affine extension of the fluid: with u_w = u_wall + sum_j E_wj (u_j - u_wall) the operators
-  of velocities, assembled on the values of wall particles, become operators on fluid and wall data
+  Walls as an affine extension of the fluid: with u_w = u_wall + sum_j E_wj (u_j - u_wall) the
+  operators of velocities, assembled on the values of wall particles, become operators on fluid and
+  wall data
 
     A u + B u_w = (A + B E) u + B diag(S) u_wall,   S_w = 1 - sum_j E_wj,
 
@@ -134,13 +135,13 @@ static PetscErrorCode ExtendOperator(Mat E, Vec S, AffineOperator *op)
 }
 
 /*
-  ExtendWalls - Makes the operators of velocities, lap u and du/dx_a, read the walls' velocity through
-  the extension of the wall treatment
+  ExtendWalls - Makes the operators of velocities, lap u and du/dx_a, read the walls' velocity
+  through the extension of the wall treatment
 
   Collective on the particles' communicator. To be called once after their matrices were made.
 
-  Notes: fits that their points did not determine are counted in ops->stencil->weak. Particles on the
-  surface itself keep the wall's velocity.
+  Notes: fits that their points did not determine are counted in ops->stencil->weak. Particles on
+  the surface itself keep the wall's velocity.
 */
 PetscErrorCode ExtendWalls(const Scene *scene, const Particles *p, const Neighbors *nb,
                            Operators *ops)

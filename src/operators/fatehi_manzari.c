@@ -1,6 +1,7 @@
 /*
-  The Laplacian of Fatehi and Manzari: a pairwise form whose two errors on disorder are removed, that
-  of linear fields by the corrected gradient and that of quadratics by a matrix for each particle.
+  The Laplacian of Fatehi and Manzari: a pairwise form whose two errors on disorder are removed,
+  that of linear fields by the corrected gradient and that of quadratics by a matrix for each
+  particle.
 */
 #include "rows.h"
 

@@ -1,12 +1,12 @@
 /*
-  What a dummy says of its wall in the row of particle i. Its velocity lies on the line through the fluid and the
-  wall, whose velocity may vary along it:
+  What a dummy says of its wall in the row of particle i. Its velocity lies on the line through the
+  fluid and the wall, whose velocity may vary along it:
 
     u_w - u_i = (u_wall,w - u_wall,i) + beta (u_wall,i - u_i),
 
-  u_wall,w the wall's velocity at the foot of the dummy, u_wall,i that at the foot of i. The latter is a linear fit
-  along the wall through the wall neighbours of its side; without it rows would see the variation along the wall
-  beta-fold.
+  u_wall,w the wall's velocity at the foot of the dummy, u_wall,i that at the foot of i. The latter
+  is a linear fit along the wall through the wall neighbours of its side; without it rows would see
+  the variation along the wall beta-fold.
 */
 #include "close.h"
 
@@ -69,7 +69,8 @@ void FootShares(const Operators *ops, Stencil *st)
 
     b_w = w_w + share_w sum_v w_v (beta_v - 1),   v over the wall neighbours of w's side
 
-  of dummies, whose sum is that of beta w; other walls have their own value, or are given one afterwards: b = w.
+  of dummies, whose sum is that of beta w; other walls have their own value, or are given one
+  afterwards: b = w.
 
   Not collective.
 

@@ -41,8 +41,8 @@ PetscInt LaplacianWidth(const LaplacianForm *form, PetscInt dim)
 }
 
 /*
-  LaplacianDilatation - c of the form's lap u + (c - 1) grad div u: c nu div u* is what the gradient that makes u*
-  solenoidal takes from its viscous term, and the pressure has to make up for
+  LaplacianDilatation - c of the form's lap u + (c - 1) grad div u: c nu div u* is what the gradient
+  that makes u* solenoidal takes from its viscous term, and the pressure has to make up for
 
   Not collective.
 */

@@ -3,9 +3,9 @@
 
     f(x_i + X) - f_i = sum_t c_t phi_t(X/R),   phi = X_a, X_a X_b (b <= a), ...,
 
-  R the radius of the support, minimises sum_k W_k (equation of neighbour k)^2. Where a wall particle
-  bears a role, its equation is the boundary condition: n.grad f = g, or n.f = n.f_wall for vectors
-  (mlsvector.c). Exact for polynomials of the fit's degree.
+  R the radius of the support, minimises sum_k W_k (equation of neighbour k)^2. Where a wall
+  particle bears a role, its equation is the boundary condition: n.grad f = g, or n.f = n.f_wall for
+  vectors (mlsvector.c). Exact for polynomials of the fit's degree.
 
   Reference: G. R. Liu & Y. T. Gu, An Introduction to Meshfree Methods, Springer 2005, ch. 3;
   boundary conditions as equations of the fit: J. Kuhnert, PhD thesis, Kaiserslautern 1999 (finite

@@ -37,8 +37,8 @@ PetscInt DenseCholesky(PetscInt n, PetscReal a[])
 /*
   DenseCholeskyRidge - Factors a symmetric matrix of which a ridge makes a positive definite one
 
-  Not collective. The ridge is the least of ridge, 100 ridge, ... times the trace that will do; a matrix that
-  is not finite has none, and neither has its factor.
+  Not collective. The ridge is the least of ridge, 100 ridge, ... times the trace that will do;
+  a matrix that is not finite has none, and neither has its factor.
 
   Input Parameters:
 + a     - n x n by rows

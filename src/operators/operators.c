@@ -16,9 +16,9 @@ static PetscErrorCode OperatorsChooseLaplacian(PetscOptionItems *PetscOptionsObj
 }
 
 /*
-  mls, but the whole stress where the viscosity is not the same everywhere and the flow not as simple as a
-  channel's, which has no pressure and no bodies: what turns beside another viscosity is wrong by tens of per
-  cent in lap u.
+  mls, but the whole stress where the viscosity is not the same everywhere and the flow not as
+  simple as a channel's, which has no pressure and no bodies: what turns beside another viscosity is
+  wrong by tens of per cent in lap u.
 */
 static const char *DefaultLaplacian(const Scene *scene)
 {
@@ -114,10 +114,10 @@ static PetscErrorCode OperatorsChooseWall(PetscOptionItems *PetscOptionsObject, 
 /*
   Smoothing length over spacing: 1.3, but where viscosity smooths the grid scale, U dx/nu <= 5,
 
-    1.5 for particles moving between walls: there the noise of changing neighbours next to walls is what is
-        left of the error, and more neighbours halve it;
-    1.1 for a flow without walls whose Laplacians are exact for quadratic functions: smaller fits have
-        smaller errors, a third of those of 1.3 in Taylor-Green vortices at Re = 100.
+    1.5 for particles moving between walls: there the noise of changing neighbours next to walls
+        is what is left of the error, and more neighbours halve it;
+    1.1 for a flow without walls whose Laplacians are exact for quadratic functions: smaller fits
+        have smaller errors, a third of those of 1.3 in Taylor-Green vortices at Re = 100.
 */
 static PetscReal DefaultSmoothing(const Scene *scene, const Operators *ops)
 {
@@ -130,7 +130,8 @@ static PetscReal DefaultSmoothing(const Scene *scene, const Operators *ops)
              : 1.3;
 }
 
-/* OperatorsList - All operators there may be, needed or not, in the order of assembly; not collective */
+/* OperatorsList - All operators there may be, needed or not, in the order of assembly; not
+   collective */
 void OperatorsList(Operators *ops, AffineOperator *all[OPERATORS_COUNT])
 {
   PetscInt n = 0;
@@ -170,11 +171,11 @@ static PetscErrorCode OperatorsJoinComponents(const Scene *scene, Operators *ops
 }
 
 /*
-  Filter of grid-scale velocities: on where the flow cannot do without, by the cell Reynolds number R = U dx/nu.
-  Where it is not needed it takes from boundary layers: a quarter of the cavity's energy at Re = 1000, n = 25.
-  Without it moving particles held at R = 20 and died at 25, at CFL numbers of 0.1 and less (Re = 1000, n = 40);
-  they need 0.2 at R = 40 and 1 at 200 (Re = 10,000, n = 50). Fixed ones held up to 6 and died at 7 (Re = 100
-  in 3D).
+  Filter of grid-scale velocities: on where the flow cannot do without, by the cell Reynolds number
+  R = U dx/nu. Where it is not needed it takes from boundary layers: a quarter of the cavity's
+  energy at Re = 1000, n = 25. Without it moving particles held at R = 20 and died at 25, at CFL
+  numbers of 0.1 and less (Re = 1000, n = 40); they need 0.2 at R = 40 and 1 at 200 (Re = 10,000, n
+  = 50). Fixed ones held up to 6 and died at 7 (Re = 100 in 3D).
 */
 static PetscReal DefaultVelocityFilter(const Scene *scene)
 {
@@ -197,9 +198,10 @@ static PetscReal DefaultVelocityFilter(const Scene *scene)
 . -correction name     - of the kernel that these Laplacians read
 . -gradient name       - form of gradients and divergences
 . -wall name           - wall treatment
-. -velocity_filter S   - strength of the filter of velocities that change from particle to particle, for
-                         ConvectionApply() and ParticlesMove()
-- -wall_surface        - a layer of particles on the walls before the layers behind them; by default with bodies
+. -velocity_filter S   - strength of the filter of velocities that change from particle to particle,
+                         for ConvectionApply() and ParticlesMove()
+- -wall_surface        - a layer of particles on the walls before the layers behind them; by
+                         default with bodies
 
   Errors: forms that need particles behind walls are refused with a treatment that has none,
   corrections with forms that do not read the kernel's slope, anti-diffusive forms for the pressure,

@@ -1,8 +1,8 @@
 /*
-  The divergence of the viscous stress as forces between pairs of particles along the line that joins them, the
-  strengths of these by least squares. What moves as one piece, at whatever viscosity and beside whatever
-  other, then feels nothing to the last digit: a stiff drop that turns in a thin fluid is not driven by the
-  errors of its own large terms.
+  The divergence of the viscous stress as forces between pairs of particles along the line that
+  joins them, the strengths of these by least squares. What moves as one piece, at whatever
+  viscosity and beside whatever other, then feels nothing to the last digit: a stiff drop that turns
+  in a thin fluid is not driven by the errors of its own large terms.
 */
 #include "mls.h"
 
@@ -31,7 +31,8 @@ static void StressBasis(const Stencil *st, PetscInt k, PetscReal phi[])
   }
 }
 
-/* What sum_k c_k phi_k is to be: nothing of degree 3; of degree 4 two for each way to pair the factors. */
+/* What sum_k c_k phi_k is to be: nothing of degree 3; of degree 4 two for each way to pair the
+   factors. */
 static void StressTarget(PetscInt d, PetscReal unit, PetscReal target[])
 {
   PetscInt t = 0;
@@ -48,7 +49,8 @@ static void StressTarget(PetscInt d, PetscReal unit, PetscReal target[])
 }
 
 /*
-  LaplacianRow_StressMls - Divergence of a viscous stress by forces along pairs, velocity components coupled
+  LaplacianRow_StressMls - Divergence of a viscous stress by forces along pairs, velocity components
+  coupled
 
     sum_k c_k e (e.(u_k - u_i)) = lap u + 2 grad div u,   e = X/r
 
@@ -56,15 +58,17 @@ static void StressTarget(PetscInt d, PetscReal unit, PetscReal target[])
 
     sum_k c_k e_a e_b X_c = 0,   sum_k c_k e_a e_b X_c X_d = 2 (d_ab d_cd + d_ac d_bd + d_ad d_bc).
 
-  With the means nu_ik on the differences (viscous.c) it is (div 2 nu E) + grad(nu div u), grad nu terms
-  included; the last part is that of a bulk viscosity, which a flow of div u = 0 does not feel.
+  With the means nu_ik on the differences (viscous.c) it is (div 2 nu E) + grad(nu div u), grad nu
+  terms included; the last part is that of a bulk viscosity, which a flow of div u = 0 does not
+  feel.
 
-  Properties: exact for quadratics on any arrangement; nothing for motions as one piece, whatever nu is;
-  not symmetric. Wants particles behind walls: half a neighbourhood determines it too badly to damp.
+  Properties: exact for quadratics on any arrangement; nothing for motions as one piece, whatever nu
+  is; not symmetric. Wants particles behind walls: half a neighbourhood determines it too badly to
+  damp.
 
-  Reference: forces along pairs after P. W. Cleary, J. J. Monaghan, J. Comput. Phys. 148 (1999), whose c_k are
-  2 (dim + 2) times the kernel's; a stress by fits of second derivatives instead drives a drop of 1e3 times the
-  viscosity about it (one eigenvalue of the wrong sign on disorder).
+  Reference: forces along pairs after P. W. Cleary, J. J. Monaghan, J. Comput. Phys. 148 (1999),
+  whose c_k are 2 (dim + 2) times the kernel's; a stress by fits of second derivatives instead
+  drives a drop of 1e3 times the viscosity about it (one eigenvalue of the wrong sign on disorder).
 */
 PetscErrorCode LaplacianRow_StressMls(Stencil *st, PetscReal w[])
 {

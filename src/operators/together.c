@@ -1,10 +1,11 @@
 /*
-  The viscous operator on all velocity components together, where they couple or the viscosity follows
-  them: unknowns u_jb are numbered dim j + b, and
+  The viscous operator on all velocity components together, where they couple or the viscosity
+  follows them: unknowns u_jb are numbered dim j + b, and
 
     (A u)_ia = sum_j sum_b w_ij,ab nu_ij/nu (u_j - u_i)_b.
 
-  The weights are kept in the slots of the common pattern, so that other viscosities need no new rows.
+  The weights are kept in the slots of the common pattern, so that other viscosities need no new
+  rows.
 */
 #include "close.h"
 
@@ -79,10 +80,11 @@ static void ScaleSlot(PetscInt width, PetscInt entries, PetscReal ratio, const P
 }
 
 /*
-  OperatorsScaleViscosity - The values of visc.A and visc.B from the particles' viscosities as they are now
+  OperatorsScaleViscosity - The values of visc.A and visc.B from the particles' viscosities as they
+  are now
 
-  Collective on the particles' communicator. For operators on all components together; the halo of the
-  viscosities must be up to date.
+  Collective on the particles' communicator. For operators on all components together; the halo
+  of the viscosities must be up to date.
 */
 PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, Operators *ops)
 {
@@ -116,12 +118,13 @@ PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, O
 }
 
 /*
-  OperatorsFollowStrain - Viscosities of particles, and the viscous operator with them, from the velocity
+  OperatorsFollowStrain - Viscosities of particles, and the viscous operator with them, from the
+  velocity
 
     g = sqrt(2 E:E),   E = (grad u + grad u^T)/2
 
-  Collective on the particles' communicator. Input: u - components over the fluid; ops->wall_u gives those of
-  walls. Output: p->nu with its halo, ops->visc.
+  Collective on the particles' communicator. Input: u - components over the fluid; ops->wall_u gives
+  those of walls. Output: p->nu with its halo, ops->visc.
 */
 PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *p, const Vec u[],
                                      Operators *ops)

@@ -62,7 +62,8 @@ PetscErrorCode WallVec(const Particles *p, Vec *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* VelocityVec - Vector of dim components at each own fluid particle, its components together; collective */
+/* VelocityVec - Vector of dim components at each own fluid particle, its components together;
+   collective */
 PetscErrorCode VelocityVec(const Particles *p, Vec *v)
 {
   PetscFunctionBegin;

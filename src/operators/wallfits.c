@@ -1,8 +1,8 @@
 /*
-  Rows of the extension of the velocity behind walls: fits over the fluid near the foot s = x_w + d n or
-  the mirror image m = x_w + 2 d n of a wall particle of depth d, weighted by the kernel stretched over
-  the reach of the fit. Behind an edge of the box both lie beyond another side; the fluid taken is then
-  that nearest to the edge, and the fit reaches over to them.
+  Rows of the extension of the velocity behind walls: fits over the fluid near the foot s = x_w
+  + d n or the mirror image m = x_w + 2 d n of a wall particle of depth d, weighted by the kernel
+  stretched over the reach of the fit. Behind an edge of the box both lie beyond another side; the
+  fluid taken is then that nearest to the edge, and the fit reaches over to them.
 */
 #include "extension.h"
 
@@ -47,8 +47,8 @@ static PetscErrorCode Gather(const PetscReal centre[], const PetscReal origin[],
 
     e_j = w_j phi(s_j).M^-1 functional,   M = sum_j w_j phi phi^T
 
-  Returns: PETSC_FALSE, nothing written, where the points do not determine the fit: a term that differs
-  from those before it by less than 0.1 % of its square
+  Returns: PETSC_FALSE, nothing written, where the points do not determine the fit: a term that
+  differs from those before it by less than 0.1 % of its square
 */
 static PetscBool Fit(FitBasis basis, PetscReal reach, const PetscReal functional[], Extension *ext)
 {
@@ -146,8 +146,8 @@ typedef struct {
 } FitTry;
 
 /*
-  Weights that grow as 1/q^2, so that a particle in the centre decides alone: P. Lancaster, K. Salkauskas,
-  Math. Comput. 37 (1981). 1e-8 keeps them finite.
+  Weights that grow as 1/q^2, so that a particle in the centre decides alone: P. Lancaster, K.
+  Salkauskas, Math. Comput. 37 (1981). 1e-8 keeps them finite.
 */
 static void WeighInterpolating(Extension *ext)
 {
@@ -201,8 +201,9 @@ static PetscErrorCode FitAtWall(const FitTry tries[], size_t n, Extension *ext)
 
     u_w = 2 u_wall - u(m)
 
-  u(m) by a linear least-squares fit over fluid within 2 dx of m, exact for linear fields and where a
-  particle sits at m. Where these do not determine it those within 3 dx are taken, and then their mean.
+  u(m) by a linear least-squares fit over fluid within 2 dx of m, exact for linear fields and where
+  a particle sits at m. Where these do not determine it those within 3 dx are taken, and then their
+  mean.
 
   References: mirrored particles, M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60
   (2009); at fixed places, S. Marrone et al., Comput. Methods Appl. Mech. Eng. 200 (2011)
@@ -229,8 +230,8 @@ PetscErrorCode WallExtend_Mirror(Extension *ext)
     u_w = u_wall - d g.n,   u_j - u_wall = g.(x_j - s) over fluid within 2 dx of s
 
   Exact for linear fields, on curved walls too and where walls shear. Where the points do not
-  determine g those within 3 dx are taken, then the normal component alone; without fluid: the wall's
-  velocity.
+  determine g those within 3 dx are taken, then the normal component alone; without fluid: the
+  wall's velocity.
 
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), section 6.1.2
 */
@@ -249,8 +250,8 @@ PetscErrorCode WallExtend_Linear(Extension *ext)
 
     u_w = u_wall - d g.n + d^2 n.H n/2,   u_j - u_wall = g.X + X.H X/2 over fluid within 3 dx of s
 
-  X = x_j - s. Exact for quadratic fields. Where the points do not determine it those within 4 dx are
-  taken, then the linear fit.
+  X = x_j - s. Exact for quadratic fields. Where the points do not determine it those within 4 dx
+  are taken, then the linear fit.
 
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), section 6.1.2
 */
@@ -287,7 +288,8 @@ PetscErrorCode WallExtend_GlobalQuadratic(Extension *ext)
 }
 
 /*
-  WallExtend_Adami - The mean of the fluid in the wall particle's own support, turned about the wall's
+  WallExtend_Adami - The mean of the fluid in the wall particle's own support, turned about the
+  wall's
 
     u_w = 2 u_wall - sum_j W_wj u_j / sum_j W_wj
 

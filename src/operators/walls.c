@@ -1,7 +1,7 @@
 /*
   Wall treatments: where the wall particles lie, and what a fluid particle reads from one.
-  Velocities: f_w - f_i = beta (f_wall - f_i), f_wall the wall's own, or the particle's from the fluid
-  near it (wallfits.c), the divergence keeping beta. Pressures: n.grad p is given.
+  Velocities: f_w - f_i = beta (f_wall - f_i), f_wall the wall's own, or the particle's from the
+  fluid near it (wallfits.c), the divergence keeping beta. Pressures: n.grad p is given.
 */
 #include "extension.h"
 

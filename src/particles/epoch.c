@@ -6,8 +6,8 @@
 /*
   ParticlesLargestMove - Largest distance of a fluid particle on any rank from where it was [m]
 
-  Collective. Input: from - own particles' earlier positions [m]. Output: move - PETSC_MAX_REAL where a position is not
-  a finite number.
+  Collective. Input: from - own particles' earlier positions [m]. Output: move - PETSC_MAX_REAL
+  where a position is not a finite number.
 */
 PetscErrorCode ParticlesLargestMove(const Particles *p, PetscReal *const from[], PetscReal *move)
 {

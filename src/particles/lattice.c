@@ -1,8 +1,9 @@
 /*
-  The particles a run begins with. The fluid is a lattice of cell centres, without those in bodies or too
-  near to them, or where the user has put it; a wall is one layer on its surface, or some layers of the same lattice behind it, or both:
-  then the layer on the surface stands for the half cell between fluid and dummies. Any index can be
-  turned into its particle alone, so that each rank makes a contiguous share and nobody holds all.
+  The particles a run begins with. The fluid is a lattice of cell centres, without those in bodies
+  or too near to them, or where the user has put it; a wall is one layer on its surface, or some
+  layers of the same lattice behind it, or both: then the layer on the surface stands for the half
+  cell between fluid and dummies. Any index can be turned into its particle alone, so that each rank
+  makes a contiguous share and nobody holds all.
 */
 #include "impl.h"
 
@@ -120,7 +121,8 @@ static CellKind ClassifyCell(const Scene *scene, WallPlacement walls, PetscInt i
   return *depth < walls.layers * scene->dx ? CELL_DUMMY : CELL_EMPTY;
 }
 
-/* Displaces fluid particle id from its place; it stays 0.3 of a cell away from walls that do not. */
+/* Displaces fluid particle id from its place; it stays 0.3 of a cell away from walls that do
+   not. */
 static void JitterFluid(const Scene *scene, WallPlacement walls, PetscInt id, PetscReal x[])
 {
   PetscReal normal[ISPH_MAX_DIM], distance;
@@ -193,7 +195,8 @@ static void WallParticle(const Scene *scene, WallPlacement walls, const WallSlab
   if (p->volume) p->volume[i] = volume;
 }
 
-/* ParticlesShare - This rank's share [first, last) of n things that all ranks make or read together */
+/* ParticlesShare - This rank's share [first, last) of n things that all ranks make or read
+   together */
 void ParticlesShare(MPI_Comm comm, PetscInt n, PetscInt *first, PetscInt *last)
 {
   PetscMPIInt rank = 0, ranks = 1;
@@ -250,8 +253,8 @@ static PetscInt SurfacePoints(const Scene *scene, WallPlacement walls)
 }
 
 /*
-  Writes surface point `index` of all bodies' to local place i; it stands for the band between the cells
-  of fluid and those of dummies.
+  Writes surface point `index` of all bodies' to local place i; it stands for the band between the
+  cells of fluid and those of dummies.
 */
 static void SurfaceParticle(const Scene *scene, WallPlacement walls, PetscInt index, PetscInt id,
                             Particles *p, PetscInt i)
@@ -267,8 +270,8 @@ static void SurfaceParticle(const Scene *scene, WallPlacement walls, PetscInt in
 }
 
 /*
-  The lattice cells [first, last): fluid, whose ids begin at `fluid` (negative: none is wanted), and dummies,
-  whose places begin at `wall` and ids at `dummy`.
+  The lattice cells [first, last): fluid, whose ids begin at `fluid` (negative: none is wanted), and
+  dummies, whose places begin at `wall` and ids at `dummy`.
 */
 static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, PetscInt last,
                       PetscInt fluid, PetscInt wall, PetscInt dummy, Particles *p)
@@ -336,8 +339,8 @@ static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
 - p     - own fields registered
 
   Output Parameter:
-. p - N_fluid, N_wall, and own particles with id, x, normal, depth, side and volume; they are not where
-      they belong yet. Ids: fluid, then the walls of the box, then those of bodies.
+. p - N_fluid, N_wall, and own particles with id, x, normal, depth, side and volume; they are not
+      where they belong yet. Ids: fluid, then the walls of the box, then those of bodies.
 */
 PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidStart *start,
                            Particles *p)

@@ -14,7 +14,8 @@ typedef struct {
 
 #define CELL_BITS 20 /* of each axis in SortKey.cell */
 
-/* ParticlesRecordWidth - Numbers in a particle's record: its id, then all components of all fields */
+/* ParticlesRecordWidth - Numbers in a particle's record: its id, then all components of all
+   fields */
 PetscInt ParticlesRecordWidth(const Particles *p)
 {
   PetscInt width = 1;
@@ -48,7 +49,8 @@ static inline void PackRecord(const Particles *p, PetscInt n, PetscReal *const c
 /*
   ParticlesPack - Copies the own particles with all fields
 
-  Not collective. Output: record - ParticlesOwn() records of ParticlesRecordWidth() numbers, in order.
+  Not collective. Output: record - ParticlesOwn() records of ParticlesRecordWidth() numbers, in
+  order.
 */
 PetscErrorCode ParticlesPack(const Particles *p, PetscReal record[])
 {
@@ -186,8 +188,8 @@ static PetscErrorCode NumberParticles(Particles *p)
 /*
   ParticlesReplace - Puts records in the place of the own particles and starts an epoch
 
-  Collective. Together the ranks give each particle once, whoever owns it afterwards: owners, order and
-  numbers that follow depend on the particles and the number of ranks alone.
+  Collective. Together the ranks give each particle once, whoever owns it afterwards: owners, order
+  and numbers that follow depend on the particles and the number of ranks alone.
 
   Input Parameters:
 + n      - how many records this rank gives

@@ -119,7 +119,8 @@ static void SetViscosities(const Scene *scene, const FluidStart *start, Particle
 - start      - where the fluid begins, NULL for the lattice
 
   Output Parameter:
-. particles - in their first epoch, halo filled; pressures are zero, velocities too unless start has some
+. particles - in their first epoch, halo filled; pressures are zero, velocities too unless start
+              has some
 
   Options Database Key:
 . -skin <4> - how far apart beyond halo_width particles may start an epoch and be copied [dx]

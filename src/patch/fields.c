@@ -5,8 +5,8 @@
 #include "isph/patch.h"
 
 /*
-  One sum over all monomials c x^i y^j z^k of the row's degrees. Coefficients are 1, 1/2, 1/3, ... in
-  the order of the monomials, or random in (-1, 1) by seed; laplacian says what is summed.
+  One sum over all monomials c x^i y^j z^k of the row's degrees. Coefficients are 1, 1/2, 1/3, ...
+  in the order of the monomials, or random in (-1, 1) by seed; laplacian says what is summed.
 */
 static PetscReal PolynomialSum(const FieldRow *row, PetscInt dim, PetscInt seed,
                                const PetscReal x[], PetscBool laplacian)

@@ -82,8 +82,8 @@ static PetscErrorCode PatchSetField(Patch *patch)
 }
 
 /*
-  Truncation error L f - lap f in four norms: relative ones, and zheng_err, the relative L1 norm over
-  the number of particles once more, which is what the paper prints. Where lap f vanishes the
+  Truncation error L f - lap f in four norms: relative ones, and zheng_err, the relative L1 norm
+  over the number of particles once more, which is what the paper prints. Where lap f vanishes the
   error is left as it is, in units of the field over the square's side squared.
 */
 static PetscErrorCode PatchCompare(const Patch *patch, Vec lap, Report *report)

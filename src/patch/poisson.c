@@ -15,8 +15,8 @@ static PetscErrorCode PoissonSource(const Patch *patch, Vec b)
 /*
   PatchSolve - Solves the Poisson problem by the KSP of the pressure, prefix ppe_
 
-  Collective. Quantities: solution_l2 and solution_linf, relative to the field; solve_its; setup_s and
-  solve_s, of the preconditioner and of the iterations [s].
+  Collective. Quantities: solution_l2 and solution_linf, relative to the field; solve_its; setup_s
+  and solve_s, of the preconditioner and of the iterations [s].
 
   Options Database Keys:
 . -ppe_ksp_type, -ppe_pc_type, ... - any of PETSc's; to rtol 1e-10 by default

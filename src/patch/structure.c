@@ -1,7 +1,8 @@
 /* The structure of a patch's matrix L dx^2: what its rows sum to, its signs, symmetry and size. */
 #include "isph/patch.h"
 
-/* Sums over the own rows of a matrix: row sums, weights off the diagonal, those of the wrong sign. */
+/* Sums over the own rows of a matrix: row sums, weights off the diagonal, those of the wrong
+   sign. */
 typedef struct {
   PetscReal *row_sum; /* of each own row */
   PetscReal  weights, wrong;

@@ -1,7 +1,7 @@
 /*
-  Checkpoints: all that a run needs to go on as if it had not stopped, in one HDF5 file, written under
-  another name and renamed when it is complete. Writing one starts an epoch in the run itself, so that
-  the run and one restarted from the file are alike to the last bit on as many ranks.
+  Checkpoints: all that a run needs to go on as if it had not stopped, in one HDF5 file, written
+  under another name and renamed when it is complete. Writing one starts an epoch in the run itself,
+  so that the run and one restarted from the file are alike to the last bit on as many ranks.
 */
 #include "checkpoint.h"
 
@@ -57,7 +57,8 @@ PetscErrorCode CheckpointsDestroy(Checkpoints **checkpoints)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A small table of numbers, the same on all ranks; the first one writes. They are added to the sum. */
+/* A small table of numbers, the same on all ranks; the first one writes. They are added to the
+   sum. */
 static PetscErrorCode WriteTable(Hdf5File *file, const char name[], PetscInt rows, PetscInt columns,
                                  const double values[], uint64_t *sum)
 {
@@ -170,7 +171,8 @@ static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const 
 /*
   CheckpointsUpdate - Writes a checkpoint where one is due
 
-  Collective on PETSC_COMM_WORLD. Called after every step and, with final, at the end and on a signal.
+  Collective on PETSC_COMM_WORLD. Called after every step and, with final, at the end and on
+  a signal.
 
   Notes: an epoch starts and everything is made anew from the fields, as in a run that restarts
 

@@ -1,4 +1,5 @@
-/* SIGTERM, SIGINT and SIGXCPU (a limit on CPU time): noted when they come, answered between steps. */
+/* SIGTERM, SIGINT and SIGXCPU (a limit on CPU time): noted when they come, answered between
+   steps. */
 #include "impl.h"
 #include <signal.h>
 

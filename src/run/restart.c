@@ -3,8 +3,8 @@
 #include <string.h>
 
 /*
-  Reads a table whole on all ranks and adds it to the sum; other than `rows` rows count as damage. There is
-  room for one row at least, of zeros where nothing can be read.
+  Reads a table whole on all ranks and adds it to the sum; other than `rows` rows count as damage.
+  There is room for one row at least, of zeros where nothing can be read.
 */
 static PetscErrorCode ReadTable(Hdf5File *file, const char name[], PetscInt rows, PetscInt columns,
                                 PetscReal **values, uint64_t *sum)

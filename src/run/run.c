@@ -1,6 +1,6 @@
 /*
-  The run of a flow: everything it owns made in order, the time loop with what happens between steps,
-  and what is told at its end, however it ends.
+  The run of a flow: everything it owns made in order, the time loop with what happens between
+  steps, and what is told at its end, however it ends.
 */
 #include "impl.h"
 
@@ -133,7 +133,8 @@ static PetscErrorCode RunStep(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Judges the flow if it has come to a time of -report_times; at a run's end the end's report does. */
+/* Judges the flow if it has come to a time of -report_times; at a run's end the end's report
+   does. */
 static PetscErrorCode RunJudgeDue(Run *run)
 {
   const Flow flow  = RunFlow(run);
@@ -214,8 +215,8 @@ static PetscErrorCode RunCountTroubles(Run *run)
 }
 
 /*
-  Errors beside what they cost, on the screen and in the CSV file. status - ok, interrupted or diverged;
-  a diverged flow is not measured.
+  Errors beside what they cost, on the screen and in the CSV file. status - ok, interrupted or
+  diverged; a diverged flow is not measured.
 */
 static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measured)
 {

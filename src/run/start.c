@@ -1,4 +1,5 @@
-/* A run that begins with the user's particles: places, and velocities if there are any, from a file. */
+/* A run that begins with the user's particles: places, and velocities if there are any, from a
+   file. */
 #include "impl.h"
 #include "isph/hdf5file.h"
 
@@ -25,7 +26,8 @@ static PetscErrorCode ReadShare(Hdf5File *file, const char name[], PetscInt colu
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the fluid, and in which row of the file each is; others, as snapshots have them, are left out. */
+/* Reads the fluid, and in which row of the file each is; others, as snapshots have them, are
+   left out. */
 static PetscErrorCode ReadParticles(PetscInt dim, Hdf5File *file, FluidStart *start,
                                     PetscInt *columns, PetscInt **row)
 {
@@ -113,9 +115,9 @@ static PetscErrorCode CheckPlaces(const Scene *scene, const char path[], const F
 . scene - its bounds of the viscosity follow the file's
 
   Options Database Key:
-. -particles file.h5 - data set `position` [m], and if there are `velocity` [m/s], `viscosity` [m^2/s], read
-                       where it varies, and `type` (0: fluid, others are left out): a snapshot will do. The
-                       case's walls stay as they are.
+. -particles file.h5 - data set `position` [m], and if there are `velocity` [m/s], `viscosity`
+                       [m^2/s], read where it varies, and `type` (0: fluid, others are left out): a
+                       snapshot will do. The case's walls stay as they are.
 
   Errors: a file that cannot be read or has no fluid, and a particle outside the fluid, end the run
 */
@@ -167,10 +169,11 @@ PetscErrorCode StartFree(FluidStart *start)
 }
 
 /*
-  StartCheck - Says how well the user's particles fill their room, and ends the run where two are at one place
+  StartCheck - Says how well the user's particles fill their room, and ends the run where two are at
+  one place
 
-  Collective on PETSC_COMM_WORLD. Every particle stands for a cell of the lattice; a room that is filled too little or too
-  much is the user's affair.
+  Collective on PETSC_COMM_WORLD. Every particle stands for a cell of the lattice; a room that is
+  filled too little or too much is the user's affair.
 */
 PetscErrorCode StartCheck(const Scene *scene, const char path[], const Particles *p, Neighbors *nb)
 {

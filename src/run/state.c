@@ -1,4 +1,5 @@
-/* What a checkpoint holds besides particles: numbers of clock and scheme, and how both are verified. */
+/* What a checkpoint holds besides particles: numbers of clock and scheme, and how both are
+   verified. */
 #include "checkpoint.h"
 #include <string.h>
 
@@ -31,8 +32,8 @@ void CheckpointPack(const Run *run, double clock[], double stats[])
 }
 
 /*
-  The first report to come at or after the clock's time: -report_times need not be those of the run that was
-  stopped. One due at this very time has been made if that run had counted it.
+  The first report to come at or after the clock's time: -report_times need not be those of the run
+  that was stopped. One due at this very time has been made if that run had counted it.
 */
 static PetscInt NextReport(const Clock *clock, PetscInt counted)
 {
@@ -90,8 +91,8 @@ static PetscErrorCode SumOption(const char option[], uint64_t *sum)
 /*
   CheckpointScene - Numbers by which a file's scene is told from the run's
 
-  Collective. Corners of the box and spacing; and where particles carry viscosities of their own, which
-  options at a restart would not change, a sum of those, else zero.
+  Collective. Corners of the box and spacing; and where particles carry viscosities of their own,
+  which options at a restart would not change, a sum of those, else zero.
 */
 PetscErrorCode CheckpointScene(const Scene *scene, double numbers[SCENE_NUMBERS])
 {
@@ -120,7 +121,8 @@ PetscErrorCode CheckpointScene(const Scene *scene, double numbers[SCENE_NUMBERS]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CheckpointRecord - The names of a record's numbers, "id,x:2,u:2,p:1": a file fits a run that has the same. */
+/* CheckpointRecord - The names of a record's numbers, "id,x:2,u:2,p:1": a file fits a run that
+   has the same. */
 PetscErrorCode CheckpointRecord(const Particles *p, char names[], size_t length)
 {
   PetscFunctionBegin;
@@ -147,7 +149,8 @@ static uint64_t HashWord(uint64_t hash, uint64_t word)
 /*
   CheckpointSumNumbers - Adds to a sum what any changed bit of some numbers changes
 
-  Not collective. What all ranks have is summed with it, what each has its share of by CheckpointSumRecords().
+  Not collective. What all ranks have is summed with it, what each has its share of by
+  CheckpointSumRecords().
 */
 void CheckpointSumNumbers(PetscInt n, const double numbers[], uint64_t *sum)
 {

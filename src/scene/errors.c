@@ -78,7 +78,8 @@ PetscErrorCode ErrorsInstall(void)
 }
 
 /*
-  FirstRankDecides - Gives all ranks the verdict of the first one, which alone opened or wrote a file
+  FirstRankDecides - Gives all ranks the verdict of the first one, which alone opened or wrote
+  a file
 
   Collective on PETSC_COMM_WORLD.
 */

@@ -1,6 +1,7 @@
 /*
-  Expressions of x, y, z and t typed by the user. muParser parses and evaluates; here its handles are owned,
-  texts split into components, and complaints turned into one line. A plain number needs no parser.
+  Expressions of x, y, z and t typed by the user. muParser parses and evaluates; here its handles
+  are owned, texts split into components, and complaints turned into one line. A plain number needs
+  no parser.
 */
 #include "isph/expression.h"
 #include <muParserDLL.h>
@@ -35,7 +36,8 @@ PetscErrorCode ExpressionScopeCreate(PetscInt dim, ExpressionScope **scope)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ExpressionScopeDefine - Gives a number a name in all expressions set from now on; not collective */
+/* ExpressionScopeDefine - Gives a number a name in all expressions set from now on; not
+   collective */
 PetscErrorCode ExpressionScopeDefine(ExpressionScope *scope, const char name[], PetscReal value)
 {
   PetscFunctionBegin;
@@ -56,7 +58,8 @@ PetscErrorCode ExpressionScopeDestroy(ExpressionScope **scope)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ExpressionScopeIsIdle - Whether numbers are all there is, so that the scope may go; not collective */
+/* ExpressionScopeIsIdle - Whether numbers are all there is, so that the scope may go; not
+   collective */
 PetscBool ExpressionScopeIsIdle(const ExpressionScope *scope)
 {
   return scope->n_parsers ? PETSC_FALSE : PETSC_TRUE;
@@ -209,7 +212,8 @@ static PetscErrorCode SetComponent(ExpressionScope *scope, const char text[], un
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ends the component that begins at text, at a comma outside brackets; returns the next, or NULL. */
+/* Ends the component that begins at text, at a comma outside brackets; returns the next, or
+   NULL. */
 static char *SplitComponent(char text[])
 {
   PetscInt depth = 0;
@@ -269,8 +273,8 @@ PetscErrorCode ExpressionSet(ExpressionScope *scope, const char option[], const 
 /*
   ExpressionRead - ExpressionSet() with the text of an option, where it is given
 
-  Collective. Between PetscOptionsBegin() and PetscOptionsEnd(). Output: e, as it was where the option is not
-  given; set - whether it is, may be NULL.
+  Collective. Between PetscOptionsBegin() and PetscOptionsEnd(). Output: e, as it was where the
+  option is not given; set - whether it is, may be NULL.
 */
 PetscErrorCode ExpressionRead_Private(PetscOptionItems *PetscOptionsObject, ExpressionScope *scope,
                                       const char option[], const char text[], PetscInt fewest,
@@ -312,8 +316,8 @@ PetscBool ExpressionUses(const Expression *e, ExpressionUse what)
 /*
   ExpressionValue - Component c at a place and time; zero where nothing was given
 
-  Not collective. x may be NULL for what depends on time only. A value that is not finite counts as zero and
-  is kept in mind for ExpressionScopeCheck().
+  Not collective. x may be NULL for what depends on time only. A value that is not finite counts as
+  zero and is kept in mind for ExpressionScopeCheck().
 */
 PetscReal ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[])
 {
@@ -345,8 +349,8 @@ PetscReal ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const Pe
 /*
   ExpressionRate - Time derivative of component c, [f(t + 1e-5 tau) - f(t - 1e-5 tau)]/(2e-5 tau)
 
-  Not collective. Input: tau - of the order of the time in which it changes [s]. A frequency w leaves a relative
-  error of (1e-5 w tau)^2/6. Times before zero are not asked for.
+  Not collective. Input: tau - of the order of the time in which it changes [s]. A frequency
+  w leaves a relative error of (1e-5 w tau)^2/6. Times before zero are not asked for.
 */
 PetscReal ExpressionRate(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[],
                          PetscReal tau)

@@ -1,6 +1,6 @@
 /*
-  Viscosity that varies from place to place: fluids in regions of the scene, or a field of x and y. A
-  particle takes the viscosity of its place at the start and keeps it.
+  Viscosity that varies from place to place: fluids in regions of the scene, or a field of x and y.
+  A particle takes the viscosity of its place at the start and keeps it.
 */
 #include "isph/scene.h"
 
@@ -43,9 +43,9 @@ static PetscBool IsInFluid(const Scene *scene, const PetscReal x[])
 
     1/nu = mean of 1/nu over the part of the lattice's cell about x that is fluid
 
-  Not collective. So layers resist shear as they lie, wherever interfaces cut the lattice: resistances in
-  series add. A smooth field without fluids in it is taken at x; where the viscosity follows the strain rate,
-  that at the rate U/L is what the first iteration starts from.
+  Not collective. So layers resist shear as they lie, wherever interfaces cut the lattice:
+  resistances in series add. A smooth field without fluids in it is taken at x; where the viscosity
+  follows the strain rate, that at the rate U/L is what the first iteration starts from.
 
   Reference: S. V. Patankar, Numerical Heat Transfer and Fluid Flow (1980), section 4.2-3
 */
@@ -70,9 +70,12 @@ PetscReal SceneViscosity(const Scene *scene, const PetscReal x[])
 }
 
 /*
-  SceneBoundViscosity - Least and largest viscosity at the centres of the lattice, or of the rheology
+  SceneBoundViscosity - Least and largest viscosity at the centres of the lattice, or of the
+  rheology
 
-  Collective. What particles then have, which may be elsewhere and take means, is SceneBoundGivenViscosity()'s. Output: scene->nu_low, scene->nu_high. Errors: a field that is not positive.
+  Collective. What particles then have, which may be elsewhere and take means, is
+  SceneBoundGivenViscosity()'s. Output: scene->nu_low, scene->nu_high. Errors: a field that is not
+  positive.
 */
 PetscErrorCode SceneBoundViscosity(Scene *scene)
 {
@@ -107,8 +110,8 @@ PetscErrorCode SceneBoundViscosity(Scene *scene)
 /*
   SceneBoundGivenViscosity - Least and largest viscosity of the particles a run begins with
 
-  Collective. Input: nu - of this rank's n particles [m^2/s]; where no rank has any, the bounds stay. Output:
-  scene->nu_low, scene->nu_high. Errors: one that is not positive.
+  Collective. Input: nu - of this rank's n particles [m^2/s]; where no rank has any, the bounds
+  stay. Output: scene->nu_low, scene->nu_high. Errors: one that is not positive.
 */
 PetscErrorCode SceneBoundGivenViscosity(PetscInt n, const PetscReal nu[], Scene *scene)
 {

@@ -1,4 +1,5 @@
-/* Whether particles go with the flow: one arbitrary Lagrangian-Eulerian step, two transport velocities. */
+/* Whether particles go with the flow: one arbitrary Lagrangian-Eulerian step, two transport
+   velocities. */
 #include "isph/scene.h"
 
 static const MotionRow motions[] = {

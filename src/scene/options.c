@@ -68,8 +68,8 @@ PetscErrorCode OptionInt_Private(PetscOptionItems *PetscOptionsObject, const cha
 /*
   OptionSwitch - true or false, true where nothing is said of it
 
-  Collective. Between PetscOptionsBegin() and PetscOptionsEnd(). Output: value - left alone where the option is not
-  given.
+  Collective. Between PetscOptionsBegin() and PetscOptionsEnd(). Output: value - left alone where
+  the option is not given.
 
   Errors: what is no such word
 */

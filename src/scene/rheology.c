@@ -1,6 +1,7 @@
 /*
-  Fluids whose viscosity follows the strain rate g = sqrt(2 E:E), E = (grad u + grad u^T)/2. All quantities are
-  over the density, as the kinematic viscosity is: a stress of 1 m^2/s^2 is one of rho Pa.
+  Fluids whose viscosity follows the strain rate g = sqrt(2 E:E), E = (grad u + grad u^T)/2. All
+  quantities are over the density, as the kinematic viscosity is: a stress of 1 m^2/s^2 is one
+  of rho Pa.
 */
 #include "isph/scene.h"
 
@@ -31,7 +32,8 @@ static PetscReal RheologyNu_Papanastasiou(const Rheology *r, PetscReal rate)
          r->number[RHEOLOGY_YIELD] * (x > 1e-8 ? -expm1(-(double)x) / rate : m * (1.0 - 0.5 * x));
 }
 
-/* ---- g at a shear stress tau > 0 [1/s], of the fluid that is meant: no bounds, no regularisation ---- */
+/* ---- g at a shear stress tau > 0 [1/s], of the fluid that is meant: no bounds, no
+   regularisation ---- */
 
 static PetscReal RheologyRate_PowerLaw(const Rheology *r, PetscReal tau)
 {
@@ -102,7 +104,8 @@ static void RheologyDefaults(PetscReal rate, Rheology *r)
   r->number[RHEOLOGY_CONSISTENCY] = r->nu * PetscPowReal(rate, 1.0 - r->number[RHEOLOGY_EXPONENT]);
 }
 
-/* Viscosity towards no rate (end = -1) or an infinite one (1); where it has no limit, 12 powers of ten off. */
+/* Viscosity towards no rate (end = -1) or an infinite one (1); where it has no limit, 12 powers
+   of ten off. */
 static PetscReal RheologyLimit(const Rheology *r, PetscReal rate, PetscInt end, PetscBool *limited)
 {
   const PetscReal last = r->row->Nu(r, rate * PetscPowReal(1e100, end)),
@@ -113,9 +116,10 @@ static PetscReal RheologyLimit(const Rheology *r, PetscReal rate, PetscInt end, 
 }
 
 /*
-  Bounds by default: the row's own, towards no and infinite rate; 1000 nu and nu/1000 where it has none, but nu/20
-  for what thickens from nothing: where the rate vanishes, a particle of hardly any viscosity lets go of those
-  about it (Poiseuille flow, n = 2, a row in the middle of 51: error 1.8 % at nu/100, 0.3 % at nu/20).
+  Bounds by default: the row's own, towards no and infinite rate; 1000 nu and nu/1000 where it has
+  none, but nu/20 for what thickens from nothing: where the rate vanishes, a particle of hardly any
+  viscosity lets go of those about it (Poiseuille flow, n = 2, a row in the middle of 51: error 1.8
+  % at nu/100, 0.3 % at nu/20).
 */
 static void RheologyBound(PetscReal rate, Rheology *r)
 {
@@ -133,7 +137,8 @@ static void RheologyBound(PetscReal rate, Rheology *r)
 /*
   SceneReadRheology - How the viscosity follows the strain rate, if it does
 
-  Collective, between PetscOptionsBegin() and PetscOptionsEnd(), when scene->nu, length and speed are known.
+  Collective, between PetscOptionsBegin() and PetscOptionsEnd(), when scene->nu, length and speed
+  are known.
 
   Options Database Keys:
 + -rheology name             - row of the rheology table
@@ -180,7 +185,8 @@ PetscErrorCode SceneReadRheology(PetscOptionItems *PetscOptionsObject, Scene *sc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* RheologyViscosity - Kinematic viscosity at a strain rate, within its bounds [m^2/s]; not collective */
+/* RheologyViscosity - Kinematic viscosity at a strain rate, within its bounds [m^2/s]; not
+   collective */
 PetscReal RheologyViscosity(const Rheology *r, PetscReal rate)
 {
   return PetscMin(PetscMax(r->row->Nu(r, rate), r->low), r->high);

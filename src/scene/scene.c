@@ -28,8 +28,9 @@ PetscReal SceneCellReynolds(const Scene *scene)
 }
 
 /*
-  SceneIsAsPosed - Whether the flow is its case's: none of the case's physics left out, no force added. Pressure
-  or convection where the case does without change nothing of what it says to be exact.
+  SceneIsAsPosed - Whether the flow is its case's: none of the case's physics left out, no force
+  added. Pressure or convection where the case does without change nothing of what it says to be
+  exact.
 */
 PetscBool SceneIsAsPosed(const Scene *scene)
 {
@@ -46,8 +47,8 @@ PetscBool SceneMoves(const Scene *scene)
   return scene->motion && scene->motion->particles_move ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* SceneCellSide - Side along an axis of a cell of the lattice that fills the box: dx, where the box is a whole number
-   of them long [m] */
+/* SceneCellSide - Side along an axis of a cell of the lattice that fills the box: dx, where the box
+   is a whole number of them long [m] */
 PetscReal SceneCellSide(const Scene *scene, PetscInt axis)
 {
   return (scene->hi[axis] - scene->lo[axis]) / scene->cells[axis];
@@ -177,7 +178,8 @@ static PetscErrorCode SceneReadNumbers(PetscOptionItems *PetscOptionsObject, Sce
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What expressions may name besides pi: nu (zero without viscosity), rho, L and U; not collective. */
+/* What expressions may name besides pi: nu (zero without viscosity), rho, L and U; not
+   collective. */
 static PetscErrorCode SceneNameConstants(Scene *scene)
 {
   const PetscReal nu = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu : 0.0;
@@ -206,7 +208,8 @@ static PetscErrorCode SceneNameConstants(Scene *scene)
 . -length, -speed         - the case's L and U
 . -reynolds, -viscosity   - one of the two
 . -density RHO            - of the fluid
-. -body_force fx,fy,fz    - per unit mass, in place of the case's own; of -case scene expressions of x, y, t
+. -body_force fx,fy,fz    - per unit mass, in place of the case's own; of -case scene expressions of
+                            x, y, t
 . -with, -without names   - physics against the case's declaration
 . -jitter J               - largest random displacement of the start lattice, in dx
 . -seed S                 - of the jitter and of random fields
@@ -288,9 +291,10 @@ void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pet
 
     a = dV/dt + dw/dt z x (x - c) - w^2 (x - c)
 
-  of a body, the last term only where the fluid has u.grad u to go with it; of a side of a typed box dV/dt
-  along its normal: sides do not turn, and what they gain along themselves is none of the pressure's business.
-  Not collective. Derivatives are centred differences (ExpressionRate()) over 2e-5 L/U.
+  of a body, the last term only where the fluid has u.grad u to go with it; of a side of a typed box
+  dV/dt along its normal: sides do not turn, and what they gain along themselves is none of the
+  pressure's business. Not collective. Derivatives are centred differences (ExpressionRate()) over
+  2e-5 L/U.
 */
 void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                            PetscReal a[])
@@ -327,11 +331,12 @@ static PetscReal Reach(const Scene *scene, const Body *body)
 }
 
 /*
-  SceneWallDrive - The fastest flow that a wall makes, by its velocity at a point of its surface [m/s]
+  SceneWallDrive - The fastest flow that a wall makes, by its velocity at a point of its surface
+  [m/s]
 
-  Not collective. A wall that slides along itself drags fluid no faster than it goes, but a stiff fluid may
-  turn with a body as far as the box reaches. One that moves along its normal squeezes fluid through gaps at
-  any speed: infinite.
+  Not collective. A wall that slides along itself drags fluid no faster than it goes, but a stiff
+  fluid may turn with a body as far as the box reaches. One that moves along its normal squeezes
+  fluid through gaps at any speed: infinite.
 */
 PetscReal SceneWallDrive(const Scene *scene, PetscInt side, const PetscReal x[],
                          const PetscReal normal[], const PetscReal u[])
@@ -358,7 +363,8 @@ PetscReal SceneWallDrive(const Scene *scene, PetscInt side, const PetscReal x[],
 
     d|u|/dt <= -nu (pi/W)^2 |u|,  W the distance of the closest pair of sides that are walls
 
-  in root mean squares (Poincare's inequality); zero without such a pair or without viscosity. Not collective.
+  in root mean squares (Poincare's inequality); zero without such a pair or without viscosity. Not
+  collective.
 */
 PetscReal SceneDecayRate(const Scene *scene)
 {

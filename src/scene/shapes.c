@@ -247,9 +247,10 @@ void BodySpan(const Body *body, PetscInt axis, PetscReal span[2])
 /*
   BodyThickness - How thin a body is between surfaces that face away from each other [m]
 
-  Not collective. Looks inwards from points dx apart on the surface, in steps of dx/4; the tips of wedges of
-  more than about 50 degrees do not count. Input: limit - how far it looks. Output: place - of the thinnest spot. Returns:
-  limit where the body is nowhere thinner, and of bodies around the fluid.
+  Not collective. Looks inwards from points dx apart on the surface, in steps of dx/4; the tips
+  of wedges of more than about 50 degrees do not count. Input: limit - how far it looks. Output:
+  place - of the thinnest spot. Returns: limit where the body is nowhere thinner, and of bodies
+  around the fluid.
 */
 PetscReal BodyThickness(const Body *body, PetscReal dx, PetscReal limit, PetscReal place[2])
 {
@@ -273,8 +274,9 @@ PetscReal BodyThickness(const Body *body, PetscReal dx, PetscReal limit, PetscRe
 }
 
 /*
-  Signed distance of x from the nearest of a body's images in a periodic box, the body taken as solid [m].
-  Output: y - x as seen from that image, which lies where the body does; normal - out of the body.
+  Signed distance of x from the nearest of a body's images in a periodic box, the body taken as
+  solid [m]. Output: y - x as seen from that image, which lies where the body does; normal - out
+  of the body.
 */
 static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscReal x[],
                               PetscReal y[2], PetscReal normal[])
@@ -322,8 +324,8 @@ void BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscRea
 /*
   BodyDistance - Distance from a body's surface, positive in the fluid [m]
 
-  Not collective. Of a body in a periodic box the nearest image counts. Output: normal - of the surface at
-  its point nearest to x, into the fluid.
+  Not collective. Of a body in a periodic box the nearest image counts. Output: normal - of the
+  surface at its point nearest to x, into the fluid.
 */
 PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
                        PetscReal normal[])
@@ -345,7 +347,8 @@ PetscInt BodyPoints(const Body *body, PetscReal dx)
 /*
   BodyPoint - Point k of a surface
 
-  Not collective. Output: x; normal - into the fluid. Returns: the length of surface it stands for [m].
+  Not collective. Output: x; normal - into the fluid. Returns: the length of surface it stands for
+  [m].
 */
 PetscReal BodyPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], PetscReal normal[])
 {

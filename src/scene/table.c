@@ -47,7 +47,8 @@ static PetscErrorCode TableNames(const Table *table, char names[], size_t length
 /*
   TableWant - Row with a given name
 
-  Not collective. Input: option - that gave the name. Output: row - address of a pointer to it (any row type).
+  Not collective. Input: option - that gave the name. Output: row - address of a pointer to it (any
+  row type).
 
   Errors: an unknown name ends the run with the list of the known ones
 */

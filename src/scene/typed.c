@@ -1,6 +1,6 @@
 /*
-  Scenes typed on the command line: the box, its sides and bodies, velocities and a reference solution from
-  options, checked so that a mistake is told before a particle exists.
+  Scenes typed on the command line: the box, its sides and bodies, velocities and a reference
+  solution from options, checked so that a mistake is told before a particle exists.
 */
 #include "isph/scene.h"
 #include <stdlib.h>
@@ -40,8 +40,8 @@ static PetscErrorCode ReadShape(const char option[], const char text[], Body *bo
 }
 
 /*
-  The body stays where it is. A velocity of its surface that has a part normal to it and lasts would carry
-  fluid through it; with t in it, it may be that of motions small against the body.
+  The body stays where it is. A velocity of its surface that has a part normal to it and lasts would
+  carry fluid through it; with t in it, it may be that of motions small against the body.
 */
 static PetscErrorCode CheckBodyMotion(const Scene *scene, const Body *body)
 {
@@ -251,11 +251,11 @@ static PetscErrorCode ReadFields(PetscOptionItems *PetscOptionsObject, Scene *sc
 . -scene_velocity u,v              - at the start, of x, y [m/s]
 - -scene_exact u,v[,p]             - reference solution, of x, y, t [m/s], [Pa]
 
-  Notes: velocities and the reference are expressions, see ExpressionSet(). A periodic box without bodies has
-  no walls, and the physics loses them.
+  Notes: velocities and the reference are expressions, see ExpressionSet(). A periodic box without
+  bodies has no walls, and the physics loses them.
 
-  Errors: what is no shape, bodies that overlap or leave gaps of less than 4 dx; expressions that cannot be
-  understood; velocities through a surface
+  Errors: what is no shape, bodies that overlap or leave gaps of less than 4 dx; expressions that
+  cannot be understood; velocities through a surface
 */
 PetscErrorCode SceneReadTyped(PetscOptionItems *PetscOptionsObject, Scene *scene)
 {

@@ -1,6 +1,6 @@
 /*
-  The refusal of options that nobody has read, with the known name nearest to a misspelt one, which must not be
-  a silent default.
+  The refusal of options that nobody has read, with the known name nearest to a misspelt one, which
+  must not be a silent default.
 */
 #include "isph/base.h"
 

@@ -4,8 +4,9 @@
 #include "isph/schemes.h"
 
 #define CLOCK_MAX_CUT 10 /* halvings of a step */
-/* Held in every map of docs/results/stability.md. Shorter steps of moving particles are not better ones: at
-   Re = 1000, n = 100, t = 40 the cavity has 1.7, 1.2, 0.5 % too much energy with 0.25, 0.4, 0.5. */
+/* Held in every map of docs/results/stability.md. Shorter steps of moving particles are not better:
+   at Re = 1000, n = 100, t = 40 the cavity has 1.7, 1.2, 0.5 % too much energy with 0.25, 0.4,
+   0.5. */
 #define CLOCK_CFL      0.5
 #define CLOCK_PATIENCE 10 /* half the good steps before the first growth */
 
@@ -31,7 +32,8 @@ PetscReal ClockExplicitLimit(const Scene *scene, PetscReal support_radius)
              : PETSC_INFINITY;
 }
 
-/* ClockMoment - The time whose flow there is: of a steady flow solved for without time that after all others [s] */
+/* ClockMoment - The time whose flow there is: of a steady flow solved for without time that
+   after all others [s] */
 PetscReal ClockMoment(const Clock *clock)
 {
   return clock->direct ? PETSC_INFINITY : clock->t;
@@ -163,9 +165,10 @@ static PetscReal ClockTarget(const Scene *scene, PetscReal speed, PetscReal forc
 
     dt = C min(dx/max(U, speed), max(sqrt(dx/(C |f|)), r dx/|f|))/2^cut,  or -dt/2^cut
 
-  Not collective. The force alone moves a particle by f dt^2 in a step, or by f dt/r where walls at rest slow
-  it at the rate r (SceneDecayRate()): the most viscous flows are not held to short steps. Steps are evened
-  out so that the next report time and t_end are hit exactly without a rest that is shorter than the others.
+  Not collective. The force alone moves a particle by f dt^2 in a step, or by f dt/r where walls at
+  rest slow it at the rate r (SceneDecayRate()): the most viscous flows are not held to short steps.
+  Steps are evened out so that the next report time and t_end are hit exactly without a rest that is
+  shorter than the others.
 
   Input Parameters:
 + speed - largest speed of the flow [m/s]
@@ -188,8 +191,8 @@ PetscErrorCode ClockChoose(const Scene *scene, PetscReal speed, PetscReal force,
 /*
   ClockAdvance - Time after a step that went well
 
-  Not collective. A step that was cut for a failure grows back after as many good ones as the clock has
-  patience for.
+  Not collective. A step that was cut for a failure grows back after as many good ones as the clock
+  has patience for.
 */
 PetscErrorCode ClockAdvance(Clock *clock)
 {
@@ -215,8 +218,8 @@ PetscErrorCode ClockAdvance(Clock *clock)
   Output Parameter:
 . failure - made hopeless, with advice, where steps were halved too often already
 
-  Notes: each failure doubles the number of good steps after which one tries to grow back, so that a flow
-  that bears no longer steps is left alone after a few
+  Notes: each failure doubles the number of good steps after which one tries to grow back, so that
+  a flow that bears no longer steps is left alone after a few
 */
 PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
 {
@@ -242,8 +245,9 @@ PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
 /*
   ClockRatio - w = dt over the step before, for what extrapolates over both; not collective
 
-  0, which means first order, where there is none, or where it is beyond 1 + sqrt(2): BDF2 is no longer stable then, and a
-  short step for a report after an impulsive start would be drawn out tenfold.
+  0, which means first order, where there is none, or where it is beyond 1 + sqrt(2): BDF2 is no
+  longer stable then, and a short step for a report after an impulsive start would be drawn out
+  tenfold.
 */
 PetscReal ClockRatio(const Clock *clock)
 {

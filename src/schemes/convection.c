@@ -24,10 +24,11 @@ PetscErrorCode ConvectionCentral(PetscInt dim, const Operators *ops, const Vec v
 
     (v.grad u)_i + S max(0, |v_i|/dx - 2 nu/dx^2) (u - fit)_i
 
-  Collective. The second term is what upwind-biased differences have over central ones: it takes what
-  changes from one particle to the next in the time the flow passes dx, and is of second order, U dx^2 u''',
-  on any cloud (third order on lattices). Without it (-velocity_filter 0) explicit steps of the first
-  term alone feed the grid scale where viscosity does not damp it, and only there it acts: |v| dx/nu > 2.
+  Collective. The second term is what upwind-biased differences have over central ones: it takes
+  what changes from one particle to the next in the time the flow passes dx, and is of second order,
+  U dx^2 u''', on any cloud (third order on lattices). Without it (-velocity_filter 0) explicit
+  steps of the first term alone feed the grid scale where viscosity does not damp it, and only there
+  it acts: |v| dx/nu > 2.
 
   Input Parameters:
 + v     - advecting velocity over fluid [m/s]

@@ -1,4 +1,5 @@
-/* The corrector of the projection scheme: the pressure increment, and what velocity and pressure gain. */
+/* The corrector of the projection scheme: the pressure increment, and what velocity and pressure
+   gain. */
 #include "projection.h"
 
 /* Right-hand side of A phi = b, A = -dx^2 lap: -dx^2 rho/k ((1-alpha) div u* + alpha (1-C)/dt) - B
@@ -47,14 +48,15 @@ static PetscErrorCode VelocityCorrect(const Scene *scene, const Operators *ops, 
 
     S max(0.1, 1/(1 + 8 nu dt/dx^2)),
 
-  for S = 1 about what an implicit viscous step leaves of the mode +1, -1 of a lattice. Modes of the pressure
-  that no projection on one set of points sees, L^-1 D G p = m p with a small and, among disordered particles,
-  negative m, grow by |m|^(1/2) in each step of an incremental projection, however short it is, unless
-  viscosity or this takes them; the less the one, the more the other.
+  for S = 1 about what an implicit viscous step leaves of the mode +1, -1 of a lattice. Modes of the
+  pressure that no projection on one set of points sees, L^-1 D G p = m p with a small and, among
+  disordered particles, negative m, grow by |m|^(1/2) in each step of an incremental projection,
+  however short it is, unless viscosity or this takes them; the less the one, the more the other.
 
-  The price: a steady pressure whose roughness is r leaves a divergence of dt (L - D G) s r/rho, and that may feed
-  energy where layers are thin. Fixed particles at Re = 1000, n = 48, CFL number 1, t = 40 in the cavity: -18, -8.5,
-  5.1, 38 % for S = 0, 0.02, 0.1, 0.5. Hence only 0.1 where particles stay on a lattice.
+  The price: a steady pressure whose roughness is r leaves a divergence of dt (L - D G) s r/rho, and
+  that may feed energy where layers are thin. Fixed particles at Re = 1000, n = 48, CFL number 1, t
+  = 40 in the cavity: -18, -8.5, 5.1, 38 % for S = 0, 0.02, 0.1, 0.5. Hence only 0.1 where particles
+  stay on a lattice.
 */
 static PetscReal FilterShare(const Scene *scene, const Clock *clock, const Scheme *scheme)
 {
@@ -65,9 +67,9 @@ static PetscReal FilterShare(const Scene *scene, const Clock *clock, const Schem
 
 /*
   p = [p^n] + phi [- c mu div u*], less a share of what a quadratic fit leaves of it, which is of
-  fourth order where p is smooth; its mean is the gauge. c is LaplacianDilatation(); mu the least there
-  is: right where it is uniform, stable however it varies. With the local one a drop of 1e5 times the
-  viscosity about it blew up within 4 steps.
+  fourth order where p is smooth; its mean is the gauge. c is LaplacianDilatation(); mu the least
+  there is: right where it is uniform, stable however it varies. With the local one a drop of 1e5
+  times the viscosity about it blew up within 4 steps.
 */
 static PetscErrorCode PressureUpdate(const Scene *scene, const Clock *clock, Operators *ops,
                                      const Scheme *scheme)

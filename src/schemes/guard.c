@@ -15,8 +15,8 @@
 /*
   GuardMeasure - The true residual |b - A x|/|b| of a solve, and whether it is what was asked for
 
-  Collective. Good is a method that claims success and a residual within ten times its tolerance, and
-  never above 0.1.
+  Collective. Good is a method that claims success and a residual within ten times its tolerance,
+  and never above 0.1.
 */
 PetscErrorCode GuardMeasure(KSP ksp, Vec b, Vec x, PetscReal *residual, PetscBool *good)
 {
@@ -188,8 +188,8 @@ static PetscErrorCode GuardRemedy(KSP ksp, PC pc, const Guard *guard, char remed
   Collective.
 
   Output Parameter:
-. failure - set to a sentence with the step, the methods, the reason and what to try; hopeless where the
-            ladder had to be climbed too often in a row
+. failure - set to a sentence with the step, the methods, the reason and what to try; hopeless where
+            the ladder had to be climbed too often in a row
 */
 PetscErrorCode GuardCheck(KSP ksp, Guard *guard, StepFailure *failure)
 {

@@ -1,7 +1,7 @@
 /*
-  Viscosity and velocity brought together where one follows the other: SNES newtonls on the residual of a TS
-  stage, with shift I - nu A at the present viscosities as Jacobian, whose steps are Picard's iteration, or as
-  preconditioner of Newton's steps, which -visc_snes_mf_operator takes.
+  Viscosity and velocity brought together where one follows the other: SNES newtonls on the residual
+  of a TS stage, with shift I - nu A at the present viscosities as Jacobian, whose steps are
+  Picard's iteration, or as preconditioner of Newton's steps, which -visc_snes_mf_operator takes.
 */
 #include "viscosity.h"
 
@@ -16,9 +16,9 @@ static PetscErrorCode TakesNewton(PetscBool *newton)
 /*
   IterationChoose - The nonlinear solver before the user's options
 
-  Collective. Line searches as measured best, power laws of exponent 0.2 to 3 and plastics: l2, which may go
-  beyond Picard's steps, took half the iterations of full steps and got to the end where these, or bt, did not;
-  Newton's steps go with bt.
+  Collective. Line searches as measured best, power laws of exponent 0.2 to 3 and plastics: l2,
+  which may go beyond Picard's steps, took half the iterations of full steps and got to the end
+  where these, or bt, did not; Newton's steps go with bt.
 
   Errors: an absolute tolerance
 */
@@ -40,8 +40,8 @@ PetscErrorCode IterationChoose(SNES snes)
 }
 
 /*
-  IterationSetTolerance - What -visc_snes_rtol asks, over the terms that the residual is made of too: near a steady
-  flow it starts small
+  IterationSetTolerance - What -visc_snes_rtol asks, over the terms that the residual is made
+  of too: near a steady flow it starts small
 
   Collective. Input: u at time t, before the step.
 */
@@ -88,11 +88,11 @@ PetscErrorCode IterationCheck(TS ts, const char where[], StepFailure *failure)
 }
 
 /*
-  IterationFallBack - Full steps of Picard's in the place of line search l2, where that did not get there: from rest it
-  may go far beyond them and not come back
+  IterationFallBack - Full steps of Picard's in the place of line search l2, where that did not get
+  there: from rest it may go far beyond them and not come back
 
-  Collective. Input: failure - of the step. Output: again - whether the step is worth making again, the line
-  search being full steps then.
+  Collective. Input: failure - of the step. Output: again - whether the step is worth making again,
+  the line search being full steps then.
 */
 PetscErrorCode IterationFallBack(Viscosity *v, const StepFailure *failure, PetscBool *again)
 {
@@ -131,7 +131,8 @@ PetscErrorCode IterationGoBack(Viscosity *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ViscosityIteration - Types of the nonlinear solver and its line search; NULL where there is none */
+/* ViscosityIteration - Types of the nonlinear solver and its line search; NULL where there is
+   none */
 PetscErrorCode ViscosityIteration(const Viscosity *v, const char **snes, const char **search)
 {
   SNES           inner;

@@ -1,7 +1,7 @@
 /*
-  The fallback ladder of a linear solve: where the method chosen does not reach the true residual asked
-  for, others are tried on the same matrix, from the cheapest to the surest. Each fall is told and
-  counted.
+  The fallback ladder of a linear solve: where the method chosen does not reach the true residual
+  asked for, others are tried on the same matrix, from the cheapest to the surest. Each fall is told
+  and counted.
 */
 #include "isph/guard.h"
 #include "saddle.h"
@@ -39,7 +39,8 @@ static PetscErrorCode LadderRung(KSP ksp, PetscInt k, Guard *guard)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether a rung is what has failed already, or needs a factorisation on several ranks that is not there. */
+/* Whether a rung is what has failed already, or needs a factorisation on several ranks that is
+   not there. */
 static PetscErrorCode LadderSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBool saddle,
                                   PetscBool *skips)
 {
@@ -61,7 +62,8 @@ static PetscErrorCode LadderSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBool 
 }
 
 /*
-  LadderClimb - Solves A x = b again by the methods of the ladder, until one reaches the true residual
+  LadderClimb - Solves A x = b again by the methods of the ladder, until one reaches the true
+  residual
 
   Collective.
 
@@ -73,8 +75,8 @@ static PetscErrorCode LadderSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBool 
 + x      - the solution, if solved
 - solved - PETSC_FALSE where no rung got there, or b is not finite
 
-  Notes: each fall is printed; guard->falls counts them, guard->in_a_row those without a success of the
-  chosen method between
+  Notes: each fall is printed; guard->falls counts them, guard->in_a_row those without a success
+  of the chosen method between
 */
 PetscErrorCode LadderClimb(KSP ksp, Vec b, Vec x, Guard *guard, PetscBool *solved)
 {

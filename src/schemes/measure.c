@@ -46,10 +46,10 @@ static PetscReal TimeScale(const Scene *scene)
 }
 
 /*
-  The rates of fixed particles: of u and p at each particle and of div u*, whose root mean square settles
-  at what the approximate projection leaves, not at zero; all relative, per time scale T, or per step
-  if that is longer. An incremental projection at large steps shows a small du long before the flow is
-  right; the pressure increment tells.
+  The rates of fixed particles: of u and p at each particle and of div u*, whose root mean square
+  settles at what the approximate projection leaves, not at zero; all relative, per time scale T, or
+  per step if that is longer. An incremental projection at large steps shows a small du long before
+  the flow is right; the pressure increment tells.
 */
 static PetscErrorCode MeasureChange_Fixed(const Scene *scene, const Clock *clock,
                                           const Particles *p, Scheme *scheme)
@@ -82,9 +82,9 @@ static PetscReal RmsSpeed(const Scene *scene, const Particles *p, const StepStat
 }
 
 /*
-  The rates of moving particles: single steps are noise of shifting and of new neighbours, so means of the
-  root mean squares of u, div u* and p over windows of T, at least 20 steps, are compared, each with the
-  window before.
+  The rates of moving particles: single steps are noise of shifting and of new neighbours, so means
+  of the root mean squares of u, div u* and p over windows of T, at least 20 steps, are compared,
+  each with the window before.
 */
 static PetscErrorCode MeasureChange_Moving(const Scene *scene, const Clock *clock,
                                            const Particles *p, Scheme *scheme)
@@ -176,14 +176,15 @@ PetscErrorCode MeasureBegin(const Scene *scene, const Particles *p, const Operat
 }
 
 /*
-  What the velocity's root mean square can be by all that moves the flow, 5 % added for discretisation, 1e-6 U
-  for rounding
+  What the velocity's root mean square can be by all that moves the flow, 5 % added for
+  discretisation, 1e-6 U for rounding
 
     |u| <= |u|(0) + min(int F dt, max F/r) + max wall drive,  F = max |f|
 
-  with the rate r at which walls at rest would slow it (SceneDecayRate()). All but the last term follow from
-  the energy's balance, whatever the length of the step; that walls make no flow faster than SceneWallDrive()
-  holds of every flow known to be right, with room: a cavity has a third of that at most.
+  with the rate r at which walls at rest would slow it (SceneDecayRate()). All but the last term
+  follow from the energy's balance, whatever the length of the step; that walls make no flow faster
+  than SceneWallDrive() holds of every flow known to be right, with room: a cavity has a third
+  of that at most.
 */
 static PetscReal SpeedBound(const Scene *scene, const Clock *clock, Scheme *scheme)
 {
@@ -203,8 +204,8 @@ static PetscReal SpeedBound(const Scene *scene, const Clock *clock, Scheme *sche
 /*
   StepJudge - Measures the step just made, u* being the new velocity, and tells one gone wrong
 
-  Collective. Sets scheme->failure where energy is not finite, or is more than what moves the flow can have made
-  of it, or a particle is a hundred times as fast as the reference.
+  Collective. Sets scheme->failure where energy is not finite, or is more than what moves the flow
+  can have made of it, or a particle is a hundred times as fast as the reference.
 */
 PetscErrorCode StepJudge(const Scene *scene, const Clock *clock, const Particles *p,
                          const Operators *ops, Scheme *scheme)

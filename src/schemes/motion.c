@@ -22,9 +22,9 @@ static void KeepOffWalls(const Scene *scene, PetscReal x[])
 }
 
 /*
-  What changes fields, at the old positions: grad p always; grad u and, where it is at hand, lap u where
-  there is shifting; grad u and u less its fit where velocities are filtered. Arrays are NULL where they
-  are not needed.
+  What changes fields, at the old positions: grad p always; grad u and, where it is at hand, lap
+  u where there is shifting; grad u and u less its fit where velocities are filtered. Arrays are
+  NULL where they are not needed.
 */
 typedef struct {
   const PetscScalar *p[ISPH_MAX_DIM];               /* dp/dx_a */
@@ -120,9 +120,9 @@ static void FollowShift(const Scene *scene, const Slopes *slopes, PetscInt i,
 
     u -= S min(1, RATE dt |A A|^(1/2)) (u - fit),   A_ca = du_c/dx_a,   |.| Frobenius' norm
 
-  |A A|^(1/2) is the rate at which the flow can feed disturbances: the eigenvalues of A in strain and
-  rotation, nothing in parallel flow however sheared, so that boundary layers as thin as dx are left
-  alone. Where the flow is resolved that is U/L, and the filter of third order.
+  |A A|^(1/2) is the rate at which the flow can feed disturbances: the eigenvalues of A in strain
+  and rotation, nothing in parallel flow however sheared, so that boundary layers as thin as dx are
+  left alone. Where the flow is resolved that is U/L, and the filter of third order.
 */
 static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i, PetscReal strength,
                            PetscReal dt, PetscReal change[])

@@ -31,8 +31,9 @@ static PetscErrorCode AddConvection(const Scene *scene, const Clock *clock, cons
 /*
   AddBodyForce - force += f(x, t) on the own fluid, and the largest |f| of it
 
-  Collective. Input: t [s]; force - vectors over the fluid, NULL where only the largest is asked for. Output:
-  scheme->stats.force_max [m/s^2]. A force that is the same everywhere takes no look at particles.
+  Collective. Input: t [s]; force - vectors over the fluid, NULL where only the largest is asked
+  for. Output: scheme->stats.force_max [m/s^2]. A force that is the same everywhere takes no look at
+  particles.
 */
 PetscErrorCode AddBodyForce(const Scene *scene, PetscReal t, const Particles *p, Vec force[],
                             Scheme *scheme)
@@ -93,7 +94,8 @@ static PetscErrorCode AssembleForce(const Scene *scene, const Clock *clock, cons
 /*
   PredictorStart - What an implicit step starts from, in u*, how long it is, and its force
 
-  Collective. BDF2 with w = ClockRatio(): k = dt (1+w)/(1+2w), start = ((1+w)^2 u^n - w^2 u^{n-1})/(1+2w).
+  Collective. BDF2 with w = ClockRatio(): k = dt (1+w)/(1+2w), start = ((1+w)^2 u^n - w^2
+  u^{n-1})/(1+2w).
 
   Input Parameters:
 + history - BDF2 where u^{n-1} is known; else from u^n over dt

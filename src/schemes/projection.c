@@ -174,7 +174,8 @@ static PetscBool HasBalance(const Clock *clock, const Scheme *scheme)
   return clock->step > 0 || ((const Projection *)scheme->data)->balanced ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* The time whose slopes p has after a step of length dt that ends at t: that of the step's force. */
+/* The time whose slopes p has after a step of length dt that ends at t: that of the step's
+   force. */
 static PetscReal SlopeTime(const Scheme *scheme, PetscReal t, PetscReal dt)
 {
   return !scheme->visc || ViscosityTimeKind(scheme->visc)->end_of_step ? t : t - 0.5 * dt;
@@ -202,7 +203,8 @@ static PetscErrorCode RebuildOperators(const Scene *scene, const Clock *clock, P
   ProjectionBegin - Readies everything for the flow as the particles carry it: at the start, after a
   restart, after a step was undone
 
-  Collective. What a finished step leaves behind beside the particles' fields is made anew from them.
+  Collective. What a finished step leaves behind beside the particles' fields is made anew from
+  them.
 */
 PetscErrorCode ProjectionBegin(const Scene *scene, const Clock *clock, Particles *p, Neighbors *nb,
                                Operators *ops, Scheme *scheme)
@@ -268,8 +270,8 @@ static PetscErrorCode SolveInTurn(const Scene *scene, const Clock *clock, Partic
 /*
   FlowStep - One step of the clock's dt
 
-  Collective. Where it fails, scheme->failure says how, time has not advanced and the fields are of no
-  use.
+  Collective. Where it fails, scheme->failure says how, time has not advanced and the fields are
+  of no use.
 
   Input Parameter:
 . Solve - leaves u^{n+1} in u* and p^{n+1} in p

@@ -1,5 +1,5 @@
-/* The projection scheme: its state, and the parts of its step in projection.c, motion.c, predictor.c,
- * corrector.c and measure.c. */
+/* The projection scheme: its state, and the parts of its step in projection.c, motion.c,
+   predictor.c, corrector.c and measure.c. */
 #ifndef ISPH_PROJECTION_H
 #define ISPH_PROJECTION_H
 

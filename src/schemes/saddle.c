@@ -19,7 +19,8 @@ typedef struct {
   PetscInt rows, cols; /* 1 or dim */
 } Interlacing;
 
-/* A block of operators on the common pattern: component c in rows dim i + c, or columns dim j + c. */
+/* A block of operators on the common pattern: component c in rows dim i + c, or columns dim j +
+   c. */
 static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, Interlacing by,
                                   PetscReal scale, const AffineOperator op[], Mat *block)
 {

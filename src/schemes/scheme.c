@@ -32,9 +32,10 @@ static PetscBool IsDrivenInTime(const Scene *scene)
 }
 
 /*
-  A projection creeps towards the Stokes limit by what it is not rotational for: all of the viscosity, or what
-  exceeds the least. At large steps that is so slow that any steadiness test is met far from it: the
-  incremental cavity at Re = 0.01, nu dt/L^2 = 100 passes 1e-3 with u_min 31 % off.
+  A projection creeps towards the Stokes limit by what it is not rotational for: all of the
+  viscosity, or what exceeds the least. At large steps that is so slow that any steadiness test is
+  met far from it: the incremental cavity at Re = 0.01, nu dt/L^2 = 100 passes 1e-3 with u_min 31 %
+  off.
 */
 static PetscErrorCode SchemeRefuseCreep(const Scene *scene, const Clock *clock,
                                         const ProjectionRow *projection)
@@ -154,7 +155,8 @@ static PetscErrorCode SchemeCreateCoupled(const Scene *scene, const Clock *clock
 + -scheme, -projection, -shift - rows of their tables
 . -time_order 1|2   - order of the time integration
 . -ppe_alpha A      - share of the density error in the pressure source (Zheng et al. 2018, Eq. 13)
-- -ppe_filter S     - strength of the grid-scale pressure filter, by default 1, on lattices 0.1; see FilterShare()
+- -ppe_filter S     - strength of the grid-scale pressure filter, by default 1, on lattices 0.1; see
+                      FilterShare()
 */
 PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *ops, Scheme **scheme)
 {

@@ -6,9 +6,11 @@
 #include "viscosity.h"
 
 /*
-  TimeOptionsRefuse - Ends the run where an option of a TS would own time, or a theta that type has not
+  TimeOptionsRefuse - Ends the run where an option of a TS would own time, or a theta that type has
+  not
 
-  Collective. PETSc's beuler and cn are theta schemes, whose number they would refuse only in the first step.
+  Collective. PETSc's beuler and cn are theta schemes, whose number they would refuse only in the
+  first step.
 */
 PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[])
 {

@@ -51,8 +51,8 @@ PetscErrorCode UndoSave(const Clock *clock, const Particles *p, const Scheme *sc
 /*
   UndoRestore - Goes back to the flow that was kept
 
-  Collective. Within an epoch particles are where they were; else a new one begins, and owners and order
-  may be others than before.
+  Collective. Within an epoch particles are where they were; else a new one begins, and owners and
+  order may be others than before.
 */
 PetscErrorCode UndoRestore(const Scene *scene, const Undo *undo, Clock *clock, Particles *p,
                            Neighbors *nb, Operators *ops, Scheme *scheme)

@@ -3,8 +3,8 @@
 
     du_c/dt = nu (A u_c + B u_wall,c) - (v.grad) u_c + force_c,
 
-  the same matrix and the same KSP for all; one system for all components where a form couples them or the
-  viscosity follows their strain rate. Where each term enters is the time kind's choice
+  the same matrix and the same KSP for all; one system for all components where a form couples them
+  or the viscosity follows their strain rate. Where each term enters is the time kind's choice
   (timekinds.c); v is the advecting velocity of particles that do not move, given for the whole
   step.
 */

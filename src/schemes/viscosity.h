@@ -1,5 +1,5 @@
-/* The viscous integrators: their state, and the callbacks in viscterms.c that a TS is given, the nonlinear solver
- * in iteration.c. */
+/* The viscous integrators: their state, and the callbacks in viscterms.c that a TS is
+   given, the nonlinear solver in iteration.c. */
 #ifndef ISPH_SCHEMES_VISCOSITY_H
 #define ISPH_SCHEMES_VISCOSITY_H
 

@@ -82,8 +82,8 @@ static PetscErrorCode ConvectiveTerm(Viscosity *v, PetscInt c, Vec u, Vec f)
 /*
   ViscosityScale - The largest norm of the viscous term of u, the force, and nu u/L^2 [m/s^2]
 
-  Collective. The last is what there is of the first in a flow of its size: between walls that drive it the
-  viscous term vanishes when it is steady, and with it what could be asked of a residual.
+  Collective. The last is what there is of the first in a flow of its size: between walls that drive
+  it the viscous term vanishes when it is steady, and with it what could be asked of a residual.
 */
 PetscErrorCode ViscosityScale(Viscosity *v, PetscReal t, Vec u, Vec force, PetscReal *scale)
 {
