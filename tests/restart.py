@@ -9,7 +9,7 @@
     restart.py other ISPH          restarted with other -report_times and another -output
     restart.py probes ISPH         probe files that cannot be gone on with end the run and stay
     restart.py particles ISPH      a snapshot's particles begin a run as the lattice they were
-    restart.py scene ISPH          restarted with another box or other viscosities: refused
+    restart.py scene ISPH          restarted with another box, other bodies or viscosities: refused
     restart.py disk ISPH           a full disk: one line, and all files complete
 
 ISPH... is the program, after it the words that start it on several ranks with {} for their number."""
@@ -212,6 +212,11 @@ def particles(isph):
     assert abs(energies[0] - energies[1]) < 1e-6 * energies[0], energies
 
 
+def refused(flow, options, words):
+    error = run([*flow, *options, "-restart", "c.h5"], good=False)
+    assert error.startswith("isph: -restart c.h5: ") and words in error, error
+
+
 def scene(isph):
     """What a restart would not change is not taken from its options."""
     flow = [isph, "-case", "scene", "-n", "16", "-max_steps", "2", "-progress", "none", "-scene_fluid_1",
@@ -220,8 +225,11 @@ def scene(isph):
     run([*flow, "1", "-restart", "c.h5"])
     for options, words in ((["2"], "viscosities"), (["1", "-reynolds", "7"], "viscosities"),
                            (["1", "-scene_box", "0,0,1,1.001"], "box")):
-        error = run([*flow, *options, "-restart", "c.h5"], good=False)
-        assert error.startswith("isph: -restart c.h5: ") and words in error, error
+        refused(flow, options, words)
+    flow = [isph, "-case", "scene", "-n", "16", "-max_steps", "2", "-progress", "none", "-scene_body_1"]
+    run([*flow, "circle,0.5,0.5,0.15", "-checkpoint", "c.h5"])
+    run([*flow, "circle,0.5,0.5,0.15", "-restart", "c.h5"])
+    refused(flow, ["circle,0.4375,0.5,0.15"], "bodies")  # moved by dx: as many particles
 
 
 def disk(isph):

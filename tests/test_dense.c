@@ -1,5 +1,5 @@
-/* The small dense factors of stencils: what is definite, what a ridge mends, and what nothing
-   does. */
+/* The small dense algebra of stencils: what is definite, what is not, what a ridge mends, and what
+   nothing does. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -23,6 +23,26 @@ static void test_definite(void **state)
   assert_int_equal(DenseCholesky(N, factor), 0);
   DenseCholeskySolve(N, factor, b);
   for (PetscInt i = 0; i < N; i++) assert_true(PetscAbsReal(b[i] - x[i]) < 1e-14);
+}
+
+/* x a = b of a matrix that is not symmetric and begins with a zero; a row of zeros is told. */
+static void test_any(void **state)
+{
+  const PetscReal a[N * N]   = {0.0, 2.0, 1.0, 3.0, 1.0, -1.0, 0.5, 4.0, 2.0},
+                        x[N] = {1.0, -2.0, 3.0};
+  PetscReal left[N * N], b[N] = {0.0};
+
+  (void)state;
+  for (PetscInt q = 0; q < N; q++) {
+    for (PetscInt p = 0; p < N; p++) b[q] += x[p] * a[p * N + q];
+  }
+  for (PetscInt k = 0; k < N * N; k++) left[k] = a[k];
+  DenseEliminate(N, left, 1, b);
+  for (PetscInt q = 0; q < N; q++)
+    assert_true(PetscAbsReal(b[q] / left[q * (N + 1)] - x[q]) < 1e-14);
+  for (PetscInt k = 0; k < N * N; k++) left[k] = k / N == 1 ? 0.0 : a[k];
+  DenseEliminate(N, left, 1, b);
+  assert_true(left[N + 1] == 0.0);
 }
 
 /* Points on a line: the matrix knows no second axis. With a ridge the solution is the smallest
@@ -54,7 +74,8 @@ static void test_not_finite(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_definite), cmocka_unit_test(test_ridge),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_definite), cmocka_unit_test(test_any),
+                                     cmocka_unit_test(test_ridge),
                                      cmocka_unit_test(test_not_finite)};
 
   return cmocka_run_group_tests(tests, NULL, NULL);

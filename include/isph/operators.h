@@ -154,6 +154,7 @@ PetscErrorCode FluidVec(const Particles *particles, PetscReal array[], Vec *v);
 PetscErrorCode WallVec(const Particles *particles, Vec *v);
 PetscErrorCode VecRemoveMean(Vec v);
 
+void      DenseEliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[]);
 PetscInt  DenseCholesky(PetscInt n, PetscReal a[]);
 void      DenseCholeskyRidge(PetscInt n, const PetscReal a[], PetscReal ridge, PetscReal factor[]);
 void      DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[]);

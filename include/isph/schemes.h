@@ -33,6 +33,7 @@ extern const Table DtAdaptTable;
 /* Time, owned by the run; everything second order uses variable-step coefficients. */
 typedef struct {
   PetscReal t, dt, dt_previous; /* [s]; dt_previous = 0 before the second step */
+  PetscReal dt_wanted;          /* dt if no report were due; a run that is one step, that one [s] */
   PetscInt  step;               /* finished steps */
   PetscReal t_first;            /* where this process began: a restart has time and */
   PetscInt  step_first;         /* steps behind it [s] */
@@ -186,7 +187,7 @@ typedef struct {
 } SchemeRow;
 extern const Table SchemeTable;
 
-#define SCHEME_NUMBERS 14
+#define SCHEME_NUMBERS 15
 struct Scheme {
   const SchemeRow     *row;
   const ProjectionRow *projection; /* NULL: no pressure */

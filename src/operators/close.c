@@ -58,42 +58,19 @@ static void CloseRow_Slope(const Stencil *st, const Operators *ops, PetscInt dia
 
 #define SMALL_MAX (ISPH_MAX_DIM * ISPH_MAX_DIM) /* unknowns: the entries of grad u */
 
-/* Exchanges columns p and q of `rows` rows of n. */
-static void SwapColumns(PetscInt rows, PetscInt n, PetscReal A[], PetscInt p, PetscInt q)
-{
-  for (PetscInt r = 0; r < rows; r++) {
-    const PetscReal kept = A[r * n + p];
-
-    A[r * n + p] = A[r * n + q];
-    A[r * n + q] = kept;
-  }
-}
-
 /*
-  Solves X A = B for the `rows` rows of X, in place of B, by Gauss elimination with pivots; A and B
-  by rows, of order one. Returns PETSC_FALSE where A is singular, or so nearly that an entry of X
-  passes 10: moving cavities in 2D and 3D were seen to need 2.4, so there the fluid is gone.
+  Solves X A = B for the `rows` rows of X, in place of B; A and B by rows, of order one. Returns
+  PETSC_FALSE where A is singular, or so nearly that an entry of X passes 10: moving cavities in 2D
+  and 3D were seen to need 2.4, so there the fluid is gone.
 */
 static PetscBool SmallSolve(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
 {
-  for (PetscInt p = 0; p < n; p++) {
-    PetscInt best = p;
-
-    for (PetscInt q = p + 1; q < n; q++)
-      best = PetscAbsReal(A[p * n + q]) > PetscAbsReal(A[p * n + best]) ? q : best;
-    if (!(PetscAbsReal(A[p * n + best]) > PETSC_SMALL)) return PETSC_FALSE;
-    SwapColumns(n, n, A, p, best);
-    SwapColumns(rows, n, B, p, best);
-    for (PetscInt q = 0; q < n; q++) {
-      const PetscReal factor = A[p * n + q] / A[p * n + p];
-
-      if (q == p) continue;
-      for (PetscInt r = p; r < n; r++) A[r * n + q] -= factor * A[r * n + p];
-      for (PetscInt r = 0; r < rows; r++) B[r * n + q] -= factor * B[r * n + p];
-    }
-  }
+  DenseEliminate(n, A, rows, B);
   for (PetscInt t = 0; t < rows * n; t++) {
-    B[t] /= A[t % n * (n + 1)];
+    const PetscReal pivot = A[t % n * (n + 1)];
+
+    if (!(PetscAbsReal(pivot) > PETSC_SMALL)) return PETSC_FALSE;
+    B[t] /= pivot;
     if (!(PetscAbsReal(B[t]) <= 10.0)) return PETSC_FALSE;
   }
   return PETSC_TRUE;

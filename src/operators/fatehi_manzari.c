@@ -15,9 +15,9 @@
 static PetscErrorCode FatehiManzariMatrix(Stencil *st, const PetscReal inverse[], PetscReal B[])
 {
   const PetscInt d = st->dim, n = d * (d + 1) / 2;
-  PetscReal      G[SYM_MAX][ISPH_MAX_DIM] = {{0.0}}, lhs[SYM_MAX][SYM_MAX + 1] = {{0.0}},
-            gradient[ISPH_MAX_DIM];
-  PetscBool singular = PETSC_FALSE;
+  PetscReal      G[SYM_MAX][ISPH_MAX_DIM] = {{0.0}}, gradient[ISPH_MAX_DIM];
+  PetscReal      A[SYM_MAX * SYM_MAX]     = {0.0}; /* of q (B's entry) by rows, of s by columns */
+  PetscBool      singular                 = PETSC_FALSE;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < st->n; k++) {
@@ -39,36 +39,22 @@ static PetscErrorCode FatehiManzariMatrix(Stencil *st, const PetscReal inverse[]
         for (PetscInt c = 0; c < d; c++) bracket += st->X[c][k] / r * G[s][c];
         for (PetscInt e = 0, q = 0; e < d; e++) {
           for (PetscInt f = 0; f <= e; f++, q++) {
-            lhs[s][q] += st->V[k] * st->dW[k] * (e == f ? 1.0 : 2.0) * st->X[e][k] * st->X[f][k] /
-                         (r * r) * bracket;
+            A[q * n + s] += st->V[k] * st->dW[k] * (e == f ? 1.0 : 2.0) * st->X[e][k] *
+                            st->X[f][k] / (r * r) * bracket;
           }
         }
       }
     }
   }
   for (PetscInt a = 0, s = 0; a < d; a++) {
-    for (PetscInt b = 0; b <= a; b++, s++) lhs[s][n] = a == b ? 1.0 : 0.0;
+    for (PetscInt b = 0; b <= a; b++, s++) B[s] = a == b ? 1.0 : 0.0;
   }
-  for (PetscInt p = 0; p < n; p++) { /* Gauss with partial pivoting: the matrix is not symmetric */
-    PetscInt best = p;
-
-    for (PetscInt s = p + 1; s < n; s++)
-      best = PetscAbsReal(lhs[s][p]) > PetscAbsReal(lhs[best][p]) ? s : best;
-    for (PetscInt q = 0; q <= n; q++) {
-      const PetscReal swap = lhs[p][q];
-
-      lhs[p][q]    = lhs[best][q];
-      lhs[best][q] = swap;
-    }
-    for (PetscInt s = 0; s < n; s++) {
-      const PetscReal factor = s == p || lhs[p][p] == 0.0 ? 0.0 : lhs[s][p] / lhs[p][p];
-
-      for (PetscInt q = p; q <= n; q++) lhs[s][q] -= factor * lhs[p][q];
-    }
-  }
+  DenseEliminate(n, A, 1, B);
   for (PetscInt s = 0; s < n; s++) {
-    if (lhs[s][s] == 0.0) singular = PETSC_TRUE;
-    B[s] = lhs[s][s] == 0.0 ? 0.0 : lhs[s][n] / lhs[s][s];
+    const PetscReal pivot = A[s * n + s];
+
+    if (pivot == 0.0) singular = PETSC_TRUE;
+    B[s] = pivot == 0.0 ? 0.0 : B[s] / pivot;
   }
   if (singular) st->weak++;
   PetscFunctionReturn(PETSC_SUCCESS);

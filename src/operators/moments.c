@@ -1,6 +1,6 @@
 /*
-  Small dense algebra of one stencil: Cholesky factors of moment matrices, at most a few tens of
-  rows.
+  Small dense algebra of one stencil, at most a few tens of rows: Cholesky factors of moment
+  matrices, and elimination where a matrix is not symmetric.
 */
 #include "isph/operators.h"
 
@@ -70,6 +70,46 @@ void DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[])
   for (PetscInt i = n - 1; i >= 0; i--) {
     for (PetscInt k = i + 1; k < n; k++) x[i] -= factor[k * n + i] * x[k];
     x[i] *= factor[i * n + i];
+  }
+}
+
+/* Exchanges columns p and q of `rows` rows of n. */
+static void SwapColumns(PetscInt rows, PetscInt n, PetscReal A[], PetscInt p, PetscInt q)
+{
+  for (PetscInt r = 0; r < rows; r++) {
+    const PetscReal kept = A[r * n + p];
+
+    A[r * n + p] = A[r * n + q];
+    A[r * n + q] = kept;
+  }
+}
+
+/*
+  DenseEliminate - Brings X A = B, of any matrix, to X D = B' by Gauss elimination with pivots
+
+  Not collective.
+
+  Input/Output Parameters:
++ A - n x n by rows; out: its diagonal is D, with zeros where A is singular
+- B - `rows` rows of n; out: B', so that X has B[r n + q]/D_q
+*/
+void DenseEliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
+{
+  for (PetscInt p = 0; p < n; p++) {
+    PetscInt best = p;
+
+    for (PetscInt q = p + 1; q < n; q++)
+      best = PetscAbsReal(A[p * n + q]) > PetscAbsReal(A[p * n + best]) ? q : best;
+    if (A[p * n + best] == 0.0) continue;
+    SwapColumns(n, n, A, p, best);
+    SwapColumns(rows, n, B, p, best);
+    for (PetscInt q = 0; q < n; q++) {
+      const PetscReal factor = A[p * n + q] / A[p * n + p];
+
+      if (q == p) continue;
+      for (PetscInt r = p; r < n; r++) A[r * n + q] -= factor * A[r * n + p];
+      for (PetscInt r = 0; r < rows; r++) B[r * n + q] -= factor * B[r * n + p];
+    }
   }
 }
 

@@ -5,10 +5,10 @@
 #include "impl.h"
 #include "isph/hdf5file.h"
 
-#define CHECKPOINT_FORMAT 4 /* to be raised when what is in the file changes */
+#define CHECKPOINT_FORMAT 5 /* to be raised when what is in the file changes */
 #define CLOCK_NUMBERS     9
 #define STATS_NUMBERS     13
-#define SCENE_NUMBERS     (2 * ISPH_MAX_DIM + 2)
+#define SCENE_NUMBERS     (2 * ISPH_MAX_DIM + 3) /* the last: spacing, bodies, viscosities */
 
 struct Checkpoints {
   char      path[PETSC_MAX_PATH_LEN];    /* empty: none are written */

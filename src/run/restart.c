@@ -62,22 +62,24 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The same box, spacing and viscosities; the file's are added to the sum. */
+/* The same box, spacing, bodies and viscosities; the file's are added to the sum. */
 static PetscErrorCode CheckScene(const Run *run, const char path[], Hdf5File *file, uint64_t *sum)
 {
   double     own[SCENE_NUMBERS];
   PetscReal *scene;
-  PetscBool  same = PETSC_TRUE, viscosity;
+  PetscBool  same = PETSC_TRUE, bodies, viscosity;
 
   PetscFunctionBegin;
   PetscCall(CheckpointScene(run->scene, own));
   PetscCall(ReadTable(file, "scene", 1, SCENE_NUMBERS, &scene, sum));
-  for (PetscInt k = 0; k < SCENE_NUMBERS - 1; k++)
+  for (PetscInt k = 0; k < SCENE_NUMBERS - 2; k++)
     same =
         same && PetscAbsReal(scene[k] - own[k]) <= 1e-9 * run->scene->dx ? PETSC_TRUE : PETSC_FALSE;
+  bodies    = scene[SCENE_NUMBERS - 2] == own[SCENE_NUMBERS - 2] ? PETSC_TRUE : PETSC_FALSE;
   viscosity = scene[SCENE_NUMBERS - 1] == own[SCENE_NUMBERS - 1] ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(PetscFree(scene));
   UserCheck(file->failed || same, "-restart %s: the file is of another box or spacing", path);
+  UserCheck(file->failed || bodies, "-restart %s: the file is of other bodies", path);
   UserCheck(
       file->failed || viscosity,
       "-restart %s: particles carry the viscosities of the file's run; use the same -viscosity "

@@ -91,19 +91,24 @@ static PetscErrorCode SumOption(const char option[], uint64_t *sum)
 /*
   CheckpointScene - Numbers by which a file's scene is told from the run's
 
-  Collective. Corners of the box and spacing; and where particles carry viscosities of their own,
-  which options at a restart would not change, a sum of those, else zero.
+  Collective. Corners of the box and spacing; a sum of the bodies' shapes; and where particles carry
+  viscosities of their own, which options at a restart would not change, a sum of those, else zero.
 */
 PetscErrorCode CheckpointScene(const Scene *scene, double numbers[SCENE_NUMBERS])
 {
-  uint64_t sum = 0;
+  uint64_t sum = 0, bodies = 0;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     numbers[2 * a]     = scene->lo[a];
     numbers[2 * a + 1] = scene->hi[a];
   }
-  numbers[SCENE_NUMBERS - 2] = scene->dx;
+  numbers[SCENE_NUMBERS - 3] = scene->dx;
+  for (PetscInt k = 0; k < scene->n_bodies; k++) {
+    CheckpointSumText(scene->body_of[k].shape->name, &bodies);
+    CheckpointSumNumbers(scene->body_of[k].n, scene->body_of[k].number, &bodies);
+  }
+  numbers[SCENE_NUMBERS - 2] = (double)(bodies >> 16); /* such as a double holds whole */
   if (SceneViscosityVaries(scene) && SceneIsNewtonian(scene)) {
     const double nu = scene->nu;
 
@@ -117,7 +122,7 @@ PetscErrorCode CheckpointScene(const Scene *scene, double numbers[SCENE_NUMBERS]
       CheckpointSumNumbers(1, &scene->region_nu[k - 1], &sum);
     }
   }
-  numbers[SCENE_NUMBERS - 1] = (double)(sum >> 16); /* such as a double holds whole */
+  numbers[SCENE_NUMBERS - 1] = (double)(sum >> 16);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

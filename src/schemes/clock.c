@@ -183,6 +183,7 @@ PetscErrorCode ClockChoose(const Scene *scene, PetscReal speed, PetscReal force,
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < clock->cut; k++) dt *= 0.5;
+  clock->dt_wanted = clock->step == 0 && target == clock->t_end ? PetscMin(dt, left) : dt;
   if (left > 0.0) dt = left / PetscCeilReal(left / dt * (1.0 - 1e-9));
   clock->dt = dt;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -66,7 +66,20 @@ static PetscReal FilterShare(const Scene *scene, const Clock *clock, const Schem
 }
 
 /*
-  p = [p^n] + phi [- c mu div u*], less a share of what a quadratic fit leaves of it, which is of
+  PressureGain - Share of phi that the pressure gains, min(1, 4 dt/dt_wanted); not collective
+
+  An error e of the velocity, which nobody sees while steps are alike, makes a phi of about
+  rho e dx/dt. Of a step that was cut short for a report a pressure that is kept takes what a usual
+  step would have given it: its own change in so short a time is small. Otherwise the next step,
+  thousands of times as long, is a blow.
+*/
+PetscReal PressureGain(const Clock *clock, const Scheme *scheme)
+{
+  return scheme->projection->incremental ? PetscMin(1.0, 4.0 * clock->dt / clock->dt_wanted) : 1.0;
+}
+
+/*
+  p = [p^n] + s (phi [- c mu div u*]), s = PressureGain(), less a share of what a quadratic fit leaves of it, which is of
   fourth order where p is smooth; its mean is the gauge. c is LaplacianDilatation(); mu the least
   there is: right where it is uniform, stable however it varies. With the local one a drop of 1e5
   times the viscosity about it blew up within 4 steps.
@@ -74,17 +87,19 @@ static PetscReal FilterShare(const Scene *scene, const Clock *clock, const Schem
 static PetscErrorCode PressureUpdate(const Scene *scene, const Clock *clock, Operators *ops,
                                      const Scheme *scheme)
 {
-  Projection *pr = (Projection *)scheme->data;
+  Projection     *pr   = (Projection *)scheme->data;
+  const PetscReal gain = PressureGain(clock, scheme);
 
   PetscFunctionBegin;
   PetscCall(VecCopy(pr->p, pr->p_before));
   if (!scheme->projection->incremental) PetscCall(VecZeroEntries(pr->p));
-  PetscCall(VecAXPY(pr->p, 1.0, pr->phi));
+  PetscCall(VecAXPY(pr->p, gain, pr->phi));
   if (scheme->projection->rotational && SceneHas(scene, PHYSICS_VISCOSITY)) {
-    PetscCall(VecAXPY(pr->p, -LaplacianDilatation(&ops->visc_form) * scene->rho * scene->nu_low,
-                      pr->div));
+    const PetscReal dilatation = LaplacianDilatation(&ops->visc_form);
+
+    PetscCall(VecAXPY(pr->p, -gain * dilatation * scene->rho * scene->nu_low, pr->div));
   }
-  if (ops->wall) PetscCall(VecAXPY(ops->wall_slope, 1.0, ops->wall_slope_step));
+  if (ops->wall) PetscCall(VecAXPY(ops->wall_slope, gain, ops->wall_slope_step));
   if (scheme->filter > 0.0) {
     PetscCall(MatMult(ops->rough_p.A, pr->p, pr->work));
     PetscCall(VecAXPY(pr->p, -FilterShare(scene, clock, scheme), pr->work));

@@ -35,7 +35,7 @@ PetscErrorCode ProjectionCreate(const Scene *scene, const Clock *clock, Operator
 PetscErrorCode ProjectionRegister(const Scene *scene, Particles *p, Scheme *scheme)
 {
   Projection *pr   = (Projection *)scheme->data;
-  PetscReal   most = 0.0;
+  PetscReal   most = 0.0; /* a pressure at the start balances the force */
 
   PetscFunctionBegin;
   PetscCall(ParticlesRegister(p, "u_previous", scene->dim, HALO_NONE, pr->u_previous));
@@ -59,7 +59,7 @@ PetscErrorCode ProjectionRegister(const Scene *scene, Particles *p, Scheme *sche
     most = PetscMax(most, PetscAbsReal(pressure));
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, p->comm));
-  pr->balanced = most > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  scheme->number[NUMBER_BALANCE] = most > 0.0 ? 1.0 : 0.0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -168,12 +168,6 @@ static PetscErrorCode AddWallSlopes(const Scene *scene, const Particles *p, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether p^n answers the body force at walls: after a step, or from the start. */
-static PetscBool HasBalance(const Clock *clock, const Scheme *scheme)
-{
-  return clock->step > 0 || ((const Projection *)scheme->data)->balanced ? PETSC_TRUE : PETSC_FALSE;
-}
-
 /* The time whose slopes p has after a step of length dt that ends at t: that of the step's
    force. */
 static PetscReal SlopeTime(const Scheme *scheme, PetscReal t, PetscReal dt)
@@ -216,7 +210,7 @@ PetscErrorCode ProjectionBegin(const Scene *scene, const Clock *clock, Particles
   PetscCall(OperatorsSetWallVelocity(scene, p, clock->t, 0.0, ops));
   if (scheme->projection)
     PetscCall(SetWallSlopes(scene, p, SlopeTime(scheme, clock->t, clock->dt_previous),
-                            HasBalance(clock, scheme) ? 1.0 : 0.0, ops));
+                            scheme->number[NUMBER_BALANCE], ops));
   if (!SceneIsNewtonian(scene)) PetscCall(OperatorsFollowStrain(scene, p, pr->u, ops));
   if (clock->step == 0) PetscCall(MeasureBegin(scene, p, ops, scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -246,15 +240,15 @@ static PetscErrorCode MoveAndRebuild(const Scene *scene, const Clock *clock, Par
 static PetscErrorCode SolveInTurn(const Scene *scene, const Clock *clock, Particles *p,
                                   Operators *ops, Scheme *scheme)
 {
-  Projection     *pr     = (Projection *)scheme->data;
-  const PetscReal before = SlopeTime(scheme, clock->t, clock->dt_previous),
-                  after  = SlopeTime(scheme, clock->t + clock->dt, clock->dt);
+  Projection     *pr      = (Projection *)scheme->data;
+  PetscReal      *balance = &scheme->number[NUMBER_BALANCE];
+  const PetscReal before  = SlopeTime(scheme, clock->t, clock->dt_previous),
+                  after   = SlopeTime(scheme, clock->t + clock->dt, clock->dt);
 
   PetscFunctionBegin;
   if (scheme->projection) {
-    const PetscReal had = scheme->projection->incremental && HasBalance(clock, scheme) ? 1.0 : 0.0;
-
-    PetscCall(SetWallSlopes(scene, p, before, had, ops));
+    if (!scheme->projection->incremental) *balance = 0.0;
+    PetscCall(SetWallSlopes(scene, p, before, *balance, ops));
     PetscCall(AddWallSlopes(scene, p, after, ops));
   }
   PetscCall(PetscLogEventBegin(pr->event[EVENT_VISCOSITY], 0, 0, 0, 0));
@@ -263,7 +257,10 @@ static PetscErrorCode SolveInTurn(const Scene *scene, const Clock *clock, Partic
   if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   if (scheme->projection) PetscCall(ProjectVelocity(scene, clock, p, ops, scheme));
   if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
-  if (scheme->projection) PetscCall(SetWallSlopes(scene, p, after, 1.0, ops)); /* less rounding */
+  if (scheme->projection) {
+    *balance += PressureGain(clock, scheme) * (1.0 - *balance);
+    PetscCall(SetWallSlopes(scene, p, after, *balance, ops)); /* less rounding */
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -28,7 +28,8 @@ enum {
   NUMBER_SPEED,                  /* root mean square of u at the start [m/s] */
   NUMBER_IMPULSE,                /* int max |f| dt [m/s] */
   NUMBER_FORCE,                  /* largest |f| so far [m/s^2] */
-  NUMBER_WALLS                   /* fastest flow that walls can have made so far [m/s] */
+  NUMBER_WALLS,                  /* fastest flow that walls can have made so far [m/s] */
+  NUMBER_BALANCE                 /* share of n.grad p at walls that the pressure has */
 };
 
 /* State on the particles (fields) and the vectors through which it is seen in the present epoch. */
@@ -36,7 +37,6 @@ typedef struct {
   PetscReal *u_previous[ISPH_MAX_DIM]; /* u^{n-1} (field) [m/s] */
   PetscReal *convection[ISPH_MAX_DIM]; /* (u.grad u)^{n-1} of fixed particles (field) [m/s^2] */
   PetscBool  has_convection;           /* whether that field exists */
-  PetscBool  balanced;                 /* the flow starts with a pressure that balances the force */
 
   PetscInt epoch; /* the vectors below belong to this one */
   Vec      u[ISPH_MAX_DIM], u_prev[ISPH_MAX_DIM], conv_prev[ISPH_MAX_DIM], p; /* on fields */
@@ -75,6 +75,7 @@ PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, Particles
                                Operators *ops, Scheme *scheme);
 PetscErrorCode AddBodyForce(const Scene *scene, PetscReal t, const Particles *particles,
                             Vec force[], Scheme *scheme);
+PetscReal      PressureGain(const Clock *clock, const Scheme *scheme);
 PetscErrorCode ProjectVelocity(const Scene *scene, const Clock *clock, const Particles *particles,
                                Operators *ops, Scheme *scheme);
 PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *ops,
