@@ -230,6 +230,7 @@ def scene(isph):
     run([*flow, "circle,0.5,0.5,0.15", "-checkpoint", "c.h5"])
     run([*flow, "circle,0.5,0.5,0.15", "-restart", "c.h5"])
     refused(flow, ["circle,0.4375,0.5,0.15"], "bodies")  # moved by dx: as many particles
+    refused(flow, ["circle,0.5,0.5,0.15", "-t_end", "0.01"], "after -t_end")
 
 
 def disk(isph):

@@ -96,6 +96,10 @@ static PetscErrorCode MonitorRead(PetscOptionItems *PetscOptionsObject, const Sc
             "%s: %" PetscInt_FMT " numbers describe each in %" PetscInt_FMT "D, got %" PetscInt_FMT,
             option, group, scene->dim, n);
   PetscCall(CheckInBox(scene, option, group, n, number));
+  for (PetscInt k = 0; k < n / group && kind->Write == MonitorPoints; k++)
+    UserCheck(!MonitorInBody(scene, &number[k * group]),
+              "%s: point %" PetscInt_FMT " at (%.6g, %.6g) lies in a body", option, k,
+              (double)number[k * group], (double)number[k * group + 1]);
   monitor->on = PETSC_TRUE;
   monitor->n  = n / group;
   PetscCall(PetscMalloc1(n, &monitor->number));

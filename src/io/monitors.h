@@ -20,6 +20,7 @@ typedef struct {
 
 PetscBool      MonitorRow(const Flow *flow, const Monitor *monitor, PetscInt thing);
 void           MonitorVector(const Monitor *monitor, PetscInt dim, const PetscReal v[]);
+PetscBool      MonitorInBody(const Scene *scene, const PetscReal x[]);
 PetscErrorCode MonitorPoints(const Flow *flow, const Monitor *monitor);
 PetscErrorCode MonitorLines(const Flow *flow, const Monitor *monitor);
 PetscErrorCode MonitorFluxes(const Flow *flow, const Monitor *monitor);

@@ -1,7 +1,21 @@
 /* Monitors made of probes: points, lines, and fluxes through sections. */
 #include "monitors.h"
 
-/* Velocity and pressure at n points, one row each, all under one number or each under its own. */
+/* MonitorInBody - Whether a point is in a body, where nothing flows; not collective */
+PetscBool MonitorInBody(const Scene *scene, const PetscReal x[])
+{
+  PetscReal normal[ISPH_MAX_DIM];
+  PetscInt  body;
+
+  return scene->n_bodies && SceneDistance(scene, x, &body, normal) < -1e-9 * scene->dx
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/*
+  Velocity and pressure at n points, one row each, all under one number or each under its own. In
+  bodies, and where the run has no pressure, fields of the file are empty.
+*/
 static PetscErrorCode WriteProbes(const Flow *flow, const Monitor *monitor, PetscInt n,
                                   const PetscReal x[], PetscInt number)
 {
@@ -14,8 +28,12 @@ static PetscErrorCode WriteProbes(const Flow *flow, const Monitor *monitor, Pets
   for (PetscInt k = 0; k < n; k++) {
     if (!MonitorRow(flow, monitor, number < 0 ? k : number)) continue;
     MonitorVector(monitor, dim, &x[k * dim]);
+    if (MonitorInBody(flow->scene, &x[k * dim])) {
+      (void)fprintf(monitor->stream, ",,,,\n");
+      continue;
+    }
     MonitorVector(monitor, dim, &u[k * dim]);
-    if (PetscIsNanReal(p[k])) (void)fprintf(monitor->stream, ",\n"); /* the run has no pressure */
+    if (PetscIsNanReal(p[k])) (void)fprintf(monitor->stream, ",\n");
     else (void)fprintf(monitor->stream, ",%.12g\n", (double)p[k]);
   }
   PetscCall(PetscFree2(u, p));
@@ -54,8 +72,9 @@ PetscErrorCode MonitorLines(const Flow *flow, const Monitor *monitor)
 }
 
 /*
-  Flux of one section, by the midpoint rule on cells of at most dx:  sum u.n dA [m^2/s, m^3/s]. In
-  2D n dA is the way from end to end turned to the right, in 3D the product of the two sides.
+  Flux of one section, by the midpoint rule on cells of at most dx:  sum u.n dA [m^2/s, m^3/s], of
+  those whose middle is not in a body. In 2D n dA is the way from end to end turned to the right, in
+  3D the product of the two sides.
 */
 static PetscErrorCode SectionFlux(const Flow *flow, const PetscReal corner[], PetscReal *flux)
 {
@@ -94,6 +113,7 @@ static PetscErrorCode SectionFlux(const Flow *flow, const PetscReal corner[], Pe
   PetscCall(ProbePoints(flow, total, x, u, NULL));
   *flux = 0.0;
   for (PetscInt k = 0; k < total; k++) {
+    if (MonitorInBody(flow->scene, &x[k * dim])) continue;
     for (PetscInt a = 0; a < dim; a++) *flux += u[k * dim + a] * area[a] / total;
   }
   PetscCall(PetscFree2(x, u));

@@ -181,6 +181,9 @@ PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted)
   PetscCheck(good && whole, PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
              "-restart %s: the file is damaged: %s", path,
              good ? "its checksum does not fit" : "parts of it cannot be read");
+  UserCheck(run->clock->t <= run->clock->t_end * (1.0 + 1e-12),
+            "-restart %s: the file is at t = %.6g, after -t_end %.6g", path, (double)run->clock->t,
+            (double)run->clock->t_end);
   PetscCall(ParticlesReplace(run->scene, run->particles, n, record));
   PetscCall(PetscFree(record));
   PetscCall(run->scheme->row->Begin(run->scene, run->clock, run->particles, run->neighbors,

@@ -2,6 +2,7 @@
   What the user sees of an error: one line for what he can mend, PETSc's traceback for a defect.
 */
 #include "isph/base.h"
+#include <signal.h>
 #include <stdarg.h>
 #include <unistd.h>
 
@@ -66,7 +67,8 @@ static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *
 }
 
 /*
-  ErrorsInstall - Makes errors that are the user's to mend print one line
+  ErrorsInstall - Makes errors that are the user's to mend print one line, and a reader of the
+  output who has seen enough, as head, end the run without one
 
   Not collective. Called once after PetscInitialize().
 */
@@ -74,6 +76,7 @@ PetscErrorCode ErrorsInstall(void)
 {
   PetscFunctionBegin;
   PetscCall(PetscPushErrorHandler(ErrorHandler_OneLine, NULL));
+  (void)signal(SIGPIPE, SIG_DFL);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

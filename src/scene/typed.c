@@ -26,6 +26,7 @@ static PetscErrorCode ReadShape(const char option[], const char text[], Body *bo
   PetscCall(TableWant(&ShapeTable, option, word, &shape));
   while (next && n < BODY_NUMBERS) {
     number[n++] = strtod(next, &end);
+    end += strspn(end, " ");
     UserCheck(end != next && (*end == ',' || !*end), "%s: a number is wanted at '%s'", option,
               next);
     next = *end ? end + 1 : NULL;
@@ -82,6 +83,25 @@ static PetscErrorCode ReadBodyMotion(PetscOptionItems *PetscOptionsObject, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Ends the run where things are not numbered 1, 2, ..., n. */
+static PetscErrorCode CheckNumbers(const char thing[], PetscInt n, PetscInt most)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k <= most + 1; k++) {
+    char      option[64];
+    PetscBool given;
+
+    if (k >= 1 && k <= n) continue;
+    PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_%s_%" PetscInt_FMT, thing, k));
+    PetscCall(PetscOptionsHasName(NULL, NULL, option, &given));
+    UserCheck(!given,
+              "%s: numbers are 1, 2, ... without gaps, to at most %" PetscInt_FMT "; %" PetscInt_FMT
+              " of them are given",
+              option, most, n);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Bodies 1, 2, ... as far as they are given. */
 static PetscErrorCode ReadBodies(PetscOptionItems *PetscOptionsObject, Scene *scene)
 {
@@ -103,6 +123,7 @@ static PetscErrorCode ReadBodies(PetscOptionItems *PetscOptionsObject, Scene *sc
     if (body->around) scene->bare = PETSC_TRUE;
     scene->n_bodies++;
   }
+  PetscCall(CheckNumbers("body", scene->n_bodies, SCENE_MAX_BODIES));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -181,6 +202,39 @@ static PetscErrorCode ReadSides(PetscOptionItems *PetscOptionsObject, Scene *sce
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  No flow without divergence goes in where nothing goes out: what the sides let through at a time,
+  by the midpoint rule on 1000 pieces of each. Bodies, which move as one piece, let nothing through.
+*/
+static PetscErrorCode CheckInflow(const Scene *scene, PetscReal t)
+{
+  PetscReal in = 0.0, through = 0.0;
+
+  PetscFunctionBegin;
+  for (PetscInt side = 0; side < 4; side++) {
+    const PetscInt  normal = side / 2, along = 1 - normal;
+    const PetscReal piece = (scene->hi[along] - scene->lo[along]) / 1000.0;
+
+    if (scene->periodic[normal]) continue;
+    for (PetscInt k = 0; k < 1000; k++) {
+      PetscReal x[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM];
+
+      x[normal] = side % 2 ? scene->hi[normal] : scene->lo[normal];
+      x[along]  = scene->lo[along] + (k + 0.5) * piece;
+      SceneWallVelocity(scene, side, t, x, u);
+      in += (side % 2 ? -1.0 : 1.0) * u[normal] * piece;
+      through += PetscAbsReal(u[normal]) * piece;
+    }
+  }
+  UserCheck(
+      !(PetscAbsReal(in) > 2e-3 * through),
+      "-scene_wall_<side>_velocity: at t = %.3g s %.4g m^2/s of fluid more %s through the sides; "
+      "what comes in must go out",
+      (double)t, (double)PetscAbsReal(in),
+      in > 0.0 ? "come in than go out" : "go out than come in");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Fluids 1, 2, ... as far as they are given, and the viscosity elsewhere. */
 static PetscErrorCode ReadFluids(PetscOptionItems *PetscOptionsObject, Scene *scene)
 {
@@ -207,6 +261,7 @@ static PetscErrorCode ReadFluids(PetscOptionItems *PetscOptionsObject, Scene *sc
     UserCheck(given, "%s: the fluid's kinematic viscosity is wanted [m^2/s]", option);
     scene->n_regions++;
   }
+  PetscCall(CheckNumbers("fluid", scene->n_regions, SCENE_MAX_FLUIDS));
   UserCheck(
       SceneIsNewtonian(scene) || (!scene->n_regions && !scene->nu_field.n),
       "-rheology %s with -scene_fluid_1 or -viscosity_field: viscosity follows the strain rate or "
@@ -278,7 +333,11 @@ PetscErrorCode SceneReadTyped(PetscOptionItems *PetscOptionsObject, Scene *scene
               (double)(box[2 + a] - box[a]), axes[a], (double)(4.0 * scene->dx));
   }
   PetscCall(ReadBodies(PetscOptionsObject, scene));
-  if (!scene->bare) PetscCall(ReadSides(PetscOptionsObject, scene));
+  if (!scene->bare) {
+    PetscCall(ReadSides(PetscOptionsObject, scene));
+    PetscCall(CheckInflow(scene, 0.0));
+    PetscCall(CheckInflow(scene, 0.125 * scene->length / scene->speed)); /* what is at rest first */
+  }
   PetscCall(CheckGaps(scene));
   if (scene->periodic[0] && scene->periodic[1] && !scene->n_bodies)
     scene->physics &= ~(unsigned)PHYSICS_WALLS;

@@ -79,10 +79,10 @@ PetscReal PressureGain(const Clock *clock, const Scheme *scheme)
 }
 
 /*
-  p = [p^n] + s (phi [- c mu div u*]), s = PressureGain(), less a share of what a quadratic fit leaves of it, which is of
-  fourth order where p is smooth; its mean is the gauge. c is LaplacianDilatation(); mu the least
-  there is: right where it is uniform, stable however it varies. With the local one a drop of 1e5
-  times the viscosity about it blew up within 4 steps.
+  p = [p^n] + s (phi [- c mu div u*]), s = PressureGain(), less a share of what a quadratic fit
+  leaves of it, which is of fourth order where p is smooth; its mean is the gauge. c is
+  LaplacianDilatation(); mu the least there is: right where it is uniform, stable however it varies.
+  With the local one a drop of 1e5 times the viscosity about it blew up within 4 steps.
 */
 static PetscErrorCode PressureUpdate(const Scene *scene, const Clock *clock, Operators *ops,
                                      const Scheme *scheme)

@@ -20,14 +20,20 @@ static PetscErrorCode TakesNewton(PetscBool *newton)
   which may go beyond Picard's steps, took half the iterations of full steps and got to the end
   where these, or bt, did not; Newton's steps go with bt.
 
-  Errors: an absolute tolerance
+  Errors: an absolute tolerance, and a type that does not iterate
 */
 PetscErrorCode IterationChoose(SNES snes)
 {
   SNESLineSearch search;
-  PetscBool      given, newton;
+  PetscBool      given, newton, once = PETSC_FALSE;
+  char           type[64];
 
   PetscFunctionBegin;
+  PetscCall(PetscOptionsGetString(NULL, "visc_", "-snes_type", type, sizeof(type), &given));
+  if (given) PetscCall(PetscStrcmp(type, SNESKSPONLY, &once));
+  UserCheck(!once,
+            "-visc_snes_type " SNESKSPONLY ": the viscosity follows the flow, one solve does "
+            "not bring them together; use newtonls");
   PetscCall(OptionGiven("-visc_snes_atol", &given));
   UserCheck(!given, "-visc_snes_atol: an absolute tolerance depends on units; use -visc_snes_rtol");
   PetscCall(TakesNewton(&newton));
