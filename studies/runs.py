@@ -1,5 +1,6 @@
 """What the studies share: runs of isph, each made once and kept in a CSV file, one row a run."""
 import csv
+import hashlib
 import importlib.util
 import os
 import re
@@ -27,10 +28,15 @@ def cpu_seconds():
 class Runs:
     """Quantities of runs by their arguments, at the end of the run; those of -report_times before it as name@time. A
     run that failed has the sentence in `failed`, and in `failed_t` the time where it was under way. One that takes more
-    than `seconds` of CPU time is stopped and fails; its quantities at its last step, at t, are there all the same."""
+    than `seconds` of CPU time is stopped and fails; its quantities at its last step, at t, are there all the same.
+    Each row names the build that made it; rows of another one are kept, and told() counts them."""
 
     def __init__(self, path, isph, seconds=None):
         self.path, self.isph, self.seconds, self.rows, self.unsaved = path, isph, seconds, {}, 0
+        self.build, self.asked = "", set()
+        if os.path.isfile(isph):
+            with open(isph, "rb") as file:
+                self.build = hashlib.sha256(file.read()).hexdigest()[:8]
         os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
         if os.path.exists(path):
             with open(path, newline="") as file:
@@ -46,7 +52,20 @@ class Runs:
             self.unsaved += 1
             if self.unsaved >= 20 or time.monotonic() - start > 5.0:
                 self.save()
-        return {k: float(v) if k not in ("run", "failed") else v for k, v in self.rows[arguments].items()}
+        self.asked.add(arguments)
+        return {k: float(v) if k not in ("run", "failed", "build") else v for k, v in self.rows[arguments].items()}
+
+    def told(self):
+        """A sentence on how long the runs asked for took; the user hears how many another build made."""
+        rows = [self.rows[arguments] for arguments in self.asked]
+        others = sum(row.get("build") != self.build for row in rows)
+        if others:
+            print(f"{others} of {len(rows)} runs are of another build; without their rows in {self.path} they are made anew")
+        if not all("cpu_s" in row for row in rows):
+            return ""
+        spent = sum(float(row["cpu_s"]) for row in rows)
+        return (f"The {len(rows)} runs together took "
+                + (f"{spent / 3600:.1f} hours" if spent >= 5400 else f"{spent / 60:.2g} minutes") + " of CPU time.")
 
     def bound(self):
         """In the process of a run: no more CPU time than it may take; a step that does not end is killed."""
@@ -72,7 +91,7 @@ class Runs:
             before = cpu_seconds()
             done = subprocess.run([self.isph, *shlex.split(arguments), "-report", path], preexec_fn=self.bound,
                                   capture_output=True, text=True, check=False)
-            row = {"run": arguments, "cpu_s": f"{cpu_seconds() - before:.4g}"}
+            row = {"run": arguments, "build": self.build, "cpu_s": f"{cpu_seconds() - before:.4g}"}
             if done.returncode:
                 row.update(self.why(done))
             lines = []
@@ -127,6 +146,10 @@ def table(head, rows):
         yield "| " + " | ".join(str(cell) for cell in row) + " |"
 
 
-def write(path, lines):
+def write(path, lines, run=None):
+    """A page; with the time that all its runs took at its end."""
     with open(path, "w") as file:
         file.writelines(line + "\n" for line in lines)
+        told = run.told() if run else ""
+        if told:
+            file.write(f"\n{told}\n")
