@@ -119,8 +119,9 @@ PetscInt       PressureIterations(const Pressure *ppe); /* of the last solve */
 /* Particle shifting: where to move particles so that they stay evenly spread. */
 typedef struct {
   const char *name, *brief, *citation;
-  void (*Displace)(const Scene *scene, PetscReal speed, PetscReal rate, PetscReal dt,
-                   const PetscReal gradient_c[], PetscReal displacement[]); /* NULL: none */
+  void (*Displace)(const Scene *scene, PetscReal strength, PetscReal speed, PetscReal rate,
+                   PetscReal dt, const PetscReal gradient_c[],
+                   PetscReal displacement[]); /* NULL: none */
   PetscReal disturbance; /* random, in the first step, which breaks the symmetry of lattices [dx] */
 } ShiftRow;
 extern const Table ShiftTable;
@@ -192,6 +193,7 @@ struct Scheme {
   const SchemeRow     *row;
   const ProjectionRow *projection; /* NULL: no pressure */
   const ShiftRow      *shift;
+  PetscReal            shift_strength;
   PetscInt             time_order;
   PetscReal            alpha;      /* share of the density error in the pressure source [-] */
   PetscReal            filter;     /* strength of the grid-scale pressure filter [-] */

@@ -176,28 +176,6 @@ static PetscErrorCode BannerAdvection(const Flow *flow, PetscReal dt, PetscViewe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Where Chorin's projection feeds energy: the cavity on fixed particles had 1.4, 5 and 14 times its
-  own at Re = 400, 1000 and 10,000 (n = 32, t = 4), 3 times at a CFL number of 0.1.
-*/
-static PetscErrorCode BannerGain(const Flow *flow, PetscViewer viewer)
-{
-  const Scene    *scene = flow->scene;
-  const PetscReal R     = SceneCellReynolds(scene);
-  const PetscBool walls = SceneHas(scene, PHYSICS_WALLS);
-  const Scheme   *s     = flow->scheme;
-
-  PetscFunctionBegin;
-  if (!s->projection || s->projection->incremental || SceneMoves(scene) || !walls || R <= 5.0)
-    PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscViewerASCIIPrintf(viewer,
-                                   BANNER_LABEL
-                                   "U dx/nu = %.3g: on fixed particles between walls it gains "
-                                   "energy severalfold; use -projection rotational\n",
-                                   s->projection->name, (double)R));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The time step and its limits. */
 static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
 {
@@ -218,7 +196,6 @@ static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
   }
   PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
   PetscCall(BannerAdvection(flow, dt, viewer));
-  PetscCall(BannerGain(flow, viewer));
   if (flow->scheme->visc || flow->scheme->coupled) {
     PetscCall(BannerPays(flow, dt, ClockExplicitLimit(scene, flow->ops->radius), viewer));
     PetscCall(BannerSplitting(flow, dt, viewer));

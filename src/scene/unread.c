@@ -44,6 +44,7 @@ static const char *const OwnNames[] = {
     "wall_surface",
     "correction",
     "shift",
+    "shift_strength",
     "skin",
     "output",
     "output_every",

@@ -93,8 +93,8 @@ static void ShiftParticle(const Scene *scene, const Clock *clock, const Particle
     gradient_c[a] = ops->gradient_c[a][i];
     for (PetscInt c = 0; c < scene->dim; c++) rate2 += PetscSqr(slopes->u[c][a][i]);
   }
-  scheme->shift->Displace(scene, scheme->stats.speed_max, PetscSqrtReal(rate2), clock->dt,
-                          gradient_c, shift);
+  scheme->shift->Displace(scene, scheme->shift_strength, scheme->stats.speed_max,
+                          PetscSqrtReal(rate2), clock->dt, gradient_c, shift);
   for (PetscInt a = 0; a < scene->dim; a++) {
     if (clock->step == 0)
       shift[a] +=

@@ -7,22 +7,24 @@
 /*
   ShiftDisplace_Fickian - Down the gradient of concentration, as Fick's law would
 
-    delta r = -D grad C,  D = min((U + 4 h |grad u|) h dt, h^2/2),  h = 1.3 dx,  |delta r| <= 0.1 dx
+    delta r = -D grad C,  D = min(S (U + 4 h |grad u|) h dt, h^2/2),  h = 1.3 dx
 
-  The first term of D spreads particles wherever there is flow, the second keeps pace with strain. A
-  lattice strained along its axes stays symmetric, so that grad C vanishes while its rows drift
-  apart; the row's disturbance of 0.1 dx in the first step lets the gradient see it.
+  |delta r| at most 0.1 dx. The first term of D spreads particles wherever there is flow, the second
+  keeps pace with strain. A lattice strained along its axes stays symmetric, so that grad C vanishes
+  while its rows drift apart; the row's disturbance of 0.1 dx in the first step lets the gradient
+  see it.
 
-  Input: speed - the flow's largest [m/s]; rate - |grad u| at the particle [1/s]; gradient_c [1/m].
-  Output: displacement [m].
+  Input: strength - S; speed - the flow's largest [m/s]; rate - |grad u| at the particle [1/s];
+  gradient_c [1/m]. Output: displacement [m].
 
   Reference: S. J. Lind et al., J. Comput. Phys. 231 (2012) 1499-1523; D measured here
 */
-static void ShiftDisplace_Fickian(const Scene *scene, PetscReal speed, PetscReal rate, PetscReal dt,
-                                  const PetscReal gradient_c[], PetscReal displacement[])
+static void ShiftDisplace_Fickian(const Scene *scene, PetscReal strength, PetscReal speed,
+                                  PetscReal rate, PetscReal dt, const PetscReal gradient_c[],
+                                  PetscReal displacement[])
 {
   const PetscReal h      = 1.3 * scene->dx;
-  const PetscReal D      = PetscMin((speed + 4.0 * h * rate) * h * dt, 0.5 * h * h);
+  const PetscReal D      = PetscMin(strength * (speed + 4.0 * h * rate) * h * dt, 0.5 * h * h);
   PetscReal       length = 0.0;
 
   for (PetscInt a = 0; a < scene->dim; a++) {
