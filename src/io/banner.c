@@ -109,15 +109,15 @@ static PetscErrorCode BannerPhysics(const Scene *scene, PetscViewer viewer)
 }
 
 /*
-  Whether implicit viscosity pays: it allows steps up to the advective limit, a CFL number of 0.5,
-  explicit viscosity those up to dt_explicit. A solve costs about as much as one more step, and
-  steps of less than twice dt_explicit do not pay for it (docs/results/implicit.md).
+  Whether implicit viscosity pays: it allows steps up to the advective limit, the default CFL
+  number, explicit viscosity those up to dt_explicit. A solve costs about as much as one more step,
+  and steps of less than twice dt_explicit do not pay for it (docs/results/implicit.md).
 */
 static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_explicit,
                                  PetscViewer viewer)
 {
   const Scene    *scene  = flow->scene;
-  const PetscReal advect = 0.5 * scene->dx / scene->speed;
+  const PetscReal advect = CLOCK_CFL * scene->dx / scene->speed;
   const PetscBool explicit =
       flow->scheme->visc && ViscosityTimeKind(flow->scheme->visc)->kind == TIME_EXPLICIT;
 

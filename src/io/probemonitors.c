@@ -7,9 +7,7 @@ PetscBool MonitorInBody(const Scene *scene, const PetscReal x[])
   PetscReal normal[ISPH_MAX_DIM];
   PetscInt  body;
 
-  return scene->n_bodies && SceneDistance(scene, x, &body, normal) < -1e-9 * scene->dx
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  return SceneDistance(scene, x, &body, normal) < -1e-9 * scene->dx ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /*

@@ -3,11 +3,7 @@
 */
 #include "isph/schemes.h"
 
-#define CLOCK_MAX_CUT 10 /* halvings of a step */
-/* Held in every map of docs/results/stability.md. Shorter steps of moving particles are not better:
-   at Re = 1000, n = 100, t = 40 the cavity has 1.7, 1.2, 0.5 % too much energy with 0.25, 0.4,
-   0.5. */
-#define CLOCK_CFL      0.5
+#define CLOCK_MAX_CUT  10 /* halvings of a step */
 #define CLOCK_PATIENCE 10 /* half the good steps before the first growth */
 
 static const DtAdaptRow adapts[] = {

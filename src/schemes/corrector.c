@@ -99,7 +99,6 @@ static PetscErrorCode PressureUpdate(const Scene *scene, const Clock *clock, Ope
 
     PetscCall(VecAXPY(pr->p, -gain * dilatation * scene->rho * scene->nu_low, pr->div));
   }
-  if (ops->wall) PetscCall(VecAXPY(ops->wall_slope, gain, ops->wall_slope_step));
   if (scheme->filter > 0.0) {
     PetscCall(MatMult(ops->rough_p.A, pr->p, pr->work));
     PetscCall(VecAXPY(pr->p, -FilterShare(scene, clock, scheme), pr->work));

@@ -259,7 +259,7 @@ static PetscErrorCode SolveInTurn(const Scene *scene, const Clock *clock, Partic
   if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   if (scheme->projection) {
     *balance += PressureGain(clock, scheme) * (1.0 - *balance);
-    PetscCall(SetWallSlopes(scene, p, after, *balance, ops)); /* less rounding */
+    PetscCall(SetWallSlopes(scene, p, after, *balance, ops));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
