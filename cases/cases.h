@@ -7,15 +7,15 @@
 PetscErrorCode CavitySetup(Scene *scene);
 void CavityWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                         PetscReal u[]);
-PetscErrorCode CavityJudge(const Flow *flow, Report *report);
+PetscErrorCode CavityMeasure(const Flow *flow, Report *report);
 
 PetscErrorCode CavityCylinderSetup(Scene *scene);
-PetscErrorCode CavityCylinderJudge(const Flow *flow, Report *report);
+PetscErrorCode CavityCylinderMeasure(const Flow *flow, Report *report);
 
 PetscErrorCode TaylorCouetteSetup(Scene *scene);
 void TaylorCouetteExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
                         PetscReal *p);
-PetscErrorCode TaylorCouetteJudge(const Flow *flow, Report *report);
+PetscErrorCode TaylorCouetteMeasure(const Flow *flow, Report *report);
 
 PetscErrorCode TaylorGreenSetup(Scene *scene);
 void TaylorGreenVelocity(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[]);
@@ -35,10 +35,10 @@ void           PoiseuilleExact(const Scene *scene, PetscReal t, const PetscReal 
 PetscErrorCode HydrostaticSetup(Scene *scene);
 void           HydrostaticExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
                                 PetscReal *p);
-PetscErrorCode HydrostaticJudge(const Flow *flow, Report *report);
+PetscErrorCode HydrostaticMeasure(const Flow *flow, Report *report);
 
 PetscErrorCode StokesCylindersSetup(Scene *scene);
-PetscErrorCode StokesCylindersJudge(const Flow *flow, Report *report);
+PetscErrorCode StokesCylindersMeasure(const Flow *flow, Report *report);
 
 PetscErrorCode SceneTypedSetup(Scene *scene);
 void SceneTypedVelocity(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[]);
@@ -46,7 +46,7 @@ void SceneTypedExact(const Scene *scene, PetscReal t, const PetscReal x[], Petsc
                      PetscReal *p);
 void SceneTypedWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                             PetscReal u[]);
-PetscErrorCode SceneTypedJudge(const Flow *flow, Report *report);
+PetscErrorCode SceneTypedMeasure(const Flow *flow, Report *report);
 
 PetscErrorCode PatchSetup(Scene *scene);
 
@@ -56,8 +56,8 @@ PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const
                                  const char name[], Report *report);
 PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], PetscReal *energy);
 
-PetscErrorCode CouetteJudge(const Flow *flow, Report *report);
-PetscErrorCode PoiseuilleJudge(const Flow *flow, Report *report);
-PetscErrorCode ExactJudge(const Flow *flow, Report *report);
+PetscErrorCode CouetteMeasure(const Flow *flow, Report *report);
+PetscErrorCode PoiseuilleMeasure(const Flow *flow, Report *report);
+PetscErrorCode MeasureExact(const Flow *flow, Report *report);
 
 #endif

@@ -87,11 +87,11 @@ static const CavityReference *FindReference(const Scene *scene, const Clock *clo
 }
 
 /*
-  CavityJudge - Extrema and profiles of the velocity on the centrelines, in units of U
+  CavityMeasure - Extrema and profiles of the velocity on the centrelines, in units of U
 
   u on the line x = L/2 (all other coordinates in the middle too), v on y = L/2.
 */
-PetscErrorCode CavityJudge(const Flow *flow, Report *report)
+PetscErrorCode CavityMeasure(const Flow *flow, Report *report)
 {
   const CavityReference *r = FindReference(flow->scene, flow->clock);
   const PetscReal reynolds = SceneIsNewtonian(flow->scene) ? SceneReynolds(flow->scene) : NAN;
@@ -110,6 +110,6 @@ PetscErrorCode CavityJudge(const Flow *flow, Report *report)
                             : PetscAbsReal(reynolds - 10000.0) < 1.0 ? "cavity_re10000_ke.csv"
                                                                      : NULL,
                             &energy));
-  PetscCall(JudgeCommon(flow, energy, report));
+  PetscCall(MeasureCommon(flow, energy, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -8,16 +8,16 @@ PetscErrorCode CavityCylinderSetup(Scene *scene)
 {
   PetscFunctionBegin;
   PetscCall(CavitySetup(scene));
-  BodyCircle(&scene->body_of[scene->n_bodies++], 0.5 * scene->length, 0.5 * scene->length,
+  BodyCircle(&scene->bodies[scene->n_bodies++], 0.5 * scene->length, 0.5 * scene->length,
              0.25 * scene->length);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  CavityCylinderJudge - Extrema and profiles on the centrelines outside the cylinder, at Re = 1000
+  CavityCylinderMeasure - Extrema and profiles on the centrelines outside the cylinder, at Re = 1000
   against finite volumes at t = 40 from rest (extrapolated from 2,176, 8,704 and 34,816 cells)
 */
-PetscErrorCode CavityCylinderJudge(const Flow *flow, Report *report)
+PetscErrorCode CavityCylinderMeasure(const Flow *flow, Report *report)
 {
   const Scene    *scene    = flow->scene;
   const PetscReal time     = ClockMoment(flow->clock) * scene->speed / scene->length;
@@ -41,6 +41,6 @@ PetscErrorCode CavityCylinderJudge(const Flow *flow, Report *report)
   PetscCall(ReferenceEnergy(
       flow, PetscAbsReal(reynolds - 1000.0) < 0.1 ? "cavity_cylinder_re1000_ke.csv" : NULL,
       &energy));
-  PetscCall(JudgeCommon(flow, energy, report));
+  PetscCall(MeasureCommon(flow, energy, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

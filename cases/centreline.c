@@ -83,17 +83,17 @@ PetscErrorCode CentrelineExtrema(const Flow *flow, PetscReal u_min, PetscReal v_
 PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const char file[],
                                  const char name[], Report *report)
 {
-  Curve      curve;
-  PetscReal *value, sum = 0.0;
+  ReferenceData curve;
+  PetscReal    *value, sum = 0.0;
 
   PetscFunctionBegin;
-  PetscCall(CurveRead(file, &curve));
+  PetscCall(ReferenceDataRead(file, &curve));
   PetscCall(PetscMalloc1(curve.n, &value));
   PetscCall(SampleLine(flow, a, c, curve.n, curve.x, value));
   for (PetscInt k = 0; k < curve.n; k++) sum += PetscSqr(value[k] - curve.y[k]);
   PetscCall(ReportAddError(report, name, PetscSqrtReal(sum / curve.n)));
   PetscCall(PetscFree(value));
-  PetscCall(CurveFree(&curve));
+  PetscCall(ReferenceDataFree(&curve));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -107,20 +107,20 @@ PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], PetscReal *e
 {
   const Scene    *scene = flow->scene;
   const PetscReal t     = ClockMoment(flow->clock) * scene->speed / scene->length;
-  Curve           curve;
+  ReferenceData   curve;
 
   PetscFunctionBegin;
   *energy = NAN;
   if (!file || scene->dim != 2 || scene->physics != scene->problem->physics) {
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(CurveRead(file, &curve));
+  PetscCall(ReferenceDataRead(file, &curve));
   for (PetscInt k = 1; k < curve.n; k++) {
     if (t < curve.x[k - 1] || t > curve.x[k]) continue;
     *energy = curve.y[k - 1] +
               (curve.y[k] - curve.y[k - 1]) * (t - curve.x[k - 1]) / (curve.x[k] - curve.x[k - 1]);
     *energy *= scene->rho * PetscSqr(scene->speed * scene->length);
   }
-  PetscCall(CurveFree(&curve));
+  PetscCall(ReferenceDataFree(&curve));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

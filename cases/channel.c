@@ -23,7 +23,7 @@ static PetscErrorCode ChannelBox(Scene *scene)
   Reference of the second: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009),
   Eq. (38)
 */
-static PetscErrorCode JudgeProfile(const Flow *flow, PetscBool relative, Report *report)
+static PetscErrorCode MeasureProfile(const Flow *flow, PetscBool relative, Report *report)
 {
   const Scene     *scene  = flow->scene;
   const Particles *p      = flow->particles;
@@ -46,26 +46,26 @@ static PetscErrorCode JudgeProfile(const Flow *flow, PetscBool relative, Report 
       PetscCall(ReportAddError(report, "u_profile_l2", PetscSqrtReal(sum[0] / p->N_fluid) / most));
     if (most > 0.0 && relative)
       PetscCall(ReportAddError(report, "u_relative_rms", PetscSqrtReal(sum[1] / p->N_fluid)));
-    PetscCall(JudgeExact(flow, report));
+    PetscCall(NormsExact(flow, report));
   }
-  PetscCall(JudgeCommon(flow, NAN, report));
+  PetscCall(MeasureCommon(flow, NAN, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CouetteJudge - The profile's errors; far from the wall that moves U is as good as zero at
+/* CouetteMeasure - The profile's errors; far from the wall that moves U is as good as zero at
    first */
-PetscErrorCode CouetteJudge(const Flow *flow, Report *report)
+PetscErrorCode CouetteMeasure(const Flow *flow, Report *report)
 {
   PetscFunctionBegin;
-  PetscCall(JudgeProfile(flow, PETSC_FALSE, report));
+  PetscCall(MeasureProfile(flow, PETSC_FALSE, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* PoiseuilleJudge - The profile's errors, relative to the velocity at each place too */
-PetscErrorCode PoiseuilleJudge(const Flow *flow, Report *report)
+/* PoiseuilleMeasure - The profile's errors, relative to the velocity at each place too */
+PetscErrorCode PoiseuilleMeasure(const Flow *flow, Report *report)
 {
   PetscFunctionBegin;
-  PetscCall(JudgeProfile(flow, PETSC_TRUE, report));
+  PetscCall(MeasureProfile(flow, PETSC_TRUE, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -117,7 +117,7 @@ PetscErrorCode PoiseuilleSetup(Scene *scene)
 {
   PetscFunctionBegin;
   PetscCall(ChannelBox(scene));
-  scene->body[0] = 8.0 * scene->nu * scene->speed / PetscSqr(scene->length);
+  scene->body_force[0] = 8.0 * scene->nu * scene->speed / PetscSqr(scene->length);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -131,7 +131,7 @@ PetscErrorCode PoiseuilleSetup(Scene *scene)
 */
 static PetscReal SteadyVelocity(const Scene *scene, PetscReal y)
 {
-  const PetscReal f = scene->body[0], d = 0.5 * scene->length, wall = PetscAbsReal(f) * d,
+  const PetscReal f = scene->body_force[0], d = 0.5 * scene->length, wall = PetscAbsReal(f) * d,
                   here  = PetscAbsReal(f * (y - d));
   const PetscInt panels = 200;
   PetscReal      sum    = 0.0;
@@ -173,6 +173,6 @@ void PoiseuilleExact(const Scene *scene, PetscReal t, const PetscReal x[], Petsc
     if (decay < 1e-16) break;
     sum += (n % 2 ? -1.0 : 1.0) / (m * m * m) * PetscCosReal(0.5 * m * PETSC_PI * y) * decay;
   }
-  u[0] = scene->body[0] * d * d / (2.0 * scene->nu) *
+  u[0] = scene->body_force[0] * d * d / (2.0 * scene->nu) *
          (1.0 - y * y - 32.0 / (PETSC_PI * PETSC_PI * PETSC_PI) * sum);
 }

@@ -5,7 +5,7 @@ PetscErrorCode HydrostaticSetup(Scene *scene)
 {
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) scene->hi[a] = scene->length;
-  scene->body[scene->dim - 1] = -PetscSqr(scene->speed) / scene->length;
+  scene->body_force[scene->dim - 1] = -PetscSqr(scene->speed) / scene->length;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -16,24 +16,24 @@ void HydrostaticExact(const Scene *scene, PetscReal t, const PetscReal x[], Pets
   *p = 0.0;
   for (PetscInt a = 0; a < scene->dim; a++) {
     u[a] = 0.0;
-    *p += scene->rho * scene->body[a] * (x[a] - 0.5 * scene->length);
+    *p += scene->rho * scene->body_force[a] * (x[a] - 0.5 * scene->length);
   }
 }
 
 /*
-  HydrostaticJudge - Pressure against the exact one, and speed_over_gdt: the largest speed over what
+  HydrostaticMeasure - Adds the pressure error and speed_over_gdt, the largest speed over what
   gravity would give in one step, g dt
 */
-PetscErrorCode HydrostaticJudge(const Flow *flow, Report *report)
+PetscErrorCode HydrostaticMeasure(const Flow *flow, Report *report)
 {
   const Scene *scene = flow->scene;
   PetscReal    fall  = 0.0;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < scene->dim; a++) fall += PetscSqr(scene->body[a]);
+  for (PetscInt a = 0; a < scene->dim; a++) fall += PetscSqr(scene->body_force[a]);
   fall = PetscSqrtReal(fall) * flow->clock->dt;
   if (fall > 0.0)
     PetscCall(ReportAddError(report, "speed_over_gdt", flow->scheme->stats.speed_max / fall));
-  PetscCall(ExactJudge(flow, report));
+  PetscCall(MeasureExact(flow, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

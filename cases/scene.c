@@ -36,7 +36,7 @@ void SceneTypedWallVelocity(const Scene *scene, PetscInt side, PetscReal t, cons
 }
 
 /* Force and torque on each body. */
-static PetscErrorCode JudgeBodies(const Flow *flow, Report *report)
+static PetscErrorCode MeasureBodies(const Flow *flow, Report *report)
 {
   const Scene *scene = flow->scene;
 
@@ -57,18 +57,18 @@ static PetscErrorCode JudgeBodies(const Flow *flow, Report *report)
 }
 
 /*
-  SceneTypedJudge - Errors against -scene_exact, force and torque on each body, extrema on the
+  SceneTypedMeasure - Errors against -scene_exact, force and torque on each body, extrema on the
   centrelines of a closed box without bodies, integrals
 */
-PetscErrorCode SceneTypedJudge(const Flow *flow, Report *report)
+PetscErrorCode SceneTypedMeasure(const Flow *flow, Report *report)
 {
   const Scene *scene = flow->scene;
 
   PetscFunctionBegin;
-  if (scene->exact.n) PetscCall(JudgeExact(flow, report));
-  PetscCall(JudgeBodies(flow, report));
+  if (scene->exact.n) PetscCall(NormsExact(flow, report));
+  PetscCall(MeasureBodies(flow, report));
   if (!scene->n_bodies && !scene->periodic[0] && !scene->periodic[1])
     PetscCall(CentrelineExtrema(flow, NAN, NAN, NAN, report));
-  PetscCall(JudgeCommon(flow, NAN, report));
+  PetscCall(MeasureCommon(flow, NAN, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

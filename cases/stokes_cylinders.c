@@ -44,8 +44,8 @@ PetscErrorCode StokesCylindersSetup(Scene *scene)
     scene->hi[a]       = scene->length;
     scene->periodic[a] = PETSC_TRUE;
   }
-  BodyCircle(&scene->body_of[scene->n_bodies++], middle, middle, radius);
-  scene->body[0] =
+  BodyCircle(&scene->bodies[scene->n_bodies++], middle, middle, radius);
+  scene->body_force[0] =
       scene->nu * scene->speed / PetscSqr(scene->length) * DiluteDrag(scene->solid_fraction);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -71,15 +71,15 @@ static PetscErrorCode SuperficialVelocity(const Flow *flow, PetscReal *mean)
 }
 
 /*
-  StokesCylindersJudge - Drag on mu U, from the traction on the cylinder and from the balance with
+  StokesCylindersMeasure - Drag on mu U, from the traction on the cylinder and from the balance with
   the driving force, which the steady flow must have
 */
-PetscErrorCode StokesCylindersJudge(const Flow *flow, Report *report)
+PetscErrorCode StokesCylindersMeasure(const Flow *flow, Report *report)
 {
   const Scene    *scene = flow->scene;
   const PetscReal c = scene->solid_fraction, mu = scene->rho * scene->nu;
   const PetscReal known  = SceneIsNewtonian(scene) ? TabulatedDrag(c) : NAN;
-  const PetscReal driven = scene->rho * scene->body[0] * PetscSqr(scene->length);
+  const PetscReal driven = scene->rho * scene->body_force[0] * PetscSqr(scene->length);
   PetscReal       mean = 0.0, F[ISPH_MAX_DIM] = {0.0}, T[ISPH_MAX_DIM] = {0.0};
 
   PetscFunctionBegin;
@@ -91,6 +91,6 @@ PetscErrorCode StokesCylindersJudge(const Flow *flow, Report *report)
                                  PetscIsNanReal(known) ? 1.0 : known));
     PetscCall(ReportAddReference(report, "traction", F[0] / (1.0 - c), driven, driven));
   }
-  PetscCall(JudgeCommon(flow, NAN, report));
+  PetscCall(MeasureCommon(flow, NAN, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -14,12 +14,12 @@ PetscErrorCode TaylorCouetteSetup(Scene *scene)
     scene->lo[a] = -room;
     scene->hi[a] = room;
   }
-  scene->bare = PETSC_TRUE;
-  BodyCircle(&scene->body_of[0], 0.0, 0.0, 0.5 * scene->length);
-  BodyCircle(&scene->body_of[1], 0.0, 0.0, scene->length);
-  scene->body_of[0].rotation = ExpressionNumber(scene->speed / (0.5 * scene->length));
-  scene->body_of[1].around   = PETSC_TRUE;
-  scene->n_bodies            = 2;
+  scene->no_box_walls = PETSC_TRUE;
+  BodyCircle(&scene->bodies[0], 0.0, 0.0, 0.5 * scene->length);
+  BodyCircle(&scene->bodies[1], 0.0, 0.0, scene->length);
+  scene->bodies[0].rotation = ExpressionNumber(scene->speed / (0.5 * scene->length));
+  scene->bodies[1].around   = PETSC_TRUE;
+  scene->n_bodies           = 2;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -46,9 +46,9 @@ void TaylorCouetteExact(const Scene *scene, PetscReal t, const PetscReal x[], Pe
   *p   = scene->rho * (0.5 * A * A * r2 + A * B * PetscLogReal(r2) - 0.5 * B * B / r2);
 }
 
-/* TaylorCouetteJudge - Norms, and the torque on the inner cylinder, -4 pi mu B per metre of
+/* TaylorCouetteMeasure - Norms, and the torque on the inner cylinder, -4 pi mu B per metre of
    depth */
-PetscErrorCode TaylorCouetteJudge(const Flow *flow, Report *report)
+PetscErrorCode TaylorCouetteMeasure(const Flow *flow, Report *report)
 {
   const Scene    *scene = flow->scene;
   const PetscReal R1 = 0.5 * scene->length, R2 = scene->length;
@@ -63,6 +63,6 @@ PetscErrorCode TaylorCouetteJudge(const Flow *flow, Report *report)
   } else {
     PetscCall(ReportAdd(report, "torque", T[2]));
   }
-  PetscCall(ExactJudge(flow, report));
+  PetscCall(MeasureExact(flow, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -29,7 +29,7 @@ static void CloudWallVelocity(const Scene *scene, PetscInt side, PetscReal t, co
 /* A circle at rest in the middle of the box. */
 static void CloudAddCircle(PetscReal radius, Scene *scene)
 {
-  BodyCircle(&scene->body_of[0], 0.5 * (scene->lo[0] + scene->hi[0]),
+  BodyCircle(&scene->bodies[0], 0.5 * (scene->lo[0] + scene->hi[0]),
              0.5 * (scene->lo[1] + scene->hi[1]), radius);
   scene->n_bodies = 1;
   scene->physics |= PHYSICS_WALLS;
@@ -104,8 +104,8 @@ PetscErrorCode CloudCreate(const CloudBox *box, const char options[], Cloud *clo
 
   PetscFunctionBegin;
   PetscCall(CloudOperators(box, options, cloud));
-  cloud->ops->need_concentration = PETSC_TRUE;
-  cloud->ops->one_sided = cloud->ops->rough_p.needed = box->one_sided;
+  cloud->ops->need_concentration   = PETSC_TRUE;
+  cloud->ops->grad_p_without_walls = cloud->ops->filter_p.needed = box->grad_p_without_walls;
   PetscCall(OperatorsPlacement(&cloud->scene, cloud->ops, &walls));
   PetscCall(ParticlesCreate(&cloud->scene, walls, cloud->ops->reach, NULL, &cloud->particles));
   PetscCall(NeighborsCreate(cloud->ops->radius, &cloud->neighbors));

@@ -15,10 +15,10 @@
 typedef struct {
   const char *name; /* for messages */
   PetscInt    dim, cells[ISPH_MAX_DIM];
-  PetscInt    n_periodic; /* the first axes are periodic, the others have walls */
-  PetscReal   jitter;     /* [dx] */
-  PetscReal   circle;     /* radius of a body in the middle [dx]; 0: none */
-  PetscBool   one_sided;  /* pressures as the coupled scheme has them */
+  PetscInt    n_periodic;           /* the first axes are periodic, the others have walls */
+  PetscReal   jitter;               /* [dx] */
+  PetscReal   circle;               /* radius of a body in the middle [dx]; 0: none */
+  PetscBool   grad_p_without_walls; /* pressures as the coupled scheme has them */
 } CloudBox;
 
 /* f(x) = c + g.s + s.H s/2,  s = (x - centre)/dx;  H symmetric */

@@ -177,7 +177,7 @@ static void CheckQuadratic(const WalledForms *forms, const char *where, Cloud *c
 /* A fluid that turns with a cylinder and with the walls around them, every linear rigid motion. */
 static void CheckTurning(const WalledForms *forms, const char *where, Cloud *cloud)
 {
-  Body     *body = &cloud->scene.body_of[0];
+  Body     *body = &cloud->scene.bodies[0];
   Quadratic u[3] = {{.c = 0.4}, {.c = -0.3}}, zero = {0};
 
   if (!forms->wall->Extend || !claims[ClaimOf(forms)].linear) return;
@@ -223,7 +223,8 @@ static void CheckVolume(const WalledForms *forms, const char *where, Cloud *clou
     box *= scene->cells[a];
     frame *= scene->cells[a] + 2.0 * layers - (forms->surface ? 1.0 : 0.0);
   }
-  if (scene->n_bodies) hole = PETSC_PI * PetscSqr(scene->body_of[0].number[2] - layers * scene->dx);
+  if (scene->n_bodies)
+    hole = PETSC_PI * PetscSqr(scene->bodies[0].parameter[2] - layers * scene->dx);
   CloudAssertNone("volume of the frame", where, PetscAbsReal(sum[1] - (frame - box)) > 1e-9 * box);
   if (!forms->surface) return; /* dummies alone leave a gap of their clearance at curved walls */
   CloudAssertNone("volume inside", where,

@@ -107,7 +107,7 @@ static void test_roles(void **state)
         CloudAssertNone("reads roles", row->name, difference < 1e-3);
         CloudAssertNone("exact with slopes", row->name, SlopeError(st, slope) > 1e-10);
       }
-      CloudAssertNone("determined", row->name, st->weak);
+      CloudAssertNone("determined", row->name, st->regularised);
       ASSERT_OK(StencilDestroy(&st));
     }
   }

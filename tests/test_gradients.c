@@ -70,7 +70,7 @@ static void CheckRows(const char *where, const Cloud *cloud)
     CloudAssertNone("div = grad_u", where,
                     Difference(cloud->ops->grad_u[a].A, cloud->ops->div[a].A) > 1e-14);
   }
-  CloudAssertNone("a fit was not determined", where, cloud->ops->weak_rows);
+  CloudAssertNone("a fit was not determined", where, cloud->ops->regularised_rows);
 }
 
 /* u = G s, tr G = 0: the divergence vanishes where the gradient is exact, or isotropic. */

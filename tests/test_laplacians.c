@@ -51,7 +51,7 @@ static void CheckRows(const LaplacianRow *form, const char *where, const Cloud *
   ASSERT_OK(AffineApply(&cloud->ops->ppe, cloud->f[0], NULL, cloud->y));
   ASSERT_OK(CloudError(cloud, cloud->y, &zero, PETSC_FALSE, &error));
   CloudAssertNone("row sums of ppe", where, error > 1e-13);
-  CloudAssertNone("a fit was not determined", where, cloud->ops->weak_rows);
+  CloudAssertNone("a fit was not determined", where, cloud->ops->regularised_rows);
   if (!CloudHas(form, FORM_SAFE_IMPLICIT)) return;
 
   ASSERT_OK(MatDuplicate(cloud->ops->ppe.A, MAT_COPY_VALUES, &difference));

@@ -7,8 +7,11 @@
 
 static void CreateBox(PetscInt dim, PetscReal jitter, const char options[], Cloud *cloud)
 {
-  const CloudBox box = {
-      .name = "box", .dim = dim, .cells = {8, 9, 7}, .jitter = jitter, .one_sided = PETSC_TRUE};
+  const CloudBox box = {.name                 = "box",
+                        .dim                  = dim,
+                        .cells                = {8, 9, 7},
+                        .jitter               = jitter,
+                        .grad_p_without_walls = PETSC_TRUE};
 
   ASSERT_OK(CloudCreate(&box, options, cloud));
   ASSERT_OK(VecSet(cloud->e, 1e3)); /* what walls are said to have must not matter */
@@ -31,7 +34,7 @@ static void CheckQuadratics(const char *where, const Cloud *cloud)
       ASSERT_OK(CloudError(cloud, cloud->y, &exact, PETSC_FALSE, &error));
       CloudAssertNone("grad p", where, error * dx > 1e-9);
     }
-    ASSERT_OK(AffineApply(&cloud->ops->rough_p, cloud->f[0], cloud->e, cloud->y));
+    ASSERT_OK(AffineApply(&cloud->ops->filter_p, cloud->f[0], cloud->e, cloud->y));
     ASSERT_OK(CloudError(cloud, cloud->y, &zero, PETSC_FALSE, &error));
     CloudAssertNone("roughness", where, error > 1e-10);
   }

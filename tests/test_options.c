@@ -7,9 +7,17 @@
 #include "cloud.h"
 #include "isph/io.h"
 
-static const Table *const tables[] = {
-    &CaseTable,     &KernelTable, &LaplacianTable,  &GradientTable, &WallTable,  &RheologyTable,
-    &TimeKindTable, &ShiftTable,  &ProjectionTable, &MotionTable,   &SchemeTable};
+static const Table *const tables[] = {&CaseTable,
+                                      &KernelTable,
+                                      &LaplacianTable,
+                                      &GradientTable,
+                                      &WallTable,
+                                      &RheologyTable,
+                                      &ViscousIntegratorTable,
+                                      &ShiftTable,
+                                      &ProjectionTable,
+                                      &MotionTable,
+                                      &SchemeTable};
 
 /* What one option is read as, for the one function that reads them all. */
 typedef struct {

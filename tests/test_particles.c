@@ -110,9 +110,9 @@ static void CheckParticles(const Setting *s, const Particles *p, PetscReal *cons
   PetscCallVoid(PetscCalloc1(all.n, &numbered));
   for (PetscInt k = 0; k < all.n; k++) lost += all.found[k] != 1.0;
   for (PetscInt i = 0; i < own; i++) {
-    numbered[p->number[i] + (i < p->n_fluid ? 0 : p->N_fluid)] += 1.0;
+    numbered[p->row[i] + (i < p->n_fluid ? 0 : p->N_fluid)] += 1.0;
     unordered +=
-        p->number[i] != (i < p->n_fluid ? p->fluid_start + i : p->wall_start + i - p->n_fluid);
+        p->row[i] != (i < p->n_fluid ? p->fluid_start + i : p->wall_start + i - p->n_fluid);
   }
   MPI_Allreduce(MPI_IN_PLACE, numbered, (int)all.n, MPIU_REAL, MPI_SUM, p->comm);
   for (PetscInt k = 0; k < all.n; k++) lost += numbered[k] != 1.0;

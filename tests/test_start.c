@@ -68,7 +68,7 @@ static void MakeScene(PetscBool periodic, PetscBool body, Scene *scene)
   scene->cells[0] = scene->cells[1] = 5;
   scene->physics                    = PHYSICS_WALLS;
   scene->periodic[0]                = periodic;
-  if (body) BodyCircle(&scene->body_of[scene->n_bodies++], 0.5, 0.3, 0.05);
+  if (body) BodyCircle(&scene->bodies[scene->n_bodies++], 0.5, 0.3, 0.05);
 }
 
 /* Reads the file as a run does; the message of the error, or "". */

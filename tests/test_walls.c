@@ -201,7 +201,7 @@ static void CheckSlip(const WalledForms *forms, const char *where, Cloud *cloud)
   PetscInt         wrong = 0;
 
   WalledSetVelocity(cloud, rest);
-  ASSERT_OK(VecSet(cloud->ops->wall_slope_step, 3.0));
+  ASSERT_OK(VecSet(cloud->ops->wall_dpdn_step, 3.0));
   ASSERT_OK(OperatorsSetWallVelocity(&cloud->scene, p, 0.0, 0.5, cloud->ops));
   for (PetscInt a = 0; a < p->dim; a++) {
     ASSERT_OK(VecGetArrayRead(cloud->ops->wall_u[a], &u));

@@ -76,7 +76,7 @@ void WalledForOne(const WalledForms *forms, const CloudBox *box, WalledCheck che
   ASSERT_OK(PetscSNPrintf(where, sizeof(where), "%dD %s, %s", (int)box->dim,
                           box->jitter > 0.0 ? "disorder" : "lattice", options));
   ASSERT_OK(CloudCreate(box, options, &cloud));
-  CloudAssertNone("a fit was not determined", where, cloud.ops->weak_rows);
+  CloudAssertNone("a fit was not determined", where, cloud.ops->regularised_rows);
   check(forms, where, &cloud);
   ASSERT_OK(CloudDestroy(&cloud));
 }

@@ -8,7 +8,7 @@
 
 #include "isph/schemes.h"
 
-#define GUARD_RUNGS 3 /* of the ladder, see ladder.c */
+#define FALLBACK_LEVELS 3 /* of the ladder, see ladder.c */
 
 typedef struct {
   const char        *what;               /* "viscous", "pressure", ... */
@@ -18,10 +18,10 @@ typedef struct {
   char               note[256];          /* what is unwise in the user's choice; empty: nothing */
   PetscBool          symmetric;          /* the matrix is */
   PetscBool          inner;              /* a nonlinear solver looks at the residual that counts */
-  PetscInt           patience;           /* falls in a row that are borne; -1: no ladder */
-  KSP                rung[GUARD_RUNGS];  /* of the ladder; NULL until needed */
-  PetscInt           falls, in_a_row;    /* solves that needed the ladder; since the last without */
-  PetscBool          failed;             /* a solve since the last GuardCheck() */
+  PetscInt           max_in_a_row;       /* falls in a row that are borne; -1: no ladder */
+  KSP                level[FALLBACK_LEVELS]; /* of the ladder; NULL until needed */
+  PetscInt           falls, in_a_row; /* solves that needed the ladder; since the last without */
+  PetscBool          failed;          /* a solve since the last GuardCheck() */
   PetscReal          residual; /* true, relative, of the solve that failed or else of the last */
   KSPConvergedReason reason;   /* of the chosen method in that solve */
   PetscInt           iterations;
@@ -33,7 +33,7 @@ PetscErrorCode GuardMeasure(KSP ksp, Vec b, Vec x, PetscReal *residual, PetscBoo
 PetscErrorCode GuardCheck(KSP ksp, Guard *guard, StepFailure *failure);
 PetscErrorCode GuardRenewPC(KSP ksp);
 PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc);
-PetscErrorCode LadderClimb(KSP ksp, Vec b, Vec x, Guard *guard, PetscBool *solved);
+PetscErrorCode FallbackSolve(KSP ksp, Vec b, Vec x, Guard *guard, PetscBool *solved);
 PetscErrorCode PressureSolver(const LaplacianForm *form, PetscReal rtol, KSP *ksp, Guard *guard);
 PetscErrorCode TimeStepThrough(TS ts, const char name[], KSP ksp, Guard *guard, PetscReal t,
                                PetscReal dt, PetscReal *h, PetscInt *iterations,

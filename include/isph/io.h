@@ -25,9 +25,9 @@ PetscErrorCode ProbeViscosity(const Flow *flow, PetscInt n, const PetscReal x[],
 typedef struct {
   PetscInt   n;
   PetscReal *x, *y; /* x ascending */
-} Curve;
-PetscErrorCode CurveRead(const char file[], Curve *curve);
-PetscErrorCode CurveFree(Curve *curve);
+} ReferenceData;
+PetscErrorCode ReferenceDataRead(const char file[], ReferenceData *curve);
+PetscErrorCode ReferenceDataFree(ReferenceData *curve);
 
 /* One measured quantity, in SI units. */
 typedef struct {
@@ -58,8 +58,8 @@ PetscErrorCode ReportWrite(const Flow *flow, const Report *report, PetscReal wal
                            const char status[]);
 
 /* What cases share: error norms against Exact(), and the quantities every case reports. */
-PetscErrorCode JudgeExact(const Flow *flow, Report *report);
-PetscErrorCode JudgeCommon(const Flow *flow, PetscReal energy, Report *report);
+PetscErrorCode NormsExact(const Flow *flow, Report *report);
+PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report);
 
 /* Snapshots of the particles for ParaView, as -output asks. */
 typedef struct Snapshots Snapshots;

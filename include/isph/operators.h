@@ -55,14 +55,14 @@ typedef struct {
   PetscBool *wall;            /* neighbour is a wall particle */
   PetscReal *normal[ISPH_MAX_DIM]; /* of wall neighbours, into the fluid */
   PetscInt  *side;                 /* of wall neighbours: which wall */
-  PetscReal *beta;       /* of wall neighbours: f_j - f_i = beta (f_wall - f_i), see foot.c */
-  PetscReal *share;      /* of wall neighbours: in their wall's velocity at the foot of i */
-  PetscBool  fits_walls; /* wall neighbours enter fits by role, else as plain points */
-  Role       role;       /* of the wall neighbours in the fit at hand */
-  MlsFit     fit;        /* quadratic, of that role; shared by gradient and Laplacian */
-  PetscReal  volume;     /* of the particle itself [m^dim] */
-  PetscReal  self[3];    /* W, dW/dr and d2W/dr2 at r = 0 [m^-dim, ...] */
-  PetscInt   weak;       /* fits so far whose points did not determine them */
+  PetscReal *beta;  /* of wall neighbours: f_j - f_i = beta (f_wall - f_i), see wall_points.c */
+  PetscReal *share; /* of wall neighbours: in their wall's velocity at the foot of i */
+  PetscBool  fits_walls;  /* wall neighbours enter fits by role, else as plain points */
+  Role       role;        /* of the wall neighbours in the fit at hand */
+  MlsFit     fit;         /* quadratic, of that role; shared by gradient and Laplacian */
+  PetscReal  volume;      /* of the particle itself [m^dim] */
+  PetscReal  self[3];     /* W, dW/dr and d2W/dr2 at r = 0 [m^-dim, ...] */
+  PetscInt   regularised; /* fits so far whose points did not determine them */
 } Stencil;
 
 PetscErrorCode StencilCreate(PetscInt dim, PetscReal radius, PetscReal scale, Stencil **stencil);
@@ -188,35 +188,36 @@ typedef struct {
   PetscReal          velocity_filter; /* strength of the grid-scale filter of velocities [-] */
   PetscReal          reach;           /* how far from a particle assembly looks, for the halo [m] */
 
-  AffineOperator visc;       /* lap u, or div(nu grad u)/scene->nu [m^-2]; wall data: u_wall,c */
-  PetscBool      visc_plain; /* it is lap u */
-  PetscBool      together;   /* it is on all components together, see together.c */
-  AffineOperator ppe;        /* -dx^2 lap p [-]; wall data: n.grad p */
+  AffineOperator visc; /* lap u, or div(nu grad u)/scene->nu [m^-2]; wall data: u_wall,c */
+  PetscBool      visc_is_laplacian;    /* it is lap u */
+  PetscBool      components_coupled;   /* it is on all components together, see viscous_block.c */
+  AffineOperator ppe;                  /* -dx^2 lap p [-]; wall data: n.grad p */
   AffineOperator grad_p[ISPH_MAX_DIM]; /* dp/dx_a; wall data: n.grad p */
   AffineOperator grad_u[ISPH_MAX_DIM]; /* du_c/dx_a; wall data: u_wall,c */
   AffineOperator div[ISPH_MAX_DIM];    /* (D u)_i = sum_c div[c] u_c; wall data: u_wall,c */
-  AffineOperator rough_u;              /* u_c less its quadratic fit [-]; wall data: u_wall,c */
-  AffineOperator rough_p;              /* p less its quadratic fit [-]; no wall data */
-  PetscBool      one_sided;            /* grad_p sees no walls, for want of n.grad p there */
+  AffineOperator filter_u;             /* u_c less its quadratic fit [-]; wall data: u_wall,c */
+  AffineOperator filter_p;             /* p less its quadratic fit [-]; no wall data */
+  PetscBool      grad_p_without_walls; /* grad_p sees no walls, for want of n.grad p there */
   PetscBool      need_concentration;
   PetscReal     *concentration;            /* C_i = sum_j V_j W_ij, without walls' deficit [-] */
   PetscReal     *gradient_c[ISPH_MAX_DIM]; /* grad C [1/m] */
 
   Vec       wall_u[ISPH_MAX_DIM]; /* velocities of own wall particles [m/s] */
-  PetscReal wall_drive;           /* fastest flow that walls have been able to make [m/s] */
-  Vec       wall_slope;           /* n.grad p at own wall particles [Pa/m] */
-  Vec       wall_slope_step;      /* what n.grad p gains in this step [Pa/m] */
+  PetscReal wall_speed_bound;     /* fastest flow that walls have been able to make [m/s] */
+  Vec       wall_dpdn;            /* n.grad p at own wall particles [Pa/m] */
+  Vec       wall_dpdn_step;       /* what n.grad p gains in this step [Pa/m] */
 
   Stencil  *stencil;
   Pattern   fluid, walls;
   PetscInt *slot; /* of each neighbour in its row of the pattern */
-  PetscInt *near; /* where components go together: local index of the particle in a slot of fluid */
+  PetscInt
+      *neighbor_of_slot; /* local index of the particle in a slot of fluid; coupled components */
   PetscReal *w, *g[ISPH_MAX_DIM], *m; /* of one row */
-  PetscReal *wall_w;                  /* of its wall data, see foot.c */
+  PetscReal *wall_w;                  /* of its wall data, see wall_points.c */
   PetscInt   slot_capacity;
-  PetscInt   epoch, moved; /* stamps of the particles the operators were assembled from */
-  PetscInt   assemblies;   /* stamp of the matrices: changes when they do */
-  PetscInt   weak_rows;    /* fits of the last assembly that their points did not determine */
+  PetscInt   epoch, moved;     /* stamps of the particles the operators were assembled from */
+  PetscInt   assemblies;       /* stamp of the matrices: changes when they do */
+  PetscInt   regularised_rows; /* fits of the last assembly that their points did not determine */
 } Operators;
 
 PetscErrorCode OperatorsCreate(const Scene *scene, Operators **ops);
@@ -226,7 +227,7 @@ PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, Wall
 PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *particles,
                                  const Neighbors *neighbors, Operators *ops, PetscBool *changed);
 PetscErrorCode OperatorsSetWallVelocity(const Scene *scene, const Particles *particles, PetscReal t,
-                                        PetscReal slip, Operators *ops);
+                                        PetscReal projection_factor, Operators *ops);
 PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y);
 PetscErrorCode AffineApplyAdd(const AffineOperator *op, Vec f, Vec walls, Vec y);
 

@@ -38,8 +38,8 @@ typedef struct {
   PetscInt  N_lattice;                 /* fluid particles that a lattice has in this scene */
   PetscInt  fluid_start, wall_start;   /* global numbers of the first own fluid and wall particle */
   PetscInt *id;                        /* name for life: fluid lattice index, then N_fluid + wall */
-  PetscBool flowing;                   /* velocities were given with the places */
-  PetscInt *number;                    /* global number among fluid, resp. among wall particles */
+  PetscBool velocity_given;            /* velocities were given with the places */
+  PetscInt *row;                       /* global number among fluid, resp. among wall particles */
 
   PetscReal *x[ISPH_MAX_DIM]; /* positions (field) [m]; ParticlesUpdateHalo refreshes the halo */
   PetscReal *u[ISPH_MAX_DIM]; /* velocities of own particles (field) [m/s] */
@@ -113,7 +113,7 @@ static inline PetscBool ParticlesIsWall(const Particles *p, PetscInt i)
 }
 
 /* The point of the surface above wall particle i, or of its plane beyond an edge [m]. */
-static inline void ParticlesFoot(const Particles *p, PetscInt i, PetscReal x[])
+static inline void ParticlesWallPoint(const Particles *p, PetscInt i, PetscReal x[])
 {
   for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i] + p->depth[i] * p->normal[a][i];
 }

@@ -32,7 +32,7 @@ typedef struct {
 
 #define SCENE_MAX_BODIES 16
 #define SCENE_MAX_PLANES (6 + SCENE_MAX_BODIES)
-#define BODY_NUMBERS     64
+#define BODY_PARAMETERS  64
 #define SCENE_MAX_FLUIDS 8
 
 /* Solid bodies in the plane; with `around`, the fluid is inside and the wall around it. */
@@ -53,8 +53,8 @@ extern const Table ShapeTable;
 struct Body {
   const ShapeRow *shape;
   PetscInt        n;
-  PetscReal       number[BODY_NUMBERS]; /* of the shape [m] */
-  PetscReal       centre[2], extent;    /* of the body, and how far it reaches from there [m] */
+  PetscReal       parameter[BODY_PARAMETERS]; /* of the shape [m] */
+  PetscReal       centre[2], extent; /* of the body, and how far it reaches from there [m] */
   PetscBool       around;
   Expression      velocity, rotation; /* of the surface, of t [m/s], [rad/s] */
 };
@@ -77,8 +77,8 @@ typedef struct {
   void (*WallVelocity)(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                        PetscReal u[]); /* NULL: walls at rest */
   void (*Exact)(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
-                PetscReal *p);                               /* NULL: none; p may be left alone */
-  PetscErrorCode (*Judge)(const Flow *flow, Report *report); /* adds the quantities of the case */
+                PetscReal *p);                                 /* NULL: none; p may be left alone */
+  PetscErrorCode (*Measure)(const Flow *flow, Report *report); /* adds the quantities of the case */
   PetscReal solid_fraction; /* default, of an array of bodies; 0: there is none [-] */
   PetscBool typed;          /* the geometry comes from -scene_ options */
   PetscBool patch; /* no flow: operators are measured on a box with values given around it */
@@ -99,12 +99,12 @@ typedef enum {
   RHEOLOGY_INFINITE,       /* nu_inf [m^2/s] */
   RHEOLOGY_YIELD,          /* tau_0 [m^2/s^2] */
   RHEOLOGY_REGULARISATION, /* m [s] */
-  RHEOLOGY_NUMBERS
-} RheologyNumber;
+  RHEOLOGY_PARAMETERS
+} RheologyParameter;
 typedef struct Rheology Rheology;
 typedef struct {
   const char *name, *brief, *citation;
-  unsigned    takes, wants; /* bits of RheologyNumber; wanted ones have no default */
+  unsigned    takes, wants; /* bits of RheologyParameter; wanted ones have no default */
   PetscReal (*Nu)(const Rheology *rheology, PetscReal rate); /* NULL: does not follow it [m^2/s] */
   PetscReal (*Rate)(const Rheology *rheology, PetscReal stress); /* of the true fluid [1/s] */
 } RheologyRow;
@@ -112,7 +112,7 @@ extern const Table RheologyTable;
 struct Rheology {
   const RheologyRow *row; /* NULL: newtonian */
   PetscReal          nu;  /* Scene.nu [m^2/s] */
-  PetscReal          number[RHEOLOGY_NUMBERS];
+  PetscReal          parameter[RHEOLOGY_PARAMETERS];
   PetscReal          low, high; /* bounds of the viscosity [m^2/s] */
 };
 
@@ -133,16 +133,16 @@ struct Scene {
   PetscReal        speed;                  /* reference speed U [m/s] */
   PetscReal        rho;                    /* density [kg/m^3] */
   PetscReal        nu; /* kinematic viscosity; where it varies, that of Reynolds numbers [m^2/s] */
-  PetscReal        nu_low, nu_high;    /* its bounds over the fluid; nu where uniform [m^2/s] */
-  PetscReal        body[ISPH_MAX_DIM]; /* body force per unit mass [m/s^2] */
-  PetscBool        unsteady_walls;     /* wall velocities depend on time */
+  PetscReal        nu_low, nu_high; /* its bounds over the fluid; nu where uniform [m^2/s] */
+  PetscReal        body_force[ISPH_MAX_DIM]; /* body force per unit mass [m/s^2] */
+  PetscBool        unsteady_walls;           /* wall velocities depend on time */
   ExpressionScope *scope;    /* of the expressions below; NULL: numbers are all there is */
   Expression       velocity; /* typed: at the start, of x, y [m/s] */
   Expression       exact;    /* typed: reference solution u, v[, p], of x, y, t [m/s], [Pa] */
   Expression       force;    /* typed: in place of body, of x, y, t [m/s^2] */
   Expression       side_velocity[4]; /* typed: of the sides of the box, of x, y, t [m/s] */
-  PetscBool        bare;             /* no walls on the box's sides: a body encloses the fluid */
-  Body             body_of[SCENE_MAX_BODIES];
+  PetscBool        no_box_walls;     /* no walls on the box's sides: a body encloses the fluid */
+  Body             bodies[SCENE_MAX_BODIES];
   PetscInt         n_bodies;
   Expression       nu_field; /* typed: viscosity where no fluid below is, of x, y [m^2/s] */
   Body             region[SCENE_MAX_FLUIDS];    /* of fluids 1, 2, ..., later ones over earlier */
@@ -171,8 +171,8 @@ void      SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, cons
                             PetscReal u[]);
 void      SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                                 PetscReal a[]);
-PetscReal SceneWallDrive(const Scene *scene, PetscInt side, const PetscReal x[],
-                         const PetscReal normal[], const PetscReal u[]);
+PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal x[],
+                              const PetscReal normal[], const PetscReal u[]);
 PetscReal SceneDecayRate(const Scene *scene);
 PetscErrorCode SceneReadRheology(PetscOptionItems *items, Scene *scene);
 PetscBool      SceneIsNewtonian(const Scene *scene);

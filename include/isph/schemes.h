@@ -20,7 +20,7 @@
 */
 typedef struct {
   PetscErrorCode code;          /* 0: nothing; else PETSC_ERR_NOT_CONVERGED or PETSC_ERR_FP */
-  PetscBool      hopeless;      /* a shorter step would not help */
+  PetscBool      fatal;         /* a shorter step would not help */
   char           sentence[640]; /* step, quantity, likely cause and remedy */
 } StepFailure;
 void FailureSet(StepFailure *failure, PetscErrorCode code, const char format[], ...)
@@ -47,15 +47,15 @@ typedef struct {
   PetscReal steady_tol;                     /* 0: off [-] */
   PetscReal report_time[CLOCK_MAX_REPORTS]; /* times the steps must hit, ascending [s] */
   PetscInt  n_reports, next_report;
-  PetscBool steady; /* steady_tol was met, or the steady flow solved for */
-  PetscBool direct; /* no du/dt: one step to t_end */
+  PetscBool steady;       /* steady_tol was met, or the steady flow solved for */
+  PetscBool steady_solve; /* no du/dt: one step to t_end */
 
   const DtAdaptRow *adapt;
-  PetscReal         move_max; /* displacement in a step above which it has failed [dx] */
-  PetscInt          retries;  /* steps undone so far */
-  PetscInt          cut;      /* dt is what it would be over 2^cut */
-  PetscInt          patience; /* good steps after which cut is lessened */
-  PetscInt          good;     /* steps since the last failure or lessening */
+  PetscReal         move_max;    /* displacement in a step above which it has failed [dx] */
+  PetscInt          retries;     /* steps undone so far */
+  PetscInt          halvings;    /* dt is what it would be over 2^cut */
+  PetscInt          good_needed; /* good steps after which cut is lessened */
+  PetscInt          good;        /* steps since the last failure or lessening */
 } Clock;
 
 PetscErrorCode ClockCreate(const Scene *scene, Clock **clock);
@@ -74,26 +74,26 @@ typedef enum {
   TIME_IMPLICIT, /* IFunction: viscosity; convection extrapolated into the force */
   TIME_IMEX,     /* IFunction: viscosity; RHSFunction: convection */
   TIME_EXPLICIT  /* RHSFunction: everything */
-} TimeKind;
+} ViscousTerms;
 typedef struct {
-  const char *name, *brief, *citation; /* name: the TS type */
-  TimeKind    kind;
-  PetscBool   history;          /* one stage: starts from (4u^n - u^{n-1})/3 for second order */
-  PetscBool   multistep;        /* PETSc keeps earlier velocities; they cannot follow particles */
-  PetscBool   end_of_step;      /* the force is taken at the end of the step, else at its middle */
+  const char  *name, *brief, *citation; /* name: the TS type */
+  ViscousTerms kind;
+  PetscBool    history;         /* one stage: starts from (4u^n - u^{n-1})/3 for second order */
+  PetscBool    multistep;       /* PETSc keeps earlier velocities; they cannot follow particles */
+  PetscBool    end_of_step;     /* the force is taken at the end of the step, else at its middle */
   PetscReal (*Response)(TS ts); /* of u* to a force newly switched on, over dt; NULL: 1 */
-} TimeKindRow;
-extern const Table TimeKindTable;
+} ViscousIntegratorRow;
+extern const Table ViscousIntegratorTable;
 PetscErrorCode     TimeOptionsRefuse(const char prefix[], const char type[]);
 
-typedef struct Viscosity Viscosity;
-PetscErrorCode           ViscosityCreate(const Scene *scene, PetscReal dt, const Operators *ops,
-                                         Viscosity **visc);
-PetscErrorCode           ViscosityDestroy(Viscosity **visc);
-PetscErrorCode           ViscosityRenumber(const Particles *particles, Viscosity *visc);
-const TimeKindRow       *ViscosityTimeKind(const Viscosity *visc);
+typedef struct Viscosity    Viscosity;
+PetscErrorCode              ViscosityCreate(const Scene *scene, PetscReal dt, const Operators *ops,
+                                            Viscosity **visc);
+PetscErrorCode              ViscosityDestroy(Viscosity **visc);
+PetscErrorCode              ViscosityRenumber(const Particles *particles, Viscosity *visc);
+const ViscousIntegratorRow *ViscosityIntegrator(const Viscosity *visc);
 PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, Particles *particles,
-                              PetscReal dt, PetscReal slip, const Vec force[],
+                              PetscReal dt, PetscReal projection_factor, const Vec force[],
                               const Vec advecting[], Operators *ops, Vec u[], Viscosity *visc,
                               StepFailure *failure);
 PetscReal      ViscosityResponse(const Viscosity *visc);
@@ -141,7 +141,7 @@ extern const Table ProjectionTable;
 /* What a step did, for progress, the steady test and the report. */
 typedef struct {
   PetscReal speed_max;         /* largest particle speed [m/s] */
-  PetscReal wall_drive;        /* fastest flow that walls have been able to make [m/s] */
+  PetscReal wall_speed_bound;  /* fastest flow that walls have been able to make [m/s] */
   PetscReal force_max;         /* largest body force per unit mass [m/s^2] */
   PetscReal kinetic_energy;    /* [J] (per metre of depth in 2D) */
   PetscReal divergence;        /* largest |D u| [1/s] */
@@ -163,21 +163,21 @@ extern const Table SchurTable;
 typedef struct {
   const char *name, *brief, *citation; /* name: the TS type */
   PetscBool   substeps; /* several a step, as long as their error allows; else one, with history */
-} CoupledTimeRow;
-extern const Table CoupledTimeTable;
+} CoupledIntegratorRow;
+extern const Table CoupledIntegratorTable;
 
-typedef struct Scheme  Scheme;
-typedef struct Coupled Coupled;
-PetscErrorCode         CoupledCreate(const Scene *scene, PetscReal dt, PetscBool convects,
-                                     Coupled **coupled);
-PetscErrorCode         CoupledDestroy(Coupled **coupled);
-PetscErrorCode         CoupledNames(const Coupled *coupled, const char **ts, const char **ksp,
-                                    const char **pc);
-const CoupledTimeRow  *CoupledTimeKind(const Coupled *coupled);
-const SchurRow        *CoupledSchur(const Coupled *coupled);
-PetscInt              *CoupledFalls(Coupled *coupled);
-const char            *CoupledNote(const Coupled *coupled);
-PetscInt               CoupledIterations(const Coupled *coupled); /* of the last step */
+typedef struct Scheme       Scheme;
+typedef struct Coupled      Coupled;
+PetscErrorCode              CoupledCreate(const Scene *scene, PetscReal dt, PetscBool convects,
+                                          Coupled **coupled);
+PetscErrorCode              CoupledDestroy(Coupled **coupled);
+PetscErrorCode              CoupledNames(const Coupled *coupled, const char **ts, const char **ksp,
+                                         const char **pc);
+const CoupledIntegratorRow *CoupledIntegrator(const Coupled *coupled);
+const SchurRow             *CoupledSchur(const Coupled *coupled);
+PetscInt                   *CoupledFalls(Coupled *coupled);
+const char                 *CoupledNote(const Coupled *coupled);
+PetscInt                    CoupledIterations(const Coupled *coupled); /* of the last step */
 
 typedef struct {
   const char *name, *brief, *citation;

@@ -78,7 +78,7 @@ static PetscErrorCode BannerThinBodies(const Flow *flow, PetscViewer viewer)
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
     PetscReal       place[2];
     const PetscReal reach = flow->ops->radius,
-                    thin  = BodyThickness(&scene->body_of[k], scene->dx, reach, place);
+                    thin  = BodyThickness(&scene->bodies[k], scene->dx, reach, place);
 
     if (thin >= reach) continue;
     PetscCall(PetscViewerASCIIPrintf(
@@ -119,7 +119,7 @@ static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_ex
   const Scene    *scene  = flow->scene;
   const PetscReal advect = CLOCK_CFL * scene->dx / scene->speed;
   const PetscBool explicit =
-      flow->scheme->visc && ViscosityTimeKind(flow->scheme->visc)->kind == TIME_EXPLICIT;
+      flow->scheme->visc && ViscosityIntegrator(flow->scheme->visc)->kind == TIME_EXPLICIT;
 
   PetscFunctionBegin;
   PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "dt = %.3g dt_explicit (%.3g s): ",
@@ -183,7 +183,7 @@ static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
   const PetscReal dt = flow->clock->dt, h = flow->ops->h;
 
   PetscFunctionBegin;
-  if (flow->clock->direct) {
+  if (flow->clock->steady_solve) {
     PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "none: the steady flow\n", "time"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -256,7 +256,7 @@ static PetscErrorCode BannerSolvers(const Flow *flow, PetscViewer viewer)
 
   PetscFunctionBegin;
   if (scheme->visc) {
-    PetscCall(BannerRow("visc TS", ViscosityTimeKind(scheme->visc), viewer));
+    PetscCall(BannerRow("visc TS", ViscosityIntegrator(scheme->visc), viewer));
     PetscCall(ViscosityNames(scheme->visc, &ts, &ksp, &pc));
     PetscCall(ViscosityIteration(scheme->visc, &snes, &search));
     if (snes)
@@ -266,8 +266,8 @@ static PetscErrorCode BannerSolvers(const Flow *flow, PetscViewer viewer)
     PetscCall(BannerNote(ViscosityNote(scheme->visc), viewer));
   }
   if (scheme->coupled) {
-    if (!flow->clock->direct)
-      PetscCall(BannerRow("coupled TS", CoupledTimeKind(scheme->coupled), viewer));
+    if (!flow->clock->steady_solve)
+      PetscCall(BannerRow("coupled TS", CoupledIntegrator(scheme->coupled), viewer));
     PetscCall(CoupledNames(scheme->coupled, &ts, &ksp, &pc));
     PetscCall(BannerSolver("solver", ksp, pc, viewer));
     PetscCall(BannerRow("schur", CoupledSchur(scheme->coupled), viewer));

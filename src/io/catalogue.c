@@ -8,11 +8,22 @@
 */
 PetscErrorCode CatalogueView(PetscViewer viewer)
 {
-  const Table *const tables[] = {
-      &CaseTable,      &ShapeTable,       &SchemeTable,   &ProjectionTable,
-      &MotionTable,    &RheologyTable,    &ShiftTable,    &KernelTable,
-      &LaplacianTable, &CorrectionTable,  &GradientTable, &WallTable,
-      &TimeKindTable,  &CoupledTimeTable, &SchurTable,    &FieldTable};
+  const Table *const tables[] = {&CaseTable,
+                                 &ShapeTable,
+                                 &SchemeTable,
+                                 &ProjectionTable,
+                                 &MotionTable,
+                                 &RheologyTable,
+                                 &ShiftTable,
+                                 &KernelTable,
+                                 &LaplacianTable,
+                                 &CorrectionTable,
+                                 &GradientTable,
+                                 &WallTable,
+                                 &ViscousIntegratorTable,
+                                 &CoupledIntegratorTable,
+                                 &SchurTable,
+                                 &FieldTable};
 
   PetscFunctionBegin;
   PetscCall(PetscViewerASCIIPrintf(viewer, "isph %s: what can be chosen by name\n", ISPH_VERSION));

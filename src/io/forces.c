@@ -40,7 +40,7 @@ static void SideSurface(const Scene *scene, PetscInt side, Surface *s)
 static PetscErrorCode SurfaceCreate(const Scene *scene, PetscInt side, Surface *s)
 {
   const PetscInt dim  = scene->dim;
-  const Body    *body = side < 2 * dim ? NULL : &scene->body_of[side - 2 * dim];
+  const Body    *body = side < 2 * dim ? NULL : &scene->bodies[side - 2 * dim];
 
   PetscFunctionBegin;
   s->n = body ? BodyPoints(body, scene->dx) : 1;
@@ -83,8 +83,8 @@ static PetscErrorCode ProbeAbove(const Flow *flow, PetscInt side, const Surface 
 }
 
 /* Derivative along an axis of component c of the velocity of a side of the box at x [1/s]. */
-static PetscReal WallSlope(const Flow *flow, PetscInt side, PetscInt c, PetscInt axis,
-                           const PetscReal x[])
+static PetscReal WallVelocityDerivative(const Flow *flow, PetscInt side, PetscInt c, PetscInt axis,
+                                        const PetscReal x[])
 {
   const Scene    *scene = flow->scene;
   const PetscReal way   = 0.25 * SceneCellSide(scene, axis);
@@ -99,14 +99,15 @@ static PetscReal WallSlope(const Flow *flow, PetscInt side, PetscInt c, PetscInt
 }
 
 /* d(u.n)/dx_a on a side of the box at x; along n by continuity [1/s]. */
-static PetscReal NormalSlope(const Flow *flow, PetscInt side, PetscInt a, const PetscReal x[])
+static PetscReal NormalVelocityDerivative(const Flow *flow, PetscInt side, PetscInt a,
+                                          const PetscReal x[])
 {
   const PetscInt axis  = side / 2;
   PetscReal      along = 0.0;
 
-  if (a != axis) return (side % 2 ? -1.0 : 1.0) * WallSlope(flow, side, axis, a, x);
+  if (a != axis) return (side % 2 ? -1.0 : 1.0) * WallVelocityDerivative(flow, side, axis, a, x);
   for (PetscInt b = 0; b < flow->scene->dim; b++)
-    along -= b == axis ? 0.0 : WallSlope(flow, side, b, b, x);
+    along -= b == axis ? 0.0 : WallVelocityDerivative(flow, side, b, b, x);
   return along * (side % 2 ? -1.0 : 1.0);
 }
 
@@ -115,7 +116,7 @@ static void TorqueCentre(const Scene *scene, PetscInt side, PetscReal c[])
 {
   for (PetscInt a = 0; a < scene->dim; a++) {
     c[a] = 0.5 * (scene->lo[a] + scene->hi[a]);
-    if (side >= 2 * scene->dim && a < 2) c[a] = scene->body_of[side - 2 * scene->dim].centre[a];
+    if (side >= 2 * scene->dim && a < 2) c[a] = scene->bodies[side - 2 * scene->dim].centre[a];
   }
 }
 
@@ -190,7 +191,8 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
 
       f[a] = s.area[k] * (scene->rho * nu[k]) * slope[q];
       if (side < 2 * dim)
-        f[a] += s.area[k] * (scene->rho * nu[k]) * NormalSlope(flow, side, a, &s.x[k * dim]);
+        f[a] += s.area[k] * (scene->rho * nu[k]) *
+                NormalVelocityDerivative(flow, side, a, &s.x[k * dim]);
       if (!PetscIsNanReal(p[k])) f[a] -= s.area[k] * p[k] * s.normal[q];
       F[a] += f[a];
     }
@@ -216,7 +218,7 @@ PetscErrorCode MonitorForces(const Flow *flow, const Monitor *monitor)
     PetscReal F[ISPH_MAX_DIM] = {0.0}, T[ISPH_MAX_DIM] = {0.0};
 
     if (!SceneHas(scene, PHYSICS_WALLS)) continue;
-    if (side < 2 * scene->dim && (scene->bare || scene->periodic[side / 2])) continue;
+    if (side < 2 * scene->dim && (scene->no_box_walls || scene->periodic[side / 2])) continue;
     PetscCall(WallForce(flow, side, F, T));
     if (!MonitorRow(flow, monitor, side)) continue;
     MonitorVector(monitor, scene->dim, F);

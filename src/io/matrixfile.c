@@ -47,7 +47,7 @@ static PetscErrorCode VecById(const Particles *p, const PetscReal values[], Vec 
   PetscFunctionBegin;
   PetscCall(FluidVec(p, NULL, by_id));
   for (PetscInt i = 0; i < p->n_fluid; i++)
-    PetscCall(VecSetValue(*by_id, p->id[i], values ? values[i] : p->number[i], INSERT_VALUES));
+    PetscCall(VecSetValue(*by_id, p->id[i], values ? values[i] : p->row[i], INSERT_VALUES));
   PetscCall(VecAssemblyBegin(*by_id));
   PetscCall(VecAssemblyEnd(*by_id));
   PetscFunctionReturn(PETSC_SUCCESS);

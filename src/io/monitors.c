@@ -102,8 +102,8 @@ static PetscErrorCode MonitorRead(PetscOptionItems *PetscOptionsObject, const Sc
               (double)number[k * group], (double)number[k * group + 1]);
   monitor->on = PETSC_TRUE;
   monitor->n  = n / group;
-  PetscCall(PetscMalloc1(n, &monitor->number));
-  PetscCall(PetscArraycpy(monitor->number, number, n));
+  PetscCall(PetscMalloc1(n, &monitor->parameter));
+  PetscCall(PetscArraycpy(monitor->parameter, number, n));
   for (PetscInt k = 0; k < monitor->n && kind->Write == MonitorLines; k++) {
     const PetscReal points = number[k * group + group - 1];
 
@@ -184,7 +184,7 @@ PetscErrorCode MonitorsDestroy(Monitors **monitors)
   if (!*monitors) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < MONITOR_KINDS; k++) {
     if ((*monitors)->of[k].stream) (void)fclose((*monitors)->of[k].stream);
-    PetscCall(PetscFree((*monitors)->of[k].number));
+    PetscCall(PetscFree((*monitors)->of[k].parameter));
   }
   PetscCall(PetscFree(*monitors));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -12,8 +12,8 @@
 /* One kind of monitor in force. */
 typedef struct {
   PetscBool  on, opened;
-  PetscInt   n;      /* things: points, lines, sections */
-  PetscReal *number; /* that describe them, as given */
+  PetscInt   n;         /* things: points, lines, sections */
+  PetscReal *parameter; /* that describe them, as given */
   char       path[PETSC_MAX_PATH_LEN];
   FILE      *stream; /* on the first rank */
 } Monitor;

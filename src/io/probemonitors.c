@@ -42,7 +42,7 @@ static PetscErrorCode WriteProbes(const Flow *flow, const Monitor *monitor, Pets
 PetscErrorCode MonitorPoints(const Flow *flow, const Monitor *monitor)
 {
   PetscFunctionBegin;
-  PetscCall(WriteProbes(flow, monitor, monitor->n, monitor->number, -1));
+  PetscCall(WriteProbes(flow, monitor, monitor->n, monitor->parameter, -1));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -53,7 +53,7 @@ PetscErrorCode MonitorLines(const Flow *flow, const Monitor *monitor)
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < monitor->n; k++) {
-    const PetscReal *end = &monitor->number[k * (2 * dim + 1)];
+    const PetscReal *end = &monitor->parameter[k * (2 * dim + 1)];
     const PetscInt   n   = (PetscInt)end[2 * dim];
     PetscReal       *x;
 
@@ -127,7 +127,7 @@ PetscErrorCode MonitorFluxes(const Flow *flow, const Monitor *monitor)
   for (PetscInt k = 0; k < monitor->n; k++) {
     PetscReal flux = 0.0;
 
-    PetscCall(SectionFlux(flow, &monitor->number[k * group], &flux));
+    PetscCall(SectionFlux(flow, &monitor->parameter[k * group], &flux));
     if (MonitorRow(flow, monitor, k)) (void)fprintf(monitor->stream, ",%.12g\n", (double)flux);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -2,7 +2,7 @@
   The one assembly loop: gather the stencil of each fluid particle, let every chosen form write its
   row, let the wall treatment close it, and put the values into the shared pattern.
 */
-#include "close.h"
+#include "boundary_rows.h"
 #include "extension.h"
 #include "rows.h"
 
@@ -51,7 +51,7 @@ static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, cons
     n++;
   }
   st->n = n;
-  FootShares(ops, st);
+  WallPointShares(ops, st);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -65,13 +65,13 @@ static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, Pets
     if (st->wall[k]) continue;
     if (own < 0 && st->j[k] > st->i) {
       own       = n;
-      cols[n++] = p->number[st->i];
+      cols[n++] = p->row[st->i];
     }
-    cols[n++] = p->number[st->j[k]];
+    cols[n++] = p->row[st->j[k]];
   }
   if (own < 0) {
     own       = n;
-    cols[n++] = p->number[st->i];
+    cols[n++] = p->row[st->i];
   }
   PatternRow(&ops->fluid, st->i, cols, n, place);
   *diagonal = place[own];
@@ -83,7 +83,7 @@ static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, Pets
   if (!ops->wall) return;
   n = 0;
   for (PetscInt k = 0; k < st->n; k++) {
-    if (st->wall[k]) cols[n++] = p->number[st->j[k]];
+    if (st->wall[k]) cols[n++] = p->row[st->j[k]];
   }
   PatternRow(&ops->walls, st->i, cols, n, place);
   n = 0;
@@ -100,24 +100,24 @@ static PetscErrorCode AssembleRow(const Scene *scene, const Particles *p, Stenci
   StencilSetRole(st, ROLE_VALUE);
   if (ops->visc.needed) {
     PetscCall(LaplacianWeights(&ops->visc_form, st, ops->w));
-    if (p->nu && !ops->together) WeighByViscosity(scene, p, st, ops->w);
-    if (ops->together) KeepRow(st, diagonal, ops->w, ops);
-    else CloseRow_Value(st, ops, diagonal, ops->w, &ops->visc);
+    if (p->nu && !ops->components_coupled) WeighByViscosity(scene, p, st, ops->w);
+    if (ops->components_coupled) KeepBlockRow(st, diagonal, ops->w, ops);
+    else AddRow_Dirichlet(st, ops, diagonal, ops->w, &ops->visc);
   }
   if (ops->grad_u[0].needed) {
     PetscCall(ops->gradient->Row(st, ops->g));
     for (PetscInt a = 0; a < st->dim; a++)
-      CloseRow_Value(st, ops, diagonal, ops->g[a], &ops->grad_u[a]);
+      AddRow_Dirichlet(st, ops, diagonal, ops->g[a], &ops->grad_u[a]);
   }
-  if (ops->rough_u.needed) {
-    PetscCall(RoughRow_Mls(st, ops->w));
-    CloseRow_Value(st, ops, diagonal, ops->w, &ops->rough_u);
+  if (ops->filter_u.needed) {
+    PetscCall(FilterRow_Mls(st, ops->w));
+    AddRow_Dirichlet(st, ops, diagonal, ops->w, &ops->filter_u);
   }
   if (ops->ppe.needed) {
-    PetscCall(CloseRows_Pressure(scene, st, diagonal, ops));
-    if (ops->one_sided) PetscCall(CloseRows_OneSided(st, diagonal, ops));
-    if (ops->rough_p.needed) PetscCall(CloseRow_Roughness(st, diagonal, ops));
-    PetscCall(CloseRows_Divergence(st, diagonal, ops));
+    PetscCall(AddRows_Pressure(scene, st, diagonal, ops));
+    if (ops->grad_p_without_walls) PetscCall(AddRows_GradientWithoutWalls(st, diagonal, ops));
+    if (ops->filter_p.needed) PetscCall(AddRow_PressureFilter(st, diagonal, ops));
+    PetscCall(AddRows_Divergence(st, diagonal, ops));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -159,9 +159,9 @@ static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, cons
                              &needed[k]->b));
     }
   }
-  if (grown && ops->together) {
-    PetscCall(PetscFree(ops->near));
-    PetscCall(PetscMalloc1(ops->fluid.capacity, &ops->near));
+  if (grown && ops->components_coupled) {
+    PetscCall(PetscFree(ops->neighbor_of_slot));
+    PetscCall(PetscMalloc1(ops->fluid.capacity, &ops->neighbor_of_slot));
   }
   for (PetscInt i = 0; i < p->n_fluid; i++)
     longest = PetscMax(longest, nb->row[i + 1] - nb->row[i] + 1);
@@ -196,10 +196,10 @@ static PetscErrorCode RenumberWalls(const Scene *scene, const Particles *p, Oper
     PetscCall(VecDestroy(&ops->wall_u[a]));
     PetscCall(WallVec(p, &ops->wall_u[a]));
   }
-  PetscCall(VecDestroy(&ops->wall_slope));
-  PetscCall(WallVec(p, &ops->wall_slope));
-  PetscCall(VecDestroy(&ops->wall_slope_step));
-  PetscCall(WallVec(p, &ops->wall_slope_step));
+  PetscCall(VecDestroy(&ops->wall_dpdn));
+  PetscCall(WallVec(p, &ops->wall_dpdn));
+  PetscCall(VecDestroy(&ops->wall_dpdn_step));
+  PetscCall(WallVec(p, &ops->wall_dpdn_step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -226,8 +226,8 @@ static void AssembleConcentration(const Scene *scene, const Particles *p, const 
   Output Parameter:
 . changed - whether the matrices are new
 
-  Notes: ops->assemblies is the stamp that solvers compare; ops->weak_rows counts least-squares fits
-  that their points did not determine and a ridge closed.
+  Notes: ops->assemblies is the stamp that solvers compare; ops->regularised_rows counts the
+  least-squares fits that their points did not determine and a ridge closed.
 */
 PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const Neighbors *nb,
                                  Operators *ops, PetscBool *changed)
@@ -241,7 +241,7 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
   if (!*changed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(BeginAssembly(scene, p, nb, ops, needed, count));
   PetscCall(RenumberWalls(scene, p, ops));
-  st->weak = 0;
+  st->regularised = 0;
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscInt diagonal;
 
@@ -260,17 +260,17 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
     if (ops->need_concentration) AssembleConcentration(scene, p, st, i, ops);
   }
   for (PetscInt k = 0; k < count; k++) {
-    if (ops->together && needed[k] == &ops->visc) continue;
+    if (ops->components_coupled && needed[k] == &ops->visc) continue;
     PetscCall(
         PatternMat(p->comm, &ops->fluid, p->n_fluid, p->n_fluid, needed[k]->a, &needed[k]->A));
     if (!ops->wall) continue;
     PetscCall(PatternMat(p->comm, &ops->walls, p->n_fluid, p->n_wall, needed[k]->b, &needed[k]->B));
   }
-  if (ops->together) PetscCall(AssembleTogether(scene, p, ops));
+  if (ops->components_coupled) PetscCall(AssembleViscousBlock(scene, p, ops));
   if (ops->wall && ops->wall->Extend) PetscCall(ExtendWalls(scene, p, nb, ops));
-  ops->weak_rows = st->weak;
-  ops->epoch     = p->epoch;
-  ops->moved     = p->moved;
+  ops->regularised_rows = st->regularised;
+  ops->epoch            = p->epoch;
+  ops->moved            = p->moved;
   ops->assemblies++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

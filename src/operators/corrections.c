@@ -61,7 +61,7 @@ void CorrectKernel_FirstOrder(Stencil *st, PetscReal dW[], PetscReal ddW[])
   PetscReal      inverse[ISPH_MAX_DIM * ISPH_MAX_DIM];
 
   for (PetscInt k = 0; k < st->n; k++) dW[k] = -st->V[k] * st->dW[k] / st->r[k];
-  if (!MomentInverse(st, dW, inverse)) st->weak++;
+  if (!MomentInverse(st, dW, inverse)) st->regularised++;
   for (PetscInt k = 0; k < st->n; k++) {
     PetscReal sum = 0.0;
 

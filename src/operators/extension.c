@@ -28,7 +28,7 @@ static PetscErrorCode EntriesAppend(Entries *list, PetscInt row, const Extension
   }
   for (PetscInt k = 0; k < ext->n; k++, list->n++) {
     list->row[list->n]   = row;
-    list->col[list->n]   = ext->particles->number[ext->j[k]];
+    list->col[list->n]   = ext->particles->row[ext->j[k]];
     list->value[list->n] = ext->e[k];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -75,13 +75,13 @@ static PetscBool ExtensionPlace(const Particles *p, PetscInt i, Extension *ext)
   ext->n     = 0;
   ext->depth = p->depth[i];
   ext->side  = (PetscInt)p->side[i];
-  ParticlesFoot(p, i, ext->foot);
+  ParticlesWallPoint(p, i, ext->wall_point);
   for (PetscInt a = 0; a < ext->dim; a++) {
     ext->x[a]      = p->x[a][i];
     ext->normal[a] = p->normal[a][i];
-    ext->edge[a]   = ext->foot[a];
+    ext->edge[a]   = ext->wall_point[a];
     if (!scene->periodic[a])
-      ext->edge[a] = PetscMin(PetscMax(ext->foot[a], scene->lo[a]), scene->hi[a]);
+      ext->edge[a] = PetscMin(PetscMax(ext->wall_point[a], scene->lo[a]), scene->hi[a]);
     d2 += PetscSqr(ext->x[a] - ext->edge[a]);
   }
   return ext->depth > 0.0 && d2 < PetscSqr(ext->radius) ? PETSC_TRUE : PETSC_FALSE;
@@ -102,7 +102,7 @@ static PetscErrorCode FillEntries(const WallRow *wall, const Particles *p, Exten
     if (!ExtensionPlace(p, i, ext)) continue;
     PetscCall(wall->Extend(ext));
     for (PetscInt q = 0; q < ext->n; q++) S[k] -= ext->e[q];
-    PetscCall(EntriesAppend(list, p->number[i], ext));
+    PetscCall(EntriesAppend(list, p->row[i], ext));
   }
   PetscCall(VecRestoreArray(list->S, &S));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -140,8 +140,8 @@ static PetscErrorCode ExtendOperator(Mat E, Vec S, AffineOperator *op)
 
   Collective on the particles' communicator. To be called once after their matrices were made.
 
-  Notes: fits that their points did not determine are counted in ops->stencil->weak. Particles on
-  the surface itself keep the wall's velocity.
+  Notes: fits that their points did not determine are counted in ops->stencil->regularised.
+  Particles on the surface itself keep the wall's velocity.
 */
 PetscErrorCode ExtendWalls(const Scene *scene, const Particles *p, const Neighbors *nb,
                            Operators *ops)
@@ -157,8 +157,8 @@ PetscErrorCode ExtendWalls(const Scene *scene, const Particles *p, const Neighbo
   PetscCall(EntriesMat(p, &list, &E));
   PetscCall(ExtendOperator(E, list.S, &ops->visc));
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(ExtendOperator(E, list.S, &ops->grad_u[a]));
-  PetscCall(ExtendOperator(E, list.S, &ops->rough_u));
-  ops->stencil->weak += ext.weak;
+  PetscCall(ExtendOperator(E, list.S, &ops->filter_u));
+  ops->stencil->regularised += ext.regularised;
   PetscCall(MatDestroy(&E));
   PetscCall(VecDestroy(&list.S));
   PetscCall(PetscFree(list.row));

@@ -56,7 +56,7 @@ static PetscErrorCode FatehiManzariMatrix(Stencil *st, const PetscReal inverse[]
     if (pivot == 0.0) singular = PETSC_TRUE;
     B[s] = pivot == 0.0 ? 0.0 : B[s] / pivot;
   }
-  if (singular) st->weak++;
+  if (singular) st->regularised++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -78,7 +78,7 @@ PetscErrorCode LaplacianRow_FatehiManzari(Stencil *st, PetscReal w[])
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < st->n; k++) w[k] = -st->V[k] * st->dW[k] / st->r[k];
-  if (!MomentInverse(st, w, inverse)) st->weak++;
+  if (!MomentInverse(st, w, inverse)) st->regularised++;
   PetscCall(FatehiManzariMatrix(st, inverse, B));
   for (PetscInt k = 0; k < st->n; k++) {
     PetscReal bee = 0.0;

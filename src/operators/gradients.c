@@ -37,7 +37,7 @@ static PetscErrorCode GradientRow_Corrected(Stencil *st, PetscReal *g[])
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < st->n; k++) g[0][k] = -st->V[k] * st->dW[k] / st->r[k];
-  if (!MomentInverse(st, g[0], inverse)) st->weak++;
+  if (!MomentInverse(st, g[0], inverse)) st->regularised++;
   for (PetscInt k = 0; k < st->n; k++) {
     const PetscReal scale = g[0][k];
 

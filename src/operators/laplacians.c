@@ -97,7 +97,7 @@ static PetscErrorCode LaplacianRow_Schwaiger(Stencil *st, PetscReal w[])
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < st->n; k++) w[k] = -st->V[k] * st->dW[k] / st->r[k];
-  if (!MomentInverse(st, w, inverse)) st->weak++;
+  if (!MomentInverse(st, w, inverse)) st->regularised++;
   for (PetscInt a = 0; a < st->dim; a++) {
     trace += inverse[a * st->dim + a] / st->dim;
     for (PetscInt k = 0; k < st->n; k++) sum[a] += w[k] * st->X[a][k];
@@ -138,7 +138,7 @@ static PetscErrorCode LaplacianRow_Lsph(Stencil *st, PetscReal w[])
       for (PetscInt b = 0; b < d; b++) Bo[a] += B[a * d + b] * o[b];
     }
   } else {
-    st->weak++;
+    st->regularised++;
   }
   for (PetscInt k = 0; k < st->n; k++) {
     PetscReal dot = 0.0;

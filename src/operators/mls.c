@@ -57,10 +57,11 @@ static inline PetscReal MlsEquation(const Stencil *st, PetscInt dim, PetscInt de
 
   Not collective. Input: copy - of the moments, which the factor replaces.
 */
-void MlsFactorOrRidge(PetscInt n, PetscReal moments[], const PetscReal copy[], PetscInt *weak)
+void MlsFactorOrRidge(PetscInt n, PetscReal moments[], const PetscReal copy[],
+                      PetscInt *regularised)
 {
   if (!DenseCholesky(n, moments)) return;
-  (*weak)++;
+  (*regularised)++;
   DenseCholeskyRidge(n, copy, 1e-8, moments);
 }
 
@@ -121,7 +122,7 @@ static PetscErrorCode MlsFactor(Stencil *st)
   fit->terms  = MlsTerms(st->dim, 2);
   MlsMoments(st, 2, fit->factor);
   PetscCall(PetscArraycpy(copy, fit->factor, fit->terms * fit->terms));
-  MlsFactorOrRidge(fit->terms, fit->factor, copy, &st->weak);
+  MlsFactorOrRidge(fit->terms, fit->factor, copy, &st->regularised);
   fit->valid = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -201,7 +202,7 @@ PetscErrorCode LaplacianRow_Mls3(Stencil *st, PetscReal w[])
   if (MlsFactorCubic(st, &cubic)) {
     MlsLaplacian(st, &cubic, w);
   } else {
-    st->weak++;
+    st->regularised++;
     PetscCall(LaplacianRow_Mls(st, w));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -222,7 +223,7 @@ PetscErrorCode GradientRow_Mls(Stencil *st, PetscReal *g[])
 }
 
 /*
-  RoughRow_Mls - What a quadratic fit that need not pass through f_i leaves of it
+  FilterRow_Mls - What a quadratic fit that need not pass through f_i leaves of it
 
     f_i - c_0 = -sum_k w_k (f_k - f_i),   w_k = W_k (1 - m.c_k)/(W(0) + sum_k W_k - m.M^-1 m),
     c_k = M^-1 phi_k,   m = sum_k W_k phi_k,   M = sum_k W_k phi_k phi_k^T
@@ -234,7 +235,7 @@ PetscErrorCode GradientRow_Mls(Stencil *st, PetscReal *g[])
 
   Reference: after C. R. Dohrmann, P. B. Bochev, Int. J. Numer. Meth. Fluids 46 (2004) 183-201
 */
-PetscErrorCode RoughRow_Mls(Stencil *st, PetscReal w[])
+PetscErrorCode FilterRow_Mls(Stencil *st, PetscReal w[])
 {
   PetscReal mean[MLS_QUADRATIC_TERMS] = {0.0}, c[MLS_QUADRATIC_TERMS], phi[MLS_MAX_TERMS];
   PetscReal sum                       = st->self[0];

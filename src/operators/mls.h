@@ -29,6 +29,7 @@ static inline void MlsBasis(const Stencil *st, PetscInt dim, PetscInt degree, Pe
   }
 }
 
-void MlsFactorOrRidge(PetscInt n, PetscReal moments[], const PetscReal copy[], PetscInt *weak);
+void MlsFactorOrRidge(PetscInt n, PetscReal moments[], const PetscReal copy[],
+                      PetscInt *regularised);
 
 #endif

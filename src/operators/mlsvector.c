@@ -55,7 +55,7 @@ PetscErrorCode DivergenceFit_Mls(Stencil *st, PetscReal *d[], PetscReal m[])
   PetscFunctionBegin;
   MlsVectorMoments(st, moments);
   PetscCall(PetscArraycpy(copy, moments, n * n));
-  MlsFactorOrRidge(n, moments, copy, &st->weak);
+  MlsFactorOrRidge(n, moments, copy, &st->regularised);
   for (PetscInt a = 0; a < dim; a++) c[a * terms + a] = 1.0 / st->radius;
   DenseCholeskySolve(n, moments, c);
   for (PetscInt k = 0; k < st->n; k++) {

@@ -2,7 +2,7 @@
   The operators of a run: chosen from the tables, checked against each other and against the
   physics, and applied. Assembly is in assemble.c.
 */
-#include "close.h"
+#include "boundary_rows.h"
 
 static PetscErrorCode OperatorsChooseLaplacian(PetscOptionItems *PetscOptionsObject,
                                                const char option[], const char text[],
@@ -138,8 +138,8 @@ void OperatorsList(Operators *ops, AffineOperator *all[OPERATORS_COUNT])
 
   all[n++] = &ops->visc;
   all[n++] = &ops->ppe;
-  all[n++] = &ops->rough_u;
-  all[n++] = &ops->rough_p;
+  all[n++] = &ops->filter_u;
+  all[n++] = &ops->filter_p;
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     all[n++] = &ops->grad_u[a];
     all[n++] = &ops->grad_p[a];
@@ -148,7 +148,7 @@ void OperatorsList(Operators *ops, AffineOperator *all[OPERATORS_COUNT])
 }
 
 /* Whether velocity components go together, and what that excludes. */
-static PetscErrorCode OperatorsJoinComponents(const Scene *scene, Operators *ops)
+static PetscErrorCode OperatorsCoupleComponents(const Scene *scene, Operators *ops)
 {
   const PetscBool couple = ops->visc_form.row && LaplacianIs(&ops->visc_form, FORM_COUPLES);
   AffineOperator *all[OPERATORS_COUNT];
@@ -156,14 +156,14 @@ static PetscErrorCode OperatorsJoinComponents(const Scene *scene, Operators *ops
   PetscFunctionBegin;
   OperatorsList(ops, all);
   for (PetscInt k = 0; k < OPERATORS_COUNT; k++) all[k]->width = 1;
-  ops->visc.width = LaplacianWidth(&ops->visc_form, scene->dim);
-  ops->visc_plain = !couple && !SceneViscosityVaries(scene) ? PETSC_TRUE : PETSC_FALSE;
-  ops->together   = couple || !SceneIsNewtonian(scene) ? PETSC_TRUE : PETSC_FALSE;
+  ops->visc.width         = LaplacianWidth(&ops->visc_form, scene->dim);
+  ops->visc_is_laplacian  = !couple && !SceneViscosityVaries(scene) ? PETSC_TRUE : PETSC_FALSE;
+  ops->components_coupled = couple || !SceneIsNewtonian(scene) ? PETSC_TRUE : PETSC_FALSE;
   UserCheck(
       !couple || !scene->problem->patch,
       "-visc_laplacian %s: a patch test is of scalars; use a form that does not couple components",
       ops->visc_form.row->name);
-  UserCheck(!ops->together || !ops->wall || !ops->wall->Extend,
+  UserCheck(!ops->components_coupled || !ops->wall || !ops->wall->Extend,
             "-wall %s: with %s walls must give their own velocity; use -wall %s", ops->wall->name,
             couple ? ops->visc_form.row->name : "-rheology",
             couple ? "dummy_linear" : "wall_layer or dummy_linear");
@@ -244,14 +244,14 @@ PetscErrorCode OperatorsCreate(const Scene *scene, Operators **operators)
         PetscMax(ops->radius, ops->wall->radii * ops->radius + ops->wall->spacings * scene->dx);
     ops->visc_form.extended = PETSC_TRUE;
   }
-  ops->visc.needed    = SceneHas(scene, PHYSICS_VISCOSITY);
-  ops->rough_u.needed = ops->velocity_filter > 0.0 ? PETSC_TRUE : PETSC_FALSE;
-  ops->ppe.needed     = SceneHas(scene, PHYSICS_PRESSURE);
+  ops->visc.needed     = SceneHas(scene, PHYSICS_VISCOSITY);
+  ops->filter_u.needed = ops->velocity_filter > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  ops->ppe.needed      = SceneHas(scene, PHYSICS_PRESSURE);
   for (PetscInt a = 0; a < scene->dim; a++) {
     ops->grad_p[a].needed = ops->div[a].needed = SceneHas(scene, PHYSICS_PRESSURE);
     ops->grad_u[a].needed = SceneHas(scene, PHYSICS_CONVECTION) || !SceneIsNewtonian(scene);
   }
-  PetscCall(OperatorsJoinComponents(scene, ops));
+  PetscCall(OperatorsCoupleComponents(scene, ops));
   PetscCall(StencilCreate(scene->dim, ops->radius, 0.5 * ops->radius, &ops->stencil));
   ops->stencil->fits_walls = ops->wall ? ops->wall->on_surface : PETSC_FALSE;
   KernelEvaluate(ops->kernel, scene->dim, ops->h, 0.0, ops->stencil->self);
@@ -283,11 +283,11 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
     PetscCall(PetscFree(ops->gradient_c[a]));
     PetscCall(PetscFree(ops->g[a]));
   }
-  PetscCall(VecDestroy(&ops->wall_slope));
-  PetscCall(VecDestroy(&ops->wall_slope_step));
+  PetscCall(VecDestroy(&ops->wall_dpdn));
+  PetscCall(VecDestroy(&ops->wall_dpdn_step));
   PetscCall(PetscFree(ops->concentration));
   PetscCall(PetscFree4(ops->slot, ops->w, ops->m, ops->wall_w));
-  PetscCall(PetscFree(ops->near));
+  PetscCall(PetscFree(ops->neighbor_of_slot));
   PetscCall(PatternFree(&ops->fluid));
   PetscCall(PatternFree(&ops->walls));
   PetscCall(StencilDestroy(&ops->stencil));
@@ -311,38 +311,39 @@ PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, Wall
 /*
   OperatorsSetWallVelocity - Gives the own wall particles their velocity at time t
 
-    u_w = u_wall(t) + slip (d(n.grad p)) n
+    u_w = u_wall(t) + projection_factor (d(n.grad p)) n
 
-  Not collective. The wall's own velocity is that of the surface point nearest to the particle. The
-  second term belongs to a predicted velocity that the pressure step will correct by -slip grad phi
-  where n.grad phi is known and not zero; with slip = 0 [m^3 s/kg] it is absent. ops->wall_drive
-  follows.
+  Not collective. The wall's own velocity is the one of the surface point nearest to the particle.
+  The second term belongs to a predicted velocity, which the pressure step will correct by
+  -projection_factor grad phi where n.grad phi is known and not zero; a projection_factor of 0
+  [m^3 s/kg] leaves it out. ops->wall_speed_bound follows.
 */
 PetscErrorCode OperatorsSetWallVelocity(const Scene *scene, const Particles *p, PetscReal t,
-                                        PetscReal slip, Operators *ops)
+                                        PetscReal projection_factor, Operators *ops)
 {
   PetscReal       *u[ISPH_MAX_DIM];
   const PetscReal *slope = NULL;
 
   PetscFunctionBegin;
   if (!ops->wall) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(VecGetArrayRead(ops->wall_slope_step, &slope));
+  PetscCall(VecGetArrayRead(ops->wall_dpdn_step, &slope));
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecGetArray(ops->wall_u[a], &u[a]));
   for (PetscInt k = 0; k < p->n_wall; k++) {
     const PetscInt i = p->n_fluid + k;
     PetscReal      x[ISPH_MAX_DIM], velocity[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
 
-    ParticlesFoot(p, i, x);
+    ParticlesWallPoint(p, i, x);
     SceneWallVelocity(scene, (PetscInt)p->side[i], t, x, velocity);
     for (PetscInt a = 0; a < scene->dim; a++) {
       p->u[a][i] = velocity[a];
-      u[a][k]    = velocity[a] + slip * slope[k] * p->normal[a][i];
+      u[a][k]    = velocity[a] + projection_factor * slope[k] * p->normal[a][i];
       normal[a]  = p->normal[a][i];
     }
-    ops->wall_drive =
-        PetscMax(ops->wall_drive, SceneWallDrive(scene, (PetscInt)p->side[i], x, normal, velocity));
+    ops->wall_speed_bound =
+        PetscMax(ops->wall_speed_bound,
+                 SceneWallSpeedBound(scene, (PetscInt)p->side[i], x, normal, velocity));
   }
-  PetscCall(VecRestoreArrayRead(ops->wall_slope_step, &slope));
+  PetscCall(VecRestoreArrayRead(ops->wall_dpdn_step, &slope));
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArray(ops->wall_u[a], &u[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -9,7 +9,7 @@ PetscErrorCode LaplacianRow_Mls(Stencil *stencil, PetscReal w[]);
 PetscErrorCode LaplacianRow_Mls3(Stencil *stencil, PetscReal w[]);
 PetscErrorCode LaplacianRow_StressMls(Stencil *stencil, PetscReal w[]);
 PetscErrorCode GradientRow_Mls(Stencil *stencil, PetscReal *g[]);
-PetscErrorCode RoughRow_Mls(Stencil *stencil, PetscReal w[]);
+PetscErrorCode FilterRow_Mls(Stencil *stencil, PetscReal w[]);
 PetscErrorCode DivergenceFit_Mls(Stencil *stencil, PetscReal *d[], PetscReal m[]);
 void           CorrectKernel_FirstOrder(Stencil *stencil, PetscReal dW[], PetscReal ddW[]);
 PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length);

@@ -86,7 +86,7 @@ PetscErrorCode LaplacianRow_StressMls(Stencil *st, PetscReal w[])
     }
   }
   PetscCall(PetscArraycpy(copy, moments, n * n));
-  MlsFactorOrRidge(n, moments, copy, &st->weak);
+  MlsFactorOrRidge(n, moments, copy, &st->regularised);
   StressTarget(d, 1.0 / PetscSqr(st->radius), lambda);
   DenseCholeskySolve(n, moments, lambda);
   for (PetscInt k = 0; k < st->n; k++) {

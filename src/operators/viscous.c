@@ -11,7 +11,7 @@
 
   Reference: P. W. Cleary, J. J. Monaghan, J. Comput. Phys. 148 (1999) 227-264
 */
-#include "close.h"
+#include "boundary_rows.h"
 
 /* WeighByViscosity - w_k nu_ik/nu in place of the weights w_k of a Laplacian, a wall having the
    viscosity of whoever looks at it; not collective */

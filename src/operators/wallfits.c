@@ -177,11 +177,11 @@ static PetscErrorCode FitFirst(const FitTry tries[], size_t n, const PetscReal c
     PetscCall(Gather(centre, origin, reach, ext));
     if (interpolating) WeighInterpolating(ext);
     if (!Fit(tries[k].basis, reach, functional, ext)) continue;
-    if (tries[k].basis != tries[0].basis) ext->weak++;
+    if (tries[k].basis != tries[0].basis) ext->regularised++;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   ext->n = 0;
-  ext->weak++;
+  ext->regularised++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -192,7 +192,7 @@ static PetscErrorCode FitAtWall(const FitTry tries[], size_t n, Extension *ext)
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < ext->dim; a++) at[a] = -ext->depth * ext->normal[a];
-  PetscCall(FitFirst(tries, n, ext->edge, ext->foot, at, 1.0, PETSC_FALSE, ext));
+  PetscCall(FitFirst(tries, n, ext->edge, ext->wall_point, at, 1.0, PETSC_FALSE, ext));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -217,7 +217,7 @@ PetscErrorCode WallExtend_Mirror(Extension *ext)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < ext->dim; a++) {
     centre[a] = ext->edge[a] + ext->depth * ext->normal[a];
-    at[a]     = ext->foot[a] - ext->edge[a];
+    at[a]     = ext->wall_point[a] - ext->edge[a];
   }
   PetscCall(
       FitFirst(tries, PETSC_STATIC_ARRAY_LENGTH(tries), centre, centre, at, -1.0, PETSC_TRUE, ext));

@@ -160,7 +160,7 @@ static PetscErrorCode HaloConnect(const Scene *scene, Particles *p, PetscMPIInt 
 /* Fills what of the halo does not change within the epoch, and its positions. */
 static PetscErrorCode HaloFill(Particles *p)
 {
-  PetscInt *names[2] = {p->id, p->number};
+  PetscInt *names[2] = {p->id, p->row};
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < 2; k++) {

@@ -45,7 +45,7 @@ static PetscErrorCode WallSlabsCreate(const Scene *scene, WallPlacement walls, W
     const PetscInt axis = side / 2, s = slabs->n;
     PetscInt       total = 0;
 
-    if (scene->periodic[axis] || scene->bare || !SceneHas(scene, PHYSICS_WALLS)) continue;
+    if (scene->periodic[axis] || scene->no_box_walls || !SceneHas(scene, PHYSICS_WALLS)) continue;
     for (PetscInt b = 0; b < scene->dim; b++) {
       const PetscInt extra = b < axis && !scene->periodic[b] ? k : 0;
       slabs->begin[s][b]   = -extra;
@@ -248,7 +248,7 @@ static PetscInt SurfacePoints(const Scene *scene, WallPlacement walls)
   PetscInt n = 0;
 
   if (walls.layers && !walls.surface) return 0;
-  for (PetscInt k = 0; k < scene->n_bodies; k++) n += BodyPoints(&scene->body_of[k], scene->dx);
+  for (PetscInt k = 0; k < scene->n_bodies; k++) n += BodyPoints(&scene->bodies[k], scene->dx);
   return n;
 }
 
@@ -263,9 +263,9 @@ static void SurfaceParticle(const Scene *scene, WallPlacement walls, PetscInt in
   PetscReal       x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM], length;
   PetscInt        k = 0;
 
-  while (index >= BodyPoints(&scene->body_of[k], scene->dx))
-    index -= BodyPoints(&scene->body_of[k++], scene->dx);
-  length = BodyPoint(&scene->body_of[k], index, scene->dx, x, normal);
+  while (index >= BodyPoints(&scene->bodies[k], scene->dx))
+    index -= BodyPoints(&scene->bodies[k++], scene->dx);
+  length = BodyPoint(&scene->bodies[k], index, scene->dx, x, normal);
   BodyParticle(scene, k, x, 0.0, normal, length * band, id, p, i);
 }
 
@@ -309,7 +309,7 @@ static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
 {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    const Body     *body = &scene->body_of[k];
+    const Body     *body = &scene->bodies[k];
     const PetscReal want = walls.layers * scene->dx;
 
     for (PetscInt a = 0; a < 2 && body->around; a++) {
@@ -357,12 +357,12 @@ PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidS
   ParticlesShare(p->comm, slabs.first[slabs.n], &slab[0], &slab[1]);
   ParticlesShare(p->comm, SurfacePoints(scene, walls), &point[0], &point[1]);
   UserCheck(all[0] > 0, "the bodies leave no room for fluid at dx = %.4g", (double)scene->dx);
-  p->N_lattice = all[0];
-  p->N_fluid   = start ? start->N : all[0];
-  p->N_wall    = slabs.first[slabs.n] + all[1] + SurfacePoints(scene, walls);
-  p->n_fluid   = start ? start->n : own[0];
-  p->n_wall    = slab[1] - slab[0] + own[1] + point[1] - point[0];
-  p->flowing   = start && start->u ? PETSC_TRUE : PETSC_FALSE;
+  p->N_lattice      = all[0];
+  p->N_fluid        = start ? start->N : all[0];
+  p->N_wall         = slabs.first[slabs.n] + all[1] + SurfacePoints(scene, walls);
+  p->n_fluid        = start ? start->n : own[0];
+  p->n_wall         = slab[1] - slab[0] + own[1] + point[1] - point[0];
+  p->velocity_given = start && start->u ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(ParticlesReserve(p, ParticlesOwn(p)));
   wall = p->n_fluid;
   for (PetscInt k = slab[0]; k < slab[1]; k++) WallParticle(scene, walls, &slabs, k, p, wall++);

@@ -180,8 +180,8 @@ static PetscErrorCode NumberParticles(Particles *p)
   PetscCallMPI(MPI_Exscan(n, start, 2, MPIU_INT, MPI_SUM, p->comm));
   p->fluid_start = start[0];
   p->wall_start  = start[1];
-  for (PetscInt i = 0; i < p->n_fluid; i++) p->number[i] = p->fluid_start + i;
-  for (PetscInt w = 0; w < p->n_wall; w++) p->number[p->n_fluid + w] = p->wall_start + w;
+  for (PetscInt i = 0; i < p->n_fluid; i++) p->row[i] = p->fluid_start + i;
+  for (PetscInt w = 0; w < p->n_wall; w++) p->row[p->n_fluid + w] = p->wall_start + w;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

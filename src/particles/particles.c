@@ -16,7 +16,7 @@ PetscErrorCode ParticlesReserve(Particles *p, PetscInt n)
 {
   const PetscInt old      = p->capacity;
   const PetscInt capacity = PetscMax(PetscMax(n, 1), old + old / 4);
-  PetscInt     **names[2] = {&p->id, &p->number};
+  PetscInt     **names[2] = {&p->id, &p->row};
 
   PetscFunctionBegin;
   if (n <= old && old > 0) PetscFunctionReturn(PETSC_SUCCESS);
@@ -177,7 +177,7 @@ PetscErrorCode ParticlesDestroy(Particles **particles)
   }
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(p->halo_shift[a]));
   PetscCall(PetscFree(p->id));
-  PetscCall(PetscFree(p->number));
+  PetscCall(PetscFree(p->row));
   PetscCall(PetscFree2(p->cut_axis, p->cut));
   PetscCall(PetscSFDestroy(&p->sf));
   PetscCall(PetscFree(*particles));

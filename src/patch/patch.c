@@ -25,10 +25,10 @@ static PetscErrorCode PatchBanner(const Patch *patch)
                                    (double)(patch->ops->h / scene->dx)));
   PetscCall(PetscViewerASCIIPrintf(out, "form        %s: %s\n", form->row->name, form->row->brief));
   PetscCall(PetscViewerASCIIPrintf(out, "correction  %s\n", OperatorsCorrection(patch->ops)));
-  if (patch->ops->weak_rows) {
+  if (patch->ops->regularised_rows) {
     PetscCall(PetscViewerASCIIPrintf(
         out, "weak        %" PetscInt_FMT " rows whose neighbours do not determine the form\n",
-        patch->ops->weak_rows));
+        patch->ops->regularised_rows));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

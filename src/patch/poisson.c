@@ -35,7 +35,7 @@ PetscErrorCode PatchSolve(const Patch *patch, Report *report)
 
   PetscFunctionBegin;
   PetscCall(PressureSolver(&patch->ops->visc_form, 1e-10, &ksp, &guard));
-  guard.patience = -1; /* the method is what is measured */
+  guard.max_in_a_row = -1; /* the method is what is measured */
   PetscCall(OptionsRefuseUnknown(PETSC_FALSE));
   if (guard.note[0]) PetscCall(PetscPrintf(PETSC_COMM_WORLD, "unwise      %s\n", guard.note));
   PetscCall(MatDuplicate(patch->ops->visc.A, MAT_COPY_VALUES, &A));

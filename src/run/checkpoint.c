@@ -36,10 +36,10 @@ PetscErrorCode CheckpointsCreate(const Scheme *scheme, Checkpoints **checkpoints
   UserCheck(!every || c->path[0], "-checkpoint_every: there is no -checkpoint");
   UserCheck(
       (!c->path[0] && !c->restart[0]) || !scheme->visc ||
-          !ViscosityTimeKind(scheme->visc)->multistep,
+          !ViscosityIntegrator(scheme->visc)->multistep,
       "%s with -visc_ts_type %s: earlier velocities are PETSc's, and would not be in the file; "
       "use beuler",
-      c->path[0] ? "-checkpoint" : "-restart", ViscosityTimeKind(scheme->visc)->name);
+      c->path[0] ? "-checkpoint" : "-restart", ViscosityIntegrator(scheme->visc)->name);
   if (c->path[0]) {
     PetscCall(PetscSNPrintf(part, sizeof(part), "%s.part", c->path));
     PetscCall(FileReserve(part, 1, &good));

@@ -37,7 +37,7 @@ static PetscErrorCode RunCreate(Run *run)
   PetscCall(MonitorsCreate(run->scene, &run->monitors));
   PetscCall(ProgressCreate(&run->progress));
   PetscCall(ReportCreate(&run->report));
-  if (run->scheme->visc && ViscosityTimeKind(run->scheme->visc)->kind != TIME_EXPLICIT)
+  if (run->scheme->visc && ViscosityIntegrator(run->scheme->visc)->kind != TIME_EXPLICIT)
     PetscCall(MatrixFileCreate("visc_", &run->visc_matrix));
   if (run->ops->ppe.needed) PetscCall(MatrixFileCreate("ppe_", &run->ppe_matrix));
   PetscCall(CheckpointsCreate(run->scheme, &run->checkpoints));
@@ -124,18 +124,18 @@ static PetscErrorCode RunStep(Run *run)
                                      run->scheme));
     PetscCall(ExpressionScopeCheck(run->scene->scope));
     if (!failure->code) PetscFunctionReturn(PETSC_SUCCESS);
-    if (!run->undo || failure->hopeless) break;
+    if (!run->undo || failure->fatal) break;
     PetscCall(UndoRestore(run->scene, run->undo, clock, run->particles, run->neighbors, run->ops,
                           run->scheme));
     PetscCall(ClockRetry(clock, failure));
-  } while (!failure->hopeless);
+  } while (!failure->fatal);
   PetscCheck(PETSC_FALSE, PETSC_COMM_WORLD, failure->code, "%s", failure->sentence);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Judges the flow if it has come to a time of -report_times; at a run's end the end's report
    does. */
-static PetscErrorCode RunJudgeDue(Run *run)
+static PetscErrorCode RunMeasureDue(Run *run)
 {
   const Flow flow  = RunFlow(run);
   Clock     *clock = run->clock;
@@ -146,7 +146,7 @@ static PetscErrorCode RunJudgeDue(Run *run)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   run->report->t = clock->t;
-  PetscCall(run->scene->problem->Judge(&flow, run->report));
+  PetscCall(run->scene->problem->Measure(&flow, run->report));
   clock->next_report++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -161,7 +161,7 @@ static PetscErrorCode RunBetweenSteps(Run *run, PetscBool over)
   PetscCall(MonitorsWrite(&flow, run->monitors));
   PetscCall(ProgressUpdate(&flow, over, run->progress));
   PetscCall(CheckpointsUpdate(over, run));
-  if (!over) PetscCall(RunJudgeDue(run)); /* with the particles in the order of a restarted run */
+  if (!over) PetscCall(RunMeasureDue(run)); /* with the particles in the order of a restarted run */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -175,7 +175,7 @@ static PetscErrorCode RunSolve(Run *run, const char **signal)
   PetscFunctionBegin;
   *signal = NULL;
   PetscCall(RunIsOver(run, &over));
-  if (!over) PetscCall(RunJudgeDue(run)); /* of a run that was stopped at such a time */
+  if (!over) PetscCall(RunMeasureDue(run)); /* of a run that was stopped at such a time */
   while (!over && !*signal) {
     PetscCall(RunStep(run));
     if (clock->step == first + 1) PetscCall(OptionsRefuseUnknown(PETSC_TRUE));
@@ -226,7 +226,7 @@ static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measure
   PetscFunctionBegin;
   run->report->t = run->clock->t;
   PetscCall(RunWriteMatrices(run));
-  if (measured) PetscCall(run->scene->problem->Judge(&flow, run->report));
+  if (measured) PetscCall(run->scene->problem->Measure(&flow, run->report));
   PetscCall(ExpressionScopeCheck(run->scene->scope));
   PetscCall(RunCountTroubles(run));
   PetscCall(PetscTime(&now));

@@ -9,8 +9,8 @@ void CheckpointPack(const Run *run, double clock[], double stats[])
   const Clock     *c           = run->clock;
   const Scheme    *scheme      = run->scheme;
   const StepStats *s           = &scheme->stats;
-  const double     c_numbers[] = {c->t,       c->dt,  c->dt_previous, c->step, c->next_report,
-                                  c->retries, c->cut, c->patience,    c->good};
+  const double     c_numbers[] = {c->t,       c->dt,       c->dt_previous, c->step, c->next_report,
+                                  c->retries, c->halvings, c->good_needed, c->good};
   const double     s_numbers[] = {s->speed_max,
                                   s->kinetic_energy,
                                   s->divergence,
@@ -59,8 +59,8 @@ void CheckpointUnpack(const double clock[], const double stats[], Run *run)
   c->step_first  = c->step;
   c->next_report = NextReport(c, (PetscInt)clock[4]);
   c->retries     = (PetscInt)clock[5];
-  c->cut         = (PetscInt)clock[6];
-  c->patience    = (PetscInt)clock[7];
+  c->halvings    = (PetscInt)clock[6];
+  c->good_needed = (PetscInt)clock[7];
   c->good        = (PetscInt)clock[8];
 
   s->speed_max      = stats[0];
@@ -105,8 +105,8 @@ PetscErrorCode CheckpointScene(const Scene *scene, double numbers[SCENE_NUMBERS]
   }
   numbers[SCENE_NUMBERS - 3] = scene->dx;
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    CheckpointSumText(scene->body_of[k].shape->name, &bodies);
-    CheckpointSumNumbers(scene->body_of[k].n, scene->body_of[k].number, &bodies);
+    CheckpointSumText(scene->bodies[k].shape->name, &bodies);
+    CheckpointSumNumbers(scene->bodies[k].n, scene->bodies[k].parameter, &bodies);
   }
   numbers[SCENE_NUMBERS - 2] = (double)(bodies >> 16); /* such as a double holds whole */
   if (SceneViscosityVaries(scene) && SceneIsNewtonian(scene)) {

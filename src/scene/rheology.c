@@ -10,26 +10,27 @@
 /* nu = K g^(n-1) */
 static PetscReal RheologyNu_PowerLaw(const Rheology *r, PetscReal rate)
 {
-  return r->number[RHEOLOGY_CONSISTENCY] * PetscPowReal(rate, r->number[RHEOLOGY_EXPONENT] - 1.0);
+  return r->parameter[RHEOLOGY_CONSISTENCY] *
+         PetscPowReal(rate, r->parameter[RHEOLOGY_EXPONENT] - 1.0);
 }
 
 /* nu = nu_inf + (nu_0 - nu_inf) (1 + (lambda g)^2)^((n-1)/2) */
 static PetscReal RheologyNu_Carreau(const Rheology *r, PetscReal rate)
 {
-  const PetscReal infinite = r->number[RHEOLOGY_INFINITE],
-                  square   = PetscSqr(r->number[RHEOLOGY_TIME] * rate);
+  const PetscReal infinite = r->parameter[RHEOLOGY_INFINITE],
+                  square   = PetscSqr(r->parameter[RHEOLOGY_TIME] * rate);
 
   return infinite + (r->nu - infinite) *
-                        PetscPowReal(1.0 + square, 0.5 * (r->number[RHEOLOGY_EXPONENT] - 1.0));
+                        PetscPowReal(1.0 + square, 0.5 * (r->parameter[RHEOLOGY_EXPONENT] - 1.0));
 }
 
 /* nu = nu_p + tau_0 (1 - exp(-m g))/g, which for m -> infinity is Bingham's */
 static PetscReal RheologyNu_Papanastasiou(const Rheology *r, PetscReal rate)
 {
-  const PetscReal m = r->number[RHEOLOGY_REGULARISATION], x = m * rate;
+  const PetscReal m = r->parameter[RHEOLOGY_REGULARISATION], x = m * rate;
 
-  return r->nu +
-         r->number[RHEOLOGY_YIELD] * (x > 1e-8 ? -expm1(-(double)x) / rate : m * (1.0 - 0.5 * x));
+  return r->nu + r->parameter[RHEOLOGY_YIELD] *
+                     (x > 1e-8 ? -expm1(-(double)x) / rate : m * (1.0 - 0.5 * x));
 }
 
 /* ---- g at a shear stress tau > 0 [1/s], of the fluid that is meant: no bounds, no
@@ -37,7 +38,8 @@ static PetscReal RheologyNu_Papanastasiou(const Rheology *r, PetscReal rate)
 
 static PetscReal RheologyRate_PowerLaw(const Rheology *r, PetscReal tau)
 {
-  return PetscPowReal(tau / r->number[RHEOLOGY_CONSISTENCY], 1.0 / r->number[RHEOLOGY_EXPONENT]);
+  return PetscPowReal(tau / r->parameter[RHEOLOGY_CONSISTENCY],
+                      1.0 / r->parameter[RHEOLOGY_EXPONENT]);
 }
 
 /* nu(g) g = tau by bisection: the stress grows with the rate. */
@@ -58,7 +60,7 @@ static PetscReal RheologyRate_Carreau(const Rheology *r, PetscReal tau)
 /* Bingham's: nothing below the yield stress. */
 static PetscReal RheologyRate_Papanastasiou(const Rheology *r, PetscReal tau)
 {
-  return PetscMax(0.0, tau - r->number[RHEOLOGY_YIELD]) / r->nu;
+  return PetscMax(0.0, tau - r->parameter[RHEOLOGY_YIELD]) / r->nu;
 }
 
 #define BIT(parameter) (1u << (parameter))
@@ -84,7 +86,7 @@ const Table RheologyTable = TABLE("-rheology", "Rheologies", rheologies);
 static const struct {
   const char *option, *text;
   PetscReal   low, high;
-} parameters[RHEOLOGY_NUMBERS] = {
+} parameters[RHEOLOGY_PARAMETERS] = {
     {"-rheology_consistency",
      "K; by default such that the viscosity at the rate U/L is -viscosity [m^2 s^(n-2)]", 1e-300,
      1e300},
@@ -98,10 +100,11 @@ static const struct {
 /* What numbers are where the user gives none; rate U/L [1/s]. */
 static void RheologyDefaults(PetscReal rate, Rheology *r)
 {
-  r->number[RHEOLOGY_TIME]           = 1.0 / rate;
-  r->number[RHEOLOGY_REGULARISATION] = 1000.0 / rate;
+  r->parameter[RHEOLOGY_TIME]           = 1.0 / rate;
+  r->parameter[RHEOLOGY_REGULARISATION] = 1000.0 / rate;
   if (!(r->row->takes & BIT(RHEOLOGY_EXPONENT))) return;
-  r->number[RHEOLOGY_CONSISTENCY] = r->nu * PetscPowReal(rate, 1.0 - r->number[RHEOLOGY_EXPONENT]);
+  r->parameter[RHEOLOGY_CONSISTENCY] =
+      r->nu * PetscPowReal(rate, 1.0 - r->parameter[RHEOLOGY_EXPONENT]);
 }
 
 /* Viscosity towards no rate (end = -1) or an infinite one (1); where it has no limit, 12 powers
@@ -163,12 +166,12 @@ PetscErrorCode SceneReadRheology(PetscOptionItems *PetscOptionsObject, Scene *sc
             "-without viscosity and -rheology %s cannot both be given", r->row->name);
   r->nu = scene->nu;
   for (PetscInt pass = 0; pass < 2; pass++) { /* defaults follow from the exponent */
-    for (PetscInt k = 0; k < RHEOLOGY_NUMBERS; k++) {
+    for (PetscInt k = 0; k < RHEOLOGY_PARAMETERS; k++) {
       PetscBool given;
 
       if (!(r->row->takes & BIT(k))) continue;
       PetscCall(OptionReal(parameters[k].option, parameters[k].text, parameters[k].low,
-                           parameters[k].high, &r->number[k], &given));
+                           parameters[k].high, &r->parameter[k], &given));
       UserCheck(given || !(r->row->wants & BIT(k)), "-rheology %s: %s is wanted, %s", r->row->name,
                 parameters[k].option, parameters[k].text);
     }

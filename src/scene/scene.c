@@ -117,9 +117,9 @@ static PetscErrorCode SceneReadForce(PetscOptionItems *PetscOptionsObject, Scene
             "-body_force and -without body_force cannot both be given");
   if (given) scene->physics |= PHYSICS_BODY_FORCE;
   for (PetscInt a = 0; a < scene->dim; a++) {
-    if (given) scene->body[a] = force[a];
-    if (!SceneHas(scene, PHYSICS_BODY_FORCE)) scene->body[a] = 0.0;
-    size += PetscAbsReal(scene->body[a]);
+    if (given) scene->body_force[a] = force[a];
+    if (!SceneHas(scene, PHYSICS_BODY_FORCE)) scene->body_force[a] = 0.0;
+    size += PetscAbsReal(scene->body_force[a]);
   }
   UserCheck(given || size > 0.0 || !SceneHas(scene, PHYSICS_BODY_FORCE),
             "-with body_force: case %s has none of its own; give -body_force",
@@ -274,7 +274,7 @@ void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pet
 {
   for (PetscInt c = 0; c < scene->dim; c++) u[c] = 0.0;
   if (side >= 2 * scene->dim) {
-    const Body     *body = &scene->body_of[side - 2 * scene->dim];
+    const Body     *body = &scene->bodies[side - 2 * scene->dim];
     const PetscReal w    = ExpressionValue(&body->rotation, 0, t, NULL);
     PetscReal       r[2];
 
@@ -303,7 +303,7 @@ void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const
 
   for (PetscInt c = 0; c < scene->dim; c++) a[c] = 0.0;
   if (side >= 2 * scene->dim) {
-    const Body     *body = &scene->body_of[side - 2 * scene->dim];
+    const Body     *body = &scene->bodies[side - 2 * scene->dim];
     const PetscReal w    = SceneHas(scene, PHYSICS_CONVECTION)
                                ? ExpressionValue(&body->rotation, 0, t, NULL)
                                : 0.0,
@@ -331,15 +331,14 @@ static PetscReal Reach(const Scene *scene, const Body *body)
 }
 
 /*
-  SceneWallDrive - The fastest flow that a wall makes, by its velocity at a point of its surface
-  [m/s]
+  SceneWallSpeedBound - Bounds the flow that a wall makes by its velocity at a surface point [m/s]
 
   Not collective. A wall that slides along itself drags fluid no faster than it goes, but a stiff
   fluid may turn with a body as far as the box reaches. One that moves along its normal squeezes
   fluid through gaps at any speed: infinite.
 */
-PetscReal SceneWallDrive(const Scene *scene, PetscInt side, const PetscReal x[],
-                         const PetscReal normal[], const PetscReal u[])
+PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal x[],
+                              const PetscReal normal[], const PetscReal u[])
 {
   PetscReal speed2 = 0.0, through = 0.0, arm[2];
 
@@ -349,7 +348,7 @@ PetscReal SceneWallDrive(const Scene *scene, PetscInt side, const PetscReal x[],
   }
   if (PetscSqr(through) > 1e-6 * speed2) return PETSC_INFINITY;
   if (side >= 2 * scene->dim && speed2 > 0.0) {
-    const Body *body = &scene->body_of[side - 2 * scene->dim];
+    const Body *body = &scene->bodies[side - 2 * scene->dim];
 
     BodyArm(scene, body, x, arm);
     if (!body->around)
@@ -380,7 +379,7 @@ PetscReal SceneDecayRate(const Scene *scene)
 void SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal f[])
 {
   for (PetscInt a = 0; a < scene->dim; a++)
-    f[a] = scene->force.n ? ExpressionValue(&scene->force, a, t, x) : scene->body[a];
+    f[a] = scene->force.n ? ExpressionValue(&scene->force, a, t, x) : scene->body_force[a];
 }
 
 /*
@@ -407,7 +406,7 @@ void SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
     const PetscReal distance = side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
     WallPlane      *plane    = &planes[*count];
 
-    if (scene->periodic[a] || scene->bare || distance >= reach) continue;
+    if (scene->periodic[a] || scene->no_box_walls || distance >= reach) continue;
     plane->distance = distance;
     plane->side     = side;
     for (PetscInt c = 0; c < ISPH_MAX_DIM; c++) plane->normal[c] = 0.0;
@@ -417,7 +416,7 @@ void SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
     WallPlane *plane = &planes[*count];
 
-    plane->distance = BodyDistance(scene, &scene->body_of[k], x, plane->normal);
+    plane->distance = BodyDistance(scene, &scene->bodies[k], x, plane->normal);
     plane->side     = 2 * scene->dim + k;
     if (plane->distance < reach) (*count)++;
   }

@@ -8,8 +8,8 @@
 
 static const char *CirclePrepare(Body *body)
 {
-  for (PetscInt a = 0; a < 2; a++) body->centre[a] = body->number[a];
-  body->extent = body->number[2];
+  for (PetscInt a = 0; a < 2; a++) body->centre[a] = body->parameter[a];
+  body->extent = body->parameter[2];
   return body->extent > 0.0 ? NULL : "the radius must be positive";
 }
 
@@ -21,7 +21,7 @@ static void CircleSpan(const Body *body, PetscInt axis, PetscReal span[2])
 
 static PetscReal CircleDistance(const Body *body, const PetscReal x[], PetscReal normal[])
 {
-  const PetscReal *c = body->number, dx = x[0] - c[0], dy = x[1] - c[1],
+  const PetscReal *c = body->parameter, dx = x[0] - c[0], dy = x[1] - c[1],
                   r = PetscSqrtReal(dx * dx + dy * dy);
 
   normal[0] = r > 0.0 ? dx / r : 1.0;
@@ -31,7 +31,7 @@ static PetscReal CircleDistance(const Body *body, const PetscReal x[], PetscReal
 
 static PetscInt CircleCount(const Body *body, PetscReal dx)
 {
-  return PetscMax(8, (PetscInt)PetscFloorReal(2.0 * PETSC_PI * body->number[2] / dx + 0.5));
+  return PetscMax(8, (PetscInt)PetscFloorReal(2.0 * PETSC_PI * body->parameter[2] / dx + 0.5));
 }
 
 static PetscReal CirclePoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[],
@@ -42,8 +42,8 @@ static PetscReal CirclePoint(const Body *body, PetscInt k, PetscReal dx, PetscRe
 
   normal[0] = PetscCosReal(angle);
   normal[1] = PetscSinReal(angle);
-  for (PetscInt a = 0; a < 2; a++) x[a] = body->number[a] + body->number[2] * normal[a];
-  return 2.0 * PETSC_PI * body->number[2] / n;
+  for (PetscInt a = 0; a < 2; a++) x[a] = body->parameter[a] + body->parameter[2] * normal[a];
+  return 2.0 * PETSC_PI * body->parameter[2] / n;
 }
 
 /* ---- polygon: x, y of each corner, counter-clockwise ---- */
@@ -56,8 +56,8 @@ static PetscInt Corners(const Body *body)
 /* Ends of edge e and its length. */
 static PetscReal Edge(const Body *body, PetscInt e, const PetscReal **from, const PetscReal **to)
 {
-  *from = &body->number[2 * e];
-  *to   = &body->number[2 * ((e + 1) % Corners(body))];
+  *from = &body->parameter[2 * e];
+  *to   = &body->parameter[2 * ((e + 1) % Corners(body))];
   return PetscSqrtReal(PetscSqr((*to)[0] - (*from)[0]) + PetscSqr((*to)[1] - (*from)[1]));
 }
 
@@ -85,7 +85,7 @@ static PetscBool EdgesCross(const Body *body, PetscInt e, PetscInt f)
 /* Corners counter-clockwise; the centre is that of the area. */
 static const char *PolygonPrepare(Body *body)
 {
-  PetscReal     *c = body->number, area = 0.0;
+  PetscReal     *c = body->parameter, area = 0.0;
   const PetscInt corners = Corners(body);
 
   if (body->n % 2) return "a polygon has two numbers for each corner";
@@ -126,7 +126,7 @@ static const char *PolygonPrepare(Body *body)
 /* Two opposite corners become the four of a polygon. */
 static const char *BoxPrepare(Body *body)
 {
-  PetscReal      *c      = body->number;
+  PetscReal      *c      = body->parameter;
   const PetscReal box[8] = {c[0], c[1], c[2], c[1], c[2], c[3], c[0], c[3]};
 
   if (c[0] == c[2] || c[1] == c[3]) return "the box has no width or no height";
@@ -137,17 +137,17 @@ static const char *BoxPrepare(Body *body)
 
 static void PolygonSpan(const Body *body, PetscInt axis, PetscReal span[2])
 {
-  span[0] = span[1] = body->number[axis];
+  span[0] = span[1] = body->parameter[axis];
   for (PetscInt k = axis; k < body->n; k += 2) {
-    span[0] = PetscMin(span[0], body->number[k]);
-    span[1] = PetscMax(span[1], body->number[k]);
+    span[0] = PetscMin(span[0], body->parameter[k]);
+    span[1] = PetscMax(span[1], body->parameter[k]);
   }
 }
 
 /* Nearest point of all edges; inside by the number of edges that a ray along x crosses. */
 static PetscReal PolygonDistance(const Body *body, const PetscReal x[], PetscReal normal[])
 {
-  PetscReal best = PETSC_MAX_REAL, foot[2] = {0.0}, outward[2] = {0.0}, d;
+  PetscReal best = PETSC_MAX_REAL, nearest[2] = {0.0}, outward[2] = {0.0}, d;
   PetscBool inside = PETSC_FALSE;
 
   for (PetscInt e = 0; e < Corners(body); e++) {
@@ -159,8 +159,8 @@ static PetscReal PolygonDistance(const Body *body, const PetscReal x[], PetscRea
 
     if (d2 < best) {
       best       = d2;
-      foot[0]    = px;
-      foot[1]    = py;
+      nearest[0] = px;
+      nearest[1] = py;
       outward[0] = ty;
       outward[1] = -tx;
     }
@@ -170,7 +170,7 @@ static PetscReal PolygonDistance(const Body *body, const PetscReal x[], PetscRea
   }
   d = PetscSqrtReal(best) * (inside ? -1.0 : 1.0);
   for (PetscInt a = 0; a < 2; a++)
-    normal[a] = PetscAbsReal(d) > 1e-9 * body->extent ? (x[a] - foot[a]) / d : outward[a];
+    normal[a] = PetscAbsReal(d) > 1e-9 * body->extent ? (x[a] - nearest[a]) / d : outward[a];
   return d;
 }
 
@@ -212,7 +212,7 @@ static const ShapeRow shapes[] = {
      CircleCount, CirclePoint},
     {"box", "x0,y0,x1,y1: two opposite corners", "", 4, 4, PETSC_FALSE, BoxPrepare, PolygonSpan,
      PolygonDistance, PolygonCount, PolygonPoint},
-    {"polygon", "x0,y0,x1,y1,...: corners in order", "", 6, BODY_NUMBERS, PETSC_FALSE,
+    {"polygon", "x0,y0,x1,y1,...: corners in order", "", 6, BODY_PARAMETERS, PETSC_FALSE,
      PolygonPrepare, PolygonSpan, PolygonDistance, PolygonCount, PolygonPoint},
 };
 const Table ShapeTable = TABLE("-scene_body_<k>", "Shapes of bodies", shapes);
@@ -226,7 +226,7 @@ const Table ShapeTable = TABLE("-scene_body_<k>", "Shapes of bodies", shapes);
 const char *BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[])
 {
   *body = (Body){.shape = shape, .n = n};
-  for (PetscInt k = 0; k < n; k++) body->number[k] = number[k];
+  for (PetscInt k = 0; k < n; k++) body->parameter[k] = number[k];
   return shape->Prepare(body);
 }
 
@@ -368,7 +368,7 @@ PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *neare
 
   *nearest = -1;
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    const PetscReal distance = BodyDistance(scene, &scene->body_of[k], x, n);
+    const PetscReal distance = BodyDistance(scene, &scene->bodies[k], x, n);
 
     if (distance >= best) continue;
     best     = distance;

@@ -6,14 +6,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SHAPE_TEXT 2048 /* room for BODY_NUMBERS numbers with all their digits */
+#define SHAPE_TEXT 2048 /* room for BODY_PARAMETERS numbers with all their digits */
 
 /* "circle,0.5,0.5,0.25": the shape's word, then its numbers. */
 static PetscErrorCode ReadShape(const char option[], const char text[], Body *body)
 {
   const ShapeRow *shape;
   const char     *wrong;
-  PetscReal       number[BODY_NUMBERS];
+  PetscReal       number[BODY_PARAMETERS];
   PetscInt        n = 0;
   char            word[SHAPE_TEXT], *next, *end;
 
@@ -24,7 +24,7 @@ static PetscErrorCode ReadShape(const char option[], const char text[], Body *bo
   next = strchr(word, ',');
   if (next) *next++ = '\0';
   PetscCall(TableWant(&ShapeTable, option, word, &shape));
-  while (next && n < BODY_NUMBERS) {
+  while (next && n < BODY_PARAMETERS) {
     number[n++] = strtod(next, &end);
     end += strspn(end, " ");
     UserCheck(end != next && (*end == ',' || !*end), "%s: a number is wanted at '%s'", option,
@@ -107,7 +107,7 @@ static PetscErrorCode ReadBodies(PetscOptionItems *PetscOptionsObject, Scene *sc
 {
   PetscFunctionBegin;
   for (PetscInt k = 1; k <= SCENE_MAX_BODIES; k++) {
-    Body     *body = &scene->body_of[scene->n_bodies];
+    Body     *body = &scene->bodies[scene->n_bodies];
     char      option[64], text[SHAPE_TEXT] = "";
     PetscBool given;
 
@@ -120,7 +120,7 @@ static PetscErrorCode ReadBodies(PetscOptionItems *PetscOptionsObject, Scene *sc
     PetscCall(ReadBodyMotion(PetscOptionsObject, k, scene, body));
     PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_body_%" PetscInt_FMT "_around", k));
     PetscCall(OptionSwitch(option, "The fluid is inside it", &body->around));
-    if (body->around) scene->bare = PETSC_TRUE;
+    if (body->around) scene->no_box_walls = PETSC_TRUE;
     scene->n_bodies++;
   }
   PetscCall(CheckNumbers("body", scene->n_bodies, SCENE_MAX_BODIES));
@@ -135,7 +135,7 @@ static PetscErrorCode CheckImages(const Scene *scene)
     for (PetscInt a = 0; a < 2; a++) {
       PetscReal span[2], gap;
 
-      BodySpan(&scene->body_of[k], a, span);
+      BodySpan(&scene->bodies[k], a, span);
       gap = scene->hi[a] - scene->lo[a] - (span[1] - span[0]);
       UserCheck(!scene->periodic[a] || gap >= 4.0 * scene->dx,
                 "-scene_body_%" PetscInt_FMT
@@ -153,16 +153,16 @@ static PetscErrorCode CheckGaps(const Scene *scene)
   PetscFunctionBegin;
   PetscCall(CheckImages(scene));
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    const Body *body = &scene->body_of[k];
+    const Body *body = &scene->bodies[k];
 
     for (PetscInt q = 0; q < BodyPoints(body, scene->dx); q++) {
       PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM], gap = PETSC_INFINITY, other[ISPH_MAX_DIM];
 
       (void)BodyPoint(body, q, scene->dx, x, normal);
       for (PetscInt m = 0; m < scene->n_bodies; m++) {
-        if (m != k) gap = PetscMin(gap, BodyDistance(scene, &scene->body_of[m], x, other));
+        if (m != k) gap = PetscMin(gap, BodyDistance(scene, &scene->bodies[m], x, other));
       }
-      for (PetscInt a = 0; a < 2 && !scene->bare; a++) {
+      for (PetscInt a = 0; a < 2 && !scene->no_box_walls; a++) {
         if (!scene->periodic[a])
           gap = PetscMin(gap, PetscMin(x[a] - scene->lo[a], scene->hi[a] - x[a]));
       }
@@ -333,7 +333,7 @@ PetscErrorCode SceneReadTyped(PetscOptionItems *PetscOptionsObject, Scene *scene
               (double)(box[2 + a] - box[a]), axes[a], (double)(4.0 * scene->dx));
   }
   PetscCall(ReadBodies(PetscOptionsObject, scene));
-  if (!scene->bare) {
+  if (!scene->no_box_walls) {
     PetscCall(ReadSides(PetscOptionsObject, scene));
     PetscCall(CheckInflow(scene, 0.0));
     PetscCall(CheckInflow(scene, 0.125 * scene->length / scene->speed)); /* what is at rest first */

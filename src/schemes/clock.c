@@ -3,8 +3,8 @@
 */
 #include "isph/schemes.h"
 
-#define CLOCK_MAX_CUT  10 /* halvings of a step */
-#define CLOCK_PATIENCE 10 /* half the good steps before the first growth */
+#define CLOCK_MAX_HALVINGS 10 /* halvings of a step */
+#define CLOCK_GOOD_NEEDED  10 /* half the good steps before the first growth */
 
 static const DtAdaptRow adapts[] = {
     /* name, brief, citation, follows the flow, retries */
@@ -32,7 +32,7 @@ PetscReal ClockExplicitLimit(const Scene *scene, PetscReal support_radius)
    after all others [s] */
 PetscReal ClockMoment(const Clock *clock)
 {
-  return clock->direct ? PETSC_INFINITY : clock->t;
+  return clock->steady_solve ? PETSC_INFINITY : clock->t;
 }
 
 /* The times at which quantities are reported besides the end. */
@@ -65,8 +65,8 @@ static PetscErrorCode ClockReadSteady(PetscOptionItems *PetscOptionsObject, Cloc
 
   PetscFunctionBegin;
   PetscCall(OptionSwitch("-steady", "No du/dt: solve for the steady flow (-scheme coupled)",
-                         &clock->direct));
-  if (!clock->direct) PetscFunctionReturn(PETSC_SUCCESS);
+                         &clock->steady_solve));
+  if (!clock->steady_solve) PetscFunctionReturn(PETSC_SUCCESS);
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(others); k++)
     PetscCall(OptionsRefuseTogether("-steady", others[k], "a steady flow has no steps in time"));
   UserCheck(clock->t_end > 0.0, "-t_end 0 with -steady: nothing would be solved");
@@ -97,11 +97,11 @@ PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&c));
-  c->t_end     = scene->problem->t_end * scene->length / scene->speed;
-  c->cfl       = CLOCK_CFL;
-  c->max_steps = PETSC_MAX_INT;
-  c->move_max  = 0.6;
-  c->patience  = CLOCK_PATIENCE;
+  c->t_end       = scene->problem->t_end * scene->length / scene->speed;
+  c->cfl         = CLOCK_CFL;
+  c->max_steps   = PETSC_MAX_INT;
+  c->move_max    = 0.6;
+  c->good_needed = CLOCK_GOOD_NEEDED;
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Time", "");
   PetscCall(OptionsRefuseTogether("-dt", "-cfl", "one time step follows from each"));
   PetscCall(OptionReal("-t_end", "End of the run [s]", 0.0, 1e300, &c->t_end, NULL));
@@ -126,7 +126,7 @@ PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
   PetscCall(ClockReadReports(PetscOptionsObject, c));
   PetscCall(ClockReadSteady(PetscOptionsObject, c));
   PetscOptionsEnd();
-  for (PetscInt a = 0; a < scene->dim; a++) force2 += PetscSqr(scene->body[a]);
+  for (PetscInt a = 0; a < scene->dim; a++) force2 += PetscSqr(scene->body_force[a]);
   PetscCall(ClockChoose(scene, scene->speed, PetscSqrtReal(force2), c));
   *clock = c;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -178,7 +178,7 @@ PetscErrorCode ClockChoose(const Scene *scene, PetscReal speed, PetscReal force,
   PetscReal       dt   = ClockTarget(scene, speed, force, clock);
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < clock->cut; k++) dt *= 0.5;
+  for (PetscInt k = 0; k < clock->halvings; k++) dt *= 0.5;
   clock->dt_wanted = clock->step == 0 && target == clock->t_end ? PetscMin(dt, left) : dt;
   if (left > 0.0) dt = left / PetscCeilReal(left / dt * (1.0 - 1e-9));
   clock->dt = dt;
@@ -197,11 +197,11 @@ PetscErrorCode ClockAdvance(Clock *clock)
   clock->t += clock->dt;
   clock->dt_previous = clock->dt;
   clock->step++;
-  if (clock->direct) clock->steady = PETSC_TRUE;
-  if (!clock->cut) PetscFunctionReturn(PETSC_SUCCESS);
+  if (clock->steady_solve) clock->steady = PETSC_TRUE;
+  if (!clock->halvings) PetscFunctionReturn(PETSC_SUCCESS);
   clock->good++;
-  if (clock->good >= clock->patience) {
-    clock->cut--;
+  if (clock->good >= clock->good_needed) {
+    clock->halvings--;
     clock->good = 0;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -223,19 +223,19 @@ PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
   size_t length;
 
   PetscFunctionBegin;
-  if (clock->cut >= CLOCK_MAX_CUT) {
+  if (clock->halvings >= CLOCK_MAX_HALVINGS) {
     PetscCall(PetscStrlen(failure->sentence, &length));
     (void)snprintf(failure->sentence + length, sizeof(failure->sentence) - length,
-                   "; steps were halved %d times for it already", CLOCK_MAX_CUT);
-    failure->hopeless = PETSC_TRUE;
+                   "; steps were halved %d times for it already", CLOCK_MAX_HALVINGS);
+    failure->fatal = PETSC_TRUE;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  clock->cut++;
+  clock->halvings++;
   clock->retries++;
-  clock->good     = 0;
-  clock->patience = PetscMin(2 * clock->patience, 1000000);
+  clock->good        = 0;
+  clock->good_needed = PetscMin(2 * clock->good_needed, 1000000);
   PetscCall(SayLine("%s; undone, trying dt/%" PetscInt_FMT " for %" PetscInt_FMT " steps",
-                    failure->sentence, (PetscInt)1 << clock->cut, clock->patience));
+                    failure->sentence, (PetscInt)1 << clock->halvings, clock->good_needed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -48,8 +48,8 @@ PetscErrorCode ConvectionApply(const Scene *scene, const Operators *ops, const V
 
   PetscFunctionBegin;
   PetscCall(ConvectionCentral(scene->dim, ops, v, u, walls, work, result));
-  if (!ops->rough_u.needed) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(AffineApply(&ops->rough_u, u, walls, work));
+  if (!ops->filter_u.needed) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(AffineApply(&ops->filter_u, u, walls, work));
   PetscCall(VecGetLocalSize(u, &n));
   PetscCall(VecGetArray(work, &rough));
   PetscCall(VecGetArray(result, &sum));

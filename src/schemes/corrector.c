@@ -26,7 +26,7 @@ static PetscErrorCode AssemblePressureSource(const Scene *scene, const Clock *cl
     PetscCall(VecRestoreArray(pr->b, &b));
   }
   if (ops->ppe.B) {
-    PetscCall(MatMult(ops->ppe.B, ops->wall_slope_step, pr->work));
+    PetscCall(MatMult(ops->ppe.B, ops->wall_dpdn_step, pr->work));
     PetscCall(VecAXPY(pr->b, -1.0, pr->work));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -37,7 +37,7 @@ static PetscErrorCode VelocityCorrect(const Scene *scene, const Operators *ops, 
 {
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) {
-    PetscCall(AffineApply(&ops->grad_p[a], pr->phi, ops->wall_slope_step, pr->work));
+    PetscCall(AffineApply(&ops->grad_p[a], pr->phi, ops->wall_dpdn_step, pr->work));
     PetscCall(VecAXPY(pr->star[a], -pr->k / scene->rho, pr->work));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -100,7 +100,7 @@ static PetscErrorCode PressureUpdate(const Scene *scene, const Clock *clock, Ope
     PetscCall(VecAXPY(pr->p, -gain * dilatation * scene->rho * scene->nu_low, pr->div));
   }
   if (scheme->filter > 0.0) {
-    PetscCall(MatMult(ops->rough_p.A, pr->p, pr->work));
+    PetscCall(MatMult(ops->filter_p.A, pr->p, pr->work));
     PetscCall(VecAXPY(pr->p, -FilterShare(scene, clock, scheme), pr->work));
   }
   PetscCall(VecRemoveMean(pr->p));

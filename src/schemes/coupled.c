@@ -9,7 +9,7 @@
 */
 #include "coupled.h"
 
-static const CoupledTimeRow kinds[] = {
+static const CoupledIntegratorRow kinds[] = {
     /* name, brief, citation, several substeps */
     {TSBEULER,
      "backward Euler, from (4u^n - u^{n-1})/3 over 2dt/3: BDF2 with the history on particles",
@@ -19,7 +19,7 @@ static const CoupledTimeRow kinds[] = {
     {TSBDF, "backward differentiation in substeps that follow the error; particles fixed",
      "Hairer & Wanner, Solving ODEs II (1996)", PETSC_TRUE},
 };
-const Table CoupledTimeTable =
+const Table CoupledIntegratorTable =
     TABLE("-coupled_ts_type", "Time integrators of the coupled scheme", kinds);
 
 /* CoupledSetShift - The matrix with a shift; the preconditioner of one within 3/2 of it is kept */
@@ -121,7 +121,7 @@ PetscErrorCode CoupledCreate(const Scene *scene, PetscReal dt, PetscBool convect
                        : "try -coupled_pc_type lu, a larger -coupled_ksp_max_it, or a smaller -dt";
   if (split) PetscCall(BlockDefaults(scene, dt));
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Coupled scheme", "");
-  PetscCall(TableSelect(&CoupledTimeTable, "-coupled_ts_type",
+  PetscCall(TableSelect(&CoupledIntegratorTable, "-coupled_ts_type",
                         "Time integrator of the coupled scheme", TSBEULER, &c->row));
   if (split) {
     PetscCall(TableSelect(&SchurTable, "-coupled_schur",
@@ -282,7 +282,7 @@ static PetscErrorCode CoupledMake(PetscReal step, PetscReal shift, const Vec adv
 PetscErrorCode CoupledAssemble(const Clock *clock, PetscReal shift, const Vec advecting[],
                                Coupled *c)
 {
-  const PetscReal step = GridTime(c->scene, clock->dt, clock->direct);
+  const PetscReal step = GridTime(c->scene, clock->dt, clock->steady_solve);
   const PetscBool same = c->saddle.A && c->saddle.assemblies == c->ops->assemblies;
 
   PetscFunctionBegin;
@@ -300,7 +300,7 @@ PetscErrorCode CoupledNames(const Coupled *c, const char **ts, const char **ksp,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const CoupledTimeRow *CoupledTimeKind(const Coupled *c)
+const CoupledIntegratorRow *CoupledIntegrator(const Coupled *c)
 {
   return c->row;
 }

@@ -24,19 +24,19 @@ PetscErrorCode SchurAttach(PC fieldsplit, Schur *schur);
 PetscErrorCode SchurFree(Schur *schur);
 
 struct Coupled {
-  const CoupledTimeRow *row;
-  TS                    ts;
-  KSP                   ksp;
-  Guard                 guard;
-  Saddle                saddle;
-  Mat                   flat; /* its P, where the preconditioner knows no blocks; else NULL */
-  Schur                 schur;
-  PetscReal             shift;           /* that the preconditioner was made for [1/s] */
-  Vec                   x, b;            /* the unknowns; the right-hand side at b_t [m/s] */
-  PetscReal             b_t;             /* NaN: b is to be made [s] */
-  Vec                   part, work;      /* of one component */
-  Vec                   u[ISPH_MAX_DIM]; /* components of x, for convection at a stage [m/s] */
-  PetscInt              iterations;
+  const CoupledIntegratorRow *row;
+  TS                          ts;
+  KSP                         ksp;
+  Guard                       guard;
+  Saddle                      saddle;
+  Mat                         flat; /* its P, where the preconditioner knows no blocks; else NULL */
+  Schur                       schur;
+  PetscReal                   shift;      /* that the preconditioner was made for [1/s] */
+  Vec                         x, b;       /* the unknowns; the right-hand side at b_t [m/s] */
+  PetscReal                   b_t;        /* NaN: b is to be made [s] */
+  Vec                         part, work; /* of one component */
+  Vec      u[ISPH_MAX_DIM];               /* components of x, for convection at a stage [m/s] */
+  PetscInt iterations;
 
   const Scene     *scene; /* of the step at hand, for the callbacks */
   const Particles *particles;

@@ -58,9 +58,9 @@ static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   residual = guard->residual;
-  if (guard->patience >= 0) PetscCall(LadderClimb(ksp, rhs, solution, guard, &good));
+  if (guard->max_in_a_row >= 0) PetscCall(FallbackSolve(ksp, rhs, solution, guard, &good));
   if (!good) guard->residual = residual;
-  if (!good || guard->in_a_row > guard->patience) guard->failed = PETSC_TRUE;
+  if (!good || guard->in_a_row > guard->max_in_a_row) guard->failed = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -127,12 +127,12 @@ PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
   if (!preonly && !chosen) PetscCall(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
   PetscCall(KSPSetPostSolve(ksp, Guard_PostSolve, guard));
   PetscCall(GuardNote(ksp, form, guard));
-  guard->patience = 10;
+  guard->max_in_a_row = 10;
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Solvers", "");
   PetscCall(OptionInt("-fallback",
                       "Solves in a row that other methods may make in place of the chosen one; -1: "
                       "none, the first failure ends the step",
-                      -1, PETSC_MAX_INT, &guard->patience, NULL));
+                      -1, PETSC_MAX_INT, &guard->max_in_a_row, NULL));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -141,7 +141,7 @@ PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
 PetscErrorCode GuardDetach(Guard *guard)
 {
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < GUARD_RUNGS; k++) PetscCall(KSPDestroy(&guard->rung[k]));
+  for (PetscInt k = 0; k < FALLBACK_LEVELS; k++) PetscCall(KSPDestroy(&guard->level[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -205,7 +205,7 @@ PetscErrorCode GuardCheck(KSP ksp, Guard *guard, StepFailure *failure)
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCGetType(pc, &pc_type));
   PetscCall(GuardRemedy(ksp, pc, guard, remedy, sizeof(remedy)));
-  if (guard->patience >= 0 && guard->in_a_row > guard->patience) {
+  if (guard->max_in_a_row >= 0 && guard->in_a_row > guard->max_in_a_row) {
     FailureSet(
         failure, PETSC_ERR_NOT_CONVERGED,
         "%s: %" PetscInt_FMT
@@ -213,7 +213,7 @@ PetscErrorCode GuardCheck(KSP ksp, Guard *guard, StepFailure *failure)
         "%s, or -fallback a larger number",
         guard->where, guard->in_a_row, guard->what, ksp_type, pc_type,
         KSPConvergedReasons[guard->reason], remedy);
-    failure->hopeless = PETSC_TRUE;
+    failure->fatal = PETSC_TRUE;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
@@ -242,8 +242,8 @@ void FailureSet(StepFailure *failure, PetscErrorCode code, const char format[], 
   va_list arguments;
 
   if (failure->code) return;
-  failure->code     = code;
-  failure->hopeless = PETSC_FALSE;
+  failure->code  = code;
+  failure->fatal = PETSC_FALSE;
   va_start(arguments, format);
   (void)vsnprintf(failure->sentence, sizeof(failure->sentence), format, arguments);
   va_end(arguments);

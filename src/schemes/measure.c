@@ -140,7 +140,7 @@ static PetscErrorCode MeasureFlow(const Scene *scene, const Particles *p, const 
                                   const Vec u[], Scheme *scheme)
 {
   StepStats         *stats = &scheme->stats;
-  PetscReal          sum = 0.0, most[2] = {0.0, ops->wall_drive};
+  PetscReal          sum = 0.0, most[2] = {0.0, ops->wall_speed_bound};
   const PetscScalar *v[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
@@ -155,9 +155,9 @@ static PetscErrorCode MeasureFlow(const Scene *scene, const Particles *p, const 
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(u[a], &v[a]));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, p->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, 2, MPIU_REAL, MPIU_MAX, p->comm));
-  stats->kinetic_energy = 0.5 * scene->rho * SceneVolume(scene) * sum;
-  stats->speed_max      = most[0];
-  stats->wall_drive     = most[1];
+  stats->kinetic_energy   = 0.5 * scene->rho * SceneVolume(scene) * sum;
+  stats->speed_max        = most[0];
+  stats->wall_speed_bound = most[1];
   if (p->p)
     PetscCall(MeasureDivergence(scene, ops, u, (Projection *)scheme->data, &stats->divergence));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -183,7 +183,7 @@ PetscErrorCode MeasureBegin(const Scene *scene, const Particles *p, const Operat
 
   with the rate r at which walls at rest would slow it (SceneDecayRate()). All but the last term
   follow from the energy's balance, whatever the length of the step; that walls make no flow faster
-  than SceneWallDrive() holds of every flow known to be right, with room: a cavity has a third
+  than SceneWallSpeedBound() holds of every flow known to be right, with room: a cavity has a third
   of that at most.
 */
 static PetscReal SpeedBound(const Scene *scene, const Clock *clock, Scheme *scheme)
@@ -192,9 +192,9 @@ static PetscReal SpeedBound(const Scene *scene, const Clock *clock, Scheme *sche
   PetscReal      *number = scheme->number, forced;
 
   if (scheme->force_step > 0.0)
-    number[NUMBER_IMPULSE] += clock->direct ? PETSC_INFINITY : scheme->force_step * clock->dt;
+    number[NUMBER_IMPULSE] += clock->steady_solve ? PETSC_INFINITY : scheme->force_step * clock->dt;
   number[NUMBER_FORCE] = PetscMax(number[NUMBER_FORCE], scheme->force_step);
-  number[NUMBER_WALLS] = PetscMax(number[NUMBER_WALLS], scheme->stats.wall_drive);
+  number[NUMBER_WALLS] = PetscMax(number[NUMBER_WALLS], scheme->stats.wall_speed_bound);
   scheme->force_step   = 0.0;
   forced               = number[NUMBER_IMPULSE];
   if (rate > 0.0) forced = PetscMin(forced, number[NUMBER_FORCE] / rate);
@@ -202,13 +202,13 @@ static PetscReal SpeedBound(const Scene *scene, const Clock *clock, Scheme *sche
 }
 
 /*
-  StepJudge - Measures the step just made, u* being the new velocity, and tells one gone wrong
+  StepMeasure - Measures the step just made, u* being the new velocity, and tells one gone wrong
 
   Collective. Sets scheme->failure where energy is not finite, or is more than what moves the flow
   can have made of it, or a particle is a hundred times as fast as the reference.
 */
-PetscErrorCode StepJudge(const Scene *scene, const Clock *clock, const Particles *p,
-                         const Operators *ops, Scheme *scheme)
+PetscErrorCode StepMeasure(const Scene *scene, const Clock *clock, const Particles *p,
+                           const Operators *ops, Scheme *scheme)
 {
   Projection *pr    = (Projection *)scheme->data;
   StepStats  *stats = &scheme->stats;
@@ -222,7 +222,7 @@ PetscErrorCode StepJudge(const Scene *scene, const Clock *clock, const Particles
     char where[CLOCK_WHERE], advice[128] = "try a smaller -coupled_ksp_rtol, or advance in time";
 
     PetscCall(ClockWhere(clock, where));
-    if (!clock->direct) {
+    if (!clock->steady_solve) {
       PetscCall(
           PetscSNPrintf(advice, sizeof(advice),
                         "the flow is unstable at dt = %.6g (CFL %.2g); try a smaller -dt or -cfl",

@@ -128,7 +128,7 @@ static PetscErrorCode SolveSystem(const Scene *scene, const Clock *clock, const 
   Projection     *pr    = (Projection *)scheme->data;
   Coupled        *c     = scheme->coupled;
   const PetscReal end   = clock->t + clock->dt;
-  const PetscReal shift = clock->direct ? 0.0 : 1.0 / dt;
+  const PetscReal shift = clock->steady_solve ? 0.0 : 1.0 / dt;
 
   PetscFunctionBegin;
   c->scene      = scene;
@@ -136,13 +136,13 @@ static PetscErrorCode SolveSystem(const Scene *scene, const Clock *clock, const 
   c->ops        = ops;
   c->scheme     = scheme;
   c->force      = pr->force;
-  c->stages     = c->row->substeps || clock->direct;
+  c->stages     = c->row->substeps || clock->steady_solve;
   c->b_t        = NAN;
   c->iterations = 0;
   PetscCall(ClockWhere(clock, c->guard.where));
   PetscCall(CoupledAssemble(clock, shift, NULL, c));
   PetscCall(SaddlePut(&c->saddle, pr->star, pr->p, c->x));
-  if (clock->direct) {
+  if (clock->steady_solve) {
     PetscCall(CoupledRightHandSide(c, end));
     PetscCall(SolveLinear(c->b, c, &scheme->failure));
     if (SceneHas(scene, PHYSICS_CONVECTION))
@@ -156,15 +156,15 @@ static PetscErrorCode SolveSystem(const Scene *scene, const Clock *clock, const 
 }
 
 /* u^{n+1} in u*, p^{n+1}, and the divergence that u^{n+1} has. */
-static PetscErrorCode SolveTogether(const Scene *scene, const Clock *clock, Particles *p,
-                                    Operators *ops, Scheme *scheme)
+static PetscErrorCode CoupledSolve(const Scene *scene, const Clock *clock, Particles *p,
+                                   Operators *ops, Scheme *scheme)
 {
   Projection *pr = (Projection *)scheme->data;
   PetscReal   dt = clock->dt;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(pr->event[EVENT_COUPLED], 0, 0, 0, 0));
-  if (clock->direct || CoupledTimeKind(scheme->coupled)->substeps) {
+  if (clock->steady_solve || CoupledIntegrator(scheme->coupled)->substeps) {
     for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecCopy(pr->u[a], pr->star[a]));
   } else {
     PetscCall(PredictorStart(scene, clock, p, ops, PETSC_TRUE, 1.0, scheme, &dt));
@@ -179,11 +179,11 @@ static PetscErrorCode SolveTogether(const Scene *scene, const Clock *clock, Part
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MonolithStep - One step of velocity and pressure together; see FlowStep() */
-PetscErrorCode MonolithStep(const Scene *scene, Clock *clock, Particles *p, Neighbors *nb,
-                            Operators *ops, Scheme *scheme)
+/* CoupledStep - One step of velocity and pressure together; see FlowStep() */
+PetscErrorCode CoupledStep(const Scene *scene, Clock *clock, Particles *p, Neighbors *nb,
+                           Operators *ops, Scheme *scheme)
 {
   PetscFunctionBegin;
-  PetscCall(FlowStep(scene, clock, p, nb, ops, SolveTogether, scheme));
+  PetscCall(FlowStep(scene, clock, p, nb, ops, CoupledSolve, scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -51,17 +51,18 @@ static PetscErrorCode SlopesGet(const Scene *scene, const Operators *ops, PetscB
   PetscCall(PetscMemzero(slopes, sizeof(*slopes)));
   for (PetscInt a = 0; a < scene->dim; a++) {
     if (pr->p) {
-      PetscCall(SlopeOf(&ops->grad_p[a], pr->p, ops->wall_slope, &pr->force[a], &slopes->p[a]));
+      PetscCall(SlopeOf(&ops->grad_p[a], pr->p, ops->wall_dpdn, &pr->force[a], &slopes->p[a]));
     }
-    for (PetscInt c = 0; (shifting || ops->rough_u.needed) && c < scene->dim; c++) {
+    for (PetscInt c = 0; (shifting || ops->filter_u.needed) && c < scene->dim; c++) {
       PetscCall(SlopeOf(&ops->grad_u[a], pr->u[c], ops->wall_u[c], &pr->velocity_slope[c][a],
                         &slopes->u[c][a]));
     }
-    if (shifting && ops->visc.needed && ops->visc_plain) {
+    if (shifting && ops->visc.needed && ops->visc_is_laplacian) {
       PetscCall(SlopeOf(&ops->visc, pr->u[a], ops->wall_u[a], &pr->star[a], &slopes->lap[a]));
     }
-    if (ops->rough_u.needed) {
-      PetscCall(SlopeOf(&ops->rough_u, pr->u[a], ops->wall_u[a], &pr->rough[a], &slopes->rough[a]));
+    if (ops->filter_u.needed) {
+      PetscCall(
+          SlopeOf(&ops->filter_u, pr->u[a], ops->wall_u[a], &pr->rough[a], &slopes->rough[a]));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -194,7 +195,7 @@ PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *
     KeepOffWalls(scene, x);
     for (PetscInt a = 0; a < scene->dim; a++) shift[a] = x[a] - p->x[a][i] - flown[a];
     if (shifting) FollowShift(scene, &slopes, i, shift, change);
-    if (ops->rough_u.needed)
+    if (ops->filter_u.needed)
       FilterVelocity(scene, &slopes, i, ops->velocity_filter, clock->dt, change);
     moved2 = PetscIsNanReal(d2) ? PETSC_INFINITY : PetscMax(moved2, d2);
     for (PetscInt a = 0; a < scene->dim; a++) {

@@ -10,7 +10,7 @@ static PetscErrorCode AddConvection(const Scene *scene, const Clock *clock, cons
 {
   Projection     *pr = (Projection *)scheme->data;
   const PetscBool extrapolate =
-      !scheme->visc || ViscosityTimeKind(scheme->visc)->kind == TIME_IMPLICIT;
+      !scheme->visc || ViscosityIntegrator(scheme->visc)->kind == TIME_IMPLICIT;
   const PetscReal w = scheme->time_order == 2 ? at * ClockRatio(clock) : 0.0;
 
   PetscFunctionBegin;
@@ -44,8 +44,8 @@ PetscErrorCode AddBodyForce(const Scene *scene, PetscReal t, const Particles *p,
   PetscFunctionBegin;
   if (!scene->force.n) {
     for (PetscInt a = 0; a < scene->dim; a++) {
-      if (force) PetscCall(VecShift(force[a], scene->body[a]));
-      most += PetscSqr(scene->body[a]);
+      if (force) PetscCall(VecShift(force[a], scene->body_force[a]));
+      most += PetscSqr(scene->body_force[a]);
     }
     scheme->stats.force_max = PetscSqrtReal(most);
     scheme->force_step      = PetscMax(scheme->force_step, scheme->stats.force_max);
@@ -79,7 +79,7 @@ static PetscErrorCode AssembleForce(const Scene *scene, const Clock *clock, cons
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) {
     if (scheme->projection && scheme->projection->incremental) {
-      PetscCall(AffineApply(&ops->grad_p[a], pr->p, ops->wall_slope, pr->force[a]));
+      PetscCall(AffineApply(&ops->grad_p[a], pr->p, ops->wall_dpdn, pr->force[a]));
       PetscCall(VecScale(pr->force[a], -1.0 / scene->rho));
     } else {
       PetscCall(VecZeroEntries(pr->force[a]));
@@ -126,21 +126,22 @@ PetscErrorCode PredictorStart(const Scene *scene, const Clock *clock, const Part
 PetscErrorCode PredictVelocity(const Scene *scene, const Clock *clock, Particles *p, Operators *ops,
                                Scheme *scheme)
 {
-  Projection        *pr    = (Projection *)scheme->data;
-  const TimeKindRow *kind  = scheme->visc ? ViscosityTimeKind(scheme->visc) : NULL;
-  const PetscBool    inner = pr->has_convection && kind && kind->kind != TIME_IMPLICIT;
-  PetscReal          dt;
+  Projection                 *pr    = (Projection *)scheme->data;
+  const ViscousIntegratorRow *kind  = scheme->visc ? ViscosityIntegrator(scheme->visc) : NULL;
+  const PetscBool             inner = pr->has_convection && kind && kind->kind != TIME_IMPLICIT;
+  PetscReal                   dt;
 
   PetscFunctionBegin;
   PetscCall(PredictorStart(scene, clock, p, ops, !kind || kind->history,
                            !kind || kind->end_of_step ? 1.0 : 0.5, scheme, &dt));
   pr->k = dt;
   if (scheme->visc) {
-    const PetscReal slip =
+    const PetscReal projection_factor =
         scheme->projection ? dt * ViscosityResponse(scheme->visc) / scene->rho : 0.0;
 
-    PetscCall(ViscositySolve(scene, clock, p, dt, slip, pr->force, inner ? pr->conv : NULL, ops,
-                             pr->star, scheme->visc, &scheme->failure));
+    PetscCall(ViscositySolve(scene, clock, p, dt, projection_factor, pr->force,
+                             inner ? pr->conv : NULL, ops, pr->star, scheme->visc,
+                             &scheme->failure));
     pr->k *= ViscosityResponse(scheme->visc);
   } else {
     for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecAXPY(pr->star[a], dt, pr->force[a]));

@@ -45,7 +45,7 @@ PetscErrorCode ProjectionRegister(const Scene *scene, Particles *p, Scheme *sche
     PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM] = {0.0}, pressure = 0.0;
 
     for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
-    if (p->flowing) {
+    if (p->velocity_given) {
       for (PetscInt a = 0; a < scene->dim; a++) u[a] = p->u[a][i];
     } else if (scene->problem->Velocity) {
       scene->problem->Velocity(scene, 0.0, x, u);
@@ -53,7 +53,7 @@ PetscErrorCode ProjectionRegister(const Scene *scene, Particles *p, Scheme *sche
     for (PetscInt a = 0; a < scene->dim; a++) {
       p->u[a][i] = pr->u_previous[a][i] = u[a];
     }
-    if (p->p && scene->problem->Exact && !scene->velocity.n && !p->flowing)
+    if (p->p && scene->problem->Exact && !scene->velocity.n && !p->velocity_given)
       scene->problem->Exact(scene, 0.0, x, u, &pressure);
     if (p->p) p->p[i] = pressure;
     most = PetscMax(most, PetscAbsReal(pressure));
@@ -123,12 +123,13 @@ static PetscErrorCode ProjectionRenumber(const Scene *scene, const Particles *p,
 }
 
 /* n.grad p = rho n.(f - a) at own wall particle w, a the acceleration of the wall. */
-static PetscReal WallSlope(const Scene *scene, const Particles *p, PetscInt w, PetscReal t)
+static PetscReal WallPressureGradient(const Scene *scene, const Particles *p, PetscInt w,
+                                      PetscReal t)
 {
   const PetscInt i    = p->n_fluid + w;
   PetscReal      full = 0.0, x[ISPH_MAX_DIM], acceleration[ISPH_MAX_DIM], force[ISPH_MAX_DIM];
 
-  ParticlesFoot(p, i, x);
+  ParticlesWallPoint(p, i, x);
   SceneWallAcceleration(scene, (PetscInt)p->side[i], t, x, acceleration);
   SceneBodyForce(scene, t, x, force);
   for (PetscInt a = 0; a < scene->dim; a++)
@@ -137,42 +138,43 @@ static PetscReal WallSlope(const Scene *scene, const Particles *p, PetscInt w, P
 }
 
 /* Slopes that p^n has at time t, a share `had` of the full ones; a step adds nothing yet. */
-static PetscErrorCode SetWallSlopes(const Scene *scene, const Particles *p, PetscReal t,
-                                    PetscReal had, Operators *ops)
+static PetscErrorCode SetWallPressureGradient(const Scene *scene, const Particles *p, PetscReal t,
+                                              PetscReal had, Operators *ops)
 {
   PetscScalar *slope;
 
   PetscFunctionBegin;
   if (!ops->wall) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(VecGetArray(ops->wall_slope, &slope));
-  for (PetscInt w = 0; w < p->n_wall; w++) slope[w] = had * WallSlope(scene, p, w, t);
-  PetscCall(VecRestoreArray(ops->wall_slope, &slope));
-  PetscCall(VecZeroEntries(ops->wall_slope_step));
+  PetscCall(VecGetArray(ops->wall_dpdn, &slope));
+  for (PetscInt w = 0; w < p->n_wall; w++) slope[w] = had * WallPressureGradient(scene, p, w, t);
+  PetscCall(VecRestoreArray(ops->wall_dpdn, &slope));
+  PetscCall(VecZeroEntries(ops->wall_dpdn_step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* What the step to time t adds to them: what the full ones are then, less what p^n has. */
-static PetscErrorCode AddWallSlopes(const Scene *scene, const Particles *p, PetscReal t,
-                                    Operators *ops)
+static PetscErrorCode SetWallPressureGradientStep(const Scene *scene, const Particles *p,
+                                                  PetscReal t, Operators *ops)
 {
   const PetscScalar *slope;
   PetscScalar       *step;
 
   PetscFunctionBegin;
   if (!ops->wall) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(VecGetArrayRead(ops->wall_slope, &slope));
-  PetscCall(VecGetArray(ops->wall_slope_step, &step));
-  for (PetscInt w = 0; w < p->n_wall; w++) step[w] = WallSlope(scene, p, w, t) - slope[w];
-  PetscCall(VecRestoreArrayRead(ops->wall_slope, &slope));
-  PetscCall(VecRestoreArray(ops->wall_slope_step, &step));
+  PetscCall(VecGetArrayRead(ops->wall_dpdn, &slope));
+  PetscCall(VecGetArray(ops->wall_dpdn_step, &step));
+  for (PetscInt w = 0; w < p->n_wall; w++)
+    step[w] = WallPressureGradient(scene, p, w, t) - slope[w];
+  PetscCall(VecRestoreArrayRead(ops->wall_dpdn, &slope));
+  PetscCall(VecRestoreArray(ops->wall_dpdn_step, &step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The time whose slopes p has after a step of length dt that ends at t: that of the step's
    force. */
-static PetscReal SlopeTime(const Scheme *scheme, PetscReal t, PetscReal dt)
+static PetscReal WallPressureGradientTime(const Scheme *scheme, PetscReal t, PetscReal dt)
 {
-  return !scheme->visc || ViscosityTimeKind(scheme->visc)->end_of_step ? t : t - 0.5 * dt;
+  return !scheme->visc || ViscosityIntegrator(scheme->visc)->end_of_step ? t : t - 0.5 * dt;
 }
 
 /* Everything that follows from new positions: neighbours, matrices, vectors. */
@@ -209,8 +211,9 @@ PetscErrorCode ProjectionBegin(const Scene *scene, const Clock *clock, Particles
   PetscCall(RebuildOperators(scene, clock, p, nb, ops, scheme));
   PetscCall(OperatorsSetWallVelocity(scene, p, clock->t, 0.0, ops));
   if (scheme->projection)
-    PetscCall(SetWallSlopes(scene, p, SlopeTime(scheme, clock->t, clock->dt_previous),
-                            scheme->number[NUMBER_BALANCE], ops));
+    PetscCall(SetWallPressureGradient(
+        scene, p, WallPressureGradientTime(scheme, clock->t, clock->dt_previous),
+        scheme->number[NUMBER_BALANCE], ops));
   if (!SceneIsNewtonian(scene)) PetscCall(OperatorsFollowStrain(scene, p, pr->u, ops));
   if (clock->step == 0) PetscCall(MeasureBegin(scene, p, ops, scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -242,14 +245,14 @@ static PetscErrorCode SolveInTurn(const Scene *scene, const Clock *clock, Partic
 {
   Projection     *pr      = (Projection *)scheme->data;
   PetscReal      *balance = &scheme->number[NUMBER_BALANCE];
-  const PetscReal before  = SlopeTime(scheme, clock->t, clock->dt_previous),
-                  after   = SlopeTime(scheme, clock->t + clock->dt, clock->dt);
+  const PetscReal before  = WallPressureGradientTime(scheme, clock->t, clock->dt_previous),
+                  after   = WallPressureGradientTime(scheme, clock->t + clock->dt, clock->dt);
 
   PetscFunctionBegin;
   if (scheme->projection) {
     if (!scheme->projection->incremental) *balance = 0.0;
-    PetscCall(SetWallSlopes(scene, p, before, *balance, ops));
-    PetscCall(AddWallSlopes(scene, p, after, ops));
+    PetscCall(SetWallPressureGradient(scene, p, before, *balance, ops));
+    PetscCall(SetWallPressureGradientStep(scene, p, after, ops));
   }
   PetscCall(PetscLogEventBegin(pr->event[EVENT_VISCOSITY], 0, 0, 0, 0));
   PetscCall(PredictVelocity(scene, clock, p, ops, scheme));
@@ -259,7 +262,7 @@ static PetscErrorCode SolveInTurn(const Scene *scene, const Clock *clock, Partic
   if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   if (scheme->projection) {
     *balance += PressureGain(clock, scheme) * (1.0 - *balance);
-    PetscCall(SetWallSlopes(scene, p, after, *balance, ops));
+    PetscCall(SetWallPressureGradient(scene, p, after, *balance, ops));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -284,7 +287,7 @@ PetscErrorCode FlowStep(const Scene *scene, Clock *clock, Particles *p, Neighbor
   if (!scheme->failure.code) PetscCall(Solve(scene, clock, p, ops, scheme));
   if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(OperatorsSetWallVelocity(scene, p, clock->t + clock->dt, 0.0, ops));
-  PetscCall(StepJudge(scene, clock, p, ops, scheme));
+  PetscCall(StepMeasure(scene, clock, p, ops, scheme));
   if (scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < scene->dim; a++) {
     PetscCall(VecCopy(pr->u[a], pr->u_prev[a]));

@@ -65,8 +65,8 @@ typedef PetscErrorCode (*FlowSolve)(const Scene *scene, const Clock *clock, Part
                                     Operators *ops, Scheme *scheme);
 PetscErrorCode FlowStep(const Scene *scene, Clock *clock, Particles *particles,
                         Neighbors *neighbors, Operators *ops, FlowSolve Solve, Scheme *scheme);
-PetscErrorCode MonolithStep(const Scene *scene, Clock *clock, Particles *particles,
-                            Neighbors *neighbors, Operators *ops, Scheme *scheme);
+PetscErrorCode CoupledStep(const Scene *scene, Clock *clock, Particles *particles,
+                           Neighbors *neighbors, Operators *ops, Scheme *scheme);
 
 PetscErrorCode PredictorStart(const Scene *scene, const Clock *clock, const Particles *particles,
                               const Operators *ops, PetscBool history, PetscReal at, Scheme *scheme,
@@ -82,7 +82,7 @@ PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *
                              Particles *particles, Scheme *scheme);
 PetscErrorCode MeasureBegin(const Scene *scene, const Particles *particles, const Operators *ops,
                             Scheme *scheme);
-PetscErrorCode StepJudge(const Scene *scene, const Clock *clock, const Particles *particles,
-                         const Operators *ops, Scheme *scheme);
+PetscErrorCode StepMeasure(const Scene *scene, const Clock *clock, const Particles *particles,
+                           const Operators *ops, Scheme *scheme);
 
 #endif

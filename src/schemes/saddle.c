@@ -118,7 +118,7 @@ PetscErrorCode SaddleAssemble(const Scene *scene, const Particles *p, const Oper
   PetscCall(MatDuplicate(s->viscous, MAT_DO_NOT_COPY_VALUES, &s->F));
   PetscCall(BlockCreate(p, &ops->fluid, tall, scene->dx, ops->grad_p, &s->G));
   PetscCall(BlockCreate(p, &ops->fluid, wide, scene->dx, ops->div, &s->D));
-  PetscCall(BlockCreate(p, &ops->fluid, single, 1.0, &ops->rough_p, &s->C));
+  PetscCall(BlockCreate(p, &ops->fluid, single, 1.0, &ops->filter_p, &s->C));
   PetscCall(GaugeCreate(p, scene->dim, &s->gauge));
   PetscCall(MatCreateNest(p->comm, 2, NULL, 2, NULL, (Mat[]){s->F, s->G, s->D, s->C}, &s->P));
   PetscCall(MatCreateLRC(s->P, s->gauge, NULL, s->gauge, &s->A));

@@ -19,7 +19,7 @@ static const SchemeRow schemes[] = {
      ProjectionCreate, ProjectionRegister, ProjectionBegin, ProjectionStep, ProjectionDestroy},
     {"coupled", "velocity and pressure in one matrix: no splitting error at any step, or -steady",
      "Elman, Silvester & Wathen, Finite Elements and Fast Iterative Solvers (2014)", PETSC_FALSE,
-     ProjectionCreate, ProjectionRegister, ProjectionBegin, MonolithStep, ProjectionDestroy},
+     ProjectionCreate, ProjectionRegister, ProjectionBegin, CoupledStep, ProjectionDestroy},
 };
 const Table SchemeTable = TABLE("-scheme", "Schemes", schemes);
 
@@ -77,7 +77,7 @@ static PetscErrorCode SchemeRefuseCoupled(const Scene *scene, const Operators *o
             "-visc_laplacian %s: its matrix has eigenvalues of both signs, and -scheme coupled has "
             "no solver for it; use a form that is safe_implicit in -catalogue",
             ops->visc_form.row->name);
-  UserCheck(!ops->together && !SceneViscosityVaries(scene),
+  UserCheck(!ops->components_coupled && !SceneViscosityVaries(scene),
             "-scheme coupled: it takes one viscosity, the same matrix for each component, and not "
             "%s; use -scheme projection",
             !SceneIsNewtonian(scene)      ? "-rheology"
@@ -121,28 +121,28 @@ static PetscErrorCode OnLattice(const Scene *scene, PetscBool *on)
 static PetscErrorCode SchemeCreateCoupled(const Scene *scene, const Clock *clock, Operators *ops,
                                           Scheme *s)
 {
-  const PetscBool       moves = SceneMoves(scene);
-  const CoupledTimeRow *time;
-  PetscBool             filter, order;
+  const PetscBool             moves = SceneMoves(scene);
+  const CoupledIntegratorRow *time;
+  PetscBool                   filter, order;
 
   PetscFunctionBegin;
-  ops->one_sided = ops->rough_p.needed = PETSC_TRUE;
+  ops->grad_p_without_walls = ops->filter_p.needed = PETSC_TRUE;
   PetscCall(CoupledCreate(scene, clock->dt, scene->motion && !moves ? PETSC_TRUE : PETSC_FALSE,
                           &s->coupled));
-  time = CoupledTimeKind(s->coupled);
+  time = CoupledIntegrator(s->coupled);
   UserCheck(!moves || !time->substeps,
             "-coupled_ts_type %s: particles that move leave its substeps nothing to begin from; "
             "use beuler, or -motion eulerian",
             time->name);
-  if (!clock->direct && !time->substeps) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!clock->steady_solve && !time->substeps) PetscFunctionReturn(PETSC_SUCCESS);
   if (scene->motion) {
     PetscCall(OptionGiven("-velocity_filter", &filter));
     UserCheck(!filter, "-velocity_filter: %s takes convection as it is, unfiltered",
-              clock->direct ? "-steady" : "this -coupled_ts_type");
+              clock->steady_solve ? "-steady" : "this -coupled_ts_type");
   }
   PetscCall(OptionGiven("-time_order", &order));
   UserCheck(!order, "-time_order: -coupled_ts_type %s has its own order", time->name);
-  ops->rough_u.needed = PETSC_FALSE;
+  ops->filter_u.needed = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -204,7 +204,7 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
                          "Strength of the grid-scale pressure filter; 0: off; by default 1, on "
                          "lattices that stay 0.1 [-]",
                          0.0, 2.0, &s->filter, NULL));
-    ops->rough_p.needed = s->filter > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+    ops->filter_p.needed = s->filter > 0.0 ? PETSC_TRUE : PETSC_FALSE;
   }
   if (moves) {
     PetscCall(TableSelect(&ShiftTable, "-shift", "Particle shifting", "fickian", &s->shift));
@@ -216,7 +216,7 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
   }
   PetscOptionsEnd();
   if (!s->row->splits) PetscCall(SchemeRefuseCoupled(scene, ops));
-  if (clock->direct) PetscCall(SchemeRefuseSteady(scene, s->row));
+  if (clock->steady_solve) PetscCall(SchemeRefuseSteady(scene, s->row));
   PetscCall(SchemeRefuseCreep(scene, clock, s->projection));
   PetscCall(SchemeRefuseGain(scene, s->projection));
   ops->need_concentration =
@@ -224,15 +224,15 @@ PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *o
   if (SceneHas(scene, PHYSICS_VISCOSITY) && s->row->splits)
     PetscCall(ViscosityCreate(scene, clock->dt, ops, &s->visc));
   UserCheck(
-      !s->visc || !ViscosityTimeKind(s->visc)->multistep || !moves,
+      !s->visc || !ViscosityIntegrator(s->visc)->multistep || !moves,
       "-visc_ts_type %s: its own history cannot follow particles that move; use beuler, which "
       "is BDF2 with the history on particles, or -motion eulerian",
-      ViscosityTimeKind(s->visc)->name);
+      ViscosityIntegrator(s->visc)->name);
   UserCheck(
-      !s->visc || !ViscosityTimeKind(s->visc)->multistep || !clock->adapt->retries,
+      !s->visc || !ViscosityIntegrator(s->visc)->multistep || !clock->adapt->retries,
       "-visc_ts_type %s: its own history cannot be undone with a step, as -dt_adapt retry wants; "
       "use beuler",
-      ViscosityTimeKind(s->visc)->name);
+      ViscosityIntegrator(s->visc)->name);
   if (SceneHas(scene, PHYSICS_PRESSURE) && s->row->splits) PetscCall(PressureCreate(ops, &s->ppe));
   if (!s->row->splits) PetscCall(SchemeCreateCoupled(scene, clock, ops, s));
   PetscCall(s->row->Create(scene, clock, ops, s));

@@ -5,13 +5,13 @@
 
   the same matrix and the same KSP for all; one system for all components where a form couples them
   or the viscosity follows their strain rate. Where each term enters is the time kind's choice
-  (timekinds.c); v is the advecting velocity of particles that do not move, given for the whole
+  (integrators.c); v is the advecting velocity of particles that do not move, given for the whole
   step.
 */
 #include "viscosity.h"
 
 /* The clock owns time and the history is on particles: what contradicts that is refused. */
-static PetscErrorCode RefuseTimeOptions(const TimeKindRow *row)
+static PetscErrorCode RefuseTimeOptions(const ViscousIntegratorRow *row)
 {
   PetscReal theta = 0.5;
   PetscBool given;
@@ -69,7 +69,8 @@ static PetscErrorCode ViscosityCreateSolver(const Scene *scene, PetscReal dt, co
   Options Database Keys:
 . -visc_ts_type, -visc_ksp_type, -visc_pc_type, ... - any TS, SNES, KSP or PC option of PETSc's
 
-  Errors: TS types that are no row of TimeKindTable, and options that would give time to the TS
+  Errors: TS types that are no row of ViscousIntegratorTable, and options that would give time to
+  the TS
 */
 PetscErrorCode ViscosityCreate(const Scene *scene, PetscReal dt, const Operators *ops,
                                Viscosity **visc)
@@ -79,15 +80,15 @@ PetscErrorCode ViscosityCreate(const Scene *scene, PetscReal dt, const Operators
   PetscFunctionBegin;
   PetscCall(PetscNew(&v));
   v->dim          = scene->dim;
-  v->systems      = ops->together ? 1 : scene->dim;
+  v->systems      = ops->components_coupled ? 1 : scene->dim;
   v->nonlinear    = SceneIsNewtonian(scene) ? PETSC_FALSE : PETSC_TRUE;
   v->scene        = scene;
   v->guard.what   = "viscous";
   v->guard.prefix = "visc_";
   v->guard.inner  = v->nonlinear;
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Viscosity", "");
-  PetscCall(TableSelect(&TimeKindTable, "-visc_ts_type", "Time integrator of viscosity", TSBEULER,
-                        &v->row));
+  PetscCall(TableSelect(&ViscousIntegratorTable, "-visc_ts_type", "Time integrator of viscosity",
+                        TSBEULER, &v->row));
   PetscOptionsEnd();
   PetscCall(RefuseTimeOptions(v->row));
   for (PetscInt c = 0; c < v->systems; c++) {
@@ -241,7 +242,7 @@ static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t,
 
   Input Parameters:
 + dt        - length of this viscous step; less than the clock's where it starts from a history [s]
-. slip      - see OperatorsSetWallVelocity()
+. projection_factor - see OperatorsSetWallVelocity()
 . force     - per unit mass, constant over the step [m/s^2]
 - advecting - v, NULL where particles move or the force holds the convection already [m/s]
 
@@ -252,20 +253,20 @@ static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t,
 . failure - set where a TS diverges, or no method reaches a small true residual
 */
 PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, Particles *p, PetscReal dt,
-                              PetscReal slip, const Vec force[], const Vec advecting[],
+                              PetscReal projection_factor, const Vec force[], const Vec advecting[],
                               Operators *ops, Vec u[], Viscosity *v, StepFailure *failure)
 {
   const PetscReal t_new = clock->t + clock->dt;
 
   PetscFunctionBegin;
-  v->scene      = scene;
-  v->particles  = p;
-  v->ops        = ops;
-  v->slip       = slip;
-  v->force      = force;
-  v->advecting  = advecting;
-  v->wall_t     = NAN;
-  v->iterations = 0;
+  v->scene             = scene;
+  v->particles         = p;
+  v->ops               = ops;
+  v->projection_factor = projection_factor;
+  v->force             = force;
+  v->advecting         = advecting;
+  v->wall_t            = NAN;
+  v->iterations        = 0;
   PetscCall(ViscosityUpdateJacobian(v));
   PetscCall(ClockWhere(clock, v->guard.where));
   for (PetscInt c = 0; c < v->dim && v->systems == 1; c++) {
@@ -279,7 +280,7 @@ PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, Particles 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const TimeKindRow *ViscosityTimeKind(const Viscosity *v)
+const ViscousIntegratorRow *ViscosityIntegrator(const Viscosity *v)
 {
   return v->row;
 }

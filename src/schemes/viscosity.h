@@ -11,27 +11,27 @@ typedef struct {
 } Component;
 
 struct Viscosity {
-  const TimeKindRow *row;
-  PetscInt           dim;
-  PetscInt           systems;          /* one for each component, or one of all together */
-  PetscBool          nonlinear;        /* the viscosity follows the strain rate */
-  TS                 ts[ISPH_MAX_DIM]; /* they share the SNES's KSP of the first */
-  Component          component[ISPH_MAX_DIM];
-  KSP                ksp; /* NULL: explicit */
-  Guard              guard;
-  PetscInt           iterations;
-  Mat                J;          /* shift I - nu A */
-  PetscReal          shift;      /* in J; NaN: J is not yet made [1/s] */
-  PetscInt           assemblies; /* stamp of the operators in J */
-  Vec                boundary[ISPH_MAX_DIM], gradient, work; /* B u_wall,c at wall_t; work */
-  PetscReal          wall_t;
-  Vec all, all_force, all_walls; /* of all components: velocity, force, walls' velocity */
-  Vec part[ISPH_MAX_DIM];        /* their components; work */
+  const ViscousIntegratorRow *row;
+  PetscInt                    dim;
+  PetscInt                    systems;          /* one for each component, or one of all together */
+  PetscBool                   nonlinear;        /* the viscosity follows the strain rate */
+  TS                          ts[ISPH_MAX_DIM]; /* they share the SNES's KSP of the first */
+  Component                   component[ISPH_MAX_DIM];
+  KSP                         ksp; /* NULL: explicit */
+  Guard                       guard;
+  PetscInt                    iterations;
+  Mat                         J;                    /* shift I - nu A */
+  PetscReal                   shift;                /* in J; NaN: J is not yet made [1/s] */
+  PetscInt                    assemblies;           /* stamp of the operators in J */
+  Vec       boundary[ISPH_MAX_DIM], gradient, work; /* B u_wall,c at wall_t; work */
+  PetscReal wall_t;
+  Vec       all, all_force, all_walls; /* of all components: velocity, force, walls' velocity */
+  Vec       part[ISPH_MAX_DIM];        /* their components; work */
 
   const Scene *scene; /* of the solve at hand, for the callbacks */
   Particles   *particles;
   Operators   *ops;
-  PetscReal    slip;
+  PetscReal    projection_factor;
   const Vec   *force, *advecting;
 };
 

@@ -21,7 +21,7 @@ static PetscErrorCode UpdateBoundary(Viscosity *v, PetscReal t)
   PetscFunctionBegin;
   if (!v->ops->visc.B || v->wall_t == t) PetscFunctionReturn(PETSC_SUCCESS);
   if (!v->scene->unsteady_walls && !PetscIsNanReal(v->wall_t)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(OperatorsSetWallVelocity(v->scene, v->particles, t, v->slip, v->ops));
+  PetscCall(OperatorsSetWallVelocity(v->scene, v->particles, t, v->projection_factor, v->ops));
   PetscCall(ApplyBoundary(v));
   v->wall_t = t;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,6 +1,6 @@
 /* What wall neighbours mean in the rows of one particle, and the rows put in place. */
-#ifndef ISPH_CLOSE_H
-#define ISPH_CLOSE_H
+#ifndef ISPH_BOUNDARY_ROWS_H
+#define ISPH_BOUNDARY_ROWS_H
 
 #include "isph/operators.h"
 
@@ -26,17 +26,17 @@ static inline PetscReal SplitX(const Stencil *st, PetscInt k, PetscReal tangent[
   return height;
 }
 
-void             FootShares(const Operators *ops, Stencil *stencil);
+void             WallPointShares(const Operators *ops, Stencil *stencil);
 const PetscReal *WallWeights(const Stencil *stencil, const Operators *ops, PetscInt width,
                              const PetscReal w[]);
-void             CloseRow_Value(const Stencil *stencil, const Operators *ops, PetscInt diagonal,
-                                const PetscReal w[], AffineOperator *op);
-void KeepRow(const Stencil *stencil, PetscInt diagonal, const PetscReal w[], Operators *ops);
-PetscErrorCode AssembleTogether(const Scene *scene, const Particles *particles, Operators *ops);
-PetscErrorCode CloseRows_Pressure(const Scene *scene, Stencil *stencil, PetscInt diagonal,
-                                  Operators *ops);
-PetscErrorCode CloseRows_OneSided(Stencil *stencil, PetscInt diagonal, Operators *ops);
-PetscErrorCode CloseRow_Roughness(Stencil *stencil, PetscInt diagonal, Operators *ops);
-PetscErrorCode CloseRows_Divergence(Stencil *stencil, PetscInt diagonal, Operators *ops);
+void             AddRow_Dirichlet(const Stencil *stencil, const Operators *ops, PetscInt diagonal,
+                                  const PetscReal w[], AffineOperator *op);
+void KeepBlockRow(const Stencil *stencil, PetscInt diagonal, const PetscReal w[], Operators *ops);
+PetscErrorCode AssembleViscousBlock(const Scene *scene, const Particles *particles, Operators *ops);
+PetscErrorCode AddRows_Pressure(const Scene *scene, Stencil *stencil, PetscInt diagonal,
+                                Operators *ops);
+PetscErrorCode AddRows_GradientWithoutWalls(Stencil *stencil, PetscInt diagonal, Operators *ops);
+PetscErrorCode AddRow_PressureFilter(Stencil *stencil, PetscInt diagonal, Operators *ops);
+PetscErrorCode AddRows_Divergence(Stencil *stencil, PetscInt diagonal, Operators *ops);
 
 #endif

@@ -9,16 +9,16 @@
   The row's gradient on the right is unknown and linear in what is given: one small system for each
   row with dummies changes its weights, and rows exact for linear fields stay so beside walls.
 */
-#include "close.h"
+#include "boundary_rows.h"
 #include "rows.h"
 
 /*
-  A row on values: sum_k w_k (f_k - f_i), f_wall - f_i as foot.c has it; a wall on the surface has
-  its own value, and a treatment that extends the fluid gives each wall particle one afterwards, in
-  ExtendWalls().
+  Adds a row on values: sum_k w_k (f_k - f_i), f_wall - f_i as wall_points.c has it. A wall on the
+  surface has its own value. A treatment that extends the fluid gives each wall particle a value
+  afterwards, in ExtendWalls().
 */
-void CloseRow_Value(const Stencil *st, const Operators *ops, PetscInt diagonal, const PetscReal w[],
-                    AffineOperator *op)
+void AddRow_Dirichlet(const Stencil *st, const Operators *ops, PetscInt diagonal,
+                      const PetscReal w[], AffineOperator *op)
 {
   const PetscReal *b   = WallWeights(st, ops, 1, w);
   PetscReal        sum = 0.0;
@@ -37,7 +37,7 @@ void CloseRow_Value(const Stencil *st, const Operators *ops, PetscInt diagonal, 
   A row on a scalar with given normal derivative: wall neighbours of a fit carry weights of n.grad
   f; dummies stand for f_w - f_i = (X.n) n.grad f, what they follow is in the weights already.
 */
-static void CloseRow_Slope(const Stencil *st, const Operators *ops, PetscInt diagonal,
+static void AddRow_Neumann(const Stencil *st, const Operators *ops, PetscInt diagonal,
                            PetscReal scale, const PetscReal w[], AffineOperator *op)
 {
   PetscReal sum = 0.0, tangent[ISPH_MAX_DIM];
@@ -140,7 +140,7 @@ static void DummyRow_Laplacian(const Stencil *st, PetscReal *const g[], PetscRea
 }
 
 /*
-  CloseRows_Pressure - The rows of -dx^2 lap p and of grad p of one particle, where n.grad p is
+  AddRows_Pressure - The rows of -dx^2 lap p and of grad p of one particle, where n.grad p is
   given
 
   Not collective.
@@ -148,8 +148,7 @@ static void DummyRow_Laplacian(const Stencil *st, PetscReal *const g[], PetscRea
   Notes: a Laplacian declared symmetric keeps f_w - f_i = (X.n) n.grad f alone, which leaves its
   matrix symmetric, for CG; so does one beside a gradient that is not exact for linear fields.
 */
-PetscErrorCode CloseRows_Pressure(const Scene *scene, Stencil *st, PetscInt diagonal,
-                                  Operators *ops)
+PetscErrorCode AddRows_Pressure(const Scene *scene, Stencil *st, PetscInt diagonal, Operators *ops)
 {
   const PetscBool follow = !LaplacianIs(&ops->ppe_form, FORM_SYMMETRIC) &&
                            (ops->gradient->properties & FORM_EXACT_LINEAR);
@@ -162,42 +161,43 @@ PetscErrorCode CloseRows_Pressure(const Scene *scene, Stencil *st, PetscInt diag
     DummyRow_Gradient(st, ops->g);
     if (follow) DummyRow_Laplacian(st, ops->g, ops->w);
   }
-  CloseRow_Slope(st, ops, diagonal, -PetscSqr(scene->dx), ops->w, &ops->ppe);
-  if (ops->one_sided) PetscFunctionReturn(PETSC_SUCCESS); /* see CloseRows_OneSided() */
+  AddRow_Neumann(st, ops, diagonal, -PetscSqr(scene->dx), ops->w, &ops->ppe);
+  if (ops->grad_p_without_walls)
+    PetscFunctionReturn(PETSC_SUCCESS); /* see AddRows_GradientWithoutWalls() */
   for (PetscInt a = 0; a < st->dim; a++)
-    CloseRow_Slope(st, ops, diagonal, 1.0, ops->g[a], &ops->grad_p[a]);
+    AddRow_Neumann(st, ops, diagonal, 1.0, ops->g[a], &ops->grad_p[a]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  CloseRows_OneSided - The rows of grad p of one particle, walls unseen
+  AddRows_GradientWithoutWalls - The rows of grad p of one particle, walls unseen
 
   Not collective. For a pressure that is solved for together with the velocity: what n.grad p is at
   a wall follows from the momentum there and is not known before.
 */
-PetscErrorCode CloseRows_OneSided(Stencil *st, PetscInt diagonal, Operators *ops)
+PetscErrorCode AddRows_GradientWithoutWalls(Stencil *st, PetscInt diagonal, Operators *ops)
 {
   PetscFunctionBegin;
   StencilSetRole(st, ROLE_NONE);
   PetscCall(ops->gradient->Row(st, ops->g));
   for (PetscInt a = 0; a < st->dim; a++)
-    CloseRow_Slope(st, ops, diagonal, 1.0, ops->g[a], &ops->grad_p[a]);
+    AddRow_Neumann(st, ops, diagonal, 1.0, ops->g[a], &ops->grad_p[a]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  CloseRow_Roughness - The row of p less its quadratic fit, walls unseen
+  AddRow_PressureFilter - The row of p less its quadratic fit, walls unseen
 
   Not collective. What n.grad p is at a wall is none of its business. A particle that sees no fluid
   is as rough as its pressure.
 */
-PetscErrorCode CloseRow_Roughness(Stencil *st, PetscInt diagonal, Operators *ops)
+PetscErrorCode AddRow_PressureFilter(Stencil *st, PetscInt diagonal, Operators *ops)
 {
   PetscFunctionBegin;
   StencilSetRole(st, ROLE_NONE);
-  PetscCall(RoughRow_Mls(st, ops->w));
-  CloseRow_Slope(st, ops, diagonal, 1.0, ops->w, &ops->rough_p);
-  if (st->n == st->n_wall) ops->rough_p.a[diagonal] = 1.0;
+  PetscCall(FilterRow_Mls(st, ops->w));
+  AddRow_Neumann(st, ops, diagonal, 1.0, ops->w, &ops->filter_p);
+  if (st->n == st->n_wall) ops->filter_p.a[diagonal] = 1.0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -259,8 +259,8 @@ static void DummyRow_Divergence(const Stencil *st, PetscReal *g[])
 }
 
 /* A divergence: fluid by components d, walls by their normal component with weight m. */
-static void CloseRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d[],
-                                const PetscReal m[], Operators *ops)
+static void AddRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d[],
+                              const PetscReal m[], Operators *ops)
 {
   for (PetscInt c = 0; c < st->dim; c++) {
     AffineOperator *op  = &ops->div[c];
@@ -278,12 +278,12 @@ static void CloseRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal 
 }
 
 /*
-  CloseRows_Divergence - The row of the divergence of one particle: a vector fit where walls bear
+  AddRows_Divergence - The row of the divergence of one particle: a vector fit where walls bear
   roles, else the gradient's weights
 
   Not collective.
 */
-PetscErrorCode CloseRows_Divergence(Stencil *st, PetscInt diagonal, Operators *ops)
+PetscErrorCode AddRows_Divergence(Stencil *st, PetscInt diagonal, Operators *ops)
 {
   PetscFunctionBegin;
   if (st->n_wall && st->fits_walls && ops->gradient->DivergenceFit) {
@@ -298,6 +298,6 @@ PetscErrorCode CloseRows_Divergence(Stencil *st, PetscInt diagonal, Operators *o
         ops->m[k] += ops->g[c][k] * st->normal[c][k];
     }
   }
-  CloseRow_Divergence(st, diagonal, ops->g, ops->m, ops);
+  AddRow_Divergence(st, diagonal, ops->g, ops->m, ops);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -7,7 +7,7 @@
   The weights are kept in the slots of the common pattern, so that other viscosities need no new
   rows.
 */
-#include "close.h"
+#include "boundary_rows.h"
 
 /* Entries that a slot makes: (a, b) where components couple, else (a, a). */
 static PetscInt SlotEntries(const Operators *ops, PetscInt dim)
@@ -15,8 +15,9 @@ static PetscInt SlotEntries(const Operators *ops, PetscInt dim)
   return ops->visc.width == 1 ? dim : ops->visc.width;
 }
 
-/* KeepRow - The weights of one row in their slots, f_wall - f_i as foot.c has it; not collective */
-void KeepRow(const Stencil *st, PetscInt diagonal, const PetscReal w[], Operators *ops)
+/* KeepBlockRow - Keeps the weights of one row in their slots, f_wall - f_i as wall_points.c has
+   it; not collective */
+void KeepBlockRow(const Stencil *st, PetscInt diagonal, const PetscReal w[], Operators *ops)
 {
   const PetscInt   width = ops->visc.width;
   const PetscReal *b     = WallWeights(st, ops, width, w);
@@ -27,14 +28,14 @@ void KeepRow(const Stencil *st, PetscInt diagonal, const PetscReal w[], Operator
     const PetscReal *from = st->wall[k] ? b : w;
 
     for (PetscInt e = 0; e < width; e++) to[e] += from[k * width + e];
-    if (!st->wall[k]) ops->near[ops->slot[k]] = st->j[k];
+    if (!st->wall[k]) ops->neighbor_of_slot[ops->slot[k]] = st->j[k];
   }
-  ops->near[diagonal] = st->i;
+  ops->neighbor_of_slot[diagonal] = st->i;
 }
 
 /* A matrix of the pattern with its components, no values yet; columns as many as particles. */
-static PetscErrorCode TogetherMat(const Particles *p, const Operators *ops, const Pattern *pattern,
-                                  PetscInt columns, Mat *A)
+static PetscErrorCode ViscousBlockMat(const Particles *p, const Operators *ops,
+                                      const Pattern *pattern, PetscInt columns, Mat *A)
 {
   const PetscInt d = p->dim, entries = SlotEntries(ops, d),
                  count = pattern->row[p->n_fluid] * entries;
@@ -45,7 +46,7 @@ static PetscErrorCode TogetherMat(const Particles *p, const Operators *ops, cons
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     for (PetscInt s = pattern->row[i]; s < pattern->row[i + 1]; s++) {
       for (PetscInt e = 0; e < entries; e++, n++) {
-        row[n] = d * p->number[i] + (entries == d ? e : e / d);
+        row[n] = d * p->row[i] + (entries == d ? e : e / d);
         col[n] = d * pattern->col[s] + e % d;
       }
     }
@@ -59,12 +60,13 @@ static PetscErrorCode TogetherMat(const Particles *p, const Operators *ops, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* AssembleTogether - The matrices of the rows kept; collective on the particles' communicator */
-PetscErrorCode AssembleTogether(const Scene *scene, const Particles *p, Operators *ops)
+/* AssembleViscousBlock - Makes the matrices of the rows kept; collective on the particles'
+   communicator */
+PetscErrorCode AssembleViscousBlock(const Scene *scene, const Particles *p, Operators *ops)
 {
   PetscFunctionBegin;
-  PetscCall(TogetherMat(p, ops, &ops->fluid, p->n_fluid, &ops->visc.A));
-  if (ops->wall) PetscCall(TogetherMat(p, ops, &ops->walls, p->n_wall, &ops->visc.B));
+  PetscCall(ViscousBlockMat(p, ops, &ops->fluid, p->n_fluid, &ops->visc.A));
+  if (ops->wall) PetscCall(ViscousBlockMat(p, ops, &ops->walls, p->n_wall, &ops->visc.B));
   PetscCall(OperatorsScaleViscosity(scene, p, ops));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -102,9 +104,10 @@ PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, O
     PetscInt        diagonal                         = -1;
 
     for (PetscInt s = fluid->row[i]; s < fluid->row[i + 1]; s++) {
-      const PetscReal ratio = p->nu ? PairViscosity(own, p->nu[ops->near[s]] / scene->nu) : own;
+      const PetscReal ratio =
+          p->nu ? PairViscosity(own, p->nu[ops->neighbor_of_slot[s]] / scene->nu) : own;
 
-      if (fluid->col[s] == p->number[i]) diagonal = s;
+      if (fluid->col[s] == p->row[i]) diagonal = s;
       else ScaleSlot(width, entries, ratio, &op->a[s * width], &a[s * entries], sum);
     }
     for (PetscInt s = ops->wall ? walls->row[i] : 0; ops->wall && s < walls->row[i + 1]; s++)

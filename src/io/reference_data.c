@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 /* Opens a file of the reference data: as installed, else in the source tree; NULL: in neither. */
-static PetscErrorCode CurveOpen(const char file[], FILE **stream)
+static PetscErrorCode ReferenceDataOpen(const char file[], FILE **stream)
 {
   const char *const directory[] = {ISPH_DATA_INSTALL, ISPH_DATA_SOURCE};
 
@@ -21,7 +21,8 @@ static PetscErrorCode CurveOpen(const char file[], FILE **stream)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode CurveAppend(Curve *curve, PetscInt *capacity, PetscReal x, PetscReal y)
+static PetscErrorCode ReferenceDataAppend(ReferenceData *curve, PetscInt *capacity, PetscReal x,
+                                          PetscReal y)
 {
   PetscFunctionBegin;
   if (curve->n == *capacity) {
@@ -39,7 +40,7 @@ static PetscErrorCode CurveAppend(Curve *curve, PetscInt *capacity, PetscReal x,
   Reads the lines: '#' comments, one header, then numbers. bad is the number of the first line that
   is not two numbers, 0 for none. Comments may be longer than the buffer.
 */
-static PetscErrorCode CurveParse(FILE *stream, Curve *curve, PetscInt *bad)
+static PetscErrorCode ReferenceDataParse(FILE *stream, ReferenceData *curve, PetscInt *bad)
 {
   char      piece[512];
   PetscBool starts = PETSC_TRUE, header = PETSC_TRUE;
@@ -64,13 +65,13 @@ static PetscErrorCode CurveParse(FILE *stream, Curve *curve, PetscInt *bad)
     x = (PetscReal)strtod(piece, &comma);
     y = *comma == ',' ? (PetscReal)strtod(comma + 1, &end) : 0.0;
     if (comma == piece || *comma != ',' || end == comma + 1) *bad = line;
-    else PetscCall(CurveAppend(curve, &capacity, x, y));
+    else PetscCall(ReferenceDataAppend(curve, &capacity, x, y));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Orders the points by x. */
-static PetscErrorCode CurveSort(Curve *curve)
+static PetscErrorCode ReferenceDataSort(ReferenceData *curve)
 {
   PetscInt  *order;
   PetscReal *x, *y;
@@ -90,7 +91,7 @@ static PetscErrorCode CurveSort(Curve *curve)
 }
 
 /*
-  CurveRead - Reads a reference curve
+  ReferenceDataRead - Reads a reference curve
 
   Collective on PETSC_COMM_WORLD
 
@@ -99,11 +100,11 @@ static PetscErrorCode CurveSort(Curve *curve)
          two or more columns, of which the first two are taken
 
   Output Parameter:
-. curve - to be freed with CurveFree(); x ascending, the same on all ranks
+. curve - to be freed with ReferenceDataFree(); x ascending, the same on all ranks
 
   Errors: a file that is missing, empty or holds a line without two numbers ends the run
 */
-PetscErrorCode CurveRead(const char file[], Curve *curve)
+PetscErrorCode ReferenceDataRead(const char file[], ReferenceData *curve)
 {
   PetscMPIInt rank;
   PetscInt    found[3] = {0, 0, 0}; /* opened, points, first bad line */
@@ -114,10 +115,10 @@ PetscErrorCode CurveRead(const char file[], Curve *curve)
   if (rank == 0) {
     FILE *stream;
 
-    PetscCall(CurveOpen(file, &stream));
+    PetscCall(ReferenceDataOpen(file, &stream));
     if (stream) {
       found[0] = 1;
-      PetscCall(CurveParse(stream, curve, &found[2]));
+      PetscCall(ReferenceDataParse(stream, curve, &found[2]));
       (void)fclose(stream);
     }
     found[1] = curve->n;
@@ -130,7 +131,7 @@ PetscErrorCode CurveRead(const char file[], Curve *curve)
   PetscCheck(found[1], PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
              "%s: the reference data hold no numbers", file);
   if (rank == 0) {
-    PetscCall(CurveSort(curve));
+    PetscCall(ReferenceDataSort(curve));
   } else {
     curve->n = found[1];
     PetscCall(PetscMalloc(sizeof(PetscReal) * (size_t)curve->n, &curve->x));
@@ -141,8 +142,8 @@ PetscErrorCode CurveRead(const char file[], Curve *curve)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CurveFree - Frees what CurveRead() made; not collective */
-PetscErrorCode CurveFree(Curve *curve)
+/* ReferenceDataFree - Frees what ReferenceDataRead() made; not collective */
+PetscErrorCode ReferenceDataFree(ReferenceData *curve)
 {
   PetscFunctionBegin;
   PetscCall(PetscFree(curve->x));

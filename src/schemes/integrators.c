@@ -93,7 +93,7 @@ static PetscReal Response_Bdf(TS ts)
   return 1.0 / sum;
 }
 
-static const TimeKindRow kinds[] = {
+static const ViscousIntegratorRow kinds[] = {
     /* name, brief, citation, kind, history, multistep, force at end, response */
     {TSBEULER,
      "backward Euler, from (4u^n - u^{n-1})/3 over 2dt/3: BDF2 with the history on particles",
@@ -120,4 +120,4 @@ static const TimeKindRow kinds[] = {
     {TSRK, "explicit Runge-Kutta", "Bogacki & Shampine, Appl. Math. Lett. 2 (1989)", TIME_EXPLICIT,
      PETSC_FALSE, PETSC_FALSE, PETSC_FALSE, NULL},
 };
-const Table TimeKindTable = TABLE("-visc_ts_type", "Time integrators of viscosity", kinds);
+const Table ViscousIntegratorTable = TABLE("-visc_ts_type", "Time integrators of viscosity", kinds);

@@ -15,7 +15,7 @@ typedef struct {
 
 /* Compares this rank's fluid; exact_p[i] becomes the exact pressure, NaN where the case has none.
  */
-static PetscErrorCode JudgeCompare(const Flow *flow, PetscReal exact_p[], ExactSums *sums,
+static PetscErrorCode NormsCompare(const Flow *flow, PetscReal exact_p[], ExactSums *sums,
                                    ExactMaxima *maxima)
 {
   const Particles *p = flow->particles;
@@ -50,7 +50,7 @@ static PetscErrorCode JudgeCompare(const Flow *flow, PetscReal exact_p[], ExactS
 }
 
 /* Relative L2 error of the pressure, which is known up to a constant: means are taken off. */
-static PetscErrorCode JudgePressure(const Flow *flow, const PetscReal exact_p[],
+static PetscErrorCode NormsPressure(const Flow *flow, const PetscReal exact_p[],
                                     const ExactSums *sums, Report *report)
 {
   const Particles *p         = flow->particles;
@@ -73,7 +73,7 @@ static PetscErrorCode JudgePressure(const Flow *flow, const PetscReal exact_p[],
 }
 
 /*
-  JudgeExact - Relative errors against the case's exact solution, over all fluid particles
+  NormsExact - Relative errors against the case's exact solution, over all fluid particles
 
     velocity_l2 = (sum |u - u_e|^2 / sum |u_e|^2)^1/2,   velocity_linf = max |u - u_e| / max |u_e|
 
@@ -88,7 +88,7 @@ the run has a pressure and the solution gives one.
 
   Note: where the exact field vanishes, errors are relative to U and rho U^2
 */
-PetscErrorCode JudgeExact(const Flow *flow, Report *report)
+PetscErrorCode NormsExact(const Flow *flow, Report *report)
 {
   const Particles *p = flow->particles;
   PetscReal       *exact_p, scale;
@@ -98,20 +98,20 @@ PetscErrorCode JudgeExact(const Flow *flow, Report *report)
   PetscFunctionBegin;
   if (!flow->scene->problem->Exact) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(p->n_fluid, &exact_p));
-  PetscCall(JudgeCompare(flow, exact_p, &sums, &maxima));
+  PetscCall(NormsCompare(flow, exact_p, &sums, &maxima));
   scale = PetscSqrtReal(sums.exact2 / p->N_fluid);
   if (scale < 1e-12 * flow->scene->speed) scale = maxima.exact = flow->scene->speed;
   PetscCall(ReportAddError(report, "velocity_l2", PetscSqrtReal(sums.u2 / p->N_fluid) / scale));
   PetscCall(ReportAddError(report, "velocity_linf", maxima.u / maxima.exact));
   if (SceneHas(flow->scene, PHYSICS_PRESSURE) && sums.n_p > p->N_fluid - 0.5) {
-    PetscCall(JudgePressure(flow, exact_p, &sums, report));
+    PetscCall(NormsPressure(flow, exact_p, &sums, report));
   }
   PetscCall(PetscFree(exact_p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  JudgeCommon - The quantities that every case reports
+  MeasureCommon - The quantities that every case reports
 
     kinetic_energy [J], linear_momentum = |sum_i rho V u_i| [kg m/s], both per metre of depth in 2D;
     divergence_max = max |D u| [1/s], where there is a pressure to see to it
@@ -125,7 +125,7 @@ PetscErrorCode JudgeExact(const Flow *flow, Report *report)
   Output Parameter:
 . report - with the quantities added
 */
-PetscErrorCode JudgeCommon(const Flow *flow, PetscReal energy, Report *report)
+PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report)
 {
   const Particles *p                      = flow->particles;
   const PetscReal  mass                   = flow->scene->rho * SceneVolume(flow->scene);

@@ -8,10 +8,10 @@
   is a linear fit along the wall through the wall neighbours of its side; without it rows would see
   the variation along the wall beta-fold.
 */
-#include "close.h"
+#include "boundary_rows.h"
 
 /* Whether walls speak through dummies whose values follow from their beta. */
-static PetscBool HasFeet(const Stencil *st, const Operators *ops)
+static PetscBool HasWallPoints(const Stencil *st, const Operators *ops)
 {
   return st->n_wall && !ops->wall->on_surface && !ops->wall->Extend ? PETSC_TRUE : PETSC_FALSE;
 }
@@ -30,7 +30,7 @@ static void SideShares(Stencil *st, PetscInt side)
   const PetscInt n                                               = st->dim + 1;
   PetscReal      moment[(ISPH_MAX_DIM + 1) * (ISPH_MAX_DIM + 1)] = {0.0}, sum = 0.0;
   PetscReal      factor[(ISPH_MAX_DIM + 1) * (ISPH_MAX_DIM + 1)];
-  PetscReal      at_foot[ISPH_MAX_DIM + 1] = {1.0}, phi[ISPH_MAX_DIM + 1];
+  PetscReal      at_wall_point[ISPH_MAX_DIM + 1] = {1.0}, phi[ISPH_MAX_DIM + 1];
 
   for (PetscInt k = 0; k < st->n; k++) {
     if (!st->wall[k] || st->side[k] != side) continue;
@@ -38,12 +38,12 @@ static void SideShares(Stencil *st, PetscInt side)
     for (PetscInt t = 0; t < n * n; t++) moment[t] += st->W[k] * phi[t / n] * phi[t % n];
   }
   DenseCholeskyRidge(n, moment, 1e-12, factor); /* nothing varies along the normal */
-  DenseCholeskySolve(n, factor, at_foot);
+  DenseCholeskySolve(n, factor, at_wall_point);
   for (PetscInt k = 0; k < st->n; k++) {
     if (!st->wall[k] || st->side[k] != side) continue;
     AlongWall(st, k, phi);
     st->share[k] = 0.0;
-    for (PetscInt t = 0; t < n; t++) st->share[k] += st->W[k] * phi[t] * at_foot[t];
+    for (PetscInt t = 0; t < n; t++) st->share[k] += st->W[k] * phi[t] * at_wall_point[t];
     sum += st->share[k];
   }
   for (PetscInt k = 0; k < st->n; k++) {
@@ -51,12 +51,12 @@ static void SideShares(Stencil *st, PetscInt side)
   }
 }
 
-/* FootShares - Fills share of all wall neighbours that are dummies; not collective */
-void FootShares(const Operators *ops, Stencil *st)
+/* WallPointShares - Fills share of all wall neighbours that are dummies; not collective */
+void WallPointShares(const Operators *ops, Stencil *st)
 {
   PetscBool done[SCENE_MAX_PLANES] = {PETSC_FALSE};
 
-  if (!HasFeet(st, ops)) return;
+  if (!HasWallPoints(st, ops)) return;
   for (PetscInt k = 0; k < st->n; k++) {
     if (!st->wall[k] || done[st->side[k]]) continue;
     SideShares(st, st->side[k]);
@@ -85,7 +85,7 @@ const PetscReal *WallWeights(const Stencil *st, const Operators *ops, PetscInt w
 {
   PetscReal excess[SCENE_MAX_PLANES] = {0.0}, *b = ops->wall_w;
 
-  if (!HasFeet(st, ops)) return w;
+  if (!HasWallPoints(st, ops)) return w;
   for (PetscInt e = 0; e < width; e++) {
     for (PetscInt k = 0; k < st->n; k++)
       if (st->wall[k]) excess[st->side[k]] = 0.0;

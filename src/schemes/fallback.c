@@ -11,38 +11,38 @@ static const struct {
   const char *ksp, *pc;
   PetscInt    most;   /* rows it is tried for; 0: any number */
   PetscBool   saddle; /* for velocity and pressure together */
-} rungs[GUARD_RUNGS] = {
+} levels[FALLBACK_LEVELS] = {
     {KSPGMRES, PCHYPRE, 0, PETSC_FALSE},
     {KSPGMRES, PCBJACOBI, 0, PETSC_FALSE},
     {KSPGMRES, PCLU, 20000, PETSC_TRUE},
 };
 
 /* The solver of a rung, made when it is first needed. */
-static PetscErrorCode LadderRung(KSP ksp, PetscInt k, Guard *guard)
+static PetscErrorCode FallbackLevel(KSP ksp, PetscInt k, Guard *guard)
 {
   PetscReal   rtol;
   PetscMPIInt ranks;
   PC          pc;
 
   PetscFunctionBegin;
-  if (guard->rung[k]) PetscFunctionReturn(PETSC_SUCCESS);
+  if (guard->level[k]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(KSPGetTolerances(ksp, &rtol, NULL, NULL, NULL));
-  PetscCall(KSPCreate(PETSC_COMM_WORLD, &guard->rung[k]));
-  PetscCall(KSPSetType(guard->rung[k], rungs[k].ksp));
-  PetscCall(KSPGMRESSetRestart(guard->rung[k], 60));
-  PetscCall(KSPSetPCSide(guard->rung[k], PC_RIGHT)); /* its residual is the true one */
-  PetscCall(KSPSetTolerances(guard->rung[k], rtol, 0.0, PETSC_DEFAULT, 1000));
-  PetscCall(KSPGetPC(guard->rung[k], &pc));
-  PetscCall(PCSetType(pc, rungs[k].pc));
-  if (ranks > 1 && rungs[k].most) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  PetscCall(KSPCreate(PETSC_COMM_WORLD, &guard->level[k]));
+  PetscCall(KSPSetType(guard->level[k], levels[k].ksp));
+  PetscCall(KSPGMRESSetRestart(guard->level[k], 60));
+  PetscCall(KSPSetPCSide(guard->level[k], PC_RIGHT)); /* its residual is the true one */
+  PetscCall(KSPSetTolerances(guard->level[k], rtol, 0.0, PETSC_DEFAULT, 1000));
+  PetscCall(KSPGetPC(guard->level[k], &pc));
+  PetscCall(PCSetType(pc, levels[k].pc));
+  if (ranks > 1 && levels[k].most) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Whether a rung is what has failed already, or needs a factorisation on several ranks that is
    not there. */
-static PetscErrorCode LadderSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBool saddle,
-                                  PetscBool *skips)
+static PetscErrorCode FallbackSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBool saddle,
+                                    PetscBool *skips)
 {
   PetscBool   same_ksp, same_pc;
   PetscMPIInt ranks;
@@ -51,18 +51,18 @@ static PetscErrorCode LadderSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBool 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(PetscObjectTypeCompare((PetscObject)ksp, rungs[k].ksp, &same_ksp));
-  PetscCall(PetscObjectTypeCompare((PetscObject)pc, rungs[k].pc, &same_pc));
-  *skips = (same_ksp && same_pc) || (rungs[k].most && rows > rungs[k].most) ||
-                   (saddle && !rungs[k].saddle) ||
-                   (rungs[k].most && ranks > 1 && !PetscDefined(HAVE_MUMPS))
+  PetscCall(PetscObjectTypeCompare((PetscObject)ksp, levels[k].ksp, &same_ksp));
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, levels[k].pc, &same_pc));
+  *skips = (same_ksp && same_pc) || (levels[k].most && rows > levels[k].most) ||
+                   (saddle && !levels[k].saddle) ||
+                   (levels[k].most && ranks > 1 && !PetscDefined(HAVE_MUMPS))
                ? PETSC_TRUE
                : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  LadderClimb - Solves A x = b again by the methods of the ladder, until one reaches the true
+  FallbackSolve - Solves A x = b again by the methods of the ladder, until one reaches the true
   residual
 
   Collective.
@@ -78,7 +78,7 @@ static PetscErrorCode LadderSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBool 
   Notes: each fall is printed; guard->falls counts them, guard->in_a_row those without a success
   of the chosen method between
 */
-PetscErrorCode LadderClimb(KSP ksp, Vec b, Vec x, Guard *guard, PetscBool *solved)
+PetscErrorCode FallbackSolve(KSP ksp, Vec b, Vec x, Guard *guard, PetscBool *solved)
 {
   KSPType   ksp_type;
   PCType    pc_type;
@@ -93,24 +93,24 @@ PetscErrorCode LadderClimb(KSP ksp, Vec b, Vec x, Guard *guard, PetscBool *solve
   PetscCall(KSPGetOperators(ksp, &A, &P));
   PetscCall(MatGetSize(A, &rows, NULL));
   PetscCall(PetscObjectTypeCompare((PetscObject)P, MATNEST, &saddle));
-  if (saddle && rows <= rungs[GUARD_RUNGS - 1].most) PetscCall(SaddleFlatten(P, &flat));
-  for (PetscInt k = 0; k < GUARD_RUNGS && !*solved; k++) {
+  if (saddle && rows <= levels[FALLBACK_LEVELS - 1].most) PetscCall(SaddleFlatten(P, &flat));
+  for (PetscInt k = 0; k < FALLBACK_LEVELS && !*solved; k++) {
     PetscBool skips = PETSC_FALSE;
 
-    PetscCall(LadderSkips(ksp, k, rows, saddle, &skips));
+    PetscCall(FallbackSkips(ksp, k, rows, saddle, &skips));
     if (skips) continue;
-    PetscCall(LadderRung(ksp, k, guard));
-    PetscCall(KSPReset(guard->rung[k]));
-    PetscCall(KSPSetOperators(guard->rung[k], A, flat ? flat : P));
-    PetscCall(KSPSolve(guard->rung[k], b, x));
-    PetscCall(GuardMeasure(guard->rung[k], b, x, &guard->residual, solved));
+    PetscCall(FallbackLevel(ksp, k, guard));
+    PetscCall(KSPReset(guard->level[k]));
+    PetscCall(KSPSetOperators(guard->level[k], A, flat ? flat : P));
+    PetscCall(KSPSolve(guard->level[k], b, x));
+    PetscCall(GuardMeasure(guard->level[k], b, x, &guard->residual, solved));
     if (!*solved) continue;
     PetscCall(KSPGetType(ksp, &ksp_type));
     PetscCall(KSPGetPC(ksp, &pc));
     PetscCall(PCGetType(pc, &pc_type));
     PetscCall(SayLine("%s: the %s solve by %s with %s ended with %s; %s with %s solved it",
                       guard->where, guard->what, ksp_type, pc_type,
-                      KSPConvergedReasons[guard->reason], rungs[k].ksp, rungs[k].pc));
+                      KSPConvergedReasons[guard->reason], levels[k].ksp, levels[k].pc));
     guard->falls++;
     guard->in_a_row++;
   }
