@@ -9,6 +9,7 @@ static const char help[] =
     "  isph -case cavity -reynolds 0.01 -motion eulerian -scheme coupled -steady\n\n"
     "-catalogue lists cases, operators, walls, schemes and integrators with their papers.\n\n";
 
+#include "isph/catalogue.h"
 #include "isph/patch.h"
 #include "isph/run.h"
 #include <errno.h>

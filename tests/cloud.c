@@ -36,7 +36,7 @@ static void CloudAddCircle(PetscReal radius, Scene *scene)
 }
 
 /*
-  CloudOperators - The scene and the operators that the options choose, no particle yet
+  CloudOperators - Creates the scene and the operators that the options choose, no particle yet
 
   Collective. The options are read from a database of their own.
 
@@ -46,6 +46,7 @@ PetscErrorCode CloudOperators(const CloudBox *box, const char options[], Cloud *
 {
   Scene         *scene = &cloud->scene;
   PetscOptions   database;
+  unsigned       needs;
   PetscErrorCode code;
 
   PetscFunctionBegin;
@@ -71,7 +72,9 @@ PetscErrorCode CloudOperators(const CloudBox *box, const char options[], Cloud *
   PetscCall(PetscOptionsCreate(&database));
   PetscCall(PetscOptionsInsertString(database, options));
   PetscCall(PetscOptionsPush(database));
-  code = OperatorsCreate(scene, &cloud->ops);
+  needs = SceneNeeds(scene) | NEED_CONCENTRATION;
+  if (box->grad_p_without_walls) needs |= NEED_FREE_GRAD_P | NEED_FILTER_P;
+  code = OperatorsCreate(scene, needs, &cloud->ops);
   PetscCall(PetscOptionsPop());
   PetscCall(PetscOptionsDestroy(&database));
   PetscFunctionReturn(code);
@@ -85,6 +88,7 @@ static PetscErrorCode CloudAssemble(PetscReal margin_step, Cloud *cloud)
   PetscCall(NeighborsUpdate(cloud->particles, margin_step * cloud->scene.dx, cloud->neighbors));
   PetscCall(
       OperatorsAssemble(&cloud->scene, cloud->particles, cloud->neighbors, cloud->ops, &changed));
+  PetscCall(WallValuesRenumber(&cloud->scene, cloud->particles, &cloud->walls));
   PetscCheck(changed, PETSC_COMM_WORLD, PETSC_ERR_PLIB, "Operators of new positions are not new");
   for (PetscInt a = 0; a < cloud->scene.dim; a++) {
     PetscCall(VecDestroy(&cloud->f[a]));
@@ -104,11 +108,10 @@ PetscErrorCode CloudCreate(const CloudBox *box, const char options[], Cloud *clo
 
   PetscFunctionBegin;
   PetscCall(CloudOperators(box, options, cloud));
-  cloud->ops->need_concentration   = PETSC_TRUE;
-  cloud->ops->grad_p_without_walls = cloud->ops->filter_p.needed = box->grad_p_without_walls;
   PetscCall(OperatorsPlacement(&cloud->scene, cloud->ops, &walls));
-  PetscCall(ParticlesCreate(&cloud->scene, walls, cloud->ops->reach, NULL, &cloud->particles));
-  PetscCall(NeighborsCreate(cloud->ops->radius, &cloud->neighbors));
+  PetscCall(
+      ParticlesCreate(&cloud->scene, walls, cloud->ops->forms.reach, NULL, &cloud->particles));
+  PetscCall(NeighborsCreate(cloud->ops->forms.radius, &cloud->neighbors));
   PetscCall(CloudAssemble(0.0, cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -119,6 +122,7 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
   for (PetscInt a = 0; a < cloud->scene.dim; a++) PetscCall(VecDestroy(&cloud->f[a]));
   PetscCall(VecDestroy(&cloud->y));
   PetscCall(VecDestroy(&cloud->e));
+  PetscCall(WallValuesFree(&cloud->walls));
   PetscCall(OperatorsDestroy(&cloud->ops));
   PetscCall(NeighborsDestroy(&cloud->neighbors));
   PetscCall(ParticlesDestroy(&cloud->particles));
@@ -308,11 +312,11 @@ PetscErrorCode CloudSetSlope(const Cloud *cloud, const Quadratic *q, Vec e)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CloudSetWalls - Tells the operators the walls' velocity; not collective */
+/* CloudSetWalls - Sets the wall data to the walls' velocity; not collective */
 PetscErrorCode CloudSetWalls(Cloud *cloud)
 {
   PetscFunctionBegin;
-  PetscCall(OperatorsSetWallVelocity(&cloud->scene, cloud->particles, 0.0, 0.0, cloud->ops));
+  PetscCall(WallValuesSetVelocity(&cloud->scene, cloud->particles, 0.0, 0.0, &cloud->walls));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -322,9 +326,9 @@ PetscErrorCode CloudDivergence(const Cloud *cloud, Vec y)
   const Operators *ops = cloud->ops;
 
   PetscFunctionBegin;
-  PetscCall(AffineApply(&ops->div[0], cloud->f[0], ops->wall_u[0], y));
+  PetscCall(AffineApply(&ops->div[0], cloud->f[0], cloud->walls.u[0], y));
   for (PetscInt c = 1; c < cloud->scene.dim; c++)
-    PetscCall(AffineApplyAdd(&ops->div[c], cloud->f[c], ops->wall_u[c], y));
+    PetscCall(AffineApplyAdd(&ops->div[c], cloud->f[c], cloud->walls.u[c], y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -352,7 +356,7 @@ PetscErrorCode CloudError(const Cloud *cloud, Vec y, const Quadratic *expected, 
       if (!scene->periodic[a]) continue;
       room = PetscMin(room, PetscMin(x[a] - scene->lo[a], scene->hi[a] - x[a]));
     }
-    if (interior && room < cloud->ops->reach) continue;
+    if (interior && room < cloud->ops->forms.reach) continue;
     miss = PetscAbsReal(value[i] - QuadraticAt(cloud, expected, x));
     if (!(miss <= largest)) largest = PetscIsInfOrNanReal(miss) ? PETSC_MAX_REAL : miss;
     rows++;

@@ -32,6 +32,7 @@ typedef struct {
   Particles *particles;
   Neighbors *neighbors;
   Operators *ops;
+  WallValues walls;
   Quadratic  wall_u[ISPH_MAX_DIM];                  /* velocity of all walls, by components */
   PetscReal  slide[2 * ISPH_MAX_DIM][ISPH_MAX_DIM]; /* and what each side adds to it */
   Vec        f[ISPH_MAX_DIM], y, e; /* over fluid, over fluid, over wall particles */

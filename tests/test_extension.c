@@ -98,12 +98,12 @@ static PetscReal VelocityError(const Quadratic *u, Cloud *cloud)
 
   for (PetscInt c = 0; c < cloud->scene.dim; c++) all[c] = *u;
   WalledSetVelocity(cloud, all);
-  ASSERT_OK(AffineApply(&ops->visc, cloud->f[0], ops->wall_u[0], cloud->y));
+  ASSERT_OK(AffineApply(&ops->visc, cloud->f[0], cloud->walls.u[0], cloud->y));
   ASSERT_OK(CloudError(cloud, cloud->y, &expected, PETSC_FALSE, &error));
   largest = error * PetscSqr(cloud->scene.dx);
   for (PetscInt a = 0; a < cloud->scene.dim; a++) {
     expected = QuadraticDerivative(cloud, u, a);
-    ASSERT_OK(AffineApply(&ops->grad_u[a], cloud->f[0], ops->wall_u[0], cloud->y));
+    ASSERT_OK(AffineApply(&ops->grad_u[a], cloud->f[0], cloud->walls.u[0], cloud->y));
     ASSERT_OK(CloudError(cloud, cloud->y, &expected, PETSC_FALSE, &error));
     largest = PetscMax(largest, error * cloud->scene.dx);
   }
@@ -189,12 +189,12 @@ static void CheckTurning(const WalledForms *forms, const char *where, Cloud *clo
   for (PetscInt c = 0; c < 2; c++) {
     const Operators *ops = cloud->ops;
 
-    ASSERT_OK(AffineApply(&ops->visc, cloud->f[c], ops->wall_u[c], cloud->y));
+    ASSERT_OK(AffineApply(&ops->visc, cloud->f[c], cloud->walls.u[c], cloud->y));
     WalledAssert("lap u of turning fluid", where, cloud, cloud->y, &zero, 2, 1e-8);
     for (PetscInt a = 0; a < 2; a++) {
       const Quadratic slope = QuadraticDerivative(cloud, &u[c], a);
 
-      ASSERT_OK(AffineApply(&ops->grad_u[a], cloud->f[c], ops->wall_u[c], cloud->y));
+      ASSERT_OK(AffineApply(&ops->grad_u[a], cloud->f[c], cloud->walls.u[c], cloud->y));
       WalledAssert("grad u of turning fluid", where, cloud, cloud->y, &slope, 1, 1e-8);
     }
   }
@@ -209,7 +209,7 @@ static void CheckVolume(const WalledForms *forms, const char *where, Cloud *clou
 {
   const Scene     *scene  = &cloud->scene;
   const Particles *p      = cloud->particles;
-  const PetscReal  layers = PetscCeilReal(cloud->ops->radius / scene->dx - 1e-9),
+  const PetscReal  layers = PetscCeilReal(cloud->ops->forms.radius / scene->dx - 1e-9),
                   dv      = SceneVolume(scene);
   PetscReal sum[2] = {p->n_fluid * dv, 0.0}, box = dv, frame = dv, hole = 0.0;
 
@@ -279,7 +279,7 @@ static void test_cylinder(void **state)
 static void CheckAsymmetry(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   PetscBool       symmetric;
-  const PetscBool said = LaplacianIs(&cloud->ops->visc_form, FORM_SYMMETRIC);
+  const PetscBool said = LaplacianIs(&cloud->ops->forms.visc, FORM_SYMMETRIC);
 
   ASSERT_OK(MatIsSymmetric(cloud->ops->visc.A, 1e-12, &symmetric));
   CloudAssertNone("symmetry told", where, said != symmetric);

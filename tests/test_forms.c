@@ -194,8 +194,8 @@ static void test_where_it_applies(void **state)
 
   (void)state;
   ASSERT_OK(CloudOperators(&box, "-visc_laplacian morris -correction shepard", &cloud));
-  CloudAssertNone("taken by morris", "shepard", cloud.ops->visc_form.correction == NULL);
-  CloudAssertNone("left by mls", "shepard", cloud.ops->ppe_form.correction != NULL);
+  CloudAssertNone("taken by morris", "shepard", cloud.ops->forms.visc.correction == NULL);
+  CloudAssertNone("left by mls", "shepard", cloud.ops->forms.ppe.correction != NULL);
   ASSERT_OK(OperatorsDestroy(&cloud.ops));
   ASSERT_OK(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
   code = CloudOperators(&box, "-correction shepard", &cloud);

@@ -5,19 +5,7 @@
 /* RANKS: 1 2 */
 #include <string.h>
 #include "cloud.h"
-#include "isph/io.h"
-
-static const Table *const tables[] = {&CaseTable,
-                                      &KernelTable,
-                                      &LaplacianTable,
-                                      &GradientTable,
-                                      &WallTable,
-                                      &RheologyTable,
-                                      &ViscousIntegratorTable,
-                                      &ShiftTable,
-                                      &ProjectionTable,
-                                      &MotionTable,
-                                      &SchemeTable};
+#include "isph/catalogue.h"
 
 /* What one option is read as, for the one function that reads them all. */
 typedef struct {
@@ -94,8 +82,8 @@ static void AssertRefused(const char option[], const char value[], Reading *r)
 static void test_tables(void **state)
 {
   (void)state;
-  for (size_t t = 0; t < PETSC_STATIC_ARRAY_LENGTH(tables); t++) {
-    const Table *table = tables[t];
+  for (PetscInt t = 0; CatalogueTable(t); t++) {
+    const Table *table = CatalogueTable(t);
 
     assert_true(table->count > 0);
     for (PetscInt k = 0; k < table->count; k++) {

@@ -13,10 +13,10 @@ static void CheckConstants(const WalledForms *forms, const char *where, Cloud *c
   const Quadratic  zero = {0}, u[3] = {{.c = 1.0}, {.c = -0.7}, {.c = 0.4}};
 
   WalledSetVelocity(cloud, u);
-  ASSERT_OK(AffineApply(&ops->visc, cloud->f[0], ops->wall_u[0], cloud->y));
+  ASSERT_OK(AffineApply(&ops->visc, cloud->f[0], cloud->walls.u[0], cloud->y));
   WalledAssert("lap of constants", where, cloud, cloud->y, &zero, 2, 1e-12);
   for (PetscInt a = 0; a < cloud->scene.dim; a++) {
-    ASSERT_OK(AffineApply(&ops->grad_u[a], cloud->f[0], ops->wall_u[0], cloud->y));
+    ASSERT_OK(AffineApply(&ops->grad_u[a], cloud->f[0], cloud->walls.u[0], cloud->y));
     WalledAssert("grad u of constants", where, cloud, cloud->y, &zero, 1, 1e-12);
     ASSERT_OK(AffineApply(&ops->grad_p[a], cloud->f[0], cloud->e, cloud->y));
     WalledAssert("grad p of constants", where, cloud, cloud->y, &zero, 1, 1e-12);
@@ -46,13 +46,13 @@ static void CheckCouette(const WalledForms *forms, const char *where, Cloud *clo
   u[0].g[last] = 1.0;
   WalledSetVelocity(cloud, u);
   if (even || (forms->laplacian->properties & FORM_EXACT_LINEAR)) {
-    ASSERT_OK(AffineApply(&ops->visc, cloud->f[0], ops->wall_u[0], cloud->y));
+    ASSERT_OK(AffineApply(&ops->visc, cloud->f[0], cloud->walls.u[0], cloud->y));
     WalledAssert("lap u of Couette flow", where, cloud, cloud->y, &zero, 2, 1e-9);
   }
   for (PetscInt a = 0; a <= last && (forms->gradient->properties & FORM_EXACT_LINEAR); a++) {
     const Quadratic exact = QuadraticDerivative(cloud, &u[0], a);
 
-    ASSERT_OK(AffineApply(&ops->grad_u[a], cloud->f[0], ops->wall_u[0], cloud->y));
+    ASSERT_OK(AffineApply(&ops->grad_u[a], cloud->f[0], cloud->walls.u[0], cloud->y));
     WalledAssert("grad u of Couette flow", where, cloud, cloud->y, &exact, 1, 1e-9);
   }
   if (even || (forms->gradient->properties & FORM_EXACT_LINEAR)) {
@@ -79,14 +79,14 @@ static void CheckLinearFlow(const WalledForms *forms, const char *where, Cloud *
 
     WalledSetVelocity(cloud, u);
     if (forms->laplacian->properties & FORM_EXACT_LINEAR) {
-      ASSERT_OK(AffineApply(&ops->visc, cloud->f[0], ops->wall_u[0], cloud->y));
+      ASSERT_OK(AffineApply(&ops->visc, cloud->f[0], cloud->walls.u[0], cloud->y));
       WalledAssert("lap of linear flow", where, cloud, cloud->y, &zero, 2, 1e-8);
     }
     for (PetscInt a = 0; a < cloud->scene.dim; a++) {
       const Quadratic exact = QuadraticDerivative(cloud, &u[0], a);
 
       if (!(forms->gradient->properties & FORM_EXACT_LINEAR)) continue;
-      ASSERT_OK(AffineApply(&ops->grad_u[a], cloud->f[0], ops->wall_u[0], cloud->y));
+      ASSERT_OK(AffineApply(&ops->grad_u[a], cloud->f[0], cloud->walls.u[0], cloud->y));
       WalledAssert("grad of linear flow", where, cloud, cloud->y, &exact, 1, 1e-8);
     }
   }
@@ -201,15 +201,15 @@ static void CheckSlip(const WalledForms *forms, const char *where, Cloud *cloud)
   PetscInt         wrong = 0;
 
   WalledSetVelocity(cloud, rest);
-  ASSERT_OK(VecSet(cloud->ops->wall_dpdn_step, 3.0));
-  ASSERT_OK(OperatorsSetWallVelocity(&cloud->scene, p, 0.0, 0.5, cloud->ops));
+  ASSERT_OK(VecSet(cloud->walls.dpdn_step, 3.0));
+  ASSERT_OK(WallValuesSetVelocity(&cloud->scene, cloud->particles, 0.0, 0.5, &cloud->walls));
   for (PetscInt a = 0; a < p->dim; a++) {
-    ASSERT_OK(VecGetArrayRead(cloud->ops->wall_u[a], &u));
+    ASSERT_OK(VecGetArrayRead(cloud->walls.u[a], &u));
     for (PetscInt k = 0; k < p->n_wall; k++) {
       wrong += u[k] != 1.5 * p->normal[a][p->n_fluid + k];
       wrong += p->u[a][p->n_fluid + k] != 0.0;
     }
-    ASSERT_OK(VecRestoreArrayRead(cloud->ops->wall_u[a], &u));
+    ASSERT_OK(VecRestoreArrayRead(cloud->walls.u[a], &u));
   }
   CloudAssertNone("slip", where, wrong);
 }
@@ -222,12 +222,13 @@ static void CheckConcentration(const WalledForms *forms, const char *where, Clou
   PetscReal        C     = 0.0;
 
   if (cloud->scene.jitter > 0.0) return;
-  for (PetscInt i = 0; i < cloud->particles->n_fluid; i++) C = PetscMax(C, ops->concentration[i]);
+  for (PetscInt i = 0; i < cloud->particles->n_fluid; i++)
+    C = PetscMax(C, ops->concentration.value[i]);
   MPI_Allreduce(MPI_IN_PLACE, &C, 1, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD);
   for (PetscInt i = 0; i < cloud->particles->n_fluid; i++) {
-    wrong += PetscAbsReal(ops->concentration[i] - C) > 1e-12;
+    wrong += PetscAbsReal(ops->concentration.value[i] - C) > 1e-12;
     for (PetscInt a = 0; a < cloud->scene.dim; a++)
-      wrong += PetscAbsReal(ops->gradient_c[a][i]) * cloud->scene.dx > 1e-12;
+      wrong += PetscAbsReal(ops->concentration.gradient[a][i]) * cloud->scene.dx > 1e-12;
   }
   /* the quadrature error of the lattice, a few per cent: OPERATORS.md, section 2, |S - 1| */
   CloudAssertNone("concentration near 1", where, PetscAbsReal(C - 1.0) > 0.05);
@@ -258,7 +259,8 @@ static void CheckRefusal(const char *option, const TableRow *form, PetscBool ful
     code = CloudOperators(&box, options, &cloud);
     ASSERT_OK(PetscPopErrorHandler());
     CloudAssertNone("refused", options, code != (meets ? PETSC_SUCCESS : PETSC_ERR_USER_INPUT));
-    if (w < 0) CloudAssertNone("default", options, !WalledMeets(cloud.ops->wall, full_support));
+    if (w < 0)
+      CloudAssertNone("default", options, !WalledMeets(cloud.ops->forms.wall, full_support));
     if (!code) ASSERT_OK(OperatorsDestroy(&cloud.ops));
   }
 }

@@ -25,10 +25,10 @@ typedef struct {
 } TableRow;
 
 typedef struct {
-  const char *option; /* e.g. "-kernel" */
-  const char *title;  /* plural heading in the catalogue, e.g. "Kernels" */
-  const void *rows;
-  size_t      row_size; /* bytes */
+  const char *option;   /* e.g. "-kernel" */
+  const char *title;    /* plural heading in the catalogue, e.g. "Kernels" */
+  const void *rows;     /* structs, or pointers to structs */
+  size_t      row_size; /* bytes; 0: pointers */
   PetscInt    count;
   PetscErrorCode (*Describe)(const TableRow *row, char text[], size_t length); /* or NULL */
 } Table;
@@ -40,6 +40,12 @@ typedef struct {
   }
 #define TABLE(option, title, rows) TABLE_DESCRIBED(option, title, rows, NULL)
 
+/* A table whose rows stand in files of their own, as schemes do. */
+#define TABLE_OF_POINTERS(option, title, rows)                                                     \
+  {                                                                                                \
+    option, title, rows, 0, (PetscInt)(sizeof(rows) / sizeof((rows)[0])), NULL                     \
+  }
+
 const TableRow *TableGet(const Table *table, PetscInt k);
 PetscErrorCode  TableFind(const Table *table, const char name[], const TableRow **row);
 PetscErrorCode  TableWant(const Table *table, const char option[], const char name[],
@@ -47,6 +53,7 @@ PetscErrorCode  TableWant(const Table *table, const char option[], const char na
 PetscErrorCode TableSelect_Private(PetscOptionItems *items, const Table *table, const char option[],
                                    const char text[], const char fallback[], const void *row);
 PetscErrorCode TableView(const Table *table, PetscViewer viewer);
+PetscErrorCode TableViewRow(const char label[], const void *row, PetscViewer viewer);
 
 /*
   Options with a range: a value outside it, or no number, ends the run with one line. To be used, as

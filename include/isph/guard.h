@@ -1,44 +1,51 @@
 /*
-  The guard of linear solves: it looks at the true residual after each, climbs the fallback ladder
-  where that is not small, and tells the step when nothing helped. See src/schemes/guard.c and
-  ladder.c.
+  The guard of linear solves: after each solve it computes the true residual, solves again by
+  fallback methods if the residual is not small, and fails the step if no method helps. See
+  src/schemes/guard.c and fallback.c.
 */
 #ifndef ISPH_GUARD_H
 #define ISPH_GUARD_H
 
 #include "isph/schemes.h"
 
-#define FALLBACK_LEVELS 3 /* of the ladder, see ladder.c */
+#define FALLBACK_LEVELS 3 /* methods of fallback.c */
 
 typedef struct {
-  const char        *what;               /* "viscous", "pressure", ... */
-  const char        *prefix;             /* "visc_", "ppe_" or "coupled_" */
-  const char        *remedy;             /* what else to try; NULL: told from what was chosen */
+  LinearSolve        solve;
+  const char        *best;               /* type of KSP to recommend */
+  const char        *remedy;             /* sentence of advice; NULL: from the user's choice */
   char               where[CLOCK_WHERE]; /* the step at hand, for messages */
-  char               note[256];          /* what is unwise in the user's choice; empty: nothing */
   PetscBool          symmetric;          /* the matrix is */
-  PetscBool          inner;              /* a nonlinear solver looks at the residual that counts */
-  PetscInt           max_in_a_row;       /* falls in a row that are borne; -1: no ladder */
-  KSP                level[FALLBACK_LEVELS]; /* of the ladder; NULL until needed */
-  PetscInt           falls, in_a_row; /* solves that needed the ladder; since the last without */
-  PetscBool          failed;          /* a solve since the last GuardCheck() */
-  PetscReal          residual; /* true, relative, of the solve that failed or else of the last */
-  KSPConvergedReason reason;   /* of the chosen method in that solve */
-  PetscInt           iterations;
+  PetscBool          inner;              /* a nonlinear solver checks the residual that counts */
+  PetscInt           max_in_a_row;       /* fallbacks in a row that are allowed; -1: no fallback */
+  KSP                level[FALLBACK_LEVELS]; /* fallback solvers; NULL until needed */
+  PetscInt           in_a_row;               /* fallbacks since the last good solve */
+  PetscBool          failed;                 /* a solve since the last GuardCheck() */
+  PetscReal          residual;   /* true, relative, of the solve that failed or else of the last */
+  KSPConvergedReason reason;     /* of the chosen method in that solve */
+  PetscInt           iterations; /* of that solve */
+  /* makes one matrix of a nested one; NULL: it is not nested */
+  PetscErrorCode (*Flatten)(Mat nested, Mat *flat);
+  /* fails the step if the nonlinear solver of a TS did not converge; NULL: there is none */
+  PetscErrorCode (*Check)(TS ts, const char where[], StepFailure *failure);
 } Guard;
 
 PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard);
 PetscErrorCode GuardDetach(Guard *guard);
-PetscErrorCode GuardMeasure(KSP ksp, Vec b, Vec x, PetscReal *residual, PetscBool *good);
-PetscErrorCode GuardCheck(KSP ksp, Guard *guard, StepFailure *failure);
-PetscErrorCode GuardRenewPC(KSP ksp);
-PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc);
-PetscErrorCode FallbackSolve(KSP ksp, Vec b, Vec x, Guard *guard, PetscBool *solved);
-PetscErrorCode PressureSolver(const LaplacianForm *form, PetscReal rtol, KSP *ksp, Guard *guard);
-PetscErrorCode TimeStepThrough(TS ts, const char name[], KSP ksp, Guard *guard, PetscReal t,
-                               PetscReal dt, PetscReal *h, PetscInt *iterations,
-                               StepFailure *failure);
-PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[]);
+PetscErrorCode GuardCheck(Guard *guard, StepFailure *failure);
+PetscErrorCode SolveResidual(KSP ksp, Vec b, Vec x, PetscReal *residual, PetscBool *good);
+PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved);
+
+/* defaults.c */
 PetscErrorCode OptionDefault(const char prefix[], const char name[], const char value[]);
+PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[]);
+PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, Guard *guard);
+PetscErrorCode SolverRenewPC(KSP ksp);
+PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc);
+
+/* timestep.c */
+PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[]);
+PetscErrorCode TimeStepThrough(TS ts, const char name[], Guard *guard, PetscReal t, PetscReal dt,
+                               PetscReal *h, StepFailure *failure);
 
 #endif

@@ -6,16 +6,6 @@
 
 #include "isph/schemes.h"
 
-/* The flow as a case's Judge and the writers see it; a patch test has no clock and no scheme. */
-struct Flow {
-  const Scene     *scene;
-  const Particles *particles;
-  const Neighbors *neighbors;
-  const Operators *ops;
-  const Clock     *clock;
-  const Scheme    *scheme;
-};
-
 /* Interpolates velocity (and pressure, unless p is NULL) at points. */
 PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal u[],
                            PetscReal p[]);
@@ -87,12 +77,12 @@ PetscErrorCode          MonitorsWrite(const Flow *flow, Monitors *monitors);
 
 PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscReal T[]);
 
+extern const Table      ProgressTable;
 typedef struct Progress Progress;
 PetscErrorCode          ProgressCreate(Progress **progress);
 PetscErrorCode          ProgressDestroy(Progress **progress);
 PetscErrorCode          ProgressUpdate(const Flow *flow, PetscBool final, Progress *progress);
 
 PetscErrorCode BannerView(const Flow *flow, PetscViewer viewer);
-PetscErrorCode CatalogueView(PetscViewer viewer);
 
 #endif

@@ -163,7 +163,7 @@ void      ConcentrationRow(const Scene *scene, const KernelRow *kernel, PetscRea
                            const Stencil *stencil, const PetscReal x[], PetscBool mirrored,
                            PetscReal *concentration, PetscReal gradient[]);
 
-/* One operator: its two matrices, their values in the shared pattern, and what it is scaled by. */
+/* One operator: its two matrices, their values in the shared pattern, and their scale. */
 typedef struct {
   PetscBool  needed;
   PetscInt   width; /* values in each slot of the pattern: 1, dim^2 where components couple */
@@ -177,64 +177,93 @@ typedef struct {
   PetscInt  n, capacity;
 } Pattern;
 
+/* Operators that a run needs; the scheme and the scene say which, and nothing else is assembled. */
+typedef enum {
+  NEED_VISCOSITY     = 1 << 0, /* visc */
+  NEED_PRESSURE      = 1 << 1, /* ppe, grad_p and div */
+  NEED_GRADIENT_U    = 1 << 2, /* grad_u */
+  NEED_FILTER_U      = 1 << 3, /* filter_u */
+  NEED_FILTER_P      = 1 << 4, /* filter_p */
+  NEED_CONCENTRATION = 1 << 5, /* concentration and its gradient */
+  NEED_FREE_GRAD_P   = 1 << 6  /* grad_p from the fluid alone: n.grad p at walls is not known */
+} Need;
+
+/* The discretisation in space as chosen from the tables. */
 typedef struct {
   const KernelRow   *kernel;
-  LaplacianForm      visc_form, ppe_form;
+  LaplacianForm      visc, ppe;
   const GradientRow *gradient;
-  const WallRow     *wall;            /* NULL: no walls */
-  PetscBool          wall_surface;    /* particles on the walls' surface before the dummies */
-  PetscReal          h;               /* smoothing length [m] */
-  PetscReal          radius;          /* of the kernel's support [m] */
-  PetscReal          velocity_filter; /* strength of the grid-scale filter of velocities [-] */
-  PetscReal          reach;           /* how far from a particle assembly looks, for the halo [m] */
+  const WallRow     *wall;               /* NULL: no walls */
+  PetscBool          wall_surface;       /* particles on the walls' surface before the dummies */
+  PetscBool          visc_is_laplacian;  /* visc is lap u */
+  PetscBool          components_coupled; /* visc acts on all components together: viscous_block.c */
+  PetscReal          h;                  /* smoothing length [m] */
+  PetscReal          radius;             /* radius of the kernel's support [m] */
+  PetscReal reach; /* largest distance at which assembly reads a particle, for the halo [m] */
+} OperatorForms;
+
+/* The particle concentration of own fluid, C_i = sum_j V_j W_ij without the deficit at walls. */
+typedef struct {
+  PetscReal *value;                  /* C [-] */
+  PetscReal *gradient[ISPH_MAX_DIM]; /* grad C [1/m] */
+} Concentration;
+
+typedef struct Assembly Assembly; /* the workspace of one row, see src/operators/assembly.h */
+
+typedef struct {
+  OperatorForms forms;
+  unsigned      needs; /* bits of Need */
 
   AffineOperator visc; /* lap u, or div(nu grad u)/scene->nu [m^-2]; wall data: u_wall,c */
-  PetscBool      visc_is_laplacian;    /* it is lap u */
-  PetscBool      components_coupled;   /* it is on all components together, see viscous_block.c */
-  AffineOperator ppe;                  /* -dx^2 lap p [-]; wall data: n.grad p */
+  AffineOperator ppe;  /* -dx^2 lap p [-]; wall data: n.grad p */
   AffineOperator grad_p[ISPH_MAX_DIM]; /* dp/dx_a; wall data: n.grad p */
   AffineOperator grad_u[ISPH_MAX_DIM]; /* du_c/dx_a; wall data: u_wall,c */
   AffineOperator div[ISPH_MAX_DIM];    /* (D u)_i = sum_c div[c] u_c; wall data: u_wall,c */
   AffineOperator filter_u;             /* u_c less its quadratic fit [-]; wall data: u_wall,c */
   AffineOperator filter_p;             /* p less its quadratic fit [-]; no wall data */
-  PetscBool      grad_p_without_walls; /* grad_p sees no walls, for want of n.grad p there */
-  PetscBool      need_concentration;
-  PetscReal     *concentration;            /* C_i = sum_j V_j W_ij, without walls' deficit [-] */
-  PetscReal     *gradient_c[ISPH_MAX_DIM]; /* grad C [1/m] */
+  Pattern        fluid, walls;
+  PetscInt      *neighbor_of_slot; /* local index, where components are coupled */
+  Concentration  concentration;
 
-  Vec       wall_u[ISPH_MAX_DIM]; /* velocities of own wall particles [m/s] */
-  PetscReal wall_speed_bound;     /* fastest flow that walls have been able to make [m/s] */
-  Vec       wall_dpdn;            /* n.grad p at own wall particles [Pa/m] */
-  Vec       wall_dpdn_step;       /* what n.grad p gains in this step [Pa/m] */
-
-  Stencil  *stencil;
-  Pattern   fluid, walls;
-  PetscInt *slot; /* of each neighbour in its row of the pattern */
-  PetscInt
-      *neighbor_of_slot; /* local index of the particle in a slot of fluid; coupled components */
-  PetscReal *w, *g[ISPH_MAX_DIM], *m; /* of one row */
-  PetscReal *wall_w;                  /* of its wall data, see wall_points.c */
-  PetscInt   slot_capacity;
-  PetscInt   epoch, moved;     /* stamps of the particles the operators were assembled from */
-  PetscInt   assemblies;       /* stamp of the matrices: changes when they do */
-  PetscInt   regularised_rows; /* fits of the last assembly that their points did not determine */
+  PetscInt  epoch, moved;     /* stamps of the particles the operators were assembled from */
+  PetscInt  assemblies;       /* stamp of the matrices: changes when they do */
+  PetscInt  regularised_rows; /* fits of the last assembly that their points did not determine */
+  Assembly *work;
 } Operators;
 
-PetscErrorCode OperatorsCreate(const Scene *scene, Operators **ops);
+unsigned       SceneNeeds(const Scene *scene);
+PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **ops);
 PetscErrorCode OperatorsDestroy(Operators **ops);
 const char    *OperatorsCorrection(const Operators *ops);
 PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, WallPlacement *walls);
 PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *particles,
                                  const Neighbors *neighbors, Operators *ops, PetscBool *changed);
-PetscErrorCode OperatorsSetWallVelocity(const Scene *scene, const Particles *particles, PetscReal t,
-                                        PetscReal projection_factor, Operators *ops);
 PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y);
 PetscErrorCode AffineApplyAdd(const AffineOperator *op, Vec f, Vec walls, Vec y);
 
 PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *particles,
                                        Operators *ops);
-PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *particles, const Vec u[],
-                                     Operators *ops);
+
+/*
+  Values at walls, one entry for each own wall particle: the wall data e of the operators. They
+  belong to one epoch.
+*/
+typedef struct {
+  PetscInt  epoch;           /* of the vectors; 0: there are none */
+  Vec       u[ISPH_MAX_DIM]; /* velocity [m/s] */
+  Vec       dpdn;            /* n.grad p that the pressure has [Pa/m] */
+  Vec       dpdn_step;       /* gain of n.grad p in the present step [Pa/m] */
+  PetscReal speed_bound;     /* fastest flow that walls have been able to make [m/s] */
+} WallValues;
+
+PetscErrorCode WallValuesRenumber(const Scene *scene, const Particles *particles,
+                                  WallValues *walls);
+PetscErrorCode WallValuesSetVelocity(const Scene *scene, Particles *particles, PetscReal t,
+                                     PetscReal projection_factor, WallValues *walls);
+PetscErrorCode WallValuesFree(WallValues *walls);
+
+PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *particles,
+                                     const WallValues *walls, const Vec u[], Operators *ops);
 PetscErrorCode VelocityVec(const Particles *particles, Vec *v);
 PetscErrorCode WallVelocityVec(const Particles *particles, Vec *v);
 

@@ -32,7 +32,7 @@ typedef struct {
   PetscBool       spectrum, solve;
 } Patch;
 
-PetscErrorCode PatchRun(const Scene *scene);
+PetscErrorCode PatchRun(Scene *scene);
 PetscErrorCode PatchStructure(const Patch *patch, Report *report);
 PetscErrorCode PatchSpectrum(const Patch *patch, Report *report);
 PetscErrorCode PatchSolve(const Patch *patch, Report *report);

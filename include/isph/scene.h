@@ -165,6 +165,7 @@ PetscReal      SceneReynolds(const Scene *scene);
 PetscReal      SceneCellReynolds(const Scene *scene);
 PetscBool      SceneIsAsPosed(const Scene *scene);
 PetscBool      SceneMoves(const Scene *scene);
+PetscBool      SceneIsDrivenInTime(const Scene *scene);
 PetscReal      SceneCellSide(const Scene *scene, PetscInt axis); /* of the lattice, about dx [m] */
 PetscReal      SceneVolume(const Scene *scene); /* of every particle: its cell [m^dim] */
 void      SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],

@@ -1,124 +1,17 @@
 /*
-  Schemes: one step of the flow. The Clock owns time; the viscous TS and the pressure KSP are told
-  what to do and asked how it went.
+  Schemes: how one step of a flow is made. Flow bundles all that a step works on; FlowState holds
+  the velocities and the pressure; a scheme is one folder of src/schemes/ and one row of its table.
 */
 #ifndef ISPH_SCHEMES_H
 #define ISPH_SCHEMES_H
 
+#include "isph/clock.h"
 #include "isph/operators.h"
 
-#define CLOCK_MAX_REPORTS 32
-/* Held in every map of docs/results/stability.md. Shorter steps of moving particles are not better:
-   at Re = 1000, n = 100, t = 40 the cavity has 1.7, 1.2, 0.5 % too much energy with 0.25, 0.4,
-   0.5. */
-#define CLOCK_CFL   0.5
-#define CLOCK_WHERE 64 /* room for what ClockWhere() says */
+#define FLOW_MAX_WORK 32
 
-/*
-  What went wrong in a step. The step ends early and the run decides: to end with the sentence, or
-  to undo the step and try a shorter one.
-*/
-typedef struct {
-  PetscErrorCode code;          /* 0: nothing; else PETSC_ERR_NOT_CONVERGED or PETSC_ERR_FP */
-  PetscBool      fatal;         /* a shorter step would not help */
-  char           sentence[640]; /* step, quantity, likely cause and remedy */
-} StepFailure;
-void FailureSet(StepFailure *failure, PetscErrorCode code, const char format[], ...)
-    PETSC_ATTRIBUTE_FORMAT(3, 4);
-
-/* How the length of steps follows the flow. */
-typedef struct {
-  const char *name, *brief, *citation;
-  PetscBool   follows; /* the present speed and the body force, else -dt or the reference speed */
-  PetscBool   retries; /* a step that fails is undone and made in shorter ones */
-} DtAdaptRow;
-extern const Table DtAdaptTable;
-
-/* Time, owned by the run; everything second order uses variable-step coefficients. */
-typedef struct {
-  PetscReal t, dt, dt_previous; /* [s]; dt_previous = 0 before the second step */
-  PetscReal dt_wanted;          /* dt if no report were due; a run that is one step, that one [s] */
-  PetscInt  step;               /* finished steps */
-  PetscReal t_first;            /* where this process began: a restart has time and */
-  PetscInt  step_first;         /* steps behind it [s] */
-  PetscReal t_end;              /* [s] */
-  PetscInt  max_steps;
-  PetscReal dt_given, cfl;                  /* -dt, or else dt = cfl dx/speed [s], [-] */
-  PetscReal steady_tol;                     /* 0: off [-] */
-  PetscReal report_time[CLOCK_MAX_REPORTS]; /* times the steps must hit, ascending [s] */
-  PetscInt  n_reports, next_report;
-  PetscBool steady;       /* steady_tol was met, or the steady flow solved for */
-  PetscBool steady_solve; /* no du/dt: one step to t_end */
-
-  const DtAdaptRow *adapt;
-  PetscReal         move_max;    /* displacement in a step above which it has failed [dx] */
-  PetscInt          retries;     /* steps undone so far */
-  PetscInt          halvings;    /* dt is what it would be over 2^cut */
-  PetscInt          good_needed; /* good steps after which cut is lessened */
-  PetscInt          good;        /* steps since the last failure or lessening */
-} Clock;
-
-PetscErrorCode ClockCreate(const Scene *scene, Clock **clock);
-PetscErrorCode ClockDestroy(Clock **clock);
-PetscErrorCode ClockChoose(const Scene *scene, PetscReal speed, PetscReal force, Clock *clock);
-PetscErrorCode ClockAdvance(Clock *clock);
-PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure);
-PetscReal      ClockRatio(const Clock *clock);
-PetscBool      ClockPasses(PetscReal every, PetscReal last, PetscReal now);
-PetscErrorCode ClockWhere(const Clock *clock, char where[]);
-PetscReal      ClockMoment(const Clock *clock);
-PetscReal      ClockExplicitLimit(const Scene *scene, PetscReal support_radius);
-
-/* How a TS type is used: which callback carries viscosity and which convection. */
-typedef enum {
-  TIME_IMPLICIT, /* IFunction: viscosity; convection extrapolated into the force */
-  TIME_IMEX,     /* IFunction: viscosity; RHSFunction: convection */
-  TIME_EXPLICIT  /* RHSFunction: everything */
-} ViscousTerms;
-typedef struct {
-  const char  *name, *brief, *citation; /* name: the TS type */
-  ViscousTerms kind;
-  PetscBool    history;         /* one stage: starts from (4u^n - u^{n-1})/3 for second order */
-  PetscBool    multistep;       /* PETSc keeps earlier velocities; they cannot follow particles */
-  PetscBool    end_of_step;     /* the force is taken at the end of the step, else at its middle */
-  PetscReal (*Response)(TS ts); /* of u* to a force newly switched on, over dt; NULL: 1 */
-} ViscousIntegratorRow;
-extern const Table ViscousIntegratorTable;
-PetscErrorCode     TimeOptionsRefuse(const char prefix[], const char type[]);
-
-typedef struct Viscosity    Viscosity;
-PetscErrorCode              ViscosityCreate(const Scene *scene, PetscReal dt, const Operators *ops,
-                                            Viscosity **visc);
-PetscErrorCode              ViscosityDestroy(Viscosity **visc);
-PetscErrorCode              ViscosityRenumber(const Particles *particles, Viscosity *visc);
-const ViscousIntegratorRow *ViscosityIntegrator(const Viscosity *visc);
-PetscErrorCode ViscositySolve(const Scene *scene, const Clock *clock, Particles *particles,
-                              PetscReal dt, PetscReal projection_factor, const Vec force[],
-                              const Vec advecting[], Operators *ops, Vec u[], Viscosity *visc,
-                              StepFailure *failure);
-PetscReal      ViscosityResponse(const Viscosity *visc);
-PetscErrorCode ViscosityNames(const Viscosity *visc, const char **ts, const char **ksp,
-                              const char **pc);
-PetscErrorCode ViscosityIteration(const Viscosity *visc, const char **snes, const char **search);
-Mat            ViscosityMatrix(const Viscosity *visc);
-PetscInt      *ViscosityFalls(Viscosity *visc);
-const char    *ViscosityNote(const Viscosity *visc);
-PetscInt       ViscosityIterations(const Viscosity *visc); /* of the last solve, all components */
-
-PetscErrorCode ConvectionCentral(PetscInt dim, const Operators *ops, const Vec v[], Vec u,
-                                 Vec walls, Vec work, Vec result);
-PetscErrorCode ConvectionApply(const Scene *scene, const Operators *ops, const Vec v[], Vec u,
-                               Vec walls, Vec work, Vec result);
-
-typedef struct Pressure Pressure;
-PetscErrorCode          PressureCreate(const Operators *ops, Pressure **ppe);
-PetscErrorCode          PressureDestroy(Pressure **ppe);
-PetscErrorCode PressureSolve(const Clock *clock, const Particles *particles, const Operators *ops,
-                             Vec b, Vec phi, Pressure *ppe, StepFailure *failure);
-PetscErrorCode PressureNames(const Pressure *ppe, const char **ksp, const char **pc);
-PetscInt      *PressureFalls(Pressure *ppe);
-const char    *PressureNote(const Pressure *ppe);
-PetscInt       PressureIterations(const Pressure *ppe); /* of the last solve */
+/* Stages that all steps have, as -log_view shows them. */
+enum { FLOW_EVENT_MOVE, FLOW_EVENT_NEIGHBORS, FLOW_EVENT_OPERATORS, FLOW_EVENTS };
 
 /* Particle shifting: where to move particles so that they stay evenly spread. */
 typedef struct {
@@ -130,99 +23,153 @@ typedef struct {
 } ShiftRow;
 extern const Table ShiftTable;
 
-/* How the new pressure follows from the increment phi. */
+/*
+  Velocity and pressure on the particles. Fields follow the particles through migration, restart
+  and undo; vectors belong to one epoch and see the fields or hold the step at hand.
+*/
 typedef struct {
-  const char *name, *brief, *citation;
-  PetscBool   incremental; /* the predictor feels grad p^n */
-  PetscBool   rotational;  /* p loses mu div u* */
-} ProjectionRow;
-extern const Table ProjectionTable;
+  const ShiftRow *shift; /* NULL: particles stay */
+  PetscReal       shift_strength;
+  PetscReal       velocity_filter; /* strength of the grid-scale filter of velocities [-] */
+  PetscBool       has_convection;  /* particles stay and the flow is convected past them */
 
-/* What a step did, for progress, the steady test and the report. */
+  PetscReal *u_previous[ISPH_MAX_DIM]; /* u^{n-1} (field) [m/s] */
+  PetscReal *convection[ISPH_MAX_DIM]; /* (u.grad u)^{n-1} of fixed particles (field) [m/s^2] */
+
+  PetscInt  epoch;                         /* of the vectors */
+  Vec       u[ISPH_MAX_DIM];               /* u^n, on the particles' field */
+  Vec       u_prev[ISPH_MAX_DIM];          /* u^{n-1}, on its field */
+  Vec       convection_prev[ISPH_MAX_DIM]; /* on its field */
+  Vec       p;                             /* p, on the particles' field; NULL: no pressure */
+  Vec       u_next[ISPH_MAX_DIM];          /* u* and then u^{n+1} of the step at hand [m/s] */
+  Vec       p_before;                      /* p^n of the step at hand [Pa] */
+  Vec       divergence;                    /* div u* of the step at hand [1/s] */
+  Vec       work[FLOW_MAX_WORK];           /* vectors lent by FlowGetWork() */
+  PetscBool lent[FLOW_MAX_WORK];
+
+  PetscLogEvent event[FLOW_EVENTS];
+} FlowState;
+
+/* Statistics of a step, for progress, the steady test and the report. */
 typedef struct {
-  PetscReal speed_max;         /* largest particle speed [m/s] */
-  PetscReal wall_speed_bound;  /* fastest flow that walls have been able to make [m/s] */
-  PetscReal force_max;         /* largest body force per unit mass [m/s^2] */
-  PetscReal kinetic_energy;    /* [J] (per metre of depth in 2D) */
-  PetscReal divergence;        /* largest |D u| [1/s] */
-  PetscReal change[3];         /* of u, div u* and p, relative, per shortest time scale [-] */
-  PetscInt  visc_its, ppe_its; /* of the last step */
-  PetscInt  visc_its_sum, ppe_its_sum;
+  PetscReal speed_max;      /* largest particle speed [m/s] */
+  PetscReal force_max;      /* largest body force per unit mass [m/s^2] */
+  PetscReal kinetic_energy; /* [J] (per metre of depth in 2D) */
+  PetscReal divergence;     /* largest |D u| [1/s] */
+  PetscReal change[3];      /* of u, div u* and p, relative, per shortest time scale [-] */
 } StepStats;
 
-/* What stands for the inverse of the Schur complement of the pressure, see schur.c. */
-typedef struct Schur Schur;
+/* The steady test: means of root mean squares over a stretch of steps; see steady.c. */
+typedef struct {
+  PetscReal start, count; /* of the stretch [s], and its steps so far */
+  PetscReal sum[3];       /* of the root mean squares of u, div u* and p, relative [-] */
+  PetscReal mean[3];      /* over the stretch before [-] */
+  PetscReal divergence;   /* root mean square of div u* in the last step [1/s] */
+} SteadyTest;
+
+/* The bound on the velocity that the driving forces and walls allow; see check.c. */
+typedef struct {
+  PetscReal start;      /* root mean square of u at the start [m/s] */
+  PetscReal impulse;    /* int max |f| dt [m/s] */
+  PetscReal force;      /* largest |f| so far [m/s^2] */
+  PetscReal force_step; /* largest |f| in the step at hand [m/s^2] */
+  PetscReal walls;      /* fastest flow that walls can have made so far [m/s] */
+} SpeedBound;
+
+/* The column of the report that a linear solve fills. */
+typedef enum { SOLVE_VELOCITY, SOLVE_PRESSURE } SolveColumn;
+
+/* One linear solve of a scheme, as banner, report, progress and checkpoints see it. */
+typedef struct {
+  const char *name;           /* in messages: "viscous", "pressure", ... */
+  const char *label;          /* in the banner */
+  const char *prefix;         /* of its options: "visc_", "ppe_", "coupled_" */
+  const char *integrator;     /* type of its TS; NULL: none */
+  SolveColumn column;         /* of the report */
+  KSP         ksp;            /* NULL: explicit */
+  Mat         matrix;         /* of the last solve, for -<prefix>mat_view; NULL: none */
+  PetscBool   views_matrix;   /* there is such an option */
+  PetscBool   multistep;      /* the TS keeps earlier velocities, which no checkpoint holds */
+  char        note[256];      /* legal but unwise choices of the user; empty: none */
+  PetscInt    iterations;     /* of the last step */
+  PetscInt    iterations_sum; /* of all steps */
+  PetscInt    falls;          /* solves that needed the fallback */
+} LinearSolve;
+
+#define SCHEME_MAX_SOLVES 4
+
+/*
+  A scheme, one folder of src/schemes/. Create reads the scheme's options, refuses what the scene
+  cannot have, and sets scheme->needs; SetUp refuses forms and makes solvers, when the operators are
+  chosen; Register adds fields to the particles; Begin readies everything for the fields as they
+  are; Step makes one step of the clock's dt; Limit lowers the longest step allowed; View writes the
+  scheme's lines of the banner.
+*/
 typedef struct {
   const char *name, *brief, *citation;
-  PetscBool   poisson; /* it needs the pressure Laplacian */
-  PetscErrorCode (*Apply)(Schur *schur, Vec x, Vec y);
-} SchurRow;
-extern const Table SchurTable;
-
-/* How the coupled scheme goes through a step. */
-typedef struct {
-  const char *name, *brief, *citation; /* name: the TS type */
-  PetscBool   substeps; /* several a step, as long as their error allows; else one, with history */
-} CoupledIntegratorRow;
-extern const Table CoupledIntegratorTable;
-
-typedef struct Scheme       Scheme;
-typedef struct Coupled      Coupled;
-PetscErrorCode              CoupledCreate(const Scene *scene, PetscReal dt, PetscBool convects,
-                                          Coupled **coupled);
-PetscErrorCode              CoupledDestroy(Coupled **coupled);
-PetscErrorCode              CoupledNames(const Coupled *coupled, const char **ts, const char **ksp,
-                                         const char **pc);
-const CoupledIntegratorRow *CoupledIntegrator(const Coupled *coupled);
-const SchurRow             *CoupledSchur(const Coupled *coupled);
-PetscInt                   *CoupledFalls(Coupled *coupled);
-const char                 *CoupledNote(const Coupled *coupled);
-PetscInt                    CoupledIterations(const Coupled *coupled); /* of the last step */
-
-typedef struct {
-  const char *name, *brief, *citation;
-  PetscBool   splits; /* velocity and pressure are solved for in turn */
-  PetscErrorCode (*Create)(const Scene *scene, const Clock *clock, Operators *ops, Scheme *scheme);
-  PetscErrorCode (*Register)(const Scene *scene, Particles *particles, Scheme *scheme);
-  PetscErrorCode (*Begin)(const Scene *scene, const Clock *clock, Particles *particles,
-                          Neighbors *neighbors, Operators *ops, Scheme *scheme);
-  PetscErrorCode (*Step)(const Scene *scene, Clock *clock, Particles *particles,
-                         Neighbors *neighbors, Operators *ops, Scheme *scheme);
-  PetscErrorCode (*Destroy)(Scheme *scheme);
+  PetscErrorCode (*Create)(Flow *flow);
+  PetscErrorCode (*SetUp)(Flow *flow);
+  PetscErrorCode (*Register)(Flow *flow); /* NULL: no fields of its own */
+  PetscErrorCode (*Begin)(Flow *flow);
+  PetscErrorCode (*Step)(Flow *flow);
+  PetscErrorCode (*Limit)(const Flow *flow, StepLimit *limit);
+  PetscErrorCode (*View)(const Flow *flow, PetscViewer viewer);
+  PetscErrorCode (*Destroy)(Flow *flow);
 } SchemeRow;
 extern const Table SchemeTable;
 
-#define SCHEME_NUMBERS 15
-struct Scheme {
-  const SchemeRow     *row;
-  const ProjectionRow *projection; /* NULL: no pressure */
-  const ShiftRow      *shift;
-  PetscReal            shift_strength;
-  PetscInt             time_order;
-  PetscReal            alpha;      /* share of the density error in the pressure source [-] */
-  PetscReal            filter;     /* strength of the grid-scale pressure filter [-] */
-  PetscReal            force_step; /* largest body force met in the step [m/s^2] */
-  Viscosity           *visc;
-  Pressure            *ppe;
-  Coupled             *coupled; /* in place of both; NULL: they are there */
-  StepStats            stats;
-  StepFailure          failure;                /* of the step just tried */
-  PetscReal            number[SCHEME_NUMBERS]; /* what else a step remembers of those before it */
-  void                *data;
+typedef struct {
+  const SchemeRow *row;
+  const TableRow  *variant; /* the row of the report's column projection; NULL: none */
+  unsigned         needs;   /* operators, bits of Need */
+  StepStats        stats;
+  SteadyTest       steady;
+  SpeedBound       bound;
+  StepFailure      failure; /* of the step just tried */
+  Memory           memory;
+  LinearSolve     *solve[SCHEME_MAX_SOLVES];
+  PetscInt         n_solves;
+  void            *data;
+} Scheme;
+
+PetscErrorCode SchemeCreate(Flow *flow);
+PetscErrorCode SchemeSetUp(Flow *flow);
+PetscErrorCode SchemeRegister(Flow *flow);
+PetscErrorCode SchemeLimit(const Flow *flow, StepLimit *limit);
+PetscErrorCode SchemeAddSolve(LinearSolve *solve, Scheme *scheme);
+PetscErrorCode SchemeDestroy(Flow *flow);
+
+/* All that a step works on. A patch test has no clock, no state and no scheme. */
+struct Flow {
+  Scene     *scene;
+  Clock     *clock;
+  Operators *ops;
+  Particles *particles;
+  Neighbors *neighbors;
+  WallValues walls;
+  FlowState *state;
+  Scheme    *scheme;
 };
 
-PetscErrorCode SchemeCreate(const Scene *scene, const Clock *clock, Operators *ops,
-                            Scheme **scheme);
-PetscErrorCode SchemeRegister(const Scene *scene, Particles *particles, Scheme *scheme);
-PetscErrorCode SchemeDestroy(Scheme **scheme);
+PetscErrorCode FlowStateCreate(Flow *flow, unsigned *needs);
+PetscErrorCode FlowStateRegister(Flow *flow);
+PetscErrorCode FlowStateRenumber(Flow *flow);
+PetscErrorCode FlowStateDestroy(Flow *flow);
+PetscErrorCode FlowGetWork(Flow *flow, Vec *v);
+PetscErrorCode FlowRestoreWork(Flow *flow, Vec *v);
+
+PetscErrorCode ConvectionCentral(PetscInt dim, const Operators *ops, const Vec v[], Vec u,
+                                 Vec walls, Vec work, Vec result);
+PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], Vec u, Vec walls, Vec work,
+                               Vec result);
 
 /* The flow before a step, to go back to. */
 typedef struct Undo Undo;
 PetscErrorCode      UndoCreate(Undo **undo);
 PetscErrorCode      UndoDestroy(Undo **undo);
-PetscErrorCode      UndoSave(const Clock *clock, const Particles *particles, const Scheme *scheme,
-                             Undo *undo);
-PetscErrorCode UndoRestore(const Scene *scene, const Undo *undo, Clock *clock, Particles *particles,
-                           Neighbors *neighbors, Operators *ops, Scheme *scheme);
+PetscErrorCode      UndoSave(const Flow *flow, Undo *undo);
+PetscErrorCode      UndoRestore(const Undo *undo, Flow *flow);
+
+extern const Table ProjectionTable, ViscousIntegratorTable, CoupledIntegratorTable, SchurTable;
 
 #endif

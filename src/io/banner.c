@@ -1,12 +1,13 @@
 /*
-  The first lines of a run: what is computed, with what, by whose formulas, what was left out, and
-  whether implicit viscosity pays.
+  The banner: the first lines of a run, with its case, its chosen forms and their papers, the
+  physics left out, and the gain of implicit viscosity.
 */
+#include "isph/guard.h"
 #include "isph/io.h"
 
 #define BANNER_LABEL "%-11s "
 
-/* Case, fluid and particles. */
+/* Prints case, fluid and particles. */
 static PetscErrorCode BannerCase(const Flow *flow, PetscViewer viewer)
 {
   const Scene   *scene = flow->scene;
@@ -33,43 +34,23 @@ static PetscErrorCode BannerCase(const Flow *flow, PetscViewer viewer)
       BANNER_LABEL "%" PetscInt_FMT " fluid + %" PetscInt_FMT " wall, dx = %.4g m, h/dx = %.3g; "
                    "%d rank%s\n",
       "particles", flow->particles->N_fluid, flow->particles->N_wall, (double)scene->dx,
-      (double)(flow->ops->h / scene->dx), ranks, ranks == 1 ? "" : "s"));
+      (double)(flow->ops->forms.h / scene->dx), ranks, ranks == 1 ? "" : "s"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One chosen row; what it is where that fits the line; nothing where the run has none. */
-static PetscErrorCode BannerRow(const char label[], const void *row, PetscViewer viewer)
-{
-  const TableRow *r = row;
-  char            line[512];
-  size_t          length;
-
-  PetscFunctionBegin;
-  if (!r) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(line, sizeof(line), BANNER_LABEL "%s: %s%s%s%s", label, r->name, r->brief,
-                          r->citation[0] ? " [" : "", r->citation, r->citation[0] ? "]" : ""));
-  PetscCall(PetscStrlen(line, &length));
-  if (length > 100 && r->citation[0]) {
-    PetscCall(
-        PetscSNPrintf(line, sizeof(line), BANNER_LABEL "%s [%s]", label, r->name, r->citation));
-  }
-  PetscCall(PetscViewerASCIIPrintf(viewer, "%s\n", line));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Where the viscosity varies: by how much, and what pairs of particles make of it. */
+/* Prints the range of a viscosity that varies. */
 static PetscErrorCode BannerViscosity(const Scene *scene, PetscViewer viewer)
 {
   PetscFunctionBegin;
   if (!SceneViscosityVaries(scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!SceneIsNewtonian(scene)) PetscCall(BannerRow("rheology", scene->rheology.row, viewer));
+  if (!SceneIsNewtonian(scene)) PetscCall(TableViewRow("rheology", scene->rheology.row, viewer));
   PetscCall(PetscViewerASCIIPrintf(
       viewer, BANNER_LABEL "nu from %.4g to %.4g m^2/s, harmonic means of pairs; Re is of %.4g\n",
       "varies", (double)scene->nu_low, (double)scene->nu_high, (double)scene->nu));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Bodies through which fluid sees fluid: an operator knows distances, not what is in between. */
+/* Warns about bodies thinner than the kernel support: particles on opposite sides interact. */
 static PetscErrorCode BannerThinBodies(const Flow *flow, PetscViewer viewer)
 {
   const Scene *scene = flow->scene;
@@ -77,7 +58,7 @@ static PetscErrorCode BannerThinBodies(const Flow *flow, PetscViewer viewer)
   PetscFunctionBegin;
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
     PetscReal       place[2];
-    const PetscReal reach = flow->ops->radius,
+    const PetscReal reach = flow->ops->forms.radius,
                     thin  = BodyThickness(&scene->bodies[k], scene->dx, reach, place);
 
     if (thin >= reach) continue;
@@ -91,7 +72,7 @@ static PetscErrorCode BannerThinBodies(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What is computed, and what of the program is left out. */
+/* Prints the physics of the run and the physics left out. */
 static PetscErrorCode BannerPhysics(const Scene *scene, PetscViewer viewer)
 {
   char names[2][128] = {"", ""}; /* left out, active */
@@ -108,23 +89,30 @@ static PetscErrorCode BannerPhysics(const Scene *scene, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns true if a scheme has a velocity solve without a KSP. */
+static PetscBool IsExplicit(const Scheme *scheme)
+{
+  for (PetscInt k = 0; k < scheme->n_solves; k++) {
+    if (scheme->solve[k]->column == SOLVE_VELOCITY && !scheme->solve[k]->ksp) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
 /*
-  Whether implicit viscosity pays: it allows steps up to the advective limit, the default CFL
-  number, explicit viscosity those up to dt_explicit. A solve costs about as much as one more step,
-  and steps of less than twice dt_explicit do not pay for it (docs/results/implicit.md).
+  Compares implicit with explicit viscosity: implicit steps are limited by advection, at the default
+  CFL number, explicit ones by dt_explicit. A solve costs about as much as one more step, so that
+  implicit steps of less than twice dt_explicit do not pay (docs/results/implicit.md).
 */
 static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_explicit,
                                  PetscViewer viewer)
 {
   const Scene    *scene  = flow->scene;
   const PetscReal advect = CLOCK_CFL * scene->dx / scene->speed;
-  const PetscBool explicit =
-      flow->scheme->visc && ViscosityIntegrator(flow->scheme->visc)->kind == TIME_EXPLICIT;
 
   PetscFunctionBegin;
   PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "dt = %.3g dt_explicit (%.3g s): ",
                                    "viscosity", (double)(dt / dt_explicit), (double)dt_explicit));
-  if (explicit && dt > dt_explicit) {
+  if (IsExplicit(flow->scheme) && dt > dt_explicit) {
     PetscCall(PetscViewerASCIIPrintf(viewer, "too long for explicit viscosity\n"));
   } else if (!SceneHas(scene, PHYSICS_CONVECTION)) {
     PetscCall(PetscViewerASCIIPrintf(
@@ -141,25 +129,9 @@ static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_ex
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where steps are so long against diffusion that splitting velocity from pressure limits them. */
-static PetscErrorCode BannerSplitting(const Flow *flow, PetscReal dt, PetscViewer viewer)
-{
-  const Scene    *scene  = flow->scene;
-  const PetscReal number = scene->nu * dt / PetscSqr(scene->length);
-
-  PetscFunctionBegin;
-  if (!flow->scheme->projection || number <= 0.02) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscViewerASCIIPrintf(viewer,
-                                   BANNER_LABEL
-                                   "nu dt/L^2 = %.2g: first order in dt until the flow "
-                                   "is steady; -scheme coupled has no such error\n",
-                                   "splitting", (double)number));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
-  Where particles may not be able to go so far in a step: the cavity ended at CFL numbers of 1 and
-  more where viscosity does not smooth the grid scale (studies/stability).
+  Warns about long steps of moving particles: the cavity ended at CFL numbers of 1 and more if
+  viscosity does not smooth the grid scale (studies/stability).
 */
 static PetscErrorCode BannerAdvection(const Flow *flow, PetscReal dt, PetscViewer viewer)
 {
@@ -176,11 +148,11 @@ static PetscErrorCode BannerAdvection(const Flow *flow, PetscReal dt, PetscViewe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The time step and its limits. */
+/* Prints the time step and its limits. */
 static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
 {
   const Scene    *scene = flow->scene;
-  const PetscReal dt = flow->clock->dt, h = flow->ops->h;
+  const PetscReal dt = flow->clock->dt, h = flow->ops->forms.h;
 
   PetscFunctionBegin;
   if (flow->clock->steady_solve) {
@@ -196,93 +168,58 @@ static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
   }
   PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
   PetscCall(BannerAdvection(flow, dt, viewer));
-  if (flow->scheme->visc || flow->scheme->coupled) {
-    PetscCall(BannerPays(flow, dt, ClockExplicitLimit(scene, flow->ops->radius), viewer));
-    PetscCall(BannerSplitting(flow, dt, viewer));
-  }
+  if (SceneHas(scene, PHYSICS_VISCOSITY))
+    PetscCall(BannerPays(flow, dt, ClockExplicitLimit(scene, flow->ops->forms.radius), viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The forms of space, then those of time. */
+/* Prints the forms of the discretisation in space. */
 static PetscErrorCode BannerForms(const Flow *flow, PetscViewer viewer)
 {
-  const Operators *ops    = flow->ops;
-  const Scheme    *scheme = flow->scheme;
+  const Operators *ops = flow->ops;
 
   PetscFunctionBegin;
-  PetscCall(BannerRow("scheme", scheme->row, viewer));
-  PetscCall(BannerRow("projection", scheme->projection, viewer));
-  PetscCall(BannerRow("motion", flow->scene->motion, viewer));
-  if (SceneMoves(flow->scene)) PetscCall(BannerRow("shift", scheme->shift, viewer));
-  PetscCall(BannerRow("kernel", ops->kernel, viewer));
-  PetscCall(BannerRow("visc lap.", ops->visc_form.row, viewer));
-  PetscCall(BannerRow("ppe lap.", ops->ppe_form.row, viewer));
-  PetscCall(BannerRow("correction", ops->visc_form.correction, viewer));
-  if (!ops->visc_form.correction)
-    PetscCall(BannerRow("correction", ops->ppe_form.correction, viewer));
-  PetscCall(BannerRow("gradient", ops->gradient, viewer));
-  PetscCall(BannerRow("wall", ops->wall, viewer));
-  if (ops->wall_surface)
+  PetscCall(TableViewRow("scheme", flow->scheme->row, viewer));
+  PetscCall(TableViewRow("motion", flow->scene->motion, viewer));
+  PetscCall(TableViewRow("shift", flow->state->shift, viewer));
+  PetscCall(TableViewRow("kernel", ops->forms.kernel, viewer));
+  PetscCall(TableViewRow("visc lap.", ops->forms.visc.row, viewer));
+  PetscCall(TableViewRow("ppe lap.", ops->forms.ppe.row, viewer));
+  PetscCall(TableViewRow("correction", ops->forms.visc.correction, viewer));
+  if (!ops->forms.visc.correction)
+    PetscCall(TableViewRow("correction", ops->forms.ppe.correction, viewer));
+  PetscCall(TableViewRow("gradient", ops->forms.gradient, viewer));
+  PetscCall(TableViewRow("wall", ops->forms.wall, viewer));
+  if (ops->forms.wall_surface)
     PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "particles, before those behind\n",
                                      "on the wall"));
   PetscCall(BannerThinBodies(flow, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How the linear systems are solved; what is not solved for has no line. */
-static PetscErrorCode BannerSolver(const char label[], const char ksp[], const char pc[],
-                                   PetscViewer viewer)
-{
-  PetscFunctionBegin;
-  if (ksp) {
-    PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "KSP %s, PC %s\n", label, ksp,
-                                     pc ? pc : "none"));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* What is legal but unwise. */
-static PetscErrorCode BannerNote(const char note[], PetscViewer viewer)
-{
-  PetscFunctionBegin;
-  if (note[0]) PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "%s\n", "unwise", note));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode BannerSolvers(const Flow *flow, PetscViewer viewer)
+/* Prints the scheme's own lines, then its linear solves; an explicit step has none. */
+static PetscErrorCode BannerScheme(const Flow *flow, PetscViewer viewer)
 {
   const Scheme *scheme = flow->scheme;
-  const char   *ts = NULL, *ksp = NULL, *pc = NULL, *snes = NULL, *search = NULL;
 
   PetscFunctionBegin;
-  if (scheme->visc) {
-    PetscCall(BannerRow("visc TS", ViscosityIntegrator(scheme->visc), viewer));
-    PetscCall(ViscosityNames(scheme->visc, &ts, &ksp, &pc));
-    PetscCall(ViscosityIteration(scheme->visc, &snes, &search));
-    if (snes)
-      PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "SNES %s, line search %s\n",
-                                       "nonlinear", snes, search));
-    PetscCall(BannerSolver("visc solver", ksp, pc, viewer));
-    PetscCall(BannerNote(ViscosityNote(scheme->visc), viewer));
-  }
-  if (scheme->coupled) {
-    if (!flow->clock->steady_solve)
-      PetscCall(BannerRow("coupled TS", CoupledIntegrator(scheme->coupled), viewer));
-    PetscCall(CoupledNames(scheme->coupled, &ts, &ksp, &pc));
-    PetscCall(BannerSolver("solver", ksp, pc, viewer));
-    PetscCall(BannerRow("schur", CoupledSchur(scheme->coupled), viewer));
-    PetscCall(BannerNote(CoupledNote(scheme->coupled), viewer));
-  }
-  if (scheme->ppe) {
-    PetscCall(PressureNames(scheme->ppe, &ksp, &pc));
-    PetscCall(BannerSolver("ppe solver", ksp, pc, viewer));
-    PetscCall(BannerNote(PressureNote(scheme->ppe), viewer));
+  PetscCall(scheme->row->View(flow, viewer));
+  for (PetscInt k = 0; k < scheme->n_solves; k++) {
+    const LinearSolve *solve = scheme->solve[k];
+    const char        *ksp, *pc;
+
+    if (!solve->ksp) continue;
+    PetscCall(SolverNames(solve->ksp, &ksp, &pc));
+    PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "KSP %s, PC %s\n", solve->label, ksp,
+                                     pc ? pc : "none"));
+    if (solve->note[0])
+      PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "%s\n", "unwise", solve->note));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  BannerView - Prints what the run is going to do
+  BannerView - Prints the choices of the run before its first step
 
   Collective on the viewer. Called when all is configured and the Clock has chosen its first step.
 */
@@ -294,7 +231,7 @@ PetscErrorCode BannerView(const Flow *flow, PetscViewer viewer)
   PetscCall(BannerPhysics(flow->scene, viewer));
   PetscCall(BannerTime(flow, viewer));
   PetscCall(BannerForms(flow, viewer));
-  PetscCall(BannerSolvers(flow, viewer));
+  PetscCall(BannerScheme(flow, viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

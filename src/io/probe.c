@@ -47,7 +47,7 @@ static PetscReal ProbeOffset(const Probe *probe, PetscInt j, const PetscReal x[]
     s[a] = (p->x[a][j] - x[a]) / R;
     r2 += PetscSqr(s[a]);
   }
-  KernelEvaluate(ops->kernel, p->dim, ops->h, PetscSqrtReal(r2) * ops->radius, w);
+  KernelEvaluate(ops->forms.kernel, p->dim, ops->forms.h, PetscSqrtReal(r2) * ops->forms.radius, w);
   return w[0];
 }
 
@@ -96,7 +96,7 @@ static PetscErrorCode ProbeFit(Probe *probe, const PetscReal x[], PetscBool wall
                                PetscReal factor[])
 {
   PetscFunctionBegin;
-  *R = probe->flow->ops->radius;
+  *R = probe->flow->ops->forms.radius;
   while (PETSC_TRUE) {
     PetscCall(ProbeFind(probe, x, *R, walls, n));
     *terms = ProbeMoments(probe, x, *R, *n, moments);
@@ -160,8 +160,8 @@ static PetscErrorCode ProbeBegin(const Flow *flow, PetscBool pressure, Probe *pr
   PetscCall(PetscMemzero(probe, sizeof(*probe)));
   probe->flow = flow;
   /* Within an epoch a particle moves by half a skin at most. */
-  probe->reach = PetscMax(flow->ops->radius, p->halo_width + 0.5 * p->skin);
-  PetscCall(CellsBuild(p, 0.5 * flow->ops->radius, &probe->cells));
+  probe->reach = PetscMax(flow->ops->forms.radius, p->halo_width + 0.5 * p->skin);
+  PetscCall(CellsBuild(p, 0.5 * flow->ops->forms.radius, &probe->cells));
   PetscCall(PetscMalloc2(probe->cells.n, &probe->list, probe->cells.n, &probe->w));
   for (PetscInt c = 0; c < p->dim; c++) {
     PetscCall(ProbeFetch(p, p->u[c], ParticlesOwn(p), &probe->field[probe->n_fields++]));
@@ -201,7 +201,7 @@ static PetscBool ProbeOwns(const Flow *flow, PetscReal x[])
 static PetscErrorCode ProbeEvaluate(Probe *probe, const PetscReal x[], PetscReal values[])
 {
   const PetscInt  dim   = probe->flow->particles->dim;
-  const WallRow  *wall  = probe->flow->ops->wall;
+  const WallRow  *wall  = probe->flow->ops->forms.wall;
   const PetscBool walls = wall && wall->on_surface ? PETSC_TRUE : PETSC_FALSE;
   PetscInt        n     = 0;
 
@@ -272,7 +272,7 @@ static PetscErrorCode NearestViscosity(Probe *probe, const PetscReal x[], PetscR
 
   PetscFunctionBegin;
   *nu = 0.0;
-  PetscCall(ProbeFind(probe, x, probe->flow->ops->radius, PETSC_FALSE, &n));
+  PetscCall(ProbeFind(probe, x, probe->flow->ops->forms.radius, PETSC_FALSE, &n));
   for (PetscInt k = 0; k < n; k++) {
     const PetscInt j  = probe->list[k];
     PetscReal      r2 = 0.0;

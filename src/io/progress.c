@@ -13,7 +13,7 @@ static const ProgressRow progresses[] = {
     {"line", "one line: rewritten on a terminal, else printed every 10 %", "", PETSC_TRUE},
     {"none", "no progress", "", PETSC_FALSE},
 };
-static const Table ProgressTable = TABLE("-progress", "Progress", progresses);
+const Table ProgressTable = TABLE("-progress", "Progress", progresses);
 
 struct Progress {
   const ProgressRow *row;
@@ -93,13 +93,9 @@ static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscRe
     PetscCall(PetscSNPrintf(part, sizeof(part), "  div %.1e", (double)stats->divergence));
     PetscCall(PetscStrlcat(line, part, length));
   }
-  if (flow->scheme->visc || flow->scheme->coupled) {
-    PetscCall(PetscSNPrintf(part, sizeof(part), "  its %" PetscInt_FMT, stats->visc_its));
-    PetscCall(PetscStrlcat(line, part, length));
-  }
-  if (flow->scheme->ppe) {
-    PetscCall(PetscSNPrintf(part, sizeof(part), "%s%" PetscInt_FMT,
-                            flow->scheme->visc ? "+" : "  its ", stats->ppe_its));
+  for (PetscInt k = 0; k < flow->scheme->n_solves; k++) {
+    PetscCall(PetscSNPrintf(part, sizeof(part), "%s%" PetscInt_FMT, k ? "+" : "  its ",
+                            flow->scheme->solve[k]->iterations));
     PetscCall(PetscStrlcat(line, part, length));
   }
   if (elapsed > 0.0)

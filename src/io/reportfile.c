@@ -2,6 +2,7 @@
   The file of all runs: one row a quantity and time, in long form, so that a study is a loop over
   runs and a table program does the rest.
 */
+#include "isph/guard.h"
 #include "isph/io.h"
 #include <sys/resource.h>
 
@@ -70,36 +71,49 @@ static PetscErrorCode ColumnWall(Columns *columns, const Operators *ops)
   char word[128] = "";
 
   PetscFunctionBegin;
-  if (ops->wall) {
-    PetscCall(PetscSNPrintf(word, sizeof(word), "%s%s", ops->wall->name,
-                            ops->wall_surface ? "+surface" : ""));
+  if (ops->forms.wall) {
+    PetscCall(PetscSNPrintf(word, sizeof(word), "%s%s", ops->forms.wall->name,
+                            ops->forms.wall_surface ? "+surface" : ""));
   }
   PetscCall(ColumnWord(columns, word));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* visc_laplacian ... ppe_pc: what is not computed has no name. */
-static PetscErrorCode ColumnsForms(const Flow *flow, Columns *columns)
+/* Returns the linear solve that fills a column, NULL if the run has none. */
+static const LinearSolve *FindSolve(const Flow *flow, SolveColumn column)
 {
-  const Operators *ops    = flow->ops;
-  const Scheme    *scheme = flow->scheme;
-  const char *visc_ts = NULL, *visc_ksp = NULL, *visc_pc = NULL, *ppe_ksp = NULL, *ppe_pc = NULL;
+  for (PetscInt k = 0; flow->scheme && k < flow->scheme->n_solves; k++) {
+    if (flow->scheme->solve[k]->column == column) return flow->scheme->solve[k];
+  }
+  return NULL;
+}
+
+/* The types of a KSP and its preconditioner, empty without one. */
+static PetscErrorCode ColumnsSolver(Columns *columns, const LinearSolve *solve)
+{
+  const char *ksp = NULL, *pc = NULL;
 
   PetscFunctionBegin;
-  if (scheme && scheme->visc)
-    PetscCall(ViscosityNames(scheme->visc, &visc_ts, &visc_ksp, &visc_pc));
-  if (scheme && scheme->ppe) PetscCall(PressureNames(scheme->ppe, &ppe_ksp, &ppe_pc));
-  if (scheme && scheme->coupled)
-    PetscCall(CoupledNames(scheme->coupled, &visc_ts, &visc_ksp, &visc_pc));
-  PetscCall(ColumnWord(columns, ops->visc_form.row ? ops->visc_form.row->name : NULL));
-  PetscCall(ColumnWord(columns, ops->ppe_form.row ? ops->ppe_form.row->name : NULL));
-  PetscCall(ColumnWord(columns, ops->gradient ? ops->gradient->name : NULL));
-  PetscCall(ColumnWord(columns, OperatorsCorrection(ops)));
-  PetscCall(ColumnWord(columns, visc_ts));
-  PetscCall(ColumnWord(columns, visc_ksp));
-  PetscCall(ColumnWord(columns, visc_pc));
-  PetscCall(ColumnWord(columns, ppe_ksp));
-  PetscCall(ColumnWord(columns, ppe_pc));
+  if (solve && solve->ksp) PetscCall(SolverNames(solve->ksp, &ksp, &pc));
+  PetscCall(ColumnWord(columns, ksp));
+  PetscCall(ColumnWord(columns, pc));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* visc_laplacian ... ppe_pc; a form or solver that the run does not have is left empty. */
+static PetscErrorCode ColumnsForms(const Flow *flow, Columns *columns)
+{
+  const OperatorForms *forms    = &flow->ops->forms;
+  const LinearSolve   *velocity = FindSolve(flow, SOLVE_VELOCITY);
+
+  PetscFunctionBegin;
+  PetscCall(ColumnWord(columns, forms->visc.row ? forms->visc.row->name : NULL));
+  PetscCall(ColumnWord(columns, forms->ppe.row ? forms->ppe.row->name : NULL));
+  PetscCall(ColumnWord(columns, forms->gradient ? forms->gradient->name : NULL));
+  PetscCall(ColumnWord(columns, OperatorsCorrection(flow->ops)));
+  PetscCall(ColumnWord(columns, velocity ? velocity->integrator : NULL));
+  PetscCall(ColumnsSolver(columns, velocity));
+  PetscCall(ColumnsSolver(columns, FindSolve(flow, SOLVE_PRESSURE)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -125,14 +139,14 @@ static PetscErrorCode ColumnsBeforeTime(const Flow *flow, Columns *columns)
   PetscCall(ColumnNumber(columns, scene->dim));
   PetscCall(ColumnNumber(columns, scheme ? SceneReynolds(scene) : NAN));
   PetscCall(ColumnRow(columns, scheme ? scheme->row : NULL));
-  PetscCall(ColumnRow(columns, scheme ? scheme->projection : NULL));
+  PetscCall(ColumnRow(columns, scheme ? scheme->variant : NULL));
   PetscCall(ColumnRow(columns, scheme ? scene->motion : NULL));
   PetscCall(ColumnPhysics(columns, scene));
   PetscCall(ColumnsForms(flow, columns));
-  PetscCall(ColumnWord(columns, flow->ops->kernel->name));
-  PetscCall(ColumnNumber(columns, flow->ops->h / scene->dx));
+  PetscCall(ColumnWord(columns, flow->ops->forms.kernel->name));
+  PetscCall(ColumnNumber(columns, flow->ops->forms.h / scene->dx));
   PetscCall(ColumnWall(columns, flow->ops));
-  PetscCall(ColumnRow(columns, scheme ? scheme->shift : NULL));
+  PetscCall(ColumnRow(columns, flow->state ? flow->state->shift : NULL));
   PetscCall(ColumnNumber(columns, scene->jitter));
   PetscCall(ColumnNumber(columns, scene->seed));
   PetscCall(ColumnNumber(columns, scene->n));
@@ -147,9 +161,10 @@ static PetscErrorCode ColumnsBeforeTime(const Flow *flow, Columns *columns)
 static PetscErrorCode ColumnsAfterTime(const Flow *flow, PetscReal wall_seconds,
                                        const char status[], Columns *columns)
 {
-  const Scheme   *scheme = flow->scheme;
-  const PetscReal steps  = flow->clock ? flow->clock->step : 0.0;
-  const PetscReal work =
+  const LinearSolve *velocity = FindSolve(flow, SOLVE_VELOCITY);
+  const LinearSolve *pressure = FindSolve(flow, SOLVE_PRESSURE);
+  const PetscReal    steps    = flow->clock ? flow->clock->step : 0.0;
+  const PetscReal    work =
       flow->clock ? (steps - flow->clock->step_first) * flow->particles->N_fluid : 0.0;
   PetscReal     rss_mb, visc_its = NAN, ppe_its = NAN;
   struct rusage usage;
@@ -159,9 +174,8 @@ static PetscErrorCode ColumnsAfterTime(const Flow *flow, PetscReal wall_seconds,
   PetscCheck(getrusage(RUSAGE_SELF, &usage) == 0, PETSC_COMM_SELF, PETSC_ERR_SYS, "getrusage()");
   rss_mb = (PetscReal)usage.ru_maxrss / 1024.0;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &rss_mb, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
-  if (steps > 0.0 && (scheme->visc || scheme->coupled))
-    visc_its = scheme->stats.visc_its_sum / steps;
-  if (steps > 0.0 && scheme->ppe) ppe_its = scheme->stats.ppe_its_sum / steps;
+  if (steps > 0.0 && velocity) visc_its = velocity->iterations_sum / steps;
+  if (steps > 0.0 && pressure) ppe_its = pressure->iterations_sum / steps;
   PetscCall(ColumnNumber(columns, wall_seconds));
   PetscCall(ColumnNumber(columns, work > 0.0 ? 1e6 * wall_seconds / work : NAN));
   PetscCall(ColumnNumber(columns, visc_its));

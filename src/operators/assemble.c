@@ -2,6 +2,7 @@
   The one assembly loop: gather the stencil of each fluid particle, let every chosen form write its
   row, let the wall treatment close it, and put the values into the shared pattern.
 */
+#include "assembly.h"
 #include "boundary_rows.h"
 #include "extension.h"
 #include "rows.h"
@@ -11,7 +12,7 @@ static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, cons
                                     const Operators *ops, PetscInt i, Stencil *st)
 {
   const PetscInt  d = scene->dim, first = nb->row[i], last = nb->row[i + 1];
-  const PetscReal volume = SceneVolume(scene), radius2 = PetscSqr(ops->radius);
+  const PetscReal volume = SceneVolume(scene), radius2 = PetscSqr(ops->forms.radius);
   PetscInt        n = 0;
 
   PetscFunctionBegin;
@@ -31,7 +32,7 @@ static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, cons
     st->j[n] = j;
     st->r[n] = PetscSqrtReal(r2);
     for (PetscInt a = 0; a < d; a++) st->X[a][n] = X[a];
-    KernelEvaluate(ops->kernel, d, ops->h, st->r[n], w);
+    KernelEvaluate(ops->forms.kernel, d, ops->forms.h, st->r[n], w);
     st->wall[n] = ParticlesIsWall(p, j);
     st->V[n]    = st->wall[n] && p->volume ? p->volume[j] : volume;
     st->W[n]    = w[0];
@@ -44,7 +45,7 @@ static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, cons
         st->normal[a][n] = p->normal[a][j];
         height -= X[a] * p->normal[a][j];
       }
-      st->beta[n] = ops->wall->Beta(scene, height - p->depth[j], p->depth[j]);
+      st->beta[n] = ops->forms.wall->Beta(scene, height - p->depth[j], p->depth[j]);
       st->side[n] = (PetscInt)p->side[j];
       st->n_wall++;
     }
@@ -58,8 +59,8 @@ static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, cons
 /* Columns of row i in both patterns; slot[k] of neighbour k, and the slot of the diagonal. */
 static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, PetscInt *diagonal)
 {
-  PetscInt *cols = ops->slot + ops->slot_capacity, *place = cols + ops->slot_capacity, n = 0,
-           own = -1;
+  PetscInt *cols  = ops->work->slot + ops->work->slot_capacity,
+           *place = cols + ops->work->slot_capacity, n = 0, own = -1;
 
   for (PetscInt k = 0; k < st->n; k++) { /* own column goes where ascending order wants it */
     if (st->wall[k]) continue;
@@ -78,9 +79,9 @@ static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, Pets
   for (PetscInt k = 0, q = 0; k < st->n; k++) {
     if (st->wall[k]) continue;
     if (q == own) q++;
-    ops->slot[k] = place[q++];
+    ops->work->slot[k] = place[q++];
   }
-  if (!ops->wall) return;
+  if (!ops->forms.wall) return;
   n = 0;
   for (PetscInt k = 0; k < st->n; k++) {
     if (st->wall[k]) cols[n++] = p->row[st->j[k]];
@@ -88,7 +89,7 @@ static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, Pets
   PatternRow(&ops->walls, st->i, cols, n, place);
   n = 0;
   for (PetscInt k = 0; k < st->n; k++) {
-    if (st->wall[k]) ops->slot[k] = place[n++];
+    if (st->wall[k]) ops->work->slot[k] = place[n++];
   }
 }
 
@@ -99,23 +100,23 @@ static PetscErrorCode AssembleRow(const Scene *scene, const Particles *p, Stenci
   PetscFunctionBegin;
   StencilSetRole(st, ROLE_VALUE);
   if (ops->visc.needed) {
-    PetscCall(LaplacianWeights(&ops->visc_form, st, ops->w));
-    if (p->nu && !ops->components_coupled) WeighByViscosity(scene, p, st, ops->w);
-    if (ops->components_coupled) KeepBlockRow(st, diagonal, ops->w, ops);
-    else AddRow_Dirichlet(st, ops, diagonal, ops->w, &ops->visc);
+    PetscCall(LaplacianWeights(&ops->forms.visc, st, ops->work->w));
+    if (p->nu && !ops->forms.components_coupled) WeighByViscosity(scene, p, st, ops->work->w);
+    if (ops->forms.components_coupled) KeepBlockRow(st, diagonal, ops->work->w, ops);
+    else AddRow_Dirichlet(st, ops, diagonal, ops->work->w, &ops->visc);
   }
   if (ops->grad_u[0].needed) {
-    PetscCall(ops->gradient->Row(st, ops->g));
+    PetscCall(ops->forms.gradient->Row(st, ops->work->g));
     for (PetscInt a = 0; a < st->dim; a++)
-      AddRow_Dirichlet(st, ops, diagonal, ops->g[a], &ops->grad_u[a]);
+      AddRow_Dirichlet(st, ops, diagonal, ops->work->g[a], &ops->grad_u[a]);
   }
   if (ops->filter_u.needed) {
-    PetscCall(FilterRow_Mls(st, ops->w));
-    AddRow_Dirichlet(st, ops, diagonal, ops->w, &ops->filter_u);
+    PetscCall(FilterRow_Mls(st, ops->work->w));
+    AddRow_Dirichlet(st, ops, diagonal, ops->work->w, &ops->filter_u);
   }
   if (ops->ppe.needed) {
     PetscCall(AddRows_Pressure(scene, st, diagonal, ops));
-    if (ops->grad_p_without_walls) PetscCall(AddRows_GradientWithoutWalls(st, diagonal, ops));
+    if (ops->needs & NEED_FREE_GRAD_P) PetscCall(AddRows_GradientWithoutWalls(st, diagonal, ops));
     if (ops->filter_p.needed) PetscCall(AddRow_PressureFilter(st, diagonal, ops));
     PetscCall(AddRows_Divergence(st, diagonal, ops));
   }
@@ -149,57 +150,42 @@ static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, cons
     PetscCall(MatDestroy(&needed[k]->B));
   }
   PetscCall(PatternBegin(&ops->fluid, p->n_fluid, entries));
-  if (ops->wall) PetscCall(PatternBegin(&ops->walls, p->n_fluid, entries));
+  if (ops->forms.wall) PetscCall(PatternBegin(&ops->walls, p->n_fluid, entries));
   grown = (ops->fluid.capacity != capacity || !needed[0]->a) ? PETSC_TRUE : PETSC_FALSE;
   for (PetscInt k = 0; k < count; k++) {
     if (grown) PetscCall(PetscFree2(needed[k]->a, needed[k]->b));
     if (grown) {
       PetscCall(PetscMalloc2(ops->fluid.capacity * needed[k]->width, &needed[k]->a,
-                             ops->wall ? ops->walls.capacity * needed[k]->width : 0,
+                             ops->forms.wall ? ops->walls.capacity * needed[k]->width : 0,
                              &needed[k]->b));
     }
   }
-  if (grown && ops->components_coupled) {
+  if (grown && ops->forms.components_coupled) {
     PetscCall(PetscFree(ops->neighbor_of_slot));
     PetscCall(PetscMalloc1(ops->fluid.capacity, &ops->neighbor_of_slot));
   }
   for (PetscInt i = 0; i < p->n_fluid; i++)
     longest = PetscMax(longest, nb->row[i + 1] - nb->row[i] + 1);
-  if (longest > ops->slot_capacity) {
-    ops->slot_capacity = 2 * longest;
-    PetscCall(PetscFree4(ops->slot, ops->w, ops->m, ops->wall_w));
-    PetscCall(PetscMalloc4(3 * ops->slot_capacity, &ops->slot, ops->slot_capacity * ops->visc.width,
-                           &ops->w, ops->slot_capacity, &ops->m,
-                           ops->slot_capacity * ops->visc.width, &ops->wall_w));
+  if (longest > ops->work->slot_capacity) {
+    ops->work->slot_capacity = 2 * longest;
+    PetscCall(PetscFree4(ops->work->slot, ops->work->w, ops->work->m, ops->work->wall_w));
+    PetscCall(PetscMalloc4(3 * ops->work->slot_capacity, &ops->work->slot,
+                           ops->work->slot_capacity * ops->visc.width, &ops->work->w,
+                           ops->work->slot_capacity, &ops->work->m,
+                           ops->work->slot_capacity * ops->visc.width, &ops->work->wall_w));
     for (PetscInt a = 0; a < scene->dim; a++) {
-      PetscCall(PetscFree(ops->g[a]));
-      PetscCall(PetscMalloc1(ops->slot_capacity, &ops->g[a]));
+      PetscCall(PetscFree(ops->work->g[a]));
+      PetscCall(PetscMalloc1(ops->work->slot_capacity, &ops->work->g[a]));
     }
   }
-  if (ops->need_concentration && ops->epoch != p->epoch) {
-    PetscCall(PetscFree(ops->concentration));
-    PetscCall(PetscMalloc1(p->n_fluid, &ops->concentration));
+  if (ops->needs & NEED_CONCENTRATION && ops->epoch != p->epoch) {
+    PetscCall(PetscFree(ops->concentration.value));
+    PetscCall(PetscMalloc1(p->n_fluid, &ops->concentration.value));
     for (PetscInt a = 0; a < scene->dim; a++) {
-      PetscCall(PetscFree(ops->gradient_c[a]));
-      PetscCall(PetscMalloc1(p->n_fluid, &ops->gradient_c[a]));
+      PetscCall(PetscFree(ops->concentration.gradient[a]));
+      PetscCall(PetscMalloc1(p->n_fluid, &ops->concentration.gradient[a]));
     }
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Vectors of wall data follow the numbering of wall particles. */
-static PetscErrorCode RenumberWalls(const Scene *scene, const Particles *p, Operators *ops)
-{
-  PetscFunctionBegin;
-  if (!ops->wall || ops->epoch == p->epoch) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    PetscCall(VecDestroy(&ops->wall_u[a]));
-    PetscCall(WallVec(p, &ops->wall_u[a]));
-  }
-  PetscCall(VecDestroy(&ops->wall_dpdn));
-  PetscCall(WallVec(p, &ops->wall_dpdn));
-  PetscCall(VecDestroy(&ops->wall_dpdn_step));
-  PetscCall(WallVec(p, &ops->wall_dpdn_step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -210,9 +196,9 @@ static void AssembleConcentration(const Scene *scene, const Particles *p, const 
   PetscReal x[ISPH_MAX_DIM], gradient[ISPH_MAX_DIM];
 
   for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
-  ConcentrationRow(scene, ops->kernel, ops->h, st, x, st->fits_walls, &ops->concentration[i],
-                   gradient);
-  for (PetscInt a = 0; a < scene->dim; a++) ops->gradient_c[a][i] = gradient[a];
+  ConcentrationRow(scene, ops->forms.kernel, ops->forms.h, st, x, st->fits_walls,
+                   &ops->concentration.value[i], gradient);
+  for (PetscInt a = 0; a < scene->dim; a++) ops->concentration.gradient[a][i] = gradient[a];
 }
 
 /*
@@ -232,7 +218,7 @@ static void AssembleConcentration(const Scene *scene, const Particles *p, const 
 PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const Neighbors *nb,
                                  Operators *ops, PetscBool *changed)
 {
-  Stencil        *st = ops->stencil;
+  Stencil        *st = ops->work->stencil;
   AffineOperator *needed[OPERATORS_COUNT];
   const PetscInt  count = NeededOperators(ops, needed);
 
@@ -240,7 +226,6 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
   *changed = (ops->epoch != p->epoch || ops->moved != p->moved) ? PETSC_TRUE : PETSC_FALSE;
   if (!*changed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(BeginAssembly(scene, p, nb, ops, needed, count));
-  PetscCall(RenumberWalls(scene, p, ops));
   st->regularised = 0;
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscInt diagonal;
@@ -252,22 +237,22 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
 
       for (PetscInt s = ops->fluid.row[i] * width; s < ops->fluid.row[i + 1] * width; s++)
         needed[k]->a[s] = 0.0;
-      if (!ops->wall) continue;
+      if (!ops->forms.wall) continue;
       for (PetscInt s = ops->walls.row[i] * width; s < ops->walls.row[i + 1] * width; s++)
         needed[k]->b[s] = 0.0;
     }
     PetscCall(AssembleRow(scene, p, st, diagonal, ops));
-    if (ops->need_concentration) AssembleConcentration(scene, p, st, i, ops);
+    if (ops->needs & NEED_CONCENTRATION) AssembleConcentration(scene, p, st, i, ops);
   }
   for (PetscInt k = 0; k < count; k++) {
-    if (ops->components_coupled && needed[k] == &ops->visc) continue;
+    if (ops->forms.components_coupled && needed[k] == &ops->visc) continue;
     PetscCall(
         PatternMat(p->comm, &ops->fluid, p->n_fluid, p->n_fluid, needed[k]->a, &needed[k]->A));
-    if (!ops->wall) continue;
+    if (!ops->forms.wall) continue;
     PetscCall(PatternMat(p->comm, &ops->walls, p->n_fluid, p->n_wall, needed[k]->b, &needed[k]->B));
   }
-  if (ops->components_coupled) PetscCall(AssembleViscousBlock(scene, p, ops));
-  if (ops->wall && ops->wall->Extend) PetscCall(ExtendWalls(scene, p, nb, ops));
+  if (ops->forms.components_coupled) PetscCall(AssembleViscousBlock(scene, p, ops));
+  if (ops->forms.wall && ops->forms.wall->Extend) PetscCall(ExtendWalls(scene, p, nb, ops));
   ops->regularised_rows = st->regularised;
   ops->epoch            = p->epoch;
   ops->moved            = p->moved;

@@ -9,6 +9,7 @@
   The row's gradient on the right is unknown and linear in what is given: one small system for each
   row with dummies changes its weights, and rows exact for linear fields stay so beside walls.
 */
+#include "assembly.h"
 #include "boundary_rows.h"
 #include "rows.h"
 
@@ -26,8 +27,8 @@ void AddRow_Dirichlet(const Stencil *st, const Operators *ops, PetscInt diagonal
   for (PetscInt k = 0; k < st->n; k++) {
     const PetscReal weight = st->wall[k] ? b[k] : w[k];
 
-    if (st->wall[k]) op->b[ops->slot[k]] += weight;
-    else op->a[ops->slot[k]] += weight;
+    if (st->wall[k]) op->b[ops->work->slot[k]] += weight;
+    else op->a[ops->work->slot[k]] += weight;
     sum += weight;
   }
   op->a[diagonal] -= sum;
@@ -46,12 +47,12 @@ static void AddRow_Neumann(const Stencil *st, const Operators *ops, PetscInt dia
     PetscReal weight = scale * w[k];
 
     if (!st->wall[k]) {
-      op->a[ops->slot[k]] += weight;
+      op->a[ops->work->slot[k]] += weight;
       sum += weight;
       continue;
     }
     if (!st->fits_walls) weight *= SplitX(st, k, tangent);
-    op->b[ops->slot[k]] += weight;
+    op->b[ops->work->slot[k]] += weight;
   }
   op->a[diagonal] -= sum;
 }
@@ -150,22 +151,22 @@ static void DummyRow_Laplacian(const Stencil *st, PetscReal *const g[], PetscRea
 */
 PetscErrorCode AddRows_Pressure(const Scene *scene, Stencil *st, PetscInt diagonal, Operators *ops)
 {
-  const PetscBool follow = !LaplacianIs(&ops->ppe_form, FORM_SYMMETRIC) &&
-                           (ops->gradient->properties & FORM_EXACT_LINEAR);
+  const PetscBool follow = !LaplacianIs(&ops->forms.ppe, FORM_SYMMETRIC) &&
+                           (ops->forms.gradient->properties & FORM_EXACT_LINEAR);
 
   PetscFunctionBegin;
   StencilSetRole(st, ROLE_NORMAL_DERIVATIVE);
-  PetscCall(LaplacianWeights(&ops->ppe_form, st, ops->w));
-  PetscCall(ops->gradient->Row(st, ops->g));
+  PetscCall(LaplacianWeights(&ops->forms.ppe, st, ops->work->w));
+  PetscCall(ops->forms.gradient->Row(st, ops->work->g));
   if (st->n_wall && !st->fits_walls) {
-    DummyRow_Gradient(st, ops->g);
-    if (follow) DummyRow_Laplacian(st, ops->g, ops->w);
+    DummyRow_Gradient(st, ops->work->g);
+    if (follow) DummyRow_Laplacian(st, ops->work->g, ops->work->w);
   }
-  AddRow_Neumann(st, ops, diagonal, -PetscSqr(scene->dx), ops->w, &ops->ppe);
-  if (ops->grad_p_without_walls)
+  AddRow_Neumann(st, ops, diagonal, -PetscSqr(scene->dx), ops->work->w, &ops->ppe);
+  if (ops->needs & NEED_FREE_GRAD_P)
     PetscFunctionReturn(PETSC_SUCCESS); /* see AddRows_GradientWithoutWalls() */
   for (PetscInt a = 0; a < st->dim; a++)
-    AddRow_Neumann(st, ops, diagonal, 1.0, ops->g[a], &ops->grad_p[a]);
+    AddRow_Neumann(st, ops, diagonal, 1.0, ops->work->g[a], &ops->grad_p[a]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -179,9 +180,9 @@ PetscErrorCode AddRows_GradientWithoutWalls(Stencil *st, PetscInt diagonal, Oper
 {
   PetscFunctionBegin;
   StencilSetRole(st, ROLE_NONE);
-  PetscCall(ops->gradient->Row(st, ops->g));
+  PetscCall(ops->forms.gradient->Row(st, ops->work->g));
   for (PetscInt a = 0; a < st->dim; a++)
-    AddRow_Neumann(st, ops, diagonal, 1.0, ops->g[a], &ops->grad_p[a]);
+    AddRow_Neumann(st, ops, diagonal, 1.0, ops->work->g[a], &ops->grad_p[a]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -195,8 +196,8 @@ PetscErrorCode AddRow_PressureFilter(Stencil *st, PetscInt diagonal, Operators *
 {
   PetscFunctionBegin;
   StencilSetRole(st, ROLE_NONE);
-  PetscCall(FilterRow_Mls(st, ops->w));
-  AddRow_Neumann(st, ops, diagonal, 1.0, ops->w, &ops->filter_p);
+  PetscCall(FilterRow_Mls(st, ops->work->w));
+  AddRow_Neumann(st, ops, diagonal, 1.0, ops->work->w, &ops->filter_p);
   if (st->n == st->n_wall) ops->filter_p.a[diagonal] = 1.0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -269,8 +270,8 @@ static void AddRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d
     for (PetscInt k = 0; k < st->n; k++) {
       const PetscReal weight = st->wall[k] ? m[k] * st->normal[c][k] * st->beta[k] : d[c][k];
 
-      if (st->wall[k]) op->b[ops->slot[k]] += weight;
-      else op->a[ops->slot[k]] += weight;
+      if (st->wall[k]) op->b[ops->work->slot[k]] += weight;
+      else op->a[ops->work->slot[k]] += weight;
       sum += weight;
     }
     op->a[diagonal] -= sum;
@@ -286,18 +287,18 @@ static void AddRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d
 PetscErrorCode AddRows_Divergence(Stencil *st, PetscInt diagonal, Operators *ops)
 {
   PetscFunctionBegin;
-  if (st->n_wall && st->fits_walls && ops->gradient->DivergenceFit) {
-    PetscCall(ops->gradient->DivergenceFit(st, ops->g, ops->m));
+  if (st->n_wall && st->fits_walls && ops->forms.gradient->DivergenceFit) {
+    PetscCall(ops->forms.gradient->DivergenceFit(st, ops->work->g, ops->work->m));
   } else {
     StencilSetRole(st, ROLE_VALUE);
-    PetscCall(ops->gradient->Row(st, ops->g));
-    if (st->n_wall && !st->fits_walls) DummyRow_Divergence(st, ops->g);
+    PetscCall(ops->forms.gradient->Row(st, ops->work->g));
+    if (st->n_wall && !st->fits_walls) DummyRow_Divergence(st, ops->work->g);
     for (PetscInt k = 0; st->n_wall && k < st->n; k++) {
-      ops->m[k] = 0.0;
+      ops->work->m[k] = 0.0;
       for (PetscInt c = 0; st->wall[k] && c < st->dim; c++)
-        ops->m[k] += ops->g[c][k] * st->normal[c][k];
+        ops->work->m[k] += ops->work->g[c][k] * st->normal[c][k];
     }
   }
-  AddRow_Divergence(st, diagonal, ops->g, ops->m, ops);
+  AddRow_Divergence(st, diagonal, ops->work->g, ops->work->m, ops);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -7,6 +7,7 @@
 
   so that what comes after knows of walls what it knew before.
 */
+#include "assembly.h"
 #include "extension.h"
 
 /* E, entry by entry, and S. */
@@ -45,10 +46,10 @@ static PetscErrorCode ExtensionCreate(const Scene *scene, const Particles *p, co
                      .particles = p,
                      .cells     = &nb->cells,
                      .margin    = nb->margin,
-                     .kernel    = ops->kernel,
+                     .kernel    = ops->forms.kernel,
                      .dim       = scene->dim,
                      .dx        = scene->dx,
-                     .radius    = ops->radius};
+                     .radius    = ops->forms.radius};
   PetscCall(PetscMalloc4(n, &ext->j, n, &ext->q, n, &ext->weight, n, &ext->e));
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(PetscMalloc1(n, &ext->s[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -140,7 +141,7 @@ static PetscErrorCode ExtendOperator(Mat E, Vec S, AffineOperator *op)
 
   Collective on the particles' communicator. To be called once after their matrices were made.
 
-  Notes: fits that their points did not determine are counted in ops->stencil->regularised.
+  Notes: fits that their points did not determine are counted in ops->work->stencil->regularised.
   Particles on the surface itself keep the wall's velocity.
 */
 PetscErrorCode ExtendWalls(const Scene *scene, const Particles *p, const Neighbors *nb,
@@ -153,12 +154,12 @@ PetscErrorCode ExtendWalls(const Scene *scene, const Particles *p, const Neighbo
   PetscFunctionBegin;
   PetscCall(WallVec(p, &list.S));
   PetscCall(ExtensionCreate(scene, p, nb, ops, &ext));
-  PetscCall(FillEntries(ops->wall, p, &ext, &list));
+  PetscCall(FillEntries(ops->forms.wall, p, &ext, &list));
   PetscCall(EntriesMat(p, &list, &E));
   PetscCall(ExtendOperator(E, list.S, &ops->visc));
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(ExtendOperator(E, list.S, &ops->grad_u[a]));
   PetscCall(ExtendOperator(E, list.S, &ops->filter_u));
-  ops->stencil->regularised += ext.regularised;
+  ops->work->stencil->regularised += ext.regularised;
   PetscCall(MatDestroy(&E));
   PetscCall(VecDestroy(&list.S));
   PetscCall(PetscFree(list.row));

@@ -78,7 +78,7 @@ PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *st, PetscRea
 /* OperatorsCorrection - Name of the correction that some Laplacian of the run takes, or "none" */
 const char *OperatorsCorrection(const Operators *ops)
 {
-  if (ops->visc_form.correction) return ops->visc_form.correction->name;
-  if (ops->ppe_form.correction) return ops->ppe_form.correction->name;
+  if (ops->forms.visc.correction) return ops->forms.visc.correction->name;
+  if (ops->forms.ppe.correction) return ops->forms.ppe.correction->name;
   return TableGet(&CorrectionTable, 0)->name;
 }

@@ -7,6 +7,7 @@
   The weights are kept in the slots of the common pattern, so that other viscosities need no new
   rows.
 */
+#include "assembly.h"
 #include "boundary_rows.h"
 
 /* Entries that a slot makes: (a, b) where components couple, else (a, a). */
@@ -24,11 +25,11 @@ void KeepBlockRow(const Stencil *st, PetscInt diagonal, const PetscReal w[], Ope
   AffineOperator  *op    = &ops->visc;
 
   for (PetscInt k = 0; k < st->n; k++) {
-    PetscReal       *to   = (st->wall[k] ? op->b : op->a) + ops->slot[k] * width;
+    PetscReal       *to   = (st->wall[k] ? op->b : op->a) + ops->work->slot[k] * width;
     const PetscReal *from = st->wall[k] ? b : w;
 
     for (PetscInt e = 0; e < width; e++) to[e] += from[k * width + e];
-    if (!st->wall[k]) ops->neighbor_of_slot[ops->slot[k]] = st->j[k];
+    if (!st->wall[k]) ops->neighbor_of_slot[ops->work->slot[k]] = st->j[k];
   }
   ops->neighbor_of_slot[diagonal] = st->i;
 }
@@ -66,7 +67,7 @@ PetscErrorCode AssembleViscousBlock(const Scene *scene, const Particles *p, Oper
 {
   PetscFunctionBegin;
   PetscCall(ViscousBlockMat(p, ops, &ops->fluid, p->n_fluid, &ops->visc.A));
-  if (ops->wall) PetscCall(ViscousBlockMat(p, ops, &ops->walls, p->n_wall, &ops->visc.B));
+  if (ops->forms.wall) PetscCall(ViscousBlockMat(p, ops, &ops->walls, p->n_wall, &ops->visc.B));
   PetscCall(OperatorsScaleViscosity(scene, p, ops));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -97,7 +98,7 @@ PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, O
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(fluid->row[p->n_fluid] * entries, &a,
-                         ops->wall ? walls->row[p->n_fluid] * entries : 0, &b));
+                         ops->forms.wall ? walls->row[p->n_fluid] * entries : 0, &b));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     const PetscReal own                              = p->nu ? p->nu[i] / scene->nu : 1.0;
     PetscReal       sum[ISPH_MAX_DIM * ISPH_MAX_DIM] = {0.0};
@@ -110,12 +111,13 @@ PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, O
       if (fluid->col[s] == p->row[i]) diagonal = s;
       else ScaleSlot(width, entries, ratio, &op->a[s * width], &a[s * entries], sum);
     }
-    for (PetscInt s = ops->wall ? walls->row[i] : 0; ops->wall && s < walls->row[i + 1]; s++)
+    for (PetscInt s = ops->forms.wall ? walls->row[i] : 0; ops->forms.wall && s < walls->row[i + 1];
+         s++)
       ScaleSlot(width, entries, own, &op->b[s * width], &b[s * entries], sum);
     for (PetscInt e = 0; e < entries; e++) a[diagonal * entries + e] = -sum[e];
   }
   PetscCall(MatSetValuesCOO(op->A, a, INSERT_VALUES));
-  if (ops->wall) PetscCall(MatSetValuesCOO(op->B, b, INSERT_VALUES));
+  if (ops->forms.wall) PetscCall(MatSetValuesCOO(op->B, b, INSERT_VALUES));
   PetscCall(PetscFree2(a, b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -126,11 +128,11 @@ PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, O
 
     g = sqrt(2 E:E),   E = (grad u + grad u^T)/2
 
-  Collective on the particles' communicator. Input: u - components over the fluid; ops->wall_u gives
-  those of walls. Output: p->nu with its halo, ops->visc.
+  Collective on the particles' communicator. Input: u - components over the fluid; walls -
+  velocities at walls. Output: p->nu with its halo, ops->visc.
 */
-PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *p, const Vec u[],
-                                     Operators *ops)
+PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *p, const WallValues *walls,
+                                     const Vec u[], Operators *ops)
 {
   Vec                slope;
   const PetscScalar *g;
@@ -141,8 +143,8 @@ PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *p, const Vec
   for (PetscInt c = 0; c < p->dim;
        c++) { /* g^2 = sum_c,a<=c (1 or 1/2) (du_c/dx_a + du_a/dx_c)^2 */
     for (PetscInt a = 0; a <= c; a++) {
-      PetscCall(AffineApply(&ops->grad_u[a], u[c], ops->wall_u[c], slope));
-      PetscCall(AffineApplyAdd(&ops->grad_u[c], u[a], ops->wall_u[a], slope));
+      PetscCall(AffineApply(&ops->grad_u[a], u[c], walls->u[c], slope));
+      PetscCall(AffineApplyAdd(&ops->grad_u[c], u[a], walls->u[a], slope));
       PetscCall(VecGetArrayRead(slope, &g));
       for (PetscInt i = 0; i < p->n_fluid; i++) p->nu[i] += (a == c ? 0.5 : 1.0) * PetscSqr(g[i]);
       PetscCall(VecRestoreArrayRead(slope, &g));

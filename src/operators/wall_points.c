@@ -8,12 +8,14 @@
   is a linear fit along the wall through the wall neighbours of its side; without it rows would see
   the variation along the wall beta-fold.
 */
+#include "assembly.h"
 #include "boundary_rows.h"
 
 /* Whether walls speak through dummies whose values follow from their beta. */
 static PetscBool HasWallPoints(const Stencil *st, const Operators *ops)
 {
-  return st->n_wall && !ops->wall->on_surface && !ops->wall->Extend ? PETSC_TRUE : PETSC_FALSE;
+  return st->n_wall && !ops->forms.wall->on_surface && !ops->forms.wall->Extend ? PETSC_TRUE
+                                                                                : PETSC_FALSE;
 }
 
 /* The terms of the fit at neighbour k: 1, and X_t over the support's radius. */
@@ -83,7 +85,7 @@ void WallPointShares(const Operators *ops, Stencil *st)
 const PetscReal *WallWeights(const Stencil *st, const Operators *ops, PetscInt width,
                              const PetscReal w[])
 {
-  PetscReal excess[SCENE_MAX_PLANES] = {0.0}, *b = ops->wall_w;
+  PetscReal excess[SCENE_MAX_PLANES] = {0.0}, *b = ops->work->wall_w;
 
   if (!HasWallPoints(st, ops)) return w;
   for (PetscInt e = 0; e < width; e++) {

@@ -8,7 +8,7 @@
 static PetscErrorCode PatchBanner(const Patch *patch)
 {
   const Scene         *scene = patch->scene;
-  const LaplacianForm *form  = &patch->ops->visc_form;
+  const LaplacianForm *form  = &patch->ops->forms.visc;
   const PetscViewer    out   = PETSC_VIEWER_STDOUT_WORLD;
 
   PetscFunctionBegin;
@@ -21,8 +21,9 @@ static PetscErrorCode PatchBanner(const Patch *patch)
                                    " around them, dx = %.4g, jitter %.3g dx\n",
                                    scene->dim, patch->particles->N_fluid, patch->particles->N_wall,
                                    (double)scene->dx, (double)scene->jitter));
-  PetscCall(PetscViewerASCIIPrintf(out, "kernel      %s, h/dx = %.4g\n", patch->ops->kernel->name,
-                                   (double)(patch->ops->h / scene->dx)));
+  PetscCall(PetscViewerASCIIPrintf(out, "kernel      %s, h/dx = %.4g\n",
+                                   patch->ops->forms.kernel->name,
+                                   (double)(patch->ops->forms.h / scene->dx)));
   PetscCall(PetscViewerASCIIPrintf(out, "form        %s: %s\n", form->row->name, form->row->brief));
   PetscCall(PetscViewerASCIIPrintf(out, "correction  %s\n", OperatorsCorrection(patch->ops)));
   if (patch->ops->regularised_rows) {
@@ -143,17 +144,17 @@ static PetscErrorCode PatchMeasure(Patch *patch, Report *report)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PatchCreate(const Scene *scene, Patch *patch)
+static PetscErrorCode PatchCreate(Scene *scene, Patch *patch)
 {
   WallPlacement around;
 
   PetscFunctionBegin;
   patch->scene = scene;
-  PetscCall(OperatorsCreate(scene, &patch->ops));
+  PetscCall(OperatorsCreate(scene, NEED_VISCOSITY, &patch->ops));
   PetscCall(PatchReadOptions(patch));
   PetscCall(OperatorsPlacement(scene, patch->ops, &around));
-  PetscCall(ParticlesCreate(scene, around, patch->ops->reach, NULL, &patch->particles));
-  PetscCall(NeighborsCreate(patch->ops->radius, &patch->neighbors));
+  PetscCall(ParticlesCreate(scene, around, patch->ops->forms.reach, NULL, &patch->particles));
+  PetscCall(NeighborsCreate(patch->ops->forms.radius, &patch->neighbors));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -183,7 +184,7 @@ static PetscErrorCode PatchDestroy(Patch *patch)
 
   Notes: lengths are in units of the square's side
 */
-PetscErrorCode PatchRun(const Scene *scene)
+PetscErrorCode PatchRun(Scene *scene)
 {
   Patch          patch = {0};
   Report        *report;

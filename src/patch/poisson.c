@@ -25,7 +25,7 @@ static PetscErrorCode PoissonSource(const Patch *patch, Vec b)
 */
 PetscErrorCode PatchSolve(const Patch *patch, Report *report)
 {
-  Guard          guard   = {.what = "Poisson", .prefix = "ppe_", .where = "patch test"};
+  Guard          guard   = {.solve = {.name = "Poisson", .prefix = "ppe_"}, .where = "patch test"};
   StepFailure    failure = {0};
   PetscLogDouble start, ready, end;
   PetscReal      error[2], norm[2];
@@ -34,10 +34,12 @@ PetscErrorCode PatchSolve(const Patch *patch, Report *report)
   Vec            b, f;
 
   PetscFunctionBegin;
-  PetscCall(PressureSolver(&patch->ops->visc_form, 1e-10, &ksp, &guard));
-  guard.max_in_a_row = -1; /* the method is what is measured */
+  PetscCall(PoissonSolver(&patch->ops->forms.visc, 1e-10, &guard));
+  ksp                = guard.solve.ksp;
+  guard.max_in_a_row = -1; /* the chosen method is measured */
   PetscCall(OptionsRefuseUnknown(PETSC_FALSE));
-  if (guard.note[0]) PetscCall(PetscPrintf(PETSC_COMM_WORLD, "unwise      %s\n", guard.note));
+  if (guard.solve.note[0])
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "unwise      %s\n", guard.solve.note));
   PetscCall(MatDuplicate(patch->ops->visc.A, MAT_COPY_VALUES, &A));
   PetscCall(MatScale(A, -PetscSqr(patch->scene->dx)));
   PetscCall(VecDuplicate(patch->f, &b));
@@ -49,7 +51,7 @@ PetscErrorCode PatchSolve(const Patch *patch, Report *report)
   PetscCall(PetscTime(&ready));
   PetscCall(KSPSolve(ksp, b, f));
   PetscCall(PetscTime(&end));
-  PetscCall(GuardCheck(ksp, &guard, &failure));
+  PetscCall(GuardCheck(&guard, &failure));
   PetscCheck(!failure.code, PETSC_COMM_WORLD, failure.code, "%s", failure.sentence);
   PetscCall(VecAXPY(f, -1.0, patch->f));
   PetscCall(VecNorm(f, NORM_2, &error[0]));

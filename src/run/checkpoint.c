@@ -1,12 +1,12 @@
 /*
-  Checkpoints: all that a run needs to go on as if it had not stopped, in one HDF5 file, written
-  under another name and renamed when it is complete. Writing one starts an epoch in the run itself,
-  so that the run and one restarted from the file are alike to the last bit on as many ranks.
+  Checkpoints: the state of a run in one HDF5 file, written under another name and renamed when it
+  is complete. Writing one starts an epoch in the run itself, so that the run and a run restarted
+  from the file are bitwise equal on the same number of ranks.
 */
 #include "checkpoint.h"
 
 /*
-  CheckpointsCreate - Reads what is to be written and restarted from
+  CheckpointsCreate - Reads the files to write and to restart from
 
   Collective on PETSC_COMM_WORLD.
 
@@ -15,13 +15,14 @@
 . -checkpoint_every T - at every multiple of T [s]
 - -restart file.h5    - go on from there, on any number of ranks
 
-  Errors: a place that cannot be written ends the run, and a scheme whose history no file would hold
+  Errors: refuses a place that cannot be written, and a scheme whose history no file would hold
 */
 PetscErrorCode CheckpointsCreate(const Scheme *scheme, Checkpoints **checkpoints)
 {
-  Checkpoints *c;
-  PetscBool    every, good;
-  char         part[PETSC_MAX_PATH_LEN];
+  Checkpoints       *c;
+  PetscBool          every, good;
+  const LinearSolve *multistep = NULL;
+  char               part[PETSC_MAX_PATH_LEN];
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&c));
@@ -34,12 +35,13 @@ PetscErrorCode CheckpointsCreate(const Scheme *scheme, Checkpoints **checkpoints
   PetscCall(OptionFile("-restart", "Checkpoint to go on from", c->restart));
   PetscOptionsEnd();
   UserCheck(!every || c->path[0], "-checkpoint_every: there is no -checkpoint");
-  UserCheck(
-      (!c->path[0] && !c->restart[0]) || !scheme->visc ||
-          !ViscosityIntegrator(scheme->visc)->multistep,
-      "%s with -visc_ts_type %s: earlier velocities are PETSc's, and would not be in the file; "
-      "use beuler",
-      c->path[0] ? "-checkpoint" : "-restart", ViscosityIntegrator(scheme->visc)->name);
+  for (PetscInt k = 0; k < scheme->n_solves; k++) {
+    if (scheme->solve[k]->multistep) multistep = scheme->solve[k];
+  }
+  UserCheck((!c->path[0] && !c->restart[0]) || !multistep,
+            "%s with -%sts_type %s: earlier velocities are PETSc's, and would not be in the file; "
+            "use beuler",
+            c->path[0] ? "-checkpoint" : "-restart", multistep->prefix, multistep->integrator);
   if (c->path[0]) {
     PetscCall(PetscSNPrintf(part, sizeof(part), "%s.part", c->path));
     PetscCall(FileReserve(part, 1, &good));
@@ -50,6 +52,7 @@ PetscErrorCode CheckpointsCreate(const Scheme *scheme, Checkpoints **checkpoints
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* CheckpointsDestroy - Frees the settings; not collective */
 PetscErrorCode CheckpointsDestroy(Checkpoints **checkpoints)
 {
   PetscFunctionBegin;
@@ -57,8 +60,7 @@ PetscErrorCode CheckpointsDestroy(Checkpoints **checkpoints)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A small table of numbers, the same on all ranks; the first one writes. They are added to the
-   sum. */
+/* Writes a small table of numbers, the same on all ranks, and adds it to the checksum. */
 static PetscErrorCode WriteTable(Hdf5File *file, const char name[], PetscInt rows, PetscInt columns,
                                  const double values[], uint64_t *sum)
 {
@@ -75,7 +77,7 @@ static PetscErrorCode WriteTable(Hdf5File *file, const char name[], PetscInt row
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What has been reported and written so far. */
+/* Writes the report and the list of snapshots so far. */
 static PetscErrorCode WriteHistory(const Run *run, Hdf5File *file, uint64_t *sum)
 {
   const Report *report   = run->report;
@@ -106,38 +108,41 @@ static PetscErrorCode WriteHistory(const Run *run, Hdf5File *file, uint64_t *sum
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Everything but the particles. */
+/* Writes everything but the particles. */
 static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
 {
-  const Particles *p      = run->particles;
+  const Particles *p      = run->flow.particles;
+  const Scene     *scene  = run->flow.scene;
+  const Memory    *memory = &run->flow.scheme->memory;
   const int        format = CHECKPOINT_FORMAT, dim = (int)p->dim, N_fluid = (int)p->N_fluid,
             N_wall = (int)p->N_wall;
-  double clock[CLOCK_NUMBERS], stats[STATS_NUMBERS], scene[SCENE_NUMBERS];
-  char   names[512];
+  double numbers[SCENE_NUMBERS], values[MEMORY_MAX];
+  char   names[MEMORY_MAX * 32];
 
   PetscFunctionBegin;
-  PetscCall(CheckpointRecord(p, names, sizeof(names)));
   PetscCall(Hdf5WriteNumber(file, "format", H5T_NATIVE_INT, &format));
   PetscCall(Hdf5WriteText(file, file->file, "version", ISPH_VERSION));
-  PetscCall(Hdf5WriteText(file, file->file, "case", run->scene->problem->name));
+  PetscCall(Hdf5WriteText(file, file->file, "case", scene->problem->name));
   PetscCall(Hdf5WriteNumber(file, "dim", H5T_NATIVE_INT, &dim));
   PetscCall(Hdf5WriteNumber(file, "fluid", H5T_NATIVE_INT, &N_fluid));
   PetscCall(Hdf5WriteNumber(file, "walls", H5T_NATIVE_INT, &N_wall));
+  PetscCall(CheckpointRecord(p, names, sizeof(names)));
   PetscCall(Hdf5WriteText(file, file->file, "record", names));
-  CheckpointPack(run, clock, stats);
-  PetscCall(CheckpointScene(run->scene, scene));
-  PetscCall(WriteTable(file, "scene", 1, SCENE_NUMBERS, scene, sum));
-  PetscCall(WriteTable(file, "clock", 1, CLOCK_NUMBERS, clock, sum));
-  PetscCall(WriteTable(file, "stats", 1, STATS_NUMBERS, stats, sum));
-  PetscCall(WriteTable(file, "number", 1, SCHEME_NUMBERS, run->scheme->number, sum));
+  PetscCall(CheckpointMemory(memory, names, sizeof(names)));
+  PetscCall(Hdf5WriteText(file, file->file, "memory_names", names));
+  CheckpointSumText(names, sum);
+  PetscCall(CheckpointScene(scene, numbers));
+  PetscCall(WriteTable(file, "scene", 1, SCENE_NUMBERS, numbers, sum));
+  MemoryGet(memory, values);
+  PetscCall(WriteTable(file, "memory", 1, memory->n, values, sum));
   PetscCall(WriteHistory(run, file, sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The file, complete or absent. */
+/* Writes the file, complete or not at all. */
 static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const char path[])
 {
-  const Particles *p   = run->particles;
+  const Particles *p   = run->flow.particles;
   const PetscInt   own = ParticlesOwn(p), width = ParticlesRecordWidth(p);
   const size_t     bytes = (size_t)(p->N_fluid + p->N_wall) * (size_t)width * 8 + (size_t)262144;
   char             part[PETSC_MAX_PATH_LEN];
@@ -169,7 +174,7 @@ static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const 
 }
 
 /*
-  CheckpointsUpdate - Writes a checkpoint where one is due
+  CheckpointsUpdate - Writes a checkpoint if one is due
 
   Collective on PETSC_COMM_WORLD. Called after every step and, with final, at the end and on
   a signal.
@@ -181,7 +186,7 @@ static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const 
 PetscErrorCode CheckpointsUpdate(PetscBool final, Run *run)
 {
   Checkpoints *c     = run->checkpoints;
-  const Clock *clock = run->clock;
+  const Clock *clock = run->flow.clock;
   PetscReal   *record;
   PetscInt     n;
 
@@ -189,16 +194,15 @@ PetscErrorCode CheckpointsUpdate(PetscBool final, Run *run)
   if (!c->path[0] || c->step == clock->step) PetscFunctionReturn(PETSC_SUCCESS);
   if (!final && (c->every == 0.0 || !ClockPasses(c->every, c->last, clock->t)))
     PetscFunctionReturn(PETSC_SUCCESS);
-  n = ParticlesOwn(run->particles);
-  PetscCall(PetscMalloc1((size_t)n * ParticlesRecordWidth(run->particles), &record));
-  PetscCall(ParticlesPack(run->particles, record));
+  n = ParticlesOwn(run->flow.particles);
+  PetscCall(PetscMalloc1((size_t)n * ParticlesRecordWidth(run->flow.particles), &record));
+  PetscCall(ParticlesPack(run->flow.particles, record));
   PetscCall(WriteFile(run, record, c->path));
   c->last = clock->t;
   c->step = clock->step;
   if (!final) {
-    PetscCall(ParticlesReplace(run->scene, run->particles, n, record));
-    PetscCall(run->scheme->row->Begin(run->scene, clock, run->particles, run->neighbors, run->ops,
-                                      run->scheme));
+    PetscCall(ParticlesReplace(run->flow.scene, run->flow.particles, n, record));
+    PetscCall(run->flow.scheme->row->Begin(&run->flow));
   }
   PetscCall(PetscFree(record));
   PetscFunctionReturn(PETSC_SUCCESS);

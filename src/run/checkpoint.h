@@ -5,9 +5,7 @@
 #include "impl.h"
 #include "isph/hdf5file.h"
 
-#define CHECKPOINT_FORMAT 5 /* to be raised when what is in the file changes */
-#define CLOCK_NUMBERS     9
-#define STATS_NUMBERS     13
+#define CHECKPOINT_FORMAT 6                      /* to be raised when the file's contents change */
 #define SCENE_NUMBERS     (2 * ISPH_MAX_DIM + 3) /* the last: spacing, bodies, viscosities */
 
 struct Checkpoints {
@@ -18,8 +16,7 @@ struct Checkpoints {
   PetscInt  step;                        /* of the last one; -1: none */
 };
 
-void           CheckpointPack(const Run *run, double clock[], double stats[]);
-void           CheckpointUnpack(const double clock[], const double stats[], Run *run);
+PetscErrorCode CheckpointMemory(const Memory *memory, char names[], size_t length);
 PetscErrorCode CheckpointRecord(const Particles *particles, char names[], size_t length);
 PetscErrorCode CheckpointScene(const Scene *scene, double box[SCENE_NUMBERS]);
 void           CheckpointSumNumbers(PetscInt n, const double numbers[], uint64_t *sum);

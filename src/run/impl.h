@@ -1,4 +1,4 @@
-/* What the files of this stage share: everything a run of a flow owns. */
+/* The run of a flow, as the files of this stage share it. */
 #ifndef ISPH_RUN_IMPL_H
 #define ISPH_RUN_IMPL_H
 
@@ -6,19 +6,15 @@
 
 typedef struct Checkpoints Checkpoints;
 
-/* In the order of their making. */
+/* A run of a flow: the flow, and what is written and kept on its way. */
 typedef struct {
-  Scene         *scene;
-  Clock         *clock;
-  Operators     *ops;
-  Scheme        *scheme;
-  Particles     *particles;
-  Neighbors     *neighbors;
+  Flow           flow;
   Snapshots     *snapshots;
   Monitors      *monitors;
   Progress      *progress;
   Report        *report;
-  MatrixFile    *visc_matrix, *ppe_matrix;
+  MatrixFile    *solve_matrix[SCHEME_MAX_SOLVES]; /* of the scheme's solves; NULL: not asked for */
+  MatrixFile    *ppe_matrix;
   Checkpoints   *checkpoints;
   Undo          *undo;    /* NULL: steps are not retried */
   PetscLogDouble started; /* wall clock [s] */

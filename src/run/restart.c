@@ -1,10 +1,10 @@
-/* Restarting from a checkpoint, or saying why not. The file is written in checkpoint.c. */
+/* The restart from a checkpoint, which checkpoint.c writes, or its refusal. */
 #include "checkpoint.h"
 #include <string.h>
 
 /*
-  Reads a table whole on all ranks and adds it to the sum; other than `rows` rows count as damage.
-  There is room for one row at least, of zeros where nothing can be read.
+  Reads a table whole on all ranks and adds it to the checksum; another number of rows counts as
+  damage. There is room for one row at least, of zeros if nothing can be read.
 */
 static PetscErrorCode ReadTable(Hdf5File *file, const char name[], PetscInt rows, PetscInt columns,
                                 PetscReal **values, uint64_t *sum)
@@ -44,16 +44,16 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
   UserCheck(same && format == CHECKPOINT_FORMAT,
             "-restart %s: the file is of isph %s (format %d), this is %s (format %d)", path,
             version, format, ISPH_VERSION, CHECKPOINT_FORMAT);
-  PetscCall(PetscStrcmp(problem, run->scene->problem->name, &same));
+  PetscCall(PetscStrcmp(problem, run->flow.scene->problem->name, &same));
   UserCheck(same, "-restart %s: the file is of case %s, this run is of case %s", path, problem,
-            run->scene->problem->name);
-  UserCheck(dim == run->particles->dim && N_fluid == run->particles->N_fluid &&
-                N_wall == run->particles->N_wall,
+            run->flow.scene->problem->name);
+  UserCheck(dim == run->flow.particles->dim && N_fluid == run->flow.particles->N_fluid &&
+                N_wall == run->flow.particles->N_wall,
             "-restart %s: the file has %d + %d particles in %dD, this run %" PetscInt_FMT
             " + %" PetscInt_FMT " in %" PetscInt_FMT "D; use the same -n, -dim and -wall",
-            path, N_fluid, N_wall, dim, run->particles->N_fluid, run->particles->N_wall,
-            run->particles->dim);
-  PetscCall(CheckpointRecord(run->particles, wanted, sizeof(wanted)));
+            path, N_fluid, N_wall, dim, run->flow.particles->N_fluid, run->flow.particles->N_wall,
+            run->flow.particles->dim);
+  PetscCall(CheckpointRecord(run->flow.particles, wanted, sizeof(wanted)));
   PetscCall(PetscStrcmp(names, wanted, &same));
   UserCheck(same,
             "-restart %s: the file holds %s, this run needs %s; use the same physics, -motion and "
@@ -62,7 +62,7 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The same box, spacing, bodies and viscosities; the file's are added to the sum. */
+/* Refuses a file with another box, spacing, bodies or viscosities; adds them to the checksum. */
 static PetscErrorCode CheckScene(const Run *run, const char path[], Hdf5File *file, uint64_t *sum)
 {
   double     own[SCENE_NUMBERS];
@@ -70,11 +70,11 @@ static PetscErrorCode CheckScene(const Run *run, const char path[], Hdf5File *fi
   PetscBool  same = PETSC_TRUE, bodies, viscosity;
 
   PetscFunctionBegin;
-  PetscCall(CheckpointScene(run->scene, own));
+  PetscCall(CheckpointScene(run->flow.scene, own));
   PetscCall(ReadTable(file, "scene", 1, SCENE_NUMBERS, &scene, sum));
   for (PetscInt k = 0; k < SCENE_NUMBERS - 2; k++)
-    same =
-        same && PetscAbsReal(scene[k] - own[k]) <= 1e-9 * run->scene->dx ? PETSC_TRUE : PETSC_FALSE;
+    same = same && PetscAbsReal(scene[k] - own[k]) <= 1e-9 * run->flow.scene->dx ? PETSC_TRUE
+                                                                                 : PETSC_FALSE;
   bodies    = scene[SCENE_NUMBERS - 2] == own[SCENE_NUMBERS - 2] ? PETSC_TRUE : PETSC_FALSE;
   viscosity = scene[SCENE_NUMBERS - 1] == own[SCENE_NUMBERS - 1] ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(PetscFree(scene));
@@ -88,7 +88,7 @@ static PetscErrorCode CheckScene(const Run *run, const char path[], Hdf5File *fi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What was reported and written before. */
+/* Reads the report and the list of snapshots of the run before. */
 static PetscErrorCode ReadHistory(Run *run, Hdf5File *file, uint64_t *sum)
 {
   int        n_report = 0, n_snapshots = 0;
@@ -113,33 +113,47 @@ static PetscErrorCode ReadHistory(Run *run, Hdf5File *file, uint64_t *sum)
     name = comma ? comma + 1 : name;
   }
   if (!file->failed)
-    PetscCall(SnapshotsSet(run->snapshots, n_snapshots, snapshots, run->clock->step));
+    PetscCall(SnapshotsSet(run->snapshots, n_snapshots, snapshots, run->flow.clock->step));
   PetscCall(PetscFree(report));
   PetscCall(PetscFree(snapshots));
   PetscCall(PetscFree(names));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Clock, scheme, history and this rank's share of the records. */
+/* Reads the memory of the run; a file with other names in it is refused. */
+static PetscErrorCode ReadMemory(Run *run, const char path[], Hdf5File *file, uint64_t *sum)
+{
+  Memory    *memory = &run->flow.scheme->memory;
+  char       names[MEMORY_MAX * 32], wanted[MEMORY_MAX * 32];
+  PetscReal *values;
+  PetscBool  same;
+
+  PetscFunctionBegin;
+  PetscCall(Hdf5ReadText(file, "memory_names", names, sizeof(names)));
+  CheckpointSumText(names, sum);
+  PetscCall(CheckpointMemory(memory, wanted, sizeof(wanted)));
+  PetscCall(PetscStrcmp(names, wanted, &same));
+  UserCheck(file->failed || same,
+            "-restart %s: the file is of another scheme or integrator; use the same -scheme", path);
+  PetscCall(ReadTable(file, "memory", 1, memory->n, &values, sum));
+  if (!file->failed) MemorySet(memory, PETSC_TRUE, values);
+  PetscCall(PetscFree(values));
+  PetscCall(ClockRestart(run->flow.clock));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads memory, history and this rank's share of the records. */
 static PetscErrorCode ReadFile(Run *run, const char path[], Hdf5File *file, PetscInt *n,
                                PetscReal **record, PetscBool *whole)
 {
-  const Particles *p     = run->particles;
+  const Particles *p     = run->flow.particles;
   const PetscInt   width = ParticlesRecordWidth(p), N = p->N_fluid + p->N_wall;
-  PetscReal       *clock, *stats, *number;
   PetscInt         rows, columns, last;
   uint64_t         wanted = 0, sum = 0;
 
   PetscFunctionBegin;
   PetscCall(CheckScene(run, path, file, &sum));
-  PetscCall(ReadTable(file, "clock", 1, CLOCK_NUMBERS, &clock, &sum));
-  PetscCall(ReadTable(file, "stats", 1, STATS_NUMBERS, &stats, &sum));
-  PetscCall(ReadTable(file, "number", 1, SCHEME_NUMBERS, &number, &sum));
-  CheckpointUnpack(clock, stats, run);
-  PetscCall(PetscArraycpy(run->scheme->number, number, SCHEME_NUMBERS));
-  PetscCall(PetscFree(clock));
-  PetscCall(PetscFree(stats));
-  PetscCall(PetscFree(number));
+  PetscCall(ReadMemory(run, path, file, &sum));
   PetscCall(ReadHistory(run, file, &sum));
   PetscCall(Hdf5ReadNumber(file, "checksum", H5T_NATIVE_UINT64, &wanted));
   PetscCall(Hdf5CountRows(file, "particles", &rows, &columns));
@@ -154,11 +168,11 @@ static PetscErrorCode ReadFile(Run *run, const char path[], Hdf5File *file, Pets
 }
 
 /*
-  CheckpointsRestart - Puts the flow of a checkpoint in the place of the one at the start
+  CheckpointsRestart - Replaces the flow at the start by the flow of a checkpoint
 
   Collective on PETSC_COMM_WORLD. Output: restarted - whether one was given.
 
-  Errors: a file of another case, version or size, and one that is damaged, end the run saying which
+  Errors: refuses a file of another case, version or size, and a damaged one
 */
 PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted)
 {
@@ -181,16 +195,15 @@ PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted)
   PetscCheck(good && whole, PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
              "-restart %s: the file is damaged: %s", path,
              good ? "its checksum does not fit" : "parts of it cannot be read");
-  UserCheck(run->clock->t <= run->clock->t_end * (1.0 + 1e-12),
-            "-restart %s: the file is at t = %.6g, after -t_end %.6g", path, (double)run->clock->t,
-            (double)run->clock->t_end);
-  PetscCall(ParticlesReplace(run->scene, run->particles, n, record));
+  UserCheck(run->flow.clock->t <= run->flow.clock->t_end * (1.0 + 1e-12),
+            "-restart %s: the file is at t = %.6g, after -t_end %.6g", path,
+            (double)run->flow.clock->t, (double)run->flow.clock->t_end);
+  PetscCall(ParticlesReplace(run->flow.scene, run->flow.particles, n, record));
   PetscCall(PetscFree(record));
-  PetscCall(run->scheme->row->Begin(run->scene, run->clock, run->particles, run->neighbors,
-                                    run->ops, run->scheme));
-  c->last = run->clock->t;
-  c->step = run->clock->step;
+  PetscCall(run->flow.scheme->row->Begin(&run->flow));
+  c->last = run->flow.clock->t;
+  c->step = run->flow.clock->step;
   PetscCall(PetscPrintf(PETSC_COMM_WORLD, "restart     %s: t = %.6g, step %" PetscInt_FMT "\n",
-                        path, (double)run->clock->t, run->clock->step));
+                        path, (double)run->flow.clock->t, run->flow.clock->step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,70 +1,100 @@
 /*
-  The run of a flow: everything it owns made in order, the time loop with what happens between
-  steps, and what is told at its end, however it ends.
+  The run of a flow: creation in order, the time loop with the work between steps, and the report at
+  the end, however it ends.
 */
 #include "impl.h"
 
-static Flow RunFlow(const Run *run)
+/* Reads the choices of scheme and operators; no particle exists yet. */
+static PetscErrorCode RunChoose(Run *run)
 {
-  const Flow flow = {run->scene, run->particles, run->neighbors, run->ops, run->clock, run->scheme};
-
-  return flow;
-}
-
-/* scene -> clock, operators, scheme -> particles, neighbours -> files -> first matrices. */
-static PetscErrorCode RunCreate(Run *run)
-{
-  WallPlacement walls;
-  FluidStart    start;
-  char          path[PETSC_MAX_PATH_LEN];
+  Flow *flow = &run->flow;
 
   PetscFunctionBegin;
-  PetscCall(StartRead(run->scene, &start, path));
-  PetscCall(ClockCreate(run->scene, &run->clock));
-  PetscCall(OperatorsCreate(run->scene, &run->ops));
-  PetscCall(SchemeCreate(run->scene, run->clock, run->ops, &run->scheme));
-  if (run->clock->adapt->retries) PetscCall(UndoCreate(&run->undo));
-  PetscCall(OperatorsPlacement(run->scene, run->ops, &walls));
-  PetscCall(ParticlesCreate(run->scene, walls, run->ops->reach, path[0] ? &start : NULL,
-                            &run->particles));
-  PetscCall(StartFree(&start));
-  if (run->particles->nu && SceneIsNewtonian(run->scene))
-    PetscCall(SceneBoundGivenViscosity(run->particles->n_fluid, run->particles->nu, run->scene));
-  PetscCall(SchemeRegister(run->scene, run->particles, run->scheme));
-  PetscCall(NeighborsCreate(run->ops->radius, &run->neighbors));
-  PetscCall(StartCheck(run->scene, path, run->particles, run->neighbors));
-  PetscCall(SnapshotsCreate(run->scene, &run->snapshots));
-  PetscCall(MonitorsCreate(run->scene, &run->monitors));
+  PetscCall(ClockCreate(flow->scene, &flow->clock));
+  PetscCall(SchemeCreate(flow));
+  PetscCall(OperatorsCreate(flow->scene, flow->scheme->needs, &flow->ops));
+  PetscCall(SchemeSetUp(flow));
+  if (flow->clock->adapt->retries) PetscCall(UndoCreate(&run->undo));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes the particles, with the fields of the scheme, and their neighbours. */
+static PetscErrorCode RunFill(Run *run, const char path[], const FluidStart *start)
+{
+  Flow         *flow = &run->flow;
+  WallPlacement walls;
+
+  PetscFunctionBegin;
+  PetscCall(OperatorsPlacement(flow->scene, flow->ops, &walls));
+  PetscCall(ParticlesCreate(flow->scene, walls, flow->ops->forms.reach, path[0] ? start : NULL,
+                            &flow->particles));
+  if (flow->particles->nu && SceneIsNewtonian(flow->scene)) {
+    PetscCall(SceneBoundGivenViscosity(flow->particles->n_fluid, flow->particles->nu, flow->scene));
+  }
+  PetscCall(SchemeRegister(flow));
+  PetscCall(NeighborsCreate(flow->ops->forms.radius, &flow->neighbors));
+  PetscCall(StartCheck(flow->scene, path, flow->particles, flow->neighbors));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes what the run writes. */
+static PetscErrorCode RunOpenFiles(Run *run)
+{
+  const Scheme *scheme = run->flow.scheme;
+
+  PetscFunctionBegin;
+  PetscCall(SnapshotsCreate(run->flow.scene, &run->snapshots));
+  PetscCall(MonitorsCreate(run->flow.scene, &run->monitors));
   PetscCall(ProgressCreate(&run->progress));
   PetscCall(ReportCreate(&run->report));
-  if (run->scheme->visc && ViscosityIntegrator(run->scheme->visc)->kind != TIME_EXPLICIT)
-    PetscCall(MatrixFileCreate("visc_", &run->visc_matrix));
-  if (run->ops->ppe.needed) PetscCall(MatrixFileCreate("ppe_", &run->ppe_matrix));
-  PetscCall(CheckpointsCreate(run->scheme, &run->checkpoints));
+  for (PetscInt k = 0; k < scheme->n_solves; k++) {
+    if (scheme->solve[k]->views_matrix)
+      PetscCall(MatrixFileCreate(scheme->solve[k]->prefix, &run->solve_matrix[k]));
+  }
+  if (run->flow.ops->ppe.needed) PetscCall(MatrixFileCreate("ppe_", &run->ppe_matrix));
+  PetscCall(CheckpointsCreate(scheme, &run->checkpoints));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes everything from the scene, in the order of the stages. */
+static PetscErrorCode RunCreate(Run *run)
+{
+  FluidStart start;
+  char       path[PETSC_MAX_PATH_LEN];
+
+  PetscFunctionBegin;
+  PetscCall(StartRead(run->flow.scene, &start, path));
+  PetscCall(RunChoose(run));
+  PetscCall(RunFill(run, path, &start));
+  PetscCall(StartFree(&start));
+  PetscCall(RunOpenFiles(run));
   PetscCall(OptionsRefuseUnknown(PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode RunDestroy(Run *run)
 {
+  Flow *flow = &run->flow;
+
   PetscFunctionBegin;
   PetscCall(CheckpointsDestroy(&run->checkpoints));
   PetscCall(MatrixFileDestroy(&run->ppe_matrix));
-  PetscCall(MatrixFileDestroy(&run->visc_matrix));
+  for (PetscInt k = 0; k < SCHEME_MAX_SOLVES; k++)
+    PetscCall(MatrixFileDestroy(&run->solve_matrix[k]));
   PetscCall(ReportDestroy(&run->report));
   PetscCall(ProgressDestroy(&run->progress));
   PetscCall(MonitorsDestroy(&run->monitors));
   PetscCall(SnapshotsDestroy(&run->snapshots));
-  PetscCall(NeighborsDestroy(&run->neighbors));
-  PetscCall(ParticlesDestroy(&run->particles));
+  PetscCall(NeighborsDestroy(&flow->neighbors));
+  PetscCall(ParticlesDestroy(&flow->particles));
   PetscCall(UndoDestroy(&run->undo));
-  PetscCall(SchemeDestroy(&run->scheme));
-  PetscCall(OperatorsDestroy(&run->ops));
-  PetscCall(ClockDestroy(&run->clock));
+  PetscCall(SchemeDestroy(flow));
+  PetscCall(OperatorsDestroy(&flow->ops));
+  PetscCall(ClockDestroy(&flow->clock));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The flow at the start, or that of a checkpoint. */
+/* Readies the flow at the start, or the flow of a checkpoint. */
 static PetscErrorCode RunBegin(Run *run)
 {
   PetscBool restarted;
@@ -72,24 +102,21 @@ static PetscErrorCode RunBegin(Run *run)
   PetscFunctionBegin;
   PetscCall(CheckpointsRestart(run, &restarted));
   if (restarted) {
-    PetscCall(MonitorsRestart(run->clock->t, run->monitors));
+    PetscCall(MonitorsRestart(run->flow.clock->t, run->monitors));
   } else {
-    const Flow flow = RunFlow(run);
-
-    PetscCall(run->scheme->row->Begin(run->scene, run->clock, run->particles, run->neighbors,
-                                      run->ops, run->scheme));
-    PetscCall(SnapshotsWrite(&flow, PETSC_FALSE, run->snapshots));
-    PetscCall(MonitorsWrite(&flow, run->monitors));
+    PetscCall(run->flow.scheme->row->Begin(&run->flow));
+    PetscCall(SnapshotsWrite(&run->flow, PETSC_FALSE, run->snapshots));
+    PetscCall(MonitorsWrite(&run->flow, run->monitors));
   }
-  PetscCall(ExpressionScopeCheck(run->scene->scope));
+  PetscCall(ExpressionScopeCheck(run->flow.scene->scope));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether the run is over, and in words why where that is not t_end. */
+/* Finds out if the run is over, and prints why if t_end is not reached. */
 static PetscErrorCode RunIsOver(Run *run, PetscBool *over)
 {
-  Clock           *clock  = run->clock;
-  const PetscReal *change = run->scheme->stats.change;
+  Clock           *clock  = run->flow.clock;
+  const PetscReal *change = run->flow.scheme->stats.change;
 
   PetscFunctionBegin;
   *over = (clock->t >= clock->t_end * (1.0 - 1e-12) || clock->step >= clock->max_steps)
@@ -107,38 +134,35 @@ static PetscErrorCode RunIsOver(Run *run, PetscBool *over)
 }
 
 /*
-  One step that went well, or the end of the run: a failed one is undone and tried with a shorter dt
-  where the clock retries.
+  Makes one good step, or ends the run: a failed step is undone and tried with a shorter dt if the
+  clock retries.
 */
 static PetscErrorCode RunStep(Run *run)
 {
-  Clock           *clock   = run->clock;
-  const StepStats *stats   = &run->scheme->stats;
-  StepFailure     *failure = &run->scheme->failure;
+  Flow        *flow    = &run->flow;
+  StepFailure *failure = &flow->scheme->failure;
+  StepLimit    limit;
 
   PetscFunctionBegin;
   do {
-    PetscCall(ClockChoose(run->scene, stats->speed_max, stats->force_max, clock));
-    if (run->undo) PetscCall(UndoSave(clock, run->particles, run->scheme, run->undo));
-    PetscCall(run->scheme->row->Step(run->scene, clock, run->particles, run->neighbors, run->ops,
-                                     run->scheme));
-    PetscCall(ExpressionScopeCheck(run->scene->scope));
+    PetscCall(SchemeLimit(flow, &limit));
+    PetscCall(ClockChoose(&limit, flow->clock));
+    if (run->undo) PetscCall(UndoSave(flow, run->undo));
+    PetscCall(flow->scheme->row->Step(flow));
+    PetscCall(ExpressionScopeCheck(flow->scene->scope));
     if (!failure->code) PetscFunctionReturn(PETSC_SUCCESS);
     if (!run->undo || failure->fatal) break;
-    PetscCall(UndoRestore(run->scene, run->undo, clock, run->particles, run->neighbors, run->ops,
-                          run->scheme));
-    PetscCall(ClockRetry(clock, failure));
+    PetscCall(UndoRestore(run->undo, flow));
+    PetscCall(ClockRetry(flow->clock, failure));
   } while (!failure->fatal);
   PetscCheck(PETSC_FALSE, PETSC_COMM_WORLD, failure->code, "%s", failure->sentence);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Judges the flow if it has come to a time of -report_times; at a run's end the end's report
-   does. */
+/* Measures the flow if it has come to a time of -report_times; the end has its own report. */
 static PetscErrorCode RunMeasureDue(Run *run)
 {
-  const Flow flow  = RunFlow(run);
-  Clock     *clock = run->clock;
+  Clock *clock = run->flow.clock;
 
   PetscFunctionBegin;
   if (clock->next_report == clock->n_reports ||
@@ -146,29 +170,28 @@ static PetscErrorCode RunMeasureDue(Run *run)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   run->report->t = clock->t;
-  PetscCall(run->scene->problem->Measure(&flow, run->report));
+  PetscCall(run->flow.scene->problem->Measure(&run->flow, run->report));
   clock->next_report++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What is due after a step: files, the progress line, reports at their times. */
+/* Does the work between steps: files, the progress line, reports at their times. */
 static PetscErrorCode RunBetweenSteps(Run *run, PetscBool over)
 {
-  const Flow flow = RunFlow(run);
 
   PetscFunctionBegin;
-  PetscCall(SnapshotsWrite(&flow, over, run->snapshots));
-  PetscCall(MonitorsWrite(&flow, run->monitors));
-  PetscCall(ProgressUpdate(&flow, over, run->progress));
+  PetscCall(SnapshotsWrite(&run->flow, over, run->snapshots));
+  PetscCall(MonitorsWrite(&run->flow, run->monitors));
+  PetscCall(ProgressUpdate(&run->flow, over, run->progress));
   PetscCall(CheckpointsUpdate(over, run));
   if (!over) PetscCall(RunMeasureDue(run)); /* with the particles in the order of a restarted run */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The time loop; signal - what stopped it early, NULL for nothing. */
+/* Runs the time loop; signal - the signal that stopped it early, or NULL. */
 static PetscErrorCode RunSolve(Run *run, const char **signal)
 {
-  Clock    *clock = run->clock;
+  Clock    *clock = run->flow.clock;
   PetscInt  first = clock->step;
   PetscBool over;
 
@@ -186,66 +209,69 @@ static PetscErrorCode RunSolve(Run *run, const char **signal)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The matrices of the last solves, where asked for. */
+/* Writes the matrices of the last solves that were asked for. */
 static PetscErrorCode RunWriteMatrices(const Run *run)
 {
-  const Scheme *scheme = run->scheme;
+  const Flow *flow = &run->flow;
 
   PetscFunctionBegin;
-  if (run->visc_matrix)
-    PetscCall(MatrixFileWrite(run->particles, ViscosityMatrix(scheme->visc), run->visc_matrix));
-  if (run->ppe_matrix) PetscCall(MatrixFileWrite(run->particles, run->ops->ppe.A, run->ppe_matrix));
+  for (PetscInt k = 0; k < flow->scheme->n_solves; k++) {
+    if (!run->solve_matrix[k]) continue;
+    PetscCall(
+        MatrixFileWrite(flow->particles, flow->scheme->solve[k]->matrix, run->solve_matrix[k]));
+  }
+  if (run->ppe_matrix)
+    PetscCall(MatrixFileWrite(flow->particles, flow->ops->ppe.A, run->ppe_matrix));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What it took to get there, where it took anything. */
+/* Reports retries and fallbacks, if there were any. */
 static PetscErrorCode RunCountTroubles(Run *run)
 {
-  const Scheme  *scheme  = run->scheme;
-  const PetscInt visc    = scheme->visc ? *ViscosityFalls(scheme->visc) : 0;
-  const PetscInt ppe     = scheme->ppe ? *PressureFalls(scheme->ppe) : 0;
-  const PetscInt coupled = scheme->coupled ? *CoupledFalls(scheme->coupled) : 0;
+  const Scheme *scheme = run->flow.scheme;
 
   PetscFunctionBegin;
-  if (run->undo) PetscCall(ReportAdd(run->report, "retries", run->clock->retries));
-  if (visc) PetscCall(ReportAdd(run->report, "visc_falls", visc));
-  if (ppe) PetscCall(ReportAdd(run->report, "ppe_falls", ppe));
-  if (coupled) PetscCall(ReportAdd(run->report, "coupled_falls", coupled));
+  if (run->undo) PetscCall(ReportAdd(run->report, "retries", run->flow.clock->retries));
+  for (PetscInt k = 0; k < scheme->n_solves; k++) {
+    char name[32];
+
+    if (!scheme->solve[k]->falls) continue;
+    PetscCall(PetscSNPrintf(name, sizeof(name), "%sfalls", scheme->solve[k]->prefix));
+    PetscCall(ReportAdd(run->report, name, scheme->solve[k]->falls));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  Errors beside what they cost, on the screen and in the CSV file. status - ok, interrupted or
-  diverged; a diverged flow is not measured.
+  Reports errors and cost, on the screen and in the CSV file. status - ok, interrupted or diverged;
+  a diverged flow is not measured.
 */
 static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measured)
 {
-  const Flow     flow = RunFlow(run);
   PetscLogDouble now;
 
   PetscFunctionBegin;
-  run->report->t = run->clock->t;
+  run->report->t = run->flow.clock->t;
   PetscCall(RunWriteMatrices(run));
-  if (measured) PetscCall(run->scene->problem->Measure(&flow, run->report));
-  PetscCall(ExpressionScopeCheck(run->scene->scope));
+  if (measured) PetscCall(run->flow.scene->problem->Measure(&run->flow, run->report));
+  PetscCall(ExpressionScopeCheck(run->flow.scene->scope));
   PetscCall(RunCountTroubles(run));
   PetscCall(PetscTime(&now));
   if (measured) PetscCall(ReportView(run->report, now - run->started, PETSC_VIEWER_STDOUT_WORLD));
-  PetscCall(ReportWrite(&flow, run->report, now - run->started, status));
+  PetscCall(ReportWrite(&run->flow, run->report, now - run->started, status));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* From the banner to the end. */
+/* Runs from the banner to the end. */
 static PetscErrorCode RunTellAndSolve(Run *run)
 {
-  const Flow     flow = RunFlow(run);
   const char    *signal;
   PetscErrorCode failed;
 
   PetscFunctionBegin;
   PetscCall(InterruptInstall());
   PetscCall(RunBegin(run));
-  PetscCall(BannerView(&flow, PETSC_VIEWER_STDOUT_WORLD));
+  PetscCall(BannerView(&run->flow, PETSC_VIEWER_STDOUT_WORLD));
   failed = RunSolve(run, &signal);
   if (failed == PETSC_ERR_NOT_CONVERGED || failed == PETSC_ERR_FP)
     PetscCall(RunReport(run, "diverged", PETSC_FALSE));
@@ -253,7 +279,7 @@ static PetscErrorCode RunTellAndSolve(Run *run)
   PetscCall(RunReport(run, signal ? "interrupted" : "ok", PETSC_TRUE));
   UserCheck(!signal,
             "interrupted by %s at t = %.6g (step %" PetscInt_FMT "); all files are complete",
-            signal, (double)run->clock->t, run->clock->step);
+            signal, (double)run->flow.clock->t, run->flow.clock->step);
   PetscCall(ReportCheck(run->report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -267,7 +293,7 @@ static PetscErrorCode RunTellAndSolve(Run *run)
 */
 PetscErrorCode FlowRun(Scene *scene)
 {
-  Run       run = {.scene = scene};
+  Run       run = {.flow = {.scene = scene}};
   PetscBool wants_help;
 
   PetscFunctionBegin;

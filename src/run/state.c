@@ -1,83 +1,20 @@
-/* What a checkpoint holds besides particles: numbers of clock and scheme, and how both are
-   verified. */
+/* The numbers by which a checkpoint is verified: names, a signature of the scene, checksums. */
 #include "checkpoint.h"
 #include <string.h>
 
-/* CheckpointPack - Numbers of clock and scheme as the file has them; not collective */
-void CheckpointPack(const Run *run, double clock[], double stats[])
+/* CheckpointMemory - Writes the names of the run's memory, "t,dt,..."; not collective */
+PetscErrorCode CheckpointMemory(const Memory *memory, char names[], size_t length)
 {
-  const Clock     *c           = run->clock;
-  const Scheme    *scheme      = run->scheme;
-  const StepStats *s           = &scheme->stats;
-  const double     c_numbers[] = {c->t,       c->dt,       c->dt_previous, c->step, c->next_report,
-                                  c->retries, c->halvings, c->good_needed, c->good};
-  const double     s_numbers[] = {s->speed_max,
-                                  s->kinetic_energy,
-                                  s->divergence,
-                                  s->change[0],
-                                  s->change[1],
-                                  s->change[2],
-                                  s->visc_its,
-                                  s->ppe_its,
-                                  s->visc_its_sum,
-                                  s->ppe_its_sum,
-                              scheme->visc      ? *ViscosityFalls(scheme->visc)
-                                  : scheme->coupled ? *CoupledFalls(scheme->coupled)
-                                                    : 0,
-                              scheme->ppe ? *PressureFalls(scheme->ppe) : 0,
-                                  s->force_max};
-
-  for (PetscInt k = 0; k < CLOCK_NUMBERS; k++) clock[k] = c_numbers[k];
-  for (PetscInt k = 0; k < STATS_NUMBERS; k++) stats[k] = s_numbers[k];
+  PetscFunctionBegin;
+  names[0] = '\0';
+  for (PetscInt k = 0; k < memory->n; k++) {
+    if (k) PetscCall(PetscStrlcat(names, ",", length));
+    PetscCall(PetscStrlcat(names, memory->item[k].name, length));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  The first report to come at or after the clock's time: -report_times need not be those of the run
-  that was stopped. One due at this very time has been made if that run had counted it.
-*/
-static PetscInt NextReport(const Clock *clock, PetscInt counted)
-{
-  PetscInt k = 0;
-
-  while (k < clock->n_reports && clock->report_time[k] < clock->t * (1.0 - 1e-12)) k++;
-  if (k < clock->n_reports && clock->report_time[k] <= clock->t * (1.0 + 1e-12) && counted > k) k++;
-  return k;
-}
-
-/* CheckpointUnpack - And back; not collective */
-void CheckpointUnpack(const double clock[], const double stats[], Run *run)
-{
-  Clock     *c      = run->clock;
-  Scheme    *scheme = run->scheme;
-  StepStats *s      = &scheme->stats;
-
-  c->t           = clock[0];
-  c->dt          = clock[1];
-  c->dt_previous = clock[2];
-  c->step        = (PetscInt)clock[3];
-  c->t_first     = c->t;
-  c->step_first  = c->step;
-  c->next_report = NextReport(c, (PetscInt)clock[4]);
-  c->retries     = (PetscInt)clock[5];
-  c->halvings    = (PetscInt)clock[6];
-  c->good_needed = (PetscInt)clock[7];
-  c->good        = (PetscInt)clock[8];
-
-  s->speed_max      = stats[0];
-  s->kinetic_energy = stats[1];
-  s->divergence     = stats[2];
-  for (PetscInt k = 0; k < 3; k++) s->change[k] = stats[3 + k];
-  s->visc_its     = (PetscInt)stats[6];
-  s->ppe_its      = (PetscInt)stats[7];
-  s->visc_its_sum = (PetscInt)stats[8];
-  s->ppe_its_sum  = (PetscInt)stats[9];
-  if (scheme->visc) *ViscosityFalls(scheme->visc) = (PetscInt)stats[10];
-  if (scheme->coupled) *CoupledFalls(scheme->coupled) = (PetscInt)stats[10];
-  if (scheme->ppe) *PressureFalls(scheme->ppe) = (PetscInt)stats[11];
-  s->force_max = stats[12];
-}
-
-/* Adds an option of the user's to a sum. */
+/* Adds the text of an option to a checksum. */
 static PetscErrorCode SumOption(const char option[], uint64_t *sum)
 {
   char text[4096] = "";
@@ -89,10 +26,10 @@ static PetscErrorCode SumOption(const char option[], uint64_t *sum)
 }
 
 /*
-  CheckpointScene - Numbers by which a file's scene is told from the run's
+  CheckpointScene - Computes the numbers that identify the scene of a checkpoint
 
-  Collective. Corners of the box and spacing; a sum of the bodies' shapes; and where particles carry
-  viscosities of their own, which options at a restart would not change, a sum of those, else zero.
+  Collective. Corners of the box and spacing; a checksum of the bodies' shapes; and a checksum of
+  the viscosities if particles carry them, as options at a restart would not change them, else zero.
 */
 PetscErrorCode CheckpointScene(const Scene *scene, double numbers[SCENE_NUMBERS])
 {
@@ -108,7 +45,7 @@ PetscErrorCode CheckpointScene(const Scene *scene, double numbers[SCENE_NUMBERS]
     CheckpointSumText(scene->bodies[k].shape->name, &bodies);
     CheckpointSumNumbers(scene->bodies[k].n, scene->bodies[k].parameter, &bodies);
   }
-  numbers[SCENE_NUMBERS - 2] = (double)(bodies >> 16); /* such as a double holds whole */
+  numbers[SCENE_NUMBERS - 2] = (double)(bodies >> 16); /* a double holds 48 bits exactly */
   if (SceneViscosityVaries(scene) && SceneIsNewtonian(scene)) {
     const double nu = scene->nu;
 
@@ -126,8 +63,7 @@ PetscErrorCode CheckpointScene(const Scene *scene, double numbers[SCENE_NUMBERS]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CheckpointRecord - The names of a record's numbers, "id,x:2,u:2,p:1": a file fits a run that
-   has the same. */
+/* CheckpointRecord - Writes the names of a record's numbers, "id,x:2,u:2,p:1"; not collective */
 PetscErrorCode CheckpointRecord(const Particles *p, char names[], size_t length)
 {
   PetscFunctionBegin;
@@ -142,7 +78,7 @@ PetscErrorCode CheckpointRecord(const Particles *p, char names[], size_t length)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A hash with one more word in it: FNV-1a, by words. */
+/* Adds one word to a hash: FNV-1a, by words. */
 static uint64_t HashWord(uint64_t hash, uint64_t word)
 {
   hash = (hash ^ word) * 1099511628211u;
@@ -152,9 +88,9 @@ static uint64_t HashWord(uint64_t hash, uint64_t word)
 #define HASH_OF_NOTHING 14695981039346656037u
 
 /*
-  CheckpointSumNumbers - Adds to a sum what any changed bit of some numbers changes
+  CheckpointSumNumbers - Adds a checksum of n numbers
 
-  Not collective. What all ranks have is summed with it, what each has its share of by
+  Not collective. For numbers that all ranks hold alike; distributed records take
   CheckpointSumRecords().
 */
 void CheckpointSumNumbers(PetscInt n, const double numbers[], uint64_t *sum)
@@ -170,7 +106,7 @@ void CheckpointSumNumbers(PetscInt n, const double numbers[], uint64_t *sum)
   *sum += hash;
 }
 
-/* CheckpointSumText - The same of a text; not collective */
+/* CheckpointSumText - Adds a checksum of a text; not collective */
 void CheckpointSumText(const char text[], uint64_t *sum)
 {
   uint64_t hash = HASH_OF_NOTHING;
@@ -179,7 +115,7 @@ void CheckpointSumText(const char text[], uint64_t *sum)
   *sum += hash;
 }
 
-/* CheckpointSumRecords - The same of all records, whichever rank holds them. Collective. */
+/* CheckpointSumRecords - Adds a checksum of all ranks' records, in any order; collective */
 PetscErrorCode CheckpointSumRecords(PetscInt n, PetscInt width, const PetscReal record[],
                                     uint64_t *sum)
 {

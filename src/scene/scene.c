@@ -375,6 +375,14 @@ PetscReal SceneDecayRate(const Scene *scene)
   return SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low * PetscSqr(PETSC_PI / width) : 0.0;
 }
 
+/* SceneIsDrivenInTime - Returns true if a wall's velocity or the body force depends on time */
+PetscBool SceneIsDrivenInTime(const Scene *scene)
+{
+  return scene->unsteady_walls || (scene->force.n && ExpressionUses(&scene->force, EXPRESSION_TIME))
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
 /* SceneBodyForce - Body force per unit mass at a place and time [m/s^2]; not collective */
 void SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal f[])
 {

@@ -5,12 +5,13 @@
 #include "isph/base.h"
 
 /*
-  TableGet - Row k of a table by its common head
+  TableGet - Returns row k of a table by its common head
 
   Not collective. Input: the table and 0 <= k < table->count.
 */
 const TableRow *TableGet(const Table *table, PetscInt k)
 {
+  if (!table->row_size) return ((const TableRow *const *)table->rows)[k];
   return (const TableRow *)(const void *)((const char *)table->rows + (size_t)k * table->row_size);
 }
 
@@ -120,5 +121,28 @@ PetscErrorCode TableView(const Table *table, PetscViewer viewer)
       PetscCall(PetscViewerASCIIPrintf(viewer, "  %-16s %s\n", "", text));
     }
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  TableViewRow - Prints one chosen row as a line of the banner: label, name, brief and citation
+
+  Collective on the viewer. The brief is left out if the line would exceed 100 columns. Nothing is
+  printed for a row that is NULL.
+*/
+PetscErrorCode TableViewRow(const char label[], const void *row, PetscViewer viewer)
+{
+  const TableRow *r = row;
+  char            line[512];
+  size_t          length;
+
+  PetscFunctionBegin;
+  if (!r) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(line, sizeof(line), "%-11s %s: %s%s%s%s", label, r->name, r->brief,
+                          r->citation[0] ? " [" : "", r->citation, r->citation[0] ? "]" : ""));
+  PetscCall(PetscStrlen(line, &length));
+  if (length > 100 && r->citation[0])
+    PetscCall(PetscSNPrintf(line, sizeof(line), "%-11s %s [%s]", label, r->name, r->citation));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "%s\n", line));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,7 +1,8 @@
 /*
-  The clock: the only owner of time. Solvers are told t and dt, never asked.
+  The clock: the only owner of time. Solvers take t and dt from it.
 */
-#include "isph/schemes.h"
+#include "isph/clock.h"
+#include <stdarg.h>
 
 #define CLOCK_MAX_HALVINGS 10 /* halvings of a step */
 #define CLOCK_GOOD_NEEDED  10 /* half the good steps before the first growth */
@@ -16,26 +17,14 @@ static const DtAdaptRow adapts[] = {
 };
 const Table DtAdaptTable = TABLE("-dt_adapt", "Time step control", adapts);
 
-/*
-  ClockExplicitLimit - Largest stable step of an explicit viscous term, 0.125 h^2/(largest nu) [s]
-
-  h is half the radius of the support, for every form and kernel.
-*/
-PetscReal ClockExplicitLimit(const Scene *scene, PetscReal support_radius)
-{
-  return SceneHas(scene, PHYSICS_VISCOSITY)
-             ? 0.125 * PetscSqr(0.5 * support_radius) / scene->nu_high
-             : PETSC_INFINITY;
-}
-
-/* ClockMoment - The time whose flow there is: of a steady flow solved for without time that
-   after all others [s] */
+/* ClockMoment - Returns the time of the current solution; for a steady solve, a time later than all
+   report times [s] */
 PetscReal ClockMoment(const Clock *clock)
 {
   return clock->steady_solve ? PETSC_INFINITY : clock->t;
 }
 
-/* The times at which quantities are reported besides the end. */
+/* Reads the times besides the end at which quantities are reported. */
 static PetscErrorCode ClockReadReports(PetscOptionItems *PetscOptionsObject, Clock *clock)
 {
   PetscInt n;
@@ -57,7 +46,7 @@ static PetscErrorCode ClockReadReports(PetscOptionItems *PetscOptionsObject, Clo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* -steady: a single step to t_end, in which time stands still for the scheme. */
+/* Reads -steady: a single step to t_end without du/dt. */
 static PetscErrorCode ClockReadSteady(PetscOptionItems *PetscOptionsObject, Clock *clock)
 {
   const char *const others[] = {"-dt",       "-cfl",        "-steady_tol",     "-report_times",
@@ -75,7 +64,7 @@ static PetscErrorCode ClockReadSteady(PetscOptionItems *PetscOptionsObject, Cloc
 }
 
 /*
-  ClockCreate - Reads how long and in which steps to run
+  ClockCreate - Reads the end of the run and the control of its steps
 
   Collective on PETSC_COMM_WORLD.
 
@@ -86,20 +75,21 @@ static PetscErrorCode ClockReadSteady(PetscOptionItems *PetscOptionsObject, Cloc
 . -dt_adapt name      - how steps follow the flow
 . -dt_move_max M      - displacement in dx above which a step is undone, where steps are retried
 . -max_steps N        - stop after N steps
+. -time_order 1|2     - order of the time integration
 . -steady             - no du/dt: one step to t_end, of -scheme coupled
 . -steady_tol TOL     - stop when u, div u* and p change by less than this per time scale
 - -report_times t,... - report quantities at these times too
 */
 PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
 {
-  Clock    *c;
-  PetscReal force2 = 0.0;
+  Clock *c;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&c));
   c->t_end       = scene->problem->t_end * scene->length / scene->speed;
   c->cfl         = CLOCK_CFL;
   c->max_steps   = PETSC_MAX_INT;
+  c->order       = 2;
   c->move_max    = 0.6;
   c->good_needed = CLOCK_GOOD_NEEDED;
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Time", "");
@@ -120,18 +110,18 @@ PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
   }
   PetscCall(
       OptionInt("-max_steps", "Stop after this many steps", 0, PETSC_MAX_INT, &c->max_steps, NULL));
+  PetscCall(OptionInt("-time_order", "Order of the time integration", 1, 2, &c->order, NULL));
   PetscCall(OptionReal("-steady_tol",
                        "Stop when nothing changes by more than this relative rate; 0: never [-]",
                        0.0, 1.0, &c->steady_tol, NULL));
   PetscCall(ClockReadReports(PetscOptionsObject, c));
   PetscCall(ClockReadSteady(PetscOptionsObject, c));
   PetscOptionsEnd();
-  for (PetscInt a = 0; a < scene->dim; a++) force2 += PetscSqr(scene->body_force[a]);
-  PetscCall(ClockChoose(scene, scene->speed, PetscSqrtReal(force2), c));
   *clock = c;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ClockDestroy - Frees the clock; not collective */
 PetscErrorCode ClockDestroy(Clock **clock)
 {
   PetscFunctionBegin;
@@ -139,43 +129,44 @@ PetscErrorCode ClockDestroy(Clock **clock)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The step that the flow asks for [s]. */
-static PetscReal ClockTarget(const Scene *scene, PetscReal speed, PetscReal force,
-                             const Clock *clock)
+/* StepLimitLower - Lowers a limit to dt, if dt is shorter, and keeps the reason; not collective */
+void StepLimitLower(StepLimit *limit, PetscReal dt, const char reason[])
 {
-  PetscReal dt;
+  if (!(dt < limit->dt)) return;
+  limit->dt     = dt;
+  limit->reason = reason;
+}
 
-  if (clock->dt_given > 0.0) return clock->dt_given;
-  dt = clock->cfl * scene->dx /
-       (clock->adapt->follows ? PetscMax(scene->speed, speed) : scene->speed);
-  if (!clock->adapt->follows || !SceneHas(scene, PHYSICS_CONVECTION)) return dt;
-  if (force > 0.0) {
-    dt = PetscMin(dt, PetscMax(PetscSqrtReal(clock->cfl * scene->dx / force),
-                               clock->cfl * scene->dx * SceneDecayRate(scene) / force));
-  }
-  return dt;
+/* FailureSet - Notes why a step failed, unless a reason was noted before; not collective */
+void FailureSet(StepFailure *failure, PetscErrorCode code, const char format[], ...)
+{
+  va_list arguments;
+
+  if (failure->code) return;
+  failure->code  = code;
+  failure->fatal = PETSC_FALSE;
+  va_start(arguments, format);
+  (void)vsnprintf(failure->sentence, sizeof(failure->sentence), format, arguments);
+  va_end(arguments);
 }
 
 /*
   ClockChoose - Sets dt of the coming step
 
-    dt = C min(dx/max(U, speed), max(sqrt(dx/(C |f|)), r dx/|f|))/2^cut,  or -dt/2^cut
+    dt = (-dt, else the scheme's limit)/2^halvings
 
-  Not collective. The force alone moves a particle by f dt^2 in a step, or by f dt/r where walls at
-  rest slow it at the rate r (SceneDecayRate()): the most viscous flows are not held to short steps.
-  Steps are evened out so that the next report time and t_end are hit exactly without a rest that is
-  shorter than the others.
+  Not collective. Steps are evened out so that the next report time and t_end are hit exactly
+  without a rest that is shorter than the others.
 
-  Input Parameters:
-+ speed - largest speed of the flow [m/s]
-- force - largest body force per unit mass [m/s^2]
+  Input Parameter:
+. limit - the longest step that the scheme allows
 */
-PetscErrorCode ClockChoose(const Scene *scene, PetscReal speed, PetscReal force, Clock *clock)
+PetscErrorCode ClockChoose(const StepLimit *limit, Clock *clock)
 {
   const PetscReal target =
       clock->next_report < clock->n_reports ? clock->report_time[clock->next_report] : clock->t_end;
   const PetscReal left = target - clock->t;
-  PetscReal       dt   = ClockTarget(scene, speed, force, clock);
+  PetscReal       dt   = clock->dt_given > 0.0 ? clock->dt_given : limit->dt;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < clock->halvings; k++) dt *= 0.5;
@@ -185,11 +176,48 @@ PetscErrorCode ClockChoose(const Scene *scene, PetscReal speed, PetscReal force,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ClockAdvance - Time after a step that went well
+/* ClockRemember - Adds the clock's numbers to the memory of the run; not collective */
+PetscErrorCode ClockRemember(Clock *c, Memory *memory)
+{
+  PetscFunctionBegin;
+  PetscCall(MemoryAddReal(memory, "t", &c->t));
+  PetscCall(MemoryAddReal(memory, "dt", &c->dt));
+  PetscCall(MemoryAddReal(memory, "dt_previous", &c->dt_previous));
+  PetscCall(MemoryAddInt(memory, "step", &c->step));
+  PetscCall(MemoryAddInt(memory, "next_report", &c->next_report));
+  PetscCall(MemoryAddInt(memory, "retries", &c->retries));
+  PetscCall(MemoryAddInt(memory, "halvings", &c->halvings));
+  PetscCall(MemoryAddInt(memory, "good_needed", &c->good_needed));
+  PetscCall(MemoryAddInt(memory, "good", &c->good));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-  Not collective. A step that was cut for a failure grows back after as many good ones as the clock
-  has patience for.
+/*
+  ClockRestart - Readies the clock after its numbers were read from a checkpoint
+
+  Not collective. Finds the first report at or after the clock's time, as -report_times need not be
+  the times of the run that was stopped. A report due at this very time was made if that run had
+  counted it.
+*/
+PetscErrorCode ClockRestart(Clock *c)
+{
+  const PetscInt counted = c->next_report;
+  PetscInt       k       = 0;
+
+  PetscFunctionBegin;
+  while (k < c->n_reports && c->report_time[k] < c->t * (1.0 - 1e-12)) k++;
+  if (k < c->n_reports && c->report_time[k] <= c->t * (1.0 + 1e-12) && counted > k) k++;
+  c->next_report = k;
+  c->t_first     = c->t;
+  c->step_first  = c->step;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ClockAdvance - Advances the time after a good step
+
+  Not collective. A step that was halved after a failure is doubled again after good_needed good
+  steps.
 */
 PetscErrorCode ClockAdvance(Clock *clock)
 {
@@ -213,10 +241,10 @@ PetscErrorCode ClockAdvance(Clock *clock)
   Collective. To be called when the step has been undone.
 
   Output Parameter:
-. failure - made hopeless, with advice, where steps were halved too often already
+. failure - made fatal, with advice, if steps were halved too often already
 
-  Notes: each failure doubles the number of good steps after which one tries to grow back, so that
-  a flow that bears no longer steps is left alone after a few
+  Notes: each failure doubles the number of good steps that are needed before the step grows, so
+  that a flow that needs short steps is not tried with longer ones again and again
 */
 PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
 {
@@ -240,20 +268,21 @@ PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
 }
 
 /*
-  ClockRatio - w = dt over the step before, for what extrapolates over both; not collective
+  ClockRatio - Returns w = dt over the previous step, for extrapolation over both; not collective
 
-  0, which means first order, where there is none, or where it is beyond 1 + sqrt(2): BDF2 is no
-  longer stable then, and a short step for a report after an impulsive start would be drawn out
-  tenfold.
+  Returns 0, which means first order, with -time_order 1, in the first step, and beyond
+  1 + sqrt(2): BDF2 is not stable there, and after an impulsive start a short step for a report
+  would be extrapolated tenfold.
 */
 PetscReal ClockRatio(const Clock *clock)
 {
-  const PetscReal w = clock->dt_previous > 0.0 ? clock->dt / clock->dt_previous : 0.0;
+  const PetscReal w =
+      clock->order == 2 && clock->dt_previous > 0.0 ? clock->dt / clock->dt_previous : 0.0;
 
   return w <= 1.0 + PETSC_SQRT2 ? w : 0.0;
 }
 
-/* ClockPasses - Whether a multiple of `every` [s] lies after time last and not after now */
+/* ClockPasses - Returns true if a multiple of `every` [s] lies in (last, now] */
 PetscBool ClockPasses(PetscReal every, PetscReal last, PetscReal now)
 {
   /* multiples passed by now against by then; 1e-9 for rounding */
@@ -261,7 +290,7 @@ PetscBool ClockPasses(PetscReal every, PetscReal last, PetscReal now)
                                                                                   : PETSC_FALSE;
 }
 
-/* ClockWhere - "step 12 (t = 0.34)" of the step at hand, in CLOCK_WHERE letters; not collective */
+/* ClockWhere - Writes "step 12 (t = 0.34)" for the step at hand, in CLOCK_WHERE letters */
 PetscErrorCode ClockWhere(const Clock *clock, char where[])
 {
   PetscFunctionBegin;

@@ -1,8 +1,8 @@
 /* Convection of velocities past particles that do not move. */
-#include "isph/schemes.h"
+#include "step.h"
 
 /*
-  ConvectionCentral - (v.grad u)_i by the gradients as they are
+  ConvectionCentral - Applies (v.grad u)_i by the gradients, unfiltered
 
   Collective. Input, output: as ConvectionApply().
 */
@@ -20,15 +20,15 @@ PetscErrorCode ConvectionCentral(PetscInt dim, const Operators *ops, const Vec v
 }
 
 /*
-  ConvectionApply - What the flow v carries past fixed particles
+  ConvectionApply - Applies convection past fixed particles, with a filter of the grid scale
 
     (v.grad u)_i + S max(0, |v_i|/dx - 2 nu/dx^2) (u - fit)_i
 
-  Collective. The second term is what upwind-biased differences have over central ones: it takes
-  what changes from one particle to the next in the time the flow passes dx, and is of second order,
-  U dx^2 u''', on any cloud (third order on lattices). Without it (-velocity_filter 0) explicit
-  steps of the first term alone feed the grid scale where viscosity does not damp it, and only there
-  it acts: |v| dx/nu > 2.
+  Collective. The second term is the difference between upwind-biased and central differences. It
+  damps the grid scale in the time in which the flow passes dx, and only where |v| dx/nu > 2; it is
+  of second order, U dx^2 u''', on any cloud (third order on lattices). Without it
+  (-velocity_filter 0) explicit steps of the first term feed the grid scale where viscosity does
+  not damp it.
 
   Input Parameters:
 + v     - advecting velocity over fluid [m/s]
@@ -38,12 +38,14 @@ PetscErrorCode ConvectionCentral(PetscInt dim, const Operators *ops, const Vec v
   Output Parameter:
 . result - [m/s^2]
 */
-PetscErrorCode ConvectionApply(const Scene *scene, const Operators *ops, const Vec v[], Vec u,
-                               Vec walls, Vec work, Vec result)
+PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], Vec u, Vec walls, Vec work,
+                               Vec result)
 {
+  const Scene       *scene = flow->scene;
+  const Operators   *ops   = flow->ops;
   const PetscScalar *at[ISPH_MAX_DIM];
   const PetscReal    nu = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low : 0.0;
-  PetscScalar       *rough, *sum;
+  PetscScalar       *residual, *sum;
   PetscInt           n;
 
   PetscFunctionBegin;
@@ -51,18 +53,49 @@ PetscErrorCode ConvectionApply(const Scene *scene, const Operators *ops, const V
   if (!ops->filter_u.needed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(AffineApply(&ops->filter_u, u, walls, work));
   PetscCall(VecGetLocalSize(u, &n));
-  PetscCall(VecGetArray(work, &rough));
+  PetscCall(VecGetArray(work, &residual));
   PetscCall(VecGetArray(result, &sum));
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecGetArrayRead(v[a], &at[a]));
   for (PetscInt i = 0; i < n; i++) {
     PetscReal speed2 = 0.0;
 
     for (PetscInt a = 0; a < scene->dim; a++) speed2 += PetscSqr(at[a][i]);
-    sum[i] += ops->velocity_filter / scene->dx *
-              PetscMax(0.0, PetscSqrtReal(speed2) - 2.0 * nu / scene->dx) * rough[i];
+    sum[i] += flow->state->velocity_filter / scene->dx *
+              PetscMax(0.0, PetscSqrtReal(speed2) - 2.0 * nu / scene->dx) * residual[i];
   }
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(v[a], &at[a]));
   PetscCall(VecRestoreArray(result, &sum));
-  PetscCall(VecRestoreArray(work, &rough));
+  PetscCall(VecRestoreArray(work, &residual));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ConvectionExtrapolate - Takes the convection of fixed particles, extrapolated in time, from a
+  force
+
+    force -= (1 + w) (u.grad u)^n - w (u.grad u)^{n-1},   w = at ClockRatio()
+
+  Collective. Keeps (u.grad u)^n for the next step.
+
+  Input Parameter:
+. at - 1 or 1/2: the time of the force within the step
+*/
+PetscErrorCode ConvectionExtrapolate(Flow *flow, PetscReal at, Vec force[])
+{
+  FlowState      *s = flow->state;
+  const PetscReal w = at * ClockRatio(flow->clock);
+  Vec             work, convection;
+
+  PetscFunctionBegin;
+  PetscCall(FlowGetWork(flow, &work));
+  PetscCall(FlowGetWork(flow, &convection));
+  for (PetscInt c = 0; c < flow->scene->dim; c++) {
+    PetscCall(ConvectionApply(flow, s->u, s->u[c], flow->walls.u[c], work, convection));
+    PetscCall(VecAXPY(force[c], -(1.0 + w), convection));
+    PetscCall(VecAXPY(force[c], w, s->convection_prev[c]));
+    PetscCall(VecCopy(convection, s->convection_prev[c]));
+  }
+  PetscCall(FlowRestoreWork(flow, &convection));
+  PetscCall(FlowRestoreWork(flow, &work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,23 +1,21 @@
 /*
-  The fallback ladder of a linear solve: where the method chosen does not reach the true residual
-  asked for, others are tried on the same matrix, from the cheapest to the surest. Each fall is told
-  and counted.
+  The fallback of a linear solve: if the chosen method does not reach the true residual, others are
+  tried on the same matrix, from the cheapest to the surest. Each fallback is printed and counted.
 */
 #include "isph/guard.h"
-#include "saddle.h"
 
-/* What is tried in turn, with the matrix that the preconditioner is made from. */
+/* The methods in turn, on the matrix that the preconditioner is made from. */
 static const struct {
   const char *ksp, *pc;
   PetscInt    most;   /* rows it is tried for; 0: any number */
-  PetscBool   saddle; /* for velocity and pressure together */
+  PetscBool   nested; /* takes nested matrices, flattened */
 } levels[FALLBACK_LEVELS] = {
     {KSPGMRES, PCHYPRE, 0, PETSC_FALSE},
     {KSPGMRES, PCBJACOBI, 0, PETSC_FALSE},
     {KSPGMRES, PCLU, 20000, PETSC_TRUE},
 };
 
-/* The solver of a rung, made when it is first needed. */
+/* Makes the solver of a level when it is first needed. */
 static PetscErrorCode FallbackLevel(KSP ksp, PetscInt k, Guard *guard)
 {
   PetscReal   rtol;
@@ -39,9 +37,9 @@ static PetscErrorCode FallbackLevel(KSP ksp, PetscInt k, Guard *guard)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether a rung is what has failed already, or needs a factorisation on several ranks that is
-   not there. */
-static PetscErrorCode FallbackSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBool saddle,
+/* Finds out if a level is the method that failed, or needs a factorisation on several ranks that
+   this PETSc lacks. */
+static PetscErrorCode FallbackSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBool nested,
                                     PetscBool *skips)
 {
   PetscBool   same_ksp, same_pc;
@@ -54,7 +52,7 @@ static PetscErrorCode FallbackSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBoo
   PetscCall(PetscObjectTypeCompare((PetscObject)ksp, levels[k].ksp, &same_ksp));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, levels[k].pc, &same_pc));
   *skips = (same_ksp && same_pc) || (levels[k].most && rows > levels[k].most) ||
-                   (saddle && !levels[k].saddle) ||
+                   (nested && !levels[k].nested) ||
                    (levels[k].most && ranks > 1 && !PetscDefined(HAVE_MUMPS))
                ? PETSC_TRUE
                : PETSC_FALSE;
@@ -62,56 +60,56 @@ static PetscErrorCode FallbackSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBoo
 }
 
 /*
-  FallbackSolve - Solves A x = b again by the methods of the ladder, until one reaches the true
-  residual
+  FallbackSolve - Solves A x = b again by the fallback methods, until one reaches the true residual
 
   Collective.
 
   Input Parameters:
-+ ksp - the solver that failed, with its matrices and tolerance
-- b   - the right-hand side
++ b     - the right-hand side
+- guard - of the solver that failed, with its matrices and tolerance
 
   Output Parameters:
 + x      - the solution, if solved
-- solved - PETSC_FALSE where no rung got there, or b is not finite
+- solved - PETSC_FALSE if no method reached the residual, or b is not finite
 
-  Notes: each fall is printed; guard->falls counts them, guard->in_a_row those without a success
-  of the chosen method between
+  Notes: each fallback is printed; guard->solve.falls counts them, guard->in_a_row the ones since
+  the last success of the chosen method
 */
-PetscErrorCode FallbackSolve(KSP ksp, Vec b, Vec x, Guard *guard, PetscBool *solved)
+PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved)
 {
+  const KSP ksp = guard->solve.ksp;
   KSPType   ksp_type;
   PCType    pc_type;
   PC        pc;
   Mat       A, P, flat = NULL;
   PetscInt  rows;
-  PetscBool saddle;
+  PetscBool nested = guard->Flatten ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
   *solved = PETSC_FALSE;
   if (PetscIsInfOrNanReal(guard->residual)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(KSPGetOperators(ksp, &A, &P));
   PetscCall(MatGetSize(A, &rows, NULL));
-  PetscCall(PetscObjectTypeCompare((PetscObject)P, MATNEST, &saddle));
-  if (saddle && rows <= levels[FALLBACK_LEVELS - 1].most) PetscCall(SaddleFlatten(P, &flat));
+  if (nested) PetscCall(PetscObjectTypeCompare((PetscObject)P, MATNEST, &nested));
+  if (nested && rows <= levels[FALLBACK_LEVELS - 1].most) PetscCall(guard->Flatten(P, &flat));
   for (PetscInt k = 0; k < FALLBACK_LEVELS && !*solved; k++) {
     PetscBool skips = PETSC_FALSE;
 
-    PetscCall(FallbackSkips(ksp, k, rows, saddle, &skips));
+    PetscCall(FallbackSkips(ksp, k, rows, nested, &skips));
     if (skips) continue;
     PetscCall(FallbackLevel(ksp, k, guard));
     PetscCall(KSPReset(guard->level[k]));
     PetscCall(KSPSetOperators(guard->level[k], A, flat ? flat : P));
     PetscCall(KSPSolve(guard->level[k], b, x));
-    PetscCall(GuardMeasure(guard->level[k], b, x, &guard->residual, solved));
+    PetscCall(SolveResidual(guard->level[k], b, x, &guard->residual, solved));
     if (!*solved) continue;
     PetscCall(KSPGetType(ksp, &ksp_type));
     PetscCall(KSPGetPC(ksp, &pc));
     PetscCall(PCGetType(pc, &pc_type));
     PetscCall(SayLine("%s: the %s solve by %s with %s ended with %s; %s with %s solved it",
-                      guard->where, guard->what, ksp_type, pc_type,
+                      guard->where, guard->solve.name, ksp_type, pc_type,
                       KSPConvergedReasons[guard->reason], levels[k].ksp, levels[k].pc));
-    guard->falls++;
+    guard->solve.falls++;
     guard->in_a_row++;
   }
   PetscCall(MatDestroy(&flat));

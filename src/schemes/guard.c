@@ -1,45 +1,11 @@
 /*
-  The guard: looks at the true residual after every linear solve, whatever the method claims, and
-  turns a failure into one sentence with a remedy. An AMG-preconditioned method can report
-  convergence with a residual as large as the right-hand side; a flow computed from that is wrong
-  without a word.
+  The guard: computes the true residual after every linear solve and turns a failure into one
+  sentence with a remedy. A method preconditioned by AMG can report convergence with a residual as
+  large as the right-hand side; the flow would be wrong without a message.
 */
 #include "isph/guard.h"
-#include <stdarg.h>
 
-/* How far the true residual may exceed what was asked, and what no tolerance of the user's makes
- * good. */
-#define GUARD_SLACK 10.0
-#define GUARD_WORST 0.1
-
-/*
-  GuardMeasure - The true residual |b - A x|/|b| of a solve, and whether it is what was asked for
-
-  Collective. Good is a method that claims success and a residual within ten times its tolerance,
-  and never above 0.1.
-*/
-PetscErrorCode GuardMeasure(KSP ksp, Vec b, Vec x, PetscReal *residual, PetscBool *good)
-{
-  KSPConvergedReason reason;
-  PetscReal          rtol, norm_b, norm_r;
-  Mat                A;
-  Vec                r;
-
-  PetscFunctionBegin;
-  PetscCall(KSPGetConvergedReason(ksp, &reason));
-  PetscCall(KSPGetTolerances(ksp, &rtol, NULL, NULL, NULL));
-  PetscCall(KSPGetOperators(ksp, &A, NULL));
-  PetscCall(VecDuplicate(b, &r));
-  PetscCall(MatMult(A, x, r));
-  PetscCall(VecAYPX(r, -1.0, b));
-  PetscCall(VecNorm(r, NORM_2, &norm_r));
-  PetscCall(VecNorm(b, NORM_2, &norm_b));
-  PetscCall(VecDestroy(&r));
-  *residual = norm_b > 0.0 ? norm_r / norm_b : norm_r;
-  *good = reason >= 0 && norm_r <= PetscMin(GUARD_SLACK * rtol, GUARD_WORST) * norm_b ? PETSC_TRUE
-                                                                                      : PETSC_FALSE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+#define LOOSEST_RTOL 0.01 /* of a KSP: with the slack of residual.c it is the worst residual */
 
 static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
 {
@@ -48,60 +14,60 @@ static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
   PetscBool good;
 
   PetscFunctionBegin;
-  if (guard->failed) PetscFunctionReturn(PETSC_SUCCESS); /* the first failure is the one to tell */
+  if (guard->failed) PetscFunctionReturn(PETSC_SUCCESS); /* the first failure is reported */
   PetscCall(KSPGetConvergedReason(ksp, &guard->reason));
   PetscCall(KSPGetIterationNumber(ksp, &guard->iterations));
-  PetscCall(GuardMeasure(ksp, rhs, solution, &guard->residual, &good));
+  PetscCall(SolveResidual(ksp, rhs, solution, &guard->residual, &good));
   if (guard->inner && guard->reason >= 0) good = PETSC_TRUE;
   if (good) {
     guard->in_a_row = 0;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   residual = guard->residual;
-  if (guard->max_in_a_row >= 0) PetscCall(FallbackSolve(ksp, rhs, solution, guard, &good));
+  if (guard->max_in_a_row >= 0) PetscCall(FallbackSolve(rhs, solution, guard, &good));
   if (!good) guard->residual = residual;
   if (!good || guard->in_a_row > guard->max_in_a_row) guard->failed = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A note on what is legal but unwise with the chosen form. */
+/* Notes a choice that is legal but unwise with the chosen form. */
 static PetscErrorCode GuardNote(KSP ksp, const LaplacianForm *form, Guard *guard)
 {
   PetscBool   needs_symmetry;
-  const char *type, *name = form ? form->row->name : guard->what;
+  const char *type, *name = form ? form->row->name : guard->solve.name;
 
   PetscFunctionBegin;
   PetscCall(PetscObjectTypeCompareAny((PetscObject)ksp, &needs_symmetry, KSPCG, KSPFCG, KSPGROPPCG,
                                       KSPPIPECG, KSPMINRES, KSPSYMMLQ, KSPCR, ""));
   PetscCall(KSPGetType(ksp, &type));
   if (needs_symmetry && !guard->symmetric) {
-    PetscCall(PetscSNPrintf(guard->note, sizeof(guard->note),
+    PetscCall(PetscSNPrintf(guard->solve.note, sizeof(guard->solve.note),
                             "-%sksp_type %s wants a symmetric matrix, that of %s is not: it may "
                             "fail or take longer than gmres",
-                            guard->prefix, type, name));
+                            guard->solve.prefix, type, name));
   } else if (form && !LaplacianIs(form, FORM_SAFE_IMPLICIT)) {
-    PetscCall(PetscSNPrintf(guard->note, sizeof(guard->note),
+    PetscCall(PetscSNPrintf(guard->solve.note, sizeof(guard->solve.note),
                             "-%slaplacian %s is anti-diffusive: it amplifies what it should damp, "
                             "and an implicit step may be singular",
-                            guard->prefix, name));
+                            guard->solve.prefix, name));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  GuardAttach - Puts the guard on a KSP; to be called after KSPSetFromOptions()
+  GuardAttach - Attaches the guard to a KSP, after KSPSetFromOptions()
 
-  Collective. Also asks for the unpreconditioned norm where the user did not choose one, so that
-  -ksp_rtol means the true residual.
+  Collective. Chooses the unpreconditioned norm unless the user chose one, so that -ksp_rtol limits
+  the true residual.
 
   Input Parameter:
-. form - the Laplacian that the matrix is of; NULL: it is no symmetric one
+. form - the Laplacian of the matrix; NULL: no symmetric one
 
   Output Parameter:
-. guard - its note says what is legal but unwise
+. guard - solve.ksp; solve.note says what is legal but unwise
 
   Options Database Key:
-. -fallback N - how many solves in a row may be left to the ladder
+. -fallback N - solves in a row that fallback methods may make
 
   Errors: refuses Cholesky factors of a matrix that is not symmetric, and absolute tolerances
 */
@@ -111,19 +77,21 @@ PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
   PC        pc;
 
   PetscFunctionBegin;
+  guard->solve.ksp = ksp;
+  if (!guard->best) guard->best = KSPGMRES;
   guard->symmetric = form ? LaplacianIs(form, FORM_SYMMETRIC) : PETSC_FALSE;
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCICC, &icc));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCCHOLESKY, &cholesky));
   UserCheck(guard->symmetric || (!icc && !cholesky),
-            "-%spc_type %s: the chosen form's matrix is not symmetric; use %s", guard->prefix,
+            "-%spc_type %s: the chosen form's matrix is not symmetric; use %s", guard->solve.prefix,
             icc ? PCICC : PCCHOLESKY, icc ? "ilu or bjacobi" : "lu");
-  PetscCall(PetscOptionsHasName(NULL, guard->prefix, "-ksp_atol", &chosen));
+  PetscCall(PetscOptionsHasName(NULL, guard->solve.prefix, "-ksp_atol", &chosen));
   UserCheck(!chosen, "-%sksp_atol: an absolute tolerance depends on units; use -%sksp_rtol",
-            guard->prefix, guard->prefix);
+            guard->solve.prefix, guard->solve.prefix);
   PetscCall(PCSetUseAmat(pc, PETSC_FALSE)); /* a kept preconditioner outlives the operator */
   PetscCall(PetscObjectTypeCompare((PetscObject)ksp, KSPPREONLY, &preonly));
-  PetscCall(PetscOptionsHasName(NULL, guard->prefix, "-ksp_norm_type", &chosen));
+  PetscCall(PetscOptionsHasName(NULL, guard->solve.prefix, "-ksp_norm_type", &chosen));
   if (!preonly && !chosen) PetscCall(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
   PetscCall(KSPSetPostSolve(ksp, Guard_PostSolve, guard));
   PetscCall(GuardNote(ksp, form, guard));
@@ -137,7 +105,7 @@ PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* GuardDetach - Frees the ladder's solvers; collective */
+/* GuardDetach - Frees the fallback solvers; collective */
 PetscErrorCode GuardDetach(Guard *guard)
 {
   PetscFunctionBegin;
@@ -145,10 +113,11 @@ PetscErrorCode GuardDetach(Guard *guard)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What to try instead of the method that failed. */
-static PetscErrorCode GuardRemedy(KSP ksp, PC pc, const Guard *guard, char remedy[], size_t length)
+/* Writes the advice after a method failed. */
+static PetscErrorCode GuardRemedy(PC pc, const Guard *guard, char remedy[], size_t length)
 {
-  const char *best = guard->prefix[0] == 'p' ? KSPFGMRES : KSPGMRES;
+  const char *best = guard->best;
+  const KSP   ksp  = guard->solve.ksp;
   PetscBool   cg, is_best, amg;
   PetscReal   rtol;
 
@@ -165,38 +134,39 @@ static PetscErrorCode GuardRemedy(KSP ksp, PC pc, const Guard *guard, char remed
   } else if (cg && !guard->symmetric) {
     PetscCall(PetscSNPrintf(remedy, length,
                             "cg needs a symmetric form and this one is not: use -%sksp_type %s",
-                            guard->prefix, best));
-  } else if (GUARD_SLACK * rtol > GUARD_WORST) {
+                            guard->solve.prefix, best));
+  } else if (rtol > LOOSEST_RTOL) {
     PetscCall(PetscSNPrintf(remedy, length,
                             "the tolerance given is too loose: use a smaller -%sksp_rtol",
-                            guard->prefix));
+                            guard->solve.prefix));
   } else if (!is_best || !amg) {
-    PetscCall(PetscSNPrintf(remedy, length, "try -%sksp_type %s -%spc_type hypre", guard->prefix,
-                            best, guard->prefix));
+    PetscCall(PetscSNPrintf(remedy, length, "try -%sksp_type %s -%spc_type hypre",
+                            guard->solve.prefix, best, guard->solve.prefix));
   } else {
     PetscCall(PetscSNPrintf(remedy, length,
                             "the matrix is out of shape, most often because particles have "
                             "clustered: try a smaller -dt or -cfl, or a larger -%sksp_max_it",
-                            guard->prefix));
+                            guard->solve.prefix));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  GuardCheck - Tells the step where a solve failed since the last check
+  GuardCheck - Fails the step if a solve failed since the last check
 
   Collective.
 
   Output Parameter:
-. failure - set to a sentence with the step, the methods, the reason and what to try; hopeless where
-            the ladder had to be climbed too often in a row
+. failure - a sentence with the step, the methods, the reason and a remedy; fatal if the fallback
+            was needed too often in a row
 */
-PetscErrorCode GuardCheck(KSP ksp, Guard *guard, StepFailure *failure)
+PetscErrorCode GuardCheck(Guard *guard, StepFailure *failure)
 {
-  char    remedy[256];
-  KSPType ksp_type;
-  PCType  pc_type;
-  PC      pc;
+  const KSP ksp = guard->solve.ksp;
+  char      remedy[256];
+  KSPType   ksp_type;
+  PCType    pc_type;
+  PC        pc;
 
   PetscFunctionBegin;
   if (!guard->failed) PetscFunctionReturn(PETSC_SUCCESS);
@@ -204,14 +174,14 @@ PetscErrorCode GuardCheck(KSP ksp, Guard *guard, StepFailure *failure)
   PetscCall(KSPGetType(ksp, &ksp_type));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCGetType(pc, &pc_type));
-  PetscCall(GuardRemedy(ksp, pc, guard, remedy, sizeof(remedy)));
+  PetscCall(GuardRemedy(pc, guard, remedy, sizeof(remedy)));
   if (guard->max_in_a_row >= 0 && guard->in_a_row > guard->max_in_a_row) {
     FailureSet(
         failure, PETSC_ERR_NOT_CONVERGED,
         "%s: %" PetscInt_FMT
         " %s solves in a row were beyond %s with %s (%s) and were left to the fallback ladder; "
         "%s, or -fallback a larger number",
-        guard->where, guard->in_a_row, guard->what, ksp_type, pc_type,
+        guard->where, guard->in_a_row, guard->solve.name, ksp_type, pc_type,
         KSPConvergedReasons[guard->reason], remedy);
     failure->fatal = PETSC_TRUE;
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -219,76 +189,7 @@ PetscErrorCode GuardCheck(KSP ksp, Guard *guard, StepFailure *failure)
   FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
              "%s: the %s solve by %s with %s ended with %s after %" PetscInt_FMT
              " iterations, true residual %.1e of the right-hand side; %s",
-             guard->where, guard->what, ksp_type, pc_type, KSPConvergedReasons[guard->reason],
+             guard->where, guard->solve.name, ksp_type, pc_type, KSPConvergedReasons[guard->reason],
              guard->iterations, (double)guard->residual, remedy);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* SolverNames - Types of a KSP and its preconditioner; not collective */
-PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc)
-{
-  PC inner;
-
-  PetscFunctionBegin;
-  PetscCall(KSPGetType(ksp, type));
-  PetscCall(KSPGetPC(ksp, &inner));
-  PetscCall(PCGetType(inner, pc));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* FailureSet - Notes what went wrong, unless something did before; not collective */
-void FailureSet(StepFailure *failure, PetscErrorCode code, const char format[], ...)
-{
-  va_list arguments;
-
-  if (failure->code) return;
-  failure->code  = code;
-  failure->fatal = PETSC_FALSE;
-  va_start(arguments, format);
-  (void)vsnprintf(failure->sentence, sizeof(failure->sentence), format, arguments);
-  va_end(arguments);
-}
-
-/*
-  GuardRenewPC - Readies a preconditioner for a matrix of another pattern or size
-
-  Collective. A PCReset() does for all but gamg, whose coarse levels keep their old sizes
-  (PETSC 3.18).
-*/
-PetscErrorCode GuardRenewPC(KSP ksp)
-{
-  PetscBool   gamg;
-  const char *prefix;
-  PC          pc, fresh;
-
-  PetscFunctionBegin;
-  PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCGAMG, &gamg));
-  if (!gamg) {
-    PetscCall(PCReset(pc));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(PCGetOptionsPrefix(pc, &prefix));
-  PetscCall(PCCreate(PetscObjectComm((PetscObject)ksp), &fresh));
-  PetscCall(PCSetOptionsPrefix(fresh, prefix));
-  PetscCall(PCSetType(fresh, PCGAMG));
-  PetscCall(PCSetFromOptions(fresh));
-  PetscCall(PCSetUseAmat(fresh, PETSC_FALSE));
-  PetscCall(KSPSetPC(ksp, fresh));
-  PetscCall(PCDestroy(&fresh));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* OptionDefault - Puts an option into the database unless the user did; name with its dash */
-PetscErrorCode OptionDefault(const char prefix[], const char name[], const char value[])
-{
-  char      option[128];
-  PetscBool given;
-
-  PetscFunctionBegin;
-  PetscCall(PetscOptionsHasName(NULL, prefix, name, &given));
-  if (given) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(option, sizeof(option), "-%s%s", prefix, name + 1));
-  PetscCall(PetscOptionsSetValue(NULL, option, value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,8 +1,8 @@
 /*
-  Moving particles: with the flow, then a little aside so that they stay evenly spread; the fields
-  they carry follow by Taylor series.
+  The motion of particles: with the flow, and by a small shift that keeps them evenly spread. The
+  fields that they carry follow the displacement by Taylor series.
 */
-#include "projection.h"
+#include "step.h"
 
 #define FILTER_RATE 2.0 /* over |A A|^(1/2) [-] */
 
@@ -22,88 +22,100 @@ static void KeepOffWalls(const Scene *scene, PetscReal x[])
 }
 
 /*
-  What changes fields, at the old positions: grad p always; grad u and, where it is at hand, lap
-  u where there is shifting; grad u and u less its fit where velocities are filtered. Arrays are
+  The terms by which fields follow a displaced particle, at the old positions: grad p; grad u and,
+  if at hand, lap u with shifting; grad u and u less its fit if velocities are filtered. Vectors are
   NULL where they are not needed.
 */
 typedef struct {
+  Vec                p_vec[ISPH_MAX_DIM], u_vec[ISPH_MAX_DIM][ISPH_MAX_DIM];
+  Vec                lap_vec[ISPH_MAX_DIM], residual_vec[ISPH_MAX_DIM];
   const PetscScalar *p[ISPH_MAX_DIM];               /* dp/dx_a */
   const PetscScalar *u[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* du_c/dx_a at [c][a] */
   const PetscScalar *lap[ISPH_MAX_DIM];             /* lap u_c */
-  const PetscScalar *rough[ISPH_MAX_DIM];           /* u_c - fit */
+  const PetscScalar *residual[ISPH_MAX_DIM];        /* u_c less its fit */
 } Slopes;
 
-/* y = op u, read through slope; y is made when it is first wanted in an epoch. */
-static PetscErrorCode SlopeOf(const AffineOperator *op, Vec u, Vec walls, Vec *y,
-                              const PetscScalar **slope)
+/* Computes y = op u in a work vector, read through slope. */
+static PetscErrorCode SlopeGet(Flow *flow, const AffineOperator *op, Vec u, Vec walls, Vec *y,
+                               const PetscScalar **slope)
 {
   PetscFunctionBegin;
-  if (!*y) PetscCall(VecDuplicate(u, y));
+  PetscCall(FlowGetWork(flow, y));
   PetscCall(AffineApply(op, u, walls, *y));
   PetscCall(VecGetArrayRead(*y, slope));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SlopesGet(const Scene *scene, const Operators *ops, PetscBool shifting,
-                                Projection *pr, Slopes *slopes)
+static PetscErrorCode SlopeRestore(Flow *flow, Vec *y, const PetscScalar **slope)
 {
   PetscFunctionBegin;
-  PetscCall(PetscMemzero(slopes, sizeof(*slopes)));
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    if (pr->p) {
-      PetscCall(SlopeOf(&ops->grad_p[a], pr->p, ops->wall_dpdn, &pr->force[a], &slopes->p[a]));
+  if (!*y) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecRestoreArrayRead(*y, slope));
+  PetscCall(FlowRestoreWork(flow, y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SlopesGet(Flow *flow, PetscBool shifting, Slopes *t)
+{
+  const Operators  *ops   = flow->ops;
+  const FlowState  *state = flow->state;
+  const WallValues *walls = &flow->walls;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(t, sizeof(*t)));
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    if (state->p) {
+      PetscCall(SlopeGet(flow, &ops->grad_p[a], state->p, walls->dpdn, &t->p_vec[a], &t->p[a]));
     }
-    for (PetscInt c = 0; (shifting || ops->filter_u.needed) && c < scene->dim; c++) {
-      PetscCall(SlopeOf(&ops->grad_u[a], pr->u[c], ops->wall_u[c], &pr->velocity_slope[c][a],
-                        &slopes->u[c][a]));
+    for (PetscInt c = 0; (shifting || ops->filter_u.needed) && c < flow->scene->dim; c++) {
+      PetscCall(
+          SlopeGet(flow, &ops->grad_u[a], state->u[c], walls->u[c], &t->u_vec[c][a], &t->u[c][a]));
     }
-    if (shifting && ops->visc.needed && ops->visc_is_laplacian) {
-      PetscCall(SlopeOf(&ops->visc, pr->u[a], ops->wall_u[a], &pr->star[a], &slopes->lap[a]));
+    if (shifting && ops->visc.needed && ops->forms.visc_is_laplacian) {
+      PetscCall(SlopeGet(flow, &ops->visc, state->u[a], walls->u[a], &t->lap_vec[a], &t->lap[a]));
     }
     if (ops->filter_u.needed) {
-      PetscCall(
-          SlopeOf(&ops->filter_u, pr->u[a], ops->wall_u[a], &pr->rough[a], &slopes->rough[a]));
+      PetscCall(SlopeGet(flow, &ops->filter_u, state->u[a], walls->u[a], &t->residual_vec[a],
+                         &t->residual[a]));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SlopesRestore(const Scene *scene, Projection *pr, Slopes *slopes)
+static PetscErrorCode SlopesRestore(Flow *flow, Slopes *t)
 {
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    if (slopes->p[a]) PetscCall(VecRestoreArrayRead(pr->force[a], &slopes->p[a]));
-    for (PetscInt c = 0; c < scene->dim; c++) {
-      if (slopes->u[c][a])
-        PetscCall(VecRestoreArrayRead(pr->velocity_slope[c][a], &slopes->u[c][a]));
-    }
-    if (slopes->lap[a]) PetscCall(VecRestoreArrayRead(pr->star[a], &slopes->lap[a]));
-    if (slopes->rough[a]) PetscCall(VecRestoreArrayRead(pr->rough[a], &slopes->rough[a]));
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    PetscCall(SlopeRestore(flow, &t->p_vec[a], &t->p[a]));
+    for (PetscInt c = 0; c < flow->scene->dim; c++)
+      PetscCall(SlopeRestore(flow, &t->u_vec[c][a], &t->u[c][a]));
+    PetscCall(SlopeRestore(flow, &t->lap_vec[a], &t->lap[a]));
+    PetscCall(SlopeRestore(flow, &t->residual_vec[a], &t->residual[a]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where particle i is shifted to, beside its flight. */
-static void ShiftParticle(const Scene *scene, const Clock *clock, const Particles *p,
-                          const Operators *ops, const Scheme *scheme, const Slopes *slopes,
-                          PetscInt i, PetscReal shift[])
+/* Computes the shift of particle i, beside its motion with the flow. */
+static void ShiftParticle(const Flow *flow, const Slopes *slopes, PetscInt i, PetscReal shift[])
 {
-  PetscReal gradient_c[ISPH_MAX_DIM], rate2 = 0.0;
+  const Scene     *scene = flow->scene;
+  const FlowState *state = flow->state;
+  PetscReal        gradient_c[ISPH_MAX_DIM], rate2 = 0.0;
 
   for (PetscInt a = 0; a < scene->dim; a++) {
-    gradient_c[a] = ops->gradient_c[a][i];
+    gradient_c[a] = flow->ops->concentration.gradient[a][i];
     for (PetscInt c = 0; c < scene->dim; c++) rate2 += PetscSqr(slopes->u[c][a][i]);
   }
-  scheme->shift->Displace(scene, scheme->shift_strength, scheme->stats.speed_max,
-                          PetscSqrtReal(rate2), clock->dt, gradient_c, shift);
+  state->shift->Displace(scene, state->shift_strength, flow->scheme->stats.speed_max,
+                         PetscSqrtReal(rate2), flow->clock->dt, gradient_c, shift);
   for (PetscInt a = 0; a < scene->dim; a++) {
-    if (clock->step == 0)
-      shift[a] +=
-          scheme->shift->disturbance * scene->dx * ParticlesHash(scene->seed + 1, p->id[i], a);
+    if (flow->clock->step == 0)
+      shift[a] += state->shift->disturbance * scene->dx *
+                  ParticlesHash(scene->seed + 1, flow->particles->id[i], a);
   }
 }
 
-/* What particle i's velocity changes by where it is shifted: s.grad u + |s|^2/2d lap u. */
+/* Computes the change of particle i's velocity by its shift: s.grad u + |s|^2/2d lap u. */
 static void FollowShift(const Scene *scene, const Slopes *slopes, PetscInt i,
                         const PetscReal shift[], PetscReal change[])
 {
@@ -117,13 +129,13 @@ static void FollowShift(const Scene *scene, const Slopes *slopes, PetscInt i,
 }
 
 /*
-  Takes from particle i's velocity what changes from one particle to the next,
+  Filters the grid scale out of particle i's velocity
 
     u -= S min(1, RATE dt |A A|^(1/2)) (u - fit),   A_ca = du_c/dx_a,   |.| Frobenius' norm
 
   |A A|^(1/2) is the rate at which the flow can feed disturbances: the eigenvalues of A in strain
-  and rotation, nothing in parallel flow however sheared, so that boundary layers as thin as dx are
-  left alone. Where the flow is resolved that is U/L, and the filter of third order.
+  and rotation, zero in parallel flow however sheared, so that boundary layers as thin as dx keep
+  their velocity. Where the flow is resolved the rate is U/L, and the filter of third order.
 */
 static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i, PetscReal strength,
                            PetscReal dt, PetscReal change[])
@@ -139,73 +151,96 @@ static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i,
     }
   }
   share = strength * PetscMin(1.0, FILTER_RATE * dt * PetscSqrtReal(PetscSqrtReal(square)));
-  for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * slopes->rough[c][i];
+  for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * slopes->residual[c][i];
 }
 
-/* A particle that flew further than is allowed makes the step a failed one. Collective. */
-static PetscErrorCode CheckMove(const Scene *scene, const Clock *clock, PetscReal moved,
-                                Scheme *scheme)
+/* Fails the step if a particle moved further than is allowed; collective. */
+static PetscErrorCode CheckMove(Flow *flow, PetscReal moved)
 {
-  char where[CLOCK_WHERE];
+  const PetscReal dx = flow->scene->dx, most = flow->clock->move_max;
+  char            where[CLOCK_WHERE];
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &moved, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
-  if (moved <= clock->move_max * scene->dx) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(ClockWhere(clock, where));
+  if (moved <= most * dx) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ClockWhere(flow->clock, where));
   FailureSet(
-      &scheme->failure, PETSC_ERR_FP,
+      &flow->scheme->failure, PETSC_ERR_FP,
       "%s: a particle moved by %.3g dx, more than -dt_move_max %.3g; try a smaller -dt or -cfl",
-      where, (double)(moved / scene->dx), (double)clock->move_max);
+      where, (double)(moved / dx), (double)most);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ParticlesMove - Takes particles from x^n to x^{n+1} by Adams-Bashforth and shifts them
-
-    dr = dt ((1 + w/2) u^n - w/2 u^{n-1}) + s,   w = ClockRatio()
-    u += s.grad u + |s|^2/(2d) lap u,   p += dr.grad p
-
-  Collective. The pressure is carried as an Eulerian field, velocities as the particles' own but for
-  the shift s, what keeps particles off walls included: without that, those pushed off a moving lid
-  keep its speed, as they do where there is no shifting. The second-order term stands for
-  s s : grad grad u, whose mean it is; without it shifting feeds energy into the flow. On entry the
-  operators are those at x^n; on exit they are stale.
-*/
-PetscErrorCode ParticlesMove(const Scene *scene, const Clock *clock, Operators *ops, Particles *p,
-                             Scheme *scheme)
+/* Displaces all own fluid particles and changes their fields; moved - the largest way [m]. */
+static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscReal *moved)
 {
-  Projection     *pr       = (Projection *)scheme->data;
-  const PetscBool shifting = scheme->shift->Displace ? PETSC_TRUE : PETSC_FALSE;
-  const PetscReal w        = scheme->time_order == 2 ? ClockRatio(clock) : 0.0;
+  const Scene    *scene    = flow->scene;
+  const Clock    *clock    = flow->clock;
+  Particles      *p        = flow->particles;
+  FlowState      *state    = flow->state;
+  const PetscBool shifting = state->shift->Displace ? PETSC_TRUE : PETSC_FALSE;
+  const PetscReal w        = ClockRatio(clock);
   PetscReal       moved2   = 0.0;
-  Slopes          slopes;
 
   PetscFunctionBegin;
-  PetscCall(SlopesGet(scene, ops, shifting, pr, &slopes));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal shift[ISPH_MAX_DIM] = {0.0}, change[ISPH_MAX_DIM] = {0.0}, d2 = 0.0;
     PetscReal flown[ISPH_MAX_DIM], x[ISPH_MAX_DIM];
 
-    if (shifting) ShiftParticle(scene, clock, p, ops, scheme, &slopes, i, shift);
+    if (shifting) ShiftParticle(flow, slopes, i, shift);
     for (PetscInt a = 0; a < scene->dim; a++) {
-      flown[a] = clock->dt * ((1.0 + 0.5 * w) * p->u[a][i] - 0.5 * w * pr->u_previous[a][i]);
+      flown[a] = clock->dt * ((1.0 + 0.5 * w) * p->u[a][i] - 0.5 * w * state->u_previous[a][i]);
       x[a]     = p->x[a][i] + flown[a] + shift[a];
       d2 += PetscSqr(flown[a]);
     }
     KeepOffWalls(scene, x);
     for (PetscInt a = 0; a < scene->dim; a++) shift[a] = x[a] - p->x[a][i] - flown[a];
-    if (shifting) FollowShift(scene, &slopes, i, shift, change);
-    if (ops->filter_u.needed)
-      FilterVelocity(scene, &slopes, i, ops->velocity_filter, clock->dt, change);
+    if (shifting) FollowShift(scene, slopes, i, shift, change);
+    if (flow->ops->filter_u.needed)
+      FilterVelocity(scene, slopes, i, state->velocity_filter, clock->dt, change);
     moved2 = PetscIsNanReal(d2) ? PETSC_INFINITY : PetscMax(moved2, d2);
     for (PetscInt a = 0; a < scene->dim; a++) {
-      if (p->p) p->p[i] += (x[a] - p->x[a][i]) * slopes.p[a][i];
+      if (p->p) p->p[i] += (x[a] - p->x[a][i]) * slopes->p[a][i];
       p->x[a][i] = x[a];
       p->u[a][i] += change[a];
-      pr->u_previous[a][i] += change[a];
+      state->u_previous[a][i] += change[a];
     }
   }
-  PetscCall(SlopesRestore(scene, pr, &slopes));
-  if (clock->adapt->retries) PetscCall(CheckMove(scene, clock, PetscSqrtReal(moved2), scheme));
+  *moved = PetscSqrtReal(moved2);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  FlowMove - Moves particles from x^n to x^{n+1} by Adams-Bashforth, shifts them, and updates
+  ownership and halo
+
+    dr = dt ((1 + w/2) u^n - w/2 u^{n-1}) + s,   w = ClockRatio()
+    u += s.grad u + |s|^2/(2d) lap u,   p += dr.grad p
+
+  Collective. The pressure is carried as an Eulerian field. A velocity belongs to its particle and
+  changes with the shift s only; s includes the displacement that keeps particles off walls, without
+  which particles pushed off a moving lid would keep its speed, as they do without shifting. The
+  second-order term stands for s s : grad grad u, whose mean it is; without it shifting feeds energy
+  into the flow. On entry the operators are at x^n; on exit they are stale.
+*/
+PetscErrorCode FlowMove(Flow *flow)
+{
+  const PetscLogEvent *event = flow->state->event;
+  PetscReal            moved;
+  PetscBool            started;
+  Slopes               slopes;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(event[FLOW_EVENT_MOVE], 0, 0, 0, 0));
+  PetscCall(SlopesGet(flow, flow->state->shift->Displace ? PETSC_TRUE : PETSC_FALSE, &slopes));
+  PetscCall(DisplaceParticles(flow, &slopes, &moved));
+  PetscCall(SlopesRestore(flow, &slopes));
+  if (flow->clock->adapt->retries) PetscCall(CheckMove(flow, moved));
+  PetscCall(PetscLogEventEnd(event[FLOW_EVENT_MOVE], 0, 0, 0, 0));
+  if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscLogEventBegin(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
+  PetscCall(ParticlesUpdateEpoch(flow->scene, flow->particles, PETSC_FALSE, &started));
+  if (!started) PetscCall(ParticlesUpdateHalo(flow->particles));
+  PetscCall(PetscLogEventEnd(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

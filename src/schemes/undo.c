@@ -1,17 +1,16 @@
 /*
-  Undoing a step: the registry of fields as it was before, with the little that a flow is made of
-  besides. Everything else is made anew from that.
+  Undoing a step: a copy of all registered fields and of the run's memory. Everything else is made
+  anew from them.
 */
 #include "isph/schemes.h"
 
 struct Undo {
   PetscReal *record; /* own particles, see ParticlesPack() */
   PetscInt   n, capacity, epoch;
-  Clock      clock;
-  StepStats  stats;
-  PetscReal  number[SCHEME_NUMBERS];
+  PetscReal  memory[MEMORY_MAX];
 };
 
+/* UndoCreate - Creates an empty copy; not collective */
 PetscErrorCode UndoCreate(Undo **undo)
 {
   PetscFunctionBegin;
@@ -19,6 +18,7 @@ PetscErrorCode UndoCreate(Undo **undo)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* UndoDestroy - Frees the copy; not collective */
 PetscErrorCode UndoDestroy(Undo **undo)
 {
   PetscFunctionBegin;
@@ -28,10 +28,11 @@ PetscErrorCode UndoDestroy(Undo **undo)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* UndoSave - Keeps the flow as it is, in place of what was kept before; not collective */
-PetscErrorCode UndoSave(const Clock *clock, const Particles *p, const Scheme *scheme, Undo *undo)
+/* UndoSave - Copies the present flow in place of the copy before; not collective */
+PetscErrorCode UndoSave(const Flow *flow, Undo *undo)
 {
-  const PetscInt size = ParticlesOwn(p) * ParticlesRecordWidth(p);
+  const Particles *p    = flow->particles;
+  const PetscInt   size = ParticlesOwn(p) * ParticlesRecordWidth(p);
 
   PetscFunctionBegin;
   if (size > undo->capacity) {
@@ -40,29 +41,26 @@ PetscErrorCode UndoSave(const Clock *clock, const Particles *p, const Scheme *sc
     PetscCall(PetscMalloc1(undo->capacity, &undo->record));
   }
   PetscCall(ParticlesPack(p, undo->record));
-  PetscCall(PetscArraycpy(undo->number, scheme->number, SCHEME_NUMBERS));
+  MemoryGet(&flow->scheme->memory, undo->memory);
   undo->n     = ParticlesOwn(p);
   undo->epoch = p->epoch;
-  undo->clock = *clock;
-  undo->stats = scheme->stats;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  UndoRestore - Goes back to the flow that was kept
+  UndoRestore - Restores the flow of the copy
 
-  Collective. Within an epoch particles are where they were; else a new one begins, and owners and
-  order may be others than before.
+  Collective. Within an epoch the particles keep their order; else a new epoch starts, and owners
+  and order may change.
 */
-PetscErrorCode UndoRestore(const Scene *scene, const Undo *undo, Clock *clock, Particles *p,
-                           Neighbors *nb, Operators *ops, Scheme *scheme)
+PetscErrorCode UndoRestore(const Undo *undo, Flow *flow)
 {
+  Particles *p = flow->particles;
+
   PetscFunctionBegin;
-  *clock        = undo->clock;
-  scheme->stats = undo->stats;
-  PetscCall(PetscArraycpy(scheme->number, undo->number, SCHEME_NUMBERS));
+  MemorySet(&flow->scheme->memory, PETSC_FALSE, undo->memory);
   if (undo->epoch == p->epoch) PetscCall(ParticlesUnpack(p, undo->record));
-  else PetscCall(ParticlesReplace(scene, p, undo->n, undo->record));
-  PetscCall(scheme->row->Begin(scene, clock, p, nb, ops, scheme));
+  else PetscCall(ParticlesReplace(flow->scene, p, undo->n, undo->record));
+  PetscCall(flow->scheme->row->Begin(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

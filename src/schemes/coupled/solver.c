@@ -1,28 +1,15 @@
 /*
-  Velocity and pressure in one system,
+  The solver of velocity and pressure in one system,
 
     du/dt = nu lap u - (v.grad) u - grad p/rho + f,   div u = 0,
 
-  differential-algebraic, its Jacobian that of saddle.c: advanced by a PETSc TS, or solved for
-  without du/dt where the flow is steady. The pressure is no part of the history and has no
-  splitting error.
+  differential-algebraic, its Jacobian the matrix of saddle.c: advanced by a PETSc TS, or solved
+  without du/dt if the flow is steady. The pressure has no history and no splitting error.
 */
 #include "coupled.h"
 
-static const CoupledIntegratorRow kinds[] = {
-    /* name, brief, citation, several substeps */
-    {TSBEULER,
-     "backward Euler, from (4u^n - u^{n-1})/3 over 2dt/3: BDF2 with the history on particles",
-     "Hairer & Wanner, Solving ODEs II (1996)", PETSC_FALSE},
-    {TSROSW, "Rosenbrock-W of order 3 in substeps that follow the error; particles fixed",
-     "Rang & Angermann, BIT 45 (2005)", PETSC_TRUE},
-    {TSBDF, "backward differentiation in substeps that follow the error; particles fixed",
-     "Hairer & Wanner, Solving ODEs II (1996)", PETSC_TRUE},
-};
-const Table CoupledIntegratorTable =
-    TABLE("-coupled_ts_type", "Time integrators of the coupled scheme", kinds);
-
-/* CoupledSetShift - The matrix with a shift; the preconditioner of one within 3/2 of it is kept */
+/* CoupledSetShift - Sets the matrix to a shift; a preconditioner of a shift within 3/2 of it is
+   reused; collective */
 PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
 {
   const PetscBool keep = shift <= 1.5 * c->shift && c->shift <= 1.5 * shift;
@@ -31,15 +18,15 @@ PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
   PetscCall(SaddleSetShift(shift, &c->saddle));
   if (!keep && c->flat) PetscCall(SaddleFlatten(c->saddle.P, &c->flat));
   if (!keep) c->shift = shift;
-  PetscCall(KSPSetReusePreconditioner(c->ksp, keep));
-  c->schur.viscous = c->scene->nu * c->saddle.step / PetscSqr(c->scene->dx);
+  PetscCall(KSPSetReusePreconditioner(c->guard.solve.ksp, keep));
+  c->schur.viscous = c->flow->scene->nu * c->saddle.step / PetscSqr(c->flow->scene->dx);
   c->schur.inert   = shift * c->saddle.step;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  What the blocks of the field split are solved with unless the user tells: one application of block
-  Jacobi to velocities where nu dt/dx^2 is below 2, else of AMG, and one of schur.c to pressures.
+  Sets the solvers of the field split's blocks unless the user did: one application of block Jacobi
+  to velocities if nu dt/dx^2 is below 2, else of AMG, and one application of schur.c to pressures.
 */
 static PetscErrorCode BlockDefaults(const Scene *scene, PetscReal dt)
 {
@@ -54,10 +41,11 @@ static PetscErrorCode BlockDefaults(const Scene *scene, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The TS, its SNES and KSP, from the options. */
+/* Creates the TS, its SNES and KSP from the options. */
 static PetscErrorCode CoupledCreateTS(Coupled *c)
 {
   SNES    snes;
+  KSP     ksp;
   TSAdapt adapt;
   PC      pc;
 
@@ -76,53 +64,49 @@ static PetscErrorCode CoupledCreateTS(Coupled *c)
   PetscCall(TSAdaptSetType(adapt, c->row->substeps ? TSADAPTBASIC : TSADAPTNONE));
   PetscCall(TSGetSNES(c->ts, &snes));
   PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_MAX_INT)); /* the guard sees to those */
-  PetscCall(SNESGetKSP(snes, &c->ksp));
-  PetscCall(KSPSetType(c->ksp, KSPFGMRES));
-  PetscCall(KSPGMRESSetRestart(c->ksp, 100));
-  PetscCall(KSPSetTolerances(c->ksp, 1e-7, 0.0, PETSC_DEFAULT, 300));
-  PetscCall(KSPGetPC(c->ksp, &pc));
+  PetscCall(SNESGetKSP(snes, &ksp));
+  PetscCall(KSPSetType(ksp, KSPFGMRES));
+  PetscCall(KSPGMRESSetRestart(ksp, 100));
+  PetscCall(KSPSetTolerances(ksp, 1e-7, 0.0, PETSC_DEFAULT, 300));
+  PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCSetType(pc, PCFIELDSPLIT));
   PetscCall(TSSetFromOptions(c->ts));
+  c->guard.solve.ksp = ksp;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  CoupledCreate - The solver of velocity and pressure together
+  CoupledSolverCreate - Creates the solver of velocity and pressure and adds its solve to the scheme
 
-  Collective on PETSC_COMM_WORLD.
-
-  Input Parameters:
-+ dt       - first time step, for the choice of a preconditioner [s]
-- convects - particles stay, so that u.grad u is part of the equations
+  Collective on PETSC_COMM_WORLD. The clock's first time step chooses the preconditioner.
 
   Options Database Keys:
-+ -coupled_ts_type, -coupled_schur - rows of their tables
++ -coupled_schur - row of its table
 . -coupled_ksp_type, -coupled_pc_type, -coupled_pc_fieldsplit_..., -coupled_ts_... - any of PETSc's
 . -coupled_fieldsplit_velocity_..., -coupled_fieldsplit_pressure_... - KSP and PC of the blocks
 - -coupled_schur_ksp_type, -coupled_schur_pc_type, ... - of the Poisson equation in cahouet_chabard
 
   Errors: options that would give time to the TS, and absolute tolerances
 */
-PetscErrorCode CoupledCreate(const Scene *scene, PetscReal dt, PetscBool convects,
-                             Coupled **coupled)
+PetscErrorCode CoupledSolverCreate(Flow *flow, Coupled *c)
 {
-  Coupled  *c;
   char      type[32] = PCFIELDSPLIT;
   PetscBool given, split, lu;
 
   PetscFunctionBegin;
-  PetscCall(PetscNew(&c));
   PetscCall(PetscOptionsGetString(NULL, "coupled_", "-pc_type", type, sizeof(type), NULL));
   PetscCall(PetscStrcmp(type, PCFIELDSPLIT, &split));
   PetscCall(PetscStrcmp(type, PCLU, &lu));
-  c->guard.what   = "coupled";
-  c->guard.prefix = "coupled_";
-  c->guard.remedy = lu ? "try a larger -coupled_ksp_max_it, or a smaller -dt"
-                       : "try -coupled_pc_type lu, a larger -coupled_ksp_max_it, or a smaller -dt";
-  if (split) PetscCall(BlockDefaults(scene, dt));
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Coupled scheme", "");
-  PetscCall(TableSelect(&CoupledIntegratorTable, "-coupled_ts_type",
-                        "Time integrator of the coupled scheme", TSBEULER, &c->row));
+  c->guard.solve   = (LinearSolve){.name       = "coupled",
+                                   .label      = "solver",
+                                   .prefix     = "coupled_",
+                                   .integrator = c->row->name,
+                                   .column     = SOLVE_VELOCITY};
+  c->guard.Flatten = SaddleFlatten;
+  c->guard.remedy  = lu ? "try a larger -coupled_ksp_max_it, or a smaller -dt"
+                        : "try -coupled_pc_type lu, a larger -coupled_ksp_max_it, or a smaller -dt";
+  if (split) PetscCall(BlockDefaults(flow->scene, flow->clock->dt));
+  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Coupled solver", "");
   if (split) {
     PetscCall(TableSelect(&SchurTable, "-coupled_schur",
                           "Preconditioner of the pressure in the coupled scheme", "cahouet_chabard",
@@ -134,10 +118,9 @@ PetscErrorCode CoupledCreate(const Scene *scene, PetscReal dt, PetscBool convect
   UserCheck(!given, "-coupled_ts_atol: an absolute tolerance depends on units; use "
                     "-coupled_ts_rtol, of |u| + U");
   if (split) PetscCall(SchurCreate(&c->schur));
-  c->convects = convects && c->row->substeps;
   PetscCall(CoupledCreateTS(c));
-  PetscCall(GuardAttach(c->ksp, NULL, &c->guard));
-  *coupled = c;
+  PetscCall(GuardAttach(c->guard.solve.ksp, NULL, &c->guard));
+  PetscCall(SchemeAddSolve(&c->guard.solve, flow->scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -154,19 +137,18 @@ static PetscErrorCode CoupledFree(Coupled *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CoupledDestroy(Coupled **coupled)
+/* CoupledSolverFree - Frees the solver and its matrices; collective */
+PetscErrorCode CoupledSolverFree(Coupled *c)
 {
   PetscFunctionBegin;
-  if (!*coupled) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(CoupledFree(*coupled));
-  PetscCall(SchurFree(&(*coupled)->schur));
-  PetscCall(GuardDetach(&(*coupled)->guard));
-  PetscCall(TSDestroy(&(*coupled)->ts));
-  PetscCall(PetscFree(*coupled));
+  PetscCall(CoupledFree(c));
+  PetscCall(SchurFree(&c->schur));
+  PetscCall(GuardDetach(&c->guard));
+  PetscCall(TSDestroy(&c->ts));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A field split keeps the sizes and blocks it was made for: a fresh one, of the user's options. */
+/* Replaces the preconditioner: a field split keeps the sizes and blocks that it was made for. */
 static PetscErrorCode RenewPC(Coupled *c)
 {
   PetscBool split;
@@ -175,14 +157,14 @@ static PetscErrorCode RenewPC(Coupled *c)
   PCType    type;
 
   PetscFunctionBegin;
-  PetscCall(KSPGetPC(c->ksp, &pc));
+  PetscCall(KSPGetPC(c->guard.solve.ksp, &pc));
   PetscCall(PCGetType(pc, &type));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCFIELDSPLIT, &split));
-  PetscCall(PCCreate(PetscObjectComm((PetscObject)c->ksp), &fresh));
+  PetscCall(PCCreate(PetscObjectComm((PetscObject)c->guard.solve.ksp), &fresh));
   PetscCall(PCSetOptionsPrefix(fresh, "coupled_"));
   PetscCall(PCSetType(fresh, type));
   PetscCall(PCSetUseAmat(fresh, PETSC_FALSE));
-  PetscCall(KSPSetPC(c->ksp, fresh));
+  PetscCall(KSPSetPC(c->guard.solve.ksp, fresh));
   if (split) {
     PetscCall(PCFieldSplitSetType(fresh, PC_COMPOSITE_SCHUR));
     PetscCall(PCFieldSplitSetSchurFactType(fresh, PC_FIELDSPLIT_SCHUR_FACT_UPPER));
@@ -193,7 +175,7 @@ static PetscErrorCode RenewPC(Coupled *c)
   PetscCall(PCSetFromOptions(fresh));
   if (split) {
     PetscCall(PCFieldSplitSetSchurPre(fresh, PC_FIELDSPLIT_SCHUR_PRE_USER, c->schur.mass));
-    PetscCall(KSPSetOperators(c->ksp, c->saddle.A, c->saddle.P));
+    PetscCall(KSPSetOperators(c->guard.solve.ksp, c->saddle.A, c->saddle.P));
     PetscCall(PCSetUp(fresh));
     PetscCall(SchurAttach(fresh, &c->schur));
   } else {
@@ -204,11 +186,13 @@ static PetscErrorCode RenewPC(Coupled *c)
 }
 
 /*
-  T, the time in which momentum changes a velocity of the grid's scale: 1/T = 1/(4 dt) + nu/dx^2.
-  The quarter makes C weigh against inertia as it does against viscosity; of 1, 1/3, 1/6, 1/12, 1/24
-  those about it take the fewest iterations, and moving vortices at Re = 100 half the error that 1
-  has. dt is rounded to eighths of a power of two, so that steps that differ by rounding share their
-  matrices.
+  Returns T, the time in which momentum changes a velocity of the grid scale: 1/T = 1/(4 dt) +
+  nu/dx^2, steady 1/T = nu/dx^2 [s]
+
+  With the quarter C has the same weight against inertia as against viscosity. Of the factors 1,
+  1/3, 1/6, 1/12 and 1/24 those near it take the fewest iterations; the error of moving vortices at
+  Re = 100 is half of the one with the factor 1. dt is rounded to eighths of a power of two, so that
+  steps that differ by rounding share their matrices.
 */
 static PetscReal GridTime(const Scene *scene, PetscReal dt, PetscBool steady)
 {
@@ -221,8 +205,8 @@ static PetscReal GridTime(const Scene *scene, PetscReal dt, PetscBool steady)
 }
 
 /*
-  The error that substeps may make: -coupled_ts_rtol times |u| + U. Of the pressure none is asked:
-  it is no part of the history, and jumps where walls do.
+  Sets the error that substeps may make: -coupled_ts_rtol times |u| + U. The pressure has no
+  tolerance: it is not integrated in time, and jumps when walls do.
 */
 static PetscErrorCode SetTolerances(const Scene *scene, Coupled *c)
 {
@@ -244,18 +228,18 @@ static PetscErrorCode SetTolerances(const Scene *scene, Coupled *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Matrices and vectors for the operators as they are now. */
+/* Makes matrices and vectors for the present operators. */
 static PetscErrorCode CoupledMake(PetscReal step, PetscReal shift, const Vec advecting[],
                                   Coupled *c)
 {
-  const Scene     *scene = c->scene;
-  const Particles *p     = c->particles;
+  const Scene     *scene = c->flow->scene;
+  const Particles *p     = c->flow->particles;
 
   PetscFunctionBegin;
   PetscCall(TSReset(c->ts));
   PetscCall(CoupledFree(c));
-  PetscCall(SaddleAssemble(scene, p, c->ops, step, advecting, &c->saddle));
-  if (c->schur.row) PetscCall(SchurAssemble(p, c->ops, &c->schur));
+  PetscCall(SaddleAssemble(scene, p, c->flow->ops, step, advecting, &c->saddle));
+  if (c->schur.row) PetscCall(SchurAssemble(p, c->flow->ops, &c->schur));
   PetscCall(MatCreateVecs(c->saddle.A, &c->x, &c->b));
   PetscCall(SetTolerances(scene, c));
   PetscCall(FluidVec(p, NULL, &c->part));
@@ -270,60 +254,22 @@ static PetscErrorCode CoupledMake(PetscReal step, PetscReal shift, const Vec adv
 }
 
 /*
-  CoupledAssemble - Matrices, vectors and preconditioner for the operators and a step
+  CoupledAssemble - Makes matrices, vectors and preconditioner for the present operators and a step
 
-  Collective. Keeps what is there where it is of the same operators and T, and nothing is advected.
+  Collective. Does nothing if operators and T are the same and nothing is advected.
 
   Input Parameters:
-+ clock     - its dt, or that the flow is steady
-. shift     - the first [1/s]
++ shift     - the first [1/s]
 - advecting - v of implicit convection, to stay as long as the matrices do; NULL: none [m/s]
 */
-PetscErrorCode CoupledAssemble(const Clock *clock, PetscReal shift, const Vec advecting[],
-                               Coupled *c)
+PetscErrorCode CoupledAssemble(PetscReal shift, const Vec advecting[], Coupled *c)
 {
-  const PetscReal step = GridTime(c->scene, clock->dt, clock->steady_solve);
-  const PetscBool same = c->saddle.A && c->saddle.assemblies == c->ops->assemblies;
+  const Clock    *clock = c->flow->clock;
+  const PetscReal step  = GridTime(c->flow->scene, clock->dt, clock->steady_solve);
+  const PetscBool same  = c->saddle.A && c->saddle.assemblies == c->flow->ops->assemblies;
 
   PetscFunctionBegin;
   if (!same || advecting || c->advecting || step != c->saddle.step)
     PetscCall(CoupledMake(step, shift, advecting, c));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* CoupledNames - Types of the TS, KSP and preconditioner; not collective */
-PetscErrorCode CoupledNames(const Coupled *c, const char **ts, const char **ksp, const char **pc)
-{
-  PetscFunctionBegin;
-  *ts = c->row->name;
-  PetscCall(SolverNames(c->ksp, ksp, pc));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-const CoupledIntegratorRow *CoupledIntegrator(const Coupled *c)
-{
-  return c->row;
-}
-
-const SchurRow *CoupledSchur(const Coupled *c)
-{
-  return c->schur.row;
-}
-
-/* CoupledFalls - How many solves the fallback ladder has made */
-PetscInt *CoupledFalls(Coupled *c)
-{
-  return &c->guard.falls;
-}
-
-/* CoupledNote - What is unwise in the choice of solver, or "" */
-const char *CoupledNote(const Coupled *c)
-{
-  return c->guard.note;
-}
-
-/* CoupledIterations - KSP iterations of the last step, all its solves together */
-PetscInt CoupledIterations(const Coupled *c)
-{
-  return c->iterations;
 }

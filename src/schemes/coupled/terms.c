@@ -1,47 +1,66 @@
-/* The terms of the coupled equations as callbacks of a TS, and their right-hand side. */
+/* The terms of the coupled equations, as callbacks of a TS, and their right-hand side. */
 #include "coupled.h"
-#include "projection.h"
 
-/* part -= the share of walls in (v.grad) u_a. */
+/*
+  CoupledForce - Sets the force on the velocity: f - (v.grad) u of fixed particles, extrapolated in
+  time
+
+  Collective.
+*/
+PetscErrorCode CoupledForce(Flow *flow, Vec force[])
+{
+  const Clock *clock = flow->clock;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(VecZeroEntries(force[a]));
+  if (SceneHas(flow->scene, PHYSICS_BODY_FORCE))
+    PetscCall(AddBodyForce(flow, clock->t + clock->dt, force));
+  if (flow->state->has_convection) PetscCall(ConvectionExtrapolate(flow, 1.0, force));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Takes the walls' part of (v.grad) u_a from a vector. */
 static PetscErrorCode AddWallConvection(Coupled *c, PetscInt a, Vec part)
 {
   PetscFunctionBegin;
-  if (!c->advecting || !c->ops->wall) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!c->advecting || !c->flow->ops->forms.wall) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt e = 0; e < c->saddle.dim; e++) {
-    PetscCall(MatMult(c->ops->grad_u[e].B, c->ops->wall_u[a], c->work));
+    PetscCall(MatMult(c->flow->ops->grad_u[e].B, c->flow->walls.u[a], c->work));
     PetscCall(VecPointwiseMult(c->work, c->work, c->advecting[e]));
     PetscCall(VecAXPY(part, -1.0, c->work));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CoupledRightHandSide - b at time t: T (f + nu B u_wall) and -dx (walls in div u); collective */
+/* CoupledRightHandSide - Computes b at time t: T (f + nu B u_wall) and -dx (walls in div u);
+   collective */
 PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
 {
   const Saddle *s = &c->saddle;
 
   PetscFunctionBegin;
   if (c->b_t == t) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(OperatorsSetWallVelocity(c->scene, c->particles, t, 0.0, c->ops));
+  PetscCall(WallValuesSetVelocity(c->flow->scene, c->flow->particles, t, 0.0, &c->flow->walls));
   for (PetscInt a = 0; c->stages && a < s->dim; a++) PetscCall(VecZeroEntries(c->force[a]));
-  if (c->stages && SceneHas(c->scene, PHYSICS_BODY_FORCE))
-    PetscCall(AddBodyForce(c->scene, t, c->particles, c->force, c->scheme));
+  if (c->stages && SceneHas(c->flow->scene, PHYSICS_BODY_FORCE))
+    PetscCall(AddBodyForce(c->flow, t, c->force));
   PetscCall(VecZeroEntries(c->b));
   for (PetscInt a = 0; a < s->dim; a++) {
     PetscCall(VecZeroEntries(c->part));
-    if (c->ops->wall) PetscCall(MatMult(c->ops->visc.B, c->ops->wall_u[a], c->part));
-    PetscCall(VecAYPX(c->part, c->scene->nu, c->force[a]));
+    if (c->flow->ops->forms.wall)
+      PetscCall(MatMult(c->flow->ops->visc.B, c->flow->walls.u[a], c->part));
+    PetscCall(VecAYPX(c->part, c->flow->scene->nu, c->force[a]));
     PetscCall(AddWallConvection(c, a, c->part));
     PetscCall(SaddleAdd(s, a, s->step, c->part, c->b));
-    if (!c->ops->wall) continue;
-    PetscCall(MatMult(c->ops->div[a].B, c->ops->wall_u[a], c->part));
-    PetscCall(SaddleAdd(s, s->dim, -c->scene->dx, c->part, c->b));
+    if (!c->flow->ops->forms.wall) continue;
+    PetscCall(MatMult(c->flow->ops->div[a].B, c->flow->walls.u[a], c->part));
+    PetscCall(SaddleAdd(s, s->dim, -c->flow->scene->dx, c->part, c->b));
   }
   c->b_t = t;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CoupledAddConvection - f += scale u.grad u, u the velocity in x; collective */
+/* CoupledAddConvection - Adds scale u.grad u to f, u the velocity in x; collective */
 PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
 {
   const Saddle *s = &c->saddle;
@@ -49,17 +68,17 @@ PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
   PetscFunctionBegin;
   PetscCall(SaddleGet(s, x, c->u, NULL));
   for (PetscInt a = 0; a < s->dim; a++) {
-    PetscCall(
-        ConvectionCentral(s->dim, c->ops, c->u, c->u[a], c->ops->wall_u[a], c->work, c->part));
+    PetscCall(ConvectionCentral(s->dim, c->flow->ops, c->u, c->u[a], c->flow->walls.u[a], c->work,
+                                c->part));
     PetscCall(SaddleAdd(s, a, scale, c->part, f));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  CoupledIFunction - T du/dt + [T u.grad u] + A_0 x - b
+  CoupledIFunction - Computes T du/dt + [T u.grad u] + A_0 x - b
 
-  Collective. The Jacobian leaves convection out: rosw, a W method, keeps its order without, bdf
+  Collective. The Jacobian has no convection: rosw, a W method, keeps its order without it, bdf
   iterates.
 */
 PetscErrorCode CoupledIFunction(TS ts, PetscReal t, Vec x, Vec xdot, Vec f, void *ctx)
@@ -84,7 +103,7 @@ PetscErrorCode CoupledIFunction(TS ts, PetscReal t, Vec x, Vec xdot, Vec f, void
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CoupledIJacobian - The matrix, made where the shift is new; collective */
+/* CoupledIJacobian - Makes the matrix, if the shift is new; collective */
 PetscErrorCode CoupledIJacobian(TS ts, PetscReal t, Vec x, Vec xdot, PetscReal shift, Mat A, Mat P,
                                 void *ctx)
 {

@@ -1,26 +1,27 @@
 /*
-  Velocity and pressure in one matrix, scaled so that all entries are of order one, and residuals of
-  momentum and of mass count alike. With 1/T = 1/(4 dt) + nu/dx^2, p = rho dx/T q:
+  The matrix of velocity and pressure, scaled so that all entries are of order one, and residuals of
+  momentum and of mass are of equal size. With 1/T = 1/(4 dt) + nu/dx^2 (steady: nu/dx^2) and
+  p = rho dx/T q:
 
     [ T (shift - nu L)   dx G          ] [u]   [T f]
-    [ dx D               C + 1 1^T/N   ] [q] = [g  ]
+    [ dx D               C + c c^T     ] [q] = [g  ]
 
   The pressure's gradient G is one-sided at walls: n.grad p there follows from the momentum of the
-  particles next to the wall. G and D see no mode of the grid's scale, as particles carry all
-  unknowns; C q = q less its own quadratic fit gives those modes to the continuity equation, where
-  it is a flux of order dx^4 (dx^3 beside walls) of smooth pressures, nothing for quadratic ones,
-  with no condition at walls. 1 1^T/N makes the mean of q the uniform source that no velocity can
-  answer; it is taken from the pressure afterwards.
+  particles next to the wall. G and D have a null space of modes of the grid scale, as particles
+  carry all unknowns; C q, the residual of a quadratic fit of q, adds those modes to the continuity
+  equation. There it is a flux of order dx^3 (dx^4 inside lattices) of smooth pressures, zero for
+  quadratic ones, with no condition at walls. c is GaugeColumn().
 */
 #include "saddle.h"
+#include "schemes/step.h"
 
-/* What a scalar operator is in a block: its rows and columns times dim, or not. */
+/* Factors of the rows and columns of a scalar operator in a block: 1 or dim. */
 typedef struct {
   PetscInt rows, cols; /* 1 or dim */
 } Interlacing;
 
-/* A block of operators on the common pattern: component c in rows dim i + c, or columns dim j +
-   c. */
+/* Makes a block of operators on the common pattern: component c in rows dim i + c, or in columns
+   dim j + c. */
 static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, Interlacing by,
                                   PetscReal scale, const AffineOperator op[], Mat *block)
 {
@@ -52,7 +53,7 @@ static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, In
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* T (-nu L + sum_a v_a d/dx_a) on one component, then on all of them. */
+/* Makes T (-nu L + sum_a v_a d/dx_a) on one component, then on all of them. */
 static PetscErrorCode ViscousCreate(const Scene *scene, const Operators *ops, PetscReal step,
                                     const Vec advecting[], Mat *viscous)
 {
@@ -75,25 +76,8 @@ static PetscErrorCode ViscousCreate(const Scene *scene, const Operators *ops, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The column (0, 1/sqrt(N)) whose square is the gauge. */
-static PetscErrorCode GaugeCreate(const Particles *p, PetscInt dim, Mat *gauge)
-{
-  const PetscInt n = p->n_fluid;
-  PetscScalar   *entry;
-
-  PetscFunctionBegin;
-  PetscCall(MatCreateDense(p->comm, (dim + 1) * n, PETSC_DECIDE, PETSC_DETERMINE, 1, NULL, gauge));
-  PetscCall(MatDenseGetArrayWrite(*gauge, &entry));
-  for (PetscInt i = 0; i < (dim + 1) * n; i++)
-    entry[i] = i < dim * n ? 0.0 : 1.0 / PetscSqrtReal((PetscReal)p->N_fluid);
-  PetscCall(MatDenseRestoreArrayWrite(*gauge, &entry));
-  PetscCall(MatAssemblyBegin(*gauge, MAT_FINAL_ASSEMBLY));
-  PetscCall(MatAssemblyEnd(*gauge, MAT_FINAL_ASSEMBLY));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
-  SaddleAssemble - The blocks from the operators as they are now; F is made by SaddleSetShift()
+  SaddleAssemble - Makes the blocks from the present operators; F is made by SaddleSetShift()
 
   Collective.
 
@@ -119,13 +103,13 @@ PetscErrorCode SaddleAssemble(const Scene *scene, const Particles *p, const Oper
   PetscCall(BlockCreate(p, &ops->fluid, tall, scene->dx, ops->grad_p, &s->G));
   PetscCall(BlockCreate(p, &ops->fluid, wide, scene->dx, ops->div, &s->D));
   PetscCall(BlockCreate(p, &ops->fluid, single, 1.0, &ops->filter_p, &s->C));
-  PetscCall(GaugeCreate(p, scene->dim, &s->gauge));
+  PetscCall(GaugeColumn(p, scene->dim, &s->gauge));
   PetscCall(MatCreateNest(p->comm, 2, NULL, 2, NULL, (Mat[]){s->F, s->G, s->D, s->C}, &s->P));
   PetscCall(MatCreateLRC(s->P, s->gauge, NULL, s->gauge, &s->A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleSetShift - F = T shift + viscous, made where the shift is new; collective */
+/* SaddleSetShift - Makes F = T shift + viscous, if the shift is new; collective */
 PetscErrorCode SaddleSetShift(PetscReal shift, Saddle *s)
 {
   PetscFunctionBegin;
@@ -140,7 +124,7 @@ PetscErrorCode SaddleSetShift(PetscReal shift, Saddle *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleFree - Lets go of all matrices; collective */
+/* SaddleFree - Frees all matrices; collective */
 PetscErrorCode SaddleFree(Saddle *s)
 {
   Mat *all[] = {&s->A, &s->P, &s->gauge, &s->C, &s->D, &s->G, &s->F, &s->viscous};
@@ -151,10 +135,10 @@ PetscErrorCode SaddleFree(Saddle *s)
 }
 
 /*
-  SaddleFlatten - One sparse matrix from the blocks, for preconditioners that know no blocks
+  SaddleFlatten - Makes one sparse matrix of the blocks, for preconditioners that take no blocks
 
-  Collective. Its pressures gain 1e-6 q, without which their constant would make it singular. flat
-  is NULL, or one of the same blocks to be used again.
+  Collective. 1e-6 q is added to the pressure rows; without it the constant pressure would make the
+  matrix singular. flat is NULL, or a matrix of the same blocks to be used again.
 */
 PetscErrorCode SaddleFlatten(Mat nest, Mat *flat)
 {
@@ -175,7 +159,7 @@ PetscErrorCode SaddleFlatten(Mat nest, Mat *flat)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddlePut - x = (u, p/unit); not collective */
+/* SaddlePut - Sets x = (u, p/unit); not collective */
 PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
 {
   const PetscScalar *from;
@@ -195,7 +179,7 @@ PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleGet - (u, p/unit) = x; p may be NULL; not collective */
+/* SaddleGet - Gets (u, p/unit) = x; p may be NULL; not collective */
 PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
 {
   const PetscScalar *from;
@@ -217,8 +201,8 @@ PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleAdd - x += scale part in the rows of velocity component c, or of the pressure for c = dim;
- * not collective */
+/* SaddleAdd - Adds scale part to x in the rows of velocity component c, or of the pressure for
+   c = dim; not collective */
 PetscErrorCode SaddleAdd(const Saddle *s, PetscInt c, PetscReal scale, Vec part, Vec x)
 {
   const PetscInt     stride = c < s->dim ? s->dim : 1, first = c < s->dim ? c : s->dim * s->n;

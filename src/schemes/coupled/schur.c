@@ -1,15 +1,15 @@
 /*
-  The Schur complement of the pressure, S = C - D F^-1 G, and what stands for its inverse in the
-  preconditioner. In the scaled unknowns, with sigma = dx^2/T,
+  The Schur complement of the pressure, S = C - D F^-1 G, and the approximations of its inverse in
+  the preconditioner. In the scaled unknowns, with sigma = dx^2/T,
 
     S = sigma (-lap) (shift - nu lap)^-1,   S^-1 = nu/sigma + shift/sigma (-lap)^-1
 
-  where F commutes with gradients. A new one is one function and one row.
+  if F commutes with gradients. A new approximation is one function and one row.
 */
 #include "coupled.h"
 
 /*
-  SchurApply_Mass - y = x: the creeping limit, where S is the mass matrix over the viscosity
+  SchurApply_Mass - Applies y = x: the creeping limit, where S is a multiple of the mass matrix
 
   Reference: H. C. Elman, D. J. Silvester, A. J. Wathen, Finite Elements and Fast Iterative Solvers
   (2014)
@@ -22,10 +22,11 @@ static PetscErrorCode SchurApply_Mass(Schur *s, Vec x, Vec y)
 }
 
 /*
-  SchurApply_CahouetChabard - Any step: y = nu/sigma x + shift dx^2/sigma (-dx^2 lap)^-1 x
+  SchurApply_CahouetChabard - Applies y = nu/sigma x + shift dx^2/sigma (-dx^2 lap)^-1 x, for any
+  step
 
-  The Poisson equation is singular: both sides lose their mean. What the left null vector, which is
-  not constant, leaves in x would come back as a constant a million times as large.
+  The Poisson equation is singular, so both sides lose their mean. The left null vector is not
+  constant: without the second removal its part of x would return as a constant 1e6 times as large.
 
   Reference: J. Cahouet, J.-P. Chabard, Int. J. Numer. Meth. Fluids 8 (1988) 869-895
 */
@@ -37,22 +38,24 @@ static PetscErrorCode SchurApply_CahouetChabard(Schur *s, Vec x, Vec y)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(VecCopy(x, s->work));
-  PetscCall(VecRemoveMean(s->work));
+  PetscCall(GaugeRemove(s->work));
   PetscCall(KSPSolve(s->ksp, s->work, y));
-  PetscCall(VecRemoveMean(y));
+  PetscCall(GaugeRemove(y));
   PetscCall(VecScale(y, s->inert));
   PetscCall(VecAXPY(y, s->viscous, x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static const SchurRow schurs[] = {
-    /* name, brief, citation, needs the pressure Laplacian, apply */
-    {"cahouet_chabard", "viscosity times mass, plus the Poisson equation over dt: any step",
-     "Cahouet & Chabard, Int. J. Numer. Meth. Fluids 8 (1988)", PETSC_TRUE,
-     SchurApply_CahouetChabard},
-    {"mass", "viscosity times mass: steps long against dx^2/nu, and -steady",
-     "Elman, Silvester & Wathen, Finite Elements and Fast Iterative Solvers (2014)", PETSC_FALSE,
-     SchurApply_Mass},
+    {.name     = "cahouet_chabard",
+     .brief    = "viscosity times mass, plus the Poisson equation over dt: any step",
+     .citation = "Cahouet & Chabard, Int. J. Numer. Meth. Fluids 8 (1988)",
+     .poisson  = PETSC_TRUE,
+     .Apply    = SchurApply_CahouetChabard},
+    {.name     = "mass",
+     .brief    = "viscosity times mass: steps long against dx^2/nu, and -steady",
+     .citation = "Elman, Silvester & Wathen, Finite Elements and Fast Iterative Solvers (2014)",
+     .Apply    = SchurApply_Mass},
 };
 const Table SchurTable =
     TABLE("-coupled_schur", "Preconditioners of the pressure in the coupled scheme", schurs);
@@ -67,7 +70,8 @@ static PetscErrorCode Schur_Apply(PC pc, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SchurAttach - Makes a shell that preconditions the pressure this one; collective */
+/* SchurAttach - Makes a shell preconditioner of the pressure apply this approximation; collective
+   */
 PetscErrorCode SchurAttach(PC fieldsplit, Schur *s)
 {
   KSP      *sub;
@@ -88,7 +92,8 @@ PetscErrorCode SchurAttach(PC fieldsplit, Schur *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SchurCreate - The KSP of its Poisson equation, if any: one application of AMG; collective */
+/* SchurCreate - Creates the KSP of its Poisson equation, if any: one application of AMG;
+   collective */
 PetscErrorCode SchurCreate(Schur *s)
 {
   PC pc;
@@ -106,10 +111,10 @@ PetscErrorCode SchurCreate(Schur *s)
 }
 
 /*
-  SchurAssemble - What the approximation is made of, for new operators
+  SchurAssemble - Makes the matrices of the approximation for new operators
 
-  Collective. Notes: the matrix that PETSc is told of is that of row mass, so that pc types other
-  than shell (-coupled_fieldsplit_pressure_pc_type jacobi) have one.
+  Collective. Notes: PETSc gets the matrix of row mass, so that pc types other than shell
+  (-coupled_fieldsplit_pressure_pc_type jacobi) have a matrix.
 */
 PetscErrorCode SchurAssemble(const Particles *p, const Operators *ops, Schur *s)
 {
@@ -128,6 +133,7 @@ PetscErrorCode SchurAssemble(const Particles *p, const Operators *ops, Schur *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* SchurFree - Frees the approximation; collective */
 PetscErrorCode SchurFree(Schur *s)
 {
   PetscFunctionBegin;

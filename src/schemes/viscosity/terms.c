@@ -1,41 +1,44 @@
-/* The terms of the viscous equation as the TS callbacks of one velocity component. */
+/* The terms of the viscous equation, as callbacks of the TS of one velocity component. */
 #include "viscosity.h"
 
-/* B u_wall, of each component or of all together. */
+/* Applies B u_wall, for each component or for all together. */
 static PetscErrorCode ApplyBoundary(Viscosity *v)
 {
-  Vec *wall_u = v->ops->wall_u;
+  Vec *wall_u = v->flow->walls.u;
 
   PetscFunctionBegin;
   for (PetscInt c = 0; c < v->dim; c++) {
     if (v->systems == 1) PetscCall(VecStrideScatter(wall_u[c], c, v->all_walls, INSERT_VALUES));
-    else PetscCall(MatMult(v->ops->visc.B, wall_u[c], v->boundary[c]));
+    else PetscCall(MatMult(v->flow->ops->visc.B, wall_u[c], v->boundary[c]));
   }
-  if (v->systems == 1) PetscCall(MatMult(v->ops->visc.B, v->all_walls, v->boundary[0]));
+  if (v->systems == 1) PetscCall(MatMult(v->flow->ops->visc.B, v->all_walls, v->boundary[0]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Wall terms at time t; they are computed anew only where walls change their velocity. */
+/* Updates the wall terms to time t, if walls change their velocity. */
 static PetscErrorCode UpdateBoundary(Viscosity *v, PetscReal t)
 {
   PetscFunctionBegin;
-  if (!v->ops->visc.B || v->wall_t == t) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!v->scene->unsteady_walls && !PetscIsNanReal(v->wall_t)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(OperatorsSetWallVelocity(v->scene, v->particles, t, v->projection_factor, v->ops));
+  if (!v->flow->ops->visc.B || v->wall_t == t) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!v->flow->scene->unsteady_walls && !PetscIsNanReal(v->wall_t))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(WallValuesSetVelocity(v->flow->scene, v->flow->particles, t, v->projection_factor,
+                                  &v->flow->walls));
   PetscCall(ApplyBoundary(v));
   v->wall_t = t;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The operator at the viscosities that belong to u, where they follow it. */
+/* Updates the operator to the viscosities of u, if they follow the strain rate. */
 static PetscErrorCode FollowStrain(Viscosity *v, PetscReal t, Vec u)
 {
   PetscFunctionBegin;
   PetscCall(UpdateBoundary(v, t));
   if (!v->nonlinear) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt c = 0; c < v->dim; c++) PetscCall(VecStrideGather(u, c, v->part[c], INSERT_VALUES));
-  PetscCall(OperatorsFollowStrain(v->scene, v->particles, v->part, v->ops));
-  if (v->ops->visc.B) PetscCall(ApplyBoundary(v));
+  PetscCall(OperatorsFollowStrain(v->flow->scene, v->flow->particles, &v->flow->walls, v->part,
+                                  v->flow->ops));
+  if (v->flow->ops->visc.B) PetscCall(ApplyBoundary(v));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -44,9 +47,9 @@ static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, 
 {
   PetscFunctionBegin;
   PetscCall(FollowStrain(v, t, u));
-  PetscCall(MatMult(v->ops->visc.A, u, f));
-  if (v->ops->visc.B) PetscCall(VecAXPY(f, 1.0, v->boundary[c]));
-  PetscCall(VecScale(f, v->scene->nu));
+  PetscCall(MatMult(v->flow->ops->visc.A, u, f));
+  if (v->flow->ops->visc.B) PetscCall(VecAXPY(f, 1.0, v->boundary[c]));
+  PetscCall(VecScale(f, v->flow->scene->nu));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -55,8 +58,7 @@ static PetscErrorCode TakeConvection(Viscosity *v, PetscInt c, Vec u, Vec f)
 {
   PetscFunctionBegin;
   if (!v->advecting) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(
-      ConvectionApply(v->scene, v->ops, v->advecting, u, v->ops->wall_u[c], v->work, v->gradient));
+  PetscCall(ConvectionApply(v->flow, v->advecting, u, v->flow->walls.u[c], v->work, v->gradient));
   PetscCall(VecAXPY(f, -1.0, v->gradient));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -80,10 +82,11 @@ static PetscErrorCode ConvectiveTerm(Viscosity *v, PetscInt c, Vec u, Vec f)
 }
 
 /*
-  ViscosityScale - The largest norm of the viscous term of u, the force, and nu u/L^2 [m/s^2]
+  ViscosityScale - Computes the largest norm of the viscous term of u, the force, and nu u/L^2
+  [m/s^2]
 
-  Collective. The last is what there is of the first in a flow of its size: between walls that drive
-  it the viscous term vanishes when it is steady, and with it what could be asked of a residual.
+  Collective. The last norm estimates the first in a flow of its size: between walls that drive the
+  flow the viscous term vanishes in the steady state, and so would the scale of the residual.
 */
 PetscErrorCode ViscosityScale(Viscosity *v, PetscReal t, Vec u, Vec force, PetscReal *scale)
 {
@@ -97,12 +100,12 @@ PetscErrorCode ViscosityScale(Viscosity *v, PetscReal t, Vec u, Vec force, Petsc
   PetscCall(VecNorm(force, NORM_2, &norm));
   *scale = PetscMax(*scale, norm);
   PetscCall(VecNorm(u, NORM_2, &norm));
-  *scale = PetscMax(*scale, norm * v->scene->nu / PetscSqr(v->scene->length));
+  *scale = PetscMax(*scale, norm * v->flow->scene->nu / PetscSqr(v->flow->scene->length));
   PetscCall(VecDestroy(&term));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ViscosityIFunction - du/dt - nu lap u [- force, where the time kind has it here]; collective */
+/* ViscosityIFunction - Computes du/dt - nu lap u [- force, for implicit integrators]; collective */
 PetscErrorCode ViscosityIFunction(TS ts, PetscReal t, Vec u, Vec udot, Vec f, void *ctx)
 {
   Component *part = (Component *)ctx;
@@ -111,13 +114,13 @@ PetscErrorCode ViscosityIFunction(TS ts, PetscReal t, Vec u, Vec udot, Vec f, vo
   PetscFunctionBegin;
   PetscCall(ViscousTerm(v, part->c, t, u, f));
   PetscCall(VecAYPX(f, -1.0, udot));
-  if (v->row->kind == TIME_IMPLICIT)
+  if (v->row->terms == TIME_IMPLICIT)
     PetscCall(VecAXPY(f, -1.0, v->systems == 1 ? v->all_force : v->force[part->c]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  ViscosityIJacobian - shift I - nu A into P, made where the shift is new, or the viscosities may be
+  ViscosityIJacobian - Computes shift I - nu A in P, if the shift or the viscosities may be new
 
   Collective. J is P, or a matrix-free operator of SNES's.
 */
@@ -131,16 +134,18 @@ PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal
     PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
     PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   }
-  if (v->nonlinear) PetscCall(FollowStrain(v, t, u)); /* the last residual may be of another u */
+  if (v->nonlinear)
+    PetscCall(FollowStrain(v, t, u)); /* the last residual may belong to another u */
   else if (shift == v->shift) PetscFunctionReturn(PETSC_SUCCESS); /* the preconditioner stays too */
-  PetscCall(MatCopy(v->ops->visc.A, P, SAME_NONZERO_PATTERN));
-  PetscCall(MatScale(P, -v->scene->nu));
+  PetscCall(MatCopy(v->flow->ops->visc.A, P, SAME_NONZERO_PATTERN));
+  PetscCall(MatScale(P, -v->flow->scene->nu));
   PetscCall(MatShift(P, shift));
   v->shift = shift;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ViscosityRHSFunction - Convection and force, and viscosity where all is explicit; collective */
+/* ViscosityRHSFunction - Computes convection and force, and viscosity if all is explicit;
+   collective */
 PetscErrorCode ViscosityRHSFunction(TS ts, PetscReal t, Vec u, Vec f, void *ctx)
 {
   Component *part = (Component *)ctx;
@@ -148,7 +153,7 @@ PetscErrorCode ViscosityRHSFunction(TS ts, PetscReal t, Vec u, Vec f, void *ctx)
   Vec        convective;
 
   PetscFunctionBegin;
-  if (v->row->kind == TIME_IMEX) {
+  if (v->row->terms == TIME_IMEX) {
     PetscCall(UpdateBoundary(v, t));
     PetscCall(ConvectiveTerm(v, part->c, u, f));
     PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,4 +1,4 @@
-/* The matrix of velocity and pressure together; see saddle.c. */
+/* The matrix of velocity and pressure; see saddle.c. */
 #ifndef ISPH_SCHEMES_SADDLE_H
 #define ISPH_SCHEMES_SADDLE_H
 
@@ -15,9 +15,9 @@ typedef struct {
   PetscReal shift;      /* in F; NaN: F is not yet made [1/s] */
   Mat       viscous;    /* T (-nu L + v.grad), dim N x dim N [-] */
   Mat       F, G, D;    /* T shift + viscous; dx grad; dx div [-] */
-  Mat       C;          /* roughness [-] */
-  Mat       A, P;       /* [F G; D C + 1 1^T/N] and [F G; D C] */
-  Mat       gauge;      /* (0, 1/sqrt(N)) */
+  Mat       C;          /* residual of a quadratic fit of the pressure [-] */
+  Mat       A, P;       /* [F G; D C + c c^T] and [F G; D C] */
+  Mat       gauge;      /* c of GaugeColumn() */
   PetscInt  assemblies; /* stamp of the operators in them */
 } Saddle;
 

@@ -1,7 +1,7 @@
 /*
-  Viscosity and velocity brought together where one follows the other: SNES newtonls on the residual
-  of a TS stage, with shift I - nu A at the present viscosities as Jacobian, whose steps are
-  Picard's iteration, or as preconditioner of Newton's steps, which -visc_snes_mf_operator takes.
+  The nonlinear solver of a viscosity that follows the strain rate: SNES newtonls on the residual of
+  a TS stage. With shift I - nu A at the present viscosities as Jacobian its steps are Picard's
+  iteration; with -visc_snes_mf_operator that matrix preconditions Newton's steps.
 */
 #include "viscosity.h"
 
@@ -14,7 +14,7 @@ static PetscErrorCode TakesNewton(PetscBool *newton)
 }
 
 /*
-  IterationChoose - The nonlinear solver before the user's options
+  IterationChoose - Chooses the nonlinear solver before the user's options
 
   Collective. Line searches as measured best, power laws of exponent 0.2 to 3 and plastics: l2,
   which may go beyond Picard's steps, took half the iterations of full steps and got to the end
@@ -46,8 +46,8 @@ PetscErrorCode IterationChoose(SNES snes)
 }
 
 /*
-  IterationSetTolerance - What -visc_snes_rtol asks, over the terms that the residual is made
-  of too: near a steady flow it starts small
+  IterationSetTolerance - Sets the absolute tolerance to -visc_snes_rtol times the terms of the
+  residual, which starts small near a steady flow
 
   Collective. Input: u at time t, before the step.
 */
@@ -65,7 +65,7 @@ PetscErrorCode IterationSetTolerance(Viscosity *v, PetscReal t, Vec u)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* IterationCheck - Tells the step where the solver did not get there; collective */
+/* IterationCheck - Fails the step if the nonlinear solver did not converge; collective */
 PetscErrorCode IterationCheck(TS ts, const char where[], StepFailure *failure)
 {
   SNESConvergedReason reason;
@@ -94,11 +94,11 @@ PetscErrorCode IterationCheck(TS ts, const char where[], StepFailure *failure)
 }
 
 /*
-  IterationFallBack - Full steps of Picard's in the place of line search l2, where that did not get
-  there: from rest it may go far beyond them and not come back
+  IterationFallBack - Replaces line search l2 by Picard's full steps after it failed to converge:
+  from rest it may go far beyond them and not return
 
-  Collective. Input: failure - of the step. Output: again - whether the step is worth making again,
-  the line search being full steps then.
+  Collective. Input: failure - of the step. Output: again - the line search was replaced, and the
+  step should be made again.
 */
 PetscErrorCode IterationFallBack(Viscosity *v, const StepFailure *failure, PetscBool *again)
 {
@@ -120,11 +120,11 @@ PetscErrorCode IterationFallBack(Viscosity *v, const StepFailure *failure, Petsc
       SayLine("%s: viscosity and velocity did not agree with line search l2: %s; full steps of "
               "Picard's are tried",
               v->guard.where, SNESConvergedReasons[reason]));
-  v->guard.falls++;
+  v->guard.solve.falls++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* IterationGoBack - The line search as it was before IterationFallBack(); collective */
+/* IterationGoBack - Restores the line search from before IterationFallBack(); collective */
 PetscErrorCode IterationGoBack(Viscosity *v)
 {
   SNESLineSearch search;
@@ -137,19 +137,21 @@ PetscErrorCode IterationGoBack(Viscosity *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ViscosityIteration - Types of the nonlinear solver and its line search; NULL where there is
-   none */
-PetscErrorCode ViscosityIteration(const Viscosity *v, const char **snes, const char **search)
+/* IterationView - Prints the nonlinear solver and its line search; collective on the viewer */
+PetscErrorCode IterationView(const Viscosity *v, PetscViewer viewer)
 {
-  SNES           inner;
-  SNESLineSearch line;
+  SNES               inner;
+  SNESLineSearch     line;
+  SNESType           snes;
+  SNESLineSearchType search;
 
   PetscFunctionBegin;
-  *snes = *search = NULL;
-  if (!v->nonlinear || !v->ksp) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!v->nonlinear || !v->guard.solve.ksp) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(TSGetSNES(v->ts[0], &inner));
-  PetscCall(SNESGetType(inner, snes));
+  PetscCall(SNESGetType(inner, &snes));
   PetscCall(SNESGetLineSearch(inner, &line));
-  PetscCall(SNESLineSearchGetType(line, search));
+  PetscCall(SNESLineSearchGetType(line, &search));
+  PetscCall(
+      PetscViewerASCIIPrintf(viewer, "%-11s SNES %s, line search %s\n", "nonlinear", snes, search));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

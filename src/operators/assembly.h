@@ -1,0 +1,17 @@
+/* The workspace of assembly: the stencil of one particle and its weights, row after row. */
+#ifndef ISPH_ASSEMBLY_H
+#define ISPH_ASSEMBLY_H
+
+#include "isph/operators.h"
+
+struct Assembly {
+  Stencil   *stencil;
+  PetscInt  *slot;            /* of each neighbour in its row of the pattern */
+  PetscReal *w;               /* weights of a Laplacian or a filter */
+  PetscReal *g[ISPH_MAX_DIM]; /* weights of a gradient */
+  PetscReal *m;               /* weights of normal components in a divergence */
+  PetscReal *wall_w;          /* weights of wall data, see wall_points.c */
+  PetscInt   slot_capacity;   /* neighbours that the arrays have room for */
+};
+
+#endif

@@ -1,0 +1,192 @@
+/*
+  The choice of the discretisation in space: rows of the tables by option, defaults that follow from
+  what the rows declare, and refusals of combinations that cannot work.
+*/
+#include "choose.h"
+
+static PetscErrorCode ChooseLaplacian(PetscOptionItems *PetscOptionsObject, const char option[],
+                                      const char text[], const char standard[],
+                                      const CorrectionRow *correction, LaplacianForm *form)
+{
+  PetscFunctionBegin;
+  PetscCall(TableSelect(&LaplacianTable, option, text, standard, &form->row));
+  if (form->row->corrections & correction->bit) form->correction = correction;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Returns mls, or the whole stress where the viscosity varies and the flow has a pressure or bodies.
+  A fluid that turns beside a fluid of another viscosity has an error of tens of per cent with
+  lap u.
+*/
+static const char *DefaultLaplacian(const Scene *scene)
+{
+  const PetscBool curved =
+      SceneHas(scene, PHYSICS_PRESSURE) || scene->n_bodies ? PETSC_TRUE : PETSC_FALSE;
+
+  return SceneViscosityVaries(scene) && curved ? "stress_mls" : "mls";
+}
+
+/* Chooses the Laplacians that the run needs; one correction serves both, if they can take it. */
+static PetscErrorCode ChooseLaplacians(PetscOptionItems *PetscOptionsObject, const Scene *scene,
+                                       unsigned needs, OperatorForms *forms)
+{
+  const CorrectionRow *correction;
+
+  PetscFunctionBegin;
+  PetscCall(TableSelect(&CorrectionTable, "-correction",
+                        "Correction of the kernel in Laplacians that can take it", "none",
+                        &correction));
+  if (needs & NEED_VISCOSITY) {
+    PetscCall(ChooseLaplacian(PetscOptionsObject, "-visc_laplacian", "Form of the viscous term",
+                              DefaultLaplacian(scene), correction, &forms->visc));
+    UserCheck(!SceneViscosityVaries(scene) || LaplacianIs(&forms->visc, FORM_VARYING),
+              "-visc_laplacian %s: it cannot take a viscosity that varies; use a form that has "
+              "varying_viscosity in -catalogue, such as mls or schwaiger",
+              forms->visc.row->name);
+  }
+  if (needs & NEED_PRESSURE) {
+    PetscCall(ChooseLaplacian(PetscOptionsObject, "-ppe_laplacian",
+                              "Form of the pressure Poisson equation", "mls", correction,
+                              &forms->ppe));
+    UserCheck(LaplacianIs(&forms->ppe, FORM_SAFE_IMPLICIT),
+              "-ppe_laplacian %s: its matrix has eigenvalues of both signs, so no pressure can be "
+              "solved for; use a form that is safe_implicit in -catalogue, such as mls or morris",
+              forms->ppe.row->name);
+    UserCheck(
+        !LaplacianIs(&forms->ppe, FORM_COUPLES),
+        "-ppe_laplacian %s: it is made for the components of a velocity; use mls in its place",
+        forms->ppe.row->name);
+  }
+  UserCheck(!correction->Kernel || forms->visc.correction || forms->ppe.correction,
+            "-correction %s: no chosen Laplacian can take it; -catalogue lists those that do",
+            correction->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Chooses the wall treatment of the user, or else one that the chosen forms can take. */
+static PetscErrorCode ChooseWall(PetscOptionItems *PetscOptionsObject, const Scene *scene,
+                                 OperatorForms *forms)
+{
+  const char *blind = NULL; /* a chosen form that needs particles behind walls */
+  const char *kind  = "";
+
+  PetscFunctionBegin;
+  if (scene->problem->patch) {
+    forms->wall = &WallGiven;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (forms->visc.row && LaplacianIs(&forms->visc, FORM_FULL_SUPPORT)) {
+    blind = forms->visc.row->name;
+    kind  = "-visc_laplacian";
+  }
+  if (forms->ppe.row && LaplacianIs(&forms->ppe, FORM_FULL_SUPPORT)) {
+    blind = forms->ppe.row->name;
+    kind  = "-ppe_laplacian";
+  }
+  if (forms->gradient && (forms->gradient->properties & FORM_FULL_SUPPORT)) {
+    blind = forms->gradient->name;
+    kind  = "-gradient";
+  }
+  PetscCall(TableSelect(&WallTable, "-wall",
+                        "Wall treatment; by default the one that the chosen forms can meet",
+                        blind ? "dummy_linear" : "wall_layer", &forms->wall));
+  UserCheck(!blind || !forms->wall->on_surface,
+            "-wall %s: %s %s needs particles behind the wall; use -wall dummy_linear, or mls in "
+            "its place",
+            forms->wall->name, kind, blind);
+  if (forms->wall->Check) PetscCall(forms->wall->Check(scene));
+  forms->wall_surface = scene->n_bodies > 0 && !forms->wall->on_surface ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(OptionSwitch("-wall_surface",
+                         "Particles on walls, before those behind them; by default where there "
+                         "are bodies, whose dummies alone leave a gap at curved walls",
+                         &forms->wall_surface));
+  UserCheck(
+      !forms->wall_surface || !forms->wall->on_surface,
+      "-wall_surface: -wall %s has its particles on the wall already; choose a treatment with "
+      "particles behind it, such as dummy_linear",
+      forms->wall->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Returns the default smoothing length over the spacing [-]
+
+  1.3 where viscosity does not smooth the grid scale, U dx/nu > 5. Else
+    1.5 for particles that move between walls: changes of neighbours next to walls dominate the
+        error there, and more neighbours halve it;
+    1.1 for a flow without walls whose Laplacians are exact for quadratic functions: smaller fits
+        have smaller errors, in Taylor-Green vortices at Re = 100 a third of the error with 1.3.
+*/
+static PetscReal DefaultSmoothing(const Scene *scene, const OperatorForms *forms)
+{
+  if (SceneCellReynolds(scene) > 5.0) return 1.3;
+  if (SceneHas(scene, PHYSICS_WALLS)) return SceneMoves(scene) ? 1.5 : 1.3;
+  if (!SceneHas(scene, PHYSICS_PRESSURE)) return 1.3;
+  return LaplacianIs(&forms->visc, FORM_EXACT_QUADRATIC) &&
+                 LaplacianIs(&forms->ppe, FORM_EXACT_QUADRATIC)
+             ? 1.1
+             : 1.3;
+}
+
+/* Decides how velocity components are coupled, and refuses what that excludes. */
+static PetscErrorCode ChooseCoupling(const Scene *scene, OperatorForms *forms)
+{
+  const PetscBool couple = forms->visc.row && LaplacianIs(&forms->visc, FORM_COUPLES);
+
+  PetscFunctionBegin;
+  forms->visc_is_laplacian  = !couple && !SceneViscosityVaries(scene) ? PETSC_TRUE : PETSC_FALSE;
+  forms->components_coupled = couple || !SceneIsNewtonian(scene) ? PETSC_TRUE : PETSC_FALSE;
+  UserCheck(
+      !couple || !scene->problem->patch,
+      "-visc_laplacian %s: a patch test is of scalars; use a form that does not couple components",
+      forms->visc.row->name);
+  UserCheck(!forms->components_coupled || !forms->wall || !forms->wall->Extend,
+            "-wall %s: with %s walls must give their own velocity; use -wall %s", forms->wall->name,
+            couple ? forms->visc.row->name : "-rheology",
+            couple ? "dummy_linear" : "wall_layer or dummy_linear");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  OperatorsChoose - Chooses the discretisation in space
+
+  Collective on PETSC_COMM_WORLD.
+
+  Input Parameter:
+. needs - bits of Need; a form that no needed operator reads is not chosen
+
+  Output Parameter:
+. forms - complete: rows, lengths [m] and coupling
+
+  Options Database Keys: see OperatorsCreate()
+*/
+PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms *forms)
+{
+  PetscReal h_over_dx;
+
+  PetscFunctionBegin;
+  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Operators", "");
+  PetscCall(
+      TableSelect(&KernelTable, "-kernel", "Smoothing kernel", "wendland_c2", &forms->kernel));
+  PetscCall(ChooseLaplacians(PetscOptionsObject, scene, needs, forms));
+  h_over_dx = DefaultSmoothing(scene, forms);
+  PetscCall(OptionReal("-h_over_dx", "Smoothing length over particle spacing [-]", 0.8, 4.0,
+                       &h_over_dx, NULL));
+  if (needs & (NEED_PRESSURE | NEED_GRADIENT_U)) {
+    PetscCall(TableSelect(&GradientTable, "-gradient", "Form of gradients and divergences", "mls",
+                          &forms->gradient));
+  }
+  if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(ChooseWall(PetscOptionsObject, scene, forms));
+  PetscOptionsEnd();
+  forms->h      = h_over_dx * scene->dx;
+  forms->radius = forms->reach = forms->kernel->support * forms->h;
+  if (forms->wall && forms->wall->Extend) {
+    const PetscReal reach = forms->wall->radii * forms->radius + forms->wall->spacings * scene->dx;
+
+    forms->reach         = PetscMax(forms->radius, reach);
+    forms->visc.extended = PETSC_TRUE;
+  }
+  PetscCall(ChooseCoupling(scene, forms));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

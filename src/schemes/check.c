@@ -1,0 +1,164 @@
+/*
+  The check of a step: energy, largest speed and divergence of the new velocity, and whether the
+  forces and walls that drive the flow can have produced it.
+*/
+#include "step.h"
+
+/* Largest |D u| of a velocity [1/s]. */
+static PetscErrorCode MeasureDivergence(Flow *flow, const Vec u[], PetscReal *largest)
+{
+  Vec div;
+
+  PetscFunctionBegin;
+  PetscCall(FlowGetWork(flow, &div));
+  PetscCall(VecZeroEntries(div));
+  for (PetscInt c = 0; c < flow->scene->dim; c++)
+    PetscCall(AffineApplyAdd(&flow->ops->div[c], u[c], flow->walls.u[c], div));
+  PetscCall(VecNorm(div, NORM_INFINITY, largest));
+  PetscCall(FlowRestoreWork(flow, &div));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Measures kinetic energy, largest speed, the walls' bound on it and, with a pressure, the largest
+  divergence
+
+  Collective. Input: u - velocity components. Output: scheme->stats, bound.walls.
+*/
+static PetscErrorCode MeasureFlow(Flow *flow, const Vec u[])
+{
+  const Scene       *scene = flow->scene;
+  const Particles   *p     = flow->particles;
+  Scheme            *s     = flow->scheme;
+  PetscReal          sum = 0.0, most[2] = {0.0, flow->walls.speed_bound};
+  const PetscScalar *v[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecGetArrayRead(u[a], &v[a]));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal speed2 = 0.0;
+
+    for (PetscInt a = 0; a < scene->dim; a++) speed2 += PetscSqr(v[a][i]);
+    sum += speed2;
+    most[0] = PetscMax(most[0], PetscSqrtReal(speed2));
+  }
+  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(u[a], &v[a]));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, 2, MPIU_REAL, MPIU_MAX, p->comm));
+  s->stats.kinetic_energy = 0.5 * scene->rho * SceneVolume(scene) * sum;
+  s->stats.speed_max      = most[0];
+  s->bound.walls          = PetscMax(s->bound.walls, most[1]);
+  if (p->p) PetscCall(MeasureDivergence(flow, u, &s->stats.divergence));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FlowMeasureStart - Measures the flow at the start of a run; collective */
+PetscErrorCode FlowMeasureStart(Flow *flow)
+{
+  Scheme *s = flow->scheme;
+
+  PetscFunctionBegin;
+  PetscCall(MeasureFlow(flow, flow->state->u));
+  if (SceneHas(flow->scene, PHYSICS_BODY_FORCE)) PetscCall(AddBodyForce(flow, 0.0, NULL));
+  for (PetscInt k = 0; k < 3; k++) s->stats.change[k] = PETSC_INFINITY;
+  s->bound.start = FlowRmsSpeed(flow);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Returns the bound on the velocity's root mean square by all that drives the flow, with 5 % for
+  discretisation and 1e-6 U for rounding
+
+    |u| <= |u|(0) + min(int F dt, max F/r) + max wall speed bound,  F = max |f|
+
+  r is the rate at which walls at rest would slow the flow (SceneDecayRate()). All terms but the
+  last follow from the energy balance for steps of any length. Walls make no flow faster than
+  SceneWallSpeedBound() in any flow with a known solution: a cavity has a third of it at most.
+*/
+static PetscReal BoundSpeed(Flow *flow)
+{
+  const PetscReal rate = SceneDecayRate(flow->scene);
+  SpeedBound     *b    = &flow->scheme->bound;
+  PetscReal       forced;
+
+  if (b->force_step > 0.0)
+    b->impulse += flow->clock->steady_solve ? PETSC_INFINITY : b->force_step * flow->clock->dt;
+  b->force      = PetscMax(b->force, b->force_step);
+  b->force_step = 0.0;
+  forced        = b->impulse;
+  if (rate > 0.0) forced = PetscMin(forced, b->force / rate);
+  return 1.05 * (b->start + forced + b->walls) + 1e-6 * flow->scene->speed;
+}
+
+/* Fails the step because the velocity is above its bound. */
+static PetscErrorCode FailSpeed(Flow *flow, PetscReal rms, PetscReal bound)
+{
+  const Scene *scene = flow->scene;
+  const Clock *clock = flow->clock;
+  char where[CLOCK_WHERE], advice[128] = "try a smaller -coupled_ksp_rtol, or advance in time";
+
+  PetscFunctionBegin;
+  PetscCall(ClockWhere(clock, where));
+  if (!clock->steady_solve) {
+    PetscCall(
+        PetscSNPrintf(advice, sizeof(advice),
+                      "the flow is unstable at dt = %.6g (CFL %.2g); try a smaller -dt or -cfl",
+                      (double)clock->dt, (double)(clock->dt * scene->speed / scene->dx)));
+  }
+  FailureSet(&flow->scheme->failure, PETSC_ERR_FP,
+             "%s: the velocity has left every bound (root mean square %.6g, at most %.6g by what "
+             "moves the flow; largest %.6g, reference %.6g): %s",
+             where, (double)rms, (double)bound, (double)flow->scheme->stats.speed_max,
+             (double)scene->speed, advice);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  FlowCheck - Measures the step just made, whose velocity is in u_next, and fails a wrong one
+
+  Collective. Sets scheme->failure if the energy is not finite, or above what drives the flow can
+  have produced, or if a particle is a hundred times as fast as the reference.
+*/
+PetscErrorCode FlowCheck(Flow *flow)
+{
+  const Clock *clock = flow->clock;
+  Scheme      *s     = flow->scheme;
+  PetscReal    bound, rms;
+
+  PetscFunctionBegin;
+  PetscCall(
+      WallValuesSetVelocity(flow->scene, flow->particles, clock->t + clock->dt, 0.0, &flow->walls));
+  PetscCall(MeasureFlow(flow, flow->state->u_next));
+  bound = BoundSpeed(flow);
+  rms   = FlowRmsSpeed(flow);
+  if (!(rms <= bound) || s->stats.speed_max >= 100.0 * flow->scene->speed) {
+    PetscCall(FailSpeed(flow, rms, bound));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt k = 0; k < s->n_solves; k++) s->solve[k]->iterations_sum += s->solve[k]->iterations;
+  if (clock->steady_tol > 0.0) PetscCall(SteadyMeasure(flow));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FlowRemember - Adds statistics and speed bound to the memory of the run; not collective */
+PetscErrorCode FlowRemember(Flow *flow)
+{
+  static const char *const changes[] = {"change_u", "change_divergence", "change_p"};
+  Memory                  *memory    = &flow->scheme->memory;
+  StepStats               *stats     = &flow->scheme->stats;
+  SpeedBound              *bound     = &flow->scheme->bound;
+
+  PetscFunctionBegin;
+  PetscCall(MemoryAddReal(memory, "speed_max", &stats->speed_max));
+  PetscCall(MemoryAddReal(memory, "force_max", &stats->force_max));
+  PetscCall(MemoryAddReal(memory, "kinetic_energy", &stats->kinetic_energy));
+  PetscCall(MemoryAddReal(memory, "divergence", &stats->divergence));
+  for (PetscInt k = 0; k < 3; k++) PetscCall(MemoryAddReal(memory, changes[k], &stats->change[k]));
+  PetscCall(MemoryAddReal(memory, "bound_start", &bound->start));
+  PetscCall(MemoryAddReal(memory, "bound_impulse", &bound->impulse));
+  PetscCall(MemoryAddReal(memory, "bound_force", &bound->force));
+  PetscCall(MemoryAddReal(memory, "bound_force_step", &bound->force_step));
+  PetscCall(MemoryAddReal(memory, "bound_walls", &bound->walls));
+  PetscCall(SteadyRemember(flow->scheme));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,178 @@
+/*
+  The coupled scheme: its row, integrators, options and refusals. It solves for velocity and
+  pressure at once, in time or steady.
+*/
+#include "coupled.h"
+#include "schemes/rows.h"
+
+static const CoupledIntegratorRow integrators[] = {
+    {.name     = TSBEULER,
+     .brief    = "backward Euler, from (4u^n - u^{n-1})/3 over 2dt/3: BDF2 with the history on "
+                 "particles",
+     .citation = "Hairer & Wanner, Solving ODEs II (1996)"},
+    {.name     = TSROSW,
+     .brief    = "Rosenbrock-W of order 3 in substeps that follow the error; particles fixed",
+     .citation = "Rang & Angermann, BIT 45 (2005)",
+     .substeps = PETSC_TRUE},
+    {.name     = TSBDF,
+     .brief    = "backward differentiation in substeps that follow the error; particles fixed",
+     .citation = "Hairer & Wanner, Solving ODEs II (1996)",
+     .substeps = PETSC_TRUE},
+};
+const Table CoupledIntegratorTable =
+    TABLE("-coupled_ts_type", "Time integrators of the coupled scheme", integrators);
+
+/* Refuses forms that the coupled scheme has no solver for. */
+static PetscErrorCode RefuseForms(const Flow *flow)
+{
+  const Scene         *scene = flow->scene;
+  const OperatorForms *forms = &flow->ops->forms;
+
+  PetscFunctionBegin;
+  UserCheck(forms->gradient->DivergenceFit,
+            "-gradient %s: -scheme coupled takes grad p from the fluid alone beside walls, which "
+            "only -gradient mls can",
+            forms->gradient->name);
+  UserCheck(LaplacianIs(&forms->visc, FORM_SAFE_IMPLICIT),
+            "-visc_laplacian %s: its matrix has eigenvalues of both signs, and -scheme coupled has "
+            "no solver for it; use a form that is safe_implicit in -catalogue",
+            forms->visc.row->name);
+  UserCheck(!forms->components_coupled && !SceneViscosityVaries(scene),
+            "-scheme coupled: it takes one viscosity, the same matrix for each component, and not "
+            "%s; use -scheme projection",
+            !SceneIsNewtonian(scene)      ? "-rheology"
+            : SceneViscosityVaries(scene) ? "fluids of several"
+                                          : forms->visc.row->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses -steady for flows that have no steady state, or none that one system gives. */
+static PetscErrorCode RefuseSteady(const Flow *flow)
+{
+  const Scene *scene = flow->scene;
+
+  PetscFunctionBegin;
+  UserCheck(!SceneMoves(scene),
+            "-steady: particles that move never come to rest; use -motion eulerian, or "
+            "-without convection for creeping flow");
+  UserCheck(SceneHas(scene, PHYSICS_WALLS),
+            "-steady: case %s has no walls, and without them any uniform velocity is a solution",
+            scene->problem->name);
+  UserCheck(!SceneIsDrivenInTime(scene) &&
+                !(scene->exact.n && ExpressionUses(&scene->exact, EXPRESSION_TIME)),
+            "-steady: a wall's velocity, the body force or -scene_exact depends on t; advance in "
+            "time, with -coupled_ts_type rosw in steps of any length");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses options of steps with a history for integrators that have none. */
+static PetscErrorCode RefuseHistory(const Flow *flow, const CoupledIntegratorRow *row)
+{
+  const PetscBool steady = flow->clock->steady_solve;
+  PetscBool       filter, order;
+
+  PetscFunctionBegin;
+  UserCheck(!SceneMoves(flow->scene) || !row->substeps,
+            "-coupled_ts_type %s: particles that move leave its substeps nothing to begin from; "
+            "use beuler, or -motion eulerian",
+            row->name);
+  if (!steady && !row->substeps) PetscFunctionReturn(PETSC_SUCCESS);
+  if (flow->scene->motion) {
+    PetscCall(OptionGiven("-velocity_filter", &filter));
+    UserCheck(!filter, "-velocity_filter: %s takes convection as it is, unfiltered",
+              steady ? "-steady" : "this -coupled_ts_type");
+  }
+  PetscCall(OptionGiven("-time_order", &order));
+  UserCheck(!order, "-time_order: -coupled_ts_type %s has its own order", row->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  CoupledCreate - Reads the options of the coupled scheme
+
+  Collective on PETSC_COMM_WORLD.
+
+  Options Database Key:
+. -coupled_ts_type - row of its table; the solver's options are listed at CoupledSolverCreate()
+*/
+static PetscErrorCode CoupledCreate(Flow *flow)
+{
+  const Scene    *scene   = flow->scene;
+  const PetscBool viscous = SceneHas(scene, PHYSICS_VISCOSITY);
+  PetscClassId    id;
+  Coupled        *c;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&c));
+  flow->scheme->data = c;
+  c->flow            = flow;
+  UserCheck(viscous && SceneHas(scene, PHYSICS_PRESSURE),
+            "-scheme coupled: it solves for velocity and pressure together, and case %s has no %s "
+            "here; add -with %s, or use -scheme projection",
+            scene->problem->name, viscous ? "pressure" : "viscosity",
+            viscous ? "pressure" : "viscosity");
+  if (flow->clock->steady_solve) PetscCall(RefuseSteady(flow));
+  PetscCall(SteadyRefuse(flow, NULL, PETSC_FALSE));
+  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Coupled scheme", "");
+  PetscCall(TableSelect(&CoupledIntegratorTable, "-coupled_ts_type",
+                        "Time integrator of the coupled scheme", TSBEULER, &c->row));
+  PetscOptionsEnd();
+  PetscCall(RefuseHistory(flow, c->row));
+  c->convects = flow->state->has_convection && c->row->substeps;
+  flow->scheme->needs |= NEED_FREE_GRAD_P | NEED_FILTER_P;
+  if (c->row->substeps || flow->clock->steady_solve) {
+    flow->state->velocity_filter = 0.0;
+    flow->scheme->needs &= ~(unsigned)NEED_FILTER_U;
+  }
+  PetscCall(MemoryAddReal(&flow->scheme->memory, "coupled_substep", &c->substep));
+  PetscCall(PetscClassIdRegister("Coupled", &id));
+  PetscCall(PetscLogEventRegister("CoupledSolve", id, &c->event));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CoupledSetUp(Flow *flow)
+{
+  PetscFunctionBegin;
+  PetscCall(RefuseForms(flow));
+  PetscCall(CoupledSolverCreate(flow, (Coupled *)flow->scheme->data));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CoupledStep(Flow *flow)
+{
+  PetscFunctionBegin;
+  PetscCall(FlowStep(flow, CoupledSolve));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CoupledView(const Flow *flow, PetscViewer viewer)
+{
+  const Coupled *c = (const Coupled *)flow->scheme->data;
+
+  PetscFunctionBegin;
+  if (!flow->clock->steady_solve) PetscCall(TableViewRow("coupled TS", c->row, viewer));
+  PetscCall(TableViewRow("schur", c->schur.row, viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CoupledDestroy(Flow *flow)
+{
+  PetscFunctionBegin;
+  if (!flow->scheme->data) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CoupledSolverFree((Coupled *)flow->scheme->data));
+  PetscCall(PetscFree(flow->scheme->data));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const SchemeRow SchemeCoupled = {
+    .name     = "coupled",
+    .brief    = "velocity and pressure in one matrix: no splitting error at any step, or -steady",
+    .citation = "Elman, Silvester & Wathen, Finite Elements and Fast Iterative Solvers (2014)",
+    .Create   = CoupledCreate,
+    .SetUp    = CoupledSetUp,
+    .Begin    = FlowBegin,
+    .Step     = CoupledStep,
+    .Limit    = FlowLimit,
+    .View     = CoupledView,
+    .Destroy  = CoupledDestroy,
+};

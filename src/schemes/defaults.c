@@ -1,0 +1,117 @@
+/*
+  Defaults of linear solvers: options put into the database before PETSc reads it, so that the
+  user's choice comes first, and the fresh preconditioner that a new matrix needs.
+*/
+#include "isph/guard.h"
+
+/* OptionDefault - Sets an option in the database unless the user did; name with its dash */
+PetscErrorCode OptionDefault(const char prefix[], const char name[], const char value[])
+{
+  char      option[128];
+  PetscBool given;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsHasName(NULL, prefix, name, &given));
+  if (given) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(option, sizeof(option), "-%s%s", prefix, name + 1));
+  PetscCall(PetscOptionsSetValue(NULL, option, value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  AmgDefaults - Sets BoomerAMG's parameters measured best for these matrices, unless the user did
+
+  Collective on PETSC_COMM_WORLD. Input: aggressive - levels of aggressive coarsening, which pay for
+  pressures and cost velocities twice the iterations.
+*/
+PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[])
+{
+  char      type[32] = PCHYPRE, method[32] = "boomeramg";
+  PetscBool amg;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsGetString(NULL, prefix, "-pc_type", type, sizeof(type), NULL));
+  PetscCall(PetscStrcmp(type, PCHYPRE, &amg));
+  if (!amg) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscOptionsGetString(NULL, prefix, "-pc_hypre_type", method, sizeof(method), NULL));
+  PetscCall(PetscStrcmp(method, "boomeramg", &amg));
+  if (!amg) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_coarsen_type", "PMIS"));
+  PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_interp_type", "ext+i"));
+  PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_P_max", "4"));
+  PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_agg_nl", aggressive));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  PoissonSolver - Makes a KSP for -dx^2 L, with the options of the guard's prefix, and its guard
+
+  Collective on PETSC_COMM_WORLD. By default cg for a symmetric form, else fgmres, with hypre
+  BoomerAMG.
+
+  Input Parameter:
+. rtol - tolerance unless the user gives one
+
+  Input/Output Parameter:
+. guard - in: name and prefix; out: attached, solve.ksp to be destroyed by the caller
+*/
+PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, Guard *guard)
+{
+  KSP ksp;
+  PC  pc;
+
+  PetscFunctionBegin;
+  PetscCall(AmgDefaults(guard->solve.prefix, "1"));
+  PetscCall(KSPCreate(PETSC_COMM_WORLD, &ksp));
+  PetscCall(KSPSetOptionsPrefix(ksp, guard->solve.prefix));
+  PetscCall(KSPSetType(ksp, LaplacianIs(form, FORM_SYMMETRIC) ? KSPCG : KSPFGMRES));
+  PetscCall(KSPSetTolerances(ksp, rtol, 0.0, PETSC_DEFAULT, 500));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PCSetType(pc, PCHYPRE));
+  PetscCall(KSPSetFromOptions(ksp));
+  guard->best = KSPFGMRES;
+  PetscCall(GuardAttach(ksp, form, guard));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SolverRenewPC - Readies a preconditioner for a matrix of another pattern or size
+
+  Collective. PCReset() suffices for all types but gamg, whose coarse levels keep their old sizes
+  (PETSc 3.18).
+*/
+PetscErrorCode SolverRenewPC(KSP ksp)
+{
+  PetscBool   gamg;
+  const char *prefix;
+  PC          pc, fresh;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCGAMG, &gamg));
+  if (!gamg) {
+    PetscCall(PCReset(pc));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PCGetOptionsPrefix(pc, &prefix));
+  PetscCall(PCCreate(PetscObjectComm((PetscObject)ksp), &fresh));
+  PetscCall(PCSetOptionsPrefix(fresh, prefix));
+  PetscCall(PCSetType(fresh, PCGAMG));
+  PetscCall(PCSetFromOptions(fresh));
+  PetscCall(PCSetUseAmat(fresh, PETSC_FALSE));
+  PetscCall(KSPSetPC(ksp, fresh));
+  PetscCall(PCDestroy(&fresh));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SolverNames - Returns the types of a KSP and its preconditioner; not collective */
+PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc)
+{
+  PC inner;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetType(ksp, type));
+  PetscCall(KSPGetPC(ksp, &inner));
+  PetscCall(PCGetType(inner, pc));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

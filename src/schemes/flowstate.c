@@ -1,0 +1,203 @@
+/*
+  The state of a flow: velocity and pressure as fields of the particles and as vectors, the initial
+  values, and work vectors that a step borrows.
+*/
+#include "isph/schemes.h"
+
+/*
+  Returns the default strength of the grid-scale filter of velocities [-]
+
+  It follows the cell Reynolds number R = U dx/nu. The filter is on only where the flow needs it, as
+  it damps boundary layers: a quarter of the cavity's energy at Re = 1000, n = 25. Without it moving
+  particles were stable at R = 20 and unstable at 25, at CFL numbers of 0.1 and less (Re = 1000,
+  n = 40); they need 0.2 at R = 40 and 1 at 200 (Re = 10,000, n = 50). Fixed particles were stable
+  up to 6 and unstable at 7 (Re = 100 in 3D).
+*/
+static PetscReal DefaultVelocityFilter(const Scene *scene)
+{
+  const PetscReal R = SceneCellReynolds(scene);
+
+  if (!SceneMoves(scene)) return R > 5.0 ? 1.0 : 0.0;
+  return PetscMin(1.0, PetscMax(0.0, (R - 20.0) / 40.0));
+}
+
+/* Registers the stages of a step; a flow whose particles stay has no stage that moves them. */
+static PetscErrorCode RegisterEvents(const Scene *scene, FlowState *s)
+{
+  PetscClassId id;
+
+  PetscFunctionBegin;
+  PetscCall(PetscClassIdRegister("Flow", &id));
+  if (SceneMoves(scene))
+    PetscCall(PetscLogEventRegister("ParticlesMove", id, &s->event[FLOW_EVENT_MOVE]));
+  PetscCall(PetscLogEventRegister("NeighborsUpdate", id, &s->event[FLOW_EVENT_NEIGHBORS]));
+  PetscCall(PetscLogEventRegister("OperatorsAssem", id, &s->event[FLOW_EVENT_OPERATORS]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  FlowStateCreate - Creates the state and reads how velocities are filtered and particles shifted
+
+  Collective on PETSC_COMM_WORLD.
+
+  Output Parameter:
+. needs - bits of Need that shifting and filtering add
+
+  Options Database Keys:
++ -shift name        - row of the shift table
+. -shift_strength S  - factor of the diffusivity of -shift
+- -velocity_filter S - strength of the filter of grid-scale velocities, for ConvectionApply() and
+                       FlowMove()
+*/
+PetscErrorCode FlowStateCreate(Flow *flow, unsigned *needs)
+{
+  const Scene *scene = flow->scene;
+  FlowState   *s;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&s));
+  s->has_convection = scene->motion && !SceneMoves(scene) ? PETSC_TRUE : PETSC_FALSE;
+  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Motion", "");
+  if (SceneMoves(scene)) {
+    PetscCall(TableSelect(&ShiftTable, "-shift", "Particle shifting", "fickian", &s->shift));
+    if (s->shift->Displace) {
+      s->shift_strength = 1.0;
+      PetscCall(OptionReal("-shift_strength", "Factor of the diffusivity of -shift [-]", 1e-3,
+                           100.0, &s->shift_strength, NULL));
+      *needs |= NEED_CONCENTRATION;
+    }
+  }
+  if (SceneHas(scene, PHYSICS_CONVECTION)) {
+    s->velocity_filter = DefaultVelocityFilter(scene);
+    PetscCall(
+        OptionReal("-velocity_filter",
+                   "Strength of the grid-scale filter of velocities; 0: off; by default it "
+                   "grows from 0 to 1 between U dx/nu = 20 and 60, with fixed particles it is "
+                   "1 above 5 [-]",
+                   0.0, 1.0, &s->velocity_filter, NULL));
+    if (s->velocity_filter > 0.0) *needs |= NEED_FILTER_U;
+  }
+  PetscOptionsEnd();
+  PetscCall(RegisterEvents(scene, s));
+  flow->state = s;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FlowStateFree(FlowState *s)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    PetscCall(VecDestroy(&s->u[a]));
+    PetscCall(VecDestroy(&s->u_prev[a]));
+    PetscCall(VecDestroy(&s->convection_prev[a]));
+    PetscCall(VecDestroy(&s->u_next[a]));
+  }
+  PetscCall(VecDestroy(&s->p));
+  PetscCall(VecDestroy(&s->p_before));
+  PetscCall(VecDestroy(&s->divergence));
+  for (PetscInt k = 0; k < FLOW_MAX_WORK; k++) PetscCall(VecDestroy(&s->work[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FlowStateDestroy - Frees the state; collective */
+PetscErrorCode FlowStateDestroy(Flow *flow)
+{
+  PetscFunctionBegin;
+  if (!flow->state) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FlowStateFree(flow->state));
+  PetscCall(PetscFree(flow->state));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  FlowStateRegister - Registers the fields of the state and sets the case's initial values in them
+
+  Collective. Velocities given with the particles come before the case's own.
+*/
+PetscErrorCode FlowStateRegister(Flow *flow)
+{
+  const Scene *scene = flow->scene;
+  Particles   *p     = flow->particles;
+  FlowState   *s     = flow->state;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesRegister(p, "u_previous", scene->dim, HALO_NONE, s->u_previous));
+  if (s->has_convection)
+    PetscCall(ParticlesRegister(p, "convection", scene->dim, HALO_NONE, s->convection));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM] = {0.0}, pressure = 0.0;
+
+    for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
+    if (p->velocity_given) {
+      for (PetscInt a = 0; a < scene->dim; a++) u[a] = p->u[a][i];
+    } else if (scene->problem->Velocity) {
+      scene->problem->Velocity(scene, 0.0, x, u);
+    }
+    for (PetscInt a = 0; a < scene->dim; a++) p->u[a][i] = s->u_previous[a][i] = u[a];
+    if (p->p && scene->problem->Exact && !scene->velocity.n && !p->velocity_given)
+      scene->problem->Exact(scene, 0.0, x, u, &pressure);
+    if (p->p) p->p[i] = pressure;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FlowStateRenumber - Makes the vectors for the present numbering, once an epoch; collective */
+PetscErrorCode FlowStateRenumber(Flow *flow)
+{
+  const Particles *p = flow->particles;
+  FlowState       *s = flow->state;
+
+  PetscFunctionBegin;
+  if (s->epoch == p->epoch) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FlowStateFree(s));
+  for (PetscInt a = 0; a < p->dim; a++) {
+    PetscCall(FluidVec(p, p->u[a], &s->u[a]));
+    PetscCall(FluidVec(p, s->u_previous[a], &s->u_prev[a]));
+    PetscCall(FluidVec(p, NULL, &s->u_next[a]));
+    if (s->has_convection) PetscCall(FluidVec(p, s->convection[a], &s->convection_prev[a]));
+  }
+  if (p->p) {
+    PetscCall(FluidVec(p, p->p, &s->p));
+    PetscCall(FluidVec(p, NULL, &s->p_before));
+    PetscCall(FluidVec(p, NULL, &s->divergence));
+  }
+  s->epoch = p->epoch;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  FlowGetWork - Lends a vector over the own fluid, its values undefined
+
+  Collective when the vector is first made in an epoch. Give it back with FlowRestoreWork() before
+  the epoch ends.
+*/
+PetscErrorCode FlowGetWork(Flow *flow, Vec *v)
+{
+  FlowState *s = flow->state;
+  PetscInt   k = 0;
+
+  PetscFunctionBegin;
+  while (k < FLOW_MAX_WORK && s->lent[k]) k++;
+  PetscCheck(k < FLOW_MAX_WORK, PETSC_COMM_SELF, PETSC_ERR_PLIB,
+             "More than FLOW_MAX_WORK = %d work vectors are lent", FLOW_MAX_WORK);
+  if (!s->work[k]) PetscCall(FluidVec(flow->particles, NULL, &s->work[k]));
+  s->lent[k] = PETSC_TRUE;
+  *v         = s->work[k];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FlowRestoreWork - Takes a vector of FlowGetWork() back and sets v to NULL; not collective */
+PetscErrorCode FlowRestoreWork(Flow *flow, Vec *v)
+{
+  FlowState *s = flow->state;
+  PetscInt   k = 0;
+
+  PetscFunctionBegin;
+  if (!*v) PetscFunctionReturn(PETSC_SUCCESS);
+  while (k < FLOW_MAX_WORK && s->work[k] != *v) k++;
+  PetscCheck(k < FLOW_MAX_WORK && s->lent[k], PETSC_COMM_SELF, PETSC_ERR_PLIB,
+             "A vector is given back that was not lent");
+  s->lent[k] = PETSC_FALSE;
+  *v         = NULL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

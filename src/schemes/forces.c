@@ -1,0 +1,55 @@
+/* The body force on the fluid. */
+#include "step.h"
+
+/* Notes the largest body force of the moment, for the step's limit and for the speed bound. */
+static void NoteForce(Scheme *scheme, PetscReal square)
+{
+  scheme->stats.force_max  = PetscSqrtReal(square);
+  scheme->bound.force_step = PetscMax(scheme->bound.force_step, scheme->stats.force_max);
+}
+
+/*
+  AddBodyForce - Adds the body force f(x, t) on the own fluid and notes its largest value
+
+  Collective. A uniform force needs no loop over particles.
+
+  Input Parameters:
++ t     - [s]
+- force - vectors over the fluid [m/s^2]; NULL: only the largest value is noted
+
+  Output Parameter:
+. flow - stats.force_max and bound.force_step of the scheme [m/s^2]
+*/
+PetscErrorCode AddBodyForce(Flow *flow, PetscReal t, Vec force[])
+{
+  const Scene     *scene = flow->scene;
+  const Particles *p     = flow->particles;
+  PetscScalar     *g[ISPH_MAX_DIM];
+  PetscReal        most = 0.0;
+
+  PetscFunctionBegin;
+  if (!scene->force.n) {
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      if (force) PetscCall(VecShift(force[a], scene->body_force[a]));
+      most += PetscSqr(scene->body_force[a]);
+    }
+    NoteForce(flow->scheme, most);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt a = 0; a < scene->dim && force; a++) PetscCall(VecGetArray(force[a], &g[a]));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal x[ISPH_MAX_DIM], f[ISPH_MAX_DIM], square = 0.0;
+
+    for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
+    SceneBodyForce(scene, t, x, f);
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      if (force) g[a][i] += f[a];
+      square += PetscSqr(f[a]);
+    }
+    most = PetscMax(most, square);
+  }
+  for (PetscInt a = 0; a < scene->dim && force; a++) PetscCall(VecRestoreArray(force[a], &g[a]));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, p->comm));
+  NoteForce(flow->scheme, most);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,45 @@
+/* The limits of the time step that schemes share. */
+#include "step.h"
+
+/*
+  ClockExplicitLimit - Returns the largest stable step of an explicit viscous term [s]
+
+    dt = 0.125 h^2/(largest nu),   h half the radius of the support, for every form and kernel
+*/
+PetscReal ClockExplicitLimit(const Scene *scene, PetscReal support_radius)
+{
+  return SceneHas(scene, PHYSICS_VISCOSITY)
+             ? 0.125 * PetscSqr(0.5 * support_radius) / scene->nu_high
+             : PETSC_INFINITY;
+}
+
+/*
+  FlowLimit - Limits the step by advection and by the body force
+
+    dt <= C dx/max(U, speed),   dt <= max(sqrt(C dx/|f|), C dx r/|f|)
+
+  Not collective. The force alone moves a particle by f dt^2 in a step, or by f dt/r where walls at
+  rest slow the flow at the rate r (SceneDecayRate()): the most viscous flows are not held to short
+  steps. With -dt_adapt none the reference speed U alone counts.
+*/
+PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit)
+{
+  const Scene     *scene = flow->scene;
+  const Clock     *clock = flow->clock;
+  const StepStats *stats = &flow->scheme->stats;
+  const PetscReal  way   = clock->cfl * scene->dx;
+
+  PetscFunctionBegin;
+  if (!clock->adapt->follows) {
+    StepLimitLower(limit, way / scene->speed, "advection with U");
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  StepLimitLower(limit, way / PetscMax(scene->speed, stats->speed_max), "advection");
+  if (SceneHas(scene, PHYSICS_CONVECTION) && stats->force_max > 0.0) {
+    StepLimitLower(limit,
+                   PetscMax(PetscSqrtReal(way / stats->force_max),
+                            way * SceneDecayRate(scene) / stats->force_max),
+                   "the body force");
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,66 @@
+/*
+  The memory of a run: numbers that steps leave for later steps, registered by name. Undo,
+  checkpoints and restarts loop over it, so that a new number needs one line in its owner.
+*/
+#include "isph/clock.h"
+
+static PetscErrorCode MemoryAdd(Memory *memory, const char name[], MemoryItem item)
+{
+  PetscFunctionBegin;
+  PetscCheck(memory->n < MEMORY_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+             "%s is one more than MEMORY_MAX = %d", name, MEMORY_MAX);
+  PetscCall(PetscStrncpy(item.name, name, sizeof(item.name)));
+  memory->item[memory->n++] = item;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  MemoryAddReal - Adds a real number to the memory
+
+  Not collective; all ranks add the same numbers in the same order. Input: name - at most 31
+  letters, unique; value - lives as long as the memory.
+*/
+PetscErrorCode MemoryAddReal(Memory *memory, const char name[], PetscReal *value)
+{
+  PetscFunctionBegin;
+  PetscCall(MemoryAdd(memory, name, (MemoryItem){.real = value}));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* MemoryAddInt - Adds a whole number below 2^53 to the memory; as MemoryAddReal() */
+PetscErrorCode MemoryAddInt(Memory *memory, const char name[], PetscInt *value)
+{
+  PetscFunctionBegin;
+  PetscCall(MemoryAdd(memory, name, (MemoryItem){.integer = value}));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* MemoryAddCounter - Adds a whole number that goes on when a step is undone; as MemoryAddInt() */
+PetscErrorCode MemoryAddCounter(Memory *memory, const char name[], PetscInt *value)
+{
+  PetscFunctionBegin;
+  PetscCall(MemoryAdd(memory, name, (MemoryItem){.integer = value, .counter = PETSC_TRUE}));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* MemoryGet - Copies the numbers, memory->n of them; not collective */
+void MemoryGet(const Memory *memory, PetscReal values[])
+{
+  for (PetscInt k = 0; k < memory->n; k++) {
+    const MemoryItem *item = &memory->item[k];
+
+    values[k] = item->real ? *item->real : (PetscReal)*item->integer;
+  }
+}
+
+/* MemorySet - Sets the numbers from a copy, counters only where asked for; not collective */
+void MemorySet(const Memory *memory, PetscBool counters, const PetscReal values[])
+{
+  for (PetscInt k = 0; k < memory->n; k++) {
+    const MemoryItem *item = &memory->item[k];
+
+    if (item->counter && !counters) continue;
+    if (item->real) *item->real = values[k];
+    else *item->integer = (PetscInt)values[k];
+  }
+}

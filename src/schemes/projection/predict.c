@@ -1,0 +1,73 @@
+/* The predictor of the projection: forces at the new time, then the viscous step to u*. */
+#include "projection.h"
+
+/* Extrapolates the advecting velocity v of fixed particles, for a TS that applies convection. */
+static PetscErrorCode ExtrapolateVelocity(Flow *flow, PetscReal at, Vec v[])
+{
+  FlowState      *s = flow->state;
+  const PetscReal w = at * ClockRatio(flow->clock);
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < flow->scene->dim; c++) {
+    PetscCall(VecCopy(s->u[c], v[c]));
+    PetscCall(VecAXPBY(v[c], -w, 1.0 + w, s->u_prev[c]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets the force on u* but for convection, -grad p^n/rho + f; at = 1 or 1/2: its time in the step.
+   */
+static PetscErrorCode SetForce(Flow *flow, PetscReal at, Vec force[])
+{
+  const Scene      *scene = flow->scene;
+  const Projection *pr    = (const Projection *)flow->scheme->data;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    if (pr->row && pr->row->incremental) {
+      PetscCall(AffineApply(&flow->ops->grad_p[a], flow->state->p, flow->walls.dpdn, force[a]));
+      PetscCall(VecScale(force[a], -1.0 / scene->rho));
+    } else {
+      PetscCall(VecZeroEntries(force[a]));
+    }
+  }
+  if (SceneHas(scene, PHYSICS_BODY_FORCE))
+    PetscCall(AddBodyForce(flow, flow->clock->t + at * flow->clock->dt, force));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* PredictVelocity - Predicts u* in u_next by a viscous step; collective */
+PetscErrorCode PredictVelocity(Flow *flow)
+{
+  Projection                 *pr                  = (Projection *)flow->scheme->data;
+  const PetscBool             convects            = flow->state->has_convection;
+  const ViscousIntegratorRow *row                 = pr->visc ? pr->visc->row : NULL;
+  const PetscBool             inner               = convects && row && row->terms != TIME_IMPLICIT;
+  const PetscReal             at                  = !row || row->end_of_step ? 1.0 : 0.5;
+  const PetscInt              dim                 = flow->scene->dim;
+  Vec                         force[ISPH_MAX_DIM] = {NULL}, v[ISPH_MAX_DIM] = {NULL};
+  PetscReal                   dt;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < dim; a++) PetscCall(FlowGetWork(flow, &force[a]));
+  for (PetscInt a = 0; a < dim && inner; a++) PetscCall(FlowGetWork(flow, &v[a]));
+  PetscCall(HistoryStart(flow, !row || row->history ? PETSC_TRUE : PETSC_FALSE, &dt));
+  PetscCall(SetForce(flow, at, force));
+  if (inner) PetscCall(ExtrapolateVelocity(flow, at, v));
+  else if (convects) PetscCall(ConvectionExtrapolate(flow, at, force));
+  pr->k = dt;
+  if (pr->visc) {
+    const PetscReal factor = pr->row ? dt * ViscosityResponse(pr->visc) / flow->scene->rho : 0.0;
+
+    PetscCall(
+        ViscositySolve(flow, dt, factor, force, inner ? v : NULL, flow->state->u_next, pr->visc));
+    pr->k *= ViscosityResponse(pr->visc);
+  } else {
+    for (PetscInt a = 0; a < dim; a++) PetscCall(VecAXPY(flow->state->u_next[a], dt, force[a]));
+  }
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscCall(FlowRestoreWork(flow, &force[a]));
+    PetscCall(FlowRestoreWork(flow, &v[a]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

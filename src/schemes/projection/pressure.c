@@ -1,0 +1,129 @@
+/*
+  The pressure Poisson equation of a pressure that floats: singular, solved to a small true residual
+  for every form.
+
+    (A + c c^T) phi = b,   A = -dx^2 L,   c of GaugeColumn(),   preconditioner from A + 1e-6 I
+
+  The rank-one term makes the matrix regular: it fixes the mean of phi and takes from b the uniform
+  source that no phi can answer (the left null vector of an unsymmetric L is not constant).
+*/
+#include "projection.h"
+
+struct Pressure {
+  Guard    guard;
+  Mat      preconditioner; /* A + 1e-6 I at the last set-up */
+  Mat      gauge;          /* c */
+  PetscInt assemblies;     /* stamp of the operators that the KSP has */
+  PetscInt epoch;          /* of the last set-up */
+  PetscInt its_new;        /* iterations of the first solve after a set-up */
+};
+
+/*
+  PressureCreate - Creates the KSP of the pressure equation and adds its solve to the scheme
+
+  Collective on PETSC_COMM_WORLD.
+
+  Options Database Keys:
+. -ppe_ksp_type, -ppe_pc_type, ... - any of PETSc's, see PoissonSolver()
+*/
+PetscErrorCode PressureCreate(Flow *flow, Pressure **ppe)
+{
+  Pressure *s;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&s));
+  s->guard.solve = (LinearSolve){
+      .name = "pressure", .label = "ppe solver", .prefix = "ppe_", .column = SOLVE_PRESSURE};
+  PetscCall(PoissonSolver(&flow->ops->forms.ppe, 1e-5, &s->guard));
+  PetscCall(SchemeAddSolve(&s->guard.solve, flow->scheme));
+  *ppe = s;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* PressureDestroy - Frees the KSP and its matrices; collective */
+PetscErrorCode PressureDestroy(Pressure **ppe)
+{
+  PetscFunctionBegin;
+  if (!*ppe) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(GuardDetach(&(*ppe)->guard));
+  PetscCall(KSPDestroy(&(*ppe)->guard.solve.ksp));
+  PetscCall(MatDestroy(&(*ppe)->preconditioner));
+  PetscCall(MatDestroy(&(*ppe)->gauge));
+  PetscCall(PetscFree(*ppe));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes the gauge for the present numbering. */
+static PetscErrorCode PressureRenumber(const Particles *p, Pressure *s)
+{
+  PetscFunctionBegin;
+  PetscCall(KSPReset(s->guard.solve.ksp));
+  PetscCall(MatDestroy(&s->preconditioner));
+  PetscCall(MatDestroy(&s->gauge));
+  PetscCall(GaugeColumn(p, 0, &s->gauge));
+  s->epoch = p->epoch;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Gives new matrices to the KSP. The preconditioner is reused until particles are renumbered or the
+  iterations have grown by half: displacements change it little, a renumbering invalidates it.
+*/
+static PetscErrorCode PressureUpdateMatrices(Flow *flow, Pressure *s)
+{
+  const Operators *ops     = flow->ops;
+  const KSP        ksp     = s->guard.solve.ksp;
+  const PetscInt   its     = s->guard.solve.iterations;
+  PetscBool        rebuild = its > s->its_new + s->its_new / 2 + 2 ? PETSC_TRUE : PETSC_FALSE;
+  Mat              A;
+
+  PetscFunctionBegin;
+  if (s->assemblies == ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
+  if (s->epoch != flow->particles->epoch) {
+    PetscCall(PressureRenumber(flow->particles, s));
+    rebuild = PETSC_TRUE;
+  }
+  if (rebuild) {
+    PetscCall(SolverRenewPC(ksp));
+    PetscCall(MatDestroy(&s->preconditioner));
+    PetscCall(MatDuplicate(ops->ppe.A, MAT_COPY_VALUES, &s->preconditioner));
+    PetscCall(MatShift(s->preconditioner, 1e-6));
+    s->its_new = 0;
+  }
+  PetscCall(MatCreateLRC(ops->ppe.A, s->gauge, NULL, s->gauge, &A));
+  PetscCall(KSPSetReusePreconditioner(ksp, rebuild ? PETSC_FALSE : PETSC_TRUE));
+  PetscCall(KSPSetOperators(ksp, A, s->preconditioner));
+  PetscCall(MatDestroy(&A));
+  s->assemblies = ops->assemblies;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  PressureSolve - Solves A phi = b, A = -dx^2 lap, with n.grad phi already in b
+
+  Collective. Sets scheme->failure if no method reaches a small true residual.
+
+  Output Parameter:
+. phi - of mean zero [Pa]
+*/
+PetscErrorCode PressureSolve(Flow *flow, Vec b, Vec phi, Pressure *s)
+{
+  LinearSolve *solve = &s->guard.solve;
+  PetscReal    norm;
+
+  PetscFunctionBegin;
+  PetscCall(PressureUpdateMatrices(flow, s));
+  PetscCall(VecNorm(b, NORM_2, &norm));
+  solve->iterations = 0;
+  if (norm == 0.0) {
+    PetscCall(VecZeroEntries(phi));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(ClockWhere(flow->clock, s->guard.where));
+  PetscCall(KSPSolve(solve->ksp, b, phi));
+  PetscCall(GuardCheck(&s->guard, &flow->scheme->failure));
+  solve->iterations = s->guard.iterations;
+  if (s->its_new == 0) s->its_new = solve->iterations;
+  PetscCall(GaugeRemove(phi));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,52 @@
+/*
+  The projection scheme: its options and state. The step is in projection.c, its parts in predict.c,
+  correct.c, pressure.c and wallgradient.c.
+*/
+#ifndef ISPH_PROJECTION_H
+#define ISPH_PROJECTION_H
+
+#include "schemes/step.h"
+#include "schemes/viscosity/viscosity.h"
+
+/* The update of the pressure by the increment phi. */
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscBool   incremental; /* grad p^n acts in the predictor */
+  PetscBool   rotational;  /* p loses mu div u* */
+} ProjectionRow;
+
+typedef struct Pressure Pressure;
+
+enum { EVENT_VISCOSITY, EVENT_PRESSURE, EVENT_CORRECT, PROJECTION_EVENTS };
+
+typedef struct {
+  const ProjectionRow *row;              /* NULL: no pressure */
+  PetscReal            alpha;            /* share of the density error in the pressure source [-] */
+  PetscReal            filter;           /* strength of the grid-scale pressure filter [-] */
+  Viscosity           *visc;             /* NULL: no viscosity */
+  Pressure            *ppe;              /* NULL: no pressure */
+  PetscReal            wall_slope_share; /* share of n.grad p at walls that the pressure has [-] */
+  PetscReal            k;                /* u = u* - k/rho grad phi [s] */
+  PetscInt             epoch;            /* of the vectors below */
+  Vec                  phi, b;           /* increment of the pressure [Pa]; its right-hand side */
+  PetscLogEvent        event[PROJECTION_EVENTS];
+} Projection;
+
+/* predict.c */
+PetscErrorCode PredictVelocity(Flow *flow);
+
+/* correct.c */
+PetscErrorCode ProjectVelocity(Flow *flow);
+PetscReal      PressureGain(const Flow *flow);
+
+/* wallgradient.c */
+PetscErrorCode WallGradientBegin(Flow *flow);
+PetscErrorCode WallGradientPredict(Flow *flow);
+PetscErrorCode WallGradientCorrect(Flow *flow);
+
+/* pressure.c */
+PetscErrorCode PressureCreate(Flow *flow, Pressure **ppe);
+PetscErrorCode PressureDestroy(Pressure **ppe);
+PetscErrorCode PressureSolve(Flow *flow, Vec b, Vec phi, Pressure *ppe);
+
+#endif

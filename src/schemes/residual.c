@@ -1,0 +1,35 @@
+/* The true residual of a linear solve, on which guard and fallback stand. */
+#include "isph/guard.h"
+
+#define RESIDUAL_SLACK 10.0 /* true residual over the tolerance that is accepted */
+#define RESIDUAL_WORST 0.1  /* true residual that no tolerance makes good */
+
+/*
+  SolveResidual - Computes the true residual |b - A x|/|b| of a solve
+
+  Collective. Output: good - the method claims success, and the residual is within ten times its
+  tolerance and not above 0.1.
+*/
+PetscErrorCode SolveResidual(KSP ksp, Vec b, Vec x, PetscReal *residual, PetscBool *good)
+{
+  KSPConvergedReason reason;
+  PetscReal          rtol, norm_b, norm_r;
+  Mat                A;
+  Vec                r;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetConvergedReason(ksp, &reason));
+  PetscCall(KSPGetTolerances(ksp, &rtol, NULL, NULL, NULL));
+  PetscCall(KSPGetOperators(ksp, &A, NULL));
+  PetscCall(VecDuplicate(b, &r));
+  PetscCall(MatMult(A, x, r));
+  PetscCall(VecAYPX(r, -1.0, b));
+  PetscCall(VecNorm(r, NORM_2, &norm_r));
+  PetscCall(VecNorm(b, NORM_2, &norm_b));
+  PetscCall(VecDestroy(&r));
+  *residual = norm_b > 0.0 ? norm_r / norm_b : norm_r;
+  *good     = reason >= 0 && norm_r <= PetscMin(RESIDUAL_SLACK * rtol, RESIDUAL_WORST) * norm_b
+                  ? PETSC_TRUE
+                  : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

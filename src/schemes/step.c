@@ -1,0 +1,85 @@
+/*
+  One step of a flow, as all schemes with one solve a step make it: particles move first, so that
+  everything after is at t^{n+1}; matrices follow; the scheme solves for u^{n+1} and p^{n+1}; the
+  result is checked and becomes the state.
+*/
+#include "step.h"
+
+/* Advances the state: u^{n-1} <- u^n <- u^{n+1}, and the time. */
+static PetscErrorCode FlowAdvance(Flow *flow)
+{
+  FlowState *s = flow->state;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    PetscCall(VecCopy(s->u[a], s->u_prev[a]));
+    PetscCall(VecCopy(s->u_next[a], s->u[a]));
+  }
+  PetscCall(ClockAdvance(flow->clock));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FlowRebuild - Makes neighbours, matrices and vectors for the present positions; collective */
+PetscErrorCode FlowRebuild(Flow *flow)
+{
+  const PetscLogEvent *event = flow->state->event;
+  PetscBool            changed;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
+  PetscCall(NeighborsUpdate(flow->particles, flow->scheme->stats.speed_max * flow->clock->dt,
+                            flow->neighbors));
+  PetscCall(PetscLogEventEnd(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
+  PetscCall(PetscLogEventBegin(event[FLOW_EVENT_OPERATORS], 0, 0, 0, 0));
+  PetscCall(OperatorsAssemble(flow->scene, flow->particles, flow->neighbors, flow->ops, &changed));
+  PetscCall(WallValuesRenumber(flow->scene, flow->particles, &flow->walls));
+  PetscCall(PetscLogEventEnd(event[FLOW_EVENT_OPERATORS], 0, 0, 0, 0));
+  PetscCall(FlowStateRenumber(flow));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  FlowBegin - Readies everything for the flow as the particles carry it: at the start, after a
+  restart, after a step was undone
+
+  Collective. Makes anew from the particles' fields all else that a finished step leaves.
+*/
+PetscErrorCode FlowBegin(Flow *flow)
+{
+  const Scene *scene = flow->scene;
+
+  PetscFunctionBegin;
+  PetscCall(FlowRebuild(flow));
+  PetscCall(WallValuesSetVelocity(scene, flow->particles, flow->clock->t, 0.0, &flow->walls));
+  if (!SceneIsNewtonian(scene)) {
+    PetscCall(
+        OperatorsFollowStrain(scene, flow->particles, &flow->walls, flow->state->u, flow->ops));
+  }
+  if (flow->clock->step == 0) PetscCall(FlowMeasureStart(flow));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  FlowStep - Makes one step of the clock's dt
+
+  Collective. If the step fails, scheme->failure says why, time has not advanced and the fields are
+  of no use.
+
+  Input Parameter:
+. Solve - of the scheme: leaves u^{n+1} in u_next and p^{n+1} in p
+*/
+PetscErrorCode FlowStep(Flow *flow, FlowSolve Solve)
+{
+  StepFailure *failure = &flow->scheme->failure;
+
+  PetscFunctionBegin;
+  failure->code = PETSC_SUCCESS;
+  if (SceneMoves(flow->scene)) {
+    PetscCall(FlowMove(flow));
+    if (!failure->code) PetscCall(FlowRebuild(flow));
+  }
+  if (!failure->code) PetscCall(Solve(flow));
+  if (!failure->code) PetscCall(FlowCheck(flow));
+  if (!failure->code) PetscCall(FlowAdvance(flow));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

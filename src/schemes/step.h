@@ -1,0 +1,43 @@
+/* The parts of a step that schemes share. */
+#ifndef ISPH_SCHEMES_STEP_H
+#define ISPH_SCHEMES_STEP_H
+
+#include "isph/schemes.h"
+
+/* step.c */
+typedef PetscErrorCode (*FlowSolve)(Flow *flow);
+PetscErrorCode FlowStep(Flow *flow, FlowSolve Solve);
+PetscErrorCode FlowRebuild(Flow *flow);
+PetscErrorCode FlowBegin(Flow *flow);
+
+/* motion.c */
+PetscErrorCode FlowMove(Flow *flow);
+
+/* limits.c */
+PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit);
+
+/* forces.c */
+PetscErrorCode AddBodyForce(Flow *flow, PetscReal t, Vec force[]);
+
+/* convection.c */
+PetscErrorCode ConvectionExtrapolate(Flow *flow, PetscReal at, Vec force[]);
+
+/* history.c */
+PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt);
+
+/* check.c */
+PetscErrorCode FlowMeasureStart(Flow *flow);
+PetscErrorCode FlowCheck(Flow *flow);
+PetscErrorCode FlowRemember(Flow *flow);
+
+/* steady.c */
+PetscReal      FlowRmsSpeed(const Flow *flow);
+PetscErrorCode SteadyMeasure(Flow *flow);
+PetscErrorCode SteadyRemember(Scheme *scheme);
+PetscErrorCode SteadyRefuse(const Flow *flow, const char projection[], PetscBool rotational);
+
+/* gauge.c */
+PetscErrorCode GaugeRemove(Vec p);
+PetscErrorCode GaugeColumn(const Particles *particles, PetscInt before, Mat *column);
+
+#endif

@@ -1,0 +1,77 @@
+/* Steps of a PETSc TS within the steps of the clock. */
+#include "isph/guard.h"
+
+/*
+  TimeOptionsRefuse - Refuses options of a TS that would own time, and a theta for other types
+
+  Collective. PETSc's beuler and cn are theta schemes; they would refuse the number in the first
+  step only.
+*/
+PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[])
+{
+  const char *const refused[][2] = {
+      {"ts_dt", "-dt"}, {"ts_max_time", "-t_end"}, {"ts_max_steps", "-max_steps"}};
+  char      option[64];
+  PetscBool given, theta;
+
+  PetscFunctionBegin;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(refused); k++) {
+    PetscCall(PetscSNPrintf(option, sizeof(option), "-%s%s", prefix, refused[k][0]));
+    PetscCall(OptionGiven(option, &given));
+    UserCheck(!given, "%s: time is the run's own; use %s", option, refused[k][1]);
+  }
+  PetscCall(PetscStrcmp(type, TSTHETA, &theta));
+  PetscCall(PetscSNPrintf(option, sizeof(option), "-%sts_theta_theta", prefix));
+  if (!theta) PetscCall(OptionGiven(option, &given));
+  UserCheck(theta || !given, "%s: -%sts_type %s has no theta to be chosen", option, prefix, type);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  TimeStepThrough - Advances a TS, whose solution is set, from t over dt
+
+  Collective. One step, unless an adaptor takes several.
+
+  Input Parameters:
++ name  - type of the TS, for messages
+- guard - of its solves; without a KSP there are none
+
+  Input/Output Parameter:
+. h - the first step; out: the last step that was not shortened by the end [s]
+
+  Output Parameters:
++ guard   - solve.iterations gains the iterations made
+- failure - set if the TS diverges, or no method reaches a small true residual
+*/
+PetscErrorCode TimeStepThrough(TS ts, const char name[], Guard *guard, PetscReal t, PetscReal dt,
+                               PetscReal *h, StepFailure *failure)
+{
+  const PetscReal   end    = t + dt;
+  PetscReal         now    = t, next;
+  PetscInt          before = 0, after = 0;
+  TSConvergedReason reason = TS_CONVERGED_ITERATING;
+
+  PetscFunctionBegin;
+  PetscCall(TSSetTime(ts, t));
+  PetscCall(TSSetTimeStep(ts, *h));
+  PetscCall(TSGetKSPIterations(ts, &before));
+  while (end - now > 1e-10 * dt && !failure->code) {
+    PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_ITERATING));
+    PetscCall(TSStep(ts));
+    PetscCall(TSGetConvergedReason(ts, &reason));
+    if (guard->solve.ksp) PetscCall(GuardCheck(guard, failure));
+    if (guard->Check) PetscCall(guard->Check(ts, guard->where, failure));
+    if (reason < 0) {
+      FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
+                 "%s: the %s TS %s ended with %s; try a smaller time step", guard->where,
+                 guard->solve.name, name, TSConvergedReasons[reason]);
+    }
+    PetscCall(TSGetTime(ts, &now));
+    PetscCall(TSGetTimeStep(ts, &next));
+    if (end - now > 1e-10 * dt) *h = next;
+    PetscCall(TSSetTimeStep(ts, PetscMin(next, PetscMax(end - now, 1e-10 * dt))));
+  }
+  PetscCall(TSGetKSPIterations(ts, &after));
+  guard->solve.iterations += after - before;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,88 @@
+/*
+  The integrators of viscosity: TS types, and the callbacks that each takes. One layout cannot serve
+  all: explicit types refuse an IFunction, and implicit ones use an RHSFunction beside it with the
+  wrong Jacobian.
+*/
+#include "viscosity.h"
+
+/* Returns the coefficient of the newest force in BDF of order 1, 2, 3, ...: 1, 2/3, 6/11, ... */
+static PetscReal Response_Bdf(TS ts)
+{
+  PetscInt  order = 2;
+  PetscReal sum   = 0.0;
+
+  if (TSBDFGetOrder(ts, &order)) return 1.0;
+  for (PetscInt k = 1; k <= order; k++) sum += 1.0 / (PetscReal)k;
+  return 1.0 / sum;
+}
+
+static const ViscousIntegratorRow integrators[] = {
+    {
+        .name     = TSBEULER,
+        .brief    = "backward Euler, from (4u^n - u^{n-1})/3 over 2dt/3: BDF2 with the history on "
+                    "particles",
+        .citation = "Hairer & Wanner, Solving ODEs II (1996)",
+        .terms    = TIME_IMPLICIT,
+        .history  = PETSC_TRUE,
+        .end_of_step = PETSC_TRUE,
+    },
+    {
+        .name        = TSBDF,
+        .brief       = "backward differentiation by PETSc; particles fixed",
+        .citation    = "Hairer & Wanner, Solving ODEs II (1996)",
+        .terms       = TIME_IMPLICIT,
+        .multistep   = PETSC_TRUE,
+        .end_of_step = PETSC_TRUE,
+        .Response    = Response_Bdf,
+    },
+    {
+        .name     = TSCN,
+        .brief    = "Crank-Nicolson; rings on impulsively moved walls",
+        .citation = "Crank & Nicolson (1947)",
+        .terms    = TIME_IMPLICIT,
+    },
+    {
+        .name     = TSTHETA,
+        .brief    = "theta scheme (-visc_ts_theta_theta)",
+        .citation = "Hairer & Wanner, Solving ODEs II (1996)",
+        .terms    = TIME_IMPLICIT,
+    },
+    {
+        .name     = TSALPHA,
+        .brief    = "generalised alpha",
+        .citation = "Jansen, Whiting & Hulbert, Comput. Methods Appl. Mech. Eng. 190 (2000)",
+        .terms    = TIME_IMPLICIT,
+    },
+    {
+        .name     = TSARKIMEX,
+        .brief    = "additive Runge-Kutta, viscosity implicit, convection explicit",
+        .citation = "Kennedy & Carpenter, Appl. Numer. Math. 44 (2003)",
+        .terms    = TIME_IMEX,
+    },
+    {
+        .name     = TSROSW,
+        .brief    = "Rosenbrock-W, viscosity implicit, convection explicit",
+        .citation = "Rang & Angermann, BIT 45 (2005)",
+        .terms    = TIME_IMEX,
+    },
+    {
+        .name     = TSEULER,
+        .brief    = "forward Euler",
+        .citation = "",
+        .terms    = TIME_EXPLICIT,
+    },
+    {
+        .name     = TSSSP,
+        .brief    = "strong stability preserving Runge-Kutta",
+        .citation = "Ketcheson, SIAM J. Sci. Comput. 30 (2008)",
+        .terms    = TIME_EXPLICIT,
+    },
+    {
+        .name     = TSRK,
+        .brief    = "explicit Runge-Kutta",
+        .citation = "Bogacki & Shampine, Appl. Math. Lett. 2 (1989)",
+        .terms    = TIME_EXPLICIT,
+    },
+};
+const Table ViscousIntegratorTable =
+    TABLE("-visc_ts_type", "Time integrators of viscosity", integrators);

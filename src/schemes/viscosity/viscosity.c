@@ -1,0 +1,329 @@
+/*
+  Viscosity by PETSc's TS: one scalar system for each velocity component,
+
+    du_c/dt = nu (A u_c + B u_wall,c) - (v.grad) u_c + force_c,
+
+  the same matrix and the same KSP for all; or one system for all components if a form couples them
+  or the viscosity follows their strain rate. The integrator's row says which callback carries each
+  term; v is the advecting velocity of particles that do not move, given for the whole step.
+*/
+#include "viscosity.h"
+
+/* Refuses options that contradict a clock that owns time and a history on particles. */
+static PetscErrorCode RefuseTimeOptions(const ViscousIntegratorRow *row)
+{
+  PetscReal theta = 0.5;
+  PetscBool given;
+
+  PetscFunctionBegin;
+  PetscCall(TimeOptionsRefuse("visc_", row->name));
+  PetscCall(OptionGiven("-visc_ts_adapt_type", &given));
+  UserCheck(!given || !row->multistep,
+            "-visc_ts_adapt_type: %s shares its steps with the projection; use a one-step type "
+            "such as arkimex",
+            row->name);
+  PetscCall(PetscOptionsGetReal(NULL, NULL, "-visc_ts_theta_theta", &theta, NULL));
+  UserCheck(theta > 0.0 && theta <= 1.0, "-visc_ts_theta_theta %.6g: allowed is more than 0 to 1",
+            (double)theta);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Chooses the linear solver by the stiffness of the step, nu dt/dx^2: Jacobi below 2, block Jacobi
+  with ILU(0) up to 200, AMG above.
+*/
+static PetscErrorCode ViscosityCreateSolver(const Flow *flow, Viscosity *v)
+{
+  const Scene    *scene     = flow->scene;
+  const PetscReal stiffness = scene->nu_high * flow->clock->dt / PetscSqr(scene->dx);
+  PetscBool       symmetric;
+  KSP             ksp;
+  SNES            snes;
+  PC              pc;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetSNES(v->ts[0], &snes));
+  PetscCall(SNESGetKSP(snes, &ksp));
+  symmetric = LaplacianIs(&flow->ops->forms.visc, FORM_SYMMETRIC) && !v->nonlinear;
+  PetscCall(KSPSetType(ksp, symmetric ? KSPCG : KSPGMRES));
+  PetscCall(KSPSetTolerances(ksp, v->nonlinear ? 1e-3 : 1e-7, 0.0, PETSC_DEFAULT, 1000));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PCSetType(pc, stiffness < 2.0 ? PCJACOBI : stiffness < 200.0 ? PCBJACOBI : PCHYPRE));
+  for (PetscInt c = 0; c < v->systems; c++) {
+    PetscCall(TSGetSNES(v->ts[c], &snes));
+    if (c) PetscCall(SNESSetKSP(snes, ksp));
+    PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_MAX_INT)); /* the guard sees to those */
+  }
+  if (v->nonlinear) PetscCall(IterationChoose(snes));
+  v->guard.solve.ksp = ksp;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes the TS of one system and gives it the callbacks that its type takes. */
+static PetscErrorCode CreateSystem(Viscosity *v, PetscInt c)
+{
+  PetscFunctionBegin;
+  v->component[c].visc = v;
+  v->component[c].c    = c;
+  PetscCall(TSCreate(PETSC_COMM_WORLD, &v->ts[c]));
+  PetscCall(TSSetOptionsPrefix(v->ts[c], "visc_"));
+  PetscCall(TSSetProblemType(v->ts[c], v->nonlinear ? TS_NONLINEAR : TS_LINEAR));
+  PetscCall(TSSetType(v->ts[c], v->row->name));
+  PetscCall(TSSetExactFinalTime(v->ts[c], TS_EXACTFINALTIME_STEPOVER));
+  PetscCall(TSSetMaxSteps(v->ts[c], PETSC_MAX_INT - 1));
+  PetscCall(TSSetMaxTime(v->ts[c], PETSC_MAX_REAL));
+  PetscCall(TSSetErrorIfStepFails(v->ts[c], PETSC_FALSE));
+  if (v->row->terms != TIME_IMPLICIT)
+    PetscCall(TSSetRHSFunction(v->ts[c], NULL, ViscosityRHSFunction, &v->component[c]));
+  if (v->row->terms != TIME_EXPLICIT)
+    PetscCall(TSSetIFunction(v->ts[c], NULL, ViscosityIFunction, &v->component[c]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses an integrator whose history the run cannot keep: on moving particles, or undone. */
+static PetscErrorCode RefuseMultistep(const Flow *flow, const ViscousIntegratorRow *row)
+{
+  PetscFunctionBegin;
+  UserCheck(
+      !row->multistep || !SceneMoves(flow->scene),
+      "-visc_ts_type %s: its own history cannot follow particles that move; use beuler, which "
+      "is BDF2 with the history on particles, or -motion eulerian",
+      row->name);
+  UserCheck(
+      !row->multistep || !flow->clock->adapt->retries,
+      "-visc_ts_type %s: its own history cannot be undone with a step, as -dt_adapt retry wants; "
+      "use beuler",
+      row->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ViscosityCreate - Creates the integrators of the viscous term and adds their solve to the scheme
+
+  Collective on PETSC_COMM_WORLD. The clock's first time step chooses the preconditioner.
+
+  Options Database Keys:
+. -visc_ts_type, -visc_ksp_type, -visc_pc_type, ... - any TS, SNES, KSP or PC option of PETSc's
+
+  Errors: TS types that are no row of ViscousIntegratorTable, options that would give time to the
+  TS, and histories that the run cannot keep
+*/
+PetscErrorCode ViscosityCreate(Flow *flow, Viscosity **visc)
+{
+  Viscosity   *v;
+  LinearSolve *solve;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&v));
+  v->dim         = flow->scene->dim;
+  v->systems     = flow->ops->forms.components_coupled ? 1 : v->dim;
+  v->nonlinear   = SceneIsNewtonian(flow->scene) ? PETSC_FALSE : PETSC_TRUE;
+  v->flow        = flow;
+  v->guard.inner = v->nonlinear;
+  v->guard.Check = v->nonlinear ? IterationCheck : NULL;
+  solve          = &v->guard.solve;
+  solve->name    = "viscous";
+  solve->label   = "visc solver";
+  solve->prefix  = "visc_";
+  solve->column  = SOLVE_VELOCITY;
+  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Viscosity", "");
+  PetscCall(TableSelect(&ViscousIntegratorTable, "-visc_ts_type", "Time integrator of viscosity",
+                        TSBEULER, &v->row));
+  PetscOptionsEnd();
+  solve->integrator   = v->row->name;
+  solve->multistep    = v->row->multistep;
+  solve->views_matrix = v->row->terms != TIME_EXPLICIT ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(RefuseTimeOptions(v->row));
+  for (PetscInt c = 0; c < v->systems; c++) PetscCall(CreateSystem(v, c));
+  if (v->row->terms != TIME_EXPLICIT) PetscCall(ViscosityCreateSolver(flow, v));
+  for (PetscInt c = 0; c < v->systems; c++) {
+    TSAdapt adapt;
+
+    PetscCall(TSGetAdapt(v->ts[c], &adapt));
+    PetscCall(TSAdaptSetType(adapt, TSADAPTNONE));
+    PetscCall(TSSetFromOptions(v->ts[c]));
+  }
+  if (solve->ksp) PetscCall(GuardAttach(solve->ksp, &flow->ops->forms.visc, &v->guard));
+  PetscCall(RefuseMultistep(flow, v->row));
+  PetscCall(SchemeAddSolve(solve, flow->scheme));
+  *visc = v;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ViscosityFree(Viscosity *v)
+{
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < v->systems; c++) PetscCall(VecDestroy(&v->boundary[c]));
+  PetscCall(VecDestroy(&v->gradient));
+  PetscCall(VecDestroy(&v->work));
+  PetscCall(VecDestroy(&v->all));
+  PetscCall(VecDestroy(&v->all_force));
+  PetscCall(VecDestroy(&v->all_walls));
+  for (PetscInt c = 0; c < v->dim; c++) PetscCall(VecDestroy(&v->part[c]));
+  PetscCall(MatDestroy(&v->J));
+  v->assemblies         = 0;
+  v->guard.solve.matrix = NULL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ViscosityDestroy - Frees the integrators and their solvers; collective */
+PetscErrorCode ViscosityDestroy(Viscosity **visc)
+{
+  PetscFunctionBegin;
+  if (!*visc) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ViscosityFree(*visc));
+  PetscCall(GuardDetach(&(*visc)->guard));
+  for (PetscInt c = 0; c < (*visc)->systems; c++) PetscCall(TSDestroy(&(*visc)->ts[c]));
+  PetscCall(PetscFree(*visc));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes the vectors for the present numbering; the history of a TS goes with the old one. */
+static PetscErrorCode ViscosityRenumber(Viscosity *v)
+{
+  const Particles *p = v->flow->particles;
+
+  PetscFunctionBegin;
+  if (v->epoch == p->epoch) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ViscosityFree(v));
+  for (PetscInt c = 0; c < v->systems; c++) {
+    PetscCall(TSReset(v->ts[c]));
+    if (v->systems > 1) PetscCall(FluidVec(p, NULL, &v->boundary[c]));
+  }
+  PetscCall(FluidVec(p, NULL, &v->gradient));
+  PetscCall(FluidVec(p, NULL, &v->work));
+  v->epoch = p->epoch;
+  if (v->systems > 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VelocityVec(p, &v->boundary[0]));
+  PetscCall(VelocityVec(p, &v->all));
+  PetscCall(VelocityVec(p, &v->all_force));
+  PetscCall(WallVelocityVec(p, &v->all_walls));
+  for (PetscInt c = 0; c < v->dim; c++) PetscCall(FluidVec(p, NULL, &v->part[c]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes a Jacobian of the operators' present pattern; the preconditioner of the old one goes. */
+static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
+{
+  const Operators *ops = v->flow->ops;
+
+  PetscFunctionBegin;
+  if (!v->guard.solve.ksp || v->assemblies == ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SolverRenewPC(v->guard.solve.ksp));
+  PetscCall(MatDestroy(&v->J));
+  if (v->nonlinear) {
+    SNES snes;
+
+    PetscCall(TSGetSNES(v->ts[0], &snes)); /* -visc_snes_mf_operator is set up for the new one */
+    PetscCall(SNESReset(snes));
+  }
+  PetscCall(MatDuplicate(ops->visc.A, MAT_DO_NOT_COPY_VALUES, &v->J));
+  for (PetscInt c = 0; c < v->systems; c++) {
+    PetscCall(TSSetIJacobian(v->ts[c], v->J, v->J, ViscosityIJacobian, &v->component[c]));
+  }
+  v->guard.solve.matrix = v->J;
+  v->shift              = NAN;
+  v->assemblies         = ops->assemblies;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Advances one system over [t, t + dt], in one TS step unless a user's adaptor takes several. */
+static PetscErrorCode ViscosityTrySystem(Viscosity *v, PetscInt c, PetscReal t, PetscReal dt, Vec u,
+                                         StepFailure *failure)
+{
+  PetscReal h = dt;
+
+  PetscFunctionBegin;
+  PetscCall(TSSetSolution(v->ts[c], u));
+  if (!v->row->multistep)
+    PetscCall(TSRestartStep(v->ts[c])); /* stages of the last step belong to another flow */
+  if (v->nonlinear && v->guard.solve.ksp) PetscCall(IterationSetTolerance(v, t, u));
+  PetscCall(TimeStepThrough(v->ts[c], v->row->name, &v->guard, t, dt, &h, failure));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Advances one system; if the nonlinear solver fails, again with full steps. */
+static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t, PetscReal dt,
+                                          Vec u, StepFailure *failure)
+{
+  Vec       before;
+  PetscBool again;
+
+  PetscFunctionBegin;
+  if (!v->nonlinear || !v->guard.solve.ksp) {
+    PetscCall(ViscosityTrySystem(v, c, t, dt, u, failure));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(VecDuplicate(u, &before));
+  PetscCall(VecCopy(u, before));
+  PetscCall(ViscosityTrySystem(v, c, t, dt, u, failure));
+  PetscCall(IterationFallBack(v, failure, &again));
+  if (again) {
+    failure->code = PETSC_SUCCESS;
+    PetscCall(VecCopy(before, u));
+    PetscCall(ViscosityTrySystem(v, c, t, dt, u, failure));
+    PetscCall(IterationGoBack(v));
+  }
+  PetscCall(VecDestroy(&before));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ViscositySolve - Advances all velocity components over [t_new - dt, t_new], t_new = clock's t + dt
+
+    du/dt = nu lap u - (v.grad) u + force
+
+  Collective. Sets scheme->failure if a TS diverges, or no method reaches a small true residual.
+
+  Input Parameters:
++ dt                - length of this viscous step; shorter than the clock's if it starts from a
+                      history [s]
+. projection_factor - see WallValuesSetVelocity() [m^3 s/kg]
+. force             - per unit mass, constant over the step [m/s^2]
+- advecting         - v; NULL if particles move or the force holds the convection already [m/s]
+
+  Input/Output Parameter:
+. u - velocity components [m/s]
+*/
+PetscErrorCode ViscositySolve(Flow *flow, PetscReal dt, PetscReal projection_factor,
+                              const Vec force[], const Vec advecting[], Vec u[], Viscosity *v)
+{
+  const PetscReal t_new   = flow->clock->t + flow->clock->dt;
+  const PetscBool all     = v->systems == 1 ? PETSC_TRUE : PETSC_FALSE;
+  StepFailure    *failure = &flow->scheme->failure;
+
+  PetscFunctionBegin;
+  v->projection_factor      = projection_factor;
+  v->force                  = force;
+  v->advecting              = advecting;
+  v->wall_t                 = NAN;
+  v->guard.solve.iterations = 0;
+  PetscCall(ViscosityRenumber(v));
+  PetscCall(ViscosityUpdateJacobian(v));
+  PetscCall(ClockWhere(flow->clock, v->guard.where));
+  for (PetscInt c = 0; c < v->dim && all; c++) {
+    PetscCall(VecStrideScatter(u[c], c, v->all, INSERT_VALUES));
+    PetscCall(VecStrideScatter(force[c], c, v->all_force, INSERT_VALUES));
+  }
+  for (PetscInt c = 0; c < v->systems && !failure->code; c++)
+    PetscCall(ViscosityStepSystem(v, c, t_new - dt, dt, all ? v->all : u[c], failure));
+  for (PetscInt c = 0; c < v->dim && all; c++)
+    PetscCall(VecStrideGather(v->all, c, u[c], INSERT_VALUES));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ViscosityResponse - Returns the response of u to a force newly switched on, over dt: 1, or less
+   for BDF */
+PetscReal ViscosityResponse(const Viscosity *v)
+{
+  return v->row->Response ? v->row->Response(v->ts[0]) : 1.0;
+}
+
+/* ViscosityView - Prints the integrator and the nonlinear solver; collective on the viewer */
+PetscErrorCode ViscosityView(const Viscosity *v, PetscViewer viewer)
+{
+  PetscFunctionBegin;
+  PetscCall(TableViewRow("visc TS", v->row, viewer));
+  PetscCall(IterationView(v, viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,75 @@
+/*
+  The implicit viscous step: its state, its callbacks in terms.c, the nonlinear solver in
+  iteration.c and the table of integrators in integrators.c. Any scheme may use it.
+*/
+#ifndef ISPH_SCHEMES_VISCOSITY_H
+#define ISPH_SCHEMES_VISCOSITY_H
+
+#include "isph/guard.h"
+
+/* The callbacks that carry the terms of the viscous equation. */
+typedef enum {
+  TIME_IMPLICIT, /* IFunction: viscosity; convection extrapolated into the force */
+  TIME_IMEX,     /* IFunction: viscosity; RHSFunction: convection */
+  TIME_EXPLICIT  /* RHSFunction: everything */
+} ViscousTerms;
+typedef struct {
+  const char  *name, *brief, *citation; /* name: the TS type */
+  ViscousTerms terms;
+  PetscBool    history;         /* one stage: starts from (4u^n - u^{n-1})/3 for second order */
+  PetscBool    multistep;       /* PETSc keeps earlier velocities; they cannot follow particles */
+  PetscBool    end_of_step;     /* the force is taken at the end of the step, else at its middle */
+  PetscReal (*Response)(TS ts); /* of u* to a force newly switched on, over dt; NULL: 1 */
+} ViscousIntegratorRow;
+
+typedef struct Viscosity Viscosity;
+typedef struct {
+  Viscosity *visc;
+  PetscInt   c; /* component */
+} Component;
+
+struct Viscosity {
+  const ViscousIntegratorRow *row;
+  PetscInt                    dim;
+  PetscInt                    systems;          /* one for each component, or one of all together */
+  PetscBool                   nonlinear;        /* the viscosity follows the strain rate */
+  TS                          ts[ISPH_MAX_DIM]; /* they share the SNES's KSP of the first */
+  Component                   component[ISPH_MAX_DIM];
+  Guard                       guard;                /* its KSP is NULL: explicit */
+  Mat                         J;                    /* shift I - nu A */
+  PetscReal                   shift;                /* in J; NaN: J is not yet made [1/s] */
+  PetscInt                    assemblies;           /* stamp of the operators in J */
+  PetscInt                    epoch;                /* of the vectors below */
+  Vec       boundary[ISPH_MAX_DIM], gradient, work; /* B u_wall,c at wall_t; work */
+  PetscReal wall_t;
+  Vec       all, all_force, all_walls; /* of all components: velocity, force, walls' velocity */
+  Vec       part[ISPH_MAX_DIM];        /* their components; work */
+
+  Flow      *flow;              /* of the solve at hand, for the callbacks */
+  PetscReal  projection_factor; /* see WallValuesSetVelocity() */
+  const Vec *force, *advecting;
+};
+
+PetscErrorCode ViscosityCreate(Flow *flow, Viscosity **visc);
+PetscErrorCode ViscosityDestroy(Viscosity **visc);
+PetscErrorCode ViscositySolve(Flow *flow, PetscReal dt, PetscReal projection_factor,
+                              const Vec force[], const Vec advecting[], Vec u[], Viscosity *visc);
+PetscReal      ViscosityResponse(const Viscosity *visc);
+PetscErrorCode ViscosityView(const Viscosity *visc, PetscViewer viewer);
+
+/* iteration.c */
+PetscErrorCode IterationChoose(SNES snes);
+PetscErrorCode IterationFallBack(Viscosity *visc, const StepFailure *failure, PetscBool *again);
+PetscErrorCode IterationGoBack(Viscosity *visc);
+PetscErrorCode IterationSetTolerance(Viscosity *visc, PetscReal t, Vec u);
+PetscErrorCode IterationCheck(TS ts, const char where[], StepFailure *failure);
+PetscErrorCode IterationView(const Viscosity *visc, PetscViewer viewer);
+
+/* terms.c */
+PetscErrorCode ViscosityScale(Viscosity *visc, PetscReal t, Vec u, Vec force, PetscReal *scale);
+PetscErrorCode ViscosityIFunction(TS ts, PetscReal t, Vec u, Vec udot, Vec f, void *ctx);
+PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal shift, Mat J,
+                                  Mat P, void *ctx);
+PetscErrorCode ViscosityRHSFunction(TS ts, PetscReal t, Vec u, Vec f, void *ctx);
+
+#endif
