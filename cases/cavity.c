@@ -87,11 +87,11 @@ static const CavityReference *FindReference(const Scene *scene, const Clock *clo
 }
 
 /*
-  CavityMeasure - Extrema and profiles of the velocity on the centrelines, in units of U
+  Extrema and profiles of the velocity on the centrelines, in units of U
 
   u on the line x = L/2 (all other coordinates in the middle too), v on y = L/2.
 */
-PetscErrorCode CavityMeasure(const Flow *flow, Report *report)
+static PetscErrorCode CavityMeasure(const Flow *flow, Report *report)
 {
   const CavityReference *r = FindReference(flow->scene, flow->clock);
   const PetscReal reynolds = SceneIsNewtonian(flow->scene) ? SceneReynolds(flow->scene) : NAN;
@@ -113,3 +113,18 @@ PetscErrorCode CavityMeasure(const Flow *flow, Report *report)
   PetscCall(MeasureCommon(flow, energy, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+const CaseRow CaseCavity = {
+    .name            = "cavity",
+    .brief           = "lid-driven square or cubic cavity",
+    .citation        = "Botella & Peyret, Computers & Fluids 27 (1998)",
+    .three_d         = PETSC_TRUE,
+    .physics         = NAVIER_STOKES | PHYSICS_WALLS,
+    .reynolds        = 100.0,
+    .reynolds_length = 1.0,
+    .t_end           = 20.0,
+    .n               = 50,
+    .Setup           = CavitySetup,
+    .WallVelocity    = CavityWallVelocity,
+    .Measure         = CavityMeasure,
+};

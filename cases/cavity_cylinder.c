@@ -4,7 +4,7 @@
 */
 #include "cases.h"
 
-PetscErrorCode CavityCylinderSetup(Scene *scene)
+static PetscErrorCode CavityCylinderSetup(Scene *scene)
 {
   PetscFunctionBegin;
   PetscCall(CavitySetup(scene));
@@ -14,10 +14,10 @@ PetscErrorCode CavityCylinderSetup(Scene *scene)
 }
 
 /*
-  CavityCylinderMeasure - Extrema and profiles on the centrelines outside the cylinder, at Re = 1000
+  Extrema and profiles on the centrelines outside the cylinder, at Re = 1000
   against finite volumes at t = 40 from rest (extrapolated from 2,176, 8,704 and 34,816 cells)
 */
-PetscErrorCode CavityCylinderMeasure(const Flow *flow, Report *report)
+static PetscErrorCode CavityCylinderMeasure(const Flow *flow, Report *report)
 {
   const Scene    *scene    = flow->scene;
   const PetscReal time     = ClockMoment(flow->clock) * scene->speed / scene->length;
@@ -44,3 +44,17 @@ PetscErrorCode CavityCylinderMeasure(const Flow *flow, Report *report)
   PetscCall(MeasureCommon(flow, energy, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+const CaseRow CaseCavityCylinder = {
+    .name            = "cavity_cylinder",
+    .brief           = "lid-driven cavity with a fixed cylinder of half its width in the middle",
+    .citation        = "Zheng, Ma & Shao, Water 10 (2018)",
+    .physics         = NAVIER_STOKES | PHYSICS_WALLS,
+    .reynolds        = 1000.0,
+    .reynolds_length = 1.0,
+    .t_end           = 40.0,
+    .n               = 50,
+    .Setup           = CavityCylinderSetup,
+    .WallVelocity    = CavityWallVelocity,
+    .Measure         = CavityCylinderMeasure,
+};

@@ -1,7 +1,7 @@
 /* A closed box of fluid at rest under gravity: it must stay so. g = U^2/L along the last axis. */
 #include "cases.h"
 
-PetscErrorCode HydrostaticSetup(Scene *scene)
+static PetscErrorCode HydrostaticSetup(Scene *scene)
 {
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) scene->hi[a] = scene->length;
@@ -9,9 +9,9 @@ PetscErrorCode HydrostaticSetup(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* HydrostaticExact - u = 0, p = rho f.(x - middle), f the force per unit mass */
-void HydrostaticExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
-                      PetscReal *p)
+/* u = 0, p = rho f.(x - middle), f the force per unit mass */
+static void HydrostaticExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
+                             PetscReal *p)
 {
   *p = 0.0;
   for (PetscInt a = 0; a < scene->dim; a++) {
@@ -21,10 +21,10 @@ void HydrostaticExact(const Scene *scene, PetscReal t, const PetscReal x[], Pets
 }
 
 /*
-  HydrostaticMeasure - Adds the pressure error and speed_over_gdt, the largest speed over what
+  Adds the pressure error and speed_over_gdt, the largest speed over what
   gravity would give in one step, g dt
 */
-PetscErrorCode HydrostaticMeasure(const Flow *flow, Report *report)
+static PetscErrorCode HydrostaticMeasure(const Flow *flow, Report *report)
 {
   const Scene *scene = flow->scene;
   PetscReal    fall  = 0.0;
@@ -37,3 +37,18 @@ PetscErrorCode HydrostaticMeasure(const Flow *flow, Report *report)
   PetscCall(MeasureExact(flow, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+const CaseRow CaseHydrostatic = {
+    .name            = "hydrostatic",
+    .brief           = "closed box at rest under gravity",
+    .citation        = "",
+    .three_d         = PETSC_TRUE,
+    .physics         = NAVIER_STOKES | PHYSICS_WALLS | PHYSICS_BODY_FORCE,
+    .reynolds        = 100.0,
+    .reynolds_length = 1.0,
+    .t_end           = 10.0,
+    .n               = 16,
+    .Setup           = HydrostaticSetup,
+    .Exact           = HydrostaticExact,
+    .Measure         = HydrostaticMeasure,
+};

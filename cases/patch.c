@@ -4,7 +4,7 @@
 */
 #include "cases.h"
 
-PetscErrorCode PatchSetup(Scene *scene)
+static PetscErrorCode PatchSetup(Scene *scene)
 {
   PetscFunctionBegin;
   UserCheck(scene->n - 2.0 * scene->margin >= 2.0,
@@ -16,3 +16,16 @@ PetscErrorCode PatchSetup(Scene *scene)
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+const CaseRow CasePatch = {
+    .name            = "patch",
+    .brief           = "patch test: what an operator is worth on a given field, no flow",
+    .citation        = "Zheng, Ma & Shao, Water 10 (2018)",
+    .three_d         = PETSC_TRUE,
+    .physics         = PHYSICS_VISCOSITY | PHYSICS_WALLS,
+    .reynolds        = 1.0,
+    .reynolds_length = 1.0,
+    .n               = 50,
+    .Setup           = PatchSetup,
+    .patch           = PETSC_TRUE,
+};

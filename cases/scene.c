@@ -4,32 +4,32 @@
 */
 #include "cases.h"
 
-/* SceneTypedSetup - Nothing to add: the options have made the scene */
-PetscErrorCode SceneTypedSetup(Scene *scene)
+/* Nothing to add: the options have made the scene. */
+static PetscErrorCode SceneTypedSetup(Scene *scene)
 {
   PetscFunctionBegin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SceneTypedVelocity - -scene_velocity, else -scene_exact at the start, else rest */
-void SceneTypedVelocity(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[])
+/* -scene_velocity, else -scene_exact at the start, else rest. */
+static void SceneTypedVelocity(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[])
 {
   const Expression *e = scene->velocity.n ? &scene->velocity : &scene->exact;
 
   for (PetscInt a = 0; a < scene->dim; a++) u[a] = ExpressionValue(e, a, t, x);
 }
 
-/* SceneTypedExact - -scene_exact; p is left alone where it has none */
-void SceneTypedExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
-                     PetscReal *p)
+/* -scene_exact; p is left alone where it has none. */
+static void SceneTypedExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
+                            PetscReal *p)
 {
   for (PetscInt a = 0; a < scene->dim; a++) u[a] = ExpressionValue(&scene->exact, a, t, x);
   if (scene->exact.n > scene->dim) *p = ExpressionValue(&scene->exact, scene->dim, t, x);
 }
 
-/* SceneTypedWallVelocity - The velocity typed for a side of the box */
-void SceneTypedWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
-                            PetscReal u[])
+/* The velocity typed for a side of the box. */
+static void SceneTypedWallVelocity(const Scene *scene, PetscInt side, PetscReal t,
+                                   const PetscReal x[], PetscReal u[])
 {
   for (PetscInt a = 0; a < scene->dim; a++)
     u[a] = ExpressionValue(&scene->side_velocity[side], a, t, x);
@@ -57,10 +57,10 @@ static PetscErrorCode MeasureBodies(const Flow *flow, Report *report)
 }
 
 /*
-  SceneTypedMeasure - Errors against -scene_exact, force and torque on each body, extrema on the
+  Errors against -scene_exact, force and torque on each body, extrema on the
   centrelines of a closed box without bodies, integrals
 */
-PetscErrorCode SceneTypedMeasure(const Flow *flow, Report *report)
+static PetscErrorCode SceneTypedMeasure(const Flow *flow, Report *report)
 {
   const Scene *scene = flow->scene;
 
@@ -72,3 +72,20 @@ PetscErrorCode SceneTypedMeasure(const Flow *flow, Report *report)
   PetscCall(MeasureCommon(flow, NAN, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+const CaseRow CaseScene = {
+    .name            = "scene",
+    .brief           = "typed by -scene_ options: a box, its sides, bodies",
+    .citation        = "",
+    .physics         = NAVIER_STOKES | PHYSICS_WALLS,
+    .reynolds        = 100.0,
+    .reynolds_length = 1.0,
+    .t_end           = 10.0,
+    .n               = 50,
+    .Setup           = SceneTypedSetup,
+    .Velocity        = SceneTypedVelocity,
+    .WallVelocity    = SceneTypedWallVelocity,
+    .Exact           = SceneTypedExact,
+    .Measure         = SceneTypedMeasure,
+    .typed           = PETSC_TRUE,
+};

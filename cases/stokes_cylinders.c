@@ -34,7 +34,7 @@ static PetscReal TabulatedDrag(PetscReal c)
 
 /* The force that drives it gives velocities of order U: f = nu U/L^2 times the drag at that
    fraction. */
-PetscErrorCode StokesCylindersSetup(Scene *scene)
+static PetscErrorCode StokesCylindersSetup(Scene *scene)
 {
   const PetscReal middle = 0.5 * scene->length,
                   radius = scene->length * PetscSqrtReal(scene->solid_fraction / PETSC_PI);
@@ -71,10 +71,10 @@ static PetscErrorCode SuperficialVelocity(const Flow *flow, PetscReal *mean)
 }
 
 /*
-  StokesCylindersMeasure - Drag on mu U, from the traction on the cylinder and from the balance with
+  Drag on mu U, from the traction on the cylinder and from the balance with
   the driving force, which the steady flow must have
 */
-PetscErrorCode StokesCylindersMeasure(const Flow *flow, Report *report)
+static PetscErrorCode StokesCylindersMeasure(const Flow *flow, Report *report)
 {
   const Scene    *scene = flow->scene;
   const PetscReal c = scene->solid_fraction, mu = scene->rho * scene->nu;
@@ -94,3 +94,17 @@ PetscErrorCode StokesCylindersMeasure(const Flow *flow, Report *report)
   PetscCall(MeasureCommon(flow, NAN, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+const CaseRow CaseStokesCylinders = {
+    .name            = "stokes_cylinders",
+    .brief           = "creeping flow through a square array of cylinders",
+    .citation        = "Sangani & Acrivos, Int. J. Multiphase Flow 8 (1982)",
+    .physics         = PHYSICS_VISCOSITY | PHYSICS_PRESSURE | PHYSICS_WALLS | PHYSICS_BODY_FORCE,
+    .reynolds        = 1.0,
+    .reynolds_length = 1.0,
+    .t_end           = 1.0,
+    .n               = 50,
+    .Setup           = StokesCylindersSetup,
+    .Measure         = StokesCylindersMeasure,
+    .solid_fraction  = 0.1,
+};

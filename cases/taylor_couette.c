@@ -5,7 +5,7 @@
 #include "cases.h"
 
 /* The box leaves room for layers behind the outer wall; it has no walls of its own. */
-PetscErrorCode TaylorCouetteSetup(Scene *scene)
+static PetscErrorCode TaylorCouetteSetup(Scene *scene)
 {
   const PetscReal room = scene->length + 6.0 * scene->dx;
 
@@ -24,7 +24,7 @@ PetscErrorCode TaylorCouetteSetup(Scene *scene)
 }
 
 /*
-  TaylorCouetteExact - Rest at the start, else the steady velocity and pressure, which are reached
+  Rest at the start, else the steady velocity and pressure, which are reached
   after a few (R2 - R1)^2/nu
 
     u_theta = A r + B/r,  A = -U R1/(R2^2 - R1^2),  B = U R1 R2^2/(R2^2 - R1^2)
@@ -32,8 +32,8 @@ PetscErrorCode TaylorCouetteSetup(Scene *scene)
 
   Reference: G. I. Taylor, Phil. Trans. R. Soc. A 223 (1923) 289-343
 */
-void TaylorCouetteExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
-                        PetscReal *p)
+static void TaylorCouetteExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
+                               PetscReal *p)
 {
   const PetscReal R1 = 0.5 * scene->length, R2 = scene->length, gap = R2 * R2 - R1 * R1;
   const PetscReal A = -scene->speed * R1 / gap, B = scene->speed * R1 * R2 * R2 / gap;
@@ -46,9 +46,9 @@ void TaylorCouetteExact(const Scene *scene, PetscReal t, const PetscReal x[], Pe
   *p   = scene->rho * (0.5 * A * A * r2 + A * B * PetscLogReal(r2) - 0.5 * B * B / r2);
 }
 
-/* TaylorCouetteMeasure - Norms, and the torque on the inner cylinder, -4 pi mu B per metre of
+/* Norms, and the torque on the inner cylinder, -4 pi mu B per metre of
    depth */
-PetscErrorCode TaylorCouetteMeasure(const Flow *flow, Report *report)
+static PetscErrorCode TaylorCouetteMeasure(const Flow *flow, Report *report)
 {
   const Scene    *scene = flow->scene;
   const PetscReal R1 = 0.5 * scene->length, R2 = scene->length;
@@ -66,3 +66,17 @@ PetscErrorCode TaylorCouetteMeasure(const Flow *flow, Report *report)
   PetscCall(MeasureExact(flow, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+const CaseRow CaseTaylorCouette = {
+    .name            = "taylor_couette",
+    .brief           = "between cylinders of radius L/2, turning with U, and L, at rest",
+    .citation        = "Taylor, Phil. Trans. R. Soc. A 223 (1923)",
+    .physics         = NAVIER_STOKES | PHYSICS_WALLS,
+    .reynolds        = 10.0,
+    .reynolds_length = 0.5,
+    .t_end           = 20.0,
+    .n               = 25,
+    .Setup           = TaylorCouetteSetup,
+    .Exact           = TaylorCouetteExact,
+    .Measure         = TaylorCouetteMeasure,
+};

@@ -61,7 +61,7 @@ struct Body {
 
 /*
   A case: geometry, initial and boundary values, exact solution or reference data. One file each in
-  cases/, one row each in cases/cases.c. Never a time loop, never a scheme.
+  cases/ with the row at its foot, one word each in cases/cases.c. Never a time loop, never a scheme.
 */
 typedef struct {
   const char *name, *brief, *citation;

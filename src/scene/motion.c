@@ -3,8 +3,16 @@
 #include "isph/scene.h"
 
 static const MotionRow motions[] = {
-    {"lagrangian", "particles move with the flow and are shifted", "", PETSC_TRUE},
-    {"eulerian", "particles stay; du/dt gains -u.grad u; operators are built once", "",
-     PETSC_FALSE},
+    {
+        .name           = "lagrangian",
+        .brief          = "particles move with the flow and are shifted",
+        .citation       = "",
+        .particles_move = PETSC_TRUE,
+    },
+    {
+        .name     = "eulerian",
+        .brief    = "particles stay; du/dt gains -u.grad u; operators are built once",
+        .citation = "",
+    },
 };
 const Table MotionTable = TABLE("-motion", "Motions", motions);

@@ -66,19 +66,38 @@ static PetscReal RheologyRate_Papanastasiou(const Rheology *r, PetscReal tau)
 #define BIT(parameter) (1u << (parameter))
 
 static const RheologyRow rheologies[] = {
-    /* name, brief, citation, numbers it takes, those that have no default, nu(g), g(tau) */
-    {"newtonian", "viscosity does not follow the strain rate g = sqrt(2 E:E)", "", 0, 0, NULL,
-     NULL},
-    {"power_law", "nu = K g^(n-1)", "Ostwald, Kolloid-Z. 36 (1925)",
-     BIT(RHEOLOGY_CONSISTENCY) | BIT(RHEOLOGY_EXPONENT), BIT(RHEOLOGY_EXPONENT),
-     RheologyNu_PowerLaw, RheologyRate_PowerLaw},
-    {"carreau", "nu = nu_inf + (nu - nu_inf) (1 + (lambda g)^2)^((n-1)/2)",
-     "Carreau, Trans. Soc. Rheol. 16 (1972)",
-     BIT(RHEOLOGY_EXPONENT) | BIT(RHEOLOGY_TIME) | BIT(RHEOLOGY_INFINITE), BIT(RHEOLOGY_EXPONENT),
-     RheologyNu_Carreau, RheologyRate_Carreau},
-    {"papanastasiou", "nu + tau_0 (1 - exp(-m g))/g: Bingham's plastic, regularised",
-     "Papanastasiou, J. Rheol. 31 (1987)", BIT(RHEOLOGY_YIELD) | BIT(RHEOLOGY_REGULARISATION),
-     BIT(RHEOLOGY_YIELD), RheologyNu_Papanastasiou, RheologyRate_Papanastasiou},
+    {
+        .name     = "newtonian",
+        .brief    = "viscosity does not follow the strain rate g = sqrt(2 E:E)",
+        .citation = "",
+    },
+    {
+        .name     = "power_law",
+        .brief    = "nu = K g^(n-1)",
+        .citation = "Ostwald, Kolloid-Z. 36 (1925)",
+        .takes    = BIT(RHEOLOGY_CONSISTENCY) | BIT(RHEOLOGY_EXPONENT),
+        .wants    = BIT(RHEOLOGY_EXPONENT),
+        .Nu       = RheologyNu_PowerLaw,
+        .Rate     = RheologyRate_PowerLaw,
+    },
+    {
+        .name     = "carreau",
+        .brief    = "nu = nu_inf + (nu - nu_inf) (1 + (lambda g)^2)^((n-1)/2)",
+        .citation = "Carreau, Trans. Soc. Rheol. 16 (1972)",
+        .takes    = BIT(RHEOLOGY_EXPONENT) | BIT(RHEOLOGY_TIME) | BIT(RHEOLOGY_INFINITE),
+        .wants    = BIT(RHEOLOGY_EXPONENT),
+        .Nu       = RheologyNu_Carreau,
+        .Rate     = RheologyRate_Carreau,
+    },
+    {
+        .name     = "papanastasiou",
+        .brief    = "nu + tau_0 (1 - exp(-m g))/g: Bingham's plastic, regularised",
+        .citation = "Papanastasiou, J. Rheol. 31 (1987)",
+        .takes    = BIT(RHEOLOGY_YIELD) | BIT(RHEOLOGY_REGULARISATION),
+        .wants    = BIT(RHEOLOGY_YIELD),
+        .Nu       = RheologyNu_Papanastasiou,
+        .Rate     = RheologyRate_Papanastasiou,
+    },
 };
 const Table RheologyTable = TABLE("-rheology", "Rheologies", rheologies);
 

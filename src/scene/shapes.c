@@ -207,13 +207,43 @@ static PetscReal PolygonPoint(const Body *body, PetscInt k, PetscReal dx, PetscR
 }
 
 static const ShapeRow shapes[] = {
-    /* name, brief, citation, numbers: fewest, most, round, functions */
-    {"circle", "cx,cy,r", "", 3, 3, PETSC_TRUE, CirclePrepare, CircleSpan, CircleDistance,
-     CircleCount, CirclePoint},
-    {"box", "x0,y0,x1,y1: two opposite corners", "", 4, 4, PETSC_FALSE, BoxPrepare, PolygonSpan,
-     PolygonDistance, PolygonCount, PolygonPoint},
-    {"polygon", "x0,y0,x1,y1,...: corners in order", "", 6, BODY_PARAMETERS, PETSC_FALSE,
-     PolygonPrepare, PolygonSpan, PolygonDistance, PolygonCount, PolygonPoint},
+    {
+        .name     = "circle",
+        .brief    = "cx,cy,r",
+        .citation = "",
+        .fewest   = 3,
+        .most     = 3,
+        .round    = PETSC_TRUE,
+        .Prepare  = CirclePrepare,
+        .Span     = CircleSpan,
+        .Distance = CircleDistance,
+        .Count    = CircleCount,
+        .Point    = CirclePoint,
+    },
+    {
+        .name     = "box",
+        .brief    = "x0,y0,x1,y1: two opposite corners",
+        .citation = "",
+        .fewest   = 4,
+        .most     = 4,
+        .Prepare  = BoxPrepare,
+        .Span     = PolygonSpan,
+        .Distance = PolygonDistance,
+        .Count    = PolygonCount,
+        .Point    = PolygonPoint,
+    },
+    {
+        .name     = "polygon",
+        .brief    = "x0,y0,x1,y1,...: corners in order",
+        .citation = "",
+        .fewest   = 6,
+        .most     = BODY_PARAMETERS,
+        .Prepare  = PolygonPrepare,
+        .Span     = PolygonSpan,
+        .Distance = PolygonDistance,
+        .Count    = PolygonCount,
+        .Point    = PolygonPoint,
+    },
 };
 const Table ShapeTable = TABLE("-scene_body_<k>", "Shapes of bodies", shapes);
 
