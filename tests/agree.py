@@ -1,7 +1,7 @@
 """agree.py TOLERANCE QUANTITY[,QUANTITY...] COMMAND_A... --and COMMAND_B...
 
-Runs both commands, each in a directory of its own (a/, then b/, so B may read ../a/), with -report,
-and passes if every quantity's last value agrees: |a - b| <= TOLERANCE max(|a|, |b|).
+Runs both commands with -report in separate directories, first A in a/, then B in b/, so that B may read
+../a/. Passes if the last value of every quantity agrees: |a - b| <= TOLERANCE max(|a|, |b|).
 """
 
 import csv
@@ -12,7 +12,7 @@ import sys
 
 
 def run(name, command):
-    """Run a command and return the last value of every quantity it reported."""
+    """Runs a command and returns the last value of every quantity in its report."""
     os.makedirs(name)
     print(f"{name}: {' '.join(command)}", flush=True)
     done = subprocess.run(command + ["-report", "report.csv"], cwd=name, text=True,

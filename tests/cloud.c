@@ -1,7 +1,7 @@
-/* The builder of cloud.h: from a few numbers to particles, neighbours and assembled operators. */
+/* Builder of cloud.h: from a few numbers to particles, neighbours and assembled operators. */
 #include "cloud.h"
 
-/* CloudKeepMessage - For PetscPushErrorHandler(); kept takes 512 characters */
+/* CloudKeepMessage - Copies an error message for PetscPushErrorHandler(); kept: 512 characters */
 PetscErrorCode CloudKeepMessage(MPI_Comm comm, int line, const char *function, const char *file,
                                 PetscErrorCode code, PetscErrorType type, const char *message,
                                 void *kept)
@@ -26,7 +26,7 @@ static void CloudWallVelocity(const Scene *scene, PetscInt side, PetscReal t, co
     u[c] = QuadraticAt(cloud, &cloud->wall_u[c], x) + cloud->slide[side][c];
 }
 
-/* A circle at rest in the middle of the box. */
+/* Adds a circle at rest in the middle of the box. */
 static void CloudAddCircle(PetscReal radius, Scene *scene)
 {
   BodyCircle(&scene->bodies[0], 0.5 * (scene->lo[0] + scene->hi[0]),
@@ -36,11 +36,11 @@ static void CloudAddCircle(PetscReal radius, Scene *scene)
 }
 
 /*
-  CloudOperators - Creates the scene and the operators that the options choose, no particle yet
+  CloudOperators - Creates the scene and the operators that the options choose; no particles yet
 
-  Collective. The options are read from a database of their own.
+  Collective. The options are read from a separate database.
 
-  Errors: those of OperatorsCreate(), the database restored
+  Errors: as OperatorsCreate(); the database is restored first
 */
 PetscErrorCode CloudOperators(const CloudBox *box, const char options[], Cloud *cloud)
 {
@@ -101,7 +101,7 @@ static PetscErrorCode CloudAssemble(PetscReal margin_step, Cloud *cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CloudCreate - All of a cloud, operators assembled, walls at rest; collective */
+/* CloudCreate - Creates a cloud with assembled operators and walls at rest; collective */
 PetscErrorCode CloudCreate(const CloudBox *box, const char options[], Cloud *cloud)
 {
   WallPlacement walls;
@@ -130,13 +130,13 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
 }
 
 /*
-  CloudMove - Moves every fluid particle by at most `length` [dx] along each axis, and assembles
+  CloudMove - Moves each fluid particle by at most `length` [dx] along each axis and assembles anew
 
   Collective
 
   Input Parameters:
-+ renumber    - whether a new epoch begins
-- margin_step - the step length that neighbours are told [dx]
++ renumber    - flag: begin a new epoch
+- margin_step - step length passed to NeighborsUpdate() [dx]
 */
 PetscErrorCode CloudMove(PetscReal length, PetscBool renumber, PetscReal margin_step, Cloud *cloud)
 {
@@ -179,7 +179,7 @@ PetscBool CloudHas(const LaplacianRow *form, FormProperty property)
   return (form->properties & (unsigned)property) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* CloudPeriodic - A periodic box with interior rows for supports of up to 3 dx */
+/* CloudPeriodic - Returns a periodic box with interior rows for supports up to 3 dx */
 CloudBox CloudPeriodic(PetscInt dim, PetscReal jitter)
 {
   const PetscInt n = dim == 2 ? 16 : 9;
@@ -192,7 +192,7 @@ CloudBox CloudPeriodic(PetscInt dim, PetscReal jitter)
                     .jitter     = jitter};
 }
 
-/* CloudCreateForm - A cloud with one Laplacian; mls for the pressure where that is not solvable */
+/* CloudCreateForm - Creates a cloud for a form; the pressure has mls if the form is unsafe */
 void CloudCreateForm(const CloudBox *box, const char kernel[], const LaplacianRow *form,
                      Cloud *cloud)
 {
@@ -204,13 +204,13 @@ void CloudCreateForm(const CloudBox *box, const char kernel[], const LaplacianRo
   ASSERT_OK(CloudCreate(box, options, cloud));
 }
 
-/* QuadraticCount - How many monomials: the s_a, then the s_a s_b */
+/* QuadraticCount - Returns the number of monomials s_a and s_a s_b */
 PetscInt QuadraticCount(PetscInt dim)
 {
   return dim + dim * (dim + 1) / 2;
 }
 
-/* QuadraticMonomial - Monomial k: s_a for k < dim, then s_a s_b, b <= a, by rows */
+/* QuadraticMonomial - Returns monomial k: s_a for k < dim, then s_a s_b with b <= a, row by row */
 Quadratic QuadraticMonomial(PetscInt dim, PetscInt k)
 {
   Quadratic q = {0};
@@ -249,7 +249,7 @@ PetscReal QuadraticAt(const Cloud *cloud, const Quadratic *q, const PetscReal x[
   return value;
 }
 
-/* QuadraticDerivative - d/dx_a of a field, again a field */
+/* QuadraticDerivative - Returns d/dx_a of a field, which is a field again */
 Quadratic QuadraticDerivative(const Cloud *cloud, const Quadratic *q, PetscInt a)
 {
   Quadratic d = {.c = q->g[a] / cloud->scene.dx};
@@ -258,7 +258,7 @@ Quadratic QuadraticDerivative(const Cloud *cloud, const Quadratic *q, PetscInt a
   return d;
 }
 
-/* QuadraticLaplacian - A constant field */
+/* QuadraticLaplacian - Returns the Laplacian of a field, a constant field */
 Quadratic QuadraticLaplacian(const Cloud *cloud, const Quadratic *q)
 {
   Quadratic lap = {0};
@@ -272,7 +272,7 @@ static void Position(const Particles *p, PetscInt i, PetscReal x[])
   for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
 }
 
-/* CloudSet - The field over the fluid; collective on v */
+/* CloudSet - Sets v to the field at the fluid particles; collective on v */
 PetscErrorCode CloudSet(const Cloud *cloud, const Quadratic *q, Vec v)
 {
   PetscReal *value, x[ISPH_MAX_DIM];
@@ -287,8 +287,8 @@ PetscErrorCode CloudSet(const Cloud *cloud, const Quadratic *q, Vec v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CloudSetSlope - n.grad of the field at the surface point of each wall particle; collective on e
- */
+/* CloudSetSlope - Sets e to n.grad of the field at the wall point of each wall particle; collective
+   on e */
 PetscErrorCode CloudSetSlope(const Cloud *cloud, const Quadratic *q, Vec e)
 {
   const Particles *p = cloud->particles;
@@ -312,7 +312,7 @@ PetscErrorCode CloudSetSlope(const Cloud *cloud, const Quadratic *q, Vec e)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CloudSetWalls - Sets the wall data to the walls' velocity; not collective */
+/* CloudSetWalls - Sets the wall values to the wall velocity; not collective */
 PetscErrorCode CloudSetWalls(Cloud *cloud)
 {
   PetscFunctionBegin;
@@ -320,7 +320,7 @@ PetscErrorCode CloudSetWalls(Cloud *cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CloudDivergence - y = div of the velocity f with the walls' velocity; collective */
+/* CloudDivergence - Computes y = div of the velocity f with the wall velocity; collective */
 PetscErrorCode CloudDivergence(const Cloud *cloud, Vec y)
 {
   const Operators *ops = cloud->ops;
@@ -333,10 +333,10 @@ PetscErrorCode CloudDivergence(const Cloud *cloud, Vec y)
 }
 
 /*
-  CloudError - Largest |y - expected| over fluid particles
+  CloudError - Computes the largest |y - expected| over fluid particles
 
-  Collective. Input: interior - leave out particles whose support reaches over a periodic side,
-  where a polynomial jumps.
+  Collective. Input: interior - flag: skip particles whose support crosses a periodic side, because
+  a polynomial jumps there.
 */
 PetscErrorCode CloudError(const Cloud *cloud, Vec y, const Quadratic *expected, PetscBool interior,
                           PetscReal *error)

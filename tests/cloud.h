@@ -1,6 +1,7 @@
 /*
-  A cloud of particles with its operators, built as a run builds them, for the tests of identities:
-  a box of spacing 0.1, walls on the axes that are not periodic, polynomial fields about its centre.
+  A cloud of particles with its operators, created as in a run, for tests of identities. The box has
+  the spacing 0.1 and walls on the axes that are not periodic. Fields are polynomials about its
+  centre.
 */
 #ifndef CLOUD_H
 #define CLOUD_H
@@ -11,14 +12,14 @@
 #include <cmocka.h>
 #include "isph/operators.h"
 
-/* What is to be built; cells of the axes beyond dim are ignored. */
+/* Describes a cloud; cells of axes from dim on are ignored. */
 typedef struct {
   const char *name; /* for messages */
   PetscInt    dim, cells[ISPH_MAX_DIM];
   PetscInt    n_periodic;           /* the first axes are periodic, the others have walls */
   PetscReal   jitter;               /* [dx] */
   PetscReal   circle;               /* radius of a body in the middle [dx]; 0: none */
-  PetscBool   grad_p_without_walls; /* pressures as the coupled scheme has them */
+  PetscBool   grad_p_without_walls; /* pressure rows of the coupled scheme */
 } CloudBox;
 
 /* f(x) = c + g.s + s.H s/2,  s = (x - centre)/dx;  H symmetric */
@@ -27,34 +28,34 @@ typedef struct {
 } Quadratic;
 
 typedef struct {
-  CaseRow    problem; /* first: the walls' velocity finds the cloud through it */
+  CaseRow    problem; /* first member: the wall velocity function casts its address to Cloud */
   Scene      scene;
   Particles *particles;
   Neighbors *neighbors;
   Operators *ops;
   WallValues walls;
   Quadratic  wall_u[ISPH_MAX_DIM];                  /* velocity of all walls, by components */
-  PetscReal  slide[2 * ISPH_MAX_DIM][ISPH_MAX_DIM]; /* and what each side adds to it */
+  PetscReal  slide[2 * ISPH_MAX_DIM][ISPH_MAX_DIM]; /* added to wall_u on each side */
   Vec        f[ISPH_MAX_DIM], y, e; /* over fluid, over fluid, over wall particles */
 } Cloud;
 
-/* All ranks fail or none, or those left would wait for ever. */
+/* Fails on all ranks if any rank has something wrong; otherwise the other ranks would hang. */
 void CloudAssertNone(const char *what, const char *where, PetscInt wrong);
 #define ASSERT_OK(call) CloudAssertNone(#call, "PETSc", (call) ? 1 : 0)
 
-/* An error handler that keeps the message, 512 characters, instead of printing it. */
+/* Error handler: keeps the message (512 characters) and prints nothing. */
 PetscErrorCode CloudKeepMessage(MPI_Comm comm, int line, const char *function, const char *file,
                                 PetscErrorCode code, PetscErrorType type, const char *message,
                                 void *kept);
 
-/* options: as on the command line, the only ones the operators see. */
+/* options: as on the command line; the operators read no others. */
 PetscErrorCode CloudCreate(const CloudBox *box, const char options[], Cloud *cloud);
 PetscErrorCode CloudDestroy(Cloud *cloud);
 PetscErrorCode CloudMove(PetscReal length, PetscBool renumber, PetscReal margin_step, Cloud *cloud);
 PetscErrorCode CloudOperators(const CloudBox *box, const char options[], Cloud *cloud);
 
-const LaplacianRow *CloudLaplacian(PetscInt k); /* row k of its table */
-PetscInt  CloudScalarForms(void); /* its rows that do not couple components; they come first */
+const LaplacianRow *CloudLaplacian(PetscInt k); /* row k of the table of Laplacians */
+PetscInt CloudScalarForms(void); /* number of rows that do not couple components; they come first */
 PetscBool CloudHas(const LaplacianRow *form, FormProperty property);
 CloudBox  CloudPeriodic(PetscInt dim, PetscReal jitter);
 void      CloudCreateForm(const CloudBox *box, const char kernel[], const LaplacianRow *form,

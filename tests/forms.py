@@ -1,20 +1,21 @@
 #!/usr/bin/env python3
-"""Every Laplacian of the catalogue drives the cavity at Re = 100, n = 40, for 100 steps, once as the
-viscous operator and once as the pressure operator, or is refused in one line if it is not safe_implicit or
-couples components.
+"""Runs the cavity at Re = 100, n = 40, for 100 steps with every Laplacian of the catalogue, first as
+viscous operator, then as pressure operator. A form that is not safe_implicit or couples components must be
+refused for the pressure by a single line.
 
     forms.py ISPH
 
-The kinetic energy must be within 10 % of the reference at that time: a wrong operator misses it by far
-more, resolution and walls by 1 to 5 %. Those that declare varying_viscosity drive a Couette flow with nu = 1 + 9 y
-to within 3 % of u = ln(1 + 9 y)/ln 10; without grad nu.grad u the flow would be u = y, 25 % off."""
+The kinetic energy must be within 10 % of the reference at that time: resolution and walls cause errors
+of 1 to 5 %, a wrong operator far larger errors. A form that declares varying_viscosity also runs a Couette
+flow with nu = 1 + 9 y to within 3 % of u = ln(1 + 9 y)/ln 10; without grad nu.grad u the flow would be
+u = y, with an error of 25 %."""
 import re
 import subprocess
 import sys
 
 
 def catalogue(isph):
-    """Names of the Laplacians with the properties they declare."""
+    """Returns the names of the Laplacians with their declared properties."""
     text = subprocess.run([isph, "-catalogue"], check=True, capture_output=True, text=True).stdout
     section = text.split("\nLaplacians (", 1)[1].split("\n\n", 1)[0]
     forms = {}
@@ -33,7 +34,7 @@ LAYERED += ["-viscosity_field", "1 + 9*y", "-scene_exact", "log(1 + 9*y)/log(10)
 
 
 def varying(isph, name, properties):
-    """Whether the form takes a viscosity that varies, and errs by little, as it declares."""
+    """Returns true if the form runs with a varying viscosity as declared, or refuses it otherwise."""
     done = subprocess.run([isph, *LAYERED, "-visc_laplacian", name], capture_output=True, text=True)
     declared = "varying_viscosity" in properties
     good = done.returncode == 0 if declared else "cannot take a viscosity that varies" in done.stderr

@@ -1,6 +1,6 @@
 #!/bin/sh
-# fresh.sh DIRECTORY COMMAND... - runs the command in an empty directory, so that a test finds
-# nothing an earlier run left behind.
+# fresh.sh DIRECTORY COMMAND... - runs the command in an empty directory, so that a test finds no
+# files of an earlier run.
 set -e
 rm -rf "$1"
 mkdir -p "$1"

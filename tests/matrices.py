@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""The matrices that -visc_mat_view and -ppe_mat_view write: the same on any number of ranks, row k that
-of the particle of id k, and what the solves use: I/k - nu L and -dx^2 L with L exact for linear fields.
+"""Compares the matrices of -visc_mat_view and -ppe_mat_view on different numbers of ranks, and checks that
+row k belongs to the particle of id k. The viscous matrix must be I/k - nu L and the pressure matrix -dx^2 L,
+with L exact for linear fields.
 
     matrices.py N DT NU COMMAND_1 --and COMMAND_2
 
-Both commands run the same flow of N x N particles in the unit square, the first with files a.bin, p.txt,
-the second with b.txt, q.bin."""
+Both commands run the same flow of N x N particles in the unit square, the first with the files a.bin and
+p.txt, the second with b.txt and q.bin."""
 import csv
 import struct
 import subprocess
@@ -13,7 +14,7 @@ import sys
 
 
 def binary(path):
-    """PETSc's binary format: big-endian class, rows, columns, entries, row lengths, columns, values."""
+    """Reads PETSc's binary format: big-endian class, rows, columns, entries, row lengths, columns, values."""
     with open(path, "rb") as file:
         data = file.read()
     kind, rows, cols, nnz = struct.unpack(">4i", data[:16])
@@ -66,12 +67,12 @@ def main():
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     visc, ppe, x = binary("a.bin"), ascii_("p.txt"), particles("a.bin.particles.csv")
     assert len(visc) == len(ppe) == len(x) == n * n
-    # Ranks change the rounding of 10 steps; ASCII has six digits.
+    # Ranks change the rounding of 10 steps, and ASCII files have six digits.
     assert difference(visc, ascii_("b.txt")) < 1e-5
     assert difference(ppe, binary("q.bin")) < 1e-5
     for here, there in zip(x, particles("b.txt.particles.csv")):
         assert max(abs(a - b) for a, b in zip(here, there)) < 1e-8
-    # BDF2 by one step of 2dt/3: shift 3/(2 dt).
+    # A BDF2 step is a backward Euler step over 2dt/3, with the shift 3/(2 dt).
     shift, one, dx = 1.5 / dt, [1.0] * (n * n), 1.0 / n
     inner = [k for k, p in enumerate(x) if all(4.2 * dx < c < 1 - 4.2 * dx for c in p)]
     assert inner

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What monitors write, against exact values: steady plane Couette and Poiseuille flow, a fluid at rest.
+"""Compares the files of monitors with exact values: steady plane Couette and Poiseuille flow, a fluid at rest.
 
     monitors.py COMMAND...         the program, on some ranks"""
 import csv
@@ -25,7 +25,7 @@ def close(a, b, tolerance):
 
 
 def main():
-    # Steady: 20 steps of nu dt/L^2 = 1. Linear and quadratic fields are exact up to the solvers.
+    # Steady: 20 steps of nu dt/L^2 = 1. Linear and quadratic fields are exact up to the solver tolerance.
     steady = ["-n", "16", "-dt", "1", "-t_end", "20", "-visc_ksp_rtol", "1e-12"]
     run("-case", "couette", *steady, "-probe_point", "0.1,0.3,0.2,1", "-probe_line", "0.1,0,0.1,1,5",
         "-probe_flux", "0.2,1,0.2,0", "-probe_forces")  # nu = rho = U = L = 1, length 8/16
@@ -37,7 +37,7 @@ def main():
     assert len(line) == 5 * 21
     for row in line[-5:]:
         close(row["u"], row["y"], 1e-8)
-    close(rows("probe_flux.csv")[-1]["flux"], -0.5, 1e-8)  # to the right of the way down is -x
+    close(rows("probe_flux.csv")[-1]["flux"], -0.5, 1e-8)  # positive to the right of the line's direction, here -x
     forces = rows("probe_forces.csv")
     close(last(forces, wall=2)["fx"], 0.5, 1e-7)  # mu U/L times the length
     close(last(forces, wall=3)["fx"], -0.5, 1e-7)

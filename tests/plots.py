@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Every kind of picture of studies/plot from a tiny run, and what it says of files it cannot draw.
+"""Draws every kind of picture of studies/plot from a short run, and checks the messages for unsuitable files.
 
     plots.py PLOT COMMAND...         the script; the program, on some ranks
 
-Ends with status 77 where no Python can draw."""
+Exits with status 77 if no Python can draw."""
 import glob
 import subprocess
 import sys
@@ -12,7 +12,7 @@ PLOT, *COMMAND = sys.argv[1:]
 
 
 def drawing_python():
-    """The first Python that can draw; that of the tests need not."""
+    """Returns the first Python that can draw, which need not be the Python of the tests."""
     for python in (sys.executable, "/usr/bin/python3"):
         if subprocess.run([python, "-c", "import h5py, matplotlib"], capture_output=True, check=False).returncode == 0:
             return python

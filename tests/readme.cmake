@@ -1,6 +1,6 @@
 # cmake -DISPH=<program> -DREADME=<file> -P readme.cmake
 #
-# Passes if the README's catalogue is what the program prints.
+# Passes if README.md contains the output of `isph -catalogue`.
 
 execute_process(COMMAND ${ISPH} -catalogue OUTPUT_VARIABLE catalogue RESULT_VARIABLE status)
 if(NOT status EQUAL 0)

@@ -1,8 +1,8 @@
 # cmake -DEXPECT=<regex> -DNP=<ranks> -P refuse.cmake -- <command>...
 #
-# Passes if the command is refused as a user should see it: it ends by itself with an exit status
-# other than 0, and says why in exactly one line, which begins with "isph: " and matches EXPECT.
-# On one rank stderr holds nothing else; on more, the launcher adds words of its own.
+# Passes if the command is refused as a user should see it: it ends with an exit status other than 0,
+# without a crash, and prints a single line that begins with "isph: " and matches EXPECT. Without
+# MPI launcher stderr holds nothing else.
 
 set(command)
 set(reading FALSE)
@@ -28,7 +28,7 @@ elseif(status EQUAL 0)
   fail("was not refused: exit status 0")
 endif()
 
-# The text is walked line by line without making a list of it: an error line may hold any character.
+# The text is read line by line and not as a list, because an error line may hold any character.
 set(errors 0)
 set(text "\n${out}\n${err}\n")
 while(text MATCHES "\n(isph: [^\n]*)\n")
@@ -41,7 +41,7 @@ while(text MATCHES "\n(isph: [^\n]*)\n")
 endwhile()
 
 if(NOT errors EQUAL 1)
-  fail("${errors} lines begin with 'isph: ' where one is wanted")
+  fail("${errors} lines begin with 'isph: '; exactly one is allowed")
 elseif(NOT error MATCHES "${EXPECT}")
   fail("the error line does not match '${EXPECT}':\n${error}")
 elseif("${out}${err}" MATCHES "PETSC ERROR|Sanitizer|runtime error:")

@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
-"""Runs that are stopped and go on.
+"""Stops runs and restarts them.
 
     restart.py kill ISPH           killed 30 times at random moments: the same report, files and probes
     restart.py bitwise ISPH...     continued and restarted runs are equal to the last bit (1 and 3 ranks)
     restart.py ranks ISPH...       a checkpoint of 2 ranks restarted on 1, 2, 3: the same flow to 1e-10
     restart.py term ISPH           SIGTERM: a checkpoint, status interrupted, the same flow to 1e-4
-    restart.py damage ISPH         corrupted, truncated and foreign checkpoints are refused in one line
+    restart.py damage ISPH         corrupted, truncated and foreign checkpoints are refused by a line
     restart.py other ISPH          restarted with other -report_times and another -output
-    restart.py probes ISPH         probe files that cannot be gone on with end the run and stay
-    restart.py particles ISPH      a snapshot's particles begin a run as the lattice they were
+    restart.py probes ISPH         a probe file that cannot be continued ends the run and stays unchanged
+    restart.py particles ISPH      a run started from the particles of a snapshot equals the original run
     restart.py scene ISPH          restarted with another box, other bodies or viscosities: refused
-    restart.py disk ISPH           a full disk: one line, and all files complete
+    restart.py disk ISPH           a full disk: a line of error, and all files complete
 
-ISPH... is the program, after it the words that start it on several ranks with {} for their number."""
+ISPH... is the program, followed by the words that start it on several ranks, with {} for their number."""
 import csv
 import glob
 import os
@@ -38,7 +38,7 @@ def start(command, folder="."):
 
 
 def run(command, folder=".", good=True):
-    """Runs to the end; the one line of an error."""
+    """Runs a command to its end and returns its stderr, the single line of an error."""
     done = start(command, folder)
     error = done.communicate()[1]
     assert (done.returncode == 0) == good, (command, done.returncode, error)
@@ -55,7 +55,7 @@ def number(rows, quantity):
 
 
 def complete(folder):
-    """Snapshots that the index names, each present and none half written."""
+    """Returns the snapshots of the index after checking that each exists and is an HDF5 file."""
     with open(f"{folder}/flow.xdmf") as file:
         named = sorted(set(re.findall(r"flow_\d+\.h5", file.read())))
     assert named, folder
@@ -81,7 +81,7 @@ def kill(isph):
             assert process.returncode == 0, error
             if kills == 30:
                 break
-            for path in glob.glob("killed/*"):  # it came through: from the start again
+            for path in glob.glob("killed/*"):  # the run finished: start again
                 os.remove(path)
         except subprocess.TimeoutExpired:
             process.kill()
@@ -89,7 +89,7 @@ def kill(isph):
             kills += 1
             if os.path.exists("killed/flow.xdmf"):
                 complete("killed")
-            if os.path.exists("killed/r.csv"):  # killed after its end: it came through
+            if os.path.exists("killed/r.csv"):  # killed after the report: the run had finished
                 for path in glob.glob("killed/*"):
                     os.remove(path)
     assert report("calm/r.csv") == report("killed/r.csv")
@@ -113,7 +113,7 @@ def bitwise(*command):
             folder = f"{name}{n}"
             os.mkdir(folder)
             start_ = [*ranked(command, n), "-n", "16", "-dt", "0.02", "-skin", "0.5", *flow, "-progress", "none",
-                      "-checkpoint_every", "0.1", "-report_times", "0.2,0.4"]  # 0.2: where the run is stopped
+                      "-checkpoint_every", "0.1", "-report_times", "0.2,0.4"]  # the run is stopped at 0.2
             run([*start_, "-max_steps", "30", "-checkpoint", "a.h5", "-report", "a.csv"], folder)
             run([*start_, "-max_steps", "10", "-checkpoint", "b.h5"], folder)
             run([*start_, "-max_steps", "30", "-checkpoint", "c.h5", "-restart", "b.h5", "-report", "c.csv"],
@@ -150,7 +150,7 @@ def term(isph):
     run([isph, *BASE, "-restart", "c.h5", "-report", "rest.csv"])
     for quantity in "u_min", "v_max", "v_min", "kinetic_energy":
         a, b = (number(report(path), quantity) for path in ("calm.csv", "rest.csv"))
-        print(quantity, a, b)  # the epoch at the checkpoint changes the order of sums: 1e-6 was seen
+        print(quantity, a, b)  # the epoch at the checkpoint changes the order of sums: differences of 1e-6 occur
         assert abs(a - b) < 1e-4 * abs(a)
 
 
@@ -168,7 +168,7 @@ def damage(isph):
 
     clock = struct.pack("<d", 0.01)
     assert clock in data
-    for k, place in enumerate((len(data) * 3 // 4, data.index(clock))):  # among the particles, in the clock
+    for k, place in enumerate((len(data) * 3 // 4, data.index(clock))):  # in the particles, then in the clock
         refused(f"bit{k}.h5", data[:place] + bytes([data[place] ^ 1]) + data[place + 1:], "checksum")
     for share in 2, 4, 40:
         refused(f"cut{share}.h5", data[:len(data) - len(data) // share], "truncated")
@@ -185,9 +185,9 @@ def other(isph):
     run([*flow, "-t_end", "2", "-report_times", "1.25,1.75", "-restart", "c.h5", "-output", "flow.h5", "-report",
          "r.csv"])
     times = sorted({float(row[2]) for row in report("r.csv")})
-    assert times == [0.5, 1.25, 1.75, 2.0], times  # those of the run before are kept
+    assert times == [0.5, 1.25, 1.75, 2.0], times  # reports of the first run are kept
     named = complete(".")
-    assert named == sorted(glob.glob("flow_*.h5")) and len(named) == 3, named  # at once, at 1.5 and at the end
+    assert named == sorted(glob.glob("flow_*.h5")) and len(named) == 3, named  # at the start, at 1.5 and at the end
 
 
 def probes(isph):
@@ -203,7 +203,7 @@ def probes(isph):
 
 
 def particles(isph):
-    """Their viscosities are those of the rate they begin with, not bounds of those to come."""
+    """Checks that viscosities in a snapshot start a rheology but do not bound it later."""
     flow = [isph, "-case", "poiseuille", "-rheology", "power_law", "-rheology_exponent", "0.5", "-n", "16", "-dt", "100",
             "-t_end", "500", "-progress", "none"]
     run([*flow, "-output", "s.h5", "-report", "lattice.csv"])
@@ -218,7 +218,7 @@ def refused(flow, options, words):
 
 
 def scene(isph):
-    """What a restart would not change is not taken from its options."""
+    """Checks that a restart refuses options which would change the scene of its checkpoint."""
     flow = [isph, "-case", "scene", "-n", "16", "-max_steps", "2", "-progress", "none", "-scene_fluid_1",
             "circle,0.5,0.5,0.2", "-scene_fluid_1_viscosity"]
     run([*flow, "1", "-checkpoint", "c.h5"])
@@ -229,12 +229,12 @@ def scene(isph):
     flow = [isph, "-case", "scene", "-n", "16", "-max_steps", "2", "-progress", "none", "-scene_body_1"]
     run([*flow, "circle,0.5,0.5,0.15", "-checkpoint", "c.h5"])
     run([*flow, "circle,0.5,0.5,0.15", "-restart", "c.h5"])
-    refused(flow, ["circle,0.4375,0.5,0.15"], "bodies")  # moved by dx: as many particles
+    refused(flow, ["circle,0.4375,0.5,0.15"], "bodies")  # moved by dx: the same number of particles
     refused(flow, ["circle,0.5,0.5,0.15", "-t_end", "0.01"], "after -t_end")
 
 
 def disk(isph):
-    """A file system of 1 MB where one may be mounted, else a limit on the size of files."""
+    """Fills a file system of 1 MB if a user may mount it, else runs into a limit on file sizes."""
     os.mkdir("small")
     mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "isph_test", "small"], check=False,
                              capture_output=True).returncode == 0

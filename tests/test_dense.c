@@ -1,5 +1,5 @@
-/* The small dense algebra of stencils: what is definite, what is not, what a ridge mends, and what
-   nothing does. */
+/* Small dense algebra of stencils: definite matrices, general matrices, and the multiple of the
+   unit matrix that makes singular matrices regular. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -25,7 +25,7 @@ static void test_definite(void **state)
   for (PetscInt i = 0; i < N; i++) assert_true(PetscAbsReal(b[i] - x[i]) < 1e-14);
 }
 
-/* x a = b of a matrix that is not symmetric and begins with a zero; a row of zeros is told. */
+/* Solves x a = b for an unsymmetric matrix with a leading zero; a zero row gives a zero pivot. */
 static void test_any(void **state)
 {
   const PetscReal a[N * N]   = {0.0, 2.0, 1.0, 3.0, 1.0, -1.0, 0.5, 4.0, 2.0},
@@ -45,12 +45,12 @@ static void test_any(void **state)
   assert_true(left[N + 1] == 0.0);
 }
 
-/* Points on a line: the matrix knows no second axis. With a ridge the solution is the smallest
-   one. */
+/* Points on a line: the matrix has rank 1. With a multiple of the unit matrix the solver returns
+   the solution of smallest norm. */
 static void test_ridge(void **state)
 {
   const PetscReal a[4] = {1.0, 2.0, 2.0, 4.0};
-  PetscReal       factor[4], b[2] = {5.0, 10.0}; /* a (1, 2), of all solutions the smallest */
+  PetscReal       factor[4], b[2] = {5.0, 10.0}; /* a (1, 2), the solution of smallest norm */
 
   (void)state;
   for (PetscInt k = 0; k < 4; k++) factor[k] = a[k];
@@ -60,7 +60,7 @@ static void test_ridge(void **state)
   assert_true(PetscAbsReal(b[0] - 1.0) < 1e-6 && PetscAbsReal(b[1] - 2.0) < 1e-6);
 }
 
-/* What is not finite stays so, and takes no time. */
+/* NaN in the matrix gives NaN in the solution, and the loop over larger multiples ends. */
 static void test_not_finite(void **state)
 {
   const PetscReal a[4] = {1.0, NAN, NAN, 1.0};

@@ -1,6 +1,6 @@
 /*
-  Expressions: values against C's own arithmetic, what they depend on, rates against derivatives,
-  and texts that cannot be understood refused with the option and the place in the text.
+  Expressions: values against C arithmetic, dependence on place and time, rates against derivatives,
+  and refusal of malformed texts with the option and the position in the text.
 */
 /* RANKS: 1 2 */
 #include <string.h>
@@ -9,7 +9,7 @@
 
 #define ANYWHERE (EXPRESSION_PLACE | EXPRESSION_TIME)
 
-/* A scope of `dim` dimensions that knows nu = 0.25. */
+/* Creates a scope of `dim` dimensions in which nu = 0.25. */
 static ExpressionScope *Scope(PetscInt dim)
 {
   ExpressionScope *scope = NULL;
@@ -59,7 +59,7 @@ static void test_values(void **state)
   assert_int_equal(ExpressionScopeDestroy(&scope), PETSC_SUCCESS);
 }
 
-/* Numbers arrive with all their bits and leave nothing behind. */
+/* Numbers keep all their bits and leave the scope idle. */
 static void test_numbers(void **state)
 {
   ExpressionScope *scope = Scope(2);
@@ -78,7 +78,7 @@ static void test_numbers(void **state)
   assert_int_equal(ExpressionScopeDestroy(&scope), PETSC_SUCCESS);
 }
 
-/* Components are split at commas outside brackets; each has its own uses. */
+/* Components are split at commas outside brackets, and each has its own dependence. */
 static void test_components(void **state)
 {
   const PetscReal  x[]   = {0.25, 0.5};
@@ -99,8 +99,8 @@ static void test_components(void **state)
   assert_int_equal(ExpressionScopeDestroy(&scope), PETSC_SUCCESS);
 }
 
-/* d/dt sin(3t) to (1e-5 w tau)^2/6 of it, 4.5e-10, and rounding over 1e-5 tau, 2e-11; times
-   before zero are not asked for. */
+/* d/dt sin(3t) has the relative error (3 tau 1e-5)^2/6, at most 4.5e-10 with rounding; no time
+   before zero is evaluated. */
 static void test_rate(void **state)
 {
   ExpressionScope *scope = Scope(2);
@@ -158,8 +158,8 @@ static void test_refused(void **state)
   assert_int_equal(ExpressionScopeDestroy(&scope), PETSC_SUCCESS);
 }
 
-/* A value that is not finite on one rank ends the run on all, with the option, the place and the
-   time. */
+/* A value that is not finite on one rank ends the run on all ranks; the message holds the option,
+   the place and the time. */
 static void test_not_finite(void **state)
 {
   const PetscReal  x[]          = {0.5, 0.25};

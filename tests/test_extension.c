@@ -1,17 +1,16 @@
 /*
-  Wall treatments that give dummies one velocity from the fluid near them, with and without
-  particles on the surface: what each reproduces exactly, and nothing more than that, behind sides,
+  Wall treatments that extend the velocity of the fluid to dummies, with and without wall
+  particles on the surface. Each is exact for the fields it claims and for no others, behind sides,
   edges and a curved wall, on any number of ranks.
 */
 /* RANKS: 1 3 */
 #include "walled.h"
 
-/* Velocities whose extension is the velocity itself; test_claims holds the list against the
-   table. */
+/* Velocities that the extension continues exactly; test_claims compares the list with the table. */
 static const struct {
   const char *name;
-  PetscBool   linear, quadratic; /* any such field, whatever it is on the wall */
-  PetscBool   parabola;          /* between two walls, where it is the same */
+  PetscBool   linear, quadratic; /* any such field, with any values on the wall */
+  PetscBool   parabola;          /* between two walls of equal velocity */
 } claims[] = {
     {"mirror", PETSC_TRUE, PETSC_FALSE, PETSC_FALSE},
     {"linear", PETSC_TRUE, PETSC_FALSE, PETSC_FALSE},
@@ -19,11 +18,11 @@ static const struct {
     {"global_quadratic", PETSC_FALSE, PETSC_FALSE, PETSC_TRUE},
     {"adami", PETSC_FALSE, PETSC_FALSE, PETSC_FALSE},
     {"dummy_linear", PETSC_TRUE, PETSC_FALSE,
-     PETSC_FALSE}, /* along the normal; its surface layer */
+     PETSC_FALSE}, /* linear along the normal, with the surface layer */
 };
 #define N_CLAIMS ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(claims))
 
-/* Forms exact for quadratics wherever the particles are, and for linear fields. */
+/* Forms exact for quadratic fields on any arrangement, then forms exact for linear fields. */
 static const char *const exact[][2] = {{"fatehi_manzari", "mls"}, {"schwaiger", "corrected"}};
 
 static const void *Row(const Table *table, const char name[])
@@ -46,7 +45,7 @@ static PetscInt ClaimOf(const WalledForms *forms)
   return -1;
 }
 
-/* Every treatment, with and without particles on the surface, in one kind of box. */
+/* Calls check for every treatment, with and without wall particles on the surface. */
 static void ForAllTreatments(const CloudBox *box, size_t pair, WalledCheck check)
 {
   for (PetscInt k = 0; k < N_CLAIMS; k++) {
@@ -62,8 +61,7 @@ static void ForAllTreatments(const CloudBox *box, size_t pair, WalledCheck check
   }
 }
 
-/* In closed boxes or channels of two and three dimensions, on lattices (3D: closed ones) and
-   disorder. */
+/* Closed boxes or channels in 2D and 3D, on lattices (in 3D closed boxes only) and on disorder. */
 static void ForAllBoxes(PetscBool closed, size_t pair, WalledCheck check)
 {
   for (PetscInt dim = 2; dim <= 3; dim++) {
@@ -89,7 +87,7 @@ static void test_claims(void **state)
   }
 }
 
-/* The largest error of lap u and grad u of the first component, in units of u/dx^2 and u/dx. */
+/* Returns the largest error of lap u and grad u of component 0, in units of u/dx^2 and u/dx. */
 static PetscReal VelocityError(const Quadratic *u, Cloud *cloud)
 {
   const Operators *ops = cloud->ops;
@@ -110,14 +108,14 @@ static PetscReal VelocityError(const Quadratic *u, Cloud *cloud)
   return largest;
 }
 
-/* Fields of a claim are exact, up to the rounding of fits; one outside it is off by a per cent
-   of u. */
+/* A claimed field is exact up to the rounding of fits; any other field has an error of at least
+   1 % of u. */
 static void AssertClaim(const char *what, const char *where, PetscBool claimed, PetscReal error)
 {
   CloudAssertNone(what, where, claimed ? !(error <= 1e-8) : !(error >= 1e-2));
 }
 
-/* The sum rule: fluid and walls in one translation feel nothing. */
+/* Sum rule: fluid and walls in translation have no viscous force, gradient or divergence. */
 static void CheckUniform(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const Quadratic u[3] = {{.c = 1.0}, {.c = 1.0}, {.c = 1.0}}, zero = {0};
@@ -141,7 +139,7 @@ static void CheckCouette(const WalledForms *forms, const char *where, Cloud *clo
   AssertClaim("Couette flow of renumbered particles", where, claimed, VelocityError(&u, cloud));
 }
 
-/* All linear fields in a closed box: the dummies behind its edges are right too. */
+/* All linear fields in a closed box, so that dummies behind its edges count too. */
 static void CheckLinear(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   if (!forms->wall->Extend || !claims[ClaimOf(forms)].linear) return;
@@ -161,7 +159,7 @@ static void CheckParabola(const WalledForms *forms, const char *where, Cloud *cl
   AssertClaim("parabola", where, claims[ClaimOf(forms)].parabola, VelocityError(&u, cloud));
 }
 
-/* All quadratic fields in a closed box; walls slide and stretch as these do. */
+/* All quadratic fields in a closed box whose walls move with the field. */
 static void CheckQuadratic(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const PetscInt dim = cloud->scene.dim;
@@ -174,7 +172,8 @@ static void CheckQuadratic(const WalledForms *forms, const char *where, Cloud *c
   }
 }
 
-/* A fluid that turns with a cylinder and with the walls around them, every linear rigid motion. */
+/* A fluid in rigid rotation and translation with a cylinder inside and with the walls of the box.
+   */
 static void CheckTurning(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   Body     *body = &cloud->scene.bodies[0];
@@ -201,9 +200,9 @@ static void CheckTurning(const WalledForms *forms, const char *where, Cloud *clo
 }
 
 /*
-  Fluid and wall particles fill the box and as much around it and inside the cylinder as there are
-  layers: exactly so at flat walls; at the cylinder up to the few lattice points by which a disc
-  of this size may miss its area, 6 for two circles.
+  The volumes of fluid and wall particles add up to the box with its layers outside and inside the
+  cylinder. Flat walls have no error. A circle on a lattice misses its area by a few cells: the
+  tolerance for two circles is 6.
 */
 static void CheckVolume(const WalledForms *forms, const char *where, Cloud *cloud)
 {
@@ -226,7 +225,7 @@ static void CheckVolume(const WalledForms *forms, const char *where, Cloud *clou
   if (scene->n_bodies)
     hole = PETSC_PI * PetscSqr(scene->bodies[0].parameter[2] - layers * scene->dx);
   CloudAssertNone("volume of the frame", where, PetscAbsReal(sum[1] - (frame - box)) > 1e-9 * box);
-  if (!forms->surface) return; /* dummies alone leave a gap of their clearance at curved walls */
+  if (!forms->surface) return; /* dummies alone leave a gap at curved walls */
   CloudAssertNone("volume inside", where,
                   PetscAbsReal(sum[0] - (box - hole)) > (scene->n_bodies ? 6.0 : 1e-9) * dv);
 }
@@ -275,7 +274,7 @@ static void test_cylinder(void **state)
   }
 }
 
-/* The matrix of a symmetric form is no longer so, and the form says it. */
+/* An extension makes the matrix of a symmetric form unsymmetric, and the form reports it. */
 static void CheckAsymmetry(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   PetscBool       symmetric;

@@ -1,6 +1,6 @@
 /*
-  Forms on stencils made by hand: which of them read the roles of wall neighbours, and what the
-  corrections of the kernel do to those that take them.
+  Forms on stencils made by hand: dependence on the roles of wall neighbours, and the effect of
+  kernel corrections.
 */
 /* RANKS: 1 */
 #include "cloud.h"
@@ -8,7 +8,8 @@
 #define SIDE 5   /* points along each axis */
 #define MOST 125 /* SIDE^3 */
 
-/* Points about the origin, spacing one on average, the first few of them walls with a normal. */
+/* Creates a stencil of points about the origin, mean spacing 1; the first `walls` are walls with a
+   normal. */
 static Stencil *Made(PetscInt dim, PetscReal h, PetscInt walls)
 {
   const KernelRow *kernel = (const KernelRow *)(const void *)TableGet(&KernelTable, 2);
@@ -63,7 +64,7 @@ static LaplacianForm Form(const char name[], const char correction[])
   return form;
 }
 
-/* |lap f - sum of weights times what each neighbour says| for f = X_a and X_a X_b. */
+/* Returns the largest |lap f - sum of weights times neighbour data| for f = X_a and X_a X_b. */
 static PetscReal SlopeError(const Stencil *st, const PetscReal w[])
 {
   PetscReal worst = 0.0;
@@ -84,7 +85,7 @@ static PetscReal SlopeError(const Stencil *st, const PetscReal w[])
   return worst;
 }
 
-/* full_support: the row is blind to roles. Without it n.grad f of walls serves as well as
+/* A form with full_support ignores roles. Any other form is exact with n.grad f at walls, as with
    values. */
 static void test_roles(void **state)
 {
@@ -113,7 +114,7 @@ static void test_roles(void **state)
   }
 }
 
-/* Shepard's interpolant at x of f, f = 0 at the origin. */
+/* Returns Shepard's interpolant of f at x, with f = 0 at the origin. */
 static PetscReal Interpolant(const Stencil *st, PetscReal h, const PetscReal f[],
                              const PetscReal x[])
 {
@@ -132,8 +133,9 @@ static PetscReal Interpolant(const Stencil *st, PetscReal h, const PetscReal f[]
 }
 
 /*
-  shepard: direct_scalar becomes the Laplacian of the interpolant, here by central differences of
-  step 1e-4 h, as good as that: the kernel's third derivative jumps at the particle.
+  With shepard, direct_scalar is the Laplacian of the interpolant. Central differences of step
+  1e-4 h give that Laplacian to 1e-4 only, since the third derivative of the kernel jumps at the
+  particle.
 */
 static void test_shepard(void **state)
 {
@@ -167,7 +169,7 @@ static void test_shepard(void **state)
   }
 }
 
-/* first_order: morris with it is corrected, weight by weight. */
+/* morris with first_order equals corrected, weight by weight. */
 static void test_first_order(void **state)
 {
   const LaplacianForm morris = Form("morris", "first_order"), corrected = Form("corrected", "none");
@@ -185,7 +187,7 @@ static void test_first_order(void **state)
   CloudAssertNone("no longer symmetric", "morris", LaplacianIs(&morris, FORM_SYMMETRIC));
 }
 
-/* A form offered a correction it does not take is used without, if another one takes it. */
+/* A correction applies to the forms that accept it; it is refused if no form accepts it. */
 static void test_where_it_applies(void **state)
 {
   const CloudBox box = {.dim = 2, .cells = {6, 6, 1}, .n_periodic = 2};

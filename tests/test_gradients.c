@@ -1,6 +1,6 @@
 /*
-  Identities of every row of the gradient table, of gradients of velocity and pressure and of the
-  divergence, on lattices and on disordered clouds, in two and three dimensions.
+  Identities of every row of the gradient table: gradients of velocity and pressure and the
+  divergence, on lattices and on disordered clouds, in 2D and 3D.
 */
 /* RANKS: 1 2 */
 #include "cloud.h"
@@ -18,8 +18,7 @@ static void Create(const CloudBox *box, const char kernel[], const GradientRow *
   ASSERT_OK(CloudCreate(box, options, cloud));
 }
 
-/* Largest error of the gradient of monomials [first, last), in units of 1/dx; exact times factor.
- */
+/* Returns the largest error of the gradient/factor of monomials [first, last), in units of 1/dx. */
 static PetscReal MonomialError(const Cloud *cloud, PetscInt first, PetscInt last, PetscReal factor)
 {
   PetscReal error, largest = 0.0;
@@ -54,7 +53,8 @@ static PetscReal Difference(Mat A, Mat B)
   return difference / norm;
 }
 
-/* Constants vanish; away from walls velocity, pressure and divergence have the same weights. */
+/* Constants have no gradient; without walls velocity, pressure and divergence have equal weights.
+   */
 static void CheckRows(const char *where, const Cloud *cloud)
 {
   const Quadratic one = {.c = 1.0}, zero = {0};
@@ -73,7 +73,8 @@ static void CheckRows(const char *where, const Cloud *cloud)
   CloudAssertNone("a fit was not determined", where, cloud->ops->regularised_rows);
 }
 
-/* u = G s, tr G = 0: the divergence vanishes where the gradient is exact, or isotropic. */
+/* u = G s with tr G = 0: the divergence vanishes if the gradient is exact for linear fields, and on
+   a lattice, where its first moments are a multiple of the unit matrix. */
 static void CheckSolenoidal(const char *where, const Cloud *cloud)
 {
   const PetscInt  dim     = cloud->scene.dim;
@@ -93,7 +94,7 @@ static void CheckSolenoidal(const char *where, const Cloud *cloud)
   CloudAssertNone("div of a linear solenoidal field", where, error * cloud->scene.dx > 1e-9);
 }
 
-/* Linear fields as declared, and not where undeclared; quadratic ones by moving least squares. */
+/* Linear fields are exact if declared and only then; mls is exact for quadratic fields. */
 static void CheckDeclared(const GradientRow *form, const char *where, const Cloud *cloud)
 {
   const PetscInt  dim    = cloud->scene.dim;
@@ -109,11 +110,11 @@ static void CheckDeclared(const GradientRow *form, const char *where, const Clou
   }
   if ((form->properties & FORM_EXACT_LINEAR) || cloud->scene.jitter == 0.0)
     CheckSolenoidal(where, cloud);
-  /* OPERATORS.md, section 5: 0.09 to 0.2 for the plain gradient on random particles */
+  /* docs/theory.md, (25): the error of plain at this jitter is 0.12 in 2D and 0.10 in 3D */
   else CloudAssertNone("exact_linear, undeclared", where, linear < 1e-2);
 }
 
-/* On clouds as created, then on the same after moves, some of which renumber. */
+/* Checks new clouds, then the same clouds after moves, of which some renumber. */
 static void Declared(PetscInt dim)
 {
   for (PetscInt k = 0; k < GradientTable.count; k++) {
@@ -151,9 +152,8 @@ static void test_declared_3d(void **state)
 }
 
 /*
-  On a lattice with h = dx, cubic spline, an uncorrected gradient gives the second moment of
-  Morris's Laplacian, S1 (OPERATORS.md, section 1: -sum_j V_j W'/r X_a X_b = S1 delta_ab), a
-  corrected one 1.
+  On a lattice with h = dx and the cubic spline a gradient that is not exact for linear fields
+  returns S1 times the gradient, docs/theory.md, (24) and (37); an exact gradient returns it.
 */
 static void test_closed_form(void **state)
 {
@@ -174,7 +174,8 @@ static void test_closed_form(void **state)
   }
 }
 
-/* f = sin(k x + 1) sin(k y + 2), one wave along each side: relative L2 error of df/dx. */
+/* f = sin(k x + 1) sin(k y + 2), a wave along each side. Returns the relative L2 error of df/dx.
+   */
 static PetscReal WaveError(PetscInt n, const GradientRow *form)
 {
   const CloudBox   box = {.dim = 2, .cells = {n, n, 1}, .n_periodic = 2};
@@ -201,7 +202,7 @@ static PetscReal WaveError(PetscInt n, const GradientRow *form)
   return error / norm;
 }
 
-/* Odd moments vanish on a lattice: a gradient exact for linear fields is of order 2 there. */
+/* Odd moments vanish on a lattice, so a gradient exact for linear fields has order 2 there. */
 static void test_order_on_lattice(void **state)
 {
   (void)state;

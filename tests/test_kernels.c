@@ -1,4 +1,4 @@
-/* Identities of every row of the kernel table: what makes a function a smoothing kernel. */
+/* Identities of every row of the kernel table that make a function a smoothing kernel. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -25,7 +25,7 @@ static PetscReal SphereArea(PetscInt dim, PetscReal r)
   return dim == 1 ? 2.0 : dim == 2 ? 2.0 * PETSC_PI * r : 4.0 * PETSC_PI * r * r;
 }
 
-/* int W dV = 1, int r W' dV = -d, int r^2 W'' dV = d (d + 1): by parts, W vanishing at its edge. */
+/* int W dV = 1, int r W' dV = -d, int r^2 W'' dV = d (d + 1): docs/theory.md, (7) */
 static void test_moments(void **state)
 {
   const PetscInt n = 4000; /* midpoints: error O(1/n^2) relative, below 1e-6 */
@@ -53,7 +53,7 @@ static void test_moments(void **state)
   }
 }
 
-/* Central differences, error O(eps^2) of a derivative that is smooth between knots. */
+/* Central differences, with an error O(eps^2) between knots */
 static void test_derivatives(void **state)
 {
   const PetscReal eps = 1e-5;
@@ -66,7 +66,7 @@ static void test_derivatives(void **state)
       PetscReal scale[3]; /* of W, W' and W'' */
 
       KernelEvaluate(kernel, dim, H, 0.0, scale);
-      for (PetscReal q = 0.013; q < kernel->support + 0.3; q += 0.0171) { /* meets no knot */
+      for (PetscReal q = 0.013; q < kernel->support + 0.3; q += 0.0171) { /* never at a knot */
         PetscReal low[3], mid[3], high[3];
 
         KernelEvaluate(kernel, dim, H, q * H - eps, low);
@@ -82,9 +82,9 @@ static void test_derivatives(void **state)
 }
 
 /*
-  W >= 0, W' <= 0, W'(0) = 0, W'' - W'/r = r (W'/r)' >= 0 (OPERATORS.md, section 2: what gives
-  Laplacians positive weights), all zero from the edge of the support on, and W, W' continuous
-  there.
+  W >= 0, W' <= 0, W'(0) = 0, and W'' - W'/r = r (W'/r)' >= 0, which makes the weights of gotoh
+  positive: docs/theory.md, (8). All three functions vanish from the edge of the support on, and W
+  and W' are continuous there.
 */
 static void test_shape(void **state)
 {

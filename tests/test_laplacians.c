@@ -1,11 +1,11 @@
 /*
-  Identities of every row of the Laplacian table: what a row declares is so, on lattices and on
-  disordered clouds, in two and three dimensions, and what it does not declare is not.
+  Identities of every row of the Laplacian table, on lattices and on disordered clouds, in 2D and
+  3D: a row has the properties that it declares, and no others.
 */
 /* RANKS: 1 2 */
 #include "cloud.h"
 
-/* Largest error of the rows on monomials [first, last), in units of 1/dx^2. */
+/* Returns the largest error of the rows on monomials [first, last), in units of 1/dx^2. */
 static PetscReal MonomialError(const Cloud *cloud, PetscInt first, PetscInt last)
 {
   PetscReal error, largest = 0.0;
@@ -35,7 +35,7 @@ static PetscReal Asymmetry(Mat A)
   return difference / norm;
 }
 
-/* Constants vanish and the pressure operator is -dx^2 times the viscous one, on all rows. */
+/* Constants vanish, and the pressure operator is -dx^2 times the viscous operator, on all rows. */
 static void CheckRows(const LaplacianRow *form, const char *where, const Cloud *cloud)
 {
   const PetscReal dx2 = PetscSqr(cloud->scene.dx);
@@ -75,11 +75,11 @@ static void CheckDeclared(const LaplacianRow *form, const char *where, const Clo
   if (CloudHas(form, FORM_EXACT_QUADRATIC))
     CloudAssertNone("declared exact_quadratic", where, quadratic > 1e-8);
   if (cloud->scene.jitter == 0.0) {
-    /* odd moments vanish: any form that treats neighbours alike is exact */
+    /* odd moments vanish: any form that weights neighbours by distance only is exact */
     CloudAssertNone("linear fields on a lattice", where, linear > 1e-9);
     return;
   }
-  /* OPERATORS.md, section 6, at 0.25 dx: asymmetry .025 and more, errors 1e-2 and more */
+  /* docs/theory.md, (35): at this jitter asymmetries are 0.018 or more, errors 0.15 or more */
   if (!CloudHas(form, FORM_SYMMETRIC))
     CloudAssertNone("symmetric, undeclared", where, asymmetry < 1e-3);
   if (!CloudHas(form, FORM_EXACT_LINEAR))
@@ -88,7 +88,7 @@ static void CheckDeclared(const LaplacianRow *form, const char *where, const Clo
     CloudAssertNone("exact_quadratic, undeclared", where, quadratic < 1e-3);
 }
 
-/* On clouds as created, then on the same after moves, some of which renumber. */
+/* Checks new clouds, then the same clouds after moves, of which some renumber. */
 static void Declared(PetscInt dim)
 {
   for (PetscInt k = 0; k < CloudScalarForms(); k++) {
@@ -126,8 +126,8 @@ static void test_declared_3d(void **state)
 }
 
 /*
-  Least real part of the eigenvalues of -L dx^2 on a periodic cloud of one rank, and how many do not
-  exceed rounding; one of them belongs to the constants.
+  Computes the least real part of the eigenvalues of -L dx^2 on a periodic cloud of one rank, and
+  counts the eigenvalues that do not exceed rounding, of which one belongs to the constants.
 */
 static void LeastEigenvalue(const Cloud *cloud, PetscReal *least, PetscInt *not_positive)
 {
@@ -156,9 +156,9 @@ static void LeastEigenvalue(const Cloud *cloud, PetscReal *least, PetscInt *not_
 }
 
 /*
-  safe_implicit: all eigenvalues of -L but that of the constants have positive real parts, on
-  lattices and on disorder as strong as it comes; where a form does not declare it, some are
-  negative by -0.05/dx^2 and more (OPERATORS.md, section 6).
+  safe_implicit: all eigenvalues of -L except the zero of the constants have positive real parts on
+  disordered clouds of jitter 0.25 dx and 0.5 dx. A form without it has an eigenvalue below
+  -0.05/dx^2 in each cloud: docs/theory.md, (40), the last table.
 */
 static void test_safe_implicit(void **state)
 {
@@ -191,9 +191,9 @@ static void test_safe_implicit(void **state)
 }
 
 /*
-  Particles drift and crowd together while neighbours' margins grow: rows and entries of a rank
-  outgrow what was allocated for them, at different times (the sanitizers watch), and rows stay what
-  they were.
+  Particles drift and crowd together while the margins of the neighbour list grow. Rows and entries
+  of a rank outgrow their allocation at different times (the sanitizers watch), and row sums stay
+  zero.
 */
 static void test_reassembly(void **state)
 {

@@ -1,12 +1,12 @@
 /*
-  Laplacians on lattices: orders, second moments and closed forms known from elsewhere, Zheng's
-  Table 1 among them.
+  Laplacians on lattices: orders, second moments and closed forms, among them Table 1 of Zheng, Ma &
+  Shao (2018).
 */
 /* RANKS: 1 2 */
 #include "cloud.h"
 
 /*
-  f = sin(k x + 1) sin(k y + 2), one wave along each side of the box: lap f = -2 k^2 f. Returns the
+  f = sin(k x + 1) sin(k y + 2), a wave along each side of the box: lap f = -2 k^2 f. Returns the
   relative L2 error.
 */
 static PetscReal WaveError(PetscInt dim, PetscInt n, const LaplacianRow *form)
@@ -31,7 +31,7 @@ static PetscReal WaveError(PetscInt dim, PetscInt n, const LaplacianRow *form)
   return error / (2.0 * k * k * norm);
 }
 
-/* On lattices every form whose moments are corrected is of order 2. */
+/* On lattices every form with corrected moments has order 2. */
 static void test_order_on_lattice(void **state)
 {
   (void)state;
@@ -39,7 +39,7 @@ static void test_order_on_lattice(void **state)
     const LaplacianRow *form = CloudLaplacian(m);
 
     for (PetscInt dim = 2; dim <= 3 && !CloudHas(form, FORM_SYMMETRIC); dim++) {
-      const PetscInt  n     = dim == 2 ? 20 : 16; /* and twice, resp. 3/2 as many */
+      const PetscInt  n     = dim == 2 ? 20 : 16; /* the finer lattice: 40 in 2D, 24 in 3D */
       const PetscReal ratio = dim == 2 ? 2.0 : 1.5;
       const PetscReal error = WaveError(dim, n, form);
       const PetscReal finer = WaveError(dim, (PetscInt)(ratio * n), form);
@@ -51,9 +51,9 @@ static void test_order_on_lattice(void **state)
 }
 
 /*
-  Without corrected moments a lattice leaves a factor S in the Laplacian of |x|^2 = 2 dim S:
-  OPERATORS.md, section 2, has 100 (S - 1) of the square lattice with the cubic spline, to one
-  digit behind the point.
+  Without corrected moments a form on a lattice returns S times the Laplacian of |x|^2, which is
+  2 dim: docs/theory.md, (36), whose table gives 100 (S - 1) of the square lattice with the cubic
+  spline to one decimal.
 */
 static void test_second_moment(void **state)
 {
@@ -89,9 +89,8 @@ static void test_second_moment(void **state)
 }
 
 /*
-  The factor S of the second moment at h = dx, cubic spline: four neighbours at dx and four at
-  sqrt(2) dx, S = 1/2 sum_k w_k x_k^2. OPERATORS.md, section 1, has 1.013099 (the closed form there
-  prints as 1.013095) and 0.993882, section 2 a defect of 2.5 % for direct_scalar.
+  Returns the factor S of the second moment at h = dx with the cubic spline: docs/theory.md, (37),
+  from four neighbours at dx and four at sqrt(2) dx.
 */
 static PetscReal FactorAtDx(const LaplacianRow *form)
 {
@@ -114,13 +113,13 @@ static PetscReal FactorAtDx(const LaplacianRow *form)
     ASSERT_OK(PetscStrcmp(pairwise[k].name, form->name, &same));
     if (same) return pairwise[k].factor;
   }
-  return CloudHas(form, FORM_SYMMETRIC) ? NAN : 1.0; /* a new pairwise form: not known */
+  return CloudHas(form, FORM_SYMMETRIC) ? NAN : 1.0; /* NAN: a pairwise form without closed form */
 }
 
 /*
-  Table 1 of X. Zheng, Q. Ma, S. Shao, Water 10 (2018), as OPERATORS.md, section 1, explains it:
-  nodes i dx, i = 0..N, dx = 1/N, h = dx, sampled at i = 2..N-2, printed is (1/M) sum |num - exact|
-  / sum |exact| with M = (N-3)^2 for lap f = 12 |x|^2 (f = x^4 + y^4).
+  Returns the error of Table 1 of X. Zheng, Q. Ma, S. Shao, Water 10 (2018): docs/theory.md, (39).
+  Nodes i dx, i = 0..N, dx = 1/N, h = dx, sampled at i = 2..N-2; f = x^4 + y^4 as in (38). The value
+  is (1/M) sum |num - exact| / sum |exact| with M = (N-3)^2 and exact = 12 |x|^2.
 */
 static PetscReal ZhengError(PetscInt N, const LaplacianRow *form, PetscReal *worst)
 {
@@ -185,7 +184,7 @@ static void test_zheng_table_1(void **state)
   }
 }
 
-/* The closed form behind the table, and |x|^2 on the same lattice: lap = 4 S. */
+/* The closed form (38) behind the table, and |x|^2 on the same lattice: lap = 4 S. */
 static void test_closed_form(void **state)
 {
   (void)state;

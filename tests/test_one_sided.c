@@ -1,6 +1,6 @@
 /*
-  What the coupled scheme asks of a pressure that no wall knows: its gradient from fluid alone is
-  exact for quadratics beside walls too, and its roughness sees none of them.
+  Pressure rows of the coupled scheme, which use no wall data: beside walls too, the gradient from
+  fluid neighbours alone is exact for quadratic fields, and the residual of the fit vanishes.
 */
 /* RANKS: 1 2 */
 #include "cloud.h"
@@ -14,7 +14,7 @@ static void CreateBox(PetscInt dim, PetscReal jitter, const char options[], Clou
                         .grad_p_without_walls = PETSC_TRUE};
 
   ASSERT_OK(CloudCreate(&box, options, cloud));
-  ASSERT_OK(VecSet(cloud->e, 1e3)); /* what walls are said to have must not matter */
+  ASSERT_OK(VecSet(cloud->e, 1e3)); /* wall data must not matter */
 }
 
 static void CheckQuadratics(const char *where, const Cloud *cloud)

@@ -1,13 +1,13 @@
 /*
-  Tables and options: every table's rows can be told apart and found, what the user types arrives,
-  and what he mistypes is refused with the option and the value in the message.
+  Tables and options: names in each table are unique and found, typed values arrive, and mistyped
+  values are refused with the option and the value in the message.
 */
 /* RANKS: 1 2 */
 #include <string.h>
 #include "cloud.h"
 #include "isph/catalogue.h"
 
-/* What one option is read as, for the one function that reads them all. */
+/* Type and result of an option, for the single function that reads options of every type. */
 typedef struct {
   enum { READ_REAL, READ_INT, READ_FLAGS, READ_TABLE, READ_FILE, READ_UNKNOWN, READ_TOGETHER } what;
   PetscReal       real;
@@ -41,7 +41,7 @@ static PetscErrorCode ReadOne(PetscOptionItems *PetscOptionsObject, Reading *r)
   }
 }
 
-/* Reads with "option value" in the database (option NULL: nothing, value NULL: no value). */
+/* Reads with "option value" in the database; option NULL: empty database, value NULL: no value. */
 static PetscErrorCode Read(const char option[], const char value[], Reading *r)
 {
   PetscErrorCode code = PETSC_SUCCESS;
@@ -67,7 +67,7 @@ static void AssertTaken(const char option[], const char value[], Reading *r)
   assert_int_equal(code, PETSC_SUCCESS);
 }
 
-/* Refused as the user's to mend, in words that name the option and, if it has one, the value. */
+/* Requires an error of user input whose message names the option and, if given, the value. */
 static void AssertRefused(const char option[], const char value[], Reading *r)
 {
   const PetscErrorCode code = Read(option, value, r);
@@ -91,10 +91,10 @@ static void test_tables(void **state)
 
       assert_non_null(row->citation);
       assert_true(row->brief[0] != '\0');
-      assert_in_range(strlen(row->name), 1, 127); /* what TableSelect() reads */
+      assert_in_range(strlen(row->name), 1, 127); /* length that TableSelect() reads */
       assert_null(strpbrk(row->name, " ,\t"));
       assert_int_equal(TableFind(table, row->name, &found), PETSC_SUCCESS);
-      assert_ptr_equal(found, row); /* the only one of that name */
+      assert_ptr_equal(found, row); /* names are unique */
     }
   }
 }
@@ -113,7 +113,7 @@ static void test_table_select(void **state)
   AssertRefused("-t_table", "wendland", &r); /* no abbreviations */
   AssertRefused("-t_table", "Wendland_C2", &r);
   AssertRefused("-t_table", "wendland_c2x", &r);
-  for (PetscInt k = 0; k < KernelTable.count; k++) /* the message lists what there is */
+  for (PetscInt k = 0; k < KernelTable.count; k++) /* the message lists all names */
     assert_non_null(strstr(r.message, TableGet(&KernelTable, k)->name));
 }
 
@@ -190,7 +190,7 @@ static void test_file(void **state)
   AssertRefused("-t_file", NULL, &r);
 }
 
-/* What nothing reads is refused with the nearest known name; what was read is not. */
+/* An unread option is refused with the nearest known name; a read option is not. */
 static void test_unknown(void **state)
 {
   Reading r = {.what = READ_UNKNOWN}, real = {.what = READ_REAL};
@@ -202,7 +202,7 @@ static void test_unknown(void **state)
   assert_int_equal(Read("-visc_ksp_rtoll", "1e-3", &r), PETSC_ERR_USER_INPUT);
   assert_non_null(strstr(r.message, "-visc_ksp_rtoll"));
   assert_non_null(strstr(r.message, "-visc_ksp_rtol "));
-  AssertTaken("-check_u_min", "0.1", &r); /* the report's to judge */
+  AssertTaken("-check_u_min", "0.1", &r); /* the report reads it later */
   AssertTaken("-t_real", "1.0", &real);
 }
 

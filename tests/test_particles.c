@@ -1,6 +1,7 @@
 /*
-  Identities of the particles and their neighbours, on any number of ranks: nothing is lost, fields
-  follow, copies are where they belong, rows equal brute force over all particles and all images.
+  Identities of particles and neighbours on any number of ranks: no particle is lost, fields follow
+  their particles, copies sit at owner plus shift, and rows equal brute force over all particles and
+  periodic images.
 */
 /* RANKS: 1 2 3 */
 #include <stdarg.h>
@@ -13,7 +14,7 @@
 
 static const CaseRow problem = {.name = "test", .brief = "", .citation = ""};
 
-/* A scene of unit spacing and what walls it has. */
+/* A scene of spacing 0.1 with its walls. */
 typedef struct {
   const char   *name;
   Scene         scene;
@@ -43,11 +44,11 @@ static Setting Box(const char *name, PetscInt dim, PetscInt nx, PetscInt ny, Pet
   return s;
 }
 
-/* All particles of all ranks by id, for the test only. */
+/* Positions of all particles of all ranks by id, for tests only. */
 typedef struct {
   PetscInt   n;
   PetscReal *x;     /* x[dim id + a] */
-  PetscReal *found; /* how often id occurs */
+  PetscReal *found; /* number of occurrences of each id */
 } All;
 
 static void GatherAll(const Particles *p, All *all)
@@ -62,7 +63,7 @@ static void GatherAll(const Particles *p, All *all)
   MPI_Allreduce(MPI_IN_PLACE, all->found, (int)all->n, MPIU_REAL, MPI_SUM, p->comm);
 }
 
-/* All ranks fail or none, or those left would wait for ever. */
+/* Fails on all ranks if any rank has something wrong; otherwise the other ranks would hang. */
 static void AssertNone(const char *what, const char *where, PetscInt wrong)
 {
   MPI_Allreduce(MPI_IN_PLACE, &wrong, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD);
@@ -71,14 +72,14 @@ static void AssertNone(const char *what, const char *where, PetscInt wrong)
 }
 #define ASSERT_OK(call) AssertNone(#call, "PETSc", (call) ? 1 : 0)
 
-/* A fixed pseudo-random number in (-1, 1) for each particle and k. */
+/* Returns a fixed pseudo-random number in (-1, 1) for each particle and k. */
 static PetscReal Noise(PetscInt id, PetscInt k)
 {
   const PetscReal s = PetscSinReal(12.9898 * (id + 1) + 78.233 * (k + 1)) * 43758.5453;
   return 2.0 * (s - PetscFloorReal(s)) - 1.0;
 }
 
-/* Each fluid particle goes its way, by at most `length` along each axis, and stays inside walls. */
+/* Moves each fluid particle by at most `length` along each axis and keeps it inside the walls. */
 static void Move(const Scene *scene, Particles *p, PetscReal length)
 {
   for (PetscInt i = 0; i < p->n_fluid; i++) {
@@ -97,8 +98,7 @@ static PetscReal TagOf(PetscInt id, PetscInt c)
   return 3.0 * id + 0.25 * c;
 }
 
-/* Every id once, numbers a permutation, fields where their particle is, the halo owner plus shift.
- */
+/* Checks that ids occur once, numbers ascend, fields follow and copies sit at owner plus shift. */
 static void CheckParticles(const Setting *s, const Particles *p, PetscReal *const tag[])
 {
   const PetscInt own = ParticlesOwn(p), dim = p->dim;
@@ -140,7 +140,7 @@ static void CheckParticles(const Setting *s, const Particles *p, PetscReal *cons
   AssertNone("counts", s->name, (count[0] != p->N_fluid) + (count[1] != p->N_wall));
 }
 
-/* Compares row i with all particles and images: as many, and each of the row's is one of them. */
+/* Compares row i with all particles and images, by count and by a sum weighted with ids. */
 static PetscInt RowErrors(const Scene *scene, const Particles *p, const Neighbors *nb,
                           const All *all, PetscInt i)
 {
@@ -195,7 +195,7 @@ static void CheckNeighbors(const Setting *s, const Particles *p, const Neighbors
   AssertNone("rows equal brute force", s->name, wrong);
 }
 
-/* Wall normals, depths and sides of own and copied wall particles. */
+/* Checks normals, depths and sides of own and copied wall particles. */
 static void CheckWalls(const Setting *s, const Particles *p)
 {
   PetscInt wrong = 0;
@@ -217,7 +217,7 @@ static void CheckWalls(const Setting *s, const Particles *p)
   AssertNone("walls", s->name, wrong);
 }
 
-/* Moves by `step` [dx] and checks everything after each move. */
+/* Moves by `step` [dx] and checks particles and neighbours after each move. */
 static void Follow(const Setting *s, PetscReal step, PetscInt n_steps)
 {
   const Scene *scene = &s->scene;
@@ -317,7 +317,7 @@ static void test_balance(void **state)
 
     MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_INT, MPI_MAX, p->comm);
     AssertNone("max / mean of fluid", s.name, (double)most * ranks > 1.1 * p->N_fluid);
-    for (PetscInt i = 0; i < p->n_fluid; i++) { /* all is pressed towards a corner */
+    for (PetscInt i = 0; i < p->n_fluid; i++) { /* the flow is compressed towards a corner */
       p->x[0][i] = s.scene.lo[0] + 0.6 * (p->x[0][i] - s.scene.lo[0]);
       p->x[1][i] = s.scene.lo[1] + 0.8 * (p->x[1][i] - s.scene.lo[1]);
     }
@@ -326,8 +326,7 @@ static void test_balance(void **state)
   ASSERT_OK(ParticlesDestroy(&p));
 }
 
-/* Sums over particles, weighted by id, as computed on one rank by the formula in ParticlesCreate().
- */
+/* Positions stay within the jitter of the lattice and do not depend on the number of ranks. */
 static void test_jitter(void **state)
 {
   Setting     s = Box("jitter", 2, 16, 12, 1, 1, 3);
@@ -353,7 +352,7 @@ static void test_jitter(void **state)
   assert_in_range(moved, p->N_fluid, 2 * p->N_fluid);
   ASSERT_OK(ParticlesDestroy(&p));
 
-  { /* the same alone: a communicator of this rank's own */
+  { /* the same particles on a communicator of this rank only */
     MPI_Comm world   = PETSC_COMM_WORLD;
     PETSC_COMM_WORLD = PETSC_COMM_SELF;
     differ += ParticlesCreate(&s.scene, s.walls, RADIUS * s.scene.dx, NULL, &p) ? 1 : 0;
@@ -367,7 +366,7 @@ static void test_jitter(void **state)
   PetscCallVoid(PetscFree2(alone.x, alone.found));
 }
 
-/* Searches around points equal brute force over local particles, for radii small and large. */
+/* A search around a point equals brute force over local particles, for small and large radii. */
 static void test_cells_find(void **state)
 {
   const Setting s = Box("cells", 2, 14, 11, 1, 1, 3);

@@ -1,6 +1,6 @@
 /*
-  Shapes of bodies: distances against the nearest of many points of the surface, normals against
-  their gradients, surface points on the surface, lengths against the perimeter.
+  Shapes of bodies: distances against the nearest of many surface points, normals against gradients
+  of the distance, surface points against the distance zero, lengths against the perimeter.
 */
 /* RANKS: 1 */
 #include "cloud.h"
@@ -54,7 +54,7 @@ static void test_surface(void **state)
   }
 }
 
-/* The span along each axis holds all of the surface and is not too wide for it. */
+/* The span along each axis contains the surface and exceeds it by less than dx. */
 static void test_span(void **state)
 {
   (void)state;
@@ -86,7 +86,7 @@ static void test_span(void **state)
   }
 }
 
-/* A plate, a small circle and a sharp wedge are thin, a box's corners and a wide wedge are not. */
+/* A plate, a small circle and a sharp wedge are thin; corners of a box and a wide wedge are not. */
 static void test_thickness(void **state)
 {
   const struct {
@@ -116,7 +116,7 @@ static void test_thickness(void **state)
   }
 }
 
-/* Distance of x from the nearest of all points of the surface. */
+/* Returns the distance of x from the nearest of all surface points. */
 static PetscReal Nearest(const Body *body, PetscReal dx, const PetscReal x[])
 {
   PetscReal best = PETSC_MAX_REAL;
@@ -156,7 +156,7 @@ static void test_distance(void **state)
   }
 }
 
-/* A drop whose area is far from its middle, in a periodic box: the nearest of all images counts. */
+/* A drop with its area far from its centre, in a periodic box: the nearest image counts. */
 static void test_images(void **state)
 {
   const PetscReal drop[8] = {0.1, 0.4, 0.85, 0.5, 0.1, 0.6, 0.05, 0.5};

@@ -1,6 +1,6 @@
 /*
-  Particles given in a file: each rank takes its share, what is no fluid is left out, velocities go
-  with the places, and what cannot be a start is refused with the row and the reason.
+  Particles read from a file: each rank takes its share, wall rows are skipped, velocities belong to
+  their positions, and an invalid start is refused with the row and the reason.
 */
 /* RANKS: 1 3 */
 #include <string.h>
@@ -8,13 +8,13 @@
 #include "isph/hdf5file.h"
 #include "isph/run.h"
 
-#define ROWS 10 /* of the file: five in each of two lines */
+#define ROWS 10 /* of the file: two lines of five particles */
 
-/* A file as a user may write it. */
+/* Contents of a file as a user may write it. */
 typedef struct {
   PetscReal x[ROWS][2], u[ROWS][2];
   int       type[ROWS];
-  PetscInt  rows, columns, rows_u; /* columns of position; rows_u 0: there are no velocities */
+  PetscInt  rows, columns, rows_u; /* columns of position; rows_u 0: no velocities */
   PetscBool typed;
 } Given;
 
@@ -57,8 +57,7 @@ static void WriteGiven(const char path[], const Given *given)
   assert_true(good);
 }
 
-/* A unit square of spacing 0.2, periodic along x where asked for, with a small body where asked
-   for. */
+/* Creates a unit square of spacing 0.2, on request periodic along x or with a small body. */
 static void MakeScene(PetscBool periodic, PetscBool body, Scene *scene)
 {
   memset(scene, 0, sizeof(*scene));
@@ -71,7 +70,7 @@ static void MakeScene(PetscBool periodic, PetscBool body, Scene *scene)
   if (body) BodyCircle(&scene->bodies[scene->n_bodies++], 0.5, 0.3, 0.05);
 }
 
-/* Reads the file as a run does; the message of the error, or "". */
+/* Reads the file as in a run; returns the message of the error, or "". */
 static void Read(Scene *scene, const char path[], FluidStart *start, char message[])
 {
   char           read[PETSC_MAX_PATH_LEN];
@@ -99,7 +98,7 @@ static void test_none(void **state)
   assert_int_equal(path[0], 0);
 }
 
-/* Rows 2 and 7 are of walls; the others keep their order over the ranks. */
+/* Rows 2 and 7 are walls; the other rows keep their order over the ranks. */
 static void test_share(void **state)
 {
   const PetscInt kept[ROWS - 2] = {0, 1, 3, 4, 5, 6, 8, 9};
@@ -126,7 +125,7 @@ static void test_share(void **state)
   assert_int_equal(StartFree(&start), 0);
 }
 
-/* Places alone will do, and a periodic box takes in those outside it. */
+/* Positions alone suffice, and a periodic box wraps positions outside it. */
 static void test_places(void **state)
 {
   Scene      scene;
@@ -148,7 +147,7 @@ static void test_places(void **state)
   assert_int_equal(StartFree(&start), 0);
 }
 
-/* What is refused, and what is said. */
+/* Requires that the start is refused with the given words in the message. */
 static void Refused(Scene *scene, const Given *given, const char *words)
 {
   FluidStart start;
@@ -185,8 +184,8 @@ static void test_refusals(void **state)
   Refused(&scene, &given, "must have the rows of 'position'");
 }
 
-/* The particles begin where they were put, with their velocities, wherever they belong; walls
-   stay. */
+/* Particles start at the given positions with the given velocities on the rank that owns the
+   place; walls are unchanged. */
 static void test_particles(void **state)
 {
   const WallPlacement walls = {0};
@@ -214,7 +213,7 @@ static void test_particles(void **state)
   assert_int_equal(ParticlesDestroy(&p), 0);
 }
 
-/* Two at one place are found, also where they are on two ranks. */
+/* Two particles at nearly the same place are found, even on different ranks. */
 static void test_closest(void **state)
 {
   const WallPlacement walls = {0};

@@ -1,6 +1,6 @@
 /*
-  Identities of the forms that couple velocity components: on quadratic velocities the stress's
-  divergence to the last digit, nothing of motions as one piece, eigenvalues that damp.
+  Identities of the forms that couple velocity components: exact stress divergence of quadratic
+  velocities, no force on rigid motions, eigenvalues that damp.
 */
 /* RANKS: 1 2 */
 #include "cloud.h"
@@ -16,7 +16,7 @@ static Cloud CloudOfForm(PetscInt k, PetscInt dim, PetscReal jitter)
   return cloud;
 }
 
-/* The viscous operator on the velocity u; y - its component c. */
+/* Sets y to component c of the viscous operator applied to the velocity u. */
 static void Apply(const Cloud *cloud, const Quadratic u[], PetscInt c, Vec y)
 {
   Vec all, stress;
@@ -33,7 +33,7 @@ static void Apply(const Cloud *cloud, const Quadratic u[], PetscInt c, Vec y)
   ASSERT_OK(VecDestroy(&stress));
 }
 
-/* Largest error of component c against lap u_c + 2 d_c div u, in units of 1/dx^2. */
+/* Returns the largest error of component c against lap u_c + 2 d_c div u, in units of 1/dx^2. */
 static PetscReal StressError(const Cloud *cloud, const Quadratic u[], PetscInt c)
 {
   Quadratic expected = QuadraticLaplacian(cloud, &u[c]);
@@ -69,7 +69,7 @@ static void test_quadratics(void **state)
   }
 }
 
-/* What moves as one piece has no stress: turning, w = 1 in every plane, and a constant velocity. */
+/* A rigid motion has no stress: rotation with unit rate in every plane, and a translation. */
 static void test_one_piece(void **state)
 {
   (void)state;
@@ -89,7 +89,7 @@ static void test_one_piece(void **state)
   }
 }
 
-/* safe_implicit: the eigenvalues of -L have positive real parts, but for those of constants. */
+/* safe_implicit: the eigenvalues of -L have positive real parts, except the zeros of constants. */
 static void test_damps(void **state)
 {
   PetscMPIInt ranks;

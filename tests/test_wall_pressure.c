@@ -1,11 +1,11 @@
 /*
-  Identities of pressures beside walls, for every row of the wall table that is closed pair by pair
-  with all forms it can meet, on lattices and on disordered clouds, in two and three dimensions.
+  Identities of the pressure beside walls, for every wall treatment without extension and all forms
+  that work with it, on lattices and on disordered clouds, in 2D and 3D.
 */
 /* RANKS: 1 2 */
 #include "walled.h"
 
-/* lap p of a pressure with its normal derivative given, where the form is exact. */
+/* lap p for a given wall pressure gradient, if the form is exact for linear fields */
 static void CheckLaplacian(const Quadratic *p, const WalledForms *forms, const char *where,
                            Cloud *cloud)
 {
@@ -20,7 +20,7 @@ static void CheckLaplacian(const Quadratic *p, const WalledForms *forms, const c
   WalledAssert("lap p", where, cloud, cloud->y, &exact, 2, 1e-8);
 }
 
-/* grad p of a pressure with its normal derivative given, where the form is exact. */
+/* grad p for a given wall pressure gradient, if the form is exact for linear fields */
 static void CheckGradient(const Quadratic *p, const WalledForms *forms, const char *where,
                           Cloud *cloud)
 {
@@ -35,7 +35,7 @@ static void CheckGradient(const Quadratic *p, const WalledForms *forms, const ch
   }
 }
 
-/* What all closures see of a pressure varies along the normal: p = rho f.x, f normal to walls. */
+/* Hydrostatic pressure p = rho f.x with f normal to the walls: exact with every treatment */
 static void CheckHydrostatic(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   Quadratic p = {.c = 2.0};
@@ -46,9 +46,9 @@ static void CheckHydrostatic(const WalledForms *forms, const char *where, Cloud 
 }
 
 /*
-  Any linear pressure in a closed box: fits take n.grad p where it is, dummies follow the gradient
-  of the row along the wall. They do not in the Laplacian that must stay symmetric, nor beside a
-  gradient that is not exact itself.
+  Linear pressures in a closed box. Fits use the wall pressure gradient at the wall point; dummies
+  continue the gradient of the row along the wall, docs/theory.md, (51). A symmetric Laplacian and
+  a Laplacian beside an inexact gradient omit this continuation.
 */
 static void CheckLinearPressure(const WalledForms *forms, const char *where, Cloud *cloud)
 {
@@ -63,7 +63,7 @@ static void CheckLinearPressure(const WalledForms *forms, const char *where, Clo
   }
 }
 
-/* A fit is exact for quadratic pressures too; dummies know no second derivative. */
+/* Quadratic pressures: exact for fits with wall equations; dummies have no second derivative. */
 static void CheckQuadraticPressure(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const PetscInt dim = cloud->scene.dim;
@@ -77,7 +77,7 @@ static void CheckQuadraticPressure(const WalledForms *forms, const char *where, 
   }
 }
 
-/* A matrix that a form calls symmetric is so beside walls. */
+/* The matrix of a symmetric form is symmetric beside walls too. */
 static void CheckSymmetry(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   PetscBool symmetric = PETSC_TRUE;

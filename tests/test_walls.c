@@ -1,12 +1,12 @@
 /*
-  Identities of velocities beside walls, for every row of the wall table that is closed pair by pair
-  with all forms it can meet, on lattices and on disordered clouds, in two and three dimensions; and
-  which forms and walls are refused together.
+  Identities of the velocity beside walls, for every wall treatment without extension and all forms
+  that work with it, on lattices and on disordered clouds, in 2D and 3D; and the refused pairs of
+  forms and walls.
 */
 /* RANKS: 1 2 */
 #include "walled.h"
 
-/* Fluid and walls in one translation under one pressure: nothing is sheared, nothing flows. */
+/* Fluid and walls in translation under uniform pressure: no force, gradient or divergence. */
 static void CheckConstants(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const Operators *ops  = cloud->ops;
@@ -33,8 +33,7 @@ static void test_constants(void **state)
   WalledForAll(PETSC_TRUE, CheckConstants);
 }
 
-/* u = (y, 0) between a wall and a moving lid: no viscous force, the shear rate is that of the lid.
- */
+/* u = (y, 0) between a wall and a moving lid: no viscous force, and the shear rate of the flow. */
 static void CheckCouette(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const Operators *ops  = cloud->ops;
@@ -67,8 +66,8 @@ static void test_couette(void **state)
   WalledForAll(PETSC_FALSE, CheckCouette);
 }
 
-/* In a closed box whose walls move with any linear flow, across and along: no viscous force, its
-   own gradient. */
+/* A closed box whose walls move with any linear flow: no viscous force, and the gradient of the
+   flow. */
 static void CheckLinearFlow(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const Operators *ops  = cloud->ops;
@@ -98,7 +97,7 @@ static void test_linear_flow(void **state)
   WalledForAll(PETSC_TRUE, CheckLinearFlow);
 }
 
-/* A lid that slides along fluid at rest moves no volume, at the corners neither: div u = 0. */
+/* A lid that slides along fluid at rest moves no volume, even at the corners: div u = 0. */
 static void CheckSlidingLid(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const PetscInt  last    = cloud->scene.dim - 1;
@@ -116,7 +115,7 @@ static void test_sliding_lid(void **state)
   WalledForAll(PETSC_TRUE, CheckSlidingLid);
 }
 
-/* Walls that move along their normal with the fluid: div s_n e_n = 1, dummies extrapolate it. */
+/* Walls that move along their normal with the fluid: div s_n e_n = 1 with extrapolated dummies. */
 static void CheckNormalMotion(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const PetscInt last = cloud->scene.dim - 1;
@@ -131,7 +130,7 @@ static void CheckNormalMotion(const WalledForms *forms, const char *where, Cloud
   WalledAssert("div u of normal motion", where, cloud, cloud->y, &exact, 1, 1e-9);
 }
 
-/* On a lattice solid body rotation has no divergence, by symmetry, whatever the gradient. */
+/* On a lattice rigid rotation has no divergence, by symmetry, with any gradient. */
 static void CheckRotation(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const PetscInt  last = cloud->scene.dim - 1;
@@ -162,11 +161,11 @@ static void AssertDivergence(PetscInt k, const char *where, Cloud *cloud)
 }
 
 /*
-  The divergence of every linear velocity is exact in a closed box, that of the solenoidal ones,
-  strain and rotation among them, zero. A vector fit takes n.u_wall where it is. Of a dummy's
-  velocity the tangential part is the row's own linear field, the normal one its extrapolation
-  through the wall, exact for linear fields as long as no beta is capped: it is at most 1 + 2.3/0.3
-  here, from the support 2.6 dx and the least distance 0.3 dx, the cap 10.
+  The divergence of every linear velocity is exact in a closed box. A vector fit uses n.u_wall at
+  the wall point. For dummies docs/theory.md, (54), continues the normal component through the wall
+  and the tangential components by the gradient of the row. This is exact while no beta reaches its
+  cap of 10: here beta is at most 1 + 2.3/0.3, from the support 2.6 dx and the least distance 0.3
+  dx.
 */
 static void CheckLinearVelocity(const WalledForms *forms, const char *where, Cloud *cloud)
 {
@@ -192,7 +191,8 @@ static void test_divergence(void **state)
   WalledForAll(PETSC_TRUE, CheckQuadraticVelocity);
 }
 
-/* A predicted velocity leaves the wall by slip (n.grad p) n; the particle keeps the wall's own. */
+/* The predicted velocity has the Dirichlet value u_wall + (k/rho) (n.grad p) n, docs/theory.md,
+   (88); the particle keeps the wall velocity. */
 static void CheckSlip(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const Quadratic  rest[3] = {{.c = 0.0}};
@@ -214,7 +214,7 @@ static void CheckSlip(const WalledForms *forms, const char *where, Cloud *cloud)
   CloudAssertNone("slip", where, wrong);
 }
 
-/* A lattice and what stands for it behind walls is a lattice: C is the same everywhere. */
+/* Fluid on a lattice and its continuation behind walls form a single lattice, so C is uniform. */
 static void CheckConcentration(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const Operators *ops   = cloud->ops;
@@ -230,7 +230,7 @@ static void CheckConcentration(const WalledForms *forms, const char *where, Clou
     for (PetscInt a = 0; a < cloud->scene.dim; a++)
       wrong += PetscAbsReal(ops->concentration.gradient[a][i]) * cloud->scene.dx > 1e-12;
   }
-  /* the quadrature error of the lattice, a few per cent: OPERATORS.md, section 2, |S - 1| */
+  /* the quadrature error C - 1 of a lattice is below 3 %: docs/theory.md, (11) */
   CloudAssertNone("concentration near 1", where, PetscAbsReal(C - 1.0) > 0.05);
   CloudAssertNone("concentration", where, wrong);
 }
@@ -242,7 +242,7 @@ static void test_wall_data(void **state)
   WalledForAll(PETSC_TRUE, CheckConcentration);
 }
 
-/* A form blind to walls is refused with particles on the surface and given dummies by default. */
+/* A form blind to wall roles is refused with wall_layer and gets dummies by default. */
 static void CheckRefusal(const char *option, const TableRow *form, PetscBool full_support)
 {
   const CloudBox box = {.dim = 2, .cells = {6, 6, 1}, .n_periodic = 1};

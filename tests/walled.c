@@ -1,4 +1,4 @@
-/* The combinations of walled.h: which there are, and the cloud of each. */
+/* The combinations of walled.h and their clouds. */
 #include "walled.h"
 
 const WallRow *WalledWall(PetscInt k)
@@ -11,21 +11,21 @@ const GradientRow *WalledGradient(PetscInt k)
   return (const GradientRow *)(const void *)TableGet(&GradientTable, k);
 }
 
-/* WalledBlind - Whether a form cannot take the roles of wall particles */
+/* WalledBlind - Returns true for a form that ignores the roles of wall particles */
 PetscBool WalledBlind(unsigned properties)
 {
   return (properties & FORM_FULL_SUPPORT) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* WalledMeets - Whether a form can do with what a treatment puts behind the wall */
+/* WalledMeets - Returns true if a form works with the particles that a treatment places */
 PetscBool WalledMeets(const WallRow *wall, PetscBool full_support)
 {
   return (!wall->on_surface || !full_support) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /*
-  Every wall treatment that is closed pair by pair with every Laplacian and one gradient, and the
-  other way round; those that extend the fluid have test_extension.c.
+  Lists every wall treatment without extension: each with every Laplacian and a fixed gradient,
+  then with a fixed Laplacian and every gradient. test_extension.c tests treatments with extension.
 */
 static PetscInt AllForms(WalledForms forms[], PetscInt most)
 {
@@ -59,8 +59,7 @@ static PetscInt AllForms(WalledForms forms[], PetscInt most)
   return n;
 }
 
-/* WalledForOne - Builds the cloud of one combination, whose fits are determined, and lets check
-   judge it */
+/* WalledForOne - Builds the cloud of a combination, requires regular fits, and calls check */
 void WalledForOne(const WalledForms *forms, const CloudBox *box, WalledCheck check)
 {
   char  options[256], where[320];
@@ -82,8 +81,8 @@ void WalledForOne(const WalledForms *forms, const CloudBox *box, WalledCheck che
 }
 
 /*
-  WalledForAll - Every combination in 2D and 3D, on a lattice and on disorder, in a closed box or in
-  a channel whose last axis has the walls
+  WalledForAll - Calls check for every combination in 2D and 3D, on a lattice and on disorder, in a
+  closed box or in a channel with walls on the last axis
 */
 void WalledForAll(PetscBool closed, WalledCheck check)
 {
@@ -105,7 +104,7 @@ void WalledForAll(PetscBool closed, WalledCheck check)
   }
 }
 
-/* WalledAssert - Whether y is the expected field up to tolerance/dx^power */
+/* WalledAssert - Fails unless y equals the expected field up to tolerance/dx^power */
 void WalledAssert(const char *what, const char *where, const Cloud *cloud, Vec y,
                   const Quadratic *expected, PetscInt power, PetscReal tolerance)
 {
@@ -115,7 +114,7 @@ void WalledAssert(const char *what, const char *where, const Cloud *cloud, Vec y
   CloudAssertNone(what, where, !(error * PetscPowRealInt(cloud->scene.dx, power) <= tolerance));
 }
 
-/* WalledSetVelocity - Gives fluid and walls the velocity u */
+/* WalledSetVelocity - Sets the velocity of fluid and walls to u */
 void WalledSetVelocity(Cloud *cloud, const Quadratic u[])
 {
   for (PetscInt c = 0; c < cloud->scene.dim; c++) {

@@ -1,6 +1,6 @@
 /*
-  Clouds with walls, one for each combination of wall treatment and forms, for the tests of what
-  a fluid bounded by walls must reproduce exactly.
+  Clouds with walls for each pair of a wall treatment and forms, for tests of fields that must be
+  exact beside walls.
 */
 #ifndef WALLED_H
 #define WALLED_H
@@ -17,8 +17,8 @@ typedef struct {
 } WalledForms;
 typedef void (*WalledCheck)(const WalledForms *forms, const char *where, Cloud *cloud);
 
-const WallRow     *WalledWall(PetscInt k);     /* row k of its table */
-const GradientRow *WalledGradient(PetscInt k); /* row k of its table */
+const WallRow     *WalledWall(PetscInt k);     /* row k of the table of wall treatments */
+const GradientRow *WalledGradient(PetscInt k); /* row k of the table of gradients */
 PetscBool          WalledBlind(unsigned properties);
 PetscBool          WalledMeets(const WallRow *wall, PetscBool full_support);
 
