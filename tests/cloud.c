@@ -362,8 +362,8 @@ PetscErrorCode CloudError(const Cloud *cloud, Vec y, const Quadratic *expected, 
     rows++;
   }
   PetscCall(VecRestoreArrayRead(y, &value));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &rows, 1, MPIU_INT, MPI_SUM, cloud->particles->comm));
-  PetscCall(MPIU_Allreduce(&largest, error, 1, MPIU_REAL, MPIU_MAX, cloud->particles->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &rows, 1, MPIU_INT, MPI_SUM, cloud->particles->comm));
+  PetscCallMPI(MPI_Allreduce(&largest, error, 1, MPIU_REAL, MPIU_MAX, cloud->particles->comm));
   PetscCheck(rows > 0, PETSC_COMM_WORLD, PETSC_ERR_PLIB, "The box has no interior row");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

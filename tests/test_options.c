@@ -21,7 +21,7 @@ typedef struct {
 
 static const char *const colours[] = {"red", "green", "blue"};
 
-static PetscErrorCode ReadOne(PetscOptionItems *PetscOptionsObject, Reading *r)
+static PetscErrorCode ReadOne(OptionItems PetscOptionsObject, Reading *r)
 {
   switch (r->what) {
   case READ_REAL:

@@ -5,14 +5,10 @@
 #ifndef ISPH_BASE_H
 #define ISPH_BASE_H
 
-#include <petsc.h>
+#include "isph/petsc.h"
 
 #define ISPH_VERSION "0.1.0"
 #define ISPH_MAX_DIM 3
-
-#if PETSC_VERSION_LT(3, 19, 0)
-#define PETSC_SUCCESS 0
-#endif
 
 /*
   A table is a const array of structs that all begin with these three members. The user's word is
@@ -50,27 +46,27 @@ const TableRow *TableGet(const Table *table, PetscInt k);
 PetscErrorCode  TableFind(const Table *table, const char name[], const TableRow **row);
 PetscErrorCode  TableWant(const Table *table, const char option[], const char name[],
                           const void *row);
-PetscErrorCode TableSelect_Private(PetscOptionItems *items, const Table *table, const char option[],
-                                   const char text[], const char fallback[], const void *row);
-PetscErrorCode TableView(const Table *table, PetscViewer viewer);
-PetscErrorCode TableViewRow(const char label[], const void *row, PetscViewer viewer);
+PetscErrorCode  TableSelect_Private(OptionItems items, const Table *table, const char option[],
+                                    const char text[], const char fallback[], const void *row);
+PetscErrorCode  TableView(const Table *table, PetscViewer viewer);
+PetscErrorCode  TableViewRow(const char label[], const void *row, PetscViewer viewer);
 
 /*
   Options with a range: a value outside it, or no number, ends the run with one line. To be used, as
   PETSc's own, between PetscOptionsBegin() and PetscOptionsEnd(); set may be NULL.
 */
-PetscErrorCode OptionReal_Private(PetscOptionItems *items, const char option[], const char text[],
+PetscErrorCode OptionReal_Private(OptionItems items, const char option[], const char text[],
                                   PetscReal low, PetscReal high, PetscReal *value, PetscBool *set);
-PetscErrorCode OptionInt_Private(PetscOptionItems *items, const char option[], const char text[],
+PetscErrorCode OptionInt_Private(OptionItems items, const char option[], const char text[],
                                  PetscInt low, PetscInt high, PetscInt *value, PetscBool *set);
-PetscErrorCode OptionSwitch_Private(PetscOptionItems *items, const char option[], const char text[],
+PetscErrorCode OptionSwitch_Private(OptionItems items, const char option[], const char text[],
                                     PetscBool *value);
-PetscErrorCode OptionReals_Private(PetscOptionItems *items, const char option[], const char text[],
+PetscErrorCode OptionReals_Private(OptionItems items, const char option[], const char text[],
                                    PetscInt capacity, PetscReal value[], PetscInt *n,
                                    PetscBool *set);
-PetscErrorCode OptionFlags_Private(PetscOptionItems *items, const char option[], const char text[],
+PetscErrorCode OptionFlags_Private(OptionItems items, const char option[], const char text[],
                                    const char *const names[], PetscInt count, unsigned *flags);
-PetscErrorCode OptionFile_Private(PetscOptionItems *items, const char option[], const char text[],
+PetscErrorCode OptionFile_Private(OptionItems items, const char option[], const char text[],
                                   char path[PETSC_MAX_PATH_LEN]);
 #define TableSelect(...)  TableSelect_Private(PetscOptionsObject, __VA_ARGS__)
 #define OptionReal(...)   OptionReal_Private(PetscOptionsObject, __VA_ARGS__)

@@ -34,7 +34,7 @@ PetscErrorCode ExpressionScopeCheck(const ExpressionScope *scope);
 
 PetscErrorCode ExpressionSet(ExpressionScope *scope, const char option[], const char text[],
                              PetscInt fewest, PetscInt most, unsigned allowed, Expression *e);
-PetscErrorCode ExpressionRead_Private(PetscOptionItems *items, ExpressionScope *scope,
+PetscErrorCode ExpressionRead_Private(OptionItems items, ExpressionScope *scope,
                                       const char option[], const char text[], PetscInt fewest,
                                       PetscInt most, unsigned allowed, Expression *e,
                                       PetscBool *set);

@@ -157,7 +157,7 @@ struct Scene {
 
 extern const Table CaseTable; /* cases/cases.c */
 
-PetscErrorCode SceneReadTyped(PetscOptionItems *items, Scene *scene);
+PetscErrorCode SceneReadTyped(OptionItems items, Scene *scene);
 PetscErrorCode SceneCreate(Scene **scene);
 PetscErrorCode SceneDestroy(Scene **scene);
 PetscBool      SceneHas(const Scene *scene, Physics what);
@@ -175,7 +175,7 @@ void      SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, 
 PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal x[],
                               const PetscReal normal[], const PetscReal u[]);
 PetscReal SceneDecayRate(const Scene *scene);
-PetscErrorCode SceneReadRheology(PetscOptionItems *items, Scene *scene);
+PetscErrorCode SceneReadRheology(OptionItems items, Scene *scene);
 PetscBool      SceneIsNewtonian(const Scene *scene);
 PetscReal      RheologyViscosity(const Rheology *rheology, PetscReal rate);
 PetscBool      SceneViscosityVaries(const Scene *scene);

@@ -88,7 +88,7 @@ PetscErrorCode Hdf5FileClose(Hdf5File *file, PetscBool *good)
   (void)Noted(file, H5Pclose(file->transfer));
   if (file->file >= 0) (void)Noted(file, H5Fclose(file->file));
   failed = file->failed ? 1 : 0;
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_MAX, file->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_MAX, file->comm));
   *good = failed ? PETSC_FALSE : PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -27,8 +27,8 @@ PetscErrorCode MatrixFileCreate(const char prefix[], MatrixFile **file)
   PetscFunctionBegin;
   PetscCall(PetscNew(file));
   (*file)->prefix = prefix;
-  PetscCall(PetscOptionsGetViewer(PETSC_COMM_WORLD, NULL, prefix, "-mat_view", &(*file)->viewer,
-                                  &(*file)->format, &set));
+  PetscCall(PetscOptionsCreateViewer(PETSC_COMM_WORLD, NULL, prefix, "-mat_view", &(*file)->viewer,
+                                     &(*file)->format, &set));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

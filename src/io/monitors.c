@@ -75,7 +75,7 @@ static PetscErrorCode CheckInBox(const Scene *scene, const char option[], PetscI
 }
 
 /* The numbers of one option, whole groups of them. */
-static PetscErrorCode MonitorRead(PetscOptionItems *PetscOptionsObject, const Scene *scene,
+static PetscErrorCode MonitorRead(OptionItems PetscOptionsObject, const Scene *scene,
                                   const MonitorKind *kind, Monitor *monitor)
 {
   const PetscInt group                   = kind->group[scene->dim - 2];

@@ -42,10 +42,11 @@ static PetscErrorCode NormsCompare(const Flow *flow, PetscReal exact_p[], ExactS
     sums->p_exact += exact_p[i];
     sums->n_p += 1.0;
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sums, (PetscMPIInt)(sizeof(*sums) / sizeof(PetscReal)),
-                           MPIU_REAL, MPIU_SUM, p->comm));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, maxima, (PetscMPIInt)(sizeof(*maxima) / sizeof(PetscReal)),
-                           MPIU_REAL, MPIU_MAX, p->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, (PetscMPIInt)(sizeof(*sums) / sizeof(PetscReal)),
+                             MPIU_REAL, MPIU_SUM, p->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, maxima,
+                             (PetscMPIInt)(sizeof(*maxima) / sizeof(PetscReal)), MPIU_REAL,
+                             MPIU_MAX, p->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -64,7 +65,7 @@ static PetscErrorCode NormsPressure(const Flow *flow, const PetscReal exact_p[],
     square[0] += PetscSqr(p->p[i] - sums->p / sums->n_p - exact);
     square[1] += PetscSqr(exact);
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, square, 2, MPIU_REAL, MPIU_SUM, p->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, square, 2, MPIU_REAL, MPIU_SUM, p->comm));
   scale = PetscSqrtReal(square[1] / p->N_fluid);
   if (scale < 1e-12 * scene->rho * PetscSqr(scene->speed))
     scale = scene->rho * PetscSqr(scene->speed);
@@ -135,7 +136,7 @@ PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report)
   for (PetscInt c = 0; c < p->dim; c++) {
     for (PetscInt i = 0; i < p->n_fluid; i++) momentum[c] += mass * p->u[c][i];
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, momentum, ISPH_MAX_DIM, MPIU_REAL, MPIU_SUM, p->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, momentum, ISPH_MAX_DIM, MPIU_REAL, MPIU_SUM, p->comm));
   for (PetscInt c = 0; c < p->dim; c++) square += PetscSqr(momentum[c]);
   PetscCall(ReportAddReference(report, "kinetic_energy", flow->scheme->stats.kinetic_energy, energy,
                                energy));

@@ -252,8 +252,8 @@ PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], Pe
     for (PetscInt a = 0; a < dim; a++) place[a] = x[k * dim + a];
     if (ProbeOwns(flow, place)) PetscCall(ProbeEvaluate(&probe, place, &values[k * width]));
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, values, (PetscMPIInt)(n * width), MPIU_REAL, MPIU_SUM,
-                           flow->particles->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, values, (PetscMPIInt)(n * width), MPIU_REAL, MPIU_SUM,
+                             flow->particles->comm));
   for (PetscInt k = 0; k < n; k++) {
     for (PetscInt c = 0; c < dim; c++) u[k * dim + c] = values[k * width + c];
     if (p) p[k] = pressure ? values[k * width + dim] : NAN;
@@ -305,7 +305,7 @@ PetscErrorCode ProbeViscosity(const Flow *flow, PetscInt n, const PetscReal x[],
     for (PetscInt a = 0; a < p->dim; a++) place[a] = x[k * p->dim + a];
     if (ProbeOwns(flow, place)) PetscCall(NearestViscosity(&probe, place, &nu[k]));
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, nu, (PetscMPIInt)n, MPIU_REAL, MPIU_SUM, p->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, nu, (PetscMPIInt)n, MPIU_REAL, MPIU_SUM, p->comm));
   PetscCall(ProbeEnd(&probe));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -173,7 +173,7 @@ static PetscErrorCode ColumnsAfterTime(const Flow *flow, PetscReal wall_seconds,
   columns->text[0] = '\0';
   PetscCheck(getrusage(RUSAGE_SELF, &usage) == 0, PETSC_COMM_SELF, PETSC_ERR_SYS, "getrusage()");
   rss_mb = (PetscReal)usage.ru_maxrss / 1024.0;
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &rss_mb, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &rss_mb, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
   if (steps > 0.0 && velocity) visc_its = velocity->iterations_sum / steps;
   if (steps > 0.0 && pressure) ppe_its = pressure->iterations_sum / steps;
   PetscCall(ColumnNumber(columns, wall_seconds));

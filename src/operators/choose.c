@@ -4,7 +4,7 @@
 */
 #include "choose.h"
 
-static PetscErrorCode ChooseLaplacian(PetscOptionItems *PetscOptionsObject, const char option[],
+static PetscErrorCode ChooseLaplacian(OptionItems PetscOptionsObject, const char option[],
                                       const char text[], const char standard[],
                                       const CorrectionRow *correction, LaplacianForm *form)
 {
@@ -28,7 +28,7 @@ static const char *DefaultLaplacian(const Scene *scene)
 }
 
 /* Chooses the Laplacians that the run needs; one correction serves both, if they can take it. */
-static PetscErrorCode ChooseLaplacians(PetscOptionItems *PetscOptionsObject, const Scene *scene,
+static PetscErrorCode ChooseLaplacians(OptionItems PetscOptionsObject, const Scene *scene,
                                        unsigned needs, OperatorForms *forms)
 {
   const CorrectionRow *correction;
@@ -65,7 +65,7 @@ static PetscErrorCode ChooseLaplacians(PetscOptionItems *PetscOptionsObject, con
 }
 
 /* Chooses the wall treatment of the user, or else one that the chosen forms can take. */
-static PetscErrorCode ChooseWall(PetscOptionItems *PetscOptionsObject, const Scene *scene,
+static PetscErrorCode ChooseWall(OptionItems PetscOptionsObject, const Scene *scene,
                                  OperatorForms *forms)
 {
   const char *blind = NULL; /* a chosen form that needs particles behind walls */

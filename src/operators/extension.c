@@ -128,7 +128,7 @@ static PetscErrorCode ExtendOperator(Mat E, Vec S, AffineOperator *op)
 
   PetscFunctionBegin;
   if (!op->needed) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MatMatMult(op->B, E, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &BE));
+  PetscCall(MatMatMult(op->B, E, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &BE));
   PetscCall(MatAXPY(op->A, 1.0, BE, DIFFERENT_NONZERO_PATTERN));
   PetscCall(MatDestroy(&BE));
   PetscCall(MatDiagonalScale(op->B, NULL, S));

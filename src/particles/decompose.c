@@ -72,7 +72,8 @@ static PetscErrorCode GroupsStart(const Scene *scene, const Particles *p, PetscM
       b[1]         = PetscMin(b[1], -p->x[a][i]);
     }
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, bound, 2 * dim * n_groups, MPIU_REAL, MPIU_MIN, p->comm));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, bound, 2 * dim * n_groups, MPIU_REAL, MPIU_MIN, p->comm));
   for (PetscInt k = 0; k < n_groups; k++) {
     Group    *g = &groups[k];
     PetscReal lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM];
@@ -157,8 +158,8 @@ static PetscErrorCode GroupsZoom(const Particles *p, const PetscInt of[], PetscI
     bin = BinOf(&groups[of[i]], p->x[groups[of[i]].axis][i]);
     if (bin >= 0) histogram[of[i] * BISECT_BINS + bin]++;
   }
-  PetscCall(
-      MPIU_Allreduce(MPI_IN_PLACE, histogram, n_groups * BISECT_BINS, MPIU_INT, MPI_SUM, p->comm));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, histogram, n_groups * BISECT_BINS, MPIU_INT, MPI_SUM, p->comm));
   for (PetscInt k = 0; k < n_groups; k++) GroupZoom(&groups[k], &histogram[k * BISECT_BINS]);
   PetscCall(PetscFree(histogram));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -231,7 +232,7 @@ static PetscErrorCode FindOwners(const Particles *p, PetscMPIInt ranks, PetscInt
     owner[i] = OwnerOf(p, ranks, i);
     if (i < p->n_fluid) load[owner[i]]++;
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, load, ranks, MPIU_INT, MPI_SUM, p->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, load, ranks, MPIU_INT, MPI_SUM, p->comm));
   for (PetscMPIInt r = 0; r < ranks; r++) most = PetscMax(most, load[r]);
   *imbalance = (PetscReal)most * ranks / PetscMax(p->N_fluid, 1);
   PetscCall(PetscFree(load));

@@ -20,7 +20,7 @@ PetscErrorCode ParticlesLargestMove(const Particles *p, PetscReal *const from[],
     for (PetscInt a = 0; a < p->dim; a++) d2 += PetscSqr(p->x[a][i] - from[a][i]);
     if (!(d2 <= largest)) largest = PetscIsInfOrNanReal(d2) ? PETSC_MAX_REAL : d2;
   }
-  PetscCall(MPIU_Allreduce(&largest, move, 1, MPIU_REAL, MPIU_MAX, p->comm));
+  PetscCallMPI(MPI_Allreduce(&largest, move, 1, MPIU_REAL, MPIU_MAX, p->comm));
   if (*move < PETSC_MAX_REAL) *move = PetscSqrtReal(*move);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

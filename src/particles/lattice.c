@@ -23,8 +23,8 @@ static PetscErrorCode CountCells(PetscInt dim, const PetscInt count[], PetscInt 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < dim; a++) {
     product *= count[a];
-    UserCheck(product < PETSC_MAX_INT / 8,
-              "-n asks for more particles than fit: more than %" PetscInt_FMT, PETSC_MAX_INT / 8);
+    UserCheck(product < PETSC_INT_MAX / 8,
+              "-n asks for more particles than fit: more than %" PetscInt_FMT, PETSC_INT_MAX / 8);
   }
   *total = (PetscInt)product;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -135,8 +135,8 @@ static PetscErrorCode PatchMeasure(Patch *patch, Report *report)
     assemble = PetscMin(assemble, assembled - start);
     apply    = PetscMin(apply, applied - assembled);
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &assemble, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &apply, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &assemble, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &apply, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
   PetscCall(PatchCompare(patch, lap, report));
   PetscCall(ReportAdd(report, "assemble_s", assemble));
   PetscCall(ReportAdd(report, "apply_s", apply));

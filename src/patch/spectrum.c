@@ -59,7 +59,7 @@ static PetscErrorCode SpectrumDense(Mat A, Spectrum *spectrum)
   PetscCallMPI(MPI_Comm_size(PetscObjectComm((PetscObject)A), &ranks));
   PetscCall(MatCreateRedundantMatrix(A, ranks, MPI_COMM_NULL, MAT_INITIAL_MATRIX, &whole));
   PetscCall(AllEigenvalues(whole, &spectrum->eig_min, &spectrum->eig_max));
-  PetscCall(MatTransposeMatMult(whole, whole, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &square));
+  PetscCall(MatTransposeMatMult(whole, whole, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &square));
   PetscCall(AllEigenvalues(square, &least, &most));
   spectrum->condition = Condition(least, most);
   PetscCall(MatDestroy(&square));
@@ -82,7 +82,7 @@ static PetscErrorCode Extreme(Mat A, EPSProblemType type, EPSWhich which, PetscR
   PetscCall(EPSSetOptionsPrefix(eps, "patch_"));
   PetscCall(EPSSetOperators(eps, A, NULL));
   PetscCall(EPSSetProblemType(eps, type));
-  PetscCall(EPSSetDimensions(eps, 1, inner ? PETSC_DEFAULT : 60, PETSC_DEFAULT));
+  PetscCall(EPSSetDimensions(eps, 1, inner ? PETSC_DETERMINE : 60, PETSC_DETERMINE));
   PetscCall(EPSSetTolerances(eps, 1e-8, 20000));
   PetscCall(EPSSetWhichEigenpairs(eps, which));
   if (inner) {
@@ -112,7 +112,7 @@ static PetscErrorCode SpectrumSparse(Mat A, Spectrum *spectrum)
   PetscCall(SlepcInitializeNoArguments());
   PetscCall(Extreme(A, EPS_NHEP, EPS_SMALLEST_REAL, &spectrum->eig_min));
   PetscCall(Extreme(A, EPS_NHEP, EPS_LARGEST_REAL, &spectrum->eig_max));
-  PetscCall(MatTransposeMatMult(A, A, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &square));
+  PetscCall(MatTransposeMatMult(A, A, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &square));
   PetscCall(Extreme(square, EPS_HEP, EPS_TARGET_MAGNITUDE, &least));
   PetscCall(Extreme(square, EPS_HEP, EPS_LARGEST_REAL, &most));
   PetscCall(MatDestroy(&square));

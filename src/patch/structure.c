@@ -82,8 +82,8 @@ PetscErrorCode PatchStructure(const Patch *patch, Report *report)
   PetscCall(PetscFree(sums.row_sum));
   part[0] = sums.wrong;
   part[1] = sums.weights;
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, part, 2, MPIU_REAL, MPIU_SUM, PETSC_COMM_WORLD));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &worst, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, part, 2, MPIU_REAL, MPIU_SUM, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
   PetscCall(Asymmetry(L->A, &asymmetry));
   PetscCall(AddSize(L->A, &entries, &bytes));
   PetscCall(AddSize(L->B, &entries, &bytes));

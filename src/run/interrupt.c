@@ -31,7 +31,7 @@ PetscErrorCode InterruptCheck(const char **signal)
   PetscInt most = (PetscInt)caught;
 
   PetscFunctionBegin;
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_INT, MPI_MAX, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_INT, MPI_MAX, PETSC_COMM_WORLD));
   *signal = most == 0 ? NULL : most == SIGTERM ? "SIGTERM" : most == SIGINT ? "SIGINT" : "SIGXCPU";
   PetscFunctionReturn(PETSC_SUCCESS);
 }

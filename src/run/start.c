@@ -87,7 +87,7 @@ static PetscErrorCode CheckPlaces(const Scene *scene, const char path[], const F
 {
   const char *const faults[PLACE_FAULTS] = {"is not finite", "is not inside the box",
                                             "is inside a body", "has no positive viscosity"};
-  PetscInt          first[2]             = {PETSC_MAX_INT, PLACE_FAULTS}, found;
+  PetscInt          first[2]             = {PETSC_INT_MAX, PLACE_FAULTS}, found;
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < start->n && first[1] == PLACE_FAULTS; i++) {

@@ -276,7 +276,7 @@ PetscErrorCode ExpressionSet(ExpressionScope *scope, const char option[], const 
   Collective. Between PetscOptionsBegin() and PetscOptionsEnd(). Output: e, as it was where the
   option is not given; set - whether it is, may be NULL.
 */
-PetscErrorCode ExpressionRead_Private(PetscOptionItems *PetscOptionsObject, ExpressionScope *scope,
+PetscErrorCode ExpressionRead_Private(OptionItems PetscOptionsObject, ExpressionScope *scope,
                                       const char option[], const char text[], PetscInt fewest,
                                       PetscInt most, unsigned allowed, Expression *e,
                                       PetscBool *set)

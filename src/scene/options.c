@@ -18,7 +18,7 @@
 
   Errors: no number, or one outside the range (infinities and NaN included), ends the run
 */
-PetscErrorCode OptionReal_Private(PetscOptionItems *PetscOptionsObject, const char option[],
+PetscErrorCode OptionReal_Private(OptionItems PetscOptionsObject, const char option[],
                                   const char text[], PetscReal low, PetscReal high,
                                   PetscReal *value, PetscBool *set)
 {
@@ -41,7 +41,7 @@ PetscErrorCode OptionReal_Private(PetscOptionItems *PetscOptionsObject, const ch
 }
 
 /* OptionInt - A whole number from the command line, checked as OptionReal() does */
-PetscErrorCode OptionInt_Private(PetscOptionItems *PetscOptionsObject, const char option[],
+PetscErrorCode OptionInt_Private(OptionItems PetscOptionsObject, const char option[],
                                  const char text[], PetscInt low, PetscInt high, PetscInt *value,
                                  PetscBool *set)
 {
@@ -73,7 +73,7 @@ PetscErrorCode OptionInt_Private(PetscOptionItems *PetscOptionsObject, const cha
 
   Errors: what is no such word
 */
-PetscErrorCode OptionSwitch_Private(PetscOptionItems *PetscOptionsObject, const char option[],
+PetscErrorCode OptionSwitch_Private(OptionItems PetscOptionsObject, const char option[],
                                     const char text[], PetscBool *value)
 {
   const char *const words[]  = {"", "true", "yes", "on", "1", "0", "false", "no", "off", NULL};
@@ -104,7 +104,7 @@ PetscErrorCode OptionSwitch_Private(PetscOptionItems *PetscOptionsObject, const 
 
   Errors: more than capacity, of which PETSc would drop the rest unsaid; numbers that are not finite
 */
-PetscErrorCode OptionReals_Private(PetscOptionItems *PetscOptionsObject, const char option[],
+PetscErrorCode OptionReals_Private(OptionItems PetscOptionsObject, const char option[],
                                    const char text[], PetscInt capacity, PetscReal value[],
                                    PetscInt *n, PetscBool *set)
 {
@@ -132,7 +132,7 @@ PetscErrorCode OptionReals_Private(PetscOptionItems *PetscOptionsObject, const c
 
   Collective. Input: names[k] is the word for bit k. Output: flags, 0 if the option is not given.
 */
-PetscErrorCode OptionFlags_Private(PetscOptionItems *PetscOptionsObject, const char option[],
+PetscErrorCode OptionFlags_Private(OptionItems PetscOptionsObject, const char option[],
                                    const char text[], const char *const names[], PetscInt count,
                                    unsigned *flags)
 {
@@ -163,7 +163,7 @@ PetscErrorCode OptionFlags_Private(PetscOptionItems *PetscOptionsObject, const c
 }
 
 /* OptionFile - A path from the command line; path stays empty where the option is not given */
-PetscErrorCode OptionFile_Private(PetscOptionItems *PetscOptionsObject, const char option[],
+PetscErrorCode OptionFile_Private(OptionItems PetscOptionsObject, const char option[],
                                   const char text[], char path[PETSC_MAX_PATH_LEN])
 {
   PetscBool given;

@@ -172,7 +172,7 @@ static void RheologyBound(PetscReal rate, Rheology *r)
 . -rheology_regularisation m - of papanastasiou; default 1000 L/U [s]
 - -rheology_viscosity_min, -rheology_viscosity_max nu - bounds; see RheologyBound() [m^2/s]
 */
-PetscErrorCode SceneReadRheology(PetscOptionItems *PetscOptionsObject, Scene *scene)
+PetscErrorCode SceneReadRheology(OptionItems PetscOptionsObject, Scene *scene)
 {
   Rheology       *r    = &scene->rheology;
   const PetscReal rate = scene->speed / scene->length;

@@ -64,7 +64,7 @@ PetscReal SceneVolume(const Scene *scene)
 }
 
 /* -with and -without against what the case declares. */
-static PetscErrorCode SceneReadPhysics(PetscOptionItems *PetscOptionsObject, Scene *scene)
+static PetscErrorCode SceneReadPhysics(OptionItems PetscOptionsObject, Scene *scene)
 {
   unsigned with, without;
 
@@ -91,7 +91,7 @@ static PetscErrorCode SceneReadPhysics(PetscOptionItems *PetscOptionsObject, Sce
 }
 
 /* -body_force against the case's own, and none where the physics is left out. */
-static PetscErrorCode SceneReadForce(PetscOptionItems *PetscOptionsObject, Scene *scene)
+static PetscErrorCode SceneReadForce(OptionItems PetscOptionsObject, Scene *scene)
 {
   const char *const text = "Body force per unit mass, fx,fy[,fz]; adds to the physics; of -case "
                            "scene an expression of x, y, t [m/s^2]";
@@ -128,7 +128,7 @@ static PetscErrorCode SceneReadForce(PetscOptionItems *PetscOptionsObject, Scene
 }
 
 /* The fluid; a patch test has none. */
-static PetscErrorCode SceneReadFluid(PetscOptionItems *PetscOptionsObject, Scene *scene)
+static PetscErrorCode SceneReadFluid(OptionItems PetscOptionsObject, Scene *scene)
 {
   PetscReal reynolds = scene->problem->reynolds, viscosity = 0.0;
   PetscBool set;
@@ -146,7 +146,7 @@ static PetscErrorCode SceneReadFluid(PetscOptionItems *PetscOptionsObject, Scene
 }
 
 /* Dimension, resolution and disorder, and what only some cases ask for. */
-static PetscErrorCode SceneReadNumbers(PetscOptionItems *PetscOptionsObject, Scene *scene)
+static PetscErrorCode SceneReadNumbers(OptionItems PetscOptionsObject, Scene *scene)
 {
   PetscFunctionBegin;
   PetscCall(OptionInt("-dim", "Space dimension", 2, 3, &scene->dim, NULL));
@@ -162,7 +162,7 @@ static PetscErrorCode SceneReadNumbers(PetscOptionItems *PetscOptionsObject, Sce
   scene->dx = scene->length / scene->n;
   PetscCall(OptionReal("-jitter", "Largest random displacement of the lattice at the start [dx]",
                        0.0, 0.5, &scene->jitter, NULL));
-  PetscCall(OptionInt("-seed", "Seed of the jitter and of random fields", 0, PETSC_MAX_INT,
+  PetscCall(OptionInt("-seed", "Seed of the jitter and of random fields", 0, PETSC_INT_MAX,
                       &scene->seed, NULL));
   scene->solid_fraction = scene->problem->solid_fraction;
   if (scene->solid_fraction > 0.0) {
@@ -246,7 +246,7 @@ PetscErrorCode SceneCreate(Scene **scene)
   PetscOptionsEnd();
   if (s->scope && ExpressionScopeIsIdle(s->scope)) PetscCall(ExpressionScopeDestroy(&s->scope));
   for (PetscInt a = 0; a < s->dim; a++) {
-    UserCheck((s->hi[a] - s->lo[a]) / s->dx < PETSC_MAX_INT / 8,
+    UserCheck((s->hi[a] - s->lo[a]) / s->dx < PETSC_INT_MAX / 8,
               "-n asks for more particles than fit: the box is %.6g dx wide along %c",
               (double)((s->hi[a] - s->lo[a]) / s->dx), "xyz"[a]);
     s->cells[a] = (PetscInt)PetscFloorReal((s->hi[a] - s->lo[a]) / s->dx + 0.5);

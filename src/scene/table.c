@@ -83,7 +83,7 @@ PetscErrorCode TableWant(const Table *table, const char option[], const char nam
 
   Errors: an unknown name ends the run with the list of the known ones
 */
-PetscErrorCode TableSelect_Private(PetscOptionItems *PetscOptionsObject, const Table *table,
+PetscErrorCode TableSelect_Private(OptionItems PetscOptionsObject, const Table *table,
                                    const char option[], const char text[], const char fallback[],
                                    const void *row)
 {

@@ -63,7 +63,7 @@ static PetscErrorCode CheckBodyMotion(const Scene *scene, const Body *body)
 }
 
 /* Velocity and rotation of the surface of body k. */
-static PetscErrorCode ReadBodyMotion(PetscOptionItems *PetscOptionsObject, PetscInt k, Scene *scene,
+static PetscErrorCode ReadBodyMotion(OptionItems PetscOptionsObject, PetscInt k, Scene *scene,
                                      Body *body)
 {
   char option[64];
@@ -103,7 +103,7 @@ static PetscErrorCode CheckNumbers(const char thing[], PetscInt n, PetscInt most
 }
 
 /* Bodies 1, 2, ... as far as they are given. */
-static PetscErrorCode ReadBodies(PetscOptionItems *PetscOptionsObject, Scene *scene)
+static PetscErrorCode ReadBodies(OptionItems PetscOptionsObject, Scene *scene)
 {
   PetscFunctionBegin;
   for (PetscInt k = 1; k <= SCENE_MAX_BODIES; k++) {
@@ -178,7 +178,7 @@ static PetscErrorCode CheckGaps(const Scene *scene)
 }
 
 /* Velocities of the sides of the box that are walls. */
-static PetscErrorCode ReadSides(PetscOptionItems *PetscOptionsObject, Scene *scene)
+static PetscErrorCode ReadSides(OptionItems PetscOptionsObject, Scene *scene)
 {
   const char *const sides[4] = {"left", "right", "bottom", "top"};
 
@@ -236,7 +236,7 @@ static PetscErrorCode CheckInflow(const Scene *scene, PetscReal t)
 }
 
 /* Fluids 1, 2, ... as far as they are given, and the viscosity elsewhere. */
-static PetscErrorCode ReadFluids(PetscOptionItems *PetscOptionsObject, Scene *scene)
+static PetscErrorCode ReadFluids(OptionItems PetscOptionsObject, Scene *scene)
 {
   PetscBool given;
 
@@ -273,7 +273,7 @@ static PetscErrorCode ReadFluids(PetscOptionItems *PetscOptionsObject, Scene *sc
 }
 
 /* The flow at the start and the one it is compared with. */
-static PetscErrorCode ReadFields(PetscOptionItems *PetscOptionsObject, Scene *scene)
+static PetscErrorCode ReadFields(OptionItems PetscOptionsObject, Scene *scene)
 {
   PetscFunctionBegin;
   PetscCall(ExpressionRead(scene->scope, "-scene_velocity",
@@ -312,7 +312,7 @@ static PetscErrorCode ReadFields(PetscOptionItems *PetscOptionsObject, Scene *sc
   Errors: what is no shape, bodies that overlap or leave gaps of less than 4 dx; expressions that
   cannot be understood; velocities through a surface
 */
-PetscErrorCode SceneReadTyped(PetscOptionItems *PetscOptionsObject, Scene *scene)
+PetscErrorCode SceneReadTyped(OptionItems PetscOptionsObject, Scene *scene)
 {
   const char *const axes[2] = {"x", "y"};
   PetscReal         box[4]  = {0.0, 0.0, scene->length, scene->length};

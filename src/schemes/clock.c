@@ -25,7 +25,7 @@ PetscReal ClockMoment(const Clock *clock)
 }
 
 /* Reads the times besides the end at which quantities are reported. */
-static PetscErrorCode ClockReadReports(PetscOptionItems *PetscOptionsObject, Clock *clock)
+static PetscErrorCode ClockReadReports(OptionItems PetscOptionsObject, Clock *clock)
 {
   PetscInt n;
 
@@ -47,7 +47,7 @@ static PetscErrorCode ClockReadReports(PetscOptionItems *PetscOptionsObject, Clo
 }
 
 /* Reads -steady: a single step to t_end without du/dt. */
-static PetscErrorCode ClockReadSteady(PetscOptionItems *PetscOptionsObject, Clock *clock)
+static PetscErrorCode ClockReadSteady(OptionItems PetscOptionsObject, Clock *clock)
 {
   const char *const others[] = {"-dt",       "-cfl",        "-steady_tol",     "-report_times",
                                 "-dt_adapt", "-time_order", "-coupled_ts_type"};
@@ -88,7 +88,7 @@ PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
   PetscCall(PetscNew(&c));
   c->t_end       = scene->problem->t_end * scene->length / scene->speed;
   c->cfl         = CLOCK_CFL;
-  c->max_steps   = PETSC_MAX_INT;
+  c->max_steps   = PETSC_INT_MAX;
   c->order       = 2;
   c->move_max    = 0.6;
   c->good_needed = CLOCK_GOOD_NEEDED;
@@ -109,7 +109,7 @@ PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
                          &c->move_max, NULL));
   }
   PetscCall(
-      OptionInt("-max_steps", "Stop after this many steps", 0, PETSC_MAX_INT, &c->max_steps, NULL));
+      OptionInt("-max_steps", "Stop after this many steps", 0, PETSC_INT_MAX, &c->max_steps, NULL));
   PetscCall(OptionInt("-time_order", "Order of the time integration", 1, 2, &c->order, NULL));
   PetscCall(OptionReal("-steady_tol",
                        "Stop when nothing changes by more than this relative rate; 0: never [-]",

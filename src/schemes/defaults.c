@@ -65,7 +65,7 @@ PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, Guard *g
   PetscCall(KSPCreate(PETSC_COMM_WORLD, &ksp));
   PetscCall(KSPSetOptionsPrefix(ksp, guard->solve.prefix));
   PetscCall(KSPSetType(ksp, LaplacianIs(form, FORM_SYMMETRIC) ? KSPCG : KSPFGMRES));
-  PetscCall(KSPSetTolerances(ksp, rtol, 0.0, PETSC_DEFAULT, 500));
+  PetscCall(KSPSetTolerances(ksp, rtol, 0.0, PETSC_CURRENT, 500));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCSetType(pc, PCHYPRE));
   PetscCall(KSPSetFromOptions(ksp));

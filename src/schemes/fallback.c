@@ -30,7 +30,7 @@ static PetscErrorCode FallbackLevel(KSP ksp, PetscInt k, Guard *guard)
   PetscCall(KSPSetType(guard->level[k], levels[k].ksp));
   PetscCall(KSPGMRESSetRestart(guard->level[k], 60));
   PetscCall(KSPSetPCSide(guard->level[k], PC_RIGHT)); /* its residual is the true one */
-  PetscCall(KSPSetTolerances(guard->level[k], rtol, 0.0, PETSC_DEFAULT, 1000));
+  PetscCall(KSPSetTolerances(guard->level[k], rtol, 0.0, PETSC_CURRENT, 1000));
   PetscCall(KSPGetPC(guard->level[k], &pc));
   PetscCall(PCSetType(pc, levels[k].pc));
   if (ranks > 1 && levels[k].most) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));

@@ -100,7 +100,7 @@ PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
   PetscCall(OptionInt("-fallback",
                       "Solves in a row that other methods may make in place of the chosen one; -1: "
                       "none, the first failure ends the step",
-                      -1, PETSC_MAX_INT, &guard->max_in_a_row, NULL));
+                      -1, PETSC_INT_MAX, &guard->max_in_a_row, NULL));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }

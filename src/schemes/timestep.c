@@ -4,13 +4,23 @@
 /*
   TimeOptionsRefuse - Refuses options of a TS that would own time, and a theta for other types
 
-  Collective. PETSc's beuler and cn are theta schemes; they would refuse the number in the first
-  step only.
+  Collective. Refuses the names of all releases of PETSc, so that none is taken for a misspelt one
+  by another release. PETSc's beuler and cn are theta schemes; they would refuse the number in the
+  first step only.
 */
 PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[])
 {
   const char *const refused[][2] = {
-      {"ts_dt", "-dt"}, {"ts_max_time", "-t_end"}, {"ts_max_steps", "-max_steps"}};
+      {"ts_dt", "-dt"},
+      {"ts_time_step", "-dt"},
+      {"ts_max_time", "-t_end"},
+      {"ts_final_time", "-t_end"},
+      {"ts_time_span", "-report_times"},
+      {"ts_eval_times", "-report_times"},
+      {"ts_max_steps", "-max_steps"},
+      {"ts_run_steps", "-max_steps"},
+      {"ts_init_time", "-restart"},
+  };
   char      option[64];
   PetscBool given, theta;
 

@@ -56,18 +56,18 @@ static PetscErrorCode CoupledCreateTS(Coupled *c)
   PetscCall(TSSetType(c->ts, c->row->name));
   PetscCall(TSSetEquationType(c->ts, TS_EQ_DAE_IMPLICIT_INDEX2));
   PetscCall(TSSetExactFinalTime(c->ts, TS_EXACTFINALTIME_STEPOVER));
-  PetscCall(TSSetMaxSteps(c->ts, PETSC_MAX_INT - 1));
+  PetscCall(TSSetMaxSteps(c->ts, PETSC_INT_MAX - 1));
   PetscCall(TSSetMaxTime(c->ts, PETSC_MAX_REAL));
   PetscCall(TSSetErrorIfStepFails(c->ts, PETSC_FALSE));
   PetscCall(TSSetIFunction(c->ts, NULL, CoupledIFunction, c));
   PetscCall(TSGetAdapt(c->ts, &adapt));
   PetscCall(TSAdaptSetType(adapt, c->row->substeps ? TSADAPTBASIC : TSADAPTNONE));
   PetscCall(TSGetSNES(c->ts, &snes));
-  PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_MAX_INT)); /* the guard sees to those */
+  PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_INT_MAX)); /* the guard sees to those */
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPSetType(ksp, KSPFGMRES));
   PetscCall(KSPGMRESSetRestart(ksp, 100));
-  PetscCall(KSPSetTolerances(ksp, 1e-7, 0.0, PETSC_DEFAULT, 300));
+  PetscCall(KSPSetTolerances(ksp, 1e-7, 0.0, PETSC_CURRENT, 300));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCSetType(pc, PCFIELDSPLIT));
   PetscCall(TSSetFromOptions(c->ts));
@@ -223,7 +223,7 @@ static PetscErrorCode SetTolerances(const Scene *scene, Coupled *c)
   PetscCall(VecGetArray(atol, &entry));
   for (PetscInt i = 0; i < size; i++) entry[i] = i < n ? rtol * scene->speed : PETSC_INFINITY;
   PetscCall(VecRestoreArray(atol, &entry));
-  PetscCall(TSSetTolerances(c->ts, PETSC_DECIDE, atol, PETSC_DECIDE, NULL));
+  PetscCall(TSSetTolerances(c->ts, PETSC_DETERMINE, atol, PETSC_DETERMINE, NULL));
   PetscCall(VecDestroy(&atol));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

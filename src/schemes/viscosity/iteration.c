@@ -16,8 +16,8 @@ static PetscErrorCode TakesNewton(PetscBool *newton)
 /*
   IterationChoose - Chooses the nonlinear solver before the user's options
 
-  Collective. Line searches as measured best, power laws of exponent 0.2 to 3 and plastics: l2,
-  which may go beyond Picard's steps, took half the iterations of full steps and got to the end
+  Collective. Line searches as measured best, power laws of exponent 0.2 to 3 and plastics: secant
+  (l2 before PETSc 3.24), which may go beyond Picard's steps, took half the iterations of full steps and got to the end
   where these, or bt, did not; Newton's steps go with bt.
 
   Errors: an absolute tolerance, and a type that does not iterate
@@ -38,10 +38,10 @@ PetscErrorCode IterationChoose(SNES snes)
   UserCheck(!given, "-visc_snes_atol: an absolute tolerance depends on units; use -visc_snes_rtol");
   PetscCall(TakesNewton(&newton));
   PetscCall(SNESSetType(snes, SNESNEWTONLS));
-  PetscCall(SNESSetTolerances(snes, 0.0, 1e-6, 0.0, 500, PETSC_MAX_INT));
+  PetscCall(SNESSetTolerances(snes, 0.0, 1e-6, 0.0, 500, PETSC_INT_MAX));
   PetscCall(SNESSetDivergenceTolerance(snes, -1.0)); /* none: at rest, viscosities may be far off */
   PetscCall(SNESGetLineSearch(snes, &search));
-  PetscCall(SNESLineSearchSetType(search, newton ? SNESLINESEARCHBT : SNESLINESEARCHL2));
+  PetscCall(SNESLineSearchSetType(search, newton ? SNESLINESEARCHBT : SNESLINESEARCHSECANT));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -112,13 +112,13 @@ PetscErrorCode IterationFallBack(Viscosity *v, const StepFailure *failure, Petsc
   PetscCall(TSGetSNES(v->ts[0], &snes));
   PetscCall(SNESGetConvergedReason(snes, &reason));
   PetscCall(SNESGetLineSearch(snes, &search));
-  PetscCall(PetscObjectTypeCompare((PetscObject)search, SNESLINESEARCHL2, again));
+  PetscCall(PetscObjectTypeCompare((PetscObject)search, SNESLINESEARCHSECANT, again));
   if (reason >= 0) *again = PETSC_FALSE;
   if (!*again) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));
   PetscCall(
-      SayLine("%s: viscosity and velocity did not agree with line search l2: %s; full steps of "
-              "Picard's are tried",
+      SayLine("%s: viscosity and velocity did not agree with line search " SNESLINESEARCHSECANT
+              ": %s; full steps of Picard's are tried",
               v->guard.where, SNESConvergedReasons[reason]));
   v->guard.solve.falls++;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -133,7 +133,7 @@ PetscErrorCode IterationGoBack(Viscosity *v)
   PetscFunctionBegin;
   PetscCall(TSGetSNES(v->ts[0], &snes));
   PetscCall(SNESGetLineSearch(snes, &search));
-  PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHL2));
+  PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHSECANT));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

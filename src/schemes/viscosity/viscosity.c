@@ -46,13 +46,13 @@ static PetscErrorCode ViscosityCreateSolver(const Flow *flow, Viscosity *v)
   PetscCall(SNESGetKSP(snes, &ksp));
   symmetric = LaplacianIs(&flow->ops->forms.visc, FORM_SYMMETRIC) && !v->nonlinear;
   PetscCall(KSPSetType(ksp, symmetric ? KSPCG : KSPGMRES));
-  PetscCall(KSPSetTolerances(ksp, v->nonlinear ? 1e-3 : 1e-7, 0.0, PETSC_DEFAULT, 1000));
+  PetscCall(KSPSetTolerances(ksp, v->nonlinear ? 1e-3 : 1e-7, 0.0, PETSC_CURRENT, 1000));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCSetType(pc, stiffness < 2.0 ? PCJACOBI : stiffness < 200.0 ? PCBJACOBI : PCHYPRE));
   for (PetscInt c = 0; c < v->systems; c++) {
     PetscCall(TSGetSNES(v->ts[c], &snes));
     if (c) PetscCall(SNESSetKSP(snes, ksp));
-    PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_MAX_INT)); /* the guard sees to those */
+    PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_INT_MAX)); /* the guard sees to those */
   }
   if (v->nonlinear) PetscCall(IterationChoose(snes));
   v->guard.solve.ksp = ksp;
@@ -70,7 +70,7 @@ static PetscErrorCode CreateSystem(Viscosity *v, PetscInt c)
   PetscCall(TSSetProblemType(v->ts[c], v->nonlinear ? TS_NONLINEAR : TS_LINEAR));
   PetscCall(TSSetType(v->ts[c], v->row->name));
   PetscCall(TSSetExactFinalTime(v->ts[c], TS_EXACTFINALTIME_STEPOVER));
-  PetscCall(TSSetMaxSteps(v->ts[c], PETSC_MAX_INT - 1));
+  PetscCall(TSSetMaxSteps(v->ts[c], PETSC_INT_MAX - 1));
   PetscCall(TSSetMaxTime(v->ts[c], PETSC_MAX_REAL));
   PetscCall(TSSetErrorIfStepFails(v->ts[c], PETSC_FALSE));
   if (v->row->terms != TIME_IMPLICIT)

@@ -1,0 +1,35 @@
+/*
+  PETSc, releases 3.18 to 3.25, under the names of the newest. A name that changed between releases
+  is defined here for the releases before the change; no other file asks for the version.
+*/
+#ifndef ISPH_PETSC_H
+#define ISPH_PETSC_H
+
+#include <petsc.h>
+
+#if PETSC_VERSION_LT(3, 18, 0)
+#error "isph needs PETSc 3.18 or newer"
+#endif
+
+#if PETSC_VERSION_LT(3, 19, 0)
+#define PETSC_SUCCESS 0
+#define PETSC_INT_MAX PETSC_MAX_INT
+#endif
+
+#if PETSC_VERSION_LT(3, 22, 0)
+#define PETSC_CURRENT            PETSC_DEFAULT
+#define PetscOptionsCreateViewer PetscOptionsGetViewer
+#endif
+
+/* The options between PetscOptionsBegin() and PetscOptionsEnd(); a pointer in every release. */
+#if PETSC_VERSION_LT(3, 23, 0)
+typedef PetscOptionItems *OptionItems;
+#else
+typedef PetscOptionItems OptionItems;
+#endif
+
+#if PETSC_VERSION_LT(3, 24, 0)
+#define SNESLINESEARCHSECANT SNESLINESEARCHL2
+#endif
+
+#endif
