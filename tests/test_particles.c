@@ -117,7 +117,7 @@ static void CheckParticles(const Setting *s, const Particles *p, PetscReal *cons
   MPI_Allreduce(MPI_IN_PLACE, numbered, (int)all.n, MPIU_REAL, MPI_SUM, p->comm);
   for (PetscInt k = 0; k < all.n; k++) lost += numbered[k] != 1.0;
   for (PetscInt i = 0; i < ParticlesAll(p); i++) {
-    kinds += ParticlesIsWall(p, i) != (p->id[i] >= p->N_fluid);
+    kinds += ParticlesIsWall(p, i) != (p->kind[i] == PARTICLE_WALL);
     for (PetscInt c = 0; c < 2; c++) strayed += tag[c][i] != TagOf(p->id[i], c);
     for (PetscInt a = 0; a < dim; a++) {
       const PetscReal shift = i < own ? 0.0 : p->halo_shift[a][i - own];

@@ -28,6 +28,19 @@ typedef struct {
   PetscReal **slot; /* the registrant's components pointers: slot[c][i], i < capacity; kept valid */
 } Field;
 
+/*
+  The kind of a particle. Kinds that are no walls are stored with the fluid and have a row in every
+  equation; the others are stored with the walls and have given values.
+*/
+typedef enum { PARTICLE_FLUID, PARTICLE_WALL, PARTICLE_KINDS } ParticleKind;
+typedef struct {
+  const char *name;
+  PetscBool   is_wall;
+} ParticleKindRow;
+extern const ParticleKindRow ParticleKinds[PARTICLE_KINDS];
+
+#define PARTICLES_MAX_ID ((PetscInt64)1 << 53) /* records hold ids as real numbers */
+
 typedef struct {
   MPI_Comm  comm;
   PetscInt  dim;
@@ -37,9 +50,13 @@ typedef struct {
   PetscInt  N_fluid, N_wall;           /* global */
   PetscInt  N_lattice;                 /* fluid particles that a lattice has in this scene */
   PetscInt  fluid_start, wall_start;   /* global numbers of the first own fluid and wall particle */
-  PetscInt *id;                        /* name for life: fluid lattice index, then N_fluid + wall */
+  PetscInt  N_start[2];                /* fluid and wall particles that the run began with */
   PetscBool velocity_given;            /* velocities were given with the places */
   PetscInt *row;                       /* global number among fluid, resp. among wall particles */
+
+  PetscInt64   *id;      /* name for life, never used again */
+  PetscInt64    next_id; /* smallest that was never used */
+  ParticleKind *kind;
 
   PetscReal *x[ISPH_MAX_DIM]; /* positions (field) [m]; ParticlesUpdateHalo refreshes the halo */
   PetscReal *u[ISPH_MAX_DIM]; /* velocities of own particles (field) [m/s] */
@@ -95,8 +112,9 @@ PetscErrorCode ParticlesPack(const Particles *particles, PetscReal record[]);
 PetscErrorCode ParticlesUnpack(Particles *particles, const PetscReal record[]);
 PetscErrorCode ParticlesReplace(const Scene *scene, Particles *particles, PetscInt n,
                                 const PetscReal record[]);
-PetscReal      ParticlesHash(PetscInt seed, PetscInt id, PetscInt axis);
+PetscReal      ParticlesHash(PetscInt seed, PetscInt64 id, PetscInt axis);
 PetscErrorCode ParticlesHaloField(const Particles *particles, PetscReal values[]);
+PetscErrorCode ParticlesNumberById(const Particles *particles, PetscInt index[]);
 
 static inline PetscInt ParticlesOwn(const Particles *p)
 {

@@ -1,6 +1,6 @@
 /*
   Matrices for study outside: in the order of particle ids, which neither ranks nor epochs change,
-  with ids and positions in a file beside them.
+  with ids and positions in a file beside them. Ids may have gaps; rows have none.
 */
 #include "isph/io.h"
 
@@ -41,27 +41,33 @@ PetscErrorCode MatrixFileDestroy(MatrixFile **file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A vector over fluid particles in the order of their ids, rank after rank as many as it owns. */
-static PetscErrorCode VecById(const Particles *p, const PetscReal values[], Vec *by_id)
+/* Sorts values of own fluid particles by id: a vector over rows of the file, as many on a rank as
+   it owns. */
+static PetscErrorCode SortById(const Particles *p, const PetscInt index[], const PetscReal values[],
+                               Vec *by_id)
 {
   PetscFunctionBegin;
   PetscCall(FluidVec(p, NULL, by_id));
-  for (PetscInt i = 0; i < p->n_fluid; i++)
-    PetscCall(VecSetValue(*by_id, p->id[i], values ? values[i] : p->row[i], INSERT_VALUES));
+  PetscCall(VecSetValues(*by_id, p->n_fluid, index, values, INSERT_VALUES));
   PetscCall(VecAssemblyBegin(*by_id));
   PetscCall(VecAssemblyEnd(*by_id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Global numbers of the particles in the order of their ids, each standing for `size` rows. */
-static PetscErrorCode NumbersById(const Particles *p, PetscInt size, IS *order)
+static PetscErrorCode NumbersById(const Particles *p, const PetscInt index[], PetscInt size,
+                                  IS *order)
 {
   const PetscScalar *number;
+  PetscReal         *row;
   PetscInt          *indices;
   Vec                by_id;
 
   PetscFunctionBegin;
-  PetscCall(VecById(p, NULL, &by_id));
+  PetscCall(PetscMalloc1(p->n_fluid, &row));
+  for (PetscInt i = 0; i < p->n_fluid; i++) row[i] = (PetscReal)p->row[i];
+  PetscCall(SortById(p, index, row, &by_id));
+  PetscCall(PetscFree(row));
   PetscCall(PetscMalloc1(p->n_fluid, &indices));
   PetscCall(VecGetArrayRead(by_id, &number));
   for (PetscInt k = 0; k < p->n_fluid; k++) indices[k] = (PetscInt)number[k];
@@ -72,31 +78,36 @@ static PetscErrorCode NumbersById(const Particles *p, PetscInt size, IS *order)
 }
 
 /* The ids and positions of the matrix's rows, in a file beside its own. */
-static PetscErrorCode WritePositions(const Particles *p, const char matrix[])
+static PetscErrorCode WritePositions(const Particles *p, const PetscInt index[],
+                                     const char matrix[])
 {
   char             path[PETSC_MAX_PATH_LEN];
-  Vec              by_id[ISPH_MAX_DIM];
-  const PetscReal *x[ISPH_MAX_DIM];
+  Vec              by_id[1 + ISPH_MAX_DIM];
+  const PetscReal *column[1 + ISPH_MAX_DIM];
+  PetscReal       *id;
   FILE            *stream;
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(path, sizeof(path), "%s.particles.csv", matrix));
   PetscCall(PetscFOpen(p->comm, path, "w", &stream));
   PetscCall(PetscFPrintf(p->comm, stream, "id,x,y%s\n", p->dim == 3 ? ",z" : ""));
-  for (PetscInt a = 0; a < p->dim; a++) {
-    PetscCall(VecById(p, p->x[a], &by_id[a]));
-    PetscCall(VecGetArrayRead(by_id[a], &x[a]));
+  PetscCall(PetscMalloc1(p->n_fluid, &id));
+  for (PetscInt i = 0; i < p->n_fluid; i++) id[i] = (PetscReal)p->id[i];
+  for (PetscInt c = 0; c <= p->dim; c++) {
+    PetscCall(SortById(p, index, c ? p->x[c - 1] : id, &by_id[c]));
+    PetscCall(VecGetArrayRead(by_id[c], &column[c]));
   }
+  PetscCall(PetscFree(id));
   for (PetscInt k = 0; k < p->n_fluid; k++) {
-    PetscCall(PetscSynchronizedFPrintf(p->comm, stream, "%" PetscInt_FMT, p->fluid_start + k));
-    for (PetscInt a = 0; a < p->dim; a++)
-      PetscCall(PetscSynchronizedFPrintf(p->comm, stream, ",%.17g", (double)x[a][k]));
+    PetscCall(PetscSynchronizedFPrintf(p->comm, stream, "%.0f", (double)column[0][k]));
+    for (PetscInt c = 1; c <= p->dim; c++)
+      PetscCall(PetscSynchronizedFPrintf(p->comm, stream, ",%.17g", (double)column[c][k]));
     PetscCall(PetscSynchronizedFPrintf(p->comm, stream, "\n"));
   }
   PetscCall(PetscSynchronizedFlush(p->comm, stream));
-  for (PetscInt a = 0; a < p->dim; a++) {
-    PetscCall(VecRestoreArrayRead(by_id[a], &x[a]));
-    PetscCall(VecDestroy(&by_id[a]));
+  for (PetscInt c = 0; c <= p->dim; c++) {
+    PetscCall(VecRestoreArrayRead(by_id[c], &column[c]));
+    PetscCall(VecDestroy(&by_id[c]));
   }
   PetscCall(PetscFClose(p->comm, stream));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -105,9 +116,9 @@ static PetscErrorCode WritePositions(const Particles *p, const char matrix[])
 /*
   MatrixFileWrite - Writes a matrix over the fluid as it is now, if it was asked for
 
-  Collective. Row and column k of what is written, or the dim from dim k on where components
-  go together, belong to the particle of id k, wherever and
-  whatever its number; <file>.particles.csv has the ids and positions [m].
+  Collective. Row and column k of the file, or the dim from dim k on where components are coupled,
+  belong to the fluid particle with the k-th smallest id; row k of <file>.particles.csv has its id
+  and position [m].
 
   Input Parameter:
 . A - in the particles' present numbering; NULL: there is none, which is told
@@ -116,7 +127,7 @@ PetscErrorCode MatrixFileWrite(const Particles *p, Mat A, MatrixFile *file)
 {
   const char *path = NULL;
   PetscBool   binary, ascii;
-  PetscInt    size;
+  PetscInt    size, *index;
   IS          order;
   Mat         by_id;
 
@@ -127,7 +138,9 @@ PetscErrorCode MatrixFileWrite(const Particles *p, Mat A, MatrixFile *file)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MatGetBlockSize(A, &size));
-  PetscCall(NumbersById(p, size, &order));
+  PetscCall(PetscMalloc1(p->n_fluid, &index));
+  PetscCall(ParticlesNumberById(p, index));
+  PetscCall(NumbersById(p, index, size, &order));
   PetscCall(MatCreateSubMatrix(A, order, order, MAT_INITIAL_MATRIX, &by_id));
   PetscCall(PetscViewerPushFormat(file->viewer, file->format));
   PetscCall(MatView(by_id, file->viewer));
@@ -136,7 +149,8 @@ PetscErrorCode MatrixFileWrite(const Particles *p, Mat A, MatrixFile *file)
   PetscCall(PetscObjectTypeCompare((PetscObject)file->viewer, PETSCVIEWERBINARY, &binary));
   PetscCall(PetscObjectTypeCompare((PetscObject)file->viewer, PETSCVIEWERASCII, &ascii));
   if (binary || ascii) PetscCall(PetscViewerFileGetName(file->viewer, &path));
-  if (path && path[0]) PetscCall(WritePositions(p, path));
+  if (path && path[0]) PetscCall(WritePositions(p, index, path));
+  PetscCall(PetscFree(index));
   PetscCall(MatDestroy(&by_id));
   PetscCall(ISDestroy(&order));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -157,8 +157,8 @@ static PetscErrorCode SnapshotFields(const Flow *flow, Hdf5File *file)
         Hdf5WriteRows(file, "viscosity", 0, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, rows, "m^2/s"));
   }
   for (PetscInt i = 0; i < own; i++) {
-    type[i] = ParticlesIsWall(p, i) ? 1 : 0;
-    id[i]   = p->id[i];
+    type[i] = (int)p->kind[i];
+    id[i]   = (long long)p->id[i];
   }
   PetscCall(Hdf5WriteRows(file, "type", 0, H5T_STD_I32LE, H5T_NATIVE_INT, type, "0 fluid, 1 wall"));
   PetscCall(Hdf5WriteRows(file, "id", 0, H5T_STD_I64LE, H5T_NATIVE_LLONG, id, "1"));

@@ -157,17 +157,24 @@ static PetscErrorCode HaloConnect(const Scene *scene, Particles *p, PetscMPIInt 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Copies one array from owners to copies. */
+static PetscErrorCode HaloCopy(const Particles *p, MPI_Datatype unit, const void *own, void *copies)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscSFBcastBegin(p->sf, unit, own, copies, MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(p->sf, unit, own, copies, MPI_REPLACE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Fills what of the halo does not change within the epoch, and its positions. */
 static PetscErrorCode HaloFill(Particles *p)
 {
-  PetscInt *names[2] = {p->id, p->row};
+  const PetscInt own = ParticlesOwn(p);
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < 2; k++) {
-    PetscInt *copies = names[k] + ParticlesOwn(p);
-    PetscCall(PetscSFBcastBegin(p->sf, MPIU_INT, names[k], copies, MPI_REPLACE));
-    PetscCall(PetscSFBcastEnd(p->sf, MPIU_INT, names[k], copies, MPI_REPLACE));
-  }
+  PetscCall(HaloCopy(p, MPIU_INT64, p->id, p->id + own));
+  PetscCall(HaloCopy(p, MPIU_ENUM, p->kind, p->kind + own));
+  PetscCall(HaloCopy(p, MPIU_INT, p->row, p->row + own));
   for (PetscInt f = 0; f < p->n_fields; f++) {
     if (p->field[f].halo != HALO_EPOCH) continue;
     for (PetscInt c = 0; c < p->field[f].components; c++) {
@@ -188,7 +195,7 @@ static PetscErrorCode HaloFill(Particles *p)
 - p     - own particles migrated and sorted, wrapped into periodic boxes
 
   Output Parameter:
-. p - halo counts, sf, halo_shift; halo values of id, number, x and the fields of HALO_EPOCH
+. p - halo counts, sf, halo_shift; halo values of id, kind, row, x and the fields of HALO_EPOCH
 */
 PetscErrorCode HaloBuild(const Scene *scene, Particles *p)
 {
@@ -256,10 +263,7 @@ PetscErrorCode ParticlesUpdateHalo(Particles *particles)
 */
 PetscErrorCode ParticlesHaloField(const Particles *particles, PetscReal values[])
 {
-  PetscReal *copies = values + ParticlesOwn(particles);
-
   PetscFunctionBegin;
-  PetscCall(PetscSFBcastBegin(particles->sf, MPIU_REAL, values, copies, MPI_REPLACE));
-  PetscCall(PetscSFBcastEnd(particles->sf, MPIU_REAL, values, copies, MPI_REPLACE));
+  PetscCall(HaloCopy(particles, MPIU_REAL, values, values + ParticlesOwn(particles)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,13 +1,25 @@
 /*
-  What the files of this stage share: storage, the first lattice, decomposition, migration and halo.
+  The particles as the files of this stage share them, each above those it calls:
+
+    particles.c | population.c, neighbors.c | epoch.c | migrate.c, decompose.c, halo.c, lattice.c,
+    numbering.c | exchange.c, storage.c
 */
 #ifndef ISPH_PARTICLES_IMPL_H
 #define ISPH_PARTICLES_IMPL_H
 
 #include "isph/particles.h"
 
-/* particles.c */
+/* storage.c */
+enum { RECORD_ID, RECORD_KIND, RECORD_FIELDS }; /* places in a record; field 0 is x */
+typedef struct {
+  PetscInt    n;
+  PetscReal **values; /* of each component of each field */
+} RecordColumns;
 PetscErrorCode ParticlesReserve(Particles *p, PetscInt n);
+PetscErrorCode RecordsBegin(const Particles *p, RecordColumns *columns);
+PetscErrorCode RecordsEnd(RecordColumns *columns);
+void RecordPack(const Particles *p, const RecordColumns *columns, PetscInt i, PetscReal record[]);
+void RecordUnpack(const RecordColumns *columns, const PetscReal record[], PetscInt i);
 
 /* epoch.c */
 PetscErrorCode ParticlesLargestMove(const Particles *p, PetscReal *const from[], PetscReal *move);
@@ -21,6 +33,8 @@ PetscErrorCode ParticlesDecompose(const Scene *scene, Particles *p, PetscInt own
 
 /* migrate.c */
 PetscErrorCode ParticlesMigrate(const Scene *scene, Particles *p, const PetscInt owner[]);
+PetscErrorCode ParticlesStore(const Scene *scene, Particles *p, PetscInt n,
+                              const PetscReal record[]);
 
 /* halo.c */
 PetscErrorCode HaloBuild(const Scene *scene, Particles *p);

@@ -68,7 +68,7 @@ static PetscErrorCode WallSlabsCreate(const Scene *scene, WallPlacement walls, W
 
   Reference: G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014
 */
-PetscReal ParticlesHash(PetscInt seed, PetscInt id, PetscInt axis)
+PetscReal ParticlesHash(PetscInt seed, PetscInt64 id, PetscInt axis)
 {
   uint64_t z = (uint64_t)seed * 0xD1342543DE82EF95u + (uint64_t)id * 4u + (uint64_t)axis;
 
@@ -123,7 +123,7 @@ static CellKind ClassifyCell(const Scene *scene, WallPlacement walls, PetscInt i
 
 /* Displaces fluid particle id from its place; it stays 0.3 of a cell away from walls that do
    not. */
-static void JitterFluid(const Scene *scene, WallPlacement walls, PetscInt id, PetscReal x[])
+static void JitterFluid(const Scene *scene, WallPlacement walls, PetscInt64 id, PetscReal x[])
 {
   PetscReal normal[ISPH_MAX_DIM], distance;
   PetscInt  body;
@@ -192,6 +192,7 @@ static void WallParticle(const Scene *scene, WallPlacement walls, const WallSlab
   p->depth[i]            = deepest;
   p->side[i]             = (PetscReal)side;
   p->id[i]               = p->N_fluid + index;
+  p->kind[i]             = PARTICLE_WALL;
   if (p->volume) p->volume[i] = volume;
 }
 
@@ -239,6 +240,7 @@ static void BodyParticle(const Scene *scene, PetscInt body, const PetscReal x[],
   p->depth[i] = depth;
   p->side[i]  = (PetscReal)(2 * scene->dim + body);
   p->id[i]    = id;
+  p->kind[i]  = PARTICLE_WALL;
   if (p->volume) p->volume[i] = volume;
 }
 
@@ -285,7 +287,8 @@ static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, P
     if (kind == CELL_DUMMY)
       BodyParticle(scene, body, x, depth, normal, SceneVolume(scene), dummy++, p, wall++);
     if (kind != CELL_FLUID || fluid < 0) continue;
-    p->id[i] = fluid + i;
+    p->id[i]   = fluid + i;
+    p->kind[i] = PARTICLE_FLUID;
     JitterFluid(scene, walls, p->id[i], x);
     for (PetscInt a = 0; a < p->dim; a++) p->x[a][i] = x[a];
     i++;
@@ -296,7 +299,8 @@ static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, P
 static void FillGiven(const FluidStart *start, Particles *p)
 {
   for (PetscInt i = 0; i < start->n; i++) {
-    p->id[i] = start->first + i;
+    p->id[i]   = start->first + i;
+    p->kind[i] = PARTICLE_FLUID;
     for (PetscInt a = 0; a < p->dim; a++) {
       p->x[a][i] = start->x[i * p->dim + a];
       if (start->u) p->u[a][i] = start->u[i * p->dim + a];
@@ -339,8 +343,8 @@ static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
 - p     - own fields registered
 
   Output Parameter:
-. p - N_fluid, N_wall, and own particles with id, x, normal, depth, side and volume; they are not
-      where they belong yet. Ids: fluid, then the walls of the box, then those of bodies.
+. p - counts, next_id, and own particles with id, kind, x, normal, depth, side and volume; they
+      are not where they belong yet. Ids: fluid, then the walls of the box, then those of bodies.
 */
 PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidStart *start,
                            Particles *p)
@@ -362,6 +366,9 @@ PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidS
   p->N_wall         = slabs.first[slabs.n] + all[1] + SurfacePoints(scene, walls);
   p->n_fluid        = start ? start->n : own[0];
   p->n_wall         = slab[1] - slab[0] + own[1] + point[1] - point[0];
+  p->N_start[0]     = p->N_fluid;
+  p->N_start[1]     = p->N_wall;
+  p->next_id        = (PetscInt64)p->N_fluid + p->N_wall;
   p->velocity_given = start && start->u ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(ParticlesReserve(p, ParticlesOwn(p)));
   wall = p->n_fluid;

@@ -1,91 +1,16 @@
 /*
-  Particles go to their owners and are put in order there. A particle travels as one record, its id
-  and all components of all fields; the records received are sorted and written back into the
-  arrays.
+  Particles go to their owners and are put in order there. A particle travels as one record; the
+  records received are sorted and written back into the arrays.
 */
 #include "impl.h"
 
-/* A record's place in the order: kind, cell, id. */
+/* A record's place in the order: fluid or wall, cell, id. */
 typedef struct {
-  PetscInt64 cell;
-  PetscInt   id;
+  PetscInt64 cell, id;
   PetscInt   record;
 } SortKey;
 
 #define CELL_BITS 20 /* of each axis in SortKey.cell */
-
-/* ParticlesRecordWidth - Numbers in a particle's record: its id, then all components of all
-   fields */
-PetscInt ParticlesRecordWidth(const Particles *p)
-{
-  PetscInt width = 1;
-
-  for (PetscInt f = 0; f < p->n_fields; f++) width += p->field[f].components;
-  return width;
-}
-
-/* All components of all fields as a record holds them; free with PetscFree(). */
-static PetscErrorCode FieldColumns(const Particles *p, PetscInt *n, PetscReal ***column)
-{
-  PetscFunctionBegin;
-  *n = 0;
-  PetscCall(PetscMalloc1(ParticlesRecordWidth(p), column));
-  for (PetscInt f = 0; f < p->n_fields; f++) {
-    for (PetscInt c = 0; c < p->field[f].components; c++) {
-      (*column)[(*n)++] = p->field[f].slot[c];
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The record of own particle i: id, then its components in all columns. */
-static inline void PackRecord(const Particles *p, PetscInt n, PetscReal *const column[], PetscInt i,
-                              PetscReal record[])
-{
-  record[0] = (PetscReal)p->id[i]; /* exact below 2^53 */
-  for (PetscInt k = 0; k < n; k++) record[1 + k] = column[k][i];
-}
-
-/*
-  ParticlesPack - Copies the own particles with all fields
-
-  Not collective. Output: record - ParticlesOwn() records of ParticlesRecordWidth() numbers, in
-  order.
-*/
-PetscErrorCode ParticlesPack(const Particles *p, PetscReal record[])
-{
-  const PetscInt width = ParticlesRecordWidth(p);
-  PetscInt       n;
-  PetscReal    **column;
-
-  PetscFunctionBegin;
-  PetscCall(FieldColumns(p, &n, &column));
-  for (PetscInt i = 0; i < ParticlesOwn(p); i++)
-    PackRecord(p, n, column, i, &record[(size_t)i * width]);
-  PetscCall(PetscFree(column));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  ParticlesUnpack - Gives the own particles the fields of records packed in the present epoch
-
-  Collective: the halo's positions follow.
-*/
-PetscErrorCode ParticlesUnpack(Particles *p, const PetscReal record[])
-{
-  const PetscInt width = ParticlesRecordWidth(p);
-  PetscInt       n;
-  PetscReal    **column;
-
-  PetscFunctionBegin;
-  PetscCall(FieldColumns(p, &n, &column));
-  for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
-    for (PetscInt k = 0; k < n; k++) column[k][i] = record[(size_t)i * width + 1 + k];
-  }
-  PetscCall(PetscFree(column));
-  PetscCall(ParticlesUpdateHalo(p));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* Lays the own particles out as records, those for rank 0 first. */
 static PetscErrorCode PackRecords(const Particles *p, const PetscInt owner[], PetscInt n_to[],
@@ -93,19 +18,19 @@ static PetscErrorCode PackRecords(const Particles *p, const PetscInt owner[], Pe
 {
   const PetscInt own = ParticlesOwn(p), width = ParticlesRecordWidth(p);
   PetscMPIInt    ranks;
-  PetscInt      *next, n;
-  PetscReal    **column;
+  PetscInt      *next;
+  RecordColumns  columns;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
   PetscCall(PetscMalloc1((size_t)own * width, records));
   PetscCall(PetscCalloc1(ranks + 1, &next));
-  PetscCall(FieldColumns(p, &n, &column));
+  PetscCall(RecordsBegin(p, &columns));
   for (PetscInt i = 0; i < own; i++) n_to[owner[i]]++;
   for (PetscMPIInt r = 0; r < ranks; r++) next[r + 1] = next[r] + n_to[r];
   for (PetscInt i = 0; i < own; i++)
-    PackRecord(p, n, column, i, &(*records)[(size_t)next[owner[i]]++ * width]);
-  PetscCall(PetscFree(column));
+    RecordPack(p, &columns, i, &(*records)[(size_t)next[owner[i]]++ * width]);
+  PetscCall(RecordsEnd(&columns));
   PetscCall(PetscFree(next));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -135,10 +60,10 @@ static PetscErrorCode SortRecords(const Scene *scene, const Particles *p, PetscI
     SortKey         *key    = &(*keys)[k];
 
     key->record = k;
-    key->id     = (PetscInt)record[0];
-    key->cell   = key->id >= p->N_fluid;
+    key->id     = (PetscInt64)record[RECORD_ID];
+    key->cell   = ParticleKinds[(PetscInt)record[RECORD_KIND]].is_wall;
     for (PetscInt a = p->dim - 1; a >= 0; a--) {
-      const PetscReal s = (record[1 + a] - scene->lo[a]) / p->halo_width + offset;
+      const PetscReal s = (record[RECORD_FIELDS + a] - scene->lo[a]) / p->halo_width + offset;
 
       key->cell = (key->cell << CELL_BITS) + (s < 0.0 ? 0 : (s > last ? last : (PetscInt64)s));
     }
@@ -152,22 +77,22 @@ static PetscErrorCode UnpackRecords(Particles *p, PetscInt n, const PetscReal re
                                     const SortKey keys[])
 {
   const PetscInt width = ParticlesRecordWidth(p);
-  PetscInt       n_columns;
-  PetscReal    **column;
+  RecordColumns  columns;
 
   PetscFunctionBegin;
   p->n_fluid = p->n_wall = p->n_halo_fluid = p->n_halo_wall = 0;
   PetscCall(ParticlesReserve(p, n));
-  PetscCall(FieldColumns(p, &n_columns, &column));
+  PetscCall(RecordsBegin(p, &columns));
   for (PetscInt i = 0; i < n; i++) {
     const PetscReal *record = &records[(size_t)keys[i].record * width];
 
-    p->id[i] = keys[i].id;
-    if (keys[i].id < p->N_fluid) p->n_fluid++;
-    else p->n_wall++;
-    for (PetscInt k = 0; k < n_columns; k++) column[k][i] = record[1 + k];
+    p->id[i]   = keys[i].id;
+    p->kind[i] = (ParticleKind)record[RECORD_KIND];
+    if (ParticleKinds[p->kind[i]].is_wall) p->n_wall++;
+    else p->n_fluid++;
+    RecordUnpack(&columns, record, i);
   }
-  PetscCall(PetscFree(column));
+  PetscCall(RecordsEnd(&columns));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -186,26 +111,32 @@ static PetscErrorCode NumberParticles(Particles *p)
 }
 
 /*
-  ParticlesReplace - Puts records in the place of the own particles and starts an epoch
+  ParticlesStore - Stores records in place of the own particles, sorted, and counts all ranks' ones
 
-  Collective. Together the ranks give each particle once, whoever owns it afterwards: owners, order
-  and numbers that follow depend on the particles and the number of ranks alone.
+  Collective. Owners, numbers and halo are out of date until an epoch starts.
 
   Input Parameters:
-+ n      - how many records this rank gives
++ n      - how many records this rank has
 - record - as ParticlesPack() lays them out
+
+  Output Parameter:
+. p - n_fluid, n_wall, N_fluid, N_wall, own particles; the halo is empty
 */
-PetscErrorCode ParticlesReplace(const Scene *scene, Particles *p, PetscInt n,
-                                const PetscReal record[])
+PetscErrorCode ParticlesStore(const Scene *scene, Particles *p, PetscInt n,
+                              const PetscReal record[])
 {
   SortKey *keys;
+  PetscInt all[2];
 
   PetscFunctionBegin;
   PetscCall(SortRecords(scene, p, n, record, &keys));
   PetscCall(UnpackRecords(p, n, record, keys));
   PetscCall(PetscFree(keys));
-  p->redraw = PETSC_TRUE;
-  PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
+  all[0] = p->n_fluid;
+  all[1] = p->n_wall;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, all, 2, MPIU_INT, MPI_SUM, p->comm));
+  p->N_fluid = all[0];
+  p->N_wall  = all[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

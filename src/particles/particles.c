@@ -1,78 +1,8 @@
 /*
-  The life of the particles' storage: made from the scene, grown, and taken down. Every array that
-  belongs to a particle is a registered field, so that migration and sorting treat all alike.
+  The particles of a run, created from the scene and destroyed: the top of this stage. Every array
+  that belongs to a particle is a registered field, so that migration and sorting treat all alike.
 */
 #include "impl.h"
-
-/*
-  ParticlesReserve - Makes room for n particles, own and halo, in every array; keeps what is there
-
-  Not collective
-
-  Note: new entries are zero. Capacity is never less than 1, so that an existing field is never
-  NULL.
-*/
-PetscErrorCode ParticlesReserve(Particles *p, PetscInt n)
-{
-  const PetscInt old      = p->capacity;
-  const PetscInt capacity = PetscMax(PetscMax(n, 1), old + old / 4);
-  PetscInt     **names[2] = {&p->id, &p->row};
-
-  PetscFunctionBegin;
-  if (n <= old && old > 0) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; k < 2; k++) {
-    PetscInt *grown;
-    PetscCall(PetscCalloc1(capacity, &grown));
-    PetscCall(PetscArraycpy(grown, *names[k], old));
-    PetscCall(PetscFree(*names[k]));
-    *names[k] = grown;
-  }
-  for (PetscInt f = 0; f < p->n_fields; f++) {
-    for (PetscInt c = 0; c < p->field[f].components; c++) {
-      PetscReal *grown;
-      PetscCall(PetscCalloc1(capacity, &grown));
-      PetscCall(PetscArraycpy(grown, p->field[f].slot[c], old));
-      PetscCall(PetscFree(p->field[f].slot[c]));
-      p->field[f].slot[c] = grown;
-    }
-  }
-  p->capacity = capacity;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  ParticlesRegister - Makes an array of the caller's a field, which then follows the particles
-
-  Collective: fields must be registered in the same order on all ranks
-
-  Input Parameters:
-+ particles  - the particles
-. name       - for messages and files; the string is not copied
-. components - number of arrays
-. halo       - HALO_EPOCH: halo copies are filled when an epoch starts, from the next one on
-- slot       - the caller's array of `components` pointers; must live as long as the particles
-
-  Notes:
-  slot[c][i], i < capacity, is allocated here, set to zero, freed by ParticlesDestroy(), and may be
-  another address after each epoch's start: read the slot anew, keep no copy of it. Every field must
-  hold values of own particles, fluid and wall; a field of positions is not wrapped into the box.
-*/
-PetscErrorCode ParticlesRegister(Particles *particles, const char name[], PetscInt components,
-                                 HaloPolicy halo, PetscReal **slot)
-{
-  Field *field = &particles->field[particles->n_fields];
-
-  PetscFunctionBegin;
-  PetscCheck(particles->n_fields < PARTICLES_MAX_FIELDS, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
-             "Field %s is one more than PARTICLES_MAX_FIELDS = %d", name, PARTICLES_MAX_FIELDS);
-  PetscCall(ParticlesReserve(particles, 1));
-  for (PetscInt c = 0; c < components; c++) {
-    PetscCall(PetscCalloc1(particles->capacity, &slot[c]));
-  }
-  *field = (Field){.name = name, .components = components, .halo = halo, .slot = slot};
-  particles->n_fields++;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 static PetscErrorCode RegisterOwnFields(const Scene *scene, WallPlacement walls, Particles *p)
 {
@@ -177,6 +107,7 @@ PetscErrorCode ParticlesDestroy(Particles **particles)
   }
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(p->halo_shift[a]));
   PetscCall(PetscFree(p->id));
+  PetscCall(PetscFree(p->kind));
   PetscCall(PetscFree(p->row));
   PetscCall(PetscFree2(p->cut_axis, p->cut));
   PetscCall(PetscSFDestroy(&p->sf));

@@ -114,18 +114,21 @@ static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
   const Particles *p      = run->flow.particles;
   const Scene     *scene  = run->flow.scene;
   const Memory    *memory = &run->flow.scheme->memory;
-  const int        format = CHECKPOINT_FORMAT, dim = (int)p->dim, N_fluid = (int)p->N_fluid,
-            N_wall = (int)p->N_wall;
-  double numbers[SCENE_NUMBERS], values[MEMORY_MAX];
-  char   names[MEMORY_MAX * 32];
+  const int        format = CHECKPOINT_FORMAT, dim = (int)p->dim;
+  const long long  N_fluid = p->N_start[0], N_wall = p->N_start[1], next_id = p->next_id;
+  const double     next = (double)next_id;
+  double           numbers[SCENE_NUMBERS], values[MEMORY_MAX];
+  char             names[MEMORY_MAX * 32];
 
   PetscFunctionBegin;
   PetscCall(Hdf5WriteNumber(file, "format", H5T_NATIVE_INT, &format));
   PetscCall(Hdf5WriteText(file, file->file, "version", ISPH_VERSION));
   PetscCall(Hdf5WriteText(file, file->file, "case", scene->problem->name));
   PetscCall(Hdf5WriteNumber(file, "dim", H5T_NATIVE_INT, &dim));
-  PetscCall(Hdf5WriteNumber(file, "fluid", H5T_NATIVE_INT, &N_fluid));
-  PetscCall(Hdf5WriteNumber(file, "walls", H5T_NATIVE_INT, &N_wall));
+  PetscCall(Hdf5WriteNumber(file, "fluid_at_start", H5T_NATIVE_LLONG, &N_fluid));
+  PetscCall(Hdf5WriteNumber(file, "walls_at_start", H5T_NATIVE_LLONG, &N_wall));
+  PetscCall(Hdf5WriteNumber(file, "next_id", H5T_NATIVE_LLONG, &next_id));
+  CheckpointSumNumbers(1, &next, sum);
   PetscCall(CheckpointRecord(p, names, sizeof(names)));
   PetscCall(Hdf5WriteText(file, file->file, "record", names));
   PetscCall(CheckpointMemory(memory, names, sizeof(names)));

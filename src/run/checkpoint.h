@@ -5,7 +5,7 @@
 #include "impl.h"
 #include "isph/hdf5file.h"
 
-#define CHECKPOINT_FORMAT 6                      /* to be raised when the file's contents change */
+#define CHECKPOINT_FORMAT 7                      /* to be raised when the file's contents change */
 #define SCENE_NUMBERS     (2 * ISPH_MAX_DIM + 3) /* the last: spacing, bodies, viscosities */
 
 struct Checkpoints {

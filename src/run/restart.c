@@ -27,9 +27,11 @@ static PetscErrorCode ReadTable(Hdf5File *file, const char name[], PetscInt rows
 /* Ends the run with the reason why a file does not fit it. Collective. */
 static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File *file)
 {
-  int       format = 0, dim = 0, N_fluid = 0, N_wall = 0;
-  char      version[64], problem[64], names[512], wanted[512];
-  PetscBool same;
+  const Particles *p      = run->flow.particles;
+  int              format = 0, dim = 0;
+  long long        N_fluid = 0, N_wall = 0;
+  char             version[64], problem[64], names[512], wanted[512];
+  PetscBool        same;
 
   PetscFunctionBegin;
   PetscCall(Hdf5ReadNumber(file, "format", H5T_NATIVE_INT, &format));
@@ -38,8 +40,8 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
   PetscCall(Hdf5ReadText(file, "case", problem, sizeof(problem)));
   PetscCall(Hdf5ReadText(file, "record", names, sizeof(names)));
   PetscCall(Hdf5ReadNumber(file, "dim", H5T_NATIVE_INT, &dim));
-  PetscCall(Hdf5ReadNumber(file, "fluid", H5T_NATIVE_INT, &N_fluid));
-  PetscCall(Hdf5ReadNumber(file, "walls", H5T_NATIVE_INT, &N_wall));
+  PetscCall(Hdf5ReadNumber(file, "fluid_at_start", H5T_NATIVE_LLONG, &N_fluid));
+  PetscCall(Hdf5ReadNumber(file, "walls_at_start", H5T_NATIVE_LLONG, &N_wall));
   PetscCall(PetscStrcmp(version, ISPH_VERSION, &same));
   UserCheck(same && format == CHECKPOINT_FORMAT,
             "-restart %s: the file is of isph %s (format %d), this is %s (format %d)", path,
@@ -47,13 +49,12 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
   PetscCall(PetscStrcmp(problem, run->flow.scene->problem->name, &same));
   UserCheck(same, "-restart %s: the file is of case %s, this run is of case %s", path, problem,
             run->flow.scene->problem->name);
-  UserCheck(dim == run->flow.particles->dim && N_fluid == run->flow.particles->N_fluid &&
-                N_wall == run->flow.particles->N_wall,
-            "-restart %s: the file has %d + %d particles in %dD, this run %" PetscInt_FMT
-            " + %" PetscInt_FMT " in %" PetscInt_FMT "D; use the same -n, -dim and -wall",
-            path, N_fluid, N_wall, dim, run->flow.particles->N_fluid, run->flow.particles->N_wall,
-            run->flow.particles->dim);
-  PetscCall(CheckpointRecord(run->flow.particles, wanted, sizeof(wanted)));
+  UserCheck(dim == p->dim && N_fluid == p->N_start[0] && N_wall == p->N_start[1],
+            "-restart %s: the file's run began with %lld + %lld particles in %dD, this run "
+            "with %" PetscInt_FMT " + %" PetscInt_FMT " in %" PetscInt_FMT
+            "D; use the same -n, -dim and -wall",
+            path, N_fluid, N_wall, dim, p->N_start[0], p->N_start[1], p->dim);
+  PetscCall(CheckpointRecord(p, wanted, sizeof(wanted)));
   PetscCall(PetscStrcmp(names, wanted, &same));
   UserCheck(same,
             "-restart %s: the file holds %s, this run needs %s; use the same physics, -motion and "
@@ -146,21 +147,28 @@ static PetscErrorCode ReadMemory(Run *run, const char path[], Hdf5File *file, ui
 static PetscErrorCode ReadFile(Run *run, const char path[], Hdf5File *file, PetscInt *n,
                                PetscReal **record, PetscBool *whole)
 {
-  const Particles *p     = run->flow.particles;
-  const PetscInt   width = ParticlesRecordWidth(p), N = p->N_fluid + p->N_wall;
-  PetscInt         rows, columns, last;
-  uint64_t         wanted = 0, sum = 0;
+  Particles     *p     = run->flow.particles;
+  const PetscInt width = ParticlesRecordWidth(p);
+  PetscInt       rows, columns, last;
+  long long      next_id = 0;
+  double         next;
+  uint64_t       wanted = 0, sum = 0;
 
   PetscFunctionBegin;
+  PetscCall(Hdf5ReadNumber(file, "next_id", H5T_NATIVE_LLONG, &next_id));
+  next = (double)next_id;
+  CheckpointSumNumbers(1, &next, &sum);
+  p->next_id = next_id;
   PetscCall(CheckScene(run, path, file, &sum));
   PetscCall(ReadMemory(run, path, file, &sum));
   PetscCall(ReadHistory(run, file, &sum));
   PetscCall(Hdf5ReadNumber(file, "checksum", H5T_NATIVE_UINT64, &wanted));
   PetscCall(Hdf5CountRows(file, "particles", &rows, &columns));
-  ParticlesShare(p->comm, N, &file->start, &last);
+  if (columns != width) file->failed = PETSC_TRUE;
+  file->N = file->failed ? 0 : rows;
+  ParticlesShare(p->comm, file->N, &file->start, &last);
   *n = file->own = last - file->start;
   PetscCall(PetscCalloc1((size_t)(*n * width + 1), record));
-  if (rows != N || columns != width) file->failed = PETSC_TRUE;
   if (!file->failed) PetscCall(Hdf5ReadRows(file, "particles", width, H5T_NATIVE_DOUBLE, *record));
   PetscCall(CheckpointSumRecords(*n, width, *record, &sum));
   *whole = sum == wanted ? PETSC_TRUE : PETSC_FALSE;

@@ -63,11 +63,11 @@ PetscErrorCode CheckpointScene(const Scene *scene, double numbers[SCENE_NUMBERS]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CheckpointRecord - Writes the names of a record's numbers, "id,x:2,u:2,p:1"; not collective */
+/* CheckpointRecord - Writes the names of a record's numbers, "id,kind,x:2,u:2,p:1"; not collective */
 PetscErrorCode CheckpointRecord(const Particles *p, char names[], size_t length)
 {
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(names, "id", length));
+  PetscCall(PetscStrncpy(names, "id,kind", length));
   for (PetscInt f = 0; f < p->n_fields; f++) {
     char part[64];
 

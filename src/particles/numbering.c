@@ -1,0 +1,77 @@
+/*
+  The dense number of a fluid particle: how many fluid particles have a smaller id. Ids have gaps
+  once particles were removed; rows of files have none, and depend neither on ranks nor on epochs.
+*/
+#include "impl.h"
+
+/* An id and its place among those that a rank received. */
+typedef struct {
+  PetscInt64 id;
+  PetscInt   place;
+} Entry;
+
+static int CompareEntries(const void *a, const void *b)
+{
+  const PetscInt64 k = ((const Entry *)a)->id, l = ((const Entry *)b)->id;
+
+  return (k > l) - (k < l);
+}
+
+/* Numbers n ids, which are above those of the ranks below, in place. */
+static PetscErrorCode NumberEntries(MPI_Comm comm, PetscInt n, PetscInt64 id[])
+{
+  Entry   *entry;
+  PetscInt first = 0;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Exscan(&n, &first, 1, MPIU_INT, MPI_SUM, comm));
+  PetscCall(PetscMalloc1(n, &entry));
+  for (PetscInt k = 0; k < n; k++) entry[k] = (Entry){id[k], k};
+  if (n > 1) qsort(entry, (size_t)n, sizeof(*entry), CompareEntries);
+  for (PetscInt k = 0; k < n; k++) id[entry[k].place] = first + k;
+  PetscCall(PetscFree(entry));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ParticlesNumberById - Numbers the fluid of all ranks in the order of ids, from 0 on without gaps
+
+  Collective. A rank numbers one range of ids: ids go there and come back as numbers.
+
+  Output Parameter:
+. index - of each own fluid particle
+*/
+PetscErrorCode ParticlesNumberById(const Particles *p, PetscInt index[])
+{
+  PetscMPIInt ranks, n_sources, n_replies, *source, *replier;
+  PetscInt   *n_to, *n_from, *n_back, *n_replied, *next, *sent_at, n = 0;
+  PetscInt64 *sent, *received, *replies, share;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
+  share = p->next_id / ranks + 1;
+  PetscCall(PetscCalloc3(ranks, &n_to, ranks, &n_back, ranks + 1, &next));
+  PetscCall(PetscMalloc2(p->n_fluid, &sent, p->n_fluid, &sent_at));
+  for (PetscInt i = 0; i < p->n_fluid; i++) n_to[p->id[i] / share]++;
+  for (PetscMPIInt r = 0; r < ranks; r++) next[r + 1] = next[r] + n_to[r];
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    sent_at[i]       = next[p->id[i] / share]++;
+    sent[sent_at[i]] = p->id[i];
+  }
+  PetscCall(
+      ExchangeItems(p->comm, MPIU_INT64, 1, n_to, sent, &n_sources, &source, &n_from, &received));
+  for (PetscMPIInt s = 0; s < n_sources; s++) n += n_back[source[s]] = n_from[s];
+  PetscCall(NumberEntries(p->comm, n, received));
+  PetscCall(ExchangeItems(p->comm, MPIU_INT64, 1, n_back, received, &n_replies, &replier,
+                          &n_replied, &replies));
+  for (PetscInt i = 0; i < p->n_fluid; i++) index[i] = (PetscInt)replies[sent_at[i]];
+  PetscCall(PetscFree(replies));
+  PetscCall(PetscFree(n_replied));
+  PetscCall(PetscFree(replier));
+  PetscCall(PetscFree(received));
+  PetscCall(PetscFree(n_from));
+  PetscCall(PetscFree(source));
+  PetscCall(PetscFree2(sent, sent_at));
+  PetscCall(PetscFree3(n_to, n_back, next));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

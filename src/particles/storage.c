@@ -1,0 +1,147 @@
+/*
+  The storage of particles, below everything else of this stage: arrays that grow together, fields
+  that others register, and the records in which particles travel and are kept.
+*/
+#include "impl.h"
+
+/*
+  ParticlesReserve - Makes room for n particles, own and halo, in every array; keeps what is there
+
+  Not collective
+
+  Note: new entries are zero. Capacity is never less than 1, so that an existing field is never
+  NULL.
+*/
+PetscErrorCode ParticlesReserve(Particles *p, PetscInt n)
+{
+  const PetscInt old      = p->capacity;
+  const PetscInt capacity = PetscMax(PetscMax(n, 1), old + old / 4);
+
+  PetscFunctionBegin;
+  if (n <= old && old > 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscRealloc(sizeof(*p->id) * (size_t)capacity, &p->id));
+  PetscCall(PetscRealloc(sizeof(*p->kind) * (size_t)capacity, &p->kind));
+  PetscCall(PetscRealloc(sizeof(*p->row) * (size_t)capacity, &p->row));
+  PetscCall(PetscArrayzero(p->id + old, capacity - old));
+  PetscCall(PetscArrayzero(p->kind + old, capacity - old));
+  PetscCall(PetscArrayzero(p->row + old, capacity - old));
+  for (PetscInt f = 0; f < p->n_fields; f++) {
+    for (PetscInt c = 0; c < p->field[f].components; c++) {
+      PetscReal *grown;
+      PetscCall(PetscCalloc1(capacity, &grown));
+      PetscCall(PetscArraycpy(grown, p->field[f].slot[c], old));
+      PetscCall(PetscFree(p->field[f].slot[c]));
+      p->field[f].slot[c] = grown;
+    }
+  }
+  p->capacity = capacity;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ParticlesRegister - Makes an array of the caller's a field, which then follows the particles
+
+  Collective: fields must be registered in the same order on all ranks
+
+  Input Parameters:
++ particles  - the particles
+. name       - for messages and files; the string is not copied
+. components - number of arrays
+. halo       - HALO_EPOCH: halo copies are filled when an epoch starts, from the next one on
+- slot       - the caller's array of `components` pointers; must live as long as the particles
+
+  Notes:
+  slot[c][i], i < capacity, is allocated here, set to zero, freed by ParticlesDestroy(), and may be
+  another address after each epoch's start: read the slot anew, keep no copy of it. Every field must
+  hold values of own particles, fluid and wall; a field of positions is not wrapped into the box.
+*/
+PetscErrorCode ParticlesRegister(Particles *particles, const char name[], PetscInt components,
+                                 HaloPolicy halo, PetscReal **slot)
+{
+  Field *field = &particles->field[particles->n_fields];
+
+  PetscFunctionBegin;
+  PetscCheck(particles->n_fields < PARTICLES_MAX_FIELDS, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+             "Field %s is one more than PARTICLES_MAX_FIELDS = %d", name, PARTICLES_MAX_FIELDS);
+  PetscCall(ParticlesReserve(particles, 1));
+  for (PetscInt c = 0; c < components; c++) {
+    PetscCall(PetscCalloc1(particles->capacity, &slot[c]));
+  }
+  *field = (Field){.name = name, .components = components, .halo = halo, .slot = slot};
+  particles->n_fields++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ParticlesRecordWidth - Returns the numbers in a particle's record: id, kind, then all components
+   of all fields */
+PetscInt ParticlesRecordWidth(const Particles *p)
+{
+  PetscInt width = RECORD_FIELDS;
+
+  for (PetscInt f = 0; f < p->n_fields; f++) width += p->field[f].components;
+  return width;
+}
+
+/*
+  RecordsBegin - Lists all components of all fields in the order of a record
+
+  Not collective. Output: columns - valid while capacity and fields stay; free with RecordsEnd().
+*/
+PetscErrorCode RecordsBegin(const Particles *p, RecordColumns *columns)
+{
+  PetscFunctionBegin;
+  columns->n = 0;
+  PetscCall(PetscMalloc1(ParticlesRecordWidth(p), &columns->values));
+  for (PetscInt f = 0; f < p->n_fields; f++) {
+    for (PetscInt c = 0; c < p->field[f].components; c++) {
+      columns->values[columns->n++] = p->field[f].slot[c];
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode RecordsEnd(RecordColumns *columns)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(columns->values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* RecordPack - Copies id, kind and fields of local particle i to a record; not collective */
+void RecordPack(const Particles *p, const RecordColumns *columns, PetscInt i, PetscReal record[])
+{
+  record[RECORD_ID]   = (PetscReal)p->id[i]; /* exact: ids stay below PARTICLES_MAX_ID */
+  record[RECORD_KIND] = (PetscReal)p->kind[i];
+  for (PetscInt k = 0; k < columns->n; k++) record[RECORD_FIELDS + k] = columns->values[k][i];
+}
+
+/* RecordUnpack - Copies a record's fields to local particle i; not collective */
+void RecordUnpack(const RecordColumns *columns, const PetscReal record[], PetscInt i)
+{
+  for (PetscInt k = 0; k < columns->n; k++) columns->values[k][i] = record[RECORD_FIELDS + k];
+}
+
+/*
+  ParticlesPack - Copies the own particles with all fields
+
+  Not collective. Output: record - ParticlesOwn() records of ParticlesRecordWidth() numbers, in
+  order.
+*/
+PetscErrorCode ParticlesPack(const Particles *p, PetscReal record[])
+{
+  const PetscInt width = ParticlesRecordWidth(p);
+  RecordColumns  columns;
+
+  PetscFunctionBegin;
+  PetscCall(RecordsBegin(p, &columns));
+  for (PetscInt i = 0; i < ParticlesOwn(p); i++)
+    RecordPack(p, &columns, i, &record[(size_t)i * width]);
+  PetscCall(RecordsEnd(&columns));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The kinds of particles, in the order of ParticleKind. */
+const ParticleKindRow ParticleKinds[PARTICLE_KINDS] = {
+    [PARTICLE_FLUID] = {"fluid", PETSC_FALSE},
+    [PARTICLE_WALL]  = {"wall", PETSC_TRUE},
+};
