@@ -1,0 +1,358 @@
+#!/usr/bin/env python3
+"""Tests that the manual is true: README.md, CONTRIBUTING.md, STYLE.md and the pages under docs/.
+
+    docs.py links                     every link and anchor resolves, every quoted option exists
+    docs.py run ISPH PAGE...          every command of the pages runs, in short variants
+    docs.py shown ISPH PAGE...        every command of the pages runs in full and prints the output that is shown
+    docs.py remake ISPH PAGE...       writes the output of the commands into the pages
+
+A fenced block marked `sh` holds commands. A block marked `console` holds commands after `$ ` and, below each command,
+its output; a line `...` stands for output that is left out. Each page is read from its top to its end in an empty
+directory, in which options/, studies/ and cases/ are the source tree's and `isph` is the program under test.
+
+Short variants: with `run` each flow ends after two steps (a run that restarts makes four), nothing is printed while
+it runs, and tolerances (-check_...) are not tried. Programs that build, install or take hours (cmake, quickstart,
+check, the studies but `plot` and `curve`) only have to exist. Commands that draw are passed over, with a word, where
+no Python can draw.
+
+Output that is shown is compared word by word: numbers to 2 % or 1e-6, except in lines that tell of time spent.
+"""
+import glob
+import os
+import re
+import shutil
+import stat
+import subprocess
+import sys
+import tempfile
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+TIMES = re.compile(r"wall time|M/s|^real|^user|took .* s\b")
+NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+
+# Pages that are written elsewhere and may not be there yet.
+LATER = {"docs/reference/options.md", "docs/howto/other-petsc.md", "docs/limits.md",
+         *(f"docs/howto/{name}.md" for name in ("scene", "material", "solver", "large-viscous-steps", "long-runs",
+                                                "many-ranks", "own-laplacian", "own-case"))}
+
+# Options of other programs, and stems that end in an underscore or <...>.
+FOREIGN = {"-o", "-n", "-c", "-g", "-S", "-B", "-D", "-L", "-R", "-j", "-j2", "-k", "-e", "-f", "-np", "-i", "-m", "-x",
+           "-s", "-F", "-p", "-C", "-h", "-V"}
+PETSC = ("log_", "options_", "malloc_", "info", "mat_type", "vec_type", "on_error", "help", "version", "fp_trap",
+         "sub_", "start_in_debugger")
+
+
+def pages():
+    """The pages of the manual, as paths from the root."""
+    found = ["README.md", "CONTRIBUTING.md", "STYLE.md"]
+    for path in glob.glob(os.path.join(ROOT, "docs", "**", "*.md"), recursive=True):
+        found.append(os.path.relpath(path, ROOT))
+    return sorted(found)
+
+
+def read(page):
+    with open(os.path.join(ROOT, page), encoding="utf-8") as file:
+        return file.read()
+
+
+def blocks(text):
+    """Fenced blocks: (mark, body, begin and end of the body in the text)."""
+    for match in re.finditer(r"^```([^\n`]*)\n(.*?)^```[ \t]*$", text, re.M | re.S):
+        yield match.group(1).strip(), match.group(2), match.start(2), match.end(2)
+
+
+# ---- links and options ----
+
+
+def anchors(text):
+    """Names that a link to the page may end with, made of its headings as GitHub makes them, and its ids."""
+    names, seen = set(re.findall(r"<a (?:id|name)=\"([^\"]+)\"", text)), {}
+    for heading in re.findall(r"^#{1,6}[ \t]+(.*)$", re.sub(r"^```.*?^```", "", text, flags=re.M | re.S), re.M):
+        heading = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).strip().lower()
+        name = re.sub(r"[^\w\- ]", "", heading).replace(" ", "-")
+        count = seen[name] = seen.get(name, -1) + 1
+        names.add(f"{name}-{count}" if count else name)
+    return names
+
+
+def link_faults(page):
+    text = re.sub(r"^```.*?^```", "", read(page), flags=re.M | re.S)
+    text = re.sub(r"`[^`\n]*`", "", text)
+    for target in re.findall(r"\]\(([^)\s]+)(?:\s+\"[^\"]*\")?\)", text):
+        if re.match(r"[a-z]+:", target):
+            continue
+        path, _, anchor = target.partition("#")
+        there = os.path.normpath(os.path.join(os.path.dirname(page), path)) if path else page
+        if there in LATER:
+            continue
+        if not os.path.exists(os.path.join(ROOT, there)):
+            yield f"{page}: {target}: no such file"
+        elif anchor and there.endswith(".md") and anchor not in anchors(read(there)):
+            yield f"{page}: {target}: no such heading"
+
+
+def known_options():
+    """Names of options in the sources: string literals that begin with a dash, and names in tables of options."""
+    names = set()
+    for folder in "src", "cases", "include":
+        for path in glob.glob(os.path.join(ROOT, folder, "**", "*.[ch]"), recursive=True):
+            with open(path, encoding="utf-8") as file:
+                text = file.read()
+            names.update(re.findall(r"\"-?([a-z][a-z0-9_]*)", text))
+            names.update(re.findall(r"[\s(\"]-([a-z][a-z0-9_]*)", text))
+    return {name.rstrip("_") for name in names}
+
+
+def exists(option, names):
+    """Returns True if an option as it is quoted, without its dash, is one of isph or of PETSc's solvers."""
+    stem = re.split(r"[<.]", option)[0].rstrip("_")
+    if option.startswith(("visc_", "ppe_", "coupled_", "check_")) or option.startswith(PETSC) or stem in names:
+        return True
+    numbered = re.sub(r"_\d+(_|$)", r"_", stem).rstrip("_")
+    sides = re.sub(r"_(left|right|bottom|top|back|front|side)(_|$)", "_", numbered).rstrip("_")
+    return any(name in names for name in (numbered, sides)) or any(
+        stem.startswith(known) for known in ("scene_body", "scene_fluid", "scene_wall") if known in names)
+
+
+def option_faults(page, names):
+    for quoted in re.findall(r"`([^`\n]+)`", re.sub(r"^```.*?^```", "", read(page), flags=re.M | re.S)):
+        for option in re.findall(r"(?:^|[\s|])-([a-z][A-Za-z0-9_]*(?:<[a-z]+>[a-z_]*)?)", quoted):
+            if "-" + option not in FOREIGN and not exists(option, names):
+                yield f"{page}: `-{option}` is no option of isph"
+
+
+def python_faults(page):
+    for mark, body, _, _ in blocks(read(page)):
+        if mark == "python":
+            try:
+                compile(body, page, "exec")
+            except SyntaxError as error:
+                yield f"{page}: Python: {error}"
+
+
+def links():
+    names = known_options()
+    faults = [fault for page in pages() for kind in (link_faults, python_faults) for fault in kind(page)]
+    faults += [fault for page in pages() if not page.startswith("docs/results/") for fault in option_faults(page, names)]
+    print("\n".join(faults) or f"{len(pages())} pages: links, anchors and options are there")
+    return bool(faults)
+
+
+# ---- commands ----
+
+SHORT = """#!/usr/bin/env bash
+# isph for a short variant: two steps, four after a restart; no progress, no tolerances.
+last=2 keep=() skip=
+for word in "$@"; do
+  if [ "$skip" ]; then skip=; continue; fi
+  case $word in
+    -check_*) skip=1; continue ;;
+    -restart) last=4 ;;
+    -catalogue|-help|--help|-h|-version|--version|-options_reference|patch|options/patch.opts) last= ;;
+  esac
+  keep+=("$word")
+done
+[ $# -gt 0 ] || last=
+exec @ISPH@ "${keep[@]}" ${last:+-max_steps $last -progress none}
+"""
+
+FULL = """#!/bin/sh
+exec @ISPH@ "$@"
+"""
+
+EXISTS = """#!/bin/sh
+exit 0
+"""
+
+
+def drawing_python():
+    """The first Python that can draw, or None."""
+    for python in (sys.executable, "/usr/bin/python3"):
+        if subprocess.run([python, "-c", "import h5py, matplotlib"], capture_output=True, check=False).returncode == 0:
+            return python
+    return None
+
+
+def script(path, text):
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+    os.chmod(path, os.stat(path).st_mode | stat.S_IXUSR)
+
+
+class Place:
+    """An empty directory that looks like the root of the source tree."""
+
+    def __init__(self, isph, full):
+        self.path = tempfile.mkdtemp(prefix="docs_", dir=os.getcwd())
+        wrapper = (FULL if full else SHORT).replace("@ISPH@", os.path.abspath(isph))
+        script(os.path.join(self.path, "build", "isph"), wrapper)
+        script(os.path.join(self.path, ".bin", "isph"), wrapper)
+        for name in "options", "cases":
+            os.symlink(os.path.join(ROOT, name), os.path.join(self.path, name))
+        os.makedirs(os.path.join(self.path, "studies"))
+        for path in glob.glob(os.path.join(ROOT, "studies", "*")):
+            name = os.path.basename(path)
+            there = os.path.join(self.path, "studies", name)
+            if os.access(path, os.X_OK) and os.path.isfile(path) and name not in ("plot", "curve"):
+                script(there, EXISTS)
+            elif os.path.isfile(path):
+                shutil.copy2(path, there)
+        for name in "quickstart", "check":
+            if os.path.exists(os.path.join(ROOT, name)):
+                script(os.path.join(self.path, name), EXISTS)
+        for name in "cmake", "ctest", "git", "apt-get", "sudo", "paraview", "sbatch":
+            script(os.path.join(self.path, ".bin", name), EXISTS)
+        self.python = drawing_python()
+        if self.python:
+            os.symlink(self.python, os.path.join(self.path, ".bin", "python3"))
+        self.environment = dict(os.environ, PATH=os.path.join(self.path, ".bin") + ":" + os.environ["PATH"])
+
+    def draws(self, command):
+        return re.search(r"studies/(plot|curve)|python3|\.png", command) is not None
+
+    def run(self, command):
+        """Status and output of a command, both streams; None where it draws and nothing can."""
+        if self.draws(command) and not self.python:
+            print(f"passed over, no Python can draw: {command.splitlines()[0]}")
+            return None
+        done = subprocess.run(["bash", "-euo", "pipefail", "-c", command], cwd=self.path, env=self.environment,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+        return done.returncode, done.stdout
+
+    def remove(self):
+        shutil.rmtree(self.path, ignore_errors=True)
+
+
+def shown(body):
+    """The commands of a console block, each with the lines shown below it."""
+    found, lines = [], body.split("\n")[:-1]
+    for line in lines:
+        if line.startswith("$ "):
+            found.append([line[2:], []])
+        elif line.startswith("> ") and found and not found[-1][1]:
+            found[-1][0] += "\n" + line[2:]
+        elif found:
+            found[-1][1].append(line)
+    return found
+
+
+def commands(text):
+    """(command, lines shown or None) of a page, in order."""
+    for mark, body, _, _ in blocks(text):
+        if mark == "sh":
+            yield body, None
+        elif mark == "console":
+            yield from shown(body)
+
+
+def run(isph, names):
+    """Runs the commands of the pages in short variants."""
+    bad = 0
+    for page in names:
+        place = Place(isph, False)
+        count = 0
+        for command, _ in commands(read(page)):
+            result = place.run(command)
+            count += 1
+            if result and result[0]:
+                bad += 1
+                print(f"{page}: status {result[0]} of\n{command}\n{result[1]}")
+        print(f"{page}: {count} commands or blocks of them")
+        place.remove()
+    return bool(bad)
+
+
+def same_words(a, b):
+    """Returns True if two lines have the same words, and numbers to 2 % or 1e-6."""
+    if NUMBER.sub("#", a).split() != NUMBER.sub("#", b).split():
+        return False
+    if TIMES.search(a):
+        return True
+    return all(abs(float(x) - float(y)) <= max(0.02 * abs(float(y)), 1e-6)
+               for x, y in zip(NUMBER.findall(a), NUMBER.findall(b)))
+
+
+def mismatch(lines, printed):
+    """The first line shown that is not printed, or None. `...` stands for any lines."""
+    at, loose = 0, False
+    for line in lines:
+        if line.strip() == "...":
+            loose = True
+            continue
+        while loose and at < len(printed) and not same_words(line, printed[at]):
+            at += 1
+        if at >= len(printed) or not same_words(line, printed[at]):
+            return f"shown:   {line}\nprinted: {printed[at] if at < len(printed) else '(nothing more)'}"
+        at, loose = at + 1, False
+    if at < len(printed) and not loose:
+        return f"printed, and not shown: {printed[at]}"
+    return None
+
+
+def tidy(output):
+    """Lines as they are shown: no empty ones at the ends, no blanks at the ends of lines."""
+    return [line.rstrip() for line in output.strip("\n").split("\n")] if output.strip() else []
+
+
+def check_shown(isph, names):
+    """Runs the commands in full and compares the output with the page."""
+    bad = 0
+    for page in names:
+        place = Place(isph, True)
+        for command, lines in commands(read(page)):
+            result = place.run(command)
+            if result is None:
+                continue
+            fault = None if lines is None else mismatch(lines, tidy(result[1]))
+            refused = lines and any(line.startswith("isph: ") for line in lines)
+            if fault or bool(result[0]) != bool(refused):
+                bad += 1
+                print(f"{page}: status {result[0]} of\n{command}\n{fault or result[1]}\n")
+        place.remove()
+        print(f"{page}: read to its end")
+    return bool(bad)
+
+
+def shortened(lines, printed):
+    """The output with as many lines left out as were left out before, around each `...`."""
+    if not any(line.strip() == "..." for line in lines):
+        return printed
+    first = next(k for k, line in enumerate(lines) if line.strip() == "...")
+    last = len(lines) - 1 - next(k for k, line in enumerate(reversed(lines)) if line.strip() == "...")
+    tail = len(lines) - 1 - last
+    return printed[:first] + ["..."] + (printed[-tail:] if tail else [])
+
+
+def remake(isph, names):
+    """Writes what the commands print into the pages."""
+    for page in names:
+        place, text, pieces, at = Place(isph, True), read(page), [], 0
+        for mark, body, begin, end in blocks(text):
+            if mark == "sh":
+                place.run(body)
+            if mark != "console":
+                continue
+            made = []
+            for command, lines in shown(body):
+                result = place.run(command)
+                made.append("$ " + command.replace("\n", "\n> "))
+                made += lines if result is None else shortened(lines, tidy(result[1]))
+            pieces += [text[at:begin], "\n".join(made) + "\n"]
+            at = end
+        with open(os.path.join(ROOT, page), "w", encoding="utf-8") as file:
+            file.write("".join(pieces) + text[at:])
+        place.remove()
+    return False
+
+
+def main():
+    if sys.argv[1:] == ["links"]:
+        sys.exit(links())
+    kinds = {"run": run, "shown": check_shown, "remake": remake}
+    if len(sys.argv) < 4 or sys.argv[1] not in kinds:
+        sys.exit(__doc__)
+    sys.exit(kinds[sys.argv[1]](sys.argv[2], sys.argv[3:]))
+
+
+main()
