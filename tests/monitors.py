@@ -9,7 +9,15 @@ import sys
 
 def rows(path):
     with open(path, newline="") as file:
-        return [{k: float(v) if v else None for k, v in row.items()} for row in csv.DictReader(file)]
+        return [{k: value(v) for k, v in row.items()} for row in csv.DictReader(file)]
+
+
+def value(text):
+    """Returns the number that a field is, or its word; nothing for an empty one."""
+    try:
+        return float(text) if text else None
+    except ValueError:
+        return text
 
 
 def run(*options):
@@ -39,14 +47,14 @@ def main():
         close(row["u"], row["y"], 1e-8)
     close(rows("probe_flux.csv")[-1]["flux"], -0.5, 1e-8)  # positive to the right of the line's direction, here -x
     forces = rows("probe_forces.csv")
-    close(last(forces, wall=2)["fx"], 0.5, 1e-7)  # mu U/L times the length
-    close(last(forces, wall=3)["fx"], -0.5, 1e-7)
-    close(last(forces, wall=3)["tz"], 0.25, 1e-7)  # arm L/2
+    close(last(forces, wall="bottom")["fx"], 0.5, 1e-7)  # mu U/L times the length
+    close(last(forces, wall="top")["fx"], -0.5, 1e-7)
+    close(last(forces, wall="top")["tz"], 0.25, 1e-7)  # arm L/2
 
     run("-case", "poiseuille", *steady, "-probe_forces", "-probe_flux", "0.2,0,0.2,1", "-probe_every", "10")
     forces = rows("probe_forces.csv")  # f = 8 nu U/L^2, nu = U d/Re = 1, half of it on each wall
     assert len(forces) == 2 * 3
-    for wall in 2, 3:
+    for wall in "bottom", "top":
         close(last(forces, wall=wall)["fx"], 0.5 * 8 * 0.5, 1e-6)
     close(rows("probe_flux.csv")[-1]["flux"], 2 / 3, 2e-3)  # midpoint rule, 16 cells: U/(12 n^2) = 3e-4
 
@@ -56,17 +64,22 @@ def main():
             "-scene_exact", f"{flow}, 0", "-probe_forces",
             *(word for side in ("left", "right", "bottom", "top") for word in (f"-scene_wall_{side}_velocity", flow)))
         forces = rows("probe_forces.csv")
-        for wall, (fx, fy) in enumerate(((2, 0), (-2, 0), (0, -2), (0, 2))):
+        for wall, fx, fy in ("left", 2, 0), ("right", -2, 0), ("bottom", 0, -2), ("top", 0, 2):
             close(last(forces, wall=wall)["fx"], strain * fx, 1e-6)
             close(last(forces, wall=wall)["fy"], strain * fy, 1e-6)
 
     run("-case", "hydrostatic", "-n", "16", "-max_steps", "5", "-probe_forces")
     forces = rows("probe_forces.csv")
-    close(last(forces, wall=0)["fx"] + last(forces, wall=1)["fx"], 0, 1e-9)
-    close(last(forces, wall=0)["tz"], -1 / 12, 1e-3)  # sum of y rho g y dA, midpoint rule
-    close(last(forces, wall=2)["fy"] + last(forces, wall=3)["fy"], -1, 1e-9)  # the weight, rho g L^2
+    close(last(forces, wall="left")["fx"] + last(forces, wall="right")["fx"], 0, 1e-9)
+    close(last(forces, wall="left")["tz"], -1 / 12, 1e-3)  # sum of y rho g y dA, midpoint rule
+    close(last(forces, wall="bottom")["fy"] + last(forces, wall="top")["fy"], -1, 1e-9)  # the weight, rho g L^2
     for row in forces[-4:]:
         close(row["fz"], 0, 0)
+
+    run("-case", "cavity_cylinder", "-n", "16", "-max_steps", "1", "-probe_forces")
+    assert [row["wall"] for row in rows("probe_forces.csv")[:5]] == ["left", "right", "bottom", "top", "body_1"]
+    run("-case", "cavity", "-dim", "3", "-n", "8", "-max_steps", "1", "-probe_forces")
+    assert [row["wall"] for row in rows("probe_forces.csv")[4:6]] == ["back", "front"]
 
 
 main()

@@ -31,6 +31,7 @@ typedef struct {
 } WallPlane;
 
 #define SCENE_MAX_BODIES 16
+#define WALL_NAME        16 /* letters of a wall's name */
 #define SCENE_MAX_PLANES (6 + SCENE_MAX_BODIES)
 #define BODY_PARAMETERS  64
 #define SCENE_MAX_FLUIDS 8
@@ -155,7 +156,8 @@ struct Scene {
   PetscReal        margin;         /* of a patch test: left out at each side [dx] */
 };
 
-extern const Table CaseTable; /* cases/cases.c */
+extern const Table       CaseTable; /* cases/cases.c */
+extern const char *const SideNames[2 * ISPH_MAX_DIM];
 
 PetscErrorCode SceneReadTyped(OptionItems items, Scene *scene);
 PetscErrorCode SceneCreate(Scene **scene);
@@ -166,6 +168,9 @@ PetscReal      SceneCellReynolds(const Scene *scene);
 PetscBool      SceneIsAsPosed(const Scene *scene);
 PetscBool      SceneMoves(const Scene *scene);
 PetscBool      SceneIsDrivenInTime(const Scene *scene);
+PetscInt       SceneWallCount(const Scene *scene);
+PetscBool      SceneIsWall(const Scene *scene, PetscInt side);
+void           SceneWallName(const Scene *scene, PetscInt side, char name[]);
 PetscReal      SceneCellSide(const Scene *scene, PetscInt axis); /* of the lattice, about dx [m] */
 PetscReal      SceneVolume(const Scene *scene); /* of every particle: its cell [m^dim] */
 void      SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],

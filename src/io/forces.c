@@ -203,27 +203,31 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  MonitorForces - A row for each wall: sides of the box, 2 axis + (0 low, 1 high), then bodies,
-  2 dim + k
-
-  Collective.
-*/
-PetscErrorCode MonitorForces(const Flow *flow, const Monitor *monitor)
+/* Writes a row for each wall by its name: sides of the box, then bodies. */
+static PetscErrorCode WriteForces(const Flow *flow, const Monitor *monitor)
 {
   const Scene *scene = flow->scene;
 
   PetscFunctionBegin;
-  for (PetscInt side = 0; side < 2 * scene->dim + scene->n_bodies; side++) {
+  for (PetscInt side = 0; side < SceneWallCount(scene); side++) {
     PetscReal F[ISPH_MAX_DIM] = {0.0}, T[ISPH_MAX_DIM] = {0.0};
+    char      name[WALL_NAME];
 
-    if (!SceneHas(scene, PHYSICS_WALLS)) continue;
-    if (side < 2 * scene->dim && (scene->no_box_walls || scene->periodic[side / 2])) continue;
+    if (!SceneIsWall(scene, side)) continue;
     PetscCall(WallForce(flow, side, F, T));
-    if (!MonitorRow(flow, monitor, side)) continue;
+    SceneWallName(scene, side, name);
+    if (!MonitorRow(flow, monitor)) continue;
+    (void)fprintf(monitor->stream, ",%s", name);
     MonitorVector(monitor, scene->dim, F);
     MonitorVector(monitor, 3, T);
     (void)fprintf(monitor->stream, "\n");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+const MonitorKind MonitorForces = {
+    .name   = "probe_forces",
+    .text   = "Forces and torques of the fluid on each wall",
+    .header = "wall,fx,fy,fz,tx,ty,tz",
+    .Write  = WriteForces,
+};

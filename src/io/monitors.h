@@ -1,29 +1,38 @@
-/* What monitors.c and the files of single monitors share. */
+/* Monitors: a kind, its file, and the kinds that the table of monitors.c lists. */
 #ifndef ISPH_IO_MONITORS_H
 #define ISPH_IO_MONITORS_H
 
 #include "isph/io.h"
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-#define MONITOR_KINDS 4
-
-/* One kind of monitor in force. */
+/* The monitor of one kind in a run. */
 typedef struct {
   PetscBool  on, opened;
-  PetscInt   n;         /* things: points, lines, sections */
-  PetscReal *parameter; /* that describe them, as given */
+  PetscInt   n;         /* points, lines or sections */
+  PetscReal *parameter; /* their numbers, as given */
   char       path[PETSC_MAX_PATH_LEN];
   FILE      *stream; /* on the first rank */
 } Monitor;
 
-PetscBool      MonitorRow(const Flow *flow, const Monitor *monitor, PetscInt thing);
+/* A kind of monitor: its option, its file, and the function that writes the rows of a moment. */
+typedef struct {
+  const char *name, *text; /* of the option, and for -help */
+  const char *header;      /* of the file, after "t,step" */
+  PetscInt    group[2];    /* numbers for each point, line or section in 2D and 3D; 0: a switch */
+  /* refuses numbers of point, line or section k; NULL: takes any in the box */
+  PetscErrorCode (*Check)(const Scene *scene, const char option[], PetscInt k,
+                          const PetscReal number[]);
+  PetscErrorCode (*Write)(const Flow *flow, const Monitor *monitor);
+} MonitorKind;
+extern const MonitorKind MonitorPoints, MonitorLines, MonitorFluxes; /* probemonitors.c */
+extern const MonitorKind MonitorForces;                              /* forces.c */
+
+/* monitorfile.c */
+PetscErrorCode MonitorOpen(const MonitorKind *kind, Monitor *monitor);
+PetscErrorCode MonitorGoOn(const MonitorKind *kind, PetscReal t, Monitor *monitor);
+PetscErrorCode MonitorFlush(Monitor *monitor);
+PetscBool      MonitorRow(const Flow *flow, const Monitor *monitor);
 void           MonitorVector(const Monitor *monitor, PetscInt dim, const PetscReal v[]);
-PetscBool      MonitorInBody(const Scene *scene, const PetscReal x[]);
-PetscErrorCode MonitorPoints(const Flow *flow, const Monitor *monitor);
-PetscErrorCode MonitorLines(const Flow *flow, const Monitor *monitor);
-PetscErrorCode MonitorFluxes(const Flow *flow, const Monitor *monitor);
-PetscErrorCode MonitorForces(const Flow *flow, const Monitor *monitor);
 
 #endif

@@ -1,8 +1,8 @@
-/* Monitors made of probes: points, lines, and fluxes through sections. */
+/* The monitors that probe: points, lines, and fluxes through sections. */
 #include "monitors.h"
 
-/* MonitorInBody - Whether a point is in a body, where nothing flows; not collective */
-PetscBool MonitorInBody(const Scene *scene, const PetscReal x[])
+/* Returns true if a point is in a body, where nothing flows. */
+static PetscBool InBody(const Scene *scene, const PetscReal x[])
 {
   PetscReal normal[ISPH_MAX_DIM];
   PetscInt  body;
@@ -24,9 +24,10 @@ static PetscErrorCode WriteProbes(const Flow *flow, const Monitor *monitor, Pets
   PetscCall(PetscMalloc2(n * dim, &u, n, &p));
   PetscCall(ProbePoints(flow, n, x, u, p));
   for (PetscInt k = 0; k < n; k++) {
-    if (!MonitorRow(flow, monitor, number < 0 ? k : number)) continue;
+    if (!MonitorRow(flow, monitor)) continue;
+    (void)fprintf(monitor->stream, ",%" PetscInt_FMT, number < 0 ? k : number);
     MonitorVector(monitor, dim, &x[k * dim]);
-    if (MonitorInBody(flow->scene, &x[k * dim])) {
+    if (InBody(flow->scene, &x[k * dim])) {
       (void)fprintf(monitor->stream, ",,,,\n");
       continue;
     }
@@ -38,16 +39,48 @@ static PetscErrorCode WriteProbes(const Flow *flow, const Monitor *monitor, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MonitorPoints - A row for each point; collective */
-PetscErrorCode MonitorPoints(const Flow *flow, const Monitor *monitor)
+/* Refuses a point in a body. */
+static PetscErrorCode CheckPoint(const Scene *scene, const char option[], PetscInt k,
+                                 const PetscReal x[])
+{
+  PetscFunctionBegin;
+  UserCheck(!InBody(scene, x), "%s: point %" PetscInt_FMT " at (%.6g, %.6g) lies in a body", option,
+            k, (double)x[0], (double)x[1]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes a row for each point. */
+static PetscErrorCode WritePoints(const Flow *flow, const Monitor *monitor)
 {
   PetscFunctionBegin;
   PetscCall(WriteProbes(flow, monitor, monitor->n, monitor->parameter, -1));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MonitorLines - A row for each point of each line; collective */
-PetscErrorCode MonitorLines(const Flow *flow, const Monitor *monitor)
+const MonitorKind MonitorPoints = {
+    .name   = "probe_point",
+    .text   = "Velocity and pressure at points: x,y[,z] of each [m]",
+    .header = "point,x,y,z,u,v,w,p",
+    .group  = {2, 3},
+    .Check  = CheckPoint,
+    .Write  = WritePoints,
+};
+
+/* Refuses a number of points, the last number of a line, that is none. */
+static PetscErrorCode CheckLine(const Scene *scene, const char option[], PetscInt k,
+                                const PetscReal number[])
+{
+  const PetscReal points = number[2 * scene->dim];
+
+  PetscFunctionBegin;
+  UserCheck(points >= 2.0 && points <= 1e6 && points == PetscFloorReal(points),
+            "%s: the number of points of a line must be a whole one from 2 to 1000000, got %.6g",
+            option, (double)points);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes a row for each point of each line. */
+static PetscErrorCode WriteLines(const Flow *flow, const Monitor *monitor)
 {
   const PetscInt dim = flow->scene->dim;
 
@@ -68,6 +101,15 @@ PetscErrorCode MonitorLines(const Flow *flow, const Monitor *monitor)
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+const MonitorKind MonitorLines = {
+    .name   = "probe_line",
+    .text   = "Velocity and pressure along lines: both ends and the number of points of each",
+    .header = "line,x,y,z,u,v,w,p",
+    .group  = {5, 7},
+    .Check  = CheckLine,
+    .Write  = WriteLines,
+};
 
 /*
   Flux of one section, by the midpoint rule on cells of at most dx:  sum u.n dA [m^2/s, m^3/s], of
@@ -111,15 +153,15 @@ static PetscErrorCode SectionFlux(const Flow *flow, const PetscReal corner[], Pe
   PetscCall(ProbePoints(flow, total, x, u, NULL));
   *flux = 0.0;
   for (PetscInt k = 0; k < total; k++) {
-    if (MonitorInBody(flow->scene, &x[k * dim])) continue;
+    if (InBody(flow->scene, &x[k * dim])) continue;
     for (PetscInt a = 0; a < dim; a++) *flux += u[k * dim + a] * area[a] / total;
   }
   PetscCall(PetscFree2(x, u));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MonitorFluxes - A row for each section; collective */
-PetscErrorCode MonitorFluxes(const Flow *flow, const Monitor *monitor)
+/* Writes a row for each section. */
+static PetscErrorCode WriteFluxes(const Flow *flow, const Monitor *monitor)
 {
   const PetscInt dim = flow->scene->dim, group = dim == 2 ? 4 : 9;
 
@@ -128,7 +170,16 @@ PetscErrorCode MonitorFluxes(const Flow *flow, const Monitor *monitor)
     PetscReal flux = 0.0;
 
     PetscCall(SectionFlux(flow, &monitor->parameter[k * group], &flux));
-    if (MonitorRow(flow, monitor, k)) (void)fprintf(monitor->stream, ",%.12g\n", (double)flux);
+    if (!MonitorRow(flow, monitor)) continue;
+    (void)fprintf(monitor->stream, ",%" PetscInt_FMT ",%.12g\n", k, (double)flux);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+const MonitorKind MonitorFluxes = {
+    .name   = "probe_flux",
+    .text   = "Flux through sections: both ends of each [m]; in 3D a corner and its two neighbours",
+    .header = "section,flux",
+    .group  = {4, 9},
+    .Write  = WriteFluxes,
+};

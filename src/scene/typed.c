@@ -180,8 +180,6 @@ static PetscErrorCode CheckGaps(const Scene *scene)
 /* Velocities of the sides of the box that are walls. */
 static PetscErrorCode ReadSides(OptionItems PetscOptionsObject, Scene *scene)
 {
-  const char *const sides[4] = {"left", "right", "bottom", "top"};
-
   PetscFunctionBegin;
   for (PetscInt side = 0; side < 4; side++) {
     Expression    *v      = &scene->side_velocity[side];
@@ -189,7 +187,7 @@ static PetscErrorCode ReadSides(OptionItems PetscOptionsObject, Scene *scene)
     char           option[64];
 
     if (scene->periodic[normal]) continue;
-    PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_wall_%s_velocity", sides[side]));
+    PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_wall_%s_velocity", SideNames[side]));
     PetscCall(ExpressionRead(scene->scope, option,
                              "Velocity u,v of a side of the box, of x, y, t [m/s]", 2, 2,
                              EXPRESSION_PLACE | EXPRESSION_TIME, v, NULL));
