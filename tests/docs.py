@@ -4,6 +4,7 @@
     docs.py links                     every link and anchor resolves, every quoted option exists
     docs.py run ISPH PAGE...          every command of the pages runs, in short variants
     docs.py shown ISPH PAGE...        every command of the pages runs in full and prints the output that is shown
+    docs.py quoted ISPH PAGE...       the same for `console` blocks alone
     docs.py remake ISPH PAGE...       writes the output of the commands into the pages
 
 A fenced block marked `sh` holds commands. A block marked `console` holds commands after `$ ` and, below each command,
@@ -31,7 +32,7 @@ TIMES = re.compile(r"wall time|M/s|^real|^user|took .* s\b")
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
 # Pages that are written elsewhere and may not be there yet.
-LATER = {"docs/reference/options.md", "docs/howto/other-petsc.md", "docs/limits.md",
+LATER = {"docs/reference/options.md", "docs/howto/other-petsc.md", "docs/faq.md",
          *(f"docs/howto/{name}.md" for name in ("scene", "material", "solver", "large-viscous-steps", "long-runs",
                                                 "many-ranks", "own-laplacian", "own-case"))}
 
@@ -246,6 +247,10 @@ def commands(text):
             yield from shown(body)
 
 
+def last_lines(output):
+    return "\n".join(output.rstrip().split("\n")[-12:])
+
+
 def run(isph, names):
     """Runs the commands of the pages in short variants."""
     bad = 0
@@ -257,7 +262,7 @@ def run(isph, names):
             count += 1
             if result and result[0]:
                 bad += 1
-                print(f"{page}: status {result[0]} of\n{command}\n{result[1]}")
+                print(f"{page}: status {result[0]} of\n{command}\n...\n{last_lines(result[1])}")
         print(f"{page}: {count} commands or blocks of them")
         place.remove()
     return bool(bad)
@@ -295,13 +300,18 @@ def tidy(output):
     return [line.rstrip() for line in output.strip("\n").split("\n")] if output.strip() else []
 
 
-def check_shown(isph, names):
+def check_quoted(isph, names):
+    """Runs the commands whose output is shown, and no others."""
+    return check_shown(isph, names, alone=True)
+
+
+def check_shown(isph, names, alone=False):
     """Runs the commands in full and compares the output with the page."""
     bad = 0
     for page in names:
         place = Place(isph, True)
         for command, lines in commands(read(page)):
-            result = place.run(command)
+            result = None if alone and lines is None else place.run(command)
             if result is None:
                 continue
             fault = None if lines is None else mismatch(lines, tidy(result[1]))
@@ -349,7 +359,7 @@ def remake(isph, names):
 def main():
     if sys.argv[1:] == ["links"]:
         sys.exit(links())
-    kinds = {"run": run, "shown": check_shown, "remake": remake}
+    kinds = {"run": run, "shown": check_shown, "quoted": check_quoted, "remake": remake}
     if len(sys.argv) < 4 or sys.argv[1] not in kinds:
         sys.exit(__doc__)
     sys.exit(kinds[sys.argv[1]](sys.argv[2], sys.argv[3:]))
