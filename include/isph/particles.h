@@ -21,10 +21,17 @@ typedef enum {
   HALO_EPOCH, /* copied when an epoch starts (it does not change within one) */
 } HaloPolicy;
 
+/* The value of a field at a particle that ParticlesInsert() makes, unless the caller gives one. */
+typedef enum {
+  ENTRY_ZERO,
+  ENTRY_MEAN, /* mean of the fluid within halo_width, weighted by distance */
+} EntryPolicy;
+
 typedef struct {
   const char *name;
   PetscInt    components;
   HaloPolicy  halo;
+  EntryPolicy entry;
   PetscReal **slot; /* the registrant's components pointers: slot[c][i], i < capacity; kept valid */
 } Field;
 
@@ -98,11 +105,21 @@ typedef struct {
   PetscReal *nu;          /* viscosities [m^2/s]; NULL: those of the places */
 } FluidStart;
 
+/* New particles of one kind, this rank's share of them. */
+typedef struct {
+  ParticleKind     kind;
+  PetscInt         n;
+  const PetscReal *x; /* dim values of each, in the box of this rank [m] */
+  void (*Value)(const Field *field, PetscInt k, PetscReal value[],
+                void *ctx); /* NULL: none given */
+  void *ctx;                /* of Value */
+} NewParticles;
+
 PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscReal halo_width,
                                const FluidStart *start, Particles **particles);
 PetscErrorCode ParticlesDestroy(Particles **particles);
 PetscErrorCode ParticlesRegister(Particles *particles, const char name[], PetscInt components,
-                                 HaloPolicy halo, PetscReal **slot);
+                                 HaloPolicy halo, EntryPolicy entry, PetscReal **slot);
 PetscErrorCode ParticlesUpdateEpoch(const Scene *scene, Particles *particles, PetscBool force,
                                     PetscBool *started);
 PetscErrorCode ParticlesUpdateHalo(Particles *particles);
@@ -112,6 +129,10 @@ PetscErrorCode ParticlesPack(const Particles *particles, PetscReal record[]);
 PetscErrorCode ParticlesUnpack(Particles *particles, const PetscReal record[]);
 PetscErrorCode ParticlesReplace(const Scene *scene, Particles *particles, PetscInt n,
                                 const PetscReal record[]);
+PetscErrorCode ParticlesInsert(const Scene *scene, Particles *particles, const NewParticles *added,
+                               PetscInt64 *first);
+PetscErrorCode ParticlesRemove(const Scene *scene, Particles *particles, PetscInt n,
+                               const PetscInt local[]);
 PetscReal      ParticlesHash(PetscInt seed, PetscInt64 id, PetscInt axis);
 PetscErrorCode ParticlesHaloField(const Particles *particles, PetscReal values[]);
 PetscErrorCode ParticlesNumberById(const Particles *particles, PetscInt index[]);
@@ -128,6 +149,15 @@ static inline PetscBool ParticlesIsWall(const Particles *p, PetscInt i)
 {
   const PetscInt own = p->n_fluid + p->n_wall;
   return (i < own ? i >= p->n_fluid : i >= own + p->n_halo_fluid) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Tests if a place [m] is in the box of this rank; of all ranks one has it. */
+static inline PetscBool ParticlesHolds(const Particles *p, const PetscReal x[])
+{
+  for (PetscInt a = 0; a < p->dim; a++) {
+    if (x[a] < p->lo[a] || x[a] >= p->hi[a]) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
 }
 
 /* The point of the surface above wall particle i, or of its plane beyond an edge [m]. */

@@ -7,19 +7,20 @@
 static PetscErrorCode RegisterOwnFields(const Scene *scene, WallPlacement walls, Particles *p)
 {
   PetscFunctionBegin;
-  PetscCall(ParticlesRegister(p, "x", p->dim, HALO_NONE, p->x));
-  PetscCall(ParticlesRegister(p, "u", p->dim, HALO_NONE, p->u));
-  PetscCall(ParticlesRegister(p, "x_epoch", p->dim, HALO_NONE, p->x_epoch));
+  PetscCall(ParticlesRegister(p, "x", p->dim, HALO_NONE, ENTRY_ZERO, p->x));
+  PetscCall(ParticlesRegister(p, "u", p->dim, HALO_NONE, ENTRY_MEAN, p->u));
+  PetscCall(ParticlesRegister(p, "x_epoch", p->dim, HALO_NONE, ENTRY_ZERO, p->x_epoch));
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
-    PetscCall(ParticlesRegister(p, "p", 1, HALO_NONE, &p->p));
+    PetscCall(ParticlesRegister(p, "p", 1, HALO_NONE, ENTRY_MEAN, &p->p));
   }
   if (SceneViscosityVaries(scene))
-    PetscCall(ParticlesRegister(p, "viscosity", 1, HALO_EPOCH, &p->nu));
+    PetscCall(ParticlesRegister(p, "viscosity", 1, HALO_EPOCH, ENTRY_MEAN, &p->nu));
   if (SceneHas(scene, PHYSICS_WALLS)) {
-    PetscCall(ParticlesRegister(p, "normal", p->dim, HALO_EPOCH, p->normal));
-    PetscCall(ParticlesRegister(p, "depth", 1, HALO_EPOCH, &p->depth));
-    PetscCall(ParticlesRegister(p, "side", 1, HALO_EPOCH, &p->side));
-    if (walls.surface) PetscCall(ParticlesRegister(p, "volume", 1, HALO_EPOCH, &p->volume));
+    PetscCall(ParticlesRegister(p, "normal", p->dim, HALO_EPOCH, ENTRY_ZERO, p->normal));
+    PetscCall(ParticlesRegister(p, "depth", 1, HALO_EPOCH, ENTRY_ZERO, &p->depth));
+    PetscCall(ParticlesRegister(p, "side", 1, HALO_EPOCH, ENTRY_ZERO, &p->side));
+    if (walls.surface)
+      PetscCall(ParticlesRegister(p, "volume", 1, HALO_EPOCH, ENTRY_ZERO, &p->volume));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

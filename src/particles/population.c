@@ -42,3 +42,177 @@ PetscErrorCode ParticlesReplace(const Scene *scene, Particles *p, PetscInt n,
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* The fluid near a place, for the mean values of a new particle there. */
+typedef struct {
+  Cells      cells;
+  PetscInt   n, capacity, *j;
+  PetscReal *weight, sum;
+} Surroundings;
+
+/* Readies the search; halo values of all fields that enter by their mean are filled. */
+static PetscErrorCode SurroundingsCreate(Particles *p, Surroundings *near)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(near, sizeof(*near)));
+  for (PetscInt f = 0; f < p->n_fields; f++) {
+    for (PetscInt c = 0; p->field[f].entry == ENTRY_MEAN && c < p->field[f].components; c++)
+      PetscCall(ParticlesHaloField(p, p->field[f].slot[c]));
+  }
+  near->capacity = ParticlesAll(p);
+  PetscCall(CellsBuild(p, p->halo_width, &near->cells));
+  PetscCall(PetscMalloc2(near->capacity, &near->j, near->capacity, &near->weight));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SurroundingsDestroy(Surroundings *near)
+{
+  PetscFunctionBegin;
+  PetscCall(CellsFree(&near->cells));
+  PetscCall(PetscFree2(near->j, near->weight));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds the fluid near x and its weights, (1 - r/R)^2 with R = halo_width. */
+static PetscErrorCode SurroundingsFind(const Particles *p, const PetscReal x[], Surroundings *near)
+{
+  PetscInt found;
+
+  PetscFunctionBegin;
+  PetscCall(CellsFind(&near->cells, x, p->halo_width, near->capacity, near->j, &found));
+  near->n   = 0;
+  near->sum = 0.0;
+  for (PetscInt k = 0; k < found; k++) {
+    PetscReal r2 = 0.0;
+
+    if (ParticlesIsWall(p, near->j[k])) continue;
+    for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(p->x[a][near->j[k]] - x[a]);
+    near->j[near->n]      = near->j[k];
+    near->weight[near->n] = PetscSqr(1.0 - PetscSqrtReal(r2) / p->halo_width);
+    near->sum += near->weight[near->n++];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns the weighted mean of one component of a field; zero where there is no fluid. */
+static PetscReal SurroundingsMean(const Surroundings *near, const PetscReal value[])
+{
+  PetscReal sum = 0.0;
+
+  for (PetscInt k = 0; k < near->n; k++) sum += near->weight[k] * value[near->j[k]];
+  return near->sum > 0.0 ? sum / near->sum : 0.0;
+}
+
+/* Makes the record of new particle k. */
+static PetscErrorCode FillRecord(const Particles *p, const NewParticles *added, PetscInt k,
+                                 Surroundings *near, PetscReal record[])
+{
+  const PetscReal *x     = &added->x[k * p->dim];
+  PetscReal       *value = &record[RECORD_FIELDS];
+
+  PetscFunctionBegin;
+  PetscCall(SurroundingsFind(p, x, near));
+  for (PetscInt f = 0; f < p->n_fields; f++) {
+    const Field *field = &p->field[f];
+
+    for (PetscInt c = 0; c < field->components; c++) {
+      if (field->slot == p->x || field->slot == p->x_epoch) value[c] = x[c];
+      else value[c] = field->entry == ENTRY_MEAN ? SurroundingsMean(near, field->slot[c]) : 0.0;
+    }
+    if (added->Value && field->slot != p->x && field->slot != p->x_epoch)
+      added->Value(field, k, value, added->ctx);
+    value += field->components;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ParticlesInsert - Adds particles with new ids and starts an epoch
+
+  Collective, between steps. Does nothing if no rank adds a particle.
+
+  Input Parameter:
+. added - kind, places and values; a place belongs to the rank for which ParticlesHolds() is true
+
+  Output Parameter:
+. first - id of this rank's first new particle, the others follow it; may be NULL
+
+  Notes:
+  Each field of a new particle takes the value of its EntryPolicy, which Value may replace: it is
+  called for each field but the places. After an insertion the scheme's Begin makes the flow anew.
+  Ids depend on the number of ranks. Means read the values of the halo, hence the rule on places.
+*/
+PetscErrorCode ParticlesInsert(const Scene *scene, Particles *p, const NewParticles *added,
+                               PetscInt64 *first)
+{
+  const PetscInt own = ParticlesOwn(p), width = ParticlesRecordWidth(p);
+  PetscInt64     n = added->n, before = 0, total;
+  PetscReal     *record;
+  Surroundings   near;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(&n, &total, 1, MPIU_INT64, MPI_SUM, p->comm));
+  PetscCallMPI(MPI_Exscan(&n, &before, 1, MPIU_INT64, MPI_SUM, p->comm));
+  if (first) *first = p->next_id + before;
+  if (!total) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheck(p->next_id + total <= PARTICLES_MAX_ID, p->comm, PETSC_ERR_ARG_OUTOFRANGE,
+             "More than %" PetscInt64_FMT " particles in the life of a run", PARTICLES_MAX_ID);
+  PetscCall(SurroundingsCreate(p, &near));
+  PetscCall(PetscMalloc1((size_t)(own + added->n) * width, &record));
+  PetscCall(ParticlesPack(p, record));
+  for (PetscInt k = 0; k < added->n; k++) {
+    PetscReal *row = &record[(size_t)(own + k) * width];
+
+    row[RECORD_ID]   = (PetscReal)(p->next_id + before + k);
+    row[RECORD_KIND] = (PetscReal)added->kind;
+    PetscCall(FillRecord(p, added, k, &near, row));
+  }
+  PetscCall(SurroundingsDestroy(&near));
+  p->next_id += total;
+  PetscCall(ParticlesStore(scene, p, own + added->n, record));
+  PetscCall(PetscFree(record));
+  PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ParticlesRemove - Takes own particles out, for good, and starts an epoch
+
+  Collective, between steps. Does nothing if no rank removes a particle. Their ids are not used
+  again. Afterwards the scheme's Begin makes the flow anew.
+
+  Input Parameters:
++ n     - how many of this rank's particles go
+- local - their local indices, each once, in any order
+*/
+PetscErrorCode ParticlesRemove(const Scene *scene, Particles *p, PetscInt n, const PetscInt local[])
+{
+  const PetscInt own = ParticlesOwn(p), width = ParticlesRecordWidth(p);
+  PetscInt       total, kept                  = 0;
+  PetscBool     *goes;
+  PetscReal     *record;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(&n, &total, 1, MPIU_INT, MPI_SUM, p->comm));
+  if (!total) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc1(own, &goes));
+  for (PetscInt k = 0; k < n; k++) {
+    PetscCheck(local[k] >= 0 && local[k] < own && !goes[local[k]], PETSC_COMM_SELF,
+               PETSC_ERR_ARG_OUTOFRANGE,
+               "Particle %" PetscInt_FMT " is not an own one, or removed twice", local[k]);
+    goes[local[k]] = PETSC_TRUE;
+  }
+  PetscCall(PetscMalloc1((size_t)own * width, &record));
+  PetscCall(ParticlesPack(p, record));
+  for (PetscInt i = 0; i < own; i++) {
+    if (goes[i]) continue;
+    if (kept < i)
+      PetscCall(PetscArraycpy(&record[(size_t)kept * width], &record[(size_t)i * width], width));
+    kept++;
+  }
+  PetscCall(PetscFree(goes));
+  PetscCall(ParticlesStore(scene, p, kept, record));
+  PetscCall(PetscFree(record));
+  PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

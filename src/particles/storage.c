@@ -48,6 +48,7 @@ PetscErrorCode ParticlesReserve(Particles *p, PetscInt n)
 . name       - for messages and files; the string is not copied
 . components - number of arrays
 . halo       - HALO_EPOCH: halo copies are filled when an epoch starts, from the next one on
+. entry      - value at particles that are inserted later
 - slot       - the caller's array of `components` pointers; must live as long as the particles
 
   Notes:
@@ -56,7 +57,7 @@ PetscErrorCode ParticlesReserve(Particles *p, PetscInt n)
   hold values of own particles, fluid and wall; a field of positions is not wrapped into the box.
 */
 PetscErrorCode ParticlesRegister(Particles *particles, const char name[], PetscInt components,
-                                 HaloPolicy halo, PetscReal **slot)
+                                 HaloPolicy halo, EntryPolicy entry, PetscReal **slot)
 {
   Field *field = &particles->field[particles->n_fields];
 
@@ -67,7 +68,8 @@ PetscErrorCode ParticlesRegister(Particles *particles, const char name[], PetscI
   for (PetscInt c = 0; c < components; c++) {
     PetscCall(PetscCalloc1(particles->capacity, &slot[c]));
   }
-  *field = (Field){.name = name, .components = components, .halo = halo, .slot = slot};
+  *field =
+      (Field){.name = name, .components = components, .halo = halo, .entry = entry, .slot = slot};
   particles->n_fields++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -121,9 +121,9 @@ PetscErrorCode FlowStateRegister(Flow *flow)
   FlowState   *s     = flow->state;
 
   PetscFunctionBegin;
-  PetscCall(ParticlesRegister(p, "u_previous", scene->dim, HALO_NONE, s->u_previous));
+  PetscCall(ParticlesRegister(p, "u_previous", scene->dim, HALO_NONE, ENTRY_MEAN, s->u_previous));
   if (s->has_convection)
-    PetscCall(ParticlesRegister(p, "convection", scene->dim, HALO_NONE, s->convection));
+    PetscCall(ParticlesRegister(p, "convection", scene->dim, HALO_NONE, ENTRY_MEAN, s->convection));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM] = {0.0}, pressure = 0.0;
 

@@ -1,0 +1,176 @@
+/* The crowd of crowd.h: created, gathered, moved, and compared with brute force. */
+#include "crowd.h"
+
+static const CaseRow problem = {.name = "test", .brief = "", .citation = ""};
+
+Setting CrowdBox(const char *name, PetscInt dim, PetscInt nx, PetscInt ny, PetscInt nz,
+                 PetscInt n_periodic, PetscInt layers)
+{
+  Setting        s     = {.name = name, .walls = {.layers = layers}};
+  const PetscInt n[3]  = {nx, ny, nz};
+  Scene         *scene = &s.scene;
+
+  scene->problem = &problem;
+  scene->physics = PHYSICS_PRESSURE | (n_periodic < dim ? PHYSICS_WALLS : 0);
+  scene->dim     = dim;
+  scene->n       = nx;
+  scene->dx      = 0.1;
+  scene->jitter  = 0.2;
+  scene->seed    = 7;
+  for (PetscInt a = 0; a < dim; a++) {
+    scene->lo[a]       = -0.3 + 0.7 * a;
+    scene->hi[a]       = scene->lo[a] + n[a] * scene->dx;
+    scene->cells[a]    = n[a];
+    scene->periodic[a] = a < n_periodic;
+  }
+  return s;
+}
+
+void CrowdGather(const Particles *p, All *all)
+{
+  all->n = (PetscInt)p->next_id;
+  PetscCallVoid(PetscCalloc2(all->n * p->dim, &all->x, all->n, &all->found));
+  for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
+    all->found[p->id[i]] += 1.0;
+    for (PetscInt a = 0; a < p->dim; a++) all->x[p->dim * p->id[i] + a] = p->x[a][i];
+  }
+  MPI_Allreduce(MPI_IN_PLACE, all->x, (int)(all->n * p->dim), MPIU_REAL, MPI_SUM, p->comm);
+  MPI_Allreduce(MPI_IN_PLACE, all->found, (int)all->n, MPIU_REAL, MPI_SUM, p->comm);
+}
+
+/* Fails on all ranks if any rank has something wrong; otherwise the other ranks would hang. */
+void AssertNone(const char *what, const char *where, PetscInt wrong)
+{
+  MPI_Allreduce(MPI_IN_PLACE, &wrong, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD);
+  if (wrong) print_error("%s: %s: %d wrong\n", where, what, (int)wrong);
+  assert_int_equal(wrong, 0);
+}
+
+/* Returns a fixed pseudo-random number in (-1, 1) for each particle and k. */
+PetscReal CrowdNoise(PetscInt id, PetscInt k)
+{
+  const PetscReal s = PetscSinReal(12.9898 * (id + 1) + 78.233 * (k + 1)) * 43758.5453;
+  return 2.0 * (s - PetscFloorReal(s)) - 1.0;
+}
+
+/* Moves each fluid particle by at most `length` along each axis and keeps it inside the walls. */
+void CrowdMove(const Scene *scene, Particles *p, PetscReal length)
+{
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    for (PetscInt a = 0; a < p->dim; a++) {
+      const PetscReal margin = 0.3 * scene->dx;
+
+      p->x[a][i] += length * CrowdNoise(p->id[i], a);
+      if (scene->periodic[a]) continue;
+      p->x[a][i] = PetscMin(PetscMax(p->x[a][i], scene->lo[a] + margin), scene->hi[a] - margin);
+    }
+  }
+}
+
+PetscReal CrowdTag(PetscInt id, PetscInt c)
+{
+  return 3.0 * id + 0.25 * c;
+}
+
+/* Checks that ids occur once, numbers ascend, fields follow and copies sit at owner plus shift. */
+void CrowdCheckParticles(const Setting *s, const Particles *p, PetscReal *const tag[])
+{
+  const PetscInt own = ParticlesOwn(p), dim = p->dim;
+  const PetscInt N    = p->N_fluid + p->N_wall;
+  PetscInt       lost = 0, strayed = 0, misplaced = 0, kinds = 0, unordered = 0, count[2];
+  PetscReal     *numbered, found = 0.0;
+  All            all;
+
+  CrowdGather(p, &all);
+  PetscCallVoid(PetscCalloc1(N, &numbered));
+  for (PetscInt k = 0; k < all.n; k++) {
+    lost += all.found[k] > 1.0;
+    found += all.found[k];
+  }
+  lost += found != (PetscReal)N;
+  for (PetscInt i = 0; i < own; i++) {
+    numbered[p->row[i] + (i < p->n_fluid ? 0 : p->N_fluid)] += 1.0;
+    unordered +=
+        p->row[i] != (i < p->n_fluid ? p->fluid_start + i : p->wall_start + i - p->n_fluid);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, numbered, (int)N, MPIU_REAL, MPI_SUM, p->comm);
+  for (PetscInt k = 0; k < N; k++) lost += numbered[k] != 1.0;
+  for (PetscInt i = 0; i < ParticlesAll(p); i++) {
+    kinds += ParticlesIsWall(p, i) != (p->kind[i] == PARTICLE_WALL);
+    for (PetscInt c = 0; c < 2; c++) strayed += tag[c][i] != CrowdTag(p->id[i], c);
+    for (PetscInt a = 0; a < dim; a++) {
+      const PetscReal shift = i < own ? 0.0 : p->halo_shift[a][i - own];
+      const PetscReal error = p->x[a][i] - all.x[dim * p->id[i] + a] - shift;
+
+      misplaced += PetscAbsReal(error) > 1e-13;
+      if (!s->scene.periodic[a]) misplaced += shift != 0.0;
+    }
+  }
+  count[0] = p->n_fluid;
+  count[1] = p->n_wall;
+  MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, p->comm);
+  PetscCallVoid(PetscFree(numbered));
+  PetscCallVoid(PetscFree2(all.x, all.found));
+  AssertNone("ids and numbers occur once", s->name, lost);
+  AssertNone("numbers ascend", s->name, unordered);
+  AssertNone("fields follow", s->name, strayed);
+  AssertNone("halo is owner plus shift", s->name, misplaced);
+  AssertNone("fluid or wall", s->name, kinds);
+  AssertNone("counts", s->name, (count[0] != p->N_fluid) + (count[1] != p->N_wall));
+}
+
+/* Compares row i with all particles and images, by count and by a sum weighted with ids. */
+static PetscInt RowErrors(const Scene *scene, const Particles *p, const Neighbors *nb,
+                          const All *all, PetscInt i)
+{
+  const PetscInt dim   = p->dim;
+  PetscInt       wrong = 0, close = 0, in_row = 0, reach[3] = {0, 0, 0};
+  PetscReal      sum_row = 0.0, sum_all = 0.0;
+
+  for (PetscInt k = nb->row[i]; k < nb->row[i + 1]; k++) {
+    const PetscInt j  = nb->col[k];
+    PetscReal      r2 = 0.0;
+
+    wrong += j == i || (k > nb->row[i] && nb->col[k - 1] >= j);
+    for (PetscInt a = 0; a < dim; a++) r2 += PetscSqr(p->x[a][j] - p->x[a][i]);
+    if (r2 >= PetscSqr(nb->radius)) continue;
+    in_row++;
+    sum_row += PetscSqrtReal(r2) * (1 + p->id[j]);
+  }
+  for (PetscInt a = 0; a < dim; a++) {
+    if (scene->periodic[a]) reach[a] = 2 + (PetscInt)(nb->radius / (scene->hi[a] - scene->lo[a]));
+  }
+  for (PetscInt id = 0; id < all->n; id++) {
+    if (all->found[id] == 0.0) continue;
+    for (PetscInt c2 = -reach[2]; c2 <= reach[2]; c2++) {
+      for (PetscInt c1 = -reach[1]; c1 <= reach[1]; c1++) {
+        for (PetscInt c0 = -reach[0]; c0 <= reach[0]; c0++) {
+          const PetscInt image[3] = {c0, c1, c2};
+          PetscReal      r2       = 0.0;
+
+          if (id == p->id[i] && !c0 && !c1 && !c2) continue;
+          for (PetscInt a = 0; a < dim; a++) {
+            r2 += PetscSqr(all->x[dim * id + a] + image[a] * (scene->hi[a] - scene->lo[a]) -
+                           p->x[a][i]);
+          }
+          if (r2 >= PetscSqr(nb->radius)) continue;
+          close++;
+          sum_all += PetscSqrtReal(r2) * (1 + id);
+        }
+      }
+    }
+  }
+  wrong += close != in_row || PetscAbsReal(sum_row - sum_all) > 1e-10 * (1.0 + sum_all);
+  return wrong;
+}
+
+void CrowdCheckNeighbors(const Setting *s, const Particles *p, const Neighbors *nb)
+{
+  PetscInt wrong = 0;
+  All      all;
+
+  CrowdGather(p, &all);
+  for (PetscInt i = 0; i < p->n_fluid; i++) wrong += RowErrors(&s->scene, p, nb, &all, i);
+  PetscCallVoid(PetscFree2(all.x, all.found));
+  AssertNone("rows equal brute force", s->name, wrong);
+}

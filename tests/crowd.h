@@ -1,0 +1,41 @@
+/*
+  A crowd of particles, gathered on all ranks, for tests of the particles and their neighbours. The
+  spacing is 0.1; the first axes may be periodic, the others have walls.
+*/
+#ifndef CROWD_H
+#define CROWD_H
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <cmocka.h>
+#include "isph/particles.h"
+
+#define RADIUS 2.6 /* [dx] */
+
+typedef struct {
+  const char   *name;
+  Scene         scene;
+  WallPlacement walls;
+} Setting;
+
+/* Positions of all particles of all ranks by id; ids of removed particles are not found. */
+typedef struct {
+  PetscInt   n;
+  PetscReal *x;     /* x[dim id + a] */
+  PetscReal *found; /* number of occurrences of each id */
+} All;
+
+#define ASSERT_OK(call) AssertNone(#call, "PETSc", (call) ? 1 : 0)
+void AssertNone(const char *what, const char *where, PetscInt wrong);
+
+Setting   CrowdBox(const char *name, PetscInt dim, PetscInt nx, PetscInt ny, PetscInt nz,
+                   PetscInt n_periodic, PetscInt layers);
+void      CrowdGather(const Particles *p, All *all);
+PetscReal CrowdNoise(PetscInt id, PetscInt k);
+PetscReal CrowdTag(PetscInt id, PetscInt c);
+void      CrowdMove(const Scene *scene, Particles *p, PetscReal length);
+void      CrowdCheckParticles(const Setting *s, const Particles *p, PetscReal *const tag[]);
+void      CrowdCheckNeighbors(const Setting *s, const Particles *p, const Neighbors *nb);
+
+#endif
