@@ -1,5 +1,7 @@
 """What the studies share: runs of isph, each made once and kept in a CSV file, one row a run."""
 import csv
+import datetime
+import glob
 import hashlib
 import importlib.util
 import os
@@ -29,10 +31,10 @@ class Runs:
     """Quantities of runs by their arguments, at the end of the run; those of -report_times before it as name@time. A
     run that failed has the sentence in `failed`, and in `failed_t` the time where it was under way. One that takes more
     than `seconds` of CPU time is stopped and fails; its quantities at its last step, at t, are there all the same.
-    Each row names the build that made it; rows of another one are kept, and told() counts them."""
+    Each row names the build that made it and the day; rows of another build are kept, and told() counts them."""
 
     def __init__(self, path, isph, seconds=None):
-        self.path, self.isph, self.seconds, self.rows, self.unsaved = path, isph, seconds, {}, 0
+        self.path, self.isph, self.seconds, self.rows, self.unsaved, self.made = path, isph, seconds, {}, 0, 0
         self.build, self.asked = "", set()
         if os.path.isfile(isph):
             with open(isph, "rb") as file:
@@ -43,17 +45,23 @@ class Runs:
                 for row in csv.DictReader(file):
                     self.rows[row["run"]] = {k: v for k, v in row.items() if v}
 
-    def __call__(self, arguments):
-        """The quantities of a run as numbers; it is made unless the file has it."""
+    def __call__(self, arguments, watch=""):
+        """The quantities of a run as numbers; it is made unless the file has it. `watch` holds -probe_ options, which
+        change nothing in the run: the last rows of their files are quantities too, forces_left_fx or point_0_p."""
         if arguments not in self.rows:
             print(arguments, flush=True)
             start = time.monotonic()
-            self.rows[arguments] = {k: v for k, v in self.make(arguments).items() if v != ""}
+            self.rows[arguments] = {k: v for k, v in self.make(arguments, watch).items() if v != ""}
             self.unsaved += 1
+            self.made += 1
             if self.unsaved >= 20 or time.monotonic() - start > 5.0:
                 self.save()
         self.asked.add(arguments)
-        return {k: float(v) if k not in ("run", "failed", "build") else v for k, v in self.rows[arguments].items()}
+        return self.numbers(arguments)
+
+    def numbers(self, arguments):
+        """The quantities of a run that the file holds."""
+        return {k: v if k in ("run", "failed", "build", "date") else float(v) for k, v in self.rows[arguments].items()}
 
     def told(self):
         """A sentence on how long the runs asked for took; the user hears how many another build made."""
@@ -85,13 +93,15 @@ class Runs:
             row["failed_t"] = time_named.group(1)
         return row
 
-    def make(self, arguments):
+    def make(self, arguments, watch=""):
         with tempfile.TemporaryDirectory() as folder:
-            path = os.path.join(folder, "run.csv")
+            path, probes = os.path.join(folder, "run.csv"), os.path.join(folder, "probe")
+            words = [*shlex.split(arguments), *shlex.split(watch), *(["-probe_output", probes] if watch else [])]
             before = cpu_seconds()
-            done = subprocess.run([self.isph, *shlex.split(arguments), "-report", path], preexec_fn=self.bound,
+            done = subprocess.run([self.isph, *words, "-report", path], preexec_fn=self.bound,
                                   capture_output=True, text=True, check=False)
-            row = {"run": arguments, "build": self.build, "cpu_s": f"{cpu_seconds() - before:.4g}"}
+            row = {"run": arguments, "build": self.build, "cpu_s": f"{cpu_seconds() - before:.4g}",
+                   "date": datetime.datetime.now(datetime.timezone.utc).date().isoformat()}
             if done.returncode:
                 row.update(self.why(done))
             lines = []
@@ -105,6 +115,10 @@ class Runs:
                     continue
                 when = "" if line["t"] == lines[-1]["t"] else f"@{float(line['t']):.4g}"
                 row[line["quantity"] + when] = line["value"]
+                if line["reference"]:
+                    row[f"{line['quantity']}_reference{when}"] = line["reference"]
+            for file in sorted(glob.glob(f"{probes}_*.csv")):
+                row.update(last_rows(file, float(lines[-1]["t"])))
             row.update({name: lines[-1][name] for name in ("t", "wall_s", "particles", "steps", "visc_its")})
             return row
 
@@ -118,6 +132,19 @@ class Runs:
             writer.writerows(self.rows.values())
         os.replace(self.path + ".new", self.path)
         self.unsaved = 0
+
+
+def last_rows(path, end):
+    """Quantities of the rows that -probe_ options wrote at the end of a run."""
+    kind = re.search(r"_(\w+)\.csv$", os.path.basename(path)).group(1)
+    with open(path, newline="") as file:
+        rows = [row for row in csv.DictReader(file) if abs(float(row["t"]) - end) <= 1e-9 * abs(end)]
+    found = {}
+    for row in rows:
+        which = list(row)[2]  # the column after time and step: the point, or the wall
+        for name in [name for name in ("u", "v", "p", "fx", "fy", "tz", "flux") if row.get(name)]:
+            found[f"{kind}_{row[which]}_{name}"] = row[name]
+    return found
 
 
 def need(*modules):
