@@ -49,8 +49,8 @@ PetscErrorCode DivergenceFit_Mls(Stencil *st, PetscReal *d[], PetscReal m[])
   const PetscInt dim = st->dim, terms = MlsTerms(dim, 2), n = dim * terms;
   PetscReal moments[ISPH_MAX_DIM * ISPH_MAX_DIM * MLS_QUADRATIC_TERMS * MLS_QUADRATIC_TERMS] = {
       0.0};
-  PetscReal copy[ISPH_MAX_DIM * ISPH_MAX_DIM * MLS_QUADRATIC_TERMS * MLS_QUADRATIC_TERMS];
-  PetscReal c[ISPH_MAX_DIM * MLS_QUADRATIC_TERMS] = {0.0};
+  PetscReal copy[ISPH_MAX_DIM * ISPH_MAX_DIM * MLS_QUADRATIC_TERMS * MLS_QUADRATIC_TERMS] = {0.0};
+  PetscReal c[ISPH_MAX_DIM * MLS_QUADRATIC_TERMS]                                         = {0.0};
 
   PetscFunctionBegin;
   MlsVectorMoments(st, moments);

@@ -17,8 +17,8 @@ static PetscErrorCode TakesNewton(PetscBool *newton)
   IterationChoose - Chooses the nonlinear solver before the user's options
 
   Collective. Line searches as measured best, power laws of exponent 0.2 to 3 and plastics: secant
-  (l2 before PETSc 3.24), which may go beyond Picard's steps, took half the iterations of full steps and got to the end
-  where these, or bt, did not; Newton's steps go with bt.
+  (l2 before PETSc 3.24), which may go beyond Picard's steps, took half the iterations of full
+  steps and got to the end where these, or bt, did not; Newton's steps go with bt.
 
   Errors: an absolute tolerance, and a type that does not iterate
 */
