@@ -6,6 +6,9 @@
 
 typedef struct Checkpoints Checkpoints;
 
+/* The stages of a run, as -log_view shows them. */
+typedef enum { STAGE_SETUP, STAGE_STEPS, STAGE_OUTPUT, RUN_STAGES } RunStage;
+
 /* A run of a flow: the flow, and what is written and kept on its way. */
 typedef struct {
   Flow           flow;
@@ -18,6 +21,7 @@ typedef struct {
   Checkpoints   *checkpoints;
   Undo          *undo;    /* NULL: steps are not retried */
   PetscLogDouble started; /* wall clock [s] */
+  PetscLogStage  stage[RUN_STAGES];
 } Run;
 
 /* checkpoint.c */

@@ -4,6 +4,27 @@
 */
 #include "impl.h"
 
+/* Registers the stages of a run for -log_view. */
+static PetscErrorCode RegisterStages(Run *run)
+{
+  const char *const names[RUN_STAGES] = {
+      [STAGE_SETUP] = "Set-up", [STAGE_STEPS] = "Steps", [STAGE_OUTPUT] = "Output"};
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < RUN_STAGES; k++)
+    PetscCall(PetscLogStageRegister(names[k], &run->stage[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Leaves the stage of a run and enters another. */
+static PetscErrorCode RunEnter(const Run *run, RunStage stage)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscLogStagePop());
+  PetscCall(PetscLogStagePush(run->stage[stage]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Reads the choices of scheme and operators; no particle exists yet. */
 static PetscErrorCode RunChoose(Run *run)
 {
@@ -178,13 +199,14 @@ static PetscErrorCode RunMeasureDue(Run *run)
 /* Does the work between steps: files, the progress line, reports at their times. */
 static PetscErrorCode RunBetweenSteps(Run *run, PetscBool over)
 {
-
   PetscFunctionBegin;
+  PetscCall(PetscLogStagePush(run->stage[STAGE_OUTPUT]));
   PetscCall(SnapshotsWrite(&run->flow, over, run->snapshots));
   PetscCall(MonitorsWrite(&run->flow, run->monitors));
   PetscCall(ProgressUpdate(&run->flow, over, run->progress));
   PetscCall(CheckpointsUpdate(over, run));
   if (!over) PetscCall(RunMeasureDue(run)); /* with the particles in the order of a restarted run */
+  PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -272,7 +294,9 @@ static PetscErrorCode RunTellAndSolve(Run *run)
   PetscCall(InterruptInstall());
   PetscCall(RunBegin(run));
   PetscCall(BannerView(&run->flow, PETSC_VIEWER_STDOUT_WORLD));
+  PetscCall(RunEnter(run, STAGE_STEPS));
   failed = RunSolve(run, &signal);
+  PetscCall(RunEnter(run, STAGE_OUTPUT));
   if (failed == PETSC_ERR_NOT_CONVERGED || failed == PETSC_ERR_FP)
     PetscCall(RunReport(run, "diverged", PETSC_FALSE));
   PetscCall(failed);
@@ -298,9 +322,12 @@ PetscErrorCode FlowRun(Scene *scene)
 
   PetscFunctionBegin;
   PetscCall(PetscTime(&run.started));
+  PetscCall(RegisterStages(&run));
+  PetscCall(PetscLogStagePush(run.stage[STAGE_SETUP]));
   PetscCall(RunCreate(&run));
   PetscCall(OptionGiven("-help", &wants_help));
   if (!wants_help) PetscCall(RunTellAndSolve(&run));
+  PetscCall(PetscLogStagePop());
   PetscCall(RunDestroy(&run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
