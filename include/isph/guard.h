@@ -10,8 +10,15 @@
 
 #define FALLBACK_LEVELS 3 /* methods of fallback.c */
 
+/* A viewer that the user gave for a solver. */
+typedef struct {
+  PetscViewer       viewer; /* NULL: none */
+  PetscViewerFormat format;
+} SolverView;
+
 typedef struct {
   LinearSolve        solve;
+  SolverView         ksp_view, ts_view;  /* -<prefix>ksp_view, -<prefix>ts_view */
   const char        *best;               /* type of KSP to recommend */
   const char        *remedy;             /* sentence of advice; NULL: from the user's choice */
   char               where[CLOCK_WHERE]; /* the step at hand, for messages */
@@ -35,6 +42,11 @@ PetscErrorCode GuardDetach(Guard *guard);
 PetscErrorCode GuardCheck(Guard *guard, StepFailure *failure);
 PetscErrorCode SolveResidual(KSP ksp, Vec b, Vec x, PetscReal *residual, PetscBool *good);
 PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved);
+
+/* views.c */
+PetscErrorCode SolverViewTake(const char prefix[], const char name[], SolverView *view);
+PetscErrorCode SolverViewShow(PetscObject solver, const SolverView *view);
+PetscErrorCode SolverViewEnd(SolverView *view);
 
 /* defaults.c */
 PetscErrorCode OptionDefault(const char prefix[], const char name[], const char value[]);

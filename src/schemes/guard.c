@@ -14,6 +14,8 @@ static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
   PetscBool good;
 
   PetscFunctionBegin;
+  PetscCall(SolverViewShow((PetscObject)ksp, &guard->ksp_view));
+  PetscCall(SolverViewEnd(&guard->ksp_view));
   if (guard->failed) PetscFunctionReturn(PETSC_SUCCESS); /* the first failure is reported */
   PetscCall(KSPGetConvergedReason(ksp, &guard->reason));
   PetscCall(KSPGetIterationNumber(ksp, &guard->iterations));
@@ -105,11 +107,13 @@ PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* GuardDetach - Frees the fallback solvers; collective */
+/* GuardDetach - Frees the fallback solvers and viewers; collective */
 PetscErrorCode GuardDetach(Guard *guard)
 {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < FALLBACK_LEVELS; k++) PetscCall(KSPDestroy(&guard->level[k]));
+  PetscCall(SolverViewEnd(&guard->ksp_view));
+  PetscCall(SolverViewEnd(&guard->ts_view));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

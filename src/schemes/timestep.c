@@ -37,6 +37,21 @@ PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Runs the monitors of a TS after a step, as TSSolve() would. */
+static PetscErrorCode TimeMonitor(TS ts)
+{
+  PetscReal t;
+  PetscInt  step;
+  Vec       u;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetStepNumber(ts, &step));
+  PetscCall(TSGetTime(ts, &t));
+  PetscCall(TSGetSolution(ts, &u));
+  PetscCall(TSMonitor(ts, step, t, u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   TimeStepThrough - Advances a TS, whose solution is set, from t over dt
 
@@ -69,6 +84,7 @@ PetscErrorCode TimeStepThrough(TS ts, const char name[], Guard *guard, PetscReal
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_ITERATING));
     PetscCall(TSStep(ts));
     PetscCall(TSGetConvergedReason(ts, &reason));
+    PetscCall(TimeMonitor(ts));
     if (guard->solve.ksp) PetscCall(GuardCheck(guard, failure));
     if (guard->Check) PetscCall(guard->Check(ts, guard->where, failure));
     if (reason < 0) {

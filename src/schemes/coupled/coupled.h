@@ -29,6 +29,7 @@ struct Schur {
   Mat             mass;           /* that of row mass, for PETSc */
   Mat             poisson;        /* -dx^2 lap + 1e-6 [-] */
   KSP             ksp;            /* for that; NULL: not needed */
+  SolverView      view;           /* -coupled_schur_ksp_view */
   Vec             work;           /* */
   PetscReal       viscous, inert; /* nu/sigma, shift dx^2/sigma, see schur.c [-] */
 };

@@ -40,6 +40,8 @@ static PetscErrorCode SchurApply_CahouetChabard(Schur *s, Vec x, Vec y)
   PetscCall(VecCopy(x, s->work));
   PetscCall(GaugeRemove(s->work));
   PetscCall(KSPSolve(s->ksp, s->work, y));
+  PetscCall(SolverViewShow((PetscObject)s->ksp, &s->view));
+  PetscCall(SolverViewEnd(&s->view));
   PetscCall(GaugeRemove(y));
   PetscCall(VecScale(y, s->inert));
   PetscCall(VecAXPY(y, s->viscous, x));
@@ -106,6 +108,7 @@ PetscErrorCode SchurCreate(Schur *s)
   PetscCall(KSPGetPC(s->ksp, &pc));
   PetscCall(PCSetType(pc, PCHYPRE));
   PetscCall(AmgDefaults("coupled_schur_", "1"));
+  PetscCall(SolverViewTake("coupled_schur_", "-ksp_view", &s->view));
   PetscCall(KSPSetFromOptions(s->ksp));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -141,5 +144,6 @@ PetscErrorCode SchurFree(Schur *s)
   PetscCall(MatDestroy(&s->poisson));
   PetscCall(VecDestroy(&s->work));
   PetscCall(KSPDestroy(&s->ksp));
+  PetscCall(SolverViewEnd(&s->view));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

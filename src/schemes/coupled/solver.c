@@ -70,6 +70,8 @@ static PetscErrorCode CoupledCreateTS(Coupled *c)
   PetscCall(KSPSetTolerances(ksp, 1e-7, 0.0, PETSC_CURRENT, 300));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCSetType(pc, PCFIELDSPLIT));
+  PetscCall(SolverViewTake("coupled_", "-ksp_view", &c->guard.ksp_view));
+  PetscCall(SolverViewTake("coupled_", "-ts_view", &c->guard.ts_view));
   PetscCall(TSSetFromOptions(c->ts));
   c->guard.solve.ksp = ksp;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -137,10 +139,12 @@ static PetscErrorCode CoupledFree(Coupled *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CoupledSolverFree - Frees the solver and its matrices; collective */
+/* CoupledSolverFree - Views the integrator, if asked for, and frees solver and matrices;
+   collective */
 PetscErrorCode CoupledSolverFree(Coupled *c)
 {
   PetscFunctionBegin;
+  PetscCall(SolverViewShow((PetscObject)c->ts, &c->guard.ts_view));
   PetscCall(CoupledFree(c));
   PetscCall(SchurFree(&c->schur));
   PetscCall(GuardDetach(&c->guard));

@@ -62,11 +62,14 @@ static PetscErrorCode ViscosityCreateSolver(const Flow *flow, Viscosity *v)
 /* Makes the TS of one system and gives it the callbacks that its type takes. */
 static PetscErrorCode CreateSystem(Viscosity *v, PetscInt c)
 {
+  const char *const names[] = {"u", "v", "w"};
+
   PetscFunctionBegin;
   v->component[c].visc = v;
   v->component[c].c    = c;
   PetscCall(TSCreate(PETSC_COMM_WORLD, &v->ts[c]));
   PetscCall(TSSetOptionsPrefix(v->ts[c], "visc_"));
+  PetscCall(PetscObjectSetName((PetscObject)v->ts[c], v->systems > 1 ? names[c] : "velocity"));
   PetscCall(TSSetProblemType(v->ts[c], v->nonlinear ? TS_NONLINEAR : TS_LINEAR));
   PetscCall(TSSetType(v->ts[c], v->row->name));
   PetscCall(TSSetExactFinalTime(v->ts[c], TS_EXACTFINALTIME_STEPOVER));
@@ -135,7 +138,11 @@ PetscErrorCode ViscosityCreate(Flow *flow, Viscosity **visc)
   solve->views_matrix = v->row->terms != TIME_EXPLICIT ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(RefuseTimeOptions(v->row));
   for (PetscInt c = 0; c < v->systems; c++) PetscCall(CreateSystem(v, c));
-  if (v->row->terms != TIME_EXPLICIT) PetscCall(ViscosityCreateSolver(flow, v));
+  if (v->row->terms != TIME_EXPLICIT) {
+    PetscCall(ViscosityCreateSolver(flow, v));
+    PetscCall(SolverViewTake("visc_", "-ksp_view", &v->guard.ksp_view));
+  }
+  PetscCall(SolverViewTake("visc_", "-ts_view", &v->guard.ts_view));
   for (PetscInt c = 0; c < v->systems; c++) {
     TSAdapt adapt;
 
@@ -166,11 +173,13 @@ static PetscErrorCode ViscosityFree(Viscosity *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ViscosityDestroy - Frees the integrators and their solvers; collective */
+/* ViscosityDestroy - Views the integrators, if asked for, and frees them; collective */
 PetscErrorCode ViscosityDestroy(Viscosity **visc)
 {
   PetscFunctionBegin;
   if (!*visc) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt c = 0; c < (*visc)->systems; c++)
+    PetscCall(SolverViewShow((PetscObject)(*visc)->ts[c], &(*visc)->guard.ts_view));
   PetscCall(ViscosityFree(*visc));
   PetscCall(GuardDetach(&(*visc)->guard));
   for (PetscInt c = 0; c < (*visc)->systems; c++) PetscCall(TSDestroy(&(*visc)->ts[c]));

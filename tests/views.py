@@ -1,0 +1,44 @@
+#!/usr/bin/env python3
+"""Views and monitors of solvers, and the stages of -log_view.
+
+    views.py COMMAND...         the program, on some ranks"""
+import subprocess
+import sys
+
+
+def output(*options):
+    """Returns the lines that a run of three steps prints."""
+    command = [*sys.argv[1:], "-case", "cavity", "-n", "12", "-max_steps", "3", "-progress", "none", *options]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
+
+
+def count(lines, beginning, number):
+    """Fails unless so many lines begin with the words."""
+    found = [line for line in lines if line.strip().startswith(beginning)]
+    assert len(found) == number, (beginning, len(found), number)
+
+
+def main():
+    for motion in "lagrangian", "eulerian":  # a KSP is reset when particles are numbered anew
+        lines = output("-motion", motion, "-visc_ksp_view", "-ppe_ksp_view", "-visc_ts_monitor",
+                       "-ppe_ksp_converged_reason")
+        count(lines, "KSP Object: (visc_)", 1)
+        count(lines, "KSP Object: (ppe_)", 1)
+        count(lines, "Linear ppe_ solve converged due to", 3)
+        for step in 1, 2, 3:
+            count(lines, f"{step} TS dt", 2)  # one integrator a component
+    lines = output("-visc_ts_view", "-ppe_ksp_monitor", "-log_view", "-visc_ts_type", "arkimex")
+    for component in "u", "v":
+        count(lines, f"TS Object: {component} (visc_)", 1)
+    count(lines, "0 KSP Residual norm", 3)
+    for stage in "Main Stage", "Set-up", "Steps", "Output":
+        assert any(f": {stage:>15}" in line or f": {stage}" in line for line in lines), stage
+    lines = output("-scheme", "coupled", "-motion", "eulerian", "-coupled_ksp_view", "-coupled_ts_view",
+                   "-coupled_ts_monitor", "-coupled_schur_ksp_view")
+    count(lines, "KSP Object: (coupled_)", 2)  # the integrator's view holds it too
+    count(lines, "KSP Object: (coupled_schur_)", 1)
+    count(lines, "TS Object: (coupled_)", 1)
+    count(lines, "3 TS dt", 1)
+
+
+main()
