@@ -10,10 +10,9 @@ static const char help[] =
     "-catalogue lists cases, operators, walls, schemes and integrators with their papers.\n\n";
 
 #include "isph/catalogue.h"
+#include "isph/options.h"
 #include "isph/patch.h"
 #include "isph/run.h"
-#include <errno.h>
-#include <string.h>
 
 static PetscErrorCode Solve(void)
 {
@@ -39,39 +38,41 @@ static PetscErrorCode SolveOrList(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  What PETSc would pass over or meet with a traceback: a stray word, an unreadable options file.
-  Returns the sentence, or an empty one.
-*/
-static void CheckArguments(int argc, char **argv, char sentence[], size_t length)
+/* Answers a request that needs no run, on the first rank. */
+static void Answer(Request request)
 {
-  sentence[0] = '\0';
-  for (int k = 1; k < argc && !sentence[0]; k++) {
-    const PetscBool word = argv[k][0] != '-' ? PETSC_TRUE : PETSC_FALSE;
+  int rank;
 
-    if (word && (k == 1 || argv[k - 1][0] != '-')) {
-      (void)snprintf(sentence, length,
-                     "%s: a stray word; options begin with a dash, e.g. -case cavity", argv[k]);
-    } else if (word && strcmp(argv[k - 1], "-options_file") == 0) {
-      FILE *file = fopen(argv[k], "r");
+  (void)MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  if (rank) return;
+  if (request == REQUEST_USAGE) UsagePrint(stdout);
+  if (request == REQUEST_VERSION) VersionPrint(stdout);
+}
 
-      if (file) (void)fclose(file);
-      else (void)snprintf(sentence, length, "-options_file %s: %s", argv[k], strerror(errno));
-    }
-  }
+/* Refuses words that PETSc would pass over or meet with a traceback. */
+static PetscBool Refuse(int argc, char **argv)
+{
+  char sentence[2 * PETSC_MAX_PATH_LEN];
+  int  rank;
+
+  CommandLineCheck(argc, argv, sentence, sizeof(sentence));
+  (void)MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  if (sentence[0] && rank == 0) (void)fprintf(stderr, "isph: %s\n", sentence);
+  return sentence[0] ? PETSC_TRUE : PETSC_FALSE;
 }
 
 int main(int argc, char **argv)
 {
-  char           sentence[PETSC_MAX_PATH_LEN + 128];
-  int            rank;
   PetscErrorCode failed;
+  Request        request;
 
   if (MPI_Init(&argc, &argv)) return 1;
-  (void)MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  CheckArguments(argc, argv, sentence, sizeof(sentence));
-  if (sentence[0]) {
-    if (rank == 0) (void)fprintf(stderr, "isph: %s\n", sentence);
+  request = CommandLineRequest(&argc, argv);
+  if (request == REQUEST_USAGE || request == REQUEST_VERSION) {
+    Answer(request);
+    return MPI_Finalize();
+  }
+  if (Refuse(argc, argv)) {
     (void)MPI_Finalize();
     return 1;
   }
