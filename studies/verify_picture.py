@@ -19,13 +19,14 @@ STYLE = {"font.size": 9, "axes.titlesize": 9, "legend.fontsize": 7, "legend.fram
          "figure.facecolor": "white"}
 
 
-def lines_of(isph, panels):
+def make_lines(isph, panels):
     """The last rows along the lines of panels of one run, one list of rows each."""
     with tempfile.TemporaryDirectory() as folder:
         watch = ["-probe_line", ",".join(panel.line for panel in panels),
                  "-probe_output", os.path.join(folder, "probe")]
         if panels[0].every:
             watch += ["-probe_every", f"{panels[0].every:g}"]
+        print(f"{panels[0].arguments} (picture)", flush=True)
         done = subprocess.run([isph, *shlex.split(panels[0].arguments), *watch], capture_output=True, text=True,
                               check=False)
         if done.returncode:
@@ -34,6 +35,29 @@ def lines_of(isph, panels):
             rows = list(csv.DictReader(file))
     last = [row for row in rows if row["t"] == rows[-1]["t"]]
     return [[row for row in last if row["line"] == str(k)] for k in range(len(panels))]
+
+
+def lines_of(path, isph, panels):
+    """Rows along the lines of all panels; those that the file has are not made again."""
+    known, names = {}, ["run", "along", "x", "y", "u", "v", "p"]
+    if os.path.exists(path):
+        with open(path, newline="") as file:
+            for row in csv.DictReader(file):
+                known.setdefault((row["run"], row["along"]), []).append(row)
+    groups = {}
+    for panel in panels:
+        if (panel.arguments, panel.line) not in known:
+            groups.setdefault(panel.arguments, {})[panel.line] = panel
+    for arguments, missing in groups.items():
+        for line, rows in zip(missing, make_lines(isph, list(missing.values()))):
+            known[arguments, line] = [{"run": arguments, "along": line, **row} for row in rows]
+    asked = list(dict.fromkeys((panel.arguments, panel.line) for panel in panels))
+    if asked:
+        with open(path, "w", newline="") as file:
+            writer = csv.DictWriter(file, names, lineterminator="\n", extrasaction="ignore")
+            writer.writeheader()
+            writer.writerows(row for key in asked for row in known[key])
+    return [known[panel.arguments, panel.line] for panel in panels]
 
 
 def centre(x, values):
@@ -101,10 +125,9 @@ def draw_errors(axes, case, sweeps, rounding):
 
 def draw(path, case, sweeps, isph, rounding):
     plt.rcParams.update(STYLE)
-    groups = {}
-    for panel in [panel for panel in case.panels if isinstance(panel, Panel)]:
-        groups.setdefault((panel.arguments, panel.every), []).append(panel)
-    drawn = {id(panel): rows for panels in groups.values() for panel, rows in zip(panels, lines_of(isph, panels))}
+    panels = [panel for panel in case.panels if isinstance(panel, Panel)]
+    lines = lines_of(os.path.splitext(path)[0] + "_lines.csv", isph, panels)
+    drawn = {id(panel): rows for panel, rows in zip(panels, lines)}
     cells = len(case.panels) + bool(case.drawn)
     columns = 2 if cells == 4 else min(3, cells)
     above = -(-cells // columns)
