@@ -20,7 +20,8 @@ PetscErrorCode CentrelineExtrema(const Flow *flow, PetscReal u_min, PetscReal v_
                                  PetscReal v_min, Report *report);
 PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const char file[],
                                  const char name[], Report *report);
-PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], PetscReal *energy);
+PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], Report *report,
+                               PetscReal *energy);
 
 /* exact.c */
 PetscErrorCode MeasureExact(const Flow *flow, Report *report);

@@ -109,7 +109,7 @@ static PetscErrorCode CavityMeasure(const Flow *flow, Report *report)
                             : PetscAbsReal(reynolds - 1000.0) < 0.1  ? "cavity_re1000_ke.csv"
                             : PetscAbsReal(reynolds - 10000.0) < 1.0 ? "cavity_re10000_ke.csv"
                                                                      : NULL,
-                            &energy));
+                            report, &energy));
   PetscCall(MeasureCommon(flow, energy, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -39,7 +39,7 @@ static PetscErrorCode CavityCylinderMeasure(const Flow *flow, Report *report)
         CentrelineProfile(flow, 0, 1, "cavity_cylinder_re1000_v.csv", "v_profile_l2", report));
   }
   PetscCall(ReferenceEnergy(
-      flow, PetscAbsReal(reynolds - 1000.0) < 0.1 ? "cavity_cylinder_re1000_ke.csv" : NULL,
+      flow, PetscAbsReal(reynolds - 1000.0) < 0.1 ? "cavity_cylinder_re1000_ke.csv" : NULL, report,
       &energy));
   PetscCall(MeasureCommon(flow, energy, report));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -78,7 +78,8 @@ PetscErrorCode CentrelineExtrema(const Flow *flow, PetscReal u_min, PetscReal v_
 /*
   CentrelineProfile - Root mean square difference over U from a reference profile
 
-  Collective. Input: a - axis that the line runs along; c - component; file - of the reference.
+  Collective. Input: a - axis that the line runs along; c - component; file - of the reference. The
+  quantity is NaN where the file is absent.
 */
 PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const char file[],
                                  const char name[], Report *report)
@@ -87,11 +88,11 @@ PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const
   PetscReal    *value, sum = 0.0;
 
   PetscFunctionBegin;
-  PetscCall(ReferenceDataRead(file, &curve));
+  PetscCall(ReferenceDataRead(file, report, &curve));
   PetscCall(PetscMalloc1(curve.n, &value));
   PetscCall(SampleLine(flow, a, c, curve.n, curve.x, value));
   for (PetscInt k = 0; k < curve.n; k++) sum += PetscSqr(value[k] - curve.y[k]);
-  PetscCall(ReportAddError(report, name, PetscSqrtReal(sum / curve.n)));
+  PetscCall(ReportAddError(report, name, curve.n ? PetscSqrtReal(sum / curve.n) : NAN));
   PetscCall(PetscFree(value));
   PetscCall(ReferenceDataFree(&curve));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -100,10 +101,11 @@ PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const
 /*
   ReferenceEnergy - Kinetic energy from rest at the present time, between the times of a file [J/m]
 
-  Collective. NaN where the file, NULL for none, does not hold for this run, and for a steady flow
-  solved for without time.
+  Collective. NaN where the file, NULL for none, is absent or does not hold for this run, and for a
+  steady flow solved for without time. Input/Output: report - see ReferenceDataRead().
 */
-PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], PetscReal *energy)
+PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], Report *report,
+                               PetscReal *energy)
 {
   const Scene    *scene = flow->scene;
   const PetscReal t     = ClockMoment(flow->clock) * scene->speed / scene->length;
@@ -114,7 +116,7 @@ PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], PetscReal *e
   if (!file || scene->dim != 2 || scene->physics != scene->problem->physics) {
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(ReferenceDataRead(file, &curve));
+  PetscCall(ReferenceDataRead(file, report, &curve));
   for (PetscInt k = 1; k < curve.n; k++) {
     if (t < curve.x[k - 1] || t > curve.x[k]) continue;
     *energy = curve.y[k - 1] +

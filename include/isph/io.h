@@ -16,7 +16,7 @@ typedef struct {
   PetscInt   n;
   PetscReal *x, *y; /* x ascending */
 } ReferenceData;
-PetscErrorCode ReferenceDataRead(const char file[], ReferenceData *curve);
+PetscErrorCode ReferenceDataRead(const char file[], Report *report, ReferenceData *curve);
 PetscErrorCode ReferenceDataFree(ReferenceData *curve);
 
 /* One measured quantity, in SI units. */
@@ -32,6 +32,7 @@ struct Report {
   Quantity *quantity;
   PetscInt  n, capacity;
   PetscReal t;                        /* of quantities being added, set by who adds them [s] */
+  PetscBool data_absent;              /* a file of the reference data was not found */
   char      file[PETSC_MAX_PATH_LEN]; /* of all runs; empty: none */
 };
 PetscErrorCode ReportCreate(Report **report);

@@ -4,18 +4,42 @@
 */
 #include "isph/io.h"
 #include <stdlib.h>
+#include <unistd.h>
 
-/* Opens a file of the reference data: as installed, else in the source tree; NULL: in neither. */
+/* Finds the installed reference data beside the running program; empty where that is unknown. */
+static PetscErrorCode ProgramData(char directory[PETSC_MAX_PATH_LEN])
+{
+  char          program[PETSC_MAX_PATH_LEN], *slash;
+  const ssize_t length = readlink("/proc/self/exe", program, sizeof(program) - 1);
+
+  PetscFunctionBegin;
+  directory[0]                     = '\0';
+  program[length > 0 ? length : 0] = '\0';
+  PetscCall(PetscStrrchr(program, '/', &slash));
+  if (slash == program) PetscFunctionReturn(PETSC_SUCCESS);
+  *slash = '\0'; /* PetscStrrchr() points behind the last '/' */
+  PetscCall(PetscSNPrintf(directory, PETSC_MAX_PATH_LEN, "%s%s", program, ISPH_DATA_RELATIVE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Opens a file of the reference data: in the directory that the environment variable ISPH_DATA
+  names, and without this variable beside the program, in the prefix, in the source tree. NULL where
+  it is in none.
+*/
 static PetscErrorCode ReferenceDataOpen(const char file[], FILE **stream)
 {
-  const char *const directory[] = {ISPH_DATA_INSTALL, ISPH_DATA_SOURCE};
+  char              beside[PETSC_MAX_PATH_LEN];
+  const char *const given       = getenv("ISPH_DATA");
+  const char *const directory[] = {beside, ISPH_DATA_INSTALL, ISPH_DATA_SOURCE};
 
   PetscFunctionBegin;
   *stream = NULL;
+  PetscCall(ProgramData(beside));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(directory) && !*stream; k++) {
     char path[PETSC_MAX_PATH_LEN];
 
-    PetscCall(PetscSNPrintf(path, sizeof(path), "%s/%s", directory[k], file));
+    PetscCall(PetscSNPrintf(path, sizeof(path), "%s/%s", given ? given : directory[k], file));
     *stream = fopen(path, "r");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -99,12 +123,16 @@ static PetscErrorCode ReferenceDataSort(ReferenceData *curve)
 . file - name within the directory of reference data: '#' comments, one header line, then lines of
          two or more columns, of which the first two are taken
 
-  Output Parameter:
-. curve - to be freed with ReferenceDataFree(); x ascending, the same on all ranks
+  Input/Output Parameter:
+. report - keeps that a file is absent, so that one warning is printed in a run
 
-  Errors: a file that is missing, empty or holds a line without two numbers ends the run
+  Output Parameter:
+. curve - to be freed with ReferenceDataFree(); x ascending, the same on all ranks; no points where
+          the file is absent
+
+  Errors: a file that is empty or holds a line without two numbers ends the run
 */
-PetscErrorCode ReferenceDataRead(const char file[], ReferenceData *curve)
+PetscErrorCode ReferenceDataRead(const char file[], Report *report, ReferenceData *curve)
 {
   PetscMPIInt rank;
   PetscInt    found[3] = {0, 0, 0}; /* opened, points, first bad line */
@@ -124,8 +152,14 @@ PetscErrorCode ReferenceDataRead(const char file[], ReferenceData *curve)
     found[1] = curve->n;
   }
   PetscCallMPI(MPI_Bcast(found, 3, MPIU_INT, 0, PETSC_COMM_WORLD));
-  PetscCheck(found[0], PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN,
-             "%s: reference data not found in %s or %s", file, ISPH_DATA_INSTALL, ISPH_DATA_SOURCE);
+  if (!found[0]) {
+    if (!report->data_absent)
+      PetscCall(SayLine("%s: reference data not found; set ISPH_DATA to their directory. The "
+                        "columns that compare with them stay empty",
+                        file));
+    report->data_absent = PETSC_TRUE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCheck(!found[2], PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
              "%s: line %" PetscInt_FMT " of the reference data is not two numbers", file, found[2]);
   PetscCheck(found[1], PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,

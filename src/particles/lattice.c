@@ -22,9 +22,9 @@ static PetscErrorCode CountCells(PetscInt dim, const PetscInt count[], PetscInt 
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < dim; a++) {
-    product *= count[a];
-    UserCheck(product < PETSC_INT_MAX / 8,
+    UserCheck(!product || count[a] < PETSC_INT_MAX / 8 / product,
               "-n asks for more particles than fit: more than %" PetscInt_FMT, PETSC_INT_MAX / 8);
+    product *= count[a];
   }
   *total = (PetscInt)product;
   PetscFunctionReturn(PETSC_SUCCESS);

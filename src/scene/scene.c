@@ -246,7 +246,7 @@ PetscErrorCode SceneCreate(Scene **scene)
   PetscOptionsEnd();
   if (s->scope && ExpressionScopeIsIdle(s->scope)) PetscCall(ExpressionScopeDestroy(&s->scope));
   for (PetscInt a = 0; a < s->dim; a++) {
-    UserCheck((s->hi[a] - s->lo[a]) / s->dx < PETSC_INT_MAX / 8,
+    UserCheck((s->hi[a] - s->lo[a]) / s->dx < PETSC_MPI_INT_MAX / 8,
               "-n asks for more particles than fit: the box is %.6g dx wide along %c",
               (double)((s->hi[a] - s->lo[a]) / s->dx), "xyz"[a]);
     s->cells[a] = (PetscInt)PetscFloorReal((s->hi[a] - s->lo[a]) / s->dx + 0.5);
