@@ -8,7 +8,7 @@ static PetscErrorCode CavityCylinderSetup(Scene *scene)
 {
   PetscFunctionBegin;
   PetscCall(CavitySetup(scene));
-  BodyCircle(&scene->bodies[scene->n_bodies++], 0.5 * scene->length, 0.5 * scene->length,
+  BodyCircle(&SceneAddBody(scene)->body, 0.5 * scene->length, 0.5 * scene->length,
              0.25 * scene->length);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

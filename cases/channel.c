@@ -8,9 +8,9 @@
 PetscErrorCode ChannelSetup(Scene *scene)
 {
   PetscFunctionBegin;
-  scene->hi[0]       = 8.0 * scene->dx;
-  scene->hi[1]       = scene->length;
-  scene->periodic[0] = PETSC_TRUE;
+  scene->hi[0] = 8.0 * scene->dx;
+  scene->hi[1] = scene->length;
+  SceneSetAxis(scene, 0, &BoundaryPeriodic);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

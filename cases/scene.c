@@ -27,14 +27,6 @@ static void SceneTypedExact(const Scene *scene, PetscReal t, const PetscReal x[]
   if (scene->exact.n > scene->dim) *p = ExpressionValue(&scene->exact, scene->dim, t, x);
 }
 
-/* The velocity typed for a side of the box. */
-static void SceneTypedWallVelocity(const Scene *scene, PetscInt side, PetscReal t,
-                                   const PetscReal x[], PetscReal u[])
-{
-  for (PetscInt a = 0; a < scene->dim; a++)
-    u[a] = ExpressionValue(&scene->side_velocity[side], a, t, x);
-}
-
 /* Force and torque on each body. */
 static PetscErrorCode MeasureBodies(const Flow *flow, Report *report)
 {
@@ -45,7 +37,7 @@ static PetscErrorCode MeasureBodies(const Flow *flow, Report *report)
     PetscReal F[ISPH_MAX_DIM] = {0.0}, T[ISPH_MAX_DIM] = {0.0};
     char      name[32];
 
-    PetscCall(WallForce(flow, 2 * scene->dim + k, F, T));
+    PetscCall(WallForce(flow, SceneBodySide(scene, k), F, T));
     PetscCall(PetscSNPrintf(name, sizeof(name), "body_%" PetscInt_FMT "_fx", k + 1));
     PetscCall(ReportAdd(report, name, F[0]));
     PetscCall(PetscSNPrintf(name, sizeof(name), "body_%" PetscInt_FMT "_fy", k + 1));
@@ -67,8 +59,7 @@ static PetscErrorCode SceneTypedMeasure(const Flow *flow, Report *report)
   PetscFunctionBegin;
   if (scene->exact.n) PetscCall(NormsExact(flow, report));
   PetscCall(MeasureBodies(flow, report));
-  if (!scene->n_bodies && !scene->periodic[0] && !scene->periodic[1])
-    PetscCall(CentrelineExtrema(flow, NAN, NAN, NAN, report));
+  if (SceneIsClosedBox(scene)) PetscCall(CentrelineExtrema(flow, NAN, NAN, NAN, report));
   PetscCall(MeasureCommon(flow, NAN, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -84,7 +75,6 @@ const CaseRow CaseScene = {
     .n               = 50,
     .Setup           = SceneTypedSetup,
     .Velocity        = SceneTypedVelocity,
-    .WallVelocity    = SceneTypedWallVelocity,
     .Exact           = SceneTypedExact,
     .Measure         = SceneTypedMeasure,
     .typed           = PETSC_TRUE,

@@ -40,11 +40,9 @@ static PetscErrorCode StokesCylindersSetup(Scene *scene)
                   radius = scene->length * PetscSqrtReal(scene->solid_fraction / PETSC_PI);
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    scene->hi[a]       = scene->length;
-    scene->periodic[a] = PETSC_TRUE;
-  }
-  BodyCircle(&scene->bodies[scene->n_bodies++], middle, middle, radius);
+  for (PetscInt a = 0; a < scene->dim; a++) scene->hi[a] = scene->length;
+  SceneSetSides(scene, &BoundaryPeriodic);
+  BodyCircle(&SceneAddBody(scene)->body, middle, middle, radius);
   scene->body_force[0] =
       scene->nu * scene->speed / PetscSqr(scene->length) * DiluteDrag(scene->solid_fraction);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -84,7 +82,7 @@ static PetscErrorCode StokesCylindersMeasure(const Flow *flow, Report *report)
 
   PetscFunctionBegin;
   PetscCall(SuperficialVelocity(flow, &mean));
-  PetscCall(WallForce(flow, 2 * scene->dim, F, T));
+  PetscCall(WallForce(flow, SceneBodySide(scene, 0), F, T));
   if (mean > 0.0) {
     /* the body force on the solid's share of the cell is what its pressure gradient stands for */
     PetscCall(ReportAddReference(report, "drag", driven / (mu * mean), known,

@@ -8,18 +8,20 @@
 static PetscErrorCode TaylorCouetteSetup(Scene *scene)
 {
   const PetscReal room = scene->length + 6.0 * scene->dx;
+  Boundary       *inner, *outer;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) {
     scene->lo[a] = -room;
     scene->hi[a] = room;
   }
-  scene->no_box_walls = PETSC_TRUE;
-  BodyCircle(&scene->bodies[0], 0.0, 0.0, 0.5 * scene->length);
-  BodyCircle(&scene->bodies[1], 0.0, 0.0, scene->length);
-  scene->bodies[0].rotation = ExpressionNumber(scene->speed / (0.5 * scene->length));
-  scene->bodies[1].around   = PETSC_TRUE;
-  scene->n_bodies           = 2;
+  SceneSetSides(scene, &BoundaryNone);
+  inner = SceneAddBody(scene);
+  outer = SceneAddBody(scene);
+  BodyCircle(&inner->body, 0.0, 0.0, 0.5 * scene->length);
+  BodyCircle(&outer->body, 0.0, 0.0, scene->length);
+  inner->rotation    = ExpressionNumber(scene->speed / (0.5 * scene->length));
+  outer->body.around = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -57,7 +59,7 @@ static PetscErrorCode TaylorCouetteMeasure(const Flow *flow, Report *report)
   PetscReal       F[ISPH_MAX_DIM] = {0.0}, T[ISPH_MAX_DIM] = {0.0};
 
   PetscFunctionBegin;
-  PetscCall(WallForce(flow, 2 * scene->dim, F, T));
+  PetscCall(WallForce(flow, SceneBodySide(scene, 0), F, T));
   if (SceneIsNewtonian(scene)) {
     PetscCall(ReportAddReference(report, "torque", T[2], exact, PetscAbsReal(exact)));
   } else {

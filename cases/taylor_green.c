@@ -7,10 +7,8 @@
 static PetscErrorCode TaylorGreenSetup(Scene *scene)
 {
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    scene->hi[a]       = scene->length;
-    scene->periodic[a] = PETSC_TRUE;
-  }
+  for (PetscInt a = 0; a < scene->dim; a++) scene->hi[a] = scene->length;
+  SceneSetSides(scene, &BoundaryPeriodic);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -3,6 +3,7 @@
 #include "isph/patch.h"
 
 static const Table *const tables[] = {&CaseTable,
+                                      &BoundaryTable,
                                       &ShapeTable,
                                       &SchemeTable,
                                       &ProjectionTable,

@@ -29,9 +29,8 @@ static void CloudWallVelocity(const Scene *scene, PetscInt side, PetscReal t, co
 /* Adds a circle at rest in the middle of the box. */
 static void CloudAddCircle(PetscReal radius, Scene *scene)
 {
-  BodyCircle(&scene->bodies[0], 0.5 * (scene->lo[0] + scene->hi[0]),
+  BodyCircle(&SceneAddBody(scene)->body, 0.5 * (scene->lo[0] + scene->hi[0]),
              0.5 * (scene->lo[1] + scene->hi[1]), radius);
-  scene->n_bodies = 1;
   scene->physics |= PHYSICS_WALLS;
 }
 
@@ -63,10 +62,10 @@ PetscErrorCode CloudOperators(const CloudBox *box, const char options[], Cloud *
   scene->jitter                             = box->jitter;
   scene->seed                               = 3;
   for (PetscInt a = 0; a < box->dim; a++) {
-    scene->lo[a]       = -0.3 + 0.7 * a;
-    scene->hi[a]       = scene->lo[a] + box->cells[a] * scene->dx;
-    scene->cells[a]    = box->cells[a];
-    scene->periodic[a] = a < box->n_periodic;
+    scene->lo[a]    = -0.3 + 0.7 * a;
+    scene->hi[a]    = scene->lo[a] + box->cells[a] * scene->dx;
+    scene->cells[a] = box->cells[a];
+    SceneSetAxis(scene, a, a < box->n_periodic ? &BoundaryPeriodic : &BoundaryWall);
   }
   if (box->circle > 0.0) CloudAddCircle(box->circle * scene->dx, scene);
   PetscCall(PetscOptionsCreate(&database));
@@ -150,7 +149,7 @@ PetscErrorCode CloudMove(PetscReal length, PetscBool renumber, PetscReal margin_
       const PetscReal s = PetscSinReal(12.9898 * (p->id[i] + 1) + 78.233 * (a + 1)) * 43758.5453;
 
       p->x[a][i] += length * scene->dx * (2.0 * (s - PetscFloorReal(s)) - 1.0);
-      if (scene->periodic[a]) continue;
+      if (SceneIsPeriodic(scene, a)) continue;
       p->x[a][i] = PetscMin(PetscMax(p->x[a][i], scene->lo[a] + 0.3 * scene->dx),
                             scene->hi[a] - 0.3 * scene->dx);
     }
@@ -353,7 +352,7 @@ PetscErrorCode CloudError(const Cloud *cloud, Vec y, const Quadratic *expected, 
 
     Position(cloud->particles, i, x);
     for (PetscInt a = 0; a < scene->dim; a++) {
-      if (!scene->periodic[a]) continue;
+      if (!SceneIsPeriodic(scene, a)) continue;
       room = PetscMin(room, PetscMin(x[a] - scene->lo[a], scene->hi[a] - x[a]));
     }
     if (interior && room < cloud->ops->forms.reach) continue;

@@ -18,10 +18,10 @@ Setting CrowdBox(const char *name, PetscInt dim, PetscInt nx, PetscInt ny, Petsc
   scene->jitter  = 0.2;
   scene->seed    = 7;
   for (PetscInt a = 0; a < dim; a++) {
-    scene->lo[a]       = -0.3 + 0.7 * a;
-    scene->hi[a]       = scene->lo[a] + n[a] * scene->dx;
-    scene->cells[a]    = n[a];
-    scene->periodic[a] = a < n_periodic;
+    scene->lo[a]    = -0.3 + 0.7 * a;
+    scene->hi[a]    = scene->lo[a] + n[a] * scene->dx;
+    scene->cells[a] = n[a];
+    SceneSetAxis(scene, a, a < n_periodic ? &BoundaryPeriodic : &BoundaryWall);
   }
   return s;
 }
@@ -61,7 +61,7 @@ void CrowdMove(const Scene *scene, Particles *p, PetscReal length)
       const PetscReal margin = 0.3 * scene->dx;
 
       p->x[a][i] += length * CrowdNoise(p->id[i], a);
-      if (scene->periodic[a]) continue;
+      if (SceneIsPeriodic(scene, a)) continue;
       p->x[a][i] = PetscMin(PetscMax(p->x[a][i], scene->lo[a] + margin), scene->hi[a] - margin);
     }
   }
@@ -103,7 +103,7 @@ void CrowdCheckParticles(const Setting *s, const Particles *p, PetscReal *const 
       const PetscReal error = p->x[a][i] - all.x[dim * p->id[i] + a] - shift;
 
       misplaced += PetscAbsReal(error) > 1e-13;
-      if (!s->scene.periodic[a]) misplaced += shift != 0.0;
+      if (!SceneIsPeriodic(&s->scene, a)) misplaced += shift != 0.0;
     }
   }
   count[0] = p->n_fluid;
@@ -138,7 +138,8 @@ static PetscInt RowErrors(const Scene *scene, const Particles *p, const Neighbor
     sum_row += PetscSqrtReal(r2) * (1 + p->id[j]);
   }
   for (PetscInt a = 0; a < dim; a++) {
-    if (scene->periodic[a]) reach[a] = 2 + (PetscInt)(nb->radius / (scene->hi[a] - scene->lo[a]));
+    if (SceneIsPeriodic(scene, a))
+      reach[a] = 2 + (PetscInt)(nb->radius / (scene->hi[a] - scene->lo[a]));
   }
   for (PetscInt id = 0; id < all->n; id++) {
     if (all->found[id] == 0.0) continue;

@@ -176,14 +176,14 @@ static void CheckQuadratic(const WalledForms *forms, const char *where, Cloud *c
    */
 static void CheckTurning(const WalledForms *forms, const char *where, Cloud *cloud)
 {
-  Body     *body = &cloud->scene.bodies[0];
+  Boundary *circle = &cloud->scene.boundary[SceneBodySide(&cloud->scene, 0)];
   Quadratic u[3] = {{.c = 0.4}, {.c = -0.3}}, zero = {0};
 
   if (!forms->wall->Extend || !claims[ClaimOf(forms)].linear) return;
-  u[0].g[1]      = -1.0;
-  u[1].g[0]      = 1.0;
-  body->velocity = (Expression){.n = 2, .value = {u[0].c, u[1].c}};
-  body->rotation = ExpressionNumber(1.0 / cloud->scene.dx);
+  u[0].g[1]        = -1.0;
+  u[1].g[0]        = 1.0;
+  circle->velocity = (Expression){.n = 2, .value = {u[0].c, u[1].c}};
+  circle->rotation = ExpressionNumber(1.0 / cloud->scene.dx);
   WalledSetVelocity(cloud, u);
   for (PetscInt c = 0; c < 2; c++) {
     const Operators *ops = cloud->ops;
@@ -213,7 +213,7 @@ static void CheckVolume(const WalledForms *forms, const char *where, Cloud *clou
   PetscReal sum[2] = {p->n_fluid * dv, 0.0}, box = dv, frame = dv, hole = 0.0;
 
   for (PetscInt i = p->n_fluid; i < ParticlesOwn(p); i++) {
-    const PetscBool of_body = (PetscInt)p->side[i] >= 2 * scene->dim ? PETSC_TRUE : PETSC_FALSE;
+    const PetscBool of_body = BoundaryBody(scene, (PetscInt)p->side[i]) ? PETSC_TRUE : PETSC_FALSE;
 
     sum[of_body ? 0 : 1] += p->volume ? p->volume[i] : dv;
   }
@@ -223,7 +223,7 @@ static void CheckVolume(const WalledForms *forms, const char *where, Cloud *clou
     frame *= scene->cells[a] + 2.0 * layers - (forms->surface ? 1.0 : 0.0);
   }
   if (scene->n_bodies)
-    hole = PETSC_PI * PetscSqr(scene->bodies[0].parameter[2] - layers * scene->dx);
+    hole = PETSC_PI * PetscSqr(SceneBody(scene, 0)->parameter[2] - layers * scene->dx);
   CloudAssertNone("volume of the frame", where, PetscAbsReal(sum[1] - (frame - box)) > 1e-9 * box);
   if (!forms->surface) return; /* dummies alone leave a gap at curved walls */
   CloudAssertNone("volume inside", where,

@@ -20,7 +20,7 @@ static void CheckWalls(const Setting *s, const Particles *p)
     wrong += p->normal[axis][i] != (side % 2 ? -1.0 : 1.0);
     wrong += s->walls.layers > 0 && !s->walls.surface && p->depth[i] < 0.49 * s->scene.dx;
     for (PetscInt a = 0; a < p->dim; a++) {
-      if (s->scene.periodic[a]) continue;
+      if (SceneIsPeriodic(&s->scene, a)) continue;
       wrong +=
           p->depth[i] < PetscMax(s->scene.lo[a] - p->x[a][i], p->x[a][i] - s->scene.hi[a]) - 1e-12;
     }

@@ -24,6 +24,7 @@ static void Make(size_t k, PetscBool around, Scene *scene, Body *body)
 
   ASSERT_OK(PetscMemzero(scene, sizeof(*scene)));
   scene->dim = 2;
+  SceneSetSides(scene, &BoundaryWall);
   ASSERT_OK(TableWant(&ShapeTable, "test", samples[k].shape, &row));
   assert_null(BodySet(body, row, samples[k].n, samples[k].number));
   body->around = around;
@@ -168,8 +169,9 @@ static void test_images(void **state)
   ASSERT_OK(PetscMemzero(&plain, sizeof(plain)));
   plain.dim   = 2;
   plain.hi[0] = plain.hi[1] = 1.0;
-  periodic                  = plain;
-  periodic.periodic[0] = periodic.periodic[1] = PETSC_TRUE;
+  SceneSetSides(&plain, &BoundaryWall);
+  periodic = plain;
+  SceneSetSides(&periodic, &BoundaryPeriodic);
   ASSERT_OK(TableWant(&ShapeTable, "test", "polygon", &row));
   assert_null(BodySet(&body, row, 8, drop));
   for (PetscInt q = 0; q < 200; q++) {

@@ -66,8 +66,9 @@ static void MakeScene(PetscBool periodic, PetscBool body, Scene *scene)
   scene->hi[0] = scene->hi[1] = 1.0;
   scene->cells[0] = scene->cells[1] = 5;
   scene->physics                    = PHYSICS_WALLS;
-  scene->periodic[0]                = periodic;
-  if (body) BodyCircle(&scene->bodies[scene->n_bodies++], 0.5, 0.3, 0.05);
+  SceneSetSides(scene, &BoundaryWall);
+  if (periodic) SceneSetAxis(scene, 0, &BoundaryPeriodic);
+  if (body) BodyCircle(&SceneAddBody(scene)->body, 0.5, 0.3, 0.05);
 }
 
 /* Reads the file as in a run; returns the message of the error, or "". */

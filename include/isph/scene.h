@@ -23,18 +23,11 @@ typedef enum {
 #define PHYSICS_COUNT 5
 extern const char *const PhysicsNames[PHYSICS_COUNT]; /* bit order of Physics */
 
-/* A plane tangent to a wall at the point nearest to some x. */
-typedef struct {
-  PetscReal distance;             /* of x from the wall, positive in the fluid [m] */
-  PetscReal normal[ISPH_MAX_DIM]; /* unit, into the fluid */
-  PetscInt  side; /* 2 axis + (0 low, 1 high) of the box, then 2 dim + k of body k */
-} WallPlane;
-
-#define SCENE_MAX_BODIES 16
-#define WALL_NAME        16 /* letters of a wall's name */
-#define SCENE_MAX_PLANES (6 + SCENE_MAX_BODIES)
-#define BODY_PARAMETERS  64
-#define SCENE_MAX_FLUIDS 8
+#define SCENE_MAX_BODIES     16
+#define SCENE_MAX_BOUNDARIES (2 * ISPH_MAX_DIM + SCENE_MAX_BODIES)
+#define WALL_NAME            16 /* letters of a wall's name */
+#define BODY_PARAMETERS      64
+#define SCENE_MAX_FLUIDS     8
 
 /* Solid bodies in the plane; with `around`, the fluid is inside and the wall around it. */
 typedef struct Body Body;
@@ -57,8 +50,36 @@ struct Body {
   PetscReal       parameter[BODY_PARAMETERS]; /* of the shape [m] */
   PetscReal       centre[2], extent; /* of the body, and how far it reaches from there [m] */
   PetscBool       around;
-  Expression      velocity, rotation; /* of the surface, of t [m/s], [rad/s] */
 };
+
+/* Properties of a kind of boundary, by which all other code tells kinds apart. */
+typedef enum {
+  BOUNDARY_CONTINUES = 1 << 0, /* the fluid goes on at the opposite side */
+  BOUNDARY_CONFINES  = 1 << 1, /* fluid stays inside; particles on or behind it bear its values */
+  BOUNDARY_NO_SLIP   = 1 << 2  /* the fluid has the velocity of the boundary */
+} BoundaryProperty;
+
+typedef struct {
+  const char *name, *brief, *citation;
+  unsigned    properties; /* bits of BoundaryProperty */
+} BoundaryRow;
+extern const Table       BoundaryTable;
+extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundaryNone;
+
+/* A boundary of the fluid: a side of the box, or a body. */
+typedef struct {
+  const BoundaryRow *kind;
+  Body               body;     /* its geometry; unused by sides of the box */
+  Expression         velocity; /* of a side, of x, y, t, or of a body, of t [m/s] */
+  Expression         rotation; /* of a body about its centre, of t [rad/s] */
+} Boundary;
+
+/* A plane tangent to a boundary at the point nearest to some x. */
+typedef struct {
+  PetscReal distance;             /* of x from the boundary, positive in the fluid [m] */
+  PetscReal normal[ISPH_MAX_DIM]; /* unit, into the fluid */
+  PetscInt  side;                 /* the number of the boundary in Scene.boundary */
+} WallPlane;
 
 /*
   A case: geometry, initial and boundary values, exact solution or reference data. One file each in
@@ -72,11 +93,11 @@ typedef struct {
   PetscReal   reynolds_length;           /* the length in it, U length/nu [reference lengths] */
   PetscReal   t_end;                     /* default [L/U] */
   PetscInt    n;                         /* default particles along the reference length */
-  PetscErrorCode (*Setup)(Scene *scene); /* box, periodicity, walls, length, speed, nu, body */
+  PetscErrorCode (*Setup)(Scene *scene); /* box, boundaries, length, speed, nu, force */
   void (*Velocity)(const Scene *scene, PetscReal t, const PetscReal x[],
                    PetscReal u[]); /* at t=0 */
   void (*WallVelocity)(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
-                       PetscReal u[]); /* NULL: walls at rest */
+                       PetscReal u[]); /* of sides; NULL: Boundary.velocity, 0 if not given */
   void (*Exact)(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
                 PetscReal *p);                                 /* NULL: none; p may be left alone */
   PetscErrorCode (*Measure)(const Flow *flow, Report *report); /* adds the quantities of the case */
@@ -123,16 +144,15 @@ struct Scene {
   unsigned         physics; /* bits of Physics, after -with and -without */
   unsigned         without; /* bits that the user took away */
 
-  PetscInt         dim;                    /* 2 or 3 */
-  PetscInt         n;                      /* particles along the reference length */
-  PetscReal        dx;                     /* particle spacing at the start [m] */
-  PetscReal        lo[ISPH_MAX_DIM];       /* corners of the box [m] */
-  PetscReal        hi[ISPH_MAX_DIM];       /* */
-  PetscInt         cells[ISPH_MAX_DIM];    /* particles along each side of the box */
-  PetscBool        periodic[ISPH_MAX_DIM]; /* both sides of an axis, else walls */
-  PetscReal        length;                 /* reference length L [m] */
-  PetscReal        speed;                  /* reference speed U [m/s] */
-  PetscReal        rho;                    /* density [kg/m^3] */
+  PetscInt         dim;                 /* 2 or 3 */
+  PetscInt         n;                   /* particles along the reference length */
+  PetscReal        dx;                  /* particle spacing at the start [m] */
+  PetscReal        lo[ISPH_MAX_DIM];    /* corners of the box [m] */
+  PetscReal        hi[ISPH_MAX_DIM];    /* */
+  PetscInt         cells[ISPH_MAX_DIM]; /* particles along each side of the box */
+  PetscReal        length;              /* reference length L [m] */
+  PetscReal        speed;               /* reference speed U [m/s] */
+  PetscReal        rho;                 /* density [kg/m^3] */
   PetscReal        nu; /* kinematic viscosity; where it varies, that of Reynolds numbers [m^2/s] */
   PetscReal        nu_low, nu_high; /* its bounds over the fluid; nu where uniform [m^2/s] */
   PetscReal        body_force[ISPH_MAX_DIM]; /* body force per unit mass [m/s^2] */
@@ -141,19 +161,18 @@ struct Scene {
   Expression       velocity; /* typed: at the start, of x, y [m/s] */
   Expression       exact;    /* typed: reference solution u, v[, p], of x, y, t [m/s], [Pa] */
   Expression       force;    /* typed: in place of body, of x, y, t [m/s^2] */
-  Expression       side_velocity[4]; /* typed: of the sides of the box, of x, y, t [m/s] */
-  PetscBool        no_box_walls;     /* no walls on the box's sides: a body encloses the fluid */
-  Body             bodies[SCENE_MAX_BODIES];
-  PetscInt         n_bodies;
-  Expression       nu_field; /* typed: viscosity where no fluid below is, of x, y [m^2/s] */
-  Body             region[SCENE_MAX_FLUIDS];    /* of fluids 1, 2, ..., later ones over earlier */
-  PetscReal        region_nu[SCENE_MAX_FLUIDS]; /* their viscosities [m^2/s] */
-  PetscInt         n_regions;
-  Rheology         rheology;
-  PetscReal        jitter;         /* largest random displacement at the start [dx] */
-  PetscInt         seed;           /* of the jitter and of random fields */
-  PetscReal        solid_fraction; /* of an array of bodies [-] */
-  PetscReal        margin;         /* of a patch test: left out at each side [dx] */
+  /* sides of the box, 2 axis + (0 low, 1 high), then bodies, 2 dim + k */
+  Boundary   boundary[SCENE_MAX_BOUNDARIES];
+  PetscInt   n_bodies;
+  Expression nu_field; /* typed: viscosity where no fluid below is, of x, y [m^2/s] */
+  Body       region[SCENE_MAX_FLUIDS];    /* of fluids 1, 2, ..., later ones over earlier */
+  PetscReal  region_nu[SCENE_MAX_FLUIDS]; /* their viscosities [m^2/s] */
+  PetscInt   n_regions;
+  Rheology   rheology;
+  PetscReal  jitter;         /* largest random displacement at the start [dx] */
+  PetscInt   seed;           /* of the jitter and of random fields */
+  PetscReal  solid_fraction; /* of an array of bodies [-] */
+  PetscReal  margin;         /* of a patch test: left out at each side [dx] */
 };
 
 extern const Table       CaseTable; /* cases/cases.c */
@@ -168,11 +187,20 @@ PetscReal      SceneCellReynolds(const Scene *scene);
 PetscBool      SceneIsAsPosed(const Scene *scene);
 PetscBool      SceneMoves(const Scene *scene);
 PetscBool      SceneIsDrivenInTime(const Scene *scene);
-PetscInt       SceneWallCount(const Scene *scene);
-PetscBool      SceneIsWall(const Scene *scene, PetscInt side);
 void           SceneWallName(const Scene *scene, PetscInt side, char name[]);
 PetscReal      SceneCellSide(const Scene *scene, PetscInt axis); /* of the lattice, about dx [m] */
 PetscReal      SceneVolume(const Scene *scene); /* of every particle: its cell [m^dim] */
+void           SceneSetSide(Scene *scene, PetscInt side, const BoundaryRow *kind);
+void           SceneSetAxis(Scene *scene, PetscInt axis, const BoundaryRow *kind);
+void           SceneSetSides(Scene *scene, const BoundaryRow *kind);
+Boundary      *SceneAddBody(Scene *scene);
+PetscInt       SceneBodySide(const Scene *scene, PetscInt k);
+PetscInt       SceneBoundaries(const Scene *scene);
+const Body    *SceneBody(const Scene *scene, PetscInt k);
+const Body    *BoundaryBody(const Scene *scene, PetscInt side);
+PetscBool      BoundaryIs(const Scene *scene, PetscInt side, unsigned properties);
+PetscBool      SceneIsPeriodic(const Scene *scene, PetscInt axis);
+PetscBool      SceneIsClosedBox(const Scene *scene);
 void      SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                             PetscReal u[]);
 void      SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
@@ -200,6 +228,6 @@ PetscReal BodyPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], P
 PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,
                         PetscReal normal[]);
 void      SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
-                          WallPlane planes[SCENE_MAX_PLANES], PetscInt *count);
+                          WallPlane planes[SCENE_MAX_BOUNDARIES], PetscInt *count);
 
 #endif

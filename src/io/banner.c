@@ -59,7 +59,7 @@ static PetscErrorCode BannerThinBodies(const Flow *flow, PetscViewer viewer)
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
     PetscReal       place[2];
     const PetscReal reach = flow->ops->forms.radius,
-                    thin  = BodyThickness(&scene->bodies[k], scene->dx, reach, place);
+                    thin  = BodyThickness(SceneBody(scene, k), scene->dx, reach, place);
 
     if (thin >= reach) continue;
     PetscCall(PetscViewerASCIIPrintf(

@@ -40,7 +40,7 @@ static void SideSurface(const Scene *scene, PetscInt side, Surface *s)
 static PetscErrorCode SurfaceCreate(const Scene *scene, PetscInt side, Surface *s)
 {
   const PetscInt dim  = scene->dim;
-  const Body    *body = side < 2 * dim ? NULL : &scene->bodies[side - 2 * dim];
+  const Body    *body = BoundaryBody(scene, side);
 
   PetscFunctionBegin;
   s->n = body ? BodyPoints(body, scene->dx) : 1;
@@ -72,7 +72,7 @@ static PetscErrorCode ProbeAbove(const Flow *flow, PetscInt side, const Surface 
   for (PetscInt q = 0; q < s->n * dim; q++) raised[q] = s->x[q] + height * s->normal[q];
   PetscCall(ProbePoints(flow, s->n, raised, w, p));
   for (PetscInt k = 0; k < s->n; k++) {
-    const PetscReal *x = side < 2 * dim ? &s->x[k * dim] : &raised[k * dim];
+    const PetscReal *x = BoundaryBody(scene, side) ? &raised[k * dim] : &s->x[k * dim];
     PetscReal        wall[ISPH_MAX_DIM];
 
     SceneWallVelocity(scene, side, flow->clock->t, x, wall);
@@ -114,9 +114,11 @@ static PetscReal NormalVelocityDerivative(const Flow *flow, PetscInt side, Petsc
 /* What torques are about: a body's centre, or the middle of the box. */
 static void TorqueCentre(const Scene *scene, PetscInt side, PetscReal c[])
 {
+  const Body *body = BoundaryBody(scene, side);
+
   for (PetscInt a = 0; a < scene->dim; a++) {
     c[a] = 0.5 * (scene->lo[a] + scene->hi[a]);
-    if (side >= 2 * scene->dim && a < 2) c[a] = scene->bodies[side - 2 * scene->dim].centre[a];
+    if (body && a < 2) c[a] = body->centre[a];
   }
 }
 
@@ -190,7 +192,7 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
       const PetscInt q = k * dim + a;
 
       f[a] = s.area[k] * (scene->rho * nu[k]) * slope[q];
-      if (side < 2 * dim)
+      if (!BoundaryBody(scene, side))
         f[a] += s.area[k] * (scene->rho * nu[k]) *
                 NormalVelocityDerivative(flow, side, a, &s.x[k * dim]);
       if (!PetscIsNanReal(p[k])) f[a] -= s.area[k] * p[k] * s.normal[q];
@@ -209,11 +211,12 @@ static PetscErrorCode WriteForces(const Flow *flow, const Monitor *monitor)
   const Scene *scene = flow->scene;
 
   PetscFunctionBegin;
-  for (PetscInt side = 0; side < SceneWallCount(scene); side++) {
+  for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
     PetscReal F[ISPH_MAX_DIM] = {0.0}, T[ISPH_MAX_DIM] = {0.0};
     char      name[WALL_NAME];
 
-    if (!SceneIsWall(scene, side)) continue;
+    if (!SceneHas(scene, PHYSICS_WALLS)) continue;
+    if (!BoundaryIs(scene, side, BOUNDARY_CONFINES | BOUNDARY_NO_SLIP)) continue;
     PetscCall(WallForce(flow, side, F, T));
     SceneWallName(scene, side, name);
     if (!MonitorRow(flow, monitor)) continue;

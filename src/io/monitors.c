@@ -27,7 +27,7 @@ static PetscErrorCode CheckInBox(const Scene *scene, const char option[], PetscI
     const PetscInt  place = k % group, a = place % scene->dim;
     const PetscReal slack = 1e-9 * scene->dx;
 
-    if (place >= group / scene->dim * scene->dim || scene->periodic[a]) continue;
+    if (place >= group / scene->dim * scene->dim || SceneIsPeriodic(scene, a)) continue;
     UserCheck(number[k] >= scene->lo[a] - slack && number[k] <= scene->hi[a] + slack,
               "%s: %c = %.6g lies outside the box, which reaches from %.6g to %.6g", option,
               "xyz"[a], (double)number[k], (double)scene -> lo[a], (double)scene -> hi[a]);

@@ -188,7 +188,7 @@ static PetscBool ProbeOwns(const Flow *flow, PetscReal x[])
   for (PetscInt a = 0; a < p->dim; a++) {
     const PetscReal lo = scene->lo[a], period = scene->hi[a] - lo;
 
-    if (scene->periodic[a] && !(x[a] >= lo && x[a] < scene->hi[a])) {
+    if (SceneIsPeriodic(scene, a) && !(x[a] >= lo && x[a] < scene->hi[a])) {
       x[a] -= period * PetscFloorReal((x[a] - lo) / period);
       if (!(x[a] >= lo && x[a] < scene->hi[a])) x[a] = lo; /* rounding */
     }

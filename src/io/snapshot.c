@@ -119,7 +119,7 @@ static void GatherPositions(const Scene *scene, const Particles *p, double rows[
   for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
     for (PetscInt a = 0; a < p->dim; a++) {
       const PetscReal lo = scene->lo[a], period = scene->hi[a] - lo, x = p->x[a][i];
-      const PetscReal turns = scene->periodic[a] ? PetscFloorReal((x - lo) / period) : 0.0;
+      const PetscReal turns = SceneIsPeriodic(scene, a) ? PetscFloorReal((x - lo) / period) : 0.0;
 
       rows[i * p->dim + a] = (double)(x - turns * period);
     }

@@ -53,7 +53,7 @@ void ConcentrationRow(const Scene *scene, const KernelRow *kernel, PetscReal h, 
 {
   const PetscReal volume = SceneVolume(scene), origin[ISPH_MAX_DIM] = {0.0};
   PetscReal       w[3], sum[ISPH_MAX_DIM]                           = {0.0};
-  WallPlane       planes[SCENE_MAX_PLANES];
+  WallPlane       planes[SCENE_MAX_BOUNDARIES];
   PetscInt        n_planes = 0;
 
   KernelEvaluate(kernel, st->dim, h, 0.0, w);

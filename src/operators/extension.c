@@ -81,7 +81,7 @@ static PetscBool ExtensionPlace(const Particles *p, PetscInt i, Extension *ext)
     ext->x[a]      = p->x[a][i];
     ext->normal[a] = p->normal[a][i];
     ext->edge[a]   = ext->wall_point[a];
-    if (!scene->periodic[a])
+    if (!SceneIsPeriodic(scene, a))
       ext->edge[a] = PetscMin(PetscMax(ext->wall_point[a], scene->lo[a]), scene->hi[a]);
     d2 += PetscSqr(ext->x[a] - ext->edge[a]);
   }

@@ -56,7 +56,7 @@ static void SideShares(Stencil *st, PetscInt side)
 /* WallPointShares - Fills share of all wall neighbours that are dummies; not collective */
 void WallPointShares(const Operators *ops, Stencil *st)
 {
-  PetscBool done[SCENE_MAX_PLANES] = {PETSC_FALSE};
+  PetscBool done[SCENE_MAX_BOUNDARIES] = {PETSC_FALSE};
 
   if (!HasWallPoints(st, ops)) return;
   for (PetscInt k = 0; k < st->n; k++) {
@@ -85,7 +85,7 @@ void WallPointShares(const Operators *ops, Stencil *st)
 const PetscReal *WallWeights(const Stencil *st, const Operators *ops, PetscInt width,
                              const PetscReal w[])
 {
-  PetscReal excess[SCENE_MAX_PLANES] = {0.0}, *b = ops->work->wall_w;
+  PetscReal excess[SCENE_MAX_BOUNDARIES] = {0.0}, *b = ops->work->wall_w;
 
   if (!HasWallPoints(st, ops)) return w;
   for (PetscInt e = 0; e < width; e++) {

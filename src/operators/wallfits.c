@@ -317,7 +317,7 @@ PetscErrorCode WallCheck_Channel(const Scene *scene)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) {
     x[a] = 0.5 * (scene->lo[a] + scene->hi[a]);
-    if (scene->periodic[a]) continue;
+    if (SceneIsPeriodic(scene, a)) continue;
     walled++;
     axis = a;
   }
@@ -328,8 +328,7 @@ PetscErrorCode WallCheck_Channel(const Scene *scene)
       scene->problem->name);
   for (PetscInt end = 0; end < 2; end++) {
     x[axis] = end ? scene->hi[axis] : scene->lo[axis];
-    if (scene->problem->typed &&
-        ExpressionUses(&scene->side_velocity[2 * axis + end], EXPRESSION_PLACE))
+    if (ExpressionUses(&scene->boundary[2 * axis + end].velocity, EXPRESSION_PLACE))
       varies = PETSC_TRUE;
     SceneWallVelocity(scene, 2 * axis + end, 0.0, x, u[end]);
   }

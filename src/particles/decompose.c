@@ -272,8 +272,8 @@ PetscErrorCode ParticlesDecompose(const Scene *scene, Particles *p, PetscInt own
     PetscCall(FindOwners(p, ranks, owner, &imbalance));
   }
   for (PetscInt a = 0; a < p->dim; a++) {
-    p->lo[a] = scene->periodic[a] ? scene->lo[a] : PETSC_NINFINITY;
-    p->hi[a] = scene->periodic[a] ? scene->hi[a] : PETSC_INFINITY;
+    p->lo[a] = SceneIsPeriodic(scene, a) ? scene->lo[a] : PETSC_NINFINITY;
+    p->hi[a] = SceneIsPeriodic(scene, a) ? scene->hi[a] : PETSC_INFINITY;
   }
   CutOutBox(p, ranks, rank, rank + 1, p->lo, p->hi);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -32,7 +32,7 @@ static PetscErrorCode WrapPeriodic(const Scene *scene, Particles *p)
     const PetscReal lo = scene->lo[a], hi = scene->hi[a], period = hi - lo;
     PetscReal      *x = p->x[a];
 
-    if (!scene->periodic[a]) continue;
+    if (!SceneIsPeriodic(scene, a)) continue;
     for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
       if (x[i] >= lo && x[i] < hi) continue;
       x[i] -= period * PetscFloorReal((x[i] - lo) / period);

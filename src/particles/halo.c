@@ -88,7 +88,7 @@ static PetscErrorCode ListImages(const Scene *scene, const Particles *p, HaloLis
 
       if (x - reach >= p->lo[a] && x + reach < p->hi[a]) continue;
       inside = PETSC_FALSE;
-      if (!scene->periodic[a]) continue;
+      if (!SceneIsPeriodic(scene, a)) continue;
       first[a] = (PetscInt)PetscCeilReal((scene->lo[a] - reach - x) / period);
       last[a]  = (PetscInt)PetscFloorReal((scene->hi[a] + reach - x) / period);
     }

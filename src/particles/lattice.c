@@ -45,9 +45,9 @@ static PetscErrorCode WallSlabsCreate(const Scene *scene, WallPlacement walls, W
     const PetscInt axis = side / 2, s = slabs->n;
     PetscInt       total = 0;
 
-    if (scene->periodic[axis] || scene->no_box_walls || !SceneHas(scene, PHYSICS_WALLS)) continue;
+    if (!BoundaryIs(scene, side, BOUNDARY_CONFINES) || !SceneHas(scene, PHYSICS_WALLS)) continue;
     for (PetscInt b = 0; b < scene->dim; b++) {
-      const PetscInt extra = b < axis && !scene->periodic[b] ? k : 0;
+      const PetscInt extra = b < axis && !SceneIsPeriodic(scene, b) ? k : 0;
       slabs->begin[s][b]   = -extra;
       slabs->count[s][b]   = scene->cells[b] + 2 * extra;
     }
@@ -133,7 +133,7 @@ static void JitterFluid(const Scene *scene, WallPlacement walls, PetscInt64 id, 
     const PetscReal side = scene->hi[a] - scene->lo[a], h = SceneCellSide(scene, a);
 
     x[a] += scene->jitter * scene->dx * ParticlesHash(scene->seed, id, a);
-    if (scene->periodic[a]) x[a] -= side * PetscFloorReal((x[a] - scene->lo[a]) / side);
+    if (SceneIsPeriodic(scene, a)) x[a] -= side * PetscFloorReal((x[a] - scene->lo[a]) / side);
     else if (!walls.jittered)
       x[a] = PetscMin(PetscMax(x[a], scene->lo[a] + 0.3 * h), scene->hi[a] - 0.3 * h);
   }
@@ -174,7 +174,7 @@ static void WallParticle(const Scene *scene, WallPlacement walls, const WallSlab
 
     p->x[a][i] = WallCoordinate(scene, walls, a, slabs->begin[s][a] + cell[a], &share);
     volume *= share;
-    if (walls.layers == 0 || scene->periodic[a]) continue;
+    if (walls.layers == 0 || SceneIsPeriodic(scene, a)) continue;
     below = scene->lo[a] - p->x[a][i];
     above = p->x[a][i] - scene->hi[a];
     if (PetscMax(below, above) > deepest + 1e-6 * scene->dx) {
@@ -238,7 +238,7 @@ static void BodyParticle(const Scene *scene, PetscInt body, const PetscReal x[],
     p->normal[a][i] = normal[a];
   }
   p->depth[i] = depth;
-  p->side[i]  = (PetscReal)(2 * scene->dim + body);
+  p->side[i]  = (PetscReal)SceneBodySide(scene, body);
   p->id[i]    = id;
   p->kind[i]  = PARTICLE_WALL;
   if (p->volume) p->volume[i] = volume;
@@ -250,7 +250,7 @@ static PetscInt SurfacePoints(const Scene *scene, WallPlacement walls)
   PetscInt n = 0;
 
   if (walls.layers && !walls.surface) return 0;
-  for (PetscInt k = 0; k < scene->n_bodies; k++) n += BodyPoints(&scene->bodies[k], scene->dx);
+  for (PetscInt k = 0; k < scene->n_bodies; k++) n += BodyPoints(SceneBody(scene, k), scene->dx);
   return n;
 }
 
@@ -265,9 +265,9 @@ static void SurfaceParticle(const Scene *scene, WallPlacement walls, PetscInt in
   PetscReal       x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM], length;
   PetscInt        k = 0;
 
-  while (index >= BodyPoints(&scene->bodies[k], scene->dx))
-    index -= BodyPoints(&scene->bodies[k++], scene->dx);
-  length = BodyPoint(&scene->bodies[k], index, scene->dx, x, normal);
+  while (index >= BodyPoints(SceneBody(scene, k), scene->dx))
+    index -= BodyPoints(SceneBody(scene, k++), scene->dx);
+  length = BodyPoint(SceneBody(scene, k), index, scene->dx, x, normal);
   BodyParticle(scene, k, x, 0.0, normal, length * band, id, p, i);
 }
 
@@ -313,7 +313,7 @@ static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
 {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    const Body     *body = &scene->bodies[k];
+    const Body     *body = SceneBody(scene, k);
     const PetscReal want = walls.layers * scene->dx;
 
     for (PetscInt a = 0; a < 2 && body->around; a++) {

@@ -74,7 +74,7 @@ static PetscInt PlaceFault(const Scene *scene, const FluidStart *start, PetscInt
     const PetscReal lo = scene->lo[a], side = scene->hi[a] - lo;
 
     if (PetscIsInfOrNanReal(x[a]) || (u && PetscIsInfOrNanReal(u[a]))) return PLACE_NOT_FINITE;
-    if (scene->periodic[a]) x[a] -= side * PetscFloorReal((x[a] - lo) / side);
+    if (SceneIsPeriodic(scene, a)) x[a] -= side * PetscFloorReal((x[a] - lo) / side);
     else if (x[a] <= lo || x[a] >= scene->hi[a]) return PLACE_OUTSIDE;
   }
   if (SceneDistance(scene, x, &body, normal) <= 0.0) return PLACE_IN_BODY;

@@ -42,8 +42,10 @@ PetscErrorCode CheckpointScene(const Scene *scene, double numbers[SCENE_NUMBERS]
   }
   numbers[SCENE_NUMBERS - 3] = scene->dx;
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    CheckpointSumText(scene->bodies[k].shape->name, &bodies);
-    CheckpointSumNumbers(scene->bodies[k].n, scene->bodies[k].parameter, &bodies);
+    const Body *body = SceneBody(scene, k);
+
+    CheckpointSumText(body->shape->name, &bodies);
+    CheckpointSumNumbers(body->n, body->parameter, &bodies);
   }
   numbers[SCENE_NUMBERS - 2] = (double)(bodies >> 16); /* a double holds 48 bits exactly */
   if (SceneViscosityVaries(scene) && SceneIsNewtonian(scene)) {

@@ -32,8 +32,12 @@ static PetscBool IsInFluid(const Scene *scene, const PetscReal x[])
   PetscReal normal[ISPH_MAX_DIM];
   PetscInt  body;
 
-  for (PetscInt a = 0; a < scene->dim && !scene->no_box_walls; a++) {
-    if (!scene->periodic[a] && (x[a] < scene->lo[a] || x[a] > scene->hi[a])) return PETSC_FALSE;
+  for (PetscInt side = 0; side < SceneBodySide(scene, 0); side++) {
+    const PetscInt a = side / 2;
+
+    if (BoundaryIs(scene, side, BOUNDARY_CONFINES) &&
+        (side % 2 ? x[a] > scene->hi[a] : x[a] < scene->lo[a]))
+      return PETSC_FALSE;
   }
   return SceneDistance(scene, x, &body, normal) >= 0.0 ? PETSC_TRUE : PETSC_FALSE;
 }

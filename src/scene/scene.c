@@ -230,6 +230,7 @@ PetscErrorCode SceneCreate(Scene **scene)
   PetscCall(TableSelect(&CaseTable, "-case", "What to compute", "cavity", &s->problem));
   PetscCall(SceneReadPhysics(PetscOptionsObject, s));
   PetscCall(SceneReadNumbers(PetscOptionsObject, s));
+  SceneSetSides(s, &BoundaryWall);
   if (!s->problem->patch) PetscCall(SceneReadRheology(PetscOptionsObject, s));
   if (SceneHas(s, PHYSICS_CONVECTION)) {
     PetscCall(
@@ -264,117 +265,6 @@ PetscErrorCode SceneDestroy(Scene **scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SceneWallVelocity - Velocity of a wall at a point of its surface [m/s]
-
-  Not collective. Zero where the case moves no wall.
-*/
-void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
-                       PetscReal u[])
-{
-  for (PetscInt c = 0; c < scene->dim; c++) u[c] = 0.0;
-  if (side >= 2 * scene->dim) {
-    const Body     *body = &scene->bodies[side - 2 * scene->dim];
-    const PetscReal w    = ExpressionValue(&body->rotation, 0, t, NULL);
-    PetscReal       r[2];
-
-    BodyArm(scene, body, x, r);
-    u[0] = ExpressionValue(&body->velocity, 0, t, NULL) - w * r[1];
-    u[1] = ExpressionValue(&body->velocity, 1, t, NULL) + w * r[0];
-    return;
-  }
-  if (scene->problem->WallVelocity) scene->problem->WallVelocity(scene, side, t, x, u);
-}
-
-/*
-  SceneWallAcceleration - Acceleration of the wall's matter at a point of its surface [m/s^2]
-
-    a = dV/dt + dw/dt z x (x - c) - w^2 (x - c)
-
-  of a body, the last term only where the fluid has u.grad u to go with it; of a side of a typed box
-  dV/dt along its normal: sides do not turn, and what they gain along themselves is none of the
-  pressure's business. Not collective. Derivatives are centred differences (ExpressionRate()) over
-  2e-5 L/U.
-*/
-void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
-                           PetscReal a[])
-{
-  const PetscReal tau = scene->length / scene->speed;
-
-  for (PetscInt c = 0; c < scene->dim; c++) a[c] = 0.0;
-  if (side >= 2 * scene->dim) {
-    const Body     *body = &scene->bodies[side - 2 * scene->dim];
-    const PetscReal w    = SceneHas(scene, PHYSICS_CONVECTION)
-                               ? ExpressionValue(&body->rotation, 0, t, NULL)
-                               : 0.0,
-                    spin = ExpressionRate(&body->rotation, 0, t, NULL, tau);
-    PetscReal r[2];
-
-    BodyArm(scene, body, x, r);
-    for (PetscInt c = 0; c < 2; c++)
-      a[c] = ExpressionRate(&body->velocity, c, t, NULL, tau) - PetscSqr(w) * r[c];
-    a[0] -= spin * r[1];
-    a[1] += spin * r[0];
-  } else if (scene->problem->typed) {
-    a[side / 2] = ExpressionRate(&scene->side_velocity[side], side / 2, t, x, tau);
-  }
-}
-
-/* How far from a body's centre the box reaches [m]. */
-static PetscReal Reach(const Scene *scene, const Body *body)
-{
-  PetscReal sum = 0.0;
-
-  for (PetscInt a = 0; a < 2; a++)
-    sum += PetscSqr(PetscMax(body->centre[a] - scene->lo[a], scene->hi[a] - body->centre[a]));
-  return PetscSqrtReal(sum);
-}
-
-/*
-  SceneWallSpeedBound - Bounds the flow that a wall makes by its velocity at a surface point [m/s]
-
-  Not collective. A wall that slides along itself drags fluid no faster than it goes, but a stiff
-  fluid may turn with a body as far as the box reaches. One that moves along its normal squeezes
-  fluid through gaps at any speed: infinite.
-*/
-PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal x[],
-                              const PetscReal normal[], const PetscReal u[])
-{
-  PetscReal speed2 = 0.0, through = 0.0, arm[2];
-
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    speed2 += PetscSqr(u[a]);
-    through += side < 2 * scene->dim ? (a == side / 2) * u[a] : normal[a] * u[a];
-  }
-  if (PetscSqr(through) > 1e-6 * speed2) return PETSC_INFINITY;
-  if (side >= 2 * scene->dim && speed2 > 0.0) {
-    const Body *body = &scene->bodies[side - 2 * scene->dim];
-
-    BodyArm(scene, body, x, arm);
-    if (!body->around)
-      speed2 *= PetscSqr(Reach(scene, body)) / (PetscSqr(arm[0]) + PetscSqr(arm[1]));
-  }
-  return PetscSqrtReal(speed2);
-}
-
-/*
-  SceneDecayRate - At least how fast a flow between walls at rest dies [1/s]
-
-    d|u|/dt <= -nu (pi/W)^2 |u|,  W the distance of the closest pair of sides that are walls
-
-  in root mean squares (Poincare's inequality); zero without such a pair or without viscosity. Not
-  collective.
-*/
-PetscReal SceneDecayRate(const Scene *scene)
-{
-  PetscReal width = PETSC_INFINITY;
-
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    if (!scene->periodic[a]) width = PetscMin(width, scene->hi[a] - scene->lo[a]);
-  }
-  return SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low * PetscSqr(PETSC_PI / width) : 0.0;
-}
-
 /* SceneIsDrivenInTime - Returns true if a wall's velocity or the body force depends on time */
 PetscBool SceneIsDrivenInTime(const Scene *scene)
 {
@@ -388,44 +278,4 @@ void SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x[], PetscR
 {
   for (PetscInt a = 0; a < scene->dim; a++)
     f[a] = scene->force.n ? ExpressionValue(&scene->force, a, t, x) : scene->body_force[a];
-}
-
-/*
-  SceneWallPlanes - Tangent planes of all walls nearer to x than reach
-
-  Not collective. Used where geometry, not particles, decides: mirror images, the distance kept from
-  walls, the extrapolation of wall velocities.
-
-  Input Parameters:
-+ x     - a point [m]
-- reach - [m]
-
-  Output Parameters:
-+ planes - one for each wall in reach
-- count  - how many
-*/
-void SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
-                     WallPlane planes[SCENE_MAX_PLANES], PetscInt *count)
-{
-  *count = 0;
-  if (!SceneHas(scene, PHYSICS_WALLS)) return;
-  for (PetscInt side = 0; side < 2 * scene->dim; side++) {
-    const PetscInt  a        = side / 2;
-    const PetscReal distance = side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
-    WallPlane      *plane    = &planes[*count];
-
-    if (scene->periodic[a] || scene->no_box_walls || distance >= reach) continue;
-    plane->distance = distance;
-    plane->side     = side;
-    for (PetscInt c = 0; c < ISPH_MAX_DIM; c++) plane->normal[c] = 0.0;
-    plane->normal[a] = side % 2 ? -1.0 : 1.0;
-    (*count)++;
-  }
-  for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    WallPlane *plane = &planes[*count];
-
-    plane->distance = BodyDistance(scene, &scene->bodies[k], x, plane->normal);
-    plane->side     = 2 * scene->dim + k;
-    if (plane->distance < reach) (*count)++;
-  }
 }

@@ -318,7 +318,7 @@ static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscR
     PetscReal       span[2], middle;
 
     base[a] = x[a];
-    if (!scene->periodic[a]) continue;
+    if (!SceneIsPeriodic(scene, a)) continue;
     BodySpan(body, a, span);
     middle = 0.5 * (span[0] + span[1]);
     base[a] -= period * PetscFloorReal((x[a] - middle) / period + 0.5);
@@ -388,22 +388,4 @@ PetscReal BodyPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], P
   length = body->shape->Point(body, k, dx, x, normal);
   for (PetscInt a = 0; body->around && a < 2; a++) normal[a] = -normal[a];
   return length;
-}
-
-/* SceneDistance - Distance of x from the nearest body, and which; infinite without bodies [m] */
-PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,
-                        PetscReal normal[])
-{
-  PetscReal best = PETSC_INFINITY, n[ISPH_MAX_DIM];
-
-  *nearest = -1;
-  for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    const PetscReal distance = BodyDistance(scene, &scene->bodies[k], x, n);
-
-    if (distance >= best) continue;
-    best     = distance;
-    *nearest = k;
-    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) normal[a] = n[a];
-  }
-  return best;
 }

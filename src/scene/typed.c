@@ -44,9 +44,10 @@ static PetscErrorCode ReadShape(const char option[], const char text[], Body *bo
   The body stays where it is. A velocity of its surface that has a part normal to it and lasts would
   carry fluid through it; with t in it, it may be that of motions small against the body.
 */
-static PetscErrorCode CheckBodyMotion(const Scene *scene, const Body *body)
+static PetscErrorCode CheckBodyMotion(const Scene *scene, const Boundary *boundary)
 {
-  const Expression *v = &body->velocity, *w = &body->rotation;
+  const Expression *v = &boundary->velocity, *w = &boundary->rotation;
+  const Body       *body = &boundary->body;
 
   PetscFunctionBegin;
   if (!SceneHas(scene, PHYSICS_CONVECTION)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -64,22 +65,22 @@ static PetscErrorCode CheckBodyMotion(const Scene *scene, const Body *body)
 
 /* Velocity and rotation of the surface of body k. */
 static PetscErrorCode ReadBodyMotion(OptionItems PetscOptionsObject, PetscInt k, Scene *scene,
-                                     Body *body)
+                                     Boundary *boundary)
 {
   char option[64];
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_body_%" PetscInt_FMT "_velocity", k));
   PetscCall(ExpressionRead(scene->scope, option, "Velocity u,v of its surface, of t [m/s]", 2, 2,
-                           EXPRESSION_TIME, &body->velocity, NULL));
+                           EXPRESSION_TIME, &boundary->velocity, NULL));
   PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_body_%" PetscInt_FMT "_rotation", k));
   PetscCall(ExpressionRead(scene->scope, option,
                            "Rotation rate of its surface about its centre, of t [rad/s]", 1, 1,
-                           EXPRESSION_TIME, &body->rotation, NULL));
-  if (ExpressionUses(&body->velocity, EXPRESSION_TIME) ||
-      ExpressionUses(&body->rotation, EXPRESSION_TIME))
+                           EXPRESSION_TIME, &boundary->rotation, NULL));
+  if (ExpressionUses(&boundary->velocity, EXPRESSION_TIME) ||
+      ExpressionUses(&boundary->rotation, EXPRESSION_TIME))
     scene->unsteady_walls = PETSC_TRUE;
-  PetscCall(CheckBodyMotion(scene, body));
+  PetscCall(CheckBodyMotion(scene, boundary));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -107,7 +108,7 @@ static PetscErrorCode ReadBodies(OptionItems PetscOptionsObject, Scene *scene)
 {
   PetscFunctionBegin;
   for (PetscInt k = 1; k <= SCENE_MAX_BODIES; k++) {
-    Body     *body = &scene->bodies[scene->n_bodies];
+    Boundary *boundary;
     char      option[64], text[SHAPE_TEXT] = "";
     PetscBool given;
 
@@ -116,12 +117,14 @@ static PetscErrorCode ReadBodies(OptionItems PetscOptionsObject, Scene *scene)
                                  "A body: circle,cx,cy,r | box,x0,y0,x1,y1 | polygon,x0,y0,...", "",
                                  text, text, sizeof(text), &given));
     if (!given) break;
-    PetscCall(ReadShape(option, text, body));
-    PetscCall(ReadBodyMotion(PetscOptionsObject, k, scene, body));
+    boundary = SceneAddBody(scene);
+    PetscCall(ReadShape(option, text, &boundary->body));
+    PetscCall(ReadBodyMotion(PetscOptionsObject, k, scene, boundary));
     PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_body_%" PetscInt_FMT "_around", k));
-    PetscCall(OptionSwitch(option, "The fluid is inside it", &body->around));
-    if (body->around) scene->no_box_walls = PETSC_TRUE;
-    scene->n_bodies++;
+    PetscCall(OptionSwitch(option, "The fluid is inside it", &boundary->body.around));
+    for (PetscInt a = 0; boundary->body.around && a < scene->dim; a++) {
+      if (!SceneIsPeriodic(scene, a)) SceneSetAxis(scene, a, &BoundaryNone);
+    }
   }
   PetscCall(CheckNumbers("body", scene->n_bodies, SCENE_MAX_BODIES));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -135,9 +138,9 @@ static PetscErrorCode CheckImages(const Scene *scene)
     for (PetscInt a = 0; a < 2; a++) {
       PetscReal span[2], gap;
 
-      BodySpan(&scene->bodies[k], a, span);
+      BodySpan(SceneBody(scene, k), a, span);
       gap = scene->hi[a] - scene->lo[a] - (span[1] - span[0]);
-      UserCheck(!scene->periodic[a] || gap >= 4.0 * scene->dx,
+      UserCheck(!SceneIsPeriodic(scene, a) || gap >= 4.0 * scene->dx,
                 "-scene_body_%" PetscInt_FMT
                 ": along %c its periodic image is %.3g away; less than 4 dx = %.3g, or "
                 "overlapping; use a larger -n",
@@ -153,18 +156,20 @@ static PetscErrorCode CheckGaps(const Scene *scene)
   PetscFunctionBegin;
   PetscCall(CheckImages(scene));
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    const Body *body = &scene->bodies[k];
+    const Body *body = SceneBody(scene, k);
 
     for (PetscInt q = 0; q < BodyPoints(body, scene->dx); q++) {
       PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM], gap = PETSC_INFINITY, other[ISPH_MAX_DIM];
 
       (void)BodyPoint(body, q, scene->dx, x, normal);
       for (PetscInt m = 0; m < scene->n_bodies; m++) {
-        if (m != k) gap = PetscMin(gap, BodyDistance(scene, &scene->bodies[m], x, other));
+        if (m != k) gap = PetscMin(gap, BodyDistance(scene, SceneBody(scene, m), x, other));
       }
-      for (PetscInt a = 0; a < 2 && !scene->no_box_walls; a++) {
-        if (!scene->periodic[a])
-          gap = PetscMin(gap, PetscMin(x[a] - scene->lo[a], scene->hi[a] - x[a]));
+      for (PetscInt side = 0; side < 4; side++) {
+        const PetscInt a = side / 2;
+
+        if (BoundaryIs(scene, side, BOUNDARY_CONFINES))
+          gap = PetscMin(gap, side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a]);
       }
       UserCheck(
           gap >= 4.0 * scene->dx,
@@ -182,11 +187,11 @@ static PetscErrorCode ReadSides(OptionItems PetscOptionsObject, Scene *scene)
 {
   PetscFunctionBegin;
   for (PetscInt side = 0; side < 4; side++) {
-    Expression    *v      = &scene->side_velocity[side];
+    Expression    *v      = &scene->boundary[side].velocity;
     const PetscInt normal = side / 2;
     char           option[64];
 
-    if (scene->periodic[normal]) continue;
+    if (!BoundaryIs(scene, side, BOUNDARY_CONFINES | BOUNDARY_NO_SLIP)) continue;
     PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_wall_%s_velocity", SideNames[side]));
     PetscCall(ExpressionRead(scene->scope, option,
                              "Velocity u,v of a side of the box, of x, y, t [m/s]", 2, 2,
@@ -213,7 +218,7 @@ static PetscErrorCode CheckInflow(const Scene *scene, PetscReal t)
     const PetscInt  normal = side / 2, along = 1 - normal;
     const PetscReal piece = (scene->hi[along] - scene->lo[along]) / 1000.0;
 
-    if (scene->periodic[normal]) continue;
+    if (!BoundaryIs(scene, side, BOUNDARY_CONFINES)) continue;
     for (PetscInt k = 0; k < 1000; k++) {
       PetscReal x[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM];
 
@@ -323,21 +328,19 @@ PetscErrorCode SceneReadTyped(OptionItems PetscOptionsObject, Scene *scene)
   UserCheck(!given || n == 4, "-scene_box: 4 numbers are wanted, got %" PetscInt_FMT, n);
   PetscCall(OptionFlags("-scene_periodic", "Periodic axes", axes, 2, &periodic));
   for (PetscInt a = 0; a < 2; a++) {
-    scene->lo[a]       = box[a];
-    scene->hi[a]       = box[2 + a];
-    scene->periodic[a] = (periodic & (1u << a)) ? PETSC_TRUE : PETSC_FALSE;
+    scene->lo[a] = box[a];
+    scene->hi[a] = box[2 + a];
+    if (periodic & (1u << a)) SceneSetAxis(scene, a, &BoundaryPeriodic);
     UserCheck(box[2 + a] - box[a] >= 4.0 * scene->dx,
               "-scene_box: it is %.4g wide along %s; at least 4 dx = %.4g is allowed",
               (double)(box[2 + a] - box[a]), axes[a], (double)(4.0 * scene->dx));
   }
   PetscCall(ReadBodies(PetscOptionsObject, scene));
-  if (!scene->no_box_walls) {
-    PetscCall(ReadSides(PetscOptionsObject, scene));
-    PetscCall(CheckInflow(scene, 0.0));
-    PetscCall(CheckInflow(scene, 0.125 * scene->length / scene->speed)); /* what is at rest first */
-  }
+  PetscCall(ReadSides(PetscOptionsObject, scene));
+  PetscCall(CheckInflow(scene, 0.0));
+  PetscCall(CheckInflow(scene, 0.125 * scene->length / scene->speed)); /* what is at rest first */
   PetscCall(CheckGaps(scene));
-  if (scene->periodic[0] && scene->periodic[1] && !scene->n_bodies)
+  if (SceneIsPeriodic(scene, 0) && SceneIsPeriodic(scene, 1) && !scene->n_bodies)
     scene->physics &= ~(unsigned)PHYSICS_WALLS;
   PetscCall(ReadFluids(PetscOptionsObject, scene));
   PetscCall(ReadFields(PetscOptionsObject, scene));

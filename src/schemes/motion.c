@@ -10,7 +10,7 @@
 static void KeepOffWalls(const Scene *scene, PetscReal x[])
 {
   const PetscReal clearance = 0.3 * scene->dx;
-  WallPlane       planes[SCENE_MAX_PLANES];
+  WallPlane       planes[SCENE_MAX_BOUNDARIES];
   PetscInt        n;
 
   SceneWallPlanes(scene, x, clearance, planes, &n);

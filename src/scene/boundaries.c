@@ -1,0 +1,283 @@
+/*
+  Boundaries of the fluid: the kinds there are, and the questions that all other code asks of them.
+  The boundaries of a scene are numbered: sides of the box, 2 axis + (0 low, 1 high), then bodies.
+*/
+#include "isph/scene.h"
+
+const BoundaryRow BoundaryWall = {
+    .name       = "wall",
+    .brief      = "solid surface without slip; the default for the sides of a box, and of bodies",
+    .citation   = "",
+    .properties = BOUNDARY_CONFINES | BOUNDARY_NO_SLIP,
+};
+const BoundaryRow BoundaryPeriodic = {
+    .name       = "periodic",
+    .brief      = "fluid that leaves through one side comes in through the opposite one",
+    .citation   = "",
+    .properties = BOUNDARY_CONTINUES,
+};
+/* The fluid at rest in the solid, an extension of the flow by zero, has no slip there. */
+const BoundaryRow BoundaryNone = {
+    .name       = "none",
+    .brief      = "side in the solid of a body around the fluid",
+    .citation   = "",
+    .properties = BOUNDARY_NO_SLIP,
+};
+
+static const BoundaryRow *const kinds[] = {&BoundaryWall, &BoundaryPeriodic, &BoundaryNone};
+const Table                     BoundaryTable =
+    TABLE_OF_POINTERS("-scene_periodic, -scene_body_<k>_around", "Kinds of boundaries", kinds);
+
+const char *const SideNames[2 * ISPH_MAX_DIM] = {"left", "right", "bottom", "top", "back", "front"};
+
+/* SceneSetSide - Sets the kind of one side of the box; not collective */
+void SceneSetSide(Scene *scene, PetscInt side, const BoundaryRow *kind)
+{
+  scene->boundary[side].kind = kind;
+}
+
+/* SceneSetAxis - Sets the kind of both sides of the box along an axis; not collective */
+void SceneSetAxis(Scene *scene, PetscInt axis, const BoundaryRow *kind)
+{
+  for (PetscInt end = 0; end < 2; end++) SceneSetSide(scene, 2 * axis + end, kind);
+}
+
+/* SceneSetSides - Sets the kind of all sides of the box; not collective */
+void SceneSetSides(Scene *scene, const BoundaryRow *kind)
+{
+  for (PetscInt a = 0; a < scene->dim; a++) SceneSetAxis(scene, a, kind);
+}
+
+/* SceneAddBody - Adds a body, a wall at rest, and returns its boundary; not collective */
+Boundary *SceneAddBody(Scene *scene)
+{
+  Boundary *boundary = &scene->boundary[SceneBodySide(scene, scene->n_bodies++)];
+
+  *boundary = (Boundary){.kind = &BoundaryWall};
+  return boundary;
+}
+
+/* SceneBodySide - Returns the number of body k among the boundaries; not collective */
+PetscInt SceneBodySide(const Scene *scene, PetscInt k)
+{
+  return 2 * scene->dim + k;
+}
+
+/* SceneBoundaries - Returns the number of boundaries; not collective */
+PetscInt SceneBoundaries(const Scene *scene)
+{
+  return SceneBodySide(scene, scene->n_bodies);
+}
+
+/* SceneBody - Returns the geometry of body k; not collective */
+const Body *SceneBody(const Scene *scene, PetscInt k)
+{
+  return &scene->boundary[SceneBodySide(scene, k)].body;
+}
+
+/* BoundaryBody - Returns the geometry of a body, NULL for a side of the box; not collective */
+const Body *BoundaryBody(const Scene *scene, PetscInt side)
+{
+  return side < SceneBodySide(scene, 0) ? NULL : &scene->boundary[side].body;
+}
+
+/* BoundaryIs - Returns true if the kind of a boundary has all the properties; not collective */
+PetscBool BoundaryIs(const Scene *scene, PetscInt side, unsigned properties)
+{
+  return (scene->boundary[side].kind->properties & properties) == properties ? PETSC_TRUE
+                                                                             : PETSC_FALSE;
+}
+
+/* SceneWallName - Writes the name of a boundary, "left" or "body_1", in WALL_NAME letters; not
+   collective */
+void SceneWallName(const Scene *scene, PetscInt side, char name[])
+{
+  const PetscInt body = side - SceneBodySide(scene, 0);
+
+  if (body < 0) (void)snprintf(name, WALL_NAME, "%s", SideNames[side]);
+  else (void)snprintf(name, WALL_NAME, "body_%d", (int)body + 1);
+}
+
+/* SceneIsPeriodic - Returns true if the fluid continues at both ends of an axis; not collective */
+PetscBool SceneIsPeriodic(const Scene *scene, PetscInt axis)
+{
+  return BoundaryIs(scene, 2 * axis, BOUNDARY_CONTINUES);
+}
+
+/* SceneIsClosedBox - Returns true if all sides of the box confine the fluid, and no body is in it;
+   not collective */
+PetscBool SceneIsClosedBox(const Scene *scene)
+{
+  for (PetscInt side = 0; side < SceneBodySide(scene, 0); side++) {
+    if (!BoundaryIs(scene, side, BOUNDARY_CONFINES)) return PETSC_FALSE;
+  }
+  return scene->n_bodies ? PETSC_FALSE : PETSC_TRUE;
+}
+
+/*
+  SceneWallVelocity - Velocity of a boundary at a point of its surface [m/s]
+
+    u = V(t) + w(t) z x (x - c)   of a body with centre c,   V(t, x) of a side of the box
+
+  Not collective. A case may give the velocities of the sides itself.
+*/
+void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                       PetscReal u[])
+{
+  const Boundary *boundary = &scene->boundary[side];
+  const Body     *body     = BoundaryBody(scene, side);
+  PetscReal       r[2], w;
+
+  for (PetscInt c = 0; c < scene->dim; c++)
+    u[c] = ExpressionValue(&boundary->velocity, c, t, body ? NULL : x);
+  if (body) {
+    w = ExpressionValue(&boundary->rotation, 0, t, NULL);
+    BodyArm(scene, body, x, r);
+    u[0] -= w * r[1];
+    u[1] += w * r[0];
+  } else if (scene->problem->WallVelocity) {
+    scene->problem->WallVelocity(scene, side, t, x, u);
+  }
+}
+
+/*
+  SceneWallAcceleration - Acceleration of the matter of a boundary at a point of its surface [m/s^2]
+
+    a = dV/dt + dw/dt z x (x - c) - w^2 (x - c)
+
+  of a body, the last term only where the fluid has u.grad u to go with it; of a side of the box
+  dV/dt along its normal: sides do not turn, and what they gain along themselves is none of the
+  pressure's business. Not collective. Derivatives are centred differences (ExpressionRate()) over
+  2e-5 L/U.
+*/
+void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                           PetscReal a[])
+{
+  const Boundary *boundary = &scene->boundary[side];
+  const Body     *body     = BoundaryBody(scene, side);
+  const PetscReal tau      = scene->length / scene->speed;
+  PetscReal       r[2], w, spin;
+
+  for (PetscInt c = 0; c < scene->dim; c++) a[c] = 0.0;
+  if (!body) {
+    a[side / 2] = ExpressionRate(&boundary->velocity, side / 2, t, x, tau);
+    return;
+  }
+  w = SceneHas(scene, PHYSICS_CONVECTION) ? ExpressionValue(&boundary->rotation, 0, t, NULL) : 0.0;
+  spin = ExpressionRate(&boundary->rotation, 0, t, NULL, tau);
+  BodyArm(scene, body, x, r);
+  for (PetscInt c = 0; c < 2; c++)
+    a[c] = ExpressionRate(&boundary->velocity, c, t, NULL, tau) - PetscSqr(w) * r[c];
+  a[0] -= spin * r[1];
+  a[1] += spin * r[0];
+}
+
+/* Returns how far from a body's centre the box reaches [m]. */
+static PetscReal Reach(const Scene *scene, const Body *body)
+{
+  PetscReal sum = 0.0;
+
+  for (PetscInt a = 0; a < 2; a++)
+    sum += PetscSqr(PetscMax(body->centre[a] - scene->lo[a], scene->hi[a] - body->centre[a]));
+  return PetscSqrtReal(sum);
+}
+
+/*
+  SceneWallSpeedBound - Bounds the flow that a wall makes by its velocity at a surface point [m/s]
+
+  Not collective. A wall that slides along itself drags fluid no faster than it goes, but a stiff
+  fluid may turn with a body as far as the box reaches. One that moves along its normal squeezes
+  fluid through gaps at any speed: infinite.
+*/
+PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal x[],
+                              const PetscReal normal[], const PetscReal u[])
+{
+  const Body *body   = BoundaryBody(scene, side);
+  PetscReal   speed2 = 0.0, through = 0.0, arm[2];
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    speed2 += PetscSqr(u[a]);
+    through += body ? normal[a] * u[a] : (a == side / 2) * u[a];
+  }
+  if (PetscSqr(through) > 1e-6 * speed2) return PETSC_INFINITY;
+  if (body && !body->around && speed2 > 0.0) {
+    BodyArm(scene, body, x, arm);
+    speed2 *= PetscSqr(Reach(scene, body)) / (PetscSqr(arm[0]) + PetscSqr(arm[1]));
+  }
+  return PetscSqrtReal(speed2);
+}
+
+/*
+  SceneDecayRate - Bounds from below how fast a flow between walls at rest dies [1/s]
+
+    d|u|/dt <= -nu (pi/W)^2 |u|,  W the distance of the closest pair of sides without slip
+
+  in root mean squares (Poincare's inequality); zero without such a pair or without viscosity. Not
+  collective.
+*/
+PetscReal SceneDecayRate(const Scene *scene)
+{
+  PetscReal width = PETSC_INFINITY;
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    if (BoundaryIs(scene, 2 * a, BOUNDARY_NO_SLIP) &&
+        BoundaryIs(scene, 2 * a + 1, BOUNDARY_NO_SLIP))
+      width = PetscMin(width, scene->hi[a] - scene->lo[a]);
+  }
+  return SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low * PetscSqr(PETSC_PI / width) : 0.0;
+}
+
+/* SceneDistance - Distance of x from the nearest body, and which; infinite without bodies [m] */
+PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,
+                        PetscReal normal[])
+{
+  PetscReal best = PETSC_INFINITY, n[ISPH_MAX_DIM];
+
+  *nearest = -1;
+  for (PetscInt k = 0; k < scene->n_bodies; k++) {
+    const PetscReal distance = BodyDistance(scene, SceneBody(scene, k), x, n);
+
+    if (distance >= best) continue;
+    best     = distance;
+    *nearest = k;
+    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) normal[a] = n[a];
+  }
+  return best;
+}
+
+/*
+  SceneWallPlanes - Tangent planes of all boundaries that confine the fluid, nearer to x than reach
+
+  Not collective. Used where geometry, not particles, decides: mirror images, the distance kept from
+  walls, the extrapolation of wall velocities.
+
+  Input Parameters:
++ x     - a point [m]
+- reach - [m]
+
+  Output Parameters:
++ planes - one for each boundary in reach
+- count  - how many
+*/
+void SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
+                     WallPlane planes[SCENE_MAX_BOUNDARIES], PetscInt *count)
+{
+  *count = 0;
+  if (!SceneHas(scene, PHYSICS_WALLS)) return;
+  for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
+    const Body    *body  = BoundaryBody(scene, side);
+    const PetscInt a     = side / 2;
+    WallPlane     *plane = &planes[*count];
+
+    if (!BoundaryIs(scene, side, BOUNDARY_CONFINES)) continue;
+    plane->side = side;
+    if (body) {
+      plane->distance = BodyDistance(scene, body, x, plane->normal);
+    } else {
+      plane->distance = side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
+      for (PetscInt c = 0; c < ISPH_MAX_DIM; c++) plane->normal[c] = 0.0;
+      plane->normal[a] = side % 2 ? -1.0 : 1.0;
+    }
+    if (plane->distance < reach) (*count)++;
+  }
+}
