@@ -26,12 +26,12 @@ static PetscErrorCode Solve(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SolveOrList(void)
+static PetscErrorCode SolveOrList(ErrorState *errors)
 {
   PetscBool catalogue;
 
   PetscFunctionBegin;
-  PetscCall(ErrorsInstall());
+  PetscCall(ErrorsInstall(errors));
   PetscCall(OptionGiven("-catalogue", &catalogue));
   if (catalogue) PetscCall(CatalogueView(PETSC_VIEWER_STDOUT_WORLD));
   else PetscCall(Solve());
@@ -63,6 +63,7 @@ static PetscBool Refuse(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
+  ErrorState     errors;
   PetscErrorCode failed;
   Request        request;
 
@@ -78,8 +79,8 @@ int main(int argc, char **argv)
   }
   failed = PetscInitialize(&argc, &argv, NULL, help);
   if (failed) return (int)failed;
-  failed = SolveOrList();
-  if (failed) return ErrorsExit(failed);
+  failed = SolveOrList(&errors);
+  if (failed) return ErrorsExit(failed, &errors);
   failed = PetscFinalize();
   (void)MPI_Finalize();
   return (int)failed;

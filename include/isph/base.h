@@ -88,8 +88,13 @@ PetscErrorCode OptionsRefuseUnknown(PetscBool deferred_too);
 */
 #define UserCheck(condition, ...)                                                                  \
   PetscCheck(condition, PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT, __VA_ARGS__)
-PetscErrorCode ErrorsInstall(void);
-int            ErrorsExit(PetscErrorCode code);
+/* What the handler of errors keeps for ErrorsExit(). */
+typedef struct {
+  PetscBool of_one_rank; /* one rank met an error of those that all are wont to meet together */
+} ErrorState;
+
+PetscErrorCode ErrorsInstall(ErrorState *state);
+int            ErrorsExit(PetscErrorCode code, const ErrorState *state);
 PetscErrorCode FirstRankDecides(PetscBool *verdict);
 PetscErrorCode SayLine(const char format[], ...) PETSC_ATTRIBUTE_FORMAT(1, 2);
 

@@ -28,6 +28,7 @@ extern const char *const PhysicsNames[PHYSICS_COUNT]; /* bit order of Physics */
 #define WALL_NAME            16 /* letters of a wall's name */
 #define BODY_PARAMETERS      64
 #define SCENE_MAX_FLUIDS     8
+#define SCENE_ON_SURFACE     1e-9 /* rounding of distances from a surface [dx] */
 
 /* Solid bodies in the plane; with `around`, the fluid is inside and the wall around it. */
 typedef struct Body Body;
@@ -225,6 +226,7 @@ PetscReal      BodyDistance(const Scene *scene, const Body *body, const PetscRea
                             PetscReal normal[]);
 PetscInt       BodyPoints(const Body *body, PetscReal dx);
 PetscReal BodyPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], PetscReal normal[]);
+PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *side);
 PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,
                         PetscReal normal[]);
 void      SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,

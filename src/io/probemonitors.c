@@ -4,10 +4,10 @@
 /* Returns true if a point is in a body, where nothing flows. */
 static PetscBool InBody(const Scene *scene, const PetscReal x[])
 {
-  PetscReal normal[ISPH_MAX_DIM];
-  PetscInt  body;
+  PetscInt side;
 
-  return SceneDistance(scene, x, &body, normal) < -1e-9 * scene->dx ? PETSC_TRUE : PETSC_FALSE;
+  return SceneFluidDistance(scene, x, &side) < -SCENE_ON_SURFACE * scene->dx ? PETSC_TRUE
+                                                                             : PETSC_FALSE;
 }
 
 /*

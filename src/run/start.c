@@ -67,17 +67,16 @@ static PetscInt PlaceFault(const Scene *scene, const FluidStart *start, PetscInt
 {
   PetscReal       *x = &start->x[i * scene->dim];
   const PetscReal *u = start->u ? &start->u[i * scene->dim] : NULL;
-  PetscReal        normal[ISPH_MAX_DIM];
-  PetscInt         body;
+  PetscInt         side;
 
   for (PetscInt a = 0; a < scene->dim; a++) {
-    const PetscReal lo = scene->lo[a], side = scene->hi[a] - lo;
+    const PetscReal lo = scene->lo[a], period = scene->hi[a] - lo;
 
     if (PetscIsInfOrNanReal(x[a]) || (u && PetscIsInfOrNanReal(u[a]))) return PLACE_NOT_FINITE;
-    if (SceneIsPeriodic(scene, a)) x[a] -= side * PetscFloorReal((x[a] - lo) / side);
-    else if (x[a] <= lo || x[a] >= scene->hi[a]) return PLACE_OUTSIDE;
+    if (SceneIsPeriodic(scene, a)) x[a] -= period * PetscFloorReal((x[a] - lo) / period);
   }
-  if (SceneDistance(scene, x, &body, normal) <= 0.0) return PLACE_IN_BODY;
+  if (SceneFluidDistance(scene, x, &side) <= 0.0)
+    return BoundaryBody(scene, side) ? PLACE_IN_BODY : PLACE_OUTSIDE;
   return start->nu && !(start->nu[i] > 0.0) ? PLACE_NO_VISCOSITY : PLACE_FAULTS;
 }
 

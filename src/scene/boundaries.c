@@ -246,6 +246,33 @@ PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *neare
 }
 
 /*
+  SceneFluidDistance - Distance of x from the nearest boundary that confines the fluid, positive in
+  the fluid [m]
+
+  Not collective. Output: side - that boundary, -1 if there is none; the distance is then infinite.
+  For a point on a surface the distance is zero within SCENE_ON_SURFACE dx.
+*/
+PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *side)
+{
+  PetscReal best = PETSC_INFINITY, normal[ISPH_MAX_DIM];
+
+  *side = -1;
+  for (PetscInt s = 0; s < SceneBoundaries(scene); s++) {
+    const Body    *body = BoundaryBody(scene, s);
+    const PetscInt a    = s / 2;
+    PetscReal      distance;
+
+    if (!BoundaryIs(scene, s, BOUNDARY_CONFINES)) continue;
+    if (body) distance = BodyDistance(scene, body, x, normal);
+    else distance = s % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
+    if (distance >= best) continue;
+    best  = distance;
+    *side = s;
+  }
+  return best;
+}
+
+/*
   SceneWallPlanes - Tangent planes of all boundaries that confine the fluid, nearer to x than reach
 
   Not collective. Used where geometry, not particles, decides: mirror images, the distance kept from

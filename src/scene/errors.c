@@ -6,9 +6,6 @@
 #include <stdarg.h>
 #include <unistd.h>
 
-/* An error that one rank met, of those that all are wont to meet together. */
-static PetscBool alone = PETSC_FALSE;
-
 /* Whether an error code speaks of the user's input, files or a diverged solve. */
 static PetscBool ErrorIsUsers(PetscErrorCode code)
 {
@@ -51,7 +48,8 @@ static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *
                                            const char *file, PetscErrorCode code,
                                            PetscErrorType type, const char *message, void *ctx)
 {
-  int rank = 0;
+  ErrorState *state = (ErrorState *)ctx;
+  int         rank  = 0;
 
   if (!ErrorIsUsers(code)) {
     return PetscTraceBackErrorHandler(comm, line, function, file, code, type, message, ctx);
@@ -62,7 +60,7 @@ static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *
     (void)fflush(stdout);
     (void)fprintf(stderr, "isph: %s%s\n", message, ErrorHint(code));
   }
-  if (type == PETSC_ERROR_INITIAL && comm == PETSC_COMM_SELF) alone = PETSC_TRUE;
+  if (type == PETSC_ERROR_INITIAL && comm == PETSC_COMM_SELF) state->of_one_rank = PETSC_TRUE;
   return code;
 }
 
@@ -70,12 +68,13 @@ static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *
   ErrorsInstall - Makes errors that are the user's to mend print one line, and a reader of the
   output who has seen enough, as head, end the run without one
 
-  Not collective. Called once after PetscInitialize().
+  Not collective. Called once after PetscInitialize(). Output: state - lives until ErrorsExit().
 */
-PetscErrorCode ErrorsInstall(void)
+PetscErrorCode ErrorsInstall(ErrorState *state)
 {
   PetscFunctionBegin;
-  PetscCall(PetscPushErrorHandler(ErrorHandler_OneLine, NULL));
+  *state = (ErrorState){.of_one_rank = PETSC_FALSE};
+  PetscCall(PetscPushErrorHandler(ErrorHandler_OneLine, state));
   (void)signal(SIGPIPE, SIG_DFL);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -126,12 +125,12 @@ PetscErrorCode SayLine(const char format[], ...)
 
   Returns: the exit status, never zero
 */
-int ErrorsExit(PetscErrorCode code)
+int ErrorsExit(PetscErrorCode code, const ErrorState *state)
 {
   int size = 1;
 
   (void)MPI_Comm_size(PETSC_COMM_WORLD, &size);
-  if (ErrorIsUsers(code) && !(alone && size > 1)) {
+  if (ErrorIsUsers(code) && !(state->of_one_rank && size > 1)) {
     (void)PetscFinalize();
     (void)MPI_Finalize();
   } else if (size > 1) {

@@ -26,20 +26,12 @@ static PetscReal ViscosityAt(const Scene *scene, const PetscReal x[])
   return nu;
 }
 
-/* Whether fluid can be at x. */
+/* Returns true if fluid can be at x. */
 static PetscBool IsInFluid(const Scene *scene, const PetscReal x[])
 {
-  PetscReal normal[ISPH_MAX_DIM];
-  PetscInt  body;
+  PetscInt side;
 
-  for (PetscInt side = 0; side < SceneBodySide(scene, 0); side++) {
-    const PetscInt a = side / 2;
-
-    if (BoundaryIs(scene, side, BOUNDARY_CONFINES) &&
-        (side % 2 ? x[a] > scene->hi[a] : x[a] < scene->lo[a]))
-      return PETSC_FALSE;
-  }
-  return SceneDistance(scene, x, &body, normal) >= 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  return SceneFluidDistance(scene, x, &side) >= 0.0 ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /*
