@@ -1,25 +1,25 @@
 /*
-  The patch test: what an operator is worth, without a flow. A field is given on a box of particles
-  and on those around it; the Laplacian of it is assembled, applied, compared and timed, its matrix
-  looked at, and a Poisson problem solved with it.
+  The patch test: properties of an operator, measured without a flow. A field is given on particles
+  in a box and around it. The test assembles, applies and times the Laplacian, compares it with the
+  exact Laplacian, examines its matrix, and solves a Poisson problem with it.
 */
 #ifndef ISPH_PATCH_H
 #define ISPH_PATCH_H
 
 #include "isph/io.h"
 
-/* Fields by name. x runs over the unit square or cube [-], so lap is dimensionless too. */
+/* Fields by name. x lies in the unit square or cube [-], so the Laplacian has no unit either. */
 typedef struct FieldRow FieldRow;
 struct FieldRow {
   const char *name, *brief, *citation;
-  PetscInt    degree[2]; /* of polynomials: lowest and highest of a monomial */
+  PetscInt    degree[2]; /* of polynomials: lowest and highest degree of a monomial */
   PetscBool   random;    /* coefficients by seed */
   PetscReal (*Value)(const FieldRow *row, PetscInt dim, PetscInt seed, const PetscReal x[]);
   PetscReal (*Laplacian)(const FieldRow *row, PetscInt dim, PetscInt seed, const PetscReal x[]);
 };
 extern const Table FieldTable;
 
-/* A patch: one matrix L = A over the box and B over the given values around it. */
+/* A patch test: the matrix A of L over the box, and B over the given values around it. */
 typedef struct {
   const Scene    *scene;
   const FieldRow *field;
@@ -28,7 +28,7 @@ typedef struct {
   Operators      *ops;
   Vec             f, f_around; /* the field over the box and around it [-] */
   Vec             exact;       /* its Laplacian over the box [-] */
-  PetscInt        repeats;     /* of what is timed; the least time counts */
+  PetscInt        repeats;     /* repetitions of the timed part; the least time counts */
   PetscBool       spectrum, solve;
 } Patch;
 

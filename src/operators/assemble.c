@@ -1,13 +1,13 @@
 /*
-  The one assembly loop: gather the stencil of each fluid particle, let every chosen form write its
-  row, let the wall treatment close it, and put the values into the shared pattern.
+  Assembly. The loop gathers the stencil of each fluid particle; every chosen form computes its row,
+  the wall treatment adds the wall neighbours, and values go into the shared pattern.
 */
 #include "assembly.h"
 #include "boundary_rows.h"
 #include "extension.h"
 #include "rows.h"
 
-/* Everything row functions may ask of the neighbourhood of own fluid particle i. */
+/* Gathers the neighbours of own fluid particle i with the quantities that row functions read. */
 static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neighbors *nb,
                                     const Operators *ops, PetscInt i, Stencil *st)
 {
@@ -56,13 +56,13 @@ static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Columns of row i in both patterns; slot[k] of neighbour k, and the slot of the diagonal. */
+/* Adds the columns of row i to both patterns; finds the slot of each neighbour and the diagonal. */
 static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, PetscInt *diagonal)
 {
   PetscInt *cols  = ops->work->slot + ops->work->slot_capacity,
            *place = cols + ops->work->slot_capacity, n = 0, own = -1;
 
-  for (PetscInt k = 0; k < st->n; k++) { /* own column goes where ascending order wants it */
+  for (PetscInt k = 0; k < st->n; k++) { /* own column at its place in ascending order */
     if (st->wall[k]) continue;
     if (own < 0 && st->j[k] > st->i) {
       own       = n;
@@ -93,7 +93,7 @@ static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, Pets
   }
 }
 
-/* All operators' rows of one particle; the order keeps fits alive from one to the next. */
+/* Assembles the rows of all operators of a particle; the order lets operators share fits. */
 static PetscErrorCode AssembleRow(const Scene *scene, const Particles *p, Stencil *st,
                                   PetscInt diagonal, Operators *ops)
 {
@@ -123,7 +123,7 @@ static PetscErrorCode AssembleRow(const Scene *scene, const Particles *p, Stenci
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The operators that the run needs; returns how many. */
+/* Lists the operators that the run needs; returns their number. */
 static PetscInt NeededOperators(Operators *ops, AffineOperator *needed[])
 {
   AffineOperator *all[OPERATORS_COUNT];
@@ -136,7 +136,7 @@ static PetscInt NeededOperators(Operators *ops, AffineOperator *needed[])
   return count;
 }
 
-/* Room for the rows to come, and the matrices of the previous assembly let go. */
+/* Destroys the matrices of the last assembly and makes room for the new rows. */
 static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, const Neighbors *nb,
                                     Operators *ops, AffineOperator *needed[], PetscInt count)
 {
@@ -189,7 +189,7 @@ static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The concentration of particle i, for shifting and the mixed pressure source. */
+/* Computes the concentration of particle i, for shifting and the mixed pressure source. */
 static void AssembleConcentration(const Scene *scene, const Particles *p, const Stencil *st,
                                   PetscInt i, Operators *ops)
 {
@@ -202,18 +202,18 @@ static void AssembleConcentration(const Scene *scene, const Particles *p, const 
 }
 
 /*
-  OperatorsAssemble - Makes all matrices the run needs from the particles' present positions
+  OperatorsAssemble - Assembles all matrices of the run for the present positions of particles
 
     (op f)_i = sum_j A_ij f_j + sum_w B_iw e_w
 
-  Collective on the particles' communicator. Does nothing where positions and numbering are those of
-  the last assembly.
+  Collective on the particles' communicator. Does nothing if positions and numbering have not
+  changed since the last assembly.
 
   Output Parameter:
-. changed - whether the matrices are new
+. changed - flag: the matrices are new
 
   Notes: ops->assemblies is the stamp that solvers compare; ops->regularised_rows counts the
-  least-squares fits that their points did not determine and a ridge closed.
+  least-squares fits that their points did not determine.
 */
 PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const Neighbors *nb,
                                  Operators *ops, PetscBool *changed)

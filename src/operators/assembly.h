@@ -1,4 +1,4 @@
-/* The workspace of assembly: the stencil of one particle and its weights, row after row. */
+/* Workspace of assembly: the stencil of a particle and its weights, reused row by row. */
 #ifndef ISPH_ASSEMBLY_H
 #define ISPH_ASSEMBLY_H
 
@@ -6,12 +6,12 @@
 
 struct Assembly {
   Stencil   *stencil;
-  PetscInt  *slot;            /* of each neighbour in its row of the pattern */
+  PetscInt  *slot;            /* slot of each neighbour in its row of the pattern */
   PetscReal *w;               /* weights of a Laplacian or a filter */
   PetscReal *g[ISPH_MAX_DIM]; /* weights of a gradient */
   PetscReal *m;               /* weights of normal components in a divergence */
   PetscReal *wall_w;          /* weights of wall data, see wall_points.c */
-  PetscInt   slot_capacity;   /* neighbours that the arrays have room for */
+  PetscInt   slot_capacity;   /* number of neighbours that the arrays can hold */
 };
 
 #endif

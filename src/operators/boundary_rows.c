@@ -1,22 +1,23 @@
 /*
-  What wall neighbours mean in rows sum_k w_k (f_k - f_i), and the rows put in place. A wall speaks
-  of its normal direction only: it gives n.grad p, or n.u. In the others a dummy's value follows the
-  linear field that the row itself finds; with X_t = X - (X.n) n
+  Rows sum_k w_k (f_k - f_i) beside walls, and their entries in the operators. The wall condition
+  constrains only the normal component: it gives n.grad p, or n.u. Otherwise a dummy continues the
+  linear field of the row itself; with X_t = X - (X.n) n
 
     p_w - p_i = (X.n) n.grad p + X_t.(grad p)_i
     u_w - u_i = n beta n.(u_wall - u_i) + ...              see DummyRow_Divergence
 
-  The row's gradient on the right is unknown and linear in what is given: one small system for each
-  row with dummies changes its weights, and rows exact for linear fields stay so beside walls.
+  The gradient on the right is unknown, but linear in the given data. So a small system for each row
+  with dummies gives new weights, and rows exact for linear fields remain exact beside walls:
+  docs/theory.md, (51) to (56).
 */
 #include "assembly.h"
 #include "boundary_rows.h"
 #include "rows.h"
 
 /*
-  Adds a row on values: sum_k w_k (f_k - f_i), f_wall - f_i as wall_points.c has it. A wall on the
-  surface has its own value. A treatment that extends the fluid gives each wall particle a value
-  afterwards, in ExtendWalls().
+  Adds a row on values, sum_k w_k (f_k - f_i), with f_w - f_i of wall_points.c. A wall particle on
+  the surface has its own value. A treatment with extension replaces the values of wall particles
+  later, in ExtendWalls().
 */
 void AddRow_Dirichlet(const Stencil *st, const Operators *ops, PetscInt diagonal,
                       const PetscReal w[], AffineOperator *op)
@@ -35,8 +36,9 @@ void AddRow_Dirichlet(const Stencil *st, const Operators *ops, PetscInt diagonal
 }
 
 /*
-  A row on a scalar with given normal derivative: wall neighbours of a fit carry weights of n.grad
-  f; dummies stand for f_w - f_i = (X.n) n.grad f, what they follow is in the weights already.
+  Adds a row on a scalar with given normal derivative. In a fit the weight of a wall neighbour
+  multiplies n.grad f. A dummy has f_w - f_i = (X.n) n.grad f here; the weights already contain its
+  tangential part.
 */
 static void AddRow_Neumann(const Stencil *st, const Operators *ops, PetscInt diagonal,
                            PetscReal scale, const PetscReal w[], AffineOperator *op)
@@ -60,9 +62,9 @@ static void AddRow_Neumann(const Stencil *st, const Operators *ops, PetscInt dia
 #define SMALL_MAX (ISPH_MAX_DIM * ISPH_MAX_DIM) /* unknowns: the entries of grad u */
 
 /*
-  Solves X A = B for the `rows` rows of X, in place of B; A and B by rows, of order one. Returns
-  PETSC_FALSE where A is singular, or so nearly that an entry of X passes 10: moving cavities in 2D
-  and 3D were seen to need 2.4, so there the fluid is gone.
+  Solves X A = B for the `rows` rows of X, in place of B; A and B by rows, entries of order 1.
+  Returns PETSC_FALSE if A is singular or an entry of X exceeds 10, which means that too little
+  fluid is left near the wall: moving cavities in 2D and 3D reach 2.4.
 */
 static PetscBool SmallSolve(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
 {
@@ -77,7 +79,7 @@ static PetscBool SmallSolve(PetscInt n, PetscReal A[], PetscInt rows, PetscReal 
   return PETSC_TRUE;
 }
 
-/* g_k becomes K g_k, K dim x dim by rows, for the vectors g_k of weights of all neighbours. */
+/* Replaces the weights g_k of all neighbours by K g_k; K is dim x dim by rows. */
 static void MultiplyWeights(const Stencil *st, const PetscReal K[], PetscReal *g[])
 {
   const PetscInt d = st->dim;
@@ -94,12 +96,12 @@ static void MultiplyWeights(const Stencil *st, const PetscReal K[], PetscReal *g
 }
 
 /*
-  DummyRow_Gradient - Gradient weights of a scalar with given normal derivative, dummies following
+  DummyRow_Gradient - Computes gradient weights of a scalar with given n.grad f beside dummies
 
     (I - sum_w g_w X_t^T) grad f = sum_fluid g_k (f_k - f_i) + sum_w g_w (X.n) n.grad f
 
   Input/Output Parameter:
-. g - the vectors g_k of weights, multiplied by the inverse; unchanged where there is none
+. g - weights g_k, multiplied by the inverse; unchanged if the system has no solution
 
   Properties: exact for linear fields if g is.
 */
@@ -120,9 +122,9 @@ static void DummyRow_Gradient(const Stencil *st, PetscReal *g[])
 }
 
 /*
-  DummyRow_Laplacian - Laplacian weights with dummies that follow the gradient of the row
+  DummyRow_Laplacian - Computes Laplacian weights with dummies that continue the gradient of the row
 
-    w_k += (sum_w w_w X_t).g_k,   g_k the weights that DummyRow_Gradient() gave
+    w_k += (sum_w w_w X_t).g_k,   g_k the weights of DummyRow_Gradient()
 
   Properties: exact for linear fields if w and g are; not symmetric.
 */
@@ -141,13 +143,13 @@ static void DummyRow_Laplacian(const Stencil *st, PetscReal *const g[], PetscRea
 }
 
 /*
-  AddRows_Pressure - The rows of -dx^2 lap p and of grad p of one particle, where n.grad p is
-  given
+  AddRows_Pressure - Adds the rows of -dx^2 lap p and of grad p of a particle for a given wall
+  pressure gradient
 
   Not collective.
 
-  Notes: a Laplacian declared symmetric keeps f_w - f_i = (X.n) n.grad f alone, which leaves its
-  matrix symmetric, for CG; so does one beside a gradient that is not exact for linear fields.
+  Notes: a Laplacian that is declared symmetric uses f_w - f_i = (X.n) n.grad f alone, which keeps
+  its matrix symmetric for CG. So does a Laplacian whose gradient is not exact for linear fields.
 */
 PetscErrorCode AddRows_Pressure(const Scene *scene, Stencil *st, PetscInt diagonal, Operators *ops)
 {
@@ -171,10 +173,10 @@ PetscErrorCode AddRows_Pressure(const Scene *scene, Stencil *st, PetscInt diagon
 }
 
 /*
-  AddRows_GradientWithoutWalls - The rows of grad p of one particle, walls unseen
+  AddRows_GradientWithoutWalls - Adds the rows of grad p of a particle from fluid neighbours alone
 
-  Not collective. For a pressure that is solved for together with the velocity: what n.grad p is at
-  a wall follows from the momentum there and is not known before.
+  Not collective. The coupled scheme needs these rows: there the wall pressure gradient is not
+  prescribed but follows from the momentum equation.
 */
 PetscErrorCode AddRows_GradientWithoutWalls(Stencil *st, PetscInt diagonal, Operators *ops)
 {
@@ -187,10 +189,10 @@ PetscErrorCode AddRows_GradientWithoutWalls(Stencil *st, PetscInt diagonal, Oper
 }
 
 /*
-  AddRow_PressureFilter - The row of p less its quadratic fit, walls unseen
+  AddRow_PressureFilter - Adds the row of the residual of the fit of p, from fluid neighbours alone
 
-  Not collective. What n.grad p is at a wall is none of its business. A particle that sees no fluid
-  is as rough as its pressure.
+  Not collective. The wall pressure gradient does not enter. Without fluid neighbours the residual
+  is the pressure itself.
 */
 PetscErrorCode AddRow_PressureFilter(Stencil *st, PetscInt diagonal, Operators *ops)
 {
@@ -202,7 +204,7 @@ PetscErrorCode AddRow_PressureFilter(Stencil *st, PetscInt diagonal, Operators *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The matrix I - T of DummyRow_Divergence(), by rows (a, b) and columns (c, e). */
+/* Computes the matrix I - T of DummyRow_Divergence(), by rows (a, b) and columns (c, e). */
 static void DummyMatrix(const Stencil *st, PetscReal *const g[], PetscReal A[])
 {
   const PetscInt d = st->dim, n = d * d;
@@ -229,23 +231,23 @@ static void DummyMatrix(const Stencil *st, PetscReal *const g[], PetscReal A[])
 }
 
 /*
-  DummyRow_Divergence - Weights of the divergence of a velocity given at walls, dummies following
+  DummyRow_Divergence - Computes weights of the divergence of a velocity beside dummies
 
     u_w - u_i = n [ beta n.(u_wall - u_i) - (beta - 1) n.(grad u X_t) ] + (I - n n^T) grad u X
 
-  The normal component is extrapolated linearly from where the fluid would be straight above the
-  dummy, at x_i + X_t; the tangential one is the fluid's, whatever the wall's is. With
-  U_ab = du_a/dx_b
+  The normal component is extrapolated linearly from the fluid velocity at x_i + X_t, straight above
+  the dummy; the tangential components continue the fluid's field, whatever the wall velocity is.
+  With U_ab = du_a/dx_b
 
     U_ab - sum_ce T_ab,ce U_ce = sum_fluid g_k,b (u_k - u_i)_a
                                  + sum_w g_w,b n_a beta n.(u_wall - u_i)
     T_ab,ce = sum_w g_w,b [ (delta_ac - n_a n_c) X_e - (beta - 1) n_a n_c X_t,e ]
 
-  of which only tr U is wanted: sum_ab lambda_ab (right-hand side)_ab, lambda (I - T) = delta.
+  Only tr U is required: sum_ab lambda_ab (right-hand side)_ab with lambda (I - T) = delta.
 
   Input/Output Parameter:
 . g - gradient weights; out: g[a][k] = sum_b lambda_ab g_k,b multiplies (u_k - u_i)_a; unchanged
-      where I - T has no inverse
+      if I - T has no inverse
 
   Properties: exact for linear velocities if g is and beta is not capped.
 */
@@ -259,7 +261,7 @@ static void DummyRow_Divergence(const Stencil *st, PetscReal *g[])
   if (SmallSolve(d * d, A, 1, lambda)) MultiplyWeights(st, lambda, g);
 }
 
-/* A divergence: fluid by components d, walls by their normal component with weight m. */
+/* Adds a divergence: weights d of fluid components, weights m of normal components of walls. */
 static void AddRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d[],
                               const PetscReal m[], Operators *ops)
 {
@@ -279,8 +281,8 @@ static void AddRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d
 }
 
 /*
-  AddRows_Divergence - The row of the divergence of one particle: a vector fit where walls bear
-  roles, else the gradient's weights
+  AddRows_Divergence - Adds the rows of the divergence of a particle: by a vector fit if walls have
+  roles, otherwise with the weights of the gradient
 
   Not collective.
 */

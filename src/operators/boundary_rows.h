@@ -1,4 +1,4 @@
-/* What wall neighbours mean in the rows of one particle, and the rows put in place. */
+/* Rows of particles beside walls, and their entries in the operators. */
 #ifndef ISPH_BOUNDARY_ROWS_H
 #define ISPH_BOUNDARY_ROWS_H
 
@@ -7,8 +7,7 @@
 #define OPERATORS_COUNT (4 + 3 * ISPH_MAX_DIM)
 void OperatorsList(Operators *ops, AffineOperator *all[OPERATORS_COUNT]);
 
-/* Viscosity between two particles, the harmonic mean of theirs; P. W. Cleary, J. J. Monaghan
-   (1999). */
+/* Viscosity of a pair of particles: harmonic mean; P. W. Cleary, J. J. Monaghan (1999). */
 static inline PetscReal PairViscosity(PetscReal own, PetscReal other)
 {
   return 2.0 / (1.0 / own + 1.0 / other);
@@ -16,7 +15,7 @@ static inline PetscReal PairViscosity(PetscReal own, PetscReal other)
 
 void WeighByViscosity(const Scene *scene, const Particles *particles, const Stencil *stencil,
                       PetscReal w[]);
-/* Parts of X of wall neighbour k: returns X.n and gives X_t. */
+/* Splits X of wall neighbour k: returns the height X.n and sets the tangential part X_t. */
 static inline PetscReal SplitX(const Stencil *st, PetscInt k, PetscReal tangent[])
 {
   PetscReal height = 0.0;

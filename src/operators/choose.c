@@ -1,6 +1,6 @@
 /*
-  The choice of the discretisation in space: rows of the tables by option, defaults that follow from
-  what the rows declare, and refusals of combinations that cannot work.
+  Choice of the discretisation in space: table rows by option, defaults from declared properties,
+  and refusal of combinations that cannot work.
 */
 #include "choose.h"
 
@@ -27,7 +27,7 @@ static const char *DefaultLaplacian(const Scene *scene)
   return SceneViscosityVaries(scene) && curved ? "stress_mls" : "mls";
 }
 
-/* Chooses the Laplacians that the run needs; one correction serves both, if they can take it. */
+/* Chooses the Laplacians that the run needs; the correction applies to those that accept it. */
 static PetscErrorCode ChooseLaplacians(OptionItems PetscOptionsObject, const Scene *scene,
                                        unsigned needs, OperatorForms *forms)
 {
@@ -64,7 +64,7 @@ static PetscErrorCode ChooseLaplacians(OptionItems PetscOptionsObject, const Sce
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Chooses the wall treatment of the user, or else one that the chosen forms can take. */
+/* Chooses the wall treatment of the user, or by default a treatment that the forms work with. */
 static PetscErrorCode ChooseWall(OptionItems PetscOptionsObject, const Scene *scene,
                                  OperatorForms *forms)
 {
@@ -129,7 +129,7 @@ static PetscReal DefaultSmoothing(const Scene *scene, const OperatorForms *forms
              : 1.3;
 }
 
-/* Decides how velocity components are coupled, and refuses what that excludes. */
+/* Decides about the coupling of velocity components, and refuses options that it excludes. */
 static PetscErrorCode ChooseCoupling(const Scene *scene, OperatorForms *forms)
 {
   const PetscBool couple = forms->visc.row && LaplacianIs(&forms->visc, FORM_COUPLES);

@@ -1,10 +1,10 @@
 /*
-  The particle concentration and its gradient: what shifting flattens and Zheng's mixed pressure
-  source reads.
+  Particle concentration and its gradient, for shifting and for the mixed pressure source of Zheng,
+  Ma & Shao (2018).
 */
 #include "isph/operators.h"
 
-/* Adds the images of the point at X from particle i in every combination of mirrors. */
+/* Adds the images of a point at X from particle i for every combination of mirror planes. */
 static void ConcentrationImages(const KernelRow *kernel, PetscReal h, const Stencil *st,
                                 const WallPlane planes[], PetscInt n_planes, const PetscReal X[],
                                 PetscReal volume, PetscReal *concentration, PetscReal gradient[])
@@ -30,21 +30,21 @@ static void ConcentrationImages(const KernelRow *kernel, PetscReal h, const Sten
 }
 
 /*
-  ConcentrationRow - Concentration of particles about particle i and its gradient
+  ConcentrationRow - Computes the concentration at particle i and its gradient
 
     C_i = sum_j V_j W_ij,   grad C_i = sum_j V_j grad_i W_ij
 
-  over fluid neighbours, i itself, and what stands for the fluid beyond walls: mirror images where
-  the wall particles lie on the surface, the dummies where there are layers of them.
+  over fluid neighbours, i itself, and the continuation of the fluid beyond walls: mirror images if
+  wall particles lie on the surface, otherwise the dummies. See docs/theory.md, (10).
 
   Not collective.
 
   Input Parameters:
-+ x        - of particle i [m]
-- mirrored - whether walls are represented by images
++ x        - position of particle i [m]
+- mirrored - flag: images represent the fluid beyond walls
 
   Output Parameters:
-+ concentration - near 1 [-]
++ concentration - value near 1 [-]
 - gradient      - [1/m]
 */
 void ConcentrationRow(const Scene *scene, const KernelRow *kernel, PetscReal h, const Stencil *st,

@@ -1,18 +1,18 @@
 /*
-  Corrections of the kernel, for the pairwise Laplacians that read nothing but its derivatives along
-  the pair: W' and W''. A correction gives them anew for each neighbour of one particle.
+  Corrections of the kernel for pairwise Laplacians, which read only its derivatives along the pair,
+  W' and W''. A correction replaces both for each neighbour of a particle.
 */
 #include "rows.h"
 
 /*
-  CorrectKernel_Shepard - Derivatives of the kernel divided by the sum of kernels
+  CorrectKernel_Shepard - Computes derivatives of the kernel divided by the kernel sum
 
-    psi_j = W_j/S,   S = sum_k V_k W_k, the particle itself included
+    psi_j = W_j/S,   S = sum_k V_k W_k with the particle itself
     W'  <- -(X/r).grad psi = W'/S + W (X.grad S)/(r S^2)
     W'' <- lap psi - (d-1) W'/r,
     lap psi = lap W/S - 2 grad W.grad S/S^2 - W lap S/S^2 + 2 W |grad S|^2/S^3
 
-  so that a row with W'' + (d-1) W'/r becomes the Laplacian of Shepard's interpolant.
+  A row with W'' + (d-1) W'/r is then the Laplacian of Shepard's interpolant.
 
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eqs (22), (23)
 */
@@ -43,14 +43,14 @@ static void CorrectKernel_Shepard(Stencil *st, PetscReal dW[], PetscReal ddW[])
 }
 
 /*
-  CorrectKernel_FirstOrder - Slope of the kernel along the pair, its gradient corrected
+  CorrectKernel_FirstOrder - Computes the slope of the kernel along the pair with corrected gradient
 
     W' <- -(X/r).M^-1 grad_i W,   M = sum_j V_j (grad_i W) X^T
 
-  Where the neighbours do not span space, M is the unit matrix and the stencil counts it.
+  If the neighbours do not span space, M is the unit matrix, and the stencil counts the row.
 
   Output Parameters:
-+ dW  - W'; may be what the caller has for any purpose, but not st->dW
++ dW  - W'; any array except st->dW
 - ddW - W'', unchanged; may be NULL
 
   Reference: J. Bonet, T.-S. L. Lok, Comput. Methods Appl. Mech. Eng. 180 (1999) 97-115

@@ -1,6 +1,6 @@
 /*
-  Small dense algebra of one stencil, at most a few tens of rows: Cholesky factors of moment
-  matrices, and elimination where a matrix is not symmetric.
+  Small dense algebra for stencils, at most a few tens of rows: Cholesky factors of moment matrices,
+  and elimination for unsymmetric matrices.
 */
 #include "isph/operators.h"
 
@@ -10,9 +10,9 @@
   Not collective.
 
   Input/Output Parameter:
-. a - n x n by rows, only the lower triangle read; out: L with L L^T = a, diagonal inverted
+. a - n x n by rows, lower triangle read; out: L with L L^T = a, diagonal inverted
 
-  Returns: 0, or 1 + the first row whose pivot fell below 1e-10 of its diagonal
+  Returns: 0, or 1 + the first row whose pivot is below 1e-10 of its diagonal entry
 */
 PetscInt DenseCholesky(PetscInt n, PetscReal a[])
 {
@@ -35,17 +35,17 @@ PetscInt DenseCholesky(PetscInt n, PetscReal a[])
 }
 
 /*
-  DenseCholeskyRidge - Factors a symmetric matrix of which a ridge makes a positive definite one
+  DenseCholeskyRidge - Factors a symmetric matrix plus a multiple of the unit matrix
 
-  Not collective. The ridge is the least of ridge, 100 ridge, ... times the trace that will do;
-  a matrix that is not finite has none, and neither has its factor.
+  Not collective. The multiple is the first of ridge, 100 ridge, ... times the trace that makes the
+  matrix positive definite. A matrix with NaN or infinity gives no valid factor.
 
   Input Parameters:
 + a     - n x n by rows
-- ridge - the least over the trace
+- ridge - first multiple over the trace
 
   Output Parameter:
-. factor - as DenseCholesky() leaves it
+. factor - as from DenseCholesky()
 */
 void DenseCholeskyRidge(PetscInt n, const PetscReal a[], PetscReal ridge, PetscReal factor[])
 {
@@ -60,7 +60,7 @@ void DenseCholeskyRidge(PetscInt n, const PetscReal a[], PetscReal ridge, PetscR
   }
 }
 
-/* DenseCholeskySolve - Solves L L^T x = b with the factor of DenseCholesky(); x holds b on entry */
+/* DenseCholeskySolve - Solves L L^T x = b with the factor of DenseCholesky(); x holds b at entry */
 void DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[])
 {
   for (PetscInt i = 0; i < n; i++) {
@@ -73,7 +73,7 @@ void DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[])
   }
 }
 
-/* Exchanges columns p and q of `rows` rows of n. */
+/* Exchanges columns p and q of `rows` rows of length n. */
 static void SwapColumns(PetscInt rows, PetscInt n, PetscReal A[], PetscInt p, PetscInt q)
 {
   for (PetscInt r = 0; r < rows; r++) {
@@ -85,13 +85,13 @@ static void SwapColumns(PetscInt rows, PetscInt n, PetscReal A[], PetscInt p, Pe
 }
 
 /*
-  DenseEliminate - Brings X A = B, of any matrix, to X D = B' by Gauss elimination with pivots
+  DenseEliminate - Reduces X A = B with a general matrix to X D = B' by pivoted Gauss elimination
 
   Not collective.
 
   Input/Output Parameters:
-+ A - n x n by rows; out: its diagonal is D, with zeros where A is singular
-- B - `rows` rows of n; out: B', so that X has B[r n + q]/D_q
++ A - n x n by rows; out: D on the diagonal, with zeros if A is singular
+- B - `rows` rows of length n; out: B', so that X is B[r n + q]/D_q
 */
 void DenseEliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
 {
@@ -114,19 +114,19 @@ void DenseEliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
 }
 
 /*
-  MomentInverse - Inverse of a second moment matrix of a stencil
+  MomentInverse - Inverts a second moment matrix of a stencil
 
     M_ab = sum_k weight_k X_a X_b
 
   Not collective.
 
   Input Parameter:
-. weight - of each neighbour; -V W'/r makes M the first moment of the kernel's gradient, near delta
+. weight - weight of each neighbour; -V W'/r makes M the first moment matrix of the kernel gradient
 
   Output Parameter:
 . inverse - dim x dim by rows
 
-  Returns: PETSC_FALSE, and the unit matrix, where the neighbours do not span space
+  Returns: PETSC_FALSE and the unit matrix if the neighbours do not span space
 */
 PetscBool MomentInverse(const Stencil *st, const PetscReal weight[], PetscReal inverse[])
 {

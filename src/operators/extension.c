@@ -1,19 +1,18 @@
 /*
-  Walls as an affine extension of the fluid: with u_w = u_wall + sum_j E_wj (u_j - u_wall) the
-  operators of velocities, assembled on the values of wall particles, become operators on fluid and
-  wall data
+  Extension of the velocity to wall particles. With u_w = u_wall + sum_j E_wj (u_j - u_wall) an
+  operator assembled on values of wall particles becomes an operator on fluid and wall data,
 
     A u + B u_w = (A + B E) u + B diag(S) u_wall,   S_w = 1 - sum_j E_wj,
 
-  so that what comes after knows of walls what it knew before.
+  so that schemes treat all wall treatments alike. See docs/theory.md, (57) and (58).
 */
 #include "assembly.h"
 #include "extension.h"
 
-/* E, entry by entry, and S. */
+/* Entries of E, and S. */
 typedef struct {
   PetscInt   n, capacity;
-  PetscInt  *row, *col; /* global */
+  PetscInt  *row, *col; /* global indices */
   PetscReal *value;
   Vec        S;
 } Entries;
@@ -35,7 +34,7 @@ static PetscErrorCode EntriesAppend(Entries *list, PetscInt row, const Extension
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Room for as many points as there are local particles. */
+/* Allocates arrays for all local particles. */
 static PetscErrorCode ExtensionCreate(const Scene *scene, const Particles *p, const Neighbors *nb,
                                       const Operators *ops, Extension *ext)
 {
@@ -64,9 +63,9 @@ static PetscErrorCode ExtensionDestroy(Extension *ext)
 }
 
 /*
-  The place of own wall particle i.
+  Places the extension at own wall particle i.
 
-  Returns: whether fluid may see the particle and read it as anything but the wall itself
+  Returns: PETSC_TRUE if the particle lies behind the surface and within the support of some fluid
 */
 static PetscBool ExtensionPlace(const Particles *p, PetscInt i, Extension *ext)
 {
@@ -88,7 +87,7 @@ static PetscBool ExtensionPlace(const Particles *p, PetscInt i, Extension *ext)
   return ext->depth > 0.0 && d2 < PetscSqr(ext->radius) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* The rows of E of own wall particles, and S. */
+/* Computes the rows of E of own wall particles, and S. */
 static PetscErrorCode FillEntries(const WallRow *wall, const Particles *p, Extension *ext,
                                   Entries *list)
 {
@@ -109,7 +108,7 @@ static PetscErrorCode FillEntries(const WallRow *wall, const Particles *p, Exten
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* E as a matrix; particles and their periodic images are one column. */
+/* Creates the matrix E; a particle and its periodic images share a column. */
 static PetscErrorCode EntriesMat(const Particles *p, Entries *list, Mat *E)
 {
   PetscFunctionBegin;
@@ -121,7 +120,7 @@ static PetscErrorCode EntriesMat(const Particles *p, Entries *list, Mat *E)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A <- A + B E, B <- B diag(S). */
+/* Replaces A by A + B E and B by B diag(S). */
 static PetscErrorCode ExtendOperator(Mat E, Vec S, AffineOperator *op)
 {
   Mat BE;
@@ -136,13 +135,13 @@ static PetscErrorCode ExtendOperator(Mat E, Vec S, AffineOperator *op)
 }
 
 /*
-  ExtendWalls - Makes the operators of velocities, lap u and du/dx_a, read the walls' velocity
-  through the extension of the wall treatment
+  ExtendWalls - Applies the extension of the wall treatment to the operators on velocities: lap u,
+  du/dx_a and the residual of the fit of u
 
-  Collective on the particles' communicator. To be called once after their matrices were made.
+  Collective on the particles' communicator. To be called once for each assembly.
 
-  Notes: fits that their points did not determine are counted in ops->work->stencil->regularised.
-  Particles on the surface itself keep the wall's velocity.
+  Notes: ops->work->stencil->regularised counts fits that their points did not determine. Wall
+  particles on the surface keep the wall velocity.
 */
 PetscErrorCode ExtendWalls(const Scene *scene, const Particles *p, const Neighbors *nb,
                            Operators *ops)

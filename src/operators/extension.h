@@ -1,28 +1,28 @@
-/* One row of the extension of the fluid's velocity to the particles behind walls. */
+/* A row of the extension of the velocity from the fluid to particles behind walls. */
 #ifndef ISPH_EXTENSION_H
 #define ISPH_EXTENSION_H
 
 #include "isph/operators.h"
 
-/* What a row function reads of wall particle w, and what it writes. */
+/* Wall particle w and the fluid near it: input and output of the row functions WallExtend_*. */
 struct Extension {
   const Scene     *scene;
   const Particles *particles;
   const Cells     *cells;
-  PetscReal        margin; /* of the cells' positions [m] */
+  PetscReal        margin; /* distance that particles may have moved since cells were built [m] */
   const KernelRow *kernel;
-  PetscInt         dim, side;         /* the wall it belongs to: WallPlane.side */
-  PetscReal        dx, radius, depth; /* [m] */
-  PetscReal        x[ISPH_MAX_DIM];   /* the wall particle [m] */
-  PetscReal wall_point[ISPH_MAX_DIM]; /* of its normal, on the wall or the plane beyond it [m] */
-  PetscReal edge[ISPH_MAX_DIM];       /* the point of the box nearest to that [m] */
-  PetscReal normal[ISPH_MAX_DIM];     /* there, into the fluid */
+  PetscInt         dim, side;                /* side: the wall of the particle, WallPlane.side */
+  PetscReal        dx, radius, depth;        /* [m] */
+  PetscReal        x[ISPH_MAX_DIM];          /* the wall particle [m] */
+  PetscReal        wall_point[ISPH_MAX_DIM]; /* on the wall or, beyond an edge, on its plane [m] */
+  PetscReal        edge[ISPH_MAX_DIM];       /* point of the box nearest to the wall point [m] */
+  PetscReal        normal[ISPH_MAX_DIM];     /* normal at the wall point, into the fluid */
 
-  PetscInt   n, *j;           /* fluid near by: local indices */
-  PetscReal *s[ISPH_MAX_DIM]; /* where it is, in the coordinates of the fit [reach of the fit] */
-  PetscReal *q, *weight; /* distance from the centre of the fit, and weight in it [the same], [-] */
-  PetscReal *e;          /* the row: E_wj */
-  PetscInt   regularised; /* fits that their points did not determine */
+  PetscInt   n, *j;           /* fluid nearby: number and local indices */
+  PetscReal *s[ISPH_MAX_DIM]; /* positions in the coordinates of the fit [reach of the fit] */
+  PetscReal *q, *weight;      /* distances from the centre of the fit [reach] and weights [-] */
+  PetscReal *e;               /* the row: E_wj */
+  PetscInt   regularised;     /* fits that were not determined by their points */
 };
 
 PetscErrorCode WallExtend_Mirror(Extension *extension);

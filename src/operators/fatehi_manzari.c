@@ -1,22 +1,22 @@
 /*
-  The Laplacian of Fatehi and Manzari: a pairwise form whose two errors on disorder are removed,
-  that of linear fields by the corrected gradient and that of quadratics by a matrix for each
-  particle.
+  The Laplacian of Fatehi and Manzari, a pairwise form without its two errors on disorder: the
+  corrected gradient removes the error of linear fields, a matrix for each particle the error of
+  quadratic fields.
 */
 #include "rows.h"
 
 #define SYM_MAX (ISPH_MAX_DIM * (ISPH_MAX_DIM + 1) / 2)
 
 /*
-  The symmetric matrix B of Fatehi & Manzari, packed (a >= b, off-diagonal entries counted once):
-  solves  sum_k V_k W' (B:ee) [-X_a X_b/r + (X/r).G^ab] = delta_ab,  G^ab = M^-1 sum V X_a X_b
+  Computes the symmetric matrix B of Fatehi & Manzari, packed (a >= b, off-diagonal entries once),
+  from  sum_k V_k W' (B:ee) [-X_a X_b/r + (X/r).G^ab] = delta_ab,  G^ab = M^-1 sum V X_a X_b
   grad_i W.
 */
 static PetscErrorCode FatehiManzariMatrix(Stencil *st, const PetscReal inverse[], PetscReal B[])
 {
   const PetscInt d = st->dim, n = d * (d + 1) / 2;
   PetscReal      G[SYM_MAX][ISPH_MAX_DIM] = {{0.0}}, gradient[ISPH_MAX_DIM];
-  PetscReal      A[SYM_MAX * SYM_MAX]     = {0.0}; /* of q (B's entry) by rows, of s by columns */
+  PetscReal      A[SYM_MAX * SYM_MAX]     = {0.0}; /* row q: entry of B; column s: pair (a, b) */
   PetscBool      singular                 = PETSC_FALSE;
 
   PetscFunctionBegin;
@@ -61,12 +61,12 @@ static PetscErrorCode FatehiManzariMatrix(Stencil *st, const PetscReal inverse[]
 }
 
 /*
-  LaplacianRow_FatehiManzari - Laplacian with the gradient's error removed and a matrix B_i chosen
-  so that quadratics are exact
+  LaplacianRow_FatehiManzari - Computes the Laplacian with the error of the gradient removed and a
+  matrix B_i that makes quadratic fields exact
 
     (lap f)_i = 2 sum_j V_j W' (B_i : ee) [ (f_i - f_j)/r - e.g_i ],   e = (x_i - x_j)/r
 
-  Properties: exact for quadratics on any arrangement; not symmetric.
+  Properties: exact for quadratic fields on any arrangement; not symmetric.
 
   Reference: R. Fatehi, M. T. Manzari, Comput. Math. Appl. 61 (2011) 482-498
 */

@@ -1,6 +1,6 @@
 /*
-  What forms declare of themselves, and a Laplacian as chosen: a row of the table that reads the
-  kernel, corrected or not.
+  Declared properties of forms, and the weights of the chosen Laplacian, with or without correction
+  of the kernel.
 */
 #include "rows.h"
 
@@ -8,7 +8,7 @@ const char *const FormPropertyNames[FORM_PROPERTY_COUNT] = {
     "null_constants", "symmetric",     "exact_linear",      "exact_quadratic",
     "full_support",   "safe_implicit", "varying_viscosity", "couples_components"};
 
-/* FormDescribe - The names of properties, "null_constants, symmetric"; not collective */
+/* FormDescribe - Appends the names of properties, "null_constants, symmetric"; not collective */
 PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length)
 {
   PetscFunctionBegin;
@@ -21,10 +21,10 @@ PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length)
 }
 
 /*
-  LaplacianIs - Whether a Laplacian as chosen has a property
+  LaplacianIs - Returns true if the chosen Laplacian has a property
 
-  Not collective. A corrected kernel differs from particle to particle: no matrix of it is
-  symmetric.
+  Not collective. A corrected kernel differs from particle to particle, and an extension changes
+  rows beside walls, so such a matrix is not symmetric.
 */
 PetscBool LaplacianIs(const LaplacianForm *form, FormProperty property)
 {
@@ -34,15 +34,16 @@ PetscBool LaplacianIs(const LaplacianForm *form, FormProperty property)
   return (properties & (unsigned)property) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* LaplacianWidth - Weights that a row has for each neighbour: dim^2 where components couple */
+/* LaplacianWidth - Returns the weights of a row for each neighbour: 1, or dim^2 if it couples */
 PetscInt LaplacianWidth(const LaplacianForm *form, PetscInt dim)
 {
   return form->row && LaplacianIs(form, FORM_COUPLES) ? dim * dim : 1;
 }
 
 /*
-  LaplacianDilatation - c of the form's lap u + (c - 1) grad div u: c nu div u* is what the gradient
-  that makes u* solenoidal takes from its viscous term, and the pressure has to make up for
+  LaplacianDilatation - Returns c of the form's lap u + (c - 1) grad div u
+
+  The rotational pressure update subtracts c rho nu div u*: docs/theory.md, (84) and (85).
 
   Not collective.
 */
@@ -52,12 +53,12 @@ PetscReal LaplacianDilatation(const LaplacianForm *form)
 }
 
 /*
-  LaplacianWeights - The row of a Laplacian as chosen
+  LaplacianWeights - Computes the row of the chosen Laplacian
 
   Not collective.
 
   Output Parameter:
-. w - w[k] multiplies f_k - f_i [m^-2], or what LaplacianRow says of wall roles
+. w - w[k] multiplies f_k - f_i [m^-2]; for wall roles see LaplacianRow
 */
 PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *st, PetscReal w[])
 {
@@ -75,7 +76,8 @@ PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *st, PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* OperatorsCorrection - Name of the correction that some Laplacian of the run takes, or "none" */
+/* OperatorsCorrection - Returns the name of the correction that a Laplacian of the run has, or
+   "none" */
 const char *OperatorsCorrection(const Operators *ops)
 {
   if (ops->forms.visc.correction) return ops->forms.visc.correction->name;

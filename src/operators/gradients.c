@@ -1,15 +1,16 @@
 /*
-  Gradients on differences f_j - f_i and their table; a divergence takes the same weights. A new
-  gradient is one row function and one row here.
+  Gradients on differences f_j - f_i and their table; a divergence has the same weights. A new
+  gradient is a row function and a table row here.
 */
 #include "rows.h"
 
 /*
-  GradientRow_Plain - SPH gradient of differences
+  GradientRow_Plain - Computes the SPH gradient of differences
 
     (df/dx_a)_i = sum_j V_j (dW/dx_a)_i (f_j - f_i)
 
-  Properties: exact for constants; linear fields on a lattice up to its quadrature error.
+  Properties: exact for constants; linear fields have an error of order 1, on a lattice a small
+  factor.
 
   Reference: J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703-1759
 */
@@ -23,7 +24,7 @@ static PetscErrorCode GradientRow_Plain(Stencil *st, PetscReal *g[])
 }
 
 /*
-  GradientRow_Corrected - First-order consistent SPH gradient
+  GradientRow_Corrected - Computes the first-order consistent SPH gradient
 
     (grad f)_i = M^-1 sum_j V_j grad_i W (f_j - f_i),   M = sum_j V_j (grad_i W) X^T
 

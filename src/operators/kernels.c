@@ -1,6 +1,6 @@
 /*
-  Smoothing kernels. A row gives the shape w(q), q = r/h, and what makes it integrate to 1 in 1, 2
-  and 3 dimensions; a new kernel is one shape function and one row.
+  Smoothing kernels. A row gives the shape w(q), q = r/h, and the factors that make its integral 1
+  in 1, 2 and 3 dimensions. A new kernel is a shape function and a row.
 */
 #include "isph/operators.h"
 
@@ -20,7 +20,7 @@ static void Shape_CubicSpline(PetscReal q, PetscReal w[3])
   }
 }
 
-/* Quintic B-spline, support 3h: (3-q)^5 - 6 (2-q)^5 + 15 (1-q)^5, each term where positive. */
+/* Quintic B-spline, support 3h: (3-q)^5 - 6 (2-q)^5 + 15 (1-q)^5, positive parts only. */
 static void Shape_QuinticSpline(PetscReal q, PetscReal w[3])
 {
   const PetscReal knot[3] = {3.0, 2.0, 1.0}, weight[3] = {1.0, -6.0, 15.0};
@@ -57,7 +57,7 @@ static void Shape_WendlandC4(PetscReal q, PetscReal w[3])
 }
 
 /*
-  KernelEvaluate - W, dW/dr and d2W/dr2 at distance r
+  KernelEvaluate - Computes W, dW/dr and d2W/dr2 at distance r
 
     W(r) = sigma_d/h^d w(r/h)
 
@@ -66,7 +66,7 @@ static void Shape_WendlandC4(PetscReal q, PetscReal w[3])
   Input Parameters:
 + dim - 1, 2 or 3
 . h   - smoothing length [m]
-- r   - distance [m]; beyond the support all three are zero
+- r   - distance [m]; beyond the support W and its derivatives are zero
 
   Output Parameter:
 . w - W [m^-dim], dW/dr [m^-(dim+1)], d2W/dr2 [m^-(dim+2)]

@@ -1,11 +1,12 @@
 /*
-  The scalar Laplacians, rows on differences f_j - f_i, and their table. A new form is one row
-  function and one row here. Notation: X = x_j - x_i, r = |X|, W' = dW/dr < 0, grad_i W = -(X/r) W'.
+  Scalar Laplacians on differences f_j - f_i, and their table. A new form is a row function and a
+  table row here. Notation: X = x_j - x_i, r = |X|, W' = dW/dr < 0, grad_i W = -(X/r) W'.
 */
 #include "rows.h"
 
 /*
-  LaplacianRow_Morris - Laplacian of Morris, Fox & Zhu: finite difference times kernel gradient
+  LaplacianRow_Morris - Computes the Laplacian of Morris, Fox & Zhu: difference times kernel
+  gradient
 
     (lap f)_i = sum_j -2 V_j (W'/r) (f_j - f_i)
 
@@ -21,15 +22,15 @@ static PetscErrorCode LaplacianRow_Morris(Stencil *st, PetscReal w[])
 }
 
 /*
-  LaplacianRow_Gotoh - Laplacian from the divergence of the kernel's Hessian along the pair
+  LaplacianRow_Gotoh - Computes the Laplacian from the kernel's Hessian along the pair
 
     (lap f)_i = 2/(d+2) sum_j V_j (W'' - W'/r) (f_j - f_i)
 
-  Properties: symmetric with equal volumes, weights all positive (W'/r grows with r for every kernel
-  here); a factor off by up to 8 % on lattices, error O(1/dx) on disorder.
+  Properties: symmetric for equal volumes; all weights positive, docs/theory.md, (8); with the cubic
+  spline a factor off by up to 8 % on lattices, error O(1/dx) on disorder.
 
   Reference: X. Zheng, Q. Ma, S. Shao, Water 10 (2018), VISC-02, Eq. (16), after H. Gotoh et al.,
-  Appl. Ocean Res. 46 (2014) 104-115; as printed it is -(d+2)/2 times the Laplacian
+  Appl. Ocean Res. 46 (2014) 104-115; the printed form is -(d+2)/2 times the Laplacian
 */
 static PetscErrorCode LaplacianRow_Gotoh(Stencil *st, PetscReal w[])
 {
@@ -42,14 +43,15 @@ static PetscErrorCode LaplacianRow_Gotoh(Stencil *st, PetscReal w[])
 }
 
 /*
-  LaplacianRow_DirectScalar - Laplacian of the kernel itself
+  LaplacianRow_DirectScalar - Computes the Laplacian of the kernel
 
     (lap f)_i = sum_j V_j (W'' + (d-1) W'/r) (f_j - f_i)
 
-  Properties: symmetric with equal volumes; its weights change sign and it has negative eigenvalues,
-  on lattices too: what should be damped grows. Here for comparison.
+  Properties: symmetric for equal volumes. Weights change sign, and -L has negative eigenvalues:
+  with spline kernels on lattices, with all kernels on disorder (docs/theory.md, (40)). Modes that
+  should decay grow, so the form serves for comparison only.
 
-  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), model A where
+  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), model A for
   div u = 0
 */
 static PetscErrorCode LaplacianRow_DirectScalar(Stencil *st, PetscReal w[])
@@ -63,7 +65,8 @@ static PetscErrorCode LaplacianRow_DirectScalar(Stencil *st, PetscReal w[])
 }
 
 /*
-  LaplacianRow_Corrected - Morris's Laplacian with first-order corrected kernel gradient
+  LaplacianRow_Corrected - Computes the Laplacian of Morris with first-order corrected kernel
+  gradient
 
     (lap f)_i = sum_j 2 V_j X.(M^-1 grad_i W)/r^2 (f_j - f_i)
 
@@ -81,14 +84,14 @@ static PetscErrorCode LaplacianRow_Corrected(Stencil *st, PetscReal w[])
 }
 
 /*
-  LaplacianRow_Schwaiger - Laplacian freed from the error of linear fields
+  LaplacianRow_Schwaiger - Computes a Laplacian without the error of linear fields
 
     (lap f)_i = tr(M^-1)/d { 2 sum_j V_j (f_i - f_j) W'/r - 2 g_i . sum_j V_j grad_i W },
     g_i = M^-1 sum_j V_j (f_j - f_i) grad_i W
 
-  Properties: exact for linear fields; error O(1) in general quadratics on disorder.
+  Properties: exact for linear fields; error O(1) for quadratic fields on disorder.
 
-  Reference: H. F. Schwaiger, Int. J. Numer. Meth. Eng. 75 (2008) 647-671, signs as corrected here
+  Reference: H. F. Schwaiger, Int. J. Numer. Meth. Eng. 75 (2008) 647-671, with corrected signs
 */
 static PetscErrorCode LaplacianRow_Schwaiger(Stencil *st, PetscReal w[])
 {
@@ -113,12 +116,13 @@ static PetscErrorCode LaplacianRow_Schwaiger(Stencil *st, PetscReal w[])
 }
 
 /*
-  LaplacianRow_Lsph - Renormalised meshless Laplacian
+  LaplacianRow_Lsph - Computes the renormalised meshless Laplacian
 
     (lap f)_i = 2d sum_j c_j (f_j - f_i) / sum_j c_j r^2,   c_j = V_j W (1 - X.B o),
     o = sum_j V_j W X,   B = (sum_j V_j W X X^T)^-1
 
-  Properties: exact for linear fields and |x - x_i|^2; error O(1) in general quadratics on disorder.
+  Properties: exact for linear fields and |x - x_i|^2; error O(1) for other quadratic fields on
+  disorder.
 
   Reference: J. Basic, N. Degiuli, D. Ban, J. Comput. Phys. 354 (2018) 269-287
 */
@@ -157,7 +161,7 @@ static PetscErrorCode LaplacianRow_Lsph(Stencil *st, PetscReal w[])
 #define QUADRATIC (ADAPTED | FORM_EXACT_QUADRATIC)
 
 static const LaplacianRow laplacians[] = {
-    /* name, brief, citation, properties, corrections it can take, row */
+    /* name, brief, citation, properties, accepted corrections, row */
     {"morris", "finite difference times kernel gradient (VISC-01, model E)",
      "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)", PAIRWISE | FORM_SYMMETRIC | DIFFUSIVE,
      CORRECTION_SHEPARD | CORRECTION_FIRST_ORDER, LaplacianRow_Morris},
@@ -187,7 +191,7 @@ static const LaplacianRow laplacians[] = {
      QUADRATIC | FORM_COUPLES | FORM_FULL_SUPPORT, 0, LaplacianRow_StressMls},
 };
 
-/* What a Laplacian declares, and the corrections it can take. */
+/* Appends the declared properties of a Laplacian and its accepted corrections. */
 static PetscErrorCode LaplacianDescribe(const TableRow *row, char text[], size_t length)
 {
   const LaplacianRow *form  = (const LaplacianRow *)(const void *)row;

@@ -1,4 +1,4 @@
-/* The basis of moving least-squares fits, shared by fits of scalars and of vectors. */
+/* Basis of moving least-squares fits, shared by fits of scalars and of vectors. */
 #ifndef ISPH_MLS_H
 #define ISPH_MLS_H
 
@@ -11,7 +11,8 @@ static inline PetscInt MlsTerms(PetscInt dim, PetscInt degree)
   return degree == 2 ? quadratic : quadratic + dim * (dim + 1) * (dim + 2) / 6;
 }
 
-/* Basis at neighbour k: the X_a, then the X_a X_b (b <= a), then the X_a X_b X_c (c <= b). */
+/* Computes the basis at neighbour k: X_a, then X_a X_b (b <= a), then X_a X_b X_c (c <= b), over
+   R. */
 static inline void MlsBasis(const Stencil *st, PetscInt dim, PetscInt degree, PetscInt k,
                             PetscReal phi[])
 {

@@ -1,10 +1,10 @@
 /*
-  The quadratic fit of a vector, its components coupled by walls that give the normal one alone.
-  About the fit of a scalar see mls.c.
+  The quadratic fit of a vector. Walls give only normal components and thereby couple the
+  components. For the fit of a scalar see mls.c.
 */
 #include "mls.h"
 
-/* Moment matrix of the vector fit: components coupled by the equations n.f of wall neighbours. */
+/* Computes the moment matrix of the vector fit with the equations n.f of wall neighbours. */
 static void MlsVectorMoments(const Stencil *st, PetscReal moments[])
 {
   const PetscInt d = st->dim, terms = MlsTerms(d, 2), n = d * terms;
@@ -31,14 +31,14 @@ static void MlsVectorMoments(const Stencil *st, PetscReal moments[])
 }
 
 /*
-  DivergenceFit_Mls - Divergence of a vector fit that sees of each wall only its normal velocity
+  DivergenceFit_Mls - Computes the divergence by a vector fit with the normal velocity of walls
 
-    div u = sum_c c_c,c/R,  least: sum_k W_k |u_k - u_i - fit|^2 + sum_w W_w (n.(u_w - u_i - fit))^2
+    div u = sum_c c_c,c/R,  min: sum_k W_k |u_k - u_i - fit|^2 + sum_w W_w (n.(u_w - u_i - fit))^2
 
   over fluid neighbours k and wall neighbours w.
 
-  The wall's tangential velocity (a lid's jump at a corner) is none of the divergence's business;
-  the fit couples the components so that this holds for any orientation of the wall.
+  The tangential wall velocity, which jumps at the corner of a lid, does not enter the divergence;
+  the coupling of components achieves this for any orientation of the wall.
 
   Output Parameters:
 + d - d[c][k] multiplies (u_k - u_i)_c of fluid neighbour k, zero for walls [1/m]

@@ -1,6 +1,6 @@
 /*
-  The operators of a run: created for what is needed, placed, applied and destroyed. Their choice is
-  in choose.c, their assembly in assemble.c.
+  Operators of a run: creation for given needs, placement of walls, application, destruction. For
+  their choice see choose.c, for their assembly assemble.c.
 */
 #include "assembly.h"
 #include "boundary_rows.h"
@@ -46,15 +46,15 @@ unsigned SceneNeeds(const Scene *scene)
 . -h_over_dx ratio     - smoothing length over particle spacing; see DefaultSmoothing()
 . -visc_laplacian name - form of the viscous term
 . -ppe_laplacian name  - form of the pressure Poisson equation
-. -correction name     - correction of the kernel that these Laplacians read
+. -correction name     - correction of the kernel in these Laplacians
 . -gradient name       - form of gradients and divergences
 . -wall name           - wall treatment
 - -wall_surface        - a layer of particles on the walls before the layers behind them; by
                          default with bodies
 
-  Errors: refuses forms that need particles behind walls with a treatment that has none, corrections
-  with forms that do not read the kernel's slope, anti-diffusive forms for the pressure, and
-  treatments with scenes they cannot take
+  Errors: refuses forms that need particles behind walls for a treatment without them, corrections
+  that no chosen form accepts, anti-diffusive forms for the pressure, and treatments unsuitable for
+  the scene
 */
 PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **operators)
 {
@@ -122,7 +122,8 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* OperatorsPlacement - Returns where the wall treatment places its particles; not collective */
+/* OperatorsPlacement - Returns the layers of wall particles of the wall treatment; not
+   collective */
 PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, WallPlacement *walls)
 {
   PetscFunctionBegin;
@@ -136,9 +137,9 @@ PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, Wall
 }
 
 /*
-  AffineApply - Applies an operator: y = A f + B e
+  AffineApply - Computes y = A f + B e
 
-  Collective. Input: f over fluid, walls the wall data e (ignored without walls).
+  Collective. Input: f over fluid; walls, the wall data e (ignored without walls).
 */
 PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y)
 {
@@ -148,7 +149,7 @@ PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* AffineApplyAdd - Adds an operator's product: y += A f + B e; collective */
+/* AffineApplyAdd - Computes y += A f + B e; collective */
 PetscErrorCode AffineApplyAdd(const AffineOperator *op, Vec f, Vec walls, Vec y)
 {
   PetscFunctionBegin;

@@ -1,14 +1,13 @@
 /*
-  The common sparsity pattern of the operators and the matrices made on it. All operators read the
-  same neighbours, so columns are sorted once a row and every operator writes its values through
-  slots.
+  The sparsity pattern that all operators share, and the matrices on it. All operators have the same
+  neighbours, so each row sorts its columns once, and every operator writes its values by slots.
 */
 #include "isph/operators.h"
 
 /*
-  PatternBegin - Empties a pattern and makes room
+  PatternBegin - Empties a pattern and allocates room for rows
 
-  Not collective. Input: rows of this rank, and the most entries they can have together.
+  Not collective. Input: number of own rows, and the largest number of entries in them.
 */
 PetscErrorCode PatternBegin(Pattern *pattern, PetscInt rows, PetscInt entries)
 {
@@ -26,13 +25,13 @@ PetscErrorCode PatternBegin(Pattern *pattern, PetscInt rows, PetscInt entries)
 }
 
 /*
-  PatternRow - Adds row i, to be called for i = 0, 1, 2, ...
+  PatternRow - Adds row i; to be called for i = 0, 1, 2, ...
 
-  Not collective. Columns that occur twice (a particle and its periodic image) become one entry.
+  Not collective. A repeated column (a particle and its periodic image) becomes a single entry.
 
   Input Parameters:
 + cols - global columns in any order
-- n    - how many
+- n    - number of columns
 
   Output Parameter:
 . slot - position of the entry of cols[k] in the arrays of values
@@ -75,16 +74,16 @@ void PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], PetscInt n,
 }
 
 /*
-  PatternMat - A matrix on the pattern
+  PatternMat - Creates a matrix on the pattern
 
   Collective on comm.
 
   Input Parameters:
 + rows, cols - local sizes
-- values     - in the order of the pattern; kept in use, not copied, on one rank
+- values     - in the order of the pattern; on a single rank the matrix uses this array
 
   Output Parameter:
-. A - MATSEQAIJ on one rank, MATMPIAIJ on several
+. A - MATSEQAIJ on a single rank, otherwise MATMPIAIJ
 */
 PetscErrorCode PatternMat(MPI_Comm comm, const Pattern *pattern, PetscInt rows, PetscInt cols,
                           PetscReal values[], Mat *A)

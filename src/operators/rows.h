@@ -1,4 +1,4 @@
-/* Row functions that the tables of laplacians.c and gradients.c list but other files hold. */
+/* Row functions in the tables of laplacians.c and gradients.c that other files define. */
 #ifndef ISPH_ROWS_H
 #define ISPH_ROWS_H
 
@@ -14,7 +14,7 @@ PetscErrorCode DivergenceFit_Mls(Stencil *stencil, PetscReal *d[], PetscReal m[]
 void           CorrectKernel_FirstOrder(Stencil *stencil, PetscReal dW[], PetscReal ddW[]);
 PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length);
 
-/* M^-1 grad_i W for neighbour k, M^-1 = inverse of the first moment matrix. */
+/* Computes M^-1 grad_i W of neighbour k; inverse: M^-1 of the first moment matrix. */
 static inline void CorrectedKernelGradient(const Stencil *st, const PetscReal inverse[], PetscInt k,
                                            PetscReal gradient[])
 {

@@ -1,14 +1,13 @@
 /*
-  The stencil: storage for one particle's neighbourhood. OperatorsAssemble() fills it, row functions
-  read it.
+  Storage for the stencil of a particle. OperatorsAssemble() fills it, row functions read it.
 */
 #include "isph/operators.h"
 
 /*
-  StencilCreate - An empty stencil
+  StencilCreate - Creates an empty stencil
 
-  Not collective. Input: dim, the radius of the kernel's support, and the length that scales
-  equations of derivatives in least-squares fits [m].
+  Not collective. Input: dim; radius of the support [m]; scale, the length that multiplies equations
+  of derivatives in least-squares fits [m].
 */
 PetscErrorCode StencilCreate(PetscInt dim, PetscReal radius, PetscReal scale, Stencil **stencil)
 {
@@ -38,7 +37,7 @@ PetscErrorCode StencilDestroy(Stencil **stencil)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* StencilReserve - Makes room for n neighbours; what the stencil held is lost */
+/* StencilReserve - Makes room for n neighbours; the present contents are lost */
 PetscErrorCode StencilReserve(Stencil *st, PetscInt n)
 {
   PetscFunctionBegin;
@@ -57,10 +56,10 @@ PetscErrorCode StencilReserve(Stencil *st, PetscInt n)
 }
 
 /*
-  StencilSetRole - Says what the wall neighbours mean in the fits that follow
+  StencilSetRole - Sets the role of wall neighbours in the following fits
 
-  Not collective. Keeps the factored fit where it stays the same: in rows that see no wall, and
-  between roles that particles behind walls do not tell apart.
+  Not collective. Keeps the factored fit if the role does not change it: without wall neighbours,
+  and for dummies, whose equations have values in both roles.
 */
 void StencilSetRole(Stencil *st, Role role)
 {

@@ -1,14 +1,15 @@
 /*
-  The divergence of the viscous stress as forces between pairs of particles along the line that
-  joins them, the strengths of these by least squares. What moves as one piece, at whatever
-  viscosity and beside whatever other, then feels nothing to the last digit: a stiff drop that turns
-  in a thin fluid is not driven by the errors of its own large terms.
+  Divergence of the viscous stress as forces between pairs of particles along the line that joins
+  them; least squares give their strengths. A rigid motion has no force to rounding, whatever the
+  viscosities are, so a stiff drop that rotates in a thin fluid is not driven by truncation errors
+  of its own large terms. See docs/theory.md, (67) to (71).
 */
 #include "mls.h"
 
 #define STRESS_TERMS 25 /* monomials of degree 3 and 4 in three dimensions */
 
-/* Basis at neighbour k: s_a s_b s_c/s^2, then s_a s_b s_c s_e/s^2, s = X/R; 9 or 25 terms. */
+/* Computes the basis at neighbour k: s_a s_b s_c/s^2, s_a s_b s_c s_e/s^2, s = X/R; 9 or 25
+   terms. */
 static void StressBasis(const Stencil *st, PetscInt k, PetscReal phi[])
 {
   const PetscInt  d    = st->dim;
@@ -31,7 +32,7 @@ static void StressBasis(const Stencil *st, PetscInt k, PetscReal phi[])
   }
 }
 
-/* What sum_k c_k phi_k is to be: nothing of degree 3; of degree 4 two for each way to pair the
+/* Computes the required sum_k c_k phi_k: 0 for degree 3; for degree 4 two for each pairing of equal
    factors. */
 static void StressTarget(PetscInt d, PetscReal unit, PetscReal target[])
 {
@@ -49,26 +50,25 @@ static void StressTarget(PetscInt d, PetscReal unit, PetscReal target[])
 }
 
 /*
-  LaplacianRow_StressMls - Divergence of a viscous stress by forces along pairs, velocity components
-  coupled
+  LaplacianRow_StressMls - Computes the divergence of a viscous stress by forces along pairs;
+  couples velocity components
 
     sum_k c_k e (e.(u_k - u_i)) = lap u + 2 grad div u,   e = X/r
 
-  with the least sum_k c_k^2/W_k of all c that are exact for quadratic u:
+  with the least sum_k c_k^2/W_k among all c that are exact for quadratic u:
 
     sum_k c_k e_a e_b X_c = 0,   sum_k c_k e_a e_b X_c X_d = 2 (d_ab d_cd + d_ac d_bd + d_ad d_bc).
 
-  With the means nu_ik on the differences (viscous.c) it is (div 2 nu E) + grad(nu div u), grad nu
-  terms included; the last part is that of a bulk viscosity, which a flow of div u = 0 does not
-  feel.
+  With the means nu_ik on the differences (viscous.c) the form is div(2 nu E) + grad(nu div u), with
+  the terms in grad nu. The last term is a bulk viscosity, which does not act on solenoidal flow.
 
-  Properties: exact for quadratics on any arrangement; nothing for motions as one piece, whatever nu
-  is; not symmetric. Wants particles behind walls: half a neighbourhood determines it too badly to
+  Properties: exact for quadratic fields on any arrangement; no force on rigid motions for any nu;
+  not symmetric. Needs particles behind walls: a stencil cut in half gives strengths that do not
   damp.
 
   Reference: forces along pairs after P. W. Cleary, J. J. Monaghan, J. Comput. Phys. 148 (1999),
-  whose c_k are 2 (dim + 2) times the kernel's; a stress by fits of second derivatives instead
-  drives a drop of 1e3 times the viscosity about it (one eigenvalue of the wrong sign on disorder).
+  there with c_k = -2 (dim + 2) V_k W'/r. A stress from fitted second derivatives fails instead: on
+  disorder an eigenvalue has the wrong sign and drives a drop of 1e3 times the viscosity around it.
 */
 PetscErrorCode LaplacianRow_StressMls(Stencil *st, PetscReal w[])
 {

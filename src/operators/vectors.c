@@ -1,7 +1,8 @@
-/* Vectors over the particles of this rank: of the standard type, so that they meet any matrix. */
+/* Vectors over the particles of this rank, of the standard type, which works with any matrix
+   type. */
 #include "isph/operators.h"
 
-/* With storage of its own: `size` values at each of n particles. */
+/* Creates a vector of `size` values at each of n particles, with its own storage. */
 static PetscErrorCode VecOfBlocks(MPI_Comm comm, PetscInt n, PetscInt size, Vec *v)
 {
   PetscFunctionBegin;
@@ -29,10 +30,10 @@ static PetscErrorCode VecOfSize(MPI_Comm comm, PetscInt n, PetscReal array[], Ve
 }
 
 /*
-  FluidVec - Vector of one scalar over the own fluid particles
+  FluidVec - Creates a vector of a scalar over the own fluid particles
 
-  Collective. Input: array - a particle field to be seen through the vector, or NULL for storage of
-  its own. Valid for the present epoch.
+  Collective. Input: array - particle field that becomes the storage of the vector, or NULL for own
+  storage. Valid for the present epoch.
 */
 PetscErrorCode FluidVec(const Particles *p, PetscReal array[], Vec *v)
 {
@@ -41,7 +42,7 @@ PetscErrorCode FluidVec(const Particles *p, PetscReal array[], Vec *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* VecRemoveMean - v less its mean: the gauge of pressures; collective */
+/* VecRemoveMean - Subtracts the mean of v, which fixes the constant of a pressure; collective */
 PetscErrorCode VecRemoveMean(Vec v)
 {
   PetscScalar sum;
@@ -54,7 +55,7 @@ PetscErrorCode VecRemoveMean(Vec v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* WallVec - Vector of one scalar over the own wall particles; collective, valid for the epoch */
+/* WallVec - Creates a vector of a scalar over the own wall particles; collective, for an epoch */
 PetscErrorCode WallVec(const Particles *p, Vec *v)
 {
   PetscFunctionBegin;
@@ -62,7 +63,7 @@ PetscErrorCode WallVec(const Particles *p, Vec *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* VelocityVec - Vector of dim components at each own fluid particle, its components together;
+/* VelocityVec - Creates a vector of dim interlaced components over the own fluid particles;
    collective */
 PetscErrorCode VelocityVec(const Particles *p, Vec *v)
 {
@@ -71,7 +72,7 @@ PetscErrorCode VelocityVec(const Particles *p, Vec *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* WallVelocityVec - The same over the own wall particles; collective */
+/* WallVelocityVec - Creates a vector of dim components over the own wall particles; collective */
 PetscErrorCode WallVelocityVec(const Particles *p, Vec *v)
 {
   PetscFunctionBegin;

@@ -1,23 +1,23 @@
 /*
-  The viscous operator on all velocity components together, where they couple or the viscosity
-  follows them: unknowns u_jb are numbered dim j + b, and
+  The viscous operator on all velocity components, for forms that couple them and for rheologies.
+  Unknown u_jb has the number dim j + b, and
 
     (A u)_ia = sum_j sum_b w_ij,ab nu_ij/nu (u_j - u_i)_b.
 
-  The weights are kept in the slots of the common pattern, so that other viscosities need no new
+  The slots of the shared pattern keep the weights, so that a change of viscosities needs no new
   rows.
 */
 #include "assembly.h"
 #include "boundary_rows.h"
 
-/* Entries that a slot makes: (a, b) where components couple, else (a, a). */
+/* Returns the matrix entries of a slot: (a, b) for coupled components, otherwise (a, a). */
 static PetscInt SlotEntries(const Operators *ops, PetscInt dim)
 {
   return ops->visc.width == 1 ? dim : ops->visc.width;
 }
 
-/* KeepBlockRow - Keeps the weights of one row in their slots, f_wall - f_i as wall_points.c has
-   it; not collective */
+/* KeepBlockRow - Stores the weights of a row in their slots, with f_w - f_i of wall_points.c; not
+   collective */
 void KeepBlockRow(const Stencil *st, PetscInt diagonal, const PetscReal w[], Operators *ops)
 {
   const PetscInt   width = ops->visc.width;
@@ -34,7 +34,7 @@ void KeepBlockRow(const Stencil *st, PetscInt diagonal, const PetscReal w[], Ope
   ops->neighbor_of_slot[diagonal] = st->i;
 }
 
-/* A matrix of the pattern with its components, no values yet; columns as many as particles. */
+/* Creates a matrix of blocks on the pattern, without values; columns: number of own particles. */
 static PetscErrorCode ViscousBlockMat(const Particles *p, const Operators *ops,
                                       const Pattern *pattern, PetscInt columns, Mat *A)
 {
@@ -61,7 +61,7 @@ static PetscErrorCode ViscousBlockMat(const Particles *p, const Operators *ops,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* AssembleViscousBlock - Makes the matrices of the rows kept; collective on the particles'
+/* AssembleViscousBlock - Creates the matrices of the stored rows; collective on the particles'
    communicator */
 PetscErrorCode AssembleViscousBlock(const Scene *scene, const Particles *p, Operators *ops)
 {
@@ -72,7 +72,8 @@ PetscErrorCode AssembleViscousBlock(const Scene *scene, const Particles *p, Oper
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Entries of one slot of weights times a viscosity over scene->nu; all are summed, walls too. */
+/* Scales the weights of a slot by a viscosity over scene->nu, and adds them to the sum of the
+   row. */
 static void ScaleSlot(PetscInt width, PetscInt entries, PetscReal ratio, const PetscReal w[],
                       PetscReal value[], PetscReal sum[])
 {
@@ -83,11 +84,11 @@ static void ScaleSlot(PetscInt width, PetscInt entries, PetscReal ratio, const P
 }
 
 /*
-  OperatorsScaleViscosity - The values of visc.A and visc.B from the particles' viscosities as they
-  are now
+  OperatorsScaleViscosity - Computes the values of visc.A and visc.B for the present viscosities of
+  particles
 
-  Collective on the particles' communicator. For operators on all components together; the halo
-  of the viscosities must be up to date.
+  Collective on the particles' communicator. For operators on all components; the halo of the
+  viscosities must be up to date.
 */
 PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, Operators *ops)
 {
@@ -123,13 +124,13 @@ PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, O
 }
 
 /*
-  OperatorsFollowStrain - Viscosities of particles, and the viscous operator with them, from the
-  velocity
+  OperatorsFollowStrain - Computes viscosities from the strain rate, and the viscous operator with
+  them
 
     g = sqrt(2 E:E),   E = (grad u + grad u^T)/2
 
-  Collective on the particles' communicator. Input: u - components over the fluid; walls -
-  velocities at walls. Output: p->nu with its halo, ops->visc.
+  Collective on the particles' communicator. Input: u - components over the fluid; walls - wall
+  velocity. Output: p->nu with its halo, ops->visc.
 */
 PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *p, const WallValues *walls,
                                      const Vec u[], Operators *ops)

@@ -1,24 +1,25 @@
 /*
-  What a dummy says of its wall in the row of particle i. Its velocity lies on the line through the
-  fluid and the wall, whose velocity may vary along it:
+  Wall velocities in the row of particle i for dummies with beta. A dummy's velocity lies on the
+  line through the fluid particle and the wall, whose velocity may vary along the wall:
 
-    u_w - u_i = (u_wall,w - u_wall,i) + beta (u_wall,i - u_i),
+    u_w - u_i = (u_wall,w - u_wall,i) + beta (u_wall,i - u_i).
 
-  u_wall,w the wall's velocity at the foot of the dummy, u_wall,i that at the foot of i. The latter
-  is a linear fit along the wall through the wall neighbours of its side; without it rows would see
-  the variation along the wall beta-fold.
+  u_wall,w is the wall velocity at the wall point of the dummy, u_wall,i at the wall point of i. A
+  linear fit along the wall through the wall neighbours of the same side gives u_wall,i. Without the
+  first bracket rows would see the variation along the wall beta times too large: docs/theory.md,
+  (49) and (50).
 */
 #include "assembly.h"
 #include "boundary_rows.h"
 
-/* Whether walls speak through dummies whose values follow from their beta. */
+/* Returns true if the stencil has dummies whose velocities follow from beta. */
 static PetscBool HasWallPoints(const Stencil *st, const Operators *ops)
 {
   return st->n_wall && !ops->forms.wall->on_surface && !ops->forms.wall->Extend ? PETSC_TRUE
                                                                                 : PETSC_FALSE;
 }
 
-/* The terms of the fit at neighbour k: 1, and X_t over the support's radius. */
+/* Computes the terms of the fit at neighbour k: 1, and X_t over the radius of the support. */
 static void AlongWall(const Stencil *st, PetscInt k, PetscReal phi[])
 {
   phi[0] = 1.0;
@@ -26,7 +27,7 @@ static void AlongWall(const Stencil *st, PetscInt k, PetscReal phi[])
   for (PetscInt a = 0; a < st->dim; a++) phi[1 + a] /= st->radius;
 }
 
-/* Shares of the wall neighbours of one side in the velocity at the foot; they sum up to 1. */
+/* Computes the shares of the wall neighbours of a side in u_wall,i; their sum is 1. */
 static void SideShares(Stencil *st, PetscInt side)
 {
   const PetscInt n                                               = st->dim + 1;
@@ -39,7 +40,7 @@ static void SideShares(Stencil *st, PetscInt side)
     AlongWall(st, k, phi);
     for (PetscInt t = 0; t < n * n; t++) moment[t] += st->W[k] * phi[t / n] * phi[t % n];
   }
-  DenseCholeskyRidge(n, moment, 1e-12, factor); /* nothing varies along the normal */
+  DenseCholeskyRidge(n, moment, 1e-12, factor); /* X_t has no component along the normal */
   DenseCholeskySolve(n, factor, at_wall_point);
   for (PetscInt k = 0; k < st->n; k++) {
     if (!st->wall[k] || st->side[k] != side) continue;
@@ -53,7 +54,7 @@ static void SideShares(Stencil *st, PetscInt side)
   }
 }
 
-/* WallPointShares - Fills share of all wall neighbours that are dummies; not collective */
+/* WallPointShares - Computes the shares of all dummies of a stencil; not collective */
 void WallPointShares(const Operators *ops, Stencil *st)
 {
   PetscBool done[SCENE_MAX_BOUNDARIES] = {PETSC_FALSE};
@@ -67,20 +68,20 @@ void WallPointShares(const Operators *ops, Stencil *st)
 }
 
 /*
-  WallWeights - Weights of wall data for those of u_w - u_i
+  WallWeights - Computes weights of wall data from weights of u_w - u_i
 
-    b_w = w_w + share_w sum_v w_v (beta_v - 1),   v over the wall neighbours of w's side
+    b_w = w_w + share_w sum_v w_v (beta_v - 1),   v over the wall neighbours of the same side
 
-  of dummies, whose sum is that of beta w; other walls have their own value, or are given one
-  afterwards: b = w.
+  for dummies; their sum is the sum of the beta_w w_w. Other wall particles have their own value, or
+  get it later from an extension: b = w.
 
   Not collective.
 
   Input Parameters:
-+ width - entries of each neighbour's weight
-- w     - of u_k - u_i, neighbour by neighbour
++ width - number of weights of each neighbour
+- w     - weights of u_k - u_i, neighbour by neighbour
 
-  Returns: b, to be read for wall neighbours only; good until the next call
+  Returns: b for wall neighbours (other entries are undefined), valid until the next call
 */
 const PetscReal *WallWeights(const Stencil *st, const Operators *ops, PetscInt width,
                              const PetscReal w[])

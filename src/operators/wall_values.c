@@ -1,6 +1,6 @@
 /*
-  Values at walls: the velocity and n.grad p of each own wall particle, in the order of the columns
-  of the operators' matrices B.
+  Values at walls: velocity and wall pressure gradient of each own wall particle, in the order of
+  the columns of the matrices B.
 */
 #include "isph/operators.h"
 
@@ -16,7 +16,7 @@ PetscErrorCode WallValuesFree(WallValues *walls)
 }
 
 /*
-  WallValuesRenumber - Makes the vectors for the present numbering of wall particles
+  WallValuesRenumber - Creates the vectors for the present numbering of wall particles
 
   Collective on the particles' communicator. Does nothing within an epoch or without walls; new
   vectors are zero.
@@ -39,15 +39,15 @@ PetscErrorCode WallValuesRenumber(const Scene *scene, const Particles *p, WallVa
 
     u_w = u_wall(t) + projection_factor (d(n.grad p)) n
 
-  Not collective. The wall's own velocity is taken at the surface point nearest to the particle; the
-  particles get it too. The second term belongs to a predicted velocity, which the pressure step
-  corrects by -projection_factor grad phi where n.grad phi is known and not zero.
+  Not collective. u_wall is evaluated at the wall point of the particle, and is stored in the
+  particle too. The second term belongs to the predicted velocity: the projection changes its normal
+  component by -projection_factor n.grad phi. See docs/theory.md, (88).
 
   Input Parameter:
-. projection_factor - 0 leaves the second term out [m^3 s/kg]
+. projection_factor - k/rho; 0 for the velocity itself [m^3 s/kg]
 
   Output Parameters:
-+ walls     - u, and speed_bound, which never sinks
++ walls     - u, and speed_bound, which never decreases
 - particles - velocities of wall particles
 */
 PetscErrorCode WallValuesSetVelocity(const Scene *scene, Particles *p, PetscReal t,

@@ -1,18 +1,18 @@
 /*
-  Rows of the extension of the velocity behind walls: fits over the fluid near the foot s = x_w
-  + d n or the mirror image m = x_w + 2 d n of a wall particle of depth d, weighted by the kernel
-  stretched over the reach of the fit. Behind an edge of the box both lie beyond another side; the
-  fluid taken is then that nearest to the edge, and the fit reaches over to them.
+  Rows of the extension of the velocity to dummies: fits over the fluid near the wall point
+  s = x_w + d n or the mirror point m = x_w + 2 d n of a dummy at depth d, weighted by the kernel
+  stretched over the reach of the fit. Behind an edge of the box both points lie beyond another
+  side; then the fit collects the fluid nearest to the edge and is evaluated at the points.
 */
 #include "extension.h"
 
 #define FIT_MAX_TERMS MLS_QUADRATIC_TERMS
 
-/* Basis of a fit at s, and how many terms it has. */
+/* Computes the basis of a fit at s; returns the number of its terms. */
 typedef PetscInt (*FitBasis)(const Extension *ext, PetscReal reach, const PetscReal s[],
                              PetscReal phi[]);
 
-/* Fluid within reach of a centre, weighted by its distance from there: s = (x_j - origin)/reach. */
+/* Collects the fluid within reach of a centre, with kernel weights: s = (x_j - origin)/reach. */
 static PetscErrorCode Gather(const PetscReal centre[], const PetscReal origin[], PetscReal reach,
                              Extension *ext)
 {
@@ -43,12 +43,12 @@ static PetscErrorCode Gather(const PetscReal centre[], const PetscReal origin[],
 }
 
 /*
-  Fit - Row of a weighted least-squares fit sum_t c_t phi_t of the gathered points
+  Fit - Computes the row of a weighted least-squares fit sum_t c_t phi_t of the collected points
 
     e_j = w_j phi(s_j).M^-1 functional,   M = sum_j w_j phi phi^T
 
-  Returns: PETSC_FALSE, nothing written, where the points do not determine the fit: a term that
-  differs from those before it by less than 0.1 % of its square
+  Returns: PETSC_FALSE, without a row, if the points do not determine the fit: less than 0.1 % of
+  the square of a term is independent of the terms before it
 */
 static PetscBool Fit(FitBasis basis, PetscReal reach, const PetscReal functional[], Extension *ext)
 {
@@ -96,7 +96,7 @@ static PetscInt Basis_Full(const Extension *ext, PetscReal reach, const PetscRea
   return 1 + ext->dim;
 }
 
-/* Height above the tangent plane. */
+/* Height above the tangent plane of the wall. */
 static PetscInt Basis_Slope(const Extension *ext, PetscReal reach, const PetscReal s[],
                             PetscReal phi[])
 {
@@ -125,7 +125,7 @@ static PetscInt Basis_Quadratic(const Extension *ext, PetscReal reach, const Pet
   return t;
 }
 
-/* xi (H - xi), zero on both walls. */
+/* xi (H - xi), which vanishes on both walls. */
 static PetscInt Basis_Channel(const Extension *ext, PetscReal reach, const PetscReal s[],
                               PetscReal phi[])
 {
@@ -139,15 +139,15 @@ static PetscInt Basis_Channel(const Extension *ext, PetscReal reach, const Petsc
 
 /* ---- rows ---- */
 
-/* What is fitted, with fluid from how far [m]. */
+/* A basis, and the distance up to which fluid takes part [m]. */
 typedef struct {
   FitBasis  basis;
   PetscReal reach;
 } FitTry;
 
 /*
-  Weights that grow as 1/q^2, so that a particle in the centre decides alone: P. Lancaster, K.
-  Salkauskas, Math. Comput. 37 (1981). 1e-8 keeps them finite.
+  Multiplies weights by 1/q^2, so that a particle at the centre fixes the value: P. Lancaster, K.
+  Salkauskas, Math. Comput. 37 (1981). The term 1e-8 keeps weights finite.
 */
 static void WeighInterpolating(Extension *ext)
 {
@@ -155,11 +155,11 @@ static void WeighInterpolating(Extension *ext)
 }
 
 /*
-  FitFirst - Row of the first of n fits that its points determine, or an empty one
+  FitFirst - Computes the row of the first of n fits that its points determine, or an empty row
 
     sum_j e_j f_j = sign f(origin + at),   f fitted about the centre
 
-  A fit other than of the first basis is counted as weak.
+  A fit with another basis than the first counts as regularised.
 */
 static PetscErrorCode FitFirst(const FitTry tries[], size_t n, const PetscReal centre[],
                                const PetscReal origin[], const PetscReal at[], PetscReal sign,
@@ -185,7 +185,8 @@ static PetscErrorCode FitFirst(const FitTry tries[], size_t n, const PetscReal c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The first fit of u - u_wall about the foot, where it is zero, taken at the wall particle. */
+/* Fits u - u_wall about the wall point, where it vanishes, and evaluates it at the wall
+   particle. */
 static PetscErrorCode FitAtWall(const FitTry tries[], size_t n, Extension *ext)
 {
   PetscReal at[ISPH_MAX_DIM];
@@ -197,16 +198,16 @@ static PetscErrorCode FitAtWall(const FitTry tries[], size_t n, Extension *ext)
 }
 
 /*
-  WallExtend_Mirror - The fluid's velocity at the mirror image, turned about the wall's
+  WallExtend_Mirror - Computes the velocity of the mirror point, reflected about the wall velocity
 
     u_w = 2 u_wall - u(m)
 
-  u(m) by a linear least-squares fit over fluid within 2 dx of m, exact for linear fields and where
-  a particle sits at m. Where these do not determine it those within 3 dx are taken, and then their
-  mean.
+  u(m) is a linear least-squares fit over fluid within 2 dx of m, exact for linear fields, and equal
+  to the velocity of a particle at m. If these points do not determine it, fluid within 3 dx is
+  used, and after that its mean.
 
   References: mirrored particles, M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60
-  (2009); at fixed places, S. Marrone et al., Comput. Methods Appl. Mech. Eng. 200 (2011)
+  (2009); fixed dummies, S. Marrone et al., Comput. Methods Appl. Mech. Eng. 200 (2011)
 */
 PetscErrorCode WallExtend_Mirror(Extension *ext)
 {
@@ -225,13 +226,13 @@ PetscErrorCode WallExtend_Mirror(Extension *ext)
 }
 
 /*
-  WallExtend_Linear - The line through the wall's velocity and the fluid nearest to the wall
+  WallExtend_Linear - Extends linearly through the wall velocity and the fluid nearest to the wall
 
     u_w = u_wall - d g.n,   u_j - u_wall = g.(x_j - s) over fluid within 2 dx of s
 
-  Exact for linear fields, on curved walls too and where walls shear. Where the points do not
-  determine g those within 3 dx are taken, then the normal component alone; without fluid: the
-  wall's velocity.
+  Exact for linear fields, also on curved walls and on walls with varying velocity. If the points do
+  not determine g, fluid within 3 dx is used, and after that the normal component alone. Without
+  fluid the dummy has the wall velocity.
 
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), section 6.1.2
 */
@@ -246,12 +247,12 @@ PetscErrorCode WallExtend_Linear(Extension *ext)
 }
 
 /*
-  WallExtend_Quadratic - The parabola through the wall's velocity and the fluid nearest to the wall
+  WallExtend_Quadratic - Extends by a parabola through the wall velocity and the nearest fluid
 
     u_w = u_wall - d g.n + d^2 n.H n/2,   u_j - u_wall = g.X + X.H X/2 over fluid within 3 dx of s
 
-  X = x_j - s. Exact for quadratic fields. Where the points do not determine it those within 4 dx
-  are taken, then the linear fit.
+  X = x_j - s. Exact for quadratic fields. If the points do not determine the fit, fluid within 4 dx
+  is used, and after that the linear fit.
 
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), section 6.1.2
 */
@@ -269,13 +270,14 @@ PetscErrorCode WallExtend_Quadratic(Extension *ext)
 }
 
 /*
-  WallExtend_GlobalQuadratic - The parabola through both walls of a channel and the nearest fluid
+  WallExtend_GlobalQuadratic - Extends by a parabola through both walls of a channel and nearby
+  fluid
 
     u_w - u_wall = -c d (H + d),   u_j - u_wall = c xi_j (H - xi_j) over fluid within 2 dx of s
 
-  xi_j is the distance from the wall; 3 dx where there is no fluid as near.
+  xi_j is the distance from the wall. Without fluid within 2 dx the reach is 3 dx.
 
-  Reference: S. J. Watkins et al., Astron. Astrophys. Suppl. Ser. 119 (1996) 177-187, as told by M.
+  Reference: S. J. Watkins et al., Astron. Astrophys. Suppl. Ser. 119 (1996) 177-187, cited after M.
   Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)
 */
 PetscErrorCode WallExtend_GlobalQuadratic(Extension *ext)
@@ -288,12 +290,12 @@ PetscErrorCode WallExtend_GlobalQuadratic(Extension *ext)
 }
 
 /*
-  WallExtend_Adami - The mean of the fluid in the wall particle's own support, turned about the
-  wall's
+  WallExtend_Adami - Computes the mean velocity of the fluid in the dummy's support, reflected about
+  the wall velocity
 
     u_w = 2 u_wall - sum_j W_wj u_j / sum_j W_wj
 
-  Without fluid there the row is empty, and no fluid sees the particle.
+  Without fluid in the support the row is empty; such a dummy is no neighbour of any fluid particle.
 
   Reference: S. Adami, X. Y. Hu, N. A. Adams, J. Comput. Phys. 231 (2012) 7057-7075
 */
@@ -307,7 +309,7 @@ PetscErrorCode WallExtend_Adami(Extension *ext)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* WallCheck_Channel - Refuses what has no parabola between two walls; collective */
+/* WallCheck_Channel - Refuses scenes other than a channel between equal walls; collective */
 PetscErrorCode WallCheck_Channel(const Scene *scene)
 {
   PetscReal u[2][ISPH_MAX_DIM], x[ISPH_MAX_DIM];

@@ -1,22 +1,24 @@
 /*
-  Wall treatments: where the wall particles lie, and what a fluid particle reads from one.
-  Velocities: f_w - f_i = beta (f_wall - f_i), f_wall the wall's own, or the particle's from the
-  fluid near it (wallfits.c), the divergence keeping beta. Pressures: n.grad p is given.
+  Wall treatments: placement of wall particles, and their values in the row of a fluid particle.
+  Velocities: u_w - u_i = (u_wall,w - u_wall,i) + beta (u_wall,i - u_i), see wall_points.c, or an
+  extension of the fluid's velocity (wallfits.c); the divergence always uses beta. Pressures: the
+  wall pressure gradient is given.
 */
 #include "extension.h"
 
-/* Particles on the surface, or any with given values, speak for themselves. */
+/* Returns 1: wall particles on the surface, and particles with given values, keep their own
+   value. */
 static PetscReal WallBeta_Own(const Scene *scene, PetscReal distance, PetscReal depth)
 {
   return 1.0;
 }
 
 /*
-  WallBeta_DummyLinear - Linear extrapolation through the wall, from each fluid particle anew
+  WallBeta_DummyLinear - Returns beta of linear extrapolation from a fluid particle through the wall
 
-    u_w = u_i + beta (u_wall - u_i),   beta = 1 + d_w/d_i, at most 10
+    u_w = u_i + beta (u_wall - u_i),   beta = 1 + d_w/d_i, at most 10   (uniform wall velocity)
 
-  Input: d_i the fluid particle's distance from the surface and d_w the dummy's depth behind it [m]
+  Input: d_i distance of the fluid particle from the surface, d_w depth of the dummy behind it [m]
 
   Reference: J. P. Morris, P. J. Fox, Y. Zhu, J. Comput. Phys. 136 (1997), whose cap is 1.5
 */
@@ -24,13 +26,13 @@ static PetscReal WallBeta_DummyLinear(const Scene *scene, PetscReal distance, Pe
 {
   const PetscReal cap = 10.0;
 
-  if (depth <= 0.0) return 1.0; /* on the surface, above or below which the fluid may be */
+  if (depth <= 0.0) return 1.0; /* on the surface; a fluid particle may be on either side of it */
   if (distance * (cap - 1.0) <= depth) return cap;
   return 1.0 + depth / distance;
 }
 
 static const WallRow walls[] = {
-    /* name, brief, citation, on the surface, beta, extend, it looks as far as: radii, dx; check */
+    /* name, brief, citation, on the surface, beta, extend, its reach in radii and in dx, check */
     {"wall_layer",
      "one layer of particles on the wall, its conditions equations of least-squares fits",
      "Kuhnert (1999); divergence sees the normal velocity only", PETSC_TRUE, WallBeta_Own, NULL,
@@ -54,7 +56,7 @@ static const WallRow walls[] = {
      "Adami, Hu & Adams, J. Comput. Phys. 231 (2012)", PETSC_FALSE, WallBeta_DummyLinear,
      WallExtend_Adami, 1.0, 0.0, NULL},
 };
-/* Around the box of a patch test: no wall, particles whose values are given. */
+/* Treatment around the box of a patch test: particles with given values. */
 const WallRow WallGiven = {.name     = "given",
                            .brief    = "values given at particles around the box",
                            .citation = "",

@@ -1,12 +1,12 @@
 /*
-  The fields of patch tests with their exact Laplacians, x in the unit square or cube. A new field
-  is two functions and one row.
+  Fields of patch tests with their exact Laplacians, x in the unit square or cube. A new field is
+  two functions and a row.
 */
 #include "isph/patch.h"
 
 /*
-  One sum over all monomials c x^i y^j z^k of the row's degrees. Coefficients are 1, 1/2, 1/3, ...
-  in the order of the monomials, or random in (-1, 1) by seed; laplacian says what is summed.
+  Sums all monomials c x^i y^j z^k of the row's degrees, or with laplacian their Laplacians.
+  Coefficients are 1, 1/2, 1/3, ... in the order of the monomials, or random in (-1, 1) by seed.
 */
 static PetscReal PolynomialSum(const FieldRow *row, PetscInt dim, PetscInt seed,
                                const PetscReal x[], PetscBool laplacian)
@@ -86,7 +86,7 @@ static PetscReal WaveLaplacian(const FieldRow *row, PetscInt dim, PetscInt seed,
   return -4.0 * PETSC_PI * PETSC_PI * (PetscReal)dim * WaveValue(row, dim, seed, x);
 }
 
-/* The wave and x^3 y^2 (z^2 in 3D): no symmetry of the lattice is one of the field's. */
+/* The wave plus x^3 y^2 (z^2 in 3D), which shares no symmetry with the lattice. */
 static PetscReal MixedValue(const FieldRow *row, PetscInt dim, PetscInt seed, const PetscReal x[])
 {
   const PetscReal z2 = dim == 3 ? x[2] * x[2] : 1.0;

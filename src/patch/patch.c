@@ -1,10 +1,10 @@
 /*
-  The run of a patch test: a field on a box of particles and on those around it, the Laplacian of it
-  by the chosen form beside the exact one, and what that cost.
+  Run of a patch test: a field on particles in a box and around it, and the Laplacian of a form
+  compared with the exact Laplacian, with its cost.
 */
 #include "isph/patch.h"
 
-/* What the banner of a flow tells, as far as it is so here. */
+/* Prints the banner of a patch test. */
 static PetscErrorCode PatchBanner(const Patch *patch)
 {
   const Scene         *scene = patch->scene;
@@ -52,7 +52,7 @@ static PetscErrorCode PatchReadOptions(Patch *patch)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The field over the box and around it, and its exact Laplacian. */
+/* Sets the field inside and around the box, and its exact Laplacian. */
 static PetscErrorCode PatchSetField(Patch *patch)
 {
   const Particles *p     = patch->particles;
@@ -83,9 +83,9 @@ static PetscErrorCode PatchSetField(Patch *patch)
 }
 
 /*
-  Truncation error L f - lap f in four norms: relative ones, and zheng_err, the relative L1 norm
-  over the number of particles once more, which is what the paper prints. Where lap f vanishes the
-  error is left as it is, in units of the field over the square's side squared.
+  Computes the truncation error L f - lap f in four norms: three relative norms, and zheng_err, the
+  relative L1 norm divided by the number of particles once more, as printed in the paper. If lap f
+  vanishes, the error is absolute, in units of the field over the square of the side.
 */
 static PetscErrorCode PatchCompare(const Patch *patch, Vec lap, Report *report)
 {
@@ -113,7 +113,7 @@ static PetscErrorCode PatchCompare(const Patch *patch, Vec lap, Report *report)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Assembles and applies L as often as asked; the least times are reported. */
+/* Assembles and applies L repeatedly; the least times are reported. */
 static PetscErrorCode PatchMeasure(Patch *patch, Report *report)
 {
   PetscReal assemble = PETSC_MAX_REAL, apply = PETSC_MAX_REAL;
@@ -125,7 +125,7 @@ static PetscErrorCode PatchMeasure(Patch *patch, Report *report)
     PetscLogDouble start, assembled, applied;
     PetscBool      changed;
 
-    PetscCall(ParticlesUpdateHalo(patch->particles)); /* positions count as new */
+    PetscCall(ParticlesUpdateHalo(patch->particles)); /* marks positions as new */
     PetscCall(PetscTime(&start));
     PetscCall(
         OperatorsAssemble(patch->scene, patch->particles, patch->neighbors, patch->ops, &changed));
@@ -177,7 +177,7 @@ static PetscErrorCode PatchDestroy(Patch *patch)
 
   Options Database Keys:
 + -patch_field name  - row of the field table
-. -patch_repeats K   - of what is timed
+. -patch_repeats K   - repetitions of the timed part
 . -patch_spectrum    - eigenvalues and condition, see PatchSpectrum()
 . -patch_solve       - Poisson problem, see PatchSolve()
 - -visc_mat_view     - writes L, see MatrixFileCreate()

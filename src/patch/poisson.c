@@ -1,8 +1,8 @@
-/* The Poisson problem of a patch: L f = lap f on the box, f given around it, solved for f. */
+/* The Poisson problem of a patch test: solves L f = lap f in the box with f given around it. */
 #include "isph/guard.h"
 #include "isph/patch.h"
 
-/* The right-hand side of -dx^2 A f = -dx^2 (lap f - B f_around). */
+/* Computes the right-hand side of -dx^2 A f = -dx^2 (lap f - B f_around). */
 static PetscErrorCode PoissonSource(const Patch *patch, Vec b)
 {
   PetscFunctionBegin;
@@ -13,15 +13,15 @@ static PetscErrorCode PoissonSource(const Patch *patch, Vec b)
 }
 
 /*
-  PatchSolve - Solves the Poisson problem by the KSP of the pressure, prefix ppe_
+  PatchSolve - Solves the Poisson problem by the KSP with prefix ppe_
 
   Collective. Quantities: solution_l2 and solution_linf, relative to the field; solve_its; setup_s
-  and solve_s, of the preconditioner and of the iterations [s].
+  and solve_s, the times of the preconditioner and of the iterations [s].
 
   Options Database Keys:
-. -ppe_ksp_type, -ppe_pc_type, ... - any of PETSc's; to rtol 1e-10 by default
+. -ppe_ksp_type, -ppe_pc_type, ... - PETSc's options; default tolerance 1e-10
 
-  Errors: ends the run where the true residual is not small
+  Errors: ends the run if the true residual is too large
 */
 PetscErrorCode PatchSolve(const Patch *patch, Report *report)
 {

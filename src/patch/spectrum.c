@@ -1,20 +1,20 @@
 /*
-  Eigenvalues and condition of -L dx^2 with given values around the box: all of them by LAPACK where
-  the matrix is small, the extreme ones by SLEPc where it is not.
+  Eigenvalues and condition of -L dx^2 with given values around the box: all eigenvalues by LAPACK
+  for small matrices, extreme eigenvalues by SLEPc for large matrices.
 */
 #include "isph/patch.h"
 #if defined(ISPH_HAVE_SLEPC)
 #include <slepceps.h>
 #endif
 
-#define SPECTRUM_DENSE 1000 /* rows that LAPACK still takes */
+#define SPECTRUM_DENSE 1000 /* most rows for LAPACK */
 
-/* Real parts of the extreme eigenvalues, and the quotient of the extreme singular values. */
+/* Real parts of the extreme eigenvalues, and the ratio of the extreme singular values. */
 typedef struct {
   PetscReal eig_min, eig_max, condition;
 } Spectrum;
 
-/* Least and largest real part of all eigenvalues of a matrix of this process. */
+/* Computes the least and the largest real part of the eigenvalues of a sequential matrix. */
 static PetscErrorCode AllEigenvalues(Mat A, PetscReal *least, PetscReal *most)
 {
   PetscReal *re, *im;
@@ -42,13 +42,13 @@ static PetscErrorCode AllEigenvalues(Mat A, PetscReal *least, PetscReal *most)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Singular values as the roots of the eigenvalues of A^T A. */
+/* Returns the condition number; least, most: eigenvalues of A^T A, squares of singular values. */
 static PetscReal Condition(PetscReal least, PetscReal most)
 {
   return least > 0.0 ? PetscSqrtReal(most / least) : PETSC_INFINITY;
 }
 
-/* By LAPACK, on every rank alike. */
+/* Computes the spectrum by LAPACK, redundantly on every rank. */
 static PetscErrorCode SpectrumDense(Mat A, Spectrum *spectrum)
 {
   Mat         whole, square;
@@ -68,7 +68,7 @@ static PetscErrorCode SpectrumDense(Mat A, Spectrum *spectrum)
 }
 
 #if defined(ISPH_HAVE_SLEPC)
-/* One extreme eigenvalue; around 0 by shift and invert, at the ends by Krylov-Schur alone. */
+/* Computes an extreme eigenvalue: near 0 by shift and invert, otherwise by Krylov-Schur alone. */
 static PetscErrorCode Extreme(Mat A, EPSProblemType type, EPSWhich which, PetscReal *value)
 {
   const PetscBool inner = which == EPS_TARGET_MAGNITUDE ? PETSC_TRUE : PETSC_FALSE;
@@ -102,7 +102,7 @@ static PetscErrorCode Extreme(Mat A, EPSProblemType type, EPSWhich which, PetscR
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* By SLEPc, the extreme ones. */
+/* Computes extreme eigenvalues by SLEPc. */
 static PetscErrorCode SpectrumSparse(Mat A, Spectrum *spectrum)
 {
   Mat       square;
@@ -138,9 +138,9 @@ static PetscErrorCode SpectrumSparse(Mat A, Spectrum *spectrum)
 /*
   PatchSpectrum - Reports eigenvalues and condition of -L dx^2 over the box
 
-  Collective. Quantities: eig_min and eig_max, the least and the largest real part of an eigenvalue
-  [-]; condition, the largest singular value over the least [-]. Up to 1000 rows all eigenvalues are
-  computed (LAPACK), above the extreme ones (SLEPc).
+  Collective. Quantities: eig_min and eig_max, least and largest real part of the eigenvalues [-];
+  condition, the largest over the least singular value [-]. Up to 1000 rows all eigenvalues are
+  computed by LAPACK, otherwise the extreme eigenvalues by SLEPc.
 
   Errors: more rows without SLEPc, or an eigenvalue solver that does not converge, end the run
 */

@@ -1,8 +1,7 @@
-/* The structure of a patch's matrix L dx^2: what its rows sum to, its signs, symmetry and size. */
+/* Structure of the matrix L dx^2 of a patch test: row sums, signs, symmetry and size. */
 #include "isph/patch.h"
 
-/* Sums over the own rows of a matrix: row sums, weights off the diagonal, those of the wrong
-   sign. */
+/* Sums over the own rows: row sums, weights off the diagonal, weights of the wrong sign. */
 typedef struct {
   PetscReal *row_sum; /* of each own row */
   PetscReal  weights, wrong;
@@ -60,11 +59,11 @@ static PetscErrorCode AddSize(Mat M, PetscReal *entries, PetscReal *bytes)
 }
 
 /*
-  PatchStructure - Reports the structure of L, given values included
+  PatchStructure - Reports the structure of L with its given values
 
-  Collective. Quantities: row_sum_max, the largest |sum_j L_ij| dx^2; asymmetry |A - A^T|/|A| of the
-  part over the box (equal volumes); wrong_sign_share, the negative weights' share of the sum of all
-  |weights| off the diagonal; nnz and memory_mb [MB].
+  Collective. Quantities: row_sum_max, the largest |sum_j L_ij| dx^2; asymmetry, |A - A^T|/|A| of
+  the part inside the box (equal volumes); wrong_sign_share, the share of negative weights in the
+  sum of all |weights| off the diagonal; nnz and memory_mb [MB].
 */
 PetscErrorCode PatchStructure(const Patch *patch, Report *report)
 {
