@@ -1,7 +1,7 @@
-# Sourced by quickstart and check, which stand in the root of the source tree.
+# Sourced by quickstart and check, in the root of the source tree.
 
-# need_packages PACKAGE... - installs the Debian packages that are missing; elsewhere, or without
-# the right to install, says which they are and goes on.
+# need_packages PACKAGE... - installs missing Debian packages; on other systems, or without the right to
+# install, prints their names and continues.
 need_packages() {
   if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
     echo "Not a Debian system: make sure you have what these Debian packages hold: $*"
@@ -32,7 +32,7 @@ build_packages=(petsc-dev slepc-dev libhypre-dev libhdf5-mpi-dev libmuparser-dev
 picture_packages=(python3 python3-h5py python3-matplotlib python3-numpy)
 check_packages=(libcmocka-dev clang-format python3)
 
-# picture_python - prints an interpreter that can draw; the first python3 of the PATH need not.
+# picture_python - prints an interpreter with h5py and matplotlib; the first python3 of the PATH may lack them.
 picture_python() {
   local python
   for python in python3 /usr/bin/python3; do
@@ -44,5 +44,5 @@ picture_python() {
   return 1
 }
 
-# Open MPI refuses to start as root, which a container's user is, unless told twice.
+# Open MPI refuses to start as root, the user of a container, without these two settings.
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMP_NUM_THREADS=1

@@ -1,24 +1,23 @@
-"""Velocity on the centrelines of the cavity, from cells or particles, and its errors as `isph` reports them:
-the root mean square difference from a reference profile, and extrema sharpened by a parabola
-(cases/centreline.c)."""
+"""Velocity on the centrelines of the cavity, from cells or particles, and its errors as in reports of `isph`: the
+root mean square difference from a reference profile, and extrema refined by a parabola (cases/centreline.c)."""
 import os
 
 import numpy as np
 
 REFERENCE = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "cases", "reference")
-FINE = np.linspace(0, 1, 401)  # where extrema are looked for
+FINE = np.linspace(0, 1, 401)  # sampling points of extrema
 EXTREMA = {"u_min": ("u", -1), "v_max": ("v", 1), "v_min": ("v", -1)}
 
 
 def read_columns(path):
-    """The first two columns of a CSV file with '#' comments and one header line."""
+    """Returns the first two columns of a CSV file with '#' comments and a header line."""
     with open(path) as file:
         rows = [line for line in file if line.strip() and not line.startswith("#")]
     return np.array([[float(word) for word in row.split(",")[:2]] for row in rows[1:]]).T
 
 
 def extremum(values, sign):
-    """Extremum of samples, sharpened by the parabola through it and its neighbours."""
+    """Returns the extremum of samples, refined by the parabola through it and its neighbours."""
     best = 1 + np.argmax(sign * values[1:-1])
     slope = 0.5 * (values[best + 1] - values[best - 1])
     bend = values[best + 1] - 2 * values[best] + values[best - 1]
@@ -26,14 +25,14 @@ def extremum(values, sign):
 
 
 def extrema_errors(values, reference):
-    """Errors of extrema by name, relative to those of the reference profiles (files without _u.csv, _v.csv)."""
+    """Returns relative errors of extrema by name against reference profiles (file names without _u.csv, _v.csv)."""
     exact = {name: extremum(read_columns(os.path.join(REFERENCE, f"{reference}_{component}.csv"))[1], sign)
              for name, (component, sign) in EXTREMA.items()}
     return {f"{name}_error": abs(values[name] - exact[name]) / abs(exact[name]) for name in EXTREMA}
 
 
 def judge(line, reference):
-    """All quantities of a flow; line(component, s) samples u(0.5, s) or v(s, 0.5)."""
+    """Returns all quantities of a flow; line(component, s) samples u(0.5, s) or v(s, 0.5)."""
     found = {name: extremum(line(component, FINE), sign) for name, (component, sign) in EXTREMA.items()}
     found.update(extrema_errors(found, reference))
     for component in "uv":
@@ -43,7 +42,7 @@ def judge(line, reference):
 
 
 def cubic(nodes, values, s):
-    """Cubic through the four nodes about each s, Lagrange's form; exact for cubics on any nodes."""
+    """Interpolates by the cubic through the four nodes around each s (Lagrange's form); exact for cubics."""
     first = np.clip(np.searchsorted(nodes, s) - 2, 0, len(nodes) - 4)
     result = np.zeros_like(s)
     for k in range(4):
@@ -56,7 +55,7 @@ def cubic(nodes, values, s):
 
 
 def of_cells(u, v):
-    """line() of a field on square cells, u[j, i] in column i and row j; walls at rest, the lid at 1."""
+    """Returns line() of a field on square cells, u[j, i] in column i and row j; walls at rest, the lid at 1."""
     n = len(u)
     centres = (np.arange(n) + 0.5) / n
     nodes = np.concatenate([[0], centres, [1]])
@@ -68,8 +67,8 @@ def of_cells(u, v):
 
 
 def of_particles(x, y, u, v, dx):
-    """line() of particles: a quadratic least-squares fit about each place, as isph's probes, with points on the
-    walls that have their velocity."""
+    """Returns line() of particles: quadratic least-squares fits about each point, as in probes of isph, with points
+    on the walls that have the wall velocity."""
     wall = (np.arange(round(1 / dx)) + 0.5) * dx
     zero, one = np.zeros_like(wall), np.ones_like(wall)
     x = np.concatenate([x, wall, wall, zero, one])
@@ -85,7 +84,7 @@ def of_particles(x, y, u, v, dx):
                 break
             reach *= 1.2
         X, Y, q = (x[near] - place[0]) / reach, (y[near] - place[1]) / reach, q[near]
-        root = np.sqrt((1 - q) ** 4 * (1 + 4 * q))  # of Wendland's C2 kernel
+        root = np.sqrt((1 - q) ** 4 * (1 + 4 * q))  # square root of the Wendland C2 kernel
         basis = np.array([np.ones_like(X), X, Y, X * X, X * Y, Y * Y])
         return np.linalg.lstsq((basis * root).T, values[near] * root, rcond=None)[0][0]
 

@@ -1,7 +1,7 @@
-"""The codes that are compared: how each runs a flow on one core and is timed and judged.
+"""The compared codes: commands, timing and errors of their runs on a single core.
 
-A run is a line of words, the first of which names the code; what is known of it is a dict of numbers, or of the one
-sentence `failed`. wall_s and cpu_s are of the whole program and its children, but of PySPH's time loop only.
+A run is a line of words that begins with the name of the code. Its result is a dict of numbers, or of the sentence
+`failed`. wall_s and cpu_s cover the whole program with its children, but for PySPH only its time loop.
 """
 import csv
 import json
@@ -18,7 +18,7 @@ STUDIES = os.path.dirname(os.path.realpath(__file__))
 
 
 def timed(command, folder):
-    """Runs a command on one core; what it said, its end, and what it took with all its children."""
+    """Runs a command on a core; returns its output, exit status, and time with all its children."""
     path = os.path.join(folder, "log")
     environment = {**icofoam.environment(), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     with open(path, "w") as log:
@@ -33,7 +33,7 @@ def timed(command, folder):
 
 
 def end_of(said, status):
-    """The reason of a run that failed, in one line."""
+    """Returns the reason of a failed run as a line."""
     lines = [line.strip() for line in said.splitlines() if line.strip()]
     told = [line[6:] for line in lines if line.startswith("isph: ")]
     return {"failed": (told or lines[-1:] or [f"status {status}"])[0][:200]}
@@ -94,7 +94,7 @@ def run_pysph(flow, words, folder, isph):
 
 
 def judge_outputs(flow, outputs, dx):
-    """Quantities of the last output or of the mean of the last ones, as the example draws: the better."""
+    """Returns the better result of two: the last output, or the mean of the last outputs as in the example's plots."""
     lines = [centreline.of_particles(*(outputs[name][k] for name in "xyuv"), dx) for k in range(len(outputs["x"]))]
     samples = {}
 
@@ -107,14 +107,14 @@ def judge_outputs(flow, outputs, dx):
 
 
 def pysph_python():
-    """An interpreter that has PySPH, or None; the first python3 of the PATH need not."""
+    """Returns an interpreter with PySPH, or None; the first python3 of the PATH may lack it."""
     for python in (sys.executable, "/usr/bin/python3"):
         if subprocess.run([python, "-c", "import pysph"], capture_output=True, check=False).returncode == 0:
             return python
     return None
 
 
-CODES = {  # by the first word of a run's arguments: what is missing, or None; and who runs it
+CODES = {  # by the first word of a run's arguments: function for the missing program, function for a run
     "isph": (lambda isph: None if os.access(isph, os.X_OK) else "no program isph (--isph PATH)", run_isph),
     "icoFoam": (lambda isph: icofoam.absent(), run_icofoam),
     "pysph": (lambda isph: None if pysph_python() else "no PySPH (Debian package python3-pysph)", run_pysph),
@@ -122,11 +122,11 @@ CODES = {  # by the first word of a run's arguments: what is missing, or None; a
 
 
 def run(flow, arguments, folder, isph):
-    """Makes a run in an empty folder."""
+    """Makes a run in an empty folder and returns its result."""
     code, *words = arguments.split()
     return CODES[code][1](flow, words, folder, isph)
 
 
 def absent(code, isph):
-    """What is missing to run a code, or None."""
+    """Returns a sentence about the missing program of a code, or None."""
     return CODES[code][0](isph)

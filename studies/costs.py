@@ -1,15 +1,15 @@
-"""Error against wall time of the runs in -report files."""
+"""Draws error against wall time of the runs in -report files."""
 import csv
 
 from runs import front
 
 OF_THE_RUN = ("t", "quantity", "value", "reference", "error")  # columns that differ between rows of a run
 COLOURS = ["#0072B2", "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#8C6D31", "#000000", "#999999"]
-MARKERS = "osd^vPX*"  # with COLOURS: told apart by every eye
+MARKERS = "osd^vPX*"  # with COLOURS: distinct for colour-blind readers too
 
 
 def read_runs(paths):
-    """(columns of the run, errors by quantity at its last time) of all runs that ended well."""
+    """Returns (columns of the run, errors by quantity at its last time) of all successful runs."""
     runs = {}
     for path in paths:
         with open(path, newline="", errors="replace") as file:
@@ -19,12 +19,12 @@ def read_runs(paths):
                 key = path, *(value for name, value in row.items() if name not in OF_THE_RUN)
                 _, errors = runs.setdefault(key, (row, {}))
                 if row["status"] == "ok" and row["error"]:
-                    errors[row["quantity"]] = float(row["error"])  # a later time follows an earlier one
+                    errors[row["quantity"]] = float(row["error"])  # later times overwrite earlier times
     return [(row, errors) for row, errors in runs.values() if errors]
 
 
 def draw(axes, paths, quantity, group):
-    """One curve for each value of the columns of group, and the front of the best."""
+    """Draws a curve for each value of the columns of group, and the Pareto front."""
     runs = read_runs(paths)
     found = list(dict.fromkeys(name for _, errors in runs for name in errors))
     if not found:
@@ -37,14 +37,14 @@ def draw(axes, paths, quantity, group):
             raise ValueError(f"--group {column} is no column of the files; columns: {', '.join(runs[0][0])}")
     curves = {}
     for row, errors in runs:
-        if errors.get(quantity, 0) > 0:  # a logarithm is drawn
+        if errors.get(quantity, 0) > 0:  # for the logarithmic axis
             label = ", ".join(row[column] or "none" for column in group)
             curves.setdefault(label, []).append((float(row["wall_s"]), errors[quantity]))
     draw_curves(axes, curves, f"error of {quantity}", ", ".join(group))
 
 
 def draw_curves(axes, curves, label, title):
-    """Lists of (wall time, error) by label, and the front of the best."""
+    """Draws lists of (wall time, error) by label, and the Pareto front."""
     for k, (name, points) in enumerate(curves.items()):
         axes.plot(*zip(*sorted(points)), MARKERS[(k + k // 8) % 8], linestyle="-", linewidth=0.8, markersize=5,
                   color=COLOURS[k % 8], alpha=0.8, label=name)

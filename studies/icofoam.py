@@ -1,8 +1,8 @@
-"""The lid-driven cavity by OpenFOAM's icoFoam: its case written, its velocity read.
+"""Lid-driven cavity by OpenFOAM's icoFoam: writes the case and reads the velocity.
 
-Second order in space and time: linear interpolation everywhere, backward differences; PISO with two
-corrections, the pressure by GAMG, which takes a third of PCG's time on 100^2 cells. Square cells, unit
-cavity, lid u = 1 at y = 1, from rest.
+Second order in space and time: linear interpolation everywhere, backward differences; PISO with two corrections, the
+pressure by GAMG, which takes a third of PCG's time on 100^2 cells. Square cells, unit cavity, lid u = 1 at y = 1, from
+rest.
 """
 import math
 import os
@@ -12,7 +12,7 @@ import shutil
 import numpy as np
 
 HEAD = "FoamFile {{ version 2.0; format ascii; class {kind}; object {name}; }}\n"
-FILES = {  # path: (class, text), the fields of str.format in single braces
+FILES = {  # path: (class, text with fields of str.format in single braces)
     "system/blockMeshDict": ("dictionary", """
 scale 1;
 vertices ((0 0 0) (1 0 0) (1 1 0) (0 1 0) (0 0 {dx}) (1 0 {dx}) (1 1 {dx}) (0 1 {dx}));
@@ -70,7 +70,7 @@ MESH, SOLVE = ["blockMesh"], ["icoFoam"]
 
 
 def absent():
-    """What is missing to run it, or None."""
+    """Returns a sentence about missing programs, or None."""
     missing = [command[0] for command in (MESH, SOLVE) if not shutil.which(command[0])]
     return f"no {' and no '.join(missing)} (Debian package openfoam)" if missing else None
 
@@ -80,7 +80,7 @@ def environment():
 
 
 def write_files(folder, files, **values):
-    """Writes the files of a case, with these values in their fields."""
+    """Writes the files of a case with these values in their fields."""
     for path, (kind, text) in files.items():
         path = os.path.join(folder, path)
         os.makedirs(os.path.dirname(path), exist_ok=True)
@@ -89,8 +89,8 @@ def write_files(folder, files, **values):
 
 
 def write_case(folder, reynolds, n, t_end, courant, tolerance="1e-6", writes=1, ratio=1):
-    """Writes the case for steps of at most courant dx/U and linear solvers that stop at a residual; the velocity is written
-    so many times, and cells grow by a ratio from walls to the middle. Returns (dt, steps)."""
+    """Writes the case for steps of at most courant dx/U and linear solvers that stop at a residual. The velocity is
+    written `writes` times, and cells grow by a ratio from walls to the middle. Returns (dt, steps)."""
     steps = math.ceil(t_end * n / courant / writes - 1e-9) * writes
     write_files(folder, FILES, n=n, dx=1 / n, nu=1 / reynolds, t_end=f"{t_end:g}", interval=steps // writes,
                 dt=f"{t_end / steps:.15g}", tolerance=tolerance,
@@ -99,19 +99,19 @@ def write_case(folder, reynolds, n, t_end, courant, tolerance="1e-6", writes=1, 
 
 
 def cell_sizes(n, ratio):
-    """Of write_case, along an axis."""
+    """Returns the sizes of cells of write_case() along an axis."""
     half = float(ratio) ** (np.arange(n // 2) / (n // 2 - 1))
     half *= 0.5 / half.sum()
     return np.concatenate([half, half[::-1]])
 
 
 def times(folder):
-    """Names of the times at which the velocity was written, ascending, the start left out."""
+    """Returns the names of the times with a written velocity, ascending, without the start."""
     return sorted((name for name in os.listdir(folder) if re.fullmatch(r"[0-9.e+-]+", name) and name != "0"), key=float)
 
 
 def read_velocity(folder, n, time=None):
-    """u[k, j, i] and v[k, j, i] of the cell in column i, row j and layer k at a time, by default at the end."""
+    """Returns u[k, j, i] and v[k, j, i] of the cell in column i, row j and layer k at a time, by default the end."""
     with open(os.path.join(folder, time or times(folder)[-1], "U")) as file:
         block = re.search(r"nonuniform List<vector>\s*(\d+)\s*\((.*?)\n\)", file.read(), re.DOTALL)
     if not block or int(block[1]) % (n * n):

@@ -1,9 +1,9 @@
-"""Runs one of PySPH's examples with PySPH's own Python, and times its time loop.
+"""Runs an example of PySPH with PySPH's own Python, and times its time loop.
 
     pysph_run.py FOLDER cavity|taylor_green OPTION...     options of the example
 
-What is compiled at first use is compiled before the clock starts. Leaves in FOLDER run.json (wall_s, cpu_s,
-steps, dt, t) and run.npz: x, y, u, v of the fluid, one row for each of the last five outputs.
+Code that is compiled at first use is compiled before the timed run. Writes to FOLDER run.json (wall_s, cpu_s, steps,
+dt, t) and run.npz: x, y, u, v of the fluid, a row for each of the last five outputs.
 """
 import json
 import os

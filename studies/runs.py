@@ -1,4 +1,4 @@
-"""What the studies share: runs of isph, each made once and kept in a CSV file, one row a run."""
+"""Runs of isph for the studies, each made once and kept as a row of a CSV file."""
 import csv
 import datetime
 import glob
@@ -17,12 +17,12 @@ import time
 FORMS = ["morris", "gotoh", "schwaiger", "corrected", "direct_scalar", "fatehi_manzari", "lsph", "mls",
          "mls3"]
 COLOURS = dict(zip(FORMS, ["#000000", "#E69F00", "#56B4E9", "#009E73", "#999999", "#CC79A7", "#8C6D31",
-                           "#0072B2", "#D55E00"]))  # told apart by every eye
+                           "#0072B2", "#D55E00"]))  # distinct for colour-blind readers too
 MARKERS = dict(zip(FORMS, "osd^xPvD*"))
 
 
 def cpu_seconds():
-    """CPU time of the processes that have been run and waited for."""
+    """Returns the CPU time of finished child processes."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
@@ -64,7 +64,7 @@ class Runs:
         return {k: v if k in ("run", "failed", "build", "date") else float(v) for k, v in self.rows[arguments].items()}
 
     def told(self):
-        """A sentence on how long the runs asked for took; the user hears how many another build made."""
+        """Returns a sentence on the time of the used runs; prints the number of runs of other builds."""
         rows = [self.rows[arguments] for arguments in self.asked]
         others = sum(row.get("build") != self.build for row in rows)
         if others:
@@ -76,12 +76,12 @@ class Runs:
                 + (f"{spent / 3600:.1f} hours" if spent >= 5400 else f"{spent / 60:.2g} minutes") + " of CPU time.")
 
     def bound(self):
-        """In the process of a run: no more CPU time than it may take; a step that does not end is killed."""
+        """Limits the CPU time of a run, called in its process; a step that does not end is killed."""
         if self.seconds:
             resource.setrlimit(resource.RLIMIT_CPU, (int(self.seconds), int(1.5 * self.seconds)))
 
     def why(self, done):
-        """The sentence with which a run ended, and the time it names."""
+        """Returns the error sentence of a run and the time in it."""
         if done.returncode == -signal.SIGKILL and self.seconds:
             return {"failed": f"more than {1.5 * self.seconds:g} s of CPU time, killed"}
         if "interrupted by SIGXCPU" in done.stderr:
@@ -111,7 +111,7 @@ class Runs:
             if not lines:
                 return row
             for line in lines:
-                if not line["quantity"]:  # of a run that failed
+                if not line["quantity"]:  # row of a failed run
                     continue
                 when = "" if line["t"] == lines[-1]["t"] else f"@{float(line['t']):.4g}"
                 row[line["quantity"] + when] = line["value"]
@@ -148,7 +148,7 @@ def last_rows(path, end):
 
 
 def need(*modules):
-    """Ends the program with one line where a module is missing."""
+    """Ends the program with a line of error if a module is missing."""
     missing = [name for name in modules if importlib.util.find_spec(name) is None]
     if missing:
         sys.exit(f"{os.path.basename(sys.argv[0])}: {sys.executable} has no {', '.join(missing)}: install Debian's "
@@ -156,7 +156,7 @@ def need(*modules):
 
 
 def front(points):
-    """Those that no other beats in both time and error, by time; points begin with both."""
+    """Returns the Pareto front by time; points begin with time and error."""
     best, kept = float("inf"), []
     for point in sorted(points, key=lambda point: point[:2]):
         if point[1] < best:
@@ -166,7 +166,7 @@ def front(points):
 
 
 def table(head, rows):
-    """Lines of a Markdown table."""
+    """Yields lines of a Markdown table."""
     yield "| " + " | ".join(head) + " |"
     yield "|" + " --- |" * len(head)
     for row in rows:
@@ -174,7 +174,7 @@ def table(head, rows):
 
 
 def write(path, lines, run=None):
-    """A page; with the time that all its runs took at its end."""
+    """Writes a page, with the time of all its runs at its end."""
     with open(path, "w") as file:
         file.writelines(line + "\n" for line in lines)
         told = run.told() if run else ""

@@ -1,4 +1,4 @@
-"""Snapshots of isph as fields that can be drawn."""
+"""Reads snapshots of isph as fields for drawing."""
 import sys
 
 import h5py
@@ -7,7 +7,7 @@ from matplotlib import tri
 
 
 class Snapshot:
-    """Particles of one plane at one time, and their velocity between them."""
+    """Particles of a plane at a time, with an interpolant of their velocity."""
 
     def __init__(self, path, box=None, length="[m]", speed="[m/s]"):
         try:
@@ -17,12 +17,12 @@ class Snapshot:
                 self.attributes = {name: plain(value) for name, value in file.attrs.items()}
         except (OSError, KeyError) as error:
             sys.exit(f"plot: {path} is not a readable snapshot: {error}")
-        self.length, self.speed = length, speed  # units, as they stand on the axes
+        self.length, self.speed = length, speed  # units on the axes
         self.time = float(self.attributes.get("time", 0))
         lo, hi = x[fluid].min(axis=0), x[fluid].max(axis=0)
         self.dim = x.shape[1]
         self.dx = 0
-        for _ in range(20):  # each particle fills a cube of side dx, half of it beyond lo and hi
+        for _ in range(20):  # each particle fills a cube of side dx, which extends half beyond lo and hi
             self.dx = (np.prod(hi - lo + self.dx) / fluid.sum()) ** (1 / self.dim)
 
         if self.dim == 3:
@@ -30,7 +30,7 @@ class Snapshot:
             layer = (above > -0.01) & (above < 0.99)
             x, u = x[layer], u[layer]
 
-        # Walls count where they touch the fluid: layers behind them hold made-up values.
+        # Wall particles count if they touch the fluid: layers behind them hold extrapolated values.
         lo, hi, margin = lo[:2], hi[:2], 0.75 * self.dx
         if box is not None:
             lo, hi, margin = np.array(box[::2]), np.array(box[1::2]), 0.1 * self.dx
@@ -45,7 +45,7 @@ class Snapshot:
         triangles = tri.Triangulation(x[:, 0], x[:, 1])
         corner = x[triangles.triangles]
         edge = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2)
-        triangles.set_mask(edge.max(axis=1) > 4 * self.dx)  # no flow across holes
+        triangles.set_mask(edge.max(axis=1) > 4 * self.dx)  # no interpolation across holes
         self.triangles, self.velocity = triangles, u.T
 
     def title(self):
@@ -56,6 +56,6 @@ class Snapshot:
 
 
 def plain(value):
-    """An HDF5 attribute as a Python number or string."""
+    """Returns an HDF5 attribute as a Python number or string."""
     value = np.asarray(value).reshape(-1)[0]
     return value.decode() if isinstance(value, bytes) else value
