@@ -1,4 +1,4 @@
-/* The one list of all tables of the program, which -catalogue prints and the tests loop over. */
+/* The list of all tables of the program, for -catalogue and for tests. */
 #include "isph/catalogue.h"
 #include "isph/patch.h"
 
@@ -22,7 +22,7 @@ static const Table *const tables[] = {&CaseTable,
                                       &ProgressTable,
                                       &FieldTable};
 
-/* CatalogueTable - Returns table k of the program, NULL beyond the last; not collective */
+/* CatalogueTable - Returns table k of the program, NULL after the last; not collective */
 const Table *CatalogueTable(PetscInt k)
 {
   return k < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(tables) ? tables[k] : NULL;

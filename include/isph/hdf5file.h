@@ -1,7 +1,6 @@
 /*
-  An HDF5 file written or read by all ranks together. Failures are gathered while it is open and
-  told once, by all ranks alike, when it is closed: a full disk must not leave some ranks waiting
-  for others.
+  An HDF5 file that all ranks write or read together. Failures are collected while the file is open,
+  and all ranks report them at its end: after a full disk no rank may wait for others.
 */
 #ifndef ISPH_HDF5FILE_H
 #define ISPH_HDF5FILE_H
@@ -12,7 +11,7 @@
 typedef struct {
   MPI_Comm  comm;
   hid_t     file, transfer; /* the file; collective transfers */
-  PetscBool failed;         /* some call, on this rank */
+  PetscBool failed;         /* a call has failed on this rank */
   PetscInt  start, own, N;  /* rows of this rank: the first, their number; rows of all ranks */
 } Hdf5File;
 

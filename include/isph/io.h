@@ -1,5 +1,5 @@
 /*
-  What a run tells: probes, the report, snapshots, progress and the catalogue.
+  Output of a run: probes, the report, snapshots, matrices, progress and the banner.
 */
 #ifndef ISPH_IO_H
 #define ISPH_IO_H
@@ -11,7 +11,7 @@ PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], Pe
                            PetscReal p[]);
 PetscErrorCode ProbeViscosity(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal nu[]);
 
-/* Reference curves: two columns of a CSV file in the directory of reference data. */
+/* Reference data: two columns of a CSV file in the directory of reference data. */
 typedef struct {
   PetscInt   n;
   PetscReal *x, *y; /* x ascending */
@@ -19,13 +19,13 @@ typedef struct {
 PetscErrorCode ReferenceDataRead(const char file[], Report *report, ReferenceData *curve);
 PetscErrorCode ReferenceDataFree(ReferenceData *curve);
 
-/* One measured quantity, in SI units. */
+/* A measured quantity in SI units. */
 typedef struct {
   char      name[32];
   PetscReal t;         /* [s] */
-  PetscReal value;     /* NaN: a diverged run */
-  PetscReal reference; /* NaN: none */
-  PetscReal error;     /* relative to the scale; NaN: none [-] */
+  PetscReal value;     /* NaN after a diverged run */
+  PetscReal reference; /* NaN without reference */
+  PetscReal error;     /* relative to the scale; NaN without reference [-] */
 } Quantity;
 
 struct Report {
@@ -48,11 +48,11 @@ PetscErrorCode ReportFileCheck(const char path[]);
 PetscErrorCode ReportWrite(const Flow *flow, const Report *report, PetscReal wall_seconds,
                            const char status[]);
 
-/* What cases share: error norms against Exact(), and the quantities every case reports. */
+/* Quantities that cases share: error norms against Exact(), and quantities of every report. */
 PetscErrorCode NormsExact(const Flow *flow, Report *report);
 PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report);
 
-/* Snapshots of the particles for ParaView, as -output asks. */
+/* Snapshots of the particles for ParaView, option -output. */
 typedef struct Snapshots Snapshots;
 PetscErrorCode           SnapshotsCreate(const Scene *scene, Snapshots **snapshots);
 PetscErrorCode           SnapshotsDestroy(Snapshots **snapshots);
@@ -62,14 +62,14 @@ void                     SnapshotsGet(const Snapshots *snapshots, PetscReal rows
 PetscErrorCode           SnapshotsSet(Snapshots *snapshots, PetscInt n, const PetscReal rows[],
                                       PetscInt step);
 
-/* Matrices in the order of particle ids, as -visc_mat_view and -ppe_mat_view ask. */
+/* Matrices in the order of particle ids, options -visc_mat_view and -ppe_mat_view. */
 typedef struct MatrixFile MatrixFile;
 PetscErrorCode            MatrixFileCreate(const char prefix[], MatrixFile **file);
 PetscErrorCode            MatrixFileDestroy(MatrixFile **file);
 PetscErrorCode            MatrixFileWrite(const Particles *particles, Mat A, MatrixFile *file);
 
-/* Probes, forces and fluxes in the course of a run, as -probe_point, -probe_line, -probe_flux
-   and -probe_forces ask. */
+/* Probes, forces and fluxes during a run, options -probe_point, -probe_line, -probe_flux and
+   -probe_forces. */
 typedef struct Monitors Monitors;
 PetscErrorCode          MonitorsCreate(const Scene *scene, Monitors **monitors);
 PetscErrorCode          MonitorsDestroy(Monitors **monitors);

@@ -6,7 +6,7 @@
 
 PetscErrorCode FlowRun(Scene *scene);
 
-/* The fluid's particles at the start, as -particles gives them. */
+/* Start with the particles of -particles. */
 PetscErrorCode StartRead(Scene *scene, FluidStart *start, char path[]);
 PetscErrorCode StartFree(FluidStart *start);
 PetscErrorCode StartCheck(const Scene *scene, const char path[], const Particles *particles,

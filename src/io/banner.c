@@ -99,9 +99,9 @@ static PetscBool IsExplicit(const Scheme *scheme)
 }
 
 /*
-  Compares implicit with explicit viscosity: implicit steps are limited by advection, at the default
-  CFL number, explicit ones by dt_explicit. A solve costs about as much as one more step, so that
-  implicit steps of less than twice dt_explicit do not pay (docs/results/implicit.md).
+  Compares implicit with explicit viscosity. Advection limits implicit steps (default CFL number),
+  and dt_explicit limits explicit steps. A solve costs about as much as another step, so implicit
+  steps below twice dt_explicit are no gain (docs/results/implicit.md).
 */
 static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_explicit,
                                  PetscViewer viewer)

@@ -1,22 +1,23 @@
 /*
-  Forces and torques of the fluid on walls: the traction at points on the surface, summed.
+  Forces and torques of the fluid on walls: sums of tractions over points of the surface,
 
-    F = sum (-p n + mu (dw/dn + grad(w.n))) dA,   T = sum (x - c) x (...)
+    F = sum (-p n + mu (dw/dn + grad(u.n))) dA,   T = sum (x - c) x (...)
 
-  n points into the fluid, w is the velocity less that of the wall. A body's is taken on as a rigid
-  body: on a wall without slip the rest of the viscous stress, mu grad(w.n), vanishes. A side's
-  velocity may vary along it: there that rest is added. dw/dn is one-sided, of second order, from
-  probes one and two dx above the wall.
+  with n into the fluid and w the velocity minus the wall velocity. A body's wall velocity continues
+  as a rigid motion; then w vanishes on the surface and the second viscous term too. The velocity of
+  a side may vary along the side; there the second term comes from derivatives of the wall velocity
+  and continuity. dw/dn is one-sided, of second order, from probes at the heights dx and 2 dx. See
+  docs/theory.md, (112) and (113).
 */
 #include "monitors.h"
 
-/* A wall as points with inner normals and the areas they stand for. */
+/* A wall as points with normals into the fluid and areas. */
 typedef struct {
   PetscInt   n;
-  PetscReal *x, *normal, *area; /* dim coordinates each [m]; [m^(dim-1)] */
+  PetscReal *x, *normal, *area; /* dim coordinates of each point [m]; [m^(dim-1)] */
 } Surface;
 
-/* A side of the box: midpoints of the lattice's cells on it. */
+/* Sets the points of a side of the box to the midpoints of the lattice cells on it. */
 static void SideSurface(const Scene *scene, PetscInt side, Surface *s)
 {
   const PetscInt axis = side / 2, dim = scene->dim;
@@ -59,7 +60,7 @@ static PetscErrorCode SurfaceCreate(const Scene *scene, PetscInt side, Surface *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Velocities less the wall's at the points raised by `height` along their normals. */
+/* Probes the velocity minus the wall velocity at the points raised by `height` along normals. */
 static PetscErrorCode ProbeAbove(const Flow *flow, PetscInt side, const Surface *s,
                                  PetscReal height, PetscReal w[], PetscReal p[])
 {
@@ -82,7 +83,7 @@ static PetscErrorCode ProbeAbove(const Flow *flow, PetscInt side, const Surface 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Derivative along an axis of component c of the velocity of a side of the box at x [1/s]. */
+/* Returns the derivative of component c of the velocity of a side along an axis at x [1/s]. */
 static PetscReal WallVelocityDerivative(const Flow *flow, PetscInt side, PetscInt c, PetscInt axis,
                                         const PetscReal x[])
 {
@@ -98,7 +99,7 @@ static PetscReal WallVelocityDerivative(const Flow *flow, PetscInt side, PetscIn
   return (u[1][c] - u[0][c]) / (2.0 * way);
 }
 
-/* d(u.n)/dx_a on a side of the box at x; along n by continuity [1/s]. */
+/* Returns d(u.n)/dx_a on a side of the box at x; along n from continuity [1/s]. */
 static PetscReal NormalVelocityDerivative(const Flow *flow, PetscInt side, PetscInt a,
                                           const PetscReal x[])
 {
@@ -111,7 +112,7 @@ static PetscReal NormalVelocityDerivative(const Flow *flow, PetscInt side, Petsc
   return along * (side % 2 ? -1.0 : 1.0);
 }
 
-/* What torques are about: a body's centre, or the middle of the box. */
+/* Returns the centre of torques: the centre of a body, or the middle of the box. */
 static void TorqueCentre(const Scene *scene, PetscInt side, PetscReal c[])
 {
   const Body *body = BoundaryBody(scene, side);
@@ -122,7 +123,7 @@ static void TorqueCentre(const Scene *scene, PetscInt side, PetscReal c[])
   }
 }
 
-/* T += (x - c) x f; in 2D the component out of the plane, which stands in T[2]. */
+/* Adds (x - c) x f to T; in 2D the component out of the plane is T[2]. */
 static void AddTorque(PetscInt dim, const PetscReal c[], const PetscReal x[], const PetscReal f[],
                       PetscReal T[])
 {
@@ -140,8 +141,8 @@ static void AddTorque(PetscInt dim, const PetscReal c[], const PetscReal x[], co
 }
 
 /*
-  Kinematic viscosity of the fluid at the points [m^2/s]: where it follows the strain rate, that of
-  |dw/dn|, the rate beside a wall without slip.
+  Computes the kinematic viscosity at the points [m^2/s]. A rheology is evaluated at the strain rate
+  |dw/dn| beside a wall without slip.
 */
 static PetscErrorCode SurfaceViscosity(const Flow *flow, const Surface *s, const PetscReal slope[],
                                        PetscReal nu[])
@@ -164,10 +165,10 @@ static PetscErrorCode SurfaceViscosity(const Flow *flow, const Surface *s, const
 }
 
 /*
-  WallForce - Force and torque of the fluid on one wall: a side of the box or a body
+  WallForce - Computes force and torque of the fluid on a wall: a side of the box or a body
 
-  Collective. Output: F [N], T [N m] about a body's centre or the middle of the box; per metre
-  of depth in 2D, where the torque stands in T[2].
+  Collective. Output: F [N]; T [N m] about the centre of a body or the middle of the box. In 2D both
+  are per metre of depth, and the torque is T[2].
 */
 PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscReal T[])
 {

@@ -1,17 +1,16 @@
-/* Parallel HDF5: the few calls snapshots and checkpoints are made of, each with its failure
-   noted. */
+/* Parallel HDF5: the calls for snapshots and checkpoints, each of which notes its failure. */
 #include "isph/hdf5file.h"
 #include <fcntl.h>
 #include <unistd.h>
 
-/* Notes whether an HDF5 call failed, and passes its result on. */
+/* Notes a failed HDF5 call, and returns its result. */
 static hid_t Noted(Hdf5File *file, hid_t result)
 {
   if (result < 0) file->failed = PETSC_TRUE;
   return result;
 }
 
-/* Opens or creates; access to the file is by all ranks together. */
+/* Opens or creates a file for collective access. */
 static PetscErrorCode Hdf5FileBegin(MPI_Comm comm, const char path[], PetscBool create,
                                     Hdf5File *file)
 {
@@ -20,7 +19,7 @@ static PetscErrorCode Hdf5FileBegin(MPI_Comm comm, const char path[], PetscBool 
   PetscFunctionBegin;
   file->comm   = comm;
   file->failed = PETSC_FALSE;
-  (void)Noted(file, H5Eset_auto2(H5E_DEFAULT, NULL, NULL)); /* the words are ours */
+  (void)Noted(file, H5Eset_auto2(H5E_DEFAULT, NULL, NULL)); /* isph prints its own messages */
   access = Noted(file, H5Pcreate(H5P_FILE_ACCESS));
   (void)Noted(file, H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL));
   file->file     = Noted(file, create ? H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access)
@@ -32,9 +31,9 @@ static PetscErrorCode Hdf5FileBegin(MPI_Comm comm, const char path[], PetscBool 
 }
 
 /*
-  Hdf5FileCreate - Creates a file, or empties it
+  Hdf5FileCreate - Creates or truncates a file
 
-  Collective on comm. Whether it worked is told by Hdf5FileClose().
+  Collective on comm. Hdf5FileClose() reports failures.
 */
 PetscErrorCode Hdf5FileCreate(MPI_Comm comm, const char path[], Hdf5File *file)
 {
@@ -43,7 +42,7 @@ PetscErrorCode Hdf5FileCreate(MPI_Comm comm, const char path[], Hdf5File *file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Hdf5FileOpen - Opens a file for reading; as Hdf5FileCreate() */
+/* Hdf5FileOpen - Opens a file for reading; see Hdf5FileCreate() */
 PetscErrorCode Hdf5FileOpen(MPI_Comm comm, const char path[], Hdf5File *file)
 {
   PetscFunctionBegin;
@@ -52,10 +51,10 @@ PetscErrorCode Hdf5FileOpen(MPI_Comm comm, const char path[], Hdf5File *file)
 }
 
 /*
-  FileReserve - Makes sure that a file of so many bytes can be written
+  FileReserve - Finds out if a file of so many bytes can be written
 
-  Collective on PETSC_COMM_WORLD; the first rank tries. For before hours are spent on a run, and
-  before each file, as HDF5 does not outlive a full disk. A file of that name is gone afterwards.
+  Collective on PETSC_COMM_WORLD; the first rank tries. To be called before a run and before each
+  file, because HDF5 aborts on a full disk. Removes an existing file of that name.
 */
 PetscErrorCode FileReserve(const char path[], size_t bytes, PetscBool *good)
 {
@@ -78,7 +77,7 @@ PetscErrorCode FileReserve(const char path[], size_t bytes, PetscBool *good)
 /*
   Hdf5FileClose - Closes the file
 
-  Collective on comm. Output: good - whether every call succeeded on every rank.
+  Collective on comm. Output: good - flag: every call succeeded on every rank.
 */
 PetscErrorCode Hdf5FileClose(Hdf5File *file, PetscBool *good)
 {
@@ -94,9 +93,9 @@ PetscErrorCode Hdf5FileClose(Hdf5File *file, PetscBool *good)
 }
 
 /*
-  Hdf5FileFinish - Closes a file written as `part` and gives it its name `path`, if it is complete
+  Hdf5FileFinish - Closes a file written as `part` and renames it to `path` if it is complete
 
-  Collective on PETSC_COMM_WORLD. Output: good - whether it is there, the same on all ranks.
+  Collective on PETSC_COMM_WORLD. Output: good - flag: the file is complete, equal on all ranks.
 */
 PetscErrorCode Hdf5FileFinish(Hdf5File *file, const char part[], const char path[], PetscBool *good)
 {
@@ -112,7 +111,7 @@ PetscErrorCode Hdf5FileFinish(Hdf5File *file, const char part[], const char path
 }
 
 /*
-  Hdf5WriteRows - Writes a data set of N rows, each rank its own
+  Hdf5WriteRows - Writes a data set of N rows, of which each rank writes its own
 
   Collective on comm; a rank may have no rows.
 
@@ -154,7 +153,7 @@ PetscErrorCode Hdf5WriteRows(Hdf5File *file, const char name[], PetscInt columns
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Hdf5WriteNumber - Writes one number as an attribute of the file; collective on comm */
+/* Hdf5WriteNumber - Writes a number as an attribute of the file; collective on comm */
 PetscErrorCode Hdf5WriteNumber(Hdf5File *file, const char name[], hid_t type, const void *value)
 {
   hid_t space, attribute;
@@ -173,7 +172,7 @@ PetscErrorCode Hdf5WriteNumber(Hdf5File *file, const char name[], hid_t type, co
 /*
   Hdf5WriteText - Writes a string as an attribute of the file or of a data set
 
-  Collective on comm. Note: HDF5 holds no attribute above 64 kB; a longer text is cut.
+  Collective on comm. Note: an HDF5 attribute is limited to 64 kB; a longer text is truncated.
 */
 PetscErrorCode Hdf5WriteText(Hdf5File *file, hid_t object, const char name[], const char text[])
 {
@@ -197,7 +196,7 @@ PetscErrorCode Hdf5WriteText(Hdf5File *file, hid_t object, const char name[], co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Hdf5Has - Whether the file has a data set of that name; collective on comm */
+/* Hdf5Has - Finds out if the file has a data set of that name; collective on comm */
 PetscErrorCode Hdf5Has(Hdf5File *file, const char name[], PetscBool *there)
 {
   const htri_t found = H5Lexists(file->file, name, H5P_DEFAULT);
@@ -208,7 +207,7 @@ PetscErrorCode Hdf5Has(Hdf5File *file, const char name[], PetscBool *there)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Hdf5CountRows - Size of a data set; columns 0 for one dimension; collective on comm */
+/* Hdf5CountRows - Returns the size of a data set; columns 0: one dimension; collective on comm */
 PetscErrorCode Hdf5CountRows(Hdf5File *file, const char name[], PetscInt *N, PetscInt *columns)
 {
   hsize_t size[2] = {0, 0};
@@ -231,7 +230,7 @@ PetscErrorCode Hdf5CountRows(Hdf5File *file, const char name[], PetscInt *N, Pet
 /*
   Hdf5ReadRows - Reads rows [start, start + own) of a data set
 
-  Collective on comm; a rank may want no rows. Input: as Hdf5WriteRows().
+  Collective on comm; a rank may read no rows. Input: as Hdf5WriteRows().
 */
 PetscErrorCode Hdf5ReadRows(Hdf5File *file, const char name[], PetscInt columns, hid_t given,
                             void *rows)
@@ -258,7 +257,7 @@ PetscErrorCode Hdf5ReadRows(Hdf5File *file, const char name[], PetscInt columns,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Hdf5ReadNumber - Reads an attribute of the file that is one number; collective on comm */
+/* Hdf5ReadNumber - Reads a number from an attribute of the file; collective on comm */
 PetscErrorCode Hdf5ReadNumber(Hdf5File *file, const char name[], hid_t type, void *value)
 {
   hid_t attribute;
@@ -272,7 +271,7 @@ PetscErrorCode Hdf5ReadNumber(Hdf5File *file, const char name[], hid_t type, voi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Hdf5ReadText - Reads an attribute of the file that is a string, cut to length; collective on
+/* Hdf5ReadText - Reads a string from an attribute of the file, truncated to length; collective on
    comm */
 PetscErrorCode Hdf5ReadText(Hdf5File *file, const char name[], char text[], size_t length)
 {

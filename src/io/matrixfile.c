@@ -5,18 +5,18 @@
 #include "isph/io.h"
 
 struct MatrixFile {
-  const char       *prefix; /* of the option, without its dash */
-  PetscViewer       viewer; /* NULL: not asked for */
+  const char       *prefix; /* of the option, without dash */
+  PetscViewer       viewer; /* NULL: option not given */
   PetscViewerFormat format;
 };
 
 /*
-  MatrixFileCreate - Opens what -<prefix>mat_view asks for
+  MatrixFileCreate - Opens the viewer of -<prefix>mat_view
 
   Collective on PETSC_COMM_WORLD.
 
   Options Database Keys:
-. -visc_mat_view, -ppe_mat_view - binary:file, ascii:file[:ascii_matlab] or any viewer of PETSc's
+. -visc_mat_view, -ppe_mat_view - binary:file, ascii:file[:ascii_matlab] or any PETSc viewer
 
   Errors: a file that cannot be opened ends the run
 */
@@ -54,7 +54,7 @@ static PetscErrorCode SortById(const Particles *p, const PetscInt index[], const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Global numbers of the particles in the order of their ids, each standing for `size` rows. */
+/* Creates the index set of global numbers in the order of ids, with `size` rows per particle. */
 static PetscErrorCode NumbersById(const Particles *p, const PetscInt index[], PetscInt size,
                                   IS *order)
 {
@@ -77,7 +77,7 @@ static PetscErrorCode NumbersById(const Particles *p, const PetscInt index[], Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The ids and positions of the matrix's rows, in a file beside its own. */
+/* Writes the ids and positions of the rows to a second file. */
 static PetscErrorCode WritePositions(const Particles *p, const PetscInt index[],
                                      const char matrix[])
 {

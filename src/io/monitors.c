@@ -4,7 +4,7 @@
 */
 #include "monitors.h"
 
-#define MONITOR_NUMBERS 256 /* of one option */
+#define MONITOR_NUMBERS 256 /* most numbers of an option */
 
 static const MonitorKind *const kinds[] = {&MonitorPoints, &MonitorLines, &MonitorFluxes,
                                            &MonitorForces};
@@ -12,8 +12,8 @@ static const MonitorKind *const kinds[] = {&MonitorPoints, &MonitorLines, &Monit
 
 struct Monitors {
   Monitor   of[MONITOR_KINDS];
-  char      base[PETSC_MAX_PATH_LEN - 32]; /* of the files' names */
-  PetscReal every, last;                   /* between rows, 0: every step; of the last ones [s] */
+  char      base[PETSC_MAX_PATH_LEN - 32]; /* beginning of the file names */
+  PetscReal every, last;                   /* time between rows, 0: every step; last rows [s] */
   PetscBool any;
 };
 
@@ -35,7 +35,7 @@ static PetscErrorCode CheckInBox(const Scene *scene, const char option[], PetscI
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The numbers of one option, whole groups of them. */
+/* Reads the numbers of an option, which must be complete groups. */
 static PetscErrorCode MonitorRead(OptionItems PetscOptionsObject, const Scene *scene,
                                   const MonitorKind *kind, Monitor *monitor)
 {
@@ -67,20 +67,20 @@ static PetscErrorCode MonitorRead(OptionItems PetscOptionsObject, const Scene *s
 }
 
 /*
-  MonitorsCreate - Reads what is to be monitored
+  MonitorsCreate - Reads the options of monitors
 
   Collective on PETSC_COMM_WORLD.
 
   Options Database Keys:
 + -probe_point x,y,...          - points
 . -probe_line x0,y0,x1,y1,n,... - lines with n points each
-. -probe_flux x0,y0,x1,y1,...   - sections; the flux counts to the right of the way from end to end
-. -probe_forces                 - on each wall
-. -probe_every T                - between rows; by default every step [s]
+. -probe_flux x0,y0,x1,y1,...   - sections; flux to the right of the direction counts positive
+. -probe_forces                 - forces on each wall
+. -probe_every T                - time between rows; by default rows in every step [s]
 - -probe_output base            - files base_point.csv, base_line.csv, base_flux.csv,
                                   base_forces.csv
 
-  Errors: numbers that do not make whole things end the run
+  Errors: incomplete groups of numbers end the run
 */
 PetscErrorCode MonitorsCreate(const Scene *scene, Monitors **monitors)
 {
@@ -127,8 +127,8 @@ PetscErrorCode MonitorsDestroy(Monitors **monitors)
   MonitorsRestart - Goes on with the files of the run that is restarted, without what it wrote after
   the checkpoint; files that are absent begin anew
 
-  Collective on PETSC_COMM_WORLD. Input: t - of the checkpoint [s]. Errors: a file that cannot be
-  gone on with ends the run and stays as it is
+  Collective on PETSC_COMM_WORLD. Input: t - time of the checkpoint [s]. Errors: a file that cannot
+  be continued ends the run and stays unchanged
 */
 PetscErrorCode MonitorsRestart(PetscReal t, Monitors *m)
 {
@@ -141,11 +141,11 @@ PetscErrorCode MonitorsRestart(PetscReal t, Monitors *m)
 }
 
 /*
-  MonitorsWrite - Adds the rows of the present moment, where they are due
+  MonitorsWrite - Writes the rows of the present time, if they are due
 
   Collective on PETSC_COMM_WORLD. Called at the start and after every step.
 
-  Errors: a file that cannot be written ends the run; what is in it stays
+  Errors: a file that cannot be written ends the run; its present rows remain
 */
 PetscErrorCode MonitorsWrite(const Flow *flow, Monitors *m)
 {

@@ -1,20 +1,19 @@
 /*
-  What cases share when they judge a flow: its errors against the exact solution at the particles,
-  and the integrals every case reports.
+  Quantities that cases share: errors at the particles against an exact solution, and integrals that
+  every case reports.
 */
 #include "isph/io.h"
 
-/* Sums over all fluid particles, made of one MPI reduction. */
+/* Sums over all fluid particles, in a single MPI reduction. */
 typedef struct {
   PetscReal u2, exact2;      /* of |u - u_e|^2 and |u_e|^2 [m^2/s^2] */
-  PetscReal p, p_exact, n_p; /* of p, p_e [Pa], and the particles that have a p_e */
+  PetscReal p, p_exact, n_p; /* of p and p_e [Pa]; number of particles with a p_e */
 } ExactSums;
 typedef struct {
   PetscReal u, exact; /* of |u - u_e| and |u_e| [m/s] */
 } ExactMaxima;
 
-/* Compares this rank's fluid; exact_p[i] becomes the exact pressure, NaN where the case has none.
- */
+/* Compares the fluid of this rank; exact_p[i] becomes the exact pressure, NaN if there is none. */
 static PetscErrorCode NormsCompare(const Flow *flow, PetscReal exact_p[], ExactSums *sums,
                                    ExactMaxima *maxima)
 {
@@ -35,7 +34,7 @@ static PetscErrorCode NormsCompare(const Flow *flow, PetscReal exact_p[], ExactS
     }
     sums->u2 += d2;
     sums->exact2 += e2;
-    if (!(PetscSqrtReal(d2) <= maxima->u)) maxima->u = PetscSqrtReal(d2); /* a NaN stays */
+    if (!(PetscSqrtReal(d2) <= maxima->u)) maxima->u = PetscSqrtReal(d2); /* NaN is kept */
     maxima->exact = PetscMax(maxima->exact, PetscSqrtReal(e2));
     if (PetscIsNanReal(exact_p[i]) || !p->p) continue;
     sums->p += p->p[i];
@@ -50,7 +49,7 @@ static PetscErrorCode NormsCompare(const Flow *flow, PetscReal exact_p[], ExactS
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Relative L2 error of the pressure, which is known up to a constant: means are taken off. */
+/* Computes the relative L2 error of the pressure without means, which are undetermined. */
 static PetscErrorCode NormsPressure(const Flow *flow, const PetscReal exact_p[],
                                     const ExactSums *sums, Report *report)
 {
@@ -74,12 +73,12 @@ static PetscErrorCode NormsPressure(const Flow *flow, const PetscReal exact_p[],
 }
 
 /*
-  NormsExact - Relative errors against the case's exact solution, over all fluid particles
+  NormsExact - Computes relative errors against the exact solution of the case, over all particles
 
     velocity_l2 = (sum |u - u_e|^2 / sum |u_e|^2)^1/2,   velocity_linf = max |u - u_e| / max |u_e|
 
-  Collective. Adds nothing where the case has no exact solution; pressure_l2, means removed, where
-the run has a pressure and the solution gives one.
+  Collective. Adds nothing if the case has no exact solution. Adds pressure_l2, with means removed,
+  if the run has a pressure and the solution gives it.
 
   Input Parameter:
 . flow - at clock->t
@@ -87,7 +86,7 @@ the run has a pressure and the solution gives one.
   Output Parameter:
 . report - with the quantities added
 
-  Note: where the exact field vanishes, errors are relative to U and rho U^2
+  Note: if the exact field vanishes, errors are relative to U and rho U^2
 */
 PetscErrorCode NormsExact(const Flow *flow, Report *report)
 {
@@ -112,16 +111,16 @@ PetscErrorCode NormsExact(const Flow *flow, Report *report)
 }
 
 /*
-  MeasureCommon - The quantities that every case reports
+  MeasureCommon - Computes the quantities that every case reports
 
     kinetic_energy [J], linear_momentum = |sum_i rho V u_i| [kg m/s], both per metre of depth in 2D;
-    divergence_max = max |D u| [1/s], where there is a pressure to see to it
+    divergence_max = max |D u| [1/s], if the run has a pressure
 
   Collective
 
   Input Parameters:
 + flow   - with the statistics of the last step
-- energy - reference of the kinetic energy, NaN where there is none [J]
+- energy - reference of the kinetic energy, NaN without reference [J]
 
   Output Parameter:
 . report - with the quantities added

@@ -1,9 +1,9 @@
 /*
-  Values at points of space: a quadratic moving-least-squares fit about each point,
+  Values at points: a quadratic moving-least-squares fit about each point,
 
     f(x + X) = c_0 + sum_t c_t phi_t(X/R),   min sum_k W_k (f_k - fit(X_k))^2,   value = c_0,
 
-  by the rank that owns the place. Exact for quadratics, on walls and in corners too.
+  computed by the rank that owns the point. Exact for quadratic fields, on walls and in corners too.
 
   Reference: P. Lancaster & K. Salkauskas, Math. Comput. 37 (1981) 141-158
 */
@@ -11,18 +11,18 @@
 
 #define PROBE_MAX_TERMS (1 + MLS_QUADRATIC_TERMS)
 
-/* What the fits of all points share. */
+/* Data shared by the fits of all points. */
 typedef struct {
   const Flow *flow;
   Cells       cells;
   PetscReal  *field[ISPH_MAX_DIM + 1]; /* own and halo values of u, then p [m/s], [Pa] */
   PetscInt    n_fields;
-  PetscReal   reach; /* as far as this rank knows of all particles [m] */
-  PetscInt   *list;  /* neighbours of the point at hand */
-  PetscReal  *w;     /* and their weights [-] */
+  PetscReal   reach; /* distance within which this rank knows all particles [m] */
+  PetscInt   *list;  /* neighbours of the present point */
+  PetscReal  *w;     /* their weights [-] */
 } Probe;
 
-/* The basis 1, X_a/R, X_a X_b/R^2; returns the number of terms. */
+/* Computes the basis 1, X_a/R, X_a X_b/R^2; returns the number of terms. */
 static PetscInt ProbeBasis(PetscInt dim, const PetscReal s[], PetscReal phi[])
 {
   PetscInt t = 0;
@@ -35,7 +35,7 @@ static PetscInt ProbeBasis(PetscInt dim, const PetscReal s[], PetscReal phi[])
   return t;
 }
 
-/* (x_j - x)/R, and the kernel stretched to support R. */
+/* Computes (x_j - x)/R; returns the kernel stretched to the support R. */
 static PetscReal ProbeOffset(const Probe *probe, PetscInt j, const PetscReal x[], PetscReal R,
                              PetscReal s[])
 {
@@ -51,7 +51,7 @@ static PetscReal ProbeOffset(const Probe *probe, PetscInt j, const PetscReal x[]
   return w[0];
 }
 
-/* Neighbours of a point that have a value: fluid, and walls where walls is set. */
+/* Collects the neighbours of a point that have a value: fluid and, with `walls`, wall particles. */
 static PetscErrorCode ProbeFind(Probe *probe, const PetscReal x[], PetscReal R, PetscBool walls,
                                 PetscInt *n)
 {
@@ -68,7 +68,7 @@ static PetscErrorCode ProbeFind(Probe *probe, const PetscReal x[], PetscReal R, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Moment matrix sum_k W_k phi_k phi_k^T of the points listed; returns the number of terms. */
+/* Computes the moment matrix sum_k W_k phi_k phi_k^T; returns the number of terms. */
 static PetscInt ProbeMoments(const Probe *probe, const PetscReal x[], PetscReal R, PetscInt n,
                              PetscReal moments[])
 {
@@ -88,8 +88,8 @@ static PetscInt ProbeMoments(const Probe *probe, const PetscReal x[], PetscReal 
 }
 
 /*
-  Moments of the fit at x and their factor. The support grows as far as the halo allows where it
-  holds too few points, as a quarter of it does in a corner.
+  Computes and factors the moments of the fit at x. The support grows, up to the reach of the halo,
+  while it holds too few points, for example in a corner.
 */
 static PetscErrorCode ProbeFit(Probe *probe, const PetscReal x[], PetscBool walls, PetscInt *n,
                                PetscReal *R, PetscInt *terms, PetscReal moments[],
@@ -111,7 +111,7 @@ static PetscErrorCode ProbeFit(Probe *probe, const PetscReal x[], PetscBool wall
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Weights of the value at x, f(x) = sum_k w_k f_k:  w_k = W_k phi_k . M^-1 e_0. */
+/* Computes the weights of the value at x, f(x) = sum_k w_k f_k:  w_k = W_k phi_k . M^-1 e_0. */
 static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscBool walls, PetscInt *n)
 {
   const PetscInt dim = probe->flow->particles->dim;
@@ -141,7 +141,7 @@ static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscBool 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Copies own values into storage with room for the halo, and fetches the halo's. Collective. */
+/* Copies own values into storage with room for the halo, and updates the halo. Collective. */
 static PetscErrorCode ProbeFetch(const Particles *p, const PetscReal own[], PetscInt n,
                                  PetscReal **values)
 {
@@ -159,7 +159,7 @@ static PetscErrorCode ProbeBegin(const Flow *flow, PetscBool pressure, Probe *pr
   PetscFunctionBegin;
   PetscCall(PetscMemzero(probe, sizeof(*probe)));
   probe->flow = flow;
-  /* Within an epoch a particle moves by half a skin at most. */
+  /* Within an epoch a particle moves by less than half a skin. */
   probe->reach = PetscMax(flow->ops->forms.radius, p->halo_width + 0.5 * p->skin);
   PetscCall(CellsBuild(p, 0.5 * flow->ops->forms.radius, &probe->cells));
   PetscCall(PetscMalloc2(probe->cells.n, &probe->list, probe->cells.n, &probe->w));
@@ -179,7 +179,7 @@ static PetscErrorCode ProbeEnd(Probe *probe)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether this rank owns the place x, which is wrapped into a periodic box: one rank does. */
+/* Wraps x into a periodic box; returns true on the rank that owns the place. */
 static PetscBool ProbeOwns(const Flow *flow, PetscReal x[])
 {
   const Scene     *scene = flow->scene;
@@ -190,14 +190,14 @@ static PetscBool ProbeOwns(const Flow *flow, PetscReal x[])
 
     if (SceneIsPeriodic(scene, a) && !(x[a] >= lo && x[a] < scene->hi[a])) {
       x[a] -= period * PetscFloorReal((x[a] - lo) / period);
-      if (!(x[a] >= lo && x[a] < scene->hi[a])) x[a] = lo; /* rounding */
+      if (!(x[a] >= lo && x[a] < scene->hi[a])) x[a] = lo; /* rounding at the upper end */
     }
     if (!(x[a] >= p->lo[a] && x[a] < p->hi[a])) return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }
 
-/* All fields at one point. Only wall particles on the surface have the velocity of their place. */
+/* Evaluates all fields at a point. Only wall particles on the surface have a velocity there. */
 static PetscErrorCode ProbeEvaluate(Probe *probe, const PetscReal x[], PetscReal values[])
 {
   const PetscInt  dim   = probe->flow->particles->dim;
@@ -219,19 +219,19 @@ static PetscErrorCode ProbeEvaluate(Probe *probe, const PetscReal x[], PetscReal
 }
 
 /*
-  ProbePoints - Velocity and pressure at points
+  ProbePoints - Interpolates velocity and pressure at points
 
   Collective
 
   Input Parameters:
-+ flow - with the halo's positions up to date
++ flow - flow with up-to-date positions in the halo
 . n    - number of points
 - x    - the points, dim coordinates each, the same on all ranks; walls and periodic images are
          allowed [m]
 
   Output Parameters:
 + u - velocities, dim components each, on all ranks [m/s]
-- p - pressures, NaN where the run has none; may be NULL [Pa]
+- p - pressures, NaN if the run has none; may be NULL [Pa]
 */
 PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal u[],
                            PetscReal p[])
@@ -263,7 +263,7 @@ PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Viscosity of the fluid particle nearest to x that this rank knows of. */
+/* Finds the viscosity of the fluid particle nearest to x. */
 static PetscErrorCode NearestViscosity(Probe *probe, const PetscReal x[], PetscReal *nu)
 {
   const Particles *p    = probe->flow->particles;
@@ -286,10 +286,10 @@ static PetscErrorCode NearestViscosity(Probe *probe, const PetscReal x[], PetscR
 }
 
 /*
-  ProbeViscosity - Kinematic viscosity of the fluid nearest to points, where it varies: no mean
-  of two fluids
+  ProbeViscosity - Returns the kinematic viscosity of the fluid particle nearest to each point,
+  which is no mean of two fluids
 
-  Collective. Input as ProbePoints() has it. Output: nu - on all ranks [m^2/s].
+  Collective. Input: as ProbePoints(). Output: nu - on all ranks [m^2/s].
 */
 PetscErrorCode ProbeViscosity(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal nu[])
 {

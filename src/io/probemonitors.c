@@ -11,8 +11,8 @@ static PetscBool InBody(const Scene *scene, const PetscReal x[])
 }
 
 /*
-  Velocity and pressure at n points, one row each, all under one number or each under its own. In
-  bodies, and where the run has no pressure, fields of the file are empty.
+  Writes velocity and pressure at n points, a row for each, with the given number, or if it is
+  negative with the index of the point. Columns are empty in bodies, and without a pressure.
 */
 static PetscErrorCode WriteProbes(const Flow *flow, const Monitor *monitor, PetscInt n,
                                   const PetscReal x[], PetscInt number)
@@ -112,9 +112,9 @@ const MonitorKind MonitorLines = {
 };
 
 /*
-  Flux of one section, by the midpoint rule on cells of at most dx:  sum u.n dA [m^2/s, m^3/s], of
-  those whose middle is not in a body. In 2D n dA is the way from end to end turned to the right, in
-  3D the product of the two sides.
+  Computes the flux of a section by the midpoint rule on cells of at most dx, sum u.n dA [m^2/s,
+  m^3/s], over cells whose midpoint lies outside bodies. In 2D n dA is the vector between the ends
+  turned to the right, in 3D the cross product of the two sides.
 */
 static PetscErrorCode SectionFlux(const Flow *flow, const PetscReal corner[], PetscReal *flux)
 {

@@ -1,5 +1,6 @@
 /*
-  The progress line: how far the run is, what the flow does, what a step costs and what is left.
+  The progress line: the share of the run, the state of the flow, the cost of a step and the time
+  left.
 */
 #include "isph/io.h"
 #include <unistd.h>
@@ -17,19 +18,19 @@ const Table ProgressTable = TABLE("-progress", "Progress", progresses);
 
 struct Progress {
   const ProgressRow *row;
-  PetscBool          terminal;      /* standard output is one */
+  PetscBool          terminal;      /* standard output is a terminal */
   PetscReal          start, last;   /* wall clock at creation and at the last line [s] */
   PetscReal          last_fraction; /* of the run, at the last line [-] */
-  size_t             width;         /* of the last line, to be wiped by the next */
+  size_t             width;         /* of the last line, which the next line overwrites */
 };
 
 /*
-  ProgressCreate - Starts the run's stop-watch
+  ProgressCreate - Starts the clock of the run
 
   Collective on PETSC_COMM_WORLD
 
   Options Database Key:
-. -progress line|none - whether to tell how far the run is
+. -progress line|none - progress line, or none
 */
 PetscErrorCode ProgressCreate(Progress **progress)
 {
@@ -54,7 +55,7 @@ PetscErrorCode ProgressDestroy(Progress **progress)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Share of the run that is done: of the time or of the steps, whichever ends it first. */
+/* Returns the share of the run that is done, in time or in steps, whichever is larger. */
 static PetscReal ProgressFraction(const Clock *clock, PetscReal t, PetscInt step)
 {
   const PetscReal time  = clock->t_end > 0.0 ? t / clock->t_end : 0.0;
@@ -63,7 +64,7 @@ static PetscReal ProgressFraction(const Clock *clock, PetscReal t, PetscInt step
   return PetscMin(1.0, PetscMax(time, steps));
 }
 
-/* "35 s", "12 min", "3.4 h". */
+/* Writes a duration as "35 s", "12 min" or "3.4 h". */
 static PetscErrorCode ProgressDuration(PetscReal seconds, char text[], size_t length)
 {
   const double s = (double)seconds;
@@ -75,7 +76,7 @@ static PetscErrorCode ProgressDuration(PetscReal seconds, char text[], size_t le
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The line; what the run does not compute is not in it. */
+/* Writes the line, without quantities that the run does not compute. */
 static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscReal elapsed,
                                    char line[], size_t length)
 {
@@ -112,15 +113,15 @@ static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscRe
 }
 
 /*
-  ProgressUpdate - Prints the progress line where it is time to
+  ProgressUpdate - Prints the progress line if it is due
 
-  Not collective; the first rank prints: on a terminal at most four times a second over the line
-  before, else every 10 %. Called after each step.
+  Not collective; the first rank prints: on a terminal at most four times a second over the last
+  line, otherwise every 10 %. Called after each step.
 
   Input Parameters:
 + flow     - with the statistics of the step; M/s counts million particle-steps per second of wall
              clock since ProgressCreate()
-. final    - the run is over: print in any case
+. final    - flag: the run is over, so print in any case
 - progress - the progress
 */
 PetscErrorCode ProgressUpdate(const Flow *flow, PetscBool final, Progress *progress)

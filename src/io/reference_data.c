@@ -1,6 +1,6 @@
 /*
-  Reference curves: two columns of numbers in a CSV file of the reference data. The first rank
-  reads, all ranks get the numbers.
+  Reference data: two columns of numbers in a CSV file. The first rank reads them, and all ranks
+  receive them.
 */
 #include "isph/io.h"
 #include <stdlib.h>
@@ -61,8 +61,8 @@ static PetscErrorCode ReferenceDataAppend(ReferenceData *curve, PetscInt *capaci
 }
 
 /*
-  Reads the lines: '#' comments, one header, then numbers. bad is the number of the first line that
-  is not two numbers, 0 for none. Comments may be longer than the buffer.
+  Reads the lines: '#' comments, a header, then numbers. bad is the first line without two numbers,
+  or 0. Comments may be longer than the buffer.
 */
 static PetscErrorCode ReferenceDataParse(FILE *stream, ReferenceData *curve, PetscInt *bad)
 {
@@ -94,7 +94,7 @@ static PetscErrorCode ReferenceDataParse(FILE *stream, ReferenceData *curve, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Orders the points by x. */
+/* Sorts the points by x. */
 static PetscErrorCode ReferenceDataSort(ReferenceData *curve)
 {
   PetscInt  *order;
@@ -115,13 +115,14 @@ static PetscErrorCode ReferenceDataSort(ReferenceData *curve)
 }
 
 /*
-  ReferenceDataRead - Reads a reference curve
+  ReferenceDataRead - Reads a file of reference data
 
   Collective on PETSC_COMM_WORLD
 
   Input Parameter:
-. file - name within the directory of reference data: '#' comments, one header line, then lines of
-         two or more columns, of which the first two are taken
+. file - name within the directory of reference data: '#' comments, a header line, then lines of two
+or
+         more columns, of which the first two are used
 
   Input/Output Parameter:
 . report - keeps that a file is absent, so that one warning is printed in a run
@@ -176,7 +177,7 @@ PetscErrorCode ReferenceDataRead(const char file[], Report *report, ReferenceDat
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ReferenceDataFree - Frees what ReferenceDataRead() made; not collective */
+/* ReferenceDataFree - Frees reference data; not collective */
 PetscErrorCode ReferenceDataFree(ReferenceData *curve)
 {
   PetscFunctionBegin;

@@ -1,11 +1,11 @@
 /*
-  The report: what was measured, how far it is from exact or published values, and whether that is
-  within what -check_<quantity> allows. The file of all runs is written in reportfile.c.
+  The report: measured quantities, their errors against exact or published values, and the
+  comparison of errors with -check_<quantity>. reportfile.c writes the file of all runs.
 */
 #include "isph/io.h"
 
 /*
-  ReportCreate - Makes an empty report
+  ReportCreate - Creates an empty report
 
   Collective on PETSC_COMM_WORLD
 
@@ -59,9 +59,10 @@ static PetscErrorCode ReportAppend(Report *report, const char name[], PetscReal 
 }
 
 /*
-  ReportAdd - Adds a quantity that has nothing to be compared with, at time report->t
+  ReportAdd - Adds a quantity without reference, at time report->t
 
-  Not collective; all ranks add the same. Input: name - as in the report file, at most 31 letters.
+  Not collective; all ranks add the same value. Input: name - as in the report file, at most 31
+  letters.
 */
 PetscErrorCode ReportAdd(Report *report, const char name[], PetscReal value)
 {
@@ -75,8 +76,8 @@ PetscErrorCode ReportAdd(Report *report, const char name[], PetscReal value)
 
     error = |value - reference| / scale
 
-  Not collective; all ranks add the same. Input: scale - positive, in the quantity's unit; usually
-  |reference|.
+  Not collective; all ranks add the same value. Input: scale - positive, in the unit of the
+  quantity; usually |reference|.
 */
 PetscErrorCode ReportAddReference(Report *report, const char name[], PetscReal value,
                                   PetscReal reference, PetscReal scale)
@@ -86,7 +87,7 @@ PetscErrorCode ReportAddReference(Report *report, const char name[], PetscReal v
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ReportRestore - Adds a quantity reported before a restart: its t, value, reference, error */
+/* ReportRestore - Adds a quantity of the run before a restart: t, value, reference, error */
 PetscErrorCode ReportRestore(Report *report, const char name[], const PetscReal row[4])
 {
   const PetscReal now = report->t;
@@ -106,7 +107,7 @@ PetscErrorCode ReportAddError(Report *report, const char name[], PetscReal error
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether the quantities were taken at more than one time. */
+/* Returns true if the report has quantities of several times. */
 static PetscBool ReportSpansTimes(const Report *report)
 {
   for (PetscInt k = 1; k < report->n; k++) {
@@ -118,7 +119,7 @@ static PetscBool ReportSpansTimes(const Report *report)
 /*
   ReportView - Prints the table of quantities, then the wall time
 
-  Collective on the viewer. Input: wall_seconds - what the run cost [s].
+  Collective on the viewer. Input: wall_seconds - duration of the run [s].
 */
 PetscErrorCode ReportView(const Report *report, PetscReal wall_seconds, PetscViewer viewer)
 {
@@ -149,7 +150,7 @@ PetscErrorCode ReportView(const Report *report, PetscReal wall_seconds, PetscVie
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether quantity k is the last of its name. */
+/* Finds out if quantity k is the last with its name. */
 static PetscErrorCode ReportIsLast(const Report *report, PetscInt k, PetscBool *last)
 {
   PetscFunctionBegin;
@@ -163,7 +164,7 @@ static PetscErrorCode ReportIsLast(const Report *report, PetscInt k, PetscBool *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Compares all quantities of one name with its tolerance; says which exceed it and counts them. */
+/* Compares all quantities of a name with the tolerance; prints and counts larger errors. */
 static PetscErrorCode ReportCheckQuantity(const Report *report, const char name[],
                                           PetscReal tolerance, PetscInt *failed)
 {
@@ -183,7 +184,7 @@ static PetscErrorCode ReportCheckQuantity(const Report *report, const char name[
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a -check_<name> that no quantity has answered to, naming those there are. */
+/* Refuses a -check_<name> of a quantity that is not reported, and lists the reported quantities. */
 static PetscErrorCode ReportRefuseUnknown(const char known[])
 {
   PetscInt n;
@@ -204,15 +205,15 @@ static PetscErrorCode ReportRefuseUnknown(const char known[])
 }
 
 /*
-  ReportCheck - Holds the errors against what the user allows
+  ReportCheck - Compares errors with the tolerances of the user
 
   Collective on PETSC_COMM_WORLD. Called at the end of the run.
 
   Options Database Key:
 . -check_<quantity> tol - largest relative error allowed, at all times reported [-]
 
-  Errors: an error above its tolerance (each is printed), a quantity that does not exist and one
-  without a reference end the run
+  Errors: an error above its tolerance (each is printed), an unknown quantity, and a quantity
+  without reference end the run
 */
 PetscErrorCode ReportCheck(const Report *report)
 {

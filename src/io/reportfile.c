@@ -1,6 +1,6 @@
 /*
-  The file of all runs: one row a quantity and time, in long form, so that a study is a loop over
-  runs and a table program does the rest.
+  The file of all runs, in long form: a row for each quantity and time. Studies loop over runs and
+  evaluate the file with a table program.
 */
 #include "isph/guard.h"
 #include "isph/io.h"
@@ -13,7 +13,7 @@ static const char ReportHeader[] =
     "quantity,"
     "value,reference,error\n";
 
-/* A row being written: the columns before t, which are the same for all rows, or those after it. */
+/* Part of a row: the columns before t, which are equal in all rows, or the columns after t. */
 typedef struct {
   char text[1024];
 } Columns;
@@ -26,7 +26,7 @@ static PetscErrorCode ColumnWord(Columns *columns, const char word[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A number; an empty column for NaN, which stands for "not applicable". */
+/* Appends a number; NaN, for "not applicable", gives an empty column. */
 static PetscErrorCode ColumnNumber(Columns *columns, PetscReal number)
 {
   char word[32] = "";
@@ -39,7 +39,7 @@ static PetscErrorCode ColumnNumber(Columns *columns, PetscReal number)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A measured number, to its last bit. */
+/* Appends a measured number with all digits. */
 static PetscErrorCode ColumnExact(Columns *columns, PetscReal number)
 {
   char word[32] = "";
@@ -50,7 +50,7 @@ static PetscErrorCode ColumnExact(Columns *columns, PetscReal number)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The active physics, joined by '+'. */
+/* Appends the active physics, joined by '+'. */
 static PetscErrorCode ColumnPhysics(Columns *columns, const Scene *scene)
 {
   char word[128] = "";
@@ -65,7 +65,7 @@ static PetscErrorCode ColumnPhysics(Columns *columns, const Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The wall treatment, '+surface' where there are particles on walls before the layers behind. */
+/* Appends the wall treatment, with '+surface' for a layer of particles on walls. */
 static PetscErrorCode ColumnWall(Columns *columns, const Operators *ops)
 {
   char word[128] = "";
@@ -88,7 +88,7 @@ static const LinearSolve *FindSolve(const Flow *flow, SolveColumn column)
   return NULL;
 }
 
-/* The types of a KSP and its preconditioner, empty without one. */
+/* Appends the types of a KSP and its preconditioner; without a solve two empty columns. */
 static PetscErrorCode ColumnsSolver(Columns *columns, const LinearSolve *solve)
 {
   const char *ksp = NULL, *pc = NULL;
@@ -100,7 +100,7 @@ static PetscErrorCode ColumnsSolver(Columns *columns, const LinearSolve *solve)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* visc_laplacian ... ppe_pc; a form or solver that the run does not have is left empty. */
+/* Appends visc_laplacian ... ppe_pc; a form or solver that the run lacks gives an empty column. */
 static PetscErrorCode ColumnsForms(const Flow *flow, Columns *columns)
 {
   const OperatorForms *forms    = &flow->ops->forms;
@@ -117,7 +117,7 @@ static PetscErrorCode ColumnsForms(const Flow *flow, Columns *columns)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The name of a table's row, nothing where there is none. */
+/* Appends the name of a table row, or an empty column. */
 static PetscErrorCode ColumnRow(Columns *columns, const void *row)
 {
   PetscFunctionBegin;
@@ -125,7 +125,7 @@ static PetscErrorCode ColumnRow(Columns *columns, const void *row)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* case ... steps */
+/* Appends case ... steps. */
 static PetscErrorCode ColumnsBeforeTime(const Flow *flow, Columns *columns)
 {
   const Scene  *scene  = flow->scene;
@@ -157,7 +157,7 @@ static PetscErrorCode ColumnsBeforeTime(const Flow *flow, Columns *columns)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* wall_s ... status. Collective: the largest memory of a rank is reported. */
+/* Appends wall_s ... status. Collective: memory is the largest of all ranks. */
 static PetscErrorCode ColumnsAfterTime(const Flow *flow, PetscReal wall_seconds,
                                        const char status[], Columns *columns)
 {
@@ -185,7 +185,7 @@ static PetscErrorCode ColumnsAfterTime(const Flow *flow, PetscReal wall_seconds,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends to the file; failed tells what went wrong, NULL for nothing. */
+/* Appends text to the file; failed: reason of a failure, or NULL. */
 static PetscErrorCode ReportAppendFile(const char path[], const char text[], const char **failed)
 {
   FILE *stream;
@@ -207,7 +207,7 @@ static PetscErrorCode ReportAppendFile(const char path[], const char text[], con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether an existing file has the columns of this program. */
+/* Compares the columns of an existing file with the columns of this program. */
 static PetscErrorCode ReportFileIsOurs(const char path[], const char **failed)
 {
   char      line[sizeof(ReportHeader)] = "";
@@ -225,7 +225,7 @@ static PetscErrorCode ReportFileIsOurs(const char path[], const char **failed)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ends the run on all ranks where the first one failed. */
+/* Ends the run on all ranks if the first rank failed. */
 static PetscErrorCode ReportFileVerdict(const char path[], const char failed[])
 {
   char sentence[64] = "";
@@ -239,7 +239,7 @@ static PetscErrorCode ReportFileVerdict(const char path[], const char failed[])
 }
 
 /*
-  ReportFileCheck - Makes sure before the run that its report can be written after it
+  ReportFileCheck - Makes sure before the run that its report can be written
 
   Collective on PETSC_COMM_WORLD. A new file gets its header.
 
@@ -259,19 +259,19 @@ PetscErrorCode ReportFileCheck(const char path[])
 }
 
 /*
-  ReportWrite - Appends the run to the CSV file of -report, one row a quantity and time; does
-  nothing without that option
+  ReportWrite - Appends the run to the CSV file of -report, a row for each quantity and time;
+  without the option it does nothing
 
   Collective on PETSC_COMM_WORLD; the first rank writes.
 
   Input Parameters:
-+ flow         - as it is now
-. report       - where empty, as after a diverged run, one row without a quantity is written
-. wall_seconds - of the run so far, set-up included [s]
++ flow         - the present flow
+. report       - if empty, as after a diverged run, a row without quantity is written
+. wall_seconds - duration of the run so far, set-up included [s]
 - status       - ok, diverged or interrupted
 
-  Notes: particles counts the fluid; visc_its and ppe_its are means per step; the columns visc_ts,
-  visc_ksp, visc_pc and visc_its are those of both where velocity and pressure are coupled
+  Notes: particles counts the fluid; visc_its and ppe_its are means per step; for the coupled scheme
+  the columns visc_ts, visc_ksp, visc_pc and visc_its describe the coupled solve
 
   Errors: a file that cannot be written, or has other columns, ends the run
 */

@@ -1,19 +1,19 @@
 /*
-  Snapshots: one HDF5 file each, written under another name and renamed when it is complete, and the
-  index ParaView opens. What is on disk can be read whatever happens to the run.
+  Snapshots: an HDF5 file for each, written under another name and renamed when complete, and an
+  index for ParaView. Complete files are readable whatever happens to the run.
 */
 #include "isph/hdf5file.h"
 #include "xdmf.h"
 #include <unistd.h>
 
 struct Snapshots {
-  char      base[PETSC_MAX_PATH_LEN]; /* the path given, without .h5; empty: no snapshots */
-  PetscReal every;                    /* between snapshots; 0: start and end only [s] */
+  char      base[PETSC_MAX_PATH_LEN]; /* given path without .h5; empty: no snapshots */
+  PetscReal every;                    /* time between snapshots; 0: start and end only [s] */
   Snapshot *done;
-  PetscInt  n, capacity, step; /* how many are done, and the step of the last one */
+  PetscInt  n, capacity, step; /* number of complete snapshots; step of the last of them */
 };
 
-/* Ends the run on all ranks where a file could not be written; good as the first rank sees it. */
+/* Ends the run on all ranks if a file could not be written, according to the first rank. */
 static PetscErrorCode SnapshotsVerdict(const Snapshots *snapshots, const char path[],
                                        PetscBool good)
 {
@@ -24,7 +24,7 @@ static PetscErrorCode SnapshotsVerdict(const Snapshots *snapshots, const char pa
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Room for a file of so many bytes, or the end of the run. Collective. */
+/* Makes sure that a file of so many bytes can be written, or ends the run. Collective. */
 static PetscErrorCode SnapshotsReserve(const Snapshots *snapshots, const char path[], size_t bytes)
 {
   PetscBool good;
@@ -36,13 +36,13 @@ static PetscErrorCode SnapshotsReserve(const Snapshots *snapshots, const char pa
 }
 
 /*
-  SnapshotsCreate - Reads where snapshots go and makes sure that they can
+  SnapshotsCreate - Reads the options of snapshots and makes sure that files can be written
 
   Collective on PETSC_COMM_WORLD
 
   Options Database Keys:
 + -output file.h5 - snapshots file_0000.h5, file_0001.h5, ... and their index file.xdmf
-- -output_every T - one at every multiple of T, besides start and end [s]
+- -output_every T - snapshots at multiples of T too, besides start and end [s]
 
   Errors: a name that does not end in .h5, or a place that cannot be written, ends the run
 */
@@ -83,7 +83,7 @@ PetscErrorCode SnapshotsDestroy(Snapshots **snapshots)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What the run was: attributes of the file. */
+/* Writes attributes that describe the run. */
 static PetscErrorCode SnapshotAttributes(const Flow *flow, Hdf5File *file)
 {
   const Scene *scene = flow->scene;
@@ -113,7 +113,7 @@ static PetscErrorCode SnapshotAttributes(const Flow *flow, Hdf5File *file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Positions, in the box where it is periodic: within an epoch particles may be a little outside. */
+/* Copies positions, wrapped into a periodic box, which particles may leave within an epoch. */
 static void GatherPositions(const Scene *scene, const Particles *p, double rows[])
 {
   for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
@@ -126,7 +126,7 @@ static void GatherPositions(const Scene *scene, const Particles *p, double rows[
   }
 }
 
-/* The fields: own fluid, then own walls, of one rank after another. */
+/* Writes the fields: own fluid, then own walls, rank by rank. */
 static PetscErrorCode SnapshotFields(const Flow *flow, Hdf5File *file)
 {
   const Particles *p   = flow->particles;
@@ -166,7 +166,7 @@ static PetscErrorCode SnapshotFields(const Flow *flow, Hdf5File *file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Room a snapshot takes at most: its rows, and what HDF5 keeps beside them. */
+/* Returns the largest size of a snapshot: its rows and HDF5's own data. */
 static size_t SnapshotBytes(const Flow *flow)
 {
   const size_t N   = (size_t)(flow->particles->N_fluid + flow->particles->N_wall);
@@ -175,7 +175,7 @@ static size_t SnapshotBytes(const Flow *flow)
   return N * row + (size_t)131072;
 }
 
-/* base_0000.h5 and so on. */
+/* Writes the name base_0000.h5 with the number of the snapshot. */
 static PetscErrorCode SnapshotPath(const Snapshots *s, PetscInt number,
                                    char path[PETSC_MAX_PATH_LEN])
 {
@@ -184,7 +184,7 @@ static PetscErrorCode SnapshotPath(const Snapshots *s, PetscInt number,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the next file and, when it is complete, the index anew. */
+/* Writes the next file, and then the index. */
 static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
 {
   const PetscInt number = s->n ? s->done[s->n - 1].number + 1 : 0;
@@ -224,18 +224,18 @@ static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
 }
 
 /*
-  SnapshotsWrite - Writes a snapshot where one is due
+  SnapshotsWrite - Writes a snapshot if it is due
 
   Collective on PETSC_COMM_WORLD. Called before the first step, after every step and, with final, at
   the end.
 
   Input Parameters:
-+ flow      - as it is now
-. final     - the run is over: write, unless this step is written already
++ flow      - the present flow
+. final     - flag: the run is over, so write unless this step has been written
 - snapshots - the snapshots
 
-  Errors: a file that cannot be written ends the run; those complete stay readable, and the index
-  names no other
+  Errors: a file that cannot be written ends the run; complete files remain readable, and the index
+  names no others
 */
 PetscErrorCode SnapshotsWrite(const Flow *flow, PetscBool final, Snapshots *snapshots)
 {
@@ -252,11 +252,11 @@ PetscErrorCode SnapshotsWrite(const Flow *flow, PetscBool final, Snapshots *snap
 }
 
 /*
-  SnapshotsCount, SnapshotsGet, SnapshotsSet - What a checkpoint keeps of the snapshots done:
-  number, time and particles of each
+  SnapshotsCount, SnapshotsGet, SnapshotsSet - Exchange the list of complete snapshots with a
+  checkpoint: number, time and particles of each
 
-  Not collective; the last is. It passes over those that are not there, as after a restart with
-  another -output.
+  Not collective, except SnapshotsSet(), which skips files that do not exist, as after a restart
+  with another -output.
 */
 PetscInt SnapshotsCount(const Snapshots *snapshots)
 {

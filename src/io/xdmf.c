@@ -1,7 +1,7 @@
 /*
-  XDMF 3: a small text file that tells ParaView what the HDF5 files hold, as a collection in time of
-  point clouds. Every particle is a vertex; as ids are the numbers from 0 to N - 1, they serve as
-  the list of vertices, without which ParaView's XDMF 3 reader shows nothing.
+  XDMF 3: a text file that describes the HDF5 files to ParaView as a time series of point clouds.
+  Each particle is a vertex. Ids are the numbers from 0 to N - 1 and therefore serve as the list of
+  vertices, which ParaView's XDMF 3 reader requires.
 */
 #include "xdmf.h"
 
@@ -9,7 +9,7 @@
 #define XDMF_INT32  "NumberType=\"Int\" Precision=\"4\""
 #define XDMF_INT64  "NumberType=\"Int\" Precision=\"8\""
 
-/* One data item: a data set of the snapshot's file. */
+/* Writes a data item: a data set in the file of a snapshot. */
 static void XdmfItem(FILE *f, const char indent[], const char file[], const char set[],
                      const char type[], PetscInt N, PetscInt columns)
 {
@@ -18,7 +18,7 @@ static void XdmfItem(FILE *f, const char indent[], const char file[], const char
   fprintf(f, "\">%s:/%s</DataItem>\n", file, set);
 }
 
-/* One field at the particles; type says what ParaView takes it for. */
+/* Writes a field of particles; type: ParaView's type of the field. */
 static void XdmfAttribute(FILE *f, const char file[], const char set[], const char type[],
                           const char number[], PetscInt N, PetscInt columns)
 {
@@ -27,7 +27,7 @@ static void XdmfAttribute(FILE *f, const char file[], const char set[], const ch
   fprintf(f, "        </Attribute>\n");
 }
 
-/* The grid of one snapshot; file names are relative to the index. */
+/* Writes the grid of a snapshot; file names are relative to the index. */
 static void XdmfGrid(FILE *f, const char name[], const Particles *p, const Snapshot *snapshot)
 {
   const PetscInt N = snapshot->N;
@@ -52,18 +52,18 @@ static void XdmfGrid(FILE *f, const char name[], const Particles *p, const Snaps
 }
 
 /*
-  XdmfWrite - Writes base.xdmf, first under another name so that it is complete at any time
+  XdmfWrite - Writes base.xdmf, under another name first, so that it is complete at any time
 
   Not collective: called by the first rank.
 
   Input Parameters:
 + base      - path of the snapshots without _0000.h5
-. p         - the particles, whose fields the snapshots hold
-. n         - how many
-- snapshots - those complete on disk
+. p         - particles with the fields of the snapshots
+. n         - number of snapshots
+- snapshots - complete snapshots on disk
 
   Output Parameter:
-. good - whether the file could be written
+. good - flag: the file has been written
 */
 PetscErrorCode XdmfWrite(const char base[], const Particles *p, PetscInt n,
                          const Snapshot snapshots[], PetscBool *good)
@@ -76,7 +76,7 @@ PetscErrorCode XdmfWrite(const char base[], const Particles *p, PetscInt n,
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(path, sizeof(path), "%s.xdmf", base));
   PetscCall(PetscSNPrintf(part, sizeof(part), "%s.xdmf.part", base));
-  PetscCall(PetscStrrchr(base, '/', &name)); /* all of base where it has no slash */
+  PetscCall(PetscStrrchr(base, '/', &name)); /* the whole of base if it has no slash */
   *good = PETSC_FALSE;
   f     = fopen(part, "w");
   if (!f) PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,14 +1,14 @@
-/* The index of a run's snapshots that ParaView opens. */
+/* The index of a run's snapshots for ParaView. */
 #ifndef ISPH_IO_XDMF_H
 #define ISPH_IO_XDMF_H
 
 #include "isph/io.h"
 
-/* A snapshot that is complete on disk. */
+/* A complete snapshot on disk. */
 typedef struct {
-  PetscInt  number; /* in its file's name */
+  PetscInt  number; /* number in the name of its file */
   PetscReal t;      /* [s] */
-  PetscInt  N;      /* particles in it */
+  PetscInt  N;      /* number of particles */
 } Snapshot;
 
 PetscErrorCode XdmfWrite(const char base[], const Particles *particles, PetscInt n,

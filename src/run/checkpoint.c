@@ -1,6 +1,6 @@
 /*
-  Checkpoints: the state of a run in one HDF5 file, written under another name and renamed when it
-  is complete. Writing one starts an epoch in the run itself, so that the run and a run restarted
+  Checkpoints: the state of a run in an HDF5 file, written under another name and renamed when it is
+  complete. A checkpoint starts an epoch in the run itself, so that this run and a run restarted
   from the file are bitwise equal on the same number of ranks.
 */
 #include "checkpoint.h"
@@ -11,11 +11,11 @@
   Collective on PETSC_COMM_WORLD.
 
   Options Database Keys:
-+ -checkpoint file.h5 - written at the end, on SIGTERM and SIGINT, and
++ -checkpoint file.h5 - file written at the end, on SIGTERM and SIGINT, and
 . -checkpoint_every T - at every multiple of T [s]
-- -restart file.h5    - go on from there, on any number of ranks
+- -restart file.h5    - file to restart from, on any number of ranks
 
-  Errors: refuses a place that cannot be written, and a scheme whose history no file would hold
+  Errors: refuses a path that cannot be written, and a scheme with a history inside PETSc
 */
 PetscErrorCode CheckpointsCreate(const Scheme *scheme, Checkpoints **checkpoints)
 {
@@ -60,7 +60,7 @@ PetscErrorCode CheckpointsDestroy(Checkpoints **checkpoints)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes a small table of numbers, the same on all ranks, and adds it to the checksum. */
+/* Writes a small table of numbers, equal on all ranks, and adds it to the checksum. */
 static PetscErrorCode WriteTable(Hdf5File *file, const char name[], PetscInt rows, PetscInt columns,
                                  const double values[], uint64_t *sum)
 {
@@ -108,7 +108,7 @@ static PetscErrorCode WriteHistory(const Run *run, Hdf5File *file, uint64_t *sum
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes everything but the particles. */
+/* Writes the state except the particles. */
 static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
 {
   const Particles *p      = run->flow.particles;
@@ -142,7 +142,7 @@ static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the file, complete or not at all. */
+/* Writes a complete file, or none. */
 static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const char path[])
 {
   const Particles *p   = run->flow.particles;
@@ -182,9 +182,9 @@ static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const 
   Collective on PETSC_COMM_WORLD. Called after every step and, with final, at the end and on
   a signal.
 
-  Notes: an epoch starts and everything is made anew from the fields, as in a run that restarts
+  Notes: an epoch starts and the scheme begins anew from the fields, as in a restarted run
 
-  Errors: a file that cannot be written ends the run; the one before stays
+  Errors: a file that cannot be written ends the run; the last checkpoint remains
 */
 PetscErrorCode CheckpointsUpdate(PetscBool final, Run *run)
 {

@@ -1,19 +1,19 @@
-/* The checkpoint file: what writing it and restarting from it share. */
+/* The checkpoint file: declarations for writing it and for restarts. */
 #ifndef ISPH_RUN_CHECKPOINT_H
 #define ISPH_RUN_CHECKPOINT_H
 
 #include "impl.h"
 #include "isph/hdf5file.h"
 
-#define CHECKPOINT_FORMAT 7                      /* to be raised when the file's contents change */
-#define SCENE_NUMBERS     (2 * ISPH_MAX_DIM + 3) /* the last: spacing, bodies, viscosities */
+#define CHECKPOINT_FORMAT 7                      /* version of the file's contents */
+#define SCENE_NUMBERS     (2 * ISPH_MAX_DIM + 3) /* box, spacing, bodies, viscosities */
 
 struct Checkpoints {
-  char      path[PETSC_MAX_PATH_LEN];    /* empty: none are written */
-  char      restart[PETSC_MAX_PATH_LEN]; /* empty: the run starts from the beginning */
-  PetscReal every;                       /* between checkpoints; 0: at the end only [s] */
-  PetscReal last;                        /* time of the last one, or of the start [s] */
-  PetscInt  step;                        /* of the last one; -1: none */
+  char      path[PETSC_MAX_PATH_LEN];    /* empty: no checkpoints */
+  char      restart[PETSC_MAX_PATH_LEN]; /* empty: no restart */
+  PetscReal every;                       /* time between checkpoints; 0: at the end only [s] */
+  PetscReal last;                        /* time of the last checkpoint, or of the start [s] */
+  PetscInt  step;                        /* step of the last checkpoint; -1: none */
 };
 
 PetscErrorCode CheckpointMemory(const Memory *memory, char names[], size_t length);

@@ -1,4 +1,4 @@
-/* The run of a flow, as the files of this stage share it. */
+/* The run of a flow: declarations shared by the files of this stage. */
 #ifndef ISPH_RUN_IMPL_H
 #define ISPH_RUN_IMPL_H
 
@@ -16,7 +16,7 @@ typedef struct {
   Monitors      *monitors;
   Progress      *progress;
   Report        *report;
-  MatrixFile    *solve_matrix[SCHEME_MAX_SOLVES]; /* of the scheme's solves; NULL: not asked for */
+  MatrixFile    *solve_matrix[SCHEME_MAX_SOLVES]; /* of the scheme's solves; NULL: not wanted */
   MatrixFile    *ppe_matrix;
   Checkpoints   *checkpoints;
   Undo          *undo;    /* NULL: steps are not retried */

@@ -1,16 +1,15 @@
-/* SIGTERM, SIGINT and SIGXCPU (a limit on CPU time): noted when they come, answered between
-   steps. */
+/* SIGTERM, SIGINT and SIGXCPU (a limit on CPU time): noted at once, handled between steps. */
 #include "impl.h"
 #include <signal.h>
 
-static volatile sig_atomic_t caught; /* the signal, 0: none; a handler can reach nothing else */
+static volatile sig_atomic_t caught; /* the signal, 0: none; global because a handler has no data */
 
 static void Interrupt_Handler(int signal)
 {
   caught = signal;
 }
 
-/* InterruptInstall - From now on the signals are noted; not collective */
+/* InterruptInstall - Installs the handlers of the signals; not collective */
 PetscErrorCode InterruptInstall(void)
 {
   PetscFunctionBegin;
@@ -22,7 +21,7 @@ PetscErrorCode InterruptInstall(void)
 }
 
 /*
-  InterruptCheck - Whether a signal has reached any rank
+  InterruptCheck - Finds out if a signal has reached any rank
 
   Collective on PETSC_COMM_WORLD. Output: signal - its name, NULL for none.
 */

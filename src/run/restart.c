@@ -1,10 +1,10 @@
-/* The restart from a checkpoint, which checkpoint.c writes, or its refusal. */
+/* Restart from the file of checkpoint.c, or its refusal. */
 #include "checkpoint.h"
 #include <string.h>
 
 /*
-  Reads a table whole on all ranks and adds it to the checksum; another number of rows counts as
-  damage. There is room for one row at least, of zeros if nothing can be read.
+  Reads a table on all ranks and adds it to the checksum; an unexpected number of rows counts as
+  damage. Allocates at least a row, with zeros if nothing can be read.
 */
 static PetscErrorCode ReadTable(Hdf5File *file, const char name[], PetscInt rows, PetscInt columns,
                                 PetscReal **values, uint64_t *sum)
@@ -24,7 +24,7 @@ static PetscErrorCode ReadTable(Hdf5File *file, const char name[], PetscInt rows
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ends the run with the reason why a file does not fit it. Collective. */
+/* Ends the run with a reason if a file does not fit the run. Collective. */
 static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File *file)
 {
   const Particles *p      = run->flow.particles;
@@ -89,7 +89,7 @@ static PetscErrorCode CheckScene(const Run *run, const char path[], Hdf5File *fi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the report and the list of snapshots of the run before. */
+/* Reads the report and the list of snapshots of the earlier run. */
 static PetscErrorCode ReadHistory(Run *run, Hdf5File *file, uint64_t *sum)
 {
   int        n_report = 0, n_snapshots = 0;
@@ -101,7 +101,7 @@ static PetscErrorCode ReadHistory(Run *run, Hdf5File *file, uint64_t *sum)
   PetscCall(Hdf5ReadNumber(file, "n_snapshots", H5T_NATIVE_INT, &n_snapshots));
   PetscCall(ReadTable(file, "report", n_report, 4, &report, sum));
   PetscCall(ReadTable(file, "snapshots", n_snapshots, 3, &snapshots, sum));
-  if (file->failed) n_report = 0; /* then it may be any number */
+  if (file->failed) n_report = 0; /* a damaged file may hold any number */
   PetscCall(PetscCalloc1((size_t)(33 * n_report + 2), &names));
   PetscCall(Hdf5ReadText(file, "report_names", names, (size_t)(33 * n_report + 2)));
   CheckpointSumText(names, sum);
@@ -143,7 +143,7 @@ static PetscErrorCode ReadMemory(Run *run, const char path[], Hdf5File *file, ui
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads memory, history and this rank's share of the records. */
+/* Reads memory, history and the records of this rank. */
 static PetscErrorCode ReadFile(Run *run, const char path[], Hdf5File *file, PetscInt *n,
                                PetscReal **record, PetscBool *whole)
 {
@@ -178,9 +178,9 @@ static PetscErrorCode ReadFile(Run *run, const char path[], Hdf5File *file, Pets
 /*
   CheckpointsRestart - Replaces the flow at the start by the flow of a checkpoint
 
-  Collective on PETSC_COMM_WORLD. Output: restarted - whether one was given.
+  Collective on PETSC_COMM_WORLD. Output: restarted - flag: -restart was given.
 
-  Errors: refuses a file of another case, version or size, and a damaged one
+  Errors: refuses a damaged file, and a file of another case, version or size
 */
 PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted)
 {

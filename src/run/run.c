@@ -1,6 +1,6 @@
 /*
   The run of a flow: creation in order, the time loop with the work between steps, and the report at
-  the end, however it ends.
+  the end, also after a failure.
 */
 #include "impl.h"
 
@@ -39,7 +39,7 @@ static PetscErrorCode RunChoose(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes the particles, with the fields of the scheme, and their neighbours. */
+/* Creates the particles with the fields of the scheme, and their neighbours. */
 static PetscErrorCode RunFill(Run *run, const char path[], const FluidStart *start)
 {
   Flow         *flow = &run->flow;
@@ -58,7 +58,7 @@ static PetscErrorCode RunFill(Run *run, const char path[], const FluidStart *sta
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes what the run writes. */
+/* Creates the outputs of the run. */
 static PetscErrorCode RunOpenFiles(Run *run)
 {
   const Scheme *scheme = run->flow.scheme;
@@ -77,7 +77,7 @@ static PetscErrorCode RunOpenFiles(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes everything from the scene, in the order of the stages. */
+/* Creates all parts of the run from the scene, in the order of the stages. */
 static PetscErrorCode RunCreate(Run *run)
 {
   FluidStart start;
@@ -115,7 +115,7 @@ static PetscErrorCode RunDestroy(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Readies the flow at the start, or the flow of a checkpoint. */
+/* Prepares the flow of the start or of a checkpoint. */
 static PetscErrorCode RunBegin(Run *run)
 {
   PetscBool restarted;
@@ -133,7 +133,7 @@ static PetscErrorCode RunBegin(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds out if the run is over, and prints why if t_end is not reached. */
+/* Finds out if the run is over; prints the reason of an early end. */
 static PetscErrorCode RunIsOver(Run *run, PetscBool *over)
 {
   Clock           *clock  = run->flow.clock;
@@ -155,8 +155,8 @@ static PetscErrorCode RunIsOver(Run *run, PetscBool *over)
 }
 
 /*
-  Makes one good step, or ends the run: a failed step is undone and tried with a shorter dt if the
-  clock retries.
+  Makes a successful step, or ends the run. If the clock retries, a failed step is undone and
+  repeated with a shorter dt.
 */
 static PetscErrorCode RunStep(Run *run)
 {
@@ -180,7 +180,7 @@ static PetscErrorCode RunStep(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Measures the flow if it has come to a time of -report_times; the end has its own report. */
+/* Measures the flow at the times of -report_times; the end has its own report. */
 static PetscErrorCode RunMeasureDue(Run *run)
 {
   Clock *clock = run->flow.clock;
@@ -196,7 +196,7 @@ static PetscErrorCode RunMeasureDue(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Does the work between steps: files, the progress line, reports at their times. */
+/* Does the work between steps: files, progress line, reports. */
 static PetscErrorCode RunBetweenSteps(Run *run, PetscBool over)
 {
   PetscFunctionBegin;
@@ -220,7 +220,7 @@ static PetscErrorCode RunSolve(Run *run, const char **signal)
   PetscFunctionBegin;
   *signal = NULL;
   PetscCall(RunIsOver(run, &over));
-  if (!over) PetscCall(RunMeasureDue(run)); /* of a run that was stopped at such a time */
+  if (!over) PetscCall(RunMeasureDue(run)); /* a restarted run may begin at a report time */
   while (!over && !*signal) {
     PetscCall(RunStep(run));
     if (clock->step == first + 1) PetscCall(OptionsRefuseUnknown(PETSC_TRUE));
@@ -231,7 +231,7 @@ static PetscErrorCode RunSolve(Run *run, const char **signal)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the matrices of the last solves that were asked for. */
+/* Writes the matrices of the last solves if their options were given. */
 static PetscErrorCode RunWriteMatrices(const Run *run)
 {
   const Flow *flow = &run->flow;
@@ -265,8 +265,8 @@ static PetscErrorCode RunCountTroubles(Run *run)
 }
 
 /*
-  Reports errors and cost, on the screen and in the CSV file. status - ok, interrupted or diverged;
-  a diverged flow is not measured.
+  Reports errors and cost on the screen and in the CSV file. status - ok, interrupted or diverged; a
+  diverged flow is not measured.
 */
 static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measured)
 {
@@ -313,7 +313,7 @@ static PetscErrorCode RunTellAndSolve(Run *run)
 
   Collective on PETSC_COMM_WORLD.
 
-  Errors: a flow that diverges, a signal, an error above what -check_ allows
+  Errors: a flow that diverges, a signal, an error above its -check_ tolerance
 */
 PetscErrorCode FlowRun(Scene *scene)
 {

@@ -1,14 +1,14 @@
-/* A run that begins with the user's particles: places, and velocities if there are any, from a
-   file. */
+/* Start of a run with the user's particles: positions from a file, and velocities if it has
+   them. */
 #include "impl.h"
 #include "isph/hdf5file.h"
 
-#define START_CLOSEST 0.01 /* distance of two particles below which their fits mean nothing [dx] */
+#define START_CLOSEST 0.01 /* least distance of two particles, for fits to be meaningful [dx] */
 
-/* What may be wrong with a place; later ones are looked for only where earlier ones are not met. */
+/* Faults of a position, in the order of the checks; the first is reported. */
 enum { PLACE_NOT_FINITE, PLACE_OUTSIDE, PLACE_IN_BODY, PLACE_NO_VISCOSITY, PLACE_FAULTS };
 
-/* This rank's share of a data set that may be absent, then NULL. */
+/* Reads this rank's share of a data set; NULL if it is absent. */
 static PetscErrorCode ReadShare(Hdf5File *file, const char name[], PetscInt columns, hid_t given,
                                 size_t size, void **rows)
 {
@@ -26,8 +26,8 @@ static PetscErrorCode ReadShare(Hdf5File *file, const char name[], PetscInt colu
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the fluid, and in which row of the file each is; others, as snapshots have them, are
-   left out. */
+/* Reads the fluid particles and their rows in the file; other particles of a snapshot are
+   skipped. */
 static PetscErrorCode ReadParticles(PetscInt dim, Hdf5File *file, FluidStart *start,
                                     PetscInt *columns, PetscInt **row)
 {
@@ -62,7 +62,7 @@ static PetscErrorCode ReadParticles(PetscInt dim, Hdf5File *file, FluidStart *st
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What is wrong with one particle, PLACE_FAULTS for nothing; a periodic box takes it in. */
+/* Wraps a particle into a periodic box; returns its fault, or PLACE_FAULTS. */
 static PetscInt PlaceFault(const Scene *scene, const FluidStart *start, PetscInt i)
 {
   PetscReal       *x = &start->x[i * scene->dim];
@@ -80,7 +80,7 @@ static PetscInt PlaceFault(const Scene *scene, const FluidStart *start, PetscInt
   return start->nu && !(start->nu[i] > 0.0) ? PLACE_NO_VISCOSITY : PLACE_FAULTS;
 }
 
-/* Ends the run where a particle cannot be where it is; names the first. Collective. */
+/* Ends the run if a particle has a fault; names the first such row. Collective. */
 static PetscErrorCode CheckPlaces(const Scene *scene, const char path[], const FluidStart *start,
                                   const PetscInt row[])
 {
@@ -102,23 +102,24 @@ static PetscErrorCode CheckPlaces(const Scene *scene, const char path[], const F
 }
 
 /*
-  StartRead - Reads the particles a run begins with
+  StartRead - Reads the particles of the start
 
   Collective on PETSC_COMM_WORLD.
 
   Output Parameters:
-+ start - this rank's share, to be freed by StartFree(); N = 0 where the fluid begins on the lattice
-- path  - of the file, empty where there is none
++ start - this rank's share, to be freed by StartFree(); N = 0 for a start on the lattice
+- path  - of the file, empty without a file
 
   Input/Output Parameter:
-. scene - its bounds of the viscosity follow the file's
+. scene - its bounds of the viscosity follow the file
 
   Options Database Key:
-. -particles file.h5 - data set `position` [m], and if there are `velocity` [m/s], `viscosity`
-                       [m^2/s], read where it varies, and `type` (0: fluid, others are left out): a
-                       snapshot will do. The case's walls stay as they are.
+. -particles file.h5 - data set `position` [m] and, if present, `velocity` [m/s], `viscosity`
+[m^2/s]
+                       for varying viscosity, and `type` (0: fluid, others are skipped), as in a
+                       snapshot. The walls of the case do not change.
 
-  Errors: a file that cannot be read or has no fluid, and a particle outside the fluid, end the run
+  Errors: an unreadable file, a file without fluid, or a particle outside the fluid ends the run
 */
 PetscErrorCode StartRead(Scene *scene, FluidStart *start, char path[])
 {
@@ -157,7 +158,7 @@ PetscErrorCode StartRead(Scene *scene, FluidStart *start, char path[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* StartFree - Frees what StartRead() has read; not collective */
+/* StartFree - Frees the data of StartRead(); not collective */
 PetscErrorCode StartFree(FluidStart *start)
 {
   PetscFunctionBegin;
@@ -168,11 +169,11 @@ PetscErrorCode StartFree(FluidStart *start)
 }
 
 /*
-  StartCheck - Says how well the user's particles fill their room, and ends the run where two are at
-  one place
+  StartCheck - Prints how the user's particles fill the fluid, and ends the run if two particles
+  coincide
 
-  Collective on PETSC_COMM_WORLD. Every particle stands for a cell of the lattice; a room that is
-  filled too little or too much is the user's affair.
+  Collective on PETSC_COMM_WORLD. Every particle has the volume of a lattice cell; another number of
+  particles than on the lattice is allowed and printed.
 */
 PetscErrorCode StartCheck(const Scene *scene, const char path[], const Particles *p, Neighbors *nb)
 {

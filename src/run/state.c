@@ -1,4 +1,4 @@
-/* The numbers by which a checkpoint is verified: names, a signature of the scene, checksums. */
+/* Numbers that verify a checkpoint: names, numbers of the scene, checksums. */
 #include "checkpoint.h"
 #include <string.h>
 
@@ -28,8 +28,9 @@ static PetscErrorCode SumOption(const char option[], uint64_t *sum)
 /*
   CheckpointScene - Computes the numbers that identify the scene of a checkpoint
 
-  Collective. Corners of the box and spacing; a checksum of the bodies' shapes; and a checksum of
-  the viscosities if particles carry them, as options at a restart would not change them, else zero.
+  Collective. The numbers are: corners of the box and spacing; a checksum of the bodies' shapes;
+  and, if particles carry viscosities, which options of a restart would not change, a checksum of
+  them, otherwise zero.
 */
 PetscErrorCode CheckpointScene(const Scene *scene, double numbers[SCENE_NUMBERS])
 {
@@ -91,8 +92,8 @@ static uint64_t HashWord(uint64_t hash, uint64_t word)
 
 /*
   CheckpointSumNumbers - Adds a checksum of n numbers
-
-  Not collective. For numbers that all ranks hold alike; distributed records take
+  Not collective. For numbers that are equal on all ranks; for distributed records see
+  CheckpointSumRecords().
   CheckpointSumRecords().
 */
 void CheckpointSumNumbers(PetscInt n, const double numbers[], uint64_t *sum)
