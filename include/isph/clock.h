@@ -1,5 +1,5 @@
 /*
-  The clock: the only owner of time, and of how long steps are. It also holds what stops a step.
+  The clock owns the time and the length of steps. This header also has the reason of a failed step.
 */
 #ifndef ISPH_CLOCK_H
 #define ISPH_CLOCK_H
@@ -7,15 +7,15 @@
 #include "isph/scene.h"
 
 #define CLOCK_MAX_REPORTS 32
-/* Holds in every map of docs/results/stability.md. Shorter steps of moving particles are not
-   better: the energy of the cavity at Re = 1000, n = 100, t = 40 is 1.7, 1.2, 0.5 % too large with
-   0.25, 0.4, 0.5. */
+/* Stable in every map of docs/results/stability.md. Shorter steps of moving particles are less
+   accurate: the energy of the cavity at Re = 1000, n = 100, t = 40 is 1.7, 1.2, 0.5 % too large
+   with CFL numbers of 0.25, 0.4, 0.5. */
 #define CLOCK_CFL   0.5
-#define CLOCK_WHERE 64 /* room for the text of ClockWhere() */
+#define CLOCK_WHERE 64 /* length of the text of ClockWhere() */
 
 /*
-  The reason why a step failed. The step ends early and the run decides: it ends with the sentence,
-  or undoes the step and tries a shorter one.
+  The reason of a failed step. The step ends early; then the run either ends with the sentence, or
+  undoes the step and tries a shorter step.
 */
 typedef struct {
   PetscErrorCode code;          /* 0: none; else PETSC_ERR_NOT_CONVERGED or PETSC_ERR_FP */
@@ -25,7 +25,7 @@ typedef struct {
 void FailureSet(StepFailure *failure, PetscErrorCode code, const char format[], ...)
     PETSC_ATTRIBUTE_FORMAT(3, 4);
 
-/* The longest step that a scheme allows, and the limit that sets it. */
+/* The longest step that a scheme allows, and the reason of the limit. */
 typedef struct {
   PetscReal   dt; /* [s] */
   const char *reason;
@@ -33,15 +33,15 @@ typedef struct {
 void StepLimitLower(StepLimit *limit, PetscReal dt, const char reason[]);
 
 /*
-  The numbers that a run remembers from step to step, by name. They are undone with a failed step
-  (counters are not), and a checkpoint holds them. The owner keeps the storage.
+  Numbers that a run keeps from step to step, by name. A failed step restores them (except
+  counters), and a checkpoint holds them. The owner keeps the storage.
 */
 #define MEMORY_MAX 48
 typedef struct {
   char       name[32];
-  PetscReal *real;    /* or */
-  PetscInt  *integer; /* the other is NULL */
-  PetscBool  counter; /* goes on when a step is undone */
+  PetscReal *real;    /* NULL for an integer */
+  PetscInt  *integer; /* NULL for a real number */
+  PetscBool  counter; /* keeps its value when a step is undone */
 } MemoryItem;
 typedef struct {
   MemoryItem item[MEMORY_MAX];
@@ -53,37 +53,37 @@ PetscErrorCode MemoryAddCounter(Memory *memory, const char name[], PetscInt *val
 void           MemoryGet(const Memory *memory, PetscReal values[]);
 void           MemorySet(const Memory *memory, PetscBool counters, const PetscReal values[]);
 
-/* How the length of steps follows the flow. */
+/* Control of the step length. */
 typedef struct {
   const char *name, *brief, *citation;
-  PetscBool   follows; /* the present speed and the body force, else -dt or the reference speed */
-  PetscBool   retries; /* a step that fails is undone and made in shorter ones */
+  PetscBool   follows; /* uses present speed and body force; otherwise -dt or the reference speed */
+  PetscBool   retries; /* a failed step is undone and repeated in shorter steps */
 } DtAdaptRow;
 extern const Table DtAdaptTable;
 
 /* Time, owned by the run; all second-order formulas use variable-step coefficients. */
 typedef struct {
   PetscReal t, dt, dt_previous; /* [s]; dt_previous = 0 before the second step */
-  PetscReal dt_wanted;          /* dt without the next report; a run of one step: dt [s] */
+  PetscReal dt_wanted;          /* dt without the next report; a run of a single step: dt [s] */
   PetscInt  step;               /* finished steps */
-  PetscReal t_first;            /* start of this process: a restart has time and */
-  PetscInt  step_first;         /* steps behind it [s] */
+  PetscReal t_first;            /* time at the start of this process, not 0 after a restart [s] */
+  PetscInt  step_first;         /* steps at the start of this process */
   PetscReal t_end;              /* [s] */
   PetscInt  max_steps;
-  PetscReal dt_given, cfl;                  /* -dt, or else dt = cfl dx/speed [s], [-] */
+  PetscReal dt_given, cfl;                  /* -dt; otherwise dt = cfl dx/speed [s], [-] */
   PetscInt  order;                          /* of the time integration, 1 or 2 */
   PetscReal steady_tol;                     /* 0: off [-] */
-  PetscReal report_time[CLOCK_MAX_REPORTS]; /* times the steps must hit, ascending [s] */
+  PetscReal report_time[CLOCK_MAX_REPORTS]; /* times that steps must hit, ascending [s] */
   PetscInt  n_reports, next_report;
-  PetscBool steady;       /* steady_tol was met, or the steady flow solved for */
-  PetscBool steady_solve; /* no du/dt: one step to t_end */
+  PetscBool steady;       /* steady_tol was met, or the steady solve is done */
+  PetscBool steady_solve; /* no du/dt: a single step to t_end */
 
   const DtAdaptRow *adapt;
-  PetscReal         move_max;    /* displacement in a step above which it has failed [dx] */
-  PetscInt          retries;     /* steps undone so far */
+  PetscReal         move_max;    /* largest allowed displacement in a step [dx] */
+  PetscInt          retries;     /* number of undone steps */
   PetscInt          halvings;    /* dt is divided by 2^halvings */
-  PetscInt          good_needed; /* good steps after which halvings is lowered */
-  PetscInt          good;        /* steps since the last failure or lowering */
+  PetscInt          good_needed; /* good steps before halvings decreases */
+  PetscInt          good;        /* good steps since the last change of halvings */
 } Clock;
 
 PetscErrorCode ClockCreate(const Scene *scene, Clock **clock);

@@ -27,13 +27,13 @@ typedef struct {
   PetscInt           max_in_a_row;       /* fallbacks in a row that are allowed; -1: no fallback */
   KSP                level[FALLBACK_LEVELS]; /* fallback solvers; NULL until needed */
   PetscInt           in_a_row;               /* fallbacks since the last good solve */
-  PetscBool          failed;                 /* a solve since the last GuardCheck() */
-  PetscReal          residual;   /* true, relative, of the solve that failed or else of the last */
+  PetscBool          failed;                 /* a solve has failed since the last GuardCheck() */
+  PetscReal          residual;   /* true relative residual of the failed or else the last solve */
   KSPConvergedReason reason;     /* of the chosen method in that solve */
   PetscInt           iterations; /* of that solve */
-  /* makes one matrix of a nested one; NULL: it is not nested */
+  /* converts a nested matrix to a flat matrix; NULL: the matrix is not nested */
   PetscErrorCode (*Flatten)(Mat nested, Mat *flat);
-  /* fails the step if the nonlinear solver of a TS did not converge; NULL: there is none */
+  /* fails the step if the nonlinear solver of a TS did not converge; NULL: no such solver */
   PetscErrorCode (*Check)(TS ts, const char where[], StepFailure *failure);
 } Guard;
 

@@ -1,10 +1,10 @@
 /*
-  The check of a step: energy, largest speed and divergence of the new velocity, and whether the
-  forces and walls that drive the flow can have produced it.
+  The check of a step: measures energy, largest speed and divergence of the new velocity, and
+  compares the velocity with the bound by driving forces and walls.
 */
 #include "step.h"
 
-/* Largest |D u| of a velocity [1/s]. */
+/* Computes the largest |D u| of a velocity [1/s]. */
 static PetscErrorCode MeasureDivergence(Flow *flow, const Vec u[], PetscReal *largest)
 {
   Vec div;
@@ -20,7 +20,7 @@ static PetscErrorCode MeasureDivergence(Flow *flow, const Vec u[], PetscReal *la
 }
 
 /*
-  Measures kinetic energy, largest speed, the walls' bound on it and, with a pressure, the largest
+  Measures kinetic energy, largest speed, the bound by walls and, with a pressure, the largest
   divergence
 
   Collective. Input: u - velocity components. Output: scheme->stats, bound.walls.
@@ -66,14 +66,15 @@ PetscErrorCode FlowMeasureStart(Flow *flow)
 }
 
 /*
-  Returns the bound on the velocity's root mean square by all that drives the flow, with 5 % for
-  discretisation and 1e-6 U for rounding
+  Returns the bound on the root mean square velocity, with 5 % for discretisation and 1e-6 U for
+  rounding
 
     |u| <= |u|(0) + min(int F dt, max F/r) + max wall speed bound,  F = max |f|
 
-  r is the rate at which walls at rest would slow the flow (SceneDecayRate()). All terms but the
-  last follow from the energy balance for steps of any length. Walls make no flow faster than
-  SceneWallSpeedBound() in any flow with a known solution: a cavity has a third of it at most.
+  r is the rate at which walls at rest would slow the flow (SceneDecayRate()). All terms except the
+  last follow from the energy balance for steps of any length. In all flows with a known solution
+  the speed stays below SceneWallSpeedBound(); a cavity reaches a third of it. See docs/theory.md,
+  (115).
 */
 static PetscReal BoundSpeed(Flow *flow)
 {
@@ -90,7 +91,7 @@ static PetscReal BoundSpeed(Flow *flow)
   return 1.05 * (b->start + forced + b->walls) + 1e-6 * flow->scene->speed;
 }
 
-/* Fails the step because the velocity is above its bound. */
+/* Fails the step because the velocity exceeds its bound. */
 static PetscErrorCode FailSpeed(Flow *flow, PetscReal rms, PetscReal bound)
 {
   const Scene *scene = flow->scene;
@@ -114,10 +115,11 @@ static PetscErrorCode FailSpeed(Flow *flow, PetscReal rms, PetscReal bound)
 }
 
 /*
-  FlowCheck - Measures the step just made, whose velocity is in u_next, and fails a wrong one
+  FlowCheck - Measures the step that ends with the velocity u_next, and fails it if the flow is
+  invalid
 
-  Collective. Sets scheme->failure if the energy is not finite, or above what drives the flow can
-  have produced, or if a particle is a hundred times as fast as the reference.
+  Collective. Sets scheme->failure if the energy is not finite or exceeds its bound, or if a
+  particle is a hundred times as fast as the reference speed.
 */
 PetscErrorCode FlowCheck(Flow *flow)
 {

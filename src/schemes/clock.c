@@ -1,11 +1,11 @@
 /*
-  The clock: the only owner of time. Solvers take t and dt from it.
+  The clock, which owns the time. Solvers take t and dt from it.
 */
 #include "isph/clock.h"
 #include <stdarg.h>
 
-#define CLOCK_MAX_HALVINGS 10 /* halvings of a step */
-#define CLOCK_GOOD_NEEDED  10 /* half the good steps before the first growth */
+#define CLOCK_MAX_HALVINGS 10 /* most halvings of a step */
+#define CLOCK_GOOD_NEEDED  10 /* half the good steps before the first doubling */
 
 static const DtAdaptRow adapts[] = {
     /* name, brief, citation, follows the flow, retries */
@@ -24,7 +24,7 @@ PetscReal ClockMoment(const Clock *clock)
   return clock->steady_solve ? PETSC_INFINITY : clock->t;
 }
 
-/* Reads the times besides the end at which quantities are reported. */
+/* Reads the times of reports besides the end. */
 static PetscErrorCode ClockReadReports(OptionItems PetscOptionsObject, Clock *clock)
 {
   PetscInt n;
@@ -64,7 +64,7 @@ static PetscErrorCode ClockReadSteady(OptionItems PetscOptionsObject, Clock *clo
 }
 
 /*
-  ClockCreate - Reads the end of the run and the control of its steps
+  ClockCreate - Reads the end of the run and the control of steps
 
   Collective on PETSC_COMM_WORLD.
 
@@ -72,11 +72,11 @@ static PetscErrorCode ClockReadSteady(OptionItems PetscOptionsObject, Clock *clo
 + -t_end T            - end of the run [s]
 . -dt DT              - time step [s]; or
 . -cfl C              - dt = C dx/max(U, largest speed); default 0.5
-. -dt_adapt name      - how steps follow the flow
-. -dt_move_max M      - displacement in dx above which a step is undone, where steps are retried
+. -dt_adapt name      - control of the step length
+. -dt_move_max M      - largest displacement in dx of a step that is not retried
 . -max_steps N        - stop after N steps
 . -time_order 1|2     - order of the time integration
-. -steady             - no du/dt: one step to t_end, of -scheme coupled
+. -steady             - no du/dt: a single step to t_end with -scheme coupled
 . -steady_tol TOL     - stop when u, div u* and p change by less than this per time scale
 - -report_times t,... - report quantities at these times too
 */
@@ -129,7 +129,7 @@ PetscErrorCode ClockDestroy(Clock **clock)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* StepLimitLower - Lowers a limit to dt, if dt is shorter, and keeps the reason; not collective */
+/* StepLimitLower - Lowers a limit to dt if dt is shorter, and sets the reason; not collective */
 void StepLimitLower(StepLimit *limit, PetscReal dt, const char reason[])
 {
   if (!(dt < limit->dt)) return;
@@ -137,7 +137,7 @@ void StepLimitLower(StepLimit *limit, PetscReal dt, const char reason[])
   limit->reason = reason;
 }
 
-/* FailureSet - Notes why a step failed, unless a reason was noted before; not collective */
+/* FailureSet - Sets the reason of a failed step, unless a reason is set; not collective */
 void FailureSet(StepFailure *failure, PetscErrorCode code, const char format[], ...)
 {
   va_list arguments;
@@ -153,10 +153,10 @@ void FailureSet(StepFailure *failure, PetscErrorCode code, const char format[], 
 /*
   ClockChoose - Sets dt of the coming step
 
-    dt = (-dt, else the scheme's limit)/2^halvings
+    dt = (-dt, or else the scheme's limit)/2^halvings
 
-  Not collective. Steps are evened out so that the next report time and t_end are hit exactly
-  without a rest that is shorter than the others.
+  Not collective. Steps are shortened evenly, so that the next report time and t_end are hit exactly
+  without a short last step.
 
   Input Parameter:
 . limit - the longest step that the scheme allows
@@ -193,11 +193,11 @@ PetscErrorCode ClockRemember(Clock *c, Memory *memory)
 }
 
 /*
-  ClockRestart - Readies the clock after its numbers were read from a checkpoint
+  ClockRestart - Prepares the clock after its numbers were read from a checkpoint
 
-  Not collective. Finds the first report at or after the clock's time, as -report_times need not be
-  the times of the run that was stopped. A report due at this very time was made if that run had
-  counted it.
+  Not collective. Finds the first report at or after the present time, because -report_times may
+  differ from the earlier run. A report at the present time is skipped if the earlier run has made
+  it.
 */
 PetscErrorCode ClockRestart(Clock *c)
 {
@@ -216,8 +216,7 @@ PetscErrorCode ClockRestart(Clock *c)
 /*
   ClockAdvance - Advances the time after a good step
 
-  Not collective. A step that was halved after a failure is doubled again after good_needed good
-  steps.
+  Not collective. After a failure a step doubles its length again after good_needed good steps.
 */
 PetscErrorCode ClockAdvance(Clock *clock)
 {
@@ -236,15 +235,15 @@ PetscErrorCode ClockAdvance(Clock *clock)
 }
 
 /*
-  ClockRetry - Halves the steps to come after one that failed
+  ClockRetry - Halves the following steps after a failed step
 
   Collective. To be called when the step has been undone.
 
   Output Parameter:
-. failure - made fatal, with advice, if steps were halved too often already
+. failure - made fatal, with advice, if steps cannot be halved any more
 
-  Notes: each failure doubles the number of good steps that are needed before the step grows, so
-  that a flow that needs short steps is not tried with longer ones again and again
+  Notes: each failure doubles the number of good steps before the step length grows, so that a flow
+  that needs short steps is not tried with long steps again and again
 */
 PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
 {
@@ -268,11 +267,11 @@ PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
 }
 
 /*
-  ClockRatio - Returns w = dt over the previous step, for extrapolation over both; not collective
+  ClockRatio - Returns w = dt/dt_previous for extrapolation in time; not collective
 
-  Returns 0, which means first order, with -time_order 1, in the first step, and beyond
-  1 + sqrt(2): BDF2 is not stable there, and after an impulsive start a short step for a report
-  would be extrapolated tenfold.
+  Returns 0, which means first order, with -time_order 1, in the first step, and if w exceeds
+  1 + sqrt(2). BDF2 is unstable there, and after an impulsive start a short step for a report would
+  be extrapolated tenfold.
 */
 PetscReal ClockRatio(const Clock *clock)
 {
@@ -285,12 +284,12 @@ PetscReal ClockRatio(const Clock *clock)
 /* ClockPasses - Returns true if a multiple of `every` [s] lies in (last, now] */
 PetscBool ClockPasses(PetscReal every, PetscReal last, PetscReal now)
 {
-  /* multiples passed by now against by then; 1e-9 for rounding */
+  /* compares the numbers of multiples up to now and up to last; 1e-9 for rounding */
   return PetscFloorReal(now / every + 1e-9) > PetscFloorReal(last / every + 1e-9) ? PETSC_TRUE
                                                                                   : PETSC_FALSE;
 }
 
-/* ClockWhere - Writes "step 12 (t = 0.34)" for the step at hand, in CLOCK_WHERE letters */
+/* ClockWhere - Writes "step 12 (t = 0.34)" for the present step, at most CLOCK_WHERE letters */
 PetscErrorCode ClockWhere(const Clock *clock, char where[])
 {
   PetscFunctionBegin;

@@ -1,8 +1,8 @@
-/* Convection of velocities past particles that do not move. */
+/* The convective term of fixed particles. */
 #include "step.h"
 
 /*
-  ConvectionCentral - Applies (v.grad u)_i by the gradients, unfiltered
+  ConvectionCentral - Computes (v.grad u)_i by the gradients, without filter
 
   Collective. Input, output: as ConvectionApply().
 */
@@ -20,23 +20,22 @@ PetscErrorCode ConvectionCentral(PetscInt dim, const Operators *ops, const Vec v
 }
 
 /*
-  ConvectionApply - Applies convection past fixed particles, with a filter of the grid scale
+  ConvectionApply - Computes the convective term of fixed particles, with the velocity filter
 
     (v.grad u)_i + S max(0, |v_i|/dx - 2 nu/dx^2) (u - fit)_i
 
   Collective. The second term is the difference between upwind-biased and central differences. It
-  damps the grid scale in the time in which the flow passes dx, and only where |v| dx/nu > 2; it is
-  of second order, U dx^2 u''', on any cloud (third order on lattices). Without it
-  (-velocity_filter 0) explicit steps of the first term feed the grid scale where viscosity does
-  not damp it.
+  damps grid modes in the time in which the flow passes dx, and only if |v| dx/nu > 2. It is of
+  order 2, U dx^2 u''', on any cloud (order 3 on lattices). Without it (-velocity_filter 0) explicit
+  steps of the first term amplify grid modes that viscosity does not damp.
 
   Input Parameters:
 + v     - advecting velocity over fluid [m/s]
-. u     - the component that is carried, walls its wall data [m/s]
-- work  - a vector to use
+. u     - convected component, with its wall data `walls` [m/s]
+- work  - work vector
 
   Output Parameter:
-. result - [m/s^2]
+. result - the convective term [m/s^2]
 */
 PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], Vec u, Vec walls, Vec work,
                                Vec result)
@@ -70,15 +69,15 @@ PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], Vec u, Vec walls
 }
 
 /*
-  ConvectionExtrapolate - Takes the convection of fixed particles, extrapolated in time, from a
-  force
+  ConvectionExtrapolate - Subtracts the convective term of fixed particles, extrapolated in time,
+  from a force
 
     force -= (1 + w) (u.grad u)^n - w (u.grad u)^{n-1},   w = at ClockRatio()
 
   Collective. Keeps (u.grad u)^n for the next step.
 
   Input Parameter:
-. at - 1 or 1/2: the time of the force within the step
+. at - time of the force within the step: 1 or 1/2
 */
 PetscErrorCode ConvectionExtrapolate(Flow *flow, PetscReal at, Vec force[])
 {

@@ -1,10 +1,10 @@
 /*
-  Defaults of linear solvers: options put into the database before PETSc reads it, so that the
-  user's choice comes first, and the fresh preconditioner that a new matrix needs.
+  Defaults of linear solvers, set in the options database so that options of the user take
+  precedence, and renewal of a preconditioner for a new matrix.
 */
 #include "isph/guard.h"
 
-/* OptionDefault - Sets an option in the database unless the user did; name with its dash */
+/* OptionDefault - Sets an option in the database unless it is given; name: with its dash */
 PetscErrorCode OptionDefault(const char prefix[], const char name[], const char value[])
 {
   char      option[128];
@@ -19,10 +19,10 @@ PetscErrorCode OptionDefault(const char prefix[], const char name[], const char 
 }
 
 /*
-  AmgDefaults - Sets BoomerAMG's parameters measured best for these matrices, unless the user did
+  AmgDefaults - Sets parameters of BoomerAMG measured best for these matrices, unless they are given
 
-  Collective on PETSC_COMM_WORLD. Input: aggressive - levels of aggressive coarsening, which pay for
-  pressures and cost velocities twice the iterations.
+  Collective on PETSC_COMM_WORLD. Input: aggressive - levels of aggressive coarsening, which make
+  pressure solves faster but double the iterations of velocity solves.
 */
 PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[])
 {
@@ -44,16 +44,16 @@ PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[])
 }
 
 /*
-  PoissonSolver - Makes a KSP for -dx^2 L, with the options of the guard's prefix, and its guard
+  PoissonSolver - Creates a KSP for -dx^2 L, with the options of the guard's prefix, and its guard
 
-  Collective on PETSC_COMM_WORLD. By default cg for a symmetric form, else fgmres, with hypre
-  BoomerAMG.
+  Collective on PETSC_COMM_WORLD. The default is cg for a symmetric form, otherwise fgmres, with
+  BoomerAMG of hypre.
 
   Input Parameter:
-. rtol - tolerance unless the user gives one
+. rtol - default tolerance
 
   Input/Output Parameter:
-. guard - in: name and prefix; out: attached, solve.ksp to be destroyed by the caller
+. guard - in: name and prefix; out: attached to solve.ksp, which the caller destroys
 */
 PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, Guard *guard)
 {
@@ -76,9 +76,9 @@ PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, Guard *g
 }
 
 /*
-  SolverRenewPC - Readies a preconditioner for a matrix of another pattern or size
+  SolverRenewPC - Prepares a preconditioner for a matrix of another pattern or size
 
-  Collective. PCReset() suffices for all types but gamg, whose coarse levels keep their old sizes
+  Collective. PCReset() suffices for all types except gamg, whose coarse levels keep their old sizes
   (PETSc 3.18).
 */
 PetscErrorCode SolverRenewPC(KSP ksp)

@@ -1,21 +1,21 @@
 /*
-  The fallback of a linear solve: if the chosen method does not reach the true residual, others are
-  tried on the same matrix, from the cheapest to the surest. Each fallback is printed and counted.
+  Fallbacks of a linear solve: if the chosen method does not reach the true residual, other methods
+  solve the same system, from the cheapest to the most robust. Each fallback is printed and counted.
 */
 #include "isph/guard.h"
 
-/* The methods in turn, on the matrix that the preconditioner is made from. */
+/* The methods in turn; they use the matrix of the preconditioner. */
 static const struct {
   const char *ksp, *pc;
-  PetscInt    most;   /* rows it is tried for; 0: any number */
-  PetscBool   nested; /* takes nested matrices, flattened */
+  PetscInt    most;   /* most rows; 0: any number */
+  PetscBool   nested; /* suits nested matrices, after flattening */
 } levels[FALLBACK_LEVELS] = {
     {KSPGMRES, PCHYPRE, 0, PETSC_FALSE},
     {KSPGMRES, PCBJACOBI, 0, PETSC_FALSE},
     {KSPGMRES, PCLU, 20000, PETSC_TRUE},
 };
 
-/* Makes the solver of a level when it is first needed. */
+/* Creates the solver of a fallback when it is first needed. */
 static PetscErrorCode FallbackLevel(KSP ksp, PetscInt k, Guard *guard)
 {
   PetscReal   rtol;
@@ -29,7 +29,7 @@ static PetscErrorCode FallbackLevel(KSP ksp, PetscInt k, Guard *guard)
   PetscCall(KSPCreate(PETSC_COMM_WORLD, &guard->level[k]));
   PetscCall(KSPSetType(guard->level[k], levels[k].ksp));
   PetscCall(KSPGMRESSetRestart(guard->level[k], 60));
-  PetscCall(KSPSetPCSide(guard->level[k], PC_RIGHT)); /* its residual is the true one */
+  PetscCall(KSPSetPCSide(guard->level[k], PC_RIGHT)); /* iterates on the true residual */
   PetscCall(KSPSetTolerances(guard->level[k], rtol, 0.0, PETSC_CURRENT, 1000));
   PetscCall(KSPGetPC(guard->level[k], &pc));
   PetscCall(PCSetType(pc, levels[k].pc));
@@ -37,8 +37,8 @@ static PetscErrorCode FallbackLevel(KSP ksp, PetscInt k, Guard *guard)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds out if a level is the method that failed, or needs a factorisation on several ranks that
-   this PETSc lacks. */
+/* Finds out if a fallback is the failed method itself, is too expensive, or needs a parallel
+   factorisation that this PETSc lacks. */
 static PetscErrorCode FallbackSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBool nested,
                                     PetscBool *skips)
 {
@@ -60,20 +60,20 @@ static PetscErrorCode FallbackSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBoo
 }
 
 /*
-  FallbackSolve - Solves A x = b again by the fallback methods, until one reaches the true residual
+  FallbackSolve - Solves A x = b again by fallbacks, until the true residual is small enough
 
   Collective.
 
   Input Parameters:
 + b     - the right-hand side
-- guard - of the solver that failed, with its matrices and tolerance
+- guard - of the failed solver, with its matrices and tolerance
 
   Output Parameters:
 + x      - the solution, if solved
 - solved - PETSC_FALSE if no method reached the residual, or b is not finite
 
-  Notes: each fallback is printed; guard->solve.falls counts them, guard->in_a_row the ones since
-  the last success of the chosen method
+  Notes: each fallback is printed; guard->solve.falls counts all of them, guard->in_a_row those
+  since the last success of the chosen method
 */
 PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved)
 {

@@ -5,13 +5,13 @@
 #include "isph/schemes.h"
 
 /*
-  Returns the default strength of the grid-scale filter of velocities [-]
+  Returns the default strength of the velocity filter [-]
 
-  It follows the cell Reynolds number R = U dx/nu. The filter is on only where the flow needs it, as
-  it damps boundary layers: a quarter of the cavity's energy at Re = 1000, n = 25. Without it moving
-  particles were stable at R = 20 and unstable at 25, at CFL numbers of 0.1 and less (Re = 1000,
-  n = 40); they need 0.2 at R = 40 and 1 at 200 (Re = 10,000, n = 50). Fixed particles were stable
-  up to 6 and unstable at 7 (Re = 100 in 3D).
+  It depends on the cell Reynolds number R = U dx/nu. The filter damps boundary layers too (a
+  quarter of the cavity's energy at Re = 1000, n = 25), so it is on only if the flow needs it.
+  Without filter moving particles were stable at R = 20 and unstable at 25, for CFL numbers up to
+  0.1 (Re = 1000, n = 40); they need a strength of 0.2 at R = 40 and 1 at 200 (Re = 10,000, n = 50).
+  Fixed particles were stable up to R = 6 and unstable at 7 (Re = 100 in 3D).
 */
 static PetscReal DefaultVelocityFilter(const Scene *scene)
 {
@@ -21,7 +21,7 @@ static PetscReal DefaultVelocityFilter(const Scene *scene)
   return PetscMin(1.0, PetscMax(0.0, (R - 20.0) / 40.0));
 }
 
-/* Registers the stages of a step; a flow whose particles stay has no stage that moves them. */
+/* Registers the stages of a step; fixed particles have no stage of motion. */
 static PetscErrorCode RegisterEvents(const Scene *scene, FlowState *s)
 {
   PetscClassId id;
@@ -36,18 +36,17 @@ static PetscErrorCode RegisterEvents(const Scene *scene, FlowState *s)
 }
 
 /*
-  FlowStateCreate - Creates the state and reads how velocities are filtered and particles shifted
+  FlowStateCreate - Creates the state and reads the options of filter and shifting
 
   Collective on PETSC_COMM_WORLD.
 
   Output Parameter:
-. needs - bits of Need that shifting and filtering add
+. needs - bits of Need for shifting and filter
 
   Options Database Keys:
 + -shift name        - row of the shift table
 . -shift_strength S  - factor of the diffusivity of -shift
-- -velocity_filter S - strength of the filter of grid-scale velocities, for ConvectionApply() and
-                       FlowMove()
+- -velocity_filter S - strength of the velocity filter in ConvectionApply() and FlowMove()
 */
 PetscErrorCode FlowStateCreate(Flow *flow, unsigned *needs)
 {
@@ -110,9 +109,9 @@ PetscErrorCode FlowStateDestroy(Flow *flow)
 }
 
 /*
-  FlowStateRegister - Registers the fields of the state and sets the case's initial values in them
+  FlowStateRegister - Registers the fields of the state and sets the initial values of the case
 
-  Collective. Velocities given with the particles come before the case's own.
+  Collective. Velocities from -particles take precedence over the case.
 */
 PetscErrorCode FlowStateRegister(Flow *flow)
 {
@@ -141,7 +140,7 @@ PetscErrorCode FlowStateRegister(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FlowStateRenumber - Makes the vectors for the present numbering, once an epoch; collective */
+/* FlowStateRenumber - Creates the vectors for the present numbering, once per epoch; collective */
 PetscErrorCode FlowStateRenumber(Flow *flow)
 {
   const Particles *p = flow->particles;
@@ -166,10 +165,10 @@ PetscErrorCode FlowStateRenumber(Flow *flow)
 }
 
 /*
-  FlowGetWork - Lends a vector over the own fluid, its values undefined
+  FlowGetWork - Returns a work vector over the own fluid with undefined values
 
-  Collective when the vector is first made in an epoch. Give it back with FlowRestoreWork() before
-  the epoch ends.
+  Collective when the vector is first created in an epoch. To be returned by FlowRestoreWork()
+  before the epoch ends.
 */
 PetscErrorCode FlowGetWork(Flow *flow, Vec *v)
 {
@@ -186,7 +185,7 @@ PetscErrorCode FlowGetWork(Flow *flow, Vec *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FlowRestoreWork - Takes a vector of FlowGetWork() back and sets v to NULL; not collective */
+/* FlowRestoreWork - Takes back a vector of FlowGetWork() and sets v to NULL; not collective */
 PetscErrorCode FlowRestoreWork(Flow *flow, Vec *v)
 {
   FlowState *s = flow->state;

@@ -1,7 +1,7 @@
 /* The body force on the fluid. */
 #include "step.h"
 
-/* Notes the largest body force of the moment, for the step's limit and for the speed bound. */
+/* Stores the largest body force, for the limit of the step and the speed bound. */
 static void NoteForce(Scheme *scheme, PetscReal square)
 {
   scheme->stats.force_max  = PetscSqrtReal(square);
@@ -9,13 +9,13 @@ static void NoteForce(Scheme *scheme, PetscReal square)
 }
 
 /*
-  AddBodyForce - Adds the body force f(x, t) on the own fluid and notes its largest value
+  AddBodyForce - Adds the body force f(x, t) on the own fluid and stores its largest value
 
   Collective. A uniform force needs no loop over particles.
 
   Input Parameters:
-+ t     - [s]
-- force - vectors over the fluid [m/s^2]; NULL: only the largest value is noted
++ t     - time [s]
+- force - vectors over the fluid [m/s^2]; NULL: only the largest value is computed
 
   Output Parameter:
 . flow - stats.force_max and bound.force_step of the scheme [m/s^2]

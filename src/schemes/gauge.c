@@ -1,10 +1,10 @@
 /*
-  The gauge of the pressure: without a boundary that gives its value the pressure floats, it is
-  known up to a constant. All solvers fix the constant here and nowhere else.
+  The constant of the pressure. Without a boundary that prescribes a pressure it is undetermined.
+  All solvers fix it here and nowhere else.
 */
 #include "step.h"
 
-/* GaugeRemove - Removes the mean of a pressure that floats; collective */
+/* GaugeRemove - Removes the mean of a pressure with undetermined constant; collective */
 PetscErrorCode GaugeRemove(Vec p)
 {
   PetscFunctionBegin;
@@ -13,16 +13,16 @@ PetscErrorCode GaugeRemove(Vec p)
 }
 
 /*
-  GaugeColumn - Makes the column c whose square c c^T makes the matrix of a floating pressure
+  GaugeColumn - Creates the column c such that c c^T makes the matrix of an undetermined pressure
   regular
 
     c = (0, ..., 0, 1, ..., 1)/sqrt(N)
 
-  Collective. A solution of (A + c c^T) p = b has a fixed mean, and c c^T p takes from b the uniform
-  source that no pressure can answer.
+  Collective. The solution of (A + c c^T) p = b has a fixed mean; c c^T p subtracts from b the
+  uniform source for which no pressure exists. See docs/theory.md, (90).
 
   Input Parameter:
-. before - rows of other unknowns before the pressures, per particle
+. before - rows of other unknowns before the pressures, for each particle
 */
 PetscErrorCode GaugeColumn(const Particles *p, PetscInt before, Mat *column)
 {

@@ -1,11 +1,11 @@
 /*
-  The guard: computes the true residual after every linear solve and turns a failure into one
-  sentence with a remedy. A method preconditioned by AMG can report convergence with a residual as
-  large as the right-hand side; the flow would be wrong without a message.
+  The guard: computes the true residual after every linear solve and reports a failure in a sentence
+  with a remedy. A method preconditioned by AMG can report convergence although the residual is as
+  large as the right-hand side; without the guard the flow would be wrong without a message.
 */
 #include "isph/guard.h"
 
-#define LOOSEST_RTOL 0.01 /* of a KSP: with the slack of residual.c it is the worst residual */
+#define LOOSEST_RTOL 0.01 /* of a KSP: times the slack of residual.c it is the worst residual */
 
 static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
 {
@@ -32,7 +32,7 @@ static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Notes a choice that is legal but unwise with the chosen form. */
+/* Notes a choice that is allowed but unwise with the chosen form. */
 static PetscErrorCode GuardNote(KSP ksp, const LaplacianForm *form, Guard *guard)
 {
   PetscBool   needs_symmetry;
@@ -59,19 +59,19 @@ static PetscErrorCode GuardNote(KSP ksp, const LaplacianForm *form, Guard *guard
 /*
   GuardAttach - Attaches the guard to a KSP, after KSPSetFromOptions()
 
-  Collective. Chooses the unpreconditioned norm unless the user chose one, so that -ksp_rtol limits
-  the true residual.
+  Collective. Chooses the unpreconditioned norm unless the user gives a norm, so that -ksp_rtol
+  limits the true residual.
 
   Input Parameter:
-. form - the Laplacian of the matrix; NULL: no symmetric one
+. form - the Laplacian of the matrix; NULL: an unsymmetric matrix
 
   Output Parameter:
-. guard - solve.ksp; solve.note says what is legal but unwise
+. guard - solve.ksp; solve.note describes an allowed but unwise choice
 
   Options Database Key:
-. -fallback N - solves in a row that fallback methods may make
+. -fallback N - most solves in a row by fallbacks
 
-  Errors: refuses Cholesky factors of a matrix that is not symmetric, and absolute tolerances
+  Errors: refuses a Cholesky factorisation of an unsymmetric matrix, and absolute tolerances
 */
 PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
 {
@@ -91,7 +91,7 @@ PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
   PetscCall(PetscOptionsHasName(NULL, guard->solve.prefix, "-ksp_atol", &chosen));
   UserCheck(!chosen, "-%sksp_atol: an absolute tolerance depends on units; use -%sksp_rtol",
             guard->solve.prefix, guard->solve.prefix);
-  PetscCall(PCSetUseAmat(pc, PETSC_FALSE)); /* a kept preconditioner outlives the operator */
+  PetscCall(PCSetUseAmat(pc, PETSC_FALSE)); /* a reused preconditioner keeps its own matrix */
   PetscCall(PetscObjectTypeCompare((PetscObject)ksp, KSPPREONLY, &preonly));
   PetscCall(PetscOptionsHasName(NULL, guard->solve.prefix, "-ksp_norm_type", &chosen));
   if (!preonly && !chosen) PetscCall(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
@@ -117,7 +117,7 @@ PetscErrorCode GuardDetach(Guard *guard)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the advice after a method failed. */
+/* Writes the advice after a failure of a method. */
 static PetscErrorCode GuardRemedy(PC pc, const Guard *guard, char remedy[], size_t length)
 {
   const char *best = guard->best;
@@ -156,13 +156,13 @@ static PetscErrorCode GuardRemedy(PC pc, const Guard *guard, char remedy[], size
 }
 
 /*
-  GuardCheck - Fails the step if a solve failed since the last check
+  GuardCheck - Fails the step if a solve has failed since the last check
 
   Collective.
 
   Output Parameter:
-. failure - a sentence with the step, the methods, the reason and a remedy; fatal if the fallback
-            was needed too often in a row
+. failure - a sentence with the step, the methods, the reason and a remedy; fatal if fallbacks were
+            needed too often in a row
 */
 PetscErrorCode GuardCheck(Guard *guard, StepFailure *failure)
 {

@@ -1,15 +1,15 @@
-/* The start of an implicit step from the velocities of the steps before. */
+/* The start of an implicit step from earlier velocities. */
 #include "step.h"
 
 /*
-  HistoryStart - Sets u_next to the velocity that an implicit step starts from
+  HistoryStart - Sets u_next to the start of an implicit step
 
     BDF2, w = ClockRatio():  start = ((1+w)^2 u^n - w^2 u^{n-1})/(1+2w),  k = dt (1+w)/(1+2w)
 
-  Collective. A backward Euler step of length k from there is of second order.
+  Collective. A backward Euler step of length k from this start is of order 2: docs/theory.md, (99).
 
   Input Parameter:
-. history - BDF2 if u^{n-1} is known; else from u^n over dt
+. history - flag: BDF2 if u^{n-1} is known; otherwise the start is u^n over dt
 
   Output Parameter:
 . dt - k [s]

@@ -1,4 +1,4 @@
-/* The limits of the time step that schemes share. */
+/* Limits of the time step that schemes share. */
 #include "step.h"
 
 /*
@@ -18,9 +18,9 @@ PetscReal ClockExplicitLimit(const Scene *scene, PetscReal support_radius)
 
     dt <= C dx/max(U, speed),   dt <= max(sqrt(C dx/|f|), C dx r/|f|)
 
-  Not collective. The force alone moves a particle by f dt^2 in a step, or by f dt/r where walls at
-  rest slow the flow at the rate r (SceneDecayRate()): the most viscous flows are not held to short
-  steps. With -dt_adapt none the reference speed U alone counts.
+  Not collective. A force alone moves a particle by f dt^2 in a step, or by f dt/r if walls at rest
+  slow the flow at the rate r (SceneDecayRate()); so very viscous flows need no short steps. With
+  -dt_adapt none only the reference speed U counts.
 */
 PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit)
 {

@@ -1,6 +1,6 @@
 /*
-  The memory of a run: numbers that steps leave for later steps, registered by name. Undo,
-  checkpoints and restarts loop over it, so that a new number needs one line in its owner.
+  The memory of a run: numbers that steps keep for later steps, registered by name. Undo,
+  checkpoints and restarts loop over them, so that a new number needs a single line in its owner.
 */
 #include "isph/clock.h"
 
@@ -27,7 +27,7 @@ PetscErrorCode MemoryAddReal(Memory *memory, const char name[], PetscReal *value
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MemoryAddInt - Adds a whole number below 2^53 to the memory; as MemoryAddReal() */
+/* MemoryAddInt - Adds a whole number below 2^53 to the memory; see MemoryAddReal() */
 PetscErrorCode MemoryAddInt(Memory *memory, const char name[], PetscInt *value)
 {
   PetscFunctionBegin;
@@ -35,7 +35,7 @@ PetscErrorCode MemoryAddInt(Memory *memory, const char name[], PetscInt *value)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MemoryAddCounter - Adds a whole number that goes on when a step is undone; as MemoryAddInt() */
+/* MemoryAddCounter - Adds a whole number that undo does not restore; see MemoryAddInt() */
 PetscErrorCode MemoryAddCounter(Memory *memory, const char name[], PetscInt *value)
 {
   PetscFunctionBegin;
@@ -43,7 +43,7 @@ PetscErrorCode MemoryAddCounter(Memory *memory, const char name[], PetscInt *val
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MemoryGet - Copies the numbers, memory->n of them; not collective */
+/* MemoryGet - Copies the memory->n numbers; not collective */
 void MemoryGet(const Memory *memory, PetscReal values[])
 {
   for (PetscInt k = 0; k < memory->n; k++) {
@@ -53,7 +53,7 @@ void MemoryGet(const Memory *memory, PetscReal values[])
   }
 }
 
-/* MemorySet - Sets the numbers from a copy, counters only where asked for; not collective */
+/* MemorySet - Sets the numbers from a copy, with the flag also counters; not collective */
 void MemorySet(const Memory *memory, PetscBool counters, const PetscReal values[])
 {
   for (PetscInt k = 0; k < memory->n; k++) {

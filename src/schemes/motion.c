@@ -1,12 +1,12 @@
 /*
-  The motion of particles: with the flow, and by a small shift that keeps them evenly spread. The
-  fields that they carry follow the displacement by Taylor series.
+  The motion of particles: with the flow, and by a small shift that keeps them evenly spread. Taylor
+  series give the change of their fields.
 */
 #include "step.h"
 
-#define FILTER_RATE 2.0 /* over |A A|^(1/2) [-] */
+#define FILTER_RATE 2.0 /* factor of |A A|^(1/2) [-] */
 
-/* Keeps a displaced position 0.3 dx off every wall; mends x. */
+/* Moves a position out of the distance 0.3 dx from every wall. */
 static void KeepOffWalls(const Scene *scene, PetscReal x[])
 {
   const PetscReal clearance = 0.3 * scene->dx;
@@ -22,9 +22,9 @@ static void KeepOffWalls(const Scene *scene, PetscReal x[])
 }
 
 /*
-  The terms by which fields follow a displaced particle, at the old positions: grad p; grad u and,
-  if at hand, lap u with shifting; grad u and u less its fit if velocities are filtered. Vectors are
-  NULL where they are not needed.
+  Terms in the change of fields of a displaced particle, at the old positions: grad p; with shifting
+  grad u and, if the viscous operator is a Laplacian, lap u; with the velocity filter grad u and the
+  residual of the fit of u. Unneeded vectors are NULL.
 */
 typedef struct {
   Vec                p_vec[ISPH_MAX_DIM], u_vec[ISPH_MAX_DIM][ISPH_MAX_DIM];
@@ -32,10 +32,10 @@ typedef struct {
   const PetscScalar *p[ISPH_MAX_DIM];               /* dp/dx_a */
   const PetscScalar *u[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* du_c/dx_a at [c][a] */
   const PetscScalar *lap[ISPH_MAX_DIM];             /* lap u_c */
-  const PetscScalar *residual[ISPH_MAX_DIM];        /* u_c less its fit */
+  const PetscScalar *residual[ISPH_MAX_DIM];        /* residual of the fit of u_c */
 } Slopes;
 
-/* Computes y = op u in a work vector, read through slope. */
+/* Computes y = op u in a work vector, which slope reads. */
 static PetscErrorCode SlopeGet(Flow *flow, const AffineOperator *op, Vec u, Vec walls, Vec *y,
                                const PetscScalar **slope)
 {
@@ -95,7 +95,7 @@ static PetscErrorCode SlopesRestore(Flow *flow, Slopes *t)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the shift of particle i, beside its motion with the flow. */
+/* Computes the shift of particle i. */
 static void ShiftParticle(const Flow *flow, const Slopes *slopes, PetscInt i, PetscReal shift[])
 {
   const Scene     *scene = flow->scene;
@@ -115,7 +115,7 @@ static void ShiftParticle(const Flow *flow, const Slopes *slopes, PetscInt i, Pe
   }
 }
 
-/* Computes the change of particle i's velocity by its shift: s.grad u + |s|^2/2d lap u. */
+/* Computes the change of the velocity of particle i by its shift: s.grad u + |s|^2/2d lap u. */
 static void FollowShift(const Scene *scene, const Slopes *slopes, PetscInt i,
                         const PetscReal shift[], PetscReal change[])
 {
@@ -129,13 +129,14 @@ static void FollowShift(const Scene *scene, const Slopes *slopes, PetscInt i,
 }
 
 /*
-  Filters the grid scale out of particle i's velocity
+  Filters grid modes out of the velocity of particle i
 
     u -= S min(1, RATE dt |A A|^(1/2)) (u - fit),   A_ca = du_c/dx_a,   |.| Frobenius' norm
 
-  |A A|^(1/2) is the rate at which the flow can feed disturbances: the eigenvalues of A in strain
-  and rotation, zero in parallel flow however sheared, so that boundary layers as thin as dx keep
-  their velocity. Where the flow is resolved the rate is U/L, and the filter of third order.
+  |A A|^(1/2) is the rate at which the flow can amplify disturbances: the size of the eigenvalues of
+  A in strain and rotation. It is zero in parallel flow with any shear, so that thin boundary layers
+  keep their velocity. In a resolved flow the rate is U/L, and the filter is of order 3. See
+  docs/theory.md, (77).
 */
 static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i, PetscReal strength,
                            PetscReal dt, PetscReal change[])
@@ -154,7 +155,7 @@ static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i,
   for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * slopes->residual[c][i];
 }
 
-/* Fails the step if a particle moved further than is allowed; collective. */
+/* Fails the step if a particle moved too far; collective. */
 static PetscErrorCode CheckMove(Flow *flow, PetscReal moved)
 {
   const PetscReal dx = flow->scene->dx, most = flow->clock->move_max;
@@ -171,7 +172,8 @@ static PetscErrorCode CheckMove(Flow *flow, PetscReal moved)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Displaces all own fluid particles and changes their fields; moved - the largest way [m]. */
+/* Displaces all own fluid particles and changes their fields; moved: largest way with the flow
+   [m]. */
 static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscReal *moved)
 {
   const Scene    *scene    = flow->scene;
@@ -211,17 +213,18 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
 }
 
 /*
-  FlowMove - Moves particles from x^n to x^{n+1} by Adams-Bashforth, shifts them, and updates
-  ownership and halo
+  FlowMove - Moves particles from x^n to x^{n+1} by Adams-Bashforth with shifting, changes their
+  fields, and updates ownership and halo
 
     dr = dt ((1 + w/2) u^n - w/2 u^{n-1}) + s,   w = ClockRatio()
-    u += s.grad u + |s|^2/(2d) lap u,   p += dr.grad p
+    u += s.grad u + |s|^2/(2d) lap u - filter of FilterVelocity(),   p += dr.grad p
 
-  Collective. The pressure is carried as an Eulerian field. A velocity belongs to its particle and
-  changes with the shift s only; s includes the displacement that keeps particles off walls, without
-  which particles pushed off a moving lid would keep its speed, as they do without shifting. The
-  second-order term stands for s s : grad grad u, whose mean it is; without it shifting feeds energy
-  into the flow. On entry the operators are at x^n; on exit they are stale.
+  Collective. u^{n-1} changes like u^n. The pressure is carried as an Eulerian field. The velocity
+  belongs to the particle and changes only by the shift s and the filter. s contains the
+  displacement from walls; without this change particles would carry the speed of a moving lid away
+  from it, as they do without shifting. The term with lap u is the mean of s s : grad grad u/2 over
+  directions of s; without it shifting feeds energy into the flow. On entry the operators are at
+  x^n; on exit they are out of date. See docs/theory.md, (105) to (107).
 */
 PetscErrorCode FlowMove(Flow *flow)
 {

@@ -1,14 +1,14 @@
-/* The true residual of a linear solve, on which guard and fallback stand. */
+/* The true residual of a linear solve, used by guard and fallbacks. */
 #include "isph/guard.h"
 
-#define RESIDUAL_SLACK 10.0 /* true residual over the tolerance that is accepted */
-#define RESIDUAL_WORST 0.1  /* true residual that no tolerance makes good */
+#define RESIDUAL_SLACK 10.0 /* accepted true residual over the tolerance */
+#define RESIDUAL_WORST 0.1  /* largest true residual accepted with any tolerance */
 
 /*
   SolveResidual - Computes the true residual |b - A x|/|b| of a solve
 
-  Collective. Output: good - the method claims success, and the residual is within ten times its
-  tolerance and not above 0.1.
+  Collective. Output: good - flag: the method reports success, and the residual is at most ten times
+  its tolerance and at most 0.1.
 */
 PetscErrorCode SolveResidual(KSP ksp, Vec b, Vec x, PetscReal *residual, PetscBool *good)
 {

@@ -1,4 +1,4 @@
-/* The rows of the schemes' table: one folder each. */
+/* The rows of the table of schemes, each in its folder. */
 #ifndef ISPH_SCHEMES_ROWS_H
 #define ISPH_SCHEMES_ROWS_H
 

@@ -1,6 +1,6 @@
 /*
-  The schemes of the program, one row each, and the life of the scheme of a run. A new scheme is one
-  folder and one row here.
+  The table of schemes, and creation and destruction of the scheme of a run. A new scheme is a
+  folder and a row here.
 */
 #include "schemes/rows.h"
 #include "schemes/step.h"
@@ -14,10 +14,10 @@ const Table                   SchemeTable = TABLE_OF_POINTERS("-scheme", "Scheme
   Collective on PETSC_COMM_WORLD.
 
   Input/Output Parameter:
-. flow - in: scene and clock; out: state, scheme, and its needs, which the operators are created for
+. flow - in: scene and clock; out: state, scheme, and the needs for the creation of operators
 
   Options Database Key:
-. -scheme name - row of its table; each scheme lists its own options
+. -scheme name - row of the table; each scheme lists its own options
 */
 PetscErrorCode SchemeCreate(Flow *flow)
 {
@@ -44,7 +44,7 @@ PetscErrorCode SchemeCreate(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SchemeSetUp - Makes the solvers, when the operators are chosen; collective */
+/* SchemeSetUp - Creates the solvers after the choice of operators; collective */
 PetscErrorCode SchemeSetUp(Flow *flow)
 {
   PetscFunctionBegin;
@@ -52,7 +52,7 @@ PetscErrorCode SchemeSetUp(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SchemeRegister - Adds the fields of state and scheme to the particles, and the initial values;
+/* SchemeRegister - Adds the fields of state and scheme to the particles, with initial values;
    collective */
 PetscErrorCode SchemeRegister(Flow *flow)
 {
@@ -62,7 +62,7 @@ PetscErrorCode SchemeRegister(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SchemeLimit - Computes the longest step that the scheme allows, and why; collective */
+/* SchemeLimit - Computes the longest step that the scheme allows, with its reason; collective */
 PetscErrorCode SchemeLimit(const Flow *flow, StepLimit *limit)
 {
   PetscFunctionBegin;
@@ -72,10 +72,9 @@ PetscErrorCode SchemeLimit(const Flow *flow, StepLimit *limit)
 }
 
 /*
-  SchemeAddSolve - Adds a linear solve to the list that banner, report, progress and checkpoints
-  loop over
+  SchemeAddSolve - Adds a linear solve to the list for banner, report, progress and checkpoints
 
-  Not collective. Input: solve - lives as long as the scheme.
+  Not collective. Input: solve - must exist as long as the scheme.
 */
 PetscErrorCode SchemeAddSolve(LinearSolve *solve, Scheme *s)
 {

@@ -1,21 +1,20 @@
 /*
-  Particle shifting: where particles go, besides with the flow, so that they stay evenly spread. A
-  new kind is one function and one row.
+  Particle shifting: displacements besides the flow that keep particles evenly spread. A new kind is
+  a function and a row.
 */
 #include "isph/schemes.h"
 
 /*
-  ShiftDisplace_Fickian - Down the gradient of concentration, as Fick's law would
+  ShiftDisplace_Fickian - Displaces a particle down the gradient of concentration, after Fick's law
 
     delta r = -D grad C,  D = min(S (U + 4 h |grad u|) h dt, h^2/2),  h = 1.3 dx
 
-  |delta r| at most 0.1 dx. The first term of D spreads particles wherever there is flow, the second
-  keeps pace with strain. A lattice strained along its axes stays symmetric, so that grad C vanishes
-  while its rows drift apart; the row's disturbance of 0.1 dx in the first step lets the gradient
-  see it.
+  |delta r| is at most 0.1 dx. The first term of D spreads particles in any flow, the second keeps
+  pace with strain. A lattice strained along its axes stays symmetric, so that grad C vanishes while
+  its rows drift apart. The row's disturbance of 0.1 dx in the first step breaks this symmetry.
 
-  Input: strength - S; speed - the flow's largest [m/s]; rate - |grad u| at the particle [1/s];
-  gradient_c [1/m]. Output: displacement [m].
+  Input: strength - S; speed - U, the largest of the flow [m/s]; rate - |grad u| at the particle
+  [1/s]; gradient_c - grad C [1/m]. Output: displacement [m].
 
   Reference: S. J. Lind et al., J. Comput. Phys. 231 (2012) 1499-1523; D measured here
 */

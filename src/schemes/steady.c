@@ -1,9 +1,9 @@
 /*
-  The steady test: how much velocity, divergence and pressure change per time scale of the flow.
+  The steady test: changes of velocity, divergence and pressure per time scale of the flow.
 */
 #include "step.h"
 
-/* Root mean square of a vector over all fluid particles. */
+/* Computes the root mean square of a vector over all fluid particles. */
 static PetscErrorCode RootMeanSquare(const Particles *p, Vec v, PetscReal *rms)
 {
   PetscFunctionBegin;
@@ -12,7 +12,7 @@ static PetscErrorCode RootMeanSquare(const Particles *p, Vec v, PetscReal *rms)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Root mean square of b - a; collective. */
+/* Computes the root mean square of b - a; collective. */
 static PetscErrorCode RmsDifference(Flow *flow, Vec a, Vec b, PetscReal *rms)
 {
   Vec difference;
@@ -52,10 +52,11 @@ PetscReal FlowRmsSpeed(const Flow *flow)
 }
 
 /*
-  Measures the rates of fixed particles: of u and p at each particle, and of the root mean square of
-  div u*, which settles at the error of the approximate projection and not at zero. All are
-  relative, per time scale T, or per step if that is longer. With an incremental projection at large
-  steps du is small long before the flow is steady; the pressure increment shows it.
+  Measures the rates of change of fixed particles: of u and p at each particle, and of the root mean
+  square of div u*, which converges to the error of the approximate projection and not to zero.
+  Rates are relative, per time scale T, or per step if the step is longer. With an incremental
+  projection at large steps the change of u is small long before the flow is steady; the pressure
+  shows the difference.
 */
 static PetscErrorCode MeasureFixed(Flow *flow)
 {
@@ -85,9 +86,9 @@ static PetscErrorCode MeasureFixed(Flow *flow)
 }
 
 /*
-  Measures the rates of moving particles. Shifting and new neighbours make single steps noisy, so
-  that means of the root mean squares of u, div u* and p over windows of T, at least 20 steps, are
-  compared, each with the window before.
+  Measures the rates of change of moving particles. Shifting and new neighbours make single steps
+  noisy. Therefore the means of the root mean squares of u, div u* and p over windows of T, at least
+  20 steps, are compared with the last window.
 */
 static PetscErrorCode MeasureMoving(Flow *flow)
 {
@@ -150,15 +151,16 @@ PetscErrorCode SteadyRemember(Scheme *scheme)
 }
 
 /*
-  SteadyRefuse - Refuses -steady_tol where the test would end the run far from the steady state
+  SteadyRefuse - Refuses -steady_tol if the test could end the run far from the steady state
 
-  Collective. A flow driven in time is never steady. A projection that is not rotational for all of
-  the viscosity converges slowly to the Stokes limit: at large steps the test is met long before.
-  The incremental cavity at Re = 0.01, nu dt/L^2 = 100 passes 1e-3 with an error of 31 % in u_min.
+  Collective. A flow driven in time has no steady state. A projection that is not rotational for all
+  of the viscosity converges slowly in the Stokes limit, so that at large steps the test is met too
+  early: the incremental cavity at Re = 0.01, nu dt/L^2 = 100 meets 1e-3 with an error of 31 % in
+  u_min.
 
   Input Parameters:
-+ projection - the projection's name; NULL: no pressure, or no splitting
-- rotational - the projection is rotational for the least viscosity
++ projection - name of the projection; NULL: no pressure, or no splitting
+- rotational - flag: the projection is rotational for the least viscosity
 */
 PetscErrorCode SteadyRefuse(const Flow *flow, const char projection[], PetscBool rotational)
 {

@@ -1,7 +1,7 @@
 /*
-  One step of a flow, as all schemes with one solve a step make it: particles move first, so that
-  everything after is at t^{n+1}; matrices follow; the scheme solves for u^{n+1} and p^{n+1}; the
-  result is checked and becomes the state.
+  The step of a flow, shared by schemes with a single solve per step. Particles move first, so that
+  all terms belong to t^{n+1}. Then matrices are assembled, the scheme solves for u^{n+1} and
+  p^{n+1}, and the result is checked and becomes the state.
 */
 #include "step.h"
 
@@ -19,7 +19,7 @@ static PetscErrorCode FlowAdvance(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FlowRebuild - Makes neighbours, matrices and vectors for the present positions; collective */
+/* FlowRebuild - Computes neighbours, matrices and vectors for the present positions; collective */
 PetscErrorCode FlowRebuild(Flow *flow)
 {
   const PetscLogEvent *event = flow->state->event;
@@ -39,10 +39,10 @@ PetscErrorCode FlowRebuild(Flow *flow)
 }
 
 /*
-  FlowBegin - Readies everything for the flow as the particles carry it: at the start, after a
-  restart, after a step was undone
+  FlowBegin - Prepares the flow of the particles for a step: at the start, after a restart, after an
+  undone step
 
-  Collective. Makes anew from the particles' fields all else that a finished step leaves.
+  Collective. Computes from the particles' fields all other data that a finished step leaves.
 */
 PetscErrorCode FlowBegin(Flow *flow)
 {
@@ -60,13 +60,13 @@ PetscErrorCode FlowBegin(Flow *flow)
 }
 
 /*
-  FlowStep - Makes one step of the clock's dt
+  FlowStep - Makes a step of the clock's dt
 
-  Collective. If the step fails, scheme->failure says why, time has not advanced and the fields are
-  of no use.
+  Collective. If the step fails, scheme->failure has the reason, time has not advanced, and the
+  fields are invalid.
 
   Input Parameter:
-. Solve - of the scheme: leaves u^{n+1} in u_next and p^{n+1} in p
+. Solve - solve of the scheme: sets u_next to u^{n+1} and p to p^{n+1}
 */
 PetscErrorCode FlowStep(Flow *flow, FlowSolve Solve)
 {

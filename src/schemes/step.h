@@ -1,4 +1,4 @@
-/* The parts of a step that schemes share. */
+/* Parts of a step that schemes share. */
 #ifndef ISPH_SCHEMES_STEP_H
 #define ISPH_SCHEMES_STEP_H
 

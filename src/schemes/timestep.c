@@ -55,18 +55,18 @@ static PetscErrorCode TimeMonitor(TS ts)
 /*
   TimeStepThrough - Advances a TS, whose solution is set, from t over dt
 
-  Collective. One step, unless an adaptor takes several.
+  Collective. It takes a single step, unless an adaptor takes several.
 
   Input Parameters:
 + name  - type of the TS, for messages
-- guard - of its solves; without a KSP there are none
+- guard - guard of its solves; inactive without a KSP
 
   Input/Output Parameter:
-. h - the first step; out: the last step that was not shortened by the end [s]
+. h - first step; out: last step that the end has not shortened [s]
 
   Output Parameters:
-+ guard   - solve.iterations gains the iterations made
-- failure - set if the TS diverges, or no method reaches a small true residual
++ guard   - solve.iterations increases by the iterations
+- failure - set if the TS diverges, or if no method reaches a small true residual
 */
 PetscErrorCode TimeStepThrough(TS ts, const char name[], Guard *guard, PetscReal t, PetscReal dt,
                                PetscReal *h, StepFailure *failure)

@@ -1,6 +1,6 @@
 /*
-  Undoing a step: a copy of all registered fields and of the run's memory. Everything else is made
-  anew from them.
+  Undoing a step: a copy of all registered fields and of the run's memory. Other data are computed
+  from them.
 */
 #include "isph/schemes.h"
 
@@ -28,7 +28,7 @@ PetscErrorCode UndoDestroy(Undo **undo)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* UndoSave - Copies the present flow in place of the copy before; not collective */
+/* UndoSave - Copies the present flow over the last copy; not collective */
 PetscErrorCode UndoSave(const Flow *flow, Undo *undo)
 {
   const Particles *p    = flow->particles;
@@ -50,8 +50,8 @@ PetscErrorCode UndoSave(const Flow *flow, Undo *undo)
 /*
   UndoRestore - Restores the flow of the copy
 
-  Collective. Within an epoch the particles keep their order; else a new epoch starts, and owners
-  and order may change.
+  Collective. Within an epoch the particles keep their order; otherwise a new epoch starts, and
+  owners and order may change.
 */
 PetscErrorCode UndoRestore(const Undo *undo, Flow *flow)
 {

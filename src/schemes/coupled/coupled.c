@@ -22,7 +22,7 @@ static const CoupledIntegratorRow integrators[] = {
 const Table CoupledIntegratorTable =
     TABLE("-coupled_ts_type", "Time integrators of the coupled scheme", integrators);
 
-/* Refuses forms that the coupled scheme has no solver for. */
+/* Refuses forms for which the coupled scheme has no solver. */
 static PetscErrorCode RefuseForms(const Flow *flow)
 {
   const Scene         *scene = flow->scene;
@@ -46,7 +46,7 @@ static PetscErrorCode RefuseForms(const Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses -steady for flows that have no steady state, or none that one system gives. */
+/* Refuses -steady for flows without a steady state, or with several. */
 static PetscErrorCode RefuseSteady(const Flow *flow)
 {
   const Scene *scene = flow->scene;
@@ -65,7 +65,7 @@ static PetscErrorCode RefuseSteady(const Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses options of steps with a history for integrators that have none. */
+/* Refuses options of a history for integrators without history. */
 static PetscErrorCode RefuseHistory(const Flow *flow, const CoupledIntegratorRow *row)
 {
   const PetscBool steady = flow->clock->steady_solve;
@@ -93,7 +93,7 @@ static PetscErrorCode RefuseHistory(const Flow *flow, const CoupledIntegratorRow
   Collective on PETSC_COMM_WORLD.
 
   Options Database Key:
-. -coupled_ts_type - row of its table; the solver's options are listed at CoupledSolverCreate()
+. -coupled_ts_type - row of its table; for options of the solver see CoupledSolverCreate()
 */
 static PetscErrorCode CoupledCreate(Flow *flow)
 {

@@ -1,7 +1,7 @@
 /*
-  The coupled scheme: velocity and pressure in one system. Its row and options are in coupled.c, the
-  solver in solver.c, its terms in terms.c, its matrix in saddle.c, the Schur complement in schur.c,
-  the step in step.c.
+  The coupled scheme, which solves for velocity and pressure together. coupled.c has its row and
+  options, solver.c the solver, terms.c its terms, saddle.c its matrix, schur.c the Schur
+  complement, step.c the step.
 */
 #ifndef ISPH_SCHEMES_COUPLED_H
 #define ISPH_SCHEMES_COUPLED_H
@@ -10,23 +10,23 @@
 #include "saddle.h"
 #include "schemes/step.h"
 
-/* How the coupled scheme advances in time. */
+/* Time integrator of the coupled scheme. */
 typedef struct {
   const char *name, *brief, *citation; /* name: the TS type */
-  PetscBool   substeps; /* several a step, as long as their error allows; else one, with history */
+  PetscBool   substeps; /* substeps with error control; otherwise a single step with history */
 } CoupledIntegratorRow;
 
 /* The approximation of the inverse of the Schur complement of the pressure, see schur.c. */
 typedef struct Schur Schur;
 typedef struct {
   const char *name, *brief, *citation;
-  PetscBool   poisson; /* it needs the pressure Laplacian */
+  PetscBool   poisson; /* needs the pressure Laplacian */
   PetscErrorCode (*Apply)(Schur *schur, Vec x, Vec y);
 } SchurRow;
 
 struct Schur {
   const SchurRow *row;
-  Mat             mass;           /* that of row mass, for PETSc */
+  Mat             mass;           /* matrix of row mass, for PETSc */
   Mat             poisson;        /* -dx^2 lap + 1e-6 [-] */
   KSP             ksp;            /* for that; NULL: not needed */
   SolverView      view;           /* -coupled_schur_ksp_view */
@@ -44,20 +44,20 @@ typedef struct {
   TS                          ts;
   Guard                       guard;
   Saddle                      saddle;
-  Mat                         flat; /* its P, if the preconditioner takes no blocks; else NULL */
+  Mat                         flat; /* P for preconditioners without blocks, otherwise NULL */
   Schur                       schur;
   PetscReal                   shift;      /* of the preconditioner [1/s] */
-  Vec                         x, b;       /* the unknowns; the right-hand side at b_t [m/s] */
-  PetscReal                   b_t;        /* NaN: b is to be made [s] */
-  Vec                         part, work; /* of one component */
+  Vec                         x, b;       /* unknowns; right-hand side at time b_t [m/s] */
+  PetscReal                   b_t;        /* NaN: b is out of date [s] */
+  Vec                         part, work; /* work vectors of a component */
   Vec           u[ISPH_MAX_DIM];          /* components of x, for convection at a stage [m/s] */
-  PetscReal     substep;                  /* the last of the integrator [s] */
+  PetscReal     substep;                  /* last substep of the integrator [s] */
   PetscLogEvent event;
 
-  Flow      *flow;      /* of the step at hand, for the callbacks */
+  Flow      *flow;      /* of the present step, for callbacks */
   Vec       *force;     /* [m/s^2] */
-  PetscBool  stages;    /* the force is made anew at each stage, without convection */
-  PetscBool  convects;  /* each stage applies convection itself */
+  PetscBool  stages;    /* the force is computed at each stage, without convection */
+  PetscBool  convects;  /* stages apply convection themselves */
   const Vec *advecting; /* v of implicit convection; NULL: none [m/s] */
 } Coupled;
 

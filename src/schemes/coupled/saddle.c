@@ -1,26 +1,27 @@
 /*
-  The matrix of velocity and pressure, scaled so that all entries are of order one, and residuals of
-  momentum and of mass are of equal size. With 1/T = 1/(4 dt) + nu/dx^2 (steady: nu/dx^2) and
-  p = rho dx/T q:
+  The matrix of the coupled system, scaled so that all entries are of order 1 and residuals of
+  momentum and of mass have equal size. With 1/T = 1/(4 dt) + nu/dx^2 (steady: nu/dx^2) and p = rho
+  dx/T q:
 
     [ T (shift - nu L)   dx G          ] [u]   [T f]
     [ dx D               C + c c^T     ] [q] = [g  ]
 
-  The pressure's gradient G is one-sided at walls: n.grad p there follows from the momentum of the
-  particles next to the wall. G and D have a null space of modes of the grid scale, as particles
-  carry all unknowns; C q, the residual of a quadratic fit of q, adds those modes to the continuity
-  equation. There it is a flux of order dx^3 (dx^4 inside lattices) of smooth pressures, zero for
-  quadratic ones, with no condition at walls. c is GaugeColumn().
+  The pressure gradient G is one-sided at walls: the wall pressure gradient follows from the
+  momentum of the particles next to the wall. All unknowns belong to the same particles, so G and D
+  do not see grid modes of the pressure. C q, the residual of the fit of q, brings these modes into
+  the continuity equation. For smooth pressures it is a flux of order dx^3 (dx^4 inside lattices);
+  it vanishes for quadratic pressures and needs no condition at walls. c is GaugeColumn(). See
+  docs/theory.md, (92) to (94).
 */
 #include "saddle.h"
 #include "schemes/step.h"
 
-/* Factors of the rows and columns of a scalar operator in a block: 1 or dim. */
+/* Interlacing of components in the rows and columns of a block: 1 or dim. */
 typedef struct {
   PetscInt rows, cols; /* 1 or dim */
 } Interlacing;
 
-/* Makes a block of operators on the common pattern: component c in rows dim i + c, or in columns
+/* Creates a block of operators on the shared pattern: component c in rows dim i + c, or in columns
    dim j + c. */
 static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, Interlacing by,
                                   PetscReal scale, const AffineOperator op[], Mat *block)
@@ -53,7 +54,7 @@ static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, In
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes T (-nu L + sum_a v_a d/dx_a) on one component, then on all of them. */
+/* Creates T (-nu L + sum_a v_a d/dx_a) for a component, then for all of them. */
 static PetscErrorCode ViscousCreate(const Scene *scene, const Operators *ops, PetscReal step,
                                     const Vec advecting[], Mat *viscous)
 {
@@ -77,7 +78,7 @@ static PetscErrorCode ViscousCreate(const Scene *scene, const Operators *ops, Pe
 }
 
 /*
-  SaddleAssemble - Makes the blocks from the present operators; F is made by SaddleSetShift()
+  SaddleAssemble - Assembles the blocks from the present operators; SaddleSetShift() computes F
 
   Collective.
 
@@ -109,14 +110,14 @@ PetscErrorCode SaddleAssemble(const Scene *scene, const Particles *p, const Oper
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleSetShift - Makes F = T shift + viscous, if the shift is new; collective */
+/* SaddleSetShift - Computes F = T shift + viscous for a new shift; collective */
 PetscErrorCode SaddleSetShift(PetscReal shift, Saddle *s)
 {
   PetscFunctionBegin;
   if (shift == s->shift) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatCopy(s->viscous, s->F, SAME_NONZERO_PATTERN));
   PetscCall(MatShift(s->F, s->step * shift));
-  for (PetscInt k = 0; k < 2; k++) { /* lets PETSc know that a block is new */
+  for (PetscInt k = 0; k < 2; k++) { /* tells PETSc about the changed block */
     PetscCall(MatAssemblyBegin(k ? s->A : s->P, MAT_FINAL_ASSEMBLY));
     PetscCall(MatAssemblyEnd(k ? s->A : s->P, MAT_FINAL_ASSEMBLY));
   }
@@ -135,10 +136,10 @@ PetscErrorCode SaddleFree(Saddle *s)
 }
 
 /*
-  SaddleFlatten - Makes one sparse matrix of the blocks, for preconditioners that take no blocks
+  SaddleFlatten - Converts the blocks to a single sparse matrix, for preconditioners without blocks
 
-  Collective. 1e-6 q is added to the pressure rows; without it the constant pressure would make the
-  matrix singular. flat is NULL, or a matrix of the same blocks to be used again.
+  Collective. The pressure rows gain 1e-6 q; otherwise the constant pressure would make the matrix
+  singular. flat is NULL, or a matrix of the same blocks to be reused.
 */
 PetscErrorCode SaddleFlatten(Mat nest, Mat *flat)
 {
@@ -179,7 +180,7 @@ PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleGet - Gets (u, p/unit) = x; p may be NULL; not collective */
+/* SaddleGet - Extracts (u, p/unit) from x; p may be NULL; not collective */
 PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
 {
   const PetscScalar *from;

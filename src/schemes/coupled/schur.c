@@ -4,12 +4,13 @@
 
     S = sigma (-lap) (shift - nu lap)^-1,   S^-1 = nu/sigma + shift/sigma (-lap)^-1
 
-  if F commutes with gradients. A new approximation is one function and one row.
+  if F commutes with gradients and C is neglected: docs/theory.md, (95). A new approximation is a
+  function and a row.
 */
 #include "coupled.h"
 
 /*
-  SchurApply_Mass - Applies y = x: the creeping limit, where S is a multiple of the mass matrix
+  SchurApply_Mass - Applies y = x, the limit of S^-1 for long steps: nu/sigma = 1, shift = 0
 
   Reference: H. C. Elman, D. J. Silvester, A. J. Wathen, Finite Elements and Fast Iterative Solvers
   (2014)
@@ -25,8 +26,9 @@ static PetscErrorCode SchurApply_Mass(Schur *s, Vec x, Vec y)
   SchurApply_CahouetChabard - Applies y = nu/sigma x + shift dx^2/sigma (-dx^2 lap)^-1 x, for any
   step
 
-  The Poisson equation is singular, so both sides lose their mean. The left null vector is not
-  constant: without the second removal its part of x would return as a constant 1e6 times as large.
+  The Poisson equation is singular, so the means of both sides are removed. The left null vector is
+  not constant; without the second removal its part of x would return as a constant 1e6 times as
+  large.
 
   Reference: J. Cahouet, J.-P. Chabard, Int. J. Numer. Meth. Fluids 8 (1988) 869-895
 */
@@ -72,8 +74,7 @@ static PetscErrorCode Schur_Apply(PC pc, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SchurAttach - Makes a shell preconditioner of the pressure apply this approximation; collective
-   */
+/* SchurAttach - Sets this approximation as the shell preconditioner of the pressure; collective */
 PetscErrorCode SchurAttach(PC fieldsplit, Schur *s)
 {
   KSP      *sub;
@@ -94,7 +95,7 @@ PetscErrorCode SchurAttach(PC fieldsplit, Schur *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SchurCreate - Creates the KSP of its Poisson equation, if any: one application of AMG;
+/* SchurCreate - Creates the KSP of the Poisson equation, if needed: a single cycle of AMG;
    collective */
 PetscErrorCode SchurCreate(Schur *s)
 {
@@ -114,9 +115,9 @@ PetscErrorCode SchurCreate(Schur *s)
 }
 
 /*
-  SchurAssemble - Makes the matrices of the approximation for new operators
+  SchurAssemble - Creates the matrices of the approximation for new operators
 
-  Collective. Notes: PETSc gets the matrix of row mass, so that pc types other than shell
+  Collective. Notes: PETSc gets the matrix of row mass, so that other preconditioners than shell
   (-coupled_fieldsplit_pressure_pc_type jacobi) have a matrix.
 */
 PetscErrorCode SchurAssemble(const Particles *p, const Operators *ops, Schur *s)

@@ -1,14 +1,14 @@
 /*
-  The solver of velocity and pressure in one system,
+  The solver of the coupled scheme for velocity and pressure together,
 
     du/dt = nu lap u - (v.grad) u - grad p/rho + f,   div u = 0,
 
-  differential-algebraic, its Jacobian the matrix of saddle.c: advanced by a PETSc TS, or solved
-  without du/dt if the flow is steady. The pressure has no history and no splitting error.
+  a differential-algebraic system with the Jacobian of saddle.c. A PETSc TS advances it in time, or
+  a steady flow is solved without du/dt. The pressure has no history and no splitting error.
 */
 #include "coupled.h"
 
-/* CoupledSetShift - Sets the matrix to a shift; a preconditioner of a shift within 3/2 of it is
+/* CoupledSetShift - Sets the shift of the matrix; a preconditioner within a factor of 1.5 of it is
    reused; collective */
 PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
 {
@@ -25,8 +25,8 @@ PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
 }
 
 /*
-  Sets the solvers of the field split's blocks unless the user did: one application of block Jacobi
-  to velocities if nu dt/dx^2 is below 2, else of AMG, and one application of schur.c to pressures.
+  Sets defaults for the solvers of the field split's blocks: for velocities a single application of
+  block Jacobi if nu dt/dx^2 is below 2, otherwise of AMG; for pressures of schur.c.
 */
 static PetscErrorCode BlockDefaults(const Scene *scene, PetscReal dt)
 {
@@ -41,7 +41,7 @@ static PetscErrorCode BlockDefaults(const Scene *scene, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates the TS, its SNES and KSP from the options. */
+/* Creates the TS with its SNES and KSP from the options. */
 static PetscErrorCode CoupledCreateTS(Coupled *c)
 {
   SNES    snes;
@@ -63,7 +63,7 @@ static PetscErrorCode CoupledCreateTS(Coupled *c)
   PetscCall(TSGetAdapt(c->ts, &adapt));
   PetscCall(TSAdaptSetType(adapt, c->row->substeps ? TSADAPTBASIC : TSADAPTNONE));
   PetscCall(TSGetSNES(c->ts, &snes));
-  PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_INT_MAX)); /* the guard sees to those */
+  PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_INT_MAX)); /* the guard handles failures */
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPSetType(ksp, KSPFGMRES));
   PetscCall(KSPGMRESSetRestart(ksp, 100));
@@ -78,17 +78,17 @@ static PetscErrorCode CoupledCreateTS(Coupled *c)
 }
 
 /*
-  CoupledSolverCreate - Creates the solver of velocity and pressure and adds its solve to the scheme
+  CoupledSolverCreate - Creates the solver of the coupled scheme and adds its solve to the scheme
 
-  Collective on PETSC_COMM_WORLD. The clock's first time step chooses the preconditioner.
+  Collective on PETSC_COMM_WORLD. The preconditioner depends on the clock's first time step.
 
   Options Database Keys:
 + -coupled_schur - row of its table
-. -coupled_ksp_type, -coupled_pc_type, -coupled_pc_fieldsplit_..., -coupled_ts_... - any of PETSc's
+. -coupled_ksp_type, -coupled_pc_type, -coupled_pc_fieldsplit_..., -coupled_ts_... - PETSc's options
 . -coupled_fieldsplit_velocity_..., -coupled_fieldsplit_pressure_... - KSP and PC of the blocks
 - -coupled_schur_ksp_type, -coupled_schur_pc_type, ... - of the Poisson equation in cahouet_chabard
 
-  Errors: options that would give time to the TS, and absolute tolerances
+  Errors: refuses options by which the TS would control time, and absolute tolerances
 */
 PetscErrorCode CoupledSolverCreate(Flow *flow, Coupled *c)
 {
@@ -152,7 +152,7 @@ PetscErrorCode CoupledSolverFree(Coupled *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Replaces the preconditioner: a field split keeps the sizes and blocks that it was made for. */
+/* Replaces the preconditioner, because a field split keeps its sizes and blocks. */
 static PetscErrorCode RenewPC(Coupled *c)
 {
   PetscBool split;
@@ -190,13 +190,13 @@ static PetscErrorCode RenewPC(Coupled *c)
 }
 
 /*
-  Returns T, the time in which momentum changes a velocity of the grid scale: 1/T = 1/(4 dt) +
-  nu/dx^2, steady 1/T = nu/dx^2 [s]
+  Returns T, the time in which momentum changes a velocity on the scale of the grid: 1/T = 1/(4 dt)
+  + nu/dx^2, steady 1/T = nu/dx^2 [s]
 
-  With the quarter C has the same weight against inertia as against viscosity. Of the factors 1,
-  1/3, 1/6, 1/12 and 1/24 those near it take the fewest iterations; the error of moving vortices at
-  Re = 100 is half of the one with the factor 1. dt is rounded to eighths of a power of two, so that
-  steps that differ by rounding share their matrices.
+  The factor 1/4 gives C the same weight against inertia as against viscosity. Of the factors 1,
+  1/3, 1/6, 1/12 and 1/24 the values near 1/4 take the fewest iterations; the error of moving
+  vortices at Re = 100 is half the error with the factor 1. dt is rounded to eighths of a power of
+  two, so that steps that differ by rounding share their matrices.
 */
 static PetscReal GridTime(const Scene *scene, PetscReal dt, PetscBool steady)
 {
@@ -209,8 +209,8 @@ static PetscReal GridTime(const Scene *scene, PetscReal dt, PetscBool steady)
 }
 
 /*
-  Sets the error that substeps may make: -coupled_ts_rtol times |u| + U. The pressure has no
-  tolerance: it is not integrated in time, and jumps when walls do.
+  Sets the allowed error of substeps: -coupled_ts_rtol times |u| + U. The pressure has no tolerance:
+  it is not integrated in time, and jumps when walls jump.
 */
 static PetscErrorCode SetTolerances(const Scene *scene, Coupled *c)
 {
@@ -232,7 +232,7 @@ static PetscErrorCode SetTolerances(const Scene *scene, Coupled *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes matrices and vectors for the present operators. */
+/* Creates matrices and vectors for the present operators. */
 static PetscErrorCode CoupledMake(PetscReal step, PetscReal shift, const Vec advecting[],
                                   Coupled *c)
 {
@@ -258,13 +258,13 @@ static PetscErrorCode CoupledMake(PetscReal step, PetscReal shift, const Vec adv
 }
 
 /*
-  CoupledAssemble - Makes matrices, vectors and preconditioner for the present operators and a step
+  CoupledAssemble - Computes matrices, vectors and preconditioner for the present operators and step
 
-  Collective. Does nothing if operators and T are the same and nothing is advected.
+  Collective. Does nothing if operators and T are unchanged and no convection is implicit.
 
   Input Parameters:
-+ shift     - the first [1/s]
-- advecting - v of implicit convection, to stay as long as the matrices do; NULL: none [m/s]
++ shift     - first shift [1/s]
+- advecting - v of implicit convection, which must exist as long as the matrices; NULL: none [m/s]
 */
 PetscErrorCode CoupledAssemble(PetscReal shift, const Vec advecting[], Coupled *c)
 {

@@ -1,13 +1,13 @@
 /*
-  The coupled step: its start, then velocity and pressure at once; in time, or steady by Picard
-  iterations if there is convection.
+  The coupled step: its start, then velocity and pressure together, in time, or steady with Picard
+  iterations for convection.
 */
 #include "coupled.h"
 
-#define PICARD_MOST   50   /* iterations of a steady flow */
-#define PICARD_CHANGE 1e-6 /* of u in the last of them, relative */
+#define PICARD_MOST   50   /* most iterations of a steady flow */
+#define PICARD_CHANGE 1e-6 /* relative change of u in the last iteration */
 
-/* Solves the linear system once, from the present unknowns. */
+/* Solves the linear system, starting from the present unknowns. */
 static PetscErrorCode SolveLinear(Vec b, Coupled *c, StepFailure *failure)
 {
   PetscFunctionBegin;
@@ -21,9 +21,9 @@ static PetscErrorCode SolveLinear(Vec b, Coupled *c, StepFailure *failure)
 }
 
 /*
-  Makes a step of backward Euler from t over h. Velocities at the start of a run need not be
-  solenoidal or fit the walls' velocity, and an integrator that controls its error would never
-  accept a step.
+  Makes a backward Euler step from t over h. Velocities at the start of a run need not be solenoidal
+  or agree with the wall velocity, and an integrator with error control would never accept a step
+  from them.
 */
 static PetscErrorCode StartConsistently(PetscReal t, PetscReal h, Coupled *c, StepFailure *failure)
 {
@@ -45,9 +45,9 @@ static PetscErrorCode StartConsistently(PetscReal t, PetscReal h, Coupled *c, St
 }
 
 /*
-  Advances from t over dt: by one step of the TS, or by as many substeps as its error control takes.
-  Substeps begin with the last length of the step before; in the first step of a run, after a step
-  of dt/100 that makes the flow consistent.
+  Advances from t over dt: by a single step of the TS, or by substeps with error control. The first
+  substep has the length of the last substep before; in the first step of a run a step of dt/100
+  precedes, which makes the flow consistent.
 */
 static PetscErrorCode AdvanceInTime(PetscReal t, PetscReal dt, Coupled *c, StepFailure *failure)
 {
@@ -70,7 +70,7 @@ static PetscErrorCode AdvanceInTime(PetscReal t, PetscReal dt, Coupled *c, StepF
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* |u - v|/|u| over all components. */
+/* Computes |u - v|/|u| over all components. */
 static PetscErrorCode RelativeChange(PetscInt dim, const Vec u[], const Vec v[], Vec work,
                                      PetscReal *change)
 {
@@ -89,7 +89,7 @@ static PetscErrorCode RelativeChange(PetscInt dim, const Vec u[], const Vec v[],
 }
 
 /*
-  Iterates on (v.grad) u with v = u of the iteration before, until u changes no more.
+  Iterates on (v.grad) u, with v = u of the last iteration, until u changes no more.
 
   Reference: H. C. Elman, D. J. Silvester, A. J. Wathen, Finite Elements and Fast Iterative Solvers
   (2014), ch. 8
@@ -120,8 +120,8 @@ static PetscErrorCode IteratePicard(Vec u[], Vec pressure, Vec advecting[], Coup
 }
 
 /*
-  Solves for u_next and p at the clock's t + dt, from the velocity in u_next at which the step of
-  length dt starts and a guess of the pressure.
+  Solves for u_next and p at the clock's t + dt. On entry u_next is the velocity at the start of the
+  step of length dt, and p a guess of the pressure.
 */
 static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
 {
@@ -153,8 +153,8 @@ static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CoupledSolve - Solves for u^{n+1} and p^{n+1}, and computes the divergence of u^{n+1}; collective
-   */
+/* CoupledSolve - Solves for u^{n+1} and p^{n+1}, and computes the divergence of u^{n+1};
+   collective */
 PetscErrorCode CoupledSolve(Flow *flow)
 {
   FlowState      *s   = flow->state;

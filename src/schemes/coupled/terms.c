@@ -1,9 +1,9 @@
-/* The terms of the coupled equations, as callbacks of a TS, and their right-hand side. */
+/* Terms of the coupled equations as callbacks of a TS, and their right-hand side. */
 #include "coupled.h"
 
 /*
-  CoupledForce - Sets the force on the velocity: f - (v.grad) u of fixed particles, extrapolated in
-  time
+  CoupledForce - Sets the force on the velocity: f, and for fixed particles -(v.grad) u extrapolated
+  in time
 
   Collective.
 */
@@ -19,7 +19,7 @@ PetscErrorCode CoupledForce(Flow *flow, Vec force[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Takes the walls' part of (v.grad) u_a from a vector. */
+/* Subtracts the part of wall data in (v.grad) u_a from a vector. */
 static PetscErrorCode AddWallConvection(Coupled *c, PetscInt a, Vec part)
 {
   PetscFunctionBegin;
@@ -32,8 +32,8 @@ static PetscErrorCode AddWallConvection(Coupled *c, PetscInt a, Vec part)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CoupledRightHandSide - Computes b at time t: T (f + nu B u_wall) and -dx (walls in div u);
-   collective */
+/* CoupledRightHandSide - Computes b at time t: T (f + nu B u_wall) and -dx times the wall part of
+   div u; collective */
 PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
 {
   const Saddle *s = &c->saddle;
@@ -60,7 +60,7 @@ PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CoupledAddConvection - Adds scale u.grad u to f, u the velocity in x; collective */
+/* CoupledAddConvection - Adds scale u.grad u to f; u: the velocity in x; collective */
 PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
 {
   const Saddle *s = &c->saddle;
@@ -78,8 +78,8 @@ PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
 /*
   CoupledIFunction - Computes T du/dt + [T u.grad u] + A_0 x - b
 
-  Collective. The Jacobian has no convection: rosw, a W method, keeps its order without it, bdf
-  iterates.
+  Collective. The Jacobian has no convection: rosw, a Rosenbrock-W method, keeps its order without
+  it, and bdf iterates.
 */
 PetscErrorCode CoupledIFunction(TS ts, PetscReal t, Vec x, Vec xdot, Vec f, void *ctx)
 {
@@ -103,7 +103,7 @@ PetscErrorCode CoupledIFunction(TS ts, PetscReal t, Vec x, Vec xdot, Vec f, void
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CoupledIJacobian - Makes the matrix, if the shift is new; collective */
+/* CoupledIJacobian - Computes the matrix for a new shift; collective */
 PetscErrorCode CoupledIJacobian(TS ts, PetscReal t, Vec x, Vec xdot, PetscReal shift, Mat A, Mat P,
                                 void *ctx)
 {

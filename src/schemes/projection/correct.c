@@ -54,20 +54,20 @@ static PetscErrorCode CorrectVelocity(Flow *flow)
 }
 
 /*
-  Returns the share of the pressure's residual of a quadratic fit that a step removes [-]
+  Returns the share of the residual of the fit of the pressure that a step removes [-]
 
     S max(0.1, 1/(1 + 8 nu dt/dx^2))
 
-  For S = 1 it is about the share that an implicit viscous step leaves of the checkerboard mode of a
-  lattice. An incremental projection on one set of points amplifies modes of the pressure with
-  L^-1 D G p = m p and m < 0, which exist on disordered particles, by about |m|^(1/2) in each step,
-  however short, unless viscosity or this filter damps them; the weaker the one, the stronger the
-  other must be.
+  The second expression is the factor by which an implicit viscous step damps the checkerboard of a
+  lattice. The filter is needed because an incremental projection amplifies pressure modes with
+  L^-1 D G p = m p and m < 0, which exist on disordered particles, by about 1 + |m|^(1/2) in each
+  step, however short the step is. Viscosity damps these modes too, so filter and viscosity
+  complement each other. See docs/theory.md, (78) and (79).
 
-  The cost: a steady pressure with the residual r leaves a divergence of k (L - D G) S r/rho, which
-  may feed energy if layers are thin. The energy of the cavity at Re = 1000, n = 48, fixed
-  particles, CFL number 1, t = 40 is -18, -8.5, 5.1, 38 % off for S = 0, 0.02, 0.1, 0.5. Hence S =
-  0.1 is the default if particles stay on a lattice.
+  The price is a divergence: a steady pressure with the residual r leaves k (L - D G) S r/rho, which
+  can feed energy into thin layers. The energy of the cavity at Re = 1000, n = 48, fixed particles,
+  CFL number 1, t = 40 has errors of -18, -8.5, 5.1, 38 % for S = 0, 0.02, 0.1, 0.5. Therefore the
+  default on a lattice of fixed particles is S = 0.1.
 */
 static PetscReal FilterShare(const Flow *flow)
 {
@@ -81,10 +81,10 @@ static PetscReal FilterShare(const Flow *flow)
 /*
   PressureGain - Returns the share of phi that the pressure gains, min(1, 4 dt/dt_wanted)
 
-  Not collective. An error e of the velocity, constant while steps are alike, gives a phi of about
-  rho e dx/dt. If a report cuts a step short, a pressure that is kept gains what a usual step would
-  give; its own change in so short a time is small. Else the next step, thousands of times as long,
-  would start from a wrong pressure.
+  Not collective. An error e of the velocity gives phi of about rho e dx/dt. If a report cuts a step
+  short, phi is therefore far too large for the following steps, which may be thousands of times as
+  long. An incremental pressure gains the share of a usual step instead; its own change in such a
+  short time is small. See docs/theory.md, (91).
 */
 PetscReal PressureGain(const Flow *flow)
 {
@@ -94,11 +94,12 @@ PetscReal PressureGain(const Flow *flow)
 }
 
 /*
-  Updates the pressure, p = [p^n] + s (phi [- c mu div u*]), s = PressureGain(), less a share of its
-  residual of a quadratic fit, and fixes its mean
+  Updates the pressure, p = [p^n] + s (phi [- c mu div u*]), s = PressureGain(), subtracts a share
+  of the residual of its fit, and fixes its mean
 
-  c is LaplacianDilatation(). mu is the least viscosity: right if it is uniform, stable if it
-  varies. With the local viscosity a drop of 1e5 times the viscosity about it blew up in 4 steps.
+  c is LaplacianDilatation(). mu belongs to the least viscosity: exact if it is uniform, stable if
+  it varies. With the local viscosity a drop of 1e5 times the viscosity around it became unstable
+  within 4 steps.
 */
 static PetscErrorCode UpdatePressure(Flow *flow)
 {
@@ -127,7 +128,7 @@ static PetscErrorCode UpdatePressure(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes the vectors of the pressure equation for the present numbering. */
+/* Creates the vectors of the pressure equation for the present numbering. */
 static PetscErrorCode RenumberProjection(Flow *flow)
 {
   Projection *pr = (Projection *)flow->scheme->data;

@@ -1,11 +1,11 @@
 /*
-  The pressure Poisson equation of a pressure that floats: singular, solved to a small true residual
-  for every form.
+  The pressure Poisson equation with undetermined constant: singular, but solved to a small true
+  residual for every form.
 
     (A + c c^T) phi = b,   A = -dx^2 L,   c of GaugeColumn(),   preconditioner from A + 1e-6 I
 
-  The rank-one term makes the matrix regular: it fixes the mean of phi and takes from b the uniform
-  source that no phi can answer (the left null vector of an unsymmetric L is not constant).
+  The rank-one term makes the matrix regular: it fixes the mean of phi and subtracts from b the
+  uniform source for which no phi exists (the left null vector of an unsymmetric L is not constant).
 */
 #include "projection.h"
 
@@ -24,7 +24,7 @@ struct Pressure {
   Collective on PETSC_COMM_WORLD.
 
   Options Database Keys:
-. -ppe_ksp_type, -ppe_pc_type, ... - any of PETSc's, see PoissonSolver()
+. -ppe_ksp_type, -ppe_pc_type, ... - PETSc's options, see PoissonSolver()
 */
 PetscErrorCode PressureCreate(Flow *flow, Pressure **ppe)
 {
@@ -53,7 +53,7 @@ PetscErrorCode PressureDestroy(Pressure **ppe)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes the gauge for the present numbering. */
+/* Creates the gauge column for the present numbering. */
 static PetscErrorCode PressureRenumber(const Particles *p, Pressure *s)
 {
   PetscFunctionBegin;
@@ -67,7 +67,7 @@ static PetscErrorCode PressureRenumber(const Particles *p, Pressure *s)
 
 /*
   Gives new matrices to the KSP. The preconditioner is reused until particles are renumbered or the
-  iterations have grown by half: displacements change it little, a renumbering invalidates it.
+  iterations have grown by half: displacements change it little, but a renumbering invalidates it.
 */
 static PetscErrorCode PressureUpdateMatrices(Flow *flow, Pressure *s)
 {
@@ -99,7 +99,7 @@ static PetscErrorCode PressureUpdateMatrices(Flow *flow, Pressure *s)
 }
 
 /*
-  PressureSolve - Solves A phi = b, A = -dx^2 lap, with n.grad phi already in b
+  PressureSolve - Solves A phi = b, A = -dx^2 lap; b contains n.grad phi
 
   Collective. Sets scheme->failure if no method reaches a small true residual.
 

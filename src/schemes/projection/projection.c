@@ -1,5 +1,5 @@
 /*
-  The projection scheme. One step, particles moving first so that all that follows is at t^{n+1}:
+  The projection scheme. Particles move first, so that all other terms belong to t^{n+1}:
 
     x   += dr                                             FlowMove
     du/dt = nu lap u - (u-w).grad u - grad p^n/rho + f    -> u*          PredictVelocity
@@ -7,8 +7,8 @@
     u    = u* - k/rho grad phi                                           ProjectVelocity
     p    = p^n + phi - mu div u*                                         ProjectVelocity
 
-  with k = 2dt/3 for the second-order default, a backward Euler step from (4u^n - u^{n-1})/3. w is
-  the particles' velocity: u (Lagrangian) or 0 (Eulerian).
+  with k = 2dt/3 for the second-order default, which is a backward Euler step from
+  (4u^n - u^{n-1})/3. w is the velocity of the particles: u (Lagrangian) or 0 (Eulerian).
 */
 #include "projection.h"
 #include "schemes/rows.h"
@@ -29,7 +29,7 @@ static const ProjectionRow projections[] = {
 };
 const Table ProjectionTable = TABLE("-projection", "Projections", projections);
 
-/* Finds out if particles are and stay on a lattice that no body cuts. */
+/* Finds out if particles are fixed on a lattice without bodies. */
 static PetscErrorCode OnLattice(const Scene *scene, PetscBool *on)
 {
   PetscBool given;
@@ -42,9 +42,9 @@ static PetscErrorCode OnLattice(const Scene *scene, PetscBool *on)
 }
 
 /*
-  Refuses Chorin's projection between walls on fixed particles if viscosity does not damp the grid
-  scale: the cavity (n = 32, t = 4) has 1, 7, 20, 43 % more energy than by the rotational one at
-  U dx/nu = 6, 8, 10, 12, 5 times as much at 31 and 8 times at 312.
+  Refuses Chorin's projection between walls on fixed particles if viscosity does not damp grid
+  modes. The cavity (n = 32, t = 4) has 1, 7, 20, 43 % more energy than with the rotational
+  projection at U dx/nu = 6, 8, 10, 12, five times as much at 31 and eight times at 312.
 */
 static PetscErrorCode RefuseGain(const Scene *scene, const ProjectionRow *row)
 {
@@ -81,7 +81,7 @@ static PetscErrorCode RegisterEvents(Projection *pr)
   Options Database Keys:
 + -projection name - row of its table
 . -ppe_alpha A     - share of the density error in the pressure source (Zheng et al. 2018, Eq. 13)
-- -ppe_filter S    - strength of the grid-scale pressure filter, by default 1, on lattices 0.1; see
+- -ppe_filter S    - strength of the pressure filter, by default 1, on lattices 0.1; see
                      FilterShare()
 */
 static PetscErrorCode ProjectionCreate(Flow *flow)
@@ -131,7 +131,7 @@ static PetscErrorCode ProjectionSetUp(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Assumes that a pressure given at the start balances the force at walls. */
+/* Sets the share for a pressure given at the start, which balances the force at walls. */
 static PetscErrorCode ProjectionRegister(Flow *flow)
 {
   const Particles *p    = flow->particles;

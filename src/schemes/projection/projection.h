@@ -12,7 +12,7 @@
 typedef struct {
   const char *name, *brief, *citation;
   PetscBool   incremental; /* grad p^n acts in the predictor */
-  PetscBool   rotational;  /* p loses mu div u* */
+  PetscBool   rotational;  /* mu div u* is subtracted from p */
 } ProjectionRow;
 
 typedef struct Pressure Pressure;
@@ -25,7 +25,7 @@ typedef struct {
   PetscReal            filter;           /* strength of the grid-scale pressure filter [-] */
   Viscosity           *visc;             /* NULL: no viscosity */
   Pressure            *ppe;              /* NULL: no pressure */
-  PetscReal            wall_slope_share; /* share of n.grad p at walls that the pressure has [-] */
+  PetscReal            wall_slope_share; /* share of the full n.grad p at walls in p [-] */
   PetscReal            k;                /* u = u* - k/rho grad phi [s] */
   PetscInt             epoch;            /* of the vectors below */
   Vec                  phi, b;           /* increment of the pressure [Pa]; its right-hand side */

@@ -1,7 +1,7 @@
 /*
-  The normal derivative of the pressure at walls, which momentum gives: n.grad p = rho n.(f - a), a
-  the acceleration of the wall. The pressure has a share of it that grows with the steps; each step
-  adds the change of the full value.
+  The wall pressure gradient of the projection from the momentum equation, n.grad p = rho n.(f - a),
+  with the acceleration a of the wall. The pressure starts with a share of it, which grows step by
+  step; each step adds the change of the full gradient. See docs/theory.md, (87).
 */
 #include "projection.h"
 
@@ -20,8 +20,8 @@ static PetscReal WallPressureGradient(const Scene *scene, const Particles *p, Pe
   return full;
 }
 
-/* Sets the gradient that the pressure has at time t, a share of the full one; no step is pending.
-   */
+/* Sets the gradient of the pressure at time t to a share of the full gradient, and its gain to
+   zero. */
 static PetscErrorCode SetGradient(Flow *flow, PetscReal t, PetscReal share)
 {
   WallValues  *walls = &flow->walls;
@@ -37,7 +37,7 @@ static PetscErrorCode SetGradient(Flow *flow, PetscReal t, PetscReal share)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the gain in the step to time t: the full gradient then less the one that p^n has. */
+/* Sets the gain in the step to time t: the full gradient minus the gradient of p^n. */
 static PetscErrorCode SetGradientStep(Flow *flow, PetscReal t)
 {
   WallValues        *walls = &flow->walls;
@@ -55,15 +55,14 @@ static PetscErrorCode SetGradientStep(Flow *flow, PetscReal t)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the time of the wall gradient after a step of length dt to time t: the time at which the
-   step takes its force. */
+/* Returns the time of the wall gradient after a step of length dt to time t: the time of the force
+   in the step. */
 static PetscReal GradientTime(const Projection *pr, PetscReal t, PetscReal dt)
 {
   return !pr->visc || pr->visc->row->end_of_step ? t : t - 0.5 * dt;
 }
 
-/* WallGradientBegin - Sets the wall gradient of the pressure as the particles carry it; collective
-   */
+/* WallGradientBegin - Sets the wall gradient of the present pressure; collective */
 PetscErrorCode WallGradientBegin(Flow *flow)
 {
   const Projection *pr    = (const Projection *)flow->scheme->data;
@@ -75,7 +74,7 @@ PetscErrorCode WallGradientBegin(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* WallGradientPredict - Sets the wall gradient for the step at hand: of p^n, and its gain */
+/* WallGradientPredict - Sets the wall gradient of p^n and its gain for the present step */
 PetscErrorCode WallGradientPredict(Flow *flow)
 {
   Projection  *pr    = (Projection *)flow->scheme->data;

@@ -1,7 +1,7 @@
 /*
-  The integrators of viscosity: TS types, and the callbacks that each takes. One layout cannot serve
-  all: explicit types refuse an IFunction, and implicit ones use an RHSFunction beside it with the
-  wrong Jacobian.
+  The integrators of viscosity: TS types and the callbacks of each. Several layouts are necessary:
+  explicit types refuse an IFunction, and implicit types combine an RHSFunction with the wrong
+  Jacobian.
 */
 #include "viscosity.h"
 

@@ -1,7 +1,7 @@
 /*
-  The nonlinear solver of a viscosity that follows the strain rate: SNES newtonls on the residual of
-  a TS stage. With shift I - nu A at the present viscosities as Jacobian its steps are Picard's
-  iteration; with -visc_snes_mf_operator that matrix preconditions Newton's steps.
+  The nonlinear solver for rheologies: SNES newtonls on the residual of a TS stage. With the
+  Jacobian shift I - nu A at the present viscosities its steps are Picard's iteration; with
+  -visc_snes_mf_operator this matrix preconditions Newton's method.
 */
 #include "viscosity.h"
 
@@ -39,15 +39,15 @@ PetscErrorCode IterationChoose(SNES snes)
   PetscCall(TakesNewton(&newton));
   PetscCall(SNESSetType(snes, SNESNEWTONLS));
   PetscCall(SNESSetTolerances(snes, 0.0, 1e-6, 0.0, 500, PETSC_INT_MAX));
-  PetscCall(SNESSetDivergenceTolerance(snes, -1.0)); /* none: at rest, viscosities may be far off */
+  PetscCall(SNESSetDivergenceTolerance(snes, -1.0)); /* none: at rest viscosities may be far off */
   PetscCall(SNESGetLineSearch(snes, &search));
   PetscCall(SNESLineSearchSetType(search, newton ? SNESLINESEARCHBT : SNESLINESEARCHSECANT));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  IterationSetTolerance - Sets the absolute tolerance to -visc_snes_rtol times the terms of the
-  residual, which starts small near a steady flow
+  IterationSetTolerance - Sets the absolute tolerance to -visc_snes_rtol times the scale of the
+  residual, because near a steady flow the first residual is small
 
   Collective. Input: u at time t, before the step.
 */
@@ -94,11 +94,11 @@ PetscErrorCode IterationCheck(TS ts, const char where[], StepFailure *failure)
 }
 
 /*
-  IterationFallBack - Replaces line search l2 by Picard's full steps after it failed to converge:
-  from rest it may go far beyond them and not return
+  IterationFallBack - Replaces line search l2 after a failure by full Picard steps: from rest l2 may
+  go far beyond them and not return
 
-  Collective. Input: failure - of the step. Output: again - the line search was replaced, and the
-  step should be made again.
+  Collective. Input: failure - of the step. Output: again - flag: the line search was replaced, so
+  the step should be repeated.
 */
 PetscErrorCode IterationFallBack(Viscosity *v, const StepFailure *failure, PetscBool *again)
 {
@@ -124,7 +124,7 @@ PetscErrorCode IterationFallBack(Viscosity *v, const StepFailure *failure, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* IterationGoBack - Restores the line search from before IterationFallBack(); collective */
+/* IterationGoBack - Restores the line search l2 after IterationFallBack(); collective */
 PetscErrorCode IterationGoBack(Viscosity *v)
 {
   SNESLineSearch search;

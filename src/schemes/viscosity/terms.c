@@ -1,7 +1,7 @@
-/* The terms of the viscous equation, as callbacks of the TS of one velocity component. */
+/* Terms of the viscous equation as callbacks of the TS of a velocity component. */
 #include "viscosity.h"
 
-/* Applies B u_wall, for each component or for all together. */
+/* Computes B u_wall for each component, or for coupled components. */
 static PetscErrorCode ApplyBoundary(Viscosity *v)
 {
   Vec *wall_u = v->flow->walls.u;
@@ -15,7 +15,7 @@ static PetscErrorCode ApplyBoundary(Viscosity *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Updates the wall terms to time t, if walls change their velocity. */
+/* Updates the wall terms to time t if the wall velocity depends on time. */
 static PetscErrorCode UpdateBoundary(Viscosity *v, PetscReal t)
 {
   PetscFunctionBegin;
@@ -29,7 +29,7 @@ static PetscErrorCode UpdateBoundary(Viscosity *v, PetscReal t)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Updates the operator to the viscosities of u, if they follow the strain rate. */
+/* Updates the operator to the viscosities of u if they depend on the strain rate. */
 static PetscErrorCode FollowStrain(Viscosity *v, PetscReal t, Vec u)
 {
   PetscFunctionBegin;
@@ -42,7 +42,7 @@ static PetscErrorCode FollowStrain(Viscosity *v, PetscReal t, Vec u)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* f = nu (A u + B u_wall). */
+/* Computes f = nu (A u + B u_wall). */
 static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, Vec f)
 {
   PetscFunctionBegin;
@@ -53,7 +53,7 @@ static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* f -= (v.grad) u of component c. */
+/* Subtracts (v.grad) u of component c from f. */
 static PetscErrorCode TakeConvection(Viscosity *v, PetscInt c, Vec u, Vec f)
 {
   PetscFunctionBegin;
@@ -63,7 +63,7 @@ static PetscErrorCode TakeConvection(Viscosity *v, PetscInt c, Vec u, Vec f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* f = force - (v.grad) u. */
+/* Computes f = force - (v.grad) u. */
 static PetscErrorCode ConvectiveTerm(Viscosity *v, PetscInt c, Vec u, Vec f)
 {
   PetscFunctionBegin;
@@ -82,11 +82,11 @@ static PetscErrorCode ConvectiveTerm(Viscosity *v, PetscInt c, Vec u, Vec f)
 }
 
 /*
-  ViscosityScale - Computes the largest norm of the viscous term of u, the force, and nu u/L^2
+  ViscosityScale - Computes the largest of three norms: viscous term of u, force, and nu u/L^2
   [m/s^2]
 
-  Collective. The last norm estimates the first in a flow of its size: between walls that drive the
-  flow the viscous term vanishes in the steady state, and so would the scale of the residual.
+  Collective. The last norm estimates the viscous term of a flow of this size: between driving walls
+  the viscous term vanishes in the steady state, and the scale of the residual would vanish with it.
 */
 PetscErrorCode ViscosityScale(Viscosity *v, PetscReal t, Vec u, Vec force, PetscReal *scale)
 {
@@ -122,7 +122,7 @@ PetscErrorCode ViscosityIFunction(TS ts, PetscReal t, Vec u, Vec udot, Vec f, vo
 /*
   ViscosityIJacobian - Computes shift I - nu A in P, if the shift or the viscosities may be new
 
-  Collective. J is P, or a matrix-free operator of SNES's.
+  Collective. J is P, or a matrix-free operator of the SNES.
 */
 PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal shift, Mat J,
                                   Mat P, void *ctx)
@@ -136,7 +136,7 @@ PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal
   }
   if (v->nonlinear)
     PetscCall(FollowStrain(v, t, u)); /* the last residual may belong to another u */
-  else if (shift == v->shift) PetscFunctionReturn(PETSC_SUCCESS); /* the preconditioner stays too */
+  else if (shift == v->shift) PetscFunctionReturn(PETSC_SUCCESS); /* keeps the preconditioner */
   PetscCall(MatCopy(v->flow->ops->visc.A, P, SAME_NONZERO_PATTERN));
   PetscCall(MatScale(P, -v->flow->scene->nu));
   PetscCall(MatShift(P, shift));
@@ -144,7 +144,7 @@ PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ViscosityRHSFunction - Computes convection and force, and viscosity if all is explicit;
+/* ViscosityRHSFunction - Computes convection and force, and viscosity for explicit integrators;
    collective */
 PetscErrorCode ViscosityRHSFunction(TS ts, PetscReal t, Vec u, Vec f, void *ctx)
 {

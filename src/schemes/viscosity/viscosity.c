@@ -1,15 +1,15 @@
 /*
-  Viscosity by PETSc's TS: one scalar system for each velocity component,
+  Viscosity by PETSc's TS: a scalar system for each velocity component,
 
     du_c/dt = nu (A u_c + B u_wall,c) - (v.grad) u_c + force_c,
 
-  the same matrix and the same KSP for all; or one system for all components if a form couples them
-  or the viscosity follows their strain rate. The integrator's row says which callback carries each
-  term; v is the advecting velocity of particles that do not move, given for the whole step.
+  with the same matrix and KSP for all; or a single system of all components if a form couples them
+  or the viscosity depends on the strain rate. The integrator's row decides the callback of each
+  term; v is the advecting velocity of fixed particles, constant over the step.
 */
 #include "viscosity.h"
 
-/* Refuses options that contradict a clock that owns time and a history on particles. */
+/* Refuses options by which the TS would control time, or that contradict a multistep history. */
 static PetscErrorCode RefuseTimeOptions(const ViscousIntegratorRow *row)
 {
   PetscReal theta = 0.5;
@@ -52,14 +52,14 @@ static PetscErrorCode ViscosityCreateSolver(const Flow *flow, Viscosity *v)
   for (PetscInt c = 0; c < v->systems; c++) {
     PetscCall(TSGetSNES(v->ts[c], &snes));
     if (c) PetscCall(SNESSetKSP(snes, ksp));
-    PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_INT_MAX)); /* the guard sees to those */
+    PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_INT_MAX)); /* the guard handles failures */
   }
   if (v->nonlinear) PetscCall(IterationChoose(snes));
   v->guard.solve.ksp = ksp;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes the TS of one system and gives it the callbacks that its type takes. */
+/* Creates the TS of a system with the callbacks for its type. */
 static PetscErrorCode CreateSystem(Viscosity *v, PetscInt c)
 {
   const char *const names[] = {"u", "v", "w"};
@@ -83,7 +83,7 @@ static PetscErrorCode CreateSystem(Viscosity *v, PetscInt c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses an integrator whose history the run cannot keep: on moving particles, or undone. */
+/* Refuses an integrator whose history is lost: on moving particles, or by undone steps. */
 static PetscErrorCode RefuseMultistep(const Flow *flow, const ViscousIntegratorRow *row)
 {
   PetscFunctionBegin;
@@ -103,13 +103,13 @@ static PetscErrorCode RefuseMultistep(const Flow *flow, const ViscousIntegratorR
 /*
   ViscosityCreate - Creates the integrators of the viscous term and adds their solve to the scheme
 
-  Collective on PETSC_COMM_WORLD. The clock's first time step chooses the preconditioner.
+  Collective on PETSC_COMM_WORLD. The preconditioner depends on the clock's first time step.
 
   Options Database Keys:
-. -visc_ts_type, -visc_ksp_type, -visc_pc_type, ... - any TS, SNES, KSP or PC option of PETSc's
+. -visc_ts_type, -visc_ksp_type, -visc_pc_type, ... - PETSc's options of TS, SNES, KSP and PC
 
-  Errors: TS types that are no row of ViscousIntegratorTable, options that would give time to the
-  TS, and histories that the run cannot keep
+  Errors: refuses TS types without row in ViscousIntegratorTable, options by which the TS would
+  control time, and histories that the run cannot keep
 */
 PetscErrorCode ViscosityCreate(Flow *flow, Viscosity **visc)
 {
@@ -187,7 +187,7 @@ PetscErrorCode ViscosityDestroy(Viscosity **visc)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes the vectors for the present numbering; the history of a TS goes with the old one. */
+/* Creates the vectors for the present numbering; the history of the TS is lost. */
 static PetscErrorCode ViscosityRenumber(Viscosity *v)
 {
   const Particles *p = v->flow->particles;
@@ -211,7 +211,7 @@ static PetscErrorCode ViscosityRenumber(Viscosity *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes a Jacobian of the operators' present pattern; the preconditioner of the old one goes. */
+/* Creates a Jacobian of the operators' present pattern, and renews the preconditioner. */
 static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
 {
   const Operators *ops = v->flow->ops;
@@ -223,7 +223,7 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
   if (v->nonlinear) {
     SNES snes;
 
-    PetscCall(TSGetSNES(v->ts[0], &snes)); /* -visc_snes_mf_operator is set up for the new one */
+    PetscCall(TSGetSNES(v->ts[0], &snes)); /* renews the set-up of -visc_snes_mf_operator */
     PetscCall(SNESReset(snes));
   }
   PetscCall(MatDuplicate(ops->visc.A, MAT_DO_NOT_COPY_VALUES, &v->J));
@@ -236,7 +236,7 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Advances one system over [t, t + dt], in one TS step unless a user's adaptor takes several. */
+/* Advances a system over [t, t + dt], in a TS step unless the user's adaptor takes several. */
 static PetscErrorCode ViscosityTrySystem(Viscosity *v, PetscInt c, PetscReal t, PetscReal dt, Vec u,
                                          StepFailure *failure)
 {
@@ -251,7 +251,7 @@ static PetscErrorCode ViscosityTrySystem(Viscosity *v, PetscInt c, PetscReal t, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Advances one system; if the nonlinear solver fails, again with full steps. */
+/* Advances a system; after a failure of the nonlinear solver repeats it with full steps. */
 static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t, PetscReal dt,
                                           Vec u, StepFailure *failure)
 {
@@ -278,18 +278,19 @@ static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t,
 }
 
 /*
-  ViscositySolve - Advances all velocity components over [t_new - dt, t_new], t_new = clock's t + dt
+  ViscositySolve - Advances all velocity components over [t_new - dt, t_new], t_new: clock's t + dt
 
     du/dt = nu lap u - (v.grad) u + force
 
-  Collective. Sets scheme->failure if a TS diverges, or no method reaches a small true residual.
+  Collective. Sets scheme->failure if a TS diverges, or if no method reaches a small true residual.
 
   Input Parameters:
-+ dt                - length of this viscous step; shorter than the clock's if it starts from a
-                      history [s]
++ dt                - length of the viscous step, shorter than the clock's if it starts from a
+history
+                      [s]
 . projection_factor - see WallValuesSetVelocity() [m^3 s/kg]
-. force             - per unit mass, constant over the step [m/s^2]
-- advecting         - v; NULL if particles move or the force holds the convection already [m/s]
+. force             - force per unit mass, constant over the step [m/s^2]
+- advecting         - v; NULL if particles move or the force contains convection [m/s]
 
   Input/Output Parameter:
 . u - velocity components [m/s]
@@ -321,8 +322,8 @@ PetscErrorCode ViscositySolve(Flow *flow, PetscReal dt, PetscReal projection_fac
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ViscosityResponse - Returns the response of u to a force newly switched on, over dt: 1, or less
-   for BDF */
+/* ViscosityResponse - Returns the response of u to a new force over dt: 1, or less for BDF; see
+   docs/theory.md, (100) */
 PetscReal ViscosityResponse(const Viscosity *v)
 {
   return v->row->Response ? v->row->Response(v->ts[0]) : 1.0;

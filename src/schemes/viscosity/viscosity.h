@@ -1,25 +1,25 @@
 /*
-  The implicit viscous step: its state, its callbacks in terms.c, the nonlinear solver in
-  iteration.c and the table of integrators in integrators.c. Any scheme may use it.
+  The viscous step for any scheme: its state. terms.c has its callbacks, iteration.c the nonlinear
+  solver, integrators.c the table of integrators.
 */
 #ifndef ISPH_SCHEMES_VISCOSITY_H
 #define ISPH_SCHEMES_VISCOSITY_H
 
 #include "isph/guard.h"
 
-/* The callbacks that carry the terms of the viscous equation. */
+/* Callbacks of the terms of the viscous equation. */
 typedef enum {
   TIME_IMPLICIT, /* IFunction: viscosity; convection extrapolated into the force */
   TIME_IMEX,     /* IFunction: viscosity; RHSFunction: convection */
-  TIME_EXPLICIT  /* RHSFunction: everything */
+  TIME_EXPLICIT  /* RHSFunction: all terms */
 } ViscousTerms;
 typedef struct {
   const char  *name, *brief, *citation; /* name: the TS type */
   ViscousTerms terms;
-  PetscBool    history;         /* one stage: starts from (4u^n - u^{n-1})/3 for second order */
-  PetscBool    multistep;       /* PETSc keeps earlier velocities; they cannot follow particles */
-  PetscBool    end_of_step;     /* the force is taken at the end of the step, else at its middle */
-  PetscReal (*Response)(TS ts); /* of u* to a force newly switched on, over dt; NULL: 1 */
+  PetscBool    history;         /* starts from (4u^n - u^{n-1})/3, for second order */
+  PetscBool    multistep;       /* PETSc keeps earlier velocities, which cannot follow particles */
+  PetscBool    end_of_step;     /* time of the force: end of the step, otherwise its middle */
+  PetscReal (*Response)(TS ts); /* response of u* to a new force over dt; NULL: 1 */
 } ViscousIntegratorRow;
 
 typedef struct Viscosity Viscosity;
@@ -31,21 +31,21 @@ typedef struct {
 struct Viscosity {
   const ViscousIntegratorRow *row;
   PetscInt                    dim;
-  PetscInt                    systems;          /* one for each component, or one of all together */
-  PetscBool                   nonlinear;        /* the viscosity follows the strain rate */
-  TS                          ts[ISPH_MAX_DIM]; /* they share the SNES's KSP of the first */
+  PetscInt                    systems;          /* one for each component, or a single system */
+  PetscBool                   nonlinear;        /* the viscosity depends on the strain rate */
+  TS                          ts[ISPH_MAX_DIM]; /* they share the KSP of the first */
   Component                   component[ISPH_MAX_DIM];
-  Guard                       guard;                /* its KSP is NULL: explicit */
+  Guard                       guard;                /* its KSP is NULL for explicit integrators */
   Mat                         J;                    /* shift I - nu A */
-  PetscReal                   shift;                /* in J; NaN: J is not yet made [1/s] */
+  PetscReal                   shift;                /* in J; NaN: J is out of date [1/s] */
   PetscInt                    assemblies;           /* stamp of the operators in J */
-  PetscInt                    epoch;                /* of the vectors below */
-  Vec       boundary[ISPH_MAX_DIM], gradient, work; /* B u_wall,c at wall_t; work */
+  PetscInt                    epoch;                /* epoch of the vectors below */
+  Vec       boundary[ISPH_MAX_DIM], gradient, work; /* B u_wall,c at wall_t; work vectors */
   PetscReal wall_t;
-  Vec       all, all_force, all_walls; /* of all components: velocity, force, walls' velocity */
-  Vec       part[ISPH_MAX_DIM];        /* their components; work */
+  Vec       all, all_force, all_walls; /* of all components: velocity, force, wall velocity */
+  Vec       part[ISPH_MAX_DIM];        /* their components; work vectors */
 
-  Flow      *flow;              /* of the solve at hand, for the callbacks */
+  Flow      *flow;              /* of the present solve, for callbacks */
   PetscReal  projection_factor; /* see WallValuesSetVelocity() */
   const Vec *force, *advecting;
 };
