@@ -6,6 +6,7 @@
     docs.py shown ISPH PAGE...        every command of the pages runs in full and prints the output that is shown
     docs.py quoted ISPH PAGE...       the same for `console` blocks alone
     docs.py remake ISPH PAGE...       writes the output of the commands into the pages
+    docs.py code                      prints the C code of the how-tos as a single file, to be compiled
 
 A fenced block marked `sh` holds commands. A block marked `console` holds commands after `$ ` and, below each command,
 its output; a line `...` stands for output that is left out. Each page is read from its top to its end in an empty
@@ -355,9 +356,19 @@ def remake(isph, names):
     return False
 
 
+def code():
+    """Prints the code of the how-tos: a case as it is, a function, and the row of a table."""
+    case, = (body for mark, body, _, _ in blocks(read("docs/howto/own-case.md")) if mark == "c")
+    function, row = (body for mark, body, _, _ in blocks(read("docs/howto/own-laplacian.md")) if mark == "c")
+    print(f"{case}\n#include \"operators/rows.h\"\n\n{function}\nextern const LaplacianRow manual[];\n"
+          f"const LaplacianRow manual[] = {{\n{row}}};")
+
+
 def main():
     if sys.argv[1:] == ["links"]:
         sys.exit(links())
+    if sys.argv[1:] == ["code"]:
+        sys.exit(code())
     kinds = {"run": run, "shown": check_shown, "quoted": check_quoted, "remake": remake}
     if len(sys.argv) < 4 or sys.argv[1] not in kinds:
         sys.exit(__doc__)
