@@ -75,6 +75,7 @@ typedef struct {
   PetscReal steady_tol;                     /* 0: off [-] */
   PetscReal report_time[CLOCK_MAX_REPORTS]; /* times that steps must hit, ascending [s] */
   PetscInt  n_reports, next_report;
+  PetscReal land_every;   /* steps end at its multiples; 0: no such interval [s] */
   PetscBool steady;       /* steady_tol was met, or the steady solve is done */
   PetscBool steady_solve; /* no du/dt: a single step to t_end */
 

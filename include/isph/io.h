@@ -57,6 +57,7 @@ typedef struct Snapshots Snapshots;
 PetscErrorCode           SnapshotsCreate(const Scene *scene, Snapshots **snapshots);
 PetscErrorCode           SnapshotsDestroy(Snapshots **snapshots);
 PetscErrorCode           SnapshotsWrite(const Flow *flow, PetscBool final, Snapshots *snapshots);
+PetscReal                SnapshotsInterval(const Snapshots *snapshots);
 PetscInt                 SnapshotsCount(const Snapshots *snapshots);
 void                     SnapshotsGet(const Snapshots *snapshots, PetscReal rows[]);
 PetscErrorCode           SnapshotsSet(Snapshots *snapshots, PetscInt n, const PetscReal rows[],

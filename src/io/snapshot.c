@@ -42,7 +42,7 @@ static PetscErrorCode SnapshotsReserve(const Snapshots *snapshots, const char pa
 
   Options Database Keys:
 + -output file.h5 - snapshots file_0000.h5, file_0001.h5, ... and their index file.xdmf
-- -output_every T - snapshots at multiples of T too, besides start and end [s]
+- -output_every T - snapshots at multiples of T too, where steps end, besides start and end [s]
 
   Errors: a name that does not end in .h5, or a place that cannot be written, ends the run
 */
@@ -58,8 +58,10 @@ PetscErrorCode SnapshotsCreate(const Scene *scene, Snapshots **snapshots)
   s->step = -1;
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Output", "");
   PetscCall(OptionFile("-output", "Snapshots for ParaView: file.h5", s->base));
-  PetscCall(OptionReal("-output_every", "Time between snapshots; by default start and end only [s]",
-                       1e-300, 1e300, &s->every, &every));
+  PetscCall(
+      OptionReal("-output_every",
+                 "Time between snapshots, at which steps end; by default start and end only [s]",
+                 1e-300, 1e300, &s->every, &every));
   PetscOptionsEnd();
   UserCheck(!every || s->base[0], "-output_every: there is no -output");
   if (s->base[0]) {
@@ -72,6 +74,13 @@ PetscErrorCode SnapshotsCreate(const Scene *scene, Snapshots **snapshots)
   }
   *snapshots = s;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SnapshotsInterval - Returns the time between snapshots, 0 if only start and end have one [s];
+   not collective */
+PetscReal SnapshotsInterval(const Snapshots *snapshots)
+{
+  return snapshots->every;
 }
 
 PetscErrorCode SnapshotsDestroy(Snapshots **snapshots)

@@ -32,6 +32,8 @@ static PetscErrorCode RunChoose(Run *run)
 
   PetscFunctionBegin;
   PetscCall(ClockCreate(flow->scene, &flow->clock));
+  PetscCall(SnapshotsCreate(flow->scene, &run->snapshots));
+  flow->clock->land_every = SnapshotsInterval(run->snapshots);
   PetscCall(SchemeCreate(flow));
   PetscCall(OperatorsCreate(flow->scene, flow->scheme->needs, &flow->ops));
   PetscCall(SchemeSetUp(flow));
@@ -64,7 +66,6 @@ static PetscErrorCode RunOpenFiles(Run *run)
   const Scheme *scheme = run->flow.scheme;
 
   PetscFunctionBegin;
-  PetscCall(SnapshotsCreate(run->flow.scene, &run->snapshots));
   PetscCall(MonitorsCreate(run->flow.scene, &run->monitors));
   PetscCall(ProgressCreate(&run->progress));
   PetscCall(ReportCreate(&run->report));

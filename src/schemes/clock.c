@@ -49,8 +49,8 @@ static PetscErrorCode ClockReadReports(OptionItems PetscOptionsObject, Clock *cl
 /* Reads -steady: a single step to t_end without du/dt. */
 static PetscErrorCode ClockReadSteady(OptionItems PetscOptionsObject, Clock *clock)
 {
-  const char *const others[] = {"-dt",       "-cfl",        "-steady_tol",     "-report_times",
-                                "-dt_adapt", "-time_order", "-coupled_ts_type"};
+  const char *const others[] = {"-dt",       "-cfl",        "-steady_tol",      "-report_times",
+                                "-dt_adapt", "-time_order", "-coupled_ts_type", "-output_every"};
 
   PetscFunctionBegin;
   PetscCall(OptionSwitch("-steady", "No du/dt: solve for the steady flow (-scheme coupled)",
@@ -150,26 +150,36 @@ void FailureSet(StepFailure *failure, PetscErrorCode code, const char format[], 
   va_end(arguments);
 }
 
+/* Returns the next time at which a step must end: of a report, of a snapshot, or t_end [s]. */
+static PetscReal ClockTarget(const Clock *c)
+{
+  const PetscReal target =
+      c->next_report < c->n_reports ? c->report_time[c->next_report] : c->t_end;
+
+  if (c->land_every == 0.0) return target;
+  return PetscMin(target, c->land_every * (PetscFloorReal(c->t / c->land_every + 1e-9) + 1.0));
+}
+
 /*
   ClockChoose - Sets dt of the coming step
 
-    dt = (-dt, or else the scheme's limit)/2^halvings
+    dt = min((-dt, or else the scheme's limit)/2^halvings, land_every)
 
-  Not collective. Steps are shortened evenly, so that the next report time and t_end are hit exactly
-  without a short last step.
+  Not collective. Steps are shortened evenly, so that the next time of a report or a snapshot and
+  t_end are hit exactly without a short last step. A step as long as the interval of snapshots is a
+  usual step, not one cut short.
 
   Input Parameter:
 . limit - the longest step that the scheme allows
 */
 PetscErrorCode ClockChoose(const StepLimit *limit, Clock *clock)
 {
-  const PetscReal target =
-      clock->next_report < clock->n_reports ? clock->report_time[clock->next_report] : clock->t_end;
-  const PetscReal left = target - clock->t;
-  PetscReal       dt   = clock->dt_given > 0.0 ? clock->dt_given : limit->dt;
+  const PetscReal target = ClockTarget(clock), left = target - clock->t;
+  PetscReal       dt = clock->dt_given > 0.0 ? clock->dt_given : limit->dt;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < clock->halvings; k++) dt *= 0.5;
+  if (clock->land_every > 0.0) dt = PetscMin(dt, clock->land_every);
   clock->dt_wanted = clock->step == 0 && target == clock->t_end ? PetscMin(dt, left) : dt;
   if (left > 0.0) dt = left / PetscCeilReal(left / dt * (1.0 - 1e-9));
   clock->dt = dt;
