@@ -1,6 +1,6 @@
 /*
-  The box and the measures that plane channel flows share: walls at y = 0 and y = L, periodic along x
-  over eight particles.
+  The box and the measures that plane channel flows share: walls at y = 0 and y = L, periodic
+  along x over eight particles.
 */
 #include "cases.h"
 

@@ -84,7 +84,8 @@ typedef struct {
 
 /*
   A case: geometry, initial and boundary values, exact solution or reference data. One file each in
-  cases/ with the row at its foot, one word each in cases/cases.c. Never a time loop, never a scheme.
+  cases/ with the row at its foot, one word each in cases/cases.c. Never a time loop, never a
+  scheme.
 */
 typedef struct {
   const char *name, *brief, *citation;

@@ -121,7 +121,8 @@ PetscBool MonitorRow(const Flow *flow, const Monitor *monitor)
   return PETSC_TRUE;
 }
 
-/* MonitorVector - Adds the components of a vector to a row, and zeros up to three; not collective */
+/* MonitorVector - Adds the components of a vector to a row, and zeros up to three; not
+   collective */
 void MonitorVector(const Monitor *monitor, PetscInt dim, const PetscReal v[])
 {
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)

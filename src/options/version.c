@@ -15,8 +15,8 @@ const char *VersionCommit(void)
 /*
   VersionPrint - Prints the versions of isph, PETSc, hypre, HDF5 and MPI
 
-  Not collective; needs neither PETSc nor MPI to be initialized. The versions are of the libraries at
-  run time, except hypre's, which PETSc was built with.
+  Not collective; needs neither PETSc nor MPI to be initialized. The versions are of the libraries
+  at run time, except hypre's, which PETSc was built with.
 */
 void VersionPrint(FILE *out)
 {

@@ -66,7 +66,8 @@ PetscErrorCode CheckpointScene(const Scene *scene, double numbers[SCENE_NUMBERS]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CheckpointRecord - Writes the names of a record's numbers, "id,kind,x:2,u:2,p:1"; not collective */
+/* CheckpointRecord - Writes the names of a record's numbers, "id,kind,x:2,u:2,p:1"; not
+   collective */
 PetscErrorCode CheckpointRecord(const Particles *p, char names[], size_t length)
 {
   PetscFunctionBegin;
