@@ -122,6 +122,23 @@ def option_faults(page, names):
                 yield f"{page}: `-{option}` is no option of isph"
 
 
+def message_faults(page):
+    """Parts of messages in a table of messages that no source prints."""
+    table = re.search(r"^\| message contains .*\n((?:\|.*\n)+)", read(page) + "\n", re.M)
+    if not table:
+        return
+    text = ""
+    for folder in "src", "cases", "include":
+        for path in glob.glob(os.path.join(ROOT, folder, "**", "*.[ch]"), recursive=True):
+            with open(path, encoding="utf-8") as file:
+                text += file.read()
+    text = re.sub(r"\"\s*\"", "", text)  # literals that the compiler joins
+    for row in table.group(1).splitlines():
+        for part in re.findall(r"`([^`]+)`", row.split(" | ")[0]):
+            if part not in text:
+                yield f"{page}: no message contains '{part}'"
+
+
 def python_faults(page):
     for mark, body, _, _ in blocks(read(page)):
         if mark == "python":
@@ -133,7 +150,7 @@ def python_faults(page):
 
 def links():
     names = known_options()
-    faults = [fault for page in pages() for kind in (link_faults, python_faults) for fault in kind(page)]
+    faults = [fault for page in pages() for kind in (link_faults, python_faults, message_faults) for fault in kind(page)]
     faults += [fault for page in pages() if not page.startswith("docs/results/") for fault in option_faults(page, names)]
     print("\n".join(faults) or f"{len(pages())} pages: links, anchors and options are there")
     return bool(faults)
