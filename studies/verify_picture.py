@@ -107,10 +107,12 @@ def draw_errors(axes, case, sweeps, rounding):
             found = [(n, m.error()) for n, m in sweep.of(quantity).items() if m.errors and m.error() > rounding]
             if not found:
                 continue
-            mark, colour = marks[case.drawn.index(quantity.label)], colours[k % len(colours)]
-            axes.plot(*zip(*found), marker=mark, color=colour, linewidth=1, markersize=4)
-            studies[sweep.study.title.replace("`", "")] = {"color": colour}
-            quantities[quantity.label] = {"color": "black", "marker": mark, "markerfacecolor": "none", "linestyle": "none"}
+            mark = marks[case.drawn.index(quantity.label)]
+            line = {"color": colours[k % len(colours)], "linestyle": "-" if k < len(colours) else ":"}
+            axes.plot(*zip(*found), marker=mark, linewidth=1, markersize=4, **line)
+            studies[sweep.study.title.replace("`", "")] = line
+            quantities[quantity.label] = {"color": "black", "marker": mark, "markerfacecolor": "none",
+                                          "linestyle": "none"}
             points += found
     if not points:
         return {}
