@@ -4,7 +4,9 @@ import os
 
 import numpy as np
 
-REFERENCE = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "cases", "reference")
+HERE = os.path.dirname(os.path.realpath(__file__))
+SOURCE, INSTALLED = os.path.join(HERE, "..", "cases", "reference"), os.path.join(HERE, "..", "reference")
+REFERENCE = os.environ.get("ISPH_DATA") or (SOURCE if os.path.isdir(SOURCE) else INSTALLED)
 FINE = np.linspace(0, 1, 401)  # sampling points of extrema
 EXTREMA = {"u_min": ("u", -1), "v_max": ("v", 1), "v_min": ("v", -1)}
 

@@ -14,15 +14,18 @@ import sys
 
 
 def binary(path):
-    """Reads PETSc's binary format: big-endian class, rows, columns, entries, row lengths, columns, values."""
+    """Reads PETSc's binary format: big-endian class, rows, columns, entries, row lengths, columns, values. Integers
+    have 64 bits where PETSc's indices have; the class, a small number, then begins with zeros."""
     with open(path, "rb") as file:
         data = file.read()
-    kind, rows, cols, nnz = struct.unpack(">4i", data[:16])
+    letter, width = ("i", 4) if any(data[:4]) else ("q", 8)
+    kind, rows, cols, nnz = struct.unpack(f">4{letter}", data[:4 * width])
     assert kind == 1211216 and rows == cols, path
-    lengths = struct.unpack(f">{rows}i", data[16:16 + 4 * rows])
-    at = 16 + 4 * rows
-    columns = struct.unpack(f">{nnz}i", data[at:at + 4 * nnz])
-    values = struct.unpack(f">{nnz}d", data[at + 4 * nnz:at + 12 * nnz])
+    at = (4 + rows) * width
+    lengths = struct.unpack(f">{rows}{letter}", data[4 * width:at])
+    columns = struct.unpack(f">{nnz}{letter}", data[at:at + width * nnz])
+    at += width * nnz
+    values = struct.unpack(f">{nnz}d", data[at:at + 8 * nnz])
     matrix, first = [], 0
     for length in lengths:
         matrix.append(dict(zip(columns[first:first + length], values[first:first + length])))
