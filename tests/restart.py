@@ -176,7 +176,7 @@ def damage(isph):
     refused("case.h5", data, "is of case cavity, this run is of case hydrostatic", "-case", "hydrostatic")
     refused("size.h5", data, "particles in 2D", "-wall", "dummy_linear")
     refused("motion.h5", data, "this run needs", "-motion", "eulerian")
-    refused("version.h5", data.replace(b"0.1.0", b"9.9.9"), "the file is of isph 9.9.9")
+    refused("version.h5", data.replace(b"0.2.0", b"9.9.9"), "the file is of isph 9.9.9")
 
 
 def other(isph):

@@ -7,7 +7,7 @@
 
 #include "isph/petsc.h"
 
-#define ISPH_VERSION "0.1.0"
+#define ISPH_VERSION "0.2.0"
 #define ISPH_MAX_DIM 3
 
 /*

@@ -1,0 +1,71 @@
+# What cmake --install and cpack bring: the program, the library with its headers, a CMake package and
+# a pkg-config file, options, reference data, the plot tool, the manual, completion.
+
+set(data ${CMAKE_INSTALL_DATADIR}/isph)
+install(TARGETS isph isph_core)
+install(DIRECTORY include/isph DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(DIRECTORY options/ DESTINATION ${data}/options FILES_MATCHING PATTERN "*.opts")
+install(DIRECTORY cases/reference/ DESTINATION ${data}/reference FILES_MATCHING PATTERN "*.csv")
+install(FILES LICENSE CITATION.cff CHANGELOG.md README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/packaging)
+
+# The plot tool and its modules, with a link in the directory of programs.
+install(PROGRAMS studies/plot DESTINATION ${data}/plot)
+install(FILES studies/centreline.py studies/costs.py studies/runs.py studies/snapshot.py
+        DESTINATION ${data}/plot)
+file(RELATIVE_PATH plot ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_DATADIR}/isph/plot/plot)
+file(CREATE_LINK ${plot} ${CMAKE_BINARY_DIR}/packaging/isph-plot SYMBOLIC)
+install(FILES ${CMAKE_BINARY_DIR}/packaging/isph-plot DESTINATION ${CMAKE_INSTALL_BINDIR})
+
+configure_file(packaging/isph.1.in packaging/isph.1 @ONLY)
+install(FILES ${CMAKE_BINARY_DIR}/packaging/isph.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+install(FILES packaging/isph.bash RENAME isph
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+
+# pkg-config: what pkg-config knows is required by name; MPI may be none of them.
+file(RELATIVE_PATH prefix_relative /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+string(REGEX REPLACE "/$" "" prefix_relative ${prefix_relative})
+set(pc_requires "PETSc >= 3.18, ${HDF5_MODULE_NAME}, muparser >= 2.3")
+if(slepc_fits)
+  string(APPEND pc_requires ", ${SLEPC_MODULE_NAME}")
+endif()
+set(pc_cflags "")
+set(pc_libs "")
+if(MPI_C_FOUND)
+  foreach(directory IN LISTS MPI_C_INCLUDE_DIRS)
+    string(APPEND pc_cflags " -I${directory}")
+  endforeach()
+  string(REPLACE ";" " " pc_libs "${MPI_C_LIBRARIES}")
+else()
+  string(APPEND pc_requires ", mpi-c")
+endif()
+configure_file(packaging/isph.pc.in packaging/isph.pc @ONLY)
+install(FILES ${CMAKE_BINARY_DIR}/packaging/isph.pc
+        DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+
+include(CMakePackageConfigHelpers)
+configure_file(packaging/isphConfig.cmake.in packaging/isphConfig.cmake @ONLY)
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/packaging/isphConfigVersion.cmake
+                                 COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/packaging/isphConfig.cmake
+              ${CMAKE_BINARY_DIR}/packaging/isphConfigVersion.cmake
+        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/isph)
+
+# cpack: a Debian package, whose dependencies follow from the libraries that the program loads.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_PACKAGE_VENDOR "The isph authors")
+set(CPACK_PACKAGE_CONTACT "The isph authors")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_RESOURCE_FILE_LICENSE ${CMAKE_SOURCE_DIR}/LICENSE)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS
+    "openmpi-bin, python3-numpy, python3-h5py, python3-matplotlib")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS
+    "petsc-dev, slepc-dev, libhdf5-mpi-dev, libmuparser-dev, paraview")
+include(CPack)
