@@ -96,12 +96,12 @@ static PetscReal VelocityError(const Quadratic *u, Cloud *cloud)
 
   for (PetscInt c = 0; c < cloud->scene.dim; c++) all[c] = *u;
   WalledSetVelocity(cloud, all);
-  ASSERT_OK(AffineApply(&ops->visc, cloud->f[0], cloud->walls.u[0], cloud->y));
+  ASSERT_OK(AffineApply(&ops->velocity[0].visc, cloud->f[0], cloud->walls.u[0], cloud->y));
   ASSERT_OK(CloudError(cloud, cloud->y, &expected, PETSC_FALSE, &error));
   largest = error * PetscSqr(cloud->scene.dx);
   for (PetscInt a = 0; a < cloud->scene.dim; a++) {
     expected = QuadraticDerivative(cloud, u, a);
-    ASSERT_OK(AffineApply(&ops->grad_u[a], cloud->f[0], cloud->walls.u[0], cloud->y));
+    ASSERT_OK(AffineApply(&ops->velocity[0].grad_u[a], cloud->f[0], cloud->walls.u[0], cloud->y));
     ASSERT_OK(CloudError(cloud, cloud->y, &expected, PETSC_FALSE, &error));
     largest = PetscMax(largest, error * cloud->scene.dx);
   }
@@ -188,12 +188,12 @@ static void CheckTurning(const WalledForms *forms, const char *where, Cloud *clo
   for (PetscInt c = 0; c < 2; c++) {
     const Operators *ops = cloud->ops;
 
-    ASSERT_OK(AffineApply(&ops->visc, cloud->f[c], cloud->walls.u[c], cloud->y));
+    ASSERT_OK(AffineApply(&ops->velocity[0].visc, cloud->f[c], cloud->walls.u[c], cloud->y));
     WalledAssert("lap u of turning fluid", where, cloud, cloud->y, &zero, 2, 1e-8);
     for (PetscInt a = 0; a < 2; a++) {
       const Quadratic slope = QuadraticDerivative(cloud, &u[c], a);
 
-      ASSERT_OK(AffineApply(&ops->grad_u[a], cloud->f[c], cloud->walls.u[c], cloud->y));
+      ASSERT_OK(AffineApply(&ops->velocity[0].grad_u[a], cloud->f[c], cloud->walls.u[c], cloud->y));
       WalledAssert("grad u of turning fluid", where, cloud, cloud->y, &slope, 1, 1e-8);
     }
   }
@@ -280,7 +280,7 @@ static void CheckAsymmetry(const WalledForms *forms, const char *where, Cloud *c
   PetscBool       symmetric;
   const PetscBool said = LaplacianIs(&cloud->ops->forms.visc, FORM_SYMMETRIC);
 
-  ASSERT_OK(MatIsSymmetric(cloud->ops->visc.A, 1e-12, &symmetric));
+  ASSERT_OK(MatIsSymmetric(cloud->ops->velocity[0].visc.A, 1e-12, &symmetric));
   CloudAssertNone("symmetry told", where, said != symmetric);
 }
 

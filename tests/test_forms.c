@@ -36,12 +36,14 @@ static Stencil *Made(PetscInt dim, PetscReal h, PetscInt walls)
       st->X[a][st->n]      = X[a];
       st->normal[a][st->n] = a == 0 ? 0.6 : (a == 1 ? 0.8 : 0.0);
     }
-    st->r[st->n]    = r;
-    st->V[st->n]    = 1.0;
-    st->W[st->n]    = w[0];
-    st->dW[st->n]   = w[1];
-    st->ddW[st->n]  = w[2];
-    st->wall[st->n] = st->n_wall < walls ? PETSC_TRUE : PETSC_FALSE;
+    st->r[st->n]        = r;
+    st->V[st->n]        = 1.0;
+    st->W[st->n]        = w[0];
+    st->dW[st->n]       = w[1];
+    st->ddW[st->n]      = w[2];
+    st->wall[st->n]     = st->n_wall < walls ? PETSC_TRUE : PETSC_FALSE;
+    st->side[st->n]     = 0;
+    st->equation[st->n] = EQUATION_VALUE;
     if (st->wall[st->n]) st->n_wall++;
     st->n++;
   }
@@ -85,10 +87,12 @@ static PetscReal SlopeError(const Stencil *st, const PetscReal w[])
   return worst;
 }
 
-/* A form with full_support ignores roles. Any other form is exact with n.grad f at walls, as with
-   values. */
-static void test_roles(void **state)
+/* A form with full_support ignores equations. Any other form is exact with n.grad f at walls, as
+   with values. */
+static void test_equations(void **state)
 {
+  const Scene scene = {.dim = 2, .boundary = {{.kind = &BoundaryWall}}};
+
   (void)state;
   for (PetscInt dim = 2; dim <= 3; dim++) {
     for (PetscInt m = 0; m < CloudScalarForms(); m++) {
@@ -96,16 +100,16 @@ static void test_roles(void **state)
       Stencil            *st  = Made(dim, 1.3, 3);
       PetscReal           value[MOST], slope[MOST], difference = 0.0;
 
-      StencilSetRole(st, ROLE_VALUE);
+      StencilSetVelocity(&scene, 0, st);
       ASSERT_OK(row->Row(st, value));
-      StencilSetRole(st, ROLE_NORMAL_DERIVATIVE);
+      StencilSetQuantity(&scene, FIT_PRESSURE, st);
       ASSERT_OK(row->Row(st, slope));
       for (PetscInt k = 0; k < st->n; k++)
         difference = PetscMax(difference, PetscAbsReal(value[k] - slope[k]));
       if (row->properties & FORM_FULL_SUPPORT) {
         CloudAssertNone("full_support", row->name, difference != 0.0);
       } else {
-        CloudAssertNone("reads roles", row->name, difference < 1e-3);
+        CloudAssertNone("reads equations", row->name, difference < 1e-3);
         CloudAssertNone("exact with slopes", row->name, SlopeError(st, slope) > 1e-10);
       }
       CloudAssertNone("determined", row->name, st->regularised);
@@ -207,10 +211,10 @@ static void test_where_it_applies(void **state)
 
 int main(int argc, char **argv)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_roles), cmocka_unit_test(test_shepard),
-                                     cmocka_unit_test(test_first_order),
-                                     cmocka_unit_test(test_where_it_applies)};
-  int                     failed;
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_equations), cmocka_unit_test(test_shepard),
+      cmocka_unit_test(test_first_order), cmocka_unit_test(test_where_it_applies)};
+  int failed;
 
   if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;
   failed = cmocka_run_group_tests(tests, NULL, NULL);

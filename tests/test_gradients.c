@@ -30,7 +30,7 @@ static PetscReal MonomialError(const Cloud *cloud, PetscInt first, PetscInt last
     for (PetscInt a = 0; a < cloud->scene.dim; a++) {
       const Quadratic exact = QuadraticDerivative(cloud, &f, a);
 
-      ASSERT_OK(AffineApply(&cloud->ops->grad_u[a], cloud->f[0], NULL, cloud->y));
+      ASSERT_OK(AffineApply(&cloud->ops->velocity[0].grad_u[a], cloud->f[0], NULL, cloud->y));
       ASSERT_OK(VecScale(cloud->y, 1.0 / factor));
       ASSERT_OK(CloudError(cloud, cloud->y, &exact, PETSC_TRUE, &error));
       largest = PetscMax(largest, error * cloud->scene.dx);
@@ -62,13 +62,14 @@ static void CheckRows(const char *where, const Cloud *cloud)
 
   ASSERT_OK(CloudSet(cloud, &one, cloud->f[0]));
   for (PetscInt a = 0; a < cloud->scene.dim; a++) {
-    ASSERT_OK(AffineApply(&cloud->ops->grad_u[a], cloud->f[0], NULL, cloud->y));
+    ASSERT_OK(AffineApply(&cloud->ops->velocity[0].grad_u[a], cloud->f[0], NULL, cloud->y));
     ASSERT_OK(CloudError(cloud, cloud->y, &zero, PETSC_FALSE, &error));
     CloudAssertNone("row sums", where, error * cloud->scene.dx > 1e-13);
     CloudAssertNone("grad_p = grad_u", where,
-                    Difference(cloud->ops->grad_u[a].A, cloud->ops->grad_p[a].A) > 1e-14);
+                    Difference(cloud->ops->velocity[0].grad_u[a].A, cloud->ops->grad_p[a].A) >
+                        1e-14);
     CloudAssertNone("div = grad_u", where,
-                    Difference(cloud->ops->grad_u[a].A, cloud->ops->div[a].A) > 1e-14);
+                    Difference(cloud->ops->velocity[0].grad_u[a].A, cloud->ops->div[a].A) > 1e-14);
   }
   CloudAssertNone("a fit was not determined", where, cloud->ops->regularised_rows);
 }

@@ -14,7 +14,7 @@ static PetscReal MonomialError(const Cloud *cloud, PetscInt first, PetscInt last
     const Quadratic f = QuadraticMonomial(cloud->scene.dim, k), lap = QuadraticLaplacian(cloud, &f);
 
     ASSERT_OK(CloudSet(cloud, &f, cloud->f[0]));
-    ASSERT_OK(AffineApply(&cloud->ops->visc, cloud->f[0], NULL, cloud->y));
+    ASSERT_OK(AffineApply(&cloud->ops->velocity[0].visc, cloud->f[0], NULL, cloud->y));
     ASSERT_OK(CloudError(cloud, cloud->y, &lap, PETSC_TRUE, &error));
     largest = PetscMax(largest, error * PetscSqr(cloud->scene.dx));
   }
@@ -44,7 +44,7 @@ static void CheckRows(const LaplacianRow *form, const char *where, const Cloud *
   Mat             difference;
 
   ASSERT_OK(CloudSet(cloud, &one, cloud->f[0]));
-  ASSERT_OK(AffineApply(&cloud->ops->visc, cloud->f[0], NULL, cloud->y));
+  ASSERT_OK(AffineApply(&cloud->ops->velocity[0].visc, cloud->f[0], NULL, cloud->y));
   ASSERT_OK(CloudError(cloud, cloud->y, &zero, PETSC_FALSE, &error));
   CloudAssertNone("null_constants of visc", where,
                   (error * dx2 > 1e-13) == CloudHas(form, FORM_NULL_CONSTANTS));
@@ -55,7 +55,7 @@ static void CheckRows(const LaplacianRow *form, const char *where, const Cloud *
   if (!CloudHas(form, FORM_SAFE_IMPLICIT)) return;
 
   ASSERT_OK(MatDuplicate(cloud->ops->ppe.A, MAT_COPY_VALUES, &difference));
-  ASSERT_OK(MatAXPY(difference, dx2, cloud->ops->visc.A, SAME_NONZERO_PATTERN));
+  ASSERT_OK(MatAXPY(difference, dx2, cloud->ops->velocity[0].visc.A, SAME_NONZERO_PATTERN));
   ASSERT_OK(MatNorm(difference, NORM_FROBENIUS, &error));
   ASSERT_OK(MatNorm(cloud->ops->ppe.A, NORM_FROBENIUS, &norm));
   ASSERT_OK(MatDestroy(&difference));
@@ -64,8 +64,9 @@ static void CheckRows(const LaplacianRow *form, const char *where, const Cloud *
 
 static void CheckDeclared(const LaplacianRow *form, const char *where, const Cloud *cloud)
 {
-  const PetscInt  dim    = cloud->scene.dim;
-  const PetscReal linear = MonomialError(cloud, 0, dim), asymmetry = Asymmetry(cloud->ops->visc.A),
+  const PetscInt  dim       = cloud->scene.dim;
+  const PetscReal linear    = MonomialError(cloud, 0, dim),
+                  asymmetry = Asymmetry(cloud->ops->velocity[0].visc.A),
                   quadratic = MonomialError(cloud, dim, QuadraticCount(dim));
 
   if (CloudHas(form, FORM_SYMMETRIC))
@@ -138,7 +139,7 @@ static void LeastEigenvalue(const Cloud *cloud, PetscReal *least, PetscInt *not_
 
   ASSERT_OK(PetscMalloc2(n, &re, n, &im));
   ASSERT_OK(KSPCreate(PETSC_COMM_WORLD, &ksp));
-  ASSERT_OK(KSPSetOperators(ksp, cloud->ops->visc.A, cloud->ops->visc.A));
+  ASSERT_OK(KSPSetOperators(ksp, cloud->ops->velocity[0].visc.A, cloud->ops->velocity[0].visc.A));
   ASSERT_OK(KSPGetPC(ksp, &pc));
   ASSERT_OK(PCSetType(pc, PCNONE));
   ASSERT_OK(KSPSetUp(ksp));
@@ -215,7 +216,7 @@ static void test_reassembly(void **state)
     }
     ASSERT_OK(CloudMove(0.02, move % 2, 5e-4 * move, &cloud));
     ASSERT_OK(CloudSet(&cloud, &one, cloud.f[0]));
-    ASSERT_OK(AffineApply(&cloud.ops->visc, cloud.f[0], NULL, cloud.y));
+    ASSERT_OK(AffineApply(&cloud.ops->velocity[0].visc, cloud.f[0], NULL, cloud.y));
     ASSERT_OK(CloudError(&cloud, cloud.y, &zero, PETSC_FALSE, &error));
     CloudAssertNone("row sums", "crowded", error * PetscSqr(cloud.scene.dx) > 1e-12);
   }

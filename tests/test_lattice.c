@@ -23,7 +23,7 @@ static PetscReal WaveError(PetscInt dim, PetscInt n, const LaplacianRow *form)
   for (PetscInt i = 0; i < cloud.particles->n_fluid; i++)
     f[i] = PetscSinReal(k * x[0][i] + 1.0) * PetscSinReal(k * x[1][i] + 2.0);
   ASSERT_OK(VecRestoreArray(cloud.f[0], &f));
-  ASSERT_OK(AffineApply(&cloud.ops->visc, cloud.f[0], NULL, cloud.y));
+  ASSERT_OK(AffineApply(&cloud.ops->velocity[0].visc, cloud.f[0], NULL, cloud.y));
   ASSERT_OK(VecNorm(cloud.f[0], NORM_2, &norm));
   ASSERT_OK(VecAXPY(cloud.y, 2.0 * k * k, cloud.f[0]));
   ASSERT_OK(VecNorm(cloud.y, NORM_2, &error));
@@ -80,7 +80,7 @@ static void test_second_moment(void **state)
       lap = QuadraticLaplacian(&cloud, &f);
       lap.c *= 1.0 + 0.01 * known[q].percent[m];
       ASSERT_OK(CloudSet(&cloud, &f, cloud.f[0]));
-      ASSERT_OK(AffineApply(&cloud.ops->visc, cloud.f[0], NULL, cloud.y));
+      ASSERT_OK(AffineApply(&cloud.ops->velocity[0].visc, cloud.f[0], NULL, cloud.y));
       ASSERT_OK(CloudError(&cloud, cloud.y, &lap, PETSC_TRUE, &error));
       CloudAssertNone("second moment", names[m], error > 0.00055 * PetscAbsReal(lap.c));
       ASSERT_OK(CloudDestroy(&cloud));
@@ -140,7 +140,7 @@ static PetscReal ZhengError(PetscInt N, const LaplacianRow *form, PetscReal *wor
   for (PetscInt i = 0; i < p->n_fluid; i++)
     f[i] = PetscPowRealInt(p->x[0][i], 4) + PetscPowRealInt(p->x[1][i], 4);
   ASSERT_OK(VecRestoreArray(cloud.f[0], &f));
-  ASSERT_OK(AffineApply(&cloud.ops->visc, cloud.f[0], NULL, cloud.y));
+  ASSERT_OK(AffineApply(&cloud.ops->velocity[0].visc, cloud.f[0], NULL, cloud.y));
   *worst = 0.0;
   ASSERT_OK(VecGetArrayRead(cloud.y, &lap));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
@@ -202,7 +202,7 @@ static void test_closed_form(void **state)
     lap = QuadraticLaplacian(&cloud, &f);
     lap.c *= FactorAtDx(form);
     ASSERT_OK(CloudSet(&cloud, &f, cloud.f[0]));
-    ASSERT_OK(AffineApply(&cloud.ops->visc, cloud.f[0], NULL, cloud.y));
+    ASSERT_OK(AffineApply(&cloud.ops->velocity[0].visc, cloud.f[0], NULL, cloud.y));
     ASSERT_OK(CloudError(&cloud, cloud.y, &lap, PETSC_TRUE, &error));
     CloudAssertNone("|x|^2 at h = dx", form->name, error > 1e-10 * lap.c);
     ASSERT_OK(CloudDestroy(&cloud));

@@ -27,7 +27,7 @@ static void Apply(const Cloud *cloud, const Quadratic u[], PetscInt c, Vec y)
     ASSERT_OK(CloudSet(cloud, &u[a], cloud->f[0]));
     ASSERT_OK(VecStrideScatter(cloud->f[0], a, all, INSERT_VALUES));
   }
-  ASSERT_OK(MatMult(cloud->ops->visc.A, all, stress));
+  ASSERT_OK(MatMult(cloud->ops->velocity[0].visc.A, all, stress));
   ASSERT_OK(VecStrideGather(stress, c, y, INSERT_VALUES));
   ASSERT_OK(VecDestroy(&all));
   ASSERT_OK(VecDestroy(&stress));
@@ -110,10 +110,10 @@ static void test_damps(void **state)
       ASSERT_OK(
           PetscSNPrintf(options, sizeof(options), "-visc_laplacian %s", CloudLaplacian(k)->name));
       ASSERT_OK(CloudCreate(&box, options, &cloud));
-      ASSERT_OK(MatGetSize(cloud.ops->visc.A, &rows, NULL));
+      ASSERT_OK(MatGetSize(cloud.ops->velocity[0].visc.A, &rows, NULL));
       ASSERT_OK(PetscMalloc2(rows, &re, rows, &im));
       ASSERT_OK(KSPCreate(PETSC_COMM_WORLD, &ksp));
-      ASSERT_OK(KSPSetOperators(ksp, cloud.ops->visc.A, cloud.ops->visc.A));
+      ASSERT_OK(KSPSetOperators(ksp, cloud.ops->velocity[0].visc.A, cloud.ops->velocity[0].visc.A));
       ASSERT_OK(KSPGetPC(ksp, &pc));
       ASSERT_OK(PCSetType(pc, PCNONE));
       ASSERT_OK(KSPSetUp(ksp));

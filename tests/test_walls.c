@@ -13,10 +13,10 @@ static void CheckConstants(const WalledForms *forms, const char *where, Cloud *c
   const Quadratic  zero = {0}, u[3] = {{.c = 1.0}, {.c = -0.7}, {.c = 0.4}};
 
   WalledSetVelocity(cloud, u);
-  ASSERT_OK(AffineApply(&ops->visc, cloud->f[0], cloud->walls.u[0], cloud->y));
+  ASSERT_OK(AffineApply(&ops->velocity[0].visc, cloud->f[0], cloud->walls.u[0], cloud->y));
   WalledAssert("lap of constants", where, cloud, cloud->y, &zero, 2, 1e-12);
   for (PetscInt a = 0; a < cloud->scene.dim; a++) {
-    ASSERT_OK(AffineApply(&ops->grad_u[a], cloud->f[0], cloud->walls.u[0], cloud->y));
+    ASSERT_OK(AffineApply(&ops->velocity[0].grad_u[a], cloud->f[0], cloud->walls.u[0], cloud->y));
     WalledAssert("grad u of constants", where, cloud, cloud->y, &zero, 1, 1e-12);
     ASSERT_OK(AffineApply(&ops->grad_p[a], cloud->f[0], cloud->e, cloud->y));
     WalledAssert("grad p of constants", where, cloud, cloud->y, &zero, 1, 1e-12);
@@ -45,13 +45,13 @@ static void CheckCouette(const WalledForms *forms, const char *where, Cloud *clo
   u[0].g[last] = 1.0;
   WalledSetVelocity(cloud, u);
   if (even || (forms->laplacian->properties & FORM_EXACT_LINEAR)) {
-    ASSERT_OK(AffineApply(&ops->visc, cloud->f[0], cloud->walls.u[0], cloud->y));
+    ASSERT_OK(AffineApply(&ops->velocity[0].visc, cloud->f[0], cloud->walls.u[0], cloud->y));
     WalledAssert("lap u of Couette flow", where, cloud, cloud->y, &zero, 2, 1e-9);
   }
   for (PetscInt a = 0; a <= last && (forms->gradient->properties & FORM_EXACT_LINEAR); a++) {
     const Quadratic exact = QuadraticDerivative(cloud, &u[0], a);
 
-    ASSERT_OK(AffineApply(&ops->grad_u[a], cloud->f[0], cloud->walls.u[0], cloud->y));
+    ASSERT_OK(AffineApply(&ops->velocity[0].grad_u[a], cloud->f[0], cloud->walls.u[0], cloud->y));
     WalledAssert("grad u of Couette flow", where, cloud, cloud->y, &exact, 1, 1e-9);
   }
   if (even || (forms->gradient->properties & FORM_EXACT_LINEAR)) {
@@ -78,14 +78,14 @@ static void CheckLinearFlow(const WalledForms *forms, const char *where, Cloud *
 
     WalledSetVelocity(cloud, u);
     if (forms->laplacian->properties & FORM_EXACT_LINEAR) {
-      ASSERT_OK(AffineApply(&ops->visc, cloud->f[0], cloud->walls.u[0], cloud->y));
+      ASSERT_OK(AffineApply(&ops->velocity[0].visc, cloud->f[0], cloud->walls.u[0], cloud->y));
       WalledAssert("lap of linear flow", where, cloud, cloud->y, &zero, 2, 1e-8);
     }
     for (PetscInt a = 0; a < cloud->scene.dim; a++) {
       const Quadratic exact = QuadraticDerivative(cloud, &u[0], a);
 
       if (!(forms->gradient->properties & FORM_EXACT_LINEAR)) continue;
-      ASSERT_OK(AffineApply(&ops->grad_u[a], cloud->f[0], cloud->walls.u[0], cloud->y));
+      ASSERT_OK(AffineApply(&ops->velocity[0].grad_u[a], cloud->f[0], cloud->walls.u[0], cloud->y));
       WalledAssert("grad of linear flow", where, cloud, cloud->y, &exact, 1, 1e-8);
     }
   }

@@ -27,13 +27,6 @@ extern const Table KernelTable;
 void KernelEvaluate(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscReal r,
                     PetscReal w[3]);
 
-/* Equation of a neighbour in a least-squares fit of f about particle i. */
-typedef enum {
-  ROLE_VALUE,             /* f at X: the unknown of a fluid particle, the given value of a wall */
-  ROLE_NORMAL_DERIVATIVE, /* n.grad f at X is given; for vectors see GradientRow.DivergenceFit */
-  ROLE_NONE               /* a wall neighbour has no equation: the fit uses fluid alone */
-} Role;
-
 #define MLS_MAX_TERMS       19 /* X_a, X_a X_b, X_a X_b X_c, c <= b <= a, in 3D */
 #define MLS_QUADRATIC_TERMS 9  /* X_a, X_a X_b in 3D */
 typedef struct {
@@ -58,9 +51,9 @@ typedef struct {
   PetscInt  *side;                 /* side or body of wall neighbours */
   PetscReal *beta;                 /* of dummies: factor of u_wall,i - u_i, docs/theory.md, (49) */
   PetscReal *share;                /* of dummies: weight in u_wall,i, docs/theory.md, (50) */
-  PetscBool  fits_walls;  /* wall neighbours enter fits by their role, otherwise with values */
-  Role       role;        /* role of the wall neighbours in the present fit */
-  MlsFit     fit;         /* quadratic fit for this role, shared by gradient and Laplacian */
+  PetscBool  fits_walls;  /* wall neighbours have equations of their own, otherwise values */
+  Equation  *equation;    /* of each neighbour in the present fit; fluid gives a value */
+  MlsFit     fit;         /* quadratic fit of these equations, shared by gradient and Laplacian */
   PetscReal  volume;      /* of the particle itself [m^dim] */
   PetscReal  self[3];     /* W, dW/dr and d2W/dr2 at r = 0 [m^-dim, ...] */
   PetscInt   regularised; /* number of fits so far whose points did not determine them */
@@ -69,7 +62,8 @@ typedef struct {
 PetscErrorCode StencilCreate(PetscInt dim, PetscReal radius, PetscReal scale, Stencil **stencil);
 PetscErrorCode StencilDestroy(Stencil **stencil);
 PetscErrorCode StencilReserve(Stencil *stencil, PetscInt n);
-void           StencilSetRole(Stencil *stencil, Role role);
+void           StencilSetQuantity(const Scene *scene, FitQuantity quantity, Stencil *stencil);
+void           StencilSetVelocity(const Scene *scene, PetscInt c, Stencil *stencil);
 
 /* Declared properties of a form. They decide defaults and refusals; tests check each of them. */
 typedef enum {
@@ -77,7 +71,7 @@ typedef enum {
   FORM_SYMMETRIC       = 1 << 1, /* symmetric matrix for equal volumes and an uncorrected kernel */
   FORM_EXACT_LINEAR    = 1 << 2, /* on any arrangement of particles */
   FORM_EXACT_QUADRATIC = 1 << 3, /* on any arrangement of particles */
-  FORM_FULL_SUPPORT    = 1 << 4, /* needs particles behind walls; ignores wall roles */
+  FORM_FULL_SUPPORT    = 1 << 4, /* needs particles behind walls; ignores Stencil.equation */
   FORM_SAFE_IMPLICIT   = 1 << 5, /* the eigenvalues of -L have positive real parts */
   FORM_VARYING         = 1 << 6, /* admits a varying viscosity by means of pairs */
   FORM_COUPLES         = 1 << 7  /* divergence of a stress, which couples velocity components */
@@ -95,9 +89,9 @@ typedef struct {
 extern const Table CorrectionTable;
 
 /*
-  Laplacians. w[k] multiplies f_k - f_i of neighbour k, or in a fit with wall roles the given n.grad
-  f of wall neighbour k. If the form couples components, w[(k dim + a) dim + b] multiplies (u_k -
-  u_i)_b in component a.
+  Laplacians. w[k] multiplies f_k - f_i of neighbour k, or the given n.grad f if that is its
+  equation. If the form couples components, w[(k dim + a) dim + b] multiplies (u_k - u_i)_b in
+  component a.
 */
 typedef struct {
   const char *name, *brief, *citation;
@@ -142,7 +136,7 @@ extern const Table GradientTable;
 typedef struct Extension Extension;
 typedef struct {
   const char *name, *brief, *citation;
-  PetscBool   on_surface; /* a layer of particles on the wall, which enter fits by their role */
+  PetscBool   on_surface; /* a layer of particles on the wall, which have equations in fits */
   PetscReal (*Beta)(const Scene *scene, PetscReal distance, PetscReal depth);
   PetscErrorCode (*Extend)(Extension *extension); /* or NULL */
   PetscReal radii, spacings;                      /* reach of Extend: sum of [radius] and [dx] */
@@ -212,26 +206,38 @@ typedef struct {
 
 typedef struct Assembly Assembly; /* workspace of a row, see src/operators/assembly.h */
 
+/* Operators of a velocity component; wall data: u_wall,c, or n.grad u_c if that is given. */
+typedef struct {
+  AffineOperator visc;                 /* lap u_c, or div(nu grad u_c)/scene->nu [m^-2] */
+  AffineOperator grad_u[ISPH_MAX_DIM]; /* du_c/dx_a */
+  AffineOperator filter_u;             /* residual of the fit of u_c [-] */
+} VelocityOperators;
+
 typedef struct {
   OperatorForms forms;
   unsigned      needs; /* bits of Need */
 
-  AffineOperator visc; /* lap u, or div(nu grad u)/scene->nu [m^-2]; wall data: u_wall,c */
-  AffineOperator ppe;  /* -dx^2 lap p [-]; wall data: n.grad p */
-  AffineOperator grad_p[ISPH_MAX_DIM]; /* dp/dx_a; wall data: n.grad p */
-  AffineOperator grad_u[ISPH_MAX_DIM]; /* du_c/dx_a; wall data: u_wall,c */
-  AffineOperator div[ISPH_MAX_DIM];    /* (D u)_i = sum_c div[c] u_c; wall data: u_wall,c */
-  AffineOperator filter_u;             /* residual of the fit of u_c [-]; wall data: u_wall,c */
-  AffineOperator filter_p;             /* residual of the fit of p [-]; no wall data */
-  Pattern        fluid, walls;
-  PetscInt      *neighbor_of_slot; /* local index of each slot; only for coupled components */
-  Concentration  concentration;
+  VelocityOperators velocity[ISPH_MAX_DIM]; /* of component c: OperatorsOfVelocity() */
+  PetscInt          n_velocity; /* 1, or dim if a boundary has equations for each component */
+  AffineOperator    ppe;        /* -dx^2 lap p [-]; wall data: n.grad p */
+  AffineOperator    grad_p[ISPH_MAX_DIM]; /* dp/dx_a; wall data: n.grad p */
+  AffineOperator    div[ISPH_MAX_DIM];    /* (D u)_i = sum_c div[c] u_c; wall data: u_wall,c */
+  AffineOperator    filter_p;             /* residual of the fit of p [-]; no wall data */
+  Pattern           fluid, walls;
+  PetscInt         *neighbor_of_slot; /* local index of each slot; only for coupled components */
+  Concentration     concentration;
 
   PetscInt  epoch, moved;     /* stamps of the particles at the last assembly */
   PetscInt  assemblies;       /* stamp of the matrices: changes with each assembly */
   PetscInt  regularised_rows; /* fits of the last assembly whose points did not determine them */
   Assembly *work;
 } Operators;
+
+/* OperatorsOfVelocity - Returns the operators of velocity component c; not collective */
+static inline const VelocityOperators *OperatorsOfVelocity(const Operators *ops, PetscInt c)
+{
+  return &ops->velocity[ops->n_velocity == 1 ? 0 : c];
+}
 
 unsigned       SceneNeeds(const Scene *scene);
 PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **ops);

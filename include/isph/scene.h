@@ -60,9 +60,26 @@ typedef enum {
   BOUNDARY_NO_SLIP   = 1 << 2  /* the fluid has the velocity of the boundary */
 } BoundaryProperty;
 
+/* The equation that a particle on a boundary gives to a least-squares fit of a quantity f. */
+typedef enum {
+  EQUATION_VALUE,             /* f is given */
+  EQUATION_NORMAL_DERIVATIVE, /* n.grad f is given */
+  EQUATION_NONE               /* nothing is known: the fit is of fluid alone */
+} Equation;
+
+/* Quantities of a fit for which a kind of boundary may have different equations. */
+typedef enum {
+  FIT_VELOCITY_NORMAL,     /* component of the velocity along the normal */
+  FIT_VELOCITY_TANGENTIAL, /* component along the boundary */
+  FIT_PRESSURE,            /* its wall slope n.grad p follows from the momentum */
+  FIT_PRESSURE_FREE,       /* pressure whose wall slope is not known before the solve */
+  FIT_QUANTITIES
+} FitQuantity;
+
 typedef struct {
   const char *name, *brief, *citation;
-  unsigned    properties; /* bits of BoundaryProperty */
+  unsigned    properties;               /* bits of BoundaryProperty */
+  Equation    equation[FIT_QUANTITIES]; /* read if BOUNDARY_CONFINES */
 } BoundaryRow;
 extern const Table       BoundaryTable;
 extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundaryNone;
@@ -201,6 +218,8 @@ PetscInt       SceneBoundaries(const Scene *scene);
 const Body    *SceneBody(const Scene *scene, PetscInt k);
 const Body    *BoundaryBody(const Scene *scene, PetscInt side);
 PetscBool      BoundaryIs(const Scene *scene, PetscInt side, unsigned properties);
+Equation       BoundaryEquation(const Scene *scene, PetscInt side, FitQuantity quantity);
+Equation       BoundaryVelocityEquation(const Scene *scene, PetscInt side, PetscInt c);
 PetscBool      SceneIsPeriodic(const Scene *scene, PetscInt axis);
 PetscBool      SceneIsClosedBox(const Scene *scene);
 void      SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],

@@ -158,10 +158,10 @@ PetscErrorCode FlowStateDestroy(Flow *flow);
 PetscErrorCode FlowGetWork(Flow *flow, Vec *v);
 PetscErrorCode FlowRestoreWork(Flow *flow, Vec *v);
 
-PetscErrorCode ConvectionCentral(PetscInt dim, const Operators *ops, const Vec v[], Vec u,
+PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, const Vec v[], Vec u,
                                  Vec walls, Vec work, Vec result);
-PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], Vec u, Vec walls, Vec work,
-                               Vec result);
+PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], PetscInt c, Vec u, Vec walls,
+                               Vec work, Vec result);
 
 /* Copy of the flow before a step. */
 typedef struct Undo Undo;

@@ -33,11 +33,12 @@ static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, cons
     st->r[n] = PetscSqrtReal(r2);
     for (PetscInt a = 0; a < d; a++) st->X[a][n] = X[a];
     KernelEvaluate(ops->forms.kernel, d, ops->forms.h, st->r[n], w);
-    st->wall[n] = ParticlesIsWall(p, j);
-    st->V[n]    = st->wall[n] && p->volume ? p->volume[j] : volume;
-    st->W[n]    = w[0];
-    st->dW[n]   = w[1];
-    st->ddW[n]  = w[2];
+    st->wall[n]     = ParticlesIsWall(p, j);
+    st->equation[n] = EQUATION_VALUE;
+    st->V[n]        = st->wall[n] && p->volume ? p->volume[j] : volume;
+    st->W[n]        = w[0];
+    st->dW[n]       = w[1];
+    st->ddW[n]      = w[2];
     if (st->wall[n]) {
       PetscReal height = 0.0;
 
@@ -93,32 +94,44 @@ static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, Pets
   }
 }
 
+/* Assembles the rows of a particle for the velocity component whose equations are set. */
+static PetscErrorCode AssembleVelocityRow(const Scene *scene, const Particles *p, Stencil *st,
+                                          PetscInt diagonal, Operators *ops, VelocityOperators *of)
+{
+  PetscFunctionBegin;
+  if (of->visc.needed) {
+    PetscCall(LaplacianWeights(&ops->forms.visc, st, ops->work->w));
+    if (p->nu && !ops->forms.components_coupled) WeighByViscosity(scene, p, st, ops->work->w);
+    if (ops->forms.components_coupled) KeepBlockRow(st, diagonal, ops->work->w, ops);
+    else AddRow_Velocity(st, ops, diagonal, ops->work->w, &of->visc);
+  }
+  if (of->grad_u[0].needed) {
+    PetscCall(ops->forms.gradient->Row(st, ops->work->g));
+    for (PetscInt a = 0; a < st->dim; a++)
+      AddRow_Velocity(st, ops, diagonal, ops->work->g[a], &of->grad_u[a]);
+  }
+  if (of->filter_u.needed) {
+    PetscCall(FilterRow_Mls(st, ops->work->w));
+    AddRow_Velocity(st, ops, diagonal, ops->work->w, &of->filter_u);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Assembles the rows of all operators of a particle; the order lets operators share fits. */
 static PetscErrorCode AssembleRow(const Scene *scene, const Particles *p, Stencil *st,
                                   PetscInt diagonal, Operators *ops)
 {
   PetscFunctionBegin;
-  StencilSetRole(st, ROLE_VALUE);
-  if (ops->visc.needed) {
-    PetscCall(LaplacianWeights(&ops->forms.visc, st, ops->work->w));
-    if (p->nu && !ops->forms.components_coupled) WeighByViscosity(scene, p, st, ops->work->w);
-    if (ops->forms.components_coupled) KeepBlockRow(st, diagonal, ops->work->w, ops);
-    else AddRow_Dirichlet(st, ops, diagonal, ops->work->w, &ops->visc);
-  }
-  if (ops->grad_u[0].needed) {
-    PetscCall(ops->forms.gradient->Row(st, ops->work->g));
-    for (PetscInt a = 0; a < st->dim; a++)
-      AddRow_Dirichlet(st, ops, diagonal, ops->work->g[a], &ops->grad_u[a]);
-  }
-  if (ops->filter_u.needed) {
-    PetscCall(FilterRow_Mls(st, ops->work->w));
-    AddRow_Dirichlet(st, ops, diagonal, ops->work->w, &ops->filter_u);
+  for (PetscInt c = 0; c < ops->n_velocity; c++) {
+    StencilSetVelocity(scene, c, st);
+    PetscCall(AssembleVelocityRow(scene, p, st, diagonal, ops, &ops->velocity[c]));
   }
   if (ops->ppe.needed) {
     PetscCall(AddRows_Pressure(scene, st, diagonal, ops));
-    if (ops->needs & NEED_FREE_GRAD_P) PetscCall(AddRows_GradientWithoutWalls(st, diagonal, ops));
-    if (ops->filter_p.needed) PetscCall(AddRow_PressureFilter(st, diagonal, ops));
-    PetscCall(AddRows_Divergence(st, diagonal, ops));
+    if (ops->needs & NEED_FREE_GRAD_P)
+      PetscCall(AddRows_GradientWithoutWalls(scene, st, diagonal, ops));
+    if (ops->filter_p.needed) PetscCall(AddRow_PressureFilter(scene, st, diagonal, ops));
+    PetscCall(AddRows_Divergence(scene, st, diagonal, ops));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -170,9 +183,10 @@ static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, cons
     ops->work->slot_capacity = 2 * longest;
     PetscCall(PetscFree4(ops->work->slot, ops->work->w, ops->work->m, ops->work->wall_w));
     PetscCall(PetscMalloc4(3 * ops->work->slot_capacity, &ops->work->slot,
-                           ops->work->slot_capacity * ops->visc.width, &ops->work->w,
+                           ops->work->slot_capacity * ops->velocity[0].visc.width, &ops->work->w,
                            ops->work->slot_capacity, &ops->work->m,
-                           ops->work->slot_capacity * ops->visc.width, &ops->work->wall_w));
+                           ops->work->slot_capacity * ops->velocity[0].visc.width,
+                           &ops->work->wall_w));
     for (PetscInt a = 0; a < scene->dim; a++) {
       PetscCall(PetscFree(ops->work->g[a]));
       PetscCall(PetscMalloc1(ops->work->slot_capacity, &ops->work->g[a]));
@@ -245,7 +259,7 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
     if (ops->needs & NEED_CONCENTRATION) AssembleConcentration(scene, p, st, i, ops);
   }
   for (PetscInt k = 0; k < count; k++) {
-    if (ops->forms.components_coupled && needed[k] == &ops->visc) continue;
+    if (ops->forms.components_coupled && needed[k] == &ops->velocity[0].visc) continue;
     PetscCall(
         PatternMat(p->comm, &ops->fluid, p->n_fluid, p->n_fluid, needed[k]->a, &needed[k]->A));
     if (!ops->forms.wall) continue;

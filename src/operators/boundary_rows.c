@@ -15,12 +15,12 @@
 #include "rows.h"
 
 /*
-  Adds a row on values, sum_k w_k (f_k - f_i), with f_w - f_i of wall_points.c. A wall particle on
-  the surface has its own value. A treatment with extension replaces the values of wall particles
-  later, in ExtendWalls().
+  Adds a row on a velocity component, sum_k w_k (f_k - f_i), with f_w - f_i of wall_points.c. A wall
+  particle on the surface has its own value, or n.grad f if that is its equation. A treatment with
+  extension replaces the values of wall particles later, in ExtendWalls().
 */
-void AddRow_Dirichlet(const Stencil *st, const Operators *ops, PetscInt diagonal,
-                      const PetscReal w[], AffineOperator *op)
+void AddRow_Velocity(const Stencil *st, const Operators *ops, PetscInt diagonal,
+                     const PetscReal w[], AffineOperator *op)
 {
   const PetscReal *b   = WallWeights(st, ops, 1, w);
   PetscReal        sum = 0.0;
@@ -30,7 +30,7 @@ void AddRow_Dirichlet(const Stencil *st, const Operators *ops, PetscInt diagonal
 
     if (st->wall[k]) op->b[ops->work->slot[k]] += weight;
     else op->a[ops->work->slot[k]] += weight;
-    sum += weight;
+    if (st->equation[k] == EQUATION_VALUE) sum += weight;
   }
   op->a[diagonal] -= sum;
 }
@@ -40,8 +40,8 @@ void AddRow_Dirichlet(const Stencil *st, const Operators *ops, PetscInt diagonal
   multiplies n.grad f. A dummy has f_w - f_i = (X.n) n.grad f here; the weights already contain its
   tangential part.
 */
-static void AddRow_Neumann(const Stencil *st, const Operators *ops, PetscInt diagonal,
-                           PetscReal scale, const PetscReal w[], AffineOperator *op)
+static void AddRow_Pressure(const Stencil *st, const Operators *ops, PetscInt diagonal,
+                            PetscReal scale, const PetscReal w[], AffineOperator *op)
 {
   PetscReal sum = 0.0, tangent[ISPH_MAX_DIM];
 
@@ -157,18 +157,18 @@ PetscErrorCode AddRows_Pressure(const Scene *scene, Stencil *st, PetscInt diagon
                            (ops->forms.gradient->properties & FORM_EXACT_LINEAR);
 
   PetscFunctionBegin;
-  StencilSetRole(st, ROLE_NORMAL_DERIVATIVE);
+  StencilSetQuantity(scene, FIT_PRESSURE, st);
   PetscCall(LaplacianWeights(&ops->forms.ppe, st, ops->work->w));
   PetscCall(ops->forms.gradient->Row(st, ops->work->g));
   if (st->n_wall && !st->fits_walls) {
     DummyRow_Gradient(st, ops->work->g);
     if (follow) DummyRow_Laplacian(st, ops->work->g, ops->work->w);
   }
-  AddRow_Neumann(st, ops, diagonal, -PetscSqr(scene->dx), ops->work->w, &ops->ppe);
+  AddRow_Pressure(st, ops, diagonal, -PetscSqr(scene->dx), ops->work->w, &ops->ppe);
   if (ops->needs & NEED_FREE_GRAD_P)
     PetscFunctionReturn(PETSC_SUCCESS); /* see AddRows_GradientWithoutWalls() */
   for (PetscInt a = 0; a < st->dim; a++)
-    AddRow_Neumann(st, ops, diagonal, 1.0, ops->work->g[a], &ops->grad_p[a]);
+    AddRow_Pressure(st, ops, diagonal, 1.0, ops->work->g[a], &ops->grad_p[a]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -178,13 +178,14 @@ PetscErrorCode AddRows_Pressure(const Scene *scene, Stencil *st, PetscInt diagon
   Not collective. The coupled scheme needs these rows: there the wall pressure gradient is not
   prescribed but follows from the momentum equation.
 */
-PetscErrorCode AddRows_GradientWithoutWalls(Stencil *st, PetscInt diagonal, Operators *ops)
+PetscErrorCode AddRows_GradientWithoutWalls(const Scene *scene, Stencil *st, PetscInt diagonal,
+                                            Operators *ops)
 {
   PetscFunctionBegin;
-  StencilSetRole(st, ROLE_NONE);
+  StencilSetQuantity(scene, FIT_PRESSURE_FREE, st);
   PetscCall(ops->forms.gradient->Row(st, ops->work->g));
   for (PetscInt a = 0; a < st->dim; a++)
-    AddRow_Neumann(st, ops, diagonal, 1.0, ops->work->g[a], &ops->grad_p[a]);
+    AddRow_Pressure(st, ops, diagonal, 1.0, ops->work->g[a], &ops->grad_p[a]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -194,12 +195,13 @@ PetscErrorCode AddRows_GradientWithoutWalls(Stencil *st, PetscInt diagonal, Oper
   Not collective. The wall pressure gradient does not enter. Without fluid neighbours the residual
   is the pressure itself.
 */
-PetscErrorCode AddRow_PressureFilter(Stencil *st, PetscInt diagonal, Operators *ops)
+PetscErrorCode AddRow_PressureFilter(const Scene *scene, Stencil *st, PetscInt diagonal,
+                                     Operators *ops)
 {
   PetscFunctionBegin;
-  StencilSetRole(st, ROLE_NONE);
+  StencilSetQuantity(scene, FIT_PRESSURE_FREE, st);
   PetscCall(FilterRow_Mls(st, ops->work->w));
-  AddRow_Neumann(st, ops, diagonal, 1.0, ops->work->w, &ops->filter_p);
+  AddRow_Pressure(st, ops, diagonal, 1.0, ops->work->w, &ops->filter_p);
   if (st->n == st->n_wall) ops->filter_p.a[diagonal] = 1.0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -282,17 +284,18 @@ static void AddRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d
 
 /*
   AddRows_Divergence - Adds the rows of the divergence of a particle: by a vector fit if walls have
-  roles, otherwise with the weights of the gradient
+  equations, otherwise with the weights of the gradient
 
   Not collective.
 */
-PetscErrorCode AddRows_Divergence(Stencil *st, PetscInt diagonal, Operators *ops)
+PetscErrorCode AddRows_Divergence(const Scene *scene, Stencil *st, PetscInt diagonal,
+                                  Operators *ops)
 {
   PetscFunctionBegin;
   if (st->n_wall && st->fits_walls && ops->forms.gradient->DivergenceFit) {
     PetscCall(ops->forms.gradient->DivergenceFit(st, ops->work->g, ops->work->m));
   } else {
-    StencilSetRole(st, ROLE_VALUE);
+    StencilSetQuantity(scene, FIT_VELOCITY_NORMAL, st);
     PetscCall(ops->forms.gradient->Row(st, ops->work->g));
     if (st->n_wall && !st->fits_walls) DummyRow_Divergence(st, ops->work->g);
     for (PetscInt k = 0; st->n_wall && k < st->n; k++) {

@@ -4,7 +4,7 @@
 
 #include "isph/operators.h"
 
-#define OPERATORS_COUNT (4 + 3 * ISPH_MAX_DIM)
+#define OPERATORS_COUNT (2 + 4 * ISPH_MAX_DIM + ISPH_MAX_DIM * ISPH_MAX_DIM)
 void OperatorsList(Operators *ops, AffineOperator *all[OPERATORS_COUNT]);
 
 /* Viscosity of a pair of particles: harmonic mean; P. W. Cleary, J. J. Monaghan (1999). */
@@ -28,14 +28,17 @@ static inline PetscReal SplitX(const Stencil *st, PetscInt k, PetscReal tangent[
 void             WallPointShares(const Operators *ops, Stencil *stencil);
 const PetscReal *WallWeights(const Stencil *stencil, const Operators *ops, PetscInt width,
                              const PetscReal w[]);
-void             AddRow_Dirichlet(const Stencil *stencil, const Operators *ops, PetscInt diagonal,
-                                  const PetscReal w[], AffineOperator *op);
+void             AddRow_Velocity(const Stencil *stencil, const Operators *ops, PetscInt diagonal,
+                                 const PetscReal w[], AffineOperator *op);
 void KeepBlockRow(const Stencil *stencil, PetscInt diagonal, const PetscReal w[], Operators *ops);
 PetscErrorCode AssembleViscousBlock(const Scene *scene, const Particles *particles, Operators *ops);
 PetscErrorCode AddRows_Pressure(const Scene *scene, Stencil *stencil, PetscInt diagonal,
                                 Operators *ops);
-PetscErrorCode AddRows_GradientWithoutWalls(Stencil *stencil, PetscInt diagonal, Operators *ops);
-PetscErrorCode AddRow_PressureFilter(Stencil *stencil, PetscInt diagonal, Operators *ops);
-PetscErrorCode AddRows_Divergence(Stencil *stencil, PetscInt diagonal, Operators *ops);
+PetscErrorCode AddRows_GradientWithoutWalls(const Scene *scene, Stencil *stencil, PetscInt diagonal,
+                                            Operators *ops);
+PetscErrorCode AddRow_PressureFilter(const Scene *scene, Stencil *stencil, PetscInt diagonal,
+                                     Operators *ops);
+PetscErrorCode AddRows_Divergence(const Scene *scene, Stencil *stencil, PetscInt diagonal,
+                                  Operators *ops);
 
 #endif

@@ -155,9 +155,13 @@ PetscErrorCode ExtendWalls(const Scene *scene, const Particles *p, const Neighbo
   PetscCall(ExtensionCreate(scene, p, nb, ops, &ext));
   PetscCall(FillEntries(ops->forms.wall, p, &ext, &list));
   PetscCall(EntriesMat(p, &list, &E));
-  PetscCall(ExtendOperator(E, list.S, &ops->visc));
-  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(ExtendOperator(E, list.S, &ops->grad_u[a]));
-  PetscCall(ExtendOperator(E, list.S, &ops->filter_u));
+  for (PetscInt c = 0; c < ops->n_velocity; c++) {
+    VelocityOperators *of = &ops->velocity[c];
+
+    PetscCall(ExtendOperator(E, list.S, &of->visc));
+    for (PetscInt a = 0; a < scene->dim; a++) PetscCall(ExtendOperator(E, list.S, &of->grad_u[a]));
+    PetscCall(ExtendOperator(E, list.S, &of->filter_u));
+  }
   ops->work->stencil->regularised += ext.regularised;
   PetscCall(MatDestroy(&E));
   PetscCall(VecDestroy(&list.S));

@@ -3,8 +3,8 @@
 
     f(x_i + X) - f_i = sum_t c_t phi_t(X/R),   phi = X_a, X_a X_b (b <= a), ...,
 
-  with the radius R of the support, minimises sum_k W_k (equation of neighbour k)^2. A wall particle
-  with a role has a boundary condition as its equation: n.grad f = g, or n.f = n.f_wall for vectors
+  with the radius R of the support, minimises sum_k W_k (equation of neighbour k)^2. The equation of
+  a wall particle is a boundary condition: f = f_wall, n.grad f = g, or n.f = n.f_wall for vectors
   (mlsvector.c). The fit is exact for polynomials of its degree.
 
   Reference: G. R. Liu & Y. T. Gu, An Introduction to Meshfree Methods, Springer 2005, ch. 3;
@@ -40,11 +40,11 @@ static inline void MlsBasisNormalDerivative(const Stencil *st, PetscInt dim, Pet
 static inline PetscReal MlsEquation(const Stencil *st, PetscInt dim, PetscInt degree, PetscInt k,
                                     PetscReal phi[])
 {
-  if (st->wall[k] && st->role == ROLE_NONE) {
+  if (st->equation[k] == EQUATION_NONE) {
     for (PetscInt t = 0; t < MlsTerms(dim, degree); t++) phi[t] = 0.0;
     return 0.0;
   }
-  if (st->fits_walls && st->wall[k] && st->role == ROLE_NORMAL_DERIVATIVE) {
+  if (st->equation[k] == EQUATION_NORMAL_DERIVATIVE) {
     MlsBasisNormalDerivative(st, dim, degree, k, phi);
     return st->scale;
   }
@@ -99,7 +99,7 @@ static void MlsMoments(const Stencil *st, PetscInt degree, PetscReal moments[])
 }
 
 /*
-  Factors the cubic fit for the present role.
+  Factors the cubic fit for the present equations.
 
   Returns: PETSC_FALSE if the neighbours do not determine the fit
 */
@@ -111,7 +111,7 @@ static PetscBool MlsFactorCubic(const Stencil *st, MlsFit *fit)
   return DenseCholesky(fit->terms, fit->factor) ? PETSC_FALSE : PETSC_TRUE;
 }
 
-/* Factors the quadratic fit for the present role unless it is valid already. */
+/* Factors the quadratic fit for the present equations unless it is valid already. */
 static PetscErrorCode MlsFactor(Stencil *st)
 {
   MlsFit   *fit = &st->fit;
@@ -179,7 +179,7 @@ static void MlsLaplacian(const Stencil *st, const MlsFit *fit, PetscReal w[])
 
     lap f = 2/R^2 sum_a c_aa
 
-  Properties: exact for quadratic fields on any arrangement; not symmetric; reads wall roles.
+  Properties: exact for quadratic fields on any arrangement; not symmetric; reads equations.
 */
 PetscErrorCode LaplacianRow_Mls(Stencil *st, PetscReal w[])
 {
@@ -193,8 +193,8 @@ PetscErrorCode LaplacianRow_Mls(Stencil *st, PetscReal w[])
   LaplacianRow_Mls3 - Computes the Laplacian of the cubic fit; if the points do not determine it,
   the Laplacian of the quadratic fit, which the stencil counts
 
-  Properties: exact for cubic fields, so of order 2 on disorder too; not symmetric; reads wall
-  roles.
+  Properties: exact for cubic fields, so of order 2 on disorder too; not symmetric; reads
+  equations.
 */
 PetscErrorCode LaplacianRow_Mls3(Stencil *st, PetscReal w[])
 {
@@ -225,6 +225,12 @@ PetscErrorCode GradientRow_Mls(Stencil *st, PetscReal *g[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns W of a neighbour that gives a value, otherwise 0: values determine the constant. */
+static inline PetscReal ValueWeight(const Stencil *st, PetscInt k)
+{
+  return st->equation[k] == EQUATION_VALUE ? st->W[k] : 0.0;
+}
+
 /*
   FilterRow_Mls - Computes the residual of a quadratic fit with a free constant, docs/theory.md,
   (22)
@@ -232,7 +238,8 @@ PetscErrorCode GradientRow_Mls(Stencil *st, PetscReal *g[])
     f_i - c_0 = -sum_k w_k (f_k - f_i),   w_k = W_k (1 - m.c_k)/(W(0) + sum_k W_k - m.M^-1 m),
     c_k = M^-1 phi_k,   m = sum_k W_k phi_k,   M = sum_k W_k phi_k phi_k^T
 
-  phi and M belong to the interpolating fit; the constant is eliminated by hand.
+  phi and M belong to the interpolating fit; the constant is eliminated by hand. A neighbour that
+  gives n.grad f has no 1 in w_k and no term in m.
 
   Properties: vanishes for quadratic fields on any arrangement. For smooth fields it is of order
   dx^4 inside a lattice, and of order dx^3 on disorder and beside a boundary. At h/dx = 1.3 in 2D it
@@ -248,8 +255,9 @@ PetscErrorCode FilterRow_Mls(Stencil *st, PetscReal w[])
   PetscFunctionBegin;
   PetscCall(MlsFactor(st));
   for (PetscInt k = 0; k < st->n; k++) {
-    const PetscReal weight = MlsEquation(st, st->dim, 2, k, phi) * st->W[k];
+    const PetscReal weight = ValueWeight(st, k);
 
+    (void)MlsEquation(st, st->dim, 2, k, phi);
     sum += weight;
     for (PetscInt t = 0; t < st->fit.terms; t++) mean[t] += weight * phi[t];
   }
@@ -257,10 +265,10 @@ PetscErrorCode FilterRow_Mls(Stencil *st, PetscReal w[])
   DenseCholeskySolve(st->fit.terms, st->fit.factor, c);
   for (PetscInt t = 0; t < st->fit.terms; t++) sum -= mean[t] * c[t];
   for (PetscInt k = 0; k < st->n; k++) {
-    const PetscReal weight = MlsEquation(st, st->dim, 2, k, phi) * st->W[k];
+    const PetscReal scale = MlsEquation(st, st->dim, 2, k, phi) * st->W[k];
 
-    w[k] = -weight / sum;
-    for (PetscInt t = 0; t < st->fit.terms; t++) w[k] += weight * phi[t] * c[t] / sum;
+    w[k] = -ValueWeight(st, k) / sum;
+    for (PetscInt t = 0; t < st->fit.terms; t++) w[k] += scale * phi[t] * c[t] / sum;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

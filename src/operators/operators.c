@@ -11,12 +11,14 @@ void OperatorsList(Operators *ops, AffineOperator *all[OPERATORS_COUNT])
 {
   PetscInt n = 0;
 
-  all[n++] = &ops->visc;
+  for (PetscInt c = 0; c < ISPH_MAX_DIM; c++) {
+    all[n++] = &ops->velocity[c].visc;
+    all[n++] = &ops->velocity[c].filter_u;
+    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) all[n++] = &ops->velocity[c].grad_u[a];
+  }
   all[n++] = &ops->ppe;
-  all[n++] = &ops->filter_u;
   all[n++] = &ops->filter_p;
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
-    all[n++] = &ops->grad_u[a];
     all[n++] = &ops->grad_p[a];
     all[n++] = &ops->div[a];
   }
@@ -31,6 +33,28 @@ unsigned SceneNeeds(const Scene *scene)
   if (SceneHas(scene, PHYSICS_PRESSURE)) needs |= NEED_PRESSURE;
   if (SceneHas(scene, PHYSICS_CONVECTION) || !SceneIsNewtonian(scene)) needs |= NEED_GRADIENT_U;
   return needs;
+}
+
+/* Returns 1, or dim if a boundary has other equations for the normal velocity than for the
+   tangential one. */
+static PetscInt CountVelocityOperators(const Scene *scene)
+{
+  for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
+    if (BoundaryEquation(scene, side, FIT_VELOCITY_NORMAL) !=
+        BoundaryEquation(scene, side, FIT_VELOCITY_TANGENTIAL))
+      return scene->dim;
+  }
+  return 1;
+}
+
+/* Marks the operators of a velocity component that the run needs. */
+static void NeedVelocity(const Scene *scene, const Operators *ops, VelocityOperators *of)
+{
+  of->visc.width      = LaplacianWidth(&ops->forms.visc, scene->dim);
+  of->visc.needed     = ops->needs & NEED_VISCOSITY ? PETSC_TRUE : PETSC_FALSE;
+  of->filter_u.needed = ops->needs & NEED_FILTER_U ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt a = 0; a < scene->dim; a++)
+    of->grad_u[a].needed = ops->needs & NEED_GRADIENT_U ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /*
@@ -70,14 +94,12 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
   PetscCall(OperatorsChoose(scene, needs, &ops->forms));
   OperatorsList(ops, all);
   for (PetscInt k = 0; k < OPERATORS_COUNT; k++) all[k]->width = 1;
-  ops->visc.width      = LaplacianWidth(&ops->forms.visc, scene->dim);
-  ops->visc.needed     = needs & NEED_VISCOSITY ? PETSC_TRUE : PETSC_FALSE;
-  ops->filter_u.needed = needs & NEED_FILTER_U ? PETSC_TRUE : PETSC_FALSE;
+  ops->n_velocity = CountVelocityOperators(scene);
+  for (PetscInt c = 0; c < ops->n_velocity; c++) NeedVelocity(scene, ops, &ops->velocity[c]);
   ops->filter_p.needed = needs & NEED_FILTER_P ? PETSC_TRUE : PETSC_FALSE;
   ops->ppe.needed      = pressure;
   for (PetscInt a = 0; a < scene->dim; a++) {
     ops->grad_p[a].needed = ops->div[a].needed = pressure;
-    ops->grad_u[a].needed                      = needs & NEED_GRADIENT_U ? PETSC_TRUE : PETSC_FALSE;
   }
   PetscCall(StencilCreate(scene->dim, ops->forms.radius, 0.5 * ops->forms.radius, &st));
   st->fits_walls = ops->forms.wall ? ops->forms.wall->on_surface : PETSC_FALSE;

@@ -24,7 +24,8 @@ static PetscErrorCode StencilFree(Stencil *st)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree2(st->X[a], st->normal[a]));
   PetscCall(PetscFree7(st->r, st->V, st->W, st->dW, st->ddW, st->beta, st->j));
-  PetscCall(PetscFree5(st->wall, st->corrected[0], st->corrected[1], st->side, st->share));
+  PetscCall(
+      PetscFree6(st->wall, st->corrected[0], st->corrected[1], st->side, st->share, st->equation));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -50,21 +51,35 @@ PetscErrorCode StencilReserve(Stencil *st, PetscInt n)
   PetscCall(PetscMalloc7(st->capacity, &st->r, st->capacity, &st->V, st->capacity, &st->W,
                          st->capacity, &st->dW, st->capacity, &st->ddW, st->capacity, &st->beta,
                          st->capacity, &st->j));
-  PetscCall(PetscMalloc5(st->capacity, &st->wall, st->capacity, &st->corrected[0], st->capacity,
-                         &st->corrected[1], st->capacity, &st->side, st->capacity, &st->share));
+  PetscCall(PetscMalloc6(st->capacity, &st->wall, st->capacity, &st->corrected[0], st->capacity,
+                         &st->corrected[1], st->capacity, &st->side, st->capacity, &st->share,
+                         st->capacity, &st->equation));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  StencilSetRole - Sets the role of wall neighbours in the following fits
-
-  Not collective. Keeps the factored fit if the role does not change it: without wall neighbours,
-  and for dummies, whose equations have values in both roles.
-*/
-void StencilSetRole(Stencil *st, Role role)
+/* Sets the equation of wall neighbour k, which invalidates a fit with another equation. */
+static void SetEquation(Stencil *st, PetscInt k, Equation equation)
 {
-  const PetscBool apart = st->fits_walls || role == ROLE_NONE || st->role == ROLE_NONE;
+  if (!st->fits_walls && equation != EQUATION_NONE) equation = EQUATION_VALUE;
+  if (equation != st->equation[k]) st->fit.valid = PETSC_FALSE;
+  st->equation[k] = equation;
+}
 
-  if (st->n_wall && apart && role != st->role) st->fit.valid = PETSC_FALSE;
-  st->role = role;
+/*
+  StencilSetQuantity - Sets the equations of wall neighbours in the following fits
+
+  Not collective. Keeps the factored fit if no equation changes. Dummies have values or nothing in
+  fits; boundary_rows.c gives them the boundary's equation.
+*/
+void StencilSetQuantity(const Scene *scene, FitQuantity quantity, Stencil *st)
+{
+  for (PetscInt k = 0; st->n_wall && k < st->n; k++)
+    if (st->wall[k]) SetEquation(st, k, BoundaryEquation(scene, st->side[k], quantity));
+}
+
+/* StencilSetVelocity - Sets the equations for velocity component c; not collective */
+void StencilSetVelocity(const Scene *scene, PetscInt c, Stencil *st)
+{
+  for (PetscInt k = 0; st->n_wall && k < st->n; k++)
+    if (st->wall[k]) SetEquation(st, k, BoundaryVelocityEquation(scene, st->side[k], c));
 }

@@ -13,16 +13,16 @@
 /* Returns the matrix entries of a slot: (a, b) for coupled components, otherwise (a, a). */
 static PetscInt SlotEntries(const Operators *ops, PetscInt dim)
 {
-  return ops->visc.width == 1 ? dim : ops->visc.width;
+  return ops->velocity[0].visc.width == 1 ? dim : ops->velocity[0].visc.width;
 }
 
 /* KeepBlockRow - Stores the weights of a row in their slots, with f_w - f_i of wall_points.c; not
    collective */
 void KeepBlockRow(const Stencil *st, PetscInt diagonal, const PetscReal w[], Operators *ops)
 {
-  const PetscInt   width = ops->visc.width;
+  const PetscInt   width = ops->velocity[0].visc.width;
   const PetscReal *b     = WallWeights(st, ops, width, w);
-  AffineOperator  *op    = &ops->visc;
+  AffineOperator  *op    = &ops->velocity[0].visc;
 
   for (PetscInt k = 0; k < st->n; k++) {
     PetscReal       *to   = (st->wall[k] ? op->b : op->a) + ops->work->slot[k] * width;
@@ -66,8 +66,9 @@ static PetscErrorCode ViscousBlockMat(const Particles *p, const Operators *ops,
 PetscErrorCode AssembleViscousBlock(const Scene *scene, const Particles *p, Operators *ops)
 {
   PetscFunctionBegin;
-  PetscCall(ViscousBlockMat(p, ops, &ops->fluid, p->n_fluid, &ops->visc.A));
-  if (ops->forms.wall) PetscCall(ViscousBlockMat(p, ops, &ops->walls, p->n_wall, &ops->visc.B));
+  PetscCall(ViscousBlockMat(p, ops, &ops->fluid, p->n_fluid, &ops->velocity[0].visc.A));
+  if (ops->forms.wall)
+    PetscCall(ViscousBlockMat(p, ops, &ops->walls, p->n_wall, &ops->velocity[0].visc.B));
   PetscCall(OperatorsScaleViscosity(scene, p, ops));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -92,9 +93,9 @@ static void ScaleSlot(PetscInt width, PetscInt entries, PetscReal ratio, const P
 */
 PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, Operators *ops)
 {
-  const PetscInt        width = ops->visc.width, entries = SlotEntries(ops, p->dim);
+  const PetscInt        width = ops->velocity[0].visc.width, entries = SlotEntries(ops, p->dim);
   const Pattern        *fluid = &ops->fluid, *walls = &ops->walls;
-  const AffineOperator *op = &ops->visc;
+  const AffineOperator *op = &ops->velocity[0].visc;
   PetscReal            *a, *b;
 
   PetscFunctionBegin;
@@ -130,7 +131,7 @@ PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, O
     g = sqrt(2 E:E),   E = (grad u + grad u^T)/2
 
   Collective on the particles' communicator. Input: u - components over the fluid; walls - wall
-  velocity. Output: p->nu with its halo, ops->visc.
+  velocity. Output: p->nu with its halo, ops->velocity[0].visc.
 */
 PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *p, const WallValues *walls,
                                      const Vec u[], Operators *ops)
@@ -144,8 +145,8 @@ PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *p, const Wal
   for (PetscInt c = 0; c < p->dim;
        c++) { /* g^2 = sum_c,a<=c (1 or 1/2) (du_c/dx_a + du_a/dx_c)^2 */
     for (PetscInt a = 0; a <= c; a++) {
-      PetscCall(AffineApply(&ops->grad_u[a], u[c], walls->u[c], slope));
-      PetscCall(AffineApplyAdd(&ops->grad_u[c], u[a], walls->u[a], slope));
+      PetscCall(AffineApply(&ops->velocity[0].grad_u[a], u[c], walls->u[c], slope));
+      PetscCall(AffineApplyAdd(&ops->velocity[0].grad_u[c], u[a], walls->u[a], slope));
       PetscCall(VecGetArrayRead(slope, &g));
       for (PetscInt i = 0; i < p->n_fluid; i++) p->nu[i] += (a == c ? 0.5 : 1.0) * PetscSqr(g[i]);
       PetscCall(VecRestoreArrayRead(slope, &g));

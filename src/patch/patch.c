@@ -130,7 +130,7 @@ static PetscErrorCode PatchMeasure(Patch *patch, Report *report)
     PetscCall(
         OperatorsAssemble(patch->scene, patch->particles, patch->neighbors, patch->ops, &changed));
     PetscCall(PetscTime(&assembled));
-    PetscCall(AffineApply(&patch->ops->visc, patch->f, patch->f_around, lap));
+    PetscCall(AffineApply(&patch->ops->velocity[0].visc, patch->f, patch->f_around, lap));
     PetscCall(PetscTime(&applied));
     assemble = PetscMin(assemble, assembled - start);
     apply    = PetscMin(apply, applied - assembled);
@@ -209,7 +209,7 @@ PetscErrorCode PatchRun(Scene *scene)
     PetscCall(PatchStructure(&patch, report));
     if (patch.spectrum) PetscCall(PatchSpectrum(&patch, report));
     if (patch.solve) PetscCall(PatchSolve(&patch, report));
-    PetscCall(MatrixFileWrite(patch.particles, patch.ops->visc.A, matrix));
+    PetscCall(MatrixFileWrite(patch.particles, patch.ops->velocity[0].visc.A, matrix));
     PetscCall(OptionsRefuseUnknown(PETSC_TRUE));
     PetscCall(PetscTime(&end));
     flow.particles = patch.particles;

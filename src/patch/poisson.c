@@ -6,7 +6,7 @@
 static PetscErrorCode PoissonSource(const Patch *patch, Vec b)
 {
   PetscFunctionBegin;
-  PetscCall(MatMult(patch->ops->visc.B, patch->f_around, b));
+  PetscCall(MatMult(patch->ops->velocity[0].visc.B, patch->f_around, b));
   PetscCall(VecAYPX(b, -1.0, patch->exact));
   PetscCall(VecScale(b, -PetscSqr(patch->scene->dx)));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -40,7 +40,7 @@ PetscErrorCode PatchSolve(const Patch *patch, Report *report)
   PetscCall(OptionsRefuseUnknown(PETSC_FALSE));
   if (guard.solve.note[0])
     PetscCall(PetscPrintf(PETSC_COMM_WORLD, "unwise      %s\n", guard.solve.note));
-  PetscCall(MatDuplicate(patch->ops->visc.A, MAT_COPY_VALUES, &A));
+  PetscCall(MatDuplicate(patch->ops->velocity[0].visc.A, MAT_COPY_VALUES, &A));
   PetscCall(MatScale(A, -PetscSqr(patch->scene->dx)));
   PetscCall(VecDuplicate(patch->f, &b));
   PetscCall(VecDuplicate(patch->f, &f));

@@ -150,7 +150,7 @@ PetscErrorCode PatchSpectrum(const Patch *patch, Report *report)
   Spectrum spectrum = {0.0, 0.0, 0.0};
 
   PetscFunctionBegin;
-  PetscCall(MatDuplicate(patch->ops->visc.A, MAT_COPY_VALUES, &A));
+  PetscCall(MatDuplicate(patch->ops->velocity[0].visc.A, MAT_COPY_VALUES, &A));
   PetscCall(MatScale(A, -PetscSqr(patch->scene->dx)));
   if (patch->particles->N_fluid <= SPECTRUM_DENSE) PetscCall(SpectrumDense(A, &spectrum));
   else PetscCall(SpectrumSparse(A, &spectrum));

@@ -67,7 +67,7 @@ static PetscErrorCode AddSize(Mat M, PetscReal *entries, PetscReal *bytes)
 */
 PetscErrorCode PatchStructure(const Patch *patch, Report *report)
 {
-  const AffineOperator *L    = &patch->ops->visc;
+  const AffineOperator *L    = &patch->ops->velocity[0].visc;
   const PetscReal       dx2  = PetscSqr(patch->scene->dx);
   const PetscInt        n    = patch->particles->n_fluid;
   RowSums               sums = {NULL, 0.0, 0.0};

@@ -9,6 +9,10 @@ const BoundaryRow BoundaryWall = {
     .brief      = "solid surface without slip; the default for the sides of a box, and of bodies",
     .citation   = "",
     .properties = BOUNDARY_CONFINES | BOUNDARY_NO_SLIP,
+    .equation   = {[FIT_VELOCITY_NORMAL]     = EQUATION_VALUE,
+                   [FIT_VELOCITY_TANGENTIAL] = EQUATION_VALUE,
+                   [FIT_PRESSURE]            = EQUATION_NORMAL_DERIVATIVE,
+                   [FIT_PRESSURE_FREE]       = EQUATION_NONE},
 };
 const BoundaryRow BoundaryPeriodic = {
     .name       = "periodic",
@@ -86,6 +90,21 @@ PetscBool BoundaryIs(const Scene *scene, PetscInt side, unsigned properties)
 {
   return (scene->boundary[side].kind->properties & properties) == properties ? PETSC_TRUE
                                                                              : PETSC_FALSE;
+}
+
+/* BoundaryEquation - Returns the equation of a boundary for a quantity of a fit; not collective */
+Equation BoundaryEquation(const Scene *scene, PetscInt side, FitQuantity quantity)
+{
+  return scene->boundary[side].kind->equation[quantity];
+}
+
+/* BoundaryVelocityEquation - Returns the equation of a boundary for velocity component c; the
+   components of bodies are not told apart; not collective */
+Equation BoundaryVelocityEquation(const Scene *scene, PetscInt side, PetscInt c)
+{
+  const PetscBool normal = BoundaryBody(scene, side) || c == side / 2 ? PETSC_TRUE : PETSC_FALSE;
+
+  return BoundaryEquation(scene, side, normal ? FIT_VELOCITY_NORMAL : FIT_VELOCITY_TANGENTIAL);
 }
 
 /* SceneWallName - Writes the name of a boundary, "left" or "body_1", in WALL_NAME letters; not

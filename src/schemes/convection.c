@@ -6,13 +6,13 @@
 
   Collective. Input, output: as ConvectionApply().
 */
-PetscErrorCode ConvectionCentral(PetscInt dim, const Operators *ops, const Vec v[], Vec u,
+PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, const Vec v[], Vec u,
                                  Vec walls, Vec work, Vec result)
 {
   PetscFunctionBegin;
   PetscCall(VecZeroEntries(result));
   for (PetscInt a = 0; a < dim; a++) {
-    PetscCall(AffineApply(&ops->grad_u[a], u, walls, work));
+    PetscCall(AffineApply(&of->grad_u[a], u, walls, work));
     PetscCall(VecPointwiseMult(work, work, v[a]));
     PetscCall(VecAXPY(result, 1.0, work));
   }
@@ -31,26 +31,27 @@ PetscErrorCode ConvectionCentral(PetscInt dim, const Operators *ops, const Vec v
 
   Input Parameters:
 + v     - advecting velocity over fluid [m/s]
+. c     - number of the convected component
 . u     - convected component, with its wall data `walls` [m/s]
 - work  - work vector
 
   Output Parameter:
 . result - the convective term [m/s^2]
 */
-PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], Vec u, Vec walls, Vec work,
-                               Vec result)
+PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], PetscInt c, Vec u, Vec walls,
+                               Vec work, Vec result)
 {
-  const Scene       *scene = flow->scene;
-  const Operators   *ops   = flow->ops;
-  const PetscScalar *at[ISPH_MAX_DIM];
-  const PetscReal    nu = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low : 0.0;
-  PetscScalar       *residual, *sum;
-  PetscInt           n;
+  const Scene             *scene = flow->scene;
+  const VelocityOperators *of    = OperatorsOfVelocity(flow->ops, c);
+  const PetscScalar       *at[ISPH_MAX_DIM];
+  const PetscReal          nu = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low : 0.0;
+  PetscScalar             *residual, *sum;
+  PetscInt                 n;
 
   PetscFunctionBegin;
-  PetscCall(ConvectionCentral(scene->dim, ops, v, u, walls, work, result));
-  if (!ops->filter_u.needed) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(AffineApply(&ops->filter_u, u, walls, work));
+  PetscCall(ConvectionCentral(scene->dim, of, v, u, walls, work, result));
+  if (!of->filter_u.needed) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(AffineApply(&of->filter_u, u, walls, work));
   PetscCall(VecGetLocalSize(u, &n));
   PetscCall(VecGetArray(work, &residual));
   PetscCall(VecGetArray(result, &sum));
@@ -89,7 +90,7 @@ PetscErrorCode ConvectionExtrapolate(Flow *flow, PetscReal at, Vec force[])
   PetscCall(FlowGetWork(flow, &work));
   PetscCall(FlowGetWork(flow, &convection));
   for (PetscInt c = 0; c < flow->scene->dim; c++) {
-    PetscCall(ConvectionApply(flow, s->u, s->u[c], flow->walls.u[c], work, convection));
+    PetscCall(ConvectionApply(flow, s->u, c, s->u[c], flow->walls.u[c], work, convection));
     PetscCall(VecAXPY(force[c], -(1.0 + w), convection));
     PetscCall(VecAXPY(force[c], w, s->convection_prev[c]));
     PetscCall(VecCopy(convection, s->convection_prev[c]));

@@ -67,16 +67,18 @@ static PetscErrorCode SlopesGet(Flow *flow, PetscBool shifting, Slopes *t)
     if (state->p) {
       PetscCall(SlopeGet(flow, &ops->grad_p[a], state->p, walls->dpdn, &t->p_vec[a], &t->p[a]));
     }
-    for (PetscInt c = 0; (shifting || ops->filter_u.needed) && c < flow->scene->dim; c++) {
-      PetscCall(
-          SlopeGet(flow, &ops->grad_u[a], state->u[c], walls->u[c], &t->u_vec[c][a], &t->u[c][a]));
+    for (PetscInt c = 0; (shifting || ops->velocity[0].filter_u.needed) && c < flow->scene->dim;
+         c++) {
+      PetscCall(SlopeGet(flow, &OperatorsOfVelocity(ops, c)->grad_u[a], state->u[c], walls->u[c],
+                         &t->u_vec[c][a], &t->u[c][a]));
     }
-    if (shifting && ops->visc.needed && ops->forms.visc_is_laplacian) {
-      PetscCall(SlopeGet(flow, &ops->visc, state->u[a], walls->u[a], &t->lap_vec[a], &t->lap[a]));
+    if (shifting && ops->velocity[0].visc.needed && ops->forms.visc_is_laplacian) {
+      PetscCall(SlopeGet(flow, &OperatorsOfVelocity(ops, a)->visc, state->u[a], walls->u[a],
+                         &t->lap_vec[a], &t->lap[a]));
     }
-    if (ops->filter_u.needed) {
-      PetscCall(SlopeGet(flow, &ops->filter_u, state->u[a], walls->u[a], &t->residual_vec[a],
-                         &t->residual[a]));
+    if (ops->velocity[0].filter_u.needed) {
+      PetscCall(SlopeGet(flow, &OperatorsOfVelocity(ops, a)->filter_u, state->u[a], walls->u[a],
+                         &t->residual_vec[a], &t->residual[a]));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -198,7 +200,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     KeepOffWalls(scene, x);
     for (PetscInt a = 0; a < scene->dim; a++) shift[a] = x[a] - p->x[a][i] - flown[a];
     if (shifting) FollowShift(scene, slopes, i, shift, change);
-    if (flow->ops->filter_u.needed)
+    if (flow->ops->velocity[0].filter_u.needed)
       FilterVelocity(scene, slopes, i, state->velocity_filter, clock->dt, change);
     moved2 = PetscIsNanReal(d2) ? PETSC_INFINITY : PetscMax(moved2, d2);
     for (PetscInt a = 0; a < scene->dim; a++) {

@@ -61,10 +61,10 @@ static PetscErrorCode ViscousCreate(const Scene *scene, const Operators *ops, Pe
   Mat scalar, gradient, all;
 
   PetscFunctionBegin;
-  PetscCall(MatDuplicate(ops->visc.A, MAT_COPY_VALUES, &scalar));
+  PetscCall(MatDuplicate(ops->velocity[0].visc.A, MAT_COPY_VALUES, &scalar));
   PetscCall(MatScale(scalar, -scene->nu * step));
   for (PetscInt a = 0; advecting && a < scene->dim; a++) {
-    PetscCall(MatDuplicate(ops->grad_u[a].A, MAT_COPY_VALUES, &gradient));
+    PetscCall(MatDuplicate(ops->velocity[0].grad_u[a].A, MAT_COPY_VALUES, &gradient));
     PetscCall(MatDiagonalScale(gradient, advecting[a], NULL));
     PetscCall(MatAXPY(scalar, step, gradient, UNKNOWN_NONZERO_PATTERN));
     PetscCall(MatDestroy(&gradient));

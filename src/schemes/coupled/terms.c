@@ -25,7 +25,7 @@ static PetscErrorCode AddWallConvection(Coupled *c, PetscInt a, Vec part)
   PetscFunctionBegin;
   if (!c->advecting || !c->flow->ops->forms.wall) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt e = 0; e < c->saddle.dim; e++) {
-    PetscCall(MatMult(c->flow->ops->grad_u[e].B, c->flow->walls.u[a], c->work));
+    PetscCall(MatMult(c->flow->ops->velocity[0].grad_u[e].B, c->flow->walls.u[a], c->work));
     PetscCall(VecPointwiseMult(c->work, c->work, c->advecting[e]));
     PetscCall(VecAXPY(part, -1.0, c->work));
   }
@@ -48,7 +48,7 @@ PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
   for (PetscInt a = 0; a < s->dim; a++) {
     PetscCall(VecZeroEntries(c->part));
     if (c->flow->ops->forms.wall)
-      PetscCall(MatMult(c->flow->ops->visc.B, c->flow->walls.u[a], c->part));
+      PetscCall(MatMult(c->flow->ops->velocity[0].visc.B, c->flow->walls.u[a], c->part));
     PetscCall(VecAYPX(c->part, c->flow->scene->nu, c->force[a]));
     PetscCall(AddWallConvection(c, a, c->part));
     PetscCall(SaddleAdd(s, a, s->step, c->part, c->b));
@@ -68,8 +68,8 @@ PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
   PetscFunctionBegin;
   PetscCall(SaddleGet(s, x, c->u, NULL));
   for (PetscInt a = 0; a < s->dim; a++) {
-    PetscCall(ConvectionCentral(s->dim, c->flow->ops, c->u, c->u[a], c->flow->walls.u[a], c->work,
-                                c->part));
+    PetscCall(ConvectionCentral(s->dim, &c->flow->ops->velocity[0], c->u, c->u[a],
+                                c->flow->walls.u[a], c->work, c->part));
     PetscCall(SaddleAdd(s, a, scale, c->part, f));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

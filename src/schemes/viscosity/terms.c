@@ -1,6 +1,12 @@
 /* Terms of the viscous equation as callbacks of the TS of a velocity component. */
 #include "viscosity.h"
 
+/* Returns the viscous operator of component c. */
+static const AffineOperator *Viscous(const Viscosity *v, PetscInt c)
+{
+  return &OperatorsOfVelocity(v->flow->ops, c)->visc;
+}
+
 /* Computes B u_wall for each component, or for coupled components. */
 static PetscErrorCode ApplyBoundary(Viscosity *v)
 {
@@ -9,9 +15,9 @@ static PetscErrorCode ApplyBoundary(Viscosity *v)
   PetscFunctionBegin;
   for (PetscInt c = 0; c < v->dim; c++) {
     if (v->systems == 1) PetscCall(VecStrideScatter(wall_u[c], c, v->all_walls, INSERT_VALUES));
-    else PetscCall(MatMult(v->flow->ops->visc.B, wall_u[c], v->boundary[c]));
+    else PetscCall(MatMult(Viscous(v, c)->B, wall_u[c], v->boundary[c]));
   }
-  if (v->systems == 1) PetscCall(MatMult(v->flow->ops->visc.B, v->all_walls, v->boundary[0]));
+  if (v->systems == 1) PetscCall(MatMult(Viscous(v, 0)->B, v->all_walls, v->boundary[0]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -19,7 +25,7 @@ static PetscErrorCode ApplyBoundary(Viscosity *v)
 static PetscErrorCode UpdateBoundary(Viscosity *v, PetscReal t)
 {
   PetscFunctionBegin;
-  if (!v->flow->ops->visc.B || v->wall_t == t) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!Viscous(v, 0)->B || v->wall_t == t) PetscFunctionReturn(PETSC_SUCCESS);
   if (!v->flow->scene->unsteady_walls && !PetscIsNanReal(v->wall_t))
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(WallValuesSetVelocity(v->flow->scene, v->flow->particles, t, v->projection_factor,
@@ -38,7 +44,7 @@ static PetscErrorCode FollowStrain(Viscosity *v, PetscReal t, Vec u)
   for (PetscInt c = 0; c < v->dim; c++) PetscCall(VecStrideGather(u, c, v->part[c], INSERT_VALUES));
   PetscCall(OperatorsFollowStrain(v->flow->scene, v->flow->particles, &v->flow->walls, v->part,
                                   v->flow->ops));
-  if (v->flow->ops->visc.B) PetscCall(ApplyBoundary(v));
+  if (Viscous(v, 0)->B) PetscCall(ApplyBoundary(v));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -47,8 +53,8 @@ static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, 
 {
   PetscFunctionBegin;
   PetscCall(FollowStrain(v, t, u));
-  PetscCall(MatMult(v->flow->ops->visc.A, u, f));
-  if (v->flow->ops->visc.B) PetscCall(VecAXPY(f, 1.0, v->boundary[c]));
+  PetscCall(MatMult(Viscous(v, c)->A, u, f));
+  if (Viscous(v, c)->B) PetscCall(VecAXPY(f, 1.0, v->boundary[c]));
   PetscCall(VecScale(f, v->flow->scene->nu));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -58,7 +64,8 @@ static PetscErrorCode TakeConvection(Viscosity *v, PetscInt c, Vec u, Vec f)
 {
   PetscFunctionBegin;
   if (!v->advecting) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(ConvectionApply(v->flow, v->advecting, u, v->flow->walls.u[c], v->work, v->gradient));
+  PetscCall(
+      ConvectionApply(v->flow, v->advecting, c, u, v->flow->walls.u[c], v->work, v->gradient));
   PetscCall(VecAXPY(f, -1.0, v->gradient));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -127,7 +134,9 @@ PetscErrorCode ViscosityIFunction(TS ts, PetscReal t, Vec u, Vec udot, Vec f, vo
 PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal shift, Mat J,
                                   Mat P, void *ctx)
 {
-  Viscosity *v = ((Component *)ctx)->visc;
+  Component            *part = (Component *)ctx;
+  Viscosity            *v    = part->visc;
+  const AffineOperator *visc = Viscous(v, part->c);
 
   PetscFunctionBegin;
   if (J != P) {
@@ -136,11 +145,13 @@ PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal
   }
   if (v->nonlinear)
     PetscCall(FollowStrain(v, t, u)); /* the last residual may belong to another u */
-  else if (shift == v->shift) PetscFunctionReturn(PETSC_SUCCESS); /* keeps the preconditioner */
-  PetscCall(MatCopy(v->flow->ops->visc.A, P, SAME_NONZERO_PATTERN));
+  else if (shift == v->shift && visc == v->of_J)
+    PetscFunctionReturn(PETSC_SUCCESS); /* keeps the preconditioner */
+  PetscCall(MatCopy(visc->A, P, SAME_NONZERO_PATTERN));
   PetscCall(MatScale(P, -v->flow->scene->nu));
   PetscCall(MatShift(P, shift));
   v->shift = shift;
+  v->of_J  = visc;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -3,9 +3,10 @@
 
     du_c/dt = nu (A u_c + B u_wall,c) - (v.grad) u_c + force_c,
 
-  with the same matrix and KSP for all; or a single system of all components if a form couples them
-  or the viscosity depends on the strain rate. The integrator's row decides the callback of each
-  term; v is the advecting velocity of fixed particles, constant over the step.
+  with the same KSP for all, and the same matrix unless a boundary has equations for each component;
+  or a single system of all components if a form couples them or the viscosity depends on the strain
+  rate. The integrator's row decides the callback of each term; v is the advecting velocity of fixed
+  particles, constant over the step.
 */
 #include "viscosity.h"
 
@@ -226,7 +227,7 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
     PetscCall(TSGetSNES(v->ts[0], &snes)); /* renews the set-up of -visc_snes_mf_operator */
     PetscCall(SNESReset(snes));
   }
-  PetscCall(MatDuplicate(ops->visc.A, MAT_DO_NOT_COPY_VALUES, &v->J));
+  PetscCall(MatDuplicate(ops->velocity[0].visc.A, MAT_DO_NOT_COPY_VALUES, &v->J));
   for (PetscInt c = 0; c < v->systems; c++) {
     PetscCall(TSSetIJacobian(v->ts[c], v->J, v->J, ViscosityIJacobian, &v->component[c]));
   }

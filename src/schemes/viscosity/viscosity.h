@@ -38,6 +38,7 @@ struct Viscosity {
   Guard                       guard;                /* its KSP is NULL for explicit integrators */
   Mat                         J;                    /* shift I - nu A */
   PetscReal                   shift;                /* in J; NaN: J is out of date [1/s] */
+  const AffineOperator       *of_J;                 /* the A in J */
   PetscInt                    assemblies;           /* stamp of the operators in J */
   PetscInt                    epoch;                /* epoch of the vectors below */
   Vec       boundary[ISPH_MAX_DIM], gradient, work; /* B u_wall,c at wall_t; work vectors */
