@@ -219,7 +219,7 @@ class Place:
         for name in "quickstart", "check":
             if os.path.exists(os.path.join(ROOT, name)):
                 script(os.path.join(self.path, name), EXISTS)
-        for name in "cmake", "ctest", "git", "apt-get", "sudo", "paraview", "sbatch":
+        for name in "cmake", "cpack", "ctest", "git", "apt-get", "sudo", "paraview", "sbatch":
             script(os.path.join(self.path, ".bin", name), EXISTS)
         self.python = drawing_python()
         if self.python:
