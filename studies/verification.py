@@ -107,8 +107,8 @@ ALONG_Y, ALONG_X = "0.5,0,0.5,1,101", "0,0.5,1,0.5,101"
 
 def centrelines(source, energy=True):
     return [
-        *[report("velocity", f"{name} on the centreline", name, source) for name in ("u_min", "v_max", "v_min")],
         *[norm("velocity", f"profile of {c} on the centreline, rms over U", f"{c}_profile_l2", source) for c in "uv"],
+        *[report("velocity", f"{name} on the centreline", name, source) for name in ("u_min", "v_max", "v_min")],
         *([report("energy", "kinetic energy", "kinetic_energy", FV)] if energy else []),
     ]
 
@@ -168,7 +168,7 @@ def cavity():
                            "botella_peyret_re1000_u.csv", "botella_peyret_re1000_v.csv", BP),
         Panel("Re = 1000, t = 80, n = 50, fixed", f"{steady} -n 50", ALONG_Y, "y", "p",
               ("y/L", "p/(rho U^2)"), 80, files=((BP, "botella_peyret_re1000_p.csv"),), centred=True),
-    ], ("u_min on the centreline", "p(0.5, 0) - p(0.5, 0.5)"))
+    ], ("profile of u on the centreline, rms over U", "p(0.5, 0) - p(0.5, 0.5)"))
 
 
 def cavity_cube():
@@ -182,7 +182,7 @@ def cavity_cube():
               files=((FV, "cavity3d_re100_u.csv"),)),
         Panel("Re = 100, n = 20", f"{re100} -n 20", "0,0.5,0.5,1,0.5,0.5,101", "x", "v", ("x/L", "v/U"), 12,
               files=((FV, "cavity3d_re100_v.csv"),)),
-    ], ("u_min on the centreline", "v_max on the centreline"))
+    ], tuple(f"profile of {c} on the centreline, rms over U" for c in "uv"))
 
 
 def cavity_cylinder():
@@ -200,7 +200,7 @@ def cavity_cylinder():
         Study("Re = 1000, t = 40, fixed particles", f"{base} -motion eulerian", (25, 50, 100), quantities, watch=watch),
     ], centreline_panels("Re = 1000, t = 40, n = 50, moving", f"{base} -n 50 -jitter 0.1 -seed 1", 40,
                          "cavity_cylinder_re1000_u.csv", "cavity_cylinder_re1000_v.csv"),
-        ("u_min on the centreline", "kinetic energy"))
+        ("profile of u on the centreline, rms over U", "kinetic energy"))
 
 
 # ---- flows with exact solutions ----
