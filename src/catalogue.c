@@ -36,7 +36,7 @@ const Table *CatalogueTable(PetscInt k)
 PetscErrorCode CatalogueView(PetscViewer viewer)
 {
   PetscFunctionBegin;
-  PetscCall(PetscViewerASCIIPrintf(viewer, "isph %s: what can be chosen by name\n", ISPH_VERSION));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "isph %s: choices by name\n", ISPH_VERSION));
   for (PetscInt k = 0; CatalogueTable(k); k++) PetscCall(TableView(CatalogueTable(k), viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

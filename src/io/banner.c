@@ -45,7 +45,8 @@ static PetscErrorCode BannerViscosity(const Scene *scene, PetscViewer viewer)
   if (!SceneViscosityVaries(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   if (!SceneIsNewtonian(scene)) PetscCall(TableViewRow("rheology", scene->rheology.row, viewer));
   PetscCall(PetscViewerASCIIPrintf(
-      viewer, BANNER_LABEL "nu from %.4g to %.4g m^2/s, harmonic means of pairs; Re is of %.4g\n",
+      viewer,
+      BANNER_LABEL "nu from %.4g to %.4g m^2/s, harmonic means of pairs; Re belongs to %.4g\n",
       "varies", (double)scene->nu_low, (double)scene->nu_high, (double)scene->nu));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -64,8 +65,9 @@ static PetscErrorCode BannerThinBodies(const Flow *flow, PetscViewer viewer)
     if (thin >= reach) continue;
     PetscCall(PetscViewerASCIIPrintf(
         viewer,
-        BANNER_LABEL "body %" PetscInt_FMT " is %.2g dx thick at (%.4g, %.4g); fluid on its two "
-                     "sides is not kept apart below the kernel's %.2g dx, use a larger -n\n",
+        BANNER_LABEL "body %" PetscInt_FMT
+                     " is %.2g dx thick at (%.4g, %.4g); particles on opposite sides interact "
+                     "below %.2g dx, and forces on it are wrong; use a larger -n\n",
         "thin", k + 1, (double)(thin / scene->dx), (double)place[0], (double)place[1],
         (double)(reach / scene->dx)));
   }
@@ -115,15 +117,15 @@ static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_ex
   if (IsExplicit(flow->scheme) && dt > dt_explicit) {
     PetscCall(PetscViewerASCIIPrintf(viewer, "too long for explicit viscosity\n"));
   } else if (!SceneHas(scene, PHYSICS_CONVECTION)) {
-    PetscCall(PetscViewerASCIIPrintf(
-        viewer, "nothing is advected, accuracy alone limits implicit steps\n"));
+    PetscCall(
+        PetscViewerASCIIPrintf(viewer, "without convection only accuracy limits implicit steps\n"));
   } else if (advect > 2.0 * dt_explicit) {
-    PetscCall(PetscViewerASCIIPrintf(viewer,
-                                     "implicit pays here, advection allows %.3g dt_explicit\n",
-                                     (double)(advect / dt_explicit)));
+    PetscCall(PetscViewerASCIIPrintf(
+        viewer, "implicit steps are faster here, advection allows %.3g dt_explicit\n",
+        (double)(advect / dt_explicit)));
   } else {
     PetscCall(PetscViewerASCIIPrintf(
-        viewer, "implicit does not pay here, advection allows %.2g dt_explicit\n",
+        viewer, "implicit steps are no faster here, advection allows %.2g dt_explicit\n",
         (double)(advect / dt_explicit)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -142,8 +144,8 @@ static PetscErrorCode BannerAdvection(const Flow *flow, PetscReal dt, PetscViewe
   if (!SceneMoves(scene) || R <= 20.0 || cfl <= 0.5) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscViewerASCIIPrintf(viewer,
                                    BANNER_LABEL
-                                   "U dx/nu = %.3g: moving particles may not hold beyond a CFL "
-                                   "number of 0.5; -dt_adapt retry shortens steps that fail\n",
+                                   "U dx/nu = %.3g: moving particles may be unstable above a CFL "
+                                   "number of 0.5; -dt_adapt retry shortens failed steps\n",
                                    "advection", (double)R));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -156,7 +158,7 @@ static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
 
   PetscFunctionBegin;
   if (flow->clock->steady_solve) {
-    PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "none: the steady flow\n", "time"));
+    PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "none, steady flow\n", "time"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PetscViewerASCIIPrintf(
@@ -191,8 +193,8 @@ static PetscErrorCode BannerForms(const Flow *flow, PetscViewer viewer)
   PetscCall(TableViewRow("gradient", ops->forms.gradient, viewer));
   PetscCall(TableViewRow("wall", ops->forms.wall, viewer));
   if (ops->forms.wall_surface)
-    PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "particles, before those behind\n",
-                                     "on the wall"));
+    PetscCall(PetscViewerASCIIPrintf(
+        viewer, BANNER_LABEL "a layer of particles before the dummies\n", "on the wall"));
   PetscCall(BannerThinBodies(flow, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

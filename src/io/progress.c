@@ -11,7 +11,7 @@ typedef struct {
 } ProgressRow;
 
 static const ProgressRow progresses[] = {
-    {"line", "one line: rewritten on a terminal, else printed every 10 %", "", PETSC_TRUE},
+    {"line", "a line, rewritten on a terminal, otherwise printed every 10 %", "", PETSC_TRUE},
     {"none", "no progress", "", PETSC_FALSE},
 };
 const Table ProgressTable = TABLE("-progress", "Progress", progresses);
@@ -39,7 +39,7 @@ PetscErrorCode ProgressCreate(Progress **progress)
   PetscFunctionBegin;
   PetscCall(PetscNew(progress));
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Progress", "");
-  PetscCall(TableSelect(&ProgressTable, "-progress", "How the run tells how far it is", "line",
+  PetscCall(TableSelect(&ProgressTable, "-progress", "Display of the progress of the run", "line",
                         &(*progress)->row));
   PetscOptionsEnd();
   PetscCall(PetscTime(&now));

@@ -239,7 +239,7 @@ PetscErrorCode ReportCheck(const Report *report)
   }
   PetscOptionsEnd();
   PetscCall(ReportRefuseUnknown(known));
-  UserCheck(!failed, "%" PetscInt_FMT " error%s above what -check_... allows", failed,
+  UserCheck(!failed, "%" PetscInt_FMT " error%s above the tolerance of -check_<quantity>", failed,
             failed == 1 ? " is" : "s are");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

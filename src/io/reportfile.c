@@ -203,7 +203,7 @@ static PetscErrorCode ReportAppendFile(const char path[], const char text[], con
   size   = ftell(stream);
   if (!status && !size) status = fputs(ReportHeader, stream) < 0;
   if (!status && text[0]) status = fputs(text, stream) < 0;
-  if (fclose(stream) || status) *failed = "cannot be written to its end";
+  if (fclose(stream) || status) *failed = "cannot be written completely";
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -219,7 +219,7 @@ static PetscErrorCode ReportFileIsOurs(const char path[], const char **failed)
   if (!stream) PetscFunctionReturn(PETSC_SUCCESS);
   if (fgets(line, (int)sizeof(line), stream)) {
     PetscCall(PetscStrcmp(line, ReportHeader, &same));
-    if (!same) *failed = "is no report file, or one with other columns";
+    if (!same) *failed = "is no report file, or has other columns";
   }
   (void)fclose(stream);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -35,13 +35,13 @@ static PetscErrorCode ChooseLaplacians(OptionItems PetscOptionsObject, const Sce
 
   PetscFunctionBegin;
   PetscCall(TableSelect(&CorrectionTable, "-correction",
-                        "Correction of the kernel in Laplacians that can take it", "none",
+                        "Correction of the kernel in Laplacians that accept it", "none",
                         &correction));
   if (needs & NEED_VISCOSITY) {
     PetscCall(ChooseLaplacian(PetscOptionsObject, "-visc_laplacian", "Form of the viscous term",
                               DefaultLaplacian(scene), correction, &forms->visc));
     UserCheck(!SceneViscosityVaries(scene) || LaplacianIs(&forms->visc, FORM_VARYING),
-              "-visc_laplacian %s: it cannot take a viscosity that varies; use a form that has "
+              "-visc_laplacian %s: this form has no varying viscosity; use a form with "
               "varying_viscosity in -catalogue, such as mls or schwaiger",
               forms->visc.row->name);
   }
@@ -49,17 +49,17 @@ static PetscErrorCode ChooseLaplacians(OptionItems PetscOptionsObject, const Sce
     PetscCall(ChooseLaplacian(PetscOptionsObject, "-ppe_laplacian",
                               "Form of the pressure Poisson equation", "mls", correction,
                               &forms->ppe));
-    UserCheck(LaplacianIs(&forms->ppe, FORM_SAFE_IMPLICIT),
-              "-ppe_laplacian %s: its matrix has eigenvalues of both signs, so no pressure can be "
-              "solved for; use a form that is safe_implicit in -catalogue, such as mls or morris",
-              forms->ppe.row->name);
     UserCheck(
-        !LaplacianIs(&forms->ppe, FORM_COUPLES),
-        "-ppe_laplacian %s: it is made for the components of a velocity; use mls in its place",
+        LaplacianIs(&forms->ppe, FORM_SAFE_IMPLICIT),
+        "-ppe_laplacian %s: its matrix has eigenvalues of both signs, so the pressure equation "
+        "cannot be solved; use a form with safe_implicit in -catalogue, such as mls or morris",
         forms->ppe.row->name);
+    UserCheck(!LaplacianIs(&forms->ppe, FORM_COUPLES),
+              "-ppe_laplacian %s: this form couples velocity components; use mls instead",
+              forms->ppe.row->name);
   }
   UserCheck(!correction->Kernel || forms->visc.correction || forms->ppe.correction,
-            "-correction %s: no chosen Laplacian can take it; -catalogue lists those that do",
+            "-correction %s: no chosen Laplacian accepts it; -catalogue lists the forms that do",
             correction->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -88,18 +88,17 @@ static PetscErrorCode ChooseWall(OptionItems PetscOptionsObject, const Scene *sc
     blind = forms->gradient->name;
     kind  = "-gradient";
   }
-  PetscCall(TableSelect(&WallTable, "-wall",
-                        "Wall treatment; by default the one that the chosen forms can meet",
+  PetscCall(TableSelect(&WallTable, "-wall", "Wall treatment; the default suits the chosen forms",
                         blind ? "dummy_linear" : "wall_layer", &forms->wall));
-  UserCheck(!blind || !forms->wall->on_surface,
-            "-wall %s: %s %s needs particles behind the wall; use -wall dummy_linear, or mls in "
-            "its place",
-            forms->wall->name, kind, blind);
+  UserCheck(
+      !blind || !forms->wall->on_surface,
+      "-wall %s: %s %s needs particles behind the wall; use -wall dummy_linear, or mls instead",
+      forms->wall->name, kind, blind);
   if (forms->wall->Check) PetscCall(forms->wall->Check(scene));
   forms->wall_surface = scene->n_bodies > 0 && !forms->wall->on_surface ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(OptionSwitch("-wall_surface",
-                         "Particles on walls, before those behind them; by default where there "
-                         "are bodies, whose dummies alone leave a gap at curved walls",
+                         "A layer of particles on walls before the dummies; by default with "
+                         "bodies, because dummies alone leave a gap at curved walls",
                          &forms->wall_surface));
   UserCheck(
       !forms->wall_surface || !forms->wall->on_surface,
@@ -137,13 +136,13 @@ static PetscErrorCode ChooseCoupling(const Scene *scene, OperatorForms *forms)
   PetscFunctionBegin;
   forms->visc_is_laplacian  = !couple && !SceneViscosityVaries(scene) ? PETSC_TRUE : PETSC_FALSE;
   forms->components_coupled = couple || !SceneIsNewtonian(scene) ? PETSC_TRUE : PETSC_FALSE;
-  UserCheck(
-      !couple || !scene->problem->patch,
-      "-visc_laplacian %s: a patch test is of scalars; use a form that does not couple components",
-      forms->visc.row->name);
+  UserCheck(!couple || !scene->problem->patch,
+            "-visc_laplacian %s: a patch test has a scalar field; use a form that does not couple "
+            "components",
+            forms->visc.row->name);
   UserCheck(!forms->components_coupled || !forms->wall || !forms->wall->Extend,
-            "-wall %s: with %s walls must give their own velocity; use -wall %s", forms->wall->name,
-            couple ? forms->visc.row->name : "-rheology",
+            "-wall %s: it extends the velocity of the fluid, which excludes %s; use -wall %s",
+            forms->wall->name, couple ? forms->visc.row->name : "-rheology",
             couple ? "dummy_linear" : "wall_layer or dummy_linear");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -75,7 +75,7 @@ void CorrectKernel_FirstOrder(Stencil *st, PetscReal dW[], PetscReal ddW[])
 
 static const CorrectionRow corrections[] = {
     /* name, brief, citation, bit, kernel */
-    {"none", "the kernel as it is", "", 0, NULL},
+    {"none", "no correction", "", 0, NULL},
     {"shepard", "kernel over the sum of kernels",
      "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", CORRECTION_SHEPARD,
      CorrectKernel_Shepard},

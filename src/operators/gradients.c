@@ -59,7 +59,7 @@ static const GradientRow gradients[] = {
     {"corrected", "exact for linear fields by the inverse moment matrix",
      "Bonet & Lok, Comput. Methods Appl. Mech. Eng. 180 (1999)",
      FORM_NULL_CONSTANTS | FORM_EXACT_LINEAR | FORM_FULL_SUPPORT, GradientRow_Corrected, NULL},
-    {"mls", "quadratic moving least squares, takes boundary conditions in the fit",
+    {"mls", "quadratic moving least squares with boundary conditions in the fit",
      "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)",
      FORM_NULL_CONSTANTS | FORM_EXACT_LINEAR | FORM_EXACT_QUADRATIC, GradientRow_Mls,
      DivergenceFit_Mls},

@@ -323,11 +323,10 @@ PetscErrorCode WallCheck_Channel(const Scene *scene)
     walled++;
     axis = a;
   }
-  UserCheck(
-      walled == 1 && !scene->n_bodies,
-      "-wall global_quadratic: it is a parabola between two flat walls, which case %s is not; "
-      "use quadratic",
-      scene->problem->name);
+  UserCheck(walled == 1 && !scene->n_bodies,
+            "-wall global_quadratic: it needs a channel between two flat walls, and case %s has "
+            "none; use quadratic",
+            scene->problem->name);
   for (PetscInt end = 0; end < 2; end++) {
     x[axis] = end ? scene->hi[axis] : scene->lo[axis];
     if (ExpressionUses(&scene->boundary[2 * axis + end].velocity, EXPRESSION_PLACE))
@@ -335,11 +334,10 @@ PetscErrorCode WallCheck_Channel(const Scene *scene)
     SceneWallVelocity(scene, 2 * axis + end, 0.0, x, u[end]);
   }
   for (PetscInt a = 0; a < scene->dim; a++) {
-    UserCheck(
-        u[0][a] == u[1][a] && !scene->unsteady_walls && !varies,
-        "-wall global_quadratic: its parabola wants both walls at one velocity, which those of "
-        "case %s do not have; use quadratic",
-        scene->problem->name);
+    UserCheck(u[0][a] == u[1][a] && !scene->unsteady_walls && !varies,
+              "-wall global_quadratic: both walls must have the same constant velocity, and in "
+              "case %s they differ or vary; use quadratic",
+              scene->problem->name);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -33,14 +33,13 @@ static PetscReal WallBeta_DummyLinear(const Scene *scene, PetscReal distance, Pe
 
 static const WallRow walls[] = {
     /* name, brief, citation, on the surface, beta, extend, its reach in radii and in dx, check */
-    {"wall_layer",
-     "one layer of particles on the wall, its conditions equations of least-squares fits",
-     "Kuhnert (1999); divergence sees the normal velocity only", PETSC_TRUE, WallBeta_Own, NULL,
+    {"wall_layer", "a layer of particles on the wall; wall conditions are equations of the fits",
+     "Kuhnert (1999); divergence uses the normal velocity only", PETSC_TRUE, WallBeta_Own, NULL,
      0.0, 0.0, NULL},
     {"dummy_linear", "dummy layers behind the wall, velocities extrapolated linearly",
      "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)", PETSC_FALSE, WallBeta_DummyLinear, NULL, 0.0,
      0.0, NULL},
-    {"mirror", "dummies have the velocity at their mirror image, turned about the wall's",
+    {"mirror", "dummies have the velocity of their mirror point, reflected about the wall velocity",
      "Basa, Quinlan & Lastiwka (2009); Marrone et al. (2011)", PETSC_FALSE, WallBeta_DummyLinear,
      WallExtend_Mirror, 2.0, 3.0, NULL},
     {"linear", "dummies on the line through the wall and the fluid nearest to it",
@@ -52,7 +51,7 @@ static const WallRow walls[] = {
     {"global_quadratic", "dummies on the parabola through both walls of a channel",
      "Watkins et al., Astron. Astrophys. Suppl. 119 (1996)", PETSC_FALSE, WallBeta_DummyLinear,
      WallExtend_GlobalQuadratic, 1.0, 3.0, WallCheck_Channel},
-    {"adami", "dummies have the mean velocity of the fluid they see, turned about the wall's",
+    {"adami", "dummies have the mean velocity of nearby fluid, reflected about the wall velocity",
      "Adami, Hu & Adams, J. Comput. Phys. 231 (2012)", PETSC_FALSE, WallBeta_DummyLinear,
      WallExtend_Adami, 1.0, 0.0, NULL},
 };

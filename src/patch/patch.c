@@ -28,7 +28,7 @@ static PetscErrorCode PatchBanner(const Patch *patch)
   PetscCall(PetscViewerASCIIPrintf(out, "correction  %s\n", OperatorsCorrection(patch->ops)));
   if (patch->ops->regularised_rows) {
     PetscCall(PetscViewerASCIIPrintf(
-        out, "weak        %" PetscInt_FMT " rows whose neighbours do not determine the form\n",
+        out, "regularised %" PetscInt_FMT " rows whose neighbours do not determine the form\n",
         patch->ops->regularised_rows));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -41,9 +41,8 @@ static PetscErrorCode PatchReadOptions(Patch *patch)
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Patch test", "");
   PetscCall(TableSelect(&FieldTable, "-patch_field", "Field that the operators are applied to",
                         "mixed", &patch->field));
-  PetscCall(OptionInt("-patch_repeats",
-                      "How often what is timed is repeated; the least time counts", 1, 1000,
-                      &patch->repeats, NULL));
+  PetscCall(OptionInt("-patch_repeats", "Repetitions of the timed part; the least time counts", 1,
+                      1000, &patch->repeats, NULL));
   PetscCall(
       OptionSwitch("-patch_spectrum", "Report eigenvalues and condition of -L", &patch->spectrum));
   PetscCall(OptionSwitch("-patch_solve", "Solve the Poisson problem with L (KSP prefix ppe_)",

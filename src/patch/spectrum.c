@@ -129,7 +129,7 @@ static PetscErrorCode SpectrumSparse(Mat A, Spectrum *spectrum)
   PetscCall(MatGetSize(A, &N, NULL));
   UserCheck(PETSC_FALSE,
             "-patch_spectrum: %" PetscInt_FMT
-            " rows need SLEPc, which this build has not; without it at most %d rows are allowed",
+            " rows need SLEPc, which this build lacks; without it at most %d rows are allowed",
             N, SPECTRUM_DENSE);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -30,17 +30,17 @@ PetscErrorCode CheckpointsCreate(const Scheme *scheme, Checkpoints **checkpoints
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Checkpoints", "");
   PetscCall(OptionFile("-checkpoint", "File to restart from later", c->path));
   PetscCall(OptionReal("-checkpoint_every",
-                       "Time between checkpoints; by default one at the end or a signal [s]",
+                       "Time between checkpoints; by default only at the end or on a signal [s]",
                        1e-300, 1e300, &c->every, &every));
-  PetscCall(OptionFile("-restart", "Checkpoint to go on from", c->restart));
+  PetscCall(OptionFile("-restart", "Checkpoint to restart from", c->restart));
   PetscOptionsEnd();
   UserCheck(!every || c->path[0], "-checkpoint_every: there is no -checkpoint");
   for (PetscInt k = 0; k < scheme->n_solves; k++) {
     if (scheme->solve[k]->multistep) multistep = scheme->solve[k];
   }
   UserCheck((!c->path[0] && !c->restart[0]) || !multistep,
-            "%s with -%sts_type %s: earlier velocities are PETSc's, and would not be in the file; "
-            "use beuler",
+            "%s with -%sts_type %s: PETSc keeps the earlier velocities, and the file would lack "
+            "them; use beuler",
             c->path[0] ? "-checkpoint" : "-restart", multistep->prefix, multistep->integrator);
   if (c->path[0]) {
     PetscCall(PetscSNPrintf(part, sizeof(part), "%s.part", c->path));
@@ -171,7 +171,7 @@ static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const 
     PetscCall(Hdf5FileFinish(&file, part, path, &good));
   }
   PetscCheck(good, PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN,
-             "-checkpoint %s: cannot be written, or the disk is full; an earlier one is as it was",
+             "-checkpoint %s: cannot be written, or the disk is full; an earlier file is unchanged",
              path);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

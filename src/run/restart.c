@@ -35,7 +35,7 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
 
   PetscFunctionBegin;
   PetscCall(Hdf5ReadNumber(file, "format", H5T_NATIVE_INT, &format));
-  UserCheck(!file->failed, "-restart %s: is no checkpoint of isph, or a damaged one", path);
+  UserCheck(!file->failed, "-restart %s: is no checkpoint of isph, or is damaged", path);
   PetscCall(Hdf5ReadText(file, "version", version, sizeof(version)));
   PetscCall(Hdf5ReadText(file, "case", problem, sizeof(problem)));
   PetscCall(Hdf5ReadText(file, "record", names, sizeof(names)));
@@ -79,8 +79,8 @@ static PetscErrorCode CheckScene(const Run *run, const char path[], Hdf5File *fi
   bodies    = scene[SCENE_NUMBERS - 2] == own[SCENE_NUMBERS - 2] ? PETSC_TRUE : PETSC_FALSE;
   viscosity = scene[SCENE_NUMBERS - 1] == own[SCENE_NUMBERS - 1] ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(PetscFree(scene));
-  UserCheck(file->failed || same, "-restart %s: the file is of another box or spacing", path);
-  UserCheck(file->failed || bodies, "-restart %s: the file is of other bodies", path);
+  UserCheck(file->failed || same, "-restart %s: the file has another box or spacing", path);
+  UserCheck(file->failed || bodies, "-restart %s: the file has other bodies", path);
   UserCheck(
       file->failed || viscosity,
       "-restart %s: particles carry the viscosities of the file's run; use the same -viscosity "
@@ -135,7 +135,7 @@ static PetscErrorCode ReadMemory(Run *run, const char path[], Hdf5File *file, ui
   PetscCall(CheckpointMemory(memory, wanted, sizeof(wanted)));
   PetscCall(PetscStrcmp(names, wanted, &same));
   UserCheck(file->failed || same,
-            "-restart %s: the file is of another scheme or integrator; use the same -scheme", path);
+            "-restart %s: the file has another scheme or integrator; use the same -scheme", path);
   PetscCall(ReadTable(file, "memory", 1, memory->n, &values, sum));
   if (!file->failed) MemorySet(memory, PETSC_TRUE, values);
   PetscCall(PetscFree(values));
@@ -202,7 +202,7 @@ PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted)
   PetscCall(Hdf5FileClose(&file, &good));
   PetscCheck(good && whole, PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
              "-restart %s: the file is damaged: %s", path,
-             good ? "its checksum does not fit" : "parts of it cannot be read");
+             good ? "its checksum is wrong" : "parts of it cannot be read");
   UserCheck(run->flow.clock->t <= run->flow.clock->t_end * (1.0 + 1e-12),
             "-restart %s: the file is at t = %.6g, after -t_end %.6g", path,
             (double)run->flow.clock->t, (double)run->flow.clock->t_end);

@@ -130,8 +130,8 @@ PetscErrorCode StartRead(Scene *scene, FluidStart *start, char path[])
   PetscFunctionBegin;
   PetscCall(PetscMemzero(start, sizeof(*start)));
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Start", "");
-  PetscCall(
-      OptionFile("-particles", "The fluid's particles at the start, not a lattice: file.h5", path));
+  PetscCall(OptionFile("-particles", "Fluid particles at the start, instead of a lattice: file.h5",
+                       path));
   PetscOptionsEnd();
   if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(OptionsRefuseTogether("-particles", "-jitter", "it displaces a lattice"));
@@ -141,8 +141,7 @@ PetscErrorCode StartRead(Scene *scene, FluidStart *start, char path[])
   PetscCall(ReadParticles(scene->dim, &file, start, &columns, &row));
   PetscCall(Hdf5FileClose(&file, &good));
   UserCheck(columns == scene->dim,
-            "-particles %s: a data set 'position' of N rows and %" PetscInt_FMT
-            " columns is wanted",
+            "-particles %s: it needs a data set 'position' of N rows and %" PetscInt_FMT " columns",
             path, scene->dim);
   PetscCheck(good, PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
              "-particles %s: 'velocity', 'viscosity' and 'type' must have the rows of 'position', "
@@ -197,8 +196,8 @@ PetscErrorCode StartCheck(const Scene *scene, const char path[], const Particles
             (double)closest, START_CLOSEST);
   PetscCall(PetscPrintf(PETSC_COMM_WORLD,
                         "particles   %s: %" PetscInt_FMT
-                        " of fluid where a lattice has %" PetscInt_FMT
-                        ", none closer than %.2g dx\n",
+                        " fluid particles (a lattice has %" PetscInt_FMT
+                        "), closest distance %.2g dx\n",
                         path, p->N_fluid, p->N_lattice, (double)closest));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -107,8 +107,8 @@ static PetscErrorCode FailSpeed(Flow *flow, PetscReal rms, PetscReal bound)
                       (double)clock->dt, (double)(clock->dt * scene->speed / scene->dx)));
   }
   FailureSet(&flow->scheme->failure, PETSC_ERR_FP,
-             "%s: the velocity has left every bound (root mean square %.6g, at most %.6g by what "
-             "moves the flow; largest %.6g, reference %.6g): %s",
+             "%s: the velocity has left every bound (root mean square %.6g, at most %.6g by forces "
+             "and walls; largest %.6g, reference %.6g): %s",
              where, (double)rms, (double)bound, (double)flow->scheme->stats.speed_max,
              (double)scene->speed, advice);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -12,7 +12,7 @@ static const DtAdaptRow adapts[] = {
     {"cfl", "from -cfl with the present speed, and from the body force", "", PETSC_TRUE,
      PETSC_FALSE},
     {"none", "-dt, or from -cfl with the reference speed", "", PETSC_FALSE, PETSC_FALSE},
-    {"retry", "as cfl (or -dt); a step that fails is undone, made in halves, and grows back", "",
+    {"retry", "as cfl (or -dt); a failed step is undone and repeated with half the length", "",
      PETSC_TRUE, PETSC_TRUE},
 };
 const Table DtAdaptTable = TABLE("-dt_adapt", "Time step control", adapts);
@@ -93,13 +93,13 @@ PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
   c->move_max    = 0.6;
   c->good_needed = CLOCK_GOOD_NEEDED;
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Time", "");
-  PetscCall(OptionsRefuseTogether("-dt", "-cfl", "one time step follows from each"));
+  PetscCall(OptionsRefuseTogether("-dt", "-cfl", "each gives the time step"));
   PetscCall(OptionReal("-t_end", "End of the run [s]", 0.0, 1e300, &c->t_end, NULL));
   PetscCall(OptionReal("-dt", "Time step [s]; 0: from -cfl", 0.0, 1e300, &c->dt_given, NULL));
   PetscCall(OptionReal("-cfl",
                        "Time step over dx/U, U the larger of reference and present speed [-]", 1e-6,
                        1e6, &c->cfl, NULL));
-  PetscCall(TableSelect(&DtAdaptTable, "-dt_adapt", "How the length of steps follows the flow",
+  PetscCall(TableSelect(&DtAdaptTable, "-dt_adapt", "Control of the step length",
                         c->dt_given > 0.0 ? "none" : "cfl", &c->adapt));
   UserCheck(c->dt_given == 0.0 || !c->adapt->follows || c->adapt->retries,
             "-dt_adapt %s and -dt cannot both be given: give -cfl", c->adapt->name);
@@ -263,7 +263,7 @@ PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
   if (clock->halvings >= CLOCK_MAX_HALVINGS) {
     PetscCall(PetscStrlen(failure->sentence, &length));
     (void)snprintf(failure->sentence + length, sizeof(failure->sentence) - length,
-                   "; steps were halved %d times for it already", CLOCK_MAX_HALVINGS);
+                   "; the step was halved %d times", CLOCK_MAX_HALVINGS);
     failure->fatal = PETSC_TRUE;
     PetscFunctionReturn(PETSC_SUCCESS);
   }

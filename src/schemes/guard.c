@@ -44,13 +44,13 @@ static PetscErrorCode GuardNote(KSP ksp, const LaplacianForm *form, Guard *guard
   PetscCall(KSPGetType(ksp, &type));
   if (needs_symmetry && !guard->symmetric) {
     PetscCall(PetscSNPrintf(guard->solve.note, sizeof(guard->solve.note),
-                            "-%sksp_type %s wants a symmetric matrix, that of %s is not: it may "
-                            "fail or take longer than gmres",
+                            "-%sksp_type %s needs a symmetric matrix, and the matrix of %s is "
+                            "unsymmetric: it may fail or be slower than gmres",
                             guard->solve.prefix, type, name));
   } else if (form && !LaplacianIs(form, FORM_SAFE_IMPLICIT)) {
     PetscCall(PetscSNPrintf(guard->solve.note, sizeof(guard->solve.note),
-                            "-%slaplacian %s is anti-diffusive: it amplifies what it should damp, "
-                            "and an implicit step may be singular",
+                            "-%slaplacian %s is anti-diffusive: it amplifies modes that should "
+                            "decay, and an implicit step may be singular",
                             guard->solve.prefix, name));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -100,8 +100,8 @@ PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
   guard->max_in_a_row = 10;
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Solvers", "");
   PetscCall(OptionInt("-fallback",
-                      "Solves in a row that other methods may make in place of the chosen one; -1: "
-                      "none, the first failure ends the step",
+                      "Largest number of solves in a row by fallback methods; -1: no fallback, the "
+                      "first failure ends the step",
                       -1, PETSC_INT_MAX, &guard->max_in_a_row, NULL));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -136,9 +136,10 @@ static PetscErrorCode GuardRemedy(PC pc, const Guard *guard, char remedy[], size
   } else if (guard->remedy) {
     PetscCall(PetscStrncpy(remedy, guard->remedy, length));
   } else if (cg && !guard->symmetric) {
-    PetscCall(PetscSNPrintf(remedy, length,
-                            "cg needs a symmetric form and this one is not: use -%sksp_type %s",
-                            guard->solve.prefix, best));
+    PetscCall(PetscSNPrintf(
+        remedy, length,
+        "cg needs a symmetric form, and this form is not symmetric: use -%sksp_type %s",
+        guard->solve.prefix, best));
   } else if (rtol > LOOSEST_RTOL) {
     PetscCall(PetscSNPrintf(remedy, length,
                             "the tolerance given is too loose: use a smaller -%sksp_rtol",
@@ -148,7 +149,7 @@ static PetscErrorCode GuardRemedy(PC pc, const Guard *guard, char remedy[], size
                             guard->solve.prefix, best, guard->solve.prefix));
   } else {
     PetscCall(PetscSNPrintf(remedy, length,
-                            "the matrix is out of shape, most often because particles have "
+                            "the matrix is ill-conditioned, most often because particles have "
                             "clustered: try a smaller -dt or -cfl, or a larger -%sksp_max_it",
                             guard->solve.prefix));
   }
@@ -180,13 +181,11 @@ PetscErrorCode GuardCheck(Guard *guard, StepFailure *failure)
   PetscCall(PCGetType(pc, &pc_type));
   PetscCall(GuardRemedy(pc, guard, remedy, sizeof(remedy)));
   if (guard->max_in_a_row >= 0 && guard->in_a_row > guard->max_in_a_row) {
-    FailureSet(
-        failure, PETSC_ERR_NOT_CONVERGED,
-        "%s: %" PetscInt_FMT
-        " %s solves in a row were beyond %s with %s (%s) and were left to the fallback ladder; "
-        "%s, or -fallback a larger number",
-        guard->where, guard->in_a_row, guard->solve.name, ksp_type, pc_type,
-        KSPConvergedReasons[guard->reason], remedy);
+    FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
+               "%s: %" PetscInt_FMT " %s solves in a row failed by %s with %s (%s) and needed a "
+                                    "fallback; %s, or give -fallback a larger number",
+               guard->where, guard->in_a_row, guard->solve.name, ksp_type, pc_type,
+               KSPConvergedReasons[guard->reason], remedy);
     failure->fatal = PETSC_TRUE;
     PetscFunctionReturn(PETSC_SUCCESS);
   }

@@ -30,7 +30,7 @@ PetscErrorCode SchemeCreate(Flow *flow)
   flow->scheme = s;
   s->needs     = SceneNeeds(flow->scene);
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Scheme", "");
-  PetscCall(TableSelect(&SchemeTable, "-scheme", "How velocity and pressure are advanced",
+  PetscCall(TableSelect(&SchemeTable, "-scheme", "Scheme that advances velocity and pressure",
                         "projection", &s->row));
   PetscOptionsEnd();
   PetscCall(ClockRemember(flow->clock, &s->memory));

@@ -38,6 +38,6 @@ static void ShiftDisplace_Fickian(const Scene *scene, PetscReal strength, PetscR
 static const ShiftRow shifts[] = {
     {"fickian", "down the gradient of particle concentration, at most 0.1 dx a step",
      "Lind et al., J. Comput. Phys. 231 (2012)", ShiftDisplace_Fickian, 0.1},
-    {"none", "particles go with the flow only", "", NULL, 0.0},
+    {"none", "no shifting", "", NULL, 0.0},
 };
 const Table ShiftTable = TABLE("-shift", "Particle shifting", shifts);

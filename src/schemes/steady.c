@@ -170,15 +170,14 @@ PetscErrorCode SteadyRefuse(const Flow *flow, const char projection[], PetscBool
   const PetscReal number = left * clock->dt / PetscSqr(scene->length);
 
   PetscFunctionBegin;
-  UserCheck(
-      clock->steady_tol == 0.0 || !SceneIsDrivenInTime(scene),
-      "-steady_tol: a wall's velocity or the body force depends on t, and a flow that is steady "
-      "for now would end the run; use -t_end");
+  UserCheck(clock->steady_tol == 0.0 || !SceneIsDrivenInTime(scene),
+            "-steady_tol: a wall's velocity or the body force depends on t, and a temporarily "
+            "steady flow would end the run; use -t_end");
   UserCheck(
       clock->steady_tol == 0.0 || !projection || !SceneHas(scene, PHYSICS_VISCOSITY) ||
           number <= 0.01,
-      "-steady_tol with -projection %s at nu dt/L^2 = %.2g: it creeps too slowly for a "
-      "steady state to be told; use -projection rotational with one viscosity, or -dt below %.2g",
+      "-steady_tol with -projection %s at nu dt/L^2 = %.2g: convergence is too slow for a test of "
+      "the steady state; use -projection rotational with a uniform viscosity, or -dt below %.2g",
       projection, (double)number, (double)(0.01 * clock->dt / number));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

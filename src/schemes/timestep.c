@@ -28,7 +28,7 @@ PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[])
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(refused); k++) {
     PetscCall(PetscSNPrintf(option, sizeof(option), "-%s%s", prefix, refused[k][0]));
     PetscCall(OptionGiven(option, &given));
-    UserCheck(!given, "%s: time is the run's own; use %s", option, refused[k][1]);
+    UserCheck(!given, "%s: isph controls the time; use %s", option, refused[k][1]);
   }
   PetscCall(PetscStrcmp(type, TSTHETA, &theta));
   PetscCall(PetscSNPrintf(option, sizeof(option), "-%sts_theta_theta", prefix));

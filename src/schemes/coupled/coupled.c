@@ -11,11 +11,11 @@ static const CoupledIntegratorRow integrators[] = {
                  "particles",
      .citation = "Hairer & Wanner, Solving ODEs II (1996)"},
     {.name     = TSROSW,
-     .brief    = "Rosenbrock-W of order 3 in substeps that follow the error; particles fixed",
+     .brief    = "Rosenbrock-W of order 3 in substeps with error control; fixed particles",
      .citation = "Rang & Angermann, BIT 45 (2005)",
      .substeps = PETSC_TRUE},
     {.name     = TSBDF,
-     .brief    = "backward differentiation in substeps that follow the error; particles fixed",
+     .brief    = "backward differentiation in substeps with error control; fixed particles",
      .citation = "Hairer & Wanner, Solving ODEs II (1996)",
      .substeps = PETSC_TRUE},
 };
@@ -30,18 +30,18 @@ static PetscErrorCode RefuseForms(const Flow *flow)
 
   PetscFunctionBegin;
   UserCheck(forms->gradient->DivergenceFit,
-            "-gradient %s: -scheme coupled takes grad p from the fluid alone beside walls, which "
-            "only -gradient mls can",
+            "-gradient %s: -scheme coupled needs one-sided pressure gradients beside walls, which "
+            "only -gradient mls has",
             forms->gradient->name);
   UserCheck(LaplacianIs(&forms->visc, FORM_SAFE_IMPLICIT),
             "-visc_laplacian %s: its matrix has eigenvalues of both signs, and -scheme coupled has "
             "no solver for it; use a form that is safe_implicit in -catalogue",
             forms->visc.row->name);
   UserCheck(!forms->components_coupled && !SceneViscosityVaries(scene),
-            "-scheme coupled: it takes one viscosity, the same matrix for each component, and not "
-            "%s; use -scheme projection",
+            "-scheme coupled: it needs a uniform viscosity and the same matrix for each component, "
+            "which excludes %s; use -scheme projection",
             !SceneIsNewtonian(scene)      ? "-rheology"
-            : SceneViscosityVaries(scene) ? "fluids of several"
+            : SceneViscosityVaries(scene) ? "fluids of different viscosity"
                                           : forms->visc.row->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -52,9 +52,8 @@ static PetscErrorCode RefuseSteady(const Flow *flow)
   const Scene *scene = flow->scene;
 
   PetscFunctionBegin;
-  UserCheck(!SceneMoves(scene),
-            "-steady: particles that move never come to rest; use -motion eulerian, or "
-            "-without convection for creeping flow");
+  UserCheck(!SceneMoves(scene), "-steady: particles that move have no steady positions; use "
+                                "-motion eulerian, or -without convection for creeping flow");
   UserCheck(SceneHas(scene, PHYSICS_WALLS),
             "-steady: case %s has no walls, and without them any uniform velocity is a solution",
             scene->problem->name);
@@ -72,14 +71,14 @@ static PetscErrorCode RefuseHistory(const Flow *flow, const CoupledIntegratorRow
   PetscBool       filter, order;
 
   PetscFunctionBegin;
-  UserCheck(!SceneMoves(flow->scene) || !row->substeps,
-            "-coupled_ts_type %s: particles that move leave its substeps nothing to begin from; "
-            "use beuler, or -motion eulerian",
-            row->name);
+  UserCheck(
+      !SceneMoves(flow->scene) || !row->substeps,
+      "-coupled_ts_type %s: its substeps need fixed particles; use beuler, or -motion eulerian",
+      row->name);
   if (!steady && !row->substeps) PetscFunctionReturn(PETSC_SUCCESS);
   if (flow->scene->motion) {
     PetscCall(OptionGiven("-velocity_filter", &filter));
-    UserCheck(!filter, "-velocity_filter: %s takes convection as it is, unfiltered",
+    UserCheck(!filter, "-velocity_filter: %s applies no filter to convection",
               steady ? "-steady" : "this -coupled_ts_type");
   }
   PetscCall(OptionGiven("-time_order", &order));

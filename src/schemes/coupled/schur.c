@@ -52,12 +52,12 @@ static PetscErrorCode SchurApply_CahouetChabard(Schur *s, Vec x, Vec y)
 
 static const SchurRow schurs[] = {
     {.name     = "cahouet_chabard",
-     .brief    = "viscosity times mass, plus the Poisson equation over dt: any step",
+     .brief    = "viscous part plus a Poisson equation over dt: for any step",
      .citation = "Cahouet & Chabard, Int. J. Numer. Meth. Fluids 8 (1988)",
      .poisson  = PETSC_TRUE,
      .Apply    = SchurApply_CahouetChabard},
     {.name     = "mass",
-     .brief    = "viscosity times mass: steps long against dx^2/nu, and -steady",
+     .brief    = "identity in scaled unknowns: for dt much larger than dx^2/nu, and -steady",
      .citation = "Elman, Silvester & Wathen, Finite Elements and Fast Iterative Solvers (2014)",
      .Apply    = SchurApply_Mass},
 };

@@ -112,8 +112,8 @@ static PetscErrorCode IteratePicard(Vec u[], Vec pressure, Vec advecting[], Coup
   }
   if (change > PICARD_CHANGE) {
     FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
-               "-steady: u still changes by %.1e of itself after %d Picard iterations; the flow at "
-               "this Reynolds number must be advanced in time (no -steady)",
+               "-steady: u still changes by %.1e (relative) after %d Picard iterations; the flow "
+               "at this Reynolds number must be advanced in time (no -steady)",
                (double)change, PICARD_MOST);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

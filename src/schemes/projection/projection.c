@@ -15,12 +15,12 @@
 
 static const ProjectionRow projections[] = {
     {.name        = "rotational",
-     .brief       = "p = p^n + phi - mu div u*: second order, right in the Stokes limit",
+     .brief       = "p = p^n + phi - mu div u*: second order, accurate in the Stokes limit",
      .citation    = "Guermond, Minev & Shen, Comput. Methods Appl. Mech. Eng. 195 (2006)",
      .incremental = PETSC_TRUE,
      .rotational  = PETSC_TRUE},
     {.name        = "incremental",
-     .brief       = "p = p^n + phi; wrong steady states at low Reynolds number and large steps",
+     .brief       = "p = p^n + phi; steady flow converges very slowly for nu dt >> L^2",
      .citation    = "van Kan, SIAM J. Sci. Stat. Comput. 7 (1986)",
      .incremental = PETSC_TRUE},
     {.name     = "chorin",
@@ -51,12 +51,11 @@ static PetscErrorCode RefuseGain(const Scene *scene, const ProjectionRow *row)
   const PetscReal R = SceneCellReynolds(scene);
 
   PetscFunctionBegin;
-  UserCheck(
-      !row || row->incremental || SceneMoves(scene) || !SceneHas(scene, PHYSICS_WALLS) ||
-          !SceneHas(scene, PHYSICS_CONVECTION) || R <= 10.0,
-      "-projection %s: on fixed particles between walls it feeds energy where U dx/nu is above "
-      "10, here %.3g; use rotational or incremental, or a larger -n",
-      row->name, (double)R);
+  UserCheck(!row || row->incremental || SceneMoves(scene) || !SceneHas(scene, PHYSICS_WALLS) ||
+                !SceneHas(scene, PHYSICS_CONVECTION) || R <= 10.0,
+            "-projection %s: on fixed particles between walls it feeds energy into the flow for U "
+            "dx/nu above 10, here %.3g; use rotational or incremental, or a larger -n",
+            row->name, (double)R);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -101,12 +100,12 @@ static PetscErrorCode ProjectionCreate(Flow *flow)
     pr->filter = lattice ? 0.1 : 1.0;
     PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Projection", "");
     PetscCall(TableSelect(&ProjectionTable, "-projection",
-                          "How the pressure follows from its increment", "rotational", &pr->row));
+                          "Update of the pressure by its increment", "rotational", &pr->row));
     PetscCall(OptionReal("-ppe_alpha", "Share of the density error in the pressure source [-]", 0.0,
                          1.0, &pr->alpha, NULL));
     PetscCall(OptionReal("-ppe_filter",
-                         "Strength of the grid-scale pressure filter; 0: off; by default 1, on "
-                         "lattices that stay 0.1 [-]",
+                         "Strength of the grid-scale pressure filter; 0: off; by default 1, or 0.1 "
+                         "on a lattice of fixed particles [-]",
                          0.0, 2.0, &pr->filter, NULL));
     PetscOptionsEnd();
     if (pr->filter > 0.0) flow->scheme->needs |= NEED_FILTER_P;

@@ -28,7 +28,7 @@ static const ViscousIntegratorRow integrators[] = {
     },
     {
         .name        = TSBDF,
-        .brief       = "backward differentiation by PETSc; particles fixed",
+        .brief       = "backward differentiation by PETSc; fixed particles",
         .citation    = "Hairer & Wanner, Solving ODEs II (1996)",
         .terms       = TIME_IMPLICIT,
         .multistep   = PETSC_TRUE,
@@ -37,7 +37,7 @@ static const ViscousIntegratorRow integrators[] = {
     },
     {
         .name     = TSCN,
-        .brief    = "Crank-Nicolson; rings on impulsively moved walls",
+        .brief    = "Crank-Nicolson; oscillates after impulsive wall motion",
         .citation = "Crank & Nicolson (1947)",
         .terms    = TIME_IMPLICIT,
     },

@@ -32,8 +32,8 @@ PetscErrorCode IterationChoose(SNES snes)
   PetscCall(PetscOptionsGetString(NULL, "visc_", "-snes_type", type, sizeof(type), &given));
   if (given) PetscCall(PetscStrcmp(type, SNESKSPONLY, &once));
   UserCheck(!once,
-            "-visc_snes_type " SNESKSPONLY ": the viscosity follows the flow, one solve does "
-            "not bring them together; use newtonls");
+            "-visc_snes_type " SNESKSPONLY
+            ": the viscosity depends on the flow, so a single solve is not enough; use newtonls");
   PetscCall(OptionGiven("-visc_snes_atol", &given));
   UserCheck(!given, "-visc_snes_atol: an absolute tolerance depends on units; use -visc_snes_rtol");
   PetscCall(TakesNewton(&newton));
@@ -82,14 +82,13 @@ PetscErrorCode IterationCheck(TS ts, const char where[], StepFailure *failure)
   PetscCall(SNESGetIterationNumber(snes, &its));
   PetscCall(SNESGetTolerances(snes, &scale, NULL, NULL, NULL, NULL));
   PetscCall(TakesNewton(&newton));
-  FailureSet(
-      failure, PETSC_ERR_NOT_CONVERGED,
-      "%s: the viscosity and the velocity did not agree: %s after %" PetscInt_FMT
-      " iterations, residual %.1e times what is allowed; try a smaller -dt, %s "
-      "-visc_snes_mf_operator, or -rheology_viscosity_min and -rheology_viscosity_max closer "
-      "together",
-      where, SNESConvergedReasons[reason], its, (double)(norm / scale),
-      newton ? "no" : "Newton's steps with");
+  FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
+             "%s: viscosity and velocity did not converge: %s after %" PetscInt_FMT
+             " iterations, residual %.1e times the tolerance; try a smaller -dt, %s "
+             "-visc_snes_mf_operator, or -rheology_viscosity_min and -rheology_viscosity_max "
+             "closer together",
+             where, SNESConvergedReasons[reason], its, (double)(norm / scale),
+             newton ? "no" : "Newton's steps with");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -117,8 +116,8 @@ PetscErrorCode IterationFallBack(Viscosity *v, const StepFailure *failure, Petsc
   if (!*again) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));
   PetscCall(
-      SayLine("%s: viscosity and velocity did not agree with line search " SNESLINESEARCHSECANT
-              ": %s; full steps of Picard's are tried",
+      SayLine("%s: viscosity and velocity did not converge with line search " SNESLINESEARCHSECANT
+              ": %s; trying full Picard steps",
               v->guard.where, SNESConvergedReasons[reason]));
   v->guard.solve.falls++;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -93,11 +93,10 @@ static PetscErrorCode RefuseMultistep(const Flow *flow, const ViscousIntegratorR
       "-visc_ts_type %s: its own history cannot follow particles that move; use beuler, which "
       "is BDF2 with the history on particles, or -motion eulerian",
       row->name);
-  UserCheck(
-      !row->multistep || !flow->clock->adapt->retries,
-      "-visc_ts_type %s: its own history cannot be undone with a step, as -dt_adapt retry wants; "
-      "use beuler",
-      row->name);
+  UserCheck(!row->multistep || !flow->clock->adapt->retries,
+            "-visc_ts_type %s: its own history cannot be undone with a step, as -dt_adapt retry "
+            "requires; use beuler",
+            row->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
