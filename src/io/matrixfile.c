@@ -1,6 +1,7 @@
 /*
-  Matrices for study outside: in the order of particle ids, which neither ranks nor epochs change,
-  with ids and positions in a file beside them. Ids may have gaps; rows have none.
+  Files of matrices for analysis elsewhere. Rows stand in the order of particle ids, which depends
+  neither on ranks nor on epochs; ids may have gaps, rows have none. A second file holds ids and
+  positions.
 */
 #include "isph/io.h"
 
@@ -41,8 +42,8 @@ PetscErrorCode MatrixFileDestroy(MatrixFile **file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sorts values of own fluid particles by id: a vector over rows of the file, as many on a rank as
-   it owns. */
+/* Creates a vector over the rows of the file from values of owned fluid particles. Each rank holds
+   as many rows as it owns fluid particles. */
 static PetscErrorCode SortById(const Particles *p, const PetscInt index[], const PetscReal values[],
                                Vec *by_id)
 {
@@ -114,14 +115,14 @@ static PetscErrorCode WritePositions(const Particles *p, const PetscInt index[],
 }
 
 /*
-  MatrixFileWrite - Writes a matrix over the fluid as it is now, if it was asked for
+  MatrixFileWrite - Writes the present matrix over fluid particles, if its option is given
 
   Collective. Row and column k of the file, or the dim from dim k on where components are coupled,
   belong to the fluid particle with the k-th smallest id; row k of <file>.particles.csv has its id
   and position [m].
 
   Input Parameter:
-. A - in the particles' present numbering; NULL: there is none, which is told
+. A - in the present numbering of particles; NULL: no matrix exists, and a message says so
 */
 PetscErrorCode MatrixFileWrite(const Particles *p, Mat A, MatrixFile *file)
 {

@@ -1,12 +1,12 @@
 /*
-  The file of a monitor: CSV, a header, one row a quantity and time, flushed row by row so that
-  nothing written is lost.
+  CSV files of monitors: a header, then rows for each time. The file is flushed after the rows of
+  each time, so that a killed run keeps them.
 */
 #include "monitors.h"
 #include <errno.h>
 #include <stdlib.h>
 
-/* Ends the run where a file could not be written. Collective. */
+/* Ends the run if a file could not be written. Collective. */
 static PetscErrorCode MonitorVerdict(const char path[], PetscBool good)
 {
   PetscFunctionBegin;
@@ -37,8 +37,8 @@ PetscErrorCode MonitorOpen(const MonitorKind *kind, Monitor *monitor)
 }
 
 /*
-  Copies the header and the rows up to time t to a new file, which then takes the old one's place
-  and is open. Returns whether that went well; if not, the old file is as it was.
+  Copies the header and the rows up to time t to a new file, which replaces the old file and is
+  opened for appending. Returns false on failure; then the old file is unchanged.
 */
 static PetscBool KeepRows(Monitor *monitor, FILE *old, PetscReal t)
 {
@@ -51,7 +51,7 @@ static PetscBool KeepRows(Monitor *monitor, FILE *old, PetscReal t)
   for (PetscInt k = 0; kept && fgets(line, (int)sizeof(line), old); k++) {
     const size_t length = strlen(line);
 
-    if (length && line[length - 1] != '\n') break; /* cut off by a kill */
+    if (length && line[length - 1] != '\n') break; /* incomplete after a kill */
     if (k && atof(line) > (double)t + 1e-9 * PetscAbsReal(t)) break;
     (void)fputs(line, kept);
   }
@@ -67,11 +67,11 @@ static PetscBool KeepRows(Monitor *monitor, FILE *old, PetscReal t)
 }
 
 /*
-  MonitorGoOn - Opens the file of the run that is restarted, without the rows after time t [s]; a
-  file that is absent begins anew
+  MonitorGoOn - Continues the file of the restarted run, without rows after time t [s]; creates an
+  absent file
 
-  Collective on PETSC_COMM_WORLD. Errors: a file that cannot be rewritten ends the run and stays as
-  it is
+  Collective on PETSC_COMM_WORLD. Errors: a file that cannot be rewritten ends the run and stays
+  unchanged
 */
 PetscErrorCode MonitorGoOn(const MonitorKind *kind, PetscReal t, Monitor *monitor)
 {
@@ -92,8 +92,7 @@ PetscErrorCode MonitorGoOn(const MonitorKind *kind, PetscReal t, Monitor *monito
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MonitorFlush - Flushes the rows of a moment, or ends the run if they cannot be written;
-   collective */
+/* MonitorFlush - Flushes the rows of the present time, or ends the run on failure; collective */
 PetscErrorCode MonitorFlush(Monitor *monitor)
 {
   PetscBool good = PETSC_TRUE;
@@ -101,7 +100,7 @@ PetscErrorCode MonitorFlush(Monitor *monitor)
   PetscFunctionBegin;
   if (monitor->stream)
     good = !ferror(monitor->stream) && fflush(monitor->stream) == 0 ? PETSC_TRUE : PETSC_FALSE;
-  if (!good) { /* PETSc would stumble over a stream that cannot be flushed */
+  if (!good) { /* PETSc fails in its own flush of such a stream */
     (void)fclose(monitor->stream);
     monitor->stream = NULL;
   }
@@ -110,9 +109,9 @@ PetscErrorCode MonitorFlush(Monitor *monitor)
 }
 
 /*
-  MonitorRow - Begins a row on the first rank: time and step; not collective
+  MonitorRow - Begins a row with time and step on the first rank; not collective
 
-  Returns PETSC_FALSE on the other ranks, which write nothing.
+  Returns: PETSC_FALSE on other ranks, which write nothing
 */
 PetscBool MonitorRow(const Flow *flow, const Monitor *monitor)
 {
@@ -121,8 +120,7 @@ PetscBool MonitorRow(const Flow *flow, const Monitor *monitor)
   return PETSC_TRUE;
 }
 
-/* MonitorVector - Adds the components of a vector to a row, and zeros up to three; not
-   collective */
+/* MonitorVector - Writes three components of a vector, in 2D zero as the third; not collective */
 void MonitorVector(const Monitor *monitor, PetscInt dim, const PetscReal v[])
 {
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)

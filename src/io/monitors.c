@@ -54,7 +54,7 @@ static PetscErrorCode MonitorRead(OptionItems PetscOptionsObject, const Scene *s
   PetscCall(OptionReals(option, kind->text, MONITOR_NUMBERS, number, &n, &given));
   if (!given) PetscFunctionReturn(PETSC_SUCCESS);
   UserCheck(n > 0 && n % group == 0,
-            "%s: %" PetscInt_FMT " numbers describe each in %" PetscInt_FMT "D, got %" PetscInt_FMT,
+            "%s: each item has %" PetscInt_FMT " numbers in %" PetscInt_FMT "D, got %" PetscInt_FMT,
             option, group, scene->dim, n);
   PetscCall(CheckInBox(scene, option, group, n, number));
   for (PetscInt k = 0; k < n / group && kind->Check; k++)

@@ -1,4 +1,4 @@
-/* Monitors: a kind, its file, and the kinds that the table of monitors.c lists. */
+/* Monitors: their kinds, which monitors.c lists in a table, and their files. */
 #ifndef ISPH_IO_MONITORS_H
 #define ISPH_IO_MONITORS_H
 
@@ -6,21 +6,21 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The monitor of one kind in a run. */
+/* A monitor kind as chosen by its option. */
 typedef struct {
   PetscBool  on, opened;
   PetscInt   n;         /* points, lines or sections */
-  PetscReal *parameter; /* their numbers, as given */
+  PetscReal *parameter; /* their coordinates, as given */
   char       path[PETSC_MAX_PATH_LEN];
   FILE      *stream; /* on the first rank */
 } Monitor;
 
-/* A kind of monitor: its option, its file, and the function that writes the rows of a moment. */
+/* A kind of monitor: option, file header, numbers per item, and the function that writes rows. */
 typedef struct {
-  const char *name, *text; /* of the option, and for -help */
-  const char *header;      /* of the file, after "t,step" */
+  const char *name, *text; /* name of the option, and text for -help */
+  const char *header;      /* columns of the file after "t,step" */
   PetscInt    group[2];    /* numbers for each point, line or section in 2D and 3D; 0: a switch */
-  /* refuses numbers of point, line or section k; NULL: takes any in the box */
+  /* refuses wrong numbers of item k; NULL: accepts any in the box */
   PetscErrorCode (*Check)(const Scene *scene, const char option[], PetscInt k,
                           const PetscReal number[]);
   PetscErrorCode (*Write)(const Flow *flow, const Monitor *monitor);

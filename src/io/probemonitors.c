@@ -1,4 +1,4 @@
-/* The monitors that probe: points, lines, and fluxes through sections. */
+/* Monitors based on probes: points, lines, and fluxes through sections. */
 #include "monitors.h"
 
 /* Returns true if a point is in a body, where nothing flows. */
@@ -11,8 +11,9 @@ static PetscBool InBody(const Scene *scene, const PetscReal x[])
 }
 
 /*
-  Writes velocity and pressure at n points, a row for each, with the given number, or if it is
-  negative with the index of the point. Columns are empty in bodies, and without a pressure.
+  Writes a row with velocity and pressure for each of n points. The row begins with the given number
+  or, if it is negative, with the index of the point. Columns stay empty for points in bodies, and
+  for the pressure before the first projection.
 */
 static PetscErrorCode WriteProbes(const Flow *flow, const Monitor *monitor, PetscInt n,
                                   const PetscReal x[], PetscInt number)
@@ -66,7 +67,7 @@ const MonitorKind MonitorPoints = {
     .Write  = WritePoints,
 };
 
-/* Refuses a number of points, the last number of a line, that is none. */
+/* Refuses a number of points, the last parameter of a line, that is no whole number from 2 on. */
 static PetscErrorCode CheckLine(const Scene *scene, const char option[], PetscInt k,
                                 const PetscReal number[])
 {
@@ -74,8 +75,8 @@ static PetscErrorCode CheckLine(const Scene *scene, const char option[], PetscIn
 
   PetscFunctionBegin;
   UserCheck(points >= 2.0 && points <= 1e6 && points == PetscFloorReal(points),
-            "%s: the number of points of a line must be a whole one from 2 to 1000000, got %.6g",
-            option, (double)points);
+            "%s: the number of points must be a whole number from 2 to 1000000, got %.6g", option,
+            (double)points);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -2,11 +2,11 @@
 #include "isph/guard.h"
 
 /*
-  TimeOptionsRefuse - Refuses options of a TS that would own time, and a theta for other types
+  TimeOptionsRefuse - Refuses options by which a TS would control time, and theta for other types
 
-  Collective. Refuses the names of all releases of PETSc, so that none is taken for a misspelt one
-  by another release. PETSc's beuler and cn are theta schemes; they would refuse the number in the
-  first step only.
+  Collective. Knows the names of all releases of PETSc: a name of another release would otherwise
+  be reported as misspelt. PETSc's beuler and cn are theta methods that would refuse -ts_theta_theta
+  in the first step only.
 */
 PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[])
 {

@@ -14,11 +14,12 @@ static PetscErrorCode TakesNewton(PetscBool *newton)
 }
 
 /*
-  IterationChoose - Chooses the nonlinear solver before the user's options
+  IterationChoose - Sets defaults of the nonlinear solver, which options may change
 
-  Collective. Line searches as measured best, power laws of exponent 0.2 to 3 and plastics: secant
-  (l2 before PETSc 3.24), which may go beyond Picard's steps, took half the iterations of full
-  steps and got to the end where these, or bt, did not; Newton's steps go with bt.
+  Collective. Line searches were chosen by measurements with power laws of exponent 0.2 to 3 and
+  with plastics. For Picard steps secant (l2 before PETSc 3.24) took half the iterations of full
+  steps, and converged in cases in which full steps or bt did not; it may extend a step. Newton
+  steps use bt.
 
   Errors: an absolute tolerance, and a type that does not iterate
 */
