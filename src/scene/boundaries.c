@@ -1,6 +1,7 @@
 /*
-  Boundaries of the fluid: the kinds there are, and the questions that all other code asks of them.
-  The boundaries of a scene are numbered: sides of the box, 2 axis + (0 low, 1 high), then bodies.
+  Boundaries of the fluid: the table of their kinds, and the functions by which all other code asks
+  about them. The boundaries of a scene have numbers: first the sides of the box,
+  2 axis + (0 low, 1 high), then the bodies.
 */
 #include "isph/scene.h"
 
@@ -20,7 +21,7 @@ const BoundaryRow BoundaryPeriodic = {
     .citation   = "",
     .properties = BOUNDARY_CONTINUES,
 };
-/* The fluid at rest in the solid, an extension of the flow by zero, has no slip there. */
+/* Here the side lies in a solid at rest, which extends the flow by zero: no slip. */
 const BoundaryRow BoundaryNone = {
     .name       = "none",
     .brief      = "side in the solid of a body around the fluid",
@@ -134,11 +135,11 @@ PetscBool SceneIsClosedBox(const Scene *scene)
 }
 
 /*
-  SceneWallVelocity - Velocity of a boundary at a point of its surface [m/s]
+  SceneWallVelocity - Computes the velocity of a boundary at a point of its surface [m/s]
 
-    u = V(t) + w(t) z x (x - c)   of a body with centre c,   V(t, x) of a side of the box
+    u = V(t) + w(t) z x (x - c)   for a body with centre c,   V(t, x) for a side of the box
 
-  Not collective. A case may give the velocities of the sides itself.
+  Not collective. A case may define the velocities of the sides by a function.
 */
 void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                        PetscReal u[])
@@ -160,14 +161,14 @@ void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pet
 }
 
 /*
-  SceneWallAcceleration - Acceleration of the matter of a boundary at a point of its surface [m/s^2]
+  SceneWallAcceleration - Computes the acceleration of a boundary at a point of its surface [m/s^2]
 
-    a = dV/dt + dw/dt z x (x - c) - w^2 (x - c)
+    a = dV/dt + dw/dt z x (x - c) - w^2 (x - c)   for a body
 
-  of a body, the last term only where the fluid has u.grad u to go with it; of a side of the box
-  dV/dt along its normal: sides do not turn, and what they gain along themselves is none of the
-  pressure's business. Not collective. Derivatives are centred differences (ExpressionRate()) over
-  2e-5 L/U.
+  The last term is absent without convection, because the equation of the fluid then has no
+  u.grad u either. For a side of the box the result is dV/dt normal to the side; the pressure
+  does not depend on tangential acceleration. Not collective. Derivatives are centred differences
+  (ExpressionRate()) over 2e-5 L/U.
 */
 void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                            PetscReal a[])
@@ -191,7 +192,7 @@ void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const
   a[1] += spin * r[0];
 }
 
-/* Returns how far from a body's centre the box reaches [m]. */
+/* Returns the largest distance of the box from the centre of a body [m]. */
 static PetscReal Reach(const Scene *scene, const Body *body)
 {
   PetscReal sum = 0.0;
@@ -202,11 +203,12 @@ static PetscReal Reach(const Scene *scene, const Body *body)
 }
 
 /*
-  SceneWallSpeedBound - Bounds the flow that a wall makes by its velocity at a surface point [m/s]
+  SceneWallSpeedBound - Bounds the speed of the flow that a moving wall drives [m/s]
 
-  Not collective. A wall that slides along itself drags fluid no faster than it goes, but a stiff
-  fluid may turn with a body as far as the box reaches. One that moves along its normal squeezes
-  fluid through gaps at any speed: infinite.
+  Not collective. Input: u - wall velocity at the surface point x. A wall that slides tangentially
+  drags fluid at its own speed at most, but a very viscous fluid may rotate with a body like a
+  solid, so the bound grows with the distance up to the ends of the box. A wall that moves along
+  its normal can squeeze fluid through gaps at any speed: the bound is infinite.
 */
 PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal x[],
                               const PetscReal normal[], const PetscReal u[])
@@ -227,12 +229,12 @@ PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal
 }
 
 /*
-  SceneDecayRate - Bounds from below how fast a flow between walls at rest dies [1/s]
+  SceneDecayRate - Returns a lower bound of the decay rate of a flow between walls at rest [1/s]
 
-    d|u|/dt <= -nu (pi/W)^2 |u|,  W the distance of the closest pair of sides without slip
+    d|u|/dt <= -nu (pi/W)^2 |u|,  W: distance of the closest pair of opposite sides without slip
 
-  in root mean squares (Poincare's inequality); zero without such a pair or without viscosity. Not
-  collective.
+  |u| is the root mean square (Poincare's inequality). The bound is zero without such a pair or
+  without viscosity. Not collective.
 */
 PetscReal SceneDecayRate(const Scene *scene)
 {
@@ -246,7 +248,8 @@ PetscReal SceneDecayRate(const Scene *scene)
   return SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low * PetscSqr(PETSC_PI / width) : 0.0;
 }
 
-/* SceneDistance - Distance of x from the nearest body, and which; infinite without bodies [m] */
+/* SceneDistance - Returns the distance of x from the nearest body, and its number; infinite without
+   bodies [m] */
 PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,
                         PetscReal normal[])
 {
@@ -265,11 +268,11 @@ PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *neare
 }
 
 /*
-  SceneFluidDistance - Distance of x from the nearest boundary that confines the fluid, positive in
-  the fluid [m]
+  SceneFluidDistance - Returns the distance of x from the nearest boundary that confines the fluid,
+  positive in the fluid [m]
 
-  Not collective. Output: side - that boundary, -1 if there is none; the distance is then infinite.
-  For a point on a surface the distance is zero within SCENE_ON_SURFACE dx.
+  Not collective. Output: side - number of this boundary; without any it is -1, and the distance is
+  infinite. For a point on a surface the distance is zero within SCENE_ON_SURFACE dx.
 */
 PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *side)
 {
@@ -292,18 +295,18 @@ PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *
 }
 
 /*
-  SceneWallPlanes - Tangent planes of all boundaries that confine the fluid, nearer to x than reach
+  SceneWallPlanes - Finds the tangent planes of all boundaries that confine the fluid near x
 
-  Not collective. Used where geometry, not particles, decides: mirror images, the distance kept from
-  walls, the extrapolation of wall velocities.
+  Not collective. Used for mirror images, for the minimum distance from walls, and for the
+  extrapolation of wall velocities, which depend on geometry instead of particles.
 
   Input Parameters:
 + x     - a point [m]
-- reach - [m]
+- reach - largest distance from x [m]
 
   Output Parameters:
-+ planes - one for each boundary in reach
-- count  - how many
++ planes - a plane for each boundary within reach
+- count  - their number
 */
 void SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
                      WallPlane planes[SCENE_MAX_BOUNDARIES], PetscInt *count)

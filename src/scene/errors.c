@@ -1,12 +1,12 @@
 /*
-  What the user sees of an error: one line for what he can mend, PETSc's traceback for a defect.
+  Output for errors: a line for errors that the user can correct, PETSc's traceback for defects.
 */
 #include "isph/base.h"
 #include <signal.h>
 #include <stdarg.h>
 #include <unistd.h>
 
-/* Whether an error code speaks of the user's input, files or a diverged solve. */
+/* Returns true if an error code means wrong input, a file error or a diverged solve. */
 static PetscBool ErrorIsUsers(PetscErrorCode code)
 {
   switch (code) {
@@ -28,7 +28,7 @@ static PetscBool ErrorIsUsers(PetscErrorCode code)
   }
 }
 
-/* Where to look, for messages that are PETSc's own and name no option. */
+/* Returns a hint for PETSc's own messages, which name no option. */
 static const char *ErrorHint(PetscErrorCode code)
 {
   switch (code) {
@@ -65,10 +65,10 @@ static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *
 }
 
 /*
-  ErrorsInstall - Makes errors that are the user's to mend print one line, and a reader of the
-  output who has seen enough, as head, end the run without one
+  ErrorsInstall - Installs an error handler that prints errors of the user as a line
 
-  Not collective. Called once after PetscInitialize(). Output: state - lives until ErrorsExit().
+  Not collective. Called once after PetscInitialize(). If a reader of the output stops early, like
+  head, the run ends without a message. Output: state - must exist until ErrorsExit().
 */
 PetscErrorCode ErrorsInstall(ErrorState *state)
 {
@@ -80,8 +80,7 @@ PetscErrorCode ErrorsInstall(ErrorState *state)
 }
 
 /*
-  FirstRankDecides - Gives all ranks the verdict of the first one, which alone opened or wrote
-  a file
+  FirstRankDecides - Broadcasts a flag of the first rank, which alone opened or wrote a file
 
   Collective on PETSC_COMM_WORLD.
 */
@@ -96,7 +95,7 @@ PetscErrorCode FirstRankDecides(PetscBool *verdict)
 }
 
 /*
-  SayLine - Tells the user something in the course of a run, off an unfinished progress line
+  SayLine - Prints a message during a run, on a line of its own below an unfinished progress line
 
   Not collective; the first rank prints.
 */
@@ -120,8 +119,8 @@ PetscErrorCode SayLine(const char format[], ...)
 /*
   ErrorsExit - Ends the program after an error
 
-  Collective for what the user can mend and all ranks meet together; anything else may be one rank's
-  alone, as a file that the first cannot open, and takes the others with it.
+  Collective for errors of the user that all ranks detect together. Any other error may be known to
+  a single rank, as a file that the first rank cannot open; then this rank aborts the others.
 
   Returns: the exit status, never zero
 */

@@ -1,7 +1,7 @@
 /*
-  Expressions of x, y, z and t typed by the user. muParser parses and evaluates; here its handles
-  are owned, texts split into components, and complaints turned into one line. A plain number needs
-  no parser.
+  Expressions of x, y, z and t typed by the user. muParser parses and evaluates them. This file owns
+  the parser handles, splits texts into components, and turns parser errors into messages of a
+  line. Plain numbers need no parser.
 */
 #include "isph/expression.h"
 #include <muParserDLL.h>
@@ -18,14 +18,15 @@ struct ExpressionScope {
   char             name[SCOPE_CONSTANTS][16];
   PetscReal        constant[SCOPE_CONSTANTS];
   muParserHandle_t parser[SCOPE_PARSERS];
-  muFloat_t        x[ISPH_MAX_DIM], t; /* where and when: what the parsers read [m], [s] */
-  char             fault[512];         /* the first value that was not finite, or "" */
+  muFloat_t        x[ISPH_MAX_DIM], t; /* position and time, read by parsers [m], [s] */
+  char             fault[512];         /* message for the first value that was not finite, or "" */
 };
 
 /*
-  ExpressionScopeCreate - Knows pi; other constants are defined before the first expression is set
+  ExpressionScopeCreate - Creates a scope with the constant pi
 
-  Not collective. Input: dim - how many of x, y, z there are.
+  Not collective. Define other constants before the first expression is set. Input: dim - number of
+  coordinates.
 */
 PetscErrorCode ExpressionScopeCreate(PetscInt dim, ExpressionScope **scope)
 {
@@ -36,8 +37,7 @@ PetscErrorCode ExpressionScopeCreate(PetscInt dim, ExpressionScope **scope)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ExpressionScopeDefine - Gives a number a name in all expressions set from now on; not
-   collective */
+/* ExpressionScopeDefine - Defines a constant for all expressions set later; not collective */
 PetscErrorCode ExpressionScopeDefine(ExpressionScope *scope, const char name[], PetscReal value)
 {
   PetscFunctionBegin;
@@ -48,7 +48,7 @@ PetscErrorCode ExpressionScopeDefine(ExpressionScope *scope, const char name[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ExpressionScopeDestroy - And with it every expression that was set in it; not collective */
+/* ExpressionScopeDestroy - Destroys a scope with all its expressions; not collective */
 PetscErrorCode ExpressionScopeDestroy(ExpressionScope **scope)
 {
   PetscFunctionBegin;
@@ -58,19 +58,19 @@ PetscErrorCode ExpressionScopeDestroy(ExpressionScope **scope)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ExpressionScopeIsIdle - Whether numbers are all there is, so that the scope may go; not
-   collective */
+/* ExpressionScopeIsIdle - Returns true if all expressions are numbers, so that none needs the
+   scope; not collective */
 PetscBool ExpressionScopeIsIdle(const ExpressionScope *scope)
 {
   return scope->n_parsers ? PETSC_FALSE : PETSC_TRUE;
 }
 
 /*
-  ExpressionScopeCheck - Ends the run where a value was not finite, on whichever rank
+  ExpressionScopeCheck - Ends the run if a value was not finite on any rank
 
-  Collective on PETSC_COMM_WORLD. Input: scope, NULL where there are no expressions.
+  Collective on PETSC_COMM_WORLD. Input: scope - may be NULL if there are no expressions.
 
-  Errors: names the option, the place and the time
+  Errors: the message names the option, the place and the time
 */
 PetscErrorCode ExpressionScopeCheck(const ExpressionScope *scope)
 {
@@ -89,7 +89,7 @@ PetscErrorCode ExpressionScopeCheck(const ExpressionScope *scope)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A parser that knows the scope's constants and what of place and time is allowed. */
+/* Creates a parser that knows the constants of the scope and the allowed variables. */
 static PetscErrorCode ParserCreate(ExpressionScope *scope, unsigned allowed,
                                    muParserHandle_t *parser)
 {
@@ -107,7 +107,7 @@ static PetscErrorCode ParserCreate(ExpressionScope *scope, unsigned allowed,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* "x, y, t, pi, nu": the names that a text may hold. */
+/* Lists the names that a text may contain, "x, y, t, pi, nu". */
 static PetscErrorCode AllowedNames(const ExpressionScope *scope, unsigned allowed, char names[],
                                    size_t length)
 {
@@ -123,7 +123,7 @@ static PetscErrorCode AllowedNames(const ExpressionScope *scope, unsigned allowe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether a text gives a variable a value, "x = 3", which muParser would do. */
+/* Returns true if a text has an assignment, "x = 3", which muParser would execute. */
 static PetscBool Assigns(const char text[])
 {
   for (const char *s = strchr(text, '='); s; s = strchr(s, '=')) {
@@ -136,7 +136,7 @@ static PetscBool Assigns(const char text[])
   return PETSC_FALSE;
 }
 
-/* What a parsed component depends on. */
+/* Returns the variables in a parsed component, as bits of ExpressionUse. */
 static unsigned ParserUses(const ExpressionScope *scope, muParserHandle_t parser)
 {
   const int count = mupGetExprVarNum(parser);
@@ -152,7 +152,7 @@ static unsigned ParserUses(const ExpressionScope *scope, muParserHandle_t parser
   return uses;
 }
 
-/* The text that a parser was given; muParser keeps it with a space at its end. */
+/* Returns the text of a parser without the space that muParser appends. */
 static const char *ParserText(muParserHandle_t parser, int *length)
 {
   const char *text = mupGetExpr(parser);
@@ -162,7 +162,7 @@ static const char *ParserText(muParserHandle_t parser, int *length)
   return text;
 }
 
-/* muParser's complaint without its full stop, and with the place in the text, counted from 0. */
+/* Copies muParser's message without its full stop; adds the position, counted from 0. */
 static PetscErrorCode ParserComplaint(muParserHandle_t parser, char text[], size_t size)
 {
   size_t length;
@@ -176,7 +176,7 @@ static PetscErrorCode ParserComplaint(muParserHandle_t parser, char text[], size
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One component of a text: a number, or a parser that has understood it. */
+/* Sets a component from its text: a number, or a parser for any other text. */
 static PetscErrorCode SetComponent(ExpressionScope *scope, const char text[], unsigned allowed,
                                    Expression *e)
 {
@@ -212,8 +212,8 @@ static PetscErrorCode SetComponent(ExpressionScope *scope, const char text[], un
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ends the component that begins at text, at a comma outside brackets; returns the next, or
-   NULL. */
+/* Ends the component that begins at text at the first comma outside brackets; returns the next
+   component, or NULL. */
 static char *SplitComponent(char text[])
 {
   PetscInt depth = 0;
@@ -229,19 +229,19 @@ static char *SplitComponent(char text[])
 }
 
 /*
-  ExpressionSet - Makes the components of a text, "sin(pi*y), 0"
+  ExpressionSet - Sets an expression from the text of its components, "sin(pi*y), 0"
 
   Collective on PETSC_COMM_WORLD.
 
   Input Parameters:
-+ option       - whose text it is, for messages
-. fewest, most - components that are wanted
++ option       - name of the option, for messages
+. fewest, most - allowed numbers of components
 - allowed      - bits of ExpressionUse
 
   Output Parameter:
-. e - lives as long as the scope
+. e - valid as long as the scope exists
 
-  Errors: a text that cannot be understood, holds unknown names, or has more or fewer components
+  Errors: a text with wrong syntax, unknown names, or a wrong number of components ends the run
 */
 PetscErrorCode ExpressionSet(ExpressionScope *scope, const char option[], const char text[],
                              PetscInt fewest, PetscInt most, unsigned allowed, Expression *e)
@@ -271,10 +271,10 @@ PetscErrorCode ExpressionSet(ExpressionScope *scope, const char option[], const 
 }
 
 /*
-  ExpressionRead - ExpressionSet() with the text of an option, where it is given
+  ExpressionRead - Sets an expression from the text of an option, if the option is given
 
-  Collective. Between PetscOptionsBegin() and PetscOptionsEnd(). Output: e, as it was where the
-  option is not given; set - whether it is, may be NULL.
+  Collective. Between PetscOptionsBegin() and PetscOptionsEnd(). Output: e - unchanged if the option
+  is absent; set - flag: the option is given; may be NULL.
 */
 PetscErrorCode ExpressionRead_Private(OptionItems PetscOptionsObject, ExpressionScope *scope,
                                       const char option[], const char text[], PetscInt fewest,
@@ -298,13 +298,14 @@ PetscErrorCode ExpressionRead_Private(OptionItems PetscOptionsObject, Expression
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ExpressionNumber - The expression of one component that is a number; not collective */
+/* ExpressionNumber - Returns a constant expression with a single component; not collective */
 Expression ExpressionNumber(PetscReal value)
 {
   return (Expression){.n = 1, .value = {value}};
 }
 
-/* ExpressionUses - Whether any component depends on place, or on time; not collective */
+/* ExpressionUses - Returns true if any component depends on position, or on time; not
+   collective */
 PetscBool ExpressionUses(const Expression *e, ExpressionUse what)
 {
   for (PetscInt c = 0; c < e->n; c++) {
@@ -314,10 +315,10 @@ PetscBool ExpressionUses(const Expression *e, ExpressionUse what)
 }
 
 /*
-  ExpressionValue - Component c at a place and time; zero where nothing was given
+  ExpressionValue - Returns component c at a position and time; zero if the expression is not set
 
-  Not collective. x may be NULL for what depends on time only. A value that is not finite counts as
-  zero and is kept in mind for ExpressionScopeCheck().
+  Not collective. x may be NULL for expressions of time alone. For a value that is not finite the
+  function returns zero and records the fault for ExpressionScopeCheck().
 */
 PetscReal ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[])
 {
@@ -347,10 +348,11 @@ PetscReal ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const Pe
 }
 
 /*
-  ExpressionRate - Time derivative of component c, [f(t + 1e-5 tau) - f(t - 1e-5 tau)]/(2e-5 tau)
+  ExpressionRate - Returns the time derivative of component c by a centred difference,
+  [f(t + 1e-5 tau) - f(t - 1e-5 tau)]/(2e-5 tau)
 
-  Not collective. Input: tau - of the order of the time in which it changes [s]. A frequency
-  w leaves a relative error of (1e-5 w tau)^2/6. Times before zero are not asked for.
+  Not collective. Input: tau - time scale of its changes [s]. At an angular frequency w the
+  relative error is (1e-5 w tau)^2/6. The expression is never evaluated before time zero.
 */
 PetscReal ExpressionRate(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[],
                          PetscReal tau)

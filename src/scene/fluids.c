@@ -1,19 +1,19 @@
 /*
-  Viscosity that varies from place to place: fluids in regions of the scene, or a field of x and y.
-  A particle takes the viscosity of its place at the start and keeps it.
+  Viscosity that varies in space: fluids in regions of the scene, or a field of x and y. A particle
+  takes the viscosity at its first position and keeps it.
 */
 #include "isph/scene.h"
 
 #define SAMPLES 8 /* along each side of a particle's cell */
 
-/* SceneViscosityVaries - Whether particles carry viscosities of their own; not collective */
+/* SceneViscosityVaries - Returns true if each particle has its own viscosity; not collective */
 PetscBool SceneViscosityVaries(const Scene *scene)
 {
   return scene->n_regions || scene->nu_field.n || !SceneIsNewtonian(scene) ? PETSC_TRUE
                                                                            : PETSC_FALSE;
 }
 
-/* Kinematic viscosity at a point [m^2/s]. */
+/* Returns the kinematic viscosity at a point [m^2/s]. */
 static PetscReal ViscosityAt(const Scene *scene, const PetscReal x[])
 {
   PetscReal nu = scene->nu_field.n ? ExpressionValue(&scene->nu_field, 0, 0.0, x) : scene->nu;
@@ -35,13 +35,14 @@ static PetscBool IsInFluid(const Scene *scene, const PetscReal x[])
 }
 
 /*
-  SceneViscosity - Kinematic viscosity of a particle that starts at x [m^2/s]
+  SceneViscosity - Returns the kinematic viscosity of a particle that starts at x [m^2/s]
 
-    1/nu = mean of 1/nu over the part of the lattice's cell about x that is fluid
+    1/nu = mean of 1/nu over the fluid part of the lattice cell around x
 
-  Not collective. So layers resist shear as they lie, wherever interfaces cut the lattice:
-  resistances in series add. A smooth field without fluids in it is taken at x; where the viscosity
-  follows the strain rate, that at the rate U/L is what the first iteration starts from.
+  Not collective. The harmonic mean gives layers the right shear resistance wherever an interface
+  cuts the lattice, because resistances in series add. A smooth field without fluids in regions is
+  evaluated at x. For a rheology the result is the viscosity at the rate U/L, with which the
+  first iteration starts.
 
   Reference: S. V. Patankar, Numerical Heat Transfer and Fluid Flow (1980), section 4.2-3
 */
@@ -66,12 +67,12 @@ PetscReal SceneViscosity(const Scene *scene, const PetscReal x[])
 }
 
 /*
-  SceneBoundViscosity - Least and largest viscosity at the centres of the lattice, or of the
-  rheology
+  SceneBoundViscosity - Finds the least and largest viscosity at lattice cell centres, or takes the
+  bounds of a rheology
 
-  Collective. What particles then have, which may be elsewhere and take means, is
-  SceneBoundGivenViscosity()'s. Output: scene->nu_low, scene->nu_high. Errors: a field that is not
-  positive.
+  Collective. The viscosities of particles may differ from these, because their positions may and
+  because they are means; SceneBoundGivenViscosity() corrects the bounds. Output: scene->nu_low,
+  scene->nu_high. Errors: a field that is not positive ends the run.
 */
 PetscErrorCode SceneBoundViscosity(Scene *scene)
 {
@@ -104,10 +105,11 @@ PetscErrorCode SceneBoundViscosity(Scene *scene)
 }
 
 /*
-  SceneBoundGivenViscosity - Least and largest viscosity of the particles a run begins with
+  SceneBoundGivenViscosity - Finds the least and largest viscosity of the particles at the start
 
-  Collective. Input: nu - of this rank's n particles [m^2/s]; where no rank has any, the bounds
-  stay. Output: scene->nu_low, scene->nu_high. Errors: one that is not positive.
+  Collective. Input: nu - of this rank's n particles [m^2/s]; if no rank has particles with
+  viscosities, the bounds stay. Output: scene->nu_low, scene->nu_high. Errors: a viscosity that
+  is not positive ends the run.
 */
 PetscErrorCode SceneBoundGivenViscosity(PetscInt n, const PetscReal nu[], Scene *scene)
 {

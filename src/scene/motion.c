@@ -1,5 +1,5 @@
-/* Whether particles go with the flow: one arbitrary Lagrangian-Eulerian step, two transport
-   velocities. */
+/* Motions of particles, moving or fixed: transport velocities for the same arbitrary
+   Lagrangian-Eulerian step. */
 #include "isph/scene.h"
 
 static const MotionRow motions[] = {

@@ -1,11 +1,11 @@
 /*
-  Fluids whose viscosity follows the strain rate g = sqrt(2 E:E), E = (grad u + grad u^T)/2. All
-  quantities are over the density, as the kinematic viscosity is: a stress of 1 m^2/s^2 is one
-  of rho Pa.
+  Rheologies: kinematic viscosity as a function of the strain rate g = sqrt(2 E:E),
+  E = (grad u + grad u^T)/2. All quantities are divided by the density, as is the kinematic
+  viscosity: a stress of 1 m^2/s^2 means rho Pa.
 */
 #include "isph/scene.h"
 
-/* ---- nu(g) [m^2/s], and the bounds that it has of itself ---- */
+/* ---- nu(g) [m^2/s] and its limits ---- */
 
 /* nu = K g^(n-1) */
 static PetscReal RheologyNu_PowerLaw(const Rheology *r, PetscReal rate)
@@ -24,7 +24,7 @@ static PetscReal RheologyNu_Carreau(const Rheology *r, PetscReal rate)
                         PetscPowReal(1.0 + square, 0.5 * (r->parameter[RHEOLOGY_EXPONENT] - 1.0));
 }
 
-/* nu = nu_p + tau_0 (1 - exp(-m g))/g, which for m -> infinity is Bingham's */
+/* nu = nu_p + tau_0 (1 - exp(-m g))/g; for m -> infinity the Bingham model */
 static PetscReal RheologyNu_Papanastasiou(const Rheology *r, PetscReal rate)
 {
   const PetscReal m = r->parameter[RHEOLOGY_REGULARISATION], x = m * rate;
@@ -33,7 +33,7 @@ static PetscReal RheologyNu_Papanastasiou(const Rheology *r, PetscReal rate)
                      (x > 1e-8 ? -expm1(-(double)x) / rate : m * (1.0 - 0.5 * x));
 }
 
-/* ---- g at a shear stress tau > 0 [1/s], of the fluid that is meant: no bounds, no
+/* ---- g at a shear stress tau > 0 [1/s], for the ideal fluid without bounds and
    regularisation ---- */
 
 static PetscReal RheologyRate_PowerLaw(const Rheology *r, PetscReal tau)
@@ -42,7 +42,7 @@ static PetscReal RheologyRate_PowerLaw(const Rheology *r, PetscReal tau)
                       1.0 / r->parameter[RHEOLOGY_EXPONENT]);
 }
 
-/* nu(g) g = tau by bisection: the stress grows with the rate. */
+/* Solves nu(g) g = tau by bisection; the stress increases with the rate. */
 static PetscReal RheologyRate_Carreau(const Rheology *r, PetscReal tau)
 {
   PetscReal low = 0.0, high = tau / r->nu;
@@ -57,7 +57,7 @@ static PetscReal RheologyRate_Carreau(const Rheology *r, PetscReal tau)
   return 0.5 * (low + high);
 }
 
-/* Bingham's: nothing below the yield stress. */
+/* Bingham model: the rate is zero below the yield stress. */
 static PetscReal RheologyRate_Papanastasiou(const Rheology *r, PetscReal tau)
 {
   return PetscMax(0.0, tau - r->parameter[RHEOLOGY_YIELD]) / r->nu;
@@ -101,7 +101,7 @@ static const RheologyRow rheologies[] = {
 };
 const Table RheologyTable = TABLE("-rheology", "Rheologies", rheologies);
 
-/* The numbers that a row may take. */
+/* Parameters of the models. */
 static const struct {
   const char *option, *text;
   PetscReal   low, high;
@@ -116,7 +116,7 @@ static const struct {
     {"-rheology_regularisation", "m [s]", 1e-300, 1e300},
 };
 
-/* What numbers are where the user gives none; rate U/L [1/s]. */
+/* Sets the defaults of parameters; rate U/L [1/s]. */
 static void RheologyDefaults(PetscReal rate, Rheology *r)
 {
   r->parameter[RHEOLOGY_TIME]           = 1.0 / rate;
@@ -126,8 +126,8 @@ static void RheologyDefaults(PetscReal rate, Rheology *r)
       r->nu * PetscPowReal(rate, 1.0 - r->parameter[RHEOLOGY_EXPONENT]);
 }
 
-/* Viscosity towards no rate (end = -1) or an infinite one (1); where it has no limit, 12 powers
-   of ten off. */
+/* Returns the viscosity for zero rate (end = -1) or infinite rate (1); without a limit, the
+   viscosity 12 powers of ten away. */
 static PetscReal RheologyLimit(const Rheology *r, PetscReal rate, PetscInt end, PetscBool *limited)
 {
   const PetscReal last = r->row->Nu(r, rate * PetscPowReal(1e100, end)),
@@ -138,10 +138,10 @@ static PetscReal RheologyLimit(const Rheology *r, PetscReal rate, PetscInt end, 
 }
 
 /*
-  Bounds by default: the row's own, towards no and infinite rate; 1000 nu and nu/1000 where it has
-  none, but nu/20 for what thickens from nothing: where the rate vanishes, a particle of hardly any
-  viscosity lets go of those about it (Poiseuille flow, n = 2, a row in the middle of 51: error 1.8
-  % at nu/100, 0.3 % at nu/20).
+  Sets default bounds of the viscosity: the limits of the model for zero and infinite rate. Without
+  limits the bounds are 1000 nu and nu/1000. A fluid whose viscosity vanishes with the rate has the
+  lower bound nu/20: particles of very low viscosity would decouple from their neighbours.
+  (Poiseuille flow, n = 2, a row in the middle of 51: error 1.8 % with nu/100, 0.3 % with nu/20.)
 */
 static void RheologyBound(PetscReal rate, Rheology *r)
 {
@@ -157,11 +157,10 @@ static void RheologyBound(PetscReal rate, Rheology *r)
 }
 
 /*
-  SceneReadRheology - How the viscosity follows the strain rate, if it does
+  SceneReadRheology - Reads the rheology, a viscosity that depends on the strain rate
 
   Collective, between PetscOptionsBegin() and PetscOptionsEnd(), when scene->nu, length and speed
   are known.
-
   Options Database Keys:
 + -rheology name             - row of the rheology table
 . -rheology_consistency K    - of power_law [m^2 s^(n-2)]
@@ -207,14 +206,15 @@ PetscErrorCode SceneReadRheology(OptionItems PetscOptionsObject, Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* RheologyViscosity - Kinematic viscosity at a strain rate, within its bounds [m^2/s]; not
-   collective */
+/* RheologyViscosity - Returns the kinematic viscosity at a strain rate, within its bounds [m^2/s];
+   not collective */
 PetscReal RheologyViscosity(const Rheology *r, PetscReal rate)
 {
   return PetscMin(PetscMax(r->row->Nu(r, rate), r->low), r->high);
 }
 
-/* SceneIsNewtonian - Whether the viscosity is a matter of place alone; not collective */
+/* SceneIsNewtonian - Returns true if the viscosity does not depend on the strain rate; not
+   collective */
 PetscBool SceneIsNewtonian(const Scene *scene)
 {
   return !scene->rheology.row || !scene->rheology.row->Nu ? PETSC_TRUE : PETSC_FALSE;

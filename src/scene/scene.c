@@ -1,26 +1,26 @@
 /*
-  From options to a checked Scene: the case is chosen, its physics switched, its numbers read and
-  refused where they make no sense. Nothing here knows of particles or solvers.
+  Creates a checked Scene from options: chooses the case, switches physics, reads numbers and
+  refuses impossible values. Nothing here depends on particles or solvers.
 */
 #include "isph/scene.h"
 
 const char *const PhysicsNames[PHYSICS_COUNT] = {"viscosity", "pressure", "convection", "walls",
                                                  "body_force"};
 
-/* SceneHas - Whether the run computes a piece of physics */
+/* SceneHas - Returns true if the run computes this physics */
 PetscBool SceneHas(const Scene *scene, Physics what)
 {
   return (scene->physics & (unsigned)what) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* SceneReynolds - U L/nu with the case's lengths; infinite where there is no viscosity */
+/* SceneReynolds - Returns U L/nu with the lengths of the case; infinite without viscosity */
 PetscReal SceneReynolds(const Scene *scene)
 {
   if (!SceneHas(scene, PHYSICS_VISCOSITY)) return PETSC_INFINITY;
   return scene->speed * scene->problem->reynolds_length * scene->length / scene->nu;
 }
 
-/* SceneCellReynolds - U dx/nu with the least viscosity; infinite where there is none */
+/* SceneCellReynolds - Returns U dx/nu with the least viscosity; infinite without viscosity */
 PetscReal SceneCellReynolds(const Scene *scene)
 {
   if (!SceneHas(scene, PHYSICS_VISCOSITY)) return PETSC_INFINITY;
@@ -28,9 +28,9 @@ PetscReal SceneCellReynolds(const Scene *scene)
 }
 
 /*
-  SceneIsAsPosed - Whether the flow is its case's: none of the case's physics left out, no force
-  added. Pressure or convection where the case does without change nothing of what it says to be
-  exact.
+  SceneIsAsPosed - Returns true if the exact solution of the case holds: no physics of the case is
+  left out, and no force added. Added pressure or convection does not change the exact solution of a
+  case without them.
 */
 PetscBool SceneIsAsPosed(const Scene *scene)
 {
@@ -41,20 +41,20 @@ PetscBool SceneIsAsPosed(const Scene *scene)
              : PETSC_FALSE;
 }
 
-/* SceneMoves - Whether particles go with the flow */
+/* SceneMoves - Returns true if particles move with the flow */
 PetscBool SceneMoves(const Scene *scene)
 {
   return scene->motion && scene->motion->particles_move ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* SceneCellSide - Side along an axis of a cell of the lattice that fills the box: dx, where the box
-   is a whole number of them long [m] */
+/* SceneCellSide - Returns the side of a lattice cell along an axis; it is dx if the box is a whole
+   number of dx long [m] */
 PetscReal SceneCellSide(const Scene *scene, PetscInt axis)
 {
   return (scene->hi[axis] - scene->lo[axis]) / scene->cells[axis];
 }
 
-/* SceneVolume - Volume of each particle: a cell of the lattice [m^dim] */
+/* SceneVolume - Returns the volume of each particle: a lattice cell [m^dim] */
 PetscReal SceneVolume(const Scene *scene)
 {
   PetscReal volume = 1.0;
@@ -63,7 +63,7 @@ PetscReal SceneVolume(const Scene *scene)
   return volume;
 }
 
-/* -with and -without against what the case declares. */
+/* Reads -with and -without and checks them against the physics of the case. */
 static PetscErrorCode SceneReadPhysics(OptionItems PetscOptionsObject, Scene *scene)
 {
   unsigned with, without;
@@ -90,7 +90,7 @@ static PetscErrorCode SceneReadPhysics(OptionItems PetscOptionsObject, Scene *sc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* -body_force against the case's own, and none where the physics is left out. */
+/* Reads -body_force, which replaces the force of the case; no force if the physics is left out. */
 static PetscErrorCode SceneReadForce(OptionItems PetscOptionsObject, Scene *scene)
 {
   const char *const text = "Body force per unit mass, fx,fy[,fz]; adds to the physics; of -case "
@@ -106,7 +106,7 @@ static PetscErrorCode SceneReadForce(OptionItems PetscOptionsObject, Scene *scen
     for (PetscInt a = 0; a < n; a++) force[a] = scene->force.value[a];
     if (!ExpressionUses(&scene->force, EXPRESSION_PLACE) &&
         !ExpressionUses(&scene->force, EXPRESSION_TIME))
-      scene->force.n = 0; /* body holds it */
+      scene->force.n = 0; /* body_force holds the numbers */
   } else {
     PetscCall(OptionReals("-body_force", text, n, force, &n, &given));
   }
@@ -127,7 +127,7 @@ static PetscErrorCode SceneReadForce(OptionItems PetscOptionsObject, Scene *scen
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The fluid; a patch test has none. */
+/* Reads the properties of the fluid; a patch test has no fluid. */
 static PetscErrorCode SceneReadFluid(OptionItems PetscOptionsObject, Scene *scene)
 {
   PetscReal reynolds = scene->problem->reynolds, viscosity = 0.0;
@@ -145,7 +145,7 @@ static PetscErrorCode SceneReadFluid(OptionItems PetscOptionsObject, Scene *scen
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Dimension, resolution and disorder, and what only some cases ask for. */
+/* Reads dimension, resolution and disorder, and options of some cases only. */
 static PetscErrorCode SceneReadNumbers(OptionItems PetscOptionsObject, Scene *scene)
 {
   PetscFunctionBegin;
@@ -178,7 +178,7 @@ static PetscErrorCode SceneReadNumbers(OptionItems PetscOptionsObject, Scene *sc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What expressions may name besides pi: nu (zero without viscosity), rho, L and U; not
+/* Defines the constants of expressions: nu (zero without viscosity), rho, L and U; not
    collective. */
 static PetscErrorCode SceneNameConstants(Scene *scene)
 {
@@ -194,13 +194,12 @@ static PetscErrorCode SceneNameConstants(Scene *scene)
 }
 
 /*
-  SceneCreate - Reads and checks everything the run is about
+  SceneCreate - Reads and checks the description of the flow from options
 
   Collective on PETSC_COMM_WORLD.
 
   Output Parameter:
-. scene - complete: geometry in m, fluid, forces and the physics in force
-
+. scene - complete: geometry in m, fluid, forces and chosen physics
   Options Database Keys:
 + -case name              - row of the table in cases/cases.c
 . -dim 2|3                - space dimension
@@ -273,7 +272,8 @@ PetscBool SceneIsDrivenInTime(const Scene *scene)
              : PETSC_FALSE;
 }
 
-/* SceneBodyForce - Body force per unit mass at a place and time [m/s^2]; not collective */
+/* SceneBodyForce - Computes the body force per unit mass at a position and time [m/s^2]; not
+   collective */
 void SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal f[])
 {
   for (PetscInt a = 0; a < scene->dim; a++)

@@ -1,6 +1,6 @@
 /*
-  Shapes of bodies in the plane, by their signed distance and by points along their surface. A new
-  shape is five functions and one row.
+  Shapes of bodies in the plane, defined by signed distance and by points along the surface. A new
+  shape needs five functions and a row of the table.
 */
 #include "isph/scene.h"
 
@@ -53,7 +53,7 @@ static PetscInt Corners(const Body *body)
   return body->n / 2;
 }
 
-/* Ends of edge e and its length. */
+/* Gets the ends of edge e; returns its length. */
 static PetscReal Edge(const Body *body, PetscInt e, const PetscReal **from, const PetscReal **to)
 {
   *from = &body->parameter[2 * e];
@@ -61,20 +61,20 @@ static PetscReal Edge(const Body *body, PetscInt e, const PetscReal **from, cons
   return PetscSqrtReal(PetscSqr((*to)[0] - (*from)[0]) + PetscSqr((*to)[1] - (*from)[1]));
 }
 
-/* Twice the signed area of the triangle a, b, c. */
+/* Returns twice the signed area of the triangle a, b, c. */
 static PetscReal Turn(const PetscReal a[], const PetscReal b[], const PetscReal c[])
 {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/* Whether two edges without a common corner cross or touch. */
+/* Returns true if two edges without a common corner cross or touch. */
 static PetscBool EdgesCross(const Body *body, PetscInt e, PetscInt f)
 {
   const PetscReal *a, *b, *c, *d;
 
   (void)Edge(body, e, &a, &b);
   (void)Edge(body, f, &c, &d);
-  for (PetscInt k = 0; k < 2; k++) { /* apart along an axis: on one line, too */
+  for (PetscInt k = 0; k < 2; k++) { /* separate along an axis; also for edges on a line */
     if (PetscMax(a[k], b[k]) < PetscMin(c[k], d[k]) || PetscMax(c[k], d[k]) < PetscMin(a[k], b[k]))
       return PETSC_FALSE;
   }
@@ -82,7 +82,7 @@ static PetscBool EdgesCross(const Body *body, PetscInt e, PetscInt f)
                                                                                       : PETSC_FALSE;
 }
 
-/* Corners counter-clockwise; the centre is that of the area. */
+/* Orders corners counter-clockwise; the centre is the centroid of the area. */
 static const char *PolygonPrepare(Body *body)
 {
   PetscReal     *c = body->parameter, area = 0.0;
@@ -123,7 +123,7 @@ static const char *PolygonPrepare(Body *body)
   return NULL;
 }
 
-/* Two opposite corners become the four of a polygon. */
+/* Replaces two opposite corners by the four corners of a polygon. */
 static const char *BoxPrepare(Body *body)
 {
   PetscReal      *c      = body->parameter;
@@ -144,7 +144,8 @@ static void PolygonSpan(const Body *body, PetscInt axis, PetscReal span[2])
   }
 }
 
-/* Nearest point of all edges; inside by the number of edges that a ray along x crosses. */
+/* Returns the distance from the nearest edge; a ray along x crosses an odd number of edges if its
+   start is inside. */
 static PetscReal PolygonDistance(const Body *body, const PetscReal x[], PetscReal normal[])
 {
   PetscReal best = PETSC_MAX_REAL, nearest[2] = {0.0}, outward[2] = {0.0}, d;
@@ -248,10 +249,10 @@ static const ShapeRow shapes[] = {
 const Table ShapeTable = TABLE("-scene_body_<k>", "Shapes of bodies", shapes);
 
 /*
-  BodySet - Makes a body of its shape's numbers [m]
+  BodySet - Sets a body from the numbers of its shape [m]
 
-  Not collective. The body is at rest, the fluid around it. Its centre, which it rotates about, is a
-  circle's centre or that of the area. Returns: NULL, or what is wrong with the numbers.
+  Not collective. The body is at rest in a fluid that surrounds it. It rotates about its centre:
+  the centre of a circle, or the centroid of the area. Returns: NULL, or a text about wrong numbers.
 */
 const char *BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[])
 {
@@ -260,7 +261,7 @@ const char *BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscRe
   return shape->Prepare(body);
 }
 
-/* BodyCircle - A body of the first shape, of radius r > 0 about (x, y) [m]; not collective */
+/* BodyCircle - Sets a body to a circle of radius r > 0 about (x, y) [m]; not collective */
 void BodyCircle(Body *body, PetscReal x, PetscReal y, PetscReal r)
 {
   const PetscReal number[3] = {x, y, r};
@@ -268,19 +269,19 @@ void BodyCircle(Body *body, PetscReal x, PetscReal y, PetscReal r)
   (void)BodySet(body, &shapes[0], 3, number);
 }
 
-/* BodySpan - From where to where a body reaches along an axis of the plane [m] */
+/* BodySpan - Returns the ends of a body along an axis of the plane [m] */
 void BodySpan(const Body *body, PetscInt axis, PetscReal span[2])
 {
   body->shape->Span(body, axis, span);
 }
 
 /*
-  BodyThickness - How thin a body is between surfaces that face away from each other [m]
+  BodyThickness - Returns the least thickness of a body between opposite surfaces [m]
 
-  Not collective. Looks inwards from points dx apart on the surface, in steps of dx/4; the tips
-  of wedges of more than about 50 degrees do not count. Input: limit - how far it looks. Output:
-  place - of the thinnest spot. Returns: limit where the body is nowhere thinner, and of bodies
-  around the fluid.
+  Not collective. Searches inwards from points dx apart on the surface in steps of dx/4; tips of
+  wedges of more than about 50 degrees do not count. Input: limit - largest distance of the search.
+  Output: place - of the least thickness. Returns: limit if the body is nowhere thinner, and for
+  bodies around the fluid.
 */
 PetscReal BodyThickness(const Body *body, PetscReal dx, PetscReal limit, PetscReal place[2])
 {
@@ -304,9 +305,9 @@ PetscReal BodyThickness(const Body *body, PetscReal dx, PetscReal limit, PetscRe
 }
 
 /*
-  Signed distance of x from the nearest of a body's images in a periodic box, the body taken as
-  solid [m]. Output: y - x as seen from that image, which lies where the body does; normal - out
-  of the body.
+  Returns the signed distance of x from the nearest image of a body in a periodic box, with the
+  body as a solid [m]. Output: y - x shifted by periods so that this image becomes the body itself;
+  normal - out of the body.
 */
 static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscReal x[],
                               PetscReal y[2], PetscReal normal[])
@@ -339,9 +340,9 @@ static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscR
 }
 
 /*
-  BodyArm - Where x is, seen from a body's centre [m]
+  BodyArm - Computes the vector from the centre of a body to x [m]
 
-  Not collective. In a periodic box of the body's images that nearest to x counts.
+  Not collective. In a periodic box the image of the body nearest to x is used.
 */
 void BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2])
 {
@@ -352,10 +353,10 @@ void BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscRea
 }
 
 /*
-  BodyDistance - Distance from a body's surface, positive in the fluid [m]
+  BodyDistance - Returns the distance from the surface of a body, positive in the fluid [m]
 
-  Not collective. Of a body in a periodic box the nearest image counts. Output: normal - of the
-  surface at its point nearest to x, into the fluid.
+  Not collective. In a periodic box the nearest image of the body is used. Output: normal - into the
+  fluid, at the surface point nearest to x.
 */
 PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
                        PetscReal normal[])
@@ -368,17 +369,17 @@ PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[]
   return -distance;
 }
 
-/* BodyPoints - How many points dx apart a body's surface has; not collective */
+/* BodyPoints - Returns the number of surface points dx apart; not collective */
 PetscInt BodyPoints(const Body *body, PetscReal dx)
 {
   return body->shape->Count(body, dx);
 }
 
 /*
-  BodyPoint - Point k of a surface
+  BodyPoint - Computes point k of a surface
 
-  Not collective. Output: x; normal - into the fluid. Returns: the length of surface it stands for
-  [m].
+  Not collective. Output: x; normal - into the fluid. Returns: the length of surface that belongs to
+  the point [m].
 */
 PetscReal BodyPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], PetscReal normal[])
 {

@@ -1,11 +1,11 @@
 /*
-  Tables of named rows: look-up by the user's word, the choice from the command line and the
-  listing. This is the one place of the program where a row's name is compared.
+  Tables of named rows: search by name, choice from the command line, and list. No other file of
+  the program compares names of rows.
 */
 #include "isph/base.h"
 
 /*
-  TableGet - Returns row k of a table by its common head
+  TableGet - Returns row k of a table as its common first part
 
   Not collective. Input: the table and 0 <= k < table->count.
 */
@@ -16,9 +16,9 @@ const TableRow *TableGet(const Table *table, PetscInt k)
 }
 
 /*
-  TableFind - Row with a given name
+  TableFind - Finds the row with a given name
 
-  Not collective. Output: row, NULL where the table has none of that name.
+  Not collective. Output: row - NULL if the table has no such name.
 */
 PetscErrorCode TableFind(const Table *table, const char name[], const TableRow **row)
 {
@@ -33,7 +33,7 @@ PetscErrorCode TableFind(const Table *table, const char name[], const TableRow *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* All names of a table, "a, b, c". */
+/* Lists all names of a table, "a, b, c". */
 static PetscErrorCode TableNames(const Table *table, char names[], size_t length)
 {
   PetscFunctionBegin;
@@ -46,12 +46,12 @@ static PetscErrorCode TableNames(const Table *table, char names[], size_t length
 }
 
 /*
-  TableWant - Row with a given name
+  TableWant - Finds the row with a given name, which must exist
 
-  Not collective. Input: option - that gave the name. Output: row - address of a pointer to it (any
+  Not collective. Input: option - source of the name. Output: row - address of a pointer to it (any
   row type).
 
-  Errors: an unknown name ends the run with the list of the known ones
+  Errors: an unknown name ends the run with a list of known names
 */
 PetscErrorCode TableWant(const Table *table, const char option[], const char name[],
                          const void *row)
@@ -68,7 +68,7 @@ PetscErrorCode TableWant(const Table *table, const char option[], const char nam
 }
 
 /*
-  TableSelect - Row chosen on the command line
+  TableSelect - Finds the row chosen on the command line
 
   Collective. Called between PetscOptionsBegin() and PetscOptionsEnd().
 
@@ -76,12 +76,12 @@ PetscErrorCode TableWant(const Table *table, const char option[], const char nam
 + table    - the rows to choose from
 . option   - e.g. "-visc_laplacian"; usually table->option
 . text     - for -help
-- fallback - name of the row taken when the option is not given
+- fallback - name of the default row
 
   Output Parameter:
 . row - address of a pointer to the chosen row (any row type)
 
-  Errors: an unknown name ends the run with the list of the known ones
+  Errors: an unknown name ends the run with a list of known names
 */
 PetscErrorCode TableSelect_Private(OptionItems PetscOptionsObject, const Table *table,
                                    const char option[], const char text[], const char fallback[],
@@ -100,7 +100,7 @@ PetscErrorCode TableSelect_Private(OptionItems PetscOptionsObject, const Table *
 }
 
 /*
-  TableView - Lists a table for -catalogue: name, what it is, who published it, what it declares
+  TableView - Lists a table for -catalogue: names, briefs, publications and declared properties
 
   Collective on the viewer.
 */
@@ -125,10 +125,10 @@ PetscErrorCode TableView(const Table *table, PetscViewer viewer)
 }
 
 /*
-  TableViewRow - Prints one chosen row as a line of the banner: label, name, brief and citation
+  TableViewRow - Prints a chosen row as a line of the banner: label, name, brief and citation
 
-  Collective on the viewer. The brief is left out if the line would exceed 100 columns. Nothing is
-  printed for a row that is NULL.
+  Collective on the viewer. The brief is omitted if the line would exceed 100 columns. For NULL the
+  function prints nothing.
 */
 PetscErrorCode TableViewRow(const char label[], const void *row, PetscViewer viewer)
 {

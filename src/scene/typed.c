@@ -1,6 +1,6 @@
 /*
   Scenes typed on the command line: the box, its sides and bodies, velocities and a reference
-  solution from options, checked so that a mistake is told before a particle exists.
+  solution. All options are checked before any particle exists.
 */
 #include "isph/scene.h"
 #include <stdlib.h>
@@ -8,7 +8,7 @@
 
 #define SHAPE_TEXT 2048 /* room for BODY_PARAMETERS numbers with all their digits */
 
-/* "circle,0.5,0.5,0.25": the shape's word, then its numbers. */
+/* Reads "circle,0.5,0.5,0.25": the name of the shape and its numbers. */
 static PetscErrorCode ReadShape(const char option[], const char text[], Body *body)
 {
   const ShapeRow *shape;
@@ -41,8 +41,9 @@ static PetscErrorCode ReadShape(const char option[], const char text[], Body *bo
 }
 
 /*
-  The body stays where it is. A velocity of its surface that has a part normal to it and lasts would
-  carry fluid through it; with t in it, it may be that of motions small against the body.
+  Bodies have fixed positions. A constant velocity of the surface with a normal part would carry
+  fluid through it, and is refused. A normal velocity that depends on t is accepted: it may be an
+  oscillation small against the body.
 */
 static PetscErrorCode CheckBodyMotion(const Scene *scene, const Boundary *boundary)
 {
@@ -63,7 +64,7 @@ static PetscErrorCode CheckBodyMotion(const Scene *scene, const Boundary *bounda
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Velocity and rotation of the surface of body k. */
+/* Reads velocity and rotation of the surface of body k. */
 static PetscErrorCode ReadBodyMotion(OptionItems PetscOptionsObject, PetscInt k, Scene *scene,
                                      Boundary *boundary)
 {
@@ -84,7 +85,7 @@ static PetscErrorCode ReadBodyMotion(OptionItems PetscOptionsObject, PetscInt k,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ends the run where things are not numbered 1, 2, ..., n. */
+/* Ends the run if numbers of options are not 1, 2, ..., n. */
 static PetscErrorCode CheckNumbers(const char thing[], PetscInt n, PetscInt most)
 {
   PetscFunctionBegin;
@@ -103,7 +104,7 @@ static PetscErrorCode CheckNumbers(const char thing[], PetscInt n, PetscInt most
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Bodies 1, 2, ... as far as they are given. */
+/* Reads bodies 1, 2, ... */
 static PetscErrorCode ReadBodies(OptionItems PetscOptionsObject, Scene *scene)
 {
   PetscFunctionBegin;
@@ -130,7 +131,7 @@ static PetscErrorCode ReadBodies(OptionItems PetscOptionsObject, Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A body in a periodic box keeps apart from its own image, as far as its corners show. */
+/* Checks the gap between images of a body in a periodic box, from its extent along each axis. */
 static PetscErrorCode CheckImages(const Scene *scene)
 {
   PetscFunctionBegin;
@@ -150,7 +151,7 @@ static PetscErrorCode CheckImages(const Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Surfaces keep apart by what a fit needs between them. */
+/* Checks that gaps between surfaces are wide enough for fits. */
 static PetscErrorCode CheckGaps(const Scene *scene)
 {
   PetscFunctionBegin;
@@ -182,7 +183,7 @@ static PetscErrorCode CheckGaps(const Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Velocities of the sides of the box that are walls. */
+/* Reads the velocities of the sides of the box that are walls. */
 static PetscErrorCode ReadSides(OptionItems PetscOptionsObject, Scene *scene)
 {
   PetscFunctionBegin;
@@ -206,8 +207,9 @@ static PetscErrorCode ReadSides(OptionItems PetscOptionsObject, Scene *scene)
 }
 
 /*
-  No flow without divergence goes in where nothing goes out: what the sides let through at a time,
-  by the midpoint rule on 1000 pieces of each. Bodies, which move as one piece, let nothing through.
+  Checks that inflow and outflow through the sides balance at a time; otherwise no flow without
+  divergence exists. Uses the midpoint rule with 1000 points per side. Rigid motions of bodies
+  do not contribute.
 */
 static PetscErrorCode CheckInflow(const Scene *scene, PetscReal t)
 {
@@ -238,7 +240,7 @@ static PetscErrorCode CheckInflow(const Scene *scene, PetscReal t)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Fluids 1, 2, ... as far as they are given, and the viscosity elsewhere. */
+/* Reads fluids 1, 2, ... and the viscosity elsewhere. */
 static PetscErrorCode ReadFluids(OptionItems PetscOptionsObject, Scene *scene)
 {
   PetscBool given;
@@ -275,7 +277,7 @@ static PetscErrorCode ReadFluids(OptionItems PetscOptionsObject, Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The flow at the start and the one it is compared with. */
+/* Reads the flow at the start and the reference solution. */
 static PetscErrorCode ReadFields(OptionItems PetscOptionsObject, Scene *scene)
 {
   PetscFunctionBegin;
@@ -291,7 +293,7 @@ static PetscErrorCode ReadFields(OptionItems PetscOptionsObject, Scene *scene)
 }
 
 /*
-  SceneReadTyped - The scene of -case scene
+  SceneReadTyped - Reads the scene of -case scene
 
   Collective, between PetscOptionsBegin() and PetscOptionsEnd().
 
@@ -302,7 +304,7 @@ static PetscErrorCode ReadFields(OptionItems PetscOptionsObject, Scene *scene)
 . -scene_body_<k> shape,...        - bodies 1, 2, ...
 . -scene_body_<k>_velocity u,v     - of its surface, of t [m/s]
 . -scene_body_<k>_rotation w       - of its surface, of t [rad/s]
-. -scene_body_<k>_around           - the fluid is inside; the box then has no walls of its own
+. -scene_body_<k>_around           - the fluid is inside; the box then has no walls
 . -scene_fluid_<k> shape,...       - where fluids 1, 2, ... are at the start
 . -scene_fluid_<k>_viscosity nu    - of that fluid [m^2/s]
 . -viscosity_field nu              - elsewhere, of x, y [m^2/s]
@@ -310,10 +312,10 @@ static PetscErrorCode ReadFields(OptionItems PetscOptionsObject, Scene *scene)
 - -scene_exact u,v[,p]             - reference solution, of x, y, t [m/s], [Pa]
 
   Notes: velocities and the reference are expressions, see ExpressionSet(). A periodic box without
-  bodies has no walls, and the physics loses them.
+  bodies has no walls, so the physics `walls` is off.
 
-  Errors: what is no shape, bodies that overlap or leave gaps of less than 4 dx; expressions that
-  cannot be understood; velocities through a surface
+  Errors: wrong shapes, bodies that overlap or leave gaps of less than 4 dx, expressions with wrong
+  syntax, and velocities through a surface end the run
 */
 PetscErrorCode SceneReadTyped(OptionItems PetscOptionsObject, Scene *scene)
 {
@@ -338,7 +340,8 @@ PetscErrorCode SceneReadTyped(OptionItems PetscOptionsObject, Scene *scene)
   PetscCall(ReadBodies(PetscOptionsObject, scene));
   PetscCall(ReadSides(PetscOptionsObject, scene));
   PetscCall(CheckInflow(scene, 0.0));
-  PetscCall(CheckInflow(scene, 0.125 * scene->length / scene->speed)); /* what is at rest first */
+  PetscCall(
+      CheckInflow(scene, 0.125 * scene->length / scene->speed)); /* walls may start from rest */
   PetscCall(CheckGaps(scene));
   if (SceneIsPeriodic(scene, 0) && SceneIsPeriodic(scene, 1) && !scene->n_bodies)
     scene->physics &= ~(unsigned)PHYSICS_WALLS;
