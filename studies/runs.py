@@ -28,10 +28,10 @@ def cpu_seconds():
 
 
 class Runs:
-    """Quantities of runs by their arguments, at the end of the run; those of -report_times before it as name@time. A
-    run that failed has the sentence in `failed`, and in `failed_t` the time where it was under way. One that takes more
-    than `seconds` of CPU time is stopped and fails; its quantities at its last step, at t, are there all the same.
-    Each row names the build that made it and the day; rows of another build are kept, and told() counts them."""
+    """Quantities at the end of runs by their arguments; quantities at earlier -report_times have the name name@time. A
+    failed run has its error sentence in `failed`, and in `failed_t` the time at which it failed. A run that takes more
+    than `seconds` of CPU time is stopped and fails; quantities of its last step, at t, are kept. Each row names the
+    build that made it and the day; rows of other builds are kept, and told() counts them."""
 
     def __init__(self, path, isph, seconds=None):
         self.path, self.isph, self.seconds, self.rows, self.unsaved, self.made = path, isph, seconds, {}, 0, 0
@@ -46,8 +46,9 @@ class Runs:
                     self.rows[row["run"]] = {k: v for k, v in row.items() if v}
 
     def __call__(self, arguments, watch=""):
-        """The quantities of a run as numbers; it is made unless the file has it. `watch` holds -probe_ options, which
-        change nothing in the run: the last rows of their files are quantities too, forces_left_fx or point_0_p."""
+        """Returns the quantities of a run as numbers; makes the run unless the file has it. `watch` holds -probe_
+        options, which leave the run unchanged: the last rows of their files become quantities, such as forces_left_fx
+        or point_0_p."""
         if arguments not in self.rows:
             print(arguments, flush=True)
             start = time.monotonic()
@@ -60,7 +61,7 @@ class Runs:
         return self.numbers(arguments)
 
     def numbers(self, arguments):
-        """The quantities of a run that the file holds."""
+        """Returns the quantities of a run in the file as numbers."""
         return {k: v if k in ("run", "failed", "build", "date") else float(v) for k, v in self.rows[arguments].items()}
 
     def told(self):
@@ -135,13 +136,13 @@ class Runs:
 
 
 def last_rows(path, end):
-    """Quantities of the rows that -probe_ options wrote at the end of a run."""
+    """Returns the quantities in the last rows of a -probe_ file."""
     kind = re.search(r"_(\w+)\.csv$", os.path.basename(path)).group(1)
     with open(path, newline="") as file:
         rows = [row for row in csv.DictReader(file) if abs(float(row["t"]) - end) <= 1e-9 * abs(end)]
     found = {}
     for row in rows:
-        which = list(row)[2]  # the column after time and step: the point, or the wall
+        which = list(row)[2]  # the column after time and step: number of a point or name of a wall
         for name in [name for name in ("u", "v", "p", "fx", "fy", "tz", "flux") if row.get(name)]:
             found[f"{kind}_{row[which]}_{name}"] = row[name]
     return found

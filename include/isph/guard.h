@@ -18,13 +18,13 @@ typedef struct {
 
 typedef struct {
   LinearSolve        solve;
-  SolverView         ksp_view, ts_view;  /* -<prefix>ksp_view, -<prefix>ts_view */
-  const char        *best;               /* type of KSP to recommend */
-  const char        *remedy;             /* sentence of advice; NULL: from the user's choice */
-  char               where[CLOCK_WHERE]; /* the step at hand, for messages */
-  PetscBool          symmetric;          /* the matrix is */
-  PetscBool          inner;              /* a nonlinear solver checks the residual that counts */
-  PetscInt           max_in_a_row;       /* fallbacks in a row that are allowed; -1: no fallback */
+  SolverView         ksp_view, ts_view;      /* -<prefix>ksp_view, -<prefix>ts_view */
+  const char        *best;                   /* type of KSP to recommend */
+  const char        *remedy;                 /* advice; NULL: derived from the user's choice */
+  char               where[CLOCK_WHERE];     /* the present step, for messages */
+  PetscBool          symmetric;              /* the matrix is symmetric */
+  PetscBool          inner;                  /* the residual of a nonlinear solver counts instead */
+  PetscInt           max_in_a_row;           /* allowed fallbacks in a row; -1: no fallback */
   KSP                level[FALLBACK_LEVELS]; /* fallback solvers; NULL until needed */
   PetscInt           in_a_row;               /* fallbacks since the last good solve */
   PetscBool          failed;                 /* a solve has failed since the last GuardCheck() */

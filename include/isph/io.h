@@ -31,9 +31,9 @@ typedef struct {
 struct Report {
   Quantity *quantity;
   PetscInt  n, capacity;
-  PetscReal t;                        /* of quantities being added, set by who adds them [s] */
+  PetscReal t;                        /* time of the quantities that are added next [s] */
   PetscBool data_absent;              /* a file of the reference data was not found */
-  char      file[PETSC_MAX_PATH_LEN]; /* of all runs; empty: none */
+  char      file[PETSC_MAX_PATH_LEN]; /* file of all runs; empty: none */
 };
 PetscErrorCode ReportCreate(Report **report);
 PetscErrorCode ReportDestroy(Report **report);

@@ -17,8 +17,8 @@ struct Monitors {
   PetscBool any;
 };
 
-/* Points lie in the box; a periodic one goes on. A group is of points, a line's with one number
-   more. */
+/* Refuses points outside the box, except along periodic axes. A group holds points; the group of a
+   line has a number at its end. */
 static PetscErrorCode CheckInBox(const Scene *scene, const char option[], PetscInt group,
                                  PetscInt n, const PetscReal number[])
 {
@@ -124,8 +124,8 @@ PetscErrorCode MonitorsDestroy(Monitors **monitors)
 }
 
 /*
-  MonitorsRestart - Goes on with the files of the run that is restarted, without what it wrote after
-  the checkpoint; files that are absent begin anew
+  MonitorsRestart - Continues the files of the restarted run, without rows after the checkpoint;
+  absent files begin anew
 
   Collective on PETSC_COMM_WORLD. Input: t - time of the checkpoint [s]. Errors: a file that cannot
   be continued ends the run and stays unchanged

@@ -115,14 +115,13 @@ static PetscErrorCode ReferenceDataSort(ReferenceData *curve)
 }
 
 /*
-  ReferenceDataRead - Reads a file of reference data
+  ReferenceDataRead - Reads a reference curve
 
   Collective on PETSC_COMM_WORLD
 
   Input Parameter:
-. file - name within the directory of reference data: '#' comments, a header line, then lines of two
-or
-         more columns, of which the first two are used
+. file - name within the directory of reference data: '#' comments, a header line, then lines of
+         two or more columns, of which the first two are used
 
   Input/Output Parameter:
 . report - keeps that a file is absent, so that one warning is printed in a run

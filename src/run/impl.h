@@ -9,7 +9,7 @@ typedef struct Checkpoints Checkpoints;
 /* The stages of a run, as -log_view shows them. */
 typedef enum { STAGE_SETUP, STAGE_STEPS, STAGE_OUTPUT, RUN_STAGES } RunStage;
 
-/* A run of a flow: the flow, and what is written and kept on its way. */
+/* A run: the flow, its output, and its memory for retries. */
 typedef struct {
   Flow           flow;
   Snapshots     *snapshots;

@@ -25,7 +25,7 @@ static PetscErrorCode RunEnter(const Run *run, RunStage stage)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the choices of scheme and operators; no particle exists yet. */
+/* Reads the choices of scheme and operators, before particles exist. */
 static PetscErrorCode RunChoose(Run *run)
 {
   Flow *flow = &run->flow;
@@ -206,7 +206,7 @@ static PetscErrorCode RunBetweenSteps(Run *run, PetscBool over)
   PetscCall(MonitorsWrite(&run->flow, run->monitors));
   PetscCall(ProgressUpdate(&run->flow, over, run->progress));
   PetscCall(CheckpointsUpdate(over, run));
-  if (!over) PetscCall(RunMeasureDue(run)); /* with the particles in the order of a restarted run */
+  if (!over) PetscCall(RunMeasureDue(run)); /* in the order of a restarted run */
   PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

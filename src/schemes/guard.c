@@ -16,7 +16,7 @@ static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
   PetscFunctionBegin;
   PetscCall(SolverViewShow((PetscObject)ksp, &guard->ksp_view));
   PetscCall(SolverViewEnd(&guard->ksp_view));
-  if (guard->failed) PetscFunctionReturn(PETSC_SUCCESS); /* the first failure is reported */
+  if (guard->failed) PetscFunctionReturn(PETSC_SUCCESS); /* only the first failure is reported */
   PetscCall(KSPGetConvergedReason(ksp, &guard->reason));
   PetscCall(KSPGetIterationNumber(ksp, &guard->iterations));
   PetscCall(SolveResidual(ksp, rhs, solution, &guard->residual, &good));

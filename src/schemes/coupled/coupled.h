@@ -28,9 +28,9 @@ struct Schur {
   const SchurRow *row;
   Mat             mass;           /* matrix of row mass, for PETSc */
   Mat             poisson;        /* -dx^2 lap + 1e-6 [-] */
-  KSP             ksp;            /* for that; NULL: not needed */
+  KSP             ksp;            /* solver of poisson; NULL: not needed */
   SolverView      view;           /* -coupled_schur_ksp_view */
-  Vec             work;           /* */
+  Vec             work;           /* work vector */
   PetscReal       viscous, inert; /* nu/sigma, shift dx^2/sigma, see schur.c [-] */
 };
 
