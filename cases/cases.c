@@ -1,6 +1,6 @@
 /*
-  The cases, one word each, in the order of -catalogue. A new case is one file with its row at the
-  foot, one word here and one .opts file.
+  The table of cases, in the order of -catalogue. A new case needs a file with its row at the end, a
+  name here, and an .opts file.
 */
 #include "cases.h"
 

@@ -1,6 +1,6 @@
 /*
-  Lid-driven cavity: a unit square or cube, the lid y = L moving along x with U. Compared on the
-  centrelines with converged reference data; Ghia's tables (cases/reference) are for pictures only.
+  Lid-driven cavity: a unit square or cube whose lid y = L moves along x with U. Centreline profiles
+  are compared with converged reference data; Ghia's tables (cases/reference) are for plots only.
 */
 #include "cases.h"
 
@@ -11,7 +11,7 @@ PetscErrorCode CavitySetup(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The lid is the wall at the high end of y. */
+/* CavityWallVelocity - Computes wall velocities: the lid is the wall at the high end of y */
 void CavityWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                         PetscReal u[])
 {
@@ -19,9 +19,9 @@ void CavityWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pe
 }
 
 /*
-  References: extrema on the centrelines over U, from when to when they hold (t U/L, below Re = 10
-  t nu/L^2), and the files of profiles. The finite-volume data were extrapolated from two or three
-  meshes (see the files' heads).
+  References: extrema on the centrelines over U, the interval in which they are valid (t U/L, below
+  Re = 10 t nu/L^2), and the files of profiles. The finite-volume data were extrapolated from two or
+  three meshes (see the headers of the files).
 */
 typedef struct {
   PetscInt    dim;
@@ -31,7 +31,7 @@ typedef struct {
 } CavityReference;
 
 static const CavityReference references[] = {
-    /* Stokes flow: u_min of converged runs at vanishing Re, see docs/results */
+    /* Stokes flow: u_min of converged runs for Re -> 0, see docs/results */
     {2, 0.0, 0.1, 0.2, PETSC_MAX_REAL, -0.2073, NAN, NAN, NULL, NULL},
     /* finite volumes, Richardson extrapolation; the slowest mode has decayed by e^-10 */
     {2, 0.999, 1.001, 0.2, PETSC_MAX_REAL, -0.20775, 0.18406, -0.18482, "cavity_re1_u.csv",
@@ -54,8 +54,8 @@ static const CavityReference references[] = {
      "cavity_re1000_v.csv"},
 };
 
-/* Whether the run has the physics that a reference is of; creeping flow may leave convection
-   out. */
+/* Returns true if the run has the physics of a reference; a reference of creeping flow also holds
+   without convection. */
 static PetscBool ReferenceApplies(const Scene *scene, const CavityReference *r)
 {
   const unsigned full = scene->problem->physics;
@@ -66,8 +66,7 @@ static PetscBool ReferenceApplies(const Scene *scene, const CavityReference *r)
              : PETSC_FALSE;
 }
 
-/* The reference that holds for this run at its present time, or NULL; a steady state is as good as
- * late. */
+/* Returns the reference valid at the present time, or NULL; a steady flow counts as a late time. */
 static const CavityReference *FindReference(const Scene *scene, const Clock *clock)
 {
   const PetscReal reynolds = SceneReynolds(scene);
@@ -87,9 +86,8 @@ static const CavityReference *FindReference(const Scene *scene, const Clock *clo
 }
 
 /*
-  Extrema and profiles of the velocity on the centrelines, in units of U
-
-  u on the line x = L/2 (all other coordinates in the middle too), v on y = L/2.
+  Reports extrema and profiles of the velocity on the centrelines, in units of U: u on the line
+  x = L/2 and v on the line y = L/2, with all other coordinates in the middle.
 */
 static PetscErrorCode CavityMeasure(const Flow *flow, Report *report)
 {

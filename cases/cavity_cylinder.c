@@ -1,6 +1,6 @@
 /*
   Lid-driven square cavity with a fixed cylinder of diameter L/2 at its centre, after Zheng, Ma &
-  Shao (2018), section 5.2. Compared with body-fitted finite volumes.
+  Shao (2018), section 5.2. The reference is a body-fitted finite-volume solution.
 */
 #include "cases.h"
 
@@ -14,8 +14,8 @@ static PetscErrorCode CavityCylinderSetup(Scene *scene)
 }
 
 /*
-  Extrema and profiles on the centrelines outside the cylinder, at Re = 1000
-  against finite volumes at t = 40 from rest (extrapolated from 2,176, 8,704 and 34,816 cells)
+  Reports extrema and profiles on the centrelines outside the cylinder. At Re = 1000 the reference
+  are finite volumes at t = 40 from rest (extrapolated from 2,176, 8,704 and 34,816 cells).
 */
 static PetscErrorCode CavityCylinderMeasure(const Flow *flow, Report *report)
 {

@@ -1,13 +1,13 @@
 /*
-  What cavities are judged by: extrema and profiles of the velocity on the centrelines, and the
-  kinetic energy in the course of time from rest.
+  Quantities of cavity flows: extrema and profiles of the velocity on the centrelines, and the
+  kinetic energy as a function of time from rest.
 */
 #include "cases.h"
 
 #define LINE_POINTS 401
 
-/* Velocity component c over U at n points along axis a through the centre, at s over the box's
-   width. */
+/* Samples velocity component c over U at n points along axis a through the centre; s is the
+   coordinate over the width of the box. */
 static PetscErrorCode SampleLine(const Flow *flow, PetscInt a, PetscInt c, PetscInt n,
                                  const PetscReal s[], PetscReal value[])
 {
@@ -26,13 +26,14 @@ static PetscErrorCode SampleLine(const Flow *flow, PetscInt a, PetscInt c, Petsc
     PetscInt  body;
 
     value[k] = u[k * scene->dim + c] / scene->speed;
-    if (SceneDistance(scene, &x[k * scene->dim], &body, normal) < 0.0) value[k] = 0.0; /* solid */
+    if (SceneDistance(scene, &x[k * scene->dim], &body, normal) < 0.0)
+      value[k] = 0.0; /* in a solid */
   }
   PetscCall(PetscFree2(x, u));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Extremum of samples, sharpened by the parabola through it and its neighbours. */
+/* Returns the extremum of samples, refined by a parabola through it and its neighbours. */
 static PetscReal Extremum(PetscInt n, const PetscReal value[], PetscReal sign)
 {
   PetscInt  best = 1;
@@ -55,10 +56,10 @@ static PetscErrorCode AddExtremum(const char name[], const PetscReal value[], Pe
 }
 
 /*
-  CentrelineExtrema - u_min on the line along y through the middle of the box, v_max and v_min on
-  the one along x, over U
+  CentrelineExtrema - Reports u_min on the vertical centreline, v_max and v_min on the horizontal
+  centreline, over U
 
-  Collective. Input: references, NaN for none.
+  Collective. Input: references; NaN if absent.
 */
 PetscErrorCode CentrelineExtrema(const Flow *flow, PetscReal u_min, PetscReal v_max,
                                  PetscReal v_min, Report *report)
@@ -76,10 +77,10 @@ PetscErrorCode CentrelineExtrema(const Flow *flow, PetscReal u_min, PetscReal v_
 }
 
 /*
-  CentrelineProfile - Root mean square difference over U from a reference profile
+  CentrelineProfile - Reports the root mean square difference from a reference profile over U
 
-  Collective. Input: a - axis that the line runs along; c - component; file - of the reference. The
-  quantity is NaN where the file is absent.
+  Collective. Input: a - axis of the line; c - component; file - of the reference. The quantity is
+  NaN if the file is absent.
 */
 PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const char file[],
                                  const char name[], Report *report)
@@ -99,10 +100,10 @@ PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const
 }
 
 /*
-  ReferenceEnergy - Kinetic energy from rest at the present time, between the times of a file [J/m]
+  ReferenceEnergy - Interpolates the reference kinetic energy at the present time from a file [J/m]
 
-  Collective. NaN where the file, NULL for none, is absent or does not hold for this run, and for a
-  steady flow solved for without time. Input/Output: report - see ReferenceDataRead().
+  Collective. The result is NaN without a file (NULL or absent), if the file does not hold for this
+  run, and for -steady. Input/Output: report - see ReferenceDataRead().
 */
 PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], Report *report,
                                PetscReal *energy)

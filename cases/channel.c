@@ -1,6 +1,6 @@
 /*
-  The box and the measures that plane channel flows share: walls at y = 0 and y = L, periodic
-  along x over eight particles.
+  Box and quantities of plane channel flows: walls at y = 0 and y = L, periodic along x over eight
+  particles.
 */
 #include "cases.h"
 
@@ -15,13 +15,13 @@ PetscErrorCode ChannelSetup(Scene *scene)
 }
 
 /*
-  ChannelMeasure - Adds relative norms against the exact flow, and
+  ChannelMeasure - Reports norms relative to the exact flow
 
-    u_profile_l2   = sqrt(mean (u - U)^2)/max U,  U the exact velocity of the moment
-    u_relative_rms = sqrt(mean ((u - U)/U)^2), where `relative`
+    u_profile_l2   = sqrt(mean (u - U)^2)/max U,  U: exact velocity at the present time
+    u_relative_rms = sqrt(mean ((u - U)/U)^2), if `relative`
 
-  Reference of the second: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009),
-  Eq. (38)
+  Reference of the second norm: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60
+  (2009), Eq. (38)
 */
 PetscErrorCode ChannelMeasure(const Flow *flow, PetscBool relative, Report *report)
 {

@@ -1,10 +1,10 @@
 /*
-  Start-up of plane Couette flow from rest, viscous only by default: the wall at y = L moves along x
-  with U. The series is exact for an impulsive start.
+  Start-up of plane Couette flow from rest: the wall at y = L moves along x with U. By default the
+  only physics is viscosity. The series is exact for an impulsive start.
 */
 #include "cases.h"
 
-/* The wall at y = L moves with U. */
+/* Computes wall velocities: the wall at y = L moves with U. */
 static void CouetteWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                                 PetscReal u[])
 {
@@ -12,11 +12,11 @@ static void CouetteWallVelocity(const Scene *scene, PetscInt side, PetscReal t, 
 }
 
 /*
-  Start-up of plane Couette flow
+  Computes the start-up of plane Couette flow
 
     u/U = y/L + sum_n 2 (-1)^n/(n pi) sin(n pi y/L) exp(-n^2 pi^2 nu t/L^2)
 
-  With -rheology it is the steady flow, at any t > 0.
+  With -rheology the result is the steady flow at any t > 0.
 
   Reference: J. P. Morris, P. J. Fox, Y. Zhu, J. Comput. Phys. 136 (1997), Eq. (22)
 */
@@ -28,7 +28,7 @@ static void CouetteExact(const Scene *scene, PetscReal t, const PetscReal x[], P
 
   u[0] = u[1] = 0.0;
   if (t <= 0.0) return;
-  if (!SceneIsNewtonian(scene)) { /* steady: one shear stress, one rate */
+  if (!SceneIsNewtonian(scene)) { /* steady: uniform shear stress and rate */
     u[0] = scene->speed * y;
     return;
   }
@@ -41,8 +41,8 @@ static void CouetteExact(const Scene *scene, PetscReal t, const PetscReal x[], P
   u[0] = scene->speed * sum;
 }
 
-/* The profile's errors; far from the wall that moves U is as good as zero at
-   first */
+/* Reports errors of the profile. Not relative to the local velocity: far from the moving wall U is
+   almost zero at first. */
 static PetscErrorCode CouetteMeasure(const Flow *flow, Report *report)
 {
   PetscFunctionBegin;

@@ -1,9 +1,9 @@
-/* The measures of a case that has an exact solution and no other reference. */
+/* Quantities of cases whose only reference is an exact solution. */
 #include "cases.h"
 
 /*
-  MeasureExact - The quantities of a case that has Exact() and no other reference; it holds only
-  for the flow as the case poses it, of a viscosity that does not follow the strain rate
+  MeasureExact - Reports error norms against Exact(), if the run has the physics and the constant
+  viscosity of the case
 */
 PetscErrorCode MeasureExact(const Flow *flow, Report *report)
 {

@@ -1,4 +1,4 @@
-/* A closed box of fluid at rest under gravity: it must stay so. g = U^2/L along the last axis. */
+/* A closed box of fluid at rest under gravity stays at rest. g = U^2/L along the last axis. */
 #include "cases.h"
 
 static PetscErrorCode HydrostaticSetup(Scene *scene)
@@ -9,7 +9,7 @@ static PetscErrorCode HydrostaticSetup(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* u = 0, p = rho f.(x - middle), f the force per unit mass */
+/* u = 0, p = rho f.(x - middle), f: force per unit mass */
 static void HydrostaticExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
                              PetscReal *p)
 {
@@ -21,8 +21,8 @@ static void HydrostaticExact(const Scene *scene, PetscReal t, const PetscReal x[
 }
 
 /*
-  Adds the pressure error and speed_over_gdt, the largest speed over what
-  gravity would give in one step, g dt
+  Reports the pressure error and speed_over_gdt, the largest speed over g dt, the speed after free
+  fall for a step.
 */
 static PetscErrorCode HydrostaticMeasure(const Flow *flow, Report *report)
 {

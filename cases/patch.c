@@ -1,6 +1,6 @@
 /*
-  The box of patch tests: particles at cell centres of the unit square or cube, the outermost
-  -patch_margin spacings left out. src/patch/ does the rest.
+  Box of the patch tests: particles at cell centres of the unit square or cube, without a margin of
+  -patch_margin spacings at its sides. src/patch/ has the tests.
 */
 #include "cases.h"
 

@@ -1,10 +1,10 @@
 /*
-  Start-up of plane Poiseuille flow from rest, viscous only by default, driven by a body force along
-  x. The series is exact for an impulsive start.
+  Start-up of plane Poiseuille flow from rest, driven by a body force along x. By default the only
+  physics is viscosity and this force. The series is exact for an impulsive start.
 */
 #include "cases.h"
 
-/* The force that gives a largest velocity U: f = 8 nu U/L^2. */
+/* Sets the force for a largest velocity U: f = 8 nu U/L^2. */
 static PetscErrorCode PoiseuilleSetup(Scene *scene)
 {
   PetscFunctionBegin;
@@ -14,12 +14,12 @@ static PetscErrorCode PoiseuilleSetup(Scene *scene)
 }
 
 /*
-  Steady velocity between plates of a fluid whose viscosity follows the strain rate: the shear
-  stress is f (d - s) at a distance s from the nearer wall, so
+  Returns the steady velocity between plates for a rheology. The shear stress is f (d - s) at a
+  distance s from the nearer wall, so
 
-    u = int_(tau(y))^(tau_w) g(tau) dtau/f,   g the strain rate of the true fluid at a stress,
+    u = int_(tau(y))^(tau_w) g(tau) dtau/f,   g: strain rate of the ideal fluid at a stress,
 
-  by the midpoint rule, exact to 1e-5 for the rows there are.
+  by the midpoint rule, accurate to 1e-5 for the present rheologies.
 */
 static PetscReal SteadyVelocity(const Scene *scene, PetscReal y)
 {
@@ -35,16 +35,16 @@ static PetscReal SteadyVelocity(const Scene *scene, PetscReal y)
 }
 
 /*
-  Start-up of plane Poiseuille flow, Y = distance from the middle, d = L/2
+  Computes the start-up of plane Poiseuille flow, Y: distance from the middle, d = L/2
 
-    u/U = 1 - (Y/d)^2 - 32/pi^3 sum_n (-1)^n/(2n+1)^3 cos((2n+1) pi Y/2d) exp(-(2n+1)^2 pi^2 nu
-  t/4d^2),   U = f d^2/(2 nu)
+    u/U = 1 - (Y/d)^2 - 32/pi^3 sum_n (-1)^n/(2n+1)^3 cos((2n+1) pi Y/2d)
+                        exp(-(2n+1)^2 pi^2 nu t/4d^2),   U = f d^2/(2 nu)
 
-  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eq. (36),
-  whose printed form multiplies the series by (Y/d)^2 and so has u = U at the wall; this one
-  satisfies the equation, the wall and the start from rest.
+  With -rheology the result is the steady flow at any t > 0.
 
-  With -rheology it is the steady flow, at any t > 0.
+  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eq. (36). The
+  printed equation multiplies the series by (Y/d)^2, so that u = U at the wall; the series above
+  satisfies the equation of motion, the wall condition and the start from rest.
 */
 static void PoiseuilleExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
                             PetscReal *p)
@@ -69,7 +69,7 @@ static void PoiseuilleExact(const Scene *scene, PetscReal t, const PetscReal x[]
          (1.0 - y * y - 32.0 / (PETSC_PI * PETSC_PI * PETSC_PI) * sum);
 }
 
-/* The profile's errors, relative to the velocity at each place too */
+/* Reports errors of the profile, also relative to the local velocity. */
 static PetscErrorCode PoiseuilleMeasure(const Flow *flow, Report *report)
 {
   PetscFunctionBegin;

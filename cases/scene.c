@@ -1,17 +1,17 @@
 /*
-  A scene typed by the user: a box with its sides, and bodies in it. What the options of -scene_ do
-  not say is at rest.
+  A scene typed by the user: a box with its sides and bodies. Velocities that no option gives are
+  zero.
 */
 #include "cases.h"
 
-/* Nothing to add: the options have made the scene. */
+/* Does nothing: the options have set the scene. */
 static PetscErrorCode SceneTypedSetup(Scene *scene)
 {
   PetscFunctionBegin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* -scene_velocity, else -scene_exact at the start, else rest. */
+/* Computes -scene_velocity, otherwise -scene_exact at the start, otherwise zero. */
 static void SceneTypedVelocity(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[])
 {
   const Expression *e = scene->velocity.n ? &scene->velocity : &scene->exact;
@@ -19,7 +19,7 @@ static void SceneTypedVelocity(const Scene *scene, PetscReal t, const PetscReal 
   for (PetscInt a = 0; a < scene->dim; a++) u[a] = ExpressionValue(e, a, t, x);
 }
 
-/* -scene_exact; p is left alone where it has none. */
+/* Computes -scene_exact; leaves p unchanged if the option has no pressure. */
 static void SceneTypedExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
                             PetscReal *p)
 {
@@ -27,7 +27,7 @@ static void SceneTypedExact(const Scene *scene, PetscReal t, const PetscReal x[]
   if (scene->exact.n > scene->dim) *p = ExpressionValue(&scene->exact, scene->dim, t, x);
 }
 
-/* Force and torque on each body. */
+/* Reports force and torque on each body. */
 static PetscErrorCode MeasureBodies(const Flow *flow, Report *report)
 {
   const Scene *scene = flow->scene;
@@ -49,8 +49,8 @@ static PetscErrorCode MeasureBodies(const Flow *flow, Report *report)
 }
 
 /*
-  Errors against -scene_exact, force and torque on each body, extrema on the
-  centrelines of a closed box without bodies, integrals
+  Reports errors against -scene_exact, force and torque on each body, extrema on the centrelines of
+  a closed box without bodies, and integrals.
 */
 static PetscErrorCode SceneTypedMeasure(const Flow *flow, Report *report)
 {

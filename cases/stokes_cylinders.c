@@ -1,17 +1,17 @@
 /*
-  Creeping flow through a square array of cylinders: one cylinder in a periodic cell of side L,
-  driven by a body force; its drag against the series solution. The solid fraction is set by
-  -solid_fraction.
+  Creeping flow through a square array of cylinders: a cylinder in a periodic cell of side L, driven
+  by a body force. The drag is compared with a series solution. Option -solid_fraction sets the
+  solid fraction.
 */
 #include "cases.h"
 
 /*
-  Drag of a cylinder of the array on mu U, U the superficial velocity: series in the solid fraction
-  c, good at small ones
+  Returns the drag of a cylinder of the array over mu U, U: superficial velocity, by a series in the
+  solid fraction c for small c
 
-    F/(mu U) = 4 pi/(-ln(c)/2 - 0.738 + c - 0.887 c^2 + 2.038 c^3),
+    F/(mu U) = 4 pi/(-ln(c)/2 - 0.738 + c - 0.887 c^2 + 2.038 c^3)
 
-  here to give velocities of order U at any fraction.
+  Here the series only scales the force, so that velocities are of order U for any fraction.
 
   Reference: A. S. Sangani, A. Acrivos, Int. J. Multiphase Flow 8 (1982) 193-206
 */
@@ -20,7 +20,8 @@ static PetscReal DiluteDrag(PetscReal c)
   return 4.0 * PETSC_PI / (-0.5 * PetscLogReal(c) - 0.738 + c - 0.887 * c * c + 2.038 * c * c * c);
 }
 
-/* The same by the paper's multipole expansion, its table; NaN for fractions that are not in it. */
+/* Returns the drag from the table of the multipole expansion in the same paper; NaN for fractions
+   not in the table. */
 static PetscReal TabulatedDrag(PetscReal c)
 {
   static const PetscReal table[][2] = {{0.05, 15.56}, {0.1, 24.83},  {0.2, 51.53},
@@ -32,8 +33,8 @@ static PetscReal TabulatedDrag(PetscReal c)
   return NAN;
 }
 
-/* The force that drives it gives velocities of order U: f = nu U/L^2 times the drag at that
-   fraction. */
+/* Sets the force f = nu U/L^2 times the drag at this fraction, so that velocities are of order
+   U. */
 static PetscErrorCode StokesCylindersSetup(Scene *scene)
 {
   const PetscReal middle = 0.5 * scene->length,
@@ -48,7 +49,8 @@ static PetscErrorCode StokesCylindersSetup(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Mean velocity through the cell's periodic side, which no cylinder cuts, by the midpoint rule. */
+/* Computes the mean velocity through the periodic side of the cell, which no cylinder cuts, by the
+   midpoint rule. */
 static PetscErrorCode SuperficialVelocity(const Flow *flow, PetscReal *mean)
 {
   const Scene   *scene = flow->scene;
@@ -69,8 +71,8 @@ static PetscErrorCode SuperficialVelocity(const Flow *flow, PetscReal *mean)
 }
 
 /*
-  Drag on mu U, from the traction on the cylinder and from the balance with
-  the driving force, which the steady flow must have
+  Reports the drag over mu U from the traction on the cylinder, and from the balance with the
+  driving force, which holds in steady flow.
 */
 static PetscErrorCode StokesCylindersMeasure(const Flow *flow, Report *report)
 {
@@ -84,7 +86,8 @@ static PetscErrorCode StokesCylindersMeasure(const Flow *flow, Report *report)
   PetscCall(SuperficialVelocity(flow, &mean));
   PetscCall(WallForce(flow, SceneBodySide(scene, 0), F, T));
   if (mean > 0.0) {
-    /* the body force on the solid's share of the cell is what its pressure gradient stands for */
+    /* the paper has a pressure gradient instead of the force, which acts on the solid too: F/(1 -
+       c) */
     PetscCall(ReportAddReference(report, "drag", driven / (mu * mean), known,
                                  PetscIsNanReal(known) ? 1.0 : known));
     PetscCall(ReportAddReference(report, "traction", F[0] / (1.0 - c), driven, driven));

@@ -1,10 +1,10 @@
 /*
-  Flow between concentric cylinders, R1 = L/2 turning with surface speed U inside R2 = L at rest:
-  steady Taylor-Couette flow below the onset of vortices, exact.
+  Flow between concentric cylinders. The inner cylinder, R1 = L/2, rotates with surface speed U;
+  the outer cylinder, R2 = L, is at rest. The steady flow below the onset of vortices is exact.
 */
 #include "cases.h"
 
-/* The box leaves room for layers behind the outer wall; it has no walls of its own. */
+/* Sets a box with room for dummy layers behind the outer wall; the box has no walls. */
 static PetscErrorCode TaylorCouetteSetup(Scene *scene)
 {
   const PetscReal room = scene->length + 6.0 * scene->dx;
@@ -26,8 +26,8 @@ static PetscErrorCode TaylorCouetteSetup(Scene *scene)
 }
 
 /*
-  Rest at the start, else the steady velocity and pressure, which are reached
-  after a few (R2 - R1)^2/nu
+  Computes zero velocity at the start, later the steady velocity and pressure, which the flow
+  reaches after a few (R2 - R1)^2/nu
 
     u_theta = A r + B/r,  A = -U R1/(R2^2 - R1^2),  B = U R1 R2^2/(R2^2 - R1^2)
     p = rho (A^2 r^2/2 + 2 A B ln r - B^2/(2 r^2)) + const
@@ -48,8 +48,7 @@ static void TaylorCouetteExact(const Scene *scene, PetscReal t, const PetscReal 
   *p   = scene->rho * (0.5 * A * A * r2 + A * B * PetscLogReal(r2) - 0.5 * B * B / r2);
 }
 
-/* Norms, and the torque on the inner cylinder, -4 pi mu B per metre of
-   depth */
+/* Reports norms, and the torque on the inner cylinder, -4 pi mu B per metre of depth. */
 static PetscErrorCode TaylorCouetteMeasure(const Flow *flow, Report *report)
 {
   const Scene    *scene = flow->scene;

@@ -1,6 +1,6 @@
 /*
   Decaying Taylor-Green vortices in a periodic square, an exact solution of the Navier-Stokes
-  equations; in 3D the same flow uniform along z in a cube, exact too.
+  equations. In 3D the same flow is uniform along z in a cube, and exact too.
 */
 #include "cases.h"
 
@@ -13,10 +13,10 @@ static PetscErrorCode TaylorGreenSetup(Scene *scene)
 }
 
 /*
-  Velocity and pressure, X = 2 pi x/L, Y = 2 pi y/L, k = 2 pi/L
+  Computes velocity and pressure, X = 2 pi x/L, Y = 2 pi y/L, k = 2 pi/L
 
-    u = U (sin X cos Y, -cos X sin Y) exp(-2 k^2 nu t),  p = rho U^2/4 (cos 2X + cos 2Y) exp(-4 k^2
-  nu t)
+    u = U (sin X cos Y, -cos X sin Y) exp(-2 k^2 nu t)
+    p = rho U^2/4 (cos 2X + cos 2Y) exp(-4 k^2 nu t)
 
   Reference: G. I. Taylor, A. E. Green, Proc. R. Soc. A 158 (1937) 499-521
 */

@@ -1,6 +1,6 @@
 /*
-  The ground every stage stands on: PETSc, the version, tables of named rows, and errors that are
-  the user's to mend.
+  Foundation of all modules: PETSc, the version, tables of named rows, options, and errors of the
+  user.
 */
 #ifndef ISPH_BASE_H
 #define ISPH_BASE_H
@@ -11,13 +11,13 @@
 #define ISPH_MAX_DIM 3
 
 /*
-  A table is a const array of structs that all begin with these three members. The user's word is
-  the row's name; no other code compares names.
+  A table is a const array of structs that all begin with these three members. Options choose a row
+  by its name; only src/scene/table.c compares names.
 */
 typedef struct {
-  const char *name;     /* the word typed after the option */
-  const char *brief;    /* one line on what it is */
-  const char *citation; /* who published it, or "" */
+  const char *name;     /* value of the option */
+  const char *brief;    /* description in a line */
+  const char *citation; /* publication, or "" */
 } TableRow;
 
 typedef struct {
@@ -29,14 +29,14 @@ typedef struct {
   PetscErrorCode (*Describe)(const TableRow *row, char text[], size_t length); /* or NULL */
 } Table;
 
-/* Describe tells in one line for the catalogue what a row declares of itself. */
+/* A table with a function that describes the declared properties of a row, for the catalogue. */
 #define TABLE_DESCRIBED(option, title, rows, Describe)                                             \
   {                                                                                                \
     option, title, rows, sizeof((rows)[0]), (PetscInt)(sizeof(rows) / sizeof((rows)[0])), Describe \
   }
 #define TABLE(option, title, rows) TABLE_DESCRIBED(option, title, rows, NULL)
 
-/* A table whose rows stand in files of their own, as schemes do. */
+/* A table whose rows are defined in separate files, as for schemes. */
 #define TABLE_OF_POINTERS(option, title, rows)                                                     \
   {                                                                                                \
     option, title, rows, 0, (PetscInt)(sizeof(rows) / sizeof((rows)[0])), NULL                     \
@@ -52,8 +52,9 @@ PetscErrorCode  TableView(const Table *table, PetscViewer viewer);
 PetscErrorCode  TableViewRow(const char label[], const void *row, PetscViewer viewer);
 
 /*
-  Options with a range: a value outside it, or no number, ends the run with one line. To be used, as
-  PETSc's own, between PetscOptionsBegin() and PetscOptionsEnd(); set may be NULL.
+  Options with a range: text that is no number, or a number out of range ends the run with a
+  message. Call them between PetscOptionsBegin() and PetscOptionsEnd(), as PETSc's own functions;
+  set may be NULL.
 */
 PetscErrorCode OptionReal_Private(OptionItems items, const char option[], const char text[],
                                   PetscReal low, PetscReal high, PetscReal *value, PetscBool *set);
@@ -81,16 +82,16 @@ PetscErrorCode OptionsRefuseTogether(const char a[], const char b[], const char 
 PetscErrorCode OptionsRefuseUnknown(PetscBool deferred_too);
 
 /*
-  What the user can mend (an option, a file, a diverged solve) is told in one line, without a
-  traceback; ErrorsInstall() sees to that, ErrorsExit() to the exit status. Use UserCheck() with the
-  option's name, the value and what is allowed. Collective: all ranks must come to the same
+  Errors that the user can correct (an option, a file, a diverged solve) end the run with a line of
+  message instead of a traceback; ErrorsInstall() and ErrorsExit() do this. The text of UserCheck()
+  gives the option, its value and the allowed values. Collective: all ranks must take the same
   decision.
 */
 #define UserCheck(condition, ...)                                                                  \
   PetscCheck(condition, PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT, __VA_ARGS__)
-/* What the handler of errors keeps for ErrorsExit(). */
+/* State of the error handler for ErrorsExit(). */
 typedef struct {
-  PetscBool of_one_rank; /* one rank met an error of those that all are wont to meet together */
+  PetscBool of_one_rank; /* a single rank met an error that all ranks normally detect together */
 } ErrorState;
 
 PetscErrorCode ErrorsInstall(ErrorState *state);

@@ -1,27 +1,28 @@
 /*
-  Numbers that a user types as expressions of place and time, "sin(2*pi*t), 0": parsed once, with
-  muParser, and evaluated where and when they are wanted.
+  Expressions of position and time typed by the user, "sin(2*pi*t), 0". muParser parses them once;
+  then they can be evaluated anywhere and at any time.
 */
 #ifndef ISPH_EXPRESSION_H
 #define ISPH_EXPRESSION_H
 
 #include "isph/base.h"
 
-/* What a text may hold besides numbers, functions and constants; what a component does hold. */
+/* Variables that a text may contain, or that a component does contain. */
 typedef enum {
   EXPRESSION_PLACE = 1 << 0, /* x, y and in 3D z [m] */
   EXPRESSION_TIME  = 1 << 1  /* t [s] */
 } ExpressionUse;
 
-/* What all expressions of a scene share: constants, variables, parsers, and the first bad value. */
+/* State common to all expressions of a scene: constants, variables, parsers, and the first
+   fault. */
 typedef struct ExpressionScope ExpressionScope;
 
-/* Components of one option; all zero where nothing was given. */
+/* Components of an option; all zero if the option is absent. */
 typedef struct {
   char             option[40];           /* for messages */
   PetscInt         n;                    /* components; 0: not given */
-  PetscReal        value[ISPH_MAX_DIM];  /* of those that are numbers */
-  void            *parser[ISPH_MAX_DIM]; /* of those that are not, else NULL */
+  PetscReal        value[ISPH_MAX_DIM];  /* of components that are numbers */
+  void            *parser[ISPH_MAX_DIM]; /* of other components; NULL for numbers */
   unsigned         uses[ISPH_MAX_DIM];   /* bits of ExpressionUse */
   ExpressionScope *scope;
 } Expression;

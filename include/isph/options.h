@@ -1,6 +1,6 @@
 /*
-  Options: the command line and its files, checked before PETSc parses them, and the requests that
-  are answered without a run.
+  Options: checks of the command line and of options files before PETSc parses them, and requests
+  that need no run.
 */
 #ifndef ISPH_OPTIONS_H
 #define ISPH_OPTIONS_H
@@ -8,7 +8,7 @@
 #include "isph/base.h"
 #include <stdio.h>
 
-/* What a command line asks for. */
+/* The request of a command line. */
 typedef enum {
   REQUEST_RUN,
   REQUEST_USAGE,      /* no option at all */

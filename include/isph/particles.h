@@ -1,12 +1,12 @@
 /*
-  Particles: plain arrays, distributed over ranks, and the rows of neighbours found among them.
+  Particles: plain arrays, distributed over ranks, and the rows of their neighbours.
 
   Local storage of every array:  own fluid | own wall | halo fluid | halo wall
 
-  Ownership, order and global numbers stay as they are during an EPOCH, which ends when some
-  particle has moved half a skin from where it was at its start. Then, and only then, particles
-  migrate, are sorted by cell and numbered anew, every registered field is permuted alike, and the
-  halo is rebuilt.
+  Ownership, order and global numbers are constant during an EPOCH. An epoch ends when a particle
+  has moved half a skin from its position at the start of the epoch. Only then particles migrate,
+  are sorted by cell and get new numbers; every registered field is permuted in the same way, and
+  the halo is rebuilt.
 */
 #ifndef ISPH_PARTICLES_H
 #define ISPH_PARTICLES_H
@@ -15,13 +15,13 @@
 
 #define PARTICLES_MAX_FIELDS 16
 
-/* Which values of a field the halo needs. */
+/* Values of a field that the halo needs. */
 typedef enum {
   HALO_NONE,  /* none: own values only */
   HALO_EPOCH, /* copied when an epoch starts (it does not change within one) */
 } HaloPolicy;
 
-/* The value of a field at a particle that ParticlesInsert() makes, unless the caller gives one. */
+/* Default value of a field for particles of ParticlesInsert(). */
 typedef enum {
   ENTRY_ZERO,
   ENTRY_MEAN, /* mean of the fluid within halo_width, weighted by distance */
@@ -32,12 +32,12 @@ typedef struct {
   PetscInt    components;
   HaloPolicy  halo;
   EntryPolicy entry;
-  PetscReal **slot; /* the registrant's components pointers: slot[c][i], i < capacity; kept valid */
+  PetscReal **slot; /* component pointers of the registrant, kept valid: slot[c][i], i < capacity */
 } Field;
 
 /*
-  The kind of a particle. Kinds that are no walls are stored with the fluid and have a row in every
-  equation; the others are stored with the walls and have given values.
+  The kind of a particle. Fluid kinds have a row in every equation and are stored with the fluid;
+  wall kinds have given values and are stored with the walls.
 */
 typedef enum { PARTICLE_FLUID, PARTICLE_WALL, PARTICLE_KINDS } ParticleKind;
 typedef struct {
@@ -52,17 +52,17 @@ typedef struct {
   MPI_Comm  comm;
   PetscInt  dim;
   PetscInt  n_fluid, n_wall;           /* own */
-  PetscInt  n_halo_fluid, n_halo_wall; /* copies of other ranks' particles and periodic images */
+  PetscInt  n_halo_fluid, n_halo_wall; /* copies from other ranks, and periodic images */
   PetscInt  capacity;                  /* of every array below and of every field */
   PetscInt  N_fluid, N_wall;           /* global */
-  PetscInt  N_lattice;                 /* fluid particles that a lattice has in this scene */
+  PetscInt  N_lattice;                 /* fluid particles of a lattice in this scene */
   PetscInt  fluid_start, wall_start;   /* global numbers of the first own fluid and wall particle */
-  PetscInt  N_start[2];                /* fluid and wall particles that the run began with */
-  PetscBool velocity_given;            /* velocities were given with the places */
+  PetscInt  N_start[2];                /* fluid and wall particles at the start of the run */
+  PetscBool velocity_given;            /* velocities were given with the positions */
   PetscInt *row;                       /* global number among fluid, resp. among wall particles */
 
-  PetscInt64   *id;      /* name for life, never used again */
-  PetscInt64    next_id; /* smallest that was never used */
+  PetscInt64   *id;      /* permanent and never reused */
+  PetscInt64    next_id; /* smallest unused id */
   ParticleKind *kind;
 
   PetscReal *x[ISPH_MAX_DIM]; /* positions (field) [m]; ParticlesUpdateHalo refreshes the halo */
@@ -72,46 +72,46 @@ typedef struct {
   PetscReal *x_epoch[ISPH_MAX_DIM]; /* own positions when the epoch started (field) [m] */
   PetscReal *normal[ISPH_MAX_DIM];  /* of wall particles, into the fluid (field); NULL: no walls */
   PetscReal *depth;                 /* of wall particles below the surface [m] (field) */
-  PetscReal *side;                  /* of wall particles: which wall, a whole number (field) */
+  PetscReal *side;   /* of wall particles: number of the wall, a whole number (field) */
   PetscReal *volume; /* of wall particles (field) [m^dim]; NULL: the fluid's, SceneVolume() */
   Field      field[PARTICLES_MAX_FIELDS];
   PetscInt   n_fields;
 
-  /* Ranks [a, b) are cut at m = (a + b) / 2: those below m own x[cut_axis[m]] < cut[m] [m] */
+  /* Ranks [a, b) are divided at m = (a + b) / 2: ranks below m own x[cut_axis[m]] < cut[m] [m] */
   PetscInt  *cut_axis;
   PetscReal *cut;
-  PetscBool  redraw; /* the next epoch draws the boxes anew, whatever they were */
+  PetscBool  redraw;                             /* the next epoch sets new boxes in any case */
   PetscReal  lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM]; /* the box of space this rank owns [m] */
   PetscReal  halo_width;                         /* largest interaction radius [m] */
   PetscReal  skin;                               /* [m] */
-  PetscInt   epoch;                              /* counter, from 1; 0 before the first */
-  PetscInt   moved; /* stamp: positions changed; ParticlesUpdateHalo() advances it */
+  PetscInt   epoch;                              /* counter from 1; 0 before the first epoch */
+  PetscInt   moved; /* stamp of positions; ParticlesUpdateHalo() increases it */
 
   PetscSF    sf;                       /* own (roots) -> halo (leaves), fixed within an epoch */
-  PetscReal *halo_shift[ISPH_MAX_DIM]; /* of halo particle k: added to its owner's position [m] */
+  PetscReal *halo_shift[ISPH_MAX_DIM]; /* of halo particle k, added to the owner's position [m] */
 } Particles;
 
-/* How a wall treatment wants its wall particles: one layer on the surface, or layers behind it. */
+/* Placement of wall particles for a wall treatment: a layer on the surface, or layers behind it. */
 typedef struct {
   PetscInt  layers;   /* 0: one layer on the surface; k: k dummy layers from dx/2 below it */
-  PetscBool surface;  /* the k layers begin on the surface itself, with half a particle's volume */
-  PetscBool jittered; /* like the fluid, which may then come as near as it likes */
+  PetscBool surface;  /* the first of k layers is on the surface, with half a particle volume */
+  PetscBool jittered; /* displaced like the fluid, which may come arbitrarily close */
 } WallPlacement;
 
-/* Fluid that begins at given places, not on the lattice: this rank's share of it. */
+/* Fluid that starts at given positions instead of a lattice: the share of this rank. */
 typedef struct {
-  PetscInt   N, n, first; /* particles of all ranks, of this one, and the id of its first */
+  PetscInt   N, n, first; /* particles of all ranks, of this rank, and its first id */
   PetscReal *x, *u;       /* dim values of each [m], [m/s]; u NULL: velocities are the case's */
-  PetscReal *nu;          /* viscosities [m^2/s]; NULL: those of the places */
+  PetscReal *nu;          /* viscosities [m^2/s]; NULL: from positions */
 } FluidStart;
 
-/* New particles of one kind, this rank's share of them. */
+/* New particles of a kind: the share of this rank. */
 typedef struct {
   ParticleKind     kind;
   PetscInt         n;
   const PetscReal *x; /* dim values of each, in the box of this rank [m] */
   void (*Value)(const Field *field, PetscInt k, PetscReal value[],
-                void *ctx); /* NULL: none given */
+                void *ctx); /* NULL: default values */
   void *ctx;                /* of Value */
 } NewParticles;
 
@@ -151,7 +151,7 @@ static inline PetscBool ParticlesIsWall(const Particles *p, PetscInt i)
   return (i < own ? i >= p->n_fluid : i >= own + p->n_halo_fluid) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Tests if a place [m] is in the box of this rank; of all ranks one has it. */
+/* Returns true if a position [m] lies in the box of this rank; it lies in the box of one rank. */
 static inline PetscBool ParticlesHolds(const Particles *p, const PetscReal x[])
 {
   for (PetscInt a = 0; a < p->dim; a++) {
@@ -160,13 +160,13 @@ static inline PetscBool ParticlesHolds(const Particles *p, const PetscReal x[])
   return PETSC_TRUE;
 }
 
-/* The point of the surface above wall particle i, or of its plane beyond an edge [m]. */
+/* Computes the surface point above wall particle i; beyond an edge, a point of its plane [m]. */
 static inline void ParticlesWallPoint(const Particles *p, PetscInt i, PetscReal x[])
 {
   for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i] + p->depth[i] * p->normal[a][i];
 }
 
-/* Cells of a uniform grid over the local particles, each cell's particles stored contiguously. */
+/* Cells of a uniform grid over local particles; particles of a cell are contiguous in the list. */
 typedef struct {
   PetscInt   dim;
   PetscReal  origin[ISPH_MAX_DIM], size; /* [m] */
@@ -184,18 +184,18 @@ PetscErrorCode CellsFind(const Cells *cells, const PetscReal x[], PetscReal radi
 
 /*
   Neighbours of own fluid particle i: col[row[i]] ... col[row[i+1]-1], local indices in ascending
-  order, i itself left out. Within an unspent Verlet margin the rows also hold pairs a little
-  further apart than radius: whoever reads them drops r >= radius. The cells are of the positions
-  when the rows were built: a probe asks CellsFind() for radius + margin / 2 and drops likewise.
+  order without i. With a Verlet margin the rows also hold pairs slightly beyond the radius, so
+  readers must skip r >= radius. The cells hold positions at the time the rows were built: probes
+  call CellsFind() with radius + margin / 2 and skip likewise.
 */
 typedef struct {
   PetscReal  radius; /* [m] */
-  PetscReal  margin; /* of the rows as they stand [m] */
+  PetscReal  margin; /* of the present rows [m] */
   PetscInt  *row, *col;
   PetscInt   row_capacity, col_capacity;
   PetscReal *x_built[ISPH_MAX_DIM]; /* own positions when the rows were built [m] */
-  PetscInt   epoch, moved;          /* stamps of the particles the rows were built from */
-  PetscInt   builds;                /* how many times rows were built, a cost counter */
+  PetscInt   epoch, moved;          /* stamps of the particles when the rows were built */
+  PetscInt   builds;                /* number of row constructions, a measure of cost */
   Cells      cells;
 } Neighbors;
 

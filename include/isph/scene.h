@@ -1,6 +1,7 @@
 /*
-  The scene: what is to be computed, checked and complete, before a particle exists. It holds the
-  domain, the fluid, the forces and the physics the case needs; nothing of how it is solved.
+  The scene: a complete and checked description of the flow, made before any particle exists. It
+  has the domain, the fluid, the forces and the physics of the case, and nothing about its numerical
+  solution.
 */
 #ifndef ISPH_SCENE_H
 #define ISPH_SCENE_H
@@ -11,8 +12,7 @@ typedef struct Scene  Scene;
 typedef struct Flow   Flow;
 typedef struct Report Report;
 
-/* What a case needs. What it does not need is neither allocated nor computed, written or printed.
- */
+/* Physics of a case. Absent physics is neither allocated nor computed, written or printed. */
 typedef enum {
   PHYSICS_VISCOSITY  = 1 << 0, /* nu lap u */
   PHYSICS_PRESSURE   = 1 << 1, /* div u = 0 and its pressure */
@@ -25,38 +25,38 @@ extern const char *const PhysicsNames[PHYSICS_COUNT]; /* bit order of Physics */
 
 #define SCENE_MAX_BODIES     16
 #define SCENE_MAX_BOUNDARIES (2 * ISPH_MAX_DIM + SCENE_MAX_BODIES)
-#define WALL_NAME            16 /* letters of a wall's name */
+#define WALL_NAME            16 /* size of a wall name */
 #define BODY_PARAMETERS      64
 #define SCENE_MAX_FLUIDS     8
 #define SCENE_ON_SURFACE     1e-9 /* rounding of distances from a surface [dx] */
 
-/* Solid bodies in the plane; with `around`, the fluid is inside and the wall around it. */
+/* Solid bodies in the plane; with `around` the fluid is inside, and the solid surrounds it. */
 typedef struct Body Body;
 typedef struct {
   const char *name, *brief, *citation;
-  PetscInt    fewest, most;           /* numbers that describe it */
-  PetscBool   round;                  /* turning about its centre changes nothing */
-  const char *(*Prepare)(Body *body); /* numbers in order, centre and extent; why not, or NULL */
+  PetscInt    fewest, most;           /* allowed numbers of parameters */
+  PetscBool   round;                  /* invariant under rotation about its centre */
+  const char *(*Prepare)(Body *body); /* sets centre and extent; returns NULL or a fault */
   void (*Span)(const Body *body, PetscInt axis, PetscReal span[2]); /* see BodySpan() */
   PetscReal (*Distance)(const Body *body, const PetscReal x[],
                         PetscReal normal[]);         /* outside > 0 */
   PetscInt (*Count)(const Body *body, PetscReal dx); /* points along the surface */
   PetscReal (*Point)(const Body *body, PetscInt k, PetscReal dx, PetscReal x[],
-                     PetscReal normal[]); /* returns the length it stands for */
+                     PetscReal normal[]); /* returns the length of its surface part */
 } ShapeRow;
 extern const Table ShapeTable;
 struct Body {
   const ShapeRow *shape;
   PetscInt        n;
   PetscReal       parameter[BODY_PARAMETERS]; /* of the shape [m] */
-  PetscReal       centre[2], extent; /* of the body, and how far it reaches from there [m] */
+  PetscReal       centre[2], extent; /* centre, and largest distance of the surface from it [m] */
   PetscBool       around;
 };
 
-/* Properties of a kind of boundary, by which all other code tells kinds apart. */
+/* Properties of a kind of boundary; all other code depends on these instead of the kind. */
 typedef enum {
-  BOUNDARY_CONTINUES = 1 << 0, /* the fluid goes on at the opposite side */
-  BOUNDARY_CONFINES  = 1 << 1, /* fluid stays inside; particles on or behind it bear its values */
+  BOUNDARY_CONTINUES = 1 << 0, /* the fluid continues at the opposite side */
+  BOUNDARY_CONFINES  = 1 << 1, /* impermeable; wall particles on or behind it */
   BOUNDARY_NO_SLIP   = 1 << 2  /* the fluid has the velocity of the boundary */
 } BoundaryProperty;
 
@@ -88,11 +88,11 @@ extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundaryNone;
 typedef struct {
   const BoundaryRow *kind;
   Body               body;     /* its geometry; unused by sides of the box */
-  Expression         velocity; /* of a side, of x, y, t, or of a body, of t [m/s] */
-  Expression         rotation; /* of a body about its centre, of t [rad/s] */
+  Expression         velocity; /* of a side by x, y, t, or of a body by t [m/s] */
+  Expression         rotation; /* of a body about its centre by t [rad/s] */
 } Boundary;
 
-/* A plane tangent to a boundary at the point nearest to some x. */
+/* A tangent plane of a boundary at its point nearest to a position x. */
 typedef struct {
   PetscReal distance;             /* of x from the boundary, positive in the fluid [m] */
   PetscReal normal[ISPH_MAX_DIM]; /* unit, into the fluid */
@@ -100,16 +100,16 @@ typedef struct {
 } WallPlane;
 
 /*
-  A case: geometry, initial and boundary values, exact solution or reference data. One file each in
-  cases/ with the row at its foot, one word each in cases/cases.c. Never a time loop, never a
-  scheme.
+  A case: geometry, initial and boundary values, exact solution or reference data, but no time loop
+  and no scheme. Each case has a file in cases/ with the row at its end, and a name in
+  cases/cases.c.
 */
 typedef struct {
   const char *name, *brief, *citation;
   PetscBool   three_d;                   /* -dim 3 allowed */
   unsigned    physics;                   /* bits of Physics */
   PetscReal   reynolds;                  /* default [-] */
-  PetscReal   reynolds_length;           /* the length in it, U length/nu [reference lengths] */
+  PetscReal   reynolds_length;           /* its length, Re = U length/nu [reference lengths] */
   PetscReal   t_end;                     /* default [L/U] */
   PetscInt    n;                         /* default particles along the reference length */
   PetscErrorCode (*Setup)(Scene *scene); /* box, boundaries, length, speed, nu, force */
@@ -118,21 +118,21 @@ typedef struct {
   void (*WallVelocity)(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                        PetscReal u[]); /* of sides; NULL: Boundary.velocity, 0 if not given */
   void (*Exact)(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
-                PetscReal *p);                                 /* NULL: none; p may be left alone */
+                PetscReal *p);                                 /* NULL: none; need not set p */
   PetscErrorCode (*Measure)(const Flow *flow, Report *report); /* adds the quantities of the case */
-  PetscReal solid_fraction; /* default, of an array of bodies; 0: there is none [-] */
+  PetscReal solid_fraction; /* default, of an array of bodies; 0: no array [-] */
   PetscBool typed;          /* the geometry comes from -scene_ options */
-  PetscBool patch; /* no flow: operators are measured on a box with values given around it */
+  PetscBool patch;          /* patch test: no flow, operators only, given values around the box */
 } CaseRow;
 
-/* Whether particles go with the flow. */
+/* Motion of particles with the flow, or fixed particles. */
 typedef struct {
   const char *name, *brief, *citation;
   PetscBool   particles_move;
 } MotionRow;
 extern const Table MotionTable;
 
-/* How viscosity follows the strain rate g = sqrt(2 E:E); numbers are over the density. */
+/* Parameters of viscosity as a function of the strain rate g = sqrt(2 E:E), divided by density. */
 typedef enum {
   RHEOLOGY_CONSISTENCY,    /* K [m^2 s^(n-2)] */
   RHEOLOGY_EXPONENT,       /* n [-] */
@@ -145,9 +145,9 @@ typedef enum {
 typedef struct Rheology Rheology;
 typedef struct {
   const char *name, *brief, *citation;
-  unsigned    takes, wants; /* bits of RheologyParameter; wanted ones have no default */
-  PetscReal (*Nu)(const Rheology *rheology, PetscReal rate); /* NULL: does not follow it [m^2/s] */
-  PetscReal (*Rate)(const Rheology *rheology, PetscReal stress); /* of the true fluid [1/s] */
+  unsigned    takes, wants; /* bits of RheologyParameter; `wants` have no default */
+  PetscReal (*Nu)(const Rheology *rheology, PetscReal rate);     /* NULL: Newtonian [m^2/s] */
+  PetscReal (*Rate)(const Rheology *rheology, PetscReal stress); /* of the ideal fluid [1/s] */
 } RheologyRow;
 extern const Table RheologyTable;
 struct Rheology {
@@ -159,9 +159,9 @@ struct Rheology {
 
 struct Scene {
   const CaseRow   *problem;
-  const MotionRow *motion;  /* NULL: nothing is convected */
+  const MotionRow *motion;  /* NULL: no convection */
   unsigned         physics; /* bits of Physics, after -with and -without */
-  unsigned         without; /* bits that the user took away */
+  unsigned         without; /* bits of -without */
 
   PetscInt         dim;                 /* 2 or 3 */
   PetscInt         n;                   /* particles along the reference length */
@@ -172,26 +172,26 @@ struct Scene {
   PetscReal        length;              /* reference length L [m] */
   PetscReal        speed;               /* reference speed U [m/s] */
   PetscReal        rho;                 /* density [kg/m^3] */
-  PetscReal        nu; /* kinematic viscosity; where it varies, that of Reynolds numbers [m^2/s] */
-  PetscReal        nu_low, nu_high; /* its bounds over the fluid; nu where uniform [m^2/s] */
+  PetscReal        nu; /* kinematic viscosity; if it varies, for Reynolds numbers only [m^2/s] */
+  PetscReal        nu_low, nu_high; /* bounds of viscosity in the fluid; nu if uniform [m^2/s] */
   PetscReal        body_force[ISPH_MAX_DIM]; /* body force per unit mass [m/s^2] */
   PetscBool        unsteady_walls;           /* wall velocities depend on time */
-  ExpressionScope *scope;    /* of the expressions below; NULL: numbers are all there is */
-  Expression       velocity; /* typed: at the start, of x, y [m/s] */
-  Expression       exact;    /* typed: reference solution u, v[, p], of x, y, t [m/s], [Pa] */
-  Expression       force;    /* typed: in place of body, of x, y, t [m/s^2] */
+  ExpressionScope *scope;                    /* of the expressions below; NULL: all are numbers */
+  Expression       velocity;                 /* typed: at the start by x, y [m/s] */
+  Expression       exact; /* typed: reference solution u, v[, p] by x, y, t [m/s], [Pa] */
+  Expression       force; /* typed: replaces body_force, by x, y, t [m/s^2] */
   /* sides of the box, 2 axis + (0 low, 1 high), then bodies, 2 dim + k */
   Boundary   boundary[SCENE_MAX_BOUNDARIES];
   PetscInt   n_bodies;
-  Expression nu_field; /* typed: viscosity where no fluid below is, of x, y [m^2/s] */
-  Body       region[SCENE_MAX_FLUIDS];    /* of fluids 1, 2, ..., later ones over earlier */
+  Expression nu_field;                 /* typed: viscosity outside the regions, by x, y [m^2/s] */
+  Body       region[SCENE_MAX_FLUIDS]; /* of fluids 1, 2, ...; later regions over earlier */
   PetscReal  region_nu[SCENE_MAX_FLUIDS]; /* their viscosities [m^2/s] */
   PetscInt   n_regions;
   Rheology   rheology;
   PetscReal  jitter;         /* largest random displacement at the start [dx] */
   PetscInt   seed;           /* of the jitter and of random fields */
   PetscReal  solid_fraction; /* of an array of bodies [-] */
-  PetscReal  margin;         /* of a patch test: left out at each side [dx] */
+  PetscReal  margin;         /* of a patch test: omitted at each side [dx] */
 };
 
 extern const Table       CaseTable; /* cases/cases.c */
@@ -208,7 +208,7 @@ PetscBool      SceneMoves(const Scene *scene);
 PetscBool      SceneIsDrivenInTime(const Scene *scene);
 void           SceneWallName(const Scene *scene, PetscInt side, char name[]);
 PetscReal      SceneCellSide(const Scene *scene, PetscInt axis); /* of the lattice, about dx [m] */
-PetscReal      SceneVolume(const Scene *scene); /* of every particle: its cell [m^dim] */
+PetscReal      SceneVolume(const Scene *scene); /* of a particle: a lattice cell [m^dim] */
 void           SceneSetSide(Scene *scene, PetscInt side, const BoundaryRow *kind);
 void           SceneSetAxis(Scene *scene, PetscInt axis, const BoundaryRow *kind);
 void           SceneSetSides(Scene *scene, const BoundaryRow *kind);
