@@ -183,7 +183,7 @@ PetscErrorCode GuardCheck(Guard *guard, StepFailure *failure)
   if (guard->max_in_a_row >= 0 && guard->in_a_row > guard->max_in_a_row) {
     FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
                "%s: %" PetscInt_FMT " %s solves in a row failed by %s with %s (%s) and needed a "
-                                    "fallback; %s, or give -fallback a larger number",
+               "fallback; %s, or give -fallback a larger number",
                guard->where, guard->in_a_row, guard->solve.name, ksp_type, pc_type,
                KSPConvergedReasons[guard->reason], remedy);
     failure->fatal = PETSC_TRUE;
