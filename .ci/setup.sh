@@ -30,7 +30,7 @@ need_packages() {
 build_packages=(petsc-dev slepc-dev libhypre-dev libhdf5-mpi-dev libmuparser-dev
                 libopenmpi-dev openmpi-bin gcc make cmake pkg-config)
 picture_packages=(python3 python3-h5py python3-matplotlib python3-numpy)
-check_packages=(libcmocka-dev clang-format python3)
+check_packages=(libcmocka-dev clang-format python3 python3-vtk9)
 
 # picture_python - prints an interpreter with h5py and matplotlib; the first python3 of the PATH may lack them.
 picture_python() {

@@ -1,15 +1,33 @@
 #!/usr/bin/env python3
-"""Snapshots: their times in the index.
+"""Snapshots: their times, fields and attributes, and what VTK's reader makes of them.
 
     snapshots.py times COMMAND...      the program, on some ranks
+    snapshots.py fields COMMAND...     fields of steady Couette flow, attributes; needs h5py (else status 77)
+    snapshots.py vtk COMMAND...        arrays as VTK reads them; needs VTK's Python modules (else status 77)
 """
+import glob
+import os
 import re
 import subprocess
 import sys
 
+SKIPPED = 77
+
 
 def run(*options):
+    """Runs the program without a word."""
     subprocess.run([*sys.argv[2:], "-progress", "none", *options], check=True, stdout=subprocess.DEVNULL)
+
+
+def python_with(module):
+    """Goes on with an interpreter that has a module: the first python3 of the PATH need not."""
+    for python in sys.executable, "/usr/bin/python3":
+        found = subprocess.run([python, "-c", f"import {module}"], capture_output=True, check=False).returncode == 0
+        if found and python != sys.executable:
+            os.execv(python, [python, *sys.argv])
+        if found:
+            return
+    sys.exit(SKIPPED)
 
 
 def index_times(path):
@@ -30,4 +48,66 @@ def times():
             assert abs(a - b) < 1e-12, (a, b)
 
 
-{"times": times}[sys.argv[1]]()
+def fields():
+    """In u = y vorticity, strain rate and density are -1, 1 and rho; attributes name the run and its boundaries."""
+    python_with("h5py")
+    import h5py
+
+    # 20 steps of nu dt/L^2 = 1; gradients of linear fields are exact up to the solver.
+    run("-case", "couette", "-n", "16", "-dt", "1", "-t_end", "20", "-visc_ksp_rtol", "1e-12", "-output", "c.h5")
+    with h5py.File("c_0001.h5") as file:
+        fluid = file["type"][:] == 0
+        assert abs(file["vorticity"][:][fluid] + 1).max() < 1e-7, file["vorticity"][:]
+        assert abs(file["strain_rate"][:][fluid] - 1).max() < 1e-7
+        assert (file["vorticity"][:][~fluid] == 0).all() and (file["boundary"][:][fluid] == -1).all()
+        assert abs(file["density"][:][fluid] - 1).max() < 0.05  # a lattice, wendland_c2, h/dx = 1.3
+        bottom = file["boundary"][:] == 2
+        assert bottom.any() and (file["position"][:][bottom, 1] <= 0).all()
+        attributes = dict(file.attrs)
+        assert attributes["boundary_names"] == b"left,right,bottom,top", attributes
+        assert attributes["boundary_kinds"] == b"periodic,periodic,wall,wall", attributes
+        assert list(attributes["boundary_ids"]) == [0, 1, 2, 3]
+        assert [attributes[k] for k in ("dx", "rho", "nu")] == [1 / 16, 1, 1] and attributes["h"] > attributes["dx"]
+        assert "commit" in attributes
+        # virtual data sets of the group VTKHDF
+        assert (file["VTKHDF/Points"][:, :2] == file["position"][:]).all()
+        assert (file["VTKHDF/PointData/velocity"][:, 2] == 0).all()
+    run("-case", "cavity_cylinder", "-n", "16", "-max_steps", "1", "-output", "b.h5", "-checkpoint", "k.h5")
+    for path in "b_0001.h5", "k.h5":
+        with h5py.File(path) as file:
+            assert file.attrs["boundary_names"] == b"left,right,bottom,top,body_1", path
+    run("-case", "cavity", "-dim", "3", "-n", "8", "-max_steps", "1", "-output", "d.h5")
+    with h5py.File("d_0001.h5") as file:
+        assert file["vorticity"].shape == (len(file["id"]), 3)
+        assert file["VTKHDF/Points"] == file["position"]  # one data set, two names
+
+
+def vtk():
+    """VTK reads each file as points with all fields; the index has the times."""
+    python_with("vtkmodules.vtkIOHDF")
+    from vtkmodules.vtkIOHDF import vtkHDFReader
+
+    for dim, planar in (("2", True), ("3", False)):
+        for old in glob.glob("v_*.h5"):
+            os.remove(old)
+        run("-case", "cavity", "-dim", dim, "-n", "8", "-t_end", "0.2", "-output", "v.h5", "-output_every", "0.1")
+        assert index_times("v.xdmf") == [0, 0.1, 0.2]
+        for path in sorted(glob.glob("v_*.h5")):
+            reader = vtkHDFReader()
+            assert reader.CanReadFile(path), path
+            reader.SetFileName(path)
+            reader.Update()
+            grid = reader.GetOutputDataObject(0)
+            data = grid.GetPointData()
+            arrays = {data.GetArrayName(k): data.GetArray(k) for k in range(data.GetNumberOfArrays())}
+            columns = {name: array.GetNumberOfComponents() for name, array in arrays.items()}
+            assert columns == {"velocity": 3, "pressure": 1, "density": 1, "vorticity": 1 if planar else 3,
+                               "strain_rate": 1, "type": 1, "boundary": 1, "id": 1}, columns
+            walls = sum(int(arrays["type"].GetTuple1(k)) for k in range(grid.GetNumberOfPoints()))
+            assert grid.GetNumberOfPoints() - walls == 8 ** int(dim)
+            assert grid.GetNumberOfCells() == 1 and grid.GetCell(0).GetNumberOfPoints() == grid.GetNumberOfPoints()
+            assert grid.GetBounds() == (0, 1, 0, 1, 0, 0 if planar else 1), grid.GetBounds()
+            assert arrays["velocity"].GetRange(0)[1] == 1  # the lid
+
+
+{"times": times, "fields": fields, "vtk": vtk}[sys.argv[1]]()

@@ -186,9 +186,11 @@ static PetscErrorCode BeginNothing(Flow *flow)
 }
 
 /* Makes a run of nothing but particles, which reads -output, -checkpoint and -restart. */
-static void MakeRun(Scene *scene, Particles *p, Scheme *scheme, Clock *clock, Run *run)
+static void MakeRun(Scene *scene, Particles *p, Scheme *scheme, Clock *clock, Operators *ops,
+                    Run *run)
 {
-  *run = (Run){.flow = {.scene = scene, .particles = p, .scheme = scheme, .clock = clock}};
+  *run =
+      (Run){.flow = {.scene = scene, .particles = p, .scheme = scheme, .clock = clock, .ops = ops}};
   ASSERT_OK(ClockRemember(clock, &scheme->memory));
   ASSERT_OK(ReportCreate(&run->report));
   ASSERT_OK(SnapshotsCreate(scene, &run->snapshots));
@@ -241,6 +243,7 @@ static void test_files(void **state)
   const SchemeRow row   = {.name = "nothing", .Begin = BeginNothing};
   Scheme          first = {.row = &row}, second = {.row = &row};
   Clock           clock = {.t_end = 1.0}, later = {.t_end = 1.0};
+  Operators       none = {.needs = 0};
   Population      pop, again;
   Particles      *p;
   Run             run;
@@ -253,7 +256,7 @@ static void test_files(void **state)
   for (PetscInt step = 0; step < 3; step++) Step(&s, step, &pop);
   clock.t    = 0.25;
   clock.step = 3;
-  MakeRun(&s.scene, pop.p, &first, &clock, &run);
+  MakeRun(&s.scene, pop.p, &first, &clock, &none, &run);
   ASSERT_OK(SnapshotsWrite(&run.flow, PETSC_TRUE, run.snapshots));
   CheckSnapshot(&s, "flow_0000.h5", &pop);
   ASSERT_OK(CheckpointsUpdate(PETSC_TRUE, &run));
@@ -265,7 +268,7 @@ static void test_files(void **state)
   ASSERT_OK(ParticlesCreate(&s.scene, s.walls, RADIUS * s.scene.dx, NULL, &p));
   again = pop;
   PopulationFields(p, &again);
-  MakeRun(&s.scene, p, &second, &later, &run);
+  MakeRun(&s.scene, p, &second, &later, &none, &run);
   ASSERT_OK(CheckpointsRestart(&run, &restarted));
   AssertNone("restarted", s.name, !restarted || later.t != clock.t || later.step != clock.step);
   DestroyRun(&run);

@@ -24,6 +24,15 @@ PetscErrorCode Hdf5WriteRows(Hdf5File *file, const char name[], PetscInt columns
                              hid_t given, const void *rows, const char units[]);
 PetscErrorCode Hdf5WriteNumber(Hdf5File *file, const char name[], hid_t type, const void *value);
 PetscErrorCode Hdf5WriteText(Hdf5File *file, hid_t object, const char name[], const char text[]);
+PetscErrorCode Hdf5GroupCreate(Hdf5File *file, const char name[]);
+PetscErrorCode Hdf5WriteNumbers(Hdf5File *file, const char object[], const char name[], hid_t type,
+                                PetscInt n, const void *values);
+PetscErrorCode Hdf5WriteWord(Hdf5File *file, const char object[], const char name[],
+                             const char word[]);
+PetscErrorCode Hdf5WriteBoundaries(const Scene *scene, Hdf5File *file);
+PetscErrorCode Hdf5Link(Hdf5File *file, const char name[], const char link[]);
+PetscErrorCode Hdf5Widen(Hdf5File *file, const char name[], PetscInt columns, const char wide[],
+                         PetscInt wide_columns);
 PetscErrorCode Hdf5Has(Hdf5File *file, const char name[], PetscBool *there);
 PetscErrorCode Hdf5CountRows(Hdf5File *file, const char name[], PetscInt *N, PetscInt *columns);
 PetscErrorCode Hdf5ReadRows(Hdf5File *file, const char name[], PetscInt columns, hid_t given,

@@ -52,11 +52,20 @@ PetscErrorCode ReportWrite(const Flow *flow, const Report *report, PetscReal wal
 PetscErrorCode NormsExact(const Flow *flow, Report *report);
 PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report);
 
+/* Returns the gradient of the run's steps; NULL if snapshots alone need one, or nothing does. */
+static inline const GradientRow *FlowGradient(const Flow *flow)
+{
+  const unsigned needs = flow->scheme ? flow->scheme->needs : flow->ops->needs;
+
+  return needs & (NEED_PRESSURE | NEED_GRADIENT_U) ? flow->ops->forms.gradient : NULL;
+}
+
 /* Snapshots of the particles for ParaView, option -output. */
 typedef struct Snapshots Snapshots;
 PetscErrorCode           SnapshotsCreate(const Scene *scene, Snapshots **snapshots);
 PetscErrorCode           SnapshotsDestroy(Snapshots **snapshots);
 PetscErrorCode           SnapshotsWrite(const Flow *flow, PetscBool final, Snapshots *snapshots);
+unsigned                 SnapshotsNeeds(const Snapshots *snapshots);
 PetscReal                SnapshotsInterval(const Snapshots *snapshots);
 PetscInt                 SnapshotsCount(const Snapshots *snapshots);
 void                     SnapshotsGet(const Snapshots *snapshots, PetscReal rows[]);

@@ -190,7 +190,7 @@ static PetscErrorCode BannerForms(const Flow *flow, PetscViewer viewer)
   PetscCall(TableViewRow("correction", ops->forms.visc.correction, viewer));
   if (!ops->forms.visc.correction)
     PetscCall(TableViewRow("correction", ops->forms.ppe.correction, viewer));
-  PetscCall(TableViewRow("gradient", ops->forms.gradient, viewer));
+  PetscCall(TableViewRow("gradient", FlowGradient(flow), viewer));
   PetscCall(TableViewRow("wall", ops->forms.wall, viewer));
   if (ops->forms.wall_surface)
     PetscCall(PetscViewerASCIIPrintf(

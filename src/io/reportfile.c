@@ -109,7 +109,7 @@ static PetscErrorCode ColumnsForms(const Flow *flow, Columns *columns)
   PetscFunctionBegin;
   PetscCall(ColumnWord(columns, forms->visc.row ? forms->visc.row->name : NULL));
   PetscCall(ColumnWord(columns, forms->ppe.row ? forms->ppe.row->name : NULL));
-  PetscCall(ColumnWord(columns, forms->gradient ? forms->gradient->name : NULL));
+  PetscCall(ColumnWord(columns, FlowGradient(flow) ? FlowGradient(flow)->name : NULL));
   PetscCall(ColumnWord(columns, OperatorsCorrection(flow->ops)));
   PetscCall(ColumnWord(columns, velocity ? velocity->integrator : NULL));
   PetscCall(ColumnsSolver(columns, velocity));

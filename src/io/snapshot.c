@@ -2,8 +2,8 @@
   Snapshots: an HDF5 file for each, written under another name and renamed when complete, and an
   index for ParaView. Complete files are readable whatever happens to the run.
 */
-#include "isph/hdf5file.h"
-#include "xdmf.h"
+#include "snapshot.h"
+#include "isph/options.h"
 #include <unistd.h>
 
 struct Snapshots {
@@ -76,6 +76,16 @@ PetscErrorCode SnapshotsCreate(const Scene *scene, Snapshots **snapshots)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  SnapshotsNeeds - Returns the operators that snapshots need, as bits of Need; not collective
+
+  The gradient of the velocity and the concentration; with moving particles most runs have both.
+*/
+unsigned SnapshotsNeeds(const Snapshots *snapshots)
+{
+  return snapshots->base[0] ? (unsigned)(NEED_GRADIENT_U | NEED_CONCENTRATION) : 0;
+}
+
 /* SnapshotsInterval - Returns the time between snapshots, 0 if only start and end have one [s];
    not collective */
 PetscReal SnapshotsInterval(const Snapshots *snapshots)
@@ -96,18 +106,30 @@ PetscErrorCode SnapshotsDestroy(Snapshots **snapshots)
 static PetscErrorCode SnapshotAttributes(const Flow *flow, Hdf5File *file)
 {
   const Scene *scene = flow->scene;
-  const double t = (double)flow->clock->t, reynolds = (double)SceneReynolds(scene);
-  const int    step = (int)flow->clock->step, dim = (int)scene->dim;
-  char         text[64], *options;
-  unsigned     major, minor, release;
+  const struct {
+    const char *name;
+    PetscReal   value;
+  } numbers[] = {
+      {"time", flow->clock->t}, {"reynolds", SceneReynolds(scene)},
+      {"dx", scene->dx},        {"h", flow->ops->forms.h},
+      {"nu", scene->nu},        {"rho", scene->rho},
+  };
+  const int step = (int)flow->clock->step, dim = (int)scene->dim;
+  char      text[64], *options;
+  unsigned  major, minor, release;
 
   PetscFunctionBegin;
-  PetscCall(Hdf5WriteNumber(file, "time", H5T_NATIVE_DOUBLE, &t));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(numbers); k++) {
+    const double value = (double)numbers[k].value;
+
+    PetscCall(Hdf5WriteNumber(file, numbers[k].name, H5T_NATIVE_DOUBLE, &value));
+  }
   PetscCall(Hdf5WriteNumber(file, "step", H5T_NATIVE_INT, &step));
   PetscCall(Hdf5WriteNumber(file, "dim", H5T_NATIVE_INT, &dim));
-  PetscCall(Hdf5WriteNumber(file, "reynolds", H5T_NATIVE_DOUBLE, &reynolds));
   PetscCall(Hdf5WriteText(file, file->file, "case", scene->problem->name));
+  PetscCall(Hdf5WriteBoundaries(scene, file));
   PetscCall(Hdf5WriteText(file, file->file, "version", ISPH_VERSION));
+  PetscCall(Hdf5WriteText(file, file->file, "commit", VersionCommit()));
   PetscCall(PetscSNPrintf(text, sizeof(text), "%d.%d.%d", PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR,
                           PETSC_VERSION_SUBMINOR));
   PetscCall(Hdf5WriteText(file, file->file, "petsc_version", text));
@@ -120,68 +142,6 @@ static PetscErrorCode SnapshotAttributes(const Flow *flow, Hdf5File *file)
   PetscCall(Hdf5WriteText(file, file->file, "options", options));
   PetscCall(PetscFree(options));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Copies positions, wrapped into a periodic box, which particles may leave within an epoch. */
-static void GatherPositions(const Scene *scene, const Particles *p, double rows[])
-{
-  for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
-    for (PetscInt a = 0; a < p->dim; a++) {
-      const PetscReal lo = scene->lo[a], period = scene->hi[a] - lo, x = p->x[a][i];
-      const PetscReal turns = SceneIsPeriodic(scene, a) ? PetscFloorReal((x - lo) / period) : 0.0;
-
-      rows[i * p->dim + a] = (double)(x - turns * period);
-    }
-  }
-}
-
-/* Writes the fields: own fluid, then own walls, rank by rank. */
-static PetscErrorCode SnapshotFields(const Flow *flow, Hdf5File *file)
-{
-  const Particles *p   = flow->particles;
-  const PetscInt   own = ParticlesOwn(p);
-  double          *rows;
-  int             *type;
-  long long       *id;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc3(own * p->dim, &rows, own, &type, own, &id));
-  file->start = p->fluid_start + p->wall_start;
-  file->own   = own;
-  file->N     = p->N_fluid + p->N_wall;
-  GatherPositions(flow->scene, p, rows);
-  PetscCall(Hdf5WriteRows(file, "position", p->dim, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, rows, "m"));
-  for (PetscInt i = 0; i < own; i++) {
-    for (PetscInt c = 0; c < p->dim; c++) rows[i * p->dim + c] = (double)p->u[c][i];
-  }
-  PetscCall(
-      Hdf5WriteRows(file, "velocity", p->dim, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, rows, "m/s"));
-  if (SceneHas(flow->scene, PHYSICS_PRESSURE)) {
-    for (PetscInt i = 0; i < own; i++) rows[i] = i < p->n_fluid ? (double)p->p[i] : 0.0;
-    PetscCall(Hdf5WriteRows(file, "pressure", 0, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, rows, "Pa"));
-  }
-  if (p->nu) {
-    for (PetscInt i = 0; i < own; i++) rows[i] = i < p->n_fluid ? (double)p->nu[i] : 0.0;
-    PetscCall(
-        Hdf5WriteRows(file, "viscosity", 0, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, rows, "m^2/s"));
-  }
-  for (PetscInt i = 0; i < own; i++) {
-    type[i] = (int)p->kind[i];
-    id[i]   = (long long)p->id[i];
-  }
-  PetscCall(Hdf5WriteRows(file, "type", 0, H5T_STD_I32LE, H5T_NATIVE_INT, type, "0 fluid, 1 wall"));
-  PetscCall(Hdf5WriteRows(file, "id", 0, H5T_STD_I64LE, H5T_NATIVE_LLONG, id, "1"));
-  PetscCall(PetscFree3(rows, type, id));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Returns the largest size of a snapshot: its rows and HDF5's own data. */
-static size_t SnapshotBytes(const Flow *flow)
-{
-  const size_t N   = (size_t)(flow->particles->N_fluid + flow->particles->N_wall);
-  const size_t row = 8 * (2 * (size_t)flow->particles->dim + 2) + 4 + 8;
-
-  return N * row + (size_t)131072;
 }
 
 /* Writes the name base_0000.h5 with the number of the snapshot. */
@@ -210,7 +170,8 @@ static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
   PetscCall(Hdf5FileCreate(PETSC_COMM_WORLD, part, &file));
   if (file.file >= 0) {
     PetscCall(SnapshotAttributes(flow, &file));
-    PetscCall(SnapshotFields(flow, &file));
+    PetscCall(SnapshotFieldsWrite(flow, &file));
+    PetscCall(VtkGroupWrite(flow, &file));
   }
   PetscCall(Hdf5FileFinish(&file, part, path, &good));
   PetscCall(SnapshotsVerdict(s, path, good));
@@ -225,7 +186,7 @@ static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
   s->n++;
   s->step = flow->clock->step;
   if (rank == 0) {
-    PetscCall(XdmfWrite(s->base, flow->particles, s->n, s->done, &good));
+    PetscCall(XdmfWrite(s->base, flow, s->n, s->done, &good));
   }
   PetscCall(PetscSNPrintf(path, sizeof(path), "%s.xdmf", s->base));
   PetscCall(SnapshotsVerdict(s, path, good));

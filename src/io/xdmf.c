@@ -1,9 +1,9 @@
 /*
   XDMF 3: a text file that describes the HDF5 files to ParaView as a time series of point clouds.
-  Each particle is a vertex. Ids are the numbers from 0 to N - 1 and therefore serve as the list of
-  vertices, which ParaView's XDMF 3 reader requires.
+  Each particle is a vertex of the list that vtkgroup.c writes. Vectors have three columns, as VTK
+  wants them.
 */
-#include "xdmf.h"
+#include "snapshot.h"
 
 #define XDMF_DOUBLE "NumberType=\"Float\" Precision=\"8\""
 #define XDMF_INT32  "NumberType=\"Int\" Precision=\"4\""
@@ -18,19 +18,27 @@ static void XdmfItem(FILE *f, const char indent[], const char file[], const char
   fprintf(f, "\">%s:/%s</DataItem>\n", file, set);
 }
 
-/* Writes a field of particles; type: ParaView's type of the field. */
-static void XdmfAttribute(FILE *f, const char file[], const char set[], const char type[],
-                          const char number[], PetscInt N, PetscInt columns)
+/* Writes a field of particles. */
+static void XdmfAttribute(FILE *f, const char file[], const Flow *flow, const SnapshotField *field,
+                          PetscInt N)
 {
-  fprintf(f, "        <Attribute Name=\"%s\" AttributeType=\"%s\" Center=\"Node\">\n", set, type);
-  XdmfItem(f, "          ", file, set, number, N, columns);
+  const PetscBool vector = SnapshotColumns(flow, field) > 0;
+  const char     *type   = field->shape == FIELD_LABEL ? XDMF_INT32
+                           : field->shape == FIELD_ID  ? XDMF_INT64
+                                                       : XDMF_DOUBLE;
+  char            set[64];
+
+  (void)snprintf(set, sizeof(set), "%s%s", vector ? "VTKHDF/PointData/" : "", field->name);
+  fprintf(f, "        <Attribute Name=\"%s\" AttributeType=\"%s\" Center=\"Node\">\n", field->name,
+          vector ? "Vector" : "Scalar");
+  XdmfItem(f, "          ", file, set, type, N, vector ? 3 : 0);
   fprintf(f, "        </Attribute>\n");
 }
 
 /* Writes the grid of a snapshot; file names are relative to the index. */
-static void XdmfGrid(FILE *f, const char name[], const Particles *p, const Snapshot *snapshot)
+static void XdmfGrid(FILE *f, const char name[], const Flow *flow, const Snapshot *snapshot)
 {
-  const PetscInt N = snapshot->N;
+  const PetscInt N = snapshot->N, dim = flow->particles->dim;
   char           file[PETSC_MAX_PATH_LEN];
 
   (void)snprintf(file, sizeof(file), "%s_%04d.h5", name, (int)snapshot->number);
@@ -38,16 +46,15 @@ static void XdmfGrid(FILE *f, const char name[], const Particles *p, const Snaps
   fprintf(f, "        <Time Value=\"%.17g\"/>\n", (double)snapshot->t);
   fprintf(f, "        <Topology TopologyType=\"Polyvertex\" NodesPerElement=\"1\" ");
   fprintf(f, "NumberOfElements=\"%" PetscInt_FMT "\">\n", N);
-  XdmfItem(f, "          ", file, "id", XDMF_INT64, N, 0);
+  XdmfItem(f, "          ", file, "VTKHDF/Connectivity", XDMF_INT64, N, 0);
   fprintf(f, "        </Topology>\n");
-  fprintf(f, "        <Geometry GeometryType=\"%s\">\n", p->dim == 2 ? "XY" : "XYZ");
-  XdmfItem(f, "          ", file, "position", XDMF_DOUBLE, N, p->dim);
+  fprintf(f, "        <Geometry GeometryType=\"%s\">\n", dim == 2 ? "XY" : "XYZ");
+  XdmfItem(f, "          ", file, SnapshotFieldTable[0].name, XDMF_DOUBLE, N, dim);
   fprintf(f, "        </Geometry>\n");
-  XdmfAttribute(f, file, "velocity", "Vector", XDMF_DOUBLE, N, p->dim);
-  if (p->p) XdmfAttribute(f, file, "pressure", "Scalar", XDMF_DOUBLE, N, 0);
-  if (p->nu) XdmfAttribute(f, file, "viscosity", "Scalar", XDMF_DOUBLE, N, 0);
-  XdmfAttribute(f, file, "type", "Scalar", XDMF_INT32, N, 0);
-  XdmfAttribute(f, file, "id", "Scalar", XDMF_INT64, N, 0);
+  for (PetscInt k = 1; k < SNAPSHOT_FIELDS; k++) {
+    if (SnapshotHas(flow, &SnapshotFieldTable[k]))
+      XdmfAttribute(f, file, flow, &SnapshotFieldTable[k], N);
+  }
   fprintf(f, "      </Grid>\n");
 }
 
@@ -58,14 +65,14 @@ static void XdmfGrid(FILE *f, const char name[], const Particles *p, const Snaps
 
   Input Parameters:
 + base      - path of the snapshots without _0000.h5
-. p         - particles with the fields of the snapshots
+. flow      - the flow, with the fields of the snapshots
 . n         - number of snapshots
 - snapshots - complete snapshots on disk
 
   Output Parameter:
 . good - flag: the file has been written
 */
-PetscErrorCode XdmfWrite(const char base[], const Particles *p, PetscInt n,
+PetscErrorCode XdmfWrite(const char base[], const Flow *flow, PetscInt n,
                          const Snapshot snapshots[], PetscBool *good)
 {
   char  path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN];
@@ -82,7 +89,7 @@ PetscErrorCode XdmfWrite(const char base[], const Particles *p, PetscInt n,
   if (!f) PetscFunctionReturn(PETSC_SUCCESS);
   fprintf(f, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n");
   fprintf(f, "    <Grid Name=\"%s\" GridType=\"Collection\" CollectionType=\"Temporal\">\n", name);
-  for (PetscInt k = 0; k < n; k++) XdmfGrid(f, name, p, &snapshots[k]);
+  for (PetscInt k = 0; k < n; k++) XdmfGrid(f, name, flow, &snapshots[k]);
   fprintf(f, "    </Grid>\n  </Domain>\n</Xdmf>\n");
   status = ferror(f);
   if (fclose(f) || status || rename(part, path)) PetscFunctionReturn(PETSC_SUCCESS);

@@ -125,6 +125,7 @@ static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
   PetscCall(Hdf5WriteText(file, file->file, "version", ISPH_VERSION));
   PetscCall(Hdf5WriteText(file, file->file, "case", scene->problem->name));
   PetscCall(Hdf5WriteNumber(file, "dim", H5T_NATIVE_INT, &dim));
+  PetscCall(Hdf5WriteBoundaries(scene, file));
   PetscCall(Hdf5WriteNumber(file, "fluid_at_start", H5T_NATIVE_LLONG, &N_fluid));
   PetscCall(Hdf5WriteNumber(file, "walls_at_start", H5T_NATIVE_LLONG, &N_wall));
   PetscCall(Hdf5WriteNumber(file, "next_id", H5T_NATIVE_LLONG, &next_id));

@@ -35,7 +35,8 @@ static PetscErrorCode RunChoose(Run *run)
   PetscCall(SnapshotsCreate(flow->scene, &run->snapshots));
   flow->clock->land_every = SnapshotsInterval(run->snapshots);
   PetscCall(SchemeCreate(flow));
-  PetscCall(OperatorsCreate(flow->scene, flow->scheme->needs, &flow->ops));
+  PetscCall(OperatorsCreate(flow->scene, flow->scheme->needs | SnapshotsNeeds(run->snapshots),
+                            &flow->ops));
   PetscCall(SchemeSetUp(flow));
   if (flow->clock->adapt->retries) PetscCall(UndoCreate(&run->undo));
   PetscFunctionReturn(PETSC_SUCCESS);

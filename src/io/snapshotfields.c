@@ -1,0 +1,277 @@
+/*
+  The fields of snapshots: values that particles carry, and vorticity, strain rate and density,
+  which are computed for the file. A new field is one function and one row. Wall particles have
+  zeros in fields of the fluid.
+*/
+#include "snapshot.h"
+
+/* Copies positions, wrapped into a periodic box, which particles may leave within an epoch. */
+static PetscErrorCode Gather_Position(const Flow *flow, void *rows)
+{
+  const Scene     *scene = flow->scene;
+  const Particles *p     = flow->particles;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
+    for (PetscInt a = 0; a < p->dim; a++) {
+      const PetscReal lo = scene->lo[a], period = scene->hi[a] - lo, x = p->x[a][i];
+      const PetscReal turns = SceneIsPeriodic(scene, a) ? PetscFloorReal((x - lo) / period) : 0.0;
+
+      ((double *)rows)[i * p->dim + a] = (double)(x - turns * period);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Gather_Velocity(const Flow *flow, void *rows)
+{
+  const Particles *p = flow->particles;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
+    for (PetscInt c = 0; c < p->dim; c++) ((double *)rows)[i * p->dim + c] = (double)p->u[c][i];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Copies scale times a value of the fluid, and zeros for walls. */
+static void GatherFluid(const Particles *p, PetscReal scale, const PetscReal values[],
+                        double rows[])
+{
+  for (PetscInt i = 0; i < ParticlesOwn(p); i++)
+    rows[i] = i < p->n_fluid ? (double)(scale * values[i]) : 0.0;
+}
+
+static PetscBool Has_Pressure(const Flow *flow)
+{
+  return SceneHas(flow->scene, PHYSICS_PRESSURE);
+}
+
+static PetscErrorCode Gather_Pressure(const Flow *flow, void *rows)
+{
+  PetscFunctionBegin;
+  GatherFluid(flow->particles, 1.0, flow->particles->p, (double *)rows);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool Has_Viscosity(const Flow *flow)
+{
+  return flow->particles->nu ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscErrorCode Gather_Viscosity(const Flow *flow, void *rows)
+{
+  PetscFunctionBegin;
+  GatherFluid(flow->particles, 1.0, flow->particles->nu, (double *)rows);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool Has_Density(const Flow *flow)
+{
+  return flow->ops->needs & NEED_CONCENTRATION ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Computes the density of the particles' masses, rho sum_j V_j W_ij [kg/m^3]. */
+static PetscErrorCode Gather_Density(const Flow *flow, void *rows)
+{
+  PetscFunctionBegin;
+  GatherFluid(flow->particles, flow->scene->rho, flow->ops->concentration.value, (double *)rows);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool Has_Gradient(const Flow *flow)
+{
+  return flow->ops->needs & NEED_GRADIENT_U ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Computes the derivative du_c/dx_a of the fluid's velocity, with the walls' velocity at walls. */
+static PetscErrorCode VelocityDerivative(const Flow *flow, PetscInt c, PetscInt a, Vec derivative)
+{
+  const Particles      *p     = flow->particles;
+  const AffineOperator *op    = &OperatorsOfVelocity(flow->ops, c)->grad_u[a];
+  Vec                   walls = NULL;
+  PetscScalar          *u;
+
+  PetscFunctionBegin;
+  if (op->B) {
+    PetscCall(WallVec(p, &walls));
+    PetscCall(VecGetArray(walls, &u));
+    for (PetscInt k = 0; k < p->n_wall; k++) u[k] = p->u[c][p->n_fluid + k];
+    PetscCall(VecRestoreArray(walls, &u));
+  }
+  PetscCall(AffineApply(op, flow->state->u[c], walls, derivative));
+  PetscCall(VecDestroy(&walls));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Computes the vorticity, w_e = du_b/dx_a - du_a/dx_b for (a, b, e) in cyclic order [1/s]; in 2D the
+  component out of the plane.
+*/
+static PetscErrorCode Gather_Vorticity(const Flow *flow, void *rows)
+{
+  const Particles   *p       = flow->particles;
+  const PetscInt     columns = p->dim == 2 ? 1 : 3;
+  double            *w       = (double *)rows;
+  Vec                d[2];
+  const PetscScalar *x[2];
+
+  PetscFunctionBegin;
+  for (PetscInt q = 0; q < ParticlesOwn(p) * columns; q++) w[q] = 0.0;
+  for (PetscInt k = 0; k < 2; k++) PetscCall(FluidVec(p, NULL, &d[k]));
+  for (PetscInt e = 0; e < columns; e++) {
+    const PetscInt a = p->dim == 2 ? 0 : (e + 1) % 3, b = p->dim == 2 ? 1 : (e + 2) % 3;
+
+    PetscCall(VelocityDerivative(flow, b, a, d[0]));
+    PetscCall(VelocityDerivative(flow, a, b, d[1]));
+    for (PetscInt k = 0; k < 2; k++) PetscCall(VecGetArrayRead(d[k], &x[k]));
+    for (PetscInt i = 0; i < p->n_fluid; i++) w[i * columns + e] = (double)(x[0][i] - x[1][i]);
+    for (PetscInt k = 0; k < 2; k++) PetscCall(VecRestoreArrayRead(d[k], &x[k]));
+  }
+  for (PetscInt k = 0; k < 2; k++) PetscCall(VecDestroy(&d[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the strain rate, g = sqrt(2 E:E), E = (grad u + grad u^T)/2 [1/s]. */
+static PetscErrorCode Gather_StrainRate(const Flow *flow, void *rows)
+{
+  const Particles   *p = flow->particles;
+  double            *g = (double *)rows;
+  Vec                d[2];
+  const PetscScalar *x[2];
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < ParticlesOwn(p); i++) g[i] = 0.0;
+  for (PetscInt k = 0; k < 2; k++) PetscCall(FluidVec(p, NULL, &d[k]));
+  for (PetscInt c = 0; c < p->dim; c++) {
+    for (PetscInt a = 0; a <= c; a++) {
+      PetscCall(VelocityDerivative(flow, c, a, d[0]));
+      PetscCall(VelocityDerivative(flow, a, c, d[1]));
+      for (PetscInt k = 0; k < 2; k++) PetscCall(VecGetArrayRead(d[k], &x[k]));
+      for (PetscInt i = 0; i < p->n_fluid; i++)
+        g[i] += (a == c ? 0.5 : 1.0) * (double)PetscSqr(x[0][i] + x[1][i]);
+      for (PetscInt k = 0; k < 2; k++) PetscCall(VecRestoreArrayRead(d[k], &x[k]));
+    }
+  }
+  for (PetscInt i = 0; i < p->n_fluid; i++) g[i] = PetscSqrtReal(g[i]);
+  for (PetscInt k = 0; k < 2; k++) PetscCall(VecDestroy(&d[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Gather_Type(const Flow *flow, void *rows)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < ParticlesOwn(flow->particles); i++)
+    ((int *)rows)[i] = (int)flow->particles->kind[i];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Copies the number of the boundary that a wall particle belongs to; -1 for fluid. */
+static PetscErrorCode Gather_Boundary(const Flow *flow, void *rows)
+{
+  const Particles *p = flow->particles;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < ParticlesOwn(p); i++)
+    ((int *)rows)[i] = i < p->n_fluid ? -1 : (int)p->side[i];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Gather_Id(const Flow *flow, void *rows)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < ParticlesOwn(flow->particles); i++)
+    ((long long *)rows)[i] = (long long)flow->particles->id[i];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The first is the place of the others. */
+const SnapshotField SnapshotFieldTable[SNAPSHOT_FIELDS] = {
+    {.name = "position", .units = "m", .shape = FIELD_VECTOR, .Gather = Gather_Position},
+    {.name = "velocity", .units = "m/s", .shape = FIELD_VECTOR, .Gather = Gather_Velocity},
+    {.name   = "pressure",
+     .units  = "Pa",
+     .shape  = FIELD_SCALAR,
+     .Has    = Has_Pressure,
+     .Gather = Gather_Pressure},
+    {.name   = "viscosity",
+     .units  = "m^2/s",
+     .shape  = FIELD_SCALAR,
+     .Has    = Has_Viscosity,
+     .Gather = Gather_Viscosity},
+    {.name   = "density",
+     .units  = "kg/m^3",
+     .shape  = FIELD_SCALAR,
+     .Has    = Has_Density,
+     .Gather = Gather_Density},
+    {.name   = "vorticity",
+     .units  = "1/s",
+     .shape  = FIELD_AXIAL,
+     .Has    = Has_Gradient,
+     .Gather = Gather_Vorticity},
+    {.name   = "strain_rate",
+     .units  = "1/s",
+     .shape  = FIELD_SCALAR,
+     .Has    = Has_Gradient,
+     .Gather = Gather_StrainRate},
+    {.name = "type", .units = "0 fluid, 1 wall", .shape = FIELD_LABEL, .Gather = Gather_Type},
+    {.name = "boundary", .units = "-1 fluid", .shape = FIELD_LABEL, .Gather = Gather_Boundary},
+    {.name = "id", .units = "1", .shape = FIELD_ID, .Gather = Gather_Id},
+};
+
+/* SnapshotHas - Returns true if the run has a field; not collective */
+PetscBool SnapshotHas(const Flow *flow, const SnapshotField *field)
+{
+  return !field->Has || field->Has(flow) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* SnapshotColumns - Returns the columns of a field, 0 for a data set of one dimension; not
+   collective */
+PetscInt SnapshotColumns(const Flow *flow, const SnapshotField *field)
+{
+  if (field->shape == FIELD_VECTOR) return flow->particles->dim;
+  return field->shape == FIELD_AXIAL && flow->particles->dim == 3 ? 3 : 0;
+}
+
+/* SnapshotFieldsWrite - Writes all fields: own fluid, then own walls, rank by rank; collective */
+PetscErrorCode SnapshotFieldsWrite(const Flow *flow, Hdf5File *file)
+{
+  const Particles *p = flow->particles;
+  double          *rows; /* no value of a field is longer than a double */
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(3 * ParticlesOwn(p) + 1, &rows));
+  file->start = p->fluid_start + p->wall_start;
+  file->own   = ParticlesOwn(p);
+  file->N     = p->N_fluid + p->N_wall;
+  for (PetscInt k = 0; k < SNAPSHOT_FIELDS; k++) {
+    const SnapshotField *field  = &SnapshotFieldTable[k];
+    hid_t                stored = H5T_IEEE_F64LE, given = H5T_NATIVE_DOUBLE;
+
+    if (!SnapshotHas(flow, field)) continue;
+    if (field->shape == FIELD_LABEL) {
+      stored = H5T_STD_I32LE;
+      given  = H5T_NATIVE_INT;
+    } else if (field->shape == FIELD_ID) {
+      stored = H5T_STD_I64LE;
+      given  = H5T_NATIVE_LLONG;
+    }
+    PetscCall(field->Gather(flow, rows));
+    PetscCall(Hdf5WriteRows(file, field->name, SnapshotColumns(flow, field), stored, given, rows,
+                            field->units));
+  }
+  PetscCall(PetscFree(rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SnapshotBytes - Returns the largest size of a snapshot: its rows and HDF5's own data; not
+   collective */
+size_t SnapshotBytes(const Flow *flow)
+{
+  const size_t N   = (size_t)(flow->particles->N_fluid + flow->particles->N_wall);
+  size_t       row = 8; /* the list of vertices of the group VTKHDF */
+
+  for (PetscInt k = 0; k < SNAPSHOT_FIELDS; k++)
+    row += 8 * (size_t)PetscMax(1, SnapshotColumns(flow, &SnapshotFieldTable[k]));
+  return N * row + (size_t)131072;
+}

@@ -1,0 +1,79 @@
+/*
+  The group VTKHDF of a snapshot, by which ParaView and VTK read the file itself: an unstructured
+  grid of one polyvertex cell. It holds the data sets of the file under other names. VTK wants three
+  columns: in 2D positions and velocities are virtual data sets, the file's own with a third column
+  of zeros, which take no room.
+
+  Reference: VTKHDF file format 1.0, docs.vtk.org
+*/
+#include "snapshot.h"
+
+#define VTK_POLY_VERTEX 2
+
+/* Writes a short list of whole numbers, by the first rank. */
+static PetscErrorCode WriteList(Hdf5File *file, const char name[], PetscInt n,
+                                const long long list[], hid_t stored)
+{
+  const PetscInt start = file->start, own = file->own, N = file->N;
+  PetscMPIInt    rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(file->comm, &rank));
+  file->start = 0;
+  file->own   = rank == 0 ? n : 0;
+  file->N     = n;
+  PetscCall(Hdf5WriteRows(file, name, 0, stored, H5T_NATIVE_LLONG, list, "1"));
+  file->start = start;
+  file->own   = own;
+  file->N     = N;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes the vertices of the cell: all rows of the file. */
+static PetscErrorCode WriteVertices(Hdf5File *file)
+{
+  long long *vertex;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(file->own + 1, &vertex));
+  for (PetscInt i = 0; i < file->own; i++) vertex[i] = (long long)(file->start + i);
+  PetscCall(
+      Hdf5WriteRows(file, "VTKHDF/Connectivity", 0, H5T_STD_I64LE, H5T_NATIVE_LLONG, vertex, "1"));
+  PetscCall(PetscFree(vertex));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  VtkGroupWrite - Writes the group VTKHDF, after all fields
+
+  Collective. Input/Output: file - with start, own and N as the fields were written
+*/
+PetscErrorCode VtkGroupWrite(const Flow *flow, Hdf5File *file)
+{
+  const long long version[] = {1, 0}, N = file->N, one = 1, offsets[] = {0, file->N},
+                  type = VTK_POLY_VERTEX;
+
+  PetscFunctionBegin;
+  PetscCall(Hdf5GroupCreate(file, "VTKHDF"));
+  PetscCall(Hdf5GroupCreate(file, "VTKHDF/PointData"));
+  PetscCall(Hdf5WriteNumbers(file, "VTKHDF", "Version", H5T_NATIVE_LLONG, 2, version));
+  PetscCall(Hdf5WriteWord(file, "VTKHDF", "Type", "UnstructuredGrid"));
+  PetscCall(WriteList(file, "VTKHDF/NumberOfPoints", 1, &N, H5T_STD_I64LE));
+  PetscCall(WriteList(file, "VTKHDF/NumberOfCells", 1, &one, H5T_STD_I64LE));
+  PetscCall(WriteList(file, "VTKHDF/NumberOfConnectivityIds", 1, &N, H5T_STD_I64LE));
+  PetscCall(WriteList(file, "VTKHDF/Offsets", 2, offsets, H5T_STD_I64LE));
+  PetscCall(WriteList(file, "VTKHDF/Types", 1, &type, H5T_STD_U8LE));
+  PetscCall(WriteVertices(file));
+  for (PetscInt k = 0; k < SNAPSHOT_FIELDS; k++) {
+    const SnapshotField *field   = &SnapshotFieldTable[k];
+    const PetscInt       columns = SnapshotColumns(flow, field);
+    char                 name[64];
+
+    if (!SnapshotHas(flow, field)) continue;
+    PetscCall(PetscSNPrintf(name, sizeof(name), "VTKHDF/%s%s", k ? "PointData/" : "Points",
+                            k ? field->name : ""));
+    if (columns == 2) PetscCall(Hdf5Widen(file, field->name, columns, name, 3));
+    else PetscCall(Hdf5Link(file, field->name, name));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
