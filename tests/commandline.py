@@ -10,7 +10,7 @@ source, command = sys.argv[1], sys.argv[2:]
 
 
 def isph(*arguments):
-    """What isph prints; its exit status is 0 and stderr is empty."""
+    """Returns the output of isph; asserts that its exit status is 0 and stderr is empty."""
     done = subprocess.run([*command, *arguments], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, (arguments, done.returncode, done.stdout, done.stderr)
     assert not done.stderr, (arguments, done.stderr)

@@ -7,7 +7,7 @@
 #include "../src/run/checkpoint.h"
 
 #define STEPS   6
-#define PLACES  7 /* where particles are inserted in a step */
+#define PLACES  7 /* positions of insertions in a step */
 #define UNIFORM 3.5
 
 /* A population and the record that the test keeps of it, the same on all ranks. */

@@ -1,12 +1,12 @@
 /*
-  The command line before PETSc reads it: requests that need no run, and words that PETSc would pass
-  over or meet with a traceback.
+  The command line before PETSc reads it: requests that need no run, and words that PETSc would
+  ignore or answer with a traceback.
 */
 #include "isph/options.h"
 #include <errno.h>
 #include <string.h>
 
-/* Finds out if a word is an option of this name, with one dash or two. */
+/* Returns true if a word is an option of this name, with a single or double dash. */
 static PetscBool IsOption(const char word[], const char name[])
 {
   if (word[0] != '-') return PETSC_FALSE;
@@ -15,10 +15,10 @@ static PetscBool IsOption(const char word[], const char name[])
 }
 
 /*
-  CommandLineRequest - Finds out what a command line asks for
+  CommandLineRequest - Determines the request of a command line
 
-  Not collective. Input/Output: argc, argv - "petsc" after -help is taken out, as PETSc would refuse
-  it; -h and --help become -help.
+  Not collective. Input/Output: argc, argv - "petsc" after -help is removed, because PETSc would
+  refuse it; -h and --help become -help.
 */
 Request CommandLineRequest(int *argc, char **argv)
 {
@@ -43,9 +43,9 @@ Request CommandLineRequest(int *argc, char **argv)
 }
 
 /*
-  CommandLineCheck - Checks the words of a command line and the options files it names
+  CommandLineCheck - Checks the words of a command line and its options files
 
-  Not collective. Output: sentence - the first mistake, empty if there is none
+  Not collective. Output: sentence - the first mistake; empty if there is none
 */
 void CommandLineCheck(int argc, char **argv, char sentence[], size_t length)
 {
@@ -64,7 +64,7 @@ void CommandLineCheck(int argc, char **argv, char sentence[], size_t length)
   }
 }
 
-/* UsagePrint - Prints how to begin, for a command line without options; not collective */
+/* UsagePrint - Prints first steps, for a command line without options; not collective */
 void UsagePrint(FILE *out)
 {
   (void)fputs(

@@ -1,22 +1,22 @@
 /*
-  Options with ranges. PETSc keeps the database; this file adds the sentences.
+  Options with ranges. PETSc keeps the database; this file adds checks with messages.
 */
 #include "isph/base.h"
 #include <errno.h>
 #include <stdlib.h>
 
 /*
-  OptionReal - A real number from the command line, checked against [low, high]
+  OptionReal - Reads a real number from the command line and checks it against [low, high]
 
   Collective. Between PetscOptionsBegin() and PetscOptionsEnd().
 
   Input/Output Parameter:
-. value - in: the default shown by -help; out: the user's number
+. value - in: the default shown by -help; out: the given number
 
   Output Parameter:
-. set - whether the user gave it; may be NULL
+. set - flag: the option is given; may be NULL
 
-  Errors: no number, or one outside the range (infinities and NaN included), ends the run
+  Errors: text that is no number, or a number out of range (infinities and NaN too), ends the run
 */
 PetscErrorCode OptionReal_Private(OptionItems PetscOptionsObject, const char option[],
                                   const char text[], PetscReal low, PetscReal high,
@@ -40,7 +40,7 @@ PetscErrorCode OptionReal_Private(OptionItems PetscOptionsObject, const char opt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* OptionInt - A whole number from the command line, checked as OptionReal() does */
+/* OptionInt - Reads a whole number from the command line, with the checks of OptionReal() */
 PetscErrorCode OptionInt_Private(OptionItems PetscOptionsObject, const char option[],
                                  const char text[], PetscInt low, PetscInt high, PetscInt *value,
                                  PetscBool *set)
@@ -66,12 +66,12 @@ PetscErrorCode OptionInt_Private(OptionItems PetscOptionsObject, const char opti
 }
 
 /*
-  OptionSwitch - true or false, true where nothing is said of it
+  OptionSwitch - Reads true or false; an option without a value is true
 
-  Collective. Between PetscOptionsBegin() and PetscOptionsEnd(). Output: value - left alone where
-  the option is not given.
+  Collective. Between PetscOptionsBegin() and PetscOptionsEnd(). Output: value - unchanged if the
+  option is absent.
 
-  Errors: what is no such word
+  Errors: any other word ends the run
 */
 PetscErrorCode OptionSwitch_Private(OptionItems PetscOptionsObject, const char option[],
                                     const char text[], PetscBool *value)
@@ -90,19 +90,19 @@ PetscErrorCode OptionSwitch_Private(OptionItems PetscOptionsObject, const char o
 }
 
 /*
-  OptionReals - Real numbers separated by commas
+  OptionReals - Reads real numbers separated by commas
 
   Collective. Between PetscOptionsBegin() and PetscOptionsEnd().
 
   Input Parameter:
-. capacity - how many there may be
+. capacity - largest number of values
 
   Output Parameters:
-+ value - the numbers, left alone where the option is not given
-. n     - how many, 0 where it is not given
-- set   - whether it is; may be NULL
++ value - the numbers; unchanged if the option is absent
+. n     - their number; 0 if the option is absent
+- set   - flag: the option is given; may be NULL
 
-  Errors: more than capacity, of which PETSc would drop the rest unsaid; numbers that are not finite
+  Errors: more numbers than capacity, which PETSc would drop silently; numbers that are not finite
 */
 PetscErrorCode OptionReals_Private(OptionItems PetscOptionsObject, const char option[],
                                    const char text[], PetscInt capacity, PetscReal value[],
@@ -128,9 +128,9 @@ PetscErrorCode OptionReals_Private(OptionItems PetscOptionsObject, const char op
 }
 
 /*
-  OptionFlags - Names separated by commas, each standing for one bit
+  OptionFlags - Reads names separated by commas as bits
 
-  Collective. Input: names[k] is the word for bit k. Output: flags, 0 if the option is not given.
+  Collective. Input: names[k] is the word for bit k. Output: flags, 0 if the option is absent.
 */
 PetscErrorCode OptionFlags_Private(OptionItems PetscOptionsObject, const char option[],
                                    const char text[], const char *const names[], PetscInt count,
@@ -162,7 +162,7 @@ PetscErrorCode OptionFlags_Private(OptionItems PetscOptionsObject, const char op
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* OptionFile - A path from the command line; path stays empty where the option is not given */
+/* OptionFile - Reads a path from the command line; it stays empty if the option is absent */
 PetscErrorCode OptionFile_Private(OptionItems PetscOptionsObject, const char option[],
                                   const char text[], char path[PETSC_MAX_PATH_LEN])
 {
@@ -175,7 +175,7 @@ PetscErrorCode OptionFile_Private(OptionItems PetscOptionsObject, const char opt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* OptionGiven - Whether the user gave an option */
+/* OptionGiven - Returns true if an option is given */
 PetscErrorCode OptionGiven(const char option[], PetscBool *given)
 {
   PetscFunctionBegin;
@@ -184,7 +184,7 @@ PetscErrorCode OptionGiven(const char option[], PetscBool *given)
 }
 
 /*
-  OptionsRefuseTogether - Ends the run where two options that contradict each other are both given
+  OptionsRefuseTogether - Ends the run if two contradictory options are both given
 
   Collective. Input: why - the end of the sentence "-a and -b cannot both be given: why"
 */

@@ -1,7 +1,7 @@
 /*
-  Options files: a check line by line, so that a mistake is told with its file and line before PETSc
-  meets it with a traceback. An option and its value have a line of their own; # begins a comment; a
-  value with blanks goes in quotes; -options_file includes another file.
+  Options files: a check line by line, so that messages name file and line, before PETSc would
+  answer a mistake with a traceback. Each option with its value has a line; # begins a comment;
+  values with blanks need quotes; -options_file includes another file.
 */
 #include "isph/options.h"
 #include <ctype.h>
@@ -11,10 +11,10 @@
 #include <sys/stat.h>
 
 #define MAX_DEPTH  8 /* files within files */
-#define MAX_TOKENS 4 /* of a line that are looked at */
+#define MAX_TOKENS 4 /* examined words of a line */
 
-/* Finds out if a word begins an option: a dash or two and a letter, and no number as -inf or -e5
-   would be. */
+/* Returns true if a word begins an option: a dash or two and a letter, but no number such as -inf
+   or -e5. */
 static PetscBool IsOption(const char word[])
 {
   const char *letter = word + (word[0] == '-' && word[1] == '-' ? 2 : 1);
@@ -25,8 +25,8 @@ static PetscBool IsOption(const char word[])
   return end == word || *end == '_' || isalnum((unsigned char)*end) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Splits a line as PETSc does: at blanks, but not within quotes that begin a word. Returns how many
-   words there are, at most MAX_TOKENS. */
+/* Splits a line as PETSc does: at blanks, but not within quotes that begin a word. Returns the
+   number of words, at most MAX_TOKENS. */
 static int Split(char line[], char *token[MAX_TOKENS])
 {
   int n = 0;
@@ -45,7 +45,7 @@ static int Split(char line[], char *token[MAX_TOKENS])
   return n;
 }
 
-/* Finds out if PETSc would read a file as YAML: from its name or its first letters. */
+/* Returns true if PETSc would read a file as YAML, by its name or its first letters. */
 static PetscBool IsYaml(const char path[], FILE *file)
 {
   const char *const endings[] = {".yaml", ".yml", ".json"};
@@ -64,7 +64,7 @@ static PetscBool IsYaml(const char path[], FILE *file)
 
 static void CheckFile(const char path[], int depth, char sentence[], size_t length);
 
-/* Checks one line of a file. */
+/* Checks a line of a file. */
 static void CheckLine(const char path[], int number, char line[], int depth, char sentence[],
                       size_t length)
 {
@@ -97,7 +97,7 @@ static void CheckLine(const char path[], int number, char line[], int depth, cha
   }
 }
 
-/* Checks a file within `depth` others. */
+/* Checks a file included at a depth of inclusion. */
 static void CheckFile(const char path[], int depth, char sentence[], size_t length)
 {
   struct stat status;
@@ -106,7 +106,7 @@ static void CheckFile(const char path[], int depth, char sentence[], size_t leng
   size_t      room   = 0;
   int         number = 0;
 
-  if (strstr(path, "${")) return; /* PETSc puts other words in its place */
+  if (strstr(path, "${")) return; /* PETSc substitutes it */
   if (depth > MAX_DEPTH) {
     (void)snprintf(
         sentence, length,
@@ -133,10 +133,10 @@ static void CheckFile(const char path[], int depth, char sentence[], size_t leng
 }
 
 /*
-  OptionsFileCheck - Checks an options file and those it includes
+  OptionsFileCheck - Checks an options file and its included files
 
-  Not collective; files that PETSc would read as YAML are left to it. Output: sentence - the first
-  mistake with file and line, left alone if there is none
+  Not collective. Files that PETSc would read as YAML are not checked. Output: sentence - the first
+  mistake with file and line; unchanged if there is none
 */
 void OptionsFileCheck(const char path[], char sentence[], size_t length)
 {

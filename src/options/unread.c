@@ -1,10 +1,10 @@
 /*
-  The refusal of options that nobody has read, with the known name nearest to a misspelt one, which
-  must not be a silent default.
+  Refusal of options that no function has read, so that misspelt options do not become silent
+  defaults. The message suggests the nearest known name.
 */
 #include "isph/base.h"
 
-/* Names to suggest for a misspelt option: ours, then PETSc's commonest behind their prefixes. */
+/* Names to suggest for a misspelt option: names of isph, then common PETSc names after a prefix. */
 static const char *const OwnNames[] = {
     "case",
     "density",
@@ -141,7 +141,7 @@ static const char *const SolverNames[] = {
     "snes_rtol",
 };
 
-/* Levenshtein distance of two words of fewer than 128 letters. */
+/* Returns the Levenshtein distance of two words of fewer than 128 letters. */
 static PetscInt WordDistance(const char a[], const char b[])
 {
   PetscInt row[128], m = 0;
@@ -162,7 +162,7 @@ static PetscInt WordDistance(const char a[], const char b[])
   return row[m];
 }
 
-/* The known option nearest to name (without its dash). */
+/* Finds the known option nearest to name (without its dash). */
 static PetscErrorCode NearestOption(const char name[], char nearest[], size_t length)
 {
   const char *const prefix[] = {"visc_",
@@ -194,7 +194,8 @@ static PetscErrorCode NearestOption(const char name[], char nearest[], size_t le
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether PETSc reads an option only later: inside a preconditioner's set-up, or at the end. */
+/* Determines if PETSc reads an option only later: in the set-up of a preconditioner, or at the
+   end. */
 static PetscErrorCode OptionIsDeferred(const char name[], PetscBool *deferred)
 {
   const char *const inner[] = {"sub_",     "mg_levels",         "mg_coarse", "redundant_",  "_view",
@@ -212,12 +213,12 @@ static PetscErrorCode OptionIsDeferred(const char name[], PetscBool *deferred)
 }
 
 /*
-  OptionsRefuseUnknown - Ends the run where an option was given that nothing has read
+  OptionsRefuseUnknown - Ends the run if a given option has not been read
 
-  Collective. Called once all objects are configured, with deferred_too = PETSC_FALSE, and again
-  when the first step has set up the preconditioners, with PETSC_TRUE.
+  Collective. Called when all objects are configured, with deferred_too = PETSC_FALSE, and again
+  after the first step has set up the preconditioners, with PETSC_TRUE.
 
-  Errors: names the option and the known one nearest to it
+  Errors: the message names the option and the nearest known option
 */
 PetscErrorCode OptionsRefuseUnknown(PetscBool deferred_too)
 {
@@ -232,7 +233,7 @@ PetscErrorCode OptionsRefuseUnknown(PetscBool deferred_too)
 
     PetscCall(OptionIsDeferred(names[k], &deferred));
     PetscCall(PetscStrcmp(names[k], "options_left", &own));
-    PetscCall(PetscStrncmp(names[k], "check_", 6, &check)); /* ReportCheck() sees to those */
+    PetscCall(PetscStrncmp(names[k], "check_", 6, &check)); /* ReportCheck() checks these */
     if (!own && !check && (deferred_too || !deferred))
       PetscCall(PetscStrncpy(unknown, names[k], sizeof(unknown)));
   }

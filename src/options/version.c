@@ -1,12 +1,11 @@
-/* The version of the program and of the libraries that its numbers may depend on. */
+/* Versions of the program and of libraries that may influence its numbers. */
 #include "commit.h"
 #include "isph/options.h"
 #include <hdf5.h>
 #include <petscpkg_version.h>
 #include <string.h>
 
-/* VersionCommit - Returns the git commit that the program was built from, empty if unknown; not
-   collective */
+/* VersionCommit - Returns the git commit of the program, empty if unknown; not collective */
 const char *VersionCommit(void)
 {
   return ISPH_COMMIT;
@@ -15,8 +14,8 @@ const char *VersionCommit(void)
 /*
   VersionPrint - Prints the versions of isph, PETSc, hypre, HDF5 and MPI
 
-  Not collective; needs neither PETSc nor MPI to be initialized. The versions are of the libraries
-  at run time, except hypre's, which PETSc was built with.
+  Not collective; needs neither PETSc nor MPI to be initialized. Versions are read from the
+  libraries at run time, except for hypre, whose version is from the build of PETSc.
 */
 void VersionPrint(FILE *out)
 {

@@ -1,10 +1,10 @@
 /*
-  A uniform grid of cells over the local particles, sorted by counting. Positions are packed in the
-  order of the cells, so that a search reads memory in runs.
+  A uniform grid of cells over local particles, built by counting sort. Positions are copied in the
+  order of the cells, so that a search reads contiguous memory.
 */
 #include "isph/particles.h"
 
-/* Index of the cell that holds coordinate x along axis a; nearest one if x is outside the grid. */
+/* Returns the index of the cell with coordinate x along axis a; the nearest if x is outside. */
 static inline PetscInt CellAlong(const Cells *cells, PetscInt a, PetscReal x)
 {
   const PetscReal s = (x - cells->origin[a]) / cells->size;
@@ -13,8 +13,8 @@ static inline PetscInt CellAlong(const Cells *cells, PetscInt a, PetscReal x)
   return s < cells->count[a] ? (PetscInt)s : cells->count[a] - 1;
 }
 
-/* Lays the grid around all local particles. Cells grow where there would be more of them than
-   particles by far, as with a stray particle. */
+/* Sets up the grid around all local particles. Cells are enlarged if their number would far exceed
+   the number of particles, for example with a stray particle. */
 static PetscErrorCode LayGrid(const Particles *p, PetscReal size, Cells *cells)
 {
   PetscReal high[ISPH_MAX_DIM] = {0}, number;
@@ -74,11 +74,11 @@ static PetscErrorCode CellsReserve(Cells *cells, PetscInt n_cells)
   Not collective
 
   Input Parameters:
-+ particles - with a halo that is up to date
-- size      - edge of a cell [m]; made larger where the grid would be much emptier than full
++ particles - with an up-to-date halo
+- size      - edge of a cell [m]; enlarged if almost all cells would be empty
 
   Output Parameter:
-. cells - zeroed before its first use; storage is reused afterwards
+. cells - zero before the first call; storage is reused
 
   Error: PETSC_ERR_FP if a position is not finite
 */
@@ -117,7 +117,7 @@ PetscErrorCode CellsBuild(const Particles *particles, PetscReal size, Cells *cel
 }
 
 /*
-  CellsFree - Frees the arrays; the cells can be built anew
+  CellsFree - Frees the arrays; the cells can be built again
 
   Not collective
 */
@@ -142,14 +142,14 @@ PetscErrorCode CellsFree(Cells *cells)
 + cells  - the cells
 . x      - the point [m]
 . radius - of any size [m]
-- max    - room in list
+- max    - size of list
 
   Output Parameters:
 + list  - local indices, ascending
-- count - how many
+- count - number of particles
 
-  Note: distances are those when the cells were built. With cells of Neighbors whose margin may be
-  partly spent, ask for radius + margin / 2 and drop by present positions.
+  Note: distances refer to positions at CellsBuild(). With cells of Neighbors, call with
+  radius + margin / 2 and select by present positions.
 
   Error: PETSC_ERR_ARG_OUTOFRANGE if there are more than max
 */

@@ -1,22 +1,23 @@
 /*
-  Recursive coordinate bisection: a group of ranks and its piece of space are halved until each rank
-  has a box, so that all boxes hold about equally many fluid particles. A cut is found by histograms
-  summed over the ranks, all groups of a level together; particles do not move meanwhile.
+  Recursive coordinate bisection: groups of ranks and their regions of space are halved until each
+  rank has a box, so that all boxes hold about the same number of fluid particles. Histograms summed
+  over ranks determine the cuts, for all groups of a level together; particles do not migrate
+  meanwhile.
 */
 #include "impl.h"
 
 #define BISECT_BINS      64   /* of one round's histogram */
-#define BISECT_IMBALANCE 1.1  /* max / mean of fluid particles above which boxes are drawn anew */
-#define BISECT_FINENESS  0.01 /* how exactly a cut is placed [dx] */
+#define BISECT_IMBALANCE 1.1  /* max / mean of fluid particles above which new boxes are computed */
+#define BISECT_FINENESS  0.01 /* accuracy of a cut [dx] */
 
-/* A group of ranks [begin, end) whose space is being cut. */
+/* A group of ranks [begin, end) whose region is to be cut. */
 typedef struct {
   PetscInt  begin, end;
   PetscInt  axis;       /* cut across it */
   PetscReal low, width; /* first edge and width of the histogram's bins [m] */
   PetscReal below;      /* particles below the first edge */
-  PetscReal target;     /* particles wanted below the cut; negative: not known yet */
-  PetscReal cut, miss;  /* best edge so far [m], and how far from the target it is [particles] */
+  PetscReal target;     /* desired number of particles below the cut; negative: unknown */
+  PetscReal cut, miss;  /* best edge so far [m], and its deviation from the target [particles] */
 } Group;
 
 static inline PetscInt MiddleRank(PetscInt begin, PetscInt end)
@@ -36,7 +37,7 @@ static PetscInt OwnerOf(const Particles *p, PetscMPIInt ranks, PetscInt i)
   return begin;
 }
 
-/* The box of ranks [begin, end), cut out of [lo, hi] as given. */
+/* Restricts [lo, hi] to the box of ranks [begin, end). */
 static void CutOutBox(const Particles *p, PetscMPIInt ranks, PetscInt begin, PetscInt end,
                       PetscReal lo[], PetscReal hi[])
 {
@@ -54,7 +55,8 @@ static void CutOutBox(const Particles *p, PetscMPIInt ranks, PetscInt begin, Pet
   }
 }
 
-/* Chooses each group's axis, the longest side around its particles, and the first histogram. */
+/* Chooses for each group the axis, along the longest side around its particles, and the first
+   histogram. */
 static PetscErrorCode GroupsStart(const Scene *scene, const Particles *p, PetscMPIInt ranks,
                                   const PetscInt of[], PetscInt n_groups, Group groups[])
 {
@@ -100,7 +102,7 @@ static PetscErrorCode GroupsStart(const Scene *scene, const Particles *p, PetscM
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Bin of x with exactly the edges a cut can have, or -1. */
+/* Returns the bin of x, consistent with the possible cuts, or -1. */
 static inline PetscInt BinOf(const Group *g, PetscReal x)
 {
   const PetscReal s = (x - g->low) / g->width;
@@ -113,7 +115,8 @@ static inline PetscInt BinOf(const Group *g, PetscReal x)
   return k < 0 || k >= BISECT_BINS ? -1 : k;
 }
 
-/* Picks the best edge of a group's histogram and zooms into the bin that holds the target. */
+/* Selects the best edge of the histogram of a group and zooms into the bin that holds the
+   target. */
 static void GroupZoom(Group *g, const PetscInt histogram[])
 {
   PetscReal below = g->below, next_low = g->low, next_below = g->below;
@@ -122,7 +125,7 @@ static void GroupZoom(Group *g, const PetscInt histogram[])
     PetscReal total = 0.0;
     for (PetscInt k = 0; k < BISECT_BINS; k++) total += histogram[k];
     g->target = total * (MiddleRank(g->begin, g->end) - g->begin) / (g->end - g->begin);
-    if (total == 0.0) g->miss = 0.0; /* nobody there: keep the middle */
+    if (total == 0.0) g->miss = 0.0; /* no particles: keep the middle */
   }
   for (PetscInt k = 0; k <= BISECT_BINS; k++) {
     const PetscReal edge = g->low + k * g->width, miss = PetscAbsReal(below - g->target);
@@ -143,7 +146,7 @@ static void GroupZoom(Group *g, const PetscInt histogram[])
   g->width /= BISECT_BINS;
 }
 
-/* One round of histograms for all groups. */
+/* Computes a histogram for all groups and refines their cuts. */
 static PetscErrorCode GroupsZoom(const Particles *p, const PetscInt of[], PetscInt n_groups,
                                  Group groups[])
 {
@@ -165,8 +168,8 @@ static PetscErrorCode GroupsZoom(const Particles *p, const PetscInt of[], PetscI
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Records the cuts of a level and makes the groups of the next one of all halves not yet one rank.
- */
+/* Records the cuts of a level; halves with more than a single rank become groups of the next
+   level. */
 static PetscErrorCode GroupsSplit(Particles *p, PetscInt of[], PetscInt *n_groups, Group groups[])
 {
   PetscInt n = 0, *child;
@@ -194,7 +197,7 @@ static PetscErrorCode GroupsSplit(Particles *p, PetscInt of[], PetscInt *n_group
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Draws the boxes of all ranks anew. */
+/* Computes new boxes of all ranks. */
 static PetscErrorCode Bisect(const Scene *scene, Particles *p, PetscMPIInt ranks)
 {
   PetscInt n_groups = ranks > 1 ? 1 : 0, *of;
@@ -220,7 +223,7 @@ static PetscErrorCode Bisect(const Scene *scene, Particles *p, PetscMPIInt ranks
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds the owners of own particles by the boxes as they are, and max / mean of fluid in a box. */
+/* Finds the owners of own particles by the present boxes, and max / mean of fluid in a box. */
 static PetscErrorCode FindOwners(const Particles *p, PetscMPIInt ranks, PetscInt owner[],
                                  PetscReal *imbalance)
 {
@@ -240,7 +243,7 @@ static PetscErrorCode FindOwners(const Particles *p, PetscMPIInt ranks, PetscInt
 }
 
 /*
-  ParticlesDecompose - Says which rank each own particle belongs to, and sets the box of this rank
+  ParticlesDecompose - Finds the rank of each own particle, and sets the box of this rank
 
   Collective
 
@@ -253,9 +256,9 @@ static PetscErrorCode FindOwners(const Particles *p, PetscMPIInt ranks, PetscInt
 - p     - cut_axis, cut, lo and hi
 
   Notes:
-  Boxes are drawn in the first epoch, where p->redraw asks for it, and when one holds more than 1.1
-  times the mean number of fluid particles. Outer boxes have no end where the scene is not periodic:
-  walls lie beyond.
+  New boxes are computed in the first epoch, if p->redraw is set, and if a box holds more than 1.1
+  times the mean number of fluid particles. Along axes that are not periodic the outer boxes are
+  infinite, because walls lie outside the scene's box.
 */
 PetscErrorCode ParticlesDecompose(const Scene *scene, Particles *p, PetscInt owner[])
 {

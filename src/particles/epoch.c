@@ -1,13 +1,13 @@
 /*
-  When an epoch ends and what the start of the next one consists of.
+  Epochs: the criterion for their end, and the steps at the start of the next epoch.
 */
 #include "impl.h"
 
 /*
-  ParticlesLargestMove - Largest distance of a fluid particle on any rank from where it was [m]
+  ParticlesLargestMove - Computes the largest displacement of a fluid particle on any rank [m]
 
-  Collective. Input: from - own particles' earlier positions [m]. Output: move - PETSC_MAX_REAL
-  where a position is not a finite number.
+  Collective. Input: from - earlier positions of own particles [m]. Output: move - PETSC_MAX_REAL
+  if a position is not a finite number.
 */
 PetscErrorCode ParticlesLargestMove(const Particles *p, PetscReal *const from[], PetscReal *move)
 {
@@ -52,16 +52,16 @@ static PetscErrorCode WrapPeriodic(const Scene *scene, Particles *p)
   Input Parameters:
 + scene     - the scene
 . particles - with new positions of own particles
-- force     - start one in any case; the same on all ranks
+- force     - start an epoch in any case; the same on all ranks
 
   Output Parameter:
-. started - whether an epoch started; may be NULL
+. started - flag: an epoch started; may be NULL
 
   Notes:
-  A start wraps positions into periodic boxes, migrates and sorts the particles with all registered
-  fields, numbers them anew, rebuilds the halo and refreshes its positions. Without a start nothing
-  changes: call ParticlesUpdateHalo() then. Two particles that come closer than halo_width during
-  the epoch were closer than halo_width + skin at its start, hence know each other.
+  At the start of an epoch, positions are wrapped into periodic boxes, particles migrate with all
+  registered fields, are sorted and get new numbers, and the halo is rebuilt. Otherwise nothing
+  changes: then call ParticlesUpdateHalo(). Two particles that come closer than halo_width during
+  the epoch were closer than halo_width + skin at its start, so both ranks know the pair.
 
   Error: PETSC_ERR_FP if a position is not finite
 */

@@ -1,11 +1,10 @@
 /*
-  Items sent to whoever needs them, where the receivers do not know who will send: the one pattern
-  of communication behind migration and the halo's set-up. Ranks that share nothing exchange
-  nothing.
+  Exchange of items between ranks when receivers do not know the senders, for migration and for
+  halos. Ranks without common items do not communicate.
 */
 #include "impl.h"
 
-/* Tells receivers how many items to expect; sources come back in ascending order. */
+/* Announces numbers of items to the receivers; sources are in ascending order. */
 static PetscErrorCode AnnounceItems(MPI_Comm comm, const PetscInt n_to[], PetscMPIInt *n_sources,
                                     PetscMPIInt **source, PetscInt **n_from)
 {
@@ -29,20 +28,20 @@ static PetscErrorCode AnnounceItems(MPI_Comm comm, const PetscInt n_to[], PetscM
 }
 
 /*
-  ExchangeItems - Sends every rank its run of items, itself included
+  ExchangeItems - Sends items to their ranks, including this rank
 
   Collective on comm
 
   Input Parameters:
 + comm  - communicator
-. unit  - what an item is made of
+. unit  - MPI type of a part of an item
 . width - units in an item
-. n_to  - items for each rank of comm
-- send  - the items, for ascending ranks
+. n_to  - numbers of items for each rank of comm
+- send  - items in the order of ranks
 
   Output Parameters:
-+ n_sources - ranks that sent something
-. source    - those ranks, ascending; free with PetscFree()
++ n_sources - number of ranks that sent items
+. source    - their ranks, ascending; free with PetscFree()
 . n_from    - items from each; free with PetscFree()
 - recv      - address of a pointer to the items in the order of source; free with PetscFree()
 */

@@ -1,11 +1,11 @@
 /*
-  Copies of other ranks' particles, and of own ones as periodic images, wherever a particle lies
-  within reach = halo_width + skin of a rank's box. Within an epoch the list stays as it is and a
-  PetscSF carries values from owners (roots) to copies (leaves).
+  Halos: copies of particles of other ranks, and of own particles as periodic images, within
+  reach = halo_width + skin of the box of a rank. Within an epoch the list is constant, and a
+  PetscSF transports values from owners (roots) to copies (leaves).
 */
 #include "impl.h"
 
-/* A copy to be made: which own particle, and by how many periods it is displaced. */
+/* A requested copy: local index of the particle, and its shift in periods. */
 typedef struct {
   PetscInt root, is_wall, image[ISPH_MAX_DIM];
 } HaloItem;
@@ -13,7 +13,7 @@ typedef struct {
 
 typedef struct {
   HaloItem *item;
-  PetscInt *rank; /* to which it goes */
+  PetscInt *rank; /* receiving rank */
   PetscInt  n, capacity;
 } HaloList;
 
@@ -31,7 +31,7 @@ static PetscErrorCode HaloListAppend(HaloList *list, PetscInt rank, HaloItem ite
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The ranks of [begin, end) whose boxes a cube of half side reach around y touches. */
+/* Finds the ranks of [begin, end) whose boxes intersect a cube of half side `reach` around y. */
 static void RanksTouched(const Particles *p, const PetscReal y[], PetscReal reach, PetscInt begin,
                          PetscInt end, PetscInt touched[], PetscInt *n)
 {
@@ -45,7 +45,7 @@ static void RanksTouched(const Particles *p, const PetscReal y[], PetscReal reac
   if (y[p->cut_axis[m]] + reach >= p->cut[m]) RanksTouched(p, y, reach, m, end, touched, n);
 }
 
-/* Lists one image of own particle i for all ranks that need it; an owner has the original. */
+/* Lists an image of own particle i for all ranks that need it; the owner has the original. */
 static PetscErrorCode ListImage(const Scene *scene, const Particles *p, PetscReal reach, PetscInt i,
                                 const PetscInt image[], PetscInt touched[], HaloList *list)
 {
@@ -69,7 +69,7 @@ static PetscErrorCode ListImage(const Scene *scene, const Particles *p, PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Lists all copies to be made of own particles. A short period has several images within reach. */
+/* Lists all copies of own particles. If a period is short, several images are within reach. */
 static PetscErrorCode ListImages(const Scene *scene, const Particles *p, HaloList *list)
 {
   const PetscReal reach = (1.0 + 1e-9) * (p->halo_width + p->skin);
@@ -105,7 +105,7 @@ static PetscErrorCode ListImages(const Scene *scene, const Particles *p, HaloLis
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Orders the list by rank, keeping the order of particles. */
+/* Orders the list by rank, and keeps the order of particles. */
 static PetscErrorCode HaloListPack(const HaloList *list, PetscMPIInt ranks, PetscInt n_to[],
                                    HaloItem **packed)
 {
@@ -121,7 +121,8 @@ static PetscErrorCode HaloListPack(const HaloList *list, PetscMPIInt ranks, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes room for the items received, halo fluid then halo wall, and the PetscSF that fills them. */
+/* Allocates received items, halo fluid before halo wall, and creates the PetscSF that fills
+   them. */
 static PetscErrorCode HaloConnect(const Scene *scene, Particles *p, PetscMPIInt n_sources,
                                   const PetscMPIInt source[], const PetscInt n_from[],
                                   const HaloItem items[])
@@ -157,7 +158,7 @@ static PetscErrorCode HaloConnect(const Scene *scene, Particles *p, PetscMPIInt 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Copies one array from owners to copies. */
+/* Copies an array from owners to copies. */
 static PetscErrorCode HaloCopy(const Particles *p, MPI_Datatype unit, const void *own, void *copies)
 {
   PetscFunctionBegin;
@@ -166,7 +167,7 @@ static PetscErrorCode HaloCopy(const Particles *p, MPI_Datatype unit, const void
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Fills what of the halo does not change within the epoch, and its positions. */
+/* Fills the halo values that are constant within the epoch, and positions. */
 static PetscErrorCode HaloFill(Particles *p)
 {
   const PetscInt own = ParticlesOwn(p);
@@ -186,7 +187,7 @@ static PetscErrorCode HaloFill(Particles *p)
 }
 
 /*
-  HaloBuild - Finds the particles each rank needs copies of and copies them
+  HaloBuild - Finds the particles whose copies each rank needs, and copies them
 
   Collective
 
@@ -224,7 +225,7 @@ PetscErrorCode HaloBuild(const Scene *scene, Particles *p)
 }
 
 /*
-  ParticlesUpdateHalo - Moves the halo to where its owners are now
+  ParticlesUpdateHalo - Updates positions in the halo from their owners
 
     x_copy = x_owner + shift
 
@@ -233,8 +234,8 @@ PetscErrorCode HaloBuild(const Scene *scene, Particles *p)
   Input Parameter:
 . particles - with new positions of own particles
 
-  Note: call it after each change of own positions that did not start an epoch. It changes the stamp
-  `moved`, which tells neighbours and matrices that they are out of date.
+  Note: call it after each change of own positions that did not start an epoch. It increases the
+  stamp `moved`, by which neighbours and matrices detect that they are out of date.
 */
 PetscErrorCode ParticlesUpdateHalo(Particles *particles)
 {
@@ -251,7 +252,7 @@ PetscErrorCode ParticlesUpdateHalo(Particles *particles)
 }
 
 /*
-  ParticlesHaloField - Copies values of own particles to their copies
+  ParticlesHaloField - Copies values of own particles to the halo
 
   Collective
 
@@ -259,7 +260,7 @@ PetscErrorCode ParticlesUpdateHalo(Particles *particles)
 . particles - the particles
 
   Input/Output Parameter:
-. values - by local index: those of own particles are read, those of the halo written
+. values - by local index: reads values of own particles, writes values of the halo
 */
 PetscErrorCode ParticlesHaloField(const Particles *particles, PetscReal values[])
 {

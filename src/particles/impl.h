@@ -1,5 +1,5 @@
 /*
-  The particles as the files of this stage share them, each above those it calls:
+  Declarations shared by the files of this module. Each file calls only files to its right:
 
     particles.c | population.c, neighbors.c | epoch.c | migrate.c, decompose.c, halo.c, lattice.c,
     numbering.c | exchange.c, storage.c

@@ -1,9 +1,9 @@
 /*
-  The particles a run begins with. The fluid is a lattice of cell centres, without those in bodies
-  or too near to them, or where the user has put it; a wall is one layer on its surface, or some
-  layers of the same lattice behind it, or both: then the layer on the surface stands for the half
-  cell between fluid and dummies. Any index can be turned into its particle alone, so that each rank
-  makes a contiguous share and nobody holds all.
+  Particles at the start of a run. Fluid particles are the cell centres of a lattice outside bodies,
+  at a minimum distance from them, or have positions given by the user. Wall particles are a layer
+  on the surface, or several layers of the same lattice behind it, or both; then the surface layer
+  represents the half cell between fluid and dummies. The particle of any index can be computed
+  independently, so each rank creates a contiguous share.
 */
 #include "impl.h"
 
@@ -31,9 +31,10 @@ static PetscErrorCode CountCells(PetscInt dim, const PetscInt count[], PetscInt 
 }
 
 /*
-  Slab (axis, end) spans the extended lattice in axes below, the interior in axes above, and its own
-  layers in `axis`: together the slabs cover each cell outside the box once. One layer on the
-  surface needs no corners: there the slab spans the interior in all other axes.
+  Creates the slabs. Slab (axis, end) spans the extended lattice along lower axes, the interior
+  along higher axes, and its own layers along `axis`: together the slabs cover each cell outside the
+  box once. A layer on the surface needs no corners: then each slab spans the interior along all
+  other axes.
 */
 static PetscErrorCode WallSlabsCreate(const Scene *scene, WallPlacement walls, WallSlabs *slabs)
 {
@@ -62,7 +63,8 @@ static PetscErrorCode WallSlabsCreate(const Scene *scene, WallPlacement walls, W
 }
 
 /*
-  ParticlesHash - A number in (-1, 1) that depends on its arguments only, not on ranks or order
+  ParticlesHash - Returns a number in (-1, 1) that depends on its arguments only, not on ranks or
+  order
 
   Not collective. The finaliser of SplitMix64; axis is less than 4.
 
@@ -81,7 +83,7 @@ PetscReal ParticlesHash(PetscInt seed, PetscInt64 id, PetscInt axis)
   return 2.0 * (((PetscReal)(z >> 11) + 0.5) / 9007199254740992.0) - 1.0;
 }
 
-/* Turns an index into a block of cells, first axis fastest, into one index along each axis. */
+/* Converts the index of a cell in a block, first axis fastest, to an index along each axis. */
 static void CellOf(PetscInt dim, const PetscInt count[], PetscInt index, PetscInt cell[])
 {
   for (PetscInt a = 0; a < dim; a++) {
@@ -90,10 +92,11 @@ static void CellOf(PetscInt dim, const PetscInt count[], PetscInt index, PetscIn
   }
 }
 
-/* What becomes of a cell of the box's lattice. */
+/* Contents of a cell of the lattice. */
 typedef enum { CELL_FLUID, CELL_DUMMY, CELL_EMPTY } CellKind;
 
-/* What cell centres keep from a body's surface: fluid 0.4 dx where particles lie on it. */
+/* Minimum distances of cell centres from the surface of a body: 0.4 dx for fluid if wall particles
+   lie on the surface. */
 static PetscReal FluidClearance(const Scene *scene, WallPlacement walls)
 {
   return (walls.layers && !walls.surface ? 0.25 : 0.4) * scene->dx;
@@ -104,8 +107,8 @@ static PetscReal DummyClearance(const Scene *scene, WallPlacement walls)
 }
 
 /*
-  Kind of a cell by the distance of its centre x from the nearest body; a dummy's body, depth and
-  normal too.
+  Determines the contents of a cell from the distance of its centre x to the nearest body; for a
+  dummy also its body, depth and normal.
 */
 static CellKind ClassifyCell(const Scene *scene, WallPlacement walls, PetscInt index, PetscReal x[],
                              PetscInt *body, PetscReal *depth, PetscReal normal[])
@@ -121,8 +124,8 @@ static CellKind ClassifyCell(const Scene *scene, WallPlacement walls, PetscInt i
   return *depth < walls.layers * scene->dx ? CELL_DUMMY : CELL_EMPTY;
 }
 
-/* Displaces fluid particle id from its place; it stays 0.3 of a cell away from walls that do
-   not. */
+/* Displaces a fluid particle at random; it stays 0.3 of a cell away from walls whose particles are
+   not displaced. */
 static void JitterFluid(const Scene *scene, WallPlacement walls, PetscInt64 id, PetscReal x[])
 {
   PetscReal normal[ISPH_MAX_DIM], distance;
@@ -143,8 +146,9 @@ static void JitterFluid(const Scene *scene, WallPlacement walls, PetscInt64 id, 
 }
 
 /*
-  Coordinate of lattice cell c along axis a, beyond a wall half a cell nearer to it where the layers
-  begin on its surface. Output: share - the part of that cell's length that the particle stands for.
+  Returns the coordinate of lattice cell c along axis a. If the wall layers begin on the surface,
+  cells beyond a wall are half a cell nearer to it. Output: share - fraction of the cell that
+  belongs to the particle.
 */
 static PetscReal WallCoordinate(const Scene *scene, WallPlacement walls, PetscInt a, PetscInt c,
                                 PetscReal *share)
@@ -159,7 +163,7 @@ static PetscReal WallCoordinate(const Scene *scene, WallPlacement walls, PetscIn
   return scene->lo[a] + place * SceneCellSide(scene, a);
 }
 
-/* Writes wall particle `index` of the scene to local place i. */
+/* Writes wall particle `index` of the scene to local index i. */
 static void WallParticle(const Scene *scene, WallPlacement walls, const WallSlabs *slabs,
                          PetscInt index, Particles *p, PetscInt i)
 {
@@ -196,8 +200,7 @@ static void WallParticle(const Scene *scene, WallPlacement walls, const WallSlab
   if (p->volume) p->volume[i] = volume;
 }
 
-/* ParticlesShare - This rank's share [first, last) of n things that all ranks make or read
-   together */
+/* ParticlesShare - Computes the share [first, last) of this rank in n items */
 void ParticlesShare(MPI_Comm comm, PetscInt n, PetscInt *first, PetscInt *last)
 {
   PetscMPIInt rank = 0, ranks = 1;
@@ -208,7 +211,7 @@ void ParticlesShare(MPI_Comm comm, PetscInt n, PetscInt *first, PetscInt *last)
   *last  = (PetscInt)((PetscInt64)n * (rank + 1) / ranks);
 }
 
-/* Fluid and dummies among the lattice cells of this rank, then the numbers of the first of each. */
+/* Counts fluid and dummies among the lattice cells of this rank, and their offsets over ranks. */
 static PetscErrorCode CountShare(const Scene *scene, WallPlacement walls, PetscInt first,
                                  PetscInt last, MPI_Comm comm, PetscInt own[2], PetscInt start[2],
                                  PetscInt all[2])
@@ -228,7 +231,7 @@ static PetscErrorCode CountShare(const Scene *scene, WallPlacement walls, PetscI
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes a wall particle of a body to local place i. */
+/* Writes a wall particle of a body to local index i. */
 static void BodyParticle(const Scene *scene, PetscInt body, const PetscReal x[], PetscReal depth,
                          const PetscReal normal[], PetscReal volume, PetscInt id, Particles *p,
                          PetscInt i)
@@ -244,7 +247,7 @@ static void BodyParticle(const Scene *scene, PetscInt body, const PetscReal x[],
   if (p->volume) p->volume[i] = volume;
 }
 
-/* Surface points of all bodies, or none where all layers are behind it. */
+/* Returns the number of surface points of all bodies; zero if all layers are behind the surface. */
 static PetscInt SurfacePoints(const Scene *scene, WallPlacement walls)
 {
   PetscInt n = 0;
@@ -255,8 +258,8 @@ static PetscInt SurfacePoints(const Scene *scene, WallPlacement walls)
 }
 
 /*
-  Writes surface point `index` of all bodies' to local place i; it stands for the band between the
-  cells of fluid and those of dummies.
+  Writes surface point `index` of all bodies to local index i. The particle represents the band
+  between fluid cells and dummy cells.
 */
 static void SurfaceParticle(const Scene *scene, WallPlacement walls, PetscInt index, PetscInt id,
                             Particles *p, PetscInt i)
@@ -272,8 +275,8 @@ static void SurfaceParticle(const Scene *scene, WallPlacement walls, PetscInt in
 }
 
 /*
-  The lattice cells [first, last): fluid, whose ids begin at `fluid` (negative: none is wanted), and
-  dummies, whose places begin at `wall` and ids at `dummy`.
+  Creates the particles of lattice cells [first, last): fluid with ids from `fluid` (negative: no
+  fluid), and dummies at local indices from `wall` with ids from `dummy`.
 */
 static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, PetscInt last,
                       PetscInt fluid, PetscInt wall, PetscInt dummy, Particles *p)
@@ -295,7 +298,7 @@ static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, P
   }
 }
 
-/* The fluid of given places; ids follow one another in the order of the ranks. */
+/* Creates fluid at given positions; ids are consecutive in the order of ranks. */
 static void FillGiven(const FluidStart *start, Particles *p)
 {
   for (PetscInt i = 0; i < start->n; i++) {
@@ -308,7 +311,7 @@ static void FillGiven(const FluidStart *start, Particles *p)
   }
 }
 
-/* Behind a body around the fluid the box must hold all layers of its wall. */
+/* Checks that the box around a body with inner fluid has room for all layers of its wall. */
 static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
 {
   PetscFunctionBegin;
@@ -332,19 +335,20 @@ static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
 }
 
 /*
-  LatticeFill - Makes this rank's share of the first particles, contiguous ranges of lattice indices
+  LatticeFill - Creates this rank's share of the first particles, contiguous ranges of lattice
+  indices
 
   Collective
 
   Input Parameters:
 + scene - the scene
 . walls - placement of wall particles
-. start - where the fluid begins, NULL for the lattice
+. start - positions of the fluid, NULL for the lattice
 - p     - own fields registered
 
   Output Parameter:
-. p - counts, next_id, and own particles with id, kind, x, normal, depth, side and volume; they
-      are not where they belong yet. Ids: fluid, then the walls of the box, then those of bodies.
+. p - counts, next_id, and own particles with id, kind, x, normal, depth, side and volume, not yet
+      on their owners. Ids: fluid, then walls of the box, then bodies.
 */
 PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidStart *start,
                            Particles *p)

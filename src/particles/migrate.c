@@ -1,10 +1,10 @@
 /*
-  Particles go to their owners and are put in order there. A particle travels as one record; the
-  records received are sorted and written back into the arrays.
+  Migration of particles to their owners, and their order there. A particle travels as a record;
+  received records are sorted and written back into the arrays.
 */
 #include "impl.h"
 
-/* A record's place in the order: fluid or wall, cell, id. */
+/* Sort key of a record: fluid or wall, cell, id. */
 typedef struct {
   PetscInt64 cell, id;
   PetscInt   record;
@@ -12,7 +12,7 @@ typedef struct {
 
 #define CELL_BITS 20 /* of each axis in SortKey.cell */
 
-/* Lays the own particles out as records, those for rank 0 first. */
+/* Packs own particles as records in the order of receiving ranks. */
 static PetscErrorCode PackRecords(const Particles *p, const PetscInt owner[], PetscInt n_to[],
                                   PetscReal **records)
 {
@@ -44,8 +44,8 @@ static int CompareKeys(const void *a, const void *b)
 }
 
 /*
-  Cells are of one interaction radius and start at the corner of the scene's box, so that the order
-  of two particles does not depend on who owns them. Field 0 of a record is x.
+  Sorts records. Cells have the size of an interaction radius and begin at the corner of the scene's
+  box, so that the order of two particles does not depend on their owners. Field 0 of a record is x.
 */
 static PetscErrorCode SortRecords(const Scene *scene, const Particles *p, PetscInt n,
                                   const PetscReal records[], SortKey **keys)
@@ -72,7 +72,7 @@ static PetscErrorCode SortRecords(const Scene *scene, const Particles *p, PetscI
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the records in sorted order into the arrays. */
+/* Writes records into the arrays in sorted order. */
 static PetscErrorCode UnpackRecords(Particles *p, PetscInt n, const PetscReal records[],
                                     const SortKey keys[])
 {
@@ -96,7 +96,7 @@ static PetscErrorCode UnpackRecords(Particles *p, PetscInt n, const PetscReal re
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Numbers own fluid and own wall particles consecutively over the ranks. */
+/* Numbers own fluid and own wall particles consecutively over ranks. */
 static PetscErrorCode NumberParticles(Particles *p)
 {
   PetscInt n[2] = {p->n_fluid, p->n_wall}, start[2] = {0, 0};
@@ -111,13 +111,13 @@ static PetscErrorCode NumberParticles(Particles *p)
 }
 
 /*
-  ParticlesStore - Stores records in place of the own particles, sorted, and counts all ranks' ones
+  ParticlesStore - Replaces own particles by records, sorted, and counts particles of all ranks
 
-  Collective. Owners, numbers and halo are out of date until an epoch starts.
+  Collective. Owners, numbers and halo are invalid until an epoch starts.
 
   Input Parameters:
-+ n      - how many records this rank has
-- record - as ParticlesPack() lays them out
++ n      - number of records of this rank
+- record - in the layout of ParticlesPack()
 
   Output Parameter:
 . p - n_fluid, n_wall, N_fluid, N_wall, own particles; the halo is empty

@@ -1,16 +1,16 @@
 /*
-  Rows of neighbours of own fluid particles, kept as long as they are good: where particles move
-  little in a step, rows are made with a margin and serve until the margin is spent.
+  Rows of neighbours of own fluid particles. If particles move little in a step, rows have a margin
+  and are kept until displacements exceed it.
 */
 #include "impl.h"
 
 #define MARGIN_LARGEST 0.15        /* of the radius */
-#define MARGIN_STEPS   10          /* how many steps a margin is to serve */
-#define STEP_TOO_LONG  (0.1 / 2.6) /* of the radius: a margin would serve two steps or fewer */
+#define MARGIN_STEPS   10          /* number of steps that a margin should last */
+#define STEP_TOO_LONG  (0.1 / 2.6) /* of the radius: a margin would last two steps or fewer */
 #define ROW_SORT_SHORT 128         /* longest row sorted by insertion */
 
 /*
-  NeighborsCreate - Makes an empty set of rows
+  NeighborsCreate - Creates an empty set of rows
 
   Not collective
 
@@ -18,7 +18,7 @@
 . radius - pairs closer than this are neighbours [m]; at most Particles.halo_width
 
   Output Parameter:
-. neighbors - to be filled by NeighborsUpdate()
+. neighbors - filled by NeighborsUpdate()
 */
 PetscErrorCode NeighborsCreate(PetscReal radius, Neighbors **neighbors)
 {
@@ -70,8 +70,7 @@ static PetscErrorCode ReserveColumns(PetscInt n, Neighbors *nb)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends to col the particles of run [begin, end) of the cells' list within reach of x, i left
- * out. */
+/* Appends to col the particles of cell list entries [begin, end) within reach of x, except i. */
 static inline PetscInt ScanRun(const Cells *cells, PetscInt begin, PetscInt end,
                                const PetscReal x[], PetscReal reach2, PetscInt i, PetscInt col[])
 {
@@ -111,7 +110,7 @@ static PetscErrorCode SortRow(PetscInt n, PetscInt col[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends row i: three cells along the first axis are one run of the list. */
+/* Appends row i: three cells along the first axis are contiguous in the list. */
 static PetscErrorCode BuildRow(const Particles *p, PetscInt i, PetscReal reach2, Neighbors *nb)
 {
   const Cells *cells               = &nb->cells;
@@ -141,7 +140,7 @@ static PetscErrorCode BuildRow(const Particles *p, PetscInt i, PetscReal reach2,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes all rows for present positions. */
+/* Builds all rows for present positions. */
 static PetscErrorCode BuildRows(const Particles *p, PetscReal step_length, Neighbors *nb)
 {
   PetscReal reach;
@@ -164,23 +163,23 @@ static PetscErrorCode BuildRows(const Particles *p, PetscReal step_length, Neigh
 }
 
 /*
-  NeighborsUpdate - Brings the rows up to date if particles have moved too far since they were made
+  NeighborsUpdate - Rebuilds the rows if particles have moved too far since the last build
 
     rows are kept while  2 max_i |x_i - x_i(made)| <= margin
 
   Collective
 
   Input Parameters:
-+ particles   - with a halo that is up to date
-- step_length - bound of the largest displacement in a step [m], the same on all ranks; it chooses
-                the margin: none if more than 0.1/2.6 of the radius or zero, else ten steps' worth,
-                at most 0.15 radius
++ particles   - with an up-to-date halo
+- step_length - bound of the largest displacement in a step [m], the same on all ranks. It
+                determines the margin: ten steps, at most 0.15 radius; none if the bound is zero or
+                above 0.1/2.6 of the radius
 
   Output Parameter:
-. neighbors - row, col; cells and x_built are of the positions when the rows were made
+. neighbors - row, col; cells and x_built hold positions at the time of the build
 
-  Note: any pair closer than radius is in the rows, also after they were kept. For a search in kept
-  cells see CellsFind().
+  Note: all pairs closer than radius are in the rows, also in kept rows. For a search in kept cells
+  see CellsFind().
 */
 PetscErrorCode NeighborsUpdate(const Particles *particles, PetscReal step_length,
                                Neighbors *neighbors)

@@ -1,10 +1,10 @@
 /*
-  The dense number of a fluid particle: how many fluid particles have a smaller id. Ids have gaps
-  once particles were removed; rows of files have none, and depend neither on ranks nor on epochs.
+  The dense number of a fluid particle: the number of fluid particles with smaller ids. Ids have
+  gaps after removals; rows of files have none, and depend neither on ranks nor on epochs.
 */
 #include "impl.h"
 
-/* An id and its place among those that a rank received. */
+/* A received id and its position in the message. */
 typedef struct {
   PetscInt64 id;
   PetscInt   place;
@@ -17,7 +17,7 @@ static int CompareEntries(const void *a, const void *b)
   return (k > l) - (k < l);
 }
 
-/* Numbers n ids, which are above those of the ranks below, in place. */
+/* Replaces n ids, all above the ids of lower ranks, by their numbers. */
 static PetscErrorCode NumberEntries(MPI_Comm comm, PetscInt n, PetscInt64 id[])
 {
   Entry   *entry;
@@ -36,7 +36,7 @@ static PetscErrorCode NumberEntries(MPI_Comm comm, PetscInt n, PetscInt64 id[])
 /*
   ParticlesNumberById - Numbers the fluid of all ranks in the order of ids, from 0 on without gaps
 
-  Collective. A rank numbers one range of ids: ids go there and come back as numbers.
+  Collective. Each rank numbers a range of ids, which it receives and sends back as numbers.
 
   Output Parameter:
 . index - of each own fluid particle

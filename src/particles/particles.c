@@ -1,6 +1,6 @@
 /*
-  The particles of a run, created from the scene and destroyed: the top of this stage. Every array
-  that belongs to a particle is a registered field, so that migration and sorting treat all alike.
+  Creation and destruction of the particles of a run. Every array with values of particles is a
+  registered field, so that migration and sorting treat all arrays alike.
 */
 #include "impl.h"
 
@@ -25,7 +25,7 @@ static PetscErrorCode RegisterOwnFields(const Scene *scene, WallPlacement walls,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Viscosities of fluid: given, or by where it is at the start. */
+/* Sets viscosities of fluid: given values, or by positions at the start. */
 static void SetViscosities(const Scene *scene, const FluidStart *start, Particles *p)
 {
   for (PetscInt i = 0; p->nu && i < p->n_fluid; i++) {
@@ -45,16 +45,16 @@ static void SetViscosities(const Scene *scene, const FluidStart *start, Particle
 
   Input Parameters:
 + scene      - the scene
-. walls      - how the wall treatment wants its particles; ignored without PHYSICS_WALLS
-. halo_width - largest interaction radius anyone will ask for [m]
-- start      - where the fluid begins, NULL for the lattice
+. walls      - placement of wall particles for the wall treatment; ignored without PHYSICS_WALLS
+. halo_width - largest interaction radius of any operator [m]
+- start      - positions of the fluid, NULL for the lattice
 
   Output Parameter:
-. particles - in their first epoch, halo filled; pressures are zero, velocities too unless start
-              has some
+. particles - in their first epoch with a filled halo; pressures are zero, velocities too unless
+              start has velocities
 
   Options Database Key:
-. -skin <4> - how far apart beyond halo_width particles may start an epoch and be copied [dx]
+. -skin <4> - pairs up to halo_width + skin apart are copied at the start of an epoch [dx]
 
   Note: xi is a hash of (seed, id, axis) and does not depend on the number of ranks.
 */

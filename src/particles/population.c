@@ -1,13 +1,13 @@
 /*
   Changes of the particles between epochs: restored, replaced, inserted and removed. Each change of
-  their number starts an epoch, after which whoever keeps something per particle renews it.
+  their number starts an epoch; afterwards other modules renew their values per particle.
 */
 #include "impl.h"
 
 /*
-  ParticlesUnpack - Gives the own particles the fields of records packed in the present epoch
+  ParticlesUnpack - Restores fields of own particles from records packed in the present epoch
 
-  Collective: the halo's positions follow.
+  Collective. Updates the positions of the halo.
 */
 PetscErrorCode ParticlesUnpack(Particles *p, const PetscReal record[])
 {
@@ -24,14 +24,14 @@ PetscErrorCode ParticlesUnpack(Particles *p, const PetscReal record[])
 }
 
 /*
-  ParticlesReplace - Puts records in the place of the own particles and starts an epoch
+  ParticlesReplace - Replaces own particles by records and starts an epoch
 
-  Collective. Together the ranks give each particle once, whoever owns it afterwards: owners, order
-  and numbers that follow depend on the particles and the number of ranks alone.
+  Collective. Together the ranks give each particle once, on any rank; the resulting owners, order
+  and numbers depend only on the particles and the number of ranks.
 
   Input Parameters:
-+ n      - how many records this rank gives
-- record - as ParticlesPack() lays them out
++ n      - number of records on this rank
+- record - in the layout of ParticlesPack()
 */
 PetscErrorCode ParticlesReplace(const Scene *scene, Particles *p, PetscInt n,
                                 const PetscReal record[])
@@ -43,14 +43,14 @@ PetscErrorCode ParticlesReplace(const Scene *scene, Particles *p, PetscInt n,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The fluid near a place, for the mean values of a new particle there. */
+/* Fluid near a position, for mean values of a new particle. */
 typedef struct {
   Cells      cells;
   PetscInt   n, capacity, *j;
   PetscReal *weight, sum;
 } Surroundings;
 
-/* Readies the search; halo values of all fields that enter by their mean are filled. */
+/* Prepares the search, and fills halo values of all fields with entry by the mean. */
 static PetscErrorCode SurroundingsCreate(Particles *p, Surroundings *near)
 {
   PetscFunctionBegin;
@@ -73,7 +73,7 @@ static PetscErrorCode SurroundingsDestroy(Surroundings *near)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds the fluid near x and its weights, (1 - r/R)^2 with R = halo_width. */
+/* Finds fluid near x with weights (1 - r/R)^2, R = halo_width. */
 static PetscErrorCode SurroundingsFind(const Particles *p, const PetscReal x[], Surroundings *near)
 {
   PetscInt found;
@@ -94,7 +94,7 @@ static PetscErrorCode SurroundingsFind(const Particles *p, const PetscReal x[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the weighted mean of one component of a field; zero where there is no fluid. */
+/* Returns the weighted mean of a component of a field; zero without fluid. */
 static PetscReal SurroundingsMean(const Surroundings *near, const PetscReal value[])
 {
   PetscReal sum = 0.0;
@@ -103,7 +103,7 @@ static PetscReal SurroundingsMean(const Surroundings *near, const PetscReal valu
   return near->sum > 0.0 ? sum / near->sum : 0.0;
 }
 
-/* Makes the record of new particle k. */
+/* Fills the record of new particle k. */
 static PetscErrorCode FillRecord(const Particles *p, const NewParticles *added, PetscInt k,
                                  Surroundings *near, PetscReal record[])
 {
@@ -132,15 +132,15 @@ static PetscErrorCode FillRecord(const Particles *p, const NewParticles *added, 
   Collective, between steps. Does nothing if no rank adds a particle.
 
   Input Parameter:
-. added - kind, places and values; a place belongs to the rank for which ParticlesHolds() is true
+. added - kind, positions and values; ParticlesHolds() must be true for each position
 
   Output Parameter:
-. first - id of this rank's first new particle, the others follow it; may be NULL
+. first - id of the first new particle of this rank, whose other ids follow; may be NULL
 
   Notes:
-  Each field of a new particle takes the value of its EntryPolicy, which Value may replace: it is
-  called for each field but the places. After an insertion the scheme's Begin makes the flow anew.
-  Ids depend on the number of ranks. Means read the values of the halo, hence the rule on places.
+  Each field of a new particle has the value of its EntryPolicy unless Value() replaces it; Value()
+  is called for each field except positions. After an insertion the scheme's Begin reinitialises
+  the flow. Ids depend on the number of ranks. Means use halo values, hence the rule for positions.
 */
 PetscErrorCode ParticlesInsert(const Scene *scene, Particles *p, const NewParticles *added,
                                PetscInt64 *first)
@@ -176,13 +176,13 @@ PetscErrorCode ParticlesInsert(const Scene *scene, Particles *p, const NewPartic
 }
 
 /*
-  ParticlesRemove - Takes own particles out, for good, and starts an epoch
+  ParticlesRemove - Removes own particles and starts an epoch
 
-  Collective, between steps. Does nothing if no rank removes a particle. Their ids are not used
-  again. Afterwards the scheme's Begin makes the flow anew.
+  Collective, between steps. Does nothing if no rank removes a particle. Their ids are not reused.
+  Afterwards the scheme's Begin reinitialises the flow.
 
   Input Parameters:
-+ n     - how many of this rank's particles go
++ n     - number of particles to remove on this rank
 - local - their local indices, each once, in any order
 */
 PetscErrorCode ParticlesRemove(const Scene *scene, Particles *p, PetscInt n, const PetscInt local[])

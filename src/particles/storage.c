@@ -1,11 +1,11 @@
 /*
-  The storage of particles, below everything else of this stage: arrays that grow together, fields
-  that others register, and the records in which particles travel and are kept.
+  Storage of particles: arrays that grow together, fields registered by other modules, and records
+  for communication and files.
 */
 #include "impl.h"
 
 /*
-  ParticlesReserve - Makes room for n particles, own and halo, in every array; keeps what is there
+  ParticlesReserve - Reserves room for n particles, own and halo, in every array; keeps values
 
   Not collective
 
@@ -39,7 +39,7 @@ PetscErrorCode ParticlesReserve(Particles *p, PetscInt n)
 }
 
 /*
-  ParticlesRegister - Makes an array of the caller's a field, which then follows the particles
+  ParticlesRegister - Registers arrays of the caller as a field, which then follows the particles
 
   Collective: fields must be registered in the same order on all ranks
 
@@ -48,13 +48,14 @@ PetscErrorCode ParticlesReserve(Particles *p, PetscInt n)
 . name       - for messages and files; the string is not copied
 . components - number of arrays
 . halo       - HALO_EPOCH: halo copies are filled when an epoch starts, from the next one on
-. entry      - value at particles that are inserted later
+. entry      - value at particles inserted later
 - slot       - the caller's array of `components` pointers; must live as long as the particles
 
   Notes:
-  slot[c][i], i < capacity, is allocated here, set to zero, freed by ParticlesDestroy(), and may be
-  another address after each epoch's start: read the slot anew, keep no copy of it. Every field must
-  hold values of own particles, fluid and wall; a field of positions is not wrapped into the box.
+  slot[c][i], i < capacity, is allocated here, set to zero, and freed by ParticlesDestroy(). The
+  address may change at each start of an epoch: always use the slot, and keep no copy of it. Every
+  field must have values for own particles, fluid and wall. A field of positions is not wrapped into
+  the box.
 */
 PetscErrorCode ParticlesRegister(Particles *particles, const char name[], PetscInt components,
                                  HaloPolicy halo, EntryPolicy entry, PetscReal **slot)
@@ -74,8 +75,8 @@ PetscErrorCode ParticlesRegister(Particles *particles, const char name[], PetscI
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ParticlesRecordWidth - Returns the numbers in a particle's record: id, kind, then all components
-   of all fields */
+/* ParticlesRecordWidth - Returns the length of a record: id, kind, then all components of all
+   fields */
 PetscInt ParticlesRecordWidth(const Particles *p)
 {
   PetscInt width = RECORD_FIELDS;
@@ -87,7 +88,7 @@ PetscInt ParticlesRecordWidth(const Particles *p)
 /*
   RecordsBegin - Lists all components of all fields in the order of a record
 
-  Not collective. Output: columns - valid while capacity and fields stay; free with RecordsEnd().
+  Not collective. Output: columns - valid until capacity or fields change; free with RecordsEnd().
 */
 PetscErrorCode RecordsBegin(const Particles *p, RecordColumns *columns)
 {
@@ -117,14 +118,14 @@ void RecordPack(const Particles *p, const RecordColumns *columns, PetscInt i, Pe
   for (PetscInt k = 0; k < columns->n; k++) record[RECORD_FIELDS + k] = columns->values[k][i];
 }
 
-/* RecordUnpack - Copies a record's fields to local particle i; not collective */
+/* RecordUnpack - Copies the fields of a record to local particle i; not collective */
 void RecordUnpack(const RecordColumns *columns, const PetscReal record[], PetscInt i)
 {
   for (PetscInt k = 0; k < columns->n; k++) columns->values[k][i] = record[RECORD_FIELDS + k];
 }
 
 /*
-  ParticlesPack - Copies the own particles with all fields
+  ParticlesPack - Copies own particles with all fields
 
   Not collective. Output: record - ParticlesOwn() records of ParticlesRecordWidth() numbers, in
   order.
