@@ -153,7 +153,7 @@ static PetscErrorCode ChooseCoupling(const Scene *scene, OperatorForms *forms)
   Collective on PETSC_COMM_WORLD.
 
   Input Parameter:
-. needs - bits of Need; a form that no needed operator reads is not chosen
+. needs - bits of Need, the operators of the run; forms for other operators are not chosen
 
   Output Parameter:
 . forms - complete: rows, lengths [m] and coupling

@@ -125,8 +125,8 @@ PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, O
 }
 
 /*
-  OperatorsFollowStrain - Computes viscosities from the strain rate, and the viscous operator with
-  them
+  OperatorsFollowStrain - Computes viscosities from the strain rate g, and updates the viscous
+  operator
 
     g = sqrt(2 E:E),   E = (grad u + grad u^T)/2
 

@@ -68,12 +68,12 @@ void WallPointShares(const Operators *ops, Stencil *st)
 }
 
 /*
-  WallWeights - Computes weights of wall data from weights of u_w - u_i
+  WallWeights - Converts weights w of differences u_w - u_i to weights b of wall data
 
-    b_w = w_w + share_w sum_v w_v (beta_v - 1),   v over the wall neighbours of the same side
+    b_w = w_w + share_w sum_v w_v (beta_v - 1),   v: wall neighbours of the same side
 
-  for dummies; their sum is the sum of the beta_w w_w. Other wall particles have their own value, or
-  get it later from an extension: b = w.
+  This holds for dummies, and sum_w b_w = sum_w beta_w w_w. Other wall particles have data of their
+  own, or receive them later from an extension; then b = w.
 
   Not collective.
 

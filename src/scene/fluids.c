@@ -40,8 +40,8 @@ static PetscBool IsInFluid(const Scene *scene, const PetscReal x[])
     1/nu = mean of 1/nu over the fluid part of the lattice cell around x
 
   Not collective. The harmonic mean gives layers the right shear resistance wherever an interface
-  cuts the lattice, because resistances in series add. A smooth field without fluids in regions is
-  evaluated at x. For a rheology the result is the viscosity at the rate U/L, with which the
+  cuts the lattice, because resistances in series add. Without regions of fluids the viscosity field
+  is evaluated at x. For a rheology the result is the viscosity at the rate U/L, with which the
   first iteration starts.
 
   Reference: S. V. Patankar, Numerical Heat Transfer and Fluid Flow (1980), section 4.2-3

@@ -132,7 +132,8 @@ PetscErrorCode SteadyMeasure(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SteadyRemember - Adds the numbers of the steady test to the memory of the run; not collective */
+/* SteadyRemember - Lists the numbers of the steady test in the memory of the scheme, which
+   checkpoints and retries save; not collective */
 PetscErrorCode SteadyRemember(Scheme *scheme)
 {
   static const char *const sums[]  = {"sum_u", "sum_divergence", "sum_p"};

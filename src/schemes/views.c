@@ -1,22 +1,22 @@
 /*
-  Views of solvers that the user asks for: -<prefix>ksp_view after the first solve, and
-  -<prefix>ts_view at the end of the run. PETSc 3.18 loses the viewers of a KSP that is reset for
-  another number of particles, newer releases view it in every step, and a TS is viewed by TSSolve()
-  only, which no step calls.
+  Views of solvers: -<prefix>ksp_view after the first solve, and -<prefix>ts_view at the end of the
+  run. PETSc's own views do not serve here: PETSc 3.18 loses the viewers of a KSP after a reset for
+  another number of particles, newer releases view a KSP in every step, and only TSSolve() views a
+  TS, which no step calls.
 */
 #include "isph/guard.h"
 
 /*
-  SolverViewTake - Takes the viewer of an option, which is then gone from the database
+  SolverViewTake - Creates the viewer of an option and removes the option from the database
 
-  Collective on PETSC_COMM_WORLD. To be called before PETSc reads the options of the solver.
+  Collective on PETSC_COMM_WORLD. Called before PETSc reads the options of the solver.
 
   Input Parameters:
 + prefix - of the solver
 - name   - of the option, "-ksp_view"
 
   Output Parameter:
-. view - viewer NULL if the option is not given
+. view - with viewer NULL if the option is absent
 */
 PetscErrorCode SolverViewTake(const char prefix[], const char name[], SolverView *view)
 {
@@ -32,7 +32,7 @@ PetscErrorCode SolverViewTake(const char prefix[], const char name[], SolverView
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SolverViewShow - Views a solver, if that was asked for; collective */
+/* SolverViewShow - Views a solver if its option is given; collective */
 PetscErrorCode SolverViewShow(PetscObject solver, const SolverView *view)
 {
   PetscFunctionBegin;

@@ -110,7 +110,7 @@ PetscErrorCode SaddleAssemble(const Scene *scene, const Particles *p, const Oper
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleSetShift - Computes F = T shift + viscous for a new shift; collective */
+/* SaddleSetShift - Computes F = (T shift) I + viscous for a new shift, T: time step; collective */
 PetscErrorCode SaddleSetShift(PetscReal shift, Saddle *s)
 {
   PetscFunctionBegin;
