@@ -11,8 +11,11 @@ typedef struct {
 } ProgressRow;
 
 static const ProgressRow progresses[] = {
-    {"line", "a line, rewritten on a terminal, otherwise printed every 10 %", "", PETSC_TRUE},
-    {"none", "no progress", "", PETSC_FALSE},
+    {.name     = "line",
+     .brief    = "a line, rewritten on a terminal, otherwise printed every 10 %",
+     .citation = "",
+     .shown    = PETSC_TRUE},
+    {.name = "none", .brief = "no progress", .citation = ""},
 };
 const Table ProgressTable = TABLE("-progress", "Progress", progresses);
 
