@@ -17,8 +17,8 @@ it runs, and tolerances (-check_...) are not tried. Programs that build, install
 check, the studies but `plot` and `curve`) only have to exist. Commands that draw are passed over, with a word, where
 no Python can draw.
 
-Output that is shown is compared word by word: numbers to 2 % or 1e-6, except in lines that tell of time spent or of a
-flow that diverged.
+Output that is shown is compared word by word: numbers to 2 %, two units of the last digit or 1e-6, except in lines
+that tell of time spent or of a flow that diverged.
 """
 import glob
 import os
@@ -285,13 +285,20 @@ def run(isph, names):
     return bool(bad)
 
 
+def last_digit(number):
+    """The unit of the last digit of a number as it is written; 0 for a whole number."""
+    mantissa, _, exponent = number.lower().partition("e")
+    _, point, decimals = mantissa.partition(".")
+    return 10.0 ** (int(exponent or 0) - len(decimals)) if point else 0.0
+
+
 def same_words(a, b):
-    """Returns True if two lines have the same words, and numbers to 2 % or 1e-6."""
+    """Returns True if two lines have the same words, and the same numbers as far as builds agree."""
     if NUMBER.sub("#", a).split() != NUMBER.sub("#", b).split():
         return False
     if LOOSE.search(a):
         return True
-    return all(abs(float(x) - float(y)) <= max(0.02 * abs(float(y)), 1e-6)
+    return all(abs(float(x) - float(y)) <= max(0.02 * abs(float(y)), 2.0 * last_digit(x), 1e-6)
                for x, y in zip(NUMBER.findall(a), NUMBER.findall(b)))
 
 
@@ -364,7 +371,8 @@ def remake(isph, names):
             for command, lines in shown(body):
                 result = place.run(command)
                 made.append("$ " + command.replace("\n", "\n> "))
-                made += lines if result is None else shortened(lines, tidy(result[1]))
+                kept = result is None or (lines and not mismatch(lines, tidy(result[1])))
+                made += lines if kept else shortened(lines, tidy(result[1]))
             pieces += [text[at:begin], "\n".join(made) + "\n"]
             at = end
         with open(os.path.join(ROOT, page), "w", encoding="utf-8") as file:
