@@ -31,21 +31,22 @@ PetscErrorCode ChannelMeasure(const Flow *flow, PetscBool relative, Report *repo
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal x[ISPH_MAX_DIM], exact[ISPH_MAX_DIM], pressure;
+    const PetscReal weight = ParticlesWeight(p, i);
+    PetscReal       x[ISPH_MAX_DIM], exact[ISPH_MAX_DIM], pressure;
 
     for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
     scene->problem->Exact(scene, ClockMoment(flow->clock), x, exact, &pressure);
-    sum[0] += PetscSqr(p->u[0][i] - exact[0]);
-    if (relative && exact[0] != 0.0) sum[1] += PetscSqr(p->u[0][i] / exact[0] - 1.0);
+    sum[0] += weight * PetscSqr(p->u[0][i] - exact[0]);
+    if (relative && exact[0] != 0.0) sum[1] += weight * PetscSqr(p->u[0][i] / exact[0] - 1.0);
     most = PetscMax(most, PetscAbsReal(exact[0]));
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, p->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, p->comm));
   if (SceneIsAsPosed(scene)) {
     if (most > 0.0)
-      PetscCall(ReportAddError(report, "u_profile_l2", PetscSqrtReal(sum[0] / p->N_fluid) / most));
+      PetscCall(ReportAddError(report, "u_profile_l2", PetscSqrtReal(sum[0] / p->weight) / most));
     if (most > 0.0 && relative)
-      PetscCall(ReportAddError(report, "u_relative_rms", PetscSqrtReal(sum[1] / p->N_fluid)));
+      PetscCall(ReportAddError(report, "u_relative_rms", PetscSqrtReal(sum[1] / p->weight)));
     PetscCall(NormsExact(flow, report));
   }
   PetscCall(MeasureCommon(flow, NAN, report));

@@ -110,7 +110,8 @@ PetscErrorCode CloudCreate(const CloudBox *box, const char options[], Cloud *clo
   PetscCall(OperatorsPlacement(&cloud->scene, cloud->ops, &walls));
   PetscCall(
       ParticlesCreate(&cloud->scene, walls, cloud->ops->forms.reach, NULL, &cloud->particles));
-  PetscCall(NeighborsCreate(cloud->ops->forms.radius, &cloud->neighbors));
+  PetscCall(
+      NeighborsCreate(cloud->ops->forms.radius, SceneCoarsest(&cloud->scene), &cloud->neighbors));
   PetscCall(CloudAssemble(0.0, cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

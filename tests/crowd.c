@@ -29,21 +29,26 @@ Setting CrowdBox(const char *name, PetscInt dim, PetscInt nx, PetscInt ny, Petsc
 void CrowdGather(const Particles *p, All *all)
 {
   all->n = (PetscInt)p->next_id;
-  PetscCallVoid(PetscCalloc2(all->n * p->dim, &all->x, all->n, &all->found));
+  PetscCallVoid(PetscCalloc3(all->n * p->dim, &all->x, all->n, &all->found, all->n, &all->dx));
   for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
     all->found[p->id[i]] += 1.0;
+    all->dx[p->id[i]] = p->dx[i];
     for (PetscInt a = 0; a < p->dim; a++) all->x[p->dim * p->id[i] + a] = p->x[a][i];
   }
   MPI_Allreduce(MPI_IN_PLACE, all->x, (int)(all->n * p->dim), MPIU_REAL, MPI_SUM, p->comm);
   MPI_Allreduce(MPI_IN_PLACE, all->found, (int)all->n, MPIU_REAL, MPI_SUM, p->comm);
+  MPI_Allreduce(MPI_IN_PLACE, all->dx, (int)all->n, MPIU_REAL, MPI_SUM, p->comm);
 }
 
-/* Fails on all ranks if any rank has something wrong; otherwise the other ranks would hang. */
-void AssertNone(const char *what, const char *where, PetscInt wrong)
+void CrowdFree(All *all)
 {
-  MPI_Allreduce(MPI_IN_PLACE, &wrong, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD);
-  if (wrong) print_error("%s: %s: %d wrong\n", where, what, (int)wrong);
-  assert_int_equal(wrong, 0);
+  PetscCallVoid(PetscFree3(all->x, all->found, all->dx));
+}
+
+/* Returns the square of the larger radius of two particles by their spacings. */
+static PetscReal PairRadius2(const Neighbors *nb, PetscReal dx, PetscReal other)
+{
+  return PetscSqr(nb->radius * (PetscMax(dx, other) / nb->spacing));
 }
 
 /* Returns a fixed pseudo-random number in (-1, 1) for each particle and k. */
@@ -110,13 +115,13 @@ void CrowdCheckParticles(const Setting *s, const Particles *p, PetscReal *const 
   count[1] = p->n_wall;
   MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, p->comm);
   PetscCallVoid(PetscFree(numbered));
-  PetscCallVoid(PetscFree2(all.x, all.found));
-  AssertNone("ids and numbers occur once", s->name, lost);
-  AssertNone("numbers ascend", s->name, unordered);
-  AssertNone("fields follow", s->name, strayed);
-  AssertNone("halo is owner plus shift", s->name, misplaced);
-  AssertNone("fluid or wall", s->name, kinds);
-  AssertNone("counts", s->name, (count[0] != p->N_fluid) + (count[1] != p->N_wall));
+  CrowdFree(&all);
+  CloudAssertNone("ids and numbers occur once", s->name, lost);
+  CloudAssertNone("numbers ascend", s->name, unordered);
+  CloudAssertNone("fields follow", s->name, strayed);
+  CloudAssertNone("halo is owner plus shift", s->name, misplaced);
+  CloudAssertNone("fluid or wall", s->name, kinds);
+  CloudAssertNone("counts", s->name, (count[0] != p->N_fluid) + (count[1] != p->N_wall));
 }
 
 /* Compares row i with all particles and images, by count and by a sum weighted with ids. */
@@ -133,7 +138,7 @@ static PetscInt RowErrors(const Scene *scene, const Particles *p, const Neighbor
 
     wrong += j == i || (k > nb->row[i] && nb->col[k - 1] >= j);
     for (PetscInt a = 0; a < dim; a++) r2 += PetscSqr(p->x[a][j] - p->x[a][i]);
-    if (r2 >= PetscSqr(nb->radius)) continue;
+    if (r2 >= PairRadius2(nb, p->dx[i], p->dx[j])) continue;
     in_row++;
     sum_row += PetscSqrtReal(r2) * (1 + p->id[j]);
   }
@@ -154,7 +159,7 @@ static PetscInt RowErrors(const Scene *scene, const Particles *p, const Neighbor
             r2 += PetscSqr(all->x[dim * id + a] + image[a] * (scene->hi[a] - scene->lo[a]) -
                            p->x[a][i]);
           }
-          if (r2 >= PetscSqr(nb->radius)) continue;
+          if (r2 >= PairRadius2(nb, p->dx[i], all->dx[id])) continue;
           close++;
           sum_all += PetscSqrtReal(r2) * (1 + id);
         }
@@ -172,6 +177,6 @@ void CrowdCheckNeighbors(const Setting *s, const Particles *p, const Neighbors *
 
   CrowdGather(p, &all);
   for (PetscInt i = 0; i < p->n_fluid; i++) wrong += RowErrors(&s->scene, p, nb, &all, i);
-  PetscCallVoid(PetscFree2(all.x, all.found));
-  AssertNone("rows equal brute force", s->name, wrong);
+  CrowdFree(&all);
+  CloudAssertNone("rows equal brute force", s->name, wrong);
 }

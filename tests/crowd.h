@@ -5,11 +5,7 @@
 #ifndef CROWD_H
 #define CROWD_H
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <cmocka.h>
-#include "isph/particles.h"
+#include "cloud.h"
 
 #define RADIUS 2.6 /* [dx] */
 
@@ -19,19 +15,18 @@ typedef struct {
   WallPlacement walls;
 } Setting;
 
-/* Positions of all particles of all ranks by id; ids of removed particles are not found. */
+/* Positions and sizes of all particles of all ranks by id; those removed are not found. */
 typedef struct {
   PetscInt   n;
   PetscReal *x;     /* x[dim id + a] */
   PetscReal *found; /* number of occurrences of each id */
+  PetscReal *dx;    /* spacing */
 } All;
-
-#define ASSERT_OK(call) AssertNone(#call, "PETSc", (call) ? 1 : 0)
-void AssertNone(const char *what, const char *where, PetscInt wrong);
 
 Setting   CrowdBox(const char *name, PetscInt dim, PetscInt nx, PetscInt ny, PetscInt nz,
                    PetscInt n_periodic, PetscInt layers);
 void      CrowdGather(const Particles *p, All *all);
+void      CrowdFree(All *all);
 PetscReal CrowdNoise(PetscInt id, PetscInt k);
 PetscReal CrowdTag(PetscInt id, PetscInt c);
 void      CrowdMove(const Scene *scene, Particles *p, PetscReal length);

@@ -215,7 +215,7 @@ static void CheckVolume(const WalledForms *forms, const char *where, Cloud *clou
   for (PetscInt i = p->n_fluid; i < ParticlesOwn(p); i++) {
     const PetscBool of_body = BoundaryBody(scene, (PetscInt)p->side[i]) ? PETSC_TRUE : PETSC_FALSE;
 
-    sum[of_body ? 0 : 1] += p->volume ? p->volume[i] : dv;
+    sum[of_body ? 0 : 1] += p->volume[i];
   }
   MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD);
   for (PetscInt a = 0; a < scene->dim; a++) {

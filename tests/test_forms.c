@@ -16,9 +16,9 @@ static Stencil *Made(PetscInt dim, PetscReal h, PetscInt walls)
   Stencil         *st;
   PetscInt         cells = 1;
 
-  ASSERT_OK(StencilCreate(dim, kernel->support * h, 0.5 * kernel->support * h, &st));
+  ASSERT_OK(StencilCreate(dim, &st));
+  StencilSetSize(kernel, h, 1.0, st);
   ASSERT_OK(StencilReserve(st, MOST));
-  KernelEvaluate(kernel, dim, h, 0.0, st->self);
   st->volume = 1.0;
   for (PetscInt a = 0; a < dim; a++) cells *= SIDE;
   for (PetscInt c = 0; c < cells; c++) {

@@ -25,7 +25,7 @@ static void CheckWalls(const Setting *s, const Particles *p)
           p->depth[i] < PetscMax(s->scene.lo[a] - p->x[a][i], p->x[a][i] - s->scene.hi[a]) - 1e-12;
     }
   }
-  AssertNone("walls", s->name, wrong);
+  CloudAssertNone("walls", s->name, wrong);
 }
 
 /* Moves by `step` [dx] and checks particles and neighbours after each move. */
@@ -38,7 +38,7 @@ static void Follow(const Setting *s, PetscReal step, PetscInt n_steps)
   PetscInt     starts = 0;
 
   ASSERT_OK(ParticlesCreate(scene, s->walls, RADIUS * scene->dx, NULL, &p));
-  ASSERT_OK(NeighborsCreate(RADIUS * scene->dx, &nb));
+  ASSERT_OK(NeighborsCreate(RADIUS * scene->dx, scene->dx, &nb));
   ASSERT_OK(ParticlesRegister(p, "tag", 2, HALO_EPOCH, ENTRY_ZERO, tag));
   for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
     for (PetscInt c = 0; c < 2; c++) tag[c][i] = CrowdTag(p->id[i], c);
@@ -57,8 +57,8 @@ static void Follow(const Setting *s, PetscReal step, PetscInt n_steps)
     starts += started;
   }
   CheckWalls(s, p);
-  AssertNone("epochs started", s->name, step * n_steps > 4.0 && starts == 0);
-  AssertNone("a margin saved searches", s->name, step < 0.02 && nb->builds > n_steps / 4);
+  CloudAssertNone("epochs started", s->name, step * n_steps > 4.0 && starts == 0);
+  CloudAssertNone("a margin saved searches", s->name, step < 0.02 && nb->builds > n_steps / 4);
   ASSERT_OK(NeighborsDestroy(&nb));
   ASSERT_OK(ParticlesDestroy(&p));
 }
@@ -127,7 +127,7 @@ static void test_balance(void **state)
     PetscInt most = p->n_fluid;
 
     MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_INT, MPI_MAX, p->comm);
-    AssertNone("max / mean of fluid", s.name, (double)most * ranks > 1.1 * p->N_fluid);
+    CloudAssertNone("max / mean of fluid", s.name, (double)most * ranks > 1.1 * p->N_fluid);
     for (PetscInt i = 0; i < p->n_fluid; i++) { /* the flow is compressed towards a corner */
       p->x[0][i] = s.scene.lo[0] + 0.6 * (p->x[0][i] - s.scene.lo[0]);
       p->x[1][i] = s.scene.lo[1] + 0.8 * (p->x[1][i] - s.scene.lo[1]);
@@ -159,7 +159,7 @@ static void test_jitter(void **state)
       moved += PetscAbsReal(d) > 0.02 * s.scene.dx;
     }
   }
-  AssertNone("within jitter", s.name, far);
+  CloudAssertNone("within jitter", s.name, far);
   assert_in_range(moved, p->N_fluid, 2 * p->N_fluid);
   ASSERT_OK(ParticlesDestroy(&p));
 
@@ -172,9 +172,9 @@ static void test_jitter(void **state)
     differ += ParticlesDestroy(&p) ? 1 : 0;
     PETSC_COMM_WORLD = world;
   }
-  AssertNone("independent of ranks", s.name, differ);
-  PetscCallVoid(PetscFree2(some.x, some.found));
-  PetscCallVoid(PetscFree2(alone.x, alone.found));
+  CloudAssertNone("independent of ranks", s.name, differ);
+  CrowdFree(&some);
+  CrowdFree(&alone);
 }
 
 /* A search around a point equals brute force over local particles, for small and large radii. */
@@ -201,7 +201,7 @@ static void test_cells_find(void **state)
     }
     wrong += n != count;
   }
-  AssertNone("found", s.name, wrong);
+  CloudAssertNone("found", s.name, wrong);
   ASSERT_OK(CellsFree(&cells));
   ASSERT_OK(ParticlesDestroy(&p));
 }

@@ -44,7 +44,7 @@ static void PopulationCreate(const Setting *s, Population *pop)
   Particles *p;
 
   ASSERT_OK(ParticlesCreate(&s->scene, s->walls, RADIUS * s->scene.dx, NULL, &p));
-  ASSERT_OK(NeighborsCreate(RADIUS * s->scene.dx, &pop->nb));
+  ASSERT_OK(NeighborsCreate(RADIUS * s->scene.dx, s->scene.dx, &pop->nb));
   PopulationFields(p, pop);
   for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
     for (PetscInt c = 0; c < 2; c++) pop->tag[c][i] = CrowdTag(p->id[i], c);
@@ -84,8 +84,8 @@ static void Insert(const Setting *s, ParticleKind kind, PetscInt step, Populatio
   MPI_Exscan(&added.n, &ids.first, 1, MPIU_INT, MPI_SUM, p->comm);
   ids.first += (PetscInt)before;
   ASSERT_OK(ParticlesInsert(scene, p, &added, &first));
-  AssertNone("the first id", s->name, first != ids.first);
-  AssertNone("places on one rank each", s->name, p->next_id != before + PLACES);
+  CloudAssertNone("the first id", s->name, first != ids.first);
+  CloudAssertNone("places on one rank each", s->name, p->next_id != before + PLACES);
   for (PetscInt j = 0; j < PLACES; j++) pop->alive[pop->n++] = kind == PARTICLE_FLUID ? 1 : 2;
 }
 
@@ -113,10 +113,10 @@ static void CheckRecord(const Setting *s, const Population *pop)
   PetscInt         wrong = 0, kinds = 0, mean = 0, unordered = 0, n_fluid = 0, *index, *number;
   All              all;
 
-  AssertNone("next id", s->name, p->next_id != pop->n);
+  CloudAssertNone("next id", s->name, p->next_id != pop->n);
   CrowdGather(p, &all);
   for (PetscInt id = 0; id < pop->n; id++) wrong += all.found[id] != (pop->alive[id] ? 1.0 : 0.0);
-  PetscCallVoid(PetscFree2(all.x, all.found));
+  CrowdFree(&all);
   for (PetscInt i = 0; i < ParticlesAll(p); i++)
     kinds += pop->alive[p->id[i]] != (p->kind[i] == PARTICLE_FLUID ? 1 : 2);
   for (PetscInt i = 0; i < ParticlesOwn(p); i++)
@@ -129,11 +129,11 @@ static void CheckRecord(const Setting *s, const Population *pop)
   }
   for (PetscInt i = 0; i < p->n_fluid; i++) unordered += index[i] != number[p->id[i]];
   PetscCallVoid(PetscFree2(index, number));
-  AssertNone("only those that are alive", s->name, wrong);
-  AssertNone("kinds", s->name, kinds);
-  AssertNone("means of a uniform field", s->name, mean);
-  AssertNone("dense numbers in the order of ids", s->name, unordered);
-  AssertNone("fluid", s->name, n_fluid != p->N_fluid);
+  CloudAssertNone("only those that are alive", s->name, wrong);
+  CloudAssertNone("kinds", s->name, kinds);
+  CloudAssertNone("means of a uniform field", s->name, mean);
+  CloudAssertNone("dense numbers in the order of ids", s->name, unordered);
+  CloudAssertNone("fluid", s->name, n_fluid != p->N_fluid);
 }
 
 static void CheckAll(const Setting *s, const Population *pop)
@@ -218,19 +218,19 @@ static void CheckSnapshot(const Setting *s, const char path[], const Population 
   PetscCallVoid(PetscArrayzero(found, pop->n));
   ASSERT_OK(Hdf5FileOpen(PETSC_COMM_WORLD, path, &file));
   ASSERT_OK(Hdf5CountRows(&file, "id", &rows, &columns));
-  AssertNone("rows of the file", s->name, rows != N);
+  CloudAssertNone("rows of the file", s->name, rows != N);
   file.start = 0;
   file.own = file.N = N;
   ASSERT_OK(Hdf5ReadRows(&file, "id", 0, H5T_NATIVE_LLONG, id));
   ASSERT_OK(Hdf5ReadRows(&file, "type", 0, H5T_NATIVE_INT, type));
   ASSERT_OK(Hdf5FileClose(&file, &good));
-  AssertNone("the file", s->name, !good);
+  CloudAssertNone("the file", s->name, !good);
   for (PetscInt k = 0; k < N; k++) {
     wrong += id[k] < 0 || id[k] >= pop->n || pop->alive[id[k]] != type[k] + 1;
     wrong += id[k] >= 0 && id[k] < pop->n && found[id[k]]++ > 0;
   }
   PetscCallVoid(PetscFree3(id, type, found));
-  AssertNone("rows of the file are those alive", s->name, wrong);
+  CloudAssertNone("rows of the file are those alive", s->name, wrong);
 }
 
 /*
@@ -270,7 +270,8 @@ static void test_files(void **state)
   PopulationFields(p, &again);
   MakeRun(&s.scene, p, &second, &later, &none, &run);
   ASSERT_OK(CheckpointsRestart(&run, &restarted));
-  AssertNone("restarted", s.name, !restarted || later.t != clock.t || later.step != clock.step);
+  CloudAssertNone("restarted", s.name,
+                  !restarted || later.t != clock.t || later.step != clock.step);
   DestroyRun(&run);
   ASSERT_OK(PetscOptionsClearValue(NULL, "-restart"));
   CheckAll(&s, &again);

@@ -234,7 +234,7 @@ static void test_closest(void **state)
     WriteGiven("closest.h5", &given);
     Read(&scene, "closest.h5", &start, message);
     assert_int_equal(ParticlesCreate(&scene, walls, 0.5, &start, &p), 0);
-    assert_int_equal(NeighborsCreate(0.5, &nb), 0);
+    assert_int_equal(NeighborsCreate(0.5, scene.dx, &nb), 0);
     assert_int_equal(PetscPushErrorHandler(CloudKeepMessage, message), 0);
     code = StartCheck(&scene, "closest.h5", p, nb);
     assert_int_equal(PetscPopErrorHandler(), 0);

@@ -39,7 +39,7 @@ typedef struct {
 typedef struct {
   PetscInt   i, dim, n, n_wall; /* particle, neighbours, number of wall particles among them */
   PetscInt   capacity;
-  PetscReal  radius;               /* of the support [m] */
+  PetscReal  dx, h, radius;        /* spacing of the particle, smoothing length, support [m] */
   PetscReal  scale;                /* multiplies equations of derivatives in fits [m] */
   PetscInt  *j;                    /* local index of each neighbour */
   PetscReal *X[ISPH_MAX_DIM];      /* x_j - x_i [m] */
@@ -59,11 +59,12 @@ typedef struct {
   PetscInt   regularised; /* number of fits so far whose points did not determine them */
 } Stencil;
 
-PetscErrorCode StencilCreate(PetscInt dim, PetscReal radius, PetscReal scale, Stencil **stencil);
+PetscErrorCode StencilCreate(PetscInt dim, Stencil **stencil);
 PetscErrorCode StencilDestroy(Stencil **stencil);
 PetscErrorCode StencilReserve(Stencil *stencil, PetscInt n);
-void           StencilSetQuantity(const Scene *scene, FitQuantity quantity, Stencil *stencil);
-void           StencilSetVelocity(const Scene *scene, PetscInt c, Stencil *stencil);
+void StencilSetSize(const KernelRow *kernel, PetscReal h_over_dx, PetscReal dx, Stencil *stencil);
+void StencilSetQuantity(const Scene *scene, FitQuantity quantity, Stencil *stencil);
+void StencilSetVelocity(const Scene *scene, PetscInt c, Stencil *stencil);
 
 /* Declared properties of a form. They decide defaults and refusals; tests check each of them. */
 typedef enum {
@@ -148,16 +149,17 @@ extern const WallRow WallGiven; /* treatment of patch tests, not in the table */
 /* Vectors over own fluid or own wall particles; array NULL: the vector allocates its storage. */
 PetscErrorCode FluidVec(const Particles *particles, PetscReal array[], Vec *v);
 PetscErrorCode WallVec(const Particles *particles, Vec *v);
-PetscErrorCode VecRemoveMean(Vec v);
+PetscErrorCode FluidSum(const Particles *particles, Vec f, PetscBool squared, PetscReal *sum);
+PetscErrorCode FluidRemoveMean(const Particles *particles, Vec f);
 
 void      DenseEliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[]);
 PetscInt  DenseCholesky(PetscInt n, PetscReal a[]);
 void      DenseCholeskyRidge(PetscInt n, const PetscReal a[], PetscReal ridge, PetscReal factor[]);
 void      DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[]);
 PetscBool MomentInverse(const Stencil *stencil, const PetscReal weight[], PetscReal inverse[]);
-void      ConcentrationRow(const Scene *scene, const KernelRow *kernel, PetscReal h,
-                           const Stencil *stencil, const PetscReal x[], PetscBool mirrored,
-                           PetscReal *concentration, PetscReal gradient[]);
+void      ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil *stencil,
+                           const PetscReal x[], PetscBool mirrored, PetscReal *concentration,
+                           PetscReal gradient[]);
 
 /* An operator: its two matrices and their values in the shared pattern. */
 typedef struct {
@@ -193,8 +195,8 @@ typedef struct {
   PetscBool          wall_surface;       /* a layer of particles on walls before the dummies */
   PetscBool          visc_is_laplacian;  /* visc is lap u */
   PetscBool          components_coupled; /* visc couples components: viscous_block.c */
-  PetscReal          h;                  /* smoothing length [m] */
-  PetscReal          radius;             /* radius of the kernel's support [m] */
+  PetscReal          h_over_dx;          /* smoothing length over a particle's spacing [-] */
+  PetscReal          h, radius;          /* of the coarsest particles; radius of the support [m] */
   PetscReal reach; /* largest distance at which assembly reads a particle; width of the halo [m] */
 } OperatorForms;
 
@@ -219,7 +221,8 @@ typedef struct {
 
   VelocityOperators velocity[ISPH_MAX_DIM]; /* of component c: OperatorsOfVelocity() */
   PetscInt          n_velocity; /* 1, or dim if a boundary has equations for each component */
-  AffineOperator    ppe;        /* -dx^2 lap p [-]; wall data: n.grad p */
+  AffineOperator    ppe;        /* -dx_i^2 lap p [-]; wall data: n.grad p */
+  Vec               ppe_scale;  /* of its rows, -dx_i^2 [m^2] */
   AffineOperator    grad_p[ISPH_MAX_DIM]; /* dp/dx_a; wall data: n.grad p */
   AffineOperator    div[ISPH_MAX_DIM];    /* (D u)_i = sum_c div[c] u_c; wall data: u_wall,c */
   AffineOperator    filter_p;             /* residual of the fit of p [-]; no wall data */

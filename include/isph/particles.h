@@ -72,8 +72,11 @@ typedef struct {
   PetscReal *x_epoch[ISPH_MAX_DIM]; /* own positions when the epoch started (field) [m] */
   PetscReal *normal[ISPH_MAX_DIM];  /* of wall particles, into the fluid (field); NULL: no walls */
   PetscReal *depth;                 /* of wall particles below the surface [m] (field) */
-  PetscReal *side;   /* of wall particles: number of the wall, a whole number (field) */
-  PetscReal *volume; /* of wall particles (field) [m^dim]; NULL: the fluid's, SceneVolume() */
+  PetscReal *side;        /* of wall particles: number of the wall, a whole number (field) */
+  PetscReal *dx;          /* spacings that particles stand for (field); h = h_over_dx dx [m] */
+  PetscReal *volume;      /* (field) [m^dim] */
+  PetscReal  cell_volume; /* of the lattice of the reference spacing [m^dim] */
+  PetscReal  weight;      /* sum of ParticlesWeight() over all fluid; N_fluid if uniform [-] */
   Field      field[PARTICLES_MAX_FIELDS];
   PetscInt   n_fields;
 
@@ -160,6 +163,12 @@ static inline PetscBool ParticlesHolds(const Particles *p, const PetscReal x[])
   return PETSC_TRUE;
 }
 
+/* Weight of particle i in means, norms and sums: its volume over that of a lattice cell [-]. */
+static inline PetscReal ParticlesWeight(const Particles *p, PetscInt i)
+{
+  return p->volume[i] / p->cell_volume;
+}
+
 /* Computes the surface point above wall particle i; beyond an edge, a point of its plane [m]. */
 static inline void ParticlesWallPoint(const Particles *p, PetscInt i, PetscReal x[])
 {
@@ -184,13 +193,16 @@ PetscErrorCode CellsFind(const Cells *cells, const PetscReal x[], PetscReal radi
 
 /*
   Neighbours of own fluid particle i: col[row[i]] ... col[row[i+1]-1], local indices in ascending
-  order without i. With a Verlet margin the rows also hold pairs slightly beyond the radius, so
-  readers must skip r >= radius. The cells hold positions at the time the rows were built: probes
+  order without i. Pairs closer than the larger of their radii are neighbours; radii are in
+  proportion to spacings. With a Verlet margin the rows also hold pairs slightly beyond the radius,
+  so readers must skip r >= radius. The cells hold positions at the time the rows were built: probes
   call CellsFind() with radius + margin / 2 and skip likewise.
 */
 typedef struct {
-  PetscReal  radius; /* [m] */
-  PetscReal  margin; /* of the present rows [m] */
+  PetscReal  radius;  /* the largest [m] */
+  PetscReal  spacing; /* of the particles that have it [m] */
+  PetscReal  margin;  /* of the present rows [m] */
+  PetscReal *reach2;  /* squares of radius + margin, in the order of the cells' list [m^2] */
   PetscInt  *row, *col;
   PetscInt   row_capacity, col_capacity;
   PetscReal *x_built[ISPH_MAX_DIM]; /* own positions when the rows were built [m] */
@@ -199,7 +211,7 @@ typedef struct {
   Cells      cells;
 } Neighbors;
 
-PetscErrorCode NeighborsCreate(PetscReal radius, Neighbors **neighbors);
+PetscErrorCode NeighborsCreate(PetscReal radius, PetscReal spacing, Neighbors **neighbors);
 PetscErrorCode NeighborsDestroy(Neighbors **neighbors);
 PetscErrorCode NeighborsUpdate(const Particles *particles, PetscReal step_length,
                                Neighbors *neighbors);

@@ -165,7 +165,7 @@ struct Scene {
 
   PetscInt         dim;                 /* 2 or 3 */
   PetscInt         n;                   /* particles along the reference length */
-  PetscReal        dx;                  /* particle spacing at the start [m] */
+  PetscReal        dx;                  /* reference spacing L/n: the unit "dx" [m] */
   PetscReal        lo[ISPH_MAX_DIM];    /* corners of the box [m] */
   PetscReal        hi[ISPH_MAX_DIM];    /* */
   PetscInt         cells[ISPH_MAX_DIM]; /* particles along each side of the box */
@@ -208,7 +208,12 @@ PetscBool      SceneMoves(const Scene *scene);
 PetscBool      SceneIsDrivenInTime(const Scene *scene);
 void           SceneWallName(const Scene *scene, PetscInt side, char name[]);
 PetscReal      SceneCellSide(const Scene *scene, PetscInt axis); /* of the lattice, about dx [m] */
-PetscReal      SceneVolume(const Scene *scene); /* of a particle: a lattice cell [m^dim] */
+PetscReal      SceneSpacing(const Scene *scene, const PetscReal x[]); /* wanted at x [m] */
+PetscReal      SceneCoarsest(const Scene *scene);  /* largest spacing anywhere [m] */
+PetscReal      SceneFinest(const Scene *scene);    /* smallest spacing anywhere [m] */
+PetscReal      SceneTolerance(const Scene *scene); /* reference length of tolerances [m] */
+PetscReal      SceneVolume(const Scene *scene);    /* a cell of the lattice of spacing dx [m^dim] */
+PetscReal      SceneVolumeAt(const Scene *scene, const PetscReal x[]); /* wanted at x [m^dim] */
 void           SceneSetSide(Scene *scene, PetscInt side, const BoundaryRow *kind);
 void           SceneSetAxis(Scene *scene, PetscInt axis, const BoundaryRow *kind);
 void           SceneSetSides(Scene *scene, const BoundaryRow *kind);
@@ -245,6 +250,7 @@ void           BodySpan(const Body *body, PetscInt axis, PetscReal span[2]);
 PetscReal      BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
                             PetscReal normal[]);
 PetscInt       BodyPoints(const Body *body, PetscReal dx);
+PetscReal      BodySpacing(const Scene *scene, const Body *body);
 PetscReal BodyPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], PetscReal normal[]);
 PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *side);
 PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,

@@ -16,7 +16,7 @@ enum { FLOW_EVENT_MOVE, FLOW_EVENT_NEIGHBORS, FLOW_EVENT_OPERATORS, FLOW_EVENTS 
 /* Particle shifting: small displacements that keep particles evenly spread. */
 typedef struct {
   const char *name, *brief, *citation;
-  void (*Displace)(const Scene *scene, PetscReal strength, PetscReal speed, PetscReal rate,
+  void (*Displace)(PetscInt dim, PetscReal dx, PetscReal strength, PetscReal speed, PetscReal rate,
                    PetscReal dt, const PetscReal gradient_c[],
                    PetscReal displacement[]); /* NULL: none */
   PetscReal disturbance; /* random, in the first step; breaks the symmetry of lattices [dx] */
@@ -53,6 +53,7 @@ typedef struct {
 /* Statistics of a step, for progress, the steady test and the report. */
 typedef struct {
   PetscReal speed_max;      /* largest particle speed [m/s] */
+  PetscReal pace_max;       /* largest speed, times the finest spacing over the own one [m/s] */
   PetscReal force_max;      /* largest body force per unit mass [m/s^2] */
   PetscReal kinetic_energy; /* [J] (per metre of depth in 2D) */
   PetscReal divergence;     /* largest |D u| [1/s] */

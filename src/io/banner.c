@@ -34,7 +34,7 @@ static PetscErrorCode BannerCase(const Flow *flow, PetscViewer viewer)
       BANNER_LABEL "%" PetscInt_FMT " fluid + %" PetscInt_FMT " wall, dx = %.4g m, h/dx = %.3g; "
                    "%d rank%s\n",
       "particles", flow->particles->N_fluid, flow->particles->N_wall, (double)scene->dx,
-      (double)(flow->ops->forms.h / scene->dx), ranks, ranks == 1 ? "" : "s"));
+      (double)(flow->ops->forms.h_over_dx), ranks, ranks == 1 ? "" : "s"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -44,14 +44,14 @@ static PetscErrorCode SurfaceCreate(const Scene *scene, PetscInt side, Surface *
   const Body    *body = BoundaryBody(scene, side);
 
   PetscFunctionBegin;
-  s->n = body ? BodyPoints(body, scene->dx) : 1;
+  s->n = body ? BodyPoints(body, BodySpacing(scene, body)) : 1;
   for (PetscInt a = 0; !body && a < dim; a++) s->n *= a == side / 2 ? 1 : scene->cells[a];
   PetscCall(PetscMalloc3(s->n * dim, &s->x, s->n * dim, &s->normal, s->n, &s->area));
   if (!body) SideSurface(scene, side, s);
   for (PetscInt k = 0; body && k < s->n; k++) {
     PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
 
-    s->area[k] = BodyPoint(body, k, scene->dx, x, normal);
+    s->area[k] = BodyPoint(body, k, BodySpacing(scene, body), x, normal);
     for (PetscInt a = 0; a < dim; a++) {
       s->x[k * dim + a]      = x[a];
       s->normal[k * dim + a] = normal[a];
@@ -60,7 +60,7 @@ static PetscErrorCode SurfaceCreate(const Scene *scene, PetscInt side, Surface *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Probes the velocity minus the wall velocity at the points raised by `height` along normals. */
+/* Probes the velocity minus the wall velocity at the points raised by `height` spacings. */
 static PetscErrorCode ProbeAbove(const Flow *flow, PetscInt side, const Surface *s,
                                  PetscReal height, PetscReal w[], PetscReal p[])
 {
@@ -70,7 +70,12 @@ static PetscErrorCode ProbeAbove(const Flow *flow, PetscInt side, const Surface 
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(s->n * dim, &raised));
-  for (PetscInt q = 0; q < s->n * dim; q++) raised[q] = s->x[q] + height * s->normal[q];
+  for (PetscInt k = 0; k < s->n; k++) {
+    const PetscReal way = height * SceneSpacing(scene, &s->x[k * dim]);
+
+    for (PetscInt a = 0; a < dim; a++)
+      raised[k * dim + a] = s->x[k * dim + a] + way * s->normal[k * dim + a];
+  }
   PetscCall(ProbePoints(flow, s->n, raised, w, p));
   for (PetscInt k = 0; k < s->n; k++) {
     const PetscReal *x = BoundaryBody(scene, side) ? &raised[k * dim] : &s->x[k * dim];
@@ -172,19 +177,23 @@ static PetscErrorCode SurfaceViscosity(const Flow *flow, const Surface *s, const
 */
 PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscReal T[])
 {
-  const Scene    *scene = flow->scene;
-  const PetscInt  dim   = scene->dim;
-  const PetscReal d     = scene->dx;
-  PetscReal      *w[3], *slope = NULL, *p, *nu, centre[ISPH_MAX_DIM];
-  Surface         s;
+  const Scene   *scene = flow->scene;
+  const PetscInt dim   = scene->dim;
+  PetscReal     *w[3], *slope = NULL, *p, *nu, centre[ISPH_MAX_DIM];
+  Surface        s;
 
   PetscFunctionBegin;
   TorqueCentre(scene, side, centre);
   PetscCall(SurfaceCreate(scene, side, &s));
   PetscCall(PetscMalloc5(s.n * dim, &w[0], s.n * dim, &w[1], s.n * dim, &w[2], s.n, &p, s.n, &nu));
-  for (PetscInt k = 0; k < 3; k++) PetscCall(ProbeAbove(flow, side, &s, k * d, w[k], k ? NULL : p));
+  for (PetscInt k = 0; k < 3; k++)
+    PetscCall(ProbeAbove(flow, side, &s, (PetscReal)k, w[k], k ? NULL : p));
   slope = w[0]; /* dw/dn; on the surface w itself vanishes */
-  for (PetscInt q = 0; q < s.n * dim; q++) slope[q] = (4.0 * w[1][q] - w[2][q]) / (2.0 * d);
+  for (PetscInt q = 0; q < s.n * dim; q++) {
+    const PetscReal *x = &s.x[q / dim * dim];
+
+    slope[q] = (4.0 * w[1][q] - w[2][q]) / (2.0 * SceneSpacing(scene, x));
+  }
   PetscCall(SurfaceViscosity(flow, &s, slope, nu));
   for (PetscInt k = 0; k < s.n; k++) {
     PetscReal f[ISPH_MAX_DIM] = {0.0};

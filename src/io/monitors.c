@@ -25,7 +25,7 @@ static PetscErrorCode CheckInBox(const Scene *scene, const char option[], PetscI
   PetscFunctionBegin;
   for (PetscInt k = 0; k < n; k++) {
     const PetscInt  place = k % group, a = place % scene->dim;
-    const PetscReal slack = 1e-9 * scene->dx;
+    const PetscReal slack = 1e-9 * SceneTolerance(scene);
 
     if (place >= group / scene->dim * scene->dim || SceneIsPeriodic(scene, a)) continue;
     UserCheck(number[k] >= scene->lo[a] - slack && number[k] <= scene->hi[a] + slack,

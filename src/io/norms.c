@@ -4,10 +4,11 @@
 */
 #include "isph/io.h"
 
-/* Sums over all fluid particles, in a single MPI reduction. */
+/* Sums over all fluid particles, weighted by volume, in a single MPI reduction. */
 typedef struct {
   PetscReal u2, exact2;      /* of |u - u_e|^2 and |u_e|^2 [m^2/s^2] */
-  PetscReal p, p_exact, n_p; /* of p and p_e [Pa]; number of particles with a p_e */
+  PetscReal p, p_exact, n_p; /* of p and p_e [Pa]; weight of the particles with a p_e [-] */
+  PetscReal missing;         /* number of particles without a p_e */
 } ExactSums;
 typedef struct {
   PetscReal u, exact; /* of |u - u_e| and |u_e| [m/s] */
@@ -23,7 +24,8 @@ static PetscErrorCode NormsCompare(const Flow *flow, PetscReal exact_p[], ExactS
   PetscCall(PetscMemzero(sums, sizeof(*sums)));
   PetscCall(PetscMemzero(maxima, sizeof(*maxima)));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal x[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM] = {0.0}, d2 = 0.0, e2 = 0.0;
+    const PetscReal weight          = ParticlesWeight(p, i);
+    PetscReal       x[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM] = {0.0}, d2 = 0.0, e2 = 0.0;
 
     for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
     exact_p[i] = NAN;
@@ -32,14 +34,17 @@ static PetscErrorCode NormsCompare(const Flow *flow, PetscReal exact_p[], ExactS
       d2 += PetscSqr(p->u[c][i] - u[c]);
       e2 += PetscSqr(u[c]);
     }
-    sums->u2 += d2;
-    sums->exact2 += e2;
+    sums->u2 += weight * d2;
+    sums->exact2 += weight * e2;
     if (!(PetscSqrtReal(d2) <= maxima->u)) maxima->u = PetscSqrtReal(d2); /* NaN is kept */
     maxima->exact = PetscMax(maxima->exact, PetscSqrtReal(e2));
-    if (PetscIsNanReal(exact_p[i]) || !p->p) continue;
-    sums->p += p->p[i];
-    sums->p_exact += exact_p[i];
-    sums->n_p += 1.0;
+    if (PetscIsNanReal(exact_p[i]) || !p->p) {
+      sums->missing += 1.0;
+      continue;
+    }
+    sums->p += weight * p->p[i];
+    sums->p_exact += weight * exact_p[i];
+    sums->n_p += weight;
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, (PetscMPIInt)(sizeof(*sums) / sizeof(PetscReal)),
                              MPIU_REAL, MPIU_SUM, p->comm));
@@ -61,21 +66,22 @@ static PetscErrorCode NormsPressure(const Flow *flow, const PetscReal exact_p[],
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     const PetscReal exact = exact_p[i] - sums->p_exact / sums->n_p;
 
-    square[0] += PetscSqr(p->p[i] - sums->p / sums->n_p - exact);
-    square[1] += PetscSqr(exact);
+    square[0] += ParticlesWeight(p, i) * PetscSqr(p->p[i] - sums->p / sums->n_p - exact);
+    square[1] += ParticlesWeight(p, i) * PetscSqr(exact);
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, square, 2, MPIU_REAL, MPIU_SUM, p->comm));
-  scale = PetscSqrtReal(square[1] / p->N_fluid);
+  scale = PetscSqrtReal(square[1] / p->weight);
   if (scale < 1e-12 * scene->rho * PetscSqr(scene->speed))
     scale = scene->rho * PetscSqr(scene->speed);
-  PetscCall(ReportAddError(report, "pressure_l2", PetscSqrtReal(square[0] / p->N_fluid) / scale));
+  PetscCall(ReportAddError(report, "pressure_l2", PetscSqrtReal(square[0] / p->weight) / scale));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
   NormsExact - Computes relative errors against the exact solution of the case, over all particles
 
-    velocity_l2 = (sum |u - u_e|^2 / sum |u_e|^2)^1/2,   velocity_linf = max |u - u_e| / max |u_e|
+    velocity_l2   = (sum V |u - u_e|^2 / sum V |u_e|^2)^1/2
+    velocity_linf = max |u - u_e| / max |u_e|
 
   Collective. Adds nothing if the case has no exact solution. Adds pressure_l2, with means removed,
   if the run has a pressure and the solution gives it.
@@ -99,11 +105,11 @@ PetscErrorCode NormsExact(const Flow *flow, Report *report)
   if (!flow->scene->problem->Exact) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(p->n_fluid, &exact_p));
   PetscCall(NormsCompare(flow, exact_p, &sums, &maxima));
-  scale = PetscSqrtReal(sums.exact2 / p->N_fluid);
+  scale = PetscSqrtReal(sums.exact2 / p->weight);
   if (scale < 1e-12 * flow->scene->speed) scale = maxima.exact = flow->scene->speed;
-  PetscCall(ReportAddError(report, "velocity_l2", PetscSqrtReal(sums.u2 / p->N_fluid) / scale));
+  PetscCall(ReportAddError(report, "velocity_l2", PetscSqrtReal(sums.u2 / p->weight) / scale));
   PetscCall(ReportAddError(report, "velocity_linf", maxima.u / maxima.exact));
-  if (SceneHas(flow->scene, PHYSICS_PRESSURE) && sums.n_p > p->N_fluid - 0.5) {
+  if (SceneHas(flow->scene, PHYSICS_PRESSURE) && sums.missing == 0.0) {
     PetscCall(NormsPressure(flow, exact_p, &sums, report));
   }
   PetscCall(PetscFree(exact_p));
@@ -128,12 +134,13 @@ PetscErrorCode NormsExact(const Flow *flow, Report *report)
 PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report)
 {
   const Particles *p                      = flow->particles;
-  const PetscReal  mass                   = flow->scene->rho * SceneVolume(flow->scene);
+  const PetscReal  mass                   = flow->scene->rho * p->cell_volume;
   PetscReal        momentum[ISPH_MAX_DIM] = {0.0}, square = 0.0;
 
   PetscFunctionBegin;
   for (PetscInt c = 0; c < p->dim; c++) {
-    for (PetscInt i = 0; i < p->n_fluid; i++) momentum[c] += mass * p->u[c][i];
+    for (PetscInt i = 0; i < p->n_fluid; i++)
+      momentum[c] += mass * ParticlesWeight(p, i) * p->u[c][i];
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, momentum, ISPH_MAX_DIM, MPIU_REAL, MPIU_SUM, p->comm));
   for (PetscInt c = 0; c < p->dim; c++) square += PetscSqr(momentum[c]);

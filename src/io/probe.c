@@ -51,6 +51,14 @@ static PetscReal ProbeOffset(const Probe *probe, PetscInt j, const PetscReal x[]
   return w[0];
 }
 
+/* Returns the radius of the support that the scene wants at x [m]. */
+static PetscReal ProbeRadius(const Probe *probe, const PetscReal x[])
+{
+  const OperatorForms *forms = &probe->flow->ops->forms;
+
+  return forms->kernel->support * (forms->h_over_dx * SceneSpacing(probe->flow->scene, x));
+}
+
 /* Collects the neighbours of a point that have a value: fluid and, with `walls`, wall particles. */
 static PetscErrorCode ProbeFind(Probe *probe, const PetscReal x[], PetscReal R, PetscBool walls,
                                 PetscInt *n)
@@ -96,7 +104,7 @@ static PetscErrorCode ProbeFit(Probe *probe, const PetscReal x[], PetscBool wall
                                PetscReal factor[])
 {
   PetscFunctionBegin;
-  *R = probe->flow->ops->forms.radius;
+  *R = ProbeRadius(probe, x);
   while (PETSC_TRUE) {
     PetscCall(ProbeFind(probe, x, *R, walls, n));
     *terms = ProbeMoments(probe, x, *R, *n, moments);
@@ -272,7 +280,7 @@ static PetscErrorCode NearestViscosity(Probe *probe, const PetscReal x[], PetscR
 
   PetscFunctionBegin;
   *nu = 0.0;
-  PetscCall(ProbeFind(probe, x, probe->flow->ops->forms.radius, PETSC_FALSE, &n));
+  PetscCall(ProbeFind(probe, x, ProbeRadius(probe, x), PETSC_FALSE, &n));
   for (PetscInt k = 0; k < n; k++) {
     const PetscInt j  = probe->list[k];
     PetscReal      r2 = 0.0;

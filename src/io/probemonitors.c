@@ -6,8 +6,9 @@ static PetscBool InBody(const Scene *scene, const PetscReal x[])
 {
   PetscInt side;
 
-  return SceneFluidDistance(scene, x, &side) < -SCENE_ON_SURFACE * scene->dx ? PETSC_TRUE
-                                                                             : PETSC_FALSE;
+  return SceneFluidDistance(scene, x, &side) < -SCENE_ON_SURFACE * SceneTolerance(scene)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
 }
 
 /*
@@ -131,7 +132,8 @@ static PetscErrorCode SectionFlux(const Flow *flow, const PetscReal corner[], Pe
       side[s][a] = corner[(s + 1) * dim + a] - corner[a];
       length2 += PetscSqr(side[s][a]);
     }
-    n[s] = PetscMax(1, (PetscInt)PetscCeilReal(PetscSqrtReal(length2) / flow->scene->dx - 1e-9));
+    n[s] = PetscMax(
+        1, (PetscInt)PetscCeilReal(PetscSqrtReal(length2) / SceneFinest(flow->scene) - 1e-9));
   }
   total = n[0] * n[1];
   if (dim == 2) {

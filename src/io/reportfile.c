@@ -144,7 +144,7 @@ static PetscErrorCode ColumnsBeforeTime(const Flow *flow, Columns *columns)
   PetscCall(ColumnPhysics(columns, scene));
   PetscCall(ColumnsForms(flow, columns));
   PetscCall(ColumnWord(columns, flow->ops->forms.kernel->name));
-  PetscCall(ColumnNumber(columns, flow->ops->forms.h / scene->dx));
+  PetscCall(ColumnNumber(columns, flow->ops->forms.h_over_dx));
   PetscCall(ColumnWall(columns, flow->ops));
   PetscCall(ColumnRow(columns, flow->state ? flow->state->shift : NULL));
   PetscCall(ColumnNumber(columns, scene->jitter));

@@ -11,13 +11,16 @@
 static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neighbors *nb,
                                     const Operators *ops, PetscInt i, Stencil *st)
 {
-  const PetscInt  d = scene->dim, first = nb->row[i], last = nb->row[i + 1];
-  const PetscReal volume = SceneVolume(scene), radius2 = PetscSqr(ops->forms.radius);
-  PetscInt        n = 0;
+  const PetscInt d = scene->dim, first = nb->row[i], last = nb->row[i + 1];
+  PetscReal      radius2;
+  PetscInt       n = 0;
 
   PetscFunctionBegin;
   PetscCall(StencilReserve(st, last - first));
+  StencilSetSize(ops->forms.kernel, ops->forms.h_over_dx, p->dx[i], st);
+  radius2       = PetscSqr(st->radius);
   st->i         = i;
+  st->volume    = p->volume[i];
   st->n_wall    = 0;
   st->fit.valid = PETSC_FALSE;
   for (PetscInt q = first; q < last; q++) {
@@ -32,10 +35,10 @@ static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, cons
     st->j[n] = j;
     st->r[n] = PetscSqrtReal(r2);
     for (PetscInt a = 0; a < d; a++) st->X[a][n] = X[a];
-    KernelEvaluate(ops->forms.kernel, d, ops->forms.h, st->r[n], w);
+    KernelEvaluate(ops->forms.kernel, d, st->h, st->r[n], w);
     st->wall[n]     = ParticlesIsWall(p, j);
     st->equation[n] = EQUATION_VALUE;
-    st->V[n]        = st->wall[n] && p->volume ? p->volume[j] : volume;
+    st->V[n]        = p->volume[j];
     st->W[n]        = w[0];
     st->dW[n]       = w[1];
     st->ddW[n]      = w[2];
@@ -203,6 +206,22 @@ static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Computes the scale of the pressure's rows, -dx_i^2, once an epoch. */
+static PetscErrorCode ScalePressureRows(const Particles *p, Operators *ops)
+{
+  PetscScalar *scale;
+
+  PetscFunctionBegin;
+  if (!ops->ppe.needed || (ops->ppe_scale && ops->epoch == p->epoch))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecDestroy(&ops->ppe_scale));
+  PetscCall(FluidVec(p, NULL, &ops->ppe_scale));
+  PetscCall(VecGetArrayWrite(ops->ppe_scale, &scale));
+  for (PetscInt i = 0; i < p->n_fluid; i++) scale[i] = -PetscSqr(p->dx[i]);
+  PetscCall(VecRestoreArrayWrite(ops->ppe_scale, &scale));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Computes the concentration of particle i, for shifting and the mixed pressure source. */
 static void AssembleConcentration(const Scene *scene, const Particles *p, const Stencil *st,
                                   PetscInt i, Operators *ops)
@@ -210,8 +229,8 @@ static void AssembleConcentration(const Scene *scene, const Particles *p, const 
   PetscReal x[ISPH_MAX_DIM], gradient[ISPH_MAX_DIM];
 
   for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
-  ConcentrationRow(scene, ops->forms.kernel, ops->forms.h, st, x, st->fits_walls,
-                   &ops->concentration.value[i], gradient);
+  ConcentrationRow(scene, ops->forms.kernel, st, x, st->fits_walls, &ops->concentration.value[i],
+                   gradient);
   for (PetscInt a = 0; a < scene->dim; a++) ops->concentration.gradient[a][i] = gradient[a];
 }
 
@@ -240,6 +259,7 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
   *changed = (ops->epoch != p->epoch || ops->moved != p->moved) ? PETSC_TRUE : PETSC_FALSE;
   if (!*changed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(BeginAssembly(scene, p, nb, ops, needed, count));
+  PetscCall(ScalePressureRows(p, ops));
   st->regularised = 0;
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscInt diagonal;

@@ -164,7 +164,7 @@ PetscErrorCode AddRows_Pressure(const Scene *scene, Stencil *st, PetscInt diagon
     DummyRow_Gradient(st, ops->work->g);
     if (follow) DummyRow_Laplacian(st, ops->work->g, ops->work->w);
   }
-  AddRow_Pressure(st, ops, diagonal, -PetscSqr(scene->dx), ops->work->w, &ops->ppe);
+  AddRow_Pressure(st, ops, diagonal, -PetscSqr(st->dx), ops->work->w, &ops->ppe);
   if (ops->needs & NEED_FREE_GRAD_P)
     PetscFunctionReturn(PETSC_SUCCESS); /* see AddRows_GradientWithoutWalls() */
   for (PetscInt a = 0; a < st->dim; a++)

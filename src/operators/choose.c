@@ -178,10 +178,12 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
   }
   if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(ChooseWall(PetscOptionsObject, scene, forms));
   PetscOptionsEnd();
-  forms->h      = h_over_dx * scene->dx;
+  forms->h_over_dx = h_over_dx;
+  forms->h         = h_over_dx * SceneCoarsest(scene);
   forms->radius = forms->reach = forms->kernel->support * forms->h;
   if (forms->wall && forms->wall->Extend) {
-    const PetscReal reach = forms->wall->radii * forms->radius + forms->wall->spacings * scene->dx;
+    const PetscReal reach =
+        forms->wall->radii * forms->radius + forms->wall->spacings * SceneCoarsest(scene);
 
     forms->reach         = PetscMax(forms->radius, reach);
     forms->visc.extended = PETSC_TRUE;

@@ -5,7 +5,7 @@
 #include "isph/operators.h"
 
 /* Adds the images of a point at X from particle i for every combination of mirror planes. */
-static void ConcentrationImages(const KernelRow *kernel, PetscReal h, const Stencil *st,
+static void ConcentrationImages(const KernelRow *kernel, const Stencil *st,
                                 const WallPlane planes[], PetscInt n_planes, const PetscReal X[],
                                 PetscReal volume, PetscReal *concentration, PetscReal gradient[])
 {
@@ -23,7 +23,7 @@ static void ConcentrationImages(const KernelRow *kernel, PetscReal h, const Sten
     for (PetscInt a = 0; a < st->dim; a++) r += PetscSqr(Y[a]);
     r = PetscSqrtReal(r);
     if (r >= st->radius || r == 0.0) continue;
-    KernelEvaluate(kernel, st->dim, h, r, w);
+    KernelEvaluate(kernel, st->dim, st->h, r, w);
     *concentration += volume * w[0];
     for (PetscInt a = 0; a < st->dim; a++) gradient[a] -= volume * w[1] * Y[a] / r;
   }
@@ -47,17 +47,16 @@ static void ConcentrationImages(const KernelRow *kernel, PetscReal h, const Sten
 + concentration - value near 1 [-]
 - gradient      - [1/m]
 */
-void ConcentrationRow(const Scene *scene, const KernelRow *kernel, PetscReal h, const Stencil *st,
+void ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil *st,
                       const PetscReal x[], PetscBool mirrored, PetscReal *concentration,
                       PetscReal gradient[])
 {
-  const PetscReal volume = SceneVolume(scene), origin[ISPH_MAX_DIM] = {0.0};
-  PetscReal       w[3], sum[ISPH_MAX_DIM]                           = {0.0};
+  const PetscReal origin[ISPH_MAX_DIM] = {0.0};
+  PetscReal       sum[ISPH_MAX_DIM]    = {0.0};
   WallPlane       planes[SCENE_MAX_BOUNDARIES];
   PetscInt        n_planes = 0;
 
-  KernelEvaluate(kernel, st->dim, h, 0.0, w);
-  *concentration = volume * w[0];
+  *concentration = st->volume * st->self[0];
   for (PetscInt k = 0; k < st->n; k++) {
     const PetscReal scale = st->V[k] * st->dW[k] / st->r[k];
 
@@ -67,13 +66,13 @@ void ConcentrationRow(const Scene *scene, const KernelRow *kernel, PetscReal h, 
   }
   if (mirrored && st->n_wall) SceneWallPlanes(scene, x, st->radius, planes, &n_planes);
   if (n_planes) {
-    ConcentrationImages(kernel, h, st, planes, n_planes, origin, volume, concentration, sum);
+    ConcentrationImages(kernel, st, planes, n_planes, origin, st->volume, concentration, sum);
     for (PetscInt k = 0; k < st->n; k++) {
       PetscReal X[ISPH_MAX_DIM];
 
       if (st->wall[k]) continue;
       for (PetscInt a = 0; a < st->dim; a++) X[a] = st->X[a][k];
-      ConcentrationImages(kernel, h, st, planes, n_planes, X, st->V[k], concentration, sum);
+      ConcentrationImages(kernel, st, planes, n_planes, X, st->V[k], concentration, sum);
     }
   }
   for (PetscInt a = 0; a < st->dim; a++) gradient[a] = sum[a];

@@ -47,8 +47,7 @@ static PetscErrorCode ExtensionCreate(const Scene *scene, const Particles *p, co
                      .margin    = nb->margin,
                      .kernel    = ops->forms.kernel,
                      .dim       = scene->dim,
-                     .dx        = scene->dx,
-                     .radius    = ops->forms.radius};
+                     .h_over_dx = ops->forms.h_over_dx};
   PetscCall(PetscMalloc4(n, &ext->j, n, &ext->q, n, &ext->weight, n, &ext->e));
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(PetscMalloc1(n, &ext->s[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -72,9 +71,11 @@ static PetscBool ExtensionPlace(const Particles *p, PetscInt i, Extension *ext)
   const Scene *scene = ext->scene;
   PetscReal    d2    = 0.0;
 
-  ext->n     = 0;
-  ext->depth = p->depth[i];
-  ext->side  = (PetscInt)p->side[i];
+  ext->n      = 0;
+  ext->dx     = p->dx[i];
+  ext->radius = ext->kernel->support * (ext->h_over_dx * ext->dx);
+  ext->depth  = p->depth[i];
+  ext->side   = (PetscInt)p->side[i];
   ParticlesWallPoint(p, i, ext->wall_point);
   for (PetscInt a = 0; a < ext->dim; a++) {
     ext->x[a]      = p->x[a][i];

@@ -11,6 +11,7 @@ struct Extension {
   const Cells     *cells;
   PetscReal        margin; /* distance that particles may have moved since cells were built [m] */
   const KernelRow *kernel;
+  PetscReal        h_over_dx;                /* [-] */
   PetscInt         dim, side;                /* side: the wall of the particle, WallPlane.side */
   PetscReal        dx, radius, depth;        /* [m] */
   PetscReal        x[ISPH_MAX_DIM];          /* the wall particle [m] */

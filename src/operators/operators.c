@@ -101,10 +101,8 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
   for (PetscInt a = 0; a < scene->dim; a++) {
     ops->grad_p[a].needed = ops->div[a].needed = pressure;
   }
-  PetscCall(StencilCreate(scene->dim, ops->forms.radius, 0.5 * ops->forms.radius, &st));
-  st->fits_walls = ops->forms.wall ? ops->forms.wall->on_surface : PETSC_FALSE;
-  st->volume     = SceneVolume(scene);
-  KernelEvaluate(ops->forms.kernel, scene->dim, ops->forms.h, 0.0, st->self);
+  PetscCall(StencilCreate(scene->dim, &st));
+  st->fits_walls     = ops->forms.wall ? ops->forms.wall->on_surface : PETSC_FALSE;
   ops->work->stencil = st;
   *operators         = ops;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -134,6 +132,7 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
     PetscCall(PetscFree(ops->work->g[a]));
   }
   PetscCall(PetscFree(ops->concentration.value));
+  PetscCall(VecDestroy(&ops->ppe_scale));
   PetscCall(PetscFree4(ops->work->slot, ops->work->w, ops->work->m, ops->work->wall_w));
   PetscCall(StencilDestroy(&ops->work->stencil));
   PetscCall(PetscFree(ops->work));
@@ -153,7 +152,7 @@ PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, Wall
   walls->surface  = ops->forms.wall_surface;
   walls->jittered = scene->problem->patch;
   if (ops->forms.wall && !ops->forms.wall->on_surface) {
-    walls->layers = (PetscInt)PetscCeilReal(ops->forms.radius / scene->dx - 1e-9);
+    walls->layers = (PetscInt)PetscCeilReal(ops->forms.radius / SceneCoarsest(scene) - 1e-9);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -3,19 +3,12 @@
 */
 #include "isph/operators.h"
 
-/*
-  StencilCreate - Creates an empty stencil
-
-  Not collective. Input: dim; radius of the support [m]; scale, the length that multiplies equations
-  of derivatives in least-squares fits [m].
-*/
-PetscErrorCode StencilCreate(PetscInt dim, PetscReal radius, PetscReal scale, Stencil **stencil)
+/* StencilCreate - Creates an empty stencil; not collective */
+PetscErrorCode StencilCreate(PetscInt dim, Stencil **stencil)
 {
   PetscFunctionBegin;
   PetscCall(PetscNew(stencil));
-  (*stencil)->dim    = dim;
-  (*stencil)->radius = radius;
-  (*stencil)->scale  = scale;
+  (*stencil)->dim = dim;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -82,4 +75,19 @@ void StencilSetVelocity(const Scene *scene, PetscInt c, Stencil *st)
 {
   for (PetscInt k = 0; st->n_wall && k < st->n; k++)
     if (st->wall[k]) SetEquation(st, k, BoundaryVelocityEquation(scene, st->side[k], c));
+}
+
+/*
+  StencilSetSize - Sets the lengths that follow from a particle's spacing, if it has another
+
+  Not collective. Fits scale equations of derivatives by half the radius of the support.
+*/
+void StencilSetSize(const KernelRow *kernel, PetscReal h_over_dx, PetscReal dx, Stencil *st)
+{
+  if (dx == st->dx) return;
+  st->dx     = dx;
+  st->h      = h_over_dx * dx;
+  st->radius = kernel->support * st->h;
+  st->scale  = 0.5 * st->radius;
+  KernelEvaluate(kernel, st->dim, st->h, 0.0, st->self);
 }

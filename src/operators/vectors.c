@@ -42,16 +42,33 @@ PetscErrorCode FluidVec(const Particles *p, PetscReal array[], Vec *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* VecRemoveMean - Subtracts the mean of v, which fixes the constant of a pressure; collective */
-PetscErrorCode VecRemoveMean(Vec v)
+/*
+  FluidSum - Sums f^2 or f over the fluid of all ranks, weighted by volumes over that of a cell
+
+  Collective. The sum over particles->weight is a mean.
+*/
+PetscErrorCode FluidSum(const Particles *p, Vec f, PetscBool squared, PetscReal *sum)
 {
-  PetscScalar sum;
-  PetscInt    N;
+  const PetscScalar *value;
+  PetscReal          own = 0.0;
 
   PetscFunctionBegin;
-  PetscCall(VecGetSize(v, &N));
-  PetscCall(VecSum(v, &sum));
-  PetscCall(VecShift(v, -sum / (PetscReal)N));
+  PetscCall(VecGetArrayRead(f, &value));
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    own += ParticlesWeight(p, i) * (squared ? PetscSqr(value[i]) : value[i]);
+  PetscCall(VecRestoreArrayRead(f, &value));
+  PetscCallMPI(MPI_Allreduce(&own, sum, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FluidRemoveMean - Subtracts the mean over the volume of the fluid; collective */
+PetscErrorCode FluidRemoveMean(const Particles *p, Vec f)
+{
+  PetscReal sum;
+
+  PetscFunctionBegin;
+  PetscCall(FluidSum(p, f, PETSC_FALSE, &sum));
+  PetscCall(VecShift(f, -sum / p->weight));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

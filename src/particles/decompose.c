@@ -91,8 +91,8 @@ static PetscErrorCode GroupsStart(const Scene *scene, const Particles *p, PetscM
     for (PetscInt a = 1; a < dim; a++) {
       if (hi[a] - lo[a] > (1.0 + 1e-6) * (hi[g->axis] - lo[g->axis])) g->axis = a;
     }
-    g->low    = lo[g->axis] - 0.25 * scene->dx;
-    g->width  = (hi[g->axis] - lo[g->axis] + 0.5 * scene->dx) / BISECT_BINS;
+    g->low    = lo[g->axis] - 0.25 * SceneFinest(scene);
+    g->width  = (hi[g->axis] - lo[g->axis] + 0.5 * SceneFinest(scene)) / BISECT_BINS;
     g->cut    = 0.5 * (lo[g->axis] + hi[g->axis]);
     g->below  = 0.0;
     g->target = -1.0;
@@ -210,7 +210,7 @@ static PetscErrorCode Bisect(const Scene *scene, Particles *p, PetscMPIInt ranks
     PetscReal widest = PETSC_MAX_REAL;
 
     PetscCall(GroupsStart(scene, p, ranks, of, n_groups, groups));
-    while (widest > BISECT_FINENESS * scene->dx) {
+    while (widest > BISECT_FINENESS * SceneFinest(scene)) {
       PetscCall(GroupsZoom(p, of, n_groups, groups));
       widest = 0.0;
       for (PetscInt k = 0; k < n_groups; k++) {

@@ -97,13 +97,13 @@ typedef enum { CELL_FLUID, CELL_DUMMY, CELL_EMPTY } CellKind;
 
 /* Minimum distances of cell centres from the surface of a body: 0.4 dx for fluid if wall particles
    lie on the surface. */
-static PetscReal FluidClearance(const Scene *scene, WallPlacement walls)
+static PetscReal FluidClearance(WallPlacement walls, PetscReal dx)
 {
-  return (walls.layers && !walls.surface ? 0.25 : 0.4) * scene->dx;
+  return (walls.layers && !walls.surface ? 0.25 : 0.4) * dx;
 }
-static PetscReal DummyClearance(const Scene *scene, WallPlacement walls)
+static PetscReal DummyClearance(WallPlacement walls, PetscReal dx)
 {
-  return (walls.surface ? 0.5 : 0.25) * scene->dx;
+  return (walls.surface ? 0.5 : 0.25) * dx;
 }
 
 /*
@@ -113,36 +113,39 @@ static PetscReal DummyClearance(const Scene *scene, WallPlacement walls)
 static CellKind ClassifyCell(const Scene *scene, WallPlacement walls, PetscInt index, PetscReal x[],
                              PetscInt *body, PetscReal *depth, PetscReal normal[])
 {
-  PetscInt cell[ISPH_MAX_DIM];
+  PetscInt  cell[ISPH_MAX_DIM];
+  PetscReal dx;
 
   CellOf(scene->dim, scene->cells, index, cell);
   for (PetscInt a = 0; a < scene->dim; a++)
     x[a] = scene->lo[a] + (cell[a] + 0.5) * SceneCellSide(scene, a);
+  dx     = SceneSpacing(scene, x);
   *depth = -SceneDistance(scene, x, body, normal);
-  if (*depth <= -FluidClearance(scene, walls)) return CELL_FLUID;
-  if (*depth < DummyClearance(scene, walls)) return CELL_EMPTY;
-  return *depth < walls.layers * scene->dx ? CELL_DUMMY : CELL_EMPTY;
+  if (*depth <= -FluidClearance(walls, dx)) return CELL_FLUID;
+  if (*depth < DummyClearance(walls, dx)) return CELL_EMPTY;
+  return *depth < walls.layers * dx ? CELL_DUMMY : CELL_EMPTY;
 }
 
 /* Displaces a fluid particle at random; it stays 0.3 of a cell away from walls whose particles are
    not displaced. */
 static void JitterFluid(const Scene *scene, WallPlacement walls, PetscInt64 id, PetscReal x[])
 {
-  PetscReal normal[ISPH_MAX_DIM], distance;
-  PetscInt  body;
+  const PetscReal dx = SceneSpacing(scene, x);
+  PetscReal       normal[ISPH_MAX_DIM], distance;
+  PetscInt        body;
 
   if (scene->jitter == 0.0) return;
   for (PetscInt a = 0; a < scene->dim; a++) {
     const PetscReal side = scene->hi[a] - scene->lo[a], h = SceneCellSide(scene, a);
 
-    x[a] += scene->jitter * scene->dx * ParticlesHash(scene->seed, id, a);
+    x[a] += scene->jitter * dx * ParticlesHash(scene->seed, id, a);
     if (SceneIsPeriodic(scene, a)) x[a] -= side * PetscFloorReal((x[a] - scene->lo[a]) / side);
     else if (!walls.jittered)
       x[a] = PetscMin(PetscMax(x[a], scene->lo[a] + 0.3 * h), scene->hi[a] - 0.3 * h);
   }
   distance = SceneDistance(scene, x, &body, normal);
-  for (PetscInt a = 0; distance < 0.25 * scene->dx && a < scene->dim; a++)
-    x[a] += (0.25 * scene->dx - distance) * normal[a];
+  for (PetscInt a = 0; distance < 0.25 * dx && a < scene->dim; a++)
+    x[a] += (0.25 * dx - distance) * normal[a];
 }
 
 /*
@@ -168,7 +171,7 @@ static void WallParticle(const Scene *scene, WallPlacement walls, const WallSlab
                          PetscInt index, Particles *p, PetscInt i)
 {
   PetscInt  s       = 0, cell[ISPH_MAX_DIM], side;
-  PetscReal deepest = 0.0, volume = SceneVolume(scene);
+  PetscReal deepest = 0.0, volume = SceneVolume(scene), x[ISPH_MAX_DIM], dx;
 
   while (index >= slabs->first[s + 1]) s++;
   CellOf(scene->dim, slabs->count[s], index - slabs->first[s], cell);
@@ -181,23 +184,26 @@ static void WallParticle(const Scene *scene, WallPlacement walls, const WallSlab
     if (walls.layers == 0 || SceneIsPeriodic(scene, a)) continue;
     below = scene->lo[a] - p->x[a][i];
     above = p->x[a][i] - scene->hi[a];
-    if (PetscMax(below, above) > deepest + 1e-6 * scene->dx) {
+    if (PetscMax(below, above) > deepest + 1e-6 * SceneTolerance(scene)) {
       deepest = PetscMax(below, above);
       side    = 2 * a + (above > below);
     }
   }
   if (walls.layers == 0) p->x[side / 2][i] = side % 2 ? scene->hi[side / 2] : scene->lo[side / 2];
+  for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
+  dx = SceneSpacing(scene, x);
   for (PetscInt a = 0; a < scene->dim; a++) {
     p->normal[a][i] = 0.0;
     if (walls.jittered)
-      p->x[a][i] += scene->jitter * scene->dx * ParticlesHash(scene->seed, p->N_fluid + index, a);
+      p->x[a][i] += scene->jitter * dx * ParticlesHash(scene->seed, p->N_fluid + index, a);
   }
   p->normal[side / 2][i] = side % 2 ? -1.0 : 1.0;
   p->depth[i]            = deepest;
   p->side[i]             = (PetscReal)side;
   p->id[i]               = p->N_fluid + index;
   p->kind[i]             = PARTICLE_WALL;
-  if (p->volume) p->volume[i] = volume;
+  p->dx[i]               = dx;
+  p->volume[i]           = volume;
 }
 
 /* ParticlesShare - Computes the share [first, last) of this rank in n items */
@@ -240,11 +246,12 @@ static void BodyParticle(const Scene *scene, PetscInt body, const PetscReal x[],
     p->x[a][i]      = x[a];
     p->normal[a][i] = normal[a];
   }
-  p->depth[i] = depth;
-  p->side[i]  = (PetscReal)SceneBodySide(scene, body);
-  p->id[i]    = id;
-  p->kind[i]  = PARTICLE_WALL;
-  if (p->volume) p->volume[i] = volume;
+  p->depth[i]  = depth;
+  p->side[i]   = (PetscReal)SceneBodySide(scene, body);
+  p->id[i]     = id;
+  p->kind[i]   = PARTICLE_WALL;
+  p->dx[i]     = SceneSpacing(scene, x);
+  p->volume[i] = volume;
 }
 
 /* Returns the number of surface points of all bodies; zero if all layers are behind the surface. */
@@ -253,25 +260,30 @@ static PetscInt SurfacePoints(const Scene *scene, WallPlacement walls)
   PetscInt n = 0;
 
   if (walls.layers && !walls.surface) return 0;
-  for (PetscInt k = 0; k < scene->n_bodies; k++) n += BodyPoints(SceneBody(scene, k), scene->dx);
+  for (PetscInt k = 0; k < scene->n_bodies; k++)
+    n += BodyPoints(SceneBody(scene, k), BodySpacing(scene, SceneBody(scene, k)));
   return n;
 }
 
 /*
-  Writes surface point `index` of all bodies to local index i. The particle represents the band
-  between fluid cells and dummy cells.
+  Writes surface point `index` of all bodies to local index i. Before dummies the particle
+  represents the band between fluid cells and dummy cells, otherwise a cell.
 */
 static void SurfaceParticle(const Scene *scene, WallPlacement walls, PetscInt index, PetscInt id,
                             Particles *p, PetscInt i)
 {
-  const PetscReal band = FluidClearance(scene, walls) + DummyClearance(scene, walls);
-  PetscReal       x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM], length;
-  PetscInt        k = 0;
+  PetscReal x[ISPH_MAX_DIM] = {0.0}, normal[ISPH_MAX_DIM], length, dx, volume;
+  PetscInt  k               = 0;
 
-  while (index >= BodyPoints(SceneBody(scene, k), scene->dx))
-    index -= BodyPoints(SceneBody(scene, k++), scene->dx);
-  length = BodyPoint(SceneBody(scene, k), index, scene->dx, x, normal);
-  BodyParticle(scene, k, x, 0.0, normal, length * band, id, p, i);
+  while (index >= BodyPoints(SceneBody(scene, k), BodySpacing(scene, SceneBody(scene, k)))) {
+    index -= BodyPoints(SceneBody(scene, k), BodySpacing(scene, SceneBody(scene, k)));
+    k++;
+  }
+  dx     = BodySpacing(scene, SceneBody(scene, k));
+  length = BodyPoint(SceneBody(scene, k), index, dx, x, normal);
+  volume = length * (FluidClearance(walls, dx) + DummyClearance(walls, dx));
+  if (!walls.surface) volume = SceneVolumeAt(scene, x);
+  BodyParticle(scene, k, x, 0.0, normal, volume, id, p, i);
 }
 
 /*
@@ -288,10 +300,12 @@ static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, P
     const CellKind kind = ClassifyCell(scene, walls, c, x, &body, &depth, normal);
 
     if (kind == CELL_DUMMY)
-      BodyParticle(scene, body, x, depth, normal, SceneVolume(scene), dummy++, p, wall++);
+      BodyParticle(scene, body, x, depth, normal, SceneVolumeAt(scene, x), dummy++, p, wall++);
     if (kind != CELL_FLUID || fluid < 0) continue;
-    p->id[i]   = fluid + i;
-    p->kind[i] = PARTICLE_FLUID;
+    p->id[i]     = fluid + i;
+    p->kind[i]   = PARTICLE_FLUID;
+    p->dx[i]     = SceneSpacing(scene, x);
+    p->volume[i] = SceneVolumeAt(scene, x);
     JitterFluid(scene, walls, p->id[i], x);
     for (PetscInt a = 0; a < p->dim; a++) p->x[a][i] = x[a];
     i++;
@@ -299,11 +313,13 @@ static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, P
 }
 
 /* Creates fluid at given positions; ids are consecutive in the order of ranks. */
-static void FillGiven(const FluidStart *start, Particles *p)
+static void FillGiven(const Scene *scene, const FluidStart *start, Particles *p)
 {
   for (PetscInt i = 0; i < start->n; i++) {
-    p->id[i]   = start->first + i;
-    p->kind[i] = PARTICLE_FLUID;
+    p->id[i]     = start->first + i;
+    p->kind[i]   = PARTICLE_FLUID;
+    p->dx[i]     = SceneSpacing(scene, &start->x[i * p->dim]);
+    p->volume[i] = SceneVolumeAt(scene, &start->x[i * p->dim]);
     for (PetscInt a = 0; a < p->dim; a++) {
       p->x[a][i] = start->x[i * p->dim + a];
       if (start->u) p->u[a][i] = start->u[i * p->dim + a];
@@ -317,7 +333,7 @@ static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
   PetscFunctionBegin;
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
     const Body     *body = SceneBody(scene, k);
-    const PetscReal want = walls.layers * scene->dx;
+    const PetscReal want = walls.layers * BodySpacing(scene, body);
 
     for (PetscInt a = 0; a < 2 && body->around; a++) {
       const char *const larger = scene->problem->typed ? "a larger -scene_box or " : "";
@@ -325,7 +341,7 @@ static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
 
       BodySpan(body, a, span);
       room = PetscMin(span[0] - scene->lo[a], scene->hi[a] - span[1]);
-      UserCheck(room >= want - 1e-9 * scene->dx,
+      UserCheck(room >= want - 1e-9 * SceneTolerance(scene),
                 "body %" PetscInt_FMT " has the fluid inside, and the box leaves %.4g m behind it "
                 "along %c; its wall takes %.4g m; use %sa smaller -h_over_dx",
                 k + 1, (double)room, "xy"[a], (double)want, larger);
@@ -347,8 +363,8 @@ static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
 - p     - own fields registered
 
   Output Parameter:
-. p - counts, next_id, and own particles with id, kind, x, normal, depth, side and volume, not yet
-      on their owners. Ids: fluid, then walls of the box, then bodies.
+. p - counts, next_id, and own particles with id, kind, x, dx, volume, normal, depth and side, not
+      yet on their owners. Ids: fluid, then walls of the box, then bodies.
 */
 PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidStart *start,
                            Particles *p)
@@ -381,6 +397,6 @@ PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidS
     SurfaceParticle(scene, walls, k, p->N_fluid + slabs.first[slabs.n] + k, p, wall++);
   dummy = p->N_fluid + slabs.first[slabs.n] + SurfacePoints(scene, walls) + before[1];
   FillCells(scene, walls, first, last, start ? -1 : before[0], wall, dummy, p);
-  if (start) FillGiven(start, p);
+  if (start) FillGiven(scene, start, p);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -96,7 +96,7 @@ static PetscErrorCode UnpackRecords(Particles *p, PetscInt n, const PetscReal re
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Numbers own fluid and own wall particles consecutively over ranks. */
+/* Numbers own fluid and own wall particles consecutively over ranks, and sums weights. */
 static PetscErrorCode NumberParticles(Particles *p)
 {
   PetscInt n[2] = {p->n_fluid, p->n_wall}, start[2] = {0, 0};
@@ -105,7 +105,12 @@ static PetscErrorCode NumberParticles(Particles *p)
   PetscCallMPI(MPI_Exscan(n, start, 2, MPIU_INT, MPI_SUM, p->comm));
   p->fluid_start = start[0];
   p->wall_start  = start[1];
-  for (PetscInt i = 0; i < p->n_fluid; i++) p->row[i] = p->fluid_start + i;
+  p->weight      = 0.0;
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    p->row[i] = p->fluid_start + i;
+    p->weight += ParticlesWeight(p, i);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &p->weight, 1, MPIU_REAL, MPIU_SUM, p->comm));
   for (PetscInt w = 0; w < p->n_wall; w++) p->row[p->n_fluid + w] = p->wall_start + w;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

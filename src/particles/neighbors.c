@@ -14,17 +14,20 @@
 
   Not collective
 
-  Input Parameter:
-. radius - pairs closer than this are neighbours [m]; at most Particles.halo_width
+  Input Parameters:
++ radius  - the largest; pairs closer than the larger of their radii are neighbours [m]; at most
+            Particles.halo_width
+- spacing - of particles that have it; radii are in proportion to spacings [m]
 
   Output Parameter:
 . neighbors - filled by NeighborsUpdate()
 */
-PetscErrorCode NeighborsCreate(PetscReal radius, Neighbors **neighbors)
+PetscErrorCode NeighborsCreate(PetscReal radius, PetscReal spacing, Neighbors **neighbors)
 {
   PetscFunctionBegin;
   PetscCall(PetscNew(neighbors));
-  (*neighbors)->radius = radius;
+  (*neighbors)->radius  = radius;
+  (*neighbors)->spacing = spacing;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -41,6 +44,7 @@ PetscErrorCode NeighborsDestroy(Neighbors **neighbors)
   if (!nb) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree(nb->row));
   PetscCall(PetscFree(nb->col));
+  PetscCall(PetscFree(nb->reach2));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(nb->x_built[a]));
   PetscCall(CellsFree(&nb->cells));
   PetscCall(PetscFree(*neighbors));
@@ -70,9 +74,11 @@ static PetscErrorCode ReserveColumns(PetscInt n, Neighbors *nb)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends to col the particles of cell list entries [begin, end) within reach of x, except i. */
-static inline PetscInt ScanRun(const Cells *cells, PetscInt begin, PetscInt end,
-                               const PetscReal x[], PetscReal reach2, PetscInt i, PetscInt col[])
+/* Appends to col the particles of cell list entries [begin, end) within reach of x, its own or
+   theirs, except i. */
+static inline PetscInt ScanRun(const Cells *cells, const PetscReal reach2[], PetscInt begin,
+                               PetscInt end, const PetscReal x[], PetscReal own2, PetscInt i,
+                               PetscInt col[])
 {
   const PetscReal *x0 = cells->x[0], *x1 = cells->x[1], *x2 = cells->x[2];
   PetscInt         n = 0;
@@ -81,13 +87,13 @@ static inline PetscInt ScanRun(const Cells *cells, PetscInt begin, PetscInt end,
     for (PetscInt k = begin; k < end; k++) {
       const PetscReal d0 = x0[k] - x[0], d1 = x1[k] - x[1];
       col[n] = cells->list[k];
-      n += (d0 * d0 + d1 * d1 < reach2) & (col[n] != i);
+      n += (d0 * d0 + d1 * d1 < PetscMax(own2, reach2[k])) & (col[n] != i);
     }
   } else {
     for (PetscInt k = begin; k < end; k++) {
       const PetscReal d0 = x0[k] - x[0], d1 = x1[k] - x[1], d2 = x2[k] - x[2];
       col[n] = cells->list[k];
-      n += (d0 * d0 + d1 * d1 + d2 * d2 < reach2) & (col[n] != i);
+      n += (d0 * d0 + d1 * d1 + d2 * d2 < PetscMax(own2, reach2[k])) & (col[n] != i);
     }
   }
   return n;
@@ -111,7 +117,7 @@ static PetscErrorCode SortRow(PetscInt n, PetscInt col[])
 }
 
 /* Appends row i: three cells along the first axis are contiguous in the list. */
-static PetscErrorCode BuildRow(const Particles *p, PetscInt i, PetscReal reach2, Neighbors *nb)
+static PetscErrorCode BuildRow(const Particles *p, PetscInt i, PetscReal own2, Neighbors *nb)
 {
   const Cells *cells               = &nb->cells;
   PetscInt     first[ISPH_MAX_DIM] = {0}, last[ISPH_MAX_DIM] = {0}, n = nb->row[i];
@@ -132,12 +138,18 @@ static PetscErrorCode BuildRow(const Particles *p, PetscInt i, PetscReal reach2,
       const PetscInt begin = cells->start[cell + first[0]], end = cells->start[cell + last[0] + 1];
 
       PetscCall(ReserveColumns(n + end - begin + 1, nb));
-      n += ScanRun(cells, begin, end, x, reach2, i, &nb->col[n]);
+      n += ScanRun(cells, nb->reach2, begin, end, x, own2, i, &nb->col[n]);
     }
   }
   PetscCall(SortRow(n - nb->row[i], &nb->col[nb->row[i]]));
   nb->row[i + 1] = n;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns the square of radius and margin of local particle i [m^2]. */
+static inline PetscReal Reach2(const Particles *p, const Neighbors *nb, PetscInt i)
+{
+  return PetscSqr(nb->radius * (p->dx[i] / nb->spacing) + nb->margin);
 }
 
 /* Builds all rows for present positions. */
@@ -151,8 +163,11 @@ static PetscErrorCode BuildRows(const Particles *p, PetscReal step_length, Neigh
   reach = nb->radius + nb->margin;
   PetscCall(CellsBuild(p, reach, &nb->cells));
   PetscCall(ReserveRows(p->n_fluid, p->dim, nb));
+  PetscCall(PetscFree(nb->reach2));
+  PetscCall(PetscMalloc1(nb->cells.n, &nb->reach2));
+  for (PetscInt k = 0; k < nb->cells.n; k++) nb->reach2[k] = Reach2(p, nb, nb->cells.list[k]);
   nb->row[0] = 0;
-  for (PetscInt i = 0; i < p->n_fluid; i++) PetscCall(BuildRow(p, i, reach * reach, nb));
+  for (PetscInt i = 0; i < p->n_fluid; i++) PetscCall(BuildRow(p, i, Reach2(p, nb, i), nb));
   for (PetscInt a = 0; a < p->dim; a++) {
     PetscCall(PetscArraycpy(nb->x_built[a], p->x[a], p->n_fluid));
   }

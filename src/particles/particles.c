@@ -4,12 +4,14 @@
 */
 #include "impl.h"
 
-static PetscErrorCode RegisterOwnFields(const Scene *scene, WallPlacement walls, Particles *p)
+static PetscErrorCode RegisterOwnFields(const Scene *scene, Particles *p)
 {
   PetscFunctionBegin;
   PetscCall(ParticlesRegister(p, "x", p->dim, HALO_NONE, ENTRY_ZERO, p->x));
   PetscCall(ParticlesRegister(p, "u", p->dim, HALO_NONE, ENTRY_MEAN, p->u));
   PetscCall(ParticlesRegister(p, "x_epoch", p->dim, HALO_NONE, ENTRY_ZERO, p->x_epoch));
+  PetscCall(ParticlesRegister(p, "dx", 1, HALO_EPOCH, ENTRY_ZERO, &p->dx));
+  PetscCall(ParticlesRegister(p, "volume", 1, HALO_EPOCH, ENTRY_ZERO, &p->volume));
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
     PetscCall(ParticlesRegister(p, "p", 1, HALO_NONE, ENTRY_MEAN, &p->p));
   }
@@ -19,8 +21,6 @@ static PetscErrorCode RegisterOwnFields(const Scene *scene, WallPlacement walls,
     PetscCall(ParticlesRegister(p, "normal", p->dim, HALO_EPOCH, ENTRY_ZERO, p->normal));
     PetscCall(ParticlesRegister(p, "depth", 1, HALO_EPOCH, ENTRY_ZERO, &p->depth));
     PetscCall(ParticlesRegister(p, "side", 1, HALO_EPOCH, ENTRY_ZERO, &p->side));
-    if (walls.surface)
-      PetscCall(ParticlesRegister(p, "volume", 1, HALO_EPOCH, ENTRY_ZERO, &p->volume));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -74,14 +74,15 @@ PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscRea
   PetscOptionsEnd();
 
   PetscCall(PetscNew(&p));
-  p->comm       = PETSC_COMM_WORLD;
-  p->dim        = scene->dim;
-  p->halo_width = halo_width;
-  p->skin       = skin * scene->dx;
+  p->comm        = PETSC_COMM_WORLD;
+  p->dim         = scene->dim;
+  p->halo_width  = halo_width;
+  p->cell_volume = SceneVolume(scene);
+  p->skin        = skin * scene->dx;
   PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
   PetscCall(PetscCalloc2(ranks, &p->cut_axis, ranks, &p->cut));
   PetscCall(PetscSFCreate(p->comm, &p->sf));
-  PetscCall(RegisterOwnFields(scene, walls, p));
+  PetscCall(RegisterOwnFields(scene, p));
 
   PetscCall(LatticeFill(scene, walls, start, p));
   SetViscosities(scene, start, p);

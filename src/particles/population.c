@@ -104,8 +104,8 @@ static PetscReal SurroundingsMean(const Surroundings *near, const PetscReal valu
 }
 
 /* Fills the record of new particle k. */
-static PetscErrorCode FillRecord(const Particles *p, const NewParticles *added, PetscInt k,
-                                 Surroundings *near, PetscReal record[])
+static PetscErrorCode FillRecord(const Scene *scene, const Particles *p, const NewParticles *added,
+                                 PetscInt k, Surroundings *near, PetscReal record[])
 {
   const PetscReal *x     = &added->x[k * p->dim];
   PetscReal       *value = &record[RECORD_FIELDS];
@@ -117,6 +117,8 @@ static PetscErrorCode FillRecord(const Particles *p, const NewParticles *added, 
 
     for (PetscInt c = 0; c < field->components; c++) {
       if (field->slot == p->x || field->slot == p->x_epoch) value[c] = x[c];
+      else if (field->slot == &p->dx) value[c] = SceneSpacing(scene, x);
+      else if (field->slot == &p->volume) value[c] = SceneVolumeAt(scene, x);
       else value[c] = field->entry == ENTRY_MEAN ? SurroundingsMean(near, field->slot[c]) : 0.0;
     }
     if (added->Value && field->slot != p->x && field->slot != p->x_epoch)
@@ -138,9 +140,10 @@ static PetscErrorCode FillRecord(const Particles *p, const NewParticles *added, 
 . first - id of the first new particle of this rank, whose other ids follow; may be NULL
 
   Notes:
-  Each field of a new particle has the value of its EntryPolicy unless Value() replaces it; Value()
-  is called for each field except positions. After an insertion the scheme's Begin reinitialises
-  the flow. Ids depend on the number of ranks. Means use halo values, hence the rule for positions.
+  Each field of a new particle has the value of its EntryPolicy, size and volume have the values of
+  the scene, unless Value() replaces it; Value() is called for each field except positions. After
+  an insertion the scheme's Begin reinitialises the flow. Ids depend on the number of ranks. Means
+  use halo values, hence the rule for positions.
 */
 PetscErrorCode ParticlesInsert(const Scene *scene, Particles *p, const NewParticles *added,
                                PetscInt64 *first)
@@ -165,7 +168,7 @@ PetscErrorCode ParticlesInsert(const Scene *scene, Particles *p, const NewPartic
 
     row[RECORD_ID]   = (PetscReal)(p->next_id + before + k);
     row[RECORD_KIND] = (PetscReal)added->kind;
-    PetscCall(FillRecord(p, added, k, &near, row));
+    PetscCall(FillRecord(scene, p, added, k, &near, row));
   }
   PetscCall(SurroundingsDestroy(&near));
   p->next_id += total;

@@ -23,7 +23,7 @@ static PetscErrorCode PatchBanner(const Patch *patch)
                                    (double)scene->dx, (double)scene->jitter));
   PetscCall(PetscViewerASCIIPrintf(out, "kernel      %s, h/dx = %.4g\n",
                                    patch->ops->forms.kernel->name,
-                                   (double)(patch->ops->forms.h / scene->dx)));
+                                   (double)(patch->ops->forms.h_over_dx)));
   PetscCall(PetscViewerASCIIPrintf(out, "form        %s: %s\n", form->row->name, form->row->brief));
   PetscCall(PetscViewerASCIIPrintf(out, "correction  %s\n", OperatorsCorrection(patch->ops)));
   if (patch->ops->regularised_rows) {
@@ -153,7 +153,7 @@ static PetscErrorCode PatchCreate(Scene *scene, Patch *patch)
   PetscCall(PatchReadOptions(patch));
   PetscCall(OperatorsPlacement(scene, patch->ops, &around));
   PetscCall(ParticlesCreate(scene, around, patch->ops->forms.reach, NULL, &patch->particles));
-  PetscCall(NeighborsCreate(patch->ops->forms.radius, &patch->neighbors));
+  PetscCall(NeighborsCreate(patch->ops->forms.radius, SceneCoarsest(scene), &patch->neighbors));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -111,14 +111,15 @@ static PetscErrorCode WriteHistory(const Run *run, Hdf5File *file, uint64_t *sum
 /* Writes the state except the particles. */
 static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
 {
-  const Particles *p      = run->flow.particles;
-  const Scene     *scene  = run->flow.scene;
-  const Memory    *memory = &run->flow.scheme->memory;
-  const int        format = CHECKPOINT_FORMAT, dim = (int)p->dim;
-  const long long  N_fluid = p->N_start[0], N_wall = p->N_start[1], next_id = p->next_id;
-  const double     next = (double)next_id;
-  double           numbers[SCENE_NUMBERS], values[MEMORY_MAX];
-  char             names[MEMORY_MAX * 32];
+  const Particles  *p      = run->flow.particles;
+  const Scene      *scene  = run->flow.scene;
+  const Memory     *memory = &run->flow.scheme->memory;
+  const int         format = CHECKPOINT_FORMAT, dim = (int)p->dim;
+  const long long   N_fluid = p->N_start[0], N_wall = p->N_start[1], next_id = p->next_id;
+  const double      next = (double)next_id;
+  const SceneEntry *entry;
+  double            numbers[SCENE_ENTRY_MAX], values[MEMORY_MAX];
+  char              names[MEMORY_MAX * 32];
 
   PetscFunctionBegin;
   PetscCall(Hdf5WriteNumber(file, "format", H5T_NATIVE_INT, &format));
@@ -135,8 +136,10 @@ static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
   PetscCall(CheckpointMemory(memory, names, sizeof(names)));
   PetscCall(Hdf5WriteText(file, file->file, "memory_names", names));
   CheckpointSumText(names, sum);
-  PetscCall(CheckpointScene(scene, numbers));
-  PetscCall(WriteTable(file, "scene", 1, SCENE_NUMBERS, numbers, sum));
+  for (PetscInt k = 0; (entry = CheckpointSceneEntry(k)); k++) {
+    PetscCall(entry->Compute(scene, numbers));
+    PetscCall(WriteTable(file, entry->name, 1, entry->n, numbers, sum));
+  }
   MemoryGet(memory, values);
   PetscCall(WriteTable(file, "memory", 1, memory->n, values, sum));
   PetscCall(WriteHistory(run, file, sum));

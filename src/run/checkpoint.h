@@ -5,8 +5,17 @@
 #include "impl.h"
 #include "isph/hdf5file.h"
 
-#define CHECKPOINT_FORMAT 7                      /* version of the file's contents */
-#define SCENE_NUMBERS     (2 * ISPH_MAX_DIM + 3) /* box, spacing, bodies, viscosities */
+#define CHECKPOINT_FORMAT 9 /* version of the file's contents */
+
+/* Numbers that identify a scene in the file; a restart refuses others. One row of a table each. */
+#define SCENE_ENTRY_MAX (2 * ISPH_MAX_DIM)
+typedef struct {
+  const char *name;      /* of the data set */
+  PetscInt    n;         /* numbers, at most SCENE_ENTRY_MAX */
+  PetscReal   tolerance; /* of their difference [SceneTolerance()]; 0: they must be equal */
+  const char *refusal;   /* sentence for a file with other numbers */
+  PetscErrorCode (*Compute)(const Scene *scene, double value[]);
+} SceneEntry;
 
 struct Checkpoints {
   char      path[PETSC_MAX_PATH_LEN];    /* empty: no checkpoints */
@@ -16,12 +25,12 @@ struct Checkpoints {
   PetscInt  step;                        /* step of the last checkpoint; -1: none */
 };
 
-PetscErrorCode CheckpointMemory(const Memory *memory, char names[], size_t length);
-PetscErrorCode CheckpointRecord(const Particles *particles, char names[], size_t length);
-PetscErrorCode CheckpointScene(const Scene *scene, double box[SCENE_NUMBERS]);
-void           CheckpointSumNumbers(PetscInt n, const double numbers[], uint64_t *sum);
-void           CheckpointSumText(const char text[], uint64_t *sum);
-PetscErrorCode CheckpointSumRecords(PetscInt n, PetscInt width, const PetscReal record[],
-                                    uint64_t *sum);
+PetscErrorCode    CheckpointMemory(const Memory *memory, char names[], size_t length);
+PetscErrorCode    CheckpointRecord(const Particles *particles, char names[], size_t length);
+const SceneEntry *CheckpointSceneEntry(PetscInt k);
+void              CheckpointSumNumbers(PetscInt n, const double numbers[], uint64_t *sum);
+void              CheckpointSumText(const char text[], uint64_t *sum);
+PetscErrorCode    CheckpointSumRecords(PetscInt n, PetscInt width, const PetscReal record[],
+                                       uint64_t *sum);
 
 #endif

@@ -63,29 +63,26 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a file with another box, spacing, bodies or viscosities; adds them to the checksum. */
+/* Refuses a file of another scene, entry by entry; adds the entries to the checksum. */
 static PetscErrorCode CheckScene(const Run *run, const char path[], Hdf5File *file, uint64_t *sum)
 {
-  double     own[SCENE_NUMBERS];
-  PetscReal *scene;
-  PetscBool  same = PETSC_TRUE, bodies, viscosity;
+  const Scene      *scene = run->flow.scene;
+  const SceneEntry *entry;
 
   PetscFunctionBegin;
-  PetscCall(CheckpointScene(run->flow.scene, own));
-  PetscCall(ReadTable(file, "scene", 1, SCENE_NUMBERS, &scene, sum));
-  for (PetscInt k = 0; k < SCENE_NUMBERS - 2; k++)
-    same = same && PetscAbsReal(scene[k] - own[k]) <= 1e-9 * run->flow.scene->dx ? PETSC_TRUE
-                                                                                 : PETSC_FALSE;
-  bodies    = scene[SCENE_NUMBERS - 2] == own[SCENE_NUMBERS - 2] ? PETSC_TRUE : PETSC_FALSE;
-  viscosity = scene[SCENE_NUMBERS - 1] == own[SCENE_NUMBERS - 1] ? PETSC_TRUE : PETSC_FALSE;
-  PetscCall(PetscFree(scene));
-  UserCheck(file->failed || same, "-restart %s: the file has another box or spacing", path);
-  UserCheck(file->failed || bodies, "-restart %s: the file has other bodies", path);
-  UserCheck(
-      file->failed || viscosity,
-      "-restart %s: particles carry the viscosities of the file's run; use the same -viscosity "
-      "(or -reynolds), -viscosity_field and -scene_fluid_ options",
-      path);
+  for (PetscInt k = 0; (entry = CheckpointSceneEntry(k)); k++) {
+    const PetscReal most = entry->tolerance * SceneTolerance(scene);
+    double          own[SCENE_ENTRY_MAX];
+    PetscReal      *stored;
+    PetscBool       same = PETSC_TRUE;
+
+    PetscCall(entry->Compute(scene, own));
+    PetscCall(ReadTable(file, entry->name, 1, entry->n, &stored, sum));
+    for (PetscInt n = 0; n < entry->n; n++)
+      same = same && PetscAbsReal(stored[n] - own[n]) <= most ? PETSC_TRUE : PETSC_FALSE;
+    PetscCall(PetscFree(stored));
+    UserCheck(file->failed || same, "-restart %s: %s", path, entry->refusal);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

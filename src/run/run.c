@@ -56,7 +56,7 @@ static PetscErrorCode RunFill(Run *run, const char path[], const FluidStart *sta
     PetscCall(SceneBoundGivenViscosity(flow->particles->n_fluid, flow->particles->nu, flow->scene));
   }
   PetscCall(SchemeRegister(flow));
-  PetscCall(NeighborsCreate(flow->ops->forms.radius, &flow->neighbors));
+  PetscCall(NeighborsCreate(flow->ops->forms.radius, SceneCoarsest(flow->scene), &flow->neighbors));
   PetscCall(StartCheck(flow->scene, path, flow->particles, flow->neighbors));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

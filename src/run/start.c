@@ -176,7 +176,7 @@ PetscErrorCode StartFree(FluidStart *start)
 */
 PetscErrorCode StartCheck(const Scene *scene, const char path[], const Particles *p, Neighbors *nb)
 {
-  PetscReal closest = PetscSqr(nb->radius);
+  PetscReal closest = PetscSqr(nb->radius / nb->spacing);
 
   PetscFunctionBegin;
   if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
@@ -186,11 +186,11 @@ PetscErrorCode StartCheck(const Scene *scene, const char path[], const Particles
       PetscReal square = 0.0;
 
       for (PetscInt a = 0; a < p->dim; a++) square += PetscSqr(p->x[a][nb->col[k]] - p->x[a][i]);
-      closest = PetscMin(closest, square);
+      closest = PetscMin(closest, square / PetscSqr(p->dx[i]));
     }
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &closest, 1, MPIU_REAL, MPIU_MIN, p->comm));
-  closest = PetscSqrtReal(closest) / scene->dx;
+  closest = PetscSqrtReal(closest);
   UserCheck(closest >= START_CLOSEST,
             "-particles %s: two particles are %.2g dx apart; at least %.2g dx is allowed", path,
             (double)closest, START_CLOSEST);

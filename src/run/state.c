@@ -1,4 +1,4 @@
-/* Numbers that verify a checkpoint: names, numbers of the scene, checksums. */
+/* Numbers that verify a checkpoint: names, checksums, and the table of what identifies a scene. */
 #include "checkpoint.h"
 #include <string.h>
 
@@ -25,49 +25,7 @@ static PetscErrorCode SumOption(const char option[], uint64_t *sum)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  CheckpointScene - Computes the numbers that identify the scene of a checkpoint
-
-  Collective. The numbers are: corners of the box and spacing; a checksum of the bodies' shapes;
-  and, if particles carry viscosities, which options of a restart would not change, a checksum of
-  them, otherwise zero.
-*/
-PetscErrorCode CheckpointScene(const Scene *scene, double numbers[SCENE_NUMBERS])
-{
-  uint64_t sum = 0, bodies = 0;
-
-  PetscFunctionBegin;
-  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
-    numbers[2 * a]     = scene->lo[a];
-    numbers[2 * a + 1] = scene->hi[a];
-  }
-  numbers[SCENE_NUMBERS - 3] = scene->dx;
-  for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    const Body *body = SceneBody(scene, k);
-
-    CheckpointSumText(body->shape->name, &bodies);
-    CheckpointSumNumbers(body->n, body->parameter, &bodies);
-  }
-  numbers[SCENE_NUMBERS - 2] = (double)(bodies >> 16); /* a double holds 48 bits exactly */
-  if (SceneViscosityVaries(scene) && SceneIsNewtonian(scene)) {
-    const double nu = scene->nu;
-
-    CheckpointSumNumbers(1, &nu, &sum);
-    PetscCall(SumOption("-viscosity_field", &sum));
-    for (PetscInt k = 1; k <= scene->n_regions; k++) {
-      char option[64];
-
-      PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_fluid_%" PetscInt_FMT, k));
-      PetscCall(SumOption(option, &sum));
-      CheckpointSumNumbers(1, &scene->region_nu[k - 1], &sum);
-    }
-  }
-  numbers[SCENE_NUMBERS - 1] = (double)(sum >> 16);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* CheckpointRecord - Writes the names of a record's numbers, "id,kind,x:2,u:2,p:1"; not
-   collective */
+/* CheckpointRecord - Writes the names of a record, "id,kind,x:2,u:2,p:1"; not collective */
 PetscErrorCode CheckpointRecord(const Particles *p, char names[], size_t length)
 {
   PetscFunctionBegin;
@@ -131,4 +89,88 @@ PetscErrorCode CheckpointSumRecords(PetscInt n, PetscInt width, const PetscReal 
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &records, 1, MPI_UINT64_T, MPI_SUM, PETSC_COMM_WORLD));
   *sum += records;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SceneBox(const Scene *scene, double value[])
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    value[2 * a]     = scene->lo[a];
+    value[2 * a + 1] = scene->hi[a];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SceneReferenceSpacing(const Scene *scene, double value[])
+{
+  PetscFunctionBegin;
+  value[0] = scene->dx;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes a checksum of the bodies' shapes. */
+static PetscErrorCode SceneShapes(const Scene *scene, double value[])
+{
+  uint64_t sum = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < scene->n_bodies; k++) {
+    const Body *body = SceneBody(scene, k);
+
+    CheckpointSumText(body->shape->name, &sum);
+    CheckpointSumNumbers(body->n, body->parameter, &sum);
+  }
+  value[0] = (double)(sum >> 16); /* a double holds 48 bits exactly */
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes a checksum of the viscosities if particles carry them, otherwise zero: options of a
+   restart would not change those. */
+static PetscErrorCode SceneViscosities(const Scene *scene, double value[])
+{
+  const double nu  = scene->nu;
+  uint64_t     sum = 0;
+
+  PetscFunctionBegin;
+  value[0] = 0.0;
+  if (!SceneViscosityVaries(scene) || !SceneIsNewtonian(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  CheckpointSumNumbers(1, &nu, &sum);
+  PetscCall(SumOption("-viscosity_field", &sum));
+  for (PetscInt k = 1; k <= scene->n_regions; k++) {
+    char option[64];
+
+    PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_fluid_%" PetscInt_FMT, k));
+    PetscCall(SumOption(option, &sum));
+    CheckpointSumNumbers(1, &scene->region_nu[k - 1], &sum);
+  }
+  value[0] = (double)(sum >> 16);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const SceneEntry entries[] = {
+    {.name      = "scene_box",
+     .n         = 2 * ISPH_MAX_DIM,
+     .tolerance = 1e-9,
+     .refusal   = "the file has another box or spacing",
+     .Compute   = SceneBox},
+    {.name      = "scene_spacing",
+     .n         = 1,
+     .tolerance = 1e-9,
+     .refusal   = "the file has another box or spacing",
+     .Compute   = SceneReferenceSpacing},
+    {.name    = "scene_bodies",
+     .n       = 1,
+     .refusal = "the file has other bodies",
+     .Compute = SceneShapes},
+    {.name    = "scene_viscosities",
+     .n       = 1,
+     .refusal = "particles carry the viscosities of the file's run; use the same -viscosity "
+                "(or -reynolds), -viscosity_field and -scene_fluid_ options",
+     .Compute = SceneViscosities},
+};
+
+/* CheckpointSceneEntry - Returns entry k of the identity of a scene, NULL beyond the last */
+const SceneEntry *CheckpointSceneEntry(PetscInt k)
+{
+  return k < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(entries) ? &entries[k] : NULL;
 }

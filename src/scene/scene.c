@@ -54,12 +54,60 @@ PetscReal SceneCellSide(const Scene *scene, PetscInt axis)
   return (scene->hi[axis] - scene->lo[axis]) / scene->cells[axis];
 }
 
-/* SceneVolume - Returns the volume of each particle: a lattice cell [m^dim] */
+/*
+  SceneSpacing - Returns the particle spacing wanted at x [m]
+
+  It is uniform today. A particle takes it when it is made and keeps its own afterwards
+  (Particles.dx); dimensionless numbers and options are in units of the reference spacing scene->dx.
+*/
+PetscReal SceneSpacing(const Scene *scene, const PetscReal x[])
+{
+  (void)x;
+  return scene->dx;
+}
+
+/* BodySpacing - Returns the spacing of points on a body's surface, wanted at its centre [m] */
+PetscReal BodySpacing(const Scene *scene, const Body *body)
+{
+  const PetscReal x[ISPH_MAX_DIM] = {body->centre[0], body->centre[1]};
+
+  return SceneSpacing(scene, x);
+}
+
+/* SceneCoarsest - Returns the largest spacing wanted anywhere, which bounds kernel radii [m] */
+PetscReal SceneCoarsest(const Scene *scene)
+{
+  return scene->dx;
+}
+
+/* SceneFinest - Returns the smallest spacing wanted anywhere, which bounds steps [m] */
+PetscReal SceneFinest(const Scene *scene)
+{
+  return scene->dx;
+}
+
+/* SceneTolerance - Returns the reference length of geometric tolerances [m] */
+PetscReal SceneTolerance(const Scene *scene)
+{
+  return SceneFinest(scene);
+}
+
+/* SceneVolume - Returns the volume of a cell of the lattice of the reference spacing [m^dim] */
 PetscReal SceneVolume(const Scene *scene)
 {
   PetscReal volume = 1.0;
 
   for (PetscInt a = 0; a < scene->dim; a++) volume *= SceneCellSide(scene, a);
+  return volume;
+}
+
+/* SceneVolumeAt - Returns the volume of a particle made at x [m^dim] */
+PetscReal SceneVolumeAt(const Scene *scene, const PetscReal x[])
+{
+  const PetscReal ratio  = SceneSpacing(scene, x) / scene->dx;
+  PetscReal       volume = SceneVolume(scene);
+
+  for (PetscInt a = 0; a < scene->dim; a++) volume *= ratio;
   return volume;
 }
 

@@ -27,26 +27,30 @@ static PetscErrorCode MeasureDivergence(Flow *flow, const Vec u[], PetscReal *la
 */
 static PetscErrorCode MeasureFlow(Flow *flow, const Vec u[])
 {
-  const Scene       *scene = flow->scene;
-  const Particles   *p     = flow->particles;
-  Scheme            *s     = flow->scheme;
-  PetscReal          sum = 0.0, most[2] = {0.0, flow->walls.speed_bound};
+  const Scene       *scene  = flow->scene;
+  const Particles   *p      = flow->particles;
+  Scheme            *s      = flow->scheme;
+  const PetscReal    finest = SceneFinest(scene);
+  PetscReal          sum = 0.0, most[3] = {0.0, flow->walls.speed_bound, 0.0};
   const PetscScalar *v[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecGetArrayRead(u[a], &v[a]));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal speed2 = 0.0;
+    PetscReal speed2 = 0.0, speed;
 
     for (PetscInt a = 0; a < scene->dim; a++) speed2 += PetscSqr(v[a][i]);
-    sum += speed2;
-    most[0] = PetscMax(most[0], PetscSqrtReal(speed2));
+    sum += ParticlesWeight(p, i) * speed2;
+    speed   = PetscSqrtReal(speed2);
+    most[0] = PetscMax(most[0], speed);
+    most[2] = PetscMax(most[2], speed * (finest / p->dx[i]));
   }
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(u[a], &v[a]));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, p->comm));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, 2, MPIU_REAL, MPIU_MAX, p->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, 3, MPIU_REAL, MPIU_MAX, p->comm));
   s->stats.kinetic_energy = 0.5 * scene->rho * SceneVolume(scene) * sum;
   s->stats.speed_max      = most[0];
+  s->stats.pace_max       = most[2];
   s->bound.walls          = PetscMax(s->bound.walls, most[1]);
   if (p->p) PetscCall(MeasureDivergence(flow, u, &s->stats.divergence));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -152,6 +156,7 @@ PetscErrorCode FlowRemember(Flow *flow)
 
   PetscFunctionBegin;
   PetscCall(MemoryAddReal(memory, "speed_max", &stats->speed_max));
+  PetscCall(MemoryAddReal(memory, "pace_max", &stats->pace_max));
   PetscCall(MemoryAddReal(memory, "force_max", &stats->force_max));
   PetscCall(MemoryAddReal(memory, "kinetic_energy", &stats->kinetic_energy));
   PetscCall(MemoryAddReal(memory, "divergence", &stats->divergence));

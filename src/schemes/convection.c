@@ -22,7 +22,7 @@ PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, cons
 /*
   ConvectionApply - Computes the convective term of fixed particles, with the velocity filter
 
-    (v.grad u)_i + S max(0, |v_i|/dx - 2 nu/dx^2) (u - fit)_i
+    (v.grad u)_i + S max(0, |v_i|/dx_i - 2 nu/dx_i^2) (u - fit)_i
 
   Collective. S is -velocity_filter, and fit the least-squares value of u at particle i. The second
   term is the difference between upwind-biased and central differences. It damps grid modes in the
@@ -45,6 +45,7 @@ PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], PetscInt c, Vec 
   const Scene             *scene = flow->scene;
   const VelocityOperators *of    = OperatorsOfVelocity(flow->ops, c);
   const PetscScalar       *at[ISPH_MAX_DIM];
+  const PetscReal         *dx = flow->particles->dx;
   const PetscReal          nu = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low : 0.0;
   PetscScalar             *residual, *sum;
   PetscInt                 n;
@@ -61,8 +62,8 @@ PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], PetscInt c, Vec 
     PetscReal speed2 = 0.0;
 
     for (PetscInt a = 0; a < scene->dim; a++) speed2 += PetscSqr(at[a][i]);
-    sum[i] += flow->state->velocity_filter / scene->dx *
-              PetscMax(0.0, PetscSqrtReal(speed2) - 2.0 * nu / scene->dx) * residual[i];
+    sum[i] += flow->state->velocity_filter / dx[i] *
+              PetscMax(0.0, PetscSqrtReal(speed2) - 2.0 * nu / dx[i]) * residual[i];
   }
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(v[a], &at[a]));
   PetscCall(VecRestoreArray(result, &sum));

@@ -5,10 +5,10 @@
 #include "step.h"
 
 /* GaugeRemove - Removes the mean of a pressure with undetermined constant; collective */
-PetscErrorCode GaugeRemove(Vec p)
+PetscErrorCode GaugeRemove(const Particles *particles, Vec p)
 {
   PetscFunctionBegin;
-  PetscCall(VecRemoveMean(p));
+  PetscCall(FluidRemoveMean(particles, p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

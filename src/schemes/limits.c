@@ -16,7 +16,7 @@ PetscReal ClockExplicitLimit(const Scene *scene, PetscReal support_radius)
 /*
   FlowLimit - Limits the step by advection and by the body force
 
-    dt <= C dx/max(U, speed),   dt <= max(sqrt(C dx/|f|), C dx r/|f|)
+    dt <= C min_i dx_i/max(U, |u_i|),   dt <= max(sqrt(C dx/|f|), C dx r/|f|), dx the finest
 
   Not collective. A force alone moves a particle by f dt^2 in a step, or by f dt/r if walls at rest
   slow the flow at the rate r (SceneDecayRate()); so very viscous flows need no short steps. With
@@ -27,14 +27,14 @@ PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit)
   const Scene     *scene = flow->scene;
   const Clock     *clock = flow->clock;
   const StepStats *stats = &flow->scheme->stats;
-  const PetscReal  way   = clock->cfl * scene->dx;
+  const PetscReal  way   = clock->cfl * SceneFinest(scene);
 
   PetscFunctionBegin;
   if (!clock->adapt->follows) {
     StepLimitLower(limit, way / scene->speed, "advection with U");
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  StepLimitLower(limit, way / PetscMax(scene->speed, stats->speed_max), "advection");
+  StepLimitLower(limit, way / PetscMax(scene->speed, stats->pace_max), "advection");
   if (SceneHas(scene, PHYSICS_CONVECTION) && stats->force_max > 0.0) {
     StepLimitLower(limit,
                    PetscMax(PetscSqrtReal(way / stats->force_max),

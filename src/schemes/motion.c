@@ -7,9 +7,9 @@
 #define FILTER_RATE 2.0 /* factor of |A A|^(1/2) [-] */
 
 /* Moves a position out of the distance 0.3 dx from every wall. */
-static void KeepOffWalls(const Scene *scene, PetscReal x[])
+static void KeepOffWalls(const Scene *scene, PetscReal dx, PetscReal x[])
 {
-  const PetscReal clearance = 0.3 * scene->dx;
+  const PetscReal clearance = 0.3 * dx;
   WallPlane       planes[SCENE_MAX_BOUNDARIES];
   PetscInt        n;
 
@@ -102,17 +102,18 @@ static void ShiftParticle(const Flow *flow, const Slopes *slopes, PetscInt i, Pe
 {
   const Scene     *scene = flow->scene;
   const FlowState *state = flow->state;
+  const PetscReal  dx    = flow->particles->dx[i];
   PetscReal        gradient_c[ISPH_MAX_DIM], rate2 = 0.0;
 
   for (PetscInt a = 0; a < scene->dim; a++) {
     gradient_c[a] = flow->ops->concentration.gradient[a][i];
     for (PetscInt c = 0; c < scene->dim; c++) rate2 += PetscSqr(slopes->u[c][a][i]);
   }
-  state->shift->Displace(scene, state->shift_strength, flow->scheme->stats.speed_max,
+  state->shift->Displace(scene->dim, dx, state->shift_strength, flow->scheme->stats.speed_max,
                          PetscSqrtReal(rate2), flow->clock->dt, gradient_c, shift);
   for (PetscInt a = 0; a < scene->dim; a++) {
     if (flow->clock->step == 0)
-      shift[a] += state->shift->disturbance * scene->dx *
+      shift[a] += state->shift->disturbance * dx *
                   ParticlesHash(scene->seed + 1, flow->particles->id[i], a);
   }
 }
@@ -157,25 +158,25 @@ static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i,
   for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * slopes->residual[c][i];
 }
 
-/* Fails the step if a particle moved too far; collective. */
+/* Fails the step if a particle moved by more of its spacing than is allowed; collective. */
 static PetscErrorCode CheckMove(Flow *flow, PetscReal moved)
 {
-  const PetscReal dx = flow->scene->dx, most = flow->clock->move_max;
+  const PetscReal most = flow->clock->move_max;
   char            where[CLOCK_WHERE];
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &moved, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
-  if (moved <= most * dx) PetscFunctionReturn(PETSC_SUCCESS);
+  if (moved <= most) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ClockWhere(flow->clock, where));
   FailureSet(
       &flow->scheme->failure, PETSC_ERR_FP,
       "%s: a particle moved by %.3g dx, more than -dt_move_max %.3g; try a smaller -dt or -cfl",
-      where, (double)(moved / dx), (double)most);
+      where, (double)moved, (double)most);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Displaces all own fluid particles and changes their fields; moved: largest way with the flow
-   [m]. */
+   [dx_i]. */
 static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscReal *moved)
 {
   const Scene    *scene    = flow->scene;
@@ -197,11 +198,12 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
       x[a]     = p->x[a][i] + flown[a] + shift[a];
       d2 += PetscSqr(flown[a]);
     }
-    KeepOffWalls(scene, x);
+    KeepOffWalls(scene, p->dx[i], x);
     for (PetscInt a = 0; a < scene->dim; a++) shift[a] = x[a] - p->x[a][i] - flown[a];
     if (shifting) FollowShift(scene, slopes, i, shift, change);
     if (flow->ops->velocity[0].filter_u.needed)
       FilterVelocity(scene, slopes, i, state->velocity_filter, clock->dt, change);
+    d2 /= PetscSqr(p->dx[i]);
     moved2 = PetscIsNanReal(d2) ? PETSC_INFINITY : PetscMax(moved2, d2);
     for (PetscInt a = 0; a < scene->dim; a++) {
       if (p->p) p->p[i] += (x[a] - p->x[a][i]) * slopes->p[a][i];

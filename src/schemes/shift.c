@@ -13,26 +13,26 @@
   pace with strain. A lattice strained along its axes stays symmetric, so that grad C vanishes while
   its rows drift apart. The row's disturbance of 0.1 dx in the first step breaks this symmetry.
 
-  Input: strength - S; speed - U, the largest of the flow [m/s]; rate - |grad u| at the particle
-  [1/s]; gradient_c - grad C [1/m]. Output: displacement [m].
+  Input: dx - spacing of the particle [m]; strength - S; speed - U, the largest of the flow [m/s];
+  rate - |grad u| at the particle [1/s]; gradient_c - grad C [1/m]. Output: displacement [m].
 
   Reference: S. J. Lind et al., J. Comput. Phys. 231 (2012) 1499-1523; D measured here
 */
-static void ShiftDisplace_Fickian(const Scene *scene, PetscReal strength, PetscReal speed,
+static void ShiftDisplace_Fickian(PetscInt dim, PetscReal dx, PetscReal strength, PetscReal speed,
                                   PetscReal rate, PetscReal dt, const PetscReal gradient_c[],
                                   PetscReal displacement[])
 {
-  const PetscReal h      = 1.3 * scene->dx;
+  const PetscReal h      = 1.3 * dx;
   const PetscReal D      = PetscMin(strength * (speed + 4.0 * h * rate) * h * dt, 0.5 * h * h);
   PetscReal       length = 0.0;
 
-  for (PetscInt a = 0; a < scene->dim; a++) {
+  for (PetscInt a = 0; a < dim; a++) {
     displacement[a] = -D * gradient_c[a];
     length += PetscSqr(displacement[a]);
   }
   length = PetscSqrtReal(length);
-  if (length <= 0.1 * scene->dx) return;
-  for (PetscInt a = 0; a < scene->dim; a++) displacement[a] *= 0.1 * scene->dx / length;
+  if (length <= 0.1 * dx) return;
+  for (PetscInt a = 0; a < dim; a++) displacement[a] *= 0.1 * dx / length;
 }
 
 static const ShiftRow shifts[] = {

@@ -3,12 +3,14 @@
 */
 #include "step.h"
 
-/* Computes the root mean square of a vector over all fluid particles. */
+/* Computes the root mean square of a vector over the volume of the fluid. */
 static PetscErrorCode RootMeanSquare(const Particles *p, Vec v, PetscReal *rms)
 {
+  PetscReal sum;
+
   PetscFunctionBegin;
-  PetscCall(VecNorm(v, NORM_2, rms));
-  *rms /= PetscSqrtReal((PetscReal)PetscMax(p->N_fluid, 1));
+  PetscCall(FluidSum(p, v, PETSC_TRUE, &sum));
+  *rms = PetscSqrtReal(sum / p->weight);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -45,10 +47,10 @@ static PetscReal TimeScale(const Scene *scene)
 /* FlowRmsSpeed - Returns the root mean square of the velocity, from the energy [m/s] */
 PetscReal FlowRmsSpeed(const Flow *flow)
 {
-  const Scene *scene = flow->scene;
+  const Particles *p = flow->particles;
 
   return PetscSqrtReal(2.0 * flow->scheme->stats.kinetic_energy /
-                       (scene->rho * SceneVolume(scene) * PetscMax(flow->particles->N_fluid, 1)));
+                       (flow->scene->rho * p->cell_volume * p->weight));
 }
 
 /*

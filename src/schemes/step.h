@@ -37,7 +37,7 @@ PetscErrorCode SteadyRemember(Scheme *scheme);
 PetscErrorCode SteadyRefuse(const Flow *flow, const char projection[], PetscBool rotational);
 
 /* gauge.c */
-PetscErrorCode GaugeRemove(Vec p);
+PetscErrorCode GaugeRemove(const Particles *particles, Vec p);
 PetscErrorCode GaugeColumn(const Particles *particles, PetscInt before, Mat *column);
 
 #endif

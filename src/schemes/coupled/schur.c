@@ -40,11 +40,11 @@ static PetscErrorCode SchurApply_CahouetChabard(Schur *s, Vec x, Vec y)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(VecCopy(x, s->work));
-  PetscCall(GaugeRemove(s->work));
+  PetscCall(GaugeRemove(s->particles, s->work));
   PetscCall(KSPSolve(s->ksp, s->work, y));
   PetscCall(SolverViewShow((PetscObject)s->ksp, &s->view));
   PetscCall(SolverViewEnd(&s->view));
-  PetscCall(GaugeRemove(y));
+  PetscCall(GaugeRemove(s->particles, y));
   PetscCall(VecScale(y, s->inert));
   PetscCall(VecAXPY(y, s->viscous, x));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -126,6 +126,7 @@ PetscErrorCode SchurAssemble(const Particles *p, const Operators *ops, Schur *s)
   PetscCall(MatDestroy(&s->mass));
   PetscCall(VecDestroy(&s->work));
   PetscCall(FluidVec(p, NULL, &s->work));
+  s->particles = p;
   PetscCall(MatCreateConstantDiagonal(p->comm, p->n_fluid, p->n_fluid, PETSC_DETERMINE,
                                       PETSC_DETERMINE, 1.0, &s->mass));
   PetscCall(MatDestroy(&s->poisson));

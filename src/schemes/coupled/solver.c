@@ -30,7 +30,7 @@ PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
 */
 static PetscErrorCode BlockDefaults(const Scene *scene, PetscReal dt)
 {
-  const char *velocity = scene->nu * dt / PetscSqr(scene->dx) < 2.0 ? PCBJACOBI : PCHYPRE;
+  const char *velocity = scene->nu * dt / PetscSqr(SceneFinest(scene)) < 2.0 ? PCBJACOBI : PCHYPRE;
 
   PetscFunctionBegin;
   PetscCall(OptionDefault("coupled_fieldsplit_velocity_", "-ksp_type", KSPPREONLY));

@@ -2,32 +2,35 @@
 #include "projection.h"
 
 /*
-  Sets the right-hand side of A phi = b, A = -dx^2 lap:
+  Sets the right-hand side of A phi = b, A = -dx_i^2 lap:
 
-    b = -dx^2 rho/k ((1 - alpha) div u* + alpha (1 - C)/dt) - B (gain of n.grad p)
+    b = -dx_i^2 rho/k ((1 - alpha) div u* + alpha (1 - C)/dt) - B (gain of n.grad p)
 */
 static PetscErrorCode SetSource(Flow *flow)
 {
-  const Scene     *scene = flow->scene;
-  const Operators *ops   = flow->ops;
-  FlowState       *s     = flow->state;
-  Projection      *pr    = (Projection *)flow->scheme->data;
-  const PetscReal  scale = -PetscSqr(scene->dx) * scene->rho / pr->k;
-  PetscScalar     *b;
-  Vec              work;
+  const Scene       *scene = flow->scene;
+  const Operators   *ops   = flow->ops;
+  FlowState         *s     = flow->state;
+  Projection        *pr    = (Projection *)flow->scheme->data;
+  const PetscScalar *scale, *divergence;
+  PetscScalar       *b;
+  Vec                work;
 
   PetscFunctionBegin;
   PetscCall(VecZeroEntries(s->divergence));
   for (PetscInt c = 0; c < scene->dim; c++)
     PetscCall(AffineApplyAdd(&ops->div[c], s->u_next[c], flow->walls.u[c], s->divergence));
-  PetscCall(VecCopy(s->divergence, pr->b));
-  PetscCall(VecScale(pr->b, scale * (1.0 - pr->alpha)));
-  if (pr->alpha > 0.0) {
-    PetscCall(VecGetArray(pr->b, &b));
-    for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
-      b[i] += scale * pr->alpha * (1.0 - ops->concentration.value[i]) / flow->clock->dt;
-    PetscCall(VecRestoreArray(pr->b, &b));
-  }
+  PetscCall(VecGetArrayRead(ops->ppe_scale, &scale));
+  PetscCall(VecGetArrayRead(s->divergence, &divergence));
+  PetscCall(VecGetArray(pr->b, &b));
+  for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
+    b[i] = scale[i] * scene->rho / pr->k * (1.0 - pr->alpha) * divergence[i];
+  for (PetscInt i = 0; pr->alpha > 0.0 && i < flow->particles->n_fluid; i++)
+    b[i] += scale[i] * scene->rho / pr->k * pr->alpha * (1.0 - ops->concentration.value[i]) /
+            flow->clock->dt;
+  PetscCall(VecRestoreArray(pr->b, &b));
+  PetscCall(VecRestoreArrayRead(s->divergence, &divergence));
+  PetscCall(VecRestoreArrayRead(ops->ppe_scale, &scale));
   if (ops->ppe.B) {
     PetscCall(FlowGetWork(flow, &work));
     PetscCall(MatMult(ops->ppe.B, flow->walls.dpdn_step, work));
@@ -54,9 +57,9 @@ static PetscErrorCode CorrectVelocity(Flow *flow)
 }
 
 /*
-  Returns the share of the residual of the fit of the pressure that a step removes [-]
+  Multiplies the residual of the fit of the pressure by the share that a step removes [-]
 
-    S max(0.1, 1/(1 + 8 nu dt/dx^2))
+    S max(0.1, 1/(1 + 8 nu dt/dx_i^2))
 
   The second expression is the factor by which an implicit viscous step damps the checkerboard of a
   lattice. The filter is needed because an incremental projection amplifies pressure modes with
@@ -69,13 +72,21 @@ static PetscErrorCode CorrectVelocity(Flow *flow)
   CFL number 1, t = 40 has errors of -18, -8.5, 5.1, 38 % for S = 0, 0.02, 0.1, 0.5. Therefore the
   default on a lattice of fixed particles is S = 0.1.
 */
-static PetscReal FilterShare(const Flow *flow)
+static PetscErrorCode ShareOfResidual(const Flow *flow, Vec residual)
 {
-  const Scene      *scene = flow->scene;
-  const Projection *pr    = (const Projection *)flow->scheme->data;
-  const PetscReal   nu    = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low : 0.0;
+  const Particles  *p  = flow->particles;
+  const Projection *pr = (const Projection *)flow->scheme->data;
+  const PetscReal   nu = SceneHas(flow->scene, PHYSICS_VISCOSITY) ? flow->scene->nu_low : 0.0;
+  PetscScalar      *r;
 
-  return pr->filter * PetscMax(0.1, 1.0 / (1.0 + 8.0 * nu * flow->clock->dt / PetscSqr(scene->dx)));
+  PetscFunctionBegin;
+  PetscCall(VecGetArray(residual, &r));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    r[i] *=
+        pr->filter * PetscMax(0.1, 1.0 / (1.0 + 8.0 * nu * flow->clock->dt / PetscSqr(p->dx[i])));
+  }
+  PetscCall(VecRestoreArray(residual, &r));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
@@ -121,10 +132,11 @@ static PetscErrorCode UpdatePressure(Flow *flow)
   if (pr->filter > 0.0) {
     PetscCall(FlowGetWork(flow, &residual));
     PetscCall(MatMult(flow->ops->filter_p.A, s->p, residual));
-    PetscCall(VecAXPY(s->p, -FilterShare(flow), residual));
+    PetscCall(ShareOfResidual(flow, residual));
+    PetscCall(VecAXPY(s->p, -1.0, residual));
     PetscCall(FlowRestoreWork(flow, &residual));
   }
-  PetscCall(GaugeRemove(s->p));
+  PetscCall(GaugeRemove(flow->particles, s->p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

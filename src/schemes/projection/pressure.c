@@ -2,7 +2,7 @@
   The pressure Poisson equation with undetermined constant: singular, but solved to a small true
   residual for every form.
 
-    (A + c c^T) phi = b,   A = -dx^2 L,   c of GaugeColumn(),   preconditioner from A + 1e-6 I
+    (A + c c^T) phi = b,   A = -dx_i^2 L,   c of GaugeColumn(),   preconditioner from A + 1e-6 I
 
   The rank-one term makes the matrix regular: it fixes the mean of phi and subtracts from b the
   uniform source for which no phi exists (the left null vector of an unsymmetric L is not constant).
@@ -99,7 +99,7 @@ static PetscErrorCode PressureUpdateMatrices(Flow *flow, Pressure *s)
 }
 
 /*
-  PressureSolve - Solves A phi = b, A = -dx^2 lap; b contains n.grad phi
+  PressureSolve - Solves A phi = b, A = -dx_i^2 lap; b contains n.grad phi
 
   Collective. Sets scheme->failure if no method reaches a small true residual.
 
@@ -124,6 +124,6 @@ PetscErrorCode PressureSolve(Flow *flow, Vec b, Vec phi, Pressure *s)
   PetscCall(GuardCheck(&s->guard, &flow->scheme->failure));
   solve->iterations = s->guard.iterations;
   if (s->its_new == 0) s->its_new = solve->iterations;
-  PetscCall(GaugeRemove(phi));
+  PetscCall(GaugeRemove(flow->particles, phi));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

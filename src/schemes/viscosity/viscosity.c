@@ -36,7 +36,7 @@ static PetscErrorCode RefuseTimeOptions(const ViscousIntegratorRow *row)
 static PetscErrorCode ViscosityCreateSolver(const Flow *flow, Viscosity *v)
 {
   const Scene    *scene     = flow->scene;
-  const PetscReal stiffness = scene->nu_high * flow->clock->dt / PetscSqr(scene->dx);
+  const PetscReal stiffness = scene->nu_high * flow->clock->dt / PetscSqr(SceneFinest(scene));
   PetscBool       symmetric;
   KSP             ksp;
   SNES            snes;
