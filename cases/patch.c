@@ -19,7 +19,7 @@ static PetscErrorCode PatchSetup(Scene *scene)
 
 const CaseRow CasePatch = {
     .name            = "patch",
-    .brief           = "patch test: what an operator is worth on a given field, no flow",
+    .brief           = "patch test: errors of an operator for a given field, no flow",
     .citation        = "Zheng, Ma & Shao, Water 10 (2018)",
     .three_d         = PETSC_TRUE,
     .physics         = PHYSICS_VISCOSITY | PHYSICS_WALLS,

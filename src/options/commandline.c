@@ -58,7 +58,7 @@ void CommandLineCheck(int argc, char **argv, char sentence[], size_t length)
                      "%s: a stray word; options begin with a dash, e.g. -case cavity", argv[k]);
     } else if (IsOption(argv[k], "options_file")) {
       if (k + 1 == argc || argv[k + 1][0] == '-')
-        (void)snprintf(sentence, length, "-options_file: a file name is wanted");
+        (void)snprintf(sentence, length, "-options_file: a file name is required");
       else OptionsFileCheck(argv[k + 1], sentence, length);
     }
   }

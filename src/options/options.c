@@ -31,7 +31,7 @@ PetscErrorCode OptionReal_Private(OptionItems PetscOptionsObject, const char opt
   if (given) {
     const double number = strtod(word, &end);
 
-    UserCheck(end != word && *end == '\0', "%s %s: a number is wanted", option, word);
+    UserCheck(end != word && *end == '\0', "%s %s: a number is required", option, word);
     UserCheck(number >= low && number <= high, "%s %s: allowed is %.6g to %.6g", option, word,
               (double)low, (double)high);
   }
@@ -55,8 +55,8 @@ PetscErrorCode OptionInt_Private(OptionItems PetscOptionsObject, const char opti
     errno                  = 0;
     const long long number = strtoll(word, &end, 10);
 
-    UserCheck(end != word && *end == '\0' && errno == 0, "%s %s: a whole number is wanted", option,
-              word);
+    UserCheck(end != word && *end == '\0' && errno == 0, "%s %s: a whole number is required",
+              option, word);
     UserCheck(number >= low && number <= high,
               "%s %s: allowed is %" PetscInt_FMT " to %" PetscInt_FMT, option, word, low, high);
   }
@@ -148,7 +148,7 @@ PetscErrorCode OptionFlags_Private(OptionItems PetscOptionsObject, const char op
   }
   PetscCall(PetscSNPrintf(help, sizeof(help), "%s: %s", text, all));
   PetscCall(PetscOptionsStringArray(option, help, "", words, &n, &given));
-  UserCheck(!given || n > 0, "%s: names are wanted; choose from %s", option, all);
+  UserCheck(!given || n > 0, "%s: names are required; choose from %s", option, all);
   for (PetscInt w = 0; w < n; w++) {
     PetscBool same = PETSC_FALSE;
 
@@ -171,7 +171,7 @@ PetscErrorCode OptionFile_Private(OptionItems PetscOptionsObject, const char opt
   PetscFunctionBegin;
   path[0] = '\0';
   PetscCall(PetscOptionsString(option, text, "", "", path, PETSC_MAX_PATH_LEN, &given));
-  UserCheck(!given || path[0], "%s: a file name is wanted", option);
+  UserCheck(!given || path[0], "%s: a file name is required", option);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

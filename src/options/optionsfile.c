@@ -86,12 +86,13 @@ static void CheckLine(const char path[], int number, char line[], int depth, cha
                    "%s, line %d: %s and %s: each option has a line of its own, with its value",
                    path, number, token[0], IsOption(token[1]) ? token[1] : token[2]);
   } else if (n > 2) {
-    (void)snprintf(sentence, length,
-                   "%s, line %d: %s %s %s: one value is wanted; a value with blanks goes in quotes",
-                   path, number, token[0], token[1], token[2]);
+    (void)snprintf(
+        sentence, length,
+        "%s, line %d: %s %s %s: a single value is required; a value with blanks needs quotes", path,
+        number, token[0], token[1], token[2]);
   } else if (!strcasecmp(token[0], "-options_file")) {
     if (n == 1)
-      (void)snprintf(sentence, length, "%s, line %d: -options_file: a file name is wanted", path,
+      (void)snprintf(sentence, length, "%s, line %d: -options_file: a file name is required", path,
                      number);
     else CheckFile(token[1], depth + 1, sentence, length);
   }

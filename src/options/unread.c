@@ -244,10 +244,9 @@ PetscErrorCode OptionsRefuseUnknown(PetscBool deferred_too)
 
     PetscCall(NearestOption(unknown, nearest, sizeof(nearest)));
     PetscCall(PetscStrcmp(unknown, nearest, &known));
-    UserCheck(
-        !known,
-        "-%s: this run does not use it; what it belongs to is left out, or another type is chosen",
-        unknown);
+    UserCheck(!known,
+              "-%s: this run does not use it; its physics is left out, or another type is chosen",
+              unknown);
     UserCheck(PETSC_FALSE,
               "-%s: unknown option, or one that the chosen solvers do not read; the nearest known "
               "name is -%s (see -help)",

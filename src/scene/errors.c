@@ -33,12 +33,12 @@ static const char *ErrorHint(PetscErrorCode code)
 {
   switch (code) {
   case PETSC_ERR_ARG_UNKNOWN_TYPE:
-    return " (a type named after a -visc_, -ppe_ or -coupled_ option; -help lists what there is)";
+    return " (a type named after a -visc_, -ppe_ or -coupled_ option; -help lists the types)";
   case PETSC_ERR_ARG_OUTOFRANGE:
   case PETSC_ERR_USER:
   case PETSC_ERR_SUP:
-    return " (said by PETSc of a -visc_, -ppe_, -coupled_ or numeric option; -help lists what they "
-           "take)";
+    return " (from PETSc about a -visc_, -ppe_, -coupled_ or numeric option; -help lists allowed "
+           "values)";
   default:
     return "";
   }

@@ -189,7 +189,7 @@ static PetscErrorCode SetComponent(ExpressionScope *scope, const char text[], un
   while (end != text && *end == ' ') end++;
   if (end == text || *end) {
     PetscCall(AllowedNames(scope, allowed, names, sizeof(names)));
-    UserCheck(!Assigns(text), "%s '%s': = gives a value to nothing here; == compares", e->option,
+    UserCheck(!Assigns(text), "%s '%s': = cannot assign a value here; == compares", e->option,
               text);
     PetscCall(ParserCreate(scope, allowed, &parser));
     mupSetExpr(parser, text);
@@ -257,8 +257,8 @@ PetscErrorCode ExpressionSet(ExpressionScope *scope, const char option[], const 
   PetscCall(PetscSNPrintf(wanted, sizeof(wanted),
                           fewest < most ? "%" PetscInt_FMT " to %" PetscInt_FMT : "%" PetscInt_FMT,
                           fewest, most));
-  UserCheck(n >= fewest && n <= most, "%s %s: %s components are wanted, got %" PetscInt_FMT, option,
-            text, wanted, n);
+  UserCheck(n >= fewest && n <= most, "%s %s: %s components are required, got %" PetscInt_FMT,
+            option, text, wanted, n);
   PetscCall(PetscStrncpy(parts, text, sizeof(parts)));
   while (next) {
     char *part = next;
@@ -289,7 +289,7 @@ PetscErrorCode ExpressionRead_Private(OptionItems PetscOptionsObject, Expression
   PetscCall(PetscOptionsString(option, text, "", "", typed, sizeof(typed), &given));
   PetscCall(PetscStrlen(typed, &length));
   UserCheck(!given || length,
-            "%s: an expression is wanted; one that begins with - and a letter goes in brackets",
+            "%s: an expression is required; text that begins with - and a letter needs brackets",
             option);
   UserCheck(length < sizeof(typed) - 1, "%s: fewer than %d letters are allowed", option,
             TEXT_LENGTH - 1);

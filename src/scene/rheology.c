@@ -190,8 +190,8 @@ PetscErrorCode SceneReadRheology(OptionItems PetscOptionsObject, Scene *scene)
       if (!(r->row->takes & BIT(k))) continue;
       PetscCall(OptionReal(parameters[k].option, parameters[k].text, parameters[k].low,
                            parameters[k].high, &r->parameter[k], &given));
-      UserCheck(given || !(r->row->wants & BIT(k)), "-rheology %s: %s is wanted, %s", r->row->name,
-                parameters[k].option, parameters[k].text);
+      UserCheck(given || !(r->row->wants & BIT(k)), "-rheology %s: %s is required, %s",
+                r->row->name, parameters[k].option, parameters[k].text);
     }
     if (pass == 0) RheologyDefaults(rate, r);
   }

@@ -159,8 +159,8 @@ static PetscErrorCode SceneReadForce(OptionItems PetscOptionsObject, Scene *scen
     PetscCall(OptionReals("-body_force", text, n, force, &n, &given));
   }
   UserCheck(!given || n == scene->dim,
-            "-body_force: %" PetscInt_FMT " components are wanted, got %" PetscInt_FMT, scene->dim,
-            n);
+            "-body_force: %" PetscInt_FMT " components are required, got %" PetscInt_FMT,
+            scene->dim, n);
   UserCheck(!given || !(scene->without & PHYSICS_BODY_FORCE),
             "-body_force and -without body_force cannot both be given");
   if (given) scene->physics |= PHYSICS_BODY_FORCE;

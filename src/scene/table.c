@@ -94,7 +94,7 @@ PetscErrorCode TableSelect_Private(OptionItems PetscOptionsObject, const Table *
   PetscCall(TableNames(table, names, sizeof(names)));
   PetscCall(PetscSNPrintf(help, sizeof(help), "%s: %s", text, names));
   PetscCall(PetscOptionsString(option, help, "", fallback, name, sizeof(name), &given));
-  UserCheck(!given || name[0], "%s: a name is wanted; choose one of %s", option, names);
+  UserCheck(!given || name[0], "%s: a name is required; choose one of %s", option, names);
   PetscCall(TableWant(table, option, name[0] ? name : fallback, row));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

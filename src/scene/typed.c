@@ -27,7 +27,7 @@ static PetscErrorCode ReadShape(const char option[], const char text[], Body *bo
   while (next && n < BODY_PARAMETERS) {
     number[n++] = strtod(next, &end);
     end += strspn(end, " ");
-    UserCheck(end != next && (*end == ',' || !*end), "%s: a number is wanted at '%s'", option,
+    UserCheck(end != next && (*end == ',' || !*end), "%s: a number is required at '%s'", option,
               next);
     next = *end ? end + 1 : NULL;
   }
@@ -234,7 +234,7 @@ static PetscErrorCode CheckInflow(const Scene *scene, PetscReal t)
   UserCheck(
       !(PetscAbsReal(in) > 2e-3 * through),
       "-scene_wall_<side>_velocity: at t = %.3g s %.4g m^2/s of fluid more %s through the sides; "
-      "what comes in must go out",
+      "inflow and outflow must balance",
       (double)t, (double)PetscAbsReal(in),
       in > 0.0 ? "come in than go out" : "go out than come in");
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -263,7 +263,7 @@ static PetscErrorCode ReadFluids(OptionItems PetscOptionsObject, Scene *scene)
     PetscCall(ReadShape(option, text, &scene->region[scene->n_regions]));
     PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_fluid_%" PetscInt_FMT "_viscosity", k));
     PetscCall(OptionReal(option, "Its kinematic viscosity [m^2/s]", 1e-300, 1e300, nu, &given));
-    UserCheck(given, "%s: the fluid's kinematic viscosity is wanted [m^2/s]", option);
+    UserCheck(given, "%s: the fluid's kinematic viscosity is required [m^2/s]", option);
     scene->n_regions++;
   }
   PetscCall(CheckNumbers("fluid", scene->n_regions, SCENE_MAX_FLUIDS));
@@ -282,8 +282,8 @@ static PetscErrorCode ReadFields(OptionItems PetscOptionsObject, Scene *scene)
 {
   PetscFunctionBegin;
   PetscCall(ExpressionRead(scene->scope, "-scene_velocity",
-                           "Velocity u,v at the start, of x, y; by default that of -scene_exact at "
-                           "t = 0, or rest [m/s]",
+                           "Velocity u,v at the start, of x, y; by default -scene_exact at t = 0, "
+                           "otherwise zero [m/s]",
                            2, 2, EXPRESSION_PLACE, &scene->velocity, NULL));
   PetscCall(ExpressionRead(scene->scope, "-scene_exact",
                            "Reference solution u,v[,p] of x, y, t: errors are reported, and the "
@@ -327,7 +327,7 @@ PetscErrorCode SceneReadTyped(OptionItems PetscOptionsObject, Scene *scene)
 
   PetscFunctionBegin;
   PetscCall(OptionReals("-scene_box", "Corners of the box: x0,y0,x1,y1 [m]", 4, box, &n, &given));
-  UserCheck(!given || n == 4, "-scene_box: 4 numbers are wanted, got %" PetscInt_FMT, n);
+  UserCheck(!given || n == 4, "-scene_box: 4 numbers are required, got %" PetscInt_FMT, n);
   PetscCall(OptionFlags("-scene_periodic", "Periodic axes", axes, 2, &periodic));
   for (PetscInt a = 0; a < 2; a++) {
     scene->lo[a] = box[a];
