@@ -42,7 +42,7 @@ static PetscErrorCode SnapshotsReserve(const Snapshots *snapshots, const char pa
 
   Options Database Keys:
 + -output file.h5 - snapshots file_0000.h5, file_0001.h5, ... and their index file.xdmf
-- -output_every T - snapshots at multiples of T too, where steps end, besides start and end [s]
+- -output_every T - snapshots also at multiples of T, at which steps then end [s]
 
   Errors: a name that does not end in .h5, or a place that cannot be written, ends the run
 */

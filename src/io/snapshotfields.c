@@ -1,7 +1,7 @@
 /*
-  The fields of snapshots: values that particles carry, and vorticity, strain rate and density,
-  which are computed for the file. A new field is one function and one row. Wall particles have
-  zeros in fields of the fluid.
+  The fields of snapshots: values stored with particles, and vorticity, strain rate and density,
+  which are computed for the file. A new field needs a function and a row of the table. Wall
+  particles have zeros in fields of the fluid.
 */
 #include "snapshot.h"
 
@@ -71,7 +71,7 @@ static PetscBool Has_Density(const Flow *flow)
   return flow->ops->needs & NEED_CONCENTRATION ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Computes the density of the particles' masses, rho sum_j V_j W_ij [kg/m^3]. */
+/* Computes the density from the masses of particles, rho sum_j V_j W_ij [kg/m^3]. */
 static PetscErrorCode Gather_Density(const Flow *flow, void *rows)
 {
   PetscFunctionBegin;
@@ -84,7 +84,7 @@ static PetscBool Has_Gradient(const Flow *flow)
   return flow->ops->needs & NEED_GRADIENT_U ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Computes the derivative du_c/dx_a of the fluid's velocity, with the walls' velocity at walls. */
+/* Computes the derivative du_c/dx_a of the velocity of fluid and walls. */
 static PetscErrorCode VelocityDerivative(const Flow *flow, PetscInt c, PetscInt a, Vec derivative)
 {
   const Particles      *p     = flow->particles;
@@ -166,7 +166,7 @@ static PetscErrorCode Gather_Type(const Flow *flow, void *rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Copies the number of the boundary that a wall particle belongs to; -1 for fluid. */
+/* Copies the boundary number of each wall particle; -1 for fluid. */
 static PetscErrorCode Gather_Boundary(const Flow *flow, void *rows)
 {
   const Particles *p = flow->particles;
@@ -185,7 +185,7 @@ static PetscErrorCode Gather_Id(const Flow *flow, void *rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The first is the place of the others. */
+/* The first field holds the positions of all values. */
 const SnapshotField SnapshotFieldTable[SNAPSHOT_FIELDS] = {
     {.name = "position", .units = "m", .shape = FIELD_VECTOR, .Gather = Gather_Position},
     {.name = "velocity", .units = "m/s", .shape = FIELD_VECTOR, .Gather = Gather_Velocity},

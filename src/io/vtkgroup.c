@@ -1,8 +1,8 @@
 /*
-  The group VTKHDF of a snapshot, by which ParaView and VTK read the file itself: an unstructured
-  grid of one polyvertex cell. It holds the data sets of the file under other names. VTK wants three
-  columns: in 2D positions and velocities are virtual data sets, the file's own with a third column
-  of zeros, which take no room.
+  The group VTKHDF of a snapshot, with which ParaView and VTK read the file directly: an
+  unstructured grid with a single polyvertex cell. It links to the data sets of the file under other
+  names. VTK requires three columns; in 2D positions and velocities are virtual data sets, which add
+  a third column of zeros without storage.
 
   Reference: VTKHDF file format 1.0, docs.vtk.org
 */

@@ -1,7 +1,7 @@
 /*
   XDMF 3: a text file that describes the HDF5 files to ParaView as a time series of point clouds.
   Each particle is a vertex of the list that vtkgroup.c writes. Vectors have three columns, as VTK
-  wants them.
+  requires.
 */
 #include "snapshot.h"
 
