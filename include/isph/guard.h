@@ -21,6 +21,7 @@ typedef struct {
   SolverView         ksp_view, ts_view;      /* -<prefix>ksp_view, -<prefix>ts_view */
   const char        *best;                   /* type of KSP to recommend */
   const char        *remedy;                 /* advice; NULL: derived from the user's choice */
+  char               mat_type[64];           /* for MatConvert(): -<prefix>mat_type, or MATSAME */
   char               where[CLOCK_WHERE];     /* the present step, for messages */
   PetscBool          symmetric;              /* the matrix is symmetric */
   PetscBool          inner;                  /* the residual of a nonlinear solver counts instead */
@@ -53,6 +54,7 @@ PetscErrorCode OptionDefault(const char prefix[], const char name[], const char 
 PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[]);
 PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, Guard *guard);
 PetscErrorCode SolverRenewPC(KSP ksp);
+PetscErrorCode SolverMatType(const char prefix[], char type[], size_t length);
 PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc);
 
 /* timestep.c */

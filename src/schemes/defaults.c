@@ -105,6 +105,43 @@ PetscErrorCode SolverRenewPC(KSP ksp)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  SolverMatType - Reads the type of a solver's matrices
+
+  Collective on PETSC_COMM_WORLD.
+
+  Options Database Key:
+. -<prefix>mat_type - aij or a type derived from it, which every preconditioner takes: aijperm,
+                      aijsell, and aijcusparse, aijkokkos, ... where PETSc has them
+
+  Output Parameter:
+. type - for MatConvert(); MATSAME unless the user gave one
+
+  Errors: refuses types that are not derived from aij, and types that PETSc was built without
+*/
+PetscErrorCode SolverMatType(const char prefix[], char type[], size_t length)
+{
+  PetscBool given, aij, known = PETSC_FALSE;
+  char      seq[64];
+  void (*Create)(void) = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(type, MATSAME, length));
+  PetscCall(PetscOptionsGetString(NULL, prefix, "-mat_type", type, length, &given));
+  if (!given) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscStrncmp(type, MATAIJ, 3, &aij));
+  if (aij) {
+    PetscCall(PetscSNPrintf(seq, sizeof(seq), "seq%s", type));
+    PetscCall(PetscFunctionListFind(MatList, seq, &Create));
+    known = Create ? PETSC_TRUE : PETSC_FALSE;
+  }
+  UserCheck(known,
+            "-%smat_type %s: allowed are aij and the types of this PETSc that derive from it, such "
+            "as aijperm and aijsell",
+            prefix, type);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* SolverNames - Returns the types of a KSP and its preconditioner; not collective */
 PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc)
 {

@@ -35,6 +35,7 @@ PetscErrorCode PressureCreate(Flow *flow, Pressure **ppe)
   s->guard.solve = (LinearSolve){
       .name = "pressure", .label = "ppe solver", .prefix = "ppe_", .column = SOLVE_PRESSURE};
   PetscCall(PoissonSolver(&flow->ops->forms.ppe, 1e-5, &s->guard));
+  PetscCall(SolverMatType("ppe_", s->guard.mat_type, sizeof(s->guard.mat_type)));
   PetscCall(SchemeAddSolve(&s->guard.solve, flow->scheme));
   *ppe = s;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -65,6 +66,20 @@ static PetscErrorCode PressureRenumber(const Particles *p, Pressure *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Makes A + c c^T, with a copy of A only where the user gave a type of matrices. */
+static PetscErrorCode PressureOperator(const Operators *ops, const Pressure *s, Mat *A)
+{
+  PetscBool same;
+  Mat       copy = ops->ppe.A;
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrcmp(s->guard.mat_type, MATSAME, &same));
+  if (!same) PetscCall(MatConvert(ops->ppe.A, s->guard.mat_type, MAT_INITIAL_MATRIX, &copy));
+  PetscCall(MatCreateLRC(copy, s->gauge, NULL, s->gauge, A));
+  if (!same) PetscCall(MatDestroy(&copy));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   Gives new matrices to the KSP. The preconditioner is reused until particles are renumbered or the
   iterations have grown by half: displacements change it little, but a renumbering invalidates it.
@@ -86,11 +101,11 @@ static PetscErrorCode PressureUpdateMatrices(Flow *flow, Pressure *s)
   if (rebuild) {
     PetscCall(SolverRenewPC(ksp));
     PetscCall(MatDestroy(&s->preconditioner));
-    PetscCall(MatDuplicate(ops->ppe.A, MAT_COPY_VALUES, &s->preconditioner));
+    PetscCall(MatConvert(ops->ppe.A, s->guard.mat_type, MAT_INITIAL_MATRIX, &s->preconditioner));
     PetscCall(MatShift(s->preconditioner, 1e-6));
     s->its_new = 0;
   }
-  PetscCall(MatCreateLRC(ops->ppe.A, s->gauge, NULL, s->gauge, &A));
+  PetscCall(PressureOperator(ops, s, &A));
   PetscCall(KSPSetReusePreconditioner(ksp, rebuild ? PETSC_FALSE : PETSC_TRUE));
   PetscCall(KSPSetOperators(ksp, A, s->preconditioner));
   PetscCall(MatDestroy(&A));

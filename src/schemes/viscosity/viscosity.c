@@ -141,6 +141,7 @@ PetscErrorCode ViscosityCreate(Flow *flow, Viscosity **visc)
   if (v->row->terms != TIME_EXPLICIT) {
     PetscCall(ViscosityCreateSolver(flow, v));
     PetscCall(SolverViewTake("visc_", "-ksp_view", &v->guard.ksp_view));
+    PetscCall(SolverMatType("visc_", v->guard.mat_type, sizeof(v->guard.mat_type)));
   }
   PetscCall(SolverViewTake("visc_", "-ts_view", &v->guard.ts_view));
   for (PetscInt c = 0; c < v->systems; c++) {
@@ -226,7 +227,7 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
     PetscCall(TSGetSNES(v->ts[0], &snes)); /* renews the set-up of -visc_snes_mf_operator */
     PetscCall(SNESReset(snes));
   }
-  PetscCall(MatDuplicate(ops->velocity[0].visc.A, MAT_DO_NOT_COPY_VALUES, &v->J));
+  PetscCall(MatConvert(ops->velocity[0].visc.A, v->guard.mat_type, MAT_INITIAL_MATRIX, &v->J));
   for (PetscInt c = 0; c < v->systems; c++) {
     PetscCall(TSSetIJacobian(v->ts[c], v->J, v->J, ViscosityIJacobian, &v->component[c]));
   }
