@@ -78,11 +78,13 @@ typedef enum {
 
 typedef struct {
   const char *name, *brief, *citation;
-  unsigned    properties;               /* bits of BoundaryProperty */
+  const char *option;     /* gives it to sides of a typed box; NULL: it follows from the geometry */
+  PetscBool   by_axis;    /* the option names axes, both sides of each, else sides */
+  unsigned    properties; /* bits of BoundaryProperty */
   Equation    equation[FIT_QUANTITIES]; /* read if BOUNDARY_CONFINES */
 } BoundaryRow;
 extern const Table       BoundaryTable;
-extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundaryNone;
+extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundaryNone; /* those that cases set */
 
 /* A boundary of the fluid: a side of the box, or a body. */
 typedef struct {
@@ -226,7 +228,9 @@ PetscBool      BoundaryIs(const Scene *scene, PetscInt side, unsigned properties
 Equation       BoundaryEquation(const Scene *scene, PetscInt side, FitQuantity quantity);
 Equation       BoundaryVelocityEquation(const Scene *scene, PetscInt side, PetscInt c);
 PetscBool      SceneIsPeriodic(const Scene *scene, PetscInt axis);
-PetscBool      SceneIsClosedBox(const Scene *scene);
+PetscBool      SceneHasBoundary(const Scene *scene, unsigned properties);
+const BoundaryRow *SceneSlipKind(const Scene *scene);
+PetscBool          SceneIsClosedBox(const Scene *scene);
 void      SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                             PetscReal u[]);
 void      SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],

@@ -147,6 +147,24 @@ static PetscErrorCode ChooseCoupling(const Scene *scene, OperatorForms *forms)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses boundaries whose equations the chosen forms cannot meet. */
+static PetscErrorCode RefuseSlip(const Scene *scene, const OperatorForms *forms)
+{
+  const BoundaryRow *slip = SceneSlipKind(scene);
+
+  PetscFunctionBegin;
+  if (!slip) PetscFunctionReturn(PETSC_SUCCESS);
+  UserCheck(forms->wall->on_surface,
+            "%s: its equations are those of fits, and -wall %s has none; use -wall wall_layer and "
+            "forms without full_support in -catalogue, such as mls",
+            slip->option, forms->wall->name);
+  UserCheck(!forms->components_coupled,
+            "%s: each velocity component has equations of its own there, and %s couples them; use "
+            "a newtonian fluid and -visc_laplacian mls",
+            slip->option, SceneIsNewtonian(scene) ? forms->visc.row->name : "-rheology");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   OperatorsChoose - Chooses the discretisation in space
 
@@ -189,5 +207,6 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
     forms->visc.extended = PETSC_TRUE;
   }
   PetscCall(ChooseCoupling(scene, forms));
+  PetscCall(RefuseSlip(scene, forms));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -35,18 +35,6 @@ unsigned SceneNeeds(const Scene *scene)
   return needs;
 }
 
-/* Returns 1, or dim if a boundary has other equations for the normal velocity than for the
-   tangential one. */
-static PetscInt CountVelocityOperators(const Scene *scene)
-{
-  for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
-    if (BoundaryEquation(scene, side, FIT_VELOCITY_NORMAL) !=
-        BoundaryEquation(scene, side, FIT_VELOCITY_TANGENTIAL))
-      return scene->dim;
-  }
-  return 1;
-}
-
 /* Marks the operators of a velocity component that the run needs. */
 static void NeedVelocity(const Scene *scene, const Operators *ops, VelocityOperators *of)
 {
@@ -94,7 +82,7 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
   PetscCall(OperatorsChoose(scene, needs, &ops->forms));
   OperatorsList(ops, all);
   for (PetscInt k = 0; k < OPERATORS_COUNT; k++) all[k]->width = 1;
-  ops->n_velocity = CountVelocityOperators(scene);
+  ops->n_velocity = SceneSlipKind(scene) ? scene->dim : 1;
   for (PetscInt c = 0; c < ops->n_velocity; c++) NeedVelocity(scene, ops, &ops->velocity[c]);
   ops->filter_p.needed = needs & NEED_FILTER_P ? PETSC_TRUE : PETSC_FALSE;
   ops->ppe.needed      = pressure;

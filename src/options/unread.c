@@ -80,6 +80,7 @@ static const char *const OwnNames[] = {
     "solid_fraction",
     "scene_box",
     "scene_periodic",
+    "scene_symmetry",
     "scene_wall_top_velocity",
     "scene_body_1",
     "scene_body_1_velocity",

@@ -19,6 +19,8 @@ const BoundaryRow BoundaryPeriodic = {
     .name       = "periodic",
     .brief      = "fluid that leaves through one side comes in through the opposite one",
     .citation   = "",
+    .option     = "-scene_periodic",
+    .by_axis    = PETSC_TRUE,
     .properties = BOUNDARY_CONTINUES,
 };
 /* Here the side lies in a solid at rest, which extends the flow by zero: no slip. */
@@ -29,9 +31,17 @@ const BoundaryRow BoundaryNone = {
     .properties = BOUNDARY_NO_SLIP,
 };
 
-static const BoundaryRow *const kinds[] = {&BoundaryWall, &BoundaryPeriodic, &BoundaryNone};
-const Table                     BoundaryTable =
-    TABLE_OF_POINTERS("-scene_periodic, -scene_body_<k>_around", "Kinds of boundaries", kinds);
+/* The kinds in the order of -catalogue; a kind in a file of its own has its word here. */
+#define KINDS(ROW) ROW(BoundaryWall) ROW(BoundaryPeriodic) ROW(BoundarySymmetry) ROW(BoundaryNone)
+
+#define DECLARE(row) extern const BoundaryRow row;
+KINDS(DECLARE)
+
+#define ADDRESS(row) &row,
+static const BoundaryRow *const kinds[] = {KINDS(ADDRESS)};
+
+#define KIND_OPTIONS "-scene_periodic, -scene_symmetry, -scene_body_<k>_around"
+const Table BoundaryTable = TABLE_OF_POINTERS(KIND_OPTIONS, "Kinds of boundaries", kinds);
 
 const char *const SideNames[2 * ISPH_MAX_DIM] = {"left", "right", "bottom", "top", "back", "front"};
 
@@ -122,6 +132,26 @@ void SceneWallName(const Scene *scene, PetscInt side, char name[])
 PetscBool SceneIsPeriodic(const Scene *scene, PetscInt axis)
 {
   return BoundaryIs(scene, 2 * axis, BOUNDARY_CONTINUES);
+}
+
+/* SceneHasBoundary - Returns true if some boundary has all the properties; not collective */
+PetscBool SceneHasBoundary(const Scene *scene, unsigned properties)
+{
+  for (PetscInt side = 0; side < SceneBoundaries(scene); side++)
+    if (BoundaryIs(scene, side, properties)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* SceneSlipKind - Returns a kind of boundary that has other equations for the normal velocity than
+   for the tangential one, NULL if there is none; not collective */
+const BoundaryRow *SceneSlipKind(const Scene *scene)
+{
+  for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
+    const BoundaryRow *kind = scene->boundary[side].kind;
+
+    if (kind->equation[FIT_VELOCITY_NORMAL] != kind->equation[FIT_VELOCITY_TANGENTIAL]) return kind;
+  }
+  return NULL;
 }
 
 /* SceneIsClosedBox - Returns true if all sides of the box confine the fluid, and no body is in it;

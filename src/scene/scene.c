@@ -287,9 +287,10 @@ PetscErrorCode SceneCreate(Scene **scene)
     PetscCall(SceneNameConstants(s));
     PetscCall(SceneReadTyped(PetscOptionsObject, s));
   }
-  UserCheck(SceneHas(s, PHYSICS_VISCOSITY) || !SceneHas(s, PHYSICS_WALLS),
-            "-without viscosity: the walls of case %s are no-slip walls", s->problem->name);
   PetscCall(s->problem->Setup(s));
+  UserCheck(SceneHas(s, PHYSICS_VISCOSITY) ||
+                !SceneHasBoundary(s, BOUNDARY_CONFINES | BOUNDARY_NO_SLIP),
+            "-without viscosity: the walls of case %s are no-slip walls", s->problem->name);
   if (!s->problem->patch) PetscCall(SceneReadForce(PetscOptionsObject, s));
   PetscOptionsEnd();
   if (s->scope && ExpressionScopeIsIdle(s->scope)) PetscCall(ExpressionScopeDestroy(&s->scope));

@@ -8,6 +8,8 @@
 
 #define SHAPE_TEXT 2048 /* room for BODY_PARAMETERS numbers with all their digits */
 
+static const char *const AxisNames[2] = {"x", "y"};
+
 /* Reads "circle,0.5,0.5,0.25": the name of the shape and its numbers. */
 static PetscErrorCode ReadShape(const char option[], const char text[], Body *body)
 {
@@ -123,8 +125,8 @@ static PetscErrorCode ReadBodies(OptionItems PetscOptionsObject, Scene *scene)
     PetscCall(ReadBodyMotion(PetscOptionsObject, k, scene, boundary));
     PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_body_%" PetscInt_FMT "_around", k));
     PetscCall(OptionSwitch(option, "The fluid is inside it", &boundary->body.around));
-    for (PetscInt a = 0; boundary->body.around && a < scene->dim; a++) {
-      if (!SceneIsPeriodic(scene, a)) SceneSetAxis(scene, a, &BoundaryNone);
+    for (PetscInt side = 0; boundary->body.around && side < SceneBodySide(scene, 0); side++) {
+      if (BoundaryIs(scene, side, BOUNDARY_CONFINES)) SceneSetSide(scene, side, &BoundaryNone);
     }
   }
   PetscCall(CheckNumbers("body", scene->n_bodies, SCENE_MAX_BODIES));
@@ -178,6 +180,29 @@ static PetscErrorCode CheckGaps(const Scene *scene)
           ": at (%.4g, %.4g) it is %.3g from another wall; less than 4 dx = %.3g, or overlapping; "
           "use a larger -n",
           k + 1, (double)x[0], (double)x[1], (double)gap, (double)(4.0 * scene->dx));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads the kinds of the sides of the box by the options of the table; the default is a wall. */
+static PetscErrorCode ReadKinds(OptionItems PetscOptionsObject, Scene *scene)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < BoundaryTable.count; k++) {
+    const BoundaryRow *kind = (const BoundaryRow *)(const void *)TableGet(&BoundaryTable, k);
+    unsigned           chosen;
+
+    if (!kind->option) continue;
+    PetscCall(OptionFlags(kind->option, kind->by_axis ? "Axes" : "Sides of the box",
+                          kind->by_axis ? AxisNames : SideNames, kind->by_axis ? 2 : 4, &chosen));
+    for (PetscInt side = 0; side < 4; side++) {
+      const BoundaryRow *before = scene->boundary[side].kind;
+
+      if (!(chosen & (1u << (kind->by_axis ? side / 2 : side)))) continue;
+      UserCheck(before == &BoundaryWall, "%s and %s: both name the %s side", before->option,
+                kind->option, SideNames[side]);
+      SceneSetSide(scene, side, kind);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -300,6 +325,7 @@ static PetscErrorCode ReadFields(OptionItems PetscOptionsObject, Scene *scene)
   Options Database Keys:
 + -scene_box x0,y0,x1,y1           - corners [m]; by default the unit square
 . -scene_periodic x,y              - axes that are periodic
+. -scene_symmetry left,...         - sides in which the flow mirrors itself
 . -scene_wall_<side>_velocity u,v  - of the sides left, right, bottom, top, of x, y, t [m/s]
 . -scene_body_<k> shape,...        - bodies 1, 2, ...
 . -scene_body_<k>_velocity u,v     - of its surface, of t [m/s]
@@ -311,40 +337,37 @@ static PetscErrorCode ReadFields(OptionItems PetscOptionsObject, Scene *scene)
 . -scene_velocity u,v              - at the start, of x, y [m/s]
 - -scene_exact u,v[,p]             - reference solution, of x, y, t [m/s], [Pa]
 
-  Notes: velocities and the reference are expressions, see ExpressionSet(). A periodic box without
-  bodies has no walls, so the physics `walls` is off.
+  Notes: velocities and the reference are expressions, see ExpressionSet(). The option of each kind
+  of boundary stands in its row. A periodic box without bodies has no walls, so the physics `walls`
+  is off.
 
   Errors: wrong shapes, bodies that overlap or leave gaps of less than 4 dx, expressions with wrong
   syntax, and velocities through a surface end the run
 */
 PetscErrorCode SceneReadTyped(OptionItems PetscOptionsObject, Scene *scene)
 {
-  const char *const axes[2] = {"x", "y"};
-  PetscReal         box[4]  = {0.0, 0.0, scene->length, scene->length};
-  PetscInt          n;
-  unsigned          periodic;
-  PetscBool         given;
+  PetscReal box[4] = {0.0, 0.0, scene->length, scene->length};
+  PetscInt  n;
+  PetscBool given;
 
   PetscFunctionBegin;
   PetscCall(OptionReals("-scene_box", "Corners of the box: x0,y0,x1,y1 [m]", 4, box, &n, &given));
   UserCheck(!given || n == 4, "-scene_box: 4 numbers are required, got %" PetscInt_FMT, n);
-  PetscCall(OptionFlags("-scene_periodic", "Periodic axes", axes, 2, &periodic));
   for (PetscInt a = 0; a < 2; a++) {
     scene->lo[a] = box[a];
     scene->hi[a] = box[2 + a];
-    if (periodic & (1u << a)) SceneSetAxis(scene, a, &BoundaryPeriodic);
     UserCheck(box[2 + a] - box[a] >= 4.0 * scene->dx,
               "-scene_box: it is %.4g wide along %s; at least 4 dx = %.4g is allowed",
-              (double)(box[2 + a] - box[a]), axes[a], (double)(4.0 * scene->dx));
+              (double)(box[2 + a] - box[a]), AxisNames[a], (double)(4.0 * scene->dx));
   }
+  PetscCall(ReadKinds(PetscOptionsObject, scene));
   PetscCall(ReadBodies(PetscOptionsObject, scene));
   PetscCall(ReadSides(PetscOptionsObject, scene));
   PetscCall(CheckInflow(scene, 0.0));
   PetscCall(
       CheckInflow(scene, 0.125 * scene->length / scene->speed)); /* walls may start from rest */
   PetscCall(CheckGaps(scene));
-  if (SceneIsPeriodic(scene, 0) && SceneIsPeriodic(scene, 1) && !scene->n_bodies)
-    scene->physics &= ~(unsigned)PHYSICS_WALLS;
+  if (!SceneHasBoundary(scene, BOUNDARY_CONFINES)) scene->physics &= ~(unsigned)PHYSICS_WALLS;
   PetscCall(ReadFluids(PetscOptionsObject, scene));
   PetscCall(ReadFields(PetscOptionsObject, scene));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -110,6 +110,10 @@ static PetscErrorCode CoupledCreate(Flow *flow)
             "here; add -with %s, or use -scheme projection",
             scene->problem->name, viscous ? "pressure" : "viscosity",
             viscous ? "pressure" : "viscosity");
+  UserCheck(!SceneSlipKind(scene),
+            "-scheme coupled: it has one operator for all velocity components, and %s wants one "
+            "for each; use -scheme projection",
+            SceneSlipKind(scene)->option);
   if (flow->clock->steady_solve) PetscCall(RefuseSteady(flow));
   PetscCall(SteadyRefuse(flow, NULL, PETSC_FALSE));
   PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Coupled scheme", "");

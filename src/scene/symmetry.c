@@ -1,0 +1,20 @@
+/*
+  Symmetry: a side of the box in which the flow mirrors itself,
+
+    u.n = 0,   n.grad u_t = 0,   n.grad p = rho n.f,
+
+  so that half of a symmetric flow is computed. Fluid slides along it without stress.
+*/
+#include "isph/scene.h"
+
+const BoundaryRow BoundarySymmetry = {
+    .name       = "symmetry",
+    .brief      = "plane in which the flow mirrors itself: u.n = 0, no shear stress",
+    .citation   = "",
+    .option     = "-scene_symmetry",
+    .properties = BOUNDARY_CONFINES,
+    .equation   = {[FIT_VELOCITY_NORMAL]     = EQUATION_VALUE,
+                   [FIT_VELOCITY_TANGENTIAL] = EQUATION_NORMAL_DERIVATIVE,
+                   [FIT_PRESSURE]            = EQUATION_NORMAL_DERIVATIVE,
+                   [FIT_PRESSURE_FREE]       = EQUATION_NONE},
+};
