@@ -44,10 +44,9 @@ typedef struct {
 
 const TableRow *TableGet(const Table *table, PetscInt k);
 PetscErrorCode  TableFind(const Table *table, const char name[], const TableRow **row);
-PetscErrorCode  TableWant(const Table *table, const char option[], const char name[],
-                          const void *row);
+PetscErrorCode  TableWant(const Table *table, const char option[], const char name[], void *row);
 PetscErrorCode  TableSelect_Private(OptionItems items, const Table *table, const char option[],
-                                    const char text[], const char fallback[], const void *row);
+                                    const char text[], const char fallback[], void *row);
 PetscErrorCode  TableView(const Table *table, PetscViewer viewer);
 PetscErrorCode  TableViewRow(const char label[], const void *row, PetscViewer viewer);
 

@@ -53,8 +53,7 @@ static PetscErrorCode TableNames(const Table *table, char names[], size_t length
 
   Errors: an unknown name ends the run with a list of known names
 */
-PetscErrorCode TableWant(const Table *table, const char option[], const char name[],
-                         const void *row)
+PetscErrorCode TableWant(const Table *table, const char option[], const char name[], void *row)
 {
   char            names[1024];
   const TableRow *found;
@@ -85,7 +84,7 @@ PetscErrorCode TableWant(const Table *table, const char option[], const char nam
 */
 PetscErrorCode TableSelect_Private(OptionItems PetscOptionsObject, const Table *table,
                                    const char option[], const char text[], const char fallback[],
-                                   const void *row)
+                                   void *row)
 {
   char      name[128] = "", names[1024], help[1280];
   PetscBool given;
