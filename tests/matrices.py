@@ -37,6 +37,7 @@ def ascii_(path):
     matrix = []
     with open(path) as file:
         for line in file:
+            line = line.strip()  # before PETSc's entries of several ranks blanks may stand
             if not line.startswith("row "):
                 continue
             head, entries = line.split(":", 1)

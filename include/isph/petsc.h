@@ -18,6 +18,7 @@
 
 #if PETSC_VERSION_LT(3, 22, 0)
 #define PETSC_CURRENT            PETSC_DEFAULT
+#define PETSC_UNLIMITED          (-3)
 #define PetscOptionsCreateViewer PetscOptionsGetViewer
 #endif
 

@@ -40,7 +40,8 @@ PetscErrorCode IterationChoose(SNES snes)
   PetscCall(TakesNewton(&newton));
   PetscCall(SNESSetType(snes, SNESNEWTONLS));
   PetscCall(SNESSetTolerances(snes, 0.0, 1e-6, 0.0, 500, PETSC_INT_MAX));
-  PetscCall(SNESSetDivergenceTolerance(snes, -1.0)); /* none: at rest viscosities may be far off */
+  /* at rest viscosities may be far off */
+  PetscCall(SNESSetDivergenceTolerance(snes, PETSC_UNLIMITED));
   PetscCall(SNESGetLineSearch(snes, &search));
   PetscCall(SNESLineSearchSetType(search, newton ? SNESLINESEARCHBT : SNESLINESEARCHSECANT));
   PetscFunctionReturn(PETSC_SUCCESS);
