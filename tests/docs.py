@@ -34,13 +34,13 @@ LOOSE = re.compile(r"wall time|M/s|^isph: step ")  # numbers of the machine, or 
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
 # Pages that are written elsewhere and may not be there yet.
-LATER = {"docs/reference/options.md", "docs/howto/other-petsc.md"}
+LATER = {"docs/reference/options.md"}
 
 # Options of other programs, and stems that end in an underscore or <...>.
 FOREIGN = {"-o", "-n", "-c", "-g", "-S", "-B", "-D", "-L", "-R", "-j", "-j2", "-k", "-e", "-f", "-np", "-i", "-m", "-x",
            "-s", "-F", "-p", "-C", "-h", "-V"}
 PETSC = ("log_", "options_", "malloc_", "info", "mat_type", "vec_type", "on_error", "help", "version", "fp_trap",
-         "sub_", "start_in_debugger")
+         "sub_", "start_in_debugger", "ksp_", "pc_", "snes_", "ts_")
 
 
 def pages():
