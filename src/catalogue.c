@@ -1,6 +1,7 @@
-/* The list of all tables of the program, for -catalogue and for tests. */
+/* The lists of all tables of the program: of names, for -catalogue, and of options, for -help. */
 #include "isph/catalogue.h"
 #include "isph/patch.h"
+#include "isph/run.h"
 
 static const Table *const tables[] = {&CaseTable,
                                       &BoundaryTable,
@@ -21,6 +22,20 @@ static const Table *const tables[] = {&CaseTable,
                                       &SchurTable,
                                       &ProgressTable,
                                       &FieldTable};
+
+static const OptionTable *const options[] = {
+    &ProgramOptions,   &SceneOptions,    &StartOptions,         &TypedOptions,
+    &RheologyOptions,  &TimeOptions,     &SchemeOptions,        &ProjectionOptions,
+    &ViscosityOptions, &CoupledOptions,  &CoupledSolverOptions, &MotionOptions,
+    &ParticleOptions,  &OperatorOptions, &GuardOptions,         &SnapshotOptions,
+    &MonitorOptions,   &ReportOptions,   &ProgressOptions,      &CheckpointOptions,
+    &MatrixOptions,    &PatchOptions,    &SolverOptions};
+
+/* OptionTableGet - Returns table k of options, NULL after the last; not collective */
+const OptionTable *OptionTableGet(PetscInt k)
+{
+  return k < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(options) ? options[k] : NULL;
+}
 
 /* CatalogueTable - Returns table k of the program, NULL after the last; not collective */
 const Table *CatalogueTable(PetscInt k)

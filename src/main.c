@@ -1,16 +1,5 @@
-static const char help[] =
-    "isph: incompressible viscous flow by Smoothed Particle Hydrodynamics.\n\n"
-    "  du/dt = -grad p/rho + nu lap u + f,   div u = 0\n\n"
-    "Viscosity is advanced implicitly by a PETSc TS (prefix -visc_), the pressure Poisson equation "
-    "is\n"
-    "solved by a KSP (prefix -ppe_); or both at once by a field split (-scheme coupled, prefix "
-    "-coupled_).\nExamples:\n\n"
-    "  isph -options_file options/cavity.opts -reynolds 1000 -t_end 40 -visc_ts_type arkimex\n"
-    "  isph -case cavity -reynolds 0.01 -motion eulerian -scheme coupled -steady\n\n"
-    "-catalogue lists cases, operators, walls, schemes and integrators with their papers.\n\n";
-
+/* The program: a request that needs no run is answered; else a scene is created and solved. */
 #include "isph/catalogue.h"
-#include "isph/options.h"
 #include "isph/patch.h"
 #include "isph/run.h"
 
@@ -26,27 +15,35 @@ static PetscErrorCode Solve(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SolveOrList(ErrorState *errors)
-{
-  PetscBool catalogue;
-
-  PetscFunctionBegin;
-  PetscCall(ErrorsInstall(errors));
-  PetscCall(OptionGiven("-catalogue", &catalogue));
-  if (catalogue) PetscCall(CatalogueView(PETSC_VIEWER_STDOUT_WORLD));
-  else PetscCall(Solve());
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Answers a request that needs no run, on the first rank. */
-static void Answer(Request request)
+/* Answers a request, on the first rank. Returns PETSC_FALSE if there is a run to make. */
+static PetscBool Answer(Request request)
 {
   int rank;
 
   (void)MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  if (rank) return;
-  if (request == REQUEST_USAGE) UsagePrint(stdout);
-  if (request == REQUEST_VERSION) VersionPrint(stdout);
+  if (rank == 0) {
+    if (request == REQUEST_USAGE) UsagePrint(stdout);
+    if (request == REQUEST_HELP || request == REQUEST_HELP_PETSC) HelpPrint(stdout);
+    if (request == REQUEST_VERSION) VersionPrint(stdout);
+    if (request == REQUEST_REFERENCE) ReferencePrint(stdout);
+    (void)fflush(stdout);
+  }
+  return request == REQUEST_RUN || request == REQUEST_HELP_PETSC ? PETSC_FALSE : PETSC_TRUE;
+}
+
+/* Runs, unless the options of a file or of the environment ask for something else. */
+static PetscErrorCode SolveOrList(Request request, ErrorState *errors)
+{
+  PetscBool catalogue, help;
+
+  PetscFunctionBegin;
+  PetscCall(ErrorsInstall(errors));
+  PetscCall(OptionGiven("-catalogue", &catalogue));
+  PetscCall(OptionGiven("-help", &help));
+  if (catalogue) PetscCall(CatalogueView(PETSC_VIEWER_STDOUT_WORLD));
+  else if (help && request != REQUEST_HELP_PETSC) (void)Answer(REQUEST_HELP);
+  else PetscCall(Solve());
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Refuses words that PETSc would pass over or meet with a traceback. */
@@ -69,17 +66,14 @@ int main(int argc, char **argv)
 
   if (MPI_Init(&argc, &argv)) return 1;
   request = CommandLineRequest(&argc, argv);
-  if (request == REQUEST_USAGE || request == REQUEST_VERSION) {
-    Answer(request);
-    return MPI_Finalize();
-  }
+  if (Answer(request)) return MPI_Finalize();
   if (Refuse(argc, argv)) {
     (void)MPI_Finalize();
     return 1;
   }
-  failed = PetscInitialize(&argc, &argv, NULL, help);
+  failed = PetscInitialize(&argc, &argv, NULL, NULL);
   if (failed) return (int)failed;
-  failed = SolveOrList(&errors);
+  failed = SolveOrList(request, &errors);
   if (failed) return ErrorsExit(failed, &errors);
   failed = PetscFinalize();
   (void)MPI_Finalize();

@@ -1,7 +1,9 @@
 """commandline.py SOURCE COMMAND... - requests that need no run, and options files that are good
 
-Usage and versions are printed once, whatever the number of ranks, with exit status 0.
+Usage, help, versions and the reference page are printed once, whatever the number of ranks, with exit
+status 0. The page in docs/ is the printed one, and no file reads an option that the tables do not hold.
 """
+import glob
 import re
 import subprocess
 import sys
@@ -27,6 +29,30 @@ for words in (["-version"], ["--version"], ["-n", "abc", "-version"]):
     version = isph(*words)
     for line in (r"isph \d+\.\d+\.\d+", r"PETSc \d+\.\d+\.\d+", r"hypre ", r"HDF5 \d+\.\d+\.\d+"):
         assert len(re.findall("^" + line, version, re.M)) == 1, (line, version)
+
+# The page of docs/ is the one that the program prints.
+reference = isph("-options_reference")
+with open(f"{source}/docs/reference/options.md", encoding="utf-8") as file:
+    assert file.read() == reference, "write docs/reference/options.md anew: isph -options_reference"
+options = re.findall(r"^\| `(-[^`]+)` \|", reference, re.M)
+assert len(options) == len(set(options)) and len(options) > 100, options
+
+# All options are listed whatever the case, and although the others are wrong.
+for words in (["-help"], ["-h"], ["--help"], ["-case", "patch", "-n", "abc", "-help"]):
+    text = isph(*words)
+    listed = re.findall(r"^  (-\S+)", text[text.index("All options"):], re.M)
+    assert listed == options, set(options) ^ set(listed)
+    assert max(len(line) for line in text.splitlines()) <= 100
+petsc = isph("-n", "12", "-help", "petsc")
+assert petsc.startswith(isph("-help")), petsc[:2000]
+for option in ("-ppe_ksp_gmres_restart", "-visc_ts_max_snes_failures", "-log_view"):
+    assert option in petsc, option
+
+# Options are read through rows of tables alone; PETSc's, by the prefix of a solver, are the exception.
+for path in glob.glob(f"{source}/src/**/*.c", recursive=True) + glob.glob(f"{source}/cases/*.c"):
+    with open(path, encoding="utf-8") as file:
+        calls = re.findall(r"PetscOptions(?:Get|Has|Find|Begin)\w*\(\s*\w+,\s*NULL", file.read())
+    assert not calls or "/src/options/" in path, (path, calls)
 
 banner = isph("-options_file", f"{source}/tests/options_files/good.opts")
 assert re.search(r"^case +scene", banner, re.M) and re.search(r"^particles +256 fluid", banner, re.M), banner

@@ -9,9 +9,20 @@
 
 /* Type and result of an option, for the single function that reads options of every type. */
 typedef struct {
-  enum { READ_REAL, READ_INT, READ_FLAGS, READ_TABLE, READ_FILE, READ_UNKNOWN, READ_TOGETHER } what;
-  PetscReal       real;
-  PetscInt        integer;
+  enum {
+    READ_REAL,
+    READ_INT,
+    READ_SWITCH,
+    READ_REALS,
+    READ_FLAGS,
+    READ_TABLE,
+    READ_FILE,
+    READ_UNKNOWN,
+    READ_TOGETHER
+  } what;
+  PetscReal       real, reals[3];
+  PetscInt        integer, n;
+  PetscBool       on;
   unsigned        flags;
   const TableRow *row;
   char            path[PETSC_MAX_PATH_LEN];
@@ -19,25 +30,44 @@ typedef struct {
   char            message[512];
 } Reading;
 
-static const char *const colours[] = {"red", "green", "blue"};
+static const char *const colours[] = {"red", "green", "blue", NULL};
+static const OptionRow   options[] = {
+      [READ_REAL] =
+          {.name = "-t_real", .kind = VALUE_REAL, .standard = "0.25", .low = -1.5, .high = 2.5},
+      [READ_INT]    = {.name = "-t_int", .kind = VALUE_INT, .standard = "5", .low = -3, .high = 7},
+      [READ_SWITCH] = {.name = "-t_switch", .kind = VALUE_SWITCH, .standard = "false"},
+      [READ_REALS]  = {.name = "-t_reals", .kind = VALUE_REALS},
+      [READ_FLAGS]  = {.name = "-t_flags", .kind = VALUE_NAMES, .words = colours},
+      [READ_TABLE]  = {.name     = "-t_table",
+                       .kind     = VALUE_NAME,
+                       .standard = "wendland_c2",
+                       .table    = &KernelTable},
+      [READ_FILE]   = {.name = "-t_file", .kind = VALUE_FILE},
+};
 
-static PetscErrorCode ReadOne(OptionItems PetscOptionsObject, Reading *r)
+static PetscErrorCode ReadOne(Reading *r)
 {
+  const OptionRow *row = &options[r->what];
+
   switch (r->what) {
   case READ_REAL:
-    return OptionReal("-t_real", "a number", -1.5, 2.5, &r->real, &r->set);
+    return OptionGetReal(row, &r->real, &r->set);
   case READ_INT:
-    return OptionInt("-t_int", "a whole number", -3, 7, &r->integer, &r->set);
+    return OptionGetInt(row, &r->integer, &r->set);
+  case READ_SWITCH:
+    return OptionGetSwitch(row, &r->on, &r->set);
+  case READ_REALS:
+    return OptionGetReals(row, 3, r->reals, &r->n, &r->set);
   case READ_FLAGS:
-    return OptionFlags("-t_flags", "colours", colours, 3, &r->flags);
+    return OptionGetFlags(row, &r->flags);
   case READ_TABLE:
-    return TableSelect(&KernelTable, "-t_table", "a row", "wendland_c2", &r->row);
+    return OptionGetRow(row, NULL, &r->row);
   case READ_FILE:
-    return OptionFile("-t_file", "a path", r->path);
+    return OptionGetFile(row, r->path);
   case READ_UNKNOWN:
     return OptionsRefuseUnknown(PETSC_FALSE);
   default:
-    return OptionsRefuseTogether("-t_one", "-t_two", "of the test");
+    return OptionsRefuseTogether("-dt", "-cfl", "of the test");
   }
 }
 
@@ -50,9 +80,7 @@ static PetscErrorCode Read(const char option[], const char value[], Reading *r)
   r->message[0] = '\0';
   if (option) PetscCall(PetscOptionsSetValue(NULL, option, value));
   PetscCall(PetscPushErrorHandler(CloudKeepMessage, r->message));
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Test", "");
-  code = ReadOne(PetscOptionsObject, r);
-  PetscOptionsEnd();
+  code = ReadOne(r);
   PetscCall(PetscPopErrorHandler());
   if (option) PetscCall(PetscOptionsClearValue(NULL, option));
   PetscFunctionReturn(code);
@@ -91,7 +119,7 @@ static void test_tables(void **state)
 
       assert_non_null(row->citation);
       assert_true(row->brief[0] != '\0');
-      assert_in_range(strlen(row->name), 1, 127); /* length that TableSelect() reads */
+      assert_in_range(strlen(row->name), 1, 127); /* as options have */
       assert_null(strpbrk(row->name, " ,\t"));
       assert_int_equal(TableFind(table, row->name, &found), PETSC_SUCCESS);
       assert_ptr_equal(found, row); /* names are unique */
@@ -159,6 +187,39 @@ static void test_int(void **state)
   AssertRefused("-t_int", NULL, &r);
 }
 
+static void test_switch(void **state)
+{
+  Reading r = {.what = READ_SWITCH, .on = PETSC_TRUE};
+
+  (void)state;
+  AssertTaken(NULL, NULL, &r);
+  assert_true(!r.on && !r.set);
+  AssertTaken("-t_switch", NULL, &r);
+  assert_true(r.on && r.set);
+  AssertTaken("-t_switch", "no", &r);
+  assert_true(!r.on && r.set);
+  AssertTaken("-t_switch", "TRUE", &r);
+  assert_true(r.on);
+  AssertRefused("-t_switch", "perhaps", &r);
+}
+
+static void test_reals(void **state)
+{
+  static const char *const wrong[] = {"1,,2", "1,2,3,4", "a", "1,b", "1 2", "1,nan", "inf"};
+  Reading                  r       = {.what = READ_REALS};
+
+  (void)state;
+  AssertTaken(NULL, NULL, &r);
+  assert_true(r.n == 0 && !r.set);
+  AssertTaken("-t_reals", "1,-2.5e-1,0.1", &r);
+  assert_true(r.n == 3 && r.reals[0] == 1.0 && r.reals[1] == -0.25 && r.reals[2] == 0.1);
+  AssertTaken("-t_reals", "7", &r);
+  assert_true(r.n == 1 && r.reals[0] == 7.0 && r.set);
+  AssertRefused("-t_reals", NULL, &r);
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(wrong); k++)
+    assert_int_equal(Read("-t_reals", wrong[k], &r), PETSC_ERR_USER_INPUT);
+}
+
 static void test_flags(void **state)
 {
   Reading r = {.what = READ_FLAGS, .flags = 99};
@@ -206,17 +267,87 @@ static void test_unknown(void **state)
   AssertTaken("-t_real", "1.0", &real);
 }
 
+/* Every row can be found by its name and tells what it has to, and no name stands twice. */
+static void test_rows(void **state)
+{
+  (void)state;
+  for (PetscInt t = 0; OptionTableGet(t); t++) {
+    const OptionTable *table = OptionTableGet(t);
+
+    assert_true(table->count > 0 && table->title[0]);
+    for (PetscInt k = 0; k < table->count; k++) {
+      const OptionRow *row = &table->rows[k];
+      char             name[OPTION_LENGTH];
+      OptionRow        one;
+
+      assert_true(row->name[0] == '-' && strlen(row->name) < OPTION_LENGTH - 32);
+      assert_true(row->brief && row->brief[0]);
+      assert_true((row->kind == VALUE_NAME) == (row->table != NULL));
+      assert_true((row->kind == VALUE_NAMES) == (row->words != NULL));
+      if (row->kind == VALUE_REAL) assert_true(row->unit && row->low < row->high);
+      if (row->kind == VALUE_INT) assert_true(row->low < row->high);
+      OptionFill(row, row->places ? row->places[0] : "1", name, &one);
+      assert_ptr_equal(OptionFind(name), row); /* the only row of that name */
+    }
+  }
+}
+
+/* Patterns stand for many names; suggestions are made only if a name is near. */
+static void test_names(void **state)
+{
+  static const char *const far[] = {"-foo", "-grid", "-nu", "-output_directory_of_the_run", "-q"};
+  static const char *const near[][2] = {{"-reynold", "-reynolds"},
+                                        {"--case", "-case"},
+                                        {"-tend", "-t_end"},
+                                        {"-catalog", "-catalogue"},
+                                        {"-scene_bodie_3", "-scene_body_3"},
+                                        {"-scene_body_12_velocty", "-scene_body_12_velocity"},
+                                        {"-scene_wall_topp_velocity", "-scene_wall_top_velocity"},
+                                        {"-ppe_kps_rtol", "-ppe_ksp_rtol"},
+                                        {"-coupled_schurr", "-coupled_schur"}};
+  char                     nearest[OPTION_LENGTH];
+
+  (void)state;
+  assert_non_null(OptionFind("-scene_body_16_rotation"));
+  assert_non_null(OptionFind("-check_u_min"));
+  assert_non_null(OptionFind("-Reynolds")); /* PETSc's names have no case */
+  assert_non_null(OptionFind("-coupled_fieldsplit_velocity_ksp_type"));
+  assert_null(OptionFind("-scene_body_x"));
+  assert_null(OptionFind("-scene_body_"));
+  assert_null(OptionFind("-scene_wall_front_velocity"));
+  assert_null(OptionFind("-reynolds_2"));
+  assert_null(OptionFind("--case"));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(near); k++) {
+    assert_non_null(OptionNearest(near[k][0], nearest));
+    assert_string_equal(nearest, near[k][1]);
+  }
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(far); k++)
+    assert_null(OptionNearest(far[k], nearest));
+}
+
+/* An option that no table has cannot be asked for. */
+static void test_no_row(void **state)
+{
+  PetscBool given;
+  char      message[512];
+
+  (void)state;
+  assert_int_equal(PetscPushErrorHandler(CloudKeepMessage, message), PETSC_SUCCESS);
+  assert_int_equal(OptionGiven("-no_such_option", &given), PETSC_ERR_PLIB);
+  assert_int_equal(PetscPopErrorHandler(), PETSC_SUCCESS);
+}
+
 static void test_together(void **state)
 {
   Reading r = {.what = READ_TOGETHER};
 
   (void)state;
-  AssertTaken("-t_one", "1", &r);
-  AssertTaken("-t_two", "1", &r);
-  assert_int_equal(PetscOptionsSetValue(NULL, "-t_two", "1"), PETSC_SUCCESS);
-  AssertRefused("-t_one", NULL, &r);
-  assert_non_null(strstr(r.message, "-t_two"));
-  assert_int_equal(PetscOptionsClearValue(NULL, "-t_two"), PETSC_SUCCESS);
+  AssertTaken("-dt", "1", &r);
+  AssertTaken("-cfl", "1", &r);
+  assert_int_equal(PetscOptionsSetValue(NULL, "-cfl", "1"), PETSC_SUCCESS);
+  AssertRefused("-dt", NULL, &r);
+  assert_non_null(strstr(r.message, "-cfl"));
+  assert_int_equal(PetscOptionsClearValue(NULL, "-cfl"), PETSC_SUCCESS);
 }
 
 int main(int argc, char **argv)
@@ -226,6 +357,9 @@ int main(int argc, char **argv)
       cmocka_unit_test(test_real),    cmocka_unit_test(test_int),
       cmocka_unit_test(test_flags),   cmocka_unit_test(test_file),
       cmocka_unit_test(test_unknown), cmocka_unit_test(test_together),
+      cmocka_unit_test(test_switch),  cmocka_unit_test(test_reals),
+      cmocka_unit_test(test_rows),    cmocka_unit_test(test_names),
+      cmocka_unit_test(test_no_row),
   };
   int failed;
 

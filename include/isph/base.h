@@ -45,40 +45,8 @@ typedef struct {
 const TableRow *TableGet(const Table *table, PetscInt k);
 PetscErrorCode  TableFind(const Table *table, const char name[], const TableRow **row);
 PetscErrorCode  TableWant(const Table *table, const char option[], const char name[], void *row);
-PetscErrorCode  TableSelect_Private(OptionItems items, const Table *table, const char option[],
-                                    const char text[], const char fallback[], void *row);
 PetscErrorCode  TableView(const Table *table, PetscViewer viewer);
 PetscErrorCode  TableViewRow(const char label[], const void *row, PetscViewer viewer);
-
-/*
-  Options with a range: text that is no number, or a number out of range ends the run with a
-  message. Call them between PetscOptionsBegin() and PetscOptionsEnd(), as PETSc's own functions;
-  set may be NULL.
-*/
-PetscErrorCode OptionReal_Private(OptionItems items, const char option[], const char text[],
-                                  PetscReal low, PetscReal high, PetscReal *value, PetscBool *set);
-PetscErrorCode OptionInt_Private(OptionItems items, const char option[], const char text[],
-                                 PetscInt low, PetscInt high, PetscInt *value, PetscBool *set);
-PetscErrorCode OptionSwitch_Private(OptionItems items, const char option[], const char text[],
-                                    PetscBool *value);
-PetscErrorCode OptionReals_Private(OptionItems items, const char option[], const char text[],
-                                   PetscInt capacity, PetscReal value[], PetscInt *n,
-                                   PetscBool *set);
-PetscErrorCode OptionFlags_Private(OptionItems items, const char option[], const char text[],
-                                   const char *const names[], PetscInt count, unsigned *flags);
-PetscErrorCode OptionFile_Private(OptionItems items, const char option[], const char text[],
-                                  char path[PETSC_MAX_PATH_LEN]);
-#define TableSelect(...)  TableSelect_Private(PetscOptionsObject, __VA_ARGS__)
-#define OptionReal(...)   OptionReal_Private(PetscOptionsObject, __VA_ARGS__)
-#define OptionInt(...)    OptionInt_Private(PetscOptionsObject, __VA_ARGS__)
-#define OptionSwitch(...) OptionSwitch_Private(PetscOptionsObject, __VA_ARGS__)
-#define OptionReals(...)  OptionReals_Private(PetscOptionsObject, __VA_ARGS__)
-#define OptionFlags(...)  OptionFlags_Private(PetscOptionsObject, __VA_ARGS__)
-#define OptionFile(...)   OptionFile_Private(PetscOptionsObject, __VA_ARGS__)
-
-PetscErrorCode OptionGiven(const char option[], PetscBool *given);
-PetscErrorCode OptionsRefuseTogether(const char a[], const char b[], const char why[]);
-PetscErrorCode OptionsRefuseUnknown(PetscBool deferred_too);
 
 /*
   Errors that the user can correct (an option, a file, a diverged solve) end the run with a line of

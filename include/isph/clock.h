@@ -6,6 +6,8 @@
 
 #include "isph/scene.h"
 
+extern const OptionTable TimeOptions;
+
 #define CLOCK_MAX_REPORTS 32
 /* Stable in every map of docs/results/stability.md. Shorter steps of moving particles are less
    accurate: the energy of the cavity at Re = 1000, n = 100, t = 40 is 1.7, 1.2, 0.5 % too large

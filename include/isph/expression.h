@@ -5,7 +5,7 @@
 #ifndef ISPH_EXPRESSION_H
 #define ISPH_EXPRESSION_H
 
-#include "isph/base.h"
+#include "isph/options.h"
 
 /* Variables that a text may contain, or that a component does contain. */
 typedef enum {
@@ -35,15 +35,12 @@ PetscErrorCode ExpressionScopeCheck(const ExpressionScope *scope);
 
 PetscErrorCode ExpressionSet(ExpressionScope *scope, const char option[], const char text[],
                              PetscInt fewest, PetscInt most, unsigned allowed, Expression *e);
-PetscErrorCode ExpressionRead_Private(OptionItems items, ExpressionScope *scope,
-                                      const char option[], const char text[], PetscInt fewest,
-                                      PetscInt most, unsigned allowed, Expression *e,
-                                      PetscBool *set);
-#define ExpressionRead(...) ExpressionRead_Private(PetscOptionsObject, __VA_ARGS__)
-Expression ExpressionNumber(PetscReal value);
-PetscBool  ExpressionUses(const Expression *e, ExpressionUse what);
-PetscReal  ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[]);
-PetscReal  ExpressionRate(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[],
-                          PetscReal tau);
+PetscErrorCode ExpressionGet(ExpressionScope *scope, const OptionRow *option, PetscInt fewest,
+                             PetscInt most, unsigned allowed, Expression *e, PetscBool *given);
+Expression     ExpressionNumber(PetscReal value);
+PetscBool      ExpressionUses(const Expression *e, ExpressionUse what);
+PetscReal      ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[]);
+PetscReal      ExpressionRate(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[],
+                              PetscReal tau);
 
 #endif

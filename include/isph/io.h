@@ -88,6 +88,8 @@ PetscErrorCode          MonitorsWrite(const Flow *flow, Monitors *monitors);
 
 PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscReal T[]);
 
+extern const OptionTable ReportOptions, SnapshotOptions, MonitorOptions, ProgressOptions,
+    MatrixOptions;
 extern const Table      ProgressTable;
 typedef struct Progress Progress;
 PetscErrorCode          ProgressCreate(Progress **progress);

@@ -143,8 +143,9 @@ typedef struct {
   PetscReal radii, spacings;                      /* reach of Extend: sum of [radius] and [dx] */
   PetscErrorCode (*Check)(const Scene *scene);    /* refuses unsuitable scenes; NULL: none */
 } WallRow;
-extern const Table   WallTable;
-extern const WallRow WallGiven; /* treatment of patch tests, not in the table */
+extern const Table       WallTable;
+extern const OptionTable OperatorOptions;
+extern const WallRow     WallGiven; /* treatment of patch tests, not in the table */
 
 /* Vectors over own fluid or own wall particles; array NULL: the vector allocates its storage. */
 PetscErrorCode FluidVec(const Particles *particles, PetscReal array[], Vec *v);

@@ -1,6 +1,6 @@
 /*
-  Options: checks of the command line and of options files before PETSc parses them, and requests
-  that need no run.
+  Options: rows of tables that hold all there is to say of each, readers that take a row, the
+  command line and its files, and the requests that are answered without a run.
 */
 #ifndef ISPH_OPTIONS_H
 #define ISPH_OPTIONS_H
@@ -8,19 +8,105 @@
 #include "isph/base.h"
 #include <stdio.h>
 
+/* The kind of an option's value. */
+typedef enum {
+  VALUE_SWITCH,     /* true or false; true without a value */
+  VALUE_INT,        /* a whole number */
+  VALUE_REAL,       /* a number */
+  VALUE_REALS,      /* numbers separated by commas */
+  VALUE_NAME,       /* the name of a row of a table */
+  VALUE_NAMES,      /* words separated by commas */
+  VALUE_FILE,       /* a path */
+  VALUE_EXPRESSION, /* components separated by commas, numbers or expressions */
+  VALUE_SHAPE,      /* a shape and its numbers, separated by commas */
+  VALUE_WORD,       /* a word */
+  VALUE_NOTHING,    /* no value */
+  VALUE_VIEWER,     /* a viewer of PETSc's, as ascii:file */
+  VALUE_SOLVER      /* read by PETSc */
+} OptionKind;
+
+/*
+  An option. Its name stands in no other table; parsing, -help, suggestions, "this run does not use
+  it" and the reference page take all they say from here.
+*/
+typedef struct {
+  const char        *name;     /* as typed; <k> is a number, <word> a word of places */
+  OptionKind         kind;     /* of the value */
+  const char        *brief;    /* a phrase on the meaning */
+  const char        *unit;     /* "m/s"; "-": a pure number; NULL: none */
+  const char        *standard; /* default: a value, or a phrase; NULL: the option is absent */
+  PetscReal          low;      /* least value allowed */
+  PetscReal          high;     /* largest value allowed; low = high = 0: no range */
+  const Table       *table;    /* of VALUE_NAME */
+  const char *const *words;    /* of VALUE_NAMES; ends with NULL */
+  const char *const *places;   /* words that <word> in the name stands for; NULL: any word */
+  const char        *where;    /* runs that use it, a phrase; NULL: all */
+  PetscBool          late;     /* read at the end of the run */
+} OptionRow;
+
+/* Ends of ranges: the least positive number, no largest number. */
+#define OPTION_TINY 1e-300
+#define OPTION_HUGE 1e300
+/* clang-format off */
+#define POSITIVE     .low = OPTION_TINY, .high = OPTION_HUGE
+#define NOT_NEGATIVE .low = 0.0, .high = OPTION_HUGE
+/* clang-format on */
+
+/* The options that one file reads. */
+typedef struct {
+  const char      *title; /* heading in -help */
+  const OptionRow *rows;
+  PetscInt         count;
+} OptionTable;
+#define OPTIONS(title, rows)                                                                       \
+  {                                                                                                \
+    title, rows, (PetscInt)(sizeof(rows) / sizeof((rows)[0]))                                      \
+  }
+
+/* Returns table k of all tables of options, NULL beyond the last; defined in src/catalogue.c. */
+const OptionTable *OptionTableGet(PetscInt k);
+
+#define OPTION_LENGTH 128 /* of a name */
+const OptionRow *OptionFind(const char name[]);
+const OptionRow *OptionNearest(const char name[], char nearest[OPTION_LENGTH]);
+void             OptionFill(const OptionRow *pattern, const char word[], char name[OPTION_LENGTH],
+                            OptionRow *row);
+void             OptionRangeText(const OptionRow *row, char text[], size_t length);
+
+/* Readers, collective. A value that cannot be ends the run with one line. given may be NULL. */
+PetscErrorCode OptionGetSwitch(const OptionRow *row, PetscBool *value, PetscBool *given);
+PetscErrorCode OptionGetInt(const OptionRow *row, PetscInt *value, PetscBool *given);
+PetscErrorCode OptionGetReal(const OptionRow *row, PetscReal *value, PetscBool *given);
+PetscErrorCode OptionGetReals(const OptionRow *row, PetscInt capacity, PetscReal value[],
+                              PetscInt *n, PetscBool *given);
+PetscErrorCode OptionGetFlags(const OptionRow *row, unsigned *flags);
+PetscErrorCode OptionGetFile(const OptionRow *row, char path[PETSC_MAX_PATH_LEN]);
+PetscErrorCode OptionGetText(const OptionRow *row, size_t length, char text[], PetscBool *given);
+PetscErrorCode OptionGetRow(const OptionRow *row, const char standard[], const void *chosen);
+
+PetscErrorCode OptionTyped(const char option[], const char **text);
+PetscErrorCode OptionGiven(const char option[], PetscBool *given);
+PetscErrorCode OptionsRefuseTogether(const char a[], const char b[], const char why[]);
+PetscErrorCode OptionsRefuseUnknown(PetscBool deferred_too);
+
 /* The request of a command line. */
 typedef enum {
   REQUEST_RUN,
   REQUEST_USAGE,      /* no option at all */
   REQUEST_HELP,       /* -h, -help, --help */
   REQUEST_HELP_PETSC, /* -help petsc */
-  REQUEST_VERSION     /* -version, --version */
+  REQUEST_VERSION,    /* -version, --version */
+  REQUEST_REFERENCE   /* -options_reference */
 } Request;
+
+extern const OptionTable ProgramOptions;
 
 Request     CommandLineRequest(int *argc, char **argv);
 void        CommandLineCheck(int argc, char **argv, char sentence[], size_t length);
 void        OptionsFileCheck(const char path[], char sentence[], size_t length);
 void        UsagePrint(FILE *out);
+void        HelpPrint(FILE *out);
+void        ReferencePrint(FILE *out);
 void        VersionPrint(FILE *out);
 const char *VersionCommit(void);
 

@@ -13,6 +13,8 @@
 
 #include "isph/scene.h"
 
+extern const OptionTable ParticleOptions;
+
 #define PARTICLES_MAX_FIELDS 16
 
 /* Values of a field that the halo needs. */

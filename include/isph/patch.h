@@ -17,7 +17,8 @@ struct FieldRow {
   PetscReal (*Value)(const FieldRow *row, PetscInt dim, PetscInt seed, const PetscReal x[]);
   PetscReal (*Laplacian)(const FieldRow *row, PetscInt dim, PetscInt seed, const PetscReal x[]);
 };
-extern const Table FieldTable;
+extern const Table       FieldTable;
+extern const OptionTable PatchOptions;
 
 /* A patch test: the matrix A of L over the box, and B over the given values around it. */
 typedef struct {

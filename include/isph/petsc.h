@@ -22,13 +22,6 @@
 #define PetscOptionsCreateViewer PetscOptionsGetViewer
 #endif
 
-/* The options between PetscOptionsBegin() and PetscOptionsEnd(); a pointer in every release. */
-#if PETSC_VERSION_LT(3, 23, 0)
-typedef PetscOptionItems *OptionItems;
-#else
-typedef PetscOptionItems OptionItems;
-#endif
-
 #if PETSC_VERSION_LT(3, 24, 0)
 #define SNESLINESEARCHSECANT SNESLINESEARCHL2
 #endif

@@ -4,6 +4,8 @@
 
 #include "isph/io.h"
 
+extern const OptionTable StartOptions, CheckpointOptions;
+
 PetscErrorCode FlowRun(Scene *scene);
 
 /* Start with the particles of -particles. */

@@ -21,7 +21,7 @@ typedef enum {
   PHYSICS_BODY_FORCE = 1 << 4  /* a force per unit mass */
 } Physics;
 #define PHYSICS_COUNT 5
-extern const char *const PhysicsNames[PHYSICS_COUNT]; /* bit order of Physics */
+extern const char *const PhysicsNames[PHYSICS_COUNT + 1]; /* in the order of bits; ends with NULL */
 
 #define SCENE_MAX_BODIES     16
 #define SCENE_MAX_BOUNDARIES (2 * ISPH_MAX_DIM + SCENE_MAX_BODIES)
@@ -198,8 +198,9 @@ struct Scene {
 
 extern const Table       CaseTable; /* cases/cases.c */
 extern const char *const SideNames[2 * ISPH_MAX_DIM];
+extern const OptionTable SceneOptions, TypedOptions, RheologyOptions;
 
-PetscErrorCode SceneReadTyped(OptionItems items, Scene *scene);
+PetscErrorCode SceneReadTyped(Scene *scene);
 PetscErrorCode SceneCreate(Scene **scene);
 PetscErrorCode SceneDestroy(Scene **scene);
 PetscBool      SceneHas(const Scene *scene, Physics what);
@@ -238,7 +239,7 @@ void      SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, 
 PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal x[],
                               const PetscReal normal[], const PetscReal u[]);
 PetscReal SceneDecayRate(const Scene *scene);
-PetscErrorCode SceneReadRheology(OptionItems items, Scene *scene);
+PetscErrorCode SceneReadRheology(Scene *scene);
 PetscBool      SceneIsNewtonian(const Scene *scene);
 PetscReal      RheologyViscosity(const Rheology *rheology, PetscReal rate);
 PetscBool      SceneViscosityVaries(const Scene *scene);

@@ -21,7 +21,9 @@ typedef struct {
                    PetscReal displacement[]); /* NULL: none */
   PetscReal disturbance; /* random, in the first step; breaks the symmetry of lattices [dx] */
 } ShiftRow;
-extern const Table ShiftTable;
+extern const Table       ShiftTable;
+extern const OptionTable MotionOptions, SchemeOptions, ProjectionOptions, ViscosityOptions,
+    CoupledOptions, CoupledSolverOptions, GuardOptions, SolverOptions;
 
 /*
   Velocity and pressure on the particles. Fields follow the particles through migration, restart and

@@ -239,8 +239,7 @@ static PetscErrorCode WriteForces(const Flow *flow, const Monitor *monitor)
 }
 
 const MonitorKind MonitorForces = {
-    .name   = "probe_forces",
-    .text   = "Forces and torques of the fluid on each wall",
+    .name   = "forces",
     .header = "wall,fx,fy,fz,tx,ty,tz",
     .Write  = WriteForces,
 };

@@ -5,6 +5,19 @@
 */
 #include "isph/io.h"
 
+static const char *const Matrices[] = {"visc", "ppe", NULL};
+static const OptionRow   options[]  = {
+       {
+           .name   = "-<matrix>_mat_view",
+           .kind   = VALUE_VIEWER,
+           .brief  = "matrix of the last solve, in the order of ids, e.g. binary:file or "
+                        "ascii:file:ascii_matlab; ids and positions stand in a file beside it",
+           .places = Matrices,
+           .where  = "runs that solve with that matrix",
+    },
+};
+const OptionTable MatrixOptions = OPTIONS("Matrices", options);
+
 struct MatrixFile {
   const char       *prefix; /* of the option, without dash */
   PetscViewer       viewer; /* NULL: option not given */

@@ -6,8 +6,70 @@
 
 #define MONITOR_NUMBERS 256 /* most numbers of an option */
 
-static const MonitorKind *const kinds[] = {&MonitorPoints, &MonitorLines, &MonitorFluxes,
-                                           &MonitorForces};
+enum { POINT, LINE, FLUX, FORCES, EVERY, BASE };
+static const OptionRow options[] = {
+    [POINT] =
+        {
+            .name  = "-probe_point",
+            .kind  = VALUE_REALS,
+            .brief = "velocity and pressure at points: x,y[,z] of each",
+            .unit  = "m",
+            .where = "flows",
+        },
+    [LINE] =
+        {
+            .name = "-probe_line",
+            .kind = VALUE_REALS,
+            .brief =
+                "velocity and pressure along lines: both ends and the number of points of each",
+            .unit  = "m",
+            .where = "flows",
+        },
+    [FLUX] =
+        {
+            .name = "-probe_flux",
+            .kind = VALUE_REALS,
+            .brief =
+                "flux through sections: both ends of each; in 3D a corner and its two neighbours",
+            .unit  = "m",
+            .where = "flows",
+        },
+    [FORCES] =
+        {
+            .name     = "-probe_forces",
+            .kind     = VALUE_SWITCH,
+            .brief    = "forces and torques of the fluid on each wall",
+            .standard = "false",
+            .where    = "flows",
+        },
+    [EVERY] =
+        {
+            .name     = "-probe_every",
+            .kind     = VALUE_REAL,
+            .brief    = "time between rows of the probes; 0: every step",
+            .unit     = "s",
+            .standard = "0",
+            NOT_NEGATIVE,
+            .where = "flows with a probe",
+        },
+    [BASE] =
+        {
+            .name     = "-probe_output",
+            .kind     = VALUE_FILE,
+            .brief    = "beginning of the names of files: base_point.csv, base_line.csv, ...",
+            .standard = "probe",
+            .where    = "flows with a probe",
+        },
+};
+const OptionTable MonitorOptions = OPTIONS("Probes", options);
+
+/* In the order of their options. */
+static const MonitorKind *const kinds[] = {
+    [POINT]  = &MonitorPoints,
+    [LINE]   = &MonitorLines,
+    [FLUX]   = &MonitorFluxes,
+    [FORCES] = &MonitorForces,
+};
 #define MONITOR_KINDS PETSC_STATIC_ARRAY_LENGTH(kinds)
 
 struct Monitors {
@@ -36,22 +98,21 @@ static PetscErrorCode CheckInBox(const Scene *scene, const char option[], PetscI
 }
 
 /* Reads the numbers of an option, which must be complete groups. */
-static PetscErrorCode MonitorRead(OptionItems PetscOptionsObject, const Scene *scene,
-                                  const MonitorKind *kind, Monitor *monitor)
+static PetscErrorCode MonitorRead(const Scene *scene, const OptionRow *row, const MonitorKind *kind,
+                                  Monitor *monitor)
 {
+  const char    *option                  = row->name;
   const PetscInt group                   = kind->group[scene->dim - 2];
   PetscReal      number[MONITOR_NUMBERS] = {0.0};
   PetscInt       n;
   PetscBool      given;
-  char           option[64];
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(option, sizeof(option), "-%s", kind->name));
   if (!group) {
-    PetscCall(OptionSwitch(option, kind->text, &monitor->on));
+    PetscCall(OptionGetSwitch(row, &monitor->on, NULL));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(OptionReals(option, kind->text, MONITOR_NUMBERS, number, &n, &given));
+  PetscCall(OptionGetReals(row, MONITOR_NUMBERS, number, &n, &given));
   if (!given) PetscFunctionReturn(PETSC_SUCCESS);
   UserCheck(n > 0 && n % group == 0,
             "%s: each item has %" PetscInt_FMT " numbers in %" PetscInt_FMT "D, got %" PetscInt_FMT,
@@ -85,27 +146,24 @@ static PetscErrorCode MonitorRead(OptionItems PetscOptionsObject, const Scene *s
 PetscErrorCode MonitorsCreate(const Scene *scene, Monitors **monitors)
 {
   Monitors *m;
+  PetscBool given;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&m));
   m->last = PETSC_NINFINITY;
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Monitors", "");
   for (size_t k = 0; k < MONITOR_KINDS; k++) {
-    PetscCall(MonitorRead(PetscOptionsObject, scene, kinds[k], &m->of[k]));
+    PetscCall(MonitorRead(scene, &options[k], kinds[k], &m->of[k]));
     m->any = m->any || m->of[k].on ? PETSC_TRUE : PETSC_FALSE;
   }
   if (m->any) {
-    PetscCall(PetscStrncpy(m->base, "probe", sizeof(m->base)));
-    PetscCall(PetscOptionsString("-probe_output", "Beginning of the monitors' file names", "",
-                                 m->base, m->base, sizeof(m->base), NULL));
-    PetscCall(OptionReal("-probe_every", "Time between rows of the monitors; 0: every step [s]",
-                         0.0, 1e300, &m->every, NULL));
+    PetscCall(OptionGetText(&options[BASE], sizeof(m->base), m->base, &given));
+    if (!given) PetscCall(PetscStrncpy(m->base, options[BASE].standard, sizeof(m->base)));
+    PetscCall(OptionGetReal(&options[EVERY], &m->every, NULL));
   }
-  PetscOptionsEnd();
   for (size_t k = 0; k < MONITOR_KINDS; k++) {
     if (!m->of[k].on) continue;
-    PetscCall(PetscSNPrintf(m->of[k].path, sizeof(m->of[k].path), "%s_%s.csv", m->base,
-                            kinds[k]->name + strlen("probe_")));
+    PetscCall(
+        PetscSNPrintf(m->of[k].path, sizeof(m->of[k].path), "%s_%s.csv", m->base, kinds[k]->name));
   }
   *monitors = m;
   PetscFunctionReturn(PETSC_SUCCESS);

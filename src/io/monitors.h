@@ -15,11 +15,11 @@ typedef struct {
   FILE      *stream; /* on the first rank */
 } Monitor;
 
-/* A kind of monitor: option, file header, numbers per item, and the function that writes rows. */
+/* A kind of monitor: its file, and the function that writes the rows of a moment. */
 typedef struct {
-  const char *name, *text; /* name of the option, and text for -help */
-  const char *header;      /* columns of the file after "t,step" */
-  PetscInt    group[2];    /* numbers for each point, line or section in 2D and 3D; 0: a switch */
+  const char *name;     /* name of the file, after the base and _ */
+  const char *header;   /* columns of the file after "t,step" */
+  PetscInt    group[2]; /* numbers for each point, line or section in 2D and 3D; 0: a switch */
   /* refuses wrong numbers of item k; NULL: accepts any in the box */
   PetscErrorCode (*Check)(const Scene *scene, const char option[], PetscInt k,
                           const PetscReal number[]);

@@ -60,8 +60,7 @@ static PetscErrorCode WritePoints(const Flow *flow, const Monitor *monitor)
 }
 
 const MonitorKind MonitorPoints = {
-    .name   = "probe_point",
-    .text   = "Velocity and pressure at points: x,y[,z] of each [m]",
+    .name   = "point",
     .header = "point,x,y,z,u,v,w,p",
     .group  = {2, 3},
     .Check  = CheckPoint,
@@ -105,8 +104,7 @@ static PetscErrorCode WriteLines(const Flow *flow, const Monitor *monitor)
 }
 
 const MonitorKind MonitorLines = {
-    .name   = "probe_line",
-    .text   = "Velocity and pressure along lines: both ends and the number of points of each",
+    .name   = "line",
     .header = "line,x,y,z,u,v,w,p",
     .group  = {5, 7},
     .Check  = CheckLine,
@@ -180,8 +178,7 @@ static PetscErrorCode WriteFluxes(const Flow *flow, const Monitor *monitor)
 }
 
 const MonitorKind MonitorFluxes = {
-    .name   = "probe_flux",
-    .text   = "Flux through sections: both ends of each [m]; in 3D a corner and its two neighbours",
+    .name   = "flux",
     .header = "section,flux",
     .group  = {4, 9},
     .Write  = WriteFluxes,

@@ -19,6 +19,18 @@ static const ProgressRow progresses[] = {
 };
 const Table ProgressTable = TABLE("-progress", "Progress", progresses);
 
+static const OptionRow options[] = {
+    {
+        .name     = "-progress",
+        .kind     = VALUE_NAME,
+        .brief    = "lines that tell how far the run is",
+        .standard = "line",
+        .table    = &ProgressTable,
+        .where    = "flows",
+    },
+};
+const OptionTable ProgressOptions = OPTIONS("Progress", options);
+
 struct Progress {
   const ProgressRow *row;
   PetscBool          terminal;      /* standard output is a terminal */
@@ -41,10 +53,7 @@ PetscErrorCode ProgressCreate(Progress **progress)
 
   PetscFunctionBegin;
   PetscCall(PetscNew(progress));
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Progress", "");
-  PetscCall(TableSelect(&ProgressTable, "-progress", "Display of the progress of the run", "line",
-                        &(*progress)->row));
-  PetscOptionsEnd();
+  PetscCall(OptionGetRow(&options[0], NULL, &(*progress)->row));
   PetscCall(PetscTime(&now));
   (*progress)->start    = (PetscReal)now;
   (*progress)->terminal = isatty(STDOUT_FILENO) ? PETSC_TRUE : PETSC_FALSE;

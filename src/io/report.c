@@ -4,6 +4,27 @@
 */
 #include "isph/io.h"
 
+enum { REPORT, CHECK };
+static const OptionRow options[] = {
+    [REPORT] =
+        {
+            .name  = "-report",
+            .kind  = VALUE_FILE,
+            .brief = "CSV file that errors and cost of the run are appended to",
+        },
+    [CHECK] =
+        {
+            .name  = "-check_<quantity>",
+            .kind  = VALUE_REAL,
+            .brief = "largest relative error of a reported quantity, e.g. -check_u_min; a larger "
+                     "one is an error of the run",
+            .unit  = "-",
+            NOT_NEGATIVE,
+            .late = PETSC_TRUE,
+        },
+};
+const OptionTable ReportOptions = OPTIONS("Report", options);
+
 /*
   ReportCreate - Creates an empty report
 
@@ -18,14 +39,7 @@ PetscErrorCode ReportCreate(Report **report)
 {
   PetscFunctionBegin;
   PetscCall(PetscNew(report));
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Report", "");
-  PetscCall(OptionFile("-report", "CSV file that this run's errors and cost are appended to",
-                       (*report)->file));
-  PetscCall(
-      PetscOptionsReal("-check_<quantity>",
-                       "Fail if the error of a reported quantity is larger, e.g. -check_u_min [-]",
-                       "", 0.0, NULL, NULL));
-  PetscOptionsEnd();
+  PetscCall(OptionGetFile(&options[REPORT], (*report)->file));
   if ((*report)->file[0]) PetscCall(ReportFileCheck((*report)->file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -221,23 +235,21 @@ PetscErrorCode ReportCheck(const Report *report)
   PetscInt failed      = 0;
 
   PetscFunctionBegin;
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Checks", "");
   for (PetscInt k = 0; k < report->n; k++) {
     const char *name = report->quantity[k].name;
-    char        option[64];
+    char        option[OPTION_LENGTH];
     PetscReal   tolerance = 0.0;
     PetscBool   last, set;
+    OptionRow   row;
 
     PetscCall(ReportIsLast(report, k, &last));
     if (!last) continue;
     if (known[0]) PetscCall(PetscStrlcat(known, ", ", sizeof(known)));
     PetscCall(PetscStrlcat(known, name, sizeof(known)));
-    PetscCall(PetscSNPrintf(option, sizeof(option), "-check_%s", name));
-    PetscCall(
-        OptionReal(option, "Largest relative error allowed [-]", 0.0, 1e300, &tolerance, &set));
+    OptionFill(&options[CHECK], name, option, &row);
+    PetscCall(OptionGetReal(&row, &tolerance, &set));
     if (set) PetscCall(ReportCheckQuantity(report, name, tolerance, &failed));
   }
-  PetscOptionsEnd();
   PetscCall(ReportRefuseUnknown(known));
   UserCheck(!failed, "%" PetscInt_FMT " error%s above the tolerance of -check_<quantity>", failed,
             failed == 1 ? " is" : "s are");

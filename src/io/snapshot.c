@@ -6,6 +6,29 @@
 #include "isph/options.h"
 #include <unistd.h>
 
+enum { OUTPUT, OUTPUT_EVERY };
+static const OptionRow options[] = {
+    [OUTPUT] =
+        {
+            .name  = "-output",
+            .kind  = VALUE_FILE,
+            .brief = "snapshots for ParaView: file.h5 gives file_0000.h5, file_0001.h5, ... and "
+                     "their index file.xdmf",
+            .where = "flows",
+        },
+    [OUTPUT_EVERY] =
+        {
+            .name     = "-output_every",
+            .kind     = VALUE_REAL,
+            .brief    = "time between snapshots, at which steps end",
+            .unit     = "s",
+            .standard = "start and end only",
+            POSITIVE,
+            .where = "flows",
+        },
+};
+const OptionTable SnapshotOptions = OPTIONS("Snapshots", options);
+
 struct Snapshots {
   char      base[PETSC_MAX_PATH_LEN]; /* given path without .h5; empty: no snapshots */
   PetscReal every;                    /* time between snapshots; 0: start and end only [s] */
@@ -56,13 +79,8 @@ PetscErrorCode SnapshotsCreate(const Scene *scene, Snapshots **snapshots)
   PetscFunctionBegin;
   PetscCall(PetscNew(&s));
   s->step = -1;
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Output", "");
-  PetscCall(OptionFile("-output", "Snapshots for ParaView: file.h5", s->base));
-  PetscCall(
-      OptionReal("-output_every",
-                 "Time between snapshots, at which steps end; by default start and end only [s]",
-                 1e-300, 1e300, &s->every, &every));
-  PetscOptionsEnd();
+  PetscCall(OptionGetFile(&options[OUTPUT], s->base));
+  PetscCall(OptionGetReal(&options[OUTPUT_EVERY], &s->every, &every));
   UserCheck(!every || s->base[0], "-output_every: there is no -output");
   if (s->base[0]) {
     PetscCall(PetscStrendswith(s->base, ".h5", &h5));

@@ -4,12 +4,89 @@
 */
 #include "choose.h"
 
-static PetscErrorCode ChooseLaplacian(OptionItems PetscOptionsObject, const char option[],
-                                      const char text[], const char standard[],
+enum { KERNEL, H_OVER_DX, CORRECTION, VISC_LAPLACIAN, PPE_LAPLACIAN, GRADIENT, WALL, WALL_SURFACE };
+static const OptionRow options[] = {
+    [KERNEL] =
+        {
+            .name     = "-kernel",
+            .kind     = VALUE_NAME,
+            .brief    = "smoothing kernel",
+            .standard = "wendland_c2",
+            .table    = &KernelTable,
+        },
+    [H_OVER_DX] =
+        {
+            .name     = "-h_over_dx",
+            .kind     = VALUE_REAL,
+            .brief    = "smoothing length over particle spacing",
+            .unit     = "-",
+            .standard = "1.3, but up to U dx/nu = 5: 1.5 for particles that move between walls, "
+                        "1.1 without walls if both Laplacians are exact for quadratic functions",
+            .low      = 0.8,
+            .high     = 4.0,
+        },
+    [CORRECTION] =
+        {
+            .name     = "-correction",
+            .kind     = VALUE_NAME,
+            .brief    = "correction of the kernel in Laplacians that can take it",
+            .standard = "none",
+            .table    = &CorrectionTable,
+        },
+    [VISC_LAPLACIAN] =
+        {
+            .name  = "-visc_laplacian",
+            .kind  = VALUE_NAME,
+            .brief = "form of the viscous term",
+            .standard =
+                "mls, or stress_mls where the viscosity varies and there is a pressure or a body",
+            .table = &LaplacianTable,
+            .where = "runs with viscosity",
+        },
+    [PPE_LAPLACIAN] =
+        {
+            .name     = "-ppe_laplacian",
+            .kind     = VALUE_NAME,
+            .brief    = "form of the Laplacian in the pressure Poisson equation",
+            .standard = "mls",
+            .table    = &LaplacianTable,
+            .where    = "flows with pressure",
+        },
+    [GRADIENT] =
+        {
+            .name     = "-gradient",
+            .kind     = VALUE_NAME,
+            .brief    = "form of gradients and divergences",
+            .standard = "mls",
+            .table    = &GradientTable,
+            .where    = "flows with pressure, or convection on fixed particles",
+        },
+    [WALL] =
+        {
+            .name     = "-wall",
+            .kind     = VALUE_NAME,
+            .brief    = "wall treatment",
+            .standard = "wall_layer, or dummy_linear if a chosen form needs particles behind walls",
+            .table    = &WallTable,
+            .where    = "flows with walls",
+        },
+    [WALL_SURFACE] =
+        {
+            .name  = "-wall_surface",
+            .kind  = VALUE_SWITCH,
+            .brief = "particles on walls, before those behind them; dummies alone leave a gap at "
+                     "curved walls",
+            .standard = "true where there are bodies, and -wall has its particles behind walls",
+            .where    = "flows with walls",
+        },
+};
+const OptionTable OperatorOptions = OPTIONS("Operators", options);
+
+static PetscErrorCode ChooseLaplacian(const OptionRow *option, const char standard[],
                                       const CorrectionRow *correction, LaplacianForm *form)
 {
   PetscFunctionBegin;
-  PetscCall(TableSelect(&LaplacianTable, option, text, standard, &form->row));
+  PetscCall(OptionGetRow(option, standard, &form->row));
   if (form->row->corrections & correction->bit) form->correction = correction;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -28,27 +105,22 @@ static const char *DefaultLaplacian(const Scene *scene)
 }
 
 /* Chooses the Laplacians that the run needs; the correction applies to those that accept it. */
-static PetscErrorCode ChooseLaplacians(OptionItems PetscOptionsObject, const Scene *scene,
-                                       unsigned needs, OperatorForms *forms)
+static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, OperatorForms *forms)
 {
   const CorrectionRow *correction;
 
   PetscFunctionBegin;
-  PetscCall(TableSelect(&CorrectionTable, "-correction",
-                        "Correction of the kernel in Laplacians that accept it", "none",
-                        &correction));
+  PetscCall(OptionGetRow(&options[CORRECTION], NULL, &correction));
   if (needs & NEED_VISCOSITY) {
-    PetscCall(ChooseLaplacian(PetscOptionsObject, "-visc_laplacian", "Form of the viscous term",
-                              DefaultLaplacian(scene), correction, &forms->visc));
+    PetscCall(ChooseLaplacian(&options[VISC_LAPLACIAN], DefaultLaplacian(scene), correction,
+                              &forms->visc));
     UserCheck(!SceneViscosityVaries(scene) || LaplacianIs(&forms->visc, FORM_VARYING),
               "-visc_laplacian %s: this form has no varying viscosity; use a form with "
               "varying_viscosity in -catalogue, such as mls or schwaiger",
               forms->visc.row->name);
   }
   if (needs & NEED_PRESSURE) {
-    PetscCall(ChooseLaplacian(PetscOptionsObject, "-ppe_laplacian",
-                              "Form of the pressure Poisson equation", "mls", correction,
-                              &forms->ppe));
+    PetscCall(ChooseLaplacian(&options[PPE_LAPLACIAN], NULL, correction, &forms->ppe));
     UserCheck(
         LaplacianIs(&forms->ppe, FORM_SAFE_IMPLICIT),
         "-ppe_laplacian %s: its matrix has eigenvalues of both signs, so the pressure equation "
@@ -65,8 +137,7 @@ static PetscErrorCode ChooseLaplacians(OptionItems PetscOptionsObject, const Sce
 }
 
 /* Chooses the wall treatment of the user, or by default a treatment that the forms work with. */
-static PetscErrorCode ChooseWall(OptionItems PetscOptionsObject, const Scene *scene,
-                                 OperatorForms *forms)
+static PetscErrorCode ChooseWall(const Scene *scene, OperatorForms *forms)
 {
   const char *blind = NULL; /* a chosen form that needs particles behind walls */
   const char *kind  = "";
@@ -88,18 +159,14 @@ static PetscErrorCode ChooseWall(OptionItems PetscOptionsObject, const Scene *sc
     blind = forms->gradient->name;
     kind  = "-gradient";
   }
-  PetscCall(TableSelect(&WallTable, "-wall", "Wall treatment; the default suits the chosen forms",
-                        blind ? "dummy_linear" : "wall_layer", &forms->wall));
+  PetscCall(OptionGetRow(&options[WALL], blind ? "dummy_linear" : "wall_layer", &forms->wall));
   UserCheck(
       !blind || !forms->wall->on_surface,
       "-wall %s: %s %s needs particles behind the wall; use -wall dummy_linear, or mls instead",
       forms->wall->name, kind, blind);
   if (forms->wall->Check) PetscCall(forms->wall->Check(scene));
   forms->wall_surface = scene->n_bodies > 0 && !forms->wall->on_surface ? PETSC_TRUE : PETSC_FALSE;
-  PetscCall(OptionSwitch("-wall_surface",
-                         "A layer of particles on walls before the dummies; by default with "
-                         "bodies, because dummies alone leave a gap at curved walls",
-                         &forms->wall_surface));
+  PetscCall(OptionGetSwitch(&options[WALL_SURFACE], &forms->wall_surface, NULL));
   UserCheck(
       !forms->wall_surface || !forms->wall->on_surface,
       "-wall_surface: -wall %s has its particles on the wall already; choose a treatment with "
@@ -183,19 +250,14 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
   PetscReal h_over_dx;
 
   PetscFunctionBegin;
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Operators", "");
-  PetscCall(
-      TableSelect(&KernelTable, "-kernel", "Smoothing kernel", "wendland_c2", &forms->kernel));
-  PetscCall(ChooseLaplacians(PetscOptionsObject, scene, needs, forms));
+  PetscCall(OptionGetRow(&options[KERNEL], NULL, &forms->kernel));
+  PetscCall(ChooseLaplacians(scene, needs, forms));
   h_over_dx = DefaultSmoothing(scene, forms);
-  PetscCall(OptionReal("-h_over_dx", "Smoothing length over particle spacing [-]", 0.8, 4.0,
-                       &h_over_dx, NULL));
+  PetscCall(OptionGetReal(&options[H_OVER_DX], &h_over_dx, NULL));
   if (needs & (NEED_PRESSURE | NEED_GRADIENT_U)) {
-    PetscCall(TableSelect(&GradientTable, "-gradient", "Form of gradients and divergences", "mls",
-                          &forms->gradient));
+    PetscCall(OptionGetRow(&options[GRADIENT], NULL, &forms->gradient));
   }
-  if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(ChooseWall(PetscOptionsObject, scene, forms));
-  PetscOptionsEnd();
+  if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(ChooseWall(scene, forms));
   forms->h_over_dx = h_over_dx;
   forms->h         = h_over_dx * SceneCoarsest(scene);
   forms->radius = forms->reach = forms->kernel->support * forms->h;

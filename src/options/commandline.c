@@ -6,6 +6,56 @@
 #include <errno.h>
 #include <string.h>
 
+static const OptionRow options[] = {
+    {
+        .name  = "-help",
+        .kind  = VALUE_WORD,
+        .brief = "all options of isph; with the word petsc, also PETSc's for the chosen solvers; "
+                 "-h and --help too",
+    },
+    {
+        .name  = "-version",
+        .kind  = VALUE_NOTHING,
+        .brief = "versions of isph and of the libraries it stands on; --version too",
+    },
+    {
+        .name  = "-catalogue",
+        .kind  = VALUE_NOTHING,
+        .brief = "all rows that can be chosen by name: cases, operators, walls, schemes, "
+                 "integrators, with their papers",
+    },
+    {
+        .name  = "-options_reference",
+        .kind  = VALUE_NOTHING,
+        .brief = "the reference page of all options, in Markdown",
+    },
+    {
+        .name = "-options_file",
+        .kind = VALUE_FILE,
+        .brief =
+            "file with more options, one a line; # begins a comment; may be given several times",
+    },
+    {
+        .name  = "-options_left",
+        .kind  = VALUE_SOLVER,
+        .brief = "print options that PETSc has not used",
+        .late  = PETSC_TRUE,
+    },
+    {
+        .name  = "-options_view",
+        .kind  = VALUE_SOLVER,
+        .brief = "print all options in force",
+        .late  = PETSC_TRUE,
+    },
+    {
+        .name  = "-log_view",
+        .kind  = VALUE_SOLVER,
+        .brief = "print time and memory of all parts of the run",
+        .late  = PETSC_TRUE,
+    },
+};
+const OptionTable ProgramOptions = OPTIONS("Program", options);
+
 /* Returns true if a word is an option of this name, with a single or double dash. */
 static PetscBool IsOption(const char word[], const char name[])
 {
@@ -27,7 +77,8 @@ Request CommandLineRequest(int *argc, char **argv)
   int         kept    = 1;
 
   for (int k = 1; k < *argc; k++) {
-    if (IsOption(argv[k], "version") && request == REQUEST_RUN) request = REQUEST_VERSION;
+    if (IsOption(argv[k], "version")) request = REQUEST_VERSION;
+    if (IsOption(argv[k], "options_reference")) request = REQUEST_REFERENCE;
     argv[kept++] = argv[k];
     if (!IsOption(argv[k], "h") && !IsOption(argv[k], "help")) continue;
     argv[kept - 1] = help;
@@ -62,23 +113,4 @@ void CommandLineCheck(int argc, char **argv, char sentence[], size_t length)
       else OptionsFileCheck(argv[k + 1], sentence, length);
     }
   }
-}
-
-/* UsagePrint - Prints first steps, for a command line without options; not collective */
-void UsagePrint(FILE *out)
-{
-  (void)fputs(
-      "isph: incompressible viscous flow by Smoothed Particle Hydrodynamics on PETSc\n"
-      "\n"
-      "usage: isph -option value ...         or: mpiexec -n 4 isph -option value ...\n"
-      "\n"
-      "  isph -case cavity -n 32 -t_end 5 -output flow.h5      a flow, and files for ParaView\n"
-      "  isph -options_file options/cavity.opts -reynolds 400  options of a file, then others\n"
-      "  isph -case cavity -reynolds 0.01 -motion eulerian -scheme coupled -steady\n"
-      "  isph -case scene -scene_body_1 circle,0.5,0.5,0.2 -scene_wall_top_velocity 1,0 -n 40\n"
-      "\n"
-      "  -help             all options of isph; -help petsc adds PETSc's for the chosen solvers\n"
-      "  -catalogue        cases, operators, walls, schemes and integrators with their papers\n"
-      "  -version          versions of isph and of the libraries it stands on\n",
-      out);
 }

@@ -1,190 +1,298 @@
 /*
-  Options with ranges. PETSc keeps the database; this file adds checks with messages.
+  Readers of options. PETSc keeps the database; rows of tables give name, range and default; here
+  are the checks, each with one line for the user.
 */
-#include "isph/base.h"
+#include "isph/options.h"
 #include <errno.h>
 #include <stdlib.h>
+#include <string.h>
+
+/* Reads the text of an option, empty where there is none; collective. */
+static PetscErrorCode ReadText(const OptionRow *row, const char **text, PetscBool *given)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsFindPair(NULL, NULL, row->name, text, given));
+  if (!*given || !*text) *text = "";
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds out if a text is a number and nothing else. */
+static PetscBool IsNumber(const char text[], double *number)
+{
+  char *end;
+
+  *number = strtod(text, &end);
+  return end != text && !*end ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* OptionRangeText - Writes the range of a row, empty if it has none; not collective */
+void OptionRangeText(const OptionRow *row, char text[], size_t length)
+{
+  text[0] = '\0';
+  if (row->low == row->high) return;
+  if (row->high < OPTION_HUGE)
+    (void)snprintf(text, length, "%.6g to %.6g", (double)row->low, (double)row->high);
+  else if (row->low == OPTION_TINY) (void)snprintf(text, length, "above 0");
+  else (void)snprintf(text, length, "%.6g or more", (double)row->low);
+}
 
 /*
-  OptionReal - Reads a real number from the command line and checks it against [low, high]
+  OptionGetReal - Reads a number
 
-  Collective. Between PetscOptionsBegin() and PetscOptionsEnd().
+  Collective.
 
   Input/Output Parameter:
-. value - in: the default shown by -help; out: the given number
+. value - out: the user's number, or the row's default where that is a number; else left alone
 
   Output Parameter:
-. set - flag: the option is given; may be NULL
+. given - the user gave the option; may be NULL
 
-  Errors: text that is no number, or a number out of range (infinities and NaN too), ends the run
+  Errors: refuses other text, and numbers outside the row's range (infinities and NaN included)
 */
-PetscErrorCode OptionReal_Private(OptionItems PetscOptionsObject, const char option[],
-                                  const char text[], PetscReal low, PetscReal high,
-                                  PetscReal *value, PetscBool *set)
+PetscErrorCode OptionGetReal(const OptionRow *row, PetscReal *value, PetscBool *given)
 {
-  char      word[128], *end;
-  PetscBool given;
+  const char *text;
+  char        range[64];
+  double      number;
+  PetscBool   there;
 
   PetscFunctionBegin;
-  PetscCall(
-      PetscOptionsGetString(NULL, PetscOptionsObject->prefix, option, word, sizeof(word), &given));
-  if (given) {
-    const double number = strtod(word, &end);
-
-    UserCheck(end != word && *end == '\0', "%s %s: a number is required", option, word);
-    UserCheck(number >= low && number <= high, "%s %s: allowed is %.6g to %.6g", option, word,
-              (double)low, (double)high);
+  PetscCall(ReadText(row, &text, &there));
+  if (there) {
+    UserCheck(IsNumber(text, &number), "%s%s%s: a number is required", row->name, *text ? " " : "",
+              text);
+    OptionRangeText(row, range, sizeof(range));
+    UserCheck(number >= row->low && number <= row->high, "%s %s: allowed is %s", row->name, text,
+              range);
+    *value = number;
+  } else if (row->standard && IsNumber(row->standard, &number)) {
+    *value = number;
   }
-  PetscCall(PetscOptionsReal(option, text, "", *value, value, NULL));
-  if (set) *set = given;
+  if (given) *given = there;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* OptionInt - Reads a whole number from the command line, with the checks of OptionReal() */
-PetscErrorCode OptionInt_Private(OptionItems PetscOptionsObject, const char option[],
-                                 const char text[], PetscInt low, PetscInt high, PetscInt *value,
-                                 PetscBool *set)
+/* OptionGetInt - Reads a whole number, as OptionGetReal() does */
+PetscErrorCode OptionGetInt(const OptionRow *row, PetscInt *value, PetscBool *given)
 {
-  char      word[128], *end;
-  PetscBool given;
+  const PetscInt low  = (PetscInt)row->low;
+  const PetscInt high = row->high < OPTION_HUGE ? (PetscInt)row->high : PETSC_INT_MAX;
+  const char    *text;
+  char          *end;
+  double         standard;
+  PetscBool      there;
 
   PetscFunctionBegin;
-  PetscCall(
-      PetscOptionsGetString(NULL, PetscOptionsObject->prefix, option, word, sizeof(word), &given));
-  if (given) {
+  PetscCall(ReadText(row, &text, &there));
+  if (there) {
     errno                  = 0;
-    const long long number = strtoll(word, &end, 10);
+    const long long number = strtoll(text, &end, 10);
 
-    UserCheck(end != word && *end == '\0' && errno == 0, "%s %s: a whole number is required",
-              option, word);
+    UserCheck(end != text && *end == '\0' && errno == 0, "%s%s%s: a whole number is required",
+              row->name, *text ? " " : "", text);
     UserCheck(number >= low && number <= high,
-              "%s %s: allowed is %" PetscInt_FMT " to %" PetscInt_FMT, option, word, low, high);
+              "%s %s: allowed is %" PetscInt_FMT " to %" PetscInt_FMT, row->name, text, low, high);
+    *value = (PetscInt)number;
+  } else if (row->standard && IsNumber(row->standard, &standard)) {
+    *value = (PetscInt)standard;
   }
-  PetscCall(PetscOptionsInt(option, text, "", *value, value, NULL));
-  if (set) *set = given;
+  if (given) *given = there;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  OptionSwitch - Reads true or false; an option without a value is true
+  OptionGetSwitch - Reads true or false; an option without a value is true
 
-  Collective. Between PetscOptionsBegin() and PetscOptionsEnd(). Output: value - unchanged if the
-  option is absent.
+  Collective. Output: value - the row's default where the option is not given and that is true or
+  false, else left alone; given - may be NULL.
 
-  Errors: any other word ends the run
+  Errors: refuses any other word
 */
-PetscErrorCode OptionSwitch_Private(OptionItems PetscOptionsObject, const char option[],
-                                    const char text[], PetscBool *value)
+PetscErrorCode OptionGetSwitch(const OptionRow *row, PetscBool *value, PetscBool *given)
 {
-  const char *const words[]  = {"", "true", "yes", "on", "1", "0", "false", "no", "off", NULL};
-  char              word[64] = "";
-  PetscBool         given, known = PETSC_FALSE;
+  const char *const words[] = {"", "true", "yes", "on", "1", "0", "false", "no", "off", NULL};
+  const char       *text;
+  PetscBool         there, known = PETSC_FALSE;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsGetString(NULL, NULL, option, word, sizeof(word), &given));
-  for (PetscInt k = 0; given && words[k] && !known; k++)
-    PetscCall(PetscStrcasecmp(word, words[k], &known));
-  UserCheck(!given || known, "%s %s: it is true or false, and by itself true", option, word);
-  PetscCall(PetscOptionsBool(option, text, "", *value, value, NULL));
+  PetscCall(ReadText(row, &text, &there));
+  if (!there) text = row->standard ? row->standard : "absent";
+  for (PetscInt k = 0; words[k] && !known; k++) {
+    PetscCall(PetscStrcasecmp(text, words[k], &known));
+    if (known) *value = k < 5 ? PETSC_TRUE : PETSC_FALSE;
+  }
+  UserCheck(!there || known, "%s %s: it is true or false, and by itself true", row->name, text);
+  if (given) *given = there;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  OptionReals - Reads real numbers separated by commas
+  OptionGetReals - Reads numbers separated by commas
 
-  Collective. Between PetscOptionsBegin() and PetscOptionsEnd().
+  Collective.
 
   Input Parameter:
-. capacity - largest number of values
+. capacity - the largest number of numbers
 
   Output Parameters:
-+ value - the numbers; unchanged if the option is absent
-. n     - their number; 0 if the option is absent
-- set   - flag: the option is given; may be NULL
++ value - the numbers, left alone where the option is not given
+. n     - how many, 0 where it is not given
+- given - may be NULL
 
-  Errors: more numbers than capacity, which PETSc would drop silently; numbers that are not finite
+  Errors: refuses more than capacity, other text, and numbers that are not finite
 */
-PetscErrorCode OptionReals_Private(OptionItems PetscOptionsObject, const char option[],
-                                   const char text[], PetscInt capacity, PetscReal value[],
-                                   PetscInt *n, PetscBool *set)
+PetscErrorCode OptionGetReals(const OptionRow *row, PetscInt capacity, PetscReal value[],
+                              PetscInt *n, PetscBool *given)
 {
-  PetscReal *number;
-  PetscBool  given;
+  const char *text;
+  char       *end;
+  PetscBool   there;
 
   PetscFunctionBegin;
-  *n = capacity + 1;
-  PetscCall(PetscCalloc1(capacity + 1, &number));
-  PetscCall(PetscOptionsRealArray(option, text, "", number, n, &given));
-  if (!given) *n = 0;
-  for (PetscInt k = 0; k < PetscMin(*n, capacity); k++) value[k] = number[k];
-  PetscCall(PetscFree(number));
-  UserCheck(*n <= capacity, "%s: at most %" PetscInt_FMT " numbers are allowed", option, capacity);
-  for (PetscInt k = 0; k < *n; k++)
-    UserCheck(!PetscIsInfOrNanReal(value[k]),
-              "%s: number %" PetscInt_FMT " is %g, and must be finite", option, k + 1,
-              (double)value[k]);
-  if (set) *set = given;
+  PetscCall(ReadText(row, &text, &there));
+  UserCheck(!there || *text, "%s: numbers are required, separated by commas", row->name);
+  *n = 0;
+  while (*text) {
+    UserCheck(*n < capacity, "%s: at most %" PetscInt_FMT " numbers are allowed", row->name,
+              capacity);
+    value[*n] = strtod(text, &end);
+    UserCheck(end != text && (!*end || *end == ','), "%s: a number is required at '%s'", row->name,
+              text);
+    UserCheck(!PetscIsInfOrNanReal(value[*n]),
+              "%s: number %" PetscInt_FMT " is %g, and must be finite", row->name, *n + 1,
+              (double)value[*n]);
+    (*n)++;
+    text = *end ? end + 1 : end;
+  }
+  if (given) *given = there;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  OptionFlags - Reads names separated by commas as bits
+  OptionGetFlags - Reads words separated by commas, each for one bit
 
-  Collective. Input: names[k] is the word for bit k. Output: flags, 0 if the option is absent.
+  Collective. Output: flags - bit k for word k of the row; 0 if the option is not given.
 */
-PetscErrorCode OptionFlags_Private(OptionItems PetscOptionsObject, const char option[],
-                                   const char text[], const char *const names[], PetscInt count,
-                                   unsigned *flags)
+PetscErrorCode OptionGetFlags(const OptionRow *row, unsigned *flags)
 {
-  char     *words[16], all[512] = "", help[640];
-  PetscInt  n = 16;
-  PetscBool given;
+  const char *text;
+  char        all[512] = "";
+  PetscBool   there;
 
   PetscFunctionBegin;
   *flags = 0;
-  for (PetscInt k = 0; k < count; k++) {
+  PetscCall(ReadText(row, &text, &there));
+  if (!there) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; row->words[k]; k++) {
     if (k) PetscCall(PetscStrlcat(all, ", ", sizeof(all)));
-    PetscCall(PetscStrlcat(all, names[k], sizeof(all)));
+    PetscCall(PetscStrlcat(all, row->words[k], sizeof(all)));
   }
-  PetscCall(PetscSNPrintf(help, sizeof(help), "%s: %s", text, all));
-  PetscCall(PetscOptionsStringArray(option, help, "", words, &n, &given));
-  UserCheck(!given || n > 0, "%s: names are required; choose from %s", option, all);
-  for (PetscInt w = 0; w < n; w++) {
-    PetscBool same = PETSC_FALSE;
+  UserCheck(*text, "%s: names are required; choose from %s", row->name, all);
+  while (*text) {
+    const size_t length = strcspn(text, ",");
+    PetscBool    same   = PETSC_FALSE;
 
-    for (PetscInt k = 0; k < count && !same; k++) {
-      PetscCall(PetscStrcmp(words[w], names[k], &same));
+    for (PetscInt k = 0; row->words[k] && !same; k++) {
+      same = strlen(row->words[k]) == length && !strncmp(row->words[k], text, length) ? PETSC_TRUE
+                                                                                      : PETSC_FALSE;
       if (same) *flags |= 1u << k;
     }
-    UserCheck(same, "%s %s: no such name; choose from %s", option, words[w], all);
-    PetscCall(PetscFree(words[w]));
+    UserCheck(same, "%s %.*s: no such name; choose from %s", row->name, (int)length, text, all);
+    text += text[length] ? length + 1 : length;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* OptionFile - Reads a path from the command line; it stays empty if the option is absent */
-PetscErrorCode OptionFile_Private(OptionItems PetscOptionsObject, const char option[],
-                                  const char text[], char path[PETSC_MAX_PATH_LEN])
+/*
+  OptionGetText - Reads the text of an option, for callers that parse it
+
+  Collective. Output: text - empty where the option is not given; given - may be NULL.
+
+  Errors: refuses a text that does not fit
+*/
+PetscErrorCode OptionGetText(const OptionRow *row, size_t length, char text[], PetscBool *given)
 {
-  PetscBool given;
+  const char *typed;
+  PetscBool   there;
 
   PetscFunctionBegin;
-  path[0] = '\0';
-  PetscCall(PetscOptionsString(option, text, "", "", path, PETSC_MAX_PATH_LEN, &given));
-  UserCheck(!given || path[0], "%s: a file name is required", option);
+  PetscCall(ReadText(row, &typed, &there));
+  UserCheck(strlen(typed) < length, "%s: it is longer than %d characters", row->name,
+            (int)length - 1);
+  PetscCall(PetscStrncpy(text, typed, length));
+  if (given) *given = there;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* OptionGiven - Returns true if an option is given */
-PetscErrorCode OptionGiven(const char option[], PetscBool *given)
+/* OptionGetFile - Reads a path, empty where the option is not given; collective */
+PetscErrorCode OptionGetFile(const OptionRow *row, char path[PETSC_MAX_PATH_LEN])
+{
+  PetscBool there;
+
+  PetscFunctionBegin;
+  PetscCall(OptionGetText(row, PETSC_MAX_PATH_LEN, path, &there));
+  UserCheck(!there || path[0], "%s: a file name is required", row->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  OptionGetRow - Reads the name of a row of the option's table
+
+  Collective.
+
+  Input Parameter:
+. standard - name of the row taken where the option is not given; NULL: the default of the option
+
+  Output Parameter:
+. chosen - address of a pointer to the row (any row type)
+
+  Errors: refuses an unknown name, with a list of the known ones
+*/
+PetscErrorCode OptionGetRow(const OptionRow *row, const char standard[], const void *chosen)
+{
+  const char *name;
+  PetscBool   there;
+
+  PetscFunctionBegin;
+  PetscCall(ReadText(row, &name, &there));
+  if (!there) name = standard ? standard : row->standard;
+  PetscCall(TableWant(row->table, row->name, name, chosen));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Looks up an option by its name, which a table must have; collective. */
+static PetscErrorCode HasOption(const char option[], PetscBool *given)
 {
   PetscFunctionBegin;
+  PetscCheck(OptionFind(option), PETSC_COMM_WORLD, PETSC_ERR_PLIB, "%s is in no table of options",
+             option);
   PetscCall(PetscOptionsHasName(NULL, NULL, option, given));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* OptionTyped - Returns the text of an option as the user typed it, empty where it is not given;
+   collective */
+PetscErrorCode OptionTyped(const char option[], const char **text)
+{
+  PetscBool given;
+
+  PetscFunctionBegin;
+  PetscCall(HasOption(option, &given));
+  PetscCall(PetscOptionsFindPair(NULL, NULL, option, text, &given));
+  if (!given || !*text) *text = "";
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* OptionGiven - Finds out if the user gave an option; collective */
+PetscErrorCode OptionGiven(const char option[], PetscBool *given)
+{
+  PetscFunctionBegin;
+  PetscCall(HasOption(option, given));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
-  OptionsRefuseTogether - Ends the run if two contradictory options are both given
+  OptionsRefuseTogether - Ends the run if two options that contradict each other are both given
 
   Collective. Input: why - the end of the sentence "-a and -b cannot both be given: why"
 */
@@ -193,8 +301,8 @@ PetscErrorCode OptionsRefuseTogether(const char a[], const char b[], const char 
   PetscBool has_a, has_b;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsHasName(NULL, NULL, a, &has_a));
-  PetscCall(PetscOptionsHasName(NULL, NULL, b, &has_b));
+  PetscCall(HasOption(a, &has_a));
+  PetscCall(HasOption(b, &has_b));
   UserCheck(!has_a || !has_b, "%s and %s cannot both be given: %s", a, b, why);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

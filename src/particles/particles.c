@@ -4,6 +4,20 @@
 */
 #include "impl.h"
 
+static const OptionRow options[] = {
+    {
+        .name     = "-skin",
+        .kind     = VALUE_REAL,
+        .brief    = "width of the halo beyond the interaction radius; an epoch ends when particles "
+                    "have used it up",
+        .unit     = "dx",
+        .standard = "4",
+        .low      = 0.0,
+        .high     = 100.0,
+    },
+};
+const OptionTable ParticleOptions = OPTIONS("Particles", options);
+
 static PetscErrorCode RegisterOwnFields(const Scene *scene, Particles *p)
 {
   PetscFunctionBegin;
@@ -62,16 +76,13 @@ PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscRea
                                const FluidStart *start, Particles **particles)
 {
   Particles  *p;
-  PetscReal   skin = 4.0;
+  PetscReal   skin;
   PetscMPIInt ranks;
 
   PetscFunctionBegin;
   PetscCheck(halo_width > 0.0, PETSC_COMM_WORLD, PETSC_ERR_ARG_OUTOFRANGE,
              "halo_width = %g, must be positive", (double)halo_width);
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Particles", "");
-  PetscCall(OptionReal("-skin", "Halo beyond the interaction radius, used up by an epoch [dx]", 0.0,
-                       100.0, &skin, NULL));
-  PetscOptionsEnd();
+  PetscCall(OptionGetReal(&options[0], &skin, NULL));
 
   PetscCall(PetscNew(&p));
   p->comm        = PETSC_COMM_WORLD;

@@ -34,20 +34,53 @@ static PetscErrorCode PatchBanner(const Patch *patch)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+enum { FIELD, REPEATS, SPECTRUM, SOLVE };
+static const OptionRow options[] = {
+    [FIELD] =
+        {
+            .name     = "-patch_field",
+            .kind     = VALUE_NAME,
+            .brief    = "field that the operators are applied to",
+            .standard = "mixed",
+            .table    = &FieldTable,
+            .where    = "-case patch",
+        },
+    [REPEATS] =
+        {
+            .name     = "-patch_repeats",
+            .kind     = VALUE_INT,
+            .brief    = "repetitions of timed work, of which the least time counts",
+            .standard = "3",
+            .low      = 1,
+            .high     = 1000,
+            .where    = "-case patch",
+        },
+    [SPECTRUM] =
+        {
+            .name     = "-patch_spectrum",
+            .kind     = VALUE_SWITCH,
+            .brief    = "report eigenvalues and the condition number of -L",
+            .standard = "false",
+            .where    = "-case patch",
+        },
+    [SOLVE] =
+        {
+            .name     = "-patch_solve",
+            .kind     = VALUE_SWITCH,
+            .brief    = "solve the Poisson problem with L, by the KSP with prefix ppe_",
+            .standard = "false",
+            .where    = "-case patch",
+        },
+};
+const OptionTable PatchOptions = OPTIONS("Patch test", options);
+
 static PetscErrorCode PatchReadOptions(Patch *patch)
 {
   PetscFunctionBegin;
-  patch->repeats = 3;
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Patch test", "");
-  PetscCall(TableSelect(&FieldTable, "-patch_field", "Field that the operators are applied to",
-                        "mixed", &patch->field));
-  PetscCall(OptionInt("-patch_repeats", "Repetitions of the timed part; the least time counts", 1,
-                      1000, &patch->repeats, NULL));
-  PetscCall(
-      OptionSwitch("-patch_spectrum", "Report eigenvalues and condition of -L", &patch->spectrum));
-  PetscCall(OptionSwitch("-patch_solve", "Solve the Poisson problem with L (KSP prefix ppe_)",
-                         &patch->solve));
-  PetscOptionsEnd();
+  PetscCall(OptionGetRow(&options[FIELD], NULL, &patch->field));
+  PetscCall(OptionGetInt(&options[REPEATS], &patch->repeats, NULL));
+  PetscCall(OptionGetSwitch(&options[SPECTRUM], &patch->spectrum, NULL));
+  PetscCall(OptionGetSwitch(&options[SOLVE], &patch->solve, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

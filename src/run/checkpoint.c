@@ -5,6 +5,35 @@
 */
 #include "checkpoint.h"
 
+enum { CHECKPOINT, CHECKPOINT_EVERY, RESTART };
+static const OptionRow options[] = {
+    [CHECKPOINT] =
+        {
+            .name  = "-checkpoint",
+            .kind  = VALUE_FILE,
+            .brief = "file to restart from, written at the end and on SIGTERM and SIGINT",
+            .where = "flows",
+        },
+    [CHECKPOINT_EVERY] =
+        {
+            .name     = "-checkpoint_every",
+            .kind     = VALUE_REAL,
+            .brief    = "time between checkpoints",
+            .unit     = "s",
+            .standard = "none before the end",
+            POSITIVE,
+            .where = "flows",
+        },
+    [RESTART] =
+        {
+            .name  = "-restart",
+            .kind  = VALUE_FILE,
+            .brief = "checkpoint to go on from, on any number of ranks",
+            .where = "flows",
+        },
+};
+const OptionTable CheckpointOptions = OPTIONS("Checkpoints", options);
+
 /*
   CheckpointsCreate - Reads the files to write and to restart from
 
@@ -27,13 +56,9 @@ PetscErrorCode CheckpointsCreate(const Scheme *scheme, Checkpoints **checkpoints
   PetscFunctionBegin;
   PetscCall(PetscNew(&c));
   c->step = -1;
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Checkpoints", "");
-  PetscCall(OptionFile("-checkpoint", "File to restart from later", c->path));
-  PetscCall(OptionReal("-checkpoint_every",
-                       "Time between checkpoints; by default only at the end or on a signal [s]",
-                       1e-300, 1e300, &c->every, &every));
-  PetscCall(OptionFile("-restart", "Checkpoint to restart from", c->restart));
-  PetscOptionsEnd();
+  PetscCall(OptionGetFile(&options[CHECKPOINT], c->path));
+  PetscCall(OptionGetReal(&options[CHECKPOINT_EVERY], &c->every, &every));
+  PetscCall(OptionGetFile(&options[RESTART], c->restart));
   UserCheck(!every || c->path[0], "-checkpoint_every: there is no -checkpoint");
   for (PetscInt k = 0; k < scheme->n_solves; k++) {
     if (scheme->solve[k]->multistep) multistep = scheme->solve[k];

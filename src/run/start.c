@@ -5,6 +5,17 @@
 
 #define START_CLOSEST 0.01 /* least distance of two particles, for fits to be meaningful [dx] */
 
+static const OptionRow options[] = {
+    {
+        .name     = "-particles",
+        .kind     = VALUE_FILE,
+        .brief    = "HDF5 file of the particles of the fluid at the start; a snapshot will do",
+        .standard = "a lattice",
+        .where    = "flows",
+    },
+};
+const OptionTable StartOptions = OPTIONS("Start", options);
+
 /* Faults of a position, in the order of the checks; the first is reported. */
 enum { PLACE_NOT_FINITE, PLACE_OUTSIDE, PLACE_IN_BODY, PLACE_NO_VISCOSITY, PLACE_FAULTS };
 
@@ -129,10 +140,7 @@ PetscErrorCode StartRead(Scene *scene, FluidStart *start, char path[])
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(start, sizeof(*start)));
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Start", "");
-  PetscCall(OptionFile("-particles", "Fluid particles at the start, instead of a lattice: file.h5",
-                       path));
-  PetscOptionsEnd();
+  PetscCall(OptionGetFile(&options[0], path));
   if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(OptionsRefuseTogether("-particles", "-jitter", "it displaces a lattice"));
   PetscCall(Hdf5FileOpen(PETSC_COMM_WORLD, path, &file));

@@ -17,10 +17,10 @@ PetscErrorCode CheckpointMemory(const Memory *memory, char names[], size_t lengt
 /* Adds the text of an option to a checksum. */
 static PetscErrorCode SumOption(const char option[], uint64_t *sum)
 {
-  char text[4096] = "";
+  const char *text;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsGetString(NULL, NULL, option, text, sizeof(text), NULL));
+  PetscCall(OptionTyped(option, &text));
   CheckpointSumText(text, sum);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

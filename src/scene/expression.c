@@ -271,30 +271,23 @@ PetscErrorCode ExpressionSet(ExpressionScope *scope, const char option[], const 
 }
 
 /*
-  ExpressionRead - Sets an expression from the text of an option, if the option is given
+  ExpressionGet - Reads the expression of an option by ExpressionSet()
 
-  Collective. Between PetscOptionsBegin() and PetscOptionsEnd(). Output: e - unchanged if the option
-  is absent; set - flag: the option is given; may be NULL.
+  Collective. Output: e - left alone where the option is not given; given - may be NULL.
 */
-PetscErrorCode ExpressionRead_Private(OptionItems PetscOptionsObject, ExpressionScope *scope,
-                                      const char option[], const char text[], PetscInt fewest,
-                                      PetscInt most, unsigned allowed, Expression *e,
-                                      PetscBool *set)
+PetscErrorCode ExpressionGet(ExpressionScope *scope, const OptionRow *option, PetscInt fewest,
+                             PetscInt most, unsigned allowed, Expression *e, PetscBool *given)
 {
-  char      typed[TEXT_LENGTH] = "";
-  PetscBool given;
-  size_t    length;
+  char      typed[TEXT_LENGTH];
+  PetscBool there;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsString(option, text, "", "", typed, sizeof(typed), &given));
-  PetscCall(PetscStrlen(typed, &length));
-  UserCheck(!given || length,
+  PetscCall(OptionGetText(option, sizeof(typed), typed, &there));
+  UserCheck(!there || typed[0],
             "%s: an expression is required; text that begins with - and a letter needs brackets",
-            option);
-  UserCheck(length < sizeof(typed) - 1, "%s: fewer than %d letters are allowed", option,
-            TEXT_LENGTH - 1);
-  if (given) PetscCall(ExpressionSet(scope, option, typed, fewest, most, allowed, e));
-  if (set) *set = given;
+            option->name);
+  if (there) PetscCall(ExpressionSet(scope, option->name, typed, fewest, most, allowed, e));
+  if (given) *given = there;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

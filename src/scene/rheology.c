@@ -101,20 +101,99 @@ static const RheologyRow rheologies[] = {
 };
 const Table RheologyTable = TABLE("-rheology", "Rheologies", rheologies);
 
-/* Parameters of the models. */
-static const struct {
-  const char *option, *text;
-  PetscReal   low, high;
-} parameters[RHEOLOGY_PARAMETERS] = {
-    {"-rheology_consistency",
-     "K; by default such that the viscosity at the rate U/L is -viscosity [m^2 s^(n-2)]", 1e-300,
-     1e300},
-    {"-rheology_exponent", "n [-]", 0.05, 5.0},
-    {"-rheology_time", "lambda [s]", 1e-300, 1e300},
-    {"-rheology_viscosity_infinite", "nu_inf [m^2/s]", 0.0, 1e300},
-    {"-rheology_yield", "tau_0, the yield stress over the density [m^2/s^2]", 0.0, 1e300},
-    {"-rheology_regularisation", "m [s]", 1e-300, 1e300},
+/* The choice and the bounds, then the parameters in the order of RheologyParameter. */
+enum { NAME, VISCOSITY_MIN, VISCOSITY_MAX, PARAMETERS };
+static const OptionRow options[] = {
+    [NAME] =
+        {
+            .name     = "-rheology",
+            .kind     = VALUE_NAME,
+            .brief    = "law by which viscosity follows the strain rate",
+            .standard = "newtonian",
+            .table    = &RheologyTable,
+            .where    = "flows",
+        },
+    [VISCOSITY_MIN] =
+        {
+            .name     = "-rheology_viscosity_min",
+            .kind     = VALUE_REAL,
+            .brief    = "least kinematic viscosity",
+            .unit     = "m^2/s",
+            .standard = "the limit of the law, or nu/1000; nu/20 of a power law with n > 1",
+            POSITIVE,
+            .where = "fluids that are not newtonian",
+        },
+    [VISCOSITY_MAX] =
+        {
+            .name     = "-rheology_viscosity_max",
+            .kind     = VALUE_REAL,
+            .brief    = "largest kinematic viscosity",
+            .unit     = "m^2/s",
+            .standard = "the limit of the law, or 1000 nu",
+            POSITIVE,
+            .where = "fluids that are not newtonian",
+        },
+    [PARAMETERS + RHEOLOGY_CONSISTENCY] =
+        {
+            .name     = "-rheology_consistency",
+            .kind     = VALUE_REAL,
+            .brief    = "consistency K",
+            .unit     = "m^2 s^(n-2)",
+            .standard = "the viscosity at the rate U/L is -viscosity",
+            POSITIVE,
+            .where = "-rheology power_law",
+        },
+    [PARAMETERS + RHEOLOGY_EXPONENT] =
+        {
+            .name  = "-rheology_exponent",
+            .kind  = VALUE_REAL,
+            .brief = "exponent n; must be given",
+            .unit  = "-",
+            .low   = 0.05,
+            .high  = 5.0,
+            .where = "-rheology power_law and carreau",
+        },
+    [PARAMETERS + RHEOLOGY_TIME] =
+        {
+            .name     = "-rheology_time",
+            .kind     = VALUE_REAL,
+            .brief    = "time constant lambda",
+            .unit     = "s",
+            .standard = "L/U",
+            POSITIVE,
+            .where = "-rheology carreau",
+        },
+    [PARAMETERS + RHEOLOGY_INFINITE] =
+        {
+            .name     = "-rheology_viscosity_infinite",
+            .kind     = VALUE_REAL,
+            .brief    = "kinematic viscosity at infinite rate, nu_inf",
+            .unit     = "m^2/s",
+            .standard = "0",
+            NOT_NEGATIVE,
+            .where = "-rheology carreau",
+        },
+    [PARAMETERS + RHEOLOGY_YIELD] =
+        {
+            .name  = "-rheology_yield",
+            .kind  = VALUE_REAL,
+            .brief = "yield stress over the density, tau_0; must be given",
+            .unit  = "m^2/s^2",
+            NOT_NEGATIVE,
+            .where = "-rheology papanastasiou",
+        },
+    [PARAMETERS + RHEOLOGY_REGULARISATION] =
+        {
+            .name     = "-rheology_regularisation",
+            .kind     = VALUE_REAL,
+            .brief    = "time constant m of the regularisation",
+            .unit     = "s",
+            .standard = "1000 L/U",
+            POSITIVE,
+            .where = "-rheology papanastasiou",
+        },
 };
+const OptionTable RheologyOptions = OPTIONS("Rheology", options);
 
 /* Sets the defaults of parameters; rate U/L [1/s]. */
 static void RheologyDefaults(PetscReal rate, Rheology *r)
@@ -159,7 +238,7 @@ static void RheologyBound(PetscReal rate, Rheology *r)
 /*
   SceneReadRheology - Reads the rheology, a viscosity that depends on the strain rate
 
-  Collective, between PetscOptionsBegin() and PetscOptionsEnd(), when scene->nu, length and speed
+  Collective, when scene->nu, length and speed
   are known.
   Options Database Keys:
 + -rheology name             - row of the rheology table
@@ -171,14 +250,13 @@ static void RheologyBound(PetscReal rate, Rheology *r)
 . -rheology_regularisation m - of papanastasiou; default 1000 L/U [s]
 - -rheology_viscosity_min, -rheology_viscosity_max nu - bounds; see RheologyBound() [m^2/s]
 */
-PetscErrorCode SceneReadRheology(OptionItems PetscOptionsObject, Scene *scene)
+PetscErrorCode SceneReadRheology(Scene *scene)
 {
   Rheology       *r    = &scene->rheology;
   const PetscReal rate = scene->speed / scene->length;
 
   PetscFunctionBegin;
-  PetscCall(TableSelect(&RheologyTable, "-rheology", "How viscosity follows the strain rate",
-                        "newtonian", &r->row));
+  PetscCall(OptionGetRow(&options[NAME], NULL, &r->row));
   if (!r->row->Nu) PetscFunctionReturn(PETSC_SUCCESS);
   UserCheck(SceneHas(scene, PHYSICS_VISCOSITY),
             "-without viscosity and -rheology %s cannot both be given", r->row->name);
@@ -188,18 +266,15 @@ PetscErrorCode SceneReadRheology(OptionItems PetscOptionsObject, Scene *scene)
       PetscBool given;
 
       if (!(r->row->takes & BIT(k))) continue;
-      PetscCall(OptionReal(parameters[k].option, parameters[k].text, parameters[k].low,
-                           parameters[k].high, &r->parameter[k], &given));
-      UserCheck(given || !(r->row->wants & BIT(k)), "-rheology %s: %s is required, %s",
-                r->row->name, parameters[k].option, parameters[k].text);
+      PetscCall(OptionGetReal(&options[PARAMETERS + k], &r->parameter[k], &given));
+      UserCheck(given || !(r->row->wants & BIT(k)), "-rheology %s: %s is required [%s]",
+                r->row->name, options[PARAMETERS + k].name, options[PARAMETERS + k].unit);
     }
     if (pass == 0) RheologyDefaults(rate, r);
   }
   RheologyBound(rate, r);
-  PetscCall(OptionReal("-rheology_viscosity_min", "No viscosity is less [m^2/s]", 1e-300, 1e300,
-                       &r->low, NULL));
-  PetscCall(OptionReal("-rheology_viscosity_max", "No viscosity is larger [m^2/s]", 1e-300, 1e300,
-                       &r->high, NULL));
+  PetscCall(OptionGetReal(&options[VISCOSITY_MIN], &r->low, NULL));
+  PetscCall(OptionGetReal(&options[VISCOSITY_MAX], &r->high, NULL));
   UserCheck(r->low <= r->high,
             "-rheology_viscosity_min %.6g: it is more than -rheology_viscosity_max %.6g",
             (double)r->low, (double)r->high);

@@ -4,8 +4,185 @@
 */
 #include "isph/scene.h"
 
-const char *const PhysicsNames[PHYSICS_COUNT] = {"viscosity", "pressure", "convection", "walls",
-                                                 "body_force"};
+enum {
+  CASE,
+  DIM,
+  RESOLUTION,
+  LENGTH,
+  SPEED,
+  REYNOLDS,
+  VISCOSITY,
+  DENSITY,
+  BODY_FORCE,
+  WITH,
+  WITHOUT,
+  MOTION,
+  JITTER,
+  SEED,
+  SOLID_FRACTION,
+  PATCH_MARGIN
+};
+static const OptionRow options[] = {
+    [CASE] =
+        {
+            .name     = "-case",
+            .kind     = VALUE_NAME,
+            .brief    = "flow or patch test to compute",
+            .standard = "cavity",
+            .table    = &CaseTable,
+        },
+    [DIM] =
+        {
+            .name     = "-dim",
+            .kind     = VALUE_INT,
+            .brief    = "dimension of space; 3 in some cases only",
+            .standard = "2",
+            .low      = 2,
+            .high     = 3,
+        },
+    [RESOLUTION] =
+        {
+            .name     = "-n",
+            .kind     = VALUE_INT,
+            .brief    = "particles along the reference length, dx = L/n",
+            .standard = "of the case",
+            .low      = 4,
+            .high     = 100000,
+        },
+    [LENGTH] =
+        {
+            .name     = "-length",
+            .kind     = VALUE_REAL,
+            .brief    = "reference length L",
+            .unit     = "m",
+            .standard = "1",
+            .low      = 1e-100,
+            .high     = 1e100,
+            .where    = "flows",
+        },
+    [SPEED] =
+        {
+            .name     = "-speed",
+            .kind     = VALUE_REAL,
+            .brief    = "reference speed U",
+            .unit     = "m/s",
+            .standard = "1",
+            .low      = 1e-100,
+            .high     = 1e100,
+            .where    = "flows",
+        },
+    [REYNOLDS] =
+        {
+            .name     = "-reynolds",
+            .kind     = VALUE_REAL,
+            .brief    = "Reynolds number U L/nu, with the length of the case for L",
+            .unit     = "-",
+            .standard = "of the case",
+            .low      = 1e-12,
+            .high     = 1e12,
+            .where    = "flows",
+        },
+    [VISCOSITY] =
+        {
+            .name     = "-viscosity",
+            .kind     = VALUE_REAL,
+            .brief    = "kinematic viscosity nu, in place of -reynolds",
+            .unit     = "m^2/s",
+            .standard = "from -reynolds",
+            POSITIVE,
+            .where = "flows",
+        },
+    [DENSITY] =
+        {
+            .name     = "-density",
+            .kind     = VALUE_REAL,
+            .brief    = "density rho",
+            .unit     = "kg/m^3",
+            .standard = "1",
+            .low      = 1e-100,
+            .high     = 1e100,
+            .where    = "flows",
+        },
+    [BODY_FORCE] =
+        {
+            .name  = "-body_force",
+            .kind  = VALUE_EXPRESSION,
+            .brief = "body force per unit mass, a component for each axis; adds body_force to the "
+                     "physics; in -case scene expressions of x, y, t, elsewhere numbers",
+            .unit  = "m/s^2",
+            .standard = "of the case",
+            .where    = "flows",
+        },
+    [WITH] =
+        {
+            .name  = "-with",
+            .kind  = VALUE_NAMES,
+            .brief = "physics added to the case's own",
+            .words = PhysicsNames,
+            .where = "flows",
+        },
+    [WITHOUT] =
+        {
+            .name  = "-without",
+            .kind  = VALUE_NAMES,
+            .brief = "physics taken from the case's own",
+            .words = PhysicsNames,
+            .where = "flows",
+        },
+    [MOTION] =
+        {
+            .name     = "-motion",
+            .kind     = VALUE_NAME,
+            .brief    = "motion of the particles",
+            .standard = "lagrangian",
+            .table    = &MotionTable,
+            .where    = "flows with convection",
+        },
+    [JITTER] =
+        {
+            .name     = "-jitter",
+            .kind     = VALUE_REAL,
+            .brief    = "largest random displacement of the lattice at the start",
+            .unit     = "dx",
+            .standard = "0",
+            .low      = 0.0,
+            .high     = 0.5,
+        },
+    [SEED] =
+        {
+            .name     = "-seed",
+            .kind     = VALUE_INT,
+            .brief    = "seed of the jitter and of random fields",
+            .standard = "1",
+            NOT_NEGATIVE,
+        },
+    [SOLID_FRACTION] =
+        {
+            .name     = "-solid_fraction",
+            .kind     = VALUE_REAL,
+            .brief    = "share of the box that the bodies of an array fill",
+            .unit     = "-",
+            .standard = "of the case",
+            .low      = 0.001,
+            .high     = 0.6,
+            .where    = "arrays of bodies (-case stokes_cylinders)",
+        },
+    [PATCH_MARGIN] =
+        {
+            .name     = "-patch_margin",
+            .kind     = VALUE_REAL,
+            .brief    = "width that measurements leave out at the sides of the unit square",
+            .unit     = "dx",
+            .standard = "0",
+            .low      = 0.0,
+            .high     = 1e5,
+            .where    = "-case patch",
+        },
+};
+const OptionTable SceneOptions = OPTIONS("Case and fluid", options);
+
+const char *const PhysicsNames[PHYSICS_COUNT + 1] = {"viscosity", "pressure",   "convection",
+                                                     "walls",     "body_force", NULL};
 
 /* SceneHas - Returns true if the run computes this physics */
 PetscBool SceneHas(const Scene *scene, Physics what)
@@ -112,17 +289,15 @@ PetscReal SceneVolumeAt(const Scene *scene, const PetscReal x[])
 }
 
 /* Reads -with and -without and checks them against the physics of the case. */
-static PetscErrorCode SceneReadPhysics(OptionItems PetscOptionsObject, Scene *scene)
+static PetscErrorCode SceneReadPhysics(Scene *scene)
 {
   unsigned with, without;
 
   PetscFunctionBegin;
   scene->physics = scene->problem->physics;
   if (scene->problem->patch) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(
-      OptionFlags("-with", "Physics added to the case's own", PhysicsNames, PHYSICS_COUNT, &with));
-  PetscCall(OptionFlags("-without", "Physics taken from the case's own", PhysicsNames,
-                        PHYSICS_COUNT, &without));
+  PetscCall(OptionGetFlags(&options[WITH], &with));
+  PetscCall(OptionGetFlags(&options[WITHOUT], &without));
   for (PetscInt k = 0; k < PHYSICS_COUNT; k++) {
     UserCheck(!(with & without & (1u << k)), "-with %s and -without %s cannot both be given",
               PhysicsNames[k], PhysicsNames[k]);
@@ -139,24 +314,22 @@ static PetscErrorCode SceneReadPhysics(OptionItems PetscOptionsObject, Scene *sc
 }
 
 /* Reads -body_force, which replaces the force of the case; no force if the physics is left out. */
-static PetscErrorCode SceneReadForce(OptionItems PetscOptionsObject, Scene *scene)
+static PetscErrorCode SceneReadForce(Scene *scene)
 {
-  const char *const text = "Body force per unit mass, fx,fy[,fz]; adds to the physics; of -case "
-                           "scene an expression of x, y, t [m/s^2]";
-  PetscReal         force[ISPH_MAX_DIM] = {0.0}, size = 0.0;
-  PetscInt          n = scene->dim;
-  PetscBool         given;
+  PetscReal force[ISPH_MAX_DIM] = {0.0}, size = 0.0;
+  PetscInt  n = scene->dim;
+  PetscBool given;
 
   PetscFunctionBegin;
   if (scene->problem->typed) {
-    PetscCall(ExpressionRead(scene->scope, "-body_force", text, n, n,
-                             EXPRESSION_PLACE | EXPRESSION_TIME, &scene->force, &given));
+    PetscCall(ExpressionGet(scene->scope, &options[BODY_FORCE], n, n,
+                            EXPRESSION_PLACE | EXPRESSION_TIME, &scene->force, &given));
     for (PetscInt a = 0; a < n; a++) force[a] = scene->force.value[a];
     if (!ExpressionUses(&scene->force, EXPRESSION_PLACE) &&
         !ExpressionUses(&scene->force, EXPRESSION_TIME))
       scene->force.n = 0; /* body_force holds the numbers */
   } else {
-    PetscCall(OptionReals("-body_force", text, n, force, &n, &given));
+    PetscCall(OptionGetReals(&options[BODY_FORCE], n, force, &n, &given));
   }
   UserCheck(!given || n == scene->dim,
             "-body_force: %" PetscInt_FMT " components are required, got %" PetscInt_FMT,
@@ -176,52 +349,46 @@ static PetscErrorCode SceneReadForce(OptionItems PetscOptionsObject, Scene *scen
 }
 
 /* Reads the properties of the fluid; a patch test has no fluid. */
-static PetscErrorCode SceneReadFluid(OptionItems PetscOptionsObject, Scene *scene)
+static PetscErrorCode SceneReadFluid(Scene *scene)
 {
   PetscReal reynolds = scene->problem->reynolds, viscosity = 0.0;
   PetscBool set;
 
   PetscFunctionBegin;
   PetscCall(OptionsRefuseTogether("-reynolds", "-viscosity", "one follows from the other"));
-  PetscCall(OptionReal("-reynolds", "Reynolds number U L/nu [-]", 1e-12, 1e12, &reynolds, NULL));
+  PetscCall(OptionGetReal(&options[REYNOLDS], &reynolds, NULL));
   scene->nu = scene->speed * scene->problem->reynolds_length * scene->length / reynolds;
   viscosity = scene->nu;
-  PetscCall(
-      OptionReal("-viscosity", "Kinematic viscosity nu [m^2/s]", 1e-300, 1e300, &viscosity, &set));
+  PetscCall(OptionGetReal(&options[VISCOSITY], &viscosity, &set));
   if (set) scene->nu = viscosity;
-  PetscCall(OptionReal("-density", "Density rho [kg/m^3]", 1e-100, 1e100, &scene->rho, NULL));
+  PetscCall(OptionGetReal(&options[DENSITY], &scene->rho, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Reads dimension, resolution and disorder, and options of some cases only. */
-static PetscErrorCode SceneReadNumbers(OptionItems PetscOptionsObject, Scene *scene)
+static PetscErrorCode SceneReadNumbers(Scene *scene)
 {
   PetscFunctionBegin;
-  PetscCall(OptionInt("-dim", "Space dimension", 2, 3, &scene->dim, NULL));
+  PetscCall(OptionGetInt(&options[DIM], &scene->dim, NULL));
   UserCheck(scene->dim == 2 || scene->problem->three_d, "-dim 3: case %s is two-dimensional",
             scene->problem->name);
   if (!scene->problem->patch) {
-    PetscCall(OptionReal("-length", "Reference length L [m]", 1e-100, 1e100, &scene->length, NULL));
-    PetscCall(OptionReal("-speed", "Reference speed U [m/s]", 1e-100, 1e100, &scene->speed, NULL));
+    PetscCall(OptionGetReal(&options[LENGTH], &scene->length, NULL));
+    PetscCall(OptionGetReal(&options[SPEED], &scene->speed, NULL));
   }
   scene->n = scene->problem->n;
-  PetscCall(OptionInt("-n", "Particles along the reference length, dx = L/N", 4, 100000, &scene->n,
-                      NULL));
+  PetscCall(OptionGetInt(&options[RESOLUTION], &scene->n, NULL));
   scene->dx = scene->length / scene->n;
-  PetscCall(OptionReal("-jitter", "Largest random displacement of the lattice at the start [dx]",
-                       0.0, 0.5, &scene->jitter, NULL));
-  PetscCall(OptionInt("-seed", "Seed of the jitter and of random fields", 0, PETSC_INT_MAX,
-                      &scene->seed, NULL));
+  PetscCall(OptionGetReal(&options[JITTER], &scene->jitter, NULL));
+  PetscCall(OptionGetInt(&options[SEED], &scene->seed, NULL));
   scene->solid_fraction = scene->problem->solid_fraction;
   if (scene->solid_fraction > 0.0) {
-    PetscCall(OptionReal("-solid_fraction", "Of an array of bodies [-]", 0.001, 0.6,
-                         &scene->solid_fraction, NULL));
+    PetscCall(OptionGetReal(&options[SOLID_FRACTION], &scene->solid_fraction, NULL));
   }
   if (scene->problem->patch) {
-    PetscCall(OptionReal("-patch_margin", "What is left out at the sides of the unit square [dx]",
-                         0.0, 1e5, &scene->margin, NULL));
+    PetscCall(OptionGetReal(&options[PATCH_MARGIN], &scene->margin, NULL));
   } else {
-    PetscCall(SceneReadFluid(PetscOptionsObject, scene));
+    PetscCall(SceneReadFluid(scene));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -270,29 +437,24 @@ PetscErrorCode SceneCreate(Scene **scene)
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&s));
-  s->dim    = 2;
   s->length = s->speed = s->rho = 1.0;
-  s->seed                       = 1;
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Scene", "");
-  PetscCall(TableSelect(&CaseTable, "-case", "What to compute", "cavity", &s->problem));
-  PetscCall(SceneReadPhysics(PetscOptionsObject, s));
-  PetscCall(SceneReadNumbers(PetscOptionsObject, s));
+  PetscCall(OptionGetRow(&options[CASE], NULL, &s->problem));
+  PetscCall(SceneReadPhysics(s));
+  PetscCall(SceneReadNumbers(s));
   SceneSetSides(s, &BoundaryWall);
-  if (!s->problem->patch) PetscCall(SceneReadRheology(PetscOptionsObject, s));
+  if (!s->problem->patch) PetscCall(SceneReadRheology(s));
   if (SceneHas(s, PHYSICS_CONVECTION)) {
-    PetscCall(
-        TableSelect(&MotionTable, "-motion", "Whether particles move", "lagrangian", &s->motion));
+    PetscCall(OptionGetRow(&options[MOTION], NULL, &s->motion));
   }
   if (s->problem->typed) {
     PetscCall(SceneNameConstants(s));
-    PetscCall(SceneReadTyped(PetscOptionsObject, s));
+    PetscCall(SceneReadTyped(s));
   }
   PetscCall(s->problem->Setup(s));
   UserCheck(SceneHas(s, PHYSICS_VISCOSITY) ||
                 !SceneHasBoundary(s, BOUNDARY_CONFINES | BOUNDARY_NO_SLIP),
             "-without viscosity: the walls of case %s are no-slip walls", s->problem->name);
-  if (!s->problem->patch) PetscCall(SceneReadForce(PetscOptionsObject, s));
-  PetscOptionsEnd();
+  if (!s->problem->patch) PetscCall(SceneReadForce(s));
   if (s->scope && ExpressionScopeIsIdle(s->scope)) PetscCall(ExpressionScopeDestroy(&s->scope));
   for (PetscInt a = 0; a < s->dim; a++) {
     UserCheck((s->hi[a] - s->lo[a]) / s->dx < PETSC_MPI_INT_MAX / 8,

@@ -61,40 +61,9 @@ PetscErrorCode TableWant(const Table *table, const char option[], const char nam
   PetscFunctionBegin;
   PetscCall(TableFind(table, name, &found));
   PetscCall(TableNames(table, names, sizeof(names)));
+  UserCheck(name[0], "%s: a name is required; choose one of %s", option, names);
   UserCheck(found, "%s %s: no such name; choose one of %s", option, name, names);
   *(const TableRow **)row = found;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  TableSelect - Finds the row chosen on the command line
-
-  Collective. Called between PetscOptionsBegin() and PetscOptionsEnd().
-
-  Input Parameters:
-+ table    - the rows to choose from
-. option   - e.g. "-visc_laplacian"; usually table->option
-. text     - for -help
-- fallback - name of the default row
-
-  Output Parameter:
-. row - address of a pointer to the chosen row (any row type)
-
-  Errors: an unknown name ends the run with a list of known names
-*/
-PetscErrorCode TableSelect_Private(OptionItems PetscOptionsObject, const Table *table,
-                                   const char option[], const char text[], const char fallback[],
-                                   void *row)
-{
-  char      name[128] = "", names[1024], help[1280];
-  PetscBool given;
-
-  PetscFunctionBegin;
-  PetscCall(TableNames(table, names, sizeof(names)));
-  PetscCall(PetscSNPrintf(help, sizeof(help), "%s: %s", text, names));
-  PetscCall(PetscOptionsString(option, help, "", fallback, name, sizeof(name), &given));
-  UserCheck(!given || name[0], "%s: a name is required; choose one of %s", option, names);
-  PetscCall(TableWant(table, option, name[0] ? name : fallback, row));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -8,7 +8,151 @@
 
 #define SHAPE_TEXT 2048 /* room for BODY_PARAMETERS numbers with all their digits */
 
-static const char *const AxisNames[2] = {"x", "y"};
+enum {
+  BOX,
+  PERIODIC,
+  SYMMETRY,
+  WALL_VELOCITY,
+  BODY,
+  BODY_VELOCITY,
+  BODY_ROTATION,
+  BODY_AROUND,
+  FLUID,
+  FLUID_VISCOSITY,
+  VISCOSITY_FIELD,
+  START_VELOCITY,
+  EXACT
+};
+static const char *const Axes[]    = {"x", "y", NULL};
+static const char *const Sides[]   = {"left", "right", "bottom", "top", NULL};
+static const OptionRow   options[] = {
+      [BOX] =
+          {
+              .name     = "-scene_box",
+              .kind     = VALUE_REALS,
+              .brief    = "corners of the box, x0,y0,x1,y1",
+              .unit     = "m",
+              .standard = "0,0,L,L",
+              .where    = "-case scene",
+        },
+      [PERIODIC] =
+          {
+              .name  = "-scene_periodic",
+              .kind  = VALUE_NAMES,
+              .brief = "periodic axes of the box",
+              .words = Axes,
+              .where = "-case scene",
+        },
+      [SYMMETRY] =
+          {
+              .name  = "-scene_symmetry",
+              .kind  = VALUE_NAMES,
+              .brief = "sides of the box that are planes of symmetry",
+              .words = Sides,
+              .where = "-case scene",
+        },
+      [WALL_VELOCITY] =
+          {
+              .name     = "-scene_wall_<side>_velocity",
+              .kind     = VALUE_EXPRESSION,
+              .brief    = "velocity u,v of a side of the box, of x, y, t",
+              .unit     = "m/s",
+              .standard = "0,0",
+              .places   = Sides,
+              .where    = "-case scene, sides that are walls",
+        },
+      [BODY] =
+          {
+              .name  = "-scene_body_<k>",
+              .kind  = VALUE_SHAPE,
+              .brief = "a solid body: circle,cx,cy,r or box,x0,y0,x1,y1 or "
+                         "polygon,x0,y0,...; bodies are numbered 1, 2, ...",
+              .unit  = "m",
+              .where = "-case scene",
+        },
+      [BODY_VELOCITY] =
+          {
+              .name     = "-scene_body_<k>_velocity",
+              .kind     = VALUE_EXPRESSION,
+              .brief    = "velocity u,v of the surface of a body, of t",
+              .unit     = "m/s",
+              .standard = "0,0",
+              .where    = "-case scene, bodies that are given",
+        },
+      [BODY_ROTATION] =
+          {
+              .name     = "-scene_body_<k>_rotation",
+              .kind     = VALUE_EXPRESSION,
+              .brief    = "rotation rate of the surface of a body about its centre, of t",
+              .unit     = "rad/s",
+              .standard = "0",
+              .where    = "-case scene, bodies that are given",
+        },
+      [BODY_AROUND] =
+          {
+              .name     = "-scene_body_<k>_around",
+              .kind     = VALUE_SWITCH,
+              .brief    = "the fluid is inside the body; the box then has no walls of its own",
+              .standard = "false",
+              .where    = "-case scene, bodies that are given",
+        },
+      [FLUID] =
+          {
+              .name  = "-scene_fluid_<k>",
+              .kind  = VALUE_SHAPE,
+              .brief = "region of another fluid at the start: circle,cx,cy,r or "
+                         "box,x0,y0,x1,y1 or polygon,x0,y0,...; fluids are numbered 1, 2, "
+                         "..., and later ones lie over earlier ones",
+              .unit  = "m",
+              .where = "-case scene",
+        },
+      [FLUID_VISCOSITY] =
+          {
+              .name  = "-scene_fluid_<k>_viscosity",
+              .kind  = VALUE_REAL,
+              .brief = "kinematic viscosity of another fluid; must be given",
+              .unit  = "m^2/s",
+              POSITIVE,
+              .where = "-case scene, fluids that are given",
+        },
+      [VISCOSITY_FIELD] =
+          {
+              .name     = "-viscosity_field",
+              .kind     = VALUE_EXPRESSION,
+              .brief    = "kinematic viscosity outside the regions of other fluids, of x, y",
+              .unit     = "m^2/s",
+              .standard = "-viscosity",
+              .where    = "-case scene",
+        },
+      [START_VELOCITY] =
+          {
+              .name     = "-scene_velocity",
+              .kind     = VALUE_EXPRESSION,
+              .brief    = "velocity u,v at the start, of x, y",
+              .unit     = "m/s",
+              .standard = "-scene_exact at t = 0, or rest",
+              .where    = "-case scene",
+        },
+      [EXACT] =
+          {
+              .name  = "-scene_exact",
+              .kind  = VALUE_EXPRESSION,
+              .brief = "reference solution u,v[,p], of x, y, t: the flow starts from it, "
+                         "and errors are reported",
+              .unit  = "m/s, Pa",
+              .where = "-case scene",
+        },
+};
+const OptionTable TypedOptions = OPTIONS("Typed scenes", options);
+
+/* Makes the row of one of the bodies, or fluids. */
+static void Numbered(const OptionRow *pattern, PetscInt k, char name[OPTION_LENGTH], OptionRow *row)
+{
+  char number[32];
+
+  (void)snprintf(number, sizeof(number), "%" PetscInt_FMT, k);
+  OptionFill(pattern, number, name, row);
+}
 
 /* Reads "circle,0.5,0.5,0.25": the name of the shape and its numbers. */
 static PetscErrorCode ReadShape(const char option[], const char text[], Body *body)
@@ -67,19 +211,16 @@ static PetscErrorCode CheckBodyMotion(const Scene *scene, const Boundary *bounda
 }
 
 /* Reads velocity and rotation of the surface of body k. */
-static PetscErrorCode ReadBodyMotion(OptionItems PetscOptionsObject, PetscInt k, Scene *scene,
-                                     Boundary *boundary)
+static PetscErrorCode ReadBodyMotion(PetscInt k, Scene *scene, Boundary *boundary)
 {
-  char option[64];
+  char      name[OPTION_LENGTH];
+  OptionRow row;
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_body_%" PetscInt_FMT "_velocity", k));
-  PetscCall(ExpressionRead(scene->scope, option, "Velocity u,v of its surface, of t [m/s]", 2, 2,
-                           EXPRESSION_TIME, &boundary->velocity, NULL));
-  PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_body_%" PetscInt_FMT "_rotation", k));
-  PetscCall(ExpressionRead(scene->scope, option,
-                           "Rotation rate of its surface about its centre, of t [rad/s]", 1, 1,
-                           EXPRESSION_TIME, &boundary->rotation, NULL));
+  Numbered(&options[BODY_VELOCITY], k, name, &row);
+  PetscCall(ExpressionGet(scene->scope, &row, 2, 2, EXPRESSION_TIME, &boundary->velocity, NULL));
+  Numbered(&options[BODY_ROTATION], k, name, &row);
+  PetscCall(ExpressionGet(scene->scope, &row, 1, 1, EXPRESSION_TIME, &boundary->rotation, NULL));
   if (ExpressionUses(&boundary->velocity, EXPRESSION_TIME) ||
       ExpressionUses(&boundary->rotation, EXPRESSION_TIME))
     scene->unsteady_walls = PETSC_TRUE;
@@ -88,48 +229,48 @@ static PetscErrorCode ReadBodyMotion(OptionItems PetscOptionsObject, PetscInt k,
 }
 
 /* Ends the run if numbers of options are not 1, 2, ..., n. */
-static PetscErrorCode CheckNumbers(const char thing[], PetscInt n, PetscInt most)
+static PetscErrorCode CheckNumbers(const OptionRow *pattern, PetscInt n, PetscInt most)
 {
   PetscFunctionBegin;
   for (PetscInt k = 0; k <= most + 1; k++) {
-    char      option[64];
+    char      name[OPTION_LENGTH];
+    OptionRow row;
     PetscBool given;
 
     if (k >= 1 && k <= n) continue;
-    PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_%s_%" PetscInt_FMT, thing, k));
-    PetscCall(PetscOptionsHasName(NULL, NULL, option, &given));
+    Numbered(pattern, k, name, &row);
+    PetscCall(OptionGiven(name, &given));
     UserCheck(!given,
               "%s: numbers are 1, 2, ... without gaps, to at most %" PetscInt_FMT "; %" PetscInt_FMT
               " of them are given",
-              option, most, n);
+              name, most, n);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Reads bodies 1, 2, ... */
-static PetscErrorCode ReadBodies(OptionItems PetscOptionsObject, Scene *scene)
+static PetscErrorCode ReadBodies(Scene *scene)
 {
   PetscFunctionBegin;
   for (PetscInt k = 1; k <= SCENE_MAX_BODIES; k++) {
     Boundary *boundary;
-    char      option[64], text[SHAPE_TEXT] = "";
+    char      name[OPTION_LENGTH], text[SHAPE_TEXT];
+    OptionRow row;
     PetscBool given;
 
-    PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_body_%" PetscInt_FMT, k));
-    PetscCall(PetscOptionsString(option,
-                                 "A body: circle,cx,cy,r | box,x0,y0,x1,y1 | polygon,x0,y0,...", "",
-                                 text, text, sizeof(text), &given));
+    Numbered(&options[BODY], k, name, &row);
+    PetscCall(OptionGetText(&row, sizeof(text), text, &given));
     if (!given) break;
     boundary = SceneAddBody(scene);
-    PetscCall(ReadShape(option, text, &boundary->body));
-    PetscCall(ReadBodyMotion(PetscOptionsObject, k, scene, boundary));
-    PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_body_%" PetscInt_FMT "_around", k));
-    PetscCall(OptionSwitch(option, "The fluid is inside it", &boundary->body.around));
+    PetscCall(ReadShape(name, text, &boundary->body));
+    PetscCall(ReadBodyMotion(k, scene, boundary));
+    Numbered(&options[BODY_AROUND], k, name, &row);
+    PetscCall(OptionGetSwitch(&row, &boundary->body.around, NULL));
     for (PetscInt side = 0; boundary->body.around && side < SceneBodySide(scene, 0); side++) {
       if (BoundaryIs(scene, side, BOUNDARY_CONFINES)) SceneSetSide(scene, side, &BoundaryNone);
     }
   }
-  PetscCall(CheckNumbers("body", scene->n_bodies, SCENE_MAX_BODIES));
+  PetscCall(CheckNumbers(&options[BODY], scene->n_bodies, SCENE_MAX_BODIES));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -186,7 +327,7 @@ static PetscErrorCode CheckGaps(const Scene *scene)
 }
 
 /* Reads the kinds of the sides of the box by the options of the table; the default is a wall. */
-static PetscErrorCode ReadKinds(OptionItems PetscOptionsObject, Scene *scene)
+static PetscErrorCode ReadKinds(Scene *scene)
 {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < BoundaryTable.count; k++) {
@@ -194,8 +335,7 @@ static PetscErrorCode ReadKinds(OptionItems PetscOptionsObject, Scene *scene)
     unsigned           chosen;
 
     if (!kind->option) continue;
-    PetscCall(OptionFlags(kind->option, kind->by_axis ? "Axes" : "Sides of the box",
-                          kind->by_axis ? AxisNames : SideNames, kind->by_axis ? 2 : 4, &chosen));
+    PetscCall(OptionGetFlags(OptionFind(kind->option), &chosen));
     for (PetscInt side = 0; side < 4; side++) {
       const BoundaryRow *before = scene->boundary[side].kind;
 
@@ -209,24 +349,23 @@ static PetscErrorCode ReadKinds(OptionItems PetscOptionsObject, Scene *scene)
 }
 
 /* Reads the velocities of the sides of the box that are walls. */
-static PetscErrorCode ReadSides(OptionItems PetscOptionsObject, Scene *scene)
+static PetscErrorCode ReadSides(Scene *scene)
 {
   PetscFunctionBegin;
   for (PetscInt side = 0; side < 4; side++) {
     Expression    *v      = &scene->boundary[side].velocity;
     const PetscInt normal = side / 2;
-    char           option[64];
+    char           name[OPTION_LENGTH];
+    OptionRow      row;
 
     if (!BoundaryIs(scene, side, BOUNDARY_CONFINES | BOUNDARY_NO_SLIP)) continue;
-    PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_wall_%s_velocity", SideNames[side]));
-    PetscCall(ExpressionRead(scene->scope, option,
-                             "Velocity u,v of a side of the box, of x, y, t [m/s]", 2, 2,
-                             EXPRESSION_PLACE | EXPRESSION_TIME, v, NULL));
+    OptionFill(&options[WALL_VELOCITY], Sides[side], name, &row);
+    PetscCall(ExpressionGet(scene->scope, &row, 2, 2, EXPRESSION_PLACE | EXPRESSION_TIME, v, NULL));
     if (ExpressionUses(v, EXPRESSION_TIME)) scene->unsteady_walls = PETSC_TRUE;
     UserCheck(!SceneHas(scene, PHYSICS_CONVECTION) || (!v->uses[normal] && v->value[normal] == 0.0),
               "%s: %s is normal to that side and must be 0: with convection there is no in- or "
               "outflow",
-              option, normal ? "v" : "u");
+              name, normal ? "v" : "u");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -266,32 +405,28 @@ static PetscErrorCode CheckInflow(const Scene *scene, PetscReal t)
 }
 
 /* Reads fluids 1, 2, ... and the viscosity elsewhere. */
-static PetscErrorCode ReadFluids(OptionItems PetscOptionsObject, Scene *scene)
+static PetscErrorCode ReadFluids(Scene *scene)
 {
   PetscBool given;
 
   PetscFunctionBegin;
-  PetscCall(ExpressionRead(scene->scope, "-viscosity_field",
-                           "Kinematic viscosity, of x, y; by default uniform [m^2/s]", 1, 1,
-                           EXPRESSION_PLACE, &scene->nu_field, NULL));
+  PetscCall(ExpressionGet(scene->scope, &options[VISCOSITY_FIELD], 1, 1, EXPRESSION_PLACE,
+                          &scene->nu_field, NULL));
   for (PetscInt k = 1; k <= SCENE_MAX_FLUIDS; k++) {
     PetscReal *nu = &scene->region_nu[scene->n_regions];
-    char       option[64], text[SHAPE_TEXT] = "";
+    char       name[OPTION_LENGTH], text[SHAPE_TEXT];
+    OptionRow  row;
 
-    PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_fluid_%" PetscInt_FMT, k));
-    PetscCall(
-        PetscOptionsString(option,
-                           "Where another fluid is at the start; later ones lie over earlier: "
-                           "circle,cx,cy,r | box,x0,y0,x1,y1 | polygon,x0,y0,...",
-                           "", text, text, sizeof(text), &given));
+    Numbered(&options[FLUID], k, name, &row);
+    PetscCall(OptionGetText(&row, sizeof(text), text, &given));
     if (!given) break;
-    PetscCall(ReadShape(option, text, &scene->region[scene->n_regions]));
-    PetscCall(PetscSNPrintf(option, sizeof(option), "-scene_fluid_%" PetscInt_FMT "_viscosity", k));
-    PetscCall(OptionReal(option, "Its kinematic viscosity [m^2/s]", 1e-300, 1e300, nu, &given));
-    UserCheck(given, "%s: the fluid's kinematic viscosity is required [m^2/s]", option);
+    PetscCall(ReadShape(name, text, &scene->region[scene->n_regions]));
+    Numbered(&options[FLUID_VISCOSITY], k, name, &row);
+    PetscCall(OptionGetReal(&row, nu, &given));
+    UserCheck(given, "%s: the fluid's kinematic viscosity is required [m^2/s]", name);
     scene->n_regions++;
   }
-  PetscCall(CheckNumbers("fluid", scene->n_regions, SCENE_MAX_FLUIDS));
+  PetscCall(CheckNumbers(&options[FLUID], scene->n_regions, SCENE_MAX_FLUIDS));
   UserCheck(
       SceneIsNewtonian(scene) || (!scene->n_regions && !scene->nu_field.n),
       "-rheology %s with -scene_fluid_1 or -viscosity_field: viscosity follows the strain rate or "
@@ -303,24 +438,20 @@ static PetscErrorCode ReadFluids(OptionItems PetscOptionsObject, Scene *scene)
 }
 
 /* Reads the flow at the start and the reference solution. */
-static PetscErrorCode ReadFields(OptionItems PetscOptionsObject, Scene *scene)
+static PetscErrorCode ReadFields(Scene *scene)
 {
   PetscFunctionBegin;
-  PetscCall(ExpressionRead(scene->scope, "-scene_velocity",
-                           "Velocity u,v at the start, of x, y; by default -scene_exact at t = 0, "
-                           "otherwise zero [m/s]",
-                           2, 2, EXPRESSION_PLACE, &scene->velocity, NULL));
-  PetscCall(ExpressionRead(scene->scope, "-scene_exact",
-                           "Reference solution u,v[,p] of x, y, t: errors are reported, and the "
-                           "flow starts from it [m/s], [Pa]",
-                           2, 3, EXPRESSION_PLACE | EXPRESSION_TIME, &scene->exact, NULL));
+  PetscCall(ExpressionGet(scene->scope, &options[START_VELOCITY], 2, 2, EXPRESSION_PLACE,
+                          &scene->velocity, NULL));
+  PetscCall(ExpressionGet(scene->scope, &options[EXACT], 2, 3, EXPRESSION_PLACE | EXPRESSION_TIME,
+                          &scene->exact, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
   SceneReadTyped - Reads the scene of -case scene
 
-  Collective, between PetscOptionsBegin() and PetscOptionsEnd().
+  Collective.
 
   Options Database Keys:
 + -scene_box x0,y0,x1,y1           - corners [m]; by default the unit square
@@ -344,31 +475,31 @@ static PetscErrorCode ReadFields(OptionItems PetscOptionsObject, Scene *scene)
   Errors: wrong shapes, bodies that overlap or leave gaps of less than 4 dx, expressions with wrong
   syntax, and velocities through a surface end the run
 */
-PetscErrorCode SceneReadTyped(OptionItems PetscOptionsObject, Scene *scene)
+PetscErrorCode SceneReadTyped(Scene *scene)
 {
   PetscReal box[4] = {0.0, 0.0, scene->length, scene->length};
   PetscInt  n;
   PetscBool given;
 
   PetscFunctionBegin;
-  PetscCall(OptionReals("-scene_box", "Corners of the box: x0,y0,x1,y1 [m]", 4, box, &n, &given));
+  PetscCall(OptionGetReals(&options[BOX], 4, box, &n, &given));
   UserCheck(!given || n == 4, "-scene_box: 4 numbers are required, got %" PetscInt_FMT, n);
   for (PetscInt a = 0; a < 2; a++) {
     scene->lo[a] = box[a];
     scene->hi[a] = box[2 + a];
     UserCheck(box[2 + a] - box[a] >= 4.0 * scene->dx,
               "-scene_box: it is %.4g wide along %s; at least 4 dx = %.4g is allowed",
-              (double)(box[2 + a] - box[a]), AxisNames[a], (double)(4.0 * scene->dx));
+              (double)(box[2 + a] - box[a]), Axes[a], (double)(4.0 * scene->dx));
   }
-  PetscCall(ReadKinds(PetscOptionsObject, scene));
-  PetscCall(ReadBodies(PetscOptionsObject, scene));
-  PetscCall(ReadSides(PetscOptionsObject, scene));
+  PetscCall(ReadKinds(scene));
+  PetscCall(ReadBodies(scene));
+  PetscCall(ReadSides(scene));
   PetscCall(CheckInflow(scene, 0.0));
   PetscCall(
       CheckInflow(scene, 0.125 * scene->length / scene->speed)); /* walls may start from rest */
   PetscCall(CheckGaps(scene));
   if (!SceneHasBoundary(scene, BOUNDARY_CONFINES)) scene->physics &= ~(unsigned)PHYSICS_WALLS;
-  PetscCall(ReadFluids(PetscOptionsObject, scene));
-  PetscCall(ReadFields(PetscOptionsObject, scene));
+  PetscCall(ReadFluids(scene));
+  PetscCall(ReadFields(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

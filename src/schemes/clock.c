@@ -17,6 +17,119 @@ static const DtAdaptRow adapts[] = {
 };
 const Table DtAdaptTable = TABLE("-dt_adapt", "Time step control", adapts);
 
+enum {
+  T_END,
+  DT,
+  CFL,
+  DT_ADAPT,
+  DT_MOVE_MAX,
+  MAX_STEPS,
+  TIME_ORDER,
+  STEADY,
+  STEADY_TOL,
+  REPORT_TIMES
+};
+static const OptionRow options[] = {
+    [T_END] =
+        {
+            .name     = "-t_end",
+            .kind     = VALUE_REAL,
+            .brief    = "end of the run",
+            .unit     = "s",
+            .standard = "of the case, in L/U",
+            NOT_NEGATIVE,
+            .where = "flows",
+        },
+    [DT] =
+        {
+            .name     = "-dt",
+            .kind     = VALUE_REAL,
+            .brief    = "time step; 0: from -cfl",
+            .unit     = "s",
+            .standard = "0",
+            NOT_NEGATIVE,
+            .where = "flows",
+        },
+    [CFL] =
+        {
+            .name     = "-cfl",
+            .kind     = VALUE_REAL,
+            .brief    = "time step over dx/U, U the larger of reference and present speed",
+            .unit     = "-",
+            .standard = PetscStringize(CLOCK_CFL),
+            .low      = 1e-6,
+            .high     = 1e6,
+            .where    = "flows",
+        },
+    [DT_ADAPT] =
+        {
+            .name     = "-dt_adapt",
+            .kind     = VALUE_NAME,
+            .brief    = "control of the length of steps",
+            .standard = "cfl, or none if -dt is given",
+            .table    = &DtAdaptTable,
+            .where    = "flows",
+        },
+    [DT_MOVE_MAX] =
+        {
+            .name     = "-dt_move_max",
+            .kind     = VALUE_REAL,
+            .brief    = "displacement with the flow above which a step is undone",
+            .unit     = "dx",
+            .standard = "0.6",
+            .low      = 0.01,
+            .high     = 10.0,
+            .where    = "-dt_adapt retry",
+        },
+    [MAX_STEPS] =
+        {
+            .name     = "-max_steps",
+            .kind     = VALUE_INT,
+            .brief    = "number of steps after which the run stops",
+            .standard = "no limit",
+            NOT_NEGATIVE,
+            .where = "flows",
+        },
+    [TIME_ORDER] =
+        {
+            .name     = "-time_order",
+            .kind     = VALUE_INT,
+            .brief    = "order of the time integration",
+            .standard = "2",
+            .low      = 1,
+            .high     = 2,
+            .where    = "flows",
+        },
+    [STEADY] =
+        {
+            .name     = "-steady",
+            .kind     = VALUE_SWITCH,
+            .brief    = "no du/dt: solve for the steady flow",
+            .standard = "false",
+            .where    = "-scheme coupled",
+        },
+    [STEADY_TOL] =
+        {
+            .name  = "-steady_tol",
+            .kind  = VALUE_REAL,
+            .brief = "stop when u, div u* and p change by less than this per time scale; 0: never",
+            .unit  = "-",
+            .standard = "0",
+            .low      = 0.0,
+            .high     = 1.0,
+            .where    = "flows",
+        },
+    [REPORT_TIMES] =
+        {
+            .name  = "-report_times",
+            .kind  = VALUE_REALS,
+            .brief = "times besides the end at which quantities are reported, ascending",
+            .unit  = "s",
+            .where = "flows",
+        },
+};
+const OptionTable TimeOptions = OPTIONS("Time", options);
+
 /* ClockMoment - Returns the time of the current solution; for a steady solve, a time later than all
    report times [s] */
 PetscReal ClockMoment(const Clock *clock)
@@ -25,14 +138,13 @@ PetscReal ClockMoment(const Clock *clock)
 }
 
 /* Reads the times of reports besides the end. */
-static PetscErrorCode ClockReadReports(OptionItems PetscOptionsObject, Clock *clock)
+static PetscErrorCode ClockReadReports(Clock *clock)
 {
   PetscInt n;
 
   PetscFunctionBegin;
-  PetscCall(OptionReals("-report_times",
-                        "Times besides the end at which quantities are reported [s]",
-                        CLOCK_MAX_REPORTS, clock->report_time, &n, NULL));
+  PetscCall(
+      OptionGetReals(&options[REPORT_TIMES], CLOCK_MAX_REPORTS, clock->report_time, &n, NULL));
   for (PetscInt k = 0; k < n; k++) {
     UserCheck(clock->report_time[k] > (k ? clock->report_time[k - 1] : 0.0),
               "-report_times: the times must be positive and ascending, got %.6g",
@@ -47,14 +159,13 @@ static PetscErrorCode ClockReadReports(OptionItems PetscOptionsObject, Clock *cl
 }
 
 /* Reads -steady: a single step to t_end without du/dt. */
-static PetscErrorCode ClockReadSteady(OptionItems PetscOptionsObject, Clock *clock)
+static PetscErrorCode ClockReadSteady(Clock *clock)
 {
   const char *const others[] = {"-dt",       "-cfl",        "-steady_tol",      "-report_times",
                                 "-dt_adapt", "-time_order", "-coupled_ts_type", "-output_every"};
 
   PetscFunctionBegin;
-  PetscCall(OptionSwitch("-steady", "No du/dt: solve for the steady flow (-scheme coupled)",
-                         &clock->steady_solve));
+  PetscCall(OptionGetSwitch(&options[STEADY], &clock->steady_solve, NULL));
   if (!clock->steady_solve) PetscFunctionReturn(PETSC_SUCCESS);
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(others); k++)
     PetscCall(OptionsRefuseTogether("-steady", others[k], "a steady flow has no steps in time"));
@@ -87,36 +198,24 @@ PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
   PetscFunctionBegin;
   PetscCall(PetscNew(&c));
   c->t_end       = scene->problem->t_end * scene->length / scene->speed;
-  c->cfl         = CLOCK_CFL;
   c->max_steps   = PETSC_INT_MAX;
-  c->order       = 2;
   c->move_max    = 0.6;
   c->good_needed = CLOCK_GOOD_NEEDED;
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Time", "");
   PetscCall(OptionsRefuseTogether("-dt", "-cfl", "each gives the time step"));
-  PetscCall(OptionReal("-t_end", "End of the run [s]", 0.0, 1e300, &c->t_end, NULL));
-  PetscCall(OptionReal("-dt", "Time step [s]; 0: from -cfl", 0.0, 1e300, &c->dt_given, NULL));
-  PetscCall(OptionReal("-cfl",
-                       "Time step over dx/U, U the larger of reference and present speed [-]", 1e-6,
-                       1e6, &c->cfl, NULL));
-  PetscCall(TableSelect(&DtAdaptTable, "-dt_adapt", "Control of the step length",
-                        c->dt_given > 0.0 ? "none" : "cfl", &c->adapt));
+  PetscCall(OptionGetReal(&options[T_END], &c->t_end, NULL));
+  PetscCall(OptionGetReal(&options[DT], &c->dt_given, NULL));
+  PetscCall(OptionGetReal(&options[CFL], &c->cfl, NULL));
+  PetscCall(OptionGetRow(&options[DT_ADAPT], c->dt_given > 0.0 ? "none" : "cfl", &c->adapt));
   UserCheck(c->dt_given == 0.0 || !c->adapt->follows || c->adapt->retries,
             "-dt_adapt %s and -dt cannot both be given: give -cfl", c->adapt->name);
   if (c->adapt->retries) {
-    PetscCall(OptionReal("-dt_move_max",
-                         "Displacement with the flow above which a step is undone [dx]", 0.01, 10.0,
-                         &c->move_max, NULL));
+    PetscCall(OptionGetReal(&options[DT_MOVE_MAX], &c->move_max, NULL));
   }
-  PetscCall(
-      OptionInt("-max_steps", "Stop after this many steps", 0, PETSC_INT_MAX, &c->max_steps, NULL));
-  PetscCall(OptionInt("-time_order", "Order of the time integration", 1, 2, &c->order, NULL));
-  PetscCall(OptionReal("-steady_tol",
-                       "Stop when nothing changes by more than this relative rate; 0: never [-]",
-                       0.0, 1.0, &c->steady_tol, NULL));
-  PetscCall(ClockReadReports(PetscOptionsObject, c));
-  PetscCall(ClockReadSteady(PetscOptionsObject, c));
-  PetscOptionsEnd();
+  PetscCall(OptionGetInt(&options[MAX_STEPS], &c->max_steps, NULL));
+  PetscCall(OptionGetInt(&options[TIME_ORDER], &c->order, NULL));
+  PetscCall(OptionGetReal(&options[STEADY_TOL], &c->steady_tol, NULL));
+  PetscCall(ClockReadReports(c));
+  PetscCall(ClockReadSteady(c));
   *clock = c;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -35,6 +35,43 @@ static PetscErrorCode RegisterEvents(const Scene *scene, FlowState *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+enum { SHIFT, SHIFT_STRENGTH, VELOCITY_FILTER };
+static const OptionRow options[] = {
+    [SHIFT] =
+        {
+            .name     = "-shift",
+            .kind     = VALUE_NAME,
+            .brief    = "particle shifting",
+            .standard = "fickian",
+            .table    = &ShiftTable,
+            .where    = "flows whose particles move",
+        },
+    [SHIFT_STRENGTH] =
+        {
+            .name     = "-shift_strength",
+            .kind     = VALUE_REAL,
+            .brief    = "factor of the diffusivity of -shift",
+            .unit     = "-",
+            .standard = "1",
+            .low      = 1e-3,
+            .high     = 100.0,
+            .where    = "flows whose particles are shifted",
+        },
+    [VELOCITY_FILTER] =
+        {
+            .name  = "-velocity_filter",
+            .kind  = VALUE_REAL,
+            .brief = "strength of the grid-scale filter of velocities; 0: off",
+            .unit  = "-",
+            .standard =
+                "grows from 0 to 1 between U dx/nu = 20 and 60; with fixed particles 1 above 5",
+            .low   = 0.0,
+            .high  = 1.0,
+            .where = "flows with convection",
+        },
+};
+const OptionTable MotionOptions = OPTIONS("Motion of particles", options);
+
 /*
   FlowStateCreate - Creates the state and reads the options of filter and shifting
 
@@ -56,27 +93,18 @@ PetscErrorCode FlowStateCreate(Flow *flow, unsigned *needs)
   PetscFunctionBegin;
   PetscCall(PetscNew(&s));
   s->has_convection = scene->motion && !SceneMoves(scene) ? PETSC_TRUE : PETSC_FALSE;
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Motion", "");
   if (SceneMoves(scene)) {
-    PetscCall(TableSelect(&ShiftTable, "-shift", "Particle shifting", "fickian", &s->shift));
+    PetscCall(OptionGetRow(&options[SHIFT], NULL, &s->shift));
     if (s->shift->Displace) {
-      s->shift_strength = 1.0;
-      PetscCall(OptionReal("-shift_strength", "Factor of the diffusivity of -shift [-]", 1e-3,
-                           100.0, &s->shift_strength, NULL));
+      PetscCall(OptionGetReal(&options[SHIFT_STRENGTH], &s->shift_strength, NULL));
       *needs |= NEED_CONCENTRATION;
     }
   }
   if (SceneHas(scene, PHYSICS_CONVECTION)) {
     s->velocity_filter = DefaultVelocityFilter(scene);
-    PetscCall(
-        OptionReal("-velocity_filter",
-                   "Strength of the grid-scale filter of velocities; 0: off; by default it "
-                   "grows from 0 to 1 between U dx/nu = 20 and 60, with fixed particles it is "
-                   "1 above 5 [-]",
-                   0.0, 1.0, &s->velocity_filter, NULL));
+    PetscCall(OptionGetReal(&options[VELOCITY_FILTER], &s->velocity_filter, NULL));
     if (s->velocity_filter > 0.0) *needs |= NEED_FILTER_U;
   }
-  PetscOptionsEnd();
   PetscCall(RegisterEvents(scene, s));
   flow->state = s;
   PetscFunctionReturn(PETSC_SUCCESS);

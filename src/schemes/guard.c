@@ -7,6 +7,19 @@
 
 #define LOOSEST_RTOL 0.01 /* of a KSP: times the slack of residual.c it is the worst residual */
 
+static const OptionRow options[] = {
+    {
+        .name  = "-fallback",
+        .kind  = VALUE_INT,
+        .brief = "solves in a row that fallback methods may make in place of the chosen one; -1: "
+                 "none, the first failure ends the step",
+        .standard = "10",
+        .low      = -1.0,
+        .high     = OPTION_HUGE,
+    },
+};
+const OptionTable GuardOptions = OPTIONS("Guard of linear solves", options);
+
 static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
 {
   Guard    *guard = (Guard *)ctx;
@@ -97,13 +110,7 @@ PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
   if (!preonly && !chosen) PetscCall(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
   PetscCall(KSPSetPostSolve(ksp, Guard_PostSolve, guard));
   PetscCall(GuardNote(ksp, form, guard));
-  guard->max_in_a_row = 10;
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Solvers", "");
-  PetscCall(OptionInt("-fallback",
-                      "Largest number of solves in a row by fallback methods; -1: no fallback, the "
-                      "first failure ends the step",
-                      -1, PETSC_INT_MAX, &guard->max_in_a_row, NULL));
-  PetscOptionsEnd();
+  PetscCall(OptionGetInt(&options[0], &guard->max_in_a_row, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -8,6 +8,18 @@
 static const SchemeRow *const schemes[]   = {&SchemeProjection, &SchemeCoupled};
 const Table                   SchemeTable = TABLE_OF_POINTERS("-scheme", "Schemes", schemes);
 
+static const OptionRow options[] = {
+    {
+        .name     = "-scheme",
+        .kind     = VALUE_NAME,
+        .brief    = "scheme that advances velocity and pressure",
+        .standard = "projection",
+        .table    = &SchemeTable,
+        .where    = "flows",
+    },
+};
+const OptionTable SchemeOptions = OPTIONS("Scheme", options);
+
 /*
   SchemeCreate - Chooses the scheme, creates the state of the flow, and sets the first time step
 
@@ -29,10 +41,7 @@ PetscErrorCode SchemeCreate(Flow *flow)
   PetscCall(PetscNew(&s));
   flow->scheme = s;
   s->needs     = SceneNeeds(flow->scene);
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Scheme", "");
-  PetscCall(TableSelect(&SchemeTable, "-scheme", "Scheme that advances velocity and pressure",
-                        "projection", &s->row));
-  PetscOptionsEnd();
+  PetscCall(OptionGetRow(&options[0], NULL, &s->row));
   PetscCall(ClockRemember(flow->clock, &s->memory));
   PetscCall(FlowRemember(flow));
   for (PetscInt a = 0; a < flow->scene->dim; a++) force2 += PetscSqr(flow->scene->body_force[a]);

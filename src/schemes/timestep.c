@@ -11,29 +11,28 @@
 PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[])
 {
   const char *const refused[][2] = {
-      {"ts_dt", "-dt"},
-      {"ts_time_step", "-dt"},
-      {"ts_max_time", "-t_end"},
-      {"ts_final_time", "-t_end"},
-      {"ts_time_span", "-report_times"},
-      {"ts_eval_times", "-report_times"},
-      {"ts_max_steps", "-max_steps"},
-      {"ts_run_steps", "-max_steps"},
-      {"ts_init_time", "-restart"},
+      {"-ts_dt", "-dt"},
+      {"-ts_time_step", "-dt"},
+      {"-ts_max_time", "-t_end"},
+      {"-ts_final_time", "-t_end"},
+      {"-ts_time_span", "-report_times"},
+      {"-ts_eval_times", "-report_times"},
+      {"-ts_max_steps", "-max_steps"},
+      {"-ts_run_steps", "-max_steps"},
+      {"-ts_init_time", "-restart"},
   };
-  char      option[64];
   PetscBool given, theta;
 
   PetscFunctionBegin;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(refused); k++) {
-    PetscCall(PetscSNPrintf(option, sizeof(option), "-%s%s", prefix, refused[k][0]));
-    PetscCall(OptionGiven(option, &given));
-    UserCheck(!given, "%s: isph controls the time; use %s", option, refused[k][1]);
+    PetscCall(PetscOptionsHasName(NULL, prefix, refused[k][0], &given));
+    UserCheck(!given, "-%s%s: isph controls the time; use %s", prefix, refused[k][0] + 1,
+              refused[k][1]);
   }
   PetscCall(PetscStrcmp(type, TSTHETA, &theta));
-  PetscCall(PetscSNPrintf(option, sizeof(option), "-%sts_theta_theta", prefix));
-  if (!theta) PetscCall(OptionGiven(option, &given));
-  UserCheck(theta || !given, "%s: -%sts_type %s has no theta to be chosen", option, prefix, type);
+  PetscCall(PetscOptionsHasName(NULL, prefix, "-ts_theta_theta", &given));
+  UserCheck(theta || !given, "-%sts_theta_theta: -%sts_type %s has no theta to be chosen", prefix,
+            prefix, type);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -22,6 +22,18 @@ static const CoupledIntegratorRow integrators[] = {
 const Table CoupledIntegratorTable =
     TABLE("-coupled_ts_type", "Time integrators of the coupled scheme", integrators);
 
+static const OptionRow options[] = {
+    {
+        .name     = "-coupled_ts_type",
+        .kind     = VALUE_NAME,
+        .brief    = "time integrator of the coupled scheme",
+        .standard = TSBEULER,
+        .table    = &CoupledIntegratorTable,
+        .where    = "-scheme coupled",
+    },
+};
+const OptionTable CoupledOptions = OPTIONS("Coupled scheme", options);
+
 /* Refuses forms for which the coupled scheme has no solver. */
 static PetscErrorCode RefuseForms(const Flow *flow)
 {
@@ -116,10 +128,7 @@ static PetscErrorCode CoupledCreate(Flow *flow)
             SceneSlipKind(scene)->option);
   if (flow->clock->steady_solve) PetscCall(RefuseSteady(flow));
   PetscCall(SteadyRefuse(flow, NULL, PETSC_FALSE));
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Coupled scheme", "");
-  PetscCall(TableSelect(&CoupledIntegratorTable, "-coupled_ts_type",
-                        "Time integrator of the coupled scheme", TSBEULER, &c->row));
-  PetscOptionsEnd();
+  PetscCall(OptionGetRow(&options[0], NULL, &c->row));
   PetscCall(RefuseHistory(flow, c->row));
   c->convects = flow->state->has_convection && c->row->substeps;
   flow->scheme->needs |= NEED_FREE_GRAD_P | NEED_FILTER_P;

@@ -8,6 +8,18 @@
 */
 #include "coupled.h"
 
+static const OptionRow options[] = {
+    {
+        .name     = "-coupled_schur",
+        .kind     = VALUE_NAME,
+        .brief    = "preconditioner of the pressure in the coupled scheme",
+        .standard = "cahouet_chabard",
+        .table    = &SchurTable,
+        .where    = "-scheme coupled with -coupled_pc_type fieldsplit",
+    },
+};
+const OptionTable CoupledSolverOptions = OPTIONS("Solver of the coupled scheme", options);
+
 /* CoupledSetShift - Sets the shift of the matrix; a preconditioner within a factor of 1.5 of it is
    reused; collective */
 PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
@@ -108,15 +120,9 @@ PetscErrorCode CoupledSolverCreate(Flow *flow, Coupled *c)
   c->guard.remedy  = lu ? "try a larger -coupled_ksp_max_it, or a smaller -dt"
                         : "try -coupled_pc_type lu, a larger -coupled_ksp_max_it, or a smaller -dt";
   if (split) PetscCall(BlockDefaults(flow->scene, flow->clock->dt));
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Coupled solver", "");
-  if (split) {
-    PetscCall(TableSelect(&SchurTable, "-coupled_schur",
-                          "Preconditioner of the pressure in the coupled scheme", "cahouet_chabard",
-                          &c->schur.row));
-  }
-  PetscOptionsEnd();
+  if (split) PetscCall(OptionGetRow(&options[0], NULL, &c->schur.row));
   PetscCall(TimeOptionsRefuse("coupled_", c->row->name));
-  PetscCall(OptionGiven("-coupled_ts_atol", &given));
+  PetscCall(PetscOptionsHasName(NULL, "coupled_", "-ts_atol", &given));
   UserCheck(!given, "-coupled_ts_atol: an absolute tolerance depends on units; use "
                     "-coupled_ts_rtol, of |u| + U");
   if (split) PetscCall(SchurCreate(&c->schur));

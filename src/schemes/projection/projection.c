@@ -29,6 +29,42 @@ static const ProjectionRow projections[] = {
 };
 const Table ProjectionTable = TABLE("-projection", "Projections", projections);
 
+enum { PROJECTION, ALPHA, FILTER };
+static const OptionRow options[] = {
+    [PROJECTION] =
+        {
+            .name     = "-projection",
+            .kind     = VALUE_NAME,
+            .brief    = "pressure from its increment",
+            .standard = "rotational",
+            .table    = &ProjectionTable,
+            .where    = "-scheme projection with pressure",
+        },
+    [ALPHA] =
+        {
+            .name     = "-ppe_alpha",
+            .kind     = VALUE_REAL,
+            .brief    = "share of the density error in the pressure source",
+            .unit     = "-",
+            .standard = "0",
+            .low      = 0.0,
+            .high     = 1.0,
+            .where    = "-scheme projection with pressure",
+        },
+    [FILTER] =
+        {
+            .name     = "-ppe_filter",
+            .kind     = VALUE_REAL,
+            .brief    = "strength of the grid-scale filter of the pressure; 0: off",
+            .unit     = "-",
+            .standard = "1, on lattices that stay 0.1",
+            .low      = 0.0,
+            .high     = 2.0,
+            .where    = "-scheme projection with pressure",
+        },
+};
+const OptionTable ProjectionOptions = OPTIONS("Projection", options);
+
 /* Finds out if particles are fixed on a lattice without bodies. */
 static PetscErrorCode OnLattice(const Scene *scene, PetscBool *on)
 {
@@ -98,16 +134,9 @@ static PetscErrorCode ProjectionCreate(Flow *flow)
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
     PetscCall(OnLattice(scene, &lattice));
     pr->filter = lattice ? 0.1 : 1.0;
-    PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Projection", "");
-    PetscCall(TableSelect(&ProjectionTable, "-projection",
-                          "Update of the pressure by its increment", "rotational", &pr->row));
-    PetscCall(OptionReal("-ppe_alpha", "Share of the density error in the pressure source [-]", 0.0,
-                         1.0, &pr->alpha, NULL));
-    PetscCall(OptionReal("-ppe_filter",
-                         "Strength of the grid-scale pressure filter; 0: off; by default 1, or 0.1 "
-                         "on a lattice of fixed particles [-]",
-                         0.0, 2.0, &pr->filter, NULL));
-    PetscOptionsEnd();
+    PetscCall(OptionGetRow(&options[PROJECTION], NULL, &pr->row));
+    PetscCall(OptionGetReal(&options[ALPHA], &pr->alpha, NULL));
+    PetscCall(OptionGetReal(&options[FILTER], &pr->filter, NULL));
     if (pr->filter > 0.0) flow->scheme->needs |= NEED_FILTER_P;
     if (pr->alpha > 0.0) flow->scheme->needs |= NEED_CONCENTRATION;
     flow->scheme->variant = (const TableRow *)(const void *)pr->row;

@@ -35,7 +35,7 @@ PetscErrorCode IterationChoose(SNES snes)
   UserCheck(!once,
             "-visc_snes_type " SNESKSPONLY
             ": the viscosity depends on the flow, so a single solve is not enough; use newtonls");
-  PetscCall(OptionGiven("-visc_snes_atol", &given));
+  PetscCall(PetscOptionsHasName(NULL, "visc_", "-snes_atol", &given));
   UserCheck(!given, "-visc_snes_atol: an absolute tolerance depends on units; use -visc_snes_rtol");
   PetscCall(TakesNewton(&newton));
   PetscCall(SNESSetType(snes, SNESNEWTONLS));

@@ -10,6 +10,18 @@
 */
 #include "viscosity.h"
 
+static const OptionRow options[] = {
+    {
+        .name     = "-visc_ts_type",
+        .kind     = VALUE_NAME,
+        .brief    = "time integrator of viscosity",
+        .standard = TSBEULER,
+        .table    = &ViscousIntegratorTable,
+        .where    = "-scheme projection with viscosity",
+    },
+};
+const OptionTable ViscosityOptions = OPTIONS("Viscosity", options);
+
 /* Refuses options by which the TS would control time, or that contradict a multistep history. */
 static PetscErrorCode RefuseTimeOptions(const ViscousIntegratorRow *row)
 {
@@ -18,12 +30,12 @@ static PetscErrorCode RefuseTimeOptions(const ViscousIntegratorRow *row)
 
   PetscFunctionBegin;
   PetscCall(TimeOptionsRefuse("visc_", row->name));
-  PetscCall(OptionGiven("-visc_ts_adapt_type", &given));
+  PetscCall(PetscOptionsHasName(NULL, "visc_", "-ts_adapt_type", &given));
   UserCheck(!given || !row->multistep,
             "-visc_ts_adapt_type: %s shares its steps with the projection; use a one-step type "
             "such as arkimex",
             row->name);
-  PetscCall(PetscOptionsGetReal(NULL, NULL, "-visc_ts_theta_theta", &theta, NULL));
+  PetscCall(PetscOptionsGetReal(NULL, "visc_", "-ts_theta_theta", &theta, NULL));
   UserCheck(theta > 0.0 && theta <= 1.0, "-visc_ts_theta_theta %.6g: allowed is more than 0 to 1",
             (double)theta);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -129,10 +141,7 @@ PetscErrorCode ViscosityCreate(Flow *flow, Viscosity **visc)
   solve->label   = "visc solver";
   solve->prefix  = "visc_";
   solve->column  = SOLVE_VELOCITY;
-  PetscOptionsBegin(PETSC_COMM_WORLD, NULL, "Viscosity", "");
-  PetscCall(TableSelect(&ViscousIntegratorTable, "-visc_ts_type", "Time integrator of viscosity",
-                        TSBEULER, &v->row));
-  PetscOptionsEnd();
+  PetscCall(OptionGetRow(&options[0], NULL, &v->row));
   solve->integrator   = v->row->name;
   solve->multistep    = v->row->multistep;
   solve->views_matrix = v->row->terms != TIME_EXPLICIT ? PETSC_TRUE : PETSC_FALSE;

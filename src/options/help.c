@@ -1,0 +1,200 @@
+/*
+  The texts about options, all from their tables: usage, -help and the reference page.
+*/
+#include "isph/options.h"
+#include <string.h>
+
+#define TEXT_LENGTH 1600 /* of all that is said of one option */
+#define LINE_WIDTH  100
+#define INDENT      34 /* of what is said of an option in -help */
+
+static const char *const kinds[] = {
+    [VALUE_SWITCH]     = "true|false",
+    [VALUE_INT]        = "int",
+    [VALUE_REAL]       = "real",
+    [VALUE_REALS]      = "real,...",
+    [VALUE_NAME]       = "name",
+    [VALUE_NAMES]      = "name,...",
+    [VALUE_FILE]       = "file",
+    [VALUE_EXPRESSION] = "expression,...",
+    [VALUE_SHAPE]      = "shape,real,...",
+    [VALUE_VIEWER]     = "viewer",
+    [VALUE_WORD]       = "word",
+    [VALUE_NOTHING]    = "",
+    [VALUE_SOLVER]     = "value",
+};
+
+/* Appends a part between two others to a text, as far as there is room; no part, nothing. */
+static void Append(char text[TEXT_LENGTH], const char before[], const char part[],
+                   const char after[])
+{
+  if (!part || !part[0]) return;
+  (void)PetscStrlcat(text, before, TEXT_LENGTH);
+  (void)PetscStrlcat(text, part, TEXT_LENGTH);
+  (void)PetscStrlcat(text, after, TEXT_LENGTH);
+}
+
+/* Writes the values that are allowed: a range, or names separated by commas. */
+static void Allowed(const OptionRow *row, char text[TEXT_LENGTH])
+{
+  OptionRangeText(row, text, TEXT_LENGTH);
+  for (PetscInt k = 0; row->table && k < row->table->count; k++)
+    Append(text, k ? ", " : "one of ", TableGet(row->table, k)->name, "");
+  for (PetscInt k = 0; row->words && row->words[k]; k++)
+    Append(text, k ? ", " : "some of ", row->words[k], "");
+}
+
+/* Prints a text in lines of LINE_WIDTH columns, each but the first indented. */
+static void PrintWrapped(FILE *out, int column, const char text[])
+{
+  while (*text) {
+    const int word = (int)strcspn(text, " ");
+
+    if (column > INDENT && column + 1 + word > LINE_WIDTH) {
+      (void)fprintf(out, "\n%*s", INDENT, "");
+      column = INDENT;
+    } else if (column > INDENT) {
+      (void)fputc(' ', out);
+      column++;
+    }
+    (void)fprintf(out, "%.*s", word, text);
+    column += word;
+    text += word;
+    text += strspn(text, " ");
+  }
+  (void)fputc('\n', out);
+}
+
+/* Prints what -help says of an option. */
+static void PrintOption(FILE *out, const OptionRow *row)
+{
+  char      text[TEXT_LENGTH] = "", part[TEXT_LENGTH];
+  const int column =
+      fprintf(out, kinds[row->kind][0] ? "  %s <%s>" : "  %s", row->name, kinds[row->kind]);
+
+  Append(text, "", row->brief, "");
+  Append(text, " [", row->unit, "]");
+  Append(text, "; default ", row->standard, "");
+  Allowed(row, part);
+  Append(text, "; ", part, "");
+  Append(text, "; for ", row->where, "");
+  if (column < INDENT - 1) (void)fprintf(out, "%*s", INDENT - column, "");
+  else (void)fprintf(out, "\n%*s", INDENT, "");
+  PrintWrapped(out, INDENT, text);
+}
+
+/* Prints, once for each list, the words that <word> in the names of options stands for. */
+static void PrintPlaces(FILE *out, const OptionTable *table, PetscBool markdown)
+{
+  const char *const *last = NULL;
+
+  for (PetscInt k = 0; k < table->count; k++) {
+    const OptionRow *row              = &table->rows[k];
+    const char      *open             = strchr(row->name, '<');
+    char             all[TEXT_LENGTH] = "";
+    int              length;
+
+    if (!row->places || row->places == last) continue;
+    last   = row->places;
+    length = (int)strcspn(open, ">") + 1;
+    for (PetscInt q = 0; row->places[q]; q++) Append(all, q ? ", " : "", row->places[q], "");
+    if (markdown) {
+      (void)fprintf(out, "\n`%.*s` stands for %s.\n", length, open, all);
+    } else {
+      PrintWrapped(out, fprintf(out, "  %.*s stands for", length, open), all);
+    }
+  }
+}
+
+/* UsagePrint - Prints how to begin, for a command line without options; not collective */
+void UsagePrint(FILE *out)
+{
+  (void)fputs(
+      "isph: incompressible viscous flow by Smoothed Particle Hydrodynamics on PETSc\n"
+      "\n"
+      "usage: isph -option value ...         or: mpiexec -n 4 isph -option value ...\n"
+      "\n"
+      "  isph -case cavity -n 32 -t_end 5 -output flow.h5      a flow, and files for ParaView\n"
+      "  isph -options_file options/cavity.opts -reynolds 400  options of a file, then others\n"
+      "  isph -case cavity -reynolds 0.01 -motion eulerian -scheme coupled -steady\n"
+      "  isph -case scene -scene_body_1 circle,0.5,0.5,0.2 -scene_wall_top_velocity 1,0 -n 40\n"
+      "\n"
+      "  -help             all options of isph; -help petsc adds PETSc's for the chosen solvers\n"
+      "  -catalogue        cases, operators, walls, schemes and integrators with their papers\n"
+      "  -version          versions of isph and of the libraries it stands on\n",
+      out);
+}
+
+/*
+  HelpPrint - Prints all options of isph, in groups
+
+  Not collective; needs neither PETSc nor MPI to be initialized.
+*/
+void HelpPrint(FILE *out)
+{
+  UsagePrint(out);
+  (void)fprintf(out, "\n%s\n",
+                "All options, with unit, default, allowed values, and the runs that use them:");
+  for (PetscInt t = 0; OptionTableGet(t); t++) {
+    const OptionTable *table = OptionTableGet(t);
+
+    (void)fprintf(out, "\n%s\n", table->title);
+    PrintPlaces(out, table, PETSC_FALSE);
+    for (PetscInt k = 0; k < table->count; k++) PrintOption(out, &table->rows[k]);
+  }
+}
+
+/* Prints a cell of a table in Markdown; NULL is empty. */
+static void PrintCell(FILE *out, const char text[])
+{
+  (void)fputs(" ", out);
+  for (const char *c = text ? text : ""; *c; c++) {
+    if (strchr("|<>*_", *c)) (void)fputc('\\', out);
+    (void)fputc(*c, out);
+  }
+  (void)fputs(text && *text ? " |" : "|", out);
+}
+
+/*
+  ReferencePrint - Prints the reference page of all options, in Markdown
+
+  Not collective; needs neither PETSc nor MPI to be initialized.
+*/
+void ReferencePrint(FILE *out)
+{
+  (void)fputs(
+      "# Options\n"
+      "\n"
+      "Written by `isph -options_reference` from the tables that the program parses. An option is\n"
+      "typed as `-name value`, on the command line or in a file, where each has a line of its own\n"
+      "(`-options_file`). Names have no case; a later option replaces an earlier one. A name that\n"
+      "is unknown, or that the run does not use, ends the run.\n"
+      "\n"
+      "- Unit: of the value; `-` is a pure number, `dx` the particle spacing.\n"
+      "- Default: the value, or the choice it follows from; empty: nothing unless given.\n"
+      "- Used by: the runs that read the option; empty: all.\n"
+      "- L and U are the reference length and speed, nu the kinematic viscosity.\n",
+      out);
+  for (PetscInt t = 0; OptionTableGet(t); t++) {
+    const OptionTable *table = OptionTableGet(t);
+
+    (void)fprintf(out, "\n## %s\n", table->title);
+    PrintPlaces(out, table, PETSC_TRUE);
+    (void)fprintf(out, "\n| option | value | unit | default | allowed | used by | meaning |\n"
+                       "| --- | --- | --- | --- | --- | --- | --- |\n");
+    for (PetscInt k = 0; k < table->count; k++) {
+      const OptionRow *row = &table->rows[k];
+      char             allowed[TEXT_LENGTH];
+
+      Allowed(row, allowed);
+      (void)fprintf(out, "| `%s` |", row->name);
+      PrintCell(out, kinds[row->kind]);
+      PrintCell(out, row->unit);
+      PrintCell(out, row->standard);
+      PrintCell(out, allowed);
+      PrintCell(out, row->where);
+      PrintCell(out, row->brief);
+      (void)fputc('\n', out);
+    }
+  }
+}

@@ -1,0 +1,215 @@
+/*
+  The options of PETSc's solvers that are needed most, for -help, the reference page and
+  suggestions. PETSc reads them, and any other option of a KSP, PC, TS or SNES too.
+*/
+#include "isph/schemes.h"
+
+static const char *const Linear[] = {"visc",
+                                     "ppe",
+                                     "coupled",
+                                     "coupled_schur",
+                                     "coupled_fieldsplit_velocity",
+                                     "coupled_fieldsplit_pressure",
+                                     NULL};
+static const char *const Times[]  = {"visc", "coupled", NULL};
+
+/* clang-format off */
+#define LINEAR(word)    .name = "-<solve>_" word, .kind = VALUE_SOLVER, .places = Linear
+#define NONLINEAR(word) .name = "-<integrator>_" word, .kind = VALUE_SOLVER, .places = Times
+/* clang-format on */
+
+static const OptionRow options[] = {
+    {
+        LINEAR("ksp_type"),
+        .brief = "Krylov method",
+        .standard =
+            "visc gmres, ppe fgmres, both cg for symmetric forms; coupled fgmres; blocks preonly",
+    },
+    {
+        LINEAR("ksp_rtol"),
+        .brief = "tolerance of the true residual, relative to the right-hand side",
+        .unit  = "-",
+        .standard =
+            "visc 1e-7, or 1e-3 in a nonlinear solve; ppe 1e-5, in patch tests 1e-10; coupled 1e-7",
+    },
+    {
+        LINEAR("ksp_max_it"),
+        .brief    = "largest number of iterations",
+        .standard = "visc 1000, ppe 500, coupled 300",
+    },
+    {
+        LINEAR("ksp_gmres_restart"),
+        .brief    = "directions between restarts",
+        .standard = "30; coupled 100",
+    },
+    {
+        LINEAR("ksp_norm_type"),
+        .brief    = "norm of the convergence test",
+        .standard = "unpreconditioned",
+    },
+    {
+        LINEAR("ksp_pc_side"),
+        .brief = "side of the preconditioner",
+    },
+    {
+        LINEAR("ksp_monitor"),
+        .brief = "print the residual of each iteration",
+    },
+    {
+        LINEAR("ksp_monitor_true_residual"),
+        .brief = "print the true residual of each iteration",
+    },
+    {
+        LINEAR("ksp_converged_reason"),
+        .brief = "print the reason why each solve ended",
+    },
+    {
+        LINEAR("ksp_view"),
+        .brief = "print the solver",
+    },
+    {
+        LINEAR("pc_type"),
+        .brief    = "preconditioner",
+        .standard = "visc by nu dt/dx^2: jacobi below 2, bjacobi below 200, else hypre; ppe hypre; "
+                    "coupled fieldsplit",
+    },
+    {
+        LINEAR("pc_factor_levels"),
+        .brief    = "levels of fill of ilu and icc",
+        .standard = "0",
+    },
+    {
+        LINEAR("pc_hypre_type"),
+        .brief    = "method of hypre",
+        .standard = "boomeramg",
+    },
+    {
+        LINEAR("pc_hypre_boomeramg_coarsen_type"),
+        .brief    = "coarsening of BoomerAMG",
+        .standard = "PMIS",
+    },
+    {
+        LINEAR("pc_hypre_boomeramg_interp_type"),
+        .brief    = "interpolation of BoomerAMG",
+        .standard = "ext+i",
+    },
+    {
+        LINEAR("pc_hypre_boomeramg_P_max"),
+        .brief    = "most entries in a row of the interpolation",
+        .standard = "4",
+    },
+    {
+        LINEAR("pc_hypre_boomeramg_agg_nl"),
+        .brief    = "levels of aggressive coarsening",
+        .standard = "ppe and coupled_schur 1, velocities 0",
+    },
+    {
+        LINEAR("pc_hypre_boomeramg_strong_threshold"),
+        .brief = "threshold of strong connections",
+    },
+    {
+        LINEAR("pc_hypre_boomeramg_relax_type_all"),
+        .brief = "smoother on all levels",
+    },
+    {
+        LINEAR("pc_gamg_type"),
+        .brief = "method of PETSc's own AMG",
+    },
+    {
+        LINEAR("pc_gamg_threshold"),
+        .brief = "threshold of connections in PETSc's own AMG",
+    },
+    {
+        LINEAR("sub_pc_type"),
+        .brief = "preconditioner of the blocks of bjacobi and asm",
+    },
+    {
+        LINEAR("sub_ksp_type"),
+        .brief = "Krylov method of the blocks of bjacobi and asm",
+    },
+    {
+        LINEAR("mg_levels_ksp_type"),
+        .brief = "smoother on the levels of multigrid",
+    },
+    {
+        LINEAR("mg_levels_pc_type"),
+        .brief = "preconditioner of the smoother on the levels of multigrid",
+    },
+    {
+        .name  = "-coupled_pc_fieldsplit_schur_fact_type",
+        .kind  = VALUE_SOLVER,
+        .brief = "factors of the block elimination that are applied",
+        .where = "-scheme coupled with -coupled_pc_type fieldsplit",
+    },
+    {
+        .name  = "-coupled_pc_fieldsplit_schur_precondition",
+        .kind  = VALUE_SOLVER,
+        .brief = "matrix that preconditions the Schur complement",
+        .where = "-scheme coupled with -coupled_pc_type fieldsplit",
+    },
+    {
+        NONLINEAR("ts_rtol"),
+        .brief = "relative error allowed in a substep",
+        .unit  = "-",
+    },
+    {
+        NONLINEAR("ts_adapt_type"),
+        .brief = "control of substeps",
+    },
+    {
+        NONLINEAR("ts_theta_theta"),
+        .brief    = "theta of the theta method, above 0 to 1",
+        .unit     = "-",
+        .standard = "0.5",
+    },
+    {
+        NONLINEAR("ts_bdf_order"),
+        .brief = "order of backward differentiation",
+    },
+    {
+        NONLINEAR("ts_arkimex_type"),
+        .brief = "additive Runge-Kutta method",
+    },
+    {
+        NONLINEAR("ts_rosw_type"),
+        .brief = "Rosenbrock-W method",
+    },
+    {
+        NONLINEAR("ts_rk_type"),
+        .brief = "Runge-Kutta method",
+    },
+    {
+        NONLINEAR("ts_ssp_type"),
+        .brief = "strong-stability-preserving method",
+    },
+    {
+        NONLINEAR("ts_monitor"),
+        .brief = "print each substep",
+    },
+    {
+        NONLINEAR("ts_view"),
+        .brief = "print the integrator",
+    },
+    {
+        NONLINEAR("snes_type"),
+        .brief    = "nonlinear solver",
+        .standard = "newtonls where viscosity follows the strain rate",
+    },
+    {
+        NONLINEAR("snes_rtol"),
+        .brief    = "tolerance of the nonlinear residual",
+        .unit     = "-",
+        .standard = "visc 1e-6",
+    },
+    {
+        NONLINEAR("snes_monitor"),
+        .brief = "print the residual of each nonlinear iteration",
+    },
+    {
+        .name  = "-visc_snes_mf_operator",
+        .kind  = VALUE_SOLVER,
+        .brief = "Newton steps, preconditioned by the matrix of Picard's iteration",
+        .where = "fluids that are not newtonian",
+    },
+};
+const OptionTable SolverOptions = OPTIONS("Solvers of PETSc", options);
