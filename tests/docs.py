@@ -33,9 +33,6 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 LOOSE = re.compile(r"wall time|M/s|^isph: step ")  # numbers of the machine, or of a flow that diverged
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
-# Pages that are written elsewhere and may not be there yet.
-LATER = {"docs/reference/options.md"}
-
 # Options of other programs, and stems that end in an underscore or <...>.
 FOREIGN = {"-o", "-n", "-c", "-g", "-S", "-B", "-D", "-L", "-R", "-j", "-j2", "-k", "-e", "-f", "-np", "-i", "-m", "-x",
            "-s", "-F", "-p", "-C", "-h", "-V"}
@@ -84,8 +81,6 @@ def link_faults(page):
             continue
         path, _, anchor = target.partition("#")
         there = os.path.normpath(os.path.join(os.path.dirname(page), path)) if path else page
-        if there in LATER:
-            continue
         if not os.path.exists(os.path.join(ROOT, there)):
             yield f"{page}: {target}: no such file"
         elif anchor and there.endswith(".md") and anchor not in anchors(read(there)):

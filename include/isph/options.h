@@ -82,7 +82,7 @@ PetscErrorCode OptionGetReals(const OptionRow *row, PetscInt capacity, PetscReal
 PetscErrorCode OptionGetFlags(const OptionRow *row, unsigned *flags);
 PetscErrorCode OptionGetFile(const OptionRow *row, char path[PETSC_MAX_PATH_LEN]);
 PetscErrorCode OptionGetText(const OptionRow *row, size_t length, char text[], PetscBool *given);
-PetscErrorCode OptionGetRow(const OptionRow *row, const char standard[], const void *chosen);
+PetscErrorCode OptionGetRow(const OptionRow *row, const char standard[], void *chosen);
 
 PetscErrorCode OptionTyped(const char option[], const char **text);
 PetscErrorCode OptionGiven(const char option[], PetscBool *given);

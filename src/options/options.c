@@ -248,7 +248,7 @@ PetscErrorCode OptionGetFile(const OptionRow *row, char path[PETSC_MAX_PATH_LEN]
 
   Errors: refuses an unknown name, with a list of the known ones
 */
-PetscErrorCode OptionGetRow(const OptionRow *row, const char standard[], const void *chosen)
+PetscErrorCode OptionGetRow(const OptionRow *row, const char standard[], void *chosen)
 {
   const char *name;
   PetscBool   there;
