@@ -33,12 +33,13 @@ static const char *ErrorHint(PetscErrorCode code)
 {
   switch (code) {
   case PETSC_ERR_ARG_UNKNOWN_TYPE:
-    return " (a type named after a -visc_, -ppe_ or -coupled_ option; -help lists the types)";
+    return " (a type named after a -visc_, -ppe_ or -coupled_ option; -help petsc lists the "
+           "types)";
   case PETSC_ERR_ARG_OUTOFRANGE:
   case PETSC_ERR_USER:
   case PETSC_ERR_SUP:
-    return " (from PETSc about a -visc_, -ppe_, -coupled_ or numeric option; -help lists allowed "
-           "values)";
+    return " (from PETSc about a -visc_, -ppe_, -coupled_ or numeric option; -help petsc lists "
+           "allowed values)";
   default:
     return "";
   }
