@@ -172,6 +172,8 @@ PetscErrorCode OptionGetReals(const OptionRow *row, PetscInt capacity, PetscReal
   OptionGetFlags - Reads words separated by commas, each for one bit
 
   Collective. Output: flags - bit k for word k of the row; 0 if the option is not given.
+
+  Note: an option without words chooses none, so that it can undo the choice of an options file
 */
 PetscErrorCode OptionGetFlags(const OptionRow *row, unsigned *flags)
 {
@@ -187,7 +189,6 @@ PetscErrorCode OptionGetFlags(const OptionRow *row, unsigned *flags)
     if (k) PetscCall(PetscStrlcat(all, ", ", sizeof(all)));
     PetscCall(PetscStrlcat(all, row->words[k], sizeof(all)));
   }
-  UserCheck(*text, "%s: names are required; choose from %s", row->name, all);
   while (*text) {
     const size_t length = strcspn(text, ",");
     PetscBool    same   = PETSC_FALSE;
