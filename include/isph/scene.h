@@ -144,10 +144,11 @@ typedef enum {
   RHEOLOGY_REGULARISATION, /* m [s] */
   RHEOLOGY_PARAMETERS
 } RheologyParameter;
+#define RHEOLOGY_BIT(parameter) (1u << (parameter))
 typedef struct Rheology Rheology;
 typedef struct {
   const char *name, *brief, *citation;
-  unsigned    takes, wants; /* bits of RheologyParameter; `wants` have no default */
+  unsigned    takes, wants; /* RHEOLOGY_BIT()s; `wants` have no default */
   PetscReal (*Nu)(const Rheology *rheology, PetscReal rate);     /* NULL: Newtonian [m^2/s] */
   PetscReal (*Rate)(const Rheology *rheology, PetscReal stress); /* of the ideal fluid [1/s] */
 } RheologyRow;

@@ -6,6 +6,7 @@
 #include "boundary_rows.h"
 #include "extension.h"
 #include "rows.h"
+#include "wall_points.h"
 
 /* Gathers the neighbours of own fluid particle i with the quantities that row functions read. */
 static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neighbors *nb,

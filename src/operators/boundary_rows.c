@@ -13,6 +13,7 @@
 #include "assembly.h"
 #include "boundary_rows.h"
 #include "rows.h"
+#include "wall_points.h"
 
 /*
   Adds a row on a velocity component, sum_k w_k (f_k - f_i), with f_w - f_i of wall_points.c. A wall

@@ -15,21 +15,8 @@ static inline PetscReal PairViscosity(PetscReal own, PetscReal other)
 
 void WeighByViscosity(const Scene *scene, const Particles *particles, const Stencil *stencil,
                       PetscReal w[]);
-/* Splits X of wall neighbour k: returns the height X.n and sets the tangential part X_t. */
-static inline PetscReal SplitX(const Stencil *st, PetscInt k, PetscReal tangent[])
-{
-  PetscReal height = 0.0;
-
-  for (PetscInt a = 0; a < st->dim; a++) height += st->X[a][k] * st->normal[a][k];
-  for (PetscInt a = 0; a < st->dim; a++) tangent[a] = st->X[a][k] - height * st->normal[a][k];
-  return height;
-}
-
-void             WallPointShares(const Operators *ops, Stencil *stencil);
-const PetscReal *WallWeights(const Stencil *stencil, const Operators *ops, PetscInt width,
-                             const PetscReal w[]);
-void             AddRow_Velocity(const Stencil *stencil, const Operators *ops, PetscInt diagonal,
-                                 const PetscReal w[], AffineOperator *op);
+void AddRow_Velocity(const Stencil *stencil, const Operators *ops, PetscInt diagonal,
+                     const PetscReal w[], AffineOperator *op);
 void KeepBlockRow(const Stencil *stencil, PetscInt diagonal, const PetscReal w[], Operators *ops);
 PetscErrorCode AssembleViscousBlock(const Scene *scene, const Particles *particles, Operators *ops);
 PetscErrorCode AddRows_Pressure(const Scene *scene, Stencil *stencil, PetscInt diagonal,

@@ -9,6 +9,7 @@
 */
 #include "assembly.h"
 #include "boundary_rows.h"
+#include "wall_points.h"
 
 /* Returns the matrix entries of a slot: (a, b) for coupled components, otherwise (a, a). */
 static PetscInt SlotEntries(const Operators *ops, PetscInt dim)

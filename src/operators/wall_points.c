@@ -10,7 +10,7 @@
   (49) and (50).
 */
 #include "assembly.h"
-#include "boundary_rows.h"
+#include "wall_points.h"
 
 /* Returns true if the stencil has dummies whose velocities follow from beta. */
 static PetscBool HasWallPoints(const Stencil *st, const Operators *ops)

@@ -96,13 +96,6 @@ const Body *BoundaryBody(const Scene *scene, PetscInt side)
   return side < SceneBodySide(scene, 0) ? NULL : &scene->boundary[side].body;
 }
 
-/* BoundaryIs - Returns true if the kind of a boundary has all the properties; not collective */
-PetscBool BoundaryIs(const Scene *scene, PetscInt side, unsigned properties)
-{
-  return (scene->boundary[side].kind->properties & properties) == properties ? PETSC_TRUE
-                                                                             : PETSC_FALSE;
-}
-
 /* BoundaryEquation - Returns the equation of a boundary for a quantity of a fit; not collective */
 Equation BoundaryEquation(const Scene *scene, PetscInt side, FitQuantity quantity)
 {
@@ -126,12 +119,6 @@ void SceneWallName(const Scene *scene, PetscInt side, char name[])
 
   if (body < 0) (void)snprintf(name, WALL_NAME, "%s", SideNames[side]);
   else (void)snprintf(name, WALL_NAME, "body_%d", (int)body + 1);
-}
-
-/* SceneIsPeriodic - Returns true if the fluid continues at both ends of an axis; not collective */
-PetscBool SceneIsPeriodic(const Scene *scene, PetscInt axis)
-{
-  return BoundaryIs(scene, 2 * axis, BOUNDARY_CONTINUES);
 }
 
 /* SceneHasBoundary - Returns true if some boundary has all the properties; not collective */

@@ -1,0 +1,369 @@
+/*
+  Creates a checked Scene from options: chooses the case, switches physics, reads numbers and
+  refuses impossible values. Nothing here depends on particles or solvers.
+*/
+#include "isph/scene.h"
+
+enum {
+  CASE,
+  DIM,
+  RESOLUTION,
+  LENGTH,
+  SPEED,
+  REYNOLDS,
+  VISCOSITY,
+  DENSITY,
+  BODY_FORCE,
+  WITH,
+  WITHOUT,
+  MOTION,
+  JITTER,
+  SEED,
+  SOLID_FRACTION,
+  PATCH_MARGIN
+};
+static const OptionRow options[] = {
+    [CASE] =
+        {
+            .name     = "-case",
+            .kind     = VALUE_NAME,
+            .brief    = "flow or patch test to compute",
+            .standard = "cavity",
+            .table    = &CaseTable,
+        },
+    [DIM] =
+        {
+            .name     = "-dim",
+            .kind     = VALUE_INT,
+            .brief    = "dimension of space; 3 in some cases only",
+            .standard = "2",
+            .low      = 2,
+            .high     = 3,
+        },
+    [RESOLUTION] =
+        {
+            .name     = "-n",
+            .kind     = VALUE_INT,
+            .brief    = "particles along the reference length, dx = L/n",
+            .standard = "of the case",
+            .low      = 4,
+            .high     = 100000,
+        },
+    [LENGTH] =
+        {
+            .name     = "-length",
+            .kind     = VALUE_REAL,
+            .brief    = "reference length L",
+            .unit     = "m",
+            .standard = "1",
+            .low      = 1e-100,
+            .high     = 1e100,
+            .where    = "flows",
+        },
+    [SPEED] =
+        {
+            .name     = "-speed",
+            .kind     = VALUE_REAL,
+            .brief    = "reference speed U",
+            .unit     = "m/s",
+            .standard = "1",
+            .low      = 1e-100,
+            .high     = 1e100,
+            .where    = "flows",
+        },
+    [REYNOLDS] =
+        {
+            .name     = "-reynolds",
+            .kind     = VALUE_REAL,
+            .brief    = "Reynolds number U L/nu, with the length of the case for L",
+            .unit     = "-",
+            .standard = "of the case",
+            .low      = 1e-12,
+            .high     = 1e12,
+            .where    = "flows",
+        },
+    [VISCOSITY] =
+        {
+            .name     = "-viscosity",
+            .kind     = VALUE_REAL,
+            .brief    = "kinematic viscosity nu, in place of -reynolds",
+            .unit     = "m^2/s",
+            .standard = "from -reynolds",
+            POSITIVE,
+            .where = "flows",
+        },
+    [DENSITY] =
+        {
+            .name     = "-density",
+            .kind     = VALUE_REAL,
+            .brief    = "density rho",
+            .unit     = "kg/m^3",
+            .standard = "1",
+            .low      = 1e-100,
+            .high     = 1e100,
+            .where    = "flows",
+        },
+    [BODY_FORCE] =
+        {
+            .name  = "-body_force",
+            .kind  = VALUE_EXPRESSION,
+            .brief = "body force per unit mass, a component for each axis; adds body_force to the "
+                     "physics; in -case scene expressions of x, y, t, elsewhere numbers",
+            .unit  = "m/s^2",
+            .standard = "of the case",
+            .where    = "flows",
+        },
+    [WITH] =
+        {
+            .name  = "-with",
+            .kind  = VALUE_NAMES,
+            .brief = "physics added to the case's own",
+            .words = PhysicsNames,
+            .where = "flows",
+        },
+    [WITHOUT] =
+        {
+            .name  = "-without",
+            .kind  = VALUE_NAMES,
+            .brief = "physics taken from the case's own",
+            .words = PhysicsNames,
+            .where = "flows",
+        },
+    [MOTION] =
+        {
+            .name     = "-motion",
+            .kind     = VALUE_NAME,
+            .brief    = "motion of the particles",
+            .standard = "lagrangian",
+            .table    = &MotionTable,
+            .where    = "flows with convection",
+        },
+    [JITTER] =
+        {
+            .name     = "-jitter",
+            .kind     = VALUE_REAL,
+            .brief    = "largest random displacement of the lattice at the start",
+            .unit     = "dx",
+            .standard = "0",
+            .low      = 0.0,
+            .high     = 0.5,
+        },
+    [SEED] =
+        {
+            .name     = "-seed",
+            .kind     = VALUE_INT,
+            .brief    = "seed of the jitter and of random fields",
+            .standard = "1",
+            NOT_NEGATIVE,
+        },
+    [SOLID_FRACTION] =
+        {
+            .name     = "-solid_fraction",
+            .kind     = VALUE_REAL,
+            .brief    = "share of the box that the bodies of an array fill",
+            .unit     = "-",
+            .standard = "of the case",
+            .low      = 0.001,
+            .high     = 0.6,
+            .where    = "arrays of bodies (-case stokes_cylinders)",
+        },
+    [PATCH_MARGIN] =
+        {
+            .name     = "-patch_margin",
+            .kind     = VALUE_REAL,
+            .brief    = "width that measurements leave out at the sides of the unit square",
+            .unit     = "dx",
+            .standard = "0",
+            .low      = 0.0,
+            .high     = 1e5,
+            .where    = "-case patch",
+        },
+};
+const OptionTable SceneOptions = OPTIONS("Case and fluid", options);
+
+/* Reads -with and -without and checks them against the physics of the case. */
+static PetscErrorCode SceneReadPhysics(Scene *scene)
+{
+  unsigned with, without;
+
+  PetscFunctionBegin;
+  scene->physics = scene->problem->physics;
+  if (scene->problem->patch) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(OptionGetFlags(&options[WITH], &with));
+  PetscCall(OptionGetFlags(&options[WITHOUT], &without));
+  for (PetscInt k = 0; k < PHYSICS_COUNT; k++) {
+    UserCheck(!(with & without & (1u << k)), "-with %s and -without %s cannot both be given",
+              PhysicsNames[k], PhysicsNames[k]);
+  }
+  UserCheck(!(without & PHYSICS_WALLS),
+            "-without walls: the walls belong to the geometry of case %s", scene->problem->name);
+  UserCheck(!(with & PHYSICS_WALLS) || (scene->problem->physics & PHYSICS_WALLS),
+            "-with walls: case %s has none", scene->problem->name);
+  scene->without = without;
+  scene->physics = (scene->problem->physics | with) & ~without;
+  UserCheck(SceneHas(scene, PHYSICS_VISCOSITY) || SceneHas(scene, PHYSICS_PRESSURE),
+            "-without viscosity: with no pressure either nothing is left to compute");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads -body_force, which replaces the force of the case; no force if the physics is left out. */
+static PetscErrorCode SceneReadForce(Scene *scene)
+{
+  PetscReal force[ISPH_MAX_DIM] = {0.0}, size = 0.0;
+  PetscInt  n = scene->dim;
+  PetscBool given;
+
+  PetscFunctionBegin;
+  if (scene->problem->typed) {
+    PetscCall(ExpressionGet(scene->scope, &options[BODY_FORCE], n, n,
+                            EXPRESSION_PLACE | EXPRESSION_TIME, &scene->force, &given));
+    for (PetscInt a = 0; a < n; a++) force[a] = scene->force.value[a];
+    if (!ExpressionUses(&scene->force, EXPRESSION_PLACE) &&
+        !ExpressionUses(&scene->force, EXPRESSION_TIME))
+      scene->force.n = 0; /* body_force holds the numbers */
+  } else {
+    PetscCall(OptionGetReals(&options[BODY_FORCE], n, force, &n, &given));
+  }
+  UserCheck(!given || n == scene->dim,
+            "-body_force: %" PetscInt_FMT " components are required, got %" PetscInt_FMT,
+            scene->dim, n);
+  UserCheck(!given || !(scene->without & PHYSICS_BODY_FORCE),
+            "-body_force and -without body_force cannot both be given");
+  if (given) scene->physics |= PHYSICS_BODY_FORCE;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    if (given) scene->body_force[a] = force[a];
+    if (!SceneHas(scene, PHYSICS_BODY_FORCE)) scene->body_force[a] = 0.0;
+    size += PetscAbsReal(scene->body_force[a]);
+  }
+  UserCheck(given || size > 0.0 || !SceneHas(scene, PHYSICS_BODY_FORCE),
+            "-with body_force: case %s has none of its own; give -body_force",
+            scene->problem->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads the properties of the fluid; a patch test has no fluid. */
+static PetscErrorCode SceneReadFluid(Scene *scene)
+{
+  PetscReal reynolds = scene->problem->reynolds, viscosity = 0.0;
+  PetscBool set;
+
+  PetscFunctionBegin;
+  PetscCall(OptionsRefuseTogether("-reynolds", "-viscosity", "one follows from the other"));
+  PetscCall(OptionGetReal(&options[REYNOLDS], &reynolds, NULL));
+  scene->nu = scene->speed * scene->problem->reynolds_length * scene->length / reynolds;
+  viscosity = scene->nu;
+  PetscCall(OptionGetReal(&options[VISCOSITY], &viscosity, &set));
+  if (set) scene->nu = viscosity;
+  PetscCall(OptionGetReal(&options[DENSITY], &scene->rho, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads dimension, resolution and disorder, and options of some cases only. */
+static PetscErrorCode SceneReadNumbers(Scene *scene)
+{
+  PetscFunctionBegin;
+  PetscCall(OptionGetInt(&options[DIM], &scene->dim, NULL));
+  UserCheck(scene->dim == 2 || scene->problem->three_d, "-dim 3: case %s is two-dimensional",
+            scene->problem->name);
+  if (!scene->problem->patch) {
+    PetscCall(OptionGetReal(&options[LENGTH], &scene->length, NULL));
+    PetscCall(OptionGetReal(&options[SPEED], &scene->speed, NULL));
+  }
+  scene->n = scene->problem->n;
+  PetscCall(OptionGetInt(&options[RESOLUTION], &scene->n, NULL));
+  scene->dx = scene->length / scene->n;
+  PetscCall(OptionGetReal(&options[JITTER], &scene->jitter, NULL));
+  PetscCall(OptionGetInt(&options[SEED], &scene->seed, NULL));
+  scene->solid_fraction = scene->problem->solid_fraction;
+  if (scene->solid_fraction > 0.0) {
+    PetscCall(OptionGetReal(&options[SOLID_FRACTION], &scene->solid_fraction, NULL));
+  }
+  if (scene->problem->patch) {
+    PetscCall(OptionGetReal(&options[PATCH_MARGIN], &scene->margin, NULL));
+  } else {
+    PetscCall(SceneReadFluid(scene));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Defines the constants of expressions: nu (zero without viscosity), rho, L and U; not
+   collective. */
+static PetscErrorCode SceneNameConstants(Scene *scene)
+{
+  const PetscReal nu = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu : 0.0;
+
+  PetscFunctionBegin;
+  PetscCall(ExpressionScopeCreate(scene->dim, &scene->scope));
+  PetscCall(ExpressionScopeDefine(scene->scope, "nu", nu));
+  PetscCall(ExpressionScopeDefine(scene->scope, "rho", scene->rho));
+  PetscCall(ExpressionScopeDefine(scene->scope, "L", scene->length));
+  PetscCall(ExpressionScopeDefine(scene->scope, "U", scene->speed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SceneCreate - Reads and checks the description of the flow from options
+
+  Collective on PETSC_COMM_WORLD.
+
+  Output Parameter:
+. scene - complete: geometry in m, fluid, forces and chosen physics
+  Options Database Keys:
++ -case name              - row of the table in cases/cases.c
+. -dim 2|3                - space dimension
+. -n N                    - particles along the reference length
+. -length, -speed         - the case's L and U
+. -reynolds, -viscosity   - one of the two
+. -density RHO            - of the fluid
+. -body_force fx,fy,fz    - per unit mass, in place of the case's own; of -case scene expressions of
+                            x, y, t
+. -with, -without names   - physics against the case's declaration
+. -jitter J               - largest random displacement of the start lattice, in dx
+. -seed S                 - of the jitter and of random fields
+- -patch_margin M         - of a patch test, which reads nothing of the fluid and the physics [dx]
+
+  and -motion, a row of its table, where there is convection
+*/
+PetscErrorCode SceneCreate(Scene **scene)
+{
+  Scene *s;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&s));
+  s->length = s->speed = s->rho = 1.0;
+  PetscCall(OptionGetRow(&options[CASE], NULL, &s->problem));
+  PetscCall(SceneReadPhysics(s));
+  PetscCall(SceneReadNumbers(s));
+  SceneSetSides(s, &BoundaryWall);
+  if (!s->problem->patch) PetscCall(SceneReadRheology(s));
+  if (SceneHas(s, PHYSICS_CONVECTION)) {
+    PetscCall(OptionGetRow(&options[MOTION], NULL, &s->motion));
+  }
+  if (s->problem->typed) {
+    PetscCall(SceneNameConstants(s));
+    PetscCall(SceneReadTyped(s));
+  }
+  PetscCall(s->problem->Setup(s));
+  UserCheck(SceneHas(s, PHYSICS_VISCOSITY) ||
+                !SceneHasBoundary(s, BOUNDARY_CONFINES | BOUNDARY_NO_SLIP),
+            "-without viscosity: the walls of case %s are no-slip walls", s->problem->name);
+  if (!s->problem->patch) PetscCall(SceneReadForce(s));
+  if (s->scope && ExpressionScopeIsIdle(s->scope)) PetscCall(ExpressionScopeDestroy(&s->scope));
+  for (PetscInt a = 0; a < s->dim; a++) {
+    UserCheck((s->hi[a] - s->lo[a]) / s->dx < PETSC_MPI_INT_MAX / 8,
+              "-n asks for more particles than fit: the box is %.6g dx wide along %c",
+              (double)((s->hi[a] - s->lo[a]) / s->dx), "xyz"[a]);
+    s->cells[a] = (PetscInt)PetscFloorReal((s->hi[a] - s->lo[a]) / s->dx + 0.5);
+  }
+  PetscCall(SceneBoundViscosity(s));
+  *scene = s;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SceneDestroy(Scene **scene)
+{
+  PetscFunctionBegin;
+  PetscCall(ExpressionScopeDestroy(&(*scene)->scope));
+  PetscCall(PetscFree(*scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
