@@ -1,6 +1,6 @@
 /*
-  Options: rows of tables that hold all there is to say of each, readers that take a row, the
-  command line and its files, and the requests that are answered without a run.
+  Options: tables of rows with name, kind, unit, default and range; readers that take a row; the
+  command line and its files; requests that are answered without a run.
 */
 #ifndef ISPH_OPTIONS_H
 #define ISPH_OPTIONS_H
@@ -26,8 +26,8 @@ typedef enum {
 } OptionKind;
 
 /*
-  An option. Its name stands in no other table; parsing, -help, suggestions, "this run does not use
-  it" and the reference page take all they say from here.
+  An option. No other table holds its name: parsing, -help, suggestions, the refusal of unused
+  options and the reference page read this row.
 */
 typedef struct {
   const char        *name;     /* as typed; <k> is a number, <word> a word of places */
@@ -73,7 +73,7 @@ void             OptionFill(const OptionRow *pattern, const char word[], char na
                             OptionRow *row);
 void             OptionRangeText(const OptionRow *row, char text[], size_t length);
 
-/* Readers, collective. A value that cannot be ends the run with one line. given may be NULL. */
+/* Readers, collective. A bad value ends the run with one line. given may be NULL. */
 PetscErrorCode OptionGetSwitch(const OptionRow *row, PetscBool *value, PetscBool *given);
 PetscErrorCode OptionGetInt(const OptionRow *row, PetscInt *value, PetscBool *given);
 PetscErrorCode OptionGetReal(const OptionRow *row, PetscReal *value, PetscBool *given);

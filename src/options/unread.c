@@ -26,7 +26,7 @@ static PetscBool IsReadLater(const char name[], PetscBool deferred_too)
   return !deferred_too && IsDeferred(name) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Ends the run with what there is to say of an option that nothing has read. */
+/* Ends the run with a message on an option that nothing has read. */
 static PetscErrorCode Refuse(const char name[])
 {
   const char *const solvers[] = {"-visc_", "-ppe_", "-coupled_"};
@@ -37,10 +37,9 @@ static PetscErrorCode Refuse(const char name[])
   PetscFunctionBegin;
   UserCheck(!row || !row->where, "%s: this run does not use it; it belongs to %s", name,
             row->where);
-  UserCheck(
-      !row,
-      "%s: this run does not use it; what it belongs to is left out, or another type is chosen",
-      name);
+  UserCheck(!row,
+            "%s: this run does not use it; its physics is left out, or another type is chosen",
+            name);
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(solvers); k++) {
     if (!strncmp(name, solvers[k], strlen(solvers[k])))
       solver = ", or one that the chosen solvers do not read";
