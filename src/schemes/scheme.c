@@ -1,11 +1,18 @@
 /*
   The table of schemes, and creation and destruction of the scheme of a run. A new scheme is a
-  folder and a row here.
+  folder with its row at the foot of a file, and one word here.
 */
-#include "schemes/rows.h"
 #include "schemes/step.h"
 
-static const SchemeRow *const schemes[]   = {&SchemeProjection, &SchemeCoupled};
+#define SCHEMES(ROW)                                                                               \
+  ROW(SchemeProjection)                                                                            \
+  ROW(SchemeCoupled)
+
+#define DECLARE(row) extern const SchemeRow row;
+SCHEMES(DECLARE)
+
+#define ADDRESS(row) &row,
+static const SchemeRow *const schemes[]   = {SCHEMES(ADDRESS)};
 const Table                   SchemeTable = TABLE_OF_POINTERS("-scheme", "Schemes", schemes);
 
 static const OptionRow options[] = {

@@ -3,7 +3,6 @@
   pressure at once, in time or steady.
 */
 #include "coupled.h"
-#include "schemes/rows.h"
 
 static const CoupledIntegratorRow integrators[] = {
     {.name     = TSBEULER,

@@ -11,7 +11,6 @@
   (4u^n - u^{n-1})/3. w is the velocity of the particles: u (Lagrangian) or 0 (Eulerian).
 */
 #include "projection.h"
-#include "schemes/rows.h"
 
 static const ProjectionRow projections[] = {
     {.name        = "rotational",
