@@ -47,7 +47,7 @@ static const OptionRow   options[] = {
 
 static PetscErrorCode ReadOne(Reading *r)
 {
-  const OptionRow *row = &options[r->what];
+  const OptionRow *row = r->what < READ_UNKNOWN ? &options[r->what] : NULL;
 
   switch (r->what) {
   case READ_REAL:
