@@ -274,6 +274,8 @@ PetscErrorCode WallValuesSetVelocity(const Scene *scene, Particles *particles, P
                                      PetscReal projection_factor, WallValues *walls);
 PetscErrorCode WallValuesFree(WallValues *walls);
 
+PetscErrorCode OperatorsStrainRate(const Operators *ops, const Particles *particles, const Vec u[],
+                                   const Vec walls[], PetscReal g[]);
 PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *particles,
                                      const WallValues *walls, const Vec u[], Operators *ops);
 PetscErrorCode VelocityVec(const Particles *particles, Vec *v);

@@ -26,7 +26,10 @@ typedef enum {
 /* Default value of a field for particles of ParticlesInsert(). */
 typedef enum {
   ENTRY_ZERO,
-  ENTRY_MEAN, /* mean of the fluid within halo_width, weighted by distance */
+  ENTRY_MEAN,     /* mean of the fluid within halo_width, weighted by distance */
+  ENTRY_POSITION, /* position of the particle */
+  ENTRY_SPACING,  /* SceneSpacing() */
+  ENTRY_VOLUME,   /* SceneVolumeAt() */
 } EntryPolicy;
 
 typedef struct {

@@ -84,23 +84,20 @@ static PetscBool Has_Gradient(const Flow *flow)
   return flow->ops->needs & NEED_GRADIENT_U ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Computes the derivative du_c/dx_a of the velocity of fluid and walls. */
-static PetscErrorCode VelocityDerivative(const Flow *flow, PetscInt c, PetscInt a, Vec derivative)
+/* Creates vectors of the velocity components of wall particles; NULL without walls. */
+static PetscErrorCode WallVelocities(const Particles *p, Vec walls[])
 {
-  const Particles      *p     = flow->particles;
-  const AffineOperator *op    = &OperatorsOfVelocity(flow->ops, c)->grad_u[a];
-  Vec                   walls = NULL;
-  PetscScalar          *u;
+  PetscScalar *u;
 
   PetscFunctionBegin;
-  if (op->B) {
-    PetscCall(WallVec(p, &walls));
-    PetscCall(VecGetArray(walls, &u));
-    for (PetscInt k = 0; k < p->n_wall; k++) u[k] = p->u[c][p->n_fluid + k];
-    PetscCall(VecRestoreArray(walls, &u));
+  for (PetscInt c = 0; c < p->dim; c++) {
+    walls[c] = NULL;
+    if (!p->N_wall) continue;
+    PetscCall(WallVec(p, &walls[c]));
+    PetscCall(VecGetArrayWrite(walls[c], &u));
+    PetscCall(PetscArraycpy(u, p->u[c] + p->n_fluid, p->n_wall));
+    PetscCall(VecRestoreArrayWrite(walls[c], &u));
   }
-  PetscCall(AffineApply(op, flow->state->u[c], walls, derivative));
-  PetscCall(VecDestroy(&walls));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -111,50 +108,45 @@ static PetscErrorCode VelocityDerivative(const Flow *flow, PetscInt c, PetscInt 
 static PetscErrorCode Gather_Vorticity(const Flow *flow, void *rows)
 {
   const Particles   *p       = flow->particles;
+  const Vec         *u       = flow->state->u;
   const PetscInt     columns = p->dim == 2 ? 1 : 3;
   double            *w       = (double *)rows;
-  Vec                d[2];
-  const PetscScalar *x[2];
+  Vec                walls[ISPH_MAX_DIM], slope;
+  const PetscScalar *s;
 
   PetscFunctionBegin;
   for (PetscInt q = 0; q < ParticlesOwn(p) * columns; q++) w[q] = 0.0;
-  for (PetscInt k = 0; k < 2; k++) PetscCall(FluidVec(p, NULL, &d[k]));
+  PetscCall(WallVelocities(p, walls));
+  PetscCall(FluidVec(p, NULL, &slope));
   for (PetscInt e = 0; e < columns; e++) {
     const PetscInt a = p->dim == 2 ? 0 : (e + 1) % 3, b = p->dim == 2 ? 1 : (e + 2) % 3;
 
-    PetscCall(VelocityDerivative(flow, b, a, d[0]));
-    PetscCall(VelocityDerivative(flow, a, b, d[1]));
-    for (PetscInt k = 0; k < 2; k++) PetscCall(VecGetArrayRead(d[k], &x[k]));
-    for (PetscInt i = 0; i < p->n_fluid; i++) w[i * columns + e] = (double)(x[0][i] - x[1][i]);
-    for (PetscInt k = 0; k < 2; k++) PetscCall(VecRestoreArrayRead(d[k], &x[k]));
+    PetscCall(AffineApply(&OperatorsOfVelocity(flow->ops, a)->grad_u[b], u[a], walls[a], slope));
+    PetscCall(VecScale(slope, -1.0));
+    PetscCall(AffineApplyAdd(&OperatorsOfVelocity(flow->ops, b)->grad_u[a], u[b], walls[b], slope));
+    PetscCall(VecGetArrayRead(slope, &s));
+    for (PetscInt i = 0; i < p->n_fluid; i++) w[i * columns + e] = (double)s[i];
+    PetscCall(VecRestoreArrayRead(slope, &s));
   }
-  for (PetscInt k = 0; k < 2; k++) PetscCall(VecDestroy(&d[k]));
+  PetscCall(VecDestroy(&slope));
+  for (PetscInt c = 0; c < p->dim; c++) PetscCall(VecDestroy(&walls[c]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the strain rate, g = sqrt(2 E:E), E = (grad u + grad u^T)/2 [1/s]. */
+/* Computes the strain rate of OperatorsStrainRate() [1/s]. */
 static PetscErrorCode Gather_StrainRate(const Flow *flow, void *rows)
 {
-  const Particles   *p = flow->particles;
-  double            *g = (double *)rows;
-  Vec                d[2];
-  const PetscScalar *x[2];
+  const Particles *p = flow->particles;
+  Vec              walls[ISPH_MAX_DIM];
+  PetscReal       *g;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < ParticlesOwn(p); i++) g[i] = 0.0;
-  for (PetscInt k = 0; k < 2; k++) PetscCall(FluidVec(p, NULL, &d[k]));
-  for (PetscInt c = 0; c < p->dim; c++) {
-    for (PetscInt a = 0; a <= c; a++) {
-      PetscCall(VelocityDerivative(flow, c, a, d[0]));
-      PetscCall(VelocityDerivative(flow, a, c, d[1]));
-      for (PetscInt k = 0; k < 2; k++) PetscCall(VecGetArrayRead(d[k], &x[k]));
-      for (PetscInt i = 0; i < p->n_fluid; i++)
-        g[i] += (a == c ? 0.5 : 1.0) * (double)PetscSqr(x[0][i] + x[1][i]);
-      for (PetscInt k = 0; k < 2; k++) PetscCall(VecRestoreArrayRead(d[k], &x[k]));
-    }
-  }
-  for (PetscInt i = 0; i < p->n_fluid; i++) g[i] = PetscSqrtReal(g[i]);
-  for (PetscInt k = 0; k < 2; k++) PetscCall(VecDestroy(&d[k]));
+  PetscCall(WallVelocities(p, walls));
+  PetscCall(PetscMalloc1(p->n_fluid, &g));
+  PetscCall(OperatorsStrainRate(flow->ops, p, flow->state->u, walls, g));
+  GatherFluid(p, 1.0, g, (double *)rows);
+  PetscCall(PetscFree(g));
+  for (PetscInt c = 0; c < p->dim; c++) PetscCall(VecDestroy(&walls[c]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -126,10 +126,39 @@ PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, O
 }
 
 /*
-  OperatorsFollowStrain - Computes viscosities from the strain rate g, and updates the viscous
-  operator
+  OperatorsStrainRate - Computes the strain rate of each fluid particle [1/s]
 
     g = sqrt(2 E:E),   E = (grad u + grad u^T)/2
+
+  Collective. Input: u - components over the fluid; walls - components over the walls, NULL entries
+  without walls. Output: g - n_fluid numbers.
+*/
+PetscErrorCode OperatorsStrainRate(const Operators *ops, const Particles *p, const Vec u[],
+                                   const Vec walls[], PetscReal g[])
+{
+  Vec                slope;
+  const PetscScalar *s;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(u[0], &slope));
+  for (PetscInt i = 0; i < p->n_fluid; i++) g[i] = 0.0;
+  for (PetscInt c = 0; c < p->dim; c++) {
+    for (PetscInt a = 0; a <= c; a++) { /* g^2 += (1 or 1/2) (du_c/dx_a + du_a/dx_c)^2 */
+      PetscCall(AffineApply(&OperatorsOfVelocity(ops, c)->grad_u[a], u[c], walls[c], slope));
+      PetscCall(AffineApplyAdd(&OperatorsOfVelocity(ops, a)->grad_u[c], u[a], walls[a], slope));
+      PetscCall(VecGetArrayRead(slope, &s));
+      for (PetscInt i = 0; i < p->n_fluid; i++) g[i] += (a == c ? 0.5 : 1.0) * PetscSqr(s[i]);
+      PetscCall(VecRestoreArrayRead(slope, &s));
+    }
+  }
+  PetscCall(VecDestroy(&slope));
+  for (PetscInt i = 0; i < p->n_fluid; i++) g[i] = PetscSqrtReal(g[i]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  OperatorsFollowStrain - Computes viscosities from the strain rate, and updates the viscous
+  operator
 
   Collective on the particles' communicator. Input: u - components over the fluid; walls - wall
   velocity. Output: p->nu with its halo, ops->velocity[0].visc.
@@ -137,25 +166,10 @@ PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, O
 PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *p, const WallValues *walls,
                                      const Vec u[], Operators *ops)
 {
-  Vec                slope;
-  const PetscScalar *g;
-
   PetscFunctionBegin;
-  PetscCall(VecDuplicate(u[0], &slope));
-  for (PetscInt i = 0; i < p->n_fluid; i++) p->nu[i] = 0.0;
-  for (PetscInt c = 0; c < p->dim;
-       c++) { /* g^2 = sum_c,a<=c (1 or 1/2) (du_c/dx_a + du_a/dx_c)^2 */
-    for (PetscInt a = 0; a <= c; a++) {
-      PetscCall(AffineApply(&ops->velocity[0].grad_u[a], u[c], walls->u[c], slope));
-      PetscCall(AffineApplyAdd(&ops->velocity[0].grad_u[c], u[a], walls->u[a], slope));
-      PetscCall(VecGetArrayRead(slope, &g));
-      for (PetscInt i = 0; i < p->n_fluid; i++) p->nu[i] += (a == c ? 0.5 : 1.0) * PetscSqr(g[i]);
-      PetscCall(VecRestoreArrayRead(slope, &g));
-    }
-  }
-  PetscCall(VecDestroy(&slope));
+  PetscCall(OperatorsStrainRate(ops, p, u, walls->u, p->nu));
   for (PetscInt i = 0; i < p->n_fluid; i++)
-    p->nu[i] = RheologyViscosity(&scene->rheology, PetscSqrtReal(p->nu[i]));
+    p->nu[i] = RheologyViscosity(&scene->rheology, p->nu[i]);
   PetscCall(ParticlesHaloField(p, p->nu));
   PetscCall(OperatorsScaleViscosity(scene, p, ops));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -21,11 +21,11 @@ const OptionTable ParticleOptions = OPTIONS("Particles", options);
 static PetscErrorCode RegisterOwnFields(const Scene *scene, Particles *p)
 {
   PetscFunctionBegin;
-  PetscCall(ParticlesRegister(p, "x", p->dim, HALO_NONE, ENTRY_ZERO, p->x));
+  PetscCall(ParticlesRegister(p, "x", p->dim, HALO_NONE, ENTRY_POSITION, p->x));
   PetscCall(ParticlesRegister(p, "u", p->dim, HALO_NONE, ENTRY_MEAN, p->u));
-  PetscCall(ParticlesRegister(p, "x_epoch", p->dim, HALO_NONE, ENTRY_ZERO, p->x_epoch));
-  PetscCall(ParticlesRegister(p, "dx", 1, HALO_EPOCH, ENTRY_ZERO, &p->dx));
-  PetscCall(ParticlesRegister(p, "volume", 1, HALO_EPOCH, ENTRY_ZERO, &p->volume));
+  PetscCall(ParticlesRegister(p, "x_epoch", p->dim, HALO_NONE, ENTRY_POSITION, p->x_epoch));
+  PetscCall(ParticlesRegister(p, "dx", 1, HALO_EPOCH, ENTRY_SPACING, &p->dx));
+  PetscCall(ParticlesRegister(p, "volume", 1, HALO_EPOCH, ENTRY_VOLUME, &p->volume));
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
     PetscCall(ParticlesRegister(p, "p", 1, HALO_NONE, ENTRY_MEAN, &p->p));
   }

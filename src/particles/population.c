@@ -43,6 +43,16 @@ PetscErrorCode ParticlesReplace(const Scene *scene, Particles *p, PetscInt n,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Replaces own particles by n records, frees the records, and starts an epoch. */
+static PetscErrorCode StoreAndFree(const Scene *scene, Particles *p, PetscInt n, PetscReal **record)
+{
+  PetscFunctionBegin;
+  PetscCall(ParticlesStore(scene, p, n, *record));
+  PetscCall(PetscFree(*record));
+  PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Fluid near a position, for mean values of a new particle. */
 typedef struct {
   Cells      cells;
@@ -103,6 +113,24 @@ static PetscReal SurroundingsMean(const Surroundings *near, const PetscReal valu
   return near->sum > 0.0 ? sum / near->sum : 0.0;
 }
 
+/* Returns component c of a field for a new particle at x. */
+static PetscReal EntryValue(const Scene *scene, const Field *field, PetscInt c, const PetscReal x[],
+                            const Surroundings *near)
+{
+  switch (field->entry) {
+  case ENTRY_MEAN:
+    return SurroundingsMean(near, field->slot[c]);
+  case ENTRY_POSITION:
+    return x[c];
+  case ENTRY_SPACING:
+    return SceneSpacing(scene, x);
+  case ENTRY_VOLUME:
+    return SceneVolumeAt(scene, x);
+  default:
+    return 0.0;
+  }
+}
+
 /* Fills the record of new particle k. */
 static PetscErrorCode FillRecord(const Scene *scene, const Particles *p, const NewParticles *added,
                                  PetscInt k, Surroundings *near, PetscReal record[])
@@ -115,14 +143,9 @@ static PetscErrorCode FillRecord(const Scene *scene, const Particles *p, const N
   for (PetscInt f = 0; f < p->n_fields; f++) {
     const Field *field = &p->field[f];
 
-    for (PetscInt c = 0; c < field->components; c++) {
-      if (field->slot == p->x || field->slot == p->x_epoch) value[c] = x[c];
-      else if (field->slot == &p->dx) value[c] = SceneSpacing(scene, x);
-      else if (field->slot == &p->volume) value[c] = SceneVolumeAt(scene, x);
-      else value[c] = field->entry == ENTRY_MEAN ? SurroundingsMean(near, field->slot[c]) : 0.0;
-    }
-    if (added->Value && field->slot != p->x && field->slot != p->x_epoch)
-      added->Value(field, k, value, added->ctx);
+    for (PetscInt c = 0; c < field->components; c++)
+      value[c] = EntryValue(scene, field, c, x, near);
+    if (added->Value && field->entry != ENTRY_POSITION) added->Value(field, k, value, added->ctx);
     value += field->components;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -140,8 +163,8 @@ static PetscErrorCode FillRecord(const Scene *scene, const Particles *p, const N
 . first - id of the first new particle of this rank, whose other ids follow; may be NULL
 
   Notes:
-  Each field of a new particle has the value of its EntryPolicy, size and volume have the values of
-  the scene, unless Value() replaces it; Value() is called for each field except positions. After
+  Each field of a new particle has the value of its EntryPolicy unless Value() replaces it; Value()
+  is called for each field except positions. After
   an insertion the scheme's Begin reinitialises the flow. Ids depend on the number of ranks. Means
   use halo values, hence the rule for positions.
 */
@@ -172,9 +195,7 @@ PetscErrorCode ParticlesInsert(const Scene *scene, Particles *p, const NewPartic
   }
   PetscCall(SurroundingsDestroy(&near));
   p->next_id += total;
-  PetscCall(ParticlesStore(scene, p, own + added->n, record));
-  PetscCall(PetscFree(record));
-  PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
+  PetscCall(StoreAndFree(scene, p, own + added->n, &record));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -214,8 +235,6 @@ PetscErrorCode ParticlesRemove(const Scene *scene, Particles *p, PetscInt n, con
     kept++;
   }
   PetscCall(PetscFree(goes));
-  PetscCall(ParticlesStore(scene, p, kept, record));
-  PetscCall(PetscFree(record));
-  PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
+  PetscCall(StoreAndFree(scene, p, kept, &record));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
