@@ -117,17 +117,45 @@ def option_faults(page, names):
                 yield f"{page}: `-{option}` is no option of isph"
 
 
+def sources():
+    """Returns the text of all sources, with the literals joined that the compiler joins."""
+    text = ""
+    for folder in "src", "cases", "include":
+        for path in sorted(glob.glob(os.path.join(ROOT, folder, "**", "*.[ch]"), recursive=True)):
+            with open(path, encoding="utf-8") as file:
+                text += file.read()
+    text = re.sub(r"\"\s*(?:PetscInt(?:64)?_FMT|SNES[A-Z]+)\b", 'd"', text)
+    return re.sub(r"\"\s*\"", "", text)
+
+
+def formats(text):
+    """Yields the format of each message that a user can get."""
+    call = r"\b(?:UserCheck|FailureSet|SayLine|PetscCheck(?=\((?:[^;\"](?!;))*PETSC_ERR_FILE_))\("
+    for start in re.finditer(call, text):
+        end = text.index(";\n", start.end())
+        literals = re.findall(r'"((?:[^"\\]|\\.)*)"', text[start.end() : end])
+        if literals:
+            yield max(literals, key=len)
+
+
+def unanswered():
+    """Messages of the program that the page of messages does not explain."""
+    page = read("docs/faq.md")
+    parts = re.findall(r"`([^`]+)`", "".join(row.split(" | ")[0] for row in re.findall(r"^\|.*\n", page, re.M)))
+    printed = re.findall(r"^isph: .*", page, re.M)
+    for message in formats(sources()):
+        fixed = [re.escape(part) for part in re.split(r"%%|%[-0-9.*]*l*[a-zA-Z]", message)]
+        known = any(part in message for part in parts) or any(re.search(".*".join(fixed), line) for line in printed)
+        if max(map(len, fixed)) > 8 and not known:
+            yield f"docs/faq.md: no answer to the message '{message}'"
+
+
 def message_faults(page):
     """Parts of messages in a table of messages that no source prints."""
     table = re.search(r"^\| message contains .*\n((?:\|.*\n)+)", read(page) + "\n", re.M)
     if not table:
         return
-    text = ""
-    for folder in "src", "cases", "include":
-        for path in glob.glob(os.path.join(ROOT, folder, "**", "*.[ch]"), recursive=True):
-            with open(path, encoding="utf-8") as file:
-                text += file.read()
-    text = re.sub(r"\"\s*\"", "", text)  # literals that the compiler joins
+    text = sources()
     for row in table.group(1).splitlines():
         for part in re.findall(r"`([^`]+)`", row.split(" | ")[0]):
             if part not in text:
@@ -147,6 +175,7 @@ def links():
     names = known_options()
     faults = [fault for page in pages() for kind in (link_faults, python_faults, message_faults) for fault in kind(page)]
     faults += [fault for page in pages() if not page.startswith("docs/results/") for fault in option_faults(page, names)]
+    faults += unanswered()
     print("\n".join(faults) or f"{len(pages())} pages: links, anchors and options are there")
     return bool(faults)
 
