@@ -1,5 +1,5 @@
-# What cmake --install and cpack bring: the program, the library with its headers, a CMake package and
-# a pkg-config file, options, reference data, the plot tool, the manual, completion.
+# cmake --install and cpack bring the program, the library with its headers, a CMake package and a
+# pkg-config file, options, reference data, the plot tool, the manual, a man page and completion.
 
 set(data ${CMAKE_INSTALL_DATADIR}/isph)
 install(TARGETS isph isph_core)
@@ -19,6 +19,7 @@ file(RELATIVE_PATH plot ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_DATADI
 file(CREATE_LINK ${plot} ${CMAKE_BINARY_DIR}/packaging/isph-plot SYMBOLIC)
 install(FILES ${CMAKE_BINARY_DIR}/packaging/isph-plot DESTINATION ${CMAKE_INSTALL_BINDIR})
 
+include(packaging/manual.cmake)
 configure_file(packaging/isph.1.in packaging/isph.1 @ONLY)
 install(FILES ${CMAKE_BINARY_DIR}/packaging/isph.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES packaging/isph.bash RENAME isph
