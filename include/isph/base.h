@@ -12,7 +12,7 @@
 
 /*
   A table is a const array of structs that all begin with these three members. Options choose a row
-  by its name; only src/scene/table.c compares names.
+  by its name; only src/base/table.c compares names.
 */
 typedef struct {
   const char *name;     /* value of the option */
