@@ -6,8 +6,8 @@
 
 #define LINE_POINTS 401
 
-/* Samples velocity component c over U at n points along axis a through the centre; s is the
-   coordinate over the width of the box. */
+/* Samples velocity component c, divided by U, at n points of the line along axis a through the
+   centre. s is the coordinate divided by the width of the box. */
 static PetscErrorCode SampleLine(const Flow *flow, PetscInt a, PetscInt c, PetscInt n,
                                  const PetscReal s[], PetscReal value[])
 {
@@ -57,9 +57,9 @@ static PetscErrorCode AddExtremum(const char name[], const PetscReal value[], Pe
 
 /*
   CentrelineExtrema - Reports u_min on the vertical centreline, v_max and v_min on the horizontal
-  centreline, over U
+  centreline, divided by U
 
-  Collective. Input: references; NaN if absent.
+  Collective. Input: reference of each value, NaN without a reference.
 */
 PetscErrorCode CentrelineExtrema(const Flow *flow, PetscReal u_min, PetscReal v_max,
                                  PetscReal v_min, Report *report)
@@ -77,10 +77,10 @@ PetscErrorCode CentrelineExtrema(const Flow *flow, PetscReal u_min, PetscReal v_
 }
 
 /*
-  CentrelineProfile - Reports the root mean square difference from a reference profile over U
+  CentrelineProfile - Reports the root mean square difference from a reference profile, divided by U
 
-  Collective. Input: a - axis of the line; c - component; file - of the reference. The quantity is
-  NaN if the file is absent.
+  Collective. Input: a - axis of the line; c - component; file - file of the reference profile. The
+  quantity is NaN if the file is absent.
 */
 PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const char file[],
                                  const char name[], Report *report)

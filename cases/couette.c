@@ -41,8 +41,8 @@ static void CouetteExact(const Scene *scene, PetscReal t, const PetscReal x[], P
   u[0] = scene->speed * sum;
 }
 
-/* Reports errors of the profile. Not relative to the local velocity: far from the moving wall U is
-   almost zero at first. */
+/* Reports errors of the profile, but not relative to the local velocity: far from the moving
+   wall this velocity is almost zero at first. */
 static PetscErrorCode CouetteMeasure(const Flow *flow, Report *report)
 {
   PetscFunctionBegin;

@@ -21,8 +21,8 @@ static void HydrostaticExact(const Scene *scene, PetscReal t, const PetscReal x[
 }
 
 /*
-  Reports the pressure error and speed_over_gdt, the largest speed over g dt, the speed after free
-  fall for a step.
+  Reports the pressure error and speed_over_gdt, the largest speed divided by g dt, the speed after
+  a free fall of one step.
 */
 static PetscErrorCode HydrostaticMeasure(const Flow *flow, Report *report)
 {

@@ -4,7 +4,7 @@
 */
 #include "cases.h"
 
-/* Sets the force for a largest velocity U: f = 8 nu U/L^2. */
+/* Sets the force that gives the largest velocity U: f = 8 nu U/L^2. */
 static PetscErrorCode PoiseuilleSetup(Scene *scene)
 {
   PetscFunctionBegin;
@@ -17,9 +17,10 @@ static PetscErrorCode PoiseuilleSetup(Scene *scene)
   Returns the steady velocity between plates for a rheology. The shear stress is f (d - s) at a
   distance s from the nearer wall, so
 
-    u = int_(tau(y))^(tau_w) g(tau) dtau/f,   g: strain rate of the ideal fluid at a stress,
+    u = int_(tau(y))^(tau_w) g(tau) dtau/f,
 
-  by the midpoint rule, accurate to 1e-5 for the present rheologies.
+  where g(tau) is the strain rate of the ideal fluid at the stress tau. The midpoint rule computes
+  the integral with an error of 1e-5 for the present rheologies.
 */
 static PetscReal SteadyVelocity(const Scene *scene, PetscReal y)
 {

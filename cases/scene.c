@@ -11,7 +11,7 @@ static PetscErrorCode SceneTypedSetup(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes -scene_velocity, otherwise -scene_exact at the start, otherwise zero. */
+/* Computes the velocity at the start: -scene_velocity, or else -scene_exact, or else zero. */
 static void SceneTypedVelocity(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[])
 {
   const Expression *e = scene->velocity.n ? &scene->velocity : &scene->exact;

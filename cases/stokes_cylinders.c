@@ -6,8 +6,8 @@
 #include "cases.h"
 
 /*
-  Returns the drag of a cylinder of the array over mu U, U: superficial velocity, by a series in the
-  solid fraction c for small c
+  Returns the drag of a cylinder of the array, divided by mu U with the superficial velocity U, from
+  a series for small solid fractions c
 
     F/(mu U) = 4 pi/(-ln(c)/2 - 0.738 + c - 0.887 c^2 + 2.038 c^3)
 
@@ -71,8 +71,8 @@ static PetscErrorCode SuperficialVelocity(const Flow *flow, PetscReal *mean)
 }
 
 /*
-  Reports the drag over mu U from the traction on the cylinder, and from the balance with the
-  driving force, which holds in steady flow.
+  Reports the drag divided by mu U, computed from the traction on the cylinder and from the balance
+  with the driving force, which holds in steady flow.
 */
 static PetscErrorCode StokesCylindersMeasure(const Flow *flow, Report *report)
 {
@@ -86,8 +86,8 @@ static PetscErrorCode StokesCylindersMeasure(const Flow *flow, Report *report)
   PetscCall(SuperficialVelocity(flow, &mean));
   PetscCall(WallForce(flow, SceneBodySide(scene, 0), F, T));
   if (mean > 0.0) {
-    /* the paper has a pressure gradient instead of the force, which acts on the solid too: F/(1 -
-       c) */
+    /* in the paper a pressure gradient replaces the force and acts on the solid too, hence F/(1
+       - c) */
     PetscCall(ReportAddReference(report, "drag", driven / (mu * mean), known,
                                  PetscIsNanReal(known) ? 1.0 : known));
     PetscCall(ReportAddReference(report, "traction", F[0] / (1.0 - c), driven, driven));

@@ -1,4 +1,4 @@
-/* The lists of all tables of the program: of names, for -catalogue, and of options, for -help. */
+/* Lists all tables of the program: tables of names for -catalogue, tables of options for -help. */
 #include "isph/catalogue.h"
 #include "isph/patch.h"
 #include "isph/run.h"
@@ -37,7 +37,7 @@ const OptionTable *OptionTableGet(PetscInt k)
   return k < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(options) ? options[k] : NULL;
 }
 
-/* CatalogueTable - Returns table k of the program, NULL after the last; not collective */
+/* CatalogueTable - Returns table k of names, NULL after the last; not collective */
 const Table *CatalogueTable(PetscInt k)
 {
   return k < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(tables) ? tables[k] : NULL;

@@ -1,4 +1,4 @@
-/* The program: a request that needs no run is answered; else a scene is created and solved. */
+/* The program: answers a request that needs no run, or else creates a scene and solves it. */
 #include "isph/catalogue.h"
 #include "isph/patch.h"
 #include "isph/run.h"
@@ -31,7 +31,7 @@ static PetscBool Answer(Request request)
   return request == REQUEST_RUN || request == REQUEST_HELP_PETSC ? PETSC_FALSE : PETSC_TRUE;
 }
 
-/* Runs, unless the options of a file or of the environment ask for something else. */
+/* Solves the scene, unless an options file or the environment requests the catalogue or help. */
 static PetscErrorCode SolveOrList(Request request, ErrorState *errors)
 {
   PetscBool catalogue, help;
@@ -46,7 +46,7 @@ static PetscErrorCode SolveOrList(Request request, ErrorState *errors)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses words that PETSc would pass over or meet with a traceback. */
+/* Refuses words of the command line that PETSc would ignore or answer with a traceback. */
 static PetscBool Refuse(int argc, char **argv)
 {
   char sentence[2 * PETSC_MAX_PATH_LEN];

@@ -36,7 +36,7 @@ typedef struct {
   }
 #define TABLE(option, title, rows) TABLE_DESCRIBED(option, title, rows, NULL)
 
-/* A table whose rows are defined in separate files, as for schemes. */
+/* A table whose rows are defined in separate files, as the table of schemes. */
 #define TABLE_OF_POINTERS(option, title, rows)                                                     \
   {                                                                                                \
     option, title, rows, 0, (PetscInt)(sizeof(rows) / sizeof((rows)[0])), NULL                     \
@@ -49,10 +49,10 @@ PetscErrorCode  TableView(const Table *table, PetscViewer viewer);
 PetscErrorCode  TableViewRow(const char label[], const void *row, PetscViewer viewer);
 
 /*
-  Errors that the user can correct (an option, a file, a diverged solve) end the run with a line of
-  message instead of a traceback; ErrorsInstall() and ErrorsExit() do this. The text of UserCheck()
-  gives the option, its value and the allowed values. Collective: all ranks must take the same
-  decision.
+  Checks a condition that the user must meet. Errors that the user can correct (an option, a file, a
+  diverged solve) end the run with a message of one line instead of a traceback; ErrorsInstall() and
+  ErrorsExit() do this. The text of UserCheck() gives the option, its value and the allowed values.
+  Collective: the condition must be the same on all ranks.
 */
 #define UserCheck(condition, ...)                                                                  \
   PetscCheck(condition, PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT, __VA_ARGS__)

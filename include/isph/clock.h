@@ -16,8 +16,8 @@ extern const OptionTable TimeOptions;
 #define CLOCK_WHERE 64 /* length of the text of ClockWhere() */
 
 /*
-  The reason of a failed step. The step ends early; then the run either ends with the sentence, or
-  undoes the step and tries a shorter step.
+  The reason for a failed step. The step ends early; then the run either ends and prints the
+  sentence, or undoes the step and tries a shorter step.
 */
 typedef struct {
   PetscErrorCode code;          /* 0: none; else PETSC_ERR_NOT_CONVERGED or PETSC_ERR_FP */
@@ -27,7 +27,7 @@ typedef struct {
 void FailureSet(StepFailure *failure, PetscErrorCode code, const char format[], ...)
     PETSC_ATTRIBUTE_FORMAT(3, 4);
 
-/* The longest step that a scheme allows, and the reason of the limit. */
+/* The longest step that a scheme allows, and the reason for the limit. */
 typedef struct {
   PetscReal   dt; /* [s] */
   const char *reason;
@@ -35,8 +35,8 @@ typedef struct {
 void StepLimitLower(StepLimit *limit, PetscReal dt, const char reason[]);
 
 /*
-  Numbers that a run keeps from step to step, by name. A failed step restores them (except
-  counters), and a checkpoint holds them. The owner keeps the storage.
+  Named numbers that a run keeps from step to step. The run restores them when it undoes a step
+  (except counters) and writes them to checkpoints. Their owners keep the storage.
 */
 #define MEMORY_MAX 48
 typedef struct {
@@ -58,19 +58,21 @@ void           MemorySet(const Memory *memory, PetscBool counters, const PetscRe
 /* Control of the step length. */
 typedef struct {
   const char *name, *brief, *citation;
-  PetscBool   follows; /* uses present speed and body force; otherwise -dt or the reference speed */
-  PetscBool   retries; /* a failed step is undone and repeated in shorter steps */
+  PetscBool
+      follows; /* the step depends on the present speed and body force; otherwise on -dt or U */
+  PetscBool retries; /* a failed step is undone and repeated in shorter steps */
 } DtAdaptRow;
 extern const Table DtAdaptTable;
 
 /* Time, owned by the run; all second-order formulas use variable-step coefficients. */
 typedef struct {
   PetscReal t, dt, dt_previous; /* [s]; dt_previous = 0 before the second step */
-  PetscReal dt_wanted;          /* dt without the next report; a run of a single step: dt [s] */
-  PetscInt  step;               /* finished steps */
-  PetscReal t_first;            /* time at the start of this process, not 0 after a restart [s] */
-  PetscInt  step_first;         /* steps at the start of this process */
-  PetscReal t_end;              /* [s] */
+  PetscReal
+      dt_wanted;  /* dt before a report time shortens it; dt itself in a run of a single step [s] */
+  PetscInt  step; /* finished steps */
+  PetscReal t_first;    /* time at the start of this process, not 0 after a restart [s] */
+  PetscInt  step_first; /* steps at the start of this process */
+  PetscReal t_end;      /* [s] */
   PetscInt  max_steps;
   PetscReal dt_given, cfl;                  /* -dt; otherwise dt = cfl dx/speed [s], [-] */
   PetscInt  order;                          /* of the time integration, 1 or 2 */

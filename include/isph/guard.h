@@ -18,13 +18,13 @@ typedef struct {
 
 typedef struct {
   LinearSolve        solve;
-  SolverView         ksp_view, ts_view;      /* -<prefix>ksp_view, -<prefix>ts_view */
-  const char        *best;                   /* type of KSP to recommend */
-  const char        *remedy;                 /* advice; NULL: derived from the user's choice */
-  char               mat_type[64];           /* for MatConvert(): -<prefix>mat_type, or MATSAME */
-  char               where[CLOCK_WHERE];     /* the present step, for messages */
-  PetscBool          symmetric;              /* the matrix is symmetric */
-  PetscBool          inner;                  /* the residual of a nonlinear solver counts instead */
+  SolverView         ksp_view, ts_view;  /* -<prefix>ksp_view, -<prefix>ts_view */
+  const char        *best;               /* type of KSP to recommend */
+  const char        *remedy;             /* advice; NULL: derived from the user's choice */
+  char               mat_type[64];       /* for MatConvert(): -<prefix>mat_type, or MATSAME */
+  char               where[CLOCK_WHERE]; /* the present step, for messages */
+  PetscBool          symmetric;          /* the matrix is symmetric */
+  PetscBool          inner; /* part of a nonlinear solve, which checks its own residual instead */
   PetscInt           max_in_a_row;           /* allowed fallbacks in a row; -1: no fallback */
   KSP                level[FALLBACK_LEVELS]; /* fallback solvers; NULL until needed */
   PetscInt           in_a_row;               /* fallbacks since the last good solve */

@@ -66,7 +66,8 @@ void StencilSetSize(const KernelRow *kernel, PetscReal h_over_dx, PetscReal dx, 
 void StencilSetQuantity(const Scene *scene, FitQuantity quantity, Stencil *stencil);
 void StencilSetVelocity(const Scene *scene, PetscInt c, Stencil *stencil);
 
-/* Declared properties of a form. They decide defaults and refusals; tests check each of them. */
+/* Properties that a form of a Laplacian or a gradient declares. They decide which forms are
+   chosen by default and which are refused. Tests check each property. */
 typedef enum {
   FORM_NULL_CONSTANTS  = 1 << 0, /* constants vanish */
   FORM_SYMMETRIC       = 1 << 1, /* symmetric matrix for equal volumes and an uncorrected kernel */
@@ -74,7 +75,7 @@ typedef enum {
   FORM_EXACT_QUADRATIC = 1 << 3, /* on any arrangement of particles */
   FORM_FULL_SUPPORT    = 1 << 4, /* needs particles behind walls; ignores Stencil.equation */
   FORM_SAFE_IMPLICIT   = 1 << 5, /* the eigenvalues of -L have positive real parts */
-  FORM_VARYING         = 1 << 6, /* admits a varying viscosity by means of pairs */
+  FORM_VARYING         = 1 << 6, /* admits a varying viscosity, averaged over each pair */
   FORM_COUPLES         = 1 << 7  /* divergence of a stress, which couples velocity components */
 } FormProperty;
 #define FORM_PROPERTY_COUNT 8
@@ -106,7 +107,7 @@ extern const Table LaplacianTable;
 typedef struct {
   const LaplacianRow  *row;        /* NULL: not needed */
   const CorrectionRow *correction; /* NULL: none */
-  PetscBool            extended;   /* wall values follow from fluid: unsymmetric */
+  PetscBool            extended;   /* wall values are extrapolated from the fluid: unsymmetric */
 } LaplacianForm;
 PetscBool      LaplacianIs(const LaplacianForm *form, FormProperty property);
 PetscInt       LaplacianWidth(const LaplacianForm *form, PetscInt dim);
@@ -127,7 +128,7 @@ typedef struct {
 extern const Table GradientTable;
 
 /*
-  Wall treatments. A treatment with Extend gives each wall particle a velocity that all rows read,
+  Wall treatments. A treatment with Extend gives each wall particle a velocity that all rows use,
 
     u_w = u_wall + sum_j E_wj (u_j - u_wall),   j over fluid near the wall.
 
@@ -170,7 +171,7 @@ typedef struct {
   PetscReal *a, *b;
 } AffineOperator;
 
-/* Columns of the rows; all operators have the same neighbours and share the pattern. */
+/* A sparsity pattern. All operators have the same neighbours and share it. */
 typedef struct {
   PetscInt *row, *col; /* compressed rows, global columns ascending */
   PetscInt  n, capacity;

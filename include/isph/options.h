@@ -44,7 +44,7 @@ typedef struct {
   PetscBool          late;     /* read at the end of the run */
 } OptionRow;
 
-/* Ends of ranges: the least positive number, no largest number. */
+/* Bounds of ranges: OPTION_TINY stands for any positive number, OPTION_HUGE for no upper bound. */
 #define OPTION_TINY 1e-300
 #define OPTION_HUGE 1e300
 /* clang-format off */

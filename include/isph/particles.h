@@ -64,7 +64,7 @@ typedef struct {
   PetscInt  fluid_start, wall_start;   /* global numbers of the first own fluid and wall particle */
   PetscInt  N_start[2];                /* fluid and wall particles at the start of the run */
   PetscBool velocity_given;            /* velocities were given with the positions */
-  PetscInt *row;                       /* global number among fluid, resp. among wall particles */
+  PetscInt *row; /* global number among all fluid or among all wall particles */
 
   PetscInt64   *id;      /* permanent and never reused */
   PetscInt64    next_id; /* smallest unused id */
@@ -78,7 +78,7 @@ typedef struct {
   PetscReal *normal[ISPH_MAX_DIM];  /* of wall particles, into the fluid (field); NULL: no walls */
   PetscReal *depth;                 /* of wall particles below the surface [m] (field) */
   PetscReal *side;        /* of wall particles: number of the wall, a whole number (field) */
-  PetscReal *dx;          /* spacings that particles stand for (field); h = h_over_dx dx [m] */
+  PetscReal *dx;          /* spacing of each particle (field); h = h_over_dx dx [m] */
   PetscReal *volume;      /* (field) [m^dim] */
   PetscReal  cell_volume; /* of the lattice of the reference spacing [m^dim] */
   PetscReal  weight;      /* sum of ParticlesWeight() over all fluid; N_fluid if uniform [-] */
@@ -88,7 +88,7 @@ typedef struct {
   /* Ranks [a, b) are divided at m = (a + b) / 2: ranks below m own x[cut_axis[m]] < cut[m] [m] */
   PetscInt  *cut_axis;
   PetscReal *cut;
-  PetscBool  redraw;                             /* the next epoch sets new boxes in any case */
+  PetscBool  redraw;                             /* the next epoch always sets new boxes */
   PetscReal  lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM]; /* the box of space this rank owns [m] */
   PetscReal  halo_width;                         /* largest interaction radius [m] */
   PetscReal  skin;                               /* [m] */
@@ -103,7 +103,7 @@ typedef struct {
 typedef struct {
   PetscInt  layers;   /* 0: one layer on the surface; k: k dummy layers from dx/2 below it */
   PetscBool surface;  /* the first of k layers is on the surface, with half a particle volume */
-  PetscBool jittered; /* displaced like the fluid, which may come arbitrarily close */
+  PetscBool jittered; /* displaced like the fluid, which may come arbitrarily close to them */
 } WallPlacement;
 
 /* Fluid that starts at given positions instead of a lattice: the share of this rank. */

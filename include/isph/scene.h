@@ -64,7 +64,7 @@ typedef enum {
 typedef enum {
   EQUATION_VALUE,             /* f is given */
   EQUATION_NORMAL_DERIVATIVE, /* n.grad f is given */
-  EQUATION_NONE               /* nothing is known: the fit is of fluid alone */
+  EQUATION_NONE               /* no equation: the fit uses the fluid alone */
 } Equation;
 
 /* Quantities of a fit for which a kind of boundary may have different equations. */
@@ -79,19 +79,19 @@ typedef enum {
 typedef struct {
   const char *name, *brief, *citation;
   const char *option;     /* gives it to sides of a typed box; NULL: it follows from the geometry */
-  PetscBool   by_axis;    /* the option names axes, both sides of each, else sides */
+  PetscBool   by_axis;    /* the option names axes, each with both sides, otherwise sides */
   unsigned    properties; /* bits of BoundaryProperty */
   Equation    equation[FIT_QUANTITIES]; /* read if BOUNDARY_CONFINES */
 } BoundaryRow;
 extern const Table       BoundaryTable;
-extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundaryNone; /* those that cases set */
+extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundaryNone; /* kinds that cases set */
 
 /* A boundary of the fluid: a side of the box, or a body. */
 typedef struct {
   const BoundaryRow *kind;
   Body               body;     /* its geometry; unused by sides of the box */
-  Expression         velocity; /* of a side by x, y, t, or of a body by t [m/s] */
-  Expression         rotation; /* of a body about its centre by t [rad/s] */
+  Expression         velocity; /* function of x, y, t on a side, of t on a body [m/s] */
+  Expression         rotation; /* of a body about its centre, function of t [rad/s] */
 } Boundary;
 
 /* A tangent plane of a boundary at its point nearest to a position x. */
@@ -180,14 +180,14 @@ struct Scene {
   PetscReal        body_force[ISPH_MAX_DIM]; /* body force per unit mass [m/s^2] */
   PetscBool        unsteady_walls;           /* wall velocities depend on time */
   ExpressionScope *scope;                    /* of the expressions below; NULL: all are numbers */
-  Expression       velocity;                 /* typed: at the start by x, y [m/s] */
-  Expression       exact; /* typed: reference solution u, v[, p] by x, y, t [m/s], [Pa] */
-  Expression       force; /* typed: replaces body_force, by x, y, t [m/s^2] */
+  Expression       velocity;                 /* typed: at the start, function of x, y [m/s] */
+  Expression       exact; /* typed: exact u, v[, p], functions of x, y, t [m/s], [Pa] */
+  Expression       force; /* typed: replaces body_force, function of x, y, t [m/s^2] */
   /* sides of the box, 2 axis + (0 low, 1 high), then bodies, 2 dim + k */
   Boundary   boundary[SCENE_MAX_BOUNDARIES];
   PetscInt   n_bodies;
-  Expression nu_field;                 /* typed: viscosity outside the regions, by x, y [m^2/s] */
-  Body       region[SCENE_MAX_FLUIDS]; /* of fluids 1, 2, ...; later regions over earlier */
+  Expression nu_field;                 /* typed: outside the regions, function of x, y [m^2/s] */
+  Body       region[SCENE_MAX_FLUIDS]; /* of fluids 1, 2, ...; later regions cover earlier ones */
   PetscReal  region_nu[SCENE_MAX_FLUIDS]; /* their viscosities [m^2/s] */
   PetscInt   n_regions;
   Rheology   rheology;
@@ -212,12 +212,13 @@ PetscBool      SceneMoves(const Scene *scene);
 PetscBool      SceneIsDrivenInTime(const Scene *scene);
 void           SceneWallName(const Scene *scene, PetscInt side, char name[]);
 PetscReal      SceneCellSide(const Scene *scene, PetscInt axis); /* of the lattice, about dx [m] */
-PetscReal      SceneSpacing(const Scene *scene, const PetscReal x[]); /* wanted at x [m] */
+PetscReal      SceneSpacing(const Scene *scene, const PetscReal x[]); /* prescribed at x [m] */
 PetscReal      SceneCoarsest(const Scene *scene);  /* largest spacing anywhere [m] */
 PetscReal      SceneFinest(const Scene *scene);    /* smallest spacing anywhere [m] */
 PetscReal      SceneTolerance(const Scene *scene); /* reference length of tolerances [m] */
 PetscReal      SceneVolume(const Scene *scene);    /* a cell of the lattice of spacing dx [m^dim] */
-PetscReal      SceneVolumeAt(const Scene *scene, const PetscReal x[]); /* wanted at x [m^dim] */
+PetscReal      SceneVolumeAt(const Scene    *scene,
+                             const PetscReal x[]); /* of a particle created at x [m^dim] */
 void           SceneSetSide(Scene *scene, PetscInt side, const BoundaryRow *kind);
 void           SceneSetAxis(Scene *scene, PetscInt axis, const BoundaryRow *kind);
 void           SceneSetSides(Scene *scene, const BoundaryRow *kind);

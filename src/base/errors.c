@@ -66,7 +66,7 @@ static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *
 }
 
 /*
-  ErrorsInstall - Installs an error handler that prints errors of the user as a line
+  ErrorsInstall - Installs an error handler that prints errors of the user in one line
 
   Not collective. Called once after PetscInitialize(). If a reader of the output stops early, like
   head, the run ends without a message. Output: state - must exist until ErrorsExit().
@@ -120,8 +120,9 @@ PetscErrorCode SayLine(const char format[], ...)
 /*
   ErrorsExit - Ends the program after an error
 
-  Collective for errors of the user that all ranks detect together. Any other error may be known to
-  a single rank, as a file that the first rank cannot open; then this rank aborts the others.
+  Collective for errors of the user that all ranks detect together. Any other error may occur on a
+  single rank only, for example if the first rank cannot open a file; then this rank aborts the
+  others.
 
   Returns: the exit status, never zero
 */

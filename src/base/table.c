@@ -5,7 +5,7 @@
 #include "isph/base.h"
 
 /*
-  TableGet - Returns row k of a table as its common first part
+  TableGet - Returns the name, brief and citation of row k, the members that all rows begin with
 
   Not collective. Input: the table and 0 <= k < table->count.
 */

@@ -132,8 +132,8 @@ static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_ex
 }
 
 /*
-  Warns about long steps of moving particles: the cavity ended at CFL numbers of 1 and more if
-  viscosity does not smooth the grid scale (studies/stability).
+  Warns about long steps of moving particles: runs of the cavity failed at CFL numbers of 1 and more
+  if viscosity did not smooth the grid scale (studies/stability).
 */
 static PetscErrorCode BannerAdvection(const Flow *flow, PetscReal dt, PetscViewer viewer)
 {

@@ -3,11 +3,11 @@
 
     F = sum (-p n + mu (dw/dn + grad(u.n))) dA,   T = sum (x - c) x (...)
 
-  with n into the fluid and w the velocity minus the wall velocity. A body's wall velocity continues
-  as a rigid motion; then w vanishes on the surface and the second viscous term too. The velocity of
-  a side may vary along the side; there the second term comes from derivatives of the wall velocity
-  and continuity. dw/dn is one-sided, of second order, from probes at the heights dx and 2 dx. See
-  docs/theory.md, (112) and (113).
+  with n into the fluid and w the velocity minus the wall velocity. The wall velocity of a body is
+  continued as a rigid motion; then w vanishes on the surface, and the second viscous term with it.
+  The velocity of a side may vary along the side; there the second term comes from derivatives of
+  the wall velocity and continuity. dw/dn is one-sided, of second order, from probes at the heights
+  dx and 2 dx. See docs/theory.md, (112) and (113).
 */
 #include "monitors.h"
 
@@ -104,7 +104,8 @@ static PetscReal WallVelocityDerivative(const Flow *flow, PetscInt side, PetscIn
   return (u[1][c] - u[0][c]) / (2.0 * way);
 }
 
-/* Returns d(u.n)/dx_a on a side of the box at x; along n from continuity [1/s]. */
+/* Returns d(u.n)/dx_a on a side of the box at x [1/s]; the derivative along n follows from
+   continuity. */
 static PetscReal NormalVelocityDerivative(const Flow *flow, PetscInt side, PetscInt a,
                                           const PetscReal x[])
 {

@@ -1,9 +1,9 @@
-/* Parallel HDF5: the calls for snapshots and checkpoints, each of which notes its failure. */
+/* Parallel HDF5: the calls for snapshots and checkpoints. Each call records its failure. */
 #include "isph/hdf5file.h"
 #include <fcntl.h>
 #include <unistd.h>
 
-/* Notes a failed HDF5 call, and returns its result. */
+/* Records a failure of an HDF5 call, and returns the result of the call. */
 static hid_t Noted(Hdf5File *file, hid_t result)
 {
   if (result < 0) file->failed = PETSC_TRUE;
@@ -51,7 +51,7 @@ PetscErrorCode Hdf5FileOpen(MPI_Comm comm, const char path[], Hdf5File *file)
 }
 
 /*
-  FileReserve - Finds out if a file of so many bytes can be written
+  FileReserve - Checks if a file of a given size in bytes can be written
 
   Collective on PETSC_COMM_WORLD; the first rank tries. To be called before a run and before each
   file, because HDF5 aborts on a full disk. Removes an existing file of that name.
@@ -196,7 +196,7 @@ PetscErrorCode Hdf5WriteText(Hdf5File *file, hid_t object, const char name[], co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Hdf5Has - Finds out if the file has a data set of that name; collective on comm */
+/* Hdf5Has - Checks if the file has a data set of that name; collective on comm */
 PetscErrorCode Hdf5Has(Hdf5File *file, const char name[], PetscBool *there)
 {
   const htri_t found = H5Lexists(file->file, name, H5P_DEFAULT);

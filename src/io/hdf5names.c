@@ -1,7 +1,7 @@
 /* Parallel HDF5: groups, attributes of any object, and second names of data sets. */
 #include "isph/hdf5file.h"
 
-/* Notes a failed HDF5 call, and returns its result. */
+/* Records a failure of an HDF5 call, and returns the result of the call. */
 static hid_t Noted(Hdf5File *file, hid_t result)
 {
   if (result < 0) file->failed = PETSC_TRUE;

@@ -1,7 +1,7 @@
 /*
-  Files of matrices for analysis elsewhere. Rows stand in the order of particle ids, which depends
-  neither on ranks nor on epochs; ids may have gaps, rows have none. A second file holds ids and
-  positions.
+  Files of matrices for analysis elsewhere. Rows are in the order of particle ids, which depends
+  neither on ranks nor on epochs. Ids may have gaps; rows are numbered without gaps. A second file
+  holds ids and positions.
 */
 #include "isph/io.h"
 
@@ -130,9 +130,9 @@ static PetscErrorCode WritePositions(const Particles *p, const PetscInt index[],
 /*
   MatrixFileWrite - Writes the present matrix over fluid particles, if its option is given
 
-  Collective. Row and column k of the file, or the dim from dim k on where components are coupled,
-  belong to the fluid particle with the k-th smallest id; row k of <file>.particles.csv has its id
-  and position [m].
+  Collective. Row and column k of the file belong to the fluid particle with the k-th smallest id;
+  with coupled components these are the dim rows and columns from dim k on. Row k of
+  <file>.particles.csv has the id and position [m] of this particle.
 
   Input Parameter:
 . A - in the present numbering of particles; NULL: no matrix exists, and a message says so

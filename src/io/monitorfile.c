@@ -67,7 +67,7 @@ static PetscBool KeepRows(Monitor *monitor, FILE *old, PetscReal t)
 }
 
 /*
-  MonitorGoOn - Continues the file of the restarted run, without rows after time t [s]; creates an
+  MonitorGoOn - Continues the file of a restarted run: drops its rows after time t [s], creates an
   absent file
 
   Collective on PETSC_COMM_WORLD. Errors: a file that cannot be rewritten ends the run and stays

@@ -79,8 +79,8 @@ struct Monitors {
   PetscBool any;
 };
 
-/* Refuses points outside the box, except along periodic axes. A group holds points; the group of a
-   line has a number at its end. */
+/* Refuses points outside the box, except along periodic axes. The numbers of a group are
+   coordinates of points; the group of a line ends with a number of points. */
 static PetscErrorCode CheckInBox(const Scene *scene, const char option[], PetscInt group,
                                  PetscInt n, const PetscReal number[])
 {
@@ -182,8 +182,8 @@ PetscErrorCode MonitorsDestroy(Monitors **monitors)
 }
 
 /*
-  MonitorsRestart - Continues the files of the restarted run, without rows after the checkpoint;
-  absent files begin anew
+  MonitorsRestart - Continues the files of a restarted run: drops their rows after the checkpoint,
+  creates absent files
 
   Collective on PETSC_COMM_WORLD. Input: t - time of the checkpoint [s]. Errors: a file that cannot
   be continued ends the run and stays unchanged

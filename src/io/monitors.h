@@ -15,7 +15,7 @@ typedef struct {
   FILE      *stream; /* on the first rank */
 } Monitor;
 
-/* A kind of monitor: its file, and the function that writes the rows of a moment. */
+/* A kind of monitor: its file, and the function that writes the rows of one time. */
 typedef struct {
   const char *name;     /* name of the file, after the base and _ */
   const char *header;   /* columns of the file after "t,step" */

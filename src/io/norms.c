@@ -54,7 +54,8 @@ static PetscErrorCode NormsCompare(const Flow *flow, PetscReal exact_p[], ExactS
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the relative L2 error of the pressure without means, which are undetermined. */
+/* Computes the relative L2 error of the pressure after removal of the means, which are
+   arbitrary. */
 static PetscErrorCode NormsPressure(const Flow *flow, const PetscReal exact_p[],
                                     const ExactSums *sums, Report *report)
 {

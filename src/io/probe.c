@@ -17,7 +17,7 @@ typedef struct {
   Cells       cells;
   PetscReal  *field[ISPH_MAX_DIM + 1]; /* own and halo values of u, then p [m/s], [Pa] */
   PetscInt    n_fields;
-  PetscReal   reach; /* distance within which this rank knows all particles [m] */
+  PetscReal   reach; /* distance within which this rank holds all particles [m] */
   PetscInt   *list;  /* neighbours of the present point */
   PetscReal  *w;     /* their weights [-] */
 } Probe;
@@ -51,7 +51,7 @@ static PetscReal ProbeOffset(const Probe *probe, PetscInt j, const PetscReal x[]
   return w[0];
 }
 
-/* Returns the radius of the support that the scene wants at x [m]. */
+/* Returns the radius of the support for the spacing that the scene prescribes at x [m]. */
 static PetscReal ProbeRadius(const Probe *probe, const PetscReal x[])
 {
   const OperatorForms *forms = &probe->flow->ops->forms;
@@ -295,7 +295,7 @@ static PetscErrorCode NearestViscosity(Probe *probe, const PetscReal x[], PetscR
 
 /*
   ProbeViscosity - Returns the kinematic viscosity of the fluid particle nearest to each point,
-  which is no mean of two fluids
+  which is never a mean over two fluids
 
   Collective. Input: as ProbePoints(). Output: nu - on all ranks [m^2/s].
 */

@@ -1,7 +1,7 @@
 /* Monitors based on probes: points, lines, and fluxes through sections. */
 #include "monitors.h"
 
-/* Returns true if a point is in a body, where nothing flows. */
+/* Returns true if a point is in a body. */
 static PetscBool InBody(const Scene *scene, const PetscReal x[])
 {
   PetscInt side;
@@ -67,7 +67,8 @@ const MonitorKind MonitorPoints = {
     .Write  = WritePoints,
 };
 
-/* Refuses a number of points, the last parameter of a line, that is no whole number from 2 on. */
+/* Refuses a line whose last parameter, the number of points, is not a whole number of at least
+   2. */
 static PetscErrorCode CheckLine(const Scene *scene, const char option[], PetscInt k,
                                 const PetscReal number[])
 {

@@ -133,7 +133,7 @@ static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscRe
   Input Parameters:
 + flow     - with the statistics of the step; M/s counts million particle-steps per second of wall
              clock since ProgressCreate()
-. final    - flag: the run is over, so print in any case
+. final    - flag: the run is over, so print even if no line is due
 - progress - the progress
 */
 PetscErrorCode ProgressUpdate(const Flow *flow, PetscBool final, Progress *progress)

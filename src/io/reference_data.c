@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-/* Finds the installed reference data beside the running program; empty where that is unknown. */
+/* Finds the installed reference data beside the running program; empty if its path is unknown. */
 static PetscErrorCode ProgramData(char directory[PETSC_MAX_PATH_LEN])
 {
   char          program[PETSC_MAX_PATH_LEN], *slash;
@@ -23,9 +23,9 @@ static PetscErrorCode ProgramData(char directory[PETSC_MAX_PATH_LEN])
 }
 
 /*
-  Opens a file of the reference data: in the directory that the environment variable ISPH_DATA
-  names, and without this variable beside the program, in the prefix, in the source tree. NULL where
-  it is in none.
+  Opens a file of the reference data. The environment variable ISPH_DATA names the directory;
+  without this variable the directories beside the program, of the installation and of the source
+  tree are searched in this order. Returns NULL if the file is not found.
 */
 static PetscErrorCode ReferenceDataOpen(const char file[], FILE **stream)
 {
@@ -124,11 +124,11 @@ static PetscErrorCode ReferenceDataSort(ReferenceData *curve)
          two or more columns, of which the first two are used
 
   Input/Output Parameter:
-. report - keeps that a file is absent, so that one warning is printed in a run
+. report - records that a file is absent, so that a run prints a single warning
 
   Output Parameter:
-. curve - to be freed with ReferenceDataFree(); x ascending, the same on all ranks; no points where
-          the file is absent
+. curve - to be freed with ReferenceDataFree(); x ascending, the same on all ranks; no points if the
+          file is absent
 
   Errors: a file that is empty or holds a line without two numbers ends the run
 */

@@ -164,7 +164,7 @@ PetscErrorCode ReportView(const Report *report, PetscReal wall_seconds, PetscVie
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds out if quantity k is the last with its name. */
+/* Checks if quantity k is the last with its name. */
 static PetscErrorCode ReportIsLast(const Report *report, PetscInt k, PetscBool *last)
 {
   PetscFunctionBegin;

@@ -239,7 +239,7 @@ static PetscErrorCode ReportFileVerdict(const char path[], const char failed[])
 }
 
 /*
-  ReportFileCheck - Makes sure before the run that its report can be written
+  ReportFileCheck - Checks before the run that its report can be written
 
   Collective on PETSC_COMM_WORLD. A new file gets its header.
 

@@ -1,6 +1,6 @@
 /*
   Snapshots: an HDF5 file for each, written under another name and renamed when complete, and an
-  index for ParaView. Complete files are readable whatever happens to the run.
+  index for ParaView. Complete files stay readable even if the run is killed.
 */
 #include "snapshot.h"
 #include "isph/options.h"
@@ -47,7 +47,7 @@ static PetscErrorCode SnapshotsVerdict(const Snapshots *snapshots, const char pa
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes sure that a file of so many bytes can be written, or ends the run. Collective. */
+/* Ends the run if a file of the given size in bytes cannot be written. Collective. */
 static PetscErrorCode SnapshotsReserve(const Snapshots *snapshots, const char path[], size_t bytes)
 {
   PetscBool good;
@@ -59,7 +59,7 @@ static PetscErrorCode SnapshotsReserve(const Snapshots *snapshots, const char pa
 }
 
 /*
-  SnapshotsCreate - Reads the options of snapshots and makes sure that files can be written
+  SnapshotsCreate - Reads the options of snapshots and checks that files can be written
 
   Collective on PETSC_COMM_WORLD
 
@@ -97,7 +97,8 @@ PetscErrorCode SnapshotsCreate(const Scene *scene, Snapshots **snapshots)
 /*
   SnapshotsNeeds - Returns the operators that snapshots need, as bits of Need; not collective
 
-  The gradient of the velocity and the concentration; with moving particles most runs have both.
+  Snapshots need the gradient of the velocity and the concentration. Most runs with moving particles
+  need both anyway.
 */
 unsigned SnapshotsNeeds(const Snapshots *snapshots)
 {

@@ -61,7 +61,8 @@ static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the columns of row i to both patterns; finds the slot of each neighbour and the diagonal. */
+/* Adds the columns of row i to the patterns of fluid and walls; finds the slots of each
+   neighbour and of the diagonal. */
 static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, PetscInt *diagonal)
 {
   PetscInt *cols  = ops->work->slot + ops->work->slot_capacity,
@@ -207,7 +208,7 @@ static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the scale of the pressure's rows, -dx_i^2, once an epoch. */
+/* Computes the scale of the pressure's rows, -dx_i^2, once per epoch. */
 static PetscErrorCode ScalePressureRows(const Particles *p, Operators *ops)
 {
   PetscScalar *scale;

@@ -65,7 +65,7 @@ static void AddRow_Pressure(const Stencil *st, const Operators *ops, PetscInt di
 /*
   Solves X A = B for the `rows` rows of X, in place of B; A and B by rows, entries of order 1.
   Returns PETSC_FALSE if A is singular or an entry of X exceeds 10, which means that too little
-  fluid is left near the wall: moving cavities in 2D and 3D reach 2.4.
+  fluid is left near the wall. The largest entry in moving cavities in 2D and 3D was 2.4.
 */
 static PetscBool SmallSolve(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
 {

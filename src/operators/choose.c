@@ -92,9 +92,8 @@ static PetscErrorCode ChooseLaplacian(const OptionRow *option, const char standa
 }
 
 /*
-  Returns mls, or the whole stress where the viscosity varies and the flow has a pressure or bodies.
-  A fluid that turns beside a fluid of another viscosity has an error of tens of per cent with
-  lap u.
+  Returns mls, or the whole stress if the viscosity varies and the flow has a pressure or bodies.
+  With lap u the error is tens of per cent if a fluid turns beside a fluid of another viscosity.
 */
 static const char *DefaultLaplacian(const Scene *scene)
 {
@@ -178,11 +177,12 @@ static PetscErrorCode ChooseWall(const Scene *scene, OperatorForms *forms)
 /*
   Returns the default smoothing length over the spacing [-]
 
-  1.3 where viscosity does not smooth the grid scale, U dx/nu > 5. Else
+  It is 1.3 if viscosity does not smooth the grid scale, U dx/nu > 5. Otherwise it is
     1.5 for particles that move between walls: changes of neighbours next to walls dominate the
         error there, and more neighbours halve it;
     1.1 for a flow without walls whose Laplacians are exact for quadratic functions: smaller fits
-        have smaller errors, in Taylor-Green vortices at Re = 100 a third of the error with 1.3.
+        have smaller errors; in Taylor-Green vortices at Re = 100 the error is a third of the error
+        with 1.3.
 */
 static PetscReal DefaultSmoothing(const Scene *scene, const OperatorForms *forms)
 {
@@ -195,7 +195,7 @@ static PetscReal DefaultSmoothing(const Scene *scene, const OperatorForms *forms
              : 1.3;
 }
 
-/* Decides about the coupling of velocity components, and refuses options that it excludes. */
+/* Decides if velocity components are coupled, and refuses options that the coupling excludes. */
 static PetscErrorCode ChooseCoupling(const Scene *scene, OperatorForms *forms)
 {
   const PetscBool couple = forms->visc.row && LaplacianIs(&forms->visc, FORM_COUPLES);

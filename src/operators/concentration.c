@@ -4,7 +4,8 @@
 */
 #include "isph/operators.h"
 
-/* Adds the images of a point at X from particle i for every combination of mirror planes. */
+/* Adds the images of a point at X, relative to particle i, for every combination of mirror
+   planes. */
 static void ConcentrationImages(const KernelRow *kernel, const Stencil *st,
                                 const WallPlane planes[], PetscInt n_planes, const PetscReal X[],
                                 PetscReal volume, PetscReal *concentration, PetscReal gradient[])

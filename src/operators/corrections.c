@@ -43,11 +43,12 @@ static void CorrectKernel_Shepard(Stencil *st, PetscReal dW[], PetscReal ddW[])
 }
 
 /*
-  CorrectKernel_FirstOrder - Computes the slope of the kernel along the pair with corrected gradient
+  CorrectKernel_FirstOrder - Computes the slope of the kernel along the pair from its corrected
+  gradient
 
     W' <- -(X/r).M^-1 grad_i W,   M = sum_j V_j (grad_i W) X^T
 
-  If the neighbours do not span space, M is the unit matrix, and the stencil counts the row.
+  If the neighbours do not span space, M is the unit matrix, and st->regularised counts the row.
 
   Output Parameters:
 + dW  - W'; any array except st->dW

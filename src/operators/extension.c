@@ -62,9 +62,10 @@ static PetscErrorCode ExtensionDestroy(Extension *ext)
 }
 
 /*
-  Places the extension at own wall particle i.
+  Sets the geometry of the extension for own wall particle i.
 
-  Returns: PETSC_TRUE if the particle lies behind the surface and within the support of some fluid
+  Returns: PETSC_TRUE if the particle lies behind the surface and less than a support radius from
+  the fluid region
 */
 static PetscBool ExtensionPlace(const Particles *p, PetscInt i, Extension *ext)
 {

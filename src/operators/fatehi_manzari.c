@@ -1,7 +1,7 @@
 /*
-  The Laplacian of Fatehi and Manzari, a pairwise form without its two errors on disorder: the
-  corrected gradient removes the error of linear fields, a matrix for each particle the error of
-  quadratic fields.
+  The Laplacian of Fatehi and Manzari, a pairwise form that is free of two errors on disordered
+  particles: the corrected gradient removes the error of linear fields, and a matrix for each
+  particle removes the error of quadratic fields.
 */
 #include "rows.h"
 

@@ -34,14 +34,16 @@ PetscBool LaplacianIs(const LaplacianForm *form, FormProperty property)
   return (properties & (unsigned)property) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* LaplacianWidth - Returns the weights of a row for each neighbour: 1, or dim^2 if it couples */
+/* LaplacianWidth - Returns the number of weights per neighbour: 1, or dim^2 if the form couples
+   components */
 PetscInt LaplacianWidth(const LaplacianForm *form, PetscInt dim)
 {
   return form->row && LaplacianIs(form, FORM_COUPLES) ? dim * dim : 1;
 }
 
 /*
-  LaplacianDilatation - Returns c of the form's lap u + (c - 1) grad div u
+  LaplacianDilatation - Returns the constant c of a form that approximates lap u + (c - 1) grad div
+  u
 
   The rotational pressure update subtracts c rho nu div u*: docs/theory.md, (84) and (85).
 

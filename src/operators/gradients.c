@@ -1,6 +1,6 @@
 /*
   Gradients on differences f_j - f_i and their table; a divergence has the same weights. A new
-  gradient is a row function and a table row here.
+  gradient needs a row function and a table row here.
 */
 #include "rows.h"
 
@@ -9,8 +9,8 @@
 
     (df/dx_a)_i = sum_j V_j (dW/dx_a)_i (f_j - f_i)
 
-  Properties: exact for constants; linear fields have an error of order 1, on a lattice a small
-  factor.
+  Properties: exact for constants. The gradient of a linear field has a relative error of order 1 on
+  disordered particles, and a small one on a lattice.
 
   Reference: J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703-1759
 */

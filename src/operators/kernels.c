@@ -1,6 +1,6 @@
 /*
   Smoothing kernels. A row gives the shape w(q), q = r/h, and the factors that make its integral 1
-  in 1, 2 and 3 dimensions. A new kernel is a shape function and a row.
+  in 1, 2 and 3 dimensions. A new kernel needs a shape function and a row.
 */
 #include "isph/operators.h"
 

@@ -56,7 +56,7 @@ static inline PetscReal MlsEquation(const Stencil *st, PetscInt dim, PetscInt de
   MlsFactorOrRidge - Factors a moment matrix; if the points do not determine the fit, adds a
   multiple of the unit matrix and counts the fit
 
-  Not collective. Input: copy - of the moments, which the factor overwrites.
+  Not collective. Input: copy - copy of the moments; the factor overwrites the moments themselves.
 */
 void MlsFactorOrRidge(PetscInt n, PetscReal moments[], const PetscReal copy[],
                       PetscInt *regularised)
@@ -190,8 +190,8 @@ PetscErrorCode LaplacianRow_Mls(Stencil *st, PetscReal w[])
 }
 
 /*
-  LaplacianRow_Mls3 - Computes the Laplacian of the cubic fit; if the points do not determine it,
-  the Laplacian of the quadratic fit, which the stencil counts
+  LaplacianRow_Mls3 - Computes the Laplacian of the cubic fit, or of the quadratic fit if the points
+  do not determine the cubic fit; st->regularised counts such rows
 
   Properties: exact for cubic fields, so of order 2 on disorder too; not symmetric; reads
   equations.
@@ -225,7 +225,7 @@ PetscErrorCode GradientRow_Mls(Stencil *st, PetscReal *g[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns W of a neighbour that gives a value, otherwise 0: values determine the constant. */
+/* Returns W of a neighbour that gives a value, otherwise 0: only values determine the constant. */
 static inline PetscReal ValueWeight(const Stencil *st, PetscInt k)
 {
   return st->equation[k] == EQUATION_VALUE ? st->W[k] : 0.0;
@@ -238,8 +238,8 @@ static inline PetscReal ValueWeight(const Stencil *st, PetscInt k)
     f_i - c_0 = -sum_k w_k (f_k - f_i),   w_k = W_k (1 - m.c_k)/(W(0) + sum_k W_k - m.M^-1 m),
     c_k = M^-1 phi_k,   m = sum_k W_k phi_k,   M = sum_k W_k phi_k phi_k^T
 
-  phi and M belong to the interpolating fit; the constant is eliminated by hand. A neighbour that
-  gives n.grad f has no 1 in w_k and no term in m.
+  phi and M belong to the interpolating fit; the constant is eliminated analytically. For a
+  neighbour that gives n.grad f, w_k lacks the 1, and m lacks the term.
 
   Properties: vanishes for quadratic fields on any arrangement. For smooth fields it is of order
   dx^4 inside a lattice, and of order dx^3 on disorder and beside a boundary. At h/dx = 1.3 in 2D it

@@ -14,7 +14,8 @@ PetscErrorCode DivergenceFit_Mls(Stencil *stencil, PetscReal *d[], PetscReal m[]
 void           CorrectKernel_FirstOrder(Stencil *stencil, PetscReal dW[], PetscReal ddW[]);
 PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length);
 
-/* Computes M^-1 grad_i W of neighbour k; inverse: M^-1 of the first moment matrix. */
+/* Computes M^-1 grad_i W of neighbour k, where M is the first moment matrix and `inverse` is
+   M^-1. */
 static inline void CorrectedKernelGradient(const Stencil *st, const PetscReal inverse[], PetscInt k,
                                            PetscReal gradient[])
 {

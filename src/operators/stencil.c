@@ -61,8 +61,8 @@ static void SetEquation(Stencil *st, PetscInt k, Equation equation)
 /*
   StencilSetQuantity - Sets the equations of wall neighbours in the following fits
 
-  Not collective. Keeps the factored fit if no equation changes. Dummies have values or nothing in
-  fits; boundary_rows.c gives them the boundary's equation.
+  Not collective. Keeps the factored fit if no equation changes. Dummies enter fits with values or
+  not at all; boundary_rows.c applies the equation of the boundary to them.
 */
 void StencilSetQuantity(const Scene *scene, FitQuantity quantity, Stencil *st)
 {
@@ -78,7 +78,8 @@ void StencilSetVelocity(const Scene *scene, PetscInt c, Stencil *st)
 }
 
 /*
-  StencilSetSize - Sets the lengths that follow from a particle's spacing, if it has another
+  StencilSetSize - Sets the lengths that follow from a particle's spacing, if it differs from the
+  last spacing
 
   Not collective. Fits scale equations of derivatives by half the radius of the support.
 */

@@ -1,8 +1,8 @@
 /*
   Divergence of the viscous stress as forces between pairs of particles along the line that joins
-  them; least squares give their strengths. A rigid motion has no force to rounding, whatever the
-  viscosities are, so a stiff drop that rotates in a thin fluid is not driven by truncation errors
-  of its own large terms. See docs/theory.md, (67) to (71).
+  them; least squares give their strengths. In a rigid motion the forces vanish to rounding for any
+  viscosities, so a stiff drop that rotates in a thin fluid is not driven by truncation errors of
+  its own large terms. See docs/theory.md, (67) to (71).
 */
 #include "mls.h"
 
@@ -32,8 +32,8 @@ static void StressBasis(const Stencil *st, PetscInt k, PetscReal phi[])
   }
 }
 
-/* Computes the required sum_k c_k phi_k: 0 for degree 3; for degree 4 two for each pairing of equal
-   factors. */
+/* Computes the required sum_k c_k phi_k: 0 for degree 3; for degree 4 the sum over all pairings
+   of equal factors, two for each. */
 static void StressTarget(PetscInt d, PetscReal unit, PetscReal target[])
 {
   PetscInt t = 0;
@@ -63,8 +63,8 @@ static void StressTarget(PetscInt d, PetscReal unit, PetscReal target[])
   the terms in grad nu. The last term is a bulk viscosity, which does not act on solenoidal flow.
 
   Properties: exact for quadratic fields on any arrangement; no force on rigid motions for any nu;
-  not symmetric. Needs particles behind walls: a stencil cut in half gives strengths that do not
-  damp.
+  not symmetric. Needs particles behind walls: with the strengths of a stencil cut in half the flow
+  is not damped.
 
   Reference: forces along pairs after P. W. Cleary, J. J. Monaghan, J. Comput. Phys. 148 (1999),
   there with c_k = -2 (dim + 2) V_k W'/r. A stress from fitted second derivatives fails instead: on

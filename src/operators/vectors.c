@@ -43,9 +43,9 @@ PetscErrorCode FluidVec(const Particles *p, PetscReal array[], Vec *v)
 }
 
 /*
-  FluidSum - Sums f^2 or f over the fluid of all ranks, weighted by volumes over that of a cell
+  FluidSum - Sums f^2 or f over the fluid of all ranks, weighted by ParticlesWeight()
 
-  Collective. The sum over particles->weight is a mean.
+  Collective. The sum divided by particles->weight is a mean.
 */
 PetscErrorCode FluidSum(const Particles *p, Vec f, PetscBool squared, PetscReal *sum)
 {

@@ -74,8 +74,7 @@ PetscErrorCode AssembleViscousBlock(const Scene *scene, const Particles *p, Oper
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Scales the weights of a slot by a viscosity over scene->nu, and adds them to the sum of the
-   row. */
+/* Multiplies the weights of a slot by nu/scene->nu, and adds them to the sum of the row. */
 static void ScaleSlot(PetscInt width, PetscInt entries, PetscReal ratio, const PetscReal w[],
                       PetscReal value[], PetscReal sum[])
 {

@@ -6,8 +6,8 @@
 
   u_wall,w is the wall velocity at the wall point of the dummy, u_wall,i at the wall point of i. A
   linear fit along the wall through the wall neighbours of the same side gives u_wall,i. Without the
-  first bracket rows would see the variation along the wall beta times too large: docs/theory.md,
-  (49) and (50).
+  first bracket, rows would contain the variation along the wall times beta: docs/theory.md, (49)
+  and (50).
 */
 #include "assembly.h"
 #include "wall_points.h"

@@ -1,6 +1,6 @@
 /*
-  Values at walls: velocity and wall pressure gradient of each own wall particle, in the order of
-  the columns of the matrices B.
+  Values at walls: velocity and wall pressure gradient of each own wall particle. They are the
+  vectors e that the matrices B of the operators multiply, see isph/operators.h.
 */
 #include "isph/operators.h"
 

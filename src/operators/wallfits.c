@@ -139,7 +139,7 @@ static PetscInt Basis_Channel(const Extension *ext, PetscReal reach, const Petsc
 
 /* ---- rows ---- */
 
-/* A basis, and the distance up to which fluid takes part [m]. */
+/* A fit to try: its basis, and the distance within which fluid is collected [m]. */
 typedef struct {
   FitBasis  basis;
   PetscReal reach;
@@ -155,7 +155,8 @@ static void WeighInterpolating(Extension *ext)
 }
 
 /*
-  FitFirst - Computes the row of the first of n fits that its points determine, or an empty row
+  FitFirst - Computes the row of the first of n fits that is determined by its points, or an empty
+  row
 
     sum_j e_j f_j = sign f(origin + at),   f fitted about the centre
 
@@ -203,8 +204,8 @@ static PetscErrorCode FitAtWall(const FitTry tries[], size_t n, Extension *ext)
     u_w = 2 u_wall - u(m)
 
   u(m) is a linear least-squares fit over fluid within 2 dx of m, exact for linear fields, and equal
-  to the velocity of a particle at m. If these points do not determine it, fluid within 3 dx is
-  used, and after that its mean.
+  to the velocity of a particle that lies at m. If these points do not determine it, fluid within 3
+  dx is used, and after that its mean.
 
   References: mirrored particles, M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60
   (2009); fixed dummies, S. Marrone et al., Comput. Methods Appl. Mech. Eng. 200 (2011)

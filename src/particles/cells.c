@@ -78,7 +78,7 @@ static PetscErrorCode CellsReserve(Cells *cells, PetscInt n_cells)
 - size      - edge of a cell [m]; enlarged if almost all cells would be empty
 
   Output Parameter:
-. cells - zero before the first call; storage is reused
+. cells - all zero before the first call; storage is reused
 
   Error: PETSC_ERR_FP if a position is not finite
 */

@@ -55,8 +55,8 @@ static void CutOutBox(const Particles *p, PetscMPIInt ranks, PetscInt begin, Pet
   }
 }
 
-/* Chooses for each group the axis, along the longest side around its particles, and the first
-   histogram. */
+/* Chooses for each group the axis, which is the longest side of the box around its particles,
+   and the first histogram. */
 static PetscErrorCode GroupsStart(const Scene *scene, const Particles *p, PetscMPIInt ranks,
                                   const PetscInt of[], PetscInt n_groups, Group groups[])
 {

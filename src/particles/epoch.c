@@ -52,16 +52,15 @@ static PetscErrorCode WrapPeriodic(const Scene *scene, Particles *p)
   Input Parameters:
 + scene     - the scene
 . particles - with new positions of own particles
-- force     - start an epoch in any case; the same on all ranks
+- force     - flag: start an epoch even if the skin is not used up; the same on all ranks
 
   Output Parameter:
 . started - flag: an epoch started; may be NULL
 
-  Notes:
-  At the start of an epoch, positions are wrapped into periodic boxes, particles migrate with all
-  registered fields, are sorted and get new numbers, and the halo is rebuilt. Otherwise nothing
+  Notes: At the start of an epoch, positions are wrapped into periodic boxes, particles migrate with
+  all registered fields, are sorted and get new numbers, and the halo is rebuilt. Otherwise nothing
   changes: then call ParticlesUpdateHalo(). Two particles that come closer than halo_width during
-  the epoch were closer than halo_width + skin at its start, so both ranks know the pair.
+  the epoch were closer than halo_width + skin at its start, so both ranks hold the pair.
 
   Error: PETSC_ERR_FP if a position is not finite
 */

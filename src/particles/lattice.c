@@ -66,7 +66,7 @@ static PetscErrorCode WallSlabsCreate(const Scene *scene, WallPlacement walls, W
   ParticlesHash - Returns a number in (-1, 1) that depends on its arguments only, not on ranks or
   order
 
-  Not collective. The finaliser of SplitMix64; axis is less than 4.
+  Not collective. It uses the finaliser of SplitMix64; axis is less than 4.
 
   Reference: G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014
 */
@@ -266,7 +266,7 @@ static PetscInt SurfacePoints(const Scene *scene, WallPlacement walls)
 }
 
 /*
-  Writes surface point `index` of all bodies to local index i. Before dummies the particle
+  Writes surface point `index` of all bodies to local index i. With dummies behind it the particle
   represents the band between fluid cells and dummy cells, otherwise a cell.
 */
 static void SurfaceParticle(const Scene *scene, WallPlacement walls, PetscInt index, PetscInt id,
@@ -351,8 +351,8 @@ static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
 }
 
 /*
-  LatticeFill - Creates this rank's share of the first particles, contiguous ranges of lattice
-  indices
+  LatticeFill - Creates this rank's share of the particles at the start, which are contiguous ranges
+  of lattice indices
 
   Collective
 
@@ -360,11 +360,12 @@ static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
 + scene - the scene
 . walls - placement of wall particles
 . start - positions of the fluid, NULL for the lattice
-- p     - own fields registered
+- p - with its own fields registered
 
   Output Parameter:
 . p - counts, next_id, and own particles with id, kind, x, dx, volume, normal, depth and side, not
-      yet on their owners. Ids: fluid, then walls of the box, then bodies.
+      yet sent to the ranks that will own them. Ids number the fluid first, then walls of the box,
+      then bodies.
 */
 PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidStart *start,
                            Particles *p)

@@ -17,7 +17,7 @@
   Input Parameters:
 + radius  - the largest; pairs closer than the larger of their radii are neighbours [m]; at most
             Particles.halo_width
-- spacing - of particles that have it; radii are in proportion to spacings [m]
+- spacing - spacing of particles with this radius; radii are in proportion to spacings [m]
 
   Output Parameter:
 . neighbors - filled by NeighborsUpdate()
@@ -74,8 +74,8 @@ static PetscErrorCode ReserveColumns(PetscInt n, Neighbors *nb)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends to col the particles of cell list entries [begin, end) within reach of x, its own or
-   theirs, except i. */
+/* Appends to col the particles of entries [begin, end) of the cell list, except i, whose
+   distance from x is less than the reach of i or their own reach. */
 static inline PetscInt ScanRun(const Cells *cells, const PetscReal reach2[], PetscInt begin,
                                PetscInt end, const PetscReal x[], PetscReal own2, PetscInt i,
                                PetscInt col[])
@@ -146,7 +146,7 @@ static PetscErrorCode BuildRow(const Particles *p, PetscInt i, PetscReal own2, N
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the square of radius and margin of local particle i [m^2]. */
+/* Returns the square of radius + margin of local particle i [m^2]. */
 static inline PetscReal Reach2(const Particles *p, const Neighbors *nb, PetscInt i)
 {
   return PetscSqr(nb->radius * (p->dx[i] / nb->spacing) + nb->margin);
@@ -186,7 +186,7 @@ static PetscErrorCode BuildRows(const Particles *p, PetscReal step_length, Neigh
 
   Input Parameters:
 + particles   - with an up-to-date halo
-- step_length - bound of the largest displacement in a step [m], the same on all ranks. It
+- step_length - bound on the largest displacement in a step [m], the same on all ranks. It
                 determines the margin: ten steps, at most 0.15 radius; none if the bound is zero or
                 above 0.1/2.6 of the radius
 

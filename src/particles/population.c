@@ -1,13 +1,15 @@
 /*
-  Changes of the particles between epochs: restored, replaced, inserted and removed. Each change of
-  their number starts an epoch; afterwards other modules renew their values per particle.
+  Changes of the set of particles: particles are restored, replaced, inserted and removed. Each
+  change of their number starts an epoch (see isph/particles.h); afterwards other modules renew
+  their values per particle.
 */
 #include "impl.h"
 
 /*
   ParticlesUnpack - Restores fields of own particles from records packed in the present epoch
 
-  Collective. Updates the positions of the halo.
+  Collective. In an epoch the order of own particles is constant, so records need no search. Updates
+  the positions of the halo.
 */
 PetscErrorCode ParticlesUnpack(Particles *p, const PetscReal record[])
 {
@@ -60,7 +62,7 @@ typedef struct {
   PetscReal *weight, sum;
 } Surroundings;
 
-/* Prepares the search, and fills halo values of all fields with entry by the mean. */
+/* Prepares the search, and fills the halo values of all fields with the policy ENTRY_MEAN. */
 static PetscErrorCode SurroundingsCreate(Particles *p, Surroundings *near)
 {
   PetscFunctionBegin;
@@ -163,10 +165,10 @@ static PetscErrorCode FillRecord(const Scene *scene, const Particles *p, const N
 . first - id of the first new particle of this rank, whose other ids follow; may be NULL
 
   Notes:
-  Each field of a new particle has the value of its EntryPolicy unless Value() replaces it; Value()
-  is called for each field except positions. After
-  an insertion the scheme's Begin reinitialises the flow. Ids depend on the number of ranks. Means
-  use halo values, hence the rule for positions.
+  The EntryPolicy of a field gives its value at a new particle, unless Value() replaces this value;
+  Value() is called for each field except positions. After an insertion the scheme's Begin
+  reinitialises the flow. Ids depend on the number of ranks. Means use halo values, so positions must
+  lie in the box of the rank.
 */
 PetscErrorCode ParticlesInsert(const Scene *scene, Particles *p, const NewParticles *added,
                                PetscInt64 *first)

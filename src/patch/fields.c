@@ -1,11 +1,11 @@
 /*
-  Fields of patch tests with their exact Laplacians, x in the unit square or cube. A new field is
-  two functions and a row.
+  Fields of patch tests with their exact Laplacians, as functions of x in the unit square or cube. A
+  new field needs two functions and a row of the table.
 */
 #include "isph/patch.h"
 
 /*
-  Sums all monomials c x^i y^j z^k of the row's degrees, or with laplacian their Laplacians.
+  Sums all monomials c x^i y^j z^k of the row's degrees or, if `laplacian`, their Laplacians.
   Coefficients are 1, 1/2, 1/3, ... in the order of the monomials, or random in (-1, 1) by seed.
 */
 static PetscReal PolynomialSum(const FieldRow *row, PetscInt dim, PetscInt seed,

@@ -40,8 +40,8 @@ const OptionTable CheckpointOptions = OPTIONS("Checkpoints", options);
   Collective on PETSC_COMM_WORLD.
 
   Options Database Keys:
-+ -checkpoint file.h5 - file written at the end, on SIGTERM and SIGINT, and
-. -checkpoint_every T - at every multiple of T [s]
++ -checkpoint file.h5 - file written at the end, and on SIGTERM, SIGINT and SIGXCPU
+. -checkpoint_every T - write the file also at every multiple of T [s]
 - -restart file.h5    - file to restart from, on any number of ranks
 
   Errors: refuses a path that cannot be written, and a scheme with a history inside PETSc
@@ -211,7 +211,7 @@ static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const 
   Collective on PETSC_COMM_WORLD. Called after every step and, with final, at the end and on
   a signal.
 
-  Notes: an epoch starts and the scheme begins anew from the fields, as in a restarted run
+  Notes: writing starts an epoch, and the scheme begins anew from the fields, as in a restarted run
 
   Errors: a file that cannot be written ends the run; the last checkpoint remains
 */

@@ -7,7 +7,8 @@
 
 #define CHECKPOINT_FORMAT 9 /* version of the file's contents */
 
-/* Numbers that identify a scene in the file; a restart refuses others. One row of a table each. */
+/* Numbers that identify a scene in the file; a restart refuses a file with others. One row of a
+   table each. */
 #define SCENE_ENTRY_MAX (2 * ISPH_MAX_DIM)
 typedef struct {
   const char *name;      /* of the data set */

@@ -1,4 +1,4 @@
-/* SIGTERM, SIGINT and SIGXCPU (a limit on CPU time): noted at once, handled between steps. */
+/* SIGTERM, SIGINT and SIGXCPU (a limit on CPU time): recorded at once, handled between steps. */
 #include "impl.h"
 #include <signal.h>
 
@@ -21,7 +21,7 @@ PetscErrorCode InterruptInstall(void)
 }
 
 /*
-  InterruptCheck - Finds out if a signal has reached any rank
+  InterruptCheck - Checks if a signal has reached any rank
 
   Collective on PETSC_COMM_WORLD. Output: signal - its name, NULL for none.
 */

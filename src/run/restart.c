@@ -1,4 +1,4 @@
-/* Restart from the file of checkpoint.c, or its refusal. */
+/* Restarts a run from the file of checkpoint.c, or refuses the file. */
 #include "checkpoint.h"
 #include <string.h>
 

@@ -135,7 +135,7 @@ static PetscErrorCode RunBegin(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds out if the run is over; prints the reason of an early end. */
+/* Checks if the run is over; prints the reason for an early end. */
 static PetscErrorCode RunIsOver(Run *run, PetscBool *over)
 {
   Clock           *clock  = run->flow.clock;

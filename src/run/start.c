@@ -122,13 +122,12 @@ static PetscErrorCode CheckPlaces(const Scene *scene, const char path[], const F
 - path  - of the file, empty without a file
 
   Input/Output Parameter:
-. scene - its bounds of the viscosity follow the file
+. scene - its bounds on the viscosity are set to those of the file
 
   Options Database Key:
 . -particles file.h5 - data set `position` [m] and, if present, `velocity` [m/s], `viscosity`
-[m^2/s]
-                       for varying viscosity, and `type` (0: fluid, others are skipped), as in a
-                       snapshot. The walls of the case do not change.
+                       [m^2/s] for varying viscosity, and `type` (0: fluid, others are skipped), as
+                       in a snapshot. The walls of the case do not change.
 
   Errors: an unreadable file, a file without fluid, or a particle outside the fluid ends the run
 */

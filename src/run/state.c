@@ -1,4 +1,5 @@
-/* Numbers that verify a checkpoint: names, checksums, and the table of what identifies a scene. */
+/* Numbers that verify a checkpoint: names, checksums, and the table of numbers that identify a
+   scene. */
 #include "checkpoint.h"
 #include <string.h>
 
@@ -51,8 +52,8 @@ static uint64_t HashWord(uint64_t hash, uint64_t word)
 
 /*
   CheckpointSumNumbers - Adds a checksum of n numbers
+
   Not collective. For numbers that are equal on all ranks; for distributed records see
-  CheckpointSumRecords().
   CheckpointSumRecords().
 */
 void CheckpointSumNumbers(PetscInt n, const double numbers[], uint64_t *sum)
@@ -124,8 +125,8 @@ static PetscErrorCode SceneShapes(const Scene *scene, double value[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes a checksum of the viscosities if particles carry them, otherwise zero: options of a
-   restart would not change those. */
+/* Computes a checksum of the viscosities if each particle stores its own, otherwise zero. The
+   options of a restart would not change stored viscosities. */
 static PetscErrorCode SceneViscosities(const Scene *scene, double value[])
 {
   const double nu  = scene->nu;

@@ -1,7 +1,7 @@
 /*
-  Boundaries of the fluid: the table of their kinds, and the functions by which all other code asks
-  about them. The boundaries of a scene have numbers: first the sides of the box,
-  2 axis + (0 low, 1 high), then the bodies.
+  Boundaries of the fluid: the table of their kinds, and the functions that tell all other code
+  their properties. The boundaries of a scene have numbers: first the sides of the box, 2 axis + (0
+  low, 1 high), then the bodies.
 */
 #include "isph/scene.h"
 
@@ -23,7 +23,8 @@ const BoundaryRow BoundaryPeriodic = {
     .by_axis    = PETSC_TRUE,
     .properties = BOUNDARY_CONTINUES,
 };
-/* Here the side lies in a solid at rest, which extends the flow by zero: no slip. */
+/* A side that lies in a solid at rest. The velocity is continued into the solid by zero: no
+   slip. */
 const BoundaryRow BoundaryNone = {
     .name       = "none",
     .brief      = "side in the solid of a body around the fluid",
@@ -96,14 +97,16 @@ const Body *BoundaryBody(const Scene *scene, PetscInt side)
   return side < SceneBodySide(scene, 0) ? NULL : &scene->boundary[side].body;
 }
 
-/* BoundaryEquation - Returns the equation of a boundary for a quantity of a fit; not collective */
+/* BoundaryEquation - Returns the equation that a boundary gives to a fit of a quantity; not
+   collective */
 Equation BoundaryEquation(const Scene *scene, PetscInt side, FitQuantity quantity)
 {
   return scene->boundary[side].kind->equation[quantity];
 }
 
-/* BoundaryVelocityEquation - Returns the equation of a boundary for velocity component c; the
-   components of bodies are not told apart; not collective */
+/* BoundaryVelocityEquation - Returns the equation that a boundary gives to a fit of velocity
+   component c. On bodies all components have the equation of the normal component. Not
+   collective. */
 Equation BoundaryVelocityEquation(const Scene *scene, PetscInt side, PetscInt c)
 {
   const PetscBool normal = BoundaryBody(scene, side) || c == side / 2 ? PETSC_TRUE : PETSC_FALSE;
@@ -246,7 +249,7 @@ PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal
 }
 
 /*
-  SceneDecayRate - Returns a lower bound of the decay rate of a flow between walls at rest [1/s]
+  SceneDecayRate - Returns a lower bound on the decay rate of a flow between walls at rest [1/s]
 
     d|u|/dt <= -nu (pi/W)^2 |u|,  W: distance of the closest pair of opposite sides without slip
 

@@ -308,21 +308,22 @@ static PetscErrorCode SceneNameConstants(Scene *scene)
 
   Output Parameter:
 . scene - complete: geometry in m, fluid, forces and chosen physics
+
   Options Database Keys:
 + -case name              - row of the table in cases/cases.c
 . -dim 2|3                - space dimension
 . -n N                    - particles along the reference length
 . -length, -speed         - the case's L and U
-. -reynolds, -viscosity   - one of the two
-. -density RHO            - of the fluid
-. -body_force fx,fy,fz    - per unit mass, in place of the case's own; of -case scene expressions of
-                            x, y, t
-. -with, -without names   - physics against the case's declaration
-. -jitter J               - largest random displacement of the start lattice, in dx
-. -seed S                 - of the jitter and of random fields
-- -patch_margin M         - of a patch test, which reads nothing of the fluid and the physics [dx]
-
-  and -motion, a row of its table, where there is convection
+. -reynolds, -viscosity   - one of the two sets the viscosity
+. -density RHO            - density of the fluid
+. -body_force fx,fy,fz    - force per unit mass that replaces the case's; with -case scene
+                            expressions of x, y, t
+. -with, -without names   - physics added to or removed from the case's
+. -motion name            - row of the table of motions, if there is convection
+. -jitter J               - largest random displacement of the start lattice [dx]
+. -seed S                 - seed of the jitter and of random fields
+- -patch_margin M         - margin of a patch test [dx]; a patch test reads no option of the fluid
+                            or of the physics
 */
 PetscErrorCode SceneCreate(Scene **scene)
 {

@@ -1,6 +1,6 @@
 /*
   Expressions of x, y, z and t typed by the user. muParser parses and evaluates them. This file owns
-  the parser handles, splits texts into components, and turns parser errors into messages of a
+  the parser handles, splits texts into components, and turns parser errors into messages of one
   line. Plain numbers need no parser.
 */
 #include "isph/expression.h"
@@ -89,7 +89,7 @@ PetscErrorCode ExpressionScopeCheck(const ExpressionScope *scope)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates a parser that knows the constants of the scope and the allowed variables. */
+/* Creates a parser with the constants of the scope and the allowed variables. */
 static PetscErrorCode ParserCreate(ExpressionScope *scope, unsigned allowed,
                                    muParserHandle_t *parser)
 {
@@ -212,8 +212,7 @@ static PetscErrorCode SetComponent(ExpressionScope *scope, const char text[], un
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ends the component that begins at text at the first comma outside brackets; returns the next
-   component, or NULL. */
+/* Ends a component at the first comma outside brackets; returns the next component, or NULL. */
 static char *SplitComponent(char text[])
 {
   PetscInt depth = 0;
@@ -273,7 +272,7 @@ PetscErrorCode ExpressionSet(ExpressionScope *scope, const char option[], const 
 /*
   ExpressionGet - Reads the expression of an option by ExpressionSet()
 
-  Collective. Output: e - left alone where the option is not given; given - may be NULL.
+  Collective. Output: e - unchanged if the option is not given; given - may be NULL.
 */
 PetscErrorCode ExpressionGet(ExpressionScope *scope, const OptionRow *option, PetscInt fewest,
                              PetscInt most, unsigned allowed, Expression *e, PetscBool *given)

@@ -108,8 +108,8 @@ PetscErrorCode SceneBoundViscosity(Scene *scene)
   SceneBoundGivenViscosity - Finds the least and largest viscosity of the particles at the start
 
   Collective. Input: nu - of this rank's n particles [m^2/s]; if no rank has particles with
-  viscosities, the bounds stay. Output: scene->nu_low, scene->nu_high. Errors: a viscosity that
-  is not positive ends the run.
+  viscosities, the bounds do not change. Output: scene->nu_low, scene->nu_high. Errors: a viscosity
+  that is not positive ends the run.
 */
 PetscErrorCode SceneBoundGivenViscosity(PetscInt n, const PetscReal nu[], Scene *scene)
 {

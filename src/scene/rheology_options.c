@@ -108,8 +108,8 @@ static void RheologyDefaults(PetscReal rate, Rheology *r)
       r->nu * PetscPowReal(rate, 1.0 - r->parameter[RHEOLOGY_EXPONENT]);
 }
 
-/* Returns the viscosity for zero rate (end = -1) or infinite rate (1); without a limit, the
-   viscosity 12 powers of ten away. */
+/* Returns the viscosity for zero rate (end = -1) or infinite rate (1); if it has no limit there,
+   the viscosity at 1e-12 or 1e12 times the given rate. */
 static PetscReal RheologyLimit(const Rheology *r, PetscReal rate, PetscInt end, PetscBool *limited)
 {
   const PetscReal last = r->row->Nu(r, rate * PetscPowReal(1e100, end)),
@@ -123,7 +123,8 @@ static PetscReal RheologyLimit(const Rheology *r, PetscReal rate, PetscInt end, 
   Sets default bounds of the viscosity: the limits of the model for zero and infinite rate. Without
   limits the bounds are 1000 nu and nu/1000. A fluid whose viscosity vanishes with the rate has the
   lower bound nu/20: particles of very low viscosity would decouple from their neighbours.
-  (Poiseuille flow, n = 2, a row in the middle of 51: error 1.8 % with nu/100, 0.3 % with nu/20.)
+  (Poiseuille flow, exponent 2, 51 rows of particles, of which one lies in the middle: error 1.8 %
+  with nu/100, 0.3 % with nu/20.)
 */
 static void RheologyBound(PetscReal rate, Rheology *r)
 {
@@ -141,8 +142,8 @@ static void RheologyBound(PetscReal rate, Rheology *r)
 /*
   SceneReadRheology - Reads the rheology, a viscosity that depends on the strain rate
 
-  Collective, when scene->nu, length and speed
-  are known.
+  Collective. To be called when scene->nu, length and speed are known.
+
   Options Database Keys:
 + -rheology name             - row of the rheology table
 . -rheology_consistency K    - of power_law [m^2 s^(n-2)]

@@ -55,9 +55,9 @@ PetscReal SceneCellSide(const Scene *scene, PetscInt axis)
 }
 
 /*
-  SceneSpacing - Returns the particle spacing wanted at x [m]
+  SceneSpacing - Returns the particle spacing that the scene prescribes at x [m]
 
-  It is uniform today. A particle takes it when it is made and keeps its own afterwards
+  It is uniform at present. A particle takes this spacing when it is created, and keeps it
   (Particles.dx); dimensionless numbers and options are in units of the reference spacing scene->dx.
 */
 PetscReal SceneSpacing(const Scene *scene, const PetscReal x[])
@@ -66,7 +66,8 @@ PetscReal SceneSpacing(const Scene *scene, const PetscReal x[])
   return scene->dx;
 }
 
-/* BodySpacing - Returns the spacing of points on a body's surface, wanted at its centre [m] */
+/* BodySpacing - Returns the spacing of points on a body's surface, the scene's spacing at its
+   centre [m] */
 PetscReal BodySpacing(const Scene *scene, const Body *body)
 {
   const PetscReal x[ISPH_MAX_DIM] = {body->centre[0], body->centre[1]};
@@ -74,13 +75,13 @@ PetscReal BodySpacing(const Scene *scene, const Body *body)
   return SceneSpacing(scene, x);
 }
 
-/* SceneCoarsest - Returns the largest spacing wanted anywhere, which bounds kernel radii [m] */
+/* SceneCoarsest - Returns the largest spacing of the scene, which bounds kernel radii [m] */
 PetscReal SceneCoarsest(const Scene *scene)
 {
   return scene->dx;
 }
 
-/* SceneFinest - Returns the smallest spacing wanted anywhere, which bounds steps [m] */
+/* SceneFinest - Returns the smallest spacing of the scene, which bounds steps [m] */
 PetscReal SceneFinest(const Scene *scene)
 {
   return scene->dx;
@@ -101,7 +102,7 @@ PetscReal SceneVolume(const Scene *scene)
   return volume;
 }
 
-/* SceneVolumeAt - Returns the volume of a particle made at x [m^dim] */
+/* SceneVolumeAt - Returns the volume of a particle created at x [m^dim] */
 PetscReal SceneVolumeAt(const Scene *scene, const PetscReal x[])
 {
   const PetscReal ratio  = SceneSpacing(scene, x) / scene->dx;

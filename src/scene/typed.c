@@ -145,7 +145,7 @@ static const OptionRow   options[] = {
 };
 const OptionTable TypedOptions = OPTIONS("Typed scenes", options);
 
-/* Makes the row of one of the bodies, or fluids. */
+/* Makes the option row of body or fluid k from the pattern with <k>. */
 static void Numbered(const OptionRow *pattern, PetscInt k, char name[OPTION_LENGTH], OptionRow *row)
 {
   char number[32];
@@ -189,7 +189,7 @@ static PetscErrorCode ReadShape(const char option[], const char text[], Body *bo
 /*
   Bodies have fixed positions. A constant velocity of the surface with a normal part would carry
   fluid through it, and is refused. A normal velocity that depends on t is accepted: it may be an
-  oscillation small against the body.
+  oscillation that is small compared with the body.
 */
 static PetscErrorCode CheckBodyMotion(const Scene *scene, const Boundary *boundary)
 {
@@ -457,20 +457,20 @@ static PetscErrorCode ReadFields(Scene *scene)
 + -scene_box x0,y0,x1,y1           - corners [m]; by default the unit square
 . -scene_periodic x,y              - axes that are periodic
 . -scene_symmetry left,...         - sides in which the flow mirrors itself
-. -scene_wall_<side>_velocity u,v  - of the sides left, right, bottom, top, of x, y, t [m/s]
-. -scene_body_<k> shape,...        - bodies 1, 2, ...
-. -scene_body_<k>_velocity u,v     - of its surface, of t [m/s]
-. -scene_body_<k>_rotation w       - of its surface, of t [rad/s]
+. -scene_wall_<side>_velocity u,v  - velocity of side left, right, bottom or top [m/s] (x, y, t)
+. -scene_body_<k> shape,...        - shapes of bodies 1, 2, ...
+. -scene_body_<k>_velocity u,v     - velocity of the body's surface [m/s] (t)
+. -scene_body_<k>_rotation w       - angular velocity of the body's surface [rad/s] (t)
 . -scene_body_<k>_around           - the fluid is inside; the box then has no walls
-. -scene_fluid_<k> shape,...       - where fluids 1, 2, ... are at the start
-. -scene_fluid_<k>_viscosity nu    - of that fluid [m^2/s]
-. -viscosity_field nu              - elsewhere, of x, y [m^2/s]
-. -scene_velocity u,v              - at the start, of x, y [m/s]
-- -scene_exact u,v[,p]             - reference solution, of x, y, t [m/s], [Pa]
+. -scene_fluid_<k> shape,...       - regions of fluids 1, 2, ... at the start
+. -scene_fluid_<k>_viscosity nu    - viscosity of that fluid [m^2/s]
+. -viscosity_field nu              - viscosity outside these regions [m^2/s] (x, y)
+. -scene_velocity u,v              - velocity at the start [m/s] (x, y)
+- -scene_exact u,v[,p]             - reference solution [m/s], [Pa] (x, y, t)
 
-  Notes: velocities and the reference are expressions, see ExpressionSet(). The option of each kind
-  of boundary stands in its row. A periodic box without bodies has no walls, so the physics `walls`
-  is off.
+  Notes: brackets give the variables that an expression may contain, see ExpressionSet(). The option
+  of each kind of boundary stands in its row. A periodic box without bodies has no walls, so the
+  physics `walls` is off.
 
   Errors: wrong shapes, bodies that overlap or leave gaps of less than 4 dx, expressions with wrong
   syntax, and velocities through a surface end the run

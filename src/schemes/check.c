@@ -70,8 +70,8 @@ PetscErrorCode FlowMeasureStart(Flow *flow)
 }
 
 /*
-  Returns the bound on the root mean square velocity, with 5 % for discretisation and 1e-6 U for
-  rounding
+  Returns the bound on the root mean square velocity, with an allowance of
+  5 % for discretisation and 1e-6 U for rounding
 
     |u| <= |u|(0) + min(int F dt, max F/r) + max wall speed bound,  F = max |f|
 

@@ -4,7 +4,7 @@
 #include "isph/clock.h"
 #include <stdarg.h>
 
-#define CLOCK_MAX_HALVINGS 10 /* most halvings of a step */
+#define CLOCK_MAX_HALVINGS 10 /* largest number of halvings of a step */
 #define CLOCK_GOOD_NEEDED  10 /* half the good steps before the first doubling */
 
 static const DtAdaptRow adapts[] = {
@@ -236,7 +236,7 @@ void StepLimitLower(StepLimit *limit, PetscReal dt, const char reason[])
   limit->reason = reason;
 }
 
-/* FailureSet - Sets the reason of a failed step, unless a reason is set; not collective */
+/* FailureSet - Sets the reason for a failed step, unless a reason is set; not collective */
 void FailureSet(StepFailure *failure, PetscErrorCode code, const char format[], ...)
 {
   va_list arguments;
@@ -260,13 +260,13 @@ static PetscReal ClockTarget(const Clock *c)
 }
 
 /*
-  ClockChoose - Sets dt of the coming step
+  ClockChoose - Sets dt of the next step
 
     dt = min((-dt, or else the scheme's limit)/2^halvings, land_every)
 
   Not collective. Steps are shortened evenly, so that the next time of a report or a snapshot and
-  t_end are hit exactly without a short last step. A step as long as the interval of snapshots is a
-  usual step, not one cut short.
+  t_end are hit exactly without a short last step. A step that the interval of snapshots limits does
+  not count as shortened (dt_wanted).
 
   Input Parameter:
 . limit - the longest step that the scheme allows
@@ -325,7 +325,7 @@ PetscErrorCode ClockRestart(Clock *c)
 /*
   ClockAdvance - Advances the time after a good step
 
-  Not collective. After a failure a step doubles its length again after good_needed good steps.
+  Not collective. After a failure dt doubles again after good_needed good steps.
 */
 PetscErrorCode ClockAdvance(Clock *clock)
 {
@@ -378,9 +378,9 @@ PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
 /*
   ClockRatio - Returns w = dt/dt_previous for extrapolation in time; not collective
 
-  Returns 0, which means first order, with -time_order 1, in the first step, and if w exceeds
-  1 + sqrt(2). BDF2 is unstable there, and after an impulsive start a short step for a report would
-  be extrapolated tenfold.
+  Returns 0, which means first order, with -time_order 1, in the first step, and if w exceeds 1 +
+  sqrt(2). BDF2 is unstable there. After an impulsive start, the change in a short step to a report
+  time would be extrapolated to a step ten times as long.
 */
 PetscReal ClockRatio(const Clock *clock)
 {

@@ -26,8 +26,8 @@ PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, cons
 
   Collective. S is -velocity_filter, and fit the least-squares value of u at particle i. The second
   term is the difference between upwind-biased and central differences. It damps grid modes in the
-  time in which the flow passes dx, and only if |v| dx/nu > 2. It is of
-  order 2, U dx^2 u''', on any cloud (order 3 on lattices). Without it (-velocity_filter 0) explicit
+  time in which the flow passes dx, and only if |v| dx/nu > 2. It is of order 2, U dx^2 u''', on any
+  arrangement of particles, and of order 3 on lattices. Without it (-velocity_filter 0) explicit
   steps of the first term amplify grid modes that viscosity does not damp.
 
   Input Parameters:

@@ -19,7 +19,7 @@ PetscErrorCode OptionDefault(const char prefix[], const char name[], const char 
 }
 
 /*
-  AmgDefaults - Sets parameters of BoomerAMG measured best for these matrices, unless they are given
+  AmgDefaults - Sets the parameters of BoomerAMG that measurements found best, unless they are given
 
   Collective on PETSC_COMM_WORLD. Input: aggressive - levels of aggressive coarsening, which make
   pressure solves faster but double the iterations of velocity solves.

@@ -37,7 +37,7 @@ static PetscErrorCode FallbackLevel(KSP ksp, PetscInt k, Guard *guard)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds out if a fallback is the failed method itself, is too expensive, or needs a parallel
+/* Checks if a fallback is the failed method itself, is too expensive, or needs a parallel
    factorisation that this PETSc lacks. */
 static PetscErrorCode FallbackSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBool nested,
                                     PetscBool *skips)

@@ -5,7 +5,7 @@
 */
 #include "isph/guard.h"
 
-#define LOOSEST_RTOL 0.01 /* of a KSP: times the slack of residual.c it is the worst residual */
+#define LOOSEST_RTOL 0.01 /* largest allowed tolerance of a KSP, see residual.c */
 
 static const OptionRow options[] = {
     {
@@ -45,7 +45,7 @@ static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Notes a choice that is allowed but unwise with the chosen form. */
+/* Records a choice that is allowed but unwise with the chosen form. */
 static PetscErrorCode GuardNote(KSP ksp, const LaplacianForm *form, Guard *guard)
 {
   PetscBool   needs_symmetry;
@@ -82,7 +82,7 @@ static PetscErrorCode GuardNote(KSP ksp, const LaplacianForm *form, Guard *guard
 . guard - solve.ksp; solve.note describes an allowed but unwise choice
 
   Options Database Key:
-. -fallback N - most solves in a row by fallbacks
+. -fallback N - largest number of successive solves by fallbacks
 
   Errors: refuses a Cholesky factorisation of an unsymmetric matrix, and absolute tolerances
 */

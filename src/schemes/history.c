@@ -9,7 +9,7 @@
   Collective. A backward Euler step of length k from this start is of order 2: docs/theory.md, (99).
 
   Input Parameter:
-. history - flag: BDF2 if u^{n-1} is known; otherwise the start is u^n over dt
+. history - flag: BDF2 if u^{n-1} is known; otherwise backward Euler, with start = u^n and k = dt
 
   Output Parameter:
 . dt - k [s]

@@ -6,7 +6,7 @@
 
 #define FILTER_RATE 2.0 /* factor of |A A|^(1/2) [-] */
 
-/* Moves a position out of the distance 0.3 dx from every wall. */
+/* Moves a position that is less than 0.3 dx from a wall to this distance. */
 static void KeepOffWalls(const Scene *scene, PetscReal dx, PetscReal x[])
 {
   const PetscReal clearance = 0.3 * dx;
@@ -35,7 +35,7 @@ typedef struct {
   const PetscScalar *residual[ISPH_MAX_DIM];        /* residual of the fit of u_c */
 } Slopes;
 
-/* Computes y = op u in a work vector, which slope reads. */
+/* Computes y = op u in a work vector; slope becomes its array. */
 static PetscErrorCode SlopeGet(Flow *flow, const AffineOperator *op, Vec u, Vec walls, Vec *y,
                                const PetscScalar **slope)
 {
@@ -175,8 +175,8 @@ static PetscErrorCode CheckMove(Flow *flow, PetscReal moved)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Displaces all own fluid particles and changes their fields; moved: largest way with the flow
-   [dx_i]. */
+/* Displaces all own fluid particles and changes their fields; moved: largest displacement by the
+   flow [dx_i]. */
 static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscReal *moved)
 {
   const Scene    *scene    = flow->scene;

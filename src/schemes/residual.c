@@ -1,7 +1,7 @@
 /* The true residual of a linear solve, used by guard and fallbacks. */
 #include "isph/guard.h"
 
-#define RESIDUAL_SLACK 10.0 /* accepted true residual over the tolerance */
+#define RESIDUAL_SLACK 10.0 /* accepted true residual divided by the tolerance */
 #define RESIDUAL_WORST 0.1  /* largest true residual accepted with any tolerance */
 
 /*

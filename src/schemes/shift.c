@@ -1,6 +1,6 @@
 /*
-  Particle shifting: displacements besides the flow that keep particles evenly spread. A new kind is
-  a function and a row.
+  Particle shifting: displacements in addition to the flow that keep particles evenly spread. A new
+  kind needs a function and a row.
 */
 #include "isph/schemes.h"
 

@@ -4,9 +4,9 @@
 /*
   TimeOptionsRefuse - Refuses options by which a TS would control time, and theta for other types
 
-  Collective. Knows the names of all releases of PETSc: a name of another release would otherwise
-  be reported as misspelt. PETSc's beuler and cn are theta methods that would refuse -ts_theta_theta
-  in the first step only.
+  Collective. The names of all releases of PETSc are refused: a name of another release would
+  otherwise be reported as misspelt. PETSc's beuler and cn are theta methods that would refuse
+  -ts_theta_theta in the first step only.
 */
 PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[])
 {
@@ -61,10 +61,10 @@ static PetscErrorCode TimeMonitor(TS ts)
 - guard - guard of its solves; inactive without a KSP
 
   Input/Output Parameter:
-. h - first step; out: last step that the end has not shortened [s]
+. h - length of the first step; out: last length before it is shortened to end at t + dt [s]
 
   Output Parameters:
-+ guard   - solve.iterations increases by the iterations
++ guard   - solve.iterations increases by the linear iterations of this call
 - failure - set if the TS diverges, or if no method reaches a small true residual
 */
 PetscErrorCode TimeStepThrough(TS ts, const char name[], Guard *guard, PetscReal t, PetscReal dt,

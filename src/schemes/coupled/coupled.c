@@ -75,7 +75,8 @@ static PetscErrorCode RefuseSteady(const Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses options of a history for integrators without history. */
+/* Refuses options and moving particles for a steady solve or substeps, which have no velocity
+   history. */
 static PetscErrorCode RefuseHistory(const Flow *flow, const CoupledIntegratorRow *row)
 {
   const PetscBool steady = flow->clock->steady_solve;

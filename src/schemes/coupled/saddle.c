@@ -8,10 +8,10 @@
 
   The pressure gradient G is one-sided at walls: the wall pressure gradient follows from the
   momentum of the particles next to the wall. All unknowns belong to the same particles, so G and D
-  do not see grid modes of the pressure. C q, the residual of the fit of q, brings these modes into
-  the continuity equation. For smooth pressures it is a flux of order dx^3 (dx^4 inside lattices);
-  it vanishes for quadratic pressures and needs no condition at walls. c is GaugeColumn(). See
-  docs/theory.md, (92) to (94).
+  do not act on grid modes of the pressure. C q, the residual of the fit of q, brings these modes
+  into the continuity equation. For smooth pressures it is a flux of order dx^3 (dx^4 inside
+  lattices); it vanishes for quadratic pressures and needs no condition at walls. c is
+  GaugeColumn(). See docs/theory.md, (92) to (94).
 */
 #include "saddle.h"
 #include "schemes/step.h"
@@ -78,13 +78,14 @@ static PetscErrorCode ViscousCreate(const Scene *scene, const Operators *ops, Pe
 }
 
 /*
-  SaddleAssemble - Assembles the blocks from the present operators; SaddleSetShift() computes F
+  SaddleAssemble - Assembles all blocks except F from the present operators; for F see
+  SaddleSetShift()
 
   Collective.
 
   Input Parameters:
-+ step      - T [s]
-- advecting - v of implicit convection [m/s]; NULL: none
++ step      - T, the factor that scales the momentum equation [s]
+- advecting - advecting velocity of implicit convection [m/s]; NULL: no implicit convection
 */
 PetscErrorCode SaddleAssemble(const Scene *scene, const Particles *p, const Operators *ops,
                               PetscReal step, const Vec advecting[], Saddle *s)
@@ -110,7 +111,8 @@ PetscErrorCode SaddleAssemble(const Scene *scene, const Particles *p, const Oper
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleSetShift - Computes F = (T shift) I + viscous for a new shift, T: time step; collective */
+/* SaddleSetShift - Computes the momentum block F = (T shift) I + viscous for a new shift;
+   collective */
 PetscErrorCode SaddleSetShift(PetscReal shift, Saddle *s)
 {
   PetscFunctionBegin;

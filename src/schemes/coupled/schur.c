@@ -4,7 +4,7 @@
 
     S = sigma (-lap) (shift - nu lap)^-1,   S^-1 = nu/sigma + shift/sigma (-lap)^-1
 
-  if F commutes with gradients and C is neglected: docs/theory.md, (95). A new approximation is a
+  if F commutes with gradients and C is neglected: docs/theory.md, (95). A new approximation needs a
   function and a row.
 */
 #include "coupled.h"
@@ -74,7 +74,8 @@ static PetscErrorCode Schur_Apply(PC pc, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SchurAttach - Sets this approximation as the shell preconditioner of the pressure; collective */
+/* SchurAttach - Sets the chosen approximation of the Schur complement as the shell
+   preconditioner of the pressure; collective */
 PetscErrorCode SchurAttach(PC fieldsplit, Schur *s)
 {
   KSP      *sub;
@@ -117,8 +118,8 @@ PetscErrorCode SchurCreate(Schur *s)
 /*
   SchurAssemble - Creates the matrices of the approximation for new operators
 
-  Collective. Notes: PETSc gets the matrix of row mass, so that other preconditioners than shell
-  (-coupled_fieldsplit_pressure_pc_type jacobi) have a matrix.
+  Collective. Notes: PETSc gets the matrix of the row `mass`, so that preconditioners other than
+  shell (-coupled_fieldsplit_pressure_pc_type jacobi) have a matrix.
 */
 PetscErrorCode SchurAssemble(const Particles *p, const Operators *ops, Schur *s)
 {

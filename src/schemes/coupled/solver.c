@@ -38,7 +38,8 @@ PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
 
 /*
   Sets defaults for the solvers of the field split's blocks: for velocities a single application of
-  block Jacobi if nu dt/dx^2 is below 2, otherwise of AMG; for pressures of schur.c.
+  block Jacobi if nu dt/dx^2 is below 2, otherwise of AMG; for pressures the shell preconditioner of
+  schur.c.
 */
 static PetscErrorCode BlockDefaults(const Scene *scene, PetscReal dt)
 {
@@ -145,8 +146,8 @@ static PetscErrorCode CoupledFree(Coupled *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CoupledSolverFree - Views the integrator, if asked for, and frees solver and matrices;
-   collective */
+/* CoupledSolverFree - Views the integrator, if its option is given, and frees solver and
+   matrices; collective */
 PetscErrorCode CoupledSolverFree(Coupled *c)
 {
   PetscFunctionBegin;

@@ -1,10 +1,10 @@
 /*
-  The coupled step: its start, then velocity and pressure together, in time, or steady with Picard
-  iterations for convection.
+  The coupled step: a consistent start, then a solve for velocity and pressure together, either in
+  time, or steady with Picard iterations for convection.
 */
 #include "coupled.h"
 
-#define PICARD_MOST   50   /* most iterations of a steady flow */
+#define PICARD_MOST   50   /* largest number of iterations of a steady flow */
 #define PICARD_CHANGE 1e-6 /* relative change of u in the last iteration */
 
 /* Solves the linear system, starting from the present unknowns. */
@@ -46,8 +46,8 @@ static PetscErrorCode StartConsistently(PetscReal t, PetscReal h, Coupled *c, St
 
 /*
   Advances from t over dt: by a single step of the TS, or by substeps with error control. The first
-  substep has the length of the last substep before; in the first step of a run a step of dt/100
-  precedes, which makes the flow consistent.
+  substep has the length of the last substep of the step before. In the first step of a run, an
+  additional first step of dt/100 makes the flow consistent.
 */
 static PetscErrorCode AdvanceInTime(PetscReal t, PetscReal dt, Coupled *c, StepFailure *failure)
 {
@@ -121,7 +121,7 @@ static PetscErrorCode IteratePicard(Vec u[], Vec pressure, Vec advecting[], Coup
 
 /*
   Solves for u_next and p at the clock's t + dt. On entry u_next is the velocity at the start of the
-  step of length dt, and p a guess of the pressure.
+  step of length dt, and p an estimate of the pressure.
 */
 static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
 {

@@ -90,12 +90,12 @@ static PetscErrorCode ShareOfResidual(const Flow *flow, Vec residual)
 }
 
 /*
-  PressureGain - Returns the share of phi that the pressure gains, min(1, 4 dt/dt_wanted)
+  PressureGain - Returns the share of phi that is added to the pressure, min(1, 4 dt/dt_wanted)
 
   Not collective. An error e of the velocity gives phi of about rho e dx/dt. If a report cuts a step
   short, phi is therefore far too large for the following steps, which may be thousands of times as
-  long. An incremental pressure gains the share of a usual step instead; its own change in such a
-  short time is small. See docs/theory.md, (91).
+  long. An incremental projection therefore adds the phi that a step of usual length would have; the
+  true change of the pressure in such a short time is small. See docs/theory.md, (91).
 */
 PetscReal PressureGain(const Flow *flow)
 {
@@ -109,8 +109,8 @@ PetscReal PressureGain(const Flow *flow)
   of the residual of its fit, and fixes its mean
 
   c is LaplacianDilatation(). mu belongs to the least viscosity: exact if it is uniform, stable if
-  it varies. With the local viscosity a drop of 1e5 times the viscosity around it became unstable
-  within 4 steps.
+  it varies. With the local viscosity a drop 1e5 times as viscous as the fluid around it became
+  unstable within 4 steps.
 */
 static PetscErrorCode UpdatePressure(Flow *flow)
 {

@@ -15,8 +15,8 @@ static PetscErrorCode ExtrapolateVelocity(Flow *flow, PetscReal at, Vec v[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the force on u* without convection, -grad p^n/rho + f; at: its time in the step, 1 or
-   1/2. */
+/* Sets the force on u* without convection, -grad p^n/rho + f; at: time of f within the step, 1
+   or 1/2. */
 static PetscErrorCode SetForce(Flow *flow, PetscReal at, Vec force[])
 {
   const Scene      *scene = flow->scene;

@@ -66,7 +66,7 @@ static PetscErrorCode PressureRenumber(const Particles *p, Pressure *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes A + c c^T, with a copy of A only where the user gave a type of matrices. */
+/* Makes A + c c^T; copies A only if the user chose a matrix type. */
 static PetscErrorCode PressureOperator(const Operators *ops, const Pressure *s, Mat *A)
 {
   PetscBool same;

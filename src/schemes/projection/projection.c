@@ -64,7 +64,7 @@ static const OptionRow options[] = {
 };
 const OptionTable ProjectionOptions = OPTIONS("Projection", options);
 
-/* Finds out if particles are fixed on a lattice without bodies. */
+/* Checks if particles are fixed on a lattice without bodies. */
 static PetscErrorCode OnLattice(const Scene *scene, PetscBool *on)
 {
   PetscBool given;
@@ -158,7 +158,8 @@ static PetscErrorCode ProjectionSetUp(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the share for a pressure given at the start, which balances the force at walls. */
+/* Sets the share of the wall pressure gradient: 1 for a given initial pressure, which balances
+   the force at walls, otherwise 0. */
 static PetscErrorCode ProjectionRegister(Flow *flow)
 {
   const Particles *p    = flow->particles;
@@ -205,7 +206,8 @@ static PetscErrorCode ProjectionStep(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Prints the projection, its integrator, and a warning about long steps against diffusion. */
+/* Prints the projection, its integrator, and a warning about steps that are long compared with
+   the time of diffusion. */
 static PetscErrorCode ProjectionView(const Flow *flow, PetscViewer viewer)
 {
   const Scene      *scene  = flow->scene;

@@ -183,7 +183,7 @@ static PetscErrorCode ViscosityFree(Viscosity *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ViscosityDestroy - Views the integrators, if asked for, and frees them; collective */
+/* ViscosityDestroy - Views the integrators, if their option is given, and frees them; collective */
 PetscErrorCode ViscosityDestroy(Viscosity **visc)
 {
   PetscFunctionBegin;
@@ -296,8 +296,7 @@ static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t,
 
   Input Parameters:
 + dt                - length of the viscous step, shorter than the clock's if it starts from a
-history
-                      [s]
+                      history [s]
 . projection_factor - see WallValuesSetVelocity() [m^3 s/kg]
 . force             - force per unit mass, constant over the step [m/s^2]
 - advecting         - v; NULL if particles move or the force contains convection [m/s]
