@@ -58,18 +58,16 @@ void           MemorySet(const Memory *memory, PetscBool counters, const PetscRe
 /* Control of the step length. */
 typedef struct {
   const char *name, *brief, *citation;
-  PetscBool
-      follows; /* the step depends on the present speed and body force; otherwise on -dt or U */
-  PetscBool retries; /* a failed step is undone and repeated in shorter steps */
+  PetscBool   follows; /* dt depends on present speed and body force; otherwise on -dt or U */
+  PetscBool   retries; /* a failed step is undone and repeated in shorter steps */
 } DtAdaptRow;
 extern const Table DtAdaptTable;
 
 /* Time, owned by the run; all second-order formulas use variable-step coefficients. */
 typedef struct {
   PetscReal t, dt, dt_previous; /* [s]; dt_previous = 0 before the second step */
-  PetscReal
-      dt_wanted;  /* dt before a report time shortens it; dt itself in a run of a single step [s] */
-  PetscInt  step; /* finished steps */
+  PetscReal dt_wanted;  /* dt before a report time shortens it; dt in a run of one step [s] */
+  PetscInt  step;       /* finished steps */
   PetscReal t_first;    /* time at the start of this process, not 0 after a restart [s] */
   PetscInt  step_first; /* steps at the start of this process */
   PetscReal t_end;      /* [s] */

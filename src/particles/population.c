@@ -164,11 +164,10 @@ static PetscErrorCode FillRecord(const Scene *scene, const Particles *p, const N
   Output Parameter:
 . first - id of the first new particle of this rank, whose other ids follow; may be NULL
 
-  Notes:
-  The EntryPolicy of a field gives its value at a new particle, unless Value() replaces this value;
-  Value() is called for each field except positions. After an insertion the scheme's Begin
-  reinitialises the flow. Ids depend on the number of ranks. Means use halo values, so positions must
-  lie in the box of the rank.
+  Notes: The EntryPolicy of a field gives its value at a new particle, unless Value() replaces this
+  value; Value() is called for each field except positions. After an insertion the scheme's Begin
+  reinitialises the flow. Ids depend on the number of ranks. Means use halo values, so positions
+  must lie in the box of the rank.
 */
 PetscErrorCode ParticlesInsert(const Scene *scene, Particles *p, const NewParticles *added,
                                PetscInt64 *first)
