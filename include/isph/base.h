@@ -47,6 +47,7 @@ PetscErrorCode  TableFind(const Table *table, const char name[], const TableRow 
 PetscErrorCode  TableWant(const Table *table, const char option[], const char name[], void *row);
 PetscErrorCode  TableView(const Table *table, PetscViewer viewer);
 PetscErrorCode  TableViewRow(const char label[], const void *row, PetscViewer viewer);
+void            AppendWord(char list[], size_t size, const char word[]);
 
 /*
   Checks a condition that the user must meet. Errors that the user can correct (an option, a file, a

@@ -84,7 +84,7 @@ PetscErrorCode OptionGetFile(const OptionRow *row, char path[PETSC_MAX_PATH_LEN]
 PetscErrorCode OptionGetText(const OptionRow *row, size_t length, char text[], PetscBool *given);
 PetscErrorCode OptionGetRow(const OptionRow *row, const char standard[], void *chosen);
 
-PetscErrorCode OptionTyped(const char option[], const char **text);
+PetscErrorCode OptionTyped(const char option[], const char **text, PetscBool *given);
 PetscErrorCode OptionGiven(const char option[], PetscBool *given);
 PetscErrorCode OptionsRefuseTogether(const char a[], const char b[], const char why[]);
 PetscErrorCode OptionsRefuseUnknown(PetscBool deferred_too);

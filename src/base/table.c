@@ -1,6 +1,6 @@
 /*
-  Tables of named rows: search by name, choice from the command line, and list. No other file of
-  the program compares names of rows.
+  Tables of named rows: search by name, choice by an option, and lists of words. No other file
+  compares names of rows.
 */
 #include "isph/base.h"
 
@@ -33,16 +33,11 @@ PetscErrorCode TableFind(const Table *table, const char name[], const TableRow *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Lists all names of a table, "a, b, c". */
-static PetscErrorCode TableNames(const Table *table, char names[], size_t length)
+/* AppendWord - Appends a word to a list, "a, b, c", as far as there is room; not collective */
+void AppendWord(char list[], size_t size, const char word[])
 {
-  PetscFunctionBegin;
-  names[0] = '\0';
-  for (PetscInt k = 0; k < table->count; k++) {
-    if (k) PetscCall(PetscStrlcat(names, ", ", length));
-    PetscCall(PetscStrlcat(names, TableGet(table, k)->name, length));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (list[0]) (void)PetscStrlcat(list, ", ", size);
+  (void)PetscStrlcat(list, word, size);
 }
 
 /*
@@ -55,12 +50,13 @@ static PetscErrorCode TableNames(const Table *table, char names[], size_t length
 */
 PetscErrorCode TableWant(const Table *table, const char option[], const char name[], void *row)
 {
-  char            names[1024];
+  char            names[1024] = "";
   const TableRow *found;
 
   PetscFunctionBegin;
   PetscCall(TableFind(table, name, &found));
-  PetscCall(TableNames(table, names, sizeof(names)));
+  for (PetscInt k = 0; k < table->count; k++)
+    AppendWord(names, sizeof(names), TableGet(table, k)->name);
   UserCheck(name[0], "%s: a name is required; choose one of %s", option, names);
   UserCheck(found, "%s %s: no such name; choose one of %s", option, name, names);
   *(const TableRow **)row = found;

@@ -80,12 +80,9 @@ static PetscErrorCode BannerPhysics(const Scene *scene, PetscViewer viewer)
   char names[2][128] = {"", ""}; /* left out, active */
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < PHYSICS_COUNT; k++) {
-    char *list = names[SceneHas(scene, (Physics)(1u << k)) ? 1 : 0];
-
-    if (list[0]) PetscCall(PetscStrlcat(list, ", ", sizeof(names[0])));
-    PetscCall(PetscStrlcat(list, PhysicsNames[k], sizeof(names[0])));
-  }
+  for (PetscInt k = 0; k < PHYSICS_COUNT; k++)
+    AppendWord(names[SceneHas(scene, (Physics)(1u << k)) ? 1 : 0], sizeof(names[0]),
+               PhysicsNames[k]);
   PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "%s; left out: %s\n", "physics", names[1],
                                    names[0][0] ? names[0] : "nothing"));
   PetscFunctionReturn(PETSC_SUCCESS);

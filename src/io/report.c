@@ -244,8 +244,7 @@ PetscErrorCode ReportCheck(const Report *report)
 
     PetscCall(ReportIsLast(report, k, &last));
     if (!last) continue;
-    if (known[0]) PetscCall(PetscStrlcat(known, ", ", sizeof(known)));
-    PetscCall(PetscStrlcat(known, name, sizeof(known)));
+    AppendWord(known, sizeof(known), name);
     OptionFill(&options[CHECK], name, option, &row);
     PetscCall(OptionGetReal(&row, &tolerance, &set));
     if (set) PetscCall(ReportCheckQuantity(report, name, tolerance, &failed));

@@ -13,9 +13,7 @@ PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length)
 {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < FORM_PROPERTY_COUNT; k++) {
-    if (!(properties & (1u << k))) continue;
-    if (text[0]) PetscCall(PetscStrlcat(text, ", ", length));
-    PetscCall(PetscStrlcat(text, FormPropertyNames[k], length));
+    if (properties & (1u << k)) AppendWord(text, length, FormPropertyNames[k]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

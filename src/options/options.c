@@ -8,10 +8,10 @@
 #include <string.h>
 
 /* Reads the text of an option, empty where there is none; collective. */
-static PetscErrorCode ReadText(const OptionRow *row, const char **text, PetscBool *given)
+static PetscErrorCode ReadText(const char option[], const char **text, PetscBool *given)
 {
   PetscFunctionBegin;
-  PetscCall(PetscOptionsFindPair(NULL, NULL, row->name, text, given));
+  PetscCall(PetscOptionsFindPair(NULL, NULL, option, text, given));
   if (!*given || !*text) *text = "";
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -57,7 +57,7 @@ PetscErrorCode OptionGetReal(const OptionRow *row, PetscReal *value, PetscBool *
   PetscBool   there;
 
   PetscFunctionBegin;
-  PetscCall(ReadText(row, &text, &there));
+  PetscCall(ReadText(row->name, &text, &there));
   if (there) {
     UserCheck(IsNumber(text, &number), "%s%s%s: a number is required", row->name, *text ? " " : "",
               text);
@@ -83,7 +83,7 @@ PetscErrorCode OptionGetInt(const OptionRow *row, PetscInt *value, PetscBool *gi
   PetscBool      there;
 
   PetscFunctionBegin;
-  PetscCall(ReadText(row, &text, &there));
+  PetscCall(ReadText(row->name, &text, &there));
   if (there) {
     errno                  = 0;
     const long long number = strtoll(text, &end, 10);
@@ -115,7 +115,7 @@ PetscErrorCode OptionGetSwitch(const OptionRow *row, PetscBool *value, PetscBool
   PetscBool         there, known = PETSC_FALSE;
 
   PetscFunctionBegin;
-  PetscCall(ReadText(row, &text, &there));
+  PetscCall(ReadText(row->name, &text, &there));
   if (!there) text = row->standard ? row->standard : "absent";
   for (PetscInt k = 0; words[k] && !known; k++) {
     PetscCall(PetscStrcasecmp(text, words[k], &known));
@@ -149,7 +149,7 @@ PetscErrorCode OptionGetReals(const OptionRow *row, PetscInt capacity, PetscReal
   PetscBool   there;
 
   PetscFunctionBegin;
-  PetscCall(ReadText(row, &text, &there));
+  PetscCall(ReadText(row->name, &text, &there));
   UserCheck(!there || *text, "%s: numbers are required, separated by commas", row->name);
   *n = 0;
   while (*text) {
@@ -183,12 +183,9 @@ PetscErrorCode OptionGetFlags(const OptionRow *row, unsigned *flags)
 
   PetscFunctionBegin;
   *flags = 0;
-  PetscCall(ReadText(row, &text, &there));
+  PetscCall(ReadText(row->name, &text, &there));
   if (!there) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; row->words[k]; k++) {
-    if (k) PetscCall(PetscStrlcat(all, ", ", sizeof(all)));
-    PetscCall(PetscStrlcat(all, row->words[k], sizeof(all)));
-  }
+  for (PetscInt k = 0; row->words[k]; k++) AppendWord(all, sizeof(all), row->words[k]);
   while (*text) {
     const size_t length = strcspn(text, ",");
     PetscBool    same   = PETSC_FALSE;
@@ -217,7 +214,7 @@ PetscErrorCode OptionGetText(const OptionRow *row, size_t length, char text[], P
   PetscBool   there;
 
   PetscFunctionBegin;
-  PetscCall(ReadText(row, &typed, &there));
+  PetscCall(ReadText(row->name, &typed, &there));
   UserCheck(strlen(typed) < length, "%s: it is longer than %d characters", row->name,
             (int)length - 1);
   PetscCall(PetscStrncpy(text, typed, length));
@@ -255,40 +252,34 @@ PetscErrorCode OptionGetRow(const OptionRow *row, const char standard[], void *c
   PetscBool   there;
 
   PetscFunctionBegin;
-  PetscCall(ReadText(row, &name, &there));
+  PetscCall(ReadText(row->name, &name, &there));
   if (!there) name = standard ? standard : row->standard;
   PetscCall(TableWant(row->table, row->name, name, chosen));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Looks up an option by its name, which a table must have; collective. */
-static PetscErrorCode HasOption(const char option[], PetscBool *given)
+/*
+  OptionTyped - Reads the text of an option as the user typed it
+
+  Collective. Input: option - its name, which a table must have. Output: text - empty where the
+  option is not given or has no value; given - flag.
+*/
+PetscErrorCode OptionTyped(const char option[], const char **text, PetscBool *given)
 {
   PetscFunctionBegin;
   PetscCheck(OptionFind(option), PETSC_COMM_WORLD, PETSC_ERR_PLIB, "%s is in no table of options",
              option);
-  PetscCall(PetscOptionsHasName(NULL, NULL, option, given));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* OptionTyped - Returns the text of an option as the user typed it, empty where it is not given;
-   collective */
-PetscErrorCode OptionTyped(const char option[], const char **text)
-{
-  PetscBool given;
-
-  PetscFunctionBegin;
-  PetscCall(HasOption(option, &given));
-  PetscCall(PetscOptionsFindPair(NULL, NULL, option, text, &given));
-  if (!given || !*text) *text = "";
+  PetscCall(ReadText(option, text, given));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* OptionGiven - Finds out if the user gave an option; collective */
 PetscErrorCode OptionGiven(const char option[], PetscBool *given)
 {
+  const char *text;
+
   PetscFunctionBegin;
-  PetscCall(HasOption(option, given));
+  PetscCall(OptionTyped(option, &text, given));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -302,8 +293,8 @@ PetscErrorCode OptionsRefuseTogether(const char a[], const char b[], const char 
   PetscBool has_a, has_b;
 
   PetscFunctionBegin;
-  PetscCall(HasOption(a, &has_a));
-  PetscCall(HasOption(b, &has_b));
+  PetscCall(OptionGiven(a, &has_a));
+  PetscCall(OptionGiven(b, &has_b));
   UserCheck(!has_a || !has_b, "%s and %s cannot both be given: %s", a, b, why);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -19,9 +19,10 @@ PetscErrorCode CheckpointMemory(const Memory *memory, char names[], size_t lengt
 static PetscErrorCode SumOption(const char option[], uint64_t *sum)
 {
   const char *text;
+  PetscBool   given;
 
   PetscFunctionBegin;
-  PetscCall(OptionTyped(option, &text));
+  PetscCall(OptionTyped(option, &text, &given));
   CheckpointSumText(text, sum);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -12,6 +12,8 @@
 #define SCOPE_PARSERS   192 /* 4 sides, 16 bodies and the fields of a scene need fewer */
 #define TEXT_LENGTH     4096
 
+static const char *const axes[ISPH_MAX_DIM] = {"x", "y", "z"};
+
 struct ExpressionScope {
   PetscInt         dim;
   PetscInt         n_constants, n_parsers;
@@ -93,8 +95,6 @@ PetscErrorCode ExpressionScopeCheck(const ExpressionScope *scope)
 static PetscErrorCode ParserCreate(ExpressionScope *scope, unsigned allowed,
                                    muParserHandle_t *parser)
 {
-  static const char *const axes[ISPH_MAX_DIM] = {"x", "y", "z"};
-
   PetscFunctionBegin;
   PetscCheck(scope->n_parsers < SCOPE_PARSERS, PETSC_COMM_SELF, PETSC_ERR_PLIB,
              "no room for another expression");
@@ -108,19 +108,14 @@ static PetscErrorCode ParserCreate(ExpressionScope *scope, unsigned allowed,
 }
 
 /* Lists the names that a text may contain, "x, y, t, pi, nu". */
-static PetscErrorCode AllowedNames(const ExpressionScope *scope, unsigned allowed, char names[],
-                                   size_t length)
+static void AllowedNames(const ExpressionScope *scope, unsigned allowed, char names[],
+                         size_t length)
 {
-  static const char *const places[] = {"", "x, ", "x, y, ", "x, y, z, "};
-
-  PetscFunctionBegin;
-  PetscCall(PetscStrncpy(names, allowed & EXPRESSION_PLACE ? places[scope->dim] : "", length));
-  if (allowed & EXPRESSION_TIME) PetscCall(PetscStrlcat(names, "t, ", length));
-  for (PetscInt k = 0; k < scope->n_constants; k++) {
-    if (k) PetscCall(PetscStrlcat(names, ", ", length));
-    PetscCall(PetscStrlcat(names, scope->name[k], length));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  names[0] = '\0';
+  for (PetscInt a = 0; a < scope->dim && (allowed & EXPRESSION_PLACE); a++)
+    AppendWord(names, length, axes[a]);
+  if (allowed & EXPRESSION_TIME) AppendWord(names, length, "t");
+  for (PetscInt k = 0; k < scope->n_constants; k++) AppendWord(names, length, scope->name[k]);
 }
 
 /* Returns true if a text has an assignment, "x = 3", which muParser would execute. */
@@ -188,7 +183,7 @@ static PetscErrorCode SetComponent(ExpressionScope *scope, const char text[], un
   e->value[c] = strtod(text, &end);
   while (end != text && *end == ' ') end++;
   if (end == text || *end) {
-    PetscCall(AllowedNames(scope, allowed, names, sizeof(names)));
+    AllowedNames(scope, allowed, names, sizeof(names));
     UserCheck(!Assigns(text), "%s '%s': = cannot assign a value here; == compares", e->option,
               text);
     PetscCall(ParserCreate(scope, allowed, &parser));
