@@ -46,16 +46,19 @@ static PetscErrorCode SolveOrList(Request request, ErrorState *errors)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses words of the command line that PETSc would ignore or answer with a traceback. */
+/* Refuses options that PETSc would ignore or answer with a traceback. Files and environment are the
+   first rank's, as in PETSc. */
 static PetscBool Refuse(int argc, char **argv)
 {
-  char sentence[2 * PETSC_MAX_PATH_LEN];
-  int  rank;
+  char sentence[2 * PETSC_MAX_PATH_LEN] = "";
+  int  rank, refused;
 
-  CommandLineCheck(argc, argv, sentence, sizeof(sentence));
   (void)MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  if (sentence[0] && rank == 0) (void)fprintf(stderr, "isph: %s\n", sentence);
-  return sentence[0] ? PETSC_TRUE : PETSC_FALSE;
+  if (rank == 0) OptionsCheck(argc, argv, sentence, sizeof(sentence));
+  if (sentence[0]) (void)fprintf(stderr, "isph: %s\n", sentence);
+  refused = sentence[0] ? 1 : 0;
+  (void)MPI_Bcast(&refused, 1, MPI_INT, 0, MPI_COMM_WORLD);
+  return refused ? PETSC_TRUE : PETSC_FALSE;
 }
 
 int main(int argc, char **argv)

@@ -1,9 +1,11 @@
-"""commandline.py SOURCE COMMAND... - requests that need no run, and options files that are good
+"""commandline.py SOURCE COMMAND... - requests that need no run, options files that are good, and mistakes in
+PETSc's own files and in the environment
 
 Usage, help, versions and the reference page are printed once, whatever the number of ranks, with exit
 status 0. The page in docs/ is the printed one, and no file reads an option that the tables do not hold.
 """
 import glob
+import os
 import re
 import subprocess
 import sys
@@ -58,3 +60,34 @@ banner = isph("-options_file", f"{source}/tests/options_files/good.opts")
 assert re.search(r"^case +scene", banner, re.M) and re.search(r"^particles +256 fluid", banner, re.M), banner
 banner = isph("-options_file", f"{source}/tests/options_files/good.yaml")
 assert re.search(r"^case +cavity", banner, re.M) and re.search(r"^particles +256 fluid", banner, re.M), banner
+
+# A mistake in the environment or in PETSc's own files ends the run with a line that names its place.
+
+
+def refused(expected, *arguments, **environment):
+    """Asserts that isph prints the line expected, and no traceback, and ends with an exit status other than 0."""
+    done = subprocess.run([*command, "-n", "16", "-max_steps", "0", *arguments], capture_output=True, text=True,
+                          timeout=60, env={**os.environ, **environment})
+    lines = [line for line in done.stderr.splitlines() if line.startswith("isph: ")]
+    assert done.returncode != 0 and lines == ["isph: " + expected], (arguments, environment, done)
+    assert "PETSC ERROR" not in done.stderr, done.stderr
+
+
+stray = "a stray word; options begin with a dash, e.g. -case cavity"
+refused(f"PETSC_OPTIONS: case: {stray}", PETSC_OPTIONS="case cavity")
+refused(f"PETSC_OPTIONS: 2: {stray}", PETSC_OPTIONS='-scene_velocity "1, 0" -dt 1 2')
+refused("PETSC_OPTIONS: -options_file: a file name is required", PETSC_OPTIONS="-options_file")
+refused("-options_file nowhere: No such file or directory", PETSC_OPTIONS="-options_file nowhere")
+refused("PETSC_OPTIONS_YAML: PETSc cannot read it as YAML; each line is 'name: value', names without a dash",
+        PETSC_OPTIONS_YAML="dt: [1")
+os.mkdir("home")
+for name in (".petscrc", "petscrc", "home/.petscrc"):
+    for text, expected in (
+            ("case cavity", "line 1: case: a stray word; options begin with a dash, and a value stands in the line of "
+                            "its option"),
+            ("\n-dt 1 -case cavity", "line 2: -dt and -case: each option has a line of its own, with its value")):
+        with open(name, "w", encoding="utf-8") as file:
+            file.write(text)
+        refused(f"{name}, {expected}", HOME="home")
+        assert re.search(r"^particles +256 fluid", isph("-n", "16", "-max_steps", "0", "-skip_petscrc"), re.M)
+    os.remove(name)

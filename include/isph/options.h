@@ -102,8 +102,7 @@ typedef enum {
 extern const OptionTable ProgramOptions;
 
 Request     CommandLineRequest(int *argc, char **argv);
-void        CommandLineCheck(int argc, char **argv, char sentence[], size_t length);
-void        OptionsFileCheck(const char path[], char sentence[], size_t length);
+void        OptionsCheck(int argc, char **argv, char sentence[], size_t length);
 void        UsagePrint(FILE *out);
 void        HelpPrint(FILE *out);
 void        ReferencePrint(FILE *out);

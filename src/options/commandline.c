@@ -1,9 +1,9 @@
 /*
-  The command line before PETSc reads it: requests that need no run, and words that PETSc would
-  ignore or answer with a traceback.
+  The command line and the environment before PETSc reads them: requests that need no run, and words
+  that PETSc would ignore or answer with a traceback.
 */
-#include "isph/options.h"
-#include <errno.h>
+#include "optionsfile.h"
+#include <stdlib.h>
 #include <string.h>
 
 static const OptionRow options[] = {
@@ -34,6 +34,17 @@ static const OptionRow options[] = {
         .kind = VALUE_FILE,
         .brief =
             "file with more options, one a line; # begins a comment; may be given several times",
+    },
+    {
+        .name  = "-options_file_yaml",
+        .kind  = VALUE_FILE,
+        .brief = "file with more options as YAML, name: value in each line, names without a dash",
+    },
+    {
+        .name  = "-skip_petscrc",
+        .kind  = VALUE_SOLVER,
+        .brief = "read no options from ~/.petscrc, .petscrc and petscrc",
+        .where = "the command line",
     },
     {
         .name  = "-options_left",
@@ -93,24 +104,75 @@ Request CommandLineRequest(int *argc, char **argv)
   return request;
 }
 
-/*
-  CommandLineCheck - Checks the words of a command line and its options files
-
-  Not collective. Output: sentence - the first mistake; empty if there is none
-*/
-void CommandLineCheck(int argc, char **argv, char sentence[], size_t length)
+/* Checks words as PETSc reads them: an option, its value if there is one, and so on. */
+static void CheckWords(const char source[], int n, char *const word[], char sentence[],
+                       size_t length)
 {
-  sentence[0] = '\0';
-  for (int k = 1; k < argc && !sentence[0]; k++) {
-    const PetscBool word = argv[k][0] != '-' ? PETSC_TRUE : PETSC_FALSE;
+  for (int k = 0; k < n && !sentence[0]; k++) {
+    const char *const option = word[k];
+    const char *const value  = k + 1 < n && !OptionBegins(word[k + 1]) ? word[k + 1] : NULL;
 
-    if (word && (k == 1 || argv[k - 1][0] != '-')) {
+    if (!OptionBegins(option)) {
       (void)snprintf(sentence, length,
-                     "%s: a stray word; options begin with a dash, e.g. -case cavity", argv[k]);
-    } else if (IsOption(argv[k], "options_file")) {
-      if (k + 1 == argc || argv[k + 1][0] == '-')
-        (void)snprintf(sentence, length, "-options_file: a file name is required");
-      else OptionsFileCheck(argv[k + 1], sentence, length);
+                     "%s%s: a stray word; options begin with a dash, e.g. -case cavity", source,
+                     option);
+    } else if (OptionNamesFile(option)) {
+      if (value && value[0] != '-') OptionsFileCheck(option, value, sentence, length);
+      else (void)snprintf(sentence, length, "%s%s: a file name is required", source, option);
     }
+    if (value) k++;
   }
+}
+
+/* Checks the words of the environment variable PETSC_OPTIONS. */
+static void CheckEnvironment(char sentence[], size_t length)
+{
+  const char *const given = getenv("PETSC_OPTIONS");
+  char             *text, *rest, **word;
+  int               n = 0;
+
+  if (!given) return;
+  text = rest = strdup(given);
+  word        = calloc(strlen(given) + 1, sizeof(*word));
+  while (text && word && (word[n] = OptionsNextWord(&rest))) n++;
+  CheckWords("PETSC_OPTIONS: ", n, word, sentence, length);
+  free(word);
+  free(text);
+}
+
+/* Returns true if the command line asks PETSc to pass over its own files, ~/.petscrc and so on. */
+static PetscBool SkipsOwnFiles(int argc, char **argv)
+{
+  PetscBool skips = PETSC_FALSE;
+
+  for (int k = 1; k < argc; k++) {
+    if (!IsOption(argv[k], "skip_petscrc")) continue;
+    skips = k + 1 < argc && strchr("0fFnN", argv[k + 1][0]) ? PETSC_FALSE : PETSC_TRUE;
+  }
+  return skips;
+}
+
+/*
+  OptionsCheck - Checks all options that PETSc will read: of its own files, of the environment, of
+  the command line and its options files
+
+  Not collective; to be called before PetscInitialize(), where PETSc reads them.
+
+  Output: sentence - the first mistake; empty if there is none
+*/
+void OptionsCheck(int argc, char **argv, char sentence[], size_t length)
+{
+  const char *const home = getenv("HOME"), *const yaml = getenv("PETSC_OPTIONS_YAML");
+  char path[PETSC_MAX_PATH_LEN];
+
+  sentence[0] = '\0';
+  if (!SkipsOwnFiles(argc, argv)) {
+    (void)snprintf(path, sizeof(path), "%s/.petscrc", home ? home : "");
+    if (home) OptionsFileCheck(NULL, path, sentence, length);
+    OptionsFileCheck(NULL, ".petscrc", sentence, length);
+    OptionsFileCheck(NULL, "petscrc", sentence, length);
+  }
+  if (!sentence[0]) CheckEnvironment(sentence, length);
+  if (!sentence[0] && yaml) OptionsYamlCheck("PETSC_OPTIONS_YAML", yaml, sentence, length);
+  if (!sentence[0]) CheckWords("", argc - 1, argv + 1, sentence, length);
 }

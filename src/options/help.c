@@ -37,11 +37,14 @@ static void Append(char text[TEXT_LENGTH], const char before[], const char part[
 /* Writes the values that are allowed: a range, or names separated by commas. */
 static void Allowed(const OptionRow *row, char text[TEXT_LENGTH])
 {
+  char names[TEXT_LENGTH] = "";
+
   OptionRangeText(row, text, TEXT_LENGTH);
   for (PetscInt k = 0; row->table && k < row->table->count; k++)
-    Append(text, k ? ", " : "one of ", TableGet(row->table, k)->name, "");
+    AppendWord(names, sizeof(names), TableGet(row->table, k)->name);
   for (PetscInt k = 0; row->words && row->words[k]; k++)
-    Append(text, k ? ", " : "some of ", row->words[k], "");
+    AppendWord(names, sizeof(names), row->words[k]);
+  Append(text, row->table ? "one of " : "some of ", names, "");
 }
 
 /* Prints a text in lines of LINE_WIDTH columns, each but the first indented. */
@@ -97,7 +100,7 @@ static void PrintPlaces(FILE *out, const OptionTable *table, PetscBool markdown)
     if (!row->places || row->places == last) continue;
     last   = row->places;
     length = (int)strcspn(open, ">") + 1;
-    for (PetscInt q = 0; row->places[q]; q++) Append(all, q ? ", " : "", row->places[q], "");
+    for (PetscInt q = 0; row->places[q]; q++) AppendWord(all, sizeof(all), row->places[q]);
     if (markdown) {
       (void)fprintf(out, "\n`%.*s` stands for %s.\n", length, open, all);
     } else {
@@ -167,8 +170,9 @@ void ReferencePrint(FILE *out)
       "\n"
       "Written by `isph -options_reference` from the tables that the program parses. An option is\n"
       "typed as `-name value`, on the command line or in a file, where each has a line of its own\n"
-      "(`-options_file`). Names have no case; a later option replaces an earlier one. A name that\n"
-      "is unknown, or that the run does not use, ends the run.\n"
+      "(`-options_file`). Before these, options of `~/.petscrc`, `.petscrc`, `petscrc` and of the\n"
+      "environment variable `PETSC_OPTIONS` are read. Names have no case; a later option replaces\n"
+      "an earlier one. A name that is unknown, or that the run does not use, ends the run.\n"
       "\n"
       "- Unit: of the value; `-` is a pure number, `dx` the particle spacing.\n"
       "- Default: the value, or the choice it follows from; empty: nothing unless given.\n"

@@ -1,9 +1,9 @@
 /*
-  Options files: a check line by line, so that messages name file and line, before PETSc would
-  answer a mistake with a traceback. Each option with its value has a line; # begins a comment;
-  values with blanks need quotes; -options_file includes another file.
+  Options files, checked before PETSc reads them: a mistake ends the run with a line that names the
+  file and, unless it is YAML, the line. Each option with its value has a line; # begins a comment;
+  values with blanks need double quotes; -options_file includes another file.
 */
-#include "isph/options.h"
+#include "optionsfile.h"
 #include <ctype.h>
 #include <errno.h>
 #include <string.h>
@@ -13,9 +13,9 @@
 #define MAX_DEPTH  8 /* files within files */
 #define MAX_TOKENS 4 /* examined words of a line */
 
-/* Returns true if a word begins an option: a dash or two and a letter, but no number such as -inf
-   or -e5. */
-static PetscBool IsOption(const char word[])
+/* OptionBegins - Returns true if a word begins an option: a dash or two and a letter, but no number
+   such as -inf or -e5; not collective */
+PetscBool OptionBegins(const char word[])
 {
   const char *letter = word + (word[0] == '-' && word[1] == '-' ? 2 : 1);
   char       *end;
@@ -25,23 +25,38 @@ static PetscBool IsOption(const char word[])
   return end == word || *end == '_' || isalnum((unsigned char)*end) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Splits a line as PETSc does: at blanks, but not within quotes that begin a word. Returns the
-   number of words, at most MAX_TOKENS. */
+/* OptionNamesFile - Returns true for options by which PETSc reads another file; not collective */
+PetscBool OptionNamesFile(const char option[])
+{
+  return !strcasecmp(option, "-options_file") || !strcasecmp(option, "-options_file_yaml")
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* OptionsNextWord - Cuts the next word off a text as PETSc does: at blanks, but not within double
+   quotes that begin a word; returns NULL at the end; not collective */
+char *OptionsNextWord(char **text)
+{
+  const char *ends = " \t";
+  char       *word = *text + strspn(*text, ends);
+
+  if (!*word) return NULL;
+  if (*word == '"') {
+    ends = "\"";
+    word++;
+  }
+  *text = word + strcspn(word, ends);
+  if (**text) *(*text)++ = '\0';
+  return word;
+}
+
+/* Splits a line into words, without its comment. Returns their number, at most MAX_TOKENS. */
 static int Split(char line[], char *token[MAX_TOKENS])
 {
   int n = 0;
 
   line[strcspn(line, "#\n\r")] = '\0';
-  while (n < MAX_TOKENS) {
-    const char *ends = " \t";
-
-    line += strspn(line, " \t");
-    if (!*line) break;
-    if (*line == '"' || *line == '\'') ends = *line++ == '"' ? "\"" : "'";
-    token[n++] = line;
-    line += strcspn(line, ends);
-    if (*line) *line++ = '\0';
-  }
+  while (n < MAX_TOKENS && (token[n] = OptionsNextWord(&line))) n++;
   return n;
 }
 
@@ -62,7 +77,29 @@ static PetscBool IsYaml(const char path[], FILE *file)
   return !strncmp(first, "%YAML ", 6) || !strncmp(first, "---", 3) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-static void CheckFile(const char path[], int depth, char sentence[], size_t length);
+/*
+  OptionsYamlCheck - Checks that PETSc can read a text as YAML, into a database of its own
+
+  Not collective; to be called before PetscInitialize(), when PETSc prints no errors. PETSc can
+  include files only later, so that a text that does so is not checked.
+
+  Input: name - of the file or the variable. Output: sentence - unchanged if PETSc can read it.
+*/
+void OptionsYamlCheck(const char name[], const char text[], char sentence[], size_t length)
+{
+  PetscOptions scratch;
+
+  if (strstr(text, "!include") || PetscOptionsCreate(&scratch)) return;
+  if (PetscOptionsInsertStringYAML(scratch, text))
+    (void)snprintf(sentence, length,
+                   "%s: PETSc cannot read it as YAML; each line is 'name: value', names without a "
+                   "dash",
+                   name);
+  (void)PetscOptionsDestroy(&scratch);
+}
+
+static void CheckFile(const char option[], const char name[], int depth, char sentence[],
+                      size_t length);
 
 /* Checks a line of a file. */
 static void CheckLine(const char path[], int number, char line[], int depth, char sentence[],
@@ -71,61 +108,69 @@ static void CheckLine(const char path[], int number, char line[], int depth, cha
   char     *token[MAX_TOKENS] = {NULL};
   const int n                 = Split(line, token);
 
-  if (!n || !strcasecmp(token[0], "alias")) return;
-  if (token[0][0] != '-') {
+  if (!n) return;
+  if (!strcasecmp(token[0], "alias")) {
+    if (n != 3 || !OptionBegins(token[1]) || !OptionBegins(token[2]))
+      (void)snprintf(sentence, length,
+                     "%s, line %d: alias: two options are required, the new name first", path,
+                     number);
+  } else if (token[0][0] != '-') {
     (void)snprintf(
         sentence, length,
         "%s, line %d: %s: a stray word; options begin with a dash, and a value stands in "
         "the line of its option",
         path, number, token[0]);
-  } else if (!IsOption(token[0])) {
+  } else if (!OptionBegins(token[0])) {
     (void)snprintf(sentence, length, "%s, line %d: %s: a dash and a letter begin an option", path,
                    number, token[0]);
-  } else if ((n > 1 && IsOption(token[1])) || (n > 2 && IsOption(token[2]))) {
+  } else if ((n > 1 && OptionBegins(token[1])) || (n > 2 && OptionBegins(token[2]))) {
     (void)snprintf(sentence, length,
                    "%s, line %d: %s and %s: each option has a line of its own, with its value",
-                   path, number, token[0], IsOption(token[1]) ? token[1] : token[2]);
+                   path, number, token[0], OptionBegins(token[1]) ? token[1] : token[2]);
   } else if (n > 2) {
-    (void)snprintf(
-        sentence, length,
-        "%s, line %d: %s %s %s: a single value is required; a value with blanks needs quotes", path,
-        number, token[0], token[1], token[2]);
-  } else if (!strcasecmp(token[0], "-options_file")) {
+    (void)snprintf(sentence, length,
+                   "%s, line %d: %s %s %s: a single value is required; a value with blanks needs "
+                   "double quotes",
+                   path, number, token[0], token[1], token[2]);
+  } else if (OptionNamesFile(token[0])) {
     if (n == 1)
-      (void)snprintf(sentence, length, "%s, line %d: -options_file: a file name is required", path,
-                     number);
-    else CheckFile(token[1], depth + 1, sentence, length);
+      (void)snprintf(sentence, length, "%s, line %d: %s: a file name is required", path, number,
+                     token[0]);
+    else CheckFile(token[0], token[1], depth + 1, sentence, length);
   }
 }
 
-/* Checks a file included at a depth of inclusion. */
-static void CheckFile(const char path[], int depth, char sentence[], size_t length)
+/* Checks a file at a depth of inclusion; option NULL: PETSc reads the file only if it exists. */
+static void CheckFile(const char option[], const char name[], int depth, char sentence[],
+                      size_t length)
 {
-  struct stat status;
-  FILE       *file;
-  char       *line   = NULL;
-  size_t      room   = 0;
-  int         number = 0;
+  const size_t n    = strlen(name);
+  PetscBool    yaml = n > 5 && !strcmp(name + n - 5, ":yaml") ? PETSC_TRUE : PETSC_FALSE;
+  struct stat  status;
+  FILE        *file;
+  char        *line   = NULL, path[PETSC_MAX_PATH_LEN];
+  size_t       room   = 0;
+  int          number = 0;
 
-  if (strstr(path, "${")) return; /* PETSc substitutes it */
+  if (sentence[0] || strstr(name, "${")) return; /* PETSc substitutes it */
+  (void)snprintf(path, sizeof(path), "%.*s", (int)(yaml ? n - 5 : n), name);
   if (depth > MAX_DEPTH) {
-    (void)snprintf(
-        sentence, length,
-        "-options_file %s: files are included more than %d deep; does one include itself?", path,
-        MAX_DEPTH);
+    (void)snprintf(sentence, length,
+                   "%s %s: files are included more than %d deep; does one include itself?", option,
+                   path, MAX_DEPTH);
     return;
   }
   file = fopen(path, "r");
-  if (!file) {
-    const char *colon = strrchr(path, ':');
-
-    if (!colon || strcmp(colon, ":yaml"))
-      (void)snprintf(sentence, length, "-options_file %s: %s", path, strerror(errno));
+  if (!file || (!fstat(fileno(file), &status) && S_ISDIR(status.st_mode))) {
+    if (option)
+      (void)snprintf(sentence, length, "%s %s: %s", option, path, strerror(file ? EISDIR : errno));
+    if (file) (void)fclose(file);
     return;
   }
-  if (!fstat(fileno(file), &status) && S_ISDIR(status.st_mode))
-    (void)snprintf(sentence, length, "-options_file %s: %s", path, strerror(EISDIR));
-  else if (!IsYaml(path, file)) {
+  if (option && !strcasecmp(option, "-options_file_yaml")) yaml = PETSC_TRUE;
+  if (yaml || IsYaml(path, file)) {
+    if (getdelim(&line, &room, '\0', file) > 0) OptionsYamlCheck(path, line, sentence, length);
+  } else {
     while (!sentence[0] && getline(&line, &room, file) >= 0)
       CheckLine(path, ++number, line, depth, sentence, length);
   }
@@ -136,10 +181,16 @@ static void CheckFile(const char path[], int depth, char sentence[], size_t leng
 /*
   OptionsFileCheck - Checks an options file and its included files
 
-  Not collective. Files that PETSc would read as YAML are not checked. Output: sentence - the first
-  mistake with file and line; unchanged if there is none
+  Not collective; to be called before PetscInitialize().
+
+  Input Parameters:
++ option - option that gives the file; NULL: PETSc reads the file only if it exists
+- path   - of the file
+
+  Output: sentence - the first mistake with file and line; unchanged if there is none or if it holds
+  a sentence already
 */
-void OptionsFileCheck(const char path[], char sentence[], size_t length)
+void OptionsFileCheck(const char option[], const char path[], char sentence[], size_t length)
 {
-  CheckFile(path, 0, sentence, length);
+  CheckFile(option, path, 0, sentence, length);
 }
