@@ -19,9 +19,9 @@ void CavityWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pe
 }
 
 /*
-  References: extrema on the centrelines over U, the interval in which they are valid (t U/L, below
-  Re = 10 t nu/L^2), and the files of profiles. The finite-volume data were extrapolated from two or
-  three meshes (see the headers of the files).
+  References: extrema on the centrelines, divided by U; the time interval in which they are valid
+  (in L/U, below Re = 10 in L^2/nu); and the files of profiles. The finite-volume data were
+  extrapolated from two or three meshes (see the headers of the files).
 */
 typedef struct {
   PetscInt    dim;

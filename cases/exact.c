@@ -2,8 +2,8 @@
 #include "cases.h"
 
 /*
-  MeasureExact - Reports error norms against Exact(), if the run has the physics and the constant
-  viscosity of the case
+  MeasureExact - Reports error norms against the exact solution of the case, if the run has the
+  physics and the constant viscosity of the case
 */
 PetscErrorCode MeasureExact(const Flow *flow, Report *report)
 {

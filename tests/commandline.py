@@ -1,7 +1,7 @@
 """commandline.py SOURCE COMMAND... - requests that need no run, options files that are good, and mistakes in
 PETSc's own files and in the environment
 
-Usage, help, versions and the reference page are printed once, whatever the number of ranks, with exit
+Usage, help, versions and the reference page are printed once on any number of ranks, with exit
 status 0. The page in docs/ is the printed one, and no file reads an option that the tables do not hold.
 """
 import glob
@@ -39,7 +39,7 @@ with open(f"{source}/docs/reference/options.md", encoding="utf-8") as file:
 options = re.findall(r"^\| `(-[^`]+)` \|", reference, re.M)
 assert len(options) == len(set(options)) and len(options) > 100, options
 
-# All options are listed whatever the case, and although the others are wrong.
+# All options are listed for any case, and although the others are wrong.
 for words in (["-help"], ["-h"], ["--help"], ["-case", "patch", "-n", "abc", "-help"]):
     text = isph(*words)
     listed = re.findall(r"^  (-\S+)", text[text.index("All options"):], re.M)

@@ -37,7 +37,7 @@ def index_times(path):
 
 
 def times():
-    """Snapshots lie at multiples of -output_every, whatever the steps are."""
+    """Snapshots lie at multiples of -output_every, for any length of the steps."""
     for motion in "lagrangian", "eulerian":
         run("-case", "cavity", "-n", "12", "-t_end", "1", "-motion", motion, "-output", "s.h5", "-output_every", "0.15",
             "-report_times", "0.2,0.3", "-cfl", "0.7")

@@ -61,7 +61,8 @@ static void ForAllTreatments(const CloudBox *box, size_t pair, WalledCheck check
   }
 }
 
-/* Closed boxes or channels in 2D and 3D, on lattices (in 3D closed boxes only) and on disorder. */
+/* Closed boxes or channels in 2D and 3D, on lattices (in 3D closed boxes only) and on disordered
+   particles. */
 static void ForAllBoxes(PetscBool closed, size_t pair, WalledCheck check)
 {
   for (PetscInt dim = 2; dim <= 3; dim++) {

@@ -81,8 +81,8 @@ void WalledForOne(const WalledForms *forms, const CloudBox *box, WalledCheck che
 }
 
 /*
-  WalledForAll - Calls check for every combination in 2D and 3D, on a lattice and on disorder, in a
-  closed box or in a channel with walls on the last axis
+  WalledForAll - Calls check for every combination in 2D and 3D, on a lattice and on disordered
+  particles, in a closed box or in a channel with walls on the last axis
 */
 void WalledForAll(PetscBool closed, WalledCheck check)
 {

@@ -17,7 +17,7 @@ typedef enum {
    fault. */
 typedef struct ExpressionScope ExpressionScope;
 
-/* Components of an option; all zero if the option is absent. */
+/* An expression: the components of an option. All members are zero if the option is absent. */
 typedef struct {
   char             option[40];           /* for messages */
   PetscInt         n;                    /* components; 0: not given */

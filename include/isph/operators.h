@@ -115,9 +115,9 @@ PetscReal      LaplacianDilatation(const LaplacianForm *form);
 PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *stencil, PetscReal w[]);
 
 /*
-  Gradients and divergences. In Row g[a][k] multiplies f_k - f_i in df/dx_a. In DivergenceFit
-  d[a][k] multiplies (u_k - u_i)_a of fluid neighbour k, and m[k] multiplies the normal component
-  n.(u_k - u_i) of wall neighbour k.
+  Gradients and divergences. Row() computes the weights g[a][k] of f_k - f_i in df/dx_a.
+  DivergenceFit() computes the weights d[a][k] of (u_k - u_i)_a of fluid neighbour k, and the
+  weights m[k] of the normal component n.(u_k - u_i) of wall neighbour k.
 */
 typedef struct {
   const char *name, *brief, *citation;

@@ -135,7 +135,7 @@ static PetscErrorCode WritePositions(const Particles *p, const PetscInt index[],
   <file>.particles.csv has the id and position [m] of this particle.
 
   Input Parameter:
-. A - in the present numbering of particles; NULL: no matrix exists, and a message says so
+. A - matrix in the present numbering of particles; NULL: none exists, and a message is printed
 */
 PetscErrorCode MatrixFileWrite(const Particles *p, Mat A, MatrixFile *file)
 {

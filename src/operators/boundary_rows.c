@@ -16,9 +16,9 @@
 #include "wall_points.h"
 
 /*
-  Adds a row on a velocity component, sum_k w_k (f_k - f_i), with f_w - f_i of wall_points.c. A wall
-  particle on the surface has its own value, or n.grad f if that is its equation. A treatment with
-  extension replaces the values of wall particles later, in ExtendWalls().
+  Adds a row on a velocity component, sum_k w_k (f_k - f_i). For wall neighbours wall_points.c gives
+  f_w - f_i. A wall particle on the surface has its own value, or n.grad f if that is its equation.
+  A treatment with extension replaces the values of wall particles later, in ExtendWalls().
 */
 void AddRow_Velocity(const Stencil *st, const Operators *ops, PetscInt diagonal,
                      const PetscReal w[], AffineOperator *op)
@@ -239,8 +239,8 @@ static void DummyMatrix(const Stencil *st, PetscReal *const g[], PetscReal A[])
     u_w - u_i = n [ beta n.(u_wall - u_i) - (beta - 1) n.(grad u X_t) ] + (I - n n^T) grad u X
 
   The normal component is extrapolated linearly from the fluid velocity at x_i + X_t, straight above
-  the dummy; the tangential components continue the fluid's field, whatever the wall velocity is.
-  With U_ab = du_a/dx_b
+  the dummy; the tangential components continue the fluid's field for any wall velocity. With U_ab =
+  du_a/dx_b
 
     U_ab - sum_ce T_ab,ce U_ce = sum_fluid g_k,b (u_k - u_i)_a
                                  + sum_w g_w,b n_a beta n.(u_wall - u_i)

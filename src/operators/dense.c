@@ -42,7 +42,7 @@ PetscInt DenseCholesky(PetscInt n, PetscReal a[])
 
   Input Parameters:
 + a     - n x n by rows
-- ridge - first multiple over the trace
+- ridge - first multiple divided by the trace
 
   Output Parameter:
 . factor - as from DenseCholesky()

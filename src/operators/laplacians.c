@@ -10,7 +10,8 @@
 
     (lap f)_i = sum_j -2 V_j (W'/r) (f_j - f_i)
 
-  Properties: symmetric with equal volumes; consistent on a lattice only, error O(1/dx) on disorder.
+  Properties: symmetric with equal volumes; consistent on a lattice only; the error is O(1/dx) on
+  disordered particles.
 
   Reference: J. P. Morris, P. J. Fox, Y. Zhu, J. Comput. Phys. 136 (1997) 214-226
 */
@@ -49,8 +50,8 @@ static PetscErrorCode LaplacianRow_Gotoh(Stencil *st, PetscReal w[])
     (lap f)_i = sum_j V_j (W'' + (d-1) W'/r) (f_j - f_i)
 
   Properties: symmetric for equal volumes. Weights change sign, and -L has negative eigenvalues:
-  with spline kernels on lattices, with all kernels on disorder (docs/theory.md, (40)). Modes that
-  should decay grow, so the form serves for comparison only.
+  with spline kernels on lattices, with all kernels on disordered particles (docs/theory.md, (40)).
+  Modes that should decay grow, so the form serves for comparison only.
 
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), model A for
   div u = 0
@@ -71,7 +72,7 @@ static PetscErrorCode LaplacianRow_DirectScalar(Stencil *st, PetscReal w[])
 
     (lap f)_i = sum_j 2 V_j X.(M^-1 grad_i W)/r^2 (f_j - f_i)
 
-  Properties: exact for |x - x_i|^2; linear fields leave an error O(1/dx) on disorder.
+  Properties: exact for |x - x_i|^2; linear fields leave an error O(1/dx) on disordered particles.
 
   Reference: G. Oger et al., J. Comput. Phys. 225 (2007); X. Zheng, Q. Ma, S. Shao, Water 10 (2018),
   VISC-04
@@ -90,7 +91,7 @@ static PetscErrorCode LaplacianRow_Corrected(Stencil *st, PetscReal w[])
     (lap f)_i = tr(M^-1)/d { 2 sum_j V_j (f_i - f_j) W'/r - 2 g_i . sum_j V_j grad_i W },
     g_i = M^-1 sum_j V_j (f_j - f_i) grad_i W
 
-  Properties: exact for linear fields; error O(1) for quadratic fields on disorder.
+  Properties: exact for linear fields; error O(1) for quadratic fields on disordered particles.
 
   Reference: H. F. Schwaiger, Int. J. Numer. Meth. Eng. 75 (2008) 647-671, with corrected signs
 */
@@ -123,7 +124,7 @@ static PetscErrorCode LaplacianRow_Schwaiger(Stencil *st, PetscReal w[])
     o = sum_j V_j W X,   B = (sum_j V_j W X X^T)^-1
 
   Properties: exact for linear fields and |x - x_i|^2; error O(1) for other quadratic fields on
-  disorder.
+  disordered particles.
 
   Reference: J. Basic, N. Degiuli, D. Ban, J. Comput. Phys. 354 (2018) 269-287
 */

@@ -193,8 +193,8 @@ PetscErrorCode LaplacianRow_Mls(Stencil *st, PetscReal w[])
   LaplacianRow_Mls3 - Computes the Laplacian of the cubic fit, or of the quadratic fit if the points
   do not determine the cubic fit; st->regularised counts such rows
 
-  Properties: exact for cubic fields, so of order 2 on disorder too; not symmetric; reads
-  equations.
+  Properties: exact for cubic fields, so of order 2 on disordered particles too; not symmetric;
+  reads equations.
 */
 PetscErrorCode LaplacianRow_Mls3(Stencil *st, PetscReal w[])
 {
@@ -242,8 +242,8 @@ static inline PetscReal ValueWeight(const Stencil *st, PetscInt k)
   neighbour that gives n.grad f, w_k lacks the 1, and m lacks the term.
 
   Properties: vanishes for quadratic fields on any arrangement. For smooth fields it is of order
-  dx^4 inside a lattice, and of order dx^3 on disorder and beside a boundary. At h/dx = 1.3 in 2D it
-  is 0.81 f_i for a checkerboard and 0.26 f_i for stripes. Not symmetric.
+  dx^4 inside a lattice, and of order dx^3 on disordered particles and beside a boundary. At h/dx =
+  1.3 in 2D it is 0.81 f_i for a checkerboard and 0.26 f_i for stripes. Not symmetric.
 
   Reference: after C. R. Dohrmann, P. B. Bochev, Int. J. Numer. Meth. Fluids 46 (2004) 183-201
 */

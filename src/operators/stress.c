@@ -67,8 +67,9 @@ static void StressTarget(PetscInt d, PetscReal unit, PetscReal target[])
   is not damped.
 
   Reference: forces along pairs after P. W. Cleary, J. J. Monaghan, J. Comput. Phys. 148 (1999),
-  there with c_k = -2 (dim + 2) V_k W'/r. A stress from fitted second derivatives fails instead: on
-  disorder an eigenvalue has the wrong sign and drives a drop of 1e3 times the viscosity around it.
+  there with c_k = -2 (dim + 2) V_k W'/r. A stress from fitted second derivatives fails: on
+  disordered particles an eigenvalue has the wrong sign and drives a drop 1e3 times as viscous as
+  the fluid around it.
 */
 PetscErrorCode LaplacianRow_StressMls(Stencil *st, PetscReal w[])
 {

@@ -17,8 +17,8 @@ static PetscInt SlotEntries(const Operators *ops, PetscInt dim)
   return ops->velocity[0].visc.width == 1 ? dim : ops->velocity[0].visc.width;
 }
 
-/* KeepBlockRow - Stores the weights of a row in their slots, with f_w - f_i of wall_points.c; not
-   collective */
+/* KeepBlockRow - Stores the weights of a row in their slots, with wall weights of wall_points.c;
+   not collective */
 void KeepBlockRow(const Stencil *st, PetscInt diagonal, const PetscReal w[], Operators *ops)
 {
   const PetscInt   width = ops->velocity[0].visc.width;

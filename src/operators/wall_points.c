@@ -19,7 +19,7 @@ static PetscBool HasWallPoints(const Stencil *st, const Operators *ops)
                                                                                 : PETSC_FALSE;
 }
 
-/* Computes the terms of the fit at neighbour k: 1, and X_t over the radius of the support. */
+/* Computes the terms of the fit at neighbour k: 1, and X_t divided by the radius of the support. */
 static void AlongWall(const Stencil *st, PetscInt k, PetscReal phi[])
 {
   phi[0] = 1.0;

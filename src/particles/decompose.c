@@ -102,7 +102,7 @@ static PetscErrorCode GroupsStart(const Scene *scene, const Particles *p, PetscM
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the bin of x, consistent with the possible cuts, or -1. */
+/* Returns the bin of x, consistent with the possible cuts, or -1 for x outside the histogram. */
 static inline PetscInt BinOf(const Group *g, PetscReal x)
 {
   const PetscReal s = (x - g->low) / g->width;

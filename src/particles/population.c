@@ -28,8 +28,8 @@ PetscErrorCode ParticlesUnpack(Particles *p, const PetscReal record[])
 /*
   ParticlesReplace - Replaces own particles by records and starts an epoch
 
-  Collective. Together the ranks give each particle once, on any rank; the resulting owners, order
-  and numbers depend only on the particles and the number of ranks.
+  Collective. Each particle must be given once, on any rank. The resulting owners, order and numbers
+  depend only on the particles and the number of ranks.
 
   Input Parameters:
 + n      - number of records on this rank

@@ -1,6 +1,6 @@
 /*
-  Run of a patch test: a field on particles in a box and around it, and the Laplacian of a form
-  compared with the exact Laplacian, with its cost.
+  Runs a patch test: sets a field on particles in a box and around it, compares the Laplacian of a
+  form with the exact Laplacian, and measures its cost.
 */
 #include "isph/patch.h"
 
@@ -117,7 +117,7 @@ static PetscErrorCode PatchSetField(Patch *patch)
 /*
   Computes the truncation error L f - lap f in four norms: three relative norms, and zheng_err, the
   relative L1 norm divided by the number of particles once more, as printed in the paper. If lap f
-  vanishes, the error is absolute, in units of the field over the square of the side.
+  vanishes, the error is absolute, in units of the field divided by the square of the side.
 */
 static PetscErrorCode PatchCompare(const Patch *patch, Vec lap, Report *report)
 {

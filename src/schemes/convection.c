@@ -2,7 +2,7 @@
 #include "step.h"
 
 /*
-  ConvectionCentral - Computes (v.grad u)_i by the gradients, without filter
+  ConvectionCentral - Computes (v.grad u)_i from the gradient operators, without filter
 
   Collective. Input, output: as ConvectionApply().
 */

@@ -54,7 +54,8 @@ static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, In
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates T (-nu L + sum_a v_a d/dx_a) for a component, then for all of them. */
+/* Creates the matrix T (-nu L + sum_a v_a d/dx_a) of a component, then the matrix of all
+   components. */
 static PetscErrorCode ViscousCreate(const Scene *scene, const Operators *ops, PetscReal step,
                                     const Vec advecting[], Mat *viscous)
 {

@@ -32,8 +32,8 @@ static PetscErrorCode AddWallConvection(Coupled *c, PetscInt a, Vec part)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CoupledRightHandSide - Computes b at time t: T (f + nu B u_wall) and -dx times the wall part of
-   div u; collective */
+/* CoupledRightHandSide - Computes the right-hand side b at time t: T (f + nu B u_wall), and -dx
+   times the wall part of div u; collective */
 PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
 {
   const Saddle *s = &c->saddle;
@@ -76,9 +76,10 @@ PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
 }
 
 /*
-  CoupledIFunction - Computes T du/dt + [T u.grad u] + A_0 x - b
+  CoupledIFunction - Computes the residual T du/dt + [T u.grad u] + A_0 x - b
 
-  Collective. The Jacobian has no convection: rosw, a Rosenbrock-W method, keeps its order without
+  Collective. A_0 is the matrix of saddle.c without shift; the brackets are present if stages apply
+  convection. The Jacobian has no convection: rosw, a Rosenbrock-W method, keeps its order without
   it, and bdf iterates.
 */
 PetscErrorCode CoupledIFunction(TS ts, PetscReal t, Vec x, Vec xdot, Vec f, void *ctx)

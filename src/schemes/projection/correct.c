@@ -5,6 +5,8 @@
   Sets the right-hand side of A phi = b, A = -dx_i^2 lap:
 
     b = -dx_i^2 rho/k ((1 - alpha) div u* + alpha (1 - C)/dt) - B (gain of n.grad p)
+
+  with alpha of -ppe_alpha and the concentration C; k: see projection.c
 */
 static PetscErrorCode SetSource(Flow *flow)
 {
