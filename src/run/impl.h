@@ -21,7 +21,7 @@ typedef struct {
   Checkpoints   *checkpoints;
   Undo          *undo;    /* NULL: steps are not retried */
   PetscLogDouble started; /* wall clock [s] */
-  PetscLogStage  stage[RUN_STAGES];
+  PetscLogStage  stage[RUN_STAGES]; /* without a log the main stage, 0 */
 } Run;
 
 /* checkpoint.c */
