@@ -221,6 +221,24 @@ static PetscErrorCode ViscosityRenumber(Viscosity *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  Frees the Jacobian before the next is created: the solvers hold it too, and both at once would be
+  the run's largest memory. The reset also renews the set-up of -visc_snes_mf_operator.
+*/
+static PetscErrorCode ViscosityFreeJacobian(Viscosity *v)
+{
+  PetscFunctionBegin;
+  PetscCall(SolverRenewPC(v->guard.solve.ksp));
+  for (PetscInt c = 0; c < v->systems; c++) {
+    SNES snes;
+
+    PetscCall(TSGetSNES(v->ts[c], &snes));
+    PetscCall(SNESReset(snes));
+  }
+  PetscCall(MatDestroy(&v->J));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Creates a Jacobian of the operators' present pattern, and renews the preconditioner. */
 static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
 {
@@ -228,14 +246,7 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
 
   PetscFunctionBegin;
   if (!v->guard.solve.ksp || v->assemblies == ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SolverRenewPC(v->guard.solve.ksp));
-  PetscCall(MatDestroy(&v->J));
-  if (v->nonlinear) {
-    SNES snes;
-
-    PetscCall(TSGetSNES(v->ts[0], &snes)); /* renews the set-up of -visc_snes_mf_operator */
-    PetscCall(SNESReset(snes));
-  }
+  PetscCall(ViscosityFreeJacobian(v));
   PetscCall(MatConvert(ops->velocity[0].visc.A, v->guard.mat_type, MAT_INITIAL_MATRIX, &v->J));
   for (PetscInt c = 0; c < v->systems; c++) {
     PetscCall(TSSetIJacobian(v->ts[c], v->J, v->J, ViscosityIJacobian, &v->component[c]));
