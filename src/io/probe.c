@@ -15,7 +15,7 @@
 typedef struct {
   const Flow *flow;
   Cells       cells;
-  PetscReal  *field[ISPH_MAX_DIM + 1]; /* own and halo values of u, then p [m/s], [Pa] */
+  PetscReal  *field[ISPH_MAX_DIM + 1]; /* particle fields u, then p, with halo [m/s], [Pa] */
   PetscInt    n_fields;
   PetscReal   reach; /* distance within which this rank holds all particles [m] */
   PetscInt   *list;  /* neighbours of the present point */
@@ -149,17 +149,7 @@ static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscBool 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Copies own values into storage with room for the halo, and updates the halo. Collective. */
-static PetscErrorCode ProbeFetch(const Particles *p, const PetscReal own[], PetscInt n,
-                                 PetscReal **values)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscCalloc1(p->capacity, values));
-  PetscCall(PetscArraycpy(*values, own, n));
-  PetscCall(ParticlesHaloField(p, *values));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
+/* Builds cells and fills the halo of velocity and pressure, which nothing else reads. Collective. */
 static PetscErrorCode ProbeBegin(const Flow *flow, PetscBool pressure, Probe *probe)
 {
   const Particles *p = flow->particles;
@@ -171,17 +161,15 @@ static PetscErrorCode ProbeBegin(const Flow *flow, PetscBool pressure, Probe *pr
   probe->reach = PetscMax(flow->ops->forms.radius, p->halo_width + 0.5 * p->skin);
   PetscCall(CellsBuild(p, 0.5 * flow->ops->forms.radius, &probe->cells));
   PetscCall(PetscMalloc2(probe->cells.n, &probe->list, probe->cells.n, &probe->w));
-  for (PetscInt c = 0; c < p->dim; c++) {
-    PetscCall(ProbeFetch(p, p->u[c], ParticlesOwn(p), &probe->field[probe->n_fields++]));
-  }
-  if (pressure) PetscCall(ProbeFetch(p, p->p, p->n_fluid, &probe->field[probe->n_fields++]));
+  for (PetscInt c = 0; c < p->dim; c++) probe->field[probe->n_fields++] = p->u[c];
+  if (pressure) probe->field[probe->n_fields++] = p->p;
+  for (PetscInt f = 0; f < probe->n_fields; f++) PetscCall(ParticlesHaloField(p, probe->field[f]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode ProbeEnd(Probe *probe)
 {
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < probe->n_fields; f++) PetscCall(PetscFree(probe->field[f]));
   PetscCall(PetscFree2(probe->list, probe->w));
   PetscCall(CellsFree(&probe->cells));
   PetscFunctionReturn(PETSC_SUCCESS);
