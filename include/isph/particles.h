@@ -207,17 +207,17 @@ typedef struct {
   PetscReal  radius;  /* the largest [m] */
   PetscReal  spacing; /* of the particles that have it [m] */
   PetscReal  margin;  /* of the present rows [m] */
-  PetscReal *reach2;  /* squares of radius + margin, in the order of the cells' list [m^2] */
   PetscInt  *row, *col;
   PetscInt   row_capacity, col_capacity;
-  PetscReal *x_built[ISPH_MAX_DIM]; /* own positions when the rows were built [m] */
-  PetscInt   epoch, moved;          /* stamps of the particles when the rows were built */
-  PetscInt   builds;                /* number of row constructions, a measure of cost */
+  PetscReal *x_built[ISPH_MAX_DIM]; /* own positions when rows with a margin were built [m] */
+  PetscInt   epoch, moved; /* stamps of the particles when the rows were built; 0: no rows */
+  PetscInt   builds;       /* number of row constructions, a measure of cost */
   Cells      cells;
 } Neighbors;
 
 PetscErrorCode NeighborsCreate(PetscReal radius, PetscReal spacing, Neighbors **neighbors);
 PetscErrorCode NeighborsDestroy(Neighbors **neighbors);
+PetscErrorCode NeighborsRelease(Neighbors *neighbors);
 PetscErrorCode NeighborsUpdate(const Particles *particles, PetscReal step_length,
                                Neighbors *neighbors);
 

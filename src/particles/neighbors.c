@@ -32,35 +32,53 @@ PetscErrorCode NeighborsCreate(PetscReal radius, PetscReal spacing, Neighbors **
 }
 
 /*
-  NeighborsDestroy - Frees the rows
+  NeighborsDestroy - Frees the neighbours
 
   Not collective
 */
 PetscErrorCode NeighborsDestroy(Neighbors **neighbors)
 {
-  Neighbors *nb = *neighbors;
-
   PetscFunctionBegin;
-  if (!nb) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscFree(nb->row));
-  PetscCall(PetscFree(nb->col));
-  PetscCall(PetscFree(nb->reach2));
-  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(nb->x_built[a]));
-  PetscCall(CellsFree(&nb->cells));
+  if (!*neighbors) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(NeighborsRelease(*neighbors));
   PetscCall(PetscFree(*neighbors));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReserveRows(PetscInt n, PetscInt dim, Neighbors *nb)
+/*
+  NeighborsRelease - Frees rows and cells that nothing reads any more; the next update builds them
+
+  Not collective
+*/
+PetscErrorCode NeighborsRelease(Neighbors *nb)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(nb->row));
+  PetscCall(PetscFree(nb->col));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(nb->x_built[a]));
+  PetscCall(CellsFree(&nb->cells));
+  nb->row_capacity = nb->col_capacity = nb->epoch = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReserveRows(PetscInt n, Neighbors *nb)
 {
   PetscFunctionBegin;
   if (n + 1 <= nb->row_capacity) PetscFunctionReturn(PETSC_SUCCESS);
   nb->row_capacity = n + 1 + n / 4;
   PetscCall(PetscFree(nb->row));
   PetscCall(PetscMalloc1(nb->row_capacity, &nb->row));
-  for (PetscInt a = 0; a < dim; a++) {
-    PetscCall(PetscFree(nb->x_built[a]));
-    PetscCall(PetscMalloc1(nb->row_capacity, &nb->x_built[a]));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(nb->x_built[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Copies the positions, from which the use of the margin is measured. */
+static PetscErrorCode KeepPositions(const Particles *p, Neighbors *nb)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < p->dim; a++) {
+    if (!nb->x_built[a]) PetscCall(PetscMalloc1(nb->row_capacity, &nb->x_built[a]));
+    PetscCall(PetscArraycpy(nb->x_built[a], p->x[a], p->n_fluid));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -117,7 +135,8 @@ static PetscErrorCode SortRow(PetscInt n, PetscInt col[])
 }
 
 /* Appends row i: three cells along the first axis are contiguous in the list. */
-static PetscErrorCode BuildRow(const Particles *p, PetscInt i, PetscReal own2, Neighbors *nb)
+static PetscErrorCode BuildRow(const Particles *p, const PetscReal reach2[], PetscInt i,
+                               PetscReal own2, Neighbors *nb)
 {
   const Cells *cells               = &nb->cells;
   PetscInt     first[ISPH_MAX_DIM] = {0}, last[ISPH_MAX_DIM] = {0}, n = nb->row[i];
@@ -138,7 +157,7 @@ static PetscErrorCode BuildRow(const Particles *p, PetscInt i, PetscReal own2, N
       const PetscInt begin = cells->start[cell + first[0]], end = cells->start[cell + last[0] + 1];
 
       PetscCall(ReserveColumns(n + end - begin + 1, nb));
-      n += ScanRun(cells, nb->reach2, begin, end, x, own2, i, &nb->col[n]);
+      n += ScanRun(cells, reach2, begin, end, x, own2, i, &nb->col[n]);
     }
   }
   PetscCall(SortRow(n - nb->row[i], &nb->col[nb->row[i]]));
@@ -155,22 +174,20 @@ static inline PetscReal Reach2(const Particles *p, const Neighbors *nb, PetscInt
 /* Builds all rows for present positions. */
 static PetscErrorCode BuildRows(const Particles *p, PetscReal step_length, Neighbors *nb)
 {
-  PetscReal reach;
+  PetscReal reach, *reach2; /* squares of radius + margin, in the order of the cells' list [m^2] */
 
   PetscFunctionBegin;
   nb->margin = PetscMin(MARGIN_LARGEST * nb->radius, 2.0 * MARGIN_STEPS * step_length);
   if (step_length > STEP_TOO_LONG * nb->radius) nb->margin = 0.0;
   reach = nb->radius + nb->margin;
   PetscCall(CellsBuild(p, reach, &nb->cells));
-  PetscCall(ReserveRows(p->n_fluid, p->dim, nb));
-  PetscCall(PetscFree(nb->reach2));
-  PetscCall(PetscMalloc1(nb->cells.n, &nb->reach2));
-  for (PetscInt k = 0; k < nb->cells.n; k++) nb->reach2[k] = Reach2(p, nb, nb->cells.list[k]);
+  PetscCall(ReserveRows(p->n_fluid, nb));
+  PetscCall(PetscMalloc1(nb->cells.n, &reach2));
+  for (PetscInt k = 0; k < nb->cells.n; k++) reach2[k] = Reach2(p, nb, nb->cells.list[k]);
   nb->row[0] = 0;
-  for (PetscInt i = 0; i < p->n_fluid; i++) PetscCall(BuildRow(p, i, Reach2(p, nb, i), nb));
-  for (PetscInt a = 0; a < p->dim; a++) {
-    PetscCall(PetscArraycpy(nb->x_built[a], p->x[a], p->n_fluid));
-  }
+  for (PetscInt i = 0; i < p->n_fluid; i++) PetscCall(BuildRow(p, reach2, i, Reach2(p, nb, i), nb));
+  PetscCall(PetscFree(reach2));
+  if (nb->margin > 0.0) PetscCall(KeepPositions(p, nb));
   nb->epoch = p->epoch;
   nb->moved = p->moved;
   nb->builds++;
@@ -191,7 +208,7 @@ static PetscErrorCode BuildRows(const Particles *p, PetscReal step_length, Neigh
                 above 0.1/2.6 of the radius
 
   Output Parameter:
-. neighbors - row, col; cells and x_built hold positions at the time of the build
+. neighbors - row, col; the cells hold positions at the time of the build
 
   Note: all pairs closer than radius are in the rows, also in kept rows. For a search in kept cells
   see CellsFind().
@@ -207,10 +224,12 @@ PetscErrorCode NeighborsUpdate(const Particles *particles, PetscReal step_length
   PetscCheck(nb->radius <= p->halo_width * (1.0 + 1e-12), p->comm, PETSC_ERR_ARG_OUTOFRANGE,
              "Radius %g of neighbours exceeds halo_width = %g of the particles", (double)nb->radius,
              (double)p->halo_width);
-  if (nb->builds > 0 && nb->epoch == p->epoch) {
+  if (nb->epoch == p->epoch) {
     if (nb->moved == p->moved) PetscFunctionReturn(PETSC_SUCCESS);
-    PetscCall(ParticlesLargestMove(p, nb->x_built, &move));
-    if (2.0 * move <= nb->margin) PetscFunctionReturn(PETSC_SUCCESS);
+    if (nb->margin > 0.0) {
+      PetscCall(ParticlesLargestMove(p, nb->x_built, &move));
+      if (2.0 * move <= nb->margin) PetscFunctionReturn(PETSC_SUCCESS);
+    }
   }
   PetscCall(BuildRows(p, step_length, nb));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -19,7 +19,11 @@ static PetscErrorCode FlowAdvance(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FlowRebuild - Computes neighbours, matrices and vectors for the present positions; collective */
+/*
+  FlowRebuild - Computes neighbours, matrices and vectors for the present positions
+
+  Collective. Assembly alone reads neighbours: those of fixed particles are freed after it.
+*/
 PetscErrorCode FlowRebuild(Flow *flow)
 {
   const PetscLogEvent *event = flow->state->event;
@@ -32,6 +36,7 @@ PetscErrorCode FlowRebuild(Flow *flow)
   PetscCall(PetscLogEventEnd(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
   PetscCall(PetscLogEventBegin(event[FLOW_EVENT_OPERATORS], 0, 0, 0, 0));
   PetscCall(OperatorsAssemble(flow->scene, flow->particles, flow->neighbors, flow->ops, &changed));
+  if (!SceneMoves(flow->scene)) PetscCall(NeighborsRelease(flow->neighbors));
   PetscCall(WallValuesRenumber(flow->scene, flow->particles, &flow->walls));
   PetscCall(PetscLogEventEnd(event[FLOW_EVENT_OPERATORS], 0, 0, 0, 0));
   PetscCall(FlowStateRenumber(flow));
