@@ -19,8 +19,8 @@ typedef struct {
   MatrixFile    *solve_matrix[SCHEME_MAX_SOLVES]; /* of the scheme's solves; NULL: not wanted */
   MatrixFile    *ppe_matrix;
   Checkpoints   *checkpoints;
-  Undo          *undo;    /* NULL: steps are not retried */
-  PetscLogDouble started; /* wall clock [s] */
+  Undo          *undo;              /* NULL: steps are not retried */
+  PetscLogDouble started;           /* wall clock [s] */
   PetscLogStage  stage[RUN_STAGES]; /* without a log the main stage, 0 */
 } Run;
 
