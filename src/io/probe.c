@@ -149,7 +149,7 @@ static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscBool 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Builds cells and fills the halo of velocity and pressure, which nothing else reads. Collective. */
+/* Builds cells and fills the halo of velocity and pressure, which only probes read. Collective. */
 static PetscErrorCode ProbeBegin(const Flow *flow, PetscBool pressure, Probe *probe)
 {
   const Particles *p = flow->particles;
