@@ -102,7 +102,7 @@ PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const
 /*
   ReferenceEnergy - Interpolates the reference kinetic energy at the present time from a file [J/m]
 
-  Collective. The result is NaN without a file (NULL or absent), if the file does not hold for this
+  Collective. The result is NaN without a file (NULL or absent), if the file is not valid for this
   run, and for -steady. Input/Output: report - see ReferenceDataRead().
 */
 PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], Report *report,

@@ -15,7 +15,7 @@ static PetscErrorCode PoiseuilleSetup(Scene *scene)
 
 /*
   Returns the steady velocity between plates for a rheology. The shear stress is f (d - s) at a
-  distance s from the nearer wall, so
+  distance s from the nearer wall, with d = L/2 and the force f, so
 
     u = int_(tau(y))^(tau_w) g(tau) dtau/f,
 

@@ -1,5 +1,6 @@
 /*
-  The clock owns the time and the length of steps. This header also has the reason of a failed step.
+  The clock owns the time and the length of steps. This header also has the reason for a failed
+  step.
 */
 #ifndef ISPH_CLOCK_H
 #define ISPH_CLOCK_H
@@ -9,9 +10,9 @@
 extern const OptionTable TimeOptions;
 
 #define CLOCK_MAX_REPORTS 32
-/* Stable in every map of docs/results/stability.md. Shorter steps of moving particles are less
-   accurate: the energy of the cavity at Re = 1000, n = 100, t = 40 is 1.7, 1.2, 0.5 % too large
-   with CFL numbers of 0.25, 0.4, 0.5. */
+/* The default CFL number, which is stable in every map of docs/results/stability.md. Shorter
+   steps of moving particles are less accurate: the energy of the cavity at Re = 1000, n = 100, t
+   = 40 is 1.7, 1.2, 0.5 % too large with CFL numbers of 0.25, 0.4, 0.5. */
 #define CLOCK_CFL   0.5
 #define CLOCK_WHERE 64 /* length of the text of ClockWhere() */
 

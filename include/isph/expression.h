@@ -1,13 +1,13 @@
 /*
-  Expressions of position and time typed by the user, "sin(2*pi*t), 0". muParser parses them once;
-  then they can be evaluated anywhere and at any time.
+  Expressions of position and time typed by the user, such as "sin(2*pi*t), 0". muParser parses them
+  once; then they can be evaluated anywhere and at any time.
 */
 #ifndef ISPH_EXPRESSION_H
 #define ISPH_EXPRESSION_H
 
 #include "isph/options.h"
 
-/* Variables that a text may contain, or that a component does contain. */
+/* Bits of the variables that a text may use, or that a component uses. */
 typedef enum {
   EXPRESSION_PLACE = 1 << 0, /* x, y and in 3D z [m] */
   EXPRESSION_TIME  = 1 << 1  /* t [s] */

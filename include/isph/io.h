@@ -52,8 +52,7 @@ PetscErrorCode ReportWrite(const Flow *flow, const Report *report, PetscReal wal
 PetscErrorCode NormsExact(const Flow *flow, Report *report);
 PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report);
 
-/* Returns the form of the gradient in the steps; NULL if only snapshots or nothing needs a
-   gradient. */
+/* Returns the form of the gradient that steps use; NULL if at most snapshots use a gradient. */
 static inline const GradientRow *FlowGradient(const Flow *flow)
 {
   const unsigned needs = flow->scheme ? flow->scheme->needs : flow->ops->needs;

@@ -81,7 +81,8 @@ typedef enum {
 #define FORM_PROPERTY_COUNT 8
 extern const char *const FormPropertyNames[FORM_PROPERTY_COUNT]; /* bit order of FormProperty */
 
-/* Corrections of the kernel; a row lists the corrections that it accepts as bits. */
+/* Corrections of the kernel; a row of a Laplacian lists, as bits, the corrections that it
+   accepts. */
 typedef enum { CORRECTION_SHEPARD = 1 << 0, CORRECTION_FIRST_ORDER = 1 << 1 } CorrectionBit;
 typedef struct {
   const char *name, *brief, *citation;

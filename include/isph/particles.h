@@ -159,7 +159,8 @@ static inline PetscBool ParticlesIsWall(const Particles *p, PetscInt i)
   return (i < own ? i >= p->n_fluid : i >= own + p->n_halo_fluid) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Returns true if a position [m] lies in the box of this rank; it lies in the box of one rank. */
+/* Returns true if a position [m] lies in the box of this rank; the boxes of ranks do not
+   overlap. */
 static inline PetscBool ParticlesHolds(const Particles *p, const PetscReal x[])
 {
   for (PetscInt a = 0; a < p->dim; a++) {
@@ -168,13 +169,15 @@ static inline PetscBool ParticlesHolds(const Particles *p, const PetscReal x[])
   return PETSC_TRUE;
 }
 
-/* Weight of particle i in means, norms and sums: its volume over that of a lattice cell [-]. */
+/* Returns the weight of particle i in means, norms and sums: its volume divided by the volume of
+   a lattice cell [-]. */
 static inline PetscReal ParticlesWeight(const Particles *p, PetscInt i)
 {
   return p->volume[i] / p->cell_volume;
 }
 
-/* Computes the surface point above wall particle i; beyond an edge, a point of its plane [m]. */
+/* Computes the surface point above wall particle i; beyond an edge, the point on the continued
+   plane of the side [m]. */
 static inline void ParticlesWallPoint(const Particles *p, PetscInt i, PetscReal x[])
 {
   for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i] + p->depth[i] * p->normal[a][i];

@@ -20,7 +20,8 @@ struct FieldRow {
 extern const Table       FieldTable;
 extern const OptionTable PatchOptions;
 
-/* A patch test: the matrix A of L over the box, and B over the given values around it. */
+/* A patch test of a Laplacian L: its matrix A over the box, and B over the given values around
+   it. */
 typedef struct {
   const Scene    *scene;
   const FieldRow *field;

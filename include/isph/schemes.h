@@ -70,7 +70,7 @@ typedef struct {
   PetscReal divergence;   /* root mean square of div u* in the last step [1/s] */
 } SteadyTest;
 
-/* The bound on the velocity by the driving forces and walls; see check.c. */
+/* The bound on the velocity that follows from driving forces and walls; see check.c. */
 typedef struct {
   PetscReal start;      /* root mean square of u at the start [m/s] */
   PetscReal impulse;    /* int max |f| dt [m/s] */

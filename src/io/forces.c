@@ -60,7 +60,8 @@ static PetscErrorCode SurfaceCreate(const Scene *scene, PetscInt side, Surface *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Probes the velocity minus the wall velocity at the points raised by `height` spacings. */
+/* Probes the velocity minus the wall velocity at the points, moved by `height` spacings along
+   the normal. */
 static PetscErrorCode ProbeAbove(const Flow *flow, PetscInt side, const Surface *s,
                                  PetscReal height, PetscReal w[], PetscReal p[])
 {

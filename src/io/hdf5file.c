@@ -117,11 +117,11 @@ PetscErrorCode Hdf5FileFinish(Hdf5File *file, const char part[], const char path
 
   Input Parameters:
 + file    - with start, own and N set
-. columns - 0 for a data set of one dimension
+. columns - number of columns; 0 for a data set of one dimension
 . stored  - type in the file
 . given   - type in memory
 . rows    - own rows, columns values each
-- units   - SI, "1" for a plain number
+- units - SI unit of the values, "1" for plain numbers
 */
 PetscErrorCode Hdf5WriteRows(Hdf5File *file, const char name[], PetscInt columns, hid_t stored,
                              hid_t given, const void *rows, const char units[])
@@ -207,7 +207,8 @@ PetscErrorCode Hdf5Has(Hdf5File *file, const char name[], PetscBool *there)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Hdf5CountRows - Returns the size of a data set; columns 0: one dimension; collective on comm */
+/* Hdf5CountRows - Returns the rows and columns of a data set, 0 columns if it has one dimension;
+   collective on comm */
 PetscErrorCode Hdf5CountRows(Hdf5File *file, const char name[], PetscInt *N, PetscInt *columns)
 {
   hsize_t size[2] = {0, 0};

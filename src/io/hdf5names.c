@@ -45,7 +45,7 @@ PetscErrorCode Hdf5WriteNumbers(Hdf5File *file, const char object[], const char 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Hdf5WriteWord - Writes an ASCII word without a closing zero as an attribute of an object;
+/* Hdf5WriteWord - Writes an ASCII word without a terminating null as an attribute of an object;
    collective on comm */
 PetscErrorCode Hdf5WriteWord(Hdf5File *file, const char object[], const char name[],
                              const char word[])

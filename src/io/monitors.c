@@ -133,9 +133,10 @@ static PetscErrorCode MonitorRead(const Scene *scene, const OptionRow *row, cons
   Collective on PETSC_COMM_WORLD.
 
   Options Database Keys:
-+ -probe_point x,y,...          - points
++ -probe_point x,y,... - coordinates of points
 . -probe_line x0,y0,x1,y1,n,... - lines with n points each
-. -probe_flux x0,y0,x1,y1,...   - sections; flux to the right of the direction counts positive
+. -probe_flux x0,y0,x1,y1,...   - ends of sections; a flux to the right, seen along the section, is
+                                  positive
 . -probe_forces                 - forces on each wall
 . -probe_every T                - time between rows; by default rows in every step [s]
 - -probe_output base            - files base_point.csv, base_line.csv, base_flux.csv,

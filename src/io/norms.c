@@ -14,7 +14,8 @@ typedef struct {
   PetscReal u, exact; /* of |u - u_e| and |u_e| [m/s] */
 } ExactMaxima;
 
-/* Compares the fluid of this rank; exact_p[i] becomes the exact pressure, NaN if there is none. */
+/* Compares the fluid of this rank with the exact solution; exact_p[i] becomes the exact
+   pressure, NaN if there is none. */
 static PetscErrorCode NormsCompare(const Flow *flow, PetscReal exact_p[], ExactSums *sums,
                                    ExactMaxima *maxima)
 {

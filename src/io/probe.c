@@ -3,7 +3,8 @@
 
     f(x + X) = c_0 + sum_t c_t phi_t(X/R),   min sum_k W_k (f_k - fit(X_k))^2,   value = c_0,
 
-  computed by the rank that owns the point. Exact for quadratic fields, on walls and in corners too.
+  computed by the rank that owns the point. The value is exact for quadratic fields, on walls and in
+  corners too.
 
   Reference: P. Lancaster & K. Salkauskas, Math. Comput. 37 (1981) 141-158
 */

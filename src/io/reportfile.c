@@ -1,6 +1,6 @@
 /*
   The file of all runs, in long form: a row for each quantity and time. Studies loop over runs and
-  evaluate the file with a table program.
+  evaluate the file with a library for tables, such as pandas.
 */
 #include "isph/guard.h"
 #include "isph/io.h"
@@ -100,7 +100,8 @@ static PetscErrorCode ColumnsSolver(Columns *columns, const LinearSolve *solve)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends visc_laplacian ... ppe_pc; a form or solver that the run lacks gives an empty column. */
+/* Appends the columns from visc_laplacian to ppe_pc; a form or solver that the run lacks gives
+   an empty column. */
 static PetscErrorCode ColumnsForms(const Flow *flow, Columns *columns)
 {
   const OperatorForms *forms    = &flow->ops->forms;
@@ -125,7 +126,7 @@ static PetscErrorCode ColumnRow(Columns *columns, const void *row)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends case ... steps. */
+/* Appends the columns from case to steps. */
 static PetscErrorCode ColumnsBeforeTime(const Flow *flow, Columns *columns)
 {
   const Scene  *scene  = flow->scene;
@@ -157,7 +158,7 @@ static PetscErrorCode ColumnsBeforeTime(const Flow *flow, Columns *columns)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends wall_s ... status. Collective: memory is the largest of all ranks. */
+/* Appends the columns from wall_s to status. Collective: the memory is the largest of all ranks. */
 static PetscErrorCode ColumnsAfterTime(const Flow *flow, PetscReal wall_seconds,
                                        const char status[], Columns *columns)
 {
@@ -270,8 +271,8 @@ PetscErrorCode ReportFileCheck(const char path[])
 . wall_seconds - duration of the run so far, set-up included [s]
 - status       - ok, diverged or interrupted
 
-  Notes: particles counts the fluid; visc_its and ppe_its are means per step; for the coupled scheme
-  the columns visc_ts, visc_ksp, visc_pc and visc_its describe the coupled solve
+  Notes: the column particles counts fluid particles; visc_its and ppe_its are means per step; for
+  the coupled scheme the columns visc_ts, visc_ksp, visc_pc and visc_its describe the coupled solve
 
   Errors: a file that cannot be written, or has other columns, ends the run
 */

@@ -37,9 +37,9 @@ void AddRow_Velocity(const Stencil *st, const Operators *ops, PetscInt diagonal,
 }
 
 /*
-  Adds a row on a scalar with given normal derivative. In a fit the weight of a wall neighbour
-  multiplies n.grad f. A dummy has f_w - f_i = (X.n) n.grad f here; the weights already contain its
-  tangential part.
+  Adds a row on a scalar whose normal derivative at walls is given. In a fit the weight of a wall
+  neighbour multiplies n.grad f. A dummy has f_w - f_i = (X.n) n.grad f here; the weights already
+  contain its tangential part.
 */
 static void AddRow_Pressure(const Stencil *st, const Operators *ops, PetscInt diagonal,
                             PetscReal scale, const PetscReal w[], AffineOperator *op)

@@ -135,7 +135,8 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Chooses the wall treatment of the user, or by default a treatment that the forms work with. */
+/* Chooses the wall treatment that the user names, or by default a treatment that suits the
+   forms. */
 static PetscErrorCode ChooseWall(const Scene *scene, OperatorForms *forms)
 {
   const char *blind = NULL; /* a chosen form that needs particles behind walls */

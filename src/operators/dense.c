@@ -10,7 +10,8 @@
   Not collective.
 
   Input/Output Parameter:
-. a - n x n by rows, lower triangle read; out: L with L L^T = a, diagonal inverted
+. a - n x n by rows, of which the lower triangle is read; out: L with L L^T = a, its diagonal
+      inverted
 
   Returns: 0, or 1 + the first row whose pivot is below 1e-10 of its diagonal entry
 */

@@ -40,8 +40,8 @@ PetscInt LaplacianWidth(const LaplacianForm *form, PetscInt dim)
 }
 
 /*
-  LaplacianDilatation - Returns the constant c of a form that approximates lap u + (c - 1) grad div
-  u
+  LaplacianDilatation - Returns c of the operator lap u + (c - 1) grad div u that a form
+  approximates
 
   The rotational pressure update subtracts c rho nu div u*: docs/theory.md, (84) and (85).
 
@@ -58,7 +58,7 @@ PetscReal LaplacianDilatation(const LaplacianForm *form)
   Not collective.
 
   Output Parameter:
-. w - w[k] multiplies f_k - f_i [m^-2]; for wall roles see LaplacianRow
+. w - w[k] multiplies f_k - f_i [m^-2]; for wall neighbours see LaplacianRow
 */
 PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *st, PetscReal w[])
 {

@@ -179,7 +179,8 @@ static void MlsLaplacian(const Stencil *st, const MlsFit *fit, PetscReal w[])
 
     lap f = 2/R^2 sum_a c_aa
 
-  Properties: exact for quadratic fields on any arrangement; not symmetric; reads equations.
+  Properties: exact for quadratic fields on any arrangement; not symmetric; uses the equations of
+  wall neighbours.
 */
 PetscErrorCode LaplacianRow_Mls(Stencil *st, PetscReal w[])
 {
@@ -194,7 +195,7 @@ PetscErrorCode LaplacianRow_Mls(Stencil *st, PetscReal w[])
   do not determine the cubic fit; st->regularised counts such rows
 
   Properties: exact for cubic fields, so of order 2 on disordered particles too; not symmetric;
-  reads equations.
+  uses the equations of wall neighbours.
 */
 PetscErrorCode LaplacianRow_Mls3(Stencil *st, PetscReal w[])
 {

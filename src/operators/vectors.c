@@ -72,7 +72,8 @@ PetscErrorCode FluidRemoveMean(const Particles *p, Vec f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* WallVec - Creates a vector of a scalar over the own wall particles; collective, for an epoch */
+/* WallVec - Creates a vector of a scalar over the own wall particles, valid for an epoch;
+   collective */
 PetscErrorCode WallVec(const Particles *p, Vec *v)
 {
   PetscFunctionBegin;

@@ -11,7 +11,8 @@
 #include "boundary_rows.h"
 #include "wall_points.h"
 
-/* Returns the matrix entries of a slot: (a, b) for coupled components, otherwise (a, a). */
+/* Returns the number of matrix entries of a slot: all (a, b) for coupled components, otherwise
+   (a, a). */
 static PetscInt SlotEntries(const Operators *ops, PetscInt dim)
 {
   return ops->velocity[0].visc.width == 1 ? dim : ops->velocity[0].visc.width;

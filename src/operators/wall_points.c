@@ -1,6 +1,7 @@
 /*
-  Wall velocities in the row of particle i for dummies with beta. A dummy's velocity lies on the
-  line through the fluid particle and the wall, whose velocity may vary along the wall:
+  Wall velocities of dummies in the row of particle i, for treatments that extrapolate by a factor
+  beta. A dummy's velocity lies on the line through the fluid particle and the wall, whose velocity
+  may vary along the wall:
 
     u_w - u_i = (u_wall,w - u_wall,i) + beta (u_wall,i - u_i).
 

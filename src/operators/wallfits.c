@@ -276,7 +276,8 @@ PetscErrorCode WallExtend_Quadratic(Extension *ext)
 
     u_w - u_wall = -c d (H + d),   u_j - u_wall = c xi_j (H - xi_j) over fluid within 2 dx of s
 
-  xi_j is the distance from the wall. Without fluid within 2 dx the reach is 3 dx.
+  H is the distance between the walls, and xi_j the distance of particle j from the wall. Without
+  fluid within 2 dx the reach is 3 dx.
 
   Reference: S. J. Watkins et al., Astron. Astrophys. Suppl. Ser. 119 (1996) 177-187, cited after M.
   Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)

@@ -20,7 +20,7 @@ static PetscReal WallBeta_Own(const Scene *scene, PetscReal distance, PetscReal 
 
   Input: d_i distance of the fluid particle from the surface, d_w depth of the dummy behind it [m]
 
-  Reference: J. P. Morris, P. J. Fox, Y. Zhu, J. Comput. Phys. 136 (1997), whose cap is 1.5
+  Reference: J. P. Morris, P. J. Fox, Y. Zhu, J. Comput. Phys. 136 (1997), where beta is at most 1.5
 */
 static PetscReal WallBeta_DummyLinear(const Scene *scene, PetscReal distance, PetscReal depth)
 {

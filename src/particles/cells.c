@@ -141,7 +141,7 @@ PetscErrorCode CellsFree(Cells *cells)
   Input Parameters:
 + cells  - the cells
 . x      - the point [m]
-. radius - of any size [m]
+. radius - radius of the search, of any size [m]
 - max    - size of list
 
   Output Parameters:

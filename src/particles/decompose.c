@@ -223,7 +223,8 @@ static PetscErrorCode Bisect(const Scene *scene, Particles *p, PetscMPIInt ranks
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds the owners of own particles by the present boxes, and max / mean of fluid in a box. */
+/* Finds the owners of own particles by the present boxes, and the largest number of fluid
+   particles in a box divided by the mean number. */
 static PetscErrorCode FindOwners(const Particles *p, PetscMPIInt ranks, PetscInt owner[],
                                  PetscReal *imbalance)
 {

@@ -4,7 +4,7 @@
 */
 #include "impl.h"
 
-/* Announces numbers of items to the receivers; sources are in ascending order. */
+/* Sends each receiver the number of its items; finds the senders, in ascending order. */
 static PetscErrorCode AnnounceItems(MPI_Comm comm, const PetscInt n_to[], PetscMPIInt *n_sources,
                                     PetscMPIInt **source, PetscInt **n_from)
 {

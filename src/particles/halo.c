@@ -45,7 +45,8 @@ static void RanksTouched(const Particles *p, const PetscReal y[], PetscReal reac
   if (y[p->cut_axis[m]] + reach >= p->cut[m]) RanksTouched(p, y, reach, m, end, touched, n);
 }
 
-/* Lists an image of own particle i for all ranks that need it; the owner has the original. */
+/* Lists an image of own particle i for all ranks that need it; this rank needs no copy of i
+   itself. */
 static PetscErrorCode ListImage(const Scene *scene, const Particles *p, PetscReal reach, PetscInt i,
                                 const PetscInt image[], PetscInt touched[], HaloList *list)
 {
@@ -193,7 +194,7 @@ static PetscErrorCode HaloFill(Particles *p)
 
   Input Parameters:
 + scene - the scene
-- p     - own particles migrated and sorted, wrapped into periodic boxes
+- p - with own particles that are migrated, sorted and wrapped into periodic boxes
 
   Output Parameter:
 . p - halo counts, sf, halo_shift; halo values of id, kind, row, x and the fields of HALO_EPOCH

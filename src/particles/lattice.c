@@ -95,8 +95,8 @@ static void CellOf(PetscInt dim, const PetscInt count[], PetscInt index, PetscIn
 /* Contents of a cell of the lattice. */
 typedef enum { CELL_FLUID, CELL_DUMMY, CELL_EMPTY } CellKind;
 
-/* Minimum distances of cell centres from the surface of a body: 0.4 dx for fluid if wall particles
-   lie on the surface. */
+/* Return the least distance from the surface of a body to cell centres of fluid, 0.4 dx if wall
+   particles lie on the surface, and to cell centres of dummies. */
 static PetscReal FluidClearance(WallPlacement walls, PetscReal dx)
 {
   return (walls.layers && !walls.surface ? 0.25 : 0.4) * dx;
@@ -217,7 +217,8 @@ void ParticlesShare(MPI_Comm comm, PetscInt n, PetscInt *first, PetscInt *last)
   *last  = (PetscInt)((PetscInt64)n * (rank + 1) / ranks);
 }
 
-/* Counts fluid and dummies among the lattice cells of this rank, and their offsets over ranks. */
+/* Counts fluid and dummies among the lattice cells of this rank, of lower ranks and of all
+   ranks. */
 static PetscErrorCode CountShare(const Scene *scene, WallPlacement walls, PetscInt first,
                                  PetscInt last, MPI_Comm comm, PetscInt own[2], PetscInt start[2],
                                  PetscInt all[2])
@@ -360,7 +361,7 @@ static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
 + scene - the scene
 . walls - placement of wall particles
 . start - positions of the fluid, NULL for the lattice
-- p - with its own fields registered
+- p     - with its own fields registered
 
   Output Parameter:
 . p - counts, next_id, and own particles with id, kind, x, dx, volume, normal, depth and side, not

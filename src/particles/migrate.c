@@ -116,7 +116,7 @@ static PetscErrorCode NumberParticles(Particles *p)
 }
 
 /*
-  ParticlesStore - Replaces own particles by records, sorted, and counts particles of all ranks
+  ParticlesStore - Replaces own particles by sorted records, and counts the particles of all ranks
 
   Collective. Owners, numbers and halo are invalid until an epoch starts.
 

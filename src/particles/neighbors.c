@@ -15,8 +15,8 @@
   Not collective
 
   Input Parameters:
-+ radius  - the largest; pairs closer than the larger of their radii are neighbours [m]; at most
-            Particles.halo_width
++ radius  - largest radius of a support [m], at most Particles.halo_width; two particles are
+            neighbours if they are closer than the larger of their radii
 - spacing - spacing of particles with this radius; radii are in proportion to spacings [m]
 
   Output Parameter:
@@ -197,7 +197,7 @@ static PetscErrorCode BuildRows(const Particles *p, PetscReal step_length, Neigh
 /*
   NeighborsUpdate - Rebuilds the rows if particles have moved too far since the last build
 
-    rows are kept while  2 max_i |x_i - x_i(made)| <= margin
+    rows are kept while 2 max_i |x_i - x_i(built)| <= margin
 
   Collective
 

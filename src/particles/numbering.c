@@ -39,7 +39,7 @@ static PetscErrorCode NumberEntries(MPI_Comm comm, PetscInt n, PetscInt64 id[])
   Collective. Each rank numbers a range of ids, which it receives and sends back as numbers.
 
   Output Parameter:
-. index - of each own fluid particle
+. index - number of each own fluid particle
 */
 PetscErrorCode ParticlesNumberById(const Particles *p, PetscInt index[])
 {

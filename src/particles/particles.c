@@ -39,7 +39,7 @@ static PetscErrorCode RegisterOwnFields(const Scene *scene, Particles *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets viscosities of fluid: given values, or by positions at the start. */
+/* Sets the viscosities of the fluid: the given values, or values for the positions at the start. */
 static void SetViscosities(const Scene *scene, const FluidStart *start, Particles *p)
 {
   for (PetscInt i = 0; p->nu && i < p->n_fluid; i++) {

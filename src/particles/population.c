@@ -55,7 +55,7 @@ static PetscErrorCode StoreAndFree(const Scene *scene, Particles *p, PetscInt n,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Fluid near a position, for mean values of a new particle. */
+/* Fluid near a position, whose mean values a new particle gets. */
 typedef struct {
   Cells      cells;
   PetscInt   n, capacity, *j;

@@ -139,8 +139,8 @@ static PetscErrorCode SpectrumSparse(Mat A, Spectrum *spectrum)
   PatchSpectrum - Reports eigenvalues and condition of -L dx^2 over the box
 
   Collective. Quantities: eig_min and eig_max, least and largest real part of the eigenvalues [-];
-  condition, the largest over the least singular value [-]. Up to 1000 rows all eigenvalues are
-  computed by LAPACK, otherwise the extreme eigenvalues by SLEPc.
+  condition, the largest singular value divided by the least [-]. Up to 1000 rows all eigenvalues
+  are computed by LAPACK, otherwise the extreme eigenvalues by SLEPc.
 
   Errors: more rows without SLEPc, or an eigenvalue solver that does not converge, end the run
 */

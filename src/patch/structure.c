@@ -30,7 +30,7 @@ static PetscErrorCode AddRows(Mat M, PetscBool fluid, RowSums *sums)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* |A - A^T| / |A|, Frobenius norms. */
+/* Computes |A - A^T|/|A| in Frobenius norms. */
 static PetscErrorCode Asymmetry(Mat A, PetscReal *asymmetry)
 {
   Mat       T;

@@ -1,5 +1,5 @@
-/* Start of a run with the user's particles: positions from a file, and velocities if it has
-   them. */
+/* Start of a run with the user's particles: positions from a file, and velocities if the file
+   has them. */
 #include "impl.h"
 #include "isph/hdf5file.h"
 
@@ -119,7 +119,7 @@ static PetscErrorCode CheckPlaces(const Scene *scene, const char path[], const F
 
   Output Parameters:
 + start - this rank's share, to be freed by StartFree(); N = 0 for a start on the lattice
-- path  - of the file, empty without a file
+- path - path of the file, empty without a file
 
   Input/Output Parameter:
 . scene - its bounds on the viscosity are set to those of the file

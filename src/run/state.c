@@ -171,7 +171,8 @@ static const SceneEntry entries[] = {
      .Compute = SceneViscosities},
 };
 
-/* CheckpointSceneEntry - Returns entry k of the identity of a scene, NULL beyond the last */
+/* CheckpointSceneEntry - Returns entry k of the numbers that identify a scene, NULL beyond the
+   last */
 const SceneEntry *CheckpointSceneEntry(PetscInt k)
 {
   return k < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(entries) ? &entries[k] : NULL;

@@ -132,8 +132,8 @@ PetscBool SceneHasBoundary(const Scene *scene, unsigned properties)
   return PETSC_FALSE;
 }
 
-/* SceneSlipKind - Returns a kind of boundary that has other equations for the normal velocity than
-   for the tangential one, NULL if there is none; not collective */
+/* SceneSlipKind - Returns a kind of boundary in the scene whose equations for normal and
+   tangential velocity differ, NULL if there is none; not collective */
 const BoundaryRow *SceneSlipKind(const Scene *scene)
 {
   for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
@@ -251,7 +251,7 @@ PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal
 /*
   SceneDecayRate - Returns a lower bound on the decay rate of a flow between walls at rest [1/s]
 
-    d|u|/dt <= -nu (pi/W)^2 |u|,  W: distance of the closest pair of opposite sides without slip
+    d|u|/dt <= -nu (pi/W)^2 |u|, W: distance between the closest pair of opposite sides without slip
 
   |u| is the root mean square (Poincare's inequality). The bound is zero without such a pair or
   without viscosity. Not collective.

@@ -146,12 +146,12 @@ static void RheologyBound(PetscReal rate, Rheology *r)
 
   Options Database Keys:
 + -rheology name             - row of the rheology table
-. -rheology_consistency K    - of power_law [m^2 s^(n-2)]
-. -rheology_exponent n       - of power_law and carreau [-]
-. -rheology_time lambda      - of carreau; default L/U [s]
-. -rheology_viscosity_infinite nu - of carreau [m^2/s]
-. -rheology_yield tau_0      - of papanastasiou [m^2/s^2]
-. -rheology_regularisation m - of papanastasiou; default 1000 L/U [s]
+. -rheology_consistency K    - consistency of power_law [m^2 s^(n-2)]
+. -rheology_exponent n       - exponent of power_law and carreau [-]
+. -rheology_time lambda      - time constant of carreau; default L/U [s]
+. -rheology_viscosity_infinite nu - viscosity of carreau at infinite rate [m^2/s]
+. -rheology_yield tau_0      - yield stress of papanastasiou [m^2/s^2]
+. -rheology_regularisation m - regularisation time of papanastasiou; default 1000 L/U [s]
 - -rheology_viscosity_min, -rheology_viscosity_max nu - bounds; see RheologyBound() [m^2/s]
 */
 PetscErrorCode SceneReadRheology(Scene *scene)

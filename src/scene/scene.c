@@ -28,9 +28,10 @@ PetscReal SceneCellReynolds(const Scene *scene)
 }
 
 /*
-  SceneIsAsPosed - Returns true if the exact solution of the case holds: no physics of the case is
-  left out, and no force added. Added pressure or convection does not change the exact solution of a
-  case without them.
+  SceneIsAsPosed - Returns true if the exact solution of the case is valid
+
+  This is so if no physics of the case is left out, and no force is added. Added pressure or
+  convection does not change the exact solution of a case without them.
 */
 PetscBool SceneIsAsPosed(const Scene *scene)
 {

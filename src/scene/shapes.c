@@ -280,8 +280,8 @@ void BodySpan(const Body *body, PetscInt axis, PetscReal span[2])
 
   Not collective. Searches inwards from points dx apart on the surface in steps of dx/4; tips of
   wedges of more than about 50 degrees do not count. Input: limit - largest distance of the search.
-  Output: place - of the least thickness. Returns: limit if the body is nowhere thinner, and for
-  bodies around the fluid.
+  Output: place - position of the least thickness. Returns: limit if the body is nowhere thinner,
+  and for bodies around the fluid.
 */
 PetscReal BodyThickness(const Body *body, PetscReal dx, PetscReal limit, PetscReal place[2])
 {

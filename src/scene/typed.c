@@ -187,9 +187,9 @@ static PetscErrorCode ReadShape(const char option[], const char text[], Body *bo
 }
 
 /*
-  Bodies have fixed positions. A constant velocity of the surface with a normal part would carry
-  fluid through it, and is refused. A normal velocity that depends on t is accepted: it may be an
-  oscillation that is small compared with the body.
+  Refuses a constant velocity of a body's surface with a normal part: bodies have fixed positions,
+  so this velocity would carry fluid through the surface. A normal velocity that depends on t is
+  accepted: it may be an oscillation that is small compared with the body.
 */
 static PetscErrorCode CheckBodyMotion(const Scene *scene, const Boundary *boundary)
 {
@@ -371,9 +371,9 @@ static PetscErrorCode ReadSides(Scene *scene)
 }
 
 /*
-  Checks that inflow and outflow through the sides balance at a time; otherwise no flow without
-  divergence exists. Uses the midpoint rule with 1000 points per side. Rigid motions of bodies
-  do not contribute.
+  Checks that inflow and outflow through the sides balance at time t; otherwise no flow without
+  divergence exists. Uses the midpoint rule with 1000 points per side. Rigid motions of bodies do
+  not contribute.
 */
 static PetscErrorCode CheckInflow(const Scene *scene, PetscReal t)
 {

@@ -1,6 +1,6 @@
 /*
   The check of a step: measures energy, largest speed and divergence of the new velocity, and
-  compares the velocity with the bound by driving forces and walls.
+  compares the velocity with the bound that follows from driving forces and walls.
 */
 #include "step.h"
 
@@ -20,8 +20,8 @@ static PetscErrorCode MeasureDivergence(Flow *flow, const Vec u[], PetscReal *la
 }
 
 /*
-  Measures kinetic energy, largest speed, the bound by walls and, with a pressure, the largest
-  divergence
+  Measures kinetic energy, largest speed, the largest speed that walls can drive and, with a
+  pressure, the largest divergence
 
   Collective. Input: u - velocity components. Output: scheme->stats, bound.walls.
 */

@@ -181,10 +181,10 @@ static PetscErrorCode ClockReadSteady(Clock *clock)
 
   Options Database Keys:
 + -t_end T            - end of the run [s]
-. -dt DT              - time step [s]; or
+. -dt DT              - time step, in place of -cfl [s]
 . -cfl C              - dt = C dx/max(U, largest speed); default 0.5
 . -dt_adapt name      - control of the step length
-. -dt_move_max M      - largest displacement in dx of a step that is not retried
+. -dt_move_max M      - largest displacement of a particle in a step that is not retried [dx]
 . -max_steps N        - stop after N steps
 . -time_order 1|2     - order of the time integration
 . -steady             - no du/dt: a single step to t_end with -scheme coupled
@@ -249,7 +249,7 @@ void FailureSet(StepFailure *failure, PetscErrorCode code, const char format[], 
   va_end(arguments);
 }
 
-/* Returns the next time at which a step must end: of a report, of a snapshot, or t_end [s]. */
+/* Returns the next time at which a step must end: a report time, a snapshot time, or t_end [s]. */
 static PetscReal ClockTarget(const Clock *c)
 {
   const PetscReal target =

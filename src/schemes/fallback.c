@@ -4,7 +4,7 @@
 */
 #include "isph/guard.h"
 
-/* The methods in turn; they use the matrix of the preconditioner. */
+/* The fallback methods in their order; they use the matrix of the preconditioner. */
 static const struct {
   const char *ksp, *pc;
   PetscInt    most;   /* most rows; 0: any number */

@@ -16,7 +16,8 @@
   Input: dx - spacing of the particle [m]; strength - S; speed - U, the largest of the flow [m/s];
   rate - |grad u| at the particle [1/s]; gradient_c - grad C [1/m]. Output: displacement [m].
 
-  Reference: S. J. Lind et al., J. Comput. Phys. 231 (2012) 1499-1523; D measured here
+  Reference: S. J. Lind et al., J. Comput. Phys. 231 (2012) 1499-1523; D follows from measurements
+  with this program
 */
 static void ShiftDisplace_Fickian(PetscInt dim, PetscReal dx, PetscReal strength, PetscReal speed,
                                   PetscReal rate, PetscReal dt, const PetscReal gradient_c[],

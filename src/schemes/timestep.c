@@ -2,7 +2,8 @@
 #include "isph/guard.h"
 
 /*
-  TimeOptionsRefuse - Refuses options by which a TS would control time, and theta for other types
+  TimeOptionsRefuse - Refuses options by which a TS would control time, and -ts_theta_theta for
+  types other than theta
 
   Collective. The names of all releases of PETSc are refused: a name of another release would
   otherwise be reported as misspelt. PETSc's beuler and cn are theta methods that would refuse

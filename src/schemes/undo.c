@@ -1,6 +1,6 @@
 /*
-  Undoing a step: a copy of all registered fields and of the run's memory. Other data are computed
-  from them.
+  Undoes a step from a copy of all registered fields and of the run's memory. All other data are
+  computed from these.
 */
 #include "isph/schemes.h"
 

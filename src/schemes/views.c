@@ -12,8 +12,8 @@
   Collective on PETSC_COMM_WORLD. Called before PETSc reads the options of the solver.
 
   Input Parameters:
-+ prefix - of the solver
-- name   - of the option, "-ksp_view"
++ prefix - prefix of the solver's options
+- name   - name of the option, such as "-ksp_view"
 
   Output Parameter:
 . view - with viewer NULL if the option is absent

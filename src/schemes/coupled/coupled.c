@@ -104,7 +104,8 @@ static PetscErrorCode RefuseHistory(const Flow *flow, const CoupledIntegratorRow
   Collective on PETSC_COMM_WORLD.
 
   Options Database Key:
-. -coupled_ts_type - row of its table; for options of the solver see CoupledSolverCreate()
+. -coupled_ts_type - row of the table of integrators; for options of the solver see
+                     CoupledSolverCreate()
 */
 static PetscErrorCode CoupledCreate(Flow *flow)
 {

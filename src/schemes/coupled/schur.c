@@ -27,8 +27,8 @@ static PetscErrorCode SchurApply_Mass(Schur *s, Vec x, Vec y)
   step
 
   The Poisson equation is singular, so the means of both sides are removed. The left null vector is
-  not constant; without the second removal its part of x would return as a constant 1e6 times as
-  large.
+  not constant; without the second removal, the part of x along it would return as a constant 1e6
+  times as large.
 
   Reference: J. Cahouet, J.-P. Chabard, Int. J. Numer. Meth. Fluids 8 (1988) 869-895
 */
@@ -96,8 +96,8 @@ PetscErrorCode SchurAttach(PC fieldsplit, Schur *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SchurCreate - Creates the KSP of the Poisson equation, if needed: a single cycle of AMG;
-   collective */
+/* SchurCreate - Creates the KSP of the Poisson equation, if needed, by default a single cycle of
+   AMG; collective */
 PetscErrorCode SchurCreate(Schur *s)
 {
   PC pc;

@@ -96,10 +96,10 @@ static PetscErrorCode CoupledCreateTS(Coupled *c)
   Collective on PETSC_COMM_WORLD. The preconditioner depends on the clock's first time step.
 
   Options Database Keys:
-+ -coupled_schur - row of its table
++ -coupled_schur - row of the table of schur.c
 . -coupled_ksp_type, -coupled_pc_type, -coupled_pc_fieldsplit_..., -coupled_ts_... - PETSc's options
 . -coupled_fieldsplit_velocity_..., -coupled_fieldsplit_pressure_... - KSP and PC of the blocks
-- -coupled_schur_ksp_type, -coupled_schur_pc_type, ... - of the Poisson equation in cahouet_chabard
+- -coupled_schur_ksp_type, -coupled_schur_pc_type, ... - solver of its Poisson equation
 
   Errors: refuses options by which the TS would control time, and absolute tolerances
 */
@@ -271,7 +271,8 @@ static PetscErrorCode CoupledMake(PetscReal step, PetscReal shift, const Vec adv
 
   Input Parameters:
 + shift     - first shift [1/s]
-- advecting - v of implicit convection, which must exist as long as the matrices; NULL: none [m/s]
+- advecting - advecting velocity of implicit convection [m/s], which must exist as long as the
+              matrices; NULL: no implicit convection
 */
 PetscErrorCode CoupledAssemble(PetscReal shift, const Vec advecting[], Coupled *c)
 {

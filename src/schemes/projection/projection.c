@@ -113,10 +113,10 @@ static PetscErrorCode RegisterEvents(Projection *pr)
   Collective on PETSC_COMM_WORLD.
 
   Options Database Keys:
-+ -projection name - row of its table
++ -projection name - row of the table of projections
 . -ppe_alpha A     - share of the density error in the pressure source (Zheng et al. 2018, Eq. 13)
 - -ppe_filter S    - strength of the pressure filter, by default 1, on lattices 0.1; see
-                     FilterShare()
+                     ShareOfResidual()
 */
 static PetscErrorCode ProjectionCreate(Flow *flow)
 {

@@ -96,10 +96,10 @@ PetscErrorCode IterationCheck(TS ts, const char where[], StepFailure *failure)
 
 /*
   IterationFallBack - Replaces line search l2 after a failure by full Picard steps: from rest l2 may
-  go far beyond them and not return
+  go far beyond the solution and not return
 
-  Collective. Input: failure - of the step. Output: again - flag: the line search was replaced, so
-  the step should be repeated.
+  Collective. Input: failure - failure of the step. Output: again - flag: the line search was
+  replaced, so the step should be repeated.
 */
 PetscErrorCode IterationFallBack(Viscosity *v, const StepFailure *failure, PetscBool *again)
 {

@@ -72,7 +72,7 @@ static PetscErrorCode ViscosityCreateSolver(const Flow *flow, Viscosity *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates the TS of a system with the callbacks for its type. */
+/* Creates the TS of a system and sets the callbacks that the TS type needs. */
 static PetscErrorCode CreateSystem(Viscosity *v, PetscInt c)
 {
   const char *const names[] = {"u", "v", "w"};
@@ -310,7 +310,7 @@ static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t,
                       history [s]
 . projection_factor - see WallValuesSetVelocity() [m^3 s/kg]
 . force             - force per unit mass, constant over the step [m/s^2]
-- advecting         - v; NULL if particles move or the force contains convection [m/s]
+- advecting - advecting velocity v; NULL if particles move or the force contains convection [m/s]
 
   Input/Output Parameter:
 . u - velocity components [m/s]
