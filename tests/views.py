@@ -2,6 +2,7 @@
 """Views and monitors of solvers, and the stages of -log_view.
 
     views.py COMMAND...         the program, on some ranks"""
+import os
 import subprocess
 import sys
 
@@ -27,6 +28,15 @@ def main():
         count(lines, "Linear ppe_ solve converged due to", 3)
         for step in 1, 2, 3:
             count(lines, f"{step} TS dt", 2)  # one integrator a component
+        lines = output("-motion", motion, "-ppe_ksp_view_mat", "::ascii_info", "-ppe_ksp_view_pmat", "::ascii_info",
+                       "-ppe_ksp_view_rhs", "ascii:b.txt", "-ppe_ksp_view_solution", "binary:x.dat",
+                       "-visc_ksp_view_mat", "-visc_ksp_view_rhs", "-visc_ksp_view_solution")
+        count(lines, "Mat Object:", 3)
+        count(lines, "row 143:", 1)
+        count(lines, "Vec Object:", 2)
+        with open("b.txt", encoding="utf-8") as file:
+            assert sum(line[:1] in "-0123456789" for line in file) == 144
+        assert os.path.getsize("x.dat") == 8 + 8 * 144
     lines = output("-visc_ts_view", "-ppe_ksp_monitor", "-log_view", "-visc_ts_type", "arkimex")
     for component in "u", "v":
         count(lines, f"TS Object: {component} (visc_)", 1)
@@ -34,11 +44,16 @@ def main():
     for stage in "Main Stage", "Set-up", "Steps", "Output":
         assert any(f": {stage:>15}" in line or f": {stage}" in line for line in lines), stage
     lines = output("-scheme", "coupled", "-motion", "eulerian", "-coupled_ksp_view", "-coupled_ts_view",
-                   "-coupled_ts_monitor", "-coupled_schur_ksp_view")
+                   "-coupled_ts_monitor", "-coupled_schur_ksp_view", "-coupled_ksp_view_rhs", "ascii:c.txt",
+                   "-coupled_schur_ksp_view_mat", "ascii:s.txt::append")
     count(lines, "KSP Object: (coupled_)", 2)  # the integrator's view holds it too
     count(lines, "KSP Object: (coupled_schur_)", 1)
     count(lines, "TS Object: (coupled_)", 1)
     count(lines, "3 TS dt", 1)
+    with open("c.txt", encoding="utf-8") as file:
+        assert sum(line[:1] in "-0123456789" for line in file) == 3 * 144
+    with open("s.txt", encoding="utf-8") as file:
+        assert sum(line.startswith("row ") for line in file) == 144
 
 
 main()

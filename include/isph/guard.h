@@ -16,9 +16,16 @@ typedef struct {
   PetscViewerFormat format;
 } SolverView;
 
+/* Viewers of a KSP, its matrix, the matrix of its preconditioner, right-hand side and solution. */
+#define KSP_VIEWS 5
+typedef struct {
+  SolverView of[KSP_VIEWS];
+} KspViews;
+
 typedef struct {
   LinearSolve        solve;
-  SolverView         ksp_view, ts_view;  /* -<prefix>ksp_view, -<prefix>ts_view */
+  KspViews           ksp_views;          /* -<prefix>ksp_view, -<prefix>ksp_view_mat, ... */
+  SolverView         ts_view;            /* -<prefix>ts_view */
   const char        *best;               /* type of KSP to recommend */
   const char        *remedy;             /* advice; NULL: derived from the user's choice */
   char               mat_type[64];       /* for MatConvert(): -<prefix>mat_type, or MATSAME */
@@ -48,6 +55,9 @@ PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved);
 PetscErrorCode SolverViewTake(const char prefix[], const char name[], SolverView *view);
 PetscErrorCode SolverViewShow(PetscObject solver, const SolverView *view);
 PetscErrorCode SolverViewEnd(SolverView *view);
+PetscErrorCode KspViewsTake(const char prefix[], KspViews *views);
+PetscErrorCode KspViewsShow(KSP ksp, KspViews *views);
+PetscErrorCode KspViewsEnd(KspViews *views);
 
 /* defaults.c */
 PetscErrorCode OptionDefault(const char prefix[], const char name[], const char value[]);

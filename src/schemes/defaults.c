@@ -68,7 +68,7 @@ PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, Guard *g
   PetscCall(KSPSetTolerances(ksp, rtol, 0.0, PETSC_CURRENT, 500));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCSetType(pc, PCHYPRE));
-  PetscCall(SolverViewTake(guard->solve.prefix, "-ksp_view", &guard->ksp_view));
+  PetscCall(KspViewsTake(guard->solve.prefix, &guard->ksp_views));
   PetscCall(KSPSetFromOptions(ksp));
   guard->best = KSPFGMRES;
   PetscCall(GuardAttach(ksp, form, guard));

@@ -27,8 +27,7 @@ static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
   PetscBool good;
 
   PetscFunctionBegin;
-  PetscCall(SolverViewShow((PetscObject)ksp, &guard->ksp_view));
-  PetscCall(SolverViewEnd(&guard->ksp_view));
+  PetscCall(KspViewsShow(ksp, &guard->ksp_views));
   if (guard->failed) PetscFunctionReturn(PETSC_SUCCESS); /* only the first failure is reported */
   PetscCall(KSPGetConvergedReason(ksp, &guard->reason));
   PetscCall(KSPGetIterationNumber(ksp, &guard->iterations));
@@ -119,7 +118,7 @@ PetscErrorCode GuardDetach(Guard *guard)
 {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < FALLBACK_LEVELS; k++) PetscCall(KSPDestroy(&guard->level[k]));
-  PetscCall(SolverViewEnd(&guard->ksp_view));
+  PetscCall(KspViewsEnd(&guard->ksp_views));
   PetscCall(SolverViewEnd(&guard->ts_view));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

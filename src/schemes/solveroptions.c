@@ -65,7 +65,23 @@ static const OptionRow options[] = {
     },
     {
         LINEAR("ksp_view"),
-        .brief = "print the solver",
+        .brief = "print the solver after its first solve",
+    },
+    {
+        LINEAR("ksp_view_mat"),
+        .brief = "print the matrix of the first solve, or write it: binary:file",
+    },
+    {
+        LINEAR("ksp_view_pmat"),
+        .brief = "print or write the matrix of the preconditioner in the first solve",
+    },
+    {
+        LINEAR("ksp_view_rhs"),
+        .brief = "print or write the right-hand side of the first solve",
+    },
+    {
+        LINEAR("ksp_view_solution"),
+        .brief = "print or write the solution of the first solve",
     },
     {
         LINEAR("pc_type"),
@@ -188,7 +204,7 @@ static const OptionRow options[] = {
     },
     {
         NONLINEAR("ts_view"),
-        .brief = "print the integrator",
+        .brief = "print the integrator at the end of the run",
     },
     {
         NONLINEAR("snes_type"),

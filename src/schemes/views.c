@@ -1,8 +1,8 @@
 /*
-  Views of solvers: -<prefix>ksp_view after the first solve, and -<prefix>ts_view at the end of the
-  run. PETSc's own views do not serve here: PETSc 3.18 loses the viewers of a KSP after a reset for
-  another number of particles, newer releases view a KSP in every step, and only TSSolve() views a
-  TS, which no step calls.
+  Views of solvers: -<prefix>ksp_view, and views of the linear system, after the first solve;
+  -<prefix>ts_view at the end of the run. PETSc's own views do not serve here: PETSc 3.18 loses the
+  viewers of a KSP after a reset for another number of particles, newer releases view a KSP in every
+  step, and only TSSolve() views a TS, which no step calls.
 */
 #include "isph/guard.h"
 
@@ -49,5 +49,50 @@ PetscErrorCode SolverViewEnd(SolverView *view)
 {
   PetscFunctionBegin;
   PetscCall(PetscViewerDestroy(&view->viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The options of KspViews, in the order of KspViewsShow(). */
+static const char *const names[KSP_VIEWS] = {"-ksp_view", "-ksp_view_mat", "-ksp_view_pmat",
+                                             "-ksp_view_rhs", "-ksp_view_solution"};
+
+/* KspViewsTake - Creates the viewers of a KSP's options, as SolverViewTake() does; collective */
+PetscErrorCode KspViewsTake(const char prefix[], KspViews *views)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < KSP_VIEWS; k++)
+    PetscCall(SolverViewTake(prefix, names[k], &views->of[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  KspViewsShow - Views a KSP and its last linear system as far as options ask for it, the first time
+
+  Collective. Of A + c c^T, with the term that fixes the constant of the pressure, A is viewed.
+*/
+PetscErrorCode KspViewsShow(KSP ksp, KspViews *views)
+{
+  PetscBool low_rank;
+  Mat       A, P;
+  Vec       b, x;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetOperators(ksp, &A, &P));
+  PetscCall(PetscObjectTypeCompare((PetscObject)A, MATLRC, &low_rank));
+  if (low_rank) PetscCall(MatLRCGetMats(A, &A, NULL, NULL, NULL));
+  PetscCall(KSPGetRhs(ksp, &b));
+  PetscCall(KSPGetSolution(ksp, &x));
+  const PetscObject of[KSP_VIEWS] = {(PetscObject)ksp, (PetscObject)A, (PetscObject)P,
+                                     (PetscObject)b, (PetscObject)x};
+  for (PetscInt k = 0; k < KSP_VIEWS; k++) PetscCall(SolverViewShow(of[k], &views->of[k]));
+  PetscCall(KspViewsEnd(views));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* KspViewsEnd - Closes the viewers; collective */
+PetscErrorCode KspViewsEnd(KspViews *views)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < KSP_VIEWS; k++) PetscCall(SolverViewEnd(&views->of[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -30,7 +30,7 @@ struct Schur {
   Mat              mass;           /* matrix of row mass, for PETSc */
   Mat              poisson;        /* -dx^2 lap + 1e-6 [-] */
   KSP              ksp;            /* solver of poisson; NULL: not needed */
-  SolverView       view;           /* -coupled_schur_ksp_view */
+  KspViews         views;          /* -coupled_schur_ksp_view, ... */
   Vec              work;           /* work vector */
   PetscReal        viscous, inert; /* nu/sigma, shift dx^2/sigma, see schur.c [-] */
 };

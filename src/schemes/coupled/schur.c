@@ -42,8 +42,7 @@ static PetscErrorCode SchurApply_CahouetChabard(Schur *s, Vec x, Vec y)
   PetscCall(VecCopy(x, s->work));
   PetscCall(GaugeRemove(s->particles, s->work));
   PetscCall(KSPSolve(s->ksp, s->work, y));
-  PetscCall(SolverViewShow((PetscObject)s->ksp, &s->view));
-  PetscCall(SolverViewEnd(&s->view));
+  PetscCall(KspViewsShow(s->ksp, &s->views));
   PetscCall(GaugeRemove(s->particles, y));
   PetscCall(VecScale(y, s->inert));
   PetscCall(VecAXPY(y, s->viscous, x));
@@ -110,7 +109,7 @@ PetscErrorCode SchurCreate(Schur *s)
   PetscCall(KSPGetPC(s->ksp, &pc));
   PetscCall(PCSetType(pc, PCHYPRE));
   PetscCall(AmgDefaults("coupled_schur_", "1"));
-  PetscCall(SolverViewTake("coupled_schur_", "-ksp_view", &s->view));
+  PetscCall(KspViewsTake("coupled_schur_", &s->views));
   PetscCall(KSPSetFromOptions(s->ksp));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -147,6 +146,6 @@ PetscErrorCode SchurFree(Schur *s)
   PetscCall(MatDestroy(&s->poisson));
   PetscCall(VecDestroy(&s->work));
   PetscCall(KSPDestroy(&s->ksp));
-  PetscCall(SolverViewEnd(&s->view));
+  PetscCall(KspViewsEnd(&s->views));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

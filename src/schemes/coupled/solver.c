@@ -83,7 +83,7 @@ static PetscErrorCode CoupledCreateTS(Coupled *c)
   PetscCall(KSPSetTolerances(ksp, 1e-7, 0.0, PETSC_CURRENT, 300));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCSetType(pc, PCFIELDSPLIT));
-  PetscCall(SolverViewTake("coupled_", "-ksp_view", &c->guard.ksp_view));
+  PetscCall(KspViewsTake("coupled_", &c->guard.ksp_views));
   PetscCall(SolverViewTake("coupled_", "-ts_view", &c->guard.ts_view));
   PetscCall(TSSetFromOptions(c->ts));
   c->guard.solve.ksp = ksp;

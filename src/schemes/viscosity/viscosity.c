@@ -149,7 +149,7 @@ PetscErrorCode ViscosityCreate(Flow *flow, Viscosity **visc)
   for (PetscInt c = 0; c < v->systems; c++) PetscCall(CreateSystem(v, c));
   if (v->row->terms != TIME_EXPLICIT) {
     PetscCall(ViscosityCreateSolver(flow, v));
-    PetscCall(SolverViewTake("visc_", "-ksp_view", &v->guard.ksp_view));
+    PetscCall(KspViewsTake("visc_", &v->guard.ksp_views));
     PetscCall(SolverMatType("visc_", v->guard.mat_type, sizeof(v->guard.mat_type)));
   }
   PetscCall(SolverViewTake("visc_", "-ts_view", &v->guard.ts_view));
