@@ -58,6 +58,13 @@ def main():
         close(last(forces, wall=wall)["fx"], 0.5 * 8 * 0.5, 1e-6)
     close(rows("probe_flux.csv")[-1]["flux"], 2 / 3, 2e-3)  # midpoint rule, 16 cells: U/(12 n^2) = 3e-4
 
+    # A row after the first step at or past each multiple of the interval, with the time of that step.
+    run("-case", "couette", "-n", "8", "-dt", "0.3", "-t_end", "3", "-probe_point", "0.1,0.3", "-probe_every", "1")
+    times = [row["t"] for row in rows("probe_point.csv")]
+    assert len(times) == 4, times
+    for t, expected in zip(times, (0.0, 1.2, 2.1, 3.0)):
+        close(t, expected, 1e-12)
+
     # Walls whose velocity varies along them: no stress in rigid rotation, 2 mu du/dx in plane strain.
     for flow, strain in (("0.5-y, x-0.5", 0), ("x-0.5, 0.5-y", 1)):
         run("-case", "scene", "-without", "convection", "-reynolds", "1", *steady, "-ppe_ksp_rtol", "1e-12",

@@ -46,7 +46,8 @@ static const OptionRow options[] = {
         {
             .name     = "-probe_every",
             .kind     = VALUE_REAL,
-            .brief    = "time between rows of the probes; 0: every step",
+            .brief    = "rows after the first step at or past each multiple of this time; 0: every "
+                        "step; a row has the time of its step, and steps stay as they are",
             .unit     = "s",
             .standard = "0",
             NOT_NEGATIVE,
@@ -138,7 +139,8 @@ static PetscErrorCode MonitorRead(const Scene *scene, const OptionRow *row, cons
 . -probe_flux x0,y0,x1,y1,...   - ends of sections; a flux to the right, seen along the section, is
                                   positive
 . -probe_forces                 - forces on each wall
-. -probe_every T                - time between rows; by default rows in every step [s]
+. -probe_every T                - rows after the first step at or past each multiple of T [s]; by
+                                  default rows after every step
 - -probe_output base            - files base_point.csv, base_line.csv, base_flux.csv,
                                   base_forces.csv
 

@@ -20,7 +20,7 @@ static const OptionRow options[] = {
         {
             .name     = "-output_every",
             .kind     = VALUE_REAL,
-            .brief    = "time between snapshots, at which steps end",
+            .brief    = "snapshots at each multiple of this time, where steps end",
             .unit     = "s",
             .standard = "start and end only",
             POSITIVE,

@@ -18,7 +18,8 @@ static const OptionRow options[] = {
         {
             .name     = "-checkpoint_every",
             .kind     = VALUE_REAL,
-            .brief    = "time between checkpoints",
+            .brief    = "checkpoints after the first step at or past each multiple of this time; "
+                        "steps stay as they are",
             .unit     = "s",
             .standard = "none before the end",
             POSITIVE,
@@ -41,7 +42,7 @@ const OptionTable CheckpointOptions = OPTIONS("Checkpoints", options);
 
   Options Database Keys:
 + -checkpoint file.h5 - file written at the end, and on SIGTERM, SIGINT and SIGXCPU
-. -checkpoint_every T - write the file also at every multiple of T [s]
+. -checkpoint_every T - write the file also after the first step at or past each multiple of T [s]
 - -restart file.h5    - file to restart from, on any number of ranks
 
   Errors: refuses a path that cannot be written, and a scheme with a history inside PETSc
