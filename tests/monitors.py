@@ -13,7 +13,7 @@ def rows(path):
 
 
 def value(text):
-    """Returns the number that a field is, or its word; nothing for an empty one."""
+    """Converts a field of a file to a number, or leaves it a word; an empty field becomes None."""
     try:
         return float(text) if text else None
     except ValueError:

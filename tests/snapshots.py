@@ -15,12 +15,12 @@ SKIPPED = 77
 
 
 def run(*options):
-    """Runs the program without a word."""
+    """Runs the program without its output."""
     subprocess.run([*sys.argv[2:], "-progress", "none", *options], check=True, stdout=subprocess.DEVNULL)
 
 
 def python_with(module):
-    """Goes on with an interpreter that has a module: the first python3 of the PATH need not."""
+    """Restarts this script with an interpreter that has a module; the first python3 of the PATH may lack it."""
     for python in sys.executable, "/usr/bin/python3":
         found = subprocess.run([python, "-c", f"import {module}"], capture_output=True, check=False).returncode == 0
         if found and python != sys.executable:

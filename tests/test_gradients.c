@@ -39,7 +39,7 @@ static PetscReal MonomialError(const Cloud *cloud, PetscInt first, PetscInt last
   return largest;
 }
 
-/* |A - B| / |A|, Frobenius norms */
+/* Returns |A - B|/|A| in Frobenius norms. */
 static PetscReal Difference(Mat A, Mat B)
 {
   Mat       C;

@@ -21,7 +21,7 @@ static PetscReal MonomialError(const Cloud *cloud, PetscInt first, PetscInt last
   return largest;
 }
 
-/* |A - A^T| / |A|, Frobenius norms */
+/* Returns |A - A^T|/|A| in Frobenius norms. */
 static PetscReal Asymmetry(Mat A)
 {
   Mat       T;

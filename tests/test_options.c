@@ -267,7 +267,7 @@ static void test_unknown(void **state)
   AssertTaken("-t_real", "1.0", &real);
 }
 
-/* Every row can be found by its name and tells what it has to, and no name stands twice. */
+/* Every row can be found by its name and has all required members, and no name occurs twice. */
 static void test_rows(void **state)
 {
   (void)state;
@@ -325,7 +325,7 @@ static void test_names(void **state)
     assert_null(OptionNearest(far[k], nearest));
 }
 
-/* An option that no table has cannot be asked for. */
+/* An option that no table holds cannot be read. */
 static void test_no_row(void **state)
 {
   PetscBool given;

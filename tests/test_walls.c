@@ -242,7 +242,8 @@ static void test_wall_data(void **state)
   WalledForAll(PETSC_TRUE, CheckConcentration);
 }
 
-/* A form blind to wall roles is refused with wall_layer and gets dummies by default. */
+/* A form that ignores the equations of walls is refused with wall_layer and gets dummies by
+   default. */
 static void CheckRefusal(const char *option, const TableRow *form, PetscBool full_support)
 {
   const CloudBox box = {.dim = 2, .cells = {6, 6, 1}, .n_periodic = 1};

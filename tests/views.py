@@ -14,7 +14,7 @@ def output(*options):
 
 
 def count(lines, beginning, number):
-    """Fails unless so many lines begin with the words."""
+    """Fails unless exactly `number` lines begin with the words."""
     found = [line for line in lines if line.strip().startswith(beginning)]
     assert len(found) == number, (beginning, len(found), number)
 

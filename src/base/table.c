@@ -43,8 +43,8 @@ void AppendWord(char list[], size_t size, const char word[])
 /*
   TableWant - Finds the row with a given name, which must exist
 
-  Not collective. Input: option - source of the name. Output: row - address of a pointer to it (any
-  row type).
+  Not collective. Input: option - option that gave the name. Output: row - address of a pointer to
+  it (any row type).
 
   Errors: an unknown name ends the run with a list of known names
 */

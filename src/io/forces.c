@@ -217,7 +217,7 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes a row for each wall by its name: sides of the box, then bodies. */
+/* Writes a row with the name of each wall: sides of the box, then bodies. */
 static PetscErrorCode WriteForces(const Flow *flow, const Monitor *monitor)
 {
   const Scene *scene = flow->scene;

@@ -120,8 +120,8 @@ PetscErrorCode Hdf5FileFinish(Hdf5File *file, const char part[], const char path
 . columns - number of columns; 0 for a data set of one dimension
 . stored  - type in the file
 . given   - type in memory
-. rows    - own rows, columns values each
-- units - SI unit of the values, "1" for plain numbers
+. rows    - own rows, with `columns` values each
+- units   - SI unit of the values, "1" for plain numbers
 */
 PetscErrorCode Hdf5WriteRows(Hdf5File *file, const char name[], PetscInt columns, hid_t stored,
                              hid_t given, const void *rows, const char units[])

@@ -134,7 +134,7 @@ static PetscErrorCode MonitorRead(const Scene *scene, const OptionRow *row, cons
   Collective on PETSC_COMM_WORLD.
 
   Options Database Keys:
-+ -probe_point x,y,... - coordinates of points
++ -probe_point x,y,...          - coordinates of points
 . -probe_line x0,y0,x1,y1,n,... - lines with n points each
 . -probe_flux x0,y0,x1,y1,...   - ends of sections; a flux to the right, seen along the section, is
                                   positive

@@ -194,7 +194,7 @@ static PetscErrorCode HaloFill(Particles *p)
 
   Input Parameters:
 + scene - the scene
-- p - with own particles that are migrated, sorted and wrapped into periodic boxes
+- p     - with own particles that are migrated, sorted and wrapped into periodic boxes
 
   Output Parameter:
 . p - halo counts, sf, halo_shift; halo values of id, kind, row, x and the fields of HALO_EPOCH

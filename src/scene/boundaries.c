@@ -114,8 +114,8 @@ Equation BoundaryVelocityEquation(const Scene *scene, PetscInt side, PetscInt c)
   return BoundaryEquation(scene, side, normal ? FIT_VELOCITY_NORMAL : FIT_VELOCITY_TANGENTIAL);
 }
 
-/* SceneWallName - Writes the name of a boundary, "left" or "body_1", in WALL_NAME letters; not
-   collective */
+/* SceneWallName - Writes the name of a boundary, such as "left" or "body_1", into WALL_NAME
+   letters; not collective */
 void SceneWallName(const Scene *scene, PetscInt side, char name[])
 {
   const PetscInt body = side - SceneBodySide(scene, 0);

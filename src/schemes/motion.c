@@ -158,7 +158,7 @@ static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i,
   for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * slopes->residual[c][i];
 }
 
-/* Fails the step if a particle moved by more of its spacing than is allowed; collective. */
+/* Fails the step if a particle moved further than -dt_move_max times its spacing; collective. */
 static PetscErrorCode CheckMove(Flow *flow, PetscReal moved)
 {
   const PetscReal most = flow->clock->move_max;

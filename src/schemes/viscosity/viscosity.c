@@ -342,8 +342,8 @@ PetscErrorCode ViscositySolve(Flow *flow, PetscReal dt, PetscReal projection_fac
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ViscosityResponse - Returns the response of u to a new force over dt: 1, or less for BDF; see
-   docs/theory.md, (100) */
+/* ViscosityResponse - Returns the response of u to a new unit force, divided by dt: 1, or less
+   for BDF; see docs/theory.md, (100) */
 PetscReal ViscosityResponse(const Viscosity *v)
 {
   return v->row->Response ? v->row->Response(v->ts[0]) : 1.0;
