@@ -1,5 +1,6 @@
 /*
-  Output for errors: a line for errors that the user can correct, PETSc's traceback for defects.
+  Error messages: a single line for an error that the user can correct, PETSc's traceback for a
+  defect of the program.
 */
 #include "isph/base.h"
 #include <signal.h>
@@ -28,7 +29,7 @@ static PetscBool ErrorIsUsers(PetscErrorCode code)
   }
 }
 
-/* Returns a hint for PETSc's own messages, which name no option. */
+/* Returns a hint to add to messages of PETSc itself, which name no option. */
 static const char *ErrorHint(PetscErrorCode code)
 {
   switch (code) {
@@ -57,7 +58,7 @@ static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *
   }
   (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   if (type == PETSC_ERROR_INITIAL && (rank == 0 || comm == PETSC_COMM_SELF)) {
-    if (isatty(STDOUT_FILENO)) (void)fputc('\n', stdout); /* off an unfinished progress line */
+    if (isatty(STDOUT_FILENO)) (void)fputc('\n', stdout); /* ends the progress line */
     (void)fflush(stdout);
     (void)fprintf(stderr, "isph: %s%s\n", message, ErrorHint(code));
   }
@@ -66,10 +67,11 @@ static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *
 }
 
 /*
-  ErrorsInstall - Installs an error handler that prints errors of the user in one line
+  ErrorsInstall - Installs an error handler that prints errors of the user as single lines
 
-  Not collective. Called once after PetscInitialize(). If a reader of the output stops early, like
-  head, the run ends without a message. Output: state - must exist until ErrorsExit().
+  Not collective. Called once after PetscInitialize(). The run ends without a message if the program
+  that reads its output ends first, as in `isph | head`. Output: state - must exist until
+  ErrorsExit().
 */
 PetscErrorCode ErrorsInstall(ErrorState *state)
 {
@@ -120,9 +122,8 @@ PetscErrorCode SayLine(const char format[], ...)
 /*
   ErrorsExit - Ends the program after an error
 
-  Collective for errors of the user that all ranks detect together. Any other error may occur on a
-  single rank only, for example if the first rank cannot open a file; then this rank aborts the
-  others.
+  Collective for errors of the user that all ranks detect together. A single rank may have detected
+  any other error, for example a file that the first rank cannot open; this rank aborts the others.
 
   Returns: the exit status, never zero
 */

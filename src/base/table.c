@@ -5,9 +5,9 @@
 #include "isph/base.h"
 
 /*
-  TableGet - Returns the name, brief and citation of row k, the members that all rows begin with
+  TableGet - Returns the name, the brief and the citation of row k, with which every row begins
 
-  Not collective. Input: the table and 0 <= k < table->count.
+  Not collective. Input: k - at least 0, less than table->count.
 */
 const TableRow *TableGet(const Table *table, PetscInt k)
 {
@@ -43,8 +43,8 @@ void AppendWord(char list[], size_t size, const char word[])
 /*
   TableWant - Finds the row with a given name, which must exist
 
-  Not collective. Input: option - option that gave the name. Output: row - address of a pointer to
-  it (any row type).
+  Not collective. Input: option - the option that gave the name, for messages. Output: row - address
+  of a pointer to the row, which may have any row type.
 
   Errors: an unknown name ends the run with a list of known names
 */
@@ -91,8 +91,8 @@ PetscErrorCode TableView(const Table *table, PetscViewer viewer)
 /*
   TableViewRow - Prints a chosen row as a line of the banner: label, name, brief and citation
 
-  Collective on the viewer. The brief is omitted if the line would exceed 100 columns. For NULL the
-  function prints nothing.
+  Collective on the viewer. The brief is omitted if the line would exceed 100 columns and the row
+  has a citation. If row is NULL, nothing is printed.
 */
 PetscErrorCode TableViewRow(const char label[], const void *row, PetscViewer viewer)
 {

@@ -1,6 +1,6 @@
 /*
-  The banner: the first lines of a run, with its case, its chosen forms and their papers, the
-  physics left out, and the gain of implicit viscosity.
+  The banner: the first lines that a run prints. It shows the case, the chosen forms and their
+  publications, the physics left out, and the gain of implicit over explicit viscosity.
 */
 #include "isph/guard.h"
 #include "isph/io.h"
@@ -129,8 +129,8 @@ static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_ex
 }
 
 /*
-  Warns about long steps of moving particles: runs of the cavity failed at CFL numbers of 1 and more
-  if viscosity did not smooth the grid scale (studies/stability).
+  Warns about long steps of moving particles: in studies/stability, runs of the cavity ended early
+  at CFL numbers of 1 and more if viscosity did not smooth the grid scale.
 */
 static PetscErrorCode BannerAdvection(const Flow *flow, PetscReal dt, PetscViewer viewer)
 {
@@ -196,7 +196,7 @@ static PetscErrorCode BannerForms(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Prints the scheme's own lines, then its linear solves; an explicit step has none. */
+/* Prints the lines of the scheme, then its linear solves; an explicit step has none. */
 static PetscErrorCode BannerScheme(const Flow *flow, PetscViewer viewer)
 {
   const Scheme *scheme = flow->scheme;

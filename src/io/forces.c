@@ -4,14 +4,15 @@
     F = sum (-p n + mu (dw/dn + grad(u.n))) dA,   T = sum (x - c) x (...)
 
   with n into the fluid and w the velocity minus the wall velocity. The wall velocity of a body is
-  continued as a rigid motion; then w vanishes on the surface, and the second viscous term with it.
-  The velocity of a side may vary along the side; there the second term comes from derivatives of
-  the wall velocity and continuity. dw/dn is one-sided, of second order, from probes at the heights
-  dx and 2 dx. See docs/theory.md, (112) and (113).
+  extended into the fluid as a rigid motion, which has no strain; then the second viscous term is
+  zero, as w is on the surface. The velocity of a side may vary along the side; there the second
+  term follows from the derivatives of the wall velocity and from continuity. dw/dn is a one-sided
+  difference of second order between the surface and probes at the heights dx and 2 dx. See
+  docs/theory.md, (112) and (113).
 */
 #include "monitors.h"
 
-/* A wall as points with normals into the fluid and areas. */
+/* Points on a wall, with their normals into the fluid and their areas. */
 typedef struct {
   PetscInt   n;
   PetscReal *x, *normal, *area; /* dim coordinates of each point [m]; [m^(dim-1)] */
@@ -60,8 +61,8 @@ static PetscErrorCode SurfaceCreate(const Scene *scene, PetscInt side, Surface *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Probes the velocity minus the wall velocity at the points, moved by `height` spacings along
-   the normal. */
+/* Probes the velocity minus the wall velocity, and the pressure unless p is NULL, at the points of
+   a surface raised by `height` spacings along the normal. */
 static PetscErrorCode ProbeAbove(const Flow *flow, PetscInt side, const Surface *s,
                                  PetscReal height, PetscReal w[], PetscReal p[])
 {
@@ -105,8 +106,7 @@ static PetscReal WallVelocityDerivative(const Flow *flow, PetscInt side, PetscIn
   return (u[1][c] - u[0][c]) / (2.0 * way);
 }
 
-/* Returns d(u.n)/dx_a on a side of the box at x [1/s]; the derivative along n follows from
-   continuity. */
+/* Returns d(u.n)/dx_a on a side of the box at x; if a is the normal axis, by continuity [1/s]. */
 static PetscReal NormalVelocityDerivative(const Flow *flow, PetscInt side, PetscInt a,
                                           const PetscReal x[])
 {
@@ -148,8 +148,8 @@ static void AddTorque(PetscInt dim, const PetscReal c[], const PetscReal x[], co
 }
 
 /*
-  Computes the kinematic viscosity at the points [m^2/s]. A rheology is evaluated at the strain rate
-  |dw/dn| beside a wall without slip.
+  Computes the kinematic viscosity at the points [m^2/s]. For a fluid that is not Newtonian the
+  strain rate is |dw/dn|, as at any wall without slip.
 */
 static PetscErrorCode SurfaceViscosity(const Flow *flow, const Surface *s, const PetscReal slope[],
                                        PetscReal nu[])
@@ -217,7 +217,7 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes a row with the name of each wall: sides of the box, then bodies. */
+/* Writes a row for each wall without slip: sides of the box, then bodies. */
 static PetscErrorCode WriteForces(const Flow *flow, const Monitor *monitor)
 {
   const Scene *scene = flow->scene;

@@ -1,9 +1,9 @@
-/* Parallel HDF5: the calls for snapshots and checkpoints. Each call records its failure. */
+/* Parallel HDF5 for snapshots and checkpoints. Hdf5File.failed records failures of calls. */
 #include "isph/hdf5file.h"
 #include <fcntl.h>
 #include <unistd.h>
 
-/* Records a failure of an HDF5 call, and returns the result of the call. */
+/* Records a failure of an HDF5 call; returns the result of the call. */
 static hid_t Noted(Hdf5File *file, hid_t result)
 {
   if (result < 0) file->failed = PETSC_TRUE;
@@ -51,10 +51,10 @@ PetscErrorCode Hdf5FileOpen(MPI_Comm comm, const char path[], Hdf5File *file)
 }
 
 /*
-  FileReserve - Checks if a file of a given size in bytes can be written
+  FileReserve - Tests if a file of the given size can be written
 
-  Collective on PETSC_COMM_WORLD; the first rank tries. To be called before a run and before each
-  file, because HDF5 aborts on a full disk. Removes an existing file of that name.
+  Collective on PETSC_COMM_WORLD; the first rank tries. Called before a run and before each file is
+  written, because HDF5 aborts on a full disk. Removes an existing file of that name.
 */
 PetscErrorCode FileReserve(const char path[], size_t bytes, PetscBool *good)
 {
@@ -77,7 +77,7 @@ PetscErrorCode FileReserve(const char path[], size_t bytes, PetscBool *good)
 /*
   Hdf5FileClose - Closes the file
 
-  Collective on comm. Output: good - flag: every call succeeded on every rank.
+  Collective on comm. Output: good - true if every call succeeded on every rank.
 */
 PetscErrorCode Hdf5FileClose(Hdf5File *file, PetscBool *good)
 {
@@ -95,7 +95,7 @@ PetscErrorCode Hdf5FileClose(Hdf5File *file, PetscBool *good)
 /*
   Hdf5FileFinish - Closes a file written as `part` and renames it to `path` if it is complete
 
-  Collective on PETSC_COMM_WORLD. Output: good - flag: the file is complete, equal on all ranks.
+  Collective on PETSC_COMM_WORLD. Output: good - true on all ranks if the file is complete.
 */
 PetscErrorCode Hdf5FileFinish(Hdf5File *file, const char part[], const char path[], PetscBool *good)
 {
@@ -116,12 +116,12 @@ PetscErrorCode Hdf5FileFinish(Hdf5File *file, const char part[], const char path
   Collective on comm; a rank may have no rows.
 
   Input Parameters:
-+ file    - with start, own and N set
-. columns - number of columns; 0 for a data set of one dimension
++ file    - the file, with start, own and N set
+. columns - number of columns; 0 for a one-dimensional data set
 . stored  - type in the file
 . given   - type in memory
-. rows    - own rows, with `columns` values each
-- units   - SI unit of the values, "1" for plain numbers
+. rows    - rows of this rank, with `columns` values each
+- units   - SI unit, "1" for a plain number
 */
 PetscErrorCode Hdf5WriteRows(Hdf5File *file, const char name[], PetscInt columns, hid_t stored,
                              hid_t given, const void *rows, const char units[])
@@ -196,7 +196,7 @@ PetscErrorCode Hdf5WriteText(Hdf5File *file, hid_t object, const char name[], co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Hdf5Has - Checks if the file has a data set of that name; collective on comm */
+/* Hdf5Has - Determines if the file has a data set of the given name; collective on comm */
 PetscErrorCode Hdf5Has(Hdf5File *file, const char name[], PetscBool *there)
 {
   const htri_t found = H5Lexists(file->file, name, H5P_DEFAULT);
@@ -207,8 +207,8 @@ PetscErrorCode Hdf5Has(Hdf5File *file, const char name[], PetscBool *there)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Hdf5CountRows - Returns the rows and columns of a data set, 0 columns if it has one dimension;
-   collective on comm */
+/* Hdf5CountRows - Gets the number of rows and of columns of a data set, 0 columns if it is
+   one-dimensional; collective on comm */
 PetscErrorCode Hdf5CountRows(Hdf5File *file, const char name[], PetscInt *N, PetscInt *columns)
 {
   hsize_t size[2] = {0, 0};

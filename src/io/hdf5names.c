@@ -1,7 +1,7 @@
 /* Parallel HDF5: groups, attributes of any object, and second names of data sets. */
 #include "isph/hdf5file.h"
 
-/* Records a failure of an HDF5 call, and returns the result of the call. */
+/* Records a failure of an HDF5 call; returns the result of the call. */
 static hid_t Noted(Hdf5File *file, hid_t result)
 {
   if (result < 0) file->failed = PETSC_TRUE;
@@ -45,7 +45,7 @@ PetscErrorCode Hdf5WriteNumbers(Hdf5File *file, const char object[], const char 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Hdf5WriteWord - Writes an ASCII word without a terminating null as an attribute of an object;
+/* Hdf5WriteWord - Writes an ASCII word as an attribute of an object, without a terminating null;
    collective on comm */
 PetscErrorCode Hdf5WriteWord(Hdf5File *file, const char object[], const char name[],
                              const char word[])
@@ -66,7 +66,7 @@ PetscErrorCode Hdf5WriteWord(Hdf5File *file, const char object[], const char nam
 
 /*
   Hdf5WriteBoundaries - Writes the boundaries of a scene as attributes of the file: boundary_ids,
-  boundary_names and boundary_kinds, the latter two separated by commas
+  boundary_names and boundary_kinds; commas separate names and kinds
 
   Collective on comm.
 */
@@ -96,7 +96,7 @@ PetscErrorCode Hdf5WriteBoundaries(const Scene *scene, Hdf5File *file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Hdf5Link - Gives a data set a second name; collective on comm */
+/* Hdf5Link - Gives a data set a second name by a hard link; collective on comm */
 PetscErrorCode Hdf5Link(Hdf5File *file, const char name[], const char link[])
 {
   PetscFunctionBegin;
@@ -104,8 +104,8 @@ PetscErrorCode Hdf5Link(Hdf5File *file, const char name[], const char link[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Hdf5Widen - Makes a virtual data set: another data set of real numbers with columns of zeros
-   added; collective on comm */
+/* Hdf5Widen - Creates a virtual data set that consists of another data set of real numbers and
+   additional columns of zeros; collective on comm */
 PetscErrorCode Hdf5Widen(Hdf5File *file, const char name[], PetscInt columns, const char wide[],
                          PetscInt wide_columns)
 {

@@ -1,7 +1,7 @@
 /*
-  Files of matrices for analysis elsewhere. Rows are in the order of particle ids, which depends
-  neither on ranks nor on epochs. Ids may have gaps; rows are numbered without gaps. A second file
-  holds ids and positions.
+  Files of matrices for analysis by other programs. Rows stand in the order of particle ids, which
+  depends neither on ranks nor on epochs. Ids may have gaps, row numbers have none: a second file
+  holds the id and the position of each row.
 */
 #include "isph/io.h"
 
@@ -55,8 +55,8 @@ PetscErrorCode MatrixFileDestroy(MatrixFile **file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates a vector over the rows of the file from values of owned fluid particles. Each rank holds
-   as many rows as it owns fluid particles. */
+/* Creates a vector in the order of the rows of the file from values of own fluid particles. Its
+   local size on each rank is the number of own fluid particles. */
 static PetscErrorCode SortById(const Particles *p, const PetscInt index[], const PetscReal values[],
                                Vec *by_id)
 {
@@ -68,7 +68,7 @@ static PetscErrorCode SortById(const Particles *p, const PetscInt index[], const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates the index set of global numbers in the order of ids, with `size` rows per particle. */
+/* Creates the index set of global numbers in the order of ids, with `size` numbers per particle. */
 static PetscErrorCode NumbersById(const Particles *p, const PetscInt index[], PetscInt size,
                                   IS *order)
 {
@@ -131,11 +131,11 @@ static PetscErrorCode WritePositions(const Particles *p, const PetscInt index[],
   MatrixFileWrite - Writes the present matrix over fluid particles, if its option is given
 
   Collective. Row and column k of the file belong to the fluid particle with the k-th smallest id;
-  with coupled components these are the dim rows and columns from dim k on. Row k of
-  <file>.particles.csv has the id and position [m] of this particle.
+  if A couples the velocity components, rows and columns dim k to dim k + dim - 1 do. Row k of
+  <file>.particles.csv has its id and position [m].
 
   Input Parameter:
-. A - matrix in the present numbering of particles; NULL: none exists, and a message is printed
+. A - matrix in the present numbering of particles; NULL: there is none, and a message says so
 */
 PetscErrorCode MatrixFileWrite(const Particles *p, Mat A, MatrixFile *file)
 {

@@ -6,7 +6,7 @@
 #include <errno.h>
 #include <stdlib.h>
 
-/* Ends the run if a file could not be written. Collective. */
+/* Ends the run if the first rank could not write a file. Collective. */
 static PetscErrorCode MonitorVerdict(const char path[], PetscBool good)
 {
   PetscFunctionBegin;
@@ -67,8 +67,8 @@ static PetscBool KeepRows(Monitor *monitor, FILE *old, PetscReal t)
 }
 
 /*
-  MonitorGoOn - Continues the file of a restarted run: drops its rows after time t [s], creates an
-  absent file
+  MonitorGoOn - Opens the file of a run that is restarted at time t [s] and removes rows of later
+  times; creates the file if it is absent
 
   Collective on PETSC_COMM_WORLD. Errors: a file that cannot be rewritten ends the run and stays
   unchanged
@@ -92,7 +92,7 @@ PetscErrorCode MonitorGoOn(const MonitorKind *kind, PetscReal t, Monitor *monito
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MonitorFlush - Flushes the rows of the present time, or ends the run on failure; collective */
+/* MonitorFlush - Flushes the rows of the present time; ends the run if this fails; collective */
 PetscErrorCode MonitorFlush(Monitor *monitor)
 {
   PetscBool good = PETSC_TRUE;
@@ -120,7 +120,7 @@ PetscBool MonitorRow(const Flow *flow, const Monitor *monitor)
   return PETSC_TRUE;
 }
 
-/* MonitorVector - Writes three components of a vector, in 2D zero as the third; not collective */
+/* MonitorVector - Writes three components of a vector; in 2D the third is zero; not collective */
 void MonitorVector(const Monitor *monitor, PetscInt dim, const PetscReal v[])
 {
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)

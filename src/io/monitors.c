@@ -1,6 +1,6 @@
 /*
-  Monitors: quantities measured in the course of a run. The kinds are in probemonitors.c and
-  forces.c, their files in monitorfile.c.
+  Monitors: quantities measured in the course of a run. probemonitors.c and forces.c define the
+  kinds of monitors; monitorfile.c writes their files.
 */
 #include "monitors.h"
 
@@ -64,7 +64,7 @@ static const OptionRow options[] = {
 };
 const OptionTable MonitorOptions = OPTIONS("Probes", options);
 
-/* In the order of their options. */
+/* Kinds of monitors in the order of their options. */
 static const MonitorKind *const kinds[] = {
     [POINT]  = &MonitorPoints,
     [LINE]   = &MonitorLines,
@@ -76,7 +76,7 @@ static const MonitorKind *const kinds[] = {
 struct Monitors {
   Monitor   of[MONITOR_KINDS];
   char      base[PETSC_MAX_PATH_LEN - 32]; /* beginning of the file names */
-  PetscReal every, last;                   /* time between rows, 0: every step; last rows [s] */
+  PetscReal every, last;                   /* time between rows (0: every step), of last rows [s] */
   PetscBool any;
 };
 
@@ -98,7 +98,7 @@ static PetscErrorCode CheckInBox(const Scene *scene, const char option[], PetscI
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the numbers of an option, which must be complete groups. */
+/* Reads the numbers of an option; they must form complete points, lines or sections. */
 static PetscErrorCode MonitorRead(const Scene *scene, const OptionRow *row, const MonitorKind *kind,
                                   Monitor *monitor)
 {
@@ -134,11 +134,11 @@ static PetscErrorCode MonitorRead(const Scene *scene, const OptionRow *row, cons
   Collective on PETSC_COMM_WORLD.
 
   Options Database Keys:
-+ -probe_point x,y,...          - coordinates of points
-. -probe_line x0,y0,x1,y1,n,... - lines with n points each
-. -probe_flux x0,y0,x1,y1,...   - ends of sections; a flux to the right, seen along the section, is
-                                  positive
-. -probe_forces                 - forces on each wall
++ -probe_point x,y,...          - points [m]
+. -probe_line x0,y0,x1,y1,n,... - lines with n points each [m]
+. -probe_flux x0,y0,x1,y1,...   - sections; in 2D a flux to the right of the direction from (x0, y0)
+                                  to (x1, y1) is positive [m]
+. -probe_forces                 - forces and torques on each wall
 . -probe_every T                - rows after the first step at or past each multiple of T [s]; by
                                   default rows after every step
 - -probe_output base            - files base_point.csv, base_line.csv, base_flux.csv,
@@ -185,8 +185,8 @@ PetscErrorCode MonitorsDestroy(Monitors **monitors)
 }
 
 /*
-  MonitorsRestart - Continues the files of a restarted run: drops their rows after the checkpoint,
-  creates absent files
+  MonitorsRestart - Opens the files of a run that is restarted and removes rows later than its
+  checkpoint; creates absent files
 
   Collective on PETSC_COMM_WORLD. Input: t - time of the checkpoint [s]. Errors: a file that cannot
   be continued ends the run and stays unchanged
@@ -206,7 +206,7 @@ PetscErrorCode MonitorsRestart(PetscReal t, Monitors *m)
 
   Collective on PETSC_COMM_WORLD. Called at the start and after every step.
 
-  Errors: a file that cannot be written ends the run; its present rows remain
+  Errors: a file that cannot be written ends the run; rows already written remain
 */
 PetscErrorCode MonitorsWrite(const Flow *flow, Monitors *m)
 {

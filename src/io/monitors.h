@@ -1,4 +1,4 @@
-/* Monitors: their kinds, which monitors.c lists in a table, and their files. */
+/* Monitors: the kinds of monitors, which monitors.c lists, and the functions for their files. */
 #ifndef ISPH_IO_MONITORS_H
 #define ISPH_IO_MONITORS_H
 
@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A monitor kind as chosen by its option. */
+/* The state of a kind of monitor in a run. */
 typedef struct {
   PetscBool  on, opened;
   PetscInt   n;         /* points, lines or sections */
@@ -15,10 +15,10 @@ typedef struct {
   FILE      *stream; /* on the first rank */
 } Monitor;
 
-/* A kind of monitor: its file, and the function that writes the rows of one time. */
+/* A kind of monitor: its file, and the function that writes the rows of the present time. */
 typedef struct {
   const char *name;     /* name of the file, after the base and _ */
-  const char *header;   /* columns of the file after "t,step" */
+  const char *header;   /* names of the columns after "t,step" */
   PetscInt    group[2]; /* numbers for each point, line or section in 2D and 3D; 0: a switch */
   /* refuses wrong numbers of item k; NULL: accepts any in the box */
   PetscErrorCode (*Check)(const Scene *scene, const char option[], PetscInt k,

@@ -4,7 +4,8 @@
 */
 #include "isph/io.h"
 
-/* Sums over all fluid particles, weighted by volume, in a single MPI reduction. */
+/* Sums over all fluid particles, weighted by volume, for a single MPI reduction. The exact velocity
+   is u_e, the exact pressure p_e. */
 typedef struct {
   PetscReal u2, exact2;      /* of |u - u_e|^2 and |u_e|^2 [m^2/s^2] */
   PetscReal p, p_exact, n_p; /* of p and p_e [Pa]; weight of the particles with a p_e [-] */
@@ -14,8 +15,8 @@ typedef struct {
   PetscReal u, exact; /* of |u - u_e| and |u_e| [m/s] */
 } ExactMaxima;
 
-/* Compares the fluid of this rank with the exact solution; exact_p[i] becomes the exact
-   pressure, NaN if there is none. */
+/* Computes the sums and the maxima; sets exact_p[i] to the exact pressure of own fluid particle i,
+   NaN if there is none. */
 static PetscErrorCode NormsCompare(const Flow *flow, PetscReal exact_p[], ExactSums *sums,
                                    ExactMaxima *maxima)
 {
@@ -55,8 +56,7 @@ static PetscErrorCode NormsCompare(const Flow *flow, PetscReal exact_p[], ExactS
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the relative L2 error of the pressure after removal of the means, which are
-   arbitrary. */
+/* Computes the relative L2 error of the pressure after subtraction of the undetermined means. */
 static PetscErrorCode NormsPressure(const Flow *flow, const PetscReal exact_p[],
                                     const ExactSums *sums, Report *report)
 {
@@ -85,14 +85,15 @@ static PetscErrorCode NormsPressure(const Flow *flow, const PetscReal exact_p[],
     velocity_l2   = (sum V |u - u_e|^2 / sum V |u_e|^2)^1/2
     velocity_linf = max |u - u_e| / max |u_e|
 
-  Collective. Adds nothing if the case has no exact solution. Adds pressure_l2, with means removed,
-  if the run has a pressure and the solution gives it.
+  Collective. V is the volume of a particle, u_e the exact velocity. Adds nothing if the case has no
+  exact solution. Adds pressure_l2, of pressures minus their means, if the run has a pressure and
+  the exact solution gives it.
 
   Input Parameter:
-. flow - at clock->t
+. flow - the flow at clock->t
 
   Output Parameter:
-. report - with the quantities added
+. report - receives the quantities
 
   Note: if the exact field vanishes, errors are relative to U and rho U^2
 */
@@ -122,16 +123,16 @@ PetscErrorCode NormsExact(const Flow *flow, Report *report)
   MeasureCommon - Computes the quantities that every case reports
 
     kinetic_energy [J], linear_momentum = |sum_i rho V u_i| [kg m/s], both per metre of depth in 2D;
-    divergence_max = max |D u| [1/s], if the run has a pressure
+    divergence_max = max |div u| [1/s], if the run has a pressure
 
   Collective
 
   Input Parameters:
-+ flow   - with the statistics of the last step
++ flow   - the flow, with the statistics of the last step
 - energy - reference of the kinetic energy, NaN without reference [J]
 
   Output Parameter:
-. report - with the quantities added
+. report - receives the quantities
 */
 PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report)
 {

@@ -3,8 +3,9 @@
 
     f(x + X) = c_0 + sum_t c_t phi_t(X/R),   min sum_k W_k (f_k - fit(X_k))^2,   value = c_0,
 
-  computed by the rank that owns the point. The value is exact for quadratic fields, on walls and in
-  corners too.
+  with the offsets X_k of the neighbours k, the radius R of the support and the kernel W. The rank
+  that owns the point computes the fit. It is exact for quadratic fields, on walls and in corners
+  too.
 
   Reference: P. Lancaster & K. Salkauskas, Math. Comput. 37 (1981) 141-158
 */
@@ -18,7 +19,7 @@ typedef struct {
   Cells       cells;
   PetscReal  *field[ISPH_MAX_DIM + 1]; /* particle fields u, then p, with halo [m/s], [Pa] */
   PetscInt    n_fields;
-  PetscReal   reach; /* distance within which this rank holds all particles [m] */
+  PetscReal   reach; /* distance from own points within which this rank has all particles [m] */
   PetscInt   *list;  /* neighbours of the present point */
   PetscReal  *w;     /* their weights [-] */
 } Probe;
@@ -36,7 +37,7 @@ static PetscInt ProbeBasis(PetscInt dim, const PetscReal s[], PetscReal phi[])
   return t;
 }
 
-/* Computes (x_j - x)/R; returns the kernel stretched to the support R. */
+/* Computes the offset (x_j - x)/R of particle j; returns the kernel stretched to the radius R. */
 static PetscReal ProbeOffset(const Probe *probe, PetscInt j, const PetscReal x[], PetscReal R,
                              PetscReal s[])
 {
@@ -52,7 +53,7 @@ static PetscReal ProbeOffset(const Probe *probe, PetscInt j, const PetscReal x[]
   return w[0];
 }
 
-/* Returns the radius of the support for the spacing that the scene prescribes at x [m]. */
+/* Returns the radius of the support for the spacing of the scene at x [m]. */
 static PetscReal ProbeRadius(const Probe *probe, const PetscReal x[])
 {
   const OperatorForms *forms = &probe->flow->ops->forms;
@@ -60,7 +61,7 @@ static PetscReal ProbeRadius(const Probe *probe, const PetscReal x[])
   return forms->kernel->support * (forms->h_over_dx * SceneSpacing(probe->flow->scene, x));
 }
 
-/* Collects the neighbours of a point that have a value: fluid and, with `walls`, wall particles. */
+/* Finds the neighbours of a point that enter the fit: fluid and, if `walls`, wall particles. */
 static PetscErrorCode ProbeFind(Probe *probe, const PetscReal x[], PetscReal R, PetscBool walls,
                                 PetscInt *n)
 {
@@ -77,7 +78,7 @@ static PetscErrorCode ProbeFind(Probe *probe, const PetscReal x[], PetscReal R, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the moment matrix sum_k W_k phi_k phi_k^T; returns the number of terms. */
+/* Computes the moment matrix sum_k W_k phi_k phi_k^T of n neighbours; returns its size. */
 static PetscInt ProbeMoments(const Probe *probe, const PetscReal x[], PetscReal R, PetscInt n,
                              PetscReal moments[])
 {
@@ -97,8 +98,8 @@ static PetscInt ProbeMoments(const Probe *probe, const PetscReal x[], PetscReal 
 }
 
 /*
-  Computes and factors the moments of the fit at x. The support grows, up to the reach of the halo,
-  while it holds too few points, for example in a corner.
+  Computes and factors the moment matrix of the fit at x. The support grows, up to the reach of the
+  halo, while it holds too few particles, for example in a corner.
 */
 static PetscErrorCode ProbeFit(Probe *probe, const PetscReal x[], PetscBool walls, PetscInt *n,
                                PetscReal *R, PetscInt *terms, PetscReal moments[],
@@ -120,7 +121,8 @@ static PetscErrorCode ProbeFit(Probe *probe, const PetscReal x[], PetscBool wall
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the weights of the value at x, f(x) = sum_k w_k f_k:  w_k = W_k phi_k . M^-1 e_0. */
+/* Computes the weights of neighbours, f(x) = sum_k w_k f_k, with the moment matrix M:
+   w_k = W_k phi_k . M^-1 e_0. */
 static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscBool walls, PetscInt *n)
 {
   const PetscInt dim = probe->flow->particles->dim;
@@ -130,7 +132,7 @@ static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscBool 
 
   PetscFunctionBegin;
   PetscCall(ProbeFit(probe, x, walls, n, &R, &terms, moments, factor));
-  for (PetscInt pass = 0; pass < 3; pass++) { /* c = M^-1 e_0; M is ill conditioned in corners */
+  for (PetscInt pass = 0; pass < 3; pass++) { /* refines c = M^-1 e_0: M may be ill conditioned */
     PetscReal residual[PROBE_MAX_TERMS] = {1.0};
 
     for (PetscInt t = 0; t < terms; t++) {
@@ -176,7 +178,7 @@ static PetscErrorCode ProbeEnd(Probe *probe)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Wraps x into a periodic box; returns true on the rank that owns the place. */
+/* Wraps x into a periodic box; returns true on the rank that owns the point. */
 static PetscBool ProbeOwns(const Flow *flow, PetscReal x[])
 {
   const Scene     *scene = flow->scene;
@@ -194,7 +196,8 @@ static PetscBool ProbeOwns(const Flow *flow, PetscReal x[])
   return PETSC_TRUE;
 }
 
-/* Evaluates all fields at a point. Only wall particles on the surface have a velocity there. */
+/* Evaluates all fields at a point. Wall particles enter the fit of the velocity if they lie on the
+   surface; they have no pressure. */
 static PetscErrorCode ProbeEvaluate(Probe *probe, const PetscReal x[], PetscReal values[])
 {
   const PetscInt  dim   = probe->flow->particles->dim;
@@ -283,10 +286,10 @@ static PetscErrorCode NearestViscosity(Probe *probe, const PetscReal x[], PetscR
 }
 
 /*
-  ProbeViscosity - Returns the kinematic viscosity of the fluid particle nearest to each point,
-  which is never a mean over two fluids
+  ProbeViscosity - Returns the kinematic viscosity of the fluid particle nearest to each point
 
-  Collective. Input: as ProbePoints(). Output: nu - on all ranks [m^2/s].
+  Collective. An interpolation would mix the viscosities of two fluids. Input: as ProbePoints().
+  Output: nu - on all ranks [m^2/s].
 */
 PetscErrorCode ProbeViscosity(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal nu[])
 {

@@ -1,7 +1,7 @@
 /* Monitors based on probes: points, lines, and fluxes through sections. */
 #include "monitors.h"
 
-/* Returns true if a point is in a body. */
+/* Returns true if a point lies in a body. */
 static PetscBool InBody(const Scene *scene, const PetscReal x[])
 {
   PetscInt side;
@@ -12,9 +12,9 @@ static PetscBool InBody(const Scene *scene, const PetscReal x[])
 }
 
 /*
-  Writes a row with velocity and pressure for each of n points. The row begins with the given number
-  or, if it is negative, with the index of the point. Columns stay empty for points in bodies, and
-  for the pressure before the first projection.
+  Writes a row with velocity and pressure for each of n points. After time and step follows the
+  given number or, if it is negative, the index of the point. The columns of velocity and pressure
+  are empty for points in bodies, the column of the pressure if the run has none.
 */
 static PetscErrorCode WriteProbes(const Flow *flow, const Monitor *monitor, PetscInt n,
                                   const PetscReal x[], PetscInt number)
@@ -67,8 +67,7 @@ const MonitorKind MonitorPoints = {
     .Write  = WritePoints,
 };
 
-/* Refuses a line whose last parameter, the number of points, is not a whole number of at least
-   2. */
+/* Refuses a line if its last parameter, the number of points, is not a whole number above 1. */
 static PetscErrorCode CheckLine(const Scene *scene, const char option[], PetscInt k,
                                 const PetscReal number[])
 {
@@ -113,9 +112,9 @@ const MonitorKind MonitorLines = {
 };
 
 /*
-  Computes the flux of a section by the midpoint rule on cells of at most dx, sum u.n dA [m^2/s,
-  m^3/s], over cells whose midpoint lies outside bodies. In 2D n dA is the vector between the ends
-  turned to the right, in 3D the cross product of the two sides.
+  Computes the flux through a section by the midpoint rule: sum u.n dA over cells of at most dx
+  whose midpoint lies outside bodies [m^2/s, m^3/s]. In 2D the area vector is the vector between the
+  ends turned to the right, in 3D the cross product of the two sides.
 */
 static PetscErrorCode SectionFlux(const Flow *flow, const PetscReal corner[], PetscReal *flux)
 {

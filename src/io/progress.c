@@ -1,6 +1,6 @@
 /*
-  The progress line: the share of the run, the state of the flow, the cost of a step and the time
-  left.
+  The progress line: the finished share of the run, the state of the flow, the cost of a step and
+  the remaining time.
 */
 #include "isph/io.h"
 #include <unistd.h>
@@ -67,7 +67,7 @@ PetscErrorCode ProgressDestroy(Progress **progress)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the share of the run that is done, in time or in steps, whichever is larger. */
+/* Returns the finished share of the run, in time or in steps, whichever is larger. */
 static PetscReal ProgressFraction(const Clock *clock, PetscReal t, PetscInt step)
 {
   const PetscReal time  = clock->t_end > 0.0 ? t / clock->t_end : 0.0;
@@ -88,7 +88,7 @@ static PetscErrorCode ProgressDuration(PetscReal seconds, char text[], size_t le
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the line, without quantities that the run does not compute. */
+/* Writes the progress line; it omits quantities that the run does not compute. */
 static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscReal elapsed,
                                    char line[], size_t length)
 {
@@ -133,8 +133,8 @@ static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscRe
   Input Parameters:
 + flow     - with the statistics of the step; M/s counts million particle-steps per second of wall
              clock since ProgressCreate()
-. final    - flag: the run is over, so print even if no line is due
-- progress - the progress
+. final    - true at the end of the run: the line is printed in any case
+- progress - the state of the progress line
 */
 PetscErrorCode ProgressUpdate(const Flow *flow, PetscBool final, Progress *progress)
 {

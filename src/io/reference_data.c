@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-/* Finds the installed reference data beside the running program; empty if its path is unknown. */
+/* Finds the directory of the reference data installed beside the running program; "" if it is
+   unknown. */
 static PetscErrorCode ProgramData(char directory[PETSC_MAX_PATH_LEN])
 {
   char          program[PETSC_MAX_PATH_LEN], *slash;
@@ -23,9 +24,9 @@ static PetscErrorCode ProgramData(char directory[PETSC_MAX_PATH_LEN])
 }
 
 /*
-  Opens a file of the reference data. The environment variable ISPH_DATA names the directory;
-  without this variable the directories beside the program, of the installation and of the source
-  tree are searched in this order. Returns NULL if the file is not found.
+  Opens a file of the reference data. The environment variable ISPH_DATA names the directory. If it
+  is not set, the directory beside the program, the installation and the source tree are searched in
+  this order. Output: stream - NULL if the file was not found.
 */
 static PetscErrorCode ReferenceDataOpen(const char file[], FILE **stream)
 {
@@ -61,8 +62,8 @@ static PetscErrorCode ReferenceDataAppend(ReferenceData *curve, PetscInt *capaci
 }
 
 /*
-  Reads the lines: '#' comments, a header, then numbers. bad is the first line without two numbers,
-  or 0. Comments may be longer than the buffer.
+  Reads '#' comments, a header and lines of numbers. Output: bad - number of the first line without
+  two numbers, or 0. Comments may be longer than the buffer.
 */
 static PetscErrorCode ReferenceDataParse(FILE *stream, ReferenceData *curve, PetscInt *bad)
 {
@@ -127,8 +128,8 @@ static PetscErrorCode ReferenceDataSort(ReferenceData *curve)
 . report - records that a file is absent, so that a run prints a single warning
 
   Output Parameter:
-. curve - to be freed with ReferenceDataFree(); x ascending, the same on all ranks; no points if the
-          file is absent
+. curve - the points in ascending x, the same on all ranks; none if the file is absent; freed by
+          ReferenceDataFree()
 
   Errors: a file that is empty or holds a line without two numbers ends the run
 */

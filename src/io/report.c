@@ -1,6 +1,6 @@
 /*
   The report: measured quantities, their errors against exact or published values, and the
-  comparison of errors with -check_<quantity>. reportfile.c writes the file of all runs.
+  comparison of errors with -check_<quantity>. reportfile.c writes the file of -report.
 */
 #include "isph/io.h"
 
@@ -31,7 +31,7 @@ const OptionTable ReportOptions = OPTIONS("Report", options);
   Collective on PETSC_COMM_WORLD
 
   Options Database Key:
-. -report file.csv - file of all runs, see ReportWrite()
+. -report file.csv - file to which runs are appended, see ReportWrite()
 
   Errors: a file that cannot be written, or has other columns, ends the run before it begins
 */
@@ -76,7 +76,7 @@ static PetscErrorCode ReportAppend(Report *report, const char name[], PetscReal 
   ReportAdd - Adds a quantity without reference, at time report->t
 
   Not collective; all ranks add the same value. Input: name - as in the report file, at most 31
-  letters.
+  characters.
 */
 PetscErrorCode ReportAdd(Report *report, const char name[], PetscReal value)
 {
@@ -101,7 +101,8 @@ PetscErrorCode ReportAddReference(Report *report, const char name[], PetscReal v
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ReportRestore - Adds a quantity of the run before a restart: t, value, reference, error */
+/* ReportRestore - Adds a quantity that was reported before a restart. Input: row - time, value,
+   reference, error; not collective */
 PetscErrorCode ReportRestore(Report *report, const char name[], const PetscReal row[4])
 {
   const PetscReal now = report->t;
@@ -164,7 +165,7 @@ PetscErrorCode ReportView(const Report *report, PetscReal wall_seconds, PetscVie
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Checks if quantity k is the last with its name. */
+/* Determines if quantity k is the last quantity of its name. */
 static PetscErrorCode ReportIsLast(const Report *report, PetscInt k, PetscBool *last)
 {
   PetscFunctionBegin;
@@ -178,7 +179,8 @@ static PetscErrorCode ReportIsLast(const Report *report, PetscInt k, PetscBool *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Compares all quantities of a name with the tolerance; prints and counts larger errors. */
+/* Compares the errors of all quantities of a name with the tolerance; prints and counts larger
+   errors. */
 static PetscErrorCode ReportCheckQuantity(const Report *report, const char name[],
                                           PetscReal tolerance, PetscInt *failed)
 {

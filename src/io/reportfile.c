@@ -1,6 +1,6 @@
 /*
-  The file of all runs, in long form: a row for each quantity and time. Studies loop over runs and
-  evaluate the file with a library for tables, such as pandas.
+  The CSV file of -report, to which each run appends a row for each quantity and time. Studies make
+  many runs with the same file, and evaluate it with a table program.
 */
 #include "isph/guard.h"
 #include "isph/io.h"
@@ -100,8 +100,8 @@ static PetscErrorCode ColumnsSolver(Columns *columns, const LinearSolve *solve)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends the columns from visc_laplacian to ppe_pc; a form or solver that the run lacks gives
-   an empty column. */
+/* Appends the columns visc_laplacian to ppe_pc; the column of a form or solver that the run does
+   not have is empty. */
 static PetscErrorCode ColumnsForms(const Flow *flow, Columns *columns)
 {
   const OperatorForms *forms    = &flow->ops->forms;
@@ -126,7 +126,7 @@ static PetscErrorCode ColumnRow(Columns *columns, const void *row)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends the columns from case to steps. */
+/* Appends the columns case to steps. */
 static PetscErrorCode ColumnsBeforeTime(const Flow *flow, Columns *columns)
 {
   const Scene  *scene  = flow->scene;
@@ -158,7 +158,7 @@ static PetscErrorCode ColumnsBeforeTime(const Flow *flow, Columns *columns)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends the columns from wall_s to status. Collective: the memory is the largest of all ranks. */
+/* Appends the columns wall_s to status. Collective: rss_mb is the largest value of all ranks. */
 static PetscErrorCode ColumnsAfterTime(const Flow *flow, PetscReal wall_seconds,
                                        const char status[], Columns *columns)
 {
@@ -186,7 +186,7 @@ static PetscErrorCode ColumnsAfterTime(const Flow *flow, PetscReal wall_seconds,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends text to the file; failed: reason of a failure, or NULL. */
+/* Appends text to the file. Output: failed - reason of a failure, or NULL. */
 static PetscErrorCode ReportAppendFile(const char path[], const char text[], const char **failed)
 {
   FILE *stream;
@@ -208,7 +208,7 @@ static PetscErrorCode ReportAppendFile(const char path[], const char text[], con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Compares the columns of an existing file with the columns of this program. */
+/* Compares the columns of an existing file with the columns that this program writes. */
 static PetscErrorCode ReportFileIsOurs(const char path[], const char **failed)
 {
   char      line[sizeof(ReportHeader)] = "";
@@ -226,7 +226,7 @@ static PetscErrorCode ReportFileIsOurs(const char path[], const char **failed)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ends the run on all ranks if the first rank failed. */
+/* Ends the run on all ranks if the first rank could not write the file. */
 static PetscErrorCode ReportFileVerdict(const char path[], const char failed[])
 {
   char sentence[64] = "";
@@ -240,7 +240,7 @@ static PetscErrorCode ReportFileVerdict(const char path[], const char failed[])
 }
 
 /*
-  ReportFileCheck - Checks before the run that its report can be written
+  ReportFileCheck - Ends the run at its start if its report could not be written
 
   Collective on PETSC_COMM_WORLD. A new file gets its header.
 

@@ -1,6 +1,7 @@
 /*
-  Snapshots: an HDF5 file for each, written under another name and renamed when complete, and an
-  index for ParaView. Complete files stay readable even if the run is killed.
+  Snapshots: each is an HDF5 file, which is written under another name and renamed when it is
+  complete. An index lists them for ParaView. Complete files stay readable even if the run is
+  killed.
 */
 #include "snapshot.h"
 #include "isph/options.h"
@@ -36,7 +37,7 @@ struct Snapshots {
   PetscInt  n, capacity, step; /* number of complete snapshots; step of the last of them */
 };
 
-/* Ends the run on all ranks if a file could not be written, according to the first rank. */
+/* Ends the run on all ranks if good is false on the first rank: a file could not be written. */
 static PetscErrorCode SnapshotsVerdict(const Snapshots *snapshots, const char path[],
                                        PetscBool good)
 {
@@ -47,7 +48,7 @@ static PetscErrorCode SnapshotsVerdict(const Snapshots *snapshots, const char pa
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ends the run if a file of the given size in bytes cannot be written. Collective. */
+/* Ends the run if a file of the given size cannot be written. Collective. */
 static PetscErrorCode SnapshotsReserve(const Snapshots *snapshots, const char path[], size_t bytes)
 {
   PetscBool good;
@@ -59,7 +60,7 @@ static PetscErrorCode SnapshotsReserve(const Snapshots *snapshots, const char pa
 }
 
 /*
-  SnapshotsCreate - Reads the options of snapshots and checks that files can be written
+  SnapshotsCreate - Reads the options of snapshots and tests if files can be written
 
   Collective on PETSC_COMM_WORLD
 
@@ -97,8 +98,8 @@ PetscErrorCode SnapshotsCreate(const Scene *scene, Snapshots **snapshots)
 /*
   SnapshotsNeeds - Returns the operators that snapshots need, as bits of Need; not collective
 
-  Snapshots need the gradient of the velocity and the concentration. Most runs with moving particles
-  need both anyway.
+  These are the gradient of the velocity, and the concentration for the density. Most runs with
+  moving particles compute both in any case.
 */
 unsigned SnapshotsNeeds(const Snapshots *snapshots)
 {
@@ -163,7 +164,7 @@ static PetscErrorCode SnapshotAttributes(const Flow *flow, Hdf5File *file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the name base_0000.h5 with the number of the snapshot. */
+/* Writes the file name of a snapshot, base_0000.h5 for number 0. */
 static PetscErrorCode SnapshotPath(const Snapshots *s, PetscInt number,
                                    char path[PETSC_MAX_PATH_LEN])
 {
@@ -220,7 +221,7 @@ static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
 
   Input Parameters:
 + flow      - the present flow
-. final     - flag: the run is over, so write unless this step has been written
+. final     - true at the end of the run: writes unless this step has been written
 - snapshots - the snapshots
 
   Errors: a file that cannot be written ends the run; complete files remain readable, and the index
@@ -241,11 +242,11 @@ PetscErrorCode SnapshotsWrite(const Flow *flow, PetscBool final, Snapshots *snap
 }
 
 /*
-  SnapshotsCount, SnapshotsGet, SnapshotsSet - Exchange the list of complete snapshots with a
-  checkpoint: number, time and particles of each
+  SnapshotsCount, SnapshotsGet, SnapshotsSet - Count, copy and restore the list of complete
+  snapshots for a checkpoint: number, time and number of particles of each
 
-  Not collective, except SnapshotsSet(), which skips files that do not exist, as after a restart
-  with another -output.
+  Not collective, except SnapshotsSet(). It omits files that do not exist, for example after a
+  restart with another -output.
 */
 PetscInt SnapshotsCount(const Snapshots *snapshots)
 {

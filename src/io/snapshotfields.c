@@ -177,7 +177,7 @@ static PetscErrorCode Gather_Id(const Flow *flow, void *rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The first field holds the positions of all values. */
+/* The first field is the position. */
 const SnapshotField SnapshotFieldTable[SNAPSHOT_FIELDS] = {
     {.name = "position", .units = "m", .shape = FIELD_VECTOR, .Gather = Gather_Position},
     {.name = "velocity", .units = "m/s", .shape = FIELD_VECTOR, .Gather = Gather_Velocity},
@@ -217,7 +217,7 @@ PetscBool SnapshotHas(const Flow *flow, const SnapshotField *field)
   return !field->Has || field->Has(flow) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* SnapshotColumns - Returns the columns of a field, 0 for a data set of one dimension; not
+/* SnapshotColumns - Returns the number of columns of a field, 0 for a one-dimensional data set; not
    collective */
 PetscInt SnapshotColumns(const Flow *flow, const SnapshotField *field)
 {
@@ -225,7 +225,8 @@ PetscInt SnapshotColumns(const Flow *flow, const SnapshotField *field)
   return field->shape == FIELD_AXIAL && flow->particles->dim == 3 ? 3 : 0;
 }
 
-/* SnapshotFieldsWrite - Writes all fields: own fluid, then own walls, rank by rank; collective */
+/* SnapshotFieldsWrite - Writes all fields; the fluid of a rank precedes its walls and the fluid of
+   the next rank; collective */
 PetscErrorCode SnapshotFieldsWrite(const Flow *flow, Hdf5File *file)
 {
   const Particles *p = flow->particles;
@@ -256,8 +257,8 @@ PetscErrorCode SnapshotFieldsWrite(const Flow *flow, Hdf5File *file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SnapshotBytes - Returns the largest size of a snapshot: its rows and HDF5's own data; not
-   collective */
+/* SnapshotBytes - Returns an upper bound of the size of a snapshot, with the metadata of HDF5
+   [bytes]; not collective */
 size_t SnapshotBytes(const Flow *flow)
 {
   const size_t N   = (size_t)(flow->particles->N_fluid + flow->particles->N_wall);

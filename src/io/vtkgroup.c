@@ -1,8 +1,8 @@
 /*
-  The group VTKHDF of a snapshot, with which ParaView and VTK read the file directly: an
-  unstructured grid with a single polyvertex cell. It links to the data sets of the file under other
-  names. VTK requires three columns; in 2D positions and velocities are virtual data sets, which add
-  a third column of zeros without storage.
+  The group VTKHDF of a snapshot, with which ParaView and VTK read the file directly. It describes
+  an unstructured grid with a single polyvertex cell, and holds links to the data sets of the file.
+  VTK requires vectors of three columns; in 2D positions and velocities are virtual data sets with a
+  third column of zeros, which needs no storage.
 
   Reference: VTKHDF file format 1.0, docs.vtk.org
 */
@@ -10,7 +10,7 @@
 
 #define VTK_POLY_VERTEX 2
 
-/* Writes a short list of whole numbers, by the first rank. */
+/* Writes a short list of whole numbers from the first rank. Collective. */
 static PetscErrorCode WriteList(Hdf5File *file, const char name[], PetscInt n,
                                 const long long list[], hid_t stored)
 {
@@ -44,9 +44,9 @@ static PetscErrorCode WriteVertices(Hdf5File *file)
 }
 
 /*
-  VtkGroupWrite - Writes the group VTKHDF, after all fields
+  VtkGroupWrite - Writes the group VTKHDF; called after SnapshotFieldsWrite()
 
-  Collective. Input/Output: file - with start, own and N as the fields were written
+  Collective. Input/Output: file - with start, own and N of the fields
 */
 PetscErrorCode VtkGroupWrite(const Flow *flow, Hdf5File *file)
 {

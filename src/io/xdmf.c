@@ -59,7 +59,8 @@ static void XdmfGrid(FILE *f, const char name[], const Flow *flow, const Snapsho
 }
 
 /*
-  XdmfWrite - Writes base.xdmf, under another name first, so that it is complete at any time
+  XdmfWrite - Writes the index base.xdmf under another name and renames it, so that it is complete
+  at any time
 
   Not collective: called by the first rank.
 
@@ -70,7 +71,7 @@ static void XdmfGrid(FILE *f, const char name[], const Flow *flow, const Snapsho
 - snapshots - complete snapshots on disk
 
   Output Parameter:
-. good - flag: the file has been written
+. good - true if the file has been written
 */
 PetscErrorCode XdmfWrite(const char base[], const Flow *flow, PetscInt n,
                          const Snapshot snapshots[], PetscBool *good)

@@ -14,7 +14,7 @@ static inline PetscInt CellAlong(const Cells *cells, PetscInt a, PetscReal x)
 }
 
 /* Sets up the grid around all local particles. Cells are enlarged if their number would far exceed
-   the number of particles, for example with a stray particle. */
+   the number of particles, for example because of a stray particle. */
 static PetscErrorCode LayGrid(const Particles *p, PetscReal size, Cells *cells)
 {
   PetscReal high[ISPH_MAX_DIM] = {0}, number;
@@ -74,11 +74,11 @@ static PetscErrorCode CellsReserve(Cells *cells, PetscInt n_cells)
   Not collective
 
   Input Parameters:
-+ particles - with an up-to-date halo
++ particles - the particles, with an up-to-date halo
 - size      - edge of a cell [m]; enlarged if almost all cells would be empty
 
   Output Parameter:
-. cells - all zero before the first call; storage is reused
+. cells - the cells; zero before the first call, which allocates storage that later calls reuse
 
   Error: PETSC_ERR_FP if a position is not finite
 */
@@ -141,15 +141,15 @@ PetscErrorCode CellsFree(Cells *cells)
   Input Parameters:
 + cells  - the cells
 . x      - the point [m]
-. radius - radius of the search, of any size [m]
+. radius - the radius, of any size [m]
 - max    - size of list
 
   Output Parameters:
 + list  - local indices, ascending
-- count - number of particles
+- count - number of particles found
 
-  Note: distances refer to positions at CellsBuild(). With cells of Neighbors, call with
-  radius + margin / 2 and select by present positions.
+  Note: distances refer to positions at CellsBuild(). Neighbors.cells may be older than the present
+  positions: search them with radius + margin / 2, and test the present distances.
 
   Error: PETSC_ERR_ARG_OUTOFRANGE if there are more than max
 */

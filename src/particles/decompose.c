@@ -1,8 +1,8 @@
 /*
   Recursive coordinate bisection: groups of ranks and their regions of space are halved until each
-  rank has a box, so that all boxes hold about the same number of fluid particles. Histograms summed
-  over ranks determine the cuts, for all groups of a level together; particles do not migrate
-  meanwhile.
+  rank has a box. All boxes then hold about the same number of fluid particles. Histograms of their
+  positions, summed over ranks, determine the cuts of all groups of a level together; no particle
+  migrates before all cuts are known.
 */
 #include "impl.h"
 
@@ -13,7 +13,7 @@
 /* A group of ranks [begin, end) whose region is to be cut. */
 typedef struct {
   PetscInt  begin, end;
-  PetscInt  axis;       /* cut across it */
+  PetscInt  axis;       /* normal to the cut */
   PetscReal low, width; /* first edge and width of the histogram's bins [m] */
   PetscReal below;      /* particles below the first edge */
   PetscReal target;     /* desired number of particles below the cut; negative: unknown */
@@ -55,8 +55,8 @@ static void CutOutBox(const Particles *p, PetscMPIInt ranks, PetscInt begin, Pet
   }
 }
 
-/* Chooses for each group the axis, which is the longest side of the box around its particles,
-   and the first histogram. */
+/* Chooses for each group the axis of its cut, along the longest side of the box around its
+   particles, and the bins of its first histogram. */
 static PetscErrorCode GroupsStart(const Scene *scene, const Particles *p, PetscMPIInt ranks,
                                   const PetscInt of[], PetscInt n_groups, Group groups[])
 {
@@ -102,7 +102,7 @@ static PetscErrorCode GroupsStart(const Scene *scene, const Particles *p, PetscM
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the bin of x, consistent with the possible cuts, or -1 for x outside the histogram. */
+/* Returns the bin of x, -1 if it has none. Edges and x are compared as OwnerOf() compares a cut. */
 static inline PetscInt BinOf(const Group *g, PetscReal x)
 {
   const PetscReal s = (x - g->low) / g->width;
@@ -223,8 +223,8 @@ static PetscErrorCode Bisect(const Scene *scene, Particles *p, PetscMPIInt ranks
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds the owners of own particles by the present boxes, and the largest number of fluid
-   particles in a box divided by the mean number. */
+/* Finds the owners of own particles by the present boxes, and the imbalance: the largest over the
+   mean number of fluid particles in a box. */
 static PetscErrorCode FindOwners(const Particles *p, PetscMPIInt ranks, PetscInt owner[],
                                  PetscReal *imbalance)
 {
@@ -244,7 +244,7 @@ static PetscErrorCode FindOwners(const Particles *p, PetscMPIInt ranks, PetscInt
 }
 
 /*
-  ParticlesDecompose - Finds the rank of each own particle, and sets the box of this rank
+  ParticlesDecompose - Finds the new owner of each own particle, and sets the box of this rank
 
   Collective
 
@@ -253,8 +253,8 @@ static PetscErrorCode FindOwners(const Particles *p, PetscMPIInt ranks, PetscInt
 - p     - the particles, wrapped into periodic boxes
 
   Output Parameters:
-+ owner - rank of every own particle, fluid and wall
-- p     - cut_axis, cut, lo and hi
++ owner - new owner of each own particle, fluid and wall
+- p     - cut_axis, cut, lo and hi are set
 
   Notes:
   New boxes are computed in the first epoch, if p->redraw is set, and if a box holds more than 1.1

@@ -1,5 +1,5 @@
 /*
-  Epochs: the criterion for their end, and the steps at the start of the next epoch.
+  Epochs: the criterion for the end of an epoch, and the work at the start of the next epoch.
 */
 #include "impl.h"
 
@@ -43,7 +43,7 @@ static PetscErrorCode WrapPeriodic(const Scene *scene, Particles *p)
 }
 
 /*
-  ParticlesUpdateEpoch - Starts a new epoch if the skin is used up
+  ParticlesUpdateEpoch - Starts a new epoch if a particle has moved by half of the skin
 
     max_i |x_i - x_i(epoch)| >= skin / 2
 
@@ -51,16 +51,16 @@ static PetscErrorCode WrapPeriodic(const Scene *scene, Particles *p)
 
   Input Parameters:
 + scene     - the scene
-. particles - with new positions of own particles
-- force     - flag: start an epoch even if the skin is not used up; the same on all ranks
+. particles - the particles, with new positions of own particles
+- force     - true: starts an epoch in any case; the same on all ranks
 
   Output Parameter:
-. started - flag: an epoch started; may be NULL
+. started - true if an epoch started; may be NULL
 
   Notes: At the start of an epoch, positions are wrapped into periodic boxes, particles migrate with
   all registered fields, are sorted and get new numbers, and the halo is rebuilt. Otherwise nothing
   changes: then call ParticlesUpdateHalo(). Two particles that come closer than halo_width during
-  the epoch were closer than halo_width + skin at its start, so both ranks hold the pair.
+  the epoch were closer than halo_width + skin at its start, so the halos hold every such pair.
 
   Error: PETSC_ERR_FP if a position is not finite
 */

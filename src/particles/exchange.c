@@ -4,7 +4,8 @@
 */
 #include "impl.h"
 
-/* Sends each receiver the number of its items; finds the senders, in ascending order. */
+/* Sends each receiver the number of its items. Output: source - sending ranks, ascending; n_from -
+   number of items from each. */
 static PetscErrorCode AnnounceItems(MPI_Comm comm, const PetscInt n_to[], PetscMPIInt *n_sources,
                                     PetscMPIInt **source, PetscInt **n_from)
 {
@@ -28,21 +29,21 @@ static PetscErrorCode AnnounceItems(MPI_Comm comm, const PetscInt n_to[], PetscM
 }
 
 /*
-  ExchangeItems - Sends items to their ranks, including this rank
+  ExchangeItems - Sends items to the ranks that need them, including this rank, and receives items
 
   Collective on comm
 
   Input Parameters:
 + comm  - communicator
-. unit  - MPI type of a part of an item
-. width - units in an item
-. n_to  - numbers of items for each rank of comm
+. unit  - MPI type of the numbers in an item
+. width - count of numbers in an item
+. n_to  - count of items for each rank of comm
 - send  - items in the order of ranks
 
   Output Parameters:
 + n_sources - number of ranks that sent items
 . source    - their ranks, ascending; free with PetscFree()
-. n_from    - items from each; free with PetscFree()
+. n_from    - count of items from each of them; free with PetscFree()
 - recv      - address of a pointer to the items in the order of source; free with PetscFree()
 */
 PetscErrorCode ExchangeItems(MPI_Comm comm, MPI_Datatype unit, PetscInt width,

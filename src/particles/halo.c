@@ -5,7 +5,7 @@
 */
 #include "impl.h"
 
-/* A requested copy: local index of the particle, and its shift in periods. */
+/* A copy that a rank needs: local index of the particle at its owner, and shift in periods. */
 typedef struct {
   PetscInt root, is_wall, image[ISPH_MAX_DIM];
 } HaloItem;
@@ -45,8 +45,8 @@ static void RanksTouched(const Particles *p, const PetscReal y[], PetscReal reac
   if (y[p->cut_axis[m]] + reach >= p->cut[m]) RanksTouched(p, y, reach, m, end, touched, n);
 }
 
-/* Lists an image of own particle i for all ranks that need it; this rank needs no copy of i
-   itself. */
+/* Lists an image of own particle i for all ranks that need it. The image without shift is the
+   particle itself, which this rank has. */
 static PetscErrorCode ListImage(const Scene *scene, const Particles *p, PetscReal reach, PetscInt i,
                                 const PetscInt image[], PetscInt touched[], HaloList *list)
 {
@@ -106,7 +106,7 @@ static PetscErrorCode ListImages(const Scene *scene, const Particles *p, HaloLis
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Orders the list by rank, and keeps the order of particles. */
+/* Sorts the list by rank; the order of particles within a rank stays. */
 static PetscErrorCode HaloListPack(const HaloList *list, PetscMPIInt ranks, PetscInt n_to[],
                                    HaloItem **packed)
 {
@@ -122,8 +122,8 @@ static PetscErrorCode HaloListPack(const HaloList *list, PetscMPIInt ranks, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Allocates received items, halo fluid before halo wall, and creates the PetscSF that fills
-   them. */
+/* Allocates halo particles for the received items, fluid before walls, and sets up the PetscSF that
+   fills them. */
 static PetscErrorCode HaloConnect(const Scene *scene, Particles *p, PetscMPIInt n_sources,
                                   const PetscMPIInt source[], const PetscInt n_from[],
                                   const HaloItem items[])
@@ -168,7 +168,7 @@ static PetscErrorCode HaloCopy(const Particles *p, MPI_Datatype unit, const void
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Fills the halo values that are constant within the epoch, and positions. */
+/* Fills halo values that are constant within the epoch, and the positions of the halo. */
 static PetscErrorCode HaloFill(Particles *p)
 {
   const PetscInt own = ParticlesOwn(p);
@@ -194,7 +194,7 @@ static PetscErrorCode HaloFill(Particles *p)
 
   Input Parameters:
 + scene - the scene
-- p     - with own particles that are migrated, sorted and wrapped into periodic boxes
+- p     - own particles: migrated, sorted and wrapped into periodic boxes
 
   Output Parameter:
 . p - halo counts, sf, halo_shift; halo values of id, kind, row, x and the fields of HALO_EPOCH
@@ -233,10 +233,10 @@ PetscErrorCode HaloBuild(const Scene *scene, Particles *p)
   Collective
 
   Input Parameter:
-. particles - with new positions of own particles
+. particles - the particles, with new positions of own particles
 
   Note: call it after each change of own positions that did not start an epoch. It increases the
-  stamp `moved`, by which neighbours and matrices detect that they are out of date.
+  stamp `moved`; neighbours and matrices compare it to detect that they are out of date.
 */
 PetscErrorCode ParticlesUpdateHalo(Particles *particles)
 {

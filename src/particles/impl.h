@@ -1,5 +1,5 @@
 /*
-  Declarations shared by the files of this module. Each file calls only files to its right:
+  Declarations shared by the files of this folder. Each file calls only files to its right:
 
     particles.c | population.c, neighbors.c | epoch.c | migrate.c, decompose.c, halo.c, lattice.c,
     numbering.c | exchange.c, storage.c

@@ -1,13 +1,13 @@
 /*
-  Particles at the start of a run. Fluid particles are the cell centres of a lattice outside bodies,
-  at a minimum distance from them, or have positions given by the user. Wall particles are a layer
-  on the surface, or several layers of the same lattice behind it, or both; then the surface layer
-  represents the half cell between fluid and dummies. The particle of any index can be computed
-  independently, so each rank creates a contiguous share.
+  Particles at the start of a run. Fluid particles are the centres of lattice cells outside bodies,
+  at a minimum distance from them, or have positions given by the user. Wall particles form a layer
+  on the surface, or several layers of the same lattice behind it (dummies), or both. With both, the
+  surface layer represents the half cell between fluid and dummies. Each particle follows from its
+  index alone, so each rank creates the particles of a contiguous range of indices.
 */
 #include "impl.h"
 
-/* Wall particles lie in slabs of lattice cells, two for each axis with walls. */
+/* Slabs of lattice cells with the wall particles of the box, a slab for each confining side. */
 typedef struct {
   PetscInt n;                                     /* slabs */
   PetscInt side[2 * ISPH_MAX_DIM];                /* 2 axis + (0 low, 1 high) */
@@ -31,10 +31,10 @@ static PetscErrorCode CountCells(PetscInt dim, const PetscInt count[], PetscInt 
 }
 
 /*
-  Creates the slabs. Slab (axis, end) spans the extended lattice along lower axes, the interior
-  along higher axes, and its own layers along `axis`: together the slabs cover each cell outside the
-  box once. A layer on the surface needs no corners: then each slab spans the interior along all
-  other axes.
+  Creates the slabs. The slab of a side spans the wall layers along its own axis, the lattice with
+  wall layers along lower axes, and the lattice of the fluid along higher axes: together the slabs
+  cover each cell outside the box once. A single layer on the surface needs no corners: then each
+  slab spans the lattice of the fluid along all other axes.
 */
 static PetscErrorCode WallSlabsCreate(const Scene *scene, WallPlacement walls, WallSlabs *slabs)
 {
@@ -66,7 +66,7 @@ static PetscErrorCode WallSlabsCreate(const Scene *scene, WallPlacement walls, W
   ParticlesHash - Returns a number in (-1, 1) that depends on its arguments only, not on ranks or
   order
 
-  Not collective. It uses the finaliser of SplitMix64; axis is less than 4.
+  Not collective. It applies the finaliser of SplitMix64 twice. Input: axis - less than 4.
 
   Reference: G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014
 */
@@ -95,12 +95,14 @@ static void CellOf(PetscInt dim, const PetscInt count[], PetscInt index, PetscIn
 /* Contents of a cell of the lattice. */
 typedef enum { CELL_FLUID, CELL_DUMMY, CELL_EMPTY } CellKind;
 
-/* Return the least distance from the surface of a body to cell centres of fluid, 0.4 dx if wall
-   particles lie on the surface, and to cell centres of dummies. */
+/* Returns the minimum distance of the centre of a fluid cell from the surface of a body, which is
+   larger if wall particles lie on the surface [m]. */
 static PetscReal FluidClearance(WallPlacement walls, PetscReal dx)
 {
   return (walls.layers && !walls.surface ? 0.25 : 0.4) * dx;
 }
+
+/* Returns the minimum distance of the centre of a dummy cell from the surface of a body [m]. */
 static PetscReal DummyClearance(WallPlacement walls, PetscReal dx)
 {
   return (walls.surface ? 0.5 : 0.25) * dx;
@@ -126,8 +128,8 @@ static CellKind ClassifyCell(const Scene *scene, WallPlacement walls, PetscInt i
   return *depth < walls.layers * dx ? CELL_DUMMY : CELL_EMPTY;
 }
 
-/* Displaces a fluid particle at random; it stays 0.3 of a cell away from walls whose particles are
-   not displaced. */
+/* Displaces a fluid particle at random. It stays 0.25 dx away from bodies, and 0.3 of a cell away
+   from walls of the box if their particles are not displaced. */
 static void JitterFluid(const Scene *scene, WallPlacement walls, PetscInt64 id, PetscReal x[])
 {
   const PetscReal dx = SceneSpacing(scene, x);
@@ -149,9 +151,9 @@ static void JitterFluid(const Scene *scene, WallPlacement walls, PetscInt64 id, 
 }
 
 /*
-  Returns the coordinate of lattice cell c along axis a. If the wall layers begin on the surface,
-  cells beyond a wall are half a cell nearer to it. Output: share - fraction of the cell that
-  belongs to the particle.
+  Returns the coordinate of the particle of lattice cell c along axis a. If the first wall layer
+  lies on the surface, particles beyond a side of the box are half a cell nearer to it. Output:
+  share - fraction of the cell that belongs to the particle.
 */
 static PetscReal WallCoordinate(const Scene *scene, WallPlacement walls, PetscInt a, PetscInt c,
                                 PetscReal *share)
@@ -166,7 +168,7 @@ static PetscReal WallCoordinate(const Scene *scene, WallPlacement walls, PetscIn
   return scene->lo[a] + place * SceneCellSide(scene, a);
 }
 
-/* Writes wall particle `index` of the scene to local index i. */
+/* Writes wall particle `index` of the slabs to local index i. */
 static void WallParticle(const Scene *scene, WallPlacement walls, const WallSlabs *slabs,
                          PetscInt index, Particles *p, PetscInt i)
 {
@@ -206,7 +208,7 @@ static void WallParticle(const Scene *scene, WallPlacement walls, const WallSlab
   p->volume[i]           = volume;
 }
 
-/* ParticlesShare - Computes the share [first, last) of this rank in n items */
+/* ParticlesShare - Computes the range [first, last) of this rank among n items; not collective */
 void ParticlesShare(MPI_Comm comm, PetscInt n, PetscInt *first, PetscInt *last)
 {
   PetscMPIInt rank = 0, ranks = 1;
@@ -217,8 +219,8 @@ void ParticlesShare(MPI_Comm comm, PetscInt n, PetscInt *first, PetscInt *last)
   *last  = (PetscInt)((PetscInt64)n * (rank + 1) / ranks);
 }
 
-/* Counts fluid and dummies among the lattice cells of this rank, of lower ranks and of all
-   ranks. */
+/* Counts fluid and dummies (index 0 and 1) among the lattice cells [first, last) of this rank, of
+   lower ranks (start) and of all ranks. */
 static PetscErrorCode CountShare(const Scene *scene, WallPlacement walls, PetscInt first,
                                  PetscInt last, MPI_Comm comm, PetscInt own[2], PetscInt start[2],
                                  PetscInt all[2])
@@ -238,7 +240,7 @@ static PetscErrorCode CountShare(const Scene *scene, WallPlacement walls, PetscI
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes a wall particle of a body to local index i. */
+/* Writes a wall particle of a body at x to local index i. */
 static void BodyParticle(const Scene *scene, PetscInt body, const PetscReal x[], PetscReal depth,
                          const PetscReal normal[], PetscReal volume, PetscInt id, Particles *p,
                          PetscInt i)
@@ -255,7 +257,8 @@ static void BodyParticle(const Scene *scene, PetscInt body, const PetscReal x[],
   p->volume[i] = volume;
 }
 
-/* Returns the number of surface points of all bodies; zero if all layers are behind the surface. */
+/* Returns the number of wall particles on the surfaces of bodies; zero if all layers are behind the
+   surface. */
 static PetscInt SurfacePoints(const Scene *scene, WallPlacement walls)
 {
   PetscInt n = 0;
@@ -267,8 +270,9 @@ static PetscInt SurfacePoints(const Scene *scene, WallPlacement walls)
 }
 
 /*
-  Writes surface point `index` of all bodies to local index i. With dummies behind it the particle
-  represents the band between fluid cells and dummy cells, otherwise a cell.
+  Writes the wall particle at surface point `index`, counted over all bodies, to local index i. With
+  dummies behind it, the particle represents the band between fluid cells and dummy cells, otherwise
+  a cell.
 */
 static void SurfaceParticle(const Scene *scene, WallPlacement walls, PetscInt index, PetscInt id,
                             Particles *p, PetscInt i)
@@ -288,8 +292,8 @@ static void SurfaceParticle(const Scene *scene, WallPlacement walls, PetscInt in
 }
 
 /*
-  Creates the particles of lattice cells [first, last): fluid with ids from `fluid` (negative: no
-  fluid), and dummies at local indices from `wall` with ids from `dummy`.
+  Creates the particles of lattice cells [first, last): fluid with ids from `fluid` on, or no fluid
+  if `fluid` is negative, and dummies at local indices from `wall` on with ids from `dummy` on.
 */
 static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, PetscInt last,
                       PetscInt fluid, PetscInt wall, PetscInt dummy, Particles *p)
@@ -328,7 +332,8 @@ static void FillGiven(const Scene *scene, const FluidStart *start, Particles *p)
   }
 }
 
-/* Checks that the box around a body with inner fluid has room for all layers of its wall. */
+/* Checks that the box leaves room for the wall layers behind the surface of a body around the
+   fluid. */
 static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
 {
   PetscFunctionBegin;
@@ -352,21 +357,20 @@ static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
 }
 
 /*
-  LatticeFill - Creates this rank's share of the particles at the start, which are contiguous ranges
-  of lattice indices
+  LatticeFill - Creates the particles at the start of a run
 
-  Collective
+  Collective. Each rank creates the particles of a contiguous range of lattice indices. They are
+  sent to their owners later, when the first epoch starts.
 
   Input Parameters:
 + scene - the scene
 . walls - placement of wall particles
-. start - positions of the fluid, NULL for the lattice
-- p     - with its own fields registered
+. start - given positions of the fluid; NULL: it fills the lattice
+- p     - empty particles, with all fields of this module registered
 
   Output Parameter:
-. p - counts, next_id, and own particles with id, kind, x, dx, volume, normal, depth and side, not
-      yet sent to the ranks that will own them. Ids number the fluid first, then walls of the box,
-      then bodies.
+. p - the particles, with counts, next_id, and id, kind, x, dx, volume, normal, depth and side of
+      each. Ids are given to the fluid first, then to walls of the box, then to walls of bodies.
 */
 PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidStart *start,
                            Particles *p)

@@ -1,6 +1,6 @@
 /*
-  Migration of particles to their owners, and their order there. A particle travels as a record;
-  received records are sorted and written back into the arrays.
+  Migration of particles to their owners, and sorting of own particles. A particle is sent as a
+  record; received records are sorted and written into the arrays.
 */
 #include "impl.h"
 
@@ -44,8 +44,9 @@ static int CompareKeys(const void *a, const void *b)
 }
 
 /*
-  Sorts records. Cells have the size of an interaction radius and begin at the corner of the scene's
-  box, so that the order of two particles does not depend on their owners. Field 0 of a record is x.
+  Sorts records by kind (fluid or wall), cell and id. Cells have the size of an interaction radius
+  and begin at the corner of the scene's box, so that the order of two particles does not depend on
+  their owners. Field 0 of a record is x.
 */
 static PetscErrorCode SortRecords(const Scene *scene, const Particles *p, PetscInt n,
                                   const PetscReal records[], SortKey **keys)
@@ -96,7 +97,8 @@ static PetscErrorCode UnpackRecords(Particles *p, PetscInt n, const PetscReal re
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Numbers own fluid and own wall particles consecutively over ranks, and sums weights. */
+/* Numbers fluid particles and, separately, wall particles consecutively over ranks; sums the
+   weights of the fluid. */
 static PetscErrorCode NumberParticles(Particles *p)
 {
   PetscInt n[2] = {p->n_fluid, p->n_wall}, start[2] = {0, 0};
@@ -116,16 +118,17 @@ static PetscErrorCode NumberParticles(Particles *p)
 }
 
 /*
-  ParticlesStore - Replaces own particles by sorted records, and counts the particles of all ranks
+  ParticlesStore - Replaces own particles by the particles of records, and counts the particles of
+  all ranks
 
   Collective. Owners, numbers and halo are invalid until an epoch starts.
 
   Input Parameters:
 + n      - number of records of this rank
-- record - in the layout of ParticlesPack()
+- record - the records, in the layout of ParticlesPack()
 
   Output Parameter:
-. p - n_fluid, n_wall, N_fluid, N_wall, own particles; the halo is empty
+. p - own particles in sorted order, n_fluid, n_wall, N_fluid and N_wall; the halo is empty
 */
 PetscErrorCode ParticlesStore(const Scene *scene, Particles *p, PetscInt n,
                               const PetscReal record[])

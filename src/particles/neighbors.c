@@ -1,6 +1,6 @@
 /*
-  Rows of neighbours of own fluid particles. If particles move little in a step, rows have a margin
-  and are kept until displacements exceed it.
+  Lists of neighbours: a row for each own fluid particle. If particles move little in a step, the
+  search radius has a margin, and rows are kept until displacements use it up.
 */
 #include "impl.h"
 
@@ -15,12 +15,12 @@
   Not collective
 
   Input Parameters:
-+ radius  - largest radius of a support [m], at most Particles.halo_width; two particles are
++ radius  - largest radius of a particle, at most Particles.halo_width [m]; two particles are
             neighbours if they are closer than the larger of their radii
-- spacing - spacing of particles with this radius; radii are in proportion to spacings [m]
+- spacing - spacing of the particles with this radius [m]; radii are in proportion to spacings
 
   Output Parameter:
-. neighbors - filled by NeighborsUpdate()
+. neighbors - the rows; NeighborsUpdate() fills them
 */
 PetscErrorCode NeighborsCreate(PetscReal radius, PetscReal spacing, Neighbors **neighbors)
 {
@@ -92,8 +92,8 @@ static PetscErrorCode ReserveColumns(PetscInt n, Neighbors *nb)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends to col the particles of entries [begin, end) of the cell list, except i, whose
-   distance from x is less than the reach of i or their own reach. */
+/* Writes to col those particles of entries [begin, end) of the cell list, except i, that are closer
+   to x than the larger of both reaches, own2^(1/2) and reach2^(1/2); returns their number. */
 static inline PetscInt ScanRun(const Cells *cells, const PetscReal reach2[], PetscInt begin,
                                PetscInt end, const PetscReal x[], PetscReal own2, PetscInt i,
                                PetscInt col[])
@@ -165,7 +165,7 @@ static PetscErrorCode BuildRow(const Particles *p, const PetscReal reach2[], Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the square of radius + margin of local particle i [m^2]. */
+/* Returns the square of the reach, radius plus margin, of local particle i [m^2]. */
 static inline PetscReal Reach2(const Particles *p, const Neighbors *nb, PetscInt i)
 {
   return PetscSqr(nb->radius * (p->dx[i] / nb->spacing) + nb->margin);
@@ -197,18 +197,18 @@ static PetscErrorCode BuildRows(const Particles *p, PetscReal step_length, Neigh
 /*
   NeighborsUpdate - Rebuilds the rows if particles have moved too far since the last build
 
-    rows are kept while 2 max_i |x_i - x_i(built)| <= margin
+    rows are kept while  2 max_i |x_i - x_i(last build)| <= margin
 
   Collective
 
   Input Parameters:
-+ particles   - with an up-to-date halo
-- step_length - bound on the largest displacement in a step [m], the same on all ranks. It
-                determines the margin: ten steps, at most 0.15 radius; none if the bound is zero or
-                above 0.1/2.6 of the radius
++ particles   - the particles, with an up-to-date halo
+- step_length - bound of the largest displacement in a step [m], the same on all ranks. The margin
+                lasts for ten such steps, but is at most 0.15 radius; it is zero if the bound is
+                zero or above 0.1/2.6 of the radius
 
   Output Parameter:
-. neighbors - row, col; the cells hold positions at the time of the build
+. neighbors - row and col; the cells hold positions at the time of the build
 
   Note: all pairs closer than radius are in the rows, also in kept rows. For a search in kept cells
   see CellsFind().

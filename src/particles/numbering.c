@@ -1,6 +1,7 @@
 /*
-  The dense number of a fluid particle: the number of fluid particles with smaller ids. Ids have
-  gaps after removals; rows of files have none, and depend neither on ranks nor on epochs.
+  Dense numbers of fluid particles, used for rows of files. The dense number of a particle is the
+  number of fluid particles with smaller ids. Unlike ids it has no gaps after removals, and it
+  depends neither on ranks nor on epochs.
 */
 #include "impl.h"
 
@@ -17,7 +18,7 @@ static int CompareEntries(const void *a, const void *b)
   return (k > l) - (k < l);
 }
 
-/* Replaces n ids, all above the ids of lower ranks, by their numbers. */
+/* Replaces n ids by their dense numbers. All ids of a rank must exceed all ids of lower ranks. */
 static PetscErrorCode NumberEntries(MPI_Comm comm, PetscInt n, PetscInt64 id[])
 {
   Entry   *entry;
@@ -36,7 +37,8 @@ static PetscErrorCode NumberEntries(MPI_Comm comm, PetscInt n, PetscInt64 id[])
 /*
   ParticlesNumberById - Numbers the fluid of all ranks in the order of ids, from 0 on without gaps
 
-  Collective. Each rank numbers a range of ids, which it receives and sends back as numbers.
+  Collective. Each rank numbers a range of ids: it receives the ids from their owners, and sends the
+  numbers back.
 
   Output Parameter:
 . index - number of each own fluid particle

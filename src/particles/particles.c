@@ -39,7 +39,7 @@ static PetscErrorCode RegisterOwnFields(const Scene *scene, Particles *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the viscosities of the fluid: the given values, or values for the positions at the start. */
+/* Sets the viscosities of fluid: given values, or SceneViscosity() at the positions. */
 static void SetViscosities(const Scene *scene, const FluidStart *start, Particles *p)
 {
   for (PetscInt i = 0; p->nu && i < p->n_fluid; i++) {
@@ -61,14 +61,15 @@ static void SetViscosities(const Scene *scene, const FluidStart *start, Particle
 + scene      - the scene
 . walls      - placement of wall particles for the wall treatment; ignored without PHYSICS_WALLS
 . halo_width - largest interaction radius of any operator [m]
-- start      - positions of the fluid, NULL for the lattice
+- start      - given positions of the fluid; NULL: it fills the lattice
 
   Output Parameter:
-. particles - in their first epoch with a filled halo; pressures are zero, velocities too unless
-              start has velocities
+. particles - the particles in their first epoch, with a filled halo; pressures are zero, velocities
+              too unless start has velocities
 
   Options Database Key:
-. -skin <4> - pairs up to halo_width + skin apart are copied at the start of an epoch [dx]
+. -skin <4> - width of the halo beyond halo_width; half of it is the largest displacement within an
+              epoch [dx]
 
   Note: xi is a hash of (seed, id, axis) and does not depend on the number of ranks.
 */

@@ -1,7 +1,6 @@
 /*
-  Changes of the set of particles: particles are restored, replaced, inserted and removed. Each
-  change of their number starts an epoch (see isph/particles.h); afterwards other modules renew
-  their values per particle.
+  Functions that restore, replace, insert and remove particles. All except ParticlesUnpack() start
+  an epoch; other modules then renew the values that they keep for each particle.
 */
 #include "impl.h"
 
@@ -33,7 +32,7 @@ PetscErrorCode ParticlesUnpack(Particles *p, const PetscReal record[])
 
   Input Parameters:
 + n      - number of records on this rank
-- record - in the layout of ParticlesPack()
+- record - the records, in the layout of ParticlesPack()
 */
 PetscErrorCode ParticlesReplace(const Scene *scene, Particles *p, PetscInt n,
                                 const PetscReal record[])
@@ -55,14 +54,14 @@ static PetscErrorCode StoreAndFree(const Scene *scene, Particles *p, PetscInt n,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Fluid near a position, whose mean values a new particle gets. */
+/* Fluid around a position, from which a new particle takes mean values. */
 typedef struct {
   Cells      cells;
   PetscInt   n, capacity, *j;
   PetscReal *weight, sum;
 } Surroundings;
 
-/* Prepares the search, and fills the halo values of all fields with the policy ENTRY_MEAN. */
+/* Prepares the search, and fills the halo of all fields with ENTRY_MEAN. */
 static PetscErrorCode SurroundingsCreate(Particles *p, Surroundings *near)
 {
   PetscFunctionBegin;
@@ -106,7 +105,7 @@ static PetscErrorCode SurroundingsFind(const Particles *p, const PetscReal x[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the weighted mean of a component of a field; zero without fluid. */
+/* Returns the weighted mean of a component of a field; zero without fluid nearby. */
 static PetscReal SurroundingsMean(const Surroundings *near, const PetscReal value[])
 {
   PetscReal sum = 0.0;
@@ -115,7 +114,7 @@ static PetscReal SurroundingsMean(const Surroundings *near, const PetscReal valu
   return near->sum > 0.0 ? sum / near->sum : 0.0;
 }
 
-/* Returns component c of a field for a new particle at x. */
+/* Returns the default value of component c of a field for a new particle at x. */
 static PetscReal EntryValue(const Scene *scene, const Field *field, PetscInt c, const PetscReal x[],
                             const Surroundings *near)
 {
@@ -162,12 +161,14 @@ static PetscErrorCode FillRecord(const Scene *scene, const Particles *p, const N
 . added - kind, positions and values; ParticlesHolds() must be true for each position
 
   Output Parameter:
-. first - id of the first new particle of this rank, whose other ids follow; may be NULL
+. first - id of the first new particle of this rank; its other new particles have the ids that
+          follow; may be NULL
 
-  Notes: The EntryPolicy of a field gives its value at a new particle, unless Value() replaces this
-  value; Value() is called for each field except positions. After an insertion the scheme's Begin
-  reinitialises the flow. Ids depend on the number of ranks. Means use halo values, so positions
-  must lie in the box of the rank.
+  Notes:
+  Each field of a new particle has the value of its EntryPolicy unless Value() replaces it; Value()
+  is called for each field except positions. After an insertion the scheme's Begin reinitialises the
+  flow. Ids depend on the number of ranks. Mean values come from own and halo particles: this is the
+  reason for the condition on positions.
 */
 PetscErrorCode ParticlesInsert(const Scene *scene, Particles *p, const NewParticles *added,
                                PetscInt64 *first)
@@ -203,8 +204,8 @@ PetscErrorCode ParticlesInsert(const Scene *scene, Particles *p, const NewPartic
 /*
   ParticlesRemove - Removes own particles and starts an epoch
 
-  Collective, between steps. Does nothing if no rank removes a particle. Their ids are not reused.
-  Afterwards the scheme's Begin reinitialises the flow.
+  Collective, between steps. Does nothing if no rank removes a particle. Ids of removed particles
+  are not used again. Afterwards the scheme's Begin reinitialises the flow.
 
   Input Parameters:
 + n     - number of particles to remove on this rank

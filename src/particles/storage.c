@@ -5,7 +5,7 @@
 #include "impl.h"
 
 /*
-  ParticlesReserve - Reserves room for n particles, own and halo, in every array; keeps values
+  ParticlesReserve - Reserves room for n particles, own and halo, in every array, and keeps values
 
   Not collective
 
@@ -39,7 +39,8 @@ PetscErrorCode ParticlesReserve(Particles *p, PetscInt n)
 }
 
 /*
-  ParticlesRegister - Registers arrays of the caller as a field, which then follows the particles
+  ParticlesRegister - Registers arrays as a field, whose values migrate and are sorted with the
+  particles
 
   Collective: fields must be registered in the same order on all ranks
 
@@ -47,8 +48,8 @@ PetscErrorCode ParticlesReserve(Particles *p, PetscInt n)
 + particles  - the particles
 . name       - for messages and files; the string is not copied
 . components - number of arrays
-. halo       - HALO_EPOCH: halo copies are filled when an epoch starts, from the next one on
-. entry      - value at particles inserted later
+. halo       - HALO_EPOCH: values of the halo are filled at the start of each later epoch
+. entry      - default value for particles that are inserted later
 - slot       - the caller's array of `components` pointers; must live as long as the particles
 
   Notes:
@@ -125,10 +126,10 @@ void RecordUnpack(const RecordColumns *columns, const PetscReal record[], PetscI
 }
 
 /*
-  ParticlesPack - Copies own particles with all fields
+  ParticlesPack - Copies own particles with all fields to records
 
-  Not collective. Output: record - ParticlesOwn() records of ParticlesRecordWidth() numbers, in
-  order.
+  Not collective. Output: record - ParticlesOwn() records of ParticlesRecordWidth() numbers, in the
+  order of local indices.
 */
 PetscErrorCode ParticlesPack(const Particles *p, PetscReal record[])
 {

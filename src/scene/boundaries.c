@@ -1,7 +1,6 @@
 /*
-  Boundaries of the fluid: the table of their kinds, and the functions that tell all other code
-  their properties. The boundaries of a scene have numbers: first the sides of the box, 2 axis + (0
-  low, 1 high), then the bodies.
+  Boundaries of the fluid: the table of their kinds, and the functions that answer all questions
+  about them. The sides of the box have the numbers 2 axis + (0 low, 1 high); the bodies follow.
 */
 #include "isph/scene.h"
 
@@ -23,8 +22,7 @@ const BoundaryRow BoundaryPeriodic = {
     .by_axis    = PETSC_TRUE,
     .properties = BOUNDARY_CONTINUES,
 };
-/* A side that lies in a solid at rest. The velocity is continued into the solid by zero: no
-   slip. */
+/* The side lies in a solid at rest. With zero velocity in the solid the side has no slip. */
 const BoundaryRow BoundaryNone = {
     .name       = "none",
     .brief      = "side in the solid of a body around the fluid",
@@ -32,7 +30,7 @@ const BoundaryRow BoundaryNone = {
     .properties = BOUNDARY_NO_SLIP,
 };
 
-/* The kinds in the order of -catalogue; a kind in a file of its own has its word here. */
+/* The kinds in the order of -catalogue; a kind defined in a file of its own is added here too. */
 #define KINDS(ROW) ROW(BoundaryWall) ROW(BoundaryPeriodic) ROW(BoundarySymmetry) ROW(BoundaryNone)
 
 #define DECLARE(row) extern const BoundaryRow row;
@@ -64,7 +62,7 @@ void SceneSetSides(Scene *scene, const BoundaryRow *kind)
   for (PetscInt a = 0; a < scene->dim; a++) SceneSetAxis(scene, a, kind);
 }
 
-/* SceneAddBody - Adds a body, a wall at rest, and returns its boundary; not collective */
+/* SceneAddBody - Adds a body that is a wall at rest; returns its boundary; not collective */
 Boundary *SceneAddBody(Scene *scene)
 {
   Boundary *boundary = &scene->boundary[SceneBodySide(scene, scene->n_bodies++)];
@@ -97,16 +95,20 @@ const Body *BoundaryBody(const Scene *scene, PetscInt side)
   return side < SceneBodySide(scene, 0) ? NULL : &scene->boundary[side].body;
 }
 
-/* BoundaryEquation - Returns the equation that a boundary gives to a fit of a quantity; not
+/* BoundaryEquation - Returns the equation that a boundary adds to the fit of a quantity; not
    collective */
 Equation BoundaryEquation(const Scene *scene, PetscInt side, FitQuantity quantity)
 {
   return scene->boundary[side].kind->equation[quantity];
 }
 
-/* BoundaryVelocityEquation - Returns the equation that a boundary gives to a fit of velocity
-   component c. On bodies all components have the equation of the normal component. Not
-   collective. */
+/*
+  BoundaryVelocityEquation - Returns the equation that a boundary adds to the fit of velocity
+  component c
+
+  Not collective. A side of the box distinguishes the normal from the tangential components. A body
+  uses its equation for the normal velocity for all components.
+*/
 Equation BoundaryVelocityEquation(const Scene *scene, PetscInt side, PetscInt c)
 {
   const PetscBool normal = BoundaryBody(scene, side) || c == side / 2 ? PETSC_TRUE : PETSC_FALSE;
@@ -114,8 +116,8 @@ Equation BoundaryVelocityEquation(const Scene *scene, PetscInt side, PetscInt c)
   return BoundaryEquation(scene, side, normal ? FIT_VELOCITY_NORMAL : FIT_VELOCITY_TANGENTIAL);
 }
 
-/* SceneWallName - Writes the name of a boundary, such as "left" or "body_1", into WALL_NAME
-   letters; not collective */
+/* SceneWallName - Writes the name of a boundary, such as "left" or "body_1", to an array of
+   WALL_NAME characters; not collective */
 void SceneWallName(const Scene *scene, PetscInt side, char name[])
 {
   const PetscInt body = side - SceneBodySide(scene, 0);
@@ -124,7 +126,7 @@ void SceneWallName(const Scene *scene, PetscInt side, char name[])
   else (void)snprintf(name, WALL_NAME, "body_%d", (int)body + 1);
 }
 
-/* SceneHasBoundary - Returns true if some boundary has all the properties; not collective */
+/* SceneHasBoundary - Returns true if any boundary has all the given properties; not collective */
 PetscBool SceneHasBoundary(const Scene *scene, unsigned properties)
 {
   for (PetscInt side = 0; side < SceneBoundaries(scene); side++)
@@ -132,8 +134,8 @@ PetscBool SceneHasBoundary(const Scene *scene, unsigned properties)
   return PETSC_FALSE;
 }
 
-/* SceneSlipKind - Returns a kind of boundary in the scene whose equations for normal and
-   tangential velocity differ, NULL if there is none; not collective */
+/* SceneSlipKind - Returns the first kind of boundary whose equations for normal and tangential
+   velocity differ, or NULL; not collective */
 const BoundaryRow *SceneSlipKind(const Scene *scene)
 {
   for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
@@ -144,8 +146,8 @@ const BoundaryRow *SceneSlipKind(const Scene *scene)
   return NULL;
 }
 
-/* SceneIsClosedBox - Returns true if all sides of the box confine the fluid, and no body is in it;
-   not collective */
+/* SceneIsClosedBox - Returns true if all sides of the box confine the fluid and the scene has no
+   body; not collective */
 PetscBool SceneIsClosedBox(const Scene *scene)
 {
   for (PetscInt side = 0; side < SceneBodySide(scene, 0); side++) {
@@ -186,9 +188,9 @@ void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pet
     a = dV/dt + dw/dt z x (x - c) - w^2 (x - c)   for a body
 
   The last term is absent without convection, because the equation of the fluid then has no
-  u.grad u either. For a side of the box the result is dV/dt normal to the side; the pressure
-  does not depend on tangential acceleration. Not collective. Derivatives are centred differences
-  (ExpressionRate()) over 2e-5 L/U.
+  u.grad u either. For a side of the box the result is the normal component of dV/dt, because the
+  pressure does not depend on tangential acceleration. Not collective. Derivatives are centred
+  differences (ExpressionRate()) over 2e-5 L/U.
 */
 void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                            PetscReal a[])
@@ -212,7 +214,7 @@ void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const
   a[1] += spin * r[0];
 }
 
-/* Returns the largest distance of the box from the centre of a body [m]. */
+/* Returns the distance from the centre of a body to the farthest corner of the box [m]. */
 static PetscReal Reach(const Scene *scene, const Body *body)
 {
   PetscReal sum = 0.0;
@@ -226,9 +228,10 @@ static PetscReal Reach(const Scene *scene, const Body *body)
   SceneWallSpeedBound - Bounds the speed of the flow that a moving wall drives [m/s]
 
   Not collective. Input: u - wall velocity at the surface point x. A wall that slides tangentially
-  drags fluid at its own speed at most, but a very viscous fluid may rotate with a body like a
-  solid, so the bound grows with the distance up to the ends of the box. A wall that moves along
-  its normal can squeeze fluid through gaps at any speed: the bound is infinite.
+  drags fluid at its own speed at most. But a very viscous fluid outside a body may rotate with it
+  like a solid: the bound is then the speed of this rotation at the farthest corner of the box. A
+  wall that moves along its normal can squeeze fluid through gaps at any speed: the bound is
+  infinite.
 */
 PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal x[],
                               const PetscReal normal[], const PetscReal u[])
@@ -251,7 +254,7 @@ PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal
 /*
   SceneDecayRate - Returns a lower bound on the decay rate of a flow between walls at rest [1/s]
 
-    d|u|/dt <= -nu (pi/W)^2 |u|, W: distance between the closest pair of opposite sides without slip
+    d|u|/dt <= -nu (pi/W)^2 |u|,  W: smallest distance between opposite sides without slip
 
   |u| is the root mean square (Poincare's inequality). The bound is zero without such a pair or
   without viscosity. Not collective.
@@ -268,8 +271,13 @@ PetscReal SceneDecayRate(const Scene *scene)
   return SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low * PetscSqr(PETSC_PI / width) : 0.0;
 }
 
-/* SceneDistance - Returns the distance of x from the nearest body, and its number; infinite without
-   bodies [m] */
+/*
+  SceneDistance - Returns the distance of x from the surface of the nearest body, positive in the
+  fluid [m]
+
+  Not collective. Output: nearest - number of this body, -1 if there is none (then the distance is
+  infinite); normal - into the fluid, at the surface point nearest to x.
+*/
 PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,
                         PetscReal normal[])
 {
@@ -291,8 +299,8 @@ PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *neare
   SceneFluidDistance - Returns the distance of x from the nearest boundary that confines the fluid,
   positive in the fluid [m]
 
-  Not collective. Output: side - number of this boundary; without any it is -1, and the distance is
-  infinite. For a point on a surface the distance is zero within SCENE_ON_SURFACE dx.
+  Not collective. Output: side - number of this boundary, -1 if there is none (then the distance is
+  infinite). For a point on a surface the distance is zero within SCENE_ON_SURFACE dx.
 */
 PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *side)
 {

@@ -206,7 +206,8 @@ static PetscErrorCode SceneReadPhysics(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads -body_force, which replaces the force of the case; no force if the physics is left out. */
+/* Reads -body_force, which replaces the force of the case; without the physics body_force the force
+   is zero. */
 static PetscErrorCode SceneReadForce(Scene *scene)
 {
   PetscReal force[ISPH_MAX_DIM] = {0.0}, size = 0.0;
@@ -258,7 +259,7 @@ static PetscErrorCode SceneReadFluid(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads dimension, resolution and disorder, and options of some cases only. */
+/* Reads dimension, resolution, jitter and seed, and the options that only some cases have. */
 static PetscErrorCode SceneReadNumbers(Scene *scene)
 {
   PetscFunctionBegin;
@@ -313,17 +314,19 @@ static PetscErrorCode SceneNameConstants(Scene *scene)
 + -case name              - row of the table in cases/cases.c
 . -dim 2|3                - space dimension
 . -n N                    - particles along the reference length
-. -length, -speed         - the case's L and U
-. -reynolds, -viscosity   - one of the two sets the viscosity
-. -density RHO            - density of the fluid
-. -body_force fx,fy,fz    - force per unit mass that replaces the case's; with -case scene
-                            expressions of x, y, t
-. -with, -without names   - physics added to or removed from the case's
-. -motion name            - row of the table of motions, if there is convection
+. -length L, -speed U     - reference length [m] and speed [m/s]
+. -reynolds, -viscosity   - Reynolds number, or kinematic viscosity [m^2/s]; not both
+. -density RHO            - density [kg/m^3]
+. -body_force fx,fy,fz    - force per unit mass, replaces the force of the case; with -case scene
+                            expressions of x, y, t [m/s^2]
+. -with, -without names   - physics added to the physics of the case, or removed from it
+. -motion name            - row of MotionTable; read only with convection
 . -jitter J               - largest random displacement of the start lattice [dx]
 . -seed S                 - seed of the jitter and of random fields
-- -patch_margin M         - margin of a patch test [dx]; a patch test reads no option of the fluid
-                            or of the physics
+. -solid_fraction c       - share of the box filled by the bodies of an array; for such cases only
+- -patch_margin M         - width that a patch test leaves out at each side [dx]
+
+  Notes: a patch test reads no options of fluid and physics.
 */
 PetscErrorCode SceneCreate(Scene **scene)
 {

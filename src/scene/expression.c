@@ -1,7 +1,7 @@
 /*
   Expressions of x, y, z and t typed by the user. muParser parses and evaluates them. This file owns
-  the parser handles, splits texts into components, and turns parser errors into messages of one
-  line. Plain numbers need no parser.
+  the parser handles, splits texts into components, and turns parser errors into messages of a
+  single line. Plain numbers need no parser.
 */
 #include "isph/expression.h"
 #include <muParserDLL.h>
@@ -60,15 +60,15 @@ PetscErrorCode ExpressionScopeDestroy(ExpressionScope **scope)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ExpressionScopeIsIdle - Returns true if all expressions are numbers, so that none needs the
-   scope; not collective */
+/* ExpressionScopeIsIdle - Returns true if all expressions of a scope are numbers, which do not need
+   it; not collective */
 PetscBool ExpressionScopeIsIdle(const ExpressionScope *scope)
 {
   return scope->n_parsers ? PETSC_FALSE : PETSC_TRUE;
 }
 
 /*
-  ExpressionScopeCheck - Ends the run if a value was not finite on any rank
+  ExpressionScopeCheck - Ends the run if an expression had an infinite value or NaN on any rank
 
   Collective on PETSC_COMM_WORLD. Input: scope - may be NULL if there are no expressions.
 
@@ -171,7 +171,7 @@ static PetscErrorCode ParserComplaint(muParserHandle_t parser, char text[], size
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets a component from its text: a number, or a parser for any other text. */
+/* Appends a component to an expression: a number, or a parser if its text is not a number. */
 static PetscErrorCode SetComponent(ExpressionScope *scope, const char text[], unsigned allowed,
                                    Expression *e)
 {
@@ -265,7 +265,7 @@ PetscErrorCode ExpressionSet(ExpressionScope *scope, const char option[], const 
 }
 
 /*
-  ExpressionGet - Reads the expression of an option by ExpressionSet()
+  ExpressionGet - Reads an option and sets an expression from its text by ExpressionSet()
 
   Collective. Output: e - unchanged if the option is not given; given - may be NULL.
 */
@@ -291,8 +291,8 @@ Expression ExpressionNumber(PetscReal value)
   return (Expression){.n = 1, .value = {value}};
 }
 
-/* ExpressionUses - Returns true if any component depends on position, or on time; not
-   collective */
+/* ExpressionUses - Returns true if any component depends on the given variables, position or time;
+   not collective */
 PetscBool ExpressionUses(const Expression *e, ExpressionUse what)
 {
   for (PetscInt c = 0; c < e->n; c++) {
@@ -338,8 +338,9 @@ PetscReal ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const Pe
   ExpressionRate - Returns the time derivative of component c by a centred difference,
   [f(t + 1e-5 tau) - f(t - 1e-5 tau)]/(2e-5 tau)
 
-  Not collective. Input: tau - time scale of its changes [s]. At an angular frequency w the
-  relative error is (1e-5 w tau)^2/6. The expression is never evaluated before time zero.
+  Not collective. Input: tau - time in which the expression changes [s]. For an oscillation of
+  angular frequency w the relative error is (1e-5 w tau)^2/6. The expression is never evaluated at
+  negative times.
 */
 PetscReal ExpressionRate(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[],
                          PetscReal tau)

@@ -26,7 +26,7 @@ static PetscReal ViscosityAt(const Scene *scene, const PetscReal x[])
   return nu;
 }
 
-/* Returns true if fluid can be at x. */
+/* Returns true if x lies in the fluid or on its boundary. */
 static PetscBool IsInFluid(const Scene *scene, const PetscReal x[])
 {
   PetscInt side;
@@ -41,8 +41,8 @@ static PetscBool IsInFluid(const Scene *scene, const PetscReal x[])
 
   Not collective. The harmonic mean gives layers the right shear resistance wherever an interface
   cuts the lattice, because resistances in series add. Without regions of fluids the viscosity field
-  is evaluated at x. For a rheology the result is the viscosity at the rate U/L, with which the
-  first iteration starts.
+  is evaluated at x. For a fluid that is not Newtonian the result is the viscosity at the strain
+  rate U/L, the first guess of the iteration.
 
   Reference: S. V. Patankar, Numerical Heat Transfer and Fluid Flow (1980), section 4.2-3
 */
@@ -67,12 +67,12 @@ PetscReal SceneViscosity(const Scene *scene, const PetscReal x[])
 }
 
 /*
-  SceneBoundViscosity - Finds the least and largest viscosity at lattice cell centres, or takes the
-  bounds of a rheology
+  SceneBoundViscosity - Finds the least and largest viscosity at the centres of lattice cells; for
+  a fluid that is not Newtonian, copies the bounds of its rheology
 
-  Collective. The viscosities of particles may differ from these, because their positions may and
-  because they are means; SceneBoundGivenViscosity() corrects the bounds. Output: scene->nu_low,
-  scene->nu_high. Errors: a field that is not positive ends the run.
+  Collective. The viscosity of a particle may lie outside these bounds, because it is a mean over a
+  cell and because the particle may start at another place; SceneBoundGivenViscosity() corrects the
+  bounds. Output: scene->nu_low, scene->nu_high. Errors: a field that is not positive ends the run.
 */
 PetscErrorCode SceneBoundViscosity(Scene *scene)
 {
@@ -94,7 +94,7 @@ PetscErrorCode SceneBoundViscosity(Scene *scene)
 
       if (!IsInFluid(scene, x)) continue;
       nu = ViscosityAt(scene, x);
-      if (nu <= 0.0) PetscCall(ExpressionScopeCheck(scene->scope)); /* not finite counts as zero */
+      if (nu <= 0.0) PetscCall(ExpressionScopeCheck(scene->scope)); /* 0 may stand for NaN */
       UserCheck(nu > 0.0, "-viscosity_field: it is %.6g at (%.4g, %.4g), and must be positive",
                 (double)nu, (double)x[0], (double)x[1]);
       scene->nu_low  = PetscMin(scene->nu_low, nu);
@@ -107,9 +107,9 @@ PetscErrorCode SceneBoundViscosity(Scene *scene)
 /*
   SceneBoundGivenViscosity - Finds the least and largest viscosity of the particles at the start
 
-  Collective. Input: nu - of this rank's n particles [m^2/s]; if no rank has particles with
-  viscosities, the bounds do not change. Output: scene->nu_low, scene->nu_high. Errors: a viscosity
-  that is not positive ends the run.
+  Collective. Input: nu - viscosities of the n particles of this rank [m^2/s]; if n is 0 on all
+  ranks, the bounds stay. Output: scene->nu_low, scene->nu_high. Errors: a viscosity that is not
+  positive ends the run.
 */
 PetscErrorCode SceneBoundGivenViscosity(PetscInt n, const PetscReal nu[], Scene *scene)
 {

@@ -1,5 +1,5 @@
-/* Motions of particles, moving or fixed: transport velocities for the same arbitrary
-   Lagrangian-Eulerian step. */
+/* Motions of particles: they move with the flow, or stay fixed. Both use the same arbitrary
+   Lagrangian-Eulerian step; only the velocity of the particles differs. */
 #include "isph/scene.h"
 
 static const MotionRow motions[] = {

@@ -1,7 +1,7 @@
 /*
   Rheologies: kinematic viscosity as a function of the strain rate g = sqrt(2 E:E),
-  E = (grad u + grad u^T)/2. All quantities are divided by the density, as is the kinematic
-  viscosity: a stress of 1 m^2/s^2 means rho Pa.
+  E = (grad u + grad u^T)/2. Like the kinematic viscosity, all stresses are divided by the density:
+  a stress tau [m^2/s^2] is rho tau in Pa.
 */
 #include "isph/scene.h"
 
@@ -33,8 +33,8 @@ static PetscReal RheologyNu_Papanastasiou(const Rheology *r, PetscReal rate)
                      (x > 1e-8 ? -expm1(-(double)x) / rate : m * (1.0 - 0.5 * x));
 }
 
-/* ---- g at a shear stress tau > 0 [1/s], for the ideal fluid without bounds and
-   regularisation ---- */
+/* ---- strain rate g at a shear stress tau > 0 [1/s]: of the ideal fluid, with neither bounds of
+   the viscosity nor regularisation ---- */
 
 static PetscReal RheologyRate_PowerLaw(const Rheology *r, PetscReal tau)
 {
@@ -57,7 +57,7 @@ static PetscReal RheologyRate_Carreau(const Rheology *r, PetscReal tau)
   return 0.5 * (low + high);
 }
 
-/* Bingham model: the rate is zero below the yield stress. */
+/* Returns the rate of the Bingham model, zero below the yield stress. */
 static PetscReal RheologyRate_Papanastasiou(const Rheology *r, PetscReal tau)
 {
   return PetscMax(0.0, tau - r->parameter[RHEOLOGY_YIELD]) / r->nu;

@@ -1,10 +1,10 @@
 /*
-  The options of a rheology, with defaults and bounds that follow from the row, the rate U/L and the
-  viscosity of the scene.
+  Options of the rheology. Their defaults follow from the chosen row of RheologyTable, the strain
+  rate U/L and the viscosity of the scene.
 */
 #include "isph/scene.h"
 
-/* The choice and the bounds, then the parameters in the order of RheologyParameter. */
+/* The name and the bounds, then the parameters in the order of RheologyParameter. */
 enum { NAME, VISCOSITY_MIN, VISCOSITY_MAX, PARAMETERS };
 static const OptionRow options[] = {
     [NAME] =
@@ -98,7 +98,7 @@ static const OptionRow options[] = {
 };
 const OptionTable RheologyOptions = OPTIONS("Rheology", options);
 
-/* Sets the defaults of parameters; rate U/L [1/s]. */
+/* Sets the defaults of the parameters. Input: rate - the strain rate U/L [1/s]. */
 static void RheologyDefaults(PetscReal rate, Rheology *r)
 {
   r->parameter[RHEOLOGY_TIME]           = 1.0 / rate;
@@ -122,9 +122,9 @@ static PetscReal RheologyLimit(const Rheology *r, PetscReal rate, PetscInt end, 
 /*
   Sets default bounds of the viscosity: the limits of the model for zero and infinite rate. Without
   limits the bounds are 1000 nu and nu/1000. A fluid whose viscosity vanishes with the rate has the
-  lower bound nu/20: particles of very low viscosity would decouple from their neighbours.
-  (Poiseuille flow, exponent 2, 51 rows of particles, of which one lies in the middle: error 1.8 %
-  with nu/100, 0.3 % with nu/20.)
+  lower bound nu/20: particles of very low viscosity would decouple from their neighbours. In the
+  Poiseuille flow of a power law with n = 2, with 51 rows of particles and thus a row at zero rate,
+  the error is 1.8 % with nu/100 and 0.3 % with nu/20.
 */
 static void RheologyBound(PetscReal rate, Rheology *r)
 {
@@ -142,7 +142,7 @@ static void RheologyBound(PetscReal rate, Rheology *r)
 /*
   SceneReadRheology - Reads the rheology, a viscosity that depends on the strain rate
 
-  Collective. To be called when scene->nu, length and speed are known.
+  Collective. Called after scene->nu, length and speed are set.
 
   Options Database Keys:
 + -rheology name             - row of the rheology table
@@ -165,7 +165,7 @@ PetscErrorCode SceneReadRheology(Scene *scene)
   UserCheck(SceneHas(scene, PHYSICS_VISCOSITY),
             "-without viscosity and -rheology %s cannot both be given", r->row->name);
   r->nu = scene->nu;
-  for (PetscInt pass = 0; pass < 2; pass++) { /* defaults follow from the exponent */
+  for (PetscInt pass = 0; pass < 2; pass++) { /* the exponent, then its defaults */
     for (PetscInt k = 0; k < RHEOLOGY_PARAMETERS; k++) {
       PetscBool given;
 

@@ -1,6 +1,6 @@
 /*
-  Queries of a scene that need nothing but its members: physics, dimensionless numbers, spacing and
-  force. create.c makes the scene.
+  Functions that return properties of a scene: physics, dimensionless numbers, spacing and force.
+  create.c creates the scene.
 */
 #include "isph/scene.h"
 
@@ -13,7 +13,8 @@ PetscBool SceneHas(const Scene *scene, Physics what)
   return (scene->physics & (unsigned)what) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* SceneReynolds - Returns U L/nu with the lengths of the case; infinite without viscosity */
+/* SceneReynolds - Returns the Reynolds number, with the length that the case chooses for it;
+   infinite without viscosity */
 PetscReal SceneReynolds(const Scene *scene)
 {
   if (!SceneHas(scene, PHYSICS_VISCOSITY)) return PETSC_INFINITY;
@@ -28,10 +29,9 @@ PetscReal SceneCellReynolds(const Scene *scene)
 }
 
 /*
-  SceneIsAsPosed - Returns true if the exact solution of the case is valid
-
-  This is so if no physics of the case is left out, and no force is added. Added pressure or
-  convection does not change the exact solution of a case without them.
+  SceneIsAsPosed - Returns true if the exact solution of the case holds: the run computes all
+  physics of the case and adds no body force. Added pressure or convection does not change the exact
+  solution of a case without them.
 */
 PetscBool SceneIsAsPosed(const Scene *scene)
 {
@@ -48,18 +48,18 @@ PetscBool SceneMoves(const Scene *scene)
   return scene->motion && scene->motion->particles_move ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* SceneCellSide - Returns the side of a lattice cell along an axis; it is dx if the box is a whole
-   number of dx long [m] */
+/* SceneCellSide - Returns the side of a lattice cell along an axis [m]; it equals dx if the length
+   of the box is a multiple of dx */
 PetscReal SceneCellSide(const Scene *scene, PetscInt axis)
 {
   return (scene->hi[axis] - scene->lo[axis]) / scene->cells[axis];
 }
 
 /*
-  SceneSpacing - Returns the particle spacing that the scene prescribes at x [m]
+  SceneSpacing - Returns the spacing that particles created at x have [m]
 
-  It is uniform at present. A particle takes this spacing when it is created, and keeps it
-  (Particles.dx); dimensionless numbers and options are in units of the reference spacing scene->dx.
+  It is uniform today. A particle keeps the spacing of the place of its creation (Particles.dx).
+  Options and dimensionless numbers refer to the reference spacing scene->dx instead.
 */
 PetscReal SceneSpacing(const Scene *scene, const PetscReal x[])
 {
@@ -67,7 +67,7 @@ PetscReal SceneSpacing(const Scene *scene, const PetscReal x[])
   return scene->dx;
 }
 
-/* BodySpacing - Returns the spacing of points on a body's surface, the scene's spacing at its
+/* BodySpacing - Returns the spacing of points on the surface of a body, SceneSpacing() at its
    centre [m] */
 PetscReal BodySpacing(const Scene *scene, const Body *body)
 {
@@ -76,13 +76,13 @@ PetscReal BodySpacing(const Scene *scene, const Body *body)
   return SceneSpacing(scene, x);
 }
 
-/* SceneCoarsest - Returns the largest spacing of the scene, which bounds kernel radii [m] */
+/* SceneCoarsest - Returns the largest value of SceneSpacing(), which bounds kernel radii [m] */
 PetscReal SceneCoarsest(const Scene *scene)
 {
   return scene->dx;
 }
 
-/* SceneFinest - Returns the smallest spacing of the scene, which bounds steps [m] */
+/* SceneFinest - Returns the smallest value of SceneSpacing(), which bounds time steps [m] */
 PetscReal SceneFinest(const Scene *scene)
 {
   return scene->dx;
@@ -94,7 +94,7 @@ PetscReal SceneTolerance(const Scene *scene)
   return SceneFinest(scene);
 }
 
-/* SceneVolume - Returns the volume of a cell of the lattice of the reference spacing [m^dim] */
+/* SceneVolume - Returns the volume of a lattice cell of the reference spacing [m^dim] */
 PetscReal SceneVolume(const Scene *scene)
 {
   PetscReal volume = 1.0;
@@ -103,7 +103,7 @@ PetscReal SceneVolume(const Scene *scene)
   return volume;
 }
 
-/* SceneVolumeAt - Returns the volume of a particle created at x [m^dim] */
+/* SceneVolumeAt - Returns the volume of a particle that is created at x [m^dim] */
 PetscReal SceneVolumeAt(const Scene *scene, const PetscReal x[])
 {
   const PetscReal ratio  = SceneSpacing(scene, x) / scene->dx;

@@ -1,6 +1,6 @@
 /*
-  Shapes of bodies in the plane, defined by signed distance and by points along the surface. A new
-  shape needs five functions and a row of the table.
+  Shapes of bodies in the plane, defined by a signed distance and by points along the surface. A new
+  shape is five functions and a row of the table at the end.
 */
 #include "isph/scene.h"
 
@@ -74,7 +74,7 @@ static PetscBool EdgesCross(const Body *body, PetscInt e, PetscInt f)
 
   (void)Edge(body, e, &a, &b);
   (void)Edge(body, f, &c, &d);
-  for (PetscInt k = 0; k < 2; k++) { /* separate along an axis; also for edges on a line */
+  for (PetscInt k = 0; k < 2; k++) { /* disjoint along an axis; decides for collinear edges */
     if (PetscMax(a[k], b[k]) < PetscMin(c[k], d[k]) || PetscMax(c[k], d[k]) < PetscMin(a[k], b[k]))
       return PETSC_FALSE;
   }
@@ -82,7 +82,7 @@ static PetscBool EdgesCross(const Body *body, PetscInt e, PetscInt f)
                                                                                       : PETSC_FALSE;
 }
 
-/* Orders corners counter-clockwise; the centre is the centroid of the area. */
+/* Checks the corners and orders them counter-clockwise; computes the centroid and the extent. */
 static const char *PolygonPrepare(Body *body)
 {
   PetscReal     *c = body->parameter, area = 0.0;
@@ -123,7 +123,7 @@ static const char *PolygonPrepare(Body *body)
   return NULL;
 }
 
-/* Replaces two opposite corners by the four corners of a polygon. */
+/* Replaces the two opposite corners of a box by its four corners, as a polygon. */
 static const char *BoxPrepare(Body *body)
 {
   PetscReal      *c      = body->parameter;
@@ -144,8 +144,8 @@ static void PolygonSpan(const Body *body, PetscInt axis, PetscReal span[2])
   }
 }
 
-/* Returns the distance from the nearest edge; a ray along x crosses an odd number of edges if its
-   start is inside. */
+/* Returns the signed distance from the nearest edge; x is inside if a ray from it along the first
+   axis crosses an odd number of edges. */
 static PetscReal PolygonDistance(const Body *body, const PetscReal x[], PetscReal normal[])
 {
   PetscReal best = PETSC_MAX_REAL, nearest[2] = {0.0}, outward[2] = {0.0}, d;
@@ -251,8 +251,8 @@ const Table ShapeTable = TABLE("-scene_body_<k>", "Shapes of bodies", shapes);
 /*
   BodySet - Sets a body from the numbers of its shape [m]
 
-  Not collective. The body is at rest in a fluid that surrounds it. It rotates about its centre:
-  the centre of a circle, or the centroid of the area. Returns: NULL, or a text about wrong numbers.
+  Not collective. The fluid is outside the body. Its centre, about which it may rotate, is the
+  centroid of its area. Returns: NULL, or a message about the wrong numbers.
 */
 const char *BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[])
 {
@@ -269,7 +269,7 @@ void BodyCircle(Body *body, PetscReal x, PetscReal y, PetscReal r)
   (void)BodySet(body, &shapes[0], 3, number);
 }
 
-/* BodySpan - Returns the ends of a body along an axis of the plane [m] */
+/* BodySpan - Computes the least and largest coordinate of a body along an axis of the plane [m] */
 void BodySpan(const Body *body, PetscInt axis, PetscReal span[2])
 {
   body->shape->Span(body, axis, span);
@@ -278,10 +278,10 @@ void BodySpan(const Body *body, PetscInt axis, PetscReal span[2])
 /*
   BodyThickness - Returns the least thickness of a body between opposite surfaces [m]
 
-  Not collective. Searches inwards from points dx apart on the surface in steps of dx/4; tips of
-  wedges of more than about 50 degrees do not count. Input: limit - largest distance of the search.
-  Output: place - position of the least thickness. Returns: limit if the body is nowhere thinner,
-  and for bodies around the fluid.
+  Not collective. Searches inwards in steps of dx/4 from surface points dx apart. The two surfaces
+  at the tip of a wedge count as opposite only if its angle is less than about 50 degrees. Input:
+  limit - largest distance of the search. Output: place - surface point at the least thickness.
+  Returns: limit if the body is nowhere thinner, and for bodies around the fluid.
 */
 PetscReal BodyThickness(const Body *body, PetscReal dx, PetscReal limit, PetscReal place[2])
 {
@@ -305,9 +305,9 @@ PetscReal BodyThickness(const Body *body, PetscReal dx, PetscReal limit, PetscRe
 }
 
 /*
-  Returns the signed distance of x from the nearest image of a body in a periodic box, with the
-  body as a solid [m]. Output: y - x shifted by periods so that this image becomes the body itself;
-  normal - out of the body.
+  Returns the signed distance of x from the nearest periodic image of a body, positive outside its
+  outline, also for a body around the fluid [m]. Output: y - x shifted by periods, as near to the
+  body as x is to that image; normal - out of the outline.
 */
 static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscReal x[],
                               PetscReal y[2], PetscReal normal[])
@@ -323,7 +323,7 @@ static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscR
     BodySpan(body, a, span);
     middle = 0.5 * (span[0] + span[1]);
     base[a] -= period * PetscFloorReal((x[a] - middle) / period + 0.5);
-    step[a] = base[a] > middle ? -period : period; /* the image on the other side of x */
+    step[a] = base[a] > middle ? -period : period; /* to the image on the other side of x */
   }
   for (PetscInt image = 0; image < 4; image++) {
     const PetscReal z[2] = {base[0] + (image % 2) * step[0], base[1] + (image / 2) * step[1]};
@@ -376,10 +376,10 @@ PetscInt BodyPoints(const Body *body, PetscReal dx)
 }
 
 /*
-  BodyPoint - Computes point k of a surface
+  BodyPoint - Computes point k of the BodyPoints() points on the surface of a body
 
-  Not collective. Output: x; normal - into the fluid. Returns: the length of surface that belongs to
-  the point [m].
+  Not collective. Output: x - the point [m]; normal - into the fluid. Returns: the length of surface
+  that belongs to the point [m].
 */
 PetscReal BodyPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], PetscReal normal[])
 {

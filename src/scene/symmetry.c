@@ -3,7 +3,7 @@
 
     u.n = 0,   n.grad u_t = 0,   n.grad p = rho n.f,
 
-  so that half of a symmetric flow is computed. Fluid slides along it without stress.
+  so that only half of a symmetric flow is computed. The fluid slides along it without shear stress.
 */
 #include "isph/scene.h"
 

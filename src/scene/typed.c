@@ -145,7 +145,7 @@ static const OptionRow   options[] = {
 };
 const OptionTable TypedOptions = OPTIONS("Typed scenes", options);
 
-/* Makes the option row of body or fluid k from the pattern with <k>. */
+/* Makes the option row of body or fluid k from a pattern with <k> in its name. */
 static void Numbered(const OptionRow *pattern, PetscInt k, char name[OPTION_LENGTH], OptionRow *row)
 {
   char number[32];
@@ -154,7 +154,7 @@ static void Numbered(const OptionRow *pattern, PetscInt k, char name[OPTION_LENG
   OptionFill(pattern, number, name, row);
 }
 
-/* Reads "circle,0.5,0.5,0.25": the name of the shape and its numbers. */
+/* Reads the name of a shape and its numbers, as "circle,0.5,0.5,0.25". */
 static PetscErrorCode ReadShape(const char option[], const char text[], Body *body)
 {
   const ShapeRow *shape;
@@ -187,9 +187,9 @@ static PetscErrorCode ReadShape(const char option[], const char text[], Body *bo
 }
 
 /*
-  Refuses a constant velocity of a body's surface with a normal part: bodies have fixed positions,
-  so this velocity would carry fluid through the surface. A normal velocity that depends on t is
-  accepted: it may be an oscillation that is small compared with the body.
+  Refuses a constant surface velocity with a normal component: bodies have fixed positions, so it
+  would carry fluid through the surface. A normal velocity that depends on t is accepted, because it
+  may be an oscillation that is small compared with the body.
 */
 static PetscErrorCode CheckBodyMotion(const Scene *scene, const Boundary *boundary)
 {
@@ -228,7 +228,7 @@ static PetscErrorCode ReadBodyMotion(PetscInt k, Scene *scene, Boundary *boundar
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ends the run if numbers of options are not 1, 2, ..., n. */
+/* Ends the run if an option of this pattern has a number other than 1, 2, ..., n. */
 static PetscErrorCode CheckNumbers(const OptionRow *pattern, PetscInt n, PetscInt most)
 {
   PetscFunctionBegin;
@@ -274,7 +274,7 @@ static PetscErrorCode ReadBodies(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Checks the gap between images of a body in a periodic box, from its extent along each axis. */
+/* Checks the gap between a body and its own periodic image, from its extent along each axis. */
 static PetscErrorCode CheckImages(const Scene *scene)
 {
   PetscFunctionBegin;
@@ -294,7 +294,7 @@ static PetscErrorCode CheckImages(const Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Checks that gaps between surfaces are wide enough for fits. */
+/* Checks that gaps between surfaces are wide enough for least-squares fits. */
 static PetscErrorCode CheckGaps(const Scene *scene)
 {
   PetscFunctionBegin;
@@ -326,7 +326,7 @@ static PetscErrorCode CheckGaps(const Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the kinds of the sides of the box by the options of the table; the default is a wall. */
+/* Reads the kinds of the sides of the box from the options in BoundaryTable; default: wall. */
 static PetscErrorCode ReadKinds(Scene *scene)
 {
   PetscFunctionBegin;
@@ -372,8 +372,8 @@ static PetscErrorCode ReadSides(Scene *scene)
 
 /*
   Checks that inflow and outflow through the sides balance at time t; otherwise no flow without
-  divergence exists. Uses the midpoint rule with 1000 points per side. Rigid motions of bodies do
-  not contribute.
+  divergence exists. Uses the midpoint rule with 1000 points per side. Bodies do not contribute,
+  because their surfaces move rigidly.
 */
 static PetscErrorCode CheckInflow(const Scene *scene, PetscReal t)
 {
@@ -454,23 +454,23 @@ static PetscErrorCode ReadFields(Scene *scene)
   Collective.
 
   Options Database Keys:
-+ -scene_box x0,y0,x1,y1           - corners [m]; by default the unit square
++ -scene_box x0,y0,x1,y1           - corners [m]; by default 0,0,L,L
 . -scene_periodic x,y              - axes that are periodic
 . -scene_symmetry left,...         - sides in which the flow mirrors itself
 . -scene_wall_<side>_velocity u,v  - velocity of side left, right, bottom or top [m/s] (x, y, t)
-. -scene_body_<k> shape,...        - shapes of bodies 1, 2, ...
-. -scene_body_<k>_velocity u,v     - velocity of the body's surface [m/s] (t)
-. -scene_body_<k>_rotation w       - angular velocity of the body's surface [rad/s] (t)
-. -scene_body_<k>_around           - the fluid is inside; the box then has no walls
-. -scene_fluid_<k> shape,...       - regions of fluids 1, 2, ... at the start
-. -scene_fluid_<k>_viscosity nu    - viscosity of that fluid [m^2/s]
-. -viscosity_field nu              - viscosity outside these regions [m^2/s] (x, y)
+. -scene_body_<k> shape,...        - shape of body 1, 2, ... [m]
+. -scene_body_<k>_velocity u,v     - velocity of its surface [m/s] (t)
+. -scene_body_<k>_rotation w       - angular velocity of its surface [rad/s] (t)
+. -scene_body_<k>_around           - the fluid is inside the body; the box then has no walls
+. -scene_fluid_<k> shape,...       - region of fluid 1, 2, ... at the start [m]
+. -scene_fluid_<k>_viscosity nu    - kinematic viscosity of this fluid [m^2/s]
+. -viscosity_field nu              - kinematic viscosity outside these regions [m^2/s] (x, y)
 . -scene_velocity u,v              - velocity at the start [m/s] (x, y)
 - -scene_exact u,v[,p]             - reference solution [m/s], [Pa] (x, y, t)
 
   Notes: brackets give the variables that an expression may contain, see ExpressionSet(). The option
-  of each kind of boundary stands in its row. A periodic box without bodies has no walls, so the
-  physics `walls` is off.
+  of each kind of boundary stands in its row of BoundaryTable. A periodic box without bodies has no
+  walls, so the physics `walls` is off.
 
   Errors: wrong shapes, bodies that overlap or leave gaps of less than 4 dx, expressions with wrong
   syntax, and velocities through a surface end the run
