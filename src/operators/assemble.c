@@ -1,6 +1,7 @@
 /*
-  Assembly. The loop gathers the stencil of each fluid particle; every chosen form computes its row,
-  the wall treatment adds the wall neighbours, and values go into the shared pattern.
+  Assembly of the matrices. A loop over the fluid particles gathers the stencil of each particle,
+  computes the particle's row of every operator, and stores the weights of fluid and wall neighbours
+  in arrays that share a sparsity pattern.
 */
 #include "assembly.h"
 #include "boundary_rows.h"
@@ -61,14 +62,14 @@ static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the columns of row i to the patterns of fluid and walls; finds the slots of each
-   neighbour and of the diagonal. */
+/* Adds a particle's row to the patterns of the matrices A and B. Finds the slots of its neighbours
+   and of the diagonal: their positions in the arrays of values. */
 static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, PetscInt *diagonal)
 {
   PetscInt *cols  = ops->work->slot + ops->work->slot_capacity,
            *place = cols + ops->work->slot_capacity, n = 0, own = -1;
 
-  for (PetscInt k = 0; k < st->n; k++) { /* own column at its place in ascending order */
+  for (PetscInt k = 0; k < st->n; k++) { /* inserts the diagonal so that columns ascend */
     if (st->wall[k]) continue;
     if (own < 0 && st->j[k] > st->i) {
       own       = n;
@@ -99,7 +100,8 @@ static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, Pets
   }
 }
 
-/* Assembles the rows of a particle for the velocity component whose equations are set. */
+/* Assembles a particle's rows in the operators of a velocity component, whose wall equations
+   StencilSetVelocity() has set in the stencil. */
 static PetscErrorCode AssembleVelocityRow(const Scene *scene, const Particles *p, Stencil *st,
                                           PetscInt diagonal, Operators *ops, VelocityOperators *of)
 {
@@ -122,7 +124,8 @@ static PetscErrorCode AssembleVelocityRow(const Scene *scene, const Particles *p
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Assembles the rows of all operators of a particle; the order lets operators share fits. */
+/* Assembles a particle's rows in all operators, in an order in which operators share least-squares
+   fits. */
 static PetscErrorCode AssembleRow(const Scene *scene, const Particles *p, Stencil *st,
                                   PetscInt diagonal, Operators *ops)
 {
@@ -208,7 +211,7 @@ static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the scale of the pressure's rows, -dx_i^2, once per epoch. */
+/* Computes the factor -dx_i^2 of each row of the pressure Laplacian, once in each epoch. */
 static PetscErrorCode ScalePressureRows(const Particles *p, Operators *ops)
 {
   PetscScalar *scale;
@@ -224,7 +227,8 @@ static PetscErrorCode ScalePressureRows(const Particles *p, Operators *ops)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the concentration of particle i, for shifting and the mixed pressure source. */
+/* Computes the concentration of particle i and its gradient, for shifting and for the pressure
+   source of -ppe_alpha. */
 static void AssembleConcentration(const Scene *scene, const Particles *p, const Stencil *st,
                                   PetscInt i, Operators *ops)
 {
@@ -247,8 +251,8 @@ static void AssembleConcentration(const Scene *scene, const Particles *p, const 
   Output Parameter:
 . changed - flag: the matrices are new
 
-  Notes: ops->assemblies is the stamp that solvers compare; ops->regularised_rows counts the
-  least-squares fits that their points did not determine.
+  Notes: increases ops->assemblies, the stamp by which solvers recognise new matrices; sets
+  ops->regularised_rows, the number of least-squares fits whose points did not determine them.
 */
 PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const Neighbors *nb,
                                  Operators *ops, PetscBool *changed)

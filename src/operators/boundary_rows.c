@@ -1,14 +1,15 @@
 /*
-  Rows sum_k w_k (f_k - f_i) beside walls, and their entries in the operators. The wall condition
-  constrains only the normal component: it gives n.grad p, or n.u. Otherwise a dummy continues the
-  linear field of the row itself; with X_t = X - (X.n) n
+  Rows sum_k w_k (f_k - f_i) of particles i beside walls, and their entries in the matrices. Rows of
+  the pressure and of the divergence use only the normal condition of a wall, which gives n.grad p
+  or n.u. In the tangential directions a dummy w continues the gradient at i, which the row itself
+  computes. With X = x_w - x_i and X_t = X - (X.n) n
 
     p_w - p_i = (X.n) n.grad p + X_t.(grad p)_i
-    u_w - u_i = n beta n.(u_wall - u_i) + ...              see DummyRow_Divergence
+    u_w - u_i = n beta n.(u_wall - u_i) + ...              see DummyRow_Divergence()
 
-  The gradient on the right is unknown, but linear in the given data. So a small system for each row
-  with dummies gives new weights, and rows exact for linear fields remain exact beside walls:
-  docs/theory.md, (51) to (56).
+  The gradient at i is unknown, but linear in the values of the neighbours and the wall data. So
+  each row with dummies has a small linear system, whose solution gives new weights. A row that is
+  exact for linear fields remains exact beside walls: docs/theory.md, (51) to (56).
 */
 #include "assembly.h"
 #include "boundary_rows.h"
@@ -16,9 +17,12 @@
 #include "wall_points.h"
 
 /*
-  Adds a row on a velocity component, sum_k w_k (f_k - f_i). For wall neighbours wall_points.c gives
-  f_w - f_i. A wall particle on the surface has its own value, or n.grad f if that is its equation.
-  A treatment with extension replaces the values of wall particles later, in ExtendWalls().
+  AddRow_Velocity - Adds the row sum_k w_k (f_k - f_i) to an operator on a velocity component f
+
+  Not collective. WallWeights() converts the weights of dummies to weights of wall velocities. A
+  wall particle on the surface contributes its own value, or its given n.grad f if that is its
+  equation. If the wall treatment extends the velocity to wall particles, ExtendWalls() changes the
+  matrices later.
 */
 void AddRow_Velocity(const Stencil *st, const Operators *ops, PetscInt diagonal,
                      const PetscReal w[], AffineOperator *op)
@@ -37,9 +41,9 @@ void AddRow_Velocity(const Stencil *st, const Operators *ops, PetscInt diagonal,
 }
 
 /*
-  Adds a row on a scalar whose normal derivative at walls is given. In a fit the weight of a wall
-  neighbour multiplies n.grad f. A dummy has f_w - f_i = (X.n) n.grad f here; the weights already
-  contain its tangential part.
+  Adds the row scale sum_k w_k (f_k - f_i) to an operator on a scalar f whose n.grad f is given at
+  walls. In a fit w_k of a wall neighbour already multiplies n.grad f. For a dummy it multiplies
+  f_w - f_i = (X.n) n.grad f; the tangential part of this difference is already in the weights w_k.
 */
 static void AddRow_Pressure(const Stencil *st, const Operators *ops, PetscInt diagonal,
                             PetscReal scale, const PetscReal w[], AffineOperator *op)
@@ -63,9 +67,10 @@ static void AddRow_Pressure(const Stencil *st, const Operators *ops, PetscInt di
 #define SMALL_MAX (ISPH_MAX_DIM * ISPH_MAX_DIM) /* unknowns: the entries of grad u */
 
 /*
-  Solves X A = B for the `rows` rows of X, in place of B; A and B by rows, entries of order 1.
-  Returns PETSC_FALSE if A is singular or an entry of X exceeds 10, which means that too little
-  fluid is left near the wall. The largest entry in moving cavities in 2D and 3D was 2.4.
+  Solves X A = B; the `rows` rows of X replace B. A and B are stored by rows, with entries of
+  order 1. Returns PETSC_FALSE if A is singular or an entry of X exceeds 10: then too little fluid
+  is near the wall. For comparison, the largest entry in cavities with moving particles is 2.4 (2D
+  and 3D).
 */
 static PetscBool SmallSolve(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
 {
@@ -80,7 +85,7 @@ static PetscBool SmallSolve(PetscInt n, PetscReal A[], PetscInt rows, PetscReal 
   return PETSC_TRUE;
 }
 
-/* Replaces the weights g_k of all neighbours by K g_k; K is dim x dim by rows. */
+/* Multiplies the weights g_k of all neighbours by the matrix K, which is dim x dim by rows. */
 static void MultiplyWeights(const Stencil *st, const PetscReal K[], PetscReal *g[])
 {
   const PetscInt d = st->dim;
@@ -97,14 +102,16 @@ static void MultiplyWeights(const Stencil *st, const PetscReal K[], PetscReal *g
 }
 
 /*
-  DummyRow_Gradient - Computes gradient weights of a scalar with given n.grad f beside dummies
+  DummyRow_Gradient - Adapts gradient weights to dummies, for a scalar f whose n.grad f is given at
+  walls
 
     (I - sum_w g_w X_t^T) grad f = sum_fluid g_k (f_k - f_i) + sum_w g_w (X.n) n.grad f
 
   Input/Output Parameter:
-. g - weights g_k, multiplied by the inverse; unchanged if the system has no solution
+. g - gradient weights g_k; out: multiplied by the inverse of the matrix on the left, or unchanged
+      if SmallSolve() returns PETSC_FALSE
 
-  Properties: exact for linear fields if g is.
+  Properties: the new weights are exact for linear fields if g is.
 */
 static void DummyRow_Gradient(const Stencil *st, PetscReal *g[])
 {
@@ -123,11 +130,11 @@ static void DummyRow_Gradient(const Stencil *st, PetscReal *g[])
 }
 
 /*
-  DummyRow_Laplacian - Computes Laplacian weights with dummies that continue the gradient of the row
+  DummyRow_Laplacian - Adapts Laplacian weights to dummies that continue the gradient at i
 
-    w_k += (sum_w w_w X_t).g_k,   g_k the weights of DummyRow_Gradient()
+    w_k += (sum_w w_w X_t).g_k,   g_k: gradient weights from DummyRow_Gradient()
 
-  Properties: exact for linear fields if w and g are; not symmetric.
+  Properties: the new weights are exact for linear fields if w and g are; not symmetric.
 */
 static void DummyRow_Laplacian(const Stencil *st, PetscReal *const g[], PetscReal w[])
 {
@@ -144,13 +151,14 @@ static void DummyRow_Laplacian(const Stencil *st, PetscReal *const g[], PetscRea
 }
 
 /*
-  AddRows_Pressure - Adds the rows of -dx^2 lap p and of grad p of a particle for a given wall
-  pressure gradient
+  AddRows_Pressure - Adds a particle's rows of -dx^2 lap p and grad p, with a given wall pressure
+  gradient
 
   Not collective.
 
-  Notes: a Laplacian that is declared symmetric uses f_w - f_i = (X.n) n.grad f alone, which keeps
-  its matrix symmetric for CG. So does a Laplacian whose gradient is not exact for linear fields.
+  Notes: the Laplacian omits the tangential part of p_w - p_i for dummies in two cases. If its form
+  is declared symmetric, this keeps the matrix symmetric for CG. If the gradient form is not exact
+  for linear fields, it cannot give the tangential part.
 */
 PetscErrorCode AddRows_Pressure(const Scene *scene, Stencil *st, PetscInt diagonal, Operators *ops)
 {
@@ -174,7 +182,7 @@ PetscErrorCode AddRows_Pressure(const Scene *scene, Stencil *st, PetscInt diagon
 }
 
 /*
-  AddRows_GradientWithoutWalls - Adds the rows of grad p of a particle from fluid neighbours alone
+  AddRows_GradientWithoutWalls - Adds a particle's rows of grad p, from fluid neighbours alone
 
   Not collective. The coupled scheme needs these rows: there the wall pressure gradient is not
   prescribed but follows from the momentum equation.
@@ -191,10 +199,11 @@ PetscErrorCode AddRows_GradientWithoutWalls(const Scene *scene, Stencil *st, Pet
 }
 
 /*
-  AddRow_PressureFilter - Adds the row of the residual of the fit of p, from fluid neighbours alone
+  AddRow_PressureFilter - Adds a particle's row of the pressure filter: p minus its quadratic fit,
+  from fluid neighbours alone
 
-  Not collective. The wall pressure gradient does not enter. Without fluid neighbours the residual
-  is the pressure itself.
+  Not collective. The wall pressure gradient does not enter. Without fluid neighbours the row gives
+  the pressure itself.
 */
 PetscErrorCode AddRow_PressureFilter(const Scene *scene, Stencil *st, PetscInt diagonal,
                                      Operators *ops)
@@ -238,21 +247,22 @@ static void DummyMatrix(const Stencil *st, PetscReal *const g[], PetscReal A[])
 
     u_w - u_i = n [ beta n.(u_wall - u_i) - (beta - 1) n.(grad u X_t) ] + (I - n n^T) grad u X
 
-  The normal component is extrapolated linearly from the fluid velocity at x_i + X_t, straight above
-  the dummy; the tangential components continue the fluid's field for any wall velocity. With U_ab =
-  du_a/dx_b
+  The normal component of u_w is extrapolated linearly from the fluid velocity at x_i + X_t,
+  straight above the dummy. The tangential components continue the velocity gradient at i and do not
+  depend on the wall velocity. With U_ab = du_a/dx_b this gives the linear system
 
     U_ab - sum_ce T_ab,ce U_ce = sum_fluid g_k,b (u_k - u_i)_a
                                  + sum_w g_w,b n_a beta n.(u_wall - u_i)
     T_ab,ce = sum_w g_w,b [ (delta_ac - n_a n_c) X_e - (beta - 1) n_a n_c X_t,e ]
 
-  Only tr U is required: sum_ab lambda_ab (right-hand side)_ab with lambda (I - T) = delta.
+  Only the divergence tr U is required. It is sum_ab lambda_ab (right-hand side)_ab, if lambda
+  solves lambda (I - T) = delta.
 
   Input/Output Parameter:
 . g - gradient weights; out: g[a][k] = sum_b lambda_ab g_k,b multiplies (u_k - u_i)_a; unchanged
       if I - T has no inverse
 
-  Properties: exact for linear velocities if g is and beta is not capped.
+  Properties: exact for linear velocities if g is exact for linear fields and beta is not capped.
 */
 static void DummyRow_Divergence(const Stencil *st, PetscReal *g[])
 {
@@ -264,7 +274,8 @@ static void DummyRow_Divergence(const Stencil *st, PetscReal *g[])
   if (SmallSolve(d * d, A, 1, lambda)) MultiplyWeights(st, lambda, g);
 }
 
-/* Adds a divergence: weights d of fluid components, weights m of normal components of walls. */
+/* Adds a row of the divergence: d[c][k] multiplies (u_k - u_i)_c of fluid neighbour k, and m[k]
+   beta multiplies n.(u_wall - u_i) of wall neighbour k. */
 static void AddRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d[],
                               const PetscReal m[], Operators *ops)
 {
@@ -284,10 +295,11 @@ static void AddRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d
 }
 
 /*
-  AddRows_Divergence - Adds the rows of the divergence of a particle: by a vector fit if walls have
-  equations, otherwise with the weights of the gradient
+  AddRows_Divergence - Adds a particle's rows of the divergence
 
-  Not collective.
+  Not collective. If wall neighbours have equations in fits and the gradient form has a
+  DivergenceFit, the rows come from this fit of the velocity vector, otherwise from the weights of
+  the gradient.
 */
 PetscErrorCode AddRows_Divergence(const Scene *scene, Stencil *st, PetscInt diagonal,
                                   Operators *ops)

@@ -7,7 +7,7 @@
 #define OPERATORS_COUNT (2 + 4 * ISPH_MAX_DIM + ISPH_MAX_DIM * ISPH_MAX_DIM)
 void OperatorsList(Operators *ops, AffineOperator *all[OPERATORS_COUNT]);
 
-/* Returns the viscosity of a pair of particles, a harmonic mean; P. W. Cleary, J. J. Monaghan
+/* Returns the viscosity of a pair of particles, their harmonic mean: P. W. Cleary, J. J. Monaghan
    (1999). */
 static inline PetscReal PairViscosity(PetscReal own, PetscReal other)
 {

@@ -1,6 +1,6 @@
 /*
-  Choice of the discretisation in space: table rows by option, defaults from declared properties,
-  and refusal of combinations that cannot work.
+  Choice of the discretisation in space. Options select table rows, the declared properties of forms
+  decide the defaults, and combinations that cannot work are refused.
 */
 #include "choose.h"
 
@@ -92,8 +92,9 @@ static PetscErrorCode ChooseLaplacian(const OptionRow *option, const char standa
 }
 
 /*
-  Returns mls, or the whole stress if the viscosity varies and the flow has a pressure or bodies.
-  With lap u the error is tens of per cent if a fluid turns beside a fluid of another viscosity.
+  Returns the default form of the viscous term: stress_mls if the viscosity varies and the flow has
+  a pressure or bodies, otherwise mls. With mls, which omits a part of the stress, a fluid that
+  rotates beside a fluid of another viscosity has an error of tens of per cent.
 */
 static const char *DefaultLaplacian(const Scene *scene)
 {
@@ -135,8 +136,7 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Chooses the wall treatment that the user names, or by default a treatment that suits the
-   forms. */
+/* Chooses the wall treatment from the options; the default works with all chosen forms. */
 static PetscErrorCode ChooseWall(const Scene *scene, OperatorForms *forms)
 {
   const char *blind = NULL; /* a chosen form that needs particles behind walls */
@@ -176,14 +176,14 @@ static PetscErrorCode ChooseWall(const Scene *scene, OperatorForms *forms)
 }
 
 /*
-  Returns the default smoothing length over the spacing [-]
+  Returns the default ratio of the smoothing length to the spacing [-]
 
-  It is 1.3 if viscosity does not smooth the grid scale, U dx/nu > 5. Otherwise it is
-    1.5 for particles that move between walls: changes of neighbours next to walls dominate the
-        error there, and more neighbours halve it;
-    1.1 for a flow without walls whose Laplacians are exact for quadratic functions: smaller fits
-        have smaller errors; in Taylor-Green vortices at Re = 100 the error is a third of the error
-        with 1.3.
+    1.3 if U dx/nu > 5, because viscosity then does not smooth the grid scale; otherwise
+    1.5 if there are walls and particles move: changes of neighbours next to walls dominate the
+        error, and more neighbours halve it;
+    1.1 if there are no walls, and both Laplacians are exact for quadratic functions: smaller fits
+        have smaller errors, in Taylor-Green vortices at Re = 100 a third of the error with 1.3;
+    1.3 in all other cases.
 */
 static PetscReal DefaultSmoothing(const Scene *scene, const OperatorForms *forms)
 {
@@ -196,7 +196,8 @@ static PetscReal DefaultSmoothing(const Scene *scene, const OperatorForms *forms
              : 1.3;
 }
 
-/* Decides if velocity components are coupled, and refuses options that the coupling excludes. */
+/* Sets visc_is_laplacian and components_coupled, and refuses options that coupled components
+   exclude. */
 static PetscErrorCode ChooseCoupling(const Scene *scene, OperatorForms *forms)
 {
   const PetscBool couple = forms->visc.row && LaplacianIs(&forms->visc, FORM_COUPLES);
@@ -215,7 +216,8 @@ static PetscErrorCode ChooseCoupling(const Scene *scene, OperatorForms *forms)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses boundaries whose equations the chosen forms cannot meet. */
+/* Refuses boundaries with slip, such as planes of symmetry, if the chosen forms cannot satisfy
+   their equations. */
 static PetscErrorCode RefuseSlip(const Scene *scene, const OperatorForms *forms)
 {
   const BoundaryRow *slip = SceneSlipKind(scene);
@@ -242,7 +244,7 @@ static PetscErrorCode RefuseSlip(const Scene *scene, const OperatorForms *forms)
 . needs - bits of Need, the operators of the run; forms for other operators are not chosen
 
   Output Parameter:
-. forms - complete: rows, lengths [m] and coupling
+. forms - the choice: table rows, lengths [m] and coupling of velocity components
 
   Options Database Keys: see OperatorsCreate()
 */

@@ -4,8 +4,8 @@
 */
 #include "isph/operators.h"
 
-/* Adds the images of a point at X, relative to particle i, for every combination of mirror
-   planes. */
+/* Adds the terms of a particle's mirror images, for every combination of mirror planes; X is its
+   position relative to particle i. */
 static void ConcentrationImages(const KernelRow *kernel, const Stencil *st,
                                 const WallPlane planes[], PetscInt n_planes, const PetscReal X[],
                                 PetscReal volume, PetscReal *concentration, PetscReal gradient[])
@@ -35,14 +35,14 @@ static void ConcentrationImages(const KernelRow *kernel, const Stencil *st,
 
     C_i = sum_j V_j W_ij,   grad C_i = sum_j V_j grad_i W_ij
 
-  over fluid neighbours, i itself, and the continuation of the fluid beyond walls: mirror images if
-  wall particles lie on the surface, otherwise the dummies. See docs/theory.md, (10).
+  j runs over fluid neighbours, i itself, and the particles that continue the fluid beyond walls:
+  mirror images if wall particles lie on the surface, otherwise the dummies: docs/theory.md, (10).
 
   Not collective.
 
   Input Parameters:
 + x        - position of particle i [m]
-- mirrored - flag: images represent the fluid beyond walls
+- mirrored - flag: mirror images, not wall particles, represent the fluid beyond walls
 
   Output Parameters:
 + concentration - value near 1 [-]

@@ -43,8 +43,8 @@ static void CorrectKernel_Shepard(Stencil *st, PetscReal dW[], PetscReal ddW[])
 }
 
 /*
-  CorrectKernel_FirstOrder - Computes the slope of the kernel along the pair from its corrected
-  gradient
+  CorrectKernel_FirstOrder - Computes the derivative of the kernel along the pair from the corrected
+  gradient M^-1 grad_i W
 
     W' <- -(X/r).M^-1 grad_i W,   M = sum_j V_j (grad_i W) X^T
 

@@ -10,10 +10,10 @@
   Not collective.
 
   Input/Output Parameter:
-. a - n x n by rows, of which the lower triangle is read; out: L with L L^T = a, its diagonal
-      inverted
+. a - n x n matrix by rows, of which the lower triangle is read; out: L with L L^T = a, the diagonal
+      of L replaced by its inverse
 
-  Returns: 0, or 1 + the first row whose pivot is below 1e-10 of its diagonal entry
+  Returns: 0, or 1 + the index of the first row whose pivot is at most 1e-10 of its diagonal entry
 */
 PetscInt DenseCholesky(PetscInt n, PetscReal a[])
 {
@@ -38,12 +38,12 @@ PetscInt DenseCholesky(PetscInt n, PetscReal a[])
 /*
   DenseCholeskyRidge - Factors a symmetric matrix plus a multiple of the unit matrix
 
-  Not collective. The multiple is the first of ridge, 100 ridge, ... times the trace that makes the
-  matrix positive definite. A matrix with NaN or infinity gives no valid factor.
+  Not collective. Tries the multiples ridge, 100 ridge, ... of the trace until the sum is positive
+  definite. A matrix with NaN or infinity gives no valid factor.
 
   Input Parameters:
 + a     - n x n by rows
-- ridge - first multiple divided by the trace
+- ridge - first multiple, divided by the trace
 
   Output Parameter:
 . factor - as from DenseCholesky()
@@ -61,7 +61,7 @@ void DenseCholeskyRidge(PetscInt n, const PetscReal a[], PetscReal ridge, PetscR
   }
 }
 
-/* DenseCholeskySolve - Solves L L^T x = b with the factor of DenseCholesky(); x holds b at entry */
+/* DenseCholeskySolve - Solves L L^T x = b with the factor from DenseCholesky(); in: x holds b */
 void DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[])
 {
   for (PetscInt i = 0; i < n; i++) {
@@ -74,7 +74,7 @@ void DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[])
   }
 }
 
-/* Exchanges columns p and q of `rows` rows of length n. */
+/* Exchanges columns p and q of a matrix with `rows` rows and n columns. */
 static void SwapColumns(PetscInt rows, PetscInt n, PetscReal A[], PetscInt p, PetscInt q)
 {
   for (PetscInt r = 0; r < rows; r++) {
@@ -86,13 +86,14 @@ static void SwapColumns(PetscInt rows, PetscInt n, PetscReal A[], PetscInt p, Pe
 }
 
 /*
-  DenseEliminate - Reduces X A = B with a general matrix to X D = B' by pivoted Gauss elimination
+  DenseEliminate - Reduces the system X A = B to X D = B' with a diagonal D, by Gauss elimination
+  with pivoting
 
   Not collective.
 
   Input/Output Parameters:
 + A - n x n by rows; out: D on the diagonal, with zeros if A is singular
-- B - `rows` rows of length n; out: B', so that X is B[r n + q]/D_q
+- B - `rows` rows of length n; out: B', so that X_rq = B[r n + q]/D_q
 */
 void DenseEliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
 {

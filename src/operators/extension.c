@@ -1,15 +1,16 @@
 /*
-  Extension of the velocity to wall particles. With u_w = u_wall + sum_j E_wj (u_j - u_wall) an
-  operator assembled on values of wall particles becomes an operator on fluid and wall data,
+  Extension of the fluid's velocity to wall particles. Fluid particles j near the wall give wall
+  particle w the velocity u_w = u_wall + sum_j E_wj (u_j - u_wall). Matrices A and B that were
+  assembled for u_w then become matrices for the velocities of fluid and wall,
 
     A u + B u_w = (A + B E) u + B diag(S) u_wall,   S_w = 1 - sum_j E_wj,
 
-  so that schemes treat all wall treatments alike. See docs/theory.md, (57) and (58).
+  so that schemes apply all wall treatments in the same way. See docs/theory.md, (57) and (58).
 */
 #include "assembly.h"
 #include "extension.h"
 
-/* Entries of E, and S. */
+/* Entries of the sparse matrix E, and the vector S. */
 typedef struct {
   PetscInt   n, capacity;
   PetscInt  *row, *col; /* global indices */
@@ -34,7 +35,7 @@ static PetscErrorCode EntriesAppend(Entries *list, PetscInt row, const Extension
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Allocates arrays for all local particles. */
+/* Creates the workspace of a row of E, with arrays for all local particles. */
 static PetscErrorCode ExtensionCreate(const Scene *scene, const Particles *p, const Neighbors *nb,
                                       const Operators *ops, Extension *ext)
 {
@@ -62,10 +63,10 @@ static PetscErrorCode ExtensionDestroy(Extension *ext)
 }
 
 /*
-  Sets the geometry of the extension for own wall particle i.
+  Sets the geometry of own wall particle i for its row of E.
 
-  Returns: PETSC_TRUE if the particle lies behind the surface and less than a support radius from
-  the fluid region
+  Returns: PETSC_FALSE if the row is empty: the particle lies on the surface, or its support does
+  not reach the fluid
 */
 static PetscBool ExtensionPlace(const Particles *p, PetscInt i, Extension *ext)
 {
@@ -89,7 +90,7 @@ static PetscBool ExtensionPlace(const Particles *p, PetscInt i, Extension *ext)
   return ext->depth > 0.0 && d2 < PetscSqr(ext->radius) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Computes the rows of E of own wall particles, and S. */
+/* Computes the rows of E for own wall particles, and S. */
 static PetscErrorCode FillEntries(const WallRow *wall, const Particles *p, Extension *ext,
                                   Entries *list)
 {
@@ -137,13 +138,13 @@ static PetscErrorCode ExtendOperator(Mat E, Vec S, AffineOperator *op)
 }
 
 /*
-  ExtendWalls - Applies the extension of the wall treatment to the operators on velocities: lap u,
-  du/dx_a and the residual of the fit of u
+  ExtendWalls - Changes the matrices of lap u, du/dx_a and the velocity filter by the extension of
+  the velocity to wall particles, see the top of this file
 
   Collective on the particles' communicator. To be called once for each assembly.
 
-  Notes: ops->work->stencil->regularised counts fits that their points did not determine. Wall
-  particles on the surface keep the wall velocity.
+  Notes: adds to ops->work->stencil->regularised the number of fits whose points did not determine
+  them. Wall particles on the surface keep the wall velocity.
 */
 PetscErrorCode ExtendWalls(const Scene *scene, const Particles *p, const Neighbors *nb,
                            Operators *ops)

@@ -1,4 +1,4 @@
-/* A row of the extension of the velocity from the fluid to particles behind walls. */
+/* A row of the matrix that extends the velocity from the fluid to particles behind walls. */
 #ifndef ISPH_EXTENSION_H
 #define ISPH_EXTENSION_H
 
@@ -9,10 +9,10 @@ struct Extension {
   const Scene     *scene;
   const Particles *particles;
   const Cells     *cells;
-  PetscReal        margin; /* distance that particles may have moved since cells were built [m] */
+  PetscReal        margin; /* twice the largest displacement since cells were built [m] */
   const KernelRow *kernel;
   PetscReal        h_over_dx;                /* [-] */
-  PetscInt         dim, side;                /* side: the wall of the particle, WallPlane.side */
+  PetscInt         dim, side;                /* side: number of its wall in Scene.boundary */
   PetscReal        dx, radius, depth;        /* [m] */
   PetscReal        x[ISPH_MAX_DIM];          /* the wall particle [m] */
   PetscReal        wall_point[ISPH_MAX_DIM]; /* on the wall or, beyond an edge, on its plane [m] */
@@ -20,10 +20,10 @@ struct Extension {
   PetscReal        normal[ISPH_MAX_DIM];     /* normal at the wall point, into the fluid */
 
   PetscInt   n, *j;           /* fluid nearby: number and local indices */
-  PetscReal *s[ISPH_MAX_DIM]; /* positions in the coordinates of the fit [reach of the fit] */
+  PetscReal *s[ISPH_MAX_DIM]; /* positions from the origin of the fit [reach of the fit] */
   PetscReal *q, *weight;      /* distances from the centre of the fit [reach] and weights [-] */
   PetscReal *e;               /* the row: E_wj */
-  PetscInt   regularised;     /* fits that were not determined by their points */
+  PetscInt   regularised;     /* number of fits whose points did not determine them */
 };
 
 PetscErrorCode WallExtend_Mirror(Extension *extension);

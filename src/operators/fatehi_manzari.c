@@ -1,16 +1,19 @@
 /*
-  The Laplacian of Fatehi and Manzari, a pairwise form that is free of two errors on disordered
-  particles: the corrected gradient removes the error of linear fields, and a matrix for each
-  particle removes the error of quadratic fields.
+  The Laplacian of Fatehi and Manzari, a pairwise form with two corrections for disordered
+  particles. The corrected gradient makes it exact for linear fields, and a matrix for each particle
+  makes it exact for quadratic fields.
 */
 #include "rows.h"
 
 #define SYM_MAX (ISPH_MAX_DIM * (ISPH_MAX_DIM + 1) / 2)
 
 /*
-  Computes the symmetric matrix B of Fatehi & Manzari, packed (a >= b, off-diagonal entries once),
-  from  sum_k V_k W' (B:ee) [-X_a X_b/r + (X/r).G^ab] = delta_ab,  G^ab = M^-1 sum V X_a X_b
-  grad_i W.
+  Computes the symmetric matrix B that makes the Laplacian exact for quadratic fields, from
+
+    sum_k V_k W' (B:ee) [-X_a X_b/r + (X/r).G^ab] = delta_ab,   e = X/r,
+    G^ab = M^-1 sum_k V_k X_a X_b grad_i W,   M = sum_k V_k (grad_i W) X^T
+
+  Input: inverse - M^-1. Output: B - its entries with a >= b.
 */
 static PetscErrorCode FatehiManzariMatrix(Stencil *st, const PetscReal inverse[], PetscReal B[])
 {
@@ -61,12 +64,13 @@ static PetscErrorCode FatehiManzariMatrix(Stencil *st, const PetscReal inverse[]
 }
 
 /*
-  LaplacianRow_FatehiManzari - Computes the Laplacian with the error of the gradient removed and a
-  matrix B_i that makes quadratic fields exact
+  LaplacianRow_FatehiManzari - Computes a Laplacian with the corrected gradient g_i and the matrix
+  B_i of FatehiManzariMatrix()
 
-    (lap f)_i = 2 sum_j V_j W' (B_i : ee) [ (f_i - f_j)/r - e.g_i ],   e = (x_i - x_j)/r
+    (lap f)_i = 2 sum_j V_j W' (B_i : ee) [ (f_i - f_j)/r - e.g_i ],   e = (x_i - x_j)/r,
+    g_i = M^-1 sum_j V_j (f_j - f_i) grad_i W,   M = sum_j V_j (grad_i W) X^T
 
-  Properties: exact for quadratic fields on any arrangement; not symmetric.
+  Properties: exact for quadratic fields on any arrangement of particles; not symmetric.
 
   Reference: R. Fatehi, M. T. Manzari, Comput. Math. Appl. 61 (2011) 482-498
 */

@@ -8,7 +8,8 @@ const char *const FormPropertyNames[FORM_PROPERTY_COUNT] = {
     "null_constants", "symmetric",     "exact_linear",      "exact_quadratic",
     "full_support",   "safe_implicit", "varying_viscosity", "couples_components"};
 
-/* FormDescribe - Appends the names of properties, "null_constants, symmetric"; not collective */
+/* FormDescribe - Appends the names of properties to a text, such as "null_constants, symmetric";
+   not collective */
 PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length)
 {
   PetscFunctionBegin;
@@ -21,8 +22,9 @@ PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length)
 /*
   LaplacianIs - Returns true if the chosen Laplacian has a property
 
-  Not collective. A corrected kernel differs from particle to particle, and an extension changes
-  rows beside walls, so such a matrix is not symmetric.
+  Not collective. A Laplacian with a correction of the kernel, or with an extension of the velocity
+  to wall particles, is never symmetric: the correction differs from particle to particle, and the
+  extension changes rows beside walls.
 */
 PetscBool LaplacianIs(const LaplacianForm *form, FormProperty property)
 {
@@ -32,18 +34,18 @@ PetscBool LaplacianIs(const LaplacianForm *form, FormProperty property)
   return (properties & (unsigned)property) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* LaplacianWidth - Returns the number of weights per neighbour: 1, or dim^2 if the form couples
-   components */
+/* LaplacianWidth - Returns the number of weights for each neighbour in a row: dim^2 if the form
+   couples velocity components, otherwise 1; not collective */
 PetscInt LaplacianWidth(const LaplacianForm *form, PetscInt dim)
 {
   return form->row && LaplacianIs(form, FORM_COUPLES) ? dim * dim : 1;
 }
 
 /*
-  LaplacianDilatation - Returns c of the operator lap u + (c - 1) grad div u that a form
-  approximates
+  LaplacianDilatation - Returns the factor c of a form that approximates lap u + (c - 1) grad div u
 
-  The rotational pressure update subtracts c rho nu div u*: docs/theory.md, (84) and (85).
+  The rotational pressure update subtracts c rho nu div u*, u* the predicted velocity:
+  docs/theory.md, (84) and (85).
 
   Not collective.
 */
@@ -76,8 +78,8 @@ PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *st, PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* OperatorsCorrection - Returns the name of the correction that a Laplacian of the run has, or
-   "none" */
+/* OperatorsCorrection - Returns the name of the kernel correction in the run's Laplacians, or
+   "none"; not collective */
 const char *OperatorsCorrection(const Operators *ops)
 {
   if (ops->forms.visc.correction) return ops->forms.visc.correction->name;
