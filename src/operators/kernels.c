@@ -1,10 +1,12 @@
 /*
-  Smoothing kernels. A row gives the shape w(q), q = r/h, and the factors that make its integral 1
-  in 1, 2 and 3 dimensions. A new kernel needs a shape function and a row.
+  Smoothing kernels. A table row gives the shape w(q), q = r/h, and the factors that normalise the
+  integral of the kernel to 1 in 1, 2 and 3 dimensions. A new kernel needs a shape function and a
+  table row.
 */
 #include "isph/operators.h"
 
-/* Cubic B-spline, support 2h: 1 - 3/2 q^2 + 3/4 q^3 | (2-q)^3/4. */
+/* Computes the cubic B-spline with support 2h, w = 1 - 3/2 q^2 + 3/4 q^3 for q < 1, else (2-q)^3/4,
+   and its derivatives w' and w''. */
 static void Shape_CubicSpline(PetscReal q, PetscReal w[3])
 {
   const PetscReal s = 2.0 - q;
@@ -20,7 +22,8 @@ static void Shape_CubicSpline(PetscReal q, PetscReal w[3])
   }
 }
 
-/* Quintic B-spline, support 3h: (3-q)^5 - 6 (2-q)^5 + 15 (1-q)^5, positive parts only. */
+/* Computes the quintic B-spline with support 3h, w = (3-q)^5 - 6 (2-q)^5 + 15 (1-q)^5, and its
+   derivatives; a term counts only while its base is positive. */
 static void Shape_QuinticSpline(PetscReal q, PetscReal w[3])
 {
   const PetscReal knot[3] = {3.0, 2.0, 1.0}, weight[3] = {1.0, -6.0, 15.0};
@@ -36,7 +39,7 @@ static void Shape_QuinticSpline(PetscReal q, PetscReal w[3])
   }
 }
 
-/* Wendland C2, support 2h: (1 - q/2)^4 (1 + 2q). */
+/* Computes the Wendland C2 kernel with support 2h, w = (1 - q/2)^4 (1 + 2q), and derivatives. */
 static void Shape_WendlandC2(PetscReal q, PetscReal w[3])
 {
   const PetscReal s = 1.0 - 0.5 * q, s2 = s * s;
@@ -46,7 +49,8 @@ static void Shape_WendlandC2(PetscReal q, PetscReal w[3])
   w[2] = s2 * (7.5 * q - 5.0 * s);
 }
 
-/* Wendland C4, support 2h: (1 - q/2)^6 (1 + 3q + 35/12 q^2). */
+/* Computes the Wendland C4 kernel with support 2h, w = (1 - q/2)^6 (1 + 3q + 35/12 q^2), and
+   derivatives. */
 static void Shape_WendlandC4(PetscReal q, PetscReal w[3])
 {
   const PetscReal s = 1.0 - 0.5 * q, s2 = s * s, s4 = s2 * s2;

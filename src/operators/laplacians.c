@@ -1,16 +1,17 @@
 /*
-  Scalar Laplacians on differences f_j - f_i, and their table. A new form needs a row function and a
-  table row here. Notation: X = x_j - x_i, r = |X|, W' = dW/dr < 0, grad_i W = -(X/r) W'.
+  Laplacians of a scalar as weighted sums of differences f_j - f_i, and their table. A new form
+  needs a row function and a table row here. Notation: X = x_j - x_i, r = |X|, W' = dW/dr < 0,
+  grad_i W = -(X/r) W', and d dimensions.
 */
 #include "rows.h"
 
 /*
-  LaplacianRow_Morris - Computes the Laplacian of Morris, Fox & Zhu: difference times kernel
-  gradient
+  LaplacianRow_Morris - Computes the Laplacian of Morris, Fox & Zhu: finite differences along pairs
+  times the kernel gradient
 
     (lap f)_i = sum_j -2 V_j (W'/r) (f_j - f_i)
 
-  Properties: symmetric with equal volumes; consistent on a lattice only; the error is O(1/dx) on
+  Properties: symmetric for equal volumes; consistent on lattices only, with an error O(1/dx) on
   disordered particles.
 
   Reference: J. P. Morris, P. J. Fox, Y. Zhu, J. Comput. Phys. 136 (1997) 214-226
@@ -27,9 +28,9 @@ static PetscErrorCode LaplacianRow_Morris(Stencil *st, PetscReal w[])
 
     (lap f)_i = 2/(d+2) sum_j V_j (W'' - W'/r) (f_j - f_i)
 
-  Properties: symmetric for equal volumes; all weights are positive, docs/theory.md, (8). With the
-  cubic spline on lattices the result is the Laplacian times a factor of 0.92 to 1.08; on disordered
-  particles the error is O(1/dx).
+  Properties: symmetric for equal volumes; all weights positive, docs/theory.md, (8). With the
+  cubic spline the result on lattices is wrong by up to 8 %; on disordered particles the error is
+  O(1/dx).
 
   Reference: X. Zheng, Q. Ma, S. Shao, Water 10 (2018), VISC-02, Eq. (16), after H. Gotoh et al.,
   Appl. Ocean Res. 46 (2014) 104-115; the printed form is -(d+2)/2 times the Laplacian
@@ -49,9 +50,9 @@ static PetscErrorCode LaplacianRow_Gotoh(Stencil *st, PetscReal w[])
 
     (lap f)_i = sum_j V_j (W'' + (d-1) W'/r) (f_j - f_i)
 
-  Properties: symmetric for equal volumes. Weights change sign, and -L has negative eigenvalues:
-  with spline kernels on lattices, with all kernels on disordered particles (docs/theory.md, (40)).
-  Modes that should decay grow, so the form serves for comparison only.
+  Properties: symmetric for equal volumes. Its weights change sign, and the matrix of -lap has
+  negative eigenvalues: with spline kernels on lattices, with all kernels on disordered particles
+  (docs/theory.md, (40)). Modes that should decay then grow, so the form serves for comparison only.
 
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), model A for
   div u = 0
@@ -67,12 +68,12 @@ static PetscErrorCode LaplacianRow_DirectScalar(Stencil *st, PetscReal w[])
 }
 
 /*
-  LaplacianRow_Corrected - Computes the Laplacian of Morris with first-order corrected kernel
+  LaplacianRow_Corrected - Computes the Laplacian of Morris, Fox & Zhu with the corrected kernel
   gradient
 
-    (lap f)_i = sum_j 2 V_j X.(M^-1 grad_i W)/r^2 (f_j - f_i)
+    (lap f)_i = sum_j 2 V_j X.(M^-1 grad_i W)/r^2 (f_j - f_i),   M = sum_j V_j (grad_i W) X^T
 
-  Properties: exact for |x - x_i|^2; linear fields leave an error O(1/dx) on disordered particles.
+  Properties: exact for |x - x_i|^2; linear fields have an error O(1/dx) on disordered particles.
 
   Reference: G. Oger et al., J. Comput. Phys. 225 (2007); X. Zheng, Q. Ma, S. Shao, Water 10 (2018),
   VISC-04
@@ -86,10 +87,11 @@ static PetscErrorCode LaplacianRow_Corrected(Stencil *st, PetscReal w[])
 }
 
 /*
-  LaplacianRow_Schwaiger - Computes a Laplacian without the error of linear fields
+  LaplacianRow_Schwaiger - Computes a Laplacian that the corrected gradient g_i makes exact for
+  linear fields
 
     (lap f)_i = tr(M^-1)/d { 2 sum_j V_j (f_i - f_j) W'/r - 2 g_i . sum_j V_j grad_i W },
-    g_i = M^-1 sum_j V_j (f_j - f_i) grad_i W
+    g_i = M^-1 sum_j V_j (f_j - f_i) grad_i W,   M = sum_j V_j (grad_i W) X^T
 
   Properties: exact for linear fields; error O(1) for quadratic fields on disordered particles.
 
@@ -193,7 +195,7 @@ static const LaplacianRow laplacians[] = {
      QUADRATIC | FORM_COUPLES | FORM_FULL_SUPPORT, 0, LaplacianRow_StressMls},
 };
 
-/* Appends the declared properties of a Laplacian and its accepted corrections. */
+/* Appends the declared properties and the accepted corrections of a Laplacian to a text. */
 static PetscErrorCode LaplacianDescribe(const TableRow *row, char text[], size_t length)
 {
   const LaplacianRow *form  = (const LaplacianRow *)(const void *)row;

@@ -1,11 +1,12 @@
 /*
-  Moving least squares, interpolating: about particle i the fit
+  Moving least squares. The fit about particle i is a polynomial that interpolates f_i,
 
-    f(x_i + X) - f_i = sum_t c_t phi_t(X/R),   phi = X_a, X_a X_b (b <= a), ...,
+    f(x_i + X) - f_i = sum_t c_t phi_t(X/R),   phi(s) = s_a, s_a s_b (b <= a), ...,
 
-  with the radius R of the support, minimises sum_k W_k (equation of neighbour k)^2. The equation of
-  a wall particle is a boundary condition: f = f_wall, n.grad f = g, or n.f = n.f_wall for vectors
-  (mlsvector.c). The fit is exact for polynomials of its degree.
+  with the radius R of the support. Each neighbour k gives an equation for the coefficients c_t,
+  which minimise sum_k W_k (residual of the equation of k)^2. A fluid neighbour gives its value. A
+  wall neighbour gives its boundary condition: f = f_wall, n.grad f = g, or n.f = n.f_wall for
+  vectors (mlsvector.c). The fit is exact for polynomials of its degree.
 
   Reference: G. R. Liu & Y. T. Gu, An Introduction to Meshfree Methods, Springer 2005, ch. 3;
   boundary conditions as equations of the fit: J. Kuhnert, PhD thesis, Kaiserslautern 1999 (finite
@@ -13,7 +14,7 @@
 */
 #include "mls.h"
 
-/* Computes the scaled n.grad of the basis at wall neighbour k. */
+/* Computes n.grad of the basis at wall neighbour k, times the length st->scale. */
 static inline void MlsBasisNormalDerivative(const Stencil *st, PetscInt dim, PetscInt degree,
                                             PetscInt k, PetscReal phi[])
 {
@@ -35,8 +36,8 @@ static inline void MlsBasisNormalDerivative(const Stencil *st, PetscInt dim, Pet
   }
 }
 
-/* Computes the left-hand side of the equation of neighbour k; returns the scale of its right-hand
-   side. */
+/* Computes phi in the equation sum_t c_t phi_t = scale times data of neighbour k; returns the
+   scale. */
 static inline PetscReal MlsEquation(const Stencil *st, PetscInt dim, PetscInt degree, PetscInt k,
                                     PetscReal phi[])
 {
@@ -56,7 +57,7 @@ static inline PetscReal MlsEquation(const Stencil *st, PetscInt dim, PetscInt de
   MlsFactorOrRidge - Factors a moment matrix; if the points do not determine the fit, adds a
   multiple of the unit matrix and counts the fit
 
-  Not collective. Input: copy - copy of the moments; the factor overwrites the moments themselves.
+  Not collective. Input: copy - copy of the moments, because the factor overwrites them.
 */
 void MlsFactorOrRidge(PetscInt n, PetscReal moments[], const PetscReal copy[],
                       PetscInt *regularised)
@@ -66,7 +67,8 @@ void MlsFactorOrRidge(PetscInt n, PetscReal moments[], const PetscReal copy[],
   DenseCholeskyRidge(n, copy, 1e-8, moments);
 }
 
-/* Computes the moment matrix sum_k W_k phi_k phi_k^T; inlined for constant dim and degree. */
+/* Computes the moment matrix sum_k W_k phi_k phi_k^T; inlined, so that the compiler knows dim and
+   degree. */
 static inline void MlsMomentsInline(const Stencil *st, PetscInt dim, PetscInt degree,
                                     PetscReal moments[])
 {
@@ -99,7 +101,7 @@ static void MlsMoments(const Stencil *st, PetscInt degree, PetscReal moments[])
 }
 
 /*
-  Factors the cubic fit for the present equations.
+  Factors the moment matrix of the cubic fit for the present equations of the neighbours.
 
   Returns: PETSC_FALSE if the neighbours do not determine the fit
 */
@@ -111,7 +113,8 @@ static PetscBool MlsFactorCubic(const Stencil *st, MlsFit *fit)
   return DenseCholesky(fit->terms, fit->factor) ? PETSC_FALSE : PETSC_TRUE;
 }
 
-/* Factors the quadratic fit for the present equations unless it is valid already. */
+/* Factors the moment matrix of the quadratic fit for the present equations of the neighbours,
+   unless st->fit is valid. */
 static PetscErrorCode MlsFactor(Stencil *st)
 {
   MlsFit   *fit = &st->fit;
@@ -143,9 +146,9 @@ static inline void MlsWeightsInline(const Stencil *st, PetscInt dim, PetscInt de
 }
 
 /*
-  Computes the weights of a functional of a fit; functional: a number for each function of the basis
+  Computes weights w_k that give a linear functional of the coefficients c_t of a fit
 
-    sum_t functional_t c_t = sum_k w_k (right-hand side of neighbour k)
+    sum_t functional_t c_t = sum_k w_k (data of neighbour k)
 */
 static void MlsWeights(const Stencil *st, const MlsFit *fit, const PetscReal functional[],
                        PetscReal w[])
@@ -160,7 +163,8 @@ static void MlsWeights(const Stencil *st, const MlsFit *fit, const PetscReal fun
   else MlsWeightsInline(st, 3, 3, c, w);
 }
 
-/* Computes lap f = 2/R^2 sum_a c_aa of a fit of degree 2 or 3. */
+/* Computes the weights of lap f = 2/R^2 sum_a c_aa, c_aa the coefficient of (X_a/R)^2 in a fit of
+   degree 2 or 3. */
 static void MlsLaplacian(const Stencil *st, const MlsFit *fit, PetscReal w[])
 {
   PetscReal functional[MLS_MAX_TERMS] = {0.0};
@@ -177,10 +181,10 @@ static void MlsLaplacian(const Stencil *st, const MlsFit *fit, PetscReal w[])
 /*
   LaplacianRow_Mls - Computes the Laplacian of the quadratic fit
 
-    lap f = 2/R^2 sum_a c_aa
+    lap f = 2/R^2 sum_a c_aa,   c_aa the coefficient of (X_a/R)^2
 
-  Properties: exact for quadratic fields on any arrangement; not symmetric; uses the equations of
-  wall neighbours.
+  Properties: exact for quadratic fields on any arrangement of particles; not symmetric; uses the
+  wall neighbours' equations.
 */
 PetscErrorCode LaplacianRow_Mls(Stencil *st, PetscReal w[])
 {
@@ -194,8 +198,8 @@ PetscErrorCode LaplacianRow_Mls(Stencil *st, PetscReal w[])
   LaplacianRow_Mls3 - Computes the Laplacian of the cubic fit, or of the quadratic fit if the points
   do not determine the cubic fit; st->regularised counts such rows
 
-  Properties: exact for cubic fields, so of order 2 on disordered particles too; not symmetric;
-  uses the equations of wall neighbours.
+  Properties: exact for cubic fields, so of order 2 on disordered particles too; not symmetric; uses
+  the wall neighbours' equations.
 */
 PetscErrorCode LaplacianRow_Mls3(Stencil *st, PetscReal w[])
 {
@@ -211,8 +215,8 @@ PetscErrorCode LaplacianRow_Mls3(Stencil *st, PetscReal w[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* GradientRow_Mls - Computes the gradient of the quadratic fit, df/dx_a = c_a/R; exact for
-   quadratic fields */
+/* GradientRow_Mls - Computes the gradient of the quadratic fit, df/dx_a = c_a/R with the
+   coefficient c_a of X_a/R; exact for quadratic fields */
 PetscErrorCode GradientRow_Mls(Stencil *st, PetscReal *g[])
 {
   PetscFunctionBegin;
@@ -226,7 +230,8 @@ PetscErrorCode GradientRow_Mls(Stencil *st, PetscReal *g[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns W of a neighbour that gives a value, otherwise 0: only values determine the constant. */
+/* Returns W of a neighbour whose equation is a value, otherwise 0: only values determine the
+   constant of a fit. */
 static inline PetscReal ValueWeight(const Stencil *st, PetscInt k)
 {
   return st->equation[k] == EQUATION_VALUE ? st->W[k] : 0.0;
@@ -239,12 +244,14 @@ static inline PetscReal ValueWeight(const Stencil *st, PetscInt k)
     f_i - c_0 = -sum_k w_k (f_k - f_i),   w_k = W_k (1 - m.c_k)/(W(0) + sum_k W_k - m.M^-1 m),
     c_k = M^-1 phi_k,   m = sum_k W_k phi_k,   M = sum_k W_k phi_k phi_k^T
 
-  phi and M belong to the interpolating fit; the constant is eliminated analytically. For a
-  neighbour that gives n.grad f, w_k lacks the 1, and m lacks the term.
+  phi_k and M are the basis at neighbour k and the moment matrix of the fit that interpolates f_i
+  (top of this file). The constant c_0 is eliminated by hand. For a neighbour that gives n.grad f,
+  w_k lacks the term 1, and m lacks the term of this neighbour.
 
-  Properties: vanishes for quadratic fields on any arrangement. For smooth fields it is of order
-  dx^4 inside a lattice, and of order dx^3 on disordered particles and beside a boundary. At h/dx =
-  1.3 in 2D it is 0.81 f_i for a checkerboard and 0.26 f_i for stripes. Not symmetric.
+  Properties: vanishes for quadratic fields on any arrangement of particles. For smooth fields it is
+  of order dx^4 inside a lattice, and of order dx^3 on disordered particles and beside a boundary.
+  With wendland_c2 and h/dx = 1.3 in 2D it is 0.81 f_i for a checkerboard and 0.26 f_i for stripes.
+  Not symmetric.
 
   Reference: after C. R. Dohrmann, P. B. Bochev, Int. J. Numer. Meth. Fluids 46 (2004) 183-201
 */

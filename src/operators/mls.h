@@ -11,8 +11,8 @@ static inline PetscInt MlsTerms(PetscInt dim, PetscInt degree)
   return degree == 2 ? quadratic : quadratic + dim * (dim + 1) * (dim + 2) / 6;
 }
 
-/* Computes the basis at neighbour k: X_a, then X_a X_b (b <= a), then X_a X_b X_c (c <= b), with
-   X in units of R. */
+/* Computes the basis at neighbour k with s = X/R: s_a, then s_a s_b (b <= a), then s_a s_b s_c
+   (c <= b <= a). */
 static inline void MlsBasis(const Stencil *st, PetscInt dim, PetscInt degree, PetscInt k,
                             PetscReal phi[])
 {

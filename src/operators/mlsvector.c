@@ -1,10 +1,10 @@
 /*
-  The quadratic fit of a vector. Walls give only normal components and thereby couple the
-  components. For the fit of a scalar see mls.c.
+  The quadratic least-squares fit of a vector. A wall gives only the normal component of the vector,
+  and this equation couples the components. For the fit of a scalar see mls.c.
 */
 #include "mls.h"
 
-/* Computes the moment matrix of the vector fit with the equations n.f of wall neighbours. */
+/* Computes the moment matrix of the vector fit; wall neighbours give equations n.f = n.f_wall. */
 static void MlsVectorMoments(const Stencil *st, PetscReal moments[])
 {
   const PetscInt d = st->dim, terms = MlsTerms(d, 2), n = d * terms;
@@ -31,14 +31,15 @@ static void MlsVectorMoments(const Stencil *st, PetscReal moments[])
 }
 
 /*
-  DivergenceFit_Mls - Computes the divergence by a vector fit with the normal velocity of walls
+  DivergenceFit_Mls - Computes the divergence of a vector fit to velocities in the fluid and normal
+  velocities of walls
 
-    div u = sum_c c_c,c/R,  min: sum_k W_k |u_k - u_i - fit|^2 + sum_w W_w (n.(u_w - u_i - fit))^2
+    sum_k W_k |u_k - u_i - fit(X_k)|^2 + sum_w W_w (n.(u_w - u_i - fit(X_w)))^2 -> min,
+    div u = sum_a c_a/R,   c_a: coefficient of X_a/R in component a of the fit
 
-  over fluid neighbours k and wall neighbours w.
-
-  The tangential wall velocity, which jumps at the corner of a lid, does not enter the divergence;
-  the coupling of components achieves this for any orientation of the wall.
+  with fluid neighbours k and wall neighbours w. The tangential wall velocity, which jumps at the
+  corner of a lid, does not enter. Because the fit couples the components, this holds for any
+  orientation of the wall.
 
   Output Parameters:
 + d - d[c][k] multiplies (u_k - u_i)_c of fluid neighbour k, zero for walls [1/m]

@@ -64,9 +64,9 @@ static void NeedVelocity(const Scene *scene, const Operators *ops, VelocityOpera
 - -wall_surface        - a layer of particles on the walls before the layers behind them; by
                          default with bodies
 
-  Errors: refuses forms that need particles behind walls for a treatment without them, corrections
-  that no chosen form accepts, anti-diffusive forms for the pressure, and treatments unsuitable for
-  the scene
+  Errors: refuses forms that need particles behind walls if the wall treatment has none there,
+  corrections that no chosen form accepts, forms for the pressure whose eigenvalues have both signs,
+  and wall treatments unsuitable for the scene
 */
 PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **operators)
 {
@@ -131,7 +131,7 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* OperatorsPlacement - Returns the layers of wall particles of the wall treatment; not
+/* OperatorsPlacement - Returns the layers of wall particles that the wall treatment needs; not
    collective */
 PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, WallPlacement *walls)
 {
@@ -148,7 +148,7 @@ PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, Wall
 /*
   AffineApply - Computes y = A f + B e
 
-  Collective. Input: f over fluid; walls, the wall data e (ignored without walls).
+  Collective. Input: f - values over fluid; walls - the wall data e, not read without walls.
 */
 PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y)
 {

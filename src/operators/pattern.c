@@ -1,13 +1,14 @@
 /*
   The sparsity pattern that all operators share, and the matrices on it. All operators have the same
-  neighbours, so each row sorts its columns once, and every operator writes its values by slots.
+  neighbours. So the columns of a row are sorted once, and every operator writes its values to the
+  same slots: positions in the arrays of values.
 */
 #include "isph/operators.h"
 
 /*
   PatternBegin - Empties a pattern and allocates room for rows
 
-  Not collective. Input: number of own rows, and the largest number of entries in them.
+  Not collective. Input: number of own rows, and an upper bound of the number of all entries.
 */
 PetscErrorCode PatternBegin(Pattern *pattern, PetscInt rows, PetscInt entries)
 {

@@ -1,4 +1,4 @@
-/* Row functions in the tables of laplacians.c and gradients.c that other files define. */
+/* Row functions that stand in the tables of laplacians.c and gradients.c, but in other files. */
 #ifndef ISPH_ROWS_H
 #define ISPH_ROWS_H
 
@@ -14,8 +14,8 @@ PetscErrorCode DivergenceFit_Mls(Stencil *stencil, PetscReal *d[], PetscReal m[]
 void           CorrectKernel_FirstOrder(Stencil *stencil, PetscReal dW[], PetscReal ddW[]);
 PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length);
 
-/* Computes M^-1 grad_i W of neighbour k, where M is the first moment matrix and `inverse` is
-   M^-1. */
+/* Computes the corrected kernel gradient M^-1 grad_i W of neighbour k; `inverse` holds M^-1,
+   M = sum_k V_k (grad_i W) X^T. */
 static inline void CorrectedKernelGradient(const Stencil *st, const PetscReal inverse[], PetscInt k,
                                            PetscReal gradient[])
 {

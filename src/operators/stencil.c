@@ -1,5 +1,5 @@
 /*
-  Storage for the stencil of a particle. OperatorsAssemble() fills it, row functions read it.
+  Storage of the stencil of a particle. OperatorsAssemble() fills it, and row functions read it.
 */
 #include "isph/operators.h"
 
@@ -50,7 +50,7 @@ PetscErrorCode StencilReserve(Stencil *st, PetscInt n)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the equation of wall neighbour k, which invalidates a fit with another equation. */
+/* Sets the equation of wall neighbour k; a change invalidates the factored fit. */
 static void SetEquation(Stencil *st, PetscInt k, Equation equation)
 {
   if (!st->fits_walls && equation != EQUATION_NONE) equation = EQUATION_VALUE;
@@ -59,10 +59,10 @@ static void SetEquation(Stencil *st, PetscInt k, Equation equation)
 }
 
 /*
-  StencilSetQuantity - Sets the equations of wall neighbours in the following fits
+  StencilSetQuantity - Sets the equations that wall neighbours give to fits of a quantity
 
-  Not collective. Keeps the factored fit if no equation changes. Dummies enter fits with values or
-  not at all; boundary_rows.c applies the equation of the boundary to them.
+  Not collective. Keeps the factored fit if no equation changes. A dummy gives a fit its value or no
+  equation; boundary_rows.c applies the condition of its boundary.
 */
 void StencilSetQuantity(const Scene *scene, FitQuantity quantity, Stencil *st)
 {
@@ -70,7 +70,8 @@ void StencilSetQuantity(const Scene *scene, FitQuantity quantity, Stencil *st)
     if (st->wall[k]) SetEquation(st, k, BoundaryEquation(scene, st->side[k], quantity));
 }
 
-/* StencilSetVelocity - Sets the equations for velocity component c; not collective */
+/* StencilSetVelocity - Sets the equations that wall neighbours give to fits of velocity component
+   c; not collective */
 void StencilSetVelocity(const Scene *scene, PetscInt c, Stencil *st)
 {
   for (PetscInt k = 0; st->n_wall && k < st->n; k++)
@@ -78,10 +79,10 @@ void StencilSetVelocity(const Scene *scene, PetscInt c, Stencil *st)
 }
 
 /*
-  StencilSetSize - Sets the lengths that follow from a particle's spacing, if it differs from the
-  last spacing
+  StencilSetSize - Sets the lengths that follow from the spacing of the particle
 
-  Not collective. Fits scale equations of derivatives by half the radius of the support.
+  Not collective. Does nothing if the spacing is the same as before. Fits multiply equations of
+  derivatives by half the radius of the support.
 */
 void StencilSetSize(const KernelRow *kernel, PetscReal h_over_dx, PetscReal dx, Stencil *st)
 {

@@ -1,15 +1,15 @@
 /*
-  Divergence of the viscous stress as forces between pairs of particles along the line that joins
-  them; least squares give their strengths. In a rigid motion the forces vanish to rounding for any
-  viscosities, so a stiff drop that rotates in a thin fluid is not driven by truncation errors of
-  its own large terms. See docs/theory.md, (67) to (71).
+  The divergence of the viscous stress as a sum of forces between pairs of particles, along the line
+  that joins them. Least squares give the strengths of the forces. A rigid motion has no force (to
+  rounding) for any viscosities, so truncation errors do not drive a very viscous drop that rotates
+  in a thin fluid. See docs/theory.md, (67) to (71).
 */
 #include "mls.h"
 
 #define STRESS_TERMS 25 /* monomials of degree 3 and 4 in three dimensions */
 
-/* Computes the basis at neighbour k: s_a s_b s_c/s^2, s_a s_b s_c s_e/s^2, s = X/R; 9 or 25
-   terms. */
+/* Computes the basis at neighbour k with s = X/R: s_a s_b s_c/s^2, then s_a s_b s_c s_e/s^2; 9
+   terms in 2D, 25 in 3D. */
 static void StressBasis(const Stencil *st, PetscInt k, PetscReal phi[])
 {
   const PetscInt  d    = st->dim;
@@ -32,8 +32,8 @@ static void StressBasis(const Stencil *st, PetscInt k, PetscReal phi[])
   }
 }
 
-/* Computes the required sum_k c_k phi_k: 0 for degree 3; for degree 4 the sum over all pairings
-   of equal factors, two for each. */
+/* Computes the required sum_k c_k phi_k: 0 for terms of degree 3; for s_a s_b s_c s_e/s^2 twice
+   `unit` for each way to divide a, b, c, e into two pairs of equal indices. */
 static void StressTarget(PetscInt d, PetscReal unit, PetscReal target[])
 {
   PetscInt t = 0;
@@ -55,21 +55,23 @@ static void StressTarget(PetscInt d, PetscReal unit, PetscReal target[])
 
     sum_k c_k e (e.(u_k - u_i)) = lap u + 2 grad div u,   e = X/r
 
-  with the least sum_k c_k^2/W_k among all c that are exact for quadratic u:
+  The strengths c_k have the least sum_k c_k^2/W_k of all strengths that make the row exact for
+  quadratic u. With Kronecker's delta d_ab these conditions are
 
     sum_k c_k e_a e_b X_c = 0,   sum_k c_k e_a e_b X_c X_d = 2 (d_ab d_cd + d_ac d_bd + d_ad d_bc).
 
-  With the means nu_ik on the differences (viscous.c) the form is div(2 nu E) + grad(nu div u), with
-  the terms in grad nu. The last term is a bulk viscosity, which does not act on solenoidal flow.
+  Weights multiplied by the mean viscosities nu_ik of pairs (viscous.c) give
+  div(2 nu E) + grad(nu div u) with the strain rate tensor E, including the terms in grad nu. The
+  second term is a bulk viscosity, which does not act on solenoidal flow.
 
-  Properties: exact for quadratic fields on any arrangement; no force on rigid motions for any nu;
-  not symmetric. Needs particles behind walls: with the strengths of a stencil cut in half the flow
-  is not damped.
+  Properties: exact for quadratic fields on any arrangement of particles; no force on rigid motions
+  for any nu; not symmetric. Needs particles behind walls: if a wall cuts the stencil in half, the
+  strengths do not damp the velocity.
 
   Reference: forces along pairs after P. W. Cleary, J. J. Monaghan, J. Comput. Phys. 148 (1999),
   there with c_k = -2 (dim + 2) V_k W'/r. A stress from fitted second derivatives fails: on
-  disordered particles an eigenvalue has the wrong sign and drives a drop 1e3 times as viscous as
-  the fluid around it.
+  disordered particles an eigenvalue has the wrong sign, and this drives a drop with 1e3 times the
+  viscosity of the fluid around it.
 */
 PetscErrorCode LaplacianRow_StressMls(Stencil *st, PetscReal w[])
 {

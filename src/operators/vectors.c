@@ -1,4 +1,4 @@
-/* Vectors over the particles of this rank, of the standard type, which works with any matrix
+/* Vectors over fluid or wall particles. Their type is VECSTANDARD, which works with any matrix
    type. */
 #include "isph/operators.h"
 
@@ -32,8 +32,8 @@ static PetscErrorCode VecOfSize(MPI_Comm comm, PetscInt n, PetscReal array[], Ve
 /*
   FluidVec - Creates a vector of a scalar over the own fluid particles
 
-  Collective. Input: array - particle field that becomes the storage of the vector, or NULL for own
-  storage. Valid for the present epoch.
+  Collective. Input: array - particle field that becomes the storage of the vector; NULL: the vector
+  allocates its storage. The vector is valid for the present epoch.
 */
 PetscErrorCode FluidVec(const Particles *p, PetscReal array[], Vec *v)
 {
@@ -43,9 +43,9 @@ PetscErrorCode FluidVec(const Particles *p, PetscReal array[], Vec *v)
 }
 
 /*
-  FluidSum - Sums f^2 or f over the fluid of all ranks, weighted by ParticlesWeight()
+  FluidSum - Sums f, or f^2 if `squared`, over the fluid of all ranks, weighted by ParticlesWeight()
 
-  Collective. The sum divided by particles->weight is a mean.
+  Collective. The sum divided by particles->weight is the mean over the volume of the fluid.
 */
 PetscErrorCode FluidSum(const Particles *p, Vec f, PetscBool squared, PetscReal *sum)
 {
@@ -72,7 +72,7 @@ PetscErrorCode FluidRemoveMean(const Particles *p, Vec f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* WallVec - Creates a vector of a scalar over the own wall particles, valid for an epoch;
+/* WallVec - Creates a vector of a scalar over the own wall particles, valid for the present epoch;
    collective */
 PetscErrorCode WallVec(const Particles *p, Vec *v)
 {

@@ -1,19 +1,20 @@
 /*
-  The viscous operator for a varying viscosity. A Laplacian with weights on differences becomes
+  The viscous operator for a varying viscosity. The weights w_ij of a Laplacian, multiplied by the
+  harmonic mean viscosity of each pair, give
 
     (div(nu grad u))_i = sum_j w_ij nu_ij (u_j - u_i),   nu_ij = 2 nu_i nu_j/(nu_i + nu_j).
 
-  The row is the Laplacian of g(x) = nu(x_i, x) (u(x) - u_i). The mean nu(x_i, x) has the value nu_i
-  and the gradient grad nu/2 at x_i, so lap g = nu lap u + grad nu.grad u to the order of the form.
-  Across an interface half way between i and j the product is the exact flux times the distance,
-  however large the jump of nu is. See docs/theory.md, (64) and (65).
+  Reason: the row is the Laplacian of g(x) = m(x) (u(x) - u_i), m(x) the mean of nu_i and nu(x). At
+  x_i the mean has the value nu_i and the gradient grad nu/2, so lap g = nu lap u + grad nu.grad u
+  to the order of the form. If an interface lies half way between i and j, nu_ij (u_j - u_i) is the
+  exact flux times the distance, for any jump of nu. See docs/theory.md, (64) and (65).
 
   Reference: P. W. Cleary, J. J. Monaghan, J. Comput. Phys. 148 (1999) 227-264
 */
 #include "boundary_rows.h"
 
-/* WeighByViscosity - Multiplies the weights of a Laplacian by nu_ik/nu; a wall neighbour has the
-   viscosity of particle i; not collective */
+/* WeighByViscosity - Multiplies the weights of a Laplacian by the mean viscosities of pairs over
+   scene->nu; a wall neighbour has the viscosity of particle i; not collective */
 void WeighByViscosity(const Scene *scene, const Particles *p, const Stencil *st, PetscReal w[])
 {
   const PetscReal own = p->nu[st->i];

@@ -1,25 +1,25 @@
 /*
-  The viscous operator on all velocity components, for forms that couple them and for rheologies.
-  Unknown u_jb has the number dim j + b, and
+  The viscous operator on all velocity components together, for forms that couple them and for
+  rheologies. Component b of particle j is unknown number dim j + b, and
 
     (A u)_ia = sum_j sum_b w_ij,ab nu_ij/nu (u_j - u_i)_b.
 
-  The slots of the shared pattern keep the weights, so that a change of viscosities needs no new
-  rows.
+  The weights w_ij,ab stay in the slots of the shared pattern, so that new viscosities nu_ij need no
+  new rows.
 */
 #include "assembly.h"
 #include "boundary_rows.h"
 #include "wall_points.h"
 
-/* Returns the number of matrix entries of a slot: all (a, b) for coupled components, otherwise
-   (a, a). */
+/* Returns the number of matrix entries of a slot: dim^2, for all (a, b), if the form couples
+   components, otherwise dim, for (a, a). */
 static PetscInt SlotEntries(const Operators *ops, PetscInt dim)
 {
   return ops->velocity[0].visc.width == 1 ? dim : ops->velocity[0].visc.width;
 }
 
-/* KeepBlockRow - Stores the weights of a row in their slots, with wall weights of wall_points.c;
-   not collective */
+/* KeepBlockRow - Stores the weights of a row in their slots, for wall neighbours the weights of
+   wall data from WallWeights(); not collective */
 void KeepBlockRow(const Stencil *st, PetscInt diagonal, const PetscReal w[], Operators *ops)
 {
   const PetscInt   width = ops->velocity[0].visc.width;
@@ -36,7 +36,8 @@ void KeepBlockRow(const Stencil *st, PetscInt diagonal, const PetscReal w[], Ope
   ops->neighbor_of_slot[diagonal] = st->i;
 }
 
-/* Creates a matrix of blocks on the pattern, without values; columns: number of own particles. */
+/* Creates a matrix of dim x dim blocks on a pattern, without values; columns: number of own
+   particles that the columns stand for. */
 static PetscErrorCode ViscousBlockMat(const Particles *p, const Operators *ops,
                                       const Pattern *pattern, PetscInt columns, Mat *A)
 {
@@ -63,8 +64,8 @@ static PetscErrorCode ViscousBlockMat(const Particles *p, const Operators *ops,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* AssembleViscousBlock - Creates the matrices of the stored rows; collective on the particles'
-   communicator */
+/* AssembleViscousBlock - Creates the matrices of the viscous operator from the stored weights;
+   collective on the particles' communicator */
 PetscErrorCode AssembleViscousBlock(const Scene *scene, const Particles *p, Operators *ops)
 {
   PetscFunctionBegin;
@@ -75,7 +76,8 @@ PetscErrorCode AssembleViscousBlock(const Scene *scene, const Particles *p, Oper
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Multiplies the weights of a slot by nu/scene->nu, and adds them to the sum of the row. */
+/* Multiplies the weights of a slot by `ratio`, a viscosity over scene->nu, and adds them to the sum
+   of the row. */
 static void ScaleSlot(PetscInt width, PetscInt entries, PetscReal ratio, const PetscReal w[],
                       PetscReal value[], PetscReal sum[])
 {
@@ -89,8 +91,8 @@ static void ScaleSlot(PetscInt width, PetscInt entries, PetscReal ratio, const P
   OperatorsScaleViscosity - Computes the values of visc.A and visc.B for the present viscosities of
   particles
 
-  Collective on the particles' communicator. For operators on all components; the halo of the
-  viscosities must be up to date.
+  Collective on the particles' communicator. To be called only if ops->forms.components_coupled, and
+  with viscosities that are up to date in the halo.
 */
 PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, Operators *ops)
 {
@@ -130,8 +132,8 @@ PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, O
 
     g = sqrt(2 E:E),   E = (grad u + grad u^T)/2
 
-  Collective. Input: u - components over the fluid; walls - components over the walls, NULL entries
-  without walls. Output: g - n_fluid numbers.
+  Collective. Input: u - velocity components over the fluid; walls - components of the wall
+  velocity, NULL entries without walls. Output: g - n_fluid numbers.
 */
 PetscErrorCode OperatorsStrainRate(const Operators *ops, const Particles *p, const Vec u[],
                                    const Vec walls[], PetscReal g[])
@@ -157,11 +159,11 @@ PetscErrorCode OperatorsStrainRate(const Operators *ops, const Particles *p, con
 }
 
 /*
-  OperatorsFollowStrain - Computes viscosities from the strain rate, and updates the viscous
-  operator
+  OperatorsFollowStrain - Computes the viscosities of a rheology from the strain rate, and updates
+  the viscous operator
 
-  Collective on the particles' communicator. Input: u - components over the fluid; walls - wall
-  velocity. Output: p->nu with its halo, ops->velocity[0].visc.
+  Collective on the particles' communicator. Input: u - velocity components over the fluid; walls -
+  wall velocity. Output: p->nu with its halo, ops->velocity[0].visc.
 */
 PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *p, const WallValues *walls,
                                      const Vec u[], Operators *ops)

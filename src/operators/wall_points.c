@@ -1,26 +1,27 @@
 /*
-  Wall velocities of dummies in the row of particle i, for treatments that extrapolate by a factor
-  beta. A dummy's velocity lies on the line through the fluid particle and the wall, whose velocity
-  may vary along the wall:
+  Wall velocities in the row of particle i, if the velocity of a dummy w is extrapolated with the
+  factor beta along the straight line from particle i through the wall. The wall velocity may vary
+  along the wall:
 
     u_w - u_i = (u_wall,w - u_wall,i) + beta (u_wall,i - u_i).
 
   u_wall,w is the wall velocity at the wall point of the dummy, u_wall,i at the wall point of i. A
-  linear fit along the wall through the wall neighbours of the same side gives u_wall,i. Without the
-  first bracket, rows would contain the variation along the wall times beta: docs/theory.md, (49)
-  and (50).
+  linear fit along the wall to the wall neighbours of the same side gives u_wall,i. Without the
+  first bracket the variation along the wall would enter the row beta times too large:
+  docs/theory.md, (49) and (50).
 */
 #include "assembly.h"
 #include "wall_points.h"
 
-/* Returns true if the stencil has dummies whose velocities follow from beta. */
+/* Returns true if the stencil has dummies whose velocities are extrapolated with beta. */
 static PetscBool HasWallPoints(const Stencil *st, const Operators *ops)
 {
   return st->n_wall && !ops->forms.wall->on_surface && !ops->forms.wall->Extend ? PETSC_TRUE
                                                                                 : PETSC_FALSE;
 }
 
-/* Computes the terms of the fit at neighbour k: 1, and X_t divided by the radius of the support. */
+/* Computes the basis of the fit along the wall at neighbour k: 1, and the tangential part X_t of X
+   over the radius of the support. */
 static void AlongWall(const Stencil *st, PetscInt k, PetscReal phi[])
 {
   phi[0] = 1.0;
@@ -28,7 +29,8 @@ static void AlongWall(const Stencil *st, PetscInt k, PetscReal phi[])
   for (PetscInt a = 0; a < st->dim; a++) phi[1 + a] /= st->radius;
 }
 
-/* Computes the shares of the wall neighbours of a side in u_wall,i; their sum is 1. */
+/* Computes st->share for the wall neighbours of a side: their weights in u_wall,i, with the sum
+   1. */
 static void SideShares(Stencil *st, PetscInt side)
 {
   const PetscInt n                                               = st->dim + 1;
@@ -41,7 +43,7 @@ static void SideShares(Stencil *st, PetscInt side)
     AlongWall(st, k, phi);
     for (PetscInt t = 0; t < n * n; t++) moment[t] += st->W[k] * phi[t / n] * phi[t % n];
   }
-  DenseCholeskyRidge(n, moment, 1e-12, factor); /* X_t has no component along the normal */
+  DenseCholeskyRidge(n, moment, 1e-12, factor); /* singular without ridge: X_t.n = 0 */
   DenseCholeskySolve(n, factor, at_wall_point);
   for (PetscInt k = 0; k < st->n; k++) {
     if (!st->wall[k] || st->side[k] != side) continue;
@@ -55,7 +57,8 @@ static void SideShares(Stencil *st, PetscInt side)
   }
 }
 
-/* WallPointShares - Computes the shares of all dummies of a stencil; not collective */
+/* WallPointShares - Computes st->share, the weights of wall neighbours in u_wall,i, for all sides
+   near particle i; not collective */
 void WallPointShares(const Operators *ops, Stencil *st)
 {
   PetscBool done[SCENE_MAX_BOUNDARIES] = {PETSC_FALSE};
@@ -73,8 +76,8 @@ void WallPointShares(const Operators *ops, Stencil *st)
 
     b_w = w_w + share_w sum_v w_v (beta_v - 1),   v: wall neighbours of the same side
 
-  This holds for dummies, and sum_w b_w = sum_w beta_w w_w. Other wall particles have data of their
-  own, or receive them later from an extension; then b = w.
+  Then sum_w b_w = sum_w beta_w w_w. If the wall treatment puts particles on the surface, or extends
+  the velocity later (ExtendWalls()), b = w.
 
   Not collective.
 

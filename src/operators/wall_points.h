@@ -4,7 +4,7 @@
 
 #include "isph/operators.h"
 
-/* Splits X of wall neighbour k: returns the height X.n and sets the tangential part X_t. */
+/* Splits X of wall neighbour k: returns the normal component X.n, sets the tangential part X_t. */
 static inline PetscReal SplitX(const Stencil *st, PetscInt k, PetscReal tangent[])
 {
   PetscReal height = 0.0;

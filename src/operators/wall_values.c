@@ -1,6 +1,6 @@
 /*
-  Values at walls: velocity and wall pressure gradient of each own wall particle. They are the
-  vectors e that the matrices B of the operators multiply, see isph/operators.h.
+  Values at walls: velocity and wall pressure gradient of each own wall particle. Their vectors
+  multiply the matrices B of the operators.
 */
 #include "isph/operators.h"
 
@@ -37,14 +37,16 @@ PetscErrorCode WallValuesRenumber(const Scene *scene, const Particles *p, WallVa
 /*
   WallValuesSetVelocity - Sets the velocity of the own wall particles at time t
 
-    u_w = u_wall(t) + projection_factor (d(n.grad p)) n
+    u_w = u_wall(t) + projection_factor dpdn_step n
 
-  Not collective. u_wall is evaluated at the wall point of the particle, and is stored in the
-  particle too. The second term belongs to the predicted velocity: the projection changes its normal
-  component by -projection_factor n.grad phi. See docs/theory.md, (88).
+  Not collective. u_wall is evaluated at the wall point of the particle; the particle stores it too.
+  The second term is for the predicted velocity: the projection will change its normal component by
+  -projection_factor n.grad phi, and n.grad phi of the pressure increment phi is dpdn_step. See
+  docs/theory.md, (88).
 
   Input Parameter:
-. projection_factor - k/rho; 0 for the velocity itself [m^3 s/kg]
+. projection_factor - time step of the projection over density; 0 gives the wall velocity itself
+                      [m^3 s/kg]
 
   Output Parameters:
 + walls     - u, and speed_bound, which never decreases

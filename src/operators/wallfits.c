@@ -1,8 +1,9 @@
 /*
-  Rows of the extension of the velocity to dummies: fits over the fluid near the wall point
-  s = x_w + d n or the mirror point m = x_w + 2 d n of a dummy at depth d, weighted by the kernel
-  stretched over the reach of the fit. Behind an edge of the box both points lie beyond another
-  side; then the fit collects the fluid nearest to the edge and is evaluated at the points.
+  Least-squares fits that extend the velocity of the fluid to dummies, see extension.c. A dummy x_w
+  at depth d has the wall point s = x_w + d n and the mirror point m = x_w + 2 d n. A fit uses the
+  fluid within its reach of s or m. Its weights are the kernel, with the reach as the radius of the
+  support. Behind an edge of the box s and m can lie outside the box; then the fit uses the fluid
+  nearest to the edge.
 */
 #include "extension.h"
 
@@ -12,7 +13,8 @@
 typedef PetscInt (*FitBasis)(const Extension *ext, PetscReal reach, const PetscReal s[],
                              PetscReal phi[]);
 
-/* Collects the fluid within reach of a centre, with kernel weights: s = (x_j - origin)/reach. */
+/* Collects the fluid particles within reach of a centre: their kernel weights, and their positions
+   s = (x_j - origin)/reach. */
 static PetscErrorCode Gather(const PetscReal centre[], const PetscReal origin[], PetscReal reach,
                              Extension *ext)
 {
@@ -43,12 +45,13 @@ static PetscErrorCode Gather(const PetscReal centre[], const PetscReal origin[],
 }
 
 /*
-  Fit - Computes the row of a weighted least-squares fit sum_t c_t phi_t of the collected points
+  Fit - Computes the row e of a functional of a weighted least-squares fit to the collected points
 
-    e_j = w_j phi(s_j).M^-1 functional,   M = sum_j w_j phi phi^T
+    sum_t functional_t c_t = sum_j e_j f_j,   c: coefficients of the fit sum_t c_t phi_t(s),
+    e_j = w_j phi(s_j).M^-1 functional,       M = sum_j w_j phi(s_j) phi(s_j)^T
 
-  Returns: PETSC_FALSE, without a row, if the points do not determine the fit: less than 0.1 % of
-  the square of a term is independent of the terms before it
+  Returns: PETSC_FALSE, without a row, if the points do not determine the fit: orthogonalisation to
+  the terms before it leaves less than 0.1 % of the sum of squares of a term
 */
 static PetscBool Fit(FitBasis basis, PetscReal reach, const PetscReal functional[], Extension *ext)
 {
@@ -65,7 +68,7 @@ static PetscBool Fit(FitBasis basis, PetscReal reach, const PetscReal functional
   }
   for (PetscInt t = 0; t < terms; t++) square[t] = M[t * terms + t];
   if (DenseCholesky(terms, M)) return PETSC_FALSE;
-  for (PetscInt t = 0; t < terms; t++) { /* the diagonal of the factor is inverted */
+  for (PetscInt t = 0; t < terms; t++) { /* the factor holds the inverse of its diagonal */
     if (1e-3 * square[t] * PetscSqr(M[t * terms + t]) > 1.0) return PETSC_FALSE;
     c[t] = functional[t];
   }
@@ -96,7 +99,7 @@ static PetscInt Basis_Full(const Extension *ext, PetscReal reach, const PetscRea
   return 1 + ext->dim;
 }
 
-/* Height above the tangent plane of the wall. */
+/* Computes the height above the tangent plane of the wall. */
 static PetscInt Basis_Slope(const Extension *ext, PetscReal reach, const PetscReal s[],
                             PetscReal phi[])
 {
@@ -125,7 +128,8 @@ static PetscInt Basis_Quadratic(const Extension *ext, PetscReal reach, const Pet
   return t;
 }
 
-/* xi (H - xi), which vanishes on both walls. */
+/* Computes xi (1 - xi/H), which vanishes on both walls of a channel; xi: height above the
+   wall, H: distance between the walls. */
 static PetscInt Basis_Channel(const Extension *ext, PetscReal reach, const PetscReal s[],
                               PetscReal phi[])
 {
@@ -139,15 +143,16 @@ static PetscInt Basis_Channel(const Extension *ext, PetscReal reach, const Petsc
 
 /* ---- rows ---- */
 
-/* A fit to try: its basis, and the distance within which fluid is collected [m]. */
+/* A fit: its basis, and the distance up to which fluid enters it [m]. */
 typedef struct {
   FitBasis  basis;
   PetscReal reach;
 } FitTry;
 
 /*
-  Multiplies weights by 1/q^2, so that a particle at the centre fixes the value: P. Lancaster, K.
-  Salkauskas, Math. Comput. 37 (1981). The term 1e-8 keeps weights finite.
+  Divides weights by q^2, q the distance from the centre over the reach, so that a particle at the
+  centre determines the value of the fit there: P. Lancaster, K. Salkauskas, Math. Comput. 37
+  (1981). The term 1e-8 keeps weights finite.
 */
 static void WeighInterpolating(Extension *ext)
 {
@@ -155,12 +160,12 @@ static void WeighInterpolating(Extension *ext)
 }
 
 /*
-  FitFirst - Computes the row of the first of n fits that is determined by its points, or an empty
-  row
+  FitFirst - Tries n fits and computes the row of the first fit that its points determine; the row
+  is empty if there is no such fit
 
-    sum_j e_j f_j = sign f(origin + at),   f fitted about the centre
+    sum_j e_j f_j = sign fit(origin + at),   fit: to the fluid around the centre
 
-  A fit with another basis than the first counts as regularised.
+  ext->regularised counts an empty row, and a fit with another basis than the first fit.
 */
 static PetscErrorCode FitFirst(const FitTry tries[], size_t n, const PetscReal centre[],
                                const PetscReal origin[], const PetscReal at[], PetscReal sign,
@@ -186,8 +191,8 @@ static PetscErrorCode FitFirst(const FitTry tries[], size_t n, const PetscReal c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Fits u - u_wall about the wall point, where it vanishes, and evaluates it at the wall
-   particle. */
+/* Fits u - u_wall, which vanishes at the wall point, to the fluid around this point, and evaluates
+   the fit at the wall particle. */
 static PetscErrorCode FitAtWall(const FitTry tries[], size_t n, Extension *ext)
 {
   PetscReal at[ISPH_MAX_DIM];
@@ -199,13 +204,13 @@ static PetscErrorCode FitAtWall(const FitTry tries[], size_t n, Extension *ext)
 }
 
 /*
-  WallExtend_Mirror - Computes the velocity of the mirror point, reflected about the wall velocity
+  WallExtend_Mirror - Computes the velocity of the mirror point m, reflected about the wall velocity
 
     u_w = 2 u_wall - u(m)
 
-  u(m) is a linear least-squares fit over fluid within 2 dx of m, exact for linear fields, and equal
-  to the velocity of a particle that lies at m. If these points do not determine it, fluid within 3
-  dx is used, and after that its mean.
+  u(m) comes from a linear least-squares fit over fluid within 2 dx of m. It is exact for linear
+  fields, and a particle at m determines it alone. If these points do not determine the fit, fluid
+  within 3 dx is used. If this does not suffice either, u(m) is the mean velocity of this fluid.
 
   References: mirrored particles, M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60
   (2009); fixed dummies, S. Marrone et al., Comput. Methods Appl. Mech. Eng. 200 (2011)
@@ -227,13 +232,15 @@ PetscErrorCode WallExtend_Mirror(Extension *ext)
 }
 
 /*
-  WallExtend_Linear - Extends linearly through the wall velocity and the fluid nearest to the wall
+  WallExtend_Linear - Extends the velocity by a line through the wall velocity and the fluid nearest
+  to the wall
 
     u_w = u_wall - d g.n,   u_j - u_wall = g.(x_j - s) over fluid within 2 dx of s
 
-  Exact for linear fields, also on curved walls and on walls with varying velocity. If the points do
-  not determine g, fluid within 3 dx is used, and after that the normal component alone. Without
-  fluid the dummy has the wall velocity.
+  d is the depth of the dummy, s its wall point, and g a fitted velocity gradient. Exact for linear
+  fields, also on curved walls and on walls with varying velocity. If the points do not determine g,
+  fluid within 3 dx is used. If this does not suffice either, only the normal derivative g.n is
+  fitted. Without fluid the dummy has the wall velocity.
 
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), section 6.1.2
 */
@@ -248,12 +255,14 @@ PetscErrorCode WallExtend_Linear(Extension *ext)
 }
 
 /*
-  WallExtend_Quadratic - Extends by a parabola through the wall velocity and the nearest fluid
+  WallExtend_Quadratic - Extends the velocity by a parabola through the wall velocity and the fluid
+  nearest to the wall
 
     u_w = u_wall - d g.n + d^2 n.H n/2,   u_j - u_wall = g.X + X.H X/2 over fluid within 3 dx of s
 
-  X = x_j - s. Exact for quadratic fields. If the points do not determine the fit, fluid within 4 dx
-  is used, and after that the linear fit.
+  d is the depth of the dummy, s its wall point, X = x_j - s, and g and H are fitted. Exact for
+  quadratic fields. If the points do not determine the fit, fluid within 4 dx is used. If this does
+  not suffice either, the fits of WallExtend_Linear() follow.
 
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), section 6.1.2
 */
@@ -271,13 +280,14 @@ PetscErrorCode WallExtend_Quadratic(Extension *ext)
 }
 
 /*
-  WallExtend_GlobalQuadratic - Extends by a parabola through both walls of a channel and nearby
-  fluid
+  WallExtend_GlobalQuadratic - Extends the velocity by a parabola through both walls of a channel
+  and the fluid nearest to the wall
 
     u_w - u_wall = -c d (H + d),   u_j - u_wall = c xi_j (H - xi_j) over fluid within 2 dx of s
 
-  H is the distance between the walls, and xi_j the distance of particle j from the wall. Without
-  fluid within 2 dx the reach is 3 dx.
+  d is the depth of the dummy, s its wall point, H the distance between the walls, and xi_j the
+  distance of the fluid from the wall; c is fitted. Without fluid within 2 dx, fluid within 3 dx is
+  used.
 
   Reference: S. J. Watkins et al., Astron. Astrophys. Suppl. Ser. 119 (1996) 177-187, cited after M.
   Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)
@@ -311,7 +321,8 @@ PetscErrorCode WallExtend_Adami(Extension *ext)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* WallCheck_Channel - Refuses scenes other than a channel between equal walls; collective */
+/* WallCheck_Channel - Refuses scenes other than a channel between two flat walls of the same
+   constant velocity; collective */
 PetscErrorCode WallCheck_Channel(const Scene *scene)
 {
   PetscReal u[2][ISPH_MAX_DIM], x[ISPH_MAX_DIM];

@@ -1,12 +1,12 @@
 /*
-  Wall treatments: placement of wall particles, and their values in the row of a fluid particle.
-  Velocities: u_w - u_i = (u_wall,w - u_wall,i) + beta (u_wall,i - u_i), see wall_points.c, or an
-  extension of the fluid's velocity (wallfits.c); the divergence always uses beta. Pressures: the
-  wall pressure gradient is given.
+  Wall treatments: the placement of wall particles, and their values in the row of a fluid particle
+  i. The velocity of wall particle w is extrapolated from particle i through the wall with a factor
+  beta (wall_points.c), or extended from the fluid near the wall (wallfits.c); the divergence always
+  uses beta. For the pressure, the wall pressure gradient is given.
 */
 #include "extension.h"
 
-/* Returns 1: wall particles on the surface, and particles with given values, keep their own
+/* Returns beta = 1: wall particles on the surface, and particles with given values, keep their own
    value. */
 static PetscReal WallBeta_Own(const Scene *scene, PetscReal distance, PetscReal depth)
 {
@@ -55,7 +55,7 @@ static const WallRow walls[] = {
      "Adami, Hu & Adams, J. Comput. Phys. 231 (2012)", PETSC_FALSE, WallBeta_DummyLinear,
      WallExtend_Adami, 1.0, 0.0, NULL},
 };
-/* Treatment around the box of a patch test: particles with given values. */
+/* Treatment of patch tests: particles around the box have given values. */
 const WallRow WallGiven = {.name     = "given",
                            .brief    = "values given at particles around the box",
                            .citation = "",
