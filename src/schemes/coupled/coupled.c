@@ -1,6 +1,6 @@
 /*
   The coupled scheme: its row, integrators, options and refusals. It solves for velocity and
-  pressure at once, in time or steady.
+  pressure together, in time or for a steady flow.
 */
 #include "coupled.h"
 
@@ -57,7 +57,7 @@ static PetscErrorCode RefuseForms(const Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses -steady for flows without a steady state, or with several. */
+/* Refuses -steady for flows with no steady state or with several steady states. */
 static PetscErrorCode RefuseSteady(const Flow *flow)
 {
   const Scene *scene = flow->scene;

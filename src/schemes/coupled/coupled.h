@@ -13,7 +13,7 @@
 /* Time integrator of the coupled scheme. */
 typedef struct {
   const char *name, *brief, *citation; /* name: the TS type */
-  PetscBool   substeps; /* substeps with error control; otherwise a single step with history */
+  PetscBool   substeps; /* substeps with error control; else a single step from u^n and u^{n-1} */
 } CoupledIntegratorRow;
 
 /* The approximation of the inverse of the Schur complement of the pressure, see schur.c. */
@@ -27,7 +27,7 @@ typedef struct {
 struct Schur {
   const SchurRow  *row;
   const Particles *particles;
-  Mat              mass;           /* matrix of row mass, for PETSc */
+  Mat              mass;           /* the identity, for other PCs than shell */
   Mat              poisson;        /* -dx^2 lap + 1e-6 [-] */
   KSP              ksp;            /* solver of poisson; NULL: not needed */
   KspViews         views;          /* -coupled_schur_ksp_view, ... */

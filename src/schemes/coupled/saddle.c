@@ -1,28 +1,30 @@
 /*
   The matrix of the coupled system, scaled so that all entries are of order 1 and residuals of
-  momentum and of mass have equal size. With 1/T = 1/(4 dt) + nu/dx^2 (steady: nu/dx^2) and p = rho
-  dx/T q:
+  momentum and of mass have equal size. The unknowns are the velocity u and the scaled pressure q.
+  With p = rho dx/T q and 1/T = 1/(4 dt) + nu/dx^2 (steady: nu/dx^2):
 
     [ T (shift - nu L)   dx G          ] [u]   [T f]
     [ dx D               C + c c^T     ] [q] = [g  ]
 
-  The pressure gradient G is one-sided at walls: the wall pressure gradient follows from the
-  momentum of the particles next to the wall. All unknowns belong to the same particles, so G and D
-  do not act on grid modes of the pressure. C q, the residual of the fit of q, brings these modes
-  into the continuity equation. For smooth pressures it is a flux of order dx^3 (dx^4 inside
-  lattices); it vanishes for quadratic pressures and needs no condition at walls. c is
-  GaugeColumn(). See docs/theory.md, (92) to (94).
+  L, G and D are the operators of Laplacian, gradient and divergence; shift is the factor of u in
+  du/dt; f and g contain forces and wall data. G is one-sided at walls: the wall pressure gradient
+  follows from the momentum equation of the particles next to the wall. All unknowns belong to the
+  same particles, so G and D do not act on grid modes of the pressure. C q, the residual of a
+  quadratic fit of q, brings these modes into the continuity equation. For smooth pressures it is a
+  flux of order dx^3 (dx^4 inside lattices); it vanishes for quadratic pressures and needs no
+  condition at walls. The column c of GaugeColumn() fixes the constant of the pressure. See
+  docs/theory.md, (92) to (94).
 */
 #include "saddle.h"
 #include "schemes/step.h"
 
-/* Interlacing of components in the rows and columns of a block: 1 or dim. */
+/* Numbers of interlaced components in the rows and in the columns of a block. */
 typedef struct {
   PetscInt rows, cols; /* 1 or dim */
 } Interlacing;
 
-/* Creates a block of operators on the shared pattern: component c in rows dim i + c, or in columns
-   dim j + c. */
+/* Creates a block, scale times the operators op[c] on the shared pattern; op[c] fills rows
+   dim i + c or columns dim j + c. */
 static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, Interlacing by,
                                   PetscReal scale, const AffineOperator op[], Mat *block)
 {
@@ -54,8 +56,8 @@ static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, In
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates the matrix T (-nu L + sum_a v_a d/dx_a) of a component, then the matrix of all
-   components. */
+/* Creates the matrix T (-nu L + v.grad) of a velocity component, then the matrix of all interlaced
+   components; v: `advecting`, if given. */
 static PetscErrorCode ViscousCreate(const Scene *scene, const Operators *ops, PetscReal step,
                                     const Vec advecting[], Mat *viscous)
 {
@@ -112,8 +114,8 @@ PetscErrorCode SaddleAssemble(const Scene *scene, const Particles *p, const Oper
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleSetShift - Computes the momentum block F = (T shift) I + viscous for a new shift;
-   collective */
+/* SaddleSetShift - Computes the momentum block F = (T shift) I + viscous for a new shift, the
+   factor of u in du/dt; collective */
 PetscErrorCode SaddleSetShift(PetscReal shift, Saddle *s)
 {
   PetscFunctionBegin;
@@ -141,8 +143,8 @@ PetscErrorCode SaddleFree(Saddle *s)
 /*
   SaddleFlatten - Converts the blocks to a single sparse matrix, for preconditioners without blocks
 
-  Collective. The pressure rows gain 1e-6 q; otherwise the constant pressure would make the matrix
-  singular. flat is NULL, or a matrix of the same blocks to be reused.
+  Collective. Adds 1e-6 to the diagonal of the pressure rows; otherwise the constant pressure would
+  make the matrix singular. On entry flat is NULL, or a matrix of the same blocks that is reused.
 */
 PetscErrorCode SaddleFlatten(Mat nest, Mat *flat)
 {
@@ -183,7 +185,7 @@ PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleGet - Extracts (u, p/unit) from x; p may be NULL; not collective */
+/* SaddleGet - Extracts u and p from x = (u, p/unit); p may be NULL; not collective */
 PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
 {
   const PetscScalar *from;
@@ -205,8 +207,8 @@ PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleAdd - Adds scale part to x in the rows of velocity component c, or of the pressure for
-   c = dim; not collective */
+/* SaddleAdd - Adds scale times `part` to the rows of velocity component c in x, or to the rows of
+   the pressure if c = dim; not collective */
 PetscErrorCode SaddleAdd(const Saddle *s, PetscInt c, PetscReal scale, Vec part, Vec x)
 {
   const PetscInt     stride = c < s->dim ? s->dim : 1, first = c < s->dim ? c : s->dim * s->n;

@@ -1,10 +1,11 @@
 /*
-  The Schur complement of the pressure, S = C - D F^-1 G, and the approximations of its inverse in
-  the preconditioner. In the scaled unknowns, with sigma = dx^2/T,
+  The Schur complement of the pressure, S = C - D F^-1 G with the blocks of saddle.h, and the
+  approximations of its inverse in the preconditioner. If F commutes with gradients, and C is
+  neglected,
 
     S = sigma (-lap) (shift - nu lap)^-1,   S^-1 = nu/sigma + shift/sigma (-lap)^-1
 
-  if F commutes with gradients and C is neglected: docs/theory.md, (95). A new approximation needs a
+  with sigma = dx^2/T and the scaling time T: docs/theory.md, (95). A new approximation needs a
   function and a row.
 */
 #include "coupled.h"
@@ -26,9 +27,9 @@ static PetscErrorCode SchurApply_Mass(Schur *s, Vec x, Vec y)
   SchurApply_CahouetChabard - Applies y = nu/sigma x + shift dx^2/sigma (-dx^2 lap)^-1 x, for any
   step
 
-  The Poisson equation is singular, so the means of both sides are removed. The left null vector is
-  not constant; without the second removal, the part of x along it would return as a constant 1e6
-  times as large.
+  The matrix is -dx^2 lap + 1e-6, because the Poisson equation alone is singular. The mean of x and
+  the mean of the solution are removed. The left null vector is not constant; without the second
+  removal, the part of x along it would return as a constant 1e6 times as large.
 
   Reference: J. Cahouet, J.-P. Chabard, Int. J. Numer. Meth. Fluids 8 (1988) 869-895
 */

@@ -3,8 +3,9 @@
 
     du/dt = nu lap u - (v.grad) u - grad p/rho + f,   div u = 0,
 
-  a differential-algebraic system with the Jacobian of saddle.c. A PETSc TS advances it in time, or
-  a steady flow is solved without du/dt. The pressure has no history and no splitting error.
+  a differential-algebraic system with the matrix of saddle.c; v is the advecting velocity. A PETSc
+  TS advances the system in time, or a steady flow is solved without du/dt. The pressure needs no
+  earlier pressures and has no splitting error.
 */
 #include "coupled.h"
 
@@ -20,8 +21,8 @@ static const OptionRow options[] = {
 };
 const OptionTable CoupledSolverOptions = OPTIONS("Solver of the coupled scheme", options);
 
-/* CoupledSetShift - Sets the shift of the matrix; a preconditioner within a factor of 1.5 of it is
-   reused; collective */
+/* CoupledSetShift - Sets the shift of the matrix, and reuses the preconditioner if its shift
+   differs by a factor of at most 1.5; collective */
 PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
 {
   const PetscBool keep = shift <= 1.5 * c->shift && c->shift <= 1.5 * shift;
@@ -159,7 +160,8 @@ PetscErrorCode CoupledSolverFree(Coupled *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Replaces the preconditioner, because a field split keeps its sizes and blocks. */
+/* Replaces the preconditioner by a new PC of the same type, because PETSc's field split cannot
+   change its sizes and blocks. */
 static PetscErrorCode RenewPC(Coupled *c)
 {
   PetscBool split;
@@ -200,10 +202,10 @@ static PetscErrorCode RenewPC(Coupled *c)
   Returns T, the time in which momentum changes a velocity on the scale of the grid: 1/T = 1/(4 dt)
   + nu/dx^2, steady 1/T = nu/dx^2 [s]
 
-  The factor 1/4 gives C the same weight against inertia as against viscosity. Of the factors 1,
-  1/3, 1/6, 1/12 and 1/24 the values near 1/4 take the fewest iterations; the error of moving
-  vortices at Re = 100 is half the error with the factor 1. dt is rounded to eighths of a power of
-  two, so that steps that differ by rounding share their matrices.
+  The factor 1/4 gives the block C of saddle.c the same weight against inertia as against viscosity.
+  Of the factors 1, 1/3, 1/6, 1/12 and 1/24 the values near 1/4 take the fewest iterations; there
+  the error of moving vortices at Re = 100 is half the error with the factor 1. dt is rounded to
+  eighths of a power of two, so that steps that differ by rounding share their matrices.
 */
 static PetscReal GridTime(const Scene *scene, PetscReal dt, PetscBool steady)
 {
@@ -216,8 +218,8 @@ static PetscReal GridTime(const Scene *scene, PetscReal dt, PetscBool steady)
 }
 
 /*
-  Sets the allowed error of substeps: -coupled_ts_rtol times |u| + U. The pressure has no tolerance:
-  it is not integrated in time, and jumps when walls jump.
+  Sets the allowed error of substeps, -coupled_ts_rtol times |u| + U. The error of the pressure is
+  unlimited: the pressure is not integrated in time, and jumps when a wall velocity jumps.
 */
 static PetscErrorCode SetTolerances(const Scene *scene, Coupled *c)
 {
@@ -267,10 +269,10 @@ static PetscErrorCode CoupledMake(PetscReal step, PetscReal shift, const Vec adv
 /*
   CoupledAssemble - Computes matrices, vectors and preconditioner for the present operators and step
 
-  Collective. Does nothing if operators and T are unchanged and no convection is implicit.
+  Collective. Does nothing if operators and GridTime() are unchanged and no convection is implicit.
 
   Input Parameters:
-+ shift     - first shift [1/s]
++ shift     - shift of the first solve: the factor of u in du/dt [1/s]
 - advecting - advecting velocity of implicit convection [m/s], which must exist as long as the
               matrices; NULL: no implicit convection
 */

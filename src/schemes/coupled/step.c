@@ -89,7 +89,8 @@ static PetscErrorCode RelativeChange(PetscInt dim, const Vec u[], const Vec v[],
 }
 
 /*
-  Iterates on (v.grad) u, with v = u of the last iteration, until u changes no more.
+  Solves for a steady flow with convection (v.grad) u by Picard's iteration: v is u of the iteration
+  before, until u no longer changes.
 
   Reference: H. C. Elman, D. J. Silvester, A. J. Wathen, Finite Elements and Fast Iterative Solvers
   (2014), ch. 8
@@ -145,7 +146,7 @@ static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
     for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(FlowGetWork(flow, &advecting[a]));
     PetscCall(IteratePicard(s->u_next, s->p, advecting, c, failure));
     c->advecting         = NULL;
-    c->saddle.assemblies = -1; /* the matrix holds this convection */
+    c->saddle.assemblies = -1; /* forces an assembly without convection */
     for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(FlowRestoreWork(flow, &advecting[a]));
   }
   PetscCall(SaddleGet(&c->saddle, c->x, s->u_next, s->p));

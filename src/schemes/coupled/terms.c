@@ -2,8 +2,8 @@
 #include "coupled.h"
 
 /*
-  CoupledForce - Sets the force on the velocity: f, and for fixed particles -(v.grad) u extrapolated
-  in time
+  CoupledForce - Sets the force per unit mass: the body force and, for fixed particles, minus the
+  convective term extrapolated in time
 
   Collective.
 */
@@ -19,7 +19,7 @@ PetscErrorCode CoupledForce(Flow *flow, Vec force[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Subtracts the part of wall data in (v.grad) u_a from a vector. */
+/* Subtracts from a vector the terms with wall velocities in (v.grad) u_a. */
 static PetscErrorCode AddWallConvection(Coupled *c, PetscInt a, Vec part)
 {
   PetscFunctionBegin;
@@ -32,8 +32,8 @@ static PetscErrorCode AddWallConvection(Coupled *c, PetscInt a, Vec part)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CoupledRightHandSide - Computes the right-hand side b at time t: T (f + nu B u_wall), and -dx
-   times the wall part of div u; collective */
+/* CoupledRightHandSide - Computes the right-hand side b at time t: T (force + nu B u_wall) in
+   momentum rows, -dx times the terms of wall velocities in div u in pressure rows; collective */
 PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
 {
   const Saddle *s = &c->saddle;
@@ -60,7 +60,8 @@ PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CoupledAddConvection - Adds scale u.grad u to f; u: the velocity in x; collective */
+/* CoupledAddConvection - Adds scale times the convective term u.grad u to the momentum rows of f,
+   u: the velocity in x; collective */
 PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
 {
   const Saddle *s = &c->saddle;
@@ -78,9 +79,9 @@ PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
 /*
   CoupledIFunction - Computes the residual T du/dt + [T u.grad u] + A_0 x - b
 
-  Collective. A_0 is the matrix of saddle.c without shift; the brackets are present if stages apply
-  convection. The Jacobian has no convection: rosw, a Rosenbrock-W method, keeps its order without
-  it, and bdf iterates.
+  Collective. A_0 is the matrix of saddle.c with shift 0. The term in brackets is present if stages
+  apply convection. The Jacobian omits it: rosw, a Rosenbrock-W method, keeps its order without it,
+  and bdf iterates.
 */
 PetscErrorCode CoupledIFunction(TS ts, PetscReal t, Vec x, Vec xdot, Vec f, void *ctx)
 {
