@@ -4,9 +4,9 @@
 /*
   Sets the right-hand side of A phi = b, A = -dx_i^2 lap:
 
-    b = -dx_i^2 rho/k ((1 - alpha) div u* + alpha (1 - C)/dt) - B (gain of n.grad p)
+    b = -dx_i^2 rho/k ((1 - alpha) div u* + alpha (1 - C)/dt) - B (gain of n.grad p in the step)
 
-  with alpha of -ppe_alpha and the concentration C; k: see projection.c
+  with -ppe_alpha alpha, the concentration C, and k of projection.c. B is the wall part of A.
 */
 static PetscErrorCode SetSource(Flow *flow)
 {
@@ -64,15 +64,16 @@ static PetscErrorCode CorrectVelocity(Flow *flow)
     S max(0.1, 1/(1 + 8 nu dt/dx_i^2))
 
   The second expression is the factor by which an implicit viscous step damps the checkerboard of a
-  lattice. The filter is needed because an incremental projection amplifies pressure modes with
-  L^-1 D G p = m p and m < 0, which exist on disordered particles, by about 1 + |m|^(1/2) in each
-  step, however short the step is. Viscosity damps these modes too, so filter and viscosity
-  complement each other. See docs/theory.md, (78) and (79).
+  lattice. With the operators L, D and G of Laplacian, divergence and gradient, disordered particles
+  have pressure modes p with L^-1 D G p = m p and m < 0. An incremental projection amplifies them by
+  about 1 + |m|^(1/2) in each step, however short the step is; therefore the filter is needed.
+  Viscosity damps these modes too, so filter and viscosity complement each other. See
+  docs/theory.md, (78) and (79).
 
-  The price is a divergence: a steady pressure with the residual r leaves k (L - D G) S r/rho, which
-  can feed energy into thin layers. The energy of the cavity at Re = 1000, n = 48, fixed particles,
-  CFL number 1, t = 40 has errors of -18, -8.5, 5.1, 38 % for S = 0, 0.02, 0.1, 0.5. Therefore the
-  default on a lattice of fixed particles is S = 0.1.
+  The price is a divergence: if a steady pressure has the residual r, the projection leaves the
+  divergence k (L - D G) S r/rho, which can feed energy into thin layers. In the cavity at Re =
+  1000, n = 48, fixed particles, CFL number 1, t = 40, the energy has errors of -18, -8.5, 5.1, 38 %
+  for S = 0, 0.02, 0.1, 0.5. Therefore the default on a lattice of fixed particles is S = 0.1.
 */
 static PetscErrorCode ShareOfResidual(const Flow *flow, Vec residual)
 {
@@ -107,12 +108,13 @@ PetscReal PressureGain(const Flow *flow)
 }
 
 /*
-  Updates the pressure, p = [p^n] + s (phi [- c mu div u*]), s = PressureGain(), subtracts a share
-  of the residual of its fit, and fixes its mean
+  Updates the pressure, p = [p^n] + s (phi [- c mu div u*]), s = PressureGain(), then applies the
+  pressure filter and removes the mean
 
-  c is LaplacianDilatation(). mu belongs to the least viscosity: exact if it is uniform, stable if
-  it varies. With the local viscosity a drop 1e5 times as viscous as the fluid around it became
-  unstable within 4 steps.
+  p^n is present in incremental projections, and div u* in the rotational projection. c is
+  LaplacianDilatation(). mu is rho times the least viscosity of the flow: exact for a uniform
+  viscosity, and stable for a varying viscosity. With the local viscosity a drop 1e5 times as
+  viscous as the fluid around it became unstable within 4 steps.
 */
 static PetscErrorCode UpdatePressure(Flow *flow)
 {
@@ -157,7 +159,8 @@ static PetscErrorCode RenumberProjection(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ProjectVelocity - Solves for phi from div u*, then corrects velocity and pressure; collective */
+/* ProjectVelocity - Solves for the pressure increment phi from div u*, then corrects velocity and
+   pressure; collective */
 PetscErrorCode ProjectVelocity(Flow *flow)
 {
   Projection *pr = (Projection *)flow->scheme->data;

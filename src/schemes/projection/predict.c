@@ -1,7 +1,8 @@
 /* The predictor of the projection: forces at the new time, then the viscous step to u*. */
 #include "projection.h"
 
-/* Extrapolates the advecting velocity v of fixed particles, for a TS that applies convection. */
+/* Extrapolates the advecting velocity v of fixed particles, for a TS that applies convection; at:
+   time of v within the step, 1 or 1/2. */
 static PetscErrorCode ExtrapolateVelocity(Flow *flow, PetscReal at, Vec v[])
 {
   FlowState      *s = flow->state;

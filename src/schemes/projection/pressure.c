@@ -1,11 +1,12 @@
 /*
-  The pressure Poisson equation with undetermined constant: singular, but solved to a small true
-  residual for every form.
+  The pressure Poisson equation. The constant of the pressure is undetermined, so the matrix A of
+  the Laplacian L is singular. A regular system is solved instead, to a small true residual for
+  every form:
 
     (A + c c^T) phi = b,   A = -dx_i^2 L,   c of GaugeColumn(),   preconditioner from A + 1e-6 I
 
-  The rank-one term makes the matrix regular: it fixes the mean of phi and subtracts from b the
-  uniform source for which no phi exists (the left null vector of an unsymmetric L is not constant).
+  The rank-one term c c^T fixes the mean of phi, and subtracts from b the uniform source for which
+  no phi exists. (The left null vector of an unsymmetric L is not constant.)
 */
 #include "projection.h"
 
@@ -54,7 +55,7 @@ PetscErrorCode PressureDestroy(Pressure **ppe)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates the gauge column for the present numbering. */
+/* Resets the KSP, and creates the column c for the present numbering. */
 static PetscErrorCode PressureRenumber(const Particles *p, Pressure *s)
 {
   PetscFunctionBegin;
@@ -114,12 +115,15 @@ static PetscErrorCode PressureUpdateMatrices(Flow *flow, Pressure *s)
 }
 
 /*
-  PressureSolve - Solves A phi = b, A = -dx_i^2 lap; b contains n.grad phi
+  PressureSolve - Solves A phi = b, A = -dx_i^2 lap, for the pressure increment phi
 
   Collective. Sets scheme->failure if no method reaches a small true residual.
 
+  Input Parameter:
+. b - right-hand side, which contains the wall data n.grad phi [Pa]
+
   Output Parameter:
-. phi - of mean zero [Pa]
+. phi - pressure increment with mean zero [Pa]
 */
 PetscErrorCode PressureSolve(Flow *flow, Vec b, Vec phi, Pressure *s)
 {

@@ -7,8 +7,8 @@
     u    = u* - k/rho grad phi                                           ProjectVelocity
     p    = p^n + phi - mu div u*                                         ProjectVelocity
 
-  with k = 2dt/3 for the second-order default, which is a backward Euler step from
-  (4u^n - u^{n-1})/3. w is the velocity of the particles: u (Lagrangian) or 0 (Eulerian).
+  k is the length of the viscous step: for the default of second order 2dt/3, as a backward Euler
+  step from (4u^n - u^{n-1})/3. w is the velocity of the particles: u (Lagrangian) or 0 (Eulerian).
 */
 #include "projection.h"
 

@@ -25,7 +25,7 @@ typedef struct {
   PetscReal            filter;           /* strength of the grid-scale pressure filter [-] */
   Viscosity           *visc;             /* NULL: no viscosity */
   Pressure            *ppe;              /* NULL: no pressure */
-  PetscReal            wall_slope_share; /* share of the full n.grad p at walls in p [-] */
+  PetscReal            wall_slope_share; /* share of full wall gradient in p [-] */
   PetscReal            k;                /* u = u* - k/rho grad phi [s] */
   PetscInt             epoch;            /* of the vectors below */
   Vec                  phi, b;           /* increment of the pressure [Pa]; its right-hand side */

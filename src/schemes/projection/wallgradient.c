@@ -1,7 +1,8 @@
 /*
   The wall pressure gradient of the projection from the momentum equation, n.grad p = rho n.(f - a),
-  with the acceleration a of the wall. The pressure starts with a share of it, which grows step by
-  step; each step adds the change of the full gradient. See docs/theory.md, (87).
+  with the acceleration a of the wall. The pressure of a run that starts from p = 0 has only a share
+  of this full gradient. The increment of each step has the gradient that the pressure lacks, and
+  the share grows to 1. See docs/theory.md, (87).
 */
 #include "projection.h"
 
@@ -20,8 +21,8 @@ static PetscReal WallPressureGradient(const Scene *scene, const Particles *p, Pe
   return full;
 }
 
-/* Sets the gradient of the pressure at time t to a share of the full gradient, and its gain to
-   zero. */
+/* Sets the wall gradient of the pressure to a share of the full gradient at time t, and its gain in
+   the step to zero. */
 static PetscErrorCode SetGradient(Flow *flow, PetscReal t, PetscReal share)
 {
   WallValues  *walls = &flow->walls;
@@ -37,7 +38,8 @@ static PetscErrorCode SetGradient(Flow *flow, PetscReal t, PetscReal share)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the gain in the step to time t: the full gradient minus the gradient of p^n. */
+/* Sets the gain of the wall gradient in the step to time t: the full gradient minus the gradient of
+   p^n. */
 static PetscErrorCode SetGradientStep(Flow *flow, PetscReal t)
 {
   WallValues        *walls = &flow->walls;
@@ -55,14 +57,14 @@ static PetscErrorCode SetGradientStep(Flow *flow, PetscReal t)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the time of the wall gradient after a step of length dt to time t: the time of the force
-   in the step. */
+/* Returns the time at which the wall gradient is evaluated in a step of length dt to time t: the
+   time of the force. */
 static PetscReal GradientTime(const Projection *pr, PetscReal t, PetscReal dt)
 {
   return !pr->visc || pr->visc->row->end_of_step ? t : t - 0.5 * dt;
 }
 
-/* WallGradientBegin - Sets the wall gradient of the present pressure; collective */
+/* WallGradientBegin - Sets the wall gradient of the present pressure, before a step; collective */
 PetscErrorCode WallGradientBegin(Flow *flow)
 {
   const Projection *pr    = (const Projection *)flow->scheme->data;
@@ -74,7 +76,7 @@ PetscErrorCode WallGradientBegin(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* WallGradientPredict - Sets the wall gradient of p^n and its gain for the present step */
+/* WallGradientPredict - Sets the wall gradient of p^n and its gain in the step; collective */
 PetscErrorCode WallGradientPredict(Flow *flow)
 {
   Projection  *pr    = (Projection *)flow->scheme->data;

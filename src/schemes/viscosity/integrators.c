@@ -1,11 +1,11 @@
 /*
-  The integrators of viscosity: TS types and the callbacks of each. Several layouts are necessary:
-  explicit types refuse an IFunction, and implicit types combine an RHSFunction with the wrong
-  Jacobian.
+  The time integrators of viscosity: TS types, and for each type the callbacks that compute the
+  terms of the equation. Several combinations of callbacks are necessary: explicit types refuse an
+  IFunction, and implicit types combine an RHSFunction with the wrong Jacobian.
 */
 #include "viscosity.h"
 
-/* Returns the coefficient of the newest force in BDF of order 1, 2, 3, ...: 1, 2/3, 6/11, ... */
+/* Returns the factor of the newest force in BDF of order 1, 2, 3, ...: 1, 2/3, 6/11, ... */
 static PetscReal Response_Bdf(TS ts)
 {
   PetscInt  order = 2;

@@ -1,7 +1,7 @@
 /*
-  The nonlinear solver for rheologies: SNES newtonls on the residual of a TS stage. With the
-  Jacobian shift I - nu A at the present viscosities its steps are Picard's iteration; with
-  -visc_snes_mf_operator this matrix preconditions Newton's method.
+  The nonlinear solver for rheologies: a SNES of type newtonls for the residual of a TS stage. Its
+  Jacobian is the matrix shift I - nu A with the present viscosities, so its steps are Picard's
+  iteration. With -visc_snes_mf_operator this matrix is the preconditioner of Newton's method.
 */
 #include "viscosity.h"
 
@@ -16,12 +16,12 @@ static PetscErrorCode TakesNewton(PetscBool *newton)
 /*
   IterationChoose - Sets defaults of the nonlinear solver, which options may change
 
-  Collective. Line searches were chosen by measurements with power laws of exponent 0.2 to 3 and
-  with plastics. For Picard steps secant (l2 before PETSc 3.24) took half the iterations of full
-  steps, and converged in cases in which full steps or bt did not; it may extend a step. Newton
-  steps use bt.
+  Collective. Measurements with power laws of exponent 0.2 to 3 and with viscoplastic fluids decided
+  the line searches. For Picard steps, the type secant (l2 before PETSc 3.24) took half the
+  iterations of full steps, and converged in cases in which full steps or bt did not; it may extend
+  a step. Newton steps use bt.
 
-  Errors: an absolute tolerance, and a type that does not iterate
+  Errors: refuses an absolute tolerance, and a SNES type that does not iterate
 */
 PetscErrorCode IterationChoose(SNES snes)
 {
@@ -40,7 +40,7 @@ PetscErrorCode IterationChoose(SNES snes)
   PetscCall(TakesNewton(&newton));
   PetscCall(SNESSetType(snes, SNESNEWTONLS));
   PetscCall(SNESSetTolerances(snes, 0.0, 1e-6, 0.0, 500, PETSC_INT_MAX));
-  /* at rest viscosities may be far off */
+  /* the first residual is no reference: viscosities at rest may be far off */
   PetscCall(SNESSetDivergenceTolerance(snes, PETSC_UNLIMITED));
   PetscCall(SNESGetLineSearch(snes, &search));
   PetscCall(SNESLineSearchSetType(search, newton ? SNESLINESEARCHBT : SNESLINESEARCHSECANT));
@@ -51,7 +51,7 @@ PetscErrorCode IterationChoose(SNES snes)
   IterationSetTolerance - Sets the absolute tolerance to -visc_snes_rtol times the scale of the
   residual, because near a steady flow the first residual is small
 
-  Collective. Input: u at time t, before the step.
+  Collective. Input: u - velocity at time t, before the step.
 */
 PetscErrorCode IterationSetTolerance(Viscosity *v, PetscReal t, Vec u)
 {
@@ -95,8 +95,8 @@ PetscErrorCode IterationCheck(TS ts, const char where[], StepFailure *failure)
 }
 
 /*
-  IterationFallBack - Replaces line search l2 after a failure by full Picard steps: from rest l2 may
-  go far beyond the solution and not return
+  IterationFallBack - Replaces the line search secant (l2 before PETSc 3.24) by full Picard steps
+  after a failure: from rest this line search may go far beyond the solution and not return
 
   Collective. Input: failure - failure of the step. Output: again - flag: the line search was
   replaced, so the step should be repeated.
@@ -125,7 +125,7 @@ PetscErrorCode IterationFallBack(Viscosity *v, const StepFailure *failure, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* IterationGoBack - Restores the line search l2 after IterationFallBack(); collective */
+/* IterationGoBack - Restores the line search secant after IterationFallBack(); collective */
 PetscErrorCode IterationGoBack(Viscosity *v)
 {
   SNESLineSearch search;

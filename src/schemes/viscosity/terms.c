@@ -7,7 +7,8 @@ static const AffineOperator *Viscous(const Viscosity *v, PetscInt c)
   return &OperatorsOfVelocity(v->flow->ops, c)->visc;
 }
 
-/* Computes B u_wall for each component, or for coupled components. */
+/* Computes the wall terms B u_wall for each velocity component, or for all components if they are
+   coupled. */
 static PetscErrorCode ApplyBoundary(Viscosity *v)
 {
   Vec *wall_u = v->flow->walls.u;
@@ -35,7 +36,8 @@ static PetscErrorCode UpdateBoundary(Viscosity *v, PetscReal t)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Updates the operator to the viscosities of u if they depend on the strain rate. */
+/* Updates the wall terms to time t and, if viscosities depend on the strain rate, the operator to
+   the velocity u. */
 static PetscErrorCode FollowStrain(Viscosity *v, PetscReal t, Vec u)
 {
   PetscFunctionBegin;
@@ -48,7 +50,7 @@ static PetscErrorCode FollowStrain(Viscosity *v, PetscReal t, Vec u)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes f = nu (A u + B u_wall). */
+/* Computes the viscous term f = nu (A u + B u_wall) of system c at time t. */
 static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, Vec f)
 {
   PetscFunctionBegin;
@@ -70,7 +72,7 @@ static PetscErrorCode TakeConvection(Viscosity *v, PetscInt c, Vec u, Vec f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes f = force - (v.grad) u. */
+/* Computes f = force - (v.grad) u of system c. */
 static PetscErrorCode ConvectiveTerm(Viscosity *v, PetscInt c, Vec u, Vec f)
 {
   PetscFunctionBegin;
@@ -92,8 +94,8 @@ static PetscErrorCode ConvectiveTerm(Viscosity *v, PetscInt c, Vec u, Vec f)
   ViscosityScale - Computes the largest of three norms: viscous term of u, force, and nu u/L^2
   [m/s^2]
 
-  Collective. The last norm estimates the viscous term of a flow of this size: between driving walls
-  the viscous term vanishes in the steady state, and the scale of the residual would vanish with it.
+  Collective. The last norm estimates the viscous term of a flow of this size. Without it the scale
+  could vanish: between driving walls the viscous term vanishes in the steady state.
 */
 PetscErrorCode ViscosityScale(Viscosity *v, PetscReal t, Vec u, Vec force, PetscReal *scale)
 {
@@ -112,7 +114,8 @@ PetscErrorCode ViscosityScale(Viscosity *v, PetscReal t, Vec u, Vec force, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ViscosityIFunction - Computes du/dt - nu lap u [- force, for implicit integrators]; collective */
+/* ViscosityIFunction - Computes the residual du/dt - nu lap u, and subtracts the force for
+   integrators without RHSFunction; collective */
 PetscErrorCode ViscosityIFunction(TS ts, PetscReal t, Vec u, Vec udot, Vec f, void *ctx)
 {
   Component *part = (Component *)ctx;
@@ -127,7 +130,7 @@ PetscErrorCode ViscosityIFunction(TS ts, PetscReal t, Vec u, Vec udot, Vec f, vo
 }
 
 /*
-  ViscosityIJacobian - Computes shift I - nu A in P, if the shift or the viscosities may be new
+  ViscosityIJacobian - Computes P = shift I - nu A, if the shift or the viscosities may be new
 
   Collective. J is P, or a matrix-free operator of the SNES.
 */
@@ -155,8 +158,8 @@ PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ViscosityRHSFunction - Computes convection and force, and viscosity for explicit integrators;
-   collective */
+/* ViscosityRHSFunction - Computes the force minus the convective term, plus the viscous term for
+   explicit integrators; collective */
 PetscErrorCode ViscosityRHSFunction(TS ts, PetscReal t, Vec u, Vec f, void *ctx)
 {
   Component *part = (Component *)ctx;

@@ -1,12 +1,13 @@
 /*
-  Viscosity by PETSc's TS: a scalar system for each velocity component,
+  The viscous step by PETSc's TS. Each velocity component has a scalar system,
 
     du_c/dt = nu (A u_c + B u_wall,c) - (v.grad) u_c + force_c,
 
-  with the same KSP for all, and the same matrix unless a boundary has equations for each component;
-  or a single system of all components if a form couples them or the viscosity depends on the strain
-  rate. The integrator's row decides the callback of each term; v is the advecting velocity of fixed
-  particles, constant over the step.
+  with the matrices A and B of the viscous operator and the advecting velocity v of fixed particles,
+  constant over the step. The systems share a KSP, and they share a matrix unless a boundary has
+  different equations for each component. If the form couples components, or the viscosity depends
+  on the strain rate, all components are in a single system. The integrator's row decides the
+  callback of each term.
 */
 #include "viscosity.h"
 
@@ -22,7 +23,7 @@ static const OptionRow options[] = {
 };
 const OptionTable ViscosityOptions = OPTIONS("Viscosity", options);
 
-/* Refuses options by which the TS would control time, or that contradict a multistep history. */
+/* Refuses options by which the TS would control time, or that a multistep method excludes. */
 static PetscErrorCode RefuseTimeOptions(const ViscousIntegratorRow *row)
 {
   PetscReal theta = 0.5;
@@ -96,7 +97,8 @@ static PetscErrorCode CreateSystem(Viscosity *v, PetscInt c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses an integrator whose history is lost: on moving particles, or by undone steps. */
+/* Refuses a multistep integrator if particles move or steps can be undone, because PETSc's copy of
+   earlier velocities would not follow. */
 static PetscErrorCode RefuseMultistep(const Flow *flow, const ViscousIntegratorRow *row)
 {
   PetscFunctionBegin;
@@ -257,7 +259,8 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Advances a system over [t, t + dt], in a TS step unless the user's adaptor takes several. */
+/* Advances a system over [t, t + dt], in a single TS step unless the user's -visc_ts_adapt_type
+   takes several. */
 static PetscErrorCode ViscosityTrySystem(Viscosity *v, PetscInt c, PetscReal t, PetscReal dt, Vec u,
                                          StepFailure *failure)
 {
@@ -272,7 +275,8 @@ static PetscErrorCode ViscosityTrySystem(Viscosity *v, PetscInt c, PetscReal t, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Advances a system; after a failure of the nonlinear solver repeats it with full steps. */
+/* Advances a system over [t, t + dt]; if the nonlinear solver fails, repeats the step with full
+   Picard steps. */
 static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t, PetscReal dt,
                                           Vec u, StepFailure *failure)
 {
@@ -299,7 +303,7 @@ static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t,
 }
 
 /*
-  ViscositySolve - Advances all velocity components over [t_new - dt, t_new], t_new: clock's t + dt
+  ViscositySolve - Advances all velocity components over dt to the end of the clock's step
 
     du/dt = nu lap u - (v.grad) u + force
 
@@ -342,8 +346,8 @@ PetscErrorCode ViscositySolve(Flow *flow, PetscReal dt, PetscReal projection_fac
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ViscosityResponse - Returns the response of u to a new unit force, divided by dt: 1, or less
-   for BDF; see docs/theory.md, (100) */
+/* ViscosityResponse - Returns the change of u by a new force in a step, over dt times the force: 1,
+   or less for BDF; see docs/theory.md, (100) */
 PetscReal ViscosityResponse(const Viscosity *v)
 {
   return v->row->Response ? v->row->Response(v->ts[0]) : 1.0;
