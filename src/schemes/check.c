@@ -4,7 +4,7 @@
 */
 #include "step.h"
 
-/* Computes the largest |D u| of a velocity [1/s]. */
+/* Computes the largest |div u| of a velocity u [1/s]. */
 static PetscErrorCode MeasureDivergence(Flow *flow, const Vec u[], PetscReal *largest)
 {
   Vec div;
@@ -70,15 +70,15 @@ PetscErrorCode FlowMeasureStart(Flow *flow)
 }
 
 /*
-  Returns the bound on the root mean square velocity, with an allowance of
-  5 % for discretisation and 1e-6 U for rounding
+  Adds the force of the present step to the bound on the root mean square velocity |u|, and returns
+  the bound plus 5 % for discretisation and 1e-6 U for rounding
 
     |u| <= |u|(0) + min(int F dt, max F/r) + max wall speed bound,  F = max |f|
 
-  r is the rate at which walls at rest would slow the flow (SceneDecayRate()). All terms except the
-  last follow from the energy balance for steps of any length. In all flows with a known solution
-  the speed stays below SceneWallSpeedBound(); a cavity reaches a third of it. See docs/theory.md,
-  (115).
+  f is the body force, and r the rate at which walls at rest slow the flow (SceneDecayRate()). All
+  terms except the last follow from the energy balance, for steps of any length. The last term is
+  SceneWallSpeedBound(). The speed stays below it in all flows with a known solution; a cavity
+  reaches a third of it. See docs/theory.md, (115).
 */
 static PetscReal BoundSpeed(Flow *flow)
 {
@@ -119,11 +119,11 @@ static PetscErrorCode FailSpeed(Flow *flow, PetscReal rms, PetscReal bound)
 }
 
 /*
-  FlowCheck - Measures the step that ends with the velocity u_next, and fails it if the flow is
+  FlowCheck - Measures the velocity u_next at the end of a step, and fails the step if the flow is
   invalid
 
-  Collective. Sets scheme->failure if the energy is not finite or exceeds its bound, or if a
-  particle is a hundred times as fast as the reference speed.
+  Collective. Sets scheme->failure if the root mean square velocity is not finite or exceeds its
+  bound, or if a particle has at least a hundred times the reference speed.
 */
 PetscErrorCode FlowCheck(Flow *flow)
 {
@@ -146,7 +146,8 @@ PetscErrorCode FlowCheck(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FlowRemember - Adds statistics and speed bound to the memory of the run; not collective */
+/* FlowRemember - Adds statistics and speed bound to the memory of the run, which undo and
+   checkpoints save; not collective */
 PetscErrorCode FlowRemember(Flow *flow)
 {
   static const char *const changes[] = {"change_u", "change_divergence", "change_p"};

@@ -1,11 +1,11 @@
 /*
-  The clock, which owns the time. Solvers take t and dt from it.
+  The clock, which keeps the time and chooses the step length. Solvers take t and dt from it.
 */
 #include "isph/clock.h"
 #include <stdarg.h>
 
 #define CLOCK_MAX_HALVINGS 10 /* largest number of halvings of a step */
-#define CLOCK_GOOD_NEEDED  10 /* half the good steps before the first doubling */
+#define CLOCK_GOOD_NEEDED  10 /* good_needed before the first failure, which doubles it */
 
 static const DtAdaptRow adapts[] = {
     /* name, brief, citation, follows the flow, retries */
@@ -137,7 +137,7 @@ PetscReal ClockMoment(const Clock *clock)
   return clock->steady_solve ? PETSC_INFINITY : clock->t;
 }
 
-/* Reads the times of reports besides the end. */
+/* Reads the report times; the run also reports at its end. */
 static PetscErrorCode ClockReadReports(Clock *clock)
 {
   PetscInt n;
@@ -175,7 +175,7 @@ static PetscErrorCode ClockReadSteady(Clock *clock)
 }
 
 /*
-  ClockCreate - Reads the end of the run and the control of steps
+  ClockCreate - Creates the clock and reads the options of the time step and of the end of the run
 
   Collective on PETSC_COMM_WORLD.
 
@@ -262,11 +262,11 @@ static PetscReal ClockTarget(const Clock *c)
 /*
   ClockChoose - Sets dt of the next step
 
-    dt = min((-dt, or else the scheme's limit)/2^halvings, land_every)
+    dt_wanted = min((-dt, or else the scheme's limit)/2^halvings, land_every)
 
-  Not collective. Steps are shortened evenly, so that the next time of a report or a snapshot and
-  t_end are hit exactly without a short last step. A step that the interval of snapshots limits does
-  not count as shortened (dt_wanted).
+  Not collective. land_every is the interval of snapshots. dt is dt_wanted, or less so that
+  equal steps end exactly at the next report time, at the next snapshot, or at t_end. In a run of a
+  single step dt_wanted is dt.
 
   Input Parameter:
 . limit - the longest step that the scheme allows
@@ -285,7 +285,8 @@ PetscErrorCode ClockChoose(const StepLimit *limit, Clock *clock)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ClockRemember - Adds the clock's numbers to the memory of the run; not collective */
+/* ClockRemember - Adds the clock's numbers to the memory of the run, which undo and checkpoints
+   save; not collective */
 PetscErrorCode ClockRemember(Clock *c, Memory *memory)
 {
   PetscFunctionBegin;
@@ -325,7 +326,7 @@ PetscErrorCode ClockRestart(Clock *c)
 /*
   ClockAdvance - Advances the time after a good step
 
-  Not collective. After a failure dt doubles again after good_needed good steps.
+  Not collective. If failures have halved dt, it doubles again after good_needed good steps.
 */
 PetscErrorCode ClockAdvance(Clock *clock)
 {
@@ -351,8 +352,8 @@ PetscErrorCode ClockAdvance(Clock *clock)
   Output Parameter:
 . failure - made fatal, with advice, if steps cannot be halved any more
 
-  Notes: each failure doubles the number of good steps before the step length grows, so that a flow
-  that needs short steps is not tried with long steps again and again
+  Notes: each failure doubles good_needed, the number of good steps before dt doubles again, so that
+  long steps are tried ever more rarely in a flow that needs short steps
 */
 PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
 {
@@ -378,9 +379,9 @@ PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
 /*
   ClockRatio - Returns w = dt/dt_previous for extrapolation in time; not collective
 
-  Returns 0, which means first order, with -time_order 1, in the first step, and if w exceeds 1 +
-  sqrt(2). BDF2 is unstable there. After an impulsive start, the change in a short step to a report
-  time would be extrapolated to a step ten times as long.
+  Returns 0, which means first order, in three cases: with -time_order 1, in the first step, and if
+  w exceeds 1 + sqrt(2). For such w BDF2 is unstable, and the change in a very short step to a
+  report time after an impulsive start would be extrapolated to a much longer step.
 */
 PetscReal ClockRatio(const Clock *clock)
 {

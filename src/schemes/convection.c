@@ -24,11 +24,11 @@ PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, cons
 
     (v.grad u)_i + S max(0, |v_i|/dx_i - 2 nu/dx_i^2) (u - fit)_i
 
-  Collective. S is -velocity_filter, and fit the least-squares value of u at particle i. The second
-  term is the difference between upwind-biased and central differences. It damps grid modes in the
-  time in which the flow passes dx, and only if |v| dx/nu > 2. It is of order 2, U dx^2 u''', on any
-  arrangement of particles, and of order 3 on lattices. Without it (-velocity_filter 0) explicit
-  steps of the first term amplify grid modes that viscosity does not damp.
+  Collective. S is -velocity_filter, and fit the value of a quadratic fit of u at particle i. The
+  second term is the difference between upwind-biased and central differences. It damps grid modes
+  in the time in which the flow passes dx, and only if |v| dx/nu > 2. It is of order 2, U dx^2 u''',
+  on any arrangement of particles, and of order 3 on lattices. Without it (-velocity_filter 0)
+  explicit steps of the first term amplify grid modes that viscosity does not damp.
 
   Input Parameters:
 + v     - advecting velocity over fluid [m/s]

@@ -21,8 +21,8 @@ PetscErrorCode OptionDefault(const char prefix[], const char name[], const char 
 /*
   AmgDefaults - Sets the parameters of BoomerAMG that measurements found best, unless they are given
 
-  Collective on PETSC_COMM_WORLD. Input: aggressive - levels of aggressive coarsening, which make
-  pressure solves faster but double the iterations of velocity solves.
+  Collective on PETSC_COMM_WORLD. Input: aggressive - number of levels with aggressive coarsening;
+  such levels make pressure solves faster but double the iterations of velocity solves.
 */
 PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[])
 {
@@ -44,7 +44,8 @@ PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[])
 }
 
 /*
-  PoissonSolver - Creates a KSP for -dx^2 L, with the options of the guard's prefix, and its guard
+  PoissonSolver - Creates the KSP of a Poisson equation, with the options of the guard's prefix, and
+  attaches the guard
 
   Collective on PETSC_COMM_WORLD. The default is cg for a symmetric form, otherwise fgmres, with
   BoomerAMG of hypre.
@@ -115,7 +116,7 @@ PetscErrorCode SolverRenewPC(KSP ksp)
                       aijsell, and aijcusparse, aijkokkos, ... where PETSc has them
 
   Output Parameter:
-. type - for MatConvert(); MATSAME unless the user gave one
+. type - for MatConvert(); MATSAME unless the user gives a type
 
   Errors: refuses types that are not derived from aij, and types that PETSc was built without
 */

@@ -7,7 +7,7 @@
 /* The fallback methods in their order; they use the matrix of the preconditioner. */
 static const struct {
   const char *ksp, *pc;
-  PetscInt    most;   /* most rows; 0: any number */
+  PetscInt    most;   /* largest number of rows; 0: any */
   PetscBool   nested; /* suits nested matrices, after flattening */
 } levels[FALLBACK_LEVELS] = {
     {KSPGMRES, PCHYPRE, 0, PETSC_FALSE},
@@ -66,14 +66,14 @@ static PetscErrorCode FallbackSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBoo
 
   Input Parameters:
 + b     - the right-hand side
-- guard - of the failed solver, with its matrices and tolerance
+- guard - guard of the failed solver, which has the matrices and the tolerance
 
   Output Parameters:
 + x      - the solution, if solved
 - solved - PETSC_FALSE if no method reached the residual, or b is not finite
 
-  Notes: each fallback is printed; guard->solve.falls counts all of them, guard->in_a_row those
-  since the last success of the chosen method
+  Notes: each fallback is printed; guard->solve.falls counts all fallbacks, guard->in_a_row the
+  fallbacks since the last success of the chosen method
 */
 PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved)
 {

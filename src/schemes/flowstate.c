@@ -21,7 +21,7 @@ static PetscReal DefaultVelocityFilter(const Scene *scene)
   return PetscMin(1.0, PetscMax(0.0, (R - 20.0) / 40.0));
 }
 
-/* Registers the stages of a step; fixed particles have no stage of motion. */
+/* Registers the stages of a step for -log_view; fixed particles have no stage of motion. */
 static PetscErrorCode RegisterEvents(const Scene *scene, FlowState *s)
 {
   PetscClassId id;
@@ -193,7 +193,7 @@ PetscErrorCode FlowStateRenumber(Flow *flow)
 }
 
 /*
-  FlowGetWork - Returns a work vector over the own fluid with undefined values
+  FlowGetWork - Returns a work vector over the own fluid, whose values are undefined
 
   Collective when the vector is first created in an epoch. To be returned by FlowRestoreWork()
   before the epoch ends.

@@ -1,6 +1,6 @@
 /*
-  The constant of the pressure. Without a boundary that prescribes a pressure it is undetermined.
-  All solvers fix it here and nowhere else.
+  The constant of the pressure, which is undetermined without a boundary that prescribes a pressure.
+  All solvers fix it by these functions and in no other way.
 */
 #include "step.h"
 
@@ -13,16 +13,16 @@ PetscErrorCode GaugeRemove(const Particles *particles, Vec p)
 }
 
 /*
-  GaugeColumn - Creates the column c such that c c^T makes the matrix of an undetermined pressure
-  regular
+  GaugeColumn - Creates a column c that makes A + c c^T regular, if the matrix A leaves the constant
+  of the pressure undetermined
 
     c = (0, ..., 0, 1, ..., 1)/sqrt(N)
 
-  Collective. The solution of (A + c c^T) p = b has a fixed mean; c c^T p subtracts from b the
+  Collective. The solution p of (A + c c^T) p = b has a fixed mean, and c c^T p subtracts from b the
   uniform source for which no pressure exists. See docs/theory.md, (90).
 
   Input Parameter:
-. before - rows of other unknowns before the pressures, for each particle
+. before - number of other unknowns of each particle, whose rows precede the rows of the pressure
 */
 PetscErrorCode GaugeColumn(const Particles *p, PetscInt before, Mat *column)
 {

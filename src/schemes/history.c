@@ -12,7 +12,7 @@
 . history - flag: BDF2 if u^{n-1} is known; otherwise backward Euler, with start = u^n and k = dt
 
   Output Parameter:
-. dt - k [s]
+. dt - length k of the step from this start [s]
 */
 PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt)
 {

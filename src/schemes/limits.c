@@ -18,9 +18,9 @@ PetscReal ClockExplicitLimit(const Scene *scene, PetscReal support_radius)
 
     dt <= C min_i dx_i/max(U, |u_i|), dt <= max(sqrt(C dx/|f|), C dx r/|f|), dx: finest spacing
 
-  Not collective. A force alone moves a particle by f dt^2 in a step, or by f dt/r if walls at rest
-  slow the flow at the rate r (SceneDecayRate()); so very viscous flows need no short steps. With
-  -dt_adapt none only the reference speed U is used.
+  Not collective. C is the CFL number, f the body force. A force alone moves a particle by f dt^2 in
+  a step, or by f dt/r if walls at rest slow the flow at the rate r (SceneDecayRate()); so very
+  viscous flows need no short steps. With -dt_adapt none only the reference speed U is used.
 */
 PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit)
 {

@@ -1,6 +1,6 @@
 /*
   The memory of a run: numbers that steps keep for later steps, registered by name. Undo,
-  checkpoints and restarts loop over them, so that a new number needs a single line in its owner.
+  checkpoints and restarts loop over them, so that a new number needs a single line of code.
 */
 #include "isph/clock.h"
 
@@ -43,7 +43,7 @@ PetscErrorCode MemoryAddCounter(Memory *memory, const char name[], PetscInt *val
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* MemoryGet - Copies the memory->n numbers; not collective */
+/* MemoryGet - Copies all memory->n numbers to an array; not collective */
 void MemoryGet(const Memory *memory, PetscReal values[])
 {
   for (PetscInt k = 0; k < memory->n; k++) {
@@ -53,7 +53,8 @@ void MemoryGet(const Memory *memory, PetscReal values[])
   }
 }
 
-/* MemorySet - Sets the numbers from a copy, with the flag also counters; not collective */
+/* MemorySet - Sets all numbers from a copy, but counters only if the flag `counters` is set; not
+   collective */
 void MemorySet(const Memory *memory, PetscBool counters, const PetscReal values[])
 {
   for (PetscInt k = 0; k < memory->n; k++) {

@@ -22,9 +22,9 @@ static void KeepOffWalls(const Scene *scene, PetscReal dx, PetscReal x[])
 }
 
 /*
-  Terms in the change of fields of a displaced particle, at the old positions: grad p; with shifting
-  grad u and, if the viscous operator is a Laplacian, lap u; with the velocity filter grad u and the
-  residual of the fit of u. Unneeded vectors are NULL.
+  Derivatives at the old positions, which give the change of the fields of a displaced particle:
+  grad p; with shifting also grad u and, if the viscous operator is a Laplacian, lap u; with the
+  velocity filter also grad u and the residual of a quadratic fit of u. Unneeded vectors are NULL.
 */
 typedef struct {
   Vec                p_vec[ISPH_MAX_DIM], u_vec[ISPH_MAX_DIM][ISPH_MAX_DIM];
@@ -118,7 +118,8 @@ static void ShiftParticle(const Flow *flow, const Slopes *slopes, PetscInt i, Pe
   }
 }
 
-/* Computes the change of the velocity of particle i by its shift: s.grad u + |s|^2/2d lap u. */
+/* Computes the change of the velocity of particle i by its shift s, s.grad u + |s|^2/(2d) lap u in
+   d dimensions. */
 static void FollowShift(const Scene *scene, const Slopes *slopes, PetscInt i,
                         const PetscReal shift[], PetscReal change[])
 {
@@ -136,10 +137,11 @@ static void FollowShift(const Scene *scene, const Slopes *slopes, PetscInt i,
 
     u -= S min(1, RATE dt |A A|^(1/2)) (u - fit),   A_ca = du_c/dx_a,   |.| Frobenius' norm
 
-  |A A|^(1/2) is the rate at which the flow can amplify disturbances: the size of the eigenvalues of
-  A in strain and rotation. It is zero in parallel flow with any shear, so that thin boundary layers
-  keep their velocity. In a resolved flow the rate is U/L, and the filter is of order 3. See
-  docs/theory.md, (77).
+  S is -velocity_filter, RATE is FILTER_RATE, and fit the value of a quadratic fit of u at the
+  particle. |A A|^(1/2) is the rate at which the flow can amplify disturbances: the size of the
+  eigenvalues of A in strain and rotation. It is zero in parallel flow with any shear, so that thin
+  boundary layers keep their velocity. In a resolved flow the rate is U/L, and the filter is of
+  order 3. See docs/theory.md, (77).
 */
 static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i, PetscReal strength,
                            PetscReal dt, PetscReal change[])
@@ -223,12 +225,13 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     dr = dt ((1 + w/2) u^n - w/2 u^{n-1}) + s,   w = ClockRatio()
     u += s.grad u + |s|^2/(2d) lap u - filter of FilterVelocity(),   p += dr.grad p
 
-  Collective. u^{n-1} changes like u^n. The pressure is carried as an Eulerian field. The velocity
-  belongs to the particle and changes only by the shift s and the filter. s contains the
-  displacement from walls; without this change particles would carry the speed of a moving lid away
-  from it, as they do without shifting. The term with lap u is the mean of s s : grad grad u/2 over
-  directions of s; without it shifting feeds energy into the flow. On entry the operators are at
-  x^n; on exit they are out of date. See docs/theory.md, (105) to (107).
+  Collective. u^{n-1} receives the same change as u^n. The pressure is carried as an Eulerian field.
+  The velocity belongs to the particle and changes only by the shift s and the filter. s includes
+  the displacement by KeepOffWalls(). If the velocity did not change with this displacement,
+  particles would carry the speed of a moving lid away from the lid, as they do without shifting.
+  The term with lap u is the mean of s s : grad grad u/2 over directions of s; without it shifting
+  feeds energy into the flow. On entry the operators belong to x^n; on exit they are out of date.
+  See docs/theory.md, (105) to (107).
 */
 PetscErrorCode FlowMove(Flow *flow)
 {

@@ -1,5 +1,5 @@
 /*
-  The steady test: changes of velocity, divergence and pressure per time scale of the flow.
+  The steady test: changes of velocity, divergence and pressure in a time scale of the flow.
 */
 #include "step.h"
 
@@ -54,11 +54,10 @@ PetscReal FlowRmsSpeed(const Flow *flow)
 }
 
 /*
-  Measures the rates of change of fixed particles: of u and p at each particle, and of the root mean
+  Measures the rates of change on fixed particles: of u and p at each particle, and of the root mean
   square of div u*, which converges to the error of the approximate projection and not to zero.
-  Rates are relative, per time scale T, or per step if the step is longer. With an incremental
-  projection at large steps the change of u is small long before the flow is steady; the pressure
-  shows the difference.
+  Rates are relative changes in TimeScale(), or in a step if the step is longer. With an incremental
+  projection at large steps, u changes little long before the flow is steady, but p still changes.
 */
 static PetscErrorCode MeasureFixed(Flow *flow)
 {
@@ -88,9 +87,9 @@ static PetscErrorCode MeasureFixed(Flow *flow)
 }
 
 /*
-  Measures the rates of change of moving particles. Shifting and new neighbours make single steps
-  noisy. Therefore the means of the root mean squares of u, div u* and p over windows of T, at least
-  20 steps, are compared with the last window.
+  Measures the rates of change with moving particles. Shifting and new neighbours make single steps
+  noisy. Therefore the root mean squares of u, div u* and p are averaged over windows of
+  TimeScale(), but at least 20 steps, and compared with the averages of the window before.
 */
 static PetscErrorCode MeasureMoving(Flow *flow)
 {
@@ -125,7 +124,7 @@ static PetscErrorCode MeasureMoving(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SteadyMeasure - Measures the rates of change in stats.change; collective */
+/* SteadyMeasure - Measures the rates of change of the flow and sets stats.change; collective */
 PetscErrorCode SteadyMeasure(Flow *flow)
 {
   PetscFunctionBegin;
@@ -156,10 +155,10 @@ PetscErrorCode SteadyRemember(Scheme *scheme)
 /*
   SteadyRefuse - Refuses -steady_tol if the test could end the run far from the steady state
 
-  Collective. A flow driven in time has no steady state. A projection that is not rotational for all
-  of the viscosity converges slowly in the Stokes limit, so that at large steps the test is met too
-  early: the incremental cavity at Re = 0.01, nu dt/L^2 = 100 meets 1e-3 with an error of 31 % in
-  u_min.
+  Collective. A flow with a driving force or wall velocity that depends on time has no steady state.
+  A projection whose rotational term does not contain the whole viscosity converges slowly in the
+  Stokes limit, so that at large steps the test is met too early: with the incremental projection at
+  Re = 0.01 and nu dt/L^2 = 100, the cavity meets -steady_tol 1e-3 with an error of 31 % in u_min.
 
   Input Parameters:
 + projection - name of the projection; NULL: no pressure, or no splitting

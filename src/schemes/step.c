@@ -22,7 +22,8 @@ static PetscErrorCode FlowAdvance(Flow *flow)
 /*
   FlowRebuild - Computes neighbours, matrices and vectors for the present positions
 
-  Collective. Assembly alone reads neighbours: those of fixed particles are freed after it.
+  Collective. Only the assembly reads neighbours, so the neighbours of fixed particles are freed
+  after it.
 */
 PetscErrorCode FlowRebuild(Flow *flow)
 {
@@ -44,8 +45,8 @@ PetscErrorCode FlowRebuild(Flow *flow)
 }
 
 /*
-  FlowBegin - Prepares the flow of the particles for a step: at the start, after a restart, after an
-  undone step
+  FlowBegin - Prepares the flow for the next step at the start of a run, after a restart, or after
+  an undone step
 
   Collective. Computes from the particles' fields all other data that a finished step leaves.
 */

@@ -53,9 +53,9 @@ static PetscErrorCode TimeMonitor(TS ts)
 }
 
 /*
-  TimeStepThrough - Advances a TS, whose solution is set, from t over dt
+  TimeStepThrough - Advances a TS from t over dt; TSSetSolution() has set its solution
 
-  Collective. It takes a single step, unless an adaptor takes several.
+  Collective. The TS takes a single step, or several steps if a TSAdapt controls their lengths.
 
   Input Parameters:
 + name  - type of the TS, for messages

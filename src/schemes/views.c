@@ -2,7 +2,7 @@
   Views of solvers: -<prefix>ksp_view, and views of the linear system, after the first solve;
   -<prefix>ts_view at the end of the run. PETSc's own views do not serve here: PETSc 3.18 loses the
   viewers of a KSP after a reset for another number of particles, newer releases view a KSP in every
-  step, and only TSSolve() views a TS, which no step calls.
+  step, and only TSSolve(), which no step calls, views a TS.
 */
 #include "isph/guard.h"
 
@@ -66,9 +66,11 @@ PetscErrorCode KspViewsTake(const char prefix[], KspViews *views)
 }
 
 /*
-  KspViewsShow - Views a KSP and its last linear system as far as options ask for it, the first time
+  KspViewsShow - Views a KSP and its last linear system if their options are given, and closes the
+  viewers
 
-  Collective. Of A + c c^T, with the term that fixes the constant of the pressure, A is viewed.
+  Collective. If the matrix is A + c c^T, with a term that fixes the constant of the pressure, only
+  A is viewed.
 */
 PetscErrorCode KspViewsShow(KSP ksp, KspViews *views)
 {
