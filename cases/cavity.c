@@ -1,6 +1,7 @@
 /*
-  Lid-driven cavity: a unit square or cube whose lid y = L moves along x with U. Centreline profiles
-  are compared with converged reference data; Ghia's tables (cases/reference) are for plots only.
+  Lid-driven cavity: a square or cube of side L whose lid y = L moves along x with speed U. Profiles
+  of the velocity on centrelines are compared with converged reference data; Ghia's tables
+  (cases/reference) are for plots only.
 */
 #include "cases.h"
 
@@ -33,7 +34,8 @@ typedef struct {
 static const CavityReference references[] = {
     /* Stokes flow: u_min of converged runs for Re -> 0, see docs/results */
     {2, 0.0, 0.1, 0.2, PETSC_MAX_REAL, -0.2073, NAN, NAN, NULL, NULL},
-    /* finite volumes, Richardson extrapolation; the slowest mode has decayed by e^-10 */
+    /* finite volumes, Richardson extrapolation; after 0.2 L^2/nu the slowest mode has decayed by
+       e^-10 */
     {2, 0.999, 1.001, 0.2, PETSC_MAX_REAL, -0.20775, 0.18406, -0.18482, "cavity_re1_u.csv",
      "cavity_re1_v.csv"},
     {2, 99.9, 100.1, 9.99, 10.01, -0.21352, 0.17839, -0.25268, "cavity_re100_t10_u.csv",

@@ -14,9 +14,9 @@ static PetscErrorCode CavityCylinderSetup(Scene *scene)
 }
 
 /*
-  Reports extrema and profiles on the centrelines outside the cylinder. At Re = 1000 the references
-  are results of finite volumes at t = 40 from rest (extrapolated from 2,176, 8,704 and 34,816
-  cells).
+  Reports extrema and profiles of the velocity on the centrelines outside the cylinder. At Re = 1000
+  the reference is a finite-volume solution at t = 40 L/U from rest, extrapolated from meshes of
+  2,176, 8,704 and 34,816 cells.
 */
 static PetscErrorCode CavityCylinderMeasure(const Flow *flow, Report *report)
 {

@@ -33,7 +33,8 @@ static PetscErrorCode SampleLine(const Flow *flow, PetscInt a, PetscInt c, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the extremum of samples, refined by a parabola through it and its neighbours. */
+/* Returns the maximum (sign = 1) or minimum (-1) of samples, refined by a parabola through it and
+   its neighbours. */
 static PetscReal Extremum(PetscInt n, const PetscReal value[], PetscReal sign)
 {
   PetscInt  best = 1;
@@ -77,7 +78,8 @@ PetscErrorCode CentrelineExtrema(const Flow *flow, PetscReal u_min, PetscReal v_
 }
 
 /*
-  CentrelineProfile - Reports the root mean square difference from a reference profile, divided by U
+  CentrelineProfile - Reports the root mean square difference between the profile of a velocity
+  component, divided by U, and a reference profile
 
   Collective. Input: a - axis of the line; c - component; file - file of the reference profile. The
   quantity is NaN if the file is absent.
@@ -102,8 +104,9 @@ PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const
 /*
   ReferenceEnergy - Interpolates the reference kinetic energy at the present time from a file [J/m]
 
-  Collective. The result is NaN without a file (NULL or absent), if the file is not valid for this
-  run, and for -steady. Input/Output: report - see ReferenceDataRead().
+  Collective. The result is NaN if file is NULL or absent, if the run is in 3D or has other physics
+  than the case, and for times beyond the file, such as that of -steady. Input/Output: report - see
+  ReferenceDataRead().
 */
 PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], Report *report,
                                PetscReal *energy)

@@ -1,10 +1,10 @@
 /*
-  Box and quantities of plane channel flows: walls at y = 0 and y = L, periodic along x over eight
-  particles.
+  Box and quantities of plane channel flows. The walls are at y = 0 and y = L; the box is periodic
+  along x with a length of 8 dx.
 */
 #include "cases.h"
 
-/* ChannelSetup - Sets the box of a plane channel */
+/* ChannelSetup - Sets the box of a plane channel; not collective */
 PetscErrorCode ChannelSetup(Scene *scene)
 {
   PetscFunctionBegin;
@@ -15,7 +15,7 @@ PetscErrorCode ChannelSetup(Scene *scene)
 }
 
 /*
-  ChannelMeasure - Reports norms relative to the exact flow
+  ChannelMeasure - Reports norms of the error against the exact velocity; collective
 
     u_profile_l2   = sqrt(mean (u - U)^2)/max U,  U: exact velocity at the present time
     u_relative_rms = sqrt(mean ((u - U)/U)^2), if `relative`

@@ -2,8 +2,10 @@
 #include "cases.h"
 
 /*
-  MeasureExact - Reports error norms against the exact solution of the case, if the run has the
-  physics and the constant viscosity of the case
+  MeasureExact - Reports the quantities of every case, and error norms against the exact solution if
+  the run has the physics and the constant viscosity of the case
+
+  Collective
 */
 PetscErrorCode MeasureExact(const Flow *flow, Report *report)
 {

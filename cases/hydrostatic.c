@@ -9,7 +9,7 @@ static PetscErrorCode HydrostaticSetup(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* u = 0, p = rho f.(x - middle), f: force per unit mass */
+/* Computes u = 0 and p = rho f.(x - middle of the box), f: force per unit mass. */
 static void HydrostaticExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
                              PetscReal *p)
 {
@@ -21,8 +21,8 @@ static void HydrostaticExact(const Scene *scene, PetscReal t, const PetscReal x[
 }
 
 /*
-  Reports the pressure error and speed_over_gdt, the largest speed divided by g dt, the speed after
-  a free fall of one step.
+  Reports the errors against the exact solution, and speed_over_gdt, the largest speed divided by
+  g dt, the speed after a free fall of one step.
 */
 static PetscErrorCode HydrostaticMeasure(const Flow *flow, Report *report)
 {

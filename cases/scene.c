@@ -1,6 +1,6 @@
 /*
-  A scene typed by the user: a box with its sides and bodies. Velocities that no option gives are
-  zero.
+  A scene typed by the user with the options of src/scene/typed.c: a box with its sides and bodies.
+  Velocities that no option gives are zero.
 */
 #include "cases.h"
 
@@ -19,7 +19,7 @@ static void SceneTypedVelocity(const Scene *scene, PetscReal t, const PetscReal 
   for (PetscInt a = 0; a < scene->dim; a++) u[a] = ExpressionValue(e, a, t, x);
 }
 
-/* Computes -scene_exact; leaves p unchanged if the option has no pressure. */
+/* Computes the solution of -scene_exact; leaves p unchanged if the option has no pressure. */
 static void SceneTypedExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
                             PetscReal *p)
 {
@@ -49,8 +49,8 @@ static PetscErrorCode MeasureBodies(const Flow *flow, Report *report)
 }
 
 /*
-  Reports errors against -scene_exact, force and torque on each body, extrema on the centrelines of
-  a closed box without bodies, and integrals.
+  Reports errors against -scene_exact, force and torque on each body, extrema of the velocity on the
+  centrelines of a closed box without bodies, and the quantities of every case.
 */
 static PetscErrorCode SceneTypedMeasure(const Flow *flow, Report *report)
 {

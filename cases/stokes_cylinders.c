@@ -20,8 +20,8 @@ static PetscReal DiluteDrag(PetscReal c)
   return 4.0 * PETSC_PI / (-0.5 * PetscLogReal(c) - 0.738 + c - 0.887 * c * c + 2.038 * c * c * c);
 }
 
-/* Returns the drag from the table of the multipole expansion in the same paper; NaN for fractions
-   not in the table. */
+/* Returns the drag over mu U from the table of the multipole expansion in the same paper; NaN for
+   fractions that are not in the table. */
 static PetscReal TabulatedDrag(PetscReal c)
 {
   static const PetscReal table[][2] = {{0.05, 15.56}, {0.1, 24.83},  {0.2, 51.53},
@@ -33,8 +33,8 @@ static PetscReal TabulatedDrag(PetscReal c)
   return NAN;
 }
 
-/* Sets the force f = nu U/L^2 times the drag at this fraction, so that velocities are of order
-   U. */
+/* Sets the box, the cylinder, and the force f = nu U/L^2 times DiluteDrag(), so that velocities are
+   of order U. */
 static PetscErrorCode StokesCylindersSetup(Scene *scene)
 {
   const PetscReal middle = 0.5 * scene->length,
@@ -71,8 +71,8 @@ static PetscErrorCode SuperficialVelocity(const Flow *flow, PetscReal *mean)
 }
 
 /*
-  Reports the drag divided by mu U, computed from the traction on the cylinder and from the balance
-  with the driving force, which holds in steady flow.
+  Reports the drag divided by mu U, computed from the balance with the driving force, which holds in
+  steady flow, and the traction on the cylinder, with the driving force as its reference.
 */
 static PetscErrorCode StokesCylindersMeasure(const Flow *flow, Report *report)
 {
@@ -86,8 +86,8 @@ static PetscErrorCode StokesCylindersMeasure(const Flow *flow, Report *report)
   PetscCall(SuperficialVelocity(flow, &mean));
   PetscCall(WallForce(flow, SceneBodySide(scene, 0), F, T));
   if (mean > 0.0) {
-    /* in the paper a pressure gradient replaces the force and acts on the solid too, hence F/(1
-       - c) */
+    /* in the paper a pressure gradient replaces the force and acts on the cylinder too: its drag is
+       F/(1 - c) */
     PetscCall(ReportAddReference(report, "drag", driven / (mu * mean), known,
                                  PetscIsNanReal(known) ? 1.0 : known));
     PetscCall(ReportAddReference(report, "traction", F[0] / (1.0 - c), driven, driven));

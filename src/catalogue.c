@@ -1,4 +1,5 @@
-/* Lists all tables of the program: tables of names for -catalogue, tables of options for -help. */
+/* Lists all tables of the program: tables of named rows for -catalogue, and tables of options for
+   -help. */
 #include "isph/catalogue.h"
 #include "isph/patch.h"
 #include "isph/run.h"
@@ -31,13 +32,13 @@ static const OptionTable *const options[] = {
     &MonitorOptions,   &ReportOptions,   &ProgressOptions,      &CheckpointOptions,
     &MatrixOptions,    &PatchOptions,    &SolverOptions};
 
-/* OptionTableGet - Returns table k of options, NULL after the last; not collective */
+/* OptionTableGet - Returns option table k, NULL after the last; not collective */
 const OptionTable *OptionTableGet(PetscInt k)
 {
   return k < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(options) ? options[k] : NULL;
 }
 
-/* CatalogueTable - Returns table k of names, NULL after the last; not collective */
+/* CatalogueTable - Returns table k of named rows, NULL after the last; not collective */
 const Table *CatalogueTable(PetscInt k)
 {
   return k < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(tables) ? tables[k] : NULL;

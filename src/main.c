@@ -15,7 +15,8 @@ static PetscErrorCode Solve(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Answers a request, on the first rank. Returns PETSC_FALSE if there is a run to make. */
+/* Prints the answer to a request, on the first rank. Returns PETSC_FALSE if PETSc must be
+   initialised: for a run, or for PETSc's own help. */
 static PetscBool Answer(Request request)
 {
   int rank;

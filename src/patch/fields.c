@@ -6,7 +6,8 @@
 
 /*
   Sums all monomials c x^i y^j z^k of the row's degrees or, if `laplacian`, their Laplacians.
-  Coefficients are 1, 1/2, 1/3, ... in the order of the monomials, or random in (-1, 1) by seed.
+  The coefficients c are 1, 1/2, 1/3, ... in the order of the monomials, or random numbers in
+  (-1, 1) that follow from the seed.
 */
 static PetscReal PolynomialSum(const FieldRow *row, PetscInt dim, PetscInt seed,
                                const PetscReal x[], PetscBool laplacian)
@@ -52,7 +53,7 @@ static PetscReal PolynomialLaplacian(const FieldRow *row, PetscInt dim, PetscInt
   return PolynomialSum(row, dim, seed, x, PETSC_TRUE);
 }
 
-/* x^4 + y^4 + z^4 */
+/* Returns x^4 + y^4 + z^4. */
 static PetscReal ZhengValue(const FieldRow *row, PetscInt dim, PetscInt seed, const PetscReal x[])
 {
   PetscReal sum = 0.0;
@@ -61,7 +62,7 @@ static PetscReal ZhengValue(const FieldRow *row, PetscInt dim, PetscInt seed, co
   return sum;
 }
 
-/* 12 |x|^2 */
+/* Returns 12 |x|^2. */
 static PetscReal ZhengLaplacian(const FieldRow *row, PetscInt dim, PetscInt seed,
                                 const PetscReal x[])
 {
@@ -71,7 +72,7 @@ static PetscReal ZhengLaplacian(const FieldRow *row, PetscInt dim, PetscInt seed
   return sum;
 }
 
-/* sin(2 pi x) cos(2 pi y) cos(2 pi z) */
+/* Returns sin(2 pi x) cos(2 pi y) cos(2 pi z). */
 static PetscReal WaveValue(const FieldRow *row, PetscInt dim, PetscInt seed, const PetscReal x[])
 {
   PetscReal product = PetscSinReal(2.0 * PETSC_PI * x[0]);
@@ -86,7 +87,7 @@ static PetscReal WaveLaplacian(const FieldRow *row, PetscInt dim, PetscInt seed,
   return -4.0 * PETSC_PI * PETSC_PI * (PetscReal)dim * WaveValue(row, dim, seed, x);
 }
 
-/* Computes the wave plus x^3 y^2 (z^2 in 3D), a field that shares no symmetry with the lattice. */
+/* Returns the wave plus x^3 y^2 (times z^2 in 3D), which has no symmetry of the lattice. */
 static PetscReal MixedValue(const FieldRow *row, PetscInt dim, PetscInt seed, const PetscReal x[])
 {
   const PetscReal z2 = dim == 3 ? x[2] * x[2] : 1.0;

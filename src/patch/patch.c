@@ -115,9 +115,9 @@ static PetscErrorCode PatchSetField(Patch *patch)
 }
 
 /*
-  Computes the truncation error L f - lap f in four norms: three relative norms, and zheng_err, the
-  relative L1 norm divided by the number of particles once more, as printed in the paper. If lap f
-  vanishes, the error is absolute, in units of the field divided by the square of the side.
+  Computes the truncation error L f - lap f in three relative norms, and zheng_err, the relative L1
+  norm divided by the number of particles, as Zheng, Ma & Shao (2018) print it. If the exact lap f
+  is zero, the error is absolute, in units of the field divided by the square of the side.
 */
 static PetscErrorCode PatchCompare(const Patch *patch, Vec lap, Report *report)
 {
@@ -145,7 +145,7 @@ static PetscErrorCode PatchCompare(const Patch *patch, Vec lap, Report *report)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Assembles and applies L repeatedly; the least times are reported. */
+/* Assembles and applies the Laplacian L repeatedly; reports its error and the least times. */
 static PetscErrorCode PatchMeasure(Patch *patch, Report *report)
 {
   PetscReal assemble = PETSC_MAX_REAL, apply = PETSC_MAX_REAL;
@@ -208,13 +208,13 @@ static PetscErrorCode PatchDestroy(Patch *patch)
   Collective on PETSC_COMM_WORLD.
 
   Options Database Keys:
-+ -patch_field name  - row of the field table
++ -patch_field name  - row of FieldTable
 . -patch_repeats K   - repetitions of the timed part
-. -patch_spectrum    - eigenvalues and condition, see PatchSpectrum()
-. -patch_solve       - Poisson problem, see PatchSolve()
-- -visc_mat_view     - writes L, see MatrixFileCreate()
+. -patch_spectrum    - reports eigenvalues and condition number, see PatchSpectrum()
+. -patch_solve       - solves a Poisson problem, see PatchSolve()
+- -visc_mat_view     - writes the matrix of the Laplacian, see MatrixFileCreate()
 
-  Notes: lengths are in units of the square's side
+  Notes: lengths are in units of the side of the square or cube
 */
 PetscErrorCode PatchRun(Scene *scene)
 {

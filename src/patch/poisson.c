@@ -1,8 +1,10 @@
-/* The Poisson problem of a patch test: solves L f = lap f in the box with f given around it. */
+/* The Poisson problem of a patch test: solves L f = lap f for f in the box; lap f in the box and f
+   around it are exact. */
 #include "isph/guard.h"
 #include "isph/patch.h"
 
-/* Computes the right-hand side of -dx^2 A f = -dx^2 (lap f - B f_around). */
+/* Computes the right-hand side of -dx^2 A f = -dx^2 (lap f - B f_around), where L f is
+   A f + B f_around. */
 static PetscErrorCode PoissonSource(const Patch *patch, Vec b)
 {
   PetscFunctionBegin;
@@ -15,13 +17,13 @@ static PetscErrorCode PoissonSource(const Patch *patch, Vec b)
 /*
   PatchSolve - Solves the Poisson problem by the KSP with prefix ppe_
 
-  Collective. Quantities: solution_l2 and solution_linf, relative to the field; solve_its; setup_s
-  and solve_s, the times of the preconditioner and of the iterations [s].
+  Collective. Reports solution_l2 and solution_linf, the errors relative to the field; solve_its,
+  the number of iterations; setup_s and solve_s, the times of KSPSetUp() and KSPSolve() [s].
 
   Options Database Keys:
-. -ppe_ksp_type, -ppe_pc_type, ... - PETSc's options; default tolerance 1e-10
+. -ppe_ksp_type, -ppe_pc_type, ... - options of PETSc; the default tolerance is 1e-10
 
-  Errors: ends the run if the true residual is too large
+  Errors: a true residual that is too large ends the run
 */
 PetscErrorCode PatchSolve(const Patch *patch, Report *report)
 {
@@ -36,7 +38,7 @@ PetscErrorCode PatchSolve(const Patch *patch, Report *report)
   PetscFunctionBegin;
   PetscCall(PoissonSolver(&patch->ops->forms.visc, 1e-10, &guard));
   ksp                = guard.solve.ksp;
-  guard.max_in_a_row = -1; /* the chosen method is measured */
+  guard.max_in_a_row = -1; /* no fallback: the chosen method is measured */
   PetscCall(OptionsRefuseUnknown(PETSC_FALSE));
   if (guard.solve.note[0])
     PetscCall(PetscPrintf(PETSC_COMM_WORLD, "unwise      %s\n", guard.solve.note));

@@ -1,13 +1,14 @@
 /*
-  Eigenvalues and condition of -L dx^2 with given values around the box: all eigenvalues by LAPACK
-  for small matrices, extreme eigenvalues by SLEPc for large matrices.
+  Eigenvalues and condition number of the matrix of -L dx^2, where L is the Laplacian in a box with
+  given values around it. LAPACK computes all eigenvalues of small matrices, SLEPc the extreme
+  eigenvalues of large matrices.
 */
 #include "isph/patch.h"
 #if defined(ISPH_HAVE_SLEPC)
 #include <slepceps.h>
 #endif
 
-#define SPECTRUM_DENSE 1000 /* most rows for LAPACK */
+#define SPECTRUM_DENSE 1000 /* largest number of rows for LAPACK */
 
 /* Real parts of the extreme eigenvalues, and the ratio of the extreme singular values. */
 typedef struct {
@@ -42,7 +43,7 @@ static PetscErrorCode AllEigenvalues(Mat A, PetscReal *least, PetscReal *most)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the condition number; least, most: eigenvalues of A^T A, squares of singular values. */
+/* Returns the condition number of A from the least and the largest eigenvalue of A^T A. */
 static PetscReal Condition(PetscReal least, PetscReal most)
 {
   return least > 0.0 ? PetscSqrtReal(most / least) : PETSC_INFINITY;
@@ -68,7 +69,8 @@ static PetscErrorCode SpectrumDense(Mat A, Spectrum *spectrum)
 }
 
 #if defined(ISPH_HAVE_SLEPC)
-/* Computes an extreme eigenvalue: near 0 by shift and invert, otherwise by Krylov-Schur alone. */
+/* Computes an extreme eigenvalue: the eigenvalue nearest to 0 by shift and invert, any other by
+   Krylov-Schur alone. */
 static PetscErrorCode Extreme(Mat A, EPSProblemType type, EPSWhich which, PetscReal *value)
 {
   const PetscBool inner = which == EPS_TARGET_MAGNITUDE ? PETSC_TRUE : PETSC_FALSE;
@@ -136,13 +138,14 @@ static PetscErrorCode SpectrumSparse(Mat A, Spectrum *spectrum)
 #endif
 
 /*
-  PatchSpectrum - Reports eigenvalues and condition of -L dx^2 over the box
+  PatchSpectrum - Reports eigenvalues and condition number of -L dx^2 over the box, L: Laplacian
 
-  Collective. Quantities: eig_min and eig_max, least and largest real part of the eigenvalues [-];
-  condition, the largest singular value divided by the least [-]. Up to 1000 rows all eigenvalues
-  are computed by LAPACK, otherwise the extreme eigenvalues by SLEPc.
+  Collective. Reports eig_min and eig_max, the least and largest real part of the eigenvalues [-],
+  and condition, the largest singular value divided by the least [-]. Up to 1000 rows LAPACK
+  computes all eigenvalues, for more rows SLEPc computes the extreme eigenvalues.
 
-  Errors: more rows without SLEPc, or an eigenvalue solver that does not converge, end the run
+  Errors: more than 1000 rows without SLEPc, or an eigenvalue solver that does not converge, end the
+  run
 */
 PetscErrorCode PatchSpectrum(const Patch *patch, Report *report)
 {

@@ -1,10 +1,10 @@
-/* Structure of the matrix L dx^2 of a patch test: row sums, signs, symmetry and size. */
+/* Structure of the matrix of the Laplacian in a patch test: row sums, signs, symmetry and size. */
 #include "isph/patch.h"
 
-/* Sums over the own rows: row sums, weights off the diagonal, weights of the wrong sign. */
+/* Sums over own rows. */
 typedef struct {
-  PetscReal *row_sum; /* of each own row */
-  PetscReal  weights, wrong;
+  PetscReal *row_sum;        /* sum of each row */
+  PetscReal  weights, wrong; /* sums of |weights| off the diagonal: of all, of negative weights */
 } RowSums;
 
 static PetscErrorCode AddRows(Mat M, PetscBool fluid, RowSums *sums)
@@ -30,7 +30,7 @@ static PetscErrorCode AddRows(Mat M, PetscBool fluid, RowSums *sums)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes |A - A^T|/|A| in Frobenius norms. */
+/* Computes |A - A^T|/|A| in the Frobenius norm. */
 static PetscErrorCode Asymmetry(Mat A, PetscReal *asymmetry)
 {
   Mat       T;
@@ -53,17 +53,18 @@ static PetscErrorCode AddSize(Mat M, PetscReal *entries, PetscReal *bytes)
   PetscFunctionBegin;
   PetscCall(MatGetInfo(M, MAT_GLOBAL_SUM, &info));
   *entries += info.nz_used;
-  /* compressed rows: a value and a column for each entry, a start for each row */
+  /* a value and a column for each entry */
   *bytes += info.nz_used * (PetscReal)(sizeof(PetscScalar) + sizeof(PetscInt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  PatchStructure - Reports the structure of L with its given values
+  PatchStructure - Reports the structure of the Laplacian L, L f = A f + B f_around, with A over the
+  particles in the box and B over the particles around it
 
-  Collective. Quantities: row_sum_max, the largest |sum_j L_ij| dx^2; asymmetry, |A - A^T|/|A| of
-  the part inside the box (equal volumes); wrong_sign_share, the share of negative weights in the
-  sum of all |weights| off the diagonal; nnz and memory_mb [MB].
+  Collective. Reports row_sum_max, the largest |sum_j L_ij| dx^2; asymmetry, |A - A^T|/|A| (all
+  particles have equal volumes); wrong_sign_share, the share of negative weights in the sum of all
+  |weights| off the diagonal; nnz, the number of entries of A and B; and their memory_mb [MB].
 */
 PetscErrorCode PatchStructure(const Patch *patch, Report *report)
 {

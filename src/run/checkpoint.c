@@ -36,7 +36,7 @@ static const OptionRow options[] = {
 const OptionTable CheckpointOptions = OPTIONS("Checkpoints", options);
 
 /*
-  CheckpointsCreate - Reads the files to write and to restart from
+  CheckpointsCreate - Reads the options of checkpoints and of a restart
 
   Collective on PETSC_COMM_WORLD.
 
@@ -45,7 +45,8 @@ const OptionTable CheckpointOptions = OPTIONS("Checkpoints", options);
 . -checkpoint_every T - write the file also after the first step at or past each multiple of T [s]
 - -restart file.h5    - file to restart from, on any number of ranks
 
-  Errors: refuses a path that cannot be written, and a scheme with a history inside PETSc
+  Errors: a path that cannot be written ends the run, and so does a multistep TS, whose earlier
+  velocities PETSc keeps to itself
 */
 PetscErrorCode CheckpointsCreate(const Scheme *scheme, Checkpoints **checkpoints)
 {
@@ -78,7 +79,7 @@ PetscErrorCode CheckpointsCreate(const Scheme *scheme, Checkpoints **checkpoints
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CheckpointsDestroy - Frees the settings; not collective */
+/* CheckpointsDestroy - Frees the checkpoints; the files remain; not collective */
 PetscErrorCode CheckpointsDestroy(Checkpoints **checkpoints)
 {
   PetscFunctionBegin;
@@ -86,7 +87,7 @@ PetscErrorCode CheckpointsDestroy(Checkpoints **checkpoints)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes a small table of numbers, equal on all ranks, and adds it to the checksum. */
+/* Writes a table of numbers that all ranks have, and adds it to the checksum. */
 static PetscErrorCode WriteTable(Hdf5File *file, const char name[], PetscInt rows, PetscInt columns,
                                  const double values[], uint64_t *sum)
 {
@@ -134,7 +135,7 @@ static PetscErrorCode WriteHistory(const Run *run, Hdf5File *file, uint64_t *sum
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the state except the particles. */
+/* Writes the state of the run except the particles. */
 static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
 {
   const Particles  *p      = run->flow.particles;
@@ -172,7 +173,7 @@ static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes a complete file, or none. */
+/* Writes the checkpoint; the file gets its name only when it is complete. */
 static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const char path[])
 {
   const Particles *p   = run->flow.particles;
@@ -209,8 +210,8 @@ static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const 
 /*
   CheckpointsUpdate - Writes a checkpoint if one is due
 
-  Collective on PETSC_COMM_WORLD. Called after every step and, with final, at the end and on
-  a signal.
+  Collective on PETSC_COMM_WORLD. Called after every step. Input: final - true at the end and on a
+  signal.
 
   Notes: writing starts an epoch, and the scheme begins anew from the fields, as in a restarted run
 

@@ -5,7 +5,7 @@
 #include "impl.h"
 #include "isph/hdf5file.h"
 
-#define CHECKPOINT_FORMAT 9 /* version of the file's contents */
+#define CHECKPOINT_FORMAT 9 /* version of the layout of the file */
 
 /* Numbers that identify a scene in the file; a restart refuses a file with others. One row of a
    table each. */

@@ -1,4 +1,4 @@
-/* The run of a flow: declarations shared by the files of this stage. */
+/* The run of a flow: declarations shared by the files of this folder. */
 #ifndef ISPH_RUN_IMPL_H
 #define ISPH_RUN_IMPL_H
 
@@ -6,7 +6,7 @@
 
 typedef struct Checkpoints Checkpoints;
 
-/* The stages of a run, as -log_view shows them. */
+/* The stages of a run in the output of -log_view. */
 typedef enum { STAGE_SETUP, STAGE_STEPS, STAGE_OUTPUT, RUN_STAGES } RunStage;
 
 /* A run: the flow, its output, and its memory for retries. */

@@ -2,7 +2,7 @@
 #include "impl.h"
 #include <signal.h>
 
-static volatile sig_atomic_t caught; /* the signal, 0: none; global because a handler has no data */
+static volatile sig_atomic_t caught; /* signal, 0: none; global: a handler has no context */
 
 static void Interrupt_Handler(int signal)
 {

@@ -3,8 +3,8 @@
 #include <string.h>
 
 /*
-  Reads a table on all ranks and adds it to the checksum; an unexpected number of rows counts as
-  damage. Allocates at least a row, with zeros if nothing can be read.
+  Reads a table on all ranks and adds it to the checksum. A wrong number of rows or columns marks
+  the file as failed. At least a row is allocated, with zeros if the table cannot be read.
 */
 static PetscErrorCode ReadTable(Hdf5File *file, const char name[], PetscInt rows, PetscInt columns,
                                 PetscReal **values, uint64_t *sum)
@@ -24,7 +24,8 @@ static PetscErrorCode ReadTable(Hdf5File *file, const char name[], PetscInt rows
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ends the run with a reason if a file does not fit the run. Collective. */
+/* Ends the run with a message if the file is of another version, case or set of particles.
+   Collective. */
 static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File *file)
 {
   const Particles *p      = run->flow.particles;
@@ -63,7 +64,8 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a file of another scene, entry by entry; adds the entries to the checksum. */
+/* Compares the entries of the file that identify its scene with the scene of the run, refuses the
+   file if they differ, and adds them to the checksum. */
 static PetscErrorCode CheckScene(const Run *run, const char path[], Hdf5File *file, uint64_t *sum)
 {
   const Scene      *scene = run->flow.scene;
@@ -118,7 +120,7 @@ static PetscErrorCode ReadHistory(Run *run, Hdf5File *file, uint64_t *sum)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the memory of the run; a file with other names in it is refused. */
+/* Reads the numbers that the run keeps from step to step; refuses a file with other names. */
 static PetscErrorCode ReadMemory(Run *run, const char path[], Hdf5File *file, uint64_t *sum)
 {
   Memory    *memory = &run->flow.scheme->memory;
@@ -140,7 +142,8 @@ static PetscErrorCode ReadMemory(Run *run, const char path[], Hdf5File *file, ui
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads memory, history and the records of this rank. */
+/* Reads the state of the run, and n records of particles for this rank. Output: whole - true if the
+   checksum is right. */
 static PetscErrorCode ReadFile(Run *run, const char path[], Hdf5File *file, PetscInt *n,
                                PetscReal **record, PetscBool *whole)
 {
@@ -173,11 +176,11 @@ static PetscErrorCode ReadFile(Run *run, const char path[], Hdf5File *file, Pets
 }
 
 /*
-  CheckpointsRestart - Replaces the flow at the start by the flow of a checkpoint
+  CheckpointsRestart - Replaces the flow at the start by the flow of the checkpoint of -restart
 
-  Collective on PETSC_COMM_WORLD. Output: restarted - flag: -restart was given.
+  Collective on PETSC_COMM_WORLD. Output: restarted - true if -restart was given.
 
-  Errors: refuses a damaged file, and a file of another case, version or size
+  Errors: a damaged file ends the run, and so does a file of another case, version or size
 */
 PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted)
 {

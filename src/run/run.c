@@ -1,6 +1,6 @@
 /*
-  The run of a flow: creation in order, the time loop with the work between steps, and the report at
-  the end, also after a failure.
+  The run of a flow: creation of its parts, the time loop with the output between steps, and the
+  report at the end, which is also written after a failure.
 */
 #include "impl.h"
 
@@ -21,7 +21,7 @@ static PetscErrorCode RegisterStages(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Leaves the stage of a run and enters another. */
+/* Leaves the present stage of -log_view and enters another. */
 static PetscErrorCode RunEnter(const Run *run, RunStage stage)
 {
   PetscFunctionBegin;
@@ -30,7 +30,7 @@ static PetscErrorCode RunEnter(const Run *run, RunStage stage)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the choices of scheme and operators, before particles exist. */
+/* Creates clock, scheme and operators from options, before particles exist. */
 static PetscErrorCode RunChoose(Run *run)
 {
   Flow *flow = &run->flow;
@@ -47,7 +47,7 @@ static PetscErrorCode RunChoose(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates the particles with the fields of the scheme, and their neighbours. */
+/* Creates the particles with the fields of the scheme, and the lists of neighbours. */
 static PetscErrorCode RunFill(Run *run, const char path[], const FluidStart *start)
 {
   Flow         *flow = &run->flow;
@@ -122,7 +122,7 @@ static PetscErrorCode RunDestroy(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Prepares the flow of the start or of a checkpoint. */
+/* Prepares the flow at the start, or reads it from a checkpoint. */
 static PetscErrorCode RunBegin(Run *run)
 {
   PetscBool restarted;
@@ -187,7 +187,7 @@ static PetscErrorCode RunStep(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Measures the flow at the times of -report_times; the end has its own report. */
+/* Measures the flow if a time of -report_times is reached; RunReport() measures it at the end. */
 static PetscErrorCode RunMeasureDue(Run *run)
 {
   Clock *clock = run->flow.clock;
@@ -203,7 +203,7 @@ static PetscErrorCode RunMeasureDue(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Does the work between steps: files, progress line, reports. */
+/* Writes files, progress line and reports between steps. */
 static PetscErrorCode RunBetweenSteps(Run *run, PetscBool over)
 {
   PetscFunctionBegin;
@@ -212,12 +212,12 @@ static PetscErrorCode RunBetweenSteps(Run *run, PetscBool over)
   PetscCall(MonitorsWrite(&run->flow, run->monitors));
   PetscCall(ProgressUpdate(&run->flow, over, run->progress));
   PetscCall(CheckpointsUpdate(over, run));
-  if (!over) PetscCall(RunMeasureDue(run)); /* in the order of a restarted run */
+  if (!over) PetscCall(RunMeasureDue(run)); /* after the checkpoint, as in a restarted run */
   PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Runs the time loop; signal - the signal that stopped it early, or NULL. */
+/* Runs the time loop. Output: signal - the signal that stopped it early, or NULL. */
 static PetscErrorCode RunSolve(Run *run, const char **signal)
 {
   Clock    *clock = run->flow.clock;
@@ -254,7 +254,8 @@ static PetscErrorCode RunWriteMatrices(const Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reports retries and fallbacks, if there were any. */
+/* Reports the number of undone steps if steps are retried, and the number of fallbacks of each
+   solve that had any. */
 static PetscErrorCode RunCountTroubles(Run *run)
 {
   const Scheme *scheme = run->flow.scheme;
@@ -272,8 +273,8 @@ static PetscErrorCode RunCountTroubles(Run *run)
 }
 
 /*
-  Reports errors and cost on the screen and in the CSV file. status - ok, interrupted or diverged; a
-  diverged flow is not measured.
+  Reports errors and cost on the screen and in the CSV file. Input: status - ok, interrupted or
+  diverged; measured - false for a diverged flow, which is not measured.
 */
 static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measured)
 {
@@ -291,7 +292,7 @@ static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measure
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Runs from the banner to the end. */
+/* Prints the banner, runs the time loop, and reports. */
 static PetscErrorCode RunTellAndSolve(Run *run)
 {
   const char    *signal;
@@ -320,7 +321,8 @@ static PetscErrorCode RunTellAndSolve(Run *run)
 
   Collective on PETSC_COMM_WORLD.
 
-  Errors: a flow that diverges, a signal, an error above its -check_ tolerance
+  Errors: a flow that diverges, a signal, or an error above the tolerance of -check_<quantity> ends
+  the run
 */
 PetscErrorCode FlowRun(Scene *scene)
 {

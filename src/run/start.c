@@ -1,5 +1,5 @@
-/* Start of a run with the user's particles: positions from a file, and velocities if the file
-   has them. */
+/* Start of a run with the user's particles: a file gives their positions and, if it has them, their
+   velocities and viscosities. */
 #include "impl.h"
 #include "isph/hdf5file.h"
 
@@ -16,7 +16,7 @@ static const OptionRow options[] = {
 };
 const OptionTable StartOptions = OPTIONS("Start", options);
 
-/* Faults of a position, in the order of the checks; the first is reported. */
+/* Faults of a particle of the file. */
 enum { PLACE_NOT_FINITE, PLACE_OUTSIDE, PLACE_IN_BODY, PLACE_NO_VISCOSITY, PLACE_FAULTS };
 
 /* Reads this rank's share of a data set; NULL if it is absent. */
@@ -37,8 +37,8 @@ static PetscErrorCode ReadShare(Hdf5File *file, const char name[], PetscInt colu
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the fluid particles and their rows in the file; other particles of a snapshot are
-   skipped. */
+/* Reads this rank's share of the fluid particles, and the row of each in the file; skips the walls
+   of a snapshot. */
 static PetscErrorCode ReadParticles(PetscInt dim, Hdf5File *file, FluidStart *start,
                                     PetscInt *columns, PetscInt **row)
 {
@@ -91,7 +91,8 @@ static PetscInt PlaceFault(const Scene *scene, const FluidStart *start, PetscInt
   return start->nu && !(start->nu[i] > 0.0) ? PLACE_NO_VISCOSITY : PLACE_FAULTS;
 }
 
-/* Ends the run if a particle has a fault; names the first such row. Collective. */
+/* Ends the run if a particle has a fault; the message names the first row with a fault.
+   Collective. */
 static PetscErrorCode CheckPlaces(const Scene *scene, const char path[], const FluidStart *start,
                                   const PetscInt row[])
 {
@@ -113,13 +114,13 @@ static PetscErrorCode CheckPlaces(const Scene *scene, const char path[], const F
 }
 
 /*
-  StartRead - Reads the particles of the start
+  StartRead - Reads the fluid particles at the start from a file
 
   Collective on PETSC_COMM_WORLD.
 
   Output Parameters:
-+ start - this rank's share, to be freed by StartFree(); N = 0 for a start on the lattice
-- path - path of the file, empty without a file
++ start - this rank's share; N = 0 for a start on the lattice; freed by StartFree()
+- path  - path of the file, empty without a file
 
   Input/Output Parameter:
 . scene - its bounds on the viscosity are set to those of the file
@@ -175,11 +176,11 @@ PetscErrorCode StartFree(FluidStart *start)
 }
 
 /*
-  StartCheck - Prints how the user's particles fill the fluid, and ends the run if two particles
-  coincide
+  StartCheck - Prints the number and the closest distance of the user's particles; ends the run if
+  two particles nearly coincide
 
-  Collective on PETSC_COMM_WORLD. Every particle has the volume of a lattice cell; another number of
-  particles than on the lattice is allowed and printed.
+  Collective on PETSC_COMM_WORLD. Every particle has the volume of a lattice cell. Their number may
+  differ from the number of particles on a lattice, which is printed for comparison.
 */
 PetscErrorCode StartCheck(const Scene *scene, const char path[], const Particles *p, Neighbors *nb)
 {

@@ -3,7 +3,8 @@
 #include "checkpoint.h"
 #include <string.h>
 
-/* CheckpointMemory - Writes the names of the run's memory, "t,dt,..."; not collective */
+/* CheckpointMemory - Lists the names of the numbers that a run keeps from step to step, "t,dt,...";
+   not collective */
 PetscErrorCode CheckpointMemory(const Memory *memory, char names[], size_t length)
 {
   PetscFunctionBegin;
@@ -27,7 +28,8 @@ static PetscErrorCode SumOption(const char option[], uint64_t *sum)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CheckpointRecord - Writes the names of a record, "id,kind,x:2,u:2,p:1"; not collective */
+/* CheckpointRecord - Lists the fields of a particle's record and their components,
+   "id,kind,x:2,u:2,p:1"; not collective */
 PetscErrorCode CheckpointRecord(const Particles *p, char names[], size_t length)
 {
   PetscFunctionBegin;
@@ -42,7 +44,7 @@ PetscErrorCode CheckpointRecord(const Particles *p, char names[], size_t length)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds one word to a hash: FNV-1a, by words. */
+/* Adds a word to a hash: FNV-1a for words instead of bytes, with a shift added. */
 static uint64_t HashWord(uint64_t hash, uint64_t word)
 {
   hash = (hash ^ word) * 1099511628211u;
@@ -79,7 +81,8 @@ void CheckpointSumText(const char text[], uint64_t *sum)
   *sum += hash;
 }
 
-/* CheckpointSumRecords - Adds a checksum of all ranks' records, in any order; collective */
+/* CheckpointSumRecords - Adds a checksum of the records of all ranks, which is the same in any
+   order; collective */
 PetscErrorCode CheckpointSumRecords(PetscInt n, PetscInt width, const PetscReal record[],
                                     uint64_t *sum)
 {
@@ -110,7 +113,7 @@ static PetscErrorCode SceneReferenceSpacing(const Scene *scene, double value[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes a checksum of the bodies' shapes. */
+/* Computes a checksum of the shapes of all bodies. */
 static PetscErrorCode SceneShapes(const Scene *scene, double value[])
 {
   uint64_t sum = 0;
@@ -171,8 +174,8 @@ static const SceneEntry entries[] = {
      .Compute = SceneViscosities},
 };
 
-/* CheckpointSceneEntry - Returns entry k of the numbers that identify a scene, NULL beyond the
-   last */
+/* CheckpointSceneEntry - Returns entry k of the numbers that identify a scene, NULL after the last;
+   not collective */
 const SceneEntry *CheckpointSceneEntry(PetscInt k)
 {
   return k < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(entries) ? &entries[k] : NULL;
