@@ -134,7 +134,8 @@ typedef struct {
 } MotionRow;
 extern const Table MotionTable;
 
-/* Parameters of viscosity as a function of the strain rate g = sqrt(2 E:E), divided by density. */
+/* Parameters of the kinematic viscosity as a function of the strain rate g = sqrt(2 E:E).
+   Parameters with mass in their unit are divided by the density. */
 typedef enum {
   RHEOLOGY_CONSISTENCY,    /* K [m^2 s^(n-2)] */
   RHEOLOGY_EXPONENT,       /* n [-] */

@@ -34,7 +34,7 @@ static PetscErrorCode Gather_Velocity(const Flow *flow, void *rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Copies scale times a value of the fluid, and zeros for walls. */
+/* Copies `values` of the fluid, multiplied by `scale`, and zeros for walls. */
 static void GatherFluid(const Particles *p, PetscReal scale, const PetscReal values[],
                         double rows[])
 {

@@ -35,7 +35,7 @@ typedef struct {
   const PetscScalar *residual[ISPH_MAX_DIM];        /* residual of the fit of u_c */
 } Slopes;
 
-/* Computes y = op u in a work vector; slope becomes its array. */
+/* Computes y = op u in a work vector and gets the array of this vector in `slope`. */
 static PetscErrorCode SlopeGet(Flow *flow, const AffineOperator *op, Vec u, Vec walls, Vec *y,
                                const PetscScalar **slope)
 {
