@@ -282,6 +282,8 @@ PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *particles,
                                      const WallValues *walls, const Vec u[], Operators *ops);
 PetscErrorCode VelocityVec(const Particles *particles, Vec *v);
 PetscErrorCode WallVelocityVec(const Particles *particles, Vec *v);
+PetscErrorCode UnknownsVec(const Particles *particles, Vec *v);
+PetscErrorCode VectorsCheckType(MPI_Comm comm);
 
 PetscErrorCode PatternBegin(Pattern *pattern, PetscInt rows, PetscInt entries);
 void PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], PetscInt n, PetscInt slot[]);

@@ -76,6 +76,7 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
   Stencil        *st;
 
   PetscFunctionBegin;
+  PetscCall(VectorsCheckType(PETSC_COMM_WORLD));
   PetscCall(PetscNew(&ops));
   PetscCall(PetscNew(&ops->work));
   ops->needs = needs;

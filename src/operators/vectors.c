@@ -1,15 +1,62 @@
-/* Vectors over fluid or wall particles. Their type is VECSTANDARD, which works with any matrix
-   type. */
+/*
+  Vectors over fluid or wall particles. Vectors with own storage have the type of -vec_type; the
+  standard type works with any matrix type.
+*/
 #include "isph/operators.h"
 
-/* Creates a vector of `size` values at each of n particles, with its own storage. */
-static PetscErrorCode VecOfBlocks(MPI_Comm comm, PetscInt n, PetscInt size, Vec *v)
+/* Creates a vector of n values in blocks, with its own storage. */
+static PetscErrorCode VecOfType(MPI_Comm comm, PetscInt n, PetscInt block, Vec *v)
 {
+  const char *type;
+  PetscBool   given;
+
   PetscFunctionBegin;
+  PetscCall(OptionTyped("-vec_type", &type, &given));
   PetscCall(VecCreate(comm, v));
-  PetscCall(VecSetSizes(*v, size * n, PETSC_DETERMINE));
-  PetscCall(VecSetBlockSize(*v, size));
-  PetscCall(VecSetType(*v, VECSTANDARD));
+  PetscCall(VecSetSizes(*v, n, PETSC_DETERMINE));
+  PetscCall(VecSetBlockSize(*v, block));
+  PetscCall(VecSetType(*v, given ? type : VECSTANDARD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates a vector and computes with it, to find out if its type works. */
+static PetscErrorCode TryVector(MPI_Comm comm)
+{
+  PetscReal norm;
+  Vec       v;
+
+  PetscFunctionBegin;
+  PetscCall(VecOfType(comm, 1, 1, &v));
+  PetscCall(VecSet(v, 1.0));
+  PetscCall(VecNorm(v, NORM_2, &norm));
+  PetscCall(VecDestroy(&v));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  VectorsCheckType - Refuses a type of vectors that PETSc cannot make on these ranks
+
+  Collective.
+
+  Options Database Key:
+. -vec_type - type of all vectors with own storage; vectors over particle fields are standard
+*/
+PetscErrorCode VectorsCheckType(MPI_Comm comm)
+{
+  const char    *type;
+  PetscBool      given;
+  PetscErrorCode failed;
+
+  PetscFunctionBegin;
+  PetscCall(OptionTyped("-vec_type", &type, &given));
+  if (!given) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  failed = TryVector(comm);
+  PetscCall(PetscPopErrorHandler());
+  UserCheck(!failed,
+            "-vec_type%s%s: this PETSc cannot make such vectors here; allowed are standard, and "
+            "types of devices that it was built for",
+            *type ? " " : "", type);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -20,7 +67,7 @@ static PetscErrorCode VecOfSize(MPI_Comm comm, PetscInt n, PetscReal array[], Ve
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(comm, &size));
   if (!array) {
-    PetscCall(VecOfBlocks(comm, n, 1, v));
+    PetscCall(VecOfType(comm, n, 1, v));
   } else if (size == 1) {
     PetscCall(VecCreateSeqWithArray(comm, 1, n, array, v));
   } else {
@@ -86,7 +133,7 @@ PetscErrorCode WallVec(const Particles *p, Vec *v)
 PetscErrorCode VelocityVec(const Particles *p, Vec *v)
 {
   PetscFunctionBegin;
-  PetscCall(VecOfBlocks(p->comm, p->n_fluid, p->dim, v));
+  PetscCall(VecOfType(p->comm, p->dim * p->n_fluid, p->dim, v));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -94,6 +141,15 @@ PetscErrorCode VelocityVec(const Particles *p, Vec *v)
 PetscErrorCode WallVelocityVec(const Particles *p, Vec *v)
 {
   PetscFunctionBegin;
-  PetscCall(VecOfBlocks(p->comm, p->n_wall, p->dim, v));
+  PetscCall(VecOfType(p->comm, p->dim * p->n_wall, p->dim, v));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* UnknownsVec - Creates a vector of the velocities of the own fluid particles, with interlaced
+   components, and then of their pressures; collective */
+PetscErrorCode UnknownsVec(const Particles *p, Vec *v)
+{
+  PetscFunctionBegin;
+  PetscCall(VecOfType(p->comm, (p->dim + 1) * p->n_fluid, 1, v));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

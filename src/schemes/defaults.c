@@ -111,9 +111,10 @@ PetscErrorCode SolverRenewPC(KSP ksp)
 
   Collective on PETSC_COMM_WORLD.
 
-  Options Database Key:
-. -<prefix>mat_type - aij or a type derived from it, which every preconditioner takes: aijperm,
+  Options Database Keys:
++ -<prefix>mat_type - aij or a type derived from it, which every preconditioner takes: aijperm,
                       aijsell, and aijcusparse, aijkokkos, ... where PETSc has them
+- -mat_type         - the same for all solvers
 
   Output Parameter:
 . type - for MatConvert(); MATSAME unless the user gives a type
@@ -122,24 +123,32 @@ PetscErrorCode SolverRenewPC(KSP ksp)
 */
 PetscErrorCode SolverMatType(const char prefix[], char type[], size_t length)
 {
-  PetscBool given, aij, known = PETSC_FALSE;
-  char      seq[64];
+  PetscBool   given, aij, known = PETSC_FALSE;
+  const char *of_all;
+  char        seq[64];
   void (*Create)(void) = NULL;
 
   PetscFunctionBegin;
   PetscCall(PetscStrncpy(type, MATSAME, length));
   PetscCall(PetscOptionsGetString(NULL, prefix, "-mat_type", type, length, &given));
-  if (!given) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!given) {
+    PetscCall(OptionTyped("-mat_type", &of_all, &given));
+    if (!given) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(PetscStrncpy(type, of_all, length));
+    prefix = "";
+  }
   PetscCall(PetscStrncmp(type, MATAIJ, 3, &aij));
   if (aij) {
     PetscCall(PetscSNPrintf(seq, sizeof(seq), "seq%s", type));
+    PetscCall(MatInitializePackage()); /* fills MatList */
     PetscCall(PetscFunctionListFind(MatList, seq, &Create));
     known = Create ? PETSC_TRUE : PETSC_FALSE;
   }
-  UserCheck(known,
-            "-%smat_type %s: allowed are aij and the types of this PETSc that derive from it, such "
-            "as aijperm and aijsell",
-            prefix, type);
+  UserCheck(
+      known,
+      "-%smat_type%s%s: allowed are aij and the types of this PETSc that derive from it, such "
+      "as aijperm and aijsell",
+      prefix, *type ? " " : "", type);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,14 +4,15 @@
 */
 #include "isph/schemes.h"
 
-static const char *const Linear[] = {"visc",
-                                     "ppe",
-                                     "coupled",
-                                     "coupled_schur",
-                                     "coupled_fieldsplit_velocity",
-                                     "coupled_fieldsplit_pressure",
-                                     NULL};
-static const char *const Times[]  = {"visc", "coupled", NULL};
+static const char *const Linear[]  = {"visc",
+                                      "ppe",
+                                      "coupled",
+                                      "coupled_schur",
+                                      "coupled_fieldsplit_velocity",
+                                      "coupled_fieldsplit_pressure",
+                                      NULL};
+static const char *const Solvers[] = {"visc", "ppe", "coupled", NULL};
+static const char *const Times[]   = {"visc", "coupled", NULL};
 
 /* clang-format off */
 #define LINEAR(word)    .name = "-<solve>_" word, .kind = VALUE_SOLVER, .places = Linear
@@ -150,6 +151,25 @@ static const OptionRow options[] = {
     {
         LINEAR("mg_levels_pc_type"),
         .brief = "preconditioner of the smoother on the levels of multigrid",
+    },
+    {
+        .name  = "-<solver>_mat_type",
+        .kind  = VALUE_SOLVER,
+        .brief = "type of the matrices of a solver: aij, or a type of PETSc that derives from it",
+        .standard = "-mat_type",
+        .places   = Solvers,
+    },
+    {
+        .name     = "-mat_type",
+        .kind     = VALUE_SOLVER,
+        .brief    = "type of the matrices of all solvers",
+        .standard = MATAIJ,
+    },
+    {
+        .name     = "-vec_type",
+        .kind     = VALUE_SOLVER,
+        .brief    = "type of vectors; vectors that share memory with particles are standard",
+        .standard = VECSTANDARD,
     },
     {
         .name  = "-coupled_pc_fieldsplit_schur_fact_type",

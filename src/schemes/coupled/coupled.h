@@ -36,7 +36,8 @@ struct Schur {
 };
 
 PetscErrorCode SchurCreate(Schur *schur);
-PetscErrorCode SchurAssemble(const Particles *particles, const Operators *ops, Schur *schur);
+PetscErrorCode SchurAssemble(const Particles *particles, const Operators *ops, MatType type,
+                             Schur *schur);
 PetscErrorCode SchurAttach(PC fieldsplit, Schur *schur);
 PetscErrorCode SchurFree(Schur *schur);
 

@@ -26,7 +26,8 @@ typedef struct {
 /* Creates a block, scale times the operators op[c] on the shared pattern; op[c] fills rows
    dim i + c or columns dim j + c. */
 static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, Interlacing by,
-                                  PetscReal scale, const AffineOperator op[], Mat *block)
+                                  PetscReal scale, const AffineOperator op[], MatType type,
+                                  Mat *block)
 {
   const PetscInt n = p->n_fluid, entries = pattern->row[n];
   PetscInt      *row, *col, q = 0;
@@ -53,6 +54,7 @@ static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, In
   PetscCall(MatSeqAIJSetPreallocationCSR(*block, row, col, value));
   PetscCall(MatMPIAIJSetPreallocationCSR(*block, row, col, value));
   PetscCall(PetscFree3(row, col, value));
+  PetscCall(MatConvert(*block, type, MAT_INPLACE_MATRIX, block));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -88,10 +90,11 @@ static PetscErrorCode ViscousCreate(const Scene *scene, const Operators *ops, Pe
 
   Input Parameters:
 + step      - T, the factor that scales the momentum equation [s]
-- advecting - advecting velocity of implicit convection [m/s]; NULL: no implicit convection
+. advecting - advecting velocity of implicit convection [m/s]; NULL: no implicit convection
+- type      - of the blocks, from SolverMatType()
 */
 PetscErrorCode SaddleAssemble(const Scene *scene, const Particles *p, const Operators *ops,
-                              PetscReal step, const Vec advecting[], Saddle *s)
+                              PetscReal step, const Vec advecting[], MatType type, Saddle *s)
 {
   const Interlacing tall = {scene->dim, 1}, wide = {1, scene->dim}, single = {1, 1};
 
@@ -104,10 +107,10 @@ PetscErrorCode SaddleAssemble(const Scene *scene, const Particles *p, const Oper
   s->shift      = NAN;
   s->assemblies = ops->assemblies;
   PetscCall(ViscousCreate(scene, ops, step, advecting, &s->viscous));
-  PetscCall(MatDuplicate(s->viscous, MAT_DO_NOT_COPY_VALUES, &s->F));
-  PetscCall(BlockCreate(p, &ops->fluid, tall, scene->dx, ops->grad_p, &s->G));
-  PetscCall(BlockCreate(p, &ops->fluid, wide, scene->dx, ops->div, &s->D));
-  PetscCall(BlockCreate(p, &ops->fluid, single, 1.0, &ops->filter_p, &s->C));
+  PetscCall(MatConvert(s->viscous, type, MAT_INITIAL_MATRIX, &s->F));
+  PetscCall(BlockCreate(p, &ops->fluid, tall, scene->dx, ops->grad_p, type, &s->G));
+  PetscCall(BlockCreate(p, &ops->fluid, wide, scene->dx, ops->div, type, &s->D));
+  PetscCall(BlockCreate(p, &ops->fluid, single, 1.0, &ops->filter_p, type, &s->C));
   PetscCall(GaugeColumn(p, scene->dim, &s->gauge));
   PetscCall(MatCreateNest(p->comm, 2, NULL, 2, NULL, (Mat[]){s->F, s->G, s->D, s->C}, &s->P));
   PetscCall(MatCreateLRC(s->P, s->gauge, NULL, s->gauge, &s->A));

@@ -22,7 +22,7 @@ typedef struct {
 } Saddle;
 
 PetscErrorCode SaddleAssemble(const Scene *scene, const Particles *particles, const Operators *ops,
-                              PetscReal step, const Vec advecting[], Saddle *saddle);
+                              PetscReal step, const Vec advecting[], MatType type, Saddle *saddle);
 PetscErrorCode SaddleSetShift(PetscReal shift, Saddle *saddle);
 PetscErrorCode SaddleFree(Saddle *saddle);
 PetscErrorCode SaddleFlatten(Mat nest, Mat *flat);

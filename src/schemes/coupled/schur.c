@@ -121,7 +121,7 @@ PetscErrorCode SchurCreate(Schur *s)
   Collective. Notes: PETSc gets the matrix of the row `mass`, so that preconditioners other than
   shell (-coupled_fieldsplit_pressure_pc_type jacobi) have a matrix.
 */
-PetscErrorCode SchurAssemble(const Particles *p, const Operators *ops, Schur *s)
+PetscErrorCode SchurAssemble(const Particles *p, const Operators *ops, MatType type, Schur *s)
 {
   PetscFunctionBegin;
   PetscCall(MatDestroy(&s->mass));
@@ -132,7 +132,7 @@ PetscErrorCode SchurAssemble(const Particles *p, const Operators *ops, Schur *s)
                                       PETSC_DETERMINE, 1.0, &s->mass));
   PetscCall(MatDestroy(&s->poisson));
   if (!s->row->poisson) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MatDuplicate(ops->ppe.A, MAT_COPY_VALUES, &s->poisson));
+  PetscCall(MatConvert(ops->ppe.A, type, MAT_INITIAL_MATRIX, &s->poisson));
   PetscCall(MatShift(s->poisson, 1e-6));
   PetscCall(KSPReset(s->ksp));
   PetscCall(KSPSetOperators(s->ksp, s->poisson, s->poisson));

@@ -127,6 +127,7 @@ PetscErrorCode CoupledSolverCreate(Flow *flow, Coupled *c)
   PetscCall(PetscOptionsHasName(NULL, "coupled_", "-ts_atol", &given));
   UserCheck(!given, "-coupled_ts_atol: an absolute tolerance depends on units; use "
                     "-coupled_ts_rtol, of |u| + U");
+  PetscCall(SolverMatType("coupled_", c->guard.mat_type, sizeof(c->guard.mat_type)));
   if (split) PetscCall(SchurCreate(&c->schur));
   PetscCall(CoupledCreateTS(c));
   PetscCall(GuardAttach(c->guard.solve.ksp, NULL, &c->guard));
@@ -251,9 +252,10 @@ static PetscErrorCode CoupledMake(PetscReal step, PetscReal shift, const Vec adv
   PetscFunctionBegin;
   PetscCall(TSReset(c->ts));
   PetscCall(CoupledFree(c));
-  PetscCall(SaddleAssemble(scene, p, c->flow->ops, step, advecting, &c->saddle));
-  if (c->schur.row) PetscCall(SchurAssemble(p, c->flow->ops, &c->schur));
-  PetscCall(MatCreateVecs(c->saddle.A, &c->x, &c->b));
+  PetscCall(SaddleAssemble(scene, p, c->flow->ops, step, advecting, c->guard.mat_type, &c->saddle));
+  if (c->schur.row) PetscCall(SchurAssemble(p, c->flow->ops, c->guard.mat_type, &c->schur));
+  PetscCall(UnknownsVec(p, &c->x));
+  PetscCall(VecDuplicate(c->x, &c->b));
   PetscCall(SetTolerances(scene, c));
   PetscCall(FluidVec(p, NULL, &c->part));
   PetscCall(FluidVec(p, NULL, &c->work));
