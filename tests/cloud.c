@@ -1,7 +1,8 @@
-/* Builder of cloud.h: from a few numbers to particles, neighbours and assembled operators. */
+/* Creates the clouds of cloud.h: particles, neighbours and assembled operators. */
 #include "cloud.h"
 
-/* CloudKeepMessage - Copies an error message for PetscPushErrorHandler(); kept: 512 characters */
+/* CloudKeepMessage - Copies the message of an error to `kept`, an array of 512 characters; for
+   PetscPushErrorHandler() */
 PetscErrorCode CloudKeepMessage(MPI_Comm comm, int line, const char *function, const char *file,
                                 PetscErrorCode code, PetscErrorType type, const char *message,
                                 void *kept)
@@ -35,11 +36,11 @@ static void CloudAddCircle(PetscReal radius, Scene *scene)
 }
 
 /*
-  CloudOperators - Creates the scene and the operators that the options choose; no particles yet
+  CloudOperators - Creates the scene and the operators that the options choose, without particles
 
   Collective. The options are read from a separate database.
 
-  Errors: as OperatorsCreate(); the database is restored first
+  Errors: as OperatorsCreate(); PETSc's own database is restored before the function returns
 */
 PetscErrorCode CloudOperators(const CloudBox *box, const char options[], Cloud *cloud)
 {
@@ -135,7 +136,7 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
   Collective
 
   Input Parameters:
-+ renumber    - flag: begin a new epoch
++ renumber    - true: starts an epoch, in which particles get new numbers
 - margin_step - step length passed to NeighborsUpdate() [dx]
 */
 PetscErrorCode CloudMove(PetscReal length, PetscBool renumber, PetscReal margin_step, Cloud *cloud)
@@ -179,7 +180,8 @@ PetscBool CloudHas(const LaplacianRow *form, FormProperty property)
   return (form->properties & (unsigned)property) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* CloudPeriodic - Returns a periodic box with interior rows for supports up to 3 dx */
+/* CloudPeriodic - Returns a periodic box that is wide enough for rows whose support of up to 3 dx
+   crosses no side */
 CloudBox CloudPeriodic(PetscInt dim, PetscReal jitter)
 {
   const PetscInt n = dim == 2 ? 16 : 9;
@@ -192,7 +194,8 @@ CloudBox CloudPeriodic(PetscInt dim, PetscReal jitter)
                     .jitter     = jitter};
 }
 
-/* CloudCreateForm - Creates a cloud for a form; the pressure has mls if the form is unsafe */
+/* CloudCreateForm - Creates a cloud whose velocity and pressure use a form; the pressure uses mls
+   if the form is not safe in implicit steps */
 void CloudCreateForm(const CloudBox *box, const char kernel[], const LaplacianRow *form,
                      Cloud *cloud)
 {
@@ -204,7 +207,7 @@ void CloudCreateForm(const CloudBox *box, const char kernel[], const LaplacianRo
   ASSERT_OK(CloudCreate(box, options, cloud));
 }
 
-/* QuadraticCount - Returns the number of monomials s_a and s_a s_b */
+/* QuadraticCount - Returns the number of monomials s_a and s_a s_b, b <= a */
 PetscInt QuadraticCount(PetscInt dim)
 {
   return dim + dim * (dim + 1) / 2;
@@ -249,7 +252,7 @@ PetscReal QuadraticAt(const Cloud *cloud, const Quadratic *q, const PetscReal x[
   return value;
 }
 
-/* QuadraticDerivative - Returns d/dx_a of a field, which is a field again */
+/* QuadraticDerivative - Returns the derivative of a field along axis a, a linear field */
 Quadratic QuadraticDerivative(const Cloud *cloud, const Quadratic *q, PetscInt a)
 {
   Quadratic d = {.c = q->g[a] / cloud->scene.dx};
@@ -272,7 +275,7 @@ static void Position(const Particles *p, PetscInt i, PetscReal x[])
   for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
 }
 
-/* CloudSet - Sets v to the field at the fluid particles; collective on v */
+/* CloudSet - Sets v to the values of a field at the fluid particles; collective on v */
 PetscErrorCode CloudSet(const Cloud *cloud, const Quadratic *q, Vec v)
 {
   PetscReal *value, x[ISPH_MAX_DIM];
@@ -335,7 +338,7 @@ PetscErrorCode CloudDivergence(const Cloud *cloud, Vec y)
 /*
   CloudError - Computes the largest |y - expected| over fluid particles
 
-  Collective. Input: interior - flag: skip particles whose support crosses a periodic side, because
+  Collective. Input: interior - true: omits particles whose support crosses a periodic side, because
   a polynomial jumps there.
 */
 PetscErrorCode CloudError(const Cloud *cloud, Vec y, const Quadratic *expected, PetscBool interior,

@@ -1,7 +1,7 @@
 /*
-  A cloud of particles with its operators, created as in a run, for tests of identities. The box has
-  the spacing 0.1 and walls on the axes that are not periodic. Fields are polynomials about its
-  centre.
+  A cloud: particles with their operators, created as in a run, for tests of identities. The spacing
+  is 0.1; axes of the box that are not periodic have walls. Fields are polynomials about the centre
+  of the box.
 */
 #ifndef CLOUD_H
 #define CLOUD_H
@@ -12,7 +12,7 @@
 #include <cmocka.h>
 #include "isph/operators.h"
 
-/* Describes a cloud; cells of axes from dim on are ignored. */
+/* Describes a cloud; numbers of cells along axes beyond dim are ignored. */
 typedef struct {
   const char *name; /* for messages */
   PetscInt    dim, cells[ISPH_MAX_DIM];
@@ -22,7 +22,7 @@ typedef struct {
   PetscBool   grad_p_without_walls; /* pressure rows of the coupled scheme */
 } CloudBox;
 
-/* f(x) = c + g.s + s.H s/2,  s = (x - centre)/dx;  H symmetric */
+/* A quadratic field f(x) = c + g.s + s.H s/2,  s = (x - centre)/dx,  H symmetric. */
 typedef struct {
   PetscReal c, g[ISPH_MAX_DIM], H[ISPH_MAX_DIM][ISPH_MAX_DIM];
 } Quadratic;
@@ -39,16 +39,17 @@ typedef struct {
   Vec        f[ISPH_MAX_DIM], y, e; /* over fluid, over fluid, over wall particles */
 } Cloud;
 
-/* Fails on all ranks if any rank has something wrong; otherwise the other ranks would hang. */
+/* Fails the test on all ranks if `wrong` is positive on any rank; if only this rank failed, the
+   others would hang. */
 void CloudAssertNone(const char *what, const char *where, PetscInt wrong);
 #define ASSERT_OK(call) CloudAssertNone(#call, "PETSc", (call) ? 1 : 0)
 
-/* Error handler: keeps the message (512 characters) and prints nothing. */
+/* Error handler that copies the message to `kept` (512 characters) and prints nothing. */
 PetscErrorCode CloudKeepMessage(MPI_Comm comm, int line, const char *function, const char *file,
                                 PetscErrorCode code, PetscErrorType type, const char *message,
                                 void *kept);
 
-/* options: as on the command line; the operators read no others. */
+/* Input: options - as on the command line; no other options are read. */
 PetscErrorCode CloudCreate(const CloudBox *box, const char options[], Cloud *cloud);
 PetscErrorCode CloudDestroy(Cloud *cloud);
 PetscErrorCode CloudMove(PetscReal length, PetscBool renumber, PetscReal margin_step, Cloud *cloud);

@@ -1,4 +1,5 @@
-/* The crowd of crowd.h: created, gathered, moved, and compared with brute force. */
+/* Creates, gathers and moves the crowd of crowd.h, and compares its neighbours with a search over
+   all pairs. */
 #include "crowd.h"
 
 static const CaseRow problem = {.name = "test", .brief = "", .citation = ""};
@@ -45,7 +46,8 @@ void CrowdFree(All *all)
   PetscCallVoid(PetscFree3(all->x, all->found, all->dx));
 }
 
-/* Returns the square of the larger radius of two particles by their spacings. */
+/* Returns the square of the larger of the radii of two particles, which follow from their
+   spacings. */
 static PetscReal PairRadius2(const Neighbors *nb, PetscReal dx, PetscReal other)
 {
   return PetscSqr(nb->radius * (PetscMax(dx, other) / nb->spacing));
@@ -77,7 +79,8 @@ PetscReal CrowdTag(PetscInt id, PetscInt c)
   return 3.0 * id + 0.25 * c;
 }
 
-/* Checks that ids occur once, numbers ascend, fields follow and copies sit at owner plus shift. */
+/* Checks that each id occurs once, that numbers ascend, that values of fields stay with their
+   particles, and that the position of each copy is the position of the owner plus its shift. */
 void CrowdCheckParticles(const Setting *s, const Particles *p, PetscReal *const tag[])
 {
   const PetscInt own = ParticlesOwn(p), dim = p->dim;
@@ -124,7 +127,8 @@ void CrowdCheckParticles(const Setting *s, const Particles *p, PetscReal *const 
   CloudAssertNone("counts", s->name, (count[0] != p->N_fluid) + (count[1] != p->N_wall));
 }
 
-/* Compares row i with all particles and images, by count and by a sum weighted with ids. */
+/* Compares row i with all particles and images within the radius: their number, and a sum of
+   distances weighted by ids. Returns the number of differences. */
 static PetscInt RowErrors(const Scene *scene, const Particles *p, const Neighbors *nb,
                           const All *all, PetscInt i)
 {

@@ -1,6 +1,6 @@
 /*
-  A crowd of particles, gathered on all ranks, for tests of the particles and their neighbours. The
-  spacing is 0.1; the first axes may be periodic, the others have walls.
+  A crowd: particles without operators, for tests of the particles and their neighbours. All ranks
+  gather all particles. The spacing is 0.1; the first axes may be periodic, the others have walls.
 */
 #ifndef CROWD_H
 #define CROWD_H
@@ -15,7 +15,7 @@ typedef struct {
   WallPlacement walls;
 } Setting;
 
-/* Positions and sizes of all particles of all ranks by id; those removed are not found. */
+/* Positions and spacings of the particles of all ranks by id; a removed particle has found = 0. */
 typedef struct {
   PetscInt   n;
   PetscReal *x;     /* x[dim id + a] */

@@ -1,5 +1,5 @@
-/* Small dense algebra of stencils: definite matrices, general matrices, and the multiple of the
-   unit matrix that makes singular matrices regular. */
+/* Dense solvers for the small matrices of stencils: definite matrices, general matrices, and
+   singular matrices, to which a multiple of the unit matrix is added. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -8,7 +8,7 @@
 
 #define N 3
 
-/* a x = b is solved to rounding. */
+/* Solves a x = b for a symmetric positive definite matrix up to rounding. */
 static void test_definite(void **state)
 {
   const PetscReal a[N * N]   = {4.0, 1.0, 0.5, 1.0, 3.0, 0.25, 0.5, 0.25, 2.0},
@@ -45,8 +45,8 @@ static void test_any(void **state)
   assert_true(left[N + 1] == 0.0);
 }
 
-/* Points on a line: the matrix has rank 1. With a multiple of the unit matrix the solver returns
-   the solution of smallest norm. */
+/* Solves with a matrix of rank 1, as points on a line give: with a multiple of the unit matrix the
+   solution is that of smallest norm. */
 static void test_ridge(void **state)
 {
   const PetscReal a[4] = {1.0, 2.0, 2.0, 4.0};
@@ -60,7 +60,8 @@ static void test_ridge(void **state)
   assert_true(PetscAbsReal(b[0] - 1.0) < 1e-6 && PetscAbsReal(b[1] - 2.0) < 1e-6);
 }
 
-/* NaN in the matrix gives NaN in the solution, and the loop over larger multiples ends. */
+/* A matrix with NaN gives a solution with NaN; the loop over larger multiples of the unit matrix
+   ends. */
 static void test_not_finite(void **state)
 {
   const PetscReal a[4] = {1.0, NAN, NAN, 1.0};

@@ -1,6 +1,6 @@
 /*
-  Expressions: values against C arithmetic, dependence on place and time, rates against derivatives,
-  and refusal of malformed texts with the option and the position in the text.
+  Expressions: compares values with C arithmetic and rates with derivatives. Checks the dependence
+  on place and time, and the refusal of malformed texts by messages with the option and the fault.
 */
 /* RANKS: 1 2 */
 #include <string.h>
@@ -59,7 +59,7 @@ static void test_values(void **state)
   assert_int_equal(ExpressionScopeDestroy(&scope), PETSC_SUCCESS);
 }
 
-/* Numbers keep all their bits and leave the scope idle. */
+/* Numbers keep all their bits and create no parser in the scope. */
 static void test_numbers(void **state)
 {
   ExpressionScope *scope = Scope(2);
@@ -99,8 +99,8 @@ static void test_components(void **state)
   assert_int_equal(ExpressionScopeDestroy(&scope), PETSC_SUCCESS);
 }
 
-/* d/dt sin(3t) has the relative error (3 tau 1e-5)^2/6, at most 4.5e-10 with rounding; no time
-   before zero is evaluated. */
+/* The rate of sin(3t) has an error of at most 4.5e-10, (3 tau 1e-5)^2/6 with rounding. No
+   expression is evaluated at a time before zero: sqrt(t) is not finite there. */
 static void test_rate(void **state)
 {
   ExpressionScope *scope = Scope(2);

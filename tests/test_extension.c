@@ -1,15 +1,16 @@
 /*
-  Wall treatments that extend the velocity of the fluid to dummies, with and without wall
-  particles on the surface. Each is exact for the fields it claims and for no others, behind sides,
-  edges and a curved wall, on any number of ranks.
+  Wall treatments that extend the velocity of the fluid to dummies, with and without wall particles
+  on the surface. Each treatment is exact for the fields of its claims and for no others, behind
+  sides, edges and a curved wall, on any number of ranks.
 */
 /* RANKS: 1 3 */
 #include "walled.h"
 
-/* Velocities that the extension continues exactly; test_claims compares the list with the table. */
+/* Claims: velocities that a treatment continues exactly beyond the wall. test_claims compares this
+   list with the table of wall treatments. */
 static const struct {
   const char *name;
-  PetscBool   linear, quadratic; /* any such field, with any values on the wall */
+  PetscBool   linear, quadratic; /* any linear, any quadratic field, walls moving with it */
   PetscBool   parabola;          /* between two walls of equal velocity */
 } claims[] = {
     {"mirror", PETSC_TRUE, PETSC_FALSE, PETSC_FALSE},
@@ -18,7 +19,7 @@ static const struct {
     {"global_quadratic", PETSC_FALSE, PETSC_FALSE, PETSC_TRUE},
     {"adami", PETSC_FALSE, PETSC_FALSE, PETSC_FALSE},
     {"dummy_linear", PETSC_TRUE, PETSC_FALSE,
-     PETSC_FALSE}, /* linear along the normal, with the surface layer */
+     PETSC_FALSE}, /* linear along the normal; with the surface layer only */
 };
 #define N_CLAIMS ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(claims))
 
@@ -61,8 +62,8 @@ static void ForAllTreatments(const CloudBox *box, size_t pair, WalledCheck check
   }
 }
 
-/* Closed boxes or channels in 2D and 3D, on lattices (in 3D closed boxes only) and on disordered
-   particles. */
+/* Calls check for closed boxes or for channels, in 2D and 3D, on lattices (in 3D for closed boxes
+   only) and on disordered particles. */
 static void ForAllBoxes(PetscBool closed, size_t pair, WalledCheck check)
 {
   for (PetscInt dim = 2; dim <= 3; dim++) {
@@ -109,14 +110,15 @@ static PetscReal VelocityError(const Quadratic *u, Cloud *cloud)
   return largest;
 }
 
-/* A claimed field is exact up to the rounding of fits; any other field has an error of at least
-   1 % of u. */
+/* Fails unless the error of a claimed field is rounding of fits, and the error of any other field
+   is at least 1 % of u. */
 static void AssertClaim(const char *what, const char *where, PetscBool claimed, PetscReal error)
 {
   CloudAssertNone(what, where, claimed ? !(error <= 1e-8) : !(error >= 1e-2));
 }
 
-/* Sum rule: fluid and walls in translation have no viscous force, gradient or divergence. */
+/* Checks that fluid and walls in the same translation have no viscous force, no gradient and no
+   divergence. */
 static void CheckUniform(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const Quadratic u[3] = {{.c = 1.0}, {.c = 1.0}, {.c = 1.0}}, zero = {0};
@@ -127,7 +129,7 @@ static void CheckUniform(const WalledForms *forms, const char *where, Cloud *clo
   WalledAssert("div of uniform flow", where, cloud, cloud->y, &zero, 1, 1e-11);
 }
 
-/* Plane Couette flow between walls of different velocity, before and after particles move. */
+/* Checks plane Couette flow between walls of different velocity, before and after moves. */
 static void CheckCouette(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const PetscBool claimed = claims[ClaimOf(forms)].linear;
@@ -140,7 +142,7 @@ static void CheckCouette(const WalledForms *forms, const char *where, Cloud *clo
   AssertClaim("Couette flow of renumbered particles", where, claimed, VelocityError(&u, cloud));
 }
 
-/* All linear fields in a closed box, so that dummies behind its edges count too. */
+/* Checks all linear fields in a closed box, which has dummies behind its edges too. */
 static void CheckLinear(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   if (!forms->wall->Extend || !claims[ClaimOf(forms)].linear) return;
@@ -151,7 +153,7 @@ static void CheckLinear(const WalledForms *forms, const char *where, Cloud *clou
   }
 }
 
-/* The steady parabola of a channel. */
+/* Checks the steady parabola of a channel. */
 static void CheckParabola(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const PetscInt  dim = cloud->scene.dim;
@@ -160,7 +162,7 @@ static void CheckParabola(const WalledForms *forms, const char *where, Cloud *cl
   AssertClaim("parabola", where, claims[ClaimOf(forms)].parabola, VelocityError(&u, cloud));
 }
 
-/* All quadratic fields in a closed box whose walls move with the field. */
+/* Checks all quadratic fields in a closed box whose walls move with the field. */
 static void CheckQuadratic(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const PetscInt dim = cloud->scene.dim;
@@ -173,8 +175,8 @@ static void CheckQuadratic(const WalledForms *forms, const char *where, Cloud *c
   }
 }
 
-/* A fluid in rigid rotation and translation with a cylinder inside and with the walls of the box.
-   */
+/* Checks fluid in rigid rotation and translation, with which a cylinder inside and the walls of the
+   box move. */
 static void CheckTurning(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   Boundary *circle = &cloud->scene.boundary[SceneBodySide(&cloud->scene, 0)];
@@ -201,9 +203,9 @@ static void CheckTurning(const WalledForms *forms, const char *where, Cloud *clo
 }
 
 /*
-  The volumes of fluid and wall particles add up to the box with its layers outside and inside the
-  cylinder. Flat walls have no error. A circle on a lattice misses its area by a few cells: the
-  tolerance for two circles is 6.
+  Checks that the volumes of fluid and wall particles add up to the volume of the box with its wall
+  layers, less the part of the cylinder behind its layers. Flat walls have no error. The volume of a
+  circle on a lattice has an error of a few cells: the tolerance for two circles is 6 cells.
 */
 static void CheckVolume(const WalledForms *forms, const char *where, Cloud *cloud)
 {
@@ -275,7 +277,8 @@ static void test_cylinder(void **state)
   }
 }
 
-/* An extension makes the matrix of a symmetric form unsymmetric, and the form reports it. */
+/* Checks that LaplacianIs() returns whether the matrix is symmetric: an extension makes the matrix
+   of a symmetric form unsymmetric. */
 static void CheckAsymmetry(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   PetscBool       symmetric;

@@ -1,6 +1,6 @@
 /*
-  Forms on stencils made by hand: dependence on the roles of wall neighbours, and the effect of
-  kernel corrections.
+  Laplacians on stencils made by hand: their dependence on the equations of wall neighbours, and the
+  effect of kernel corrections.
 */
 /* RANKS: 1 */
 #include "cloud.h"
@@ -8,8 +8,8 @@
 #define SIDE 5   /* points along each axis */
 #define MOST 125 /* SIDE^3 */
 
-/* Creates a stencil of points about the origin, mean spacing 1; the first `walls` are walls with a
-   normal. */
+/* Creates a stencil of disordered points around the origin with mean spacing 1; the first `walls`
+   points are wall particles. */
 static Stencil *Made(PetscInt dim, PetscReal h, PetscInt walls)
 {
   const KernelRow *kernel = (const KernelRow *)(const void *)TableGet(&KernelTable, 2);
@@ -66,7 +66,8 @@ static LaplacianForm Form(const char name[], const char correction[])
   return form;
 }
 
-/* Returns the largest |lap f - sum of weights times neighbour data| for f = X_a and X_a X_b. */
+/* Returns the largest error of the Laplacian over f = X_a and f = X_a X_b; wall particles give
+   n.grad f instead of f. */
 static PetscReal SlopeError(const Stencil *st, const PetscReal w[])
 {
   PetscReal worst = 0.0;
@@ -87,8 +88,8 @@ static PetscReal SlopeError(const Stencil *st, const PetscReal w[])
   return worst;
 }
 
-/* A form with full_support ignores equations. Any other form is exact with n.grad f at walls, as
-   with values. */
+/* A form with FORM_FULL_SUPPORT ignores the equations of walls. Any other form is exact with given
+   n.grad f at walls too. */
 static void test_equations(void **state)
 {
   const Scene scene = {.dim = 2, .boundary = {{.kind = &BoundaryWall}}};
@@ -118,7 +119,7 @@ static void test_equations(void **state)
   }
 }
 
-/* Returns Shepard's interpolant of f at x, with f = 0 at the origin. */
+/* Returns Shepard's interpolant sum_k W_k f_k / sum_k W_k at x, with f = 0 at the origin. */
 static PetscReal Interpolant(const Stencil *st, PetscReal h, const PetscReal f[],
                              const PetscReal x[])
 {
@@ -137,9 +138,9 @@ static PetscReal Interpolant(const Stencil *st, PetscReal h, const PetscReal f[]
 }
 
 /*
-  With shepard, direct_scalar is the Laplacian of the interpolant. Central differences of step
-  1e-4 h give that Laplacian to 1e-4 only, since the third derivative of the kernel jumps at the
-  particle.
+  With the correction shepard, direct_scalar is the Laplacian of Shepard's interpolant. The
+  reference from central differences of step 1e-4 h has an accuracy of 1e-4 only, because the third
+  derivative of the kernel jumps at the particle.
 */
 static void test_shepard(void **state)
 {
@@ -173,7 +174,7 @@ static void test_shepard(void **state)
   }
 }
 
-/* morris with first_order equals corrected, weight by weight. */
+/* The form morris with the correction first_order has the same weights as the form corrected. */
 static void test_first_order(void **state)
 {
   const LaplacianForm morris = Form("morris", "first_order"), corrected = Form("corrected", "none");

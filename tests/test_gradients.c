@@ -18,7 +18,8 @@ static void Create(const CloudBox *box, const char kernel[], const GradientRow *
   ASSERT_OK(CloudCreate(box, options, cloud));
 }
 
-/* Returns the largest error of the gradient/factor of monomials [first, last), in units of 1/dx. */
+/* Returns the largest error of the gradient divided by `factor`, over monomials [first, last), in
+   units of 1/dx. */
 static PetscReal MonomialError(const Cloud *cloud, PetscInt first, PetscInt last, PetscReal factor)
 {
   PetscReal error, largest = 0.0;
@@ -39,7 +40,7 @@ static PetscReal MonomialError(const Cloud *cloud, PetscInt first, PetscInt last
   return largest;
 }
 
-/* Returns |A - B|/|A| in Frobenius norms. */
+/* Returns |A - B|/|A| in the Frobenius norm. */
 static PetscReal Difference(Mat A, Mat B)
 {
   Mat       C;
@@ -53,8 +54,8 @@ static PetscReal Difference(Mat A, Mat B)
   return difference / norm;
 }
 
-/* Constants have no gradient; without walls velocity, pressure and divergence have equal weights.
-   */
+/* Checks that constants have no gradient, and that without walls the gradients of velocity and
+   pressure and the divergence have equal weights. */
 static void CheckRows(const char *where, const Cloud *cloud)
 {
   const Quadratic one = {.c = 1.0}, zero = {0};
@@ -74,8 +75,8 @@ static void CheckRows(const char *where, const Cloud *cloud)
   CloudAssertNone("a fit was not determined", where, cloud->ops->regularised_rows);
 }
 
-/* u = G s with tr G = 0: the divergence vanishes if the gradient is exact for linear fields, and on
-   a lattice, where its first moments are a multiple of the unit matrix. */
+/* Checks that u = G s with tr G = 0 has no divergence. This is so if the gradient is exact for
+   linear fields, and on a lattice, where its first moments are a multiple of the unit matrix. */
 static void CheckSolenoidal(const char *where, const Cloud *cloud)
 {
   const PetscInt  dim     = cloud->scene.dim;
@@ -95,7 +96,8 @@ static void CheckSolenoidal(const char *where, const Cloud *cloud)
   CloudAssertNone("div of a linear solenoidal field", where, error * cloud->scene.dx > 1e-9);
 }
 
-/* Linear fields are exact if declared and only then; mls is exact for quadratic fields. */
+/* Checks that a gradient is exact for linear fields if it declares this and only then, and that mls
+   is exact for quadratic fields. */
 static void CheckDeclared(const GradientRow *form, const char *where, const Cloud *cloud)
 {
   const PetscInt  dim    = cloud->scene.dim;
@@ -115,7 +117,7 @@ static void CheckDeclared(const GradientRow *form, const char *where, const Clou
   else CloudAssertNone("exact_linear, undeclared", where, linear < 1e-2);
 }
 
-/* Checks new clouds, then the same clouds after moves, of which some renumber. */
+/* Checks new clouds, then the same clouds after moves, some of which start an epoch. */
 static void Declared(PetscInt dim)
 {
   for (PetscInt k = 0; k < GradientTable.count; k++) {
@@ -154,7 +156,7 @@ static void test_declared_3d(void **state)
 
 /*
   On a lattice with h = dx and the cubic spline a gradient that is not exact for linear fields
-  returns S1 times the gradient, docs/theory.md, (24) and (37); an exact gradient returns it.
+  returns S1 times the exact gradient, docs/theory.md, (24) and (37).
 */
 static void test_closed_form(void **state)
 {
@@ -175,8 +177,8 @@ static void test_closed_form(void **state)
   }
 }
 
-/* f = sin(k x + 1) sin(k y + 2), a wave along each side. Returns the relative L2 error of df/dx.
-   */
+/* Returns the relative L2 error of df/dx for f = sin(k x + 1) sin(k y + 2), a wave along each side
+   of the box. */
 static PetscReal WaveError(PetscInt n, const GradientRow *form)
 {
   const CloudBox   box = {.dim = 2, .cells = {n, n, 1}, .n_periodic = 2};
@@ -203,7 +205,7 @@ static PetscReal WaveError(PetscInt n, const GradientRow *form)
   return error / norm;
 }
 
-/* Odd moments vanish on a lattice, so a gradient exact for linear fields has order 2 there. */
+/* Odd moments are zero on a lattice, so a gradient that is exact for linear fields has order 2. */
 static void test_order_on_lattice(void **state)
 {
   (void)state;

@@ -1,4 +1,4 @@
-/* Identities of every row of the kernel table that make a function a smoothing kernel. */
+/* Identities that make a function a smoothing kernel, for every row of the kernel table. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -25,10 +25,10 @@ static PetscReal SphereArea(PetscInt dim, PetscReal r)
   return dim == 1 ? 2.0 : dim == 2 ? 2.0 * PETSC_PI * r : 4.0 * PETSC_PI * r * r;
 }
 
-/* int W dV = 1, int r W' dV = -d, int r^2 W'' dV = d (d + 1): docs/theory.md, (7) */
+/* Checks int W dV = 1, int r W' dV = -d and int r^2 W'' dV = d (d + 1): docs/theory.md, (7). */
 static void test_moments(void **state)
 {
-  const PetscInt n = 4000; /* midpoints: error O(1/n^2) relative, below 1e-6 */
+  const PetscInt n = 4000; /* midpoints: relative error O(1/n^2), below 1e-6 */
 
   (void)state;
   for (PetscInt k = 0; k < KernelTable.count; k++) {
@@ -53,7 +53,7 @@ static void test_moments(void **state)
   }
 }
 
-/* Central differences, with an error O(eps^2) between knots */
+/* Compares W' and W'' with central differences, whose error between knots is O(eps^2). */
 static void test_derivatives(void **state)
 {
   const PetscReal eps = 1e-5;
@@ -82,9 +82,9 @@ static void test_derivatives(void **state)
 }
 
 /*
-  W >= 0, W' <= 0, W'(0) = 0, and W'' - W'/r = r (W'/r)' >= 0, which makes the weights of gotoh
-  positive: docs/theory.md, (8). All three functions vanish from the edge of the support on, and W
-  and W' are continuous there.
+  Checks W >= 0, W' <= 0, W'(0) = 0, and W'' - W'/r = r (W'/r)' >= 0, which makes the weights of the
+  Laplacian gotoh positive: docs/theory.md, (8). W, W' and W'' are zero at the edge of the support
+  and beyond, and W and W' are continuous there.
 */
 static void test_shape(void **state)
 {
@@ -113,7 +113,7 @@ static void test_shape(void **state)
       AssertSmall(w[0], 1e-10 * top[0], kernel, "jump of W", edge);
       AssertSmall(w[1], 1e-10 * top[0], kernel, "jump of W'", edge);
       KernelEvaluate(kernel, dim, H, edge * (1.0 - 1e-3), w);
-      assert_true(w[0] > 0.0); /* the support is not overstated */
+      assert_true(w[0] > 0.0); /* the support is not smaller */
     }
   }
 }

@@ -1,11 +1,11 @@
 /*
   Identities of every row of the Laplacian table, on lattices and on disordered clouds, in 2D and
-  3D: a row has the properties that it declares, and no others.
+  3D: a form has the properties that it declares, and no others.
 */
 /* RANKS: 1 2 */
 #include "cloud.h"
 
-/* Returns the largest error of the rows on monomials [first, last), in units of 1/dx^2. */
+/* Returns the largest error of the Laplacian over monomials [first, last), in units of 1/dx^2. */
 static PetscReal MonomialError(const Cloud *cloud, PetscInt first, PetscInt last)
 {
   PetscReal error, largest = 0.0;
@@ -35,7 +35,8 @@ static PetscReal Asymmetry(Mat A)
   return difference / norm;
 }
 
-/* Constants vanish, and the pressure operator is -dx^2 times the viscous operator, on all rows. */
+/* Checks on all rows that constants have no Laplacian, unless the form declares otherwise, and that
+   the pressure operator is -dx^2 times the viscous operator. */
 static void CheckRows(const LaplacianRow *form, const char *where, const Cloud *cloud)
 {
   const PetscReal dx2 = PetscSqr(cloud->scene.dx);
@@ -89,7 +90,7 @@ static void CheckDeclared(const LaplacianRow *form, const char *where, const Clo
     CloudAssertNone("exact_quadratic, undeclared", where, quadratic < 1e-3);
 }
 
-/* Checks new clouds, then the same clouds after moves, of which some renumber. */
+/* Checks new clouds, then the same clouds after moves, some of which start an epoch. */
 static void Declared(PetscInt dim)
 {
   for (PetscInt k = 0; k < CloudScalarForms(); k++) {
@@ -127,8 +128,9 @@ static void test_declared_3d(void **state)
 }
 
 /*
-  Computes the least real part of the eigenvalues of -L dx^2 on a periodic cloud of one rank, and
-  counts the eigenvalues that do not exceed rounding, of which one belongs to the constants.
+  Computes the least real part of the eigenvalues of -L dx^2 on a periodic cloud of one rank, L:
+  Laplacian, and the number of eigenvalues that do not exceed rounding. A zero eigenvalue belongs to
+  the constants.
 */
 static void LeastEigenvalue(const Cloud *cloud, PetscReal *least, PetscInt *not_positive)
 {
@@ -157,9 +159,9 @@ static void LeastEigenvalue(const Cloud *cloud, PetscReal *least, PetscInt *not_
 }
 
 /*
-  safe_implicit: all eigenvalues of -L except the zero of the constants have positive real parts on
-  disordered clouds of jitter 0.25 dx and 0.5 dx. A form without it has an eigenvalue below
-  -0.05/dx^2 in each cloud: docs/theory.md, (40), the last table.
+  Tests the property safe_implicit: all eigenvalues of -L except the zero of the constants have
+  positive real parts on disordered clouds of jitter 0.25 dx and 0.5 dx. A form without this
+  property has an eigenvalue below -0.05/dx^2 on each cloud: docs/theory.md, (40), the last table.
 */
 static void test_safe_implicit(void **state)
 {
@@ -192,9 +194,9 @@ static void test_safe_implicit(void **state)
 }
 
 /*
-  Particles drift and crowd together while the margins of the neighbour list grow. Rows and entries
-  of a rank outgrow their allocation at different times (the sanitizers watch), and row sums stay
-  zero.
+  Particles drift and crowd together while the margin of the neighbour list grows. The numbers of
+  rows and of entries of a rank exceed the allocated storage at different times (a fault would be
+  found by the sanitizers), and row sums stay zero.
 */
 static void test_reassembly(void **state)
 {

@@ -1,13 +1,13 @@
 /*
-  Laplacians on lattices: orders, second moments and closed forms, among them Table 1 of Zheng, Ma &
-  Shao (2018).
+  Laplacians on lattices: order of accuracy, second moments and closed forms, among them Table 1 of
+  Zheng, Ma & Shao (2018).
 */
 /* RANKS: 1 2 */
 #include "cloud.h"
 
 /*
-  f = sin(k x + 1) sin(k y + 2), a wave along each side of the box: lap f = -2 k^2 f. Returns the
-  relative L2 error.
+  Returns the relative L2 error of lap f = -2 k^2 f for f = sin(k x + 1) sin(k y + 2), a wave along
+  each side of the box.
 */
 static PetscReal WaveError(PetscInt dim, PetscInt n, const LaplacianRow *form)
 {
@@ -51,9 +51,8 @@ static void test_order_on_lattice(void **state)
 }
 
 /*
-  Without corrected moments a form on a lattice returns S times the Laplacian of |x|^2, which is
-  2 dim: docs/theory.md, (36), whose table gives 100 (S - 1) of the square lattice with the cubic
-  spline to one decimal.
+  A form without corrected moments returns S lap |x|^2 = 2 dim S on a lattice: docs/theory.md, (36).
+  Its table gives 100 (S - 1) for the square lattice with the cubic spline to a decimal.
 */
 static void test_second_moment(void **state)
 {
@@ -89,8 +88,8 @@ static void test_second_moment(void **state)
 }
 
 /*
-  Returns the factor S of the second moment at h = dx with the cubic spline: docs/theory.md, (37),
-  from four neighbours at dx and four at sqrt(2) dx.
+  Returns the factor S with which a form computes lap |x|^2 on a square lattice with h = dx and the
+  cubic spline: docs/theory.md, (37), from four neighbours at dx and four at sqrt(2) dx.
 */
 static PetscReal FactorAtDx(const LaplacianRow *form)
 {
@@ -113,13 +112,16 @@ static PetscReal FactorAtDx(const LaplacianRow *form)
     ASSERT_OK(PetscStrcmp(pairwise[k].name, form->name, &same));
     if (same) return pairwise[k].factor;
   }
-  return CloudHas(form, FORM_SYMMETRIC) ? NAN : 1.0; /* NAN: a pairwise form without closed form */
+  return CloudHas(form, FORM_SYMMETRIC) ? NAN : 1.0; /* NAN: no closed form is known */
 }
 
 /*
-  Returns the error of Table 1 of X. Zheng, Q. Ma, S. Shao, Water 10 (2018): docs/theory.md, (39).
-  Nodes i dx, i = 0..N, dx = 1/N, h = dx, sampled at i = 2..N-2; f = x^4 + y^4 as in (38). The value
-  is (1/M) sum |num - exact| / sum |exact| with M = (N-3)^2 and exact = 12 |x|^2.
+  Returns the error of Table 1 of X. Zheng, Q. Ma, S. Shao, Water 10 (2018): docs/theory.md, (39)
+
+    (1/M) sum |numerical - exact| / sum |exact|,   exact = 12 |x|^2,   M = (N-3)^2
+
+  for f = x^4 + y^4 as in (38), with nodes i dx, i = 0..N, dx = 1/N and h = dx; the sums are over
+  i = 2..N-2. Output: worst - largest difference from the closed form (38).
 */
 static PetscReal ZhengError(PetscInt N, const LaplacianRow *form, PetscReal *worst)
 {
@@ -131,7 +133,7 @@ static PetscReal ZhengError(PetscInt N, const LaplacianRow *form, PetscReal *wor
 
   CloudCreateForm(&box, "-kernel cubic_spline -h_over_dx 1", form, &cloud);
   p    = cloud.particles;
-  unit = dx / cloud.scene.dx; /* the paper's length over the cloud's */
+  unit = dx / cloud.scene.dx; /* ratio of lengths in the paper and in the cloud */
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     for (PetscInt a = 0; a < 2; a++)
       p->x[a][i] = unit * (p->x[a][i] - cloud.scene.lo[a]) - 0.5 * dx;
@@ -184,7 +186,7 @@ static void test_zheng_table_1(void **state)
   }
 }
 
-/* The closed form (38) behind the table, and |x|^2 on the same lattice: lap = 4 S. */
+/* Checks the closed form (38), from which the table follows, and lap |x|^2 = 4 S on a lattice. */
 static void test_closed_form(void **state)
 {
   (void)state;

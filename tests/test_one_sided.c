@@ -1,6 +1,6 @@
 /*
-  Pressure rows of the coupled scheme, which use no wall data: beside walls too, the gradient from
-  fluid neighbours alone is exact for quadratic fields, and the residual of the fit vanishes.
+  Pressure rows of the coupled scheme, which use fluid neighbours alone: the gradient is exact for
+  quadratic fields beside walls too, and the residual of the fit is zero.
 */
 /* RANKS: 1 2 */
 #include "cloud.h"

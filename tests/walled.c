@@ -1,4 +1,4 @@
-/* The combinations of walled.h and their clouds. */
+/* Lists the combinations of walled.h and creates their clouds. */
 #include "walled.h"
 
 const WallRow *WalledWall(PetscInt k)
@@ -11,7 +11,7 @@ const GradientRow *WalledGradient(PetscInt k)
   return (const GradientRow *)(const void *)TableGet(&GradientTable, k);
 }
 
-/* WalledBlind - Returns true for a form that ignores the roles of wall particles */
+/* WalledBlind - Returns true if a form ignores the equations of wall particles */
 PetscBool WalledBlind(unsigned properties)
 {
   return (properties & FORM_FULL_SUPPORT) ? PETSC_TRUE : PETSC_FALSE;
@@ -24,8 +24,9 @@ PetscBool WalledMeets(const WallRow *wall, PetscBool full_support)
 }
 
 /*
-  Lists every wall treatment without extension: each with every Laplacian and a fixed gradient,
-  then with a fixed Laplacian and every gradient. test_extension.c tests treatments with extension.
+  Lists each wall treatment that does not extend the velocity to dummies: with every Laplacian and a
+  fixed gradient, then with a fixed Laplacian and every gradient. test_extension.c tests the other
+  treatments. Returns the number of combinations.
 */
 static PetscInt AllForms(WalledForms forms[], PetscInt most)
 {
@@ -59,7 +60,7 @@ static PetscInt AllForms(WalledForms forms[], PetscInt most)
   return n;
 }
 
-/* WalledForOne - Builds the cloud of a combination, requires regular fits, and calls check */
+/* WalledForOne - Creates the cloud of a combination, fails if a fit is singular, and calls check */
 void WalledForOne(const WalledForms *forms, const CloudBox *box, WalledCheck check)
 {
   char  options[256], where[320];
@@ -92,7 +93,7 @@ void WalledForAll(PetscBool closed, WalledCheck check)
   for (PetscInt k = 0; k < n; k++) {
     for (PetscInt dim = 2; dim <= 3; dim++) {
       for (PetscInt disorder = 0; disorder < 2; disorder++) {
-        const PetscInt narrow = closed ? 4 : 7; /* 7: a periodic axis with interior rows */
+        const PetscInt narrow = closed ? 4 : 7; /* 7: room for interior rows on a periodic axis */
         const CloudBox box    = {.cells      = {dim == 2 ? 12 : narrow, dim == 2 ? 9 : narrow, 5},
                                  .dim        = dim,
                                  .n_periodic = closed ? 0 : dim - 1,

@@ -1,6 +1,6 @@
 /*
-  Clouds with walls for each pair of a wall treatment and forms, for tests of fields that must be
-  exact beside walls.
+  Clouds with walls for each combination of a wall treatment, a Laplacian and a gradient, for tests
+  of fields that must be exact beside walls.
 */
 #ifndef WALLED_H
 #define WALLED_H
