@@ -107,6 +107,8 @@ static void MultiplyWeights(const Stencil *st, const PetscReal K[], PetscReal *g
 
     (I - sum_w g_w X_t^T) grad f = sum_fluid g_k (f_k - f_i) + sum_w g_w (X.n) n.grad f
 
+  with dummies w, X = x_w - x_i, and X_t = X - (X.n) n
+
   Input/Output Parameter:
 . g - gradient weights g_k; out: multiplied by the inverse of the matrix on the left, or unchanged
       if SmallSolve() returns PETSC_FALSE
@@ -133,6 +135,8 @@ static void DummyRow_Gradient(const Stencil *st, PetscReal *g[])
   DummyRow_Laplacian - Adapts Laplacian weights to dummies that continue the gradient at i
 
     w_k += (sum_w w_w X_t).g_k,   g_k: gradient weights from DummyRow_Gradient()
+
+  with dummies w, X = x_w - x_i, and X_t = X - (X.n) n
 
   Properties: the new weights are exact for linear fields if w and g are; not symmetric.
 */
@@ -247,9 +251,10 @@ static void DummyMatrix(const Stencil *st, PetscReal *const g[], PetscReal A[])
 
     u_w - u_i = n [ beta n.(u_wall - u_i) - (beta - 1) n.(grad u X_t) ] + (I - n n^T) grad u X
 
-  The normal component of u_w is extrapolated linearly from the fluid velocity at x_i + X_t,
-  straight above the dummy. The tangential components continue the velocity gradient at i and do not
-  depend on the wall velocity. With U_ab = du_a/dx_b this gives the linear system
+  with X = x_w - x_i and X_t = X - (X.n) n. The normal component of u_w is extrapolated linearly
+  from the fluid velocity at x_i + X_t, straight above the dummy. The tangential components continue
+  the velocity gradient at i and do not depend on the wall velocity. With U_ab = du_a/dx_b this
+  gives the linear system
 
     U_ab - sum_ce T_ab,ce U_ce = sum_fluid g_k,b (u_k - u_i)_a
                                  + sum_w g_w,b n_a beta n.(u_wall - u_i)

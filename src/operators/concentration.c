@@ -1,6 +1,6 @@
 /*
-  Particle concentration and its gradient, for shifting and for the mixed pressure source of Zheng,
-  Ma & Shao (2018).
+  Particle concentration and its gradient, for shifting and for the pressure source of -ppe_alpha
+  after Zheng, Ma & Shao (2018).
 */
 #include "isph/operators.h"
 

@@ -1,4 +1,5 @@
-/* Row functions that stand in the tables of laplacians.c and gradients.c, but in other files. */
+/* Row functions of the tables in laplacians.c and gradients.c that other files define, and
+   functions that they share. */
 #ifndef ISPH_ROWS_H
 #define ISPH_ROWS_H
 

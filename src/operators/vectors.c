@@ -108,7 +108,7 @@ PetscErrorCode FluidSum(const Particles *p, Vec f, PetscBool squared, PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FluidRemoveMean - Subtracts the mean over the volume of the fluid; collective */
+/* FluidRemoveMean - Subtracts from f its mean over the volume of the fluid; collective */
 PetscErrorCode FluidRemoveMean(const Particles *p, Vec f)
 {
   PetscReal sum;

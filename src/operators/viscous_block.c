@@ -11,8 +11,8 @@
 #include "boundary_rows.h"
 #include "wall_points.h"
 
-/* Returns the number of matrix entries of a slot: dim^2, for all (a, b), if the form couples
-   components, otherwise dim, for (a, a). */
+/* Returns the number of matrix entries of a slot: dim^2 if the form couples components (a, b),
+   otherwise dim, of the diagonal (a, a). */
 static PetscInt SlotEntries(const Operators *ops, PetscInt dim)
 {
   return ops->velocity[0].visc.width == 1 ? dim : ops->velocity[0].visc.width;

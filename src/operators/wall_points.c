@@ -13,7 +13,7 @@
 #include "assembly.h"
 #include "wall_points.h"
 
-/* Returns true if the stencil has dummies whose velocities are extrapolated with beta. */
+/* Returns true if the stencil has dummies whose velocities a factor beta extrapolates. */
 static PetscBool HasWallPoints(const Stencil *st, const Operators *ops)
 {
   return st->n_wall && !ops->forms.wall->on_surface && !ops->forms.wall->Extend ? PETSC_TRUE
@@ -29,8 +29,8 @@ static void AlongWall(const Stencil *st, PetscInt k, PetscReal phi[])
   for (PetscInt a = 0; a < st->dim; a++) phi[1 + a] /= st->radius;
 }
 
-/* Computes st->share for the wall neighbours of a side: their weights in u_wall,i, with the sum
-   1. */
+/* Computes st->share for the wall neighbours of a side: their weights in u_wall,i, the wall
+   velocity at the wall point of particle i. The sum of the weights is 1. */
 static void SideShares(Stencil *st, PetscInt side)
 {
   const PetscInt n                                               = st->dim + 1;
@@ -57,8 +57,8 @@ static void SideShares(Stencil *st, PetscInt side)
   }
 }
 
-/* WallPointShares - Computes st->share, the weights of wall neighbours in u_wall,i, for all sides
-   near particle i; not collective */
+/* WallPointShares - Computes st->share for all wall neighbours of particle i: their weights in the
+   wall velocity at the wall point of i; not collective */
 void WallPointShares(const Operators *ops, Stencil *st)
 {
   PetscBool done[SCENE_MAX_BOUNDARIES] = {PETSC_FALSE};
@@ -76,8 +76,8 @@ void WallPointShares(const Operators *ops, Stencil *st)
 
     b_w = w_w + share_w sum_v w_v (beta_v - 1),   v: wall neighbours of the same side
 
-  Then sum_w b_w = sum_w beta_w w_w. If the wall treatment puts particles on the surface, or extends
-  the velocity later (ExtendWalls()), b = w.
+  with st->share and st->beta. Then sum_w b_w = sum_w beta_w w_w. If the wall treatment puts
+  particles on the surface, or extends the velocity later (ExtendWalls()), b = w.
 
   Not collective.
 

@@ -20,8 +20,8 @@ static PetscErrorCode MeasureDivergence(Flow *flow, const Vec u[], PetscReal *la
 }
 
 /*
-  Measures kinetic energy, largest speed, the largest speed that walls can drive and, with a
-  pressure, the largest divergence
+  Measures kinetic energy, largest speed, the largest speed to which walls can have driven the fluid
+  and, with a pressure, the largest divergence
 
   Collective. Input: u - velocity components. Output: scheme->stats, bound.walls.
 */

@@ -264,9 +264,9 @@ static PetscReal ClockTarget(const Clock *c)
 
     dt_wanted = min((-dt, or else the scheme's limit)/2^halvings, land_every)
 
-  Not collective. land_every is the interval of snapshots. dt is dt_wanted, or less so that
-  equal steps end exactly at the next report time, at the next snapshot, or at t_end. In a run of a
-  single step dt_wanted is dt.
+  Not collective. land_every is the interval of snapshots. dt is dt_wanted, reduced so that equal
+  steps end exactly at the next report time, at the next snapshot, or at t_end. In a run of a single
+  step dt_wanted is dt.
 
   Input Parameter:
 . limit - the longest step that the scheme allows

@@ -2,9 +2,10 @@
 #include "step.h"
 
 /*
-  ConvectionCentral - Computes (v.grad u)_i from the gradient operators, without filter
+  ConvectionCentral - Computes the convective term v.grad u from the gradient operators, without the
+  velocity filter
 
-  Collective. Input, output: as ConvectionApply().
+  Collective. For inputs and output see ConvectionApply().
 */
 PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, const Vec v[], Vec u,
                                  Vec walls, Vec work, Vec result)

@@ -1,6 +1,7 @@
 /*
-  Fallbacks of a linear solve: if the chosen method does not reach the true residual, other methods
-  solve the same system, from the cheapest to the most robust. Each fallback is printed and counted.
+  Fallbacks of a linear solve: if the true residual of the chosen method is not small enough, other
+  methods solve the same system, from the cheapest to the most robust. Each fallback is printed and
+  counted.
 */
 #include "isph/guard.h"
 
@@ -70,7 +71,8 @@ static PetscErrorCode FallbackSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBoo
 
   Output Parameters:
 + x      - the solution, if solved
-- solved - PETSC_FALSE if no method reached the residual, or b is not finite
+- solved - PETSC_FALSE if no method reached a small true residual, or if the residual of the failed
+           solver is not finite
 
   Notes: each fallback is printed; guard->solve.falls counts all fallbacks, guard->in_a_row the
   fallbacks since the last success of the chosen method

@@ -162,7 +162,7 @@ PetscErrorCode SteadyRemember(Scheme *scheme)
 
   Input Parameters:
 + projection - name of the projection; NULL: no pressure, or no splitting
-- rotational - flag: the projection is rotational for the least viscosity
+- rotational - flag: the projection has a rotational term, with the least viscosity
 */
 PetscErrorCode SteadyRefuse(const Flow *flow, const char projection[], PetscBool rotational)
 {

@@ -75,8 +75,8 @@ static PetscErrorCode RefuseSteady(const Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses options and moving particles for a steady solve or substeps, which have no velocity
-   history. */
+/* Refuses moving particles for integrators with substeps, and the options -velocity_filter and
+   -time_order for substeps and steady flows, where they have no meaning. */
 static PetscErrorCode RefuseHistory(const Flow *flow, const CoupledIntegratorRow *row)
 {
   const PetscBool steady = flow->clock->steady_solve;

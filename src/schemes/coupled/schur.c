@@ -5,13 +5,14 @@
 
     S = sigma (-lap) (shift - nu lap)^-1,   S^-1 = nu/sigma + shift/sigma (-lap)^-1
 
-  with sigma = dx^2/T and the scaling time T: docs/theory.md, (95). A new approximation needs a
-  function and a row.
+  with the factor shift of u in du/dt, sigma = dx^2/T, and the time T of the scaling:
+  docs/theory.md, (95). A new approximation needs a function and a row.
 */
 #include "coupled.h"
 
 /*
-  SchurApply_Mass - Applies y = x, the limit of S^-1 for long steps: nu/sigma = 1, shift = 0
+  SchurApply_Mass - Applies y = x, the limit of S^-1 (top of this file) for long steps:
+  nu/sigma = 1, shift = 0
 
   Reference: H. C. Elman, D. J. Silvester, A. J. Wathen, Finite Elements and Fast Iterative Solvers
   (2014)

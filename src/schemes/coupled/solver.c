@@ -100,7 +100,7 @@ static PetscErrorCode CoupledCreateTS(Coupled *c)
 + -coupled_schur - row of the table of schur.c
 . -coupled_ksp_type, -coupled_pc_type, -coupled_pc_fieldsplit_..., -coupled_ts_... - PETSc's options
 . -coupled_fieldsplit_velocity_..., -coupled_fieldsplit_pressure_... - KSP and PC of the blocks
-- -coupled_schur_ksp_type, -coupled_schur_pc_type, ... - solver of its Poisson equation
+- -coupled_schur_ksp_type, -coupled_schur_pc_type, ... - solver of the Poisson equation in schur.c
 
   Errors: refuses options by which the TS would control time, and absolute tolerances
 */

@@ -6,7 +6,8 @@
 
     b = -dx_i^2 rho/k ((1 - alpha) div u* + alpha (1 - C)/dt) - B (gain of n.grad p in the step)
 
-  with -ppe_alpha alpha, the concentration C, and k of projection.c. B is the wall part of A.
+  alpha is -ppe_alpha, C the concentration, k the step length in projection.c, and B the wall part
+  of A.
 */
 static PetscErrorCode SetSource(Flow *flow)
 {
@@ -59,11 +60,11 @@ static PetscErrorCode CorrectVelocity(Flow *flow)
 }
 
 /*
-  Multiplies the residual of the fit of the pressure by the share that a step removes [-]
+  Multiplies the residual of a quadratic fit of the pressure by the share that the filter removes
 
     S max(0.1, 1/(1 + 8 nu dt/dx_i^2))
 
-  S is -ppe_filter. The second expression is the factor by which an implicit viscous step damps the
+  S is -ppe_filter. The second number in max() is the factor by which an implicit viscous step damps the
   checkerboard of a lattice. With the operators L, D and G of Laplacian, divergence and gradient,
   disordered particles have pressure modes p with L^-1 D G p = m p and m < 0. An incremental
   projection amplifies them by about 1 + |m|^(1/2) in each step, however short the step is;
@@ -71,9 +72,9 @@ static PetscErrorCode CorrectVelocity(Flow *flow)
   complement each other. See docs/theory.md, (78) and (79).
 
   The price is a divergence: if a steady pressure has the residual r, the projection leaves the
-  divergence k (L - D G) S r/rho, which can feed energy into thin layers. In the cavity at Re =
-  1000, n = 48, fixed particles, CFL number 1, t = 40, the energy has errors of -18, -8.5, 5.1, 38 %
-  for S = 0, 0.02, 0.1, 0.5. Therefore the default on a lattice of fixed particles is S = 0.1.
+  divergence k (L - D G) S r/rho, which can feed energy into thin layers. In the cavity at
+  Re = 1000, n = 48, fixed particles, CFL number 1, t = 40, the energy has errors of -18, -8.5, 5.1,
+  38 % for S = 0, 0.02, 0.1, 0.5. Therefore the default on a lattice of fixed particles is S = 0.1.
 */
 static PetscErrorCode ShareOfResidual(const Flow *flow, Vec residual)
 {
@@ -93,7 +94,8 @@ static PetscErrorCode ShareOfResidual(const Flow *flow, Vec residual)
 }
 
 /*
-  PressureGain - Returns the share of phi that is added to the pressure, min(1, 4 dt/dt_wanted)
+  PressureGain - Returns the share of the pressure increment phi that is added to the pressure,
+  min(1, 4 dt/dt_wanted)
 
   Not collective. An error e of the velocity gives phi of about rho e dx/dt. If a report cuts a step
   short, phi is therefore far too large for the following steps, which may be thousands of times as

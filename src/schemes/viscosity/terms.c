@@ -22,7 +22,7 @@ static PetscErrorCode ApplyBoundary(Viscosity *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Updates the wall terms to time t if the wall velocity depends on time. */
+/* Updates the wall terms to time t if they are not set, or if the wall velocity depends on t. */
 static PetscErrorCode UpdateBoundary(Viscosity *v, PetscReal t)
 {
   PetscFunctionBegin;

@@ -224,8 +224,8 @@ static PetscErrorCode ViscosityRenumber(Viscosity *v)
 }
 
 /*
-  Frees the Jacobian before the next is created: the solvers hold it too, and both at once would be
-  the run's largest memory. The reset also renews the set-up of -visc_snes_mf_operator.
+  Frees the Jacobian, also in the solvers that hold it, before the next is created: both at once
+  would be the peak of the run's memory. The reset also renews the set-up of -visc_snes_mf_operator.
 */
 static PetscErrorCode ViscosityFreeJacobian(Viscosity *v)
 {
@@ -241,7 +241,8 @@ static PetscErrorCode ViscosityFreeJacobian(Viscosity *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates a Jacobian of the operators' present pattern, and renews the preconditioner. */
+/* Creates a Jacobian with the sparsity pattern of the present operators, and renews the
+   preconditioner. */
 static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
 {
   const Operators *ops = v->flow->ops;
@@ -314,7 +315,8 @@ static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t,
                       history [s]
 . projection_factor - see WallValuesSetVelocity() [m^3 s/kg]
 . force             - force per unit mass, constant over the step [m/s^2]
-- advecting - advecting velocity v; NULL if particles move or the force contains convection [m/s]
+- advecting         - advecting velocity v; NULL if particles move or the force contains convection
+                      [m/s]
 
   Input/Output Parameter:
 . u - velocity components [m/s]

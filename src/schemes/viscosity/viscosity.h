@@ -19,7 +19,7 @@ typedef struct {
   PetscBool    history;         /* starts from (4u^n - u^{n-1})/3, for second order */
   PetscBool    multistep;       /* PETSc keeps earlier velocities, which cannot follow particles */
   PetscBool    end_of_step;     /* time of the force: end of the step, otherwise its middle */
-  PetscReal (*Response)(TS ts); /* response of u* to a new force over dt; NULL: 1 */
+  PetscReal (*Response)(TS ts); /* for ViscosityResponse(); NULL: 1 */
 } ViscousIntegratorRow;
 
 typedef struct Viscosity Viscosity;
