@@ -245,6 +245,8 @@ static void AssembleConcentration(const Scene *scene, const Particles *p, const 
 
     (op f)_i = sum_j A_ij f_j + sum_w B_iw e_w
 
+  for operators op on values f of the fluid, with wall data e.
+
   Collective on the particles' communicator. Does nothing if positions and numbering have not
   changed since the last assembly.
 

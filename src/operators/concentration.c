@@ -4,8 +4,8 @@
 */
 #include "isph/operators.h"
 
-/* Adds the terms of a particle's mirror images, for every combination of mirror planes; X is its
-   position relative to particle i. */
+/* Adds to concentration and gradient the terms of a particle's mirror images, for every combination
+   of mirror planes; X is the position of this particle relative to particle i. */
 static void ConcentrationImages(const KernelRow *kernel, const Stencil *st,
                                 const WallPlane planes[], PetscInt n_planes, const PetscReal X[],
                                 PetscReal volume, PetscReal *concentration, PetscReal gradient[])

@@ -51,8 +51,8 @@ static void CorrectKernel_Shepard(Stencil *st, PetscReal dW[], PetscReal ddW[])
   If the neighbours do not span space, M is the unit matrix, and st->regularised counts the row.
 
   Output Parameters:
-+ dW  - W'; any array except st->dW
-- ddW - W'', unchanged; may be NULL
++ dW  - corrected W'; any array except st->dW
+- ddW - W'' without correction; may be NULL
 
   Reference: J. Bonet, T.-S. L. Lok, Comput. Methods Appl. Mech. Eng. 180 (1999) 97-115
 */

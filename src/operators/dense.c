@@ -123,7 +123,8 @@ void DenseEliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
   Not collective.
 
   Input Parameter:
-. weight - weight of each neighbour; -V W'/r makes M the first moment matrix of the kernel gradient
+. weight - weight of each neighbour; for the corrected kernel gradient -V W'/r, which makes M =
+           sum_k V_k (grad_i W) X^T
 
   Output Parameter:
 . inverse - dim x dim by rows

@@ -65,6 +65,8 @@ static void Shape_WendlandC4(PetscReal q, PetscReal w[3])
 
     W(r) = sigma_d/h^d w(r/h)
 
+  with the shape w and the factor sigma_d of the kernel's row, d = dim
+
   Not collective.
 
   Input Parameters:

@@ -147,7 +147,7 @@ PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, Wall
 }
 
 /*
-  AffineApply - Computes y = A f + B e
+  AffineApply - Computes y = A f + B e with the matrices A and B of an operator
 
   Collective. Input: f - values over fluid; walls - the wall data e, not read without walls.
 */
@@ -159,7 +159,7 @@ PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* AffineApplyAdd - Computes y += A f + B e; collective */
+/* AffineApplyAdd - Computes y += A f + B e with the matrices A and B of an operator; collective */
 PetscErrorCode AffineApplyAdd(const AffineOperator *op, Vec f, Vec walls, Vec y)
 {
   PetscFunctionBegin;

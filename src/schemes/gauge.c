@@ -16,7 +16,7 @@ PetscErrorCode GaugeRemove(const Particles *particles, Vec p)
   GaugeColumn - Creates a column c that makes A + c c^T regular, if the matrix A leaves the constant
   of the pressure undetermined
 
-    c = (0, ..., 0, 1, ..., 1)/sqrt(N)
+    c = (0, ..., 0, 1, ..., 1)/sqrt(N),   N: number of pressures on all ranks
 
   Collective. The solution p of (A + c c^T) p = b has a fixed mean, and c c^T p subtracts from b the
   uniform source for which no pressure exists. See docs/theory.md, (90).

@@ -78,7 +78,7 @@ static PetscErrorCode GuardNote(KSP ksp, const LaplacianForm *form, Guard *guard
 . form - the Laplacian of the matrix; NULL: an unsymmetric matrix
 
   Output Parameter:
-. guard - solve.ksp; solve.note describes an allowed but unwise choice
+. guard - solve.ksp is set, and solve.note if a choice of the user is allowed but unwise
 
   Options Database Key:
 . -fallback N - largest number of successive solves by fallbacks

@@ -17,8 +17,8 @@ static PetscErrorCode MemoryAdd(Memory *memory, const char name[], MemoryItem it
 /*
   MemoryAddReal - Adds a real number to the memory
 
-  Not collective; all ranks add the same numbers in the same order. Input: name - at most 31
-  letters, unique; value - lives as long as the memory.
+  Not collective; all ranks add the same numbers in the same order. Input: name - unique, at most 31
+  letters; value - address of the number, valid as long as the memory.
 */
 PetscErrorCode MemoryAddReal(Memory *memory, const char name[], PetscReal *value)
 {

@@ -11,7 +11,8 @@
 
   |delta r| is at most 0.1 dx. The first term of D spreads particles in any flow, the second keeps
   pace with strain. A lattice strained along its axes stays symmetric, so that grad C vanishes while
-  its rows drift apart. The row's disturbance of 0.1 dx in the first step breaks this symmetry.
+  its rows drift apart. The random displacement ShiftRow.disturbance in the first step breaks this
+  symmetry.
 
   Input: dx - spacing of the particle [m]; strength - S; speed - U, the largest of the flow [m/s];
   rate - |grad u| at the particle [1/s]; gradient_c - grad C [1/m]. Output: displacement [m].

@@ -59,7 +59,7 @@ static PetscErrorCode TimeMonitor(TS ts)
 
   Input Parameters:
 + name  - type of the TS, for messages
-- guard - guard of its solves; inactive without a KSP
+- guard - guard of the linear solves of the TS; inactive without a KSP
 
   Input/Output Parameter:
 . h - length of the first step; out: last length before it is shortened to end at t + dt [s]

@@ -16,7 +16,7 @@
 - name   - name of the option, such as "-ksp_view"
 
   Output Parameter:
-. view - with viewer NULL if the option is absent
+. view - the viewer, which is NULL if the option is absent
 */
 PetscErrorCode SolverViewTake(const char prefix[], const char name[], SolverView *view)
 {

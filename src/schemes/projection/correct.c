@@ -64,11 +64,11 @@ static PetscErrorCode CorrectVelocity(Flow *flow)
 
     S max(0.1, 1/(1 + 8 nu dt/dx_i^2))
 
-  S is -ppe_filter. The second number in max() is the factor by which an implicit viscous step damps the
-  checkerboard of a lattice. With the operators L, D and G of Laplacian, divergence and gradient,
-  disordered particles have pressure modes p with L^-1 D G p = m p and m < 0. An incremental
-  projection amplifies them by about 1 + |m|^(1/2) in each step, however short the step is;
-  therefore the filter is needed. Viscosity damps these modes too, so filter and viscosity
+  S is -ppe_filter. The second number in max() is the factor by which an implicit viscous step damps
+  the checkerboard of a lattice. With the operators L, D and G of Laplacian, divergence and
+  gradient, disordered particles have pressure modes p with L^-1 D G p = m p and m < 0. An
+  incremental projection amplifies them by about 1 + |m|^(1/2) in each step, however short the step
+  is; therefore the filter is needed. Viscosity damps these modes too, so filter and viscosity
   complement each other. See docs/theory.md, (78) and (79).
 
   The price is a divergence: if a steady pressure has the residual r, the projection leaves the

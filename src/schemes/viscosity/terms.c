@@ -36,8 +36,8 @@ static PetscErrorCode UpdateBoundary(Viscosity *v, PetscReal t)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Updates the wall terms to time t and, if viscosities depend on the strain rate, the operator to
-   the velocity u. */
+/* Updates the wall terms to time t. For rheologies, also computes the viscosities and the viscous
+   operator from the velocity u. */
 static PetscErrorCode FollowStrain(Viscosity *v, PetscReal t, Vec u)
 {
   PetscFunctionBegin;
@@ -50,7 +50,8 @@ static PetscErrorCode FollowStrain(Viscosity *v, PetscReal t, Vec u)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the viscous term f = nu (A u + B u_wall) of system c at time t. */
+/* Computes the viscous term f = nu (A u + B u_wall) at time t, of component c or of all components
+   in a single system. */
 static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, Vec f)
 {
   PetscFunctionBegin;
@@ -72,7 +73,7 @@ static PetscErrorCode TakeConvection(Viscosity *v, PetscInt c, Vec u, Vec f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes f = force - (v.grad) u of system c. */
+/* Computes f = force - (v.grad) u, of component c or of all components in a single system. */
 static PetscErrorCode ConvectiveTerm(Viscosity *v, PetscInt c, Vec u, Vec f)
 {
   PetscFunctionBegin;

@@ -122,8 +122,8 @@ static PetscErrorCode RefuseMultistep(const Flow *flow, const ViscousIntegratorR
   Options Database Keys:
 . -visc_ts_type, -visc_ksp_type, -visc_pc_type, ... - PETSc's options of TS, SNES, KSP and PC
 
-  Errors: refuses TS types without row in ViscousIntegratorTable, options by which the TS would
-  control time, and histories that the run cannot keep
+  Errors: refuses TS types without a row in ViscousIntegratorTable, options by which the TS would
+  control time, and multistep types if particles move or steps can be undone
 */
 PetscErrorCode ViscosityCreate(Flow *flow, Viscosity **visc)
 {
@@ -311,8 +311,8 @@ static PetscErrorCode ViscosityStepSystem(Viscosity *v, PetscInt c, PetscReal t,
   Collective. Sets scheme->failure if a TS diverges, or if no method reaches a small true residual.
 
   Input Parameters:
-+ dt                - length of the viscous step, shorter than the clock's if it starts from a
-                      history [s]
++ dt                - length of the viscous step; shorter than the clock's step if it starts from
+                      two earlier velocities [s]
 . projection_factor - see WallValuesSetVelocity() [m^3 s/kg]
 . force             - force per unit mass, constant over the step [m/s^2]
 - advecting         - advecting velocity v; NULL if particles move or the force contains convection
