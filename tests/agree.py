@@ -1,7 +1,7 @@
 """agree.py TOLERANCE QUANTITY[,QUANTITY...] COMMAND_A... --and COMMAND_B...
 
-Runs both commands with -report in separate directories, first A in a/, then B in b/, so that B may read
-../a/. Passes if the last value of every quantity agrees: |a - b| <= TOLERANCE max(|a|, |b|).
+Runs both commands with -report in separate directories: first A in a/, then B in b/, so that B may read
+../a/. Passes if the last values of every quantity agree: |a - b| <= TOLERANCE max(|a|, |b|).
 """
 
 import csv

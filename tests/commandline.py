@@ -1,8 +1,8 @@
-"""commandline.py SOURCE COMMAND... - requests that need no run, options files that are good, and mistakes in
+"""commandline.py SOURCE COMMAND... - tests requests that need no run, valid options files, and mistakes in
 PETSc's own files and in the environment
 
-Usage, help, versions and the reference page are printed once on any number of ranks, with exit
-status 0. The page in docs/ is the printed one, and no file reads an option that the tables do not hold.
+Usage, help, versions and the reference page are printed once on any number of ranks, with exit status 0.
+The reference page in docs/ equals the printed page, and no file reads an option that the tables do not hold.
 """
 import glob
 import os
@@ -32,14 +32,14 @@ for words in (["-version"], ["--version"], ["-n", "abc", "-version"]):
     for line in (r"isph \d+\.\d+\.\d+", r"PETSc \d+\.\d+\.\d+", r"hypre ", r"HDF5 \d+\.\d+\.\d+"):
         assert len(re.findall("^" + line, version, re.M)) == 1, (line, version)
 
-# The page of docs/ is the one that the program prints.
+# The reference page in docs/ equals the page that the program prints.
 reference = isph("-options_reference")
 with open(f"{source}/docs/reference/options.md", encoding="utf-8") as file:
     assert file.read() == reference, "write docs/reference/options.md anew: isph -options_reference"
 options = re.findall(r"^\| `(-[^`]+)` \|", reference, re.M)
 assert len(options) == len(set(options)) and len(options) > 100, options
 
-# All options are listed for any case, and although the others are wrong.
+# All options are listed for any case, even if other words of the command are invalid.
 for words in (["-help"], ["-h"], ["--help"], ["-case", "patch", "-n", "abc", "-help"]):
     text = isph(*words)
     listed = re.findall(r"^  (-\S+)", text[text.index("All options"):], re.M)
@@ -50,7 +50,7 @@ assert petsc.startswith(isph("-help")), petsc[:2000]
 for option in ("-ppe_ksp_gmres_restart", "-visc_ts_max_snes_failures", "-log_view"):
     assert option in petsc, option
 
-# Options are read through rows of tables alone; PETSc's, by the prefix of a solver, are the exception.
+# Options are read through rows of tables only. Options of PETSc, which have the prefix of a solver, are the exception.
 for path in glob.glob(f"{source}/src/**/*.c", recursive=True) + glob.glob(f"{source}/cases/*.c"):
     with open(path, encoding="utf-8") as file:
         calls = re.findall(r"PetscOptions(?:Get|Has|Find|Begin)\w*\(\s*\w+,\s*NULL", file.read())

@@ -1,24 +1,25 @@
 #!/usr/bin/env python3
-"""Tests that the manual is true: README.md, CONTRIBUTING.md, STYLE.md and the pages under docs/.
+"""Tests the manual against the program: README.md, CONTRIBUTING.md, STYLE.md and the pages under docs/.
 
     docs.py links                     every link and anchor resolves, every quoted option exists
     docs.py run ISPH PAGE...          every command of the pages runs, in short variants
     docs.py shown ISPH PAGE...        every command of the pages runs in full and prints the output that is shown
-    docs.py quoted ISPH PAGE...       the same for `console` blocks alone
+    docs.py quoted ISPH PAGE...       the same, but runs only the commands of `console` blocks
     docs.py remake ISPH PAGE...       writes the output of the commands into the pages
     docs.py code                      prints the C code of the how-tos as a single file, to be compiled
 
 A fenced block marked `sh` holds commands. A block marked `console` holds commands after `$ ` and, below each command,
-its output; a line `...` stands for output that is left out. Each page is read from its top to its end in an empty
-directory, in which options/, studies/ and cases/ are the source tree's and `isph` is the program under test.
+its output; a line `...` stands for output that is left out. The commands of a page run in the order of the page in an
+empty directory, which has options/, studies/ and cases/ of the source tree, and in which `isph` is the program under
+test.
 
-Short variants: with `run` each flow ends after two steps (a run that restarts makes four), nothing is printed while
-it runs, and tolerances (-check_...) are not tried. Programs that build, install or take hours (cmake, quickstart,
-check, the studies but `plot` and `curve`) only have to exist. Commands that draw are passed over, with a word, where
-no Python can draw.
+Short variants: with `run` each flow ends after two steps (four if it is a restart), no progress is printed, and
+tolerances (-check_...) are not tested. Programs that build, install or take hours (cmake, quickstart, check, and all
+studies except `plot` and `curve`) only have to exist. If no Python can draw, commands that draw are skipped with a
+message.
 
-Output that is shown is compared word by word: numbers to 2 %, two units of the last digit or 1e-6, except in lines
-that tell of time spent or of a flow that diverged.
+Output that is shown is compared word by word. Numbers may differ by 2 %, by two units of the last digit or by 1e-6, and
+by any amount in lines with times of the computer or about a flow that diverged.
 """
 import glob
 import os
@@ -30,10 +31,10 @@ import sys
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-LOOSE = re.compile(r"wall time|M/s|^isph: step ")  # numbers of the machine, or of a flow that diverged
+LOOSE = re.compile(r"wall time|M/s|^isph: step ")  # numbers that depend on the computer, or of a flow that diverged
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
-# Options of other programs, and stems that end in an underscore or <...>.
+# Options of other programs; beginnings of PETSc's options.
 FOREIGN = {"-o", "-n", "-c", "-g", "-S", "-B", "-D", "-L", "-R", "-j", "-j2", "-k", "-e", "-f", "-np", "-i", "-m", "-x",
            "-s", "-F", "-p", "-C", "-h", "-V"}
 PETSC = ("log_", "options_", "malloc_", "info", "mat_type", "vec_type", "on_error", "help", "version", "fp_trap",
@@ -41,7 +42,7 @@ PETSC = ("log_", "options_", "malloc_", "info", "mat_type", "vec_type", "on_erro
 
 
 def pages():
-    """The pages of the manual, as paths from the root."""
+    """Returns the pages of the manual, as paths from the root of the source tree."""
     found = ["README.md", "CONTRIBUTING.md", "STYLE.md"]
     for path in glob.glob(os.path.join(ROOT, "docs", "**", "*.md"), recursive=True):
         found.append(os.path.relpath(path, ROOT))
@@ -54,7 +55,7 @@ def read(page):
 
 
 def blocks(text):
-    """Fenced blocks: (mark, body, begin and end of the body in the text)."""
+    """Yields the fenced blocks of a text: mark, body, begin and end of the body in the text."""
     for match in re.finditer(r"^```([^\n`]*)\n(.*?)^```[ \t]*$", text, re.M | re.S):
         yield match.group(1).strip(), match.group(2), match.start(2), match.end(2)
 
@@ -63,7 +64,7 @@ def blocks(text):
 
 
 def anchors(text):
-    """Names that a link to the page may end with, made of its headings as GitHub makes them, and its ids."""
+    """Returns the anchors of a page: its ids, and the names that GitHub derives from its headings."""
     names, seen = set(re.findall(r"<a (?:id|name)=\"([^\"]+)\"", text)), {}
     for heading in re.findall(r"^#{1,6}[ \t]+(.*)$", re.sub(r"^```.*?^```", "", text, flags=re.M | re.S), re.M):
         heading = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).strip().lower()
@@ -88,7 +89,7 @@ def link_faults(page):
 
 
 def known_options():
-    """Names of options in the sources: string literals that begin with a dash, and names in tables of options."""
+    """Returns possible names of options in the sources: words after a dash or at the beginning of a string literal."""
     names = set()
     for folder in "src", "cases", "include":
         for path in glob.glob(os.path.join(ROOT, folder, "**", "*.[ch]"), recursive=True):
@@ -100,7 +101,7 @@ def known_options():
 
 
 def exists(option, names):
-    """Returns True if an option as it is quoted, without its dash, is one of isph or of PETSc's solvers."""
+    """Returns True if an option, quoted without its dash, is an option of isph or of PETSc's solvers."""
     stem = re.split(r"[<.]", option)[0].rstrip("_")
     if option.startswith(("visc_", "ppe_", "coupled_", "check_")) or option.startswith(PETSC) or stem in names:
         return True
@@ -118,7 +119,7 @@ def option_faults(page, names):
 
 
 def sources():
-    """Returns the text of all sources, with the literals joined that the compiler joins."""
+    """Returns the text of all sources; adjacent string literals are joined, as a compiler joins them."""
     text = ""
     for folder in "src", "cases", "include":
         for path in sorted(glob.glob(os.path.join(ROOT, folder, "**", "*.[ch]"), recursive=True)):
@@ -139,7 +140,7 @@ def formats(text):
 
 
 def unanswered():
-    """Messages of the program that the page of messages does not explain."""
+    """Yields the messages of the program that docs/faq.md does not explain."""
     page = read("docs/faq.md")
     parts = re.findall(r"`([^`]+)`", "".join(row.split(" | ")[0] for row in re.findall(r"^\|.*\n", page, re.M)))
     printed = re.findall(r"^isph: .*", page, re.M)
@@ -151,7 +152,7 @@ def unanswered():
 
 
 def message_faults(page):
-    """Parts of messages in a table of messages that no source prints."""
+    """Yields the parts of messages in a page's table of messages that no source prints."""
     table = re.search(r"^\| message contains .*\n((?:\|.*\n)+)", read(page) + "\n", re.M)
     if not table:
         return
@@ -208,7 +209,7 @@ exit 0
 
 
 def drawing_python():
-    """The first Python that can draw, or None."""
+    """Returns the first Python that can draw, or None."""
     for python in (sys.executable, "/usr/bin/python3"):
         if subprocess.run([python, "-c", "import h5py, matplotlib"], capture_output=True, check=False).returncode == 0:
             return python
@@ -254,7 +255,7 @@ class Place:
         return re.search(r"studies/(plot|curve)|python3|\.png", command) is not None
 
     def run(self, command):
-        """Status and output of a command, both streams; None where it draws and nothing can."""
+        """Runs a command; returns its status and its output (both streams), None if it draws but no Python can."""
         if self.draws(command) and not self.python:
             print(f"passed over, no Python can draw: {command.splitlines()[0]}")
             return None
@@ -267,7 +268,7 @@ class Place:
 
 
 def shown(body):
-    """The commands of a console block, each with the lines shown below it."""
+    """Returns the commands of a console block, each with the lines shown below it."""
     found, lines = [], body.split("\n")[:-1]
     for line in lines:
         if line.startswith("$ "):
@@ -280,7 +281,7 @@ def shown(body):
 
 
 def commands(text):
-    """(command, lines shown or None) of a page, in order."""
+    """Yields the commands of a page in order, each with the lines shown below it; None for a block marked `sh`."""
     for mark, body, _, _ in blocks(text):
         if mark == "sh":
             yield body, None
@@ -310,14 +311,14 @@ def run(isph, names):
 
 
 def last_digit(number):
-    """The unit of the last digit of a number as it is written; 0 for a whole number."""
+    """Returns the unit of the last digit of a number as it is written; 0 for a whole number."""
     mantissa, _, exponent = number.lower().partition("e")
     _, point, decimals = mantissa.partition(".")
     return 10.0 ** (int(exponent or 0) - len(decimals)) if point else 0.0
 
 
 def same_words(a, b):
-    """Returns True if two lines have the same words, and the same numbers as far as builds agree."""
+    """Returns True if two lines have the same words, and numbers that differ no more than between builds."""
     if NUMBER.sub("#", a).split() != NUMBER.sub("#", b).split():
         return False
     if LOOSE.search(a):
@@ -327,7 +328,7 @@ def same_words(a, b):
 
 
 def mismatch(lines, printed):
-    """The first line shown that is not printed, or None. `...` stands for any lines."""
+    """Returns the first difference of the lines shown and the lines printed, or None; `...` stands for any lines."""
     at, loose = 0, False
     for line in lines:
         if line.strip() == "...":
@@ -344,12 +345,12 @@ def mismatch(lines, printed):
 
 
 def tidy(output):
-    """Lines as they are shown: no empty ones at the ends, no blanks at the ends of lines."""
+    """Returns the lines of an output without empty lines at both ends and without blanks at the ends of lines."""
     return [line.rstrip() for line in output.strip("\n").split("\n")] if output.strip() else []
 
 
 def check_quoted(isph, names):
-    """Runs the commands whose output is shown, and no others."""
+    """Runs only the commands whose output is shown, and compares it with the page."""
     return check_shown(isph, names, alone=True)
 
 
@@ -373,7 +374,7 @@ def check_shown(isph, names, alone=False):
 
 
 def shortened(lines, printed):
-    """The output with as many lines left out as were left out before, around each `...`."""
+    """Returns the output with a line `...` that leaves as many lines before and after it as in the page."""
     if not any(line.strip() == "..." for line in lines):
         return printed
     first = next(k for k, line in enumerate(lines) if line.strip() == "...")
@@ -406,7 +407,7 @@ def remake(isph, names):
 
 
 def code():
-    """Prints the code of the how-tos: a case as it is, a function, and the row of a table."""
+    """Prints the C code of the how-tos: a case, a function of a Laplacian, and its row in a table."""
     case, = (body for mark, body, _, _ in blocks(read("docs/howto/own-case.md")) if mark == "c")
     function, row = (body for mark, body, _, _ in blocks(read("docs/howto/own-laplacian.md")) if mark == "c")
     print(f"{case}\n#include \"operators/rows.h\"\n\n{function}\nextern const LaplacianRow manual[];\n"

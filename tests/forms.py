@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """Runs the cavity at Re = 100, n = 40, for 100 steps with every Laplacian of the catalogue, first as
-viscous operator, then as pressure operator. A form that is not safe_implicit or couples components must be
-refused for the pressure by a single line.
+viscous operator, then as pressure operator. A form that is not safe_implicit, or that couples components,
+must be refused for the pressure by a single line.
 
     forms.py ISPH
 
 The kinetic energy must be within 10 % of the reference at that time: resolution and walls cause errors
 of 1 to 5 %, a wrong operator far larger errors. A form that declares varying_viscosity also runs a Couette
-flow with nu = 1 + 9 y to within 3 % of u = ln(1 + 9 y)/ln 10; without grad nu.grad u the flow would be
-u = y, with an error of 25 %."""
+flow with nu = 1 + 9 y, which must be within 3 % of u = ln(1 + 9 y)/ln 10; without the term
+grad nu.grad u the flow would be u = y, with an error of 25 %. Any other form must be refused there."""
 import re
 import subprocess
 import sys
@@ -34,7 +34,7 @@ LAYERED += ["-viscosity_field", "1 + 9*y", "-scene_exact", "log(1 + 9*y)/log(10)
 
 
 def varying(isph, name, properties):
-    """Returns true if the form runs with a varying viscosity as declared, or refuses it otherwise."""
+    """Returns true if a form runs with a varying viscosity if it declares this, and is refused otherwise."""
     done = subprocess.run([isph, *LAYERED, "-visc_laplacian", name], capture_output=True, text=True)
     declared = "varying_viscosity" in properties
     good = done.returncode == 0 if declared else "this form has no varying viscosity" in done.stderr

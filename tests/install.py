@@ -4,8 +4,9 @@ program with the installed library by CMake's find_package and by pkg-config.
 
     install.py CMAKE BUILD USER_PROGRAM [PKGCONFIG_PATH]
 
-The reference data must be those of the prefix, or of ISPH_DATA; without them a run warns once and
-leaves out the comparison. Man page and completion in bash hold the options that -help lists."""
+The installed program must read the reference data of the prefix, or of ISPH_DATA; without them a run
+warns once and leaves out the comparison. The man page and the bash completion must hold the options
+that -help lists."""
 import csv
 import os
 import re
@@ -17,7 +18,7 @@ FLOW = ["-case", "cavity", "-reynolds", "1", "-n", "16", "-motion", "eulerian", 
 
 
 def run(command, succeeds=True, **environment):
-    """Runs a command without ISPH_DATA, unless it is given; returns all it printed."""
+    """Runs a command, without ISPH_DATA in the environment unless it is given; returns all output."""
     settings = {key: value for key, value in os.environ.items() if key != "ISPH_DATA"}
     done = subprocess.run(command, env={**settings, **environment}, text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT)

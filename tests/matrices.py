@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compares the matrices of -visc_mat_view and -ppe_mat_view on different numbers of ranks, and checks that
-row k belongs to the particle of id k. The viscous matrix must be I/k - nu L and the pressure matrix -dx^2 L,
-with L exact for linear fields.
+row k belongs to the particle of id k. The viscous matrix must be I/k - nu L, with the step k of an equivalent
+backward Euler step, and the pressure matrix -dx^2 L, with a Laplacian L that is exact for linear fields.
 
     matrices.py N DT NU COMMAND_1 --and COMMAND_2
 
@@ -14,8 +14,9 @@ import sys
 
 
 def binary(path):
-    """Reads PETSc's binary format: big-endian class, rows, columns, entries, row lengths, columns, values. Integers
-    have 64 bits where PETSc's indices have; the class, a small number, then begins with zeros."""
+    """Reads a matrix in PETSc's binary format: big-endian class id, rows, columns, entries, row lengths, columns,
+    values. Integers have 64 bits if PETSc has indices of 64 bits; then the first four bytes are zero, because the
+    class id is small."""
     with open(path, "rb") as file:
         data = file.read()
     letter, width = ("i", 4) if any(data[:4]) else ("q", 8)
@@ -37,7 +38,7 @@ def ascii_(path):
     matrix = []
     with open(path) as file:
         for line in file:
-            line = line.strip()  # before PETSc's entries of several ranks blanks may stand
+            line = line.strip()  # PETSc may print blanks before the entries of several ranks
             if not line.startswith("row "):
                 continue
             head, entries = line.split(":", 1)
@@ -71,12 +72,12 @@ def main():
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     visc, ppe, x = binary("a.bin"), ascii_("p.txt"), particles("a.bin.particles.csv")
     assert len(visc) == len(ppe) == len(x) == n * n
-    # Ranks change the rounding of 10 steps, and ASCII files have six digits.
+    # The number of ranks changes the rounding of 10 steps, and ASCII files have six digits.
     assert difference(visc, ascii_("b.txt")) < 1e-5
     assert difference(ppe, binary("q.bin")) < 1e-5
     for here, there in zip(x, particles("b.txt.particles.csv")):
         assert max(abs(a - b) for a, b in zip(here, there)) < 1e-8
-    # A BDF2 step is a backward Euler step over 2dt/3, with the shift 3/(2 dt).
+    # A step of BDF2 has the matrix of a backward Euler step over k = 2 dt/3, with the shift 1/k = 3/(2 dt).
     shift, one, dx = 1.5 / dt, [1.0] * (n * n), 1.0 / n
     inner = [k for k, p in enumerate(x) if all(4.2 * dx < c < 1 - 4.2 * dx for c in p)]
     assert inner

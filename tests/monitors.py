@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Compares the files of monitors with exact values: steady plane Couette and Poiseuille flow, a fluid at rest.
+"""Compares the files of probes, fluxes and forces with exact values for steady plane Couette flow, Poiseuille flow and
+a fluid at rest.
 
-    monitors.py COMMAND...         the program, on some ranks"""
+    monitors.py COMMAND...         COMMAND starts the program, on some ranks"""
 import csv
 import subprocess
 import sys
@@ -33,7 +34,8 @@ def close(a, b, tolerance):
 
 
 def main():
-    # Steady: 20 steps of nu dt/L^2 = 1. Linear and quadratic fields are exact up to the solver tolerance.
+    # The flow is steady after 20 steps of nu dt/L^2 = 1. Linear and quadratic fields are exact up to the tolerance of
+    # the solver.
     steady = ["-n", "16", "-dt", "1", "-t_end", "20", "-visc_ksp_rtol", "1e-12"]
     run("-case", "couette", *steady, "-probe_point", "0.1,0.3,0.2,1", "-probe_line", "0.1,0,0.1,1,5",
         "-probe_flux", "0.2,1,0.2,0", "-probe_forces")  # nu = rho = U = L = 1, length 8/16
@@ -52,7 +54,7 @@ def main():
     close(last(forces, wall="top")["tz"], 0.25, 1e-7)  # arm L/2
 
     run("-case", "poiseuille", *steady, "-probe_forces", "-probe_flux", "0.2,0,0.2,1", "-probe_every", "10")
-    forces = rows("probe_forces.csv")  # f = 8 nu U/L^2, nu = U d/Re = 1, half of it on each wall
+    forces = rows("probe_forces.csv")  # half of f = 8 nu U/L^2 on each wall, nu = U d/Re = 1, length 8/16
     assert len(forces) == 2 * 3
     for wall in "bottom", "top":
         close(last(forces, wall=wall)["fx"], 0.5 * 8 * 0.5, 1e-6)
@@ -65,7 +67,7 @@ def main():
     for t, expected in zip(times, (0.0, 1.2, 2.1, 3.0)):
         close(t, expected, 1e-12)
 
-    # Walls whose velocity varies along them: no stress in rigid rotation, 2 mu du/dx in plane strain.
+    # Velocities vary along the walls: the stress is zero in rigid rotation and 2 mu du/dx in plane strain.
     for flow, strain in (("0.5-y, x-0.5", 0), ("x-0.5, 0.5-y", 1)):
         run("-case", "scene", "-without", "convection", "-reynolds", "1", *steady, "-ppe_ksp_rtol", "1e-12",
             "-scene_exact", f"{flow}, 0", "-probe_forces",

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws every kind of picture of studies/plot from a short run, and checks the messages for unsuitable files.
 
-    plots.py PLOT COMMAND...         the script; the program, on some ranks
+    plots.py PLOT COMMAND...         PLOT is the script; COMMAND starts the program, on some ranks
 
 Exits with status 77 if no Python can draw."""
 import glob

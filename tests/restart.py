@@ -1,16 +1,17 @@
 #!/usr/bin/env python3
 """Stops runs and restarts them.
 
-    restart.py kill ISPH           killed 30 times at random moments: the same report, files and probes
+    restart.py kill ISPH           a run killed 30 times at random moments has the same report, snapshots and probes
     restart.py bitwise ISPH...     continued and restarted runs are equal to the last bit (1 and 3 ranks)
-    restart.py ranks ISPH...       a checkpoint of 2 ranks restarted on 1, 2, 3: the same flow to 1e-10
-    restart.py term ISPH           SIGTERM: a checkpoint, status interrupted, the same flow to 1e-4
-    restart.py damage ISPH         corrupted, truncated and foreign checkpoints are refused by a line
-    restart.py other ISPH          restarted with other -report_times and another -output
+    restart.py ranks ISPH...       a checkpoint of 2 ranks restarts on 1, 2 and 3 ranks with the same flow to 1e-10
+    restart.py term ISPH           a run that gets SIGTERM leaves a checkpoint and the status interrupted; the
+                                   restarted run has the same flow to 1e-4
+    restart.py damage ISPH         corrupted, truncated and foreign checkpoints are refused by a single line
+    restart.py other ISPH          a run restarts with other -report_times and another -output
     restart.py probes ISPH         a probe file that cannot be continued ends the run and stays unchanged
     restart.py particles ISPH      a run started from the particles of a snapshot equals the original run
-    restart.py scene ISPH          restarted with another box, other bodies or viscosities: refused
-    restart.py disk ISPH           a full disk: a line of error, and all files complete
+    restart.py scene ISPH          a restart with another box, other bodies or other viscosities is refused
+    restart.py disk ISPH           a run on a full disk prints a single line of error, and all its files are complete
 
 ISPH... is the program, followed by the words that start it on several ranks, with {} for their number."""
 import csv
@@ -27,7 +28,7 @@ import time
 
 BASE = ["-n", "24", "-t_end", "3", "-progress", "none", "-skin", "1"]
 FORCED = ["-case", "scene", "-scene_body_1", "circle,0.5,0.5,0.2", "-body_force", "sin(9*t),x*cos(7*t)",
-          "-scene_wall_top_velocity", "cos(5*t),0"]  # forces and walls in time
+          "-scene_wall_top_velocity", "cos(5*t),0"]  # force and wall velocity depend on time
 FILES = ["-checkpoint", "c.h5", "-checkpoint_every", "0.1", "-output", "flow.h5", "-output_every", "0.5",
          "-report_times", "1,2", "-probe_point", "0.5,0.5", "-probe_every", "0.25", "-probe_forces"]
 
@@ -38,7 +39,7 @@ def start(command, folder="."):
 
 
 def run(command, folder=".", good=True):
-    """Runs a command to its end and returns its stderr, the single line of an error."""
+    """Runs a command to its end, asserts that it succeeds or fails as expected, and returns its stderr."""
     done = start(command, folder)
     error = done.communicate()[1]
     assert (done.returncode == 0) == good, (command, done.returncode, error)
@@ -55,7 +56,7 @@ def number(rows, quantity):
 
 
 def complete(folder):
-    """Returns the snapshots of the index after checking that each exists and is an HDF5 file."""
+    """Checks that each snapshot of the index exists and is an HDF5 file; returns their names."""
     with open(f"{folder}/flow.xdmf") as file:
         named = sorted(set(re.findall(r"flow_\d+\.h5", file.read())))
     assert named, folder
@@ -203,7 +204,7 @@ def probes(isph):
 
 
 def particles(isph):
-    """Checks that viscosities in a snapshot start a rheology but do not bound it later."""
+    """Checks that the viscosities of a snapshot are the first guess of a rheology and do not bound it later."""
     flow = [isph, "-case", "poiseuille", "-rheology", "power_law", "-rheology_exponent", "0.5", "-n", "16", "-dt", "100",
             "-t_end", "500", "-progress", "none"]
     run([*flow, "-output", "s.h5", "-report", "lattice.csv"])
@@ -234,7 +235,7 @@ def scene(isph):
 
 
 def disk(isph):
-    """Fills a file system of 1 MB if a user may mount it, else runs into a limit on file sizes."""
+    """Fills a file system of 1 MB if it can be mounted; otherwise reaches a limit on file sizes."""
     os.mkdir("small")
     mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "isph_test", "small"], check=False,
                              capture_output=True).returncode == 0

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Snapshots: their times, fields and attributes, and what VTK's reader makes of them.
 
-    snapshots.py times COMMAND...      the program, on some ranks
-    snapshots.py fields COMMAND...     fields of steady Couette flow, attributes; needs h5py (else status 77)
-    snapshots.py vtk COMMAND...        arrays as VTK reads them; needs VTK's Python modules (else status 77)
-"""
+    snapshots.py times COMMAND...      tests the times of snapshots
+    snapshots.py fields COMMAND...     tests fields of steady Couette flow, and attributes; needs h5py
+    snapshots.py vtk COMMAND...        tests the arrays that VTK reads; needs VTK's Python modules
+
+COMMAND starts the program, on some ranks. The status is 77 if a Python module is missing."""
 import glob
 import os
 import re

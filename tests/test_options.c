@@ -1,5 +1,5 @@
 /*
-  Tables and options: names in each table are unique and found, typed values arrive, and mistyped
+  Tables and options: names in each table are unique and found, valid values are read, and invalid
   values are refused with the option and the value in the message.
 */
 /* RANKS: 1 2 */
@@ -267,7 +267,7 @@ static void test_unknown(void **state)
   AssertTaken("-t_real", "1.0", &real);
 }
 
-/* Every row can be found by its name and has all required members, and no name occurs twice. */
+/* Every option row is found by its name and has all required members, and no name occurs twice. */
 static void test_rows(void **state)
 {
   (void)state;
@@ -292,7 +292,8 @@ static void test_rows(void **state)
   }
 }
 
-/* Patterns stand for many names; suggestions are made only if a name is near. */
+/* Names with a number or a place are found by their pattern; a suggestion is made only if a known
+   name is near. */
 static void test_names(void **state)
 {
   static const char *const far[] = {"-foo", "-grid", "-nu", "-output_directory_of_the_run", "-q"};
@@ -325,7 +326,7 @@ static void test_names(void **state)
     assert_null(OptionNearest(far[k], nearest));
 }
 
-/* An option that no table holds cannot be read. */
+/* An option that is in no table cannot be read. */
 static void test_no_row(void **state)
 {
   PetscBool given;

@@ -1,12 +1,12 @@
 /*
-  Identities of particles and neighbours on any number of ranks: no particle is lost, fields follow
-  their particles, copies sit at owner plus shift, and rows equal brute force over all particles and
-  periodic images.
+  Identities of particles and neighbours on any number of ranks: no particle is lost, values of
+  fields stay with their particles, the position of a copy is that of its owner plus a shift, and
+  rows equal a search over all particles and periodic images.
 */
 /* RANKS: 1 2 3 */
 #include "crowd.h"
 
-/* Checks normals, depths and sides of own and copied wall particles. */
+/* Checks normals, depths and sides of own wall particles and of their copies. */
 static void CheckWalls(const Setting *s, const Particles *p)
 {
   PetscInt wrong = 0;
@@ -28,7 +28,7 @@ static void CheckWalls(const Setting *s, const Particles *p)
   CloudAssertNone("walls", s->name, wrong);
 }
 
-/* Moves by `step` [dx] and checks particles and neighbours after each move. */
+/* Moves particles by up to `step` [dx] and checks particles and neighbours after each move. */
 static void Follow(const Setting *s, PetscReal step, PetscInt n_steps)
 {
   const Scene *scene = &s->scene;
@@ -137,7 +137,8 @@ static void test_balance(void **state)
   ASSERT_OK(ParticlesDestroy(&p));
 }
 
-/* Positions stay within the jitter of the lattice and do not depend on the number of ranks. */
+/* Positions differ from the lattice by the jitter at most, and do not depend on the number of
+   ranks. */
 static void test_jitter(void **state)
 {
   Setting     s = CrowdBox("jitter", 2, 16, 12, 1, 1, 3);
@@ -177,7 +178,8 @@ static void test_jitter(void **state)
   CrowdFree(&alone);
 }
 
-/* A search around a point equals brute force over local particles, for small and large radii. */
+/* CellsFind() finds the same particles as a search over all local particles, for small and large
+   radii. */
 static void test_cells_find(void **state)
 {
   const Setting s = CrowdBox("cells", 2, 14, 11, 1, 1, 3);

@@ -1,6 +1,7 @@
 /*
-  Particles that come and go: in each step some are inserted and some removed, of both kinds, and
-  every particle is accounted for, by id, kind, fields and neighbours, in files and after a restart.
+  Insertion and removal of particles: each step inserts and removes some of both kinds. Ids, kinds,
+  fields and neighbours of all particles are compared with a record, also in files and after a
+  restart.
 */
 /* RANKS: 1 2 3 */
 #include "crowd.h"
@@ -18,12 +19,13 @@ typedef struct {
   PetscInt   n, *alive; /* by id: 0 gone, 1 fluid, 2 wall */
 } Population;
 
-/* The ids that a callback gives tags of. */
+/* Data of the callback NewValue(): the first id of new particles on this rank. */
 typedef struct {
   PetscInt first;
 } NewIds;
 
-/* Gives tags by id; other fields keep the value of their policy. */
+/* Sets the tags of a new particle, which follow from its id; other fields keep the default value of
+   their policy. */
 static void NewValue(const Field *field, PetscInt k, PetscReal value[], void *ctx)
 {
   const PetscInt id = ((const NewIds *)ctx)->first + k;
@@ -63,7 +65,7 @@ static void PopulationDestroy(Population *pop)
   ASSERT_OK(ParticlesDestroy(&pop->p));
 }
 
-/* Inserts particles of a kind at PLACES places, each on the rank that holds it. */
+/* Inserts particles of a kind at PLACES positions, each on the rank whose box holds it. */
 static void Insert(const Setting *s, ParticleKind kind, PetscInt step, Population *pop)
 {
   const Scene *scene = &s->scene;
@@ -89,7 +91,7 @@ static void Insert(const Setting *s, ParticleKind kind, PetscInt step, Populatio
   for (PetscInt j = 0; j < PLACES; j++) pop->alive[pop->n++] = kind == PARTICLE_FLUID ? 1 : 2;
 }
 
-/* Removes about a twentieth of all particles, chosen by id. */
+/* Removes about a twentieth of all particles, which are chosen by id. */
 static void Remove(const Setting *s, PetscInt step, Population *pop)
 {
   Particles *p = pop->p;
@@ -144,7 +146,7 @@ static void CheckAll(const Setting *s, const Population *pop)
   CheckRecord(s, pop);
 }
 
-/* One step: particles go their way, come and leave. */
+/* Moves, inserts and removes particles, and checks them after each change of their number. */
 static void Step(const Setting *s, PetscInt step, Population *pop)
 {
   PetscBool started;
@@ -185,7 +187,7 @@ static PetscErrorCode BeginNothing(Flow *flow)
   return PETSC_SUCCESS;
 }
 
-/* Makes a run of nothing but particles, which reads -output, -checkpoint and -restart. */
+/* Creates a run that has particles but no flow; it reads -output, -checkpoint and -restart. */
 static void MakeRun(Scene *scene, Particles *p, Scheme *scheme, Clock *clock, Operators *ops,
                     Run *run)
 {
@@ -204,7 +206,7 @@ static void DestroyRun(Run *run)
   ASSERT_OK(ReportDestroy(&run->report));
 }
 
-/* The rows of a snapshot are dense: as many as particles, each id that is alive once. */
+/* Checks that a snapshot has a row for each particle: each living id once, and no other id. */
 static void CheckSnapshot(const Setting *s, const char path[], const Population *pop)
 {
   const PetscInt N = pop->p->N_fluid + pop->p->N_wall;
@@ -234,8 +236,8 @@ static void CheckSnapshot(const Setting *s, const char path[], const Population 
 }
 
 /*
-  A run writes a snapshot and a checkpoint with gaps among its ids; another restarts from it, has
-  the same particles, and goes on with ids that were never used.
+  A run whose ids have gaps writes a snapshot and a checkpoint. Another run restarts from the
+  checkpoint, has the same particles, and gives new particles ids that were never used.
 */
 static void test_files(void **state)
 {

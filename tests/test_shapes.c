@@ -1,6 +1,7 @@
 /*
-  Shapes of bodies: distances against the nearest of many surface points, normals against gradients
-  of the distance, surface points against the distance zero, lengths against the perimeter.
+  Shapes of bodies. Compares distances with the distance from the nearest of many surface points,
+  normals with gradients of the distance, and lengths with the perimeter; surface points must have
+  the distance zero.
 */
 /* RANKS: 1 */
 #include "cloud.h"
@@ -55,7 +56,7 @@ static void test_surface(void **state)
   }
 }
 
-/* The span along each axis contains the surface and exceeds it by less than dx. */
+/* BodySpan() contains all surface points and exceeds them by at most dx. */
 static void test_span(void **state)
 {
   (void)state;
@@ -87,7 +88,7 @@ static void test_span(void **state)
   }
 }
 
-/* A plate, a small circle and a sharp wedge are thin; corners of a box and a wide wedge are not. */
+/* A plate, a small circle and a sharp wedge are thin; a thick box and a wide wedge are not. */
 static void test_thickness(void **state)
 {
   const struct {
@@ -99,7 +100,7 @@ static void test_thickness(void **state)
       {"box", 4, {0.0, 0.0, 1.0, 0.25}, 0.2, 0.2},
       {"circle", 3, {0.0, 0.0, 0.07}, 0.14 - 1e-12, 0.14 + 1e-12},
       {"polygon", 6, {0.0, 0.0, 1.0, 0.0, 0.0, 0.3}, 0.0, 0.04}, /* 17 degrees */
-      {"polygon", 6, {0.0, 0.0, 1.0, 0.0, 0.5, 0.8}, 0.2, 0.2},  /* 58 and 64 */
+      {"polygon", 6, {0.0, 0.0, 1.0, 0.0, 0.5, 0.8}, 0.2, 0.2},  /* 58 and 64 degrees */
   };
 
   (void)state;
@@ -157,7 +158,8 @@ static void test_distance(void **state)
   }
 }
 
-/* A drop with its area far from its centre, in a periodic box: the nearest image counts. */
+/* In a periodic box the distance is the distance from the nearest image, also for a drop whose
+   centroid is far from its tip. */
 static void test_images(void **state)
 {
   const PetscReal drop[8] = {0.1, 0.4, 0.85, 0.5, 0.1, 0.6, 0.05, 0.5};

@@ -1,11 +1,12 @@
 /*
-  Particles of different sizes: pairs within the larger of two radii are neighbours, each row takes
-  radius, volume and scale from its particle, and means weigh by volume.
+  Particles of different sizes: two particles closer than the larger of their radii are neighbours,
+  a row uses radius, volume and scale of its particle, and means are weighted by volume.
 */
 /* RANKS: 1 2 3 */
 #include "crowd.h"
 
-/* Scales the size of each particle by 0.6 to 1, by id, and copies it to the halo. */
+/* Scales the spacing of each particle by a factor between 0.6 and 1 that follows from its id, and
+   updates the halo. */
 static void Resize(const Scene *scene, Particles *p)
 {
   for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
@@ -46,7 +47,8 @@ static void test_pairs(void **state)
   CheckPairs(&periodic);
 }
 
-/* Rows of a fit stay exact for quadratic fields; rows of the pressure are -dx_i^2 times them. */
+/* Checks that the fit mls is exact for quadratic fields, and that rows of the pressure are -dx_i^2
+   times rows of the velocity. */
 static void CheckRows(const CloudBox *box, const char kernel[])
 {
   Cloud     cloud;
@@ -83,7 +85,7 @@ static void test_rows(void **state)
   CheckRows(&space, "-visc_laplacian mls -ppe_laplacian mls -h_over_dx 1.7");
 }
 
-/* Sums of volumes are those of the box, and a mean weighs by volume. */
+/* Weights sum up to the volume of all particles, and means are weighted by volume. */
 static void test_means(void **state)
 {
   const Setting s = CrowdBox("means", 2, 12, 9, 1, 2, 0);

@@ -1,6 +1,6 @@
 /*
-  Particles read from a file: each rank takes its share, wall rows are skipped, velocities belong to
-  their positions, and an invalid start is refused with the row and the reason.
+  Particles read from a file: each rank reads its share, rows of walls are skipped, velocities stay
+  with their positions, and an invalid file is refused with the row and the reason.
 */
 /* RANKS: 1 3 */
 #include <string.h>
@@ -10,7 +10,7 @@
 
 #define ROWS 10 /* of the file: two lines of five particles */
 
-/* Contents of a file as a user may write it. */
+/* Contents of a file of particles, as a user may write it. */
 typedef struct {
   PetscReal x[ROWS][2], u[ROWS][2];
   int       type[ROWS];
@@ -57,7 +57,7 @@ static void WriteGiven(const char path[], const Given *given)
   assert_true(good);
 }
 
-/* Creates a unit square of spacing 0.2, on request periodic along x or with a small body. */
+/* Creates a unit square of spacing 0.2; it may be periodic along x or have a small body. */
 static void MakeScene(PetscBool periodic, PetscBool body, Scene *scene)
 {
   memset(scene, 0, sizeof(*scene));
@@ -99,7 +99,7 @@ static void test_none(void **state)
   assert_int_equal(path[0], 0);
 }
 
-/* Rows 2 and 7 are walls; the other rows keep their order over the ranks. */
+/* Skips rows 2 and 7, which are walls; the other rows keep their order over the ranks. */
 static void test_share(void **state)
 {
   const PetscInt kept[ROWS - 2] = {0, 1, 3, 4, 5, 6, 8, 9};
@@ -126,7 +126,7 @@ static void test_share(void **state)
   assert_int_equal(StartFree(&start), 0);
 }
 
-/* Positions alone suffice, and a periodic box wraps positions outside it. */
+/* A file may hold positions only; positions outside a periodic box are wrapped into it. */
 static void test_places(void **state)
 {
   Scene      scene;
@@ -148,7 +148,7 @@ static void test_places(void **state)
   assert_int_equal(StartFree(&start), 0);
 }
 
-/* Requires that the start is refused with the given words in the message. */
+/* Requires that a file is refused with the given words in the message. */
 static void Refused(Scene *scene, const Given *given, const char *words)
 {
   FluidStart start;
@@ -185,8 +185,8 @@ static void test_refusals(void **state)
   Refused(&scene, &given, "must have the rows of 'position'");
 }
 
-/* Particles start at the given positions with the given velocities on the rank that owns the
-   place; walls are unchanged. */
+/* Particles have the positions and velocities of the file on the ranks that own the positions; the
+   walls are unchanged. */
 static void test_particles(void **state)
 {
   const WallPlacement walls = {0};
@@ -214,7 +214,7 @@ static void test_particles(void **state)
   assert_int_equal(ParticlesDestroy(&p), 0);
 }
 
-/* Two particles at nearly the same place are found, even on different ranks. */
+/* StartCheck() refuses two particles at nearly the same place, even on different ranks. */
 static void test_closest(void **state)
 {
   const WallPlacement walls = {0};

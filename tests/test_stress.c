@@ -1,6 +1,6 @@
 /*
-  Identities of the forms that couple velocity components: exact stress divergence of quadratic
-  velocities, no force on rigid motions, eigenvalues that damp.
+  Identities of the Laplacians that couple velocity components: the divergence of the stress is
+  exact for quadratic velocities, rigid motions have no force, and all eigenvalues damp.
 */
 /* RANKS: 1 2 */
 #include "cloud.h"
@@ -33,7 +33,8 @@ static void Apply(const Cloud *cloud, const Quadratic u[], PetscInt c, Vec y)
   ASSERT_OK(VecDestroy(&stress));
 }
 
-/* Returns the largest error of component c against lap u_c + 2 d_c div u, in units of 1/dx^2. */
+/* Returns the largest error of component c of the operator, which is exactly
+   lap u_c + 2 d(div u)/dx_c, in units of 1/dx^2. */
 static PetscReal StressError(const Cloud *cloud, const Quadratic u[], PetscInt c)
 {
   Quadratic expected = QuadraticLaplacian(cloud, &u[c]);
@@ -69,7 +70,7 @@ static void test_quadratics(void **state)
   }
 }
 
-/* A rigid motion has no stress: rotation with unit rate in every plane, and a translation. */
+/* A rigid motion, rotation with unit rate in every plane plus translation, has no stress. */
 static void test_one_piece(void **state)
 {
   (void)state;
@@ -89,7 +90,8 @@ static void test_one_piece(void **state)
   }
 }
 
-/* safe_implicit: the eigenvalues of -L have positive real parts, except the zeros of constants. */
+/* Tests the property safe_implicit: all eigenvalues of -L have positive real parts, except a zero
+   for each constant velocity component. */
 static void test_damps(void **state)
 {
   PetscMPIInt ranks;

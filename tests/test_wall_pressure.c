@@ -5,7 +5,8 @@
 /* RANKS: 1 2 */
 #include "walled.h"
 
-/* lap p for a given wall pressure gradient, if the form is exact for linear fields */
+/* Checks lap p for a given wall pressure gradient, on lattices and for forms that are exact for
+   linear fields. */
 static void CheckLaplacian(const Quadratic *p, const WalledForms *forms, const char *where,
                            Cloud *cloud)
 {
@@ -20,7 +21,7 @@ static void CheckLaplacian(const Quadratic *p, const WalledForms *forms, const c
   WalledAssert("lap p", where, cloud, cloud->y, &exact, 2, 1e-8);
 }
 
-/* grad p for a given wall pressure gradient, if the form is exact for linear fields */
+/* Checks grad p for a given wall pressure gradient, for forms that are exact for linear fields. */
 static void CheckGradient(const Quadratic *p, const WalledForms *forms, const char *where,
                           Cloud *cloud)
 {
@@ -35,7 +36,8 @@ static void CheckGradient(const Quadratic *p, const WalledForms *forms, const ch
   }
 }
 
-/* Hydrostatic pressure p = rho f.x with f normal to the walls: exact with every treatment */
+/* Checks the hydrostatic pressure p = rho f.x with f normal to the walls, which is exact with every
+   wall treatment. */
 static void CheckHydrostatic(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   Quadratic p = {.c = 2.0};
@@ -46,9 +48,10 @@ static void CheckHydrostatic(const WalledForms *forms, const char *where, Cloud 
 }
 
 /*
-  Linear pressures in a closed box. Fits use the wall pressure gradient at the wall point; dummies
-  continue the gradient of the row along the wall, docs/theory.md, (51). A symmetric Laplacian and
-  a Laplacian beside an inexact gradient omit this continuation.
+  Checks linear pressures in a closed box. Fits use the wall pressure gradient at the wall point. To
+  dummies the pressure is continued with the gradient of the row along the wall, docs/theory.md,
+  (51). A symmetric Laplacian omits this continuation, and so does a Laplacian with an inexact
+  gradient: they are not checked.
 */
 static void CheckLinearPressure(const WalledForms *forms, const char *where, Cloud *cloud)
 {
@@ -63,7 +66,8 @@ static void CheckLinearPressure(const WalledForms *forms, const char *where, Clo
   }
 }
 
-/* Quadratic pressures: exact for fits with wall equations; dummies have no second derivative. */
+/* Checks quadratic pressures, which are exact for fits with equations of walls. Dummies have no
+   second derivative and are not checked. */
 static void CheckQuadraticPressure(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const PetscInt dim = cloud->scene.dim;
@@ -77,7 +81,7 @@ static void CheckQuadraticPressure(const WalledForms *forms, const char *where, 
   }
 }
 
-/* The matrix of a symmetric form is symmetric beside walls too. */
+/* Checks that the matrix of a symmetric form is symmetric beside walls too. */
 static void CheckSymmetry(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   PetscBool symmetric = PETSC_TRUE;

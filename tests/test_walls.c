@@ -6,7 +6,8 @@
 /* RANKS: 1 2 */
 #include "walled.h"
 
-/* Fluid and walls in translation under uniform pressure: no force, gradient or divergence. */
+/* Checks that fluid and walls in the same translation under uniform pressure have no force, no
+   gradient and no divergence. */
 static void CheckConstants(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const Operators *ops  = cloud->ops;
@@ -33,7 +34,8 @@ static void test_constants(void **state)
   WalledForAll(PETSC_TRUE, CheckConstants);
 }
 
-/* u = (y, 0) between a wall and a moving lid: no viscous force, and the shear rate of the flow. */
+/* Checks that u = (y, 0) between a wall and a moving lid has no viscous force, no divergence, and
+   the exact gradient. */
 static void CheckCouette(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const Operators *ops  = cloud->ops;
@@ -66,8 +68,8 @@ static void test_couette(void **state)
   WalledForAll(PETSC_FALSE, CheckCouette);
 }
 
-/* A closed box whose walls move with any linear flow: no viscous force, and the gradient of the
-   flow. */
+/* Checks that any linear flow in a closed box whose walls move with it has no viscous force and the
+   exact gradient. */
 static void CheckLinearFlow(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const Operators *ops  = cloud->ops;
@@ -97,7 +99,7 @@ static void test_linear_flow(void **state)
   WalledForAll(PETSC_TRUE, CheckLinearFlow);
 }
 
-/* A lid that slides along fluid at rest moves no volume, even at the corners: div u = 0. */
+/* Checks that div u = 0 in fluid at rest under a sliding lid, even at the corners. */
 static void CheckSlidingLid(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const PetscInt  last    = cloud->scene.dim - 1;
@@ -130,7 +132,7 @@ static void CheckNormalMotion(const WalledForms *forms, const char *where, Cloud
   WalledAssert("div u of normal motion", where, cloud, cloud->y, &exact, 1, 1e-9);
 }
 
-/* On a lattice rigid rotation has no divergence, by symmetry, with any gradient. */
+/* Checks that rigid rotation on a lattice has no divergence, by symmetry, with any gradient. */
 static void CheckRotation(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const PetscInt  last = cloud->scene.dim - 1;
@@ -161,11 +163,11 @@ static void AssertDivergence(PetscInt k, const char *where, Cloud *cloud)
 }
 
 /*
-  The divergence of every linear velocity is exact in a closed box. A vector fit uses n.u_wall at
-  the wall point. For dummies docs/theory.md, (54), continues the normal component through the wall
-  and the tangential components by the gradient of the row. This is exact while no beta reaches its
-  cap of 10: here beta is at most 1 + 2.3/0.3, from the support 2.6 dx and the least distance 0.3
-  dx.
+  Checks that the divergence of every linear velocity is exact in a closed box. A vector fit uses
+  n.u_wall at the wall point. To dummies the normal component is continued through the wall, and the
+  tangential components by the gradient of the row, docs/theory.md, (54). This is exact if no factor
+  beta of (54) reaches its bound of 10: here beta is at most 1 + 2.3/0.3, from the support 2.6 dx
+  and the least distance 0.3 dx.
 */
 static void CheckLinearVelocity(const WalledForms *forms, const char *where, Cloud *cloud)
 {
@@ -173,7 +175,7 @@ static void CheckLinearVelocity(const WalledForms *forms, const char *where, Clo
   for (PetscInt k = 0; k < cloud->scene.dim; k++) AssertDivergence(k, where, cloud);
 }
 
-/* A vector fit is exact for quadratic velocities too. */
+/* Checks that the divergence of a vector fit is exact for quadratic velocities too. */
 static void CheckQuadraticVelocity(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const PetscInt dim = cloud->scene.dim;
@@ -191,8 +193,8 @@ static void test_divergence(void **state)
   WalledForAll(PETSC_TRUE, CheckQuadraticVelocity);
 }
 
-/* The predicted velocity has the Dirichlet value u_wall + (k/rho) (n.grad p) n, docs/theory.md,
-   (88); the particle keeps the wall velocity. */
+/* Checks that the predicted velocity has the Dirichlet value u_wall + (k/rho) (n.grad p) n,
+   docs/theory.md, (88), and that the wall particle keeps the wall velocity. */
 static void CheckSlip(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const Quadratic  rest[3] = {{.c = 0.0}};
@@ -214,7 +216,7 @@ static void CheckSlip(const WalledForms *forms, const char *where, Cloud *cloud)
   CloudAssertNone("slip", where, wrong);
 }
 
-/* Fluid on a lattice and its continuation behind walls form a single lattice, so C is uniform. */
+/* Checks that the concentration C is uniform on a lattice, which continues behind walls. */
 static void CheckConcentration(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const Operators *ops   = cloud->ops;
@@ -242,8 +244,8 @@ static void test_wall_data(void **state)
   WalledForAll(PETSC_TRUE, CheckConcentration);
 }
 
-/* A form that ignores the equations of walls is refused with wall_layer and gets dummies by
-   default. */
+/* Checks that a form that ignores the equations of walls is refused with wall particles on the
+   surface, and that dummies are its default. */
 static void CheckRefusal(const char *option, const TableRow *form, PetscBool full_support)
 {
   const CloudBox box = {.dim = 2, .cells = {6, 6, 1}, .n_periodic = 1};

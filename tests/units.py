@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs the cavity in other units of length, time and mass, scaled by 2^30 and 2^-30. Every dimensionless
-quantity must be equal to the last bit, because multiplication by a power of two rounds nothing. A tolerance
-with a unit would change the result.
+quantity must be equal to the last bit, because multiplication by a power of two is exact. A tolerance that
+is wrongly a fixed length, time or mass would change the result.
 
     units.py ISPH"""
 import csv
@@ -9,7 +9,7 @@ import os
 import subprocess
 import sys
 
-POWER = {  # of length, time and mass in the reported quantities; the velocities of the cavity are over U
+POWER = {  # powers of length, time and mass in the reported quantities; velocities of the cavity are divided by U
     "u_min": (0, 0, 0), "v_max": (0, 0, 0), "v_min": (0, 0, 0), "kinetic_energy": (2, -2, 1),
     "divergence_max": (0, -1, 0), "linear_momentum": (1, -1, 1)}
 DEPTH = 1  # in 2D energies and momenta are per length of depth, and the density is mass / length^3

@@ -1,5 +1,5 @@
-"""studies/verify on one tiny case, in a directory of its own: the page, its table and the index are there, and a second
-call finds its runs made.
+"""Runs studies/verify for a small case in a directory of its own, and checks its page, its table and the index. A
+second call must find that all runs have been made.
 
     verify.py VERIFY ISPH"""
 import csv
@@ -29,7 +29,7 @@ with open("pages/poiseuille.md") as file:
 first = page[page.index("<!-- studies/verify begins -->"):].split("\n### ")[1].splitlines()
 line = next(line for line in first if line.startswith("| profile")).split("|")
 coarse, fine, order = (float(cell.strip(" %")) for cell in line[3:6])
-# Second order, from rest in steps that go with dx: within a quarter so far from the limit.
+# The flow starts from rest, with steps proportional to dx: second order, to within a quarter on these coarse lattices.
 assert coarse > fine > 0 and 1.75 < order < 2.25, line
 with open("pages/README.md") as file:
     assert "(poiseuille.md)" in file.read(), "the index lacks the case"

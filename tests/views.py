@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Views and monitors of solvers, and the stages of -log_view.
+"""Tests the views and monitors of solvers, and the stages of -log_view.
 
-    views.py COMMAND...         the program, on some ranks"""
+    views.py COMMAND...         COMMAND starts the program, on some ranks"""
 import os
 import subprocess
 import sys
@@ -14,7 +14,7 @@ def output(*options):
 
 
 def count(lines, beginning, number):
-    """Fails unless exactly `number` lines begin with the words."""
+    """Asserts that exactly `number` lines begin with these words."""
     found = [line for line in lines if line.strip().startswith(beginning)]
     assert len(found) == number, (beginning, len(found), number)
 
