@@ -56,7 +56,8 @@ static PetscErrorCode MeasureFlow(Flow *flow, const Vec u[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FlowMeasureStart - Measures the flow at the start of a run; collective */
+/* FlowMeasureStart - Measures energy, speed, divergence and body force of the flow at the start of
+   a run; collective */
 PetscErrorCode FlowMeasureStart(Flow *flow)
 {
   Scheme *s = flow->scheme;

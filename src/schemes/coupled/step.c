@@ -89,8 +89,9 @@ static PetscErrorCode RelativeChange(PetscInt dim, const Vec u[], const Vec v[],
 }
 
 /*
-  Solves for a steady flow with convection (v.grad) u by Picard's iteration. Each iteration takes v
-  from the iteration before. The last iteration changes u by at most PICARD_CHANGE.
+  Solves for a steady flow with convection (v.grad) u by Picard's iteration. In each iteration v is
+  the velocity u of the iteration before. The last iteration changes u by at most the share
+  PICARD_CHANGE.
 
   Reference: H. C. Elman, D. J. Silvester, A. J. Wathen, Finite Elements and Fast Iterative Solvers
   (2014), ch. 8

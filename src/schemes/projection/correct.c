@@ -114,9 +114,9 @@ PetscReal PressureGain(const Flow *flow)
   pressure filter and removes the mean
 
   p^n is present in incremental projections, and div u* in the rotational projection. c is
-  LaplacianDilatation(). mu is rho times the least viscosity of the flow: exact for a uniform
-  viscosity, and stable for a varying viscosity. With the local viscosity a drop 1e5 times as
-  viscous as the fluid around it became unstable within 4 steps.
+  LaplacianDilatation(). mu is rho times the least viscosity of the flow. This is exact for a
+  uniform viscosity, and stable for a varying viscosity. With the local viscosity in its place, a
+  drop 1e5 times as viscous as the fluid around it became unstable within 4 steps.
 */
 static PetscErrorCode UpdatePressure(Flow *flow)
 {
