@@ -21,4 +21,4 @@ CASES(DECLARE)
 
 #define ADDRESS(row) &row,
 static const CaseRow *const cases[]   = {CASES(ADDRESS)};
-const Table                 CaseTable = TABLE_OF_POINTERS("-case", "Cases", cases);
+const Table                 CaseTable = TABLE_OF_POINTERS("Cases", cases);

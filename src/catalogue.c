@@ -44,6 +44,19 @@ const Table *CatalogueTable(PetscInt k)
   return k < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(tables) ? tables[k] : NULL;
 }
 
+/* Lists the options that choose a row of a table. */
+static void OptionsOf(const Table *table, char names[], size_t size)
+{
+  names[0] = '\0';
+  for (PetscInt t = 0; OptionTableGet(t); t++) {
+    for (PetscInt k = 0; k < OptionTableGet(t)->count; k++) {
+      const OptionRow *row = &OptionTableGet(t)->rows[k];
+
+      if (row->table == table) AppendWord(names, size, row->name);
+    }
+  }
+}
+
 /*
   CatalogueView - Prints all rows that can be chosen by name, with their briefs and citations
 
@@ -53,6 +66,11 @@ PetscErrorCode CatalogueView(PetscViewer viewer)
 {
   PetscFunctionBegin;
   PetscCall(PetscViewerASCIIPrintf(viewer, "isph %s: choices by name\n", ISPH_VERSION));
-  for (PetscInt k = 0; CatalogueTable(k); k++) PetscCall(TableView(CatalogueTable(k), viewer));
+  for (PetscInt k = 0; CatalogueTable(k); k++) {
+    char names[256];
+
+    OptionsOf(CatalogueTable(k), names, sizeof(names));
+    PetscCall(TableView(CatalogueTable(k), names, viewer));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

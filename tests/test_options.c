@@ -282,13 +282,28 @@ static void test_rows(void **state)
 
       assert_true(row->name[0] == '-' && strlen(row->name) < OPTION_LENGTH - 32);
       assert_true(row->brief && row->brief[0]);
-      assert_true((row->kind == VALUE_NAME) == (row->table != NULL));
+      if (row->kind == VALUE_NAME) assert_non_null(row->table);
       assert_true((row->kind == VALUE_NAMES) == (row->words != NULL));
       if (row->kind == VALUE_REAL) assert_true(row->unit && row->low < row->high);
       if (row->kind == VALUE_INT) assert_true(row->low < row->high);
       OptionFill(row, row->places ? row->places[0] : "1", name, &one);
       assert_ptr_equal(OptionFind(name), row); /* the only row of that name */
     }
+  }
+}
+
+/* An option chooses from each table of the catalogue. */
+static void test_tables_have_options(void **state)
+{
+  (void)state;
+  for (PetscInt c = 0; CatalogueTable(c); c++) {
+    PetscInt options_of_table = 0;
+
+    for (PetscInt t = 0; OptionTableGet(t); t++) {
+      for (PetscInt k = 0; k < OptionTableGet(t)->count; k++)
+        if (OptionTableGet(t)->rows[k].table == CatalogueTable(c)) options_of_table++;
+    }
+    assert_true(options_of_table > 0);
   }
 }
 
@@ -359,8 +374,8 @@ int main(int argc, char **argv)
       cmocka_unit_test(test_flags),   cmocka_unit_test(test_file),
       cmocka_unit_test(test_unknown), cmocka_unit_test(test_together),
       cmocka_unit_test(test_switch),  cmocka_unit_test(test_reals),
-      cmocka_unit_test(test_rows),    cmocka_unit_test(test_names),
-      cmocka_unit_test(test_no_row),
+      cmocka_unit_test(test_rows),    cmocka_unit_test(test_tables_have_options),
+      cmocka_unit_test(test_names),   cmocka_unit_test(test_no_row),
   };
   int failed;
 

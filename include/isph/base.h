@@ -21,7 +21,6 @@ typedef struct {
 } TableRow;
 
 typedef struct {
-  const char *option;   /* e.g. "-kernel" */
   const char *title;    /* plural heading in the catalogue, e.g. "Kernels" */
   const void *rows;     /* structs, or pointers to structs */
   size_t      row_size; /* bytes; 0: pointers */
@@ -30,22 +29,22 @@ typedef struct {
 } Table;
 
 /* A table with a function that describes the declared properties of a row, for the catalogue. */
-#define TABLE_DESCRIBED(option, title, rows, Describe)                                             \
+#define TABLE_DESCRIBED(title, rows, Describe)                                                     \
   {                                                                                                \
-    option, title, rows, sizeof((rows)[0]), (PetscInt)(sizeof(rows) / sizeof((rows)[0])), Describe \
+    title, rows, sizeof((rows)[0]), (PetscInt)(sizeof(rows) / sizeof((rows)[0])), Describe         \
   }
-#define TABLE(option, title, rows) TABLE_DESCRIBED(option, title, rows, NULL)
+#define TABLE(title, rows) TABLE_DESCRIBED(title, rows, NULL)
 
 /* A table whose rows are defined in separate files, as the table of schemes. */
-#define TABLE_OF_POINTERS(option, title, rows)                                                     \
+#define TABLE_OF_POINTERS(title, rows)                                                             \
   {                                                                                                \
-    option, title, rows, 0, (PetscInt)(sizeof(rows) / sizeof((rows)[0])), NULL                     \
+    title, rows, 0, (PetscInt)(sizeof(rows) / sizeof((rows)[0])), NULL                             \
   }
 
 const TableRow *TableGet(const Table *table, PetscInt k);
 PetscErrorCode  TableFind(const Table *table, const char name[], const TableRow **row);
 PetscErrorCode  TableWant(const Table *table, const char option[], const char name[], void *row);
-PetscErrorCode  TableView(const Table *table, PetscViewer viewer);
+PetscErrorCode  TableView(const Table *table, const char options[], PetscViewer viewer);
 PetscErrorCode  TableViewRow(const char label[], const void *row, PetscViewer viewer);
 void            AppendWord(char list[], size_t size, const char word[]);
 

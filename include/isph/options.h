@@ -37,7 +37,7 @@ typedef struct {
   const char        *standard; /* default: a value, or a phrase; NULL: the option is absent */
   PetscReal          low;      /* least value allowed */
   PetscReal          high;     /* largest value allowed; low = high = 0: no range */
-  const Table       *table;    /* of VALUE_NAME */
+  const Table       *table;    /* the rows that the option chooses from; NULL: none */
   const char *const *words;    /* of VALUE_NAMES; ends with NULL */
   const char *const *places;   /* words that <word> in the name stands for; NULL: any word */
   const char        *where;    /* runs that use it, a phrase; NULL: all */

@@ -68,10 +68,10 @@ PetscErrorCode TableWant(const Table *table, const char option[], const char nam
 
   Collective on the viewer.
 */
-PetscErrorCode TableView(const Table *table, PetscViewer viewer)
+PetscErrorCode TableView(const Table *table, const char options[], PetscViewer viewer)
 {
   PetscFunctionBegin;
-  PetscCall(PetscViewerASCIIPrintf(viewer, "\n%s (%s)\n", table->title, table->option));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "\n%s (%s)\n", table->title, options));
   for (PetscInt k = 0; k < table->count; k++) {
     const TableRow *row = TableGet(table, k);
 

@@ -17,7 +17,7 @@ static const ProgressRow progresses[] = {
      .shown    = PETSC_TRUE},
     {.name = "none", .brief = "no progress", .citation = ""},
 };
-const Table ProgressTable = TABLE("-progress", "Progress", progresses);
+const Table ProgressTable = TABLE("Progress", progresses);
 
 static const OptionRow options[] = {
     {

@@ -84,5 +84,4 @@ static const CorrectionRow corrections[] = {
      "Bonet & Lok, Comput. Methods Appl. Mech. Eng. 180 (1999)", CORRECTION_FIRST_ORDER,
      CorrectKernel_FirstOrder},
 };
-const Table CorrectionTable =
-    TABLE("-correction", "Corrections of the kernel in Laplacians", corrections);
+const Table CorrectionTable = TABLE("Corrections of the kernel in Laplacians", corrections);

@@ -73,4 +73,4 @@ static PetscErrorCode GradientDescribe(const TableRow *row, char text[], size_t 
 }
 
 const Table GradientTable =
-    TABLE_DESCRIBED("-gradient", "Gradients and divergences", gradients, GradientDescribe);
+    TABLE_DESCRIBED("Gradients and divergences", gradients, GradientDescribe);

@@ -116,4 +116,4 @@ static const KernelRow kernels[] = {
      {27.0 / 32.0, 9.0 / (4.0 * PETSC_PI), 495.0 / (256.0 * PETSC_PI)},
      Shape_WendlandC4},
 };
-const Table KernelTable = TABLE("-kernel", "Kernels", kernels);
+const Table KernelTable = TABLE("Kernels", kernels);

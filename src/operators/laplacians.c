@@ -215,5 +215,4 @@ static PetscErrorCode LaplacianDescribe(const TableRow *row, char text[], size_t
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const Table LaplacianTable =
-    TABLE_DESCRIBED("-visc_laplacian, -ppe_laplacian", "Laplacians", laplacians, LaplacianDescribe);
+const Table LaplacianTable = TABLE_DESCRIBED("Laplacians", laplacians, LaplacianDescribe);

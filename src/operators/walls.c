@@ -61,4 +61,4 @@ const WallRow WallGiven = {.name     = "given",
                            .citation = "",
                            .Beta     = WallBeta_Own};
 
-const Table WallTable = TABLE("-wall", "Wall treatments", walls);
+const Table WallTable = TABLE("Wall treatments", walls);

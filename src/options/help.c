@@ -40,11 +40,11 @@ static void Allowed(const OptionRow *row, char text[TEXT_LENGTH])
   char names[TEXT_LENGTH] = "";
 
   OptionRangeText(row, text, TEXT_LENGTH);
-  for (PetscInt k = 0; row->table && k < row->table->count; k++)
+  for (PetscInt k = 0; row->kind == VALUE_NAME && k < row->table->count; k++)
     AppendWord(names, sizeof(names), TableGet(row->table, k)->name);
   for (PetscInt k = 0; row->words && row->words[k]; k++)
     AppendWord(names, sizeof(names), row->words[k]);
-  Append(text, row->table ? "one of " : "some of ", names, "");
+  Append(text, row->kind == VALUE_NAME ? "one of " : "some of ", names, "");
 }
 
 /* Prints a text in lines of LINE_WIDTH columns, each but the first indented. */

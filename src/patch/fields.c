@@ -158,4 +158,4 @@ static const FieldRow fields[] = {
      .Value     = PolynomialValue,
      .Laplacian = PolynomialLaplacian},
 };
-const Table FieldTable = TABLE("-patch_field", "Fields of patch tests", fields);
+const Table FieldTable = TABLE("Fields of patch tests", fields);

@@ -39,8 +39,7 @@ KINDS(DECLARE)
 #define ADDRESS(row) &row,
 static const BoundaryRow *const kinds[] = {KINDS(ADDRESS)};
 
-#define KIND_OPTIONS "-scene_periodic, -scene_symmetry, -scene_body_<k>_around"
-const Table BoundaryTable = TABLE_OF_POINTERS(KIND_OPTIONS, "Kinds of boundaries", kinds);
+const Table BoundaryTable = TABLE_OF_POINTERS("Kinds of boundaries", kinds);
 
 const char *const SideNames[2 * ISPH_MAX_DIM] = {"left", "right", "bottom", "top", "back", "front"};
 

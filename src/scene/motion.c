@@ -15,4 +15,4 @@ static const MotionRow motions[] = {
         .citation = "",
     },
 };
-const Table MotionTable = TABLE("-motion", "Motions", motions);
+const Table MotionTable = TABLE("Motions", motions);

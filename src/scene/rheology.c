@@ -98,7 +98,7 @@ static const RheologyRow rheologies[] = {
         .Rate     = RheologyRate_Papanastasiou,
     },
 };
-const Table RheologyTable = TABLE("-rheology", "Rheologies", rheologies);
+const Table RheologyTable = TABLE("Rheologies", rheologies);
 
 /* RheologyViscosity - Returns the kinematic viscosity at a strain rate, within its bounds [m^2/s];
    not collective */

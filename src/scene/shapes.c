@@ -246,7 +246,7 @@ static const ShapeRow shapes[] = {
         .Point    = PolygonPoint,
     },
 };
-const Table ShapeTable = TABLE("-scene_body_<k>", "Shapes of bodies", shapes);
+const Table ShapeTable = TABLE("Shapes of bodies and fluids", shapes);
 
 /*
   BodySet - Sets a body from the numbers of its shape [m]

@@ -41,6 +41,7 @@ static const OptionRow   options[] = {
               .kind  = VALUE_NAMES,
               .brief = "periodic axes of the box",
               .words = Axes,
+              .table = &BoundaryTable,
               .where = "-case scene",
         },
       [SYMMETRY] =
@@ -49,6 +50,7 @@ static const OptionRow   options[] = {
               .kind  = VALUE_NAMES,
               .brief = "sides of the box that are planes of symmetry",
               .words = Sides,
+              .table = &BoundaryTable,
               .where = "-case scene",
         },
       [WALL_VELOCITY] =
@@ -68,6 +70,7 @@ static const OptionRow   options[] = {
               .brief = "a solid body: circle,cx,cy,r or box,x0,y0,x1,y1 or "
                          "polygon,x0,y0,...; bodies are numbered 1, 2, ...",
               .unit  = "m",
+              .table = &ShapeTable,
               .where = "-case scene",
         },
       [BODY_VELOCITY] =
@@ -94,6 +97,7 @@ static const OptionRow   options[] = {
               .kind     = VALUE_SWITCH,
               .brief    = "the fluid is inside the body; the box then has no walls of its own",
               .standard = "false",
+              .table    = &BoundaryTable,
               .where    = "-case scene, bodies that are given",
         },
       [FLUID] =
@@ -104,6 +108,7 @@ static const OptionRow   options[] = {
                          "box,x0,y0,x1,y1 or polygon,x0,y0,...; fluids are numbered 1, 2, "
                          "..., and later ones lie over earlier ones",
               .unit  = "m",
+              .table = &ShapeTable,
               .where = "-case scene",
         },
       [FLUID_VISCOSITY] =

@@ -15,7 +15,7 @@ static const DtAdaptRow adapts[] = {
     {"retry", "as cfl (or -dt); a failed step is undone and repeated with half the length", "",
      PETSC_TRUE, PETSC_TRUE},
 };
-const Table DtAdaptTable = TABLE("-dt_adapt", "Time step control", adapts);
+const Table DtAdaptTable = TABLE("Time step control", adapts);
 
 enum {
   T_END,

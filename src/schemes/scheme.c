@@ -13,7 +13,7 @@ SCHEMES(DECLARE)
 
 #define ADDRESS(row) &row,
 static const SchemeRow *const schemes[]   = {SCHEMES(ADDRESS)};
-const Table                   SchemeTable = TABLE_OF_POINTERS("-scheme", "Schemes", schemes);
+const Table                   SchemeTable = TABLE_OF_POINTERS("Schemes", schemes);
 
 static const OptionRow options[] = {
     {

@@ -42,4 +42,4 @@ static const ShiftRow shifts[] = {
      "Lind et al., J. Comput. Phys. 231 (2012)", ShiftDisplace_Fickian, 0.1},
     {"none", "no shifting", "", NULL, 0.0},
 };
-const Table ShiftTable = TABLE("-shift", "Particle shifting", shifts);
+const Table ShiftTable = TABLE("Particle shifting", shifts);

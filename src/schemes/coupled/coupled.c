@@ -18,8 +18,7 @@ static const CoupledIntegratorRow integrators[] = {
      .citation = "Hairer & Wanner, Solving ODEs II (1996)",
      .substeps = PETSC_TRUE},
 };
-const Table CoupledIntegratorTable =
-    TABLE("-coupled_ts_type", "Time integrators of the coupled scheme", integrators);
+const Table CoupledIntegratorTable = TABLE("Time integrators of the coupled scheme", integrators);
 
 static const OptionRow options[] = {
     {

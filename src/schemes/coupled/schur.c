@@ -62,8 +62,7 @@ static const SchurRow schurs[] = {
      .citation = "Elman, Silvester & Wathen, Finite Elements and Fast Iterative Solvers (2014)",
      .Apply    = SchurApply_Mass},
 };
-const Table SchurTable =
-    TABLE("-coupled_schur", "Preconditioners of the pressure in the coupled scheme", schurs);
+const Table SchurTable = TABLE("Preconditioners of the pressure in the coupled scheme", schurs);
 
 static PetscErrorCode Schur_Apply(PC pc, Vec x, Vec y)
 {

@@ -26,7 +26,7 @@ static const ProjectionRow projections[] = {
      .brief    = "p = phi, no pressure in the predictor: first order",
      .citation = "Chorin, Math. Comput. 22 (1968)"},
 };
-const Table ProjectionTable = TABLE("-projection", "Projections", projections);
+const Table ProjectionTable = TABLE("Projections", projections);
 
 enum { PROJECTION, ALPHA, FILTER };
 static const OptionRow options[] = {

@@ -84,5 +84,4 @@ static const ViscousIntegratorRow integrators[] = {
         .terms    = TIME_EXPLICIT,
     },
 };
-const Table ViscousIntegratorTable =
-    TABLE("-visc_ts_type", "Time integrators of viscosity", integrators);
+const Table ViscousIntegratorTable = TABLE("Time integrators of viscosity", integrators);
