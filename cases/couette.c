@@ -1,6 +1,6 @@
 /*
   Start-up of plane Couette flow from rest: the wall at y = L moves along x with U. By default the
-  only physics is viscosity. The series is exact for an impulsive start.
+  only physics is viscosity. The exact solution is a series for an impulsive start.
 */
 #include "cases.h"
 

@@ -1,10 +1,10 @@
 /*
   Start-up of plane Poiseuille flow from rest, driven by a body force along x. By default the only
-  physics is viscosity and this force. The series is exact for an impulsive start.
+  physics is viscosity and this force. The exact solution is a series for an impulsive start.
 */
 #include "cases.h"
 
-/* Sets the force that gives the largest velocity U: f = 8 nu U/L^2. */
+/* Sets the force f = 8 nu U/L^2, which drives a steady flow of largest velocity U. */
 static PetscErrorCode PoiseuilleSetup(Scene *scene)
 {
   PetscFunctionBegin;
@@ -14,13 +14,13 @@ static PetscErrorCode PoiseuilleSetup(Scene *scene)
 }
 
 /*
-  Returns the steady velocity between plates for a rheology. The shear stress is f (d - s) at a
-  distance s from the nearer wall, with d = L/2 and the force f, so
+  Returns the steady velocity between plates of a fluid that is not Newtonian. The shear stress is
+  tau = f (d - s) at a distance s from the nearer wall, with d = L/2 and the force f, so
 
     u = int_(tau(y))^(tau_w) g(tau) dtau/f,
 
-  where g(tau) is the strain rate of the ideal fluid at the stress tau. The midpoint rule computes
-  the integral with an error of 1e-5 for the present rheologies.
+  where tau_w is the stress at the wall and g(tau) the strain rate of the ideal fluid. The midpoint
+  rule computes the integral with an error of 1e-5 for the present rheologies.
 */
 static PetscReal SteadyVelocity(const Scene *scene, PetscReal y)
 {

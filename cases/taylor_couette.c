@@ -4,8 +4,8 @@
 */
 #include "cases.h"
 
-/* Sets the cylinders, and a box with room for dummy layers behind the outer cylinder; its sides are
-   no walls. */
+/* Sets the cylinders, and a box with room for dummy layers behind the outer cylinder. The sides of
+   the box are not walls. */
 static PetscErrorCode TaylorCouetteSetup(Scene *scene)
 {
   const PetscReal room = scene->length + 6.0 * scene->dx;
@@ -49,7 +49,8 @@ static void TaylorCouetteExact(const Scene *scene, PetscReal t, const PetscReal 
   *p   = scene->rho * (0.5 * A * A * r2 + A * B * PetscLogReal(r2) - 0.5 * B * B / r2);
 }
 
-/* Reports errors, and the torque on the inner cylinder, exactly -4 pi mu B per metre of depth. */
+/* Reports errors against the exact solution, and the torque on the inner cylinder. Its exact value
+   is -4 pi mu B per metre of depth, with B of TaylorCouetteExact(). */
 static PetscErrorCode TaylorCouetteMeasure(const Flow *flow, Report *report)
 {
   const Scene    *scene = flow->scene;

@@ -32,7 +32,7 @@ def python_with(module):
 
 
 def index_times(path):
-    """Returns the times in an index."""
+    """Returns the times of the snapshots in an XDMF index."""
     with open(path) as file:
         return [float(t) for t in re.findall(r'<Time Value="([^"]*)"', file.read())]
 

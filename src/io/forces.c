@@ -90,7 +90,8 @@ static PetscErrorCode ProbeAbove(const Flow *flow, PetscInt side, const Surface 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the derivative of component c of the velocity of a side along an axis at x [1/s]. */
+/* Returns the derivative of component c of the velocity of a side with respect to the coordinate
+   along `axis` at x [1/s]. */
 static PetscReal WallVelocityDerivative(const Flow *flow, PetscInt side, PetscInt c, PetscInt axis,
                                         const PetscReal x[])
 {
@@ -106,7 +107,8 @@ static PetscReal WallVelocityDerivative(const Flow *flow, PetscInt side, PetscIn
   return (u[1][c] - u[0][c]) / (2.0 * way);
 }
 
-/* Returns d(u.n)/dx_a on a side of the box at x; if a is the normal axis, by continuity [1/s]. */
+/* Returns d(u.n)/dx_a on a side of the box at x [1/s]. If a is the axis normal to the side, the
+   derivative follows from continuity. */
 static PetscReal NormalVelocityDerivative(const Flow *flow, PetscInt side, PetscInt a,
                                           const PetscReal x[])
 {
@@ -148,8 +150,8 @@ static void AddTorque(PetscInt dim, const PetscReal c[], const PetscReal x[], co
 }
 
 /*
-  Computes the kinematic viscosity at the points [m^2/s]. For a fluid that is not Newtonian the
-  strain rate is |dw/dn|, as at any wall without slip.
+  Computes the kinematic viscosity at the points [m^2/s]. For a fluid that is not Newtonian it
+  follows from the strain rate, which is |dw/dn| at a wall without slip.
 */
 static PetscErrorCode SurfaceViscosity(const Flow *flow, const Surface *s, const PetscReal slope[],
                                        PetscReal nu[])

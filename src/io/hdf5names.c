@@ -19,7 +19,7 @@ PetscErrorCode Hdf5GroupCreate(Hdf5File *file, const char name[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes an attribute of an object, "/" for the file. */
+/* Writes an attribute of an object in the file; the object "/" is the file itself. */
 static void WriteAttribute(Hdf5File *file, const char object[], const char name[], hid_t type,
                            hid_t space, const void *values)
 {
@@ -31,8 +31,8 @@ static void WriteAttribute(Hdf5File *file, const char object[], const char name[
   (void)Noted(file, H5Aclose(attribute));
 }
 
-/* Hdf5WriteNumbers - Writes n numbers as an attribute of an object, "/" for the file; collective on
-   comm */
+/* Hdf5WriteNumbers - Writes n numbers as an attribute of an object in the file; the object "/" is
+   the file itself; collective on comm */
 PetscErrorCode Hdf5WriteNumbers(Hdf5File *file, const char object[], const char name[], hid_t type,
                                 PetscInt n, const void *values)
 {

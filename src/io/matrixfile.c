@@ -131,8 +131,8 @@ static PetscErrorCode WritePositions(const Particles *p, const PetscInt index[],
   MatrixFileWrite - Writes the present matrix over fluid particles, if its option is given
 
   Collective. Row and column k of the file belong to the fluid particle with the k-th smallest id;
-  if A couples the velocity components, rows and columns dim k to dim k + dim - 1 do. Row k of
-  <file>.particles.csv has its id and position [m].
+  if A couples the velocity components, rows and columns dim k to dim k + dim - 1 belong to it. Row
+  k of <file>.particles.csv has its id and position [m].
 
   Input Parameter:
 . A - matrix in the present numbering of particles; NULL: there is none, and a message says so

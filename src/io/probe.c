@@ -78,7 +78,8 @@ static PetscErrorCode ProbeFind(Probe *probe, const PetscReal x[], PetscReal R, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the moment matrix sum_k W_k phi_k phi_k^T of n neighbours; returns its size. */
+/* Computes the moment matrix sum_k W_k phi_k phi_k^T over n neighbours k, with the kernel W_k and
+   the basis phi_k of ProbeBasis(); returns its size. */
 static PetscInt ProbeMoments(const Probe *probe, const PetscReal x[], PetscReal R, PetscInt n,
                              PetscReal moments[])
 {
@@ -121,8 +122,8 @@ static PetscErrorCode ProbeFit(Probe *probe, const PetscReal x[], PetscBool wall
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the weights of neighbours, f(x) = sum_k w_k f_k, with the moment matrix M:
-   w_k = W_k phi_k . M^-1 e_0. */
+/* Computes the weights w_k = W_k phi_k . M^-1 e_0 of f(x) = sum_k w_k f_k, with the kernel W_k, the
+   basis phi_k and the moment matrix M. */
 static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscBool walls, PetscInt *n)
 {
   const PetscInt dim = probe->flow->particles->dim;

@@ -40,7 +40,7 @@ struct Progress {
 };
 
 /*
-  ProgressCreate - Starts the clock of the run
+  ProgressCreate - Creates the progress line and starts its clock
 
   Collective on PETSC_COMM_WORLD
 
@@ -127,12 +127,12 @@ static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscRe
 /*
   ProgressUpdate - Prints the progress line if it is due
 
-  Not collective; the first rank prints: on a terminal at most four times a second over the last
-  line, otherwise every 10 %. Called after each step.
+  Not collective; the first rank prints. On a terminal the line replaces the last line at most four
+  times a second, otherwise a line is printed every 10 % of the run. Called after each step.
 
   Input Parameters:
-+ flow     - with the statistics of the step; M/s counts million particle-steps per second of wall
-             clock since ProgressCreate()
++ flow     - the flow, with the statistics of the step; M/s counts million particle-steps per second
+             of wall clock since ProgressCreate()
 . final    - true at the end of the run: the line is printed in any case
 - progress - the state of the progress line
 */

@@ -106,8 +106,8 @@ unsigned SnapshotsNeeds(const Snapshots *snapshots)
   return snapshots->base[0] ? (unsigned)(NEED_GRADIENT_U | NEED_CONCENTRATION) : 0;
 }
 
-/* SnapshotsInterval - Returns the time between snapshots, 0 if only start and end have one [s];
-   not collective */
+/* SnapshotsInterval - Returns the time between snapshots [s], 0 if snapshots are written at start
+   and end only; not collective */
 PetscReal SnapshotsInterval(const Snapshots *snapshots)
 {
   return snapshots->every;
@@ -173,7 +173,7 @@ static PetscErrorCode SnapshotPath(const Snapshots *s, PetscInt number,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the next file, and then the index. */
+/* Writes the next snapshot, and then the index. */
 static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
 {
   const PetscInt number = s->n ? s->done[s->n - 1].number + 1 : 0;

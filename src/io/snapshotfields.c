@@ -133,7 +133,7 @@ static PetscErrorCode Gather_Vorticity(const Flow *flow, void *rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the strain rate of OperatorsStrainRate() [1/s]. */
+/* Computes the strain rate by OperatorsStrainRate() [1/s]. */
 static PetscErrorCode Gather_StrainRate(const Flow *flow, void *rows)
 {
   const Particles *p = flow->particles;

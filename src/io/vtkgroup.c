@@ -46,7 +46,7 @@ static PetscErrorCode WriteVertices(Hdf5File *file)
 /*
   VtkGroupWrite - Writes the group VTKHDF; called after SnapshotFieldsWrite()
 
-  Collective. Input/Output: file - with start, own and N of the fields
+  Collective. Input/Output: file - its start, own and N are those that SnapshotFieldsWrite() set
 */
 PetscErrorCode VtkGroupWrite(const Flow *flow, Hdf5File *file)
 {

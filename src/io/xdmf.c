@@ -9,7 +9,7 @@
 #define XDMF_INT32  "NumberType=\"Int\" Precision=\"4\""
 #define XDMF_INT64  "NumberType=\"Int\" Precision=\"8\""
 
-/* Writes a data item: a data set in the file of a snapshot. */
+/* Writes a data item, which refers to a data set in the file of a snapshot. */
 static void XdmfItem(FILE *f, const char indent[], const char file[], const char set[],
                      const char type[], PetscInt N, PetscInt columns)
 {

@@ -4,7 +4,8 @@
 */
 #include "isph/particles.h"
 
-/* Returns the index of the cell with coordinate x along axis a; the nearest if x is outside. */
+/* Returns the index along axis a of the cell at coordinate x, or of the nearest cell if x is
+   outside the grid. */
 static inline PetscInt CellAlong(const Cells *cells, PetscInt a, PetscReal x)
 {
   const PetscReal s = (x - cells->origin[a]) / cells->size;

@@ -37,7 +37,7 @@ static PetscInt OwnerOf(const Particles *p, PetscMPIInt ranks, PetscInt i)
   return begin;
 }
 
-/* Restricts [lo, hi] to the box of ranks [begin, end). */
+/* Restricts the box [lo, hi] to the region that the cuts give to ranks [begin, end). */
 static void CutOutBox(const Particles *p, PetscMPIInt ranks, PetscInt begin, PetscInt end,
                       PetscReal lo[], PetscReal hi[])
 {
@@ -102,7 +102,8 @@ static PetscErrorCode GroupsStart(const Scene *scene, const Particles *p, PetscM
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the bin of x, -1 if it has none. Edges and x are compared as OwnerOf() compares a cut. */
+/* Returns the bin that holds x, or -1. Rounding is corrected by a comparison of x with the edges,
+   as OwnerOf() compares it with a cut. */
 static inline PetscInt BinOf(const Group *g, PetscReal x)
 {
   const PetscReal s = (x - g->low) / g->width;
@@ -115,8 +116,8 @@ static inline PetscInt BinOf(const Group *g, PetscReal x)
   return k < 0 || k >= BISECT_BINS ? -1 : k;
 }
 
-/* Selects the best edge of the histogram of a group and zooms into the bin that holds the
-   target. */
+/* Selects the edge of a group's histogram with the best number of particles below it as the cut,
+   and restricts the next histogram to the bin in which the best cut lies. */
 static void GroupZoom(Group *g, const PetscInt histogram[])
 {
   PetscReal below = g->below, next_low = g->low, next_below = g->below;

@@ -365,7 +365,7 @@ static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
   Input Parameters:
 + scene - the scene
 . walls - placement of wall particles
-. start - given positions of the fluid; NULL: it fills the lattice
+. start - given positions of the fluid; NULL: the fluid fills the lattice
 - p     - empty particles, with all fields of this module registered
 
   Output Parameter:

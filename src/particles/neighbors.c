@@ -134,7 +134,7 @@ static PetscErrorCode SortRow(PetscInt n, PetscInt col[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends row i: three cells along the first axis are contiguous in the list. */
+/* Appends row i. Cells along the first axis are contiguous in the list and scanned together. */
 static PetscErrorCode BuildRow(const Particles *p, const PetscReal reach2[], PetscInt i,
                                PetscReal own2, Neighbors *nb)
 {

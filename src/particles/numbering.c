@@ -5,7 +5,7 @@
 */
 #include "impl.h"
 
-/* A received id and its position in the message. */
+/* A received id and its index in the array of received ids. */
 typedef struct {
   PetscInt64 id;
   PetscInt   place;

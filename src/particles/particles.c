@@ -61,7 +61,7 @@ static void SetViscosities(const Scene *scene, const FluidStart *start, Particle
 + scene      - the scene
 . walls      - placement of wall particles for the wall treatment; ignored without PHYSICS_WALLS
 . halo_width - largest interaction radius of any operator [m]
-- start      - given positions of the fluid; NULL: it fills the lattice
+- start      - given positions of the fluid; NULL: the fluid fills the lattice
 
   Output Parameter:
 . particles - the particles in their first epoch, with a filled halo; pressures are zero, velocities

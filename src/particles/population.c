@@ -61,7 +61,7 @@ typedef struct {
   PetscReal *weight, sum;
 } Surroundings;
 
-/* Prepares the search, and fills the halo of all fields with ENTRY_MEAN. */
+/* Builds the cells for the search; updates the halo of all fields with the policy ENTRY_MEAN. */
 static PetscErrorCode SurroundingsCreate(Particles *p, Surroundings *near)
 {
   PetscFunctionBegin;

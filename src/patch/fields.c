@@ -87,7 +87,7 @@ static PetscReal WaveLaplacian(const FieldRow *row, PetscInt dim, PetscInt seed,
   return -4.0 * PETSC_PI * PETSC_PI * (PetscReal)dim * WaveValue(row, dim, seed, x);
 }
 
-/* Returns the wave plus x^3 y^2 (times z^2 in 3D), which has no symmetry of the lattice. */
+/* Returns WaveValue() plus x^3 y^2 (times z^2 in 3D), which has no symmetry of the lattice. */
 static PetscReal MixedValue(const FieldRow *row, PetscInt dim, PetscInt seed, const PetscReal x[])
 {
   const PetscReal z2 = dim == 3 ? x[2] * x[2] : 1.0;

@@ -162,8 +162,8 @@ static PetscErrorCode RunIsOver(Run *run, PetscBool *over)
 }
 
 /*
-  Makes a successful step, or ends the run. If the clock retries, a failed step is undone and
-  repeated with a shorter dt.
+  Makes a successful step, or ends the run. If the chosen row of -dt_adapt retries steps, a failed
+  step is undone and repeated with a shorter dt.
 */
 static PetscErrorCode RunStep(Run *run)
 {

@@ -73,7 +73,7 @@ static PetscErrorCode ReadParticles(PetscInt dim, Hdf5File *file, FluidStart *st
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Wraps a particle into a periodic box; returns its fault, or PLACE_FAULTS. */
+/* Wraps a particle into a periodic box; returns its fault, PLACE_FAULTS if it has none. */
 static PetscInt PlaceFault(const Scene *scene, const FluidStart *start, PetscInt i)
 {
   PetscReal       *x = &start->x[i * scene->dim];

@@ -7,14 +7,14 @@
 
 /* ---- nu(g) [m^2/s] and its limits ---- */
 
-/* nu = K g^(n-1) */
+/* Returns nu = K g^(n-1). */
 static PetscReal RheologyNu_PowerLaw(const Rheology *r, PetscReal rate)
 {
   return r->parameter[RHEOLOGY_CONSISTENCY] *
          PetscPowReal(rate, r->parameter[RHEOLOGY_EXPONENT] - 1.0);
 }
 
-/* nu = nu_inf + (nu_0 - nu_inf) (1 + (lambda g)^2)^((n-1)/2) */
+/* Returns nu = nu_inf + (nu_0 - nu_inf) (1 + (lambda g)^2)^((n-1)/2), nu_0: Scene.nu. */
 static PetscReal RheologyNu_Carreau(const Rheology *r, PetscReal rate)
 {
   const PetscReal infinite = r->parameter[RHEOLOGY_INFINITE],
@@ -24,7 +24,8 @@ static PetscReal RheologyNu_Carreau(const Rheology *r, PetscReal rate)
                         PetscPowReal(1.0 + square, 0.5 * (r->parameter[RHEOLOGY_EXPONENT] - 1.0));
 }
 
-/* nu = nu_p + tau_0 (1 - exp(-m g))/g; for m -> infinity the Bingham model */
+/* Returns nu = nu_p + tau_0 (1 - exp(-m g))/g, nu_p: Scene.nu; it is the Bingham model for
+   m -> infinity. */
 static PetscReal RheologyNu_Papanastasiou(const Rheology *r, PetscReal rate)
 {
   const PetscReal m = r->parameter[RHEOLOGY_REGULARISATION], x = m * rate;

@@ -4,7 +4,7 @@
 */
 #include "isph/scene.h"
 
-/* The name and the bounds, then the parameters in the order of RheologyParameter. */
+/* Indices of options: name and bounds, then parameters in the order of RheologyParameter. */
 enum { NAME, VISCOSITY_MIN, VISCOSITY_MAX, PARAMETERS };
 static const OptionRow options[] = {
     [NAME] =

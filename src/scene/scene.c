@@ -113,7 +113,7 @@ PetscReal SceneVolumeAt(const Scene *scene, const PetscReal x[])
   return volume;
 }
 
-/* BoundaryIs - Returns true if the kind of a boundary has all the properties; not collective */
+/* BoundaryIs - Returns true if the kind of a boundary has all given properties; not collective */
 PetscBool BoundaryIs(const Scene *scene, PetscInt side, unsigned properties)
 {
   return (scene->boundary[side].kind->properties & properties) == properties ? PETSC_TRUE

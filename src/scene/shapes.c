@@ -306,8 +306,9 @@ PetscReal BodyThickness(const Body *body, PetscReal dx, PetscReal limit, PetscRe
 
 /*
   Returns the signed distance of x from the nearest periodic image of a body, positive outside its
-  outline, also for a body around the fluid [m]. Output: y - x shifted by periods, as near to the
-  body as x is to that image; normal - out of the outline.
+  outline, also for a body around the fluid [m]. Output: y - x shifted by periods, so that its
+  position relative to the body is the position of x relative to that image; normal - out of the
+  outline.
 */
 static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscReal x[],
                               PetscReal y[2], PetscReal normal[])
