@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Snapshots: their times, fields and attributes, and what VTK's reader makes of them.
+"""Tests snapshots: their times, fields and attributes, and the data that VTK reads from them.
 
     snapshots.py times COMMAND...      tests the times of snapshots
     snapshots.py fields COMMAND...     tests fields of steady Couette flow, and attributes; needs h5py

@@ -21,7 +21,7 @@ static PetscReal MonomialError(const Cloud *cloud, PetscInt first, PetscInt last
   return largest;
 }
 
-/* Returns |A - A^T|/|A| in Frobenius norms. */
+/* Returns |A - A^T|/|A| in the Frobenius norm. */
 static PetscReal Asymmetry(Mat A)
 {
   Mat       T;

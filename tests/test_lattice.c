@@ -52,7 +52,7 @@ static void test_order_on_lattice(void **state)
 
 /*
   A form without corrected moments returns S lap |x|^2 = 2 dim S on a lattice: docs/theory.md, (36).
-  Its table gives 100 (S - 1) for the square lattice with the cubic spline to a decimal.
+  Its table gives 100 (S - 1) with one decimal for the square lattice and the cubic spline.
 */
 static void test_second_moment(void **state)
 {

@@ -251,7 +251,7 @@ static void test_file(void **state)
   AssertRefused("-t_file", NULL, &r);
 }
 
-/* An unread option is refused with the nearest known name; a read option is not. */
+/* An unread option is refused, with the nearest known name in the message; a read option is not. */
 static void test_unknown(void **state)
 {
   Reading r = {.what = READ_UNKNOWN}, real = {.what = READ_REAL};

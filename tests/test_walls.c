@@ -117,7 +117,8 @@ static void test_sliding_lid(void **state)
   WalledForAll(PETSC_TRUE, CheckSlidingLid);
 }
 
-/* Walls that move along their normal with the fluid: div s_n e_n = 1 with extrapolated dummies. */
+/* Checks the divergence of a velocity along one axis that increases linearly along this axis; the
+   walls normal to the axis move with it. */
 static void CheckNormalMotion(const WalledForms *forms, const char *where, Cloud *cloud)
 {
   const PetscInt last = cloud->scene.dim - 1;
@@ -164,7 +165,7 @@ static void AssertDivergence(PetscInt k, const char *where, Cloud *cloud)
 
 /*
   Checks that the divergence of every linear velocity is exact in a closed box. A vector fit uses
-  n.u_wall at the wall point. To dummies the normal component is continued through the wall, and the
+  n.u_wall at the wall point. At dummies the normal component is continued through the wall, and the
   tangential components by the gradient of the row, docs/theory.md, (54). This is exact if no factor
   beta of (54) reaches its bound of 10: here beta is at most 1 + 2.3/0.3, from the support 2.6 dx
   and the least distance 0.3 dx.

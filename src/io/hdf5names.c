@@ -66,7 +66,7 @@ PetscErrorCode Hdf5WriteWord(Hdf5File *file, const char object[], const char nam
 
 /*
   Hdf5WriteBoundaries - Writes the boundaries of a scene as attributes of the file: boundary_ids,
-  boundary_names and boundary_kinds; commas separate names and kinds
+  boundary_names and boundary_kinds; names and kinds are lists with commas
 
   Collective on comm.
 */

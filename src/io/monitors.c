@@ -76,7 +76,7 @@ static const MonitorKind *const kinds[] = {
 struct Monitors {
   Monitor   of[MONITOR_KINDS];
   char      base[PETSC_MAX_PATH_LEN - 32]; /* beginning of the file names */
-  PetscReal every, last;                   /* time between rows (0: every step), of last rows [s] */
+  PetscReal every, last;                   /* interval, 0: every step; time of the last rows [s] */
   PetscBool any;
 };
 

@@ -1,7 +1,7 @@
 /* Structure of the matrix of the Laplacian in a patch test: row sums, signs, symmetry and size. */
 #include "isph/patch.h"
 
-/* Sums over own rows. */
+/* Sums over the entries of own matrix rows. */
 typedef struct {
   PetscReal *row_sum;        /* sum of each row */
   PetscReal  weights, wrong; /* sums of |weights| off the diagonal: of all, of negative weights */

@@ -16,7 +16,7 @@ typedef struct {
   Monitors      *monitors;
   Progress      *progress;
   Report        *report;
-  MatrixFile    *solve_matrix[SCHEME_MAX_SOLVES]; /* of the scheme's solves; NULL: not wanted */
+  MatrixFile    *solve_matrix[SCHEME_MAX_SOLVES]; /* of the scheme's solves; NULL: none */
   MatrixFile    *ppe_matrix;
   Checkpoints   *checkpoints;
   Undo          *undo;              /* NULL: steps are not retried */

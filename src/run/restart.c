@@ -180,7 +180,8 @@ static PetscErrorCode ReadFile(Run *run, const char path[], Hdf5File *file, Pets
 
   Collective on PETSC_COMM_WORLD. Output: restarted - true if -restart was given.
 
-  Errors: a damaged file ends the run, and so does a file of another case, version or size
+  Errors: a damaged file ends the run, and so does a file of another version, case, scene or number
+  of particles
 */
 PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted)
 {

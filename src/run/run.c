@@ -84,7 +84,7 @@ static PetscErrorCode RunOpenFiles(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates all parts of the run from the scene, in the order of the stages. */
+/* Creates all parts of the run from the scene, each from parts that were created before it. */
 static PetscErrorCode RunCreate(Run *run)
 {
   FluidStart start;

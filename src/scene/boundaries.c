@@ -22,7 +22,7 @@ const BoundaryRow BoundaryPeriodic = {
     .by_axis    = PETSC_TRUE,
     .properties = BOUNDARY_CONTINUES,
 };
-/* The side lies in a solid at rest. With zero velocity in the solid the side has no slip. */
+/* A side of the box inside a solid at rest: with zero velocity in the solid it has no slip. */
 const BoundaryRow BoundaryNone = {
     .name       = "none",
     .brief      = "side in the solid of a body around the fluid",
@@ -133,8 +133,8 @@ PetscBool SceneHasBoundary(const Scene *scene, unsigned properties)
   return PETSC_FALSE;
 }
 
-/* SceneSlipKind - Returns the first kind of boundary whose equations for normal and tangential
-   velocity differ, or NULL; not collective */
+/* SceneSlipKind - Returns the first kind of boundary whose equations in fits differ for normal and
+   tangential velocity, or NULL; not collective */
 const BoundaryRow *SceneSlipKind(const Scene *scene)
 {
   for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {

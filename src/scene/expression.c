@@ -60,8 +60,8 @@ PetscErrorCode ExpressionScopeDestroy(ExpressionScope **scope)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ExpressionScopeIsIdle - Returns true if all expressions of a scope are numbers, which do not need
-   it; not collective */
+/* ExpressionScopeIsIdle - Returns true if all expressions of a scope are plain numbers, so that the
+   scope is not needed; not collective */
 PetscBool ExpressionScopeIsIdle(const ExpressionScope *scope)
 {
   return scope->n_parsers ? PETSC_FALSE : PETSC_TRUE;

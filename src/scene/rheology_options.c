@@ -165,7 +165,7 @@ PetscErrorCode SceneReadRheology(Scene *scene)
   UserCheck(SceneHas(scene, PHYSICS_VISCOSITY),
             "-without viscosity and -rheology %s cannot both be given", r->row->name);
   r->nu = scene->nu;
-  for (PetscInt pass = 0; pass < 2; pass++) { /* the exponent, then its defaults */
+  for (PetscInt pass = 0; pass < 2; pass++) { /* defaults need the exponent */
     for (PetscInt k = 0; k < RHEOLOGY_PARAMETERS; k++) {
       PetscBool given;
 
