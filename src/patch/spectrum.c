@@ -69,13 +69,33 @@ static PetscErrorCode SpectrumDense(Mat A, Spectrum *spectrum)
 }
 
 #if defined(ISPH_HAVE_SLEPC)
+/* Chooses shift and invert; its LU is redundant on every rank if this PETSc lacks a parallel LU. */
+static PetscErrorCode ShiftAndInvert(EPS eps, Mat A)
+{
+  PetscBool parallel;
+  ST        st;
+  KSP       ksp;
+  PC        pc;
+
+  PetscFunctionBegin;
+  PetscCall(EPSGetST(eps, &st));
+  PetscCall(STSetType(st, STSINVERT));
+  PetscCall(MatGetFactorAvailable(A, NULL, MAT_FACTOR_LU, &parallel));
+  if (!parallel) {
+    PetscCall(STGetKSP(st, &ksp));
+    PetscCall(KSPSetType(ksp, KSPPREONLY));
+    PetscCall(KSPGetPC(ksp, &pc));
+    PetscCall(PCSetType(pc, PCREDUNDANT));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Computes an extreme eigenvalue: the eigenvalue nearest to 0 by shift and invert, any other by
    Krylov-Schur alone. */
 static PetscErrorCode Extreme(Mat A, EPSProblemType type, EPSWhich which, PetscReal *value)
 {
   const PetscBool inner = which == EPS_TARGET_MAGNITUDE ? PETSC_TRUE : PETSC_FALSE;
   EPS             eps;
-  ST              st;
   PetscScalar     re, im;
   PetscInt        found;
 
@@ -89,8 +109,7 @@ static PetscErrorCode Extreme(Mat A, EPSProblemType type, EPSWhich which, PetscR
   PetscCall(EPSSetWhichEigenpairs(eps, which));
   if (inner) {
     PetscCall(EPSSetTarget(eps, 0.0));
-    PetscCall(EPSGetST(eps, &st));
-    PetscCall(STSetType(st, STSINVERT));
+    PetscCall(ShiftAndInvert(eps, A));
   }
   PetscCall(EPSSetFromOptions(eps));
   PetscCall(EPSSolve(eps));
