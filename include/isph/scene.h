@@ -25,7 +25,7 @@ extern const char *const PhysicsNames[PHYSICS_COUNT + 1]; /* in the order of bit
 
 #define SCENE_MAX_BODIES     16
 #define SCENE_MAX_BOUNDARIES (2 * ISPH_MAX_DIM + SCENE_MAX_BODIES)
-#define WALL_NAME            16 /* size of a wall name */
+#define WALL_NAME            24 /* size of a wall name */
 #define BODY_PARAMETERS      64
 #define SCENE_MAX_FLUIDS     8
 #define SCENE_ON_SURFACE     1e-9 /* rounding of distances from a surface [dx] */
