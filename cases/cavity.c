@@ -68,7 +68,8 @@ static PetscBool ReferenceApplies(const Scene *scene, const CavityReference *r)
              : PETSC_FALSE;
 }
 
-/* Returns the reference valid at the present time, or NULL; a steady flow counts as a late time. */
+/* Returns the reference that is valid at the present time, or NULL; for a steady flow, a reference
+   that is valid at all late times. */
 static const CavityReference *FindReference(const Scene *scene, const Clock *clock)
 {
   const PetscReal reynolds = SceneReynolds(scene);

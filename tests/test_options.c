@@ -307,8 +307,8 @@ static void test_tables_have_options(void **state)
   }
 }
 
-/* Names with a number or a place are found by their pattern; a suggestion is made only if a known
-   name is near. */
+/* Names that contain a number or a side, such as -scene_body_3, are found by their pattern; a
+   suggestion is made only if a known name is near. */
 static void test_names(void **state)
 {
   static const char *const far[] = {"-foo", "-grid", "-nu", "-output_directory_of_the_run", "-q"};

@@ -220,7 +220,8 @@ static PetscErrorCode BannerScheme(const Flow *flow, PetscViewer viewer)
 /*
   BannerView - Prints the choices of the run before its first step
 
-  Collective on the viewer. Called when all is configured and the Clock has chosen its first step.
+  Collective on the viewer. Called when all options are read and the clock has chosen the length of
+  the first step.
 */
 PetscErrorCode BannerView(const Flow *flow, PetscViewer viewer)
 {
