@@ -10,8 +10,8 @@ static const OptionRow   options[]  = {
        {
            .name   = "-<matrix>_mat_view",
            .kind   = VALUE_VIEWER,
-           .brief  = "matrix of the last solve, in the order of ids, e.g. binary:file or "
-                        "ascii:file:ascii_matlab; ids and positions stand in a file beside it",
+           .brief  = "matrix of the last solve, e.g. binary:file or ascii:file:ascii_matlab, with "
+                        "rows in the order of ids; another file holds ids and positions",
            .places = Matrices,
            .where  = "runs that solve with that matrix",
     },

@@ -12,25 +12,25 @@ static const OptionRow options[] = {
         {
             .name  = "-probe_point",
             .kind  = VALUE_REALS,
-            .brief = "velocity and pressure at points: x,y[,z] of each",
+            .brief = "velocity and pressure at points: x,y[,z] of each point",
             .unit  = "m",
             .where = "flows",
         },
     [LINE] =
         {
-            .name = "-probe_line",
-            .kind = VALUE_REALS,
-            .brief =
-                "velocity and pressure along lines: both ends and the number of points of each",
+            .name  = "-probe_line",
+            .kind  = VALUE_REALS,
+            .brief = "velocity and pressure along lines: both ends and the number of points of "
+                     "each line",
             .unit  = "m",
             .where = "flows",
         },
     [FLUX] =
         {
-            .name = "-probe_flux",
-            .kind = VALUE_REALS,
-            .brief =
-                "flux through sections: both ends of each; in 3D a corner and its two neighbours",
+            .name  = "-probe_flux",
+            .kind  = VALUE_REALS,
+            .brief = "flux through sections: both ends of each section; in 3D a corner and the two "
+                     "corners beside it",
             .unit  = "m",
             .where = "flows",
         },
@@ -46,8 +46,8 @@ static const OptionRow options[] = {
         {
             .name     = "-probe_every",
             .kind     = VALUE_REAL,
-            .brief    = "rows after the first step at or past each multiple of this time; 0: every "
-                        "step; a row has the time of its step, and steps stay as they are",
+            .brief    = "rows after the first step at or past each multiple of this time, with the "
+                        "time of the step; 0: after every step; steps do not change",
             .unit     = "s",
             .standard = "0",
             NOT_NEGATIVE,

@@ -23,7 +23,7 @@ static const OptionRow options[] = {
     {
         .name     = "-progress",
         .kind     = VALUE_NAME,
-        .brief    = "lines that tell how far the run is",
+        .brief    = "lines on the progress of the run",
         .standard = "line",
         .table    = &ProgressTable,
         .where    = "flows",

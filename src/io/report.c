@@ -10,14 +10,14 @@ static const OptionRow options[] = {
         {
             .name  = "-report",
             .kind  = VALUE_FILE,
-            .brief = "CSV file that errors and cost of the run are appended to",
+            .brief = "CSV file to which errors and cost of the run are appended",
         },
     [CHECK] =
         {
             .name  = "-check_<quantity>",
             .kind  = VALUE_REAL,
-            .brief = "largest relative error of a reported quantity, e.g. -check_u_min; a larger "
-                     "one is an error of the run",
+            .brief = "largest relative error allowed for a reported quantity, as in -check_u_min; "
+                     "a larger error gives an exit status other than 0",
             .unit  = "-",
             NOT_NEGATIVE,
             .late = PETSC_TRUE,

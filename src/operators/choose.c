@@ -16,20 +16,21 @@ static const OptionRow options[] = {
         },
     [H_OVER_DX] =
         {
-            .name     = "-h_over_dx",
-            .kind     = VALUE_REAL,
-            .brief    = "smoothing length over particle spacing",
-            .unit     = "-",
-            .standard = "1.3, but up to U dx/nu = 5: 1.5 for particles that move between walls, "
-                        "1.1 without walls if both Laplacians are exact for quadratic functions",
-            .low      = 0.8,
-            .high     = 4.0,
+            .name  = "-h_over_dx",
+            .kind  = VALUE_REAL,
+            .brief = "smoothing length over particle spacing",
+            .unit  = "-",
+            .standard =
+                "1.3; up to U dx/nu = 5 it is 1.5 for particles that move between walls, and 1.1 "
+                "without walls if both Laplacians are exact for quadratic functions",
+            .low  = 0.8,
+            .high = 4.0,
         },
     [CORRECTION] =
         {
             .name     = "-correction",
             .kind     = VALUE_NAME,
-            .brief    = "correction of the kernel in Laplacians that can take it",
+            .brief    = "correction of the kernel in Laplacians that accept it",
             .standard = "none",
             .table    = &CorrectionTable,
         },
@@ -72,11 +73,11 @@ static const OptionRow options[] = {
         },
     [WALL_SURFACE] =
         {
-            .name  = "-wall_surface",
-            .kind  = VALUE_SWITCH,
-            .brief = "particles on walls, before those behind them; dummies alone leave a gap at "
-                     "curved walls",
-            .standard = "true where there are bodies, and -wall has its particles behind walls",
+            .name     = "-wall_surface",
+            .kind     = VALUE_SWITCH,
+            .brief    = "a layer of particles on the walls, before the layers behind them, which "
+                        "alone leave a gap at curved walls",
+            .standard = "true with bodies, if -wall has particles behind walls",
             .where    = "flows with walls",
         },
 };

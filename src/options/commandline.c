@@ -10,35 +10,35 @@ static const OptionRow options[] = {
     {
         .name  = "-help",
         .kind  = VALUE_WORD,
-        .brief = "all options of isph; with the word petsc, also PETSc's for the chosen solvers; "
-                 "-h and --help too",
+        .brief = "list all options of isph and end; -help petsc adds PETSc's for the chosen "
+                 "solvers; also -h and --help",
     },
     {
         .name  = "-version",
         .kind  = VALUE_NOTHING,
-        .brief = "versions of isph and of the libraries it stands on; --version too",
+        .brief = "print the versions of isph and of its libraries, and end; also --version",
     },
     {
         .name  = "-catalogue",
         .kind  = VALUE_NOTHING,
-        .brief = "all rows that can be chosen by name: cases, operators, walls, schemes, "
-                 "integrators, with their papers",
+        .brief = "list all rows that can be chosen by name, with their papers, and end: cases, "
+                 "operators, walls, schemes, integrators",
     },
     {
         .name  = "-options_reference",
         .kind  = VALUE_NOTHING,
-        .brief = "the reference page of all options, in Markdown",
+        .brief = "print the reference page of all options in Markdown, and end",
     },
     {
-        .name = "-options_file",
-        .kind = VALUE_FILE,
-        .brief =
-            "file with more options, one a line; # begins a comment; may be given several times",
+        .name  = "-options_file",
+        .kind  = VALUE_FILE,
+        .brief = "file with more options, each in a line of its own; # begins a comment; may be "
+                 "given several times",
     },
     {
         .name  = "-options_file_yaml",
         .kind  = VALUE_FILE,
-        .brief = "file with more options as YAML, name: value in each line, names without a dash",
+        .brief = "file with more options as YAML: each line is 'name: value', names without a dash",
     },
     {
         .name  = "-skip_petscrc",

@@ -1,12 +1,13 @@
 /*
-  The texts about options, all from their tables: usage, -help and the reference page.
+  Texts about options: usage, -help and the reference page. All but the usage come from the tables
+  of options.
 */
 #include "isph/options.h"
 #include <string.h>
 
-#define TEXT_LENGTH 1600 /* of all that is said of one option */
+#define TEXT_LENGTH 1600 /* of the text about an option */
 #define LINE_WIDTH  100
-#define INDENT      34 /* of what is said of an option in -help */
+#define INDENT      34 /* of the text about an option in -help */
 
 static const char *const kinds[] = {
     [VALUE_SWITCH]     = "true|false",
@@ -24,7 +25,7 @@ static const char *const kinds[] = {
     [VALUE_SOLVER]     = "value",
 };
 
-/* Appends a part between two others to a text, as far as there is room; no part, nothing. */
+/* Appends a part with the words before and after it to a text; nothing if the part is empty. */
 static void Append(char text[TEXT_LENGTH], const char before[], const char part[],
                    const char after[])
 {
@@ -34,7 +35,7 @@ static void Append(char text[TEXT_LENGTH], const char before[], const char part[
   (void)PetscStrlcat(text, after, TEXT_LENGTH);
 }
 
-/* Writes the values that are allowed: a range, or names separated by commas. */
+/* Writes the allowed values of an option: a range, or names separated by commas. */
 static void Allowed(const OptionRow *row, char text[TEXT_LENGTH])
 {
   char names[TEXT_LENGTH] = "";
@@ -47,9 +48,13 @@ static void Allowed(const OptionRow *row, char text[TEXT_LENGTH])
   Append(text, row->kind == VALUE_NAME ? "one of " : "some of ", names, "");
 }
 
-/* Prints a text in lines of LINE_WIDTH columns, each but the first indented. */
+/* Prints a text from column INDENT on, in lines of LINE_WIDTH columns. Input: column - number of
+   letters already in the line. */
 static void PrintWrapped(FILE *out, int column, const char text[])
 {
+  if (column < INDENT - 1) (void)fprintf(out, "%*s", INDENT - column, "");
+  else (void)fprintf(out, "\n%*s", INDENT, "");
+  column = INDENT;
   while (*text) {
     const int word = (int)strcspn(text, " ");
 
@@ -68,7 +73,7 @@ static void PrintWrapped(FILE *out, int column, const char text[])
   (void)fputc('\n', out);
 }
 
-/* Prints what -help says of an option. */
+/* Prints the entry of an option in -help. */
 static void PrintOption(FILE *out, const OptionRow *row)
 {
   char      text[TEXT_LENGTH] = "", part[TEXT_LENGTH];
@@ -81,12 +86,10 @@ static void PrintOption(FILE *out, const OptionRow *row)
   Allowed(row, part);
   Append(text, "; ", part, "");
   Append(text, "; for ", row->where, "");
-  if (column < INDENT - 1) (void)fprintf(out, "%*s", INDENT - column, "");
-  else (void)fprintf(out, "\n%*s", INDENT, "");
-  PrintWrapped(out, INDENT, text);
+  PrintWrapped(out, column, text);
 }
 
-/* Prints, once for each list, the words that <word> in the names of options stands for. */
+/* Prints the words that stand in place of <word> in names of options, each list once. */
 static void PrintPlaces(FILE *out, const OptionTable *table, PetscBool markdown)
 {
   const char *const *last = NULL;

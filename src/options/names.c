@@ -1,12 +1,13 @@
 /*
-  Names of options: look-up in all tables, and the known name nearest to a misspelt one.
+  Names of options: search in all tables, and the known name nearest to a misspelt one.
 */
 #include "isph/options.h"
 #include <ctype.h>
 #include <string.h>
 #include <strings.h>
 
-/* Finds out if a name is what a pattern stands for; PETSc's names have no case. */
+/* Returns true if a name matches a pattern, in which <k> is a number and <word> one of places. As
+   in PETSc, capitals and small letters are equal. */
 static PetscBool Matches(const char pattern[], const char *const places[], const char name[])
 {
   while (*pattern) {
@@ -51,7 +52,7 @@ const OptionRow *OptionFind(const char name[])
 /*
   OptionFill - Makes the row of one option from a pattern: -scene_body_<k> and 3 give -scene_body_3
 
-  Not collective. Output: name - keeps the name of the row.
+  Not collective. Output: name - storage of the row's name, which must exist as long as the row.
 */
 void OptionFill(const OptionRow *pattern, const char word[], char name[OPTION_LENGTH],
                 OptionRow *row)
@@ -92,7 +93,7 @@ static PetscInt WordDistance(const char a[], const char b[])
   return m;
 }
 
-/* Keeps the nearer of a name and the nearest so far. */
+/* Replaces the nearest name so far if a known name is nearer; returns true if it does. */
 static PetscBool Nearer(const char name[], const char known[], PetscInt *best,
                         char nearest[OPTION_LENGTH])
 {
@@ -104,8 +105,8 @@ static PetscBool Nearer(const char name[], const char known[], PetscInt *best,
   return PETSC_TRUE;
 }
 
-/* Finds out if a distance is small against the lengths of the words: a quarter of the letters, at
-   most four, and never all. */
+/* Returns true if the distance of two words is small: at most a quarter of the letters, at most
+   four, and fewer than all letters. */
 static PetscBool IsNear(PetscInt distance, const char a[], const char b[])
 {
   const PetscInt na = (PetscInt)strlen(a), nb = (PetscInt)strlen(b);

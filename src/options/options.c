@@ -1,6 +1,6 @@
 /*
-  Readers of options. PETSc keeps the database; rows of tables give name, range and default; here
-  are the checks, each with one line for the user.
+  Readers of options. PETSc keeps the database. Rows of tables give name, range and default; a value
+  that they do not allow ends the run with one line.
 */
 #include "isph/options.h"
 #include <errno.h>
@@ -16,7 +16,7 @@ static PetscErrorCode ReadText(const char option[], const char **text, PetscBool
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds out if a text is a number and nothing else. */
+/* Returns true if a text is a number and nothing else. */
 static PetscBool IsNumber(const char text[], double *number)
 {
   char *end;
@@ -42,12 +42,13 @@ void OptionRangeText(const OptionRow *row, char text[], size_t length)
   Collective.
 
   Input/Output Parameter:
-. value - out: the user's number, or the row's default where that is a number; else left alone
+. value - out: the number of the user; if none is given, the default of the row if it is a number;
+          otherwise unchanged
 
   Output Parameter:
 . given - the user gave the option; may be NULL
 
-  Errors: refuses other text, and numbers outside the row's range (infinities and NaN included)
+  Errors: refuses other text, and numbers outside the range of the row, also infinities and NaN
 */
 PetscErrorCode OptionGetReal(const OptionRow *row, PetscReal *value, PetscBool *given)
 {
@@ -103,8 +104,8 @@ PetscErrorCode OptionGetInt(const OptionRow *row, PetscInt *value, PetscBool *gi
 /*
   OptionGetSwitch - Reads true or false; an option without a value is true
 
-  Collective. Output: value - the row's default where the option is not given and that is true or
-  false, else left alone; given - may be NULL.
+  Collective. Output: value - if the option is not given, the default of the row if it is true or
+  false, otherwise unchanged; given - may be NULL.
 
   Errors: refuses any other word
 */
@@ -121,7 +122,8 @@ PetscErrorCode OptionGetSwitch(const OptionRow *row, PetscBool *value, PetscBool
     PetscCall(PetscStrcasecmp(text, words[k], &known));
     if (known) *value = k < 5 ? PETSC_TRUE : PETSC_FALSE;
   }
-  UserCheck(!there || known, "%s %s: it is true or false, and by itself true", row->name, text);
+  UserCheck(!there || known, "%s %s: allowed are true and false; without a value it is true",
+            row->name, text);
   if (given) *given = there;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -132,11 +134,11 @@ PetscErrorCode OptionGetSwitch(const OptionRow *row, PetscBool *value, PetscBool
   Collective.
 
   Input Parameter:
-. capacity - the largest number of numbers
+. capacity - most numbers allowed
 
   Output Parameters:
-+ value - the numbers, left alone where the option is not given
-. n     - how many, 0 where it is not given
++ value - the numbers; unchanged if the option is not given
+. n     - their count; 0 if the option is not given
 - given - may be NULL
 
   Errors: refuses more than capacity, other text, and numbers that are not finite

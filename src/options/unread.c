@@ -4,8 +4,8 @@
 #include "isph/options.h"
 #include <string.h>
 
-/* Finds out if PETSc reads an option only later: in the set-up of a preconditioner, or at the
-   end. */
+/* Returns true if PETSc reads an option only later: in the set-up of a preconditioner, or at the
+   end of the run. */
 static PetscBool IsDeferred(const char name[])
 {
   const char *const inner[] = {"sub_",     "mg_levels",         "mg_coarse", "redundant_",  "_view",
@@ -17,7 +17,7 @@ static PetscBool IsDeferred(const char name[])
   return PETSC_FALSE;
 }
 
-/* Finds out if an option is read later than at the start, or by the end of the program. */
+/* Returns true if an option may be read later than now. */
 static PetscBool IsReadLater(const char name[], PetscBool deferred_too)
 {
   const OptionRow *row = OptionFind(name);

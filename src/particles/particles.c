@@ -8,8 +8,9 @@ static const OptionRow options[] = {
     {
         .name     = "-skin",
         .kind     = VALUE_REAL,
-        .brief    = "width of the halo beyond the interaction radius; an epoch ends when particles "
-                    "have used it up",
+        .brief    = "width of the halo beyond the interaction radius; an epoch ends when "
+                    "displacements have used "
+                    "it up",
         .unit     = "dx",
         .standard = "4",
         .low      = 0.0,

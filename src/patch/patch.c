@@ -49,7 +49,7 @@ static const OptionRow options[] = {
         {
             .name     = "-patch_repeats",
             .kind     = VALUE_INT,
-            .brief    = "repetitions of timed work, of which the least time counts",
+            .brief    = "repetitions of timed work; the least time is reported",
             .standard = "3",
             .low      = 1,
             .high     = 1000,
@@ -67,7 +67,7 @@ static const OptionRow options[] = {
         {
             .name     = "-patch_solve",
             .kind     = VALUE_SWITCH,
-            .brief    = "solve the Poisson problem with L, by the KSP with prefix ppe_",
+            .brief    = "solve a Poisson problem with L, by the solver with prefix ppe_",
             .standard = "false",
             .where    = "-case patch",
         },

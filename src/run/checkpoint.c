@@ -19,7 +19,7 @@ static const OptionRow options[] = {
             .name     = "-checkpoint_every",
             .kind     = VALUE_REAL,
             .brief    = "checkpoints after the first step at or past each multiple of this time; "
-                        "steps stay as they are",
+                        "steps do not change",
             .unit     = "s",
             .standard = "none before the end",
             POSITIVE,
@@ -29,7 +29,7 @@ static const OptionRow options[] = {
         {
             .name  = "-restart",
             .kind  = VALUE_FILE,
-            .brief = "checkpoint to go on from, on any number of ranks",
+            .brief = "checkpoint from which the run continues, on any number of ranks",
             .where = "flows",
         },
 };

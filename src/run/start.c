@@ -9,7 +9,7 @@ static const OptionRow options[] = {
     {
         .name     = "-particles",
         .kind     = VALUE_FILE,
-        .brief    = "HDF5 file of the particles of the fluid at the start; a snapshot will do",
+        .brief    = "HDF5 file of the fluid particles at the start, such as a snapshot",
         .standard = "a lattice",
         .where    = "flows",
     },

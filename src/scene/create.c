@@ -105,11 +105,11 @@ static const OptionRow options[] = {
         },
     [BODY_FORCE] =
         {
-            .name  = "-body_force",
-            .kind  = VALUE_EXPRESSION,
-            .brief = "body force per unit mass, a component for each axis; adds body_force to the "
-                     "physics; in -case scene expressions of x, y, t, elsewhere numbers",
-            .unit  = "m/s^2",
+            .name     = "-body_force",
+            .kind     = VALUE_EXPRESSION,
+            .brief    = "body force per unit mass, one component per axis; adds body_force to the "
+                        "physics; expressions of x, y, t in -case scene, numbers elsewhere",
+            .unit     = "m/s^2",
             .standard = "of the case",
             .where    = "flows",
         },
@@ -117,7 +117,7 @@ static const OptionRow options[] = {
         {
             .name  = "-with",
             .kind  = VALUE_NAMES,
-            .brief = "physics added to the case's own",
+            .brief = "physics added to those of the case",
             .words = PhysicsNames,
             .where = "flows",
         },
@@ -125,7 +125,7 @@ static const OptionRow options[] = {
         {
             .name  = "-without",
             .kind  = VALUE_NAMES,
-            .brief = "physics taken from the case's own",
+            .brief = "physics left out of those of the case",
             .words = PhysicsNames,
             .where = "flows",
         },
@@ -171,7 +171,7 @@ static const OptionRow options[] = {
         {
             .name     = "-patch_margin",
             .kind     = VALUE_REAL,
-            .brief    = "width that measurements leave out at the sides of the unit square",
+            .brief    = "width at the sides of the unit square that measurements leave out",
             .unit     = "dx",
             .standard = "0",
             .low      = 0.0,

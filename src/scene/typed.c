@@ -95,7 +95,7 @@ static const OptionRow   options[] = {
           {
               .name     = "-scene_body_<k>_around",
               .kind     = VALUE_SWITCH,
-              .brief    = "the fluid is inside the body; the box then has no walls of its own",
+              .brief    = "the fluid is inside the body; the sides of the box are then no walls",
               .standard = "false",
               .table    = &BoundaryTable,
               .where    = "-case scene, bodies that are given",
@@ -104,9 +104,9 @@ static const OptionRow   options[] = {
           {
               .name  = "-scene_fluid_<k>",
               .kind  = VALUE_SHAPE,
-              .brief = "region of another fluid at the start: circle,cx,cy,r or "
-                         "box,x0,y0,x1,y1 or polygon,x0,y0,...; fluids are numbered 1, 2, "
-                         "..., and later ones lie over earlier ones",
+              .brief = "region of another fluid at the start: circle,cx,cy,r or box,x0,y0,x1,y1 or "
+                         "polygon,x0,y0,...; fluids are numbered 1, 2, ..., and a later region "
+                         "covers an earlier one",
               .unit  = "m",
               .table = &ShapeTable,
               .where = "-case scene",

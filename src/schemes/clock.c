@@ -36,7 +36,7 @@ static const OptionRow options[] = {
             .kind     = VALUE_REAL,
             .brief    = "end of the run",
             .unit     = "s",
-            .standard = "of the case, in L/U",
+            .standard = "of the case, a multiple of L/U",
             NOT_NEGATIVE,
             .where = "flows",
         },
@@ -52,10 +52,11 @@ static const OptionRow options[] = {
         },
     [CFL] =
         {
-            .name     = "-cfl",
-            .kind     = VALUE_REAL,
-            .brief    = "time step over dx/U, U the larger of reference and present speed",
-            .unit     = "-",
+            .name  = "-cfl",
+            .kind  = VALUE_REAL,
+            .brief = "time step in units of dx/U; U is the larger of the reference speed and the "
+                     "present speed",
+            .unit  = "-",
             .standard = PetscStringize(CLOCK_CFL),
             .low      = 1e-6,
             .high     = 1e6,
@@ -74,7 +75,7 @@ static const OptionRow options[] = {
         {
             .name     = "-dt_move_max",
             .kind     = VALUE_REAL,
-            .brief    = "displacement with the flow above which a step is undone",
+            .brief    = "displacement of a particle with the flow above which a step is undone",
             .unit     = "dx",
             .standard = "0.6",
             .low      = 0.01,
@@ -104,7 +105,7 @@ static const OptionRow options[] = {
         {
             .name     = "-steady",
             .kind     = VALUE_SWITCH,
-            .brief    = "no du/dt: solve for the steady flow",
+            .brief    = "solve for the steady flow, without du/dt",
             .standard = "false",
             .where    = "-scheme coupled",
         },

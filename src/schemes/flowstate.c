@@ -59,15 +59,14 @@ static const OptionRow options[] = {
         },
     [VELOCITY_FILTER] =
         {
-            .name  = "-velocity_filter",
-            .kind  = VALUE_REAL,
-            .brief = "strength of the grid-scale filter of velocities; 0: off",
-            .unit  = "-",
-            .standard =
-                "grows from 0 to 1 between U dx/nu = 20 and 60; with fixed particles 1 above 5",
-            .low   = 0.0,
-            .high  = 1.0,
-            .where = "flows with convection",
+            .name     = "-velocity_filter",
+            .kind     = VALUE_REAL,
+            .brief    = "strength of the grid-scale filter of velocities; 0: off",
+            .unit     = "-",
+            .standard = "from 0 at U dx/nu = 20 to 1 at 60; with fixed particles 1 above 5, else 0",
+            .low      = 0.0,
+            .high     = 1.0,
+            .where    = "flows with convection",
         },
 };
 const OptionTable MotionOptions = OPTIONS("Motion of particles", options);

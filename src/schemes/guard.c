@@ -9,10 +9,10 @@
 
 static const OptionRow options[] = {
     {
-        .name  = "-fallback",
-        .kind  = VALUE_INT,
-        .brief = "solves in a row that fallback methods may make in place of the chosen one; -1: "
-                 "none, the first failure ends the step",
+        .name     = "-fallback",
+        .kind     = VALUE_INT,
+        .brief    = "largest number of solves in a row that fallback methods may take over; -1: no "
+                    "fallback, the first failure ends the step",
         .standard = "10",
         .low      = -1.0,
         .high     = OPTION_HUGE,

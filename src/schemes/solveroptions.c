@@ -40,7 +40,7 @@ static const OptionRow options[] = {
     },
     {
         LINEAR("ksp_gmres_restart"),
-        .brief    = "directions between restarts",
+        .brief    = "iterations between restarts of GMRES",
         .standard = "30; coupled 100",
     },
     {
@@ -112,7 +112,7 @@ static const OptionRow options[] = {
     },
     {
         LINEAR("pc_hypre_boomeramg_P_max"),
-        .brief    = "most entries in a row of the interpolation",
+        .brief    = "largest number of entries in a row of the interpolation",
         .standard = "4",
     },
     {
@@ -168,7 +168,7 @@ static const OptionRow options[] = {
     {
         .name     = "-vec_type",
         .kind     = VALUE_SOLVER,
-        .brief    = "type of vectors; vectors that share memory with particles are standard",
+        .brief    = "type of vectors; vectors that share memory with particle fields stay standard",
         .standard = VECSTANDARD,
     },
     {
@@ -244,7 +244,7 @@ static const OptionRow options[] = {
     {
         .name  = "-visc_snes_mf_operator",
         .kind  = VALUE_SOLVER,
-        .brief = "Newton steps, preconditioned by the matrix of Picard's iteration",
+        .brief = "Newton's method, preconditioned by the matrix of Picard's iteration",
         .where = "fluids that are not newtonian",
     },
 };

@@ -34,7 +34,7 @@ static const OptionRow options[] = {
         {
             .name     = "-projection",
             .kind     = VALUE_NAME,
-            .brief    = "pressure from its increment",
+            .brief    = "update of the pressure",
             .standard = "rotational",
             .table    = &ProjectionTable,
             .where    = "-scheme projection with pressure",
@@ -56,7 +56,7 @@ static const OptionRow options[] = {
             .kind     = VALUE_REAL,
             .brief    = "strength of the grid-scale filter of the pressure; 0: off",
             .unit     = "-",
-            .standard = "1, on lattices that stay 0.1",
+            .standard = "1; 0.1 on lattices whose particles do not move",
             .low      = 0.0,
             .high     = 2.0,
             .where    = "-scheme projection with pressure",
