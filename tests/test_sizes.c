@@ -1,9 +1,11 @@
 /*
   Particles of different sizes: two particles closer than the larger of their radii are neighbours,
-  a row uses radius, volume and scale of its particle, and means are weighted by volume.
+  a row uses radius, volume and scale of its particle, means are weighted by volume, and
+  rows of the coupled system have the units of their particle. No Laplacian is symmetric.
 */
 /* RANKS: 1 2 3 */
 #include "crowd.h"
+#include "../src/schemes/coupled/saddle.h"
 
 /* Scales the spacing of each particle by a factor between 0.6 and 1 that follows from its id, and
    updates the halo. */
@@ -85,6 +87,147 @@ static void test_rows(void **state)
   CheckRows(&space, "-visc_laplacian mls -ppe_laplacian mls -h_over_dx 1.7");
 }
 
+/* Computes the norm of V L - (V L)^T over the norm of V L for the viscous Laplacian L. */
+static PetscReal Unsymmetry(const Cloud *cloud)
+{
+  const Particles *p = cloud->particles;
+  PetscReal        difference, norm;
+  PetscScalar     *volume;
+  Mat              L, transposed;
+
+  ASSERT_OK(MatDuplicate(cloud->ops->velocity[0].visc.A, MAT_COPY_VALUES, &L));
+  ASSERT_OK(VecGetArray(cloud->y, &volume));
+  for (PetscInt i = 0; i < p->n_fluid; i++) volume[i] = p->volume[i];
+  ASSERT_OK(VecRestoreArray(cloud->y, &volume));
+  ASSERT_OK(MatDiagonalScale(L, cloud->y, NULL));
+  ASSERT_OK(MatTranspose(L, MAT_INITIAL_MATRIX, &transposed));
+  ASSERT_OK(MatAXPY(transposed, -1.0, L, UNKNOWN_NONZERO_PATTERN));
+  ASSERT_OK(MatNorm(transposed, NORM_FROBENIUS, &difference));
+  ASSERT_OK(MatNorm(L, NORM_FROBENIUS, &norm));
+  ASSERT_OK(MatDestroy(&transposed));
+  ASSERT_OK(MatDestroy(&L));
+  return difference / norm;
+}
+
+/* A symmetric form remains symmetric for equal sizes only: each row has the kernel of its own
+   particle. */
+static void test_symmetry(void **state)
+{
+  const CloudBox box = CloudPeriodic(2, 0.2);
+  Cloud          cloud;
+  LaplacianForm *form;
+
+  (void)state;
+  ASSERT_OK(CloudCreate(&box, "-visc_laplacian morris -ppe_laplacian mls", &cloud));
+  form = &cloud.ops->forms.visc;
+  CloudAssertNone("declared", box.name, !LaplacianIs(form, FORM_SYMMETRIC));
+  CloudAssertNone("symmetric", box.name, Unsymmetry(&cloud) > 1e-13);
+  Resize(&cloud.scene, cloud.particles);
+  ASSERT_OK(CloudMove(0.0, PETSC_TRUE, 0.0, &cloud));
+  CloudAssertNone("unsymmetric for several sizes", box.name, Unsymmetry(&cloud) < 1e-2);
+  form->graded = PETSC_TRUE;
+  CloudAssertNone("not declared", box.name, LaplacianIs(form, FORM_SYMMETRIC));
+  ASSERT_OK(CloudDestroy(&cloud));
+}
+
+/* Returns a f + b g. */
+static Quadratic Sum(PetscReal a, const Quadratic *f, PetscReal b, const Quadratic *g)
+{
+  Quadratic sum = {.c = a * f->c + b * g->c};
+
+  for (PetscInt e = 0; e < ISPH_MAX_DIM; e++) {
+    sum.g[e] = a * f->g[e] + b * g->g[e];
+    for (PetscInt k = 0; k < ISPH_MAX_DIM; k++) sum.H[e][k] = a * f->H[e][k] + b * g->H[e][k];
+  }
+  return sum;
+}
+
+/* Divides the row of each particle by its unit: T_i, or dx_i if mass is true. */
+static void DivideRows(const Flow *flow, PetscBool mass, Vec v)
+{
+  const Particles *p = flow->particles;
+  PetscScalar     *value;
+
+  ASSERT_OK(VecGetArray(v, &value));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    const PetscReal T = SaddleTime(flow->scene, flow->clock, p->dx[i]);
+
+    /* SaddleGet() multiplies rows of mass by the unit of a pressure */
+    value[i] /= mass ? PetscSqr(p->dx[i]) * flow->scene->rho / T : T;
+  }
+  ASSERT_OK(VecRestoreArray(v, &value));
+}
+
+/* Checks the rows for u = (f, ..., f), p = f: shift u - nu lap u + grad p/rho, and div u. */
+static void CheckSaddleRows(const Cloud *cloud, const Flow *flow, const Quadratic *f,
+                            PetscReal shift, const Saddle *s)
+{
+  const PetscInt  dim = cloud->scene.dim;
+  const Quadratic lap = QuadraticLaplacian(cloud, f), zero = {0};
+  Quadratic       viscous = Sum(shift, f, -cloud->scene.nu, &lap), div = zero;
+  PetscReal       error;
+  Vec             x, y, u[ISPH_MAX_DIM];
+
+  for (PetscInt a = 0; a < dim; a++) u[a] = cloud->f[a];
+  for (PetscInt a = 0; a < dim; a++) ASSERT_OK(CloudSet(cloud, f, u[a]));
+  ASSERT_OK(CloudSet(cloud, f, cloud->y));
+  ASSERT_OK(MatCreateVecs(s->A, &x, &y));
+  ASSERT_OK(SaddlePut(s, u, cloud->y, x));
+  ASSERT_OK(SaddleGet(s, x, u, cloud->y));
+  ASSERT_OK(CloudError(cloud, cloud->y, f, PETSC_FALSE, &error));
+  CloudAssertNone("pressure in its unit and back", "saddle", error > 1e-13);
+  ASSERT_OK(MatMult(s->P, x, y));
+  ASSERT_OK(SaddleGet(s, y, u, cloud->y));
+  for (PetscInt a = 0; a < dim; a++) {
+    const Quadratic slope = QuadraticDerivative(cloud, f, a);
+    const Quadratic row   = Sum(1.0, &viscous, 1.0 / cloud->scene.rho, &slope);
+
+    div = Sum(1.0, &div, 1.0, &slope);
+    DivideRows(flow, PETSC_FALSE, u[a]);
+    ASSERT_OK(CloudError(cloud, u[a], &row, PETSC_TRUE, &error));
+    CloudAssertNone("T_i times momentum", "saddle", error > 1e-8);
+  }
+  DivideRows(flow, PETSC_TRUE, cloud->y);
+  ASSERT_OK(CloudError(cloud, cloud->y, &div, PETSC_TRUE, &error));
+  CloudAssertNone("dx_i times mass", "saddle", error > 1e-8);
+  ASSERT_OK(VecDestroy(&x));
+  ASSERT_OK(VecDestroy(&y));
+}
+
+/* Rows of the coupled system have the units of their particles, and are exact for quadratics. */
+static void test_saddle(void **state)
+{
+  CloudBox box   = CloudPeriodic(2, 0.2);
+  Clock    clock = {.dt = 0.02};
+  Saddle   s     = {0};
+  Cloud    cloud;
+  Flow     flow;
+
+  (void)state;
+  box.grad_p_without_walls = PETSC_TRUE;
+  ASSERT_OK(CloudCreate(&box, "-visc_laplacian mls -ppe_laplacian mls -h_over_dx 1.7", &cloud));
+  Resize(&cloud.scene, cloud.particles);
+  ASSERT_OK(CloudMove(0.0, PETSC_TRUE, 0.0, &cloud));
+  cloud.scene.nu  = 0.3;
+  cloud.scene.rho = 1.7;
+  flow            = (Flow){
+                 .scene = &cloud.scene, .clock = &clock, .ops = cloud.ops, .particles = cloud.particles};
+  for (PetscInt steady = 0; steady < 2; steady++) {
+    const PetscReal shift = steady ? 0.0 : 50.0;
+
+    clock.steady_solve = steady ? PETSC_TRUE : PETSC_FALSE;
+    ASSERT_OK(SaddleAssemble(&flow, NULL, MATSAME, &s));
+    ASSERT_OK(SaddleSetShift(cloud.particles, shift, &s));
+    for (PetscInt k = 0; k < QuadraticCount(box.dim); k++) {
+      const Quadratic f = QuadraticMonomial(box.dim, k);
+
+      CheckSaddleRows(&cloud, &flow, &f, shift, &s);
+    }
+  }
+  ASSERT_OK(SaddleFree(&s));
+  ASSERT_OK(CloudDestroy(&cloud));
+}
+
 /* Weights sum up to the volume of all particles, and means are weighted by volume. */
 static void test_means(void **state)
 {
@@ -121,9 +264,8 @@ static void test_means(void **state)
 int main(int argc, char **argv)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_pairs),
-      cmocka_unit_test(test_rows),
-      cmocka_unit_test(test_means),
+      cmocka_unit_test(test_pairs),  cmocka_unit_test(test_rows),  cmocka_unit_test(test_symmetry),
+      cmocka_unit_test(test_saddle), cmocka_unit_test(test_means),
   };
   int failed;
 

@@ -70,7 +70,7 @@ void StencilSetVelocity(const Scene *scene, PetscInt c, Stencil *stencil);
    chosen by default and which are refused. Tests check each property. */
 typedef enum {
   FORM_NULL_CONSTANTS  = 1 << 0, /* constants vanish */
-  FORM_SYMMETRIC       = 1 << 1, /* symmetric matrix for equal volumes and an uncorrected kernel */
+  FORM_SYMMETRIC       = 1 << 1, /* symmetric matrix for equal sizes and an uncorrected kernel */
   FORM_EXACT_LINEAR    = 1 << 2, /* on any arrangement of particles */
   FORM_EXACT_QUADRATIC = 1 << 3, /* on any arrangement of particles */
   FORM_FULL_SUPPORT    = 1 << 4, /* needs particles behind walls; ignores Stencil.equation */
@@ -109,6 +109,7 @@ typedef struct {
   const LaplacianRow  *row;        /* NULL: not needed */
   const CorrectionRow *correction; /* NULL: none */
   PetscBool            extended;   /* wall values are extrapolated from the fluid: unsymmetric */
+  PetscBool            graded;     /* particles of a pair may differ in size: unsymmetric */
 } LaplacianForm;
 PetscBool      LaplacianIs(const LaplacianForm *form, FormProperty property);
 PetscInt       LaplacianWidth(const LaplacianForm *form, PetscInt dim);

@@ -262,8 +262,10 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
     PetscCall(OptionGetRow(&options[GRADIENT], NULL, &forms->gradient));
   }
   if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(ChooseWall(scene, forms));
-  forms->h_over_dx = h_over_dx;
-  forms->h         = h_over_dx * SceneCoarsest(scene);
+  forms->visc.graded = SceneFinest(scene) < SceneCoarsest(scene);
+  forms->ppe.graded  = forms->visc.graded;
+  forms->h_over_dx   = h_over_dx;
+  forms->h           = h_over_dx * SceneCoarsest(scene);
   forms->radius = forms->reach = forms->kernel->support * forms->h;
   if (forms->wall && forms->wall->Extend) {
     const PetscReal reach =

@@ -22,15 +22,15 @@ PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length)
 /*
   LaplacianIs - Returns true if the chosen Laplacian has a property
 
-  Not collective. A Laplacian with a correction of the kernel, or with an extension of the velocity
-  to wall particles, is never symmetric: the correction differs from particle to particle, and the
-  extension changes rows beside walls.
+  Not collective. A Laplacian with a correction of the kernel, with particles of several sizes, or
+  with an extension of the velocity to wall particles, is never symmetric: correction and kernel
+  differ from particle to particle, and the extension changes rows beside walls.
 */
 PetscBool LaplacianIs(const LaplacianForm *form, FormProperty property)
 {
   unsigned properties = form->row->properties;
 
-  if (form->correction || form->extended) properties &= ~(unsigned)FORM_SYMMETRIC;
+  if (form->correction || form->extended || form->graded) properties &= ~(unsigned)FORM_SYMMETRIC;
   return (properties & (unsigned)property) ? PETSC_TRUE : PETSC_FALSE;
 }
 

@@ -27,17 +27,17 @@ typedef struct {
 struct Schur {
   const SchurRow  *row;
   const Particles *particles;
+  const Saddle    *saddle;         /* units of the particles */
   Mat              mass;           /* the identity, for other PCs than shell */
-  Mat              poisson;        /* -dx^2 lap + 1e-6 [-] */
+  Mat              poisson;        /* -dx_i^2 lap + 1e-6 [-] */
   KSP              ksp;            /* solver of poisson; NULL: not needed */
   KspViews         views;          /* -coupled_schur_ksp_view, ... */
   Vec              work;           /* work vector */
-  PetscReal        viscous, inert; /* nu/sigma, shift dx^2/sigma, see schur.c [-] */
+  PetscReal        viscous, inert; /* nu/sigma, shift dx^2/sigma of the reference spacing [-] */
 };
 
 PetscErrorCode SchurCreate(Schur *schur);
-PetscErrorCode SchurAssemble(const Particles *particles, const Operators *ops, MatType type,
-                             Schur *schur);
+PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, MatType type, Schur *schur);
 PetscErrorCode SchurAttach(PC fieldsplit, Schur *schur);
 PetscErrorCode SchurFree(Schur *schur);
 

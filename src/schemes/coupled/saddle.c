@@ -1,10 +1,14 @@
 /*
   The matrix of the coupled system, scaled so that all entries are of order 1 and residuals of
   momentum and of mass have equal size. The unknowns are the velocity u and the scaled pressure q.
-  With p = rho dx/T q and 1/T = 1/(4 dt) + nu/dx^2 (steady: nu/dx^2):
+  With p_i = rho dx_i/T_i q_i and 1/T_i = 1/(4 dt) + nu/dx_i^2 (steady: nu/dx_i^2), for particles of
+  equal size:
 
     [ T (shift - nu L)   dx G          ] [u]   [T f]
     [ dx D               C + c c^T     ] [q] = [g  ]
+
+  For several sizes the rows of momentum are multiplied by T_i and the rows of mass by dx_i, and
+  T_i/(rho dx_i) C p replaces C q: docs/theory.md, (122).
 
   L, G and D are the operators of Laplacian, gradient and divergence; shift is the factor of u in
   du/dt; f and g contain forces and wall data. G is one-sided at walls: the wall pressure gradient
@@ -18,62 +22,144 @@
 #include "saddle.h"
 #include "schemes/step.h"
 
-/* Numbers of interlaced components in the rows and in the columns of a block. */
+/* Layout of a block, and its units: scale times the factors of rows and of columns. */
 typedef struct {
-  PetscInt rows, cols; /* 1 or dim */
-} Interlacing;
+  PetscInt  rows, cols; /* interlaced components: 1 or dim */
+  PetscReal scale;
+  Vec       row_units, col_units; /* NULL: 1 */
+} BlockForm;
 
-/* Creates a block, scale times the operators op[c] on the shared pattern; op[c] fills rows
-   dim i + c or columns dim j + c. */
-static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, Interlacing by,
-                                  PetscReal scale, const AffineOperator op[], MatType type,
-                                  Mat *block)
+/*
+  SaddleTime - Returns T, the time in which momentum changes a velocity on the scale of the grid:
+  1/T = 1/(4 dt) + nu/dx^2, steady 1/T = nu/dx^2 [s]
+
+  Not collective. The factor 1/4 gives the block C equal weight against inertia and viscosity. Of
+  the factors 1, 1/3, 1/6, 1/12 and 1/24 the values near 1/4 take the fewest iterations; the error
+  of moving vortices at Re = 100 is half the error with the factor 1. dt is rounded to eighths of a
+  power of two, so that steps that differ by rounding share their matrices.
+*/
+PetscReal SaddleTime(const Scene *scene, const Clock *clock, PetscReal dx)
+{
+  const PetscReal diffusion = scene->nu / PetscSqr(dx);
+  PetscReal       dt;
+  int             exponent;
+
+  if (clock->steady_solve) return 1.0 / diffusion;
+  dt = PetscFloorReal(8.0 * frexp(clock->dt, &exponent) + 0.5) / 8.0;
+  return 1.0 / (0.25 / ldexp(dt, exponent) + diffusion);
+}
+
+/* Computes the units of each particle over the units of the reference spacing. */
+static PetscErrorCode SetUnits(const Flow *flow, Saddle *s)
+{
+  const Scene     *scene = flow->scene;
+  const Particles *p     = flow->particles;
+  PetscScalar     *time, *length;
+
+  PetscFunctionBegin;
+  s->step = SaddleTime(scene, flow->clock, scene->dx);
+  s->unit = scene->rho * scene->dx / s->step;
+  PetscCall(FluidVec(p, NULL, &s->time));
+  PetscCall(FluidVec(p, NULL, &s->length));
+  PetscCall(VecGetArrayWrite(s->time, &time));
+  PetscCall(VecGetArrayWrite(s->length, &length));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    time[i]   = SaddleTime(scene, flow->clock, p->dx[i]) / s->step;
+    length[i] = p->dx[i] / scene->dx;
+  }
+  PetscCall(VecRestoreArrayWrite(s->length, &length));
+  PetscCall(VecRestoreArrayWrite(s->time, &time));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates a vector with a factor of each particle in the rows of its velocity components. */
+static PetscErrorCode VelocityRows(const Particles *p, Vec factor, Vec *rows)
+{
+  PetscFunctionBegin;
+  PetscCall(VelocityVec(p, rows));
+  for (PetscInt c = 0; c < p->dim; c++)
+    PetscCall(VecStrideScatter(factor, c, *rows, INSERT_VALUES));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates a block of the operators op[c] on the shared pattern; op[c] fills rows dim i + c or
+   columns dim j + c. */
+static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, const BlockForm *by,
+                                  const AffineOperator op[], MatType type, Mat *block)
 {
   const PetscInt n = p->n_fluid, entries = pattern->row[n];
   PetscInt      *row, *col, q = 0;
   PetscScalar   *value;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc3(by.rows * n + 1, &row, by.rows * by.cols * entries, &col,
-                         by.rows * by.cols * entries, &value));
+  PetscCall(PetscMalloc3(by->rows * n + 1, &row, by->rows * by->cols * entries, &col,
+                         by->rows * by->cols * entries, &value));
   row[0] = 0;
-  for (PetscInt r = 0; r < by.rows * n; r++) {
-    const PetscInt i = r / by.rows;
+  for (PetscInt r = 0; r < by->rows * n; r++) {
+    const PetscInt i = r / by->rows;
 
     for (PetscInt s = pattern->row[i]; s < pattern->row[i + 1]; s++) {
-      for (PetscInt c = 0; c < by.cols; c++) {
-        col[q]     = by.cols * pattern->col[s] + c;
-        value[q++] = scale * op[by.rows > 1 ? r % by.rows : c].a[s];
+      for (PetscInt c = 0; c < by->cols; c++) {
+        col[q]     = by->cols * pattern->col[s] + c;
+        value[q++] = by->scale * op[by->rows > 1 ? r % by->rows : c].a[s];
       }
     }
     row[r + 1] = q;
   }
   PetscCall(MatCreate(p->comm, block));
-  PetscCall(MatSetSizes(*block, by.rows * n, by.cols * n, PETSC_DETERMINE, PETSC_DETERMINE));
+  PetscCall(MatSetSizes(*block, by->rows * n, by->cols * n, PETSC_DETERMINE, PETSC_DETERMINE));
   PetscCall(MatSetType(*block, MATAIJ));
   PetscCall(MatSeqAIJSetPreallocationCSR(*block, row, col, value));
   PetscCall(MatMPIAIJSetPreallocationCSR(*block, row, col, value));
   PetscCall(PetscFree3(row, col, value));
+  PetscCall(MatDiagonalScale(*block, by->row_units, by->col_units));
   PetscCall(MatConvert(*block, type, MAT_INPLACE_MATRIX, block));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates the matrix T (-nu L + v.grad) of a velocity component, then the matrix of all interlaced
+/* Creates G, D and C in the units of each particle. */
+static PetscErrorCode CreateBlocks(const Flow *flow, MatType type, Saddle *s)
+{
+  const Particles *p   = flow->particles;
+  const Operators *ops = flow->ops;
+  const PetscReal  dx  = flow->scene->dx;
+  Vec              momentum, unit, inverse; /* T_i/T; unit of pressures; its inverse */
+
+  PetscFunctionBegin;
+  PetscCall(VelocityRows(p, s->time, &momentum));
+  PetscCall(VecDuplicate(s->length, &unit));
+  PetscCall(VecDuplicate(s->length, &inverse));
+  PetscCall(VecPointwiseDivide(unit, s->length, s->time));
+  PetscCall(VecPointwiseDivide(inverse, s->time, s->length));
+  PetscCall(BlockCreate(p, &ops->fluid, &(BlockForm){s->dim, 1, dx, momentum, unit}, ops->grad_p,
+                        type, &s->G));
+  PetscCall(BlockCreate(p, &ops->fluid, &(BlockForm){1, s->dim, dx, s->length, NULL}, ops->div,
+                        type, &s->D));
+  PetscCall(BlockCreate(p, &ops->fluid, &(BlockForm){1, 1, 1.0, inverse, unit}, &ops->filter_p,
+                        type, &s->C));
+  PetscCall(VecDestroy(&momentum));
+  PetscCall(VecDestroy(&unit));
+  PetscCall(VecDestroy(&inverse));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates the matrix T_i (-nu L + v.grad) of a velocity component, then the matrix of all interlaced
    components; v: `advecting`, if given. */
-static PetscErrorCode ViscousCreate(const Scene *scene, const Operators *ops, PetscReal step,
+static PetscErrorCode ViscousCreate(const Scene *scene, const Operators *ops, const Saddle *s,
                                     const Vec advecting[], Mat *viscous)
 {
   Mat scalar, gradient, all;
 
   PetscFunctionBegin;
   PetscCall(MatDuplicate(ops->velocity[0].visc.A, MAT_COPY_VALUES, &scalar));
-  PetscCall(MatScale(scalar, -scene->nu * step));
+  PetscCall(MatScale(scalar, -scene->nu * s->step));
   for (PetscInt a = 0; advecting && a < scene->dim; a++) {
     PetscCall(MatDuplicate(ops->velocity[0].grad_u[a].A, MAT_COPY_VALUES, &gradient));
     PetscCall(MatDiagonalScale(gradient, advecting[a], NULL));
-    PetscCall(MatAXPY(scalar, step, gradient, UNKNOWN_NONZERO_PATTERN));
+    PetscCall(MatAXPY(scalar, s->step, gradient, UNKNOWN_NONZERO_PATTERN));
     PetscCall(MatDestroy(&gradient));
   }
+  PetscCall(MatDiagonalScale(scalar, s->time, NULL));
   PetscCall(MatCreateMAIJ(scalar, scene->dim, &all));
   PetscCall(MatConvert(all, MATAIJ, MAT_INITIAL_MATRIX, viscous));
   PetscCall(MatSetBlockSize(*viscous, scene->dim));
@@ -89,42 +175,43 @@ static PetscErrorCode ViscousCreate(const Scene *scene, const Operators *ops, Pe
   Collective.
 
   Input Parameters:
-+ step      - T, the factor that scales the momentum equation [s]
-. advecting - advecting velocity of implicit convection [m/s]; NULL: no implicit convection
++ advecting - advecting velocity of implicit convection [m/s]; NULL: no implicit convection
 - type      - of the blocks, from SolverMatType()
 */
-PetscErrorCode SaddleAssemble(const Scene *scene, const Particles *p, const Operators *ops,
-                              PetscReal step, const Vec advecting[], MatType type, Saddle *s)
+PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], MatType type, Saddle *s)
 {
-  const Interlacing tall = {scene->dim, 1}, wide = {1, scene->dim}, single = {1, 1};
+  const Scene     *scene = flow->scene;
+  const Particles *p     = flow->particles;
 
   PetscFunctionBegin;
   PetscCall(SaddleFree(s));
   s->dim        = scene->dim;
   s->n          = p->n_fluid;
-  s->step       = step;
-  s->unit       = scene->rho * scene->dx / step;
   s->shift      = NAN;
-  s->assemblies = ops->assemblies;
-  PetscCall(ViscousCreate(scene, ops, step, advecting, &s->viscous));
+  s->assemblies = flow->ops->assemblies;
+  PetscCall(SetUnits(flow, s));
+  PetscCall(ViscousCreate(scene, flow->ops, s, advecting, &s->viscous));
   PetscCall(MatConvert(s->viscous, type, MAT_INITIAL_MATRIX, &s->F));
-  PetscCall(BlockCreate(p, &ops->fluid, tall, scene->dx, ops->grad_p, type, &s->G));
-  PetscCall(BlockCreate(p, &ops->fluid, wide, scene->dx, ops->div, type, &s->D));
-  PetscCall(BlockCreate(p, &ops->fluid, single, 1.0, &ops->filter_p, type, &s->C));
+  PetscCall(CreateBlocks(flow, type, s));
   PetscCall(GaugeColumn(p, scene->dim, &s->gauge));
   PetscCall(MatCreateNest(p->comm, 2, NULL, 2, NULL, (Mat[]){s->F, s->G, s->D, s->C}, &s->P));
   PetscCall(MatCreateLRC(s->P, s->gauge, NULL, s->gauge, &s->A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleSetShift - Computes the momentum block F = (T shift) I + viscous for a new shift, the
-   factor of u in du/dt; collective */
-PetscErrorCode SaddleSetShift(PetscReal shift, Saddle *s)
+/* SaddleSetShift - Computes the momentum block F = T_i shift + viscous for a new shift, the factor
+   of u in du/dt; collective */
+PetscErrorCode SaddleSetShift(const Particles *p, PetscReal shift, Saddle *s)
 {
+  Vec rows;
+
   PetscFunctionBegin;
   if (shift == s->shift) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatCopy(s->viscous, s->F, SAME_NONZERO_PATTERN));
-  PetscCall(MatShift(s->F, s->step * shift));
+  PetscCall(VelocityRows(p, s->time, &rows));
+  PetscCall(VecScale(rows, s->step * shift));
+  PetscCall(MatDiagonalSet(s->F, rows, ADD_VALUES));
+  PetscCall(VecDestroy(&rows));
   for (PetscInt k = 0; k < 2; k++) { /* tells PETSc about the changed block */
     PetscCall(MatAssemblyBegin(k ? s->A : s->P, MAT_FINAL_ASSEMBLY));
     PetscCall(MatAssemblyEnd(k ? s->A : s->P, MAT_FINAL_ASSEMBLY));
@@ -133,13 +220,15 @@ PetscErrorCode SaddleSetShift(PetscReal shift, Saddle *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleFree - Frees all matrices; collective */
+/* SaddleFree - Frees all matrices and units; collective */
 PetscErrorCode SaddleFree(Saddle *s)
 {
   Mat *all[] = {&s->A, &s->P, &s->gauge, &s->C, &s->D, &s->G, &s->F, &s->viscous};
 
   PetscFunctionBegin;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(all); k++) PetscCall(MatDestroy(all[k]));
+  PetscCall(VecDestroy(&s->time));
+  PetscCall(VecDestroy(&s->length));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -168,10 +257,10 @@ PetscErrorCode SaddleFlatten(Mat nest, Mat *flat)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddlePut - Sets x = (u, p/unit); not collective */
+/* SaddlePut - Sets x = (u, q), q_i = p_i T_i/(rho dx_i); not collective */
 PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
 {
-  const PetscScalar *from;
+  const PetscScalar *from, *time, *length;
   PetscScalar       *to;
 
   PetscFunctionBegin;
@@ -182,16 +271,21 @@ PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
     PetscCall(VecRestoreArrayRead(u[c], &from));
   }
   PetscCall(VecGetArrayRead(p, &from));
-  for (PetscInt i = 0; i < s->n; i++) to[s->dim * s->n + i] = from[i] / s->unit;
+  PetscCall(VecGetArrayRead(s->time, &time));
+  PetscCall(VecGetArrayRead(s->length, &length));
+  for (PetscInt i = 0; i < s->n; i++)
+    to[s->dim * s->n + i] = from[i] / s->unit * (time[i] / length[i]);
+  PetscCall(VecRestoreArrayRead(s->length, &length));
+  PetscCall(VecRestoreArrayRead(s->time, &time));
   PetscCall(VecRestoreArrayRead(p, &from));
   PetscCall(VecRestoreArray(x, &to));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleGet - Extracts u and p from x = (u, p/unit); p may be NULL; not collective */
+/* SaddleGet - Extracts u and p from x, see SaddlePut(); p may be NULL; not collective */
 PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
 {
-  const PetscScalar *from;
+  const PetscScalar *from, *time, *length;
   PetscScalar       *to;
 
   PetscFunctionBegin;
@@ -203,26 +297,58 @@ PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
   }
   if (p) {
     PetscCall(VecGetArray(p, &to));
-    for (PetscInt i = 0; i < s->n; i++) to[i] = from[s->dim * s->n + i] * s->unit;
+    PetscCall(VecGetArrayRead(s->time, &time));
+    PetscCall(VecGetArrayRead(s->length, &length));
+    for (PetscInt i = 0; i < s->n; i++)
+      to[i] = from[s->dim * s->n + i] * s->unit * (length[i] / time[i]);
+    PetscCall(VecRestoreArrayRead(s->length, &length));
+    PetscCall(VecRestoreArrayRead(s->time, &time));
     PetscCall(VecRestoreArray(p, &to));
   }
   PetscCall(VecRestoreArrayRead(x, &from));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleAdd - Adds scale times `part` to the rows of velocity component c in x, or to the rows of
-   the pressure if c = dim; not collective */
+/*
+  SaddleAdd - Adds scale T_i/T part to the rows of velocity component c, or for c = dim scale dx_i/dx
+  part to the rows of mass
+
+  Not collective. Input: scale - factor for a particle of the reference spacing.
+*/
 PetscErrorCode SaddleAdd(const Saddle *s, PetscInt c, PetscReal scale, Vec part, Vec x)
 {
   const PetscInt     stride = c < s->dim ? s->dim : 1, first = c < s->dim ? c : s->dim * s->n;
-  const PetscScalar *from;
+  const Vec          units = c < s->dim ? s->time : s->length;
+  const PetscScalar *from, *unit;
   PetscScalar       *to;
 
   PetscFunctionBegin;
   PetscCall(VecGetArrayRead(part, &from));
+  PetscCall(VecGetArrayRead(units, &unit));
   PetscCall(VecGetArray(x, &to));
-  for (PetscInt i = 0; i < s->n; i++) to[first + stride * i] += scale * from[i];
+  for (PetscInt i = 0; i < s->n; i++) to[first + stride * i] += scale * (unit[i] * from[i]);
   PetscCall(VecRestoreArray(x, &to));
+  PetscCall(VecRestoreArrayRead(units, &unit));
   PetscCall(VecRestoreArrayRead(part, &from));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SaddleAddInertia - Adds T_i (du/dt - shift u) to the rows of momentum; not collective */
+PetscErrorCode SaddleAddInertia(const Saddle *s, Vec x, Vec xdot, Vec f)
+{
+  const PetscScalar *u, *udot, *time;
+  PetscScalar       *r;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(x, &u));
+  PetscCall(VecGetArrayRead(xdot, &udot));
+  PetscCall(VecGetArrayRead(s->time, &time));
+  PetscCall(VecGetArray(f, &r));
+  for (PetscInt k = 0; k < s->dim * s->n; k++)
+    r[k] += s->step * (time[k / s->dim] * (udot[k] - s->shift * u[k]));
+  PetscCall(VecRestoreArray(f, &r));
+  PetscCall(VecRestoreArrayRead(s->time, &time));
+  PetscCall(VecRestoreArrayRead(xdot, &udot));
+  PetscCall(VecRestoreArrayRead(x, &u));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -10,24 +10,28 @@
 */
 typedef struct {
   PetscInt  dim, n;     /* own particles */
-  PetscReal step;       /* T, factor of the momentum equation [s] */
-  PetscReal unit;       /* unit of pressures, rho dx/T [Pa s/m] */
+  PetscReal step;       /* T of the reference spacing, factor of the momentum equation [s] */
+  PetscReal unit;       /* rho dx/T of the reference spacing, unit of pressures [Pa s/m] */
+  Vec       time;       /* T_i/T of each particle [-] */
+  Vec       length;     /* dx_i/dx of each particle [-] */
   PetscReal shift;      /* shift in F; NaN: F is out of date [1/s] */
-  Mat       viscous;    /* T (-nu L + v.grad), dim N x dim N [-] */
-  Mat       F, G, D;    /* T shift + viscous; dx grad; dx div [-] */
-  Mat       C;          /* residual of a quadratic fit of the pressure [-] */
+  Mat       viscous;    /* T_i (-nu L + v.grad), dim N x dim N [-] */
+  Mat       F, G, D;    /* T_i shift + viscous; T_i grad dx_j/T_j; dx_i div [-] */
+  Mat       C;          /* residual of a quadratic fit of the pressure, T_i/dx_i C dx_j/T_j [-] */
   Mat       A, P;       /* [F G; D C + c c^T] and [F G; D C] */
   Mat       gauge;      /* c of GaugeColumn() */
   PetscInt  assemblies; /* stamp of the operators in the blocks */
 } Saddle;
 
-PetscErrorCode SaddleAssemble(const Scene *scene, const Particles *particles, const Operators *ops,
-                              PetscReal step, const Vec advecting[], MatType type, Saddle *saddle);
-PetscErrorCode SaddleSetShift(PetscReal shift, Saddle *saddle);
+PetscReal      SaddleTime(const Scene *scene, const Clock *clock, PetscReal dx);
+PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], MatType type,
+                              Saddle *saddle);
+PetscErrorCode SaddleSetShift(const Particles *particles, PetscReal shift, Saddle *saddle);
 PetscErrorCode SaddleFree(Saddle *saddle);
 PetscErrorCode SaddleFlatten(Mat nest, Mat *flat);
 PetscErrorCode SaddlePut(const Saddle *saddle, Vec u[], Vec p, Vec x);
 PetscErrorCode SaddleGet(const Saddle *saddle, Vec x, Vec u[], Vec p);
 PetscErrorCode SaddleAdd(const Saddle *saddle, PetscInt c, PetscReal scale, Vec part, Vec x);
+PetscErrorCode SaddleAddInertia(const Saddle *saddle, Vec x, Vec xdot, Vec f);
 
 #endif

@@ -6,7 +6,7 @@
     S = sigma (-lap) (shift - nu lap)^-1,   S^-1 = nu/sigma + shift/sigma (-lap)^-1
 
   with the factor shift of u in du/dt, sigma = dx^2/T, and the time T of the scaling:
-  docs/theory.md, (95). A new approximation needs a function and a row.
+  docs/theory.md, (95), for particles of several sizes (96). A new approximation needs a function and a row.
 */
 #include "coupled.h"
 
@@ -25,12 +25,13 @@ static PetscErrorCode SchurApply_Mass(Schur *s, Vec x, Vec y)
 }
 
 /*
-  SchurApply_CahouetChabard - Applies y = nu/sigma x + shift dx^2/sigma (-dx^2 lap)^-1 x, for any
-  step
+  SchurApply_CahouetChabard - Applies S^-1 for any step:
 
-  The matrix is -dx^2 lap + 1e-6, because the Poisson equation alone is singular. The mean of x and
+    y_i = T_i/dx_i (nu x_i/dx_i + shift (A^-1 z)_i),   z_j = dx_j x_j
+
+  The matrix A is -dx_i^2 lap + 1e-6, because the Poisson equation alone is singular. The mean of z and
   the mean of the solution are removed. The left null vector is not constant; without the second
-  removal, the part of x along it would return as a constant 1e6 times as large.
+  removal, the part of z along it would return as a constant 1e6 times as large.
 
   Reference: J. Cahouet, J.-P. Chabard, Int. J. Numer. Meth. Fluids 8 (1988) 869-895
 */
@@ -41,13 +42,16 @@ static PetscErrorCode SchurApply_CahouetChabard(Schur *s, Vec x, Vec y)
     PetscCall(VecCopy(x, y));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(VecCopy(x, s->work));
+  PetscCall(VecPointwiseMult(s->work, x, s->saddle->length));
   PetscCall(GaugeRemove(s->particles, s->work));
   PetscCall(KSPSolve(s->ksp, s->work, y));
   PetscCall(KspViewsShow(s->ksp, &s->views));
   PetscCall(GaugeRemove(s->particles, y));
   PetscCall(VecScale(y, s->inert));
-  PetscCall(VecAXPY(y, s->viscous, x));
+  PetscCall(VecPointwiseDivide(s->work, x, s->saddle->length));
+  PetscCall(VecAXPY(y, s->viscous, s->work));
+  PetscCall(VecPointwiseMult(y, y, s->saddle->time));
+  PetscCall(VecPointwiseDivide(y, y, s->saddle->length));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -121,13 +125,17 @@ PetscErrorCode SchurCreate(Schur *s)
   Collective. Notes: PETSc gets the matrix of the row `mass`, so that preconditioners other than
   shell (-coupled_fieldsplit_pressure_pc_type jacobi) have a matrix.
 */
-PetscErrorCode SchurAssemble(const Particles *p, const Operators *ops, MatType type, Schur *s)
+PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, MatType type, Schur *s)
 {
+  const Particles *p   = flow->particles;
+  const Operators *ops = flow->ops;
+
   PetscFunctionBegin;
   PetscCall(MatDestroy(&s->mass));
   PetscCall(VecDestroy(&s->work));
   PetscCall(FluidVec(p, NULL, &s->work));
   s->particles = p;
+  s->saddle    = saddle;
   PetscCall(MatCreateConstantDiagonal(p->comm, p->n_fluid, p->n_fluid, PETSC_DETERMINE,
                                       PETSC_DETERMINE, 1.0, &s->mass));
   PetscCall(MatDestroy(&s->poisson));

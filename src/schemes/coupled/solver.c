@@ -28,7 +28,7 @@ PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
   const PetscBool keep = shift <= 1.5 * c->shift && c->shift <= 1.5 * shift;
 
   PetscFunctionBegin;
-  PetscCall(SaddleSetShift(shift, &c->saddle));
+  PetscCall(SaddleSetShift(c->flow->particles, shift, &c->saddle));
   if (!keep && c->flat) PetscCall(SaddleFlatten(c->saddle.P, &c->flat));
   if (!keep) c->shift = shift;
   PetscCall(KSPSetReusePreconditioner(c->guard.solve.ksp, keep));
@@ -200,25 +200,6 @@ static PetscErrorCode RenewPC(Coupled *c)
 }
 
 /*
-  Returns T, the time in which momentum changes a velocity on the scale of the grid: 1/T = 1/(4 dt)
-  + nu/dx^2, steady 1/T = nu/dx^2 [s]
-
-  The factor 1/4 gives the block C of saddle.c the same weight against inertia as against viscosity.
-  Of the factors 1, 1/3, 1/6, 1/12 and 1/24 the values near 1/4 take the fewest iterations; there
-  the error of moving vortices at Re = 100 is half the error with the factor 1. dt is rounded to
-  eighths of a power of two, so that steps that differ by rounding share their matrices.
-*/
-static PetscReal GridTime(const Scene *scene, PetscReal dt, PetscBool steady)
-{
-  const PetscReal diffusion = scene->nu / PetscSqr(scene->dx);
-  int             exponent;
-
-  if (steady) return 1.0 / diffusion;
-  dt = PetscFloorReal(8.0 * frexp(dt, &exponent) + 0.5) / 8.0;
-  return 1.0 / (0.25 / ldexp(dt, exponent) + diffusion);
-}
-
-/*
   Sets the allowed error of substeps, -coupled_ts_rtol times |u| + U. The error of the pressure is
   unlimited: the pressure is not integrated in time, and jumps when a wall velocity jumps.
 */
@@ -243,8 +224,7 @@ static PetscErrorCode SetTolerances(const Scene *scene, Coupled *c)
 }
 
 /* Creates matrices and vectors for the present operators. */
-static PetscErrorCode CoupledMake(PetscReal step, PetscReal shift, const Vec advecting[],
-                                  Coupled *c)
+static PetscErrorCode CoupledMake(PetscReal shift, const Vec advecting[], Coupled *c)
 {
   const Scene     *scene = c->flow->scene;
   const Particles *p     = c->flow->particles;
@@ -252,8 +232,8 @@ static PetscErrorCode CoupledMake(PetscReal step, PetscReal shift, const Vec adv
   PetscFunctionBegin;
   PetscCall(TSReset(c->ts));
   PetscCall(CoupledFree(c));
-  PetscCall(SaddleAssemble(scene, p, c->flow->ops, step, advecting, c->guard.mat_type, &c->saddle));
-  if (c->schur.row) PetscCall(SchurAssemble(p, c->flow->ops, c->guard.mat_type, &c->schur));
+  PetscCall(SaddleAssemble(c->flow, advecting, c->guard.mat_type, &c->saddle));
+  if (c->schur.row) PetscCall(SchurAssemble(c->flow, &c->saddle, c->guard.mat_type, &c->schur));
   PetscCall(UnknownsVec(p, &c->x));
   PetscCall(VecDuplicate(c->x, &c->b));
   PetscCall(SetTolerances(scene, c));
@@ -271,7 +251,7 @@ static PetscErrorCode CoupledMake(PetscReal step, PetscReal shift, const Vec adv
 /*
   CoupledAssemble - Computes matrices, vectors and preconditioner for the present operators and step
 
-  Collective. Does nothing if operators and GridTime() are unchanged and no convection is implicit.
+  Collective. Does nothing if operators and SaddleTime() are unchanged and no convection is implicit.
 
   Input Parameters:
 + shift     - shift of the first solve: the factor of u in du/dt [1/s]
@@ -280,12 +260,12 @@ static PetscErrorCode CoupledMake(PetscReal step, PetscReal shift, const Vec adv
 */
 PetscErrorCode CoupledAssemble(PetscReal shift, const Vec advecting[], Coupled *c)
 {
-  const Clock    *clock = c->flow->clock;
-  const PetscReal step  = GridTime(c->flow->scene, clock->dt, clock->steady_solve);
+  const Scene    *scene = c->flow->scene;
+  const PetscReal step  = SaddleTime(scene, c->flow->clock, scene->dx);
   const PetscBool same  = c->saddle.A && c->saddle.assemblies == c->flow->ops->assemblies;
 
   PetscFunctionBegin;
   if (!same || advecting || c->advecting || step != c->saddle.step)
-    PetscCall(CoupledMake(step, shift, advecting, c));
+    PetscCall(CoupledMake(shift, advecting, c));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -85,23 +85,15 @@ PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
 */
 PetscErrorCode CoupledIFunction(TS ts, PetscReal t, Vec x, Vec xdot, Vec f, void *ctx)
 {
-  Coupled           *c = (Coupled *)ctx;
-  const Saddle      *s = &c->saddle;
-  const PetscScalar *u, *udot;
-  PetscScalar       *r;
+  Coupled      *c = (Coupled *)ctx;
+  const Saddle *s = &c->saddle;
 
   PetscFunctionBegin;
   PetscCall(CoupledRightHandSide(c, t));
   PetscCall(MatMult(s->A, x, f));
   PetscCall(VecAXPY(f, -1.0, c->b));
   if (c->convects) PetscCall(CoupledAddConvection(c, x, s->step, f));
-  PetscCall(VecGetArrayRead(x, &u));
-  PetscCall(VecGetArrayRead(xdot, &udot));
-  PetscCall(VecGetArray(f, &r));
-  for (PetscInt i = 0; i < s->dim * s->n; i++) r[i] += s->step * (udot[i] - s->shift * u[i]);
-  PetscCall(VecRestoreArray(f, &r));
-  PetscCall(VecRestoreArrayRead(xdot, &udot));
-  PetscCall(VecRestoreArrayRead(x, &u));
+  PetscCall(SaddleAddInertia(s, x, xdot, f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
