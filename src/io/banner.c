@@ -58,9 +58,10 @@ static PetscErrorCode BannerThinBodies(const Flow *flow, PetscViewer viewer)
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
+    const Body     *body = SceneBody(scene, k);
     PetscReal       place[2];
     const PetscReal reach = flow->ops->forms.radius,
-                    thin  = BodyThickness(SceneBody(scene, k), scene->dx, reach, place);
+                    thin  = BodyThickness(body, BodySpacing(scene, body), reach, place);
 
     if (thin >= reach) continue;
     PetscCall(PetscViewerASCIIPrintf(

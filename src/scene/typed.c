@@ -282,6 +282,8 @@ static PetscErrorCode ReadBodies(Scene *scene)
 /* Checks the gap between a body and its own periodic image, from its extent along each axis. */
 static PetscErrorCode CheckImages(const Scene *scene)
 {
+  const PetscReal least = 4.0 * SceneCoarsest(scene);
+
   PetscFunctionBegin;
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
     for (PetscInt a = 0; a < 2; a++) {
@@ -289,11 +291,11 @@ static PetscErrorCode CheckImages(const Scene *scene)
 
       BodySpan(SceneBody(scene, k), a, span);
       gap = scene->hi[a] - scene->lo[a] - (span[1] - span[0]);
-      UserCheck(!SceneIsPeriodic(scene, a) || gap >= 4.0 * scene->dx,
+      UserCheck(!SceneIsPeriodic(scene, a) || gap >= least,
                 "-scene_body_%" PetscInt_FMT
                 ": along %c its periodic image is %.3g away; less than 4 dx = %.3g, or "
                 "overlapping; use a larger -n",
-                k + 1, "xy"[a], (double)gap, (double)(4.0 * scene->dx));
+                k + 1, "xy"[a], (double)gap, (double)least);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -307,10 +309,12 @@ static PetscErrorCode CheckGaps(const Scene *scene)
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
     const Body *body = SceneBody(scene, k);
 
-    for (PetscInt q = 0; q < BodyPoints(body, scene->dx); q++) {
+    for (PetscInt q = 0; q < BodyPoints(body, BodySpacing(scene, body)); q++) {
       PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM], gap = PETSC_INFINITY, other[ISPH_MAX_DIM];
+      PetscReal least;
 
-      (void)BodyPoint(body, q, scene->dx, x, normal);
+      (void)BodyPoint(body, q, BodySpacing(scene, body), x, normal);
+      least = 4.0 * SceneSpacing(scene, x);
       for (PetscInt m = 0; m < scene->n_bodies; m++) {
         if (m != k) gap = PetscMin(gap, BodyDistance(scene, SceneBody(scene, m), x, other));
       }
@@ -321,11 +325,11 @@ static PetscErrorCode CheckGaps(const Scene *scene)
           gap = PetscMin(gap, side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a]);
       }
       UserCheck(
-          gap >= 4.0 * scene->dx,
+          gap >= least,
           "-scene_body_%" PetscInt_FMT
           ": at (%.4g, %.4g) it is %.3g from another wall; less than 4 dx = %.3g, or overlapping; "
           "use a larger -n",
-          k + 1, (double)x[0], (double)x[1], (double)gap, (double)(4.0 * scene->dx));
+          k + 1, (double)x[0], (double)x[1], (double)gap, (double)least);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -492,9 +496,9 @@ PetscErrorCode SceneReadTyped(Scene *scene)
   for (PetscInt a = 0; a < 2; a++) {
     scene->lo[a] = box[a];
     scene->hi[a] = box[2 + a];
-    UserCheck(box[2 + a] - box[a] >= 4.0 * scene->dx,
+    UserCheck(box[2 + a] - box[a] >= 4.0 * SceneCoarsest(scene),
               "-scene_box: it is %.4g wide along %s; at least 4 dx = %.4g is allowed",
-              (double)(box[2 + a] - box[a]), Axes[a], (double)(4.0 * scene->dx));
+              (double)(box[2 + a] - box[a]), Axes[a], (double)(4.0 * SceneCoarsest(scene)));
   }
   PetscCall(ReadKinds(scene));
   PetscCall(ReadBodies(scene));
