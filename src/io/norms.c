@@ -85,9 +85,9 @@ static PetscErrorCode NormsPressure(const Flow *flow, const PetscReal exact_p[],
     velocity_l2   = (sum V |u - u_e|^2 / sum V |u_e|^2)^1/2
     velocity_linf = max |u - u_e| / max |u_e|
 
-  Collective. V is the volume of a particle, u_e the exact velocity. Adds nothing if the case has no
-  exact solution. Adds pressure_l2, of pressures minus their means, if the run has a pressure and
-  the exact solution gives it.
+  Collective. See docs/theory.md, (117). V is the volume of a particle, u_e the exact velocity. Adds
+  nothing if the case has no exact solution. Adds pressure_l2, of pressures minus their means, if the
+  run has a pressure and the exact solution gives it.
 
   Input Parameter:
 . flow - the flow at clock->t
@@ -122,8 +122,8 @@ PetscErrorCode NormsExact(const Flow *flow, Report *report)
 /*
   MeasureCommon - Computes the quantities that every case reports
 
-    kinetic_energy [J], linear_momentum = |sum_i rho V u_i| [kg m/s], both per metre of depth in 2D;
-    divergence_max = max |div u| [1/s], if the run has a pressure
+    kinetic_energy [J], linear_momentum = |sum_i rho V_i u_i| [kg m/s], both per metre of depth in
+    2D, docs/theory.md, (114); divergence_max = max |div u| [1/s], if the run has a pressure
 
   Collective
 

@@ -92,7 +92,8 @@ PetscErrorCode FluidVec(const Particles *p, PetscReal array[], Vec *v)
 /*
   FluidSum - Sums f, or f^2 if `squared`, over the fluid of all ranks, weighted by ParticlesWeight()
 
-  Collective. The sum divided by particles->weight is the mean over the volume of the fluid.
+  Collective. The sum divided by particles->weight is the mean over the volume of the fluid:
+  docs/theory.md, (119).
 */
 PetscErrorCode FluidSum(const Particles *p, Vec f, PetscBool squared, PetscReal *sum)
 {

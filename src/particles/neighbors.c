@@ -165,7 +165,7 @@ static PetscErrorCode BuildRow(const Particles *p, const PetscReal reach2[], Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the square of the reach, radius plus margin, of local particle i [m^2]. */
+/* Returns the square of radius and margin of local particle i, docs/theory.md, (120) [m^2]. */
 static inline PetscReal Reach2(const Particles *p, const Neighbors *nb, PetscInt i)
 {
   return PetscSqr(nb->radius * (p->dx[i] / nb->spacing) + nb->margin);

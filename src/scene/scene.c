@@ -103,7 +103,8 @@ PetscReal SceneVolume(const Scene *scene)
   return volume;
 }
 
-/* SceneVolumeAt - Returns the volume of a particle that is created at x [m^dim] */
+/* SceneVolumeAt - Returns the volume of a particle that is created at x, docs/theory.md, (118)
+   [m^dim] */
 PetscReal SceneVolumeAt(const Scene *scene, const PetscReal x[])
 {
   const PetscReal ratio  = SceneSpacing(scene, x) / scene->dx;

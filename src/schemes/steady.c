@@ -3,7 +3,7 @@
 */
 #include "step.h"
 
-/* Computes the root mean square of a vector over the volume of the fluid. */
+/* Computes the root mean square of a vector over the volume of the fluid: docs/theory.md, (119). */
 static PetscErrorCode RootMeanSquare(const Particles *p, Vec v, PetscReal *rms)
 {
   PetscReal sum;

@@ -7,7 +7,7 @@
     b = -dx_i^2 rho/k ((1 - alpha) div u* + alpha (1 - C)/dt) - B (gain of n.grad p in the step)
 
   alpha is -ppe_alpha, C the concentration, k the step length in projection.c, and B the wall part
-  of A.
+  of A. See docs/theory.md, (89) and (121).
 */
 static PetscErrorCode SetSource(Flow *flow)
 {
