@@ -1,7 +1,7 @@
 /*
   Particles of different sizes: two particles closer than the larger of their radii are neighbours,
-  a row uses radius, volume and scale of its particle, means are weighted by volume, and
-  rows of the coupled system have the units of their particle. No Laplacian is symmetric.
+  a row uses radius, volume and scale of its particle, means are weighted by volume, and rows of the
+  coupled system have the units of their particle. No Laplacian is symmetric.
 */
 /* RANKS: 1 2 3 */
 #include "crowd.h"

@@ -143,8 +143,8 @@ static PetscErrorCode CreateBlocks(const Flow *flow, MatType type, Saddle *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates the matrix T_i (-nu L + v.grad) of a velocity component, then the matrix of all interlaced
-   components; v: `advecting`, if given. */
+/* Creates the matrix T_i (-nu L + v.grad) of a velocity component, then the matrix of all
+   interlaced components; v: `advecting`, if given. */
 static PetscErrorCode ViscousCreate(const Scene *scene, const Operators *ops, const Saddle *s,
                                     const Vec advecting[], Mat *viscous)
 {
@@ -310,8 +310,8 @@ PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
 }
 
 /*
-  SaddleAdd - Adds scale T_i/T part to the rows of velocity component c, or for c = dim scale dx_i/dx
-  part to the rows of mass
+  SaddleAdd - Adds scale T_i/T part to the rows of velocity component c, or for c = dim adds scale
+  dx_i/dx part to the rows of mass
 
   Not collective. Input: scale - factor for a particle of the reference spacing.
 */

@@ -30,8 +30,8 @@ static PetscErrorCode SchurApply_Mass(Schur *s, Vec x, Vec y)
 
     y_i = T_i/dx_i (nu x_i/dx_i + shift (A^-1 z)_i),   z_j = dx_j x_j
 
-  The matrix A is -dx_i^2 lap + 1e-6, because the Poisson equation alone is singular. The mean of z and
-  the mean of the solution are removed. The left null vector is not constant; without the second
+  The matrix A is -dx_i^2 lap + 1e-6, because the Poisson equation alone is singular. The mean of z
+  and the mean of the solution are removed. The left null vector is not constant; without the second
   removal, the part of z along it would return as a constant 1e6 times as large.
 
   Reference: J. Cahouet, J.-P. Chabard, Int. J. Numer. Meth. Fluids 8 (1988) 869-895

@@ -251,7 +251,8 @@ static PetscErrorCode CoupledMake(PetscReal shift, const Vec advecting[], Couple
 /*
   CoupledAssemble - Computes matrices, vectors and preconditioner for the present operators and step
 
-  Collective. Does nothing if operators and SaddleTime() are unchanged and no convection is implicit.
+  Collective. Does nothing if operators and SaddleTime() are unchanged and no convection is
+  implicit.
 
   Input Parameters:
 + shift     - shift of the first solve: the factor of u in du/dt [1/s]
