@@ -201,7 +201,7 @@ static void test_saddle(void **state)
   Clock    clock = {.dt = 0.02};
   Saddle   s     = {0};
   Cloud    cloud;
-  Flow     flow;
+  Flow     flow = {0};
 
   (void)state;
   box.grad_p_without_walls = PETSC_TRUE;
@@ -210,8 +210,10 @@ static void test_saddle(void **state)
   ASSERT_OK(CloudMove(0.0, PETSC_TRUE, 0.0, &cloud));
   cloud.scene.nu  = 0.3;
   cloud.scene.rho = 1.7;
-  flow            = (Flow){
-                 .scene = &cloud.scene, .clock = &clock, .ops = cloud.ops, .particles = cloud.particles};
+  flow.scene      = &cloud.scene;
+  flow.clock      = &clock;
+  flow.ops        = cloud.ops;
+  flow.particles  = cloud.particles;
   for (PetscInt steady = 0; steady < 2; steady++) {
     const PetscReal shift = steady ? 0.0 : 50.0;
 

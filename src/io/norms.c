@@ -86,8 +86,8 @@ static PetscErrorCode NormsPressure(const Flow *flow, const PetscReal exact_p[],
     velocity_linf = max |u - u_e| / max |u_e|
 
   Collective. See docs/theory.md, (117). V is the volume of a particle, u_e the exact velocity. Adds
-  nothing if the case has no exact solution. Adds pressure_l2, of pressures minus their means, if the
-  run has a pressure and the exact solution gives it.
+  nothing if the case has no exact solution. Adds pressure_l2, of pressures minus their means, if
+  the run has a pressure and the exact solution gives it.
 
   Input Parameter:
 . flow - the flow at clock->t
