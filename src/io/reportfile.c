@@ -100,8 +100,8 @@ static PetscErrorCode ColumnsSolver(Columns *columns, const LinearSolve *solve)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends the columns visc_laplacian to ppe_pc; the column of a form or solver that the run does
-   not have is empty. */
+/* Appends the columns from visc_laplacian up to ppe_pc; the column of a form or solver that the run
+   does not have is empty. */
 static PetscErrorCode ColumnsForms(const Flow *flow, Columns *columns)
 {
   const OperatorForms *forms    = &flow->ops->forms;
@@ -126,7 +126,7 @@ static PetscErrorCode ColumnRow(Columns *columns, const void *row)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends the columns case to steps. */
+/* Fills `columns` with the columns from case up to steps. */
 static PetscErrorCode ColumnsBeforeTime(const Flow *flow, Columns *columns)
 {
   const Scene  *scene  = flow->scene;
@@ -158,7 +158,8 @@ static PetscErrorCode ColumnsBeforeTime(const Flow *flow, Columns *columns)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends the columns wall_s to status. Collective: rss_mb is the largest value of all ranks. */
+/* Fills `columns` with the columns from wall_s up to status, the last. Collective: rss_mb is the
+   largest value of all ranks. */
 static PetscErrorCode ColumnsAfterTime(const Flow *flow, PetscReal wall_seconds,
                                        const char status[], Columns *columns)
 {

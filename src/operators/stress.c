@@ -1,8 +1,8 @@
 /*
   The divergence of the viscous stress as a sum of forces between pairs of particles, along the line
   that joins them. Least squares give the strengths of the forces. A rigid motion has no force (to
-  rounding) for any viscosities, so truncation errors do not drive a very viscous drop that rotates
-  in a thin fluid. See docs/theory.md, (67) to (71).
+  rounding) for any viscosities, so truncation errors do not accelerate a very viscous drop that
+  rotates in a fluid of low viscosity. See docs/theory.md, (67) to (71).
 */
 #include "mls.h"
 
@@ -70,8 +70,8 @@ static void StressTarget(PetscInt d, PetscReal unit, PetscReal target[])
 
   Reference: forces along pairs after P. W. Cleary, J. J. Monaghan, J. Comput. Phys. 148 (1999),
   there with c_k = -2 (dim + 2) V_k W'/r. A stress from fitted second derivatives fails: on
-  disordered particles an eigenvalue has the wrong sign, and this drives a drop with 1e3 times the
-  viscosity of the fluid around it.
+  disordered particles its operator has an eigenvalue of the wrong sign, which accelerates a drop
+  that is 1e3 times as viscous as the fluid around it.
 */
 PetscErrorCode LaplacianRow_StressMls(Stencil *st, PetscReal w[])
 {

@@ -1,10 +1,11 @@
 /*
-  Vectors over fluid or wall particles. Vectors with own storage have the type of -vec_type; the
-  standard type works with any matrix type.
+  Vectors over fluid or wall particles. A vector that allocates its storage has the type of
+  -vec_type. A vector whose storage is a particle field has PETSc's standard type, which matrices of
+  any type accept.
 */
 #include "isph/operators.h"
 
-/* Creates a vector of n values in blocks, with its own storage. */
+/* Creates a vector of n values in blocks, which allocates its storage. */
 static PetscErrorCode VecOfType(MPI_Comm comm, PetscInt n, PetscInt block, Vec *v)
 {
   const char *type;
@@ -39,7 +40,8 @@ static PetscErrorCode TryVector(MPI_Comm comm)
   Collective.
 
   Options Database Key:
-. -vec_type - type of all vectors with own storage; vectors over particle fields are standard
+. -vec_type - type of the vectors that allocate their storage; a vector whose storage is a particle
+              field has the standard type
 */
 PetscErrorCode VectorsCheckType(MPI_Comm comm)
 {

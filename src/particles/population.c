@@ -132,7 +132,8 @@ static PetscReal EntryValue(const Scene *scene, const Field *field, PetscInt c, 
   }
 }
 
-/* Fills the record of new particle k. */
+/* Sets all fields of new particle k in `record`, the layout of ParticlesPack(). `near` finds the
+   fluid around the position of the particle, for fields whose default is a mean. */
 static PetscErrorCode FillRecord(const Scene *scene, const Particles *p, const NewParticles *added,
                                  PetscInt k, Surroundings *near, PetscReal record[])
 {

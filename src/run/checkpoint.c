@@ -104,7 +104,7 @@ static PetscErrorCode WriteTable(Hdf5File *file, const char name[], PetscInt row
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the report and the list of snapshots so far. */
+/* Writes the report and the list of snapshots so far, and adds them to the checksum. */
 static PetscErrorCode WriteHistory(const Run *run, Hdf5File *file, uint64_t *sum)
 {
   const Report *report   = run->report;
@@ -135,7 +135,7 @@ static PetscErrorCode WriteHistory(const Run *run, Hdf5File *file, uint64_t *sum
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the state of the run except the particles. */
+/* Writes the state of the run except the particles, and adds it to the checksum. */
 static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
 {
   const Particles  *p      = run->flow.particles;

@@ -88,7 +88,7 @@ static PetscErrorCode CheckScene(const Run *run, const char path[], Hdf5File *fi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the report and the list of snapshots of the earlier run. */
+/* Reads the report and the list of snapshots of the earlier run, and adds them to the checksum. */
 static PetscErrorCode ReadHistory(Run *run, Hdf5File *file, uint64_t *sum)
 {
   int        n_report = 0, n_snapshots = 0;
@@ -120,7 +120,8 @@ static PetscErrorCode ReadHistory(Run *run, Hdf5File *file, uint64_t *sum)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the numbers that the run keeps from step to step; refuses a file with other names. */
+/* Reads the numbers that the run keeps from step to step, and adds them to the checksum; refuses a
+   file with other names of numbers. */
 static PetscErrorCode ReadMemory(Run *run, const char path[], Hdf5File *file, uint64_t *sum)
 {
   Memory    *memory = &run->flow.scheme->memory;

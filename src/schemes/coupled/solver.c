@@ -223,7 +223,8 @@ static PetscErrorCode SetTolerances(const Scene *scene, Coupled *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates matrices and vectors for the present operators. */
+/* Creates matrices and vectors for the present operators; for `shift` and `advecting` see
+   CoupledAssemble(). */
 static PetscErrorCode CoupledMake(PetscReal shift, const Vec advecting[], Coupled *c)
 {
   const Scene     *scene = c->flow->scene;

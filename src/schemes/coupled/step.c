@@ -1,6 +1,7 @@
 /*
-  The coupled step: a consistent start, then a solve for velocity and pressure together, either in
-  time, or steady with Picard iterations for convection.
+  The coupled step: a solve for velocity and pressure together, either in time, or steady with
+  Picard iterations for convection. In the first step in time with substeps, a backward Euler step
+  makes the velocity solenoidal before the substeps begin.
 */
 #include "coupled.h"
 
@@ -21,9 +22,9 @@ static PetscErrorCode SolveLinear(Vec b, Coupled *c, StepFailure *failure)
 }
 
 /*
-  Makes a backward Euler step from t over h. Velocities at the start of a run need not be solenoidal
-  or agree with the wall velocity, and an integrator with error control would never accept a step
-  from them.
+  Makes a backward Euler step from t over h, after which the velocity is solenoidal and agrees with
+  the wall velocity. The velocity at the start of a run need not, and an integrator with error
+  control would never accept a step from it.
 */
 static PetscErrorCode StartConsistently(PetscReal t, PetscReal h, Coupled *c, StepFailure *failure)
 {
@@ -45,9 +46,9 @@ static PetscErrorCode StartConsistently(PetscReal t, PetscReal h, Coupled *c, St
 }
 
 /*
-  Advances from t over dt: by a single step of the TS, or by substeps with error control. The first
-  substep has the length of the last substep of the step before. In the first step of a run, an
-  additional first step of dt/100 makes the flow consistent.
+  Advances from t over dt: by a single step of the TS, or by substeps with error control if the row
+  of the integrator has them. The first substep has the length of the last substep of the step
+  before. In the first step of a run, StartConsistently() advances over dt/100 before the substeps.
 */
 static PetscErrorCode AdvanceInTime(PetscReal t, PetscReal dt, Coupled *c, StepFailure *failure)
 {

@@ -19,7 +19,8 @@ PetscErrorCode CoupledForce(Flow *flow, Vec force[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Subtracts from a vector the terms with wall velocities in (v.grad) u_a. */
+/* Subtracts from a vector the terms of wall velocities in (v.grad) u_a; v is the advecting velocity
+   of implicit convection. */
 static PetscErrorCode AddWallConvection(Coupled *c, PetscInt a, Vec part)
 {
   PetscFunctionBegin;
@@ -32,8 +33,15 @@ static PetscErrorCode AddWallConvection(Coupled *c, PetscInt a, Vec part)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CoupledRightHandSide - Computes the right-hand side b at time t: T (force + nu B u_wall) in
-   momentum rows, -dx times the terms of wall velocities in div u in pressure rows; collective */
+/*
+  CoupledRightHandSide - Computes the right-hand side b at time t
+
+    T (force + terms of wall velocities in nu lap u - (v.grad) u)    in momentum rows
+    -dx (terms of wall velocities in div u)                          in pressure rows
+
+  Collective. T is the time that scales the momentum equation, see saddle.c; v is the advecting
+  velocity of implicit convection.
+*/
 PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
 {
   const Saddle *s = &c->saddle;
@@ -79,9 +87,9 @@ PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
 /*
   CoupledIFunction - Computes the residual T du/dt + [T u.grad u] + A_0 x - b
 
-  Collective. A_0 is the matrix of saddle.c with shift 0. The term in brackets is present if stages
-  apply convection. The Jacobian omits it: rosw, a Rosenbrock-W method, keeps its order without it,
-  and bdf iterates.
+  Collective. A_0 is the matrix of saddle.c with shift 0, and T the time in its scaling. The term in
+  brackets is present if stages apply convection. The Jacobian omits it: rosw, a Rosenbrock-W
+  method, keeps its order without it, and bdf iterates.
 */
 PetscErrorCode CoupledIFunction(TS ts, PetscReal t, Vec x, Vec xdot, Vec f, void *ctx)
 {
@@ -97,7 +105,7 @@ PetscErrorCode CoupledIFunction(TS ts, PetscReal t, Vec x, Vec xdot, Vec f, void
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CoupledIJacobian - Computes the matrix for a new shift; collective */
+/* CoupledIJacobian - Computes the matrix of saddle.c for a new shift of the TS; collective */
 PetscErrorCode CoupledIJacobian(TS ts, PetscReal t, Vec x, Vec xdot, PetscReal shift, Mat A, Mat P,
                                 void *ctx)
 {

@@ -115,8 +115,8 @@ static PetscErrorCode RegisterEvents(Projection *pr)
   Options Database Keys:
 + -projection name - row of the table of projections
 . -ppe_alpha A     - share of the density error in the pressure source (Zheng et al. 2018, Eq. 13)
-- -ppe_filter S    - strength of the pressure filter, by default 1, on lattices 0.1; see
-                     ShareOfResidual()
+- -ppe_filter S    - strength of the pressure filter, by default 1, or 0.1 if particles stay on the
+                     initial lattice; see ShareOfResidual()
 */
 static PetscErrorCode ProjectionCreate(Flow *flow)
 {

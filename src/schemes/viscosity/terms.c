@@ -62,7 +62,7 @@ static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Subtracts (v.grad) u of component c from f. */
+/* Subtracts the convective term of velocity component c, whose values are u, from f. */
 static PetscErrorCode TakeConvection(Viscosity *v, PetscInt c, Vec u, Vec f)
 {
   PetscFunctionBegin;
@@ -73,7 +73,8 @@ static PetscErrorCode TakeConvection(Viscosity *v, PetscInt c, Vec u, Vec f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes f = force - (v.grad) u, of component c or of all components in a single system. */
+/* Computes f = force - convective term of u, of component c or of all components in a single
+   system. */
 static PetscErrorCode ConvectiveTerm(Viscosity *v, PetscInt c, Vec u, Vec f)
 {
   PetscFunctionBegin;
