@@ -77,19 +77,33 @@ static PetscBool IsYaml(const char path[], FILE *file)
   return !strncmp(first, "%YAML ", 6) || !strncmp(first, "---", 3) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/*
-  OptionsYamlCheck - Checks that PETSc can read a text as YAML, into a database of its own
+static void CheckFile(const char option[], const char name[], int depth, char sentence[],
+                      size_t length);
 
-  Not collective; to be called before PetscInitialize(), when PETSc prints no errors. PETSc can
-  include files only later, so that a text that does so is not checked.
+/* Checks the files that a YAML text includes, and changes their tags: PETSc cannot include files
+   before PetscInitialize(). */
+static void CheckIncluded(char text[], int depth, char sentence[], size_t length)
+{
+  static const char include[] = "!include", ignored[] = "!ignored";
 
-  Input: name - of the file or the variable. Output: sentence - unchanged if PETSc can read it.
-*/
-void OptionsYamlCheck(const char name[], const char text[], char sentence[], size_t length)
+  for (char *tag = strstr(text, include); tag; tag = strstr(tag, include)) {
+    char path[PETSC_MAX_PATH_LEN];
+
+    (void)memcpy(tag, ignored, strlen(ignored));
+    tag += strlen(ignored);
+    tag += strspn(tag, " \t\"'");
+    (void)snprintf(path, sizeof(path), "%.*s", (int)strcspn(tag, " \t\r\n\"',}"), tag);
+    CheckFile(include, path, depth + 1, sentence, length);
+  }
+}
+
+/* Checks a YAML text at a depth of inclusion. */
+static void CheckYaml(const char name[], char text[], int depth, char sentence[], size_t length)
 {
   PetscOptions scratch;
 
-  if (strstr(text, "!include") || PetscOptionsCreate(&scratch)) return;
+  CheckIncluded(text, depth, sentence, length);
+  if (sentence[0] || PetscOptionsCreate(&scratch)) return;
   if (PetscOptionsInsertStringYAML(scratch, text))
     (void)snprintf(sentence, length,
                    "%s: PETSc cannot read it as YAML; each line is 'name: value', names without a "
@@ -98,8 +112,20 @@ void OptionsYamlCheck(const char name[], const char text[], char sentence[], siz
   (void)PetscOptionsDestroy(&scratch);
 }
 
-static void CheckFile(const char option[], const char name[], int depth, char sentence[],
-                      size_t length);
+/*
+  OptionsYamlCheck - Checks that PETSc can read a text as YAML, into a database of its own
+
+  Not collective; to be called before PetscInitialize(), when PETSc prints no errors.
+
+  Input: name - source of the text. Output: sentence - the first mistake; unchanged if there is none
+*/
+void OptionsYamlCheck(const char name[], const char text[], char sentence[], size_t length)
+{
+  char *copy = strdup(text);
+
+  if (copy) CheckYaml(name, copy, 0, sentence, length);
+  free(copy);
+}
 
 /* Checks a line of a file. */
 static void CheckLine(const char path[], int number, char line[], int depth, char sentence[],
@@ -167,9 +193,9 @@ static void CheckFile(const char option[], const char name[], int depth, char se
     if (file) (void)fclose(file);
     return;
   }
-  if (option && !strcasecmp(option, "-options_file_yaml")) yaml = PETSC_TRUE;
+  if (option && strcasecmp(option, "-options_file")) yaml = PETSC_TRUE;
   if (yaml || IsYaml(path, file)) {
-    if (getdelim(&line, &room, '\0', file) > 0) OptionsYamlCheck(path, line, sentence, length);
+    if (getdelim(&line, &room, '\0', file) > 0) CheckYaml(path, line, depth, sentence, length);
   } else {
     while (!sentence[0] && getline(&line, &room, file) >= 0)
       CheckLine(path, ++number, line, depth, sentence, length);
