@@ -49,7 +49,8 @@ def main():
         assert any(f": {stage:>15}" in line or f": {stage}" in line for line in lines), stage
     lines = output("-scheme", "coupled", "-motion", "eulerian", "-coupled_ksp_view",
                    "-coupled_ts_view", "-coupled_ts_monitor", "-coupled_schur_ksp_view",
-                   "-coupled_ksp_view_rhs", "ascii:c.txt", "-coupled_schur_ksp_view_mat", "ascii:s.txt::append")
+                   "-coupled_ksp_view_rhs", "ascii:c.txt", "-coupled_schur_ksp_view_mat",
+                   "ascii:s.txt::append")
     count(lines, "KSP Object: (coupled_)", 2)  # the integrator's view holds it too
     count(lines, "KSP Object: (coupled_schur_)", 1)
     count(lines, "TS Object: (coupled_)", 1)

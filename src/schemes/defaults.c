@@ -134,7 +134,7 @@ PetscErrorCode SolverMatType(const char prefix[], char type[], size_t length)
   if (!given) {
     PetscCall(OptionTyped("-mat_type", &of_all, &given));
     if (!given) PetscFunctionReturn(PETSC_SUCCESS);
-    PetscCall(PetscStrncpy(type, of_all, length));
+    PetscCall(PetscSNPrintf(type, length, "%s", of_all));
     prefix = "";
   }
   PetscCall(PetscStrncmp(type, MATAIJ, 3, &aij));
