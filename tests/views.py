@@ -58,7 +58,7 @@ def main():
     with open("c.txt", encoding="utf-8") as file:
         assert sum(line[:1] in "-0123456789" for line in file) == 3 * 144
     with open("s.txt", encoding="utf-8") as file:
-        assert sum(line.startswith("row ") for line in file) == 144
+        assert sum(line.strip().startswith("row ") for line in file) == 144
 
 
 main()
