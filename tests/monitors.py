@@ -77,6 +77,15 @@ def main():
             close(last(forces, wall=wall)["fx"], strain * fx, 1e-6)
             close(last(forces, wall=wall)["fy"], strain * fy, 1e-6)
 
+    # Half a channel, whose parabola is exact: on its plane of symmetry the fluid slides.
+    run("-case", "scene", "-scene_box", "0,0,0.5,0.5", "-scene_periodic", "x", "-scene_symmetry", "top", "-body_force",
+        "1,0", "-reynolds", "1", *steady, "-ppe_ksp_rtol", "1e-12", "-motion", "eulerian", "-scene_exact",
+        "y*(1-y)/(2*nu), 0, 0", "-probe_point", "0.1,0.5,0.2,0.47")
+    point = rows("probe_point.csv")
+    close(last(point, point=0)["u"], 0.125, 1e-8)
+    close(last(point, point=1)["u"], 0.47 * 0.53 / 2, 1e-8)
+    close(last(point, point=0)["v"], 0, 1e-8)
+
     run("-case", "hydrostatic", "-n", "16", "-max_steps", "5", "-probe_forces")
     forces = rows("probe_forces.csv")
     close(last(forces, wall="left")["fx"] + last(forces, wall="right")["fx"], 0, 1e-9)

@@ -61,8 +61,22 @@ static PetscReal ProbeRadius(const Probe *probe, const PetscReal x[])
   return forms->kernel->support * (forms->h_over_dx * SceneSpacing(probe->flow->scene, x));
 }
 
-/* Finds the neighbours of a point that enter the fit: fluid and, if `walls`, wall particles. */
-static PetscErrorCode ProbeFind(Probe *probe, const PetscReal x[], PetscReal R, PetscBool walls,
+/* Returns true if particle j has a value of a field: all fluid, and wall particles on the surface of
+   a boundary that gives this component of the velocity. */
+static PetscBool ProbeHas(const Probe *probe, PetscInt j, PetscInt field)
+{
+  const Flow      *flow = probe->flow;
+  const Particles *p    = flow->particles;
+
+  if (!ParticlesIsWall(p, j)) return PETSC_TRUE;
+  if (field == p->dim || !flow->ops->forms.wall->on_surface) return PETSC_FALSE;
+  return BoundaryVelocityEquation(flow->scene, (PetscInt)p->side[j], field) == EQUATION_VALUE
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* Finds the neighbours of a point that enter the fit of a field. */
+static PetscErrorCode ProbeFind(Probe *probe, const PetscReal x[], PetscReal R, PetscInt field,
                                 PetscInt *n)
 {
   PetscInt found;
@@ -73,7 +87,7 @@ static PetscErrorCode ProbeFind(Probe *probe, const PetscReal x[], PetscReal R, 
   for (PetscInt k = 0; k < found; k++) {
     const PetscInt j = probe->list[k];
 
-    if (walls || !ParticlesIsWall(probe->flow->particles, j)) probe->list[(*n)++] = j;
+    if (ProbeHas(probe, j, field)) probe->list[(*n)++] = j;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -102,14 +116,14 @@ static PetscInt ProbeMoments(const Probe *probe, const PetscReal x[], PetscReal 
   Computes and factors the moment matrix of the fit at x. The support grows, up to the reach of the
   halo, while it holds too few particles, for example in a corner.
 */
-static PetscErrorCode ProbeFit(Probe *probe, const PetscReal x[], PetscBool walls, PetscInt *n,
+static PetscErrorCode ProbeFit(Probe *probe, const PetscReal x[], PetscInt field, PetscInt *n,
                                PetscReal *R, PetscInt *terms, PetscReal moments[],
                                PetscReal factor[])
 {
   PetscFunctionBegin;
   *R = ProbeRadius(probe, x);
   while (PETSC_TRUE) {
-    PetscCall(ProbeFind(probe, x, *R, walls, n));
+    PetscCall(ProbeFind(probe, x, *R, field, n));
     *terms = ProbeMoments(probe, x, *R, *n, moments);
     PetscCall(PetscArraycpy(factor, moments, *terms * *terms));
     if (*n >= 2 * *terms && !DenseCholesky(*terms, factor)) break;
@@ -124,7 +138,7 @@ static PetscErrorCode ProbeFit(Probe *probe, const PetscReal x[], PetscBool wall
 
 /* Computes the weights w_k = W_k phi_k . M^-1 e_0 of f(x) = sum_k w_k f_k, with the kernel W_k, the
    basis phi_k and the moment matrix M. */
-static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscBool walls, PetscInt *n)
+static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscInt field, PetscInt *n)
 {
   const PetscInt dim = probe->flow->particles->dim;
   PetscReal      moments[PROBE_MAX_TERMS * PROBE_MAX_TERMS], c[PROBE_MAX_TERMS] = {0.0};
@@ -132,7 +146,7 @@ static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscBool 
   PetscInt       terms = 0;
 
   PetscFunctionBegin;
-  PetscCall(ProbeFit(probe, x, walls, n, &R, &terms, moments, factor));
+  PetscCall(ProbeFit(probe, x, field, n, &R, &terms, moments, factor));
   for (PetscInt pass = 0; pass < 3; pass++) { /* refines c = M^-1 e_0: M may be ill conditioned */
     PetscReal residual[PROBE_MAX_TERMS] = {1.0};
 
@@ -197,22 +211,20 @@ static PetscBool ProbeOwns(const Flow *flow, PetscReal x[])
   return PETSC_TRUE;
 }
 
-/* Evaluates all fields at a point. Wall particles enter the fit of the velocity if they lie on the
-   surface; they have no pressure. */
+/* Evaluates all fields at a point. Fields share weights if the same particles have their values; wall
+   particles have no pressure. */
 static PetscErrorCode ProbeEvaluate(Probe *probe, const PetscReal x[], PetscReal values[])
 {
-  const PetscInt  dim   = probe->flow->particles->dim;
   const WallRow  *wall  = probe->flow->ops->forms.wall;
   const PetscBool walls = wall && wall->on_surface ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool slip  = SceneSlipKind(probe->flow->scene) ? PETSC_TRUE : PETSC_FALSE;
   PetscInt        n     = 0;
 
   PetscFunctionBegin;
   for (PetscInt f = 0; f < probe->n_fields; f++) {
-    const PetscBool pressure = f == dim ? PETSC_TRUE : PETSC_FALSE;
+    const PetscBool pressure = f == probe->flow->particles->dim ? PETSC_TRUE : PETSC_FALSE;
 
-    if (f == 0 || (pressure && walls)) {
-      PetscCall(ProbeWeights(probe, x, pressure ? PETSC_FALSE : walls, &n));
-    }
+    if (f == 0 || slip || (pressure && walls)) PetscCall(ProbeWeights(probe, x, f, &n));
     values[f] = 0.0;
     for (PetscInt k = 0; k < n; k++) values[f] += probe->w[k] * probe->field[f][probe->list[k]];
   }
