@@ -25,12 +25,12 @@ static const Table *const tables[] = {&CaseTable,
                                       &FieldTable};
 
 static const OptionTable *const options[] = {
-    &ProgramOptions,   &SceneOptions,    &StartOptions,         &TypedOptions,
-    &RheologyOptions,  &TimeOptions,     &SchemeOptions,        &ProjectionOptions,
-    &ViscosityOptions, &CoupledOptions,  &CoupledSolverOptions, &MotionOptions,
-    &ParticleOptions,  &OperatorOptions, &GuardOptions,         &SnapshotOptions,
-    &MonitorOptions,   &ReportOptions,   &ProgressOptions,      &CheckpointOptions,
-    &MatrixOptions,    &PatchOptions,    &SolverOptions};
+    &ProgramOptions,    &SceneOptions,     &StartOptions,    &TypedOptions,
+    &BoundaryOptions,   &RheologyOptions,  &TimeOptions,     &SchemeOptions,
+    &ProjectionOptions, &ViscosityOptions, &CoupledOptions,  &CoupledSolverOptions,
+    &MotionOptions,     &ParticleOptions,  &OperatorOptions, &GuardOptions,
+    &SnapshotOptions,   &MonitorOptions,   &ReportOptions,   &ProgressOptions,
+    &CheckpointOptions, &MatrixOptions,    &PatchOptions,    &SolverOptions};
 
 /* OptionTableGet - Returns option table k, NULL after the last; not collective */
 const OptionTable *OptionTableGet(PetscInt k)
@@ -49,9 +49,9 @@ static void OptionsOf(const Table *table, char names[], size_t size)
 {
   names[0] = '\0';
   for (PetscInt t = 0; OptionTableGet(t); t++) {
-    for (PetscInt k = 0; k < OptionTableGet(t)->count; k++) {
-      const OptionRow *row = &OptionTableGet(t)->rows[k];
+    const OptionRow *row;
 
+    for (PetscInt k = 0; (row = OptionNext(OptionTableGet(t), &k));) {
       if (row->table == table) AppendWord(names, size, row->name);
     }
   }

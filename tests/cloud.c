@@ -68,6 +68,8 @@ PetscErrorCode CloudOperators(const CloudBox *box, const char options[], Cloud *
     scene->cells[a] = box->cells[a];
     SceneSetAxis(scene, a, a < box->n_periodic ? &BoundaryPeriodic : &BoundaryWall);
   }
+  for (PetscInt side = 0; side < 2 * box->dim; side++)
+    if (box->kind[side]) SceneSetSide(scene, side, box->kind[side]);
   if (box->circle > 0.0) CloudAddCircle(box->circle * scene->dx, scene);
   PetscCall(PetscOptionsCreate(&database));
   PetscCall(PetscOptionsInsertString(database, options));

@@ -14,12 +14,13 @@
 
 /* Describes a cloud; numbers of cells along axes beyond dim are ignored. */
 typedef struct {
-  const char *name; /* for messages */
-  PetscInt    dim, cells[ISPH_MAX_DIM];
-  PetscInt    n_periodic;           /* the first axes are periodic, the others have walls */
-  PetscReal   jitter;               /* [dx] */
-  PetscReal   circle;               /* radius of a body in the middle [dx]; 0: none */
-  PetscBool   grad_p_without_walls; /* pressure rows of the coupled scheme */
+  const char        *name; /* for messages */
+  PetscInt           dim, cells[ISPH_MAX_DIM];
+  PetscInt           n_periodic;           /* the first axes are periodic, the others have walls */
+  PetscReal          jitter;               /* [dx] */
+  PetscReal          circle;               /* radius of a body in the middle [dx]; 0: none */
+  PetscBool          grad_p_without_walls; /* pressure rows of the coupled scheme */
+  const BoundaryRow *kind[2 * ISPH_MAX_DIM]; /* of sides; NULL: as n_periodic says */
 } CloudBox;
 
 /* A quadratic field f(x) = c + g.s + s.H s/2,  s = (x - centre)/dx,  H symmetric. */

@@ -273,12 +273,12 @@ static void test_rows(void **state)
   (void)state;
   for (PetscInt t = 0; OptionTableGet(t); t++) {
     const OptionTable *table = OptionTableGet(t);
+    const OptionRow   *row;
 
     assert_true(table->count > 0 && table->title[0]);
-    for (PetscInt k = 0; k < table->count; k++) {
-      const OptionRow *row = &table->rows[k];
-      char             name[OPTION_LENGTH];
-      OptionRow        one;
+    for (PetscInt k = 0; (row = OptionNext(table, &k));) {
+      char      name[OPTION_LENGTH];
+      OptionRow one;
 
       assert_true(row->name[0] == '-' && strlen(row->name) < OPTION_LENGTH - 32);
       assert_true(row->brief && row->brief[0]);
@@ -300,8 +300,10 @@ static void test_tables_have_options(void **state)
     PetscInt options_of_table = 0;
 
     for (PetscInt t = 0; OptionTableGet(t); t++) {
-      for (PetscInt k = 0; k < OptionTableGet(t)->count; k++)
-        if (OptionTableGet(t)->rows[k].table == CatalogueTable(c)) options_of_table++;
+      const OptionRow *row;
+
+      for (PetscInt k = 0; (row = OptionNext(OptionTableGet(t), &k));)
+        if (row->table == CatalogueTable(c)) options_of_table++;
     }
     assert_true(options_of_table > 0);
   }

@@ -204,7 +204,7 @@ static void CheckSlip(const WalledForms *forms, const char *where, Cloud *cloud)
   PetscInt         wrong = 0;
 
   WalledSetVelocity(cloud, rest);
-  ASSERT_OK(VecSet(cloud->walls.dpdn_step, 3.0));
+  ASSERT_OK(VecSet(cloud->walls.p_step, 3.0));
   ASSERT_OK(WallValuesSetVelocity(&cloud->scene, cloud->particles, 0.0, 0.5, &cloud->walls));
   for (PetscInt a = 0; a < p->dim; a++) {
     ASSERT_OK(VecGetArrayRead(cloud->walls.u[a], &u));

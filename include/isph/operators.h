@@ -225,11 +225,11 @@ typedef struct {
 
   VelocityOperators velocity[ISPH_MAX_DIM]; /* of component c: OperatorsOfVelocity() */
   PetscInt          n_velocity; /* 1, or dim if a boundary has equations for each component */
-  AffineOperator    ppe;        /* -dx_i^2 lap p [-]; wall data: n.grad p */
+  AffineOperator    ppe;        /* -dx_i^2 lap p [-]; wall data: WallValues.p */
   Vec               ppe_scale;  /* of its rows, -dx_i^2 [m^2] */
-  AffineOperator    grad_p[ISPH_MAX_DIM]; /* dp/dx_a; wall data: n.grad p */
+  AffineOperator    grad_p[ISPH_MAX_DIM]; /* dp/dx_a; wall data: WallValues.p */
   AffineOperator    div[ISPH_MAX_DIM];    /* (D u)_i = sum_c div[c] u_c; wall data: u_wall,c */
-  AffineOperator    filter_p;             /* residual of the fit of p [-]; no wall data */
+  AffineOperator    filter_p;             /* residual of the fit of p [-]; wall data: p if given */
   Pattern           fluid, walls;
   PetscInt         *neighbor_of_slot; /* local index of each slot; only for coupled components */
   Concentration     concentration;
@@ -260,14 +260,15 @@ PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *part
                                        Operators *ops);
 
 /*
-  Values at walls: the wall data e of the operators, an entry for each own wall particle. They are
-  valid for an epoch.
+  Values at boundaries: the wall data e of the operators, an entry for each own wall particle, as
+  its boundary gives them (SceneWallVelocity(), SceneWallPressure()). They are valid for an epoch.
 */
 typedef struct {
   PetscInt  epoch;           /* epoch of the vectors; 0: no vectors */
-  Vec       u[ISPH_MAX_DIM]; /* velocity [m/s] */
-  Vec       dpdn;            /* wall pressure gradient n.grad p of the present pressure [Pa/m] */
-  Vec       dpdn_step;       /* its gain in the present step [Pa/m] */
+  Vec       u[ISPH_MAX_DIM]; /* velocity [m/s], or n.grad of a component [1/s] */
+  Vec       p;               /* n.grad p [Pa/m] or p [Pa] of the present pressure, as the boundary's
+                                equation is */
+  Vec       p_step;          /* its gain in the present step */
   PetscReal speed_bound;     /* largest speed that walls can have driven so far [m/s] */
 } WallValues;
 
@@ -275,6 +276,10 @@ PetscErrorCode WallValuesRenumber(const Scene *scene, const Particles *particles
                                   WallValues *walls);
 PetscErrorCode WallValuesSetVelocity(const Scene *scene, Particles *particles, PetscReal t,
                                      PetscReal projection_factor, WallValues *walls);
+PetscErrorCode WallValuesSetPressure(const Scene *scene, const Particles *particles, PetscReal t,
+                                     PetscReal share, WallValues *walls);
+PetscErrorCode WallValuesStepPressure(const Scene *scene, const Particles *particles, PetscReal t,
+                                      WallValues *walls);
 PetscErrorCode WallValuesFree(WallValues *walls);
 
 PetscErrorCode OperatorsStrainRate(const Operators *ops, const Particles *particles, const Vec u[],

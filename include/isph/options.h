@@ -52,21 +52,29 @@ typedef struct {
 #define NOT_NEGATIVE .low = 0.0, .high = OPTION_HUGE
 /* clang-format on */
 
-/* The options that one file reads. */
+/* The options that one file reads, or that rows of another table hold. */
 typedef struct {
-  const char      *title; /* heading in -help */
-  const OptionRow *rows;
-  PetscInt         count;
+  const char             *title; /* heading in -help */
+  const OptionRow        *rows;
+  const OptionRow *const *elsewhere; /* in place of rows, where rows is NULL */
+  PetscInt                count;
 } OptionTable;
 #define OPTIONS(title, rows)                                                                       \
   {                                                                                                \
-    title, rows, (PetscInt)(sizeof(rows) / sizeof((rows)[0]))                                      \
+    title, rows, NULL, (PetscInt)(sizeof(rows) / sizeof((rows)[0]))                                \
+  }
+
+/* A table of pointers to rows; rows without a name are no options. */
+#define OPTIONS_ELSEWHERE(title, pointers)                                                         \
+  {                                                                                                \
+    title, NULL, pointers, (PetscInt)(sizeof(pointers) / sizeof((pointers)[0]))                    \
   }
 
 /* Returns table k of all tables of options, NULL beyond the last; defined in src/catalogue.c. */
 const OptionTable *OptionTableGet(PetscInt k);
 
 #define OPTION_LENGTH 128 /* of a name */
+const OptionRow *OptionNext(const OptionTable *table, PetscInt *k);
 const OptionRow *OptionFind(const char name[]);
 const OptionRow *OptionNearest(const char name[], char nearest[OPTION_LENGTH]);
 void             OptionFill(const OptionRow *pattern, const char word[], char name[OPTION_LENGTH],

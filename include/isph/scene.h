@@ -26,6 +26,7 @@ extern const char *const PhysicsNames[PHYSICS_COUNT + 1]; /* in the order of bit
 #define SCENE_MAX_BODIES     16
 #define SCENE_MAX_BOUNDARIES (2 * ISPH_MAX_DIM + SCENE_MAX_BODIES)
 #define WALL_NAME            24 /* size of a wall name */
+#define KIND_NAME            32 /* size of the name of a kind of boundaries, with a comma */
 #define BODY_PARAMETERS      64
 #define SCENE_MAX_FLUIDS     8
 #define SCENE_ON_SURFACE     1e-9 /* rounding of distances from a surface [dx] */
@@ -56,34 +57,38 @@ struct Body {
 /* Properties of a kind of boundary; all other code depends on these instead of the kind. */
 typedef enum {
   BOUNDARY_CONTINUES = 1 << 0, /* the fluid continues at the opposite side */
-  BOUNDARY_CONFINES  = 1 << 1, /* impermeable; wall particles on or behind it */
-  BOUNDARY_NO_SLIP   = 1 << 2  /* the fluid has the velocity of the boundary */
+  BOUNDARY_PARTICLES = 1 << 1, /* wall particles on or behind it bring its equations into fits */
+  BOUNDARY_CONFINES  = 1 << 2, /* impermeable */
+  BOUNDARY_NO_SLIP   = 1 << 3  /* the fluid has the velocity of the boundary */
 } BoundaryProperty;
 
 /* The equation that a particle on a boundary gives to a least-squares fit of a quantity f. */
 typedef enum {
-  EQUATION_VALUE,             /* f is given */
-  EQUATION_NORMAL_DERIVATIVE, /* n.grad f is given */
-  EQUATION_NONE               /* no equation: the fit uses the fluid alone */
+  EQUATION_NONE,             /* no equation: the fit uses the fluid alone */
+  EQUATION_VALUE,            /* f is given */
+  EQUATION_NORMAL_DERIVATIVE /* n.grad f is given */
 } Equation;
 
 /* Quantities of a fit for which a kind of boundary may have different equations. */
 typedef enum {
   FIT_VELOCITY_NORMAL,     /* component of the velocity along the normal */
   FIT_VELOCITY_TANGENTIAL, /* component along the boundary */
-  FIT_PRESSURE,            /* its wall slope n.grad p follows from the momentum */
-  FIT_PRESSURE_FREE,       /* pressure whose wall slope is not known before the solve */
+  FIT_PRESSURE,            /* n.grad p follows from the momentum, or the boundary gives p */
+  FIT_PRESSURE_FREE,       /* pressure where n.grad p is not known before the solve */
   FIT_QUANTITIES
 } FitQuantity;
 
 typedef struct {
   const char *name, *brief, *citation;
-  const char *option;     /* gives it to sides of a typed box; NULL: it follows from the geometry */
-  PetscBool   by_axis;    /* the option names axes, each with both sides, otherwise sides */
+  OptionRow   option;     /* of typed boxes: its words are BoxSides, or BoxAxes for both sides of an
+                             axis; without name: the kind follows from the geometry */
   unsigned    properties; /* bits of BoundaryProperty */
-  Equation    equation[FIT_QUANTITIES]; /* read if BOUNDARY_CONFINES */
+  Equation    equation[FIT_QUANTITIES]; /* for each quantity; EQUATION_NONE where none stands */
+  PetscReal (*Pressure)(const Scene *scene, PetscInt side, PetscReal t,
+                        const PetscReal x[]); /* of EQUATION_VALUE; NULL: 0 [Pa] */
 } BoundaryRow;
 extern const Table       BoundaryTable;
+extern const char *const BoxAxes[], *const BoxSides[]; /* of typed boxes; NULL after the last */
 extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundaryNone; /* kinds that cases set */
 
 /* A boundary of the fluid: a side of the box, or a body. */
@@ -200,7 +205,7 @@ struct Scene {
 
 extern const Table       CaseTable; /* cases/cases.c */
 extern const char *const SideNames[2 * ISPH_MAX_DIM];
-extern const OptionTable SceneOptions, TypedOptions, RheologyOptions;
+extern const OptionTable SceneOptions, TypedOptions, BoundaryOptions, RheologyOptions;
 
 PetscErrorCode SceneReadTyped(Scene *scene);
 PetscErrorCode SceneCreate(Scene **scene);
@@ -234,11 +239,15 @@ Equation       BoundaryVelocityEquation(const Scene *scene, PetscInt side, Petsc
 PetscBool      SceneIsPeriodic(const Scene *scene, PetscInt axis);
 PetscBool      SceneHasBoundary(const Scene *scene, unsigned properties);
 const BoundaryRow *SceneSlipKind(const Scene *scene);
+const BoundaryRow *SceneFitKind(const Scene *scene);
 PetscBool          SceneIsClosedBox(const Scene *scene);
+PetscBool          ScenePressureFloats(const Scene *scene);
 void      SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                             PetscReal u[]);
 void      SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                                 PetscReal a[]);
+PetscReal SceneWallPressure(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                            const PetscReal normal[]);
 PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal x[],
                               const PetscReal normal[], const PetscReal u[]);
 PetscReal SceneDecayRate(const Scene *scene);

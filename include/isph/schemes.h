@@ -166,6 +166,13 @@ PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, cons
 PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], PetscInt c, Vec u, Vec walls,
                                Vec work, Vec result);
 
+/* The constant of the pressure, see src/schemes/gauge.c. */
+PetscErrorCode GaugeRemove(const Scene *scene, const Particles *particles, Vec p);
+PetscErrorCode GaugeColumn(const Scene *scene, const Particles *particles, PetscInt before,
+                           Mat *column);
+PetscErrorCode GaugeMatrix(Mat A, Mat column, Mat *regular);
+PetscErrorCode GaugePreconditioner(const Scene *scene, Mat A);
+
 /* Copy of the flow before a step. */
 typedef struct Undo Undo;
 PetscErrorCode      UndoCreate(Undo **undo);

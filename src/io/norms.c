@@ -56,19 +56,23 @@ static PetscErrorCode NormsCompare(const Flow *flow, PetscReal exact_p[], ExactS
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the relative L2 error of the pressure after subtraction of the undetermined means. */
+/* Computes the relative L2 error of the pressure, after subtraction of the means if the constant is
+   undetermined. */
 static PetscErrorCode NormsPressure(const Flow *flow, const PetscReal exact_p[],
                                     const ExactSums *sums, Report *report)
 {
-  const Particles *p         = flow->particles;
-  const Scene     *scene     = flow->scene;
-  PetscReal        square[2] = {0.0, 0.0}, scale;
+  const Particles *p          = flow->particles;
+  const Scene     *scene      = flow->scene;
+  const PetscBool  floats     = ScenePressureFloats(scene);
+  const PetscReal  mean       = floats ? sums->p / sums->n_p : 0.0;
+  const PetscReal  mean_exact = floats ? sums->p_exact / sums->n_p : 0.0;
+  PetscReal        square[2]  = {0.0, 0.0}, scale;
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    const PetscReal exact = exact_p[i] - sums->p_exact / sums->n_p;
+    const PetscReal exact = exact_p[i] - mean_exact;
 
-    square[0] += ParticlesWeight(p, i) * PetscSqr(p->p[i] - sums->p / sums->n_p - exact);
+    square[0] += ParticlesWeight(p, i) * PetscSqr(p->p[i] - mean - exact);
     square[1] += ParticlesWeight(p, i) * PetscSqr(exact);
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, square, 2, MPIU_REAL, MPIU_SUM, p->comm));
@@ -86,8 +90,9 @@ static PetscErrorCode NormsPressure(const Flow *flow, const PetscReal exact_p[],
     velocity_linf = max |u - u_e| / max |u_e|
 
   Collective. See docs/theory.md, (117). V is the volume of a particle, u_e the exact velocity. Adds
-  nothing if the case has no exact solution. Adds pressure_l2, of pressures minus their means, if
-  the run has a pressure and the exact solution gives it.
+  nothing if the case has no exact solution. Adds pressure_l2 if the run has a pressure and the
+  exact solution gives it. The means of both pressures are subtracted unless a boundary gives the
+  pressure.
 
   Input Parameter:
 . flow - the flow at clock->t

@@ -41,9 +41,10 @@ void AddRow_Velocity(const Stencil *st, const Operators *ops, PetscInt diagonal,
 }
 
 /*
-  Adds the row scale sum_k w_k (f_k - f_i) to an operator on a scalar f whose n.grad f is given at
-  walls. In a fit w_k of a wall neighbour already multiplies n.grad f. For a dummy it multiplies
-  f_w - f_i = (X.n) n.grad f; the tangential part of this difference is already in the weights w_k.
+  Adds the row scale sum_k w_k (f_k - f_i) to an operator on a scalar f whose value or n.grad f is
+  given at boundaries. In a fit w_k of a wall neighbour multiplies f_k - f_i, or n.grad f if that is
+  its equation. For a dummy it multiplies f_w - f_i = (X.n) n.grad f; the tangential part of this
+  difference is already in the weights w_k.
 */
 static void AddRow_Pressure(const Stencil *st, const Operators *ops, PetscInt diagonal,
                             PetscReal scale, const PetscReal w[], AffineOperator *op)
@@ -59,6 +60,7 @@ static void AddRow_Pressure(const Stencil *st, const Operators *ops, PetscInt di
       continue;
     }
     if (!st->fits_walls) weight *= SplitX(st, k, tangent);
+    else if (st->equation[k] == EQUATION_VALUE) sum += weight;
     op->b[ops->work->slot[k]] += weight;
   }
   op->a[diagonal] -= sum;
@@ -186,7 +188,8 @@ PetscErrorCode AddRows_Pressure(const Scene *scene, Stencil *st, PetscInt diagon
 }
 
 /*
-  AddRows_GradientWithoutWalls - Adds a particle's rows of grad p, from fluid neighbours alone
+  AddRows_GradientWithoutWalls - Adds a particle's rows of grad p, from fluid neighbours and from
+  boundaries that give the pressure
 
   Not collective. The coupled scheme needs these rows: there the wall pressure gradient is not
   prescribed but follows from the momentum equation.
@@ -202,11 +205,19 @@ PetscErrorCode AddRows_GradientWithoutWalls(const Scene *scene, Stencil *st, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns true if some neighbour gives a value to the present fit. */
+static PetscBool GivesValue(const Stencil *st)
+{
+  for (PetscInt k = 0; k < st->n; k++)
+    if (st->equation[k] == EQUATION_VALUE) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /*
   AddRow_PressureFilter - Adds a particle's row of the pressure filter: p minus its quadratic fit,
-  from fluid neighbours alone
+  from fluid neighbours and from boundaries that give the pressure
 
-  Not collective. The wall pressure gradient does not enter. Without fluid neighbours the row gives
+  Not collective. The wall pressure gradient does not enter. Without such neighbours the row gives
   the pressure itself.
 */
 PetscErrorCode AddRow_PressureFilter(const Scene *scene, Stencil *st, PetscInt diagonal,
@@ -216,7 +227,7 @@ PetscErrorCode AddRow_PressureFilter(const Scene *scene, Stencil *st, PetscInt d
   StencilSetQuantity(scene, FIT_PRESSURE_FREE, st);
   PetscCall(FilterRow_Mls(st, ops->work->w));
   AddRow_Pressure(st, ops, diagonal, 1.0, ops->work->w, &ops->filter_p);
-  if (st->n == st->n_wall) ops->filter_p.a[diagonal] = 1.0;
+  if (!GivesValue(st)) ops->filter_p.a[diagonal] = 1.0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -280,7 +291,7 @@ static void DummyRow_Divergence(const Stencil *st, PetscReal *g[])
 }
 
 /* Adds a row of the divergence: d[c][k] multiplies (u_k - u_i)_c of fluid neighbour k, and m[k]
-   beta multiplies n.(u_wall - u_i) of wall neighbour k. */
+   beta multiplies n.(u_wall - u_i) of wall neighbour k, or n.grad (n.u) if that is its equation. */
 static void AddRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d[],
                               const PetscReal m[], Operators *ops)
 {
@@ -293,7 +304,7 @@ static void AddRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d
 
       if (st->wall[k]) op->b[ops->work->slot[k]] += weight;
       else op->a[ops->work->slot[k]] += weight;
-      sum += weight;
+      if (st->equation[k] == EQUATION_VALUE) sum += weight;
     }
     op->a[diagonal] -= sum;
   }
@@ -310,10 +321,10 @@ PetscErrorCode AddRows_Divergence(const Scene *scene, Stencil *st, PetscInt diag
                                   Operators *ops)
 {
   PetscFunctionBegin;
+  StencilSetQuantity(scene, FIT_VELOCITY_NORMAL, st);
   if (st->n_wall && st->fits_walls && ops->forms.gradient->DivergenceFit) {
     PetscCall(ops->forms.gradient->DivergenceFit(st, ops->work->g, ops->work->m));
   } else {
-    StencilSetQuantity(scene, FIT_VELOCITY_NORMAL, st);
     PetscCall(ops->forms.gradient->Row(st, ops->work->g));
     if (st->n_wall && !st->fits_walls) DummyRow_Divergence(st, ops->work->g);
     for (PetscInt k = 0; st->n_wall && k < st->n; k++) {

@@ -217,22 +217,22 @@ static PetscErrorCode ChooseCoupling(const Scene *scene, OperatorForms *forms)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses boundaries with slip, such as planes of symmetry, if the chosen forms cannot satisfy
-   their equations. */
-static PetscErrorCode RefuseSlip(const Scene *scene, const OperatorForms *forms)
+/* Refuses boundaries with other equations than walls, such as planes of symmetry, if the chosen
+   forms cannot satisfy them. */
+static PetscErrorCode RefuseEquations(const Scene *scene, const OperatorForms *forms)
 {
-  const BoundaryRow *slip = SceneSlipKind(scene);
+  const BoundaryRow *kind = SceneFitKind(scene);
 
   PetscFunctionBegin;
-  if (!slip) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!kind) PetscFunctionReturn(PETSC_SUCCESS);
   UserCheck(forms->wall->on_surface,
             "%s: its equations are those of fits, and -wall %s has none; use -wall wall_layer and "
             "forms without full_support in -catalogue, such as mls",
-            slip->option, forms->wall->name);
+            kind->option.name, forms->wall->name);
   UserCheck(!forms->components_coupled,
             "%s: each velocity component has equations of its own there, and %s couples them; use "
             "a newtonian fluid and -visc_laplacian mls",
-            slip->option, SceneIsNewtonian(scene) ? forms->visc.row->name : "-rheology");
+            kind->option.name, SceneIsNewtonian(scene) ? forms->visc.row->name : "-rheology");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -275,6 +275,6 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
     forms->visc.extended = PETSC_TRUE;
   }
   PetscCall(ChooseCoupling(scene, forms));
-  PetscCall(RefuseSlip(scene, forms));
+  PetscCall(RefuseEquations(scene, forms));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

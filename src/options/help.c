@@ -93,12 +93,12 @@ static void PrintOption(FILE *out, const OptionRow *row)
 static void PrintPlaces(FILE *out, const OptionTable *table, PetscBool markdown)
 {
   const char *const *last = NULL;
+  const OptionRow   *row;
 
-  for (PetscInt k = 0; k < table->count; k++) {
-    const OptionRow *row              = &table->rows[k];
-    const char      *open             = strchr(row->name, '<');
-    char             all[TEXT_LENGTH] = "";
-    int              length;
+  for (PetscInt k = 0; (row = OptionNext(table, &k));) {
+    const char *open             = strchr(row->name, '<');
+    char        all[TEXT_LENGTH] = "";
+    int         length;
 
     if (!row->places || row->places == last) continue;
     last   = row->places;
@@ -143,10 +143,11 @@ void HelpPrint(FILE *out)
                 "All options, with unit, default, allowed values, and the runs that use them:");
   for (PetscInt t = 0; OptionTableGet(t); t++) {
     const OptionTable *table = OptionTableGet(t);
+    const OptionRow   *row;
 
     (void)fprintf(out, "\n%s\n", table->title);
     PrintPlaces(out, table, PETSC_FALSE);
-    for (PetscInt k = 0; k < table->count; k++) PrintOption(out, &table->rows[k]);
+    for (PetscInt k = 0; (row = OptionNext(table, &k));) PrintOption(out, row);
   }
 }
 
@@ -184,14 +185,14 @@ void ReferencePrint(FILE *out)
       out);
   for (PetscInt t = 0; OptionTableGet(t); t++) {
     const OptionTable *table = OptionTableGet(t);
+    const OptionRow   *row;
 
     (void)fprintf(out, "\n## %s\n", table->title);
     PrintPlaces(out, table, PETSC_TRUE);
     (void)fprintf(out, "\n| option | value | unit | default | allowed | used by | meaning |\n"
                        "| --- | --- | --- | --- | --- | --- | --- |\n");
-    for (PetscInt k = 0; k < table->count; k++) {
-      const OptionRow *row = &table->rows[k];
-      char             allowed[TEXT_LENGTH];
+    for (PetscInt k = 0; (row = OptionNext(table, &k));) {
+      char allowed[TEXT_LENGTH];
 
       Allowed(row, allowed);
       (void)fprintf(out, "| `%s` |", row->name);

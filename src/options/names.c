@@ -33,16 +33,27 @@ static PetscBool Matches(const char pattern[], const char *const places[], const
   return *name ? PETSC_FALSE : PETSC_TRUE;
 }
 
+/* OptionNext - Returns the first option of a table from row *k on, NULL after the last, and sets *k
+   to the row after it; not collective */
+const OptionRow *OptionNext(const OptionTable *table, PetscInt *k)
+{
+  while (*k < table->count) {
+    const OptionRow *row = table->rows ? &table->rows[*k] : table->elsewhere[*k];
+
+    (*k)++;
+    if (row->name) return row;
+  }
+  return NULL;
+}
+
 /* OptionFind - Returns the row of an option by its name, with the dash; NULL: unknown; not
    collective */
 const OptionRow *OptionFind(const char name[])
 {
   for (PetscInt t = 0; OptionTableGet(t); t++) {
-    const OptionTable *table = OptionTableGet(t);
+    const OptionRow *row;
 
-    for (PetscInt k = 0; k < table->count; k++) {
-      const OptionRow *row = &table->rows[k];
-
+    for (PetscInt k = 0; (row = OptionNext(OptionTableGet(t), &k));) {
       if (Matches(row->name, row->places, name)) return row;
     }
   }
@@ -135,11 +146,9 @@ const OptionRow *OptionNearest(const char name[], char nearest[OPTION_LENGTH])
 
   (void)snprintf(number, sizeof(number), "%.*s", (int)strspn(digits, "0123456789"), digits);
   for (PetscInt t = 0; OptionTableGet(t); t++) {
-    const OptionTable *table = OptionTableGet(t);
+    const OptionRow *row;
 
-    for (PetscInt k = 0; k < table->count; k++) {
-      const OptionRow *row = &table->rows[k];
-
+    for (PetscInt k = 0; (row = OptionNext(OptionTableGet(t), &k));) {
       for (PetscInt q = 0; q == 0 || (row->places && row->places[q]); q++) {
         OptionFill(row, row->places ? row->places[q] : number[0] ? number : "1", known, &one);
         if (Nearer(name, known, &best, nearest)) found = row;

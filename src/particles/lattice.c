@@ -46,7 +46,7 @@ static PetscErrorCode WallSlabsCreate(const Scene *scene, WallPlacement walls, W
     const PetscInt axis = side / 2, s = slabs->n;
     PetscInt       total = 0;
 
-    if (!BoundaryIs(scene, side, BOUNDARY_CONFINES) || !SceneHas(scene, PHYSICS_WALLS)) continue;
+    if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES) || !SceneHas(scene, PHYSICS_WALLS)) continue;
     for (PetscInt b = 0; b < scene->dim; b++) {
       const PetscInt extra = b < axis && !SceneIsPeriodic(scene, b) ? k : 0;
       slabs->begin[s][b]   = -extra;

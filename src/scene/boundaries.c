@@ -1,6 +1,7 @@
 /*
   Boundaries of the fluid: the table of their kinds, and the functions that answer all questions
-  about them. The sides of the box have the numbers 2 axis + (0 low, 1 high); the bodies follow.
+  about them and give their data. The sides of the box have the numbers 2 axis + (0 low, 1 high);
+  the bodies follow.
 */
 #include "isph/scene.h"
 
@@ -8,7 +9,7 @@ const BoundaryRow BoundaryWall = {
     .name       = "wall",
     .brief      = "solid surface without slip; the default for the sides of a box, and of bodies",
     .citation   = "",
-    .properties = BOUNDARY_CONFINES | BOUNDARY_NO_SLIP,
+    .properties = BOUNDARY_PARTICLES | BOUNDARY_CONFINES | BOUNDARY_NO_SLIP,
     .equation   = {[FIT_VELOCITY_NORMAL]     = EQUATION_VALUE,
                    [FIT_VELOCITY_TANGENTIAL] = EQUATION_VALUE,
                    [FIT_PRESSURE]            = EQUATION_NORMAL_DERIVATIVE,
@@ -18,8 +19,12 @@ const BoundaryRow BoundaryPeriodic = {
     .name       = "periodic",
     .brief      = "fluid that leaves through one side comes in through the opposite one",
     .citation   = "",
-    .option     = "-scene_periodic",
-    .by_axis    = PETSC_TRUE,
+    .option     = {.name  = "-scene_periodic",
+                   .kind  = VALUE_NAMES,
+                   .brief = "periodic axes of the box",
+                   .words = BoxAxes,
+                   .table = &BoundaryTable,
+                   .where = "-case scene"},
     .properties = BOUNDARY_CONTINUES,
 };
 /* A side of the box inside a solid at rest: with zero velocity in the solid it has no slip. */
@@ -39,9 +44,15 @@ KINDS(DECLARE)
 #define ADDRESS(row) &row,
 static const BoundaryRow *const kinds[] = {KINDS(ADDRESS)};
 
-const Table BoundaryTable = TABLE_OF_POINTERS("Kinds of boundaries", kinds);
+#define OPTION(row) &(row).option,
+static const OptionRow *const options[] = {KINDS(OPTION)};
+
+const Table       BoundaryTable   = TABLE_OF_POINTERS("Kinds of boundaries", kinds);
+const OptionTable BoundaryOptions = OPTIONS_ELSEWHERE("Sides of typed scenes", options);
 
 const char *const SideNames[2 * ISPH_MAX_DIM] = {"left", "right", "bottom", "top", "back", "front"};
+const char *const BoxAxes[]                   = {"x", "y", NULL};
+const char *const BoxSides[]                  = {"left", "right", "bottom", "top", NULL};
 
 /* SceneSetSide - Sets the kind of one side of the box; not collective */
 void SceneSetSide(Scene *scene, PetscInt side, const BoundaryRow *kind)
@@ -145,6 +156,33 @@ const BoundaryRow *SceneSlipKind(const Scene *scene)
   return NULL;
 }
 
+/* SceneFitKind - Returns a kind of boundary that has other equations than a wall, NULL if there is
+   none; only wall particles on the surface can meet them, in fits; not collective */
+const BoundaryRow *SceneFitKind(const Scene *scene)
+{
+  for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
+    const BoundaryRow *kind = scene->boundary[side].kind;
+
+    for (PetscInt q = 0; q < FIT_QUANTITIES && BoundaryIs(scene, side, BOUNDARY_PARTICLES); q++)
+      if (kind->equation[q] != BoundaryWall.equation[q]) return kind;
+  }
+  return NULL;
+}
+
+/*
+  ScenePressureFloats - Returns true if the constant of the pressure is undetermined, because no
+  boundary gives a value of the pressure
+
+  Not collective. Solvers ask through gauge.c.
+*/
+PetscBool ScenePressureFloats(const Scene *scene)
+{
+  for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
+    if (BoundaryEquation(scene, side, FIT_PRESSURE) == EQUATION_VALUE) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
 /* SceneIsClosedBox - Returns true if all sides of the box confine the fluid and the scene has no
    body; not collective */
 PetscBool SceneIsClosedBox(const Scene *scene)
@@ -213,6 +251,28 @@ void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const
   a[1] += spin * r[0];
 }
 
+/*
+  SceneWallPressure - Computes the datum of a boundary for the pressure at a point of its surface
+
+    n.grad p = rho n.(f - a) [Pa/m],   or p [Pa] if the boundary gives its value
+
+  f is the body force, a the acceleration of the boundary. Not collective.
+*/
+PetscReal SceneWallPressure(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                            const PetscReal normal[])
+{
+  const BoundaryRow *kind  = scene->boundary[side].kind;
+  PetscReal          slope = 0.0, acceleration[ISPH_MAX_DIM], force[ISPH_MAX_DIM];
+
+  if (kind->equation[FIT_PRESSURE] == EQUATION_VALUE)
+    return kind->Pressure ? kind->Pressure(scene, side, t, x) : 0.0;
+  SceneWallAcceleration(scene, side, t, x, acceleration);
+  SceneBodyForce(scene, t, x, force);
+  for (PetscInt a = 0; a < scene->dim; a++)
+    slope += scene->rho * (force[a] - acceleration[a]) * normal[a];
+  return slope;
+}
+
 /* Returns the distance from the centre of a body to the farthest corner of the box [m]. */
 static PetscReal Reach(const Scene *scene, const Body *body)
 {
@@ -229,8 +289,8 @@ static PetscReal Reach(const Scene *scene, const Body *body)
   Not collective. Input: u - wall velocity at the surface point x. A wall that slides tangentially
   drags fluid at its own speed at most. But a very viscous fluid outside a body may rotate with it
   like a solid: the bound is then the speed of this rotation at the farthest corner of the box. A
-  wall that moves along its normal can squeeze fluid through gaps at any speed: the bound is
-  infinite.
+  wall that moves along its normal can squeeze fluid through gaps at any speed, and a pressure can
+  drive it through a boundary that does not confine it: the bound is infinite.
 */
 PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal x[],
                               const PetscReal normal[], const PetscReal u[])
@@ -238,6 +298,7 @@ PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal
   const Body *body   = BoundaryBody(scene, side);
   PetscReal   speed2 = 0.0, through = 0.0, arm[2];
 
+  if (!BoundaryIs(scene, side, BOUNDARY_CONFINES)) return PETSC_INFINITY;
   for (PetscInt a = 0; a < scene->dim; a++) {
     speed2 += PetscSqr(u[a]);
     through += body ? normal[a] * u[a] : (a == side / 2) * u[a];
@@ -295,8 +356,8 @@ PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *neare
 }
 
 /*
-  SceneFluidDistance - Returns the distance of x from the nearest boundary that confines the fluid,
-  positive in the fluid [m]
+  SceneFluidDistance - Returns the distance of x from the nearest boundary with particles, positive
+  in the fluid [m]
 
   Not collective. Output: side - number of this boundary, -1 if there is none (then the distance is
   infinite). For a point on a surface the distance is zero within SCENE_ON_SURFACE dx.
@@ -311,7 +372,7 @@ PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *
     const PetscInt a    = s / 2;
     PetscReal      distance;
 
-    if (!BoundaryIs(scene, s, BOUNDARY_CONFINES)) continue;
+    if (!BoundaryIs(scene, s, BOUNDARY_PARTICLES)) continue;
     if (body) distance = BodyDistance(scene, body, x, normal);
     else distance = s % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
     if (distance >= best) continue;

@@ -10,8 +10,6 @@
 
 enum {
   BOX,
-  PERIODIC,
-  SYMMETRY,
   WALL_VELOCITY,
   BODY,
   BODY_VELOCITY,
@@ -23,129 +21,109 @@ enum {
   START_VELOCITY,
   EXACT
 };
-static const char *const Axes[]    = {"x", "y", NULL};
-static const char *const Sides[]   = {"left", "right", "bottom", "top", NULL};
-static const OptionRow   options[] = {
-      [BOX] =
-          {
-              .name     = "-scene_box",
-              .kind     = VALUE_REALS,
-              .brief    = "corners of the box, x0,y0,x1,y1",
-              .unit     = "m",
-              .standard = "0,0,L,L",
-              .where    = "-case scene",
+static const OptionRow options[] = {
+    [BOX] =
+        {
+            .name     = "-scene_box",
+            .kind     = VALUE_REALS,
+            .brief    = "corners of the box, x0,y0,x1,y1",
+            .unit     = "m",
+            .standard = "0,0,L,L",
+            .where    = "-case scene",
         },
-      [PERIODIC] =
-          {
-              .name  = "-scene_periodic",
-              .kind  = VALUE_NAMES,
-              .brief = "periodic axes of the box",
-              .words = Axes,
-              .table = &BoundaryTable,
-              .where = "-case scene",
+    [WALL_VELOCITY] =
+        {
+            .name     = "-scene_wall_<side>_velocity",
+            .kind     = VALUE_EXPRESSION,
+            .brief    = "velocity u,v of a side of the box, of x, y, t",
+            .unit     = "m/s",
+            .standard = "0,0",
+            .places   = BoxSides,
+            .where    = "-case scene, sides that are walls",
         },
-      [SYMMETRY] =
-          {
-              .name  = "-scene_symmetry",
-              .kind  = VALUE_NAMES,
-              .brief = "sides of the box that are planes of symmetry",
-              .words = Sides,
-              .table = &BoundaryTable,
-              .where = "-case scene",
+    [BODY] =
+        {
+            .name  = "-scene_body_<k>",
+            .kind  = VALUE_SHAPE,
+            .brief = "a solid body: circle,cx,cy,r or box,x0,y0,x1,y1 or "
+                     "polygon,x0,y0,...; bodies are numbered 1, 2, ...",
+            .unit  = "m",
+            .table = &ShapeTable,
+            .where = "-case scene",
         },
-      [WALL_VELOCITY] =
-          {
-              .name     = "-scene_wall_<side>_velocity",
-              .kind     = VALUE_EXPRESSION,
-              .brief    = "velocity u,v of a side of the box, of x, y, t",
-              .unit     = "m/s",
-              .standard = "0,0",
-              .places   = Sides,
-              .where    = "-case scene, sides that are walls",
+    [BODY_VELOCITY] =
+        {
+            .name     = "-scene_body_<k>_velocity",
+            .kind     = VALUE_EXPRESSION,
+            .brief    = "velocity u,v of the surface of a body, of t",
+            .unit     = "m/s",
+            .standard = "0,0",
+            .where    = "-case scene, bodies that are given",
         },
-      [BODY] =
-          {
-              .name  = "-scene_body_<k>",
-              .kind  = VALUE_SHAPE,
-              .brief = "a solid body: circle,cx,cy,r or box,x0,y0,x1,y1 or "
-                         "polygon,x0,y0,...; bodies are numbered 1, 2, ...",
-              .unit  = "m",
-              .table = &ShapeTable,
-              .where = "-case scene",
+    [BODY_ROTATION] =
+        {
+            .name     = "-scene_body_<k>_rotation",
+            .kind     = VALUE_EXPRESSION,
+            .brief    = "rotation rate of the surface of a body about its centre, of t",
+            .unit     = "rad/s",
+            .standard = "0",
+            .where    = "-case scene, bodies that are given",
         },
-      [BODY_VELOCITY] =
-          {
-              .name     = "-scene_body_<k>_velocity",
-              .kind     = VALUE_EXPRESSION,
-              .brief    = "velocity u,v of the surface of a body, of t",
-              .unit     = "m/s",
-              .standard = "0,0",
-              .where    = "-case scene, bodies that are given",
+    [BODY_AROUND] =
+        {
+            .name     = "-scene_body_<k>_around",
+            .kind     = VALUE_SWITCH,
+            .brief    = "the fluid is inside the body; the sides of the box are then no walls",
+            .standard = "false",
+            .table    = &BoundaryTable,
+            .where    = "-case scene, bodies that are given",
         },
-      [BODY_ROTATION] =
-          {
-              .name     = "-scene_body_<k>_rotation",
-              .kind     = VALUE_EXPRESSION,
-              .brief    = "rotation rate of the surface of a body about its centre, of t",
-              .unit     = "rad/s",
-              .standard = "0",
-              .where    = "-case scene, bodies that are given",
+    [FLUID] =
+        {
+            .name  = "-scene_fluid_<k>",
+            .kind  = VALUE_SHAPE,
+            .brief = "region of another fluid at the start: circle,cx,cy,r or box,x0,y0,x1,y1 or "
+                     "polygon,x0,y0,...; fluids are numbered 1, 2, ..., and a later region "
+                     "covers an earlier one",
+            .unit  = "m",
+            .table = &ShapeTable,
+            .where = "-case scene",
         },
-      [BODY_AROUND] =
-          {
-              .name     = "-scene_body_<k>_around",
-              .kind     = VALUE_SWITCH,
-              .brief    = "the fluid is inside the body; the sides of the box are then no walls",
-              .standard = "false",
-              .table    = &BoundaryTable,
-              .where    = "-case scene, bodies that are given",
+    [FLUID_VISCOSITY] =
+        {
+            .name  = "-scene_fluid_<k>_viscosity",
+            .kind  = VALUE_REAL,
+            .brief = "kinematic viscosity of another fluid; must be given",
+            .unit  = "m^2/s",
+            POSITIVE,
+            .where = "-case scene, fluids that are given",
         },
-      [FLUID] =
-          {
-              .name  = "-scene_fluid_<k>",
-              .kind  = VALUE_SHAPE,
-              .brief = "region of another fluid at the start: circle,cx,cy,r or box,x0,y0,x1,y1 or "
-                         "polygon,x0,y0,...; fluids are numbered 1, 2, ..., and a later region "
-                         "covers an earlier one",
-              .unit  = "m",
-              .table = &ShapeTable,
-              .where = "-case scene",
+    [VISCOSITY_FIELD] =
+        {
+            .name     = "-viscosity_field",
+            .kind     = VALUE_EXPRESSION,
+            .brief    = "kinematic viscosity outside the regions of other fluids, of x, y",
+            .unit     = "m^2/s",
+            .standard = "-viscosity",
+            .where    = "-case scene",
         },
-      [FLUID_VISCOSITY] =
-          {
-              .name  = "-scene_fluid_<k>_viscosity",
-              .kind  = VALUE_REAL,
-              .brief = "kinematic viscosity of another fluid; must be given",
-              .unit  = "m^2/s",
-              POSITIVE,
-              .where = "-case scene, fluids that are given",
+    [START_VELOCITY] =
+        {
+            .name     = "-scene_velocity",
+            .kind     = VALUE_EXPRESSION,
+            .brief    = "velocity u,v at the start, of x, y",
+            .unit     = "m/s",
+            .standard = "-scene_exact at t = 0, or rest",
+            .where    = "-case scene",
         },
-      [VISCOSITY_FIELD] =
-          {
-              .name     = "-viscosity_field",
-              .kind     = VALUE_EXPRESSION,
-              .brief    = "kinematic viscosity outside the regions of other fluids, of x, y",
-              .unit     = "m^2/s",
-              .standard = "-viscosity",
-              .where    = "-case scene",
-        },
-      [START_VELOCITY] =
-          {
-              .name     = "-scene_velocity",
-              .kind     = VALUE_EXPRESSION,
-              .brief    = "velocity u,v at the start, of x, y",
-              .unit     = "m/s",
-              .standard = "-scene_exact at t = 0, or rest",
-              .where    = "-case scene",
-        },
-      [EXACT] =
-          {
-              .name  = "-scene_exact",
-              .kind  = VALUE_EXPRESSION,
-              .brief = "reference solution u,v[,p], of x, y, t: the flow starts from it, "
-                         "and errors are reported",
-              .unit  = "m/s, Pa",
-              .where = "-case scene",
+    [EXACT] =
+        {
+            .name  = "-scene_exact",
+            .kind  = VALUE_EXPRESSION,
+            .brief = "reference solution u,v[,p], of x, y, t: the flow starts from it, "
+                     "and errors are reported",
+            .unit  = "m/s, Pa",
+            .where = "-case scene",
         },
 };
 const OptionTable TypedOptions = OPTIONS("Typed scenes", options);
@@ -272,7 +250,7 @@ static PetscErrorCode ReadBodies(Scene *scene)
     Numbered(&options[BODY_AROUND], k, name, &row);
     PetscCall(OptionGetSwitch(&row, &boundary->body.around, NULL));
     for (PetscInt side = 0; boundary->body.around && side < SceneBodySide(scene, 0); side++) {
-      if (BoundaryIs(scene, side, BOUNDARY_CONFINES)) SceneSetSide(scene, side, &BoundaryNone);
+      if (BoundaryIs(scene, side, BOUNDARY_PARTICLES)) SceneSetSide(scene, side, &BoundaryNone);
     }
   }
   PetscCall(CheckNumbers(&options[BODY], scene->n_bodies, SCENE_MAX_BODIES));
@@ -321,7 +299,7 @@ static PetscErrorCode CheckGaps(const Scene *scene)
       for (PetscInt side = 0; side < 4; side++) {
         const PetscInt a = side / 2;
 
-        if (BoundaryIs(scene, side, BOUNDARY_CONFINES))
+        if (BoundaryIs(scene, side, BOUNDARY_PARTICLES))
           gap = PetscMin(gap, side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a]);
       }
       UserCheck(
@@ -340,24 +318,25 @@ static PetscErrorCode ReadKinds(Scene *scene)
 {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < BoundaryTable.count; k++) {
-    const BoundaryRow *kind = (const BoundaryRow *)(const void *)TableGet(&BoundaryTable, k);
+    const BoundaryRow *kind    = (const BoundaryRow *)(const void *)TableGet(&BoundaryTable, k);
+    const PetscBool    by_axis = kind->option.words == BoxAxes ? PETSC_TRUE : PETSC_FALSE;
     unsigned           chosen;
 
-    if (!kind->option) continue;
-    PetscCall(OptionGetFlags(OptionFind(kind->option), &chosen));
+    if (!kind->option.name) continue;
+    PetscCall(OptionGetFlags(&kind->option, &chosen));
     for (PetscInt side = 0; side < 4; side++) {
       const BoundaryRow *before = scene->boundary[side].kind;
 
-      if (!(chosen & (1u << (kind->by_axis ? side / 2 : side)))) continue;
-      UserCheck(before == &BoundaryWall, "%s and %s: both name the %s side", before->option,
-                kind->option, SideNames[side]);
+      if (!(chosen & (1u << (by_axis ? side / 2 : side)))) continue;
+      UserCheck(before == &BoundaryWall, "%s and %s: both name the %s side", before->option.name,
+                kind->option.name, SideNames[side]);
       SceneSetSide(scene, side, kind);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the velocities of the sides of the box that are walls. */
+/* Reads the velocities of the sides of the box that give one. */
 static PetscErrorCode ReadSides(Scene *scene)
 {
   PetscFunctionBegin;
@@ -367,11 +346,12 @@ static PetscErrorCode ReadSides(Scene *scene)
     char           name[OPTION_LENGTH];
     OptionRow      row;
 
-    if (!BoundaryIs(scene, side, BOUNDARY_CONFINES | BOUNDARY_NO_SLIP)) continue;
-    OptionFill(&options[WALL_VELOCITY], Sides[side], name, &row);
+    if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES | BOUNDARY_NO_SLIP)) continue;
+    OptionFill(&options[WALL_VELOCITY], BoxSides[side], name, &row);
     PetscCall(ExpressionGet(scene->scope, &row, 2, 2, EXPRESSION_PLACE | EXPRESSION_TIME, v, NULL));
     if (ExpressionUses(v, EXPRESSION_TIME)) scene->unsteady_walls = PETSC_TRUE;
-    UserCheck(!SceneHas(scene, PHYSICS_CONVECTION) || (!v->uses[normal] && v->value[normal] == 0.0),
+    UserCheck(!SceneHas(scene, PHYSICS_CONVECTION) || !BoundaryIs(scene, side, BOUNDARY_CONFINES) ||
+                  (!v->uses[normal] && v->value[normal] == 0.0),
               "%s: %s is normal to that side and must be 0: with convection there is no in- or "
               "outflow",
               name, normal ? "v" : "u");
@@ -381,19 +361,20 @@ static PetscErrorCode ReadSides(Scene *scene)
 
 /*
   Checks that inflow and outflow through the sides balance at time t; otherwise no flow without
-  divergence exists. Uses the midpoint rule with 1000 points per side. Bodies do not contribute,
-  because their surfaces move rigidly.
+  divergence exists, unless fluid passes a boundary that gives the pressure. Uses the midpoint rule
+  with 1000 points per side. Bodies do not contribute, because their surfaces move rigidly.
 */
 static PetscErrorCode CheckInflow(const Scene *scene, PetscReal t)
 {
   PetscReal in = 0.0, through = 0.0;
 
   PetscFunctionBegin;
+  if (!ScenePressureFloats(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt side = 0; side < 4; side++) {
     const PetscInt  normal = side / 2, along = 1 - normal;
     const PetscReal piece = (scene->hi[along] - scene->lo[along]) / 1000.0;
 
-    if (!BoundaryIs(scene, side, BOUNDARY_CONFINES)) continue;
+    if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES)) continue;
     for (PetscInt k = 0; k < 1000; k++) {
       PetscReal x[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM];
 
@@ -498,7 +479,7 @@ PetscErrorCode SceneReadTyped(Scene *scene)
     scene->hi[a] = box[2 + a];
     UserCheck(box[2 + a] - box[a] >= 4.0 * SceneCoarsest(scene),
               "-scene_box: it is %.4g wide along %s; at least 4 dx = %.4g is allowed",
-              (double)(box[2 + a] - box[a]), Axes[a], (double)(4.0 * SceneCoarsest(scene)));
+              (double)(box[2 + a] - box[a]), BoxAxes[a], (double)(4.0 * SceneCoarsest(scene)));
   }
   PetscCall(ReadKinds(scene));
   PetscCall(ReadBodies(scene));
@@ -507,7 +488,7 @@ PetscErrorCode SceneReadTyped(Scene *scene)
   PetscCall(
       CheckInflow(scene, 0.125 * scene->length / scene->speed)); /* walls may start from rest */
   PetscCall(CheckGaps(scene));
-  if (!SceneHasBoundary(scene, BOUNDARY_CONFINES)) scene->physics &= ~(unsigned)PHYSICS_WALLS;
+  if (!SceneHasBoundary(scene, BOUNDARY_PARTICLES)) scene->physics &= ~(unsigned)PHYSICS_WALLS;
   PetscCall(ReadFluids(scene));
   PetscCall(ReadFields(scene));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,14 +1,17 @@
 /*
-  The constant of the pressure, which is undetermined without a boundary that prescribes a pressure.
-  All solvers fix it by these functions and in no other way.
+  The constant of the pressure, which is undetermined unless a boundary gives a value of the pressure
+  (ScenePressureFloats()). All solvers fix it by these functions and in no other way; for a
+  determined pressure the functions change nothing.
 */
-#include "step.h"
+#include "isph/schemes.h"
+
+#define REGULARISATION 1e-6 /* of preconditioners, whose entries are of order 1 [-] */
 
 /* GaugeRemove - Removes the mean of a pressure with undetermined constant; collective */
-PetscErrorCode GaugeRemove(const Particles *particles, Vec p)
+PetscErrorCode GaugeRemove(const Scene *scene, const Particles *particles, Vec p)
 {
   PetscFunctionBegin;
-  PetscCall(FluidRemoveMean(particles, p));
+  if (ScenePressureFloats(scene)) PetscCall(FluidRemoveMean(particles, p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -23,13 +26,18 @@ PetscErrorCode GaugeRemove(const Particles *particles, Vec p)
 
   Input Parameter:
 . before - number of other unknowns of each particle, whose rows precede the rows of the pressure
+
+  Output Parameter:
+. column - NULL for a determined pressure
 */
-PetscErrorCode GaugeColumn(const Particles *p, PetscInt before, Mat *column)
+PetscErrorCode GaugeColumn(const Scene *scene, const Particles *p, PetscInt before, Mat *column)
 {
   const PetscInt n = p->n_fluid, first = before * n;
   PetscScalar   *entry;
 
   PetscFunctionBegin;
+  *column = NULL;
+  if (!ScenePressureFloats(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatCreateDense(p->comm, first + n, PETSC_DECIDE, PETSC_DETERMINE, 1, NULL, column));
   PetscCall(MatDenseGetArrayWrite(*column, &entry));
   for (PetscInt i = 0; i < first + n; i++)
@@ -37,5 +45,27 @@ PetscErrorCode GaugeColumn(const Particles *p, PetscInt before, Mat *column)
   PetscCall(MatDenseRestoreArrayWrite(*column, &entry));
   PetscCall(MatAssemblyBegin(*column, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(*column, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* GaugeMatrix - Creates the regular matrix A + c c^T, or A itself for a column NULL; collective */
+PetscErrorCode GaugeMatrix(Mat A, Mat column, Mat *regular)
+{
+  PetscFunctionBegin;
+  if (column) {
+    PetscCall(MatCreateLRC(A, column, NULL, column, regular));
+  } else {
+    PetscCall(PetscObjectReference((PetscObject)A));
+    *regular = A;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* GaugePreconditioner - Makes a singular matrix of the pressure regular for a preconditioner:
+   A + 1e-6 I; collective */
+PetscErrorCode GaugePreconditioner(const Scene *scene, Mat A)
+{
+  PetscFunctionBegin;
+  if (ScenePressureFloats(scene)) PetscCall(MatShift(A, REGULARISATION));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

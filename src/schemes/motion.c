@@ -65,7 +65,7 @@ static PetscErrorCode SlopesGet(Flow *flow, PetscBool shifting, Slopes *t)
   PetscCall(PetscMemzero(t, sizeof(*t)));
   for (PetscInt a = 0; a < flow->scene->dim; a++) {
     if (state->p) {
-      PetscCall(SlopeGet(flow, &ops->grad_p[a], state->p, walls->dpdn, &t->p_vec[a], &t->p[a]));
+      PetscCall(SlopeGet(flow, &ops->grad_p[a], state->p, walls->p, &t->p_vec[a], &t->p[a]));
     }
     for (PetscInt c = 0; (shifting || ops->velocity[0].filter_u.needed) && c < flow->scene->dim;
          c++) {

@@ -36,8 +36,4 @@ PetscErrorCode SteadyMeasure(Flow *flow);
 PetscErrorCode SteadyRemember(Scheme *scheme);
 PetscErrorCode SteadyRefuse(const Flow *flow, const char projection[], PetscBool rotational);
 
-/* gauge.c */
-PetscErrorCode GaugeRemove(const Particles *particles, Vec p);
-PetscErrorCode GaugeColumn(const Particles *particles, PetscInt before, Mat *column);
-
 #endif

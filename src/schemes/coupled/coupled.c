@@ -125,7 +125,7 @@ static PetscErrorCode CoupledCreate(Flow *flow)
   UserCheck(!SceneSlipKind(scene),
             "-scheme coupled: it has one operator for all velocity components, and %s wants one "
             "for each; use -scheme projection",
-            SceneSlipKind(scene)->option);
+            SceneSlipKind(scene)->option.name);
   if (flow->clock->steady_solve) PetscCall(RefuseSteady(flow));
   PetscCall(SteadyRefuse(flow, NULL, PETSC_FALSE));
   PetscCall(OptionGetRow(&options[0], NULL, &c->row));

@@ -26,10 +26,11 @@ typedef struct {
 
 struct Schur {
   const SchurRow  *row;
+  const Scene     *scene;
   const Particles *particles;
   const Saddle    *saddle;         /* units of the particles */
   Mat              mass;           /* the identity, for other PCs than shell */
-  Mat              poisson;        /* -dx_i^2 lap + 1e-6 [-] */
+  Mat              poisson;        /* -dx_i^2 lap, regular by GaugePreconditioner() [-] */
   KSP              ksp;            /* solver of poisson; NULL: not needed */
   KspViews         views;          /* -coupled_schur_ksp_view, ... */
   Vec              work;           /* work vector */

@@ -20,7 +20,6 @@
   docs/theory.md, (92) to (94).
 */
 #include "saddle.h"
-#include "schemes/step.h"
 
 /* Layout of a block, and its units: scale times the factors of rows and of columns. */
 typedef struct {
@@ -193,9 +192,9 @@ PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], MatType t
   PetscCall(ViscousCreate(scene, flow->ops, s, advecting, &s->viscous));
   PetscCall(MatConvert(s->viscous, type, MAT_INITIAL_MATRIX, &s->F));
   PetscCall(CreateBlocks(flow, type, s));
-  PetscCall(GaugeColumn(p, scene->dim, &s->gauge));
+  PetscCall(GaugeColumn(scene, p, scene->dim, &s->gauge));
   PetscCall(MatCreateNest(p->comm, 2, NULL, 2, NULL, (Mat[]){s->F, s->G, s->D, s->C}, &s->P));
-  PetscCall(MatCreateLRC(s->P, s->gauge, NULL, s->gauge, &s->A));
+  PetscCall(GaugeMatrix(s->P, s->gauge, &s->A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -235,8 +234,9 @@ PetscErrorCode SaddleFree(Saddle *s)
 /*
   SaddleFlatten - Converts the blocks to a single sparse matrix, for preconditioners without blocks
 
-  Collective. Adds 1e-6 to the diagonal of the pressure rows; otherwise the constant pressure would
-  make the matrix singular. On entry flat is NULL, or a matrix of the same blocks that is reused.
+  Collective. Adds 1e-6 to the diagonal of the pressure rows; otherwise an undetermined constant of
+  the pressure would make the matrix singular. On entry flat is NULL, or a matrix of the same blocks
+  that is reused.
 */
 PetscErrorCode SaddleFlatten(Mat nest, Mat *flat)
 {

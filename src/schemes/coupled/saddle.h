@@ -18,8 +18,8 @@ typedef struct {
   Mat       viscous;    /* T_i (-nu L + v.grad), dim N x dim N [-] */
   Mat       F, G, D;    /* T_i shift + viscous; T_i grad dx_j/T_j; dx_i div [-] */
   Mat       C;          /* residual of a quadratic fit of the pressure, T_i/dx_i C dx_j/T_j [-] */
-  Mat       A, P;       /* [F G; D C + c c^T] and [F G; D C] */
-  Mat       gauge;      /* c of GaugeColumn() */
+  Mat       A, P;       /* [F G; D C + c c^T] and [F G; D C]; the same if c is NULL */
+  Mat       gauge;      /* c of GaugeColumn(), NULL for a determined pressure */
   PetscInt  assemblies; /* stamp of the operators in the blocks */
 } Saddle;
 

@@ -30,9 +30,10 @@ static PetscErrorCode SchurApply_Mass(Schur *s, Vec x, Vec y)
 
     y_i = T_i/dx_i (nu x_i/dx_i + shift (A^-1 z)_i),   z_j = dx_j x_j
 
-  The matrix A is -dx_i^2 lap + 1e-6, because the Poisson equation alone is singular. The mean of z
-  and the mean of the solution are removed. The left null vector is not constant; without the second
-  removal, the part of z along it would return as a constant 1e6 times as large.
+  Unless a boundary gives the pressure, the matrix A is -dx_i^2 lap + 1e-6, because the Poisson
+  equation alone is singular. The mean of z and the mean of the solution are then removed. The left
+  null vector is not constant; without the second removal, the part of z along it would return as a
+  constant 1e6 times as large.
 
   Reference: J. Cahouet, J.-P. Chabard, Int. J. Numer. Meth. Fluids 8 (1988) 869-895
 */
@@ -44,10 +45,10 @@ static PetscErrorCode SchurApply_CahouetChabard(Schur *s, Vec x, Vec y)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(VecPointwiseMult(s->work, x, s->saddle->length));
-  PetscCall(GaugeRemove(s->particles, s->work));
+  PetscCall(GaugeRemove(s->scene, s->particles, s->work));
   PetscCall(KSPSolve(s->ksp, s->work, y));
   PetscCall(KspViewsShow(s->ksp, &s->views));
-  PetscCall(GaugeRemove(s->particles, y));
+  PetscCall(GaugeRemove(s->scene, s->particles, y));
   PetscCall(VecScale(y, s->inert));
   PetscCall(VecPointwiseDivide(s->work, x, s->saddle->length));
   PetscCall(VecAXPY(y, s->viscous, s->work));
@@ -135,6 +136,7 @@ PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, MatType typ
   PetscCall(MatDestroy(&s->mass));
   PetscCall(VecDestroy(&s->work));
   PetscCall(FluidVec(p, NULL, &s->work));
+  s->scene     = flow->scene;
   s->particles = p;
   s->saddle    = saddle;
   PetscCall(MatCreateConstantDiagonal(p->comm, p->n_fluid, p->n_fluid, PETSC_DETERMINE,
@@ -142,7 +144,7 @@ PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, MatType typ
   PetscCall(MatDestroy(&s->poisson));
   if (!s->row->poisson) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatConvert(ops->ppe.A, type, MAT_INITIAL_MATRIX, &s->poisson));
-  PetscCall(MatShift(s->poisson, 1e-6));
+  PetscCall(GaugePreconditioner(s->scene, s->poisson));
   PetscCall(KSPReset(s->ksp));
   PetscCall(KSPSetOperators(s->ksp, s->poisson, s->poisson));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -152,7 +152,7 @@ static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
     for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(FlowRestoreWork(flow, &advecting[a]));
   }
   PetscCall(SaddleGet(&c->saddle, c->x, s->u_next, s->p));
-  PetscCall(GaugeRemove(flow->particles, s->p));
+  PetscCall(GaugeRemove(flow->scene, flow->particles, s->p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

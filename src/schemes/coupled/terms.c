@@ -33,11 +33,35 @@ static PetscErrorCode AddWallConvection(Coupled *c, PetscInt a, Vec part)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Subtracts the terms of given pressures: T_i/rho times their part of grad p in momentum rows, 1/unit
+   times T_i/dx_i over T/dx times their part of the filter in pressure rows. */
+static PetscErrorCode AddGivenPressure(Coupled *c, PetscReal t)
+{
+  const Flow   *flow = c->flow;
+  const Saddle *s    = &c->saddle;
+
+  PetscFunctionBegin;
+  if (ScenePressureFloats(flow->scene) || !flow->walls.p) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(WallValuesSetPressure(flow->scene, flow->particles, t, 1.0, &c->flow->walls));
+  for (PetscInt a = 0; a < s->dim; a++) {
+    PetscCall(MatMult(flow->ops->grad_p[a].B, flow->walls.p, c->part));
+    PetscCall(SaddleAdd(s, a, -s->step / flow->scene->rho, c->part, c->b));
+  }
+  PetscCall(MatMult(flow->ops->filter_p.B, flow->walls.p, c->part));
+  PetscCall(VecPointwiseMult(c->part, c->part, s->time));
+  for (PetscInt k = 0; k < 2; k++) /* SaddleAdd() multiplies by the length */
+    PetscCall(VecPointwiseDivide(c->part, c->part, s->length));
+  PetscCall(SaddleAdd(s, s->dim, -1.0 / s->unit, c->part, c->b));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   CoupledRightHandSide - Computes the right-hand side b at time t
 
     T (force + terms of wall velocities in nu lap u - (v.grad) u)    in momentum rows
     -dx (terms of wall velocities in div u)                          in pressure rows
+
+  and subtracts the terms of given pressures.
 
   Collective. T is the time that scales the momentum equation, see saddle.c; v is the advecting
   velocity of implicit convection.
@@ -64,6 +88,7 @@ PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
     PetscCall(MatMult(c->flow->ops->div[a].B, c->flow->walls.u[a], c->part));
     PetscCall(SaddleAdd(s, s->dim, -c->flow->scene->dx, c->part, c->b));
   }
+  PetscCall(AddGivenPressure(c, t));
   c->b_t = t;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

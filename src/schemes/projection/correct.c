@@ -36,7 +36,7 @@ static PetscErrorCode SetSource(Flow *flow)
   PetscCall(VecRestoreArrayRead(ops->ppe_scale, &scale));
   if (ops->ppe.B) {
     PetscCall(FlowGetWork(flow, &work));
-    PetscCall(MatMult(ops->ppe.B, flow->walls.dpdn_step, work));
+    PetscCall(MatMult(ops->ppe.B, flow->walls.p_step, work));
     PetscCall(VecAXPY(pr->b, -1.0, work));
     PetscCall(FlowRestoreWork(flow, &work));
   }
@@ -52,7 +52,7 @@ static PetscErrorCode CorrectVelocity(Flow *flow)
   PetscFunctionBegin;
   PetscCall(FlowGetWork(flow, &gradient));
   for (PetscInt a = 0; a < flow->scene->dim; a++) {
-    PetscCall(AffineApply(&flow->ops->grad_p[a], pr->phi, flow->walls.dpdn_step, gradient));
+    PetscCall(AffineApply(&flow->ops->grad_p[a], pr->phi, flow->walls.p_step, gradient));
     PetscCall(VecAXPY(flow->state->u_next[a], -pr->k / flow->scene->rho, gradient));
   }
   PetscCall(FlowRestoreWork(flow, &gradient));
@@ -110,8 +110,8 @@ PetscReal PressureGain(const Flow *flow)
 }
 
 /*
-  Updates the pressure, p = [p^n] + s (phi [- c mu div u*]), s = PressureGain(), then applies the
-  pressure filter and removes the mean
+  Updates the pressure, p = [p^n] + s (phi [- c mu div u*]), s = PressureGain(), and its data at
+  walls, then applies the pressure filter and removes an undetermined mean
 
   p^n is present in incremental projections, and div u* in the rotational projection. c is
   LaplacianDilatation(). mu is rho times the least viscosity of the flow. This is exact for a
@@ -127,6 +127,7 @@ static PetscErrorCode UpdatePressure(Flow *flow)
   Vec               residual;
 
   PetscFunctionBegin;
+  PetscCall(WallGradientCorrect(flow));
   PetscCall(VecCopy(s->p, s->p_before));
   if (!pr->row->incremental) PetscCall(VecZeroEntries(s->p));
   PetscCall(VecAXPY(s->p, gain, pr->phi));
@@ -137,12 +138,12 @@ static PetscErrorCode UpdatePressure(Flow *flow)
   }
   if (pr->filter > 0.0) {
     PetscCall(FlowGetWork(flow, &residual));
-    PetscCall(MatMult(flow->ops->filter_p.A, s->p, residual));
+    PetscCall(AffineApply(&flow->ops->filter_p, s->p, flow->walls.p, residual));
     PetscCall(ShareOfResidual(flow, residual));
     PetscCall(VecAXPY(s->p, -1.0, residual));
     PetscCall(FlowRestoreWork(flow, &residual));
   }
-  PetscCall(GaugeRemove(flow->particles, s->p));
+  PetscCall(GaugeRemove(scene, flow->particles, s->p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -26,7 +26,7 @@ static PetscErrorCode SetForce(Flow *flow, PetscReal at, Vec force[])
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) {
     if (pr->row && pr->row->incremental) {
-      PetscCall(AffineApply(&flow->ops->grad_p[a], flow->state->p, flow->walls.dpdn, force[a]));
+      PetscCall(AffineApply(&flow->ops->grad_p[a], flow->state->p, flow->walls.p, force[a]));
       PetscCall(VecScale(force[a], -1.0 / scene->rho));
     } else {
       PetscCall(VecZeroEntries(force[a]));

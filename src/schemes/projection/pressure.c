@@ -1,19 +1,20 @@
 /*
-  The pressure Poisson equation. The constant of the pressure is undetermined, so the matrix A of
+  The pressure Poisson equation. If the constant of the pressure is undetermined, the matrix A of
   the Laplacian L is singular. A regular system is solved instead, to a small true residual for
   every form:
 
     (A + c c^T) phi = b,   A = -dx_i^2 L,   c of GaugeColumn(),   preconditioner from A + 1e-6 I
 
   The rank-one term c c^T fixes the mean of phi, and subtracts from b the uniform source for which
-  no phi exists. (The left null vector of an unsymmetric L is not constant.)
+  no phi exists. (The left null vector of an unsymmetric L is not constant.) If a boundary gives the
+  pressure, the system is A phi = b.
 */
 #include "projection.h"
 
 struct Pressure {
   Guard    guard;
-  Mat      preconditioner; /* A + 1e-6 I at the last set-up */
-  Mat      gauge;          /* c */
+  Mat      preconditioner; /* of GaugePreconditioner() at the last set-up */
+  Mat      gauge;          /* c; NULL: the pressure is determined */
   PetscInt assemblies;     /* stamp of the operators that the KSP has */
   PetscInt epoch;          /* of the last set-up */
   PetscInt its_new;        /* iterations of the first solve after a set-up */
@@ -56,18 +57,18 @@ PetscErrorCode PressureDestroy(Pressure **ppe)
 }
 
 /* Resets the KSP, and creates the column c for the present numbering. */
-static PetscErrorCode PressureRenumber(const Particles *p, Pressure *s)
+static PetscErrorCode PressureRenumber(const Scene *scene, const Particles *p, Pressure *s)
 {
   PetscFunctionBegin;
   PetscCall(KSPReset(s->guard.solve.ksp));
   PetscCall(MatDestroy(&s->preconditioner));
   PetscCall(MatDestroy(&s->gauge));
-  PetscCall(GaugeColumn(p, 0, &s->gauge));
+  PetscCall(GaugeColumn(scene, p, 0, &s->gauge));
   s->epoch = p->epoch;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes A + c c^T; copies A only if the user chose a matrix type. */
+/* Makes the regular matrix; copies A only if the user chose a matrix type. */
 static PetscErrorCode PressureOperator(const Operators *ops, const Pressure *s, Mat *A)
 {
   PetscBool same;
@@ -76,7 +77,7 @@ static PetscErrorCode PressureOperator(const Operators *ops, const Pressure *s, 
   PetscFunctionBegin;
   PetscCall(PetscStrcmp(s->guard.mat_type, MATSAME, &same));
   if (!same) PetscCall(MatConvert(ops->ppe.A, s->guard.mat_type, MAT_INITIAL_MATRIX, &copy));
-  PetscCall(MatCreateLRC(copy, s->gauge, NULL, s->gauge, A));
+  PetscCall(GaugeMatrix(copy, s->gauge, A));
   if (!same) PetscCall(MatDestroy(&copy));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -96,14 +97,14 @@ static PetscErrorCode PressureUpdateMatrices(Flow *flow, Pressure *s)
   PetscFunctionBegin;
   if (s->assemblies == ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
   if (s->epoch != flow->particles->epoch) {
-    PetscCall(PressureRenumber(flow->particles, s));
+    PetscCall(PressureRenumber(flow->scene, flow->particles, s));
     rebuild = PETSC_TRUE;
   }
   if (rebuild) {
     PetscCall(SolverRenewPC(ksp));
     PetscCall(MatDestroy(&s->preconditioner));
     PetscCall(MatConvert(ops->ppe.A, s->guard.mat_type, MAT_INITIAL_MATRIX, &s->preconditioner));
-    PetscCall(MatShift(s->preconditioner, 1e-6));
+    PetscCall(GaugePreconditioner(flow->scene, s->preconditioner));
     s->its_new = 0;
   }
   PetscCall(PressureOperator(ops, s, &A));
@@ -123,7 +124,7 @@ static PetscErrorCode PressureUpdateMatrices(Flow *flow, Pressure *s)
 . b - right-hand side, which contains the wall data n.grad phi [Pa]
 
   Output Parameter:
-. phi - pressure increment with mean zero [Pa]
+. phi - pressure increment, with mean zero if its constant is undetermined [Pa]
 */
 PetscErrorCode PressureSolve(Flow *flow, Vec b, Vec phi, Pressure *s)
 {
@@ -143,6 +144,6 @@ PetscErrorCode PressureSolve(Flow *flow, Vec b, Vec phi, Pressure *s)
   PetscCall(GuardCheck(&s->guard, &flow->scheme->failure));
   solve->iterations = s->guard.iterations;
   if (s->its_new == 0) s->its_new = solve->iterations;
-  PetscCall(GaugeRemove(flow->particles, phi));
+  PetscCall(GaugeRemove(flow->scene, flow->particles, phi));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -195,7 +195,6 @@ static PetscErrorCode ProjectionSolve(Flow *flow)
   PetscCall(PetscLogEventEnd(pr->event[EVENT_VISCOSITY], 0, 0, 0, 0));
   if (!pr->row || flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ProjectVelocity(flow));
-  if (!flow->scheme->failure.code) PetscCall(WallGradientCorrect(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
