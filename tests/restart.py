@@ -10,7 +10,7 @@
     restart.py other ISPH          a run restarts with other -report_times and another -output
     restart.py probes ISPH         a probe file that cannot be continued ends the run and stays unchanged
     restart.py particles ISPH      a run started from the particles of a snapshot equals the original run
-    restart.py scene ISPH          a restart with another box, other bodies or other viscosities is refused
+    restart.py scene ISPH          a restart with another box, other sides, bodies or viscosities is refused
     restart.py disk ISPH           a run on a full disk prints a single line of error, and all its files are complete
 
 ISPH... is the program, followed by the words that start it on several ranks, with {} for their number."""
@@ -232,6 +232,19 @@ def scene(isph):
     run([*flow, "circle,0.5,0.5,0.15", "-restart", "c.h5"])
     refused(flow, ["circle,0.4375,0.5,0.15"], "bodies")  # moved by dx: the same number of particles
     refused(flow, ["circle,0.5,0.5,0.15", "-t_end", "0.01"], "after -t_end")
+    refused(flow, ["circle,0.5,0.5,0.45", "-scene_body_1_around"], "left is of kind wall in the file and none in this run")
+    flow = [isph, "-case", "scene", "-n", "16", "-max_steps", "2", "-progress", "none"]
+    mirrored = ["-scene_symmetry", "bottom,top"]  # as many wall particles as walls have
+    run([*flow, *mirrored, "-checkpoint", "c.h5"])
+    run([*flow, *mirrored, "-restart", "c.h5"])
+    for options, words in (([], "bottom is of kind symmetry in the file and wall in this run"),
+                           (["-scene_symmetry", "bottom"], "top is of kind symmetry in the file and wall in this run"),
+                           (["-scene_periodic", "x", *mirrored], "left is of kind wall in the file and periodic in this run")):
+        refused(flow, options, words + "; use the same -scene_ options")
+    data = open("c.h5", "rb").read()  # a kind that this version does not know is a word like others
+    with open("c.h5", "wb") as file:
+        file.write(data.replace(b"wall,wall,symmetry,symmetry", b"wall,wall,symmetry,mangrove"))
+    refused(flow, mirrored, "top is of kind mangrove in the file and symmetry in this run")
 
 
 def disk(isph):

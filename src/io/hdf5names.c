@@ -73,7 +73,7 @@ PetscErrorCode Hdf5WriteWord(Hdf5File *file, const char object[], const char nam
 PetscErrorCode Hdf5WriteBoundaries(const Scene *scene, Hdf5File *file)
 {
   char names[SCENE_MAX_BOUNDARIES * (WALL_NAME + 1)] = "";
-  char kinds[SCENE_MAX_BOUNDARIES * 32]              = "";
+  char kinds[SCENE_MAX_BOUNDARIES * KIND_NAME]       = "";
   int  ids[SCENE_MAX_BOUNDARIES];
 
   PetscFunctionBegin;

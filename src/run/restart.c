@@ -24,8 +24,41 @@ static PetscErrorCode ReadTable(Hdf5File *file, const char name[], PetscInt rows
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ends the run with a message if the file is of another version, case or set of particles.
-   Collective. */
+/* Returns the first word of a list, "wall,wall,symmetry", and moves next to the rest. */
+static const char *NextWord(char **next)
+{
+  char *word = *next;
+
+  *next += strcspn(word, ",");
+  if (**next) *(*next)++ = '\0';
+  return word;
+}
+
+/* Refuses a file whose run had other kinds of boundaries; SceneShapes() compares bodies. */
+static PetscErrorCode CheckKinds(const Scene *scene, const char path[], Hdf5File *file)
+{
+  char  kinds[SCENE_MAX_BOUNDARIES * KIND_NAME], name[WALL_NAME];
+  char *next = kinds;
+
+  PetscFunctionBegin;
+  PetscCall(Hdf5ReadText(file, "boundary_kinds", kinds, sizeof(kinds)));
+  if (file->failed) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt side = 0; side < SceneBoundaries(scene) && *next; side++) {
+    const char *stored = NextWord(&next), *own = scene->boundary[side].kind->name;
+    PetscBool   same;
+
+    PetscCall(PetscStrcmp(stored, own, &same));
+    SceneWallName(scene, side, name);
+    UserCheck(same,
+              "-restart %s: %s is of kind %s in the file and %s in this run; use the same -scene_ "
+              "options",
+              path, name, stored, own);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Ends the run with a message if the file is of another version, case, kinds of boundaries or set of
+   particles. Collective. */
 static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File *file)
 {
   const Particles *p      = run->flow.particles;
@@ -50,6 +83,7 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
   PetscCall(PetscStrcmp(problem, run->flow.scene->problem->name, &same));
   UserCheck(same, "-restart %s: the file is of case %s, this run is of case %s", path, problem,
             run->flow.scene->problem->name);
+  if (dim == p->dim) PetscCall(CheckKinds(run->flow.scene, path, file));
   UserCheck(dim == p->dim && N_fluid == p->N_start[0] && N_wall == p->N_start[1],
             "-restart %s: the file's run began with %lld + %lld particles in %dD, this run "
             "with %" PetscInt_FMT " + %" PetscInt_FMT " in %" PetscInt_FMT
