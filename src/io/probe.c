@@ -61,8 +61,8 @@ static PetscReal ProbeRadius(const Probe *probe, const PetscReal x[])
   return forms->kernel->support * (forms->h_over_dx * SceneSpacing(probe->flow->scene, x));
 }
 
-/* Returns true if particle j has a value of a field: all fluid, and wall particles on the surface of
-   a boundary that gives this component of the velocity. */
+/* Returns true if particle j has a value of a field: all fluid, and wall particles on the surface
+   of a boundary that gives this component of the velocity. */
 static PetscBool ProbeHas(const Probe *probe, PetscInt j, PetscInt field)
 {
   const Flow      *flow = probe->flow;
@@ -211,8 +211,8 @@ static PetscBool ProbeOwns(const Flow *flow, PetscReal x[])
   return PETSC_TRUE;
 }
 
-/* Evaluates all fields at a point. Fields share weights if the same particles have their values; wall
-   particles have no pressure. */
+/* Evaluates all fields at a point. Fields share weights if the same particles have their values;
+   wall particles have no pressure. */
 static PetscErrorCode ProbeEvaluate(Probe *probe, const PetscReal x[], PetscReal values[])
 {
   const WallRow  *wall  = probe->flow->ops->forms.wall;

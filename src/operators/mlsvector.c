@@ -37,9 +37,10 @@ static void MlsVectorMoments(const Stencil *st, PetscReal moments[])
     sum_k W_k |u_k - u_i - fit(X_k)|^2 + sum_w W_w (n.(u_w - u_i - fit(X_w)))^2 -> min,
     div u = sum_a c_a/R,   c_a: coefficient of X_a/R in component a of the fit
 
-  with fluid neighbours k and wall neighbours w. A boundary that gives n.grad (n.u) has this equation
-  in place of the last. The tangential wall velocity, which jumps at the corner of a lid, does not
-  enter. Because the fit couples the components, this holds for any orientation of the wall.
+  with fluid neighbours k and wall neighbours w. A boundary that gives n.grad (n.u) has this
+  equation in place of the last. The tangential wall velocity, which jumps at the corner of a lid,
+  does not enter. Because the fit couples the components, this holds for any orientation of the
+  wall.
 
   Output Parameters:
 + d - d[c][k] multiplies (u_k - u_i)_c of fluid neighbour k, zero for walls [1/m]

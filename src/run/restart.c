@@ -57,8 +57,8 @@ static PetscErrorCode CheckKinds(const Scene *scene, const char path[], Hdf5File
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ends the run with a message if the file is of another version, case, kinds of boundaries or set of
-   particles. Collective. */
+/* Ends the run with a message if the file is of another version, case, kinds of boundaries or set
+   of particles. Collective. */
 static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File *file)
 {
   const Particles *p      = run->flow.particles;

@@ -33,8 +33,8 @@ static PetscErrorCode AddWallConvection(Coupled *c, PetscInt a, Vec part)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Subtracts the terms of given pressures: T_i/rho times their part of grad p in momentum rows, 1/unit
-   times T_i/dx_i over T/dx times their part of the filter in pressure rows. */
+/* Subtracts the terms of given pressures: T_i/rho times their part of grad p in momentum rows,
+   1/unit times T_i/dx_i over T/dx times their part of the filter in pressure rows. */
 static PetscErrorCode AddGivenPressure(Coupled *c, PetscReal t)
 {
   const Flow   *flow = c->flow;
