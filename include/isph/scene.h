@@ -208,6 +208,8 @@ extern const char *const SideNames[2 * ISPH_MAX_DIM];
 extern const OptionTable SceneOptions, TypedOptions, BoundaryOptions, RheologyOptions;
 
 PetscErrorCode SceneReadTyped(Scene *scene);
+PetscErrorCode SceneCheckGaps(const Scene *scene);
+PetscErrorCode SceneCheckInflow(const Scene *scene, PetscReal t);
 PetscErrorCode SceneCreate(Scene **scene);
 PetscErrorCode SceneDestroy(Scene **scene);
 PetscBool      SceneHas(const Scene *scene, Physics what);

@@ -1,0 +1,103 @@
+/*
+  Checks of a typed scene before any particle exists: gaps between bodies, and the balance of inflow
+  and outflow through the sides.
+*/
+#include "isph/scene.h"
+
+/* Checks the gap between a body and its own periodic image, from its extent along each axis. */
+static PetscErrorCode CheckImages(const Scene *scene)
+{
+  const PetscReal least = 4.0 * SceneCoarsest(scene);
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < scene->n_bodies; k++) {
+    for (PetscInt a = 0; a < 2; a++) {
+      PetscReal span[2], gap;
+
+      BodySpan(SceneBody(scene, k), a, span);
+      gap = scene->hi[a] - scene->lo[a] - (span[1] - span[0]);
+      UserCheck(!SceneIsPeriodic(scene, a) || gap >= least,
+                "-scene_body_%" PetscInt_FMT
+                ": along %c its periodic image is %.3g away; less than 4 dx = %.3g, or "
+                "overlapping; use a larger -n",
+                k + 1, "xy"[a], (double)gap, (double)least);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SceneCheckGaps - Refuses bodies that overlap or leave gaps too narrow for least-squares fits
+
+  Collective. A gap between surfaces, also through a periodic side, has 4 dx or more.
+*/
+PetscErrorCode SceneCheckGaps(const Scene *scene)
+{
+  PetscFunctionBegin;
+  PetscCall(CheckImages(scene));
+  for (PetscInt k = 0; k < scene->n_bodies; k++) {
+    const Body *body = SceneBody(scene, k);
+
+    for (PetscInt q = 0; q < BodyPoints(body, BodySpacing(scene, body)); q++) {
+      PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM], gap = PETSC_INFINITY, other[ISPH_MAX_DIM];
+      PetscReal least;
+
+      (void)BodyPoint(body, q, BodySpacing(scene, body), x, normal);
+      least = 4.0 * SceneSpacing(scene, x);
+      for (PetscInt m = 0; m < scene->n_bodies; m++) {
+        if (m != k) gap = PetscMin(gap, BodyDistance(scene, SceneBody(scene, m), x, other));
+      }
+      for (PetscInt side = 0; side < 4; side++) {
+        const PetscInt a = side / 2;
+
+        if (BoundaryIs(scene, side, BOUNDARY_PARTICLES))
+          gap = PetscMin(gap, side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a]);
+      }
+      UserCheck(
+          gap >= least,
+          "-scene_body_%" PetscInt_FMT
+          ": at (%.4g, %.4g) it is %.3g from another wall; less than 4 dx = %.3g, or overlapping; "
+          "use a larger -n",
+          k + 1, (double)x[0], (double)x[1], (double)gap, (double)least);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SceneCheckInflow - Refuses velocities of the sides by which inflow and outflow at time t differ
+
+  Collective. Then no flow without divergence exists, unless fluid passes a boundary that gives the
+  pressure; without the physics `pressure` velocities need no balance. Uses the midpoint rule with
+  1000 points per side. Bodies do not contribute, because their surfaces move rigidly.
+*/
+PetscErrorCode SceneCheckInflow(const Scene *scene, PetscReal t)
+{
+  PetscReal in = 0.0, through = 0.0;
+
+  PetscFunctionBegin;
+  if (!SceneHas(scene, PHYSICS_PRESSURE) || !ScenePressureFloats(scene))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt side = 0; side < 4; side++) {
+    const PetscInt  normal = side / 2, along = 1 - normal;
+    const PetscReal piece = (scene->hi[along] - scene->lo[along]) / 1000.0;
+
+    if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES)) continue;
+    for (PetscInt k = 0; k < 1000; k++) {
+      PetscReal x[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM];
+
+      x[normal] = side % 2 ? scene->hi[normal] : scene->lo[normal];
+      x[along]  = scene->lo[along] + (k + 0.5) * piece;
+      SceneWallVelocity(scene, side, t, x, u);
+      in += (side % 2 ? -1.0 : 1.0) * u[normal] * piece;
+      through += PetscAbsReal(u[normal]) * piece;
+    }
+  }
+  UserCheck(
+      !(PetscAbsReal(in) > 2e-3 * through),
+      "-scene_wall_<side>_velocity: at t = %.3g s %.4g m^2/s of fluid more %s through the sides; "
+      "inflow and outflow must balance",
+      (double)t, (double)PetscAbsReal(in),
+      in > 0.0 ? "come in than go out" : "go out than come in");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
