@@ -5,7 +5,7 @@
   computes. With X = x_w - x_i and X_t = X - (X.n) n
 
     p_w - p_i = (X.n) n.grad p + X_t.(grad p)_i
-    u_w - u_i = n beta n.(u_wall - u_i) + ...              see DummyRow_Divergence()
+    u_w - u_i = n beta n.(u_wall - u_i) + ...              for the rest see DummyRow_Divergence()
 
   The gradient at i is unknown, but linear in the values of the neighbours and the wall data. So
   each row with dummies has a small linear system, whose solution gives new weights. A row that is
@@ -262,10 +262,10 @@ static void DummyMatrix(const Stencil *st, PetscReal *const g[], PetscReal A[])
 
     u_w - u_i = n [ beta n.(u_wall - u_i) - (beta - 1) n.(grad u X_t) ] + (I - n n^T) grad u X
 
-  with X = x_w - x_i and X_t = X - (X.n) n. The normal component of u_w is extrapolated linearly
-  from the fluid velocity at x_i + X_t, straight above the dummy. The tangential components continue
-  the velocity gradient at i and do not depend on the wall velocity. With U_ab = du_a/dx_b this
-  gives the linear system
+  with X = x_w - x_i, X_t = X - (X.n) n and the factor beta of walls.c. The normal component of u_w
+  is extrapolated linearly from the fluid velocity at x_i + X_t, straight above the dummy. The
+  tangential components continue the velocity gradient at i and do not depend on the wall velocity.
+  With U_ab = du_a/dx_b this gives the linear system
 
     U_ab - sum_ce T_ab,ce U_ce = sum_fluid g_k,b (u_k - u_i)_a
                                  + sum_w g_w,b n_a beta n.(u_wall - u_i)
@@ -290,8 +290,9 @@ static void DummyRow_Divergence(const Stencil *st, PetscReal *g[])
   if (SmallSolve(d * d, A, 1, lambda)) MultiplyWeights(st, lambda, g);
 }
 
-/* Adds a row of the divergence: d[c][k] multiplies (u_k - u_i)_c of fluid neighbour k, and m[k]
-   beta multiplies n.(u_wall - u_i) of wall neighbour k, or n.grad (n.u) if that is its equation. */
+/* Adds a row of the divergence. Its weights are d[c][k] of (u_k - u_i)_c for fluid neighbour k, and
+   m[k] st->beta[k] of n.(u_wall - u_i) for wall neighbour k, or of n.grad (n.u) if that is its
+   equation. */
 static void AddRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d[],
                               const PetscReal m[], Operators *ops)
 {

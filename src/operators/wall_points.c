@@ -72,11 +72,13 @@ void WallPointShares(const Operators *ops, Stencil *st)
 }
 
 /*
-  WallWeights - Converts weights w of differences u_w - u_i to weights b of wall data
+  WallWeights - Converts weights w of differences u_w - u_i to weights b of u_wall,w - u_i, with the
+  extrapolation at the top of this file
 
     b_w = w_w + share_w sum_v w_v (beta_v - 1),   v: wall neighbours of the same side
 
-  with st->share and st->beta. Then sum_w b_w = sum_w beta_w w_w. If the wall treatment puts
+  beta_v is the factor of the extrapolation, and share_w the weight of u_wall,w in the fit for
+  u_wall,i. Then sum_w b_w = sum_w beta_w w_w. If the wall treatment puts
   particles on the surface, or extends the velocity later (ExtendWalls()), b = w.
 
   Not collective.

@@ -1,9 +1,9 @@
 /*
   Least-squares fits that extend the velocity of the fluid to dummies, see extension.c. A dummy x_w
   at depth d has the wall point s = x_w + d n and the mirror point m = x_w + 2 d n. A fit uses the
-  fluid within its reach of s or m. Its weights are the kernel, with the reach as the radius of the
-  support. Behind an edge of the box s and m can lie outside the box; then the fit uses the fluid
-  nearest to the edge.
+  fluid within a radius of s or m, the reach. Its weights are the kernel, with the reach as the
+  radius of the support. Behind an edge of the box s and m can lie outside the box; then the fit
+  uses the fluid nearest to the edge.
 */
 #include "extension.h"
 

@@ -6,8 +6,8 @@
 */
 #include "extension.h"
 
-/* Returns beta = 1: wall particles on the surface, and particles with given values, keep their own
-   value. */
+/* Returns beta = 1, with which the velocity of a wall particle is not extrapolated but is its own
+   value, for particles on the surface and particles with given values. */
 static PetscReal WallBeta_Own(const Scene *scene, PetscReal distance, PetscReal depth)
 {
   return 1.0;

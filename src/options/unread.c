@@ -17,7 +17,8 @@ static PetscBool IsDeferred(const char name[])
   return PETSC_FALSE;
 }
 
-/* Returns true if an option may be read later than now. */
+/* Returns true if an option that nothing has read may still be read: later by this program or, if
+   deferred_too is false, later by PETSc. */
 static PetscBool IsReadLater(const char name[], PetscBool deferred_too)
 {
   const OptionRow *row = OptionFind(name);
@@ -58,7 +59,7 @@ static PetscErrorCode Refuse(const char name[])
   Collective on PETSC_COMM_WORLD.
 
   Input Parameter:
-. deferred_too - also options that PETSc reads only in the first solve
+. deferred_too - true: refuses also unread options of IsDeferred(), which PETSc reads only later
 
   Errors: names the first such option, with the runs that use it, or the nearest known name
 */

@@ -95,14 +95,14 @@ static void CellOf(PetscInt dim, const PetscInt count[], PetscInt index, PetscIn
 /* Contents of a cell of the lattice. */
 typedef enum { CELL_FLUID, CELL_DUMMY, CELL_EMPTY } CellKind;
 
-/* Returns the minimum distance of the centre of a fluid cell from the surface of a body, which is
-   larger if wall particles lie on the surface [m]. */
+/* Returns the distance from the surface of a body that the centre of a fluid cell must have; it is
+   smaller if dummies, not particles on the surface, represent the wall [m]. */
 static PetscReal FluidClearance(WallPlacement walls, PetscReal dx)
 {
   return (walls.layers && !walls.surface ? 0.25 : 0.4) * dx;
 }
 
-/* Returns the minimum distance of the centre of a dummy cell from the surface of a body [m]. */
+/* Returns the distance from the surface of a body that the centre of a dummy cell must have [m]. */
 static PetscReal DummyClearance(WallPlacement walls, PetscReal dx)
 {
   return (walls.surface ? 0.5 : 0.25) * dx;
@@ -332,8 +332,8 @@ static void FillGiven(const Scene *scene, const FluidStart *start, Particles *p)
   }
 }
 
-/* Checks that the box leaves room for the wall layers behind the surface of a body around the
-   fluid. */
+/* Checks, for each body that has the fluid inside, that the wall layers behind its surface fit into
+   the box. */
 static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
 {
   PetscFunctionBegin;

@@ -44,7 +44,8 @@ static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Records a choice that is allowed but unwise with the chosen form. */
+/* Records a note if the KSP needs a symmetric matrix but the matrix is not symmetric, or if the
+   Laplacian can make an implicit step unstable. */
 static PetscErrorCode GuardNote(KSP ksp, const LaplacianForm *form, Guard *guard)
 {
   PetscBool   needs_symmetry;

@@ -150,7 +150,7 @@ PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, MatType typ
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SchurFree - Frees the approximation; collective */
+/* SchurFree - Frees the approximation of S^-1; collective */
 PetscErrorCode SchurFree(Schur *s)
 {
   PetscFunctionBegin;

@@ -34,7 +34,7 @@ static PetscErrorCode AddWallConvection(Coupled *c, PetscInt a, Vec part)
 }
 
 /* Subtracts the terms of given pressures: T_i/rho times their part of grad p in momentum rows,
-   1/unit times T_i/dx_i over T/dx times their part of the filter in pressure rows. */
+   T_i/(rho dx_i) times their part of the filter C of saddle.c in rows of mass. */
 static PetscErrorCode AddGivenPressure(Coupled *c, PetscReal t)
 {
   const Flow   *flow = c->flow;
@@ -58,13 +58,13 @@ static PetscErrorCode AddGivenPressure(Coupled *c, PetscReal t)
 /*
   CoupledRightHandSide - Computes the right-hand side b at time t
 
-    T (force + terms of wall velocities in nu lap u - (v.grad) u)    in momentum rows
-    -dx (terms of wall velocities in div u)                          in pressure rows
+    T_i (force + terms of wall velocities in nu lap u - (v.grad) u)    in momentum rows
+    -dx_i (terms of wall velocities in div u)                          in rows of mass
 
   and subtracts the terms of given pressures.
 
-  Collective. T is the time that scales the momentum equation, see saddle.c; v is the advecting
-  velocity of implicit convection.
+  Collective. T_i and dx_i scale the rows of particle i, see saddle.c; v is the advecting velocity
+  of implicit convection.
 */
 PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
 {
@@ -93,8 +93,8 @@ PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* CoupledAddConvection - Adds scale times the convective term u.grad u to the momentum rows of f,
-   u: the velocity in x; collective */
+/* CoupledAddConvection - Adds scale T_i/T times the convective term u.grad u to the momentum rows
+   of f, u: the velocity in x; for T_i/T see SaddleAdd(); collective */
 PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
 {
   const Saddle *s = &c->saddle;
@@ -110,11 +110,11 @@ PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
 }
 
 /*
-  CoupledIFunction - Computes the residual T du/dt + [T u.grad u] + A_0 x - b
+  CoupledIFunction - Computes the residual T_i du/dt + [T_i u.grad u] + A_0 x - b
 
-  Collective. A_0 is the matrix of saddle.c with shift 0, and T the time in its scaling. The term in
-  brackets is present if stages apply convection. The Jacobian omits it: rosw, a Rosenbrock-W
-  method, keeps its order without it, and bdf iterates.
+  Collective. A_0 is the matrix of saddle.c with shift 0, and T_i the time that scales its momentum
+  rows. The term in brackets is present if stages apply convection. The Jacobian omits it: rosw, a
+  Rosenbrock-W method, keeps its order without it, and bdf iterates.
 */
 PetscErrorCode CoupledIFunction(TS ts, PetscReal t, Vec x, Vec xdot, Vec f, void *ctx)
 {
