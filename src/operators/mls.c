@@ -191,8 +191,8 @@ PetscErrorCode GradientRow_Mls(Stencil *st, PetscReal *g[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns W of a neighbour whose equation is a value, otherwise 0: only values determine the
-   constant of a fit. */
+/* Returns the weight W of a neighbour whose equation gives a value, otherwise 0: only values
+   determine the constant of a fit. */
 static inline PetscReal ValueWeight(const Stencil *st, PetscInt k)
 {
   return st->equation[k] == EQUATION_VALUE ? st->W[k] : 0.0;

@@ -20,8 +20,8 @@ static PetscBool HasWallPoints(const Stencil *st, const Operators *ops)
                                                                                 : PETSC_FALSE;
 }
 
-/* Computes the basis of the fit along the wall at neighbour k: 1, and the tangential part X_t of X
-   over the radius of the support. */
+/* Computes the basis of the fit along the wall at neighbour k: 1, and the tangential part of its
+   offset from particle i, divided by the radius of the support. */
 static void AlongWall(const Stencil *st, PetscInt k, PetscReal phi[])
 {
   phi[0] = 1.0;

@@ -4,7 +4,8 @@
 
 #include "isph/operators.h"
 
-/* Splits X of wall neighbour k: returns the normal component X.n, sets the tangential part X_t. */
+/* Splits the offset X = x_k - x_i of wall neighbour k: returns the normal component X.n, and sets
+   the tangential part X_t. */
 static inline PetscReal SplitX(const Stencil *st, PetscInt k, PetscReal tangent[])
 {
   PetscReal height = 0.0;

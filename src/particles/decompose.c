@@ -116,8 +116,8 @@ static inline PetscInt BinOf(const Group *g, PetscReal x)
   return k < 0 || k >= BISECT_BINS ? -1 : k;
 }
 
-/* Selects the edge of a group's histogram with the best number of particles below it as the cut,
-   and restricts the next histogram to the bin in which the best cut lies. */
+/* Selects as the cut of a group the edge of its histogram below which the number of particles is
+   nearest to the target, and restricts the next histogram to the bin that holds the target. */
 static void GroupZoom(Group *g, const PetscInt histogram[])
 {
   PetscReal below = g->below, next_low = g->low, next_below = g->below;

@@ -7,14 +7,15 @@
 
 /* ---- nu(g) [m^2/s] and its limits ---- */
 
-/* Returns nu = K g^(n-1). */
+/* Returns nu = K g^(n-1) at the strain rate g, with consistency K and exponent n. */
 static PetscReal RheologyNu_PowerLaw(const Rheology *r, PetscReal rate)
 {
   return r->parameter[RHEOLOGY_CONSISTENCY] *
          PetscPowReal(rate, r->parameter[RHEOLOGY_EXPONENT] - 1.0);
 }
 
-/* Returns nu = nu_inf + (nu_0 - nu_inf) (1 + (lambda g)^2)^((n-1)/2), nu_0: Scene.nu. */
+/* Returns nu = nu_inf + (nu_0 - nu_inf) (1 + (lambda g)^2)^((n-1)/2) at the strain rate g, with
+   nu_0 = Scene.nu, time lambda and exponent n. */
 static PetscReal RheologyNu_Carreau(const Rheology *r, PetscReal rate)
 {
   const PetscReal infinite = r->parameter[RHEOLOGY_INFINITE],
@@ -24,8 +25,8 @@ static PetscReal RheologyNu_Carreau(const Rheology *r, PetscReal rate)
                         PetscPowReal(1.0 + square, 0.5 * (r->parameter[RHEOLOGY_EXPONENT] - 1.0));
 }
 
-/* Returns nu = nu_p + tau_0 (1 - exp(-m g))/g, nu_p: Scene.nu; it is the Bingham model for
-   m -> infinity. */
+/* Returns nu = nu_p + tau_0 (1 - exp(-m g))/g at the strain rate g, with nu_p = Scene.nu and yield
+   stress tau_0; for m -> infinity it is the Bingham model. */
 static PetscReal RheologyNu_Papanastasiou(const Rheology *r, PetscReal rate)
 {
   const PetscReal m = r->parameter[RHEOLOGY_REGULARISATION], x = m * rate;
@@ -43,7 +44,7 @@ static PetscReal RheologyRate_PowerLaw(const Rheology *r, PetscReal tau)
                       1.0 / r->parameter[RHEOLOGY_EXPONENT]);
 }
 
-/* Solves nu(g) g = tau by bisection; the stress increases with the rate. */
+/* Returns g with nu(g) g = tau, found by bisection; the stress increases with the rate. */
 static PetscReal RheologyRate_Carreau(const Rheology *r, PetscReal tau)
 {
   PetscReal low = 0.0, high = tau / r->nu;

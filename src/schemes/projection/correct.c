@@ -4,10 +4,10 @@
 /*
   Sets the right-hand side of A phi = b, A = -dx_i^2 lap:
 
-    b = -dx_i^2 rho/k ((1 - alpha) div u* + alpha (1 - C)/dt) - B (gain of n.grad p in the step)
+    b = -dx_i^2 rho/k ((1 - alpha) div u* + alpha (1 - C)/dt) - B (increase of n.grad p in the step)
 
-  alpha is -ppe_alpha, C the concentration, k the step length in projection.c, and B the wall part
-  of A. See docs/theory.md, (89) and (121).
+  alpha is -ppe_alpha, C the concentration, k the length of the viscous step, and B the wall
+  part of A. See docs/theory.md, (89) and (121).
 */
 static PetscErrorCode SetSource(Flow *flow)
 {
@@ -43,7 +43,7 @@ static PetscErrorCode SetSource(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Corrects the velocity, u = u* - k/rho grad phi. */
+/* Corrects the velocity, u = u* - k/rho grad phi, k: length of the viscous step. */
 static PetscErrorCode CorrectVelocity(Flow *flow)
 {
   const Projection *pr = (const Projection *)flow->scheme->data;
@@ -114,8 +114,8 @@ PetscReal PressureGain(const Flow *flow)
   walls, then applies the pressure filter and removes an undetermined mean
 
   p^n is present in incremental projections, and div u* in the rotational projection. c is
-  LaplacianDilatation(). mu is rho times the least viscosity of the flow. This is exact for a
-  uniform viscosity, and stable for a varying viscosity. With the local viscosity in its place, a
+  LaplacianDilatation(). mu is rho times the least viscosity of the flow. This mu is exact for
+  a uniform viscosity, and stable for a varying viscosity. With the local viscosity in its place, a
   drop 1e5 times as viscous as the fluid around it became unstable within 4 steps.
 */
 static PetscErrorCode UpdatePressure(Flow *flow)
