@@ -111,24 +111,23 @@ static PetscErrorCode Gather_Vorticity(const Flow *flow, void *rows)
   const Vec         *u       = flow->state->u;
   const PetscInt     columns = p->dim == 2 ? 1 : 3;
   double            *w       = (double *)rows;
-  Vec                walls[ISPH_MAX_DIM], slope;
-  const PetscScalar *s;
+  Vec                walls[ISPH_MAX_DIM], slope[2];
+  const PetscScalar *s[2];
 
   PetscFunctionBegin;
   for (PetscInt q = 0; q < ParticlesOwn(p) * columns; q++) w[q] = 0.0;
   PetscCall(WallVelocities(p, walls));
-  PetscCall(FluidVec(p, NULL, &slope));
+  for (PetscInt k = 0; k < 2; k++) PetscCall(FluidVec(p, NULL, &slope[k]));
   for (PetscInt e = 0; e < columns; e++) {
     const PetscInt a = p->dim == 2 ? 0 : (e + 1) % 3, b = p->dim == 2 ? 1 : (e + 2) % 3;
 
-    PetscCall(AffineApply(&OperatorsOfVelocity(flow->ops, a)->grad_u[b], u[a], walls[a], slope));
-    PetscCall(VecScale(slope, -1.0));
-    PetscCall(AffineApplyAdd(&OperatorsOfVelocity(flow->ops, b)->grad_u[a], u[b], walls[b], slope));
-    PetscCall(VecGetArrayRead(slope, &s));
-    for (PetscInt i = 0; i < p->n_fluid; i++) w[i * columns + e] = (double)s[i];
-    PetscCall(VecRestoreArrayRead(slope, &s));
+    PetscCall(AffineApply(&OperatorsOfVelocity(flow->ops, b)->grad_u[a], u[b], walls[b], slope[0]));
+    PetscCall(AffineApply(&OperatorsOfVelocity(flow->ops, a)->grad_u[b], u[a], walls[a], slope[1]));
+    for (PetscInt k = 0; k < 2; k++) PetscCall(VecGetArrayRead(slope[k], &s[k]));
+    for (PetscInt i = 0; i < p->n_fluid; i++) w[i * columns + e] = (double)(s[0][i] - s[1][i]);
+    for (PetscInt k = 0; k < 2; k++) PetscCall(VecRestoreArrayRead(slope[k], &s[k]));
   }
-  PetscCall(VecDestroy(&slope));
+  for (PetscInt k = 0; k < 2; k++) PetscCall(VecDestroy(&slope[k]));
   for (PetscInt c = 0; c < p->dim; c++) PetscCall(VecDestroy(&walls[c]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
