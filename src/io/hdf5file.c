@@ -258,13 +258,34 @@ PetscErrorCode Hdf5ReadRows(Hdf5File *file, const char name[], PetscInt columns,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Opens an attribute that holds a single value of a class; other attributes are failures. */
+static hid_t AttributeOpen(Hdf5File *file, const char name[], H5T_class_t wanted)
+{
+  const hid_t attribute = Noted(file, H5Aopen(file->file, name, H5P_DEFAULT));
+  hid_t       space, type;
+  PetscBool   fits;
+
+  if (attribute < 0) return attribute;
+  space = Noted(file, H5Aget_space(attribute));
+  type  = Noted(file, H5Aget_type(attribute));
+  fits  = H5Sget_simple_extent_npoints(space) == 1 && H5Tget_class(type) == wanted &&
+                 H5Tis_variable_str(type) <= 0
+              ? PETSC_TRUE
+              : PETSC_FALSE;
+  (void)Noted(file, H5Tclose(type));
+  (void)Noted(file, H5Sclose(space));
+  if (fits) return attribute;
+  (void)Noted(file, H5Aclose(attribute));
+  return Noted(file, -1);
+}
+
 /* Hdf5ReadNumber - Reads a number from an attribute of the file; collective on comm */
 PetscErrorCode Hdf5ReadNumber(Hdf5File *file, const char name[], hid_t type, void *value)
 {
   hid_t attribute;
 
   PetscFunctionBegin;
-  attribute = Noted(file, H5Aopen(file->file, name, H5P_DEFAULT));
+  attribute = AttributeOpen(file, name, H5Tget_class(type));
   if (attribute >= 0) {
     (void)Noted(file, H5Aread(attribute, type, value));
     (void)Noted(file, H5Aclose(attribute));
@@ -280,7 +301,7 @@ PetscErrorCode Hdf5ReadText(Hdf5File *file, const char name[], char text[], size
 
   PetscFunctionBegin;
   text[0]   = '\0';
-  attribute = Noted(file, H5Aopen(file->file, name, H5P_DEFAULT));
+  attribute = AttributeOpen(file, name, H5T_STRING);
   if (attribute >= 0) {
     type = Noted(file, H5Tcopy(H5T_C_S1));
     (void)Noted(file, H5Tset_size(type, length));

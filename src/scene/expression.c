@@ -11,6 +11,7 @@
 #define SCOPE_CONSTANTS 8
 #define SCOPE_PARSERS   192 /* 4 sides, 16 bodies and the fields of a scene need fewer */
 #define TEXT_LENGTH     4096
+#define COMPONENT_MAX   1000 /* muParser copies a text and its message to 2048 characters unchecked */
 
 static const char *const axes[ISPH_MAX_DIM] = {"x", "y", "z"};
 
@@ -183,6 +184,9 @@ static PetscErrorCode SetComponent(ExpressionScope *scope, const char text[], un
   e->value[c] = strtod(text, &end);
   while (end != text && *end == ' ') end++;
   if (end == text || *end) {
+    UserCheck(strlen(text) <= COMPONENT_MAX,
+              "%s: component %" PetscInt_FMT " is longer than %d characters", e->option, c + 1,
+              COMPONENT_MAX);
     AllowedNames(scope, allowed, names, sizeof(names));
     UserCheck(!Assigns(text), "%s '%s': = cannot assign a value here; == compares", e->option,
               text);

@@ -85,18 +85,18 @@ static PetscBool EdgesCross(const Body *body, PetscInt e, PetscInt f)
 /* Checks the corners and orders them counter-clockwise; computes the centroid and the extent. */
 static const char *PolygonPrepare(Body *body)
 {
-  PetscReal     *c = body->parameter, area = 0.0;
+  PetscReal     *c = body->parameter, area = 0.0, longest = 0.0;
   const PetscInt corners = Corners(body);
 
   if (body->n % 2) return "a polygon has two numbers for each corner";
   for (PetscInt e = 0; e < corners; e++) {
-    const PetscReal *a, *b;
+    const PetscReal *a, *b, length = Edge(body, e, &a, &b);
     PetscReal        triangle;
 
-    if (Edge(body, e, &a, &b) == 0.0)
+    if (length == 0.0)
       return "two corners in a row are at one place; each side needs a length, and a polygon "
-             "closes "
-             "by itself";
+             "closes by itself";
+    longest  = PetscMax(longest, length);
     triangle = 0.5 * Turn(c, a, b);
     area += triangle;
     for (PetscInt k = 0; k < 2; k++) body->centre[k] += triangle * (c[k] + a[k] + b[k]) / 3.0;
@@ -106,7 +106,7 @@ static const char *PolygonPrepare(Body *body)
       if (EdgesCross(body, e, f)) return "its sides cross or touch; a polygon has one inside";
     }
   }
-  if (area == 0.0) return "it has no area";
+  if (PetscAbsReal(area) <= 1e-12 * PetscSqr(longest)) return "it has no area";
   for (PetscInt k = 0; k < 2; k++) body->centre[k] /= area;
   for (PetscInt k = 0; area < 0.0 && k < corners / 2; k++) {
     const PetscInt m = corners - 1 - k;
