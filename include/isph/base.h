@@ -66,4 +66,11 @@ int            ErrorsExit(PetscErrorCode code, const ErrorState *state);
 PetscErrorCode FirstRankDecides(PetscBool *verdict);
 PetscErrorCode SayLine(const char format[], ...) PETSC_ATTRIBUTE_FORMAT(1, 2);
 
+/* Files that a run writes. */
+PetscBool      FileIsOrdinary(const char path[]);
+PetscBool      FileIsReadable(const char path[]);
+FILE          *FileOpen(const char path[], const char mode[]);
+PetscBool      FileReplace(const char part[], const char path[]);
+PetscErrorCode FileReserve(const char path[], size_t bytes, PetscBool *good);
+
 #endif

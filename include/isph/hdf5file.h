@@ -40,6 +40,5 @@ PetscErrorCode Hdf5ReadRows(Hdf5File *file, const char name[], PetscInt columns,
                             void *rows);
 PetscErrorCode Hdf5ReadNumber(Hdf5File *file, const char name[], hid_t type, void *value);
 PetscErrorCode Hdf5ReadText(Hdf5File *file, const char name[], char text[], size_t length);
-PetscErrorCode FileReserve(const char path[], size_t bytes, PetscBool *good);
 
 #endif

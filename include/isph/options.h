@@ -25,6 +25,13 @@ typedef enum {
   VALUE_SOLVER      /* read by PETSc */
 } OptionKind;
 
+/* The use of the path of a VALUE_FILE. */
+typedef enum {
+  FILE_BEGINNING, /* beginning of the names of several files */
+  FILE_READ,
+  FILE_WRITTEN
+} FileUse;
+
 /*
   An option. No other table holds its name: parsing, -help, suggestions, the refusal of unused
   options and the reference page read this row.
@@ -42,6 +49,7 @@ typedef struct {
   const char *const *places;   /* words that <word> in the name stands for; NULL: any word */
   const char        *where;    /* runs that use it, a phrase; NULL: all */
   PetscBool          late;     /* read at the end of the run */
+  FileUse            file;     /* of VALUE_FILE */
 } OptionRow;
 
 /* Bounds of ranges: OPTION_TINY stands for any positive number, OPTION_HUGE for no upper bound. */

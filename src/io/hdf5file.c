@@ -1,7 +1,5 @@
 /* Parallel HDF5 for snapshots and checkpoints. Hdf5File.failed records failures of calls. */
 #include "isph/hdf5file.h"
-#include <fcntl.h>
-#include <unistd.h>
 
 /* Records a failure of an HDF5 call; returns the result of the call. */
 static hid_t Noted(Hdf5File *file, hid_t result)
@@ -51,30 +49,6 @@ PetscErrorCode Hdf5FileOpen(MPI_Comm comm, const char path[], Hdf5File *file)
 }
 
 /*
-  FileReserve - Tests if a file of the given size can be written
-
-  Collective on PETSC_COMM_WORLD; the first rank tries. Called before a run and before each file is
-  written, because HDF5 aborts on a full disk. Removes an existing file of that name.
-*/
-PetscErrorCode FileReserve(const char path[], size_t bytes, PetscBool *good)
-{
-  PetscMPIInt rank;
-
-  PetscFunctionBegin;
-  *good = PETSC_TRUE;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (rank == 0) {
-    const int file = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0666);
-
-    *good = file >= 0 && posix_fallocate(file, 0, (off_t)bytes) == 0 ? PETSC_TRUE : PETSC_FALSE;
-    if (file >= 0) (void)close(file);
-    if (file >= 0) (void)remove(path);
-  }
-  PetscCall(FirstRankDecides(good));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
   Hdf5FileClose - Closes the file
 
   Collective on comm. Output: good - true if every call succeeded on every rank.
@@ -105,7 +79,7 @@ PetscErrorCode Hdf5FileFinish(Hdf5File *file, const char part[], const char path
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCall(Hdf5FileClose(file, good));
   if (rank == 0 && !*good) (void)remove(part);
-  if (rank == 0 && *good && rename(part, path)) *good = PETSC_FALSE;
+  if (rank == 0 && *good) *good = FileReplace(part, path);
   PetscCall(FirstRankDecides(good));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

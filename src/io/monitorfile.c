@@ -25,7 +25,7 @@ PetscErrorCode MonitorOpen(const MonitorKind *kind, Monitor *monitor)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   if (rank == 0) {
-    monitor->stream = fopen(monitor->path, "w");
+    monitor->stream = FileOpen(monitor->path, "w");
     good = monitor->stream && fprintf(monitor->stream, "t,step,%s\n", kind->header) > 0 &&
                    fflush(monitor->stream) == 0
                ? PETSC_TRUE
@@ -47,7 +47,7 @@ static PetscBool KeepRows(Monitor *monitor, FILE *old, PetscReal t)
   PetscBool good;
 
   (void)snprintf(part, sizeof(part), "%s.part", monitor->path);
-  kept = fopen(part, "w");
+  kept = FileOpen(part, "w");
   for (PetscInt k = 0; kept && fgets(line, (int)sizeof(line), old); k++) {
     const size_t length = strlen(line);
 
@@ -58,11 +58,11 @@ static PetscBool KeepRows(Monitor *monitor, FILE *old, PetscReal t)
   if (!kept) return PETSC_FALSE;
   good = !ferror(old) && !ferror(kept) ? PETSC_TRUE : PETSC_FALSE;
   if (fclose(kept)) good = PETSC_FALSE;
-  if (!good || rename(part, monitor->path)) {
+  if (!good || !FileReplace(part, monitor->path)) {
     (void)remove(part);
     return PETSC_FALSE;
   }
-  monitor->stream = fopen(monitor->path, "a");
+  monitor->stream = FileOpen(monitor->path, "a");
   return monitor->stream ? PETSC_TRUE : PETSC_FALSE;
 }
 
@@ -81,7 +81,7 @@ PetscErrorCode MonitorGoOn(const MonitorKind *kind, PetscReal t, Monitor *monito
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  old   = rank == 0 ? fopen(monitor->path, "r") : NULL;
+  old   = rank == 0 ? FileOpen(monitor->path, "r") : NULL;
   there = old || (rank == 0 && errno != ENOENT) ? PETSC_TRUE : PETSC_FALSE;
   good  = old && KeepRows(monitor, old, t) ? PETSC_TRUE : PETSC_FALSE;
   if (old) (void)fclose(old);

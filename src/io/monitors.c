@@ -75,8 +75,8 @@ static const MonitorKind *const kinds[] = {
 
 struct Monitors {
   Monitor   of[MONITOR_KINDS];
-  char      base[PETSC_MAX_PATH_LEN - 32]; /* beginning of the file names */
-  PetscReal every, last;                   /* interval, 0: every step; time of the last rows [s] */
+  char      base[PETSC_MAX_PATH_LEN]; /* beginning of the file names */
+  PetscReal every, last;              /* interval, 0: every step; time of the last rows [s] */
   PetscBool any;
 };
 
@@ -149,7 +149,6 @@ static PetscErrorCode MonitorRead(const Scene *scene, const OptionRow *row, cons
 PetscErrorCode MonitorsCreate(const Scene *scene, Monitors **monitors)
 {
   Monitors *m;
-  PetscBool given;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&m));
@@ -159,8 +158,8 @@ PetscErrorCode MonitorsCreate(const Scene *scene, Monitors **monitors)
     m->any = m->any || m->of[k].on ? PETSC_TRUE : PETSC_FALSE;
   }
   if (m->any) {
-    PetscCall(OptionGetText(&options[BASE], sizeof(m->base), m->base, &given));
-    if (!given) PetscCall(PetscStrncpy(m->base, options[BASE].standard, sizeof(m->base)));
+    PetscCall(OptionGetFile(&options[BASE], m->base));
+    if (!m->base[0]) PetscCall(PetscStrncpy(m->base, options[BASE].standard, sizeof(m->base)));
     PetscCall(OptionGetReal(&options[EVERY], &m->every, NULL));
   }
   for (size_t k = 0; k < MONITOR_KINDS; k++) {

@@ -10,6 +10,7 @@ static const OptionRow options[] = {
         {
             .name  = "-report",
             .kind  = VALUE_FILE,
+            .file  = FILE_WRITTEN,
             .brief = "CSV file to which errors and cost of the run are appended",
         },
     [CHECK] =

@@ -196,7 +196,7 @@ static PetscErrorCode ReportAppendFile(const char path[], const char text[], con
 
   PetscFunctionBegin;
   *failed = NULL;
-  stream  = fopen(path, "a");
+  stream  = FileOpen(path, "a");
   if (!stream) {
     *failed = "cannot be written";
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -213,7 +213,7 @@ static PetscErrorCode ReportAppendFile(const char path[], const char text[], con
 static PetscErrorCode ReportFileIsOurs(const char path[], const char **failed)
 {
   char      line[sizeof(ReportHeader)] = "";
-  FILE     *stream                     = fopen(path, "r");
+  FILE     *stream                     = FileOpen(path, "r");
   PetscBool same;
 
   PetscFunctionBegin;

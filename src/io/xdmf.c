@@ -86,14 +86,14 @@ PetscErrorCode XdmfWrite(const char base[], const Flow *flow, PetscInt n,
   PetscCall(PetscSNPrintf(part, sizeof(part), "%s.xdmf.part", base));
   PetscCall(PetscStrrchr(base, '/', &name)); /* the whole of base if it has no slash */
   *good = PETSC_FALSE;
-  f     = fopen(part, "w");
+  f     = FileOpen(part, "w");
   if (!f) PetscFunctionReturn(PETSC_SUCCESS);
   fprintf(f, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n");
   fprintf(f, "    <Grid Name=\"%s\" GridType=\"Collection\" CollectionType=\"Temporal\">\n", name);
   for (PetscInt k = 0; k < n; k++) XdmfGrid(f, name, flow, &snapshots[k]);
   fprintf(f, "    </Grid>\n  </Domain>\n</Xdmf>\n");
   status = ferror(f);
-  if (fclose(f) || status || rename(part, path)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (fclose(f) || status || !FileReplace(part, path)) PetscFunctionReturn(PETSC_SUCCESS);
   *good = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

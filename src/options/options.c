@@ -7,6 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Open MPI copies a path with its additions to 256 characters unchecked. */
+#define PATH_MAX_TYPED 200
+
 /* Reads the text of an option, empty where there is none; collective. */
 static PetscErrorCode ReadText(const char option[], const char **text, PetscBool *given)
 {
@@ -224,14 +227,28 @@ PetscErrorCode OptionGetText(const OptionRow *row, size_t length, char text[], P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* OptionGetFile - Reads a path, empty where the option is not given; collective */
+/*
+  OptionGetFile - Reads a path, empty where the option is not given
+
+  Collective. Errors: refuses a path that is too long or has a line break, and devices, folders and
+  the like; a symbolic link is read, but not written
+*/
 PetscErrorCode OptionGetFile(const OptionRow *row, char path[PETSC_MAX_PATH_LEN])
 {
-  PetscBool there;
+  PetscBool there, ordinary;
 
   PetscFunctionBegin;
   PetscCall(OptionGetText(row, PETSC_MAX_PATH_LEN, path, &there));
   UserCheck(!there || path[0], "%s: a file name is required", row->name);
+  UserCheck(strlen(path) <= PATH_MAX_TYPED,
+            "%s: the path has %d characters, and at most %d are allowed", row->name,
+            (int)strlen(path), PATH_MAX_TYPED);
+  UserCheck(!strpbrk(path, "\n\r"), "%s: the path has a line break", row->name);
+  if (row->file == FILE_BEGINNING) PetscFunctionReturn(PETSC_SUCCESS);
+  ordinary = row->file == FILE_READ ? FileIsReadable(path) : FileIsOrdinary(path);
+  PetscCall(FirstRankDecides(&ordinary));
+  UserCheck(ordinary, "%s %s: it exists and is no regular file; another path is required",
+            row->name, path);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

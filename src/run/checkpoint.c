@@ -11,6 +11,7 @@ static const OptionRow options[] = {
         {
             .name  = "-checkpoint",
             .kind  = VALUE_FILE,
+            .file  = FILE_WRITTEN,
             .brief = "file to restart from, written at the end and on SIGTERM and SIGINT",
             .where = "flows",
         },
@@ -29,6 +30,7 @@ static const OptionRow options[] = {
         {
             .name  = "-restart",
             .kind  = VALUE_FILE,
+            .file  = FILE_READ,
             .brief = "checkpoint from which the run continues, on any number of ranks",
             .where = "flows",
         },

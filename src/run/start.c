@@ -9,6 +9,7 @@ static const OptionRow options[] = {
     {
         .name     = "-particles",
         .kind     = VALUE_FILE,
+        .file     = FILE_READ,
         .brief    = "HDF5 file of the fluid particles at the start, such as a snapshot",
         .standard = "a lattice",
         .where    = "flows",

@@ -1,0 +1,63 @@
+/*
+  Files that a run writes. Only regular files are written or replaced: a device, a folder or a
+  symbolic link in the place of a file would be lost.
+*/
+#include "isph/base.h"
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* FileIsOrdinary - Returns true if a path is free or names a regular file; not collective */
+PetscBool FileIsOrdinary(const char path[])
+{
+  struct stat status;
+
+  return lstat(path, &status) || S_ISREG(status.st_mode) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* FileIsReadable - Returns true if a path, or its symbolic link, is free or leads to a regular file;
+   not collective */
+PetscBool FileIsReadable(const char path[])
+{
+  struct stat status;
+
+  return stat(path, &status) || S_ISREG(status.st_mode) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* FileOpen - Opens a regular file as fopen() does; returns NULL for others; not collective */
+FILE *FileOpen(const char path[], const char mode[])
+{
+  return FileIsOrdinary(path) ? fopen(path, mode) : NULL;
+}
+
+/* FileReplace - Renames a file over a regular file or a free path; returns false on failure; not
+   collective */
+PetscBool FileReplace(const char part[], const char path[])
+{
+  return FileIsOrdinary(path) && !rename(part, path) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/*
+  FileReserve - Finds out if a file of so many bytes can be written
+
+  Collective on PETSC_COMM_WORLD; the first rank tries. To be called before a run and before each
+  file, because HDF5 aborts on a full disk. Removes an existing regular file of that name.
+*/
+PetscErrorCode FileReserve(const char path[], size_t bytes, PetscBool *good)
+{
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  *good = PETSC_TRUE;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (rank == 0) {
+    const int file =
+        FileIsOrdinary(path) ? open(path, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0666) : -1;
+
+    *good = file >= 0 && posix_fallocate(file, 0, (off_t)bytes) == 0 ? PETSC_TRUE : PETSC_FALSE;
+    if (file >= 0) (void)close(file);
+    if (file >= 0) (void)remove(path);
+  }
+  PetscCall(FirstRankDecides(good));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
