@@ -59,6 +59,7 @@ void            AppendWord(char list[], size_t size, const char word[]);
 /* State of the error handler for ErrorsExit(). */
 typedef struct {
   PetscBool of_one_rank; /* a single rank met an error that all ranks normally detect together */
+  PetscBool of_solver;   /* PETSc failed with a solver that the user chose */
 } ErrorState;
 
 PetscErrorCode ErrorsInstall(ErrorState *state);

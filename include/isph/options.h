@@ -102,6 +102,7 @@ PetscErrorCode OptionGetRow(const OptionRow *row, const char standard[], void *c
 
 PetscErrorCode OptionTyped(const char option[], const char **text, PetscBool *given);
 PetscErrorCode OptionGiven(const char option[], PetscBool *given);
+PetscErrorCode OptionsCheckRanges(void);
 PetscErrorCode OptionsRefuseTogether(const char a[], const char b[], const char why[]);
 PetscErrorCode OptionsRefuseUnknown(PetscBool deferred_too);
 

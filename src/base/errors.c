@@ -5,6 +5,7 @@
 #include "isph/base.h"
 #include <signal.h>
 #include <stdarg.h>
+#include <string.h>
 #include <unistd.h>
 
 /* Returns true if an error code means wrong input, a file error or a diverged solve. */
@@ -29,6 +30,40 @@ static PetscBool ErrorIsUsers(PetscErrorCode code)
   }
 }
 
+/* Returns true if the path of a source file is in the tree of this file: no source of PETSc. */
+static PetscBool SourceIsOurs(const char path[])
+{
+  const char *const here = __FILE__;
+
+  return !strncmp(path, here, strlen(here) - strlen("src/base/errors.c")) ? PETSC_TRUE
+                                                                          : PETSC_FALSE;
+}
+
+/*
+  Returns true if PETSc fails with a solver that the user has chosen: one that needs a matrix or data
+  that a flow does not have. Without such a choice the error is a defect of the program.
+*/
+static PetscBool ErrorIsOfChosenSolver(PetscErrorCode code, const char file[])
+{
+  const char *const prefixes[] = {"-visc_", "-ppe_", "-coupled_"};
+  char             *all        = NULL;
+  PetscBool         chosen     = PETSC_FALSE;
+
+  switch (code) {
+  case PETSC_ERR_MEM:
+  case PETSC_ERR_ARG_WRONG:
+  case PETSC_ERR_ARG_WRONGSTATE:
+  case PETSC_ERR_PLIB:
+    if (SourceIsOurs(file) || PetscOptionsGetAll(NULL, &all)) return PETSC_FALSE;
+    for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(prefixes) && !chosen; k++)
+      chosen = strstr(all, prefixes[k]) ? PETSC_TRUE : PETSC_FALSE;
+    (void)PetscFree(all);
+    return chosen;
+  default:
+    return PETSC_FALSE;
+  }
+}
+
 /* Returns a hint to add to messages of PETSc itself, which name no option. */
 static const char *ErrorHint(PetscErrorCode code)
 {
@@ -39,6 +74,10 @@ static const char *ErrorHint(PetscErrorCode code)
   case PETSC_ERR_ARG_OUTOFRANGE:
   case PETSC_ERR_USER:
   case PETSC_ERR_SUP:
+  case PETSC_ERR_MEM:
+  case PETSC_ERR_ARG_WRONG:
+  case PETSC_ERR_ARG_WRONGSTATE:
+  case PETSC_ERR_PLIB:
     return " (from PETSc about a -visc_, -ppe_, -coupled_ or numeric option; -help petsc lists "
            "allowed values)";
   default:
@@ -53,7 +92,9 @@ static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *
   ErrorState *state = (ErrorState *)ctx;
   int         rank  = 0;
 
-  if (!ErrorIsUsers(code)) {
+  if (!ErrorIsUsers(code) && !state->of_solver && type == PETSC_ERROR_INITIAL)
+    state->of_solver = ErrorIsOfChosenSolver(code, file);
+  if (!ErrorIsUsers(code) && !state->of_solver) {
     return PetscTraceBackErrorHandler(comm, line, function, file, code, type, message, ctx);
   }
   (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
@@ -76,9 +117,11 @@ static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *
 PetscErrorCode ErrorsInstall(ErrorState *state)
 {
   PetscFunctionBegin;
-  *state = (ErrorState){.of_one_rank = PETSC_FALSE};
+  *state = (ErrorState){.of_one_rank = PETSC_FALSE, .of_solver = PETSC_FALSE};
   PetscCall(PetscPushErrorHandler(ErrorHandler_OneLine, state));
   (void)signal(SIGPIPE, SIG_DFL);
+  (void)signal(SIGQUIT, SIG_DFL);
+  (void)signal(SIGXFSZ, SIG_IGN); /* a write beyond a limit on the size of files fails instead */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -132,7 +175,7 @@ int ErrorsExit(PetscErrorCode code, const ErrorState *state)
   int size = 1;
 
   (void)MPI_Comm_size(PETSC_COMM_WORLD, &size);
-  if (ErrorIsUsers(code) && !(state->of_one_rank && size > 1)) {
+  if ((ErrorIsUsers(code) || state->of_solver) && !(state->of_one_rank && size > 1)) {
     (void)PetscFinalize();
     (void)MPI_Finalize();
   } else if (size > 1) {

@@ -302,6 +302,42 @@ PetscErrorCode OptionGiven(const char option[], PetscBool *given)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses a number outside the range of the row. */
+static PetscErrorCode CheckRange(const OptionRow *row)
+{
+  PetscReal number;
+
+  PetscFunctionBegin;
+  PetscCall(OptionGetReal(row, &number, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  OptionsCheckRanges - Refuses numbers of PETSc's solvers that are outside the range of their row
+
+  Collective. PETSc itself accepts them and then fails, or needs more memory than there is.
+*/
+PetscErrorCode OptionsCheckRanges(void)
+{
+  const OptionTable *table;
+  char               name[OPTION_LENGTH];
+  OptionRow          row;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; (table = OptionTableGet(k)); k++) {
+    for (PetscInt q = 0; q < table->count; q++) {
+      const OptionRow *pattern = &table->rows[q];
+
+      if (pattern->kind != VALUE_SOLVER || pattern->low == pattern->high) continue;
+      for (PetscInt place = 0; pattern->places[place]; place++) {
+        OptionFill(pattern, pattern->places[place], name, &row);
+        PetscCall(CheckRange(&row));
+      }
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   OptionsRefuseTogether - Ends the run if two options that contradict each other are both given
 

@@ -37,11 +37,15 @@ static const OptionRow options[] = {
         LINEAR("ksp_max_it"),
         .brief    = "largest number of iterations",
         .standard = "visc 1000, ppe 500, coupled 300",
+        .low      = 1,
+        .high     = 1000000,
     },
     {
         LINEAR("ksp_gmres_restart"),
         .brief    = "iterations between restarts of GMRES",
         .standard = "30; coupled 100",
+        .low      = 1,
+        .high     = 1000,
     },
     {
         LINEAR("ksp_norm_type"),
@@ -114,6 +118,13 @@ static const OptionRow options[] = {
         LINEAR("pc_hypre_boomeramg_P_max"),
         .brief    = "largest number of entries in a row of the interpolation",
         .standard = "4",
+    },
+    {
+        LINEAR("pc_hypre_boomeramg_max_levels"),
+        .brief    = "most levels of BoomerAMG",
+        .standard = "25",
+        .low      = 2,
+        .high     = 100,
     },
     {
         LINEAR("pc_hypre_boomeramg_agg_nl"),
