@@ -229,8 +229,8 @@ static PetscErrorCode ReportRefuseUnknown(const char known[])
   Options Database Key:
 . -check_<quantity> tol - largest relative error allowed, at all times reported [-]
 
-  Errors: an error above its tolerance (each is printed), an unknown quantity, and a quantity
-  without reference end the run
+  Errors: a quantity that is not finite, an error above its tolerance (each is printed), an unknown
+  quantity, and a quantity without reference end the run
 */
 PetscErrorCode ReportCheck(const Report *report)
 {
@@ -245,6 +245,11 @@ PetscErrorCode ReportCheck(const Report *report)
     PetscBool   last, set;
     OptionRow   row;
 
+    PetscCheck(
+        !PetscIsInfOrNanReal(report->quantity[k].value), PETSC_COMM_WORLD, PETSC_ERR_FP,
+        "%s at t = %.6g is not finite: numbers of this run leave the range of the computer; choose "
+        "units in which length, speed and viscosity are nearer to 1",
+        name, (double)report->quantity[k].t);
     PetscCall(ReportIsLast(report, k, &last));
     if (!last) continue;
     AppendWord(known, sizeof(known), name);

@@ -182,5 +182,10 @@ PetscErrorCode SceneReadRheology(Scene *scene)
   UserCheck(r->low <= r->high,
             "-rheology_viscosity_min %.6g: it is more than -rheology_viscosity_max %.6g",
             (double)r->low, (double)r->high);
+  UserCheck(
+      r->low > 0.0 && !PetscIsInfOrNanReal(r->high),
+      "-rheology %s: the viscosity lies between %.6g and %.6g m^2/s, and must be positive and "
+      "finite; change a parameter, or give -rheology_viscosity_min and _max",
+      r->row->name, (double)r->low, (double)r->high);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
