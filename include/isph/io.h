@@ -82,6 +82,7 @@ PetscErrorCode            MatrixFileWrite(const Particles *particles, Mat A, Mat
    -probe_forces. */
 typedef struct Monitors Monitors;
 PetscErrorCode          MonitorsCreate(const Scene *scene, Monitors **monitors);
+const char             *MonitorsBase(const Monitors *monitors);
 PetscErrorCode          MonitorsDestroy(Monitors **monitors);
 PetscErrorCode          MonitorsRestart(PetscReal t, Monitors *monitors);
 PetscErrorCode          MonitorsWrite(const Flow *flow, Monitors *monitors);

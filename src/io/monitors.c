@@ -171,6 +171,13 @@ PetscErrorCode MonitorsCreate(const Scene *scene, Monitors **monitors)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* MonitorsBase - Returns the beginning of the names of files, empty without a probe; not
+   collective */
+const char *MonitorsBase(const Monitors *monitors)
+{
+  return monitors->base;
+}
+
 PetscErrorCode MonitorsDestroy(Monitors **monitors)
 {
   PetscFunctionBegin;

@@ -30,6 +30,9 @@ PetscErrorCode CheckpointsDestroy(Checkpoints **checkpoints);
 PetscErrorCode CheckpointsUpdate(PetscBool final, Run *run);
 PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted);
 
+/* outputs.c */
+PetscErrorCode RunCheckOutputs(const Run *run);
+
 /* interrupt.c */
 PetscErrorCode InterruptInstall(void);
 PetscErrorCode InterruptCheck(const char **signal);

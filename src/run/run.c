@@ -81,6 +81,7 @@ static PetscErrorCode RunOpenFiles(Run *run)
   }
   if (run->flow.ops->ppe.needed) PetscCall(MatrixFileCreate("ppe_", &run->ppe_matrix));
   PetscCall(CheckpointsCreate(scheme, &run->checkpoints));
+  PetscCall(RunCheckOutputs(run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
