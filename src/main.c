@@ -3,6 +3,26 @@
 #include "isph/patch.h"
 #include "isph/run.h"
 
+/* Prints the log of -log_view, before PETSc would without looking for a full disk. */
+static PetscErrorCode ViewLog(void)
+{
+  PetscViewer       viewer;
+  PetscViewerFormat format;
+  PetscBool         given;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsCreateViewer(PETSC_COMM_WORLD, NULL, NULL, "-log_view", &viewer, &format,
+                                     &given));
+  if (!given || !viewer) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscViewerPushFormat(viewer, format));
+  PetscCall(PetscLogView(viewer));
+  PetscCall(PetscViewerPopFormat(viewer));
+  PetscCall(ViewerCheck(viewer, "-log_view"));
+  PetscCall(PetscViewerDestroy(&viewer));
+  PetscCall(PetscOptionsClearValue(NULL, "-log_view"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Solve(void)
 {
   Scene *scene;
@@ -45,6 +65,7 @@ static PetscErrorCode SolveOrList(Request request, ErrorState *errors)
   if (catalogue) PetscCall(CatalogueView(PETSC_VIEWER_STDOUT_WORLD));
   else if (help && request != REQUEST_HELP_PETSC) (void)Answer(REQUEST_HELP);
   else PetscCall(Solve());
+  PetscCall(ViewLog());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -63,6 +84,15 @@ static PetscBool Refuse(int argc, char **argv)
   return refused ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/* Ends MPI; returns the exit status, which tells also if standard output could be written. */
+static int Finish(int status)
+{
+  (void)MPI_Finalize();
+  if (status || (!fflush(stdout) && !ferror(stdout))) return status;
+  (void)fprintf(stderr, "isph: standard output cannot be written, or the disk is full\n");
+  return PETSC_ERR_FILE_WRITE;
+}
+
 int main(int argc, char **argv)
 {
   ErrorState     errors;
@@ -71,16 +101,12 @@ int main(int argc, char **argv)
 
   if (MPI_Init(&argc, &argv)) return 1;
   request = CommandLineRequest(&argc, argv);
-  if (Answer(request)) return MPI_Finalize();
-  if (Refuse(argc, argv)) {
-    (void)MPI_Finalize();
-    return 1;
-  }
+  if (Answer(request)) return Finish(0);
+  if (Refuse(argc, argv)) return Finish(1);
   failed = PetscInitialize(&argc, &argv, NULL, NULL);
   if (failed) return (int)failed;
   failed = SolveOrList(request, &errors);
   if (failed) return ErrorsExit(failed, &errors);
   failed = PetscFinalize();
-  (void)MPI_Finalize();
-  return (int)failed;
+  return Finish((int)failed);
 }

@@ -72,6 +72,7 @@ PetscBool      FileIsOrdinary(const char path[]);
 PetscBool      FileIsReadable(const char path[]);
 FILE          *FileOpen(const char path[], const char mode[]);
 PetscBool      FileReplace(const char part[], const char path[]);
+PetscErrorCode ViewerCheck(PetscViewer viewer, const char option[]);
 PetscErrorCode FileReserve(const char path[], size_t bytes, PetscBool *good);
 
 #endif

@@ -61,3 +61,29 @@ PetscErrorCode FileReserve(const char path[], size_t bytes, PetscBool *good)
   PetscCall(FirstRankDecides(good));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/*
+  ViewerCheck - Ends the run if text could not be written to an ASCII viewer
+
+  Collective on PETSC_COMM_WORLD. PETSc itself ignores a full disk. Input: option - of the viewer,
+  for the message.
+*/
+PetscErrorCode ViewerCheck(PetscViewer viewer, const char option[])
+{
+  PetscBool   ascii, good = PETSC_TRUE;
+  PetscMPIInt rank;
+  FILE       *stream;
+
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare((PetscObject)viewer, PETSCVIEWERASCII, &ascii));
+  if (!ascii) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (rank == 0) {
+    PetscCall(PetscViewerASCIIGetPointer(viewer, &stream));
+    good = !stream || (!fflush(stream) && !ferror(stream)) ? PETSC_TRUE : PETSC_FALSE;
+  }
+  PetscCall(FirstRankDecides(&good));
+  PetscCheck(good, PETSC_COMM_WORLD, PETSC_ERR_FILE_WRITE,
+             "%s: the file cannot be written, or the disk is full", option);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -140,6 +140,7 @@ static PetscErrorCode WritePositions(const Particles *p, const PetscInt index[],
 PetscErrorCode MatrixFileWrite(const Particles *p, Mat A, MatrixFile *file)
 {
   const char *path = NULL;
+  char        option[OPTION_LENGTH];
   PetscBool   binary, ascii;
   PetscInt    size, *index;
   IS          order;
@@ -159,6 +160,8 @@ PetscErrorCode MatrixFileWrite(const Particles *p, Mat A, MatrixFile *file)
   PetscCall(PetscViewerPushFormat(file->viewer, file->format));
   PetscCall(MatView(by_id, file->viewer));
   PetscCall(PetscViewerPopFormat(file->viewer));
+  PetscCall(PetscSNPrintf(option, sizeof(option), "-%smat_view", file->prefix));
+  PetscCall(ViewerCheck(file->viewer, option));
   PetscCall(PetscViewerFlush(file->viewer));
   PetscCall(PetscObjectTypeCompare((PetscObject)file->viewer, PETSCVIEWERBINARY, &binary));
   PetscCall(PetscObjectTypeCompare((PetscObject)file->viewer, PETSCVIEWERASCII, &ascii));

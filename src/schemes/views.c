@@ -40,6 +40,7 @@ PetscErrorCode SolverViewShow(PetscObject solver, const SolverView *view)
   PetscCall(PetscViewerPushFormat(view->viewer, view->format));
   PetscCall(PetscObjectView(solver, view->viewer));
   PetscCall(PetscViewerPopFormat(view->viewer));
+  PetscCall(ViewerCheck(view->viewer, "A view of a solver"));
   PetscCall(PetscViewerFlush(view->viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
