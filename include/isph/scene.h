@@ -208,6 +208,8 @@ extern const char *const SideNames[2 * ISPH_MAX_DIM];
 extern const OptionTable SceneOptions, TypedOptions, BoundaryOptions, RheologyOptions;
 
 PetscErrorCode SceneReadTyped(Scene *scene);
+PetscReal      SceneViscosityAt(const Scene *scene, const PetscReal x[]);
+PetscErrorCode SceneCheckFluids(const Scene *scene);
 PetscErrorCode SceneCheckGaps(const Scene *scene);
 PetscErrorCode SceneCheckInflow(const Scene *scene, PetscReal t);
 PetscErrorCode SceneCreate(Scene **scene);

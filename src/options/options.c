@@ -302,16 +302,6 @@ PetscErrorCode OptionGiven(const char option[], PetscBool *given)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a number outside the range of the row. */
-static PetscErrorCode CheckRange(const OptionRow *row)
-{
-  PetscReal number;
-
-  PetscFunctionBegin;
-  PetscCall(OptionGetReal(row, &number, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   OptionsCheckRanges - Refuses numbers of PETSc's solvers that are outside the range of their row
 
@@ -320,18 +310,18 @@ static PetscErrorCode CheckRange(const OptionRow *row)
 PetscErrorCode OptionsCheckRanges(void)
 {
   const OptionTable *table;
+  const OptionRow   *pattern;
   char               name[OPTION_LENGTH];
   OptionRow          row;
+  PetscReal          number;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; (table = OptionTableGet(k)); k++) {
-    for (PetscInt q = 0; q < table->count; q++) {
-      const OptionRow *pattern = &table->rows[q];
-
+    for (PetscInt q = 0; (pattern = OptionNext(table, &q));) {
       if (pattern->kind != VALUE_SOLVER || pattern->low == pattern->high) continue;
       for (PetscInt place = 0; pattern->places[place]; place++) {
         OptionFill(pattern, pattern->places[place], name, &row);
-        PetscCall(CheckRange(&row));
+        PetscCall(OptionGetReal(&row, &number, NULL));
       }
     }
   }

@@ -4,6 +4,8 @@
 */
 #include "isph/scene.h"
 
+#define STIFF 3.0 /* ratio of viscosities */
+
 /* Checks the gap between a body and its own periodic image, from its extent along each axis. */
 static PetscErrorCode CheckImages(const Scene *scene)
 {
@@ -99,5 +101,60 @@ PetscErrorCode SceneCheckInflow(const Scene *scene, PetscReal t)
       "inflow and outflow must balance",
       (double)t, (double)PetscAbsReal(in),
       in > 0.0 ? "come in than go out" : "go out than come in");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds the gaps between the border of region k and the boundaries: least[side], infinite where the
+   border reaches the boundary or has no neighbour of much lower viscosity. */
+static void FluidGaps(const Scene *scene, PetscInt k, PetscReal least[SCENE_MAX_BOUNDARIES])
+{
+  const Body     *region                        = &scene->region[k];
+  const PetscReal spacing                       = BodySpacing(scene, region);
+  PetscBool       reaches[SCENE_MAX_BOUNDARIES] = {PETSC_FALSE};
+
+  for (PetscInt s = 0; s < SCENE_MAX_BOUNDARIES; s++) least[s] = PETSC_INFINITY;
+  for (PetscInt q = 0; q < BodyPoints(region, spacing); q++) {
+    PetscReal x[ISPH_MAX_DIM] = {0.0}, normal[ISPH_MAX_DIM], beyond[ISPH_MAX_DIM], gap;
+    PetscInt  side;
+
+    (void)BodyPoint(region, q, spacing, x, normal);
+    gap = SceneFluidDistance(scene, x, &side);
+    if (side < 0) continue;
+    if (gap <= SCENE_ON_SURFACE * scene->dx) reaches[side] = PETSC_TRUE;
+    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)
+      beyond[a] = x[a] + 0.5 * PetscMax(gap, 0.0) * normal[a];
+    if (scene->region_nu[k] > STIFF * SceneViscosityAt(scene, beyond))
+      least[side] = PetscMin(least[side], gap);
+  }
+  for (PetscInt s = 0; s < SCENE_MAX_BOUNDARIES; s++)
+    if (reaches[s]) least[s] = PETSC_INFINITY;
+}
+
+/*
+  SceneCheckFluids - Refuses a region of stiff fluid that leaves less than dx of thinner fluid before
+  a wall
+
+  Collective. The film has no particles then: the wall drags the stiff fluid itself. A disc of
+  radius 0.1 and 1e5 times the viscosity, 0.9 dx below the lid of a cavity with n = 20, gets 5 times
+  the energy that it has with n = 80; 1.2 dx below the lid it has 0.7 times. Regions that reach the
+  wall leave no film.
+*/
+PetscErrorCode SceneCheckFluids(const Scene *scene)
+{
+  PetscReal least[SCENE_MAX_BOUNDARIES];
+  char      name[WALL_NAME];
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < scene->n_regions; k++) {
+    FluidGaps(scene, k, least);
+    for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
+      SceneWallName(scene, side, name);
+      UserCheck(least[side] >= SceneCoarsest(scene),
+                "-scene_fluid_%" PetscInt_FMT
+                ": it is %.3g from %s, and a film of thinner fluid there needs dx = %.3g; use a "
+                "larger -n, or let the fluid reach the wall",
+                k + 1, (double)least[side], name, (double)SceneCoarsest(scene));
+    }
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -13,8 +13,9 @@ PetscBool SceneViscosityVaries(const Scene *scene)
                                                                            : PETSC_FALSE;
 }
 
-/* Returns the kinematic viscosity at a point [m^2/s]. */
-static PetscReal ViscosityAt(const Scene *scene, const PetscReal x[])
+/* SceneViscosityAt - Returns the kinematic viscosity at a point at the start [m^2/s]; not collective
+ */
+PetscReal SceneViscosityAt(const Scene *scene, const PetscReal x[])
 {
   PetscReal nu = scene->nu_field.n ? ExpressionValue(&scene->nu_field, 0, 0.0, x) : scene->nu;
 
@@ -54,16 +55,16 @@ PetscReal SceneViscosity(const Scene *scene, const PetscReal x[])
 
   if (!SceneIsNewtonian(scene))
     return RheologyViscosity(&scene->rheology, scene->speed / scene->length);
-  if (!scene->n_regions) return ViscosityAt(scene, x);
+  if (!scene->n_regions) return SceneViscosityAt(scene, x);
   for (PetscInt s = 0; s < SAMPLES * SAMPLES; s++) {
     const PetscReal y[2] = {x[0] + side[0] * ((s % SAMPLES + 0.5) / SAMPLES - 0.5),
                             x[1] + side[1] * ((s / SAMPLES + 0.5) / SAMPLES - 0.5)};
 
     if (!IsInFluid(scene, y)) continue;
-    sum += 1.0 / ViscosityAt(scene, y);
+    sum += 1.0 / SceneViscosityAt(scene, y);
     n++;
   }
-  return n ? n / sum : ViscosityAt(scene, x);
+  return n ? n / sum : SceneViscosityAt(scene, x);
 }
 
 /*
@@ -93,7 +94,7 @@ PetscErrorCode SceneBoundViscosity(Scene *scene)
       PetscReal       nu;
 
       if (!IsInFluid(scene, x)) continue;
-      nu = ViscosityAt(scene, x);
+      nu = SceneViscosityAt(scene, x);
       if (nu <= 0.0) PetscCall(ExpressionScopeCheck(scene->scope)); /* 0 may stand for NaN */
       UserCheck(nu > 0.0, "-viscosity_field: it is %.6g at (%.4g, %.4g), and must be positive",
                 (double)nu, (double)x[0], (double)x[1]);

@@ -399,6 +399,7 @@ PetscErrorCode SceneReadTyped(Scene *scene)
   PetscCall(SceneCheckGaps(scene));
   if (!SceneHasBoundary(scene, BOUNDARY_PARTICLES)) scene->physics &= ~(unsigned)PHYSICS_WALLS;
   PetscCall(ReadFluids(scene));
+  PetscCall(SceneCheckFluids(scene));
   PetscCall(ReadFields(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
