@@ -108,11 +108,18 @@ Request CommandLineRequest(int *argc, char **argv)
 static void CheckWords(const char source[], int n, char *const word[], char sentence[],
                        size_t length)
 {
+  int prefixes = 0;
+
   for (int k = 0; k < n && !sentence[0]; k++) {
     const char *const option = word[k];
     const char *const value  = k + 1 < n && !OptionBegins(word[k + 1]) ? word[k + 1] : NULL;
 
-    if (!OptionBegins(option)) {
+    prefixes += OptionsPrefix(option);
+    if (prefixes < 0) {
+      (void)snprintf(sentence, length, "%s%s: there is no -prefix_push before it", source, option);
+    } else if (OptionsPrefix(option) > 0 && !value) {
+      (void)snprintf(sentence, length, "%s%s: a prefix is required", source, option);
+    } else if (!OptionBegins(option)) {
       (void)snprintf(sentence, length,
                      "%s%s: a stray word; options begin with a dash, e.g. -case cavity", source,
                      option);

@@ -127,6 +127,26 @@ void OptionsYamlCheck(const char name[], const char text[], char sentence[], siz
   free(copy);
 }
 
+/* OptionsPrefix - Returns 1 for -prefix_push, -1 for -prefix_pop, 0 for other words; not collective */
+int OptionsPrefix(const char word[])
+{
+  return !strncasecmp(word, "-prefix_push", 12) - !strncasecmp(word, "-prefix_pop", 11);
+}
+
+/* Checks that a line does not begin with bytes that no editor shows, and takes back no more prefixes
+   of options than the file has set. */
+static void CheckPrefix(const char path[], int number, const char line[], int *prefixes,
+                        char sentence[], size_t length)
+{
+  *prefixes += OptionsPrefix(line + strspn(line, " \t"));
+  if (*prefixes < 0)
+    (void)snprintf(sentence, length, "%s, line %d: -prefix_pop: there is no -prefix_push before it",
+                   path, number);
+  if (number == 1 && !strncmp(line, "\xef\xbb\xbf", 3))
+    (void)snprintf(sentence, length,
+                   "%s, line 1: it begins with a byte order mark; save the file without it", path);
+}
+
 /* Checks a line of a file. */
 static void CheckLine(const char path[], int number, char line[], int depth, char sentence[],
                       size_t length)
@@ -158,6 +178,9 @@ static void CheckLine(const char path[], int number, char line[], int depth, cha
                    "%s, line %d: %s %s %s: a single value is required; a value with blanks needs "
                    "double quotes",
                    path, number, token[0], token[1], token[2]);
+  } else if (OptionsPrefix(token[0]) > 0 && n == 1) {
+    (void)snprintf(sentence, length, "%s, line %d: %s: a prefix is required", path, number,
+                   token[0]);
   } else if (OptionNamesFile(token[0])) {
     if (n == 1)
       (void)snprintf(sentence, length, "%s, line %d: %s: a file name is required", path, number,
@@ -176,7 +199,7 @@ static void CheckFile(const char option[], const char name[], int depth, char se
   FILE        *file;
   char        *line   = NULL, path[PETSC_MAX_PATH_LEN];
   size_t       room   = 0;
-  int          number = 0;
+  int          number = 0, prefixes = 0;
 
   if (sentence[0] || strstr(name, "${")) return; /* PETSc substitutes it */
   (void)snprintf(path, sizeof(path), "%.*s", (int)(yaml ? n - 5 : n), name);
@@ -186,19 +209,23 @@ static void CheckFile(const char option[], const char name[], int depth, char se
                    path, MAX_DEPTH);
     return;
   }
+  if (!stat(path, &status) && !S_ISREG(status.st_mode)) { /* PETSc could not read a pipe again */
+    if (option) (void)snprintf(sentence, length, "%s %s: it is no regular file", option, path);
+    return;
+  }
   file = fopen(path, "r");
-  if (!file || (!fstat(fileno(file), &status) && S_ISDIR(status.st_mode))) {
-    if (option)
-      (void)snprintf(sentence, length, "%s %s: %s", option, path, strerror(file ? EISDIR : errno));
-    if (file) (void)fclose(file);
+  if (!file) {
+    if (option) (void)snprintf(sentence, length, "%s %s: %s", option, path, strerror(errno));
     return;
   }
   if (option && strcasecmp(option, "-options_file")) yaml = PETSC_TRUE;
   if (yaml || IsYaml(path, file)) {
     if (getdelim(&line, &room, '\0', file) > 0) CheckYaml(path, line, depth, sentence, length);
   } else {
-    while (!sentence[0] && getline(&line, &room, file) >= 0)
-      CheckLine(path, ++number, line, depth, sentence, length);
+    while (!sentence[0] && getline(&line, &room, file) >= 0) {
+      CheckPrefix(path, ++number, line, &prefixes, sentence, length);
+      if (!sentence[0]) CheckLine(path, number, line, depth, sentence, length);
+    }
   }
   free(line);
   (void)fclose(file);

@@ -5,6 +5,7 @@
 #include "isph/options.h"
 
 PetscBool OptionBegins(const char word[]);
+int       OptionsPrefix(const char word[]);
 PetscBool OptionNamesFile(const char option[]);
 char     *OptionsNextWord(char **text);
 void      OptionsYamlCheck(const char name[], const char text[], char sentence[], size_t length);
