@@ -139,7 +139,7 @@ static void test_refused(void **state)
       {"sin(1,2)", "sin(1,2)"},
       {"\"a\"", "\"a\""},
   };
-  char             message[512];
+  char             message[512], sum[4000];
   ExpressionScope *scope = Scope(2);
   Expression       e;
 
@@ -154,6 +154,15 @@ static void test_refused(void **state)
   }
   assert_int_equal(ExpressionSet(scope, "-t_text", "t", 1, 1, EXPRESSION_PLACE, &e),
                    PETSC_ERR_USER_INPUT);
+  for (size_t k = 0; k + 2 < sizeof(sum); k += 2) (void)snprintf(&sum[k], sizeof(sum) - k, "x+");
+  for (size_t length = 901; length < sizeof(sum); length += 1000) { /* "x+x+...+x" */
+    char kept = sum[length];
+
+    sum[length] = '\0';
+    assert_int_equal(ExpressionSet(scope, "-t_text", sum, 1, 1, ANYWHERE, &e),
+                     length < 1000 ? PETSC_SUCCESS : PETSC_ERR_USER_INPUT);
+    sum[length] = kept;
+  }
   assert_int_equal(PetscPopErrorHandler(), PETSC_SUCCESS);
   assert_int_equal(ExpressionScopeDestroy(&scope), PETSC_SUCCESS);
 }
