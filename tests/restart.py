@@ -176,6 +176,8 @@ def damage(isph):
     refused("text.h5", b"no HDF5 at all\n" * 100, "no HDF5 file")
     refused("case.h5", data, "is of case cavity, this run is of case hydrostatic", "-case", "hydrostatic")
     refused("size.h5", data, "particles in 2D", "-wall", "dummy_linear")
+    refused("density.h5", data, "the file has another density", "-density", "5")
+    refused("start.h5", data, "started from other places", "-jitter", "0.2")
     refused("motion.h5", data, "this run needs", "-motion", "eulerian")
     refused("version.h5", data.replace(b"0.2.0", b"9.9.9"), "the file is of isph 9.9.9")
 

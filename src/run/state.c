@@ -152,6 +152,22 @@ static PetscErrorCode SceneViscosities(const Scene *scene, double value[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode SceneDensity(const Scene *scene, double value[])
+{
+  PetscFunctionBegin;
+  value[0] = scene->rho;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Copies the random displacement of the lattice at the start, which a restart would not repeat. */
+static PetscErrorCode SceneStart(const Scene *scene, double value[])
+{
+  PetscFunctionBegin;
+  value[0] = scene->jitter;
+  value[1] = scene->jitter > 0.0 ? (double)scene->seed : 0.0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static const SceneEntry entries[] = {
     {.name      = "scene_box",
      .n         = 2 * ISPH_MAX_DIM,
@@ -172,6 +188,15 @@ static const SceneEntry entries[] = {
      .refusal = "particles carry the viscosities of the file's run; use the same -viscosity "
                 "(or -reynolds), -viscosity_field and -scene_fluid_ options",
      .Compute = SceneViscosities},
+    {.name    = "scene_density",
+     .n       = 1,
+     .refusal = "the file has another density; use the same -density",
+     .Compute = SceneDensity},
+    {.name = "scene_start",
+     .n    = 2,
+     .refusal =
+         "particles of the file's run started from other places; use the same -jitter and -seed",
+     .Compute = SceneStart},
 };
 
 /* CheckpointSceneEntry - Returns entry k of the numbers that identify a scene, NULL after the last;
