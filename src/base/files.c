@@ -15,8 +15,8 @@ PetscBool FileIsOrdinary(const char path[])
   return lstat(path, &status) || S_ISREG(status.st_mode) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* FileIsReadable - Returns true if a path, or its symbolic link, is free or leads to a regular file;
-   not collective */
+/* FileIsReadable - Returns true if a path is free or leads, through links, to a regular file; not
+   collective */
 PetscBool FileIsReadable(const char path[])
 {
   struct stat status;

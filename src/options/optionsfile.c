@@ -127,14 +127,14 @@ void OptionsYamlCheck(const char name[], const char text[], char sentence[], siz
   free(copy);
 }
 
-/* OptionsPrefix - Returns 1 for -prefix_push, -1 for -prefix_pop, 0 for other words; not collective */
+/* OptionsPrefix - Returns 1 for -prefix_push, -1 for -prefix_pop, 0 for others; not collective */
 int OptionsPrefix(const char word[])
 {
   return !strncasecmp(word, "-prefix_push", 12) - !strncasecmp(word, "-prefix_pop", 11);
 }
 
-/* Checks that a line does not begin with bytes that no editor shows, and takes back no more prefixes
-   of options than the file has set. */
+/* Checks that a line does not begin with bytes that no editor shows, and takes back no more
+   prefixes of options than the file has set. */
 static void CheckPrefix(const char path[], int number, const char line[], int *prefixes,
                         char sentence[], size_t length)
 {
