@@ -11,7 +11,7 @@
 #define SCOPE_CONSTANTS 8
 #define SCOPE_PARSERS   192 /* 4 sides, 16 bodies and the fields of a scene need fewer */
 #define TEXT_LENGTH     4096
-#define COMPONENT_MAX   1000 /* muParser copies a text and its message to 2048 characters unchecked */
+#define COMPONENT_MAX   1000 /* muParser copies texts and messages to 2048 characters unchecked */
 
 static const char *const axes[ISPH_MAX_DIM] = {"x", "y", "z"};
 

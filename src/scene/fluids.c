@@ -13,8 +13,8 @@ PetscBool SceneViscosityVaries(const Scene *scene)
                                                                            : PETSC_FALSE;
 }
 
-/* SceneViscosityAt - Returns the kinematic viscosity at a point at the start [m^2/s]; not collective
- */
+/* SceneViscosityAt - Returns the kinematic viscosity at a place at the start [m^2/s]; not
+   collective */
 PetscReal SceneViscosityAt(const Scene *scene, const PetscReal x[])
 {
   PetscReal nu = scene->nu_field.n ? ExpressionValue(&scene->nu_field, 0, 0.0, x) : scene->nu;
