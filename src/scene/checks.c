@@ -131,7 +131,7 @@ static void FluidGaps(const Scene *scene, PetscInt k, PetscReal least[SCENE_MAX_
 }
 
 /*
-  SceneCheckFluids - Refuses a stiff fluid with a film of less than dx of thinner fluid before a wall
+  SceneCheckFluids - Refuses a stiff fluid with a film of thinner fluid below dx before a wall
 
   Collective. The film has no particles then: the wall drags the stiff fluid itself. A disc of
   radius 0.1 and 1e5 times the viscosity, 0.9 dx below the lid of a cavity with n = 20, gets 5 times
