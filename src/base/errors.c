@@ -40,8 +40,8 @@ static PetscBool SourceIsOurs(const char path[])
 }
 
 /*
-  Returns true if PETSc fails with a solver that the user has chosen, which may need a matrix or data
-  that a flow does not have. Without such a choice the error is a defect of the program.
+  Returns true if PETSc fails with a solver that the user has chosen, such as a preconditioner that
+  needs data of a mesh.
 */
 static PetscBool ErrorIsOfChosenSolver(PetscErrorCode code, const char file[])
 {
