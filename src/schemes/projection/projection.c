@@ -17,14 +17,17 @@ static const ProjectionRow projections[] = {
      .brief       = "p = p^n + phi - mu div u*: second order, accurate in the Stokes limit",
      .citation    = "Guermond, Minev & Shen, Comput. Methods Appl. Mech. Eng. 195 (2006)",
      .incremental = PETSC_TRUE,
-     .rotational  = PETSC_TRUE},
+     .rotational  = PETSC_TRUE,
+     .alpha_max   = 0.4},
     {.name        = "incremental",
      .brief       = "p = p^n + phi; steady flow converges very slowly for nu dt >> L^2",
      .citation    = "van Kan, SIAM J. Sci. Stat. Comput. 7 (1986)",
-     .incremental = PETSC_TRUE},
-    {.name     = "chorin",
-     .brief    = "p = phi, no pressure in the predictor: first order",
-     .citation = "Chorin, Math. Comput. 22 (1968)"},
+     .incremental = PETSC_TRUE,
+     .alpha_max   = 0.4},
+    {.name      = "chorin",
+     .brief     = "p = phi, no pressure in the predictor: first order",
+     .citation  = "Chorin, Math. Comput. 22 (1968)",
+     .alpha_max = 0.9},
 };
 const Table ProjectionTable = TABLE("Projections", projections);
 
@@ -43,11 +46,12 @@ static const OptionRow options[] = {
         {
             .name     = "-ppe_alpha",
             .kind     = VALUE_REAL,
-            .brief    = "share of the density error in the pressure source",
+            .brief    = "share of the density error in the pressure source; at most 0.4 unless "
+                        "-projection chorin",
             .unit     = "-",
             .standard = "0",
             .low      = 0.0,
-            .high     = 1.0,
+            .high     = 0.9,
             .where    = "-scheme projection with pressure",
         },
     [FILTER] =
@@ -135,6 +139,9 @@ static PetscErrorCode ProjectionCreate(Flow *flow)
     pr->filter = lattice ? 0.1 : 1.0;
     PetscCall(OptionGetRow(&options[PROJECTION], NULL, &pr->row));
     PetscCall(OptionGetReal(&options[ALPHA], &pr->alpha, NULL));
+    UserCheck(pr->alpha <= pr->row->alpha_max,
+              "-ppe_alpha %.6g: with -projection %s at most %.6g is stable", (double)pr->alpha,
+              pr->row->name, (double)pr->row->alpha_max);
     PetscCall(OptionGetReal(&options[FILTER], &pr->filter, NULL));
     if (pr->filter > 0.0) flow->scheme->needs |= NEED_FILTER_P;
     if (pr->alpha > 0.0) flow->scheme->needs |= NEED_CONCENTRATION;
