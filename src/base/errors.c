@@ -24,6 +24,7 @@ static PetscBool ErrorIsUsers(PetscErrorCode code)
   case PETSC_ERR_USER:
   case PETSC_ERR_SUP:
   case PETSC_ERR_MISSING_FACTOR:
+  case PETSC_ERR_MEM:
     return PETSC_TRUE;
   default:
     return PETSC_FALSE;
@@ -50,7 +51,6 @@ static PetscBool ErrorIsOfChosenSolver(PetscErrorCode code, const char file[])
   PetscBool         chosen     = PETSC_FALSE;
 
   switch (code) {
-  case PETSC_ERR_MEM:
   case PETSC_ERR_ARG_WRONG:
   case PETSC_ERR_ARG_WRONGSTATE:
   case PETSC_ERR_PLIB:
@@ -71,10 +71,11 @@ static const char *ErrorHint(PetscErrorCode code)
   case PETSC_ERR_ARG_UNKNOWN_TYPE:
     return " (a type named after a -visc_, -ppe_ or -coupled_ option; -help petsc lists the "
            "types)";
+  case PETSC_ERR_MEM:
+    return " (there is too little memory: use a smaller -n, or more nodes)";
   case PETSC_ERR_ARG_OUTOFRANGE:
   case PETSC_ERR_USER:
   case PETSC_ERR_SUP:
-  case PETSC_ERR_MEM:
   case PETSC_ERR_ARG_WRONG:
   case PETSC_ERR_ARG_WRONGSTATE:
   case PETSC_ERR_PLIB:

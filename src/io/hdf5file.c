@@ -1,6 +1,9 @@
 /* Parallel HDF5 for snapshots and checkpoints. Hdf5File.failed records failures of calls. */
 #include "isph/hdf5file.h"
 
+#define ROWS_MAX                                                                                   \
+  ((hsize_t)PETSC_INT_MAX / 16) /* of a data set; numbers of values do not overflow */
+
 /* Records a failure of an HDF5 call; returns the result of the call. */
 static hid_t Noted(Hdf5File *file, hid_t result)
 {
@@ -196,6 +199,10 @@ PetscErrorCode Hdf5CountRows(Hdf5File *file, const char name[], PetscInt *N, Pet
     else (void)Noted(file, H5Sget_simple_extent_dims(space, size, NULL));
     (void)Noted(file, H5Sclose(space));
     (void)Noted(file, H5Dclose(data));
+  }
+  if (size[0] > ROWS_MAX || size[1] > ROWS_MAX) {
+    file->failed = PETSC_TRUE;
+    size[0] = size[1] = 0;
   }
   *N       = (PetscInt)size[0];
   *columns = (PetscInt)size[1];
