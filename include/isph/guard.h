@@ -69,6 +69,7 @@ PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc);
 
 /* timestep.c */
 PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[]);
+PetscErrorCode TimeToleranceRefuse(TS ts, const char prefix[]);
 PetscErrorCode TimeStepThrough(TS ts, const char name[], Guard *guard, PetscReal t, PetscReal dt,
                                PetscReal *h, StepFailure *failure);
 

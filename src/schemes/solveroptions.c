@@ -196,7 +196,7 @@ static const OptionRow options[] = {
     },
     {
         NONLINEAR("ts_rtol"),
-        .brief = "relative error allowed in a substep",
+        .brief = "relative error allowed in a substep, for integrators that take substeps",
         .unit  = "-",
     },
     {

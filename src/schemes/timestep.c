@@ -37,6 +37,28 @@ PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  TimeToleranceRefuse - Refuses a tolerance of substeps for a TS that takes none
+
+  Collective. To be called after TSSetFromOptions().
+*/
+PetscErrorCode TimeToleranceRefuse(TS ts, const char prefix[])
+{
+  TSAdapt   adapt;
+  TSType    type;
+  PetscBool fixed, given;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetType(ts, &type));
+  PetscCall(TSGetAdapt(ts, &adapt));
+  PetscCall(PetscObjectTypeCompare((PetscObject)adapt, TSADAPTNONE, &fixed));
+  PetscCall(PetscOptionsHasName(NULL, prefix, "-ts_rtol", &given));
+  UserCheck(!fixed || !given,
+            "-%sts_rtol: -%sts_type %s takes a single step of dt here, without a tolerance", prefix,
+            prefix, type);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Runs the monitors of a TS after a step, as TSSolve() would. */
 static PetscErrorCode TimeMonitor(TS ts)
 {

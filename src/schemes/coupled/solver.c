@@ -87,6 +87,7 @@ static PetscErrorCode CoupledCreateTS(Coupled *c)
   PetscCall(KspViewsTake("coupled_", &c->guard.ksp_views));
   PetscCall(SolverViewTake("coupled_", "-ts_view", &c->guard.ts_view));
   PetscCall(TSSetFromOptions(c->ts));
+  PetscCall(TimeToleranceRefuse(c->ts, "coupled_"));
   c->guard.solve.ksp = ksp;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -161,6 +161,7 @@ PetscErrorCode ViscosityCreate(Flow *flow, Viscosity **visc)
     PetscCall(TSGetAdapt(v->ts[c], &adapt));
     PetscCall(TSAdaptSetType(adapt, TSADAPTNONE));
     PetscCall(TSSetFromOptions(v->ts[c]));
+    PetscCall(TimeToleranceRefuse(v->ts[c], "visc_"));
   }
   if (solve->ksp) PetscCall(GuardAttach(solve->ksp, &flow->ops->forms.visc, &v->guard));
   PetscCall(RefuseMultistep(flow, v->row));
