@@ -95,7 +95,8 @@ PetscErrorCode CentrelineProfile(const Flow *flow, PetscInt a, PetscInt c, const
   PetscCall(PetscMalloc1(curve.n, &value));
   PetscCall(SampleLine(flow, a, c, curve.n, curve.x, value));
   for (PetscInt k = 0; k < curve.n; k++) sum += PetscSqr(value[k] - curve.y[k]);
-  PetscCall(ReportAddError(report, name, curve.n ? PetscSqrtReal(sum / curve.n) : NAN));
+  if (curve.n) PetscCall(ReportAddError(report, name, PetscSqrtReal(sum / curve.n)));
+  else PetscCall(ReportAddMissing(report, name));
   PetscCall(PetscFree(value));
   PetscCall(ReferenceDataFree(&curve));
   PetscFunctionReturn(PETSC_SUCCESS);

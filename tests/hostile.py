@@ -69,7 +69,7 @@ def files():
 
 def options():
     os.mkfifo("pipe")
-    for name in "pipe", ".", "/dev/null":
+    for name in "pipe", "/dev/null":
         refused(f"-options_file {name}: it is no regular file", "-options_file", name)
     for text, words in ((b"\xef\xbb\xbf-reynolds 10\n", "line 1: it begins with a byte order mark"),
                         (b"-prefix_pop\n", "line 1: -prefix_pop: there is no -prefix_push before it"),

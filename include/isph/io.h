@@ -23,7 +23,7 @@ PetscErrorCode ReferenceDataFree(ReferenceData *curve);
 typedef struct {
   char      name[32];
   PetscReal t;         /* [s] */
-  PetscReal value;     /* NaN after a diverged run */
+  PetscReal value;     /* NaN after a diverged run, or if reference data are absent */
   PetscReal reference; /* NaN without reference */
   PetscReal error;     /* relative to the scale; NaN without reference [-] */
 } Quantity;
@@ -32,6 +32,7 @@ struct Report {
   Quantity *quantity;
   PetscInt  n, capacity;
   PetscReal t;                        /* time of the quantities that are added next [s] */
+  char      not_finite[32];           /* first quantity that is not finite; empty: none */
   PetscBool data_absent;              /* a file of the reference data was not found */
   char      file[PETSC_MAX_PATH_LEN]; /* file of all runs; empty: none */
 };
@@ -40,6 +41,7 @@ PetscErrorCode ReportDestroy(Report **report);
 PetscErrorCode ReportAdd(Report *report, const char name[], PetscReal value);
 PetscErrorCode ReportAddReference(Report *report, const char name[], PetscReal value,
                                   PetscReal reference, PetscReal scale);
+PetscErrorCode ReportAddMissing(Report *report, const char name[]);
 PetscErrorCode ReportAddError(Report *report, const char name[], PetscReal error);
 PetscErrorCode ReportRestore(Report *report, const char name[], const PetscReal row[4]);
 PetscErrorCode ReportView(const Report *report, PetscReal wall_seconds, PetscViewer viewer);

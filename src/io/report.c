@@ -73,6 +73,17 @@ static PetscErrorCode ReportAppend(Report *report, const char name[], PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds a measured quantity, and keeps the name of the first that is not finite. */
+static PetscErrorCode ReportMeasured(Report *report, const char name[], PetscReal value,
+                                     PetscReal reference, PetscReal error)
+{
+  PetscFunctionBegin;
+  if (PetscIsInfOrNanReal(value) && !report->not_finite[0])
+    PetscCall(PetscStrncpy(report->not_finite, name, sizeof(report->not_finite)));
+  PetscCall(ReportAppend(report, name, value, reference, error));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   ReportAdd - Adds a quantity without reference, at time report->t
 
@@ -82,7 +93,7 @@ static PetscErrorCode ReportAppend(Report *report, const char name[], PetscReal 
 PetscErrorCode ReportAdd(Report *report, const char name[], PetscReal value)
 {
   PetscFunctionBegin;
-  PetscCall(ReportAppend(report, name, value, NAN, NAN));
+  PetscCall(ReportMeasured(report, name, value, NAN, NAN));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -98,7 +109,8 @@ PetscErrorCode ReportAddReference(Report *report, const char name[], PetscReal v
                                   PetscReal reference, PetscReal scale)
 {
   PetscFunctionBegin;
-  PetscCall(ReportAppend(report, name, value, reference, PetscAbsReal(value - reference) / scale));
+  PetscCall(
+      ReportMeasured(report, name, value, reference, PetscAbsReal(value - reference) / scale));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -115,11 +127,20 @@ PetscErrorCode ReportRestore(Report *report, const char name[], const PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ReportAddMissing - Adds a quantity whose reference data are absent, so that it has no value; not
+   collective */
+PetscErrorCode ReportAddMissing(Report *report, const char name[])
+{
+  PetscFunctionBegin;
+  PetscCall(ReportAppend(report, name, NAN, NAN, NAN));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ReportAddError - Adds a quantity that is itself a relative error [-]; not collective */
 PetscErrorCode ReportAddError(Report *report, const char name[], PetscReal error)
 {
   PetscFunctionBegin;
-  PetscCall(ReportAppend(report, name, error, NAN, error));
+  PetscCall(ReportMeasured(report, name, error, NAN, error));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -148,9 +169,11 @@ PetscErrorCode ReportView(const Report *report, PetscReal wall_seconds, PetscVie
     PetscCall(PetscViewerASCIIPrintf(viewer, " %14s %14s %10s\n", "value", "reference", "error %"));
   }
   for (PetscInt k = 0; k < report->n; k++) {
-    const Quantity *q             = &report->quantity[k];
-    char            reference[32] = "-", error[32] = "-";
+    const Quantity *q         = &report->quantity[k];
+    char            value[32] = "-", reference[32] = "-", error[32] = "-";
 
+    if (!PetscIsNanReal(q->value))
+      PetscCall(PetscSNPrintf(value, sizeof(value), "%.6g", (double)q->value));
     if (!PetscIsNanReal(q->reference)) {
       PetscCall(PetscSNPrintf(reference, sizeof(reference), "%.6g", (double)q->reference));
     }
@@ -159,8 +182,7 @@ PetscErrorCode ReportView(const Report *report, PetscReal wall_seconds, PetscVie
     }
     PetscCall(PetscViewerASCIIPrintf(viewer, "%-22s", q->name));
     if (times) PetscCall(PetscViewerASCIIPrintf(viewer, " %10.4g", (double)q->t));
-    PetscCall(
-        PetscViewerASCIIPrintf(viewer, " %14.6g %14s %10s\n", (double)q->value, reference, error));
+    PetscCall(PetscViewerASCIIPrintf(viewer, " %14s %14s %10s\n", value, reference, error));
   }
   PetscCall(PetscViewerASCIIPrintf(viewer, "\nwall time %.3g s\n", (double)wall_seconds));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -238,6 +260,11 @@ PetscErrorCode ReportCheck(const Report *report)
   PetscInt failed      = 0;
 
   PetscFunctionBegin;
+  PetscCheck(
+      !report->not_finite[0], PETSC_COMM_WORLD, PETSC_ERR_FP,
+      "%s is not finite: numbers of this run leave the range of the computer; choose units in "
+      "which length, speed and viscosity are nearer to 1",
+      report->not_finite);
   for (PetscInt k = 0; k < report->n; k++) {
     const char *name = report->quantity[k].name;
     char        option[OPTION_LENGTH];
@@ -245,11 +272,6 @@ PetscErrorCode ReportCheck(const Report *report)
     PetscBool   last, set;
     OptionRow   row;
 
-    PetscCheck(
-        !PetscIsInfOrNanReal(report->quantity[k].value), PETSC_COMM_WORLD, PETSC_ERR_FP,
-        "%s at t = %.6g is not finite: numbers of this run leave the range of the computer; choose "
-        "units in which length, speed and viscosity are nearer to 1",
-        name, (double)report->quantity[k].t);
     PetscCall(ReportIsLast(report, k, &last));
     if (!last) continue;
     AppendWord(known, sizeof(known), name);

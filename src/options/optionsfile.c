@@ -210,7 +210,9 @@ static void CheckFile(const char option[], const char name[], int depth, char se
     return;
   }
   if (!stat(path, &status) && !S_ISREG(status.st_mode)) { /* PETSc could not read a pipe again */
-    if (option) (void)snprintf(sentence, length, "%s %s: it is no regular file", option, path);
+    if (option)
+      (void)snprintf(sentence, length, "%s %s: %s", option, path,
+                     S_ISDIR(status.st_mode) ? strerror(EISDIR) : "it is no regular file");
     return;
   }
   file = fopen(path, "r");

@@ -56,8 +56,8 @@ static const OptionRow options[] = {
             .brief    = "reference length L",
             .unit     = "m",
             .standard = "1",
-            .low      = 1e-20,
-            .high     = 1e20,
+            .low      = 1e-50,
+            .high     = 1e50,
             .where    = "flows",
         },
     [SPEED] =
@@ -67,8 +67,8 @@ static const OptionRow options[] = {
             .brief    = "reference speed U",
             .unit     = "m/s",
             .standard = "1",
-            .low      = 1e-20,
-            .high     = 1e20,
+            .low      = 1e-50,
+            .high     = 1e50,
             .where    = "flows",
         },
     [REYNOLDS] =
@@ -99,8 +99,8 @@ static const OptionRow options[] = {
             .brief    = "density rho",
             .unit     = "kg/m^3",
             .standard = "1",
-            .low      = 1e-20,
-            .high     = 1e20,
+            .low      = 1e-50,
+            .high     = 1e50,
             .where    = "flows",
         },
     [BODY_FORCE] =
