@@ -78,7 +78,7 @@ static PetscBool Refuse(int argc, char **argv)
 
   (void)MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   if (rank == 0) OptionsCheck(argc, argv, sentence, sizeof(sentence));
-  if (sentence[0]) (void)fprintf(stderr, "isph: %s\n", sentence);
+  if (sentence[0]) ErrorPrint(sentence, "");
   refused = sentence[0] ? 1 : 0;
   (void)MPI_Bcast(&refused, 1, MPI_INT, 0, MPI_COMM_WORLD);
   return refused ? PETSC_TRUE : PETSC_FALSE;
@@ -89,7 +89,7 @@ static int Finish(int status)
 {
   (void)MPI_Finalize();
   if (status || (!fflush(stdout) && !ferror(stdout))) return status;
-  (void)fprintf(stderr, "isph: standard output cannot be written, or the disk is full\n");
+  ErrorPrint("standard output cannot be written, or the disk is full", "");
   return PETSC_ERR_FILE_WRITE;
 }
 

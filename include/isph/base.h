@@ -63,6 +63,7 @@ typedef struct {
 } ErrorState;
 
 PetscErrorCode ErrorsInstall(ErrorState *state);
+void           ErrorPrint(const char message[], const char hint[]);
 int            ErrorsExit(PetscErrorCode code, const ErrorState *state);
 PetscErrorCode FirstRankDecides(PetscBool *verdict);
 PetscErrorCode SayLine(const char format[], ...) PETSC_ATTRIBUTE_FORMAT(1, 2);

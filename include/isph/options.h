@@ -22,6 +22,7 @@ typedef enum {
   VALUE_WORD,       /* a word */
   VALUE_NOTHING,    /* no value */
   VALUE_VIEWER,     /* a viewer of PETSc's, as ascii:file */
+  VALUE_MONITOR,    /* a viewer of a solver's monitor, as ascii:file; read by PETSc */
   VALUE_SOLVER      /* read by PETSc */
 } OptionKind;
 

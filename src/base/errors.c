@@ -3,6 +3,7 @@
   defect of the program.
 */
 #include "isph/base.h"
+#include <ctype.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <string.h>
@@ -50,23 +51,21 @@ static PetscBool ErrorIsOfChosenSolver(PetscErrorCode code, const char file[])
   char             *all        = NULL;
   PetscBool         chosen     = PETSC_FALSE;
 
-  switch (code) {
-  case PETSC_ERR_ARG_WRONG:
-  case PETSC_ERR_ARG_WRONGSTATE:
-  case PETSC_ERR_PLIB:
-    if (SourceIsOurs(file) || PetscOptionsGetAll(NULL, &all)) return PETSC_FALSE;
-    for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(prefixes) && !chosen; k++)
-      chosen = strstr(all, prefixes[k]) ? PETSC_TRUE : PETSC_FALSE;
-    (void)PetscFree(all);
-    return chosen;
-  default:
+  if (code == PETSC_ERR_SIG || SourceIsOurs(file) || PetscOptionsGetAll(NULL, &all))
     return PETSC_FALSE;
-  }
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(prefixes) && !chosen; k++)
+    chosen = strstr(all, prefixes[k]) ? PETSC_TRUE : PETSC_FALSE;
+  (void)PetscFree(all);
+  return chosen;
 }
 
-/* Returns a hint to add to messages of PETSc itself, which name no option. */
-static const char *ErrorHint(PetscErrorCode code)
+/* Returns a hint to add to messages of PETSc itself, which name no option; of_solver: PETSc fails with
+   a solver that the user has chosen. */
+static const char *ErrorHint(PetscErrorCode code, PetscBool of_solver)
 {
+  const char *const hint = " (from PETSc about a -visc_, -ppe_, -coupled_ or numeric option; -help "
+                           "petsc lists allowed values)";
+
   switch (code) {
   case PETSC_ERR_ARG_UNKNOWN_TYPE:
     return " (a type named after a -visc_, -ppe_ or -coupled_ option; -help petsc lists the "
@@ -76,14 +75,27 @@ static const char *ErrorHint(PetscErrorCode code)
   case PETSC_ERR_ARG_OUTOFRANGE:
   case PETSC_ERR_USER:
   case PETSC_ERR_SUP:
-  case PETSC_ERR_ARG_WRONG:
-  case PETSC_ERR_ARG_WRONGSTATE:
-  case PETSC_ERR_PLIB:
-    return " (from PETSc about a -visc_, -ppe_, -coupled_ or numeric option; -help petsc lists "
-           "allowed values)";
+    return hint;
   default:
-    return "";
+    return of_solver ? hint : "";
   }
+}
+
+/*
+  ErrorPrint - Prints a message and a hint in a single line on standard error
+
+  Not collective. A line break or another control character in a value that the message quotes is
+  printed as \n or \x01.
+*/
+void ErrorPrint(const char message[], const char hint[])
+{
+  (void)fputs("isph: ", stderr);
+  for (const char *c = message; *c; c++) {
+    if (*c == '\n') (void)fputs("\\n", stderr);
+    else if (iscntrl((unsigned char)*c)) (void)fprintf(stderr, "\\x%02x", (unsigned)*c);
+    else (void)fputc(*c, stderr);
+  }
+  (void)fprintf(stderr, "%s\n", hint);
 }
 
 static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *function,
@@ -102,7 +114,7 @@ static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *
   if (type == PETSC_ERROR_INITIAL && (rank == 0 || comm == PETSC_COMM_SELF)) {
     if (isatty(STDOUT_FILENO)) (void)fputc('\n', stdout); /* ends the progress line */
     (void)fflush(stdout);
-    (void)fprintf(stderr, "isph: %s%s\n", message, ErrorHint(code));
+    ErrorPrint(message, ErrorHint(code, state->of_solver));
   }
   if (type == PETSC_ERROR_INITIAL && comm == PETSC_COMM_SELF) state->of_one_rank = PETSC_TRUE;
   return code;
@@ -177,6 +189,7 @@ int ErrorsExit(PetscErrorCode code, const ErrorState *state)
 
   (void)MPI_Comm_size(PETSC_COMM_WORLD, &size);
   if ((ErrorIsUsers(code) || state->of_solver) && !(state->of_one_rank && size > 1)) {
+    (void)PetscPushErrorHandler(PetscIgnoreErrorHandler, NULL); /* the first error is printed */
     (void)PetscFinalize();
     (void)MPI_Finalize();
   } else if (size > 1) {

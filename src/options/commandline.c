@@ -126,6 +126,8 @@ static void CheckWords(const char source[], int n, char *const word[], char sent
     } else if (OptionNamesFile(option)) {
       if (value && value[0] != '-') OptionsFileCheck(option, value, sentence, length);
       else (void)snprintf(sentence, length, "%s%s: a file name is required", source, option);
+    } else {
+      OptionsValueCheck(source, option, value, sentence, length);
     }
     if (value) k++;
   }

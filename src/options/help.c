@@ -22,6 +22,7 @@ static const char *const kinds[] = {
     [VALUE_VIEWER]     = "viewer",
     [VALUE_WORD]       = "word",
     [VALUE_NOTHING]    = "",
+    [VALUE_MONITOR]    = "value",
     [VALUE_SOLVER]     = "value",
 };
 

@@ -39,6 +39,22 @@ void OptionRangeText(const OptionRow *row, char text[], size_t length)
   else (void)snprintf(text, length, "%.6g or more", (double)row->low);
 }
 
+/* Converts a text to a number; ends the run if it is none, or outside the range of the row. */
+static PetscErrorCode CheckReal(const OptionRow *row, const char text[], PetscReal *value)
+{
+  char   range[64];
+  double number;
+
+  PetscFunctionBegin;
+  UserCheck(IsNumber(text, &number), "%s%s%s: a number is required", row->name, *text ? " " : "",
+            text);
+  OptionRangeText(row, range, sizeof(range));
+  UserCheck(number >= row->low && number <= row->high, "%s %s: allowed is %s", row->name, text,
+            range);
+  *value = number;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   OptionGetReal - Reads a number
 
@@ -56,19 +72,13 @@ void OptionRangeText(const OptionRow *row, char text[], size_t length)
 PetscErrorCode OptionGetReal(const OptionRow *row, PetscReal *value, PetscBool *given)
 {
   const char *text;
-  char        range[64];
   double      number;
   PetscBool   there;
 
   PetscFunctionBegin;
   PetscCall(ReadText(row->name, &text, &there));
   if (there) {
-    UserCheck(IsNumber(text, &number), "%s%s%s: a number is required", row->name, *text ? " " : "",
-              text);
-    OptionRangeText(row, range, sizeof(range));
-    UserCheck(number >= row->low && number <= row->high, "%s %s: allowed is %s", row->name, text,
-              range);
-    *value = number;
+    PetscCall(CheckReal(row, text, value));
   } else if (row->standard && IsNumber(row->standard, &number)) {
     *value = number;
   }
@@ -302,29 +312,54 @@ PetscErrorCode OptionGiven(const char option[], PetscBool *given)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  OptionsCheckRanges - Refuses numbers of PETSc's solvers that are outside the range of their row
+/* Ends the run if PETSc cannot print a monitor as text asks, as "ascii:file::append": it has formats
+   for pictures only, and other viewers and formats end in a segmentation fault. */
+static PetscErrorCode CheckMonitor(const char name[], const char text[])
+{
+  const char *const file   = strchr(text, ':');
+  const char *const format = file ? strchr(file + 1, ':') : NULL;
+  const size_t      length = file ? (size_t)(file - text) : strlen(text);
+  const PetscBool   plain  = !format || !format[1] || format[1] == ':' ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool   ascii =
+      !length || (length == 5 && !strncmp(text, "ascii", length)) ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool draw = length == 4 && !strncmp(text, "draw", length) ? PETSC_TRUE : PETSC_FALSE;
 
-  Collective. PETSc itself accepts them and then fails, or needs more memory than there is.
+  PetscFunctionBegin;
+  UserCheck(ascii ? plain : draw && format && !strncmp(format + 1, "draw", 4),
+            "%s %s: allowed are no value, ascii:file, ascii:file::append and draw::draw_lg", name,
+            text);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  OptionsCheckRanges - Refuses values of PETSc's solvers that their rows do not allow
+
+  Collective. PETSc itself accepts them and then fails, or needs more memory than there is. To be
+  called before anything is read; the options stay unread, so that OptionsRefuseUnknown() finds them.
 */
 PetscErrorCode OptionsCheckRanges(void)
 {
-  const OptionTable *table;
-  const OptionRow   *pattern;
-  char               name[OPTION_LENGTH];
-  OptionRow          row;
-  PetscReal          number;
+  PetscInt n;
+  char   **names, **values;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; (table = OptionTableGet(k)); k++) {
-    for (PetscInt q = 0; (pattern = OptionNext(table, &q));) {
-      if (pattern->kind != VALUE_SOLVER || pattern->low == pattern->high) continue;
-      for (PetscInt place = 0; pattern->places[place]; place++) {
-        OptionFill(pattern, pattern->places[place], name, &row);
-        PetscCall(OptionGetReal(&row, &number, NULL));
-      }
-    }
+  PetscCall(PetscOptionsLeftGet(NULL, &n, &names, &values));
+  for (PetscInt k = 0; k < n; k++) {
+    char             name[OPTION_LENGTH];
+    const char      *text = values[k] ? values[k] : "";
+    const OptionRow *pattern;
+    OptionRow        row;
+    PetscReal        number;
+
+    PetscCall(PetscSNPrintf(name, sizeof(name), "-%s", names[k])); /* PETSc leaves out the dash */
+    pattern = OptionFind(name);
+    if (!pattern) continue;
+    row      = *pattern;
+    row.name = name;
+    if (row.kind == VALUE_MONITOR) PetscCall(CheckMonitor(name, text));
+    if (row.kind == VALUE_SOLVER && row.low < row.high) PetscCall(CheckReal(&row, text, &number));
   }
+  PetscCall(PetscOptionsLeftRestore(NULL, &n, &names, &values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -33,6 +33,45 @@ PetscBool OptionNamesFile(const char option[])
              : PETSC_FALSE;
 }
 
+/*
+  OptionsValueCheck - Checks the value of an option that PetscInitialize() reads
+
+  Not collective; to be called before PetscInitialize(), when PETSc prints no errors. Inputs: source -
+  beginning of the sentence; value - NULL if there is none. Output: sentence - the mistake; unchanged
+  if there is none or if it holds a sentence already
+*/
+void OptionsValueCheck(const char source[], const char option[], const char value[],
+                       char sentence[], size_t length)
+{
+  PetscBool   flag;
+  PetscEnum   known;
+  const char *format = value;
+
+  if (sentence[0] || !value) return;
+  option += option[1] == '-' ? 2 : 1;
+  if (!strcasecmp(option, "skip_petscrc") || !strcasecmp(option, "options_left") ||
+      !strcasecmp(option, "options_view")) {
+    if (PetscOptionsStringToBool(value, &flag))
+      (void)snprintf(sentence, length,
+                     "%s-%s %s: allowed are true and false; without a value it is true", source,
+                     option, value);
+  } else if (!strcasecmp(option, "log_view")) {
+    char word[64];
+
+    for (int k = 0; k < 2 && format; k++) { /* type:file:format:mode */
+      format = strchr(format, ':');
+      if (format) format++;
+    }
+    if (!format || !*format || *format == ':') return;
+    (void)snprintf(word, sizeof(word), "%.*s", (int)strcspn(format, ":"), format);
+    if (PetscEnumFind(PetscViewerFormats, word, &known, &flag) || !flag)
+      (void)snprintf(sentence, length,
+                     "%s-log_view %.200s: unknown format %s; allowed are :file, "
+                     ":file:ascii_info_detail, :file:ascii_xml and :file:ascii_flamegraph",
+                     source, value, word);
+  }
+}
+
 /* OptionsNextWord - Cuts the next word off a text as PETSc does: at blanks, but not within double
    quotes that begin a word; returns NULL at the end; not collective */
 char *OptionsNextWord(char **text)
@@ -133,10 +172,10 @@ int OptionsPrefix(const char word[])
   return !strncasecmp(word, "-prefix_push", 12) - !strncasecmp(word, "-prefix_pop", 11);
 }
 
-/* Checks that a line does not begin with bytes that no editor shows, and takes back no more
+/* Checks that a line of a number of bytes has no bytes that no editor shows, and takes back no more
    prefixes of options than the file has set. */
-static void CheckPrefix(const char path[], int number, const char line[], int *prefixes,
-                        char sentence[], size_t length)
+static void CheckPrefix(const char path[], int number, const char line[], size_t bytes,
+                        int *prefixes, char sentence[], size_t length)
 {
   *prefixes += OptionsPrefix(line + strspn(line, " \t"));
   if (*prefixes < 0)
@@ -145,6 +184,9 @@ static void CheckPrefix(const char path[], int number, const char line[], int *p
   if (number == 1 && !strncmp(line, "\xef\xbb\xbf", 3))
     (void)snprintf(sentence, length,
                    "%s, line 1: it begins with a byte order mark; save the file without it", path);
+  if (strlen(line) < bytes)
+    (void)snprintf(sentence, length, "%s, line %d: it has a null byte; save the file as text", path,
+                   number);
 }
 
 /* Checks a line of a file. */
@@ -186,6 +228,11 @@ static void CheckLine(const char path[], int number, char line[], int depth, cha
       (void)snprintf(sentence, length, "%s, line %d: %s: a file name is required", path, number,
                      token[0]);
     else CheckFile(token[0], token[1], depth + 1, sentence, length);
+  } else {
+    char source[PETSC_MAX_PATH_LEN + 32];
+
+    (void)snprintf(source, sizeof(source), "%s, line %d: ", path, number);
+    OptionsValueCheck(source, token[0], token[1], sentence, length);
   }
 }
 
@@ -197,8 +244,9 @@ static void CheckFile(const char option[], const char name[], int depth, char se
   PetscBool    yaml = n > 5 && !strcmp(name + n - 5, ":yaml") ? PETSC_TRUE : PETSC_FALSE;
   struct stat  status;
   FILE        *file;
-  char        *line   = NULL, path[PETSC_MAX_PATH_LEN];
-  size_t       room   = 0;
+  char        *line = NULL, path[PETSC_MAX_PATH_LEN];
+  size_t       room = 0;
+  ssize_t      bytes;
   int          number = 0, prefixes = 0;
 
   if (sentence[0] || strstr(name, "${")) return; /* PETSc substitutes it */
@@ -224,8 +272,8 @@ static void CheckFile(const char option[], const char name[], int depth, char se
   if (yaml || IsYaml(path, file)) {
     if (getdelim(&line, &room, '\0', file) > 0) CheckYaml(path, line, depth, sentence, length);
   } else {
-    while (!sentence[0] && getline(&line, &room, file) >= 0) {
-      CheckPrefix(path, ++number, line, &prefixes, sentence, length);
+    while (!sentence[0] && (bytes = getline(&line, &room, file)) >= 0) {
+      CheckPrefix(path, ++number, line, (size_t)bytes, &prefixes, sentence, length);
       if (!sentence[0]) CheckLine(path, number, line, depth, sentence, length);
     }
   }

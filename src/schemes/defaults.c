@@ -3,6 +3,7 @@
   precedence, and renewal of a preconditioner for a new matrix.
 */
 #include "isph/guard.h"
+#include <strings.h>
 
 /* OptionDefault - Sets an option in the database unless it is given; name: with its dash */
 PetscErrorCode OptionDefault(const char prefix[], const char name[], const char value[])
@@ -15,6 +16,21 @@ PetscErrorCode OptionDefault(const char prefix[], const char name[], const char 
   if (given) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(option, sizeof(option), "-%s%s", prefix, name + 1));
   PetscCall(PetscOptionsSetValue(NULL, option, value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses interpolations that need the number of unknowns of a block: without it hypre ends in a
+   segmentation fault. */
+static PetscErrorCode RefuseBlocks(const char prefix[])
+{
+  const char *const name     = "-pc_hypre_boomeramg_interp_type";
+  char              type[64] = "";
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsGetString(NULL, prefix, name, type, sizeof(type), NULL));
+  UserCheck(strncasecmp(type, "block", 5),
+            "-%s%s %s: it is for blocks of unknowns, which this matrix has not; use ext+i", prefix,
+            name + 1, type);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -38,6 +54,7 @@ PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[])
   if (!amg) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_coarsen_type", "PMIS"));
   PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_interp_type", "ext+i"));
+  PetscCall(RefuseBlocks(prefix));
   PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_P_max", "4"));
   PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_agg_nl", aggressive));
   PetscFunctionReturn(PETSC_SUCCESS);

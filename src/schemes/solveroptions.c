@@ -17,6 +17,7 @@ static const char *const Times[]   = {"visc", "coupled", NULL};
 /* clang-format off */
 #define LINEAR(word)    .name = "-<solve>_" word, .kind = VALUE_SOLVER, .places = Linear
 #define NONLINEAR(word) .name = "-<integrator>_" word, .kind = VALUE_SOLVER, .places = Times
+#define MONITOR(option, words) .name = option, .kind = VALUE_MONITOR, .places = words
 /* clang-format on */
 
 static const OptionRow options[] = {
@@ -57,11 +58,11 @@ static const OptionRow options[] = {
         .brief = "side of the preconditioner",
     },
     {
-        LINEAR("ksp_monitor"),
+        MONITOR("-<solve>_ksp_monitor", Linear),
         .brief = "print the residual of each iteration",
     },
     {
-        LINEAR("ksp_monitor_true_residual"),
+        MONITOR("-<solve>_ksp_monitor_true_residual", Linear),
         .brief = "print the true residual of each iteration",
     },
     {
@@ -249,7 +250,7 @@ static const OptionRow options[] = {
         .standard = "visc 1e-6",
     },
     {
-        NONLINEAR("snes_monitor"),
+        MONITOR("-<integrator>_snes_monitor", Times),
         .brief = "print the residual of each nonlinear iteration",
     },
     {
