@@ -59,8 +59,8 @@ static PetscBool ErrorIsOfChosenSolver(PetscErrorCode code, const char file[])
   return chosen;
 }
 
-/* Returns a hint to add to messages of PETSc itself, which name no option; of_solver: PETSc fails with
-   a solver that the user has chosen. */
+/* Returns a hint to add to messages of PETSc itself, which name no option; of_solver: PETSc fails
+   with a solver that the user has chosen. */
 static const char *ErrorHint(PetscErrorCode code, PetscBool of_solver)
 {
   const char *const hint = " (from PETSc about a -visc_, -ppe_, -coupled_ or numeric option; -help "

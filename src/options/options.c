@@ -312,8 +312,8 @@ PetscErrorCode OptionGiven(const char option[], PetscBool *given)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ends the run if PETSc cannot print a monitor as text asks, as "ascii:file::append": it has formats
-   for pictures only, and other viewers and formats end in a segmentation fault. */
+/* Ends the run if PETSc cannot print a monitor as text asks, as "ascii:file::append": it has
+   formats for pictures only, and other viewers and formats end in a segmentation fault. */
 static PetscErrorCode CheckMonitor(const char name[], const char text[])
 {
   const char *const file   = strchr(text, ':');
@@ -335,7 +335,8 @@ static PetscErrorCode CheckMonitor(const char name[], const char text[])
   OptionsCheckRanges - Refuses values of PETSc's solvers that their rows do not allow
 
   Collective. PETSc itself accepts them and then fails, or needs more memory than there is. To be
-  called before anything is read; the options stay unread, so that OptionsRefuseUnknown() finds them.
+  called before anything is read; the options stay unread, so that OptionsRefuseUnknown() finds
+  them.
 */
 PetscErrorCode OptionsCheckRanges(void)
 {

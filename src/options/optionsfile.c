@@ -36,9 +36,9 @@ PetscBool OptionNamesFile(const char option[])
 /*
   OptionsValueCheck - Checks the value of an option that PetscInitialize() reads
 
-  Not collective; to be called before PetscInitialize(), when PETSc prints no errors. Inputs: source -
-  beginning of the sentence; value - NULL if there is none. Output: sentence - the mistake; unchanged
-  if there is none or if it holds a sentence already
+  Not collective; to be called before PetscInitialize(), when PETSc prints no errors. Inputs: source
+  - beginning of the sentence; value - NULL if there is none. Output: sentence - the mistake;
+  unchanged if there is none or if it holds a sentence already
 */
 void OptionsValueCheck(const char source[], const char option[], const char value[],
                        char sentence[], size_t length)
