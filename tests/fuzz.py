@@ -321,7 +321,7 @@ class Input:
         self.base, self.words, self.files = base, words, files or {}
 
     def arguments(self):
-        return self.base + self.words
+        return self.base + [word[:30000] for word in self.words]  # Linux takes 128 KiB in a word
 
 
 def base(rng, cases, setting=()):
