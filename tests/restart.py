@@ -156,7 +156,7 @@ def term(isph):
 
 
 def damage(isph):
-    run([isph, "-n", "16", "-max_steps", "3", "-dt", "0.01", "-t_end", "1", "-checkpoint", "c.h5"])
+    run([isph, "-n", "16", "-max_steps", "3", "-dt", "0.01", "-t_end", "1", "-checkpoint", "c.h5", "-output", "s.h5"])
     with open("c.h5", "rb") as file:
         data = file.read()
 
@@ -178,6 +178,7 @@ def damage(isph):
     refused("size.h5", data, "particles in 2D", "-wall", "dummy_linear")
     refused("density.h5", data, "the file has another density", "-density", "5")
     refused("start.h5", data, "started from other places", "-jitter", "0.2")
+    refused("given.h5", data, "started from other places", "-particles", "s_0000.h5")
     refused("motion.h5", data, "this run needs", "-motion", "eulerian")
     refused("version.h5", data.replace(b"0.2.0", b"9.9.9"), "the file is of isph 9.9.9")
 

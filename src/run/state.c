@@ -159,12 +159,17 @@ static PetscErrorCode SceneDensity(const Scene *scene, double value[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Copies the random displacement of the lattice at the start, which a restart would not repeat. */
+/* Copies the random displacement of the lattice at the start, and a flag for given particles; a
+   restart would repeat neither. */
 static PetscErrorCode SceneStart(const Scene *scene, double value[])
 {
+  PetscBool given;
+
   PetscFunctionBegin;
+  PetscCall(OptionGiven("-particles", &given));
   value[0] = scene->jitter;
   value[1] = scene->jitter > 0.0 ? (double)scene->seed : 0.0;
+  value[2] = given ? 1.0 : 0.0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -193,9 +198,10 @@ static const SceneEntry entries[] = {
      .refusal = "the file has another density; use the same -density",
      .Compute = SceneDensity},
     {.name = "scene_start",
-     .n    = 2,
+     .n    = 3,
      .refusal =
-         "particles of the file's run started from other places; use the same -jitter and -seed",
+         "particles of the file's run started from other places; use the same -jitter, -seed "
+         "and -particles",
      .Compute = SceneStart},
 };
 
