@@ -62,6 +62,8 @@ typedef struct {
   PetscBool of_solver;   /* PETSc failed with a solver that the user chose */
 } ErrorState;
 
+extern const char *const SolverPrefixes[]; /* of options of PETSc's solvers; ends with NULL */
+
 PetscErrorCode ErrorsInstall(ErrorState *state);
 void           ErrorPrint(const char message[], const char hint[]);
 int            ErrorsExit(PetscErrorCode code, const ErrorState *state);

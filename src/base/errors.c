@@ -41,20 +41,21 @@ static PetscBool SourceIsOurs(const char path[])
                                                                           : PETSC_FALSE;
 }
 
+const char *const SolverPrefixes[] = {"-visc_", "-ppe_", "-coupled_", NULL};
+
 /*
   Returns true if PETSc fails with a solver that the user has chosen, such as a preconditioner that
   needs data of a mesh.
 */
 static PetscBool ErrorIsOfChosenSolver(PetscErrorCode code, const char file[])
 {
-  const char *const prefixes[] = {"-visc_", "-ppe_", "-coupled_"};
-  char             *all        = NULL;
-  PetscBool         chosen     = PETSC_FALSE;
+  char     *all    = NULL;
+  PetscBool chosen = PETSC_FALSE;
 
   if (code == PETSC_ERR_SIG || SourceIsOurs(file) || PetscOptionsGetAll(NULL, &all))
     return PETSC_FALSE;
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(prefixes) && !chosen; k++)
-    chosen = strstr(all, prefixes[k]) ? PETSC_TRUE : PETSC_FALSE;
+  for (size_t k = 0; SolverPrefixes[k] && !chosen; k++)
+    chosen = strstr(all, SolverPrefixes[k]) ? PETSC_TRUE : PETSC_FALSE;
   (void)PetscFree(all);
   return chosen;
 }

@@ -30,10 +30,9 @@ static PetscBool IsReadLater(const char name[], PetscBool deferred_too)
 /* Ends the run with a message on an option that nothing has read. */
 static PetscErrorCode Refuse(const char name[])
 {
-  const char *const solvers[] = {"-visc_", "-ppe_", "-coupled_"};
-  const OptionRow  *row       = OptionFind(name);
-  char              nearest[OPTION_LENGTH];
-  const char       *solver = "";
+  const OptionRow *row = OptionFind(name);
+  char             nearest[OPTION_LENGTH];
+  const char      *solver = "";
 
   PetscFunctionBegin;
   UserCheck(!row || !row->where, "%s: this run does not use it; it belongs to %s", name,
@@ -41,8 +40,8 @@ static PetscErrorCode Refuse(const char name[])
   UserCheck(!row,
             "%s: this run does not use it; its physics is left out, or another type is chosen",
             name);
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(solvers); k++) {
-    if (!strncmp(name, solvers[k], strlen(solvers[k])))
+  for (size_t k = 0; SolverPrefixes[k]; k++) {
+    if (!strncmp(name, SolverPrefixes[k], strlen(SolverPrefixes[k])))
       solver = ", or one that the chosen solvers do not read";
   }
   UserCheck(!OptionNearest(name, nearest),

@@ -58,20 +58,21 @@ static PetscErrorCode OutputPattern(const Run *run, const OutputName *row,
 */
 PetscErrorCode RunCheckOutputs(const Run *run)
 {
-  char a[3 * PETSC_MAX_PATH_LEN], b[3 * PETSC_MAX_PATH_LEN];
+  char pattern[PETSC_STATIC_ARRAY_LENGTH(names)][3 * PETSC_MAX_PATH_LEN];
 
   PetscFunctionBegin;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(names); k++) {
-    for (size_t m = k + 1; m < PETSC_STATIC_ARRAY_LENGTH(names); m++) {
-      PetscBool same = PETSC_FALSE;
+    PetscCall(OutputPattern(run, &names[k], pattern[k]));
+    for (size_t m = 0; m < k; m++) {
+      PetscBool same;
 
-      if (!strcmp(names[k].option, names[m].option)) continue;
-      PetscCall(OutputPattern(run, &names[k], a));
-      PetscCall(OutputPattern(run, &names[m], b));
-      if (a[0] && b[0]) same = !fnmatch(a, b, 0) || !fnmatch(b, a, 0) ? PETSC_TRUE : PETSC_FALSE;
-      PetscCall(FirstRankDecides(&same));
-      UserCheck(!same, "%s and %s lead to the same file; two names are required", names[k].option,
-                names[m].option);
+      if (!pattern[k][0] || !pattern[m][0] || !strcmp(names[k].option, names[m].option)) continue;
+      same = !fnmatch(pattern[k], pattern[m], 0) || !fnmatch(pattern[m], pattern[k], 0)
+                 ? PETSC_TRUE
+                 : PETSC_FALSE;
+      PetscCall(FirstRankDecides(&same)); /* its folders decide */
+      UserCheck(!same, "%s and %s lead to the same file; two names are required", names[m].option,
+                names[k].option);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
