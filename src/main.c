@@ -61,7 +61,7 @@ static PetscErrorCode SolveOrList(Request request, ErrorState *errors)
   PetscCall(ErrorsInstall(errors));
   PetscCall(OptionGiven("-catalogue", &catalogue));
   PetscCall(OptionGiven("-help", &help));
-  PetscCall(OptionsCheckRanges());
+  PetscCall(OptionsCheckSolvers());
   if (catalogue) PetscCall(CatalogueView(PETSC_VIEWER_STDOUT_WORLD));
   else if (help && request != REQUEST_HELP_PETSC) (void)Answer(REQUEST_HELP);
   else PetscCall(Solve());

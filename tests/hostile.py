@@ -73,9 +73,11 @@ def options():
         refused(f"-options_file {name}: it is no regular file", "-options_file", name)
     for text, words in ((b"\xef\xbb\xbf-reynolds 10\n", "line 1: it begins with a byte order mark"),
                         (b"-prefix_pop\n", "line 1: -prefix_pop: there is no -prefix_push before it"),
+                        (b'"-prefix_pop"\n', "line 1: -prefix_pop: there is no -prefix_push before it"),
                         (b"-prefix_push\n", "line 1: -prefix_push: a prefix is required"),
                         (b"-reynolds 1\n-dt \x001\n", "line 2: it has a null byte"),
-                        (b"-log_view :f:g\n", "line 1: -log_view :f:g: unknown format g"),
+                        (b"-log_view :f:g\n", "line 1: -log_view :f:g: unknown format g; allowed are :file, "),
+                        (b"--options_left 7\n", "line 1: -options_left 7: allowed are true and false"),
                         (b"-options_file o.opts\n", "does one include itself?")):
         with open("o.opts", "wb") as file:
             file.write(text)

@@ -283,7 +283,11 @@ static void test_rows(void **state)
       assert_true(row->name[0] == '-' && strlen(row->name) < OPTION_LENGTH - 32);
       assert_true(row->brief && row->brief[0]);
       if (row->kind == VALUE_NAME) assert_non_null(row->table);
-      assert_true((row->kind == VALUE_NAMES) == (row->words != NULL));
+      assert_true((row->kind == VALUE_NAMES || (row->kind == VALUE_VIEWER && row->early)) ==
+                  (row->words != NULL));
+      if (row->early) /* the kinds that src/options/optionsfile.c checks */
+        assert_true(row->kind == VALUE_SWITCH || row->kind == VALUE_VIEWER ||
+                    row->kind == VALUE_FILE);
       if (row->kind == VALUE_REAL) assert_true(row->unit && row->low < row->high);
       if (row->kind == VALUE_INT) assert_true(row->low < row->high);
       OptionFill(row, row->places ? row->places[0] : "1", name, &one);

@@ -46,9 +46,10 @@ typedef struct {
   PetscReal          low;      /* least value allowed */
   PetscReal          high;     /* largest value allowed; low = high = 0: no range */
   const Table       *table;    /* the rows that the option chooses from; NULL: none */
-  const char *const *words;    /* of VALUE_NAMES; ends with NULL */
+  const char *const *words;    /* of VALUE_NAMES or an early VALUE_VIEWER; ends with NULL */
   const char *const *places;   /* words that <word> in the name stands for; NULL: any word */
   const char        *where;    /* runs that use it, a phrase; NULL: all */
+  PetscBool          early;    /* checked before PetscInitialize() prints a traceback */
   PetscBool          late;     /* read at the end of the run */
   FileUse            file;     /* of VALUE_FILE */
 } OptionRow;
@@ -103,7 +104,7 @@ PetscErrorCode OptionGetRow(const OptionRow *row, const char standard[], void *c
 
 PetscErrorCode OptionTyped(const char option[], const char **text, PetscBool *given);
 PetscErrorCode OptionGiven(const char option[], PetscBool *given);
-PetscErrorCode OptionsCheckRanges(void);
+PetscErrorCode OptionsCheckSolvers(void);
 PetscErrorCode OptionsRefuseTogether(const char a[], const char b[], const char why[]);
 PetscErrorCode OptionsRefuseUnknown(PetscBool deferred_too);
 

@@ -6,6 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const char *const LogFormats[] = {":file", ":file:ascii_info_detail", ":file:ascii_xml",
+                                         ":file:ascii_flamegraph", NULL};
+
 static const OptionRow options[] = {
     {
         .name  = "-help",
@@ -34,34 +37,41 @@ static const OptionRow options[] = {
         .kind  = VALUE_FILE,
         .brief = "file with more options, each in a line of its own; # begins a comment; may be "
                  "given several times",
+        .early = PETSC_TRUE,
     },
     {
         .name  = "-options_file_yaml",
         .kind  = VALUE_FILE,
         .brief = "file with more options as YAML: each line is 'name: value', names without a dash",
+        .early = PETSC_TRUE,
     },
     {
         .name  = "-skip_petscrc",
-        .kind  = VALUE_SOLVER,
+        .kind  = VALUE_SWITCH,
         .brief = "read no options from ~/.petscrc, .petscrc and petscrc",
         .where = "the command line",
+        .early = PETSC_TRUE,
     },
     {
         .name  = "-options_left",
-        .kind  = VALUE_SOLVER,
+        .kind  = VALUE_SWITCH,
         .brief = "print options that PETSc has not used",
+        .early = PETSC_TRUE,
         .late  = PETSC_TRUE,
     },
     {
         .name  = "-options_view",
-        .kind  = VALUE_SOLVER,
+        .kind  = VALUE_SWITCH,
         .brief = "print all options in force",
+        .early = PETSC_TRUE,
         .late  = PETSC_TRUE,
     },
     {
         .name  = "-log_view",
-        .kind  = VALUE_SOLVER,
+        .kind  = VALUE_VIEWER,
         .brief = "print time and memory of all parts of the run",
+        .words = LogFormats,
+        .early = PETSC_TRUE,
         .late  = PETSC_TRUE,
     },
 };
@@ -108,27 +118,21 @@ Request CommandLineRequest(int *argc, char **argv)
 static void CheckWords(const char source[], int n, char *const word[], char sentence[],
                        size_t length)
 {
-  int prefixes = 0;
+  OptionsPlace place = {.depth = 0, .prefixes = 0};
 
+  (void)snprintf(place.source, sizeof(place.source), "%s", source);
   for (int k = 0; k < n && !sentence[0]; k++) {
     const char *const option = word[k];
     const char *const value  = k + 1 < n && !OptionBegins(word[k + 1]) ? word[k + 1] : NULL;
+    const PetscBool   absent = !value || value[0] == '-' ? PETSC_TRUE : PETSC_FALSE; /* as a file */
 
-    prefixes += OptionsPrefix(option);
-    if (prefixes < 0) {
-      (void)snprintf(sentence, length, "%s%s: there is no -prefix_push before it", source, option);
-    } else if (OptionsPrefix(option) > 0 && !value) {
-      (void)snprintf(sentence, length, "%s%s: a prefix is required", source, option);
-    } else if (!OptionBegins(option)) {
+    if (!OptionBegins(option))
       (void)snprintf(sentence, length,
                      "%s%s: a stray word; options begin with a dash, e.g. -case cavity", source,
                      option);
-    } else if (OptionNamesFile(option)) {
-      if (value && value[0] != '-') OptionsFileCheck(option, value, sentence, length);
-      else (void)snprintf(sentence, length, "%s%s: a file name is required", source, option);
-    } else {
-      OptionsValueCheck(source, option, value, sentence, length);
-    }
+    else
+      OptionsPairCheck(&place, option, absent && OptionNamesFile(option) ? NULL : value, sentence,
+                       length);
     if (value) k++;
   }
 }

@@ -46,7 +46,7 @@ static void Allowed(const OptionRow *row, char text[TEXT_LENGTH])
     AppendWord(names, sizeof(names), TableGet(row->table, k)->name);
   for (PetscInt k = 0; row->words && row->words[k]; k++)
     AppendWord(names, sizeof(names), row->words[k]);
-  Append(text, row->kind == VALUE_NAME ? "one of " : "some of ", names, "");
+  Append(text, row->kind == VALUE_NAMES ? "some of " : "one of ", names, "");
 }
 
 /* Prints a text from column INDENT on, in lines of LINE_WIDTH columns. Input: column - number of

@@ -332,13 +332,13 @@ static PetscErrorCode CheckMonitor(const char name[], const char text[])
 }
 
 /*
-  OptionsCheckRanges - Refuses values of PETSc's solvers that their rows do not allow
+  OptionsCheckSolvers - Refuses numbers and monitors of PETSc's solvers that their rows do not allow
 
   Collective. PETSc itself accepts them and then fails, or needs more memory than there is. To be
   called before anything is read; the options stay unread, so that OptionsRefuseUnknown() finds
   them.
 */
-PetscErrorCode OptionsCheckRanges(void)
+PetscErrorCode OptionsCheckSolvers(void)
 {
   PetscInt n;
   char   **names, **values;

@@ -28,48 +28,47 @@ PetscBool OptionBegins(const char word[])
 /* OptionNamesFile - Returns true for options by which PETSc reads another file; not collective */
 PetscBool OptionNamesFile(const char option[])
 {
-  return !strcasecmp(option, "-options_file") || !strcasecmp(option, "-options_file_yaml")
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  const OptionRow *row = OptionFind(option);
+
+  return row && row->early && row->kind == VALUE_FILE ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/*
-  OptionsValueCheck - Checks the value of an option that PetscInitialize() reads
+/* Checks the format in a viewer, as "type:file:format:mode". */
+static void CheckFormat(const char source[], const OptionRow *row, const char value[],
+                        char sentence[], size_t length)
+{
+  const char *format = value;
+  char        word[64], all[256] = "";
+  PetscEnum   known;
+  PetscBool   found;
 
-  Not collective; to be called before PetscInitialize(), when PETSc prints no errors. Inputs: source
-  - beginning of the sentence; value - NULL if there is none. Output: sentence - the mistake;
-  unchanged if there is none or if it holds a sentence already
-*/
-void OptionsValueCheck(const char source[], const char option[], const char value[],
+  for (int k = 0; k < 2 && format; k++) {
+    format = strchr(format, ':');
+    if (format) format++;
+  }
+  if (!format || !*format || *format == ':') return;
+  (void)snprintf(word, sizeof(word), "%.*s", (int)strcspn(format, ":"), format);
+  for (PetscInt k = 0; row->words[k]; k++) AppendWord(all, sizeof(all), row->words[k]);
+  if (PetscEnumFind(PetscViewerFormats, word, &known, &found) || !found)
+    (void)snprintf(sentence, length, "%s%s %.200s: unknown format %s; allowed are %s", source,
+                   row->name, value, word, all);
+}
+
+/* Checks the value of an option before PetscInitialize(), when PETSc prints no errors. Options with
+   two dashes are the same options. */
+static void CheckValue(const char source[], const char option[], const char value[],
                        char sentence[], size_t length)
 {
-  PetscBool   flag;
-  PetscEnum   known;
-  const char *format = value;
+  const char *const name = option[1] == '-' ? option + 1 : option;
+  const OptionRow  *row  = OptionFind(name);
+  PetscBool         flag;
 
-  if (sentence[0] || !value) return;
-  option += option[1] == '-' ? 2 : 1;
-  if (!strcasecmp(option, "skip_petscrc") || !strcasecmp(option, "options_left") ||
-      !strcasecmp(option, "options_view")) {
-    if (PetscOptionsStringToBool(value, &flag))
-      (void)snprintf(sentence, length,
-                     "%s-%s %s: allowed are true and false; without a value it is true", source,
-                     option, value);
-  } else if (!strcasecmp(option, "log_view")) {
-    char word[64];
-
-    for (int k = 0; k < 2 && format; k++) { /* type:file:format:mode */
-      format = strchr(format, ':');
-      if (format) format++;
-    }
-    if (!format || !*format || *format == ':') return;
-    (void)snprintf(word, sizeof(word), "%.*s", (int)strcspn(format, ":"), format);
-    if (PetscEnumFind(PetscViewerFormats, word, &known, &flag) || !flag)
-      (void)snprintf(sentence, length,
-                     "%s-log_view %.200s: unknown format %s; allowed are :file, "
-                     ":file:ascii_info_detail, :file:ascii_xml and :file:ascii_flamegraph",
-                     source, value, word);
-  }
+  if (!value || !row || !row->early) return;
+  if (row->kind == VALUE_SWITCH && PetscOptionsStringToBool(value, &flag))
+    (void)snprintf(sentence, length,
+                   "%s%s %s: allowed are true and false; without a value it is true", source, name,
+                   value);
+  if (row->kind == VALUE_VIEWER) CheckFormat(source, row, value, sentence, length);
 }
 
 /* OptionsNextWord - Cuts the next word off a text as PETSc does: at blanks, but not within double
@@ -116,8 +115,37 @@ static PetscBool IsYaml(const char path[], FILE *file)
   return !strncmp(first, "%YAML ", 6) || !strncmp(first, "---", 3) ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/* Returns 1 for -prefix_push, -1 for -prefix_pop, 0 for others. */
+static int Prefix(const char word[])
+{
+  return !strncasecmp(word, "-prefix_push", 12) - !strncasecmp(word, "-prefix_pop", 11);
+}
+
 static void CheckFile(const char option[], const char name[], int depth, char sentence[],
                       size_t length);
+
+/*
+  OptionsPairCheck - Checks an option and its value
+
+  Not collective; to be called before PetscInitialize(). Input: value - NULL if there is none.
+  Input/Output: place - counts the prefixes. Output: sentence - the mistake; unchanged if there is
+  none
+*/
+void OptionsPairCheck(OptionsPlace *place, const char option[], const char value[], char sentence[],
+                      size_t length)
+{
+  const char *const source = place->source;
+
+  place->prefixes += Prefix(option);
+  if (place->prefixes < 0)
+    (void)snprintf(sentence, length, "%s%s: there is no -prefix_push before it", source, option);
+  else if (Prefix(option) > 0 && !value)
+    (void)snprintf(sentence, length, "%s%s: a prefix is required", source, option);
+  else if (OptionNamesFile(option) && !value)
+    (void)snprintf(sentence, length, "%s%s: a file name is required", source, option);
+  else if (OptionNamesFile(option)) CheckFile(option, value, place->depth, sentence, length);
+  else CheckValue(source, option, value, sentence, length);
+}
 
 /* Checks the files that a YAML text includes, and changes their tags: PETSc cannot include files
    before PetscInitialize(). */
@@ -166,74 +194,65 @@ void OptionsYamlCheck(const char name[], const char text[], char sentence[], siz
   free(copy);
 }
 
-/* OptionsPrefix - Returns 1 for -prefix_push, -1 for -prefix_pop, 0 for others; not collective */
-int OptionsPrefix(const char word[])
+/* Checks that a line of a number of bytes has no bytes that no editor shows. */
+static void CheckBytes(const OptionsPlace *place, const char line[], size_t bytes, PetscBool first,
+                       char sentence[], size_t length)
 {
-  return !strncasecmp(word, "-prefix_push", 12) - !strncasecmp(word, "-prefix_pop", 11);
-}
-
-/* Checks that a line of a number of bytes has no bytes that no editor shows, and takes back no more
-   prefixes of options than the file has set. */
-static void CheckPrefix(const char path[], int number, const char line[], size_t bytes,
-                        int *prefixes, char sentence[], size_t length)
-{
-  *prefixes += OptionsPrefix(line + strspn(line, " \t"));
-  if (*prefixes < 0)
-    (void)snprintf(sentence, length, "%s, line %d: -prefix_pop: there is no -prefix_push before it",
-                   path, number);
-  if (number == 1 && !strncmp(line, "\xef\xbb\xbf", 3))
-    (void)snprintf(sentence, length,
-                   "%s, line 1: it begins with a byte order mark; save the file without it", path);
+  if (first && !strncmp(line, "\xef\xbb\xbf", 3))
+    (void)snprintf(sentence, length, "%sit begins with a byte order mark; save the file without it",
+                   place->source);
   if (strlen(line) < bytes)
-    (void)snprintf(sentence, length, "%s, line %d: it has a null byte; save the file as text", path,
-                   number);
+    (void)snprintf(sentence, length, "%sit has a null byte; save the file as text", place->source);
 }
 
 /* Checks a line of a file. */
-static void CheckLine(const char path[], int number, char line[], int depth, char sentence[],
-                      size_t length)
+static void CheckLine(OptionsPlace *place, char line[], char sentence[], size_t length)
 {
-  char     *token[MAX_TOKENS] = {NULL};
-  const int n                 = Split(line, token);
+  const char *const source            = place->source;
+  char             *token[MAX_TOKENS] = {NULL};
+  const int         n                 = Split(line, token);
 
   if (!n) return;
   if (!strcasecmp(token[0], "alias")) {
     if (n != 3 || !OptionBegins(token[1]) || !OptionBegins(token[2]))
-      (void)snprintf(sentence, length,
-                     "%s, line %d: alias: two options are required, the new name first", path,
-                     number);
+      (void)snprintf(sentence, length, "%salias: two options are required, the new name first",
+                     source);
   } else if (token[0][0] != '-') {
     (void)snprintf(
         sentence, length,
-        "%s, line %d: %s: a stray word; options begin with a dash, and a value stands in "
-        "the line of its option",
-        path, number, token[0]);
+        "%s%s: a stray word; options begin with a dash, and a value stands in the line of its "
+        "option",
+        source, token[0]);
   } else if (!OptionBegins(token[0])) {
-    (void)snprintf(sentence, length, "%s, line %d: %s: a dash and a letter begin an option", path,
-                   number, token[0]);
+    (void)snprintf(sentence, length, "%s%s: a dash and a letter begin an option", source, token[0]);
   } else if ((n > 1 && OptionBegins(token[1])) || (n > 2 && OptionBegins(token[2]))) {
     (void)snprintf(sentence, length,
-                   "%s, line %d: %s and %s: each option has a line of its own, with its value",
-                   path, number, token[0], OptionBegins(token[1]) ? token[1] : token[2]);
+                   "%s%s and %s: each option has a line of its own, with its value", source,
+                   token[0], OptionBegins(token[1]) ? token[1] : token[2]);
   } else if (n > 2) {
     (void)snprintf(sentence, length,
-                   "%s, line %d: %s %s %s: a single value is required; a value with blanks needs "
-                   "double quotes",
-                   path, number, token[0], token[1], token[2]);
-  } else if (OptionsPrefix(token[0]) > 0 && n == 1) {
-    (void)snprintf(sentence, length, "%s, line %d: %s: a prefix is required", path, number,
-                   token[0]);
-  } else if (OptionNamesFile(token[0])) {
-    if (n == 1)
-      (void)snprintf(sentence, length, "%s, line %d: %s: a file name is required", path, number,
-                     token[0]);
-    else CheckFile(token[0], token[1], depth + 1, sentence, length);
+                   "%s%s %s %s: a single value is required; a value with blanks needs double "
+                   "quotes",
+                   source, token[0], token[1], token[2]);
   } else {
-    char source[PETSC_MAX_PATH_LEN + 32];
-
-    (void)snprintf(source, sizeof(source), "%s, line %d: ", path, number);
-    OptionsValueCheck(source, token[0], token[1], sentence, length);
+    OptionsPairCheck(place, token[0], token[1], sentence, length);
   }
+}
+
+/* Checks the lines of a file at a depth of inclusion. */
+static void CheckLines(const char path[], FILE *file, int depth, char sentence[], size_t length)
+{
+  OptionsPlace place = {.depth = depth + 1};
+  char        *line  = NULL;
+  size_t       room  = 0;
+  ssize_t      bytes;
+
+  for (int k = 1; !sentence[0] && (bytes = getline(&line, &room, file)) >= 0; k++) {
+    (void)snprintf(place.source, sizeof(place.source), "%s, line %d: ", path, k);
+    CheckBytes(&place, line, (size_t)bytes, k == 1 ? PETSC_TRUE : PETSC_FALSE, sentence, length);
+    if (!sentence[0]) CheckLine(&place, line, sentence, length);
+  }
+  free(line);
 }
 
 /* Checks a file at a depth of inclusion; option NULL: PETSc reads the file only if it exists. */
@@ -244,10 +263,8 @@ static void CheckFile(const char option[], const char name[], int depth, char se
   PetscBool    yaml = n > 5 && !strcmp(name + n - 5, ":yaml") ? PETSC_TRUE : PETSC_FALSE;
   struct stat  status;
   FILE        *file;
-  char        *line = NULL, path[PETSC_MAX_PATH_LEN];
+  char        *text = NULL, path[PETSC_MAX_PATH_LEN];
   size_t       room = 0;
-  ssize_t      bytes;
-  int          number = 0, prefixes = 0;
 
   if (sentence[0] || strstr(name, "${")) return; /* PETSc substitutes it */
   (void)snprintf(path, sizeof(path), "%.*s", (int)(yaml ? n - 5 : n), name);
@@ -270,14 +287,11 @@ static void CheckFile(const char option[], const char name[], int depth, char se
   }
   if (option && strcasecmp(option, "-options_file")) yaml = PETSC_TRUE;
   if (yaml || IsYaml(path, file)) {
-    if (getdelim(&line, &room, '\0', file) > 0) CheckYaml(path, line, depth, sentence, length);
+    if (getdelim(&text, &room, '\0', file) > 0) CheckYaml(path, text, depth, sentence, length);
+    free(text);
   } else {
-    while (!sentence[0] && (bytes = getline(&line, &room, file)) >= 0) {
-      CheckPrefix(path, ++number, line, (size_t)bytes, &prefixes, sentence, length);
-      if (!sentence[0]) CheckLine(path, number, line, depth, sentence, length);
-    }
+    CheckLines(path, file, depth, sentence, length);
   }
-  free(line);
   (void)fclose(file);
 }
 

@@ -4,13 +4,19 @@
 
 #include "isph/options.h"
 
+/* A place of options: a line of a file, or a list of words. */
+typedef struct {
+  char source[PETSC_MAX_PATH_LEN + 32]; /* beginning of sentences, "file, line 3: " */
+  int  depth;                           /* files that include one another down to this place */
+  int  prefixes;                        /* -prefix_push without -prefix_pop before this place */
+} OptionsPlace;
+
 PetscBool OptionBegins(const char word[]);
-int       OptionsPrefix(const char word[]);
 PetscBool OptionNamesFile(const char option[]);
-void      OptionsValueCheck(const char source[], const char option[], const char value[],
-                            char sentence[], size_t length);
-char     *OptionsNextWord(char **text);
-void      OptionsYamlCheck(const char name[], const char text[], char sentence[], size_t length);
-void      OptionsFileCheck(const char option[], const char path[], char sentence[], size_t length);
+void OptionsPairCheck(OptionsPlace *place, const char option[], const char value[], char sentence[],
+                      size_t length);
+char *OptionsNextWord(char **text);
+void  OptionsYamlCheck(const char name[], const char text[], char sentence[], size_t length);
+void  OptionsFileCheck(const char option[], const char path[], char sentence[], size_t length);
 
 #endif
