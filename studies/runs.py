@@ -31,11 +31,15 @@ class Runs:
     """Quantities at the end of runs by their arguments; quantities at earlier -report_times have the name name@time. A
     failed run has its error sentence in `failed`, and in `failed_t` the time at which it failed. A run that takes more
     than `seconds` of CPU time is stopped and fails; quantities of its last step, at t, are kept. Each row names the
-    build that made it and the day; rows of other builds are kept, and told() counts them."""
+    build that made it and the day; rows of other builds are kept, and told() counts them. Runs take one rank, or
+    `ranks` of them."""
 
-    def __init__(self, path, isph, seconds=None):
+    def __init__(self, path, isph, seconds=None, ranks=1):
         self.path, self.isph, self.seconds, self.rows, self.unsaved, self.made = path, isph, seconds, {}, 0, 0
         self.build, self.asked = "", set()
+        self.launch = [isph]
+        if ranks > 1:
+            self.launch = ["mpiexec", "--oversubscribe", "--bind-to", "none", "-n", str(ranks), isph]
         if os.path.isfile(isph):
             with open(isph, "rb") as file:
                 self.build = hashlib.sha256(file.read()).hexdigest()[:8]
@@ -87,8 +91,9 @@ class Runs:
             return {"failed": f"more than {1.5 * self.seconds:g} s of CPU time, killed"}
         if "interrupted by SIGXCPU" in done.stderr:
             return {"failed": f"more than {self.seconds:g} s of CPU time"}
-        sentence = [line for line in done.stderr.splitlines() if line.startswith("isph: ")]
-        row = {"failed": sentence[0][6:] if sentence else f"status {done.returncode}"}
+        sentence = [line[6:] for line in done.stderr.splitlines() if line.startswith("isph: ")]
+        sentence += [f"status {done.returncode}, {line}" for line in done.stderr.splitlines() if re.search("[a-z]", line)]
+        row = {"failed": sentence[0] if sentence else f"status {done.returncode}"}
         time_named = re.match(r"step \d+ \(t = ([^)]+)\)", row["failed"])
         if time_named:
             row["failed_t"] = time_named.group(1)
@@ -99,7 +104,7 @@ class Runs:
             path, probes = os.path.join(folder, "run.csv"), os.path.join(folder, "probe")
             words = [*shlex.split(arguments), *shlex.split(watch), *(["-probe_output", probes] if watch else [])]
             before = cpu_seconds()
-            done = subprocess.run([self.isph, *words, "-report", path], preexec_fn=self.bound,
+            done = subprocess.run([*self.launch, *words, "-report", path], preexec_fn=self.bound,
                                   capture_output=True, text=True, check=False)
             row = {"run": arguments, "build": self.build, "cpu_s": f"{cpu_seconds() - before:.4g}",
                    "date": datetime.datetime.now(datetime.timezone.utc).date().isoformat()}
