@@ -24,6 +24,11 @@ typedef struct {
   PetscLogStage  stage[RUN_STAGES]; /* without a log the main stage, 0 */
 } Run;
 
+/* run.c */
+PetscErrorCode RunCreate(Run *run);
+PetscErrorCode RunBegin(Run *run);
+PetscErrorCode RunDestroy(Run *run);
+
 /* checkpoint.c */
 PetscErrorCode CheckpointsCreate(const Scheme *scheme, Checkpoints **checkpoints);
 PetscErrorCode CheckpointsDestroy(Checkpoints **checkpoints);

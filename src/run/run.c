@@ -85,8 +85,9 @@ static PetscErrorCode RunOpenFiles(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates all parts of the run from the scene, each from parts that were created before it. */
-static PetscErrorCode RunCreate(Run *run)
+/* RunCreate - Creates all parts of the run from the scene, each from parts that were created before
+   it; collective */
+PetscErrorCode RunCreate(Run *run)
 {
   FluidStart start;
   char       path[PETSC_MAX_PATH_LEN];
@@ -101,7 +102,8 @@ static PetscErrorCode RunCreate(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode RunDestroy(Run *run)
+/* RunDestroy - Destroys all parts of the run; the scene remains; collective */
+PetscErrorCode RunDestroy(Run *run)
 {
   Flow *flow = &run->flow;
 
@@ -123,8 +125,8 @@ static PetscErrorCode RunDestroy(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Prepares the flow at the start, or reads it from a checkpoint. */
-static PetscErrorCode RunBegin(Run *run)
+/* RunBegin - Prepares the flow at the start, or reads it from a checkpoint; collective */
+PetscErrorCode RunBegin(Run *run)
 {
   PetscBool restarted;
 
