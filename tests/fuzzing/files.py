@@ -1,0 +1,93 @@
+"""Inputs with damaged files: checkpoints, particles, options files, tables and indices."""
+import os
+import shutil
+import subprocess
+
+from fuzzing.commands import EXCLUDED, Input
+from fuzzing.expressions import mutated
+from fuzzing.runs import environment
+
+RESTART = ["-n", "8", "-progress", "none", "-report", "report.csv", "-max_steps"]
+PROBES = ["-probe_point", "0.5,0.5", "-output", "s.h5", "-checkpoint", "c.h5"]
+OPTIONS_TEXT = """# a scene
+-case scene
+-scene_box 0,0,1,1   # its corners
+-scene_body_1 "circle,0.5,0.5,0.2"
+-scene_wall_top_velocity 'sin(t), 0'
+-body_force "x*y, -1"
+-viscosity 0.1
+-visc_ksp_rtol 1e-8
+-ppe_pc_type hypre
+-n 8
+-max_steps 1
+"""
+YAML_TEXT = """# a scene
+case: scene
+scene_box: [0, 0, 1, 1]
+scene_body_1: circle,0.5,0.5,0.2
+viscosity: 0.1
+ppe:
+  ksp_rtol: 1e-8
+n: 8
+max_steps: 1
+"""
+
+
+def pristine(isph, folder):
+    """Runs isph for the files that inputs change; returns their contents."""
+    os.mkdir(folder)
+    subprocess.run([isph, *RESTART, "2", *PROBES], cwd=folder, check=True, stdout=subprocess.DEVNULL,
+                   env=environment(folder))
+    found = {}
+    for name in os.listdir(folder):
+        path = os.path.join(folder, name)
+        if os.path.isfile(path):
+            with open(path, "rb") as file:
+                found[name] = file.read()
+    shutil.rmtree(folder)
+    return found
+
+
+def damaged(rng, data):
+    """Returns bytes with bits flipped, cut off, put in or at the end."""
+    data = bytearray(data)
+    draw = rng.random()
+    near = rng.random() < 0.5  # the beginning of an HDF5 file describes the rest
+    length = min(len(data), 4096) if near else len(data)
+    if draw < 0.5:
+        for _ in range(rng.choice((1, 1, 2, 8, 64))):
+            data[rng.randrange(length)] ^= 1 << rng.randrange(8)
+    elif draw < 0.65:
+        del data[rng.randrange(length):]
+    elif draw < 0.75:
+        at = rng.randrange(length)
+        data[at:at + rng.choice((1, 2, 4, 8, 100))] = bytes(rng.randrange(256) for _ in range(rng.choice((0, 1, 4, 8, 100))))
+    elif draw < 0.9:
+        at = rng.randrange(length)
+        count = rng.choice((1, 2, 4, 8))
+        data[at:at + count] = rng.choice((b"\x00", b"\xff", b"\x7f", b"\x80")) * count
+    else:
+        data += bytes(rng.randrange(256) for _ in range(rng.choice((1, 100, 5000)))) if rng.random() < 0.5 else bytes(data)
+    return bytes(data)
+
+
+def file_input(rng, files):
+    kind = rng.choice(("checkpoint", "checkpoint", "particles", "options", "yaml", "petscrc", "csv", "index"))
+    if kind == "checkpoint":
+        return Input(RESTART + ["3"], ["-restart", "c.h5"], {"c.h5": damaged(rng, files["c.h5"])})
+    if kind == "particles":
+        return Input(RESTART + ["1"], ["-particles", "p.h5"], {"p.h5": damaged(rng, files["s_0001.h5"])})
+    if kind in ("options", "yaml", "petscrc"):
+        text = YAML_TEXT if kind == "yaml" else OPTIONS_TEXT
+        while True:
+            data = damaged(rng, text.encode()) if rng.random() < 0.5 else mutated(rng, text).encode()
+            if not EXCLUDED.search(data.decode("latin-1")):
+                break
+        name, words = {"options": ("o.opts", ["-options_file", "o.opts"]), "petscrc": (".petscrc", []),
+                       "yaml": ("o.yaml", ["-options_file_yaml", "o.yaml"])}[kind]
+        return Input(words, ["-n", "8", "-max_steps", "1", "-progress", "none"], {name: data})
+    some = {name: files[name] for name in files if name not in ("report.csv", "probe_point.csv", "s.xdmf")}
+    other = {name: files[name] for name in files if name not in some}
+    name = "s.xdmf" if kind == "index" else rng.choice(("report.csv", "probe_point.csv"))
+    other[name] = damaged(rng, other[name])
+    return Input(RESTART + ["3"], ["-restart", "c.h5", *PROBES], {**some, **other})

@@ -1,0 +1,79 @@
+"""Runs of isph with limits on time, memory and files, and the judgement of a run."""
+import os
+import re
+import resource
+import shlex
+import signal
+import subprocess
+
+MEMORY = 4 << 30  # bytes of address space; not under AddressSanitizer, which reserves terabytes
+FINDINGS = ("crash", "hang", "sanitizer", "not finite", "refusal")
+
+
+def environment(folder):
+    """Returns an environment in which MPI starts no daemon and writes into the folder."""
+    kept = {name: text for name, text in os.environ.items() if not name.startswith("PETSC_")}
+    sanitizer = {"ASAN_OPTIONS": "detect_leaks=0", "UBSAN_OPTIONS": "print_stacktrace=1"}
+    return {**sanitizer, **kept, "HOME": folder, "OMP_NUM_THREADS": "1", "OMPI_MCA_ess_singleton_isolated": "1",
+            "OMPI_MCA_orte_tmpdir_base": folder}
+
+
+def limits(memory):
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 30, 1 << 30))
+    if memory:
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+
+
+def execute(command, folder, seconds, memory):
+    """Returns status, standard output and standard error; the status None after a timeout."""
+    process = subprocess.Popen(command, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE, env=environment(folder), start_new_session=True,
+                               preexec_fn=lambda: limits(memory))
+    try:
+        out, err = process.communicate(timeout=seconds)
+        status = process.returncode
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        out, err = process.communicate()
+        status = None
+    return status, out.decode(errors="replace"), err.decode(errors="replace")
+
+
+def infinite(folder, out):
+    """Returns a number of the report or the table that is not finite, with its line, or None."""
+    text = out[out.rfind("\nquantity "):] if "\nquantity " in out else ""
+    path = os.path.join(folder, "report.csv")
+    if os.path.isfile(path):
+        with open(path, encoding="utf-8", errors="replace") as file:
+            text += file.read()
+    match = re.search(r"^.*(?:^|[\s,])[-+]?(?:nan|inf)(?:[\s,]|$).*$", text, re.M | re.I)
+    return match and match[0].strip()[-100:]
+
+
+def judge(status, out, err, folder, reported):
+    """Returns the kind of a finding and its reason, or None."""
+    if status is None:
+        return "hang", "no end"
+    if "ERROR: AddressSanitizer" in err or "runtime error:" in err:
+        at = re.search(r"(?:ERROR: AddressSanitizer|runtime error:)[^\n]*", err)
+        return "sanitizer", at[0]
+    if status < 0 or status == 59 or status > 128:
+        return "crash", f"status {status}"
+    if "PETSC ERROR" in err or "PETSC ERROR" in out:
+        return "refusal", f"status {status} with a traceback"
+    lines = [line for line in err.rstrip("\n").split("\n") if not line.startswith("mca_")]
+    if status == 0:
+        strange = None if reported else infinite(folder, out)
+        return ("not finite", strange) if strange else None
+    if len(lines) != 1 or not lines[0].startswith("isph: "):
+        return "refusal", f"status {status} with {len(lines)} lines: {err[:200]!r}"
+    return None
+
+
+def quoted(word):
+    """Returns a word for the shell, in printable characters."""
+    if word.isascii() and word.isprintable():
+        return shlex.quote(word)
+    text = "".join(chr(b) if 32 <= b < 127 and chr(b) not in "'\\" else f"\\x{b:02x}" for b in os.fsencode(word))
+    return f"$'{text}'"
