@@ -28,19 +28,21 @@ import shutil
 import sys
 
 from fuzzing.commands import Input, base, expression_input, options, scene_input
-from fuzzing.files import file_input, pristine
+from fuzzing.files import contents_input, file_input, pristine
 from fuzzing.runs import FINDINGS, execute, judge, quoted
 from fuzzing.table import reference
 
 SECONDS = 20
-KINDS = ("option", "combination", "file", "expression", "scene")
-SHARES = (35, 20, 15, 15, 15)  # of the kinds
+KINDS = ("option", "combination", "file", "expression", "scene", "contents")
+SHARES = (35, 20, 15, 15, 10, 5)  # of the kinds
 
 
-def generate(rng, only, rows, cases, files):
+def generate(rng, only, rows, cases, files, flows):
     kind = only or rng.choices(KINDS, SHARES)[0]
     if kind == "file":
         return file_input(rng, files)
+    if kind == "contents":
+        return contents_input(rng, flows)
     if kind == "expression":
         return expression_input(rng)
     if kind == "scene":
@@ -49,10 +51,10 @@ def generate(rng, only, rows, cases, files):
     return Input(base(rng, cases, setting), words)
 
 
-def try_input(isph, settings, index, rows, cases, files, memory):
+def try_input(isph, settings, index, known, memory):
     """Runs one input; returns the kind of its finding and a line about it, or None."""
     rng = random.Random(f"{settings.seed}:{index}:{settings.only}")
-    made = generate(rng, settings.only, rows, cases, files)
+    made = generate(rng, settings.only, *known)
     folder = os.path.abspath(f"fuzz_{settings.seed}_{index}")
     seconds = SECONDS * settings.patience
     command = [isph] + [os.fsencode(word) for word in made.arguments()]
@@ -95,11 +97,10 @@ def main():
     isph = os.path.abspath(settings.isph)
     with open(isph, "rb") as file:
         memory = b"__asan_init" not in file.read()
-    rows, cases = reference(isph)
-    files = pristine(isph, os.path.abspath(f"fuzz_{settings.seed}_files"))
+    known = *reference(isph), *pristine(isph, os.path.abspath(f"fuzz_{settings.seed}_files"))
     counts = dict.fromkeys(FINDINGS, 0)
     with concurrent.futures.ThreadPoolExecutor(settings.jobs) as pool:
-        tries = [pool.submit(try_input, isph, settings, index, rows, cases, files, memory)
+        tries = [pool.submit(try_input, isph, settings, index, known, memory)
                  for index in range(settings.start, settings.start + settings.count)]
         for done in tries:
             if done.result():

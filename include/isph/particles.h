@@ -135,6 +135,8 @@ void           ParticlesShare(MPI_Comm comm, PetscInt n, PetscInt *first, PetscI
 PetscInt       ParticlesRecordWidth(const Particles *particles);
 PetscErrorCode ParticlesPack(const Particles *particles, PetscReal record[]);
 PetscErrorCode ParticlesUnpack(Particles *particles, const PetscReal record[]);
+PetscBool      ParticlesValidRecord(const Scene *scene, const Particles *particles,
+                                    const PetscReal record[]);
 PetscErrorCode ParticlesReplace(const Scene *scene, Particles *particles, PetscInt n,
                                 const PetscReal record[]);
 PetscErrorCode ParticlesInsert(const Scene *scene, Particles *particles, const NewParticles *added,

@@ -114,13 +114,18 @@ PetscErrorCode ReportAddReference(Report *report, const char name[], PetscReal v
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ReportRestore - Adds a quantity that was reported before a restart. Input: row - time, value,
-   reference, error; not collective */
+/* ReportRestore - Adds a quantity that was reported before a restart, and keeps the name of the
+   first with an infinite number. Input: row - time, value, reference, error, NaN for each that is
+   absent; not collective */
 PetscErrorCode ReportRestore(Report *report, const char name[], const PetscReal row[4])
 {
   const PetscReal now = report->t;
 
   PetscFunctionBegin;
+  for (PetscInt k = 0; k < 4 && !report->not_finite[0]; k++) {
+    if (PetscIsInfReal(row[k]) || PetscIsNanReal(row[0]))
+      PetscCall(PetscStrncpy(report->not_finite, name, sizeof(report->not_finite)));
+  }
   report->t = row[0];
   PetscCall(ReportAppend(report, name, row[1], row[2], row[3]));
   report->t = now;

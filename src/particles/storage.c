@@ -144,6 +144,56 @@ PetscErrorCode ParticlesPack(const Particles *p, PetscReal record[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sets the bounds of the numbers of a field, in records that a file gives. */
+static void FieldBounds(const Scene *scene, const Particles *p, const Field *field, PetscReal *low,
+                        PetscReal *high)
+{
+  *low  = -PETSC_MAX_REAL;
+  *high = PETSC_MAX_REAL;
+  if (field->slot == &p->volume) *low = PETSC_MACHINE_EPSILON * p->cell_volume;
+  if (field->slot == &p->nu) *low = 0.0;
+  if (field->slot == &p->dx) {
+    *low  = SceneFinest(scene) * (1.0 - PETSC_SQRT_MACHINE_EPSILON);
+    *high = SceneCoarsest(scene) * (1.0 + PETSC_SQRT_MACHINE_EPSILON);
+  }
+  if (field->slot == &p->side) {
+    *low  = 0.0;
+    *high = (PetscReal)SceneBoundaries(scene) - 1.0;
+  }
+}
+
+/* Returns true if a number is whole and at least 0, and smaller than a bound. */
+static PetscBool IsWhole(PetscReal number, PetscReal bound)
+{
+  return number >= 0.0 && number < bound && number == PetscFloorReal(number) ? PETSC_TRUE
+                                                                             : PETSC_FALSE;
+}
+
+/*
+  ParticlesValidRecord - Determines if a record of a file can be the record of a particle
+
+  Not collective. Its id is smaller than p->next_id, its kind is known, and the numbers of its fields
+  are finite and within their bounds.
+*/
+PetscBool ParticlesValidRecord(const Scene *scene, const Particles *p, const PetscReal record[])
+{
+  const PetscReal *number = &record[RECORD_FIELDS];
+  PetscBool        valid  = p->next_id <= PARTICLES_MAX_ID &&
+                            IsWhole(record[RECORD_ID], (PetscReal)p->next_id) &&
+                            IsWhole(record[RECORD_KIND], PARTICLE_KINDS)
+                                ? PETSC_TRUE
+                                : PETSC_FALSE;
+
+  for (PetscInt f = 0; f < p->n_fields; f++) {
+    PetscReal low, high;
+
+    FieldBounds(scene, p, &p->field[f], &low, &high);
+    for (PetscInt c = 0; c < p->field[f].components; c++, number++)
+      valid = valid && *number >= low && *number <= high ? PETSC_TRUE : PETSC_FALSE;
+  }
+  return valid;
+}
+
 /* The kinds of particles, in the order of ParticleKind. */
 const ParticleKindRow ParticleKinds[PARTICLE_KINDS] = {
     [PARTICLE_FLUID] = {"fluid", PETSC_FALSE},

@@ -210,6 +210,26 @@ static PetscErrorCode ReadFile(Run *run, const char path[], Hdf5File *file, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Ends the run if a record of this rank's n can be no particle's, although the checksum is right.
+   Collective. */
+static PetscErrorCode CheckRecords(const Run *run, const char path[], PetscInt n,
+                                   const PetscReal record[])
+{
+  const Particles *p     = run->flow.particles;
+  const PetscInt   width = ParticlesRecordWidth(p);
+  PetscInt         wrong = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < n; i++)
+    if (!ParticlesValidRecord(run->flow.scene, p, &record[(size_t)i * width])) wrong++;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &wrong, 1, MPIU_INT, MPI_SUM, p->comm));
+  PetscCheck(!wrong, PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
+             "-restart %s: the file is damaged: %" PetscInt_FMT
+             " of its particles have an unknown number or kind, or values out of bounds",
+             path, wrong);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   CheckpointsRestart - Replaces the flow at the start by the flow of the checkpoint of -restart
 
@@ -242,6 +262,7 @@ PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted)
   UserCheck(run->flow.clock->t <= run->flow.clock->t_end * (1.0 + 1e-12),
             "-restart %s: the file is at t = %.6g, after -t_end %.6g", path,
             (double)run->flow.clock->t, (double)run->flow.clock->t_end);
+  PetscCall(CheckRecords(run, path, n, record));
   PetscCall(ParticlesReplace(run->flow.scene, run->flow.particles, n, record));
   PetscCall(PetscFree(record));
   PetscCall(run->flow.scheme->row->Begin(&run->flow));

@@ -1,14 +1,21 @@
-"""Inputs with damaged files: checkpoints, particles, options files, tables and indices."""
+"""Inputs with other files: damaged bytes of any file, and other contents of checkpoints and of particles."""
 import os
 import shutil
 import subprocess
 
 from fuzzing.commands import EXCLUDED, Input
 from fuzzing.expressions import mutated
+from fuzzing.hdf5 import Contents, changed, checksum
 from fuzzing.runs import environment
 
 RESTART = ["-n", "8", "-progress", "none", "-report", "report.csv", "-max_steps"]
 PROBES = ["-probe_point", "0.5,0.5", "-output", "s.h5", "-checkpoint", "c.h5"]
+FLOWS = (  # whose checkpoints and snapshots get other contents
+    ("-report_times", "0.01"),
+    ("-scheme", "coupled", "-motion", "eulerian"),
+    ("-case", "scene", "-scene_wall_top_velocity", "1,0", "-viscosity_field", "0.01+0.01*x"),
+)
+START = ("position", "velocity", "viscosity", "type")  # the data sets that -particles reads
 OPTIONS_TEXT = """# a scene
 -case scene
 -scene_box 0,0,1,1   # its corners
@@ -33,10 +40,10 @@ max_steps: 1
 """
 
 
-def pristine(isph, folder):
-    """Runs isph for the files that inputs change; returns their contents."""
+def written(isph, folder, options):
+    """Runs isph with options; returns the contents of its files."""
     os.mkdir(folder)
-    subprocess.run([isph, *RESTART, "2", *PROBES], cwd=folder, check=True, stdout=subprocess.DEVNULL,
+    subprocess.run([isph, *RESTART, "2", *options], cwd=folder, check=True, stdout=subprocess.DEVNULL,
                    env=environment(folder))
     found = {}
     for name in os.listdir(folder):
@@ -46,6 +53,15 @@ def pristine(isph, folder):
                 found[name] = file.read()
     shutil.rmtree(folder)
     return found
+
+
+def pristine(isph, folder):
+    """Runs isph for the files that inputs change; returns the files, and the files of each of FLOWS."""
+    flows = [written(isph, folder, (*flow, "-output", "s.h5", "-checkpoint", "c.h5")) for flow in FLOWS]
+    for flow in flows:
+        contents = Contents(flow["c.h5"])
+        assert checksum(contents) == contents.number(contents.attributes["checksum"].at)
+    return written(isph, folder, PROBES), flows
 
 
 def damaged(rng, data):
@@ -91,3 +107,10 @@ def file_input(rng, files):
     name = "s.xdmf" if kind == "index" else rng.choice(("report.csv", "probe_point.csv"))
     other[name] = damaged(rng, other[name])
     return Input(RESTART + ["3"], ["-restart", "c.h5", *PROBES], {**some, **other})
+
+
+def contents_input(rng, flows):
+    k = rng.randrange(len(FLOWS))
+    if rng.random() < 0.75:
+        return Input(RESTART + ["4", *FLOWS[k]], ["-restart", "c.h5"], {"c.h5": changed(rng, flows[k]["c.h5"])})
+    return Input(RESTART + ["1", *FLOWS[k]], ["-particles", "p.h5"], {"p.h5": changed(rng, flows[k]["s_0001.h5"], START)})
