@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs isph with random input: options, files, expressions and scenes that a seed determines.
+"""Runs isph with random input: options, files, their contents, expressions and scenes that a seed determines.
 
     fuzz.py [--count N] [--seed S] [--start K] [--jobs J] [--only KIND] [--patience X] ISPH
 
@@ -29,7 +29,7 @@ import sys
 
 from fuzzing.commands import Input, base, expression_input, options, scene_input
 from fuzzing.files import contents_input, file_input, pristine
-from fuzzing.runs import FINDINGS, execute, judge, quoted
+from fuzzing.runs import FINDINGS, execute, judge, quoted, sanitized
 from fuzzing.table import reference
 
 SECONDS = 20
@@ -95,8 +95,7 @@ def main():
     parser.add_argument("isph")
     settings = parser.parse_args()
     isph = os.path.abspath(settings.isph)
-    with open(isph, "rb") as file:
-        memory = b"__asan_init" not in file.read()
+    memory = not sanitized(isph)
     known = *reference(isph), *pristine(isph, os.path.abspath(f"fuzz_{settings.seed}_files"))
     counts = dict.fromkeys(FINDINGS, 0)
     with concurrent.futures.ThreadPoolExecutor(settings.jobs) as pool:

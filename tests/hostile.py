@@ -3,16 +3,27 @@
 
     hostile.py files COMMAND...      devices, links, pipes and folders in the place of files; paths that are too long
     hostile.py options COMMAND...    options files that are no files of options
-    hostile.py full COMMAND...       a full disk, and a limit on the size of files
-    hostile.py damaged COMMAND...    checkpoints with attributes of other shapes; needs h5py (else status 77)
+    hostile.py full COMMAND...       a full disk, and limits on the size of files and on memory
+    hostile.py quit COMMAND...       SIGQUIT
+    hostile.py numbers COMMAND...    numbers beyond the range of the computer
+    hostile.py contents COMMAND...   checkpoints and particle files with other numbers, and the right checksum
+    hostile.py damaged COMMAND...    checkpoints with attributes of other shapes, a particle file without particles;
+                                     needs h5py (else status 77)
 
 Writes in the present folder only.
 """
+import math
 import os
 import resource
+import signal
 import stat
+import struct
 import subprocess
 import sys
+import time
+
+from fuzzing.hdf5 import Contents, checksum
+from fuzzing.runs import sanitized
 
 SKIPPED = 77
 SMALL = ("-n", "8", "-max_steps", "1", "-progress", "none")
@@ -27,9 +38,10 @@ def run(*options, **how):
 
 
 def refused(words, *options, **how):
-    """Asserts that a run ends with one line that holds the words."""
+    """Asserts that a run ends with one line that holds the words; returns the status."""
     status, lines = run(*options, **how)
     assert status != 0 and len(lines) == 1 and words in lines[0], (options, status, lines)
+    return status
 
 
 def files():
@@ -100,6 +112,74 @@ def full():
     limit = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (12000000, 12000000))}
     refused("cannot be written, or the disk is full", "-n", "500", "-checkpoint", "c.h5", **limit)
     refused("cannot write", "-n", "500", "-output", "s.h5", **limit)
+    refused("-n 1000000: allowed is 4 to 100000", "-n", "1000000")
+    if not sanitized(sys.argv[2]):
+        # 36 million particles take 288 MB for their ids and 144 MB for their rows
+        limit = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_AS, (700 << 20, 700 << 20))}
+        assert refused("there is too little memory: use a smaller -n, or more nodes", "-n", "6000", **limit) == 55
+
+
+def quitted():
+    """SIGQUIT ends a run at once and without a message; the last checkpoint remains."""
+    command = [*sys.argv[2:], "-n", "16", "-t_end", "1e6", "-progress", "none", "-checkpoint", "c.h5",
+               "-checkpoint_every", "0.1"]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CORE, (0, 0))) as process:
+        for _ in range(600):
+            if os.path.exists("c.h5") or process.poll() is not None:
+                break
+            time.sleep(0.1)
+        process.send_signal(signal.SIGQUIT)
+        message = process.communicate(timeout=60)[1]
+    assert process.returncode == -signal.SIGQUIT and not message, (process.returncode, message)
+    refused("-restart c.h5: the file is at t = ", "-n", "16", "-t_end", "1e-6", "-restart", "c.h5")
+
+
+def numbers():
+    """Units in which a quantity overflows end the run with status 72, with all quantities in the report."""
+    huge = "-length", "1e50", "-speed", "1e50", "-density", "1e50"
+    for options in (), ("-case", "taylor_couette"), ("-dim", "3"):
+        status = refused("linear_momentum is not finite: numbers of this run leave the range of the computer; choose "
+                         "units", *huge, *options, "-report", "r.csv")
+        assert status == 72, status
+        with open("r.csv", encoding="utf-8") as file:
+            assert "linear_momentum" in file.read()
+
+
+def contents():
+    assert run("-checkpoint", "c.h5", "-output", "s.h5", "-report_times", "0.01", "-max_steps", "2") == (0, [])
+    with open("c.h5", "rb") as file:
+        checkpoint = file.read()
+    with open("s_0000.h5", "rb") as file:
+        snapshot = file.read()
+
+    def changed(path, original, name, *numbers):
+        """Writes a file in which a data set begins with other numbers."""
+        contents = Contents(bytearray(original))
+        struct.pack_into(f"<{len(numbers)}d", contents.data, contents.sets[name].at, *numbers)
+        if "checksum" in contents.attributes:
+            struct.pack_into("<Q", contents.data, contents.attributes["checksum"].at, checksum(contents))
+        with open(path, "wb") as file:
+            file.write(contents.data)
+
+    changed("c.h5", checkpoint, "particles", 0.0)
+    assert run("-max_steps", "3", "-restart", "c.h5") == (0, [])  # the checksum is right
+    # of the first particle: id, kind, x and y, u, x and y at the start of the epoch, dx, volume
+    first = 0, 0, 0.1, 0.1, 0, 0, 0.1, 0.1
+    for record in ((-1,), (0.5,), (1e9,), (math.nan,), (0, 2), (0, -1), (0, math.inf), (0, 0, math.nan),
+                   (*first[:4], math.inf), (*first, 1), (*first, 0.125, -1)):
+        changed("c.h5", checkpoint, "particles", *record)
+        assert refused("-restart c.h5: the file is damaged: 1 of its particles", "-max_steps", "3", "-restart",
+                       "c.h5") == 79
+    for row in (math.nan,), (0.01, -math.inf), (0.01, 1, math.inf), (0.01, 1, 1, math.inf):
+        changed("c.h5", checkpoint, "report", *row)
+        assert refused("is not finite", "-max_steps", "3", "-restart", "c.h5") == 72
+    for rows in 2**27 + 1, 2**31, 2**32 + 64, 2**63, 2**64 - 1:
+        contents = Contents(bytearray(snapshot))
+        struct.pack_into("<Q", contents.data, contents.sets["position"].sizes_at, rows)
+        with open("p.h5", "wb") as file:
+            file.write(contents.data)
+        refused("-particles p.h5: ", "-particles", "p.h5")
 
 
 def damaged():
@@ -123,7 +203,13 @@ def damaged():
             del file.attrs[name]
             file.attrs[name] = value
         refused("-restart c.h5: ", "-max_steps", "2", "-restart", "c.h5")
+    for rows in 2**27, 2**31 + 5, 2**60:  # the fill value of absent chunks, so that the file is small
+        with h5py.File("p.h5", "w") as file:
+            file.create_dataset("position", (rows, 2), "f8", chunks=(1024, 2), fillvalue=0.5)
+        assert os.path.getsize("p.h5") < 100000
+        refused("-particles p.h5: ", "-particles", "p.h5")
 
 
 if __name__ == "__main__":
-    {"files": files, "options": options, "full": full, "damaged": damaged}[sys.argv[1]]()
+    {"files": files, "options": options, "full": full, "quit": quitted, "numbers": numbers, "contents": contents,
+     "damaged": damaged}[sys.argv[1]]()

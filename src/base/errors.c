@@ -43,6 +43,15 @@ static PetscBool SourceIsOurs(const char path[])
 
 const char *const SolverPrefixes[] = {"-visc_", "-ppe_", "-coupled_", NULL};
 
+/* Returns true if PETSc has found no memory. PETSc 3.18 passes the line of the caller for the error
+   code and the name of the caller for the message. */
+static PetscBool ErrorIsOfMemory(const char function[])
+{
+  return !strcmp(function, "PetscMallocAlign") || !strcmp(function, "PetscReallocAlign")
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
 /*
   Returns true if PETSc fails with a solver that the user has chosen, such as a preconditioner that
   needs data of a mesh.
@@ -106,6 +115,10 @@ static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *
   ErrorState *state = (ErrorState *)ctx;
   int         rank  = 0;
 
+  if (type == PETSC_ERROR_INITIAL && function && ErrorIsOfMemory(function)) {
+    code    = PETSC_ERR_MEM;
+    message = "memory cannot be allocated";
+  }
   if (!ErrorIsUsers(code) && !state->of_solver && type == PETSC_ERROR_INITIAL)
     state->of_solver = ErrorIsOfChosenSolver(code, file);
   if (!ErrorIsUsers(code) && !state->of_solver) {

@@ -100,10 +100,13 @@ class Contents:
                 if item.at is not None:
                     self.sets[item.name] = item
 
+    def holds(self, item):
+        return item.at + item.count() * item.width <= len(self.data)
+
     def values(self, name):
         """Returns the values of an attribute or a data set; None: none that can be read."""
         item = self.attributes.get(name) or self.sets.get(name)
-        if not item or item.at + item.count() * item.width > len(self.data):
+        if not item or not self.holds(item):
             return None
         raw = bytes(self.data[item.at:item.at + item.count() * item.width])
         if item.kind == STRING:
@@ -144,8 +147,10 @@ def checksum(contents):
 
 
 def change_value(rng, contents, item):
-    """Changes one value or a few, mostly to an odd one."""
+    """Changes one value or a few, mostly to an odd one; none of an item that an earlier change made too long."""
     data = contents.data
+    if not contents.holds(item):
+        return
     if item.kind == STRING:
         text = mutated(rng, contents.values(item.name).decode("latin-1")).encode(errors="replace")
         data[item.at:item.at + item.width] = text[:item.width].ljust(item.width, b"\0")

@@ -18,6 +18,12 @@ def environment(folder):
             "OMPI_MCA_orte_tmpdir_base": folder}
 
 
+def sanitized(isph):
+    """Returns true for a program under AddressSanitizer, which reserves more memory than a limit allows."""
+    with open(isph, "rb") as file:
+        return b"__asan_init" in file.read()
+
+
 def limits(memory):
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 30, 1 << 30))
