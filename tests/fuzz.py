@@ -27,10 +27,10 @@ import random
 import shutil
 import sys
 
-from fuzzing.commands import Input, base, expression_input, options, scene_input
-from fuzzing.files import contents_input, file_input, pristine
-from fuzzing.runs import FINDINGS, execute, judge, quoted, sanitized
-from fuzzing.table import reference
+from random_input.commands import Input, base, expression_input, options, scene_input
+from random_input.files import contents_input, file_input, pristine
+from random_input.runs import FINDINGS, execute, judge, quoted, sanitized
+from random_input.table import reference
 
 SECONDS = 20
 KINDS = ("option", "combination", "file", "expression", "scene", "contents")

@@ -22,8 +22,8 @@ import subprocess
 import sys
 import time
 
-from fuzzing.hdf5 import Contents, checksum
-from fuzzing.runs import sanitized
+from random_input.hdf5 import Contents, checksum
+from random_input.runs import sanitized
 
 SKIPPED = 77
 SMALL = ("-n", "8", "-max_steps", "1", "-progress", "none")

@@ -1,8 +1,8 @@
 """Inputs that are command lines: options with random values, expressions and scenes."""
 import re
 
-from fuzzing.expressions import expression, mutated
-from fuzzing.values import number, shape, value
+from random_input.expressions import expression, mutated
+from random_input.values import number, shape, value
 
 # Requests that print and end, and programs, pictures and places outside the folder
 EXCLUDED = re.compile(r"draw|socket|saws|python|matlab|debugger|on_error|x11|/dev|\.\.|~|\$|(?:^|[\s:,='\"])/", re.I)

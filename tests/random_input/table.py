@@ -3,7 +3,7 @@ import os
 import re
 import subprocess
 
-from fuzzing.runs import environment
+from random_input.runs import environment
 
 
 class Option:

@@ -6,7 +6,7 @@ object headers, contiguous data sets. The metadata have no checksums, so bytes c
 import math
 import struct
 
-from fuzzing.expressions import mutated
+from random_input.expressions import mutated
 
 FLOATS = (0.0, -0.0, -1.0, 1e-310, 1e300, -1e300, math.nan, math.inf, -math.inf)
 INTS = (0, 1, -1, 2, 7, 99, 2**31 - 1, 2**31, -2**31, 2**53 + 1, 2**63 - 1, -2**63)

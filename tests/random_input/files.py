@@ -3,10 +3,10 @@ import os
 import shutil
 import subprocess
 
-from fuzzing.commands import EXCLUDED, Input
-from fuzzing.expressions import mutated
-from fuzzing.hdf5 import Contents, changed, checksum
-from fuzzing.runs import environment
+from random_input.commands import EXCLUDED, Input
+from random_input.expressions import mutated
+from random_input.hdf5 import Contents, changed, checksum
+from random_input.runs import environment
 
 RESTART = ["-n", "8", "-progress", "none", "-report", "report.csv", "-max_steps"]
 PROBES = ["-probe_point", "0.5,0.5", "-output", "s.h5", "-checkpoint", "c.h5"]

@@ -2,7 +2,7 @@
 import math
 import re
 
-from fuzzing.expressions import expression
+from random_input.expressions import expression
 
 # Largest values in range that finish in time
 COSTLY = {"-n": 20, "-max_steps": 3, "-patch_repeats": 2}
