@@ -172,8 +172,8 @@ static PetscBool IsWhole(PetscReal number, PetscReal bound)
 /*
   ParticlesValidRecord - Determines if a record of a file can be the record of a particle
 
-  Not collective. Its id is smaller than p->next_id, its kind is known, and the numbers of its fields
-  are finite and within their bounds.
+  Not collective. Its id is smaller than p->next_id, its kind is known, and the numbers of its
+  fields are finite and within their bounds.
 */
 PetscBool ParticlesValidRecord(const Scene *scene, const Particles *p, const PetscReal record[])
 {
