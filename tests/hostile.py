@@ -171,6 +171,9 @@ def contents():
         changed("c.h5", checkpoint, "particles", *record)
         assert refused("-restart c.h5: the file is damaged: 1 of its particles", "-max_steps", "3", "-restart",
                        "c.h5") == 79
+    for memory in (math.nan,), (-0.1,), (0.1, 0.01, 0.01, 1.5), (0.1, 0.01, 0.01, math.inf):  # t, dt, dt before, step
+        changed("c.h5", checkpoint, "memory", *memory)
+        assert refused("-restart c.h5: the file is damaged", "-max_steps", "3", "-restart", "c.h5") == 79
     for row in (math.nan,), (0.01, -math.inf), (0.01, 1, math.inf), (0.01, 1, 1, math.inf):
         changed("c.h5", checkpoint, "report", *row)
         assert refused("is not finite", "-max_steps", "3", "-restart", "c.h5") == 72

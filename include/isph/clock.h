@@ -54,6 +54,7 @@ PetscErrorCode MemoryAddReal(Memory *memory, const char name[], PetscReal *value
 PetscErrorCode MemoryAddInt(Memory *memory, const char name[], PetscInt *value);
 PetscErrorCode MemoryAddCounter(Memory *memory, const char name[], PetscInt *value);
 void           MemoryGet(const Memory *memory, PetscReal values[]);
+PetscBool      MemoryFits(const Memory *memory, const PetscReal values[]);
 void           MemorySet(const Memory *memory, PetscBool counters, const PetscReal values[]);
 
 /* Control of the step length. */

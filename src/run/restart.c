@@ -171,6 +171,7 @@ static PetscErrorCode ReadMemory(Run *run, const char path[], Hdf5File *file, ui
   UserCheck(file->failed || same,
             "-restart %s: the file has another scheme or integrator; use the same -scheme", path);
   PetscCall(ReadTable(file, "memory", 1, memory->n, &values, sum));
+  if (!file->failed && !MemoryFits(memory, values)) file->failed = PETSC_TRUE;
   if (!file->failed) MemorySet(memory, PETSC_TRUE, values);
   PetscCall(PetscFree(values));
   PetscCall(ClockRestart(run->flow.clock));
@@ -259,6 +260,9 @@ PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted)
   PetscCheck(good && whole, PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
              "-restart %s: the file is damaged: %s", path,
              good ? "its checksum is wrong" : "parts of it cannot be read");
+  PetscCheck(run->flow.clock->t >= 0.0, PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
+             "-restart %s: the file is damaged: it is at t = %.6g", path,
+             (double)run->flow.clock->t);
   UserCheck(run->flow.clock->t <= run->flow.clock->t_end * (1.0 + 1e-12),
             "-restart %s: the file is at t = %.6g, after -t_end %.6g", path,
             (double)run->flow.clock->t, (double)run->flow.clock->t_end);

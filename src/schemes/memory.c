@@ -53,6 +53,18 @@ void MemoryGet(const Memory *memory, PetscReal values[])
   }
 }
 
+/* MemoryFits - Determines if numbers of a file can be set: whole numbers must be whole and within
+   their range; not collective */
+PetscBool MemoryFits(const Memory *memory, const PetscReal values[])
+{
+  for (PetscInt k = 0; k < memory->n; k++) {
+    if (memory->item[k].real) continue;
+    if (!(PetscAbsReal(values[k]) < (PetscReal)PETSC_INT_MAX)) return PETSC_FALSE;
+    if (values[k] != PetscFloorReal(values[k])) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
 /* MemorySet - Sets all numbers from a copy, but counters only if the flag `counters` is set; not
    collective */
 void MemorySet(const Memory *memory, PetscBool counters, const PetscReal values[])
