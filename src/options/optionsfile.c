@@ -88,12 +88,14 @@ char *OptionsNextWord(char **text)
   return word;
 }
 
-/* Splits a line into words, without its comment. Returns their number, at most MAX_TOKENS. */
+/* Splits a line into words, without its comment. Returns their number, at most MAX_TOKENS. As in
+   PETSc, a carriage return is a blank and ends no line. */
 static int Split(char line[], char *token[MAX_TOKENS])
 {
   int n = 0;
 
-  line[strcspn(line, "#\n\r")] = '\0';
+  line[strcspn(line, "#\n")] = '\0';
+  for (char *c = strchr(line, '\r'); c; c = strchr(c, '\r')) *c = ' ';
   while (n < MAX_TOKENS && (token[n] = OptionsNextWord(&line))) n++;
   return n;
 }
@@ -255,19 +257,55 @@ static void CheckLines(const char path[], FILE *file, int depth, char sentence[]
   free(line);
 }
 
+/*
+  Replaces ${NAME} in the name of a file by the environment variable, as PETSc does. Returns false if
+  the file cannot be checked: PETSc itself defines a name, or there is a mistake.
+*/
+static PetscBool Substitute(const char option[], const char name[], char path[PETSC_MAX_PATH_LEN],
+                            char sentence[], size_t length)
+{
+  static const char *const own[] = {"PETSC_ARCH", "PETSC_DIR",     "PETSC_LIB_DIR",
+                                    "DISPLAY",    "HOMEDIRECTORY", "WORKINGDIRECTORY",
+                                    "USERNAME",   "HOSTNAME"};
+
+  (void)snprintf(path, PETSC_MAX_PATH_LEN, "%s", name);
+  for (char *open = strstr(path, "${"); open; open = strstr(path, "${")) {
+    char       *close = strchr(open, '}'), rest[PETSC_MAX_PATH_LEN];
+    const char *value;
+
+    if (close) *close = '\0';
+    for (size_t k = 0; close && k < PETSC_STATIC_ARRAY_LENGTH(own); k++) {
+      if (!strcmp(open + 2, own[k])) return PETSC_FALSE;
+    }
+    value = close ? getenv(open + 2) : NULL;
+    if (!value || strstr(value, "${")) {
+      (void)snprintf(sentence, length,
+                     "%s %s: ${NAME} stands for an environment variable, which must be set", option,
+                     name);
+      return PETSC_FALSE;
+    }
+    (void)snprintf(rest, sizeof(rest), "%s", close + 1);
+    (void)snprintf(open, PETSC_MAX_PATH_LEN - (size_t)(open - path), "%s%s", value, rest);
+  }
+  return PETSC_TRUE;
+}
+
 /* Checks a file at a depth of inclusion; option NULL: PETSc reads the file only if it exists. */
 static void CheckFile(const char option[], const char name[], int depth, char sentence[],
                       size_t length)
 {
-  const size_t n    = strlen(name);
-  PetscBool    yaml = n > 5 && !strcmp(name + n - 5, ":yaml") ? PETSC_TRUE : PETSC_FALSE;
-  struct stat  status;
-  FILE        *file;
-  char        *text = NULL, path[PETSC_MAX_PATH_LEN];
-  size_t       room = 0;
+  size_t      n;
+  PetscBool   yaml;
+  struct stat status;
+  FILE       *file;
+  char       *text = NULL, path[PETSC_MAX_PATH_LEN];
+  size_t      room = 0;
 
-  if (sentence[0] || strstr(name, "${")) return; /* PETSc substitutes it */
-  (void)snprintf(path, sizeof(path), "%.*s", (int)(yaml ? n - 5 : n), name);
+  if (sentence[0] || (!option && strstr(name, "${"))) return;
+  if (!Substitute(option, name, path, sentence, length)) return;
+  n    = strlen(path);
+  yaml = n > 5 && !strcmp(path + n - 5, ":yaml") ? PETSC_TRUE : PETSC_FALSE;
+  if (yaml) path[n - 5] = '\0';
   if (depth > MAX_DEPTH) {
     (void)snprintf(sentence, length,
                    "%s %s: files are included more than %d deep; does one include itself?", option,

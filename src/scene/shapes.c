@@ -4,6 +4,15 @@
 */
 #include "isph/scene.h"
 
+/* Returns the number of points dx apart on a line, at least `fewest`; so long a line that the points
+   of a body could not be counted gets fewer. */
+static PetscInt LineCount(PetscReal length, PetscReal dx, PetscInt fewest)
+{
+  const PetscReal most = (PetscReal)(PETSC_INT_MAX / BODY_PARAMETERS);
+
+  return PetscMax(fewest, (PetscInt)PetscMin(PetscFloorReal(length / dx + 0.5), most));
+}
+
 /* ---- circle: cx, cy, r ---- */
 
 static const char *CirclePrepare(Body *body)
@@ -31,7 +40,7 @@ static PetscReal CircleDistance(const Body *body, const PetscReal x[], PetscReal
 
 static PetscInt CircleCount(const Body *body, PetscReal dx)
 {
-  return PetscMax(8, (PetscInt)PetscFloorReal(2.0 * PETSC_PI * body->parameter[2] / dx + 0.5));
+  return LineCount(2.0 * PETSC_PI * body->parameter[2], dx, 8);
 }
 
 static PetscReal CirclePoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[],
@@ -179,7 +188,7 @@ static PetscInt EdgeCount(const Body *body, PetscInt e, PetscReal dx)
 {
   const PetscReal *a, *b;
 
-  return PetscMax(1, (PetscInt)PetscFloorReal(Edge(body, e, &a, &b) / dx + 0.5));
+  return LineCount(Edge(body, e, &a, &b), dx, 1);
 }
 
 static PetscInt PolygonCount(const Body *body, PetscReal dx)

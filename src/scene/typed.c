@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SHAPE_TEXT 2048 /* room for BODY_PARAMETERS numbers with all their digits */
+#define SHAPE_TEXT   2048     /* room for BODY_PARAMETERS numbers with all their digits */
+#define SHAPE_POINTS 20000000 /* most points on a surface: checks visit all of them */
 
 enum {
   BOX,
@@ -138,7 +139,8 @@ static void Numbered(const OptionRow *pattern, PetscInt k, char name[OPTION_LENG
 }
 
 /* Reads the name of a shape and its numbers, as "circle,0.5,0.5,0.25". */
-static PetscErrorCode ReadShape(const char option[], const char text[], Body *body)
+static PetscErrorCode ReadShape(const Scene *scene, const char option[], const char text[],
+                                Body *body)
 {
   const ShapeRow *shape;
   const char     *wrong;
@@ -166,6 +168,9 @@ static PetscErrorCode ReadShape(const char option[], const char text[], Body *bo
     UserCheck(!PetscIsInfOrNanReal(number[k]), "%s: its numbers must be finite", option);
   wrong = BodySet(body, shape, n, number);
   UserCheck(!wrong, "%s: %s", option, wrong);
+  UserCheck(BodyPoints(body, BodySpacing(scene, body)) <= SHAPE_POINTS,
+            "%s: its outline is longer than %d dx; a shape need not reach far beyond the box",
+            option, SHAPE_POINTS);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -245,7 +250,7 @@ static PetscErrorCode ReadBodies(Scene *scene)
     PetscCall(OptionGetText(&row, sizeof(text), text, &given));
     if (!given) break;
     boundary = SceneAddBody(scene);
-    PetscCall(ReadShape(name, text, &boundary->body));
+    PetscCall(ReadShape(scene, name, text, &boundary->body));
     PetscCall(ReadBodyMotion(k, scene, boundary));
     Numbered(&options[BODY_AROUND], k, name, &row);
     PetscCall(OptionGetSwitch(&row, &boundary->body.around, NULL));
@@ -319,7 +324,7 @@ static PetscErrorCode ReadFluids(Scene *scene)
     Numbered(&options[FLUID], k, name, &row);
     PetscCall(OptionGetText(&row, sizeof(text), text, &given));
     if (!given) break;
-    PetscCall(ReadShape(name, text, &scene->region[scene->n_regions]));
+    PetscCall(ReadShape(scene, name, text, &scene->region[scene->n_regions]));
     Numbered(&options[FLUID_VISCOSITY], k, name, &row);
     PetscCall(OptionGetReal(&row, nu, &given));
     UserCheck(given, "%s: the fluid's kinematic viscosity is required [m^2/s]", name);

@@ -3,6 +3,7 @@
   file, or the words of a command line, a line for each. PETSc must read a file that passes the
   checks.
 */
+#define _GNU_SOURCE /* memmem() */
 #include "fuzzer.h"
 #include "options/optionsfile.h"
 #include <stdlib.h>
@@ -18,14 +19,15 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
   return 0;
 }
 
-/* Checks a file as the file of an option; lets PETSc read it if there is no mistake. */
-static void CheckFile(const char option[], const char path[], PetscBool yaml)
+/* Checks a file as the file of an option; lets PETSc read it if there is no mistake and PETSc
+   defines no part of a name in it. */
+static void CheckFile(const char option[], const char path[], PetscBool yaml, PetscBool defines)
 {
   char         sentence[2 * PETSC_MAX_PATH_LEN] = "";
   PetscOptions options;
 
   OptionsFileCheck(option, path, sentence, sizeof(sentence));
-  if (sentence[0]) return;
+  if (sentence[0] || defines) return;
   if (PetscOptionsCreate(&options)) abort();
   FuzzerAssert((yaml ? PetscOptionsInsertFileYAML(PETSC_COMM_SELF, options, path, PETSC_TRUE)
                      : PetscOptionsInsertFile(PETSC_COMM_SELF, options, path, PETSC_TRUE))
@@ -63,9 +65,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     CheckWords(text);
     free(text);
   } else {
+    const PetscBool defines = memmem(input.next, input.left, "${", 2) ? PETSC_TRUE : PETSC_FALSE;
+
     FuzzerWrite(kind ? "fuzzed.yaml" : "fuzzed.opts", input.next, input.left);
-    if (kind) CheckFile("-options_file_yaml", "fuzzed.yaml", PETSC_TRUE);
-    else CheckFile("-options_file", "fuzzed.opts", PETSC_FALSE);
+    if (kind) CheckFile("-options_file_yaml", "fuzzed.yaml", PETSC_TRUE, defines);
+    else CheckFile("-options_file", "fuzzed.opts", PETSC_FALSE, defines);
   }
   return 0;
 }
