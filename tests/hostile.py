@@ -174,6 +174,9 @@ def contents():
     for memory in (math.nan,), (-0.1,), (0.1, 0.01, 0.01, 1.5), (0.1, 0.01, 0.01, math.inf):  # t, dt, dt before, step
         changed("c.h5", checkpoint, "memory", *memory)
         assert refused("-restart c.h5: the file is damaged", "-max_steps", "3", "-restart", "c.h5") == 79
+    for row in (1e300,), (-1,), (math.nan,), (0, 0, 1e10):  # number, time, particles
+        changed("c.h5", checkpoint, "snapshots", *row)
+        assert refused("-restart c.h5: the file is damaged", "-max_steps", "3", "-restart", "c.h5") == 79
     for row in (math.nan,), (0.01, -math.inf), (0.01, 1, math.inf), (0.01, 1, 1, math.inf):
         changed("c.h5", checkpoint, "report", *row)
         assert refused("is not finite", "-max_steps", "3", "-restart", "c.h5") == 72
@@ -206,6 +209,16 @@ def damaged():
             del file.attrs[name]
             file.attrs[name] = value
         refused("-restart c.h5: ", "-max_steps", "2", "-restart", "c.h5")
+    for name, columns in ("report", 4), ("snapshots", 3), ("particles", 0):  # gigabytes that the file does not hold
+        assert run("-checkpoint", "c.h5") == (0, [])
+        with h5py.File("c.h5", "r+") as file:
+            columns = columns or file[name].shape[1]
+            if name in file:
+                del file[name]
+            file.create_dataset(name, (10**8, columns), dtype="f8")
+            if f"n_{name}" in file.attrs:
+                file.attrs[f"n_{name}"] = numpy.int32(10**8)
+        refused("parts of it cannot be read", "-max_steps", "2", "-restart", "c.h5")
     for rows in 2**27, 2**31 + 5, 2**60:  # the fill value of absent chunks, so that the file is small
         with h5py.File("p.h5", "w") as file:
             file.create_dataset("position", (rows, 2), "f8", chunks=(1024, 2), fillvalue=0.5)

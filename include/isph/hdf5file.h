@@ -36,6 +36,7 @@ PetscErrorCode Hdf5Widen(Hdf5File *file, const char name[], PetscInt columns, co
                          PetscInt wide_columns);
 PetscErrorCode Hdf5Has(Hdf5File *file, const char name[], PetscBool *there);
 PetscErrorCode Hdf5CountRows(Hdf5File *file, const char name[], PetscInt *N, PetscInt *columns);
+PetscErrorCode Hdf5IsFull(Hdf5File *file, const char name[], PetscBool *full);
 PetscErrorCode Hdf5ReadRows(Hdf5File *file, const char name[], PetscInt columns, hid_t given,
                             void *rows);
 PetscErrorCode Hdf5ReadNumber(Hdf5File *file, const char name[], hid_t type, void *value);

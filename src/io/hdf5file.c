@@ -210,6 +210,37 @@ PetscErrorCode Hdf5CountRows(Hdf5File *file, const char name[], PetscInt *N, Pet
 }
 
 /*
+  Hdf5IsFull - Determines if a data set has all its values in the file itself, without compression
+
+  Collective on comm. The memory for such a data set is at most the size of the file; others may
+  consist of a few bytes and ask for any memory. False if the data set is absent.
+*/
+PetscErrorCode Hdf5IsFull(Hdf5File *file, const char name[], PetscBool *full)
+{
+  const hid_t data = H5Dopen2(file->file, name, H5P_DEFAULT);
+  hid_t       space, type, creation;
+
+  PetscFunctionBegin;
+  *full = PETSC_FALSE;
+  if (data < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  space    = Noted(file, H5Dget_space(data));
+  type     = Noted(file, H5Dget_type(data));
+  creation = Noted(file, H5Dget_create_plist(data));
+  if (H5Pget_layout(creation) == H5D_CONTIGUOUS && H5Pget_external_count(creation) == 0) {
+    const hssize_t values = H5Sget_simple_extent_npoints(space);
+
+    *full = values >= 0 && H5Dget_storage_size(data) / H5Tget_size(type) >= (hsize_t)values
+                ? PETSC_TRUE
+                : PETSC_FALSE;
+  }
+  (void)Noted(file, H5Pclose(creation));
+  (void)Noted(file, H5Tclose(type));
+  (void)Noted(file, H5Sclose(space));
+  (void)Noted(file, H5Dclose(data));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
   Hdf5ReadRows - Reads rows [start, start + own) of a data set
 
   Collective on comm; a rank may read no rows. Input: as Hdf5WriteRows().

@@ -258,8 +258,8 @@ static void CheckLines(const char path[], FILE *file, int depth, char sentence[]
 }
 
 /*
-  Replaces ${NAME} in the name of a file by the environment variable, as PETSc does. Returns false if
-  the file cannot be checked: PETSc itself defines a name, or there is a mistake.
+  Replaces ${NAME} in the name of a file by the environment variable, as PETSc does. Returns false
+  if the file cannot be checked: PETSc itself defines a name, or there is a mistake.
 */
 static PetscBool Substitute(const char option[], const char name[], char path[PETSC_MAX_PATH_LEN],
                             char sentence[], size_t length)

@@ -1,19 +1,37 @@
-/* Restarts a run from the file of checkpoint.c, or refuses the file. */
+/* Restarts a run from the file of checkpoint.c, or refuses the file. The run changes only after the
+   whole file is read and verified. */
 #include "checkpoint.h"
 #include <string.h>
 
+#define NAME_ROOM 33 /* letters of the name of a quantity, with its comma */
+
+/* The contents of a file, as they are stored. */
+typedef struct {
+  long long  next_id;
+  PetscReal *memory;
+  int        n_report, n_snapshots;
+  PetscReal *report, *snapshots; /* rows of 4 and 3 numbers */
+  char      *names;              /* of the rows of the report, "a,b,..." */
+  PetscInt   n;                  /* records on this rank */
+  PetscReal *record;
+  PetscBool  whole; /* the checksum is right */
+} Stored;
+
 /*
-  Reads a table on all ranks and adds it to the checksum. A wrong number of rows or columns marks
-  the file as failed. At least a row is allocated, with zeros if the table cannot be read.
+  Reads a table on all ranks and adds it to the checksum. A wrong number of rows or columns, or
+  values that are not in the file, mark the file as failed. At least a row is allocated, with zeros
+  if the table cannot be read.
 */
 static PetscErrorCode ReadTable(Hdf5File *file, const char name[], PetscInt rows, PetscInt columns,
                                 PetscReal **values, uint64_t *sum)
 {
-  PetscInt N = 0, width = columns;
+  PetscInt  N = 0, width = columns;
+  PetscBool full = PETSC_TRUE;
 
   PetscFunctionBegin;
   if (rows) PetscCall(Hdf5CountRows(file, name, &N, &width));
-  if (N != rows || width != columns) file->failed = PETSC_TRUE;
+  if (rows) PetscCall(Hdf5IsFull(file, name, &full));
+  if (N != rows || width != columns || !full) file->failed = PETSC_TRUE;
   if (file->failed) rows = 0;
   PetscCall(PetscCalloc1((size_t)PetscMax(rows, 1) * (size_t)columns, values));
   if (!rows) PetscFunctionReturn(PETSC_SUCCESS);
@@ -123,45 +141,35 @@ static PetscErrorCode CheckScene(const Run *run, const char path[], Hdf5File *fi
 }
 
 /* Reads the report and the list of snapshots of the earlier run, and adds them to the checksum. */
-static PetscErrorCode ReadHistory(Run *run, Hdf5File *file, uint64_t *sum)
+static PetscErrorCode ReadHistory(Hdf5File *file, Stored *stored, uint64_t *sum)
 {
-  int        n_report = 0, n_snapshots = 0;
-  PetscReal *report, *snapshots;
-  char      *names, *name;
+  size_t room;
 
   PetscFunctionBegin;
-  PetscCall(Hdf5ReadNumber(file, "n_report", H5T_NATIVE_INT, &n_report));
-  PetscCall(Hdf5ReadNumber(file, "n_snapshots", H5T_NATIVE_INT, &n_snapshots));
-  PetscCall(ReadTable(file, "report", n_report, 4, &report, sum));
-  PetscCall(ReadTable(file, "snapshots", n_snapshots, 3, &snapshots, sum));
-  if (file->failed) n_report = 0; /* a damaged file may hold any number */
-  PetscCall(PetscCalloc1((size_t)(33 * n_report + 2), &names));
-  PetscCall(Hdf5ReadText(file, "report_names", names, (size_t)(33 * n_report + 2)));
-  CheckpointSumText(names, sum);
-  name = names;
-  for (PetscInt k = 0; k < n_report && !file->failed; k++) {
-    char *comma = strchr(name, ',');
+  PetscCall(Hdf5ReadNumber(file, "n_report", H5T_NATIVE_INT, &stored->n_report));
+  PetscCall(Hdf5ReadNumber(file, "n_snapshots", H5T_NATIVE_INT, &stored->n_snapshots));
+  PetscCall(ReadTable(file, "report", stored->n_report, 4, &stored->report, sum));
+  PetscCall(ReadTable(file, "snapshots", stored->n_snapshots, 3, &stored->snapshots, sum));
+  for (PetscInt k = 0; k < stored->n_snapshots && !file->failed; k++) {
+    const PetscReal number = stored->snapshots[3 * k], N = stored->snapshots[3 * k + 2];
 
-    if (comma) *comma = '\0';
-    PetscCall(ReportRestore(run->report, name, &report[4 * k]));
-    name = comma ? comma + 1 : name;
+    if (!(number >= 0.0 && number <= PETSC_INT_MAX && N >= 0.0 && N <= PETSC_INT_MAX))
+      file->failed = PETSC_TRUE;
   }
-  if (!file->failed)
-    PetscCall(SnapshotsSet(run->snapshots, n_snapshots, snapshots, run->flow.clock->step));
-  PetscCall(PetscFree(report));
-  PetscCall(PetscFree(snapshots));
-  PetscCall(PetscFree(names));
+  room = file->failed ? 2 : NAME_ROOM * (size_t)stored->n_report + 2; /* a damaged file has any */
+  PetscCall(PetscCalloc1(room, &stored->names));
+  PetscCall(Hdf5ReadText(file, "report_names", stored->names, room));
+  CheckpointSumText(stored->names, sum);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Reads the numbers that the run keeps from step to step, and adds them to the checksum; refuses a
    file with other names of numbers. */
-static PetscErrorCode ReadMemory(Run *run, const char path[], Hdf5File *file, uint64_t *sum)
+static PetscErrorCode ReadMemory(const Memory *memory, const char path[], Hdf5File *file,
+                                 Stored *stored, uint64_t *sum)
 {
-  Memory    *memory = &run->flow.scheme->memory;
-  char       names[MEMORY_MAX * 32], wanted[MEMORY_MAX * 32];
-  PetscReal *values;
-  PetscBool  same;
+  char      names[MEMORY_MAX * 32], wanted[MEMORY_MAX * 32];
+  PetscBool same;
 
   PetscFunctionBegin;
   PetscCall(Hdf5ReadText(file, "memory_names", names, sizeof(names)));
@@ -170,64 +178,99 @@ static PetscErrorCode ReadMemory(Run *run, const char path[], Hdf5File *file, ui
   PetscCall(PetscStrcmp(names, wanted, &same));
   UserCheck(file->failed || same,
             "-restart %s: the file has another scheme or integrator; use the same -scheme", path);
-  PetscCall(ReadTable(file, "memory", 1, memory->n, &values, sum));
-  if (!file->failed && !MemoryFits(memory, values)) file->failed = PETSC_TRUE;
-  if (!file->failed) MemorySet(memory, PETSC_TRUE, values);
-  PetscCall(PetscFree(values));
-  PetscCall(ClockRestart(run->flow.clock));
+  PetscCall(ReadTable(file, "memory", 1, memory->n, &stored->memory, sum));
+  if (!file->failed && !MemoryFits(memory, stored->memory)) file->failed = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the state of the run, and n records of particles for this rank. Output: whole - true if the
-   checksum is right. */
-static PetscErrorCode ReadFile(Run *run, const char path[], Hdf5File *file, PetscInt *n,
-                               PetscReal **record, PetscBool *whole)
+/* Reads this rank's share of the records of particles, and adds the records to the checksum. */
+static PetscErrorCode ReadRecords(const Particles *p, Hdf5File *file, Stored *stored, uint64_t *sum)
 {
-  Particles     *p     = run->flow.particles;
   const PetscInt width = ParticlesRecordWidth(p);
   PetscInt       rows, columns, last;
-  long long      next_id = 0;
-  double         next;
-  uint64_t       wanted = 0, sum = 0;
+  PetscBool      full;
 
   PetscFunctionBegin;
-  PetscCall(Hdf5ReadNumber(file, "next_id", H5T_NATIVE_LLONG, &next_id));
-  next = (double)next_id;
-  CheckpointSumNumbers(1, &next, &sum);
-  p->next_id = next_id;
-  PetscCall(CheckScene(run, path, file, &sum));
-  PetscCall(ReadMemory(run, path, file, &sum));
-  PetscCall(ReadHistory(run, file, &sum));
-  PetscCall(Hdf5ReadNumber(file, "checksum", H5T_NATIVE_UINT64, &wanted));
   PetscCall(Hdf5CountRows(file, "particles", &rows, &columns));
-  if (columns != width) file->failed = PETSC_TRUE;
+  PetscCall(Hdf5IsFull(file, "particles", &full));
+  if (columns != width || !full) file->failed = PETSC_TRUE;
   file->N = file->failed ? 0 : rows;
   ParticlesShare(p->comm, file->N, &file->start, &last);
-  *n = file->own = last - file->start;
-  PetscCall(PetscCalloc1((size_t)(*n * width + 1), record));
-  if (!file->failed) PetscCall(Hdf5ReadRows(file, "particles", width, H5T_NATIVE_DOUBLE, *record));
-  PetscCall(CheckpointSumRecords(*n, width, *record, &sum));
-  *whole = sum == wanted ? PETSC_TRUE : PETSC_FALSE;
+  stored->n = file->own = last - file->start;
+  PetscCall(PetscCalloc1((size_t)stored->n * (size_t)width + 1, &stored->record));
+  if (!file->failed)
+    PetscCall(Hdf5ReadRows(file, "particles", width, H5T_NATIVE_DOUBLE, stored->record));
+  PetscCall(CheckpointSumRecords(stored->n, width, stored->record, sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ends the run if a record of this rank's n can be no particle's, although the checksum is right.
+/* Reads the state of the run. */
+static PetscErrorCode ReadFile(const Run *run, const char path[], Hdf5File *file, Stored *stored)
+{
+  double   next;
+  uint64_t wanted = 0, sum = 0;
+
+  PetscFunctionBegin;
+  PetscCall(Hdf5ReadNumber(file, "next_id", H5T_NATIVE_LLONG, &stored->next_id));
+  next = (double)stored->next_id;
+  CheckpointSumNumbers(1, &next, &sum);
+  PetscCall(CheckScene(run, path, file, &sum));
+  PetscCall(ReadMemory(&run->flow.scheme->memory, path, file, stored, &sum));
+  PetscCall(ReadHistory(file, stored, &sum));
+  PetscCall(Hdf5ReadNumber(file, "checksum", H5T_NATIVE_UINT64, &wanted));
+  PetscCall(ReadRecords(run->flow.particles, file, stored, &sum));
+  stored->whole = sum == wanted ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Gives the contents of the file to the run, except records. */
+static PetscErrorCode Restore(const Stored *stored, Run *run)
+{
+  char *name = stored->names;
+
+  PetscFunctionBegin;
+  run->flow.particles->next_id = stored->next_id;
+  MemorySet(&run->flow.scheme->memory, PETSC_TRUE, stored->memory);
+  PetscCall(ClockRestart(run->flow.clock));
+  for (PetscInt k = 0; k < stored->n_report; k++) {
+    char *comma = strchr(name, ',');
+
+    if (comma) *comma = '\0';
+    PetscCall(ReportRestore(run->report, name, &stored->report[4 * k]));
+    name = comma ? comma + 1 : name;
+  }
+  PetscCall(
+      SnapshotsSet(run->snapshots, stored->n_snapshots, stored->snapshots, run->flow.clock->step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Ends the run if a record of this rank can be no particle's, although the checksum is right.
    Collective. */
-static PetscErrorCode CheckRecords(const Run *run, const char path[], PetscInt n,
-                                   const PetscReal record[])
+static PetscErrorCode CheckRecords(const Run *run, const char path[], const Stored *stored)
 {
   const Particles *p     = run->flow.particles;
   const PetscInt   width = ParticlesRecordWidth(p);
   PetscInt         wrong = 0;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < n; i++)
-    if (!ParticlesValidRecord(run->flow.scene, p, &record[(size_t)i * width])) wrong++;
+  for (PetscInt i = 0; i < stored->n; i++)
+    if (!ParticlesValidRecord(run->flow.scene, p, &stored->record[(size_t)i * width])) wrong++;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &wrong, 1, MPIU_INT, MPI_SUM, p->comm));
   PetscCheck(!wrong, PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
              "-restart %s: the file is damaged: %" PetscInt_FMT
              " of its particles have an unknown number or kind, or values out of bounds",
              path, wrong);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode StoredFree(Stored *stored)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(stored->memory));
+  PetscCall(PetscFree(stored->report));
+  PetscCall(PetscFree(stored->snapshots));
+  PetscCall(PetscFree(stored->names));
+  PetscCall(PetscFree(stored->record));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -241,12 +284,11 @@ static PetscErrorCode CheckRecords(const Run *run, const char path[], PetscInt n
 */
 PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted)
 {
-  Checkpoints *c    = run->checkpoints;
-  const char  *path = c->restart;
+  Checkpoints *c      = run->checkpoints;
+  const char  *path   = c->restart;
+  Stored       stored = {.n_report = 0, .n_snapshots = 0};
   Hdf5File     file;
-  PetscReal   *record;
-  PetscInt     n = 0;
-  PetscBool    good, whole;
+  PetscBool    good;
 
   PetscFunctionBegin;
   *restarted = path[0] ? PETSC_TRUE : PETSC_FALSE;
@@ -255,20 +297,21 @@ PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted)
   PetscCheck(file.file >= 0, PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN,
              "-restart %s: is absent, no HDF5 file, or a truncated one", path);
   PetscCall(RestartRefuse(run, path, &file));
-  PetscCall(ReadFile(run, path, &file, &n, &record, &whole));
+  PetscCall(ReadFile(run, path, &file, &stored));
   PetscCall(Hdf5FileClose(&file, &good));
-  PetscCheck(good && whole, PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
+  PetscCheck(good && stored.whole, PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
              "-restart %s: the file is damaged: %s", path,
              good ? "its checksum is wrong" : "parts of it cannot be read");
+  PetscCall(Restore(&stored, run));
   PetscCheck(run->flow.clock->t >= 0.0, PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
              "-restart %s: the file is damaged: it is at t = %.6g", path,
              (double)run->flow.clock->t);
   UserCheck(run->flow.clock->t <= run->flow.clock->t_end * (1.0 + 1e-12),
             "-restart %s: the file is at t = %.6g, after -t_end %.6g", path,
             (double)run->flow.clock->t, (double)run->flow.clock->t_end);
-  PetscCall(CheckRecords(run, path, n, record));
-  PetscCall(ParticlesReplace(run->flow.scene, run->flow.particles, n, record));
-  PetscCall(PetscFree(record));
+  PetscCall(CheckRecords(run, path, &stored));
+  PetscCall(ParticlesReplace(run->flow.scene, run->flow.particles, stored.n, stored.record));
+  PetscCall(StoredFree(&stored));
   PetscCall(run->flow.scheme->row->Begin(&run->flow));
   c->last = run->flow.clock->t;
   c->step = run->flow.clock->step;

@@ -4,8 +4,8 @@
 */
 #include "isph/scene.h"
 
-/* Returns the number of points dx apart on a line, at least `fewest`; so long a line that the points
-   of a body could not be counted gets fewer. */
+/* Returns the number of points dx apart on a line, at least `fewest`; bounded, so that a body can
+   add up its lines. */
 static PetscInt LineCount(PetscReal length, PetscReal dx, PetscInt fewest)
 {
   const PetscReal most = (PetscReal)(PETSC_INT_MAX / BODY_PARAMETERS);

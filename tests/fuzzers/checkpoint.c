@@ -175,12 +175,14 @@ static void WriteValues(FuzzerInput *input, hid_t object, hid_t type, hid_t spac
   const hssize_t n     = H5Sget_simple_extent_npoints(space);
   const size_t   bytes = H5Tget_size(type);
   unsigned char *values;
+  size_t         given;
 
   if (n <= 0 || (size_t)n > MOST_BYTES / PetscMax(bytes, 1)) return;
   if (H5Tis_variable_str(type) > 0 || H5Tget_class(type) == H5T_VLEN) return;
   values = calloc((size_t)n, bytes);
   if (!values) abort();
-  (void)FuzzerBytes(input, PetscMin(FuzzerByte(input), (size_t)n * bytes), values);
+  given = FuzzerByte(input);
+  (void)FuzzerBytes(input, PetscMin(given, (size_t)n * bytes), values);
   if (table) (void)H5Dwrite(object, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
   else (void)H5Awrite(object, type, values);
   free(values);
@@ -239,10 +241,10 @@ static void ChangeAttribute(FuzzerInput *input, hid_t file, const char name[])
   unsigned char *value     = bytes && bytes < 65536 ? calloc(1, bytes) : NULL;
 
   if (value && H5Tis_variable_str(type) <= 0 && H5Aget_storage_size(attribute) == bytes) {
-    const size_t first = FuzzerByte(input) % bytes, most = bytes - first;
+    const size_t first = FuzzerByte(input) % bytes, given = 1 + FuzzerByte(input) % 64;
 
     (void)H5Aread(attribute, type, value);
-    (void)FuzzerBytes(input, PetscMin(1 + FuzzerByte(input) % 64, most), value + first);
+    (void)FuzzerBytes(input, PetscMin(given, bytes - first), value + first);
     (void)H5Awrite(attribute, type, value);
   }
   free(value);
