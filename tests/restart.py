@@ -2,7 +2,8 @@
 """Stops runs and restarts them.
 
     restart.py kill ISPH           a run killed 30 times at random moments has the same report, snapshots and probes
-    restart.py bitwise ISPH...     continued and restarted runs are equal to the last bit (1 and 3 ranks)
+    restart.py bitwise ISPH...     continued and restarted runs are equal to the last bit (1 and 3 ranks), also if
+                                   steps follow the error in time
     restart.py ranks ISPH...       a checkpoint of 2 ranks restarts on 1, 2 and 3 ranks with the same flow to 1e-10
     restart.py term ISPH           a run that gets SIGTERM leaves a checkpoint and the status interrupted; the
                                    restarted run has the same flow to 1e-4
@@ -110,11 +111,16 @@ def ranked(command, n):
 def bitwise(*command):
     for n in 1, 3:
         for name, flow in (("lagrangian", []), ("eulerian", ["-motion", "eulerian"]), ("forced", FORCED),
-                           ("coupled", ["-scheme", "coupled"])):
+                           ("coupled", ["-scheme", "coupled"]), ("error", FORCED),
+                           ("error_eulerian", [*FORCED, "-motion", "eulerian"]),
+                           ("error_coupled", [*FORCED, "-motion", "eulerian", "-scheme", "coupled"])):
             folder = f"{name}{n}"
             os.mkdir(folder)
-            start_ = [*ranked(command, n), "-n", "16", "-dt", "0.02", "-skin", "0.5", *flow, "-progress", "none",
-                      "-checkpoint_every", "0.1", "-report_times", "0.2,0.4"]  # the run is stopped at 0.2
+            steps = ["-dt", "0.02", "-checkpoint_every", "0.1"]  # the run is stopped at 0.2
+            if name.startswith("error"):  # a checkpoint each step, because lengths of steps vary
+                steps = ["-dt_adapt", "error", "-checkpoint_every", "1e-6"]
+            start_ = [*ranked(command, n), "-n", "16", *steps, "-skin", "0.5", *flow, "-progress", "none",
+                      "-report_times", "0.2,0.4"]
             run([*start_, "-max_steps", "30", "-checkpoint", "a.h5", "-report", "a.csv"], folder)
             run([*start_, "-max_steps", "10", "-checkpoint", "b.h5"], folder)
             run([*start_, "-max_steps", "30", "-checkpoint", "c.h5", "-restart", "b.h5", "-report", "c.csv"],

@@ -14,7 +14,8 @@ extern const OptionTable TimeOptions;
    steps of moving particles are less accurate: the energy of the cavity at Re = 1000, n = 100, t
    = 40 is 1.7, 1.2, 0.5 % too large with CFL numbers of 0.25, 0.4, 0.5. */
 #define CLOCK_CFL   0.5
-#define CLOCK_WHERE 64 /* length of the text of ClockWhere() */
+#define CLOCK_RTOL  5e-4 /* default of -dt_rtol */
+#define CLOCK_WHERE 64   /* length of the text of ClockWhere() */
 
 /*
   The reason for a failed step. The step ends early; then the run either ends and prints the
@@ -23,6 +24,7 @@ extern const OptionTable TimeOptions;
 typedef struct {
   PetscErrorCode code;          /* 0: none; else PETSC_ERR_NOT_CONVERGED or PETSC_ERR_FP */
   PetscBool      fatal;         /* a shorter step would not help */
+  PetscReal      dt_next;       /* length with which the step is repeated; 0: half of it [s] */
   char           sentence[640]; /* step, quantity, likely cause and remedy */
 } StepFailure;
 void FailureSet(StepFailure *failure, PetscErrorCode code, const char format[], ...)
@@ -39,7 +41,7 @@ void StepLimitLower(StepLimit *limit, PetscReal dt, const char reason[]);
   Named numbers that a run keeps from step to step. The run restores them when it undoes a step
   (except counters) and writes them to checkpoints. Their owners keep the storage.
 */
-#define MEMORY_MAX 48
+#define MEMORY_MAX 56
 typedef struct {
   char       name[32];
   PetscReal *real;    /* NULL for an integer */
@@ -60,14 +62,25 @@ void           MemorySet(const Memory *memory, PetscBool counters, const PetscRe
 /* Control of the step length. */
 typedef struct {
   const char *name, *brief, *citation;
-  PetscBool   follows; /* dt depends on present speed and body force; otherwise on -dt or U */
-  PetscBool   retries; /* a failed step is undone and repeated in shorter steps */
+  PetscBool   follows;   /* dt depends on present speed and body force; otherwise on -dt or U */
+  PetscBool   retries;   /* a failed step is undone and repeated in shorter steps */
+  PetscBool   estimates; /* dt depends on an estimate of the error in time, too */
 } DtAdaptRow;
 extern const Table DtAdaptTable;
+
+/* Control of the step length by the error in time; see timeerror.c. */
+typedef struct {
+  PetscReal rtol;     /* largest error of a step, in units of the velocity scale [-] */
+  PetscReal dt;       /* longest next step; infinite without control [s] */
+  PetscReal last;     /* error of the last good step over its tolerance; 0: unknown [-] */
+  PetscReal speed;    /* largest root mean square of the velocity so far [m/s] */
+  PetscInt  rejected; /* number of steps repeated because of their error */
+} StepControl;
 
 /* Time, owned by the run; all second-order formulas use variable-step coefficients. */
 typedef struct {
   PetscReal t, dt, dt_previous; /* [s]; dt_previous = 0 before the second step */
+  PetscReal dt_before;          /* length of the step before the previous step [s] */
   PetscReal dt_wanted;  /* dt before a report time shortens it; dt in a run of one step [s] */
   PetscInt  step;       /* finished steps */
   PetscReal t_first;    /* time at the start of this process, not 0 after a restart [s] */
@@ -75,6 +88,7 @@ typedef struct {
   PetscReal t_end;      /* [s] */
   PetscInt  max_steps;
   PetscReal dt_given, cfl;                  /* -dt; otherwise dt = cfl dx/speed [s], [-] */
+  PetscReal dt_max;                         /* upper bound of dt if -dt is not given [s] */
   PetscInt  order;                          /* of the time integration, 1 or 2 */
   PetscReal steady_tol;                     /* 0: off [-] */
   PetscReal report_time[CLOCK_MAX_REPORTS]; /* times that steps must hit, ascending [s] */
@@ -84,6 +98,7 @@ typedef struct {
   PetscBool steady_solve; /* no du/dt: a single step to t_end */
 
   const DtAdaptRow *adapt;
+  StepControl       control;     /* with -dt_adapt error */
   PetscReal         move_max;    /* largest allowed displacement in a step [dx] */
   PetscInt          retries;     /* number of undone steps */
   PetscInt          halvings;    /* dt is divided by 2^halvings */
@@ -98,6 +113,7 @@ PetscErrorCode ClockRestart(Clock *clock);
 PetscErrorCode ClockChoose(const StepLimit *limit, Clock *clock);
 PetscErrorCode ClockAdvance(Clock *clock);
 PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure);
+PetscErrorCode ClockDropEstimate(Clock *clock, const char option[], const char integrator[]);
 PetscReal      ClockRatio(const Clock *clock);
 PetscBool      ClockPasses(PetscReal every, PetscReal last, PetscReal now);
 PetscErrorCode ClockWhere(const Clock *clock, char where[]);

@@ -39,6 +39,7 @@ PetscErrorCode ExpressionGet(ExpressionScope *scope, const OptionRow *option, Pe
                              PetscInt most, unsigned allowed, Expression *e, PetscBool *given);
 Expression     ExpressionNumber(PetscReal value);
 PetscBool      ExpressionUses(const Expression *e, ExpressionUse what);
+PetscReal      ExpressionProbe(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[]);
 PetscReal      ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[]);
 PetscReal      ExpressionRate(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[],
                               PetscReal tau);

@@ -255,6 +255,7 @@ PetscReal SceneWallPressure(const Scene *scene, PetscInt side, PetscReal t, cons
 PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal x[],
                               const PetscReal normal[], const PetscReal u[]);
 PetscReal SceneDecayRate(const Scene *scene);
+PetscReal SceneDrivingPeriod(const Scene *scene, PetscReal t, PetscReal window, PetscReal least);
 PetscErrorCode SceneReadRheology(Scene *scene);
 PetscBool      SceneIsNewtonian(const Scene *scene);
 PetscReal      RheologyViscosity(const Rheology *rheology, PetscReal rate);

@@ -148,6 +148,21 @@ static PetscErrorCode BannerAdvection(const Flow *flow, PetscReal dt, PetscViewe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Prints the control of the step length by the error in time, and the limit of the present step. */
+static PetscErrorCode BannerControl(const Flow *flow, PetscViewer viewer)
+{
+  const Clock *clock = flow->clock;
+  StepLimit    limit;
+
+  PetscFunctionBegin;
+  if (!clock->adapt->estimates) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SchemeLimit(flow, &limit));
+  PetscCall(PetscViewerASCIIPrintf(
+      viewer, BANNER_LABEL "error in time below %.3g of the velocity, dt at most %.4g s by %s\n",
+      "step control", (double)clock->control.rtol, (double)limit.dt, limit.reason));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Prints the time step and its limits. */
 static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
 {
@@ -167,6 +182,7 @@ static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
                                      (double)(scene->nu * dt / PetscSqr(h))));
   }
   PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
+  PetscCall(BannerControl(flow, viewer));
   PetscCall(BannerAdvection(flow, dt, viewer));
   if (SceneHas(scene, PHYSICS_VISCOSITY))
     PetscCall(BannerPays(flow, dt, ClockExplicitLimit(scene, flow->ops->forms.radius), viewer));

@@ -110,8 +110,8 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
   PetscCall(CheckpointRecord(p, wanted, sizeof(wanted)));
   PetscCall(PetscStrcmp(names, wanted, &same));
   UserCheck(same,
-            "-restart %s: the file holds %s, this run needs %s; use the same physics, -motion and "
-            "-wall_surface",
+            "-restart %s: the file holds %s, this run needs %s; use the same physics, -motion, "
+            "-wall_surface and -dt_adapt",
             path, names, wanted);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -165,8 +165,8 @@ static PetscErrorCode RunIsOver(Run *run, PetscBool *over)
 }
 
 /*
-  Makes a successful step, or ends the run. If the chosen row of -dt_adapt retries steps, a failed
-  step is undone and repeated with a shorter dt.
+  Makes a successful step, or ends the run. If the chosen row of -dt_adapt retries steps, a step that
+  fails or has too large an error is undone and repeated with a shorter dt.
 */
 static PetscErrorCode RunStep(Run *run)
 {
@@ -257,14 +257,16 @@ static PetscErrorCode RunWriteMatrices(const Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reports the number of undone steps if steps are retried, and the number of fallbacks of each
-   solve that had any. */
+/* Reports the number of undone steps if steps are retried, the number of steps rejected because of
+   their error, and the number of fallbacks of each solve that had any. */
 static PetscErrorCode RunCountTroubles(Run *run)
 {
   const Scheme *scheme = run->flow.scheme;
 
   PetscFunctionBegin;
   if (run->undo) PetscCall(ReportAdd(run->report, "retries", run->flow.clock->retries));
+  if (run->flow.clock->adapt->estimates)
+    PetscCall(ReportAdd(run->report, "rejected", run->flow.clock->control.rejected));
   for (PetscInt k = 0; k < scheme->n_solves; k++) {
     char name[32];
 

@@ -306,6 +306,22 @@ PetscBool ExpressionUses(const Expression *e, ExpressionUse what)
 }
 
 /*
+  ExpressionProbe - Returns component c at a position and time, also if its value is not finite
+
+  Not collective. x may be NULL for expressions of time alone. For values that the flow does not
+  depend on; see ExpressionValue().
+*/
+PetscReal ExpressionProbe(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[])
+{
+  ExpressionScope *scope = e->scope;
+
+  if (!e->parser[c]) return e->value[c];
+  for (PetscInt a = 0; a < scope->dim && x; a++) scope->x[a] = x[a];
+  scope->t = t;
+  return mupEval(e->parser[c]);
+}
+
+/*
   ExpressionValue - Returns component c at a position and time; zero if the expression is not set
 
   Not collective. x may be NULL for expressions of time alone. For a value that is not finite the
@@ -314,12 +330,8 @@ PetscBool ExpressionUses(const Expression *e, ExpressionUse what)
 PetscReal ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const PetscReal x[])
 {
   ExpressionScope *scope = e->scope;
-  PetscReal        value;
+  const PetscReal  value = ExpressionProbe(e, c, t, x);
 
-  if (!e->parser[c]) return e->value[c];
-  for (PetscInt a = 0; a < scope->dim && x; a++) scope->x[a] = x[a];
-  scope->t = t;
-  value    = mupEval(e->parser[c]);
   if (!PetscIsInfOrNanReal(value)) return value;
   if (!scope->fault[0]) {
     int         length;

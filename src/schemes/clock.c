@@ -8,12 +8,33 @@
 #define CLOCK_GOOD_NEEDED  10 /* good_needed before the first failure, which doubles it */
 
 static const DtAdaptRow adapts[] = {
-    /* name, brief, citation, follows the flow, retries */
-    {"cfl", "from -cfl with the present speed, and from the body force", "", PETSC_TRUE,
-     PETSC_FALSE},
-    {"none", "-dt, or from -cfl with the reference speed", "", PETSC_FALSE, PETSC_FALSE},
-    {"retry", "as cfl (or -dt); a failed step is undone and repeated with half the length", "",
-     PETSC_TRUE, PETSC_TRUE},
+    {
+        .name     = "cfl",
+        .brief    = "from -cfl with the present speed, and from the body force",
+        .citation = "",
+        .follows  = PETSC_TRUE,
+    },
+    {
+        .name     = "none",
+        .brief    = "-dt, or from -cfl with the reference speed",
+        .citation = "",
+    },
+    {
+        .name     = "retry",
+        .brief    = "as cfl (or -dt); a failed step is undone and repeated with half the length",
+        .citation = "",
+        .follows  = PETSC_TRUE,
+        .retries  = PETSC_TRUE,
+    },
+    {
+        .name      = "error",
+        .brief     = "as retry; dt also follows an estimate of the error in time, -dt_rtol, and "
+                     "the period of what drives the flow",
+        .citation  = "Gustafsson, ACM Trans. Math. Softw. 17 (1991)",
+        .follows   = PETSC_TRUE,
+        .retries   = PETSC_TRUE,
+        .estimates = PETSC_TRUE,
+    },
 };
 const Table DtAdaptTable = TABLE("Time step control", adapts);
 
@@ -22,6 +43,8 @@ enum {
   DT,
   CFL,
   DT_ADAPT,
+  DT_MAX,
+  DT_RTOL,
   DT_MOVE_MAX,
   MAX_STEPS,
   TIME_ORDER,
@@ -67,9 +90,31 @@ static const OptionRow options[] = {
             .name     = "-dt_adapt",
             .kind     = VALUE_NAME,
             .brief    = "control of the length of steps",
-            .standard = "cfl, or none if -dt is given",
+            .standard = "cfl, or none if -dt is given; error for walls or forces that depend on t",
             .table    = &DtAdaptTable,
             .where    = "flows",
+        },
+    [DT_MAX] =
+        {
+            .name     = "-dt_max",
+            .kind     = VALUE_REAL,
+            .brief    = "upper bound of the time step",
+            .unit     = "s",
+            .standard = "no bound",
+            POSITIVE,
+            .where = "flows without -dt",
+        },
+    [DT_RTOL] =
+        {
+            .name  = "-dt_rtol",
+            .kind  = VALUE_REAL,
+            .brief = "largest error of the velocity in a step (root mean square), in units of the "
+                     "largest root mean square velocity so far, at least U/10",
+            .unit  = "-",
+            .standard = PetscStringize(CLOCK_RTOL),
+            .low      = 1e-8,
+            .high     = 0.1,
+            .where    = "-dt_adapt error",
         },
     [DT_MOVE_MAX] =
         {
@@ -80,7 +125,7 @@ static const OptionRow options[] = {
             .standard = "0.6",
             .low      = 0.01,
             .high     = 10.0,
-            .where    = "-dt_adapt retry",
+            .where    = "-dt_adapt retry or error",
         },
     [MAX_STEPS] =
         {
@@ -163,7 +208,8 @@ static PetscErrorCode ClockReadReports(Clock *clock)
 static PetscErrorCode ClockReadSteady(Clock *clock)
 {
   const char *const others[] = {"-dt",       "-cfl",        "-steady_tol",      "-report_times",
-                                "-dt_adapt", "-time_order", "-coupled_ts_type", "-output_every"};
+                                "-dt_adapt", "-time_order", "-coupled_ts_type", "-output_every",
+                                "-dt_max"};
 
   PetscFunctionBegin;
   PetscCall(OptionGetSwitch(&options[STEADY], &clock->steady_solve, NULL));
@@ -172,6 +218,24 @@ static PetscErrorCode ClockReadSteady(Clock *clock)
     PetscCall(OptionsRefuseTogether("-steady", others[k], "a steady flow has no steps in time"));
   UserCheck(clock->t_end > 0.0, "-t_end 0 with -steady: nothing would be solved");
   clock->dt_given = clock->t_end;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads -dt_adapt and the options that depend on it. By default steps of a flow that is driven by
+   functions of time follow the error in time. */
+static PetscErrorCode ClockReadAdapt(const Scene *scene, Clock *c)
+{
+  const char *const standard = c->dt_given > 0.0            ? "none"
+                               : SceneIsDrivenInTime(scene) ? "error"
+                                                            : "cfl";
+
+  PetscFunctionBegin;
+  PetscCall(OptionGetRow(&options[DT_ADAPT], standard, &c->adapt));
+  UserCheck(c->dt_given == 0.0 || !c->adapt->follows || (c->adapt->retries && !c->adapt->estimates),
+            "-dt_adapt %s and -dt cannot both be given: give %s", c->adapt->name,
+            c->adapt->estimates ? "-dt_max" : "-cfl");
+  if (c->adapt->retries) PetscCall(OptionGetReal(&options[DT_MOVE_MAX], &c->move_max, NULL));
+  if (c->adapt->estimates) PetscCall(OptionGetReal(&options[DT_RTOL], &c->control.rtol, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -185,6 +249,8 @@ static PetscErrorCode ClockReadSteady(Clock *clock)
 . -dt DT              - time step, in place of -cfl [s]
 . -cfl C              - dt = C dx/max(U, largest speed); default 0.5
 . -dt_adapt name      - control of the step length
+. -dt_max DT          - upper bound of dt [s]
+. -dt_rtol TOL        - largest error of a step with -dt_adapt error
 . -dt_move_max M      - largest displacement of a particle in a step that is not retried [dx]
 . -max_steps N        - stop after N steps
 . -time_order 1|2     - order of the time integration
@@ -202,16 +268,15 @@ PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
   c->max_steps   = PETSC_INT_MAX;
   c->move_max    = 0.6;
   c->good_needed = CLOCK_GOOD_NEEDED;
+  c->dt_max      = PETSC_INFINITY;
+  c->control.dt  = PETSC_INFINITY;
   PetscCall(OptionsRefuseTogether("-dt", "-cfl", "each gives the time step"));
+  PetscCall(OptionsRefuseTogether("-dt", "-dt_max", "-dt gives the time step"));
   PetscCall(OptionGetReal(&options[T_END], &c->t_end, NULL));
   PetscCall(OptionGetReal(&options[DT], &c->dt_given, NULL));
   PetscCall(OptionGetReal(&options[CFL], &c->cfl, NULL));
-  PetscCall(OptionGetRow(&options[DT_ADAPT], c->dt_given > 0.0 ? "none" : "cfl", &c->adapt));
-  UserCheck(c->dt_given == 0.0 || !c->adapt->follows || c->adapt->retries,
-            "-dt_adapt %s and -dt cannot both be given: give -cfl", c->adapt->name);
-  if (c->adapt->retries) {
-    PetscCall(OptionGetReal(&options[DT_MOVE_MAX], &c->move_max, NULL));
-  }
+  PetscCall(OptionGetReal(&options[DT_MAX], &c->dt_max, NULL));
+  PetscCall(ClockReadAdapt(scene, c));
   PetscCall(OptionGetInt(&options[MAX_STEPS], &c->max_steps, NULL));
   PetscCall(OptionGetInt(&options[TIME_ORDER], &c->order, NULL));
   PetscCall(OptionGetReal(&options[STEADY_TOL], &c->steady_tol, NULL));
@@ -243,8 +308,9 @@ void FailureSet(StepFailure *failure, PetscErrorCode code, const char format[], 
   va_list arguments;
 
   if (failure->code) return;
-  failure->code  = code;
-  failure->fatal = PETSC_FALSE;
+  failure->code    = code;
+  failure->fatal   = PETSC_FALSE;
+  failure->dt_next = 0.0;
   va_start(arguments, format);
   (void)vsnprintf(failure->sentence, sizeof(failure->sentence), format, arguments);
   va_end(arguments);
@@ -263,7 +329,7 @@ static PetscReal ClockTarget(const Clock *c)
 /*
   ClockChoose - Sets dt of the next step
 
-    dt_wanted = min((-dt, or else the scheme's limit)/2^halvings, land_every)
+    dt_wanted = min((-dt, or else the scheme's limit)/2^halvings, control.dt, land_every)
 
   Not collective. land_every is the interval of snapshots. dt is dt_wanted, reduced so that equal
   steps end exactly at the next report time, at the next snapshot, or at t_end. In a run of a single
@@ -279,6 +345,7 @@ PetscErrorCode ClockChoose(const StepLimit *limit, Clock *clock)
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < clock->halvings; k++) dt *= 0.5;
+  dt = PetscMin(dt, clock->control.dt);
   if (clock->land_every > 0.0) dt = PetscMin(dt, clock->land_every);
   clock->dt_wanted = clock->step == 0 && target == clock->t_end ? PetscMin(dt, left) : dt;
   if (left > 0.0) dt = left / PetscCeilReal(left / dt * (1.0 - 1e-9));
@@ -294,6 +361,11 @@ PetscErrorCode ClockRemember(Clock *c, Memory *memory)
   PetscCall(MemoryAddReal(memory, "t", &c->t));
   PetscCall(MemoryAddReal(memory, "dt", &c->dt));
   PetscCall(MemoryAddReal(memory, "dt_previous", &c->dt_previous));
+  PetscCall(MemoryAddReal(memory, "dt_before", &c->dt_before));
+  PetscCall(MemoryAddReal(memory, "control_dt", &c->control.dt));
+  PetscCall(MemoryAddReal(memory, "control_last", &c->control.last));
+  PetscCall(MemoryAddReal(memory, "control_speed", &c->control.speed));
+  PetscCall(MemoryAddInt(memory, "rejected", &c->control.rejected));
   PetscCall(MemoryAddInt(memory, "step", &c->step));
   PetscCall(MemoryAddInt(memory, "next_report", &c->next_report));
   PetscCall(MemoryAddInt(memory, "retries", &c->retries));
@@ -333,6 +405,7 @@ PetscErrorCode ClockAdvance(Clock *clock)
 {
   PetscFunctionBegin;
   clock->t += clock->dt;
+  clock->dt_before   = clock->dt_previous;
   clock->dt_previous = clock->dt;
   clock->step++;
   if (clock->steady_solve) clock->steady = PETSC_TRUE;
@@ -346,9 +419,10 @@ PetscErrorCode ClockAdvance(Clock *clock)
 }
 
 /*
-  ClockRetry - Halves the following steps after a failed step
+  ClockRetry - Shortens the following steps after a failed step
 
-  Collective. To be called when the step has been undone.
+  Collective. To be called when the step has been undone. A step whose error was too large is
+  repeated with the length that the failure gives; after other failures steps are halved.
 
   Output Parameter:
 . failure - made fatal, with advice, if steps cannot be halved any more
@@ -361,6 +435,11 @@ PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
   size_t length;
 
   PetscFunctionBegin;
+  if (failure->dt_next > 0.0) {
+    clock->control.dt = failure->dt_next;
+    clock->control.rejected++;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (clock->halvings >= CLOCK_MAX_HALVINGS) {
     PetscCall(PetscStrlen(failure->sentence, &length));
     (void)snprintf(failure->sentence + length, sizeof(failure->sentence) - length,
@@ -374,6 +453,32 @@ PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
   clock->good_needed = PetscMin(2 * clock->good_needed, 1000000);
   PetscCall(SayLine("%s; undone, trying dt/%" PetscInt_FMT " for %" PetscInt_FMT " steps",
                     failure->sentence, (PetscInt)1 << clock->halvings, clock->good_needed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ClockDropEstimate - Replaces a default of -dt_adapt error by cfl, for integrators whose error has
+  no estimate
+
+  Collective. Input: option, integrator - name and value of the option of the integrator.
+
+  Errors: refuses -dt_adapt error if the user gave it
+*/
+PetscErrorCode ClockDropEstimate(Clock *clock, const char option[], const char integrator[])
+{
+  PetscBool given;
+
+  PetscFunctionBegin;
+  if (!clock->adapt->estimates) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(OptionGiven(options[DT_ADAPT].name, &given));
+  UserCheck(!given,
+            "-dt_adapt error: it estimates the error of BDF2, and %s %s is another integrator; use "
+            "beuler, or -dt_adapt cfl",
+            option, integrator);
+  PetscCall(OptionGiven(options[DT_RTOL].name, &given));
+  UserCheck(!given, "-dt_rtol: %s %s has no estimate of the error in time; use beuler", option,
+            integrator);
+  clock->adapt = &adapts[0];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

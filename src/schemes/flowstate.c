@@ -115,6 +115,7 @@ static PetscErrorCode FlowStateFree(FlowState *s)
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     PetscCall(VecDestroy(&s->u[a]));
     PetscCall(VecDestroy(&s->u_prev[a]));
+    PetscCall(VecDestroy(&s->u_before[a]));
     PetscCall(VecDestroy(&s->convection_prev[a]));
     PetscCall(VecDestroy(&s->u_next[a]));
   }
@@ -148,6 +149,8 @@ PetscErrorCode FlowStateRegister(Flow *flow)
 
   PetscFunctionBegin;
   PetscCall(ParticlesRegister(p, "u_previous", scene->dim, HALO_NONE, ENTRY_MEAN, s->u_previous));
+  if (flow->clock->adapt->estimates)
+    PetscCall(ParticlesRegister(p, "u_earlier", scene->dim, HALO_NONE, ENTRY_MEAN, s->u_earlier));
   if (s->has_convection)
     PetscCall(ParticlesRegister(p, "convection", scene->dim, HALO_NONE, ENTRY_MEAN, s->convection));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
@@ -179,6 +182,7 @@ PetscErrorCode FlowStateRenumber(Flow *flow)
   for (PetscInt a = 0; a < p->dim; a++) {
     PetscCall(FluidVec(p, p->u[a], &s->u[a]));
     PetscCall(FluidVec(p, s->u_previous[a], &s->u_prev[a]));
+    if (s->u_earlier[a]) PetscCall(FluidVec(p, s->u_earlier[a], &s->u_before[a]));
     PetscCall(FluidVec(p, NULL, &s->u_next[a]));
     if (s->has_convection) PetscCall(FluidVec(p, s->convection[a], &s->convection_prev[a]));
   }

@@ -1,6 +1,8 @@
 /* Limits of the time step that schemes share. */
 #include "step.h"
 
+#define PERIOD_STEPS 20.0 /* least number of steps in a period of walls or forces */
+
 /*
   ClockExplicitLimit - Returns the largest stable step of an explicit viscous term [s]
 
@@ -14,13 +16,15 @@ PetscReal ClockExplicitLimit(const Scene *scene, PetscReal support_radius)
 }
 
 /*
-  FlowLimit - Limits the step by advection and by the body force
+  FlowLimit - Limits the step by advection, by the body force, and by the period of the driving
 
     dt <= C min_i dx_i/max(U, |u_i|), dt <= max(sqrt(C dx/|f|), C dx r/|f|), dx: finest spacing
 
   Not collective. C is the CFL number, f the body force. A force alone moves a particle by f dt^2 in
   a step, or by f dt/r if walls at rest slow the flow at the rate r (SceneDecayRate()); so very
-  viscous flows need no short steps. With -dt_adapt none only the reference speed U is used.
+  viscous flows need no short steps. With -dt_adapt none only the reference speed U is used. With
+  -dt_adapt error a period of walls or forces takes at least PERIOD_STEPS steps. -dt_max bounds all
+  steps.
 */
 PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit)
 {
@@ -30,6 +34,7 @@ PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit)
   const PetscReal  way   = clock->cfl * SceneFinest(scene);
 
   PetscFunctionBegin;
+  StepLimitLower(limit, clock->dt_max, "-dt_max");
   if (!clock->adapt->follows) {
     StepLimitLower(limit, way / scene->speed, "advection with U");
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -40,6 +45,12 @@ PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit)
                    PetscMax(PetscSqrtReal(way / stats->force_max),
                             way * SceneDecayRate(scene) / stats->force_max),
                    "the body force");
+  }
+  if (clock->adapt->estimates) {
+    const PetscReal period = SceneDrivingPeriod(scene, clock->t, PERIOD_STEPS * limit->dt,
+                                                0.1 * clock->control.rtol * scene->speed);
+
+    StepLimitLower(limit, period / PERIOD_STEPS, "the period of walls or forces");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -212,6 +212,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
       p->x[a][i] = x[a];
       p->u[a][i] += change[a];
       state->u_previous[a][i] += change[a];
+      if (state->u_earlier[a]) state->u_earlier[a][i] += change[a];
     }
   }
   *moved = PetscSqrtReal(moved2);
@@ -225,7 +226,8 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     dr = dt ((1 + w/2) u^n - w/2 u^{n-1}) + s,   w = ClockRatio()
     u += s.grad u + |s|^2/(2d) lap u - filter of FilterVelocity(),   p += dr.grad p
 
-  Collective. u^{n-1} receives the same change as u^n. The pressure is carried as an Eulerian field.
+  Collective. Earlier velocities receive the same change as u^n, so that it is no change in time.
+  The pressure is carried as an Eulerian field.
   The velocity belongs to the particle and changes only by the shift s and the filter. s includes
   the displacement by KeepOffWalls(). If the velocity did not change with this displacement,
   particles would carry the speed of a moving lid away from the lid, as they do without shifting.

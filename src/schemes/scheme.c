@@ -27,6 +27,17 @@ static const OptionRow options[] = {
 };
 const OptionTable SchemeOptions = OPTIONS("Scheme", options);
 
+/* Sets the time step on which choices of solvers depend. */
+static PetscErrorCode SchemeChooseStep(Flow *flow)
+{
+  StepLimit limit;
+
+  PetscFunctionBegin;
+  PetscCall(SchemeLimit(flow, &limit));
+  PetscCall(ClockChoose(&limit, flow->clock));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   SchemeCreate - Chooses the scheme, creates the state of the flow, and sets the first time step
 
@@ -41,7 +52,6 @@ const OptionTable SchemeOptions = OPTIONS("Scheme", options);
 PetscErrorCode SchemeCreate(Flow *flow)
 {
   Scheme   *s;
-  StepLimit limit  = {.dt = PETSC_INFINITY, .reason = "nothing"};
   PetscReal force2 = 0.0;
 
   PetscFunctionBegin;
@@ -53,18 +63,19 @@ PetscErrorCode SchemeCreate(Flow *flow)
   PetscCall(FlowRemember(flow));
   for (PetscInt a = 0; a < flow->scene->dim; a++) force2 += PetscSqr(flow->scene->body_force[a]);
   s->stats.force_max = PetscSqrtReal(force2);
-  PetscCall(SchemeLimit(flow, &limit));
-  PetscCall(ClockChoose(&limit, flow->clock));
+  PetscCall(SchemeChooseStep(flow));
   PetscCall(FlowStateCreate(flow, &s->needs));
   PetscCall(s->row->Create(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SchemeSetUp - Creates the solvers after the choice of operators; collective */
+/* SchemeSetUp - Creates the solvers after the choice of operators, and chooses the time step again,
+   because integrators decide on the control of steps; collective */
 PetscErrorCode SchemeSetUp(Flow *flow)
 {
   PetscFunctionBegin;
   PetscCall(flow->scheme->row->SetUp(flow));
+  PetscCall(SchemeChooseStep(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -5,13 +5,14 @@
 */
 #include "step.h"
 
-/* Advances the state: u^{n-1} <- u^n <- u^{n+1}, and the time. */
+/* Advances the state: u^{n-2} <- u^{n-1} <- u^n <- u^{n+1}, and the time. */
 static PetscErrorCode FlowAdvance(Flow *flow)
 {
   FlowState *s = flow->state;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    if (s->u_before[a]) PetscCall(VecCopy(s->u_prev[a], s->u_before[a]));
     PetscCall(VecCopy(s->u[a], s->u_prev[a]));
     PetscCall(VecCopy(s->u_next[a], s->u[a]));
   }
@@ -61,7 +62,10 @@ PetscErrorCode FlowBegin(Flow *flow)
     PetscCall(
         OperatorsFollowStrain(scene, flow->particles, &flow->walls, flow->state->u, flow->ops));
   }
-  if (flow->clock->step == 0) PetscCall(FlowMeasureStart(flow));
+  if (flow->clock->step == 0) {
+    PetscCall(FlowMeasureStart(flow));
+    PetscCall(TimeErrorStart(flow));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -86,6 +90,7 @@ PetscErrorCode FlowStep(Flow *flow, FlowSolve Solve)
   }
   if (!failure->code) PetscCall(Solve(flow));
   if (!failure->code) PetscCall(FlowCheck(flow));
+  if (!failure->code && flow->clock->adapt->estimates) PetscCall(TimeErrorCheck(flow));
   if (!failure->code) PetscCall(FlowAdvance(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -19,6 +19,13 @@ PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit);
 /* forces.c */
 PetscErrorCode AddBodyForce(Flow *flow, PetscReal t, Vec force[]);
 
+/* solenoidal.c */
+PetscErrorCode SolenoidalNorm(const Flow *flow, const Vec e[], PetscReal *norm);
+
+/* timeerror.c */
+PetscErrorCode TimeErrorStart(Flow *flow);
+PetscErrorCode TimeErrorCheck(Flow *flow);
+
 /* convection.c */
 PetscErrorCode ConvectionExtrapolate(Flow *flow, PetscReal at, Vec force[]);
 

@@ -130,6 +130,7 @@ static PetscErrorCode CoupledCreate(Flow *flow)
   PetscCall(SteadyRefuse(flow, NULL, PETSC_FALSE));
   PetscCall(OptionGetRow(&options[0], NULL, &c->row));
   PetscCall(RefuseHistory(flow, c->row));
+  if (c->row->substeps) PetscCall(ClockDropEstimate(flow->clock, options[0].name, c->row->name));
   c->convects = flow->state->has_convection && c->row->substeps;
   flow->scheme->needs |= NEED_FREE_GRAD_P | NEED_FILTER_P;
   if (c->row->substeps || flow->clock->steady_solve) {
