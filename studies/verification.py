@@ -1,4 +1,5 @@
 """The cases of studies/verify: runs, quantities, where their references come from, and what is drawn."""
+import cmath
 import dataclasses
 import math
 import typing
@@ -458,6 +459,29 @@ def rheology():
 
 # ---- typed scenes, and operators alone ----
 
+def womersley_u(y, alpha):
+    """Velocity at a quarter of a period, in which the force is zero: Re(1 - cosh(K (y - 1/2))/cosh(K/2))."""
+    k = 2 * alpha * cmath.sqrt(1j)
+    return (1 - cmath.cosh(k * (y - 0.5)) / cmath.cosh(k / 2)).real
+
+
+def womersley():
+    base = "-options_file options/womersley.opts"
+    alphas = {1: f"{base} -viscosity 7.85398163", 4: f"{base} -viscosity 0.490873852", 12.5: base}
+    flow = [norm("velocity", "velocity, relative L2", "velocity_l2"),
+            norm("velocity", "velocity, relative maximum", "velocity_linf")]
+    return Case("Oscillating flow between plates (Womersley)", [
+        *(Study(f"Womersley number {alpha}, moving particles", run, (16, 32, 64), flow)
+          for alpha, run in alphas.items()),
+        Study("Womersley number 12.5, fixed particles", f"{base} -motion eulerian", (16, 32, 64), flow),
+        Study("Womersley number 12.5, coupled scheme", f"{base} -scheme coupled", (16, 32), flow),
+        Study("Womersley number 12.5, steps by the CFL number", f"{base} -dt_adapt cfl", (16, 32, 64), flow),
+        Study("Womersley number 12.5, tolerance 1e-4", f"{base} -dt_rtol 1e-4", (16, 32, 64), flow),
+    ], [Panel(f"Womersley number {alpha}, n = 32", f"{run} -n 32", "0.25,0,0.25,1,81", "y", "u", ("y/L", "u/U"), 0.45,
+              lambda y, alpha=alpha: womersley_u(y, alpha)) for alpha, run in alphas.items()],
+        ("velocity, relative L2",))
+
+
 def scene():
     forced, second = "-options_file options/scene_expressions.opts", "-options_file options/stokes_second.opts"
     channel = ("-case scene -scene_box 0,0,2,1 -scene_periodic x -scene_body_1 circle,0.6,0.5,0.2 -body_force 1,0 "
@@ -512,4 +536,4 @@ def patch():
 
 CASES = {make.__name__: make for make in (
     cavity, cavity_cube, cavity_cylinder, taylor_couette, taylor_green, poiseuille, couette, hydrostatic,
-    stokes_cylinders, stokes_exact, two_layers, rheology, scene, patch)}
+    stokes_cylinders, stokes_exact, two_layers, rheology, womersley, scene, patch)}

@@ -100,33 +100,30 @@ static PetscErrorCode EstimateError(Flow *flow, PetscReal *norm)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Fails the step because of its error; ratio: error over its tolerance. */
-static PetscErrorCode RejectStep(Flow *flow, PetscReal ratio, PetscReal order, PetscReal least)
+/* Fails the step because of its error; ratio: error over its tolerance. The failure has no sentence,
+   because the step is always repeated. */
+static void RejectStep(Flow *flow, PetscReal ratio, PetscReal order, PetscReal least)
 {
-  const Clock *clock   = flow->clock;
-  StepFailure *failure = &flow->scheme->failure;
-  char         where[CLOCK_WHERE];
+  const PetscReal change = PetscMax(SHRINKAGE, PetscPowReal(TARGET / ratio, 1.0 / order));
 
-  PetscFunctionBegin;
-  PetscCall(ClockWhere(clock, where));
-  FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
-             "%s: the error of the step is %.2g times -dt_rtol %.3g", where, (double)ratio,
-             (double)clock->control.rtol);
-  failure->dt_next =
-      PetscMax(least, clock->dt * PetscMax(SHRINKAGE, PetscPowReal(TARGET / ratio, 1.0 / order)));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  flow->scheme->failure = (StepFailure){
+      .code    = PETSC_ERR_NOT_CONVERGED,
+      .dt_next = PetscMax(least, change * flow->clock->dt),
+  };
 }
 
 /*
   TimeErrorCheck - Estimates the error of a step, fails the step if it is too large, and otherwise
   chooses the length of the next step
 
-    r = |u - P| C/(rtol max(|u|, U/10)),   dt' = dt clamp(0.9 r^(-0.7/q) r_last^(0.4/q)),   q: order + 1
+    r = C |u^{n+1} - P|/(rtol max(|u|, U/10))
+    dt' = dt min(2, max(0.2, (0.7/r)^(0.3/q) (r'/r)^(0.4/q))),   q = 1 + -time_order
 
-  Collective. |u| is the largest root mean square so far. The first steps, before which earlier
-  velocities are unknown, double in length; the velocity at the start counts as unknown, because the
-  first step may change it by any amount. Steps of a thousandth of the limit of other reasons are kept, because
-  jumps of the velocity have the same error in any step.
+  Collective. |u| is the largest root mean square so far, and r' the ratio of the last good step.
+  Steps double in length until enough earlier velocities are known. The velocity at the start counts
+  as unknown, because the first step may change it by any amount. Steps of a thousandth of the limit
+  of other reasons are kept, because a jump of the velocity has the same error in any step. See
+  docs/theory.md, (127).
 
   Reference: K. Gustafsson, ACM Trans. Math. Softw. 17 (1991) 533-554
 */
@@ -148,7 +145,7 @@ PetscErrorCode TimeErrorCheck(Flow *flow)
   PetscCall(SchemeLimit(flow, &limit));
   ratio = error / (control->rtol * PetscMax(control->speed, 0.1 * flow->scene->speed));
   if (ratio > 1.0 && clock->dt > FLOOR_SHARE * limit.dt) {
-    PetscCall(RejectStep(flow, ratio, order, FLOOR_SHARE * limit.dt));
+    RejectStep(flow, ratio, order, FLOOR_SHARE * limit.dt);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   ratio  = PetscMax(ratio, 1e-6);
