@@ -1,6 +1,6 @@
 /*
-  The error in time: its estimate is exact for cubic functions of time, gradients have no part in the
-  solenoidal norm, and periods of expressions are found at any length of the window.
+  The error in time: its estimate is exact for cubic functions of time, gradients have no part in
+  the solenoidal norm, and periods of expressions are found at any length of the window.
 */
 /* RANKS: 1 2 */
 #include "../src/schemes/step.h"

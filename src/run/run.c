@@ -165,8 +165,8 @@ static PetscErrorCode RunIsOver(Run *run, PetscBool *over)
 }
 
 /*
-  Makes a successful step, or ends the run. If the chosen row of -dt_adapt retries steps, a step that
-  fails or has too large an error is undone and repeated with a shorter dt.
+  Makes a successful step, or ends the run. If the chosen row of -dt_adapt retries steps, a step
+  that fails or has too large an error is undone and repeated with a shorter dt.
 */
 static PetscErrorCode RunStep(Run *run)
 {

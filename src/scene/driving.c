@@ -12,8 +12,8 @@
 #define NARROWER   4.0
 #define PLACES     3 /* positions at which an expression of position is evaluated */
 
-/* Returns time k of the samples of a window. They are at random places in equal parts of it, because
-   regular samples could be in step with the expression. */
+/* Returns time k of the samples of a window. They are at random places in equal parts of it,
+   because regular samples could be in step with the expression. */
 static PetscReal SampleTime(PetscReal t, PetscReal window, PetscInt k)
 {
   const uint32_t mixed = ((uint32_t)k + 1u) * 2654435761u;

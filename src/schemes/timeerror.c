@@ -1,9 +1,9 @@
 /*
   Control of the step length by the error in time (-dt_adapt error). A polynomial through earlier
-  velocities of a particle predicts u^{n+1}. Its error and the error of BDF are multiples of the same
-  derivative of u, so that the difference of both velocities gives the error of the step (Milne's
-  device). A step whose error is too large is undone and repeated, and a proportional-integral
-  controller chooses the length of the next step.
+  velocities of a particle predicts u^{n+1}. Its error and the error of BDF are multiples of the
+  same derivative of u, so that the difference of both velocities gives the error of the step
+  (Milne's device). A step whose error is too large is undone and repeated, and a
+  proportional-integral controller chooses the length of the next step.
 */
 #include "step.h"
 
@@ -74,8 +74,8 @@ static PetscErrorCode SetError(const Flow *flow, Vec error[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the root mean square of the error of the step over the fluid [m/s]; with moving particles
-   that of its smooth solenoidal part. */
+/* Computes the root mean square of the error of the step over the fluid, with moving particles of
+   its smooth solenoidal part only [m/s]. */
 static PetscErrorCode EstimateError(Flow *flow, PetscReal *norm)
 {
   const PetscInt dim = flow->scene->dim;
@@ -100,8 +100,8 @@ static PetscErrorCode EstimateError(Flow *flow, PetscReal *norm)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Fails the step because of its error; ratio: error over its tolerance. The failure has no sentence,
-   because the step is always repeated. */
+/* Fails the step because of its error; ratio: error over its tolerance. The failure has no
+   sentence, because the step is always repeated. */
 static void RejectStep(Flow *flow, PetscReal ratio, PetscReal order, PetscReal least)
 {
   const PetscReal change = PetscMax(SHRINKAGE, PetscPowReal(TARGET / ratio, 1.0 / order));

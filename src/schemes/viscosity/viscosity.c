@@ -164,8 +164,7 @@ PetscErrorCode ViscosityCreate(Flow *flow, Viscosity **visc)
     PetscCall(TimeToleranceRefuse(v->ts[c], "visc_"));
   }
   if (solve->ksp) PetscCall(GuardAttach(solve->ksp, &flow->ops->forms.visc, &v->guard));
-  if (!v->row->history)
-    PetscCall(ClockDropEstimate(flow->clock, options[0].name, v->row->name));
+  if (!v->row->history) PetscCall(ClockDropEstimate(flow->clock, options[0].name, v->row->name));
   PetscCall(RefuseMultistep(flow, v->row));
   PetscCall(SchemeAddSolve(solve, flow->scheme));
   *visc = v;
