@@ -110,7 +110,8 @@ def checkpoints():
 
 def main():
     isph, source, folder = sys.argv[1:]
-    out = subprocess.run([isph, "-options_reference"], stdout=subprocess.PIPE, check=True, encoding="utf-8")
+    environment = {**os.environ, "ASAN_OPTIONS": "detect_leaks=0"}  # MPI keeps memory
+    out = subprocess.run([isph, "-options_reference"], stdout=subprocess.PIPE, check=True, encoding="utf-8", env=environment)
     names = re.findall(r"^\| `(-[^`]*)`", out.stdout, re.M)
     values = re.findall(r"(?:one|some) of ([^|]*) \|", out.stdout)
     table_words = [word.replace("\\", "") for value in values for word in re.split(", *", value.strip())]
