@@ -361,17 +361,17 @@ PetscErrorCode ClockRemember(Clock *c, Memory *memory)
   PetscCall(MemoryAddReal(memory, "t", &c->t));
   PetscCall(MemoryAddReal(memory, "dt", &c->dt));
   PetscCall(MemoryAddReal(memory, "dt_previous", &c->dt_previous));
-  PetscCall(MemoryAddReal(memory, "dt_before", &c->dt_before));
-  PetscCall(MemoryAddReal(memory, "control_dt", &c->control.dt));
-  PetscCall(MemoryAddReal(memory, "control_last", &c->control.last));
-  PetscCall(MemoryAddReal(memory, "control_speed", &c->control.speed));
-  PetscCall(MemoryAddInt(memory, "rejected", &c->control.rejected));
   PetscCall(MemoryAddInt(memory, "step", &c->step));
   PetscCall(MemoryAddInt(memory, "next_report", &c->next_report));
   PetscCall(MemoryAddInt(memory, "retries", &c->retries));
   PetscCall(MemoryAddInt(memory, "halvings", &c->halvings));
   PetscCall(MemoryAddInt(memory, "good_needed", &c->good_needed));
   PetscCall(MemoryAddInt(memory, "good", &c->good));
+  PetscCall(MemoryAddReal(memory, "dt_before", &c->dt_before));
+  PetscCall(MemoryAddReal(memory, "control_dt", &c->control.dt));
+  PetscCall(MemoryAddReal(memory, "control_last", &c->control.last));
+  PetscCall(MemoryAddReal(memory, "control_speed", &c->control.speed));
+  PetscCall(MemoryAddInt(memory, "rejected", &c->control.rejected));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
