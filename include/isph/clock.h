@@ -116,6 +116,7 @@ PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure);
 PetscErrorCode ClockDropEstimate(Clock *clock, const char option[], const char integrator[]);
 PetscReal      ClockRatio(const Clock *clock);
 PetscBool      ClockPasses(PetscReal every, PetscReal last, PetscReal now);
+PetscReal      ClockNext(PetscReal every, PetscReal t);
 PetscErrorCode ClockWhere(const Clock *clock, char where[]);
 PetscReal      ClockMoment(const Clock *clock);
 PetscReal      ClockExplicitLimit(const Scene *scene, PetscReal support_radius);

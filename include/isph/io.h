@@ -83,11 +83,14 @@ PetscErrorCode            MatrixFileWrite(const Particles *particles, Mat A, Mat
 /* Probes, forces and fluxes during a run, options -probe_point, -probe_line, -probe_flux and
    -probe_forces. */
 typedef struct Monitors Monitors;
-PetscErrorCode          MonitorsCreate(const Scene *scene, Monitors **monitors);
+PetscErrorCode          MonitorsCreate(const Flow *flow, Monitors **monitors);
 const char             *MonitorsBase(const Monitors *monitors);
 PetscErrorCode          MonitorsDestroy(Monitors **monitors);
 PetscErrorCode          MonitorsRestart(PetscReal t, Monitors *monitors);
 PetscErrorCode          MonitorsWrite(const Flow *flow, Monitors *monitors);
+PetscInt                MonitorsCount(const Monitors *monitors);
+void                    MonitorsGet(const Monitors *monitors, PetscReal values[]);
+PetscErrorCode          MonitorsSet(Monitors *monitors, PetscInt n, const PetscReal values[]);
 
 PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscReal T[]);
 

@@ -23,7 +23,16 @@ typedef struct {
 } ShiftRow;
 extern const Table       ShiftTable;
 extern const OptionTable MotionOptions, SchemeOptions, ProjectionOptions, ViscosityOptions,
-    CoupledOptions, CoupledSolverOptions, GuardOptions, SolverOptions;
+    CoupledOptions, CoupledSolverOptions, GuardOptions, SolverOptions, AverageOptions;
+
+/* The mean of the pressure over the last time T before a snapshot; see src/schemes/average.c. */
+typedef struct {
+  PetscReal  T;          /* -pressure_average [s]; 0: none */
+  PetscBool  snapshots;  /* snapshots need the mean */
+  PetscReal  start, due; /* start of the present mean, and the snapshot it is for; 0: no mean [s] */
+  PetscReal *mean;       /* (field) [Pa]; NULL without T */
+  Vec        vec;        /* on the field; valid for an epoch */
+} PressureAverage;
 
 /*
   Velocity and pressure on the particles. Fields follow the particles through migration, restart and
@@ -34,6 +43,8 @@ typedef struct {
   PetscReal       shift_strength;
   PetscReal       velocity_filter; /* strength of the grid-scale filter of velocities [-] */
   PetscBool       has_convection;  /* particles are fixed and have a convective term */
+
+  PressureAverage average; /* of the pressure */
 
   PetscReal *u_previous[ISPH_MAX_DIM]; /* u^{n-1} (field) [m/s] */
   PetscReal *u_earlier[ISPH_MAX_DIM];  /* u^{n-2} (field); NULL without -dt_adapt error [m/s] */
@@ -162,6 +173,13 @@ PetscErrorCode FlowStateRenumber(Flow *flow);
 PetscErrorCode FlowStateDestroy(Flow *flow);
 PetscErrorCode FlowGetWork(Flow *flow, Vec *v);
 PetscErrorCode FlowRestoreWork(Flow *flow, Vec *v);
+
+/* The mean of the pressure for snapshots. */
+PetscErrorCode AverageCreate(Flow *flow);
+PetscErrorCode AverageRegister(Flow *flow);
+void           AverageBegin(Flow *flow);
+void           AverageEnd(Flow *flow);
+PetscReal      AverageLength(const Flow *flow);
 
 PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, const Vec v[], Vec u,
                                  Vec walls, Vec work, Vec result);

@@ -220,30 +220,39 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
 }
 
 /* Writes a row for each wall without slip: sides of the box, then bodies. */
-static PetscErrorCode WriteForces(const Flow *flow, const Monitor *monitor)
+static PetscErrorCode WriteForces(const Flow *flow, Monitor *monitor)
 {
   const Scene *scene = flow->scene;
 
   PetscFunctionBegin;
   for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
-    PetscReal F[ISPH_MAX_DIM] = {0.0}, T[ISPH_MAX_DIM] = {0.0};
+    PetscReal force[2 * ISPH_MAX_DIM] = {0.0}; /* force, then torque */
     char      name[WALL_NAME];
 
     if (!SceneHas(scene, PHYSICS_WALLS)) continue;
     if (!BoundaryIs(scene, side, BOUNDARY_CONFINES | BOUNDARY_NO_SLIP)) continue;
-    PetscCall(WallForce(flow, side, F, T));
+    PetscCall(WallForce(flow, side, force, &force[ISPH_MAX_DIM]));
+    PetscCall(MonitorMean(flow, side, 2 * ISPH_MAX_DIM, force, monitor));
     SceneWallName(scene, side, name);
     if (!MonitorRow(flow, monitor)) continue;
     (void)fprintf(monitor->stream, ",%s", name);
-    MonitorVector(monitor, scene->dim, F);
-    MonitorVector(monitor, 3, T);
+    MonitorVector(monitor, scene->dim, force);
+    MonitorVector(monitor, 3, &force[ISPH_MAX_DIM]);
     (void)fprintf(monitor->stream, "\n");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Each boundary has a window, which stays empty without forces on it. */
+static PetscInt ForceWindows(const Scene *scene, const Monitor *monitor)
+{
+  (void)monitor;
+  return SceneBoundaries(scene);
+}
+
 const MonitorKind MonitorForces = {
-    .name   = "forces",
-    .header = "wall,fx,fy,fz,tx,ty,tz",
-    .Write  = WriteForces,
+    .name    = "forces",
+    .header  = "wall,fx,fy,fz,tx,ty,tz",
+    .Windows = ForceWindows,
+    .Write   = WriteForces,
 };

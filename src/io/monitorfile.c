@@ -111,11 +111,12 @@ PetscErrorCode MonitorFlush(Monitor *monitor)
 /*
   MonitorRow - Begins a row with time and step on the first rank; not collective
 
-  Returns: PETSC_FALSE on other ranks, which write nothing
+  Returns: PETSC_FALSE if nothing is to be written: on other ranks, and for values that only enter a
+  mean
 */
 PetscBool MonitorRow(const Flow *flow, const Monitor *monitor)
 {
-  if (!monitor->stream) return PETSC_FALSE;
+  if (!monitor->stream || monitor->quiet) return PETSC_FALSE;
   (void)fprintf(monitor->stream, "%.12g,%" PetscInt_FMT, (double)flow->clock->t, flow->clock->step);
   return PETSC_TRUE;
 }

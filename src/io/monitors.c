@@ -121,10 +121,23 @@ static PetscErrorCode MonitorRead(const Scene *scene, const OptionRow *row, cons
   PetscCall(CheckInBox(scene, option, group, n, number));
   for (PetscInt k = 0; k < n / group && kind->Check; k++)
     PetscCall(kind->Check(scene, option, k, &number[k * group]));
-  monitor->on = PETSC_TRUE;
-  monitor->n  = n / group;
+  monitor->on        = PETSC_TRUE;
+  monitor->n         = n / group;
+  monitor->n_numbers = n;
   PetscCall(PetscMalloc1(n, &monitor->parameter));
   PetscCall(PetscArraycpy(monitor->parameter, number, n));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates the windows of a monitor for means over the time T. */
+static PetscErrorCode CreateWindows(const Scene *scene, PetscReal T, const MonitorKind *kind,
+                                    Monitor *monitor)
+{
+  PetscFunctionBegin;
+  if (!monitor->on || !kind->Windows || T == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  monitor->T         = T;
+  monitor->n_windows = kind->Windows(scene, monitor);
+  PetscCall(PetscCalloc1(monitor->n_windows, &monitor->window));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -146,15 +159,17 @@ static PetscErrorCode MonitorRead(const Scene *scene, const OptionRow *row, cons
 
   Errors: incomplete groups of numbers end the run
 */
-PetscErrorCode MonitorsCreate(const Scene *scene, Monitors **monitors)
+PetscErrorCode MonitorsCreate(const Flow *flow, Monitors **monitors)
 {
-  Monitors *m;
+  const Scene *scene = flow->scene;
+  Monitors    *m;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&m));
   m->last = PETSC_NINFINITY;
   for (size_t k = 0; k < MONITOR_KINDS; k++) {
     PetscCall(MonitorRead(scene, &options[k], kinds[k], &m->of[k]));
+    PetscCall(CreateWindows(scene, flow->state->average.T, kinds[k], &m->of[k]));
     m->any = m->any || m->of[k].on ? PETSC_TRUE : PETSC_FALSE;
   }
   if (m->any) {
@@ -183,8 +198,12 @@ PetscErrorCode MonitorsDestroy(Monitors **monitors)
   PetscFunctionBegin;
   if (!*monitors) PetscFunctionReturn(PETSC_SUCCESS);
   for (size_t k = 0; k < MONITOR_KINDS; k++) {
-    if ((*monitors)->of[k].stream) (void)fclose((*monitors)->of[k].stream);
-    PetscCall(PetscFree((*monitors)->of[k].parameter));
+    Monitor *monitor = &(*monitors)->of[k];
+
+    if (monitor->stream) (void)fclose(monitor->stream);
+    for (PetscInt w = 0; w < monitor->n_windows; w++) PetscCall(WindowFree(&monitor->window[w]));
+    PetscCall(PetscFree(monitor->window));
+    PetscCall(PetscFree(monitor->parameter));
   }
   PetscCall(PetscFree(*monitors));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -207,8 +226,17 @@ PetscErrorCode MonitorsRestart(PetscReal t, Monitors *m)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns true if values of a monitor at time t enter the mean of the next row, which is at most T
+   after t. */
+static PetscBool EntersMean(const Monitors *m, const Monitor *monitor, PetscReal t)
+{
+  if (monitor->T == 0.0) return PETSC_FALSE;
+  return ClockNext(m->every, t) - t <= monitor->T * (1.0 + 1e-9) ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /*
-  MonitorsWrite - Writes the rows of the present time, if they are due
+  MonitorsWrite - Writes the rows of the present time, if they are due; otherwise measures values
+  for the means of the next rows
 
   Collective on PETSC_COMM_WORLD. Called at the start and after every step.
 
@@ -217,19 +245,94 @@ PetscErrorCode MonitorsRestart(PetscReal t, Monitors *m)
 PetscErrorCode MonitorsWrite(const Flow *flow, Monitors *m)
 {
   const PetscReal t = flow->clock->t;
+  PetscBool       due;
 
   PetscFunctionBegin;
   if (!m->any) PetscFunctionReturn(PETSC_SUCCESS);
-  if (m->every > 0.0 && m->last > PETSC_NINFINITY && !ClockPasses(m->every, m->last, t))
-    PetscFunctionReturn(PETSC_SUCCESS);
-  m->last = t;
+  due = m->every == 0.0 || m->last == PETSC_NINFINITY ? PETSC_TRUE
+                                                      : ClockPasses(m->every, m->last, t);
+  if (due) m->last = t;
   for (size_t k = 0; k < MONITOR_KINDS; k++) {
     Monitor *monitor = &m->of[k];
 
-    if (!monitor->on) continue;
+    if (!monitor->on || (!due && !EntersMean(m, monitor, t))) continue;
     if (!monitor->opened) PetscCall(MonitorOpen(kinds[k], monitor));
+    monitor->quiet = due ? PETSC_FALSE : PETSC_TRUE;
     PetscCall(kinds[k]->Write(flow, monitor));
-    PetscCall(MonitorFlush(monitor));
+    if (due) PetscCall(MonitorFlush(monitor));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Copies the kind, the coordinates and the windows of a monitor to an array, if that is not NULL;
+   returns the number of values. */
+static PetscInt MonitorPack(size_t kind, const Monitor *monitor, PetscReal values[])
+{
+  PetscInt n = 3;
+
+  for (PetscInt k = 0; k < monitor->n_numbers; k++, n++) {
+    if (values) values[n] = monitor->parameter[k];
+  }
+  for (PetscInt w = 0; w < monitor->n_windows; w++)
+    n += WindowPack(&monitor->window[w], values ? &values[n] : NULL);
+  if (!values) return n;
+  values[0] = (PetscReal)n;
+  values[1] = (PetscReal)kind;
+  values[2] = (PetscReal)monitor->n_numbers;
+  return n;
+}
+
+/*
+  MonitorsCount, MonitorsGet, MonitorsSet - Count, copy and restore the values of windows for a
+  checkpoint
+
+  Not collective. MonitorsSet() leaves windows empty if the earlier run had other probes.
+*/
+PetscInt MonitorsCount(const Monitors *m)
+{
+  PetscInt n = 0;
+
+  for (size_t k = 0; k < MONITOR_KINDS; k++)
+    n += m->of[k].n_windows ? MonitorPack(k, &m->of[k], NULL) : 0;
+  return n;
+}
+
+void MonitorsGet(const Monitors *m, PetscReal values[])
+{
+  PetscInt n = 0;
+
+  for (size_t k = 0; k < MONITOR_KINDS; k++)
+    n += m->of[k].n_windows ? MonitorPack(k, &m->of[k], &values[n]) : 0;
+}
+
+/* Returns true if n values of an earlier run belong to a monitor of this kind and these numbers. */
+static PetscBool IsOfMonitor(size_t kind, const Monitor *monitor, PetscInt n,
+                             const PetscReal values[])
+{
+  if (values[1] != (PetscReal)kind || values[2] != (PetscReal)monitor->n_numbers)
+    return PETSC_FALSE;
+  if (n < 3 + monitor->n_numbers) return PETSC_FALSE;
+  for (PetscInt k = 0; k < monitor->n_numbers; k++) {
+    if (values[3 + k] != monitor->parameter[k]) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+PetscErrorCode MonitorsSet(Monitors *m, PetscInt n, const PetscReal values[])
+{
+  PetscInt size;
+
+  PetscFunctionBegin;
+  for (PetscInt at = 0; n - at >= 3; at += size) {
+    size = values[at] >= 3.0 && values[at] <= (PetscReal)(n - at) ? (PetscInt)values[at] : n - at;
+    for (size_t k = 0; k < MONITOR_KINDS; k++) {
+      Monitor *monitor = &m->of[k];
+      PetscInt used    = 3 + monitor->n_numbers, part;
+
+      if (!monitor->n_windows || !IsOfMonitor(k, monitor, size, &values[at])) continue;
+      for (PetscInt w = 0; w < monitor->n_windows; w++, used += part)
+        PetscCall(WindowUnpack(size - used, &values[at + used], &monitor->window[w], &part));
+    }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -12,11 +12,12 @@ static PetscBool InBody(const Scene *scene, const PetscReal x[])
 }
 
 /*
-  Writes a row with velocity and pressure for each of n points. After time and step follows the
-  given number or, if it is negative, the index of the point. The columns of velocity and pressure
+  Writes a row with velocity and mean pressure for each of n points, whose window has the given
+  index. After time and step follows the given number or, if it is negative, the index of the point.
+  The columns of velocity and pressure
   are empty for points in bodies, the column of the pressure if the run has none.
 */
-static PetscErrorCode WriteProbes(const Flow *flow, const Monitor *monitor, PetscInt n,
+static PetscErrorCode WriteProbes(const Flow *flow, Monitor *monitor, PetscInt window, PetscInt n,
                                   const PetscReal x[], PetscInt number)
 {
   const PetscInt dim = flow->scene->dim;
@@ -25,6 +26,7 @@ static PetscErrorCode WriteProbes(const Flow *flow, const Monitor *monitor, Pets
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(n * dim, &u, n, &p));
   PetscCall(ProbePoints(flow, n, x, u, p));
+  PetscCall(MonitorMean(flow, window, n, p, monitor));
   for (PetscInt k = 0; k < n; k++) {
     if (!MonitorRow(flow, monitor)) continue;
     (void)fprintf(monitor->stream, ",%" PetscInt_FMT, number < 0 ? k : number);
@@ -52,19 +54,28 @@ static PetscErrorCode CheckPoint(const Scene *scene, const char option[], PetscI
 }
 
 /* Writes a row for each point. */
-static PetscErrorCode WritePoints(const Flow *flow, const Monitor *monitor)
+static PetscErrorCode WritePoints(const Flow *flow, Monitor *monitor)
 {
   PetscFunctionBegin;
-  PetscCall(WriteProbes(flow, monitor, monitor->n, monitor->parameter, -1));
+  PetscCall(WriteProbes(flow, monitor, 0, monitor->n, monitor->parameter, -1));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* All points share a window. */
+static PetscInt PointWindows(const Scene *scene, const Monitor *monitor)
+{
+  (void)scene;
+  (void)monitor;
+  return 1;
+}
+
 const MonitorKind MonitorPoints = {
-    .name   = "point",
-    .header = "point,x,y,z,u,v,w,p",
-    .group  = {2, 3},
-    .Check  = CheckPoint,
-    .Write  = WritePoints,
+    .name    = "point",
+    .header  = "point,x,y,z,u,v,w,p",
+    .group   = {2, 3},
+    .Check   = CheckPoint,
+    .Windows = PointWindows,
+    .Write   = WritePoints,
 };
 
 /* Refuses a line if its last parameter, the number of points, is not a whole number above 1. */
@@ -81,7 +92,7 @@ static PetscErrorCode CheckLine(const Scene *scene, const char option[], PetscIn
 }
 
 /* Writes a row for each point of each line. */
-static PetscErrorCode WriteLines(const Flow *flow, const Monitor *monitor)
+static PetscErrorCode WriteLines(const Flow *flow, Monitor *monitor)
 {
   const PetscInt dim = flow->scene->dim;
 
@@ -97,18 +108,26 @@ static PetscErrorCode WriteLines(const Flow *flow, const Monitor *monitor)
 
       for (PetscInt a = 0; a < dim; a++) x[q * dim + a] = (1.0 - s) * end[a] + s * end[dim + a];
     }
-    PetscCall(WriteProbes(flow, monitor, n, x, k));
+    PetscCall(WriteProbes(flow, monitor, k, n, x, k));
     PetscCall(PetscFree(x));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Each line has a window. */
+static PetscInt LineWindows(const Scene *scene, const Monitor *monitor)
+{
+  (void)scene;
+  return monitor->n;
+}
+
 const MonitorKind MonitorLines = {
-    .name   = "line",
-    .header = "line,x,y,z,u,v,w,p",
-    .group  = {5, 7},
-    .Check  = CheckLine,
-    .Write  = WriteLines,
+    .name    = "line",
+    .header  = "line,x,y,z,u,v,w,p",
+    .group   = {5, 7},
+    .Check   = CheckLine,
+    .Windows = LineWindows,
+    .Write   = WriteLines,
 };
 
 /*
@@ -162,7 +181,7 @@ static PetscErrorCode SectionFlux(const Flow *flow, const PetscReal corner[], Pe
 }
 
 /* Writes a row for each section. */
-static PetscErrorCode WriteFluxes(const Flow *flow, const Monitor *monitor)
+static PetscErrorCode WriteFluxes(const Flow *flow, Monitor *monitor)
 {
   const PetscInt dim = flow->scene->dim, group = dim == 2 ? 4 : 9;
 

@@ -130,9 +130,13 @@ static PetscErrorCode SnapshotAttributes(const Flow *flow, Hdf5File *file)
     const char *name;
     PetscReal   value;
   } numbers[] = {
-      {"time", flow->clock->t}, {"reynolds", SceneReynolds(scene)},
-      {"dx", scene->dx},        {"h", flow->ops->forms.h},
-      {"nu", scene->nu},        {"rho", scene->rho},
+      {"time", flow->clock->t},
+      {"reynolds", SceneReynolds(scene)},
+      {"dx", scene->dx},
+      {"h", flow->ops->forms.h},
+      {"nu", scene->nu},
+      {"rho", scene->rho},
+      {"pressure_average", AverageLength(flow)},
   };
   const int step = (int)flow->clock->step, dim = (int)scene->dim;
   char      text[64], *options;

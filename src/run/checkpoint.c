@@ -137,6 +137,21 @@ static PetscErrorCode WriteHistory(const Run *run, Hdf5File *file, uint64_t *sum
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Writes the values that monitors average, and adds them to the checksum. */
+static PetscErrorCode WriteMonitors(const Run *run, Hdf5File *file, uint64_t *sum)
+{
+  const int  n = (int)MonitorsCount(run->monitors);
+  PetscReal *values;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(n + 1, &values));
+  MonitorsGet(run->monitors, values);
+  PetscCall(Hdf5WriteNumber(file, "n_monitors", H5T_NATIVE_INT, &n));
+  PetscCall(WriteTable(file, "monitors", n, 1, values, sum));
+  PetscCall(PetscFree(values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Writes the state of the run except the particles, and adds it to the checksum. */
 static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
 {
@@ -172,6 +187,7 @@ static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
   MemoryGet(memory, values);
   PetscCall(WriteTable(file, "memory", 1, memory->n, values, sum));
   PetscCall(WriteHistory(run, file, sum));
+  PetscCall(WriteMonitors(run, file, sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -9,8 +9,9 @@
 typedef struct {
   long long  next_id;
   PetscReal *memory;
-  int        n_report, n_snapshots;
+  int        n_report, n_snapshots, n_monitors;
   PetscReal *report, *snapshots; /* rows of 4 and 3 numbers */
+  PetscReal *monitors;           /* values of their means */
   char      *names;              /* of the rows of the report, "a,b,..." */
   PetscInt   n;                  /* records on this rank */
   PetscReal *record;
@@ -111,7 +112,7 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
   PetscCall(PetscStrcmp(names, wanted, &same));
   UserCheck(same,
             "-restart %s: the file holds %s, this run needs %s; use the same physics, -motion, "
-            "-wall_surface and -dt_adapt",
+            "-wall_surface, -dt_adapt and -pressure_average (0 or above)",
             path, names, wanted);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -160,6 +161,15 @@ static PetscErrorCode ReadHistory(Hdf5File *file, Stored *stored, uint64_t *sum)
   PetscCall(PetscCalloc1(room, &stored->names));
   PetscCall(Hdf5ReadText(file, "report_names", stored->names, room));
   CheckpointSumText(stored->names, sum);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads the values that monitors average, and adds them to the checksum. */
+static PetscErrorCode ReadMonitors(Hdf5File *file, Stored *stored, uint64_t *sum)
+{
+  PetscFunctionBegin;
+  PetscCall(Hdf5ReadNumber(file, "n_monitors", H5T_NATIVE_INT, &stored->n_monitors));
+  PetscCall(ReadTable(file, "monitors", stored->n_monitors, 1, &stored->monitors, sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -217,6 +227,7 @@ static PetscErrorCode ReadFile(const Run *run, const char path[], Hdf5File *file
   PetscCall(CheckScene(run, path, file, &sum));
   PetscCall(ReadMemory(&run->flow.scheme->memory, path, file, stored, &sum));
   PetscCall(ReadHistory(file, stored, &sum));
+  PetscCall(ReadMonitors(file, stored, &sum));
   PetscCall(Hdf5ReadNumber(file, "checksum", H5T_NATIVE_UINT64, &wanted));
   PetscCall(ReadRecords(run->flow.particles, file, stored, &sum));
   stored->whole = sum == wanted ? PETSC_TRUE : PETSC_FALSE;
@@ -241,6 +252,7 @@ static PetscErrorCode Restore(const Stored *stored, Run *run)
   }
   PetscCall(
       SnapshotsSet(run->snapshots, stored->n_snapshots, stored->snapshots, run->flow.clock->step));
+  PetscCall(MonitorsSet(run->monitors, stored->n_monitors, stored->monitors));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -269,6 +281,7 @@ static PetscErrorCode StoredFree(Stored *stored)
   PetscCall(PetscFree(stored->memory));
   PetscCall(PetscFree(stored->report));
   PetscCall(PetscFree(stored->snapshots));
+  PetscCall(PetscFree(stored->monitors));
   PetscCall(PetscFree(stored->names));
   PetscCall(PetscFree(stored->record));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -72,7 +72,7 @@ static PetscErrorCode RunOpenFiles(Run *run)
   const Scheme *scheme = run->flow.scheme;
 
   PetscFunctionBegin;
-  PetscCall(MonitorsCreate(run->flow.scene, &run->monitors));
+  PetscCall(MonitorsCreate(&run->flow, &run->monitors));
   PetscCall(ProgressCreate(&run->progress));
   PetscCall(ReportCreate(&run->report));
   for (PetscInt k = 0; k < scheme->n_solves; k++) {
@@ -257,13 +257,16 @@ static PetscErrorCode RunWriteMatrices(const Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reports the number of undone steps if steps are retried, the number of steps rejected because of
-   their error, and the number of fallbacks of each solve that had any. */
-static PetscErrorCode RunCountTroubles(Run *run)
+/* Reports the length of the average of the pressure if there is one, the number of undone steps if
+   steps are retried, the number of steps rejected because of their error, and the number of
+   fallbacks of each solve that had any. */
+static PetscErrorCode RunReportChoices(Run *run)
 {
-  const Scheme *scheme = run->flow.scheme;
+  const Scheme   *scheme = run->flow.scheme;
+  const PetscReal T      = run->flow.state->average.T;
 
   PetscFunctionBegin;
+  if (T > 0.0) PetscCall(ReportAdd(run->report, "pressure_average", T));
   if (run->undo) PetscCall(ReportAdd(run->report, "retries", run->flow.clock->retries));
   if (run->flow.clock->adapt->estimates)
     PetscCall(ReportAdd(run->report, "rejected", run->flow.clock->control.rejected));
@@ -290,7 +293,7 @@ static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measure
   PetscCall(RunWriteMatrices(run));
   if (measured) PetscCall(run->flow.scene->problem->Measure(&run->flow, run->report));
   PetscCall(ExpressionScopeCheck(run->flow.scene->scope));
-  PetscCall(RunCountTroubles(run));
+  PetscCall(RunReportChoices(run));
   PetscCall(PetscTime(&now));
   if (measured) PetscCall(ReportView(run->report, now - run->started, PETSC_VIEWER_STDOUT_WORLD));
   PetscCall(ReportWrite(&run->flow, run->report, now - run->started, status));

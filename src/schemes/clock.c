@@ -505,6 +505,12 @@ PetscBool ClockPasses(PetscReal every, PetscReal last, PetscReal now)
                                                                                   : PETSC_FALSE;
 }
 
+/* ClockNext - Returns the multiple of `every` [s] that follows the time t [s]; not collective */
+PetscReal ClockNext(PetscReal every, PetscReal t)
+{
+  return every * (PetscFloorReal(t / every + 1e-9) + 1.0);
+}
+
 /* ClockWhere - Writes "step 12 (t = 0.34)" for the present step, at most CLOCK_WHERE letters */
 PetscErrorCode ClockWhere(const Clock *clock, char where[])
 {

@@ -106,6 +106,7 @@ PetscErrorCode FlowStateCreate(Flow *flow, unsigned *needs)
   }
   PetscCall(RegisterEvents(scene, s));
   flow->state = s;
+  PetscCall(AverageCreate(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -120,6 +121,7 @@ static PetscErrorCode FlowStateFree(FlowState *s)
     PetscCall(VecDestroy(&s->u_next[a]));
   }
   PetscCall(VecDestroy(&s->p));
+  PetscCall(VecDestroy(&s->average.vec));
   PetscCall(VecDestroy(&s->p_before));
   PetscCall(VecDestroy(&s->divergence));
   for (PetscInt k = 0; k < FLOW_MAX_WORK; k++) PetscCall(VecDestroy(&s->work[k]));
@@ -153,6 +155,7 @@ PetscErrorCode FlowStateRegister(Flow *flow)
     PetscCall(ParticlesRegister(p, "u_earlier", scene->dim, HALO_NONE, ENTRY_MEAN, s->u_earlier));
   if (s->has_convection)
     PetscCall(ParticlesRegister(p, "convection", scene->dim, HALO_NONE, ENTRY_MEAN, s->convection));
+  PetscCall(AverageRegister(flow));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM] = {0.0}, pressure = 0.0;
 
@@ -188,6 +191,7 @@ PetscErrorCode FlowStateRenumber(Flow *flow)
   }
   if (p->p) {
     PetscCall(FluidVec(p, p->p, &s->p));
+    if (s->average.mean) PetscCall(FluidVec(p, s->average.mean, &s->average.vec));
     PetscCall(FluidVec(p, NULL, &s->p_before));
     PetscCall(FluidVec(p, NULL, &s->divergence));
   }

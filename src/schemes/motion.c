@@ -23,13 +23,15 @@ static void KeepOffWalls(const Scene *scene, PetscReal dx, PetscReal x[])
 
 /*
   Derivatives at the old positions, which give the change of the fields of a displaced particle:
-  grad p; with shifting also grad u and, if the viscous operator is a Laplacian, lap u; with the
-  velocity filter also grad u and the residual of a quadratic fit of u. Unneeded vectors are NULL.
+  grad p and the gradient of the mean pressure; with shifting also grad u and, if the viscous
+  operator is a Laplacian, lap u; with the velocity filter also grad u and the residual of a
+  quadratic fit of u. Unneeded vectors are NULL.
 */
 typedef struct {
-  Vec                p_vec[ISPH_MAX_DIM], u_vec[ISPH_MAX_DIM][ISPH_MAX_DIM];
+  Vec                p_vec[ISPH_MAX_DIM], mean_vec[ISPH_MAX_DIM], u_vec[ISPH_MAX_DIM][ISPH_MAX_DIM];
   Vec                lap_vec[ISPH_MAX_DIM], residual_vec[ISPH_MAX_DIM];
   const PetscScalar *p[ISPH_MAX_DIM];               /* dp/dx_a */
+  const PetscScalar *mean[ISPH_MAX_DIM];            /* derivatives of the mean pressure */
   const PetscScalar *u[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* du_c/dx_a at [c][a] */
   const PetscScalar *lap[ISPH_MAX_DIM];             /* lap u_c */
   const PetscScalar *residual[ISPH_MAX_DIM];        /* residual of the fit of u_c */
@@ -67,6 +69,10 @@ static PetscErrorCode SlopesGet(Flow *flow, PetscBool shifting, Slopes *t)
     if (state->p) {
       PetscCall(SlopeGet(flow, &ops->grad_p[a], state->p, walls->p, &t->p_vec[a], &t->p[a]));
     }
+    if (state->average.due > 0.0) {
+      PetscCall(SlopeGet(flow, &ops->grad_p[a], state->average.vec, walls->p, &t->mean_vec[a],
+                         &t->mean[a]));
+    }
     for (PetscInt c = 0; (shifting || ops->velocity[0].filter_u.needed) && c < flow->scene->dim;
          c++) {
       PetscCall(SlopeGet(flow, &OperatorsOfVelocity(ops, c)->grad_u[a], state->u[c], walls->u[c],
@@ -89,6 +95,7 @@ static PetscErrorCode SlopesRestore(Flow *flow, Slopes *t)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < flow->scene->dim; a++) {
     PetscCall(SlopeRestore(flow, &t->p_vec[a], &t->p[a]));
+    PetscCall(SlopeRestore(flow, &t->mean_vec[a], &t->mean[a]));
     for (PetscInt c = 0; c < flow->scene->dim; c++)
       PetscCall(SlopeRestore(flow, &t->u_vec[c][a], &t->u[c][a]));
     PetscCall(SlopeRestore(flow, &t->lap_vec[a], &t->lap[a]));
@@ -209,6 +216,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     moved2 = PetscIsNanReal(d2) ? PETSC_INFINITY : PetscMax(moved2, d2);
     for (PetscInt a = 0; a < scene->dim; a++) {
       if (p->p) p->p[i] += (x[a] - p->x[a][i]) * slopes->p[a][i];
+      if (slopes->mean[a]) state->average.mean[i] += (x[a] - p->x[a][i]) * slopes->mean[a][i];
       p->x[a][i] = x[a];
       p->u[a][i] += change[a];
       state->u_previous[a][i] += change[a];
@@ -227,7 +235,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     u += s.grad u + |s|^2/(2d) lap u - filter of FilterVelocity(),   p += dr.grad p
 
   Collective. Earlier velocities receive the same change as u^n, so that it is no change in time.
-  The pressure is carried as an Eulerian field.
+  The pressure and its mean of average.c are carried as Eulerian fields.
   The velocity belongs to the particle and changes only by the shift s and the filter. s includes
   the displacement by KeepOffWalls(). If the velocity did not change with this displacement,
   particles would carry the speed of a moving lid away from the lid, as they do without shifting.

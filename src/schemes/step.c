@@ -84,6 +84,7 @@ PetscErrorCode FlowStep(Flow *flow, FlowSolve Solve)
 
   PetscFunctionBegin;
   failure->code = PETSC_SUCCESS;
+  AverageBegin(flow);
   if (SceneMoves(flow->scene)) {
     PetscCall(FlowMove(flow));
     if (!failure->code) PetscCall(FlowRebuild(flow));
@@ -91,6 +92,7 @@ PetscErrorCode FlowStep(Flow *flow, FlowSolve Solve)
   if (!failure->code) PetscCall(Solve(flow));
   if (!failure->code) PetscCall(FlowCheck(flow));
   if (!failure->code && flow->clock->adapt->estimates) PetscCall(TimeErrorCheck(flow));
+  if (!failure->code) AverageEnd(flow);
   if (!failure->code) PetscCall(FlowAdvance(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
