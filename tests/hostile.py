@@ -171,7 +171,8 @@ def contents():
         changed("c.h5", checkpoint, "particles", *record)
         assert refused("-restart c.h5: the file is damaged: 1 of its particles", "-max_steps", "3", "-restart",
                        "c.h5") == 79
-    for memory in (math.nan,), (-0.1,), (0.1, 0.01, 0.01, 1.5), (0.1, 0.01, 0.01, math.inf):  # t, dt, dt before, step
+    for memory in ((math.nan,), (-0.1,), (0.1, -3e9), (0.1, 0.01, -1), (0.1, 0.01, 0.01, 1.5),
+                   (0.1, 0.01, 0.01, math.inf)):  # t, dt, dt before, step
         changed("c.h5", checkpoint, "memory", *memory)
         assert refused("-restart c.h5: the file is damaged", "-max_steps", "3", "-restart", "c.h5") == 79
     for row in (1e300,), (-1,), (math.nan,), (0, 0, 1e10):  # number, time, particles

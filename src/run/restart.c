@@ -298,6 +298,7 @@ static PetscErrorCode StoredFree(Stored *stored)
 PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted)
 {
   Checkpoints *c      = run->checkpoints;
+  const Clock *clock  = run->flow.clock;
   const char  *path   = c->restart;
   Stored       stored = {.n_report = 0, .n_snapshots = 0};
   Hdf5File     file;
@@ -316,19 +317,22 @@ PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted)
              "-restart %s: the file is damaged: %s", path,
              good ? "its checksum is wrong" : "parts of it cannot be read");
   PetscCall(Restore(&stored, run));
-  PetscCheck(run->flow.clock->t >= 0.0, PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
-             "-restart %s: the file is damaged: it is at t = %.6g", path,
-             (double)run->flow.clock->t);
-  UserCheck(run->flow.clock->t <= run->flow.clock->t_end * (1.0 + 1e-12),
-            "-restart %s: the file is at t = %.6g, after -t_end %.6g", path,
-            (double)run->flow.clock->t, (double)run->flow.clock->t_end);
+  PetscCheck(
+      clock->t >= 0.0 && clock->dt >= 0.0 && clock->dt_previous >= 0.0 &&
+          run->flow.scheme->stats.speed_max >= 0.0,
+      PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
+      "-restart %s: the file is damaged: it is at t = %.6g with dt = %.6g and the speed %.6g", path,
+      (double)clock->t, (double)clock->dt, (double)run->flow.scheme->stats.speed_max);
+  UserCheck(clock->t <= clock->t_end * (1.0 + 1e-12),
+            "-restart %s: the file is at t = %.6g, after -t_end %.6g", path, (double)clock->t,
+            (double)clock->t_end);
   PetscCall(CheckRecords(run, path, &stored));
   PetscCall(ParticlesReplace(run->flow.scene, run->flow.particles, stored.n, stored.record));
   PetscCall(StoredFree(&stored));
   PetscCall(run->flow.scheme->row->Begin(&run->flow));
-  c->last = run->flow.clock->t;
-  c->step = run->flow.clock->step;
+  c->last = clock->t;
+  c->step = clock->step;
   PetscCall(PetscPrintf(PETSC_COMM_WORLD, "restart     %s: t = %.6g, step %" PetscInt_FMT "\n",
-                        path, (double)run->flow.clock->t, run->flow.clock->step));
+                        path, (double)clock->t, clock->step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
