@@ -38,6 +38,15 @@ static void test_values(void **state)
       {"log(t)", 0.69314718055994531, EXPRESSION_TIME}, /* natural */
       {"-x^2", -0.09, EXPRESSION_PLACE},
       {"(-y)", 0.7, EXPRESSION_PLACE},
+      {"0.5 && 1", 1.0, 0}, /* every number except 0 is true: also one below 1, */
+      {"nu || 0", 1.0, 0},  /* a constant, */
+      {"(2^-1 + 0.2) && -0.5", 1.0, 0},
+      {"41e30 && 1", 1.0, 0}, /* and one above the largest int */
+      {"t*(0 || 0.5) + (0.5 && 0)", 2.0, EXPRESSION_TIME},
+      {"1 || 1 && 0", 1.0, 0}, /* && before ||, both after == and < */
+      {"0 && 0 || x", 1.0, EXPRESSION_PLACE},
+      {"0 || 0 && 1", 0.0, 0},
+      {"2 == 2 && x<1&&-y", 1.0, EXPRESSION_PLACE},
   };
 
   (void)state;
@@ -138,6 +147,10 @@ static void test_refused(void **state)
       {"inf", "not finite"},
       {"sin(1,2)", "sin(1,2)"},
       {"\"a\"", "\"a\""},
+      {"x && foo || y", "\"foo\" found at position 5"},
+      {"&& x", "\"&& x \" found at position 0"},
+      {"x &&& y", "\"& y \" found at position 4"},
+      {"x &~ y", "~ is no operator"},
   };
   char             message[512], sum[4000];
   ExpressionScope *scope = Scope(2);
@@ -180,14 +193,16 @@ static void test_not_finite(void **state)
   (void)state;
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   MPI_Comm_size(PETSC_COMM_WORLD, &size);
-  assert_int_equal(ExpressionSet(scope, "-t_text", "1/(x-t)", 1, 1, ANYWHERE, &e), PETSC_SUCCESS);
+  assert_int_equal(ExpressionSet(scope, "-t_text", "x||y ? 1/(x-t) : 0", 1, 1, ANYWHERE, &e),
+                   PETSC_SUCCESS);
   assert_true(ExpressionValue(&e, 0, 0.25, x) == 4.0);
   assert_int_equal(ExpressionScopeCheck(scope), PETSC_SUCCESS);
   if (rank == size - 1) assert_true(ExpressionValue(&e, 0, 0.5, x) == 0.0);
   assert_int_equal(PetscPushErrorHandler(CloudKeepMessage, message), PETSC_SUCCESS);
   assert_int_equal(ExpressionScopeCheck(scope), PETSC_ERR_USER_INPUT);
   assert_int_equal(PetscPopErrorHandler(), PETSC_SUCCESS);
-  assert_string_equal(message, "-t_text '1/(x-t)': is not finite at x = 0.5, y = 0.25, t = 0.5");
+  assert_string_equal(message,
+                      "-t_text 'x||y ? 1/(x-t) : 0': is not finite at x = 0.5, y = 0.25, t = 0.5");
   assert_int_equal(ExpressionScopeCheck(NULL), PETSC_SUCCESS);
   assert_int_equal(ExpressionScopeDestroy(&scope), PETSC_SUCCESS);
 }

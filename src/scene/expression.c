@@ -1,7 +1,8 @@
 /*
   Expressions of x, y, z and t typed by the user. muParser parses and evaluates them. This file owns
   the parser handles, splits texts into components, and turns parser errors into messages of a
-  single line. Plain numbers need no parser.
+  single line. Plain numbers need no parser. && and || are operators of this file: muParser's own
+  convert constant operands to int, so 0.5 && 1 is 0 and 41e30 is out of range.
 */
 #include "isph/expression.h"
 #include <muParserDLL.h>
@@ -14,6 +15,29 @@
 #define COMPONENT_MAX   1000 /* muParser copies texts and messages to 2048 characters unchecked */
 
 static const char *const axes[ISPH_MAX_DIM] = {"x", "y", "z"};
+
+/* The operators && and || as functions. muParser refuses to define its own operators anew, so both
+   have another name of the same length in muParser, in which ~ is the second character. */
+#define OPERATOR_MARK '~'
+
+static muFloat_t And(muFloat_t a, muFloat_t b)
+{
+  return a != 0.0 && b != 0.0;
+}
+
+static muFloat_t Or(muFloat_t a, muFloat_t b)
+{
+  return a != 0.0 || b != 0.0;
+}
+
+static const struct {
+  const char *name;
+  muFun2_t    Function;
+  muInt_t     precedence; /* as of muParser's own operator */
+} operators[] = {
+    {"&~", And, 2},
+    {"|~", Or, 1},
+};
 
 struct ExpressionScope {
   PetscInt         dim;
@@ -92,6 +116,22 @@ PetscErrorCode ExpressionScopeCheck(const ExpressionScope *scope)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Renames the operators && and || of a text to their names in muParser. */
+static void RenameOperators(char text[])
+{
+  for (char *s = text; *s; s++) {
+    if ((*s == '&' || *s == '|') && s[1] == *s) *++s = OPERATOR_MARK;
+  }
+}
+
+/* Renames the operators of a text or a message of muParser to && and ||. */
+static void RestoreOperators(char text[])
+{
+  for (char *s = text; *s; s++) {
+    if (s[0] == '&' || s[0] == '|') s[1] = s[1] == OPERATOR_MARK ? s[0] : s[1];
+  }
+}
+
 /* Creates a parser with the constants of the scope and the allowed variables. */
 static PetscErrorCode ParserCreate(ExpressionScope *scope, unsigned allowed,
                                    muParserHandle_t *parser)
@@ -105,6 +145,9 @@ static PetscErrorCode ParserCreate(ExpressionScope *scope, unsigned allowed,
   for (PetscInt a = 0; a < scope->dim && (allowed & EXPRESSION_PLACE); a++)
     mupDefineVar(*parser, axes[a], &scope->x[a]);
   if (allowed & EXPRESSION_TIME) mupDefineVar(*parser, "t", &scope->t);
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(operators); k++)
+    mupDefineOprt(*parser, operators[k].name, operators[k].Function, operators[k].precedence,
+                  muOPRT_ASCT_LEFT, PETSC_TRUE);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -148,14 +191,16 @@ static unsigned ParserUses(const ExpressionScope *scope, muParserHandle_t parser
   return uses;
 }
 
-/* Returns the text of a parser without the space that muParser appends. */
-static const char *ParserText(muParserHandle_t parser, int *length)
+/* Copies the text of a parser, at most size - 1 letters, without the space that muParser
+   appends. */
+static void ParserText(muParserHandle_t parser, char text[], size_t size)
 {
-  const char *text = mupGetExpr(parser);
+  size_t length;
 
-  *length = (int)strlen(text);
-  while (*length && text[*length - 1] == ' ') --*length;
-  return text;
+  (void)snprintf(text, size, "%s", mupGetExpr(parser));
+  length = strlen(text);
+  while (length && text[length - 1] == ' ') text[--length] = '\0';
+  RestoreOperators(text);
 }
 
 /* Copies muParser's message without its full stop; adds the position, counted from 0. */
@@ -169,6 +214,7 @@ static PetscErrorCode ParserComplaint(muParserHandle_t parser, char text[], size
   if (length && text[length - 1] == '.') text[--length] = '\0';
   if (!strstr(text, "position") && mupGetErrorPos(parser) >= 0)
     (void)snprintf(text + length, size - length, " at position %d", mupGetErrorPos(parser));
+  RestoreOperators(text);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -177,7 +223,7 @@ static PetscErrorCode SetComponent(ExpressionScope *scope, const char text[], un
                                    Expression *e)
 {
   const PetscInt   c = e->n;
-  char            *end, names[256], complaint[256];
+  char            *end, names[256], complaint[256], renamed[COMPONENT_MAX + 1];
   muParserHandle_t parser;
 
   PetscFunctionBegin;
@@ -190,8 +236,12 @@ static PetscErrorCode SetComponent(ExpressionScope *scope, const char text[], un
     AllowedNames(scope, allowed, names, sizeof(names));
     UserCheck(!Assigns(text), "%s '%s': = cannot assign a value here; == compares", e->option,
               text);
+    UserCheck(!strchr(text, OPERATOR_MARK), "%s '%s': %c is no operator", e->option, text,
+              OPERATOR_MARK);
+    PetscCall(PetscStrncpy(renamed, text, sizeof(renamed)));
+    RenameOperators(renamed);
     PetscCall(ParserCreate(scope, allowed, &parser));
-    mupSetExpr(parser, text);
+    mupSetExpr(parser, renamed);
     e->value[c] = mupEval(parser);
     PetscCall(ParserComplaint(parser, complaint, sizeof(complaint)));
     UserCheck(!mupError(parser), "%s '%s': %s; names are %s, and functions as sin, exp, min",
@@ -334,17 +384,16 @@ PetscReal ExpressionValue(const Expression *e, PetscInt c, PetscReal t, const Pe
 
   if (!PetscIsInfOrNanReal(value)) return value;
   if (!scope->fault[0]) {
-    int         length;
-    const char *text = ParserText(e->parser[c], &length);
+    char text[301];
 
-    length = PetscMin(length, 300);
+    ParserText(e->parser[c], text, sizeof(text));
     if (x) {
       (void)snprintf(scope->fault, sizeof(scope->fault),
-                     "%s '%.*s': is not finite at x = %.6g, y = %.6g, t = %.6g", e->option, length,
-                     text, scope->x[0], scope->x[1], (double)t);
+                     "%s '%s': is not finite at x = %.6g, y = %.6g, t = %.6g", e->option, text,
+                     scope->x[0], scope->x[1], (double)t);
     } else {
-      (void)snprintf(scope->fault, sizeof(scope->fault), "%s '%.*s': is not finite at t = %.6g",
-                     e->option, length, text, (double)t);
+      (void)snprintf(scope->fault, sizeof(scope->fault), "%s '%s': is not finite at t = %.6g",
+                     e->option, text, (double)t);
     }
   }
   return 0.0;
