@@ -251,7 +251,7 @@ static PetscReal SolvePoisson(Cloud *cloud)
   ASSERT_OK(VecRestoreArray(cloud->y, &b));
   ASSERT_OK(MatMult(cloud->ops->ppe.B, cloud->walls.p, work));
   ASSERT_OK(VecAXPY(cloud->y, -1.0, work));
-  ASSERT_OK(GaugeColumn(scene, p, 0, &column));
+  ASSERT_OK(GaugeColumn(scene, p->comm, 0, p->n_fluid, &column));
   ASSERT_OK(GaugeMatrix(cloud->ops->ppe.A, column, &A));
   ASSERT_OK(MatDuplicate(cloud->ops->ppe.A, MAT_COPY_VALUES, &preconditioner));
   ASSERT_OK(GaugePreconditioner(scene, preconditioner));

@@ -160,6 +160,11 @@ void      DenseEliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[]
 PetscInt  DenseCholesky(PetscInt n, PetscReal a[]);
 void      DenseCholeskyRidge(PetscInt n, const PetscReal a[], PetscReal ridge, PetscReal factor[]);
 void      DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[]);
+
+#define POINT_FIT_TERMS (1 + MLS_QUADRATIC_TERMS)
+PetscBool PointFit(PetscInt dim, PetscInt n, PetscReal *const s[], const PetscReal W[],
+                   PetscReal w[]);
+
 PetscBool MomentInverse(const Stencil *stencil, const PetscReal weight[], PetscReal inverse[]);
 void      ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil *stencil,
                            const PetscReal x[], PetscBool mirrored, PetscReal *concentration,

@@ -144,6 +144,7 @@ PetscErrorCode ParticlesInsert(const Scene *scene, Particles *particles, const N
 PetscErrorCode ParticlesRemove(const Scene *scene, Particles *particles, PetscInt n,
                                const PetscInt local[]);
 PetscReal      ParticlesHash(PetscInt seed, PetscInt64 id, PetscInt axis);
+PetscInt       ParticlesRankAt(const Particles *particles, const PetscReal x[]);
 PetscErrorCode ParticlesHaloField(const Particles *particles, PetscReal values[]);
 PetscErrorCode ParticlesNumberById(const Particles *particles, PetscInt index[]);
 

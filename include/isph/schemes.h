@@ -126,6 +126,7 @@ typedef struct {
   PetscErrorCode (*Create)(Flow *flow);
   PetscErrorCode (*SetUp)(Flow *flow);
   PetscErrorCode (*Register)(Flow *flow); /* NULL: no additional fields */
+  PetscErrorCode (*Assemble)(Flow *flow); /* NULL: no matrices of its own */
   PetscErrorCode (*Begin)(Flow *flow);
   PetscErrorCode (*Step)(Flow *flow);
   PetscErrorCode (*Limit)(const Flow *flow, StepLimit *limit);
@@ -143,9 +144,12 @@ typedef struct {
   SpeedBound       bound;
   StepFailure      failure; /* of the last attempted step */
   Memory           memory;
-  LinearSolve     *solve[SCHEME_MAX_SOLVES];
-  PetscInt         n_solves;
-  void            *data;
+  PetscErrorCode (*Divergence)(Flow *flow, const Vec u[],
+                               PetscReal *largest); /* largest |div u|; NULL: by Operators.div */
+  Vec          kept; /* state that is not on particles, for undo and checkpoints; NULL: none */
+  LinearSolve *solve[SCHEME_MAX_SOLVES];
+  PetscInt     n_solves;
+  void        *data;
 } Scheme;
 
 PetscErrorCode SchemeCreate(Flow *flow);
@@ -188,7 +192,7 @@ PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], PetscInt c, Vec 
 
 /* The constant of the pressure, see src/schemes/gauge.c. */
 PetscErrorCode GaugeRemove(const Scene *scene, const Particles *particles, Vec p);
-PetscErrorCode GaugeColumn(const Scene *scene, const Particles *particles, PetscInt before,
+PetscErrorCode GaugeColumn(const Scene *scene, MPI_Comm comm, PetscInt before, PetscInt n,
                            Mat *column);
 PetscErrorCode GaugeMatrix(Mat A, Mat column, Mat *regular);
 PetscErrorCode GaugePreconditioner(const Scene *scene, Mat A);
@@ -200,6 +204,7 @@ PetscErrorCode      UndoDestroy(Undo **undo);
 PetscErrorCode      UndoSave(const Flow *flow, Undo *undo);
 PetscErrorCode      UndoRestore(const Undo *undo, Flow *flow);
 
-extern const Table ProjectionTable, ViscousIntegratorTable, CoupledIntegratorTable, SchurTable;
+extern const Table PressurePointsTable, ProjectionTable, ViscousIntegratorTable,
+    CoupledIntegratorTable, SchurTable;
 
 #endif

@@ -192,7 +192,7 @@ static PetscReal DefaultSmoothing(const Scene *scene, const OperatorForms *forms
   if (SceneHas(scene, PHYSICS_WALLS)) return SceneMoves(scene) ? 1.5 : 1.3;
   if (!SceneHas(scene, PHYSICS_PRESSURE)) return 1.3;
   return LaplacianIs(&forms->visc, FORM_EXACT_QUADRATIC) &&
-                 LaplacianIs(&forms->ppe, FORM_EXACT_QUADRATIC)
+                 (!forms->ppe.row || LaplacianIs(&forms->ppe, FORM_EXACT_QUADRATIC))
              ? 1.1
              : 1.3;
 }

@@ -25,16 +25,34 @@ static inline PetscInt MiddleRank(PetscInt begin, PetscInt end)
   return (begin + end) / 2;
 }
 
-static PetscInt OwnerOf(const Particles *p, PetscMPIInt ranks, PetscInt i)
+static inline PetscInt OwnerAt(const Particles *p, PetscMPIInt ranks, const PetscReal x[])
 {
   PetscInt begin = 0, end = ranks;
 
   while (end - begin > 1) {
     const PetscInt m = MiddleRank(begin, end);
-    if (p->x[p->cut_axis[m]][i] < p->cut[m]) end = m;
+    if (x[p->cut_axis[m]] < p->cut[m]) end = m;
     else begin = m;
   }
   return begin;
+}
+
+static PetscInt OwnerOf(const Particles *p, PetscMPIInt ranks, PetscInt i)
+{
+  PetscReal x[ISPH_MAX_DIM];
+
+  for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+  return OwnerAt(p, ranks, x);
+}
+
+/* ParticlesRankAt - Returns the rank whose box contains a position in the box of the scene; not
+   collective */
+PetscInt ParticlesRankAt(const Particles *p, const PetscReal x[])
+{
+  PetscMPIInt ranks;
+
+  if (MPI_Comm_size(p->comm, &ranks)) return 0;
+  return OwnerAt(p, ranks, x);
 }
 
 /* Restricts the box [lo, hi] to the region that the cuts give to ranks [begin, end). */

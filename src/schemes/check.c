@@ -52,7 +52,8 @@ static PetscErrorCode MeasureFlow(Flow *flow, const Vec u[])
   s->stats.speed_max      = most[0];
   s->stats.pace_max       = most[2];
   s->bound.walls          = PetscMax(s->bound.walls, most[1]);
-  if (p->p) PetscCall(MeasureDivergence(flow, u, &s->stats.divergence));
+  if (s->Divergence) PetscCall(s->Divergence(flow, u, &s->stats.divergence));
+  else if (p->p) PetscCall(MeasureDivergence(flow, u, &s->stats.divergence));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

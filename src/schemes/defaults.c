@@ -82,7 +82,7 @@ PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, Guard *g
   PetscCall(AmgDefaults(guard->solve.prefix, "1"));
   PetscCall(KSPCreate(PETSC_COMM_WORLD, &ksp));
   PetscCall(KSPSetOptionsPrefix(ksp, guard->solve.prefix));
-  PetscCall(KSPSetType(ksp, LaplacianIs(form, FORM_SYMMETRIC) ? KSPCG : KSPFGMRES));
+  PetscCall(KSPSetType(ksp, form && LaplacianIs(form, FORM_SYMMETRIC) ? KSPCG : KSPFGMRES));
   PetscCall(KSPSetTolerances(ksp, rtol, 0.0, PETSC_CURRENT, 500));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCSetType(pc, PCHYPRE));

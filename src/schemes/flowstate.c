@@ -65,7 +65,7 @@ static const OptionRow options[] = {
             .unit     = "-",
             .standard = "from 0 at U dx/nu = 20 to 1 at 60; with fixed particles 1 above 5, else 0",
             .low      = 0.0,
-            .high     = 1.0,
+            .high     = 8.0,
             .where    = "flows with convection",
         },
 };

@@ -24,24 +24,28 @@ PetscErrorCode GaugeRemove(const Scene *scene, const Particles *particles, Vec p
   Collective. The solution p of (A + c c^T) p = b has a fixed mean, and c c^T p subtracts from b the
   uniform source for which no pressure exists. See docs/theory.md, (90).
 
-  Input Parameter:
-. before - number of other unknowns of each particle, whose rows precede the rows of the pressure
+  Input Parameters:
++ before - number of other unknowns of each pressure, whose rows precede the rows of the pressure
+- n      - number of pressures on this rank
 
   Output Parameter:
 . column - NULL for a determined pressure
 */
-PetscErrorCode GaugeColumn(const Scene *scene, const Particles *p, PetscInt before, Mat *column)
+PetscErrorCode GaugeColumn(const Scene *scene, MPI_Comm comm, PetscInt before, PetscInt n,
+                           Mat *column)
 {
-  const PetscInt n = p->n_fluid, first = before * n;
+  const PetscInt first = before * n;
+  PetscInt       N;
   PetscScalar   *entry;
 
   PetscFunctionBegin;
   *column = NULL;
   if (!ScenePressureFloats(scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MatCreateDense(p->comm, first + n, PETSC_DECIDE, PETSC_DETERMINE, 1, NULL, column));
+  PetscCallMPI(MPI_Allreduce(&n, &N, 1, MPIU_INT, MPI_SUM, comm));
+  PetscCall(MatCreateDense(comm, first + n, PETSC_DECIDE, PETSC_DETERMINE, 1, NULL, column));
   PetscCall(MatDenseGetArrayWrite(*column, &entry));
   for (PetscInt i = 0; i < first + n; i++)
-    entry[i] = i < first ? 0.0 : 1.0 / PetscSqrtReal((PetscReal)p->N_fluid);
+    entry[i] = i < first ? 0.0 : 1.0 / PetscSqrtReal((PetscReal)N);
   PetscCall(MatDenseRestoreArrayWrite(*column, &entry));
   PetscCall(MatAssemblyBegin(*column, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(*column, MAT_FINAL_ASSEMBLY));

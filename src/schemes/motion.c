@@ -66,7 +66,7 @@ static PetscErrorCode SlopesGet(Flow *flow, PetscBool shifting, Slopes *t)
   PetscFunctionBegin;
   PetscCall(PetscMemzero(t, sizeof(*t)));
   for (PetscInt a = 0; a < flow->scene->dim; a++) {
-    if (state->p) {
+    if (state->p && ops->grad_p[a].needed) {
       PetscCall(SlopeGet(flow, &ops->grad_p[a], state->p, walls->p, &t->p_vec[a], &t->p[a]));
     }
     if (state->average.due > 0.0) {
@@ -163,7 +163,7 @@ static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i,
       square += PetscSqr(entry);
     }
   }
-  share = strength * PetscMin(1.0, FILTER_RATE * dt * PetscSqrtReal(PetscSqrtReal(square)));
+  share = PetscMin(1.0, strength * FILTER_RATE * dt * PetscSqrtReal(PetscSqrtReal(square)));
   for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * slopes->residual[c][i];
 }
 
@@ -215,7 +215,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     d2 /= PetscSqr(p->dx[i]);
     moved2 = PetscIsNanReal(d2) ? PETSC_INFINITY : PetscMax(moved2, d2);
     for (PetscInt a = 0; a < scene->dim; a++) {
-      if (p->p) p->p[i] += (x[a] - p->x[a][i]) * slopes->p[a][i];
+      if (slopes->p[a]) p->p[i] += (x[a] - p->x[a][i]) * slopes->p[a][i];
       if (slopes->mean[a]) state->average.mean[i] += (x[a] - p->x[a][i]) * slopes->mean[a][i];
       p->x[a][i] = x[a];
       p->u[a][i] += change[a];

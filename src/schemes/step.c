@@ -38,6 +38,7 @@ PetscErrorCode FlowRebuild(Flow *flow)
   PetscCall(PetscLogEventEnd(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
   PetscCall(PetscLogEventBegin(event[FLOW_EVENT_OPERATORS], 0, 0, 0, 0));
   PetscCall(OperatorsAssemble(flow->scene, flow->particles, flow->neighbors, flow->ops, &changed));
+  if (flow->scheme->row->Assemble) PetscCall(flow->scheme->row->Assemble(flow));
   if (!SceneMoves(flow->scene)) PetscCall(NeighborsRelease(flow->neighbors));
   PetscCall(WallValuesRenumber(flow->scene, flow->particles, &flow->walls));
   PetscCall(PetscLogEventEnd(event[FLOW_EVENT_OPERATORS], 0, 0, 0, 0));

@@ -8,6 +8,7 @@ struct Undo {
   PetscReal *record; /* own particles, see ParticlesPack() */
   PetscInt   n, capacity, epoch;
   PetscReal  memory[MEMORY_MAX];
+  Vec        kept; /* of Scheme.kept; NULL: none */
 };
 
 /* UndoCreate - Creates an empty copy; not collective */
@@ -24,6 +25,7 @@ PetscErrorCode UndoDestroy(Undo **undo)
   PetscFunctionBegin;
   if (!*undo) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree((*undo)->record));
+  PetscCall(VecDestroy(&(*undo)->kept));
   PetscCall(PetscFree(*undo));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -41,6 +43,8 @@ PetscErrorCode UndoSave(const Flow *flow, Undo *undo)
     PetscCall(PetscMalloc1(undo->capacity, &undo->record));
   }
   PetscCall(ParticlesPack(p, undo->record));
+  if (flow->scheme->kept && !undo->kept) PetscCall(VecDuplicate(flow->scheme->kept, &undo->kept));
+  if (undo->kept) PetscCall(VecCopy(flow->scheme->kept, undo->kept));
   MemoryGet(&flow->scheme->memory, undo->memory);
   undo->n     = ParticlesOwn(p);
   undo->epoch = p->epoch;
@@ -59,6 +63,7 @@ PetscErrorCode UndoRestore(const Undo *undo, Flow *flow)
 
   PetscFunctionBegin;
   MemorySet(&flow->scheme->memory, PETSC_FALSE, undo->memory);
+  if (undo->kept) PetscCall(VecCopy(undo->kept, flow->scheme->kept));
   if (undo->epoch == p->epoch) PetscCall(ParticlesUnpack(p, undo->record));
   else PetscCall(ParticlesReplace(flow->scene, p, undo->n, undo->record));
   PetscCall(flow->scheme->row->Begin(flow));

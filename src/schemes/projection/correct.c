@@ -1,5 +1,5 @@
 /* The corrector of the projection: the pressure increment, and the new velocity and pressure. */
-#include "projection.h"
+#include "splines.h"
 
 /*
   Sets the right-hand side of A phi = b, A = -dx_i^2 lap:
@@ -173,6 +173,11 @@ PetscErrorCode ProjectVelocity(Flow *flow)
   PetscCall(RenumberProjection(flow));
   PetscCall(WallValuesSetVelocity(flow->scene, flow->particles, flow->clock->t + flow->clock->dt,
                                   pr->k / flow->scene->rho, &flow->walls));
+  if (pr->splines) {
+    PetscCall(SplinesProject(flow));
+    PetscCall(PetscLogEventEnd(pr->event[EVENT_PRESSURE], 0, 0, 0, 0));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(SetSource(flow));
   PetscCall(PressureSolve(flow, pr->b, pr->phi, pr->ppe));
   PetscCall(PetscLogEventEnd(pr->event[EVENT_PRESSURE], 0, 0, 0, 0));

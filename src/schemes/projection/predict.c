@@ -1,5 +1,5 @@
 /* The predictor of the projection: forces at the new time, then the viscous step to u*. */
-#include "projection.h"
+#include "splines.h"
 
 /* Extrapolates the advecting velocity v of fixed particles, for a TS that applies convection; at:
    time of v within the step, 1 or 1/2. */
@@ -26,7 +26,11 @@ static PetscErrorCode SetForce(Flow *flow, PetscReal at, Vec force[])
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) {
     if (pr->row && pr->row->incremental) {
-      PetscCall(AffineApply(&flow->ops->grad_p[a], flow->state->p, flow->walls.p, force[a]));
+      if (pr->splines) {
+        PetscCall(MatMult(pr->splines->G[a], pr->splines->p, force[a]));
+      } else {
+        PetscCall(AffineApply(&flow->ops->grad_p[a], flow->state->p, flow->walls.p, force[a]));
+      }
       PetscCall(VecScale(force[a], -1.0 / scene->rho));
     } else {
       PetscCall(VecZeroEntries(force[a]));

@@ -9,14 +9,14 @@
   no phi exists. (The left null vector of an unsymmetric L is not constant.) If a boundary gives the
   pressure, the system is A phi = b.
 */
-#include "projection.h"
+#include "splines.h"
 
 struct Pressure {
   Guard    guard;
   Mat      preconditioner; /* of GaugePreconditioner() at the last set-up */
   Mat      gauge;          /* c; NULL: the pressure is determined */
   PetscInt assemblies;     /* stamp of the operators that the KSP has */
-  PetscInt epoch;          /* of the last set-up */
+  PetscInt numbering;      /* stamp of the last set-up */
   PetscInt its_new;        /* iterations of the first solve after a set-up */
 };
 
@@ -36,7 +36,8 @@ PetscErrorCode PressureCreate(Flow *flow, Pressure **ppe)
   PetscCall(PetscNew(&s));
   s->guard.solve = (LinearSolve){
       .name = "pressure", .label = "ppe solver", .prefix = "ppe_", .column = SOLVE_PRESSURE};
-  PetscCall(PoissonSolver(&flow->ops->forms.ppe, 1e-5, &s->guard));
+  PetscCall(PoissonSolver(
+      ((Projection *)flow->scheme->data)->splines ? NULL : &flow->ops->forms.ppe, 1e-5, &s->guard));
   PetscCall(SolverMatType("ppe_", s->guard.mat_type, sizeof(s->guard.mat_type)));
   PetscCall(SchemeAddSolve(&s->guard.solve, flow->scheme));
   *ppe = s;
@@ -56,62 +57,91 @@ PetscErrorCode PressureDestroy(Pressure **ppe)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Resets the KSP, and creates the column c for the present numbering. */
-static PetscErrorCode PressureRenumber(const Scene *scene, const Particles *p, Pressure *s)
+/* The matrices of the equation: on particles or on splines. */
+typedef struct {
+  Mat       A, P;                  /* without gauge; P: for the preconditioner */
+  PetscBool lasting;               /* P stays the same until unknowns are renumbered */
+  PetscInt  assemblies, numbering; /* stamps of A, and of the numbers of the unknowns */
+} PressureMatrices;
+
+static PetscErrorCode GetMatrices(Flow *flow, PressureMatrices *m)
 {
+  const Operators *ops = flow->ops;
+  Splines         *sp  = ((Projection *)flow->scheme->data)->splines;
+
+  PetscFunctionBegin;
+  if (!sp) {
+    *m = (PressureMatrices){ops->ppe.A, ops->ppe.A, PETSC_FALSE, ops->assemblies,
+                            flow->particles->epoch};
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(SplinesMatrix(flow, sp));
+  *m = (PressureMatrices){sp->A, sp->K, PETSC_TRUE, sp->assemblies, sp->numbering};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Resets the KSP, and creates the column c for the present numbering. */
+static PetscErrorCode PressureRenumber(const Scene *scene, const PressureMatrices *m, Pressure *s)
+{
+  PetscInt n;
+
   PetscFunctionBegin;
   PetscCall(KSPReset(s->guard.solve.ksp));
   PetscCall(MatDestroy(&s->preconditioner));
   PetscCall(MatDestroy(&s->gauge));
-  PetscCall(GaugeColumn(scene, p, 0, &s->gauge));
-  s->epoch = p->epoch;
+  PetscCall(MatGetLocalSize(m->P, &n, NULL));
+  PetscCall(GaugeColumn(scene, PetscObjectComm((PetscObject)m->P), 0, n, &s->gauge));
+  s->numbering = m->numbering;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Makes the regular matrix; copies A only if the user chose a matrix type. */
-static PetscErrorCode PressureOperator(const Operators *ops, const Pressure *s, Mat *A)
+static PetscErrorCode PressureOperator(const PressureMatrices *m, const Pressure *s, Mat *A)
 {
   PetscBool same;
-  Mat       copy = ops->ppe.A;
+  Mat       copy = m->A;
 
   PetscFunctionBegin;
   PetscCall(PetscStrcmp(s->guard.mat_type, MATSAME, &same));
-  if (!same) PetscCall(MatConvert(ops->ppe.A, s->guard.mat_type, MAT_INITIAL_MATRIX, &copy));
+  if (m->lasting) same = PETSC_TRUE; /* a shell */
+  if (!same) PetscCall(MatConvert(m->A, s->guard.mat_type, MAT_INITIAL_MATRIX, &copy));
   PetscCall(GaugeMatrix(copy, s->gauge, A));
   if (!same) PetscCall(MatDestroy(&copy));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  Gives new matrices to the KSP. The preconditioner is reused until particles are renumbered or the
+  Gives new matrices to the KSP. The preconditioner is reused until unknowns are renumbered or the
   iterations have grown by half: displacements change it little, but a renumbering invalidates it.
 */
 static PetscErrorCode PressureUpdateMatrices(Flow *flow, Pressure *s)
 {
-  const Operators *ops     = flow->ops;
   const KSP        ksp     = s->guard.solve.ksp;
   const PetscInt   its     = s->guard.solve.iterations;
   PetscBool        rebuild = its > s->its_new + s->its_new / 2 + 2 ? PETSC_TRUE : PETSC_FALSE;
+  PressureMatrices m       = {0};
   Mat              A;
 
   PetscFunctionBegin;
-  if (s->assemblies == ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
-  if (s->epoch != flow->particles->epoch) {
-    PetscCall(PressureRenumber(flow->scene, flow->particles, s));
+  PetscCall(GetMatrices(flow, &m));
+  if (s->assemblies == m.assemblies) PetscFunctionReturn(PETSC_SUCCESS);
+  if (m.lasting) rebuild = PETSC_FALSE;
+  if (s->numbering != m.numbering) {
+    PetscCall(PressureRenumber(flow->scene, &m, s));
     rebuild = PETSC_TRUE;
   }
   if (rebuild) {
     PetscCall(SolverRenewPC(ksp));
     PetscCall(MatDestroy(&s->preconditioner));
-    PetscCall(MatConvert(ops->ppe.A, s->guard.mat_type, MAT_INITIAL_MATRIX, &s->preconditioner));
+    PetscCall(MatConvert(m.P, s->guard.mat_type, MAT_INITIAL_MATRIX, &s->preconditioner));
     PetscCall(GaugePreconditioner(flow->scene, s->preconditioner));
     s->its_new = 0;
   }
-  PetscCall(PressureOperator(ops, s, &A));
+  PetscCall(PressureOperator(&m, s, &A));
   PetscCall(KSPSetReusePreconditioner(ksp, rebuild ? PETSC_FALSE : PETSC_TRUE));
   PetscCall(KSPSetOperators(ksp, A, s->preconditioner));
   PetscCall(MatDestroy(&A));
-  s->assemblies = ops->assemblies;
+  s->assemblies = m.assemblies;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -144,6 +174,7 @@ PetscErrorCode PressureSolve(Flow *flow, Vec b, Vec phi, Pressure *s)
   PetscCall(GuardCheck(&s->guard, &flow->scheme->failure));
   solve->iterations = s->guard.iterations;
   if (s->its_new == 0) s->its_new = solve->iterations;
+  if (((const Projection *)flow->scheme->data)->splines) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(GaugeRemove(flow->scene, flow->particles, phi));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -10,7 +10,7 @@
   k is the length of the viscous step: for the default of second order 2dt/3, as a backward Euler
   step from (4u^n - u^{n-1})/3. w is the velocity of the particles: u (Lagrangian) or 0 (Eulerian).
 */
-#include "projection.h"
+#include "splines.h"
 
 static const ProjectionRow projections[] = {
     {.name        = "rotational",
@@ -31,7 +31,16 @@ static const ProjectionRow projections[] = {
 };
 const Table ProjectionTable = TABLE("Projections", projections);
 
-enum { PROJECTION, ALPHA, FILTER };
+static const PressurePointsRow points[] = {
+    {.name = "same", .brief = "on the particles", .citation = ""},
+    {.name     = "coarse",
+     .brief    = "on B-splines of a coarser lattice, fixed in space: conserves volume exactly",
+     .citation = "after Hoellig, Finite Element Methods with B-Splines, SIAM (2003)",
+     .coarse   = PETSC_TRUE},
+};
+const Table PressurePointsTable = TABLE("Points of the pressure", points);
+
+enum { PROJECTION, POINTS, SPACING, ALPHA, FILTER };
 static const OptionRow options[] = {
     [PROJECTION] =
         {
@@ -41,6 +50,26 @@ static const OptionRow options[] = {
             .standard = "rotational",
             .table    = &ProjectionTable,
             .where    = "-scheme projection with pressure",
+        },
+    [POINTS] =
+        {
+            .name     = "-pressure_points",
+            .kind     = VALUE_NAME,
+            .brief    = "where the pressure is known",
+            .standard = "same",
+            .table    = &PressurePointsTable,
+            .where    = "-scheme projection with pressure",
+        },
+    [SPACING] =
+        {
+            .name     = "-pressure_spacing",
+            .kind     = VALUE_REAL,
+            .brief    = "edge of a cell of the lattice of the pressure",
+            .unit     = "dx",
+            .standard = "2",
+            .low      = 1.25,
+            .high     = 4.0,
+            .where    = "-pressure_points coarse",
         },
     [ALPHA] =
         {
@@ -80,6 +109,19 @@ static PetscErrorCode OnLattice(const Scene *scene, PetscBool *on)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Computes the largest mean of |div u| over a spline. */
+static PetscErrorCode DivergenceOnSplines(Flow *flow, const Vec u[], PetscReal *largest)
+{
+  Projection *pr = (Projection *)flow->scheme->data;
+  Splines    *s  = pr->splines;
+
+  PetscFunctionBegin;
+  PetscCall(SplinesDivergence(flow, s, u, flow->clock->t + flow->clock->dt, s->b));
+  PetscCall(VecPointwiseDivide(s->b, s->b, s->mass));
+  PetscCall(VecNorm(s->b, NORM_INFINITY, largest));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   Refuses Chorin's projection between walls on fixed particles if viscosity does not damp grid
   modes. The cavity (n = 32, t = 4) has 1, 7, 20, 43 % more energy than with the rotational
@@ -111,6 +153,37 @@ static PetscErrorCode RegisterEvents(Projection *pr)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Reads the options of a pressure on the particles. */
+static PetscErrorCode CreateOnParticles(Flow *flow, Projection *pr)
+{
+  PetscBool lattice = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(OnLattice(flow->scene, &lattice));
+  pr->filter = lattice ? 0.1 : 1.0;
+  PetscCall(OptionGetReal(&options[ALPHA], &pr->alpha, NULL));
+  UserCheck(pr->alpha <= pr->row->alpha_max,
+            "-ppe_alpha %.6g: with -projection %s at most %.6g is stable", (double)pr->alpha,
+            pr->row->name, (double)pr->row->alpha_max);
+  PetscCall(OptionGetReal(&options[FILTER], &pr->filter, NULL));
+  if (pr->filter > 0.0) flow->scheme->needs |= NEED_FILTER_P;
+  if (pr->alpha > 0.0) flow->scheme->needs |= NEED_CONCENTRATION;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads the options of a pressure on splines; refuses scenes with bodies. */
+static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
+{
+  PetscFunctionBegin;
+  UserCheck(!flow->scene->n_bodies,
+            "-pressure_points coarse: the lattice does not know bodies yet; use same");
+  pr->spacing = 2.0;
+  PetscCall(OptionGetReal(&options[SPACING], &pr->spacing, NULL));
+  flow->scheme->needs &= ~(unsigned)NEED_PRESSURE;
+  flow->scheme->Divergence = DivergenceOnSplines;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   ProjectionCreate - Reads the options of the projection
 
@@ -124,9 +197,9 @@ static PetscErrorCode RegisterEvents(Projection *pr)
 */
 static PetscErrorCode ProjectionCreate(Flow *flow)
 {
-  const Scene *scene   = flow->scene;
-  PetscBool    lattice = PETSC_FALSE;
-  Projection  *pr;
+  const Scene             *scene = flow->scene;
+  const PressurePointsRow *points_row;
+  Projection              *pr;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&pr));
@@ -135,16 +208,10 @@ static PetscErrorCode ProjectionCreate(Flow *flow)
             "-steady: -scheme %s advances in time; use -scheme coupled, or -steady_tol",
             flow->scheme->row->name);
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
-    PetscCall(OnLattice(scene, &lattice));
-    pr->filter = lattice ? 0.1 : 1.0;
     PetscCall(OptionGetRow(&options[PROJECTION], NULL, &pr->row));
-    PetscCall(OptionGetReal(&options[ALPHA], &pr->alpha, NULL));
-    UserCheck(pr->alpha <= pr->row->alpha_max,
-              "-ppe_alpha %.6g: with -projection %s at most %.6g is stable", (double)pr->alpha,
-              pr->row->name, (double)pr->row->alpha_max);
-    PetscCall(OptionGetReal(&options[FILTER], &pr->filter, NULL));
-    if (pr->filter > 0.0) flow->scheme->needs |= NEED_FILTER_P;
-    if (pr->alpha > 0.0) flow->scheme->needs |= NEED_CONCENTRATION;
+    PetscCall(OptionGetRow(&options[POINTS], NULL, &points_row));
+    if (points_row->coarse) PetscCall(CreateOnSplines(flow, pr));
+    else PetscCall(CreateOnParticles(flow, pr));
     flow->scheme->variant = (const TableRow *)(const void *)pr->row;
   }
   PetscCall(SteadyRefuse(flow, pr->row ? pr->row->name : NULL,
@@ -161,6 +228,7 @@ static PetscErrorCode ProjectionSetUp(Flow *flow)
 
   PetscFunctionBegin;
   if (SceneHas(flow->scene, PHYSICS_VISCOSITY)) PetscCall(ViscosityCreate(flow, &pr->visc));
+  if (pr->spacing > 0.0) PetscCall(SplinesCreate(flow, pr->spacing, &pr->splines));
   if (pr->row) PetscCall(PressureCreate(flow, &pr->ppe));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -177,6 +245,7 @@ static PetscErrorCode ProjectionRegister(Flow *flow)
   for (PetscInt i = 0; p->p && i < p->n_fluid; i++) most = PetscMax(most, PetscAbsReal(p->p[i]));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, p->comm));
   pr->wall_slope_share = most > 0.0 ? 1.0 : 0.0;
+  if (pr->splines) PetscCall(SplinesStart(flow, pr->splines));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -186,7 +255,17 @@ static PetscErrorCode ProjectionBegin(Flow *flow)
 
   PetscFunctionBegin;
   PetscCall(FlowBegin(flow));
-  if (pr->row) PetscCall(WallGradientBegin(flow));
+  if (pr->splines) PetscCall(SplinesBegin(pr->splines));
+  else if (pr->row) PetscCall(WallGradientBegin(flow));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ProjectionAssemble(Flow *flow)
+{
+  const Projection *pr = (const Projection *)flow->scheme->data;
+
+  PetscFunctionBegin;
+  if (pr->splines) PetscCall(SplinesAssemble(flow, pr->splines));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -196,7 +275,7 @@ static PetscErrorCode ProjectionSolve(Flow *flow)
   const Projection *pr = (const Projection *)flow->scheme->data;
 
   PetscFunctionBegin;
-  if (pr->row) PetscCall(WallGradientPredict(flow));
+  if (pr->row && !pr->splines) PetscCall(WallGradientPredict(flow));
   PetscCall(PetscLogEventBegin(pr->event[EVENT_VISCOSITY], 0, 0, 0, 0));
   PetscCall(PredictVelocity(flow));
   PetscCall(PetscLogEventEnd(pr->event[EVENT_VISCOSITY], 0, 0, 0, 0));
@@ -222,6 +301,7 @@ static PetscErrorCode ProjectionView(const Flow *flow, PetscViewer viewer)
 
   PetscFunctionBegin;
   PetscCall(TableViewRow("projection", pr->row, viewer));
+  if (pr->splines) PetscCall(SplinesView(pr->splines, viewer));
   if (pr->visc) PetscCall(ViscosityView(pr->visc, viewer));
   if (pr->row && pr->visc && number > 0.02) {
     PetscCall(PetscViewerASCIIPrintf(viewer,
@@ -240,6 +320,7 @@ static PetscErrorCode ProjectionDestroy(Flow *flow)
   if (!pr) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ViscosityDestroy(&pr->visc));
   PetscCall(PressureDestroy(&pr->ppe));
+  PetscCall(SplinesDestroy(&pr->splines));
   PetscCall(VecDestroy(&pr->phi));
   PetscCall(VecDestroy(&pr->b));
   PetscCall(PetscFree(flow->scheme->data));
@@ -253,6 +334,7 @@ const SchemeRow SchemeProjection = {
     .Create   = ProjectionCreate,
     .SetUp    = ProjectionSetUp,
     .Register = ProjectionRegister,
+    .Assemble = ProjectionAssemble,
     .Begin    = ProjectionBegin,
     .Step     = ProjectionStep,
     .Limit    = FlowLimit,

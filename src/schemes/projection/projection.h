@@ -16,7 +16,14 @@ typedef struct {
   PetscReal   alpha_max;   /* largest -ppe_alpha with margin to growth; docs/theory.md, (123) */
 } ProjectionRow;
 
+/* Where the pressure is known. */
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscBool   coarse; /* on splines */
+} PressurePointsRow;
+
 typedef struct Pressure Pressure;
+typedef struct Splines  Splines;
 
 enum { EVENT_VISCOSITY, EVENT_PRESSURE, EVENT_CORRECT, PROJECTION_EVENTS };
 
@@ -25,6 +32,8 @@ typedef struct {
   PetscReal            alpha;            /* share of the density error in the pressure source [-] */
   PetscReal            filter;           /* strength of the grid-scale pressure filter [-] */
   Viscosity           *visc;             /* NULL: no viscosity */
+  Splines             *splines;          /* NULL: the pressure is on the particles */
+  PetscReal            spacing;          /* of the splines: edge of a cell [dx]; 0: none */
   Pressure            *ppe;              /* NULL: no pressure */
   PetscReal            wall_slope_share; /* share of full wall gradient in p [-] */
   PetscReal            k;                /* u = u* - k/rho grad phi [s] */

@@ -1,0 +1,97 @@
+/* The lattice of quadratic B-splines: its cells, and the values of the splines at a point. */
+#include "splines.h"
+
+/*
+  SplineLatticeSet - Sets the cells and splines of a lattice over the box
+
+  Not collective.
+
+  Input Parameter:
+. ratio - edge of a cell over the spacing of the particles [-]
+
+  Notes: along an axis, spline i has its centre at (i - 1/2) cells from the low side; those next to
+  a side extend beyond the box. In a periodic direction i + 1 replaces i, modulo the cells.
+*/
+PetscErrorCode SplineLatticeSet(const Scene *scene, PetscReal ratio, SplineLattice *lattice)
+{
+  PetscFunctionBegin;
+  lattice->dim = scene->dim;
+  lattice->N   = 1;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    const PetscReal length = scene->hi[a] - scene->lo[a];
+
+    lattice->periodic[a] = SceneIsPeriodic(scene, a);
+    lattice->cells[a]    = PetscMax(1, (PetscInt)(length / (ratio * scene->dx) + 0.5));
+    lattice->count[a]    = lattice->cells[a] + (lattice->periodic[a] ? 0 : 2);
+    lattice->lo[a]       = scene->lo[a];
+    lattice->side[a]     = length / lattice->cells[a];
+    lattice->N *= lattice->count[a];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplineNatural - Returns the number of a spline in the order of the lattice, first axis fastest */
+PetscInt SplineNatural(const SplineLattice *lattice, const PetscInt index[])
+{
+  PetscInt number = 0;
+
+  for (PetscInt a = lattice->dim - 1; a >= 0; a--) number = number * lattice->count[a] + index[a];
+  return number;
+}
+
+/* SplineCentre - Computes the centre of a spline, moved into the box if it is outside [m] */
+void SplineCentre(const SplineLattice *lattice, const PetscInt index[], PetscReal x[])
+{
+  for (PetscInt a = 0; a < lattice->dim; a++) {
+    PetscReal s = index[a] + (lattice->periodic[a] ? 0.5 : -0.5);
+
+    s    = PetscMin(PetscMax(s, 0.25), lattice->cells[a] - 0.25);
+    x[a] = lattice->lo[a] + s * lattice->side[a];
+  }
+}
+
+/*
+  SplinesAt - Computes values and gradients of the splines that are not zero at a point
+
+    psi(x) = prod_a b(s_a),   b = (1 - t)^2/2, 1/2 + t - t^2, t^2/2
+
+  Not collective. t is the position within the cell along an axis, and the three polynomials belong
+  to the splines centred in the cell below, in the cell and above it.
+*/
+void SplinesAt(const SplineLattice *lattice, const PetscReal x[], SplineValues *values)
+{
+  const PetscInt dim = lattice->dim;
+  PetscInt       cell[ISPH_MAX_DIM];
+  PetscReal      b[ISPH_MAX_DIM][3], slope[ISPH_MAX_DIM][3];
+
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal s = (x[a] - lattice->lo[a]) / lattice->side[a];
+    PetscReal       t;
+
+    cell[a] = PetscMin(PetscMax((PetscInt)PetscFloorReal(s), 0), lattice->cells[a] - 1);
+    t       = s - cell[a];
+    b[a][0] = 0.5 * PetscSqr(1.0 - t);
+    b[a][1] = 0.5 + t - t * t;
+    b[a][2] = 0.5 * t * t;
+
+    slope[a][0] = (t - 1.0) / lattice->side[a];
+    slope[a][1] = (1.0 - 2.0 * t) / lattice->side[a];
+    slope[a][2] = t / lattice->side[a];
+  }
+  values->n = dim == 2 ? 9 : 27;
+  for (PetscInt k = 0; k < values->n; k++) {
+    const PetscInt digit[ISPH_MAX_DIM] = {k % 3, k / 3 % 3, k / 9};
+
+    values->value[k] = 1.0;
+    for (PetscInt a = 0; a < dim; a++) {
+      const PetscInt count = lattice->count[a];
+
+      values->index[k][a] = cell[a] + digit[a];
+      if (lattice->periodic[a]) values->index[k][a] = (cell[a] + digit[a] + count - 1) % count;
+      values->value[k] *= b[a][digit[a]];
+      values->gradient[a][k] = 1.0;
+      for (PetscInt c = 0; c < dim; c++)
+        values->gradient[a][k] *= c == a ? slope[c][digit[c]] : b[c][digit[c]];
+    }
+  }
+}

@@ -1,0 +1,364 @@
+/*
+  Splines on all ranks: their numbers, the points of quadrature, and the matrices that do not depend
+  on the particles. A rank owns the splines whose centres are in its box, and the points there.
+*/
+#include "splines.h"
+
+#define GAUSS 0.28867513459481287 /* 1/(2 sqrt(3)): points of Gauss from the centre of a cell */
+
+/* Computes the splines of this rank along each axis: those whose centres are in its box. */
+static void OwnBlock(const Splines *s, const Particles *p, SplineBlock *own)
+{
+  const SplineLattice *l = &s->lattice;
+
+  own->size = 1;
+  for (PetscInt a = 0; a < l->dim; a++) {
+    PetscInt index[ISPH_MAX_DIM] = {0};
+
+    own->first[a] = own->n[a] = 0;
+    for (index[a] = 0; index[a] < l->count[a]; index[a]++) {
+      PetscReal x[ISPH_MAX_DIM];
+
+      SplineCentre(l, index, x);
+      if (x[a] < p->lo[a]) own->first[a] = index[a] + 1;
+      else if (x[a] < p->hi[a]) own->n[a]++;
+    }
+    own->size *= own->n[a];
+  }
+}
+
+/* SplinesGlobal - Returns the global number of a spline; not collective */
+PetscInt SplinesGlobal(const Splines *s, const Particles *p, const PetscInt index[])
+{
+  const SplineLattice *l      = &s->lattice;
+  const SplineBlock   *b      = &s->own;
+  PetscBool            own    = PETSC_TRUE;
+  PetscInt             number = 0;
+
+  for (PetscInt a = 0; a < l->dim; a++) {
+    if (index[a] < b->first[a] || index[a] >= b->first[a] + b->n[a]) own = PETSC_FALSE;
+  }
+  if (!own) {
+    PetscReal x[ISPH_MAX_DIM];
+
+    SplineCentre(l, index, x);
+    b = &s->block[ParticlesRankAt(p, x)];
+  }
+  for (PetscInt a = l->dim - 1; a >= 0; a--) number = number * b->n[a] + index[a] - b->first[a];
+  return b->start + number;
+}
+
+/* Computes the splines at a point and their global numbers. */
+static void NumbersAt(const Splines *s, const Particles *p, const PetscReal x[],
+                      SplineValues *values, PetscInt number[])
+{
+  SplinesAt(&s->lattice, x, values);
+  for (PetscInt k = 0; k < values->n; k++) number[k] = SplinesGlobal(s, p, values->index[k]);
+}
+
+static PetscErrorCode PointsFree(SplinePoints *points)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(points->x[a]));
+  PetscCall(PetscFree2(points->weight, points->side));
+  points->n = points->capacity = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PointsReserve(PetscInt dim, PetscInt n, SplinePoints *points)
+{
+  PetscFunctionBegin;
+  PetscCall(PointsFree(points));
+  for (PetscInt a = 0; a < dim; a++) PetscCall(PetscMalloc1(n, &points->x[a]));
+  PetscCall(PetscMalloc2(n, &points->weight, n, &points->side));
+  points->capacity = n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void PointsAdd(PetscInt dim, const PetscReal x[], PetscReal weight, PetscInt side,
+                      SplinePoints *points)
+{
+  for (PetscInt a = 0; a < dim; a++) points->x[a][points->n] = x[a];
+  points->weight[points->n] = weight;
+  points->side[points->n++] = side;
+}
+
+/* Computes the cells that overlap the box of this rank along each axis; returns their number. */
+static PetscInt OwnCells(const Splines *s, const Particles *p, PetscInt first[], PetscInt n[])
+{
+  const SplineLattice *l      = &s->lattice;
+  PetscInt             number = 1;
+
+  for (PetscInt a = 0; a < l->dim; a++) {
+    const PetscReal low  = PetscMax((p->lo[a] - l->lo[a]) / l->side[a], 0.0);
+    const PetscReal high = PetscMin((p->hi[a] - l->lo[a]) / l->side[a], (PetscReal)l->cells[a]);
+
+    first[a] = (PetscInt)low;
+    n[a]     = PetscMax(0, PetscMin((PetscInt)high, l->cells[a] - 1) - first[a] + 1);
+    number *= n[a];
+  }
+  return number;
+}
+
+/* Sets the points of this rank on the sides of the box that are not periodic, two along each axis
+   of a cell's face. */
+static PetscErrorCode SetBoundaryPoints(Splines *s, const Particles *p)
+{
+  const SplineLattice *l   = &s->lattice;
+  const PetscInt       dim = l->dim, corners = 1 << (dim - 1);
+  PetscInt             first[ISPH_MAX_DIM], n[ISPH_MAX_DIM], most = 0;
+
+  PetscFunctionBegin;
+  (void)OwnCells(s, p, first, n);
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscInt faces = 2 * corners;
+
+    for (PetscInt b = 0; b < dim; b++) faces *= b == a ? 1 : n[b];
+    most += faces;
+  }
+  PetscCall(PointsReserve(dim, most, &s->boundary));
+  for (PetscInt side = 0; side < 2 * dim; side++) {
+    const PetscInt axis  = side / 2;
+    PetscInt       faces = 1;
+
+    if (l->periodic[axis]) continue;
+    for (PetscInt b = 0; b < dim; b++) faces *= b == axis ? 1 : n[b];
+    for (PetscInt f = 0; f < faces * corners; f++) {
+      PetscInt  cell = f / corners, corner = f % corners;
+      PetscReal x[ISPH_MAX_DIM], inside[ISPH_MAX_DIM], weight = 1.0 / corners;
+
+      for (PetscInt b = 0; b < dim; b++) {
+        if (b == axis) {
+          x[b]      = l->lo[b] + (side % 2 ? l->cells[b] * l->side[b] : 0.0);
+          inside[b] = l->lo[b] + (side % 2 ? l->cells[b] - 0.25 : 0.25) * l->side[b];
+          continue;
+        }
+        x[b] =
+            l->lo[b] + (first[b] + cell % n[b] + 0.5 + (corner % 2 ? GAUSS : -GAUSS)) * l->side[b];
+        inside[b] = x[b];
+        weight *= l->side[b] / s->scale;
+        cell /= n[b];
+        corner /= 2;
+      }
+      if (ParticlesHolds(p, inside)) PointsAdd(dim, x, weight, side, &s->boundary);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets the points of this rank inside the box, two along each axis of a cell. */
+static PetscErrorCode SetInnerPoints(Splines *s, const Particles *p)
+{
+  const SplineLattice *l       = &s->lattice;
+  const PetscInt       corners = 1 << l->dim;
+  PetscInt             first[ISPH_MAX_DIM], n[ISPH_MAX_DIM];
+  const PetscInt       cells = OwnCells(s, p, first, n);
+
+  PetscFunctionBegin;
+  PetscCall(PointsReserve(l->dim, cells * corners, &s->inside));
+  for (PetscInt k = 0; k < cells * corners; k++) {
+    PetscInt  cell = k / corners, corner = k % corners;
+    PetscReal x[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < l->dim; a++) {
+      x[a] = l->lo[a] + (first[a] + cell % n[a] + 0.5 + (corner % 2 ? GAUSS : -GAUSS)) * l->side[a];
+      cell /= n[a];
+      corner /= 2;
+    }
+    if (ParticlesHolds(p, x)) PointsAdd(l->dim, x, 1.0 / corners, -1, &s->inside);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SparseMatrix(MPI_Comm comm, PetscInt rows, PetscInt cols, PetscInt width,
+                                   Mat *A)
+{
+  PetscFunctionBegin;
+  PetscCall(MatCreateAIJ(comm, rows, cols, PETSC_DETERMINE, PETSC_DETERMINE, width, NULL, width,
+                         NULL, A));
+  PetscCall(MatSetOption(*A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Finish(Mat A)
+{
+  PetscFunctionBegin;
+  PetscCall(MatAssemblyBegin(A, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(A, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Assembles T, the stiffness K and the mass from the points inside. */
+static PetscErrorCode AssembleInside(Splines *s, const Particles *p)
+{
+  const SplineLattice *l   = &s->lattice;
+  const PetscInt       own = s->own.size, width = l->dim == 2 ? 25 : 125;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < l->dim; a++)
+    PetscCall(SparseMatrix(p->comm, s->inside.n, own, SPLINES_AT, &s->T[a]));
+  PetscCall(SparseMatrix(p->comm, own, own, width, &s->K));
+  PetscCall(VecCreateMPI(p->comm, own, PETSC_DETERMINE, &s->mass));
+  for (PetscInt g = 0; g < s->inside.n; g++) {
+    const PetscReal w = s->inside.weight[g];
+    PetscInt        number[SPLINES_AT], row;
+    PetscReal       x[ISPH_MAX_DIM], entry[SPLINES_AT * SPLINES_AT];
+    SplineValues    at;
+
+    for (PetscInt a = 0; a < l->dim; a++) x[a] = s->inside.x[a][g];
+    NumbersAt(s, p, x, &at, number);
+    PetscCall(MatGetOwnershipRange(s->T[0], &row, NULL));
+    row += g;
+    for (PetscInt a = 0; a < l->dim; a++) {
+      for (PetscInt k = 0; k < at.n; k++) entry[k] = w * s->scale * at.gradient[a][k];
+      PetscCall(MatSetValues(s->T[a], 1, &row, at.n, number, entry, ADD_VALUES));
+    }
+    for (PetscInt k = 0; k < at.n; k++) entry[k] = w * at.value[k];
+    PetscCall(VecSetValues(s->mass, at.n, number, entry, ADD_VALUES));
+    for (PetscInt k = 0; k < at.n; k++) {
+      for (PetscInt m = 0; m < at.n; m++) {
+        PetscReal sum = 0.0;
+
+        for (PetscInt a = 0; a < l->dim; a++) sum += at.gradient[a][k] * at.gradient[a][m];
+        entry[k * at.n + m] = w * PetscSqr(s->scale) * sum;
+      }
+    }
+    PetscCall(MatSetValues(s->K, at.n, number, at.n, number, entry, ADD_VALUES));
+  }
+  for (PetscInt a = 0; a < l->dim; a++) PetscCall(Finish(s->T[a]));
+  PetscCall(Finish(s->K));
+  PetscCall(VecAssemblyBegin(s->mass));
+  PetscCall(VecAssemblyEnd(s->mass));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Assembles S from the points on the boundary. */
+static PetscErrorCode AssembleBoundary(Splines *s, const Particles *p)
+{
+  const SplineLattice *l   = &s->lattice;
+  PetscBool            any = PETSC_FALSE;
+  PetscInt             row;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < l->dim; a++) any = any || !l->periodic[a] ? PETSC_TRUE : PETSC_FALSE;
+  if (!any) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SparseMatrix(p->comm, s->boundary.n, s->own.size, SPLINES_AT, &s->S));
+  PetscCall(MatGetOwnershipRange(s->S, &row, NULL));
+  for (PetscInt g = 0; g < s->boundary.n; g++, row++) {
+    PetscInt     number[SPLINES_AT];
+    PetscReal    x[ISPH_MAX_DIM], entry[SPLINES_AT];
+    SplineValues at;
+
+    for (PetscInt a = 0; a < l->dim; a++) x[a] = s->boundary.x[a][g];
+    NumbersAt(s, p, x, &at, number);
+    for (PetscInt k = 0; k < at.n; k++) entry[k] = s->boundary.weight[g] * at.value[k];
+    PetscCall(MatSetValues(s->S, 1, &row, at.n, number, entry, ADD_VALUES));
+  }
+  PetscCall(Finish(s->S));
+  PetscCall(MatCreateVecs(s->S, NULL, &s->wall_flux));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates the vectors of coefficients, and takes the pressure from its kept copy. */
+static PetscErrorCode CreateVectors(Splines *s, const Particles *p)
+{
+  const SplineBlock *b = &s->own;
+  PetscInt          *natural;
+  IS                 from, to;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(s->mass, &s->p));
+  PetscCall(VecDuplicate(s->mass, &s->phi));
+  PetscCall(VecDuplicate(s->mass, &s->b));
+  PetscCall(VecDuplicate(s->mass, &s->divergence));
+  PetscCall(MatCreateVecs(s->T[0], NULL, &s->points));
+  PetscCall(PetscMalloc1(b->size, &natural));
+  for (PetscInt k = 0; k < b->size; k++) {
+    PetscInt index[ISPH_MAX_DIM], rest = k;
+
+    for (PetscInt a = 0; a < s->lattice.dim; a++) {
+      index[a] = b->first[a] + rest % b->n[a];
+      rest /= b->n[a];
+    }
+    natural[k] = SplineNatural(&s->lattice, index);
+  }
+  PetscCall(ISCreateStride(p->comm, b->size, b->start, 1, &from));
+  PetscCall(ISCreateGeneral(p->comm, b->size, natural, PETSC_OWN_POINTER, &to));
+  PetscCall(VecScatterCreate(s->p, from, s->natural, to, &s->renumber));
+  PetscCall(ISDestroy(&from));
+  PetscCall(ISDestroy(&to));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Frees all that depends on the numbers of the splines. */
+static PetscErrorCode FreeNumbered(Splines *s)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(MatDestroy(&s->T[a]));
+  PetscCall(MatDestroy(&s->S));
+  PetscCall(MatDestroy(&s->K));
+  PetscCall(MatDestroy(&s->A));
+  PetscCall(VecDestroy(&s->mass));
+  PetscCall(VecDestroy(&s->p));
+  PetscCall(VecDestroy(&s->phi));
+  PetscCall(VecDestroy(&s->b));
+  PetscCall(VecDestroy(&s->divergence));
+  PetscCall(VecDestroy(&s->points));
+  PetscCall(VecDestroy(&s->wall_flux));
+  PetscCall(VecScatterDestroy(&s->renumber));
+  PetscCall(PointsFree(&s->inside));
+  PetscCall(PointsFree(&s->boundary));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SplinesNumber - Numbers the splines for the present boxes of the ranks, and assembles all that
+  does not depend on the particles
+
+  Collective. Does nothing unless the box of a rank has changed. Output: changed - flag.
+*/
+PetscErrorCode SplinesNumber(Flow *flow, Splines *s, PetscBool *changed)
+{
+  const Particles *p   = flow->particles;
+  int              old = s->K ? 1 : 0;
+  PetscMPIInt      ranks, rank;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < p->dim; a++) old = old && s->lo[a] == p->lo[a] && s->hi[a] == p->hi[a];
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &old, 1, MPI_INT, MPI_MIN, p->comm));
+  *changed = old ? PETSC_FALSE : PETSC_TRUE;
+  if (old) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FreeNumbered(s));
+  PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
+  PetscCallMPI(MPI_Comm_rank(p->comm, &rank));
+  if (!s->block) PetscCall(PetscMalloc1(ranks, &s->block));
+  OwnBlock(s, p, &s->own);
+  PetscCallMPI(MPI_Scan(&s->own.size, &s->own.start, 1, MPIU_INT, MPI_SUM, p->comm));
+  s->own.start -= s->own.size;
+  PetscCallMPI(MPI_Allgather(&s->own, (int)sizeof(s->own), MPI_BYTE, s->block, (int)sizeof(s->own),
+                             MPI_BYTE, p->comm));
+  for (PetscInt a = 0; a < p->dim; a++) {
+    s->lo[a] = p->lo[a];
+    s->hi[a] = p->hi[a];
+  }
+  PetscCall(SetInnerPoints(s, p));
+  PetscCall(SetBoundaryPoints(s, p));
+  PetscCall(AssembleInside(s, p));
+  PetscCall(AssembleBoundary(s, p));
+  PetscCall(CreateVectors(s, p));
+  s->numbering++;
+  PetscCall(SplinesBegin(s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinesFree - Frees the splines; collective */
+PetscErrorCode SplinesFree(Splines *s)
+{
+  PetscFunctionBegin;
+  PetscCall(FreeNumbered(s));
+  PetscCall(SplineRowsFree(s));
+  PetscCall(VecDestroy(&s->natural));
+  PetscCall(VecDestroy(&s->fluid));
+  PetscCall(PetscFree(s->block));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

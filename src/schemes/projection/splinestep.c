@@ -1,0 +1,231 @@
+/* The projection with the pressure on splines: divergence, equation of the increment, correction. */
+#include "splines.h"
+
+/* Computes y = A x = -scale^2 D G x, the matrix of the increment. */
+static PetscErrorCode SplineMatrix(Mat A, Vec x, Vec y)
+{
+  Splines *s;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(A, &s));
+  PetscCall(VecZeroEntries(y));
+  for (PetscInt a = 0; a < s->lattice.dim; a++) {
+    PetscCall(MatMult(s->G[a], x, s->fluid));
+    PetscCall(MatMult(s->J[s->J[a] ? a : 0], s->fluid, s->points));
+    PetscCall(MatMultTransposeAdd(s->T[a], s->points, y, y));
+  }
+  PetscCall(VecScale(y, s->scale));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SplinesCreate - Creates the splines of a flow, with the initial pressure of the case
+
+  Collective on PETSC_COMM_WORLD. Input: ratio - edge of a cell over the spacing of the particles.
+*/
+PetscErrorCode SplinesCreate(Flow *flow, PetscReal ratio, Splines **splines)
+{
+  const Scene *scene = flow->scene;
+  Splines     *s;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&s));
+  PetscCall(SplineLatticeSet(scene, ratio, &s->lattice));
+  s->scale = 1.0;
+  for (PetscInt a = 0; a < scene->dim; a++) s->scale *= s->lattice.side[a];
+  s->scale = PetscPowReal(s->scale, 1.0 / scene->dim);
+  PetscCall(VecCreateMPI(PETSC_COMM_WORLD, PETSC_DECIDE, s->lattice.N, &s->natural));
+  PetscCall(VecSet(s->natural, 0.0));
+  flow->scheme->kept = s->natural;
+  *splines           = s;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinesDestroy - Frees the splines; collective */
+PetscErrorCode SplinesDestroy(Splines **splines)
+{
+  PetscFunctionBegin;
+  if (!*splines) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SplinesFree(*splines));
+  PetscCall(PetscFree(*splines));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinesStart - Sets the pressure at the start of a run to the exact pressure of the case, if it
+   has one; not collective */
+PetscErrorCode SplinesStart(const Flow *flow, Splines *s)
+{
+  const Scene *scene = flow->scene;
+  PetscScalar *p;
+  PetscInt     first, last;
+
+  PetscFunctionBegin;
+  if (!scene->problem->Exact || scene->velocity.n || flow->particles->velocity_given)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecGetOwnershipRange(s->natural, &first, &last));
+  PetscCall(VecGetArray(s->natural, &p));
+  for (PetscInt q = first; q < last; q++) {
+    PetscInt  rest = q;
+    PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      const PetscReal cell = rest % s->lattice.count[a] + (s->lattice.periodic[a] ? 0.5 : -0.5);
+
+      x[a] = s->lattice.lo[a] + cell * s->lattice.side[a];
+      rest /= s->lattice.count[a];
+    }
+    p[q - first] = 0.0;
+    scene->problem->Exact(scene, 0.0, x, u, &p[q - first]);
+  }
+  PetscCall(VecRestoreArray(s->natural, &p));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinesBegin - Takes the pressure from its kept copy, at the start, after a restart or an undone
+   step; collective */
+PetscErrorCode SplinesBegin(Splines *s)
+{
+  PetscFunctionBegin;
+  PetscCall(VecScatterBegin(s->renumber, s->natural, s->p, INSERT_VALUES, SCATTER_REVERSE));
+  PetscCall(VecScatterEnd(s->renumber, s->natural, s->p, INSERT_VALUES, SCATTER_REVERSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets the outward normal velocity of the boundary at its points at time t [m/s]. */
+static PetscErrorCode SetWallFlux(const Flow *flow, PetscReal t, Splines *s)
+{
+  const SplinePoints *at = &s->boundary;
+  PetscScalar        *flux;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayWrite(s->wall_flux, &flux));
+  for (PetscInt g = 0; g < at->n; g++) {
+    PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < s->lattice.dim; a++) x[a] = at->x[a][g];
+    SceneWallVelocity(flow->scene, at->side[g], t, x, u);
+    flux[g] = at->side[g] % 2 ? u[at->side[g] / 2] : -u[at->side[g] / 2];
+  }
+  PetscCall(VecRestoreArrayWrite(s->wall_flux, &flux));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SplinesDivergence - Computes the divergence of a velocity at time t
+
+    d_q = -int grad psi_q . u dV + int psi_q u_w.n dA   over the volume of a cell,
+
+  with n out of the fluid. Collective. Input: u - components at particles [m/s]; walls have their
+  values of WallValuesSetVelocity(). Output: d [1/s]; d_q over mass_q is the mean of div u.
+*/
+PetscErrorCode SplinesDivergence(Flow *flow, Splines *s, const Vec u[], PetscReal t, Vec d)
+{
+  PetscFunctionBegin;
+  PetscCall(VecZeroEntries(d));
+  for (PetscInt a = 0; a < s->lattice.dim; a++) {
+    const PetscInt c = s->J[a] ? a : 0;
+
+    PetscCall(MatMult(s->J[c], u[a], s->points));
+    if (s->W[c]) PetscCall(MatMultAdd(s->W[c], flow->walls.u[a], s->points, s->points));
+    PetscCall(MatMultTransposeAdd(s->T[a], s->points, d, d));
+  }
+  PetscCall(VecScale(d, -1.0));
+  if (s->S) {
+    PetscCall(SetWallFlux(flow, t, s));
+    PetscCall(MatMultTransposeAdd(s->S, s->wall_flux, d, d));
+  }
+  PetscCall(VecScale(d, 1.0 / s->scale));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinesMatrix - Creates the matrix of the pressure increment for the present particles, as a
+   shell; collective */
+PetscErrorCode SplinesMatrix(Flow *flow, Splines *s)
+{
+  PetscInt own = s->own.size, all = s->lattice.N;
+
+  PetscFunctionBegin;
+  if (s->fluid_epoch != flow->particles->epoch) {
+    PetscCall(VecDestroy(&s->fluid));
+    PetscCall(FluidVec(flow->particles, NULL, &s->fluid));
+    s->fluid_epoch = flow->particles->epoch;
+  }
+  if (s->A) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatCreateShell(flow->particles->comm, own, own, all, all, s, &s->A));
+  PetscCall(MatShellSetOperation(s->A, MATOP_MULT, (void (*)(void))SplineMatrix));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets the pressure of particles to the splines' and removes an undetermined mean; keeps a copy in
+   the order of the lattice. */
+static PetscErrorCode SpreadPressure(Flow *flow, Splines *s)
+{
+  FlowState *state = flow->state;
+  PetscReal  sum;
+
+  PetscFunctionBegin;
+  PetscCall(MatMult(s->V, s->p, state->p));
+  if (ScenePressureFloats(flow->scene)) {
+    PetscCall(FluidSum(flow->particles, state->p, PETSC_FALSE, &sum));
+    PetscCall(VecShift(s->p, -sum / flow->particles->weight));
+    PetscCall(VecShift(state->p, -sum / flow->particles->weight));
+  }
+  PetscCall(VecScatterBegin(s->renumber, s->p, s->natural, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecScatterEnd(s->renumber, s->p, s->natural, INSERT_VALUES, SCATTER_FORWARD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SplinesProject - Solves for the pressure increment from div u*, then corrects velocity and pressure
+
+    A phi = -scale^2 rho/k D u*,   u = u* - k/rho G phi,   p = [p^n] + s (phi [- c mu div u*])
+
+  Collective. The terms are those of UpdatePressure(). There is no wall condition of the pressure:
+  the splines take part in the balance of volume at walls.
+*/
+PetscErrorCode SplinesProject(Flow *flow)
+{
+  Projection     *pr    = (Projection *)flow->scheme->data;
+  const Scene    *scene = flow->scene;
+  FlowState      *state = flow->state;
+  Splines        *s     = pr->splines;
+  const PetscReal gain = PressureGain(flow), t = flow->clock->t + flow->clock->dt;
+
+  PetscFunctionBegin;
+  PetscCall(SplinesDivergence(flow, s, state->u_next, t, s->b));
+  PetscCall(VecPointwiseDivide(s->divergence, s->b, s->mass));
+  PetscCall(MatMult(s->V, s->divergence, state->divergence));
+  PetscCall(VecScale(s->b, -PetscSqr(s->scale) * scene->rho / pr->k));
+  PetscCall(PressureSolve(flow, s->b, s->phi, pr->ppe));
+  if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    PetscCall(MatMult(s->G[a], s->phi, s->fluid));
+    PetscCall(VecAXPY(state->u_next[a], -pr->k / scene->rho, s->fluid));
+  }
+  PetscCall(VecCopy(state->p, state->p_before));
+  if (!pr->row->incremental) PetscCall(VecZeroEntries(s->p));
+  PetscCall(VecAXPY(s->p, gain, s->phi));
+  if (pr->row->rotational && SceneHas(scene, PHYSICS_VISCOSITY)) {
+    const PetscReal dilatation = LaplacianDilatation(&flow->ops->forms.visc);
+
+    PetscCall(VecAXPY(s->p, -gain * dilatation * scene->rho * scene->nu_low, s->divergence));
+  }
+  PetscCall(SpreadPressure(flow, s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinesView - Prints the splines for the banner; collective */
+PetscErrorCode SplinesView(const Splines *s, PetscViewer viewer)
+{
+  char text[64] = "", part[24];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < s->lattice.dim; a++) {
+    PetscCall(
+        PetscSNPrintf(part, sizeof(part), "%s%" PetscInt_FMT, a ? " x " : "", s->lattice.cells[a]));
+    PetscCall(PetscStrlcat(text, part, sizeof(text)));
+  }
+  PetscCall(PetscViewerASCIIPrintf(
+      viewer, "%-11s coarse: quadratic B-splines on %s cells, fixed in space\n", "pressure", text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
