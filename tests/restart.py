@@ -30,6 +30,7 @@ import time
 BASE = ["-n", "24", "-t_end", "3", "-progress", "none", "-skin", "1"]
 FORCED = ["-case", "scene", "-scene_body_1", "circle,0.5,0.5,0.2", "-body_force", "sin(9*t),x*cos(7*t)",
           "-scene_wall_top_velocity", "cos(5*t),0"]  # force and wall velocity depend on time
+COARSE = ["-pressure_points", "coarse"]
 FILES = ["-checkpoint", "c.h5", "-checkpoint_every", "0.1", "-output", "flow.h5", "-output_every", "0.5",
          "-report_times", "1,2", "-probe_point", "0.5,0.5", "-probe_every", "0.25", "-probe_forces"]
 
@@ -111,7 +112,8 @@ def ranked(command, n):
 def bitwise(*command):
     for n in 1, 3:
         for name, flow in (("lagrangian", []), ("eulerian", ["-motion", "eulerian"]), ("forced", FORCED),
-                           ("coupled", ["-scheme", "coupled"]), ("error", FORCED),
+                           ("coupled", ["-scheme", "coupled"]), ("coarse", COARSE),
+                           ("coarse_eulerian", [*COARSE, "-motion", "eulerian"]), ("error", FORCED),
                            ("error_eulerian", [*FORCED, "-motion", "eulerian"]),
                            ("error_coupled", [*FORCED, "-motion", "eulerian", "-scheme", "coupled"])):
             folder = f"{name}{n}"
@@ -130,18 +132,18 @@ def bitwise(*command):
 
 def ranks(*command):
     tight = ["-n", "16", "-progress", "none", "-visc_ksp_rtol", "1e-13", "-ppe_ksp_rtol", "1e-13"]
-    for motion in "lagrangian", "eulerian":
-        file = f"{motion}.h5"
-        run([*ranked(command, 2), *tight, "-motion", motion, "-max_steps", "10", "-checkpoint", file])
+    for name, flow in (("lagrangian", []), ("eulerian", ["-motion", "eulerian"]), ("coarse", COARSE)):
+        file = f"{name}.h5"
+        run([*ranked(command, 2), *tight, *flow, "-max_steps", "10", "-checkpoint", file])
         flows = []
         for n in 1, 2, 3:
-            run([*ranked(command, n), *tight, "-motion", motion, "-max_steps", "20", "-restart", file, "-report",
-                 f"{motion}{n}.csv"])
-            flows.append(report(f"{motion}{n}.csv"))
+            run([*ranked(command, n), *tight, *flow, "-max_steps", "20", "-restart", file, "-report",
+                 f"{name}{n}.csv"])
+            flows.append(report(f"{name}{n}.csv"))
         for quantity in "u_min", "v_max", "v_min", "kinetic_energy":
             values = [number(flow, quantity) for flow in flows]
-            print(motion, quantity, values)
-            assert max(values) - min(values) < 1e-10, (motion, quantity, values)  # U = 1
+            print(name, quantity, values)
+            assert max(values) - min(values) < 1e-10, (name, quantity, values)  # U = 1
 
 
 def term(isph):

@@ -156,10 +156,10 @@ PetscErrorCode WallVec(const Particles *particles, Vec *v);
 PetscErrorCode FluidSum(const Particles *particles, Vec f, PetscBool squared, PetscReal *sum);
 PetscErrorCode FluidRemoveMean(const Particles *particles, Vec f);
 
-void      DenseEliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[]);
-PetscInt  DenseCholesky(PetscInt n, PetscReal a[]);
-void      DenseCholeskyRidge(PetscInt n, const PetscReal a[], PetscReal ridge, PetscReal factor[]);
-void      DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[]);
+void     DenseEliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[]);
+PetscInt DenseCholesky(PetscInt n, PetscReal a[]);
+void     DenseCholeskyRidge(PetscInt n, const PetscReal a[], PetscReal ridge, PetscReal factor[]);
+void     DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[]);
 
 #define POINT_FIT_TERMS (1 + MLS_QUADRATIC_TERMS)
 PetscBool PointFit(PetscInt dim, PetscInt n, PetscReal *const s[], const PetscReal W[],

@@ -191,16 +191,38 @@ static PetscErrorCode WriteState(const Run *run, Hdf5File *file, uint64_t *sum)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Writes the state of the scheme that is not on particles, and adds it to the checksum. */
+static PetscErrorCode WriteKept(const Scheme *scheme, Hdf5File *file, uint64_t *sum)
+{
+  long long          N    = 0;
+  PetscInt           rows = 0, last;
+  const PetscScalar *values;
+
+  PetscFunctionBegin;
+  if (scheme->kept) PetscCall(VecGetSize(scheme->kept, &rows));
+  N = rows;
+  PetscCall(Hdf5WriteNumber(file, "n_kept", H5T_NATIVE_LLONG, &N));
+  if (!scheme->kept) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecGetOwnershipRange(scheme->kept, &file->start, &last));
+  file->own = last - file->start;
+  file->N   = rows;
+  PetscCall(VecGetArrayRead(scheme->kept, &values));
+  PetscCall(Hdf5WriteRows(file, "kept", 1, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values, "SI"));
+  PetscCall(CheckpointSumKept(file->start, file->own, values, sum));
+  PetscCall(VecRestoreArrayRead(scheme->kept, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Writes the checkpoint; the file gets its name only when it is complete. */
 static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const char path[])
 {
   const Particles *p   = run->flow.particles;
   const PetscInt   own = ParticlesOwn(p), width = ParticlesRecordWidth(p);
-  const size_t     bytes = (size_t)(p->N_fluid + p->N_wall) * (size_t)width * 8 + (size_t)262144;
-  char             part[PETSC_MAX_PATH_LEN];
-  PetscBool        good;
-  Hdf5File         file;
-  uint64_t         sum = 0;
+  const size_t bytes = (size_t)(p->N_fluid + p->N_wall) * (size_t)(width + 1) * 8 + (size_t)262144;
+  char         part[PETSC_MAX_PATH_LEN];
+  PetscBool    good;
+  Hdf5File     file;
+  uint64_t     sum = 0;
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(part, sizeof(part), "%s.part", path));
@@ -209,6 +231,7 @@ static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const 
     PetscCall(Hdf5FileCreate(PETSC_COMM_WORLD, part, &file));
     if (file.file >= 0) {
       PetscCall(WriteState(run, &file, &sum));
+      PetscCall(WriteKept(run->flow.scheme, &file, &sum));
       file.start = p->fluid_start + p->wall_start;
       file.own   = own;
       file.N     = p->N_fluid + p->N_wall;

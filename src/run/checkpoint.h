@@ -5,7 +5,7 @@
 #include "impl.h"
 #include "isph/hdf5file.h"
 
-#define CHECKPOINT_FORMAT 11 /* version of the layout of the file */
+#define CHECKPOINT_FORMAT 12 /* version of the layout of the file */
 
 /* An entry of numbers that identify a scene in the file; a restart refuses a file with other
    numbers. Each entry is a row of the table in state.c. */
@@ -33,5 +33,7 @@ void              CheckpointSumNumbers(PetscInt n, const double numbers[], uint6
 void              CheckpointSumText(const char text[], uint64_t *sum);
 PetscErrorCode    CheckpointSumRecords(PetscInt n, PetscInt width, const PetscReal record[],
                                        uint64_t *sum);
+PetscErrorCode    CheckpointSumKept(PetscInt start, PetscInt n, const PetscReal values[],
+                                    uint64_t *sum);
 
 #endif

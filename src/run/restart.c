@@ -15,6 +15,7 @@ typedef struct {
   char      *names;              /* of the rows of the report, "a,b,..." */
   PetscInt   n;                  /* records on this rank */
   PetscReal *record;
+  PetscReal *kept;  /* this rank's share of Scheme.kept */
   PetscBool  whole; /* the checksum is right */
 } Stored;
 
@@ -214,6 +215,35 @@ static PetscErrorCode ReadRecords(const Particles *p, Hdf5File *file, Stored *st
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Reads this rank's share of the state that is not on particles, and adds it to the checksum;
+   refuses a file with another amount of it. */
+static PetscErrorCode ReadKept(const Scheme *scheme, const char path[], Hdf5File *file,
+                               Stored *stored, uint64_t *sum)
+{
+  long long N    = 0;
+  PetscInt  rows = 0, found = 0, columns = 1, last;
+  PetscBool full = PETSC_TRUE;
+
+  PetscFunctionBegin;
+  if (scheme->kept) PetscCall(VecGetSize(scheme->kept, &rows));
+  PetscCall(Hdf5ReadNumber(file, "n_kept", H5T_NATIVE_LLONG, &N));
+  UserCheck(file->failed || N == rows,
+            "-restart %s: the file has its pressure on other points; use the same "
+            "-pressure_points and -pressure_spacing",
+            path);
+  if (!rows) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Hdf5CountRows(file, "kept", &found, &columns));
+  PetscCall(Hdf5IsFull(file, "kept", &full));
+  if (found != rows || columns != 1 || !full) file->failed = PETSC_TRUE;
+  PetscCall(VecGetOwnershipRange(scheme->kept, &file->start, &last));
+  file->own = last - file->start;
+  file->N   = rows;
+  PetscCall(PetscCalloc1(file->own, &stored->kept));
+  if (!file->failed) PetscCall(Hdf5ReadRows(file, "kept", 1, H5T_NATIVE_DOUBLE, stored->kept));
+  PetscCall(CheckpointSumKept(file->start, file->own, stored->kept, sum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Reads the state of the run. */
 static PetscErrorCode ReadFile(const Run *run, const char path[], Hdf5File *file, Stored *stored)
 {
@@ -228,6 +258,7 @@ static PetscErrorCode ReadFile(const Run *run, const char path[], Hdf5File *file
   PetscCall(ReadMemory(&run->flow.scheme->memory, path, file, stored, &sum));
   PetscCall(ReadHistory(file, stored, &sum));
   PetscCall(ReadMonitors(file, stored, &sum));
+  PetscCall(ReadKept(run->flow.scheme, path, file, stored, &sum));
   PetscCall(Hdf5ReadNumber(file, "checksum", H5T_NATIVE_UINT64, &wanted));
   PetscCall(ReadRecords(run->flow.particles, file, stored, &sum));
   stored->whole = sum == wanted ? PETSC_TRUE : PETSC_FALSE;
@@ -243,6 +274,15 @@ static PetscErrorCode Restore(const Stored *stored, Run *run)
   run->flow.particles->next_id = stored->next_id;
   MemorySet(&run->flow.scheme->memory, PETSC_TRUE, stored->memory);
   PetscCall(ClockRestart(run->flow.clock));
+  if (stored->kept) {
+    PetscScalar *values;
+    PetscInt     n;
+
+    PetscCall(VecGetLocalSize(run->flow.scheme->kept, &n));
+    PetscCall(VecGetArrayWrite(run->flow.scheme->kept, &values));
+    PetscCall(PetscArraycpy(values, stored->kept, n));
+    PetscCall(VecRestoreArrayWrite(run->flow.scheme->kept, &values));
+  }
   for (PetscInt k = 0; k < stored->n_report; k++) {
     char *comma = strchr(name, ',');
 
@@ -284,6 +324,7 @@ static PetscErrorCode StoredFree(Stored *stored)
   PetscCall(PetscFree(stored->monitors));
   PetscCall(PetscFree(stored->names));
   PetscCall(PetscFree(stored->record));
+  PetscCall(PetscFree(stored->kept));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

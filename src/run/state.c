@@ -96,6 +96,24 @@ PetscErrorCode CheckpointSumRecords(PetscInt n, PetscInt width, const PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* CheckpointSumKept - Adds a checksum of the n numbers of this rank, the first of which has the
+   number `start`; collective */
+PetscErrorCode CheckpointSumKept(PetscInt start, PetscInt n, const PetscReal values[],
+                                 uint64_t *sum)
+{
+  uint64_t numbers = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < n; i++) {
+    const double pair[2] = {(double)(start + i), values[i]};
+
+    CheckpointSumNumbers(2, pair, &numbers);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &numbers, 1, MPI_UINT64_T, MPI_SUM, PETSC_COMM_WORLD));
+  *sum += numbers;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode SceneBox(const Scene *scene, double value[])
 {
   PetscFunctionBegin;

@@ -177,6 +177,9 @@ static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
   PetscFunctionBegin;
   UserCheck(!flow->scene->n_bodies,
             "-pressure_points coarse: the lattice does not know bodies yet; use same");
+  UserCheck(!flow->state->average.snapshots,
+            "-pressure_average with -output: a pressure on coarse points is not averaged; use "
+            "-pressure_points same");
   pr->spacing = 2.0;
   PetscCall(OptionGetReal(&options[SPACING], &pr->spacing, NULL));
   flow->scheme->needs &= ~(unsigned)NEED_PRESSURE;

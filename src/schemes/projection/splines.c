@@ -188,44 +188,93 @@ static PetscErrorCode Finish(Mat A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Assembles T, the stiffness K and the mass from the points inside. */
+/* Assembles T. */
 static PetscErrorCode AssembleInside(Splines *s, const Particles *p)
 {
-  const SplineLattice *l   = &s->lattice;
-  const PetscInt       own = s->own.size, width = l->dim == 2 ? 25 : 125;
+  const SplineLattice *l = &s->lattice;
+  PetscInt             row;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < l->dim; a++)
-    PetscCall(SparseMatrix(p->comm, s->inside.n, own, SPLINES_AT, &s->T[a]));
-  PetscCall(SparseMatrix(p->comm, own, own, width, &s->K));
-  PetscCall(VecCreateMPI(p->comm, own, PETSC_DETERMINE, &s->mass));
-  for (PetscInt g = 0; g < s->inside.n; g++) {
-    const PetscReal w = s->inside.weight[g];
-    PetscInt        number[SPLINES_AT], row;
-    PetscReal       x[ISPH_MAX_DIM], entry[SPLINES_AT * SPLINES_AT];
-    SplineValues    at;
+    PetscCall(SparseMatrix(p->comm, s->inside.n, s->own.size, SPLINES_AT, &s->T[a]));
+  PetscCall(MatGetOwnershipRange(s->T[0], &row, NULL));
+  for (PetscInt g = 0; g < s->inside.n; g++, row++) {
+    PetscInt     number[SPLINES_AT];
+    PetscReal    x[ISPH_MAX_DIM], entry[SPLINES_AT];
+    SplineValues at;
 
     for (PetscInt a = 0; a < l->dim; a++) x[a] = s->inside.x[a][g];
     NumbersAt(s, p, x, &at, number);
-    PetscCall(MatGetOwnershipRange(s->T[0], &row, NULL));
-    row += g;
     for (PetscInt a = 0; a < l->dim; a++) {
-      for (PetscInt k = 0; k < at.n; k++) entry[k] = w * s->scale * at.gradient[a][k];
+      for (PetscInt k = 0; k < at.n; k++)
+        entry[k] = s->inside.weight[g] * s->scale * at.gradient[a][k];
       PetscCall(MatSetValues(s->T[a], 1, &row, at.n, number, entry, ADD_VALUES));
     }
-    for (PetscInt k = 0; k < at.n; k++) entry[k] = w * at.value[k];
-    PetscCall(VecSetValues(s->mass, at.n, number, entry, ADD_VALUES));
-    for (PetscInt k = 0; k < at.n; k++) {
-      for (PetscInt m = 0; m < at.n; m++) {
-        PetscReal sum = 0.0;
-
-        for (PetscInt a = 0; a < l->dim; a++) sum += at.gradient[a][k] * at.gradient[a][m];
-        entry[k * at.n + m] = w * PetscSqr(s->scale) * sum;
-      }
-    }
-    PetscCall(MatSetValues(s->K, at.n, number, at.n, number, entry, ADD_VALUES));
   }
   for (PetscInt a = 0; a < l->dim; a++) PetscCall(Finish(s->T[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the products of spline q with all splines at a point to the row of the stiffness, and its
+   value to the mass. */
+static PetscErrorCode AddProducts(Splines *s, const Particles *p, const PetscReal x[],
+                                  PetscReal weight, PetscInt q, PetscReal *mass)
+{
+  PetscInt     number[SPLINES_AT];
+  PetscReal    entry[SPLINES_AT];
+  SplineValues at;
+
+  PetscFunctionBegin;
+  NumbersAt(s, p, x, &at, number);
+  for (PetscInt k = 0; k < at.n; k++) {
+    if (number[k] != q) continue;
+    *mass += weight * at.value[k];
+    for (PetscInt m = 0; m < at.n; m++) {
+      PetscReal sum = 0.0;
+
+      for (PetscInt a = 0; a < s->lattice.dim; a++) sum += at.gradient[a][k] * at.gradient[a][m];
+      entry[m] = weight * PetscSqr(s->scale) * sum;
+    }
+    PetscCall(MatSetValues(s->K, 1, &q, at.n, number, entry, ADD_VALUES));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Assembles the stiffness K and the mass. Each rank computes its rows from all points in the
+   supports of its splines, so that sums have the same order in every run. */
+static PetscErrorCode AssembleStiffness(Splines *s, const Particles *p)
+{
+  const SplineLattice *l       = &s->lattice;
+  const SplineBlock   *b       = &s->own;
+  const PetscInt       corners = 1 << l->dim, cells = l->dim == 2 ? 9 : 27;
+
+  PetscFunctionBegin;
+  PetscCall(SparseMatrix(p->comm, b->size, b->size, l->dim == 2 ? 25 : 125, &s->K));
+  PetscCall(VecCreateMPI(p->comm, b->size, PETSC_DETERMINE, &s->mass));
+  for (PetscInt k = 0; k < b->size; k++) {
+    PetscReal mass = 0.0;
+
+    for (PetscInt m = 0; m < cells * corners; m++) {
+      PetscInt  rest = k, cell = m / corners, corner = m % corners;
+      PetscReal x[ISPH_MAX_DIM];
+      PetscBool inside = PETSC_TRUE;
+
+      for (PetscInt a = 0; a < l->dim; a++) {
+        const PetscInt index = b->first[a] + rest % b->n[a];
+        PetscInt       c     = index + cell % 3 - (l->periodic[a] ? 1 : 2);
+
+        if (l->periodic[a]) c = (c + l->cells[a]) % l->cells[a];
+        if (c < 0 || c >= l->cells[a]) inside = PETSC_FALSE;
+        if (l->periodic[a] && cell % 3 >= l->cells[a]) inside = PETSC_FALSE; /* counted already */
+        x[a] = l->lo[a] + (c + 0.5 + (corner % 2 ? GAUSS : -GAUSS)) * l->side[a];
+        rest /= b->n[a];
+        cell /= 3;
+        corner /= 2;
+      }
+      if (inside) PetscCall(AddProducts(s, p, x, 1.0 / corners, b->start + k, &mass));
+    }
+    PetscCall(VecSetValue(s->mass, b->start + k, mass, INSERT_VALUES));
+  }
   PetscCall(Finish(s->K));
   PetscCall(VecAssemblyBegin(s->mass));
   PetscCall(VecAssemblyEnd(s->mass));
@@ -344,6 +393,7 @@ PetscErrorCode SplinesNumber(Flow *flow, Splines *s, PetscBool *changed)
   PetscCall(SetInnerPoints(s, p));
   PetscCall(SetBoundaryPoints(s, p));
   PetscCall(AssembleInside(s, p));
+  PetscCall(AssembleStiffness(s, p));
   PetscCall(AssembleBoundary(s, p));
   PetscCall(CreateVectors(s, p));
   s->numbering++;
