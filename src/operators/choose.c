@@ -51,7 +51,7 @@ static const OptionRow options[] = {
             .brief    = "form of the Laplacian in the pressure Poisson equation",
             .standard = "mls",
             .table    = &LaplacianTable,
-            .where    = "flows with pressure",
+            .where    = "flows with pressure, except -pressure_points coarse",
         },
     [GRADIENT] =
         {

@@ -63,7 +63,8 @@ static const OptionRow options[] = {
             .kind     = VALUE_REAL,
             .brief    = "strength of the grid-scale filter of velocities; 0: off",
             .unit     = "-",
-            .standard = "from 0 at U dx/nu = 20 to 1 at 60; with fixed particles 1 above 5, else 0",
+            .standard = "from 0 at U dx/nu = 20 to 1 at 60; with -pressure_points coarse 4; with "
+                        "fixed particles, at most 1, 1 above 5, else 0",
             .low      = 0.0,
             .high     = 8.0,
             .where    = "flows with convection",
@@ -102,6 +103,8 @@ PetscErrorCode FlowStateCreate(Flow *flow, unsigned *needs)
   if (SceneHas(scene, PHYSICS_CONVECTION)) {
     s->velocity_filter = DefaultVelocityFilter(scene);
     PetscCall(OptionGetReal(&options[VELOCITY_FILTER], &s->velocity_filter, NULL));
+    UserCheck(SceneMoves(scene) || s->velocity_filter <= 1.0,
+              "-velocity_filter %.6g: with fixed particles at most 1", (double)s->velocity_filter);
     if (s->velocity_filter > 0.0) *needs |= NEED_FILTER_U;
   }
   PetscCall(RegisterEvents(scene, s));

@@ -142,13 +142,14 @@ static void FollowShift(const Scene *scene, const Slopes *slopes, PetscInt i,
 /*
   Filters grid modes out of the velocity of particle i
 
-    u -= S min(1, RATE dt |A A|^(1/2)) (u - fit),   A_ca = du_c/dx_a,   |.| Frobenius' norm
+    u -= min(1, S) min(1, max(1, S) RATE dt |A A|^(1/2)) (u - fit),   A_ca = du_c/dx_a
 
-  S is -velocity_filter, RATE is FILTER_RATE, and fit the value of a quadratic fit of u at the
-  particle. |A A|^(1/2) is the rate at which the flow can amplify disturbances: the size of the
-  eigenvalues of A in strain and rotation. It is zero in parallel flow with any shear, so that thin
-  boundary layers keep their velocity. In a resolved flow the rate is U/L, and the filter is of
-  order 3. See docs/theory.md, (77).
+  |.| is Frobenius' norm, S is -velocity_filter, RATE is FILTER_RATE, and fit the value of a
+  quadratic fit of u at the particle. |A A|^(1/2) is the rate at which the flow can amplify
+  disturbances: the size of the eigenvalues of A in strain and rotation. It is zero in parallel flow
+  with any shear, so that thin boundary layers keep their velocity. In a resolved flow the rate is
+  U/L, and the filter is of order 3. A strength below 1 is a share, above 1 it multiplies the rate.
+  See docs/theory.md, (77).
 */
 static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i, PetscReal strength,
                            PetscReal dt, PetscReal change[])
@@ -163,7 +164,8 @@ static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i,
       square += PetscSqr(entry);
     }
   }
-  share = PetscMin(1.0, strength * FILTER_RATE * dt * PetscSqrtReal(PetscSqrtReal(square)));
+  share = FILTER_RATE * dt * PetscSqrtReal(PetscSqrtReal(square));
+  share = PetscMin(1.0, strength) * PetscMin(1.0, PetscMax(1.0, strength) * share);
   for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * slopes->residual[c][i];
 }
 

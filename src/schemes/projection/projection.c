@@ -81,7 +81,7 @@ static const OptionRow options[] = {
             .standard = "0",
             .low      = 0.0,
             .high     = 0.9,
-            .where    = "-scheme projection with pressure",
+            .where    = "-scheme projection with -pressure_points same",
         },
     [FILTER] =
         {
@@ -92,7 +92,7 @@ static const OptionRow options[] = {
             .standard = "1; 0.1 on lattices whose particles do not move",
             .low      = 0.0,
             .high     = 2.0,
-            .where    = "-scheme projection with pressure",
+            .where    = "-scheme projection with -pressure_points same",
         },
 };
 const OptionTable ProjectionOptions = OPTIONS("Projection", options);
@@ -171,9 +171,18 @@ static PetscErrorCode CreateOnParticles(Flow *flow, Projection *pr)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the options of a pressure on splines; refuses scenes with bodies. */
+/*
+  Reads the options of a pressure on splines; refuses scenes with bodies
+
+  A pressure that is coarser than the particles does not act on velocities between its points. The
+  velocity filter damps them, by default four times as fast as the flow can amplify them. In the
+  cavity at Re = 1000, n = 32, t = 6 the energy has errors of -31, -17, -12, -7 % for S = 0, 0.6, 1,
+  4, and -10 % with the pressure on particles.
+*/
 static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
 {
+  PetscBool given;
+
   PetscFunctionBegin;
   UserCheck(!flow->scene->n_bodies,
             "-pressure_points coarse: the lattice does not know bodies yet; use same");
@@ -182,8 +191,20 @@ static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
             "-pressure_points same");
   pr->spacing = 2.0;
   PetscCall(OptionGetReal(&options[SPACING], &pr->spacing, NULL));
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    const PetscReal cells =
+        (flow->scene->hi[a] - flow->scene->lo[a]) / flow->scene->dx / pr->spacing;
+
+    UserCheck(cells >= 2.5,
+              "-pressure_points coarse: the box is only %.3g cells of -pressure_spacing %.3g wide "
+              "along %c, at least 3 are needed; use a larger -n",
+              (double)cells, (double)pr->spacing, "xyz"[a]);
+  }
   flow->scheme->needs &= ~(unsigned)NEED_PRESSURE;
   flow->scheme->Divergence = DivergenceOnSplines;
+  PetscCall(OptionGiven("-velocity_filter", &given));
+  if (SceneMoves(flow->scene) && !given) flow->state->velocity_filter = 4.0;
+  if (flow->state->velocity_filter > 0.0) flow->scheme->needs |= NEED_FILTER_U;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
