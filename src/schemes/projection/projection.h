@@ -16,7 +16,7 @@ typedef struct {
   PetscReal   alpha_max;   /* largest -ppe_alpha with margin to growth; docs/theory.md, (123) */
 } ProjectionRow;
 
-/* Where the pressure is known. */
+/* The points of the pressure: on particles, or on splines. */
 typedef struct {
   const char *name, *brief, *citation;
   PetscBool   coarse; /* on splines */

@@ -50,6 +50,9 @@ typedef struct {
   PetscInt  *side;            /* of points on the boundary: side of the box */
 } SplinePoints;
 
+/* Points of Gauss from the centre of a cell, over its edge: 1/(2 sqrt(3)). */
+#define GAUSS 0.28867513459481287
+
 struct Splines {
   SplineLattice lattice;
   PetscReal     scale; /* edge of a cell of the same volume [m] */
@@ -85,6 +88,10 @@ struct Splines {
   PetscInt   capacity;              /* of value and gradient */
   PetscInt   assemblies, numbering; /* stamps of the matrices, and of the splines' numbers */
 };
+
+/* splinepoints.c */
+PetscErrorCode SplinePointsSet(Splines *s, const Particles *p);
+PetscErrorCode SplinePointsFree(SplinePoints *points);
 
 /* splines.c, splinerows.c */
 PetscErrorCode SplinesNumber(Flow *flow, Splines *s, PetscBool *changed);
