@@ -322,7 +322,8 @@ static void test_gauge(void **state)
     ASSERT_OK(CloudCreate(&box, "", &cloud));
     CloudAssertNone("floats", box.name,
                     ScenePressureFloats(&cloud.scene) != (floats ? PETSC_TRUE : PETSC_FALSE));
-    ASSERT_OK(GaugeColumn(&cloud.scene, cloud.particles->comm, 0, cloud.particles->n_fluid, &column));
+    ASSERT_OK(
+        GaugeColumn(&cloud.scene, cloud.particles->comm, 0, cloud.particles->n_fluid, &column));
     ASSERT_OK(GaugeMatrix(cloud.ops->ppe.A, column, &A));
     CloudAssertNone("column", box.name, (column != NULL) != floats);
     CloudAssertNone("matrix", box.name, (A != cloud.ops->ppe.A) != floats);
