@@ -2,7 +2,8 @@
   The pressure on quadratic B-splines of a lattice that is fixed in space and coarser than the
   particles:
 
-    p(x) = sum_q p_q psi_q(x),   G p = grad p(x_i),   D u = -int grad psi_q . u dV + int psi_q u_w.n dA
+    p(x) = sum_q p_q psi_q(x),   G p = grad p(x_i)
+    (D u)_q = -int grad psi_q . u dV + int psi_q u_w.n dA
 
   u in the integral is the least-squares fit of the particles' velocities at Gauss points. The
   splines sum to 1, so D conserves volume exactly: errors of single particles cancel in sums over

@@ -1,4 +1,5 @@
-/* The projection with the pressure on splines: divergence, equation of the increment, correction. */
+/* The projection with the pressure on splines: divergence, equation of the increment, and
+   correction. */
 #include "splines.h"
 
 /* Computes y = A x = -scale^2 D G x, the matrix of the increment. */
@@ -176,7 +177,7 @@ static PetscErrorCode SpreadPressure(Flow *flow, Splines *s)
 }
 
 /*
-  SplinesProject - Solves for the pressure increment from div u*, then corrects velocity and pressure
+  SplinesProject - Solves for the pressure increment from div u*, and corrects velocity and pressure
 
     A phi = -scale^2 rho/k D u*,   u = u* - k/rho G phi,   p = [p^n] + s (phi [- c mu div u*])
 
