@@ -171,6 +171,9 @@ def contents():
         changed("c.h5", checkpoint, "particles", *record)
         assert refused("-restart c.h5: the file is damaged: 1 of its particles", "-max_steps", "3", "-restart",
                        "c.h5") == 79
+    changed("c.h5", checkpoint, "particles", 1)
+    assert refused("-restart c.h5: the file is damaged: 1 of its particles have the number of another", "-max_steps",
+                   "3", "-restart", "c.h5") == 79
     for memory in ((math.nan,), (-0.1,), (0.1, -3e9), (0.1, 0.01, -1), (0.1, 0.01, 0.01, 1.5),
                    (0.1, 0.01, 0.01, math.inf)):  # t, dt, dt before, step
         changed("c.h5", checkpoint, "memory", *memory)

@@ -138,12 +138,35 @@ static void CheckRecord(const Setting *s, const Population *pop)
   CloudAssertNone("fluid", s->name, n_fluid != p->N_fluid);
 }
 
+/* Counts repeated ids: none in the records of the particles, then one for each rank that gives its
+   first particle the smallest id. */
+static void CheckIds(const Setting *s, const Population *pop)
+{
+  const Particles *p     = pop->p;
+  const PetscInt   width = ParticlesRecordWidth(p);
+  PetscInt         id    = 0, changed, repeated;
+  PetscReal       *record;
+
+  while (!pop->alive[id]) id++;
+  changed = ParticlesOwn(p) && p->id[0] != id;
+  MPI_Allreduce(MPI_IN_PLACE, &changed, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD);
+  PetscCallVoid(PetscMalloc1(ParticlesOwn(p) * width + 1, &record));
+  ASSERT_OK(ParticlesPack(p, record));
+  ASSERT_OK(ParticlesCountRepeated(p, ParticlesOwn(p), record, &repeated));
+  CloudAssertNone("repeated ids", s->name, repeated);
+  record[0] = (PetscReal)id;
+  ASSERT_OK(ParticlesCountRepeated(p, ParticlesOwn(p), record, &repeated));
+  CloudAssertNone("unnoticed repeated ids", s->name, changed - repeated);
+  PetscCallVoid(PetscFree(record));
+}
+
 static void CheckAll(const Setting *s, const Population *pop)
 {
   ASSERT_OK(NeighborsUpdate(pop->p, 0.0, pop->nb));
   CrowdCheckParticles(s, pop->p, pop->tag);
   CrowdCheckNeighbors(s, pop->p, pop->nb);
   CheckRecord(s, pop);
+  CheckIds(s, pop);
 }
 
 /* Moves, inserts and removes particles, and checks them after each change of their number. */

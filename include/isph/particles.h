@@ -147,6 +147,8 @@ PetscReal      ParticlesHash(PetscInt seed, PetscInt64 id, PetscInt axis);
 PetscInt       ParticlesRankAt(const Particles *particles, const PetscReal x[]);
 PetscErrorCode ParticlesHaloField(const Particles *particles, PetscReal values[]);
 PetscErrorCode ParticlesNumberById(const Particles *particles, PetscInt index[]);
+PetscErrorCode ParticlesCountRepeated(const Particles *particles, PetscInt n,
+                                      const PetscReal record[], PetscInt *repeated);
 
 static inline PetscInt ParticlesOwn(const Particles *p)
 {

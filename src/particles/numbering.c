@@ -1,7 +1,7 @@
 /*
-  Dense numbers of fluid particles, used for rows of files. The dense number of a particle is the
+  Ids of all ranks in their order. The dense number of a particle, used for rows of files, is the
   number of fluid particles with smaller ids. Unlike ids it has no gaps after removals, and it
-  depends neither on ranks nor on epochs.
+  depends neither on ranks nor on epochs. In records of a file each id must occur once.
 */
 #include "impl.h"
 
@@ -35,6 +35,51 @@ static PetscErrorCode NumberEntries(MPI_Comm comm, PetscInt n, PetscInt64 id[])
 }
 
 /*
+  Sends ids of each rank to the ranks of their ranges. Rank r receives the ids from r share to
+  (r + 1) share - 1, share = next_id / ranks + 1.
+
+  Input Parameters:
++ n  - number of ids of this rank
+- id - ids from 0 to next_id - 1
+
+  Output Parameters:
++ sent_at    - place of each id among the n ids that this rank sends
+. n_from     - number of ids received from each rank
+. n_received - their sum
+- received   - the ids, in the order of the sending ranks; free with PetscFree()
+*/
+static PetscErrorCode SendIds(const Particles *p, PetscInt n, const PetscInt64 id[],
+                              PetscInt sent_at[], PetscInt n_from[], PetscInt *n_received,
+                              PetscInt64 **received)
+{
+  PetscMPIInt ranks, n_sources, *source;
+  PetscInt   *n_to, *n_of_source, *next;
+  PetscInt64 *sent, share;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
+  share = p->next_id / ranks + 1;
+  PetscCall(PetscCalloc2(ranks, &n_to, ranks + 1, &next));
+  PetscCall(PetscMalloc1(n, &sent));
+  for (PetscInt i = 0; i < n; i++) n_to[id[i] / share]++;
+  for (PetscMPIInt r = 0; r < ranks; r++) next[r + 1] = next[r] + n_to[r];
+  for (PetscInt i = 0; i < n; i++) {
+    sent_at[i]       = next[id[i] / share]++;
+    sent[sent_at[i]] = id[i];
+  }
+  PetscCall(ExchangeItems(p->comm, MPIU_INT64, 1, n_to, sent, &n_sources, &source, &n_of_source,
+                          received));
+  PetscCall(PetscArrayzero(n_from, ranks));
+  *n_received = 0;
+  for (PetscMPIInt s = 0; s < n_sources; s++) *n_received += n_from[source[s]] = n_of_source[s];
+  PetscCall(PetscFree(n_of_source));
+  PetscCall(PetscFree(source));
+  PetscCall(PetscFree(sent));
+  PetscCall(PetscFree2(n_to, next));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
   ParticlesNumberById - Numbers the fluid of all ranks in the order of ids, from 0 on without gaps
 
   Collective. Each rank numbers a range of ids: it receives the ids from their owners, and sends the
@@ -45,24 +90,14 @@ static PetscErrorCode NumberEntries(MPI_Comm comm, PetscInt n, PetscInt64 id[])
 */
 PetscErrorCode ParticlesNumberById(const Particles *p, PetscInt index[])
 {
-  PetscMPIInt ranks, n_sources, n_replies, *source, *replier;
-  PetscInt   *n_to, *n_from, *n_back, *n_replied, *next, *sent_at, n = 0;
-  PetscInt64 *sent, *received, *replies, share;
+  PetscMPIInt ranks, n_replies, *replier;
+  PetscInt   *n_back, *n_replied, *sent_at, n;
+  PetscInt64 *received, *replies;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
-  share = p->next_id / ranks + 1;
-  PetscCall(PetscCalloc3(ranks, &n_to, ranks, &n_back, ranks + 1, &next));
-  PetscCall(PetscMalloc2(p->n_fluid, &sent, p->n_fluid, &sent_at));
-  for (PetscInt i = 0; i < p->n_fluid; i++) n_to[p->id[i] / share]++;
-  for (PetscMPIInt r = 0; r < ranks; r++) next[r + 1] = next[r] + n_to[r];
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    sent_at[i]       = next[p->id[i] / share]++;
-    sent[sent_at[i]] = p->id[i];
-  }
-  PetscCall(
-      ExchangeItems(p->comm, MPIU_INT64, 1, n_to, sent, &n_sources, &source, &n_from, &received));
-  for (PetscMPIInt s = 0; s < n_sources; s++) n += n_back[source[s]] = n_from[s];
+  PetscCall(PetscMalloc2(ranks, &n_back, p->n_fluid, &sent_at));
+  PetscCall(SendIds(p, p->n_fluid, p->id, sent_at, n_back, &n, &received));
   PetscCall(NumberEntries(p->comm, n, received));
   PetscCall(ExchangeItems(p->comm, MPIU_INT64, 1, n_back, received, &n_replies, &replier,
                           &n_replied, &replies));
@@ -71,9 +106,45 @@ PetscErrorCode ParticlesNumberById(const Particles *p, PetscInt index[])
   PetscCall(PetscFree(n_replied));
   PetscCall(PetscFree(replier));
   PetscCall(PetscFree(received));
-  PetscCall(PetscFree(n_from));
-  PetscCall(PetscFree(source));
-  PetscCall(PetscFree2(sent, sent_at));
-  PetscCall(PetscFree3(n_to, n_back, next));
+  PetscCall(PetscFree2(n_back, sent_at));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static int CompareIds(const void *a, const void *b)
+{
+  const PetscInt64 k = *(const PetscInt64 *)a, l = *(const PetscInt64 *)b;
+
+  return (k > l) - (k < l);
+}
+
+/*
+  ParticlesCountRepeated - Counts the records of all ranks whose id is also the id of an earlier
+  record
+
+  Collective. Each rank sorts a range of ids.
+
+  Input Parameters:
++ n      - number of records of this rank
+- record - the records, each accepted by ParticlesValidRecord()
+*/
+PetscErrorCode ParticlesCountRepeated(const Particles *p, PetscInt n, const PetscReal record[],
+                                      PetscInt *repeated)
+{
+  const PetscInt width = ParticlesRecordWidth(p);
+  PetscMPIInt    ranks;
+  PetscInt      *n_from, *sent_at, n_received;
+  PetscInt64    *id, *received;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
+  PetscCall(PetscMalloc3(ranks, &n_from, n, &sent_at, n, &id));
+  for (PetscInt i = 0; i < n; i++) id[i] = (PetscInt64)record[(size_t)i * width + RECORD_ID];
+  PetscCall(SendIds(p, n, id, sent_at, n_from, &n_received, &received));
+  if (n_received > 1) qsort(received, (size_t)n_received, sizeof(*received), CompareIds);
+  *repeated = 0;
+  for (PetscInt k = 1; k < n_received; k++) *repeated += received[k] == received[k - 1];
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, repeated, 1, MPIU_INT, MPI_SUM, p->comm));
+  PetscCall(PetscFree(received));
+  PetscCall(PetscFree3(n_from, sent_at, id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

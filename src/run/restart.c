@@ -296,13 +296,13 @@ static PetscErrorCode Restore(const Stored *stored, Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ends the run if a record of this rank can be no particle's, although the checksum is right.
-   Collective. */
+/* Ends the run if a record of this rank can be no particle's, or if two records of all ranks have
+   the same id, although the checksum is right. Collective. */
 static PetscErrorCode CheckRecords(const Run *run, const char path[], const Stored *stored)
 {
   const Particles *p     = run->flow.particles;
   const PetscInt   width = ParticlesRecordWidth(p);
-  PetscInt         wrong = 0;
+  PetscInt         wrong = 0, repeated;
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < stored->n; i++)
@@ -312,6 +312,11 @@ static PetscErrorCode CheckRecords(const Run *run, const char path[], const Stor
              "-restart %s: the file is damaged: %" PetscInt_FMT
              " of its particles have an unknown number or kind, or values out of bounds",
              path, wrong);
+  PetscCall(ParticlesCountRepeated(p, stored->n, stored->record, &repeated));
+  PetscCheck(!repeated, PETSC_COMM_WORLD, PETSC_ERR_FILE_UNEXPECTED,
+             "-restart %s: the file is damaged: %" PetscInt_FMT
+             " of its particles have the number of another",
+             path, repeated);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
