@@ -184,6 +184,8 @@ def contents():
     for row in (math.nan,), (0.01, -math.inf), (0.01, 1, math.inf), (0.01, 1, 1, math.inf):
         changed("c.h5", checkpoint, "report", *row)
         assert refused("is not finite", "-max_steps", "3", "-restart", "c.h5") == 72
+    changed("p.h5", snapshot, "velocity", 1e160)
+    refused("-particles: the square of a speed at the start is not finite", "-particles", "p.h5")
     for rows in 2**27 + 1, 2**31, 2**32 + 64, 2**63, 2**64 - 1:
         contents = Contents(bytearray(snapshot))
         struct.pack_into("<Q", contents.data, contents.sets["position"].sizes_at, rows)

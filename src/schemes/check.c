@@ -57,14 +57,28 @@ static PetscErrorCode MeasureFlow(Flow *flow, const Vec u[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FlowMeasureStart - Measures energy, speed, divergence and body force of the flow at the start of
-   a run; collective */
+/* Returns the option that gives the velocities at the start. */
+static const char *StartOption(const Flow *flow)
+{
+  if (flow->particles->velocity_given) return "-particles";
+  return flow->scene->velocity.n ? "-scene_velocity" : "-scene_exact";
+}
+
+/*
+  FlowMeasureStart - Measures energy, speed, divergence and body force of the flow at the start of a
+  run
+
+  Collective. Errors: a speed whose square is not finite ends the run
+*/
 PetscErrorCode FlowMeasureStart(Flow *flow)
 {
   Scheme *s = flow->scheme;
 
   PetscFunctionBegin;
   PetscCall(MeasureFlow(flow, flow->state->u));
+  UserCheck(s->stats.speed_max <= PETSC_MAX_REAL,
+            "%s: the square of a speed at the start is not finite; allowed are speeds up to %.2g",
+            StartOption(flow), (double)PetscSqrtReal(PETSC_MAX_REAL));
   if (SceneHas(flow->scene, PHYSICS_BODY_FORCE)) PetscCall(AddBodyForce(flow, 0.0, NULL));
   for (PetscInt k = 0; k < 3; k++) s->stats.change[k] = PETSC_INFINITY;
   s->bound.start = FlowRmsSpeed(flow);
