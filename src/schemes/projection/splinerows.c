@@ -110,8 +110,8 @@ static PetscReal Offset(const Particles *p, PetscInt j, const PetscReal x[], Pet
   return PetscSqrtReal(r2);
 }
 
-/* Finds the particles for the fit of component c at x: the nearest of them, at most `most`, with the
-   distance of the next as radius R. */
+/* Finds the particles for the fit of component c at x: the nearest of them, at most `most`. The
+   radius R is the distance of the next. */
 static PetscErrorCode FindNearest(const Flow *flow, const PetscReal x[], PetscReal reach,
                                   PetscInt c, PetscInt most, Around *around, PetscReal *R)
 {
