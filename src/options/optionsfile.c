@@ -257,28 +257,61 @@ static void CheckLines(const char path[], FILE *file, int depth, char sentence[]
   free(line);
 }
 
-/*
-  Replaces ${NAME} in the name of a file by the environment variable, as PETSc does. Returns false
-  if the file cannot be checked: PETSc itself defines a name, or there is a mistake.
-*/
+/* Copies the folder of PETSc. */
+static PetscErrorCode GetFolder(char value[], size_t length)
+{
+  const char *folder;
+
+  if (PetscGetPetscDir(&folder)) return PETSC_ERR_LIB;
+  return PetscStrncpy(value, folder, length);
+}
+
+/* Copies the folder of PETSc's library, which the environment may change. */
+static PetscErrorCode GetLibraryFolder(char value[], size_t length)
+{
+  const char *given = getenv("PETSC_LIB_DIR");
+
+  return PetscStrncpy(value, given ? given : PETSC_LIB_DIR, length);
+}
+
+/* Names that PETSc itself replaces, as PetscStrreplace() does, which needs PetscInitialize(). */
+static const struct {
+  const char *name;
+  PetscErrorCode (*Get)(char value[], size_t length);
+} own_names[] = {
+    {"PETSC_ARCH", PetscGetArchType},         {"PETSC_DIR", GetFolder},
+    {"PETSC_LIB_DIR", GetLibraryFolder},      {"DISPLAY", PetscGetDisplay},
+    {"HOMEDIRECTORY", PetscGetHomeDirectory}, {"WORKINGDIRECTORY", PetscGetWorkingDirectory},
+    {"USERNAME", PetscGetUserName},           {"HOSTNAME", PetscGetHostName},
+};
+
+/* Copies the value of a name: PETSc's own, or an environment variable. Returns false if it has
+   none. */
+static PetscBool FindValue(const char name[], char value[], size_t length)
+{
+  const char *given = getenv(name);
+
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(own_names); k++) {
+    if (!strcmp(name, own_names[k].name))
+      return own_names[k].Get(value, length) ? PETSC_FALSE : PETSC_TRUE;
+  }
+  (void)snprintf(value, length, "%s", given ? given : "");
+  return given ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Replaces ${NAME} in the name of a file by its value, as PETSc does. Returns false if there is a
+   mistake. */
 static PetscBool Substitute(const char option[], const char name[], char path[PETSC_MAX_PATH_LEN],
                             char sentence[], size_t length)
 {
-  static const char *const own[] = {"PETSC_ARCH", "PETSC_DIR",     "PETSC_LIB_DIR",
-                                    "DISPLAY",    "HOMEDIRECTORY", "WORKINGDIRECTORY",
-                                    "USERNAME",   "HOSTNAME"};
-
   (void)snprintf(path, PETSC_MAX_PATH_LEN, "%s", name);
   for (char *open = strstr(path, "${"); open; open = strstr(path, "${")) {
-    char       *close = strchr(open, '}'), rest[PETSC_MAX_PATH_LEN];
-    const char *value;
+    char     *close = strchr(open, '}'), value[PETSC_MAX_PATH_LEN], rest[PETSC_MAX_PATH_LEN];
+    PetscBool found = PETSC_FALSE;
 
     if (close) *close = '\0';
-    for (size_t k = 0; close && k < PETSC_STATIC_ARRAY_LENGTH(own); k++) {
-      if (!strcmp(open + 2, own[k])) return PETSC_FALSE;
-    }
-    value = close ? getenv(open + 2) : NULL;
-    if (!value || strstr(value, "${")) {
+    if (close) found = FindValue(open + 2, value, sizeof(value));
+    if (!found || strstr(value, "${")) {
       (void)snprintf(sentence, length,
                      "%s %s: ${NAME} stands for an environment variable, which must be set", option,
                      name);
