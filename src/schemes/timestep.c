@@ -2,12 +2,13 @@
 #include "isph/guard.h"
 
 /*
-  TimeOptionsRefuse - Refuses options by which a TS would control time, and -ts_theta_theta for
-  types other than theta
+  TimeOptionsRefuse - Refuses options by which a TS would control time, -ts_theta_theta for types
+  other than theta, and -snes_type qn
 
   Collective. The names of all releases of PETSc are refused: a name of another release would
   otherwise be reported as misspelt. PETSc's beuler and cn are theta methods that would refuse
-  -ts_theta_theta in the first step only.
+  -ts_theta_theta in the first step only. PETSc's quasi-Newton method (3.18) ends there with a
+  segmentation fault in MatSetType().
 */
 PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[])
 {
@@ -22,7 +23,8 @@ PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[])
       {"-ts_run_steps", "-max_steps"},
       {"-ts_init_time", "-restart"},
   };
-  PetscBool given, theta;
+  PetscBool given, theta, quasi = PETSC_FALSE;
+  char      snes[64];
 
   PetscFunctionBegin;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(refused); k++) {
@@ -30,6 +32,10 @@ PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[])
     UserCheck(!given, "-%s%s: isph controls the time; use %s", prefix, refused[k][0] + 1,
               refused[k][1]);
   }
+  PetscCall(PetscOptionsGetString(NULL, prefix, "-snes_type", snes, sizeof(snes), &given));
+  if (given) PetscCall(PetscStrcmp(snes, SNESQN, &quasi));
+  UserCheck(!quasi, "-%ssnes_type %s: it does not work within a TS; use newtonls or anderson",
+            prefix, SNESQN);
   PetscCall(PetscStrcmp(type, TSTHETA, &theta));
   PetscCall(PetscOptionsHasName(NULL, prefix, "-ts_theta_theta", &given));
   UserCheck(theta || !given, "-%sts_theta_theta: -%sts_type %s has no theta to be chosen", prefix,
