@@ -228,8 +228,9 @@ PetscErrorCode Hdf5IsFull(Hdf5File *file, const char name[], PetscBool *full)
   creation = Noted(file, H5Dget_create_plist(data));
   if (H5Pget_layout(creation) == H5D_CONTIGUOUS && H5Pget_external_count(creation) == 0) {
     const hssize_t values = H5Sget_simple_extent_npoints(space);
+    const size_t   size   = H5Tget_size(type); /* 0: a type of no size, in a damaged file */
 
-    *full = values >= 0 && H5Dget_storage_size(data) / H5Tget_size(type) >= (hsize_t)values
+    *full = size && values >= 0 && H5Dget_storage_size(data) / size >= (hsize_t)values
                 ? PETSC_TRUE
                 : PETSC_FALSE;
   }
