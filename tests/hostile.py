@@ -159,6 +159,7 @@ def contents():
         struct.pack_into(f"<{len(numbers)}d", contents.data, contents.sets[name].at, *numbers)
         if "checksum" in contents.attributes:
             struct.pack_into("<Q", contents.data, contents.attributes["checksum"].at, checksum(contents))
+            contents.seal()
         with open(path, "wb") as file:
             file.write(contents.data)
 
@@ -186,6 +187,12 @@ def contents():
         assert refused("is not finite", "-max_steps", "3", "-restart", "c.h5") == 72
     changed("p.h5", snapshot, "velocity", 1e160)
     refused("-particles: the square of a speed at the start is not finite", "-particles", "p.h5")
+    contents = Contents(bytearray(checkpoint))
+    struct.pack_into("<I", contents.data, contents.sets["memory"].type_at + 4, 0)  # numbers of no bytes
+    contents.seal()
+    with open("c.h5", "wb") as file:
+        file.write(contents.data)
+    assert refused("parts of it cannot be read", "-max_steps", "3", "-restart", "c.h5") == 79
     for rows in 2**27 + 1, 2**31, 2**32 + 64, 2**63, 2**64 - 1:
         contents = Contents(bytearray(snapshot))
         struct.pack_into("<Q", contents.data, contents.sets["position"].sizes_at, rows)

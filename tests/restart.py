@@ -27,6 +27,8 @@ import subprocess
 import sys
 import time
 
+from random_input.hdf5 import Contents
+
 BASE = ["-n", "24", "-t_end", "3", "-progress", "none", "-skin", "1"]
 FORCED = ["-case", "scene", "-scene_body_1", "circle,0.5,0.5,0.2", "-body_force", "sin(9*t),x*cos(7*t)",
           "-scene_wall_top_velocity", "cos(5*t),0"]  # force and wall velocity depend on time
@@ -188,7 +190,15 @@ def damage(isph):
     refused("start.h5", data, "started from other places", "-jitter", "0.2")
     refused("given.h5", data, "started from other places", "-particles", "s_0000.h5")
     refused("motion.h5", data, "this run needs", "-motion", "eulerian")
-    refused("version.h5", data.replace(b"0.2.0", b"9.9.9"), "the file is of isph 9.9.9")
+    contents = Contents(bytearray(data))
+    for begin, end in contents.sealed:  # HDF5's metadata, which have checksums
+        place = (begin + end) // 2
+        refused("header.h5", data[:place] + bytes([data[place] ^ 1]) + data[place + 1:], "is damaged")
+    place = contents.attributes["version"].at
+    contents.data[place:place + 5] = b"9.9.9"
+    refused("unsealed.h5", contents.data, "is no checkpoint of isph, or is damaged")
+    contents.seal()
+    refused("version.h5", contents.data, "the file is of isph 9.9.9")
 
 
 def other(isph):

@@ -9,6 +9,12 @@
 #include "isph/io.h"
 #include <hdf5.h>
 
+/* Formats of the metadata of a file: headers, names, shapes, types and attributes. */
+typedef enum {
+  HDF5_COMMON, /* the earliest, which every reader accepts */
+  HDF5_CHECKED /* of HDF5 1.8, with checksums: HDF5 itself notices damage before it uses them */
+} Hdf5Format;
+
 typedef struct {
   MPI_Comm  comm;
   hid_t     file, transfer; /* the file; collective transfers */
@@ -16,7 +22,7 @@ typedef struct {
   PetscInt  start, own, N;  /* rows of this rank: the first, their number; rows of all ranks */
 } Hdf5File;
 
-PetscErrorCode Hdf5FileCreate(MPI_Comm comm, const char path[], Hdf5File *file);
+PetscErrorCode Hdf5FileCreate(MPI_Comm comm, const char path[], Hdf5Format format, Hdf5File *file);
 PetscErrorCode Hdf5FileOpen(MPI_Comm comm, const char path[], Hdf5File *file);
 PetscErrorCode Hdf5FileClose(Hdf5File *file, PetscBool *good);
 PetscErrorCode Hdf5FileFinish(Hdf5File *file, const char part[], const char path[],

@@ -1,6 +1,7 @@
 /* Parallel HDF5 for snapshots and checkpoints. Hdf5File.failed records failures of calls. */
 #include "isph/hdf5file.h"
 
+#define COMPACT_MOST 1000 /* attributes and data sets that the header of a file holds itself */
 #define ROWS_MAX                                                                                   \
   ((hsize_t)PETSC_INT_MAX / 16) /* of a data set; numbers of values do not overflow */
 
@@ -11,22 +12,29 @@ static hid_t Noted(Hdf5File *file, hid_t result)
   return result;
 }
 
-/* Opens or creates a file for collective access. */
+/* Opens a file, or creates it in a format, for collective access. */
 static PetscErrorCode Hdf5FileBegin(MPI_Comm comm, const char path[], PetscBool create,
-                                    Hdf5File *file)
+                                    Hdf5Format format, Hdf5File *file)
 {
-  hid_t access;
+  hid_t access, creation;
 
   PetscFunctionBegin;
   file->comm   = comm;
   file->failed = PETSC_FALSE;
   (void)Noted(file, H5Eset_auto2(H5E_DEFAULT, NULL, NULL)); /* isph prints its own messages */
-  access = Noted(file, H5Pcreate(H5P_FILE_ACCESS));
+  access   = Noted(file, H5Pcreate(H5P_FILE_ACCESS));
+  creation = Noted(file, H5Pcreate(H5P_FILE_CREATE));
   (void)Noted(file, H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL));
-  file->file     = Noted(file, create ? H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access)
+  if (format == HDF5_CHECKED) {
+    (void)Noted(file, H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18));
+    (void)Noted(file, H5Pset_attr_phase_change(creation, COMPACT_MOST, COMPACT_MOST));
+    (void)Noted(file, H5Pset_link_phase_change(creation, COMPACT_MOST, COMPACT_MOST));
+  }
+  file->file     = Noted(file, create ? H5Fcreate(path, H5F_ACC_TRUNC, creation, access)
                                       : H5Fopen(path, H5F_ACC_RDONLY, access));
   file->transfer = Noted(file, H5Pcreate(H5P_DATASET_XFER));
   (void)Noted(file, H5Pset_dxpl_mpio(file->transfer, H5FD_MPIO_COLLECTIVE));
+  (void)Noted(file, H5Pclose(creation));
   (void)Noted(file, H5Pclose(access));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -34,20 +42,20 @@ static PetscErrorCode Hdf5FileBegin(MPI_Comm comm, const char path[], PetscBool 
 /*
   Hdf5FileCreate - Creates or truncates a file
 
-  Collective on comm. Hdf5FileClose() reports failures.
+  Collective on comm. Input: format - of its metadata. Hdf5FileClose() reports failures.
 */
-PetscErrorCode Hdf5FileCreate(MPI_Comm comm, const char path[], Hdf5File *file)
+PetscErrorCode Hdf5FileCreate(MPI_Comm comm, const char path[], Hdf5Format format, Hdf5File *file)
 {
   PetscFunctionBegin;
-  PetscCall(Hdf5FileBegin(comm, path, PETSC_TRUE, file));
+  PetscCall(Hdf5FileBegin(comm, path, PETSC_TRUE, format, file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Hdf5FileOpen - Opens a file for reading; see Hdf5FileCreate() */
+/* Hdf5FileOpen - Opens a file of any format for reading; see Hdf5FileCreate() */
 PetscErrorCode Hdf5FileOpen(MPI_Comm comm, const char path[], Hdf5File *file)
 {
   PetscFunctionBegin;
-  PetscCall(Hdf5FileBegin(comm, path, PETSC_FALSE, file));
+  PetscCall(Hdf5FileBegin(comm, path, PETSC_FALSE, HDF5_COMMON, file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

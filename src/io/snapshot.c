@@ -191,7 +191,7 @@ static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
   PetscCall(SnapshotPath(s, number, path));
   PetscCall(PetscSNPrintf(part, sizeof(part), "%s.part", path));
   PetscCall(SnapshotsReserve(s, part, SnapshotBytes(flow)));
-  PetscCall(Hdf5FileCreate(PETSC_COMM_WORLD, part, &file));
+  PetscCall(Hdf5FileCreate(PETSC_COMM_WORLD, part, HDF5_COMMON, &file));
   if (file.file >= 0) {
     PetscCall(SnapshotAttributes(flow, &file));
     PetscCall(SnapshotFieldsWrite(flow, &file));

@@ -228,7 +228,7 @@ static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const 
   PetscCall(PetscSNPrintf(part, sizeof(part), "%s.part", path));
   PetscCall(FileReserve(part, bytes, &good));
   if (good) {
-    PetscCall(Hdf5FileCreate(PETSC_COMM_WORLD, part, &file));
+    PetscCall(Hdf5FileCreate(PETSC_COMM_WORLD, part, HDF5_CHECKED, &file));
     if (file.file >= 0) {
       PetscCall(WriteState(run, &file, &sum));
       PetscCall(WriteKept(run->flow.scheme, &file, &sum));

@@ -1,7 +1,8 @@
 """Changes of values, shapes, types and names in HDF5 files of isph, and checksums of its checkpoints.
 
-Reads the part of HDF5's format that isph writes at the root of a file: version 0 of the superblock, version 1 of
-object headers, contiguous data sets. The metadata have no checksums, so bytes change in place.
+Reads the parts of HDF5's format that isph writes at the root of a file, with contiguous data sets: in snapshots version 0
+of the superblock and version 1 of object headers, in checkpoints version 2 of both, whose metadata have checksums. Bytes
+change in place; Contents.seal() then corrects the checksums of the metadata.
 """
 import math
 import struct
@@ -25,20 +26,47 @@ class Item:
         return math.prod(self.shape)
 
 
+def lookup3(data):
+    """Returns the checksum of HDF5's metadata: hashlittle() of Jenkins' lookup3.c (2006), from 0."""
+
+    def turned(x, k):
+        return (x << k | x >> 32 - k) & 0xFFFFFFFF
+
+    a = b = c = 0xDEADBEEF + len(data) & 0xFFFFFFFF
+    length = -(-len(data) // 12) * 12
+    words = struct.unpack(f"<{length // 4}I", data.ljust(length, b"\0"))
+    for k in range(0, length // 4, 3):
+        a, b, c = a + words[k] & 0xFFFFFFFF, b + words[k + 1] & 0xFFFFFFFF, c + words[k + 2] & 0xFFFFFFFF
+        if k + 3 < len(words):
+            for shift in 4, 6, 8, 16, 19, 4:
+                a, b, c = b, c + b & 0xFFFFFFFF, (a - c & 0xFFFFFFFF) ^ turned(c, shift)
+    for shift in 14, 11, 25, 16, 4, 14, 24:
+        a, b, c = b, (c ^ b) - turned(b, shift) & 0xFFFFFFFF, a
+    return b
+
+
 class Contents:
     """The attributes and the data sets at the root of a file."""
 
     def __init__(self, data):
-        self.data, self.attributes, self.sets = data, {}, {}
-        assert data[8] == 0, "superblock of another version"
+        self.data, self.attributes, self.sets, self.sealed = data, {}, {}, []
+        assert data[8] in (0, 2), "superblock of another version"
         table = None
-        for kind, at, _ in self.messages(self.number(0x40)):
+        for kind, at, _ in self.messages(self.number(0x24 if data[8] else 0x40)):
             if kind == 0x0C:
                 item = self.attribute(at)
                 self.attributes[item.name] = item
+            elif kind == 0x06:
+                self.link(at)
             elif kind == 0x11:
                 table = self.number(at), self.number(self.number(at + 8) + 24)
-        self.links(*table)
+        if table:
+            self.links(*table)
+
+    def seal(self):
+        """Corrects the checksums of the metadata."""
+        for begin, end in self.sealed:
+            struct.pack_into("<I", self.data, end, lookup3(bytes(self.data[begin:end])))
 
     def number(self, at, size=8):
         return int.from_bytes(self.data[at:at + size], "little")
@@ -48,6 +76,9 @@ class Contents:
 
     def messages(self, header):
         """Yields kind, place and length of each message of an object header."""
+        if self.data[header:header + 4] == b"OHDR":
+            yield from self.messages_2(header)
+            return
         left = self.number(header + 2, 2)
         blocks = [(header + 16, self.number(header + 8, 4))]
         while blocks and left:
@@ -61,6 +92,24 @@ class Contents:
                 at += 8 + size
                 left -= 1
 
+    def messages_2(self, header):
+        """Yields the messages of an object header of version 2, and notes the parts that have checksums."""
+        flags = self.data[header + 5]
+        at, width = header + 6 + (16 if flags & 0x20 else 0) + (4 if flags & 0x10 else 0), 1 << (flags & 3)
+        blocks = [(header, at + width, at + width + self.number(at, width))]
+        head = 6 if flags & 4 else 4
+        while blocks:
+            begin, at, end = blocks.pop(0)
+            assert (begin, end) not in self.sealed and end + 4 <= len(self.data), "a damaged header"
+            self.sealed.append((begin, end))
+            while at + head <= end:
+                kind, size = self.data[at], self.number(at + 1, 2)
+                if kind == 0x10:
+                    place, length = self.number(at + head), self.number(at + head + 8)
+                    blocks.append((place, place + 4, place + length - 4))
+                yield kind, at + head, size
+                at += head + size
+
     def shaped(self, item, at):
         rank = self.data[at + 1]
         item.sizes_at = at + (8 if self.data[at] == 1 else 4)
@@ -70,14 +119,35 @@ class Contents:
         item.type_at, item.kind, item.width = at, self.data[at] & 15, self.number(at + 4, 4)
 
     def attribute(self, at):
-        """Reads a message of version 1, whose parts begin at multiples of 8 bytes."""
-        assert self.data[at] == 1, "attribute of another version"
-        lengths = [-(-self.number(at + place, 2) // 8) * 8 for place in (2, 4, 6)]
-        item = Item(self.text(at + 8), at + 8)
-        self.typed(item, at + 8 + lengths[0])
-        self.shaped(item, at + 8 + lengths[0] + lengths[1])
-        item.at = at + 8 + sum(lengths)
+        """Reads a message of version 1, whose parts begin at multiples of 8 bytes, or of version 3."""
+        assert self.data[at] in (1, 3), "attribute of another version"
+        first, unit = (at + 8, 8) if self.data[at] == 1 else (at + 9, 1)
+        lengths = [-(-self.number(at + place, 2) // unit) * unit for place in (2, 4, 6)]
+        item = Item(self.text(first), first)
+        self.typed(item, first + lengths[0])
+        self.shaped(item, first + lengths[0] + lengths[1])
+        item.at = first + sum(lengths)
         return item
+
+    def link(self, at):
+        """Adds the data set to which a message leads, a hard link."""
+        flags = self.data[at + 1]
+        assert self.data[at] == 1 and not flags & 0x08, "a link of another kind"
+        place, width = at + 2 + (8 if flags & 0x04 else 0) + (1 if flags & 0x10 else 0), 1 << (flags & 3)
+        name_at, length = place + width, self.number(place, width)
+        name = bytes(self.data[name_at:name_at + length]).decode("latin-1")
+        self.data_set(Item(name, name_at, name_at + length))
+
+    def data_set(self, item):
+        for kind, place, _ in self.messages(self.number(item.link_at)):
+            if kind == 1:
+                self.shaped(item, place)
+            elif kind == 3:
+                self.typed(item, place)
+            elif kind == 8 and self.data[place:place + 2] == b"\x03\x01":
+                item.at = self.number(place + 2)
+        if item.at is not None:
+            self.sets[item.name] = item
 
     def links(self, node, heap):
         """Adds the data sets below a node of the tree of names."""
@@ -89,16 +159,7 @@ class Contents:
             for entry in range(self.number(child + 6, 2)):
                 at = child + 8 + 40 * entry
                 name_at = heap + self.number(at)
-                item = Item(self.text(name_at), name_at, at + 8)
-                for kind, place, _ in self.messages(self.number(at + 8)):
-                    if kind == 1:
-                        self.shaped(item, place)
-                    elif kind == 3:
-                        self.typed(item, place)
-                    elif kind == 8 and self.data[place:place + 2] == b"\x03\x01":
-                        item.at = self.number(place + 2)
-                if item.at is not None:
-                    self.sets[item.name] = item
+                self.data_set(Item(self.text(name_at), name_at, at + 8))
 
     def holds(self, item):
         return item.at + item.count() * item.width <= len(self.data)
@@ -213,6 +274,7 @@ def changed(rng, original, names=None):
             some = {name: contents.sets[name] for name in names if name in contents.sets} or some
         item = some[rng.choice(sorted(some))]
         rng.choices(CHANGES, SHARES)[0](rng, contents, item)
+        contents.seal()
         try:
             contents = Contents(data)
         except (AssertionError, IndexError, ValueError):  # the change made it unreadable
@@ -221,4 +283,5 @@ def changed(rng, original, names=None):
         right = checksum(contents)
         if right is not None:
             struct.pack_into("<Q", data, contents.attributes["checksum"].at, right)
+            contents.seal()
     return bytes(data)
