@@ -267,9 +267,11 @@ def scene(isph):
                            (["-scene_symmetry", "bottom"], "top is of kind symmetry in the file and wall in this run"),
                            (["-scene_periodic", "x", *mirrored], "left is of kind wall in the file and periodic in this run")):
         refused(flow, options, words + "; use the same -scene_ options")
-    data = open("c.h5", "rb").read()  # a kind that this version does not know is a word like others
+    with open("c.h5", "rb") as file:  # a kind that this version does not know is a word like others
+        contents = Contents(bytearray(file.read().replace(b"wall,wall,symmetry,symmetry", b"wall,wall,symmetry,mangrove")))
+    contents.seal()
     with open("c.h5", "wb") as file:
-        file.write(data.replace(b"wall,wall,symmetry,symmetry", b"wall,wall,symmetry,mangrove"))
+        file.write(contents.data)
     refused(flow, mirrored, "top is of kind mangrove in the file and symmetry in this run")
 
 
