@@ -115,7 +115,8 @@ def bitwise(*command):
     for n in 1, 3:
         for name, flow in (("lagrangian", []), ("eulerian", ["-motion", "eulerian"]), ("forced", FORCED),
                            ("coupled", ["-scheme", "coupled"]), ("coarse", COARSE),
-                           ("coarse_eulerian", [*COARSE, "-motion", "eulerian"]), ("error", FORCED),
+                           ("coarse_eulerian", [*COARSE, "-motion", "eulerian"]),
+                           ("coarse_body", [*FORCED, *COARSE]), ("error", FORCED),
                            ("error_eulerian", [*FORCED, "-motion", "eulerian"]),
                            ("error_coupled", [*FORCED, "-motion", "eulerian", "-scheme", "coupled"])):
             folder = f"{name}{n}"
@@ -134,7 +135,8 @@ def bitwise(*command):
 
 def ranks(*command):
     tight = ["-n", "16", "-progress", "none", "-visc_ksp_rtol", "1e-13", "-ppe_ksp_rtol", "1e-13"]
-    for name, flow in (("lagrangian", []), ("eulerian", ["-motion", "eulerian"]), ("coarse", COARSE)):
+    for name, flow in (("lagrangian", []), ("eulerian", ["-motion", "eulerian"]), ("coarse", COARSE),
+                       ("coarse_body", ["-case", "cavity_cylinder", *COARSE])):
         file = f"{name}.h5"
         run([*ranked(command, 2), *tight, *flow, "-max_steps", "10", "-checkpoint", file])
         flows = []

@@ -164,6 +164,8 @@ void     DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[])
 #define POINT_FIT_TERMS (1 + MLS_QUADRATIC_TERMS)
 PetscBool PointFit(PetscInt dim, PetscInt n, PetscReal *const s[], const PetscReal W[],
                    PetscReal w[]);
+PetscBool VectorFit(PetscInt dim, PetscInt n, PetscReal *const s[], const PetscReal W[],
+                    const PetscBool wall[], PetscReal *const normal[], PetscReal *const w[]);
 
 PetscBool MomentInverse(const Stencil *stencil, const PetscReal weight[], PetscReal inverse[]);
 void      ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil *stencil,

@@ -172,7 +172,7 @@ static PetscErrorCode CreateOnParticles(Flow *flow, Projection *pr)
 }
 
 /*
-  Reads the options of a pressure on splines; refuses scenes with bodies
+  Reads the options of a pressure on splines
 
   A pressure that is coarser than the particles does not act on velocities between its points. The
   velocity filter damps them, by default four times as fast as the flow can amplify them. In the
@@ -184,8 +184,6 @@ static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
   PetscBool given;
 
   PetscFunctionBegin;
-  UserCheck(!flow->scene->n_bodies,
-            "-pressure_points coarse: the lattice does not know bodies yet; use same");
   UserCheck(!flow->state->average.snapshots,
             "-pressure_average with -output: a pressure on coarse points is not averaged; use "
             "-pressure_points same");

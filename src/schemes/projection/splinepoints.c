@@ -1,11 +1,14 @@
-/* Points of quadrature of the splines, in the cells of the lattice and on the sides of the box. */
+/* Points of quadrature of the splines, in the cells of the lattice and on the boundary. */
 #include "splines.h"
 
 /* SplinePointsFree - Frees the points; not collective */
 PetscErrorCode SplinePointsFree(SplinePoints *points)
 {
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(points->x[a]));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    PetscCall(PetscFree(points->x[a]));
+    PetscCall(PetscFree(points->normal[a]));
+  }
   PetscCall(PetscFree2(points->weight, points->side));
   points->n = points->capacity = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -15,7 +18,10 @@ static PetscErrorCode PointsReserve(PetscInt dim, PetscInt n, SplinePoints *poin
 {
   PetscFunctionBegin;
   PetscCall(SplinePointsFree(points));
-  for (PetscInt a = 0; a < dim; a++) PetscCall(PetscMalloc1(n, &points->x[a]));
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscCall(PetscMalloc1(n, &points->x[a]));
+    PetscCall(PetscCalloc1(n, &points->normal[a]));
+  }
   PetscCall(PetscMalloc2(n, &points->weight, n, &points->side));
   points->capacity = n;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -46,8 +52,60 @@ static PetscInt OwnCells(const Splines *s, const Particles *p, PetscInt first[],
   return number;
 }
 
+/* Returns false in a cell that a body fills. */
+static PetscBool IsFluid(const Splines *s, const PetscReal x[])
+{
+  PetscInt cell[2];
+
+  if (!s->bodies) return PETSC_TRUE;
+  for (PetscInt a = 0; a < 2; a++) {
+    cell[a] = (PetscInt)((x[a] - s->lattice.lo[a]) / s->lattice.side[a]);
+    cell[a] = PetscMin(PetscMax(cell[a], 0), s->lattice.cells[a] - 1);
+  }
+  return s->bodies->fraction[cell[1] * s->lattice.cells[0] + cell[0]] > 0.0 ? PETSC_TRUE
+                                                                            : PETSC_FALSE;
+}
+
+/* Returns the number of layers of cells of this rank that hold a part of a surface. */
+static PetscInt SurfaceParts(const Splines *s, const PetscInt first[], const PetscInt n[],
+                             const SplineSurface *part)
+{
+  const PetscInt at[2] = {part->cell % s->lattice.cells[0], part->cell / s->lattice.cells[0]};
+
+  for (PetscInt a = 0; a < 2; a++)
+    if (at[a] < first[a] || at[a] >= first[a] + n[a]) return 0;
+  return s->lattice.dim == 3 ? n[2] : 1;
+}
+
+/* Adds the points of this rank on a part of the surface of a body: three along it, and two in each
+   layer of cells. Polynomials of degree 5 along the part are integrated exactly. */
+static void AddSurface(const Particles *p, const SplineSurface *part, const PetscInt first[],
+                       const PetscInt n[], Splines *s)
+{
+  static const PetscReal rule[3][2] = {{-0.77459666924148337704, 5.0 / 18.0},
+                                       {0.0, 4.0 / 9.0},
+                                       {0.77459666924148337704, 5.0 / 18.0}};
+  const SplineLattice   *l          = &s->lattice;
+  const PetscInt         levels     = l->dim == 3 ? 2 : 1;
+
+  for (PetscInt k = 0; k < SurfaceParts(s, first, n, part) * levels * 3; k++) {
+    const PetscReal *r      = rule[k % 3];
+    PetscReal        weight = r[1] * part->length / s->scale, x[ISPH_MAX_DIM] = {0.0};
+
+    for (PetscInt a = 0; a < 2; a++)
+      x[a] = 0.5 * ((1.0 - r[0]) * part->from[a] + (1.0 + r[0]) * part->to[a]);
+    if (l->dim == 3) {
+      x[2] = l->lo[2] + (first[2] + k / 6 + 0.5 + (k / 3 % 2 ? GAUSS : -GAUSS)) * l->side[2];
+      weight *= 0.5 * l->side[2] / s->scale;
+    }
+    if (!ParticlesHolds(p, x)) continue;
+    for (PetscInt a = 0; a < 2; a++) s->boundary.normal[a][s->boundary.n] = part->normal[a];
+    PointsAdd(l->dim, x, weight, part->side, &s->boundary);
+  }
+}
+
 /* Sets the points of this rank on the sides of the box that are not periodic, two along each axis
-   of a cell's face. */
+   of a cell's face, and on bodies. */
 static PetscErrorCode SetBoundaryPoints(Splines *s, const Particles *p)
 {
   const SplineLattice *l   = &s->lattice;
@@ -62,6 +120,8 @@ static PetscErrorCode SetBoundaryPoints(Splines *s, const Particles *p)
     for (PetscInt b = 0; b < dim; b++) faces *= b == a ? 1 : n[b];
     most += faces;
   }
+  for (PetscInt k = 0; s->bodies && k < s->bodies->n_surface; k++)
+    most += SurfaceParts(s, first, n, &s->bodies->surface[k]) * 6;
   PetscCall(PointsReserve(dim, most, &s->boundary));
   for (PetscInt side = 0; side < 2 * dim; side++) {
     const PetscInt axis  = side / 2;
@@ -86,13 +146,43 @@ static PetscErrorCode SetBoundaryPoints(Splines *s, const Particles *p)
         cell /= n[b];
         corner /= 2;
       }
-      if (ParticlesHolds(p, inside)) PointsAdd(dim, x, weight, side, &s->boundary);
+      if (!ParticlesHolds(p, inside) || !IsFluid(s, inside)) continue;
+      s->boundary.normal[axis][s->boundary.n] = side % 2 ? 1.0 : -1.0;
+      PointsAdd(dim, x, weight, side, &s->boundary);
     }
   }
+  for (PetscInt k = 0; s->bodies && k < s->bodies->n_surface; k++)
+    AddSurface(p, &s->bodies->surface[k], first, n, s);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the points of this rank inside the box, two along each axis of a cell. */
+/*
+  SplinePoint - Computes a point of quadrature of a cell: a point of Gauss, or a node of a cut cell
+
+  Not collective. Output: x [m]; node - as SplinePoints.side. Returns: the volume of the point over
+  that of a cell.
+*/
+PetscReal SplinePoint(const Splines *s, const PetscInt cell[], PetscInt corner, PetscReal x[],
+                      PetscInt *node)
+{
+  const SplineLattice *l       = &s->lattice;
+  const PetscInt       corners = 1 << l->dim;
+  const PetscInt       column  = cell[1] * l->cells[0] + cell[0];
+  const SplineCut     *cut;
+
+  *node = -1;
+  for (PetscInt a = 0; a < l->dim; a++)
+    x[a] = l->lo[a] + (cell[a] + 0.5 + ((corner >> a) % 2 ? GAUSS : -GAUSS)) * l->side[a];
+  if (!s->bodies) return 1.0 / corners;
+  if (s->bodies->cut[column] < 0) return s->bodies->fraction[column] / corners;
+  cut   = &s->bodies->cuts[s->bodies->cut[column]];
+  *node = 4 * s->bodies->cut[column] + corner % 4;
+  for (PetscInt a = 0; a < 2; a++)
+    x[a] = cut->centre[a] + (corner % 2 ? 1.0 : -1.0) * cut->reach[corner / 2 % 2][a];
+  return s->bodies->fraction[column] / corners;
+}
+
+/* Sets the points of this rank in the cells. */
 static PetscErrorCode SetInnerPoints(Splines *s, const Particles *p)
 {
   const SplineLattice *l       = &s->lattice;
@@ -103,15 +193,15 @@ static PetscErrorCode SetInnerPoints(Splines *s, const Particles *p)
   PetscFunctionBegin;
   PetscCall(PointsReserve(l->dim, cells * corners, &s->inside));
   for (PetscInt k = 0; k < cells * corners; k++) {
-    PetscInt  cell = k / corners, corner = k % corners;
-    PetscReal x[ISPH_MAX_DIM];
+    PetscInt  rest = k / corners, cell[ISPH_MAX_DIM], node;
+    PetscReal x[ISPH_MAX_DIM], weight;
 
     for (PetscInt a = 0; a < l->dim; a++) {
-      x[a] = l->lo[a] + (first[a] + cell % n[a] + 0.5 + (corner % 2 ? GAUSS : -GAUSS)) * l->side[a];
-      cell /= n[a];
-      corner /= 2;
+      cell[a] = first[a] + rest % n[a];
+      rest /= n[a];
     }
-    if (ParticlesHolds(p, x)) PointsAdd(l->dim, x, 1.0 / corners, -1, &s->inside);
+    weight = SplinePoint(s, cell, k % corners, x, &node);
+    if (weight > 0.0 && ParticlesHolds(p, x)) PointsAdd(l->dim, x, weight, node, &s->inside);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -46,16 +46,21 @@ PetscInt SplinesGlobal(const Splines *s, const Particles *p, const PetscInt inde
   return b->start + number;
 }
 
-/* Computes the splines at a point and their global numbers. */
-static void NumbersAt(const Splines *s, const Particles *p, const PetscReal x[],
-                      SplineValues *values, PetscInt number[])
+/* SplineOwn - Computes the index of own spline k along each axis; returns false if it is no
+   unknown; not collective */
+PetscBool SplineOwn(const Splines *s, PetscInt k, PetscInt index[])
 {
-  SplinesAt(&s->lattice, x, values);
-  for (PetscInt k = 0; k < values->n; k++) number[k] = SplinesGlobal(s, p, values->index[k]);
+  for (PetscInt a = 0; a < s->lattice.dim; a++) {
+    index[a] = s->own.first[a] + k % s->own.n[a];
+    k /= s->own.n[a];
+  }
+  return !s->bodies || s->bodies->slave[SplineColumn(&s->lattice, index)] == SPLINE_FREE
+             ? PETSC_TRUE
+             : PETSC_FALSE;
 }
 
-static PetscErrorCode SparseMatrix(MPI_Comm comm, PetscInt rows, PetscInt cols, PetscInt width,
-                                   Mat *A)
+/* SplineMat - Creates a matrix with space for `width` entries in a row; collective */
+PetscErrorCode SplineMat(MPI_Comm comm, PetscInt rows, PetscInt cols, PetscInt width, Mat *A)
 {
   PetscFunctionBegin;
   PetscCall(MatCreateAIJ(comm, rows, cols, PETSC_DETERMINE, PETSC_DETERMINE, width, NULL, width,
@@ -64,11 +69,54 @@ static PetscErrorCode SparseMatrix(MPI_Comm comm, PetscInt rows, PetscInt cols, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Finish(Mat A)
+/* SplineMatFinish - Ends the assembly of a matrix; collective */
+PetscErrorCode SplineMatFinish(Mat A)
 {
   PetscFunctionBegin;
   PetscCall(MatAssemblyBegin(A, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(A, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds weight times the gradients of the splines at x to row `row` of T. */
+static PetscErrorCode AddGradients(Splines *s, const Particles *p, PetscInt row,
+                                   const PetscReal x[], PetscReal weight)
+{
+  PetscReal entry[SPLINES_EXTENDED];
+  SplineRow at;
+
+  PetscFunctionBegin;
+  SplineRowAt(s, p, x, &at);
+  for (PetscInt a = 0; a < s->lattice.dim; a++) {
+    for (PetscInt k = 0; k < at.n; k++) entry[k] = weight * s->scale * at.gradient[a][k];
+    PetscCall(MatSetValues(s->T[a], 1, &row, at.n, at.number, entry, ADD_VALUES));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Adds the row of a node of a cut cell to T: the integral over the fluid in the cell of the
+  gradients times the linear function of the node, in the layer of the node
+
+    1/4 +- (x - c).e_a/(2 sqrt(2 l_a))
+*/
+static PetscErrorCode AddNode(Splines *s, const Particles *p, PetscInt row, PetscInt node,
+                              const PetscReal at[])
+{
+  const SplineBodies *b     = s->bodies;
+  const SplineCut    *cut   = &b->cuts[node / 4];
+  const PetscReal    *reach = cut->reach[node / 2 % 2], sign = node % 2 ? 1.0 : -1.0;
+  const PetscReal     square = PetscSqr(reach[0]) + PetscSqr(reach[1]);
+
+  PetscFunctionBegin;
+  for (PetscInt g = cut->first; g < cut->first + cut->n; g++) {
+    const PetscReal x[ISPH_MAX_DIM] = {b->x[0][g], b->x[1][g], s->lattice.dim == 3 ? at[2] : 0.0};
+    PetscReal       share           = 0.25;
+
+    for (PetscInt a = 0; square > 0.0 && a < 2; a++)
+      share += 0.5 * sign * (x[a] - cut->centre[a]) * reach[a] / square;
+    PetscCall(AddGradients(s, p, row, x, b->weight[g] * share / (s->lattice.dim == 3 ? 2.0 : 1.0)));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -80,88 +128,16 @@ static PetscErrorCode AssembleInside(Splines *s, const Particles *p)
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < l->dim; a++)
-    PetscCall(SparseMatrix(p->comm, s->inside.n, s->own.size, SPLINES_AT, &s->T[a]));
+    PetscCall(SplineMat(p->comm, s->inside.n, s->own.size, SPLINES_AT, &s->T[a]));
   PetscCall(MatGetOwnershipRange(s->T[0], &row, NULL));
   for (PetscInt g = 0; g < s->inside.n; g++, row++) {
-    PetscInt     number[SPLINES_AT];
-    PetscReal    x[ISPH_MAX_DIM], entry[SPLINES_AT];
-    SplineValues at;
+    PetscReal x[ISPH_MAX_DIM];
 
     for (PetscInt a = 0; a < l->dim; a++) x[a] = s->inside.x[a][g];
-    NumbersAt(s, p, x, &at, number);
-    for (PetscInt a = 0; a < l->dim; a++) {
-      for (PetscInt k = 0; k < at.n; k++)
-        entry[k] = s->inside.weight[g] * s->scale * at.gradient[a][k];
-      PetscCall(MatSetValues(s->T[a], 1, &row, at.n, number, entry, ADD_VALUES));
-    }
+    if (s->inside.side[g] >= 0) PetscCall(AddNode(s, p, row, s->inside.side[g], x));
+    else PetscCall(AddGradients(s, p, row, x, s->inside.weight[g]));
   }
-  for (PetscInt a = 0; a < l->dim; a++) PetscCall(Finish(s->T[a]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Adds the products of spline q with all splines at a point to the row of the stiffness, and its
-   value to the mass. */
-static PetscErrorCode AddProducts(Splines *s, const Particles *p, const PetscReal x[],
-                                  PetscReal weight, PetscInt q, PetscReal *mass)
-{
-  PetscInt     number[SPLINES_AT];
-  PetscReal    entry[SPLINES_AT];
-  SplineValues at;
-
-  PetscFunctionBegin;
-  NumbersAt(s, p, x, &at, number);
-  for (PetscInt k = 0; k < at.n; k++) {
-    if (number[k] != q) continue;
-    *mass += weight * at.value[k];
-    for (PetscInt m = 0; m < at.n; m++) {
-      PetscReal sum = 0.0;
-
-      for (PetscInt a = 0; a < s->lattice.dim; a++) sum += at.gradient[a][k] * at.gradient[a][m];
-      entry[m] = weight * PetscSqr(s->scale) * sum;
-    }
-    PetscCall(MatSetValues(s->K, 1, &q, at.n, number, entry, ADD_VALUES));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Assembles the stiffness K and the mass. Each rank computes its rows from all points in the
-   supports of its splines, so that sums have the same order in every run. */
-static PetscErrorCode AssembleStiffness(Splines *s, const Particles *p)
-{
-  const SplineLattice *l       = &s->lattice;
-  const SplineBlock   *b       = &s->own;
-  const PetscInt       corners = 1 << l->dim, cells = l->dim == 2 ? 9 : 27;
-
-  PetscFunctionBegin;
-  PetscCall(SparseMatrix(p->comm, b->size, b->size, l->dim == 2 ? 25 : 125, &s->K));
-  PetscCall(VecCreateMPI(p->comm, b->size, PETSC_DETERMINE, &s->mass));
-  for (PetscInt k = 0; k < b->size; k++) {
-    PetscReal mass = 0.0;
-
-    for (PetscInt m = 0; m < cells * corners; m++) {
-      PetscInt  rest = k, cell = m / corners, corner = m % corners;
-      PetscReal x[ISPH_MAX_DIM];
-      PetscBool inside = PETSC_TRUE;
-
-      for (PetscInt a = 0; a < l->dim; a++) {
-        const PetscInt index = b->first[a] + rest % b->n[a];
-        PetscInt       c     = index + cell % 3 - (l->periodic[a] ? 1 : 2);
-
-        if (l->periodic[a]) c = (c + l->cells[a]) % l->cells[a];
-        if (c < 0 || c >= l->cells[a]) inside = PETSC_FALSE;
-        if (l->periodic[a] && cell % 3 >= l->cells[a]) inside = PETSC_FALSE; /* counted already */
-        x[a] = l->lo[a] + (c + 0.5 + (corner % 2 ? GAUSS : -GAUSS)) * l->side[a];
-        rest /= b->n[a];
-        cell /= 3;
-        corner /= 2;
-      }
-      if (inside) PetscCall(AddProducts(s, p, x, 1.0 / corners, b->start + k, &mass));
-    }
-    PetscCall(VecSetValue(s->mass, b->start + k, mass, INSERT_VALUES));
-  }
-  PetscCall(Finish(s->K));
-  PetscCall(VecAssemblyBegin(s->mass));
-  PetscCall(VecAssemblyEnd(s->mass));
+  for (PetscInt a = 0; a < l->dim; a++) PetscCall(SplineMatFinish(s->T[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -169,25 +145,24 @@ static PetscErrorCode AssembleStiffness(Splines *s, const Particles *p)
 static PetscErrorCode AssembleBoundary(Splines *s, const Particles *p)
 {
   const SplineLattice *l   = &s->lattice;
-  PetscBool            any = PETSC_FALSE;
+  PetscBool            any = s->bodies ? PETSC_TRUE : PETSC_FALSE;
   PetscInt             row;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < l->dim; a++) any = any || !l->periodic[a] ? PETSC_TRUE : PETSC_FALSE;
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SparseMatrix(p->comm, s->boundary.n, s->own.size, SPLINES_AT, &s->S));
+  PetscCall(SplineMat(p->comm, s->boundary.n, s->own.size, SPLINES_AT, &s->S));
   PetscCall(MatGetOwnershipRange(s->S, &row, NULL));
   for (PetscInt g = 0; g < s->boundary.n; g++, row++) {
-    PetscInt     number[SPLINES_AT];
-    PetscReal    x[ISPH_MAX_DIM], entry[SPLINES_AT];
-    SplineValues at;
+    PetscReal x[ISPH_MAX_DIM], entry[SPLINES_EXTENDED];
+    SplineRow at;
 
     for (PetscInt a = 0; a < l->dim; a++) x[a] = s->boundary.x[a][g];
-    NumbersAt(s, p, x, &at, number);
+    SplineRowAt(s, p, x, &at);
     for (PetscInt k = 0; k < at.n; k++) entry[k] = s->boundary.weight[g] * at.value[k];
-    PetscCall(MatSetValues(s->S, 1, &row, at.n, number, entry, ADD_VALUES));
+    PetscCall(MatSetValues(s->S, 1, &row, at.n, at.number, entry, ADD_VALUES));
   }
-  PetscCall(Finish(s->S));
+  PetscCall(SplineMatFinish(s->S));
   PetscCall(MatCreateVecs(s->S, NULL, &s->wall_flux));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -207,12 +182,9 @@ static PetscErrorCode CreateVectors(Splines *s, const Particles *p)
   PetscCall(MatCreateVecs(s->T[0], NULL, &s->points));
   PetscCall(PetscMalloc1(b->size, &natural));
   for (PetscInt k = 0; k < b->size; k++) {
-    PetscInt index[ISPH_MAX_DIM], rest = k;
+    PetscInt index[ISPH_MAX_DIM];
 
-    for (PetscInt a = 0; a < s->lattice.dim; a++) {
-      index[a] = b->first[a] + rest % b->n[a];
-      rest /= b->n[a];
-    }
+    (void)SplineOwn(s, k, index);
     natural[k] = SplineNatural(&s->lattice, index);
   }
   PetscCall(ISCreateStride(p->comm, b->size, b->start, 1, &from));
@@ -239,6 +211,7 @@ static PetscErrorCode FreeNumbered(Splines *s)
   PetscCall(VecDestroy(&s->points));
   PetscCall(VecDestroy(&s->wall_flux));
   PetscCall(VecScatterDestroy(&s->renumber));
+  PetscCall(PetscFree(s->unused));
   PetscCall(SplinePointsFree(&s->inside));
   PetscCall(SplinePointsFree(&s->boundary));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -276,7 +249,7 @@ PetscErrorCode SplinesNumber(Flow *flow, Splines *s, PetscBool *changed)
   }
   PetscCall(SplinePointsSet(s, p));
   PetscCall(AssembleInside(s, p));
-  PetscCall(AssembleStiffness(s, p));
+  PetscCall(SplineStiffness(s, p));
   PetscCall(AssembleBoundary(s, p));
   PetscCall(CreateVectors(s, p));
   s->numbering++;
@@ -290,6 +263,7 @@ PetscErrorCode SplinesFree(Splines *s)
   PetscFunctionBegin;
   PetscCall(FreeNumbered(s));
   PetscCall(SplineRowsFree(s));
+  PetscCall(SplineBodiesDestroy(&s->bodies));
   PetscCall(VecDestroy(&s->natural));
   PetscCall(VecDestroy(&s->fluid));
   PetscCall(PetscFree(s->block));

@@ -7,7 +7,7 @@
 
   u in the integral is the least-squares fit of the particles' velocities at Gauss points. The
   splines sum to 1, so D conserves volume exactly: errors of single particles cancel in sums over
-  splines. See docs/theory.md, section 8.
+  splines. Beside bodies the splines are extended, see splineextend.c; docs/theory.md, section 8.
 */
 #ifndef ISPH_SPLINES_H
 #define ISPH_SPLINES_H
@@ -37,6 +37,73 @@ PetscInt       SplineNatural(const SplineLattice *lattice, const PetscInt index[
 void           SplineCentre(const SplineLattice *lattice, const PetscInt index[], PetscReal x[]);
 void           SplinesAt(const SplineLattice *lattice, const PetscReal x[], SplineValues *values);
 
+#define SPLINES_EXTENDED (9 * SPLINES_AT) /* the most, if all have masters */
+
+/* The splines at a point, without those that have masters. */
+typedef struct {
+  PetscInt  n, number[SPLINES_EXTENDED];              /* global numbers */
+  PetscReal value[SPLINES_EXTENDED];                  /* [-] */
+  PetscReal gradient[ISPH_MAX_DIM][SPLINES_EXTENDED]; /* [1/m] */
+} SplineRow;
+
+/* A cell of the plane that a body cuts: its points of quadrature, and its four nodes
+   centre +- reach. */
+typedef struct {
+  PetscInt  first, n;
+  PetscReal centre[2], reach[2][2]; /* [m] */
+} SplineCut;
+
+/* A straight part of the surface of a body in a cell of the plane. */
+typedef struct {
+  PetscInt  cell, side;             /* number of the boundary */
+  PetscReal from[2], to[2], length; /* [m] */
+  PetscReal normal[2];              /* out of the fluid */
+} SplineSurface;
+
+/* A spline of the plane whose coefficient is extrapolated from its masters. */
+typedef struct {
+  PetscInt  n, master[9][2], step[9][2]; /* indices along the axes, and relative to the spline */
+  PetscReal weight[9];
+} SplineSlave;
+
+/* Indices of the splines that add to a spline, relative to it. */
+typedef struct {
+  PetscInt low[2], high[2];
+} SplineRange;
+
+enum { SPLINE_FAR = -2, SPLINE_NEAR = -1 };    /* cells that no body cuts: far from it, beside it */
+enum { SPLINE_UNUSED = -2, SPLINE_FREE = -1 }; /* splines without masters: no fluid, an unknown */
+
+/* The outline of a body or of one of its periodic images, counter-clockwise. */
+typedef struct {
+  PetscInt   n;
+  PetscReal *x;    /* corners: 2 coordinates each [m] */
+  PetscReal  sign; /* of its area in the area of the fluid */
+} SplineOutline;
+
+/* Bodies in the lattice: in the plane, equal for all layers of cells. */
+typedef struct {
+  PetscReal     *fraction; /* of fluid in each cell [-] */
+  PetscInt      *cut;      /* number of each cell in cuts, or SPLINE_FAR, SPLINE_NEAR */
+  PetscInt       n_cut;
+  SplineCut     *cuts;
+  PetscInt       n_points, capacity;
+  PetscReal     *x[2], *weight; /* points of quadrature [m], with weights that sum to fraction */
+  PetscInt       n_surface, surface_capacity;
+  SplineSurface *surface;
+  PetscInt      *slave; /* number of each spline in slaves, or SPLINE_UNUSED, SPLINE_FREE */
+  PetscInt       n_slaves;
+  SplineSlave   *slaves;
+  SplineRange   *range; /* of each spline */
+  PetscInt      *width; /* of each cell: extended splines that are not zero in it */
+} SplineBodies;
+
+/* Growing list of the entries of a matrix, row by row. */
+typedef struct {
+  PetscInt   n, capacity, *col, rows, *row;
+  PetscReal *value;
+} SplineEntries;
+
 /* The splines of a rank: those whose centres are in its box of space. */
 typedef struct {
   PetscInt first[ISPH_MAX_DIM], n[ISPH_MAX_DIM]; /* along each axis */
@@ -48,7 +115,9 @@ typedef struct {
   PetscInt   n, capacity;
   PetscReal *x[ISPH_MAX_DIM]; /* [m] */
   PetscReal *weight;          /* volume over that of a cell, or area over that of its face [-] */
-  PetscInt  *side;            /* of points on the boundary: side of the box */
+  PetscReal *normal[ISPH_MAX_DIM]; /* of points on the boundary: out of the fluid */
+  PetscInt  *side; /* of points on the boundary: its number; of nodes in cut cells: 4 times
+                                 the number of the cut, plus that of the node; otherwise -1 */
 } SplinePoints;
 
 /* Points of Gauss from the centre of a cell, over its edge: 1/(2 sqrt(3)). */
@@ -56,8 +125,9 @@ typedef struct {
 
 struct Splines {
   SplineLattice lattice;
-  PetscReal     scale; /* edge of a cell of the same volume [m] */
-  SplineBlock  *block; /* of all ranks */
+  SplineBodies *bodies; /* NULL: none */
+  PetscReal     scale;  /* edge of a cell of the same volume [m] */
+  SplineBlock  *block;  /* of all ranks */
   SplineBlock   own;
   SplinePoints  inside, boundary;
 
@@ -67,10 +137,10 @@ struct Splines {
   Mat T[ISPH_MAX_DIM]; /* points x splines: weight scale dpsi_q/dx_a */
   Mat S;               /* boundary points x splines: weight psi_q; NULL: a periodic box */
   Mat K;               /* stiffness, scale^2 int grad psi . grad psi, for the preconditioner */
-  Vec mass;            /* int psi_q, over the volume of a cell */
-  Mat J[ISPH_MAX_DIM]; /* fluid -> points: fit of velocity component a; a set unless components
-                          differ at a boundary */
-  Mat W[ISPH_MAX_DIM]; /* walls -> points */
+  Vec mass; /* int psi_q, with bodies sum_r |int psi_q psi_r|, over the volume of a cell */
+  /* fluid -> points, walls -> points: fit of velocity component [a] from component [b]; only [0][0]
+     unless components differ at a boundary, and only [a][a] without bodies */
+  Mat J[ISPH_MAX_DIM][ISPH_MAX_DIM], W[ISPH_MAX_DIM][ISPH_MAX_DIM];
   Mat G[ISPH_MAX_DIM]; /* splines -> fluid: gradient [1/m] */
   Mat V;               /* splines -> fluid: value */
   Mat A;               /* -scale^2 D G, as a shell */
@@ -82,26 +152,75 @@ struct Splines {
   Vec        points, wall_flux;     /* work: at points inside and on the boundary */
   Vec        fluid;                 /* work: at particles */
   PetscInt   fluid_epoch;           /* of the last vector */
+  PetscInt   n_unused, *unused; /* own splines that are no unknowns: their equation is phi = 0 */
 
-  Pattern    fluid_pattern[ISPH_MAX_DIM], wall_pattern[ISPH_MAX_DIM], at_particles;
-  PetscReal *fluid_weight[ISPH_MAX_DIM], *wall_weight[ISPH_MAX_DIM];
+  Pattern    fluid_pattern[ISPH_MAX_DIM][ISPH_MAX_DIM], wall_pattern[ISPH_MAX_DIM][ISPH_MAX_DIM];
+  Pattern    at_particles;
+  PetscReal *fluid_weight[ISPH_MAX_DIM][ISPH_MAX_DIM], *wall_weight[ISPH_MAX_DIM][ISPH_MAX_DIM];
   PetscReal *value, *gradient[ISPH_MAX_DIM];
   PetscInt   capacity;              /* of value and gradient */
   PetscInt   assemblies, numbering; /* stamps of the matrices, and of the splines' numbers */
 };
 
+/* splinesurface.c, splinebodies.c, splineextend.c */
+void SplineCell(const SplineLattice *lattice, PetscInt cell, PetscReal lo[2], PetscReal hi[2]);
+PetscErrorCode SplineOutlineCreate(const Body *body, PetscReal spacing, const PetscReal shift[2],
+                                   SplineOutline *o);
+PetscErrorCode SplineOutlineDivide(const SplineLattice *l, const SplineOutline *o, PetscInt side,
+                                   SplineBodies *s);
+PetscErrorCode SplineBodiesCreate(const Scene *scene, const SplineLattice *lattice,
+                                  SplineBodies **bodies);
+PetscErrorCode SplineBodiesDestroy(SplineBodies **bodies);
+PetscErrorCode SplineExtensionSet(const SplineLattice *lattice, SplineBodies *s);
+PetscErrorCode SplineExtensionFree(SplineBodies *s);
+void SplineRowAt(const Splines *s, const Particles *p, const PetscReal x[], SplineRow *row);
+
+/* Returns the number of a column of splines in the plane. */
+static inline PetscInt SplineColumn(const SplineLattice *lattice, const PetscInt index[])
+{
+  return index[1] * lattice->count[0] + index[0];
+}
+
+/* Returns the masters of a spline, NULL if it has none. */
+static inline const SplineSlave *SplineSlaveAt(const Splines *s, const PetscInt index[])
+{
+  const PetscInt k = s->bodies ? s->bodies->slave[SplineColumn(&s->lattice, index)] : SPLINE_FREE;
+
+  return k >= 0 ? &s->bodies->slaves[k] : NULL;
+}
+
 /* splinepoints.c */
+PetscReal      SplinePoint(const Splines *s, const PetscInt cell[], PetscInt corner, PetscReal x[],
+                           PetscInt *node);
 PetscErrorCode SplinePointsSet(Splines *s, const Particles *p);
 PetscErrorCode SplinePointsFree(SplinePoints *points);
 
-/* splines.c, splinerows.c */
+/* splineentries.c */
+PetscErrorCode SplineEntriesAdd(PetscInt col, PetscReal value, SplineEntries *e);
+PetscErrorCode SplineEntriesMat(MPI_Comm comm, const SplineEntries *e, PetscInt cols,
+                                Pattern *pattern, PetscReal **values, Mat *A);
+PetscErrorCode SplineEntriesFree(SplineEntries *e);
+
+/* splines.c, splinestiffness.c, splinerows.c, splinefits.c */
+PetscErrorCode SplineMat(MPI_Comm comm, PetscInt rows, PetscInt cols, PetscInt width, Mat *A);
+PetscErrorCode SplineMatFinish(Mat A);
+PetscBool      SplineOwn(const Splines *s, PetscInt k, PetscInt index[]);
+PetscErrorCode SplineStiffness(Splines *s, const Particles *p);
 PetscErrorCode SplinesNumber(Flow *flow, Splines *s, PetscBool *changed);
 PetscErrorCode SplineRowsFree(Splines *s);
 PetscErrorCode SplinesAssemble(Flow *flow, Splines *s);
+PetscErrorCode SplineFitsAssemble(Flow *flow, Splines *s);
 PetscInt       SplinesGlobal(const Splines *s, const Particles *p, const PetscInt index[]);
 PetscErrorCode SplinesFree(Splines *s);
 
+/* Returns the matrix of the fit of component a from component b, NULL if there is none. */
+static inline Mat SplineFit(const Splines *s, Mat const fit[][ISPH_MAX_DIM], PetscInt a, PetscInt b)
+{
+  return a == b && !s->J[a][a] ? fit[0][0] : fit[a][b];
+}
+
 /* splinestep.c */
+PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, Splines *s);
 PetscErrorCode SplinesCreate(Flow *flow, PetscReal ratio, Splines **splines);
 PetscErrorCode SplinesDestroy(Splines **splines);
 PetscErrorCode SplinesStart(const Flow *flow, Splines *s);

@@ -5,17 +5,47 @@
 /* Computes y = A x = -scale^2 D G x, the matrix of the increment. */
 static PetscErrorCode SplineMatrix(Mat A, Vec x, Vec y)
 {
-  Splines *s;
+  Splines           *s;
+  const PetscScalar *in;
+  PetscScalar       *out;
 
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(A, &s));
   PetscCall(VecZeroEntries(y));
-  for (PetscInt a = 0; a < s->lattice.dim; a++) {
-    PetscCall(MatMult(s->G[a], x, s->fluid));
-    PetscCall(MatMult(s->J[s->J[a] ? a : 0], s->fluid, s->points));
-    PetscCall(MatMultTransposeAdd(s->T[a], s->points, y, y));
+  for (PetscInt b = 0; b < s->lattice.dim; b++) {
+    PetscCall(MatMult(s->G[b], x, s->fluid));
+    for (PetscInt a = 0; a < s->lattice.dim; a++) {
+      const Mat J = SplineFit(s, s->J, a, b);
+
+      if (!J) continue;
+      PetscCall(MatMult(J, s->fluid, s->points));
+      PetscCall(MatMultTransposeAdd(s->T[a], s->points, y, y));
+    }
   }
   PetscCall(VecScale(y, s->scale));
+  PetscCall(VecGetArrayRead(x, &in));
+  PetscCall(VecGetArray(y, &out));
+  for (PetscInt k = 0; k < s->n_unused; k++) out[s->unused[k]] = in[s->unused[k]];
+  PetscCall(VecRestoreArray(y, &out));
+  PetscCall(VecRestoreArrayRead(x, &in));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SplinesSet - Sets the lattice of splines, its bodies, and an initial pressure of zero
+
+  Collective on PETSC_COMM_WORLD. Input: ratio - edge of a cell over the spacing of the particles.
+*/
+PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, Splines *s)
+{
+  PetscFunctionBegin;
+  PetscCall(SplineLatticeSet(scene, ratio, &s->lattice));
+  PetscCall(SplineBodiesCreate(scene, &s->lattice, &s->bodies));
+  s->scale = 1.0;
+  for (PetscInt a = 0; a < scene->dim; a++) s->scale *= s->lattice.side[a];
+  s->scale = PetscPowReal(s->scale, 1.0 / scene->dim);
+  PetscCall(VecCreateMPI(PETSC_COMM_WORLD, PETSC_DECIDE, s->lattice.N, &s->natural));
+  PetscCall(VecSet(s->natural, 0.0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -26,17 +56,11 @@ static PetscErrorCode SplineMatrix(Mat A, Vec x, Vec y)
 */
 PetscErrorCode SplinesCreate(Flow *flow, PetscReal ratio, Splines **splines)
 {
-  const Scene *scene = flow->scene;
-  Splines     *s;
+  Splines *s;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&s));
-  PetscCall(SplineLatticeSet(scene, ratio, &s->lattice));
-  s->scale = 1.0;
-  for (PetscInt a = 0; a < scene->dim; a++) s->scale *= s->lattice.side[a];
-  s->scale = PetscPowReal(s->scale, 1.0 / scene->dim);
-  PetscCall(VecCreateMPI(PETSC_COMM_WORLD, PETSC_DECIDE, s->lattice.N, &s->natural));
-  PetscCall(VecSet(s->natural, 0.0));
+  PetscCall(SplinesSet(flow->scene, ratio, s));
   flow->scheme->kept = s->natural;
   *splines           = s;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -105,7 +129,8 @@ static PetscErrorCode SetWallFlux(const Flow *flow, PetscReal t, Splines *s)
 
     for (PetscInt a = 0; a < s->lattice.dim; a++) x[a] = at->x[a][g];
     SceneWallVelocity(flow->scene, at->side[g], t, x, u);
-    flux[g] = at->side[g] % 2 ? u[at->side[g] / 2] : -u[at->side[g] / 2];
+    flux[g] = 0.0;
+    for (PetscInt a = 0; a < s->lattice.dim; a++) flux[g] += at->normal[a][g] * u[a];
   }
   PetscCall(VecRestoreArrayWrite(s->wall_flux, &flux));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -124,11 +149,14 @@ PetscErrorCode SplinesDivergence(Flow *flow, Splines *s, const Vec u[], PetscRea
   PetscFunctionBegin;
   PetscCall(VecZeroEntries(d));
   for (PetscInt a = 0; a < s->lattice.dim; a++) {
-    const PetscInt c = s->J[a] ? a : 0;
+    for (PetscInt b = 0; b < s->lattice.dim; b++) {
+      const Mat J = SplineFit(s, s->J, a, b), W = SplineFit(s, s->W, a, b);
 
-    PetscCall(MatMult(s->J[c], u[a], s->points));
-    if (s->W[c]) PetscCall(MatMultAdd(s->W[c], flow->walls.u[a], s->points, s->points));
-    PetscCall(MatMultTransposeAdd(s->T[a], s->points, d, d));
+      if (!J) continue;
+      PetscCall(MatMult(J, u[b], s->points));
+      if (W) PetscCall(MatMultAdd(W, flow->walls.u[b], s->points, s->points));
+      PetscCall(MatMultTransposeAdd(s->T[a], s->points, d, d));
+    }
   }
   PetscCall(VecScale(d, -1.0));
   if (s->S) {
