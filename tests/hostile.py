@@ -176,13 +176,17 @@ def contents():
     assert refused("-restart c.h5: the file is damaged: 1 of its particles have the number of another", "-max_steps",
                    "3", "-restart", "c.h5") == 79
     for memory in ((math.nan,), (-0.1,), (0.1, -3e9), (0.1, 0.01, -1), (0.1, 0.01, 0.01, 1.5),
-                   (0.1, 0.01, 0.01, math.inf)):  # t, dt, dt before, step
+                   (0.1, 0.01, 0.01, math.inf), (0.1, 0.01, 0.01, 1, 0, 0, 0, 10, 0, math.nan)):
+        # t, dt, dt before, step; counts; the step before the last
         changed("c.h5", checkpoint, "memory", *memory)
         assert refused("-restart c.h5: the file is damaged", "-max_steps", "3", "-restart", "c.h5") == 79
     for row in (1e300,), (-1,), (math.nan,), (0, 0, 1e10):  # number, time, particles
         changed("c.h5", checkpoint, "snapshots", *row)
         assert refused("-restart c.h5: the file is damaged", "-max_steps", "3", "-restart", "c.h5") == 79
-    for row in (math.nan,), (0.01, -math.inf), (0.01, 1, math.inf), (0.01, 1, 1, math.inf):
+    for row in (math.nan,), (-0.01,), (math.inf,):  # time
+        changed("c.h5", checkpoint, "report", *row)
+        assert refused("-restart c.h5: the file is damaged", "-max_steps", "3", "-restart", "c.h5") == 79
+    for row in (0.01, -math.inf), (0.01, 1, math.inf), (0.01, 1, 1, math.inf):
         changed("c.h5", checkpoint, "report", *row)
         assert refused("is not finite", "-max_steps", "3", "-restart", "c.h5") == 72
     changed("p.h5", snapshot, "velocity", 1e160)

@@ -152,6 +152,9 @@ static PetscErrorCode ReadHistory(Hdf5File *file, Stored *stored, uint64_t *sum)
   PetscCall(Hdf5ReadNumber(file, "n_snapshots", H5T_NATIVE_INT, &stored->n_snapshots));
   PetscCall(ReadTable(file, "report", stored->n_report, 4, &stored->report, sum));
   PetscCall(ReadTable(file, "snapshots", stored->n_snapshots, 3, &stored->snapshots, sum));
+  for (PetscInt k = 0; k < stored->n_report && !file->failed; k++)
+    if (!(stored->report[4 * k] >= 0.0 && stored->report[4 * k] <= PETSC_MAX_REAL))
+      file->failed = PETSC_TRUE; /* the time of a row */
   for (PetscInt k = 0; k < stored->n_snapshots && !file->failed; k++) {
     const PetscReal number = stored->snapshots[3 * k], N = stored->snapshots[3 * k + 2];
 

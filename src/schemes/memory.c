@@ -54,11 +54,14 @@ void MemoryGet(const Memory *memory, PetscReal values[])
 }
 
 /* MemoryFits - Determines if numbers of a file can be set: whole numbers must be whole and within
-   their range; not collective */
+   their range, and others above minus infinity (plus infinity stands for unknown); not collective */
 PetscBool MemoryFits(const Memory *memory, const PetscReal values[])
 {
   for (PetscInt k = 0; k < memory->n; k++) {
-    if (memory->item[k].real) continue;
+    if (memory->item[k].real) {
+      if (!(values[k] > PETSC_NINFINITY)) return PETSC_FALSE;
+      continue;
+    }
     if (!(PetscAbsReal(values[k]) < (PetscReal)PETSC_INT_MAX)) return PETSC_FALSE;
     if (values[k] != PetscFloorReal(values[k])) return PETSC_FALSE;
   }
