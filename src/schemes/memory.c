@@ -54,7 +54,7 @@ void MemoryGet(const Memory *memory, PetscReal values[])
 }
 
 /* MemoryFits - Determines if numbers of a file can be set: whole numbers must be whole and within
-   their range, and others above minus infinity (plus infinity stands for unknown); not collective */
+   their range, others above minus infinity; not collective. Infinity stands for an unknown. */
 PetscBool MemoryFits(const Memory *memory, const PetscReal values[])
 {
   for (PetscInt k = 0; k < memory->n; k++) {
