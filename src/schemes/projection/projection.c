@@ -178,8 +178,8 @@ static PetscErrorCode CreateOnParticles(Flow *flow, Projection *pr)
   velocity filter damps them, by default four times as fast as the flow can amplify them. In the
   cavity at Re = 1000, n = 32, t = 6 the energy has errors of -31, -17, -12, -7 % for S = 0, 0.6, 1,
   4, and -10 % with the pressure on particles. The filter of fixed particles
-  does not act between the points: at Re = 1000, t = 4 their energy is 31 % too large for n = 50, and
-  3 % too small for n = 100.
+  does not act between the points: at Re = 1000, t = 4 their energy is 31 % too large for n = 50,
+  and 3 % too small for n = 100.
 */
 static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
 {
