@@ -20,6 +20,7 @@ static PetscErrorCode WindowForget(PetscReal from, Window *w)
 
   PetscFunctionBegin;
   while (first < w->count && w->row[first * (1 + w->n)] < from) first++;
+  if (first == 0) PetscFunctionReturn(PETSC_SUCCESS);
   w->count -= first;
   PetscCall(PetscArraymove(w->row, w->row + first * (1 + w->n), w->count * (1 + w->n)));
   PetscFunctionReturn(PETSC_SUCCESS);
