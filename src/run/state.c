@@ -101,16 +101,16 @@ PetscErrorCode CheckpointSumRecords(PetscInt n, PetscInt width, const PetscReal 
 PetscErrorCode CheckpointSumKept(PetscInt start, PetscInt n, const PetscReal values[],
                                  uint64_t *sum)
 {
-  uint64_t numbers = 0;
+  PetscReal *pair;
 
   PetscFunctionBegin;
+  PetscCall(PetscMalloc1(2 * (size_t)n, &pair));
   for (PetscInt i = 0; i < n; i++) {
-    const double pair[2] = {(double)(start + i), values[i]};
-
-    CheckpointSumNumbers(2, pair, &numbers);
+    pair[2 * i]     = (PetscReal)(start + i);
+    pair[2 * i + 1] = values[i];
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &numbers, 1, MPI_UINT64_T, MPI_SUM, PETSC_COMM_WORLD));
-  *sum += numbers;
+  PetscCall(CheckpointSumRecords(n, 2, pair, sum));
+  PetscCall(PetscFree(pair));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

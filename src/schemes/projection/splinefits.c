@@ -266,10 +266,10 @@ static PetscErrorCode AddPoint(Flow *flow, const PetscReal x[], Around *around, 
   for (PetscInt a = 0; a < e->sets; a++) {
     if (a == 0 || (around->walls && !around->oblique)) PetscCall(FitAt(flow, x, a, around));
     if (a == 0 && around->oblique) PetscCall(FitAt(flow, x, ALL, around));
-    for (PetscInt b = 0; b < (e->coupled ? p->dim : a + 1); b++) {
+    for (PetscInt b = 0; b < p->dim; b++) {
       const PetscReal *w = around->oblique ? around->w[a * p->dim + b] : around->w[0];
 
-      if (b < a && !e->coupled) continue;
+      if (a != b && !e->coupled) continue;
       PetscCall(AddFit(p, around, b != a && !around->oblique ? NULL : w, &e->fluid[a][b],
                        &e->walls[a][b]));
     }
@@ -305,6 +305,7 @@ PetscErrorCode SplineFitsAssemble(Flow *flow, Splines *s)
   PetscCall(AroundReserve(flow, &around));
   for (PetscInt a = 0; a < e.sets; a++) {
     for (PetscInt b = 0; b < p->dim; b++) {
+      if (a != b && !e.coupled) continue;
       PetscCall(PetscCalloc1(at->n + 1, &e.fluid[a][b].row));
       PetscCall(PetscCalloc1(at->n + 1, &e.walls[a][b].row));
     }
@@ -317,7 +318,8 @@ PetscErrorCode SplineFitsAssemble(Flow *flow, Splines *s)
   }
   for (PetscInt a = 0; a < e.sets; a++) {
     for (PetscInt b = 0; b < p->dim; b++) {
-      if (a == b || e.coupled) PetscCall(MakeFit(flow, a, b, &e, s));
+      if (a != b && !e.coupled) continue;
+      PetscCall(MakeFit(flow, a, b, &e, s));
       PetscCall(SplineEntriesFree(&e.fluid[a][b]));
       PetscCall(SplineEntriesFree(&e.walls[a][b]));
     }

@@ -92,11 +92,10 @@ static PetscErrorCode AssembleAtParticles(const Particles *p, Splines *s)
 PetscErrorCode SplinesAssemble(Flow *flow, Splines *s)
 {
   const Particles *p = flow->particles;
-  PetscBool        changed;
 
   PetscFunctionBegin;
   if (s->epoch == p->epoch && s->moved == p->moved) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SplinesNumber(flow, s, &changed));
+  PetscCall(SplinesNumber(flow, s));
   PetscCall(AssembleAtParticles(p, s));
   PetscCall(SplineFitsAssemble(flow, s));
   s->epoch = p->epoch;

@@ -221,9 +221,9 @@ static PetscErrorCode FreeNumbered(Splines *s)
   SplinesNumber - Numbers the splines for the present boxes of the ranks, and assembles all that
   does not depend on the particles
 
-  Collective. Does nothing unless the box of a rank has changed. Output: changed - flag.
+  Collective. Does nothing unless the box of a rank has changed.
 */
-PetscErrorCode SplinesNumber(Flow *flow, Splines *s, PetscBool *changed)
+PetscErrorCode SplinesNumber(Flow *flow, Splines *s)
 {
   const Particles *p   = flow->particles;
   int              old = s->K ? 1 : 0;
@@ -232,7 +232,6 @@ PetscErrorCode SplinesNumber(Flow *flow, Splines *s, PetscBool *changed)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < p->dim; a++) old = old && s->lo[a] == p->lo[a] && s->hi[a] == p->hi[a];
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &old, 1, MPI_INT, MPI_MIN, p->comm));
-  *changed = old ? PETSC_FALSE : PETSC_TRUE;
   if (old) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FreeNumbered(s));
   PetscCallMPI(MPI_Comm_size(p->comm, &ranks));

@@ -206,7 +206,7 @@ PetscErrorCode SplineMat(MPI_Comm comm, PetscInt rows, PetscInt cols, PetscInt w
 PetscErrorCode SplineMatFinish(Mat A);
 PetscBool      SplineOwn(const Splines *s, PetscInt k, PetscInt index[]);
 PetscErrorCode SplineStiffness(Splines *s, const Particles *p);
-PetscErrorCode SplinesNumber(Flow *flow, Splines *s, PetscBool *changed);
+PetscErrorCode SplinesNumber(Flow *flow, Splines *s);
 PetscErrorCode SplineRowsFree(Splines *s);
 PetscErrorCode SplinesAssemble(Flow *flow, Splines *s);
 PetscErrorCode SplineFitsAssemble(Flow *flow, Splines *s);
