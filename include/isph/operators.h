@@ -162,8 +162,9 @@ void     DenseCholeskyRidge(PetscInt n, const PetscReal a[], PetscReal ridge, Pe
 void     DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[]);
 
 #define POINT_FIT_TERMS (1 + MLS_QUADRATIC_TERMS)
-PetscBool PointFit(PetscInt dim, PetscInt n, PetscReal *const s[], const PetscReal W[],
-                   PetscReal w[]);
+#define POINT_FITS      8 /* most fits at once, 2^dim */
+void PointFits(PetscInt dim, PetscInt n, PetscReal *const s[], const PetscReal W[], PetscReal w[],
+               PetscBool fits[]);
 PetscBool VectorFit(PetscInt dim, PetscInt n, PetscReal *const s[], const PetscReal W[],
                     const PetscBool wall[], PetscReal *const normal[], PetscReal *const w[]);
 

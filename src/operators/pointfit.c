@@ -21,54 +21,141 @@ static inline void PointBasis(PetscInt dim, PetscReal *const s[], PetscInt k, Pe
   }
 }
 
-static inline PetscBool PointFitInline(PetscInt dim, PetscInt n, PetscReal *const s[],
-                                       const PetscReal W[], PetscReal w[])
+/* Factors m symmetric matrices at once, as DenseCholesky(): entry (t, q) of matrix i is
+   a[(t terms + q) m + i]; clears the flags of matrices that are not positive definite. */
+static inline void CholeskyFactors(PetscInt terms, PetscInt m, PetscReal a[], PetscBool definite[])
 {
-  const PetscInt terms                                      = 1 + dim + dim * (dim + 1) / 2;
-  PetscReal      moments[POINT_FIT_TERMS * POINT_FIT_TERMS] = {0.0}, phi[POINT_FIT_TERMS];
-  PetscReal      c[POINT_FIT_TERMS]                         = {1.0};
+  for (PetscInt t = 0; t < terms; t++) {
+    PetscReal pivot[POINT_FITS];
 
-  for (PetscInt k = 0; k < n; k++) {
-    PointBasis(dim, s, k, phi);
-    for (PetscInt t = 0; t < terms; t++) {
-      const PetscReal weighted = W[k] * phi[t];
+    for (PetscInt i = 0; i < m; i++) pivot[i] = a[(t * terms + t) * m + i];
+    for (PetscInt k = 0; k < t; k++) {
+#pragma omp simd
+      for (PetscInt i = 0; i < m; i++) pivot[i] -= PetscSqr(a[(t * terms + k) * m + i]);
+    }
+    for (PetscInt i = 0; i < m; i++) {
+      if (!(pivot[i] > 1e-10 * a[(t * terms + t) * m + i])) {
+        definite[i] = PETSC_FALSE;
+        pivot[i]    = 1.0;
+      }
+    }
+#pragma omp simd
+    for (PetscInt i = 0; i < m; i++) {
+      pivot[i]                   = 1.0 / PetscSqrtReal(pivot[i]);
+      a[(t * terms + t) * m + i] = pivot[i];
+    }
+    for (PetscInt r = t + 1; r < terms; r++) {
+      PetscReal sum[POINT_FITS];
 
-      for (PetscInt q = 0; q <= t; q++) moments[t * terms + q] += weighted * phi[q];
+      for (PetscInt i = 0; i < m; i++) sum[i] = a[(r * terms + t) * m + i];
+      for (PetscInt k = 0; k < t; k++) {
+#pragma omp simd
+        for (PetscInt i = 0; i < m; i++)
+          sum[i] -= a[(r * terms + k) * m + i] * a[(t * terms + k) * m + i];
+      }
+#pragma omp simd
+      for (PetscInt i = 0; i < m; i++) a[(r * terms + t) * m + i] = sum[i] * pivot[i];
     }
   }
-  for (PetscInt t = 0; t < terms; t++) {
-    for (PetscInt q = 0; q < t; q++) moments[q * terms + t] = moments[t * terms + q];
-  }
-  if (DenseCholesky(terms, moments)) return PETSC_FALSE;
-  DenseCholeskySolve(terms, moments, c);
-  for (PetscInt k = 0; k < n; k++) {
-    PetscReal sum = 0.0;
+}
 
-    PointBasis(dim, s, k, phi);
-    for (PetscInt t = 0; t < terms; t++) sum += phi[t] * c[t];
-    w[k] = W[k] * sum;
+/* Solves M c = e_0 for m matrices with the factors of CholeskyFactors(). */
+static inline void CholeskySolves(PetscInt terms, PetscInt m, const PetscReal a[], PetscReal c[])
+{
+  for (PetscInt t = 0; t < terms; t++) {
+    for (PetscInt i = 0; i < m; i++) c[t * m + i] = t == 0 ? 1.0 : 0.0;
+    for (PetscInt k = 0; k < t; k++) {
+#pragma omp simd
+      for (PetscInt i = 0; i < m; i++) c[t * m + i] -= a[(t * terms + k) * m + i] * c[k * m + i];
+    }
+#pragma omp simd
+    for (PetscInt i = 0; i < m; i++) c[t * m + i] *= a[(t * terms + t) * m + i];
   }
-  return PETSC_TRUE;
+  for (PetscInt t = terms - 1; t >= 0; t--) {
+    for (PetscInt k = t + 1; k < terms; k++) {
+#pragma omp simd
+      for (PetscInt i = 0; i < m; i++) c[t * m + i] -= a[(k * terms + t) * m + i] * c[k * m + i];
+    }
+#pragma omp simd
+    for (PetscInt i = 0; i < m; i++) c[t * m + i] *= a[(t * terms + t) * m + i];
+  }
+}
+
+/* Computes the basis of PointBasis() for neighbour k of m points: phi[t m + i]. */
+static inline void PointBases(PetscInt dim, PetscInt m, PetscReal *const s[], PetscInt k,
+                              PetscReal phi[])
+{
+  PetscInt t = 1 + dim;
+
+  for (PetscInt i = 0; i < m; i++) phi[i] = 1.0;
+  for (PetscInt a = 0; a < dim; a++) {
+#pragma omp simd
+    for (PetscInt i = 0; i < m; i++) phi[(1 + a) * m + i] = s[a][k * m + i];
+    for (PetscInt b = 0; b <= a; b++, t++) {
+#pragma omp simd
+      for (PetscInt i = 0; i < m; i++) phi[t * m + i] = s[a][k * m + i] * s[b][k * m + i];
+    }
+  }
+}
+
+static inline void PointFitsInline(PetscInt dim, PetscInt m, PetscInt n, PetscReal *const s[],
+                                   const PetscReal W[], PetscReal w[], PetscBool fits[])
+{
+  const PetscInt terms = 1 + dim + dim * (dim + 1) / 2;
+  PetscReal      moments[POINT_FIT_TERMS * POINT_FIT_TERMS * POINT_FITS] = {0.0};
+  PetscReal      phi[POINT_FIT_TERMS * POINT_FITS], c[POINT_FIT_TERMS * POINT_FITS];
+
+  for (PetscInt k = 0; k < n; k++) {
+    PointBases(dim, m, s, k, phi);
+    for (PetscInt t = 0; t < terms; t++) {
+      PetscReal weighted[POINT_FITS];
+
+#pragma omp simd
+      for (PetscInt i = 0; i < m; i++) weighted[i] = W[k * m + i] * phi[t * m + i];
+      for (PetscInt q = 0; q <= t; q++) {
+#pragma omp simd
+        for (PetscInt i = 0; i < m; i++)
+          moments[(t * terms + q) * m + i] += weighted[i] * phi[q * m + i];
+      }
+    }
+  }
+  for (PetscInt i = 0; i < m; i++) fits[i] = PETSC_TRUE;
+  CholeskyFactors(terms, m, moments, fits);
+  CholeskySolves(terms, m, moments, c);
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal sum[POINT_FITS] = {0.0};
+
+    PointBases(dim, m, s, k, phi);
+    for (PetscInt t = 0; t < terms; t++) {
+#pragma omp simd
+      for (PetscInt i = 0; i < m; i++) sum[i] += phi[t * m + i] * c[t * m + i];
+    }
+#pragma omp simd
+    for (PetscInt i = 0; i < m; i++) w[k * m + i] = W[k * m + i] * sum[i];
+  }
 }
 
 /*
-  PointFit - Computes the weights w_k of f(x) = sum_k w_k f_k
+  PointFits - Computes the weights w_k of f(x_i) = sum_k w_k f_k at the m = 2^dim points i at once
 
   Not collective.
 
   Input Parameters:
-+ n - number of neighbours
-. s - their offsets (x_k - x)/R, at most 1 in length [-]
-- W - their weights in the fit [-]
++ n - most neighbours of a point
+. s - their offsets (x_k - x_i)/R, at most 1 in length: s[a][k m + i] [-]
+- W - their weights in the fit: W[k m + i], 0 for those that a point lacks [-]
 
-  Returns: PETSC_FALSE if the neighbours do not determine the fit, and then sets no weights
+  Output Parameters:
++ w    - the weights: w[k m + i]
+- fits - PETSC_FALSE for points whose neighbours do not determine the fit; w is then undefined
 
-  Properties: exact for quadratic fields.
+  Properties: exact for quadratic fields. The weights of a point do not depend on other points.
 */
-PetscBool PointFit(PetscInt dim, PetscInt n, PetscReal *const s[], const PetscReal W[],
-                   PetscReal w[])
+void PointFits(PetscInt dim, PetscInt n, PetscReal *const s[], const PetscReal W[], PetscReal w[],
+               PetscBool fits[])
 {
-  return dim == 2 ? PointFitInline(2, n, s, W, w) : PointFitInline(3, n, s, W, w);
+  if (dim == 2) PointFitsInline(2, 4, n, s, W, w, fits);
+  else PointFitsInline(3, 8, n, s, W, w, fits);
 }
 
 /* Computes the moment matrix of the fit of a vector. */
@@ -103,7 +190,9 @@ static void VectorMoments(PetscInt dim, PetscInt n, PetscReal *const s[], const 
   with fluid neighbours k and wall neighbours w, see DivergenceFit_Mls(). Not collective.
 
   Input Parameters:
-+ n, s, W - as for PointFit()
++ n       - number of neighbours
+. s       - their offsets (x_k - x)/R, at most 1 in length [-]
+. W       - their weights in the fit [-]
 . wall    - flags of neighbours that give the normal component only
 - normal  - their unit normals
 

@@ -1,43 +1,70 @@
-/* Growing lists of the entries of matrices. */
+/* Growing lists of the entries of matrices, whose storage serves many assemblies. */
 #include "splines.h"
 
-/* SplineEntriesAdd - Adds an entry to the last row; not collective */
-PetscErrorCode SplineEntriesAdd(PetscInt col, PetscReal value, SplineEntries *e)
+/* SplineEntriesBegin - Empties a list, which will have at most `rows` rows; not collective */
+PetscErrorCode SplineEntriesBegin(PetscInt rows, SplineEntries *e)
 {
   PetscFunctionBegin;
-  if (e->n == e->capacity) {
-    e->capacity = 2 * e->capacity + 1024;
-    PetscCall(PetscRealloc(sizeof(*e->col) * (size_t)e->capacity, &e->col));
-    PetscCall(PetscRealloc(sizeof(*e->value) * (size_t)e->capacity, &e->value));
+  if (rows + 1 > e->rows_capacity) {
+    e->rows_capacity = rows + 1;
+    PetscCall(PetscFree(e->row));
+    PetscCall(PetscMalloc1(e->rows_capacity, &e->row));
   }
-  e->col[e->n]     = col;
-  e->value[e->n++] = value;
+  e->n = e->rows = e->row[0] = 0;
+  PetscCall(SplineEntriesReserve(1, e));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplineEntriesMat - Makes the matrix of a list of entries, whose pattern and values stay with the
-   caller; collective */
-PetscErrorCode SplineEntriesMat(MPI_Comm comm, const SplineEntries *e, PetscInt cols,
-                                Pattern *pattern, PetscReal **values, Mat *A)
+/* SplineEntriesReserve - Makes room for n more entries; not collective */
+PetscErrorCode SplineEntriesReserve(PetscInt n, SplineEntries *e)
 {
-  const PetscInt rows = e->rows;
-  PetscInt      *slot, longest = 1;
+  PetscFunctionBegin;
+  if (e->n + n <= e->capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  e->capacity = 2 * (e->n + n) + 1024;
+  PetscCall(PetscRealloc(sizeof(*e->col) * (size_t)e->capacity, &e->col));
+  PetscCall(PetscRealloc(sizeof(*e->value) * (size_t)e->capacity, &e->value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplineEntriesEnd - Ends a row: sorts its columns and adds entries of the same column; not
+   collective */
+void SplineEntriesEnd(SplineEntries *e)
+{
+  const PetscInt first = e->row[e->rows];
+  PetscInt       last  = first;
+
+  for (PetscInt k = first + 1; k < e->n; k++) { /* insertion: the columns are nearly in order */
+    const PetscInt  col   = e->col[k];
+    const PetscReal value = e->value[k];
+    PetscInt        q     = k;
+
+    for (; q > first && e->col[q - 1] > col; q--) {
+      e->col[q]   = e->col[q - 1];
+      e->value[q] = e->value[q - 1];
+    }
+    e->col[q]   = col;
+    e->value[q] = value;
+  }
+  for (PetscInt k = first + 1; k < e->n; k++) {
+    if (e->col[k] == e->col[last]) {
+      e->value[last] += e->value[k];
+    } else {
+      e->col[++last] = e->col[k];
+      e->value[last] = e->value[k];
+    }
+  }
+  if (e->n > first) e->n = last + 1;
+  e->row[++e->rows] = e->n;
+}
+
+/* SplineEntriesMat - Makes the matrix of a list; on a single rank it uses the list's storage;
+   collective */
+PetscErrorCode SplineEntriesMat(MPI_Comm comm, const SplineEntries *e, PetscInt cols, Mat *A)
+{
+  const Pattern pattern = {.row = e->row, .col = e->col, .n = e->rows};
 
   PetscFunctionBegin;
-  PetscCall(MatDestroy(A));
-  PetscCall(PatternBegin(pattern, rows, e->n));
-  PetscCall(PetscFree(*values));
-  PetscCall(PetscCalloc1(e->n, values));
-  for (PetscInt i = 0; i < rows; i++) longest = PetscMax(longest, e->row[i + 1] - e->row[i]);
-  PetscCall(PetscMalloc1(longest, &slot));
-  for (PetscInt i = 0; i < rows; i++) {
-    const PetscInt n = e->row[i + 1] - e->row[i];
-
-    PatternRow(pattern, i, &e->col[e->row[i]], n, slot);
-    for (PetscInt k = 0; k < n; k++) (*values)[slot[k]] += e->value[e->row[i] + k];
-  }
-  PetscCall(PetscFree(slot));
-  PetscCall(PatternMat(comm, pattern, rows, cols, *values, A));
+  PetscCall(PatternMat(comm, &pattern, e->rows, cols, e->value, A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -48,5 +75,6 @@ PetscErrorCode SplineEntriesFree(SplineEntries *e)
   PetscCall(PetscFree(e->col));
   PetscCall(PetscFree(e->value));
   PetscCall(PetscFree(e->row));
+  PetscCall(PetscMemzero(e, sizeof(*e)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

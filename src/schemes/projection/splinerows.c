@@ -12,10 +12,8 @@ PetscErrorCode SplineRowsFree(Splines *s)
     for (PetscInt b = 0; b < ISPH_MAX_DIM; b++) {
       PetscCall(MatDestroy(&s->J[a][b]));
       PetscCall(MatDestroy(&s->W[a][b]));
-      PetscCall(PatternFree(&s->fluid_pattern[a][b]));
-      PetscCall(PatternFree(&s->wall_pattern[a][b]));
-      PetscCall(PetscFree(s->fluid_weight[a][b]));
-      PetscCall(PetscFree(s->wall_weight[a][b]));
+      PetscCall(SplineEntriesFree(&s->from_fluid[a][b]));
+      PetscCall(SplineEntriesFree(&s->from_walls[a][b]));
     }
   }
   PetscCall(MatDestroy(&s->V));

@@ -98,9 +98,9 @@ typedef struct {
   PetscInt      *width; /* of each cell: extended splines that are not zero in it */
 } SplineBodies;
 
-/* Growing list of the entries of a matrix, row by row. */
+/* Growing list of the entries of a matrix, row by row; the columns of a row ascend. */
 typedef struct {
-  PetscInt   n, capacity, *col, rows, *row;
+  PetscInt   n, capacity, *col, rows, rows_capacity, *row;
   PetscReal *value;
 } SplineEntries;
 
@@ -154,12 +154,12 @@ struct Splines {
   PetscInt   fluid_epoch;           /* of the last vector */
   PetscInt   n_unused, *unused; /* own splines that are no unknowns: their equation is phi = 0 */
 
-  Pattern    fluid_pattern[ISPH_MAX_DIM][ISPH_MAX_DIM], wall_pattern[ISPH_MAX_DIM][ISPH_MAX_DIM];
-  Pattern    at_particles;
-  PetscReal *fluid_weight[ISPH_MAX_DIM][ISPH_MAX_DIM], *wall_weight[ISPH_MAX_DIM][ISPH_MAX_DIM];
-  PetscReal *value, *gradient[ISPH_MAX_DIM];
-  PetscInt   capacity;              /* of value and gradient */
-  PetscInt   assemblies, numbering; /* stamps of the matrices, and of the splines' numbers */
+  SplineEntries from_fluid[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* of J */
+  SplineEntries from_walls[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* of W */
+  Pattern       at_particles;
+  PetscReal    *value, *gradient[ISPH_MAX_DIM];
+  PetscInt      capacity;              /* of value and gradient */
+  PetscInt      assemblies, numbering; /* stamps of the matrices, and of the splines' numbers */
 };
 
 /* splinesurface.c, splinebodies.c, splineextend.c */
@@ -196,10 +196,18 @@ PetscErrorCode SplinePointsSet(Splines *s, const Particles *p);
 PetscErrorCode SplinePointsFree(SplinePoints *points);
 
 /* splineentries.c */
-PetscErrorCode SplineEntriesAdd(PetscInt col, PetscReal value, SplineEntries *e);
-PetscErrorCode SplineEntriesMat(MPI_Comm comm, const SplineEntries *e, PetscInt cols,
-                                Pattern *pattern, PetscReal **values, Mat *A);
+PetscErrorCode SplineEntriesBegin(PetscInt rows, SplineEntries *e);
+PetscErrorCode SplineEntriesReserve(PetscInt n, SplineEntries *e);
+void           SplineEntriesEnd(SplineEntries *e);
+PetscErrorCode SplineEntriesMat(MPI_Comm comm, const SplineEntries *e, PetscInt cols, Mat *A);
 PetscErrorCode SplineEntriesFree(SplineEntries *e);
+
+/* SplineEntriesAdd - Adds an entry to the present row, which has room for it; not collective */
+static inline void SplineEntriesAdd(PetscInt col, PetscReal value, SplineEntries *e)
+{
+  e->col[e->n]     = col;
+  e->value[e->n++] = value;
+}
 
 /* splines.c, splinestiffness.c, splinerows.c, splinefits.c */
 PetscErrorCode SplineMat(MPI_Comm comm, PetscInt rows, PetscInt cols, PetscInt width, Mat *A);
