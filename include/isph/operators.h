@@ -29,10 +29,16 @@ void KernelEvaluate(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscRea
 
 #define MLS_MAX_TERMS       19 /* X_a, X_a X_b, X_a X_b X_c, c <= b <= a, in 3D */
 #define MLS_QUADRATIC_TERMS 9  /* X_a, X_a X_b in 3D */
+#define MLS_LANES           8  /* arrays over neighbours end in zeros up to a multiple of it */
+
+/* Least-squares fits for the present equations of the neighbours, see src/operators/mls.c. */
 typedef struct {
-  PetscBool valid;
-  PetscInt  degree, terms;
-  PetscReal factor[MLS_MAX_TERMS * MLS_MAX_TERMS]; /* Cholesky factor of the moment matrix */
+  PetscReal *phi;                /* basis: phi[t capacity + k] of neighbour k */
+  PetscReal *W;                  /* weights of the equations */
+  PetscReal *value, *weighted;   /* workspace */
+  PetscBool  valid;              /* the rows of the quadratic fit are computed */
+  PetscReal *laplacian, *filter; /* rows of the quadratic fit */
+  PetscReal *gradient[ISPH_MAX_DIM];
 } MlsFit;
 
 /* Neighbours of a particle with the quantities that row functions read. */
@@ -53,7 +59,7 @@ typedef struct {
   PetscReal *share;                /* of dummies: weight in u_wall,i, docs/theory.md, (50) */
   PetscBool  fits_walls;  /* wall neighbours have equations of their own, otherwise values */
   Equation  *equation;    /* of each neighbour in the present fit; fluid gives a value */
-  MlsFit     fit;         /* quadratic fit of these equations, shared by gradient and Laplacian */
+  MlsFit     fit;         /* of these equations, shared by Laplacian, gradient and filter */
   PetscReal  volume;      /* of the particle itself [m^dim] */
   PetscReal  self[3];     /* W, dW/dr and d2W/dr2 at r = 0 [m^-dim, ...] */
   PetscInt   regularised; /* number of fits so far whose points did not determine them */

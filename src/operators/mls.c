@@ -8,135 +8,97 @@
   wall neighbour gives its boundary condition: f = f_wall, n.grad f = g, or n.f = n.f_wall for
   vectors (mlsvector.c). The fit is exact for polynomials of its degree.
 
+  A row of an operator is a linear functional of the coefficients, sum_t b_t c_t. Its weights are
+  w_k = W_k sum_t x_t phi_t with the solution x of M x = b, M = sum_k W_k phi_k phi_k^T. One fit
+  solves for the rows of all operators together. Row functions copy the rows while the equations of
+  the neighbours stay.
+
   Reference: G. R. Liu & Y. T. Gu, An Introduction to Meshfree Methods, Springer 2005, ch. 3;
   boundary conditions as equations of the fit: J. Kuhnert, PhD thesis, Kaiserslautern 1999 (finite
   pointsets).
 */
 #include "mls.h"
 
-/*
-  MlsFactorOrRidge - Factors a moment matrix; if the points do not determine the fit, adds a
-  multiple of the unit matrix and counts the fit
-
-  Not collective. Input: copy - copy of the moments, because the factor overwrites them.
-*/
-void MlsFactorOrRidge(PetscInt n, PetscReal moments[], const PetscReal copy[],
-                      PetscInt *regularised)
+/* Sets the right-hand side of lap f = 2/R^2 sum_a c_aa, c_aa the coefficient of (X_a/R)^2. */
+static inline void LaplacianColumn(const Stencil *st, PetscInt dim, PetscInt width, PetscReal b[])
 {
-  if (!DenseCholesky(n, moments)) return;
-  (*regularised)++;
-  DenseCholeskyRidge(n, copy, 1e-8, moments);
+  for (PetscInt a = 0; a < dim; a++)
+    b[(dim + a * (a + 1) / 2 + a) * width] = 2.0 / PetscSqr(st->radius);
 }
 
-/* Computes the moment matrix sum_k W_k phi_k phi_k^T; inlined, so that the compiler knows dim and
-   degree. */
-static inline void MlsMomentsInline(const Stencil *st, PetscInt dim, PetscInt degree,
-                                    PetscReal moments[])
+/*
+  Sets the right-hand side m = sum_k W_k phi_k of the filter, with neighbours k that give a value:
+  only values determine the constant of a fit. Returns W(0) + sum_k W_k.
+*/
+static inline PetscReal FilterColumn(const Stencil *st, PetscInt terms, PetscInt width,
+                                     PetscReal m[])
 {
-  const PetscInt terms = MlsTerms(dim, degree);
-  PetscReal      phi[MLS_MAX_TERMS], sum[MLS_MAX_TERMS * (MLS_MAX_TERMS + 1) / 2];
-  PetscInt       s = 0;
+  const PetscInt stride = st->capacity, n = MlsPadded(st->n);
+  PetscReal     *value = st->fit.value, sum = st->self[0];
 
-  for (PetscInt e = 0; e < terms * (terms + 1) / 2; e++) sum[e] = 0.0;
+  for (PetscInt k = 0; k < n; k++) value[k] = st->fit.W[k];
+  for (PetscInt k = 0; st->n_wall && k < st->n; k++)
+    if (st->equation[k] == EQUATION_NORMAL_DERIVATIVE) value[k] = 0.0;
+  for (PetscInt k = 0; k < st->n; k++) sum += value[k];
+  for (PetscInt t = 0; t < terms; t++) m[t * width] = MlsSum(n, value, st->fit.phi + t * stride);
+  return sum;
+}
+
+/* Computes the row of the filter from the solution c of M c = m; sum: from FilterColumn(). */
+static inline void FilterWeights(const Stencil *st, PetscInt terms, PetscInt width, PetscReal sum,
+                                 const PetscReal m[], const PetscReal c[], PetscReal w[])
+{
+  MlsWeights(st, terms, width, c, w);
+  for (PetscInt t = 0; t < terms; t++) sum -= m[t * width] * c[t * width];
   for (PetscInt k = 0; k < st->n; k++) {
-    PetscInt e = 0;
+    const PetscReal value = st->equation[k] == EQUATION_VALUE ? st->W[k] : 0.0;
 
-    (void)MlsEquation(st, dim, degree, k, phi);
-    for (PetscInt t = 0; t < terms; t++) {
-      const PetscReal weighted = st->W[k] * phi[t];
-
-      for (PetscInt q = 0; q <= t; q++) sum[e++] += weighted * phi[q];
-    }
-  }
-  for (PetscInt t = 0; t < terms; t++) {
-    for (PetscInt q = 0; q <= t; q++) moments[t * terms + q] = moments[q * terms + t] = sum[s++];
+    w[k] = (w[k] - value) / sum;
   }
 }
 
-static void MlsMoments(const Stencil *st, PetscInt degree, PetscReal moments[])
+/* Computes all rows of the quadratic fit for the present equations of the neighbours. */
+static inline void FitQuadratic(Stencil *st, PetscInt dim)
 {
-  if (st->dim == 2 && degree == 2) MlsMomentsInline(st, 2, 2, moments);
-  else if (st->dim == 2) MlsMomentsInline(st, 2, 3, moments);
-  else if (degree == 2) MlsMomentsInline(st, 3, 2, moments);
-  else MlsMomentsInline(st, 3, 3, moments);
+  const PetscInt terms = MlsTerms(dim, 2), width = MlsWidth(terms + dim + 2), filter = terms,
+                 laplacian = terms + 1, gradient = terms + 2;
+  PetscReal system[MLS_QUADRATIC_TERMS * MLS_QUADRATIC_WIDTH] = {0.0};
+  PetscReal solved[MLS_QUADRATIC_TERMS * MLS_QUADRATIC_WIDTH], sum;
+
+  MlsBasis(st, dim, 2);
+  MlsMoments(st, terms, st->fit.W, width, system);
+  sum = FilterColumn(st, terms, width, system + filter);
+  LaplacianColumn(st, dim, width, system + laplacian);
+  for (PetscInt a = 0; a < dim; a++) system[a * width + gradient + a] = 1.0 / st->radius;
+  if (!MlsSolve(terms, width, system, solved)) st->regularised++;
+  FilterWeights(st, terms, width, sum, system + filter, solved + filter, st->fit.filter);
+  MlsWeights(st, terms, width, solved + laplacian, st->fit.laplacian);
+  for (PetscInt a = 0; a < dim; a++)
+    MlsWeights(st, terms, width, solved + gradient + a, st->fit.gradient[a]);
 }
 
-/*
-  Factors the moment matrix of the cubic fit for the present equations of the neighbours.
-
-  Returns: PETSC_FALSE if the neighbours do not determine the fit
-*/
-static PetscBool MlsFactorCubic(const Stencil *st, MlsFit *fit)
+/* Computes the Laplacian of the cubic fit; returns PETSC_FALSE if the neighbours do not determine
+   the fit. */
+static inline PetscBool FitCubic(Stencil *st, PetscInt dim, PetscReal w[])
 {
-  fit->degree = 3;
-  fit->terms  = MlsTerms(st->dim, 3);
-  MlsMoments(st, 3, fit->factor);
-  return DenseCholesky(fit->terms, fit->factor) ? PETSC_FALSE : PETSC_TRUE;
+  const PetscInt terms = MlsTerms(dim, 3), width = MlsWidth(terms + 1);
+  PetscReal      system[MLS_MAX_TERMS * (MLS_MAX_TERMS + 1)] = {0.0};
+
+  MlsBasis(st, dim, 3);
+  MlsMoments(st, terms, st->fit.W, width, system);
+  LaplacianColumn(st, dim, width, system + terms);
+  if (!MlsEliminate(terms, width, system)) return PETSC_FALSE;
+  MlsWeights(st, terms, width, system + terms, w);
+  return PETSC_TRUE;
 }
 
-/* Factors the moment matrix of the quadratic fit for the present equations of the neighbours,
-   unless st->fit is valid. */
-static PetscErrorCode MlsFactor(Stencil *st)
+/* Computes the rows of the quadratic fit, unless they are valid. */
+static void MlsFitQuadratic(Stencil *st)
 {
-  MlsFit   *fit = &st->fit;
-  PetscReal copy[MLS_QUADRATIC_TERMS * MLS_QUADRATIC_TERMS];
-
-  PetscFunctionBegin;
-  if (fit->valid) PetscFunctionReturn(PETSC_SUCCESS);
-  fit->degree = 2;
-  fit->terms  = MlsTerms(st->dim, 2);
-  MlsMoments(st, 2, fit->factor);
-  PetscCall(PetscArraycpy(copy, fit->factor, fit->terms * fit->terms));
-  MlsFactorOrRidge(fit->terms, fit->factor, copy, &st->regularised);
-  fit->valid = PETSC_TRUE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static inline void MlsWeightsInline(const Stencil *st, PetscInt dim, PetscInt degree,
-                                    const PetscReal c[], PetscReal w[])
-{
-  const PetscInt terms = MlsTerms(dim, degree);
-
-  for (PetscInt k = 0; k < st->n; k++) {
-    PetscReal       phi[MLS_MAX_TERMS], sum = 0.0;
-    const PetscReal scale = MlsEquation(st, dim, degree, k, phi);
-
-    for (PetscInt t = 0; t < terms; t++) sum += phi[t] * c[t];
-    w[k] = scale * st->W[k] * sum;
-  }
-}
-
-/*
-  Computes weights w_k that give a linear functional of the coefficients c_t of a fit
-
-    sum_t functional_t c_t = sum_k w_k (data of neighbour k)
-*/
-static void MlsWeights(const Stencil *st, const MlsFit *fit, const PetscReal functional[],
-                       PetscReal w[])
-{
-  PetscReal c[MLS_MAX_TERMS];
-
-  for (PetscInt t = 0; t < fit->terms; t++) c[t] = functional[t];
-  DenseCholeskySolve(fit->terms, fit->factor, c);
-  if (st->dim == 2 && fit->degree == 2) MlsWeightsInline(st, 2, 2, c, w);
-  else if (st->dim == 2) MlsWeightsInline(st, 2, 3, c, w);
-  else if (fit->degree == 2) MlsWeightsInline(st, 3, 2, c, w);
-  else MlsWeightsInline(st, 3, 3, c, w);
-}
-
-/* Computes the weights of lap f = 2/R^2 sum_a c_aa, c_aa the coefficient of (X_a/R)^2 in a fit of
-   degree 2 or 3. */
-static void MlsLaplacian(const Stencil *st, const MlsFit *fit, PetscReal w[])
-{
-  PetscReal functional[MLS_MAX_TERMS] = {0.0};
-  PetscInt  t                         = st->dim;
-
-  for (PetscInt a = 0; a < st->dim; a++) {
-    for (PetscInt b = 0; b <= a; b++, t++) {
-      if (a == b) functional[t] = 2.0 / PetscSqr(st->radius);
-    }
-  }
-  MlsWeights(st, fit, functional, w);
+  if (st->fit.valid) return;
+  if (st->dim == 2) FitQuadratic(st, 2);
+  else FitQuadratic(st, 3);
+  st->fit.valid = PETSC_TRUE;
 }
 
 /*
@@ -150,8 +112,8 @@ static void MlsLaplacian(const Stencil *st, const MlsFit *fit, PetscReal w[])
 PetscErrorCode LaplacianRow_Mls(Stencil *st, PetscReal w[])
 {
   PetscFunctionBegin;
-  PetscCall(MlsFactor(st));
-  MlsLaplacian(st, &st->fit, w);
+  MlsFitQuadratic(st);
+  PetscCall(PetscArraycpy(w, st->fit.laplacian, st->n));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -164,12 +126,8 @@ PetscErrorCode LaplacianRow_Mls(Stencil *st, PetscReal w[])
 */
 PetscErrorCode LaplacianRow_Mls3(Stencil *st, PetscReal w[])
 {
-  MlsFit cubic;
-
   PetscFunctionBegin;
-  if (MlsFactorCubic(st, &cubic)) {
-    MlsLaplacian(st, &cubic, w);
-  } else {
+  if (!(st->dim == 2 ? FitCubic(st, 2, w) : FitCubic(st, 3, w))) {
     st->regularised++;
     PetscCall(LaplacianRow_Mls(st, w));
   }
@@ -181,21 +139,9 @@ PetscErrorCode LaplacianRow_Mls3(Stencil *st, PetscReal w[])
 PetscErrorCode GradientRow_Mls(Stencil *st, PetscReal *g[])
 {
   PetscFunctionBegin;
-  PetscCall(MlsFactor(st));
-  for (PetscInt a = 0; a < st->dim; a++) {
-    PetscReal functional[MLS_QUADRATIC_TERMS] = {0.0};
-
-    functional[a] = 1.0 / st->radius;
-    MlsWeights(st, &st->fit, functional, g[a]);
-  }
+  MlsFitQuadratic(st);
+  for (PetscInt a = 0; a < st->dim; a++) PetscCall(PetscArraycpy(g[a], st->fit.gradient[a], st->n));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Returns the weight W of a neighbour whose equation gives a value, otherwise 0: only values
-   determine the constant of a fit. */
-static inline PetscReal ValueWeight(const Stencil *st, PetscInt k)
-{
-  return st->equation[k] == EQUATION_VALUE ? st->W[k] : 0.0;
 }
 
 /*
@@ -218,26 +164,8 @@ static inline PetscReal ValueWeight(const Stencil *st, PetscInt k)
 */
 PetscErrorCode FilterRow_Mls(Stencil *st, PetscReal w[])
 {
-  PetscReal mean[MLS_QUADRATIC_TERMS] = {0.0}, c[MLS_QUADRATIC_TERMS], phi[MLS_MAX_TERMS];
-  PetscReal sum                       = st->self[0];
-
   PetscFunctionBegin;
-  PetscCall(MlsFactor(st));
-  for (PetscInt k = 0; k < st->n; k++) {
-    const PetscReal weight = ValueWeight(st, k);
-
-    (void)MlsEquation(st, st->dim, 2, k, phi);
-    sum += weight;
-    for (PetscInt t = 0; t < st->fit.terms; t++) mean[t] += weight * phi[t];
-  }
-  for (PetscInt t = 0; t < st->fit.terms; t++) c[t] = mean[t];
-  DenseCholeskySolve(st->fit.terms, st->fit.factor, c);
-  for (PetscInt t = 0; t < st->fit.terms; t++) sum -= mean[t] * c[t];
-  for (PetscInt k = 0; k < st->n; k++) {
-    const PetscReal scale = MlsEquation(st, st->dim, 2, k, phi) * st->W[k];
-
-    w[k] = -ValueWeight(st, k) / sum;
-    for (PetscInt t = 0; t < st->fit.terms; t++) w[k] += scale * phi[t] * c[t] / sum;
-  }
+  MlsFitQuadratic(st);
+  PetscCall(PetscArraycpy(w, st->fit.filter, st->n));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

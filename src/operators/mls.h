@@ -1,8 +1,18 @@
-/* Basis of moving least-squares fits, shared by fits of scalars and of vectors. */
+/*
+  Parts of moving least-squares fits, shared by fits of scalars and of vectors: the basis at all
+  neighbours, the sums over neighbours, and the solution of the normal equations. All are inlined,
+  so that the compiler knows the numbers of terms. Loops over neighbours are innermost, and arrays
+  over neighbours end in zeros up to a multiple of MLS_LANES, so that they need no remainder.
+*/
 #ifndef ISPH_MLS_H
 #define ISPH_MLS_H
 
 #include "rows.h"
+
+#define MLS_VECTOR_TERMS (ISPH_MAX_DIM * MLS_QUADRATIC_TERMS)
+#define MLS_VECTOR_WIDTH 28 /* MlsWidth() of the terms and a right-hand side */
+#define MLS_QUADRATIC_WIDTH                                                                        \
+  16 /* MlsWidth() of the terms, the Laplacian, the gradient, the filter */
 
 static inline PetscInt MlsTerms(PetscInt dim, PetscInt degree)
 {
@@ -11,65 +21,193 @@ static inline PetscInt MlsTerms(PetscInt dim, PetscInt degree)
   return degree == 2 ? quadratic : quadratic + dim * (dim + 1) * (dim + 2) / 6;
 }
 
-/* Computes the basis at neighbour k with s = X/R: s_a, then s_a s_b (b <= a), then s_a s_b s_c
-   (c <= b <= a). */
-static inline void MlsBasis(const Stencil *st, PetscInt dim, PetscInt degree, PetscInt k,
-                            PetscReal phi[])
+/* Rounds a number of neighbours up to a multiple of MLS_LANES. */
+static inline PetscInt MlsPadded(PetscInt n)
 {
-  PetscReal s[ISPH_MAX_DIM];
-  PetscInt  t = dim;
-
-  for (PetscInt a = 0; a < dim; a++) phi[a] = s[a] = st->X[a][k] / st->radius;
-  for (PetscInt a = 0; a < dim; a++) {
-    for (PetscInt b = 0; b <= a; b++) phi[t++] = s[a] * s[b];
-  }
-  for (PetscInt a = 0; degree > 2 && a < dim; a++) {
-    for (PetscInt b = 0; b <= a; b++) {
-      for (PetscInt c = 0; c <= b; c++) phi[t++] = s[a] * s[b] * s[c];
-    }
-  }
+  return (n + MLS_LANES - 1) / MLS_LANES * MLS_LANES;
 }
 
-/* Computes n.grad of the basis at wall neighbour k, times the length st->scale. */
+/* Returns the length of the rows of a system, so that rows need no remainder either. */
+static inline PetscInt MlsWidth(PetscInt columns)
+{
+  return (columns + 3) / 4 * 4;
+}
+
+/* Computes n.grad of the basis at wall neighbour k, times the length st->scale; phi[t stride]. */
 static inline void MlsBasisNormalDerivative(const Stencil *st, PetscInt dim, PetscInt degree,
-                                            PetscInt k, PetscReal phi[])
+                                            PetscInt k, PetscInt stride, PetscReal phi[])
 {
   PetscReal s[ISPH_MAX_DIM], n[ISPH_MAX_DIM];
   PetscInt  t = dim;
 
   for (PetscInt a = 0; a < dim; a++) {
-    s[a]   = st->X[a][k] / st->radius;
-    phi[a] = n[a] = st->normal[a][k] * st->scale / st->radius;
+    s[a] = st->X[a][k] / st->radius;
+    n[a] = phi[a * stride] = st->normal[a][k] * st->scale / st->radius;
   }
   for (PetscInt a = 0; a < dim; a++) {
-    for (PetscInt b = 0; b <= a; b++) phi[t++] = n[a] * s[b] + s[a] * n[b];
+    for (PetscInt b = 0; b <= a; b++) phi[stride * t++] = n[a] * s[b] + s[a] * n[b];
   }
   for (PetscInt a = 0; degree > 2 && a < dim; a++) {
     for (PetscInt b = 0; b <= a; b++) {
       for (PetscInt c = 0; c <= b; c++)
-        phi[t++] = n[a] * s[b] * s[c] + s[a] * n[b] * s[c] + s[a] * s[b] * n[c];
+        phi[stride * t++] = n[a] * s[b] * s[c] + s[a] * n[b] * s[c] + s[a] * s[b] * n[c];
     }
   }
 }
 
-/* Computes phi in the equation sum_t c_t phi_t = scale times data of neighbour k; returns the
-   scale. */
-static inline PetscReal MlsEquation(const Stencil *st, PetscInt dim, PetscInt degree, PetscInt k,
-                                    PetscReal phi[])
+/*
+  Computes the weights W_k and the basis phi_t at all neighbours for their present equations
+
+    sum_t c_t phi_t = scale times data of neighbour k
+
+  with s = X/R and phi = s_a, then s_a s_b (b <= a), then s_a s_b s_c (c <= b <= a); `scale` is
+  st->scale for n.grad f, otherwise 1. A neighbour without an equation has the weight 0.
+*/
+static inline void MlsBasis(Stencil *st, PetscInt dim, PetscInt degree)
 {
-  if (st->equation[k] == EQUATION_NONE) {
-    for (PetscInt t = 0; t < MlsTerms(dim, degree); t++) phi[t] = 0.0;
-    return 0.0;
+  const PetscInt  stride = st->capacity, n = MlsPadded(st->n);
+  const PetscReal over = 1.0 / st->radius;
+  PetscReal      *phi = st->fit.phi, *W = st->fit.W, *next = phi + dim * stride;
+
+  for (PetscInt k = 0; k < st->n; k++) W[k] = st->equation[k] == EQUATION_NONE ? 0.0 : st->W[k];
+  for (PetscInt k = st->n; k < n; k++) W[k] = 0.0;
+  for (PetscInt a = 0; a < dim; a++) {
+    for (PetscInt k = 0; k < st->n; k++) phi[a * stride + k] = over * st->X[a][k];
+    for (PetscInt k = st->n; k < n; k++) phi[a * stride + k] = 0.0;
   }
-  if (st->equation[k] == EQUATION_NORMAL_DERIVATIVE) {
-    MlsBasisNormalDerivative(st, dim, degree, k, phi);
-    return st->scale;
+  for (PetscInt a = 0; a < dim; a++) {
+    for (PetscInt b = 0; b <= a; b++, next += stride) {
+#pragma omp simd
+      for (PetscInt k = 0; k < n; k++) next[k] = phi[a * stride + k] * phi[b * stride + k];
+    }
   }
-  MlsBasis(st, dim, degree, k, phi);
-  return 1.0;
+  for (PetscInt a = 0; degree > 2 && a < dim; a++) {
+    const PetscReal *pair = phi + (dim + a * (a + 1) / 2) * stride; /* of s_a s_b */
+
+    for (PetscInt b = 0; b <= a; b++, pair += stride) {
+      for (PetscInt c = 0; c <= b; c++, next += stride) {
+#pragma omp simd
+        for (PetscInt k = 0; k < n; k++) next[k] = pair[k] * phi[c * stride + k];
+      }
+    }
+  }
+  for (PetscInt k = 0; st->n_wall && k < st->n; k++) {
+    if (st->equation[k] == EQUATION_NORMAL_DERIVATIVE)
+      MlsBasisNormalDerivative(st, dim, degree, k, stride, phi + k);
+  }
 }
 
-void MlsFactorOrRidge(PetscInt n, PetscReal moments[], const PetscReal copy[],
-                      PetscInt *regularised);
+/* Computes sum_k a_k b_k, in MLS_LANES partial sums; n is a multiple of MLS_LANES. */
+static inline PetscReal MlsSum(PetscInt n, const PetscReal a[], const PetscReal b[])
+{
+  PetscReal lane[MLS_LANES] = {0.0};
+
+  for (PetscInt k = 0; k < n; k += MLS_LANES) {
+    for (PetscInt l = 0; l < MLS_LANES; l++) lane[l] += a[k + l] * b[k + l];
+  }
+  for (PetscInt half = MLS_LANES / 2; half > 0; half /= 2) {
+    for (PetscInt l = 0; l < half; l++) lane[l] += lane[l + half];
+  }
+  return lane[0];
+}
+
+/*
+  Computes the moments sum_k W_k phi_t phi_q
+
+  Input: W - weights of the neighbours, padded; width - length of the rows of M. Output: M - block
+  of terms x terms.
+*/
+static inline void MlsMoments(const Stencil *st, PetscInt terms, const PetscReal W[],
+                              PetscInt width, PetscReal M[])
+{
+  const PetscInt   stride = st->capacity, n = MlsPadded(st->n);
+  const PetscReal *phi      = st->fit.phi;
+  PetscReal       *weighted = st->fit.weighted;
+
+  for (PetscInt t = 0; t < terms; t++) {
+#pragma omp simd
+    for (PetscInt k = 0; k < n; k++) weighted[k] = W[k] * phi[t * stride + k];
+    for (PetscInt q = 0; q <= t; q++)
+      M[t * width + q] = M[q * width + t] = MlsSum(n, weighted, phi + q * stride);
+  }
+}
+
+/* Computes the weights w_k = scale W_k sum_t c_t phi_t of the data of all neighbours, with the
+   scale of MlsBasis(); the entries of c are `width` apart. */
+static inline void MlsWeights(const Stencil *st, PetscInt terms, PetscInt width,
+                              const PetscReal c[], PetscReal w[])
+{
+  const PetscInt   stride = st->capacity;
+  const PetscReal *phi = st->fit.phi, *W = st->fit.W;
+
+#pragma omp simd
+  for (PetscInt k = 0; k < st->n; k++) {
+    PetscReal sum = 0.0;
+
+    for (PetscInt t = 0; t < terms; t++) sum += phi[t * stride + k] * c[t * width];
+    w[k] = W[k] * sum;
+  }
+  for (PetscInt k = 0; st->n_wall && k < st->n; k++)
+    if (st->equation[k] == EQUATION_NORMAL_DERIVATIVE) w[k] *= st->scale;
+}
+
+/*
+  Solves M X = B by Gauss elimination without pivoting, for a symmetric positive definite M
+
+  Input/Output Parameter:
+. a - n rows of `width` numbers: M, then B; out: X in place of B
+
+  Returns: PETSC_FALSE if a pivot is at most 1e-10 of its diagonal entry
+*/
+static inline PetscBool MlsEliminate(PetscInt n, PetscInt width, PetscReal a[])
+{
+  PetscReal least[MLS_VECTOR_TERMS], inverse[MLS_VECTOR_TERMS];
+
+  for (PetscInt j = 0; j < n; j++) least[j] = 1e-10 * a[j * width + j];
+  for (PetscInt j = 0; j < n; j++) {
+    const PetscReal *pivot = a + j * width;
+
+    if (!(pivot[j] > least[j])) return PETSC_FALSE;
+    inverse[j] = 1.0 / pivot[j];
+    for (PetscInt i = j + 1; i < n; i++) {
+      const PetscReal factor = pivot[i] * inverse[j];
+
+#pragma omp simd
+      for (PetscInt c = 0; c < width; c++) a[i * width + c] -= factor * pivot[c];
+    }
+  }
+  for (PetscInt j = n - 1; j >= 0; j--) {
+    for (PetscInt c = n; c < width; c++) a[j * width + c] *= inverse[j];
+    for (PetscInt i = 0; i < j; i++) {
+      for (PetscInt c = n; c < width; c++) a[i * width + c] -= a[i * width + j] * a[j * width + c];
+    }
+  }
+  return PETSC_TRUE;
+}
+
+/*
+  Solves the normal equations of a fit. If the points do not determine the fit, adds a multiple of
+  the unit matrix: the first of 1e-8, 1e-6, ... times the trace that makes the matrix positive
+  definite.
+
+  Input: system - as for MlsEliminate(). Output: solved - the rows of the system with X in place of
+  B. Returns: PETSC_FALSE if the points do not determine the fit.
+*/
+static inline PetscBool MlsSolve(PetscInt n, PetscInt width, const PetscReal system[],
+                                 PetscReal solved[])
+{
+  PetscReal trace = 0.0;
+
+  for (PetscInt e = 0; e < n * width; e++) solved[e] = system[e];
+  if (MlsEliminate(n, width, solved)) return PETSC_TRUE;
+  for (PetscInt t = 0; t < n; t++) trace += system[t * width + t];
+  if (!(trace > 0.0)) trace = 1.0;
+  for (PetscReal ridge = 1e-8; ridge < 1e6; ridge *= 100.0) {
+    for (PetscInt e = 0; e < n * width; e++) solved[e] = system[e];
+    for (PetscInt t = 0; t < n; t++) solved[t * width + t] += ridge * trace;
+    if (MlsEliminate(n, width, solved)) break;
+  }
+  return PETSC_FALSE;
+}
 
 #endif

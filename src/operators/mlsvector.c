@@ -4,28 +4,45 @@
 */
 #include "mls.h"
 
-/* Computes the moment matrix of the vector fit; wall neighbours give equations for n.f. */
-static void MlsVectorMoments(const Stencil *st, PetscReal moments[])
+/*
+  Computes the moments of the vector fit, blocks (c, e) of scalar moments with the weights W_k in
+  the fluid if c = e, and W_k n_c n_e at walls.
+*/
+static inline void VectorMoments(Stencil *st, PetscInt dim, PetscInt width, PetscReal M[])
 {
-  const PetscInt d = st->dim, terms = MlsTerms(d, 2), n = d * terms;
+  const PetscInt terms = MlsTerms(dim, 2);
 
-  for (PetscInt k = 0; k < st->n; k++) {
-    PetscReal phi[MLS_QUADRATIC_TERMS];
+  for (PetscInt c = 0; c < dim; c++) {
+    for (PetscInt e = c; e < dim; e++) {
+      PetscReal *W = st->fit.value, total = 0.0;
 
-    (void)MlsEquation(st, d, 2, k, phi);
-    for (PetscInt c = 0; c < d; c++) {
-      for (PetscInt e = 0; e < d; e++) {
-        const PetscReal couple =
-            st->wall[k] ? st->normal[c][k] * st->normal[e][k] : (c == e ? 1.0 : 0.0);
-
-        if (couple == 0.0) continue;
-        for (PetscInt t = 0; t < terms; t++) {
-          const PetscReal weighted = couple * st->W[k] * phi[t];
-
-          for (PetscInt q = 0; q < terms; q++)
-            moments[(c * terms + t) * n + e * terms + q] += weighted * phi[q];
-        }
+      for (PetscInt k = 0; k < MlsPadded(st->n); k++) W[k] = c == e ? st->fit.W[k] : 0.0;
+      for (PetscInt k = 0; k < st->n; k++) {
+        if (st->wall[k]) W[k] = st->fit.W[k] * st->normal[c][k] * st->normal[e][k];
+        total += PetscAbsReal(W[k]);
       }
+      if (total > 0.0) MlsMoments(st, terms, W, width, M + c * terms * width + e * terms);
+    }
+  }
+}
+
+static inline void DivergenceFit(Stencil *st, PetscInt dim, PetscReal *d[], PetscReal m[])
+{
+  const PetscInt terms = MlsTerms(dim, 2), n = dim * terms, width = MlsWidth(n + 1);
+  PetscReal      system[MLS_VECTOR_TERMS * MLS_VECTOR_WIDTH] = {0.0};
+  PetscReal      solved[MLS_VECTOR_TERMS * MLS_VECTOR_WIDTH];
+
+  MlsBasis(st, dim, 2);
+  VectorMoments(st, dim, width, system);
+  for (PetscInt a = 0; a < dim; a++) system[(a * terms + a) * width + n] = 1.0 / st->radius;
+  if (!MlsSolve(n, width, system, solved)) st->regularised++;
+  for (PetscInt k = 0; k < st->n; k++) m[k] = 0.0;
+  for (PetscInt a = 0; a < dim; a++) {
+    MlsWeights(st, terms, width, solved + a * terms * width + n, d[a]);
+    for (PetscInt k = 0; k < st->n; k++) {
+      if (!st->wall[k]) continue;
+      m[k] += st->normal[a][k] * d[a][k];
+      d[a][k] = 0.0;
     }
   }
 }
@@ -48,30 +65,8 @@ static void MlsVectorMoments(const Stencil *st, PetscReal moments[])
 */
 PetscErrorCode DivergenceFit_Mls(Stencil *st, PetscReal *d[], PetscReal m[])
 {
-  const PetscInt dim = st->dim, terms = MlsTerms(dim, 2), n = dim * terms;
-  PetscReal moments[ISPH_MAX_DIM * ISPH_MAX_DIM * MLS_QUADRATIC_TERMS * MLS_QUADRATIC_TERMS] = {
-      0.0};
-  PetscReal copy[ISPH_MAX_DIM * ISPH_MAX_DIM * MLS_QUADRATIC_TERMS * MLS_QUADRATIC_TERMS] = {0.0};
-  PetscReal c[ISPH_MAX_DIM * MLS_QUADRATIC_TERMS]                                         = {0.0};
-
   PetscFunctionBegin;
-  MlsVectorMoments(st, moments);
-  PetscCall(PetscArraycpy(copy, moments, n * n));
-  MlsFactorOrRidge(n, moments, copy, &st->regularised);
-  for (PetscInt a = 0; a < dim; a++) c[a * terms + a] = 1.0 / st->radius;
-  DenseCholeskySolve(n, moments, c);
-  for (PetscInt k = 0; k < st->n; k++) {
-    PetscReal       phi[MLS_QUADRATIC_TERMS];
-    const PetscReal scale = MlsEquation(st, dim, 2, k, phi);
-
-    m[k] = 0.0;
-    for (PetscInt a = 0; a < dim; a++) {
-      PetscReal sum = 0.0;
-
-      for (PetscInt t = 0; t < terms; t++) sum += phi[t] * c[a * terms + t];
-      if (st->wall[k]) m[k] += scale * st->W[k] * st->normal[a][k] * sum;
-      d[a][k] = st->wall[k] ? 0.0 : st->W[k] * sum;
-    }
-  }
+  if (st->dim == 2) DivergenceFit(st, 2, d, m);
+  else DivergenceFit(st, 3, d, m);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

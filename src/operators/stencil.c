@@ -15,7 +15,10 @@ PetscErrorCode StencilCreate(PetscInt dim, Stencil **stencil)
 static PetscErrorCode StencilFree(Stencil *st)
 {
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree2(st->X[a], st->normal[a]));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)
+    PetscCall(PetscFree3(st->X[a], st->normal[a], st->fit.gradient[a]));
+  PetscCall(PetscFree6(st->fit.phi, st->fit.W, st->fit.value, st->fit.weighted, st->fit.laplacian,
+                       st->fit.filter));
   PetscCall(PetscFree7(st->r, st->V, st->W, st->dW, st->ddW, st->beta, st->j));
   PetscCall(
       PetscFree6(st->wall, st->corrected[0], st->corrected[1], st->side, st->share, st->equation));
@@ -37,10 +40,14 @@ PetscErrorCode StencilReserve(Stencil *st, PetscInt n)
   PetscFunctionBegin;
   if (n <= st->capacity) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(StencilFree(st));
-  st->capacity = 2 * n;
+  st->capacity = MLS_LANES * (2 * n / MLS_LANES + 1);
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
-    PetscCall(PetscMalloc2(st->capacity, &st->X[a], st->capacity, &st->normal[a]));
+    PetscCall(PetscMalloc3(st->capacity, &st->X[a], st->capacity, &st->normal[a], st->capacity,
+                           &st->fit.gradient[a]));
   }
+  PetscCall(PetscMalloc6(MLS_MAX_TERMS * st->capacity, &st->fit.phi, st->capacity, &st->fit.W,
+                         st->capacity, &st->fit.value, st->capacity, &st->fit.weighted,
+                         st->capacity, &st->fit.laplacian, st->capacity, &st->fit.filter));
   PetscCall(PetscMalloc7(st->capacity, &st->r, st->capacity, &st->V, st->capacity, &st->W,
                          st->capacity, &st->dW, st->capacity, &st->ddW, st->capacity, &st->beta,
                          st->capacity, &st->j));
@@ -50,7 +57,7 @@ PetscErrorCode StencilReserve(Stencil *st, PetscInt n)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the equation of wall neighbour k; a change invalidates the factored fit. */
+/* Sets the equation of wall neighbour k; a change invalidates the fit. */
 static void SetEquation(Stencil *st, PetscInt k, Equation equation)
 {
   if (!st->fits_walls && equation != EQUATION_NONE) equation = EQUATION_VALUE;
@@ -61,7 +68,7 @@ static void SetEquation(Stencil *st, PetscInt k, Equation equation)
 /*
   StencilSetQuantity - Sets the equations that wall neighbours give to fits of a quantity
 
-  Not collective. Keeps the factored fit if no equation changes. A dummy gives a fit its value or no
+  Not collective. Keeps the fit if no equation changes. A dummy gives a fit its value or no
   equation; boundary_rows.c applies the condition of its boundary.
 */
 void StencilSetQuantity(const Scene *scene, FitQuantity quantity, Stencil *st)

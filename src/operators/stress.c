@@ -7,6 +7,7 @@
 #include "mls.h"
 
 #define STRESS_TERMS 25 /* monomials of degree 3 and 4 in three dimensions */
+#define STRESS_WIDTH 28 /* MlsWidth() of the terms and a right-hand side */
 
 /* Computes the basis at neighbour k with s = X/R: s_a s_b s_c/s^2, then s_a s_b s_c s_e/s^2; 9
    terms in 2D, 25 in 3D. */
@@ -76,8 +77,9 @@ static void StressTarget(PetscInt d, PetscReal unit, PetscReal target[])
 PetscErrorCode LaplacianRow_StressMls(Stencil *st, PetscReal w[])
 {
   const PetscInt d = st->dim, n = d == 2 ? 9 : STRESS_TERMS;
-  PetscReal      moments[STRESS_TERMS * STRESS_TERMS] = {0.0}, copy[STRESS_TERMS * STRESS_TERMS],
-                                   lambda[STRESS_TERMS], phi[STRESS_TERMS];
+  const PetscInt width                               = MlsWidth(n + 1);
+  PetscReal      system[STRESS_TERMS * STRESS_WIDTH] = {0.0}, solved[STRESS_TERMS * STRESS_WIDTH];
+  PetscReal      target[STRESS_TERMS], phi[STRESS_TERMS];
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < st->n; k++) {
@@ -85,18 +87,17 @@ PetscErrorCode LaplacianRow_StressMls(Stencil *st, PetscReal w[])
     for (PetscInt t = 0; t < n; t++) {
       const PetscReal weighted = st->W[k] * phi[t];
 
-      for (PetscInt q = 0; q < n; q++) moments[t * n + q] += weighted * phi[q];
+      for (PetscInt q = 0; q < n; q++) system[t * width + q] += weighted * phi[q];
     }
   }
-  PetscCall(PetscArraycpy(copy, moments, n * n));
-  MlsFactorOrRidge(n, moments, copy, &st->regularised);
-  StressTarget(d, 1.0 / PetscSqr(st->radius), lambda);
-  DenseCholeskySolve(n, moments, lambda);
+  StressTarget(d, 1.0 / PetscSqr(st->radius), target);
+  for (PetscInt t = 0; t < n; t++) system[t * width + n] = target[t];
+  if (!MlsSolve(n, width, system, solved)) st->regularised++;
   for (PetscInt k = 0; k < st->n; k++) {
     PetscReal c = 0.0;
 
     StressBasis(st, k, phi);
-    for (PetscInt t = 0; t < n; t++) c += st->W[k] * phi[t] * lambda[t];
+    for (PetscInt t = 0; t < n; t++) c += st->W[k] * phi[t] * solved[t * width + n];
     for (PetscInt e = 0; e < d * d; e++)
       w[k * d * d + e] = c * st->X[e / d][k] * st->X[e % d][k] / PetscSqr(st->r[k]);
   }
