@@ -18,6 +18,8 @@ DT, T = 0.02, 0.1
 CAVITY = ["-case", "cavity", "-reynolds", "400", "-n", "12", "-dt", f"{DT}"]
 PROBES = ["-probe_forces", "-probe_point", "0.25,0.5,0.7,0.6", "-probe_line", "0,0.5,1,0.5,5,0.3,0,0.3,1,4"]
 TIGHT = ["-ppe_ksp_rtol", "1e-12", "-visc_ksp_rtol", "1e-12"]
+FLOWS = {"lagrangian": ["-motion", "lagrangian"], "eulerian": ["-motion", "eulerian"],
+         "coarse": ["-pressure_points", "coarse"]}
 MEAN = {"forces": ("fx", "fy", "tz"), "point": ("p",), "line": ("p",)}  # averaged columns of files
 
 
@@ -101,67 +103,68 @@ def snapshots(folder):
 
 def means(command):
     command = ranked(command, 1)
-    for motion in "lagrangian", "eulerian":
-        flow = [*CAVITY, "-motion", motion, "-t_end", "0.4"]
-        run(command, f"{motion}_0", *flow, *PROBES)
-        run(command, f"{motion}_T", *flow, *PROBES, "-pressure_average", f"{T}", "-report", "r.csv")
-        compare_probes(f"{motion}_0", f"{motion}_T", 0)
-        run(command, f"{motion}_every", *flow, *PROBES, "-pressure_average", f"{T}", "-probe_every", "0.2")
-        compare_probes(f"{motion}_0", f"{motion}_every", 0.2)
-        with open(f"{motion}_T/r.csv", newline="") as file:
+    for name, options in FLOWS.items():
+        flow = [*CAVITY, *options, "-t_end", "0.4"]
+        run(command, f"{name}_0", *flow, *PROBES)
+        run(command, f"{name}_T", *flow, *PROBES, "-pressure_average", f"{T}", "-report", "r.csv")
+        compare_probes(f"{name}_0", f"{name}_T", 0)
+        run(command, f"{name}_every", *flow, *PROBES, "-pressure_average", f"{T}", "-probe_every", "0.2")
+        compare_probes(f"{name}_0", f"{name}_every", 0.2)
+        with open(f"{name}_T/r.csv", newline="") as file:
             assert [float(row["value"]) for row in csv.DictReader(file) if row["quantity"] == "pressure_average"] == [T]
 
     # A snapshot has the mean over the last T, or over the time since the last snapshot.
     # Lengths of steps differ in their last bits, and solves are good to 1e-12.
     fixed = [*CAVITY, *TIGHT, "-motion", "eulerian", "-t_end", "0.4", "-output", "s.h5"]
-    run(command, "each", *fixed, "-output_every", f"{DT}")
-    each = [(t, list(p)) for t, _, _, p in snapshots("each")]
-    for every, length in (0.2, T), (0.06, 0.06):
-        run(command, f"some_{every}", *fixed, "-output_every", f"{every}", "-pressure_average", f"{T}")
-        for t, found, _, p in snapshots(f"some_{every}")[1:]:
-            since = min(length, t - max(DT, every * round((t - 1e-9) // every)))  # the first step, or the last snapshot
-            assert abs(found - since) < 1e-9, (t, found, since)
-            close(p, mean_of(each, t, found), 1e-9, (every, t))
+    for name, flow in ("same", fixed), ("coarse", [*fixed, "-pressure_points", "coarse", "-reynolds", "100"]):
+        run(command, f"{name}_each", *flow, "-output_every", f"{DT}")
+        each = [(t, list(p)) for t, _, _, p in snapshots(f"{name}_each")]
+        for every, length in (0.2, T), (0.06, 0.06):
+            run(command, f"{name}_{every}", *flow, "-output_every", f"{every}", "-pressure_average", f"{T}")
+            for t, found, _, p in snapshots(f"{name}_{every}")[1:]:
+                since = min(length, t - max(DT, every * round((t - 1e-9) // every)))  # the first step or last snapshot
+                assert abs(found - since) < 1e-9, (t, found, since)
+                close(p, mean_of(each, t, found), 1e-9, (name, every, t))
 
     # A fluid at rest under the force t: the pressure grows with time, and the mean belongs to the middle of its time.
     # The pressure of a step lags by a fraction of dt that hardly changes after the start.
     rest = ["-case", "scene", "-body_force", "t,0", "-viscosity", "0.1", "-n", "12", "-dt", f"{DT}", "-t_end", "0.6", *TIGHT]
-    for motion in "lagrangian", "eulerian":
+    for name, options in FLOWS.items():
         slopes = []
         for length in 0, T:
-            run(command, f"rest_{motion}_{length}", *rest, "-motion", motion, "-output", "s.h5", "-output_every", "0.2",
+            run(command, f"rest_{name}_{length}", *rest, *options, "-output", "s.h5", "-output_every", "0.2",
                 "-pressure_average", f"{length}")
-            _, found, x, p = snapshots(f"rest_{motion}_{length}")[-1]
+            _, found, x, p = snapshots(f"rest_{name}_{length}")[-1]
             assert abs(found - length) < 1e-9, found
             s = x[:, 0] - x[:, 0].mean()
             slopes.append((p @ s) / (s @ s))
         # moving particles drift by less than 1e-3 L/s times T, and the slope along their way is 1 Pa/m
-        assert abs(slopes[1] - (slopes[0] - T / 2)) < (1e-6 if motion == "eulerian" else 1e-4), (motion, slopes)
+        assert abs(slopes[1] - (slopes[0] - T / 2)) < (1e-6 if name == "eulerian" else 1e-4), (name, slopes)
 
 
 def ranks(command):
-    for motion in "lagrangian", "eulerian":
+    for name, options in FLOWS.items():
         found = []
         for n in 1, 2, 3:
-            folder = f"{motion}{n}"
-            run(ranked(command, n), folder, *CAVITY, *TIGHT, "-motion", motion, "-t_end", "0.2", *PROBES, "-output", "s.h5",
+            folder = f"{name}{n}"
+            run(ranked(command, n), folder, *CAVITY, *TIGHT, *options, "-t_end", "0.2", *PROBES, "-output", "s.h5",
                 "-probe_every", "0.1", "-pressure_average", f"{T}")
             rows = [x for kind, names in MEAN.items() for _, rows in series(folder, kind) for row in rows
                     for x in columns(row, names)]
             found.append((rows, snapshots(folder)[-1]))
         for rows, (t, length, _, p) in found[1:]:
             first, last = found[0]
-            close(rows, first, 1e-6, (motion, "rows"))
+            close(rows, first, 1e-6, (name, "rows"))
             assert t == last[0] and abs(length - last[1]) < 1e-12 and length > 0.9 * T, (length, last[1])
-            close(p, last[3], 1e-6, (motion, "snapshot"))
+            close(p, last[3], 1e-6, (name, "snapshot"))
 
 
 def restart(command):
     """The checkpoint of step 12 lies in a mean of the snapshot and in means of the rows."""
     for n in 1, 3:
-        for motion in "lagrangian", "eulerian":
-            folder = f"{motion}{n}"
-            options = [*CAVITY, "-motion", motion, "-t_end", "0.3", "-skin", "0.5", *PROBES, "-probe_every", "0.1", "-output",
+        for name, flow in FLOWS.items():
+            folder = f"{name}{n}"
+            options = [*CAVITY, *flow, "-t_end", "0.3", "-skin", "0.5", *PROBES, "-probe_every", "0.1", "-output",
                        "s.h5", "-checkpoint_every", "0.24", "-pressure_average", f"{T}"]
             start = ranked(command, n)
             run(start, folder, *options, "-checkpoint", "a.h5")

@@ -27,7 +27,7 @@ static void Setup(const CloudBox *box, Fixture *f)
                    .particles = f->cloud.particles,
                    .neighbors = f->cloud.neighbors,
                    .walls     = f->cloud.walls};
-  ASSERT_OK(SplinesSet(&f->cloud.scene, 2.0, &f->splines));
+  ASSERT_OK(SplinesSet(&f->cloud.scene, 2.0, PETSC_FALSE, &f->splines));
   ASSERT_OK(SplinesAssemble(&f->flow, &f->splines));
   ASSERT_OK(VecDuplicate(f->splines.mass, &f->d));
 }
@@ -341,12 +341,69 @@ static void test_conservation(void **state)
   }
 }
 
+/* Sets the coefficients to 2 + g.x at the centres, for which the pressure is the same function. */
+static void SetLinearPressure(Fixture *f, const PetscReal g[])
+{
+  const SplineLattice *l = &f->splines.lattice;
+  PetscScalar         *p;
+
+  ASSERT_OK(VecGetArray(f->splines.p, &p));
+  for (PetscInt k = 0; k < f->splines.own.size; k++) {
+    PetscInt index[ISPH_MAX_DIM];
+
+    (void)SplineOwn(&f->splines, k, index);
+    p[k] = 2.0;
+    for (PetscInt a = 0; a < l->dim; a++)
+      p[k] += g[a] * (l->lo[a] + (index[a] - 0.5) * l->side[a]) / f->cloud.scene.dx;
+  }
+  ASSERT_OK(VecRestoreArray(f->splines.p, &p));
+}
+
+/* The pressure at a point is the sum of all ranks' parts, also on the surface of a body. */
+static void test_points(void **state)
+{
+  static const PetscReal g[ISPH_MAX_DIM] = {0.3, -0.7, 0.2};
+
+  (void)state;
+  for (size_t b = 0; b < BOXES; b++) {
+    Fixture    f;
+    Projection pr = {.splines = &f.splines};
+
+    if (boxes[b].n_periodic) continue;
+    Setup(&boxes[b], &f);
+    f.scheme.data = &pr;
+    SetLinearPressure(&f, g);
+    for (PetscInt k = 0; k < 40; k++) {
+      const Scene *scene                = &f.cloud.scene;
+      PetscReal    x[ISPH_MAX_DIM]      = {0.0}, exact, p;
+      PetscReal    normal[ISPH_MAX_DIM] = {0.0};
+
+      exact = 2.0;
+      for (PetscInt a = 0; a < scene->dim; a++) {
+        const PetscReal s = PetscMin(PetscMax(0.5 + 0.6 * ParticlesHash(1, k, a), 0.0), 1.0);
+
+        x[a] = scene->lo[a] + s * (scene->hi[a] - scene->lo[a]);
+      }
+      if (scene->n_bodies && k % 2)
+        (void)BodyPoint(SceneBody(scene, 0), k % 6, scene->dx, x, normal);
+      for (PetscInt a = 0; a < scene->dim; a++) exact += g[a] * x[a] / scene->dx;
+      if (scene->n_bodies && SceneDistance(scene, x, &(PetscInt){0}, normal) < -1e-12) continue;
+      ASSERT_OK(SplinesPressure(&f.flow, x, &p));
+      assert_int_equal(MPI_Allreduce(MPI_IN_PLACE, &p, 1, MPIU_REAL, MPIU_SUM, PETSC_COMM_WORLD),
+                       0);
+      CloudAssertNone("pressure at a point", boxes[b].name, !(PetscAbsReal(p - exact) < 1e-10));
+    }
+    Teardown(&f);
+  }
+}
+
 int main(int argc, char *argv[])
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_unity), cmocka_unit_test(test_linear),
-                                     cmocka_unit_test(test_rigid), cmocka_unit_test(test_shapes),
-                                     cmocka_unit_test(test_conservation)};
-  int                     failed;
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_unity),        cmocka_unit_test(test_linear),
+      cmocka_unit_test(test_rigid),        cmocka_unit_test(test_shapes),
+      cmocka_unit_test(test_conservation), cmocka_unit_test(test_points)};
+  int failed;
 
   if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;
   failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -146,6 +146,10 @@ typedef struct {
   Memory           memory;
   PetscErrorCode (*Divergence)(Flow *flow, const Vec u[],
                                PetscReal *largest); /* largest |div u|; NULL: by Operators.div */
+  /* This rank's part of the pressure at a point in the box; NULL: by a fit of the particles' */
+  PetscErrorCode (*Pressure)(const Flow *flow, const PetscReal x[], PetscReal *p);
+  /* Adds the pressure over dt to its mean over `length`; NULL: on particles, by average.c */
+  PetscErrorCode (*Average)(Flow *flow, PetscReal length, PetscReal dt);
   Vec          kept; /* state that is not on particles, for undo and checkpoints; NULL: none */
   LinearSolve *solve[SCHEME_MAX_SOLVES];
   PetscInt     n_solves;
@@ -181,8 +185,8 @@ PetscErrorCode FlowRestoreWork(Flow *flow, Vec *v);
 /* The mean of the pressure for snapshots. */
 PetscErrorCode AverageCreate(Flow *flow);
 PetscErrorCode AverageRegister(Flow *flow);
-void           AverageBegin(Flow *flow);
-void           AverageEnd(Flow *flow);
+PetscErrorCode AverageBegin(Flow *flow);
+PetscErrorCode AverageEnd(Flow *flow);
 PetscReal      AverageLength(const Flow *flow);
 
 PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, const Vec v[], Vec u,

@@ -198,6 +198,7 @@ static PetscBool ProbeOwns(const Flow *flow, PetscReal x[])
 {
   const Scene     *scene = flow->scene;
   const Particles *p     = flow->particles;
+  PetscBool        owns  = PETSC_TRUE;
 
   for (PetscInt a = 0; a < p->dim; a++) {
     const PetscReal lo = scene->lo[a], period = scene->hi[a] - lo;
@@ -206,9 +207,9 @@ static PetscBool ProbeOwns(const Flow *flow, PetscReal x[])
       x[a] -= period * PetscFloorReal((x[a] - lo) / period);
       if (!(x[a] >= lo && x[a] < scene->hi[a])) x[a] = lo; /* rounding at the upper end */
     }
-    if (!(x[a] >= p->lo[a] && x[a] < p->hi[a])) return PETSC_FALSE;
+    if (!(x[a] >= p->lo[a] && x[a] < p->hi[a])) owns = PETSC_FALSE;
   }
-  return PETSC_TRUE;
+  return owns;
 }
 
 /* Evaluates all fields at a point. Fields share weights if the same particles have their values;
@@ -234,7 +235,7 @@ static PetscErrorCode ProbeEvaluate(Probe *probe, const PetscReal x[], PetscReal
 /*
   ProbePoints - Interpolates velocity and pressure at points
 
-  Collective
+  Collective. A scheme that has the pressure at all points gives its own in place of a fit.
 
   Input Parameters:
 + flow - flow with up-to-date positions in the halo
@@ -251,19 +252,20 @@ PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], Pe
 {
   const PetscInt  dim      = flow->particles->dim;
   const PetscBool pressure = p && flow->particles->p ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool own      = pressure && flow->scheme->Pressure ? PETSC_TRUE : PETSC_FALSE;
+  const PetscInt  width    = dim + (pressure ? 1 : 0);
   Probe           probe;
   PetscReal      *values;
-  PetscInt        width;
 
   PetscFunctionBegin;
-  PetscCall(ProbeBegin(flow, pressure, &probe));
-  width = probe.n_fields;
+  PetscCall(ProbeBegin(flow, pressure && !own ? PETSC_TRUE : PETSC_FALSE, &probe));
   PetscCall(PetscCalloc1(n * width, &values));
   for (PetscInt k = 0; k < n; k++) {
     PetscReal place[ISPH_MAX_DIM];
 
     for (PetscInt a = 0; a < dim; a++) place[a] = x[k * dim + a];
     if (ProbeOwns(flow, place)) PetscCall(ProbeEvaluate(&probe, place, &values[k * width]));
+    if (own) PetscCall(flow->scheme->Pressure(flow, place, &values[k * width + dim]));
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, values, (PetscMPIInt)(n * width), MPIU_REAL, MPIU_SUM,
                              flow->particles->comm));

@@ -6,8 +6,9 @@
   at fixed places. The pressure of moving particles contains noise that swings with the passage of
   particles through corners under a lid. The mean is a field of the particles. FlowMove() carries it
   like the pressure, as an Eulerian field, because the mean along the paths of particles would
-  differ from it by u.grad p T/2. Steps outside of the last T before a snapshot do nothing. Probes
-  and forces have fixed points, and average their values themselves (src/io/window.c).
+  differ from it by u.grad p T/2. A scheme with a pressure that is fixed in space averages it there.
+  Steps outside of the last T before a snapshot do nothing. Probes and forces have fixed points, and
+  average their values themselves (src/io/window.c).
 */
 #include "step.h"
 
@@ -73,45 +74,55 @@ static PetscReal NextSnapshot(const Clock *clock)
 }
 
 /* Adds the present pressure over a time of length dt to a mean over a time of length `length`. */
-static void AddPressure(const Flow *flow, PetscReal length, PetscReal dt)
+static PetscErrorCode AddPressure(Flow *flow, PetscReal length, PetscReal dt)
 {
   const Particles *p    = flow->particles;
   PetscReal       *mean = flow->state->average.mean;
 
+  PetscFunctionBegin;
+  if (flow->scheme->Average) {
+    PetscCall(flow->scheme->Average(flow, length, dt));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (PetscInt i = 0; i < p->n_fluid; i++)
     mean[i] = (length * mean[i] + dt * p->p[i]) / (length + dt);
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
   AverageBegin - Begins or continues the mean before a step: adds p^n dt/2
 
-  Not collective. The mean begins at the first step in the last T before a snapshot at a multiple of
+  Collective. The mean begins at the first step in the last T before a snapshot at a multiple of
   -output_every or at -t_end. The pressure before the first step is not a pressure of the flow, and
   no mean begins with it.
 */
-void AverageBegin(Flow *flow)
+PetscErrorCode AverageBegin(Flow *flow)
 {
   PressureAverage *a     = &flow->state->average;
   const Clock     *clock = flow->clock;
   PetscReal        due;
 
-  if (!a->snapshots) return;
+  PetscFunctionBegin;
+  if (!a->snapshots) PetscFunctionReturn(PETSC_SUCCESS);
   due = NextSnapshot(clock);
   if (a->due != due) a->due = a->start = 0.0;
   if (a->due == 0.0 && clock->step > 0 && due - clock->t <= a->T * (1.0 + 1e-9)) {
     a->due   = due;
     a->start = clock->t;
   }
-  if (a->due > 0.0) AddPressure(flow, clock->t - a->start, 0.5 * clock->dt);
+  if (a->due > 0.0) PetscCall(AddPressure(flow, clock->t - a->start, 0.5 * clock->dt));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* AverageEnd - Continues the mean after the solve of a step: adds p^{n+1} dt/2; not collective */
-void AverageEnd(Flow *flow)
+/* AverageEnd - Continues the mean after the solve of a step: adds p^{n+1} dt/2; collective */
+PetscErrorCode AverageEnd(Flow *flow)
 {
   const PressureAverage *a  = &flow->state->average;
   const PetscReal        dt = flow->clock->dt;
 
-  if (a->due > 0.0) AddPressure(flow, flow->clock->t - a->start + 0.5 * dt, 0.5 * dt);
+  PetscFunctionBegin;
+  if (a->due > 0.0) PetscCall(AddPressure(flow, flow->clock->t - a->start + 0.5 * dt, 0.5 * dt));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* AverageLength - Returns the length of the present mean [s]; 0: there is none; not collective */

@@ -69,7 +69,7 @@ static PetscErrorCode SlopesGet(Flow *flow, PetscBool shifting, Slopes *t)
     if (state->p && ops->grad_p[a].needed) {
       PetscCall(SlopeGet(flow, &ops->grad_p[a], state->p, walls->p, &t->p_vec[a], &t->p[a]));
     }
-    if (state->average.due > 0.0) {
+    if (state->average.due > 0.0 && ops->grad_p[a].needed) {
       PetscCall(SlopeGet(flow, &ops->grad_p[a], state->average.vec, walls->p, &t->mean_vec[a],
                          &t->mean[a]));
     }
@@ -237,7 +237,8 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     u += s.grad u + |s|^2/(2d) lap u - filter of FilterVelocity(),   p += dr.grad p
 
   Collective. Earlier velocities receive the same change as u^n, so that it is no change in time.
-  The pressure and its mean of average.c are carried as Eulerian fields.
+  The pressure and its mean of average.c are carried as Eulerian fields, unless a scheme has them
+  fixed in space.
   The velocity belongs to the particle and changes only by the shift s and the filter. s includes
   the displacement by KeepOffWalls(). If the velocity did not change with this displacement,
   particles would carry the speed of a moving lid away from the lid, as they do without shifting.

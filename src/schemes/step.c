@@ -85,7 +85,7 @@ PetscErrorCode FlowStep(Flow *flow, FlowSolve Solve)
 
   PetscFunctionBegin;
   failure->code = PETSC_SUCCESS;
-  AverageBegin(flow);
+  PetscCall(AverageBegin(flow));
   if (SceneMoves(flow->scene)) {
     PetscCall(FlowMove(flow));
     if (!failure->code) PetscCall(FlowRebuild(flow));
@@ -93,7 +93,7 @@ PetscErrorCode FlowStep(Flow *flow, FlowSolve Solve)
   if (!failure->code) PetscCall(Solve(flow));
   if (!failure->code) PetscCall(FlowCheck(flow));
   if (!failure->code && flow->clock->adapt->estimates) PetscCall(TimeErrorCheck(flow));
-  if (!failure->code) AverageEnd(flow);
+  if (!failure->code) PetscCall(AverageEnd(flow));
   if (!failure->code) PetscCall(FlowAdvance(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -191,9 +191,6 @@ static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
             "-pressure_points coarse: on fixed particles it feeds energy into the flow for U dx/nu "
             "above 15, here %.3g; use same, or a larger -n",
             (double)R);
-  UserCheck(!flow->state->average.snapshots,
-            "-pressure_average with -output: a pressure on coarse points is not averaged; use "
-            "-pressure_points same");
   pr->spacing = 2.0;
   PetscCall(OptionGetReal(&options[SPACING], &pr->spacing, NULL));
   for (PetscInt a = 0; a < flow->scene->dim; a++) {
@@ -207,6 +204,8 @@ static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
   }
   flow->scheme->needs &= ~(unsigned)NEED_PRESSURE;
   flow->scheme->Divergence = DivergenceOnSplines;
+  flow->scheme->Pressure   = SplinesPressure;
+  flow->scheme->Average    = SplinesAverage;
   PetscCall(OptionGiven("-velocity_filter", &given));
   if (SceneMoves(flow->scene) && !given) flow->state->velocity_filter = 4.0;
   if (flow->state->velocity_filter > 0.0) flow->scheme->needs |= NEED_FILTER_U;

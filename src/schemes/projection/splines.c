@@ -263,6 +263,7 @@ PetscErrorCode SplinesFree(Splines *s)
   PetscCall(FreeNumbered(s));
   PetscCall(SplineRowsFree(s));
   PetscCall(SplineBodiesDestroy(&s->bodies));
+  PetscCall(VecDestroy(&s->kept));
   PetscCall(VecDestroy(&s->natural));
   PetscCall(VecDestroy(&s->fluid));
   PetscCall(PetscFree(s->block));

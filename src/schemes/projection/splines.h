@@ -147,11 +147,13 @@ struct Splines {
 
   Vec        p, phi, b, divergence; /* coefficients: pressure [Pa], its increment, right-hand side,
                                        div u* [1/s] */
-  Vec        natural;               /* the pressure in the order of the lattice: the kept state */
-  VecScatter renumber;              /* p -> natural */
-  Vec        points, wall_flux;     /* work: at points inside and on the boundary */
-  Vec        fluid;                 /* work: at particles */
-  PetscInt   fluid_epoch;           /* of the last vector */
+  Vec        kept;     /* state in the order of the lattice: of each spline the pressure and, with
+                          -pressure_average, its mean [Pa] */
+  Vec        natural;  /* work: a number of each spline in the order of the lattice */
+  VecScatter renumber; /* p -> natural */
+  Vec        points, wall_flux; /* work: at points inside and on the boundary */
+  Vec        fluid;             /* work: at particles */
+  PetscInt   fluid_epoch;       /* of the last vector */
   PetscInt   n_unused, *unused; /* own splines that are no unknowns: their equation is phi = 0 */
 
   SplineEntries from_fluid[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* of J */
@@ -228,7 +230,7 @@ static inline Mat SplineFit(const Splines *s, Mat const fit[][ISPH_MAX_DIM], Pet
 }
 
 /* splinestep.c */
-PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, Splines *s);
+PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscBool mean, Splines *s);
 PetscErrorCode SplinesCreate(Flow *flow, PetscReal ratio, Splines **splines);
 PetscErrorCode SplinesDestroy(Splines **splines);
 PetscErrorCode SplinesStart(const Flow *flow, Splines *s);
@@ -236,6 +238,8 @@ PetscErrorCode SplinesBegin(Splines *s);
 PetscErrorCode SplinesDivergence(Flow *flow, Splines *s, const Vec u[], PetscReal t, Vec d);
 PetscErrorCode SplinesMatrix(Flow *flow, Splines *s);
 PetscErrorCode SplinesProject(Flow *flow);
+PetscErrorCode SplinesPressure(const Flow *flow, const PetscReal x[], PetscReal *p);
+PetscErrorCode SplinesAverage(Flow *flow, PetscReal length, PetscReal dt);
 PetscErrorCode SplinesView(const Splines *s, PetscViewer viewer);
 
 #endif

@@ -34,10 +34,14 @@ static PetscErrorCode SplineMatrix(Mat A, Vec x, Vec y)
 /*
   SplinesSet - Sets the lattice of splines, its bodies, and an initial pressure of zero
 
-  Collective on PETSC_COMM_WORLD. Input: ratio - edge of a cell over the spacing of the particles.
+  Collective on PETSC_COMM_WORLD. Input: ratio - edge of a cell over the spacing of the particles;
+  mean - the mean of the pressure is kept, too.
 */
-PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, Splines *s)
+PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscBool mean, Splines *s)
 {
+  const PetscInt each = mean ? 2 : 1;
+  PetscInt       n;
+
   PetscFunctionBegin;
   PetscCall(SplineLatticeSet(scene, ratio, &s->lattice));
   PetscCall(SplineBodiesCreate(scene, &s->lattice, &s->bodies));
@@ -45,7 +49,12 @@ PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, Splines *s)
   for (PetscInt a = 0; a < scene->dim; a++) s->scale *= s->lattice.side[a];
   s->scale = PetscPowReal(s->scale, 1.0 / scene->dim);
   PetscCall(VecCreateMPI(PETSC_COMM_WORLD, PETSC_DECIDE, s->lattice.N, &s->natural));
-  PetscCall(VecSet(s->natural, 0.0));
+  PetscCall(VecGetLocalSize(s->natural, &n));
+  PetscCall(VecCreate(PETSC_COMM_WORLD, &s->kept));
+  PetscCall(VecSetSizes(s->kept, each * n, PETSC_DETERMINE));
+  PetscCall(VecSetBlockSize(s->kept, each));
+  PetscCall(VecSetType(s->kept, VECMPI));
+  PetscCall(VecSet(s->kept, 0.0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -60,8 +69,9 @@ PetscErrorCode SplinesCreate(Flow *flow, PetscReal ratio, Splines **splines)
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&s));
-  PetscCall(SplinesSet(flow->scene, ratio, s));
-  flow->scheme->kept = s->natural;
+  PetscCall(
+      SplinesSet(flow->scene, ratio, flow->state->average.T > 0.0 ? PETSC_TRUE : PETSC_FALSE, s));
+  flow->scheme->kept = s->kept;
   *splines           = s;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -103,6 +113,17 @@ PetscErrorCode SplinesStart(const Flow *flow, Splines *s)
     scene->problem->Exact(scene, 0.0, x, u, &p[q - first]);
   }
   PetscCall(VecRestoreArray(s->natural, &p));
+  PetscCall(VecStrideScatter(s->natural, 0, s->kept, INSERT_VALUES));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Gets number `k` of each spline from the kept state. */
+static PetscErrorCode GetKept(PetscInt k, Splines *s, Vec v)
+{
+  PetscFunctionBegin;
+  PetscCall(VecStrideGather(s->kept, k, s->natural, INSERT_VALUES));
+  PetscCall(VecScatterBegin(s->renumber, s->natural, v, INSERT_VALUES, SCATTER_REVERSE));
+  PetscCall(VecScatterEnd(s->renumber, s->natural, v, INSERT_VALUES, SCATTER_REVERSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -111,8 +132,7 @@ PetscErrorCode SplinesStart(const Flow *flow, Splines *s)
 PetscErrorCode SplinesBegin(Splines *s)
 {
   PetscFunctionBegin;
-  PetscCall(VecScatterBegin(s->renumber, s->natural, s->p, INSERT_VALUES, SCATTER_REVERSE));
-  PetscCall(VecScatterEnd(s->renumber, s->natural, s->p, INSERT_VALUES, SCATTER_REVERSE));
+  PetscCall(GetKept(0, s, s->p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -201,6 +221,7 @@ static PetscErrorCode SpreadPressure(Flow *flow, Splines *s)
   }
   PetscCall(VecScatterBegin(s->renumber, s->p, s->natural, INSERT_VALUES, SCATTER_FORWARD));
   PetscCall(VecScatterEnd(s->renumber, s->p, s->natural, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecStrideScatter(s->natural, 0, s->kept, INSERT_VALUES));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -240,6 +261,46 @@ PetscErrorCode SplinesProject(Flow *flow)
     PetscCall(VecAXPY(s->p, -gain * dilatation * scene->rho * scene->nu_low, s->divergence));
   }
   PetscCall(SpreadPressure(flow, s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinesPressure - Computes this rank's part of the pressure at a point [Pa]; the sum over all
+   ranks is the pressure; not collective */
+PetscErrorCode SplinesPressure(const Flow *flow, const PetscReal x[], PetscReal *p)
+{
+  const Splines     *s = ((const Projection *)flow->scheme->data)->splines;
+  const PetscScalar *coefficient;
+  SplineRow          at;
+
+  PetscFunctionBegin;
+  SplineRowAt(s, flow->particles, x, &at);
+  *p = 0.0;
+  PetscCall(VecGetArrayRead(s->p, &coefficient));
+  for (PetscInt k = 0; k < at.n; k++) {
+    const PetscInt own = at.number[k] - s->own.start;
+
+    if (own >= 0 && own < s->own.size) *p += at.value[k] * coefficient[own];
+  }
+  PetscCall(VecRestoreArrayRead(s->p, &coefficient));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinesAverage - Adds the pressure over dt to its mean over a time `length`, and sets the mean of
+   the particles to that of the splines; collective */
+PetscErrorCode SplinesAverage(Flow *flow, PetscReal length, PetscReal dt)
+{
+  Splines     *s = ((Projection *)flow->scheme->data)->splines;
+  PetscScalar *kept;
+  PetscInt     n;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetLocalSize(s->kept, &n));
+  PetscCall(VecGetArray(s->kept, &kept));
+  for (PetscInt k = 0; k < n; k += 2)
+    kept[k + 1] = (length * kept[k + 1] + dt * kept[k]) / (length + dt);
+  PetscCall(VecRestoreArray(s->kept, &kept));
+  PetscCall(GetKept(1, s, s->b));
+  PetscCall(MatMult(s->V, s->b, flow->state->average.vec));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
