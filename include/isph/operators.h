@@ -18,14 +18,17 @@
 /* Kernels W(r) = sigma_d/h^d w(r/h), W = 0 for r >= support h. */
 typedef struct {
   const char *name, *brief, *citation;
-  PetscReal   support;                        /* radius of the support [h] */
-  PetscReal   sigma[3];                       /* normalisation in 1, 2, 3 dimensions */
-  void (*Shape)(PetscReal q, PetscReal w[3]); /* w, dw/dq, d2w/dq2 */
+  PetscReal   support;  /* radius of the support [h] */
+  PetscReal   sigma[3]; /* normalisation in 1, 2, 3 dimensions */
+  /* Replaces n values of q in w by w(q); computes dw/dq and d2w/dq2. */
+  void (*Shape)(PetscInt n, PetscReal w[], PetscReal dw[], PetscReal ddw[]);
 } KernelRow;
 extern const Table KernelTable;
 
 void KernelEvaluate(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscReal r,
                     PetscReal w[3]);
+void KernelEvaluateAll(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscInt n,
+                       const PetscReal r[], PetscReal W[], PetscReal dW[], PetscReal ddW[]);
 
 #define MLS_MAX_TERMS       19 /* X_a, X_a X_b, X_a X_b X_c, c <= b <= a, in 3D */
 #define MLS_QUADRATIC_TERMS 9  /* X_a, X_a X_b in 3D */

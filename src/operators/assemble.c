@@ -9,12 +9,28 @@
 #include "rows.h"
 #include "wall_points.h"
 
+/* Sets the data of wall neighbour k, particle j. */
+static void GatherWall(const Scene *scene, const Particles *p, const Operators *ops, PetscInt k,
+                       Stencil *st)
+{
+  const PetscInt j      = st->j[k];
+  PetscReal      height = 0.0;
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    st->normal[a][k] = p->normal[a][j];
+    height -= st->X[a][k] * p->normal[a][j];
+  }
+  st->beta[k] = ops->forms.wall->Beta(scene, height - p->depth[j], p->depth[j]);
+  st->side[k] = (PetscInt)p->side[j];
+  st->n_wall++;
+}
+
 /* Gathers the neighbours of own fluid particle i with the quantities that row functions read. */
 static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neighbors *nb,
                                     const Operators *ops, PetscInt i, Stencil *st)
 {
   const PetscInt d = scene->dim, first = nb->row[i], last = nb->row[i + 1];
-  PetscReal      radius2;
+  PetscReal      radius2, x[ISPH_MAX_DIM];
   PetscInt       n = 0;
 
   PetscFunctionBegin;
@@ -25,39 +41,28 @@ static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, cons
   st->volume    = p->volume[i];
   st->n_wall    = 0;
   st->fit.valid = PETSC_FALSE;
+  for (PetscInt a = 0; a < d; a++) x[a] = p->x[a][i];
   for (PetscInt q = first; q < last; q++) {
-    const PetscInt j = nb->col[q];
-    PetscReal      X[ISPH_MAX_DIM], r2 = 0.0, w[3];
+    const PetscInt j  = nb->col[q];
+    PetscReal      r2 = 0.0;
 
     for (PetscInt a = 0; a < d; a++) {
-      X[a] = p->x[a][j] - p->x[a][i];
-      r2 += PetscSqr(X[a]);
+      st->X[a][n] = p->x[a][j] - x[a];
+      r2 += PetscSqr(st->X[a][n]);
     }
-    if (r2 >= radius2 || r2 == 0.0) continue;
     st->j[n] = j;
-    st->r[n] = PetscSqrtReal(r2);
-    for (PetscInt a = 0; a < d; a++) st->X[a][n] = X[a];
-    KernelEvaluate(ops->forms.kernel, d, st->h, st->r[n], w);
-    st->wall[n]     = ParticlesIsWall(p, j);
-    st->equation[n] = EQUATION_VALUE;
-    st->V[n]        = p->volume[j];
-    st->W[n]        = w[0];
-    st->dW[n]       = w[1];
-    st->ddW[n]      = w[2];
-    if (st->wall[n]) {
-      PetscReal height = 0.0;
-
-      for (PetscInt a = 0; a < d; a++) {
-        st->normal[a][n] = p->normal[a][j];
-        height -= X[a] * p->normal[a][j];
-      }
-      st->beta[n] = ops->forms.wall->Beta(scene, height - p->depth[j], p->depth[j]);
-      st->side[n] = (PetscInt)p->side[j];
-      st->n_wall++;
-    }
-    n++;
+    st->r[n] = r2;
+    if (r2 < radius2 && r2 > 0.0) n++;
   }
   st->n = n;
+  for (PetscInt k = 0; k < n; k++) {
+    st->r[k]        = PetscSqrtReal(st->r[k]);
+    st->V[k]        = p->volume[st->j[k]];
+    st->equation[k] = EQUATION_VALUE;
+    st->wall[k]     = ParticlesIsWall(p, st->j[k]);
+    if (st->wall[k]) GatherWall(scene, p, ops, k, st);
+  }
+  KernelEvaluateAll(ops->forms.kernel, d, st->h, n, st->r, st->W, st->dW, st->ddW);
   WallPointShares(ops, st);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -82,7 +87,8 @@ static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, Pets
     cols[n++] = p->row[st->i];
   }
   PatternRow(&ops->fluid, st->i, cols, n, place);
-  *diagonal = place[own];
+  ops->work->simple = !st->n_wall && ops->fluid.row[st->i + 1] - ops->fluid.row[st->i] == n;
+  *diagonal         = place[own];
   for (PetscInt k = 0, q = 0; k < st->n; k++) {
     if (st->wall[k]) continue;
     if (q == own) q++;
@@ -275,15 +281,6 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
 
     PetscCall(GatherStencil(scene, p, nb, ops, i, st));
     PlaceRow(p, st, ops, &diagonal);
-    for (PetscInt k = 0; k < count; k++) {
-      const PetscInt width = needed[k]->width;
-
-      for (PetscInt s = ops->fluid.row[i] * width; s < ops->fluid.row[i + 1] * width; s++)
-        needed[k]->a[s] = 0.0;
-      if (!ops->forms.wall) continue;
-      for (PetscInt s = ops->walls.row[i] * width; s < ops->walls.row[i + 1] * width; s++)
-        needed[k]->b[s] = 0.0;
-    }
     PetscCall(AssembleRow(scene, p, st, diagonal, ops));
     if (ops->needs & NEED_CONCENTRATION) AssembleConcentration(scene, p, st, i, ops);
   }

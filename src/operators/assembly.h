@@ -6,6 +6,7 @@
 
 struct Assembly {
   Stencil   *stencil;
+  PetscBool  simple;          /* the row has no wall neighbours and no repeated columns */
   PetscInt  *slot;            /* slot of each neighbour in its row of the pattern */
   PetscReal *w;               /* weights of a Laplacian or a filter */
   PetscReal *g[ISPH_MAX_DIM]; /* weights of a gradient */

@@ -16,6 +16,19 @@
 #include "rows.h"
 #include "wall_points.h"
 
+/* Sets the row scale sum_k w_k (f_k - f_i) in the matrix A, for a stencil without walls and without
+   repeated columns. */
+static void SetRow(const Stencil *st, const Operators *ops, PetscInt diagonal, PetscReal scale,
+                   const PetscReal w[], AffineOperator *op)
+{
+  PetscReal sum = 0.0;
+
+#pragma omp simd reduction(+ : sum)
+  for (PetscInt k = 0; k < st->n; k++) sum += scale * w[k];
+  for (PetscInt k = 0; k < st->n; k++) op->a[ops->work->slot[k]] = scale * w[k];
+  op->a[diagonal] = -sum;
+}
+
 /*
   AddRow_Velocity - Adds the row sum_k w_k (f_k - f_i) to an operator on a velocity component f
 
@@ -27,9 +40,15 @@
 void AddRow_Velocity(const Stencil *st, const Operators *ops, PetscInt diagonal,
                      const PetscReal w[], AffineOperator *op)
 {
-  const PetscReal *b   = WallWeights(st, ops, 1, w);
+  const PetscReal *b;
   PetscReal        sum = 0.0;
 
+  if (ops->work->simple) {
+    SetRow(st, ops, diagonal, 1.0, w, op);
+    return;
+  }
+  EmptyRow(ops, st->i, op);
+  b = WallWeights(st, ops, 1, w);
   for (PetscInt k = 0; k < st->n; k++) {
     const PetscReal weight = st->wall[k] ? b[k] : w[k];
 
@@ -51,6 +70,11 @@ static void AddRow_Pressure(const Stencil *st, const Operators *ops, PetscInt di
 {
   PetscReal sum = 0.0, tangent[ISPH_MAX_DIM];
 
+  if (ops->work->simple) {
+    SetRow(st, ops, diagonal, scale, w, op);
+    return;
+  }
+  EmptyRow(ops, st->i, op);
   for (PetscInt k = 0; k < st->n; k++) {
     PetscReal weight = scale * w[k];
 
@@ -300,6 +324,11 @@ static void AddRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d
     AffineOperator *op  = &ops->div[c];
     PetscReal       sum = 0.0;
 
+    if (ops->work->simple) {
+      SetRow(st, ops, diagonal, 1.0, d[c], op);
+      continue;
+    }
+    EmptyRow(ops, st->i, op);
     for (PetscInt k = 0; k < st->n; k++) {
       const PetscReal weight = st->wall[k] ? m[k] * st->normal[c][k] * st->beta[k] : d[c][k];
 

@@ -14,6 +14,16 @@ static inline PetscReal PairViscosity(PetscReal own, PetscReal other)
   return 2.0 / (1.0 / own + 1.0 / other);
 }
 
+/* Sets row i of an operator to zero. */
+static inline void EmptyRow(const Operators *ops, PetscInt i, AffineOperator *op)
+{
+  const PetscInt *fluid = ops->fluid.row, *walls = ops->walls.row;
+
+  for (PetscInt s = fluid[i] * op->width; s < fluid[i + 1] * op->width; s++) op->a[s] = 0.0;
+  if (!ops->forms.wall) return;
+  for (PetscInt s = walls[i] * op->width; s < walls[i + 1] * op->width; s++) op->b[s] = 0.0;
+}
+
 void WeighByViscosity(const Scene *scene, const Particles *particles, const Stencil *stencil,
                       PetscReal w[]);
 void AddRow_Velocity(const Stencil *stencil, const Operators *ops, PetscInt diagonal,

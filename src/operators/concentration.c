@@ -53,18 +53,21 @@ void ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil
                       PetscReal gradient[])
 {
   const PetscReal origin[ISPH_MAX_DIM] = {0.0};
-  PetscReal       sum[ISPH_MAX_DIM]    = {0.0};
+  PetscReal       sum[ISPH_MAX_DIM] = {0.0}, value = st->volume * st->self[0];
   WallPlane       planes[SCENE_MAX_BOUNDARIES];
   PetscInt        n_planes = 0;
 
-  *concentration = st->volume * st->self[0];
-  for (PetscInt k = 0; k < st->n; k++) {
-    const PetscReal scale = st->V[k] * st->dW[k] / st->r[k];
+#pragma omp simd reduction(+ : value)
+  for (PetscInt k = 0; k < st->n; k++) value += mirrored && st->wall[k] ? 0.0 : st->V[k] * st->W[k];
+  for (PetscInt a = 0; a < st->dim; a++) {
+    PetscReal along = 0.0;
 
-    if (mirrored && st->wall[k]) continue;
-    *concentration += st->V[k] * st->W[k];
-    for (PetscInt a = 0; a < st->dim; a++) sum[a] -= scale * st->X[a][k];
+#pragma omp simd reduction(+ : along)
+    for (PetscInt k = 0; k < st->n; k++)
+      along -= mirrored && st->wall[k] ? 0.0 : st->V[k] * st->dW[k] / st->r[k] * st->X[a][k];
+    sum[a] = along;
   }
+  *concentration = value;
   if (mirrored && st->n_wall) SceneWallPlanes(scene, x, st->radius, planes, &n_planes);
   if (n_planes) {
     ConcentrationImages(kernel, st, planes, n_planes, origin, st->volume, concentration, sum);

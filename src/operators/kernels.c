@@ -7,61 +7,68 @@
 
 /* Computes the cubic B-spline with support 2h, w = 1 - 3/2 q^2 + 3/4 q^3 for q < 1, else (2-q)^3/4,
    and its derivatives w' and w''. */
-static void Shape_CubicSpline(PetscReal q, PetscReal w[3])
+static void Shape_CubicSpline(PetscInt n, PetscReal w[], PetscReal dw[], PetscReal ddw[])
 {
-  const PetscReal s = 2.0 - q;
+#pragma omp simd
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal q = w[k], s = 2.0 - q;
 
-  if (q < 1.0) {
-    w[0] = 1.0 - 1.5 * q * q + 0.75 * q * q * q;
-    w[1] = -3.0 * q + 2.25 * q * q;
-    w[2] = -3.0 + 4.5 * q;
-  } else {
-    w[0] = 0.25 * s * s * s;
-    w[1] = -0.75 * s * s;
-    w[2] = 1.5 * s;
+    w[k]   = q < 1.0 ? 1.0 - 1.5 * q * q + 0.75 * q * q * q : 0.25 * s * s * s;
+    dw[k]  = q < 1.0 ? -3.0 * q + 2.25 * q * q : -0.75 * s * s;
+    ddw[k] = q < 1.0 ? -3.0 + 4.5 * q : 1.5 * s;
   }
 }
 
 /* Computes the quintic B-spline with support 3h, w = (3-q)^5 - 6 (2-q)^5 + 15 (1-q)^5, and its
    derivatives; a term counts only while its base is positive. */
-static void Shape_QuinticSpline(PetscReal q, PetscReal w[3])
+static void Shape_QuinticSpline(PetscInt n, PetscReal w[], PetscReal dw[], PetscReal ddw[])
 {
   const PetscReal knot[3] = {3.0, 2.0, 1.0}, weight[3] = {1.0, -6.0, 15.0};
 
-  w[0] = w[1] = w[2] = 0.0;
-  for (PetscInt k = 0; k < 3; k++) {
-    const PetscReal s = knot[k] - q, s3 = s * s * s;
+#pragma omp simd
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal q = w[k];
 
-    if (s <= 0.0) break;
-    w[0] += weight[k] * s3 * s * s;
-    w[1] -= weight[k] * 5.0 * s3 * s;
-    w[2] += weight[k] * 20.0 * s3;
+    w[k] = dw[k] = ddw[k] = 0.0;
+    for (PetscInt t = 0; t < 3; t++) {
+      const PetscReal s = PetscMax(knot[t] - q, 0.0), s3 = s * s * s;
+
+      w[k] += weight[t] * s3 * s * s;
+      dw[k] -= weight[t] * 5.0 * s3 * s;
+      ddw[k] += weight[t] * 20.0 * s3;
+    }
   }
 }
 
 /* Computes the Wendland C2 kernel with support 2h, w = (1 - q/2)^4 (1 + 2q), and derivatives. */
-static void Shape_WendlandC2(PetscReal q, PetscReal w[3])
+static void Shape_WendlandC2(PetscInt n, PetscReal w[], PetscReal dw[], PetscReal ddw[])
 {
-  const PetscReal s = 1.0 - 0.5 * q, s2 = s * s;
+#pragma omp simd
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal q = w[k], s = 1.0 - 0.5 * q, s2 = s * s;
 
-  w[0] = s2 * s2 * (1.0 + 2.0 * q);
-  w[1] = -5.0 * q * s2 * s;
-  w[2] = s2 * (7.5 * q - 5.0 * s);
+    w[k]   = s2 * s2 * (1.0 + 2.0 * q);
+    dw[k]  = -5.0 * q * s2 * s;
+    ddw[k] = s2 * (7.5 * q - 5.0 * s);
+  }
 }
 
 /* Computes the Wendland C4 kernel with support 2h, w = (1 - q/2)^6 (1 + 3q + 35/12 q^2), and
    derivatives. */
-static void Shape_WendlandC4(PetscReal q, PetscReal w[3])
+static void Shape_WendlandC4(PetscInt n, PetscReal w[], PetscReal dw[], PetscReal ddw[])
 {
-  const PetscReal s = 1.0 - 0.5 * q, s2 = s * s, s4 = s2 * s2;
+#pragma omp simd
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal q = w[k], s = 1.0 - 0.5 * q, s2 = s * s, s4 = s2 * s2;
 
-  w[0] = s4 * s2 * (1.0 + 3.0 * q + 35.0 / 12.0 * q * q);
-  w[1] = -14.0 / 3.0 * q * (1.0 + 2.5 * q) * s4 * s;
-  w[2] = -14.0 / 3.0 * s4 * ((1.0 + 5.0 * q) * s - 2.5 * q * (1.0 + 2.5 * q));
+    w[k]   = s4 * s2 * (1.0 + 3.0 * q + 35.0 / 12.0 * q * q);
+    dw[k]  = -14.0 / 3.0 * q * (1.0 + 2.5 * q) * s4 * s;
+    ddw[k] = -14.0 / 3.0 * s4 * ((1.0 + 5.0 * q) * s - 2.5 * q * (1.0 + 2.5 * q));
+  }
 }
 
 /*
-  KernelEvaluate - Computes W, dW/dr and d2W/dr2 at distance r
+  KernelEvaluateAll - Computes W, dW/dr and d2W/dr2 at n distances r within the support
 
     W(r) = sigma_d/h^d w(r/h)
 
@@ -72,22 +79,36 @@ static void Shape_WendlandC4(PetscReal q, PetscReal w[3])
   Input Parameters:
 + dim - 1, 2 or 3
 . h   - smoothing length [m]
-- r   - distance [m]; beyond the support W and its derivatives are zero
+- r   - distances less than the radius of the support [m]
 
-  Output Parameter:
-. w - W [m^-dim], dW/dr [m^-(dim+1)], d2W/dr2 [m^-(dim+2)]
+  Output Parameters:
++ W   - [m^-dim]
+. dW  - dW/dr [m^-(dim+1)]
+- ddW - d2W/dr2 [m^-(dim+2)]
 */
-void KernelEvaluate(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscReal r, PetscReal w[3])
+void KernelEvaluateAll(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscInt n,
+                       const PetscReal r[], PetscReal W[], PetscReal dW[], PetscReal ddW[])
 {
   PetscReal scale = kernel->sigma[dim - 1];
 
-  w[0] = w[1] = w[2] = 0.0;
-  if (r >= kernel->support * h) return;
   for (PetscInt a = 0; a < dim; a++) scale /= h;
-  kernel->Shape(r / h, w);
-  w[0] *= scale;
-  w[1] *= scale / h;
-  w[2] *= scale / (h * h);
+#pragma omp simd
+  for (PetscInt k = 0; k < n; k++) W[k] = r[k] / h;
+  kernel->Shape(n, W, dW, ddW);
+#pragma omp simd
+  for (PetscInt k = 0; k < n; k++) {
+    W[k] *= scale;
+    dW[k] *= scale / h;
+    ddW[k] *= scale / (h * h);
+  }
+}
+
+/* KernelEvaluate - Computes W, dW/dr and d2W/dr2 at distance r, as KernelEvaluateAll(), and zeros
+   beyond the support; not collective */
+void KernelEvaluate(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscReal r, PetscReal w[3])
+{
+  w[0] = w[1] = w[2] = 0.0;
+  if (r < kernel->support * h) KernelEvaluateAll(kernel, dim, h, 1, &r, &w[0], &w[1], &w[2]);
 }
 
 static const KernelRow kernels[] = {

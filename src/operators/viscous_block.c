@@ -26,6 +26,7 @@ void KeepBlockRow(const Stencil *st, PetscInt diagonal, const PetscReal w[], Ope
   const PetscReal *b     = WallWeights(st, ops, width, w);
   AffineOperator  *op    = &ops->velocity[0].visc;
 
+  EmptyRow(ops, st->i, op);
   for (PetscInt k = 0; k < st->n; k++) {
     PetscReal       *to   = (st->wall[k] ? op->b : op->a) + ops->work->slot[k] * width;
     const PetscReal *from = st->wall[k] ? b : w;
