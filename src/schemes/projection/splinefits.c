@@ -15,6 +15,8 @@
 
 #define ALL (-1) /* components of the velocity */
 
+#define LANES 8 /* numbers that a loop treats at once; arrays are padded to a multiple */
+
 /* Points of quadrature in a cell, and the particles around them in ascending order. */
 typedef struct {
   PetscInt   first, m; /* the points */
@@ -122,6 +124,7 @@ static PetscErrorCode Gather(const Flow *flow, const SplinePoints *at, PetscReal
     if (r2 >= radius * radius) continue;
     for (PetscInt a = 0; a < p->dim; a++) around->x[a][around->n] = x[a];
     around->wall[around->n] = is_wall;
+    around->part[around->n] = 1.0;
     around->walls += is_wall ? 1 : 0;
     around->j[around->n++] = j;
   }
@@ -134,6 +137,7 @@ static void SetDistances(PetscInt dim, const SplinePoints *at, PetscInt i, Aroun
   PetscReal *r2 = around->r2;
 
   for (PetscInt k = 0; k < around->n; k++) r2[k] = 0.0;
+  for (PetscInt k = around->n; k % LANES; k++) r2[k] = PETSC_INFINITY;
   for (PetscInt a = 0; a < dim; a++) {
     const PetscReal  x = at->x[a][around->first + i];
     const PetscReal *y = around->x[a];
@@ -142,44 +146,76 @@ static void SetDistances(PetscInt dim, const SplinePoints *at, PetscInt i, Aroun
   }
 }
 
-/* Returns the sum of the parts of the particles nearer than sqrt(r2). */
-static PetscReal SumWithin(const Around *around, PetscReal r2)
+/* Returns the sum of the parts of the particles nearer than sqrt(limit). */
+static PetscReal SumWithin(const Around *around, PetscReal limit)
 {
-  PetscReal sum = 0.0;
+  const PetscReal *r2 = around->r2, *part = around->part;
+  PetscReal        sum[LANES] = {0.0}, total = 0.0;
 
-#pragma omp simd reduction(+ : sum)
-  for (PetscInt k = 0; k < around->n; k++) sum += around->r2[k] < r2 ? around->part[k] : 0.0;
-  return sum;
+  for (PetscInt k = 0; k < around->n; k += LANES) {
+#pragma omp simd
+    for (PetscInt i = 0; i < LANES; i++) sum[i] += r2[k + i] < limit ? part[k + i] : 0.0;
+  }
+  for (PetscInt i = 0; i < LANES; i++) total += sum[i];
+  return total;
+}
+
+/* Returns the least squared distance of at least `low`, at most `high`. */
+static PetscReal LeastBeyond(const Around *around, PetscReal low, PetscReal high)
+{
+  const PetscReal *r2 = around->r2;
+  PetscReal        least[LANES];
+
+  for (PetscInt i = 0; i < LANES; i++) least[i] = high;
+  for (PetscInt k = 0; k < around->n; k += LANES) {
+#pragma omp simd
+    for (PetscInt i = 0; i < LANES; i++) {
+      const PetscReal beyond = r2[k + i] < low ? high : r2[k + i];
+
+      least[i] = beyond < least[i] ? beyond : least[i];
+    }
+  }
+  for (PetscInt i = 1; i < LANES; i++) least[0] = PetscMin(least[0], least[i]);
+  return least[0];
 }
 
 /*
   Returns the squared radius of a fit of `wanted` particles, the nearest: the squared distance of
   the next, at most reach^2
 
-  Bisection brackets it. If the number of particles jumps beyond `wanted`, because distances are
-  equal or parts are not, the radius is the second distance of the jump and beyond.
+  Interpolation brackets it: in the plane, the number grows in proportion to the squared distance.
+  If the number jumps beyond `wanted`, because distances are equal or parts are not, the radius is
+  the second distance of the jump and beyond.
 */
 static PetscReal SquaredRadius(const Around *around, PetscReal wanted, PetscReal reach,
                                PetscBool *found)
 {
-  PetscReal low = 0.0, high = PetscSqr(reach), next[2] = {high, high};
-  PetscBool exact = PETSC_FALSE;
+  const PetscReal all = PetscSqr(reach);
+  PetscReal       low = 0.0, high = all, below = 0.0, above = SumWithin(around, all);
+  PetscReal       next[2] = {all, all};
 
-  *found = SumWithin(around, high) + 1e-9 >= wanted ? PETSC_TRUE : PETSC_FALSE;
-  if (!*found) return high;
-  while (!exact && high - low > 1e-14 * high) {
-    const PetscReal middle = 0.5 * (low + high), sum = SumWithin(around, middle);
+  *found = above + 1e-9 >= wanted ? PETSC_TRUE : PETSC_FALSE;
+  if (!*found) return all;
+  while (high - low > 1e-14 * high) {
+    const PetscReal share  = (wanted + 0.5 - below) / (above - below);
+    const PetscReal middle = low + PetscMax(0.1, PetscMin(share, 0.9)) * (high - low);
+    const PetscReal sum    = SumWithin(around, middle);
 
-    exact = PetscAbsReal(sum - wanted) < 1e-9 ? PETSC_TRUE : PETSC_FALSE;
-    if (exact || sum < wanted) low = middle;
-    else high = middle;
+    if (PetscAbsReal(sum - wanted) < 1e-9) return LeastBeyond(around, middle, all);
+    if (sum < wanted) {
+      low   = middle;
+      below = sum;
+    } else {
+      high  = middle;
+      above = sum;
+    }
   }
   for (PetscInt k = 0; k < around->n; k++) {
     if (around->r2[k] < low || around->r2[k] >= next[1]) continue;
     next[1] = PetscMax(next[0], around->r2[k]);
     next[0] = PetscMin(next[0], around->r2[k]);
   }
-  return exact ? next[0] : next[1];
+  return next[1];
 }
 
 /*
@@ -203,7 +239,7 @@ static PetscErrorCode FindNearest(const Flow *flow, const SplinePoints *at, Pets
   while (PETSC_TRUE) {
     if (*reach > around->reach) PetscCall(Gather(flow, at, *reach, around));
     SetDistances(p->dim, at, i, around);
-    for (PetscInt k = 0; k < around->n; k++) {
+    for (PetscInt k = 0; around->walls && k < around->n; k++) {
       around->part[k] = around->wall[k] && c == ALL ? 1.0 / p->dim : 1.0;
       if (around->wall[k] && !TakesPart(p, around->j[k], c)) around->r2[k] = PETSC_INFINITY;
     }
@@ -542,7 +578,7 @@ PetscErrorCode SplineFitsAssemble(Flow *flow, Splines *s)
 {
   const Particles    *p      = flow->particles;
   const SplinePoints *at     = &s->inside;
-  Around              around = {.capacity = PetscMax(1, flow->neighbors->cells.n)};
+  Around              around = {.capacity = flow->neighbors->cells.n + LANES};
   CellFits           *f;
 
   PetscFunctionBegin;
