@@ -132,6 +132,23 @@ PetscErrorCode CellsFree(Cells *cells)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds the particles of places [first, last) within a radius to a list of n, at most `max`; n
+   counts all of them. No branch depends on a distance: it would be mispredicted too often. */
+static inline void ListWithin(const Cells *cells, PetscInt first, PetscInt last,
+                              const PetscReal x[], PetscReal radius, PetscInt max, PetscInt list[],
+                              PetscInt *n)
+{
+  const PetscReal *const *at = (const PetscReal *const *)cells->x;
+
+  for (PetscInt k = first; k < last; k++) {
+    PetscReal r2 = PetscSqr(at[0][k] - x[0]) + PetscSqr(at[1][k] - x[1]);
+
+    if (cells->dim == 3) r2 += PetscSqr(at[2][k] - x[2]);
+    if (*n < max) list[*n] = cells->list[k];
+    *n += r2 < radius * radius ? 1 : 0;
+  }
+}
+
 /*
   CellsFind - Lists the local particles within a radius of a point
 
@@ -168,16 +185,10 @@ PetscErrorCode CellsFind(const Cells *cells, const PetscReal x[], PetscReal radi
     for (PetscInt c1 = first[1]; c1 <= last[1]; c1++) {
       const PetscInt row = cells->count[0] * (c1 + cells->count[1] * c2);
 
-      for (PetscInt k = cells->start[row + first[0]]; k < cells->start[row + last[0] + 1]; k++) {
-        PetscReal r2 = 0.0;
-
-        for (PetscInt a = 0; a < cells->dim; a++) r2 += PetscSqr(cells->x[a][k] - x[a]);
-        if (r2 >= radius * radius) continue;
-        PetscCheck(n < max, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
-                   "More than %" PetscInt_FMT " particles within %g of a point", max,
-                   (double)radius);
-        list[n++] = cells->list[k];
-      }
+      ListWithin(cells, cells->start[row + first[0]], cells->start[row + last[0] + 1], x, radius,
+                 max, list, &n);
+      PetscCheck(n <= max, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+                 "More than %" PetscInt_FMT " particles within %g of a point", max, (double)radius);
     }
   }
   PetscCall(PetscSortInt(n, list));

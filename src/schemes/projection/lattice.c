@@ -39,14 +39,34 @@ PetscInt SplineNatural(const SplineLattice *lattice, const PetscInt index[])
   return number;
 }
 
-/* SplineCentre - Computes the centre of a spline, moved into the box if it is outside [m] */
+/* SplineIndex - Computes the index of spline k along each axis, first axis fastest, in a block of n
+   splines along each axis that begins with `first` (NULL: with 0) */
+void SplineIndex(PetscInt dim, const PetscInt first[], const PetscInt n[], PetscInt k,
+                 PetscInt index[])
+{
+  for (PetscInt a = 0; a < dim; a++) {
+    index[a] = (first ? first[a] : 0) + k % n[a];
+    k /= n[a];
+  }
+}
+
+/* SplineCentre - Computes the centre of a spline, which may be outside the box [m] */
 void SplineCentre(const SplineLattice *lattice, const PetscInt index[], PetscReal x[])
 {
-  for (PetscInt a = 0; a < lattice->dim; a++) {
-    PetscReal s = index[a] + (lattice->periodic[a] ? 0.5 : -0.5);
+  for (PetscInt a = 0; a < lattice->dim; a++)
+    x[a] = lattice->lo[a] + (index[a] + (lattice->periodic[a] ? 0.5 : -0.5)) * lattice->side[a];
+}
 
-    s    = PetscMin(PetscMax(s, 0.25), lattice->cells[a] - 0.25);
-    x[a] = lattice->lo[a] + s * lattice->side[a];
+/* SplinePlace - Computes the centre of a spline, moved into the box if it is outside: the rank that
+   has this point owns the spline [m] */
+void SplinePlace(const SplineLattice *lattice, const PetscInt index[], PetscReal x[])
+{
+  SplineCentre(lattice, index, x);
+  for (PetscInt a = 0; a < lattice->dim; a++) {
+    const PetscReal quarter = 0.25 * lattice->side[a];
+
+    x[a] = PetscMax(x[a], lattice->lo[a] + quarter);
+    x[a] = PetscMin(x[a], lattice->lo[a] + lattice->cells[a] * lattice->side[a] - quarter);
   }
 }
 

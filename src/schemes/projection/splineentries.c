@@ -4,6 +4,9 @@
 /* SplineEntriesBegin - Empties a list, which will have at most `rows` rows; not collective */
 PetscErrorCode SplineEntriesBegin(PetscInt rows, SplineEntries *e)
 {
+  PetscInt  *col;
+  PetscReal *value;
+
   PetscFunctionBegin;
   if (rows + 1 > e->rows_capacity) {
     e->rows_capacity = rows + 1;
@@ -11,49 +14,54 @@ PetscErrorCode SplineEntriesBegin(PetscInt rows, SplineEntries *e)
     PetscCall(PetscMalloc1(e->rows_capacity, &e->row));
   }
   e->n = e->rows = e->row[0] = 0;
-  PetscCall(SplineEntriesReserve(1, e));
+  PetscCall(SplineEntriesReserve(1, e, &col, &value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplineEntriesReserve - Makes room for n more entries; not collective */
-PetscErrorCode SplineEntriesReserve(PetscInt n, SplineEntries *e)
+/* SplineEntriesReserve - Makes room for a row of n entries, which the caller fills; not
+   collective */
+PetscErrorCode SplineEntriesReserve(PetscInt n, SplineEntries *e, PetscInt **col, PetscReal **value)
 {
   PetscFunctionBegin;
-  if (e->n + n <= e->capacity) PetscFunctionReturn(PETSC_SUCCESS);
-  e->capacity = 2 * (e->n + n) + 1024;
-  PetscCall(PetscRealloc(sizeof(*e->col) * (size_t)e->capacity, &e->col));
-  PetscCall(PetscRealloc(sizeof(*e->value) * (size_t)e->capacity, &e->value));
+  if (e->n + n > e->capacity) {
+    e->capacity = 2 * (e->n + n) + 1024;
+    PetscCall(PetscRealloc(sizeof(*e->col) * (size_t)e->capacity, &e->col));
+    PetscCall(PetscRealloc(sizeof(*e->value) * (size_t)e->capacity, &e->value));
+  }
+  *col   = &e->col[e->n];
+  *value = &e->value[e->n];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplineEntriesEnd - Ends a row: sorts its columns and adds entries of the same column; not
-   collective */
-void SplineEntriesEnd(SplineEntries *e)
+/* SplineEntriesAddRow - Adds the row of n entries in the room of SplineEntriesReserve(): sorts its
+   columns, and adds up entries of the same column; not collective */
+void SplineEntriesAddRow(PetscInt n, SplineEntries *e)
 {
-  const PetscInt first = e->row[e->rows];
-  PetscInt       last  = first;
+  PetscInt  *col = &e->col[e->n], last = 0;
+  PetscReal *value = &e->value[e->n];
 
-  for (PetscInt k = first + 1; k < e->n; k++) { /* insertion: the columns are nearly in order */
-    const PetscInt  col   = e->col[k];
-    const PetscReal value = e->value[k];
+  for (PetscInt k = 1; k < n; k++) { /* insertion: the columns are nearly in order */
+    const PetscInt  moved = col[k];
+    const PetscReal entry = value[k];
     PetscInt        q     = k;
 
-    for (; q > first && e->col[q - 1] > col; q--) {
-      e->col[q]   = e->col[q - 1];
-      e->value[q] = e->value[q - 1];
+    if (moved > col[k - 1]) continue;
+    for (; q > 0 && col[q - 1] > moved; q--) {
+      col[q]   = col[q - 1];
+      value[q] = value[q - 1];
     }
-    e->col[q]   = col;
-    e->value[q] = value;
+    col[q]   = moved;
+    value[q] = entry;
   }
-  for (PetscInt k = first + 1; k < e->n; k++) {
-    if (e->col[k] == e->col[last]) {
-      e->value[last] += e->value[k];
+  for (PetscInt k = 1; k < n; k++) {
+    if (col[k] == col[last]) {
+      value[last] += value[k];
     } else {
-      e->col[++last] = e->col[k];
-      e->value[last] = e->value[k];
+      col[++last] = col[k];
+      value[last] = value[k];
     }
   }
-  if (e->n > first) e->n = last + 1;
+  if (n) e->n += last + 1;
   e->row[++e->rows] = e->n;
 }
 

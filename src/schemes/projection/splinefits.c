@@ -4,29 +4,13 @@
   walls in a fit of all components together. The points of a cell share most of their particles and
   are treated together.
 */
-#include "splines.h"
+#include "splinesearch.h"
 
 /* Particles in a fit, for 6 and 10 coefficients. */
 #define FIT_NEAREST_2D  14
 #define FIT_NEAREST_3D  28
 #define FIT_MOST        3   /* times as many if their weights are large */
 #define FIT_LARGEST_SUM 2.5 /* of absolute weights; 1.2 to 1.6 on a lattice */
-#define FIT_FIRST_REACH 0.8 /* of the first search, over the support; mostly enough */
-
-#define ALL (-1) /* components of the velocity */
-
-#define LANES 8 /* numbers that a loop treats at once; arrays are padded to a multiple */
-
-/* Points of quadrature in a cell, and the particles around them in ascending order. */
-typedef struct {
-  PetscInt   first, m; /* the points */
-  PetscReal  reach;    /* distance from each point within which all particles are listed [m] */
-  PetscInt   n, walls, capacity, *j;
-  PetscReal *x[ISPH_MAX_DIM]; /* positions; of wall particles: their points on the wall [m] */
-  PetscBool *wall;
-  PetscReal *r2, *part; /* of a point: squared distances [m^2], and shares in the number wanted */
-  PetscInt  *found;     /* particles of a fit, numbers in this list */
-} Around;
 
 #define FIT_CAPACITY ((FIT_MOST + 1) * FIT_NEAREST_3D)
 
@@ -48,213 +32,10 @@ typedef struct {
   PetscReal normal[ISPH_MAX_DIM][ISPH_MAX_DIM * FIT_CAPACITY];
 } CoupledFit;
 
-/*
-  Returns true if particle j takes part in the fit of component c of the velocity: fluid, and wall
-  particles whose normal is along c; for all components, c = ALL, all wall particles.
-
-  Of a wall the divergence uses the normal velocity only. With the tangential velocity, the fits
-  would follow the jump between a lid and a wall at rest, and the flow ends within a few steps.
-*/
-static inline PetscBool TakesPart(const Particles *p, PetscInt j, PetscInt c)
-{
-  return c == ALL || !ParticlesIsWall(p, j) || PetscAbsReal(p->normal[c][j]) > 0.5 ? PETSC_TRUE
-                                                                                   : PETSC_FALSE;
-}
-
-/* Returns true if the normal of a wall particle is along no axis. */
-static PetscBool IsOblique(const Particles *p, PetscInt j)
-{
-  PetscReal most = 0.0;
-
-  for (PetscInt a = 0; a < p->dim; a++) most = PetscMax(most, PetscAbsReal(p->normal[a][j]));
-  return most < 1.0 - 1e-12 ? PETSC_TRUE : PETSC_FALSE;
-}
-
 /* Returns the number of particles with which a fit begins. */
 static inline PetscInt LeastParticles(PetscInt dim)
 {
   return dim == 2 ? FIT_NEAREST_2D : FIT_NEAREST_3D;
-}
-
-/* Returns the reach of the first search [m]. Bodies may be oblique, which a point must know of
-   within its support. */
-static inline PetscReal FirstReach(const Flow *flow)
-{
-  return flow->ops->forms.radius * (flow->scene->n_bodies ? 1.0 : FIT_FIRST_REACH);
-}
-
-/* Lists the particles within reach of the points of a cell. Dummies stand for the nearest point of
-   the wall, and only their first layer counts. */
-static PetscErrorCode Gather(const Flow *flow, const SplinePoints *at, PetscReal reach,
-                             Around *around)
-{
-  const Particles *p    = flow->particles;
-  const WallRow   *wall = flow->ops->forms.wall;
-  const PetscReal  move =
-      0.5 * flow->neighbors->margin + (wall && !wall->on_surface ? p->dx[0] : 0.0);
-  PetscReal centre[ISPH_MAX_DIM] = {0.0}, extent = 0.0, radius;
-  PetscInt  near;
-
-  PetscFunctionBegin;
-  for (PetscInt a = 0; a < p->dim; a++) {
-    for (PetscInt i = 0; i < around->m; i++) centre[a] += at->x[a][around->first + i] / around->m;
-  }
-  for (PetscInt i = 0; i < around->m; i++) {
-    PetscReal r2 = 0.0;
-
-    for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(at->x[a][around->first + i] - centre[a]);
-    extent = PetscMax(extent, r2);
-  }
-  radius = reach + 1.0001 * PetscSqrtReal(extent);
-  PetscCall(CellsFind(&flow->neighbors->cells, centre, radius + move, around->capacity, around->j,
-                      &near));
-  around->n = around->walls = 0;
-  around->reach             = reach;
-  for (PetscInt k = 0; k < near; k++) {
-    const PetscInt  j       = around->j[k];
-    const PetscBool is_wall = ParticlesIsWall(p, j);
-    PetscReal       x[ISPH_MAX_DIM], r2 = 0.0;
-
-    if (is_wall && p->depth[j] >= p->dx[j]) continue;
-    if (is_wall) ParticlesWallPoint(p, j, x);
-    for (PetscInt a = 0; a < p->dim; a++) {
-      if (!is_wall) x[a] = p->x[a][j];
-      r2 += PetscSqr(x[a] - centre[a]);
-    }
-    if (r2 >= radius * radius) continue;
-    for (PetscInt a = 0; a < p->dim; a++) around->x[a][around->n] = x[a];
-    around->wall[around->n] = is_wall;
-    around->part[around->n] = 1.0;
-    around->walls += is_wall ? 1 : 0;
-    around->j[around->n++] = j;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Computes the squared distances of all particles from point i. */
-static void SetDistances(PetscInt dim, const SplinePoints *at, PetscInt i, Around *around)
-{
-  PetscReal *r2 = around->r2;
-
-  for (PetscInt k = 0; k < around->n; k++) r2[k] = 0.0;
-  for (PetscInt k = around->n; k % LANES; k++) r2[k] = PETSC_INFINITY;
-  for (PetscInt a = 0; a < dim; a++) {
-    const PetscReal  x = at->x[a][around->first + i];
-    const PetscReal *y = around->x[a];
-
-    for (PetscInt k = 0; k < around->n; k++) r2[k] += PetscSqr(y[k] - x);
-  }
-}
-
-/* Returns the sum of the parts of the particles nearer than sqrt(limit). */
-static PetscReal SumWithin(const Around *around, PetscReal limit)
-{
-  const PetscReal *r2 = around->r2, *part = around->part;
-  PetscReal        sum[LANES] = {0.0}, total = 0.0;
-
-  for (PetscInt k = 0; k < around->n; k += LANES) {
-#pragma omp simd
-    for (PetscInt i = 0; i < LANES; i++) sum[i] += r2[k + i] < limit ? part[k + i] : 0.0;
-  }
-  for (PetscInt i = 0; i < LANES; i++) total += sum[i];
-  return total;
-}
-
-/* Returns the least squared distance of at least `low`, at most `high`. */
-static PetscReal LeastBeyond(const Around *around, PetscReal low, PetscReal high)
-{
-  const PetscReal *r2 = around->r2;
-  PetscReal        least[LANES];
-
-  for (PetscInt i = 0; i < LANES; i++) least[i] = high;
-  for (PetscInt k = 0; k < around->n; k += LANES) {
-#pragma omp simd
-    for (PetscInt i = 0; i < LANES; i++) {
-      const PetscReal beyond = r2[k + i] < low ? high : r2[k + i];
-
-      least[i] = beyond < least[i] ? beyond : least[i];
-    }
-  }
-  for (PetscInt i = 1; i < LANES; i++) least[0] = PetscMin(least[0], least[i]);
-  return least[0];
-}
-
-/*
-  Returns the squared radius of a fit of `wanted` particles, the nearest: the squared distance of
-  the next, at most reach^2
-
-  Interpolation brackets it: in the plane, the number grows in proportion to the squared distance.
-  If the number jumps beyond `wanted`, because distances are equal or parts are not, the radius is
-  the second distance of the jump and beyond.
-*/
-static PetscReal SquaredRadius(const Around *around, PetscReal wanted, PetscReal reach,
-                               PetscBool *found)
-{
-  const PetscReal all = PetscSqr(reach);
-  PetscReal       low = 0.0, high = all, below = 0.0, above = SumWithin(around, all);
-  PetscReal       next[2] = {all, all};
-
-  *found = above + 1e-9 >= wanted ? PETSC_TRUE : PETSC_FALSE;
-  if (!*found) return all;
-  while (high - low > 1e-14 * high) {
-    const PetscReal share  = (wanted + 0.5 - below) / (above - below);
-    const PetscReal middle = low + PetscMax(0.1, PetscMin(share, 0.9)) * (high - low);
-    const PetscReal sum    = SumWithin(around, middle);
-
-    if (PetscAbsReal(sum - wanted) < 1e-9) return LeastBeyond(around, middle, all);
-    if (sum < wanted) {
-      low   = middle;
-      below = sum;
-    } else {
-      high  = middle;
-      above = sum;
-    }
-  }
-  for (PetscInt k = 0; k < around->n; k++) {
-    if (around->r2[k] < low || around->r2[k] >= next[1]) continue;
-    next[1] = PetscMax(next[0], around->r2[k]);
-    next[0] = PetscMin(next[0], around->r2[k]);
-  }
-  return next[1];
-}
-
-/*
-  Finds the particles for the fit of component c at point i: the nearest of them, `wanted`. In a fit
-  of all components a wall particle has one equation of dim and counts as such a part of a particle.
-  The search begins with the reach given. It reaches further, up to the reach of the halo, while it
-  finds too few.
-
-  Output: n - their number; R - radius [m]; found - PETSC_FALSE if there are fewer within reach.
-*/
-static PetscErrorCode FindNearest(const Flow *flow, const SplinePoints *at, PetscInt i, PetscInt c,
-                                  PetscInt wanted, Around *around, PetscReal *reach, PetscInt *n,
-                                  PetscReal *R, PetscBool *found)
-{
-  const Particles *p      = flow->particles;
-  const PetscReal  radius = flow->ops->forms.radius;
-  const PetscReal  most   = PetscMax(radius, p->halo_width + 0.5 * p->skin);
-  PetscReal        r2;
-
-  PetscFunctionBegin;
-  while (PETSC_TRUE) {
-    if (*reach > around->reach) PetscCall(Gather(flow, at, *reach, around));
-    SetDistances(p->dim, at, i, around);
-    for (PetscInt k = 0; around->walls && k < around->n; k++) {
-      around->part[k] = around->wall[k] && c == ALL ? 1.0 / p->dim : 1.0;
-      if (around->wall[k] && !TakesPart(p, around->j[k], c)) around->r2[k] = PETSC_INFINITY;
-    }
-    r2 = SquaredRadius(around, wanted, *reach, found);
-    if (*reach < radius && r2 >= PetscSqr(*reach)) *reach = radius;
-    else if (*found || *reach >= most) break;
-    else *reach = PetscMin(1.15 * *reach, most);
-  }
-  *n = 0;
-  for (PetscInt k = 0; k < around->n; k++) {
-    around->found[*n] = k;
-    *n += around->r2[k] < r2 ? 1 : 0;
-  }
-  *R = PetscSqrtReal(r2);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Returns the weight of a particle at the distance r, over the radius. */
@@ -264,8 +45,7 @@ static inline PetscReal FitWeight(PetscReal r)
 }
 
 /* Fills the arrays of the fit at point i with the particles found. */
-static void FillFit(const Particles *p, const SplinePoints *at, PetscInt i, const Around *around,
-                    Fits *f)
+static void FillFit(const Particles *p, PetscInt i, const SplineAround *around, Fits *f)
 {
   const PetscInt  m       = 1 << p->dim;
   const PetscReal inverse = 1.0 / f->R[i];
@@ -276,7 +56,7 @@ static void FillFit(const Particles *p, const SplinePoints *at, PetscInt i, cons
     f->j[e * m + i] = around->j[k];
     f->W[e * m + i] = FitWeight(PetscSqrtReal(around->r2[k]) * inverse);
     for (PetscInt a = 0; a < p->dim; a++)
-      f->s[a][e * m + i] = (around->x[a][k] - at->x[a][around->first + i]) * inverse;
+      f->s[a][e * m + i] = (around->x[a][k] - around->at[a][i]) * inverse;
   }
 }
 
@@ -357,8 +137,8 @@ static void SetMean(PetscInt m, PetscInt i, Fits *f)
 }
 
 /* Computes the fits of component c at the points of a cell that have a flag. */
-static PetscErrorCode FitComponent(Flow *flow, const SplinePoints *at, PetscInt c,
-                                   const PetscBool todo[], Around *around, Fits *f)
+static PetscErrorCode FitComponent(Flow *flow, PetscInt c, const PetscBool todo[],
+                                   SplineAround *around, Fits *f)
 {
   const Particles *p = flow->particles;
   const PetscInt   m = 1 << p->dim, least = LeastParticles(p->dim);
@@ -371,15 +151,15 @@ static PetscErrorCode FitComponent(Flow *flow, const SplinePoints *at, PetscInt 
   for (PetscInt i = 0; i < m; i++) {
     f->n[i]   = 0;
     wanted[i] = i < around->m && todo[i] ? least : 0;
-    reach[i]  = FirstReach(flow);
+    reach[i]  = 0.0;
     left += wanted[i] ? 1 : 0;
   }
   while (left) {
     for (PetscInt i = 0; i < m; i++) {
       if (!wanted[i]) continue;
       PetscCall(
-          FindNearest(flow, at, i, c, wanted[i], around, &reach[i], &f->n[i], &f->R[i], &found[i]));
-      FillFit(p, at, i, around, f);
+          SplineNearest(flow, i, c, wanted[i], around, &reach[i], &f->n[i], &f->R[i], &found[i]));
+      FillFit(p, i, around, f);
     }
     PointFits(p->dim, PadFits(p->dim, f), s, f->W, f->w, fits);
     for (PetscInt i = 0; i < m; i++) {
@@ -402,13 +182,12 @@ static PetscErrorCode FitComponent(Flow *flow, const SplinePoints *at, PetscInt 
 }
 
 /* Computes the fit of all components at point i of a cell, see FitComponent(). */
-static PetscErrorCode FitCoupled(Flow *flow, const SplinePoints *at, PetscInt i, Around *around,
-                                 CoupledFit *f)
+static PetscErrorCode FitCoupled(Flow *flow, PetscInt i, SplineAround *around, CoupledFit *f)
 {
   const Particles *p   = flow->particles;
   const PetscInt   dim = p->dim;
   PetscReal       *s[ISPH_MAX_DIM], *normal[ISPH_MAX_DIM], *w[ISPH_MAX_DIM * ISPH_MAX_DIM];
-  PetscReal        reach = FirstReach(flow), R = reach, size;
+  PetscReal        reach = 0.0, R = 0.0, size;
   PetscInt         wanted = LeastParticles(dim);
   PetscBool        found;
 
@@ -419,7 +198,7 @@ static PetscErrorCode FitCoupled(Flow *flow, const SplinePoints *at, PetscInt i,
   }
   for (PetscInt e = 0; e < dim * dim; e++) w[e] = f->w[e];
   for (size = PETSC_INFINITY;; wanted += LeastParticles(dim) / 3) {
-    PetscCall(FindNearest(flow, at, i, ALL, wanted, around, &reach, &f->n, &R, &found));
+    PetscCall(SplineNearest(flow, i, SPLINE_ALL, wanted, around, &reach, &f->n, &R, &found));
     for (PetscInt e = 0; e < f->n; e++) {
       const PetscInt k = around->found[e];
 
@@ -427,7 +206,7 @@ static PetscErrorCode FitCoupled(Flow *flow, const SplinePoints *at, PetscInt i,
       f->wall[e] = around->wall[k];
       f->W[e]    = FitWeight(PetscSqrtReal(around->r2[k]) / R);
       for (PetscInt a = 0; a < dim; a++) {
-        f->s[a][e]      = (around->x[a][k] - at->x[a][around->first + i]) / R;
+        f->s[a][e]      = (around->x[a][k] - around->at[a][i]) / R;
         f->normal[a][e] = f->wall[e] ? p->normal[a][f->j[e]] : 0.0;
       }
     }
@@ -438,40 +217,6 @@ static PetscErrorCode FitCoupled(Flow *flow, const SplinePoints *at, PetscInt i,
   flow->ops->regularised_rows++;
   SetCoupledMean(dim, f);
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Returns true if an oblique wall is within the support about point i of a cell. */
-static PetscBool IsNearOblique(const Flow *flow, const SplinePoints *at, PetscInt i,
-                               const Around *around)
-{
-  const Particles *p = flow->particles;
-
-  for (PetscInt k = 0; around->walls && k < around->n; k++) {
-    PetscReal r2 = 0.0;
-
-    if (!around->wall[k] || !IsOblique(p, around->j[k])) continue;
-    for (PetscInt a = 0; a < p->dim; a++)
-      r2 += PetscSqr(around->x[a][k] - at->x[a][around->first + i]);
-    if (r2 < PetscSqr(flow->ops->forms.radius)) return PETSC_TRUE;
-  }
-  return PETSC_FALSE;
-}
-
-/* Returns true if the fits of components a and b at point i are the same: no wall particle within
-   the radius of the first takes part in one of them only. */
-static PetscBool FitIsShared(const Particles *p, const SplinePoints *at, PetscInt i, PetscInt a,
-                             PetscInt b, PetscReal R, const Around *around)
-{
-  for (PetscInt k = 0; around->walls && k < around->n; k++) {
-    PetscReal r2 = 0.0;
-
-    if (!around->wall[k]) continue;
-    if (TakesPart(p, around->j[k], a) == TakesPart(p, around->j[k], b)) continue;
-    for (PetscInt c = 0; c < p->dim; c++)
-      r2 += PetscSqr(around->x[c][k] - at->x[c][around->first + i]);
-    if (r2 < PetscSqr(R)) return PETSC_FALSE;
-  }
-  return PETSC_TRUE;
 }
 
 /* Fits at the points of a cell. */
@@ -486,28 +231,27 @@ typedef struct {
 
 /* Computes all fits in a cell. Beside walls each component has a fit of its own; elsewhere they
    share it. Beside walls oblique to the axes there is a fit of all components together. */
-static PetscErrorCode FitCell(Flow *flow, const SplinePoints *at, Around *around, CellFits *f)
+static PetscErrorCode FitCell(Flow *flow, SplineAround *around, CellFits *f)
 {
   const Particles *p = flow->particles;
 
   PetscFunctionBegin;
-  PetscCall(Gather(flow, at, FirstReach(flow), around));
-  for (PetscInt i = 0; i < around->m; i++) f->oblique[i] = IsNearOblique(flow, at, i, around);
+  for (PetscInt i = 0; i < around->m; i++) f->oblique[i] = SplineIsNearOblique(flow, i, around);
   for (PetscInt c = 0; c < f->sets; c++) {
     PetscBool todo[POINT_FITS];
 
     for (PetscInt i = 0; i < around->m; i++) {
       f->shared[c][i] = c;
       for (PetscInt b = c - 1; b >= 0 && !f->oblique[i]; b--) {
-        if (f->shared[b][i] == b && FitIsShared(p, at, i, b, c, f->component[b].R[i], around))
+        if (f->shared[b][i] == b && SplineFitIsShared(p, i, b, c, f->component[b].R[i], around))
           f->shared[c][i] = b;
       }
       todo[i] = !f->oblique[i] && f->shared[c][i] == c ? PETSC_TRUE : PETSC_FALSE;
     }
-    PetscCall(FitComponent(flow, at, c, todo, around, &f->component[c]));
+    PetscCall(FitComponent(flow, c, todo, around, &f->component[c]));
   }
   for (PetscInt i = 0; i < around->m; i++)
-    if (f->oblique[i]) PetscCall(FitCoupled(flow, at, i, around, &f->all[i]));
+    if (f->oblique[i]) PetscCall(FitCoupled(flow, i, around, &f->all[i]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -515,21 +259,28 @@ static PetscErrorCode FitCell(Flow *flow, const SplinePoints *at, Around *around
 static PetscErrorCode AddRow(const Particles *p, PetscInt n, PetscInt step, const PetscInt j[],
                              const PetscReal w[], SplineEntries *fluid, SplineEntries *walls)
 {
-  PetscFunctionBegin;
-  PetscCall(SplineEntriesReserve(n, fluid));
-  PetscCall(SplineEntriesReserve(n, walls));
-  for (PetscInt k = 0; k < n; k++) {
-    const PetscInt q = j[k * step];
+  PetscInt  *row = p->row, *col, *wall_col, n_fluid = 0, n_walls = 0;
+  PetscReal *value, *wall_value;
 
-    SplineEntriesAdd(p->row[q], w[k * step], ParticlesIsWall(p, q) ? walls : fluid);
+  PetscFunctionBegin;
+  PetscCall(SplineEntriesReserve(n, fluid, &col, &value));
+  PetscCall(SplineEntriesReserve(n, walls, &wall_col, &wall_value));
+  for (PetscInt k = 0; k < n * step; k += step) {
+    if (ParticlesIsWall(p, j[k])) {
+      wall_col[n_walls]     = row[j[k]];
+      wall_value[n_walls++] = w[k];
+    } else {
+      col[n_fluid]     = row[j[k]];
+      value[n_fluid++] = w[k];
+    }
   }
-  SplineEntriesEnd(fluid);
-  SplineEntriesEnd(walls);
+  SplineEntriesAddRow(n_fluid, fluid);
+  SplineEntriesAddRow(n_walls, walls);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Adds the rows of the points of a cell. */
-static PetscErrorCode AddRows(const Particles *p, const Around *around, const CellFits *f,
+static PetscErrorCode AddRows(const Particles *p, const SplineAround *around, const CellFits *f,
                               Splines *s)
 {
   const PetscInt m = 1 << p->dim;
@@ -554,43 +305,22 @@ static PetscErrorCode AddRows(const Particles *p, const Around *around, const Ce
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the points of the cell that begins with point `first`: those within 3/4 of a cell of it. */
-static void NextCell(const Splines *s, PetscInt first, Around *around)
-{
-  const SplinePoints *at = &s->inside;
-  PetscInt            m  = 1;
-
-  for (; m < 1 << s->lattice.dim && first + m < at->n; m++) {
-    PetscBool near = PETSC_TRUE;
-
-    for (PetscInt a = 0; a < s->lattice.dim; a++) {
-      if (PetscAbsReal(at->x[a][first + m] - at->x[a][first]) > 0.75 * s->lattice.side[a])
-        near = PETSC_FALSE;
-    }
-    if (!near) break;
-  }
-  around->first = first;
-  around->m     = m;
-}
-
 /* SplineFitsAssemble - Assembles J and W; collective */
 PetscErrorCode SplineFitsAssemble(Flow *flow, Splines *s)
 {
-  const Particles    *p      = flow->particles;
-  const SplinePoints *at     = &s->inside;
-  Around              around = {.capacity = flow->neighbors->cells.n + LANES};
+  const Particles    *p  = flow->particles;
+  const SplinePoints *at = &s->inside;
+  SplineAround        around;
   CellFits           *f;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&f));
   f->sets    = SceneHas(flow->scene, PHYSICS_WALLS) ? p->dim : 1;
   f->coupled = s->bodies ? PETSC_TRUE : PETSC_FALSE;
-  PetscCall(PetscMalloc5(around.capacity, &around.j, around.capacity, &around.wall, around.capacity,
-                         &around.r2, around.capacity, &around.part, around.capacity,
-                         &around.found));
-  for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscMalloc1(around.capacity, &around.x[a]));
+  PetscCall(SplineAroundCreate(flow, &around));
   for (PetscInt a = 0; a < f->sets; a++) {
     for (PetscInt b = 0; b < p->dim; b++) {
+      if (a != b && !f->coupled) continue;
       PetscCall(MatDestroy(&s->J[a][b]));
       PetscCall(MatDestroy(&s->W[a][b]));
       PetscCall(SplineEntriesBegin(at->n, &s->from_fluid[a][b]));
@@ -598,8 +328,8 @@ PetscErrorCode SplineFitsAssemble(Flow *flow, Splines *s)
     }
   }
   for (PetscInt first = 0; first < at->n; first += around.m) {
-    NextCell(s, first, &around);
-    PetscCall(FitCell(flow, at, &around, f));
+    PetscCall(SplineAroundSet(flow, s, first, &around));
+    PetscCall(FitCell(flow, &around, f));
     PetscCall(AddRows(p, &around, f, s));
   }
   for (PetscInt a = 0; a < f->sets; a++) {
@@ -610,8 +340,7 @@ PetscErrorCode SplineFitsAssemble(Flow *flow, Splines *s)
         PetscCall(SplineEntriesMat(p->comm, &s->from_walls[a][b], p->n_wall, &s->W[a][b]));
     }
   }
-  for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscFree(around.x[a]));
-  PetscCall(PetscFree5(around.j, around.wall, around.r2, around.part, around.found));
+  PetscCall(SplineAroundFree(&around));
   PetscCall(PetscFree(f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

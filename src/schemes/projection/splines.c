@@ -17,7 +17,7 @@ static void OwnBlock(const Splines *s, const Particles *p, SplineBlock *own)
     for (index[a] = 0; index[a] < l->count[a]; index[a]++) {
       PetscReal x[ISPH_MAX_DIM];
 
-      SplineCentre(l, index, x);
+      SplinePlace(l, index, x);
       if (x[a] < p->lo[a]) own->first[a] = index[a] + 1;
       else if (x[a] < p->hi[a]) own->n[a]++;
     }
@@ -39,7 +39,7 @@ PetscInt SplinesGlobal(const Splines *s, const Particles *p, const PetscInt inde
   if (!own) {
     PetscReal x[ISPH_MAX_DIM];
 
-    SplineCentre(l, index, x);
+    SplinePlace(l, index, x);
     b = &s->block[ParticlesRankAt(p, x)];
   }
   for (PetscInt a = l->dim - 1; a >= 0; a--) number = number * b->n[a] + index[a] - b->first[a];
@@ -50,10 +50,7 @@ PetscInt SplinesGlobal(const Splines *s, const Particles *p, const PetscInt inde
    unknown; not collective */
 PetscBool SplineOwn(const Splines *s, PetscInt k, PetscInt index[])
 {
-  for (PetscInt a = 0; a < s->lattice.dim; a++) {
-    index[a] = s->own.first[a] + k % s->own.n[a];
-    k /= s->own.n[a];
-  }
+  SplineIndex(s->lattice.dim, s->own.first, s->own.n, k, index);
   return !s->bodies || s->bodies->slave[SplineColumn(&s->lattice, index)] == SPLINE_FREE
              ? PETSC_TRUE
              : PETSC_FALSE;

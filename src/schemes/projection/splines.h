@@ -34,7 +34,10 @@ typedef struct {
 
 PetscErrorCode SplineLatticeSet(const Scene *scene, PetscReal ratio, SplineLattice *lattice);
 PetscInt       SplineNatural(const SplineLattice *lattice, const PetscInt index[]);
+void           SplineIndex(PetscInt dim, const PetscInt first[], const PetscInt n[], PetscInt k,
+                           PetscInt index[]);
 void           SplineCentre(const SplineLattice *lattice, const PetscInt index[], PetscReal x[]);
+void           SplinePlace(const SplineLattice *lattice, const PetscInt index[], PetscReal x[]);
 void           SplinesAt(const SplineLattice *lattice, const PetscReal x[], SplineValues *values);
 
 #define SPLINES_EXTENDED (9 * SPLINES_AT) /* the most, if all have masters */
@@ -199,17 +202,11 @@ PetscErrorCode SplinePointsFree(SplinePoints *points);
 
 /* splineentries.c */
 PetscErrorCode SplineEntriesBegin(PetscInt rows, SplineEntries *e);
-PetscErrorCode SplineEntriesReserve(PetscInt n, SplineEntries *e);
-void           SplineEntriesEnd(SplineEntries *e);
+PetscErrorCode SplineEntriesReserve(PetscInt n, SplineEntries *e, PetscInt **col,
+                                    PetscReal **value);
+void           SplineEntriesAddRow(PetscInt n, SplineEntries *e);
 PetscErrorCode SplineEntriesMat(MPI_Comm comm, const SplineEntries *e, PetscInt cols, Mat *A);
 PetscErrorCode SplineEntriesFree(SplineEntries *e);
-
-/* SplineEntriesAdd - Adds an entry to the present row, which has room for it; not collective */
-static inline void SplineEntriesAdd(PetscInt col, PetscReal value, SplineEntries *e)
-{
-  e->col[e->n]     = col;
-  e->value[e->n++] = value;
-}
 
 /* splines.c, splinestiffness.c, splinerows.c, splinefits.c */
 PetscErrorCode SplineMat(MPI_Comm comm, PetscInt rows, PetscInt cols, PetscInt width, Mat *A);

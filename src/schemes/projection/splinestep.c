@@ -100,15 +100,11 @@ PetscErrorCode SplinesStart(const Flow *flow, Splines *s)
   PetscCall(VecGetOwnershipRange(s->natural, &first, &last));
   PetscCall(VecGetArray(s->natural, &p));
   for (PetscInt q = first; q < last; q++) {
-    PetscInt  rest = q;
+    PetscInt  index[ISPH_MAX_DIM];
     PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM];
 
-    for (PetscInt a = 0; a < scene->dim; a++) {
-      const PetscReal cell = rest % s->lattice.count[a] + (s->lattice.periodic[a] ? 0.5 : -0.5);
-
-      x[a] = s->lattice.lo[a] + cell * s->lattice.side[a];
-      rest /= s->lattice.count[a];
-    }
+    SplineIndex(scene->dim, NULL, s->lattice.count, q, index);
+    SplineCentre(&s->lattice, index, x);
     p[q - first] = 0.0;
     scene->problem->Exact(scene, 0.0, x, u, &p[q - first]);
   }

@@ -1,0 +1,297 @@
+/* The search for the particles in the fits at points of quadrature: once for the points of a cell,
+   which share most of their particles, then the nearest of them for each point. */
+#include "splinesearch.h"
+
+#define FIRST_REACH 0.8 /* of the first search, over the support; mostly enough */
+#define LANES       8   /* numbers that a loop treats at once; r2 is padded to a multiple */
+
+/*
+  Returns true if particle j takes part in the fit of component c of the velocity: fluid, and wall
+  particles whose normal is along c; for all components, c = SPLINE_ALL, all wall particles.
+
+  Of a wall the divergence uses the normal velocity only. With the tangential velocity, the fits
+  would follow the jump between a lid and a wall at rest, and the flow ends within a few steps.
+*/
+static inline PetscBool TakesPart(const Particles *p, PetscInt j, PetscInt c)
+{
+  return c == SPLINE_ALL || !ParticlesIsWall(p, j) || PetscAbsReal(p->normal[c][j]) > 0.5
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* Returns true if the normal of a wall particle is along no axis. */
+static PetscBool IsOblique(const Particles *p, PetscInt j)
+{
+  PetscReal most = 0.0;
+
+  for (PetscInt a = 0; a < p->dim; a++) most = PetscMax(most, PetscAbsReal(p->normal[a][j]));
+  return most < 1.0 - 1e-12 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Returns the reach of the first search [m]: the support if there are bodies, which may be oblique,
+   see SplineIsNearOblique(). */
+static PetscReal FirstReach(const Flow *flow)
+{
+  return flow->ops->forms.radius * (flow->scene->n_bodies ? 1.0 : FIRST_REACH);
+}
+
+/* Lists the particles within reach of the points of a cell. Dummies stand for the nearest point of
+   the wall, and only their first layer counts. */
+static PetscErrorCode Gather(const Flow *flow, PetscReal reach, SplineAround *around)
+{
+  const Particles *p    = flow->particles;
+  const WallRow   *wall = flow->ops->forms.wall;
+  const PetscReal  move =
+      0.5 * flow->neighbors->margin + (wall && !wall->on_surface ? p->dx[0] : 0.0);
+  PetscReal centre[ISPH_MAX_DIM] = {0.0}, extent = 0.0, radius;
+  PetscInt  near;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < p->dim; a++) {
+    for (PetscInt i = 0; i < around->m; i++) centre[a] += around->at[a][i] / around->m;
+  }
+  for (PetscInt i = 0; i < around->m; i++) {
+    PetscReal r2 = 0.0;
+
+    for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(around->at[a][i] - centre[a]);
+    extent = PetscMax(extent, r2);
+  }
+  radius = reach + 1.0001 * PetscSqrtReal(extent);
+  PetscCall(CellsFind(&flow->neighbors->cells, centre, radius + move, around->capacity, around->j,
+                      &near));
+  around->n = around->walls = 0;
+  around->reach             = reach;
+  for (PetscInt k = 0; k < near; k++) {
+    const PetscInt  j       = around->j[k];
+    const PetscBool is_wall = ParticlesIsWall(p, j);
+    PetscReal       x[ISPH_MAX_DIM], r2 = 0.0;
+
+    if (is_wall && p->depth[j] >= p->dx[j]) continue;
+    if (is_wall) ParticlesWallPoint(p, j, x);
+    for (PetscInt a = 0; a < p->dim; a++) {
+      if (!is_wall) x[a] = p->x[a][j];
+      r2 += PetscSqr(x[a] - centre[a]);
+    }
+    if (is_wall && r2 >= radius * radius) continue;
+    for (PetscInt a = 0; a < p->dim; a++) around->x[a][around->n] = x[a];
+    around->wall[around->n] = is_wall;
+    around->part[around->n] = 1.0;
+    around->walls += is_wall ? 1 : 0;
+    around->j[around->n] = j;
+    around->n += r2 < radius * radius ? 1 : 0; /* no branch: it would be mispredicted */
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets the points of the cell that begins with point `first`: those within 3/4 of a cell of it. */
+static void SetPoints(const Splines *s, PetscInt first, SplineAround *around)
+{
+  const SplinePoints *points = &s->inside;
+  const PetscInt      dim    = s->lattice.dim;
+  PetscInt            m      = 0;
+
+  for (; m < 1 << dim && first + m < points->n; m++) {
+    for (PetscInt a = 0; a < dim; a++) {
+      around->at[a][m] = points->x[a][first + m];
+      if (PetscAbsReal(around->at[a][m] - around->at[a][0]) > 0.75 * s->lattice.side[a]) {
+        around->m = m;
+        return;
+      }
+    }
+  }
+  around->m = m;
+}
+
+/* SplineAroundSet - Sets the points of the cell that begins with point `first`, and the particles
+   around them; not collective */
+PetscErrorCode SplineAroundSet(const Flow *flow, const Splines *s, PetscInt first,
+                               SplineAround *around)
+{
+  PetscFunctionBegin;
+  SetPoints(s, first, around);
+  PetscCall(Gather(flow, FirstReach(flow), around));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplineAroundCreate - Allocates the lists; not collective */
+PetscErrorCode SplineAroundCreate(const Flow *flow, SplineAround *around)
+{
+  const PetscInt n = flow->neighbors->cells.n + LANES;
+
+  PetscFunctionBegin;
+  *around = (SplineAround){.capacity = n};
+  PetscCall(PetscMalloc5(n, &around->j, n, &around->wall, n, &around->r2, n, &around->part, n,
+                         &around->found));
+  for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(PetscMalloc1(n, &around->x[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplineAroundFree - Frees the lists; not collective */
+PetscErrorCode SplineAroundFree(SplineAround *around)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree5(around->j, around->wall, around->r2, around->part, around->found));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(around->x[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the squared distances of all particles from point i. */
+static void SetDistances(PetscInt dim, PetscInt i, SplineAround *around)
+{
+  PetscReal *r2 = around->r2;
+
+  for (PetscInt k = 0; k < around->n; k++) r2[k] = 0.0;
+  for (PetscInt k = around->n; k % LANES; k++) r2[k] = PETSC_INFINITY;
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal  x = around->at[a][i];
+    const PetscReal *y = around->x[a];
+
+    for (PetscInt k = 0; k < around->n; k++) r2[k] += PetscSqr(y[k] - x);
+  }
+}
+
+/* Returns the sum of the parts of the particles nearer than sqrt(limit). */
+static PetscReal SumWithin(const SplineAround *around, PetscReal limit)
+{
+  const PetscReal *r2 = around->r2, *part = around->part;
+  PetscReal        sum[LANES] = {0.0}, total = 0.0;
+
+  for (PetscInt k = 0; k < around->n; k += LANES) {
+#pragma omp simd
+    for (PetscInt i = 0; i < LANES; i++) sum[i] += r2[k + i] < limit ? part[k + i] : 0.0;
+  }
+  for (PetscInt i = 0; i < LANES; i++) total += sum[i];
+  return total;
+}
+
+/* Returns the least squared distance of at least `low`, at most `high`. */
+static PetscReal LeastBeyond(const SplineAround *around, PetscReal low, PetscReal high)
+{
+  const PetscReal *r2 = around->r2;
+  PetscReal        least[LANES];
+
+  for (PetscInt i = 0; i < LANES; i++) least[i] = high;
+  for (PetscInt k = 0; k < around->n; k += LANES) {
+#pragma omp simd
+    for (PetscInt i = 0; i < LANES; i++) {
+      const PetscReal beyond = r2[k + i] < low ? high : r2[k + i];
+
+      least[i] = beyond < least[i] ? beyond : least[i];
+    }
+  }
+  for (PetscInt i = 1; i < LANES; i++) least[0] = PetscMin(least[0], least[i]);
+  return least[0];
+}
+
+/*
+  Returns the squared radius of a fit of `wanted` particles, the nearest: the squared distance of
+  the next, at most reach^2
+
+  Interpolation brackets it: in the plane, the number grows in proportion to the squared distance.
+  If the number jumps beyond `wanted`, because distances are equal or parts are not, the radius is
+  the second distance of the jump and beyond.
+*/
+static PetscReal SquaredRadius(const SplineAround *around, PetscReal wanted, PetscReal reach,
+                               PetscBool *found)
+{
+  const PetscReal all = PetscSqr(reach);
+  PetscReal       low = 0.0, high = all, below = 0.0, above = SumWithin(around, all);
+  PetscReal       next[2] = {all, all};
+
+  *found = above + 1e-9 >= wanted ? PETSC_TRUE : PETSC_FALSE;
+  if (!*found) return all;
+  while (high - low > 1e-14 * high) {
+    const PetscReal share  = (wanted + 0.5 - below) / (above - below);
+    const PetscReal middle = low + PetscMax(0.1, PetscMin(share, 0.9)) * (high - low);
+    const PetscReal sum    = SumWithin(around, middle);
+
+    if (PetscAbsReal(sum - wanted) < 1e-9) return LeastBeyond(around, middle, all);
+    if (sum < wanted) {
+      low   = middle;
+      below = sum;
+    } else {
+      high  = middle;
+      above = sum;
+    }
+  }
+  for (PetscInt k = 0; k < around->n; k++) {
+    if (around->r2[k] < low || around->r2[k] >= next[1]) continue;
+    next[1] = PetscMax(next[0], around->r2[k]);
+    next[0] = PetscMin(next[0], around->r2[k]);
+  }
+  return next[1];
+}
+
+/*
+  SplineNearest - Finds the particles for the fit of component c at point i: the `wanted` nearest
+
+  Not collective. In a fit of all components, c = SPLINE_ALL, a wall particle has one equation of
+  dim and counts as such a part of a particle. The search begins with the reach given, or a usual
+  one. It reaches further, up to the reach of the halo, while it finds too few.
+
+  Output: around->found; n - their number; R - radius: the distance of the next, or the reach [m];
+  found - PETSC_FALSE if there are fewer within reach.
+*/
+PetscErrorCode SplineNearest(const Flow *flow, PetscInt i, PetscInt c, PetscInt wanted,
+                             SplineAround *around, PetscReal *reach, PetscInt *n, PetscReal *R,
+                             PetscBool *found)
+{
+  const Particles *p      = flow->particles;
+  const PetscReal  radius = flow->ops->forms.radius;
+  const PetscReal  most   = PetscMax(radius, p->halo_width + 0.5 * p->skin);
+  PetscReal        r2;
+
+  PetscFunctionBegin;
+  *reach = PetscMax(*reach, FirstReach(flow));
+  while (PETSC_TRUE) {
+    if (*reach > around->reach) PetscCall(Gather(flow, *reach, around));
+    SetDistances(p->dim, i, around);
+    for (PetscInt k = 0; around->walls && k < around->n; k++) {
+      around->part[k] = around->wall[k] && c == SPLINE_ALL ? 1.0 / p->dim : 1.0;
+      if (around->wall[k] && !TakesPart(p, around->j[k], c)) around->r2[k] = PETSC_INFINITY;
+    }
+    r2 = SquaredRadius(around, wanted, *reach, found);
+    if (*reach < radius && r2 >= PetscSqr(*reach)) *reach = radius;
+    else if (*found || *reach >= most) break;
+    else *reach = PetscMin(1.15 * *reach, most);
+  }
+  *n = 0;
+  for (PetscInt k = 0; k < around->n; k++) {
+    around->found[*n] = k;
+    *n += around->r2[k] < r2 ? 1 : 0;
+  }
+  *R = PetscSqrtReal(r2);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplineIsNearOblique - Returns true if an oblique wall is within the support about point i of the
+   cell; not collective */
+PetscBool SplineIsNearOblique(const Flow *flow, PetscInt i, const SplineAround *around)
+{
+  const Particles *p = flow->particles;
+
+  for (PetscInt k = 0; around->walls && k < around->n; k++) {
+    PetscReal r2 = 0.0;
+
+    if (!around->wall[k] || !IsOblique(p, around->j[k])) continue;
+    for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(around->x[a][k] - around->at[a][i]);
+    if (r2 < PetscSqr(flow->ops->forms.radius)) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* SplineFitIsShared - Returns true if the fits of components a and b at point i are the same: no
+   wall particle within the radius R of the first takes part in one of them only; not collective */
+PetscBool SplineFitIsShared(const Particles *p, PetscInt i, PetscInt a, PetscInt b, PetscReal R,
+                            const SplineAround *around)
+{
+  for (PetscInt k = 0; around->walls && k < around->n; k++) {
+    PetscReal r2 = 0.0;
+
+    if (!around->wall[k]) continue;
+    if (TakesPart(p, around->j[k], a) == TakesPart(p, around->j[k], b)) continue;
+    for (PetscInt c = 0; c < p->dim; c++) r2 += PetscSqr(around->x[c][k] - around->at[c][i]);
+    if (r2 < PetscSqr(R)) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}

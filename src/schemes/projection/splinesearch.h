@@ -1,0 +1,32 @@
+/* Particles around the points of quadrature in a cell of the splines. */
+#ifndef ISPH_SPLINESEARCH_H
+#define ISPH_SPLINESEARCH_H
+
+#include "splines.h"
+
+#define SPLINE_ALL (-1) /* components of the velocity */
+
+/* Points of quadrature in a cell, and the particles around them in ascending order. */
+typedef struct {
+  PetscInt   m;                            /* number of points */
+  PetscReal  at[ISPH_MAX_DIM][POINT_FITS]; /* the points [m] */
+  PetscReal  reach; /* distance from each point within which all particles are listed [m] */
+  PetscInt   n, walls, capacity, *j;
+  PetscReal *x[ISPH_MAX_DIM]; /* positions; of wall particles: their points on the wall [m] */
+  PetscBool *wall;
+  PetscReal *r2, *part; /* of a point: squared distances [m^2], and shares in the number wanted */
+  PetscInt  *found;     /* particles of a fit, numbers in this list */
+} SplineAround;
+
+PetscErrorCode SplineAroundCreate(const Flow *flow, SplineAround *around);
+PetscErrorCode SplineAroundFree(SplineAround *around);
+PetscErrorCode SplineAroundSet(const Flow *flow, const Splines *s, PetscInt first,
+                               SplineAround *around);
+PetscErrorCode SplineNearest(const Flow *flow, PetscInt i, PetscInt c, PetscInt wanted,
+                             SplineAround *around, PetscReal *reach, PetscInt *n, PetscReal *R,
+                             PetscBool *found);
+PetscBool      SplineIsNearOblique(const Flow *flow, PetscInt i, const SplineAround *around);
+PetscBool SplineFitIsShared(const Particles *p, PetscInt i, PetscInt a, PetscInt b, PetscReal R,
+                            const SplineAround *around);
+
+#endif
