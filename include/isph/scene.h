@@ -219,6 +219,7 @@ PetscReal      SceneReynolds(const Scene *scene);
 PetscReal      SceneCellReynolds(const Scene *scene);
 PetscBool      SceneIsAsPosed(const Scene *scene);
 PetscBool      SceneMoves(const Scene *scene);
+PetscBool      SceneKeepsMomentum(const Scene *scene);
 PetscBool      SceneIsDrivenInTime(const Scene *scene);
 void           SceneWallName(const Scene *scene, PetscInt side, char name[]);
 PetscReal      SceneCellSide(const Scene *scene, PetscInt axis); /* of the lattice, about dx [m] */

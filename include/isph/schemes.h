@@ -179,6 +179,7 @@ PetscErrorCode FlowStateCreate(Flow *flow, unsigned *needs);
 PetscErrorCode FlowStateRegister(Flow *flow);
 PetscErrorCode FlowStateRenumber(Flow *flow);
 PetscErrorCode FlowStateDestroy(Flow *flow);
+PetscErrorCode FlowMeanVelocity(const Flow *flow, const Vec u[], PetscReal mean[]);
 PetscErrorCode FlowGetWork(Flow *flow, Vec *v);
 PetscErrorCode FlowRestoreWork(Flow *flow, Vec *v);
 

@@ -128,7 +128,8 @@ PetscErrorCode NormsExact(const Flow *flow, Report *report)
   MeasureCommon - Computes the quantities that every case reports
 
     kinetic_energy [J], linear_momentum = |sum_i rho V_i u_i| [kg m/s], both per metre of depth in
-    2D, docs/theory.md, (114); divergence_max = max |div u| [1/s], if the run has a pressure
+    2D, docs/theory.md, (114), with the weights (131) in a periodic box without forces and bodies;
+    divergence_max = max |div u| [1/s], if the run has a pressure
 
   Collective
 
@@ -146,12 +147,13 @@ PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report)
   PetscReal        momentum[ISPH_MAX_DIM] = {0.0}, square = 0.0;
 
   PetscFunctionBegin;
-  for (PetscInt c = 0; c < p->dim; c++) {
-    for (PetscInt i = 0; i < p->n_fluid; i++)
-      momentum[c] += mass * ParticlesWeight(p, i) * p->u[c][i];
+  for (PetscInt c = 0; c < p->dim; c++)
+    PetscCall(FluidSum(p, flow->state->u[c], PETSC_FALSE, &momentum[c]));
+  if (SceneKeepsMomentum(flow->scene)) {
+    PetscCall(FlowMeanVelocity(flow, flow->state->u, momentum));
+    for (PetscInt c = 0; c < p->dim; c++) momentum[c] *= p->weight;
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, momentum, ISPH_MAX_DIM, MPIU_REAL, MPIU_SUM, p->comm));
-  for (PetscInt c = 0; c < p->dim; c++) square += PetscSqr(momentum[c]);
+  for (PetscInt c = 0; c < p->dim; c++) square += PetscSqr(mass * momentum[c]);
   PetscCall(ReportAddReference(report, "kinetic_energy", flow->scheme->stats.kinetic_energy, energy,
                                energy));
   if (SceneHas(flow->scene, PHYSICS_PRESSURE)) {

@@ -127,6 +127,16 @@ PetscBool SceneIsPeriodic(const Scene *scene, PetscInt axis)
   return BoundaryIs(scene, 2 * axis, BOUNDARY_CONTINUES);
 }
 
+/* SceneKeepsMomentum - Returns true if no boundary and no body force changes the momentum of the
+   fluid: a periodic box without bodies; not collective */
+PetscBool SceneKeepsMomentum(const Scene *scene)
+{
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    if (!SceneIsPeriodic(scene, a)) return PETSC_FALSE;
+  }
+  return scene->n_bodies || SceneHas(scene, PHYSICS_BODY_FORCE) ? PETSC_FALSE : PETSC_TRUE;
+}
+
 /* SceneIsDrivenInTime - Returns true if a wall's velocity or the body force depends on time */
 PetscBool SceneIsDrivenInTime(const Scene *scene)
 {

@@ -81,16 +81,20 @@ PetscErrorCode FlowBegin(Flow *flow)
 */
 PetscErrorCode FlowStep(Flow *flow, FlowSolve Solve)
 {
-  StepFailure *failure = &flow->scheme->failure;
+  StepFailure    *failure = &flow->scheme->failure;
+  const PetscBool keeps   = SceneKeepsMomentum(flow->scene);
+  PetscReal       mean[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
   failure->code = PETSC_SUCCESS;
+  if (keeps) PetscCall(FlowMeanVelocity(flow, flow->state->u, mean));
   PetscCall(AverageBegin(flow));
   if (SceneMoves(flow->scene)) {
     PetscCall(FlowMove(flow));
     if (!failure->code) PetscCall(FlowRebuild(flow));
   }
   if (!failure->code) PetscCall(Solve(flow));
+  if (!failure->code && keeps) PetscCall(MomentumRestore(flow, mean));
   if (!failure->code) PetscCall(FlowCheck(flow));
   if (!failure->code && flow->clock->adapt->estimates) PetscCall(TimeErrorCheck(flow));
   if (!failure->code) PetscCall(AverageEnd(flow));

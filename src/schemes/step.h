@@ -13,6 +13,9 @@ PetscErrorCode FlowBegin(Flow *flow);
 /* motion.c */
 PetscErrorCode FlowMove(Flow *flow);
 
+/* momentum.c */
+PetscErrorCode MomentumRestore(Flow *flow, const PetscReal mean[]);
+
 /* limits.c */
 PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit);
 
