@@ -22,14 +22,16 @@ static PetscInt SetModes(const Scene *scene, const PetscReal x[], PetscReal psi[
 
   psi[0] = 1.0;
   for (PetscInt a = 0; a < scene->dim; a++) {
-    const PetscReal side  = scene->hi[a] - scene->lo[a];
+    const PetscReal phase = 2.0 * PETSC_PI * (x[a] - scene->lo[a]) / (scene->hi[a] - scene->lo[a]);
+    const PetscReal c = PetscCosReal(phase), s = PetscSinReal(phase);
+    PetscReal       cosine = PETSC_SQRT2, sine = 0.0; /* of k phase, times sqrt(2) */
     const PetscInt  lower = n;
 
     for (PetscInt k = 1; k <= harmonics; k++) {
-      const PetscReal phase  = 2.0 * PETSC_PI * (PetscReal)k * (x[a] - scene->lo[a]) / side;
-      const PetscReal cosine = PETSC_SQRT2 * PetscCosReal(phase);
-      const PetscReal sine   = PETSC_SQRT2 * PetscSinReal(phase);
+      const PetscReal turned = c * cosine - s * sine;
 
+      sine   = s * cosine + c * sine;
+      cosine = turned;
       for (PetscInt q = 0; q < lower; q++) psi[n++] = cosine * psi[q];
       for (PetscInt q = 0; q < lower; q++) psi[n++] = sine * psi[q];
     }
@@ -61,15 +63,16 @@ PetscErrorCode FlowMeanVelocity(const Flow *flow, const Vec u[], PetscReal mean[
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecGetArrayRead(u[a], &value[a]));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal x[ISPH_MAX_DIM];
+    const PetscReal weight = ParticlesWeight(p, i);
+    PetscReal       x[ISPH_MAX_DIM];
 
     for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
     SetModes(scene, x, psi);
-    for (PetscInt q = 0; q < n; q++) {
-      const PetscReal weighted = ParticlesWeight(p, i) * psi[q];
+    for (PetscInt q = 0; q < n; q++) sum[q] += weight * psi[q];
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      const PetscReal weighted = weight * value[a][i];
 
-      sum[q] += weighted;
-      for (PetscInt a = 0; a < scene->dim; a++) sum[(1 + a) * TERMS + q] += weighted * value[a][i];
+      for (PetscInt q = 0; q < n; q++) sum[(1 + a) * TERMS + q] += weighted * psi[q];
     }
   }
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(u[a], &value[a]));
