@@ -11,7 +11,7 @@ static void ConcentrationImages(const KernelRow *kernel, const Stencil *st,
                                 PetscReal volume, PetscReal *concentration, PetscReal gradient[])
 {
   for (PetscInt set = 1; set < 1 << n_planes; set++) {
-    PetscReal Y[ISPH_MAX_DIM], r = 0.0, w[3];
+    PetscReal Y[ISPH_MAX_DIM], r2 = 0.0, r, w[3];
 
     for (PetscInt a = 0; a < st->dim; a++) Y[a] = X[a];
     for (PetscInt p = 0; p < n_planes; p++) {
@@ -21,9 +21,9 @@ static void ConcentrationImages(const KernelRow *kernel, const Stencil *st,
       for (PetscInt a = 0; a < st->dim; a++) height += Y[a] * planes[p].normal[a];
       for (PetscInt a = 0; a < st->dim; a++) Y[a] -= 2.0 * height * planes[p].normal[a];
     }
-    for (PetscInt a = 0; a < st->dim; a++) r += PetscSqr(Y[a]);
-    r = PetscSqrtReal(r);
-    if (r >= st->radius || r == 0.0) continue;
+    for (PetscInt a = 0; a < st->dim; a++) r2 += PetscSqr(Y[a]);
+    if (r2 >= PetscSqr(st->radius) || r2 == 0.0) continue;
+    r = PetscSqrtReal(r2);
     KernelEvaluate(kernel, st->dim, st->h, r, w);
     *concentration += volume * w[0];
     for (PetscInt a = 0; a < st->dim; a++) gradient[a] -= volume * w[1] * Y[a] / r;
@@ -53,21 +53,18 @@ void ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil
                       PetscReal gradient[])
 {
   const PetscReal origin[ISPH_MAX_DIM] = {0.0};
-  PetscReal       sum[ISPH_MAX_DIM] = {0.0}, value = st->volume * st->self[0];
+  PetscReal       sum[ISPH_MAX_DIM]    = {0.0};
   WallPlane       planes[SCENE_MAX_BOUNDARIES];
   PetscInt        n_planes = 0;
 
-#pragma omp simd reduction(+ : value)
-  for (PetscInt k = 0; k < st->n; k++) value += mirrored && st->wall[k] ? 0.0 : st->V[k] * st->W[k];
-  for (PetscInt a = 0; a < st->dim; a++) {
-    PetscReal along = 0.0;
+  *concentration = st->volume * st->self[0];
+  for (PetscInt k = 0; k < st->n; k++) {
+    const PetscReal scale = st->V[k] * st->dW[k] / st->r[k];
 
-#pragma omp simd reduction(+ : along)
-    for (PetscInt k = 0; k < st->n; k++)
-      along -= mirrored && st->wall[k] ? 0.0 : st->V[k] * st->dW[k] / st->r[k] * st->X[a][k];
-    sum[a] = along;
+    if (mirrored && st->wall[k]) continue;
+    *concentration += st->V[k] * st->W[k];
+    for (PetscInt a = 0; a < st->dim; a++) sum[a] -= scale * st->X[a][k];
   }
-  *concentration = value;
   if (mirrored && st->n_wall) SceneWallPlanes(scene, x, st->radius, planes, &n_planes);
   if (n_planes) {
     ConcentrationImages(kernel, st, planes, n_planes, origin, st->volume, concentration, sum);

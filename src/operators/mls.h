@@ -172,6 +172,7 @@ static inline PetscBool MlsEliminate(PetscInt n, PetscInt width, PetscReal a[])
     for (PetscInt i = j + 1; i < n; i++) {
       const PetscReal factor = pivot[i] * inverse[j];
 
+      if (factor == 0.0) continue; /* vectors beside flat walls: uncoupled components */
 #pragma omp simd
       for (PetscInt c = 0; c < width; c++) a[i * width + c] -= factor * pivot[c];
     }
