@@ -7,7 +7,7 @@
   extended into the fluid as a rigid motion, which has no strain; then the second viscous term is
   zero, as w is on the surface. The velocity of a side may vary along the side; there the second
   term follows from the derivatives of the wall velocity and from continuity. dw/dn is a one-sided
-  difference of second order between the surface and probes at the heights dx and 2 dx. See
+  difference of third order between the surface and probes at the heights dx, 2 dx and 3 dx. See
   docs/theory.md, (112) and (113).
 */
 #include "monitors.h"
@@ -183,20 +183,21 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
 {
   const Scene   *scene = flow->scene;
   const PetscInt dim   = scene->dim;
-  PetscReal     *w[3], *slope = NULL, *p, *nu, centre[ISPH_MAX_DIM];
+  PetscReal     *w[4], *slope = NULL, *p, *nu, centre[ISPH_MAX_DIM];
   Surface        s;
 
   PetscFunctionBegin;
   TorqueCentre(scene, side, centre);
   PetscCall(SurfaceCreate(scene, side, &s));
-  PetscCall(PetscMalloc5(s.n * dim, &w[0], s.n * dim, &w[1], s.n * dim, &w[2], s.n, &p, s.n, &nu));
-  for (PetscInt k = 0; k < 3; k++)
+  PetscCall(PetscMalloc6(s.n * dim, &w[0], s.n * dim, &w[1], s.n * dim, &w[2], s.n * dim, &w[3],
+                         s.n, &p, s.n, &nu));
+  for (PetscInt k = 0; k < 4; k++)
     PetscCall(ProbeAbove(flow, side, &s, (PetscReal)k, w[k], k ? NULL : p));
   slope = w[0]; /* dw/dn; on the surface w itself vanishes */
   for (PetscInt q = 0; q < s.n * dim; q++) {
     const PetscReal *x = &s.x[q / dim * dim];
 
-    slope[q] = (4.0 * w[1][q] - w[2][q]) / (2.0 * SceneSpacing(scene, x));
+    slope[q] = (18.0 * w[1][q] - 9.0 * w[2][q] + 2.0 * w[3][q]) / (6.0 * SceneSpacing(scene, x));
   }
   PetscCall(SurfaceViscosity(flow, &s, slope, nu));
   for (PetscInt k = 0; k < s.n; k++) {
@@ -214,7 +215,7 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
     }
     AddTorque(dim, centre, &s.x[k * dim], f, T);
   }
-  PetscCall(PetscFree5(w[0], w[1], w[2], p, nu));
+  PetscCall(PetscFree6(w[0], w[1], w[2], w[3], p, nu));
   PetscCall(PetscFree3(s.x, s.normal, s.area));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
