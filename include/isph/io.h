@@ -28,13 +28,20 @@ typedef struct {
   PetscReal error;     /* relative to the scale; NaN without reference [-] */
 } Quantity;
 
+/* The estimated error of the velocity of a flow, see src/io/resolution.c. */
+typedef struct {
+  PetscReal error;           /* root mean square over that of the velocity [-] */
+  PetscReal x[ISPH_MAX_DIM]; /* place of the largest error of the gradient [m] */
+} Resolution;
+
 struct Report {
-  Quantity *quantity;
-  PetscInt  n, capacity;
-  PetscReal t;                        /* time of the quantities that are added next [s] */
-  char      not_finite[32];           /* first quantity that is not finite; empty: none */
-  PetscBool data_absent;              /* a file of the reference data was not found */
-  char      file[PETSC_MAX_PATH_LEN]; /* file of all runs; empty: none */
+  Quantity  *quantity;
+  PetscInt   n, capacity;
+  PetscReal  t;                        /* time of the quantities that are added next [s] */
+  char       not_finite[32];           /* first quantity that is not finite; empty: none */
+  Resolution resolution;               /* at the last time */
+  PetscBool  data_absent;              /* a file of the reference data was not found */
+  char       file[PETSC_MAX_PATH_LEN]; /* file of all runs; empty: none */
 };
 PetscErrorCode ReportCreate(Report **report);
 PetscErrorCode ReportDestroy(Report **report);
@@ -61,6 +68,10 @@ static inline const GradientRow *FlowGradient(const Flow *flow)
 
   return needs & (NEED_PRESSURE | NEED_GRADIENT_U) ? flow->ops->forms.gradient : NULL;
 }
+
+PetscErrorCode ResolutionEstimate(const Flow *flow, Resolution *resolution);
+PetscErrorCode ResolutionMeasure(const Flow *flow, Report *report);
+PetscErrorCode ResolutionView(const Flow *flow, const Report *report, PetscViewer viewer);
 
 /* Snapshots of the particles for ParaView, option -output. */
 typedef struct Snapshots Snapshots;

@@ -299,6 +299,9 @@ PetscErrorCode WallValuesStepPressure(const Scene *scene, const Particles *parti
                                       WallValues *walls);
 PetscErrorCode WallValuesFree(WallValues *walls);
 
+PetscErrorCode OperatorsCompareGradients(const Scene *scene, const Particles *particles,
+                                         const Neighbors *neighbors, Operators *ops,
+                                         PetscReal gradient[], PetscReal difference[]);
 PetscErrorCode OperatorsStrainRate(const Operators *ops, const Particles *particles, const Vec u[],
                                    const Vec walls[], PetscReal g[]);
 PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *particles,

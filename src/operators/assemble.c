@@ -25,9 +25,10 @@ static void GatherWall(const Scene *scene, const Particles *p, const Operators *
   st->n_wall++;
 }
 
-/* Gathers the neighbours of own fluid particle i with the quantities that row functions read. */
-static PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neighbors *nb,
-                                    const Operators *ops, PetscInt i, Stencil *st)
+/* GatherStencil - Gathers the neighbours of own fluid particle i with the quantities that row
+   functions read; not collective */
+PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neighbors *nb,
+                             const Operators *ops, PetscInt i, Stencil *st)
 {
   const PetscInt d = scene->dim, first = nb->row[i], last = nb->row[i + 1];
   PetscReal      radius2, x[ISPH_MAX_DIM];

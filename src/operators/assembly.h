@@ -15,4 +15,8 @@ struct Assembly {
   PetscInt   slot_capacity;   /* number of neighbours that the arrays can hold */
 };
 
+PetscErrorCode GatherStencil(const Scene *scene, const Particles *particles,
+                             const Neighbors *neighbors, const Operators *ops, PetscInt i,
+                             Stencil *stencil);
+
 #endif

@@ -144,6 +144,31 @@ PetscErrorCode GradientRow_Mls(Stencil *st, PetscReal *g[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Computes the gradient of the cubic fit; returns PETSC_FALSE if the neighbours do not determine the
+   fit. */
+static inline PetscBool FitCubicGradient(Stencil *st, PetscInt dim, PetscReal *g[])
+{
+  const PetscInt terms = MlsTerms(dim, 3), width = MlsWidth(terms + dim);
+  PetscReal      system[MLS_MAX_TERMS * (MLS_MAX_TERMS + 5)] = {0.0};
+
+  MlsBasis(st, dim, 3);
+  MlsMoments(st, terms, st->fit.W, width, system);
+  for (PetscInt a = 0; a < dim; a++) system[a * width + terms + a] = 1.0 / st->radius;
+  if (!MlsEliminate(terms, width, system)) return PETSC_FALSE;
+  for (PetscInt a = 0; a < dim; a++) MlsWeights(st, terms, width, system + terms + a, g[a]);
+  return PETSC_TRUE;
+}
+
+/* GradientRow_Mls3 - Computes the gradient of the cubic fit, or of the quadratic fit if the points
+   do not determine the cubic fit; determined: the cubic fit is determined */
+PetscErrorCode GradientRow_Mls3(Stencil *st, PetscReal *g[], PetscBool *determined)
+{
+  PetscFunctionBegin;
+  *determined = st->dim == 2 ? FitCubicGradient(st, 2, g) : FitCubicGradient(st, 3, g);
+  if (!*determined) PetscCall(GradientRow_Mls(st, g));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   FilterRow_Mls - Computes the residual of a quadratic fit with a free constant, docs/theory.md,
   (22)

@@ -190,6 +190,16 @@ static PetscErrorCode RunStep(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Measures the present flow: the quantities of its case, and its resolution. */
+static PetscErrorCode RunMeasure(Run *run)
+{
+  PetscFunctionBegin;
+  run->report->t = run->flow.clock->t;
+  PetscCall(run->flow.scene->problem->Measure(&run->flow, run->report));
+  PetscCall(ResolutionMeasure(&run->flow, run->report));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Measures the flow if a time of -report_times is reached; RunReport() measures it at the end. */
 static PetscErrorCode RunMeasureDue(Run *run)
 {
@@ -200,8 +210,7 @@ static PetscErrorCode RunMeasureDue(Run *run)
       clock->t < clock->report_time[clock->next_report] * (1.0 - 1e-12)) {
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  run->report->t = clock->t;
-  PetscCall(run->flow.scene->problem->Measure(&run->flow, run->report));
+  PetscCall(RunMeasure(run));
   clock->next_report++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -289,13 +298,14 @@ static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measure
   PetscLogDouble now;
 
   PetscFunctionBegin;
-  run->report->t = run->flow.clock->t;
+  run->report->t = run->flow.clock->t; /* of quantities of the run itself */
   PetscCall(RunWriteMatrices(run));
-  if (measured) PetscCall(run->flow.scene->problem->Measure(&run->flow, run->report));
+  if (measured) PetscCall(RunMeasure(run));
   PetscCall(ExpressionScopeCheck(run->flow.scene->scope));
   PetscCall(RunReportChoices(run));
   PetscCall(PetscTime(&now));
   if (measured) PetscCall(ReportView(run->report, now - run->started, PETSC_VIEWER_STDOUT_WORLD));
+  if (measured) PetscCall(ResolutionView(&run->flow, run->report, PETSC_VIEWER_STDOUT_WORLD));
   PetscCall(ReportWrite(&run->flow, run->report, now - run->started, status));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,0 +1,187 @@
+/*
+  The resolution of a flow: an estimate of the error of its velocity from the particles themselves.
+  It is computed for reports only.
+
+  The error of gradients, relative to the gradients, is estimated by the difference of two fits.
+  Errors of the convective term grow while the flow amplifies them, until viscosity has spread
+  them.
+*/
+#include "isph/io.h"
+
+#define SHARE     0.25        /* relative error of the velocity over that of its gradients [-] */
+#define SPREADING (1.0 / 3.0) /* time in which viscosity spreads errors [(U/G)^2/nu] */
+#define AT_REST   1e-6        /* a velocity below this is no flow [U] */
+#define RESOLVED  0.05        /* largest estimated error of a resolved flow [-] */
+
+/* Sums over all fluid particles, weighted by volume, for a single MPI reduction. */
+typedef struct {
+  PetscReal u2, nu;               /* of |u|^2 [m^2/s^2] and of the viscosity [m^2/s] */
+  PetscReal gradient, difference; /* of |grad u| and its difference between two fits [1/s] */
+  PetscReal rate;                 /* of |A A|^(1/2), A = grad u [1/s] */
+} Sums;
+
+/* Returns Frobenius' norm of a dim x dim matrix. */
+static PetscReal Norm(PetscInt dim, const PetscReal A[])
+{
+  PetscReal sum = 0.0;
+
+  for (PetscInt t = 0; t < dim * dim; t++) sum += PetscSqr(A[t]);
+  return PetscSqrtReal(sum);
+}
+
+/* Returns |A A|^(1/2) for a dim x dim matrix A by rows with the norm |A|. Division by |A| keeps the
+   product in the range of the computer in any units. */
+static PetscReal AmplificationRate(PetscInt dim, const PetscReal A[], PetscReal norm)
+{
+  PetscReal square[ISPH_MAX_DIM * ISPH_MAX_DIM] = {0.0};
+
+  if (!(norm > 0.0)) return 0.0;
+  for (PetscInt a = 0; a < dim; a++) {
+    for (PetscInt b = 0; b < dim; b++) {
+      for (PetscInt c = 0; c < dim; c++)
+        square[a * dim + b] += (A[a * dim + c] / norm) * (A[c * dim + b] / norm);
+    }
+  }
+  return norm * PetscSqrtReal(Norm(dim, square));
+}
+
+/* Adds the terms of own fluid particle i with the gradient A to the sums. */
+static void AddParticle(const Flow *flow, PetscInt i, const PetscReal A[], PetscReal difference,
+                        Sums *sums)
+{
+  const Particles *p      = flow->particles;
+  const PetscReal  weight = ParticlesWeight(p, i), norm = Norm(p->dim, A);
+
+  for (PetscInt c = 0; c < p->dim; c++) sums->u2 += weight * PetscSqr(p->u[c][i]);
+  sums->nu += weight * (p->nu ? p->nu[i] : flow->scene->nu);
+  sums->gradient += weight * norm;
+  sums->difference += weight * difference;
+  sums->rate += weight * AmplificationRate(p->dim, A, norm);
+}
+
+/* Broadcasts the position of the particle with the largest difference of any rank, wrapped into a
+   periodic box. Input: i - the particle of this rank, or -1 without particles. */
+static PetscErrorCode FindPlace(const Flow *flow, PetscInt i, PetscReal difference, PetscReal x[])
+{
+  const Scene     *scene   = flow->scene;
+  const Particles *p       = flow->particles;
+  PetscReal        largest = difference;
+  PetscMPIInt      rank, owner;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(p->comm, &rank));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPIU_REAL, MPIU_MAX, p->comm));
+  owner = i >= 0 && difference == largest ? rank : PETSC_MPI_INT_MAX;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &owner, 1, MPI_INT, MPI_MIN, p->comm));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) x[a] = 0.0;
+  if (owner == PETSC_MPI_INT_MAX) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; rank == owner && a < p->dim; a++) {
+    const PetscReal period = scene->hi[a] - scene->lo[a];
+
+    x[a] = p->x[a][i];
+    if (SceneIsPeriodic(scene, a)) x[a] -= period * PetscFloorReal((x[a] - scene->lo[a]) / period);
+  }
+  PetscCallMPI(MPI_Bcast(x, ISPH_MAX_DIM, MPIU_REAL, owner, p->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the relative error of the velocity from the sums, see ResolutionEstimate(). */
+static PetscReal ErrorOf(const Flow *flow, const Sums *sums)
+{
+  const Scene    *scene = flow->scene;
+  const PetscReal total = flow->particles->weight, u = PetscSqrtReal(sums->u2 / total);
+  const PetscReal gradient = sums->gradient / total, nu = sums->nu / total;
+  PetscReal       time = ClockMoment(flow->clock), growth = 1.0;
+
+  if (!(u > AT_REST * scene->speed) || !(gradient > 0.0)) return 0.0;
+  if (SceneHas(scene, PHYSICS_VISCOSITY))
+    time = PetscMin(time, SPREADING * PetscSqr(u / gradient) / nu);
+  if (SceneHas(scene, PHYSICS_CONVECTION) && sums->rate > 0.0) growth += sums->rate / total * time;
+  return SHARE * sums->difference / sums->gradient * growth;
+}
+
+/*
+  ResolutionEstimate - Estimates the error of the velocity
+
+    E = 1/4 <|grad_3 u - grad_2 u|>/<|grad_3 u|> (1 + a T),   a = <|A A|^(1/2)>,
+    T = min(t, (U/G)^2/(3 nu)),   A = grad_3 u,   G = <|A|>,   U = <|u|^2>^(1/2)
+
+  Collective. <.> is the mean over the fluid, weighted by volume; grad_2 and grad_3 are gradients of
+  a quadratic and of a cubic fit, see OperatorsCompareGradients(). The formula is docs/theory.md,
+  (131). A fluid at rest has no error.
+
+  Output Parameter:
+. resolution - the error, and the place where the gradients of both fits differ most
+*/
+PetscErrorCode ResolutionEstimate(const Flow *flow, Resolution *resolution)
+{
+  const Particles *p    = flow->particles;
+  Sums             sums = {.u2 = 0.0};
+  PetscReal       *gradient, *difference, largest = -1.0;
+  PetscInt         worst = -1;
+
+  PetscFunctionBegin;
+  /* fixed particles keep no lists of neighbours */
+  PetscCall(NeighborsUpdate(p, 0.0, flow->neighbors));
+  PetscCall(PetscMalloc2(p->n_fluid * p->dim * p->dim, &gradient, p->n_fluid, &difference));
+  PetscCall(
+      OperatorsCompareGradients(flow->scene, p, flow->neighbors, flow->ops, gradient, difference));
+  if (!SceneMoves(flow->scene)) PetscCall(NeighborsRelease(flow->neighbors));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    AddParticle(flow, i, &gradient[i * p->dim * p->dim], difference[i], &sums);
+    if (difference[i] <= largest) continue;
+    largest = difference[i];
+    worst   = i;
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sums, (PetscMPIInt)(sizeof(sums) / sizeof(PetscReal)),
+                             MPIU_REAL, MPIU_SUM, p->comm));
+  resolution->error = ErrorOf(flow, &sums);
+  PetscCall(FindPlace(flow, worst, largest, resolution->x));
+  PetscCall(PetscFree2(gradient, difference));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ResolutionMeasure - Reports the estimated error of the velocity, and 1 if it is at most RESOLVED,
+   otherwise 0; collective */
+PetscErrorCode ResolutionMeasure(const Flow *flow, Report *report)
+{
+  Resolution *resolution = &report->resolution;
+
+  PetscFunctionBegin;
+  PetscCall(ResolutionEstimate(flow, resolution));
+  PetscCall(ReportAddError(report, "velocity_l2_estimate", resolution->error));
+  PetscCall(ReportAdd(report, "resolved", resolution->error <= RESOLVED ? 1.0 : 0.0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes the coordinates of x, separated by commas. */
+static PetscErrorCode WritePlace(PetscInt dim, const PetscReal x[], char text[], size_t length)
+{
+  PetscFunctionBegin;
+  PetscCall(dim == 2 ? PetscSNPrintf(text, length, "%.3g, %.3g", (double)x[0], (double)x[1])
+                     : PetscSNPrintf(text, length, "%.3g, %.3g, %.3g", (double)x[0], (double)x[1],
+                                     (double)x[2]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ResolutionView - Prints a line if the flow of the last measurement is not resolved
+
+  Collective on the viewer. The error is of order dx^2, which gives the number -n of the line.
+*/
+PetscErrorCode ResolutionView(const Flow *flow, const Report *report, PetscViewer viewer)
+{
+  const Resolution *resolution = &report->resolution;
+  char              place[128];
+
+  PetscFunctionBegin;
+  if (resolution->error <= RESOLVED) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(WritePlace(flow->scene->dim, resolution->x, place, sizeof(place)));
+  PetscCall(PetscViewerASCIIPrintf(
+      viewer,
+      "not resolved: the estimated error of the velocity is %.2g %% and should be at most %.0f %%; "
+      "its gradients are worst near (%s); try -n %.0f\n",
+      100.0 * (double)resolution->error, 100.0 * RESOLVED, place,
+      PetscCeilReal(flow->scene->n * PetscSqrtReal(resolution->error / RESOLVED))));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
