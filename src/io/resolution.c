@@ -108,7 +108,7 @@ static PetscReal ErrorOf(const Flow *flow, const Sums *sums)
 
   Collective. <.> is the mean over the fluid, weighted by volume; grad_2 and grad_3 are gradients of
   a quadratic and of a cubic fit, see OperatorsCompareGradients(). The formula is docs/theory.md,
-  (131). A fluid at rest has no error.
+  (133). A fluid at rest has no error.
 
   Output Parameter:
 . resolution - the error, and the place where the gradients of both fits differ most

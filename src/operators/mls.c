@@ -144,8 +144,8 @@ PetscErrorCode GradientRow_Mls(Stencil *st, PetscReal *g[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the gradient of the cubic fit; returns PETSC_FALSE if the neighbours do not determine the
-   fit. */
+/* Computes the gradient of the cubic fit; returns PETSC_FALSE if the neighbours do not determine
+   the fit. */
 static inline PetscBool FitCubicGradient(Stencil *st, PetscInt dim, PetscReal *g[])
 {
   const PetscInt terms = MlsTerms(dim, 3), width = MlsWidth(terms + dim);
