@@ -194,13 +194,14 @@ def bits(numbers):
 def checksum(contents):
     """Returns the checksum of a checkpoint; None: a part of it cannot be read."""
     words = [contents.values(name) for name in ("memory_names", "report_names")]
-    numbers = [contents.values(name) for name in sorted(contents.sets) if name != "particles"]
-    first, records = contents.values("next_id"), contents.values("particles")
+    numbers = [contents.values(name) for name in sorted(contents.sets) if name not in ("particles", "kept")]
+    first, records, kept = contents.values("next_id"), contents.values("particles"), contents.values("kept")
     if not first or not records or None in words or None in numbers:
         return None
     width = contents.sets["particles"].shape[-1]
     rows = [records[k:k + width] for k in range(0, len(records), width)]
-    tables = [(float(first[0]),), *numbers, *rows]
+    pairs = [(float(k), value) for k, value in enumerate(kept or ())]
+    tables = [(float(first[0]),), *numbers, *pairs, *rows]
     return sum(map(hashed, words + [bits(table) for table in tables])) % 2**64
 
 

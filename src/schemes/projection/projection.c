@@ -31,6 +31,9 @@ static const ProjectionRow projections[] = {
 };
 const Table ProjectionTable = TABLE("Projections", projections);
 
+#define SPACING_STANDARD 2.0 /* of -pressure_spacing [dx] */
+#define LEAST_CELLS      2.5 /* of the splines along an axis; rounded to 3 */
+
 static const PressurePointsRow points[] = {
     {.name = "same", .brief = "on the particles", .citation = ""},
     {.name     = "coarse",
@@ -56,7 +59,8 @@ static const OptionRow options[] = {
             .name     = "-pressure_points",
             .kind     = VALUE_NAME,
             .brief    = "where the pressure is known",
-            .standard = "same",
+            .standard = "coarse for moving particles in boxes of at least 3 cells along each axis, "
+                        "unless an option of a pressure on particles is given; else same",
             .table    = &PressurePointsTable,
             .where    = "-scheme projection with pressure",
         },
@@ -153,6 +157,38 @@ static PetscErrorCode RegisterEvents(Projection *pr)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns the width of the box along an axis in cells of the splines. */
+static PetscReal CellsAlong(const Scene *scene, PetscInt a, PetscReal spacing)
+{
+  return (scene->hi[a] - scene->lo[a]) / scene->dx / spacing;
+}
+
+/*
+  Chooses where the pressure is known
+
+  By default moving particles take it on coarse points, where it has no noise. A narrow box has no
+  room for these points, and an option of the pressure on particles asks for the particles. Fixed
+  particles have no noise.
+*/
+static PetscErrorCode ChoosePoints(const Scene *scene, const PressurePointsRow **chosen)
+{
+  static const char *const of_particles[] = {"-ppe_alpha", "-ppe_filter", "-ppe_laplacian"};
+  PetscBool                coarse         = SceneMoves(scene), given;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++)
+    coarse = coarse && CellsAlong(scene, a, SPACING_STANDARD) >= LEAST_CELLS;
+  PetscCall(OptionGiven(options[POINTS].name, &given));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(of_particles) && !given; k++) {
+    PetscBool asks;
+
+    PetscCall(OptionGiven(of_particles[k], &asks));
+    coarse = coarse && !asks;
+  }
+  PetscCall(OptionGetRow(&options[POINTS], coarse ? "coarse" : "same", chosen));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Reads the options of a pressure on the particles. */
 static PetscErrorCode CreateOnParticles(Flow *flow, Projection *pr)
 {
@@ -191,13 +227,12 @@ static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
             "-pressure_points coarse: on fixed particles it feeds energy into the flow for U dx/nu "
             "above 15, here %.3g; use same, or a larger -n",
             (double)R);
-  pr->spacing = 2.0;
+  pr->spacing = SPACING_STANDARD;
   PetscCall(OptionGetReal(&options[SPACING], &pr->spacing, NULL));
   for (PetscInt a = 0; a < flow->scene->dim; a++) {
-    const PetscReal cells =
-        (flow->scene->hi[a] - flow->scene->lo[a]) / flow->scene->dx / pr->spacing;
+    const PetscReal cells = CellsAlong(flow->scene, a, pr->spacing);
 
-    UserCheck(cells >= 2.5,
+    UserCheck(cells >= LEAST_CELLS,
               "-pressure_points coarse: the box is only %.3g cells of -pressure_spacing %.3g wide "
               "along %c, at least 3 are needed; use a larger -n",
               (double)cells, (double)pr->spacing, "xyz"[a]);
@@ -237,7 +272,7 @@ static PetscErrorCode ProjectionCreate(Flow *flow)
             flow->scheme->row->name);
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
     PetscCall(OptionGetRow(&options[PROJECTION], NULL, &pr->row));
-    PetscCall(OptionGetRow(&options[POINTS], NULL, &points_row));
+    PetscCall(ChoosePoints(scene, &points_row));
     if (points_row->coarse) PetscCall(CreateOnSplines(flow, pr));
     else PetscCall(CreateOnParticles(flow, pr));
     flow->scheme->variant = (const TableRow *)(const void *)pr->row;
