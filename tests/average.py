@@ -19,7 +19,7 @@ CAVITY = ["-case", "cavity", "-reynolds", "400", "-n", "12", "-dt", f"{DT}"]
 PROBES = ["-probe_forces", "-probe_point", "0.25,0.5,0.7,0.6", "-probe_line", "0,0.5,1,0.5,5,0.3,0,0.3,1,4"]
 TIGHT = ["-ppe_ksp_rtol", "1e-12", "-visc_ksp_rtol", "1e-12"]
 FLOWS = {"lagrangian": ["-motion", "lagrangian"], "eulerian": ["-motion", "eulerian"],
-         "coarse": ["-pressure_points", "coarse"]}
+         "same": ["-pressure_points", "same"]}
 MEAN = {"forces": ("fx", "fy", "tz"), "point": ("p",), "line": ("p",)}  # averaged columns of files
 
 

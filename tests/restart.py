@@ -32,7 +32,7 @@ from random_input.hdf5 import Contents
 BASE = ["-n", "24", "-t_end", "3", "-progress", "none", "-skin", "1"]
 FORCED = ["-case", "scene", "-scene_body_1", "circle,0.5,0.5,0.2", "-body_force", "sin(9*t),x*cos(7*t)",
           "-scene_wall_top_velocity", "cos(5*t),0"]  # force and wall velocity depend on time
-COARSE = ["-pressure_points", "coarse"]
+SAME = ["-pressure_points", "same"]
 FILES = ["-checkpoint", "c.h5", "-checkpoint_every", "0.1", "-output", "flow.h5", "-output_every", "0.5",
          "-report_times", "1,2", "-probe_point", "0.5,0.5", "-probe_every", "0.25", "-probe_forces"]
 
@@ -114,9 +114,9 @@ def ranked(command, n):
 def bitwise(*command):
     for n in 1, 3:
         for name, flow in (("lagrangian", []), ("eulerian", ["-motion", "eulerian"]), ("forced", FORCED),
-                           ("coupled", ["-scheme", "coupled"]), ("coarse", COARSE),
-                           ("coarse_eulerian", [*COARSE, "-motion", "eulerian"]),
-                           ("coarse_body", [*FORCED, *COARSE]), ("error", FORCED),
+                           ("coupled", ["-scheme", "coupled"]), ("same", SAME),
+                           ("coarse_eulerian", ["-pressure_points", "coarse", "-motion", "eulerian"]),
+                           ("same_body", [*FORCED, *SAME]), ("error", FORCED),
                            ("error_eulerian", [*FORCED, "-motion", "eulerian"]),
                            ("error_coupled", [*FORCED, "-motion", "eulerian", "-scheme", "coupled"])):
             folder = f"{name}{n}"
@@ -135,8 +135,8 @@ def bitwise(*command):
 
 def ranks(*command):
     tight = ["-n", "16", "-progress", "none", "-visc_ksp_rtol", "1e-13", "-ppe_ksp_rtol", "1e-13"]
-    for name, flow in (("lagrangian", []), ("eulerian", ["-motion", "eulerian"]), ("coarse", COARSE),
-                       ("coarse_body", ["-case", "cavity_cylinder", *COARSE])):
+    for name, flow in (("lagrangian", []), ("eulerian", ["-motion", "eulerian"]), ("same", SAME),
+                       ("body", ["-case", "cavity_cylinder"])):
         file = f"{name}.h5"
         run([*ranked(command, 2), *tight, *flow, "-max_steps", "10", "-checkpoint", file])
         flows = []
