@@ -13,7 +13,7 @@ static const OptionRow   options[]  = {
            .brief  = "matrix of the last solve, e.g. binary:file or ascii:file:ascii_matlab, with "
                         "rows in the order of ids; another file holds ids and positions",
            .places = Matrices,
-           .where  = "runs that solve with that matrix",
+           .where  = "runs that solve with that matrix; ppe only with -pressure_points same",
     },
 };
 const OptionTable MatrixOptions = OPTIONS("Matrices", options);

@@ -253,10 +253,13 @@ static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
   Collective on PETSC_COMM_WORLD.
 
   Options Database Keys:
-+ -projection name - row of the table of projections
-. -ppe_alpha A     - share of the density error in the pressure source (Zheng et al. 2018, Eq. 13)
-- -ppe_filter S    - strength of the pressure filter, by default 1, or 0.1 if particles stay on the
-                     initial lattice; see ShareOfResidual()
++ -projection name      - row of the table of projections
+. -pressure_points name - same or coarse, see ChoosePoints()
+. -pressure_spacing H   - edge of a cell of coarse points [dx]
+. -ppe_alpha A          - share of the density error in the pressure source (Zheng et al. 2018,
+                          Eq. 13)
+- -ppe_filter S         - strength of the pressure filter, by default 1, or 0.1 if particles stay
+                          on the initial lattice; see ShareOfResidual()
 */
 static PetscErrorCode ProjectionCreate(Flow *flow)
 {
