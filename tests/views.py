@@ -29,7 +29,7 @@ def main():
         count(lines, "Linear ppe_ solve converged due to", 3)
         for step in 1, 2, 3:
             count(lines, f"{step} TS dt", 2)  # one integrator a component
-        unknowns = 144 if motion == "eulerian" else 64  # moving: quadratic splines on 6 x 6 cells
+        unknowns = 144 if motion == "eulerian" else 64  # splines on 6 x 6 cells
         lines = output("-motion", motion, "-ppe_ksp_view_mat", "::ascii_info",
                        "-ppe_ksp_view_pmat", "::ascii_info", "-ppe_ksp_view_rhs", "ascii:b.txt",
                        "-ppe_ksp_view_solution", "binary:x.dat", "-visc_ksp_view_mat",
