@@ -147,11 +147,12 @@ PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report)
   PetscReal        momentum[ISPH_MAX_DIM] = {0.0}, square = 0.0;
 
   PetscFunctionBegin;
-  for (PetscInt c = 0; c < p->dim; c++)
-    PetscCall(FluidSum(p, flow->state->u[c], PETSC_FALSE, &momentum[c]));
   if (SceneKeepsMomentum(flow->scene)) {
     PetscCall(FlowMeanVelocity(flow, flow->state->u, momentum));
     for (PetscInt c = 0; c < p->dim; c++) momentum[c] *= p->weight;
+  } else {
+    for (PetscInt c = 0; c < p->dim; c++)
+      PetscCall(FluidSum(p, flow->state->u[c], PETSC_FALSE, &momentum[c]));
   }
   for (PetscInt c = 0; c < p->dim; c++) square += PetscSqr(mass * momentum[c]);
   PetscCall(ReportAddReference(report, "kinetic_energy", flow->scheme->stats.kinetic_energy, energy,
