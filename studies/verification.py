@@ -1,10 +1,13 @@
 """The cases of studies/verify: runs, quantities, where their references come from, and what is drawn."""
 import cmath
+import csv
 import dataclasses
 import math
+import os
 import typing
 
 PI = math.pi
+REFERENCE = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "cases", "reference")
 
 
 def lattice_first(k):
@@ -101,6 +104,7 @@ def per_length(name):
 
 FV = "finite volumes, extrapolated"
 BP = "Botella & Peyret"
+BRUNEAU = "Bruneau & Saad"
 CAVITY = "-options_file options/cavity.opts"
 MIDDLE = "-probe_point 0.5,0,0.5,0.5,0.5,1 -probe_forces -probe_every "
 ALONG_Y, ALONG_X = "0.5,0,0.5,1,101", "0,0.5,1,0.5,101"
@@ -114,11 +118,51 @@ def centrelines(source, energy=True):
     ]
 
 
-def cavity_quantities(source=FV, energy=True, below=None, above=None):
+def cavity_quantities(energy=True):
     return [
-        *centrelines(source, energy),
-        Quantity("pressure", "p(0.5, 0) - p(0.5, 0.5)", sums("point_0_p", "-point_1_p"), below, BP),
-        Quantity("pressure", "p(0.5, 1) - p(0.5, 0.5)", sums("point_2_p", "-point_1_p"), above, BP),
+        *centrelines(FV, energy),
+        Quantity("pressure", "p(0.5, 0) - p(0.5, 0.5)", sums("point_0_p", "-point_1_p")),
+        Quantity("pressure", "p(0.5, 1) - p(0.5, 0.5)", sums("point_2_p", "-point_1_p")),
+        Quantity("force", "shear force on the bottom", "forces_bottom_fx"),
+    ]
+
+
+def tabulated_pressures():
+    """Points of the centrelines with the pressures of the tables, less the pressure in the middle."""
+    points = {(0.5, 0.5): 0.0}
+    for along, name in (("y", "p"), ("x", "p_horizontal")):
+        with open(os.path.join(REFERENCE, f"botella_peyret_re1000_{name}.csv"), newline="") as file:
+            for row in csv.DictReader(line for line in file if not line.startswith("#")):
+                s, p = float(row[along]), float(row["p"])
+                points[(0.5, s) if along == "y" else (s, 0.5)] = p
+    return points
+
+
+TABULATED = tabulated_pressures()
+VORTEX = "0.5308,0,0.5308,0.5652"  # from the bottom to the centre of the vortex: the flux is the streamfunction there
+TABLES = (f"-probe_point {','.join(f'{x},{y}' for x, y in TABULATED)} -probe_flux {VORTEX} -probe_forces "
+          "-probe_every ")
+
+
+def pressure_error(along):
+    """The largest error on a centreline over the range of the pressures of both tables."""
+    span = max(TABULATED.values()) - min(TABULATED.values())
+    of_line = [(k, p) for k, ((x, y), p) in enumerate(TABULATED.items()) if (x if along == "y" else y) == 0.5]
+
+    def error(row):
+        if any(f"point_{k}_p" not in row for k, _ in of_line):
+            return None
+        return max(abs(row[f"point_{k}_p"] - row["point_0_p"] - p) for k, p in of_line) / span
+    return error
+
+
+def steady_quantities():
+    return [
+        *centrelines(BP, False),
+        Quantity("energy", "kinetic energy", "kinetic_energy", 0.044503, BRUNEAU),
+        Quantity("velocity", "streamfunction in the centre of the vortex", "flux_0_flux", -0.11892, BRUNEAU),
+        *[norm("pressure", f"pressure on {line}, largest error over the range", pressure_error(along), BP)
+          for line, along in (("x = 0.5", "y"), ("y = 0.5", "x"))],
         Quantity("force", "shear force on the bottom", "forces_bottom_fx"),
     ]
 
@@ -144,6 +188,7 @@ def cavity():
     re400 = f"{CAVITY} -reynolds 400 -t_end 40"
     re1000 = f"{CAVITY} -reynolds 1000 -t_end 40"
     steady = f"{CAVITY} -reynolds 1000 -t_end 80 -cfl 1 -motion eulerian"
+    coarse = f"{steady} -pressure_points coarse"
     in_time = [*energy_at(1, 2, 3, 5, 8, 12), *centrelines(FV)]
     series, later = "-report_times 1,1.5,2,3,5,8,12,16", ",".join(map(str, range(1, 20)))
     creeping, graded = f"{CAVITY} -motion eulerian -reynolds 0.01", "finite volumes, 200 x 200 graded cells"
@@ -163,8 +208,11 @@ def cavity():
               cavity_quantities(energy=False), (3, 1, 1), watch=MIDDLE + "40"),
         Study("Re = 1000, t = 40, moving particles", re1000, (25, 50, 64, 100), cavity_quantities(), (3, 1, 1, 1),
               watch=MIDDLE + "40"),
-        Study("Re = 1000, t = 80 (steady), fixed particles, CFL number 1", steady, (25, 50, 100),
-              cavity_quantities(BP, False, 0.110591, 0.052987), watch=MIDDLE + "80"),
+        *[Study(f"Re = 1000, t = 80 (steady), {name}", arguments, sides, steady_quantities(), watch=TABLES + "80")
+          for name, arguments, sides in (
+              ("fixed particles, CFL number 1", steady, (25, 50, 100)),
+              ("fixed particles, pressure on coarse points, CFL number 1", coarse, (70, 100)),
+              ("moving particles", f"{CAVITY} -reynolds 1000 -t_end 80", (25, 50, 100)))],
         Study("Re = 10,000, t = 20, moving particles", f"{CAVITY} -reynolds 10000 -report_times {later}", (100,),
               [*energy_at(1, 2, 3, 5, 8, 12, 16, source=graded),
                report("energy", "kinetic energy", "kinetic_energy", graded)]),
@@ -173,9 +221,11 @@ def cavity():
                            "cavity_re100_u.csv", "cavity_re100_v.csv"),
         *centreline_panels("Re = 1000, t = 80, n = 50, fixed", f"{steady} -n 50", 80,
                            "botella_peyret_re1000_u.csv", "botella_peyret_re1000_v.csv", BP),
-        Panel("Re = 1000, t = 80, n = 50, fixed", f"{steady} -n 50", ALONG_Y, "y", "p",
-              ("y/L", "p/(rho U^2)"), 80, files=((BP, "botella_peyret_re1000_p.csv"),), centred=True),
-    ], ("profile of u on the centreline, rms over U", "p(0.5, 0) - p(0.5, 0.5)"))
+        *[Panel("Re = 1000, t = 80, n = 50, fixed", f"{steady} -n 50", line, over, "p",
+                (f"{over}/L", "p/(rho U^2)"), 80, files=((BP, f"botella_peyret_re1000_{file}.csv"),),
+                centred=True) for line, over, file in ((ALONG_Y, "y", "p"), (ALONG_X, "x", "p_horizontal"))],
+    ], ("profile of u on the centreline, rms over U", "pressure on x = 0.5, largest error over the range",
+        "pressure on y = 0.5, largest error over the range"))
 
 
 def cavity_cube():
