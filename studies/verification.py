@@ -576,6 +576,52 @@ def scene():
         "sum of the forces on walls and cylinder"))
 
 
+def regularised_cavity():
+    base = "-options_file options/regularised_cavity.opts"
+    fixed, coarse = "-motion eulerian", "-motion eulerian -pressure_points coarse"
+    end = {1: "-t_end 0.5 -report_times 0.1,0.25", 100: "-t_end 10 -report_times 2.5,5",
+           1000: "-t_end 20 -report_times 5,10"}
+    half = {1: "0.25", 100: "5", 1000: "10"}
+    sides = (16, 32, 64, 128)
+
+    def study(title, re, how, sides):
+        words = " ".join(("-reynolds", str(re), *how.split(), end[re]))
+        return Study(f"Re = {re}, {title}", f"{base} {words}", sides,
+                     [norm("velocity", "velocity, relative L2", "velocity_l2"),
+                      norm("velocity", f"the same at t = {half[re]}", f"velocity_l2@{half[re]}"),
+                      norm("velocity", "velocity, relative maximum", "velocity_linf"),
+                      norm("pressure", "pressure, relative L2", "pressure_l2"),
+                      norm("pressure", f"the same at t = {half[re]}", f"pressure_l2@{half[re]}")])
+
+    waves, driven = "-options_file options/channel_waves.opts", "-options_file options/scene_expressions.opts"
+    flow = [norm("velocity", "velocity, relative L2", "velocity_l2"),
+            norm("pressure", "pressure, relative L2", "pressure_l2")]
+    walls = ("wall_layer", "dummy_linear", "mirror", "linear", "quadratic", "global_quadratic", "adami")
+    shown = "-options_file options/regularised_cavity.opts -reynolds 100 -t_end 10 -report_times 2.5,5 -n 32"
+    return Case("Regularised cavity, and every wall treatment", [
+        *(study("moving particles", re, "", sides if re < 1000 else sides[:3]) for re in end),
+        *(study("fixed particles, pressure on coarse points", re, coarse, sides if re < 1000 else (96, 128))
+          for re in end),
+        *(study("fixed particles", re, fixed, sides) for re in end),
+        *(study("fixed particles, coupled scheme", re, f"{fixed} -scheme coupled", sides[:3 if re < 1000 else 2])
+          for re in end),
+        *(Study(f"{name}, `-wall {wall}`", f"{case} -wall {wall} {coarse}", sides[:3], flow)
+          for name, case in (("waves in a channel", waves), ("box with driven walls", driven))
+          for wall in walls if case == waves or wall != "global_quadratic"),
+    ], [
+        Panel("Re = 100, n = 32, moving", shown, ALONG_Y, "y", "u", ("y/L", "u/U at x = 0.5"), 10,
+              lambda y: 0.5 * (4 * y**3 - 2 * y)),
+        Panel("Re = 100, n = 32, moving", shown, "0,0.9,1,0.9,81", "x", "p", ("x/L", "p/(rho U^2) at y = 0.9"), 10,
+              lambda x: shih_pressure(x, 0.9, 0.01), centred=True),
+    ], ("velocity, relative L2", "pressure, relative L2"))
+
+
+def shih_pressure(x, y, nu):
+    """Pressure of the regularised cavity over rho."""
+    return (8 * nu * ((4 * x**3 - 6 * x * x + 2 * x) * (4 * y**3 - 2 * y) + 24 * y * (x**5 / 5 - x**4 / 2 + x**3 / 3))
+            - 64 * (x * (1 - x)) ** 4 * (2 * y**6 - y**4 + y * y))
+
+
 def patch():
     base = "-options_file options/patch.opts -patch_spectrum 0 -patch_field wave"
     quantities = [norm("operator", "Laplacian, relative L2", "laplacian_l2", "exact field"),
@@ -589,4 +635,5 @@ def patch():
 
 CASES = {make.__name__: make for make in (
     cavity, cavity_cube, cavity_cylinder, taylor_couette, taylor_green, poiseuille, couette, hydrostatic,
-    stokes_cylinders, stokes_exact, two_layers, rheology, womersley, scene, patch)}
+    stokes_cylinders, stokes_exact, two_layers, rheology, womersley, scene,
+    regularised_cavity, patch)}
