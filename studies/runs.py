@@ -14,6 +14,7 @@ import sys
 import tempfile
 import time
 
+ROOT = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
 FORMS = ["morris", "gotoh", "schwaiger", "corrected", "direct_scalar", "fatehi_manzari", "lsph", "mls",
          "mls3"]
 COLOURS = dict(zip(FORMS, ["#000000", "#E69F00", "#56B4E9", "#009E73", "#999999", "#CC79A7", "#8C6D31",
@@ -151,6 +152,12 @@ def last_rows(path, end):
         for name in [name for name in ("u", "v", "p", "fx", "fy", "tz", "flux") if row.get(name)]:
             found[f"{kind}_{row[which]}_{name}"] = row[name]
     return found
+
+
+def reference_rows(name):
+    """Returns the rows of a file of cases/reference, whose lines with # are comments, as dictionaries."""
+    with open(os.path.join(ROOT, "cases", "reference", name), newline="") as file:
+        return list(csv.DictReader(line for line in file if not line.startswith("#")))
 
 
 def need(*modules):

@@ -1,263 +1,16 @@
-"""The cases of studies/verify: runs, quantities, where their references come from, and what is drawn."""
+"""The cases of studies/verify, by name; those of cavities have a file of their own."""
 import cmath
-import csv
-import dataclasses
 import math
-import os
-import typing
+
+from verification_cavities import cavity, cavity_cube, cavity_cylinder, creeping_extrema, regularised_cavity
+from verification_parts import Case, Chart, Panel, Quantity, Study, norm, report, seeds, sums
 
 PI = math.pi
-REFERENCE = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "cases", "reference")
-
-
-def lattice_first(k):
-    """Arguments of the k-th start: the lattice, then lattices disturbed at random."""
-    return f" -jitter 0.1 -seed {k}" if k else ""
-
-
-def seeds(k):
-    """Arguments of the k-th start where the options disturb the lattice already."""
-    return f" -seed {k + 1}" if k else ""
-
-
-@dataclasses.dataclass
-class Quantity:
-    """A column of a run, or a function of its row. `exact` is its reference, a number or a function of the row; True
-    where the column is an error itself; None where there is none, and the change with n is all that is known."""
-    kind: str  # velocity, pressure, force, energy, operator
-    label: str
-    column: typing.Any
-    exact: typing.Any = None
-    source: str = ""
-
-
-@dataclasses.dataclass
-class Study:
-    """Runs of one setting at some resolutions, each from so many starts. Watch: -probe_ options."""
-    title: str
-    arguments: str
-    sides: tuple
-    quantities: list
-    starts: tuple = ()
-    start: typing.Callable = lattice_first
-    watch: str = ""
-
-
-@dataclasses.dataclass
-class Panel:
-    """A picture of one run along a line: a column of -probe_line over another, beside curves and points."""
-    title: str
-    arguments: str
-    line: str  # -probe_line
-    over: str
-    column: str
-    labels: tuple
-    every: float = 0  # -probe_every: the last row is drawn
-    curve: typing.Any = None  # exact, a function of `over`
-    files: tuple = ()  # (label, file of cases/reference)
-    centred: bool = False  # the curve is known up to a constant
-
-
-@dataclasses.dataclass
-class Chart:
-    """A picture of a quantity of several studies at their finest n over a number that tells them apart."""
-    title: str
-    column: str
-    labels: tuple
-    numbers: dict  # by title of the study
-
-
-@dataclasses.dataclass
-class Case:
-    title: str
-    studies: list
-    panels: list  # Panel or Chart
-    drawn: tuple = ()  # labels of the quantities in the panel of errors; without, there is none
-
-
-def report(kind, label, column, source):
-    """A quantity whose reference the program reports."""
-    return Quantity(kind, label, column, lambda row: row.get(f"{column}_reference"), source)
-
-
-def norm(kind, label, column, source="exact solution"):
-    """A quantity that is an error itself."""
-    return Quantity(kind, label, column, True, source)
-
-
-def sums(*names):
-    """The sum of columns, a minus before a name taking it off; None where one is absent."""
-    def add(row):
-        terms = [(-1 if name[0] == "-" else 1, name.lstrip("-")) for name in names]
-        if any(name not in row for _, name in terms):
-            return None
-        return sum(sign * row[name] for sign, name in terms)
-    return add
 
 
 def per_length(name):
     """A force on a wall of a channel, which is 8 dx long, per L of its length; n is an eighth of its particles."""
     return lambda row: row[name] * row["particles"] / 64 if name in row else None
-
-
-# ---- cavities ----
-
-FV = "finite volumes, extrapolated"
-BP = "Botella & Peyret"
-BRUNEAU = "Bruneau & Saad"
-CAVITY = "-options_file options/cavity.opts"
-MIDDLE = "-probe_point 0.5,0,0.5,0.5,0.5,1 -probe_forces -probe_every "
-ALONG_Y, ALONG_X = "0.5,0,0.5,1,101", "0,0.5,1,0.5,101"
-
-
-def centrelines(source, energy=True):
-    return [
-        *[norm("velocity", f"profile of {c} on the centreline, rms over U", f"{c}_profile_l2", source) for c in "uv"],
-        *[report("velocity", f"{name} on the centreline", name, source) for name in ("u_min", "v_max", "v_min")],
-        *([report("energy", "kinetic energy", "kinetic_energy", FV)] if energy else []),
-    ]
-
-
-def cavity_quantities(energy=True):
-    return [
-        *centrelines(FV, energy),
-        Quantity("pressure", "p(0.5, 0) - p(0.5, 0.5)", sums("point_0_p", "-point_1_p")),
-        Quantity("pressure", "p(0.5, 1) - p(0.5, 0.5)", sums("point_2_p", "-point_1_p")),
-        Quantity("force", "shear force on the bottom", "forces_bottom_fx"),
-    ]
-
-
-def tabulated_pressures():
-    """Points of the centrelines with the pressures of the tables, less the pressure in the middle."""
-    points = {(0.5, 0.5): 0.0}
-    for along, name in (("y", "p"), ("x", "p_horizontal")):
-        with open(os.path.join(REFERENCE, f"botella_peyret_re1000_{name}.csv"), newline="") as file:
-            for row in csv.DictReader(line for line in file if not line.startswith("#")):
-                s, p = float(row[along]), float(row["p"])
-                points[(0.5, s) if along == "y" else (s, 0.5)] = p
-    return points
-
-
-TABULATED = tabulated_pressures()
-VORTEX = "0.5308,0,0.5308,0.5652"  # from the bottom to the centre of the vortex: the flux is the streamfunction there
-TABLES = (f"-probe_point {','.join(f'{x},{y}' for x, y in TABULATED)} -probe_flux {VORTEX} -probe_forces "
-          "-probe_every ")
-
-
-def pressure_error(along):
-    """The largest error on a centreline over the range of the pressures of both tables."""
-    span = max(TABULATED.values()) - min(TABULATED.values())
-    of_line = [(k, p) for k, ((x, y), p) in enumerate(TABULATED.items()) if (x if along == "y" else y) == 0.5]
-
-    def error(row):
-        if any(f"point_{k}_p" not in row for k, _ in of_line):
-            return None
-        return max(abs(row[f"point_{k}_p"] - row["point_0_p"] - p) for k, p in of_line) / span
-    return error
-
-
-def steady_quantities():
-    return [
-        *centrelines(BP, False),
-        Quantity("energy", "kinetic energy", "kinetic_energy", 0.044503, BRUNEAU),
-        Quantity("velocity", "streamfunction in the centre of the vortex", "flux_0_flux", -0.11892, BRUNEAU),
-        *[norm("pressure", f"pressure on {line}, largest error over the range", pressure_error(along), BP)
-          for line, along in (("x = 0.5", "y"), ("y = 0.5", "x"))],
-        Quantity("force", "shear force on the bottom", "forces_bottom_fx"),
-    ]
-
-
-def centreline_panels(title, arguments, every, u_file, v_file, label=FV):
-    return [Panel(title, arguments, ALONG_Y, "y", "u", ("y/L", "u/U"), every, files=((label, u_file),)),
-            Panel(title, arguments, ALONG_X, "x", "v", ("x/L", "v/U"), every, files=((label, v_file),))]
-
-
-def creeping_extrema():
-    """Extrema of the creeping flow, whose references are those of studies/stokes_cavity."""
-    return [report("velocity", f"{name} on the centreline", name, "biharmonic equation")
-            for name in ("u_min", "v_max", "v_min")]
-
-
-def energy_at(*times, source=FV):
-    """The kinetic energy at times of report."""
-    return [Quantity("energy", f"kinetic energy at t = {t}", f"kinetic_energy@{t}",
-                     lambda row, t=t: row.get(f"kinetic_energy_reference@{t}"), source) for t in times]
-
-
-def cavity():
-    re400 = f"{CAVITY} -reynolds 400 -t_end 40"
-    re1000 = f"{CAVITY} -reynolds 1000 -t_end 40"
-    steady = f"{CAVITY} -reynolds 1000 -t_end 80 -cfl 1 -motion eulerian"
-    coarse = f"{steady} -pressure_points coarse"
-    in_time = [*energy_at(1, 2, 3, 5, 8, 12), *centrelines(FV)]
-    series, later = "-report_times 1,1.5,2,3,5,8,12,16", ",".join(map(str, range(1, 20)))
-    creeping, graded = f"{CAVITY} -motion eulerian -reynolds 0.01", "finite volumes, 200 x 200 graded cells"
-    limit = creeping_extrema()
-    return Case("Lid-driven cavity", [
-        Study("Re = 100, t = 20, fixed particles", f"{CAVITY} -motion eulerian", (25, 50, 100), cavity_quantities(),
-              watch=MIDDLE + "20"),
-        Study("Re = 100, t = 20, moving particles", CAVITY, (25, 50), cavity_quantities(), (3, 3),
-              watch=MIDDLE + "20"),
-        *[Study(f"Re = 100, in the course of time, {name} particles", f"{CAVITY} -motion {motion} {series}", (100,),
-                in_time) for name, motion in (("moving", "lagrangian"), ("fixed", "eulerian"))],
-        *[Study(f"Re = 0.01, 50 steps of nu dt/L^2 = {100 * dt:g}, fixed particles",
-                f"{creeping} -dt {dt:g} -t_end {50 * dt:g}", (25, 50, 100), limit) for dt in (1, 0.01)],
-        Study("Re = 400, t = 40, fixed particles", f"{re400} -motion eulerian", (25, 50, 100),
-              cavity_quantities(energy=False), watch=MIDDLE + "40"),
-        Study("Re = 400, t = 40, moving particles", f"{re400} -motion lagrangian", (25, 50, 100),
-              cavity_quantities(energy=False), (3, 1, 1), watch=MIDDLE + "40"),
-        Study("Re = 1000, t = 40, moving particles", re1000, (25, 50, 64, 100), cavity_quantities(), (3, 1, 1, 1),
-              watch=MIDDLE + "40"),
-        *[Study(f"Re = 1000, t = 80 (steady), {name}", arguments, sides, steady_quantities(), watch=TABLES + "80")
-          for name, arguments, sides in (
-              ("fixed particles, CFL number 1", steady, (25, 50, 100)),
-              ("fixed particles, pressure on coarse points, CFL number 1", coarse, (70, 100)),
-              ("moving particles", f"{CAVITY} -reynolds 1000 -t_end 80", (25, 50, 100)))],
-        Study("Re = 10,000, t = 20, moving particles", f"{CAVITY} -reynolds 10000 -report_times {later}", (100,),
-              [*energy_at(1, 2, 3, 5, 8, 12, 16, source=graded),
-               report("energy", "kinetic energy", "kinetic_energy", graded)]),
-    ], [
-        *centreline_panels("Re = 100, n = 50, fixed", f"{CAVITY} -motion eulerian -n 50", 20,
-                           "cavity_re100_u.csv", "cavity_re100_v.csv"),
-        *centreline_panels("Re = 1000, t = 80, n = 50, fixed", f"{steady} -n 50", 80,
-                           "botella_peyret_re1000_u.csv", "botella_peyret_re1000_v.csv", BP),
-        *[Panel("Re = 1000, t = 80, n = 50, fixed", f"{steady} -n 50", line, over, "p",
-                (f"{over}/L", "p/(rho U^2)"), 80, files=((BP, f"botella_peyret_re1000_{file}.csv"),),
-                centred=True) for line, over, file in ((ALONG_Y, "y", "p"), (ALONG_X, "x", "p_horizontal"))],
-    ], ("profile of u on the centreline, rms over U", "pressure on x = 0.5, largest error over the range",
-        "pressure on y = 0.5, largest error over the range"))
-
-
-def cavity_cube():
-    cube = f"{CAVITY} -dim 3 -motion eulerian"
-    re100 = f"{cube} -reynolds 100 -t_end 12"
-    return Case("Lid-driven cubic cavity", [
-        Study("Re = 100, t = 12, fixed particles", re100, (10, 20, 40), centrelines(FV, False)),
-        Study("Re = 400, t = 30, fixed particles", f"{cube} -reynolds 400 -t_end 30", (20, 40), centrelines(FV, False)),
-    ], [
-        Panel("Re = 100, n = 20", f"{re100} -n 20", "0.5,0,0.5,0.5,1,0.5,101", "y", "u", ("y/L", "u/U"), 12,
-              files=((FV, "cavity3d_re100_u.csv"),)),
-        Panel("Re = 100, n = 20", f"{re100} -n 20", "0,0.5,0.5,1,0.5,0.5,101", "x", "v", ("x/L", "v/U"), 12,
-              files=((FV, "cavity3d_re100_v.csv"),)),
-    ], tuple(f"profile of {c} on the centreline, rms over U" for c in "uv"))
-
-
-def cavity_cylinder():
-    base = "-options_file options/cavity_cylinder.opts"
-    watch = "-probe_point 0.5,0,0.5,0.75,0.25,0.5 -probe_forces -probe_every 40"
-    quantities = [
-        *centrelines(FV),
-        Quantity("pressure", "p(0.5, 0.75) - p(0.5, 0)", sums("point_1_p", "-point_0_p")),
-        Quantity("force", "torque on the cylinder", "forces_body_1_tz"),
-        Quantity("force", "force on the cylinder along x", "forces_body_1_fx"),
-        Quantity("force", "shear force on the bottom", "forces_bottom_fx"),
-    ]
-    return Case("Lid-driven cavity with a cylinder", [
-        Study("Re = 1000, t = 40, moving particles", base, (25, 50, 100), quantities, (3, 2, 1), watch=watch),
-        Study("Re = 1000, t = 40, fixed particles", f"{base} -motion eulerian", (25, 50, 100), quantities, watch=watch),
-    ], centreline_panels("Re = 1000, t = 40, n = 50, moving", f"{base} -n 50 -jitter 0.1 -seed 1", 40,
-                         "cavity_cylinder_re1000_u.csv", "cavity_cylinder_re1000_v.csv"),
-        ("profile of u on the centreline, rms over U", "kinetic energy"))
 
 
 # ---- flows with exact solutions ----
@@ -401,11 +154,10 @@ def stokes_cylinders():
                 quantities, watch=watch) for c, title in titles.items()],
         Study("solid fraction 0.1, `-scheme coupled -steady`, disordered particles",
               f"{coupled} -solid_fraction 0.1 -jitter 0.25", (25, 50, 100), quantities, (5, 3, 3), seeds, watch=watch),
-        *[Study(f"solid fraction {c}, `-scheme projection`, t = 10", f"{base} -solid_fraction {c}", (25, 50, 100),
-                quantities, watch=f"{watch} -probe_every 10") for c in (0.1, 0.3)],
-        *[Study(f"solid fraction {c}, `-scheme projection`, pressure on coarse points, t = 10",
-                f"{base} -solid_fraction {c} -pressure_points coarse", (25, 50, 100), quantities,
-                watch=f"{watch} -probe_every 10") for c in (0.1, 0.3)],
+        *[Study(f"solid fraction {c}, `-scheme projection`{points}, t = 10", f"{base} -solid_fraction {c}{option}",
+                (25, 50, 100), quantities, watch=f"{watch} -probe_every 10")
+          for points, option in (("", ""), (", pressure on coarse points", " -pressure_points coarse"))
+          for c in (0.1, 0.3)],
     ], [Chart("coupled, finest n", "drag", ("solid fraction", "drag/(mu U)"), {t: c for c, t in titles.items()})],
         ("drag over mu U, from the mean velocity", "traction on the cylinder"))
 
@@ -576,52 +328,6 @@ def scene():
         "sum of the forces on walls and cylinder"))
 
 
-def regularised_cavity():
-    base = "-options_file options/regularised_cavity.opts"
-    fixed, coarse = "-motion eulerian", "-motion eulerian -pressure_points coarse"
-    end = {1: "-t_end 0.5 -report_times 0.1,0.25", 100: "-t_end 10 -report_times 2.5,5",
-           1000: "-t_end 20 -report_times 5,10"}
-    half = {1: "0.25", 100: "5", 1000: "10"}
-    sides = (16, 32, 64, 128)
-
-    def study(title, re, how, sides):
-        words = " ".join(("-reynolds", str(re), *how.split(), end[re]))
-        return Study(f"Re = {re}, {title}", f"{base} {words}", sides,
-                     [norm("velocity", "velocity, relative L2", "velocity_l2"),
-                      norm("velocity", f"the same at t = {half[re]}", f"velocity_l2@{half[re]}"),
-                      norm("velocity", "velocity, relative maximum", "velocity_linf"),
-                      norm("pressure", "pressure, relative L2", "pressure_l2"),
-                      norm("pressure", f"the same at t = {half[re]}", f"pressure_l2@{half[re]}")])
-
-    waves, driven = "-options_file options/channel_waves.opts", "-options_file options/scene_expressions.opts"
-    flow = [norm("velocity", "velocity, relative L2", "velocity_l2"),
-            norm("pressure", "pressure, relative L2", "pressure_l2")]
-    walls = ("wall_layer", "dummy_linear", "mirror", "linear", "quadratic", "global_quadratic", "adami")
-    shown = "-options_file options/regularised_cavity.opts -reynolds 100 -t_end 10 -report_times 2.5,5 -n 32"
-    return Case("Regularised cavity, and every wall treatment", [
-        *(study("moving particles", re, "", sides if re < 1000 else sides[:3]) for re in end),
-        *(study("fixed particles, pressure on coarse points", re, coarse, sides if re < 1000 else (96, 128))
-          for re in end),
-        *(study("fixed particles", re, fixed, sides) for re in end),
-        *(study("fixed particles, coupled scheme", re, f"{fixed} -scheme coupled", sides[:3 if re < 1000 else 2])
-          for re in end),
-        *(Study(f"{name}, `-wall {wall}`", f"{case} -wall {wall} {coarse}", sides[:3], flow)
-          for name, case in (("waves in a channel", waves), ("box with driven walls", driven))
-          for wall in walls if case == waves or wall != "global_quadratic"),
-    ], [
-        Panel("Re = 100, n = 32, moving", shown, ALONG_Y, "y", "u", ("y/L", "u/U at x = 0.5"), 10,
-              lambda y: 0.5 * (4 * y**3 - 2 * y)),
-        Panel("Re = 100, n = 32, moving", shown, "0,0.9,1,0.9,81", "x", "p", ("x/L", "p/(rho U^2) at y = 0.9"), 10,
-              lambda x: shih_pressure(x, 0.9, 0.01), centred=True),
-    ], ("velocity, relative L2", "pressure, relative L2"))
-
-
-def shih_pressure(x, y, nu):
-    """Pressure of the regularised cavity over rho."""
-    return (8 * nu * ((4 * x**3 - 6 * x * x + 2 * x) * (4 * y**3 - 2 * y) + 24 * y * (x**5 / 5 - x**4 / 2 + x**3 / 3))
-            - 64 * (x * (1 - x)) ** 4 * (2 * y**6 - y**4 + y * y))
-
-
 def patch():
     base = "-options_file options/patch.opts -patch_spectrum 0 -patch_field wave"
     quantities = [norm("operator", "Laplacian, relative L2", "laplacian_l2", "exact field"),
@@ -635,5 +341,4 @@ def patch():
 
 CASES = {make.__name__: make for make in (
     cavity, cavity_cube, cavity_cylinder, taylor_couette, taylor_green, poiseuille, couette, hydrostatic,
-    stokes_cylinders, stokes_exact, two_layers, rheology, womersley, scene,
-    regularised_cavity, patch)}
+    stokes_cylinders, stokes_exact, two_layers, rheology, womersley, scene, regularised_cavity, patch)}

@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt  # noqa: E402 (the backend is chosen before)
 import numpy as np  # noqa: E402
 from centreline import REFERENCE, read_columns  # noqa: E402
 from runs import COLOURS, MARKERS  # noqa: E402
-from verification import Panel  # noqa: E402
+from verification_parts import Panel  # noqa: E402
 
 STYLE = {"font.size": 9, "axes.titlesize": 9, "legend.fontsize": 7, "legend.frameon": False, "savefig.dpi": 130,
          "figure.facecolor": "white"}

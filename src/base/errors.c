@@ -95,22 +95,17 @@ static const char *ErrorHint(PetscErrorCode code, PetscBool of_solver)
   ErrorPrint - Prints a message and a hint in a single line on standard error
 
   Not collective. A line break or another control character in a value that the message quotes is
-  printed as \n or \x01. The line is one write, so that mpiexec, which reads the outputs of all
-  ranks, does not mix it with another. A message is cut off at 3500 characters.
+  printed as \n or \x01.
 */
 void ErrorPrint(const char message[], const char hint[])
 {
-  char   line[4096] = "isph: ";
-  size_t n          = strlen(line);
-
-  for (const char *c = message; *c && n < 3500; c++) {
-    if (*c == '\n') n += (size_t)snprintf(line + n, sizeof(line) - n, "\\n");
-    else if (iscntrl((unsigned char)*c))
-      n += (size_t)snprintf(line + n, sizeof(line) - n, "\\x%02x", (unsigned)*c);
-    else line[n++] = *c;
+  (void)fputs("isph: ", stderr);
+  for (const char *c = message; *c; c++) {
+    if (*c == '\n') (void)fputs("\\n", stderr);
+    else if (iscntrl((unsigned char)*c)) (void)fprintf(stderr, "\\x%02x", (unsigned)*c);
+    else (void)fputc(*c, stderr);
   }
-  (void)snprintf(line + n, sizeof(line) - n, "%.500s\n", hint);
-  (void)fputs(line, stderr);
+  (void)fprintf(stderr, "%s\n", hint);
 }
 
 static PetscErrorCode ErrorHandler_OneLine(MPI_Comm comm, int line, const char *function,
