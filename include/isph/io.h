@@ -91,10 +91,11 @@ PetscErrorCode            MatrixFileCreate(const char prefix[], MatrixFile **fil
 PetscErrorCode            MatrixFileDestroy(MatrixFile **file);
 PetscErrorCode            MatrixFileWrite(const Particles *particles, Mat A, MatrixFile *file);
 
-/* Probes, forces and fluxes during a run, options -probe_point, -probe_line, -probe_flux and
-   -probe_forces. */
+/* Probes, forces, fluxes and budgets during a run, options -probe_point, -probe_line, -probe_flux,
+   -probe_forces and -probe_budget. */
 typedef struct Monitors Monitors;
-PetscErrorCode          MonitorsCreate(const Flow *flow, Monitors **monitors);
+PetscErrorCode          MonitorsNeeds(unsigned *needs);
+PetscErrorCode          MonitorsCreate(Flow *flow, Monitors **monitors);
 const char             *MonitorsBase(const Monitors *monitors);
 PetscErrorCode          MonitorsDestroy(Monitors **monitors);
 PetscErrorCode          MonitorsRestart(PetscReal t, Monitors *monitors);

@@ -34,6 +34,30 @@ typedef struct {
   Vec        vec;        /* on the field; valid for an epoch */
 } PressureAverage;
 
+/* The parts of a step that change the velocity, in their order; see src/schemes/budget.c. */
+typedef enum {
+  PART_MOTION,    /* displacement of particles; remaking of operators */
+  PART_SHIFT,     /* change of velocities by the shift */
+  PART_CLEARANCE, /* change of velocities by the clearance of walls */
+  PART_FILTER,    /* velocity filter */
+  PART_HISTORY,   /* extrapolation to the start of the viscous step */
+  PART_FORCE,     /* old pressure, body force, and explicit convection */
+  PART_VISCOSITY,
+  PART_SOLVE, /* the projection, or the whole solve of the coupled scheme */
+  PART_MEAN,  /* restored mean velocity */
+  STEP_PARTS
+} StepPart;
+enum { CARRIED_SHIFT, CARRIED_CLEARANCE, CARRIED_FILTER, CARRIED_PARTS };
+typedef struct Budget Budget;
+
+/* The budget of a part of a step in a box. */
+typedef struct {
+  PetscReal share;          /* of the fluid [-] */
+  PetscReal energy;         /* added kinetic energy [J] (per metre of depth in 2D) */
+  PetscReal divergence_rms; /* root mean square of div u after the part [1/s] */
+  PetscReal divergence_max; /* largest |div u| after the part [1/s] */
+} BudgetValues;
+
 /*
   Velocity and pressure on the particles. Fields follow the particles through migration, restart and
   undo. Vectors are valid for an epoch; they share storage with the fields or hold the present step.
@@ -45,6 +69,7 @@ typedef struct {
   PetscBool       has_convection;  /* particles are fixed and have a convective term */
 
   PressureAverage average; /* of the pressure */
+  Budget         *budget;  /* NULL: steps measure none */
 
   PetscReal *u_previous[ISPH_MAX_DIM]; /* u^{n-1} (field) [m/s] */
   PetscReal *u_earlier[ISPH_MAX_DIM];  /* u^{n-2} (field); NULL without -dt_adapt error [m/s] */
@@ -189,6 +214,12 @@ PetscErrorCode AverageRegister(Flow *flow);
 PetscErrorCode AverageBegin(Flow *flow);
 PetscErrorCode AverageEnd(Flow *flow);
 PetscReal      AverageLength(const Flow *flow);
+
+/* The budget of a step. */
+PetscErrorCode BudgetCreate(Flow *flow, PetscInt n, const PetscReal box[]);
+PetscErrorCode BudgetDestroy(Budget **budget);
+PetscErrorCode BudgetGet(const Flow *flow, StepPart part, PetscInt box, BudgetValues *values,
+                         PetscBool *measured);
 
 PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, const Vec v[], Vec u,
                                  Vec walls, Vec work, Vec result);

@@ -6,7 +6,7 @@
 
 #define MONITOR_NUMBERS 256 /* most numbers of an option */
 
-enum { POINT, LINE, FLUX, FORCES, EVERY, BASE };
+enum { POINT, LINE, FLUX, FORCES, BUDGET, EVERY, BASE };
 static const OptionRow options[] = {
     [POINT] =
         {
@@ -42,6 +42,15 @@ static const OptionRow options[] = {
             .standard = "false",
             .where    = "flows",
         },
+    [BUDGET] =
+        {
+            .name  = "-probe_budget",
+            .kind  = VALUE_REALS,
+            .brief = "kinetic energy and divergence that each part of a step adds in boxes: two "
+                     "opposite corners of each box",
+            .unit  = "m",
+            .where = "flows that advance in time",
+        },
     [EVERY] =
         {
             .name     = "-probe_every",
@@ -66,10 +75,8 @@ const OptionTable MonitorOptions = OPTIONS("Probes", options);
 
 /* Kinds of monitors in the order of their options. */
 static const MonitorKind *const kinds[] = {
-    [POINT]  = &MonitorPoints,
-    [LINE]   = &MonitorLines,
-    [FLUX]   = &MonitorFluxes,
-    [FORCES] = &MonitorForces,
+    [POINT] = &MonitorPoints,  [LINE] = &MonitorLines,    [FLUX] = &MonitorFluxes,
+    [FORCES] = &MonitorForces, [BUDGET] = &MonitorBudget,
 };
 #define MONITOR_KINDS PETSC_STATIC_ARRAY_LENGTH(kinds)
 
@@ -141,6 +148,17 @@ static PetscErrorCode CreateWindows(const Scene *scene, PetscReal T, const Monit
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* MonitorsNeeds - Returns the operators that probes need, as bits of Need; collective */
+PetscErrorCode MonitorsNeeds(unsigned *needs)
+{
+  PetscBool budget;
+
+  PetscFunctionBegin;
+  PetscCall(OptionGiven(options[BUDGET].name, &budget));
+  *needs = budget ? NEED_GRADIENT_U : 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   MonitorsCreate - Reads the options of monitors
 
@@ -152,14 +170,15 @@ static PetscErrorCode CreateWindows(const Scene *scene, PetscReal T, const Monit
 . -probe_flux x0,y0,x1,y1,...   - sections; in 2D a flux to the right of the direction from (x0, y0)
                                   to (x1, y1) is positive [m]
 . -probe_forces                 - forces and torques on each wall
+. -probe_budget x0,y0,x1,y1,... - kinetic energy and divergence of each part of a step in boxes [m]
 . -probe_every T                - rows after the first step at or past each multiple of T [s]; by
                                   default rows after every step
 - -probe_output base            - files base_point.csv, base_line.csv, base_flux.csv,
-                                  base_forces.csv
+                                  base_forces.csv, base_budget.csv
 
   Errors: incomplete groups of numbers end the run
 */
-PetscErrorCode MonitorsCreate(const Flow *flow, Monitors **monitors)
+PetscErrorCode MonitorsCreate(Flow *flow, Monitors **monitors)
 {
   const Scene *scene = flow->scene;
   Monitors    *m;
@@ -179,6 +198,7 @@ PetscErrorCode MonitorsCreate(const Flow *flow, Monitors **monitors)
   }
   for (size_t k = 0; k < MONITOR_KINDS; k++) {
     if (!m->of[k].on) continue;
+    if (kinds[k]->Prepare) PetscCall(kinds[k]->Prepare(flow, &m->of[k]));
     PetscCall(
         PetscSNPrintf(m->of[k].path, sizeof(m->of[k].path), "%s_%s.csv", m->base, kinds[k]->name));
   }

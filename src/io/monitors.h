@@ -36,10 +36,14 @@ typedef struct {
                           const PetscReal number[]);
   /* number of windows; NULL: no values to average */
   PetscInt (*Windows)(const Scene *scene, const Monitor *monitor);
+  /* prepares the steps of the flow; NULL: nothing to prepare */
+  PetscErrorCode (*Prepare)(Flow *flow, const Monitor *monitor);
   PetscErrorCode (*Write)(const Flow *flow, Monitor *monitor);
 } MonitorKind;
-extern const MonitorKind MonitorPoints, MonitorLines, MonitorFluxes; /* probemonitors.c */
-extern const MonitorKind MonitorForces;                              /* forces.c */
+/* probemonitors.c */
+extern const MonitorKind MonitorPoints, MonitorLines, MonitorFluxes, MonitorBudget;
+/* forces.c */
+extern const MonitorKind MonitorForces;
 
 /* monitorfile.c */
 PetscErrorCode MonitorOpen(const MonitorKind *kind, Monitor *monitor);

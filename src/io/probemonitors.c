@@ -1,4 +1,4 @@
-/* Monitors based on probes: points, lines, and fluxes through sections. */
+/* Monitors based on probes: points, lines, and fluxes through sections; the budget of a step. */
 #include "monitors.h"
 
 /* Returns true if a point lies in a body. */
@@ -201,4 +201,62 @@ const MonitorKind MonitorFluxes = {
     .header = "section,flux",
     .group  = {4, 9},
     .Write  = WriteFluxes,
+};
+
+/* Refuses a box whose first corner is not below the second along each axis. */
+static PetscErrorCode CheckBox(const Scene *scene, const char option[], PetscInt k,
+                               const PetscReal corner[])
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    UserCheck(corner[a] < corner[scene->dim + a],
+              "%s: box %" PetscInt_FMT " begins at %c = %.6g and ends at %.6g; the first corner "
+              "must be the lower one",
+              option, k, "xyz"[a], (double)corner[a], (double)corner[scene->dim + a]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrepareBudget(Flow *flow, const Monitor *monitor)
+{
+  PetscFunctionBegin;
+  PetscCall(BudgetCreate(flow, monitor->n, monitor->parameter));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes a row for each part of the last step in each box, and in the rest of the fluid. */
+static PetscErrorCode WriteBudget(const Flow *flow, Monitor *monitor)
+{
+  static const char *const parts[STEP_PARTS] = {
+      [PART_MOTION] = "motion", [PART_SHIFT] = "shift",         [PART_CLEARANCE] = "clearance",
+      [PART_FILTER] = "filter", [PART_HISTORY] = "history",     [PART_FORCE] = "force",
+      [PART_SOLVE] = "solve",   [PART_VISCOSITY] = "viscosity", [PART_MEAN] = "mean",
+  };
+
+  PetscFunctionBegin;
+  for (PetscInt part = 0; part < STEP_PARTS; part++) {
+    for (PetscInt k = 0; k <= monitor->n; k++) {
+      BudgetValues values;
+      PetscBool    measured;
+
+      PetscCall(BudgetGet(flow, (StepPart)part, k, &values, &measured));
+      if (!measured || values.share == 0.0 || !MonitorRow(flow, monitor)) continue;
+      (void)fprintf(monitor->stream, ",%.12g,%s,", (double)flow->clock->dt, parts[part]);
+      if (k < monitor->n) (void)fprintf(monitor->stream, "%" PetscInt_FMT, k);
+      else (void)fprintf(monitor->stream, "rest");
+      (void)fprintf(monitor->stream, ",%.6g,%.12g,%.6g,%.6g\n", (double)values.share,
+                    (double)values.energy, (double)values.divergence_rms,
+                    (double)values.divergence_max);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const MonitorKind MonitorBudget = {
+    .name    = "budget",
+    .header  = "dt,part,box,share,energy,divergence_rms,divergence_max",
+    .group   = {4, 6},
+    .Check   = CheckBox,
+    .Prepare = PrepareBudget,
+    .Write   = WriteBudget,
 };

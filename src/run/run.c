@@ -33,15 +33,17 @@ static PetscErrorCode RunEnter(const Run *run, RunStage stage)
 /* Creates clock, scheme and operators from options, before particles exist. */
 static PetscErrorCode RunChoose(Run *run)
 {
-  Flow *flow = &run->flow;
+  Flow    *flow = &run->flow;
+  unsigned probes;
 
   PetscFunctionBegin;
   PetscCall(ClockCreate(flow->scene, &flow->clock));
   PetscCall(SnapshotsCreate(flow->scene, &run->snapshots));
   flow->clock->land_every = SnapshotsInterval(run->snapshots);
   PetscCall(SchemeCreate(flow));
-  PetscCall(OperatorsCreate(flow->scene, flow->scheme->needs | SnapshotsNeeds(run->snapshots),
-                            &flow->ops));
+  PetscCall(MonitorsNeeds(&probes));
+  PetscCall(OperatorsCreate(
+      flow->scene, flow->scheme->needs | SnapshotsNeeds(run->snapshots) | probes, &flow->ops));
   PetscCall(SchemeSetUp(flow));
   if (flow->clock->adapt->retries) PetscCall(UndoCreate(&run->undo));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -204,6 +204,10 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     PetscReal flown[ISPH_MAX_DIM], x[ISPH_MAX_DIM];
 
     if (shifting) ShiftParticle(flow, slopes, i, shift);
+    if (shifting && state->budget) {
+      FollowShift(scene, slopes, i, shift, change);
+      BudgetCarry(state->budget, scene->dim, CARRIED_SHIFT, i, change);
+    }
     for (PetscInt a = 0; a < scene->dim; a++) {
       flown[a] = clock->dt * ((1.0 + 0.5 * w) * p->u[a][i] - 0.5 * w * state->u_previous[a][i]);
       x[a]     = p->x[a][i] + flown[a] + shift[a];
@@ -212,8 +216,10 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     KeepOffWalls(scene, p->dx[i], x);
     for (PetscInt a = 0; a < scene->dim; a++) shift[a] = x[a] - p->x[a][i] - flown[a];
     if (shifting) FollowShift(scene, slopes, i, shift, change);
+    if (state->budget) BudgetCarry(state->budget, scene->dim, CARRIED_CLEARANCE, i, change);
     if (flow->ops->velocity[0].filter_u.needed)
       FilterVelocity(scene, slopes, i, state->velocity_filter, clock->dt, change);
+    if (state->budget) BudgetCarry(state->budget, scene->dim, CARRIED_FILTER, i, change);
     d2 /= PetscSqr(p->dx[i]);
     moved2 = PetscIsNanReal(d2) ? PETSC_INFINITY : PetscMax(moved2, d2);
     for (PetscInt a = 0; a < scene->dim; a++) {

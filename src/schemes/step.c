@@ -93,8 +93,11 @@ PetscErrorCode FlowStep(Flow *flow, FlowSolve Solve)
     PetscCall(FlowMove(flow));
     if (!failure->code) PetscCall(FlowRebuild(flow));
   }
+  if (!failure->code) PetscCall(BudgetBegin(flow));
   if (!failure->code) PetscCall(Solve(flow));
+  if (!failure->code) PetscCall(BudgetPart(flow, PART_SOLVE, 0.0, NULL));
   if (!failure->code && keeps) PetscCall(MomentumRestore(flow, mean));
+  if (!failure->code && keeps) PetscCall(BudgetPart(flow, PART_MEAN, 0.0, NULL));
   if (!failure->code) PetscCall(FlowCheck(flow));
   if (!failure->code && flow->clock->adapt->estimates) PetscCall(TimeErrorCheck(flow));
   if (!failure->code) PetscCall(AverageEnd(flow));

@@ -13,6 +13,11 @@ PetscErrorCode FlowBegin(Flow *flow);
 /* motion.c */
 PetscErrorCode FlowMove(Flow *flow);
 
+/* budget.c */
+void BudgetCarry(Budget *budget, PetscInt dim, PetscInt k, PetscInt i, const PetscReal change[]);
+PetscErrorCode BudgetBegin(Flow *flow);
+PetscErrorCode BudgetPart(Flow *flow, StepPart part, PetscReal dt, const Vec f[]);
+
 /* momentum.c */
 PetscErrorCode MomentumRestore(Flow *flow, const PetscReal mean[]);
 

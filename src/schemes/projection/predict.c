@@ -57,9 +57,11 @@ PetscErrorCode PredictVelocity(Flow *flow)
   for (PetscInt a = 0; a < dim; a++) PetscCall(FlowGetWork(flow, &force[a]));
   for (PetscInt a = 0; a < dim && inner; a++) PetscCall(FlowGetWork(flow, &v[a]));
   PetscCall(HistoryStart(flow, !row || row->history ? PETSC_TRUE : PETSC_FALSE, &dt));
+  PetscCall(BudgetPart(flow, PART_HISTORY, 0.0, NULL));
   PetscCall(SetForce(flow, at, force));
   if (inner) PetscCall(ExtrapolateVelocity(flow, at, v));
   else if (convects) PetscCall(ConvectionExtrapolate(flow, at, force));
+  PetscCall(BudgetPart(flow, PART_FORCE, dt, force));
   pr->k = dt;
   if (pr->visc) {
     const PetscReal factor = pr->row ? dt * ViscosityResponse(pr->visc) / flow->scene->rho : 0.0;
@@ -70,6 +72,7 @@ PetscErrorCode PredictVelocity(Flow *flow)
   } else {
     for (PetscInt a = 0; a < dim; a++) PetscCall(VecAXPY(flow->state->u_next[a], dt, force[a]));
   }
+  if (!flow->scheme->failure.code) PetscCall(BudgetPart(flow, PART_VISCOSITY, 0.0, NULL));
   for (PetscInt a = 0; a < dim; a++) {
     PetscCall(FlowRestoreWork(flow, &force[a]));
     PetscCall(FlowRestoreWork(flow, &v[a]));

@@ -1,0 +1,209 @@
+/*
+  The budget of a step: the kinetic energy and the divergence of the velocity after each part of the
+  step, by boxes. The energies of all parts and boxes add up to the change of the energy in the
+  step.
+*/
+#include "step.h"
+
+/* Values after a part of the step in a box. */
+typedef struct {
+  PetscReal weight;      /* sum of ParticlesWeight() [-] */
+  PetscReal energy;      /* sum of weight |u|^2/2 [m^2/s^2] */
+  PetscReal divergence2; /* sum of weight (div u)^2 [1/s^2] */
+  PetscReal most;        /* largest |div u| [1/s] */
+} BoxSums;
+
+struct Budget {
+  PetscInt         n;                                    /* boxes; box n is the rest of the fluid */
+  const PetscReal *box;                                  /* lower and upper corners [m] */
+  PetscReal       *carried[CARRIED_PARTS][ISPH_MAX_DIM]; /* (field), see BudgetCarry() [m/s] */
+  PetscBool        measured[STEP_PARTS];
+  BoxSums         *sums[STEP_PARTS];
+};
+
+/*
+  BudgetCreate - Lets each step measure its budget
+
+  Collective. Between steps only, before a restart.
+
+  Input Parameters:
++ n   - number of boxes
+- box - lower and upper corner of each box, which must live as long as the flow [m]
+*/
+PetscErrorCode BudgetCreate(Flow *flow, PetscInt n, const PetscReal box[])
+{
+  static const char *const names[] = {"shift_change", "clearance_change", "filter_change"};
+  Budget                  *budget;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&budget));
+  budget->n   = n;
+  budget->box = box;
+  for (PetscInt part = 0; part < STEP_PARTS; part++)
+    PetscCall(PetscCalloc1(n + 1, &budget->sums[part]));
+  for (PetscInt k = 0; k < CARRIED_PARTS && SceneMoves(flow->scene); k++) {
+    PetscCall(ParticlesRegister(flow->particles, names[k], flow->scene->dim, HALO_NONE, ENTRY_ZERO,
+                                budget->carried[k]));
+  }
+  flow->state->budget = budget;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* BudgetDestroy - Frees the budget; its fields belong to the particles; not collective */
+PetscErrorCode BudgetDestroy(Budget **budget)
+{
+  PetscFunctionBegin;
+  if (!*budget) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt part = 0; part < STEP_PARTS; part++) PetscCall(PetscFree((*budget)->sums[part]));
+  PetscCall(PetscFree(*budget));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* BudgetCarry - Notes the change of the velocity of particle i by the motion up to and including
+   part k of CARRIED_PARTS; the note follows the particle to its new place; not collective */
+void BudgetCarry(Budget *budget, PetscInt dim, PetscInt k, PetscInt i, const PetscReal change[])
+{
+  for (PetscInt a = 0; a < dim; a++) budget->carried[k][a][i] = change[a];
+}
+
+/* Returns the first box that contains particle i, or the rest. */
+static PetscInt BoxOf(const Budget *budget, const Particles *p, PetscInt i)
+{
+  for (PetscInt k = 0; k < budget->n; k++) {
+    const PetscReal *lo = &budget->box[2 * k * p->dim], *hi = lo + p->dim;
+    PetscBool        inside = PETSC_TRUE;
+
+    for (PetscInt a = 0; a < p->dim; a++)
+      inside = inside && p->x[a][i] >= lo[a] && p->x[a][i] <= hi[a];
+    if (inside) return k;
+  }
+  return budget->n;
+}
+
+/* Measures the velocity u after a part of the step. */
+static PetscErrorCode MeasurePart(Flow *flow, StepPart part, const Vec u[])
+{
+  const Particles   *p      = flow->particles;
+  Budget            *budget = flow->state->budget;
+  const PetscScalar *v[ISPH_MAX_DIM], *divergence;
+  Vec                work;
+
+  PetscFunctionBegin;
+  PetscCall(FlowGetWork(flow, &work));
+  PetscCall(VecZeroEntries(work));
+  for (PetscInt a = 0; a < p->dim; a++) {
+    PetscCall(AffineApplyAdd(&OperatorsOfVelocity(flow->ops, a)->grad_u[a], u[a], flow->walls.u[a],
+                             work));
+    PetscCall(VecGetArrayRead(u[a], &v[a]));
+  }
+  PetscCall(VecGetArrayRead(work, &divergence));
+  PetscCall(PetscArrayzero(budget->sums[part], budget->n + 1));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    BoxSums        *sums   = &budget->sums[part][BoxOf(budget, p, i)];
+    const PetscReal weight = ParticlesWeight(p, i);
+
+    sums->weight += weight;
+    for (PetscInt a = 0; a < p->dim; a++) sums->energy += 0.5 * weight * PetscSqr(v[a][i]);
+    sums->divergence2 += weight * PetscSqr(divergence[i]);
+    sums->most = PetscMax(sums->most, PetscAbsReal(divergence[i]));
+  }
+  PetscCall(VecRestoreArrayRead(work, &divergence));
+  for (PetscInt a = 0; a < p->dim; a++) PetscCall(VecRestoreArrayRead(u[a], &v[a]));
+  PetscCall(FlowRestoreWork(flow, &work));
+  budget->measured[part] = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  BudgetBegin - Measures the velocity before the step on the new operators, and after each part of
+  the motion
+
+  Collective. Does nothing without a budget. The motion itself changes no velocity, so its energy
+  is the energy before the step. All particles count in the boxes of their new places.
+*/
+PetscErrorCode BudgetBegin(Flow *flow)
+{
+  const FlowState *state  = flow->state;
+  const Budget    *budget = state->budget;
+  Vec              u[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  if (!budget) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!budget->carried[0][0]) {
+    PetscCall(MeasurePart(flow, PART_MOTION, state->u));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(FlowGetWork(flow, &u[a]));
+  for (PetscInt k = -1; k < CARRIED_PARTS; k++) {
+    for (PetscInt a = 0; a < flow->scene->dim; a++) {
+      const PetscReal *all = budget->carried[CARRIED_PARTS - 1][a];
+      PetscScalar     *v;
+
+      PetscCall(VecCopy(state->u[a], u[a]));
+      PetscCall(VecGetArray(u[a], &v));
+      for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
+        v[i] -= all[i] - (k < 0 ? 0.0 : budget->carried[k][a][i]);
+      PetscCall(VecRestoreArray(u[a], &v));
+    }
+    PetscCall(MeasurePart(flow, (StepPart)(PART_SHIFT + k), u));
+  }
+  for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(FlowRestoreWork(flow, &u[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  BudgetPart - Measures the velocity u_next + dt f after a part of the step
+
+  Collective. Does nothing without a budget. Input: f - NULL: none.
+*/
+PetscErrorCode BudgetPart(Flow *flow, StepPart part, PetscReal dt, const Vec f[])
+{
+  const FlowState *state = flow->state;
+  Vec              u[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  if (!state->budget) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!f) {
+    PetscCall(MeasurePart(flow, part, state->u_next));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    PetscCall(FlowGetWork(flow, &u[a]));
+    PetscCall(VecWAXPY(u[a], dt, f[a], state->u_next[a]));
+  }
+  PetscCall(MeasurePart(flow, part, u));
+  for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(FlowRestoreWork(flow, &u[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  BudgetGet - Computes the budget of the last step: kinetic energy that a part added in a box, and
+  divergence after the part
+
+  Collective. Output: values - invalid if `measured` is false, which it is for parts that the step
+  does not have.
+*/
+PetscErrorCode BudgetGet(const Flow *flow, StepPart part, PetscInt box, BudgetValues *values,
+                         PetscBool *measured)
+{
+  const Scene  *scene  = flow->scene;
+  const Budget *budget = flow->state->budget;
+  const BoxSums after  = budget->sums[part][box];
+  PetscReal     sum[3] = {after.weight, after.divergence2, after.energy};
+  PetscInt      before = part - 1;
+
+  PetscFunctionBegin;
+  *measured = budget->measured[part] && (part != PART_MOTION || SceneMoves(scene)) ? PETSC_TRUE
+                                                                                   : PETSC_FALSE;
+  if (!*measured) PetscFunctionReturn(PETSC_SUCCESS);
+  while (before > 0 && !budget->measured[before]) before--;
+  sum[2] -= budget->sums[PetscMax(before, 0)][box].energy;
+  values->divergence_max = after.most;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &values->divergence_max, 1, MPIU_REAL, MPIU_MAX,
+                             PETSC_COMM_WORLD));
+  values->share          = sum[0] / flow->particles->weight;
+  values->divergence_rms = sum[0] > 0.0 ? PetscSqrtReal(sum[1] / sum[0]) : 0.0;
+  values->energy         = scene->rho * SceneVolume(scene) * sum[2];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
