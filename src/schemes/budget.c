@@ -1,14 +1,18 @@
 /*
-  The budget of a step: the kinetic energy and the divergence of the velocity after each part of the
-  step, by boxes. The energies of all parts and boxes add up to the change of the energy in the
-  step.
+  The budget of a step: the kinetic energy that each part of the step adds, and the divergence of
+  the velocity after it, by boxes. A part that changes the velocity of particle i by c adds
+
+    rho V_i c.(u^n + u^{n+1})/2
+
+  so that the order of the parts has no influence, and all parts add up to the change of the energy
+  in the step. A force that only turns the velocity adds nothing. See docs/theory.md, (135).
 */
 #include "step.h"
 
-/* Values after a part of the step in a box. */
+/* Values of a part of the step in a box. */
 typedef struct {
   PetscReal weight;      /* sum of ParticlesWeight() [-] */
-  PetscReal energy;      /* sum of weight |u|^2/2 [m^2/s^2] */
+  PetscReal energy;      /* sum of weight c.(u^n + u^{n+1})/2 [m^2/s^2] */
   PetscReal divergence2; /* sum of weight (div u)^2 [1/s^2] */
   PetscReal most;        /* largest |div u| [1/s] */
 } BoxSums;
@@ -18,6 +22,8 @@ struct Budget {
   const PetscReal *box;                                  /* lower and upper corners [m] */
   PetscReal       *carried[CARRIED_PARTS][ISPH_MAX_DIM]; /* (field), see BudgetCarry() [m/s] */
   PetscBool        measured[STEP_PARTS];
+  PetscReal       *after[STEP_PARTS]; /* u_a of particle i after a part at [i * dim + a] [m/s] */
+  PetscInt         capacity;          /* particles for which these arrays have room */
   BoxSums         *sums[STEP_PARTS];
 };
 
@@ -54,7 +60,10 @@ PetscErrorCode BudgetDestroy(Budget **budget)
 {
   PetscFunctionBegin;
   if (!*budget) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt part = 0; part < STEP_PARTS; part++) PetscCall(PetscFree((*budget)->sums[part]));
+  for (PetscInt part = 0; part < STEP_PARTS; part++) {
+    PetscCall(PetscFree((*budget)->after[part]));
+    PetscCall(PetscFree((*budget)->sums[part]));
+  }
   PetscCall(PetscFree(*budget));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -80,7 +89,20 @@ static PetscInt BoxOf(const Budget *budget, const Particles *p, PetscInt i)
   return budget->n;
 }
 
-/* Measures the velocity u after a part of the step. */
+/* Makes room for the velocities of n particles after each part. */
+static PetscErrorCode Reserve(PetscInt n, PetscInt dim, Budget *budget)
+{
+  PetscFunctionBegin;
+  if (n <= budget->capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  budget->capacity = n + n / 8;
+  for (PetscInt part = 0; part < STEP_PARTS; part++) {
+    PetscCall(PetscFree(budget->after[part]));
+    PetscCall(PetscMalloc1((size_t)budget->capacity * (size_t)dim, &budget->after[part]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Keeps the velocity u after a part of the step, and measures its divergence. */
 static PetscErrorCode MeasurePart(Flow *flow, StepPart part, const Vec u[])
 {
   const Particles   *p      = flow->particles;
@@ -103,7 +125,7 @@ static PetscErrorCode MeasurePart(Flow *flow, StepPart part, const Vec u[])
     const PetscReal weight = ParticlesWeight(p, i);
 
     sums->weight += weight;
-    for (PetscInt a = 0; a < p->dim; a++) sums->energy += 0.5 * weight * PetscSqr(v[a][i]);
+    for (PetscInt a = 0; a < p->dim; a++) budget->after[part][i * p->dim + a] = v[a][i];
     sums->divergence2 += weight * PetscSqr(divergence[i]);
     sums->most = PetscMax(sums->most, PetscAbsReal(divergence[i]));
   }
@@ -118,17 +140,18 @@ static PetscErrorCode MeasurePart(Flow *flow, StepPart part, const Vec u[])
   BudgetBegin - Measures the velocity before the step on the new operators, and after each part of
   the motion
 
-  Collective. Does nothing without a budget. The motion itself changes no velocity, so its energy
-  is the energy before the step. All particles count in the boxes of their new places.
+  Collective. Does nothing without a budget. The motion itself changes no velocity. All particles
+  count in the boxes of their new places.
 */
 PetscErrorCode BudgetBegin(Flow *flow)
 {
   const FlowState *state  = flow->state;
-  const Budget    *budget = state->budget;
+  Budget          *budget = state->budget;
   Vec              u[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
   if (!budget) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Reserve(flow->particles->n_fluid, flow->scene->dim, budget));
   if (!budget->carried[0][0]) {
     PetscCall(MeasurePart(flow, PART_MOTION, state->u));
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -176,6 +199,33 @@ PetscErrorCode BudgetPart(Flow *flow, StepPart part, PetscReal dt, const Vec f[]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* BudgetEnd - Computes the energies of all parts from the velocities that they left; does nothing
+   without a budget; not collective */
+void BudgetEnd(const Flow *flow)
+{
+  const Particles *p      = flow->particles;
+  Budget          *budget = flow->state->budget;
+  PetscInt         last = STEP_PARTS - 1, before = PART_MOTION;
+
+  if (!budget) return;
+  while (!budget->measured[last]) last--;
+  for (PetscInt part = PART_SHIFT; part <= last; part++) {
+    if (!budget->measured[part]) continue;
+    for (PetscInt i = 0; i < p->n_fluid; i++) {
+      PetscReal product = 0.0;
+
+      for (PetscInt a = 0; a < p->dim; a++) {
+        const PetscInt k = i * p->dim + a;
+
+        product += (budget->after[part][k] - budget->after[before][k]) *
+                   (budget->after[PART_MOTION][k] + budget->after[last][k]);
+      }
+      budget->sums[part][BoxOf(budget, p, i)].energy += 0.5 * ParticlesWeight(p, i) * product;
+    }
+    before = part;
+  }
+}
+
 /*
   BudgetGet - Computes the budget of the last step: kinetic energy that a part added in a box, and
   divergence after the part
@@ -188,17 +238,14 @@ PetscErrorCode BudgetGet(const Flow *flow, StepPart part, PetscInt box, BudgetVa
 {
   const Scene  *scene  = flow->scene;
   const Budget *budget = flow->state->budget;
-  const BoxSums after  = budget->sums[part][box];
-  PetscReal     sum[3] = {after.weight, after.divergence2, after.energy};
-  PetscInt      before = part - 1;
+  const BoxSums own    = budget->sums[part][box];
+  PetscReal     sum[3] = {own.weight, own.divergence2, own.energy};
 
   PetscFunctionBegin;
   *measured = budget->measured[part] && (part != PART_MOTION || SceneMoves(scene)) ? PETSC_TRUE
                                                                                    : PETSC_FALSE;
   if (!*measured) PetscFunctionReturn(PETSC_SUCCESS);
-  while (before > 0 && !budget->measured[before]) before--;
-  sum[2] -= budget->sums[PetscMax(before, 0)][box].energy;
-  values->divergence_max = after.most;
+  values->divergence_max = own.most;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, PETSC_COMM_WORLD));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &values->divergence_max, 1, MPIU_REAL, MPIU_MAX,
                              PETSC_COMM_WORLD));

@@ -101,6 +101,7 @@ PetscErrorCode FlowStep(Flow *flow, FlowSolve Solve)
   if (!failure->code) PetscCall(FlowCheck(flow));
   if (!failure->code && flow->clock->adapt->estimates) PetscCall(TimeErrorCheck(flow));
   if (!failure->code) PetscCall(AverageEnd(flow));
+  if (!failure->code) BudgetEnd(flow);
   if (!failure->code) PetscCall(FlowAdvance(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

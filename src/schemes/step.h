@@ -17,6 +17,7 @@ PetscErrorCode FlowMove(Flow *flow);
 void BudgetCarry(Budget *budget, PetscInt dim, PetscInt k, PetscInt i, const PetscReal change[]);
 PetscErrorCode BudgetBegin(Flow *flow);
 PetscErrorCode BudgetPart(Flow *flow, StepPart part, PetscReal dt, const Vec f[]);
+void           BudgetEnd(const Flow *flow);
 
 /* momentum.c */
 PetscErrorCode MomentumRestore(Flow *flow, const PetscReal mean[]);
