@@ -40,7 +40,7 @@ typedef enum {
   PART_SHIFT,     /* change of velocities by the shift */
   PART_CLEARANCE, /* change of velocities by the clearance of walls */
   PART_FILTER,    /* velocity filter */
-  PART_HISTORY,   /* extrapolation to the start of the viscous step */
+  PART_TIME,      /* extrapolation to the start of the viscous step */
   PART_FORCE,     /* old pressure, body force, and explicit convection */
   PART_VISCOSITY,
   PART_SOLVE, /* the projection, or the whole solve of the coupled scheme */

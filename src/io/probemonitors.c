@@ -229,7 +229,7 @@ static PetscErrorCode WriteBudget(const Flow *flow, Monitor *monitor)
 {
   static const char *const parts[STEP_PARTS] = {
       [PART_MOTION] = "motion", [PART_SHIFT] = "shift",         [PART_CLEARANCE] = "clearance",
-      [PART_FILTER] = "filter", [PART_HISTORY] = "history",     [PART_FORCE] = "force",
+      [PART_FILTER] = "filter", [PART_TIME] = "time",           [PART_FORCE] = "force",
       [PART_SOLVE] = "solve",   [PART_VISCOSITY] = "viscosity", [PART_MEAN] = "mean",
   };
 

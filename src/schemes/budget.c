@@ -5,14 +5,16 @@
     rho V_i c.(u^n + u^{n+1})/2
 
   so that the order of the parts has no influence, and all parts add up to the change of the energy
-  in the step. A force that only turns the velocity adds nothing. See docs/theory.md, (135).
+  in the step. If the viscous step begins from a history of velocities, forces, viscosity and
+  projection add rho V_i dt a.u^{n+1} with the acceleration a = c/k of an implicit step of length k.
+  The rest is the energy of the time integrator. See docs/theory.md, (135) and (136).
 */
 #include "step.h"
 
 /* Values of a part of the step in a box. */
 typedef struct {
   PetscReal weight;      /* sum of ParticlesWeight() [-] */
-  PetscReal energy;      /* sum of weight c.(u^n + u^{n+1})/2 [m^2/s^2] */
+  PetscReal energy;      /* that the part added, over rho times the volume of a cell [m^2/s^2] */
   PetscReal divergence2; /* sum of weight (div u)^2 [1/s^2] */
   PetscReal most;        /* largest |div u| [1/s] */
 } BoxSums;
@@ -24,6 +26,7 @@ struct Budget {
   PetscBool        measured[STEP_PARTS];
   PetscReal       *after[STEP_PARTS]; /* u_a of particle i after a part at [i * dim + a] [m/s] */
   PetscInt         capacity;          /* particles for which these arrays have room */
+  PetscReal        ratio;             /* dt over the length k of the viscous step [-] */
   BoxSums         *sums[STEP_PARTS];
 };
 
@@ -177,7 +180,8 @@ PetscErrorCode BudgetBegin(Flow *flow)
 /*
   BudgetPart - Measures the velocity u_next + dt f after a part of the step
 
-  Collective. Does nothing without a budget. Input: f - NULL: none.
+  Collective. Does nothing without a budget. Input: dt, f - the viscous step and its force, NULL:
+  none.
 */
 PetscErrorCode BudgetPart(Flow *flow, StepPart part, PetscReal dt, const Vec f[])
 {
@@ -190,6 +194,7 @@ PetscErrorCode BudgetPart(Flow *flow, StepPart part, PetscReal dt, const Vec f[]
     PetscCall(MeasurePart(flow, part, state->u_next));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  state->budget->ratio = flow->clock->dt / dt;
   for (PetscInt a = 0; a < flow->scene->dim; a++) {
     PetscCall(FlowGetWork(flow, &u[a]));
     PetscCall(VecWAXPY(u[a], dt, f[a], state->u_next[a]));
@@ -199,29 +204,42 @@ PetscErrorCode BudgetPart(Flow *flow, StepPart part, PetscReal dt, const Vec f[]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds the energies of a part, which changed the velocities from `before` to `after`. */
+static void AddEnergies(const Particles *p, StepPart part, const PetscReal before[],
+                        const PetscReal after[], const PetscReal end[], Budget *budget)
+{
+  const PetscReal *begin    = budget->after[PART_MOTION];
+  const PetscBool  implicit = budget->measured[PART_TIME] && part > PART_TIME && part < PART_MEAN
+                                  ? PETSC_TRUE
+                                  : PETSC_FALSE;
+
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    const PetscInt  box    = BoxOf(budget, p, i);
+    const PetscReal weight = ParticlesWeight(p, i);
+    PetscReal       middle = 0.0, last = 0.0;
+
+    for (PetscInt k = i * p->dim; k < (i + 1) * p->dim; k++) {
+      middle += 0.5 * weight * (after[k] - before[k]) * (begin[k] + end[k]);
+      last += budget->ratio * weight * (after[k] - before[k]) * end[k];
+    }
+    budget->sums[part][box].energy += implicit ? last : middle;
+    if (implicit) budget->sums[PART_TIME][box].energy += middle - last;
+  }
+}
+
 /* BudgetEnd - Computes the energies of all parts from the velocities that they left; does nothing
    without a budget; not collective */
 void BudgetEnd(const Flow *flow)
 {
-  const Particles *p      = flow->particles;
-  Budget          *budget = flow->state->budget;
-  PetscInt         last = STEP_PARTS - 1, before = PART_MOTION;
+  Budget  *budget = flow->state->budget;
+  PetscInt last = STEP_PARTS - 1, before = PART_MOTION;
 
   if (!budget) return;
   while (!budget->measured[last]) last--;
   for (PetscInt part = PART_SHIFT; part <= last; part++) {
     if (!budget->measured[part]) continue;
-    for (PetscInt i = 0; i < p->n_fluid; i++) {
-      PetscReal product = 0.0;
-
-      for (PetscInt a = 0; a < p->dim; a++) {
-        const PetscInt k = i * p->dim + a;
-
-        product += (budget->after[part][k] - budget->after[before][k]) *
-                   (budget->after[PART_MOTION][k] + budget->after[last][k]);
-      }
-      budget->sums[part][BoxOf(budget, p, i)].energy += 0.5 * ParticlesWeight(p, i) * product;
-    }
+    AddEnergies(flow->particles, (StepPart)part, budget->after[before], budget->after[part],
+                budget->after[last], budget);
     before = part;
   }
 }

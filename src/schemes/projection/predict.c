@@ -57,7 +57,7 @@ PetscErrorCode PredictVelocity(Flow *flow)
   for (PetscInt a = 0; a < dim; a++) PetscCall(FlowGetWork(flow, &force[a]));
   for (PetscInt a = 0; a < dim && inner; a++) PetscCall(FlowGetWork(flow, &v[a]));
   PetscCall(HistoryStart(flow, !row || row->history ? PETSC_TRUE : PETSC_FALSE, &dt));
-  PetscCall(BudgetPart(flow, PART_HISTORY, 0.0, NULL));
+  PetscCall(BudgetPart(flow, PART_TIME, 0.0, NULL));
   PetscCall(SetForce(flow, at, force));
   if (inner) PetscCall(ExtrapolateVelocity(flow, at, v));
   else if (convects) PetscCall(ConvectionExtrapolate(flow, at, force));
