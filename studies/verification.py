@@ -156,7 +156,7 @@ def stokes_cylinders():
               f"{coupled} -solid_fraction 0.1 -jitter 0.25", (25, 50, 100), quantities, (5, 3, 3), seeds, watch=watch),
         *[Study(f"solid fraction {c}, `-scheme projection`{points}, t = 10", f"{base} -solid_fraction {c}{option}",
                 (25, 50, 100), quantities, watch=f"{watch} -probe_every 10")
-          for points, option in (("", ""), (", pressure on coarse points", " -pressure_points coarse"))
+          for points, option in (("", ""), (", pressure on the particles", " -pressure_points same"))
           for c in (0.1, 0.3)],
     ], [Chart("coupled, finest n", "drag", ("solid fraction", "drag/(mu U)"), {t: c for c, t in titles.items()})],
         ("drag over mu U, from the mean velocity", "traction on the cylinder"))

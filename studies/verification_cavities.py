@@ -163,7 +163,8 @@ def shih_pressure(x, y, nu):
 
 def regularised_cavity():
     base = "-options_file options/regularised_cavity.opts"
-    fixed, coarse = "-motion eulerian", "-motion eulerian -pressure_points coarse"
+    fixed = "-motion eulerian"
+    same, coarse = (f"{fixed} -pressure_points {points}" for points in ("same", "coarse"))
     times = {1: (0.1, 0.25, 0.5), 100: (2.5, 5, 10), 1000: (5, 10, 20)}
     sides = (16, 32, 64, 128)
 
@@ -186,7 +187,7 @@ def regularised_cavity():
         *(study("moving particles", re, "", sides if re < 1000 else sides[:3]) for re in times),
         *(study("fixed particles, pressure on coarse points", re, coarse, sides if re < 1000 else (96, 128))
           for re in times),
-        *(study("fixed particles", re, fixed, sides) for re in times),
+        *(study("fixed particles, pressure on the particles", re, same, sides) for re in times),
         *(study("fixed particles, coupled scheme", re, f"{fixed} -scheme coupled", sides[:3 if re < 1000 else 2])
           for re in times),
         *(Study(f"{name}, `-wall {wall}`", f"{case} -wall {wall} {coarse}", sides[:3], flow)

@@ -59,8 +59,9 @@ static const OptionRow options[] = {
             .name     = "-pressure_points",
             .kind     = VALUE_NAME,
             .brief    = "where the pressure is known",
-            .standard = "coarse for moving particles in boxes of at least 3 cells along each axis, "
-                        "unless an option of a pressure on particles is given; else same",
+            .standard = "coarse for moving particles, for fixed ones up to U dx/nu = 5 and without "
+                        "convection, in boxes of at least 3 cells along each axis, unless an "
+                        "option of a pressure on particles is given; else same",
             .table    = &PressurePointsTable,
             .where    = "-scheme projection with pressure",
         },
@@ -166,14 +167,17 @@ static PetscReal CellsAlong(const Scene *scene, PetscInt a, PetscReal spacing)
 /*
   Chooses where the pressure is known
 
-  By default moving particles take it on coarse points, where it has no noise. A narrow box has no
-  room for these points, and an option of the pressure on particles asks for the particles. Fixed
-  particles have no noise.
+  By default the pressure is known on coarse points. There it has no noise from moving particles,
+  and no condition at walls, whose error is of first order beside driven walls. A narrow box has no
+  room for these points, and an option of the pressure on particles asks for the particles. On
+  fixed particles viscosity has to damp what these points cannot see, see CreateOnSplines(); the
+  bound leaves room for flows that are faster than U.
 */
 static PetscErrorCode ChoosePoints(const Scene *scene, const PressurePointsRow **chosen)
 {
   static const char *const of_particles[] = {"-ppe_alpha", "-ppe_filter", "-ppe_laplacian"};
-  PetscBool                coarse         = SceneMoves(scene), given;
+  const PetscBool damped = !SceneHas(scene, PHYSICS_CONVECTION) || SceneCellReynolds(scene) <= 5.0;
+  PetscBool       coarse = SceneMoves(scene) || damped, given;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++)
