@@ -228,9 +228,9 @@ static PetscErrorCode PrepareBudget(Flow *flow, const Monitor *monitor)
 static PetscErrorCode WriteBudget(const Flow *flow, Monitor *monitor)
 {
   static const char *const parts[STEP_PARTS] = {
-      [PART_MOTION] = "motion", [PART_SHIFT] = "shift",         [PART_CLEARANCE] = "clearance",
-      [PART_FILTER] = "filter", [PART_TIME] = "time",           [PART_FORCE] = "force",
-      [PART_SOLVE] = "solve",   [PART_VISCOSITY] = "viscosity", [PART_MEAN] = "mean",
+      [PART_MOTION] = "motion",       [PART_SHIFT] = "shift", [PART_CLEARANCE] = "clearance",
+      [PART_FILTER] = "filter",       [PART_TIME] = "time",   [PART_FORCE] = "force",
+      [PART_VISCOSITY] = "viscosity", [PART_SOLVE] = "solve", [PART_MEAN] = "mean",
   };
 
   PetscFunctionBegin;
