@@ -116,6 +116,7 @@ def bitwise(*command):
         for name, flow in (("lagrangian", []), ("eulerian", ["-motion", "eulerian"]), ("forced", FORCED),
                            ("coupled", ["-scheme", "coupled"]), ("same", SAME),
                            ("coarse_eulerian", ["-pressure_points", "coarse", "-motion", "eulerian"]),
+                           ("implicit", ["-motion", "eulerian", "-convection", "implicit"]),
                            ("same_body", [*FORCED, *SAME]), ("error", FORCED),
                            ("error_eulerian", [*FORCED, "-motion", "eulerian"]),
                            ("error_coupled", [*FORCED, "-motion", "eulerian", "-scheme", "coupled"])):

@@ -65,8 +65,9 @@ typedef struct {
 typedef struct {
   const ShiftRow *shift; /* NULL: fixed particles */
   PetscReal       shift_strength;
-  PetscReal       velocity_filter; /* strength of the grid-scale filter of velocities [-] */
-  PetscBool       has_convection;  /* particles are fixed and have a convective term */
+  PetscReal       velocity_filter;     /* strength of the grid-scale filter of velocities [-] */
+  PetscBool       has_convection;      /* particles are fixed and have a convective term */
+  PetscBool       implicit_convection; /* this term is in the viscous matrix */
 
   PressureAverage average; /* of the pressure */
   Budget         *budget;  /* NULL: steps measure none */
@@ -225,6 +226,8 @@ PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, cons
                                  Vec walls, Vec work, Vec result);
 PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], PetscInt c, Vec u, Vec walls,
                                Vec work, Vec result);
+PetscErrorCode ConvectionAddMatrix(const Flow *flow, const Vec v[], PetscInt c, Mat work, Vec rate,
+                                   Mat sum);
 
 /* The constant of the pressure, see src/schemes/gauge.c. */
 PetscErrorCode GaugeRemove(const Scene *scene, const Particles *particles, Vec p);
@@ -240,7 +243,7 @@ PetscErrorCode      UndoDestroy(Undo **undo);
 PetscErrorCode      UndoSave(const Flow *flow, Undo *undo);
 PetscErrorCode      UndoRestore(const Undo *undo, Flow *flow);
 
-extern const Table PressurePointsTable, ProjectionTable, ViscousIntegratorTable,
+extern const Table ConvectionTable, PressurePointsTable, ProjectionTable, ViscousIntegratorTable,
     CoupledIntegratorTable, SchurTable;
 
 #endif

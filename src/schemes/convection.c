@@ -20,6 +20,15 @@ PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns the factor of the residual of the fit in the velocity filter: ConvectionApply() [1/s] */
+static PetscReal FilterRate(const Flow *flow, PetscReal speed2, PetscReal dx)
+{
+  const Scene    *scene = flow->scene;
+  const PetscReal nu    = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low : 0.0;
+
+  return flow->state->velocity_filter / dx * PetscMax(0.0, PetscSqrtReal(speed2) - 2.0 * nu / dx);
+}
+
 /*
   ConvectionApply - Computes the convective term of fixed particles, with the velocity filter
 
@@ -47,7 +56,6 @@ PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], PetscInt c, Vec 
   const VelocityOperators *of    = OperatorsOfVelocity(flow->ops, c);
   const PetscScalar       *at[ISPH_MAX_DIM];
   const PetscReal         *dx = flow->particles->dx;
-  const PetscReal          nu = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low : 0.0;
   PetscScalar             *residual, *sum;
   PetscInt                 n;
 
@@ -63,12 +71,57 @@ PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], PetscInt c, Vec 
     PetscReal speed2 = 0.0;
 
     for (PetscInt a = 0; a < scene->dim; a++) speed2 += PetscSqr(at[a][i]);
-    sum[i] += flow->state->velocity_filter / dx[i] *
-              PetscMax(0.0, PetscSqrtReal(speed2) - 2.0 * nu / dx[i]) * residual[i];
+    sum[i] += FilterRate(flow, speed2, dx[i]) * residual[i];
   }
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(v[a], &at[a]));
   PetscCall(VecRestoreArray(result, &sum));
   PetscCall(VecRestoreArray(work, &residual));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ConvectionAddMatrix - Adds the matrix of ConvectionApply(), without its wall data, to a matrix
+
+  Collective.
+
+  Input Parameters:
++ v    - advecting velocity over fluid [m/s]
+. c    - number of the convected component
+. work - work matrix with the sparsity pattern of `sum`
+- rate - work vector
+
+  Input/Output Parameter:
+. sum - matrix [1/s]
+*/
+PetscErrorCode ConvectionAddMatrix(const Flow *flow, const Vec v[], PetscInt c, Mat work, Vec rate,
+                                   Mat sum)
+{
+  const PetscInt           dim = flow->scene->dim;
+  const VelocityOperators *of  = OperatorsOfVelocity(flow->ops, c);
+  PetscScalar             *speed2;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscCall(MatCopy(of->grad_u[a].A, work, SAME_NONZERO_PATTERN));
+    PetscCall(MatDiagonalScale(work, v[a], NULL));
+    PetscCall(MatAXPY(sum, 1.0, work, SAME_NONZERO_PATTERN));
+  }
+  if (!of->filter_u.needed) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecPointwiseMult(rate, v[0], v[0]));
+  PetscCall(VecGetArray(rate, &speed2));
+  for (PetscInt a = 1; a < dim; a++) {
+    const PetscScalar *at;
+
+    PetscCall(VecGetArrayRead(v[a], &at));
+    for (PetscInt i = 0; i < flow->particles->n_fluid; i++) speed2[i] += PetscSqr(at[i]);
+    PetscCall(VecRestoreArrayRead(v[a], &at));
+  }
+  for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
+    speed2[i] = FilterRate(flow, speed2[i], flow->particles->dx[i]);
+  PetscCall(VecRestoreArray(rate, &speed2));
+  PetscCall(MatCopy(of->filter_u.A, work, SAME_NONZERO_PATTERN));
+  PetscCall(MatDiagonalScale(work, rate, NULL));
+  PetscCall(MatAXPY(sum, 1.0, work, SAME_NONZERO_PATTERN));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -157,7 +157,7 @@ PetscErrorCode FlowStateRegister(Flow *flow)
   PetscCall(ParticlesRegister(p, "u_previous", scene->dim, HALO_NONE, ENTRY_MEAN, s->u_previous));
   if (flow->clock->adapt->estimates)
     PetscCall(ParticlesRegister(p, "u_earlier", scene->dim, HALO_NONE, ENTRY_MEAN, s->u_earlier));
-  if (s->has_convection)
+  if (s->has_convection && !s->implicit_convection)
     PetscCall(ParticlesRegister(p, "convection", scene->dim, HALO_NONE, ENTRY_MEAN, s->convection));
   PetscCall(AverageRegister(flow));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
@@ -191,7 +191,7 @@ PetscErrorCode FlowStateRenumber(Flow *flow)
     PetscCall(FluidVec(p, s->u_previous[a], &s->u_prev[a]));
     if (s->u_earlier[a]) PetscCall(FluidVec(p, s->u_earlier[a], &s->u_before[a]));
     PetscCall(FluidVec(p, NULL, &s->u_next[a]));
-    if (s->has_convection) PetscCall(FluidVec(p, s->convection[a], &s->convection_prev[a]));
+    if (s->convection[a]) PetscCall(FluidVec(p, s->convection[a], &s->convection_prev[a]));
   }
   if (p->p) {
     PetscCall(FluidVec(p, p->p, &s->p));

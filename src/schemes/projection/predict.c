@@ -44,12 +44,13 @@ static PetscErrorCode SetForce(Flow *flow, PetscReal at, Vec force[])
 /* PredictVelocity - Predicts u* in u_next by a viscous step; collective */
 PetscErrorCode PredictVelocity(Flow *flow)
 {
-  Projection                 *pr                  = (Projection *)flow->scheme->data;
-  const PetscBool             convects            = flow->state->has_convection;
-  const ViscousIntegratorRow *row                 = pr->visc ? pr->visc->row : NULL;
-  const PetscBool             inner               = convects && row && row->terms != TIME_IMPLICIT;
-  const PetscReal             at                  = !row || row->end_of_step ? 1.0 : 0.5;
-  const PetscInt              dim                 = flow->scene->dim;
+  Projection                 *pr       = (Projection *)flow->scheme->data;
+  const PetscBool             convects = flow->state->has_convection;
+  const ViscousIntegratorRow *row      = pr->visc ? pr->visc->row : NULL;
+  const PetscBool             implicit = flow->state->implicit_convection;
+  const PetscBool             inner = convects && row && (implicit || row->terms != TIME_IMPLICIT);
+  const PetscReal             at    = !row || row->end_of_step ? 1.0 : 0.5;
+  const PetscInt              dim   = flow->scene->dim;
   Vec                         force[ISPH_MAX_DIM] = {NULL}, v[ISPH_MAX_DIM] = {NULL};
   PetscReal                   dt;
 

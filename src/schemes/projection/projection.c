@@ -43,8 +43,30 @@ static const PressurePointsRow points[] = {
 };
 const Table PressurePointsTable = TABLE("Points of the pressure", points);
 
-enum { PROJECTION, POINTS, SPACING, ALPHA, FILTER };
+#define IMPLICIT_CFL 2.0 /* default of -cfl with implicit convection [-] */
+
+static const ConvectionRow convections[] = {
+    {.name     = "explicit",
+     .brief    = "extrapolated from earlier steps, or an explicit part of the TS",
+     .citation = ""},
+    {.name     = "implicit",
+     .brief    = "in the viscous matrix, with an extrapolated advecting velocity",
+     .citation = "Baker, Dougalis & Karakashian, Math. Comput. 39 (1982)",
+     .implicit = PETSC_TRUE},
+};
+const Table ConvectionTable = TABLE("Convection of fixed particles", convections);
+
+enum { PROJECTION, CONVECTION, POINTS, SPACING, ALPHA, FILTER };
 static const OptionRow options[] = {
+    [CONVECTION] =
+        {
+            .name     = "-convection",
+            .kind     = VALUE_NAME,
+            .brief    = "convective term of fixed particles; implicit: -cfl is 2 by default",
+            .standard = "explicit",
+            .table    = &ConvectionTable,
+            .where    = "-scheme projection with -motion eulerian, viscosity and convection",
+        },
     [PROJECTION] =
         {
             .name     = "-projection",
@@ -251,6 +273,22 @@ static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Reads -convection; implicit convection takes longer steps by default. */
+static PetscErrorCode ReadConvection(Flow *flow)
+{
+  const ConvectionRow *row;
+  PetscBool            given;
+
+  PetscFunctionBegin;
+  if (!flow->state->has_convection || !SceneHas(flow->scene, PHYSICS_VISCOSITY))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(OptionGetRow(&options[CONVECTION], NULL, &row));
+  flow->state->implicit_convection = row->implicit;
+  PetscCall(OptionGiven("-cfl", &given));
+  if (row->implicit && !given) flow->clock->cfl = IMPLICIT_CFL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   ProjectionCreate - Reads the options of the projection
 
@@ -258,6 +296,7 @@ static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
 
   Options Database Keys:
 + -projection name      - row of the table of projections
+. -convection name      - explicit or implicit
 . -pressure_points name - same or coarse, see ChoosePoints()
 . -pressure_spacing H   - edge of a cell of coarse points [dx]
 . -ppe_alpha A          - share of the density error in the pressure source (Zheng et al. 2018,
@@ -277,6 +316,7 @@ static PetscErrorCode ProjectionCreate(Flow *flow)
   UserCheck(!flow->clock->steady_solve,
             "-steady: -scheme %s advances in time; use -scheme coupled, or -steady_tol",
             flow->scheme->row->name);
+  PetscCall(ReadConvection(flow));
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
     PetscCall(OptionGetRow(&options[PROJECTION], NULL, &pr->row));
     PetscCall(ChoosePoints(scene, &points_row));

@@ -16,6 +16,12 @@ typedef struct {
   PetscReal   alpha_max;   /* largest -ppe_alpha with margin to growth; docs/theory.md, (123) */
 } ProjectionRow;
 
+/* The convective term of fixed particles. */
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscBool   implicit; /* in the viscous matrix */
+} ConvectionRow;
+
 /* The points of the pressure: on particles, or on splines. */
 typedef struct {
   const char *name, *brief, *citation;

@@ -116,23 +116,32 @@ PetscErrorCode ViscosityScale(Viscosity *v, PetscReal t, Vec u, Vec force, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ViscosityIFunction - Computes the residual du/dt - nu lap u, and subtracts the force for
-   integrators without RHSFunction; collective */
+/* ViscosityIFunction - Computes the residual du/dt - nu lap u, adds implicit convection, and
+   subtracts the force for integrators without RHSFunction; collective */
 PetscErrorCode ViscosityIFunction(TS ts, PetscReal t, Vec u, Vec udot, Vec f, void *ctx)
 {
   Component *part = (Component *)ctx;
   Viscosity *v    = part->visc;
+  Vec        others;
 
   PetscFunctionBegin;
   PetscCall(ViscousTerm(v, part->c, t, u, f));
   PetscCall(VecAYPX(f, -1.0, udot));
+  if (v->convection) {
+    PetscCall(VecDuplicate(f, &others));
+    PetscCall(ConvectiveTerm(v, part->c, u, others));
+    PetscCall(VecAXPY(f, -1.0, others));
+    PetscCall(VecDestroy(&others));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (v->row->terms == TIME_IMPLICIT)
     PetscCall(VecAXPY(f, -1.0, v->systems == 1 ? v->all_force : v->force[part->c]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  ViscosityIJacobian - Computes P = shift I - nu A, if the shift or the viscosities may be new
+  ViscosityIJacobian - Computes P = shift I - nu A, and adds implicit convection, if the shift, the
+  viscosities or the advecting velocity may be new
 
   Collective. J is P, or a matrix-free operator of the SNES.
 */
@@ -155,6 +164,8 @@ PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal
   PetscCall(MatCopy(visc->A, P, SAME_NONZERO_PATTERN));
   PetscCall(MatScale(P, -v->flow->scene->nu));
   PetscCall(MatShift(P, shift));
+  if (v->convection)
+    PetscCall(ConvectionAddMatrix(v->flow, v->advecting, part->c, v->convection, v->work, P));
   v->shift = shift;
   v->of_J  = visc;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -58,7 +58,8 @@ static PetscErrorCode ViscosityCreateSolver(const Flow *flow, Viscosity *v)
   PetscFunctionBegin;
   PetscCall(TSGetSNES(v->ts[0], &snes));
   PetscCall(SNESGetKSP(snes, &ksp));
-  symmetric = LaplacianIs(&flow->ops->forms.visc, FORM_SYMMETRIC) && !v->nonlinear;
+  symmetric = LaplacianIs(&flow->ops->forms.visc, FORM_SYMMETRIC) && !v->nonlinear &&
+              !flow->state->implicit_convection;
   PetscCall(KSPSetType(ksp, symmetric ? KSPCG : KSPGMRES));
   PetscCall(KSPSetTolerances(ksp, v->nonlinear ? 1e-3 : 1e-7, 0.0, PETSC_CURRENT, 1000));
   PetscCall(KSPGetPC(ksp, &pc));
@@ -114,6 +115,24 @@ static PetscErrorCode RefuseMultistep(const Flow *flow, const ViscousIntegratorR
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses what implicit convection has no matrix for. */
+static PetscErrorCode RefuseImplicitConvection(const Flow *flow, const ViscousIntegratorRow *row)
+{
+  const OperatorForms *forms = &flow->ops->forms;
+
+  PetscFunctionBegin;
+  if (!flow->state->implicit_convection) PetscFunctionReturn(PETSC_SUCCESS);
+  UserCheck(row->terms == TIME_IMPLICIT,
+            "-convection implicit: -visc_ts_type %s takes convection explicitly; use beuler, bdf, "
+            "cn or theta",
+            row->name);
+  UserCheck(!forms->components_coupled,
+            "-convection implicit: it needs a matrix for each velocity component, and %s couples "
+            "them; use explicit",
+            SceneIsNewtonian(flow->scene) ? forms->visc.row->name : "-rheology");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   ViscosityCreate - Creates the integrators of the viscous term and adds their solve to the scheme
 
@@ -148,6 +167,7 @@ PetscErrorCode ViscosityCreate(Flow *flow, Viscosity **visc)
   solve->multistep    = v->row->multistep;
   solve->views_matrix = v->row->terms != TIME_EXPLICIT ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(RefuseTimeOptions(v->row));
+  PetscCall(RefuseImplicitConvection(flow, v->row));
   for (PetscInt c = 0; c < v->systems; c++) PetscCall(CreateSystem(v, c));
   if (v->row->terms != TIME_EXPLICIT) {
     PetscCall(ViscosityCreateSolver(flow, v));
@@ -163,7 +183,9 @@ PetscErrorCode ViscosityCreate(Flow *flow, Viscosity **visc)
     PetscCall(TSSetFromOptions(v->ts[c]));
     PetscCall(TimeToleranceRefuse(v->ts[c], "visc_"));
   }
-  if (solve->ksp) PetscCall(GuardAttach(solve->ksp, &flow->ops->forms.visc, &v->guard));
+  if (solve->ksp)
+    PetscCall(GuardAttach(
+        solve->ksp, flow->state->implicit_convection ? NULL : &flow->ops->forms.visc, &v->guard));
   if (!v->row->history) PetscCall(ClockDropEstimate(flow->clock, options[0].name, v->row->name));
   PetscCall(RefuseMultistep(flow, v->row));
   PetscCall(SchemeAddSolve(solve, flow->scheme));
@@ -182,6 +204,7 @@ static PetscErrorCode ViscosityFree(Viscosity *v)
   PetscCall(VecDestroy(&v->all_walls));
   for (PetscInt c = 0; c < v->dim; c++) PetscCall(VecDestroy(&v->part[c]));
   PetscCall(MatDestroy(&v->J));
+  PetscCall(MatDestroy(&v->convection));
   v->assemblies         = 0;
   v->guard.solve.matrix = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -253,6 +276,9 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
   if (!v->guard.solve.ksp || v->assemblies == ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ViscosityFreeJacobian(v));
   PetscCall(MatConvert(ops->velocity[0].visc.A, v->guard.mat_type, MAT_INITIAL_MATRIX, &v->J));
+  PetscCall(MatDestroy(&v->convection));
+  if (v->flow->state->implicit_convection)
+    PetscCall(MatDuplicate(v->J, MAT_DO_NOT_COPY_VALUES, &v->convection));
   for (PetscInt c = 0; c < v->systems; c++) {
     PetscCall(TSSetIJacobian(v->ts[c], v->J, v->J, ViscosityIJacobian, &v->component[c]));
   }
@@ -338,6 +364,7 @@ PetscErrorCode ViscositySolve(Flow *flow, PetscReal dt, PetscReal projection_fac
   v->guard.solve.iterations = 0;
   PetscCall(ViscosityRenumber(v));
   PetscCall(ViscosityUpdateJacobian(v));
+  if (v->convection) v->shift = NAN; /* the advecting velocity is new */
   PetscCall(ClockWhere(flow->clock, v->guard.where));
   for (PetscInt c = 0; c < v->dim && all; c++) {
     PetscCall(VecStrideScatter(u[c], c, v->all, INSERT_VALUES));

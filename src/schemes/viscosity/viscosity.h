@@ -9,7 +9,7 @@
 
 /* Callbacks of the terms of the viscous equation. */
 typedef enum {
-  TIME_IMPLICIT, /* IFunction: viscosity; convection extrapolated into the force */
+  TIME_IMPLICIT, /* IFunction: viscosity; convection in the force, or implicit */
   TIME_IMEX,     /* IFunction: viscosity; RHSFunction: convection */
   TIME_EXPLICIT  /* RHSFunction: all terms */
 } ViscousTerms;
@@ -38,6 +38,7 @@ struct Viscosity {
   Guard                       guard;                /* its KSP is NULL for explicit integrators */
   Mat                         J;                    /* shift I - nu A */
   PetscReal                   shift;                /* in J; NaN: J is out of date [1/s] */
+  Mat                         convection;           /* work matrix; NULL: convection not in J */
   const AffineOperator       *of_J;                 /* the A in J */
   PetscInt                    assemblies;           /* stamp of the operators in J */
   PetscInt                    epoch;                /* epoch of the vectors below */
