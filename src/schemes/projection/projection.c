@@ -116,7 +116,8 @@ static const OptionRow options[] = {
             .kind     = VALUE_REAL,
             .brief    = "strength of the grid-scale filter of the pressure; 0: off",
             .unit     = "-",
-            .standard = "1; 0.1 on lattices whose particles do not move",
+            .standard = "1; 0.1 on lattices whose particles do not move, with -convection implicit "
+                        "in steps above CFL 0.5 less, as 1/dt",
             .low      = 0.0,
             .high     = 2.0,
             .where    = "-scheme projection with -pressure_points same",
@@ -215,6 +216,23 @@ static PetscErrorCode ChoosePoints(const Scene *scene, const PressurePointsRow *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  Returns the default strength of the pressure filter on lattices of fixed particles [-]
+
+  The filter leaves a divergence in proportion to S dt, see ShareOfResidual(). Therefore the long
+  steps of implicit convection take a strength that keeps S dt at its value for the CFL number 0.5.
+  In the cavity at Re = 1000, n = 64, CFL number 2, t = 40, the energy has errors of -9.8, -1.7,
+  -0.6, 3.3, 8.0 % for S = 0, 0.02, 0.025, 0.05, 0.1, and of 2.5 % with explicit convection.
+*/
+static PetscReal LatticeFilter(const Flow *flow)
+{
+  const Clock    *clock = flow->clock;
+  const PetscReal given = clock->dt_given * flow->scene->speed / SceneFinest(flow->scene);
+  const PetscReal cfl   = clock->dt_given > 0.0 ? given : clock->cfl;
+
+  return 0.1 * (flow->state->implicit_convection ? PetscMin(1.0, CLOCK_CFL / cfl) : 1.0);
+}
+
 /* Reads the options of a pressure on the particles. */
 static PetscErrorCode CreateOnParticles(Flow *flow, Projection *pr)
 {
@@ -222,7 +240,7 @@ static PetscErrorCode CreateOnParticles(Flow *flow, Projection *pr)
 
   PetscFunctionBegin;
   PetscCall(OnLattice(flow->scene, &lattice));
-  pr->filter = lattice ? 0.1 : 1.0;
+  pr->filter = lattice ? LatticeFilter(flow) : 1.0;
   PetscCall(OptionGetReal(&options[ALPHA], &pr->alpha, NULL));
   UserCheck(pr->alpha <= pr->row->alpha_max,
             "-ppe_alpha %.6g: with -projection %s at most %.6g is stable", (double)pr->alpha,
