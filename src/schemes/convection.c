@@ -20,13 +20,31 @@ PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the factor of the residual of the fit in the velocity filter: ConvectionApply() [1/s] */
-static PetscReal FilterRate(const Flow *flow, PetscReal speed2, PetscReal dx)
+/* Multiplies x by the factor of the residual of the fit in ConvectionApply(), -velocity_filter
+   included [1/s]. */
+static PetscErrorCode ScaleByFilterRate(const Flow *flow, const Vec v[], Vec x)
 {
-  const Scene    *scene = flow->scene;
-  const PetscReal nu    = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low : 0.0;
+  const Scene       *scene    = flow->scene;
+  const PetscReal    strength = flow->state->velocity_filter;
+  const PetscReal    nu       = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low : 0.0;
+  const PetscReal   *dx       = flow->particles->dx;
+  const PetscScalar *at[ISPH_MAX_DIM];
+  PetscScalar       *value;
+  PetscInt           n;
 
-  return flow->state->velocity_filter / dx * PetscMax(0.0, PetscSqrtReal(speed2) - 2.0 * nu / dx);
+  PetscFunctionBegin;
+  PetscCall(VecGetLocalSize(x, &n));
+  PetscCall(VecGetArray(x, &value));
+  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecGetArrayRead(v[a], &at[a]));
+  for (PetscInt i = 0; i < n; i++) {
+    PetscReal speed2 = 0.0;
+
+    for (PetscInt a = 0; a < scene->dim; a++) speed2 += PetscSqr(at[a][i]);
+    value[i] *= strength / dx[i] * PetscMax(0.0, PetscSqrtReal(speed2) - 2.0 * nu / dx[i]);
+  }
+  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(v[a], &at[a]));
+  PetscCall(VecRestoreArray(x, &value));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
@@ -52,30 +70,24 @@ static PetscReal FilterRate(const Flow *flow, PetscReal speed2, PetscReal dx)
 PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], PetscInt c, Vec u, Vec walls,
                                Vec work, Vec result)
 {
-  const Scene             *scene = flow->scene;
-  const VelocityOperators *of    = OperatorsOfVelocity(flow->ops, c);
-  const PetscScalar       *at[ISPH_MAX_DIM];
-  const PetscReal         *dx = flow->particles->dx;
-  PetscScalar             *residual, *sum;
-  PetscInt                 n;
+  const VelocityOperators *of = OperatorsOfVelocity(flow->ops, c);
 
   PetscFunctionBegin;
-  PetscCall(ConvectionCentral(scene->dim, of, v, u, walls, work, result));
+  PetscCall(ConvectionCentral(flow->scene->dim, of, v, u, walls, work, result));
   if (!of->filter_u.needed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(AffineApply(&of->filter_u, u, walls, work));
-  PetscCall(VecGetLocalSize(u, &n));
-  PetscCall(VecGetArray(work, &residual));
-  PetscCall(VecGetArray(result, &sum));
-  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecGetArrayRead(v[a], &at[a]));
-  for (PetscInt i = 0; i < n; i++) {
-    PetscReal speed2 = 0.0;
+  PetscCall(ScaleByFilterRate(flow, v, work));
+  PetscCall(VecAXPY(result, 1.0, work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    for (PetscInt a = 0; a < scene->dim; a++) speed2 += PetscSqr(at[a][i]);
-    sum[i] += FilterRate(flow, speed2, dx[i]) * residual[i];
-  }
-  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(v[a], &at[a]));
-  PetscCall(VecRestoreArray(result, &sum));
-  PetscCall(VecRestoreArray(work, &residual));
+/* Adds diag(rate) A to a matrix of the same sparsity pattern. */
+static PetscErrorCode AddScaled(Mat A, Vec rate, Mat work, Mat sum)
+{
+  PetscFunctionBegin;
+  PetscCall(MatCopy(A, work, SAME_NONZERO_PATTERN));
+  PetscCall(MatDiagonalScale(work, rate, NULL));
+  PetscCall(MatAXPY(sum, 1.0, work, SAME_NONZERO_PATTERN));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -96,32 +108,15 @@ PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], PetscInt c, Vec 
 PetscErrorCode ConvectionAddMatrix(const Flow *flow, const Vec v[], PetscInt c, Mat work, Vec rate,
                                    Mat sum)
 {
-  const PetscInt           dim = flow->scene->dim;
-  const VelocityOperators *of  = OperatorsOfVelocity(flow->ops, c);
-  PetscScalar             *speed2;
+  const VelocityOperators *of = OperatorsOfVelocity(flow->ops, c);
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < dim; a++) {
-    PetscCall(MatCopy(of->grad_u[a].A, work, SAME_NONZERO_PATTERN));
-    PetscCall(MatDiagonalScale(work, v[a], NULL));
-    PetscCall(MatAXPY(sum, 1.0, work, SAME_NONZERO_PATTERN));
-  }
+  for (PetscInt a = 0; a < flow->scene->dim; a++)
+    PetscCall(AddScaled(of->grad_u[a].A, v[a], work, sum));
   if (!of->filter_u.needed) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(VecPointwiseMult(rate, v[0], v[0]));
-  PetscCall(VecGetArray(rate, &speed2));
-  for (PetscInt a = 1; a < dim; a++) {
-    const PetscScalar *at;
-
-    PetscCall(VecGetArrayRead(v[a], &at));
-    for (PetscInt i = 0; i < flow->particles->n_fluid; i++) speed2[i] += PetscSqr(at[i]);
-    PetscCall(VecRestoreArrayRead(v[a], &at));
-  }
-  for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
-    speed2[i] = FilterRate(flow, speed2[i], flow->particles->dx[i]);
-  PetscCall(VecRestoreArray(rate, &speed2));
-  PetscCall(MatCopy(of->filter_u.A, work, SAME_NONZERO_PATTERN));
-  PetscCall(MatDiagonalScale(work, rate, NULL));
-  PetscCall(MatAXPY(sum, 1.0, work, SAME_NONZERO_PATTERN));
+  PetscCall(VecSet(rate, 1.0));
+  PetscCall(ScaleByFilterRate(flow, v, rate));
+  PetscCall(AddScaled(of->filter_u.A, rate, work, sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

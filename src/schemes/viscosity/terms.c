@@ -62,14 +62,14 @@ static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Subtracts the convective term of velocity component c, whose values are u, from f. */
-static PetscErrorCode TakeConvection(Viscosity *v, PetscInt c, Vec u, Vec f)
+/* Adds `scale` times the convective term of velocity component c, whose values are u, to f. */
+static PetscErrorCode AddConvection(Viscosity *v, PetscInt c, PetscReal scale, Vec u, Vec f)
 {
   PetscFunctionBegin;
   if (!v->advecting) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(
       ConvectionApply(v->flow, v->advecting, c, u, v->flow->walls.u[c], v->work, v->gradient));
-  PetscCall(VecAXPY(f, -1.0, v->gradient));
+  PetscCall(VecAXPY(f, scale, v->gradient));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -80,13 +80,13 @@ static PetscErrorCode ConvectiveTerm(Viscosity *v, PetscInt c, Vec u, Vec f)
   PetscFunctionBegin;
   if (v->systems > 1) {
     PetscCall(VecCopy(v->force[c], f));
-    PetscCall(TakeConvection(v, c, u, f));
+    PetscCall(AddConvection(v, c, -1.0, u, f));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt k = 0; k < v->dim; k++) {
     PetscCall(VecStrideGather(u, k, v->part[0], INSERT_VALUES));
     PetscCall(VecCopy(v->force[k], v->part[1]));
-    PetscCall(TakeConvection(v, k, v->part[0], v->part[1]));
+    PetscCall(AddConvection(v, k, -1.0, v->part[0], v->part[1]));
     PetscCall(VecStrideScatter(v->part[1], k, f, INSERT_VALUES));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -116,26 +116,19 @@ PetscErrorCode ViscosityScale(Viscosity *v, PetscReal t, Vec u, Vec force, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ViscosityIFunction - Computes the residual du/dt - nu lap u, adds implicit convection, and
-   subtracts the force for integrators without RHSFunction; collective */
+/* ViscosityIFunction - Computes the residual du/dt - nu lap u; for integrators without RHSFunction,
+   also subtracts the force and adds implicit convection; collective */
 PetscErrorCode ViscosityIFunction(TS ts, PetscReal t, Vec u, Vec udot, Vec f, void *ctx)
 {
   Component *part = (Component *)ctx;
   Viscosity *v    = part->visc;
-  Vec        others;
 
   PetscFunctionBegin;
   PetscCall(ViscousTerm(v, part->c, t, u, f));
   PetscCall(VecAYPX(f, -1.0, udot));
-  if (v->convection) {
-    PetscCall(VecDuplicate(f, &others));
-    PetscCall(ConvectiveTerm(v, part->c, u, others));
-    PetscCall(VecAXPY(f, -1.0, others));
-    PetscCall(VecDestroy(&others));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  if (v->row->terms == TIME_IMPLICIT)
-    PetscCall(VecAXPY(f, -1.0, v->systems == 1 ? v->all_force : v->force[part->c]));
+  if (v->row->terms != TIME_IMPLICIT) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecAXPY(f, -1.0, v->systems == 1 ? v->all_force : v->force[part->c]));
+  PetscCall(AddConvection(v, part->c, 1.0, u, f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

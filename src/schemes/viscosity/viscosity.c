@@ -263,6 +263,7 @@ static PetscErrorCode ViscosityFreeJacobian(Viscosity *v)
     PetscCall(SNESReset(snes));
   }
   PetscCall(MatDestroy(&v->J));
+  PetscCall(MatDestroy(&v->convection));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -276,7 +277,6 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
   if (!v->guard.solve.ksp || v->assemblies == ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ViscosityFreeJacobian(v));
   PetscCall(MatConvert(ops->velocity[0].visc.A, v->guard.mat_type, MAT_INITIAL_MATRIX, &v->J));
-  PetscCall(MatDestroy(&v->convection));
   if (v->flow->state->implicit_convection)
     PetscCall(MatDuplicate(v->J, MAT_DO_NOT_COPY_VALUES, &v->convection));
   for (PetscInt c = 0; c < v->systems; c++) {
