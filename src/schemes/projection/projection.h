@@ -1,6 +1,6 @@
 /*
-  The projection scheme: its options and state. The step is in projection.c, its parts in predict.c,
-  correct.c, pressure.c and wallgradient.c.
+  The projection scheme: its choices and state. Its options are in create.c, the step in
+  projection.c, the step's parts in predict.c, correct.c, pressure.c and wallgradient.c.
 */
 #ifndef ISPH_PROJECTION_H
 #define ISPH_PROJECTION_H
@@ -47,6 +47,9 @@ typedef struct {
   Vec                  phi, b;           /* increment of the pressure [Pa]; its right-hand side */
   PetscLogEvent        event[PROJECTION_EVENTS];
 } Projection;
+
+/* create.c */
+PetscErrorCode ProjectionCreate(Flow *flow);
 
 /* predict.c */
 PetscErrorCode PredictVelocity(Flow *flow);

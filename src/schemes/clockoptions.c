@@ -1,0 +1,304 @@
+/*
+  The creation of the clock from the options of the time step and of the end of the run.
+*/
+#include "isph/clock.h"
+
+#define CLOCK_GOOD_NEEDED 10 /* good_needed before the first failure, which doubles it */
+
+static const DtAdaptRow adapts[] = {
+    {
+        .name     = "cfl",
+        .brief    = "from -cfl with the present speed, and from the body force",
+        .citation = "",
+        .follows  = PETSC_TRUE,
+    },
+    {
+        .name     = "none",
+        .brief    = "-dt, or from -cfl with the reference speed",
+        .citation = "",
+    },
+    {
+        .name     = "retry",
+        .brief    = "as cfl (or -dt); a failed step is undone and repeated with half the length",
+        .citation = "",
+        .follows  = PETSC_TRUE,
+        .retries  = PETSC_TRUE,
+    },
+    {
+        .name      = "error",
+        .brief     = "as retry; dt also follows an estimate of the error in time, -dt_rtol, and "
+                     "the period of what drives the flow",
+        .citation  = "Gustafsson, ACM Trans. Math. Softw. 17 (1991)",
+        .follows   = PETSC_TRUE,
+        .retries   = PETSC_TRUE,
+        .estimates = PETSC_TRUE,
+    },
+};
+const Table DtAdaptTable = TABLE("Time step control", adapts);
+
+enum {
+  T_END,
+  DT,
+  CFL,
+  DT_ADAPT,
+  DT_MAX,
+  DT_RTOL,
+  DT_MOVE_MAX,
+  MAX_STEPS,
+  TIME_ORDER,
+  STEADY,
+  STEADY_TOL,
+  REPORT_TIMES
+};
+static const OptionRow options[] = {
+    [T_END] =
+        {
+            .name     = "-t_end",
+            .kind     = VALUE_REAL,
+            .brief    = "end of the run",
+            .unit     = "s",
+            .standard = "of the case, a multiple of L/U",
+            NOT_NEGATIVE,
+            .where = "flows",
+        },
+    [DT] =
+        {
+            .name     = "-dt",
+            .kind     = VALUE_REAL,
+            .brief    = "time step; 0: from -cfl",
+            .unit     = "s",
+            .standard = "0",
+            NOT_NEGATIVE,
+            .where = "flows",
+        },
+    [CFL] =
+        {
+            .name  = "-cfl",
+            .kind  = VALUE_REAL,
+            .brief = "time step in units of dx/U; U is the larger of the reference speed and the "
+                     "present speed",
+            .unit  = "-",
+            .standard = PetscStringize(CLOCK_CFL),
+            .low      = 1e-6,
+            .high     = 1e6,
+            .where    = "flows",
+        },
+    [DT_ADAPT] =
+        {
+            .name     = "-dt_adapt",
+            .kind     = VALUE_NAME,
+            .brief    = "control of the length of steps",
+            .standard = "cfl, or none if -dt is given; error for walls or forces that depend on t",
+            .table    = &DtAdaptTable,
+            .where    = "flows",
+        },
+    [DT_MAX] =
+        {
+            .name     = "-dt_max",
+            .kind     = VALUE_REAL,
+            .brief    = "upper bound of the time step",
+            .unit     = "s",
+            .standard = "no bound",
+            POSITIVE,
+            .where = "flows without -dt",
+        },
+    [DT_RTOL] =
+        {
+            .name  = "-dt_rtol",
+            .kind  = VALUE_REAL,
+            .brief = "largest error of the velocity in a step (root mean square), in units of the "
+                     "largest root mean square velocity so far, at least U/10",
+            .unit  = "-",
+            .standard = PetscStringize(CLOCK_RTOL),
+            .low      = 1e-8,
+            .high     = 0.1,
+            .where    = "-dt_adapt error",
+        },
+    [DT_MOVE_MAX] =
+        {
+            .name     = "-dt_move_max",
+            .kind     = VALUE_REAL,
+            .brief    = "displacement of a particle with the flow above which a step is undone",
+            .unit     = "dx",
+            .standard = "0.6",
+            .low      = 0.01,
+            .high     = 10.0,
+            .where    = "-dt_adapt retry or error",
+        },
+    [MAX_STEPS] =
+        {
+            .name     = "-max_steps",
+            .kind     = VALUE_INT,
+            .brief    = "number of steps after which the run stops",
+            .standard = "no limit",
+            NOT_NEGATIVE,
+            .where = "flows",
+        },
+    [TIME_ORDER] =
+        {
+            .name     = "-time_order",
+            .kind     = VALUE_INT,
+            .brief    = "order of the time integration",
+            .standard = "2",
+            .low      = 1,
+            .high     = 2,
+            .where    = "flows",
+        },
+    [STEADY] =
+        {
+            .name     = "-steady",
+            .kind     = VALUE_SWITCH,
+            .brief    = "solve for the steady flow, without du/dt",
+            .standard = "false",
+            .where    = "-scheme coupled",
+        },
+    [STEADY_TOL] =
+        {
+            .name  = "-steady_tol",
+            .kind  = VALUE_REAL,
+            .brief = "stop when u, div u* and p change by less than this per time scale; 0: never",
+            .unit  = "-",
+            .standard = "0",
+            .low      = 0.0,
+            .high     = 1.0,
+            .where    = "flows",
+        },
+    [REPORT_TIMES] =
+        {
+            .name  = "-report_times",
+            .kind  = VALUE_REALS,
+            .brief = "times besides the end at which quantities are reported, ascending",
+            .unit  = "s",
+            .where = "flows",
+        },
+};
+const OptionTable TimeOptions = OPTIONS("Time", options);
+
+/* Reads the report times; the run also reports at its end. */
+static PetscErrorCode ClockReadReports(Clock *clock)
+{
+  PetscInt n;
+
+  PetscFunctionBegin;
+  PetscCall(
+      OptionGetReals(&options[REPORT_TIMES], CLOCK_MAX_REPORTS, clock->report_time, &n, NULL));
+  for (PetscInt k = 0; k < n; k++) {
+    UserCheck(clock->report_time[k] > (k ? clock->report_time[k - 1] : 0.0),
+              "-report_times: the times must be positive and ascending, got %.6g",
+              (double)clock->report_time[k]);
+  }
+  UserCheck(n == 0 || clock->report_time[n - 1] <= clock->t_end,
+            "-report_times %.6g: the run ends at -t_end %.6g",
+            (double)clock->report_time[n ? n - 1 : 0], (double)clock->t_end);
+  while (n > 0 && clock->report_time[n - 1] >= clock->t_end) n--; /* the end reports anyway */
+  clock->n_reports = n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads -steady: a single step to t_end without du/dt. */
+static PetscErrorCode ClockReadSteady(Clock *clock)
+{
+  const char *const others[] = {"-dt",       "-cfl",        "-steady_tol",      "-report_times",
+                                "-dt_adapt", "-time_order", "-coupled_ts_type", "-output_every",
+                                "-dt_max"};
+
+  PetscFunctionBegin;
+  PetscCall(OptionGetSwitch(&options[STEADY], &clock->steady_solve, NULL));
+  if (!clock->steady_solve) PetscFunctionReturn(PETSC_SUCCESS);
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(others); k++)
+    PetscCall(OptionsRefuseTogether("-steady", others[k], "a steady flow has no steps in time"));
+  UserCheck(clock->t_end > 0.0, "-t_end 0 with -steady: nothing would be solved");
+  clock->dt_given = clock->t_end;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads -dt_adapt and the options that depend on it. By default steps of a flow that is driven by
+   functions of time follow the error in time. */
+static PetscErrorCode ClockReadAdapt(const Scene *scene, Clock *c)
+{
+  const char *const standard = c->dt_given > 0.0            ? "none"
+                               : SceneIsDrivenInTime(scene) ? "error"
+                                                            : "cfl";
+
+  PetscFunctionBegin;
+  PetscCall(OptionGetRow(&options[DT_ADAPT], standard, &c->adapt));
+  UserCheck(c->dt_given == 0.0 || !c->adapt->follows || (c->adapt->retries && !c->adapt->estimates),
+            "-dt_adapt %s and -dt cannot both be given: give %s", c->adapt->name,
+            c->adapt->estimates ? "-dt_max" : "-cfl");
+  if (c->adapt->retries) PetscCall(OptionGetReal(&options[DT_MOVE_MAX], &c->move_max, NULL));
+  if (c->adapt->estimates) PetscCall(OptionGetReal(&options[DT_RTOL], &c->control.rtol, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ClockCreate - Creates the clock and reads the options of the time step and of the end of the run
+
+  Collective on PETSC_COMM_WORLD.
+
+  Options Database Keys:
++ -t_end T            - end of the run [s]
+. -dt DT              - time step, in place of -cfl [s]
+. -cfl C              - dt = C dx/max(U, largest speed); default 0.5
+. -dt_adapt name      - control of the step length
+. -dt_max DT          - upper bound of dt [s]
+. -dt_rtol TOL        - largest error of a step with -dt_adapt error
+. -dt_move_max M      - largest displacement of a particle in a step that is not retried [dx]
+. -max_steps N        - stop after N steps
+. -time_order 1|2     - order of the time integration
+. -steady             - no du/dt: a single step to t_end with -scheme coupled
+. -steady_tol TOL     - stop when u, div u* and p change by less than this per time scale
+- -report_times t,... - report quantities at these times too
+*/
+PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
+{
+  Clock *c;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&c));
+  c->t_end       = scene->problem->t_end * scene->length / scene->speed;
+  c->max_steps   = PETSC_INT_MAX;
+  c->move_max    = 0.6;
+  c->good_needed = CLOCK_GOOD_NEEDED;
+  c->dt_max      = PETSC_INFINITY;
+  c->control.dt  = PETSC_INFINITY;
+  PetscCall(OptionsRefuseTogether("-dt", "-cfl", "each gives the time step"));
+  PetscCall(OptionsRefuseTogether("-dt", "-dt_max", "-dt gives the time step"));
+  PetscCall(OptionGetReal(&options[T_END], &c->t_end, NULL));
+  PetscCall(OptionGetReal(&options[DT], &c->dt_given, NULL));
+  PetscCall(OptionGetReal(&options[CFL], &c->cfl, NULL));
+  PetscCall(OptionGetReal(&options[DT_MAX], &c->dt_max, NULL));
+  PetscCall(ClockReadAdapt(scene, c));
+  PetscCall(OptionGetInt(&options[MAX_STEPS], &c->max_steps, NULL));
+  PetscCall(OptionGetInt(&options[TIME_ORDER], &c->order, NULL));
+  PetscCall(OptionGetReal(&options[STEADY_TOL], &c->steady_tol, NULL));
+  PetscCall(ClockReadReports(c));
+  PetscCall(ClockReadSteady(c));
+  *clock = c;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ClockDropEstimate - Replaces a default of -dt_adapt error by cfl, for integrators whose error has
+  no estimate
+
+  Collective. Input: option, integrator - name and value of the option of the integrator.
+
+  Errors: refuses -dt_adapt error if the user gave it
+*/
+PetscErrorCode ClockDropEstimate(Clock *clock, const char option[], const char integrator[])
+{
+  PetscBool given;
+
+  PetscFunctionBegin;
+  if (!clock->adapt->estimates) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(OptionGiven(options[DT_ADAPT].name, &given));
+  UserCheck(!given,
+            "-dt_adapt error: it estimates the error of BDF2, and %s %s is another integrator; use "
+            "beuler, or -dt_adapt cfl",
+            option, integrator);
+  PetscCall(OptionGiven(options[DT_RTOL].name, &given));
+  UserCheck(!given, "-dt_rtol: %s %s has no estimate of the error in time; use beuler", option,
+            integrator);
+  clock->adapt = &adapts[0];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
