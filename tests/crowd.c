@@ -30,27 +30,27 @@ Setting CrowdBox(const char *name, PetscInt dim, PetscInt nx, PetscInt ny, Petsc
 void CrowdGather(const Particles *p, All *all)
 {
   all->n = (PetscInt)p->next_id;
-  PetscCallVoid(PetscCalloc3(all->n * p->dim, &all->x, all->n, &all->found, all->n, &all->dx));
+  PetscCallVoid(PetscCalloc3(all->n * p->dim, &all->x, all->n, &all->found, all->n, &all->edge));
   for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
     all->found[p->id[i]] += 1.0;
-    all->dx[p->id[i]] = p->dx[i];
+    all->edge[p->id[i]] = ParticlesLargestEdge(p, i);
     for (PetscInt a = 0; a < p->dim; a++) all->x[p->dim * p->id[i] + a] = p->x[a][i];
   }
   MPI_Allreduce(MPI_IN_PLACE, all->x, (int)(all->n * p->dim), MPIU_REAL, MPI_SUM, p->comm);
   MPI_Allreduce(MPI_IN_PLACE, all->found, (int)all->n, MPIU_REAL, MPI_SUM, p->comm);
-  MPI_Allreduce(MPI_IN_PLACE, all->dx, (int)all->n, MPIU_REAL, MPI_SUM, p->comm);
+  MPI_Allreduce(MPI_IN_PLACE, all->edge, (int)all->n, MPIU_REAL, MPI_SUM, p->comm);
 }
 
 void CrowdFree(All *all)
 {
-  PetscCallVoid(PetscFree3(all->x, all->found, all->dx));
+  PetscCallVoid(PetscFree3(all->x, all->found, all->edge));
 }
 
-/* Returns the square of the larger of the radii of two particles, which follow from their
-   spacings. */
-static PetscReal PairRadius2(const Neighbors *nb, PetscReal dx, PetscReal other)
+/* Returns the square of the larger of the radii of two particles, which follow from the largest
+   edges of their cells. */
+static PetscReal PairRadius2(const Neighbors *nb, PetscReal edge, PetscReal other)
 {
-  return PetscSqr(nb->radius * (PetscMax(dx, other) / nb->spacing));
+  return PetscSqr(nb->radius * (PetscMax(edge, other) / nb->spacing));
 }
 
 /* Returns a fixed pseudo-random number in (-1, 1) for each particle and k. */
@@ -134,7 +134,7 @@ static PetscInt RowErrors(const Scene *scene, const Particles *p, const Neighbor
 {
   const PetscInt dim   = p->dim;
   PetscInt       wrong = 0, close = 0, in_row = 0, reach[3] = {0, 0, 0};
-  PetscReal      sum_row = 0.0, sum_all = 0.0;
+  PetscReal      sum_row = 0.0, sum_all = 0.0, edge = ParticlesLargestEdge(p, i);
 
   for (PetscInt k = nb->row[i]; k < nb->row[i + 1]; k++) {
     const PetscInt j  = nb->col[k];
@@ -142,7 +142,7 @@ static PetscInt RowErrors(const Scene *scene, const Particles *p, const Neighbor
 
     wrong += j == i || (k > nb->row[i] && nb->col[k - 1] >= j);
     for (PetscInt a = 0; a < dim; a++) r2 += PetscSqr(p->x[a][j] - p->x[a][i]);
-    if (r2 >= PairRadius2(nb, p->dx[i], p->dx[j])) continue;
+    if (r2 >= PairRadius2(nb, edge, ParticlesLargestEdge(p, j))) continue;
     in_row++;
     sum_row += PetscSqrtReal(r2) * (1 + p->id[j]);
   }
@@ -163,7 +163,7 @@ static PetscInt RowErrors(const Scene *scene, const Particles *p, const Neighbor
             r2 += PetscSqr(all->x[dim * id + a] + image[a] * (scene->hi[a] - scene->lo[a]) -
                            p->x[a][i]);
           }
-          if (r2 >= PairRadius2(nb, p->dx[i], all->dx[id])) continue;
+          if (r2 >= PairRadius2(nb, edge, all->edge[id])) continue;
           close++;
           sum_all += PetscSqrtReal(r2) * (1 + id);
         }

@@ -15,12 +15,13 @@ typedef struct {
   WallPlacement walls;
 } Setting;
 
-/* Positions and spacings of the particles of all ranks by id; a removed particle has found = 0. */
+/* Positions and largest edges of the particles of all ranks by id; a removed particle has
+   found = 0. */
 typedef struct {
   PetscInt   n;
   PetscReal *x;     /* x[dim id + a] */
   PetscReal *found; /* number of occurrences of each id */
-  PetscReal *dx;    /* spacing */
+  PetscReal *edge;  /* largest, ParticlesLargestEdge() */
 } All;
 
 Setting   CrowdBox(const char *name, PetscInt dim, PetscInt nx, PetscInt ny, PetscInt nz,

@@ -48,18 +48,19 @@ typedef struct {
 typedef struct {
   PetscInt   i, dim, n, n_wall; /* particle, neighbours, number of wall particles among them */
   PetscInt   capacity;
-  PetscReal  dx, h, radius;        /* spacing of the particle, smoothing length, support [m] */
-  PetscReal  scale;                /* multiplies equations of derivatives in fits [m] */
-  PetscInt  *j;                    /* local index of each neighbour */
-  PetscReal *X[ISPH_MAX_DIM];      /* x_j - x_i [m] */
-  PetscReal *r, *V;                /* distance [m], volume [m^dim] */
-  PetscReal *W, *dW, *ddW;         /* kernel and its derivatives in r [m^-dim, ...] */
-  PetscReal *corrected[2];         /* storage for corrected dW and ddW */
-  PetscBool *wall;                 /* neighbour is a wall particle */
-  PetscReal *normal[ISPH_MAX_DIM]; /* of wall neighbours, into the fluid */
-  PetscInt  *side;                 /* side or body of wall neighbours */
-  PetscReal *beta;                 /* of dummies: factor of u_wall,i - u_i, docs/theory.md, (49) */
-  PetscReal *share;                /* of dummies: weight in u_wall,i, docs/theory.md, (50) */
+  PetscReal  dx, h, radius;         /* spacing of the particle, smoothing length, support [m] */
+  PetscReal  scale;                 /* multiplies equations of derivatives in fits [m] */
+  PetscReal  stretch[ISPH_MAX_DIM]; /* of the axes about the particle, SceneStretch() [-] */
+  PetscInt  *j;                     /* local index of each neighbour */
+  PetscReal *X[ISPH_MAX_DIM];       /* x_j - x_i, times stretch [m] */
+  PetscReal *r, *V;                 /* distance [m], volume [m^dim] */
+  PetscReal *W, *dW, *ddW;          /* kernel and its derivatives in r [m^-dim, ...] */
+  PetscReal *corrected[2];          /* storage for corrected dW and ddW */
+  PetscBool *wall;                  /* neighbour is a wall particle */
+  PetscReal *normal[ISPH_MAX_DIM];  /* of wall neighbours, into the fluid */
+  PetscInt  *side;                  /* side or body of wall neighbours */
+  PetscReal *beta;                  /* of dummies: factor of u_wall,i - u_i, docs/theory.md, (49) */
+  PetscReal *share;                 /* of dummies: weight in u_wall,i, docs/theory.md, (50) */
   PetscBool  fits_walls;  /* wall neighbours have equations of their own, otherwise values */
   Equation  *equation;    /* of each neighbour in the present fit; fluid gives a value */
   MlsFit     fit;         /* of these equations, shared by Laplacian, gradient and filter */

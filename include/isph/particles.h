@@ -29,6 +29,7 @@ typedef enum {
   ENTRY_MEAN,     /* mean of the fluid within halo_width, weighted by distance */
   ENTRY_POSITION, /* position of the particle */
   ENTRY_SPACING,  /* SceneSpacing() */
+  ENTRY_STRETCH,  /* SceneStretch() */
   ENTRY_VOLUME,   /* SceneVolumeAt() */
 } EntryPolicy;
 
@@ -77,11 +78,12 @@ typedef struct {
   PetscReal *x_epoch[ISPH_MAX_DIM]; /* own positions when the epoch started (field) [m] */
   PetscReal *normal[ISPH_MAX_DIM];  /* of wall particles, into the fluid (field); NULL: no walls */
   PetscReal *depth;                 /* of wall particles below the surface [m] (field) */
-  PetscReal *side;        /* of wall particles: number of the wall, a whole number (field) */
-  PetscReal *dx;          /* spacing of each particle (field); h = h_over_dx dx [m] */
-  PetscReal *volume;      /* (field) [m^dim] */
-  PetscReal  cell_volume; /* of the lattice of the reference spacing [m^dim] */
-  PetscReal  weight;      /* sum of ParticlesWeight() over all fluid; N_fluid if uniform [-] */
+  PetscReal *side; /* of wall particles: number of the wall, a whole number (field) */
+  PetscReal *dx;   /* spacing of each particle (field); h = h_over_dx dx [m] */
+  PetscReal *stretch[ISPH_MAX_DIM]; /* SceneStretch() (field) [-]; NULL: all are 1 */
+  PetscReal *volume;                /* (field) [m^dim] */
+  PetscReal  cell_volume;           /* of the lattice of the reference spacing [m^dim] */
+  PetscReal  weight; /* sum of ParticlesWeight() over all fluid; N_fluid if uniform [-] */
   Field      field[PARTICLES_MAX_FIELDS];
   PetscInt   n_fields;
 
@@ -181,6 +183,21 @@ static inline PetscReal ParticlesWeight(const Particles *p, PetscInt i)
   return p->volume[i] / p->cell_volume;
 }
 
+/* Returns the factor by which axis a is stretched about particle i, SceneStretch() [-]. */
+static inline PetscReal ParticlesStretch(const Particles *p, PetscInt a, PetscInt i)
+{
+  return p->stretch[a] ? p->stretch[a][i] : 1.0;
+}
+
+/* Returns the largest edge of the cell of particle i, to which its support is in proportion [m]. */
+static inline PetscReal ParticlesLargestEdge(const Particles *p, PetscInt i)
+{
+  PetscReal least = ParticlesStretch(p, 0, i);
+
+  for (PetscInt a = 1; a < p->dim; a++) least = PetscMin(least, ParticlesStretch(p, a, i));
+  return p->dx[i] / least;
+}
+
 /* Computes the surface point above wall particle i; beyond an edge, the point on the continued
    plane of the side [m]. */
 static inline void ParticlesWallPoint(const Particles *p, PetscInt i, PetscReal x[])
@@ -207,13 +224,13 @@ PetscErrorCode CellsFind(const Cells *cells, const PetscReal x[], PetscReal radi
 /*
   Neighbours of own fluid particle i: col[row[i]] ... col[row[i+1]-1], local indices in ascending
   order without i. Pairs closer than the larger of their radii are neighbours; radii are in
-  proportion to spacings. With a Verlet margin the rows also hold pairs slightly beyond the radius,
-  so readers must skip r >= radius. The cells hold positions at the time the rows were built: probes
-  call CellsFind() with radius + margin / 2 and skip likewise.
+  proportion to the largest edges of cells. With a Verlet margin the rows also hold pairs slightly
+  beyond the radius, so readers must skip r >= radius. The cells hold positions at the time the rows
+  were built: probes call CellsFind() with radius + margin / 2 and skip likewise.
 */
 typedef struct {
   PetscReal  radius;  /* the largest [m] */
-  PetscReal  spacing; /* of the particles that have it [m] */
+  PetscReal  spacing; /* largest edge of the cells of particles that have it [m] */
   PetscReal  margin;  /* of the present rows [m] */
   PetscInt  *row, *col;
   PetscInt   row_capacity, col_capacity;

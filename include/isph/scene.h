@@ -166,6 +166,13 @@ struct Rheology {
   PetscReal          low, high; /* bounds of the viscosity [m^2/s] */
 };
 
+/* Map of the lattice along an axis, whose cells are smaller at walls: docs/theory.md, (138). */
+typedef struct {
+  PetscReal strength;    /* beta of the map; 0: uniform [-] */
+  PetscBool wall[2];     /* cells are smaller at the low and at the high end */
+  PetscReal least, most; /* edges of the smallest and the largest cell [m] */
+} LatticeMap;
+
 struct Scene {
   const CaseRow   *problem;
   const MotionRow *motion;  /* NULL: no convection */
@@ -178,6 +185,8 @@ struct Scene {
   PetscReal        lo[ISPH_MAX_DIM];    /* corners of the box [m] */
   PetscReal        hi[ISPH_MAX_DIM];    /* */
   PetscInt         cells[ISPH_MAX_DIM]; /* particles along each side of the box */
+  PetscReal        spacing_wall;        /* at walls; 0 or 1: uniform [dx] */
+  LatticeMap       map[ISPH_MAX_DIM];   /* of the lattice along each axis */
   PetscReal        length;              /* reference length L [m] */
   PetscReal        speed;               /* reference speed U [m/s] */
   PetscReal        rho;                 /* density [kg/m^3] */
@@ -205,7 +214,8 @@ struct Scene {
 
 extern const Table       CaseTable; /* cases/cases.c */
 extern const char *const SideNames[2 * ISPH_MAX_DIM];
-extern const OptionTable SceneOptions, TypedOptions, BoundaryOptions, RheologyOptions;
+extern const OptionTable SceneOptions, SpacingOptions, TypedOptions, BoundaryOptions,
+    RheologyOptions;
 
 PetscErrorCode SceneReadTyped(Scene *scene);
 PetscReal      SceneViscosityAt(const Scene *scene, const PetscReal x[]);
@@ -222,7 +232,13 @@ PetscBool      SceneMoves(const Scene *scene);
 PetscBool      SceneKeepsMomentum(const Scene *scene);
 PetscBool      SceneIsDrivenInTime(const Scene *scene);
 void           SceneWallName(const Scene *scene, PetscInt side, char name[]);
-PetscReal      SceneCellSide(const Scene *scene, PetscInt axis); /* of the lattice, about dx [m] */
+PetscErrorCode SceneReadSpacing(Scene *scene);
+PetscBool      SceneIsGraded(const Scene *scene);
+PetscReal      SceneLatticePlace(const Scene *scene, PetscInt axis, PetscReal place);
+PetscReal      SceneGrowth(const Scene *scene);
+PetscReal      SceneCellSide(const Scene *scene, PetscInt axis); /* mean edge, about dx [m] */
+void           SceneEdges(const Scene *scene, const PetscReal x[], PetscReal edge[]);
+void           SceneStretch(const Scene *scene, const PetscReal x[], PetscReal stretch[]);
 PetscReal      SceneSpacing(const Scene *scene, const PetscReal x[]); /* prescribed at x [m] */
 PetscReal      SceneCoarsest(const Scene *scene);  /* largest spacing anywhere [m] */
 PetscReal      SceneFinest(const Scene *scene);    /* smallest spacing anywhere [m] */

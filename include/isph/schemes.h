@@ -94,7 +94,7 @@ typedef struct {
 /* Statistics of a step, for progress, the steady test and the report. */
 typedef struct {
   PetscReal speed_max;      /* largest particle speed [m/s] */
-  PetscReal pace_max;       /* largest speed times (finest spacing/own spacing) [m/s] */
+  PetscReal pace_max;       /* largest speed in cells, times the reference spacing [m/s] */
   PetscReal force_max;      /* largest body force per unit mass [m/s^2] */
   PetscReal kinetic_energy; /* [J] (per metre of depth in 2D) */
   PetscReal divergence;     /* largest |D u| [1/s] */

@@ -35,6 +35,12 @@ static PetscErrorCode BannerCase(const Flow *flow, PetscViewer viewer)
                    "%d rank%s\n",
       "particles", flow->particles->N_fluid, flow->particles->N_wall, (double)scene->dx,
       (double)(flow->ops->forms.h_over_dx), ranks, ranks == 1 ? "" : "s"));
+  if (SceneIsGraded(scene)) {
+    PetscCall(PetscViewerASCIIPrintf(
+        viewer, BANNER_LABEL "from %.3g to %.3g dx, growing by at most %.2g %% a particle\n",
+        "spacing", (double)(SceneFinest(scene) / scene->dx),
+        (double)(SceneCoarsest(scene) / scene->dx), (double)(100.0 * SceneGrowth(scene))));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

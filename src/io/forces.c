@@ -22,20 +22,20 @@ typedef struct {
 static void SideSurface(const Scene *scene, PetscInt side, Surface *s)
 {
   const PetscInt axis = side / 2, dim = scene->dim;
-  PetscReal      area = 1.0;
-
-  for (PetscInt a = 0; a < dim; a++) area *= a == axis ? 1.0 : SceneCellSide(scene, a);
   for (PetscInt k = 0; k < s->n; k++) {
-    PetscInt index = k;
+    PetscReal edge[ISPH_MAX_DIM];
+    PetscInt  index = k;
 
-    s->area[k] = area;
+    s->area[k] = 1.0;
     for (PetscInt a = 0; a < dim; a++) {
       s->normal[k * dim + a] = a == axis ? (side % 2 ? -1.0 : 1.0) : 0.0;
       s->x[k * dim + a]      = side % 2 ? scene->hi[a] : scene->lo[a];
       if (a == axis) continue;
-      s->x[k * dim + a] = scene->lo[a] + (index % scene->cells[a] + 0.5) * SceneCellSide(scene, a);
+      s->x[k * dim + a] = SceneLatticePlace(scene, a, index % scene->cells[a] + 0.5);
       index /= scene->cells[a];
     }
+    SceneEdges(scene, &s->x[k * dim], edge);
+    for (PetscInt a = 0; a < dim; a++) s->area[k] *= a == axis ? 1.0 : edge[a];
   }
 }
 
@@ -61,6 +61,17 @@ static PetscErrorCode SurfaceCreate(const Scene *scene, PetscInt side, Surface *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns the height of the first probe above point x of a boundary: the spacing, on sides of the
+   box along the normal [m]. */
+static PetscReal HeightUnit(const Scene *scene, PetscInt side, const PetscReal x[])
+{
+  PetscReal stretch[ISPH_MAX_DIM];
+
+  if (BoundaryBody(scene, side)) return SceneSpacing(scene, x);
+  SceneStretch(scene, x, stretch);
+  return SceneSpacing(scene, x) / stretch[side / 2];
+}
+
 /* Probes the velocity minus the wall velocity, and the pressure unless p is NULL, at the points of
    a surface raised by `height` spacings along the normal. */
 static PetscErrorCode ProbeAbove(const Flow *flow, PetscInt side, const Surface *s,
@@ -73,7 +84,7 @@ static PetscErrorCode ProbeAbove(const Flow *flow, PetscInt side, const Surface 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(s->n * dim, &raised));
   for (PetscInt k = 0; k < s->n; k++) {
-    const PetscReal way = height * SceneSpacing(scene, &s->x[k * dim]);
+    const PetscReal way = height * HeightUnit(scene, side, &s->x[k * dim]);
 
     for (PetscInt a = 0; a < dim; a++)
       raised[k * dim + a] = s->x[k * dim + a] + way * s->normal[k * dim + a];
@@ -95,10 +106,11 @@ static PetscErrorCode ProbeAbove(const Flow *flow, PetscInt side, const Surface 
 static PetscReal WallVelocityDerivative(const Flow *flow, PetscInt side, PetscInt c, PetscInt axis,
                                         const PetscReal x[])
 {
-  const Scene    *scene = flow->scene;
-  const PetscReal way   = 0.25 * SceneCellSide(scene, axis);
-  PetscReal       y[ISPH_MAX_DIM], u[2][ISPH_MAX_DIM];
+  const Scene *scene = flow->scene;
+  PetscReal    way, edge[ISPH_MAX_DIM], y[ISPH_MAX_DIM], u[2][ISPH_MAX_DIM];
 
+  SceneEdges(scene, x, edge);
+  way = 0.25 * edge[axis];
   for (PetscInt end = 0; end < 2; end++) {
     for (PetscInt b = 0; b < scene->dim; b++) y[b] = x[b];
     y[axis] += end ? way : -way;
@@ -197,7 +209,8 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
   for (PetscInt q = 0; q < s.n * dim; q++) {
     const PetscReal *x = &s.x[q / dim * dim];
 
-    slope[q] = (18.0 * w[1][q] - 9.0 * w[2][q] + 2.0 * w[3][q]) / (6.0 * SceneSpacing(scene, x));
+    slope[q] =
+        (18.0 * w[1][q] - 9.0 * w[2][q] + 2.0 * w[3][q]) / (6.0 * HeightUnit(scene, side, x));
   }
   PetscCall(SurfaceViscosity(flow, &s, slope, nu));
   for (PetscInt k = 0; k < s.n; k++) {

@@ -37,28 +37,39 @@ static PetscInt ProbeBasis(PetscInt dim, const PetscReal s[], PetscReal phi[])
   return t;
 }
 
+/* The support about a point: its radius along stretched axes, see SceneStretch(). */
+typedef struct {
+  PetscReal R, stretch[ISPH_MAX_DIM], least; /* [m], [-], the least of them */
+} ProbeBall;
+
 /* Computes the offset (x_j - x)/R of particle j; returns the kernel stretched to the radius R. */
-static PetscReal ProbeOffset(const Probe *probe, PetscInt j, const PetscReal x[], PetscReal R,
-                             PetscReal s[])
+static PetscReal ProbeOffset(const Probe *probe, PetscInt j, const PetscReal x[],
+                             const ProbeBall *ball, PetscReal s[])
 {
   const Operators *ops = probe->flow->ops;
   const Particles *p   = probe->flow->particles;
   PetscReal        r2  = 0.0, w[3];
 
   for (PetscInt a = 0; a < p->dim; a++) {
-    s[a] = (p->x[a][j] - x[a]) / R;
+    s[a] = ball->stretch[a] * (p->x[a][j] - x[a]) / ball->R;
     r2 += PetscSqr(s[a]);
   }
   KernelEvaluate(ops->forms.kernel, p->dim, ops->forms.h, PetscSqrtReal(r2) * ops->forms.radius, w);
   return w[0];
 }
 
-/* Returns the radius of the support for the spacing of the scene at x [m]. */
-static PetscReal ProbeRadius(const Probe *probe, const PetscReal x[])
+/* Returns the support for the spacing of the scene at x. */
+static ProbeBall ProbeSupport(const Probe *probe, const PetscReal x[])
 {
   const OperatorForms *forms = &probe->flow->ops->forms;
+  const Scene         *scene = probe->flow->scene;
+  ProbeBall            ball;
 
-  return forms->kernel->support * (forms->h_over_dx * SceneSpacing(probe->flow->scene, x));
+  ball.R = forms->kernel->support * (forms->h_over_dx * SceneSpacing(scene, x));
+  SceneStretch(scene, x, ball.stretch);
+  ball.least = ball.stretch[0];
+  for (PetscInt a = 1; a < scene->dim; a++) ball.least = PetscMin(ball.least, ball.stretch[a]);
+  return ball;
 }
 
 /* Returns true if particle j has a value of a field: all fluid, and wall particles on the surface
@@ -76,17 +87,20 @@ static PetscBool ProbeHas(const Probe *probe, PetscInt j, PetscInt field)
 }
 
 /* Finds the neighbours of a point that enter the fit of a field. */
-static PetscErrorCode ProbeFind(Probe *probe, const PetscReal x[], PetscReal R, PetscInt field,
-                                PetscInt *n)
+static PetscErrorCode ProbeFind(Probe *probe, const PetscReal x[], const ProbeBall *ball,
+                                PetscInt field, PetscInt *n)
 {
   PetscInt found;
 
   PetscFunctionBegin;
-  PetscCall(CellsFind(&probe->cells, x, R, probe->cells.n, probe->list, &found));
+  PetscCall(
+      CellsFind(&probe->cells, x, ball->R / ball->least, probe->cells.n, probe->list, &found));
   *n = 0;
   for (PetscInt k = 0; k < found; k++) {
     const PetscInt j = probe->list[k];
+    PetscReal      s[ISPH_MAX_DIM];
 
+    if (ball->least != 1.0 && ProbeOffset(probe, j, x, ball, s) == 0.0) continue;
     if (ProbeHas(probe, j, field)) probe->list[(*n)++] = j;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -94,15 +108,15 @@ static PetscErrorCode ProbeFind(Probe *probe, const PetscReal x[], PetscReal R, 
 
 /* Computes the moment matrix sum_k W_k phi_k phi_k^T over n neighbours k, with the kernel W_k and
    the basis phi_k of ProbeBasis(); returns its size. */
-static PetscInt ProbeMoments(const Probe *probe, const PetscReal x[], PetscReal R, PetscInt n,
-                             PetscReal moments[])
+static PetscInt ProbeMoments(const Probe *probe, const PetscReal x[], const ProbeBall *ball,
+                             PetscInt n, PetscReal moments[])
 {
   const PetscInt dim = probe->flow->particles->dim, terms = 1 + dim + dim * (dim + 1) / 2;
 
   for (PetscInt t = 0; t < terms * terms; t++) moments[t] = 0.0;
   for (PetscInt k = 0; k < n; k++) {
     PetscReal       s[ISPH_MAX_DIM], phi[PROBE_MAX_TERMS];
-    const PetscReal W = ProbeOffset(probe, probe->list[k], x, R, s);
+    const PetscReal W = ProbeOffset(probe, probe->list[k], x, ball, s);
 
     (void)ProbeBasis(dim, s, phi);
     for (PetscInt t = 0; t < terms; t++) {
@@ -117,21 +131,21 @@ static PetscInt ProbeMoments(const Probe *probe, const PetscReal x[], PetscReal 
   halo, while it holds too few particles, for example in a corner.
 */
 static PetscErrorCode ProbeFit(Probe *probe, const PetscReal x[], PetscInt field, PetscInt *n,
-                               PetscReal *R, PetscInt *terms, PetscReal moments[],
+                               ProbeBall *ball, PetscInt *terms, PetscReal moments[],
                                PetscReal factor[])
 {
   PetscFunctionBegin;
-  *R = ProbeRadius(probe, x);
+  *ball = ProbeSupport(probe, x);
   while (PETSC_TRUE) {
-    PetscCall(ProbeFind(probe, x, *R, field, n));
-    *terms = ProbeMoments(probe, x, *R, *n, moments);
+    PetscCall(ProbeFind(probe, x, ball, field, n));
+    *terms = ProbeMoments(probe, x, ball, *n, moments);
     PetscCall(PetscArraycpy(factor, moments, *terms * *terms));
     if (*n >= 2 * *terms && !DenseCholesky(*terms, factor)) break;
-    if (*R >= probe->reach) {
+    if (ball->R >= probe->reach * ball->least) {
       DenseCholeskyRidge(*terms, moments, 1e-10, factor);
       break;
     }
-    *R = PetscMin(1.15 * *R, probe->reach);
+    ball->R = PetscMin(1.15 * ball->R, probe->reach * ball->least);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -142,11 +156,12 @@ static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscInt f
 {
   const PetscInt dim = probe->flow->particles->dim;
   PetscReal      moments[PROBE_MAX_TERMS * PROBE_MAX_TERMS], c[PROBE_MAX_TERMS] = {0.0};
-  PetscReal      factor[PROBE_MAX_TERMS * PROBE_MAX_TERMS], R                   = 0.0;
+  PetscReal      factor[PROBE_MAX_TERMS * PROBE_MAX_TERMS];
+  ProbeBall      ball;
   PetscInt       terms = 0;
 
   PetscFunctionBegin;
-  PetscCall(ProbeFit(probe, x, field, n, &R, &terms, moments, factor));
+  PetscCall(ProbeFit(probe, x, field, n, &ball, &terms, moments, factor));
   for (PetscInt pass = 0; pass < 3; pass++) { /* refines c = M^-1 e_0: M may be ill conditioned */
     PetscReal residual[PROBE_MAX_TERMS] = {1.0};
 
@@ -158,7 +173,7 @@ static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscInt f
   }
   for (PetscInt k = 0; k < *n; k++) {
     PetscReal       s[ISPH_MAX_DIM], phi[PROBE_MAX_TERMS], sum = 0.0;
-    const PetscReal W = ProbeOffset(probe, probe->list[k], x, R, s);
+    const PetscReal W = ProbeOffset(probe, probe->list[k], x, &ball, s);
 
     (void)ProbeBasis(dim, s, phi);
     for (PetscInt t = 0; t < terms; t++) sum += phi[t] * c[t];
@@ -282,12 +297,13 @@ PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], Pe
 static PetscErrorCode NearestViscosity(Probe *probe, const PetscReal x[], PetscReal *nu)
 {
   const Particles *p    = probe->flow->particles;
+  const ProbeBall  ball = ProbeSupport(probe, x);
   PetscReal        best = PETSC_INFINITY;
   PetscInt         n;
 
   PetscFunctionBegin;
   *nu = 0.0;
-  PetscCall(ProbeFind(probe, x, ProbeRadius(probe, x), PETSC_FALSE, &n));
+  PetscCall(ProbeFind(probe, x, &ball, PETSC_FALSE, &n));
   for (PetscInt k = 0; k < n; k++) {
     const PetscInt j  = probe->list[k];
     PetscReal      r2 = 0.0;

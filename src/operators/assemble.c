@@ -42,13 +42,16 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
   st->volume    = p->volume[i];
   st->n_wall    = 0;
   st->fit.valid = PETSC_FALSE;
-  for (PetscInt a = 0; a < d; a++) x[a] = p->x[a][i];
+  for (PetscInt a = 0; a < d; a++) {
+    x[a]           = p->x[a][i];
+    st->stretch[a] = ParticlesStretch(p, a, i);
+  }
   for (PetscInt q = first; q < last; q++) {
     const PetscInt j  = nb->col[q];
     PetscReal      r2 = 0.0;
 
     for (PetscInt a = 0; a < d; a++) {
-      st->X[a][n] = p->x[a][j] - x[a];
+      st->X[a][n] = st->stretch[a] * (p->x[a][j] - x[a]);
       r2 += PetscSqr(st->X[a][n]);
     }
     st->j[n] = j;

@@ -30,6 +30,23 @@ static void ConcentrationImages(const KernelRow *kernel, const Stencil *st,
   }
 }
 
+/* Finds the mirror planes near particle i; their distances are along stretched axes. Returns their
+   number. */
+static PetscInt StretchedPlanes(const Scene *scene, const Stencil *st, const PetscReal x[],
+                                WallPlane planes[])
+{
+  PetscReal least = st->stretch[0];
+  PetscInt  n     = 0;
+
+  for (PetscInt a = 1; a < st->dim; a++) least = PetscMin(least, st->stretch[a]);
+  SceneWallPlanes(scene, x, st->radius / least, planes, &n);
+  for (PetscInt k = 0; k < n && SceneIsGraded(scene); k++) { /* normals are along axes */
+    for (PetscInt a = 0; a < st->dim; a++)
+      if (planes[k].normal[a] != 0.0) planes[k].distance *= st->stretch[a];
+  }
+  return n;
+}
+
 /*
   ConcentrationRow - Computes the concentration at particle i and its gradient
 
@@ -53,7 +70,7 @@ void ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil
                       PetscReal gradient[])
 {
   const PetscReal origin[ISPH_MAX_DIM] = {0.0};
-  PetscReal       sum[ISPH_MAX_DIM]    = {0.0};
+  PetscReal       sum[ISPH_MAX_DIM] = {0.0}, stretched = 1.0;
   WallPlane       planes[SCENE_MAX_BOUNDARIES];
   PetscInt        n_planes = 0;
 
@@ -65,7 +82,7 @@ void ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil
     *concentration += st->V[k] * st->W[k];
     for (PetscInt a = 0; a < st->dim; a++) sum[a] -= scale * st->X[a][k];
   }
-  if (mirrored && st->n_wall) SceneWallPlanes(scene, x, st->radius, planes, &n_planes);
+  if (mirrored && st->n_wall) n_planes = StretchedPlanes(scene, st, x, planes);
   if (n_planes) {
     ConcentrationImages(kernel, st, planes, n_planes, origin, st->volume, concentration, sum);
     for (PetscInt k = 0; k < st->n; k++) {
@@ -76,5 +93,7 @@ void ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil
       ConcentrationImages(kernel, st, planes, n_planes, X, st->V[k], concentration, sum);
     }
   }
-  for (PetscInt a = 0; a < st->dim; a++) gradient[a] = sum[a];
+  for (PetscInt a = 0; a < st->dim; a++) stretched *= st->stretch[a];
+  *concentration *= stretched;
+  for (PetscInt a = 0; a < st->dim; a++) gradient[a] = stretched * st->stretch[a] * sum[a];
 }

@@ -3,10 +3,12 @@
 
     f(x_i + X) - f_i = sum_t c_t phi_t(X/R),   phi(s) = s_a, s_a s_b (b <= a), ...,
 
-  with the radius R of the support. Each neighbour k gives an equation for the coefficients c_t,
-  which minimise sum_k W_k (residual of the equation of k)^2. A fluid neighbour gives its value. A
-  wall neighbour gives its boundary condition: f = f_wall, n.grad f = g, or n.f = n.f_wall for
-  vectors (mlsvector.c). The fit is exact for polynomials of its degree.
+  with the radius R of the support. On graded lattices X and R are those of the stretched axes about
+  the particle, and derivatives have the factor Stencil.stretch for each axis. Each neighbour k
+  gives an equation for the coefficients c_t, which minimise sum_k W_k (residual of the equation of
+  k)^2. A fluid neighbour gives its value. A wall neighbour gives its boundary condition: f =
+  f_wall, n.grad f = g, or n.f = n.f_wall for vectors (mlsvector.c). The fit is exact for
+  polynomials of its degree.
 
   A row of an operator is a linear functional of the coefficients, sum_t b_t c_t. Its weights are
   w_k = W_k sum_t x_t phi_t with the solution x of M x = b, M = sum_k W_k phi_k phi_k^T. One fit
@@ -19,11 +21,12 @@
 */
 #include "mls.h"
 
-/* Sets the right-hand side of lap f = 2/R^2 sum_a c_aa, c_aa the coefficient of (X_a/R)^2. */
+/* Sets the right-hand side of lap f = 2/R^2 sum_a s_a^2 c_aa, c_aa the coefficient of (X_a/R)^2 and
+   s_a the stretch of the axis. */
 static inline void LaplacianColumn(const Stencil *st, PetscInt dim, PetscInt width, PetscReal b[])
 {
   for (PetscInt a = 0; a < dim; a++)
-    b[(dim + a * (a + 1) / 2 + a) * width] = 2.0 / PetscSqr(st->radius);
+    b[(dim + a * (a + 1) / 2 + a) * width] = 2.0 * PetscSqr(st->stretch[a]) / PetscSqr(st->radius);
 }
 
 /*
@@ -69,7 +72,7 @@ static inline void FitQuadratic(Stencil *st, PetscInt dim)
   MlsMoments(st, terms, st->fit.W, width, system);
   sum = FilterColumn(st, terms, width, system + filter);
   LaplacianColumn(st, dim, width, system + laplacian);
-  for (PetscInt a = 0; a < dim; a++) system[a * width + gradient + a] = 1.0 / st->radius;
+  for (PetscInt a = 0; a < dim; a++) system[a * width + gradient + a] = st->stretch[a] / st->radius;
   if (!MlsSolve(terms, width, system, solved)) st->regularised++;
   FilterWeights(st, terms, width, sum, system + filter, solved + filter, st->fit.filter);
   MlsWeights(st, terms, width, solved + laplacian, st->fit.laplacian);
@@ -153,7 +156,7 @@ static inline PetscBool FitCubicGradient(Stencil *st, PetscInt dim, PetscReal *g
 
   MlsBasis(st, dim, 3);
   MlsMoments(st, terms, st->fit.W, width, system);
-  for (PetscInt a = 0; a < dim; a++) system[a * width + terms + a] = 1.0 / st->radius;
+  for (PetscInt a = 0; a < dim; a++) system[a * width + terms + a] = st->stretch[a] / st->radius;
   if (!MlsEliminate(terms, width, system)) return PETSC_FALSE;
   for (PetscInt a = 0; a < dim; a++) MlsWeights(st, terms, width, system + terms + a, g[a]);
   return PETSC_TRUE;

@@ -42,7 +42,7 @@ static inline void MlsBasisNormalDerivative(const Stencil *st, PetscInt dim, Pet
 
   for (PetscInt a = 0; a < dim; a++) {
     s[a] = st->X[a][k] / st->radius;
-    n[a] = phi[a * stride] = st->normal[a][k] * st->scale / st->radius;
+    n[a] = phi[a * stride] = st->stretch[a] * st->normal[a][k] * st->scale / st->radius;
   }
   for (PetscInt a = 0; a < dim; a++) {
     for (PetscInt b = 0; b <= a; b++) phi[stride * t++] = n[a] * s[b] + s[a] * n[b];

@@ -34,7 +34,8 @@ static inline void DivergenceFit(Stencil *st, PetscInt dim, PetscReal *d[], Pets
 
   MlsBasis(st, dim, 2);
   VectorMoments(st, dim, width, system);
-  for (PetscInt a = 0; a < dim; a++) system[(a * terms + a) * width + n] = 1.0 / st->radius;
+  for (PetscInt a = 0; a < dim; a++)
+    system[(a * terms + a) * width + n] = st->stretch[a] / st->radius;
   if (!MlsSolve(n, width, system, solved)) st->regularised++;
   for (PetscInt k = 0; k < st->n; k++) m[k] = 0.0;
   for (PetscInt a = 0; a < dim; a++) {

@@ -9,6 +9,7 @@ PetscErrorCode StencilCreate(PetscInt dim, Stencil **stencil)
   PetscFunctionBegin;
   PetscCall(PetscNew(stencil));
   (*stencil)->dim = dim;
+  for (PetscInt a = 0; a < dim; a++) (*stencil)->stretch[a] = 1.0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -119,8 +119,7 @@ static CellKind ClassifyCell(const Scene *scene, WallPlacement walls, PetscInt i
   PetscReal dx;
 
   CellOf(scene->dim, scene->cells, index, cell);
-  for (PetscInt a = 0; a < scene->dim; a++)
-    x[a] = scene->lo[a] + (cell[a] + 0.5) * SceneCellSide(scene, a);
+  for (PetscInt a = 0; a < scene->dim; a++) x[a] = SceneLatticePlace(scene, a, cell[a] + 0.5);
   dx     = SceneSpacing(scene, x);
   *depth = -SceneDistance(scene, x, body, normal);
   if (*depth <= -FluidClearance(walls, dx)) return CELL_FLUID;
@@ -133,14 +132,16 @@ static CellKind ClassifyCell(const Scene *scene, WallPlacement walls, PetscInt i
 static void JitterFluid(const Scene *scene, WallPlacement walls, PetscInt64 id, PetscReal x[])
 {
   const PetscReal dx = SceneSpacing(scene, x);
-  PetscReal       normal[ISPH_MAX_DIM], distance;
+  PetscReal       normal[ISPH_MAX_DIM], edge[ISPH_MAX_DIM], stretch[ISPH_MAX_DIM], distance;
   PetscInt        body;
 
   if (scene->jitter == 0.0) return;
+  SceneEdges(scene, x, edge);
+  SceneStretch(scene, x, stretch);
   for (PetscInt a = 0; a < scene->dim; a++) {
-    const PetscReal side = scene->hi[a] - scene->lo[a], h = SceneCellSide(scene, a);
+    const PetscReal side = scene->hi[a] - scene->lo[a], h = edge[a];
 
-    x[a] += scene->jitter * dx * ParticlesHash(scene->seed, id, a);
+    x[a] += scene->jitter * (dx / stretch[a]) * ParticlesHash(scene->seed, id, a);
     if (SceneIsPeriodic(scene, a)) x[a] -= side * PetscFloorReal((x[a] - scene->lo[a]) / side);
     else if (!walls.jittered)
       x[a] = PetscMin(PetscMax(x[a], scene->lo[a] + 0.3 * h), scene->hi[a] - 0.3 * h);
@@ -165,7 +166,17 @@ static PetscReal WallCoordinate(const Scene *scene, WallPlacement walls, PetscIn
     place += c < 0 ? 0.5 : -0.5;
     if (c == -1 || c == scene->cells[a]) *share = 0.5;
   }
-  return scene->lo[a] + place * SceneCellSide(scene, a);
+  return SceneLatticePlace(scene, a, place);
+}
+
+/* Stretches the support of local particle i as its cell at x; does nothing on uniform lattices. */
+static void SetStretch(const Scene *scene, const PetscReal x[], Particles *p, PetscInt i)
+{
+  PetscReal stretch[ISPH_MAX_DIM];
+
+  if (!p->stretch[0]) return;
+  SceneStretch(scene, x, stretch);
+  for (PetscInt a = 0; a < p->dim; a++) p->stretch[a][i] = stretch[a];
 }
 
 /* Writes wall particle `index` of the slabs to local index i. */
@@ -173,7 +184,7 @@ static void WallParticle(const Scene *scene, WallPlacement walls, const WallSlab
                          PetscInt index, Particles *p, PetscInt i)
 {
   PetscInt  s       = 0, cell[ISPH_MAX_DIM], side;
-  PetscReal deepest = 0.0, volume = SceneVolume(scene), x[ISPH_MAX_DIM], dx;
+  PetscReal deepest = 0.0, shares = 1.0, x[ISPH_MAX_DIM], dx;
 
   while (index >= slabs->first[s + 1]) s++;
   CellOf(scene->dim, slabs->count[s], index - slabs->first[s], cell);
@@ -182,7 +193,7 @@ static void WallParticle(const Scene *scene, WallPlacement walls, const WallSlab
     PetscReal below, above, share;
 
     p->x[a][i] = WallCoordinate(scene, walls, a, slabs->begin[s][a] + cell[a], &share);
-    volume *= share;
+    shares *= share;
     if (walls.layers == 0 || SceneIsPeriodic(scene, a)) continue;
     below = scene->lo[a] - p->x[a][i];
     above = p->x[a][i] - scene->hi[a];
@@ -205,7 +216,8 @@ static void WallParticle(const Scene *scene, WallPlacement walls, const WallSlab
   p->id[i]               = p->N_fluid + index;
   p->kind[i]             = PARTICLE_WALL;
   p->dx[i]               = dx;
-  p->volume[i]           = volume;
+  p->volume[i]           = shares * SceneVolumeAt(scene, x);
+  SetStretch(scene, x, p, i);
 }
 
 /* ParticlesShare - Computes the range [first, last) of this rank among n items; not collective */
@@ -311,6 +323,7 @@ static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, P
     p->kind[i]   = PARTICLE_FLUID;
     p->dx[i]     = SceneSpacing(scene, x);
     p->volume[i] = SceneVolumeAt(scene, x);
+    SetStretch(scene, x, p, i);
     JitterFluid(scene, walls, p->id[i], x);
     for (PetscInt a = 0; a < p->dim; a++) p->x[a][i] = x[a];
     i++;

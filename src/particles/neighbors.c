@@ -17,7 +17,8 @@
   Input Parameters:
 + radius  - largest radius of a particle, at most Particles.halo_width [m]; two particles are
             neighbours if they are closer than the larger of their radii
-- spacing - spacing of the particles with this radius [m]; radii are in proportion to spacings
+- spacing - largest edge of the cells of particles with this radius [m]; radii are in proportion to
+            these edges
 
   Output Parameter:
 . neighbors - the rows; NeighborsUpdate() fills them
@@ -168,7 +169,7 @@ static PetscErrorCode BuildRow(const Particles *p, const PetscReal reach2[], Pet
 /* Returns the square of radius and margin of local particle i, docs/theory.md, (120) [m^2]. */
 static inline PetscReal Reach2(const Particles *p, const Neighbors *nb, PetscInt i)
 {
-  return PetscSqr(nb->radius * (p->dx[i] / nb->spacing) + nb->margin);
+  return PetscSqr(nb->radius * (ParticlesLargestEdge(p, i) / nb->spacing) + nb->margin);
 }
 
 /* Builds all rows for present positions. */

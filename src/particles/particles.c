@@ -27,6 +27,8 @@ static PetscErrorCode RegisterOwnFields(const Scene *scene, Particles *p)
   PetscCall(ParticlesRegister(p, "x_epoch", p->dim, HALO_NONE, ENTRY_POSITION, p->x_epoch));
   PetscCall(ParticlesRegister(p, "dx", 1, HALO_EPOCH, ENTRY_SPACING, &p->dx));
   PetscCall(ParticlesRegister(p, "volume", 1, HALO_EPOCH, ENTRY_VOLUME, &p->volume));
+  if (SceneIsGraded(scene))
+    PetscCall(ParticlesRegister(p, "stretch", p->dim, HALO_EPOCH, ENTRY_STRETCH, p->stretch));
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
     PetscCall(ParticlesRegister(p, "p", 1, HALO_NONE, ENTRY_MEAN, &p->p));
   }
@@ -55,6 +57,8 @@ static void SetViscosities(const Scene *scene, const FluidStart *start, Particle
   ParticlesCreate - Fills the box with fluid particles and its sides with wall particles
 
     x_j = lo + (j + 1/2) (hi - lo) / cells + jitter dx xi,  xi uniform in (-1, 1)^dim
+
+  or, with -spacing_wall, at the places of SceneLatticePlace().
 
   Collective on PETSC_COMM_WORLD
 

@@ -118,6 +118,8 @@ static PetscReal SurroundingsMean(const Surroundings *near, const PetscReal valu
 static PetscReal EntryValue(const Scene *scene, const Field *field, PetscInt c, const PetscReal x[],
                             const Surroundings *near)
 {
+  PetscReal stretch[ISPH_MAX_DIM];
+
   switch (field->entry) {
   case ENTRY_MEAN:
     return SurroundingsMean(near, field->slot[c]);
@@ -125,6 +127,9 @@ static PetscReal EntryValue(const Scene *scene, const Field *field, PetscInt c, 
     return x[c];
   case ENTRY_SPACING:
     return SceneSpacing(scene, x);
+  case ENTRY_STRETCH:
+    SceneStretch(scene, x, stretch);
+    return stretch[c];
   case ENTRY_VOLUME:
     return SceneVolumeAt(scene, x);
   default:

@@ -156,6 +156,10 @@ static void FieldBounds(const Scene *scene, const Particles *p, const Field *fie
     *low  = SceneFinest(scene) * (1.0 - PETSC_SQRT_MACHINE_EPSILON);
     *high = SceneCoarsest(scene) * (1.0 + PETSC_SQRT_MACHINE_EPSILON);
   }
+  if (field->slot == p->stretch) {
+    *low  = PETSC_SQRT_MACHINE_EPSILON;
+    *high = PetscSqrtReal((PetscReal)p->dim) * (1.0 + PETSC_SQRT_MACHINE_EPSILON);
+  }
   if (field->slot == &p->side) {
     *low  = 0.0;
     *high = (PetscReal)SceneBoundaries(scene) - 1.0;

@@ -124,10 +124,11 @@ static PetscErrorCode SceneBox(const Scene *scene, double value[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SceneReferenceSpacing(const Scene *scene, double value[])
+static PetscErrorCode SceneSpacings(const Scene *scene, double value[])
 {
   PetscFunctionBegin;
   value[0] = scene->dx;
+  value[1] = scene->dx * scene->spacing_wall;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -198,10 +199,10 @@ static const SceneEntry entries[] = {
      .refusal   = "the file has another box or spacing",
      .Compute   = SceneBox},
     {.name      = "scene_spacing",
-     .n         = 1,
+     .n         = 2,
      .tolerance = 1e-9,
      .refusal   = "the file has another box or spacing",
-     .Compute   = SceneReferenceSpacing},
+     .Compute   = SceneSpacings},
     {.name    = "scene_bodies",
      .n       = 1,
      .refusal = "the file has other bodies",

@@ -359,6 +359,7 @@ PetscErrorCode SceneCreate(Scene **scene)
               (double)((s->hi[a] - s->lo[a]) / s->dx), "xyz"[a]);
     s->cells[a] = (PetscInt)PetscFloorReal((s->hi[a] - s->lo[a]) / s->dx + 0.5);
   }
+  PetscCall(SceneReadSpacing(s));
   PetscCall(SceneBoundViscosity(s));
   *scene = s;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,6 +1,6 @@
 /*
-  Functions that return properties of a scene: physics, dimensionless numbers, spacing and force.
-  create.c creates the scene.
+  Functions that return properties of a scene: physics, dimensionless numbers and force. create.c
+  creates the scene; for its lattice see spacing.c.
 */
 #include "isph/scene.h"
 
@@ -46,72 +46,6 @@ PetscBool SceneIsAsPosed(const Scene *scene)
 PetscBool SceneMoves(const Scene *scene)
 {
   return scene->motion && scene->motion->particles_move ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/* SceneCellSide - Returns the side of a lattice cell along an axis [m]; it equals dx if the length
-   of the box is a multiple of dx */
-PetscReal SceneCellSide(const Scene *scene, PetscInt axis)
-{
-  return (scene->hi[axis] - scene->lo[axis]) / scene->cells[axis];
-}
-
-/*
-  SceneSpacing - Returns the spacing that particles created at x have [m]
-
-  It is uniform today. A particle keeps the spacing of the place of its creation (Particles.dx).
-  Options and dimensionless numbers refer to the reference spacing scene->dx instead.
-*/
-PetscReal SceneSpacing(const Scene *scene, const PetscReal x[])
-{
-  (void)x;
-  return scene->dx;
-}
-
-/* BodySpacing - Returns the spacing of points on the surface of a body, SceneSpacing() at its
-   centre [m] */
-PetscReal BodySpacing(const Scene *scene, const Body *body)
-{
-  const PetscReal x[ISPH_MAX_DIM] = {body->centre[0], body->centre[1]};
-
-  return SceneSpacing(scene, x);
-}
-
-/* SceneCoarsest - Returns the largest value of SceneSpacing(), which bounds kernel radii [m] */
-PetscReal SceneCoarsest(const Scene *scene)
-{
-  return scene->dx;
-}
-
-/* SceneFinest - Returns the smallest value of SceneSpacing(), which bounds time steps [m] */
-PetscReal SceneFinest(const Scene *scene)
-{
-  return scene->dx;
-}
-
-/* SceneTolerance - Returns the reference length of geometric tolerances [m] */
-PetscReal SceneTolerance(const Scene *scene)
-{
-  return SceneFinest(scene);
-}
-
-/* SceneVolume - Returns the volume of a lattice cell of the reference spacing [m^dim] */
-PetscReal SceneVolume(const Scene *scene)
-{
-  PetscReal volume = 1.0;
-
-  for (PetscInt a = 0; a < scene->dim; a++) volume *= SceneCellSide(scene, a);
-  return volume;
-}
-
-/* SceneVolumeAt - Returns the volume of a particle that is created at x, docs/theory.md, (118)
-   [m^dim] */
-PetscReal SceneVolumeAt(const Scene *scene, const PetscReal x[])
-{
-  const PetscReal ratio  = SceneSpacing(scene, x) / scene->dx;
-  PetscReal       volume = SceneVolume(scene);
-
-  for (PetscInt a = 0; a < scene->dim; a++) volume *= ratio;
-  return volume;
 }
 
 /* BoundaryIs - Returns true if the kind of a boundary has all given properties; not collective */

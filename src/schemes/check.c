@@ -27,23 +27,25 @@ static PetscErrorCode MeasureDivergence(Flow *flow, const Vec u[], PetscReal *la
 */
 static PetscErrorCode MeasureFlow(Flow *flow, const Vec u[])
 {
-  const Scene       *scene  = flow->scene;
-  const Particles   *p      = flow->particles;
-  Scheme            *s      = flow->scheme;
-  const PetscReal    finest = SceneFinest(scene);
+  const Scene       *scene = flow->scene;
+  const Particles   *p     = flow->particles;
+  Scheme            *s     = flow->scheme;
   PetscReal          sum = 0.0, most[3] = {0.0, flow->walls.speed_bound, 0.0};
   const PetscScalar *v[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecGetArrayRead(u[a], &v[a]));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal speed2 = 0.0, speed;
+    PetscReal speed2 = 0.0, stretched2 = 0.0, speed;
 
-    for (PetscInt a = 0; a < scene->dim; a++) speed2 += PetscSqr(v[a][i]);
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      speed2 += PetscSqr(v[a][i]);
+      stretched2 += PetscSqr(ParticlesStretch(p, a, i) * v[a][i]);
+    }
     sum += ParticlesWeight(p, i) * speed2;
     speed   = PetscSqrtReal(speed2);
     most[0] = PetscMax(most[0], speed);
-    most[2] = PetscMax(most[2], speed * (finest / p->dx[i]));
+    most[2] = PetscMax(most[2], PetscSqrtReal(stretched2) * (scene->dx / p->dx[i]));
   }
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(u[a], &v[a]));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, p->comm));

@@ -39,7 +39,8 @@ static PetscErrorCode ScaleByFilterRate(const Flow *flow, const Vec v[], Vec x)
   for (PetscInt i = 0; i < n; i++) {
     PetscReal speed2 = 0.0;
 
-    for (PetscInt a = 0; a < scene->dim; a++) speed2 += PetscSqr(at[a][i]);
+    for (PetscInt a = 0; a < scene->dim; a++)
+      speed2 += PetscSqr(ParticlesStretch(flow->particles, a, i) * at[a][i]);
     value[i] *= strength / dx[i] * PetscMax(0.0, PetscSqrtReal(speed2) - 2.0 * nu / dx[i]);
   }
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(v[a], &at[a]));
@@ -50,13 +51,14 @@ static PetscErrorCode ScaleByFilterRate(const Flow *flow, const Vec v[], Vec x)
 /*
   ConvectionApply - Computes the convective term of fixed particles, with the velocity filter
 
-    (v.grad u)_i + S max(0, |v_i|/dx_i - 2 nu/dx_i^2) (u - fit)_i
+    (v.grad u)_i + S max(0, |v_a/e_a|_i - 2 nu/dx_i^2) (u - fit)_i
 
-  Collective. S is -velocity_filter, and fit the value of a quadratic fit of u at particle i. The
-  second term is the difference between upwind-biased and central differences. It damps grid modes
-  in the time in which the flow passes dx, and only if |v| dx/nu > 2. It is of order 2, U dx^2 u''',
-  on any arrangement of particles, and of order 3 on lattices. Without it (-velocity_filter 0)
-  explicit steps of the first term amplify grid modes that viscosity does not damp.
+  Collective. S is -velocity_filter, e_a the edges of the particle's cell, and fit the value of a
+  quadratic fit of u at particle i. The second term is the difference between upwind-biased and
+  central differences. It damps grid modes in the time in which the flow passes dx, and only if |v|
+  dx/nu > 2. It is of order 2, U dx^2 u''', on any arrangement of particles, and of order 3 on
+  lattices. Without it (-velocity_filter 0) explicit steps of the first term amplify grid modes that
+  viscosity does not damp.
 
   Input Parameters:
 + v     - advecting velocity over fluid [m/s]

@@ -6,25 +6,27 @@
 /*
   ClockExplicitLimit - Returns the largest stable step of an explicit viscous term [s]
 
-    dt = 0.125 h^2/(largest nu),   h half the radius of the support, for every form and kernel
+    dt = 0.125 h^2/(largest nu),   h half the smallest radius of a support, for every form
 */
 PetscReal ClockExplicitLimit(const Scene *scene, PetscReal support_radius)
 {
   return SceneHas(scene, PHYSICS_VISCOSITY)
-             ? 0.125 * PetscSqr(0.5 * support_radius) / scene->nu_high
+             ? 0.125 * PetscSqr(0.5 * support_radius * SceneFinest(scene) / SceneCoarsest(scene)) /
+                   scene->nu_high
              : PETSC_INFINITY;
 }
 
 /*
   FlowLimit - Limits the step by advection, by the body force, and by the period of the driving
 
-    dt <= C min_i dx_i/max(U, |u_i|), dt <= max(sqrt(C dx/|f|), C dx r/|f|), dx: finest spacing
+    dt <= C dx/U,   dt <= C/|(u_a/e_a)_i|,   dt <= max(sqrt(C e/|f|), C e r/|f|)
 
-  Not collective. C is the CFL number, f the body force. A force alone moves a particle by f dt^2 in
-  a step, or by f dt/r if walls at rest slow the flow at the rate r (SceneDecayRate()); so very
-  viscous flows need no short steps. With -dt_adapt none only the reference speed U is used. With
-  -dt_adapt error a period of walls or forces takes at least PERIOD_STEPS steps. -dt_max bounds all
-  steps.
+  Not collective. C is the CFL number, dx the reference spacing, e_a the edges of the cell of a
+  particle, e the smallest of all edges, and f the body force. A force alone moves a particle by f
+  dt^2 in a step, or by f dt/r if walls at rest slow the flow at the rate r (SceneDecayRate()); so
+  very viscous flows need no short steps. With -dt_adapt none only the reference speed U is used.
+  With -dt_adapt error a period of walls or forces takes at least PERIOD_STEPS steps. -dt_max bounds
+  all steps.
 */
 PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit)
 {
@@ -39,7 +41,8 @@ PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit)
     StepLimitLower(limit, way / scene->speed, "advection with U");
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  StepLimitLower(limit, way / PetscMax(scene->speed, stats->pace_max), "advection");
+  StepLimitLower(limit, clock->cfl * scene->dx / PetscMax(scene->speed, stats->pace_max),
+                 "advection");
   if (SceneHas(scene, PHYSICS_CONVECTION) && stats->force_max > 0.0) {
     StepLimitLower(limit,
                    PetscMax(PetscSqrtReal(way / stats->force_max),

@@ -192,7 +192,7 @@ static PetscErrorCode ChoosePoints(const Scene *scene, const PressurePointsRow *
 {
   static const char *const of_particles[] = {"-ppe_alpha", "-ppe_filter", "-ppe_laplacian"};
   const PetscBool damped = !SceneHas(scene, PHYSICS_CONVECTION) || SceneCellReynolds(scene) <= 5.0;
-  PetscBool       coarse = SceneMoves(scene) || damped, given;
+  PetscBool       coarse = (SceneMoves(scene) || damped) && !SceneIsGraded(scene), given;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++)
@@ -219,7 +219,7 @@ static PetscErrorCode ChoosePoints(const Scene *scene, const PressurePointsRow *
 static PetscReal LatticeFilter(const Flow *flow)
 {
   const Clock    *clock = flow->clock;
-  const PetscReal given = clock->dt_given * flow->scene->speed / SceneFinest(flow->scene);
+  const PetscReal given = clock->dt_given * flow->scene->speed / flow->scene->dx;
   const PetscReal cfl   = clock->dt_given > 0.0 ? given : clock->cfl;
 
   return 0.1 * (flow->state->implicit_convection ? PetscMin(1.0, CLOCK_CFL / cfl) : 1.0);
@@ -259,6 +259,10 @@ static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
   PetscBool       given;
 
   PetscFunctionBegin;
+  UserCheck(
+      !SceneIsGraded(flow->scene),
+      "-pressure_points coarse: its lattice is uniform, and -spacing_wall %.6g is not; use same",
+      (double)flow->scene->spacing_wall);
   UserCheck(SceneMoves(flow->scene) || !SceneHas(flow->scene, PHYSICS_CONVECTION) || R <= 15.0,
             "-pressure_points coarse: on fixed particles it feeds energy into the flow for U dx/nu "
             "above 15, here %.3g; use same, or a larger -n",
