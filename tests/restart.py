@@ -118,6 +118,7 @@ def bitwise(*command):
                            ("coarse_eulerian", ["-pressure_points", "coarse", "-motion", "eulerian"]),
                            ("implicit", ["-motion", "eulerian", "-convection", "implicit"]),
                            ("graded", ["-motion", "eulerian", "-spacing_wall", "0.5"]),
+                           ("graded_same", [*SAME, "-motion", "eulerian", "-spacing_wall", "0.5"]),
                            ("same_body", [*FORCED, *SAME]), ("error", FORCED),
                            ("error_eulerian", [*FORCED, "-motion", "eulerian"]),
                            ("error_coupled", [*FORCED, "-motion", "eulerian", "-scheme", "coupled"])):

@@ -24,6 +24,20 @@ static PetscReal Edge(const Scene *scene, PetscInt axis, PetscInt c)
   return SceneLatticePlace(scene, axis, c + 1.0) - SceneLatticePlace(scene, axis, (PetscReal)c);
 }
 
+/* Returns the error of SceneFromUniform(), SceneToUniform() and the slope between them at x. */
+static PetscReal MapError(const Scene *scene, PetscInt axis, PetscReal x)
+{
+  const PetscReal step = 1e-5 * SceneFinest(scene), y = SceneToUniform(scene, axis, x);
+  PetscReal       slope, other, error;
+
+  error = PetscAbsReal(SceneFromUniform(scene, axis, y, &slope) - x);
+  error += PetscAbsReal((SceneFromUniform(scene, axis, y + step, &other) -
+                         SceneFromUniform(scene, axis, y - step, &other)) /
+                            (2.0 * step) -
+                        slope);
+  return error;
+}
+
 /* The slope of the map at a wall is the spacing of the option, also for one wall only, and edges
    grow from walls on; SceneEdges() finds the edges from the centres of cells. */
 static void CheckAxis(const Scene *scene, PetscInt axis, const char *where)
@@ -53,6 +67,8 @@ static void CheckAxis(const Scene *scene, PetscInt axis, const char *where)
     CloudAssertNone("bounds", where,
                     edge[axis] < SceneFinest(scene) * (1.0 - 1e-12) ||
                         edge[axis] > SceneCoarsest(scene) * (1.0 + 1e-12));
+    CloudAssertNone("from the uniform lattice and back", where,
+                    MapError(scene, axis, x[axis]) > 1e-9);
     if (c)
       growth = PetscMax(growth, PetscAbsReal(PetscLogReal(edge[axis] / Edge(scene, axis, c - 1))));
   }

@@ -235,6 +235,8 @@ void           SceneWallName(const Scene *scene, PetscInt side, char name[]);
 PetscErrorCode SceneReadSpacing(Scene *scene);
 PetscBool      SceneIsGraded(const Scene *scene);
 PetscReal      SceneLatticePlace(const Scene *scene, PetscInt axis, PetscReal place);
+PetscReal      SceneFromUniform(const Scene *scene, PetscInt axis, PetscReal y, PetscReal *slope);
+PetscReal      SceneToUniform(const Scene *scene, PetscInt axis, PetscReal x);
 PetscReal      SceneGrowth(const Scene *scene);
 PetscReal      SceneCellSide(const Scene *scene, PetscInt axis); /* mean edge, about dx [m] */
 void           SceneEdges(const Scene *scene, const PetscReal x[], PetscReal edge[]);

@@ -47,6 +47,15 @@ static PetscReal MapForward(const LatticeMap *map, PetscReal s)
   return map->wall[0] ? 1.0 + PetscTanhReal(beta * (s - 1.0)) / end : PetscTanhReal(beta * s) / end;
 }
 
+/* Returns the slope dy/ds of MapForward(). */
+static PetscReal MapSlope(const LatticeMap *map, PetscReal s)
+{
+  const PetscReal beta = map->strength;
+  const PetscReal t = map->wall[0] && map->wall[1] ? 2.0 * s - 1.0 : (map->wall[0] ? s - 1.0 : s);
+
+  return beta / (PetscTanhReal(beta) * PetscSqr(PetscCoshReal(beta * t)));
+}
+
 /* Returns the point s of the uniform lattice whose place is y; the inverse of MapForward(). */
 static PetscReal MapBack(const LatticeMap *map, PetscReal y)
 {
@@ -80,6 +89,31 @@ PetscReal SceneLatticePlace(const Scene *scene, PetscInt axis, PetscReal place)
   if (map->strength == 0.0) return scene->lo[axis] + place * SceneCellSide(scene, axis);
   return scene->lo[axis] +
          (scene->hi[axis] - scene->lo[axis]) * MapForward(map, place / scene->cells[axis]);
+}
+
+/* SceneFromUniform - Returns the coordinate x of the point that has the coordinate y on the uniform
+   lattice, and sets slope to dx/dy [m], [-]; not collective */
+PetscReal SceneFromUniform(const Scene *scene, PetscInt axis, PetscReal y, PetscReal *slope)
+{
+  const LatticeMap *map    = &scene->map[axis];
+  const PetscReal   length = scene->hi[axis] - scene->lo[axis], s = (y - scene->lo[axis]) / length;
+
+  *slope = 1.0;
+  if (map->strength == 0.0) return y;
+  *slope = MapSlope(map, s);
+  return scene->lo[axis] + length * MapForward(map, s);
+}
+
+/* SceneToUniform - Returns the coordinate on the uniform lattice of a point at x, or of the nearest
+   end of the axis if x is outside the box, the inverse of SceneFromUniform() [m]; not collective */
+PetscReal SceneToUniform(const Scene *scene, PetscInt axis, PetscReal x)
+{
+  const LatticeMap *map    = &scene->map[axis];
+  const PetscReal   length = scene->hi[axis] - scene->lo[axis];
+
+  if (map->strength == 0.0) return x;
+  return scene->lo[axis] +
+         length * MapBack(map, PetscMin(PetscMax((x - scene->lo[axis]) / length, 0.0), 1.0));
 }
 
 /* SceneCellSide - Returns the mean edge of the cells of the lattice along an axis [m]; it equals dx

@@ -192,7 +192,7 @@ static PetscErrorCode ChoosePoints(const Scene *scene, const PressurePointsRow *
 {
   static const char *const of_particles[] = {"-ppe_alpha", "-ppe_filter", "-ppe_laplacian"};
   const PetscBool damped = !SceneHas(scene, PHYSICS_CONVECTION) || SceneCellReynolds(scene) <= 5.0;
-  PetscBool       coarse = (SceneMoves(scene) || damped) && !SceneIsGraded(scene), given;
+  PetscBool       coarse = SceneMoves(scene) || damped, given;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++)
@@ -259,10 +259,6 @@ static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
   PetscBool       given;
 
   PetscFunctionBegin;
-  UserCheck(
-      !SceneIsGraded(flow->scene),
-      "-pressure_points coarse: its lattice is uniform, and -spacing_wall %.6g is not; use same",
-      (double)flow->scene->spacing_wall);
   UserCheck(SceneMoves(flow->scene) || !SceneHas(flow->scene, PHYSICS_CONVECTION) || R <= 15.0,
             "-pressure_points coarse: on fixed particles it feeds energy into the flow for U dx/nu "
             "above 15, here %.3g; use same, or a larger -n",

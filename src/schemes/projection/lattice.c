@@ -15,8 +15,9 @@
 PetscErrorCode SplineLatticeSet(const Scene *scene, PetscReal ratio, SplineLattice *lattice)
 {
   PetscFunctionBegin;
-  lattice->dim = scene->dim;
-  lattice->N   = 1;
+  lattice->scene = scene;
+  lattice->dim   = scene->dim;
+  lattice->N     = 1;
   for (PetscInt a = 0; a < scene->dim; a++) {
     const PetscReal length = scene->hi[a] - scene->lo[a];
 
@@ -50,23 +51,32 @@ void SplineIndex(PetscInt dim, const PetscInt first[], const PetscInt n[], Petsc
   }
 }
 
+/* Returns the centre of a spline along an axis of the uniform lattice [m]. */
+static PetscReal CentreAlong(const SplineLattice *lattice, PetscInt a, PetscInt index)
+{
+  return lattice->lo[a] + (index + (lattice->periodic[a] ? 0.5 : -0.5)) * lattice->side[a];
+}
+
 /* SplineCentre - Computes the centre of a spline, which may be outside the box [m] */
 void SplineCentre(const SplineLattice *lattice, const PetscInt index[], PetscReal x[])
 {
+  PetscReal slope;
+
   for (PetscInt a = 0; a < lattice->dim; a++)
-    x[a] = lattice->lo[a] + (index[a] + (lattice->periodic[a] ? 0.5 : -0.5)) * lattice->side[a];
+    x[a] = SceneFromUniform(lattice->scene, a, CentreAlong(lattice, a, index[a]), &slope);
 }
 
 /* SplinePlace - Computes the centre of a spline, moved into the box if it is outside: the rank that
    has this point owns the spline [m] */
 void SplinePlace(const SplineLattice *lattice, const PetscInt index[], PetscReal x[])
 {
-  SplineCentre(lattice, index, x);
   for (PetscInt a = 0; a < lattice->dim; a++) {
     const PetscReal quarter = 0.25 * lattice->side[a];
+    PetscReal       y       = CentreAlong(lattice, a, index[a]), slope;
 
-    x[a] = PetscMax(x[a], lattice->lo[a] + quarter);
-    x[a] = PetscMin(x[a], lattice->lo[a] + lattice->cells[a] * lattice->side[a] - quarter);
+    y    = PetscMax(y, lattice->lo[a] + quarter);
+    y    = PetscMin(y, lattice->lo[a] + lattice->cells[a] * lattice->side[a] - quarter);
+    x[a] = SceneFromUniform(lattice->scene, a, y, &slope);
   }
 }
 
@@ -75,8 +85,8 @@ void SplinePlace(const SplineLattice *lattice, const PetscInt index[], PetscReal
 
     psi(x) = prod_a b(s_a),   b = (1 - t)^2/2, 1/2 + t - t^2, t^2/2
 
-  Not collective. t is the position within the cell along an axis, and the three polynomials belong
-  to the splines centred in the cell below, in the cell and above it.
+  Not collective. t is the position within the cell along an axis of the uniform lattice, and the
+  three polynomials belong to the splines centred in the cell below, in the cell and above it.
 */
 void SplinesAt(const SplineLattice *lattice, const PetscReal x[], SplineValues *values)
 {
@@ -85,8 +95,9 @@ void SplinesAt(const SplineLattice *lattice, const PetscReal x[], SplineValues *
   PetscReal      b[ISPH_MAX_DIM][3], slope[ISPH_MAX_DIM][3];
 
   for (PetscInt a = 0; a < dim; a++) {
-    const PetscReal s = (x[a] - lattice->lo[a]) / lattice->side[a];
-    PetscReal       t;
+    const PetscReal y = SceneToUniform(lattice->scene, a, x[a]);
+    const PetscReal s = (y - lattice->lo[a]) / lattice->side[a];
+    PetscReal       t, edge;
 
     cell[a] = PetscMin(PetscMax((PetscInt)PetscFloorReal(s), 0), lattice->cells[a] - 1);
     t       = s - cell[a];
@@ -94,9 +105,11 @@ void SplinesAt(const SplineLattice *lattice, const PetscReal x[], SplineValues *
     b[a][1] = 0.5 + t - t * t;
     b[a][2] = 0.5 * t * t;
 
-    slope[a][0] = (t - 1.0) / lattice->side[a];
-    slope[a][1] = (1.0 - 2.0 * t) / lattice->side[a];
-    slope[a][2] = t / lattice->side[a];
+    (void)SceneFromUniform(lattice->scene, a, y, &edge);
+    edge *= lattice->side[a];
+    slope[a][0] = (t - 1.0) / edge;
+    slope[a][1] = (1.0 - 2.0 * t) / edge;
+    slope[a][2] = t / edge;
   }
   values->n = dim == 2 ? 9 : 27;
   for (PetscInt k = 0; k < values->n; k++) {

@@ -56,7 +56,7 @@ static void FillFit(const Particles *p, PetscInt i, const SplineAround *around, 
     f->j[e * m + i] = around->j[k];
     f->W[e * m + i] = FitWeight(PetscSqrtReal(around->r2[k]) * inverse);
     for (PetscInt a = 0; a < p->dim; a++)
-      f->s[a][e * m + i] = (around->x[a][k] - around->at[a][i]) * inverse;
+      f->s[a][e * m + i] = around->stretch[a][i] * (around->x[a][k] - around->at[a][i]) * inverse;
   }
 }
 
@@ -206,7 +206,7 @@ static PetscErrorCode FitCoupled(Flow *flow, PetscInt i, SplineAround *around, C
       f->wall[e] = around->wall[k];
       f->W[e]    = FitWeight(PetscSqrtReal(around->r2[k]) / R);
       for (PetscInt a = 0; a < dim; a++) {
-        f->s[a][e]      = (around->x[a][k] - around->at[a][i]) / R;
+        f->s[a][e]      = around->stretch[a][i] * (around->x[a][k] - around->at[a][i]) / R;
         f->normal[a][e] = f->wall[e] ? p->normal[a][f->j[e]] : 0.0;
       }
     }

@@ -42,8 +42,10 @@ static PetscInt OwnCells(const Splines *s, const Particles *p, PetscInt first[],
   PetscInt             number = 1;
 
   for (PetscInt a = 0; a < l->dim; a++) {
-    const PetscReal low  = PetscMax((p->lo[a] - l->lo[a]) / l->side[a], 0.0);
-    const PetscReal high = PetscMin((p->hi[a] - l->lo[a]) / l->side[a], (PetscReal)l->cells[a]);
+    const PetscReal from = SceneToUniform(l->scene, a, p->lo[a]);
+    const PetscReal to   = SceneToUniform(l->scene, a, p->hi[a]);
+    const PetscReal low  = PetscMax((from - l->lo[a]) / l->side[a], 0.0);
+    const PetscReal high = PetscMin((to - l->lo[a]) / l->side[a], (PetscReal)l->cells[a]);
 
     first[a] = (PetscInt)low;
     n[a]     = PetscMax(0, PetscMin((PetscInt)high, l->cells[a] - 1) - first[a] + 1);
@@ -131,18 +133,19 @@ static PetscErrorCode SetBoundaryPoints(Splines *s, const Particles *p)
     for (PetscInt b = 0; b < dim; b++) faces *= b == axis ? 1 : n[b];
     for (PetscInt f = 0; f < faces * corners; f++) {
       PetscInt  cell = f / corners, corner = f % corners;
-      PetscReal x[ISPH_MAX_DIM], inside[ISPH_MAX_DIM], weight = 1.0 / corners;
+      PetscReal x[ISPH_MAX_DIM], inside[ISPH_MAX_DIM], weight = 1.0 / corners, slope;
 
       for (PetscInt b = 0; b < dim; b++) {
         if (b == axis) {
           x[b]      = l->lo[b] + (side % 2 ? l->cells[b] * l->side[b] : 0.0);
           inside[b] = l->lo[b] + (side % 2 ? l->cells[b] - 0.25 : 0.25) * l->side[b];
+          inside[b] = SceneFromUniform(l->scene, b, inside[b], &slope);
           continue;
         }
         x[b] =
             l->lo[b] + (first[b] + cell % n[b] + 0.5 + (corner % 2 ? GAUSS : -GAUSS)) * l->side[b];
-        inside[b] = x[b];
-        weight *= l->side[b] / s->scale;
+        x[b] = inside[b] = SceneFromUniform(l->scene, b, x[b], &slope);
+        weight *= slope * l->side[b] / s->scale;
         cell /= n[b];
         corner /= 2;
       }
@@ -169,11 +172,17 @@ PetscReal SplinePoint(const Splines *s, const PetscInt cell[], PetscInt corner, 
   const PetscInt       corners = 1 << l->dim;
   const PetscInt       column  = cell[1] * l->cells[0] + cell[0];
   const SplineCut     *cut;
+  PetscReal            share = 1.0 / corners;
 
   *node = -1;
-  for (PetscInt a = 0; a < l->dim; a++)
+  for (PetscInt a = 0; a < l->dim; a++) {
+    PetscReal slope;
+
     x[a] = l->lo[a] + (cell[a] + 0.5 + ((corner >> a) % 2 ? GAUSS : -GAUSS)) * l->side[a];
-  if (!s->bodies) return 1.0 / corners;
+    x[a] = SceneFromUniform(l->scene, a, x[a], &slope);
+    share *= slope;
+  }
+  if (!s->bodies) return share;
   if (s->bodies->cut[column] < 0) return s->bodies->fraction[column] / corners;
   cut   = &s->bodies->cuts[s->bodies->cut[column]];
   *node = 4 * s->bodies->cut[column] + corner % 4;

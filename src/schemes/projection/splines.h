@@ -14,8 +14,10 @@
 
 #include "projection.h"
 
-/* A lattice of cells over the box, and its splines; spline i of an axis covers three cells. */
+/* A lattice of cells over the box, and its splines; spline i of an axis covers three cells. With
+   -spacing_wall the lattice is uniform in the coordinates of SceneToUniform(). */
 typedef struct {
+  const Scene *scene;
   PetscInt  dim, cells[ISPH_MAX_DIM], count[ISPH_MAX_DIM]; /* cells and splines along each axis */
   PetscReal lo[ISPH_MAX_DIM], side[ISPH_MAX_DIM]; /* corner of the box, and of a cell [m] */
   PetscBool periodic[ISPH_MAX_DIM];

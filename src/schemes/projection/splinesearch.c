@@ -83,9 +83,23 @@ static PetscErrorCode Gather(const Flow *flow, PetscReal reach, SplineAround *ar
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sets the stretches about the points. */
+static void SetStretches(const Scene *scene, SplineAround *around)
+{
+  for (PetscInt i = 0; i < around->m; i++) {
+    PetscReal x[ISPH_MAX_DIM], stretch[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < scene->dim; a++) x[a] = around->at[a][i];
+    SceneStretch(scene, x, stretch);
+    for (PetscInt a = 0; a < scene->dim; a++)
+      around->stretch[a][i] = stretch[a] * (SceneCoarsest(scene) / SceneSpacing(scene, x));
+  }
+}
+
 /* Sets the points of the cell that begins with point `first`: those within 3/4 of a cell of it. */
 static void SetPoints(const Splines *s, PetscInt first, SplineAround *around)
 {
+  const Scene        *scene  = s->lattice.scene;
   const SplinePoints *points = &s->inside;
   const PetscInt      dim    = s->lattice.dim;
   PetscInt            m      = 0;
@@ -93,7 +107,8 @@ static void SetPoints(const Splines *s, PetscInt first, SplineAround *around)
   for (; m < 1 << dim && first + m < points->n; m++) {
     for (PetscInt a = 0; a < dim; a++) {
       around->at[a][m] = points->x[a][first + m];
-      if (PetscAbsReal(around->at[a][m] - around->at[a][0]) > 0.75 * s->lattice.side[a]) {
+      if (PetscAbsReal(SceneToUniform(scene, a, around->at[a][m]) -
+                       SceneToUniform(scene, a, around->at[a][0])) > 0.75 * s->lattice.side[a]) {
         around->m = m;
         return;
       }
@@ -109,6 +124,7 @@ PetscErrorCode SplineAroundSet(const Flow *flow, const Splines *s, PetscInt firs
 {
   PetscFunctionBegin;
   SetPoints(s, first, around);
+  SetStretches(flow->scene, around);
   PetscCall(Gather(flow, FirstReach(flow), around));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -143,10 +159,10 @@ static void SetDistances(PetscInt dim, PetscInt i, SplineAround *around)
   for (PetscInt k = 0; k < around->n; k++) r2[k] = 0.0;
   for (PetscInt k = around->n; k % LANES; k++) r2[k] = PETSC_INFINITY;
   for (PetscInt a = 0; a < dim; a++) {
-    const PetscReal  x = around->at[a][i];
+    const PetscReal  x = around->at[a][i], stretch = around->stretch[a][i];
     const PetscReal *y = around->x[a];
 
-    for (PetscInt k = 0; k < around->n; k++) r2[k] += PetscSqr(y[k] - x);
+    for (PetscInt k = 0; k < around->n; k++) r2[k] += PetscSqr(stretch * (y[k] - x));
   }
 }
 
@@ -290,7 +306,8 @@ PetscBool SplineFitIsShared(const Particles *p, PetscInt i, PetscInt a, PetscInt
 
     if (!around->wall[k]) continue;
     if (TakesPart(p, around->j[k], a) == TakesPart(p, around->j[k], b)) continue;
-    for (PetscInt c = 0; c < p->dim; c++) r2 += PetscSqr(around->x[c][k] - around->at[c][i]);
+    for (PetscInt c = 0; c < p->dim; c++)
+      r2 += PetscSqr(around->stretch[c][i] * (around->x[c][k] - around->at[c][i]));
     if (r2 < PetscSqr(R)) return PETSC_FALSE;
   }
   return PETSC_TRUE;

@@ -8,14 +8,17 @@
 
 /* Points of quadrature in a cell, and the particles around them in ascending order. */
 typedef struct {
-  PetscInt   m;                            /* number of points */
-  PetscReal  at[ISPH_MAX_DIM][POINT_FITS]; /* the points [m] */
+  PetscInt  m;                            /* number of points */
+  PetscReal at[ISPH_MAX_DIM][POINT_FITS]; /* the points [m] */
+  /* of the axes about each point; stretched cells have the largest edge of all cells [-] */
+  PetscReal  stretch[ISPH_MAX_DIM][POINT_FITS];
   PetscReal  reach; /* distance from each point within which all particles are listed [m] */
   PetscInt   n, walls, capacity, *j;
   PetscReal *x[ISPH_MAX_DIM]; /* positions; of wall particles: their points on the wall [m] */
   PetscBool *wall;
-  PetscReal *r2, *part; /* of a point: squared distances [m^2], and shares in the number wanted */
-  PetscInt  *found;     /* particles of a fit, numbers in this list */
+  PetscReal *r2,
+      *part; /* of a point: squared distances, stretched [m^2], and shares in the number wanted */
+  PetscInt *found; /* particles of a fit, numbers in this list */
 } SplineAround;
 
 PetscErrorCode SplineAroundCreate(const Flow *flow, SplineAround *around);
