@@ -68,6 +68,15 @@ def fields():
         assert attributes["boundary_names"] == b"left,right,bottom,top", attributes
         assert attributes["boundary_kinds"] == b"periodic,periodic,wall,wall", attributes
         assert list(attributes["boundary_ids"]) == [0, 1, 2, 3]
+        assert "volume" not in file
+    # Volumes of a graded lattice fill the box, 0.5 x 1 (8 dx wide); gradients and density as before.
+    run("-case", "couette", "-n", "16", "-dt", "1", "-t_end", "20", "-visc_ksp_rtol", "1e-12", "-spacing_wall", "0.5",
+        "-output", "g.h5")
+    with h5py.File("g_0001.h5") as file:
+        fluid = file["type"][:] == 0
+        assert abs(file["volume"][:].sum() - 0.5) < 1e-12 and (file["volume"][:][~fluid] == 0).all()
+        assert abs(file["vorticity"][:][fluid] + 1).max() < 1e-7, file["vorticity"][:]
+        assert abs(file["density"][:][fluid] - 1).max() < 0.05
         assert [attributes[k] for k in ("dx", "rho", "nu")] == [1 / 16, 1, 1] and attributes["h"] > attributes["dx"]
         assert "commit" in attributes
         # virtual data sets of the group VTKHDF

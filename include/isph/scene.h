@@ -227,6 +227,7 @@ PetscErrorCode SceneDestroy(Scene **scene);
 PetscBool      SceneHas(const Scene *scene, Physics what);
 PetscReal      SceneReynolds(const Scene *scene);
 PetscReal      SceneCellReynolds(const Scene *scene);
+PetscReal      SceneFinestReynolds(const Scene *scene);
 PetscBool      SceneIsAsPosed(const Scene *scene);
 PetscBool      SceneMoves(const Scene *scene);
 PetscBool      SceneKeepsMomentum(const Scene *scene);

@@ -152,6 +152,18 @@ static PetscErrorCode Gather_StrainRate(const Flow *flow, void *rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscBool Has_Volume(const Flow *flow)
+{
+  return SceneIsGraded(flow->scene);
+}
+
+static PetscErrorCode Gather_Volume(const Flow *flow, void *rows)
+{
+  PetscFunctionBegin;
+  GatherFluid(flow->particles, 1.0, flow->particles->volume, (double *)rows);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Gather_Type(const Flow *flow, void *rows)
 {
   PetscFunctionBegin;
@@ -208,6 +220,11 @@ const SnapshotField SnapshotFieldTable[SNAPSHOT_FIELDS] = {
      .shape  = FIELD_SCALAR,
      .Has    = Has_Gradient,
      .Gather = Gather_StrainRate},
+    {.name   = "volume",
+     .units  = "m^dim",
+     .shape  = FIELD_SCALAR,
+     .Has    = Has_Volume,
+     .Gather = Gather_Volume},
     {.name = "type", .units = "0 fluid, 1 wall", .shape = FIELD_LABEL, .Gather = Gather_Type},
     {.name = "boundary", .units = "-1 fluid", .shape = FIELD_LABEL, .Gather = Gather_Boundary},
     {.name = "id", .units = "1", .shape = FIELD_ID, .Gather = Gather_Id},

@@ -28,6 +28,13 @@ PetscReal SceneCellReynolds(const Scene *scene)
   return scene->speed * scene->dx / scene->nu_low;
 }
 
+/* SceneFinestReynolds - Returns U e/nu with the smallest edge e of a cell, at walls of graded
+   lattices, and the least viscosity; infinite without viscosity */
+PetscReal SceneFinestReynolds(const Scene *scene)
+{
+  return SceneCellReynolds(scene) * (SceneFinest(scene) / scene->dx);
+}
+
 /*
   SceneIsAsPosed - Returns true if the exact solution of the case holds: the run computes all
   physics of the case and adds no body force. Added pressure or convection does not change the exact

@@ -73,7 +73,8 @@ static const OptionRow options[] = {
             .name     = "-pressure_points",
             .kind     = VALUE_NAME,
             .brief    = "where the pressure is known",
-            .standard = "coarse for moving particles, for fixed ones up to U dx/nu = 5 and without "
+            .standard = "coarse for moving particles, for fixed ones up to U dx/nu = 5 at walls "
+                        "and without "
                         "convection, in boxes of at least 3 cells along each axis, unless an "
                         "option of a pressure on particles is given; else same",
             .table    = &PressurePointsTable,
@@ -191,8 +192,9 @@ static PetscReal CellsAlong(const Scene *scene, PetscInt a, PetscReal spacing)
 static PetscErrorCode ChoosePoints(const Scene *scene, const PressurePointsRow **chosen)
 {
   static const char *const of_particles[] = {"-ppe_alpha", "-ppe_filter", "-ppe_laplacian"};
-  const PetscBool damped = !SceneHas(scene, PHYSICS_CONVECTION) || SceneCellReynolds(scene) <= 5.0;
-  PetscBool       coarse = SceneMoves(scene) || damped, given;
+  const PetscBool          damped =
+      !SceneHas(scene, PHYSICS_CONVECTION) || SceneFinestReynolds(scene) <= 5.0;
+  PetscBool coarse = SceneMoves(scene) || damped, given;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++)
@@ -255,13 +257,13 @@ static PetscErrorCode CreateOnParticles(Flow *flow, Projection *pr)
 */
 static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
 {
-  const PetscReal R = SceneCellReynolds(flow->scene);
+  const PetscReal R = SceneFinestReynolds(flow->scene);
   PetscBool       given;
 
   PetscFunctionBegin;
   UserCheck(SceneMoves(flow->scene) || !SceneHas(flow->scene, PHYSICS_CONVECTION) || R <= 15.0,
             "-pressure_points coarse: on fixed particles it feeds energy into the flow for U dx/nu "
-            "above 15, here %.3g; use same, or a larger -n",
+            "above 15, here %.3g at walls; use same, a larger -n, or a smaller -spacing_wall",
             (double)R);
   pr->spacing = SPACING_STANDARD;
   PetscCall(OptionGetReal(&options[SPACING], &pr->spacing, NULL));
