@@ -251,10 +251,10 @@ static PetscReal SolvePoisson(Cloud *cloud)
   ASSERT_OK(VecRestoreArray(cloud->y, &b));
   ASSERT_OK(MatMult(cloud->ops->ppe.B, cloud->walls.p, work));
   ASSERT_OK(VecAXPY(cloud->y, -1.0, work));
-  ASSERT_OK(GaugeColumn(scene, p->comm, 0, p->n_fluid, &column));
+  ASSERT_OK(GaugeColumn(scene, p->comm, 0, p->n_fluid, GAUGE_SHIFT, &column));
   ASSERT_OK(GaugeMatrix(cloud->ops->ppe.A, column, &A));
   ASSERT_OK(MatDuplicate(cloud->ops->ppe.A, MAT_COPY_VALUES, &preconditioner));
-  ASSERT_OK(GaugePreconditioner(scene, preconditioner));
+  ASSERT_OK(GaugePreconditioner(scene, GAUGE_SHIFT, preconditioner));
   ASSERT_OK(KSPCreate(PETSC_COMM_WORLD, &ksp));
   ASSERT_OK(KSPSetOperators(ksp, A, preconditioner));
   ASSERT_OK(KSPSetType(ksp, KSPFGMRES));
@@ -322,8 +322,8 @@ static void test_gauge(void **state)
     ASSERT_OK(CloudCreate(&box, "", &cloud));
     CloudAssertNone("floats", box.name,
                     ScenePressureFloats(&cloud.scene) != (floats ? PETSC_TRUE : PETSC_FALSE));
-    ASSERT_OK(
-        GaugeColumn(&cloud.scene, cloud.particles->comm, 0, cloud.particles->n_fluid, &column));
+    ASSERT_OK(GaugeColumn(&cloud.scene, cloud.particles->comm, 0, cloud.particles->n_fluid, 1.0,
+                          &column));
     ASSERT_OK(GaugeMatrix(cloud.ops->ppe.A, column, &A));
     CloudAssertNone("column", box.name, (column != NULL) != floats);
     CloudAssertNone("matrix", box.name, (A != cloud.ops->ppe.A) != floats);

@@ -62,7 +62,7 @@ PetscErrorCode KspViewsEnd(KspViews *views);
 /* defaults.c */
 PetscErrorCode OptionDefault(const char prefix[], const char name[], const char value[]);
 PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[]);
-PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, Guard *guard);
+PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, PCType type, Guard *guard);
 PetscErrorCode SolverRenewPC(KSP ksp);
 PetscErrorCode SolverMatType(const char prefix[], char type[], size_t length);
 PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc);

@@ -230,11 +230,12 @@ PetscErrorCode ConvectionAddMatrix(const Flow *flow, const Vec v[], PetscInt c, 
                                    Mat sum);
 
 /* The constant of the pressure, see src/schemes/gauge.c. */
+#define GAUGE_SHIFT 1e-6 /* of matrices whose entries are of order 1 [-] */
 PetscErrorCode GaugeRemove(const Scene *scene, const Particles *particles, Vec p);
 PetscErrorCode GaugeColumn(const Scene *scene, MPI_Comm comm, PetscInt before, PetscInt n,
-                           Mat *column);
+                           PetscReal strength, Mat *column);
 PetscErrorCode GaugeMatrix(Mat A, Mat column, Mat *regular);
-PetscErrorCode GaugePreconditioner(const Scene *scene, Mat A);
+PetscErrorCode GaugePreconditioner(const Scene *scene, PetscReal shift, Mat A);
 
 /* Copy of the flow before a step. */
 typedef struct Undo Undo;

@@ -36,7 +36,7 @@ PetscErrorCode PatchSolve(const Patch *patch, Report *report)
   Vec            b, f;
 
   PetscFunctionBegin;
-  PetscCall(PoissonSolver(&patch->ops->forms.visc, 1e-10, &guard));
+  PetscCall(PoissonSolver(&patch->ops->forms.visc, 1e-10, PCHYPRE, &guard));
   ksp                = guard.solve.ksp;
   guard.max_in_a_row = -1; /* no fallback: the chosen method is measured */
   PetscCall(OptionsRefuseUnknown(PETSC_FALSE));

@@ -64,28 +64,30 @@ PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[])
   PoissonSolver - Creates the KSP of a Poisson equation, with the options of the guard's prefix, and
   attaches the guard
 
-  Collective on PETSC_COMM_WORLD. The default is cg for a symmetric form, otherwise fgmres, with
-  BoomerAMG of hypre.
+  Collective on PETSC_COMM_WORLD. The default method is cg for a symmetric form, otherwise fgmres.
 
-  Input Parameter:
-. rtol - default tolerance
+  Input Parameters:
++ rtol - default tolerance
+- type - default preconditioner; PCHYPRE: BoomerAMG with the parameters of AmgDefaults()
 
   Input/Output Parameter:
 . guard - in: name and prefix; out: attached to solve.ksp, which the caller destroys
 */
-PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, Guard *guard)
+PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, PCType type, Guard *guard)
 {
-  KSP ksp;
-  PC  pc;
+  PetscBool amg;
+  KSP       ksp;
+  PC        pc;
 
   PetscFunctionBegin;
-  PetscCall(AmgDefaults(guard->solve.prefix, "1"));
+  PetscCall(PetscStrcmp(type, PCHYPRE, &amg));
+  if (amg) PetscCall(AmgDefaults(guard->solve.prefix, "1"));
   PetscCall(KSPCreate(PETSC_COMM_WORLD, &ksp));
   PetscCall(KSPSetOptionsPrefix(ksp, guard->solve.prefix));
   PetscCall(KSPSetType(ksp, form && LaplacianIs(form, FORM_SYMMETRIC) ? KSPCG : KSPFGMRES));
   PetscCall(KSPSetTolerances(ksp, rtol, 0.0, PETSC_CURRENT, 500));
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(PCSetType(pc, PCHYPRE));
+  PetscCall(PCSetType(pc, type));
   PetscCall(KspViewsTake(guard->solve.prefix, &guard->ksp_views));
   PetscCall(KSPSetFromOptions(ksp));
   guard->best = KSPFGMRES;

@@ -5,8 +5,6 @@
 */
 #include "isph/schemes.h"
 
-#define REGULARISATION 1e-6 /* of preconditioners, whose entries are of order 1 [-] */
-
 /* GaugeRemove - Removes the mean of a pressure with undetermined constant; collective */
 PetscErrorCode GaugeRemove(const Scene *scene, const Particles *particles, Vec p)
 {
@@ -19,20 +17,23 @@ PetscErrorCode GaugeRemove(const Scene *scene, const Particles *particles, Vec p
   GaugeColumn - Creates a column c that makes A + c c^T regular, if the matrix A leaves the constant
   of the pressure undetermined
 
-    c = (0, ..., 0, 1, ..., 1)/sqrt(N),   N: number of pressures on all ranks
+    c = sqrt(s/N) (0, ..., 0, 1, ..., 1),   N: number of pressures on all ranks
 
   Collective. The solution p of (A + c c^T) p = b has a fixed mean, and c c^T p subtracts from b the
-  uniform source for which no pressure exists. See docs/theory.md, (90).
+  uniform source for which no pressure exists, whatever s is. With the s of
+  GaugePreconditioner() a constant is an eigenvector of both matrices with the same eigenvalue, so
+  that it costs no iteration. See docs/theory.md, (90).
 
   Input Parameters:
-+ before - number of other unknowns of each pressure, whose rows precede the rows of the pressure
-- n      - number of pressures on this rank
++ before   - number of other unknowns of each pressure, whose rows precede the rows of the pressure
+. n        - number of pressures on this rank
+- strength - s [-]
 
   Output Parameter:
 . column - NULL for a determined pressure
 */
 PetscErrorCode GaugeColumn(const Scene *scene, MPI_Comm comm, PetscInt before, PetscInt n,
-                           Mat *column)
+                           PetscReal strength, Mat *column)
 {
   const PetscInt first = before * n;
   PetscInt       N;
@@ -45,7 +46,7 @@ PetscErrorCode GaugeColumn(const Scene *scene, MPI_Comm comm, PetscInt before, P
   PetscCall(MatCreateDense(comm, first + n, PETSC_DECIDE, PETSC_DETERMINE, 1, NULL, column));
   PetscCall(MatDenseGetArrayWrite(*column, &entry));
   for (PetscInt i = 0; i < first + n; i++)
-    entry[i] = i < first ? 0.0 : 1.0 / PetscSqrtReal((PetscReal)N);
+    entry[i] = i < first ? 0.0 : PetscSqrtReal(strength / (PetscReal)N);
   PetscCall(MatDenseRestoreArrayWrite(*column, &entry));
   PetscCall(MatAssemblyBegin(*column, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(*column, MAT_FINAL_ASSEMBLY));
@@ -66,10 +67,10 @@ PetscErrorCode GaugeMatrix(Mat A, Mat column, Mat *regular)
 }
 
 /* GaugePreconditioner - Makes a singular matrix of the pressure regular for a preconditioner:
-   A + 1e-6 I; collective */
-PetscErrorCode GaugePreconditioner(const Scene *scene, Mat A)
+   A + s I; collective. Input: shift - s [-] */
+PetscErrorCode GaugePreconditioner(const Scene *scene, PetscReal shift, Mat A)
 {
   PetscFunctionBegin;
-  if (ScenePressureFloats(scene)) PetscCall(MatShift(A, REGULARISATION));
+  if (ScenePressureFloats(scene)) PetscCall(MatShift(A, shift));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

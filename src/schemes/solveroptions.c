@@ -92,8 +92,8 @@ static const OptionRow options[] = {
     {
         LINEAR("pc_type"),
         .brief    = "preconditioner",
-        .standard = "visc by nu dt/dx^2: jacobi below 2, bjacobi below 200, else hypre; ppe hypre; "
-                    "coupled fieldsplit",
+        .standard = "visc by nu dt/dx^2: jacobi below 2, bjacobi below 200, else hypre; ppe hypre, "
+                    "or lu for fixed particles in 2D on one rank; coupled fieldsplit",
     },
     {
         LINEAR("pc_factor_levels"),

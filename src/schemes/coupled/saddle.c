@@ -192,7 +192,7 @@ PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], MatType t
   PetscCall(ViscousCreate(scene, flow->ops, s, advecting, &s->viscous));
   PetscCall(MatConvert(s->viscous, type, MAT_INITIAL_MATRIX, &s->F));
   PetscCall(CreateBlocks(flow, type, s));
-  PetscCall(GaugeColumn(scene, p->comm, scene->dim, p->n_fluid, &s->gauge));
+  PetscCall(GaugeColumn(scene, p->comm, scene->dim, p->n_fluid, 1.0, &s->gauge));
   PetscCall(MatCreateNest(p->comm, 2, NULL, 2, NULL, (Mat[]){s->F, s->G, s->D, s->C}, &s->P));
   PetscCall(GaugeMatrix(s->P, s->gauge, &s->A));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -144,7 +144,7 @@ PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, MatType typ
   PetscCall(MatDestroy(&s->poisson));
   if (!s->row->poisson) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatConvert(ops->ppe.A, type, MAT_INITIAL_MATRIX, &s->poisson));
-  PetscCall(GaugePreconditioner(s->scene, s->poisson));
+  PetscCall(GaugePreconditioner(s->scene, GAUGE_SHIFT, s->poisson));
   PetscCall(KSPReset(s->ksp));
   PetscCall(KSPSetOperators(s->ksp, s->poisson, s->poisson));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -148,7 +148,7 @@ struct Splines {
   Mat J[ISPH_MAX_DIM][ISPH_MAX_DIM], W[ISPH_MAX_DIM][ISPH_MAX_DIM];
   Mat G[ISPH_MAX_DIM]; /* splines -> fluid: gradient [1/m] */
   Mat V;               /* splines -> fluid: value */
-  Mat A;               /* -scale^2 D G, as a shell */
+  Mat A;               /* -scale^2 D G; a shell for moving particles */
 
   Vec        p, phi, b, divergence; /* coefficients: pressure [Pa], its increment, right-hand side,
                                        div u* [1/s] */
@@ -167,6 +167,7 @@ struct Splines {
   PetscReal    *value, *gradient[ISPH_MAX_DIM];
   PetscInt      capacity;              /* of value and gradient */
   PetscInt      assemblies, numbering; /* stamps of the matrices, and of the splines' numbers */
+  PetscInt      product;               /* stamp of the matrices in A */
 };
 
 /* splinesurface.c, splinebodies.c, splineextend.c */
@@ -228,6 +229,9 @@ static inline Mat SplineFit(const Splines *s, Mat const fit[][ISPH_MAX_DIM], Pet
   return a == b && !s->J[a][a] ? fit[0][0] : fit[a][b];
 }
 
+/* splinematrix.c */
+PetscErrorCode SplinesMatrix(Flow *flow, Splines *s);
+
 /* splinestep.c */
 PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscBool mean, Splines *s);
 PetscErrorCode SplinesCreate(Flow *flow, PetscReal ratio, Splines **splines);
@@ -235,7 +239,6 @@ PetscErrorCode SplinesDestroy(Splines **splines);
 PetscErrorCode SplinesStart(const Flow *flow, Splines *s);
 PetscErrorCode SplinesBegin(Splines *s);
 PetscErrorCode SplinesDivergence(Flow *flow, Splines *s, const Vec u[], PetscReal t, Vec d);
-PetscErrorCode SplinesMatrix(Flow *flow, Splines *s);
 PetscErrorCode SplinesProject(Flow *flow);
 PetscErrorCode SplinesPressure(const Flow *flow, const PetscReal x[], PetscReal *p);
 PetscErrorCode SplinesAverage(Flow *flow, PetscReal length, PetscReal dt);

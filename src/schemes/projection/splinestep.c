@@ -1,35 +1,6 @@
-/* The projection with the pressure on splines: divergence, equation of the increment, and
-   correction. */
+/* The projection with the pressure on splines: divergence, right-hand side of the increment, and
+   correction. Its matrix is in splinematrix.c. */
 #include "splines.h"
-
-/* Computes y = A x = -scale^2 D G x, the matrix of the increment. */
-static PetscErrorCode SplineMatrix(Mat A, Vec x, Vec y)
-{
-  Splines           *s;
-  const PetscScalar *in;
-  PetscScalar       *out;
-
-  PetscFunctionBegin;
-  PetscCall(MatShellGetContext(A, &s));
-  PetscCall(VecZeroEntries(y));
-  for (PetscInt b = 0; b < s->lattice.dim; b++) {
-    PetscCall(MatMult(s->G[b], x, s->fluid));
-    for (PetscInt a = 0; a < s->lattice.dim; a++) {
-      const Mat J = SplineFit(s, s->J, a, b);
-
-      if (!J) continue;
-      PetscCall(MatMult(J, s->fluid, s->points));
-      PetscCall(MatMultTransposeAdd(s->T[a], s->points, y, y));
-    }
-  }
-  PetscCall(VecScale(y, s->scale));
-  PetscCall(VecGetArrayRead(x, &in));
-  PetscCall(VecGetArray(y, &out));
-  for (PetscInt k = 0; k < s->n_unused; k++) out[s->unused[k]] = in[s->unused[k]];
-  PetscCall(VecRestoreArray(y, &out));
-  PetscCall(VecRestoreArrayRead(x, &in));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /*
   SplinesSet - Sets the lattice of splines, its bodies, and an initial pressure of zero
@@ -180,24 +151,6 @@ PetscErrorCode SplinesDivergence(Flow *flow, Splines *s, const Vec u[], PetscRea
     PetscCall(MatMultTransposeAdd(s->S, s->wall_flux, d, d));
   }
   PetscCall(VecScale(d, 1.0 / s->scale));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* SplinesMatrix - Creates the matrix of the pressure increment for the present particles, as a
-   shell; collective */
-PetscErrorCode SplinesMatrix(Flow *flow, Splines *s)
-{
-  PetscInt own = s->own.size, all = s->lattice.N;
-
-  PetscFunctionBegin;
-  if (s->fluid_epoch != flow->particles->epoch) {
-    PetscCall(VecDestroy(&s->fluid));
-    PetscCall(FluidVec(flow->particles, NULL, &s->fluid));
-    s->fluid_epoch = flow->particles->epoch;
-  }
-  if (s->A) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MatCreateShell(flow->particles->comm, own, own, all, all, s, &s->A));
-  PetscCall(MatShellSetOperation(s->A, MATOP_MULT, (void (*)(void))SplineMatrix));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
