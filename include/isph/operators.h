@@ -30,7 +30,8 @@ void KernelEvaluate(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscRea
 void KernelEvaluateAll(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscInt n,
                        const PetscReal r[], PetscReal W[], PetscReal dW[], PetscReal ddW[]);
 
-#define MLS_MAX_TERMS       19 /* X_a, X_a X_b, X_a X_b X_c, c <= b <= a, in 3D */
+#define MLS_MAX_DEGREE      4
+#define MLS_MAX_TERMS       34 /* monomials of degree 1 to 4 in 3D */
 #define MLS_QUADRATIC_TERMS 9  /* X_a, X_a X_b in 3D */
 #define MLS_LANES           8  /* arrays over neighbours end in zeros up to a multiple of it */
 
@@ -39,8 +40,8 @@ typedef struct {
   PetscReal *phi;                /* basis: phi[t capacity + k] of neighbour k */
   PetscReal *W;                  /* weights of the equations */
   PetscReal *value, *weighted;   /* workspace */
-  PetscBool  valid;              /* the rows of the quadratic fit are computed */
-  PetscReal *laplacian, *filter; /* rows of the quadratic fit */
+  PetscInt   wanted, degree;     /* degree asked for and reached; wanted 0: no rows yet */
+  PetscReal *laplacian, *filter; /* rows of the fit */
   PetscReal *gradient[ISPH_MAX_DIM];
 } MlsFit;
 
@@ -63,6 +64,7 @@ typedef struct {
   PetscReal *share;                 /* of dummies: weight in u_wall,i, docs/theory.md, (50) */
   PetscBool  fits_walls;  /* wall neighbours have equations of their own, otherwise values */
   Equation  *equation;    /* of each neighbour in the present fit; fluid gives a value */
+  PetscInt   degree;      /* of fits, 2 to MLS_MAX_DEGREE */
   MlsFit     fit;         /* of these equations, shared by Laplacian, gradient and filter */
   PetscReal  volume;      /* of the particle itself [m^dim] */
   PetscReal  self[3];     /* W, dW/dr and d2W/dr2 at r = 0 [m^-dim, ...] */
@@ -171,12 +173,13 @@ PetscInt DenseCholesky(PetscInt n, PetscReal a[]);
 void     DenseCholeskyRidge(PetscInt n, const PetscReal a[], PetscReal ridge, PetscReal factor[]);
 void     DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[]);
 
-#define POINT_FIT_TERMS (1 + MLS_QUADRATIC_TERMS)
+#define POINT_FIT_TERMS (1 + MLS_MAX_TERMS)
 #define POINT_FITS      8 /* most fits at once, 2^dim */
-void PointFits(PetscInt dim, PetscInt n, PetscReal *const s[], const PetscReal W[], PetscReal w[],
-               PetscBool fits[]);
-PetscBool VectorFit(PetscInt dim, PetscInt n, PetscReal *const s[], const PetscReal W[],
-                    const PetscBool wall[], PetscReal *const normal[], PetscReal *const w[]);
+void PointFits(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const s[], const PetscReal W[],
+               PetscReal w[], PetscBool fits[]);
+PetscBool VectorFit(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const s[],
+                    const PetscReal W[], const PetscBool wall[], PetscReal *const normal[],
+                    PetscReal *const w[]);
 
 PetscBool MomentInverse(const Stencil *stencil, const PetscReal weight[], PetscReal inverse[]);
 void      ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil *stencil,
@@ -217,6 +220,7 @@ typedef struct {
   PetscBool          wall_surface;       /* a layer of particles on walls before the dummies */
   PetscBool          visc_is_laplacian;  /* visc is lap u */
   PetscBool          components_coupled; /* visc couples components: viscous_block.c */
+  PetscInt           degree;             /* of least-squares fits */
   PetscReal          h_over_dx;          /* smoothing length over a particle's spacing [-] */
   PetscReal          h, radius;          /* of the coarsest particles; radius of the support [m] */
   PetscReal reach; /* largest distance at which assembly reads a particle; width of the halo [m] */
@@ -268,6 +272,7 @@ unsigned       SceneNeeds(const Scene *scene);
 PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **ops);
 PetscErrorCode OperatorsDestroy(Operators **ops);
 const char    *OperatorsCorrection(const Operators *ops);
+PetscErrorCode OperatorsDegree(PetscInt *degree);
 PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, WallPlacement *walls);
 PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *particles,
                                  const Neighbors *neighbors, Operators *ops, PetscBool *changed);

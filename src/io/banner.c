@@ -10,9 +10,10 @@
 /* Prints case, fluid and particles. */
 static PetscErrorCode BannerCase(const Flow *flow, PetscViewer viewer)
 {
-  const Scene   *scene = flow->scene;
-  const CaseRow *row   = scene->problem;
-  PetscMPIInt    ranks;
+  static const char *const degrees[] = {"", "", "", ", cubic fits", ", quartic fits"};
+  const Scene             *scene     = flow->scene;
+  const CaseRow           *row       = scene->problem;
+  PetscMPIInt              ranks;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
@@ -29,12 +30,13 @@ static PetscErrorCode BannerCase(const Flow *flow, PetscViewer viewer)
   }
   PetscCall(PetscViewerASCIIPrintf(viewer, "L = %.4g m, U = %.4g m/s\n", (double)scene->length,
                                    (double)scene->speed));
-  PetscCall(PetscViewerASCIIPrintf(
-      viewer,
-      BANNER_LABEL "%" PetscInt_FMT " fluid + %" PetscInt_FMT " wall, dx = %.4g m, h/dx = %.3g; "
-                   "%d rank%s\n",
-      "particles", flow->particles->N_fluid, flow->particles->N_wall, (double)scene->dx,
-      (double)(flow->ops->forms.h_over_dx), ranks, ranks == 1 ? "" : "s"));
+  PetscCall(PetscViewerASCIIPrintf(viewer,
+                                   BANNER_LABEL "%" PetscInt_FMT " fluid + %" PetscInt_FMT
+                                                " wall, dx = %.4g m, h/dx = %.3g%s; "
+                                                "%d rank%s\n",
+                                   "particles", flow->particles->N_fluid, flow->particles->N_wall,
+                                   (double)scene->dx, (double)(flow->ops->forms.h_over_dx),
+                                   degrees[flow->ops->forms.degree], ranks, ranks == 1 ? "" : "s"));
   if (SceneIsGraded(scene)) {
     PetscCall(PetscViewerASCIIPrintf(
         viewer, BANNER_LABEL "from %.3g to %.3g dx, growing by at most %.2g %% a particle\n",

@@ -37,11 +37,11 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
   PetscFunctionBegin;
   PetscCall(StencilReserve(st, last - first));
   StencilSetSize(ops->forms.kernel, ops->forms.h_over_dx, p->dx[i], st);
-  radius2       = PetscSqr(st->radius);
-  st->i         = i;
-  st->volume    = p->volume[i];
-  st->n_wall    = 0;
-  st->fit.valid = PETSC_FALSE;
+  radius2        = PetscSqr(st->radius);
+  st->i          = i;
+  st->volume     = p->volume[i];
+  st->n_wall     = 0;
+  st->fit.wanted = 0;
   for (PetscInt a = 0; a < d; a++) {
     x[a]           = p->x[a][i];
     st->stretch[a] = ParticlesStretch(p, a, i);

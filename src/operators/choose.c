@@ -4,7 +4,17 @@
 */
 #include "choose.h"
 
-enum { KERNEL, H_OVER_DX, CORRECTION, VISC_LAPLACIAN, PPE_LAPLACIAN, GRADIENT, WALL, WALL_SURFACE };
+enum {
+  KERNEL,
+  MLS_DEGREE,
+  H_OVER_DX,
+  CORRECTION,
+  VISC_LAPLACIAN,
+  PPE_LAPLACIAN,
+  GRADIENT,
+  WALL,
+  WALL_SURFACE
+};
 static const OptionRow options[] = {
     [KERNEL] =
         {
@@ -14,6 +24,16 @@ static const OptionRow options[] = {
             .standard = "wendland_c2",
             .table    = &KernelTable,
         },
+    [MLS_DEGREE] =
+        {
+            .name  = "-mls_degree",
+            .kind  = VALUE_INT,
+            .brief = "degree of the polynomials of least-squares fits, in all operators named mls",
+            .unit  = "-",
+            .standard = "2",
+            .low      = 2,
+            .high     = MLS_MAX_DEGREE,
+        },
     [H_OVER_DX] =
         {
             .name  = "-h_over_dx",
@@ -22,7 +42,9 @@ static const OptionRow options[] = {
             .unit  = "-",
             .standard =
                 "1.3; up to U dx/nu = 5 it is 1.5 for particles that move between walls, and 1.1 "
-                "without walls if both Laplacians are exact for quadratic functions",
+                "without walls if both Laplacians are exact for quadratic functions; with "
+                "-mls_degree 3 "
+                "1.6, with 4 2",
             .low  = 0.8,
             .high = 4.0,
         },
@@ -179,6 +201,7 @@ static PetscErrorCode ChooseWall(const Scene *scene, OperatorForms *forms)
 /*
   Returns the default ratio of the smoothing length to the spacing [-]
 
+    1.6 or 2 for cubic or quartic fits, which need more neighbours; otherwise
     1.3 if U dx/nu > 5, because viscosity then does not smooth the grid scale; otherwise
     1.5 if there are walls and particles move: changes of neighbours next to walls dominate the
         error, and more neighbours halve it;
@@ -188,6 +211,7 @@ static PetscErrorCode ChooseWall(const Scene *scene, OperatorForms *forms)
 */
 static PetscReal DefaultSmoothing(const Scene *scene, const OperatorForms *forms)
 {
+  if (forms->degree > 2) return forms->degree == 3 ? 1.6 : 2.0;
   if (SceneCellReynolds(scene) > 5.0) return 1.3;
   if (SceneHas(scene, PHYSICS_WALLS)) return SceneMoves(scene) ? 1.5 : 1.3;
   if (!SceneHas(scene, PHYSICS_PRESSURE)) return 1.3;
@@ -236,6 +260,15 @@ static PetscErrorCode RefuseEquations(const Scene *scene, const OperatorForms *f
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* OperatorsDegree - Reads -mls_degree, the degree of least-squares fits; collective */
+PetscErrorCode OperatorsDegree(PetscInt *degree)
+{
+  PetscFunctionBegin;
+  *degree = 2;
+  PetscCall(OptionGetInt(&options[MLS_DEGREE], degree, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   OperatorsChoose - Chooses the discretisation in space
 
@@ -256,6 +289,7 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
   PetscFunctionBegin;
   PetscCall(OptionGetRow(&options[KERNEL], NULL, &forms->kernel));
   PetscCall(ChooseLaplacians(scene, needs, forms));
+  PetscCall(OperatorsDegree(&forms->degree));
   h_over_dx = DefaultSmoothing(scene, forms);
   PetscCall(OptionGetReal(&options[H_OVER_DX], &h_over_dx, NULL));
   if (needs & (NEED_PRESSURE | NEED_GRADIENT_U)) {

@@ -85,8 +85,8 @@ PetscErrorCode OperatorsCompareGradients(const Scene *scene, const Particles *p,
     for (PetscInt c = 0; c < p->dim; c++) {
       StencilSetVelocity(scene, c, st);
       CollectData(st, p->u[c], y);
-      PetscCall(GradientRow_Mls(st, quadratic));
-      PetscCall(GradientRow_Mls3(st, cubic, &known));
+      PetscCall(GradientRow_MlsDegree(st, 2, quadratic, &known));
+      PetscCall(GradientRow_MlsDegree(st, 3, cubic, &known));
       if (!known) determined = PETSC_FALSE;
       for (PetscInt a = 0; a < p->dim; a++) {
         G[c * p->dim + a] = Product(st->n, cubic[a], y);

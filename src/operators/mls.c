@@ -52,7 +52,7 @@ static inline void FilterWeights(const Stencil *st, PetscInt terms, PetscInt wid
                                  const PetscReal m[], const PetscReal c[], PetscReal w[])
 {
   MlsWeights(st, terms, width, c, w);
-  for (PetscInt t = 0; t < terms; t++) sum -= m[t * width] * c[t * width];
+  for (PetscInt t = 0; t < terms; t++) sum -= m[t] * c[t * width];
   for (PetscInt k = 0; k < st->n; k++) {
     const PetscReal value = st->equation[k] == EQUATION_VALUE ? st->W[k] : 0.0;
 
@@ -60,62 +60,64 @@ static inline void FilterWeights(const Stencil *st, PetscInt terms, PetscInt wid
   }
 }
 
-/* Computes all rows of the quadratic fit for the present equations of the neighbours. */
-static inline void FitQuadratic(Stencil *st, PetscInt dim)
-{
-  const PetscInt terms = MlsTerms(dim, 2), width = MlsWidth(terms + dim + 2), filter = terms,
-                 laplacian = terms + 1, gradient = terms + 2;
-  PetscReal system[MLS_QUADRATIC_TERMS * MLS_QUADRATIC_WIDTH] = {0.0};
-  PetscReal solved[MLS_QUADRATIC_TERMS * MLS_QUADRATIC_WIDTH], sum;
+/*
+  Computes all rows of the fit of a degree for the present equations of the neighbours
 
-  MlsBasis(st, dim, 2);
+  Returns: PETSC_FALSE if the neighbours do not determine a fit of a degree above 2. A quadratic fit
+  is regularised then, see MlsSolve(), and st->regularised counts it.
+*/
+static inline PetscBool Fit(Stencil *st, PetscInt dim, PetscInt degree)
+{
+  const PetscInt terms = MlsTerms(dim, degree), width = MlsWidth(terms + dim + 2), filter = terms,
+                 laplacian = terms + 1, gradient = terms + 2;
+  PetscReal system[MLS_MAX_TERMS * MLS_MAX_WIDTH], spare[MLS_MAX_TERMS * MLS_MAX_WIDTH];
+  PetscReal m[MLS_MAX_TERMS], *solved = degree == 2 ? spare : system, sum;
+
+  for (PetscInt e = 0; e < terms * width; e++) system[e] = 0.0;
+  MlsBasis(st, dim, degree);
   MlsMoments(st, terms, st->fit.W, width, system);
   sum = FilterColumn(st, terms, width, system + filter);
+  for (PetscInt t = 0; t < terms; t++) m[t] = system[t * width + filter];
   LaplacianColumn(st, dim, width, system + laplacian);
   for (PetscInt a = 0; a < dim; a++) system[a * width + gradient + a] = st->stretch[a] / st->radius;
-  if (!MlsSolve(terms, width, system, solved)) st->regularised++;
-  FilterWeights(st, terms, width, sum, system + filter, solved + filter, st->fit.filter);
+  if (degree > 2 && !MlsEliminate(terms, width, system)) return PETSC_FALSE;
+  if (degree == 2 && !MlsSolve(terms, width, system, solved)) st->regularised++;
+  FilterWeights(st, terms, width, sum, m, solved + filter, st->fit.filter);
   MlsWeights(st, terms, width, solved + laplacian, st->fit.laplacian);
   for (PetscInt a = 0; a < dim; a++)
     MlsWeights(st, terms, width, solved + gradient + a, st->fit.gradient[a]);
-}
-
-/* Computes the Laplacian of the cubic fit; returns PETSC_FALSE if the neighbours do not determine
-   the fit. */
-static inline PetscBool FitCubic(Stencil *st, PetscInt dim, PetscReal w[])
-{
-  const PetscInt terms = MlsTerms(dim, 3), width = MlsWidth(terms + 1);
-  PetscReal      system[MLS_MAX_TERMS * (MLS_MAX_TERMS + 1)] = {0.0};
-
-  MlsBasis(st, dim, 3);
-  MlsMoments(st, terms, st->fit.W, width, system);
-  LaplacianColumn(st, dim, width, system + terms);
-  if (!MlsEliminate(terms, width, system)) return PETSC_FALSE;
-  MlsWeights(st, terms, width, system + terms, w);
   return PETSC_TRUE;
 }
 
-/* Computes the rows of the quadratic fit, unless they are valid. */
-static void MlsFitQuadratic(Stencil *st)
+static PetscBool FitOfDegree(Stencil *st, PetscInt degree)
 {
-  if (st->fit.valid) return;
-  if (st->dim == 2) FitQuadratic(st, 2);
-  else FitQuadratic(st, 3);
-  st->fit.valid = PETSC_TRUE;
+  if (st->dim == 2)
+    return degree == 2 ? Fit(st, 2, 2) : degree == 3 ? Fit(st, 2, 3) : Fit(st, 2, 4);
+  return degree == 2 ? Fit(st, 3, 2) : degree == 3 ? Fit(st, 3, 3) : Fit(st, 3, 4);
+}
+
+/* Computes the rows of a fit, unless they are valid. If the neighbours do not determine a degree,
+   takes the next lower one; st->regularised counts such fits. */
+static void MlsFitRows(Stencil *st, PetscInt degree)
+{
+  if (st->fit.wanted == degree) return;
+  st->fit.wanted = st->fit.degree = degree;
+  while (!FitOfDegree(st, st->fit.degree)) st->fit.degree--;
+  if (st->fit.degree < degree) st->regularised++;
 }
 
 /*
-  LaplacianRow_Mls - Computes the Laplacian of the quadratic fit
+  LaplacianRow_Mls - Computes the Laplacian of the fit of degree st->degree
 
     lap f = 2/R^2 sum_a c_aa,   c_aa the coefficient of (X_a/R)^2
 
-  Properties: exact for quadratic fields on any arrangement of particles; not symmetric; uses the
-  wall neighbours' equations.
+  Properties: exact for polynomials of the degree on any arrangement of particles; not symmetric;
+  uses the wall neighbours' equations.
 */
 PetscErrorCode LaplacianRow_Mls(Stencil *st, PetscReal w[])
 {
   PetscFunctionBegin;
-  MlsFitQuadratic(st);
+  MlsFitRows(st, st->degree);
   PetscCall(PetscArraycpy(w, st->fit.laplacian, st->n));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -130,51 +132,36 @@ PetscErrorCode LaplacianRow_Mls(Stencil *st, PetscReal w[])
 PetscErrorCode LaplacianRow_Mls3(Stencil *st, PetscReal w[])
 {
   PetscFunctionBegin;
-  if (!(st->dim == 2 ? FitCubic(st, 2, w) : FitCubic(st, 3, w))) {
-    st->regularised++;
-    PetscCall(LaplacianRow_Mls(st, w));
-  }
+  MlsFitRows(st, 3);
+  PetscCall(PetscArraycpy(w, st->fit.laplacian, st->n));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* GradientRow_Mls - Computes the gradient of the quadratic fit, df/dx_a = c_a/R with the
-   coefficient c_a of X_a/R; exact for quadratic fields */
+/* GradientRow_Mls - Computes the gradient of the fit of degree st->degree, df/dx_a = c_a/R with the
+   coefficient c_a of X_a/R; exact for polynomials of the degree */
 PetscErrorCode GradientRow_Mls(Stencil *st, PetscReal *g[])
 {
   PetscFunctionBegin;
-  MlsFitQuadratic(st);
+  MlsFitRows(st, st->degree);
   for (PetscInt a = 0; a < st->dim; a++) PetscCall(PetscArraycpy(g[a], st->fit.gradient[a], st->n));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the gradient of the cubic fit; returns PETSC_FALSE if the neighbours do not determine
-   the fit. */
-static inline PetscBool FitCubicGradient(Stencil *st, PetscInt dim, PetscReal *g[])
-{
-  const PetscInt terms = MlsTerms(dim, 3), width = MlsWidth(terms + dim);
-  PetscReal      system[MLS_MAX_TERMS * (MLS_MAX_TERMS + 5)] = {0.0};
-
-  MlsBasis(st, dim, 3);
-  MlsMoments(st, terms, st->fit.W, width, system);
-  for (PetscInt a = 0; a < dim; a++) system[a * width + terms + a] = st->stretch[a] / st->radius;
-  if (!MlsEliminate(terms, width, system)) return PETSC_FALSE;
-  for (PetscInt a = 0; a < dim; a++) MlsWeights(st, terms, width, system + terms + a, g[a]);
-  return PETSC_TRUE;
-}
-
-/* GradientRow_Mls3 - Computes the gradient of the cubic fit, or of the quadratic fit if the points
-   do not determine the cubic fit; determined: the cubic fit is determined */
-PetscErrorCode GradientRow_Mls3(Stencil *st, PetscReal *g[], PetscBool *determined)
+/* GradientRow_MlsDegree - Computes the gradient of the fit of a degree, or of a lower one if the
+   points do not determine it; determined: they do */
+PetscErrorCode GradientRow_MlsDegree(Stencil *st, PetscInt degree, PetscReal *g[],
+                                     PetscBool *determined)
 {
   PetscFunctionBegin;
-  *determined = st->dim == 2 ? FitCubicGradient(st, 2, g) : FitCubicGradient(st, 3, g);
-  if (!*determined) PetscCall(GradientRow_Mls(st, g));
+  MlsFitRows(st, degree);
+  *determined = st->fit.degree == degree ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt a = 0; a < st->dim; a++) PetscCall(PetscArraycpy(g[a], st->fit.gradient[a], st->n));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  FilterRow_Mls - Computes the residual of a quadratic fit with a free constant, docs/theory.md,
-  (22)
+  FilterRow_Mls - Computes the residual of a fit with a free constant, docs/theory.md, (22); its
+  degree is the largest even one up to st->degree
 
     f_i - c_0 = -sum_k w_k (f_k - f_i),   w_k = W_k (1 - m.c_k)/(W(0) + sum_k W_k - m.M^-1 m),
     c_k = M^-1 phi_k,   m = sum_k W_k phi_k,   M = sum_k W_k phi_k phi_k^T
@@ -183,9 +170,10 @@ PetscErrorCode GradientRow_Mls3(Stencil *st, PetscReal *g[], PetscBool *determin
   (top of this file). The constant c_0 is eliminated by hand. For a neighbour that gives n.grad f,
   w_k lacks the term 1, and m lacks the term of this neighbour.
 
-  Properties: vanishes for quadratic fields on any arrangement of particles. For smooth fields it is
-  of order dx^4 inside a lattice, and of order dx^3 on disordered particles and beside a boundary.
-  With wendland_c2 and h/dx = 1.3 in 2D it is 0.81 f_i for a checkerboard and 0.26 f_i for stripes.
+  Properties: vanishes for polynomials of the degree on any arrangement of particles. With quadratic
+  fits it is of order dx^4 for smooth fields inside a lattice, and of order dx^3 on disordered
+  particles and beside a boundary; with wendland_c2 and h/dx = 1.3 in 2D it is 0.81 f_i for a
+  checkerboard and 0.26 f_i for stripes.
   Not symmetric.
 
   Reference: after C. R. Dohrmann, P. B. Bochev, Int. J. Numer. Meth. Fluids 46 (2004) 183-201
@@ -193,7 +181,7 @@ PetscErrorCode GradientRow_Mls3(Stencil *st, PetscReal *g[], PetscBool *determin
 PetscErrorCode FilterRow_Mls(Stencil *st, PetscReal w[])
 {
   PetscFunctionBegin;
-  MlsFitQuadratic(st);
+  MlsFitRows(st, st->degree - st->degree % 2);
   PetscCall(PetscArraycpy(w, st->fit.filter, st->n));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -9,16 +9,27 @@
 
 #include "rows.h"
 
-#define MLS_VECTOR_TERMS (ISPH_MAX_DIM * MLS_QUADRATIC_TERMS)
-#define MLS_VECTOR_WIDTH 28 /* MlsWidth() of the terms and a right-hand side */
-#define MLS_QUADRATIC_WIDTH                                                                        \
-  16 /* MlsWidth() of the terms, the Laplacian, the gradient, the filter */
+#define MLS_MAX_WIDTH              40 /* MlsWidth() of terms, Laplacian, gradient, filter */
+#define MLS_VECTOR_TERMS           (ISPH_MAX_DIM * MLS_MAX_TERMS)
+#define MLS_VECTOR_WIDTH           104 /* MlsWidth() of the terms and a right-hand side */
+#define MLS_QUADRATIC_VECTOR_WIDTH 28
 
+/* Returns the number of monomials of degree d of the axes 0 to last. */
+static inline PetscInt MlsMonomials(PetscInt last, PetscInt d)
+{
+  PetscInt count = 1;
+
+  for (PetscInt q = 1; q <= d; q++) count = count * (last + q) / q;
+  return count;
+}
+
+/* Returns the number of monomials of degree 1 to `degree`. */
 static inline PetscInt MlsTerms(PetscInt dim, PetscInt degree)
 {
-  const PetscInt quadratic = dim + dim * (dim + 1) / 2;
+  PetscInt terms = 0;
 
-  return degree == 2 ? quadratic : quadratic + dim * (dim + 1) * (dim + 2) / 6;
+  for (PetscInt d = 1; d <= degree; d++) terms += MlsMonomials(dim - 1, d);
+  return terms;
 }
 
 /* Rounds a number of neighbours up to a multiple of MLS_LANES. */
@@ -33,25 +44,25 @@ static inline PetscInt MlsWidth(PetscInt columns)
   return (columns + 3) / 4 * 4;
 }
 
-/* Computes n.grad of the basis at wall neighbour k, times the length st->scale; phi[t stride]. */
+/* Computes n.grad of the basis at wall neighbour k, times the length st->scale; in: phi - the basis
+   at k; out: its derivative in its place. */
 static inline void MlsBasisNormalDerivative(const Stencil *st, PetscInt dim, PetscInt degree,
                                             PetscInt k, PetscInt stride, PetscReal phi[])
 {
-  PetscReal s[ISPH_MAX_DIM], n[ISPH_MAX_DIM];
-  PetscInt  t = dim;
+  PetscReal value[MLS_MAX_TERMS], s[ISPH_MAX_DIM], n[ISPH_MAX_DIM];
+  PetscInt  lower = 0, t = dim;
 
+  for (PetscInt q = 0; q < MlsTerms(dim, degree); q++) value[q] = phi[q * stride];
   for (PetscInt a = 0; a < dim; a++) {
-    s[a] = st->X[a][k] / st->radius;
+    s[a] = value[a];
     n[a] = phi[a * stride] = st->stretch[a] * st->normal[a][k] * st->scale / st->radius;
   }
-  for (PetscInt a = 0; a < dim; a++) {
-    for (PetscInt b = 0; b <= a; b++) phi[stride * t++] = n[a] * s[b] + s[a] * n[b];
-  }
-  for (PetscInt a = 0; degree > 2 && a < dim; a++) {
-    for (PetscInt b = 0; b <= a; b++) {
-      for (PetscInt c = 0; c <= b; c++)
-        phi[stride * t++] = n[a] * s[b] * s[c] + s[a] * n[b] * s[c] + s[a] * s[b] * n[c];
+  for (PetscInt d = 2; d <= degree; d++) {
+    for (PetscInt a = 0; a < dim; a++) {
+      for (PetscInt q = lower; q < lower + MlsMonomials(a, d - 1); q++)
+        phi[stride * t++] = n[a] * value[q] + s[a] * phi[stride * q];
     }
+    lower += MlsMonomials(dim - 1, d - 1);
   }
 }
 
@@ -60,14 +71,15 @@ static inline void MlsBasisNormalDerivative(const Stencil *st, PetscInt dim, Pet
 
     sum_t c_t phi_t = scale times data of neighbour k
 
-  with s = X/R and phi = s_a, then s_a s_b (b <= a), then s_a s_b s_c (c <= b <= a); `scale` is
-  st->scale for n.grad f, otherwise 1. A neighbour without an equation has the weight 0.
+  with s = X/R and phi = s_a, then s_a s_b (b <= a), then s_a s_b s_c (c <= b <= a), and so on;
+  `scale` is st->scale for n.grad f, otherwise 1. The monomials of degree d that begin with s_a are
+  s_a times the first monomials of degree d - 1. A neighbour without an equation has the weight 0.
 */
 static inline void MlsBasis(Stencil *st, PetscInt dim, PetscInt degree)
 {
   const PetscInt  stride = st->capacity, n = MlsPadded(st->n);
   const PetscReal over = 1.0 / st->radius;
-  PetscReal      *phi = st->fit.phi, *W = st->fit.W, *next = phi + dim * stride;
+  PetscReal      *phi = st->fit.phi, *W = st->fit.W, *lower = phi, *next = phi + dim * stride;
 
   for (PetscInt k = 0; k < st->n; k++) W[k] = st->equation[k] == EQUATION_NONE ? 0.0 : st->W[k];
   for (PetscInt k = st->n; k < n; k++) W[k] = 0.0;
@@ -75,21 +87,14 @@ static inline void MlsBasis(Stencil *st, PetscInt dim, PetscInt degree)
     for (PetscInt k = 0; k < st->n; k++) phi[a * stride + k] = over * st->X[a][k];
     for (PetscInt k = st->n; k < n; k++) phi[a * stride + k] = 0.0;
   }
-  for (PetscInt a = 0; a < dim; a++) {
-    for (PetscInt b = 0; b <= a; b++, next += stride) {
+  for (PetscInt d = 2; d <= degree; d++) {
+    for (PetscInt a = 0; a < dim; a++) {
+      for (PetscInt q = 0; q < MlsMonomials(a, d - 1); q++, next += stride) {
 #pragma omp simd
-      for (PetscInt k = 0; k < n; k++) next[k] = phi[a * stride + k] * phi[b * stride + k];
-    }
-  }
-  for (PetscInt a = 0; degree > 2 && a < dim; a++) {
-    const PetscReal *pair = phi + (dim + a * (a + 1) / 2) * stride; /* of s_a s_b */
-
-    for (PetscInt b = 0; b <= a; b++, pair += stride) {
-      for (PetscInt c = 0; c <= b; c++, next += stride) {
-#pragma omp simd
-        for (PetscInt k = 0; k < n; k++) next[k] = pair[k] * phi[c * stride + k];
+        for (PetscInt k = 0; k < n; k++) next[k] = phi[a * stride + k] * lower[q * stride + k];
       }
     }
+    lower += MlsMonomials(dim - 1, d - 1) * stride;
   }
   for (PetscInt k = 0; st->n_wall && k < st->n; k++) {
     if (st->equation[k] == EQUATION_NORMAL_DERIVATIVE)

@@ -1,5 +1,5 @@
 /*
-  The quadratic least-squares fit of a vector. A wall gives only the normal component of the vector,
+  The least-squares fit of a vector. A wall gives only the normal component of the vector,
   and this equation couples the components. For the fit of a scalar see mls.c.
 */
 #include "mls.h"
@@ -8,9 +8,9 @@
   Computes the moments of the vector fit, blocks (c, e) of scalar moments with the weights W_k in
   the fluid if c = e, and W_k n_c n_e at walls.
 */
-static inline void VectorMoments(Stencil *st, PetscInt dim, PetscInt width, PetscReal M[])
+static inline void VectorMoments(Stencil *st, PetscInt dim, PetscInt terms, PetscInt width,
+                                 PetscReal M[])
 {
-  const PetscInt terms = MlsTerms(dim, 2);
 
   for (PetscInt c = 0; c < dim; c++) {
     for (PetscInt e = c; e < dim; e++) {
@@ -26,17 +26,22 @@ static inline void VectorMoments(Stencil *st, PetscInt dim, PetscInt width, Pets
   }
 }
 
-static inline void DivergenceFit(Stencil *st, PetscInt dim, PetscReal *d[], PetscReal m[])
+/* Computes the divergence of the fit of a degree; returns PETSC_FALSE as Fit() in mls.c. */
+static inline PetscBool DivergenceFit(Stencil *st, PetscInt dim, PetscInt degree, PetscReal *d[],
+                                      PetscReal m[])
 {
-  const PetscInt terms = MlsTerms(dim, 2), n = dim * terms, width = MlsWidth(n + 1);
-  PetscReal      system[MLS_VECTOR_TERMS * MLS_VECTOR_WIDTH] = {0.0};
-  PetscReal      solved[MLS_VECTOR_TERMS * MLS_VECTOR_WIDTH];
+  const PetscInt terms = MlsTerms(dim, degree), n = dim * terms, width = MlsWidth(n + 1);
+  PetscReal      system[MLS_VECTOR_TERMS * MLS_VECTOR_WIDTH];
+  PetscReal      spare[ISPH_MAX_DIM * MLS_QUADRATIC_TERMS * MLS_QUADRATIC_VECTOR_WIDTH];
+  PetscReal     *solved = degree == 2 ? spare : system;
 
-  MlsBasis(st, dim, 2);
-  VectorMoments(st, dim, width, system);
+  for (PetscInt e = 0; e < n * width; e++) system[e] = 0.0;
+  MlsBasis(st, dim, degree);
+  VectorMoments(st, dim, terms, width, system);
   for (PetscInt a = 0; a < dim; a++)
     system[(a * terms + a) * width + n] = st->stretch[a] / st->radius;
-  if (!MlsSolve(n, width, system, solved)) st->regularised++;
+  if (degree > 2 && !MlsEliminate(n, width, system)) return PETSC_FALSE;
+  if (degree == 2 && !MlsSolve(n, width, system, solved)) st->regularised++;
   for (PetscInt k = 0; k < st->n; k++) m[k] = 0.0;
   for (PetscInt a = 0; a < dim; a++) {
     MlsWeights(st, terms, width, solved + a * terms * width + n, d[a]);
@@ -46,6 +51,14 @@ static inline void DivergenceFit(Stencil *st, PetscInt dim, PetscReal *d[], Pets
       d[a][k] = 0.0;
     }
   }
+  return PETSC_TRUE;
+}
+
+static PetscBool DivergenceFitOfDegree(Stencil *st, PetscInt degree, PetscReal *d[], PetscReal m[])
+{
+  if (st->dim == 2 && degree == 2) return DivergenceFit(st, 2, 2, d, m);
+  if (st->dim == 2) return DivergenceFit(st, 2, degree, d, m);
+  return degree == 2 ? DivergenceFit(st, 3, 2, d, m) : DivergenceFit(st, 3, degree, d, m);
 }
 
 /*
@@ -66,8 +79,10 @@ static inline void DivergenceFit(Stencil *st, PetscInt dim, PetscReal *d[], Pets
 */
 PetscErrorCode DivergenceFit_Mls(Stencil *st, PetscReal *d[], PetscReal m[])
 {
+  PetscInt degree = st->degree;
+
   PetscFunctionBegin;
-  if (st->dim == 2) DivergenceFit(st, 2, d, m);
-  else DivergenceFit(st, 3, d, m);
+  while (!DivergenceFitOfDegree(st, degree, d, m)) degree--;
+  if (degree < st->degree) st->regularised++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -91,6 +91,7 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
     ops->grad_p[a].needed = ops->div[a].needed = pressure;
   }
   PetscCall(StencilCreate(scene->dim, &st));
+  st->degree         = ops->forms.degree;
   st->fits_walls     = ops->forms.wall ? ops->forms.wall->on_surface : PETSC_FALSE;
   ops->work->stencil = st;
   *operators         = ops;

@@ -1,5 +1,5 @@
 /*
-  Values at points by moving least squares: a quadratic fit about a point with a free constant,
+  Values at points by moving least squares: a fit about a point with a free constant,
 
     f(x + X) = c_0 + sum_t c_t phi_t(X/R),   min sum_k W_k (f_k - fit(X_k))^2,   value = c_0
 
@@ -7,19 +7,7 @@
 
   Reference: P. Lancaster & K. Salkauskas, Math. Comput. 37 (1981) 141-158
 */
-#include "isph/operators.h"
-
-/* Computes the basis 1, s_a, s_a s_b (b <= a) of neighbour k. */
-static inline void PointBasis(PetscInt dim, PetscReal *const s[], PetscInt k, PetscReal phi[])
-{
-  PetscInt t = 1 + dim;
-
-  phi[0] = 1.0;
-  for (PetscInt a = 0; a < dim; a++) {
-    phi[1 + a] = s[a][k];
-    for (PetscInt b = 0; b <= a; b++) phi[t++] = s[a][k] * s[b][k];
-  }
-}
+#include "mls.h"
 
 /* Factors m symmetric matrices at once, as DenseCholesky(): entry (t, q) of matrix i is
    a[(t terms + q) m + i]; clears the flags of matrices that are not positive definite. */
@@ -81,32 +69,40 @@ static inline void CholeskySolves(PetscInt terms, PetscInt m, const PetscReal a[
   }
 }
 
-/* Computes the basis of PointBasis() for neighbour k of m points: phi[t m + i]. */
-static inline void PointBases(PetscInt dim, PetscInt m, PetscReal *const s[], PetscInt k,
-                              PetscReal phi[])
+/* Computes the basis 1, s_a, s_a s_b (b <= a), ... for neighbour k of m points: phi[t m + i]; the
+   order is that of MlsBasis(). */
+static inline void PointBases(PetscInt dim, PetscInt degree, PetscInt m, PetscReal *const s[],
+                              PetscInt k, PetscReal phi[])
 {
-  PetscInt t = 1 + dim;
+  PetscReal *lower = phi + m, *next = phi + (1 + dim) * m;
 
   for (PetscInt i = 0; i < m; i++) phi[i] = 1.0;
   for (PetscInt a = 0; a < dim; a++) {
 #pragma omp simd
     for (PetscInt i = 0; i < m; i++) phi[(1 + a) * m + i] = s[a][k * m + i];
-    for (PetscInt b = 0; b <= a; b++, t++) {
+  }
+  for (PetscInt d = 2; d <= degree; d++) {
+    for (PetscInt a = 0; a < dim; a++) {
+      for (PetscInt q = 0; q < MlsMonomials(a, d - 1); q++, next += m) {
 #pragma omp simd
-      for (PetscInt i = 0; i < m; i++) phi[t * m + i] = s[a][k * m + i] * s[b][k * m + i];
+        for (PetscInt i = 0; i < m; i++) next[i] = s[a][k * m + i] * lower[q * m + i];
+      }
     }
+    lower += MlsMonomials(dim - 1, d - 1) * m;
   }
 }
 
-static inline void PointFitsInline(PetscInt dim, PetscInt m, PetscInt n, PetscReal *const s[],
-                                   const PetscReal W[], PetscReal w[], PetscBool fits[])
+static inline void PointFitsInline(PetscInt dim, PetscInt degree, PetscInt m, PetscInt n,
+                                   PetscReal *const s[], const PetscReal W[], PetscReal w[],
+                                   PetscBool fits[])
 {
-  const PetscInt terms = 1 + dim + dim * (dim + 1) / 2;
-  PetscReal      moments[POINT_FIT_TERMS * POINT_FIT_TERMS * POINT_FITS] = {0.0};
+  const PetscInt terms = 1 + MlsTerms(dim, degree);
+  PetscReal      moments[POINT_FIT_TERMS * POINT_FIT_TERMS * POINT_FITS];
   PetscReal      phi[POINT_FIT_TERMS * POINT_FITS], c[POINT_FIT_TERMS * POINT_FITS];
 
+  for (PetscInt e = 0; e < terms * terms * m; e++) moments[e] = 0.0;
   for (PetscInt k = 0; k < n; k++) {
-    PointBases(dim, m, s, k, phi);
+    PointBases(dim, degree, m, s, k, phi);
     for (PetscInt t = 0; t < terms; t++) {
       PetscReal weighted[POINT_FITS];
 
@@ -125,7 +121,7 @@ static inline void PointFitsInline(PetscInt dim, PetscInt m, PetscInt n, PetscRe
   for (PetscInt k = 0; k < n; k++) {
     PetscReal sum[POINT_FITS] = {0.0};
 
-    PointBases(dim, m, s, k, phi);
+    PointBases(dim, degree, m, s, k, phi);
     for (PetscInt t = 0; t < terms; t++) {
 #pragma omp simd
       for (PetscInt i = 0; i < m; i++) sum[i] += phi[t * m + i] * c[t * m + i];
@@ -149,25 +145,29 @@ static inline void PointFitsInline(PetscInt dim, PetscInt m, PetscInt n, PetscRe
 + w    - the weights: w[k m + i]
 - fits - PETSC_FALSE for points whose neighbours do not determine the fit; w is then undefined
 
-  Properties: exact for quadratic fields. The weights of a point do not depend on other points.
+  Properties: exact for polynomials of the degree. The weights of a point do not depend on other
+  points.
 */
-void PointFits(PetscInt dim, PetscInt n, PetscReal *const s[], const PetscReal W[], PetscReal w[],
-               PetscBool fits[])
+void PointFits(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const s[], const PetscReal W[],
+               PetscReal w[], PetscBool fits[])
 {
-  if (dim == 2) PointFitsInline(2, 4, n, s, W, w, fits);
-  else PointFitsInline(3, 8, n, s, W, w, fits);
+  if (dim == 2 && degree == 2) PointFitsInline(2, 2, 4, n, s, W, w, fits);
+  else if (dim == 2) PointFitsInline(2, degree, 4, n, s, W, w, fits);
+  else if (degree == 2) PointFitsInline(3, 2, 8, n, s, W, w, fits);
+  else PointFitsInline(3, degree, 8, n, s, W, w, fits);
 }
 
 /* Computes the moment matrix of the fit of a vector. */
-static void VectorMoments(PetscInt dim, PetscInt n, PetscReal *const s[], const PetscReal W[],
-                          const PetscBool wall[], PetscReal *const normal[], PetscReal moments[])
+static void VectorMoments(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const s[],
+                          const PetscReal W[], const PetscBool wall[], PetscReal *const normal[],
+                          PetscReal moments[])
 {
-  const PetscInt terms = 1 + dim + dim * (dim + 1) / 2, size = dim * terms;
+  const PetscInt terms = 1 + MlsTerms(dim, degree), size = dim * terms;
 
   for (PetscInt k = 0; k < n; k++) {
     PetscReal phi[POINT_FIT_TERMS];
 
-    PointBasis(dim, s, k, phi);
+    PointBases(dim, degree, 1, s, k, phi);
     for (PetscInt c = 0; c < dim; c++) {
       for (PetscInt e = 0; e < dim; e++) {
         const PetscReal couple = wall[k] ? normal[c][k] * normal[e][k] : (c == e ? 1.0 : 0.0);
@@ -201,15 +201,17 @@ static void VectorMoments(PetscInt dim, PetscInt n, PetscReal *const s[], const 
 
   Returns: PETSC_FALSE if the neighbours do not determine the fit, and then sets no weights
 
-  Properties: exact for quadratic fields.
+  Properties: exact for polynomials of the degree.
 */
-PetscBool VectorFit(PetscInt dim, PetscInt n, PetscReal *const s[], const PetscReal W[],
-                    const PetscBool wall[], PetscReal *const normal[], PetscReal *const w[])
+PetscBool VectorFit(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const s[],
+                    const PetscReal W[], const PetscBool wall[], PetscReal *const normal[],
+                    PetscReal *const w[])
 {
-  const PetscInt terms = 1 + dim + dim * (dim + 1) / 2, size = dim * terms;
-  PetscReal      moments[ISPH_MAX_DIM * ISPH_MAX_DIM * POINT_FIT_TERMS * POINT_FIT_TERMS] = {0.0};
+  const PetscInt terms = 1 + MlsTerms(dim, degree), size = dim * terms;
+  PetscReal      moments[ISPH_MAX_DIM * ISPH_MAX_DIM * POINT_FIT_TERMS * POINT_FIT_TERMS];
 
-  VectorMoments(dim, n, s, W, wall, normal, moments);
+  for (PetscInt e = 0; e < size * size; e++) moments[e] = 0.0;
+  VectorMoments(dim, degree, n, s, W, wall, normal, moments);
   if (DenseCholesky(size, moments)) return PETSC_FALSE;
   for (PetscInt a = 0; a < dim; a++) {
     PetscReal c[ISPH_MAX_DIM * POINT_FIT_TERMS] = {0.0};
@@ -219,7 +221,7 @@ PetscBool VectorFit(PetscInt dim, PetscInt n, PetscReal *const s[], const PetscR
     for (PetscInt k = 0; k < n; k++) {
       PetscReal phi[POINT_FIT_TERMS], part[ISPH_MAX_DIM] = {0.0}, along = 0.0;
 
-      PointBasis(dim, s, k, phi);
+      PointBases(dim, degree, 1, s, k, phi);
       for (PetscInt b = 0; b < dim; b++) {
         for (PetscInt t = 0; t < terms; t++) part[b] += W[k] * phi[t] * c[b * terms + t];
         if (wall[k]) along += normal[b][k] * part[b];

@@ -10,7 +10,8 @@ PetscErrorCode LaplacianRow_Mls(Stencil *stencil, PetscReal w[]);
 PetscErrorCode LaplacianRow_Mls3(Stencil *stencil, PetscReal w[]);
 PetscErrorCode LaplacianRow_StressMls(Stencil *stencil, PetscReal w[]);
 PetscErrorCode GradientRow_Mls(Stencil *stencil, PetscReal *g[]);
-PetscErrorCode GradientRow_Mls3(Stencil *stencil, PetscReal *g[], PetscBool *determined);
+PetscErrorCode GradientRow_MlsDegree(Stencil *stencil, PetscInt degree, PetscReal *g[],
+                                     PetscBool *determined);
 PetscErrorCode FilterRow_Mls(Stencil *stencil, PetscReal w[]);
 PetscErrorCode DivergenceFit_Mls(Stencil *stencil, PetscReal *d[], PetscReal m[]);
 void           CorrectKernel_FirstOrder(Stencil *stencil, PetscReal dW[], PetscReal ddW[]);

@@ -8,7 +8,8 @@ PetscErrorCode StencilCreate(PetscInt dim, Stencil **stencil)
 {
   PetscFunctionBegin;
   PetscCall(PetscNew(stencil));
-  (*stencil)->dim = dim;
+  (*stencil)->dim    = dim;
+  (*stencil)->degree = 2;
   for (PetscInt a = 0; a < dim; a++) (*stencil)->stretch[a] = 1.0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -62,7 +63,7 @@ PetscErrorCode StencilReserve(Stencil *st, PetscInt n)
 static void SetEquation(Stencil *st, PetscInt k, Equation equation)
 {
   if (!st->fits_walls && equation != EQUATION_NONE) equation = EQUATION_VALUE;
-  if (equation != st->equation[k]) st->fit.valid = PETSC_FALSE;
+  if (equation != st->equation[k]) st->fit.wanted = 0;
   st->equation[k] = equation;
 }
 

@@ -75,7 +75,8 @@ static const OptionRow options[] = {
             .brief    = "where the pressure is known",
             .standard = "coarse for moving particles, for fixed ones up to U dx/nu = 5 at walls "
                         "and without "
-                        "convection, in boxes of at least 3 cells along each axis, unless an "
+                        "convection (with -mls_degree 4: between walls), in boxes of at least 3 "
+                        "cells along each axis, unless an "
                         "option of a pressure on particles is given; else same",
             .table    = &PressurePointsTable,
             .where    = "-scheme projection with pressure",
@@ -194,9 +195,12 @@ static PetscErrorCode ChoosePoints(const Scene *scene, const PressurePointsRow *
   static const char *const of_particles[] = {"-ppe_alpha", "-ppe_filter", "-ppe_laplacian"};
   const PetscBool          damped =
       !SceneHas(scene, PHYSICS_CONVECTION) || SceneFinestReynolds(scene) <= 5.0;
-  PetscBool coarse = SceneMoves(scene) || damped, given;
+  PetscBool coarse, given;
+  PetscInt  degree;
 
   PetscFunctionBegin;
+  PetscCall(OperatorsDegree(&degree));
+  coarse = SceneMoves(scene) || (degree == 4 ? SceneHas(scene, PHYSICS_WALLS) : damped);
   for (PetscInt a = 0; a < scene->dim; a++)
     coarse = coarse && CellsAlong(scene, a, SPACING_STANDARD) >= LEAST_CELLS;
   PetscCall(OptionGiven(options[POINTS].name, &given));
@@ -259,11 +263,15 @@ static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
 {
   const PetscReal R = SceneFinestReynolds(flow->scene);
   PetscBool       given;
+  PetscInt        degree;
 
   PetscFunctionBegin;
-  UserCheck(SceneMoves(flow->scene) || !SceneHas(flow->scene, PHYSICS_CONVECTION) || R <= 15.0,
+  PetscCall(OperatorsDegree(&degree));
+  UserCheck(SceneMoves(flow->scene) || !SceneHas(flow->scene, PHYSICS_CONVECTION) || R <= 15.0 ||
+                degree == 4,
             "-pressure_points coarse: on fixed particles it feeds energy into the flow for U dx/nu "
-            "above 15, here %.3g at walls; use same, a larger -n, or a smaller -spacing_wall",
+            "above 15, here %.3g at walls; use same, -mls_degree 4, a larger -n, or a smaller "
+            "-spacing_wall",
             (double)R);
   pr->spacing = SPACING_STANDARD;
   PetscCall(OptionGetReal(&options[SPACING], &pr->spacing, NULL));

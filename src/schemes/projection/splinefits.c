@@ -6,13 +6,11 @@
 */
 #include "splinesearch.h"
 
-/* Particles in a fit, for 6 and 10 coefficients. */
-#define FIT_NEAREST_2D  14
-#define FIT_NEAREST_3D  28
+#define FIT_NEAREST     84  /* most particles with which a fit begins */
 #define FIT_MOST        3   /* times as many if their weights are large */
 #define FIT_LARGEST_SUM 2.5 /* of absolute weights; 1.2 to 1.6 on a lattice */
 
-#define FIT_CAPACITY ((FIT_MOST + 1) * FIT_NEAREST_3D)
+#define FIT_CAPACITY ((FIT_MOST + 1) * FIT_NEAREST)
 
 /* Fits of a component at the points of a cell; the arrays are those of PointFits(). */
 typedef struct {
@@ -32,10 +30,13 @@ typedef struct {
   PetscReal normal[ISPH_MAX_DIM][ISPH_MAX_DIM * FIT_CAPACITY];
 } CoupledFit;
 
-/* Returns the number of particles with which a fit begins. */
-static inline PetscInt LeastParticles(PetscInt dim)
+/* Returns the number of particles with which a fit begins: for 6, 10, 15 coefficients in 2D, and
+   10, 20, 35 in 3D. */
+static inline PetscInt LeastParticles(PetscInt dim, PetscInt degree)
 {
-  return dim == 2 ? FIT_NEAREST_2D : FIT_NEAREST_3D;
+  static const PetscInt least[2][MLS_MAX_DEGREE - 1] = {{14, 22, 34}, {28, 50, FIT_NEAREST}};
+
+  return least[dim - 2][degree - 2];
 }
 
 /* Returns the weight of a particle at the distance r, over the radius. */
@@ -121,10 +122,9 @@ static void SetCoupledMean(PetscInt dim, CoupledFit *f)
 
   Input: found - so many are within reach; sum - of the absolute weights, infinity without a fit.
 */
-static PetscBool TakesMore(PetscInt dim, PetscInt wanted, PetscBool found, PetscReal sum)
+static PetscBool TakesMore(PetscInt least, PetscInt wanted, PetscBool found, PetscReal sum)
 {
-  return found && sum > FIT_LARGEST_SUM && wanted < FIT_MOST * LeastParticles(dim) ? PETSC_TRUE
-                                                                                   : PETSC_FALSE;
+  return found && sum > FIT_LARGEST_SUM && wanted < FIT_MOST * least ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Sets the weights of fit i to those of a mean. */
@@ -141,10 +141,11 @@ static PetscErrorCode FitComponent(Flow *flow, PetscInt c, const PetscBool todo[
                                    SplineAround *around, Fits *f)
 {
   const Particles *p = flow->particles;
-  const PetscInt   m = 1 << p->dim, least = LeastParticles(p->dim);
-  PetscReal       *s[ISPH_MAX_DIM], reach[POINT_FITS];
-  PetscInt         wanted[POINT_FITS], left = 0; /* wanted 0: the fit is done */
-  PetscBool        fits[POINT_FITS], found[POINT_FITS];
+  const PetscInt   m = 1 << p->dim, degree = flow->ops->forms.degree,
+                 least = LeastParticles(p->dim, degree);
+  PetscReal *s[ISPH_MAX_DIM], reach[POINT_FITS];
+  PetscInt   wanted[POINT_FITS], left = 0; /* wanted 0: the fit is done */
+  PetscBool  fits[POINT_FITS], found[POINT_FITS];
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < p->dim; a++) s[a] = f->s[a];
@@ -161,11 +162,10 @@ static PetscErrorCode FitComponent(Flow *flow, PetscInt c, const PetscBool todo[
           SplineNearest(flow, i, c, wanted[i], around, &reach[i], &f->n[i], &f->R[i], &found[i]));
       FillFit(p, i, around, f);
     }
-    PointFits(p->dim, PadFits(p->dim, f), s, f->W, f->w, fits);
+    PointFits(p->dim, degree, PadFits(p->dim, f), s, f->W, f->w, fits);
     for (PetscInt i = 0; i < m; i++) {
       if (!wanted[i]) continue;
-      if (TakesMore(p->dim, wanted[i], found[i],
-                    fits[i] ? SumOfWeights(m, i, f) : PETSC_INFINITY)) {
+      if (TakesMore(least, wanted[i], found[i], fits[i] ? SumOfWeights(m, i, f) : PETSC_INFINITY)) {
         wanted[i] += least / 3;
       } else {
         wanted[i] = 0;
@@ -185,11 +185,12 @@ static PetscErrorCode FitComponent(Flow *flow, PetscInt c, const PetscBool todo[
 static PetscErrorCode FitCoupled(Flow *flow, PetscInt i, SplineAround *around, CoupledFit *f)
 {
   const Particles *p   = flow->particles;
-  const PetscInt   dim = p->dim;
-  PetscReal       *s[ISPH_MAX_DIM], *normal[ISPH_MAX_DIM], *w[ISPH_MAX_DIM * ISPH_MAX_DIM];
-  PetscReal        reach = 0.0, R = 0.0, size;
-  PetscInt         wanted = LeastParticles(dim);
-  PetscBool        found;
+  const PetscInt   dim = p->dim, degree = flow->ops->forms.degree,
+                 least = LeastParticles(dim, degree);
+  PetscReal *s[ISPH_MAX_DIM], *normal[ISPH_MAX_DIM], *w[ISPH_MAX_DIM * ISPH_MAX_DIM];
+  PetscReal  reach = 0.0, R = 0.0, size;
+  PetscInt   wanted = least;
+  PetscBool  found;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < dim; a++) {
@@ -197,7 +198,7 @@ static PetscErrorCode FitCoupled(Flow *flow, PetscInt i, SplineAround *around, C
     normal[a] = f->normal[a];
   }
   for (PetscInt e = 0; e < dim * dim; e++) w[e] = f->w[e];
-  for (size = PETSC_INFINITY;; wanted += LeastParticles(dim) / 3) {
+  for (size = PETSC_INFINITY;; wanted += least / 3) {
     PetscCall(SplineNearest(flow, i, SPLINE_ALL, wanted, around, &reach, &f->n, &R, &found));
     for (PetscInt e = 0; e < f->n; e++) {
       const PetscInt k = around->found[e];
@@ -210,8 +211,9 @@ static PetscErrorCode FitCoupled(Flow *flow, PetscInt i, SplineAround *around, C
         f->normal[a][e] = f->wall[e] ? p->normal[a][f->j[e]] : 0.0;
       }
     }
-    size = VectorFit(dim, f->n, s, f->W, f->wall, normal, w) ? LargestSum(dim, f) : PETSC_INFINITY;
-    if (!TakesMore(dim, wanted, found, size)) break;
+    size = VectorFit(dim, degree, f->n, s, f->W, f->wall, normal, w) ? LargestSum(dim, f)
+                                                                     : PETSC_INFINITY;
+    if (!TakesMore(least, wanted, found, size)) break;
   }
   if (size < PETSC_INFINITY) PetscFunctionReturn(PETSC_SUCCESS);
   flow->ops->regularised_rows++;
