@@ -42,9 +42,8 @@ static const OptionRow options[] = {
             .unit  = "-",
             .standard =
                 "1.3; up to U dx/nu = 5 it is 1.5 for particles that move between walls, and 1.1 "
-                "without walls if both Laplacians are exact for quadratic functions; with "
-                "-mls_degree 3 "
-                "1.6, with 4 2",
+                "without walls if both Laplacians are exact for quadratic functions; 1.6 with "
+                "-mls_degree 3, 2 with -mls_degree 4",
             .low  = 0.8,
             .high = 4.0,
         },

@@ -73,11 +73,10 @@ static const OptionRow options[] = {
             .name     = "-pressure_points",
             .kind     = VALUE_NAME,
             .brief    = "where the pressure is known",
-            .standard = "coarse for moving particles, for fixed ones up to U dx/nu = 5 at walls "
-                        "and without "
-                        "convection (with -mls_degree 4: between walls), in boxes of at least 3 "
-                        "cells along each axis, unless an "
-                        "option of a pressure on particles is given; else same",
+            .standard = "coarse for moving particles, and for fixed ones without convection, up to "
+                        "U dx/nu = 5 at walls, or between walls with -mls_degree 4; same in boxes "
+                        "below 3 cells along an axis, and with an option of a pressure on "
+                        "particles",
             .table    = &PressurePointsTable,
             .where    = "-scheme projection with pressure",
         },
@@ -270,8 +269,8 @@ static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
   UserCheck(SceneMoves(flow->scene) || !SceneHas(flow->scene, PHYSICS_CONVECTION) || R <= 15.0 ||
                 degree == 4,
             "-pressure_points coarse: on fixed particles it feeds energy into the flow for U dx/nu "
-            "above 15, here %.3g at walls; use same, -mls_degree 4, a larger -n, or a smaller "
-            "-spacing_wall",
+            "above 15, here %.3g at walls; use same, -mls_degree 4 on a lattice, a larger -n, or a "
+            "smaller -spacing_wall",
             (double)R);
   pr->spacing = SPACING_STANDARD;
   PetscCall(OptionGetReal(&options[SPACING], &pr->spacing, NULL));
