@@ -11,7 +11,6 @@
 static inline void VectorMoments(Stencil *st, PetscInt dim, PetscInt terms, PetscInt width,
                                  PetscReal M[])
 {
-
   for (PetscInt c = 0; c < dim; c++) {
     for (PetscInt e = c; e < dim; e++) {
       PetscReal *W = st->fit.value, total = 0.0;

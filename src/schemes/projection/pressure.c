@@ -40,14 +40,16 @@ struct Pressure {
 */
 static PetscErrorCode ChooseDirect(const Flow *flow, Pressure *s)
 {
-  const Scene    *scene = flow->scene;
-  const Splines  *sp    = ((const Projection *)flow->scheme->data)->splines;
-  const PetscReal n = sp ? sp->lattice.N : SceneVolume(scene) / PetscPowReal(scene->dx, scene->dim);
-  PetscMPIInt     ranks;
-  PetscBool       same;
-  char           *all, *asked;
+  const Scene   *scene = flow->scene;
+  const Splines *sp    = ((const Projection *)flow->scheme->data)->splines;
+  PetscReal      n     = 1.0; /* may exceed PetscInt */
+  PetscMPIInt    ranks;
+  PetscBool      same;
+  char          *all, *asked;
 
   PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) n *= scene->cells[a];
+  if (sp) n = sp->lattice.N;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(PetscStrcmp(s->guard.mat_type, MATSAME, &same));
   PetscCall(PetscOptionsGetAll(NULL, &all));
