@@ -71,7 +71,8 @@ def same_on_ranks(isph):
         run(ranked(isph, ranks), f"ranks-{ranks}", *CAVITY, "-max_steps", "8", *TIGHT, "-probe_budget", BOXES)
     here, there = rows("ranks-1"), rows("ranks-2")
     assert len(here) == len(there) == 8 * 8 * 3
-    for name, tolerance in ("energy", 1e-9), ("divergence_rms", 1e-5), ("divergence_max", 1e-5):
+    # Rounding: builds for one kind of processor and for all of them differ by up to 3e-9 of the largest energy.
+    for name, tolerance in ("energy", 1e-8), ("divergence_rms", 1e-5), ("divergence_max", 1e-5):
         largest = max(abs(float(row[name])) for row in here)
         for a, b in zip(here, there):
             assert (a["step"], a["part"], a["box"]) == (b["step"], b["part"], b["box"])

@@ -165,6 +165,7 @@ extern const WallRow     WallGiven; /* treatment of patch tests, not in the tabl
 /* Vectors over own fluid or own wall particles; array NULL: the vector allocates its storage. */
 PetscErrorCode FluidVec(const Particles *particles, PetscReal array[], Vec *v);
 PetscErrorCode WallVec(const Particles *particles, Vec *v);
+PetscErrorCode LocalValues(const Particles *particles, Vec f, Vec walls, PetscReal value[]);
 PetscErrorCode FluidSum(const Particles *particles, Vec f, PetscBool squared, PetscReal *sum);
 PetscErrorCode FluidRemoveMean(const Particles *particles, Vec f);
 
@@ -186,19 +187,31 @@ void      ConcentrationRow(const Scene *scene, const KernelRow *kernel, const St
                            const PetscReal x[], PetscBool mirrored, PetscReal *concentration,
                            PetscReal gradient[]);
 
-/* An operator: its two matrices and their values in the shared pattern. */
-typedef struct {
-  PetscBool  needed;
-  PetscInt   width; /* values in each slot of the pattern: 1, or dim^2 for coupled components */
-  Mat        A, B;  /* fluid x fluid, fluid x wall (NULL without walls) */
-  PetscReal *a, *b;
-} AffineOperator;
-
 /* A sparsity pattern. All operators have the same neighbours and share it. */
 typedef struct {
   PetscInt *row, *col; /* compressed rows, global columns ascending */
+  PetscInt *local;     /* local index of a particle of each column */
   PetscInt  n, capacity;
 } Pattern;
+
+/* The rows of all operators, and the values of a field by local index that their products read. */
+typedef struct {
+  Pattern          fluid, walls;
+  const Particles *particles; /* of the last assembly */
+  PetscReal       *value;     /* of a field, for all local particles */
+  PetscInt         capacity;  /* of value */
+} OperatorRows;
+
+/* An operator: its values in the slots of the shared rows, and matrices if a solver needs them. */
+typedef struct {
+  PetscBool     needed;
+  PetscInt      width; /* values in each slot of the pattern: 1, or dim^2 for coupled
+                             components */
+  PetscReal    *a, *b; /* over fluid, over walls */
+  PetscBool     has_matrices;
+  Mat           A, B; /* fluid x fluid, fluid x wall (NULL without walls) */
+  OperatorRows *rows; /* rows of products; NULL: products need the matrices */
+} AffineOperator;
 
 /* Operators that the scheme and the scene need; no other operator is assembled. */
 typedef enum {
@@ -208,7 +221,8 @@ typedef enum {
   NEED_FILTER_U      = 1 << 3, /* filter_u */
   NEED_FILTER_P      = 1 << 4, /* filter_p */
   NEED_CONCENTRATION = 1 << 5, /* concentration and its gradient */
-  NEED_FREE_GRAD_P   = 1 << 6  /* grad_p from fluid alone: the wall pressure gradient is unknown */
+  NEED_FREE_GRAD_P   = 1 << 6, /* grad_p from fluid alone: the wall pressure gradient is unknown */
+  NEED_MATRICES      = 1 << 7  /* PETSc matrices of all operators, not only of visc and ppe */
 } Need;
 
 /* The chosen discretisation in space. */
@@ -252,8 +266,7 @@ typedef struct {
   AffineOperator    grad_p[ISPH_MAX_DIM]; /* dp/dx_a; wall data: WallValues.p */
   AffineOperator    div[ISPH_MAX_DIM];    /* (D u)_i = sum_c div[c] u_c; wall data: u_wall,c */
   AffineOperator    filter_p;             /* residual of the fit of p [-]; wall data: p if given */
-  Pattern           fluid, walls;
-  PetscInt         *neighbor_of_slot; /* local index of each slot; only for coupled components */
+  OperatorRows      rows;
   Concentration     concentration;
 
   PetscInt  epoch, moved;     /* stamps of the particles at the last assembly */
@@ -278,6 +291,9 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *particles,
                                  const Neighbors *neighbors, Operators *ops, PetscBool *changed);
 PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y);
 PetscErrorCode AffineApplyAdd(const AffineOperator *op, Vec f, Vec walls, Vec y);
+PetscErrorCode AffineApplyWalls(const AffineOperator *op, Vec walls, Vec y);
+PetscErrorCode AffineApplyAll(PetscInt n, const AffineOperator *const op[], Vec f, Vec walls,
+                              const Vec y[]);
 
 PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *particles,
                                        Operators *ops);
@@ -318,7 +334,8 @@ PetscErrorCode UnknownsVec(const Particles *particles, Vec *v);
 PetscErrorCode VectorsCheckType(MPI_Comm comm);
 
 PetscErrorCode PatternBegin(Pattern *pattern, PetscInt rows, PetscInt entries);
-void PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], PetscInt n, PetscInt slot[]);
+void PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], const PetscInt local[],
+                PetscInt n, PetscInt slot[]);
 PetscErrorCode PatternMat(MPI_Comm comm, const Pattern *pattern, PetscInt rows, PetscInt cols,
                           PetscReal values[], Mat *A);
 PetscErrorCode PatternFree(Pattern *pattern);

@@ -75,23 +75,26 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
    and of the diagonal: their positions in the arrays of values. */
 static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, PetscInt *diagonal)
 {
-  PetscInt *cols  = ops->work->slot + ops->work->slot_capacity,
-           *place = cols + ops->work->slot_capacity, n = 0, own = -1;
+  const PetscInt capacity = ops->work->slot_capacity;
+  Pattern       *fluid    = &ops->rows.fluid;
+  PetscInt *cols = ops->work->slot + capacity, *local = cols + capacity, *place = local + capacity;
+  PetscInt  n = 0, own = -1;
 
   for (PetscInt k = 0; k < st->n; k++) { /* inserts the diagonal so that columns ascend */
     if (st->wall[k]) continue;
     if (own < 0 && st->j[k] > st->i) {
-      own       = n;
-      cols[n++] = p->row[st->i];
+      own        = n;
+      local[n++] = st->i;
     }
-    cols[n++] = p->row[st->j[k]];
+    local[n++] = st->j[k];
   }
   if (own < 0) {
-    own       = n;
-    cols[n++] = p->row[st->i];
+    own        = n;
+    local[n++] = st->i;
   }
-  PatternRow(&ops->fluid, st->i, cols, n, place);
-  ops->work->simple = !st->n_wall && ops->fluid.row[st->i + 1] - ops->fluid.row[st->i] == n;
+  for (PetscInt k = 0; k < n; k++) cols[k] = p->row[local[k]];
+  PatternRow(fluid, st->i, cols, local, n, place);
+  ops->work->simple = !st->n_wall && fluid->row[st->i + 1] - fluid->row[st->i] == n;
   *diagonal         = place[own];
   for (PetscInt k = 0, q = 0; k < st->n; k++) {
     if (st->wall[k]) continue;
@@ -101,9 +104,11 @@ static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, Pets
   if (!ops->forms.wall) return;
   n = 0;
   for (PetscInt k = 0; k < st->n; k++) {
-    if (st->wall[k]) cols[n++] = p->row[st->j[k]];
+    if (!st->wall[k]) continue;
+    local[n]  = st->j[k];
+    cols[n++] = p->row[st->j[k]];
   }
-  PatternRow(&ops->walls, st->i, cols, n, place);
+  PatternRow(&ops->rows.walls, st->i, cols, local, n, place);
   n = 0;
   for (PetscInt k = 0; k < st->n; k++) {
     if (st->wall[k]) ops->work->slot[k] = place[n++];
@@ -119,7 +124,7 @@ static PetscErrorCode AssembleVelocityRow(const Scene *scene, const Particles *p
   if (of->visc.needed) {
     PetscCall(LaplacianWeights(&ops->forms.visc, st, ops->work->w));
     if (p->nu && !ops->forms.components_coupled) WeighByViscosity(scene, p, st, ops->work->w);
-    if (ops->forms.components_coupled) KeepBlockRow(st, diagonal, ops->work->w, ops);
+    if (ops->forms.components_coupled) KeepBlockRow(st, ops->work->w, ops);
     else AddRow_Velocity(st, ops, diagonal, ops->work->w, &of->visc);
   }
   if (of->grad_u[0].needed) {
@@ -171,7 +176,7 @@ static PetscInt NeededOperators(Operators *ops, AffineOperator *needed[])
 static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, const Neighbors *nb,
                                     Operators *ops, AffineOperator *needed[], PetscInt count)
 {
-  const PetscInt entries = nb->row[p->n_fluid] + p->n_fluid, capacity = ops->fluid.capacity;
+  const PetscInt entries = nb->row[p->n_fluid] + p->n_fluid, capacity = ops->rows.fluid.capacity;
   PetscInt       longest = 1;
   PetscBool      grown;
 
@@ -180,27 +185,23 @@ static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, cons
     PetscCall(MatDestroy(&needed[k]->A));
     PetscCall(MatDestroy(&needed[k]->B));
   }
-  PetscCall(PatternBegin(&ops->fluid, p->n_fluid, entries));
-  if (ops->forms.wall) PetscCall(PatternBegin(&ops->walls, p->n_fluid, entries));
-  grown = (ops->fluid.capacity != capacity || !needed[0]->a) ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(PatternBegin(&ops->rows.fluid, p->n_fluid, entries));
+  if (ops->forms.wall) PetscCall(PatternBegin(&ops->rows.walls, p->n_fluid, entries));
+  grown = (ops->rows.fluid.capacity != capacity || !needed[0]->a) ? PETSC_TRUE : PETSC_FALSE;
   for (PetscInt k = 0; k < count; k++) {
     if (grown) PetscCall(PetscFree2(needed[k]->a, needed[k]->b));
     if (grown) {
-      PetscCall(PetscMalloc2(ops->fluid.capacity * needed[k]->width, &needed[k]->a,
-                             ops->forms.wall ? ops->walls.capacity * needed[k]->width : 0,
+      PetscCall(PetscMalloc2(ops->rows.fluid.capacity * needed[k]->width, &needed[k]->a,
+                             ops->forms.wall ? ops->rows.walls.capacity * needed[k]->width : 0,
                              &needed[k]->b));
     }
-  }
-  if (grown && ops->forms.components_coupled) {
-    PetscCall(PetscFree(ops->neighbor_of_slot));
-    PetscCall(PetscMalloc1(ops->fluid.capacity, &ops->neighbor_of_slot));
   }
   for (PetscInt i = 0; i < p->n_fluid; i++)
     longest = PetscMax(longest, nb->row[i + 1] - nb->row[i] + 1);
   if (longest > ops->work->slot_capacity) {
     ops->work->slot_capacity = 2 * longest;
     PetscCall(PetscFree4(ops->work->slot, ops->work->w, ops->work->m, ops->work->wall_w));
-    PetscCall(PetscMalloc4(3 * ops->work->slot_capacity, &ops->work->slot,
+    PetscCall(PetscMalloc4(4 * ops->work->slot_capacity, &ops->work->slot,
                            ops->work->slot_capacity * ops->velocity[0].visc.width, &ops->work->w,
                            ops->work->slot_capacity, &ops->work->m,
                            ops->work->slot_capacity * ops->velocity[0].visc.width,
@@ -289,13 +290,16 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
     if (ops->needs & NEED_CONCENTRATION) AssembleConcentration(scene, p, st, i, ops);
   }
   for (PetscInt k = 0; k < count; k++) {
+    if (!needed[k]->has_matrices) continue;
     if (ops->forms.components_coupled && needed[k] == &ops->velocity[0].visc) continue;
     PetscCall(
-        PatternMat(p->comm, &ops->fluid, p->n_fluid, p->n_fluid, needed[k]->a, &needed[k]->A));
+        PatternMat(p->comm, &ops->rows.fluid, p->n_fluid, p->n_fluid, needed[k]->a, &needed[k]->A));
     if (!ops->forms.wall) continue;
-    PetscCall(PatternMat(p->comm, &ops->walls, p->n_fluid, p->n_wall, needed[k]->b, &needed[k]->B));
+    PetscCall(
+        PatternMat(p->comm, &ops->rows.walls, p->n_fluid, p->n_wall, needed[k]->b, &needed[k]->B));
   }
   if (ops->forms.components_coupled) PetscCall(AssembleViscousBlock(scene, p, ops));
+  ops->rows.particles = p;
   if (ops->forms.wall && ops->forms.wall->Extend) PetscCall(ExtendWalls(scene, p, nb, ops));
   ops->regularised_rows = st->regularised;
   ops->epoch            = p->epoch;

@@ -17,7 +17,7 @@ static inline PetscReal PairViscosity(PetscReal own, PetscReal other)
 /* Sets row i of an operator to zero. */
 static inline void EmptyRow(const Operators *ops, PetscInt i, AffineOperator *op)
 {
-  const PetscInt *fluid = ops->fluid.row, *walls = ops->walls.row;
+  const PetscInt *fluid = ops->rows.fluid.row, *walls = ops->rows.walls.row;
 
   for (PetscInt s = fluid[i] * op->width; s < fluid[i + 1] * op->width; s++) op->a[s] = 0.0;
   if (!ops->forms.wall) return;
@@ -28,7 +28,7 @@ void WeighByViscosity(const Scene *scene, const Particles *particles, const Sten
                       PetscReal w[]);
 void AddRow_Velocity(const Stencil *stencil, const Operators *ops, PetscInt diagonal,
                      const PetscReal w[], AffineOperator *op);
-void KeepBlockRow(const Stencil *stencil, PetscInt diagonal, const PetscReal w[], Operators *ops);
+void KeepBlockRow(const Stencil *stencil, const PetscReal w[], Operators *ops);
 PetscErrorCode AssembleViscousBlock(const Scene *scene, const Particles *particles, Operators *ops);
 PetscErrorCode AddRows_Pressure(const Scene *scene, Stencil *stencil, PetscInt diagonal,
                                 Operators *ops);

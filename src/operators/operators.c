@@ -1,6 +1,6 @@
 /*
-  Operators of a run: creation for given needs, placement of walls, application, destruction. For
-  their choice see choose.c, for their assembly assemble.c.
+  Operators of a run: creation for given needs, placement of walls, destruction. For their choice see
+  choose.c, for their assembly assemble.c, for their products apply.c.
 */
 #include "assembly.h"
 #include "boundary_rows.h"
@@ -35,12 +35,27 @@ unsigned SceneNeeds(const Scene *scene)
   return needs;
 }
 
-/* Marks the operators of a velocity component that the run needs. */
-static void NeedVelocity(const Scene *scene, const Operators *ops, VelocityOperators *of)
+/* Sets the form of the products of an operator and the matrices that it needs. Input: extended - the
+   wall treatment changes the operator's matrices after the assembly of rows. */
+static void ChooseProducts(Operators *ops, PetscBool extended, AffineOperator *op)
 {
-  of->visc.width      = LaplacianWidth(&ops->forms.visc, scene->dim);
-  of->visc.needed     = ops->needs & NEED_VISCOSITY ? PETSC_TRUE : PETSC_FALSE;
-  of->filter_u.needed = ops->needs & NEED_FILTER_U ? PETSC_TRUE : PETSC_FALSE;
+  op->rows         = extended ? NULL : &ops->rows;
+  op->has_matrices = extended || ops->needs & NEED_MATRICES ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Marks the operators of a velocity component that the run needs. */
+static void NeedVelocity(const Scene *scene, Operators *ops, VelocityOperators *of)
+{
+  const PetscBool extended = ops->forms.visc.extended;
+
+  ChooseProducts(ops, extended || ops->forms.components_coupled ? PETSC_TRUE : PETSC_FALSE,
+                 &of->visc);
+  ChooseProducts(ops, extended, &of->filter_u);
+  for (PetscInt a = 0; a < scene->dim; a++) ChooseProducts(ops, extended, &of->grad_u[a]);
+  of->visc.has_matrices = PETSC_TRUE;
+  of->visc.width        = LaplacianWidth(&ops->forms.visc, scene->dim);
+  of->visc.needed       = ops->needs & NEED_VISCOSITY ? PETSC_TRUE : PETSC_FALSE;
+  of->filter_u.needed   = ops->needs & NEED_FILTER_U ? PETSC_TRUE : PETSC_FALSE;
   for (PetscInt a = 0; a < scene->dim; a++)
     of->grad_u[a].needed = ops->needs & NEED_GRADIENT_U ? PETSC_TRUE : PETSC_FALSE;
 }
@@ -87,8 +102,13 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
   for (PetscInt c = 0; c < ops->n_velocity; c++) NeedVelocity(scene, ops, &ops->velocity[c]);
   ops->filter_p.needed = needs & NEED_FILTER_P ? PETSC_TRUE : PETSC_FALSE;
   ops->ppe.needed      = pressure;
+  ChooseProducts(ops, PETSC_FALSE, &ops->filter_p);
+  ChooseProducts(ops, PETSC_FALSE, &ops->ppe);
+  ops->ppe.has_matrices = PETSC_TRUE;
   for (PetscInt a = 0; a < scene->dim; a++) {
     ops->grad_p[a].needed = ops->div[a].needed = pressure;
+    ChooseProducts(ops, PETSC_FALSE, &ops->grad_p[a]);
+    ChooseProducts(ops, PETSC_FALSE, &ops->div[a]);
   }
   PetscCall(StencilCreate(scene->dim, &st));
   st->degree         = ops->forms.degree;
@@ -126,9 +146,9 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   PetscCall(PetscFree4(ops->work->slot, ops->work->w, ops->work->m, ops->work->wall_w));
   PetscCall(StencilDestroy(&ops->work->stencil));
   PetscCall(PetscFree(ops->work));
-  PetscCall(PetscFree(ops->neighbor_of_slot));
-  PetscCall(PatternFree(&ops->fluid));
-  PetscCall(PatternFree(&ops->walls));
+  PetscCall(PatternFree(&ops->rows.fluid));
+  PetscCall(PatternFree(&ops->rows.walls));
+  PetscCall(PetscFree(ops->rows.value));
   PetscCall(PetscFree(*operators));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -144,27 +164,5 @@ PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, Wall
   if (ops->forms.wall && !ops->forms.wall->on_surface) {
     walls->layers = (PetscInt)PetscCeilReal(ops->forms.radius / SceneCoarsest(scene) - 1e-9);
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  AffineApply - Computes y = A f + B e with the matrices A and B of an operator
-
-  Collective. Input: f - values over fluid; walls - the wall data e, not read without walls.
-*/
-PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y)
-{
-  PetscFunctionBegin;
-  PetscCall(MatMult(op->A, f, y));
-  if (op->B) PetscCall(MatMultAdd(op->B, walls, y, y));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* AffineApplyAdd - Computes y += A f + B e with the matrices A and B of an operator; collective */
-PetscErrorCode AffineApplyAdd(const AffineOperator *op, Vec f, Vec walls, Vec y)
-{
-  PetscFunctionBegin;
-  PetscCall(MatMultAdd(op->A, f, y, y));
-  if (op->B) PetscCall(MatMultAdd(op->B, walls, y, y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -17,7 +17,8 @@ PetscErrorCode PatternBegin(Pattern *pattern, PetscInt rows, PetscInt entries)
     const PetscInt capacity = PetscMax(pattern->capacity, entries + entries / 8 + 16);
 
     PetscCall(PatternFree(pattern));
-    PetscCall(PetscMalloc2(rows + 1, &pattern->row, capacity, &pattern->col));
+    PetscCall(
+        PetscMalloc3(rows + 1, &pattern->row, capacity, &pattern->col, capacity, &pattern->local));
     pattern->capacity = capacity;
   }
   pattern->n      = rows;
@@ -31,13 +32,15 @@ PetscErrorCode PatternBegin(Pattern *pattern, PetscInt rows, PetscInt entries)
   Not collective. A repeated column (a particle and its periodic image) becomes a single entry.
 
   Input Parameters:
-+ cols - global columns in any order
-- n    - number of columns
++ cols  - global columns in any order
+. local - local indices of their particles; NULL: none are kept
+- n     - number of columns
 
   Output Parameter:
 . slot - position of the entry of cols[k] in the arrays of values
 */
-void PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], PetscInt n, PetscInt slot[])
+void PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], const PetscInt local[],
+                PetscInt n, PetscInt slot[])
 {
   const PetscInt first = pattern->row[i];
   PetscInt      *row = &pattern->col[first], length = 0;
@@ -49,6 +52,7 @@ void PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], PetscInt n,
     slot[k] = first + k;
   }
   pattern->row[i + 1] = first + n;
+  for (PetscInt k = 0; local && k < n; k++) pattern->local[first + k] = local[k];
   if (ascending) return;
   for (PetscInt k = 1; k < n; k++) { /* insertion sort: the columns are nearly in order */
     const PetscInt col = row[k];
@@ -71,6 +75,7 @@ void PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], PetscInt n,
       else high = middle;
     }
     slot[k] = first + low;
+    if (local) pattern->local[slot[k]] = local[k];
   }
 }
 
@@ -105,7 +110,7 @@ PetscErrorCode PatternMat(MPI_Comm comm, const Pattern *pattern, PetscInt rows, 
 PetscErrorCode PatternFree(Pattern *pattern)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree2(pattern->row, pattern->col));
+  PetscCall(PetscFree3(pattern->row, pattern->col, pattern->local));
   pattern->n = pattern->capacity = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -131,6 +131,31 @@ PetscErrorCode WallVec(const Particles *p, Vec *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  LocalValues - Collects the values of a scalar by local index, without the halo
+
+  Not collective. Input: f, walls - values over own fluid and own wall particles; NULL: zeros.
+  Output: value - of the own particles.
+*/
+PetscErrorCode LocalValues(const Particles *p, Vec f, Vec walls, PetscReal value[])
+{
+  const Vec          own[] = {f, walls};
+  const PetscInt     n[]   = {p->n_fluid, p->n_wall};
+  const PetscScalar *v;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < 2; value += n[k++]) {
+    if (!own[k]) {
+      PetscCall(PetscArrayzero(value, n[k]));
+      continue;
+    }
+    PetscCall(VecGetArrayRead(own[k], &v));
+    PetscCall(PetscArraycpy(value, v, n[k]));
+    PetscCall(VecRestoreArrayRead(own[k], &v));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* VelocityVec - Creates a vector of dim interlaced components over the own fluid particles;
    collective */
 PetscErrorCode VelocityVec(const Particles *p, Vec *v)

@@ -20,7 +20,7 @@ static PetscInt SlotEntries(const Operators *ops, PetscInt dim)
 
 /* KeepBlockRow - Stores the weights of a row in their slots, for wall neighbours the weights of
    wall data from WallWeights(); not collective */
-void KeepBlockRow(const Stencil *st, PetscInt diagonal, const PetscReal w[], Operators *ops)
+void KeepBlockRow(const Stencil *st, const PetscReal w[], Operators *ops)
 {
   const PetscInt   width = ops->velocity[0].visc.width;
   const PetscReal *b     = WallWeights(st, ops, width, w);
@@ -32,9 +32,7 @@ void KeepBlockRow(const Stencil *st, PetscInt diagonal, const PetscReal w[], Ope
     const PetscReal *from = st->wall[k] ? b : w;
 
     for (PetscInt e = 0; e < width; e++) to[e] += from[k * width + e];
-    if (!st->wall[k]) ops->neighbor_of_slot[ops->work->slot[k]] = st->j[k];
   }
-  ops->neighbor_of_slot[diagonal] = st->i;
 }
 
 /* Creates a matrix of dim x dim blocks on a pattern, without values; columns: number of own
@@ -70,9 +68,9 @@ static PetscErrorCode ViscousBlockMat(const Particles *p, const Operators *ops,
 PetscErrorCode AssembleViscousBlock(const Scene *scene, const Particles *p, Operators *ops)
 {
   PetscFunctionBegin;
-  PetscCall(ViscousBlockMat(p, ops, &ops->fluid, p->n_fluid, &ops->velocity[0].visc.A));
+  PetscCall(ViscousBlockMat(p, ops, &ops->rows.fluid, p->n_fluid, &ops->velocity[0].visc.A));
   if (ops->forms.wall)
-    PetscCall(ViscousBlockMat(p, ops, &ops->walls, p->n_wall, &ops->velocity[0].visc.B));
+    PetscCall(ViscousBlockMat(p, ops, &ops->rows.walls, p->n_wall, &ops->velocity[0].visc.B));
   PetscCall(OperatorsScaleViscosity(scene, p, ops));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -98,7 +96,7 @@ static void ScaleSlot(PetscInt width, PetscInt entries, PetscReal ratio, const P
 PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, Operators *ops)
 {
   const PetscInt        width = ops->velocity[0].visc.width, entries = SlotEntries(ops, p->dim);
-  const Pattern        *fluid = &ops->fluid, *walls = &ops->walls;
+  const Pattern        *fluid = &ops->rows.fluid, *walls = &ops->rows.walls;
   const AffineOperator *op = &ops->velocity[0].visc;
   PetscReal            *a, *b;
 
@@ -111,8 +109,7 @@ PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, O
     PetscInt        diagonal                         = -1;
 
     for (PetscInt s = fluid->row[i]; s < fluid->row[i + 1]; s++) {
-      const PetscReal ratio =
-          p->nu ? PairViscosity(own, p->nu[ops->neighbor_of_slot[s]] / scene->nu) : own;
+      const PetscReal ratio = p->nu ? PairViscosity(own, p->nu[fluid->local[s]] / scene->nu) : own;
 
       if (fluid->col[s] == p->row[i]) diagonal = s;
       else ScaleSlot(width, entries, ratio, &op->a[s * width], &a[s * entries], sum);

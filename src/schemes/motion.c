@@ -37,14 +37,49 @@ typedef struct {
   const PetscScalar *residual[ISPH_MAX_DIM];        /* residual of the fit of u_c */
 } Slopes;
 
-/* Computes y = op u in a work vector and gets the array of this vector in `slope`. */
-static PetscErrorCode SlopeGet(Flow *flow, const AffineOperator *op, Vec u, Vec walls, Vec *y,
+/* Computes y = op f in a work vector and gets the array of this vector in `slope`. */
+static PetscErrorCode SlopeGet(Flow *flow, const AffineOperator *op, Vec f, Vec walls, Vec *y,
                                const PetscScalar **slope)
 {
   PetscFunctionBegin;
   PetscCall(FlowGetWork(flow, y));
-  PetscCall(AffineApply(op, u, walls, *y));
+  PetscCall(AffineApply(op, f, walls, *y));
   PetscCall(VecGetArrayRead(*y, slope));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the derivatives of velocity component c. */
+static PetscErrorCode VelocitySlopesGet(Flow *flow, PetscBool shifting, PetscInt c, Slopes *t)
+{
+  const VelocityOperators *of  = OperatorsOfVelocity(flow->ops, c);
+  const PetscInt           dim = flow->scene->dim;
+  const AffineOperator    *op[ISPH_MAX_DIM + 2];
+  const PetscScalar      **slope[ISPH_MAX_DIM + 2];
+  Vec                     *to[ISPH_MAX_DIM + 2], y[ISPH_MAX_DIM + 2];
+  PetscInt                 n = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; (shifting || of->filter_u.needed) && a < dim; a++) {
+    op[n]      = &of->grad_u[a];
+    to[n]      = &t->u_vec[c][a];
+    slope[n++] = &t->u[c][a];
+  }
+  if (shifting && of->visc.needed && flow->ops->forms.visc_is_laplacian) {
+    op[n]      = &of->visc;
+    to[n]      = &t->lap_vec[c];
+    slope[n++] = &t->lap[c];
+  }
+  if (of->filter_u.needed) {
+    op[n]      = &of->filter_u;
+    to[n]      = &t->residual_vec[c];
+    slope[n++] = &t->residual[c];
+  }
+  for (PetscInt k = 0; k < n; k++) {
+    PetscCall(FlowGetWork(flow, to[k]));
+    y[k] = *to[k];
+  }
+  PetscCall(AffineApplyAll(n, op, flow->state->u[c], flow->walls.u[c], y));
+  for (PetscInt k = 0; k < n; k++) PetscCall(VecGetArrayRead(y[k], slope[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -73,19 +108,7 @@ static PetscErrorCode SlopesGet(Flow *flow, PetscBool shifting, Slopes *t)
       PetscCall(SlopeGet(flow, &ops->grad_p[a], state->average.vec, walls->p, &t->mean_vec[a],
                          &t->mean[a]));
     }
-    for (PetscInt c = 0; (shifting || ops->velocity[0].filter_u.needed) && c < flow->scene->dim;
-         c++) {
-      PetscCall(SlopeGet(flow, &OperatorsOfVelocity(ops, c)->grad_u[a], state->u[c], walls->u[c],
-                         &t->u_vec[c][a], &t->u[c][a]));
-    }
-    if (shifting && ops->velocity[0].visc.needed && ops->forms.visc_is_laplacian) {
-      PetscCall(SlopeGet(flow, &OperatorsOfVelocity(ops, a)->visc, state->u[a], walls->u[a],
-                         &t->lap_vec[a], &t->lap[a]));
-    }
-    if (ops->velocity[0].filter_u.needed) {
-      PetscCall(SlopeGet(flow, &OperatorsOfVelocity(ops, a)->filter_u, state->u[a], walls->u[a],
-                         &t->residual_vec[a], &t->residual[a]));
-    }
+    PetscCall(VelocitySlopesGet(flow, shifting, a, t));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

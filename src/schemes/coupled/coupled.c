@@ -132,7 +132,7 @@ static PetscErrorCode CoupledCreate(Flow *flow)
   PetscCall(RefuseHistory(flow, c->row));
   if (c->row->substeps) PetscCall(ClockDropEstimate(flow->clock, options[0].name, c->row->name));
   c->convects = flow->state->has_convection && c->row->substeps;
-  flow->scheme->needs |= NEED_FREE_GRAD_P | NEED_FILTER_P;
+  flow->scheme->needs |= NEED_FREE_GRAD_P | NEED_FILTER_P | NEED_MATRICES;
   if (c->row->substeps || flow->clock->steady_solve) {
     flow->state->velocity_filter = 0.0;
     flow->scheme->needs &= ~(unsigned)NEED_FILTER_U;

@@ -34,9 +34,9 @@ static PetscErrorCode SetSource(Flow *flow)
   PetscCall(VecRestoreArray(pr->b, &b));
   PetscCall(VecRestoreArrayRead(s->divergence, &divergence));
   PetscCall(VecRestoreArrayRead(ops->ppe_scale, &scale));
-  if (ops->ppe.B) {
+  if (flow->walls.p_step) {
     PetscCall(FlowGetWork(flow, &work));
-    PetscCall(MatMult(ops->ppe.B, flow->walls.p_step, work));
+    PetscCall(AffineApplyWalls(&ops->ppe, flow->walls.p_step, work));
     PetscCall(VecAXPY(pr->b, -1.0, work));
     PetscCall(FlowRestoreWork(flow, &work));
   }

@@ -303,6 +303,7 @@ static PetscErrorCode ReadConvection(Flow *flow)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(OptionGetRow(&options[CONVECTION], NULL, &row));
   flow->state->implicit_convection = row->implicit;
+  if (row->implicit) flow->scheme->needs |= NEED_MATRICES;
   PetscCall(OptionGiven("-cfl", &given));
   if (row->implicit && !given) flow->clock->cfl = IMPLICIT_CFL;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -80,6 +80,30 @@ void SplinePlace(const SplineLattice *lattice, const PetscInt index[], PetscReal
   }
 }
 
+/* SplineCellAlong - Returns the cell along an axis at a distance from the low side in edges of
+   cells; not collective. Beyond a wall it is the last cell; periodic directions continue. */
+PetscInt SplineCellAlong(const SplineLattice *lattice, PetscInt a, PetscReal distance)
+{
+  const PetscInt cell = (PetscInt)PetscFloorReal(distance);
+
+  return lattice->periodic[a] ? cell : PetscMin(PetscMax(cell, 0), lattice->cells[a] - 1);
+}
+
+/* SplinePlaceAlong - Computes the cell of a position along an axis, the place t within it from 0 to
+   1, and the inverse of its edge [1/m]; not collective */
+void SplinePlaceAlong(const SplineLattice *lattice, PetscInt a, PetscReal x, PetscInt *cell,
+                      PetscReal *t, PetscReal *per_edge)
+{
+  const PetscReal y        = SceneToUniform(lattice->scene, a, x);
+  const PetscReal distance = (y - lattice->lo[a]) / lattice->side[a];
+  PetscReal       slope;
+
+  *cell = SplineCellAlong(lattice, a, distance);
+  *t    = distance - *cell;
+  (void)SceneFromUniform(lattice->scene, a, y, &slope);
+  *per_edge = 1.0 / (slope * lattice->side[a]);
+}
+
 /*
   SplinesAt - Computes values and gradients of the splines that are not zero at a point
 
@@ -95,21 +119,10 @@ void SplinesAt(const SplineLattice *lattice, const PetscReal x[], SplineValues *
   PetscReal      b[ISPH_MAX_DIM][3], slope[ISPH_MAX_DIM][3];
 
   for (PetscInt a = 0; a < dim; a++) {
-    const PetscReal y = SceneToUniform(lattice->scene, a, x[a]);
-    const PetscReal s = (y - lattice->lo[a]) / lattice->side[a];
-    PetscReal       t, edge;
+    PetscReal t, per_edge;
 
-    cell[a] = PetscMin(PetscMax((PetscInt)PetscFloorReal(s), 0), lattice->cells[a] - 1);
-    t       = s - cell[a];
-    b[a][0] = 0.5 * PetscSqr(1.0 - t);
-    b[a][1] = 0.5 + t - t * t;
-    b[a][2] = 0.5 * t * t;
-
-    (void)SceneFromUniform(lattice->scene, a, y, &edge);
-    edge *= lattice->side[a];
-    slope[a][0] = (t - 1.0) / edge;
-    slope[a][1] = (1.0 - 2.0 * t) / edge;
-    slope[a][2] = t / edge;
+    SplinePlaceAlong(lattice, a, x[a], &cell[a], &t, &per_edge);
+    SplineBasis(t, per_edge, b[a], slope[a]);
   }
   values->n = dim == 2 ? 9 : 27;
   for (PetscInt k = 0; k < values->n; k++) {
@@ -120,7 +133,8 @@ void SplinesAt(const SplineLattice *lattice, const PetscReal x[], SplineValues *
       const PetscInt count = lattice->count[a];
 
       values->index[k][a] = cell[a] + digit[a];
-      if (lattice->periodic[a]) values->index[k][a] = (cell[a] + digit[a] + count - 1) % count;
+      if (lattice->periodic[a])
+        values->index[k][a] = ((cell[a] + digit[a] - 1) % count + count) % count;
       values->value[k] *= b[a][digit[a]];
       values->gradient[a][k] = 1.0;
       for (PetscInt c = 0; c < dim; c++)

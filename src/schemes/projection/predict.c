@@ -25,17 +25,13 @@ static PetscErrorCode SetForce(Flow *flow, PetscReal at, Vec force[])
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) {
-    if (pr->row && pr->row->incremental) {
-      if (pr->splines) {
-        PetscCall(MatMult(pr->splines->G[a], pr->splines->p, force[a]));
-      } else {
-        PetscCall(AffineApply(&flow->ops->grad_p[a], flow->state->p, flow->walls.p, force[a]));
-      }
-      PetscCall(VecScale(force[a], -1.0 / scene->rho));
-    } else {
-      PetscCall(VecZeroEntries(force[a]));
-    }
+    PetscCall(VecZeroEntries(force[a]));
+    if (!pr->row || !pr->row->incremental || pr->splines) continue;
+    PetscCall(AffineApply(&flow->ops->grad_p[a], flow->state->p, flow->walls.p, force[a]));
+    PetscCall(VecScale(force[a], -1.0 / scene->rho));
   }
+  if (pr->row && pr->row->incremental && pr->splines)
+    PetscCall(SplinesAccelerate(pr->splines, pr->splines->p, -1.0 / scene->rho, force));
   if (SceneHas(scene, PHYSICS_BODY_FORCE))
     PetscCall(AddBodyForce(flow, flow->clock->t + at * flow->clock->dt, force));
   PetscFunctionReturn(PETSC_SUCCESS);

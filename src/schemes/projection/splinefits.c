@@ -223,8 +223,6 @@ static PetscErrorCode FitCoupled(Flow *flow, PetscInt i, SplineAround *around, C
 
 /* Fits at the points of a cell. */
 typedef struct {
-  PetscInt   sets;    /* components with fits of their own: 1 if boundaries make no difference */
-  PetscBool  coupled; /* fits of a component have entries of the others */
   PetscBool  oblique[POINT_FITS];              /* point i has a coupled fit */
   PetscInt   shared[ISPH_MAX_DIM][POINT_FITS]; /* component whose fit serves component c */
   Fits       component[ISPH_MAX_DIM];
@@ -233,13 +231,13 @@ typedef struct {
 
 /* Computes all fits in a cell. Beside walls each component has a fit of its own; elsewhere they
    share it. Beside walls oblique to the axes there is a fit of all components together. */
-static PetscErrorCode FitCell(Flow *flow, SplineAround *around, CellFits *f)
+static PetscErrorCode FitCell(Flow *flow, PetscInt sets, SplineAround *around, CellFits *f)
 {
   const Particles *p = flow->particles;
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < around->m; i++) f->oblique[i] = SplineIsNearOblique(flow, i, around);
-  for (PetscInt c = 0; c < f->sets; c++) {
+  for (PetscInt c = 0; c < sets; c++) {
     PetscBool todo[POINT_FITS];
 
     for (PetscInt i = 0; i < around->m; i++) {
@@ -257,92 +255,91 @@ static PetscErrorCode FitCell(Flow *flow, SplineAround *around, CellFits *f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds a row of n weights to the rows of a component: w[k step] of particle j[k step]. */
-static PetscErrorCode AddRow(const Particles *p, PetscInt n, PetscInt step, const PetscInt j[],
-                             const PetscReal w[], SplineEntries *fluid, SplineEntries *walls)
+/* Adds the fit of component a from component b at point g: weights w[k step] of n particles
+   j[k step]. */
+static PetscErrorCode AddFit(PetscInt a, PetscInt b, PetscInt g, PetscInt n, PetscInt step,
+                             const PetscInt j[], const PetscReal w[], SplineFits *f)
 {
-  PetscInt  *row = p->row, *col, *wall_col, n_fluid = 0, n_walls = 0;
-  PetscReal *value, *wall_value;
+  PetscFunctionBegin;
+  if (f->n + n > f->capacity) {
+    f->capacity = 2 * (f->n + n) + 1024;
+    PetscCall(PetscRealloc(sizeof(*f->j) * (size_t)f->capacity, &f->j));
+    PetscCall(PetscRealloc(sizeof(*f->w) * (size_t)f->capacity, &f->w));
+  }
+  f->first[a][b][g] = f->n;
+  for (PetscInt k = 0; k < n; k++) {
+    f->j[f->n + k] = j[k * step];
+    f->w[f->n + k] = w[k * step];
+  }
+  f->n += n;
+  f->last[a][b][g] = f->n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the fits of component a at point i of a cell, which has the number g. */
+static PetscErrorCode AddComponent(PetscInt dim, PetscInt a, PetscInt i, PetscInt g,
+                                   const CellFits *cell, SplineFits *f)
+{
+  const PetscInt    m = 1 << dim, shared = cell->shared[a][i];
+  const Fits       *fit = &cell->component[a];
+  const CoupledFit *all = &cell->all[i];
 
   PetscFunctionBegin;
-  PetscCall(SplineEntriesReserve(n, fluid, &col, &value));
-  PetscCall(SplineEntriesReserve(n, walls, &wall_col, &wall_value));
-  for (PetscInt k = 0; k < n * step; k += step) {
-    if (ParticlesIsWall(p, j[k])) {
-      wall_col[n_walls]     = row[j[k]];
-      wall_value[n_walls++] = w[k];
+  for (PetscInt b = 0; b < dim; b++) {
+    if (a != b && !f->coupled) continue;
+    if (cell->oblique[i]) {
+      PetscCall(AddFit(a, b, g, all->n, 1, all->j, all->w[a * dim + b], f));
+    } else if (a == b && shared != a) {
+      f->first[a][a][g] = f->first[shared][shared][g];
+      f->last[a][a][g]  = f->last[shared][shared][g];
     } else {
-      col[n_fluid]     = row[j[k]];
-      value[n_fluid++] = w[k];
+      PetscCall(AddFit(a, b, g, a == b ? fit->n[i] : 0, m, &fit->j[i], &fit->w[i], f));
     }
   }
-  SplineEntriesAddRow(n_fluid, fluid);
-  SplineEntriesAddRow(n_walls, walls);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the rows of the points of a cell. */
-static PetscErrorCode AddRows(const Particles *p, const SplineAround *around, const CellFits *f,
-                              Splines *s)
+/* Empties the list of fits and makes room for the ranges of n points. */
+static PetscErrorCode BeginFits(const Flow *flow, PetscBool coupled, PetscInt n, SplineFits *f)
 {
-  const PetscInt m = 1 << p->dim;
-
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < around->m; i++) {
-    for (PetscInt a = 0; a < f->sets; a++) {
-      const Fits *fit = &f->component[f->shared[a][i]];
-
-      for (PetscInt b = 0; b < p->dim; b++) {
-        if (a != b && !f->coupled) continue;
-        if (f->oblique[i]) {
-          PetscCall(AddRow(p, f->all[i].n, 1, f->all[i].j, f->all[i].w[a * p->dim + b],
-                           &s->from_fluid[a][b], &s->from_walls[a][b]));
-        } else {
-          PetscCall(AddRow(p, a == b ? fit->n[i] : 0, m, &fit->j[i], &fit->w[i],
-                           &s->from_fluid[a][b], &s->from_walls[a][b]));
-        }
-      }
+  f->n       = 0;
+  f->sets    = SceneHas(flow->scene, PHYSICS_WALLS) ? flow->scene->dim : 1;
+  f->coupled = coupled;
+  if (f->points == n && f->first[0][0]) PetscFunctionReturn(PETSC_SUCCESS);
+  f->points = n;
+  for (PetscInt a = 0; a < f->sets; a++) {
+    for (PetscInt b = 0; b < flow->scene->dim; b++) {
+      if (a != b && !f->coupled) continue;
+      PetscCall(PetscFree2(f->first[a][b], f->last[a][b]));
+      PetscCall(PetscMalloc2(n, &f->first[a][b], n, &f->last[a][b]));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplineFitsAssemble - Assembles J and W; collective */
+/* SplineFitsAssemble - Computes the fits at all points of this rank; collective */
 PetscErrorCode SplineFitsAssemble(Flow *flow, Splines *s)
 {
-  const Particles    *p  = flow->particles;
-  const SplinePoints *at = &s->inside;
-  SplineAround        around;
-  CellFits           *f;
+  const Particles *p = flow->particles;
+  SplineFits      *f = &s->fits;
+  SplineAround     around;
+  CellFits        *cell;
 
   PetscFunctionBegin;
-  PetscCall(PetscNew(&f));
-  f->sets    = SceneHas(flow->scene, PHYSICS_WALLS) ? p->dim : 1;
-  f->coupled = s->bodies ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(PetscNew(&cell));
   PetscCall(SplineAroundCreate(flow, &around));
-  for (PetscInt a = 0; a < f->sets; a++) {
-    for (PetscInt b = 0; b < p->dim; b++) {
-      if (a != b && !f->coupled) continue;
-      PetscCall(MatDestroy(&s->J[a][b]));
-      PetscCall(MatDestroy(&s->W[a][b]));
-      PetscCall(SplineEntriesBegin(at->n, &s->from_fluid[a][b]));
-      PetscCall(SplineEntriesBegin(at->n, &s->from_walls[a][b]));
-    }
-  }
-  for (PetscInt first = 0; first < at->n; first += around.m) {
+  PetscCall(BeginFits(flow, s->bodies ? PETSC_TRUE : PETSC_FALSE, s->inside.n, f));
+  PetscCall(SplineFitsReserve(p, f));
+  for (PetscInt first = 0; first < s->inside.n; first += around.m) {
     PetscCall(SplineAroundSet(flow, s, first, &around));
-    PetscCall(FitCell(flow, &around, f));
-    PetscCall(AddRows(p, &around, f, s));
-  }
-  for (PetscInt a = 0; a < f->sets; a++) {
-    for (PetscInt b = 0; b < p->dim; b++) {
-      if (a != b && !f->coupled) continue;
-      PetscCall(SplineEntriesMat(p->comm, &s->from_fluid[a][b], p->n_fluid, &s->J[a][b]));
-      if (flow->ops->forms.wall)
-        PetscCall(SplineEntriesMat(p->comm, &s->from_walls[a][b], p->n_wall, &s->W[a][b]));
+    PetscCall(FitCell(flow, f->sets, &around, cell));
+    for (PetscInt i = 0; i < around.m; i++) {
+      for (PetscInt a = 0; a < f->sets; a++)
+        PetscCall(AddComponent(p->dim, a, i, first + i, cell, f));
     }
   }
   PetscCall(SplineAroundFree(&around));
-  PetscCall(PetscFree(f));
+  PetscCall(PetscFree(cell));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

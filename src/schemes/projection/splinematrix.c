@@ -6,26 +6,33 @@
 */
 #include "splines.h"
 
+#define FIT_ENTRIES 40 /* entries of most fits; the matrix grows for others */
+
+/* Context of the shell. */
+typedef struct {
+  Splines         *splines;
+  const Particles *particles;
+} SplineFactors;
+
 /* Computes y = A x by the factors of A. */
 static PetscErrorCode SplineMatrix(Mat A, Vec x, Vec y)
 {
+  SplineFactors     *factors;
   Splines           *s;
+  const Particles   *p;
   const PetscScalar *in;
   PetscScalar       *out;
 
   PetscFunctionBegin;
-  PetscCall(MatShellGetContext(A, &s));
+  PetscCall(MatShellGetContext(A, &factors));
+  s = factors->splines;
+  p = factors->particles;
+  PetscCall(SplinesGradient(s, x, s->fits.value));
+  for (PetscInt a = 0; a < p->dim; a++)
+    PetscCall(PetscArrayzero(s->fits.value[a] + p->n_fluid, p->n_wall));
+  PetscCall(SplineFitsApply(p, s));
   PetscCall(VecZeroEntries(y));
-  for (PetscInt b = 0; b < s->lattice.dim; b++) {
-    PetscCall(MatMult(s->G[b], x, s->fluid));
-    for (PetscInt a = 0; a < s->lattice.dim; a++) {
-      const Mat J = SplineFit(s, s->J, a, b);
-
-      if (!J) continue;
-      PetscCall(MatMult(J, s->fluid, s->points));
-      PetscCall(MatMultTransposeAdd(s->T[a], s->points, y, y));
-    }
-  }
+  for (PetscInt a = 0; a < p->dim; a++) PetscCall(MatMultTransposeAdd(s->T[a], s->points[a], y, y));
   PetscCall(VecScale(y, s->scale));
   PetscCall(VecGetArrayRead(x, &in));
   PetscCall(VecGetArray(y, &out));
@@ -35,22 +42,62 @@ static PetscErrorCode SplineMatrix(Mat A, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Assembles the matrix of the gradient along axis a, splines -> fluid [1/m]. */
+static PetscErrorCode GradientMat(const Splines *s, const Particles *p, PetscInt a, Mat *G)
+{
+  PetscFunctionBegin;
+  PetscCall(SplineMat(p->comm, p->n_fluid, s->own.size, SPLINES_AT, G));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    const PetscInt row = p->row[i];
+    PetscReal      x[ISPH_MAX_DIM];
+    SplineRow      at;
+
+    for (PetscInt c = 0; c < p->dim; c++) x[c] = p->x[c][i];
+    SplineRowAt(s, p, x, &at);
+    PetscCall(MatSetValues(*G, 1, &row, at.n, at.number, at.gradient[a], INSERT_VALUES));
+  }
+  PetscCall(SplineMatFinish(*G));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Assembles the matrix of the fit of component a from component b, fluid -> points. */
+static PetscErrorCode FitMat(const Splines *s, const Particles *p, PetscInt a, PetscInt b, Mat *J)
+{
+  const SplineFits *f   = &s->fits;
+  const PetscInt    set = f->sets == 1 ? 0 : a, of = f->sets == 1 ? 0 : b;
+  PetscInt          row;
+
+  PetscFunctionBegin;
+  PetscCall(SplineMat(p->comm, f->points, p->n_fluid, FIT_ENTRIES, J));
+  PetscCall(MatGetOwnershipRange(*J, &row, NULL));
+  for (PetscInt g = 0; g < f->points; g++, row++) {
+    for (PetscInt k = f->first[set][of][g]; k < f->last[set][of][g]; k++) {
+      if (ParticlesIsWall(p, f->j[k])) continue;
+      PetscCall(MatSetValue(*J, row, p->row[f->j[k]], f->w[k], ADD_VALUES));
+    }
+  }
+  PetscCall(SplineMatFinish(*J));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   Adds scale times T[a]^T J[a][b] G[b], summed over b, to A; creates A at the first call
 
   MatTransposeMatMult() would add the parts of other ranks in the order in which they arrive, and
   runs would differ in their last digits.
 */
-static PetscErrorCode AddProducts(const Splines *s, PetscInt a, Mat *A)
+static PetscErrorCode AddProducts(const Splines *s, const Particles *p, PetscInt a, Mat *A)
 {
-  Mat fit = NULL, transposed, part;
+  Mat fit = NULL, transposed, part, J, G;
 
   PetscFunctionBegin;
   for (PetscInt b = 0; b < s->lattice.dim; b++) {
-    const Mat J = SplineFit(s, s->J, a, b);
-
-    if (!J) continue;
-    PetscCall(MatMatMult(J, s->G[b], MAT_INITIAL_MATRIX, PETSC_DEFAULT, &part));
+    if (a != b && !s->fits.coupled) continue;
+    PetscCall(FitMat(s, p, a, b, &J));
+    PetscCall(GradientMat(s, p, b, &G));
+    PetscCall(MatMatMult(J, G, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &part));
+    PetscCall(MatDestroy(&J));
+    PetscCall(MatDestroy(&G));
     if (!fit) {
       fit = part;
       continue;
@@ -73,14 +120,14 @@ static PetscErrorCode AddProducts(const Splines *s, PetscInt a, Mat *A)
 }
 
 /* Computes A; splines that are no unknowns have the equation phi = 0. */
-static PetscErrorCode SplineProduct(Splines *s)
+static PetscErrorCode SplineProduct(Splines *s, const Particles *p)
 {
   Vec          diagonal;
   PetscScalar *d;
 
   PetscFunctionBegin;
   PetscCall(MatDestroy(&s->A));
-  for (PetscInt a = 0; a < s->lattice.dim; a++) PetscCall(AddProducts(s, a, &s->A));
+  for (PetscInt a = 0; a < s->lattice.dim; a++) PetscCall(AddProducts(s, p, a, &s->A));
   if (s->bodies) {
     PetscCall(VecDuplicate(s->b, &diagonal));
     PetscCall(VecSet(diagonal, 0.0));
@@ -94,6 +141,31 @@ static PetscErrorCode SplineProduct(Splines *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode FactorsDestroy(Mat A)
+{
+  SplineFactors *factors;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(A, &factors));
+  PetscCall(PetscFree(factors));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates the shell that applies the factors one after the other. */
+static PetscErrorCode SplineShell(Splines *s, const Particles *p)
+{
+  const PetscInt own = s->own.size, all = s->lattice.N;
+  SplineFactors *factors;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&factors));
+  *factors = (SplineFactors){.splines = s, .particles = p};
+  PetscCall(MatCreateShell(p->comm, own, own, all, all, factors, &s->A));
+  PetscCall(MatShellSetOperation(s->A, MATOP_MULT, (void (*)(void))SplineMatrix));
+  PetscCall(MatShellSetOperation(s->A, MATOP_DESTROY, (void (*)(void))FactorsDestroy));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   SplinesMatrix - Creates the matrix of the pressure increment for the present particles
 
@@ -101,19 +173,12 @@ static PetscErrorCode SplineProduct(Splines *s)
 */
 PetscErrorCode SplinesMatrix(Flow *flow, Splines *s)
 {
-  const PetscBool product = SceneMoves(flow->scene) ? PETSC_FALSE : PETSC_TRUE;
-  const PetscInt  own = s->own.size, all = s->lattice.N;
-
   PetscFunctionBegin;
-  if (s->fluid_epoch != flow->particles->epoch) {
-    PetscCall(VecDestroy(&s->fluid));
-    PetscCall(FluidVec(flow->particles, NULL, &s->fluid));
-    s->fluid_epoch = flow->particles->epoch;
+  if (SceneMoves(flow->scene)) {
+    if (!s->A) PetscCall(SplineShell(s, flow->particles));
+  } else if (s->product != s->assemblies) {
+    PetscCall(SplineProduct(s, flow->particles));
   }
-  if (product && s->product != s->assemblies) PetscCall(SplineProduct(s));
   s->product = s->assemblies;
-  if (s->A) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MatCreateShell(flow->particles->comm, own, own, all, all, s, &s->A));
-  PetscCall(MatShellSetOperation(s->A, MATOP_MULT, (void (*)(void))SplineMatrix));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

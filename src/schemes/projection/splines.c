@@ -176,7 +176,8 @@ static PetscErrorCode CreateVectors(Splines *s, const Particles *p)
   PetscCall(VecDuplicate(s->mass, &s->phi));
   PetscCall(VecDuplicate(s->mass, &s->b));
   PetscCall(VecDuplicate(s->mass, &s->divergence));
-  PetscCall(MatCreateVecs(s->T[0], NULL, &s->points));
+  for (PetscInt a = 0; a < s->lattice.dim; a++)
+    PetscCall(MatCreateVecs(s->T[a], NULL, &s->points[a]));
   PetscCall(PetscMalloc1(b->size, &natural));
   for (PetscInt k = 0; k < b->size; k++) {
     PetscInt index[ISPH_MAX_DIM];
@@ -196,7 +197,11 @@ static PetscErrorCode CreateVectors(Splines *s, const Particles *p)
 static PetscErrorCode FreeNumbered(Splines *s)
 {
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(MatDestroy(&s->T[a]));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    PetscCall(MatDestroy(&s->T[a]));
+    PetscCall(VecDestroy(&s->points[a]));
+  }
+  PetscCall(SplineWindowFree(&s->window));
   PetscCall(MatDestroy(&s->S));
   PetscCall(MatDestroy(&s->K));
   PetscCall(MatDestroy(&s->A));
@@ -205,7 +210,6 @@ static PetscErrorCode FreeNumbered(Splines *s)
   PetscCall(VecDestroy(&s->phi));
   PetscCall(VecDestroy(&s->b));
   PetscCall(VecDestroy(&s->divergence));
-  PetscCall(VecDestroy(&s->points));
   PetscCall(VecDestroy(&s->wall_flux));
   PetscCall(VecScatterDestroy(&s->renumber));
   PetscCall(PetscFree(s->unused));
@@ -248,8 +252,30 @@ PetscErrorCode SplinesNumber(Flow *flow, Splines *s)
   PetscCall(SplineStiffness(s, p));
   PetscCall(AssembleBoundary(s, p));
   PetscCall(CreateVectors(s, p));
+  PetscCall(SplineWindowSet(s, p));
   s->numbering++;
   PetscCall(SplinesBegin(s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SplinesAssemble - Computes all that depends on the positions of particles, and numbers the splines
+  anew if the box of a rank has changed
+
+  Collective. Does nothing if positions and numbering have not changed since the last assembly.
+*/
+PetscErrorCode SplinesAssemble(Flow *flow, Splines *s)
+{
+  const Particles *p = flow->particles;
+
+  PetscFunctionBegin;
+  if (s->epoch == p->epoch && s->moved == p->moved) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SplinesNumber(flow, s));
+  PetscCall(SplinePlacesSet(p, s));
+  PetscCall(SplineFitsAssemble(flow, s));
+  s->epoch = p->epoch;
+  s->moved = p->moved;
+  s->assemblies++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -258,11 +284,11 @@ PetscErrorCode SplinesFree(Splines *s)
 {
   PetscFunctionBegin;
   PetscCall(FreeNumbered(s));
-  PetscCall(SplineRowsFree(s));
+  PetscCall(SplineFitsFree(&s->fits));
+  PetscCall(SplinePlacesFree(&s->at));
   PetscCall(SplineBodiesDestroy(&s->bodies));
   PetscCall(VecDestroy(&s->kept));
   PetscCall(VecDestroy(&s->natural));
-  PetscCall(VecDestroy(&s->fluid));
   PetscCall(PetscFree(s->block));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -41,6 +41,21 @@ void           SplineIndex(PetscInt dim, const PetscInt first[], const PetscInt 
 void           SplineCentre(const SplineLattice *lattice, const PetscInt index[], PetscReal x[]);
 void           SplinePlace(const SplineLattice *lattice, const PetscInt index[], PetscReal x[]);
 void           SplinesAt(const SplineLattice *lattice, const PetscReal x[], SplineValues *values);
+PetscInt       SplineCellAlong(const SplineLattice *lattice, PetscInt a, PetscReal distance);
+void SplinePlaceAlong(const SplineLattice *lattice, PetscInt a, PetscReal x, PetscInt *cell,
+                      PetscReal *t, PetscReal *per_edge);
+
+/* Computes the polynomials of the three splines of a cell along an axis, and their derivatives. */
+static inline void SplineBasis(PetscReal t, PetscReal per_edge, PetscReal value[3],
+                               PetscReal derivative[3])
+{
+  value[0]      = 0.5 * (1.0 - t) * (1.0 - t);
+  value[1]      = 0.5 + t - t * t;
+  value[2]      = 0.5 * t * t;
+  derivative[0] = (t - 1.0) * per_edge;
+  derivative[1] = (1.0 - 2.0 * t) * per_edge;
+  derivative[2] = t * per_edge;
+}
 
 #define SPLINES_EXTENDED (9 * SPLINES_AT) /* the most, if all have masters */
 
@@ -103,11 +118,35 @@ typedef struct {
   PetscInt      *width; /* of each cell: extended splines that are not zero in it */
 } SplineBodies;
 
-/* Growing list of the entries of a matrix, row by row; the columns of a row ascend. */
+/* Fits of the velocity at points of quadrature: sums over particles by local index. */
 typedef struct {
-  PetscInt   n, capacity, *col, rows, rows_capacity, *row;
-  PetscReal *value;
-} SplineEntries;
+  PetscInt   n, capacity, *j; /* entries of all fits: particles */
+  PetscReal *w;               /* their weights */
+  PetscInt   points;
+  PetscInt   sets;    /* components with fits of their own: 1 if boundaries make no difference */
+  PetscBool  coupled; /* fits of a component have entries of the others */
+  /* entries [first, last) of the fit of component [a] from component [b] at each point */
+  PetscInt  *first[ISPH_MAX_DIM][ISPH_MAX_DIM], *last[ISPH_MAX_DIM][ISPH_MAX_DIM];
+  PetscReal *value[ISPH_MAX_DIM]; /* of velocity components, by local index; work */
+  PetscInt   value_capacity;
+} SplineFits;
+
+/* The splines that are not zero at the particles of a rank: a block of the lattice. In periodic
+   directions its indices continue beyond the period. */
+typedef struct {
+  PetscInt   first[ISPH_MAX_DIM], n[ISPH_MAX_DIM], size;
+  PetscReal *value; /* coefficients: sums of weight times those of the sources; work */
+  PetscInt  *start, *source;
+  PetscReal *weight;
+  Vec        coefficients; /* of all sources; work */
+  VecScatter collect;      /* p -> coefficients */
+} SplineWindow;
+
+/* Places of own fluid particles in the window. */
+typedef struct {
+  PetscInt   n, capacity, *base;                       /* first spline of the cell */
+  PetscReal *t[ISPH_MAX_DIM], *per_edge[ISPH_MAX_DIM]; /* see SplinePlaceAlong() [-], [1/m] */
+} SplinePlaces;
 
 /* The splines of a rank: those whose centres are in its box of space. */
 typedef struct {
@@ -143,12 +182,11 @@ struct Splines {
   Mat S;               /* boundary points x splines: weight psi_q; NULL: a periodic box */
   Mat K;               /* stiffness, scale^2 int grad psi . grad psi, for the preconditioner */
   Vec mass; /* int psi_q, with bodies sum_r |int psi_q psi_r|, over the volume of a cell */
-  /* fluid -> points, walls -> points: fit of velocity component [a] from component [b]; only [0][0]
-     unless components differ at a boundary, and only [a][a] without bodies */
-  Mat J[ISPH_MAX_DIM][ISPH_MAX_DIM], W[ISPH_MAX_DIM][ISPH_MAX_DIM];
-  Mat G[ISPH_MAX_DIM]; /* splines -> fluid: gradient [1/m] */
-  Mat V;               /* splines -> fluid: value */
-  Mat A;               /* -scale^2 D G; a shell for moving particles */
+  Mat A;    /* -scale^2 D G; a shell for moving particles */
+
+  SplineWindow window;
+  SplinePlaces at;
+  SplineFits   fits;
 
   Vec        p, phi, b, divergence; /* coefficients: pressure [Pa], its increment, right-hand side,
                                        div u* [1/s] */
@@ -156,18 +194,12 @@ struct Splines {
                           -pressure_average, its mean [Pa] */
   Vec        natural;  /* work: a number of each spline in the order of the lattice */
   VecScatter renumber; /* p -> natural */
-  Vec        points, wall_flux; /* work: at points inside and on the boundary */
-  Vec        fluid;             /* work: at particles */
-  PetscInt   fluid_epoch;       /* of the last vector */
-  PetscInt   n_unused, *unused; /* own splines that are no unknowns: their equation is phi = 0 */
+  Vec        points[ISPH_MAX_DIM]; /* work: velocity at points inside */
+  Vec        wall_flux;            /* work: at points on the boundary */
+  PetscInt   n_unused, *unused;    /* own splines that are no unknowns: their equation is phi = 0 */
 
-  SplineEntries from_fluid[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* of J */
-  SplineEntries from_walls[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* of W */
-  Pattern       at_particles;
-  PetscReal    *value, *gradient[ISPH_MAX_DIM];
-  PetscInt      capacity;              /* of value and gradient */
-  PetscInt      assemblies, numbering; /* stamps of the matrices, and of the splines' numbers */
-  PetscInt      product;               /* stamp of the matrices in A */
+  PetscInt assemblies, numbering; /* stamps of fits and places, and of the splines' numbers */
+  PetscInt product;               /* stamp of the fits in A */
 };
 
 /* splinesurface.c, splinebodies.c, splineextend.c */
@@ -203,31 +235,30 @@ PetscReal      SplinePoint(const Splines *s, const PetscInt cell[], PetscInt cor
 PetscErrorCode SplinePointsSet(Splines *s, const Particles *p);
 PetscErrorCode SplinePointsFree(SplinePoints *points);
 
-/* splineentries.c */
-PetscErrorCode SplineEntriesBegin(PetscInt rows, SplineEntries *e);
-PetscErrorCode SplineEntriesReserve(PetscInt n, SplineEntries *e, PetscInt **col,
-                                    PetscReal **value);
-void           SplineEntriesAddRow(PetscInt n, SplineEntries *e);
-PetscErrorCode SplineEntriesMat(MPI_Comm comm, const SplineEntries *e, PetscInt cols, Mat *A);
-PetscErrorCode SplineEntriesFree(SplineEntries *e);
+/* splinewindow.c */
+PetscErrorCode SplineWindowSet(Splines *s, const Particles *p);
+PetscErrorCode SplineWindowFree(SplineWindow *w);
+PetscErrorCode SplinePlacesSet(const Particles *p, Splines *s);
+PetscErrorCode SplinePlacesFree(SplinePlaces *at);
+PetscErrorCode SplinesValue(Splines *s, Vec p, Vec value);
+PetscErrorCode SplinesGradient(Splines *s, Vec p, PetscReal *const gradient[]);
+PetscErrorCode SplinesAccelerate(Splines *s, Vec p, PetscReal factor, const Vec u[]);
 
-/* splines.c, splinestiffness.c, splinerows.c, splinefits.c */
+/* splinefits.c, splinevelocity.c */
+PetscErrorCode SplineFitsAssemble(Flow *flow, Splines *s);
+PetscErrorCode SplineFitsFree(SplineFits *fits);
+PetscErrorCode SplineFitsReserve(const Particles *p, SplineFits *fits);
+PetscErrorCode SplineFitsApply(const Particles *p, Splines *s);
+
+/* splines.c, splinestiffness.c */
 PetscErrorCode SplineMat(MPI_Comm comm, PetscInt rows, PetscInt cols, PetscInt width, Mat *A);
 PetscErrorCode SplineMatFinish(Mat A);
 PetscBool      SplineOwn(const Splines *s, PetscInt k, PetscInt index[]);
 PetscErrorCode SplineStiffness(Splines *s, const Particles *p);
 PetscErrorCode SplinesNumber(Flow *flow, Splines *s);
-PetscErrorCode SplineRowsFree(Splines *s);
 PetscErrorCode SplinesAssemble(Flow *flow, Splines *s);
-PetscErrorCode SplineFitsAssemble(Flow *flow, Splines *s);
 PetscInt       SplinesGlobal(const Splines *s, const Particles *p, const PetscInt index[]);
 PetscErrorCode SplinesFree(Splines *s);
-
-/* Returns the matrix of the fit of component a from component b, NULL if there is none. */
-static inline Mat SplineFit(const Splines *s, Mat const fit[][ISPH_MAX_DIM], PetscInt a, PetscInt b)
-{
-  return a == b && !s->J[a][a] ? fit[0][0] : fit[a][b];
-}
 
 /* splinematrix.c */
 PetscErrorCode SplinesMatrix(Flow *flow, Splines *s);

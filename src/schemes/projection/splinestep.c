@@ -135,16 +135,11 @@ PetscErrorCode SplinesDivergence(Flow *flow, Splines *s, const Vec u[], PetscRea
 {
   PetscFunctionBegin;
   PetscCall(VecZeroEntries(d));
-  for (PetscInt a = 0; a < s->lattice.dim; a++) {
-    for (PetscInt b = 0; b < s->lattice.dim; b++) {
-      const Mat J = SplineFit(s, s->J, a, b), W = SplineFit(s, s->W, a, b);
-
-      if (!J) continue;
-      PetscCall(MatMult(J, u[b], s->points));
-      if (W) PetscCall(MatMultAdd(W, flow->walls.u[b], s->points, s->points));
-      PetscCall(MatMultTransposeAdd(s->T[a], s->points, d, d));
-    }
-  }
+  for (PetscInt a = 0; a < s->lattice.dim; a++)
+    PetscCall(LocalValues(flow->particles, u[a], flow->walls.u[a], s->fits.value[a]));
+  PetscCall(SplineFitsApply(flow->particles, s));
+  for (PetscInt a = 0; a < s->lattice.dim; a++)
+    PetscCall(MatMultTransposeAdd(s->T[a], s->points[a], d, d));
   PetscCall(VecScale(d, -1.0));
   if (s->S) {
     PetscCall(SetWallFlux(flow, t, s));
@@ -162,7 +157,7 @@ static PetscErrorCode SpreadPressure(Flow *flow, Splines *s)
   PetscReal  sum;
 
   PetscFunctionBegin;
-  PetscCall(MatMult(s->V, s->p, state->p));
+  PetscCall(SplinesValue(s, s->p, state->p));
   if (ScenePressureFloats(flow->scene)) {
     PetscCall(FluidSum(flow->particles, state->p, PETSC_FALSE, &sum));
     PetscCall(VecShift(s->p, -sum / flow->particles->weight));
@@ -193,14 +188,11 @@ PetscErrorCode SplinesProject(Flow *flow)
   PetscFunctionBegin;
   PetscCall(SplinesDivergence(flow, s, state->u_next, t, s->b));
   PetscCall(VecPointwiseDivide(s->divergence, s->b, s->mass));
-  PetscCall(MatMult(s->V, s->divergence, state->divergence));
+  PetscCall(SplinesValue(s, s->divergence, state->divergence));
   PetscCall(VecScale(s->b, -PetscSqr(s->scale) * scene->rho / pr->k));
   PetscCall(PressureSolve(flow, s->b, s->phi, pr->ppe));
   if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    PetscCall(MatMult(s->G[a], s->phi, s->fluid));
-    PetscCall(VecAXPY(state->u_next[a], -pr->k / scene->rho, s->fluid));
-  }
+  PetscCall(SplinesAccelerate(s, s->phi, -pr->k / scene->rho, state->u_next));
   PetscCall(VecCopy(state->p, state->p_before));
   if (!pr->row->incremental) PetscCall(VecZeroEntries(s->p));
   PetscCall(VecAXPY(s->p, gain, s->phi));
@@ -249,7 +241,7 @@ PetscErrorCode SplinesAverage(Flow *flow, PetscReal length, PetscReal dt)
     kept[k + 1] = (length * kept[k + 1] + dt * kept[k]) / (length + dt);
   PetscCall(VecRestoreArray(s->kept, &kept));
   PetscCall(GetKept(1, s, s->b));
-  PetscCall(MatMult(s->V, s->b, flow->state->average.vec));
+  PetscCall(SplinesValue(s, s->b, flow->state->average.vec));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -7,22 +7,19 @@ static const AffineOperator *Viscous(const Viscosity *v, PetscInt c)
   return &OperatorsOfVelocity(v->flow->ops, c)->visc;
 }
 
-/* Computes the wall terms B u_wall for each velocity component, or for all components if they are
-   coupled. */
+/* Computes the wall term B u_wall of coupled components, which are a single system. */
 static PetscErrorCode ApplyBoundary(Viscosity *v)
 {
-  Vec *wall_u = v->flow->walls.u;
-
   PetscFunctionBegin;
-  for (PetscInt c = 0; c < v->dim; c++) {
-    if (v->systems == 1) PetscCall(VecStrideScatter(wall_u[c], c, v->all_walls, INSERT_VALUES));
-    else PetscCall(MatMult(Viscous(v, c)->B, wall_u[c], v->boundary[c]));
-  }
-  if (v->systems == 1) PetscCall(MatMult(Viscous(v, 0)->B, v->all_walls, v->boundary[0]));
+  if (v->systems > 1) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt c = 0; c < v->dim; c++)
+    PetscCall(VecStrideScatter(v->flow->walls.u[c], c, v->all_walls, INSERT_VALUES));
+  PetscCall(MatMult(Viscous(v, 0)->B, v->all_walls, v->boundary));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Updates the wall terms to time t if they are not set, or if the wall velocity depends on t. */
+/* Updates the wall velocities and terms to time t if they are not set, or if the wall velocity
+   depends on t. */
 static PetscErrorCode UpdateBoundary(Viscosity *v, PetscReal t)
 {
   PetscFunctionBegin;
@@ -56,8 +53,12 @@ static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, 
 {
   PetscFunctionBegin;
   PetscCall(FollowStrain(v, t, u));
-  PetscCall(MatMult(Viscous(v, c)->A, u, f));
-  if (Viscous(v, c)->B) PetscCall(VecAXPY(f, 1.0, v->boundary[c]));
+  if (v->systems > 1) {
+    PetscCall(AffineApply(Viscous(v, c), u, v->flow->walls.u[c], f));
+  } else {
+    PetscCall(MatMult(Viscous(v, 0)->A, u, f));
+    if (Viscous(v, 0)->B) PetscCall(VecAXPY(f, 1.0, v->boundary));
+  }
   PetscCall(VecScale(f, v->flow->scene->nu));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -196,7 +196,7 @@ PetscErrorCode ViscosityCreate(Flow *flow, Viscosity **visc)
 static PetscErrorCode ViscosityFree(Viscosity *v)
 {
   PetscFunctionBegin;
-  for (PetscInt c = 0; c < v->systems; c++) PetscCall(VecDestroy(&v->boundary[c]));
+  PetscCall(VecDestroy(&v->boundary));
   PetscCall(VecDestroy(&v->gradient));
   PetscCall(VecDestroy(&v->work));
   PetscCall(VecDestroy(&v->all));
@@ -232,15 +232,12 @@ static PetscErrorCode ViscosityRenumber(Viscosity *v)
   PetscFunctionBegin;
   if (v->epoch == p->epoch) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ViscosityFree(v));
-  for (PetscInt c = 0; c < v->systems; c++) {
-    PetscCall(TSReset(v->ts[c]));
-    if (v->systems > 1) PetscCall(FluidVec(p, NULL, &v->boundary[c]));
-  }
+  for (PetscInt c = 0; c < v->systems; c++) PetscCall(TSReset(v->ts[c]));
   PetscCall(FluidVec(p, NULL, &v->gradient));
   PetscCall(FluidVec(p, NULL, &v->work));
   v->epoch = p->epoch;
   if (v->systems > 1) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(VelocityVec(p, &v->boundary[0]));
+  PetscCall(VelocityVec(p, &v->boundary));
   PetscCall(VelocityVec(p, &v->all));
   PetscCall(VelocityVec(p, &v->all_force));
   PetscCall(WallVelocityVec(p, &v->all_walls));

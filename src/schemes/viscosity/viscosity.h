@@ -42,7 +42,8 @@ struct Viscosity {
   const AffineOperator       *of_J;                 /* the A in J */
   PetscInt                    assemblies;           /* stamp of the operators in J */
   PetscInt                    epoch;                /* epoch of the vectors below */
-  Vec       boundary[ISPH_MAX_DIM], gradient, work; /* B u_wall,c at wall_t; work vectors */
+  Vec       gradient, work; /* work vectors */
+  Vec       boundary;       /* B u_wall at wall_t, of all components in a single system */
   PetscReal wall_t;
   Vec       all, all_force, all_walls; /* of all components: velocity, force, wall velocity */
   Vec       part[ISPH_MAX_DIM];        /* their components; work vectors */

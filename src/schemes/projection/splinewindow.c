@@ -1,0 +1,235 @@
+/*
+  The pressure of the splines at particles, without a matrix. Splines are products of polynomials
+  along the axes, so the place of a particle in its cell gives all of them. Their coefficients are
+  collected in a block of the lattice around the particles of a rank, the window, where the splines
+  beside bodies have the coefficients of their masters already (splineextend.c).
+*/
+#include "splines.h"
+
+/* Returns the first or the last cell along an axis that particles of this rank can be in. */
+static PetscInt CellAlong(const SplineLattice *l, const Particles *p, PetscInt a, PetscBool last)
+{
+  const Scene    *scene = l->scene;
+  const PetscReal x     = last ? PetscMin(p->hi[a], scene->hi[a]) + p->skin
+                               : PetscMax(p->lo[a], scene->lo[a]) - p->skin;
+  PetscReal       y     = x;
+
+  if (!l->periodic[a]) y = PetscMin(PetscMax(x, scene->lo[a]), scene->hi[a]);
+  return SplineCellAlong(l, a, (SceneToUniform(scene, a, y) - l->lo[a]) / l->side[a]);
+}
+
+/* Computes the index of entry k of the window in the lattice. */
+static void WindowIndex(const SplineLattice *l, const SplineWindow *w, PetscInt k, PetscInt index[])
+{
+  SplineIndex(l->dim, w->first, w->n, k, index);
+  for (PetscInt a = 0; a < l->dim; a++) {
+    const PetscInt count = l->count[a];
+
+    if (l->periodic[a]) index[a] = (index[a] % count + count) % count;
+  }
+}
+
+/* Lists the splines whose coefficients make entry k of the window: itself, or its masters. Returns
+   their number. */
+static PetscInt ListSources(const Splines *s, const Particles *p, PetscInt k, PetscInt number[],
+                            PetscReal weight[])
+{
+  PetscInt           index[ISPH_MAX_DIM];
+  const SplineSlave *slave;
+
+  WindowIndex(&s->lattice, &s->window, k, index);
+  slave     = SplineSlaveAt(s, index);
+  number[0] = slave ? 0 : SplinesGlobal(s, p, index);
+  weight[0] = 1.0;
+  for (PetscInt m = 0; slave && m < slave->n; m++) {
+    const PetscInt master[ISPH_MAX_DIM] = {slave->master[m][0], slave->master[m][1], index[2]};
+
+    number[m] = SplinesGlobal(s, p, master);
+    weight[m] = slave->weight[m];
+  }
+  return slave ? slave->n : 1;
+}
+
+/*
+  SplineWindowSet - Sets the window of this rank for the present numbers of the splines
+
+  Collective. The window holds all splines that are not zero at particles that are less than the
+  skin beyond the box of the rank.
+*/
+PetscErrorCode SplineWindowSet(Splines *s, const Particles *p)
+{
+  const SplineLattice *l = &s->lattice;
+  SplineWindow        *w = &s->window;
+  PetscInt             n = 0, *distinct;
+  IS                   from;
+
+  PetscFunctionBegin;
+  w->size = 1;
+  for (PetscInt a = 0; a < l->dim; a++) {
+    const PetscInt first = CellAlong(l, p, a, PETSC_FALSE), last = CellAlong(l, p, a, PETSC_TRUE);
+
+    w->first[a] = first - (l->periodic[a] ? 1 : 0);
+    w->n[a]     = last - first + 3;
+    w->size *= w->n[a];
+  }
+  PetscCall(PetscMalloc4(w->size, &w->value, w->size + 1, &w->start, 9 * w->size, &w->source,
+                         9 * w->size, &w->weight));
+  PetscCall(PetscMalloc1(9 * w->size, &distinct));
+  w->start[0] = 0;
+  for (PetscInt k = 0; k < w->size; k++)
+    w->start[k + 1] =
+        w->start[k] + ListSources(s, p, k, &w->source[w->start[k]], &w->weight[w->start[k]]);
+  n = w->start[w->size];
+  PetscCall(PetscArraycpy(distinct, w->source, n));
+  PetscCall(PetscSortRemoveDupsInt(&n, distinct));
+  for (PetscInt e = 0; e < w->start[w->size]; e++)
+    PetscCall(PetscFindInt(w->source[e], n, distinct, &w->source[e]));
+  PetscCall(VecCreateSeq(PETSC_COMM_SELF, n, &w->coefficients));
+  PetscCall(ISCreateGeneral(PETSC_COMM_SELF, n, distinct, PETSC_OWN_POINTER, &from));
+  PetscCall(VecScatterCreate(s->mass, from, w->coefficients, NULL, &w->collect));
+  PetscCall(ISDestroy(&from));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplineWindowFree - Frees the window; collective */
+PetscErrorCode SplineWindowFree(SplineWindow *w)
+{
+  PetscFunctionBegin;
+  PetscCall(VecScatterDestroy(&w->collect));
+  PetscCall(VecDestroy(&w->coefficients));
+  PetscCall(PetscFree4(w->value, w->start, w->source, w->weight));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinePlacesFree - Frees the places of particles; not collective */
+PetscErrorCode SplinePlacesFree(SplinePlaces *at)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(at->base));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree2(at->t[a], at->per_edge[a]));
+  at->n = at->capacity = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinePlacesSet - Computes the cell of each own fluid particle and its place there; not
+   collective */
+PetscErrorCode SplinePlacesSet(const Particles *p, Splines *s)
+{
+  const SplineLattice *l  = &s->lattice;
+  const SplineWindow  *w  = &s->window;
+  SplinePlaces        *at = &s->at;
+
+  PetscFunctionBegin;
+  if (p->n_fluid > at->capacity) {
+    PetscCall(SplinePlacesFree(at));
+    at->capacity = p->n_fluid + p->n_fluid / 8;
+    PetscCall(PetscMalloc1(at->capacity, &at->base));
+    for (PetscInt a = 0; a < l->dim; a++)
+      PetscCall(PetscMalloc2(at->capacity, &at->t[a], at->capacity, &at->per_edge[a]));
+  }
+  at->n = p->n_fluid;
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    at->base[i] = 0;
+    for (PetscInt a = l->dim - 1; a >= 0; a--) {
+      PetscInt cell;
+
+      SplinePlaceAlong(l, a, p->x[a][i], &cell, &at->t[a][i], &at->per_edge[a][i]);
+      at->base[i] = at->base[i] * w->n[a] + cell - (l->periodic[a] ? 1 : 0) - w->first[a];
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Collects the coefficients of the window. */
+static PetscErrorCode Collect(SplineWindow *w, Vec p)
+{
+  const PetscScalar *c;
+
+  PetscFunctionBegin;
+  PetscCall(VecScatterBegin(w->collect, p, w->coefficients, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecScatterEnd(w->collect, p, w->coefficients, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecGetArrayRead(w->coefficients, &c));
+  for (PetscInt k = 0; k < w->size; k++) {
+    w->value[k] = 0.0;
+    for (PetscInt e = w->start[k]; e < w->start[k + 1]; e++)
+      w->value[k] += w->weight[e] * c[w->source[e]];
+  }
+  PetscCall(VecRestoreArrayRead(w->coefficients, &c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Evaluates the splines at all particles: values, or gradients if `value` is NULL. Inlined, so that
+   the compiler knows the dimension. */
+static inline void EvaluateInline(PetscInt dim, const SplineWindow *w, const SplinePlaces *at,
+                                  PetscReal value[], PetscReal *const gradient[])
+{
+  const PetscInt row = w->n[0], plane = dim == 3 ? row * w->n[1] : 0;
+
+  for (PetscInt i = 0; i < at->n; i++) {
+    PetscReal b[ISPH_MAX_DIM][3], d[ISPH_MAX_DIM][3], sum[1 + ISPH_MAX_DIM] = {0.0};
+
+    for (PetscInt a = 0; a < dim; a++) SplineBasis(at->t[a][i], at->per_edge[a][i], b[a], d[a]);
+    for (PetscInt k = 0; k < (dim == 3 ? 3 : 1); k++) {
+      PetscReal flat[3] = {0.0}; /* in a plane of splines: value, derivatives along two axes */
+
+      for (PetscInt j = 0; j < 3; j++) {
+        const PetscReal *c     = w->value + at->base[i] + k * plane + j * row;
+        const PetscReal  along = b[0][0] * c[0] + b[0][1] * c[1] + b[0][2] * c[2];
+
+        flat[0] += b[1][j] * along;
+        if (value) continue;
+        flat[1] += b[1][j] * (d[0][0] * c[0] + d[0][1] * c[1] + d[0][2] * c[2]);
+        flat[2] += d[1][j] * along;
+      }
+      for (PetscInt e = 0; e < 3; e++) sum[e] += dim == 3 ? b[2][k] * flat[e] : flat[e];
+      if (dim == 3 && !value) sum[3] += d[2][k] * flat[0];
+    }
+    if (value) value[i] = sum[0];
+    for (PetscInt a = 0; !value && a < dim; a++) gradient[a][i] = sum[1 + a];
+  }
+}
+
+static PetscErrorCode Evaluate(Splines *s, Vec p, PetscReal value[], PetscReal *const gradient[])
+{
+  PetscFunctionBegin;
+  PetscCall(Collect(&s->window, p));
+  if (s->lattice.dim == 2) EvaluateInline(2, &s->window, &s->at, value, gradient);
+  else EvaluateInline(3, &s->window, &s->at, value, gradient);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinesValue - Computes sum_q p_q psi_q at each own fluid particle; collective */
+PetscErrorCode SplinesValue(Splines *s, Vec p, Vec value)
+{
+  PetscScalar *v;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayWrite(value, &v));
+  PetscCall(Evaluate(s, p, v, NULL));
+  PetscCall(VecRestoreArrayWrite(value, &v));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinesGradient - Computes sum_q p_q grad psi_q at each own fluid particle [1/m]; collective */
+PetscErrorCode SplinesGradient(Splines *s, Vec p, PetscReal *const gradient[])
+{
+  PetscFunctionBegin;
+  PetscCall(Evaluate(s, p, NULL, gradient));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinesAccelerate - Adds factor times sum_q p_q grad psi_q to the components of a vector field over
+   fluid; collective. The fits' work arrays hold the gradient. */
+PetscErrorCode SplinesAccelerate(Splines *s, Vec p, PetscReal factor, const Vec u[])
+{
+  PetscScalar *v;
+
+  PetscFunctionBegin;
+  PetscCall(Evaluate(s, p, NULL, s->fits.value));
+  for (PetscInt a = 0; a < s->lattice.dim; a++) {
+    PetscCall(VecGetArray(u[a], &v));
+    for (PetscInt i = 0; i < s->at.n; i++) v[i] += factor * s->fits.value[a][i];
+    PetscCall(VecRestoreArray(u[a], &v));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
