@@ -209,8 +209,10 @@ typedef struct {
                              components */
   PetscReal    *a, *b; /* over fluid, over walls */
   PetscBool     has_matrices;
-  Mat           A, B; /* fluid x fluid, fluid x wall (NULL without walls) */
-  OperatorRows *rows; /* rows of products; NULL: products need the matrices */
+  Mat           A, B;   /* fluid x fluid, fluid x wall (NULL without walls) */
+  OperatorRows *rows;   /* rows of products; NULL: products need the matrices */
+  PetscReal    *system; /* values of AffineSystemCreate() */
+  PetscInt      system_capacity;
 } AffineOperator;
 
 /* Operators that the scheme and the scene need; no other operator is assembled. */
@@ -222,7 +224,7 @@ typedef enum {
   NEED_FILTER_P      = 1 << 4, /* filter_p */
   NEED_CONCENTRATION = 1 << 5, /* concentration and its gradient */
   NEED_FREE_GRAD_P   = 1 << 6, /* grad_p from fluid alone: the wall pressure gradient is unknown */
-  NEED_MATRICES      = 1 << 7  /* PETSc matrices of all operators, not only of visc and ppe */
+  NEED_MATRICES      = 1 << 7  /* PETSc matrices of all operators, not only of ppe */
 } Need;
 
 /* The chosen discretisation in space. */
@@ -291,6 +293,8 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *particles,
                                  const Neighbors *neighbors, Operators *ops, PetscBool *changed);
 PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y);
 PetscErrorCode AffineApplyAdd(const AffineOperator *op, Vec f, Vec walls, Vec y);
+PetscErrorCode AffineSystemCreate(AffineOperator *op, MatType type, Mat *J);
+PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscReal scale, Mat J);
 PetscErrorCode AffineApplyWalls(const AffineOperator *op, Vec walls, Vec y);
 PetscErrorCode AffineApplyAll(PetscInt n, const AffineOperator *const op[], Vec f, Vec walls,
                               const Vec y[]);
@@ -334,10 +338,11 @@ PetscErrorCode UnknownsVec(const Particles *particles, Vec *v);
 PetscErrorCode VectorsCheckType(MPI_Comm comm);
 
 PetscErrorCode PatternBegin(Pattern *pattern, PetscInt rows, PetscInt entries);
-void PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], const PetscInt local[],
-                PetscInt n, PetscInt slot[]);
+PetscBool PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], const PetscInt local[],
+                     PetscInt n, PetscInt slot[]);
 PetscErrorCode PatternMat(MPI_Comm comm, const Pattern *pattern, PetscInt rows, PetscInt cols,
                           PetscReal values[], Mat *A);
+PetscErrorCode PatternMatSet(const Pattern *pattern, const PetscReal values[], Mat A);
 PetscErrorCode PatternFree(Pattern *pattern);
 
 #endif

@@ -22,7 +22,6 @@ static void GatherWall(const Scene *scene, const Particles *p, const Operators *
   }
   st->beta[k] = ops->forms.wall->Beta(scene, height - p->depth[j], p->depth[j]);
   st->side[k] = (PetscInt)p->side[j];
-  st->n_wall++;
 }
 
 /* GatherStencil - Gathers the neighbours of own fluid particle i with the quantities that row
@@ -64,8 +63,10 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
     st->V[k]        = p->volume[st->j[k]];
     st->equation[k] = EQUATION_VALUE;
     st->wall[k]     = ParticlesIsWall(p, st->j[k]);
-    if (st->wall[k]) GatherWall(scene, p, ops, k, st);
+    st->n_wall += st->wall[k] ? 1 : 0;
   }
+  for (PetscInt k = 0; st->n_wall && k < n; k++)
+    if (st->wall[k]) GatherWall(scene, p, ops, k, st);
   KernelEvaluateAll(ops->forms.kernel, d, st->h, n, st->r, st->W, st->dW, st->ddW);
   WallPointShares(ops, st);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -93,8 +94,7 @@ static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, Pets
     local[n++] = st->i;
   }
   for (PetscInt k = 0; k < n; k++) cols[k] = p->row[local[k]];
-  PatternRow(fluid, st->i, cols, local, n, place);
-  ops->work->simple = !st->n_wall && fluid->row[st->i + 1] - fluid->row[st->i] == n;
+  ops->work->simple = PatternRow(fluid, st->i, cols, local, n, place) && !st->n_wall;
   *diagonal         = place[own];
   for (PetscInt k = 0, q = 0; k < st->n; k++) {
     if (st->wall[k]) continue;
@@ -108,7 +108,7 @@ static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, Pets
     local[n]  = st->j[k];
     cols[n++] = p->row[st->j[k]];
   }
-  PatternRow(&ops->rows.walls, st->i, cols, local, n, place);
+  (void)PatternRow(&ops->rows.walls, st->i, cols, local, n, place);
   n = 0;
   for (PetscInt k = 0; k < st->n; k++) {
     if (st->wall[k]) ops->work->slot[k] = place[n++];
@@ -252,6 +252,26 @@ static void AssembleConcentration(const Scene *scene, const Particles *p, const 
   for (PetscInt a = 0; a < scene->dim; a++) ops->concentration.gradient[a][i] = gradient[a];
 }
 
+/* Assembles the rows of `count` particles from particle `first` on. */
+static PetscErrorCode AssembleBatch(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                    PetscInt first, PetscInt count, Operators *ops)
+{
+  Stencil *const *batch = ops->work->batch;
+
+  PetscFunctionBegin;
+  for (PetscInt l = 0; l < count; l++)
+    PetscCall(GatherStencil(scene, p, nb, ops, first + l, batch[l]));
+  if (ops->work->fits) PetscCall(MlsFitBatch(count, batch, ops->work->fits));
+  for (PetscInt l = 0; l < count; l++) {
+    PetscInt diagonal;
+
+    PlaceRow(p, batch[l], ops, &diagonal);
+    PetscCall(AssembleRow(scene, p, batch[l], diagonal, ops));
+    if (ops->needs & NEED_CONCENTRATION) AssembleConcentration(scene, p, batch[l], first + l, ops);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   OperatorsAssemble - Assembles all matrices of the run for the present positions of particles
 
@@ -271,7 +291,6 @@ static void AssembleConcentration(const Scene *scene, const Particles *p, const 
 PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const Neighbors *nb,
                                  Operators *ops, PetscBool *changed)
 {
-  Stencil        *st = ops->work->stencil;
   AffineOperator *needed[OPERATORS_COUNT];
   const PetscInt  count = NeededOperators(ops, needed);
 
@@ -280,15 +299,9 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
   if (!*changed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(BeginAssembly(scene, p, nb, ops, needed, count));
   PetscCall(ScalePressureRows(p, ops));
-  st->regularised = 0;
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscInt diagonal;
-
-    PetscCall(GatherStencil(scene, p, nb, ops, i, st));
-    PlaceRow(p, st, ops, &diagonal);
-    PetscCall(AssembleRow(scene, p, st, diagonal, ops));
-    if (ops->needs & NEED_CONCENTRATION) AssembleConcentration(scene, p, st, i, ops);
-  }
+  for (PetscInt l = 0; l < MLS_LANES; l++) ops->work->batch[l]->regularised = 0;
+  for (PetscInt i = 0; i < p->n_fluid; i += MLS_LANES)
+    PetscCall(AssembleBatch(scene, p, nb, i, PetscMin(MLS_LANES, p->n_fluid - i), ops));
   for (PetscInt k = 0; k < count; k++) {
     if (!needed[k]->has_matrices) continue;
     if (ops->forms.components_coupled && needed[k] == &ops->velocity[0].visc) continue;
@@ -301,9 +314,11 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
   if (ops->forms.components_coupled) PetscCall(AssembleViscousBlock(scene, p, ops));
   ops->rows.particles = p;
   if (ops->forms.wall && ops->forms.wall->Extend) PetscCall(ExtendWalls(scene, p, nb, ops));
-  ops->regularised_rows = st->regularised;
-  ops->epoch            = p->epoch;
-  ops->moved            = p->moved;
+  ops->regularised_rows = 0;
+  for (PetscInt l = 0; l < MLS_LANES; l++)
+    ops->regularised_rows += ops->work->batch[l]->regularised;
+  ops->epoch = p->epoch;
+  ops->moved = p->moved;
   ops->assemblies++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

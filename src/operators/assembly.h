@@ -3,16 +3,19 @@
 #define ISPH_ASSEMBLY_H
 
 #include "isph/operators.h"
+#include "mlsbatch.h"
 
 struct Assembly {
-  Stencil   *stencil;
-  PetscBool  simple;          /* the row has no wall neighbours and no repeated columns */
-  PetscInt  *slot;            /* slot of each neighbour in its row of the pattern */
-  PetscReal *w;               /* weights of a Laplacian or a filter */
-  PetscReal *g[ISPH_MAX_DIM]; /* weights of a gradient */
-  PetscReal *m;               /* weights of normal components in a divergence */
-  PetscReal *wall_w;          /* weights of wall data, see wall_points.c */
-  PetscInt   slot_capacity;   /* number of neighbours that the arrays can hold */
+  Stencil   *stencil;          /* the first of the batch */
+  Stencil   *batch[MLS_LANES]; /* of particles whose rows are assembled together */
+  MlsBatch  *fits;             /* NULL: no operator has the rows of quadratic fits */
+  PetscBool  simple;           /* no wall neighbours; slots in the order of neighbours */
+  PetscInt  *slot;             /* slot of each neighbour in its row of the pattern */
+  PetscReal *w;                /* weights of a Laplacian or a filter */
+  PetscReal *g[ISPH_MAX_DIM];  /* weights of a gradient */
+  PetscReal *m;                /* weights of normal components in a divergence */
+  PetscReal *wall_w;           /* weights of wall data, see wall_points.c */
+  PetscInt   slot_capacity;    /* number of neighbours that the arrays can hold */
 };
 
 PetscErrorCode GatherStencil(const Scene *scene, const Particles *particles,

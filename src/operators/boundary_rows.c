@@ -16,16 +16,18 @@
 #include "rows.h"
 #include "wall_points.h"
 
-/* Sets the row scale sum_k w_k (f_k - f_i) in the matrix A, for a stencil without walls and without
-   repeated columns. */
+/* Sets the row scale sum_k w_k (f_k - f_i) in the matrix A, for a stencil without walls whose slots
+   follow each other. */
 static void SetRow(const Stencil *st, const Operators *ops, PetscInt diagonal, PetscReal scale,
                    const PetscReal w[], AffineOperator *op)
 {
-  PetscReal sum = 0.0;
+  PetscReal     *row = op->a + ops->rows.fluid.row[st->i], *after = row + 1, sum = 0.0;
+  const PetscInt before = (PetscInt)(op->a + diagonal - row); /* neighbours before the diagonal */
 
 #pragma omp simd reduction(+ : sum)
   for (PetscInt k = 0; k < st->n; k++) sum += scale * w[k];
-  for (PetscInt k = 0; k < st->n; k++) op->a[ops->work->slot[k]] = scale * w[k];
+  for (PetscInt k = 0; k < before; k++) row[k] = scale * w[k];
+  for (PetscInt k = before; k < st->n; k++) after[k] = scale * w[k];
   op->a[diagonal] = -sum;
 }
 

@@ -30,6 +30,27 @@ static void ConcentrationImages(const KernelRow *kernel, const Stencil *st,
   }
 }
 
+/* Sums the terms of particle i and its neighbours, without wall particles if images stand for them.
+   The factor 0 of wall particles avoids a branch. */
+static void SumNeighbors(const Stencil *st, PetscBool mirrored, PetscReal *concentration,
+                         PetscReal gradient[])
+{
+  PetscReal total = st->volume * st->self[0];
+
+#pragma omp simd reduction(+ : total)
+  for (PetscInt k = 0; k < st->n; k++) total += mirrored && st->wall[k] ? 0.0 : st->V[k] * st->W[k];
+  for (PetscInt a = 0; a < st->dim; a++) {
+    const PetscReal *X    = st->X[a];
+    PetscReal        part = 0.0;
+
+#pragma omp simd reduction(+ : part)
+    for (PetscInt k = 0; k < st->n; k++)
+      part += mirrored && st->wall[k] ? 0.0 : st->V[k] * st->dW[k] / st->r[k] * X[k];
+    gradient[a] = -part;
+  }
+  *concentration = total;
+}
+
 /* Finds the mirror planes near particle i; their distances are along stretched axes. Returns their
    number. */
 static PetscInt StretchedPlanes(const Scene *scene, const Stencil *st, const PetscReal x[],
@@ -74,14 +95,7 @@ void ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil
   WallPlane       planes[SCENE_MAX_BOUNDARIES];
   PetscInt        n_planes = 0;
 
-  *concentration = st->volume * st->self[0];
-  for (PetscInt k = 0; k < st->n; k++) {
-    const PetscReal scale = st->V[k] * st->dW[k] / st->r[k];
-
-    if (mirrored && st->wall[k]) continue;
-    *concentration += st->V[k] * st->W[k];
-    for (PetscInt a = 0; a < st->dim; a++) sum[a] -= scale * st->X[a][k];
-  }
+  SumNeighbors(st, mirrored, concentration, sum);
   if (mirrored && st->n_wall) n_planes = StretchedPlanes(scene, st, x, planes);
   if (n_planes) {
     ConcentrationImages(kernel, st, planes, n_planes, origin, st->volume, concentration, sum);

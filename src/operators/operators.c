@@ -5,6 +5,7 @@
 #include "assembly.h"
 #include "boundary_rows.h"
 #include "choose.h"
+#include "rows.h"
 
 /* OperatorsList - Lists all operators, needed or not, in the order of assembly; not collective */
 void OperatorsList(Operators *ops, AffineOperator *all[OPERATORS_COUNT])
@@ -52,12 +53,41 @@ static void NeedVelocity(const Scene *scene, Operators *ops, VelocityOperators *
                  &of->visc);
   ChooseProducts(ops, extended, &of->filter_u);
   for (PetscInt a = 0; a < scene->dim; a++) ChooseProducts(ops, extended, &of->grad_u[a]);
-  of->visc.has_matrices = PETSC_TRUE;
-  of->visc.width        = LaplacianWidth(&ops->forms.visc, scene->dim);
-  of->visc.needed       = ops->needs & NEED_VISCOSITY ? PETSC_TRUE : PETSC_FALSE;
-  of->filter_u.needed   = ops->needs & NEED_FILTER_U ? PETSC_TRUE : PETSC_FALSE;
+  of->visc.width      = LaplacianWidth(&ops->forms.visc, scene->dim);
+  of->visc.needed     = ops->needs & NEED_VISCOSITY ? PETSC_TRUE : PETSC_FALSE;
+  of->filter_u.needed = ops->needs & NEED_FILTER_U ? PETSC_TRUE : PETSC_FALSE;
   for (PetscInt a = 0; a < scene->dim; a++)
     of->grad_u[a].needed = ops->needs & NEED_GRADIENT_U ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Returns true if an operator of the run has the rows of quadratic fits. */
+static PetscBool HasQuadraticFits(const Operators *ops)
+{
+  const OperatorForms *forms = &ops->forms;
+
+  if (forms->degree > 2) return PETSC_FALSE;
+  if (ops->needs & (NEED_FILTER_U | NEED_FILTER_P)) return PETSC_TRUE;
+  return (forms->visc.row && forms->visc.row->Row == LaplacianRow_Mls) ||
+                 (forms->ppe.row && forms->ppe.row->Row == LaplacianRow_Mls) ||
+                 (forms->gradient && forms->gradient->Row == GradientRow_Mls)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* Creates the stencils of a batch of particles. */
+static PetscErrorCode CreateWorkspace(const Scene *scene, Operators *ops)
+{
+  Assembly *work = ops->work;
+
+  PetscFunctionBegin;
+  for (PetscInt l = 0; l < MLS_LANES; l++) {
+    PetscCall(StencilCreate(scene->dim, &work->batch[l]));
+    work->batch[l]->degree     = ops->forms.degree;
+    work->batch[l]->fits_walls = ops->forms.wall ? ops->forms.wall->on_surface : PETSC_FALSE;
+  }
+  work->stencil = work->batch[0];
+  if (HasQuadraticFits(ops)) PetscCall(MlsBatchCreate(&work->fits));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
@@ -88,7 +118,6 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
   const PetscBool pressure = needs & NEED_PRESSURE ? PETSC_TRUE : PETSC_FALSE;
   Operators      *ops;
   AffineOperator *all[OPERATORS_COUNT];
-  Stencil        *st;
 
   PetscFunctionBegin;
   PetscCall(VectorsCheckType(PETSC_COMM_WORLD));
@@ -110,11 +139,8 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
     ChooseProducts(ops, PETSC_FALSE, &ops->grad_p[a]);
     ChooseProducts(ops, PETSC_FALSE, &ops->div[a]);
   }
-  PetscCall(StencilCreate(scene->dim, &st));
-  st->degree         = ops->forms.degree;
-  st->fits_walls     = ops->forms.wall ? ops->forms.wall->on_surface : PETSC_FALSE;
-  ops->work->stencil = st;
-  *operators         = ops;
+  PetscCall(CreateWorkspace(scene, ops));
+  *operators = ops;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -124,6 +150,7 @@ static PetscErrorCode AffineFree(AffineOperator *op)
   PetscCall(MatDestroy(&op->A));
   PetscCall(MatDestroy(&op->B));
   PetscCall(PetscFree2(op->a, op->b));
+  PetscCall(PetscFree(op->system));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -144,7 +171,8 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   PetscCall(PetscFree(ops->concentration.value));
   PetscCall(VecDestroy(&ops->ppe_scale));
   PetscCall(PetscFree4(ops->work->slot, ops->work->w, ops->work->m, ops->work->wall_w));
-  PetscCall(StencilDestroy(&ops->work->stencil));
+  for (PetscInt l = 0; l < MLS_LANES; l++) PetscCall(StencilDestroy(&ops->work->batch[l]));
+  PetscCall(MlsBatchDestroy(&ops->work->fits));
   PetscCall(PetscFree(ops->work));
   PetscCall(PatternFree(&ops->rows.fluid));
   PetscCall(PatternFree(&ops->rows.walls));

@@ -9,125 +9,108 @@
 */
 #include "mls.h"
 
-/* Factors m symmetric matrices at once, as DenseCholesky(): entry (t, q) of matrix i is
-   a[(t terms + q) m + i]; clears the flags of matrices that are not positive definite. */
-static inline void CholeskyFactors(PetscInt terms, PetscInt m, PetscReal a[], PetscBool definite[])
-{
-  for (PetscInt t = 0; t < terms; t++) {
-    PetscReal pivot[POINT_FITS];
+/* A number of each of four points. Unaligned, as PETSc allocates memory. */
+typedef PetscReal Four
+    __attribute__((vector_size(4 * sizeof(PetscReal)), aligned(sizeof(PetscReal)), may_alias));
 
-    for (PetscInt i = 0; i < m; i++) pivot[i] = a[(t * terms + t) * m + i];
-    for (PetscInt k = 0; k < t; k++) {
-#pragma omp simd
-      for (PetscInt i = 0; i < m; i++) pivot[i] -= PetscSqr(a[(t * terms + k) * m + i]);
-    }
-    for (PetscInt i = 0; i < m; i++) {
-      if (!(pivot[i] > 1e-10 * a[(t * terms + t) * m + i])) {
-        definite[i] = PETSC_FALSE;
-        pivot[i]    = 1.0;
-      }
-    }
-#pragma omp simd
-    for (PetscInt i = 0; i < m; i++) {
-      pivot[i]                   = 1.0 / PetscSqrtReal(pivot[i]);
-      a[(t * terms + t) * m + i] = pivot[i];
-    }
-    for (PetscInt r = t + 1; r < terms; r++) {
-      PetscReal sum[POINT_FITS];
-
-      for (PetscInt i = 0; i < m; i++) sum[i] = a[(r * terms + t) * m + i];
-      for (PetscInt k = 0; k < t; k++) {
-#pragma omp simd
-        for (PetscInt i = 0; i < m; i++)
-          sum[i] -= a[(r * terms + k) * m + i] * a[(t * terms + k) * m + i];
-      }
-#pragma omp simd
-      for (PetscInt i = 0; i < m; i++) a[(r * terms + t) * m + i] = sum[i] * pivot[i];
-    }
-  }
-}
-
-/* Solves M c = e_0 for m matrices with the factors of CholeskyFactors(). */
-static inline void CholeskySolves(PetscInt terms, PetscInt m, const PetscReal a[], PetscReal c[])
-{
-  for (PetscInt t = 0; t < terms; t++) {
-    for (PetscInt i = 0; i < m; i++) c[t * m + i] = t == 0 ? 1.0 : 0.0;
-    for (PetscInt k = 0; k < t; k++) {
-#pragma omp simd
-      for (PetscInt i = 0; i < m; i++) c[t * m + i] -= a[(t * terms + k) * m + i] * c[k * m + i];
-    }
-#pragma omp simd
-    for (PetscInt i = 0; i < m; i++) c[t * m + i] *= a[(t * terms + t) * m + i];
-  }
-  for (PetscInt t = terms - 1; t >= 0; t--) {
-    for (PetscInt k = t + 1; k < terms; k++) {
-#pragma omp simd
-      for (PetscInt i = 0; i < m; i++) c[t * m + i] -= a[(k * terms + t) * m + i] * c[k * m + i];
-    }
-#pragma omp simd
-    for (PetscInt i = 0; i < m; i++) c[t * m + i] *= a[(t * terms + t) * m + i];
-  }
-}
-
-/* Computes the basis 1, s_a, s_a s_b (b <= a), ... for neighbour k of m points: phi[t m + i]; the
+/* Computes the basis 1, s_a, s_a s_b (b <= a), ... at four points: s[a][at], s[a][at + 1], ...; the
    order is that of MlsBasis(). */
-static inline void PointBases(PetscInt dim, PetscInt degree, PetscInt m, PetscReal *const s[],
-                              PetscInt k, PetscReal phi[])
+static inline void FourBases(PetscInt dim, PetscInt degree, PetscReal *const s[], PetscInt at,
+                             Four phi[])
 {
-  PetscReal *lower = phi + m, *next = phi + (1 + dim) * m;
+  Four *lower = phi + 1, *next = phi + 1 + dim;
 
-  for (PetscInt i = 0; i < m; i++) phi[i] = 1.0;
-  for (PetscInt a = 0; a < dim; a++) {
-#pragma omp simd
-    for (PetscInt i = 0; i < m; i++) phi[(1 + a) * m + i] = s[a][k * m + i];
-  }
+  phi[0] = (Four){1.0, 1.0, 1.0, 1.0};
+  for (PetscInt a = 0; a < dim; a++) phi[1 + a] = *(const Four *)&s[a][at];
   for (PetscInt d = 2; d <= degree; d++) {
-    for (PetscInt a = 0; a < dim; a++) {
-      for (PetscInt q = 0; q < MlsMonomials(a, d - 1); q++, next += m) {
-#pragma omp simd
-        for (PetscInt i = 0; i < m; i++) next[i] = s[a][k * m + i] * lower[q * m + i];
-      }
-    }
-    lower += MlsMonomials(dim - 1, d - 1) * m;
+    for (PetscInt a = 0; a < dim; a++)
+      for (PetscInt q = 0; q < MlsMonomials(a, d - 1); q++) *next++ = phi[1 + a] * lower[q];
+    lower += MlsMonomials(dim - 1, d - 1);
   }
 }
 
-static inline void PointFitsInline(PetscInt dim, PetscInt degree, PetscInt m, PetscInt n,
-                                   PetscReal *const s[], const PetscReal W[], PetscReal w[],
-                                   PetscBool fits[])
+/*
+  Solves M c = e_0 by the factors L D L^T of M, whose rows are one after the other up to the
+  diagonal. Output: least - the least pivot over its diagonal entry.
+*/
+static inline void FourSolve(PetscInt terms, Four M[], Four c[], Four *least)
+{
+  Four inverse[POINT_FIT_TERMS];
+
+  *least = (Four){1.0, 1.0, 1.0, 1.0};
+  for (PetscInt j = 0; j < terms; j++) {
+    Four *row = &M[j * (j + 1) / 2], pivot = row[j], share;
+
+    for (PetscInt k = 1; k < j; k++) { /* row j of L D, from the left */
+      const Four *above = &M[k * (k + 1) / 2];
+
+      for (PetscInt q = 0; q < k; q++) row[k] -= row[q] * above[q];
+    }
+    for (PetscInt k = 0; k < j; k++) {
+      const Four factor = row[k] * inverse[k];
+
+      pivot -= factor * row[k];
+      row[k] = factor;
+    }
+    share = pivot / row[j];
+    for (PetscInt i = 0; i < 4; i++) /* keeps NaN */
+      (*least)[i] = share[i] < (*least)[i] || share[i] != share[i] ? share[i] : (*least)[i];
+    inverse[j] = 1.0 / pivot;
+  }
+  for (PetscInt j = 0; j < terms; j++) { /* L D z = e_0; L^T c = z */
+    c[j] = -M[j * (j + 1) / 2];
+    for (PetscInt k = 1; k < j; k++) c[j] -= M[j * (j + 1) / 2 + k] * c[k];
+  }
+  c[0] = (Four){1.0, 1.0, 1.0, 1.0};
+  for (PetscInt j = 0; j < terms; j++) c[j] *= inverse[j];
+  for (PetscInt j = terms - 1; j > 0; j--)
+    for (PetscInt k = 0; k < j; k++) c[k] -= M[j * (j + 1) / 2 + k] * c[j];
+}
+
+/* Computes the fits of four points of m, the first of which is number `first`; see PointFits().
+   Inlined, so that the compiler knows the number of terms. */
+static inline void FourFits(PetscInt dim, PetscInt degree, PetscInt m, PetscInt first, PetscInt n,
+                            PetscReal *const s[], const PetscReal W[], PetscReal w[],
+                            PetscBool fits[])
 {
   const PetscInt terms = 1 + MlsTerms(dim, degree);
-  PetscReal      moments[POINT_FIT_TERMS * POINT_FIT_TERMS * POINT_FITS];
-  PetscReal      phi[POINT_FIT_TERMS * POINT_FITS], c[POINT_FIT_TERMS * POINT_FITS];
+  Four           M[POINT_FIT_TERMS * (POINT_FIT_TERMS + 1) / 2], c[POINT_FIT_TERMS], least;
 
-  for (PetscInt e = 0; e < terms * terms * m; e++) moments[e] = 0.0;
+  for (PetscInt e = 0; e < terms * (terms + 1) / 2; e++) M[e] = (Four){0.0};
   for (PetscInt k = 0; k < n; k++) {
-    PointBases(dim, degree, m, s, k, phi);
-    for (PetscInt t = 0; t < terms; t++) {
-      PetscReal weighted[POINT_FITS];
+    Four     phi[POINT_FIT_TERMS];
+    PetscInt e = 0;
 
-#pragma omp simd
-      for (PetscInt i = 0; i < m; i++) weighted[i] = W[k * m + i] * phi[t * m + i];
-      for (PetscInt q = 0; q <= t; q++) {
-#pragma omp simd
-        for (PetscInt i = 0; i < m; i++)
-          moments[(t * terms + q) * m + i] += weighted[i] * phi[q * m + i];
-      }
+    FourBases(dim, degree, s, k * m + first, phi);
+    for (PetscInt t = 0; t < terms; t++) {
+      const Four weighted = *(const Four *)&W[k * m + first] * phi[t];
+
+      for (PetscInt q = 0; q <= t; q++) M[e++] += weighted * phi[q];
     }
   }
-  for (PetscInt i = 0; i < m; i++) fits[i] = PETSC_TRUE;
-  CholeskyFactors(terms, m, moments, fits);
-  CholeskySolves(terms, m, moments, c);
+  FourSolve(terms, M, c, &least);
+  for (PetscInt i = 0; i < 4; i++) fits[first + i] = least[i] > 1e-10 ? PETSC_TRUE : PETSC_FALSE;
   for (PetscInt k = 0; k < n; k++) {
-    PetscReal sum[POINT_FITS] = {0.0};
+    Four phi[POINT_FIT_TERMS], sum = c[0];
 
-    PointBases(dim, degree, m, s, k, phi);
-    for (PetscInt t = 0; t < terms; t++) {
-#pragma omp simd
-      for (PetscInt i = 0; i < m; i++) sum[i] += phi[t * m + i] * c[t * m + i];
-    }
-#pragma omp simd
-    for (PetscInt i = 0; i < m; i++) w[k * m + i] = W[k * m + i] * sum[i];
+    FourBases(dim, degree, s, k * m + first, phi);
+    for (PetscInt t = 1; t < terms; t++) sum += phi[t] * c[t];
+    *(Four *)&w[k * m + first] = *(const Four *)&W[k * m + first] * sum;
+  }
+}
+
+/* Computes the basis of FourBases() for neighbour k of a single point. */
+static inline void PointBasis(PetscInt dim, PetscInt degree, PetscReal *const s[], PetscInt k,
+                              PetscReal phi[])
+{
+  PetscReal *lower = phi + 1, *next = phi + 1 + dim;
+
+  phi[0] = 1.0;
+  for (PetscInt a = 0; a < dim; a++) phi[1 + a] = s[a][k];
+  for (PetscInt d = 2; d <= degree; d++) {
+    for (PetscInt a = 0; a < dim; a++)
+      for (PetscInt q = 0; q < MlsMonomials(a, d - 1); q++) *next++ = s[a][k] * lower[q];
+    lower += MlsMonomials(dim - 1, d - 1);
   }
 }
 
@@ -151,10 +134,12 @@ static inline void PointFitsInline(PetscInt dim, PetscInt degree, PetscInt m, Pe
 void PointFits(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const s[], const PetscReal W[],
                PetscReal w[], PetscBool fits[])
 {
-  if (dim == 2 && degree == 2) PointFitsInline(2, 2, 4, n, s, W, w, fits);
-  else if (dim == 2) PointFitsInline(2, degree, 4, n, s, W, w, fits);
-  else if (degree == 2) PointFitsInline(3, 2, 8, n, s, W, w, fits);
-  else PointFitsInline(3, degree, 8, n, s, W, w, fits);
+  for (PetscInt first = 0; first < 1 << dim; first += 4) {
+    if (dim == 2 && degree == 2) FourFits(2, 2, 4, first, n, s, W, w, fits);
+    else if (dim == 2) FourFits(2, degree, 4, first, n, s, W, w, fits);
+    else if (degree == 2) FourFits(3, 2, 8, first, n, s, W, w, fits);
+    else FourFits(3, degree, 8, first, n, s, W, w, fits);
+  }
 }
 
 /* Computes the moment matrix of the fit of a vector. */
@@ -167,7 +152,7 @@ static void VectorMoments(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *
   for (PetscInt k = 0; k < n; k++) {
     PetscReal phi[POINT_FIT_TERMS];
 
-    PointBases(dim, degree, 1, s, k, phi);
+    PointBasis(dim, degree, s, k, phi);
     for (PetscInt c = 0; c < dim; c++) {
       for (PetscInt e = 0; e < dim; e++) {
         const PetscReal couple = wall[k] ? normal[c][k] * normal[e][k] : (c == e ? 1.0 : 0.0);
@@ -221,7 +206,7 @@ PetscBool VectorFit(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const 
     for (PetscInt k = 0; k < n; k++) {
       PetscReal phi[POINT_FIT_TERMS], part[ISPH_MAX_DIM] = {0.0}, along = 0.0;
 
-      PointBases(dim, degree, 1, s, k, phi);
+      PointBasis(dim, degree, s, k, phi);
       for (PetscInt b = 0; b < dim; b++) {
         for (PetscInt t = 0; t < terms; t++) part[b] += W[k] * phi[t] * c[b * terms + t];
         if (wall[k]) along += normal[b][k] * part[b];

@@ -2,7 +2,7 @@
   A uniform grid of cells over local particles, built by counting sort. Positions are copied in the
   order of the cells, so that a search reads contiguous memory.
 */
-#include "isph/particles.h"
+#include "impl.h"
 
 /* Returns the index along axis a of the cell at coordinate x, or of the nearest cell if x is
    outside the grid. */
@@ -132,6 +132,27 @@ PetscErrorCode CellsFree(Cells *cells)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define SORT_SHORT 128 /* longest list sorted by insertion */
+
+/* SortIndices - Sorts a list of different indices in ascending order; not collective. Particles are
+   numbered by cells when an epoch starts, so that lists from cells are nearly in order. */
+PetscErrorCode SortIndices(PetscInt n, PetscInt list[])
+{
+  PetscFunctionBegin;
+  if (n > SORT_SHORT) {
+    PetscCall(PetscSortInt(n, list));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt k = 1; k < n; k++) {
+    const PetscInt j = list[k];
+    PetscInt       q = k;
+
+    for (; q > 0 && list[q - 1] > j; q--) list[q] = list[q - 1];
+    list[q] = j;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Adds the particles of places [first, last) within a radius to a list of n, at most `max`; n
    counts all of them. No branch depends on a distance: it would be mispredicted too often. */
 static inline void ListWithin(const Cells *cells, PetscInt first, PetscInt last,
@@ -191,7 +212,7 @@ PetscErrorCode CellsFind(const Cells *cells, const PetscReal x[], PetscReal radi
                  "More than %" PetscInt_FMT " particles within %g of a point", max, (double)radius);
     }
   }
-  PetscCall(PetscSortInt(n, list));
+  PetscCall(SortIndices(n, list));
   *count = n;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

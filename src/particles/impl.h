@@ -1,7 +1,7 @@
 /*
   Declarations shared by the files of this folder. Each file calls only files to its right:
 
-    particles.c | population.c, neighbors.c | epoch.c | migrate.c, decompose.c, halo.c, lattice.c,
+    particles.c | population.c, neighbors.c | epoch.c, cells.c | migrate.c, decompose.c, halo.c, lattice.c,
     numbering.c | exchange.c, storage.c
 */
 #ifndef ISPH_PARTICLES_IMPL_H
@@ -20,6 +20,9 @@ PetscErrorCode RecordsBegin(const Particles *p, RecordColumns *columns);
 PetscErrorCode RecordsEnd(RecordColumns *columns);
 void RecordPack(const Particles *p, const RecordColumns *columns, PetscInt i, PetscReal record[]);
 void RecordUnpack(const RecordColumns *columns, const PetscReal record[], PetscInt i);
+
+/* cells.c */
+PetscErrorCode SortIndices(PetscInt n, PetscInt list[]);
 
 /* epoch.c */
 PetscErrorCode ParticlesLargestMove(const Particles *p, PetscReal *const from[], PetscReal *move);

@@ -7,7 +7,6 @@
 #define MARGIN_LARGEST 0.15        /* of the radius */
 #define MARGIN_STEPS   10          /* number of steps that a margin should last */
 #define STEP_TOO_LONG  (0.1 / 2.6) /* of the radius: a margin would last two steps or fewer */
-#define ROW_SORT_SHORT 128         /* longest row sorted by insertion */
 
 /*
   NeighborsCreate - Creates an empty set of rows
@@ -118,23 +117,6 @@ static inline PetscInt ScanRun(const Cells *cells, const PetscReal reach2[], Pet
   return n;
 }
 
-static PetscErrorCode SortRow(PetscInt n, PetscInt col[])
-{
-  PetscFunctionBegin;
-  if (n > ROW_SORT_SHORT) {
-    PetscCall(PetscSortInt(n, col));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  for (PetscInt k = 1; k < n; k++) {
-    const PetscInt j = col[k];
-    PetscInt       l = k;
-
-    for (; l > 0 && col[l - 1] > j; l--) col[l] = col[l - 1];
-    col[l] = j;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Appends row i. Cells along the first axis are contiguous in the list and scanned together. */
 static PetscErrorCode BuildRow(const Particles *p, const PetscReal reach2[], PetscInt i,
                                PetscReal own2, Neighbors *nb)
@@ -161,7 +143,7 @@ static PetscErrorCode BuildRow(const Particles *p, const PetscReal reach2[], Pet
       n += ScanRun(cells, reach2, begin, end, x, own2, i, &nb->col[n]);
     }
   }
-  PetscCall(SortRow(n - nb->row[i], &nb->col[nb->row[i]]));
+  PetscCall(SortIndices(n - nb->row[i], &nb->col[nb->row[i]]));
   nb->row[i + 1] = n;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

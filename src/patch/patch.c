@@ -182,7 +182,7 @@ static PetscErrorCode PatchCreate(Scene *scene, Patch *patch)
 
   PetscFunctionBegin;
   patch->scene = scene;
-  PetscCall(OperatorsCreate(scene, NEED_VISCOSITY, &patch->ops));
+  PetscCall(OperatorsCreate(scene, NEED_VISCOSITY | NEED_MATRICES, &patch->ops));
   PetscCall(PatchReadOptions(patch));
   PetscCall(OperatorsPlacement(scene, patch->ops, &around));
   PetscCall(ParticlesCreate(scene, around, patch->ops->forms.reach, NULL, &patch->particles));

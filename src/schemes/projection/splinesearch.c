@@ -156,13 +156,13 @@ static void SetDistances(PetscInt dim, PetscInt i, SplineAround *around)
 {
   PetscReal *r2 = around->r2;
 
-  for (PetscInt k = 0; k < around->n; k++) r2[k] = 0.0;
   for (PetscInt k = around->n; k % LANES; k++) r2[k] = PETSC_INFINITY;
   for (PetscInt a = 0; a < dim; a++) {
     const PetscReal  x = around->at[a][i], stretch = around->stretch[a][i];
     const PetscReal *y = around->x[a];
 
-    for (PetscInt k = 0; k < around->n; k++) r2[k] += PetscSqr(stretch * (y[k] - x));
+    for (PetscInt k = 0; k < around->n; k++)
+      r2[k] = (a ? r2[k] : 0.0) + PetscSqr(stretch * (y[k] - x));
   }
 }
 
@@ -204,11 +204,12 @@ static PetscReal LeastBeyond(const SplineAround *around, PetscReal low, PetscRea
   the next, at most reach^2
 
   Interpolation brackets it: in the plane, the number grows in proportion to the squared distance.
+  It begins with a guess, 0 if there is none, on which the result does not depend.
   If the number jumps beyond `wanted`, because distances are equal or parts are not, the radius is
   the second distance of the jump and beyond.
 */
 static PetscReal SquaredRadius(const SplineAround *around, PetscReal wanted, PetscReal reach,
-                               PetscBool *found)
+                               PetscReal guess, PetscBool *found)
 {
   const PetscReal all = PetscSqr(reach);
   PetscReal       low = 0.0, high = all, below = 0.0, above = SumWithin(around, all);
@@ -217,9 +218,11 @@ static PetscReal SquaredRadius(const SplineAround *around, PetscReal wanted, Pet
   *found = above + 1e-9 >= wanted ? PETSC_TRUE : PETSC_FALSE;
   if (!*found) return all;
   while (high - low > 1e-14 * high) {
-    const PetscReal share  = (wanted + 0.5 - below) / (above - below);
-    const PetscReal middle = low + PetscMax(0.1, PetscMin(share, 0.9)) * (high - low);
-    const PetscReal sum    = SumWithin(around, middle);
+    const PetscReal share = (wanted + 0.5 - below) / (above - below);
+    const PetscReal inner = low + PetscMax(0.1, PetscMin(share, 0.9)) * (high - low);
+    const PetscReal middle =
+        low == 0.0 && high == all && guess > 0.0 && guess < all ? guess : inner;
+    const PetscReal sum = SumWithin(around, middle);
 
     if (PetscAbsReal(sum - wanted) < 1e-9) return LeastBeyond(around, middle, all);
     if (sum < wanted) {
@@ -266,7 +269,7 @@ PetscErrorCode SplineNearest(const Flow *flow, PetscInt i, PetscInt c, PetscInt 
       around->part[k] = around->wall[k] && c == SPLINE_ALL ? 1.0 / p->dim : 1.0;
       if (around->wall[k] && !TakesPart(p, around->j[k], c)) around->r2[k] = PETSC_INFINITY;
     }
-    r2 = SquaredRadius(around, wanted, *reach, found);
+    r2 = SquaredRadius(around, wanted, *reach, around->last2, found);
     if (*reach < radius && r2 >= PetscSqr(*reach)) *reach = radius;
     else if (*found || *reach >= most) break;
     else *reach = PetscMin(1.15 * *reach, most);
@@ -276,7 +279,8 @@ PetscErrorCode SplineNearest(const Flow *flow, PetscInt i, PetscInt c, PetscInt 
     around->found[*n] = k;
     *n += around->r2[k] < r2 ? 1 : 0;
   }
-  *R = PetscSqrtReal(r2);
+  *R            = PetscSqrtReal(r2);
+  around->last2 = r2;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -19,6 +19,7 @@ typedef struct {
   PetscReal *r2,
       *part; /* of a point: squared distances, stretched [m^2], and shares in the number wanted */
   PetscInt *found; /* particles of a fit, numbers in this list */
+  PetscReal last2; /* squared radius of the last fit [m^2]; 0: none */
 } SplineAround;
 
 PetscErrorCode SplineAroundCreate(const Flow *flow, SplineAround *around);

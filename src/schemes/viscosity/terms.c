@@ -23,7 +23,7 @@ static PetscErrorCode ApplyBoundary(Viscosity *v)
 static PetscErrorCode UpdateBoundary(Viscosity *v, PetscReal t)
 {
   PetscFunctionBegin;
-  if (!Viscous(v, 0)->B || v->wall_t == t) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!v->flow->walls.u[0] || v->wall_t == t) PetscFunctionReturn(PETSC_SUCCESS);
   if (!v->flow->scene->unsteady_walls && !PetscIsNanReal(v->wall_t))
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(WallValuesSetVelocity(v->flow->scene, v->flow->particles, t, v->projection_factor,
@@ -155,9 +155,7 @@ PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal
     PetscCall(FollowStrain(v, t, u)); /* the last residual may belong to another u */
   else if (shift == v->shift && visc == v->of_J)
     PetscFunctionReturn(PETSC_SUCCESS); /* keeps the preconditioner */
-  PetscCall(MatCopy(visc->A, P, SAME_NONZERO_PATTERN));
-  PetscCall(MatScale(P, -v->flow->scene->nu));
-  PetscCall(MatShift(P, shift));
+  PetscCall(AffineSystemSet(visc, shift, -v->flow->scene->nu, P));
   if (v->convection)
     PetscCall(ConvectionAddMatrix(v->flow, v->advecting, part->c, v->convection, v->work, P));
   v->shift = shift;

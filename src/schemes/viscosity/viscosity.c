@@ -268,12 +268,12 @@ static PetscErrorCode ViscosityFreeJacobian(Viscosity *v)
    preconditioner. */
 static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
 {
-  const Operators *ops = v->flow->ops;
+  Operators *ops = v->flow->ops;
 
   PetscFunctionBegin;
   if (!v->guard.solve.ksp || v->assemblies == ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ViscosityFreeJacobian(v));
-  PetscCall(MatConvert(ops->velocity[0].visc.A, v->guard.mat_type, MAT_INITIAL_MATRIX, &v->J));
+  PetscCall(AffineSystemCreate(&ops->velocity[0].visc, v->guard.mat_type, &v->J));
   if (v->flow->state->implicit_convection)
     PetscCall(MatDuplicate(v->J, MAT_DO_NOT_COPY_VALUES, &v->convection));
   for (PetscInt c = 0; c < v->systems; c++) {

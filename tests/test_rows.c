@@ -1,0 +1,199 @@
+/*
+  Products of operators by their rows are those of their matrices; the matrix of a solver is
+  shift I + scale A; fits in a batch are those of single particles.
+*/
+/* RANKS: 1 2 3 */
+#include "operators/assembly.h"
+#include "operators/rows.h"
+#include "cloud.h"
+
+static const CloudBox boxes[] = {
+    {.name = "2D box", .dim = 2, .cells = {13, 10}, .jitter = 0.2},
+    {.name = "2D channel", .dim = 2, .cells = {14, 9}, .n_periodic = 1, .jitter = 0.2},
+    {.name = "2D periodic", .dim = 2, .cells = {11, 12}, .n_periodic = 2, .jitter = 0.2},
+    {.name = "3D box", .dim = 3, .cells = {8, 8, 7}, .jitter = 0.1},
+    {.name = "3D periodic", .dim = 3, .cells = {6, 6, 7}, .n_periodic = 3, .jitter = 0.1},
+};
+#define BOXES (sizeof(boxes) / sizeof(boxes[0]))
+
+#define ROUNDING 1e-13 /* over the largest value */
+
+/* Checks that two vectors are equal to rounding. */
+static void AssertEqual(const char *what, const char *where, Vec y, Vec expected)
+{
+  PetscReal norm, difference;
+
+  ASSERT_OK(VecNorm(expected, NORM_INFINITY, &norm));
+  ASSERT_OK(VecAXPY(y, -1.0, expected));
+  ASSERT_OK(VecNorm(y, NORM_INFINITY, &difference));
+  CloudAssertNone(what, where, !(difference <= ROUNDING * norm));
+}
+
+/* Sets random values over fluid and walls. */
+static void SetRandom(Cloud *cloud)
+{
+  PetscRandom random;
+
+  ASSERT_OK(PetscRandomCreate(PETSC_COMM_WORLD, &random));
+  ASSERT_OK(VecSetRandom(cloud->f[0], random));
+  ASSERT_OK(VecSetRandom(cloud->e, random));
+  ASSERT_OK(PetscRandomDestroy(&random));
+}
+
+/* Computes y = A f + B e by the matrices; parts: 1 - A f, 2 - B e, 3 - both. */
+static void MatrixProduct(const Cloud *cloud, const AffineOperator *op, int parts, Vec y)
+{
+  ASSERT_OK(VecZeroEntries(y));
+  if (parts & 1) ASSERT_OK(MatMultAdd(op->A, cloud->f[0], y, y));
+  if (parts & 2 && op->B) ASSERT_OK(MatMultAdd(op->B, cloud->e, y, y));
+}
+
+static void test_products(void **state)
+{
+  (void)state;
+  for (size_t b = 0; b < BOXES; b++) {
+    const char           *name = boxes[b].name;
+    Cloud                 cloud;
+    const AffineOperator *op[ISPH_MAX_DIM + 2];
+    Vec                   y[ISPH_MAX_DIM + 2], expected;
+    PetscInt              n = 0;
+
+    ASSERT_OK(CloudCreate(&boxes[b], "", &cloud));
+    SetRandom(&cloud);
+    op[n++] = &cloud.ops->ppe;
+    op[n++] = &cloud.ops->velocity[0].visc;
+    for (PetscInt a = 0; a < boxes[b].dim; a++) op[n++] = &cloud.ops->div[a];
+    ASSERT_OK(VecDuplicate(cloud.y, &expected));
+    for (PetscInt k = 0; k < n; k++) ASSERT_OK(VecDuplicate(cloud.y, &y[k]));
+    ASSERT_OK(AffineApplyAll(n, op, cloud.f[0], cloud.e, y));
+    for (PetscInt k = 0; k < n; k++) {
+      CloudAssertNone("products by rows", name, !op[k]->rows);
+      MatrixProduct(&cloud, op[k], 3, expected);
+      AssertEqual("all products", name, y[k], expected);
+      ASSERT_OK(AffineApply(op[k], cloud.f[0], cloud.e, y[k]));
+      ASSERT_OK(AffineApplyAdd(op[k], cloud.f[0], cloud.e, y[k]));
+      ASSERT_OK(VecScale(expected, 2.0));
+      AssertEqual("a product added", name, y[k], expected);
+      ASSERT_OK(AffineApplyWalls(op[k], cloud.e, y[k]));
+      MatrixProduct(&cloud, op[k], 2, expected);
+      AssertEqual("wall data", name, y[k], expected);
+    }
+    for (PetscInt k = 0; k < n; k++) ASSERT_OK(VecDestroy(&y[k]));
+    ASSERT_OK(VecDestroy(&expected));
+    ASSERT_OK(CloudDestroy(&cloud));
+  }
+}
+
+/* The matrix is the same from the rows and from the matrix of the operator, for each type, and also
+   if its values are set twice. */
+static void test_system(void **state)
+{
+  const char *const types[] = {MATSAME, MATBAIJ};
+
+  (void)state;
+  for (size_t k = 0; k < 2 * BOXES; k++) {
+    const char    *name = boxes[k / 2].name;
+    Cloud          cloud;
+    AffineOperator by_rows;
+    Mat            J, expected, plain;
+    PetscReal      norm, difference;
+
+    ASSERT_OK(CloudCreate(&boxes[k / 2], "", &cloud));
+    by_rows   = cloud.ops->velocity[0].visc;
+    by_rows.A = by_rows.B = NULL;
+    ASSERT_OK(AffineSystemCreate(&by_rows, types[k % 2], &J));
+    ASSERT_OK(AffineSystemSet(&by_rows, 7.0, 3.0, J));
+    ASSERT_OK(AffineSystemSet(&by_rows, 250.0, -0.4, J));
+    ASSERT_OK(AffineSystemCreate(&cloud.ops->velocity[0].visc, MATSAME, &expected));
+    ASSERT_OK(AffineSystemSet(&cloud.ops->velocity[0].visc, 250.0, -0.4, expected));
+    ASSERT_OK(MatNorm(expected, NORM_FROBENIUS, &norm));
+    ASSERT_OK(MatConvert(J, MATAIJ, MAT_INITIAL_MATRIX, &plain));
+    ASSERT_OK(MatAXPY(plain, -1.0, expected, DIFFERENT_NONZERO_PATTERN));
+    ASSERT_OK(MatNorm(plain, NORM_FROBENIUS, &difference));
+    CloudAssertNone(types[k % 2], name, !(difference <= ROUNDING * norm));
+    ASSERT_OK(MatDestroy(&plain));
+    ASSERT_OK(MatDestroy(&expected));
+    ASSERT_OK(MatDestroy(&J));
+    ASSERT_OK(PetscFree(by_rows.system));
+    ASSERT_OK(CloudDestroy(&cloud));
+  }
+}
+
+/* Returns the largest difference of two rows over the largest weight. */
+static PetscReal RowDifference(PetscInt n, const PetscReal a[], const PetscReal b[])
+{
+  PetscReal most = 0.0, difference = 0.0;
+
+  for (PetscInt k = 0; k < n; k++) {
+    most       = PetscMax(most, PetscAbsReal(b[k]));
+    difference = PetscMax(difference, PetscAbsReal(a[k] - b[k]));
+  }
+  return difference / most;
+}
+
+/* Compares the rows of a fit in a batch with those of the same fit alone; returns the number of
+   errors. Normal equations of condition 1e4 amplify rounding. Not collective. */
+static PetscInt CompareFits(Stencil *st)
+{
+  const PetscInt n = st->n, rows = 2 + st->dim;
+  PetscReal     *kept, *w, *g[ISPH_MAX_DIM], *of_fit[] = {st->fit.filter, st->fit.laplacian};
+  PetscInt       wrong = 0;
+
+  if (PetscMalloc2(rows * n, &kept, rows * n, &w)) return 1;
+  for (PetscInt r = 0; r < rows; r++) {
+    const PetscReal *row = r < 2 ? of_fit[r] : st->fit.gradient[r - 2];
+
+    if (r >= 2) g[r - 2] = w + r * n;
+    for (PetscInt k = 0; k < n; k++) kept[r * n + k] = row[k];
+  }
+  wrong += st->fit.wanted == 2 ? 0 : 1;
+  st->fit.wanted = 0; /* computes the fit anew */
+  if (FilterRow_Mls(st, w) || LaplacianRow_Mls(st, w + n) || GradientRow_Mls(st, g)) wrong++;
+  for (PetscInt r = 0; r < rows; r++)
+    wrong += RowDifference(n, kept + r * n, w + r * n) < 1e-11 ? 0 : 1;
+  return PetscFree2(kept, w) ? wrong + 1 : wrong;
+}
+
+static void test_batch(void **state)
+{
+  (void)state;
+  for (size_t b = 0; b < BOXES; b++) {
+    Cloud     cloud;
+    PetscInt  wrong = 0, compared = 0;
+    Stencil **batch;
+
+    ASSERT_OK(CloudCreate(&boxes[b], "", &cloud));
+    batch = cloud.ops->work->batch;
+    for (PetscInt i = 0; i < cloud.particles->n_fluid; i += MLS_LANES) {
+      const PetscInt count = PetscMin(MLS_LANES, cloud.particles->n_fluid - i);
+
+      for (PetscInt l = 0; l < count; l++) {
+        wrong += GatherStencil(&cloud.scene, cloud.particles, cloud.neighbors, cloud.ops, i + l,
+                               batch[l])
+                     ? 1
+                     : 0;
+      }
+      wrong += MlsFitBatch(count, batch, cloud.ops->work->fits) ? 1 : 0;
+      for (PetscInt l = 0; l < count; l++) {
+        if (batch[l]->n_wall) continue;
+        wrong += CompareFits(batch[l]);
+        compared++;
+      }
+    }
+    CloudAssertNone("rows of a batch", boxes[b].name, wrong);
+    ASSERT_OK(MPI_Allreduce(MPI_IN_PLACE, &compared, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
+    CloudAssertNone("particles without walls", boxes[b].name, compared == 0);
+    ASSERT_OK(CloudDestroy(&cloud));
+  }
+}
+
+int main(int argc, char *argv[])
+{
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_products), cmocka_unit_test(test_system),
+                                     cmocka_unit_test(test_batch)};
+  int                     failed;
+
+  if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;
+  failed = cmocka_run_group_tests(tests, NULL, NULL);
+  return PetscFinalize() || failed;
+}
