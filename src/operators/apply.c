@@ -25,8 +25,8 @@ static PetscErrorCode SetValues(OperatorRows *rows, Vec f, Vec walls)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the products of row i of n operators, over fluid or over walls, to sum[]. Two partial sums of
-   each hide the latency of additions. Inlined, so that the compiler knows n. */
+/* Adds the products of row i of n operators, over fluid or over walls, to sum[]. Two partial sums
+   of each hide the latency of additions. Inlined, so that the compiler knows n. */
 static inline void AddProducts(const Pattern *pattern, PetscInt i, PetscInt n,
                                PetscReal *const weights[], const PetscReal value[], PetscReal sum[])
 {

@@ -1,6 +1,6 @@
 /*
-  Operators of a run: creation for given needs, placement of walls, destruction. For their choice see
-  choose.c, for their assembly assemble.c, for their products apply.c.
+  Operators of a run: creation for given needs, placement of walls, destruction. For their choice
+  see choose.c, for their assembly assemble.c, for their products apply.c.
 */
 #include "assembly.h"
 #include "boundary_rows.h"
@@ -36,8 +36,8 @@ unsigned SceneNeeds(const Scene *scene)
   return needs;
 }
 
-/* Sets the form of the products of an operator and the matrices that it needs. Input: extended - the
-   wall treatment changes the operator's matrices after the assembly of rows. */
+/* Sets the form of the products of an operator and the matrices that it needs. Input: extended -
+   the wall treatment changes the operator's matrices after the assembly of rows. */
 static void ChooseProducts(Operators *ops, PetscBool extended, AffineOperator *op)
 {
   op->rows         = extended ? NULL : &ops->rows;

@@ -1,5 +1,5 @@
-/* The matrix shift I + scale A of an operator, for solvers: from its rows, so that A itself need not
-   be a matrix. */
+/* The matrix shift I + scale A of an operator, for solvers: from its rows, so that A itself need
+   not be a matrix. */
 #include "isph/operators.h"
 
 /*
@@ -51,7 +51,8 @@ static PetscErrorCode SetRows(const OperatorRows *rows, const PetscReal value[],
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* AffineSystemSet - Computes J = shift I + scale A in a matrix of AffineSystemCreate(); collective */
+/* AffineSystemSet - Computes J = shift I + scale A in a matrix of AffineSystemCreate();
+   collective */
 PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscReal scale, Mat J)
 {
   const OperatorRows *rows = op->rows;

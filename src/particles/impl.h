@@ -1,8 +1,8 @@
 /*
   Declarations shared by the files of this folder. Each file calls only files to its right:
 
-    particles.c | population.c, neighbors.c | epoch.c, cells.c | migrate.c, decompose.c, halo.c, lattice.c,
-    numbering.c | exchange.c, storage.c
+    particles.c | population.c, neighbors.c | epoch.c, cells.c | migrate.c, decompose.c, halo.c,
+    lattice.c, numbering.c | exchange.c, storage.c
 */
 #ifndef ISPH_PARTICLES_IMPL_H
 #define ISPH_PARTICLES_IMPL_H

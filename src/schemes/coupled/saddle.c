@@ -130,8 +130,8 @@ static PetscErrorCode CreateBlocks(const Flow *flow, MatType type, Saddle *s)
   PetscCall(VecDuplicate(s->length, &inverse));
   PetscCall(VecPointwiseDivide(unit, s->length, s->time));
   PetscCall(VecPointwiseDivide(inverse, s->time, s->length));
-  PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){s->dim, 1, dx, momentum, unit}, ops->grad_p,
-                        type, &s->G));
+  PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){s->dim, 1, dx, momentum, unit},
+                        ops->grad_p, type, &s->G));
   PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){1, s->dim, dx, s->length, NULL}, ops->div,
                         type, &s->D));
   PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){1, 1, 1.0, inverse, unit}, &ops->filter_p,

@@ -1,5 +1,5 @@
-/* The velocity at the points of quadrature of the splines: products of the fits of splinefits.c with
-   the velocities of particles, which are read by their local index. */
+/* The velocity at the points of quadrature of the splines: products of the fits of splinefits.c
+   with the velocities of particles, which are read by their local index. */
 #include "splines.h"
 
 /* SplineFitsFree - Frees the fits; not collective */

@@ -218,8 +218,8 @@ PetscErrorCode SplinesGradient(Splines *s, Vec p, PetscReal *const gradient[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplinesAccelerate - Adds factor times sum_q p_q grad psi_q to the components of a vector field over
-   fluid; collective. The fits' work arrays hold the gradient. */
+/* SplinesAccelerate - Adds factor times sum_q p_q grad psi_q to the components of a vector field
+   over fluid; collective. The fits' work arrays hold the gradient. */
 PetscErrorCode SplinesAccelerate(Splines *s, Vec p, PetscReal factor, const Vec u[])
 {
   PetscScalar *v;
