@@ -96,7 +96,8 @@ def comparison(flow, quick):
         for setting, words in FIXED.items():
             yield Run("fixed", setting, n, f"{base} {words} -n {n}", flow)
         yield Run("moving", "default", n, f"{base} -n {n}", flow)
-        yield Run("icoFoam", "Courant 2", n, foam(flow, case, t_end, n, 2), flow)
+        for courant in (2, 1, 0.5):
+            yield Run("icoFoam", f"Courant {courant}", n, foam(flow, case, t_end, n, courant), flow)
     if flow in PERIODIC:
         for n in (16,) if quick else (64, 128, 192, 256):
             if n < PERIODIC[flow].modes:
@@ -144,8 +145,8 @@ STEPS = (
     Step(3, 40, "fixed", 6, 20, None, 9.3, 5), Step(3, 40, "moving", 3, 9, None, 42, 7),
     Step(3, 64, "fixed", 4, 12, 5, 10.3, 5), Step(3, 64, "moving", 2, 6, 15, None, 7),
 )
-QUICK_STEPS = (Step(2, 16, "fixed", 5, 20), Step(2, 16, "moving", 5, 20), Step(3, 8, "fixed", 2, 4),
-               Step(3, 8, "moving", 2, 4))
+QUICK_STEPS = (Step(2, 16, "fixed", 5, 20), Step(2, 16, "moving", 5, 20), Step(3, 12, "fixed", 2, 4),
+               Step(3, 12, "moving", 2, 4))
 PARALLEL = ((2, 100), (2, 300), (3, 32))
 PARALLEL_BEFORE = {("fixed", 2, 100): 1.69, ("fixed", 2, 300): 1.51, ("fixed", 3, 32): 1.28, ("moving", 2, 100): 1.0,
                    ("moving", 2, 300): 1.09, ("moving", 3, 32): 1.24}

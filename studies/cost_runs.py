@@ -9,6 +9,7 @@ import os
 import re
 import resource
 import shlex
+import signal
 import statistics
 import subprocess
 import sys
@@ -24,6 +25,7 @@ import numpy as np
 import spectral
 from runs import ROOT, Runs
 
+SHELL = ("sh", "-c", '"$@"; exit $?', "sh")  # keeps Python's memory out of the largest memory of isph
 LONG = 60  # user time of a run that is not repeated [s]
 CENTRE, RADIUS = (0.5, 0.55), 0.15
 BODY = f"circle,{CENTRE[0]},{CENTRE[1]},{RADIUS}"
@@ -48,7 +50,7 @@ PERIODIC = {"taylor_green": Periodic(spectral.taylor_green, 100, 1, 64),
 
 
 def timed(command, folder):
-    """Runs a command; returns its output, its status, and its times and largest memory."""
+    """Runs a command; returns its output, its status and its times."""
     path = os.path.join(folder, "log")
     environment = {**icofoam.environment(), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     with open(path, "w") as log:
@@ -59,14 +61,15 @@ def timed(command, folder):
     child.returncode = os.waitstatus_to_exitcode(status)
     with open(path, errors="replace") as log:
         printed = log.read()
-    return printed, child.returncode, {"user_s": used.ru_utime, "system_s": used.ru_stime, "wall_s": wall,
-                                       "rss_mb": used.ru_maxrss / 1024}
+    return printed, child.returncode, {"user_s": used.ru_utime, "system_s": used.ru_stime, "wall_s": wall}
 
 
 def reason(printed, status):
-    """Returns the last sentence of a failed run."""
-    lines = [line.strip() for line in printed.splitlines() if line.strip()]
+    """Returns the error sentence of a failed run, or the signal that ended it; icoFoam's SIGFPE is a flow that diverged."""
+    lines = [line.strip() for line in printed.splitlines() if re.search("[a-z]", line)]
     told = [line[6:] for line in lines if line.startswith("isph: ")]
+    if status < 0 and not told:
+        return f"ended by signal {signal.Signals(-status).name}"
     return (told or lines[-1:] or [f"status {status}"])[0][:200]
 
 
@@ -113,7 +116,8 @@ class Ledger(Runs):
         good = [row for row in kept if "failed" not in row]
         if not good:
             return kept[0]
-        medians = {name: statistics.median(row[name] for row in good) for name in ("user_s", "wall_s", "rss_mb")}
+        medians = {name: statistics.median(row[name] for row in good) for name in ("user_s", "wall_s", "rss_mb")
+                   if name in good[0]}
         return {**good[0], **medians, "repeats": len(good)}
 
     def told(self):
@@ -143,7 +147,7 @@ def report_row(path):
     """Returns the numbers at the end of a -report file."""
     with open(path, newline="") as file:
         lines = list(csv.DictReader(file))
-    row = {name: float(lines[-1][name]) for name in ("steps", "particles", "t")}
+    row = {name: float(lines[-1][name]) for name in ("steps", "particles", "t", "rss_mb")}
     for line in lines:
         if line["quantity"] in REPORTED and line["t"] == lines[-1]["t"]:
             row[line["quantity"]] = float(line["value"])
@@ -152,7 +156,7 @@ def report_row(path):
     return row
 
 
-def run_isph(ledger, words, folder, flow, launch=()):
+def run_isph(ledger, words, folder, flow, launch=SHELL):
     """Makes a run of isph; its velocity is measured at the points of the flow."""
     words = [os.path.join(ROOT, word) if before == "-options_file" else word for before, word in zip(["", *words], words)]
     watch = []
@@ -244,7 +248,7 @@ def run_spectral(ledger, words, folder, flow):
     before = resource.getrusage(resource.RUSAGE_SELF).ru_utime
     start = time.perf_counter()
     field = spectral.solve(case.velocity, 1 / case.reynolds, case.t_end, n)
-    row = {"wall_s": time.perf_counter() - start, "rss_mb": 0.0,
+    row = {"wall_s": time.perf_counter() - start,
            "user_s": resource.getrusage(resource.RUSAGE_SELF).ru_utime - before, "particles": n * n, "build": "numpy "
            + np.__version__}
     x, y = np.random.default_rng(1).random((2, 2000))
