@@ -1,7 +1,7 @@
 """The runs of studies/cost, part by part."""
 from typing import NamedTuple
 
-from cost_runs import BODY, PERIODIC
+from cost_runs import BODY, LONG, PERIODIC
 
 GRADED = "-motion eulerian -convection implicit -spacing_wall 0.2 -pressure_points coarse"
 CAVITY = "isph -case cavity -reynolds 1000"
@@ -23,7 +23,7 @@ class Run(NamedTuple):
     n: int
     line: str
     flow: str = ""
-    repeated: bool = True
+    below: float = LONG  # user time of a run that is repeated [s]
 
 
 class Comparison(NamedTuple):
@@ -70,7 +70,7 @@ def cavity(quick):
                       f"{base} {GRADED} -cfl 8 -jitter 0.2 -n {n} -seed {seed}")
     for n in (16,) if quick else (32, 40, 50):
         for seed in range(1, 9) if n == 50 else (1,):
-            yield Run("moving", "default", n, f"{base} -n {n} -seed {seed}", repeated=False)
+            yield Run("moving", "default", n, f"{base} -n {n} -seed {seed}", below=0)
     for n in (24,) if quick else (64, 100, 168):
         yield Run("icoFoam", "Courant 2", n, f"icoFoam -reynolds 1000 -t_end 40 -n {n} -courant 2")
 
@@ -104,10 +104,10 @@ def comparison(flow, quick):
                 yield Run("spectral", "RK4, CFL 0.4", n, f"spectral {flow} -n {n}", flow)
     else:
         for n in references(quick):
-            yield Run("reference", "Courant 1", n, foam(flow, case, t_end, n, 1), flow, False)
+            yield Run("reference", "Courant 1", n, foam(flow, case, t_end, n, 1), flow, 0)
         for n in case.quick if quick else (100, 200):
             yield Run("check", "coarse points, CFL 2", n,
-                      f"{base} -motion eulerian -convection implicit -pressure_points coarse -cfl 2 -n {n}", flow, False)
+                      f"{base} -motion eulerian -convection implicit -pressure_points coarse -cfl 2 -n {n}", flow, 0)
 
 
 def references(quick):
@@ -134,6 +134,7 @@ class Step(NamedTuple):
     memory: object = None  # wanted kB a particle
 
 
+ALWAYS = float("inf")
 TINY = 8  # n of the run whose memory is that of the program
 MOTIONS = {"fixed": "-motion eulerian", "moving": ""}
 STEPS = (
@@ -173,13 +174,14 @@ def step(quick):
     """Yields the runs that measure the cost of a step."""
     for dim in (2, 3):
         for motion in MOTIONS:
-            yield Run(motion, "", TINY, step_line(dim, TINY, motion, 2))
+            yield Run(motion, "", TINY, step_line(dim, TINY, motion, 2), below=ALWAYS)
     for case in steps_of(quick):
         for steps in (case.short, case.steps):
-            yield Run(case.motion, "", case.n, step_line(case.dim, case.n, case.motion, steps))
+            yield Run(case.motion, "", case.n, step_line(case.dim, case.n, case.motion, steps), below=ALWAYS)
     for case in parallel(quick):
         for steps in (case.short, case.steps):
-            yield Run(case.motion, "two ranks", case.n, step_line(case.dim, case.n, case.motion, steps, 2))
+            yield Run(case.motion, "two ranks", case.n, step_line(case.dim, case.n, case.motion, steps, 2),
+                      below=ALWAYS)
 
 
 # ---- orders ----
@@ -226,10 +228,10 @@ def order(quick):
     for name in ORDERS:
         for n in order_sides(quick):
             for seed in order_seeds(quick):
-                yield Run("disordered", name, n, order_line(name, n, seed), repeated=False)
+                yield Run("disordered", name, n, order_line(name, n, seed), below=0)
         for seed in order_seeds(quick):  # the quadratic fits at the finest resolution
             n = order_sides(quick)[-1]
-            yield Run("disordered", name, n, order_line(name, n, seed, 2), repeated=False)
+            yield Run("disordered", name, n, order_line(name, n, seed, 2), below=0)
 
 
 PARTS = {"cavity": cavity, "steady": steady, **{flow: lambda quick, flow=flow: comparison(flow, quick)

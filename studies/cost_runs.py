@@ -100,10 +100,10 @@ class Ledger(Runs):
         return {"run": arguments, "failed": "", "build": self.build,
                 "date": datetime.now(timezone.utc).date().isoformat(), **row}
 
-    def measure(self, line, flow, repeated):
-        """Makes a run, and its repetitions if it is short."""
+    def measure(self, line, flow, below):
+        """Makes a run, and its repetitions if it takes less user time than `below`."""
         first = self(line, flow)
-        if repeated and "failed" not in first and first["user_s"] < LONG:
+        if "failed" not in first and first["user_s"] < below:
             for k in range(2, self.repeats + 1):
                 self(f"{line} # {k}", flow)
 
