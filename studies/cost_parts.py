@@ -9,7 +9,9 @@ FIXED = {  # the same settings in all flows of comparison
     "default": "-motion eulerian",
     "implicit": "-motion eulerian -convection implicit",
     "coarse points, CFL 8": "-motion eulerian -convection implicit -pressure_points coarse -cfl 8",
+    "quartic, explicit": "-motion eulerian -mls_degree 4",
     "quartic": "-motion eulerian -convection implicit -mls_degree 4",
+    "quartic, CFL 4": "-motion eulerian -convection implicit -mls_degree 4 -cfl 4",
     "quartic, coarse points": "-motion eulerian -convection implicit -mls_degree 4 -pressure_points coarse",
 }
 SHEAR = ('-case scene -scene_box 0,0,1,1 -scene_periodic x,y -viscosity 1e-4 -scene_velocity '
@@ -33,8 +35,10 @@ class Comparison(NamedTuple):
     isph: str
     reynolds: float
     t_end: float
-    sides: tuple  # n of all codes
-    quick: tuple
+    sides: tuple  # n of OpenFOAM
+    fixed: tuple  # n of fixed and of moving particles: more of them, for equal errors
+    moving: tuple
+    quick: tuple  # n of all codes with --quick
 
 
 COMPARISONS = {
@@ -42,13 +46,13 @@ COMPARISONS = {
         f"Two lids and a cylinder off the centre (`{BODY}`), Re = 400, t = 4",
         "root mean square difference of u and v at 50 points on three vertical lines, over their root mean square",
         f"-case scene -scene_wall_top_velocity 1,0 -scene_wall_bottom_velocity 1,0 -scene_body_1 {BODY} -reynolds 400",
-        400, 4, (40, 80, 160), (20, 40)),
+        400, 4, (40, 80, 160), (32, 40, 50, 60, 80, 120, 160), (32, 40, 60, 80, 120), (20, 40)),
     "taylor_green": Comparison(
         "Taylor-Green vortices, Re = 100, t = 1", "L2 error of the velocity over particles or cells, relative",
-        "-case taylor_green -reynolds 100", 100, 1, (32, 64, 128), (16, 24)),
+        "-case taylor_green -reynolds 100", 100, 1, (32, 64, 128), (16, 24, 32, 48, 64, 96, 128), (16, 24, 32, 48, 64), (16, 24)),
     "double_shear": Comparison(
         "Double shear layer of Brown & Minion, 1/ν = 10⁴, thickness parameter 30, t = 1",
-        "L2 error of the velocity over particles or cells, relative", SHEAR, 1e4, 1, (64, 128, 256), (16, 24)),
+        "L2 error of the velocity over particles or cells, relative", SHEAR, 1e4, 1, (64, 128, 256), (48, 64, 96, 128, 192, 256), (48, 64, 96, 128, 192), (16, 24)),
 }
 
 
@@ -92,10 +96,13 @@ def comparison(flow, quick):
     case = COMPARISONS[flow]
     t_end = min(case.t_end, 0.2) if quick and flow not in PERIODIC else case.t_end
     base = f"isph {case.isph} -t_end {t_end}"
-    for n in case.quick if quick else case.sides:
+    for n in case.quick if quick else case.fixed:
         for setting, words in FIXED.items():
-            yield Run("fixed", setting, n, f"{base} {words} -n {n}", flow)
+            if setting != "quartic, coarse points" or flow in PERIODIC:  # the default between walls
+                yield Run("fixed", setting, n, f"{base} {words} -n {n}", flow)
+    for n in case.quick if quick else case.moving:
         yield Run("moving", "default", n, f"{base} -n {n}", flow)
+    for n in case.quick if quick else case.sides:
         for courant in (2, 1, 0.5):
             yield Run("icoFoam", f"Courant {courant}", n, foam(flow, case, t_end, n, courant), flow)
     if flow in PERIODIC:
@@ -105,9 +112,8 @@ def comparison(flow, quick):
     else:
         for n in references(quick):
             yield Run("reference", "Courant 1", n, foam(flow, case, t_end, n, 1), flow, 0)
-        for n in case.quick if quick else (100, 200):
-            yield Run("check", "coarse points, CFL 2", n,
-                      f"{base} -motion eulerian -convection implicit -pressure_points coarse -cfl 2 -n {n}", flow, 0)
+        n = case.quick[-1] if quick else case.fixed[-1]
+        yield Run("check", "quartic", n, f"{base} {FIXED['quartic']} -n {n}", flow, 0)
 
 
 def references(quick):
