@@ -127,6 +127,8 @@ class Ledger(Runs):
         others = sum(row["build"] != self.build for row in rows if row["run"].startswith(("isph", "mpiexec")))
         if others:
             print(f"{others} runs are of another build of isph; without their rows in {self.path} they are made anew")
+        if not rows:
+            return ""
         spent = sum(float(row.get("user_s", 0)) for row in rows)
         return f"The {len(rows)} runs together took {spent / 3600:.2g} hours of user time."
 
