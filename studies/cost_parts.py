@@ -190,6 +190,34 @@ def step(quick):
                       below=ALWAYS)
 
 
+# ---- single changes ----
+
+CHANGES = {  # options that undo or add a change, in the cavity at Re = 1000 from rest; the first of each motion are the defaults
+    "fixed": (("defaults", ""), ("AMG in place of LU", "-ppe_pc_type hypre"),
+              ("AMG, and no guess from earlier solutions", "-ppe_pc_type hypre -ppe_ksp_initial_guess_nonzero 0"),
+              ("PETSc's AMG in place of LU", "-ppe_pc_type gamg"), ("pressure to 1e-3", "-ppe_ksp_rtol 1e-3"),
+              ("convection implicit, same steps", "-convection implicit -cfl 0.5"),
+              ("pressure on coarse points", "-pressure_points coarse"), ("quartic fits", "-mls_degree 4")),
+    "moving": (("defaults", ""), ("pressure to 1e-3, viscosity to 1e-4", "-ppe_ksp_rtol 1e-3 -visc_ksp_rtol 1e-4"),
+               ("PETSc's AMG", "-ppe_pc_type gamg"), ("pressure on particles", "-pressure_points same"),
+               ("no shifting", "-shift none"), ("no velocity filter", "-velocity_filter 0")),
+}
+
+
+def change_line(motion, options, quick):
+    """Returns the line of a run with an option changed."""
+    n, steps = (24, 20) if quick else (100, 400 if motion == "fixed" else 100)
+    words = f"{MOTIONS[motion]} -n {n} -max_steps {steps} {options}".split()
+    return " ".join(["isph -case cavity -reynolds 1000", *words])
+
+
+def changes(quick):
+    """Yields the runs of single changes."""
+    for motion, cases in CHANGES.items():
+        for name, options in cases:
+            yield Run(motion, name, 24 if quick else 100, change_line(motion, options, quick))
+
+
 # ---- orders ----
 
 class Order(NamedTuple):
@@ -241,4 +269,4 @@ def order(quick):
 
 
 PARTS = {"cavity": cavity, "steady": steady, **{flow: lambda quick, flow=flow: comparison(flow, quick)
-                                                for flow in COMPARISONS}, "step": step, "order": order}
+                                                for flow in COMPARISONS}, "step": step, "changes": changes, "order": order}
