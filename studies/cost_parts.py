@@ -49,10 +49,12 @@ COMPARISONS = {
         400, 4, (40, 80, 160), (32, 40, 50, 60, 80, 120, 160), (32, 40, 60, 80, 120), (20, 40)),
     "taylor_green": Comparison(
         "Taylor-Green vortices, Re = 100, t = 1", "L2 error of the velocity over particles or cells, relative",
-        "-case taylor_green -reynolds 100", 100, 1, (32, 64, 128), (16, 24, 32, 48, 64, 96, 128), (16, 24, 32, 48, 64), (16, 24)),
+        "-case taylor_green -reynolds 100", 100, 1, (32, 64, 128),
+        (16, 24, 32, 48, 64, 96, 128), (16, 24, 32, 48, 64), (16, 24)),
     "double_shear": Comparison(
         "Double shear layer of Brown & Minion, 1/ν = 10⁴, thickness parameter 30, t = 1",
-        "L2 error of the velocity over particles or cells, relative", SHEAR, 1e4, 1, (64, 128, 256), (48, 64, 96, 128, 192, 256), (48, 64, 96, 128, 192), (16, 24)),
+        "L2 error of the velocity over particles or cells, relative", SHEAR, 1e4, 1, (64, 128, 256),
+        (48, 64, 96, 128, 192, 256), (48, 64, 96, 128, 192), (16, 24)),
 }
 
 
@@ -192,7 +194,7 @@ def step(quick):
 
 # ---- single changes ----
 
-CHANGES = {  # options that undo or add a change, in the cavity at Re = 1000 from rest; the first of each motion are the defaults
+CHANGES = {  # options that undo or add a change; the first of each motion are the defaults
     "fixed": (("defaults", ""), ("AMG in place of LU", "-ppe_pc_type hypre"),
               ("AMG, and no guess from earlier solutions", "-ppe_pc_type hypre -ppe_ksp_initial_guess_nonzero 0"),
               ("PETSc's AMG in place of LU", "-ppe_pc_type gamg"), ("pressure to 1e-3", "-ppe_ksp_rtol 1e-3"),

@@ -14,8 +14,8 @@ ONLY = "taylor_green:moving,taylor_green:quartic,order:regularised,step:-n 16 -m
 
 
 def call():
-    done = subprocess.run([sys.executable, cost, "--isph", isph, "--quick", "--repeats", "2", "--out", "runs", "--only", ONLY],
-                          capture_output=True, text=True, check=False)
+    words = ["--isph", isph, "--quick", "--repeats", "2", "--out", "runs", "--only", ONLY]
+    done = subprocess.run([sys.executable, cost, *words], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return [line for line in done.stdout.splitlines() if line.startswith("isph ")]
 
