@@ -2,13 +2,24 @@
 
     cost.py COST ISPH"""
 import csv
-import importlib.util
+import os
 import subprocess
 import sys
 
-if any(importlib.util.find_spec(name) is None for name in ("numpy", "matplotlib", "h5py")):
-    print("no numpy, matplotlib or h5py: not tested")
+
+def python_with(modules):
+    """Restarts this script with an interpreter that has the modules; the first python3 of the PATH may lack them."""
+    for python in sys.executable, "/usr/bin/python3":
+        found = subprocess.run([python, "-c", f"import {modules}"], capture_output=True, check=False).returncode == 0
+        if found and python != sys.executable:
+            os.execv(python, [python, *sys.argv])
+        if found:
+            return
+    print(f"no Python has {modules}: not tested")
     sys.exit(77)
+
+
+python_with("numpy, matplotlib, h5py")
 cost, isph = sys.argv[1:]
 ONLY = "taylor_green:moving,taylor_green:quartic,order:regularised,step:-n 16 -max,step:-n 8"
 

@@ -2,12 +2,24 @@
 between grid points.
 
     spectral.py FOLDER_OF_STUDIES"""
-import importlib.util
+import os
+import subprocess
 import sys
 
-if importlib.util.find_spec("numpy") is None:
-    print("no numpy: not tested")
+
+def python_with(modules):
+    """Restarts this script with an interpreter that has the modules; the first python3 of the PATH may lack them."""
+    for python in sys.executable, "/usr/bin/python3":
+        found = subprocess.run([python, "-c", f"import {modules}"], capture_output=True, check=False).returncode == 0
+        if found and python != sys.executable:
+            os.execv(python, [python, *sys.argv])
+        if found:
+            return
+    print(f"no Python has {modules}: not tested")
     sys.exit(77)
+
+
+python_with("numpy")
 sys.path.insert(0, sys.argv[1])
 import numpy as np  # noqa: E402 (after the path)
 import spectral  # noqa: E402
