@@ -229,6 +229,11 @@ class Order(NamedTuple):
     wanted: tuple
 
 
+GROWTH, SWIRL = "(1+0.5*sin(4*t))", ("pi*sin(pi*x)^2*sin(2*pi*y)", "(-pi*sin(2*pi*x)*sin(pi*y)^2)")
+STRESS = ("(-2*pi^3*sin(2*pi*y)*(2*cos(2*pi*x)-1)+60*x^2+30*(y^2-1/3))",
+          "(2*pi^3*sin(2*pi*x)*(2*cos(2*pi*y)-1)+60*(x-0.5)*y)")  # -lap u + grad p of options/stokes_exact.opts
+UNSTEADY = (f'-scene_exact "{GROWTH}*{SWIRL[0]},{GROWTH}*{SWIRL[1]},{GROWTH}*(20*(x^3-0.25)+30*(x-0.5)*(y^2-1/3))" '
+            f'-body_force "{GROWTH}*{STRESS[0]}+2*cos(4*t)*{SWIRL[0]},{GROWTH}*{STRESS[1]}+2*cos(4*t)*{SWIRL[1]}"')
 ORDERS = {
     "vortices": Order("Taylor-Green vortices, Re = 100, t = 0.2, dt = 5e-4, coarse points",
                       "isph -case taylor_green -reynolds 100 -motion eulerian -jitter 0.2 -t_end 0.2 -dt 5e-4 "
@@ -241,6 +246,8 @@ ORDERS = {
                     "-pressure_points coarse", (2.5, 2)),
     "creeping": Order("Exact creeping flow in a box, coupled and steady",
                       "isph -options_file options/stokes_exact.opts -jitter 0.2", (2.5, 2)),
+    "unsteady": Order("The same flow times 1 + sin(4 t)/2, projection, t = 0.2, dt = 5e-4",
+                      f"isph -case scene -without convection -reynolds 1 -jitter 0.2 -t_end 0.2 -dt 5e-4 {UNSTEADY}", (2.5, 2)),
 }
 
 
