@@ -172,11 +172,25 @@ static PetscInt NeededOperators(Operators *ops, AffineOperator *needed[])
   return count;
 }
 
+/* Returns the number of wall particles in all lists of neighbours. */
+static PetscInt WallEntries(const Particles *p, const Neighbors *nb)
+{
+  const PetscInt own = ParticlesOwn(p), halo = own + p->n_halo_fluid;
+  PetscInt       n = 0;
+
+#pragma omp simd reduction(+ : n)
+  for (PetscInt q = 0; q < nb->row[p->n_fluid]; q++)
+    n += (nb->col[q] >= p->n_fluid && nb->col[q] < own) || nb->col[q] >= halo ? 1 : 0;
+  return n;
+}
+
 /* Destroys the matrices of the last assembly and makes room for the new rows. */
 static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, const Neighbors *nb,
                                     Operators *ops, AffineOperator *needed[], PetscInt count)
 {
-  const PetscInt entries = nb->row[p->n_fluid] + p->n_fluid, capacity = ops->rows.fluid.capacity;
+  const PetscInt walls    = ops->forms.wall ? WallEntries(p, nb) : 0;
+  const PetscInt entries  = nb->row[p->n_fluid] + p->n_fluid - walls;
+  const PetscInt capacity = ops->rows.fluid.capacity, wall_capacity = ops->rows.walls.capacity;
   PetscInt       longest = 1;
   PetscBool      grown;
 
@@ -186,8 +200,11 @@ static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, cons
     PetscCall(MatDestroy(&needed[k]->B));
   }
   PetscCall(PatternBegin(&ops->rows.fluid, p->n_fluid, entries));
-  if (ops->forms.wall) PetscCall(PatternBegin(&ops->rows.walls, p->n_fluid, entries));
-  grown = (ops->rows.fluid.capacity != capacity || !needed[0]->a) ? PETSC_TRUE : PETSC_FALSE;
+  if (ops->forms.wall) PetscCall(PatternBegin(&ops->rows.walls, p->n_fluid, walls));
+  grown = ops->rows.fluid.capacity != capacity || ops->rows.walls.capacity != wall_capacity ||
+                  !needed[0]->a
+              ? PETSC_TRUE
+              : PETSC_FALSE;
   for (PetscInt k = 0; k < count; k++) {
     if (grown) PetscCall(PetscFree2(needed[k]->a, needed[k]->b));
     if (grown) {

@@ -185,7 +185,7 @@ PetscErrorCode PatternMatSet(const Pattern *pattern, const PetscReal values[], M
   PetscCall(PetscObjectTypeCompare((PetscObject)A, MATMPIAIJ, &parallel));
   if (!parallel) {
     PetscCall(MatSeqAIJGetArrayWrite(A, &to[0]));
-    PetscCall(PetscArraycpy(to[0], values, pattern->row[pattern->n]));
+    if (to[0] != values) PetscCall(PetscArraycpy(to[0], values, pattern->row[pattern->n]));
     PetscCall(MatSeqAIJRestoreArrayWrite(A, &to[0]));
     PetscFunctionReturn(PETSC_SUCCESS);
   }

@@ -55,8 +55,8 @@ static PetscErrorCode SetRows(const OperatorRows *rows, const PetscReal value[],
    collective */
 PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscReal scale, Mat J)
 {
-  const OperatorRows *rows = op->rows;
-  PetscReal          *value;
+  const OperatorRows *rows  = op->rows;
+  PetscReal          *value = op->system;
   PetscBool           plain;
 
   PetscFunctionBegin;
@@ -66,7 +66,6 @@ PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscR
     PetscCall(MatShift(J, shift));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(PetscMalloc1(rows->fluid.row[rows->fluid.n], &value));
   for (PetscInt i = 0; i < rows->fluid.n; i++) {
     for (PetscInt s = rows->fluid.row[i]; s < rows->fluid.row[i + 1]; s++) {
       value[s] = scale * op->a[s];
@@ -76,6 +75,5 @@ PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscR
   PetscCall(PetscObjectTypeCompareAny((PetscObject)J, &plain, MATSEQAIJ, MATMPIAIJ, ""));
   if (plain) PetscCall(PatternMatSet(&rows->fluid, value, J));
   else PetscCall(SetRows(rows, value, J));
-  PetscCall(PetscFree(value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
