@@ -276,8 +276,10 @@ static PetscErrorCode AssembleBatch(const Scene *scene, const Particles *p, cons
   Stencil *const *batch = ops->work->batch;
 
   PetscFunctionBegin;
-  for (PetscInt l = 0; l < count; l++)
+  for (PetscInt l = 0; l < count; l++) {
     PetscCall(GatherStencil(scene, p, nb, ops, first + l, batch[l]));
+    StencilSetVelocity(scene, 0, batch[l]); /* the first fit that rows ask for */
+  }
   if (ops->work->fits) PetscCall(MlsFitBatch(count, batch, ops->work->fits));
   for (PetscInt l = 0; l < count; l++) {
     PetscInt diagonal;

@@ -214,11 +214,19 @@ static inline void FitInline(PetscInt dim, PetscInt n, Stencil *const st[], MlsB
   SetRows(dim, n, b, &y);
 }
 
+/* Returns true if all neighbours give values in the present fit. */
+static PetscBool HasValuesOnly(const Stencil *st)
+{
+  for (PetscInt k = 0; st->n_wall && k < st->n; k++)
+    if (st->equation[k] != EQUATION_VALUE) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
 /*
   MlsFitBatch - Computes the rows of the quadratic fits of several particles
 
-  Not collective. Skips particles with wall neighbours, and those whose neighbours do not determine
-  the fit: their rows are computed when a row function asks for them.
+  Not collective. Skips particles with neighbours that give derivatives or nothing, and those whose
+  neighbours do not determine the fit: their rows are computed when a row function asks for them.
 
   Input Parameters:
 + count - number of stencils, at most MLS_LANES
@@ -235,7 +243,7 @@ PetscErrorCode MlsFitBatch(PetscInt count, Stencil *const st[], MlsBatch *b)
 
   PetscFunctionBegin;
   for (PetscInt l = 0; l < count; l++) {
-    if (st[l]->n_wall) continue;
+    if (!HasValuesOnly(st[l])) continue;
     of_lane[lanes++] = st[l];
     n                = PetscMax(n, st[l]->n);
   }
