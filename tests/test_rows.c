@@ -114,7 +114,6 @@ static void test_system(void **state)
     ASSERT_OK(MatDestroy(&plain));
     ASSERT_OK(MatDestroy(&expected));
     ASSERT_OK(MatDestroy(&J));
-    ASSERT_OK(PetscFree(by_rows.system));
     ASSERT_OK(CloudDestroy(&cloud));
   }
 }

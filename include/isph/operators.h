@@ -200,6 +200,8 @@ typedef struct {
   const Particles *particles; /* of the last assembly */
   PetscReal       *value;     /* of a field, for all local particles */
   PetscInt         capacity;  /* of value */
+  PetscReal       *system;    /* values of a matrix of AffineSystemCreate() */
+  PetscInt         system_capacity;
 } OperatorRows;
 
 /* An operator: its values in the slots of the shared rows, and matrices if a solver needs them. */
@@ -209,10 +211,8 @@ typedef struct {
                              components */
   PetscReal    *a, *b; /* over fluid, over walls */
   PetscBool     has_matrices;
-  Mat           A, B;   /* fluid x fluid, fluid x wall (NULL without walls) */
-  OperatorRows *rows;   /* rows of products; NULL: products need the matrices */
-  PetscReal    *system; /* values of AffineSystemCreate() */
-  PetscInt      system_capacity;
+  Mat           A, B; /* fluid x fluid, fluid x wall (NULL without walls) */
+  OperatorRows *rows; /* rows of products; NULL: products need the matrices */
 } AffineOperator;
 
 /* Operators that the scheme and the scene need; no other operator is assembled. */
@@ -293,7 +293,7 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *particles,
                                  const Neighbors *neighbors, Operators *ops, PetscBool *changed);
 PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y);
 PetscErrorCode AffineApplyAdd(const AffineOperator *op, Vec f, Vec walls, Vec y);
-PetscErrorCode AffineSystemCreate(AffineOperator *op, MatType type, Mat *J);
+PetscErrorCode AffineSystemCreate(const AffineOperator *op, MatType type, Mat *J);
 PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscReal scale, Mat J);
 PetscErrorCode AffineApplyWalls(const AffineOperator *op, Vec walls, Vec y);
 PetscErrorCode AffineApplyAll(PetscInt n, const AffineOperator *const op[], Vec f, Vec walls,

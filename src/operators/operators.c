@@ -150,7 +150,6 @@ static PetscErrorCode AffineFree(AffineOperator *op)
   PetscCall(MatDestroy(&op->A));
   PetscCall(MatDestroy(&op->B));
   PetscCall(PetscFree2(op->a, op->b));
-  PetscCall(PetscFree(op->system));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -177,6 +176,7 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   PetscCall(PatternFree(&ops->rows.fluid));
   PetscCall(PatternFree(&ops->rows.walls));
   PetscCall(PetscFree(ops->rows.value));
+  PetscCall(PetscFree(ops->rows.system));
   PetscCall(PetscFree(*operators));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,14 +6,15 @@
   AffineSystemCreate - Creates a matrix with the sparsity pattern of A
 
   Collective. Input: type - type of the matrix; MATSAME: the usual one. Output: J - the matrix, for
-  AffineSystemSet(). It uses the storage of the operator until the next assembly.
+  AffineSystemSet(), also of other operators with the same rows. It uses the storage of the rows
+  until the next assembly, so there is one at a time.
 */
-PetscErrorCode AffineSystemCreate(AffineOperator *op, MatType type, Mat *J)
+PetscErrorCode AffineSystemCreate(const AffineOperator *op, MatType type, Mat *J)
 {
-  const OperatorRows *rows = op->rows;
-  const Particles    *p;
-  PetscBool           same;
-  PetscInt            entries;
+  OperatorRows    *rows = op->rows;
+  const Particles *p;
+  PetscBool        same;
+  PetscInt         entries;
 
   PetscFunctionBegin;
   if (op->A) {
@@ -22,13 +23,13 @@ PetscErrorCode AffineSystemCreate(AffineOperator *op, MatType type, Mat *J)
   }
   p       = rows->particles;
   entries = rows->fluid.row[p->n_fluid];
-  if (entries > op->system_capacity) {
-    op->system_capacity = entries + entries / 8;
-    PetscCall(PetscFree(op->system));
-    PetscCall(PetscMalloc1(op->system_capacity, &op->system));
+  if (entries > rows->system_capacity) {
+    rows->system_capacity = entries + entries / 8;
+    PetscCall(PetscFree(rows->system));
+    PetscCall(PetscMalloc1(rows->system_capacity, &rows->system));
   }
-  PetscCall(PetscArrayzero(op->system, entries));
-  PetscCall(PatternMat(p->comm, &rows->fluid, p->n_fluid, p->n_fluid, op->system, J));
+  PetscCall(PetscArrayzero(rows->system, entries));
+  PetscCall(PatternMat(p->comm, &rows->fluid, p->n_fluid, p->n_fluid, rows->system, J));
   PetscCall(PetscStrcmp(type, MATSAME, &same));
   if (!same) PetscCall(MatConvert(*J, type, MAT_INPLACE_MATRIX, J));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -55,8 +56,8 @@ static PetscErrorCode SetRows(const OperatorRows *rows, const PetscReal value[],
    collective */
 PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscReal scale, Mat J)
 {
-  const OperatorRows *rows  = op->rows;
-  PetscReal          *value = op->system;
+  const OperatorRows *rows = op->rows;
+  PetscReal          *value;
   PetscBool           plain;
 
   PetscFunctionBegin;
@@ -66,6 +67,7 @@ PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscR
     PetscCall(MatShift(J, shift));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  value = rows->system;
   for (PetscInt i = 0; i < rows->fluid.n; i++) {
     for (PetscInt s = rows->fluid.row[i]; s < rows->fluid.row[i + 1]; s++) {
       value[s] = scale * op->a[s];
