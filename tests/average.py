@@ -13,7 +13,8 @@ import os
 import subprocess
 import sys
 
-SKIPPED = 77
+from interpreter import python_with
+
 DT, T = 0.02, 0.1
 CAVITY = ["-case", "cavity", "-reynolds", "400", "-n", "12", "-dt", f"{DT}"]
 PROBES = ["-probe_forces", "-probe_point", "0.25,0.5,0.7,0.6", "-probe_line", "0,0.5,1,0.5,5,0.3,0,0.3,1,4"]
@@ -21,17 +22,6 @@ TIGHT = ["-ppe_ksp_rtol", "1e-12", "-visc_ksp_rtol", "1e-12"]
 FLOWS = {"lagrangian": ["-motion", "lagrangian"], "eulerian": ["-motion", "eulerian"],
          "same": ["-pressure_points", "same"]}
 MEAN = {"forces": ("fx", "fy", "tz"), "point": ("p",), "line": ("p",)}  # averaged columns of files
-
-
-def python_with_h5py():
-    """Restarts this script with an interpreter that has h5py; the first python3 of the PATH may lack it."""
-    for python in sys.executable, "/usr/bin/python3":
-        found = subprocess.run([python, "-c", "import h5py"], capture_output=True, check=False).returncode == 0
-        if found and python != sys.executable:
-            os.execv(python, [python, *sys.argv])
-        if found:
-            return
-    sys.exit(SKIPPED)
 
 
 def run(command, folder, *options):
@@ -183,5 +173,5 @@ def restart(command):
                 f"{T}", "-restart", f"../{folder}_again/b.h5", "-t_end", "0.3")
 
 
-python_with_h5py()
+python_with("h5py")
 {"means": means, "ranks": ranks, "restart": restart}[sys.argv[1]](sys.argv[2:])

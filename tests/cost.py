@@ -2,22 +2,10 @@
 
     cost.py COST ISPH"""
 import csv
-import os
 import subprocess
 import sys
 
-
-def python_with(modules):
-    """Restarts this script with an interpreter that has the modules; the first python3 of the PATH may lack them."""
-    for python in sys.executable, "/usr/bin/python3":
-        found = subprocess.run([python, "-c", f"import {modules}"], capture_output=True, check=False).returncode == 0
-        if found and python != sys.executable:
-            os.execv(python, [python, *sys.argv])
-        if found:
-            return
-    print(f"no Python has {modules}: not tested")
-    sys.exit(77)
-
+from interpreter import python_with
 
 python_with("numpy, matplotlib, h5py")
 cost, isph = sys.argv[1:]

@@ -12,23 +12,13 @@ import re
 import subprocess
 import sys
 
-SKIPPED = 77
+from interpreter import python_with
+
 
 
 def run(*options):
     """Runs the program without its output."""
     subprocess.run([*sys.argv[2:], "-progress", "none", *options], check=True, stdout=subprocess.DEVNULL)
-
-
-def python_with(module):
-    """Restarts this script with an interpreter that has a module; the first python3 of the PATH may lack it."""
-    for python in sys.executable, "/usr/bin/python3":
-        found = subprocess.run([python, "-c", f"import {module}"], capture_output=True, check=False).returncode == 0
-        if found and python != sys.executable:
-            os.execv(python, [python, *sys.argv])
-        if found:
-            return
-    sys.exit(SKIPPED)
 
 
 def index_times(path):

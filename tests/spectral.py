@@ -2,22 +2,9 @@
 between grid points.
 
     spectral.py FOLDER_OF_STUDIES"""
-import os
-import subprocess
 import sys
 
-
-def python_with(modules):
-    """Restarts this script with an interpreter that has the modules; the first python3 of the PATH may lack them."""
-    for python in sys.executable, "/usr/bin/python3":
-        found = subprocess.run([python, "-c", f"import {modules}"], capture_output=True, check=False).returncode == 0
-        if found and python != sys.executable:
-            os.execv(python, [python, *sys.argv])
-        if found:
-            return
-    print(f"no Python has {modules}: not tested")
-    sys.exit(77)
-
+from interpreter import python_with
 
 python_with("numpy")
 sys.path.insert(0, sys.argv[1])
