@@ -173,6 +173,8 @@ typedef struct {
   PetscReal least, most; /* edges of the smallest and the largest cell [m] */
 } LatticeMap;
 
+#define GRADING_ROWS 2 /* ordered rows of particles along walls, with the spacing of the wall */
+
 /* Isotropic grading: the spacing as a function of place, docs/theory.md, (142). */
 typedef struct {
   PetscBool  on;

@@ -1,7 +1,7 @@
 /*
-  Particles at the start of a run if the spacing is a function of place. Fluid is created at the
-  places of places.c and relaxed by relax.c; wall particles lie on surfaces. No particle is behind a
-  wall.
+  Particles at the start of a run if the spacing is a function of place. Fluid is created in
+  ordered rows along walls and, elsewhere, at the places of places.c, which relax.c relaxes. Wall
+  particles lie on surfaces; no particle is behind a wall.
 */
 #include "impl.h"
 
@@ -13,6 +13,16 @@ static void SetSize(const Scene *scene, Particles *p, PetscInt i)
   for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
   p->dx[i]     = SceneSpacing(scene, x);
   p->volume[i] = SceneVolumeAt(scene, x);
+}
+
+/* Writes a fluid particle to local index i. */
+static void FluidParticle(const Scene *scene, const PetscReal x[], PetscInt id, Particles *p,
+                          PetscInt i)
+{
+  for (PetscInt a = 0; a < p->dim; a++) p->x[a][i] = x[a];
+  p->id[i]   = id;
+  p->kind[i] = PARTICLE_FLUID;
+  SetSize(scene, p, i);
 }
 
 /* Writes a wall particle to local index i. */
@@ -35,34 +45,36 @@ static void WallParticle(const Scene *scene, const SurfacePoint *point, Particle
   Collective. Input: p - empty particles, with all fields of this module registered.
 
   Output Parameters:
-+ p      - the particles; ids are given to the fluid first, in the order of places
-- volume - of the fluid [lattice cells]
++ p     - the particles; ids are given to ordered rows, then to places, then to walls
+- cloud - number of particles in ordered rows, and volume of the fluid
 */
-PetscErrorCode CloudFill(const Scene *scene, Particles *p, PetscReal *volume)
+PetscErrorCode CloudFill(const Scene *scene, Particles *p, Cloud *cloud)
 {
   Region   region;
   Places   places;
   Surfaces walls;
+  Rows     rows;
 
   PetscFunctionBegin;
   RegionSetBox(scene, &region);
   PetscCall(PlacesCreate(scene, &region, &places));
   PetscCall(SurfacesCreate(scene, &walls));
-  UserCheck(places.N > 0, "the bodies leave no room for fluid at dx = %.4g", (double)scene->dx);
-  p->N_lattice = p->N_fluid = p->N_start[0] = places.N;
+  PetscCall(RowsCreate(scene, &walls, &rows));
+  cloud->ordered = rows.N;
+  cloud->volume  = places.volume;
+  p->N_lattice = p->N_fluid = p->N_start[0] = rows.N + places.N;
   p->N_wall = p->N_start[1] = walls.N;
-  p->n_fluid                = places.n;
+  p->n_fluid                = rows.n + places.n;
   p->n_wall                 = walls.n;
   p->next_id                = (PetscInt64)p->N_fluid + p->N_wall;
+  UserCheck(p->N_fluid > 0, "the bodies leave no room for fluid at dx = %.4g", (double)scene->dx);
   PetscCall(ParticlesReserve(p, ParticlesOwn(p)));
-  for (PetscInt i = 0; i < places.n; i++) {
-    for (PetscInt a = 0; a < p->dim; a++) p->x[a][i] = places.x[i * p->dim + a];
-    p->id[i]   = places.first + i;
-    p->kind[i] = PARTICLE_FLUID;
-    SetSize(scene, p, i);
-  }
-  for (PetscInt k = 0; k < walls.n; k++) WallParticle(scene, &walls.point[k], p, places.n + k);
-  *volume = places.volume;
+  for (PetscInt i = 0; i < rows.n; i++)
+    FluidParticle(scene, &rows.x[i * p->dim], rows.index[i], p, i);
+  for (PetscInt i = 0; i < places.n; i++)
+    FluidParticle(scene, &places.x[i * p->dim], rows.N + places.first + i, p, rows.n + i);
+  for (PetscInt k = 0; k < walls.n; k++) WallParticle(scene, &walls.point[k], p, p->n_fluid + k);
+  PetscCall(RowsDestroy(&rows));
   PetscCall(SurfacesDestroy(&walls));
   PetscCall(PlacesDestroy(&places));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -72,9 +84,9 @@ PetscErrorCode CloudFill(const Scene *scene, Particles *p, PetscReal *volume)
   CloudFinish - Sets the sizes of particles at their last places; the volumes of the fluid add up to
   its volume
 
-  Collective. Input: volume - of the fluid [lattice cells]
+  Collective
 */
-PetscErrorCode CloudFinish(const Scene *scene, PetscReal volume, Particles *p)
+PetscErrorCode CloudFinish(const Scene *scene, const Cloud *cloud, Particles *p)
 {
   PetscReal sum = 0.0;
 
@@ -84,6 +96,6 @@ PetscErrorCode CloudFinish(const Scene *scene, PetscReal volume, Particles *p)
     sum += p->volume[i];
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, p->comm));
-  for (PetscInt i = 0; i < p->n_fluid; i++) p->volume[i] *= volume * p->cell_volume / sum;
+  for (PetscInt i = 0; i < p->n_fluid; i++) p->volume[i] *= cloud->volume * p->cell_volume / sum;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,7 +2,7 @@
   Declarations shared by the files of this folder. Each file calls only files to its right:
 
     particles.c | population.c, relax.c | neighbors.c | epoch.c | migrate.c, decompose.c, halo.c,
-    lattice.c, cloud.c, numbering.c | surfaces.c | places.c | exchange.c, storage.c
+    lattice.c, cloud.c, numbering.c | rows.c, surfaces.c | places.c | exchange.c, storage.c
 */
 #ifndef ISPH_PARTICLES_IMPL_H
 #define ISPH_PARTICLES_IMPL_H
@@ -48,7 +48,7 @@ PetscErrorCode PlacesDestroy(Places *places);
 
 /* surfaces.c */
 typedef struct {
-  PetscInt  side, index;                         /* index among the points of all ranks */
+  PetscInt  side, index;                           /* index among the points of all ranks */
   PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM]; /* [m] */
 } SurfacePoint;
 typedef struct {
@@ -58,12 +58,26 @@ typedef struct {
 PetscErrorCode SurfacesCreate(const Scene *scene, Surfaces *surfaces);
 PetscErrorCode SurfacesDestroy(Surfaces *surfaces);
 
+/* rows.c */
+typedef struct {
+  PetscInt   N, n, capacity; /* particles of all ranks, of this rank */
+  PetscInt  *index;          /* of each among those of all ranks */
+  PetscReal *x;              /* dim values of each [m] */
+} Rows;
+PetscBool      RowsHold(const Scene *scene, const PetscReal x[]);
+PetscErrorCode RowsCreate(const Scene *scene, const Surfaces *walls, Rows *rows);
+PetscErrorCode RowsDestroy(Rows *rows);
+
 /* cloud.c */
-PetscErrorCode CloudFill(const Scene *scene, Particles *p, PetscReal *volume);
-PetscErrorCode CloudFinish(const Scene *scene, PetscReal volume, Particles *p);
+typedef struct {
+  PetscInt  ordered; /* fluid particles of ordered rows: their ids are below it */
+  PetscReal volume;  /* of the fluid [lattice cells] */
+} Cloud;
+PetscErrorCode CloudFill(const Scene *scene, Particles *p, Cloud *cloud);
+PetscErrorCode CloudFinish(const Scene *scene, const Cloud *cloud, Particles *p);
 
 /* relax.c */
-PetscErrorCode CloudRelax(const Scene *scene, Particles *p);
+PetscErrorCode CloudRelax(const Scene *scene, const Cloud *cloud, Particles *p);
 
 /* decompose.c */
 PetscErrorCode ParticlesDecompose(const Scene *scene, Particles *p, PetscInt owner[]);

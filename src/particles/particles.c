@@ -56,13 +56,13 @@ static void SetViscosities(const Scene *scene, const FluidStart *start, Particle
 /* Creates particles whose spacing is a function of place. */
 static PetscErrorCode CreateCloud(const Scene *scene, Particles *p)
 {
-  PetscReal volume;
+  Cloud cloud;
 
   PetscFunctionBegin;
-  PetscCall(CloudFill(scene, p, &volume));
+  PetscCall(CloudFill(scene, p, &cloud));
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
-  PetscCall(CloudRelax(scene, p));
-  PetscCall(CloudFinish(scene, volume, p));
+  PetscCall(CloudRelax(scene, &cloud, p));
+  PetscCall(CloudFinish(scene, &cloud, p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -95,14 +95,16 @@ static void KeepClear(const Scene *scene, PetscReal dx, PetscReal x[])
       x[a] += (least - planes[k].distance) * planes[k].normal[a];
 }
 
-/* Makes a step of the relaxation. */
-static PetscErrorCode Step(const Scene *scene, Particles *p, Neighbors *nb, PetscReal *move)
+/* Makes a step of the relaxation. Particles of ordered rows, whose ids are below `ordered`, stay. */
+static PetscErrorCode Step(const Scene *scene, PetscInt64 ordered, Particles *p, Neighbors *nb,
+                           PetscReal *move)
 {
   PetscFunctionBegin;
   for (PetscInt i = 0; i < p->n_fluid; i++) PushOf(scene, p, nb, i, &move[i * p->dim]);
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal x[ISPH_MAX_DIM] = {0.0};
 
+    if (p->id[i] < ordered) continue;
     for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i] + move[i * p->dim + a];
     KeepClear(scene, p->dx[i], x);
     for (PetscInt a = 0; a < p->dim; a++) p->x[a][i] = x[a];
@@ -119,7 +121,7 @@ static PetscErrorCode Step(const Scene *scene, Particles *p, Neighbors *nb, Pets
 
   Collective. The particles are in an epoch; their owners and order change. Volumes do not change.
 */
-PetscErrorCode CloudRelax(const Scene *scene, Particles *p)
+PetscErrorCode CloudRelax(const Scene *scene, const Cloud *cloud, Particles *p)
 {
   const PetscReal coarsest = SceneCoarsest(scene), width = p->halo_width;
   Neighbors      *nb;
@@ -134,7 +136,7 @@ PetscErrorCode CloudRelax(const Scene *scene, Particles *p)
   for (PetscInt step = 0; step < STEPS; step++) {
     PetscCall(NeighborsUpdate(p, 0.0, nb));
     PetscCall(PetscMalloc1(p->n_fluid * p->dim, &move));
-    PetscCall(Step(scene, p, nb, move));
+    PetscCall(Step(scene, cloud->ordered, p, nb, move));
     PetscCall(PetscFree(move));
   }
   PetscCall(NeighborsDestroy(&nb));

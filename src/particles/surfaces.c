@@ -4,7 +4,7 @@
 */
 #include "impl.h"
 
-#define FINE 16.0 /* points along the smallest spacing, among which particles are chosen */
+#define FINE 64.0 /* points along the smallest spacing, among which particles are chosen */
 
 /* A curve of walls: a side of the box in 2D, or the surface of a body. */
 typedef struct {
@@ -20,8 +20,12 @@ static void CurveSet(const Scene *scene, PetscInt side, Curve *curve)
 
   *curve      = (Curve){.scene = scene, .body = BoundaryBody(scene, side), .side = side};
   curve->step = SceneFinest(scene) / FINE;
-  if (curve->body) curve->points = BodyPoints(curve->body, curve->step);
-  else curve->points = (PetscInt)PetscCeilReal((scene->hi[a] - scene->lo[a]) / curve->step);
+  if (curve->body) {
+    curve->points = BodyPoints(curve->body, curve->step);
+  } else {
+    curve->points = (PetscInt)PetscCeilReal((scene->hi[a] - scene->lo[a]) / curve->step);
+    curve->step   = (scene->hi[a] - scene->lo[a]) / curve->points;
+  }
 }
 
 /* Computes point k of a curve and the normal; returns the length that the point represents [m]. */
@@ -33,7 +37,7 @@ static PetscReal CurvePoint(const Curve *curve, PetscInt k, PetscReal x[], Petsc
 
   for (PetscInt b = 0; b < ISPH_MAX_DIM; b++) normal[b] = x[b] = 0.0;
   if (curve->body) return BodyPoint(curve->body, k, curve->step, x, normal);
-  length        = (scene->hi[a] - scene->lo[a]) / curve->points;
+  length        = curve->step;
   x[a]          = scene->lo[a] + (k + 0.5) * length;
   x[1 - a]      = curve->side % 2 ? scene->hi[1 - a] : scene->lo[1 - a];
   normal[1 - a] = curve->side % 2 ? -1.0 : 1.0;
@@ -87,6 +91,8 @@ static PetscErrorCode AddCurve(const Scene *scene, PetscInt side, Surfaces *s)
     part = CurvePoint(&curve, k, x, normal) / SceneSpacing(scene, x);
     sum += part;
     if (sum < (m + 0.5) * number / n) continue;
+    if (!curve.body) /* at the place where the sum has its value */
+      x[1 - side / 2] += curve.step * (0.5 - (sum - (m + 0.5) * number / n) / part);
     if (m >= first && m < last) PetscCall(Add(side, s->N + m, x, normal, s));
     m++;
   }

@@ -39,8 +39,12 @@ static PetscReal WantedSpacing(const Scene *scene, const PetscReal x[])
     if (SceneIsPeriodic(scene, a)) y[a] -= length * PetscFloorReal((x[a] - scene->lo[a]) / length);
   }
   if (g->spacing.n) value = ExpressionValue(&g->spacing, 0, 0.0, y);
-  if (g->growth > 0.0)
-    value = PetscMin(value, scene->spacing_wall + g->growth * (WallDistance(scene, y) / scene->dx));
+  if (g->growth > 0.0) {
+    const PetscReal rows = GRADING_ROWS * scene->spacing_wall;
+    const PetscReal way  = PetscMax(WallDistance(scene, y) / scene->dx - rows, 0.0);
+
+    value = PetscMin(value, scene->spacing_wall + g->growth * way);
+  }
   return value;
 }
 
