@@ -46,10 +46,11 @@ PetscBool RowsHold(const Scene *scene, const PetscReal x[])
 }
 
 /* Returns true if no boundary is nearer to x than its own wall; of walls at the same distance, as
-   along the bisector of a corner, the first one has the particle. */
+   along the bisector of a corner, the first one has the particle. Walls have whole numbers of
+   particles, so that these distances differ by a share of the spacing. */
 static PetscBool IsNearest(const Scene *scene, const PetscReal x[], PetscInt side, PetscReal height)
 {
-  const PetscReal slack = 1e-6 * height;
+  const PetscReal slack = 0.25 * SceneSpacing(scene, x);
   WallPlane       planes[SCENE_MAX_BOUNDARIES];
   PetscInt        n;
 
