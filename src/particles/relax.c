@@ -2,21 +2,21 @@
   Relaxation of particles whose spacing is a function of place. Pairs repel each other, in distances
   relative to their spacings, until the particles are evenly spread:
 
-    x_i += A dx_i sum_j (s_ij/dx_i)^(d-1) f(r_ij/s_ij) (x_i - x_j)/r_ij,
+    v_i <- B v_i + A sum_j (s_ij/dx_i)^(d-1) f(r_ij/s_ij) (x_i - x_j)/r_ij,   x_i <- x_i + dx_i v_i,
     s_ij = (dx_i + dx_j)/2,   f(q) = (1 - q/Q)^2 for q < Q
 
   The factor (s_ij/dx_i)^(d-1) makes the stress of a cloud uniform if r_ij/s_ij is: the cloud comes
-  to rest with the wanted spacing. Walls act by mirror images of the particles, which also makes the
-  first rows of particles parallel to them. Sums are whole numbers, so places do not depend on the
-  number of ranks.
+  to rest with the wanted spacing. Walls act by mirror images of the particles. Sums are whole
+  numbers, so places do not depend on the number of ranks.
 
   Reference: B. Fornberg, N. Flyer, Comput. Math. Appl. 69 (2015) 531-544
 */
 #include "impl.h"
 
-#define STEPS     60
+#define STEPS     100  /* as even as 400 steps with B = 0 */
 #define RANGE     1.8  /* Q: range of the repulsion [spacings] */
-#define RATE      0.35 /* A */
+#define RATE      0.5  /* A */
+#define MEMORY    0.9  /* B */
 #define STEP_MOST 0.15 /* largest displacement along an axis in a step [dx_i] */
 #define CLEARANCE 0.3  /* least distance from walls [dx_i] */
 #define UNIT      1e15 /* of sums in whole numbers */
@@ -51,9 +51,9 @@ static void AddImage(PetscInt dim, const WallPlane *plane, const PetscReal X[], 
   AddPush(dim, Y, own, dx, push);
 }
 
-/* Computes the displacement of fluid particle i in a step [m]. */
-static void PushOf(const Scene *scene, const Particles *p, const Neighbors *nb, PetscInt i,
-                   PetscReal move[])
+/* Computes the displacement v of fluid particle i in a step [dx_i], which is stored as its
+   velocity. */
+static void PushOf(const Scene *scene, Particles *p, const Neighbors *nb, PetscInt i)
 {
   WallPlane       planes[SCENE_MAX_BOUNDARIES];
   const PetscReal zero[ISPH_MAX_DIM] = {0.0};
@@ -76,9 +76,9 @@ static void PushOf(const Scene *scene, const Particles *p, const Neighbors *nb, 
       AddImage(p->dim, &planes[k], X, p->dx[i], p->dx[j], &push);
   }
   for (PetscInt a = 0; a < p->dim; a++) {
-    const PetscReal d = RATE * ((PetscReal)push.d[a] / UNIT);
+    const PetscReal d = MEMORY * p->u[a][i] + RATE * ((PetscReal)push.d[a] / UNIT);
 
-    move[a] = p->dx[i] * PetscMin(PetscMax(d, -STEP_MOST), STEP_MOST);
+    p->u[a][i] = PetscMin(PetscMax(d, -STEP_MOST), STEP_MOST);
   }
 }
 
@@ -95,21 +95,30 @@ static void KeepClear(const Scene *scene, PetscReal dx, PetscReal x[])
       x[a] += (least - planes[k].distance) * planes[k].normal[a];
 }
 
-/* Makes a step of the relaxation. Particles of ordered rows, whose ids are below `ordered`, stay. */
+/* Makes a step of the relaxation. Particles of ordered rows, whose ids are below `ordered`, stay.
+   Output: largest - displacement of any particle along an axis [m]. */
 static PetscErrorCode Step(const Scene *scene, PetscInt64 ordered, Particles *p, Neighbors *nb,
-                           PetscReal *move)
+                           PetscReal *largest)
 {
+  PetscReal most = 0.0;
+
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < p->n_fluid; i++) PushOf(scene, p, nb, i, &move[i * p->dim]);
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    if (p->id[i] >= ordered) PushOf(scene, p, nb, i);
+  }
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal x[ISPH_MAX_DIM] = {0.0};
 
     if (p->id[i] < ordered) continue;
-    for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i] + move[i * p->dim + a];
+    for (PetscInt a = 0; a < p->dim; a++) {
+      most = PetscMax(most, p->dx[i] * PetscAbsReal(p->u[a][i]));
+      x[a] = p->x[a][i] + p->dx[i] * p->u[a][i];
+    }
     KeepClear(scene, p->dx[i], x);
     for (PetscInt a = 0; a < p->dim; a++) p->x[a][i] = x[a];
     p->dx[i] = SceneSpacing(scene, x);
   }
+  PetscCallMPI(MPI_Allreduce(&most, largest, 1, MPIU_REAL, MPIU_MAX, p->comm));
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_FALSE, NULL));
   PetscCall(ParticlesUpdateHalo(p));
   PetscCall(ParticlesHaloField(p, p->dx));
@@ -120,12 +129,13 @@ static PetscErrorCode Step(const Scene *scene, PetscInt64 ordered, Particles *p,
   CloudRelax - Spreads the fluid evenly, with the wanted spacing
 
   Collective. The particles are in an epoch; their owners and order change. Volumes do not change.
+  Velocities are used for v and are zero afterwards.
 */
 PetscErrorCode CloudRelax(const Scene *scene, const Cloud *cloud, Particles *p)
 {
   const PetscReal coarsest = SceneCoarsest(scene), width = p->halo_width;
+  PetscReal       largest = coarsest;
   Neighbors      *nb;
-  PetscReal      *move;
 
   PetscFunctionBegin;
   if (RANGE * coarsest > width) {
@@ -134,11 +144,10 @@ PetscErrorCode CloudRelax(const Scene *scene, const Cloud *cloud, Particles *p)
   }
   PetscCall(NeighborsCreate(RANGE * coarsest, coarsest, &nb));
   for (PetscInt step = 0; step < STEPS; step++) {
-    PetscCall(NeighborsUpdate(p, 0.0, nb));
-    PetscCall(PetscMalloc1(p->n_fluid * p->dim, &move));
-    PetscCall(Step(scene, cloud->ordered, p, nb, move));
-    PetscCall(PetscFree(move));
+    PetscCall(NeighborsUpdate(p, largest, nb));
+    PetscCall(Step(scene, cloud->ordered, p, nb, &largest));
   }
+  for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscArrayzero(p->u[a], p->n_fluid));
   PetscCall(NeighborsDestroy(&nb));
   p->halo_width = width;
   PetscFunctionReturn(PETSC_SUCCESS);
