@@ -89,6 +89,7 @@ static PetscInt OutOfRow(const Scene *scene, const Particles *p, PetscInt i)
   for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
   height = SceneFluidDistance(scene, x, &side) / p->dx[i];
   if (side < 0 || BoundaryBody(scene, side) || height > 1.7) return 0;
+  if (!GradingHasRows(scene, side)) return 0;
   return PetscAbsReal(height - 0.5) > 0.05 && PetscAbsReal(height - 1.5) > 0.05;
 }
 
@@ -135,6 +136,7 @@ static void test_clouds(void **state)
   Setting         periodic = CrowdBox("2D periodic", 2, 20, 20, 1, 2, 0);
   Setting         circle   = CrowdBox("2D with a circle", 2, 24, 24, 1, 1, 0);
   Setting         cube     = CrowdBox("3D closed", 3, 9, 8, 10, 0, 0);
+  Setting         slope    = CrowdBox("3D, uneven sides", 3, 10, 9, 10, 1, 0);
   const PetscReal radius   = 0.4;
 
   (void)state;
@@ -147,6 +149,7 @@ static void test_clouds(void **state)
   CheckCloud(&circle, "-spacing_wall 0.4 -spacing_growth 0.1", 5.76 - PETSC_PI * PetscSqr(radius),
              0.003);
   CheckCloud(&cube, "-spacing_wall 0.6 -spacing_growth 0.15", 0.72, 1e-9);
+  CheckCloud(&slope, "-spacing 0.8+0.2*sin(2*pi*x)", 0.9, 1e-9);
 }
 
 int main(int argc, char **argv)

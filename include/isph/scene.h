@@ -178,10 +178,11 @@ typedef struct {
 /* Isotropic grading: the spacing as a function of place, docs/theory.md, (142). */
 typedef struct {
   PetscBool  on;
-  Expression spacing;     /* function of x, y, z; n = 0: not given [dx] */
-  PetscReal  growth;      /* per distance from walls and bodies; 0: not given [-] */
-  PetscReal  least, most; /* bounds of the spacing [m] */
-  PetscReal  growth_most; /* largest growth from a particle to the next [-] */
+  Expression spacing;                    /* function of x, y, z; n = 0: not given [dx] */
+  PetscReal  growth;                     /* per distance from walls and bodies; 0: not given [-] */
+  PetscReal  least, most;                /* bounds of the spacing [m] */
+  PetscReal  growth_most;                /* largest growth from a particle to the next [-] */
+  PetscReal  even[SCENE_MAX_BOUNDARIES]; /* spacing on a side in 3D; 0: it differs there [m] */
 } Grading;
 
 struct Scene {
@@ -250,6 +251,7 @@ PetscBool      SceneIsGraded(const Scene *scene);
 PetscBool      SceneIsMapped(const Scene *scene);
 PetscReal      GradingSpacing(const Scene *scene, const PetscReal x[]);
 PetscErrorCode GradingSample(Scene *scene);
+PetscBool      GradingHasRows(const Scene *scene, PetscInt side);
 void           LatticeSetMap(Scene *scene, PetscInt axis);
 PetscReal      LatticeGrowth(const Scene *scene);
 PetscErrorCode SceneNameConstants(Scene *scene);

@@ -37,6 +37,7 @@ PetscBool RowsHold(const Scene *scene, const PetscReal x[])
   for (PetscInt k = 0; k < n; k++) {
     PetscReal foot[ISPH_MAX_DIM] = {0.0};
 
+    if (!GradingHasRows(scene, planes[k].side)) continue;
     for (PetscInt a = 0; a < scene->dim; a++)
       foot[a] = x[a] - planes[k].distance * planes[k].normal[a];
     if (planes[k].distance < RowHeight(scene, foot, planes[k].normal, GRADING_ROWS))
@@ -101,7 +102,7 @@ PetscErrorCode RowsCreate(const Scene *scene, const Surfaces *walls, Rows *rows)
     PetscInt       own, before = 0, all;
 
     for (; k < walls->n && walls->point[k].side == side; k++)
-      PetscCall(AddRows(scene, &walls->point[k], rows));
+      if (GradingHasRows(scene, side)) PetscCall(AddRows(scene, &walls->point[k], rows));
     own = rows->n - begin;
     PetscCallMPI(MPI_Exscan(&own, &before, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
     PetscCallMPI(MPI_Allreduce(&own, &all, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));

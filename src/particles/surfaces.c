@@ -100,39 +100,19 @@ static PetscErrorCode AddCurve(const Scene *scene, PetscInt side, Surfaces *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the spacing on a side of the box in 3D, or 0 if it differs between lattice points of the
-   side [m]. */
-static PetscReal EvenSpacing(const Scene *scene, const Region *region)
-{
-  const PetscInt a = region->axis[0], b = region->axis[1];
-  PetscReal      x[ISPH_MAX_DIM], even  = 0.0;
-
-  for (PetscInt c = 0; c < ISPH_MAX_DIM; c++) x[c] = region->x[c];
-  for (PetscInt k = 0; k < (scene->cells[a] + 1) * (scene->cells[b] + 1); k++) {
-    PetscReal spacing;
-
-    x[a]    = scene->lo[a] + k % (scene->cells[a] + 1) * SceneCellSide(scene, a);
-    x[b]    = scene->lo[b] + k / (scene->cells[a] + 1) * SceneCellSide(scene, b);
-    spacing = SceneSpacing(scene, x);
-    if (k && PetscAbsReal(spacing - even) > 1e-6 * even) return 0.0;
-    even = spacing;
-  }
-  return even;
-}
-
 /* Adds this rank's share of the particles of a side of the box in 3D: a lattice if the spacing is
    the same everywhere on it. */
 static PetscErrorCode AddPlane(const Scene *scene, PetscInt side, Surfaces *s)
 {
-  PetscReal normal[ISPH_MAX_DIM] = {0.0}, even;
-  PetscInt  count[2];
-  Region    region;
-  Places    places = {0};
+  const PetscReal even                 = scene->grading.even[side];
+  PetscReal       normal[ISPH_MAX_DIM] = {0.0};
+  PetscInt        count[2];
+  Region          region;
+  Places          places = {0};
 
   PetscFunctionBegin;
   normal[side / 2] = side % 2 ? -1.0 : 1.0;
   RegionSetSide(scene, side, &region);
-  even = EvenSpacing(scene, &region);
   for (PetscInt m = 0; m < 2 && even > 0.0; m++)
     count[m] =
         PetscMax(1, (PetscInt)PetscFloorReal(

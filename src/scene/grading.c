@@ -82,6 +82,33 @@ static PetscReal GrowthAt(const Scene *scene, const PetscReal x[], PetscReal spa
   return PetscSqrtReal(sum);
 }
 
+/* Returns the spacing on a side of the box in 3D, or 0 if it differs between lattice points of the
+   side [m]. */
+static PetscReal EvenSpacing(const Scene *scene, PetscInt side)
+{
+  const PetscInt a = (side / 2 + 1) % 3, b = (side / 2 + 2) % 3, along = scene->cells[a] + 1;
+  PetscReal      x[ISPH_MAX_DIM], even = 0.0;
+
+  x[side / 2] = side % 2 ? scene->hi[side / 2] : scene->lo[side / 2];
+  for (PetscInt k = 0; k < along * (scene->cells[b] + 1); k++) {
+    PetscReal spacing;
+
+    x[a]    = scene->lo[a] + k % along * SceneCellSide(scene, a);
+    x[b]    = scene->lo[b] + k / along * SceneCellSide(scene, b);
+    spacing = GradingSpacing(scene, x);
+    if (k && PetscAbsReal(spacing - even) > 1e-6 * even) return 0.0;
+    even = spacing;
+  }
+  return even;
+}
+
+/* GradingHasRows - Returns true if ordered rows of particles follow a boundary: in 3D the spacing on
+   it must be even; not collective */
+PetscBool GradingHasRows(const Scene *scene, PetscInt side)
+{
+  return scene->dim == 2 || scene->grading.even[side] > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /*
   GradingSample - Samples the wanted spacing in the fluid on a lattice of dx/2 and sets the bounds
   of the spacing and its growth
@@ -124,5 +151,7 @@ PetscErrorCode GradingSample(Scene *scene)
   g->least       = -bound[0] * scene->dx;
   g->most        = bound[1] * scene->dx;
   g->growth_most = bound[2];
+  for (PetscInt side = 0; side < 2 * scene->dim && scene->dim == 3; side++)
+    g->even[side] = EvenSpacing(scene, side);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
