@@ -360,6 +360,7 @@ PetscErrorCode SceneCreate(Scene **scene)
     s->cells[a] = (PetscInt)PetscFloorReal((s->hi[a] - s->lo[a]) / s->dx + 0.5);
   }
   PetscCall(SceneReadSpacing(s));
+  if (s->problem->typed) PetscCall(SceneCheckGaps(s));
   if (s->scope && ExpressionScopeIsIdle(s->scope)) PetscCall(ExpressionScopeDestroy(&s->scope));
   PetscCall(SceneBoundViscosity(s));
   *scene = s;

@@ -9,6 +9,7 @@
 #define GROWTH_MOST   0.25 /* largest growth of the spacing from a particle to the next [-] */
 #define SPACING_LEAST 0.05 /* bounds of -spacing [dx] */
 #define SPACING_MOST  4.0
+#define OUTLINE_MOST  1e7 /* largest length of an outline [smallest spacing] */
 
 enum { SPACING, WALL, GROWTH };
 static const OptionRow options[] = {
@@ -199,6 +200,26 @@ static PetscErrorCode ReadLattice(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses outlines, of the box or of a body, that are too long for wall particles to be placed. */
+static PetscErrorCode CheckOutlines(const Scene *scene)
+{
+  const PetscReal least = scene->grading.least;
+
+  PetscFunctionBegin;
+  for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
+    const Body     *body = BoundaryBody(scene, side);
+    const PetscReal length =
+        body ? BodyPoints(body, scene->dx) * scene->dx : scene->hi[side / 2] - scene->lo[side / 2];
+
+    UserCheck(length / least <= OUTLINE_MOST,
+              "%s: an outline is %.2g times as long as the smallest spacing, at most %.2g is "
+              "allowed; use a larger spacing or a smaller -n",
+              options[scene->grading.spacing.n ? SPACING : WALL].name, (double)(length / least),
+              OUTLINE_MOST);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Sets the bounds of isotropic grading and checks them. */
 static PetscErrorCode ReadGrading(Scene *scene)
 {
@@ -220,6 +241,7 @@ static PetscErrorCode ReadGrading(Scene *scene)
             "%s: with -n %" PetscInt_FMT " the spacing grows by %.2g %% from a particle to the "
             "next, and at most %.2g %% is allowed; use a larger -n or smaller differences",
             name, scene->n, (double)(100.0 * g->growth_most), 100.0 * GROWTH_MOST);
+  PetscCall(CheckOutlines(scene));
   g->on = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
