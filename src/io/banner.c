@@ -42,7 +42,9 @@ static PetscErrorCode BannerCase(const Flow *flow, PetscViewer viewer)
         viewer, BANNER_LABEL "from %.3g to %.3g dx, growing by at most %.2g %% a particle%s\n",
         "spacing", (double)(SceneFinest(scene) / scene->dx),
         (double)(SceneCoarsest(scene) / scene->dx), (double)(100.0 * SceneGrowth(scene)),
-        scene->grading.on ? "; no lattice" : ""));
+        scene->grading.on
+            ? SceneGrowth(scene) > 0.151 ? "; no lattice; above 15 % errors vary" : "; no lattice"
+            : ""));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
