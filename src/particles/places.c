@@ -6,7 +6,7 @@
 
   and a cell receives as many particles as the rounded sum grows by in it. Within a cell, bisections
   give each particle the same share of M. Sums are whole numbers, so places do not depend on the
-  number of ranks. Where s has its largest value the places are those of a lattice.
+  number of ranks. They are those of a lattice if s has its largest value everywhere.
 */
 #include "impl.h"
 
