@@ -120,7 +120,7 @@ PetscErrorCode GradingSample(Scene *scene)
 {
   Grading    *g = &scene->grading;
   PetscInt    count[ISPH_MAX_DIM], least_side = SceneBoundaries(scene);
-  PetscInt64  total    = 1;
+  PetscInt64  total = 1, cells = 1;
   PetscReal   bound[3] = {0.0, 0.0, 0.0}; /* -least, most [dx], growth */
   PetscMPIInt rank, ranks;
 
@@ -130,7 +130,10 @@ PetscErrorCode GradingSample(Scene *scene)
   for (PetscInt a = 0; a < scene->dim; a++) {
     count[a] = SAMPLES * scene->cells[a] + 1;
     total *= count[a];
+    cells *= scene->cells[a];
   }
+  UserCheck(cells < PETSC_INT_MAX / 8,
+            "-n asks for more particles than fit: more than %" PetscInt_FMT, PETSC_INT_MAX / 8);
   bound[0] = -PETSC_MAX_REAL;
   for (PetscInt64 k = total * rank / ranks; k < total * (rank + 1) / ranks; k++) {
     PetscReal  x[ISPH_MAX_DIM] = {0.0}, spacing;
