@@ -2,7 +2,8 @@
   Declarations shared by the files of this folder. Each file calls only files to its right:
 
     particles.c | population.c, relax.c | neighbors.c | epoch.c | migrate.c, decompose.c, halo.c,
-    lattice.c, cloud.c, numbering.c | rows.c, surfaces.c | places.c | exchange.c, storage.c
+    lattice.c, cloud.c, numbering.c | rows.c, surfaces.c | places.c, cells.c | exchange.c,
+    storage.c
 */
 #ifndef ISPH_PARTICLES_IMPL_H
 #define ISPH_PARTICLES_IMPL_H
