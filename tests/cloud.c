@@ -130,6 +130,7 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
   PetscCall(OperatorsDestroy(&cloud->ops));
   PetscCall(NeighborsDestroy(&cloud->neighbors));
   PetscCall(ParticlesDestroy(&cloud->particles));
+  PetscCall(ExpressionScopeDestroy(&cloud->scene.scope));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

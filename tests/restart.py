@@ -33,6 +33,7 @@ BASE = ["-n", "24", "-t_end", "3", "-progress", "none", "-skin", "1"]
 FORCED = ["-case", "scene", "-scene_body_1", "circle,0.5,0.5,0.2", "-body_force", "sin(9*t),x*cos(7*t)",
           "-scene_wall_top_velocity", "cos(5*t),0"]  # force and wall velocity depend on time
 SAME = ["-pressure_points", "same"]
+CLOUD = ["-spacing_wall", "0.5", "-spacing_growth", "0.15"]
 FILES = ["-checkpoint", "c.h5", "-checkpoint_every", "0.1", "-output", "flow.h5", "-output_every", "0.5",
          "-report_times", "1,2", "-probe_point", "0.5,0.5", "-probe_every", "0.25", "-probe_forces"]
 
@@ -119,6 +120,7 @@ def bitwise(*command):
                            ("implicit", ["-motion", "eulerian", "-convection", "implicit"]),
                            ("graded", ["-motion", "eulerian", "-spacing_wall", "0.5"]),
                            ("graded_same", [*SAME, "-motion", "eulerian", "-spacing_wall", "0.5"]),
+                           ("cloud", ["-motion", "eulerian", *CLOUD]),
                            ("same_body", [*FORCED, *SAME]), ("error", FORCED),
                            ("error_eulerian", [*FORCED, "-motion", "eulerian"]),
                            ("error_coupled", [*FORCED, "-motion", "eulerian", "-scheme", "coupled"])):
@@ -139,7 +141,7 @@ def bitwise(*command):
 def ranks(*command):
     tight = ["-n", "16", "-progress", "none", "-visc_ksp_rtol", "1e-13", "-ppe_ksp_rtol", "1e-13"]
     for name, flow in (("lagrangian", []), ("eulerian", ["-motion", "eulerian"]), ("same", SAME),
-                       ("body", ["-case", "cavity_cylinder"])):
+                       ("cloud", ["-motion", "eulerian", *CLOUD]), ("body", ["-case", "cavity_cylinder"])):
         file = f"{name}.h5"
         run([*ranked(command, 2), *tight, *flow, "-max_steps", "10", "-checkpoint", file])
         flows = []
@@ -265,6 +267,10 @@ def scene(isph):
         refused(flow, options, "pressure on other points")
     run([*flow, *SAME, "-checkpoint", "c.h5"])
     refused(flow, [], "pressure on other points")
+    cloud = ["-motion", "eulerian", "-spacing"]
+    run([*flow, *cloud, "0.9 + 0.1*x", "-checkpoint", "c.h5"])
+    run([*flow, *cloud, "0.9 + 0.1*x", "-restart", "c.h5"])
+    refused(flow, [*cloud, "1.0 - 0.1*x"], "another spacing")
     mirrored = ["-scene_symmetry", "bottom,top"]  # as many wall particles as walls have
     run([*flow, *mirrored, "-checkpoint", "c.h5"])
     run([*flow, *mirrored, "-restart", "c.h5"])

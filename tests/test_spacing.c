@@ -1,6 +1,7 @@
 /*
   Graded lattices (-spacing_wall): the map of an axis, the sizes of the particles, their neighbours,
-  and rows that are exact for quadratic fields in spite of unequal edges.
+  and rows that are exact for quadratic fields in spite of unequal edges; also rows of particles that
+  are not on a lattice (-spacing_growth).
 */
 /* RANKS: 1 2 */
 #include "crowd.h"
@@ -235,9 +236,11 @@ static void test_quadratics(void **state)
   (void)state;
   CheckQuadratics(&plane, "-spacing_wall 0.5");
   CheckQuadratics(&plane, "-spacing_wall 0.5 -visc_laplacian mls3 -h_over_dx 1.7");
+  CheckQuadratics(&plane, "-spacing_wall 0.5 -spacing_growth 0.15 -h_over_dx 1.4");
   plane.jitter = 0.2;
   CheckQuadratics(&plane, "-spacing_wall 0.5 -h_over_dx 1.5");
   CheckQuadratics(&space, "-spacing_wall 0.7 -h_over_dx 1.5");
+  CheckQuadratics(&space, "-spacing_wall 0.7 -spacing_growth 0.2 -h_over_dx 1.5");
 }
 
 int main(int argc, char **argv)

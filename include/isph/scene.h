@@ -173,6 +173,18 @@ typedef struct {
   PetscReal least, most; /* edges of the smallest and the largest cell [m] */
 } LatticeMap;
 
+#define GRADING_ROWS 2 /* ordered rows of particles along walls, with the spacing of the wall */
+
+/* Isotropic grading: the spacing as a function of place, docs/theory.md, (142). */
+typedef struct {
+  PetscBool  on;
+  Expression spacing;                    /* function of x, y, z; n = 0: not given [dx] */
+  PetscReal  growth;                     /* per distance from walls and bodies; 0: not given [-] */
+  PetscReal  least, most;                /* bounds of the spacing [m] */
+  PetscReal  growth_most;                /* largest growth from a particle to the next [-] */
+  PetscReal  even[SCENE_MAX_BOUNDARIES]; /* spacing on a side in 3D; 0: it differs there [m] */
+} Grading;
+
 struct Scene {
   const CaseRow   *problem;
   const MotionRow *motion;  /* NULL: no convection */
@@ -187,6 +199,7 @@ struct Scene {
   PetscInt         cells[ISPH_MAX_DIM]; /* particles along each side of the box */
   PetscReal        spacing_wall;        /* at walls; 0 or 1: uniform [dx] */
   LatticeMap       map[ISPH_MAX_DIM];   /* of the lattice along each axis */
+  Grading          grading;             /* of particles that are not on a lattice */
   PetscReal        length;              /* reference length L [m] */
   PetscReal        speed;               /* reference speed U [m/s] */
   PetscReal        rho;                 /* density [kg/m^3] */
@@ -235,6 +248,13 @@ PetscBool      SceneIsDrivenInTime(const Scene *scene);
 void           SceneWallName(const Scene *scene, PetscInt side, char name[]);
 PetscErrorCode SceneReadSpacing(Scene *scene);
 PetscBool      SceneIsGraded(const Scene *scene);
+PetscBool      SceneIsMapped(const Scene *scene);
+PetscReal      GradingSpacing(const Scene *scene, const PetscReal x[]);
+PetscErrorCode GradingSample(Scene *scene);
+PetscBool      GradingHasRows(const Scene *scene, PetscInt side);
+void           LatticeSetMap(Scene *scene, PetscInt axis);
+PetscReal      LatticeGrowth(const Scene *scene);
+PetscErrorCode SceneNameConstants(Scene *scene);
 PetscReal      SceneLatticePlace(const Scene *scene, PetscInt axis, PetscReal place);
 PetscReal      SceneFromUniform(const Scene *scene, PetscInt axis, PetscReal y, PetscReal *slope);
 PetscReal      SceneToUniform(const Scene *scene, PetscInt axis, PetscReal x);

@@ -39,9 +39,12 @@ static PetscErrorCode BannerCase(const Flow *flow, PetscViewer viewer)
                                    degrees[flow->ops->forms.degree], ranks, ranks == 1 ? "" : "s"));
   if (SceneIsGraded(scene)) {
     PetscCall(PetscViewerASCIIPrintf(
-        viewer, BANNER_LABEL "from %.3g to %.3g dx, growing by at most %.2g %% a particle\n",
+        viewer, BANNER_LABEL "from %.3g to %.3g dx, growing by at most %.2g %% a particle%s\n",
         "spacing", (double)(SceneFinest(scene) / scene->dx),
-        (double)(SceneCoarsest(scene) / scene->dx), (double)(100.0 * SceneGrowth(scene))));
+        (double)(SceneCoarsest(scene) / scene->dx), (double)(100.0 * SceneGrowth(scene)),
+        scene->grading.on
+            ? SceneGrowth(scene) > 0.151 ? "; no lattice; above 15 % errors vary" : "; no lattice"
+            : ""));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -307,11 +307,10 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
     forms->reach         = PetscMax(forms->radius, reach);
     forms->visc.extended = PETSC_TRUE;
   }
-  UserCheck(
-      !SceneIsGraded(scene) || forms->wall->on_surface,
-      "-wall %s: its particles behind the wall need a uniform lattice; with -spacing_wall use "
-      "-wall wall_layer and forms without full_support in -catalogue, such as mls",
-      forms->wall->name);
+  UserCheck(!SceneIsGraded(scene) || !forms->wall || forms->wall->on_surface,
+            "-wall %s: its particles behind the wall need a uniform lattice; with %s use -wall "
+            "wall_layer and forms without full_support in -catalogue, such as mls",
+            forms->wall->name, scene->grading.spacing.n ? "-spacing" : "-spacing_wall");
   PetscCall(ChooseCoupling(scene, forms));
   PetscCall(RefuseEquations(scene, forms));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -61,7 +61,7 @@ static PetscInt StretchedPlanes(const Scene *scene, const Stencil *st, const Pet
 
   for (PetscInt a = 1; a < st->dim; a++) least = PetscMin(least, st->stretch[a]);
   SceneWallPlanes(scene, x, st->radius / least, planes, &n);
-  for (PetscInt k = 0; k < n && SceneIsGraded(scene); k++) { /* normals are along axes */
+  for (PetscInt k = 0; k < n && SceneIsMapped(scene); k++) { /* normals are along axes */
     for (PetscInt a = 0; a < st->dim; a++)
       if (planes[k].normal[a] != 0.0) planes[k].distance *= st->stretch[a];
   }

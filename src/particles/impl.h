@@ -1,8 +1,9 @@
 /*
   Declarations shared by the files of this folder. Each file calls only files to its right:
 
-    particles.c | population.c, neighbors.c | epoch.c, cells.c | migrate.c, decompose.c, halo.c,
-    lattice.c, numbering.c | exchange.c, storage.c
+    particles.c | population.c, relax.c | neighbors.c | epoch.c | migrate.c, decompose.c, halo.c,
+    lattice.c, cloud.c, numbering.c | rows.c, surfaces.c | places.c, cells.c | exchange.c,
+    storage.c
 */
 #ifndef ISPH_PARTICLES_IMPL_H
 #define ISPH_PARTICLES_IMPL_H
@@ -30,6 +31,54 @@ PetscErrorCode ParticlesLargestMove(const Particles *p, PetscReal *const from[],
 /* lattice.c */
 PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidStart *start,
                            Particles *p);
+
+/* places.c */
+typedef struct {
+  PetscInt  n, axis[ISPH_MAX_DIM]; /* axes along which the region extends, as the box */
+  PetscReal x[ISPH_MAX_DIM];       /* coordinates along the other axes [m] */
+} Region;
+typedef struct {
+  PetscInt   dim, N, n, first; /* places of all ranks, of this rank, and the index of its first */
+  PetscReal *x;                /* dim values of each [m] */
+  PetscReal  volume;           /* of the region, all ranks [lattice cells] */
+} Places;
+void           RegionSetBox(const Scene *scene, Region *region);
+void           RegionSetSide(const Scene *scene, PetscInt side, Region *region);
+PetscErrorCode PlacesCreate(const Scene *scene, const Region *region, Places *places);
+PetscErrorCode PlacesDestroy(Places *places);
+
+/* surfaces.c */
+typedef struct {
+  PetscInt  side, index;                           /* index among the points of all ranks */
+  PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM]; /* [m] */
+} SurfacePoint;
+typedef struct {
+  PetscInt      N, n, capacity; /* points of all ranks, of this rank */
+  SurfacePoint *point;
+} Surfaces;
+PetscErrorCode SurfacesCreate(const Scene *scene, Surfaces *surfaces);
+PetscErrorCode SurfacesDestroy(Surfaces *surfaces);
+
+/* rows.c */
+typedef struct {
+  PetscInt   N, n, capacity; /* particles of all ranks, of this rank */
+  PetscInt  *index;          /* of each among those of all ranks */
+  PetscReal *x;              /* dim values of each [m] */
+} Rows;
+PetscBool      RowsHold(const Scene *scene, const PetscReal x[]);
+PetscErrorCode RowsCreate(const Scene *scene, const Surfaces *walls, Rows *rows);
+PetscErrorCode RowsDestroy(Rows *rows);
+
+/* cloud.c */
+typedef struct {
+  PetscInt  ordered; /* fluid particles of ordered rows: their ids are below it */
+  PetscReal volume;  /* of the fluid [lattice cells] */
+} Cloud;
+PetscErrorCode CloudFill(const Scene *scene, Particles *p, Cloud *cloud);
+PetscErrorCode CloudFinish(const Scene *scene, const Cloud *cloud, Particles *p);
+
+/* relax.c */
+PetscErrorCode CloudRelax(const Scene *scene, const Cloud *cloud, Particles *p);
 
 /* decompose.c */
 PetscErrorCode ParticlesDecompose(const Scene *scene, Particles *p, PetscInt owner[]);

@@ -27,7 +27,7 @@ static PetscErrorCode RegisterOwnFields(const Scene *scene, Particles *p)
   PetscCall(ParticlesRegister(p, "x_epoch", p->dim, HALO_NONE, ENTRY_POSITION, p->x_epoch));
   PetscCall(ParticlesRegister(p, "dx", 1, HALO_EPOCH, ENTRY_SPACING, &p->dx));
   PetscCall(ParticlesRegister(p, "volume", 1, HALO_EPOCH, ENTRY_VOLUME, &p->volume));
-  if (SceneIsGraded(scene))
+  if (SceneIsMapped(scene))
     PetscCall(ParticlesRegister(p, "stretch", p->dim, HALO_EPOCH, ENTRY_STRETCH, p->stretch));
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
     PetscCall(ParticlesRegister(p, "p", 1, HALO_NONE, ENTRY_MEAN, &p->p));
@@ -53,12 +53,26 @@ static void SetViscosities(const Scene *scene, const FluidStart *start, Particle
   }
 }
 
+/* Creates particles whose spacing is a function of place. */
+static PetscErrorCode CreateCloud(const Scene *scene, Particles *p)
+{
+  Cloud cloud;
+
+  PetscFunctionBegin;
+  PetscCall(CloudFill(scene, p, &cloud));
+  PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
+  PetscCall(CloudRelax(scene, &cloud, p));
+  PetscCall(CloudFinish(scene, &cloud, p));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   ParticlesCreate - Fills the box with fluid particles and its sides with wall particles
 
     x_j = lo + (j + 1/2) (hi - lo) / cells + jitter dx xi,  xi uniform in (-1, 1)^dim
 
-  or, with -spacing_wall, at the places of SceneLatticePlace().
+  or, with -spacing_wall, at the places of SceneLatticePlace(); with isotropic grading at the places
+  of CloudRelax().
 
   Collective on PETSC_COMM_WORLD
 
@@ -101,7 +115,8 @@ PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscRea
   PetscCall(PetscSFCreate(p->comm, &p->sf));
   PetscCall(RegisterOwnFields(scene, p));
 
-  PetscCall(LatticeFill(scene, walls, start, p));
+  if (scene->grading.on) PetscCall(CreateCloud(scene, p));
+  else PetscCall(LatticeFill(scene, walls, start, p));
   SetViscosities(scene, start, p);
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
   *particles = p;

@@ -132,6 +132,20 @@ static PetscErrorCode SceneSpacings(const Scene *scene, double value[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Computes a checksum of isotropic grading, zero without it: a restart would not move particles. */
+static PetscErrorCode SceneGrading(const Scene *scene, double value[])
+{
+  uint64_t sum = 0;
+
+  PetscFunctionBegin;
+  value[0] = 0.0;
+  if (!scene->grading.on) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SumOption("-spacing", &sum));
+  CheckpointSumNumbers(1, &scene->grading.growth, &sum);
+  value[0] = (double)(sum >> 16);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Computes a checksum of the shapes of all bodies. */
 static PetscErrorCode SceneShapes(const Scene *scene, double value[])
 {
@@ -203,6 +217,10 @@ static const SceneEntry entries[] = {
      .tolerance = 1e-9,
      .refusal   = "the file has another box or spacing",
      .Compute   = SceneSpacings},
+    {.name    = "scene_grading",
+     .n       = 1,
+     .refusal = "the file has another spacing; use the same -spacing and -spacing_growth",
+     .Compute = SceneGrading},
     {.name    = "scene_bodies",
      .n       = 1,
      .refusal = "the file has other bodies",

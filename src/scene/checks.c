@@ -9,15 +9,16 @@
 /* Checks the gap between a body and its own periodic image, from its extent along each axis. */
 static PetscErrorCode CheckImages(const Scene *scene)
 {
-  const PetscReal least = 4.0 * SceneCoarsest(scene);
-
   PetscFunctionBegin;
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
     for (PetscInt a = 0; a < 2; a++) {
-      PetscReal span[2], gap;
+      const Body *body            = SceneBody(scene, k);
+      PetscReal   x[ISPH_MAX_DIM] = {body->centre[0], body->centre[1]}, span[2], gap, least;
 
-      BodySpan(SceneBody(scene, k), a, span);
-      gap = scene->hi[a] - scene->lo[a] - (span[1] - span[0]);
+      BodySpan(body, a, span);
+      x[a]  = span[1];
+      least = 4.0 * SceneSpacing(scene, x);
+      gap   = scene->hi[a] - scene->lo[a] - (span[1] - span[0]);
       UserCheck(!SceneIsPeriodic(scene, a) || gap >= least,
                 "-scene_body_%" PetscInt_FMT
                 ": along %c its periodic image is %.3g away; less than 4 dx = %.3g, or "
@@ -31,7 +32,8 @@ static PetscErrorCode CheckImages(const Scene *scene)
 /*
   SceneCheckGaps - Refuses bodies that overlap or leave gaps too narrow for least-squares fits
 
-  Collective. A gap between surfaces, also through a periodic side, has 4 dx or more.
+  Collective. A gap between surfaces, also through a periodic side, has 4 dx or more, with the
+  spacing at the surface in place of dx if it differs.
 */
 PetscErrorCode SceneCheckGaps(const Scene *scene)
 {

@@ -287,13 +287,14 @@ static PetscErrorCode SceneReadNumbers(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Defines the constants of expressions: nu (zero without viscosity), rho, L and U; not
-   collective. */
-static PetscErrorCode SceneNameConstants(Scene *scene)
+/* SceneNameConstants - Creates the scope of expressions with the constants nu (zero without
+   viscosity), rho, L and U, unless it exists; not collective */
+PetscErrorCode SceneNameConstants(Scene *scene)
 {
   const PetscReal nu = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu : 0.0;
 
   PetscFunctionBegin;
+  if (scene->scope) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ExpressionScopeCreate(scene->dim, &scene->scope));
   PetscCall(ExpressionScopeDefine(scene->scope, "nu", nu));
   PetscCall(ExpressionScopeDefine(scene->scope, "rho", scene->rho));
@@ -352,7 +353,6 @@ PetscErrorCode SceneCreate(Scene **scene)
                 !SceneHasBoundary(s, BOUNDARY_CONFINES | BOUNDARY_NO_SLIP),
             "-without viscosity: the walls of case %s are no-slip walls", s->problem->name);
   if (!s->problem->patch) PetscCall(SceneReadForce(s));
-  if (s->scope && ExpressionScopeIsIdle(s->scope)) PetscCall(ExpressionScopeDestroy(&s->scope));
   for (PetscInt a = 0; a < s->dim; a++) {
     UserCheck((s->hi[a] - s->lo[a]) / s->dx < PETSC_MPI_INT_MAX / 8,
               "-n asks for more particles than fit: the box is %.6g dx wide along %c",
@@ -360,6 +360,8 @@ PetscErrorCode SceneCreate(Scene **scene)
     s->cells[a] = (PetscInt)PetscFloorReal((s->hi[a] - s->lo[a]) / s->dx + 0.5);
   }
   PetscCall(SceneReadSpacing(s));
+  if (s->problem->typed) PetscCall(SceneCheckGaps(s));
+  if (s->scope && ExpressionScopeIsIdle(s->scope)) PetscCall(ExpressionScopeDestroy(&s->scope));
   PetscCall(SceneBoundViscosity(s));
   *scene = s;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,143 +1,59 @@
 /*
-  The spacing of particles. It is uniform, or the cells of the lattice are smaller at walls: then
-  the lattice is the product of a map along each axis, and the cells have unequal edges. The spacing
-  of a particle is a mean of the edges of its cell, and its support is stretched along the axes as
-  the cell is.
+  The spacing of particles. It is uniform; or the cells of the lattice are smaller at walls, and have
+  unequal edges (maps.c); or it is a function of place for particles that are not on a lattice
+  (grading.c). On a lattice with unequal edges, the spacing of a particle is a mean of the edges of
+  its cell, and its support is stretched along the axes as the cell is.
 */
 #include "isph/scene.h"
 
-#define GROWTH_MOST 0.25 /* largest growth of the edge from a cell to the next [-] */
+#define GROWTH_MOST   0.25 /* largest growth of the spacing from a particle to the next [-] */
+#define SPACING_LEAST 0.05 /* bounds of -spacing [dx] */
+#define SPACING_MOST  4.0
+#define OUTLINE_MOST  1e7 /* largest length of an outline [smallest spacing] */
 
+enum { SPACING, WALL, GROWTH };
 static const OptionRow options[] = {
-    {
-        .name     = "-spacing_wall",
-        .kind     = VALUE_REAL,
-        .brief    = "spacing at walls; the lattice keeps its number of particles, and the spacing "
-                    "grows smoothly from the walls to the middle",
-        .unit     = "dx",
-        .standard = "1",
-        .low      = 0.05,
-        .high     = 1.0,
-        .where    = "flows of fixed particles between walls, without bodies",
-    },
+    [SPACING] =
+        {
+            .name     = "-spacing",
+            .kind     = VALUE_EXPRESSION,
+            .brief    = "spacing as an expression of x, y, z; the particles then are not on a "
+                        "lattice, and -n sets dx only",
+            .unit     = "dx",
+            .standard = "1",
+            .where    = "flows of fixed particles",
+        },
+    [WALL] =
+        {
+            .name     = "-spacing_wall",
+            .kind     = VALUE_REAL,
+            .brief    = "spacing at walls; without -spacing_growth the lattice keeps its number of "
+                        "particles, and the spacing grows smoothly from the walls to the middle",
+            .unit     = "dx",
+            .standard = "1",
+            .low      = 0.05,
+            .high     = 1.0,
+            .where    = "flows of fixed particles between walls; with bodies, -spacing_growth too",
+        },
+    [GROWTH] =
+        {
+            .name     = "-spacing_growth",
+            .kind     = VALUE_REAL,
+            .brief    = "growth of the spacing from a particle to the next, from -spacing_wall at "
+                        "walls and bodies up to dx; the particles then are not on a lattice",
+            .unit     = "-",
+            .standard = "a lattice",
+            .low      = 0.01,
+            .high     = GROWTH_MOST,
+            .where    = "-spacing_wall",
+        },
 };
 const OptionTable SpacingOptions = OPTIONS("Spacing", options);
 
-/* SceneIsGraded - Returns true if cells of the lattice differ; not collective */
+/* SceneIsGraded - Returns true if particles differ in size; not collective */
 PetscBool SceneIsGraded(const Scene *scene)
 {
-  for (PetscInt a = 0; a < scene->dim; a++)
-    if (scene->map[a].strength > 0.0) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
-/*
-  Returns the place y in [0, 1] of a point s in [0, 1] of the uniform lattice
-
-    y = (1 + tanh(beta (2 s - 1))/tanh beta)/2   between two walls
-    y = 1 + tanh(beta (s - 1))/tanh beta         from a wall at the low end
-
-  Reference: M. Vinokur, J. Comput. Phys. 50 (1983) 215-234
-*/
-static PetscReal MapForward(const LatticeMap *map, PetscReal s)
-{
-  const PetscReal beta = map->strength, end = PetscTanhReal(beta);
-
-  if (map->wall[0] && map->wall[1]) return 0.5 + 0.5 * PetscTanhReal(beta * (2.0 * s - 1.0)) / end;
-  return map->wall[0] ? 1.0 + PetscTanhReal(beta * (s - 1.0)) / end : PetscTanhReal(beta * s) / end;
-}
-
-/* Returns the slope dy/ds of MapForward(). */
-static PetscReal MapSlope(const LatticeMap *map, PetscReal s)
-{
-  const PetscReal beta = map->strength;
-  const PetscReal t = map->wall[0] && map->wall[1] ? 2.0 * s - 1.0 : (map->wall[0] ? s - 1.0 : s);
-
-  return beta / (PetscTanhReal(beta) * PetscSqr(PetscCoshReal(beta * t)));
-}
-
-/* Returns the point s of the uniform lattice whose place is y; the inverse of MapForward(). */
-static PetscReal MapBack(const LatticeMap *map, PetscReal y)
-{
-  const PetscReal beta = map->strength, end = PetscTanhReal(beta);
-
-  if (map->wall[0] && map->wall[1]) return 0.5 + 0.5 * PetscAtanhReal((2.0 * y - 1.0) * end) / beta;
-  return map->wall[0] ? 1.0 + PetscAtanhReal((y - 1.0) * end) / beta
-                      : PetscAtanhReal(y * end) / beta;
-}
-
-/* Solves 2 beta/sinh(2 beta) = ratio, the slope of the map at a wall, by bisection. */
-static PetscReal MapStrength(PetscReal ratio)
-{
-  PetscReal low = 0.0, high = 8.0; /* a ratio below 1e-5 */
-
-  for (PetscInt k = 0; k < 60; k++) {
-    const PetscReal beta = 0.5 * (low + high);
-
-    if (2.0 * beta > ratio * PetscSinhReal(2.0 * beta)) low = beta;
-    else high = beta;
-  }
-  return 0.5 * (low + high);
-}
-
-/* SceneLatticePlace - Returns the coordinate of a place on the lattice, given in cells from the low
-   end of an axis [m]; not collective */
-PetscReal SceneLatticePlace(const Scene *scene, PetscInt axis, PetscReal place)
-{
-  const LatticeMap *map = &scene->map[axis];
-
-  if (map->strength == 0.0) return scene->lo[axis] + place * SceneCellSide(scene, axis);
-  return scene->lo[axis] +
-         (scene->hi[axis] - scene->lo[axis]) * MapForward(map, place / scene->cells[axis]);
-}
-
-/* SceneFromUniform - Returns the coordinate x of the point that has the coordinate y on the uniform
-   lattice, and sets slope to dx/dy [m], [-]; not collective */
-PetscReal SceneFromUniform(const Scene *scene, PetscInt axis, PetscReal y, PetscReal *slope)
-{
-  const LatticeMap *map    = &scene->map[axis];
-  const PetscReal   length = scene->hi[axis] - scene->lo[axis], s = (y - scene->lo[axis]) / length;
-
-  *slope = 1.0;
-  if (map->strength == 0.0) return y;
-  *slope = MapSlope(map, s);
-  return scene->lo[axis] + length * MapForward(map, s);
-}
-
-/* SceneToUniform - Returns the coordinate on the uniform lattice of a point at x, or of the nearest
-   end of the axis if x is outside the box, the inverse of SceneFromUniform() [m]; not collective */
-PetscReal SceneToUniform(const Scene *scene, PetscInt axis, PetscReal x)
-{
-  const LatticeMap *map    = &scene->map[axis];
-  const PetscReal   length = scene->hi[axis] - scene->lo[axis];
-
-  if (map->strength == 0.0) return x;
-  return scene->lo[axis] +
-         length * MapBack(map, PetscMin(PetscMax((x - scene->lo[axis]) / length, 0.0), 1.0));
-}
-
-/* SceneCellSide - Returns the mean edge of the cells of the lattice along an axis [m]; it equals dx
-   if the length of the box is a multiple of dx */
-PetscReal SceneCellSide(const Scene *scene, PetscInt axis)
-{
-  return (scene->hi[axis] - scene->lo[axis]) / scene->cells[axis];
-}
-
-/* SceneEdges - Computes the edges of a cell of the lattice that is centred at x, or that is nearest
-   to x in the half of a cell beside a side of the box [m]; not collective */
-void SceneEdges(const Scene *scene, const PetscReal x[], PetscReal edge[])
-{
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    const LatticeMap *map    = &scene->map[a];
-    const PetscReal   length = scene->hi[a] - scene->lo[a], half = 0.5 / scene->cells[a];
-    PetscReal         s = (x[a] - scene->lo[a]) / length;
-
-    edge[a] = SceneCellSide(scene, a);
-    if (map->strength == 0.0) continue;
-    s       = MapBack(map, PetscMin(PetscMax(s, 0.0), 1.0));
-    s       = PetscMin(PetscMax(s, half), 1.0 - half);
-    edge[a] = length * (MapForward(map, s + half) - MapForward(map, s - half));
-  }
+  return scene->grading.on || SceneIsMapped(scene) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /*
@@ -145,14 +61,15 @@ void SceneEdges(const Scene *scene, const PetscReal x[], PetscReal edge[])
 
     dim/dx_i^2 = sum_a 1/e_a^2,   e_a: edges of the cell at x
 
-  A particle keeps the spacing of the place of its creation (Particles.dx). Options and
+  or GradingSpacing() for particles that are not on a lattice. A particle keeps the spacing of the place of its creation (Particles.dx). Options and
   dimensionless numbers refer to the reference spacing scene->dx instead.
 */
 PetscReal SceneSpacing(const Scene *scene, const PetscReal x[])
 {
   PetscReal edge[ISPH_MAX_DIM], sum = 0.0;
 
-  if (!SceneIsGraded(scene)) return scene->dx;
+  if (scene->grading.on) return GradingSpacing(scene, x);
+  if (!SceneIsMapped(scene)) return scene->dx;
   SceneEdges(scene, x, edge);
   for (PetscInt a = 0; a < scene->dim; a++) sum += 1.0 / PetscSqr(edge[a]);
   return PetscSqrtReal(scene->dim / sum);
@@ -162,7 +79,7 @@ PetscReal SceneSpacing(const Scene *scene, const PetscReal x[])
   SceneStretch - Computes the factors that stretch the cell at x to a cube with the edge
   SceneSpacing(), docs/theory.md, (139) [-]
 
-  Not collective. All are 1 on a uniform lattice.
+  Not collective. All are 1 on a uniform lattice and with isotropic grading.
 */
 void SceneStretch(const Scene *scene, const PetscReal x[], PetscReal stretch[])
 {
@@ -170,34 +87,36 @@ void SceneStretch(const Scene *scene, const PetscReal x[], PetscReal stretch[])
   PetscReal       edge[ISPH_MAX_DIM];
 
   SceneEdges(scene, x, edge);
-  for (PetscInt a = 0; a < scene->dim; a++) stretch[a] = SceneIsGraded(scene) ? dx / edge[a] : 1.0;
+  for (PetscInt a = 0; a < scene->dim; a++) stretch[a] = SceneIsMapped(scene) ? dx / edge[a] : 1.0;
 }
 
-/* BodySpacing - Returns the spacing of points on the surface of a body, SceneSpacing() at its
-   centre [m] */
+/* BodySpacing - Returns the spacing of points for sums over the surface of a body: SceneSpacing()
+   at its centre, or the smallest one of isotropic grading [m] */
 PetscReal BodySpacing(const Scene *scene, const Body *body)
 {
   const PetscReal x[ISPH_MAX_DIM] = {body->centre[0], body->centre[1]};
 
-  return SceneSpacing(scene, x);
+  return scene->grading.on ? scene->grading.least : SceneSpacing(scene, x);
 }
 
-/* SceneCoarsest - Returns the largest edge of a cell anywhere, which bounds supports [m] */
+/* SceneCoarsest - Returns the largest spacing or edge of a cell anywhere, which bounds supports [m] */
 PetscReal SceneCoarsest(const Scene *scene)
 {
   PetscReal most = 0.0;
 
-  if (!SceneIsGraded(scene)) return scene->dx;
+  if (scene->grading.on) return scene->grading.most;
+  if (!SceneIsMapped(scene)) return scene->dx;
   for (PetscInt a = 0; a < scene->dim; a++) most = PetscMax(most, scene->map[a].most);
   return most;
 }
 
-/* SceneFinest - Returns the smallest edge of a cell anywhere, which bounds time steps [m] */
+/* SceneFinest - Returns the smallest spacing or edge of a cell anywhere, which bounds time steps [m] */
 PetscReal SceneFinest(const Scene *scene)
 {
   PetscReal least = PETSC_MAX_REAL;
 
-  if (!SceneIsGraded(scene)) return scene->dx;
+  if (scene->grading.on) return scene->grading.least;
+  if (!SceneIsMapped(scene)) return scene->dx;
   for (PetscInt a = 0; a < scene->dim; a++) least = PetscMin(least, scene->map[a].least);
   return least;
 }
@@ -218,94 +137,153 @@ PetscReal SceneVolume(const Scene *scene)
 }
 
 /* SceneVolumeAt - Returns the volume of a particle that is created at x, the product of the edges
-   of its cell [m^dim] */
+   of its cell; with isotropic grading up to a common factor near 1 [m^dim] */
 PetscReal SceneVolumeAt(const Scene *scene, const PetscReal x[])
 {
   PetscReal edge[ISPH_MAX_DIM], volume = 1.0;
 
   SceneEdges(scene, x, edge);
-  for (PetscInt a = 0; a < scene->dim; a++) volume *= edge[a];
+  for (PetscInt a = 0; a < scene->dim; a++)
+    volume *= scene->grading.on ? edge[a] * (GradingSpacing(scene, x) / scene->dx) : edge[a];
   return volume;
 }
 
-/* SceneGrowth - Returns the largest growth of the edges of the lattice from a cell to the next [-];
-   not collective */
+/* SceneGrowth - Returns the largest growth of the spacing from a particle to the next [-]; not
+   collective */
 PetscReal SceneGrowth(const Scene *scene)
 {
-  PetscReal growth = 0.0;
-
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    const LatticeMap *map   = &scene->map[a];
-    const PetscReal   sides = map->wall[0] && map->wall[1] ? 4.0 : 2.0;
-
-    growth =
-        PetscMax(growth, sides * map->strength * PetscTanhReal(map->strength) / scene->cells[a]);
-  }
-  return growth;
+  return scene->grading.on ? scene->grading.growth_most : LatticeGrowth(scene);
 }
 
-/* Sets the map of an axis; sides that are walls with no slip have smaller cells. */
-static void SetMap(Scene *scene, PetscInt axis)
+/* Returns the reason why a scene has no graded lattice; NULL if there is none. */
+static const char *LatticeFault(const Scene *scene)
 {
-  LatticeMap     *map = &scene->map[axis];
-  const PetscReal n   = scene->cells[axis];
-  PetscReal       first, middle;
-
-  map->least = map->most = SceneCellSide(scene, axis);
-  for (PetscInt end = 0; end < 2; end++)
-    map->wall[end] = BoundaryIs(scene, 2 * axis + end, BOUNDARY_NO_SLIP);
-  if (!map->wall[0] && !map->wall[1]) return;
-  map->strength = MapStrength(scene->spacing_wall);
-  first         = map->wall[0] ? 1.0 : n;
-  middle = map->wall[0] && map->wall[1] ? PetscFloorReal(0.5 * n + 0.5) : (map->wall[0] ? n : 1.0);
-  map->least = SceneLatticePlace(scene, axis, first) - SceneLatticePlace(scene, axis, first - 1.0);
-  map->most = SceneLatticePlace(scene, axis, middle) - SceneLatticePlace(scene, axis, middle - 1.0);
+  if (SceneMoves(scene)) return "particles that move keep no graded lattice; use -motion eulerian";
+  if (scene->n_bodies) return "bodies need a uniform lattice or -spacing_growth";
+  if (SceneViscosityVaries(scene)) return "a viscosity that varies needs a uniform lattice; use 1";
+  if (!SceneHasBoundary(scene, BOUNDARY_NO_SLIP)) return "this scene has no walls; use 1";
+  return NULL;
 }
 
-/* Refuses scenes that need a uniform lattice. */
-static PetscErrorCode RefuseGraded(const Scene *scene)
+/* Returns the reason why a scene has no isotropic grading; NULL if there is none. */
+static const char *GradingFault(const Scene *scene)
 {
-  const char     *why = NULL;
-  const PetscReal R   = scene->spacing_wall;
-  PetscBool       given;
+  if (SceneMoves(scene))
+    return "particles that move do not keep a graded spacing; use -motion eulerian";
+  if (SceneViscosityVaries(scene)) return "a viscosity that varies needs a uniform spacing";
+  if (scene->jitter > 0.0) return "-jitter displaces a lattice, and there is none";
+  if (scene->grading.growth > 0.0 && !SceneHasBoundary(scene, BOUNDARY_NO_SLIP))
+    return "this scene has no walls";
+  return NULL;
+}
+
+/* Reads -spacing_wall alone: a lattice whose cells are smaller at walls. */
+static PetscErrorCode ReadLattice(Scene *scene)
+{
+  const char *const fault = LatticeFault(scene);
+  PetscBool         given;
 
   PetscFunctionBegin;
   PetscCall(OptionGiven("-particles", &given));
-  if (SceneMoves(scene)) why = "particles that move keep no graded lattice; use -motion eulerian";
-  else if (scene->n_bodies) why = "bodies need a uniform lattice; use 1";
-  else if (SceneViscosityVaries(scene))
-    why = "a viscosity that varies needs a uniform lattice; use 1";
-  else if (given)
-    why = "it belongs to a lattice, and -particles gives other places; use one of them";
-  else if (!SceneHasBoundary(scene, BOUNDARY_NO_SLIP)) why = "this scene has no walls; use 1";
-  UserCheck(!why, "-spacing_wall %.6g: %s", (double)R, why);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  SceneReadSpacing - Reads the spacing at walls and sets the map of the lattice along each axis
-
-  Collective. Boundaries and cells of the scene are known. Output: scene->spacing_wall, scene->map.
-
-  Options Database Key:
-. -spacing_wall R - spacing at walls [dx]
-
-  Errors: scenes that need a uniform lattice, and cells that grow too fast, end the run
-*/
-PetscErrorCode SceneReadSpacing(Scene *scene)
-{
-  PetscFunctionBegin;
-  scene->spacing_wall = 1.0;
-  if (scene->problem->patch) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(OptionGetReal(&options[0], &scene->spacing_wall, NULL));
-  if (scene->spacing_wall == 1.0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(RefuseGraded(scene));
-  for (PetscInt a = 0; a < scene->dim; a++) SetMap(scene, a);
+  UserCheck(!fault, "-spacing_wall %.6g: %s", (double)scene->spacing_wall, fault);
+  UserCheck(!given,
+            "-spacing_wall %.6g: it belongs to a lattice, and -particles gives other places; use "
+            "one of them",
+            (double)scene->spacing_wall);
+  for (PetscInt a = 0; a < scene->dim; a++) LatticeSetMap(scene, a);
   UserCheck(
       SceneGrowth(scene) <= GROWTH_MOST,
       "-spacing_wall %.6g: with -n %" PetscInt_FMT " the spacing grows by %.2g %% from a "
       "particle to the next, and at most %.2g %% is allowed; use a larger -n or -spacing_wall",
       (double)scene->spacing_wall, scene->n, (double)(100.0 * SceneGrowth(scene)),
       100.0 * GROWTH_MOST);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses outlines, of the box or of a body, that are too long for wall particles to be placed. */
+static PetscErrorCode CheckOutlines(const Scene *scene)
+{
+  const PetscReal least = scene->grading.least;
+
+  PetscFunctionBegin;
+  for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
+    const Body     *body = BoundaryBody(scene, side);
+    const PetscReal length =
+        body ? BodyPoints(body, scene->dx) * scene->dx : scene->hi[side / 2] - scene->lo[side / 2];
+
+    UserCheck(length / least <= OUTLINE_MOST,
+              "%s: an outline is %.2g times as long as the smallest spacing, at most %.2g is "
+              "allowed; use a larger spacing or a smaller -n",
+              options[scene->grading.spacing.n ? SPACING : WALL].name, (double)(length / least),
+              OUTLINE_MOST);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets the bounds of isotropic grading and checks them. */
+static PetscErrorCode ReadGrading(Scene *scene)
+{
+  Grading          *g     = &scene->grading;
+  const char *const fault = GradingFault(scene);
+  const char *const name  = options[g->spacing.n ? SPACING : GROWTH].name;
+
+  PetscFunctionBegin;
+  UserCheck(!fault, "%s: %s", name, fault);
+  PetscCall(OptionsRefuseTogether(name, "-particles", "both give the places of particles"));
+  PetscCall(GradingSample(scene));
+  PetscCall(ExpressionScopeCheck(scene->scope));
+  UserCheck(g->least >= SPACING_LEAST * scene->dx && g->most <= SPACING_MOST * scene->dx,
+            "-spacing: it is between %.3g and %.3g dx, and %.3g to %.3g is allowed; use another "
+            "-n for the unit dx",
+            (double)(g->least / scene->dx), (double)(g->most / scene->dx), SPACING_LEAST,
+            SPACING_MOST);
+  UserCheck(g->growth_most <= GROWTH_MOST * (1.0 + 1e-6),
+            "%s: with -n %" PetscInt_FMT " the spacing grows by %.2g %% from a particle to the "
+            "next, and at most %.2g %% is allowed; use a larger -n or smaller differences",
+            name, scene->n, (double)(100.0 * g->growth_most), 100.0 * GROWTH_MOST);
+  PetscCall(CheckOutlines(scene));
+  g->on = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SceneReadSpacing - Reads the spacing and sets the map of the lattice along each axis, or the
+  isotropic grading
+
+  Collective. Boundaries and cells of the scene are known. Output: scene->spacing_wall, scene->map,
+  scene->grading.
+
+  Options Database Keys:
++ -spacing EXPR     - spacing as a function of place [dx]
+. -spacing_wall R   - spacing at walls [dx]
+- -spacing_growth G - growth from a particle to the next with the distance from walls and bodies
+
+  Errors: scenes that need a uniform lattice, and spacings that grow too fast, end the run
+*/
+PetscErrorCode SceneReadSpacing(Scene *scene)
+{
+  Grading  *g = &scene->grading;
+  PetscBool given, grows;
+
+  PetscFunctionBegin;
+  scene->spacing_wall = 1.0;
+  if (scene->problem->patch) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(OptionGetReal(&options[WALL], &scene->spacing_wall, NULL));
+  PetscCall(OptionGiven(options[SPACING].name, &given));
+  PetscCall(OptionGiven(options[GROWTH].name, &grows));
+  if (given) {
+    PetscCall(SceneNameConstants(scene));
+    PetscCall(
+        ExpressionGet(scene->scope, &options[SPACING], 1, 1, EXPRESSION_PLACE, &g->spacing, NULL));
+  }
+  UserCheck(scene->spacing_wall < 1.0 || !grows,
+            "-spacing_growth: it is the growth from -spacing_wall, which must be given below 1");
+  UserCheck(!given || grows || scene->spacing_wall == 1.0,
+            "-spacing_wall %.6g: a lattice has no -spacing; give -spacing_growth too, or leave one "
+            "of them out",
+            (double)scene->spacing_wall);
+  if (grows) PetscCall(OptionGetReal(&options[GROWTH], &g->growth, NULL));
+  if (given || grows) PetscCall(ReadGrading(scene));
+  else if (scene->spacing_wall < 1.0) PetscCall(ReadLattice(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

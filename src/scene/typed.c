@@ -401,7 +401,6 @@ PetscErrorCode SceneReadTyped(Scene *scene)
   PetscCall(SceneCheckInflow(scene, 0.0));
   PetscCall(SceneCheckInflow(scene,
                              0.125 * scene->length / scene->speed)); /* walls may start from rest */
-  PetscCall(SceneCheckGaps(scene));
   if (!SceneHasBoundary(scene, BOUNDARY_PARTICLES)) scene->physics &= ~(unsigned)PHYSICS_WALLS;
   PetscCall(ReadFluids(scene));
   PetscCall(SceneCheckFluids(scene));

@@ -1,0 +1,157 @@
+/*
+  Lattices whose cells are smaller at walls: the product of a map along each axis. Their cells have
+  unequal edges. Without such a map an axis is uniform.
+*/
+#include "isph/scene.h"
+
+/* SceneIsMapped - Returns true if cells of the lattice differ; not collective */
+PetscBool SceneIsMapped(const Scene *scene)
+{
+  for (PetscInt a = 0; a < scene->dim; a++)
+    if (scene->map[a].strength > 0.0) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/*
+  Returns the place y in [0, 1] of a point s in [0, 1] of the uniform lattice
+
+    y = (1 + tanh(beta (2 s - 1))/tanh beta)/2   between two walls
+    y = 1 + tanh(beta (s - 1))/tanh beta         from a wall at the low end
+
+  Reference: M. Vinokur, J. Comput. Phys. 50 (1983) 215-234
+*/
+static PetscReal MapForward(const LatticeMap *map, PetscReal s)
+{
+  const PetscReal beta = map->strength, end = PetscTanhReal(beta);
+
+  if (map->wall[0] && map->wall[1]) return 0.5 + 0.5 * PetscTanhReal(beta * (2.0 * s - 1.0)) / end;
+  return map->wall[0] ? 1.0 + PetscTanhReal(beta * (s - 1.0)) / end : PetscTanhReal(beta * s) / end;
+}
+
+/* Returns the slope dy/ds of MapForward(). */
+static PetscReal MapSlope(const LatticeMap *map, PetscReal s)
+{
+  const PetscReal beta = map->strength;
+  const PetscReal t = map->wall[0] && map->wall[1] ? 2.0 * s - 1.0 : (map->wall[0] ? s - 1.0 : s);
+
+  return beta / (PetscTanhReal(beta) * PetscSqr(PetscCoshReal(beta * t)));
+}
+
+/* Returns the point s of the uniform lattice whose place is y; the inverse of MapForward(). */
+static PetscReal MapBack(const LatticeMap *map, PetscReal y)
+{
+  const PetscReal beta = map->strength, end = PetscTanhReal(beta);
+
+  if (map->wall[0] && map->wall[1]) return 0.5 + 0.5 * PetscAtanhReal((2.0 * y - 1.0) * end) / beta;
+  return map->wall[0] ? 1.0 + PetscAtanhReal((y - 1.0) * end) / beta
+                      : PetscAtanhReal(y * end) / beta;
+}
+
+/* Solves 2 beta/sinh(2 beta) = ratio, the slope of the map at a wall, by bisection. */
+static PetscReal MapStrength(PetscReal ratio)
+{
+  PetscReal low = 0.0, high = 8.0; /* a ratio below 1e-5 */
+
+  for (PetscInt k = 0; k < 60; k++) {
+    const PetscReal beta = 0.5 * (low + high);
+
+    if (2.0 * beta > ratio * PetscSinhReal(2.0 * beta)) low = beta;
+    else high = beta;
+  }
+  return 0.5 * (low + high);
+}
+
+/* SceneLatticePlace - Returns the coordinate of a place on the lattice, given in cells from the low
+   end of an axis [m]; not collective */
+PetscReal SceneLatticePlace(const Scene *scene, PetscInt axis, PetscReal place)
+{
+  const LatticeMap *map = &scene->map[axis];
+
+  if (map->strength == 0.0) return scene->lo[axis] + place * SceneCellSide(scene, axis);
+  return scene->lo[axis] +
+         (scene->hi[axis] - scene->lo[axis]) * MapForward(map, place / scene->cells[axis]);
+}
+
+/* SceneFromUniform - Returns the coordinate x of the point that has the coordinate y on the uniform
+   lattice, and sets slope to dx/dy [m], [-]; not collective */
+PetscReal SceneFromUniform(const Scene *scene, PetscInt axis, PetscReal y, PetscReal *slope)
+{
+  const LatticeMap *map    = &scene->map[axis];
+  const PetscReal   length = scene->hi[axis] - scene->lo[axis], s = (y - scene->lo[axis]) / length;
+
+  *slope = 1.0;
+  if (map->strength == 0.0) return y;
+  *slope = MapSlope(map, s);
+  return scene->lo[axis] + length * MapForward(map, s);
+}
+
+/* SceneToUniform - Returns the coordinate on the uniform lattice of a point at x, or of the nearest
+   end of the axis if x is outside the box, the inverse of SceneFromUniform() [m]; not collective */
+PetscReal SceneToUniform(const Scene *scene, PetscInt axis, PetscReal x)
+{
+  const LatticeMap *map    = &scene->map[axis];
+  const PetscReal   length = scene->hi[axis] - scene->lo[axis];
+
+  if (map->strength == 0.0) return x;
+  return scene->lo[axis] +
+         length * MapBack(map, PetscMin(PetscMax((x - scene->lo[axis]) / length, 0.0), 1.0));
+}
+
+/* SceneCellSide - Returns the mean edge of the cells of the lattice along an axis [m]; it equals dx
+   if the length of the box is a multiple of dx */
+PetscReal SceneCellSide(const Scene *scene, PetscInt axis)
+{
+  return (scene->hi[axis] - scene->lo[axis]) / scene->cells[axis];
+}
+
+/* SceneEdges - Computes the edges of a cell of the lattice that is centred at x, or that is nearest
+   to x in the half of a cell beside a side of the box [m]; not collective */
+void SceneEdges(const Scene *scene, const PetscReal x[], PetscReal edge[])
+{
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    const LatticeMap *map    = &scene->map[a];
+    const PetscReal   length = scene->hi[a] - scene->lo[a], half = 0.5 / scene->cells[a];
+    PetscReal         s = (x[a] - scene->lo[a]) / length;
+
+    edge[a] = SceneCellSide(scene, a);
+    if (map->strength == 0.0) continue;
+    s       = MapBack(map, PetscMin(PetscMax(s, 0.0), 1.0));
+    s       = PetscMin(PetscMax(s, half), 1.0 - half);
+    edge[a] = length * (MapForward(map, s + half) - MapForward(map, s - half));
+  }
+}
+
+/* LatticeGrowth - Returns the largest growth of the edges of the lattice from a cell to the next
+   [-]; not collective */
+PetscReal LatticeGrowth(const Scene *scene)
+{
+  PetscReal growth = 0.0;
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    const LatticeMap *map   = &scene->map[a];
+    const PetscReal   sides = map->wall[0] && map->wall[1] ? 4.0 : 2.0;
+
+    growth =
+        PetscMax(growth, sides * map->strength * PetscTanhReal(map->strength) / scene->cells[a]);
+  }
+  return growth;
+}
+
+/* LatticeSetMap - Sets the map of an axis from scene->spacing_wall; sides that are walls with no
+   slip have smaller cells; not collective */
+void LatticeSetMap(Scene *scene, PetscInt axis)
+{
+  LatticeMap     *map = &scene->map[axis];
+  const PetscReal n   = scene->cells[axis];
+  PetscReal       first, middle;
+
+  map->least = map->most = SceneCellSide(scene, axis);
+  for (PetscInt end = 0; end < 2; end++)
+    map->wall[end] = BoundaryIs(scene, 2 * axis + end, BOUNDARY_NO_SLIP);
+  if (!map->wall[0] && !map->wall[1]) return;
+  map->strength = MapStrength(scene->spacing_wall);
+  first         = map->wall[0] ? 1.0 : n;
+  middle = map->wall[0] && map->wall[1] ? PetscFloorReal(0.5 * n + 0.5) : (map->wall[0] ? n : 1.0);
+  map->least = SceneLatticePlace(scene, axis, first) - SceneLatticePlace(scene, axis, first - 1.0);
+  map->most = SceneLatticePlace(scene, axis, middle) - SceneLatticePlace(scene, axis, middle - 1.0);
+}
