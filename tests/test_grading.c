@@ -1,6 +1,6 @@
 /*
-  Isotropic grading (-spacing, -spacing_growth): the spacing as a function of place, and the cloud of
-  particles relaxed to it: distances, numbers of neighbours, ordered rows along walls, volumes.
+  Isotropic grading (-spacing, -spacing_growth): the spacing as a function of place, and the cloud
+  of particles relaxed to it: distances, numbers of neighbours, ordered rows along walls, volumes.
 */
 /* RANKS: 1 2 3 */
 #include "crowd.h"
@@ -25,8 +25,9 @@ static PetscBool Near(PetscReal value, PetscReal wanted)
   return PetscAbsReal(value - wanted) <= 1e-12 ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* The spacing has its value at walls in two rows, grows by the given fraction of the distance behind
-   them, and is dx far away; an expression of place is in units of dx, and the smaller value holds. */
+/* The spacing has its value at walls in two rows, grows by the given fraction of the distance
+   behind them, and is dx far away; an expression of place is in units of dx, and the smaller value
+   holds. */
 static void test_function(void **state)
 {
   Setting         s    = CrowdBox("function", 2, 20, 30, 1, 1, 0);
@@ -79,8 +80,8 @@ static PetscInt FaultsAbout(const Scene *scene, const Particles *p, const Neighb
   return nearest > 1.25 || PetscAbsReal(within - wanted) > 0.25 * wanted;
 }
 
-/* Returns 1 if a particle is beside a wall of the box, but in none of the two ordered rows, near 1/2
-   and 3/2 of the spacing there. */
+/* Returns 1 if a particle is beside a wall of the box, but in none of the two ordered rows, near
+   1/2 and 3/2 of the spacing there. */
 static PetscInt OutOfRow(const Scene *scene, const Particles *p, PetscInt i)
 {
   PetscReal x[ISPH_MAX_DIM], height;

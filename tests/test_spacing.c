@@ -1,7 +1,7 @@
 /*
   Graded lattices (-spacing_wall): the map of an axis, the sizes of the particles, their neighbours,
-  and rows that are exact for quadratic fields in spite of unequal edges; also rows of particles that
-  are not on a lattice (-spacing_growth).
+  and rows that are exact for quadratic fields in spite of unequal edges; also rows of particles
+  that are not on a lattice (-spacing_growth).
 */
 /* RANKS: 1 2 */
 #include "crowd.h"

@@ -57,8 +57,8 @@ PetscReal GradingSpacing(const Scene *scene, const PetscReal x[])
   return PetscMin(PetscMax(wanted, scene->grading.least), scene->grading.most);
 }
 
-/* Returns the growth of the spacing about x from a particle to the next, by differences that stay in
-   the box [-]. */
+/* Returns the growth of the spacing about x from a particle to the next, by differences that stay
+   in the box [-]. */
 static PetscReal GrowthAt(const Scene *scene, const PetscReal x[], PetscReal spacing)
 {
   const PetscReal step = 0.25 * spacing * scene->dx;
@@ -102,8 +102,8 @@ static PetscReal EvenSpacing(const Scene *scene, PetscInt side)
   return even;
 }
 
-/* GradingHasRows - Returns true if ordered rows of particles follow a boundary: in 3D the spacing on
-   it must be even; not collective */
+/* GradingHasRows - Returns true if ordered rows of particles follow a boundary: in 3D the spacing
+   on it must be even; not collective */
 PetscBool GradingHasRows(const Scene *scene, PetscInt side)
 {
   return scene->dim == 2 || scene->grading.even[side] > 0.0 ? PETSC_TRUE : PETSC_FALSE;

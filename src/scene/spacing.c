@@ -1,6 +1,6 @@
 /*
-  The spacing of particles. It is uniform; or the cells of the lattice are smaller at walls, and have
-  unequal edges (maps.c); or it is a function of place for particles that are not on a lattice
+  The spacing of particles. It is uniform; or the cells of the lattice are smaller at walls, and
+  have unequal edges (maps.c); or it is a function of place for particles that are not on a lattice
   (grading.c). On a lattice with unequal edges, the spacing of a particle is a mean of the edges of
   its cell, and its support is stretched along the axes as the cell is.
 */
@@ -61,8 +61,9 @@ PetscBool SceneIsGraded(const Scene *scene)
 
     dim/dx_i^2 = sum_a 1/e_a^2,   e_a: edges of the cell at x
 
-  or GradingSpacing() for particles that are not on a lattice. A particle keeps the spacing of the place of its creation (Particles.dx). Options and
-  dimensionless numbers refer to the reference spacing scene->dx instead.
+  or GradingSpacing() for particles that are not on a lattice. A particle keeps the spacing of the
+  place of its creation (Particles.dx). Options and dimensionless numbers refer to the reference
+  spacing scene->dx instead.
 */
 PetscReal SceneSpacing(const Scene *scene, const PetscReal x[])
 {
@@ -99,7 +100,8 @@ PetscReal BodySpacing(const Scene *scene, const Body *body)
   return scene->grading.on ? scene->grading.least : SceneSpacing(scene, x);
 }
 
-/* SceneCoarsest - Returns the largest spacing or edge of a cell anywhere, which bounds supports [m] */
+/* SceneCoarsest - Returns the largest spacing or edge of a cell anywhere, which bounds supports [m]
+   */
 PetscReal SceneCoarsest(const Scene *scene)
 {
   PetscReal most = 0.0;
@@ -110,7 +112,8 @@ PetscReal SceneCoarsest(const Scene *scene)
   return most;
 }
 
-/* SceneFinest - Returns the smallest spacing or edge of a cell anywhere, which bounds time steps [m] */
+/* SceneFinest - Returns the smallest spacing or edge of a cell anywhere, which bounds time steps
+   [m] */
 PetscReal SceneFinest(const Scene *scene)
 {
   PetscReal least = PETSC_MAX_REAL;

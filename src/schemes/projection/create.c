@@ -185,8 +185,8 @@ static PetscReal CellsAlong(const Scene *scene, PetscInt a, PetscReal spacing)
 }
 
 /* Returns U e/nu, which decides if viscosity damps velocities between coarse points: with the cells
-   at walls on lattices. Without a lattice the coarsest particles decide: at Re = 400 flows go through
-   up to 12.5, at Re = 1000 all are lost from 18 on, with 3 to 5 at walls. */
+   at walls on lattices. Without a lattice the coarsest particles decide: at Re = 400 flows go
+   through up to 12.5, at Re = 1000 all are lost from 18 on, with 3 to 5 at walls. */
 static PetscReal DampingReynolds(const Scene *scene)
 {
   return scene->grading.on ? SceneCellReynolds(scene) * (SceneCoarsest(scene) / scene->dx)

@@ -270,7 +270,7 @@ PetscErrorCode SplinesAssemble(Flow *flow, Splines *s)
 
   PetscFunctionBegin;
   if (s->epoch == p->epoch && s->moved == p->moved) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SplinesNumber(flow, s));
+  if (s->epoch != p->epoch) PetscCall(SplinesNumber(flow, s)); /* boxes may be new */
   PetscCall(SplinePlacesSet(p, s));
   PetscCall(SplineFitsAssemble(flow, s));
   s->epoch = p->epoch;
