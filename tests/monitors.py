@@ -97,7 +97,7 @@ def main():
     # Creeping flow between eccentric cylinders of radius 0.3 L and L, 0.3 L apart; the inner one turns with the surface
     # speed U. Force and torques over mu U by complex potentials (Goursat), a least-squares fit of 40 powers of z and of
     # 1/(z - 0.3) and of the logarithm to the boundary values, which it meets to 1e-13. Forces of a fluid without
-    # inertia cancel. Within 1 % at 5 dx per radius; with the pressure on particles 24 %.
+    # inertia cancel. Within 1 % at 5 dx per radius; with the pressure on particles 34 %.
     run("-case", "scene", "-scene_box", "-1.45,-1.45,1.45,1.45", "-scene_body_1", "circle,0.3,0,0.3", "-scene_body_1_rotation",
         "1/0.3", "-scene_body_2", "circle,0,0,1", "-scene_body_2_around", "true", "-reynolds", "0.05", "-motion", "eulerian",
         "-n", "16", "-dt", "0.002", "-t_end", "0.1", "-pressure_points", "coarse", "-probe_forces")
