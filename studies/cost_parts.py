@@ -131,7 +131,8 @@ def foam(flow, case, t_end, n, courant):
 # ---- cost of a step ----
 
 class Step(NamedTuple):
-    """A measurement of the cost of a step, from a long run and a short run; `before` are the values of the version before implicit convection and LU factors."""
+    """A measurement of the cost of a step, from a long run and a short run; `before` are the values of the version before
+    implicit convection and LU factors."""
     dim: int
     n: int
     motion: str
