@@ -319,5 +319,6 @@ PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *neare
                         PetscReal normal[]);
 void      SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
                           WallPlane planes[SCENE_MAX_BOUNDARIES], PetscInt *count);
+void      SceneKeepOffWalls(const Scene *scene, PetscReal least, PetscReal x[]);
 
 #endif

@@ -82,19 +82,6 @@ static void PushOf(const Scene *scene, Particles *p, const Neighbors *nb, PetscI
   }
 }
 
-/* Moves a place that is too near to a wall, or behind it, to the least distance. */
-static void KeepClear(const Scene *scene, PetscReal dx, PetscReal x[])
-{
-  const PetscReal least = CLEARANCE * dx;
-  WallPlane       planes[SCENE_MAX_BOUNDARIES];
-  PetscInt        n;
-
-  SceneWallPlanes(scene, x, least, planes, &n);
-  for (PetscInt k = 0; k < n; k++)
-    for (PetscInt a = 0; a < scene->dim; a++)
-      x[a] += (least - planes[k].distance) * planes[k].normal[a];
-}
-
 /* Makes a step of the relaxation. Particles of ordered rows, whose ids are below `ordered`, stay.
    Output: largest - displacement of any particle along an axis [m]. */
 static PetscErrorCode Step(const Scene *scene, PetscInt64 ordered, Particles *p, Neighbors *nb,
@@ -114,7 +101,7 @@ static PetscErrorCode Step(const Scene *scene, PetscInt64 ordered, Particles *p,
       most = PetscMax(most, p->dx[i] * PetscAbsReal(p->u[a][i]));
       x[a] = p->x[a][i] + p->dx[i] * p->u[a][i];
     }
-    KeepClear(scene, p->dx[i], x);
+    SceneKeepOffWalls(scene, CLEARANCE * p->dx[i], x);
     for (PetscInt a = 0; a < p->dim; a++) p->x[a][i] = x[a];
     p->dx[i] = SceneSpacing(scene, x);
   }

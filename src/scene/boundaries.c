@@ -418,3 +418,17 @@ void SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
     if (plane->distance < reach) (*count)++;
   }
 }
+
+/* SceneKeepOffWalls - Moves a position that is less than `least` [m] from a boundary that confines
+   the fluid, or behind it, to this distance; not collective */
+void SceneKeepOffWalls(const Scene *scene, PetscReal least, PetscReal x[])
+{
+  WallPlane planes[SCENE_MAX_BOUNDARIES];
+  PetscInt  n;
+
+  SceneWallPlanes(scene, x, least, planes, &n);
+  for (PetscInt k = 0; k < n; k++) {
+    for (PetscInt a = 0; a < scene->dim; a++)
+      x[a] += (least - planes[k].distance) * planes[k].normal[a];
+  }
+}

@@ -5,21 +5,7 @@
 #include "step.h"
 
 #define FILTER_RATE 2.0 /* factor of |A A|^(1/2) [-] */
-
-/* Moves a position that is less than 0.3 dx from a wall to this distance. */
-static void KeepOffWalls(const Scene *scene, PetscReal dx, PetscReal x[])
-{
-  const PetscReal clearance = 0.3 * dx;
-  WallPlane       planes[SCENE_MAX_BOUNDARIES];
-  PetscInt        n;
-
-  SceneWallPlanes(scene, x, clearance, planes, &n);
-  for (PetscInt q = 0; q < n; q++) {
-    for (PetscInt a = 0; a < scene->dim; a++) {
-      x[a] += (clearance - planes[q].distance) * planes[q].normal[a];
-    }
-  }
-}
+#define CLEARANCE   0.3 /* least distance of particles from walls [dx_i] */
 
 /*
   Derivatives at the old positions, which give the change of the fields of a displaced particle:
@@ -236,7 +222,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
       x[a]     = p->x[a][i] + flown[a] + shift[a];
       d2 += PetscSqr(flown[a]);
     }
-    KeepOffWalls(scene, p->dx[i], x);
+    SceneKeepOffWalls(scene, CLEARANCE * p->dx[i], x);
     for (PetscInt a = 0; a < scene->dim; a++) shift[a] = x[a] - p->x[a][i] - flown[a];
     if (shifting) FollowShift(scene, slopes, i, shift, change);
     if (state->budget) BudgetCarry(state->budget, scene->dim, CARRIED_CLEARANCE, i, change);
@@ -269,7 +255,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   The pressure and its mean of average.c are carried as Eulerian fields, unless a scheme has them
   fixed in space.
   The velocity belongs to the particle and changes only by the shift s and the filter. s includes
-  the displacement by KeepOffWalls(). If the velocity did not change with this displacement,
+  the displacement by SceneKeepOffWalls(). If the velocity did not change with this displacement,
   particles would carry the speed of a moving lid away from the lid, as they do without shifting.
   The term with lap u is the mean of s s : grad grad u/2 over directions of s; without it shifting
   feeds energy into the flow. On entry the operators belong to x^n; on exit they are out of date.

@@ -34,7 +34,7 @@ static void WindowIndex(const SplineLattice *l, const SplineWindow *w, PetscInt 
 static PetscInt ListSources(const Splines *s, const Particles *p, PetscInt k, PetscInt number[],
                             PetscReal weight[])
 {
-  PetscInt           index[ISPH_MAX_DIM];
+  PetscInt           index[ISPH_MAX_DIM] = {0};
   const SplineSlave *slave;
 
   WindowIndex(&s->lattice, &s->window, k, index);
