@@ -113,7 +113,7 @@ def comparison(flow, quick):
                 yield Run("spectral", "RK4, CFL 0.4", n, f"spectral {flow} -n {n}", flow)
     else:
         for n in references(quick):
-            yield Run("reference", "Courant 1", n, foam(flow, case, t_end, n, 1), flow, 0)
+            yield Run("reference", "Courant 0.5", n, foam(flow, case, t_end, n, 0.5), flow, 0)
         n = case.quick[-1] if quick else case.fixed[-1]
         yield Run("check", "quartic", n, f"{base} {FIXED['quartic']} -n {n}", flow, 0)
 

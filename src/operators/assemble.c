@@ -280,7 +280,7 @@ static PetscErrorCode AssembleBatch(const Scene *scene, const Particles *p, cons
     PetscCall(GatherStencil(scene, p, nb, ops, first + l, batch[l]));
     StencilSetVelocity(scene, 0, batch[l]); /* the first fit that rows ask for */
   }
-  if (ops->work->fits) PetscCall(MlsFitBatch(count, batch, ops->work->fits));
+  if (ops->work->has_fits) PetscCall(MlsFitBatch(ops->forms.degree, count, batch, ops->work->fits));
   for (PetscInt l = 0; l < count; l++) {
     PetscInt diagonal;
 

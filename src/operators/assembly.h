@@ -8,7 +8,8 @@
 struct Assembly {
   Stencil   *stencil;          /* the first of the batch */
   Stencil   *batch[MLS_LANES]; /* of particles whose rows are assembled together */
-  MlsBatch  *fits;             /* NULL: no operator has the rows of quadratic fits */
+  MlsBatch  *fits;             /* of several particles at once */
+  PetscBool  has_fits;         /* an operator has the rows of fits of the chosen degree */
   PetscBool  simple;           /* no wall neighbours; slots in the order of neighbours */
   PetscInt  *slot;             /* slot of each neighbour in its row of the pattern */
   PetscReal *w;                /* weights of a Laplacian or a filter */

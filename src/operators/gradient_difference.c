@@ -24,20 +24,79 @@ static void MoveToSurface(const Particles *p, const Operators *ops, Stencil *st)
   }
 }
 
-/* Collects the data of the equations of velocity component f: differences, or n.grad f = 0. */
-static void CollectData(const Stencil *st, const PetscReal f[], PetscReal y[])
+/* Adds the gradient of velocity component f with the weights g, times `sign`, to A. */
+static void AddGradient(const Stencil *st, PetscReal *const g[], const PetscReal f[],
+                        PetscReal sign, PetscReal A[])
 {
-  for (PetscInt k = 0; k < st->n; k++)
-    y[k] = st->equation[k] == EQUATION_VALUE ? f[st->j[k]] - f[st->i] : 0.0;
+  for (PetscInt k = 0; k < st->n; k++) {
+    const PetscReal y = st->equation[k] == EQUATION_VALUE ? f[st->j[k]] - f[st->i] : 0.0;
+
+    for (PetscInt a = 0; a < st->dim; a++) A[a] += sign * g[a][k] * y;
+  }
 }
 
-/* Returns sum_k w_k y_k. */
-static PetscReal Product(PetscInt n, const PetscReal w[], const PetscReal y[])
+/* Computes the fits of a degree in a batch of particles, unless all are valid. */
+static PetscErrorCode FitBatch(PetscInt degree, PetscInt count, const Assembly *work)
 {
-  PetscReal sum = 0.0;
+  PetscBool valid = PETSC_TRUE;
 
-  for (PetscInt k = 0; k < n; k++) sum += w[k] * y[k];
-  return sum;
+  PetscFunctionBegin;
+  for (PetscInt l = 0; l < count; l++)
+    if (work->batch[l]->fit.wanted != degree) valid = PETSC_FALSE;
+  if (!valid) PetscCall(MlsFitBatch(degree, count, work->batch, work->fits));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the gradients in a batch of particles by fits of a degree, times `sign`, and adds them
+   to A; clears the flags of particles whose neighbours do not determine the fit. */
+static PetscErrorCode AddGradients(const Scene *scene, const Particles *p, const Assembly *work,
+                                   PetscInt degree, PetscReal sign, PetscInt count, PetscReal *g[],
+                                   PetscReal A[], PetscBool determined[])
+{
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < p->dim; c++) {
+    for (PetscInt l = 0; l < count; l++) StencilSetVelocity(scene, c, work->batch[l]);
+    PetscCall(FitBatch(degree, count, work));
+    for (PetscInt l = 0; l < count; l++) {
+      PetscBool known;
+
+      PetscCall(GradientRow_MlsDegree(work->batch[l], degree, g, &known));
+      if (!known) determined[l] = PETSC_FALSE;
+      AddGradient(work->batch[l], g, p->u[c], sign, A + (l * p->dim + c) * p->dim);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the gradients about particles first, first + 1, ..., and the norms of their
+   differences, as OperatorsCompareGradients(). */
+static PetscErrorCode CompareBatch(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                   const Operators *ops, PetscBool moves_walls, PetscInt first,
+                                   PetscInt count, PetscReal *g[], PetscReal gradient[],
+                                   PetscReal norm[])
+{
+  const PetscInt entries = p->dim * p->dim;
+  PetscReal      difference[MLS_LANES * ISPH_MAX_DIM * ISPH_MAX_DIM];
+  PetscBool      determined[MLS_LANES];
+
+  PetscFunctionBegin;
+  for (PetscInt l = 0; l < count; l++) {
+    PetscCall(GatherStencil(scene, p, nb, ops, first + l, ops->work->batch[l]));
+    if (moves_walls) MoveToSurface(p, ops, ops->work->batch[l]);
+    determined[l] = PETSC_TRUE;
+  }
+  PetscCall(PetscArrayzero(gradient, count * entries));
+  PetscCall(AddGradients(scene, p, ops->work, 3, 1.0, count, g, gradient, determined));
+  PetscCall(PetscArraycpy(difference, gradient, count * entries));
+  PetscCall(AddGradients(scene, p, ops->work, 2, -1.0, count, g, difference, determined));
+  for (PetscInt l = 0; l < count; l++) {
+    const PetscReal *A   = (determined[l] ? difference : gradient) + l * entries;
+    PetscReal        sum = 0.0;
+
+    for (PetscInt e = 0; e < entries; e++) sum += PetscSqr(A[e]);
+    norm[l] = PetscSqrtReal(sum);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
@@ -60,43 +119,24 @@ PetscErrorCode OperatorsCompareGradients(const Scene *scene, const Particles *p,
                                          const Neighbors *nb, Operators *ops, PetscReal gradient[],
                                          PetscReal difference[])
 {
-  Stencil        *st         = ops->work->stencil;
-  const PetscBool fits_walls = st->fits_walls;
+  Stencil *const *batch      = ops->work->batch;
+  const PetscBool fits_walls = batch[0]->fits_walls;
   PetscInt        longest    = 0;
-  PetscReal      *y, *storage, *quadratic[ISPH_MAX_DIM], *cubic[ISPH_MAX_DIM];
+  PetscReal      *storage, *g[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
   for (PetscInt c = 0; c < p->dim; c++) PetscCall(ParticlesHaloField(p, p->u[c]));
   for (PetscInt i = 0; i < p->n_fluid; i++)
     longest = PetscMax(longest, nb->row[i + 1] - nb->row[i]);
-  PetscCall(PetscMalloc1(longest * (1 + 2 * p->dim), &storage));
-  y = storage;
-  for (PetscInt a = 0; a < p->dim; a++) {
-    quadratic[a] = storage + longest * (1 + a);
-    cubic[a]     = storage + longest * (1 + p->dim + a);
+  PetscCall(PetscMalloc1(longest * p->dim, &storage));
+  for (PetscInt a = 0; a < p->dim; a++) g[a] = storage + longest * a;
+  for (PetscInt l = 0; l < MLS_LANES; l++) batch[l]->fits_walls = PETSC_TRUE;
+  for (PetscInt i = 0; i < p->n_fluid; i += MLS_LANES) {
+    PetscCall(CompareBatch(scene, p, nb, ops, fits_walls ? PETSC_FALSE : PETSC_TRUE, i,
+                           PetscMin(MLS_LANES, p->n_fluid - i), g, gradient + i * p->dim * p->dim,
+                           difference + i));
   }
-  st->fits_walls = PETSC_TRUE;
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal *G = &gradient[i * p->dim * p->dim], all = 0.0, part = 0.0;
-    PetscBool  determined = PETSC_TRUE, known;
-
-    PetscCall(GatherStencil(scene, p, nb, ops, i, st));
-    if (!fits_walls) MoveToSurface(p, ops, st);
-    for (PetscInt c = 0; c < p->dim; c++) {
-      StencilSetVelocity(scene, c, st);
-      CollectData(st, p->u[c], y);
-      PetscCall(GradientRow_MlsDegree(st, 2, quadratic, &known));
-      PetscCall(GradientRow_MlsDegree(st, 3, cubic, &known));
-      if (!known) determined = PETSC_FALSE;
-      for (PetscInt a = 0; a < p->dim; a++) {
-        G[c * p->dim + a] = Product(st->n, cubic[a], y);
-        all += PetscSqr(G[c * p->dim + a]);
-        part += PetscSqr(G[c * p->dim + a] - Product(st->n, quadratic[a], y));
-      }
-    }
-    difference[i] = PetscSqrtReal(determined ? part : all);
-  }
-  st->fits_walls = fits_walls;
+  for (PetscInt l = 0; l < MLS_LANES; l++) batch[l]->fits_walls = fits_walls;
   PetscCall(PetscFree(storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,7 +1,7 @@
 /*
-  Quadratic fits of several particles at once, one in each lane of a vector: the formulas are those
-  of mls.c, for particles whose neighbours all give values. A fit alone spends most of its time on
-  sums across lanes and on a system of a few unknowns; here no operation crosses lanes.
+  Fits of several particles at once, one in each lane of a vector: the formulas are those of mls.c,
+  for particles whose neighbours all give values. A fit alone spends most of its time on sums across
+  lanes and on a system of a few unknowns; here no operation crosses lanes.
 */
 #include "mls.h"
 #include "mlsbatch.h"
@@ -10,7 +10,8 @@
 typedef PetscReal Lanes
     __attribute__((vector_size(MLS_LANES * sizeof(PetscReal)), aligned(sizeof(PetscReal))));
 
-#define ROWS (2 + ISPH_MAX_DIM) /* filter, Laplacian, gradient */
+#define ROWS    (2 + ISPH_MAX_DIM) /* filter, Laplacian, gradient */
+#define MOMENTS (MLS_MAX_TERMS * (MLS_MAX_TERMS + 1) / 2)
 
 struct MlsBatch {
   PetscInt capacity;        /* neighbours */
@@ -20,10 +21,10 @@ struct MlsBatch {
 
 /* The systems of a batch. */
 typedef struct {
-  Lanes M[MLS_QUADRATIC_TERMS * (MLS_QUADRATIC_TERMS + 1) / 2]; /* moments, then factors */
-  Lanes pivot[MLS_QUADRATIC_TERMS];                             /* and their inverses later */
-  Lanes b[ROWS][MLS_QUADRATIC_TERMS]; /* right-hand sides, then solutions */
-  Lanes m[MLS_QUADRATIC_TERMS], sum;  /* of the filter */
+  Lanes M[MOMENTS];             /* moments, then factors */
+  Lanes pivot[MLS_MAX_TERMS];   /* and their inverses later */
+  Lanes b[ROWS][MLS_MAX_TERMS]; /* right-hand sides, then solutions */
+  Lanes m[MLS_MAX_TERMS], sum;  /* of the filter */
 } Systems;
 
 /* MlsBatchCreate - Creates the workspace of a batch; not collective */
@@ -80,32 +81,35 @@ static void FillLane(const Stencil *st, PetscInt lane, PetscInt n, MlsBatch *b)
   }
 }
 
-/* Computes the basis s_a, s_a s_b (b <= a) of neighbour k. */
-static inline void Basis(PetscInt dim, const MlsBatch *b, PetscInt k, Lanes phi[])
+/* Computes the basis of neighbour k, see MlsBasis(). */
+static inline void Basis(PetscInt dim, PetscInt degree, const MlsBatch *b, PetscInt k, Lanes phi[])
 {
-  PetscInt t = dim;
+  PetscInt lower = 0, t = dim;
 
   for (PetscInt a = 0; a < dim; a++) phi[a] = b->s[a][k];
-  for (PetscInt a = 0; a < dim; a++)
-    for (PetscInt c = 0; c <= a; c++) phi[t++] = phi[a] * phi[c];
+  for (PetscInt d = 2; d <= degree; d++) {
+    for (PetscInt a = 0; a < dim; a++)
+      for (PetscInt q = 0; q < MlsMonomials(a, d - 1); q++) phi[t++] = phi[a] * phi[lower + q];
+    lower += MlsMonomials(dim - 1, d - 1);
+  }
 }
 
 /* Computes the moments and the right-hand sides. */
-static inline void SetSystems(PetscInt dim, PetscInt n, Stencil *const st[], const MlsBatch *b,
-                              Systems *y)
+static inline void SetSystems(PetscInt dim, PetscInt degree, PetscInt n, Stencil *const st[],
+                              const MlsBatch *b, Systems *y)
 {
-  const PetscInt terms = MlsTerms(dim, 2);
+  const PetscInt terms = MlsTerms(dim, degree);
   const Lanes    zero  = {0.0};
-  Lanes          M[MLS_QUADRATIC_TERMS * (MLS_QUADRATIC_TERMS + 1) / 2], m[MLS_QUADRATIC_TERMS];
+  Lanes          M[MOMENTS], m[MLS_MAX_TERMS];
 
   for (PetscInt e = 0; e < terms * (terms + 1) / 2; e++) M[e] = zero;
   for (PetscInt t = 0; t < terms; t++) m[t] = zero;
   y->sum = zero;
   for (PetscInt k = 0; k < n; k++) {
-    Lanes    phi[MLS_QUADRATIC_TERMS];
+    Lanes    phi[MLS_MAX_TERMS];
     PetscInt e = 0;
 
-    Basis(dim, b, k, phi);
+    Basis(dim, degree, b, k, phi);
     y->sum += b->W[k];
     for (PetscInt t = 0; t < terms; t++) {
       const Lanes weighted = b->W[k] * phi[t];
@@ -133,10 +137,9 @@ static inline void SetSystems(PetscInt dim, PetscInt n, Stencil *const st[], con
 
 /* Solves the systems by the factors L D L^T of M. Output: least - the least pivot over the diagonal
    entry of M, for each lane. */
-static inline void SolveSystems(PetscInt dim, Systems *y, Lanes *least)
+static inline void SolveSystems(PetscInt dim, PetscInt terms, Systems *y, Lanes *least)
 {
-  const PetscInt terms = MlsTerms(dim, 2);
-  const Lanes    zero  = {0.0};
+  const Lanes zero = {0.0};
 
   *least = zero + PETSC_INFINITY;
   for (PetscInt j = 0; j < terms; j++) {
@@ -171,19 +174,19 @@ static inline void SolveSystems(PetscInt dim, Systems *y, Lanes *least)
 }
 
 /* Computes the weights of all rows from the solutions. */
-static inline void SetRows(PetscInt dim, PetscInt n, MlsBatch *b, Systems *y)
+static inline void SetRows(PetscInt dim, PetscInt degree, PetscInt n, MlsBatch *b, Systems *y)
 {
-  const PetscInt terms = MlsTerms(dim, 2);
-  Lanes          x[ROWS][MLS_QUADRATIC_TERMS], per_sum;
+  const PetscInt terms = MlsTerms(dim, degree);
+  Lanes          x[ROWS][MLS_MAX_TERMS], per_sum;
 
   for (PetscInt r = 0; r < 2 + dim; r++)
     for (PetscInt t = 0; t < terms; t++) x[r][t] = y->b[r][t];
   for (PetscInt t = 0; t < terms; t++) y->sum -= y->m[t] * x[0][t];
   per_sum = 1.0 / y->sum;
   for (PetscInt k = 0; k < n; k++) {
-    Lanes phi[MLS_QUADRATIC_TERMS];
+    Lanes phi[MLS_MAX_TERMS];
 
-    Basis(dim, b, k, phi);
+    Basis(dim, degree, b, k, phi);
     for (PetscInt r = 0; r < 2 + dim; r++) {
       Lanes sum = x[r][0] * phi[0];
 
@@ -194,24 +197,36 @@ static inline void SetRows(PetscInt dim, PetscInt n, MlsBatch *b, Systems *y)
 }
 
 /* Copies the rows of a lane to the fit of its particle. */
-static void KeepLane(const MlsBatch *b, PetscInt lane, Stencil *st)
+static void KeepLane(const MlsBatch *b, PetscInt degree, PetscInt lane, Stencil *st)
 {
   PetscReal *to[ROWS] = {st->fit.filter, st->fit.laplacian};
 
   for (PetscInt a = 0; a < st->dim; a++) to[2 + a] = st->fit.gradient[a];
   for (PetscInt r = 0; r < 2 + st->dim; r++)
     for (PetscInt k = 0; k < st->n; k++) to[r][k] = b->row[r][k][lane];
-  st->fit.wanted = st->fit.degree = 2;
+  st->fit.wanted = st->fit.degree = degree;
 }
 
-static inline void FitInline(PetscInt dim, PetscInt n, Stencil *const st[], MlsBatch *b,
-                             Lanes *least)
+static inline void FitInline(PetscInt dim, PetscInt degree, PetscInt n, Stencil *const st[],
+                             MlsBatch *b, Lanes *least)
 {
   Systems y;
 
-  SetSystems(dim, n, st, b, &y);
-  SolveSystems(dim, &y, least);
-  SetRows(dim, n, b, &y);
+  SetSystems(dim, degree, n, st, b, &y);
+  SolveSystems(dim, MlsTerms(dim, degree), &y, least);
+  SetRows(dim, degree, n, b, &y);
+}
+
+/* Computes the fits of all lanes, in a copy of the code for each dimension and degree. */
+static void FitLanes(PetscInt dim, PetscInt degree, PetscInt n, Stencil *const st[], MlsBatch *b,
+                     Lanes *least)
+{
+  if (dim == 2 && degree == 2) FitInline(2, 2, n, st, b, least);
+  else if (dim == 2 && degree == 3) FitInline(2, 3, n, st, b, least);
+  else if (dim == 2) FitInline(2, 4, n, st, b, least);
+  else if (degree == 2) FitInline(3, 2, n, st, b, least);
+  else if (degree == 3) FitInline(3, 3, n, st, b, least);
+  else FitInline(3, 4, n, st, b, least);
 }
 
 /* Returns true if all neighbours give values in the present fit. */
@@ -223,19 +238,20 @@ static PetscBool HasValuesOnly(const Stencil *st)
 }
 
 /*
-  MlsFitBatch - Computes the rows of the quadratic fits of several particles
+  MlsFitBatch - Computes the rows of the fits of several particles
 
   Not collective. Skips particles with neighbours that give derivatives or nothing, and those whose
   neighbours do not determine the fit: their rows are computed when a row function asks for them.
 
   Input Parameters:
-+ count - number of stencils, at most MLS_LANES
-- st    - stencils of the particles
++ degree - of the fits, 2 to 4
+. count  - number of stencils, at most MLS_LANES
+- st     - stencils of the particles
 
   Output Parameter:
 . st - the rows of their fits
 */
-PetscErrorCode MlsFitBatch(PetscInt count, Stencil *const st[], MlsBatch *b)
+PetscErrorCode MlsFitBatch(PetscInt degree, PetscInt count, Stencil *const st[], MlsBatch *b)
 {
   Stencil *of_lane[MLS_LANES];
   PetscInt lanes = 0, n = 0;
@@ -251,9 +267,8 @@ PetscErrorCode MlsFitBatch(PetscInt count, Stencil *const st[], MlsBatch *b)
   PetscCall(BatchReserve(n, b));
   for (PetscInt l = lanes; l < MLS_LANES; l++) of_lane[l] = of_lane[0]; /* repeated, not kept */
   for (PetscInt l = 0; l < MLS_LANES; l++) FillLane(of_lane[l], l, n, b);
-  if (st[0]->dim == 2) FitInline(2, n, of_lane, b, &least);
-  else FitInline(3, n, of_lane, b, &least);
+  FitLanes(st[0]->dim, degree, n, of_lane, b, &least);
   for (PetscInt l = 0; l < lanes; l++)
-    if (least[l] > 1e-10) KeepLane(b, l, of_lane[l]);
+    if (least[l] > 1e-10) KeepLane(b, degree, l, of_lane[l]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,4 +1,4 @@
-/* Quadratic fits of several particles at once. */
+/* Fits of several particles at once. */
 #ifndef ISPH_MLSBATCH_H
 #define ISPH_MLSBATCH_H
 
@@ -8,6 +8,7 @@ typedef struct MlsBatch MlsBatch;
 
 PetscErrorCode MlsBatchCreate(MlsBatch **batch);
 PetscErrorCode MlsBatchDestroy(MlsBatch **batch);
-PetscErrorCode MlsFitBatch(PetscInt count, Stencil *const stencil[], MlsBatch *batch);
+PetscErrorCode MlsFitBatch(PetscInt degree, PetscInt count, Stencil *const stencil[],
+                           MlsBatch *batch);
 
 #endif

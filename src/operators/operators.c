@@ -60,12 +60,11 @@ static void NeedVelocity(const Scene *scene, Operators *ops, VelocityOperators *
     of->grad_u[a].needed = ops->needs & NEED_GRADIENT_U ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Returns true if an operator of the run has the rows of quadratic fits. */
-static PetscBool HasQuadraticFits(const Operators *ops)
+/* Returns true if an operator of the run has the rows of fits of the chosen degree. */
+static PetscBool HasFits(const Operators *ops)
 {
   const OperatorForms *forms = &ops->forms;
 
-  if (forms->degree > 2) return PETSC_FALSE;
   if (ops->needs & (NEED_FILTER_U | NEED_FILTER_P)) return PETSC_TRUE;
   return (forms->visc.row && forms->visc.row->Row == LaplacianRow_Mls) ||
                  (forms->ppe.row && forms->ppe.row->Row == LaplacianRow_Mls) ||
@@ -85,8 +84,9 @@ static PetscErrorCode CreateWorkspace(const Scene *scene, Operators *ops)
     work->batch[l]->degree     = ops->forms.degree;
     work->batch[l]->fits_walls = ops->forms.wall ? ops->forms.wall->on_surface : PETSC_FALSE;
   }
-  work->stencil = work->batch[0];
-  if (HasQuadraticFits(ops)) PetscCall(MlsBatchCreate(&work->fits));
+  work->stencil  = work->batch[0];
+  work->has_fits = HasFits(ops);
+  PetscCall(MlsBatchCreate(&work->fits));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
