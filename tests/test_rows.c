@@ -131,7 +131,7 @@ static PetscReal RowDifference(PetscInt n, const PetscReal a[], const PetscReal 
 }
 
 /* Compares the rows of a fit of a degree in a batch with those of the same fit alone; returns the
-   number of errors. Normal equations of condition 1e4 amplify rounding. The filter's degree is even.
+   number of errors. Normal equations of condition 1e4 amplify rounding. Filters have even degrees.
    Counts fits in `compared`, but for those that their neighbours do not determine, which a batch
    skips. Not collective. */
 static PetscInt CompareFits(PetscInt degree, Stencil *st, PetscInt *compared)
