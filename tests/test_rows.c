@@ -84,8 +84,36 @@ static void test_products(void **state)
   }
 }
 
+/* Checks that a shell is the matrix 250 I - 0.4 A. */
+static void CheckShell(const AffineOperator *op, const char *name, Mat expected)
+{
+  Mat shell, flat;
+  Vec x, y, right;
+
+  ASSERT_OK(AffineSystemCreate(op, MATSHELL, &shell));
+  ASSERT_OK(AffineSystemSet(op, 7.0, 3.0, shell));
+  ASSERT_OK(AffineSystemSet(op, 250.0, -0.4, shell));
+  ASSERT_OK(MatCreateVecs(expected, &x, &y));
+  ASSERT_OK(VecDuplicate(y, &right));
+  ASSERT_OK(VecSetRandom(x, NULL));
+  ASSERT_OK(MatMult(shell, x, y));
+  ASSERT_OK(MatMult(expected, x, right));
+  AssertEqual("product of a shell", name, y, right);
+  ASSERT_OK(AffineSystemFlatten(shell, &flat));
+  ASSERT_OK(MatMult(flat, x, y));
+  AssertEqual("product of its matrix", name, y, right);
+  ASSERT_OK(MatGetDiagonal(shell, y));
+  ASSERT_OK(MatGetDiagonal(expected, right));
+  AssertEqual("diagonal of a shell", name, y, right);
+  ASSERT_OK(VecDestroy(&x));
+  ASSERT_OK(VecDestroy(&y));
+  ASSERT_OK(VecDestroy(&right));
+  ASSERT_OK(MatDestroy(&flat));
+  ASSERT_OK(MatDestroy(&shell));
+}
+
 /* The matrix is the same from the rows and from the matrix of the operator, for each type, and also
-   if its values are set twice. */
+   if its values are set twice; a shell has the same entries, products and diagonal. */
 static void test_system(void **state)
 {
   const char *const types[] = {MATSAME, MATBAIJ};
@@ -112,6 +140,7 @@ static void test_system(void **state)
     ASSERT_OK(MatNorm(plain, NORM_FROBENIUS, &difference));
     CloudAssertNone(types[k % 2], name, !(difference <= ROUNDING * norm));
     ASSERT_OK(MatDestroy(&plain));
+    CheckShell(&by_rows, name, expected);
     ASSERT_OK(MatDestroy(&expected));
     ASSERT_OK(MatDestroy(&J));
     ASSERT_OK(CloudDestroy(&cloud));

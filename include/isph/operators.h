@@ -295,6 +295,7 @@ PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y);
 PetscErrorCode AffineApplyAdd(const AffineOperator *op, Vec f, Vec walls, Vec y);
 PetscErrorCode AffineSystemCreate(const AffineOperator *op, MatType type, Mat *J);
 PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscReal scale, Mat J);
+PetscErrorCode AffineSystemFlatten(Mat J, Mat *flat);
 PetscErrorCode AffineApplyWalls(const AffineOperator *op, Vec walls, Vec y);
 PetscErrorCode AffineApplyAll(PetscInt n, const AffineOperator *const op[], Vec f, Vec walls,
                               const Vec y[]);

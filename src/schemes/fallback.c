@@ -85,15 +85,19 @@ PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved)
   PC        pc;
   Mat       A, P, flat = NULL;
   PetscInt  rows;
-  PetscBool nested = guard->Flatten ? PETSC_TRUE : PETSC_FALSE;
+  PetscBool nested = PETSC_FALSE, shell = PETSC_FALSE;
 
   PetscFunctionBegin;
   *solved = PETSC_FALSE;
   if (PetscIsInfOrNanReal(guard->residual)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(KSPGetOperators(ksp, &A, &P));
   PetscCall(MatGetSize(A, &rows, NULL));
-  if (nested) PetscCall(PetscObjectTypeCompare((PetscObject)P, MATNEST, &nested));
-  if (nested && rows <= levels[FALLBACK_LEVELS - 1].most) PetscCall(guard->Flatten(P, &flat));
+  if (guard->Flatten) {
+    PetscCall(PetscObjectTypeCompare((PetscObject)P, MATNEST, &nested));
+    PetscCall(PetscObjectTypeCompare((PetscObject)P, MATSHELL, &shell));
+  }
+  if (shell || (nested && rows <= levels[FALLBACK_LEVELS - 1].most))
+    PetscCall(guard->Flatten(P, &flat));
   for (PetscInt k = 0; k < FALLBACK_LEVELS && !*solved; k++) {
     PetscBool skips = PETSC_FALSE;
 

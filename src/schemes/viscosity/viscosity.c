@@ -133,6 +133,35 @@ static PetscErrorCode RefuseImplicitConvection(const Flow *flow, const ViscousIn
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Decides if the solver takes a shell: it only multiplies, by default with Jacobi at small
+   stiffness, and no option shows or tests the matrix. */
+static PetscErrorCode ChooseShell(Viscosity *v)
+{
+  const char *const shows[] = {"-mat_view", "-ksp_view_mat", "-ksp_view_pmat",
+                               "-snes_test_jacobian", "-snes_test_jacobian_view"};
+  PetscBool         multiplies, diagonal, same;
+  PC                pc;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetPC(v->guard.solve.ksp, &pc));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)v->guard.solve.ksp, &multiplies, KSPGMRES, KSPCG,
+                                      KSPFGMRES, KSPBCGS, ""));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &diagonal, PCJACOBI, PCNONE, ""));
+  PetscCall(PetscStrcmp(v->guard.mat_type, MATSAME, &same));
+  v->shell = multiplies && diagonal && same && !v->nonlinear &&
+                     !v->flow->state->implicit_convection && v->flow->ops->velocity[0].visc.rows
+                 ? PETSC_TRUE
+                 : PETSC_FALSE;
+  for (size_t k = 0; k < sizeof(shows) / sizeof(shows[0]) && v->shell; k++) {
+    PetscBool given;
+
+    PetscCall(PetscOptionsHasName(NULL, "visc_", shows[k], &given));
+    if (given) v->shell = PETSC_FALSE;
+  }
+  v->guard.Flatten = v->shell ? AffineSystemFlatten : NULL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   ViscosityCreate - Creates the integrators of the viscous term and adds their solve to the scheme
 
@@ -183,9 +212,11 @@ PetscErrorCode ViscosityCreate(Flow *flow, Viscosity **visc)
     PetscCall(TSSetFromOptions(v->ts[c]));
     PetscCall(TimeToleranceRefuse(v->ts[c], "visc_"));
   }
-  if (solve->ksp)
+  if (solve->ksp) {
     PetscCall(GuardAttach(
         solve->ksp, flow->state->implicit_convection ? NULL : &flow->ops->forms.visc, &v->guard));
+    PetscCall(ChooseShell(v));
+  }
   if (!v->row->history) PetscCall(ClockDropEstimate(flow->clock, options[0].name, v->row->name));
   PetscCall(RefuseMultistep(flow, v->row));
   PetscCall(SchemeAddSolve(solve, flow->scheme));
@@ -265,23 +296,25 @@ static PetscErrorCode ViscosityFreeJacobian(Viscosity *v)
 }
 
 /* Creates a Jacobian with the sparsity pattern of the present operators, and renews the
-   preconditioner. */
+   preconditioner. A shell serves all assemblies of an epoch. */
 static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
 {
   Operators *ops = v->flow->ops;
 
   PetscFunctionBegin;
   if (!v->guard.solve.ksp || v->assemblies == ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
+  v->shift      = NAN;
+  v->assemblies = ops->assemblies;
+  if (v->shell && v->J) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ViscosityFreeJacobian(v));
-  PetscCall(AffineSystemCreate(&ops->velocity[0].visc, v->guard.mat_type, &v->J));
+  PetscCall(
+      AffineSystemCreate(&ops->velocity[0].visc, v->shell ? MATSHELL : v->guard.mat_type, &v->J));
   if (v->flow->state->implicit_convection)
     PetscCall(MatDuplicate(v->J, MAT_DO_NOT_COPY_VALUES, &v->convection));
   for (PetscInt c = 0; c < v->systems; c++) {
     PetscCall(TSSetIJacobian(v->ts[c], v->J, v->J, ViscosityIJacobian, &v->component[c]));
   }
   v->guard.solve.matrix = v->J;
-  v->shift              = NAN;
-  v->assemblies         = ops->assemblies;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

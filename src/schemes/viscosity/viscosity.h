@@ -37,6 +37,7 @@ struct Viscosity {
   Component                   component[ISPH_MAX_DIM];
   Guard                       guard;          /* its KSP is NULL for explicit integrators */
   Mat                         J;              /* shift I - nu A */
+  PetscBool                   shell;          /* J only has products and a diagonal */
   PetscReal                   shift;          /* in J; NaN: J is out of date [1/s] */
   Mat                         convection;     /* work matrix; NULL: convection not in J */
   const AffineOperator       *of_J;           /* the A in J */
