@@ -13,7 +13,9 @@ FIXED = {  # the same settings in all flows of comparison
     "quartic": "-motion eulerian -convection implicit -mls_degree 4",
     "quartic, CFL 4": "-motion eulerian -convection implicit -mls_degree 4 -cfl 4",
     "quartic, coarse points": "-motion eulerian -convection implicit -mls_degree 4 -pressure_points coarse",
+    "quartic, coarse points, explicit": "-motion eulerian -mls_degree 4 -pressure_points coarse",
 }
+MOVING = {"default": "", "CFL 1": "-cfl 1", "quartic, CFL 1": "-mls_degree 4 -cfl 1"}
 SHEAR = ('-case scene -scene_box 0,0,1,1 -scene_periodic x,y -viscosity 1e-4 -scene_velocity '
          '"tanh(30*((y<0.5)?(y-0.25):(0.75-y))),0.05*sin(2*pi*(x+0.25))"')
 
@@ -100,10 +102,11 @@ def comparison(flow, quick):
     base = f"isph {case.isph} -t_end {t_end}"
     for n in case.quick if quick else case.fixed:
         for setting, words in FIXED.items():
-            if setting != "quartic, coarse points" or flow in PERIODIC:  # the default between walls
+            if "quartic, coarse points" not in setting or flow in PERIODIC:  # the default between walls
                 yield Run("fixed", setting, n, f"{base} {words} -n {n}", flow)
     for n in case.quick if quick else case.moving:
-        yield Run("moving", "default", n, f"{base} -n {n}", flow)
+        for setting, words in MOVING.items():
+            yield Run("moving", setting, n, f"{base} {words} -n {n}" if words else f"{base} -n {n}", flow)
     for n in case.quick if quick else case.sides:
         for courant in (2, 1, 0.5):
             yield Run("icoFoam", f"Courant {courant}", n, foam(flow, case, t_end, n, courant), flow)

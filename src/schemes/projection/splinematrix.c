@@ -46,7 +46,7 @@ static PetscErrorCode SplineMatrix(Mat A, Vec x, Vec y)
 static PetscErrorCode GradientMat(const Splines *s, const Particles *p, PetscInt a, Mat *G)
 {
   PetscFunctionBegin;
-  PetscCall(SplineMat(p->comm, p->n_fluid, s->own.size, SPLINES_AT, G));
+  PetscCall(SplineMat(p->comm, p->n_fluid, s->own.size, SplinesAtPoint(p->dim), G));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     const PetscInt row = p->row[i];
     PetscReal      x[ISPH_MAX_DIM];

@@ -125,7 +125,7 @@ static PetscErrorCode AssembleInside(Splines *s, const Particles *p)
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < l->dim; a++)
-    PetscCall(SplineMat(p->comm, s->inside.n, s->own.size, SPLINES_AT, &s->T[a]));
+    PetscCall(SplineMat(p->comm, s->inside.n, s->own.size, SplinesAtPoint(l->dim), &s->T[a]));
   PetscCall(MatGetOwnershipRange(s->T[0], &row, NULL));
   for (PetscInt g = 0; g < s->inside.n; g++, row++) {
     PetscReal x[ISPH_MAX_DIM];
@@ -148,7 +148,7 @@ static PetscErrorCode AssembleBoundary(Splines *s, const Particles *p)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < l->dim; a++) any = any || !l->periodic[a] ? PETSC_TRUE : PETSC_FALSE;
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SplineMat(p->comm, s->boundary.n, s->own.size, SPLINES_AT, &s->S));
+  PetscCall(SplineMat(p->comm, s->boundary.n, s->own.size, SplinesAtPoint(l->dim), &s->S));
   PetscCall(MatGetOwnershipRange(s->S, &row, NULL));
   for (PetscInt g = 0; g < s->boundary.n; g++, row++) {
     PetscReal x[ISPH_MAX_DIM], entry[SPLINES_EXTENDED];

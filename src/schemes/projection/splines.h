@@ -26,6 +26,12 @@ typedef struct {
 
 #define SPLINES_AT 27 /* splines that are not zero at a point in 3D */
 
+/* Returns the number of splines that are not zero at a point. */
+static inline PetscInt SplinesAtPoint(PetscInt dim)
+{
+  return dim == 2 ? 9 : SPLINES_AT;
+}
+
 /* The splines at a point. */
 typedef struct {
   PetscInt  n;                                  /* 3^dim */
