@@ -203,31 +203,42 @@ static PetscReal LeastBeyond(const SplineAround *around, PetscReal low, PetscRea
   Returns the squared radius of a fit of `wanted` particles, the nearest: the squared distance of
   the next, at most reach^2
 
-  Interpolation brackets it: in the plane, the number grows in proportion to the squared distance.
-  It begins with a guess, 0 if there is none, on which the result does not depend.
-  If the number jumps beyond `wanted`, because distances are equal or parts are not, the radius is
-  the second distance of the jump and beyond.
+  In the plane, the number grows in proportion to the squared distance: the first distances are
+  extrapolated from a guess, on which the result does not depend, and interpolation brackets the
+  last ones. If the number jumps beyond `wanted`, because distances are equal or parts are not, the
+  radius is the second distance of the jump and beyond.
 */
 static PetscReal SquaredRadius(const SplineAround *around, PetscReal wanted, PetscReal reach,
                                PetscReal guess, PetscBool *found)
 {
-  const PetscReal all = PetscSqr(reach);
-  PetscReal       low = 0.0, high = all, below = 0.0, above = SumWithin(around, all);
-  PetscReal       next[2] = {all, all};
+  const PetscReal all = PetscSqr(reach), count = wanted + 0.5;
+  PetscReal       low = 0.0, high = all, below = 0.0, above = -1.0; /* above -1: not yet known */
+  PetscReal       next[2] = {all, all}, middle = guess > 0.0 ? guess : 0.5 * all;
 
-  *found = above + 1e-9 >= wanted ? PETSC_TRUE : PETSC_FALSE;
-  if (!*found) return all;
+  *found = PETSC_TRUE;
   while (high - low > 1e-14 * high) {
-    const PetscReal share = (wanted + 0.5 - below) / (above - below);
-    const PetscReal inner = low + PetscMax(0.1, PetscMin(share, 0.9)) * (high - low);
-    const PetscReal middle =
-        low == 0.0 && high == all && guess > 0.0 && guess < all ? guess : inner;
-    const PetscReal sum = SumWithin(around, middle);
+    PetscReal sum;
 
+    if (above < 0.0 && middle < 0.95 * all) {
+      sum = SumWithin(around, middle);
+    } else if (above < 0.0) {
+      above = SumWithin(around, all);
+      if (above + 1e-9 < wanted) {
+        *found = PETSC_FALSE;
+        return all;
+      }
+      continue;
+    } else {
+      const PetscReal share = (count - below) / (above - below);
+
+      middle = low + PetscMax(0.1, PetscMin(share, 0.9)) * (high - low);
+      sum    = SumWithin(around, middle);
+    }
     if (PetscAbsReal(sum - wanted) < 1e-9) return LeastBeyond(around, middle, all);
     if (sum < wanted) {
-      low   = middle;
-      below = sum;
+      low    = middle;
+      below  = sum;
+      middle = sum > 0.0 ? middle * PetscMax(1.02, count / sum) : all;
     } else {
       high  = middle;
       above = sum;
