@@ -56,6 +56,7 @@ PetscErrorCode SolverViewTake(const char prefix[], const char name[], SolverView
 PetscErrorCode SolverViewShow(PetscObject solver, const SolverView *view);
 PetscErrorCode SolverViewEnd(SolverView *view);
 PetscErrorCode KspViewsTake(const char prefix[], KspViews *views);
+PetscBool      KspViewsHaveMatrix(const KspViews *views);
 PetscErrorCode KspViewsShow(KSP ksp, KspViews *views);
 PetscErrorCode KspViewsEnd(KspViews *views);
 

@@ -165,7 +165,8 @@ extern const WallRow     WallGiven; /* treatment of patch tests, not in the tabl
 /* Vectors over own fluid or own wall particles; array NULL: the vector allocates its storage. */
 PetscErrorCode FluidVec(const Particles *particles, PetscReal array[], Vec *v);
 PetscErrorCode WallVec(const Particles *particles, Vec *v);
-PetscErrorCode LocalValues(const Particles *particles, Vec f, Vec walls, PetscReal value[]);
+PetscErrorCode LocalValues(const Particles *particles, Vec f, Vec walls, PetscInt step,
+                           PetscReal value[]);
 PetscErrorCode FluidSum(const Particles *particles, Vec f, PetscBool squared, PetscReal *sum);
 PetscErrorCode FluidRemoveMean(const Particles *particles, Vec f);
 

@@ -97,8 +97,9 @@ typedef struct {
   PetscInt   epoch;                              /* counter from 1; 0 before the first epoch */
   PetscInt   moved; /* stamp of positions; ParticlesUpdateHalo() increases it */
 
-  PetscSF    sf;                       /* own (roots) -> halo (leaves), fixed within an epoch */
-  PetscReal *halo_shift[ISPH_MAX_DIM]; /* of halo particle k, added to the owner's position [m] */
+  PetscSF      sf;                       /* own (roots) -> halo (leaves), fixed within an epoch */
+  MPI_Datatype vector;                   /* dim numbers */
+  PetscReal   *halo_shift[ISPH_MAX_DIM]; /* of halo particle k, added to the owner's position [m] */
 } Particles;
 
 /* Placement of wall particles for a wall treatment: a layer on the surface, or layers behind it. */
@@ -148,6 +149,7 @@ PetscErrorCode ParticlesRemove(const Scene *scene, Particles *particles, PetscIn
 PetscReal      ParticlesHash(PetscInt seed, PetscInt64 id, PetscInt axis);
 PetscInt       ParticlesRankAt(const Particles *particles, const PetscReal x[]);
 PetscErrorCode ParticlesHaloField(const Particles *particles, PetscReal values[]);
+PetscErrorCode ParticlesHaloVectors(const Particles *particles, PetscReal values[]);
 PetscErrorCode ParticlesNumberById(const Particles *particles, PetscInt index[]);
 PetscErrorCode ParticlesCountRepeated(const Particles *particles, PetscInt n,
                                       const PetscReal record[], PetscInt *repeated);

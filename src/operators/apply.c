@@ -20,7 +20,7 @@ static PetscErrorCode SetValues(OperatorRows *rows, Vec f, Vec walls)
     PetscCall(PetscFree(rows->value));
     PetscCall(PetscMalloc1(rows->capacity, &rows->value));
   }
-  PetscCall(LocalValues(p, f, walls, rows->value));
+  PetscCall(LocalValues(p, f, walls, 1, rows->value));
   PetscCall(ParticlesHaloField(p, rows->value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

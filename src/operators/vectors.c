@@ -134,23 +134,29 @@ PetscErrorCode WallVec(const Particles *p, Vec *v)
 /*
   LocalValues - Collects the values of a scalar by local index, without the halo
 
-  Not collective. Input: f, walls - values over own fluid and own wall particles; NULL: zeros.
-  Output: value - of the own particles.
+  Not collective.
+
+  Input Parameters:
++ f, walls - values over own fluid and own wall particles; NULL: zeros
+- step     - distance of the values of consecutive particles
+
+  Output Parameter:
+. value - of the own particles
 */
-PetscErrorCode LocalValues(const Particles *p, Vec f, Vec walls, PetscReal value[])
+PetscErrorCode LocalValues(const Particles *p, Vec f, Vec walls, PetscInt step, PetscReal value[])
 {
   const Vec          own[] = {f, walls};
   const PetscInt     n[]   = {p->n_fluid, p->n_wall};
   const PetscScalar *v;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < 2; value += n[k++]) {
+  for (PetscInt k = 0; k < 2; value += step * n[k++]) {
     if (!own[k]) {
-      PetscCall(PetscArrayzero(value, n[k]));
+      for (PetscInt i = 0; i < n[k]; i++) value[step * i] = 0.0;
       continue;
     }
     PetscCall(VecGetArrayRead(own[k], &v));
-    PetscCall(PetscArraycpy(value, v, n[k]));
+    for (PetscInt i = 0; i < n[k]; i++) value[step * i] = v[i];
     PetscCall(VecRestoreArrayRead(own[k], &v));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -269,3 +269,12 @@ PetscErrorCode ParticlesHaloField(const Particles *particles, PetscReal values[]
   PetscCall(HaloCopy(particles, MPIU_REAL, values, values + ParticlesOwn(particles)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* ParticlesHaloVectors - Copies vectors of own particles to the halo: values of component a of
+   particle j at [j dim + a], see ParticlesHaloField(); collective */
+PetscErrorCode ParticlesHaloVectors(const Particles *p, PetscReal values[])
+{
+  PetscFunctionBegin;
+  PetscCall(HaloCopy(p, p->vector, values, values + p->dim * ParticlesOwn(p)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -113,6 +113,8 @@ PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscRea
   PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
   PetscCall(PetscCalloc2(ranks, &p->cut_axis, ranks, &p->cut));
   PetscCall(PetscSFCreate(p->comm, &p->sf));
+  PetscCallMPI(MPI_Type_contiguous(p->dim, MPIU_REAL, &p->vector));
+  PetscCallMPI(MPI_Type_commit(&p->vector));
   PetscCall(RegisterOwnFields(scene, p));
 
   if (scene->grading.on) PetscCall(CreateCloud(scene, p));
@@ -145,6 +147,7 @@ PetscErrorCode ParticlesDestroy(Particles **particles)
   PetscCall(PetscFree(p->row));
   PetscCall(PetscFree2(p->cut_axis, p->cut));
   PetscCall(PetscSFDestroy(&p->sf));
+  PetscCallMPI(MPI_Type_free(&p->vector));
   PetscCall(PetscFree(*particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -53,7 +53,8 @@ PetscErrorCode SolverViewEnd(SolverView *view)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The options of KspViews, in the order of KspViewsShow(). */
+/* The views of KspViews, in the order of KspViewsShow(). */
+enum { VIEW_MAT = 1, VIEW_PMAT = 2 };
 static const char *const names[KSP_VIEWS] = {"-ksp_view", "-ksp_view_mat", "-ksp_view_pmat",
                                              "-ksp_view_rhs", "-ksp_view_solution"};
 
@@ -64,6 +65,12 @@ PetscErrorCode KspViewsTake(const char prefix[], KspViews *views)
   for (PetscInt k = 0; k < KSP_VIEWS; k++)
     PetscCall(SolverViewTake(prefix, names[k], &views->of[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* KspViewsHaveMatrix - Returns true if the entries of a matrix are to be viewed; not collective */
+PetscBool KspViewsHaveMatrix(const KspViews *views)
+{
+  return views->of[VIEW_MAT].viewer || views->of[VIEW_PMAT].viewer ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /*

@@ -28,8 +28,7 @@ static PetscErrorCode SplineMatrix(Mat A, Vec x, Vec y)
   s = factors->splines;
   p = factors->particles;
   PetscCall(SplinesGradient(s, x, s->fits.value));
-  for (PetscInt a = 0; a < p->dim; a++)
-    PetscCall(PetscArrayzero(s->fits.value[a] + p->n_fluid, p->n_wall));
+  PetscCall(PetscArrayzero(s->fits.value + p->dim * p->n_fluid, p->dim * p->n_wall));
   PetscCall(SplineFitsApply(p, s));
   PetscCall(VecZeroEntries(y));
   for (PetscInt a = 0; a < p->dim; a++) PetscCall(MatMultTransposeAdd(s->T[a], s->points[a], y, y));

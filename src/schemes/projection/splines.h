@@ -133,7 +133,7 @@ typedef struct {
   PetscBool  coupled; /* fits of a component have entries of the others */
   /* entries [first, last) of the fit of component [a] from component [b] at each point */
   PetscInt  *first[ISPH_MAX_DIM][ISPH_MAX_DIM], *last[ISPH_MAX_DIM][ISPH_MAX_DIM];
-  PetscReal *value[ISPH_MAX_DIM]; /* of velocity components, by local index; work */
+  PetscReal *value; /* velocity component a of the particle of local index j at [j dim + a]; work */
   PetscInt   value_capacity;
 } SplineFits;
 
@@ -247,7 +247,7 @@ PetscErrorCode SplineWindowFree(SplineWindow *w);
 PetscErrorCode SplinePlacesSet(const Particles *p, Splines *s);
 PetscErrorCode SplinePlacesFree(SplinePlaces *at);
 PetscErrorCode SplinesValue(Splines *s, Vec p, Vec value);
-PetscErrorCode SplinesGradient(Splines *s, Vec p, PetscReal *const gradient[]);
+PetscErrorCode SplinesGradient(Splines *s, Vec p, PetscReal gradient[]);
 PetscErrorCode SplinesAccelerate(Splines *s, Vec p, PetscReal factor, const Vec u[]);
 
 /* splinefits.c, splinevelocity.c */

@@ -136,7 +136,8 @@ PetscErrorCode SplinesDivergence(Flow *flow, Splines *s, const Vec u[], PetscRea
   PetscFunctionBegin;
   PetscCall(VecZeroEntries(d));
   for (PetscInt a = 0; a < s->lattice.dim; a++)
-    PetscCall(LocalValues(flow->particles, u[a], flow->walls.u[a], s->fits.value[a]));
+    PetscCall(
+        LocalValues(flow->particles, u[a], flow->walls.u[a], s->lattice.dim, s->fits.value + a));
   PetscCall(SplineFitsApply(flow->particles, s));
   for (PetscInt a = 0; a < s->lattice.dim; a++)
     PetscCall(MatMultTransposeAdd(s->T[a], s->points[a], d, d));

@@ -8,8 +8,8 @@ PetscErrorCode SplineFitsFree(SplineFits *f)
   PetscFunctionBegin;
   PetscCall(PetscFree(f->j));
   PetscCall(PetscFree(f->w));
+  PetscCall(PetscFree(f->value));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
-    PetscCall(PetscFree(f->value[a]));
     for (PetscInt b = 0; b < ISPH_MAX_DIM; b++)
       PetscCall(PetscFree2(f->first[a][b], f->last[a][b]));
   }
@@ -25,20 +25,18 @@ PetscErrorCode SplineFitsReserve(const Particles *p, SplineFits *f)
   PetscFunctionBegin;
   if (all <= f->value_capacity) PetscFunctionReturn(PETSC_SUCCESS);
   f->value_capacity = all + all / 8;
-  for (PetscInt a = 0; a < p->dim; a++) {
-    PetscCall(PetscFree(f->value[a]));
-    PetscCall(PetscMalloc1(f->value_capacity, &f->value[a]));
-  }
+  PetscCall(PetscFree(f->value));
+  PetscCall(PetscMalloc1(p->dim * f->value_capacity, &f->value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the sum of entries [first, last) times the values of a component. */
-static inline PetscReal Sum(const SplineFits *f, PetscInt first, PetscInt last,
-                            const PetscReal value[])
+/* Returns the sum of entries [first, last) times the values of component b. */
+static inline PetscReal Sum(PetscInt dim, const SplineFits *f, PetscInt first, PetscInt last,
+                            PetscInt b)
 {
   PetscReal sum = 0.0;
 
-  for (PetscInt k = first; k < last; k++) sum += f->w[k] * value[f->j[k]];
+  for (PetscInt k = first; k < last; k++) sum += f->w[k] * f->value[dim * f->j[k] + b];
   return sum;
 }
 
@@ -48,7 +46,7 @@ static inline void SumShared(PetscInt dim, const SplineFits *f, PetscInt g, Pets
   PetscReal sum[ISPH_MAX_DIM] = {0.0};
 
   for (PetscInt k = f->first[0][0][g]; k < f->last[0][0][g]; k++)
-    for (PetscInt a = 0; a < dim; a++) sum[a] += f->w[k] * f->value[a][f->j[k]];
+    for (PetscInt a = 0; a < dim; a++) sum[a] += f->w[k] * f->value[dim * f->j[k] + a];
   for (PetscInt a = 0; a < dim; a++) y[a][g] = sum[a];
 }
 
@@ -70,9 +68,9 @@ static inline void ApplyInline(PetscInt dim, const SplineFits *f, PetscScalar *c
       continue;
     }
     for (PetscInt a = 0; a < dim; a++) {
-      y[a][g] = Sum(f, f->first[a][a][g], f->last[a][a][g], f->value[a]);
+      y[a][g] = Sum(dim, f, f->first[a][a][g], f->last[a][a][g], a);
       for (PetscInt b = 0; f->coupled && b < dim; b++)
-        if (b != a) y[a][g] += Sum(f, f->first[a][b][g], f->last[a][b][g], f->value[b]);
+        if (b != a) y[a][g] += Sum(dim, f, f->first[a][b][g], f->last[a][b][g], b);
     }
   }
 }
@@ -84,10 +82,8 @@ PetscErrorCode SplineFitsApply(const Particles *p, Splines *s)
   PetscScalar *y[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < p->dim; a++) {
-    PetscCall(ParticlesHaloField(p, s->fits.value[a]));
-    PetscCall(VecGetArrayWrite(s->points[a], &y[a]));
-  }
+  PetscCall(ParticlesHaloVectors(p, s->fits.value));
+  for (PetscInt a = 0; a < p->dim; a++) PetscCall(VecGetArrayWrite(s->points[a], &y[a]));
   if (p->dim == 2) ApplyInline(2, &s->fits, y);
   else ApplyInline(3, &s->fits, y);
   for (PetscInt a = 0; a < p->dim; a++) PetscCall(VecRestoreArrayWrite(s->points[a], &y[a]));

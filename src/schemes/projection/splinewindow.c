@@ -161,7 +161,7 @@ static PetscErrorCode Collect(SplineWindow *w, Vec p)
 /* Evaluates the splines at all particles: values, or gradients if `value` is NULL. Inlined, so that
    the compiler knows the dimension. */
 static inline void EvaluateInline(PetscInt dim, const SplineWindow *w, const SplinePlaces *at,
-                                  PetscReal value[], PetscReal *const gradient[])
+                                  PetscReal value[], PetscReal gradient[])
 {
   const PetscInt row = w->n[0], plane = dim == 3 ? row * w->n[1] : 0;
 
@@ -185,11 +185,11 @@ static inline void EvaluateInline(PetscInt dim, const SplineWindow *w, const Spl
       if (dim == 3 && !value) sum[3] += d[2][k] * flat[0];
     }
     if (value) value[i] = sum[0];
-    for (PetscInt a = 0; !value && a < dim; a++) gradient[a][i] = sum[1 + a];
+    for (PetscInt a = 0; !value && a < dim; a++) gradient[dim * i + a] = sum[1 + a];
   }
 }
 
-static PetscErrorCode Evaluate(Splines *s, Vec p, PetscReal value[], PetscReal *const gradient[])
+static PetscErrorCode Evaluate(Splines *s, Vec p, PetscReal value[], PetscReal gradient[])
 {
   PetscFunctionBegin;
   PetscCall(Collect(&s->window, p));
@@ -210,8 +210,9 @@ PetscErrorCode SplinesValue(Splines *s, Vec p, Vec value)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplinesGradient - Computes sum_q p_q grad psi_q at each own fluid particle [1/m]; collective */
-PetscErrorCode SplinesGradient(Splines *s, Vec p, PetscReal *const gradient[])
+/* SplinesGradient - Computes sum_q p_q grad psi_q at each own fluid particle [1/m]: component a at
+   particle i at [i dim + a]; collective */
+PetscErrorCode SplinesGradient(Splines *s, Vec p, PetscReal gradient[])
 {
   PetscFunctionBegin;
   PetscCall(Evaluate(s, p, NULL, gradient));
@@ -219,7 +220,7 @@ PetscErrorCode SplinesGradient(Splines *s, Vec p, PetscReal *const gradient[])
 }
 
 /* SplinesAccelerate - Adds factor times sum_q p_q grad psi_q to the components of a vector field
-   over fluid; collective. The fits' work arrays hold the gradient. */
+   over fluid; collective. The fits' work array holds the gradient. */
 PetscErrorCode SplinesAccelerate(Splines *s, Vec p, PetscReal factor, const Vec u[])
 {
   PetscScalar *v;
@@ -228,7 +229,7 @@ PetscErrorCode SplinesAccelerate(Splines *s, Vec p, PetscReal factor, const Vec 
   PetscCall(Evaluate(s, p, NULL, s->fits.value));
   for (PetscInt a = 0; a < s->lattice.dim; a++) {
     PetscCall(VecGetArray(u[a], &v));
-    for (PetscInt i = 0; i < s->at.n; i++) v[i] += factor * s->fits.value[a][i];
+    for (PetscInt i = 0; i < s->at.n; i++) v[i] += factor * s->fits.value[s->lattice.dim * i + a];
     PetscCall(VecRestoreArray(u[a], &v));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

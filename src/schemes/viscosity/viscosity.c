@@ -137,8 +137,7 @@ static PetscErrorCode RefuseImplicitConvection(const Flow *flow, const ViscousIn
    stiffness, and no option shows or tests the matrix. */
 static PetscErrorCode ChooseShell(Viscosity *v)
 {
-  const char *const shows[] = {"-mat_view", "-ksp_view_mat", "-ksp_view_pmat",
-                               "-snes_test_jacobian", "-snes_test_jacobian_view"};
+  const char *const shows[] = {"-mat_view", "-snes_test_jacobian", "-snes_test_jacobian_view"};
   PetscBool         multiplies, diagonal, same;
   PC                pc;
 
@@ -149,7 +148,8 @@ static PetscErrorCode ChooseShell(Viscosity *v)
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &diagonal, PCJACOBI, PCNONE, ""));
   PetscCall(PetscStrcmp(v->guard.mat_type, MATSAME, &same));
   v->shell = multiplies && diagonal && same && !v->nonlinear &&
-                     !v->flow->state->implicit_convection && v->flow->ops->velocity[0].visc.rows
+                     !v->flow->state->implicit_convection && v->flow->ops->velocity[0].visc.rows &&
+                     !KspViewsHaveMatrix(&v->guard.ksp_views)
                  ? PETSC_TRUE
                  : PETSC_FALSE;
   for (size_t k = 0; k < sizeof(shows) / sizeof(shows[0]) && v->shell; k++) {
