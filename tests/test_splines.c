@@ -1,7 +1,8 @@
 /*
   The pressure on splines: they sum to 1, the divergence of a linear velocity is exact, its sum over
   all splines is the flux through the boundary whatever the velocities are, and the matrix of the
-  increment has the constant as its only null vector on both sides.
+  increment has the constant as its only null vector on both sides. All this holds for the cubic
+  splines of quartic fits too.
 */
 /* RANKS: 1 2 3 */
 #include "schemes/projection/splines.h"
@@ -17,17 +18,21 @@ typedef struct {
   Vec     d;
 } Fixture;
 
-static void Setup(const CloudBox *box, Fixture *f)
+/* Input: degree - of fits. */
+static void Setup(const CloudBox *box, PetscInt degree, Fixture *f)
 {
+  const char *options =
+      degree == 4 ? "-velocity_filter 0 -mls_degree 4" : "-velocity_filter 0 -mls_degree 2";
+
   memset(f, 0, sizeof(*f));
-  ASSERT_OK(CloudCreate(box, "-velocity_filter 0", &f->cloud));
+  ASSERT_OK(CloudCreate(box, options, &f->cloud));
   f->flow = (Flow){.scene     = &f->cloud.scene,
                    .scheme    = &f->scheme,
                    .ops       = f->cloud.ops,
                    .particles = f->cloud.particles,
                    .neighbors = f->cloud.neighbors,
                    .walls     = f->cloud.walls};
-  ASSERT_OK(SplinesSet(&f->cloud.scene, 2.0, PETSC_FALSE, &f->splines));
+  ASSERT_OK(SplinesSet(&f->cloud.scene, 2.0, degree, PETSC_FALSE, &f->splines));
   ASSERT_OK(SplinesAssemble(&f->flow, &f->splines));
   ASSERT_OK(VecDuplicate(f->splines.mass, &f->d));
 }
@@ -64,26 +69,35 @@ static const CloudBox boxes[] = {
 };
 #define BOXES (sizeof(boxes) / sizeof(boxes[0]))
 
+/* Each box is tried with quadratic fits; these have quartic fits too, which take longer. */
+static const CloudBox *const quartic[] = {&boxes[0], &boxes[1], &boxes[2], &boxes[3], &boxes[4]};
+#define QUARTIC (sizeof(quartic) / sizeof(quartic[0]))
+
+#define TRIALS        (BOXES + QUARTIC)
+#define TRIAL_BOX(k)  ((k) < BOXES ? &boxes[k] : quartic[(k)-BOXES])
+#define TRIAL_FITS(k) ((k) < BOXES ? 2 : 4)
+
 static void test_unity(void **state)
 {
   (void)state;
-  for (size_t b = 0; b < BOXES; b++) {
-    Fixture   f;
-    PetscReal volume = 1.0, sum;
+  for (size_t k = 0; k < TRIALS; k++) {
+    const CloudBox *box = TRIAL_BOX(k);
+    Fixture         f;
+    PetscReal       volume = 1.0, sum;
 
-    Setup(&boxes[b], &f);
+    Setup(box, TRIAL_FITS(k), &f);
     ASSERT_OK(VecSet(f.splines.p, 1.0));
     ASSERT_OK(SplinesValue(&f.splines, f.splines.p, f.cloud.y));
     ASSERT_OK(VecShift(f.cloud.y, -1.0));
-    AssertNorm("the splines sum to 1", boxes[b].name, f.cloud.y, 1e-13);
-    for (PetscInt a = 0; a < boxes[b].dim; a++) ASSERT_OK(VecSet(f.cloud.f[a], 0.0));
+    AssertNorm("the splines sum to 1", box->name, f.cloud.y, 1e-13);
+    for (PetscInt a = 0; a < box->dim; a++) ASSERT_OK(VecSet(f.cloud.f[a], 0.0));
     ASSERT_OK(SplinesAccelerate(&f.splines, f.splines.p, 1.0, f.cloud.f));
-    for (PetscInt a = 0; a < boxes[b].dim; a++) {
-      AssertNorm("the gradient of 1 vanishes", boxes[b].name, f.cloud.f[a], 1e-11);
+    for (PetscInt a = 0; a < box->dim; a++) {
+      AssertNorm("the gradient of 1 vanishes", box->name, f.cloud.f[a], 1e-11);
       volume *= f.splines.lattice.cells[a];
     }
     ASSERT_OK(VecSum(f.splines.mass, &sum));
-    CloudAssertNone("volume", boxes[b].name,
+    CloudAssertNone("volume", box->name,
                     !f.splines.bodies && !(PetscAbsReal(sum - volume) < 1e-10 * volume));
     Teardown(&f);
   }
@@ -120,17 +134,18 @@ static void test_linear(void **state)
   PetscReal g[ISPH_MAX_DIM][ISPH_MAX_DIM] = {{0.3, -0.7, 0.2}, {0.4, 0.5, -0.6}, {0.9, 0.1, -0.2}};
 
   (void)state;
-  for (size_t b = 0; b < BOXES; b++) {
-    Fixture   f;
-    PetscReal trace = 0.0;
+  for (size_t k = 0; k < TRIALS; k++) {
+    const CloudBox *box = TRIAL_BOX(k);
+    Fixture         f;
+    PetscReal       trace = 0.0;
 
-    if (boxes[b].n_periodic || boxes[b].circle > 0.0) continue; /* bodies move rigidly */
-    Setup(&boxes[b], &f);
+    if (box->n_periodic || box->circle > 0.0) continue; /* bodies move rigidly */
+    Setup(box, TRIAL_FITS(k), &f);
     SetLinear(&f, g);
-    for (PetscInt a = 0; a < boxes[b].dim; a++) trace += g[a][a] / f.cloud.scene.dx;
+    for (PetscInt a = 0; a < box->dim; a++) trace += g[a][a] / f.cloud.scene.dx;
     ASSERT_OK(SplinesDivergence(&f.flow, &f.splines, f.cloud.f, 0.0, f.d));
     ASSERT_OK(VecAXPY(f.d, -trace, f.splines.mass));
-    AssertNorm("divergence of a linear velocity", boxes[b].name, f.d, 1e-11);
+    AssertNorm("divergence of a linear velocity", box->name, f.d, 1e-11);
     Teardown(&f);
   }
 }
@@ -154,16 +169,17 @@ static void test_rigid(void **state)
   PetscReal g[ISPH_MAX_DIM][ISPH_MAX_DIM] = {{0.0, -0.7, 0.0}, {0.7, 0.0, 0.0}, {0.0, 0.0, 0.0}};
 
   (void)state;
-  for (size_t b = 0; b < BOXES; b++) {
-    Fixture f;
+  for (size_t k = 0; k < TRIALS; k++) {
+    const CloudBox *box = TRIAL_BOX(k);
+    Fixture         f;
 
-    if (boxes[b].n_periodic || boxes[b].circle == 0.0) continue;
-    Setup(&boxes[b], &f);
+    if (box->n_periodic || box->circle == 0.0) continue;
+    Setup(box, TRIAL_FITS(k), &f);
     f.cloud.scene.boundary[SceneBodySide(&f.cloud.scene, 0)].rotation =
         ExpressionNumber(0.7 / f.cloud.scene.dx);
     SetLinear(&f, g);
     ASSERT_OK(SplinesDivergence(&f.flow, &f.splines, f.cloud.f, 0.0, f.d));
-    AssertNorm("divergence of a rigid rotation", boxes[b].name, f.d, 1e-11);
+    AssertNorm("divergence of a rigid rotation", box->name, f.d, 1e-11);
     Teardown(&f);
   }
 }
@@ -317,26 +333,27 @@ static void test_shapes(void **state)
 static void test_conservation(void **state)
 {
   (void)state;
-  for (size_t b = 0; b < BOXES; b++) {
-    Fixture     f;
-    PetscReal   zero[ISPH_MAX_DIM][ISPH_MAX_DIM] = {{0.0}}, sum;
-    PetscRandom random;
+  for (size_t k = 0; k < TRIALS; k++) {
+    const CloudBox *box = TRIAL_BOX(k);
+    Fixture         f;
+    PetscReal       zero[ISPH_MAX_DIM][ISPH_MAX_DIM] = {{0.0}}, sum;
+    PetscRandom     random;
 
-    Setup(&boxes[b], &f);
+    Setup(box, TRIAL_FITS(k), &f);
     SetLinear(&f, zero);
     ASSERT_OK(PetscRandomCreate(PETSC_COMM_WORLD, &random));
-    for (PetscInt c = 0; c < boxes[b].dim; c++) ASSERT_OK(VecSetRandom(f.cloud.f[c], random));
+    for (PetscInt c = 0; c < box->dim; c++) ASSERT_OK(VecSetRandom(f.cloud.f[c], random));
     ASSERT_OK(SplinesDivergence(&f.flow, &f.splines, f.cloud.f, 0.0, f.d));
     ASSERT_OK(VecSum(f.d, &sum));
-    CloudAssertNone("volume is conserved", boxes[b].name, !(PetscAbsReal(sum) < 1e-10));
+    CloudAssertNone("volume is conserved", box->name, !(PetscAbsReal(sum) < 1e-10));
     ASSERT_OK(SplinesMatrix(&f.flow, &f.splines));
     SetUnknowns(&f, NULL);
     ASSERT_OK(MatMult(f.splines.A, f.splines.p, f.d));
-    AssertNorm("A 1 = 0", boxes[b].name, f.d, 1e-11);
+    AssertNorm("A 1 = 0", box->name, f.d, 1e-11);
     SetUnknowns(&f, random);
     ASSERT_OK(MatMult(f.splines.A, f.splines.p, f.d));
     ASSERT_OK(VecSum(f.d, &sum));
-    CloudAssertNone("1^T A = 0", boxes[b].name, !(PetscAbsReal(sum) < 1e-10));
+    CloudAssertNone("1^T A = 0", box->name, !(PetscAbsReal(sum) < 1e-10));
     ASSERT_OK(PetscRandomDestroy(&random));
     Teardown(&f);
   }
@@ -366,33 +383,133 @@ static void test_points(void **state)
   static const PetscReal g[ISPH_MAX_DIM] = {0.3, -0.7, 0.2};
 
   (void)state;
-  for (size_t b = 0; b < BOXES; b++) {
-    Fixture    f;
-    Projection pr = {.splines = &f.splines};
+  for (size_t k = 0; k < TRIALS; k++) {
+    const CloudBox *box = TRIAL_BOX(k);
+    Fixture         f;
+    Projection      pr = {.splines = &f.splines};
 
-    if (boxes[b].n_periodic) continue;
-    Setup(&boxes[b], &f);
+    if (box->n_periodic) continue;
+    Setup(box, TRIAL_FITS(k), &f);
     f.scheme.data = &pr;
     SetLinearPressure(&f, g);
-    for (PetscInt k = 0; k < 40; k++) {
+    for (PetscInt m = 0; m < 40; m++) {
       const Scene *scene                = &f.cloud.scene;
       PetscReal    x[ISPH_MAX_DIM]      = {0.0}, exact, p;
       PetscReal    normal[ISPH_MAX_DIM] = {0.0};
 
       exact = 2.0;
       for (PetscInt a = 0; a < scene->dim; a++) {
-        const PetscReal s = PetscMin(PetscMax(0.5 + 0.6 * ParticlesHash(1, k, a), 0.0), 1.0);
+        const PetscReal s = PetscMin(PetscMax(0.5 + 0.6 * ParticlesHash(1, m, a), 0.0), 1.0);
 
         x[a] = scene->lo[a] + s * (scene->hi[a] - scene->lo[a]);
       }
-      if (scene->n_bodies && k % 2)
-        (void)BodyPoint(SceneBody(scene, 0), k % 6, scene->dx, x, normal);
+      if (scene->n_bodies && m % 2)
+        (void)BodyPoint(SceneBody(scene, 0), m % 6, scene->dx, x, normal);
       for (PetscInt a = 0; a < scene->dim; a++) exact += g[a] * x[a] / scene->dx;
       if (scene->n_bodies && SceneDistance(scene, x, &(PetscInt){0}, normal) < -1e-12) continue;
       ASSERT_OK(SplinesPressure(&f.flow, x, &p));
       assert_int_equal(MPI_Allreduce(MPI_IN_PLACE, &p, 1, MPIU_REAL, MPIU_SUM, PETSC_COMM_WORLD),
                        0);
-      CloudAssertNone("pressure at a point", boxes[b].name, !(PetscAbsReal(p - exact) < 1e-10));
+      CloudAssertNone("pressure at a point", box->name, !(PetscAbsReal(p - exact) < 1e-10));
+    }
+    Teardown(&f);
+  }
+}
+
+/* Factors of 1, s, s^2 and s^3 along each axis. */
+static const PetscReal terms[ISPH_MAX_DIM][4] = {
+    {1.0, 0.3, 0.7, 0.9}, {1.0, -0.2, 0.9, 0.3}, {1.0, -0.7, 1.1, -0.3}};
+
+/* Returns the polynomial along axis a; splines of degree 2 have no cube. */
+static PetscReal Polynomial(PetscInt degree, PetscInt a, PetscReal s)
+{
+  const PetscReal cube = degree == 3 ? terms[a][3] : 0.0;
+
+  return terms[a][0] + s * (terms[a][1] + s * (terms[a][2] + s * cube));
+}
+
+static PetscReal PolynomialSlope(PetscInt degree, PetscInt a, PetscReal s)
+{
+  const PetscReal cube = degree == 3 ? terms[a][3] : 0.0;
+
+  return terms[a][1] + s * (2.0 * terms[a][2] + 3.0 * s * cube);
+}
+
+/*
+  Returns the coefficient of the spline with the centre s: for 1 and s it is 1 and s, for s^2 it is
+  s^2 - H^2/4 with quadratic splines, and for s^2 and s^3 it is s^2 - H^2/3 and s^3 - s H^2 with
+  cubic ones, H the distance of knots
+
+  Reference: M. J. Marsden, J. Approx. Theory 3 (1970) 7-49
+*/
+static PetscReal PolynomialCoefficient(PetscInt degree, PetscInt a, PetscReal s, PetscReal H)
+{
+  const PetscReal square = terms[a][2], cube = degree == 3 ? terms[a][3] : 0.0;
+
+  return Polynomial(degree, a, s) - H * H * (square / (degree == 3 ? 3.0 : 4.0) + s * cube);
+}
+
+/* Sets the coefficients to those of the product of polynomials of the axes. */
+static void SetPolynomial(Fixture *f)
+{
+  const SplineLattice *l = &f->splines.pressure;
+  PetscScalar         *p;
+
+  ASSERT_OK(VecGetArray(f->splines.p, &p));
+  for (PetscInt k = 0; k < f->splines.own.size; k++) {
+    PetscInt index[ISPH_MAX_DIM];
+
+    (void)SplineOwn(&f->splines, k, index);
+    p[k] = 1.0;
+    for (PetscInt a = 0; a < l->dim; a++)
+      p[k] *= PolynomialCoefficient(l->degree, a, (index[a] - 0.5) * l->side[a], l->side[a]);
+  }
+  ASSERT_OK(VecRestoreArray(f->splines.p, &p));
+}
+
+/* Subtracts the product of polynomials, or its derivative along an axis, from a field. */
+static void SubtractPolynomial(const Fixture *f, PetscInt axis, Vec field)
+{
+  const SplineLattice *l = &f->splines.pressure;
+  const Particles     *p = f->cloud.particles;
+  PetscScalar         *v;
+
+  ASSERT_OK(VecGetArray(field, &v));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal exact = 1.0;
+
+    for (PetscInt a = 0; a < l->dim; a++) {
+      const PetscReal s = p->x[a][i] - l->lo[a];
+
+      exact *= a == axis ? PolynomialSlope(l->degree, a, s) : Polynomial(l->degree, a, s);
+    }
+    v[i] -= exact;
+  }
+  ASSERT_OK(VecRestoreArray(field, &v));
+}
+
+/* Splines give polynomials of their degree, and gradients, exactly, also beside walls and bodies.
+ */
+static void test_polynomials(void **state)
+{
+  (void)state;
+  for (size_t k = 0; k < TRIALS; k++) {
+    const CloudBox *box = TRIAL_BOX(k);
+    Fixture         f;
+
+    if (box->n_periodic) continue;
+    Setup(box, TRIAL_FITS(k), &f);
+    CloudAssertNone("cubic splines of quartic fits", box->name,
+                    f.splines.pressure.degree != (k >= BOXES && box->circle == 0.0 ? 3 : 2));
+    SetPolynomial(&f);
+    ASSERT_OK(SplinesValue(&f.splines, f.splines.p, f.cloud.y));
+    SubtractPolynomial(&f, -1, f.cloud.y);
+    AssertNorm("value of a polynomial", box->name, f.cloud.y, 1e-12);
+    for (PetscInt a = 0; a < box->dim; a++) ASSERT_OK(VecSet(f.cloud.f[a], 0.0));
+    ASSERT_OK(SplinesAccelerate(&f.splines, f.splines.p, 1.0, f.cloud.f));
+    for (PetscInt a = 0; a < box->dim; a++) {
+      SubtractPolynomial(&f, a, f.cloud.f[a]);
+      AssertNorm("gradient of a polynomial", box->name, f.cloud.f[a], 1e-11);
     }
     Teardown(&f);
   }
@@ -403,7 +520,8 @@ int main(int argc, char *argv[])
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_unity),        cmocka_unit_test(test_linear),
       cmocka_unit_test(test_rigid),        cmocka_unit_test(test_shapes),
-      cmocka_unit_test(test_conservation), cmocka_unit_test(test_points)};
+      cmocka_unit_test(test_conservation), cmocka_unit_test(test_points),
+      cmocka_unit_test(test_polynomials)};
   int failed;
 
   if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;

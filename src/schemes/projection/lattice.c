@@ -1,8 +1,8 @@
-/* The lattice of quadratic B-splines: its cells, and the values of the splines at a point. */
+/* The lattice of B-splines: its cells, and the values of the splines at a point. */
 #include "splines.h"
 
 /*
-  SplineLatticeSet - Sets the cells and splines of a lattice over the box
+  SplineLatticeSet - Sets the cells and quadratic splines of a lattice over the box
 
   Not collective.
 
@@ -15,9 +15,10 @@
 PetscErrorCode SplineLatticeSet(const Scene *scene, PetscReal ratio, SplineLattice *lattice)
 {
   PetscFunctionBegin;
-  lattice->scene = scene;
-  lattice->dim   = scene->dim;
-  lattice->N     = 1;
+  lattice->scene  = scene;
+  lattice->degree = 2;
+  lattice->dim    = scene->dim;
+  lattice->N      = 1;
   for (PetscInt a = 0; a < scene->dim; a++) {
     const PetscReal length = scene->hi[a] - scene->lo[a];
 
@@ -80,26 +81,40 @@ void SplinePlace(const SplineLattice *lattice, const PetscInt index[], PetscReal
   }
 }
 
-/* SplineCellAlong - Returns the cell along an axis at a distance from the low side in edges of
-   cells; not collective. Beyond a wall it is the last cell; periodic directions continue. */
-PetscInt SplineCellAlong(const SplineLattice *lattice, PetscInt a, PetscReal distance)
+/* Returns the distance of the first knot from the low side in edges of cells. */
+static PetscReal FirstKnot(const SplineLattice *lattice)
 {
-  const PetscInt cell = (PetscInt)PetscFloorReal(distance);
-
-  return lattice->periodic[a] ? cell : PetscMin(PetscMax(cell, 0), lattice->cells[a] - 1);
+  return lattice->degree == 3 ? 0.5 : 0.0;
 }
 
-/* SplinePlaceAlong - Computes the cell of a position along an axis, the place t within it from 0 to
-   1, and the inverse of its edge [1/m]; not collective */
-void SplinePlaceAlong(const SplineLattice *lattice, PetscInt a, PetscReal x, PetscInt *cell,
+/*
+  SplineFirstAlong - Returns the first spline along an axis that is not zero at a distance from the
+  low side in edges of cells
+
+  Not collective. Indices continue beyond periodic sides. Beyond the last knots at a wall the
+  polynomials of the adjacent piece continue. Therefore as many cubic splines as quadratic ones
+  suffice: their coefficients outside are extrapolated cubically ("not-a-knot").
+*/
+PetscInt SplineFirstAlong(const SplineLattice *lattice, PetscInt a, PetscReal distance)
+{
+  const PetscInt piece = (PetscInt)PetscFloorReal(distance - FirstKnot(lattice));
+
+  if (lattice->periodic[a]) return piece - 1;
+  return PetscMin(PetscMax(piece, 0), lattice->count[a] - lattice->degree - 1);
+}
+
+/* SplinePlaceAlong - Computes the first spline that is not zero at a position along an axis, the
+   place t between two knots, from 0 to 1 except beyond the last knots, and the inverse of their
+   distance [1/m]; not collective */
+void SplinePlaceAlong(const SplineLattice *lattice, PetscInt a, PetscReal x, PetscInt *first,
                       PetscReal *t, PetscReal *per_edge)
 {
   const PetscReal y        = SceneToUniform(lattice->scene, a, x);
   const PetscReal distance = (y - lattice->lo[a]) / lattice->side[a];
   PetscReal       slope;
 
-  *cell = SplineCellAlong(lattice, a, distance);
-  *t    = distance - *cell;
+  *first = SplineFirstAlong(lattice, a, distance);
+  *t     = distance - FirstKnot(lattice) - (*first + (lattice->periodic[a] ? 1 : 0));
   (void)SceneFromUniform(lattice->scene, a, y, &slope);
   *per_edge = 1.0 / (slope * lattice->side[a]);
 }
@@ -109,32 +124,32 @@ void SplinePlaceAlong(const SplineLattice *lattice, PetscInt a, PetscReal x, Pet
 
     psi(x) = prod_a b(s_a),   b = (1 - t)^2/2, 1/2 + t - t^2, t^2/2
 
-  Not collective. t is the position within the cell along an axis of the uniform lattice, and the
-  three polynomials belong to the splines centred in the cell below, in the cell and above it.
+  Not collective. t is the position between two knots along an axis of the uniform lattice. The
+  knots of quadratic splines are the sides of cells, and the three polynomials belong to the splines
+  centred in the cell below, in the cell and above it. See SplineBasis() for cubic splines.
 */
 void SplinesAt(const SplineLattice *lattice, const PetscReal x[], SplineValues *values)
 {
-  const PetscInt dim = lattice->dim;
-  PetscInt       cell[ISPH_MAX_DIM];
-  PetscReal      b[ISPH_MAX_DIM][3], slope[ISPH_MAX_DIM][3];
+  const PetscInt dim = lattice->dim, m = lattice->degree + 1;
+  PetscInt       first[ISPH_MAX_DIM];
+  PetscReal      b[ISPH_MAX_DIM][SPLINES_ALONG], slope[ISPH_MAX_DIM][SPLINES_ALONG];
 
   for (PetscInt a = 0; a < dim; a++) {
     PetscReal t, per_edge;
 
-    SplinePlaceAlong(lattice, a, x[a], &cell[a], &t, &per_edge);
-    SplineBasis(t, per_edge, b[a], slope[a]);
+    SplinePlaceAlong(lattice, a, x[a], &first[a], &t, &per_edge);
+    SplineBasis(lattice->degree, t, per_edge, b[a], slope[a]);
   }
-  values->n = dim == 2 ? 9 : 27;
+  values->n = SplinesAtPoint(lattice);
   for (PetscInt k = 0; k < values->n; k++) {
-    const PetscInt digit[ISPH_MAX_DIM] = {k % 3, k / 3 % 3, k / 9};
+    const PetscInt digit[ISPH_MAX_DIM] = {k % m, k / m % m, k / (m * m)};
 
     values->value[k] = 1.0;
     for (PetscInt a = 0; a < dim; a++) {
       const PetscInt count = lattice->count[a];
 
-      values->index[k][a] = cell[a] + digit[a];
-      if (lattice->periodic[a])
-        values->index[k][a] = ((cell[a] + digit[a] - 1) % count + count) % count;
+      values->index[k][a] = first[a] + digit[a];
+      if (lattice->periodic[a]) values->index[k][a] = (values->index[k][a] % count + count) % count;
       values->value[k] *= b[a][digit[a]];
       values->gradient[a][k] = 1.0;
       for (PetscInt c = 0; c < dim; c++)

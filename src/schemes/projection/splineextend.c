@@ -261,19 +261,20 @@ static void AddEntry(PetscInt dim, PetscInt number, PetscReal weight, const Spli
 /*
   SplineRowAt - Computes the splines that are not zero at a point, extended beside bodies
 
-  Not collective. Output: row - their global numbers, values [-] and gradients [1/m].
+  Not collective. Input: l - s->lattice or s->pressure. Output: row - their global numbers, values
+  [-] and gradients [1/m].
 */
-void SplineRowAt(const Splines *s, const Particles *p, const PetscReal x[], SplineRow *row)
+void SplineRowAt(const Splines *s, const SplineLattice *l, const Particles *p, const PetscReal x[],
+                 SplineRow *row)
 {
-  const SplineLattice *l = &s->lattice;
-  SplineValues         at;
+  SplineValues at;
 
   SplinesAt(l, x, &at);
   row->n = 0;
   for (PetscInt k = 0; k < at.n; k++) {
     const SplineSlave *slave = SplineSlaveAt(s, at.index[k]);
 
-    if (!slave && !s->bodies) { /* each number once */
+    if (!slave && !s->bodies) {
       row->number[k] = SplinesGlobal(s, p, at.index[k]);
       row->value[k]  = at.value[k];
       for (PetscInt a = 0; a < l->dim; a++) row->gradient[a][k] = at.gradient[a][k];

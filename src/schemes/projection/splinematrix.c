@@ -45,15 +45,15 @@ static PetscErrorCode SplineMatrix(Mat A, Vec x, Vec y)
 static PetscErrorCode GradientMat(const Splines *s, const Particles *p, PetscInt a, Mat *G)
 {
   PetscFunctionBegin;
-  PetscCall(SplineMat(p->comm, p->n_fluid, s->own.size, SplinesAtPoint(p->dim), G));
+  PetscCall(SplineMat(p->comm, p->n_fluid, s->own.size, SplinesAtPoint(&s->pressure), G));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     const PetscInt row = p->row[i];
     PetscReal      x[ISPH_MAX_DIM];
     SplineRow      at;
 
     for (PetscInt c = 0; c < p->dim; c++) x[c] = p->x[c][i];
-    SplineRowAt(s, p, x, &at);
-    PetscCall(MatSetValues(*G, 1, &row, at.n, at.number, at.gradient[a], INSERT_VALUES));
+    SplineRowAt(s, &s->pressure, p, x, &at);
+    PetscCall(MatSetValues(*G, 1, &row, at.n, at.number, at.gradient[a], ADD_VALUES));
   }
   PetscCall(SplineMatFinish(*G));
   PetscFunctionReturn(PETSC_SUCCESS);

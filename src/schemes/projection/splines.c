@@ -83,7 +83,7 @@ static PetscErrorCode AddGradients(Splines *s, const Particles *p, PetscInt row,
   SplineRow at;
 
   PetscFunctionBegin;
-  SplineRowAt(s, p, x, &at);
+  SplineRowAt(s, &s->lattice, p, x, &at);
   for (PetscInt a = 0; a < s->lattice.dim; a++) {
     for (PetscInt k = 0; k < at.n; k++) entry[k] = weight * s->scale * at.gradient[a][k];
     PetscCall(MatSetValues(s->T[a], 1, &row, at.n, at.number, entry, ADD_VALUES));
@@ -125,7 +125,7 @@ static PetscErrorCode AssembleInside(Splines *s, const Particles *p)
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < l->dim; a++)
-    PetscCall(SplineMat(p->comm, s->inside.n, s->own.size, SplinesAtPoint(l->dim), &s->T[a]));
+    PetscCall(SplineMat(p->comm, s->inside.n, s->own.size, SplinesAtPoint(l), &s->T[a]));
   PetscCall(MatGetOwnershipRange(s->T[0], &row, NULL));
   for (PetscInt g = 0; g < s->inside.n; g++, row++) {
     PetscReal x[ISPH_MAX_DIM];
@@ -148,14 +148,14 @@ static PetscErrorCode AssembleBoundary(Splines *s, const Particles *p)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < l->dim; a++) any = any || !l->periodic[a] ? PETSC_TRUE : PETSC_FALSE;
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SplineMat(p->comm, s->boundary.n, s->own.size, SplinesAtPoint(l->dim), &s->S));
+  PetscCall(SplineMat(p->comm, s->boundary.n, s->own.size, SplinesAtPoint(l), &s->S));
   PetscCall(MatGetOwnershipRange(s->S, &row, NULL));
   for (PetscInt g = 0; g < s->boundary.n; g++, row++) {
     PetscReal x[ISPH_MAX_DIM], entry[SPLINES_EXTENDED];
     SplineRow at;
 
     for (PetscInt a = 0; a < l->dim; a++) x[a] = s->boundary.x[a][g];
-    SplineRowAt(s, p, x, &at);
+    SplineRowAt(s, l, p, x, &at);
     for (PetscInt k = 0; k < at.n; k++) entry[k] = s->boundary.weight[g] * at.value[k];
     PetscCall(MatSetValues(s->S, 1, &row, at.n, at.number, entry, ADD_VALUES));
   }

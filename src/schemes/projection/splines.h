@@ -1,43 +1,49 @@
 /*
-  The pressure on quadratic B-splines of a lattice that is fixed in space and coarser than the
-  particles:
+  The pressure on B-splines of a lattice that is fixed in space and coarser than the particles:
 
-    p(x) = sum_q p_q psi_q(x),   G p = grad p(x_i)
+    p(x) = sum_q p_q chi_q(x),   G p = grad p(x_i)
     (D u)_q = -int grad psi_q . u dV + int psi_q u_w.n dA
 
-  u in the integral is the least-squares fit of the particles' velocities at Gauss points. The
-  splines sum to 1, so D conserves volume exactly: errors of single particles cancel in sums over
-  splines. Beside bodies the splines are extended, see splineextend.c; docs/theory.md, section 8.
+  u in the integral is the least-squares fit of the particles' velocities at Gauss points. psi_q are
+  quadratic, and chi_q too, but cubic with quartic fits, see SplinesSet(). psi_q sum to 1, so D
+  conserves volume exactly: errors of single particles cancel in sums over splines. Beside bodies
+  the splines are extended, see splineextend.c; docs/theory.md, section 8.
 */
 #ifndef ISPH_SPLINES_H
 #define ISPH_SPLINES_H
 
 #include "projection.h"
 
-/* A lattice of cells over the box, and its splines; spline i of an axis covers three cells. With
-   -spacing_wall the lattice is uniform in the coordinates of SceneToUniform(). */
+/* A lattice of cells over the box, and its splines, with centres in the middle of cells: quadratic
+   splines with knots between cells, or cubic splines with knots at the centres. With -spacing_wall
+   the lattice is uniform in the coordinates of SceneToUniform(). */
 typedef struct {
   const Scene *scene;
+  PetscInt     degree;                                     /* of the splines, 2 or 3 */
   PetscInt  dim, cells[ISPH_MAX_DIM], count[ISPH_MAX_DIM]; /* cells and splines along each axis */
   PetscReal lo[ISPH_MAX_DIM], side[ISPH_MAX_DIM]; /* corner of the box, and of a cell [m] */
   PetscBool periodic[ISPH_MAX_DIM];
   PetscInt  N; /* all splines */
 } SplineLattice;
 
-#define SPLINES_AT 27 /* splines that are not zero at a point in 3D */
+#define SPLINES_ALONG        4  /* splines of an axis that are not zero at a point, at most */
+#define SPLINES_AT           64 /* in 3D */
+#define SPLINES_AT_QUADRATIC 27
 
 /* Returns the number of splines that are not zero at a point. */
-static inline PetscInt SplinesAtPoint(PetscInt dim)
+static inline PetscInt SplinesAtPoint(const SplineLattice *lattice)
 {
-  return dim == 2 ? 9 : SPLINES_AT;
+  const PetscInt along = lattice->degree + 1;
+
+  return lattice->dim == 2 ? along * along : along * along * along;
 }
 
 /* The splines at a point. */
 typedef struct {
-  PetscInt  n;                                  /* 3^dim */
+  PetscInt  n;                                  /* (degree + 1)^dim */
   PetscInt  index[SPLINES_AT][ISPH_MAX_DIM];    /* along each axis */
-  PetscReal value[SPLINES_AT];                  /* psi_q [-] */
-  PetscReal gradient[ISPH_MAX_DIM][SPLINES_AT]; /* of psi_q [1/m] */
+  PetscReal value[SPLINES_AT];                  /* psi_q or chi_q [-] */
+  PetscReal gradient[ISPH_MAX_DIM][SPLINES_AT]; /* of them [1/m] */
 } SplineValues;
 
 PetscErrorCode SplineLatticeSet(const Scene *scene, PetscReal ratio, SplineLattice *lattice);
@@ -47,14 +53,27 @@ void           SplineIndex(PetscInt dim, const PetscInt first[], const PetscInt 
 void           SplineCentre(const SplineLattice *lattice, const PetscInt index[], PetscReal x[]);
 void           SplinePlace(const SplineLattice *lattice, const PetscInt index[], PetscReal x[]);
 void           SplinesAt(const SplineLattice *lattice, const PetscReal x[], SplineValues *values);
-PetscInt       SplineCellAlong(const SplineLattice *lattice, PetscInt a, PetscReal distance);
-void SplinePlaceAlong(const SplineLattice *lattice, PetscInt a, PetscReal x, PetscInt *cell,
+PetscInt       SplineFirstAlong(const SplineLattice *lattice, PetscInt a, PetscReal distance);
+void SplinePlaceAlong(const SplineLattice *lattice, PetscInt a, PetscReal x, PetscInt *first,
                       PetscReal *t, PetscReal *per_edge);
 
-/* Computes the polynomials of the three splines of a cell along an axis, and their derivatives. */
-static inline void SplineBasis(PetscReal t, PetscReal per_edge, PetscReal value[3],
-                               PetscReal derivative[3])
+/* Computes the polynomials of the splines between two knots of an axis, and their derivatives. */
+static inline void SplineBasis(PetscInt degree, PetscReal t, PetscReal per_edge,
+                               PetscReal value[SPLINES_ALONG], PetscReal derivative[SPLINES_ALONG])
 {
+  const PetscReal s = 1.0 - t;
+
+  if (degree == 3) {
+    value[0]      = s * s * s / 6.0;
+    value[1]      = 2.0 / 3.0 - t * t * (1.0 - 0.5 * t);
+    value[2]      = 2.0 / 3.0 - s * s * (1.0 - 0.5 * s);
+    value[3]      = t * t * t / 6.0;
+    derivative[0] = -0.5 * s * s * per_edge;
+    derivative[1] = t * (1.5 * t - 2.0) * per_edge;
+    derivative[2] = s * (2.0 - 1.5 * s) * per_edge;
+    derivative[3] = 0.5 * t * t * per_edge;
+    return;
+  }
   value[0]      = 0.5 * (1.0 - t) * (1.0 - t);
   value[1]      = 0.5 + t - t * t;
   value[2]      = 0.5 * t * t;
@@ -63,7 +82,7 @@ static inline void SplineBasis(PetscReal t, PetscReal per_edge, PetscReal value[
   derivative[2] = t * per_edge;
 }
 
-#define SPLINES_EXTENDED (9 * SPLINES_AT) /* the most, if all have masters */
+#define SPLINES_EXTENDED (9 * SPLINES_AT_QUADRATIC) /* the most, if all have masters */
 
 /* The splines at a point, without those that have masters. */
 typedef struct {
@@ -150,7 +169,7 @@ typedef struct {
 
 /* Places of own fluid particles in the window. */
 typedef struct {
-  PetscInt   n, capacity, *base;                       /* first spline of the cell */
+  PetscInt   n, capacity, *base;                       /* first spline that is not zero there */
   PetscReal *t[ISPH_MAX_DIM], *per_edge[ISPH_MAX_DIM]; /* see SplinePlaceAlong() [-], [1/m] */
 } SplinePlaces;
 
@@ -174,10 +193,11 @@ typedef struct {
 #define GAUSS 0.28867513459481287
 
 struct Splines {
-  SplineLattice lattice;
-  SplineBodies *bodies; /* NULL: none */
-  PetscReal     scale;  /* edge of a cell of the same volume [m] */
-  SplineBlock  *block;  /* of all ranks */
+  SplineLattice lattice;  /* with the splines psi_q of the divergence */
+  SplineLattice pressure; /* the same with the splines chi_q of the pressure */
+  SplineBodies *bodies;   /* NULL: none */
+  PetscReal     scale;    /* edge of a cell of the same volume [m] */
+  SplineBlock  *block;    /* of all ranks */
   SplineBlock   own;
   SplinePoints  inside, boundary;
 
@@ -219,7 +239,8 @@ PetscErrorCode SplineBodiesCreate(const Scene *scene, const SplineLattice *latti
 PetscErrorCode SplineBodiesDestroy(SplineBodies **bodies);
 PetscErrorCode SplineExtensionSet(const SplineLattice *lattice, SplineBodies *s);
 PetscErrorCode SplineExtensionFree(SplineBodies *s);
-void SplineRowAt(const Splines *s, const Particles *p, const PetscReal x[], SplineRow *row);
+void SplineRowAt(const Splines *s, const SplineLattice *l, const Particles *p, const PetscReal x[],
+                 SplineRow *row);
 
 /* Returns the number of a column of splines in the plane. */
 static inline PetscInt SplineColumn(const SplineLattice *lattice, const PetscInt index[])
@@ -270,7 +291,8 @@ PetscErrorCode SplinesFree(Splines *s);
 PetscErrorCode SplinesMatrix(Flow *flow, Splines *s);
 
 /* splinestep.c */
-PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscBool mean, Splines *s);
+PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, PetscBool mean,
+                          Splines *s);
 PetscErrorCode SplinesCreate(Flow *flow, PetscReal ratio, Splines **splines);
 PetscErrorCode SplinesDestroy(Splines **splines);
 PetscErrorCode SplinesStart(const Flow *flow, Splines *s);

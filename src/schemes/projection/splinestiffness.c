@@ -13,7 +13,7 @@ static PetscErrorCode AddProducts(Splines *s, const Particles *p, const PetscRea
   SplineRow at;
 
   PetscFunctionBegin;
-  SplineRowAt(s, p, x, &at);
+  SplineRowAt(s, &s->lattice, p, x, &at);
   for (PetscInt k = 0; k < at.n; k++) {
     if (at.number[k] != q) continue;
     *mass += weight * at.value[k];

@@ -6,8 +6,9 @@
 */
 #include "splines.h"
 
-/* Returns the first or the last cell along an axis that particles of this rank can be in. */
-static PetscInt CellAlong(const SplineLattice *l, const Particles *p, PetscInt a, PetscBool last)
+/* Returns the first spline along an axis that is not zero at the lowest or at the highest place of
+   this rank's particles. */
+static PetscInt FirstAt(const SplineLattice *l, const Particles *p, PetscInt a, PetscBool last)
 {
   const Scene    *scene = l->scene;
   const PetscReal x     = last ? PetscMin(p->hi[a], scene->hi[a]) + p->skin
@@ -15,7 +16,7 @@ static PetscInt CellAlong(const SplineLattice *l, const Particles *p, PetscInt a
   PetscReal       y     = x;
 
   if (!l->periodic[a]) y = PetscMin(PetscMax(x, scene->lo[a]), scene->hi[a]);
-  return SplineCellAlong(l, a, (SceneToUniform(scene, a, y) - l->lo[a]) / l->side[a]);
+  return SplineFirstAlong(l, a, (SceneToUniform(scene, a, y) - l->lo[a]) / l->side[a]);
 }
 
 /* Computes the index of entry k of the window in the lattice. */
@@ -37,7 +38,7 @@ static PetscInt ListSources(const Splines *s, const Particles *p, PetscInt k, Pe
   PetscInt           index[ISPH_MAX_DIM] = {0};
   const SplineSlave *slave;
 
-  WindowIndex(&s->lattice, &s->window, k, index);
+  WindowIndex(&s->pressure, &s->window, k, index);
   slave     = SplineSlaveAt(s, index);
   number[0] = slave ? 0 : SplinesGlobal(s, p, index);
   weight[0] = 1.0;
@@ -58,7 +59,7 @@ static PetscInt ListSources(const Splines *s, const Particles *p, PetscInt k, Pe
 */
 PetscErrorCode SplineWindowSet(Splines *s, const Particles *p)
 {
-  const SplineLattice *l = &s->lattice;
+  const SplineLattice *l = &s->pressure;
   SplineWindow        *w = &s->window;
   PetscInt             n = 0, *distinct;
   IS                   from;
@@ -66,10 +67,8 @@ PetscErrorCode SplineWindowSet(Splines *s, const Particles *p)
   PetscFunctionBegin;
   w->size = 1;
   for (PetscInt a = 0; a < l->dim; a++) {
-    const PetscInt first = CellAlong(l, p, a, PETSC_FALSE), last = CellAlong(l, p, a, PETSC_TRUE);
-
-    w->first[a] = first - (l->periodic[a] ? 1 : 0);
-    w->n[a]     = last - first + 3;
+    w->first[a] = FirstAt(l, p, a, PETSC_FALSE);
+    w->n[a]     = FirstAt(l, p, a, PETSC_TRUE) - w->first[a] + l->degree + 1;
     w->size *= w->n[a];
   }
   PetscCall(PetscMalloc4(w->size, &w->value, w->size + 1, &w->start, 9 * w->size, &w->source,
@@ -111,11 +110,11 @@ PetscErrorCode SplinePlacesFree(SplinePlaces *at)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplinePlacesSet - Computes the cell of each own fluid particle and its place there; not
-   collective */
+/* SplinePlacesSet - Computes the first spline that is not zero at each own fluid particle, and the
+   place between the knots; not collective */
 PetscErrorCode SplinePlacesSet(const Particles *p, Splines *s)
 {
-  const SplineLattice *l  = &s->lattice;
+  const SplineLattice *l  = &s->pressure;
   const SplineWindow  *w  = &s->window;
   SplinePlaces        *at = &s->at;
 
@@ -131,10 +130,10 @@ PetscErrorCode SplinePlacesSet(const Particles *p, Splines *s)
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     at->base[i] = 0;
     for (PetscInt a = l->dim - 1; a >= 0; a--) {
-      PetscInt cell;
+      PetscInt first;
 
-      SplinePlaceAlong(l, a, p->x[a][i], &cell, &at->t[a][i], &at->per_edge[a][i]);
-      at->base[i] = at->base[i] * w->n[a] + cell - (l->periodic[a] ? 1 : 0) - w->first[a];
+      SplinePlaceAlong(l, a, p->x[a][i], &first, &at->t[a][i], &at->per_edge[a][i]);
+      at->base[i] = at->base[i] * w->n[a] + first - w->first[a];
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -159,26 +158,30 @@ static PetscErrorCode Collect(SplineWindow *w, Vec p)
 }
 
 /* Evaluates the splines at all particles: values, or gradients if `value` is NULL. Inlined, so that
-   the compiler knows the dimension. */
-static inline void EvaluateInline(PetscInt dim, const SplineWindow *w, const SplinePlaces *at,
-                                  PetscReal value[], PetscReal gradient[])
+   the compiler knows the dimension and the degree. */
+static inline void EvaluateInline(PetscInt dim, PetscInt degree, const SplineWindow *w,
+                                  const SplinePlaces *at, PetscReal value[], PetscReal gradient[])
 {
-  const PetscInt row = w->n[0], plane = dim == 3 ? row * w->n[1] : 0;
+  const PetscInt m = degree + 1, row = w->n[0], plane = dim == 3 ? row * w->n[1] : 0;
 
   for (PetscInt i = 0; i < at->n; i++) {
-    PetscReal b[ISPH_MAX_DIM][3], d[ISPH_MAX_DIM][3], sum[1 + ISPH_MAX_DIM] = {0.0};
+    PetscReal b[ISPH_MAX_DIM][SPLINES_ALONG], d[ISPH_MAX_DIM][SPLINES_ALONG];
+    PetscReal sum[1 + ISPH_MAX_DIM] = {0.0};
 
-    for (PetscInt a = 0; a < dim; a++) SplineBasis(at->t[a][i], at->per_edge[a][i], b[a], d[a]);
-    for (PetscInt k = 0; k < (dim == 3 ? 3 : 1); k++) {
+    for (PetscInt a = 0; a < dim; a++)
+      SplineBasis(degree, at->t[a][i], at->per_edge[a][i], b[a], d[a]);
+    for (PetscInt k = 0; k < (dim == 3 ? m : 1); k++) {
       PetscReal flat[3] = {0.0}; /* in a plane of splines: value, derivatives along two axes */
 
-      for (PetscInt j = 0; j < 3; j++) {
+      for (PetscInt j = 0; j < m; j++) {
         const PetscReal *c     = w->value + at->base[i] + k * plane + j * row;
-        const PetscReal  along = b[0][0] * c[0] + b[0][1] * c[1] + b[0][2] * c[2];
+        PetscReal        along = b[0][0] * c[0], slope = d[0][0] * c[0];
 
+        for (PetscInt e = 1; e < m; e++) along += b[0][e] * c[e];
         flat[0] += b[1][j] * along;
         if (value) continue;
-        flat[1] += b[1][j] * (d[0][0] * c[0] + d[0][1] * c[1] + d[0][2] * c[2]);
+        for (PetscInt e = 1; e < m; e++) slope += d[0][e] * c[e];
+        flat[1] += b[1][j] * slope;
         flat[2] += d[1][j] * along;
       }
       for (PetscInt e = 0; e < 3; e++) sum[e] += dim == 3 ? b[2][k] * flat[e] : flat[e];
@@ -193,8 +196,15 @@ static PetscErrorCode Evaluate(Splines *s, Vec p, PetscReal value[], PetscReal g
 {
   PetscFunctionBegin;
   PetscCall(Collect(&s->window, p));
-  if (s->lattice.dim == 2) EvaluateInline(2, &s->window, &s->at, value, gradient);
-  else EvaluateInline(3, &s->window, &s->at, value, gradient);
+  if (s->lattice.dim == 2 && s->pressure.degree == 2) {
+    EvaluateInline(2, 2, &s->window, &s->at, value, gradient);
+  } else if (s->lattice.dim == 2) {
+    EvaluateInline(2, 3, &s->window, &s->at, value, gradient);
+  } else if (s->pressure.degree == 2) {
+    EvaluateInline(3, 2, &s->window, &s->at, value, gradient);
+  } else {
+    EvaluateInline(3, 3, &s->window, &s->at, value, gradient);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
