@@ -160,7 +160,7 @@ STEPS = (
 )
 QUICK_STEPS = (Step(2, 16, "fixed", 5, 20), Step(2, 16, "moving", 5, 20), Step(3, 12, "fixed", 2, 4),
                Step(3, 12, "moving", 2, 4))
-PARALLEL = ((2, 100), (2, 300), (3, 32))
+PARALLEL = ((2, 100), (2, 300), (2, 1000), (3, 32), (3, 64))
 PARALLEL_BEFORE = {("fixed", 2, 100): 1.69, ("fixed", 2, 300): 1.51, ("fixed", 3, 32): 1.28, ("moving", 2, 100): 1.0,
                    ("moving", 2, 300): 1.09, ("moving", 3, 32): 1.24}
 
