@@ -120,6 +120,7 @@ def bitwise(*command):
                            ("implicit", ["-motion", "eulerian", "-convection", "implicit"]),
                            ("graded", ["-motion", "eulerian", "-spacing_wall", "0.5"]),
                            ("graded_same", [*SAME, "-motion", "eulerian", "-spacing_wall", "0.5"]),
+                           ("graded_moving", ["-spacing_wall", "0.7"]),
                            ("cloud", ["-motion", "eulerian", *CLOUD]),
                            ("same_body", [*FORCED, *SAME]), ("error", FORCED),
                            ("error_eulerian", [*FORCED, "-motion", "eulerian"]),

@@ -83,7 +83,9 @@ typedef struct {
   PetscReal *stretch[ISPH_MAX_DIM]; /* SceneStretch() (field) [-]; NULL: all are 1 */
   PetscReal *volume;                /* (field) [m^dim] */
   PetscReal  cell_volume;           /* of the lattice of the reference spacing [m^dim] */
-  PetscReal  weight; /* sum of ParticlesWeight() over all fluid; N_fluid if uniform [-] */
+  PetscReal  weight;       /* sum of ParticlesWeight() over all fluid; N_fluid if uniform [-] */
+  PetscReal  weight_start; /* the same at the start of the run [-] */
+  PetscReal  weight_found; /* the same of the volumes that ParticlesResize() found [-] */
   Field      field[PARTICLES_MAX_FIELDS];
   PetscInt   n_fields;
 
@@ -134,6 +136,7 @@ PetscErrorCode ParticlesRegister(Particles *particles, const char name[], PetscI
 PetscErrorCode ParticlesUpdateEpoch(const Scene *scene, Particles *particles, PetscBool force,
                                     PetscBool *started);
 PetscErrorCode ParticlesUpdateHalo(Particles *particles);
+PetscErrorCode ParticlesResize(const Scene *scene, Particles *particles);
 void           ParticlesShare(MPI_Comm comm, PetscInt n, PetscInt *first, PetscInt *last);
 PetscInt       ParticlesRecordWidth(const Particles *particles);
 PetscErrorCode ParticlesPack(const Particles *particles, PetscReal record[]);
@@ -185,6 +188,12 @@ static inline PetscReal ParticlesWeight(const Particles *p, PetscInt i)
   return p->volume[i] / p->cell_volume;
 }
 
+/* Returns SceneMotionFactor() at the place of graded particle i, from its volume [-]. */
+static inline PetscReal ParticlesMotionFactor(const Scene *scene, const Particles *p, PetscInt i)
+{
+  return p->volume[i] * (p->weight_found / p->weight_start) / scene->motion_volume;
+}
+
 /* Returns the factor by which axis a is stretched about particle i, SceneStretch() [-]. */
 static inline PetscReal ParticlesStretch(const Particles *p, PetscInt a, PetscInt i)
 {
@@ -233,6 +242,8 @@ PetscErrorCode CellsFind(const Cells *cells, const PetscReal x[], PetscReal radi
 typedef struct {
   PetscReal  radius;  /* the largest [m] */
   PetscReal  spacing; /* largest edge of the cells of particles that have it [m] */
+  PetscReal  slope;   /* largest change of a radius over the displacement of its particle; set by
+                       the caller if particles change their sizes [-] */
   PetscReal  margin;  /* of the present rows [m] */
   PetscInt  *row, *col;
   PetscInt   row_capacity, col_capacity;

@@ -169,6 +169,7 @@ struct Rheology {
 /* Map of the lattice along an axis, whose cells are smaller at walls: docs/theory.md, (138). */
 typedef struct {
   PetscReal strength;    /* beta of the map; 0: uniform [-] */
+  PetscReal end;         /* tanh(beta) */
   PetscBool wall[2];     /* cells are smaller at the low and at the high end */
   PetscReal least, most; /* edges of the smallest and the largest cell [m] */
 } LatticeMap;
@@ -200,6 +201,8 @@ struct Scene {
   PetscReal        spacing_wall;        /* at walls; 0 or 1: uniform [dx] */
   LatticeMap       map[ISPH_MAX_DIM];   /* of the lattice along each axis */
   Grading          grading;             /* of particles that are not on a lattice */
+  PetscReal        motion_volume;       /* of graded particles that have the flow's velocity: the
+                                           mean of V^2 over that of V [m^dim] */
   PetscReal        length;              /* reference length L [m] */
   PetscReal        speed;               /* reference speed U [m/s] */
   PetscReal        rho;                 /* density [kg/m^3] */
@@ -249,11 +252,14 @@ void           SceneWallName(const Scene *scene, PetscInt side, char name[]);
 PetscErrorCode SceneReadSpacing(Scene *scene);
 PetscBool      SceneIsGraded(const Scene *scene);
 PetscBool      SceneIsMapped(const Scene *scene);
+PetscBool      SceneMovesGraded(const Scene *scene);
+PetscReal      SceneMotionFactor(const Scene *scene, const PetscReal x[]);
 PetscReal      GradingSpacing(const Scene *scene, const PetscReal x[]);
 PetscErrorCode GradingSample(Scene *scene);
 PetscBool      GradingHasRows(const Scene *scene, PetscInt side);
 void           LatticeSetMap(Scene *scene, PetscInt axis);
 PetscReal      LatticeGrowth(const Scene *scene);
+PetscReal      LatticeMotionEdge(const Scene *scene, PetscInt axis);
 PetscErrorCode SceneNameConstants(Scene *scene);
 PetscReal      SceneLatticePlace(const Scene *scene, PetscInt axis, PetscReal place);
 PetscReal      SceneFromUniform(const Scene *scene, PetscInt axis, PetscReal y, PetscReal *slope);
@@ -319,6 +325,8 @@ PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *neare
                         PetscReal normal[]);
 void      SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
                           WallPlane planes[SCENE_MAX_BOUNDARIES], PetscInt *count);
+void      SceneSizes(const Scene *scene, const PetscReal x[], PetscReal *dx, PetscReal stretch[],
+                     PetscReal *volume);
 void      SceneKeepOffWalls(const Scene *scene, PetscReal least, PetscReal x[]);
 
 #endif

@@ -58,6 +58,13 @@ typedef struct {
   PetscReal divergence_max; /* largest |div u| after the part [1/s] */
 } BudgetValues;
 
+/* Sums over the run of momentum and energy that graded particles add by their motion; see
+   src/schemes/graded.c. */
+typedef struct {
+  PetscReal momentum[ISPH_MAX_DIM]; /* [kg m/s] (per metre of depth in 2D) */
+  PetscReal energy;                 /* [J] (per metre of depth in 2D) */
+} Graded;
+
 /*
   Velocity and pressure on the particles. Fields follow the particles through migration, restart and
   undo. Vectors are valid for an epoch; they share storage with the fields or hold the present step.
@@ -71,6 +78,7 @@ typedef struct {
 
   PressureAverage average; /* of the pressure */
   Budget         *budget;  /* NULL: steps measure none */
+  Graded          graded;  /* zero unless particles move and are graded */
 
   PetscReal *u_previous[ISPH_MAX_DIM]; /* u^{n-1} (field) [m/s] */
   PetscReal *u_earlier[ISPH_MAX_DIM];  /* u^{n-2} (field); NULL without -dt_adapt error [m/s] */
@@ -94,7 +102,8 @@ typedef struct {
 /* Statistics of a step, for progress, the steady test and the report. */
 typedef struct {
   PetscReal speed_max;      /* largest particle speed [m/s] */
-  PetscReal pace_max;       /* largest speed in cells, times the reference spacing [m/s] */
+  PetscReal pace_max;       /* largest speed in cells, times the reference spacing [m/s]: of
+                               particles, or of the fluid that passes them */
   PetscReal force_max;      /* largest body force per unit mass [m/s^2] */
   PetscReal kinetic_energy; /* [J] (per metre of depth in 2D) */
   PetscReal divergence;     /* largest |D u| [1/s] */

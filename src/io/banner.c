@@ -7,6 +7,17 @@
 
 #define BANNER_LABEL "%-11s "
 
+/* Returns the largest factor of the velocity of graded particles, SceneMotionFactor() [-]. */
+static PetscReal LargestFactor(const Scene *scene)
+{
+  PetscReal volume = 1.0;
+
+  for (PetscInt a = 0; a < scene->dim; a++)
+    volume *= scene->grading.on ? SceneCellSide(scene, a) * (scene->grading.most / scene->dx)
+                                : scene->map[a].most;
+  return volume / scene->motion_volume;
+}
+
 /* Prints case, fluid and particles. */
 static PetscErrorCode BannerCase(const Flow *flow, PetscViewer viewer)
 {
@@ -45,6 +56,13 @@ static PetscErrorCode BannerCase(const Flow *flow, PetscViewer viewer)
         scene->grading.on
             ? SceneGrowth(scene) > 0.151 ? "; no lattice; above 15 % errors vary" : "; no lattice"
             : ""));
+  }
+  if (SceneMovesGraded(scene)) {
+    PetscCall(PetscViewerASCIIPrintf(viewer,
+                                     BANNER_LABEL
+                                     "particles have up to %.3g times the velocity of the flow, in "
+                                     "proportion to their volumes\n",
+                                     "grading", (double)LargestFactor(scene)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

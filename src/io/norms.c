@@ -125,11 +125,34 @@ PetscErrorCode NormsExact(const Flow *flow, Report *report)
 }
 
 /*
+  Reports the errors of the motion of graded particles: graded_volume, the sum of their volumes by
+  place before it is scaled to that of the fluid, its reference [m^dim]; graded_momentum [kg m/s]
+  and graded_energy [J], the sums over the run that vanish in the continuum (per metre of depth in
+  2D).
+*/
+static PetscErrorCode MeasureGraded(const Flow *flow, Report *report)
+{
+  const Particles *p      = flow->particles;
+  const Graded    *graded = &flow->state->graded;
+  const PetscReal  start  = p->weight_start * p->cell_volume;
+  PetscReal        square = 0.0;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < p->dim; a++) square += PetscSqr(graded->momentum[a]);
+  PetscCall(
+      ReportAddReference(report, "graded_volume", p->weight_found * p->cell_volume, start, start));
+  PetscCall(ReportAdd(report, "graded_momentum", PetscSqrtReal(square)));
+  PetscCall(ReportAdd(report, "graded_energy", graded->energy));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
   MeasureCommon - Computes the quantities that every case reports
 
     kinetic_energy [J], linear_momentum = |sum_i rho V_i u_i| [kg m/s], both per metre of depth in
     2D, docs/theory.md, (114), with the weights (131) in a periodic box without forces and bodies;
-    divergence_max = max |div u| [1/s], if the run has a pressure
+    divergence_max = max |div u| [1/s], if the run has a pressure; graded_volume, graded_momentum
+    and graded_energy, if graded particles move
 
   Collective
 
@@ -161,5 +184,6 @@ PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report)
     PetscCall(ReportAdd(report, "divergence_max", flow->scheme->stats.divergence));
   }
   PetscCall(ReportAdd(report, "linear_momentum", PetscSqrtReal(square)));
+  if (SceneMovesGraded(flow->scene)) PetscCall(MeasureGraded(flow, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -180,7 +180,7 @@ static PetscErrorCode BuildRows(const Particles *p, PetscReal step_length, Neigh
 /*
   NeighborsUpdate - Rebuilds the rows if particles have moved too far since the last build
 
-    rows are kept while  2 max_i |x_i - x_i(last build)| <= margin
+    rows are kept while  (2 + slope) max_i |x_i - x_i(last build)| <= margin
 
   Collective
 
@@ -211,7 +211,7 @@ PetscErrorCode NeighborsUpdate(const Particles *particles, PetscReal step_length
     if (nb->moved == p->moved) PetscFunctionReturn(PETSC_SUCCESS);
     if (nb->margin > 0.0) {
       PetscCall(ParticlesLargestMove(p, nb->x_built, &move));
-      if (2.0 * move <= nb->margin) PetscFunctionReturn(PETSC_SUCCESS);
+      if ((2.0 + nb->slope) * move <= nb->margin) PetscFunctionReturn(PETSC_SUCCESS);
     }
   }
   PetscCall(BuildRows(p, step_length, nb));

@@ -121,7 +121,8 @@ PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscRea
   else PetscCall(LatticeFill(scene, walls, start, p));
   SetViscosities(scene, start, p);
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
-  *particles = p;
+  p->weight_start = p->weight_found = p->weight;
+  *particles                        = p;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -64,6 +64,10 @@ static PetscErrorCode RunFill(Run *run, const char path[], const FluidStart *sta
   }
   PetscCall(SchemeRegister(flow));
   PetscCall(NeighborsCreate(flow->ops->forms.radius, SceneCoarsest(flow->scene), &flow->neighbors));
+  if (SceneMovesGraded(flow->scene)) { /* edges of cells grow from a cell to the next */
+    flow->neighbors->slope =
+        SceneGrowth(flow->scene) * flow->neighbors->radius / flow->neighbors->spacing;
+  }
   PetscCall(StartCheck(flow->scene, path, flow->particles, flow->neighbors));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

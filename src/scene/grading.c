@@ -111,7 +111,7 @@ PetscBool GradingHasRows(const Scene *scene, PetscInt side)
 
 /*
   GradingSample - Samples the wanted spacing in the fluid on a lattice of dx/2 and sets the bounds
-  of the spacing and its growth
+  of the spacing, its growth, and the volume of particles that have the velocity of the flow
 
   Collective. Each rank samples a contiguous range of points. The samples include walls, where the
   spacing of isotropic grading from walls has its least value.
@@ -122,6 +122,7 @@ PetscErrorCode GradingSample(Scene *scene)
   PetscInt    count[ISPH_MAX_DIM], least_side = SceneBoundaries(scene);
   PetscInt64  total = 1, cells = 1;
   PetscReal   bound[3] = {0.0, 0.0, 0.0}; /* -least, most [dx], growth */
+  PetscReal   sum[2]   = {0.0, 0.0};      /* of volumes [dx^dim], and of their squares */
   PetscMPIInt rank, ranks;
 
   PetscFunctionBegin;
@@ -136,7 +137,7 @@ PetscErrorCode GradingSample(Scene *scene)
             "-n asks for more particles than fit: more than %" PetscInt_FMT, PETSC_INT_MAX / 8);
   bound[0] = -PETSC_MAX_REAL;
   for (PetscInt64 k = total * rank / ranks; k < total * (rank + 1) / ranks; k++) {
-    PetscReal  x[ISPH_MAX_DIM] = {0.0}, spacing;
+    PetscReal  x[ISPH_MAX_DIM] = {0.0}, spacing, volume;
     PetscInt64 index           = k;
 
     for (PetscInt a = 0; a < scene->dim; a++) {
@@ -149,11 +150,16 @@ PetscErrorCode GradingSample(Scene *scene)
     bound[0] = PetscMax(bound[0], -spacing);
     bound[1] = PetscMax(bound[1], spacing);
     bound[2] = PetscMax(bound[2], GrowthAt(scene, x, spacing));
+    volume   = PetscPowRealInt(spacing, (int)scene->dim);
+    sum[0] += volume;
+    sum[1] += PetscSqr(volume);
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bound, 3, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
-  g->least       = -bound[0] * scene->dx;
-  g->most        = bound[1] * scene->dx;
-  g->growth_most = bound[2];
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, PETSC_COMM_WORLD));
+  scene->motion_volume = SceneVolume(scene) * sum[1] / sum[0];
+  g->least             = -bound[0] * scene->dx;
+  g->most              = bound[1] * scene->dx;
+  g->growth_most       = bound[2];
   for (PetscInt side = 0; side < 2 * scene->dim && scene->dim == 3; side++)
     g->even[side] = EvenSpacing(scene, side);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -21,7 +21,7 @@ static const OptionRow options[] = {
                         "lattice, and -n sets dx only",
             .unit     = "dx",
             .standard = "1",
-            .where    = "flows of fixed particles",
+            .where    = "flows of fixed particles; of moving particles in boxes without walls",
         },
     [WALL] =
         {
@@ -33,7 +33,8 @@ static const OptionRow options[] = {
             .standard = "1",
             .low      = 0.05,
             .high     = 1.0,
-            .where    = "flows of fixed particles between walls; with bodies, -spacing_growth too",
+            .where = "flows between walls; with bodies, -spacing_growth too; of moving particles "
+                     "in -scheme projection with -pressure_points coarse",
         },
     [GROWTH] =
         {
@@ -45,7 +46,7 @@ static const OptionRow options[] = {
             .standard = "a lattice",
             .low      = 0.01,
             .high     = GROWTH_MOST,
-            .where    = "-spacing_wall",
+            .where    = "-spacing_wall in flows of fixed particles",
         },
 };
 const OptionTable SpacingOptions = OPTIONS("Spacing", options);
@@ -56,24 +57,39 @@ PetscBool SceneIsGraded(const Scene *scene)
   return scene->grading.on || SceneIsMapped(scene) ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/* SceneMovesGraded - Returns true if particles move and have a spacing that depends on place; not
+   collective */
+PetscBool SceneMovesGraded(const Scene *scene)
+{
+  return SceneMoves(scene) && SceneIsGraded(scene) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Returns the spacing that belongs to the edges of a cell. */
+static PetscReal SpacingOfEdges(PetscInt dim, const PetscReal edge[])
+{
+  PetscReal sum = 0.0;
+
+  for (PetscInt a = 0; a < dim; a++) sum += 1.0 / PetscSqr(edge[a]);
+  return PetscSqrtReal(dim / sum);
+}
+
 /*
   SceneSpacing - Returns the spacing that particles created at x have [m]
 
     dim/dx_i^2 = sum_a 1/e_a^2,   e_a: edges of the cell at x
 
-  or GradingSpacing() for particles that are not on a lattice. A particle keeps the spacing of the
-  place of its creation (Particles.dx). Options and dimensionless numbers refer to the reference
-  spacing scene->dx instead.
+  or GradingSpacing() for particles that are not on a lattice. A particle has the spacing of the
+  place of its creation (Particles.dx), or of its present place if it moves. Options and
+  dimensionless numbers refer to the reference spacing scene->dx instead.
 */
 PetscReal SceneSpacing(const Scene *scene, const PetscReal x[])
 {
-  PetscReal edge[ISPH_MAX_DIM], sum = 0.0;
+  PetscReal edge[ISPH_MAX_DIM];
 
   if (scene->grading.on) return GradingSpacing(scene, x);
   if (!SceneIsMapped(scene)) return scene->dx;
   SceneEdges(scene, x, edge);
-  for (PetscInt a = 0; a < scene->dim; a++) sum += 1.0 / PetscSqr(edge[a]);
-  return PetscSqrtReal(scene->dim / sum);
+  return SpacingOfEdges(scene->dim, edge);
 }
 
 /*
@@ -84,11 +100,29 @@ PetscReal SceneSpacing(const Scene *scene, const PetscReal x[])
 */
 void SceneStretch(const Scene *scene, const PetscReal x[], PetscReal stretch[])
 {
-  const PetscReal dx = SceneSpacing(scene, x);
-  PetscReal       edge[ISPH_MAX_DIM];
+  PetscReal edge[ISPH_MAX_DIM], dx;
+
+  for (PetscInt a = 0; a < scene->dim; a++) stretch[a] = 1.0;
+  if (!SceneIsMapped(scene)) return;
+  SceneEdges(scene, x, edge);
+  dx = SpacingOfEdges(scene->dim, edge);
+  for (PetscInt a = 0; a < scene->dim; a++) stretch[a] = dx / edge[a];
+}
+
+/* SceneSizes - Computes SceneSpacing(), SceneStretch() and SceneVolumeAt() of a graded particle at
+   x [m], [-], [m^dim]; not collective */
+void SceneSizes(const Scene *scene, const PetscReal x[], PetscReal *dx, PetscReal stretch[],
+                PetscReal *volume)
+{
+  PetscReal edge[ISPH_MAX_DIM];
 
   SceneEdges(scene, x, edge);
-  for (PetscInt a = 0; a < scene->dim; a++) stretch[a] = SceneIsMapped(scene) ? dx / edge[a] : 1.0;
+  *dx     = scene->grading.on ? GradingSpacing(scene, x) : SpacingOfEdges(scene->dim, edge);
+  *volume = 1.0;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    stretch[a] = scene->grading.on ? 1.0 : *dx / edge[a];
+    *volume *= scene->grading.on ? edge[a] * (*dx / scene->dx) : edge[a];
+  }
 }
 
 /* BodySpacing - Returns the spacing of points for sums over the surface of a body: SceneSpacing()
@@ -151,6 +185,18 @@ PetscReal SceneVolumeAt(const Scene *scene, const PetscReal x[])
   return volume;
 }
 
+/*
+  SceneMotionFactor - Returns the factor m of the velocity of particles at x, w = m u [-]
+
+    m = V(x)/V_m,   V: SceneVolumeAt(), V_m: Scene.motion_volume
+
+  Not collective. It is 1 if the spacing is uniform. See docs/theory.md, (145).
+*/
+PetscReal SceneMotionFactor(const Scene *scene, const PetscReal x[])
+{
+  return SceneIsGraded(scene) ? SceneVolumeAt(scene, x) / scene->motion_volume : 1.0;
+}
+
 /* SceneGrowth - Returns the largest growth of the spacing from a particle to the next [-]; not
    collective */
 PetscReal SceneGrowth(const Scene *scene)
@@ -161,7 +207,6 @@ PetscReal SceneGrowth(const Scene *scene)
 /* Returns the reason why a scene has no graded lattice; NULL if there is none. */
 static const char *LatticeFault(const Scene *scene)
 {
-  if (SceneMoves(scene)) return "particles that move keep no graded lattice; use -motion eulerian";
   if (scene->n_bodies) return "bodies need a uniform lattice or -spacing_growth";
   if (SceneViscosityVaries(scene)) return "a viscosity that varies needs a uniform lattice; use 1";
   if (!SceneHasBoundary(scene, BOUNDARY_NO_SLIP)) return "this scene has no walls; use 1";
@@ -171,8 +216,9 @@ static const char *LatticeFault(const Scene *scene)
 /* Returns the reason why a scene has no isotropic grading; NULL if there is none. */
 static const char *GradingFault(const Scene *scene)
 {
-  if (SceneMoves(scene))
-    return "particles that move do not keep a graded spacing; use -motion eulerian";
+  if (SceneMoves(scene) && SceneHasBoundary(scene, BOUNDARY_NO_SLIP))
+    return "particles that move between walls keep the spacing of lattices only; use -spacing_wall "
+           "alone, or -motion eulerian";
   if (SceneViscosityVaries(scene)) return "a viscosity that varies needs a uniform spacing";
   if (scene->jitter > 0.0) return "-jitter displaces a lattice, and there is none";
   if (scene->grading.growth > 0.0 && !SceneHasBoundary(scene, BOUNDARY_NO_SLIP))
@@ -193,7 +239,11 @@ static PetscErrorCode ReadLattice(Scene *scene)
             "-spacing_wall %.6g: it belongs to a lattice, and -particles gives other places; use "
             "one of them",
             (double)scene->spacing_wall);
-  for (PetscInt a = 0; a < scene->dim; a++) LatticeSetMap(scene, a);
+  scene->motion_volume = 1.0;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    LatticeSetMap(scene, a);
+    scene->motion_volume *= LatticeMotionEdge(scene, a);
+  }
   UserCheck(
       SceneGrowth(scene) <= GROWTH_MOST,
       "-spacing_wall %.6g: with -n %" PetscInt_FMT " the spacing grows by %.2g %% from a "

@@ -4,6 +4,17 @@
 */
 #include "step.h"
 
+/* Returns the larger of the speeds at which particle i moves and at which the fluid passes it, over
+   the speed of the fluid: 1 without graded spacing. */
+static PetscReal PaceFactor(const Scene *scene, const Particles *p, PetscInt i)
+{
+  PetscReal factor;
+
+  if (!SceneMovesGraded(scene)) return 1.0;
+  factor = ParticlesMotionFactor(scene, p, i);
+  return PetscMax(factor, PetscAbsReal(1.0 - factor));
+}
+
 /* Computes the largest |div u| of a velocity u [1/s]. */
 static PetscErrorCode MeasureDivergence(Flow *flow, const Vec u[], PetscReal *largest)
 {
@@ -45,7 +56,8 @@ static PetscErrorCode MeasureFlow(Flow *flow, const Vec u[])
     sum += ParticlesWeight(p, i) * speed2;
     speed   = PetscSqrtReal(speed2);
     most[0] = PetscMax(most[0], speed);
-    most[2] = PetscMax(most[2], PetscSqrtReal(stretched2) * (scene->dx / p->dx[i]));
+    most[2] = PetscMax(most[2], PetscSqrtReal(stretched2) * (scene->dx / p->dx[i]) *
+                                    PaceFactor(scene, p, i));
   }
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(u[a], &v[a]));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, p->comm));

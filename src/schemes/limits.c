@@ -19,14 +19,15 @@ PetscReal ClockExplicitLimit(const Scene *scene, PetscReal support_radius)
 /*
   FlowLimit - Limits the step by advection, by the body force, and by the period of the driving
 
-    dt <= C dx/U,   dt <= C/|(u_a/e_a)_i|,   dt <= max(sqrt(C e/|f|), C e r/|f|)
+    dt <= C dx/U,   dt <= C/(g |(u_a/e_a)_i|),   dt <= max(sqrt(C e/|f|), C e r/|f|)
 
   Not collective. C is the CFL number, dx the reference spacing, e_a the edges of the cell of a
-  particle, e the smallest of all edges, and f the body force. A force alone moves a particle by f
-  dt^2 in a step, or by f dt/r if walls at rest slow the flow at the rate r (SceneDecayRate()); so
-  very viscous flows need no short steps. With -dt_adapt none only the reference speed U is used.
-  With -dt_adapt error a period of walls or forces takes at least PERIOD_STEPS steps. -dt_max bounds
-  all steps.
+  particle, e the smallest of all edges, and f the body force. g = 1, or g = max(m, 1 - m) for
+  graded particles that move with the factor m of SceneMotionFactor(). A force alone moves a
+  particle by f dt^2 in a step, or by f dt/r if walls at rest slow the flow at the rate r
+  (SceneDecayRate()); so very viscous flows need no short steps. With -dt_adapt none only the
+  reference speed U is used. With -dt_adapt error a period of walls or forces takes at least
+  PERIOD_STEPS steps. -dt_max bounds all steps.
 */
 PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit)
 {

@@ -1,6 +1,6 @@
 /*
-  The motion of particles: with the flow, and by a small shift that keeps them evenly spread. Taylor
-  series give the change of their fields.
+  The motion of particles: with the flow (graded.c: along its streamlines), and by a small shift
+  that keeps them evenly spread. Taylor series give the change of their fields.
 */
 #include "step.h"
 
@@ -113,7 +113,7 @@ static PetscErrorCode SlopesRestore(Flow *flow, Slopes *t)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the shift of particle i. */
+/* Computes the shift of particle i, in the stretched coordinates in which its cell is a cube. */
 static void ShiftParticle(const Flow *flow, const Slopes *slopes, PetscInt i, PetscReal shift[])
 {
   const Scene     *scene = flow->scene;
@@ -122,7 +122,8 @@ static void ShiftParticle(const Flow *flow, const Slopes *slopes, PetscInt i, Pe
   PetscReal        gradient_c[ISPH_MAX_DIM], rate2 = 0.0;
 
   for (PetscInt a = 0; a < scene->dim; a++) {
-    gradient_c[a] = flow->ops->concentration.gradient[a][i];
+    gradient_c[a] =
+        flow->ops->concentration.gradient[a][i] / ParticlesStretch(flow->particles, a, i);
     for (PetscInt c = 0; c < scene->dim; c++) rate2 += PetscSqr(slopes->u[c][a][i]);
   }
   state->shift->Displace(scene->dim, dx, state->shift_strength, flow->scheme->stats.speed_max,
@@ -131,6 +132,7 @@ static void ShiftParticle(const Flow *flow, const Slopes *slopes, PetscInt i, Pe
     if (flow->clock->step == 0)
       shift[a] += state->shift->disturbance * dx *
                   ParticlesHash(scene->seed + 1, flow->particles->id[i], a);
+    shift[a] /= ParticlesStretch(flow->particles, a, i);
   }
 }
 
@@ -196,7 +198,7 @@ static PetscErrorCode CheckMove(Flow *flow, PetscReal moved)
 }
 
 /* Displaces all own fluid particles and changes their fields; moved: largest displacement by the
-   flow [dx_i]. */
+   flow [dx_i], or [edges of the cell]. */
 static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscReal *moved)
 {
   const Scene    *scene    = flow->scene;
@@ -204,6 +206,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   Particles      *p        = flow->particles;
   FlowState      *state    = flow->state;
   const PetscBool shifting = state->shift->Displace ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool graded   = SceneMovesGraded(scene);
   const PetscReal w        = ClockRatio(clock);
   PetscReal       moved2   = 0.0;
 
@@ -217,12 +220,15 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
       FollowShift(scene, slopes, i, shift, change);
       BudgetCarry(state->budget, scene->dim, CARRIED_SHIFT, i, change);
     }
-    for (PetscInt a = 0; a < scene->dim; a++) {
+    for (PetscInt a = 0; a < scene->dim; a++)
       flown[a] = clock->dt * ((1.0 + 0.5 * w) * p->u[a][i] - 0.5 * w * state->u_previous[a][i]);
-      x[a]     = p->x[a][i] + flown[a] + shift[a];
-      d2 += PetscSqr(flown[a]);
+    if (graded) GradedPath(scene, p, i, flown);
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      x[a] = p->x[a][i] + flown[a] + shift[a];
+      d2 += PetscSqr(ParticlesStretch(p, a, i) * flown[a]);
     }
-    SceneKeepOffWalls(scene, CLEARANCE * p->dx[i], x);
+    if (SceneIsMapped(scene)) GradedKeepOffSides(scene, CLEARANCE, x);
+    else SceneKeepOffWalls(scene, CLEARANCE * p->dx[i], x);
     for (PetscInt a = 0; a < scene->dim; a++) shift[a] = x[a] - p->x[a][i] - flown[a];
     if (shifting) FollowShift(scene, slopes, i, shift, change);
     if (state->budget) BudgetCarry(state->budget, scene->dim, CARRIED_CLEARANCE, i, change);

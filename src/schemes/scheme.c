@@ -65,6 +65,7 @@ PetscErrorCode SchemeCreate(Flow *flow)
   s->stats.force_max = PetscSqrtReal(force2);
   PetscCall(SchemeChooseStep(flow));
   PetscCall(FlowStateCreate(flow, &s->needs));
+  PetscCall(GradedRemember(flow));
   PetscCall(s->row->Create(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

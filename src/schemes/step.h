@@ -13,6 +13,12 @@ PetscErrorCode FlowBegin(Flow *flow);
 /* motion.c */
 PetscErrorCode FlowMove(Flow *flow);
 
+/* graded.c */
+void GradedPath(const Scene *scene, const Particles *particles, PetscInt i, PetscReal way[]);
+void GradedKeepOffSides(const Scene *scene, PetscReal share, PetscReal x[]);
+PetscErrorCode GradedConvection(Flow *flow, PetscReal at, Vec force[]);
+PetscErrorCode GradedRemember(Flow *flow);
+
 /* budget.c */
 void BudgetCarry(Budget *budget, PetscInt dim, PetscInt k, PetscInt i, const PetscReal change[]);
 PetscErrorCode BudgetBegin(Flow *flow);

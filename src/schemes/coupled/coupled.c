@@ -126,6 +126,9 @@ static PetscErrorCode CoupledCreate(Flow *flow)
             "-scheme coupled: it has one operator for all velocity components, and %s wants one "
             "for each; use -scheme projection",
             SceneSlipKind(scene)->option.name);
+  UserCheck(!SceneMovesGraded(scene),
+            "-scheme coupled: particles that move have a uniform spacing with it; use -scheme "
+            "projection, or -motion eulerian");
   if (flow->clock->steady_solve) PetscCall(RefuseSteady(flow));
   PetscCall(SteadyRefuse(flow, NULL, PETSC_FALSE));
   PetscCall(OptionGetRow(&options[0], NULL, &c->row));

@@ -358,6 +358,9 @@ PetscErrorCode ProjectionCreate(Flow *flow)
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
     PetscCall(OptionGetRow(&options[PROJECTION], NULL, &pr->row));
     PetscCall(ChoosePoints(scene, &points_row));
+    UserCheck(points_row->coarse || !SceneMovesGraded(scene),
+              "-pressure_points same: flows of graded particles that move are lost with it; use "
+              "coarse, with a box at least 6 dx wide, or -motion eulerian");
     if (points_row->coarse) PetscCall(CreateOnSplines(flow, pr));
     else PetscCall(CreateOnParticles(flow, pr));
     flow->scheme->variant = (const TableRow *)(const void *)pr->row;

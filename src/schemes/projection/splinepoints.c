@@ -8,6 +8,7 @@ PetscErrorCode SplinePointsFree(SplinePoints *points)
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     PetscCall(PetscFree(points->x[a]));
     PetscCall(PetscFree(points->normal[a]));
+    PetscCall(PetscFree2(points->uniform[a], points->stretch[a]));
   }
   PetscCall(PetscFree2(points->weight, points->side));
   points->n = points->capacity = 0;
@@ -191,6 +192,26 @@ PetscReal SplinePoint(const Splines *s, const PetscInt cell[], PetscInt corner, 
   return s->bodies->fraction[column] / corners;
 }
 
+/* Sets coordinates on the uniform lattice and stretches of points inside, which many fits use. */
+static PetscErrorCode SetStretches(const Scene *scene, SplinePoints *points)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++)
+    PetscCall(PetscMalloc2(points->n, &points->uniform[a], points->n, &points->stretch[a]));
+  for (PetscInt g = 0; g < points->n; g++) {
+    PetscReal x[ISPH_MAX_DIM] = {0.0}, stretch[ISPH_MAX_DIM], ratio;
+
+    for (PetscInt a = 0; a < scene->dim; a++) x[a] = points->x[a][g];
+    SceneStretch(scene, x, stretch);
+    ratio = SceneCoarsest(scene) / SceneSpacing(scene, x);
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      points->uniform[a][g] = SceneToUniform(scene, a, x[a]);
+      points->stretch[a][g] = stretch[a] * ratio;
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Sets the points of this rank in the cells. */
 static PetscErrorCode SetInnerPoints(Splines *s, const Particles *p)
 {
@@ -212,6 +233,7 @@ static PetscErrorCode SetInnerPoints(Splines *s, const Particles *p)
     weight = SplinePoint(s, cell, k % corners, x, &node);
     if (weight > 0.0 && ParticlesHolds(p, x)) PointsAdd(l->dim, x, weight, node, &s->inside);
   }
+  PetscCall(SetStretches(l->scene, &s->inside));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -183,7 +183,10 @@ typedef struct {
 typedef struct {
   PetscInt   n, capacity;
   PetscReal *x[ISPH_MAX_DIM]; /* [m] */
-  PetscReal *weight;          /* volume over that of a cell, or area over that of its face [-] */
+  /* of points inside: coordinates on the uniform lattice [m], and the stretch of axes about the
+     point, by which a cell has the largest edge of all cells [-] */
+  PetscReal *uniform[ISPH_MAX_DIM], *stretch[ISPH_MAX_DIM];
+  PetscReal *weight; /* volume over that of a cell, or area over that of its face [-] */
   PetscReal *normal[ISPH_MAX_DIM]; /* of points on the boundary: out of the fluid */
   PetscInt  *side; /* of points on the boundary: its number; of nodes in cut cells: 4 times
                                  the number of the cut, plus that of the node; otherwise -1 */

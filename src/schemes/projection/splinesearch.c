@@ -83,32 +83,20 @@ static PetscErrorCode Gather(const Flow *flow, PetscReal reach, SplineAround *ar
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the stretches about the points. */
-static void SetStretches(const Scene *scene, SplineAround *around)
-{
-  for (PetscInt i = 0; i < around->m; i++) {
-    PetscReal x[ISPH_MAX_DIM], stretch[ISPH_MAX_DIM];
-
-    for (PetscInt a = 0; a < scene->dim; a++) x[a] = around->at[a][i];
-    SceneStretch(scene, x, stretch);
-    for (PetscInt a = 0; a < scene->dim; a++)
-      around->stretch[a][i] = stretch[a] * (SceneCoarsest(scene) / SceneSpacing(scene, x));
-  }
-}
-
 /* Sets the points of the cell that begins with point `first`: those within 3/4 of a cell of it. */
 static void SetPoints(const Splines *s, PetscInt first, SplineAround *around)
 {
-  const Scene        *scene  = s->lattice.scene;
   const SplinePoints *points = &s->inside;
   const PetscInt      dim    = s->lattice.dim;
   PetscInt            m      = 0;
 
   for (; m < 1 << dim && first + m < points->n; m++) {
     for (PetscInt a = 0; a < dim; a++) {
-      around->at[a][m] = points->x[a][first + m];
-      if (PetscAbsReal(SceneToUniform(scene, a, around->at[a][m]) -
-                       SceneToUniform(scene, a, around->at[a][0])) > 0.75 * s->lattice.side[a]) {
+      const PetscReal *y = points->uniform[a];
+
+      around->at[a][m]      = points->x[a][first + m];
+      around->stretch[a][m] = points->stretch[a][first + m];
+      if (PetscAbsReal(y[first + m] - y[first]) > 0.75 * s->lattice.side[a]) {
         around->m = m;
         return;
       }
@@ -124,7 +112,6 @@ PetscErrorCode SplineAroundSet(const Flow *flow, const Splines *s, PetscInt firs
 {
   PetscFunctionBegin;
   SetPoints(s, first, around);
-  SetStretches(flow->scene, around);
   PetscCall(Gather(flow, FirstReach(flow), around));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
