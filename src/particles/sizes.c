@@ -8,7 +8,8 @@ static void Resize(const Scene *scene, Particles *p, PetscInt i)
 
   for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
   SceneSizes(scene, x, &p->dx[i], stretch, &p->volume[i]);
-  for (PetscInt a = 0; p->stretch[a] && a < p->dim; a++) p->stretch[a][i] = stretch[a];
+  for (PetscInt a = 0; a < p->dim; a++)
+    if (p->stretch[a]) p->stretch[a][i] = stretch[a];
 }
 
 /*

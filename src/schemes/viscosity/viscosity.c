@@ -138,7 +138,8 @@ static PetscErrorCode RefuseImplicitConvection(const Flow *flow, const ViscousIn
 static PetscErrorCode ChooseShell(Viscosity *v)
 {
   const char *const shows[] = {"-mat_view", "-snes_test_jacobian", "-snes_test_jacobian_view"};
-  PetscBool         multiplies, diagonal, same;
+  PetscBool         multiplies, diagonal, same, linear;
+  SNES              snes;
   PC                pc;
 
   PetscFunctionBegin;
@@ -147,7 +148,9 @@ static PetscErrorCode ChooseShell(Viscosity *v)
                                       KSPFGMRES, KSPBCGS, ""));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &diagonal, PCJACOBI, PCNONE, ""));
   PetscCall(PetscStrcmp(v->guard.mat_type, MATSAME, &same));
-  v->shell = multiplies && diagonal && same && !v->nonlinear &&
+  PetscCall(TSGetSNES(v->ts[0], &snes));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)snes, &linear, SNESKSPONLY, SNESNEWTONLS, ""));
+  v->shell = multiplies && diagonal && same && linear && !v->nonlinear &&
                      !v->flow->state->implicit_convection && v->flow->ops->velocity[0].visc.rows &&
                      !KspViewsHaveMatrix(&v->guard.ksp_views)
                  ? PETSC_TRUE
