@@ -184,3 +184,16 @@ void CrowdCheckNeighbors(const Setting *s, const Particles *p, const Neighbors *
   CrowdFree(&all);
   CloudAssertNone("rows equal brute force", s->name, wrong);
 }
+
+/* Reads a scene's spacing from options. */
+void CrowdReadSpacing(const char options[], Scene *scene)
+{
+  PetscOptions database;
+
+  ASSERT_OK(PetscOptionsCreate(&database));
+  ASSERT_OK(PetscOptionsInsertString(database, options));
+  ASSERT_OK(PetscOptionsPush(database));
+  ASSERT_OK(SceneReadSpacing(scene));
+  ASSERT_OK(PetscOptionsPop());
+  ASSERT_OK(PetscOptionsDestroy(&database));
+}

@@ -26,6 +26,7 @@ typedef struct {
 
 Setting   CrowdBox(const char *name, PetscInt dim, PetscInt nx, PetscInt ny, PetscInt nz,
                    PetscInt n_periodic, PetscInt layers);
+void      CrowdReadSpacing(const char options[], Scene *scene);
 void      CrowdGather(const Particles *p, All *all);
 void      CrowdFree(All *all);
 PetscReal CrowdNoise(PetscInt id, PetscInt k);

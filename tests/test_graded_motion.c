@@ -8,18 +8,6 @@
 
 #define BLOCKS 4 /* along an axis */
 
-static void ReadSpacing(const char options[], Scene *scene)
-{
-  PetscOptions database;
-
-  ASSERT_OK(PetscOptionsCreate(&database));
-  ASSERT_OK(PetscOptionsInsertString(database, options));
-  ASSERT_OK(PetscOptionsPush(database));
-  ASSERT_OK(SceneReadSpacing(scene));
-  ASSERT_OK(PetscOptionsPop());
-  ASSERT_OK(PetscOptionsDestroy(&database));
-}
-
 /* Computes the velocity of two vortices side by side, with the stream function sin(2 s) sin(t) of
    the coordinates s and t from 0 to pi, times the factor of the motion if `follows`. It has no
    divergence and is parallel to the sides of the box. */
@@ -107,7 +95,7 @@ static void test_density(void **state)
   PetscReal volume;
 
   (void)state;
-  ReadSpacing("-spacing_wall 0.3", &box.scene);
+  CrowdReadSpacing("-spacing_wall 0.3", &box.scene);
   CloudAssertNone("even", box.name, MoveLong(&box, PETSC_TRUE, &volume) > 0.2);
   CloudAssertNone("volume", box.name, PetscAbsReal(volume) > 0.02);
   CloudAssertNone("uneven with the flow", box.name, MoveLong(&box, PETSC_FALSE, &volume) < 0.4);
@@ -142,8 +130,8 @@ static void test_factor(void **state)
 
   (void)state;
   CloudAssertNone("uniform", box.name, SceneMotionFactor(&box.scene, x) != 1.0);
-  ReadSpacing("-spacing_wall 0.4", &box.scene);
-  ReadSpacing("-spacing_wall 0.4", &channel.scene);
+  CrowdReadSpacing("-spacing_wall 0.4", &box.scene);
+  CrowdReadSpacing("-spacing_wall 0.4", &channel.scene);
   for (PetscInt a = 0; a < 2; a++) {
     CloudAssertNone(
         "edge", box.name,
@@ -190,7 +178,7 @@ static void CheckPairs(Setting *s, const char options[])
   Particles      *p;
   Neighbors      *nb;
 
-  ReadSpacing(options, &s->scene);
+  CrowdReadSpacing(options, &s->scene);
   ASSERT_OK(ParticlesCreate(scene, s->walls, RADIUS * SceneCoarsest(scene), NULL, &p));
   ASSERT_OK(NeighborsCreate(RADIUS * SceneCoarsest(scene), SceneCoarsest(scene), &nb));
   nb->slope = RADIUS * SceneGrowth(scene);

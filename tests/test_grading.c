@@ -8,16 +8,9 @@
 /* Reads a scene's spacing from options. */
 static void ReadSpacing(const char options[], Scene *scene)
 {
-  PetscOptions database;
-
   scene->jitter = 0.0;
   scene->length = 1.0;
-  ASSERT_OK(PetscOptionsCreate(&database));
-  ASSERT_OK(PetscOptionsInsertString(database, options));
-  ASSERT_OK(PetscOptionsPush(database));
-  ASSERT_OK(SceneReadSpacing(scene));
-  ASSERT_OK(PetscOptionsPop());
-  ASSERT_OK(PetscOptionsDestroy(&database));
+  CrowdReadSpacing(options, scene);
 }
 
 static PetscBool Near(PetscReal value, PetscReal wanted)

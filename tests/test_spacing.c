@@ -6,19 +6,6 @@
 /* RANKS: 1 2 */
 #include "crowd.h"
 
-/* Reads a scene's spacing from options. */
-static void ReadSpacing(const char options[], Scene *scene)
-{
-  PetscOptions database;
-
-  ASSERT_OK(PetscOptionsCreate(&database));
-  ASSERT_OK(PetscOptionsInsertString(database, options));
-  ASSERT_OK(PetscOptionsPush(database));
-  ASSERT_OK(SceneReadSpacing(scene));
-  ASSERT_OK(PetscOptionsPop());
-  ASSERT_OK(PetscOptionsDestroy(&database));
-}
-
 /* Returns the edge of cell c of the lattice along an axis. */
 static PetscReal Edge(const Scene *scene, PetscInt axis, PetscInt c)
 {
@@ -83,14 +70,14 @@ static void test_map(void **state)
           one             = CrowdBox("one", 2, 20, 17, 1, 0, 0);
 
   (void)state;
-  ReadSpacing("-spacing_wall 0.5", &two.scene);
+  CrowdReadSpacing("-spacing_wall 0.5", &two.scene);
   CheckAxis(&two.scene, 0, two.name);
   CheckAxis(&two.scene, 1, two.name);
   CloudAssertNone("symmetric", two.name,
                   PetscAbsReal(Edge(&two.scene, 0, 2) - Edge(&two.scene, 0, 17)) > 1e-14);
   SceneSetSide(&one.scene, 1, &plane);
   SceneSetSide(&one.scene, 2, &plane);
-  ReadSpacing("-spacing_wall 0.6", &one.scene);
+  CrowdReadSpacing("-spacing_wall 0.6", &one.scene);
   CheckAxis(&one.scene, 0, one.name);
   CheckAxis(&one.scene, 1, one.name);
   CloudAssertNone("grows away from the wall", one.name,
@@ -106,7 +93,7 @@ static void test_uniform(void **state)
   const Scene *scene = &s.scene;
 
   (void)state;
-  ReadSpacing("-spacing_wall 1", &s.scene);
+  CrowdReadSpacing("-spacing_wall 1", &s.scene);
   for (PetscInt a = 0; a < 2; a++) x[a] = scene->lo[a];
   SceneStretch(scene, x, stretch);
   CloudAssertNone("spacing", s.name, SceneSpacing(scene, x) != scene->dx);
@@ -124,7 +111,7 @@ static void CheckParticles(Setting *s, const char options[])
   PetscReal    volume = 0.0, box = 1.0;
   PetscInt     wrong = 0;
 
-  ReadSpacing(options, &s->scene);
+  CrowdReadSpacing(options, &s->scene);
   ASSERT_OK(ParticlesCreate(scene, s->walls, RADIUS * SceneCoarsest(scene), NULL, &p));
   ASSERT_OK(NeighborsCreate(RADIUS * SceneCoarsest(scene), SceneCoarsest(scene), &nb));
   for (PetscInt i = 0; i < ParticlesOwn(p); i++) {

@@ -152,3 +152,23 @@ PetscErrorCode ConvectionExtrapolate(Flow *flow, PetscReal at, Vec force[])
   PetscCall(FlowRestoreWork(flow, &work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/*
+  VelocityExtrapolate - Extrapolates the velocity in time
+
+    v = (1 + w) u^n - w u^{n-1},   w = at ClockRatio()
+
+  Collective. Input: at - time of v within the step: 1 or 1/2. Output: v - over fluid [m/s].
+*/
+PetscErrorCode VelocityExtrapolate(const Flow *flow, PetscReal at, const Vec v[])
+{
+  const FlowState *s = flow->state;
+  const PetscReal  w = at * ClockRatio(flow->clock);
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < flow->scene->dim; c++) {
+    PetscCall(VecCopy(s->u[c], v[c]));
+    PetscCall(VecAXPBY(v[c], -w, 1.0 + w, s->u_prev[c]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

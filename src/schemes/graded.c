@@ -49,19 +49,6 @@ void GradedKeepOffSides(const Scene *scene, PetscReal share, PetscReal x[])
   }
 }
 
-/* Extrapolates the velocity to the time of the force: u = (1 + w) u^n - w u^{n-1}. */
-static PetscErrorCode Extrapolate(Flow *flow, PetscReal w, Vec u[])
-{
-  const FlowState *s = flow->state;
-
-  PetscFunctionBegin;
-  for (PetscInt c = 0; c < flow->scene->dim; c++) {
-    PetscCall(VecCopy(s->u[c], u[c]));
-    PetscCall(VecAXPBY(u[c], -w, 1.0 + w, s->u_prev[c]));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Computes of each own fluid particle the factor of the motion, and the change of its volume in the
    step, over the volume. */
 static void SetFactors(const Flow *flow, const PetscScalar *const u[], PetscScalar factor[],
@@ -152,7 +139,7 @@ PetscErrorCode GradedConvection(Flow *flow, PetscReal at, Vec force[])
   PetscCall(FlowGetWork(flow, &factor));
   PetscCall(FlowGetWork(flow, &growth));
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(FlowGetWork(flow, &u[a]));
-  PetscCall(Extrapolate(flow, at * ClockRatio(flow->clock), u));
+  PetscCall(VelocityExtrapolate(flow, at, u));
   if (scene->unsteady_walls)
     PetscCall(WallValuesSetVelocity(scene, flow->particles, flow->clock->t + at * flow->clock->dt,
                                     0.0, &flow->walls));

@@ -43,6 +43,7 @@ PetscErrorCode TimeErrorCheck(Flow *flow);
 
 /* convection.c */
 PetscErrorCode ConvectionExtrapolate(Flow *flow, PetscReal at, Vec force[]);
+PetscErrorCode VelocityExtrapolate(const Flow *flow, PetscReal at, const Vec v[]);
 
 /* history.c */
 PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt);

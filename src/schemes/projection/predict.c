@@ -1,21 +1,6 @@
 /* The predictor of the projection: forces at the new time, then the viscous step to u*. */
 #include "splines.h"
 
-/* Extrapolates the advecting velocity v of fixed particles, for a TS that applies convection; at:
-   time of v within the step, 1 or 1/2. */
-static PetscErrorCode ExtrapolateVelocity(Flow *flow, PetscReal at, Vec v[])
-{
-  FlowState      *s = flow->state;
-  const PetscReal w = at * ClockRatio(flow->clock);
-
-  PetscFunctionBegin;
-  for (PetscInt c = 0; c < flow->scene->dim; c++) {
-    PetscCall(VecCopy(s->u[c], v[c]));
-    PetscCall(VecAXPBY(v[c], -w, 1.0 + w, s->u_prev[c]));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Sets the force on u* without convection, -grad p^n/rho + f; at: time of f within the step, 1
    or 1/2. */
 static PetscErrorCode SetForce(Flow *flow, PetscReal at, Vec force[])
@@ -56,7 +41,7 @@ PetscErrorCode PredictVelocity(Flow *flow)
   PetscCall(HistoryStart(flow, !row || row->history ? PETSC_TRUE : PETSC_FALSE, &dt));
   PetscCall(BudgetPart(flow, PART_TIME, 0.0, NULL));
   PetscCall(SetForce(flow, at, force));
-  if (inner) PetscCall(ExtrapolateVelocity(flow, at, v));
+  if (inner) PetscCall(VelocityExtrapolate(flow, at, v));
   else if (convects) PetscCall(ConvectionExtrapolate(flow, at, force));
   if (SceneMovesGraded(flow->scene)) PetscCall(GradedConvection(flow, at, force));
   PetscCall(BudgetPart(flow, PART_FORCE, dt, force));
