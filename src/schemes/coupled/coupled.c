@@ -47,12 +47,10 @@ static PetscErrorCode RefuseForms(const Flow *flow)
             "-visc_laplacian %s: its matrix has eigenvalues of both signs, and -scheme coupled has "
             "no solver for it; use a form that is safe_implicit in -catalogue",
             forms->visc.row->name);
-  UserCheck(!forms->components_coupled && !SceneViscosityVaries(scene),
-            "-scheme coupled: it needs a uniform viscosity and the same matrix for each component, "
-            "which excludes %s; use -scheme projection",
-            !SceneIsNewtonian(scene)      ? "-rheology"
-            : SceneViscosityVaries(scene) ? "fluids of different viscosity"
-                                          : forms->visc.row->name);
+  UserCheck(!SceneViscosityVaries(scene),
+            "-scheme coupled: it needs a uniform viscosity, which excludes %s; use -scheme "
+            "projection",
+            SceneIsNewtonian(scene) ? "fluids of different viscosity" : "-rheology");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -49,12 +49,14 @@ typedef struct {
   Saddle                      saddle;
   Mat                         flat; /* P for preconditioners without blocks, otherwise NULL */
   Schur                       schur;
-  PetscReal                   shift;      /* of the preconditioner [1/s] */
-  Vec                         x, b;       /* unknowns; right-hand side at time b_t [m/s] */
-  PetscReal                   b_t;        /* NaN: b is out of date [s] */
-  Vec                         part, work; /* work vectors of a component */
-  Vec           u[ISPH_MAX_DIM];          /* components of x, for convection at a stage [m/s] */
-  PetscReal     substep;                  /* last substep of the integrator [s] */
+  PetscReal                   shift;               /* of the preconditioner [1/s] */
+  Vec                         x, b;                /* unknowns; right-hand side at time b_t [m/s] */
+  PetscReal                   b_t;                 /* NaN: b is out of date [s] */
+  Vec                         part, work;          /* work vectors of a component */
+  Vec                         all_walls, boundary; /* wall velocities of interlaced components,
+                                                      their viscous terms; NULL: not coupled */
+  Vec           u[ISPH_MAX_DIM]; /* components of x, for convection at a stage [m/s] */
+  PetscReal     substep;         /* last substep of the integrator [s] */
   PetscLogEvent event;
 
   Flow      *flow;      /* of the present step, for callbacks */

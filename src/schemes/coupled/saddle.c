@@ -10,11 +10,12 @@
   For several sizes the rows of momentum are multiplied by T_i and the rows of mass by dx_i, and
   T_i/(rho dx_i) C p replaces C q: docs/theory.md, (122).
 
-  L, G and D are the operators of Laplacian, gradient and divergence; shift is the factor of u in
-  du/dt; f and g contain forces and wall data. G is one-sided at walls: the wall pressure gradient
-  follows from the momentum equation of the particles next to the wall. All unknowns belong to the
-  same particles, so G and D do not act on grid modes of the pressure. C q, the residual of a
-  quadratic fit of q, brings these modes into the continuity equation. For smooth pressures it is a
+  L, G and D are the operators of viscosity, gradient and divergence; L couples velocity components
+  if its form does. shift is the factor of u in du/dt; f and g contain forces and wall data. G is
+  one-sided at walls: the wall pressure gradient follows from the momentum equation of the particles
+  next to the wall. All unknowns belong to the same particles, so G and D do not act on grid modes of
+  the pressure. C q, the residual of a quadratic fit of q, brings these modes into the continuity
+  equation. For smooth pressures it is a
   flux of order dx^3 (dx^4 inside lattices); it vanishes for quadratic pressures and needs no
   condition at walls. The column c of GaugeColumn() fixes the constant of the pressure. See
   docs/theory.md, (92) to (94).
@@ -68,6 +69,8 @@ static PetscErrorCode SetUnits(const Flow *flow, Saddle *s)
   }
   PetscCall(VecRestoreArrayWrite(s->length, &length));
   PetscCall(VecRestoreArrayWrite(s->time, &time));
+  PetscCall(VecDuplicate(s->length, &s->pressure));
+  PetscCall(VecPointwiseDivide(s->pressure, s->length, s->time));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -122,48 +125,69 @@ static PetscErrorCode CreateBlocks(const Flow *flow, MatType type, Saddle *s)
   const Particles *p   = flow->particles;
   const Operators *ops = flow->ops;
   const PetscReal  dx  = flow->scene->dx;
-  Vec              momentum, unit, inverse; /* T_i/T; unit of pressures; its inverse */
+  Vec              momentum, mass; /* T_i/T of momentum rows; factor of the rows of C */
 
   PetscFunctionBegin;
   PetscCall(VelocityRows(p, s->time, &momentum));
-  PetscCall(VecDuplicate(s->length, &unit));
-  PetscCall(VecDuplicate(s->length, &inverse));
-  PetscCall(VecPointwiseDivide(unit, s->length, s->time));
-  PetscCall(VecPointwiseDivide(inverse, s->time, s->length));
-  PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){s->dim, 1, dx, momentum, unit},
+  PetscCall(VecDuplicate(s->length, &mass));
+  PetscCall(VecPointwiseDivide(mass, s->time, s->length));
+  PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){s->dim, 1, dx, momentum, s->pressure},
                         ops->grad_p, type, &s->G));
   PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){1, s->dim, dx, s->length, NULL}, ops->div,
                         type, &s->D));
-  PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){1, 1, 1.0, inverse, unit}, &ops->filter_p,
-                        type, &s->C));
+  PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){1, 1, 1.0, mass, s->pressure},
+                        &ops->filter_p, type, &s->C));
   PetscCall(VecDestroy(&momentum));
-  PetscCall(VecDestroy(&unit));
-  PetscCall(VecDestroy(&inverse));
+  PetscCall(VecDestroy(&mass));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates the matrix T_i (-nu L + v.grad) of a velocity component, then the matrix of all
-   interlaced components; v: `advecting`, if given. */
-static PetscErrorCode ViscousCreate(const Scene *scene, const Operators *ops, const Saddle *s,
-                                    const Vec advecting[], Mat *viscous)
+/* Adds the matrix of a scalar operator, the same for each of the interlaced components, to a block.
+   On entry block is NULL, or a matrix of interlaced components. */
+static PetscErrorCode AddToComponents(PetscInt dim, Mat scalar, Mat *block)
 {
-  Mat scalar, gradient, all;
+  Mat all, part;
 
   PetscFunctionBegin;
-  PetscCall(MatDuplicate(ops->velocity[0].visc.A, MAT_COPY_VALUES, &scalar));
-  PetscCall(MatScale(scalar, -scene->nu * s->step));
+  PetscCall(MatCreateMAIJ(scalar, dim, &all));
+  PetscCall(MatConvert(all, MATAIJ, MAT_INITIAL_MATRIX, &part));
+  PetscCall(MatDestroy(&all));
+  if (*block) {
+    PetscCall(MatAXPY(*block, 1.0, part, UNKNOWN_NONZERO_PATTERN));
+    PetscCall(MatDestroy(&part));
+  } else {
+    *block = part;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates the matrix T_i (-nu L + v.grad) of all interlaced velocity components; v: `advecting`, if
+   given. */
+static PetscErrorCode ViscousCreate(const Flow *flow, const Saddle *s, const Vec advecting[],
+                                    Mat *viscous)
+{
+  const Scene             *scene = flow->scene;
+  const VelocityOperators *of    = &flow->ops->velocity[0];
+  Mat                      gradient;
+  Vec                      rows;
+
+  PetscFunctionBegin;
+  *viscous = NULL;
+  if (flow->ops->forms.components_coupled)
+    PetscCall(MatDuplicate(of->visc.A, MAT_COPY_VALUES, viscous));
+  else PetscCall(AddToComponents(scene->dim, of->visc.A, viscous));
+  PetscCall(MatScale(*viscous, -scene->nu));
   for (PetscInt a = 0; advecting && a < scene->dim; a++) {
-    PetscCall(MatDuplicate(ops->velocity[0].grad_u[a].A, MAT_COPY_VALUES, &gradient));
+    PetscCall(MatDuplicate(of->grad_u[a].A, MAT_COPY_VALUES, &gradient));
     PetscCall(MatDiagonalScale(gradient, advecting[a], NULL));
-    PetscCall(MatAXPY(scalar, s->step, gradient, UNKNOWN_NONZERO_PATTERN));
+    PetscCall(AddToComponents(scene->dim, gradient, viscous));
     PetscCall(MatDestroy(&gradient));
   }
-  PetscCall(MatDiagonalScale(scalar, s->time, NULL));
-  PetscCall(MatCreateMAIJ(scalar, scene->dim, &all));
-  PetscCall(MatConvert(all, MATAIJ, MAT_INITIAL_MATRIX, viscous));
+  PetscCall(VelocityRows(flow->particles, s->time, &rows));
+  PetscCall(VecScale(rows, s->step));
+  PetscCall(MatDiagonalScale(*viscous, rows, NULL));
   PetscCall(MatSetBlockSize(*viscous, scene->dim));
-  PetscCall(MatDestroy(&all));
-  PetscCall(MatDestroy(&scalar));
+  PetscCall(VecDestroy(&rows));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -189,7 +213,7 @@ PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], MatType t
   s->shift      = NAN;
   s->assemblies = flow->ops->assemblies;
   PetscCall(SetUnits(flow, s));
-  PetscCall(ViscousCreate(scene, flow->ops, s, advecting, &s->viscous));
+  PetscCall(ViscousCreate(flow, s, advecting, &s->viscous));
   PetscCall(MatConvert(s->viscous, type, MAT_INITIAL_MATRIX, &s->F));
   PetscCall(CreateBlocks(flow, type, s));
   PetscCall(GaugeColumn(scene, p->comm, scene->dim, p->n_fluid, 1.0, &s->gauge));
@@ -228,6 +252,7 @@ PetscErrorCode SaddleFree(Saddle *s)
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(all); k++) PetscCall(MatDestroy(all[k]));
   PetscCall(VecDestroy(&s->time));
   PetscCall(VecDestroy(&s->length));
+  PetscCall(VecDestroy(&s->pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -257,10 +282,10 @@ PetscErrorCode SaddleFlatten(Mat nest, Mat *flat)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddlePut - Sets x = (u, q), q_i = p_i T_i/(rho dx_i); not collective */
+/* SaddlePut - Sets x = (u, q), p_i = q_i times the unit of pressures; not collective */
 PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
 {
-  const PetscScalar *from, *time, *length;
+  const PetscScalar *from, *unit;
   PetscScalar       *to;
 
   PetscFunctionBegin;
@@ -271,12 +296,9 @@ PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
     PetscCall(VecRestoreArrayRead(u[c], &from));
   }
   PetscCall(VecGetArrayRead(p, &from));
-  PetscCall(VecGetArrayRead(s->time, &time));
-  PetscCall(VecGetArrayRead(s->length, &length));
-  for (PetscInt i = 0; i < s->n; i++)
-    to[s->dim * s->n + i] = from[i] / s->unit * (time[i] / length[i]);
-  PetscCall(VecRestoreArrayRead(s->length, &length));
-  PetscCall(VecRestoreArrayRead(s->time, &time));
+  PetscCall(VecGetArrayRead(s->pressure, &unit));
+  for (PetscInt i = 0; i < s->n; i++) to[s->dim * s->n + i] = from[i] / s->unit / unit[i];
+  PetscCall(VecRestoreArrayRead(s->pressure, &unit));
   PetscCall(VecRestoreArrayRead(p, &from));
   PetscCall(VecRestoreArray(x, &to));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -285,7 +307,7 @@ PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
 /* SaddleGet - Extracts u and p from x, see SaddlePut(); p may be NULL; not collective */
 PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
 {
-  const PetscScalar *from, *time, *length;
+  const PetscScalar *from, *unit;
   PetscScalar       *to;
 
   PetscFunctionBegin;
@@ -297,12 +319,9 @@ PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
   }
   if (p) {
     PetscCall(VecGetArray(p, &to));
-    PetscCall(VecGetArrayRead(s->time, &time));
-    PetscCall(VecGetArrayRead(s->length, &length));
-    for (PetscInt i = 0; i < s->n; i++)
-      to[i] = from[s->dim * s->n + i] * s->unit * (length[i] / time[i]);
-    PetscCall(VecRestoreArrayRead(s->length, &length));
-    PetscCall(VecRestoreArrayRead(s->time, &time));
+    PetscCall(VecGetArrayRead(s->pressure, &unit));
+    for (PetscInt i = 0; i < s->n; i++) to[i] = from[s->dim * s->n + i] * s->unit * unit[i];
+    PetscCall(VecRestoreArrayRead(s->pressure, &unit));
     PetscCall(VecRestoreArray(p, &to));
   }
   PetscCall(VecRestoreArrayRead(x, &from));

@@ -52,8 +52,7 @@ static PetscErrorCode SchurApply_CahouetChabard(Schur *s, Vec x, Vec y)
   PetscCall(VecScale(y, s->inert));
   PetscCall(VecPointwiseDivide(s->work, x, s->saddle->length));
   PetscCall(VecAXPY(y, s->viscous, s->work));
-  PetscCall(VecPointwiseMult(y, y, s->saddle->time));
-  PetscCall(VecPointwiseDivide(y, y, s->saddle->length));
+  PetscCall(VecPointwiseDivide(y, y, s->saddle->pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

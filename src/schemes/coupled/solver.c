@@ -144,6 +144,8 @@ static PetscErrorCode CoupledFree(Coupled *c)
   PetscCall(VecDestroy(&c->b));
   PetscCall(VecDestroy(&c->part));
   PetscCall(VecDestroy(&c->work));
+  PetscCall(VecDestroy(&c->all_walls));
+  PetscCall(VecDestroy(&c->boundary));
   PetscCall(MatDestroy(&c->flat));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(VecDestroy(&c->u[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -242,6 +244,10 @@ static PetscErrorCode CoupledMake(PetscReal shift, const Vec advecting[], Couple
   PetscCall(FluidVec(p, NULL, &c->part));
   PetscCall(FluidVec(p, NULL, &c->work));
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(FluidVec(p, NULL, &c->u[a]));
+  if (c->flow->ops->forms.components_coupled && c->flow->ops->forms.wall) {
+    PetscCall(WallVelocityVec(p, &c->all_walls));
+    PetscCall(VelocityVec(p, &c->boundary));
+  }
   c->shift     = NAN;
   c->b_t       = NAN;
   c->advecting = advecting;

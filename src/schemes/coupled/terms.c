@@ -19,6 +19,27 @@ PetscErrorCode CoupledForce(Flow *flow, Vec force[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Computes the viscous terms of wall velocities over nu, of component a; coupled components
+   share a product, which component 0 computes. */
+static PetscErrorCode WallViscosity(Coupled *c, PetscInt a, Vec part)
+{
+  const Flow *flow = c->flow;
+  const Mat   B    = flow->ops->velocity[0].visc.B;
+
+  PetscFunctionBegin;
+  if (!flow->ops->forms.wall) {
+    PetscCall(VecZeroEntries(part));
+  } else if (!flow->ops->forms.components_coupled) {
+    PetscCall(MatMult(B, flow->walls.u[a], part));
+  } else {
+    for (PetscInt e = 0; a == 0 && e < c->saddle.dim; e++)
+      PetscCall(VecStrideScatter(flow->walls.u[e], e, c->all_walls, INSERT_VALUES));
+    if (a == 0) PetscCall(MatMult(B, c->all_walls, c->boundary));
+    PetscCall(VecStrideGather(c->boundary, a, part, INSERT_VALUES));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Subtracts from a vector the terms of wall velocities in (v.grad) u_a; v is the advecting velocity
    of implicit convection. */
 static PetscErrorCode AddWallConvection(Coupled *c, PetscInt a, Vec part)
@@ -48,9 +69,8 @@ static PetscErrorCode AddGivenPressure(Coupled *c, PetscReal t)
     PetscCall(SaddleAdd(s, a, -s->step / flow->scene->rho, c->part, c->b));
   }
   PetscCall(MatMult(flow->ops->filter_p.B, flow->walls.p, c->part));
-  PetscCall(VecPointwiseMult(c->part, c->part, s->time));
-  for (PetscInt k = 0; k < 2; k++) /* SaddleAdd() multiplies by the length */
-    PetscCall(VecPointwiseDivide(c->part, c->part, s->length));
+  PetscCall(VecPointwiseDivide(c->part, c->part, s->pressure));
+  PetscCall(VecPointwiseDivide(c->part, c->part, s->length)); /* SaddleAdd() multiplies by it */
   PetscCall(SaddleAdd(s, s->dim, -1.0 / s->unit, c->part, c->b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -78,9 +98,7 @@ PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
     PetscCall(AddBodyForce(c->flow, t, c->force));
   PetscCall(VecZeroEntries(c->b));
   for (PetscInt a = 0; a < s->dim; a++) {
-    PetscCall(VecZeroEntries(c->part));
-    if (c->flow->ops->forms.wall)
-      PetscCall(MatMult(c->flow->ops->velocity[0].visc.B, c->flow->walls.u[a], c->part));
+    PetscCall(WallViscosity(c, a, c->part));
     PetscCall(VecAYPX(c->part, c->flow->scene->nu, c->force[a]));
     PetscCall(AddWallConvection(c, a, c->part));
     PetscCall(SaddleAdd(s, a, s->step, c->part, c->b));
