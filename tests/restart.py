@@ -34,6 +34,7 @@ FORCED = ["-case", "scene", "-scene_body_1", "circle,0.5,0.5,0.2", "-body_force"
           "-scene_wall_top_velocity", "cos(5*t),0"]  # force and wall velocity depend on time
 SAME = ["-pressure_points", "same"]
 CLOUD = ["-spacing_wall", "0.5", "-spacing_growth", "0.15"]
+SURFACE = ["-case", "drop_mode", "-with", "convection", "-speed", "1e-3", "-viscosity", "1"]
 FILES = ["-checkpoint", "c.h5", "-checkpoint_every", "0.1", "-output", "flow.h5", "-output_every", "0.5",
          "-report_times", "1,2", "-probe_point", "0.5,0.5", "-probe_every", "0.25", "-probe_forces"]
 
@@ -115,7 +116,7 @@ def ranked(command, n):
 def bitwise(*command):
     for n in 1, 3:
         for name, flow in (("lagrangian", []), ("eulerian", ["-motion", "eulerian"]), ("forced", FORCED),
-                           ("coupled", ["-scheme", "coupled"]), ("same", SAME),
+                           ("coupled", ["-scheme", "coupled"]), ("surface", SURFACE), ("same", SAME),
                            ("coarse_eulerian", ["-pressure_points", "coarse", "-motion", "eulerian"]),
                            ("implicit", ["-motion", "eulerian", "-convection", "implicit"]),
                            ("graded", ["-motion", "eulerian", "-spacing_wall", "0.5"]),

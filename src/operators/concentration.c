@@ -68,6 +68,29 @@ static PetscInt StretchedPlanes(const Scene *scene, const Stencil *st, const Pet
   return n;
 }
 
+/* Adds the plane half a spacing outside the nearest particle on a free surface, in which the fluid
+   is mirrored as in a wall. */
+static void AddSurfacePlane(const Stencil *st, WallPlane planes[], PetscInt *n)
+{
+  PetscReal nearest = st->own_surface ? 0.0 : st->radius;
+  PetscInt  which   = -1;
+
+  if (!st->near_surface || *n == SCENE_MAX_BOUNDARIES) return;
+  for (PetscInt k = 0; k < st->n; k++) {
+    if (!st->surface[k] || st->r[k] >= nearest) continue;
+    nearest = st->r[k];
+    which   = k;
+  }
+  planes[*n].distance = 0.5 * st->dx;
+  for (PetscInt a = 0; a < st->dim; a++) {
+    const PetscReal normal = which < 0 ? st->own_normal[a] : st->normal[a][which];
+
+    planes[*n].normal[a] = -normal;
+    if (which >= 0) planes[*n].distance += st->X[a][which] * normal;
+  }
+  (*n)++;
+}
+
 /*
   ConcentrationRow - Computes the concentration at particle i and its gradient
 
@@ -75,6 +98,7 @@ static PetscInt StretchedPlanes(const Scene *scene, const Stencil *st, const Pet
 
   j runs over fluid neighbours, i itself, and the particles that continue the fluid beyond walls:
   mirror images if wall particles lie on the surface, otherwise the dummies: docs/theory.md, (10).
+  Mirror images continue it beyond free surfaces too.
 
   Not collective.
 
@@ -97,6 +121,7 @@ void ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil
 
   SumNeighbors(st, mirrored, concentration, sum);
   if (mirrored && st->n_wall) n_planes = StretchedPlanes(scene, st, x, planes);
+  AddSurfacePlane(st, planes, &n_planes);
   if (n_planes) {
     ConcentrationImages(kernel, st, planes, n_planes, origin, st->volume, concentration, sum);
     for (PetscInt k = 0; k < st->n; k++) {

@@ -195,6 +195,15 @@ static const LaplacianRow laplacians[] = {
      QUADRATIC | FORM_COUPLES | FORM_FULL_SUPPORT, 0, LaplacianRow_StressMls},
 };
 
+/* The form mls of fluids with a free surface. */
+const LaplacianRow LaplacianSurface = {
+    "mls",
+    "quadratic moving least squares; no tangential stress on the free surface",
+    "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)",
+    FORM_NULL_CONSTANTS | FORM_EXACT_LINEAR | FORM_SAFE_IMPLICIT | FORM_COUPLES,
+    0,
+    LaplacianRow_SurfaceMls};
+
 /* Appends the declared properties and the accepted corrections of a Laplacian to a text. */
 static PetscErrorCode LaplacianDescribe(const TableRow *row, char text[], size_t length)
 {

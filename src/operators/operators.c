@@ -139,6 +139,7 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
     ChooseProducts(ops, PETSC_FALSE, &ops->grad_p[a]);
     ChooseProducts(ops, PETSC_FALSE, &ops->div[a]);
   }
+  if (SceneHasFreeSurface(scene)) PetscCall(PetscNew(&ops->free));
   PetscCall(CreateWorkspace(scene, ops));
   *operators = ops;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -169,6 +170,8 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   }
   PetscCall(PetscFree(ops->concentration.value));
   PetscCall(VecDestroy(&ops->ppe_scale));
+  if (ops->free) PetscCall(FreeSurfaceFree(ops->free));
+  PetscCall(PetscFree(ops->free));
   PetscCall(PetscFree4(ops->work->slot, ops->work->w, ops->work->m, ops->work->wall_w));
   for (PetscInt l = 0; l < MLS_LANES; l++) PetscCall(StencilDestroy(&ops->work->batch[l]));
   PetscCall(MlsBatchDestroy(&ops->work->fits));

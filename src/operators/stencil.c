@@ -17,8 +17,11 @@ PetscErrorCode StencilCreate(PetscInt dim, Stencil **stencil)
 static PetscErrorCode StencilFree(Stencil *st)
 {
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     PetscCall(PetscFree3(st->X[a], st->normal[a], st->fit.gradient[a]));
+    PetscCall(PetscFree(st->normal_strain[a]));
+  }
+  PetscCall(PetscFree(st->surface));
   PetscCall(PetscFree6(st->fit.phi, st->fit.W, st->fit.value, st->fit.weighted, st->fit.laplacian,
                        st->fit.filter));
   PetscCall(PetscFree7(st->r, st->V, st->W, st->dW, st->ddW, st->beta, st->j));
@@ -46,7 +49,9 @@ PetscErrorCode StencilReserve(Stencil *st, PetscInt n)
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     PetscCall(PetscMalloc3(st->capacity, &st->X[a], st->capacity, &st->normal[a], st->capacity,
                            &st->fit.gradient[a]));
+    PetscCall(PetscMalloc1(st->capacity, &st->normal_strain[a]));
   }
+  PetscCall(PetscMalloc1(st->capacity, &st->surface));
   PetscCall(PetscMalloc6(MLS_MAX_TERMS * st->capacity, &st->fit.phi, st->capacity, &st->fit.W,
                          st->capacity, &st->fit.value, st->capacity, &st->fit.weighted,
                          st->capacity, &st->fit.laplacian, st->capacity, &st->fit.filter));

@@ -36,7 +36,8 @@ const BoundaryRow BoundaryNone = {
 };
 
 /* The kinds in the order of -catalogue; a kind defined in a file of its own is added here too. */
-#define KINDS(ROW) ROW(BoundaryWall) ROW(BoundaryPeriodic) ROW(BoundarySymmetry) ROW(BoundaryNone)
+#define KINDS(ROW)                                                                                 \
+  ROW(BoundaryWall) ROW(BoundaryPeriodic) ROW(BoundarySymmetry) ROW(BoundaryFree) ROW(BoundaryNone)
 
 #define DECLARE(row) extern const BoundaryRow row;
 KINDS(DECLARE)

@@ -13,12 +13,12 @@
   L, G and D are the operators of viscosity, gradient and divergence; L couples velocity components
   if its form does. shift is the factor of u in du/dt; f and g contain forces and wall data. G is
   one-sided at walls: the wall pressure gradient follows from the momentum equation of the particles
-  next to the wall. All unknowns belong to the same particles, so G and D do not act on grid modes of
-  the pressure. C q, the residual of a quadratic fit of q, brings these modes into the continuity
-  equation. For smooth pressures it is a
-  flux of order dx^3 (dx^4 inside lattices); it vanishes for quadratic pressures and needs no
-  condition at walls. The column c of GaugeColumn() fixes the constant of the pressure. See
-  docs/theory.md, (92) to (94).
+  next to the wall. All unknowns belong to the same particles, so G and D do not act on grid modes
+  of the pressure. C q, the residual of a quadratic fit of q, brings these modes into the continuity
+  equation. For smooth pressures it is a flux of order dx^3 (dx^4 inside lattices); it vanishes for
+  quadratic pressures and needs no condition at walls. The column c of GaugeColumn() fixes the
+  constant of the pressure. On free surfaces the rows of mass give the pressure, with the factor
+  -T_i nu/dx_i in place of dx_i. See docs/theory.md, (92) to (94) and section 17.
 */
 #include "saddle.h"
 
@@ -54,19 +54,24 @@ static PetscErrorCode SetUnits(const Flow *flow, Saddle *s)
 {
   const Scene     *scene = flow->scene;
   const Particles *p     = flow->particles;
-  PetscScalar     *time, *length;
+  PetscScalar     *time, *length, *mass;
 
   PetscFunctionBegin;
   s->step = SaddleTime(scene, flow->clock, scene->dx);
   s->unit = scene->rho * scene->dx / s->step;
   PetscCall(FluidVec(p, NULL, &s->time));
   PetscCall(FluidVec(p, NULL, &s->length));
+  PetscCall(FluidVec(p, NULL, &s->mass));
+  PetscCall(VecGetArrayWrite(s->mass, &mass));
   PetscCall(VecGetArrayWrite(s->time, &time));
   PetscCall(VecGetArrayWrite(s->length, &length));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     time[i]   = SaddleTime(scene, flow->clock, p->dx[i]) / s->step;
-    length[i] = p->dx[i] / scene->dx;
+    length[i] = mass[i] = p->dx[i] / scene->dx;
+    if (flow->ops->free && flow->ops->free->kind[i] != SURFACE_INSIDE)
+      mass[i] = -scene->nu * time[i] * s->step / (p->dx[i] * scene->dx);
   }
+  PetscCall(VecRestoreArrayWrite(s->mass, &mass));
   PetscCall(VecRestoreArrayWrite(s->length, &length));
   PetscCall(VecRestoreArrayWrite(s->time, &time));
   PetscCall(VecDuplicate(s->length, &s->pressure));
@@ -133,7 +138,7 @@ static PetscErrorCode CreateBlocks(const Flow *flow, MatType type, Saddle *s)
   PetscCall(VecPointwiseDivide(mass, s->time, s->length));
   PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){s->dim, 1, dx, momentum, s->pressure},
                         ops->grad_p, type, &s->G));
-  PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){1, s->dim, dx, s->length, NULL}, ops->div,
+  PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){1, s->dim, dx, s->mass, NULL}, ops->div,
                         type, &s->D));
   PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){1, 1, 1.0, mass, s->pressure},
                         &ops->filter_p, type, &s->C));
@@ -252,6 +257,7 @@ PetscErrorCode SaddleFree(Saddle *s)
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(all); k++) PetscCall(MatDestroy(all[k]));
   PetscCall(VecDestroy(&s->time));
   PetscCall(VecDestroy(&s->length));
+  PetscCall(VecDestroy(&s->mass));
   PetscCall(VecDestroy(&s->pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -337,7 +343,7 @@ PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
 PetscErrorCode SaddleAdd(const Saddle *s, PetscInt c, PetscReal scale, Vec part, Vec x)
 {
   const PetscInt     stride = c < s->dim ? s->dim : 1, first = c < s->dim ? c : s->dim * s->n;
-  const Vec          units = c < s->dim ? s->time : s->length;
+  const Vec          units = c < s->dim ? s->time : s->mass;
   const PetscScalar *from, *unit;
   PetscScalar       *to;
 
