@@ -71,6 +71,7 @@ typedef struct {
   PetscInt   *side;                  /* side or body of wall neighbours */
   PetscReal  *beta;         /* of dummies: factor of u_wall,i - u_i, docs/theory.md, (49) */
   PetscReal  *share;        /* of dummies: weight in u_wall,i, docs/theory.md, (50) */
+  PetscReal  *factor;       /* mean of the factors of the pair; of the particle alone with a wall */
   PetscBool   fits_walls;   /* wall neighbours have equations of their own, otherwise values */
   Equation   *equation;     /* of each neighbour in the present fit; fluid gives a value */
   PetscInt    degree;       /* of fits, 2 to MLS_MAX_DEGREE */
@@ -122,12 +123,16 @@ extern const Table CorrectionTable;
   Laplacians. w[k] multiplies f_k - f_i of neighbour k, or the given n.grad f if that is its
   equation. If the form couples components, w[(k dim + a) dim + b] multiplies (u_k - u_i)_b in
   component a.
+
+  Factor() computes a number of a particle from its stencil, with the uncorrected kernel. It is
+  called for all fluid particles before the rows, which then read st->factor of each neighbour.
 */
 typedef struct {
   const char *name, *brief, *citation;
   unsigned    properties;  /* bits of FormProperty */
   unsigned    corrections; /* accepted corrections: bits of CorrectionBit */
   PetscErrorCode (*Row)(Stencil *stencil, PetscReal w[]);
+  PetscReal (*Factor)(const Stencil *stencil); /* or NULL */
 } LaplacianRow;
 extern const Table LaplacianTable;
 
@@ -137,6 +142,7 @@ typedef struct {
   const CorrectionRow *correction; /* NULL: none */
   PetscBool            extended;   /* wall values are extrapolated from the fluid: unsymmetric */
   PetscBool            graded;     /* particles of a pair may differ in size: unsymmetric */
+  PetscReal           *factor;     /* row->Factor() by local index; NULL: none */
 } LaplacianForm;
 PetscBool      LaplacianIs(const LaplacianForm *form, FormProperty property);
 PetscInt       LaplacianWidth(const LaplacianForm *form, PetscInt dim);

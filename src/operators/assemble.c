@@ -340,6 +340,8 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
   PetscCall(BeginAssembly(scene, p, nb, ops, needed, count));
   PetscCall(ScalePressureRows(p, ops));
   if (ops->free) PetscCall(FreeSurfaceFind(scene, p, nb, &ops->forms, ops->free));
+  PetscCall(LaplacianFactors(scene, p, nb, ops, &ops->forms.visc));
+  PetscCall(LaplacianFactors(scene, p, nb, ops, &ops->forms.ppe));
   for (PetscInt l = 0; l < MLS_LANES; l++) ops->work->batch[l]->regularised = 0;
   for (PetscInt i = 0; i < p->n_fluid; i += MLS_LANES)
     PetscCall(AssembleBatch(scene, p, nb, i, PetscMin(MLS_LANES, p->n_fluid - i), ops));

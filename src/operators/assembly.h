@@ -22,5 +22,8 @@ struct Assembly {
 PetscErrorCode GatherStencil(const Scene *scene, const Particles *particles,
                              const Neighbors *neighbors, const Operators *ops, PetscInt i,
                              Stencil *stencil);
+PetscErrorCode LaplacianFactors(const Scene *scene, const Particles *particles,
+                                const Neighbors *neighbors, const Operators *ops,
+                                LaplacianForm *form);
 
 #endif

@@ -169,6 +169,8 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
     PetscCall(PetscFree(ops->work->g[a]));
   }
   PetscCall(PetscFree(ops->concentration.value));
+  PetscCall(PetscFree(ops->forms.visc.factor));
+  PetscCall(PetscFree(ops->forms.ppe.factor));
   PetscCall(VecDestroy(&ops->ppe_scale));
   if (ops->free) PetscCall(FreeSurfaceFree(ops->free));
   PetscCall(PetscFree(ops->free));

@@ -11,6 +11,8 @@ PetscErrorCode            LaplacianRow_Mls3(Stencil *stencil, PetscReal w[]);
 PetscErrorCode            LaplacianRow_StressMls(Stencil *stencil, PetscReal w[]);
 extern const LaplacianRow LaplacianSurface;
 PetscErrorCode            LaplacianRow_SurfaceMls(Stencil *stencil, PetscReal w[]);
+PetscErrorCode            LaplacianRow_PairwiseStress(Stencil *stencil, PetscReal w[]);
+PetscReal                 Factor_PairwiseStress(const Stencil *stencil);
 PetscErrorCode            GradientRow_Mls(Stencil *stencil, PetscReal *g[]);
 PetscErrorCode            GradientRow_MlsDegree(Stencil *stencil, PetscInt degree, PetscReal *g[],
                                                 PetscBool *determined);

@@ -25,8 +25,8 @@ static PetscErrorCode StencilFree(Stencil *st)
   PetscCall(PetscFree6(st->fit.phi, st->fit.W, st->fit.value, st->fit.weighted, st->fit.laplacian,
                        st->fit.filter));
   PetscCall(PetscFree7(st->r, st->V, st->W, st->dW, st->ddW, st->beta, st->j));
-  PetscCall(
-      PetscFree6(st->wall, st->corrected[0], st->corrected[1], st->side, st->share, st->equation));
+  PetscCall(PetscFree7(st->wall, st->corrected[0], st->corrected[1], st->side, st->share,
+                       st->equation, st->factor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -58,9 +58,9 @@ PetscErrorCode StencilReserve(Stencil *st, PetscInt n)
   PetscCall(PetscMalloc7(st->capacity, &st->r, st->capacity, &st->V, st->capacity, &st->W,
                          st->capacity, &st->dW, st->capacity, &st->ddW, st->capacity, &st->beta,
                          st->capacity, &st->j));
-  PetscCall(PetscMalloc6(st->capacity, &st->wall, st->capacity, &st->corrected[0], st->capacity,
+  PetscCall(PetscMalloc7(st->capacity, &st->wall, st->capacity, &st->corrected[0], st->capacity,
                          &st->corrected[1], st->capacity, &st->side, st->capacity, &st->share,
-                         st->capacity, &st->equation));
+                         st->capacity, &st->equation, st->capacity, &st->factor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
