@@ -29,7 +29,6 @@ static void Fill(PetscReal jitter, Pool *pool)
   forms->radius = forms->kernel->support * forms->h;
   pool->free    = (FreeSurface){0};
   scene->jitter = jitter;
-  scene->physics &= ~(unsigned)PHYSICS_VISCOSITY;
   ASSERT_OK(ParticlesCreate(scene, pool->s.walls, forms->radius, NULL, &pool->p));
   ASSERT_OK(NeighborsCreate(forms->radius, scene->dx, &pool->nb));
 }

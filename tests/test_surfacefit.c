@@ -19,7 +19,7 @@ static void HalfSpace(PetscInt dim, PetscReal depth, const PetscReal n[], Stenci
   st->n            = 0;
   st->near_surface = PETSC_TRUE;
   for (PetscInt a = 0; a < dim; a++) st->own_normal[a] = n[a];
-  st->own_surface = depth == 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  st->kind = depth == 0.0 ? SURFACE_SMOOTH : SURFACE_INSIDE;
   for (PetscInt id = 0; st->n < NEIGHBOURS / (dim == 2 ? 3 : 1); id++) {
     PetscReal height = -depth, r2 = 0.0, x[ISPH_MAX_DIM];
 
@@ -100,7 +100,7 @@ static void Apply(Stencil *st, PetscReal frame[][ISPH_MAX_DIM], PetscReal depth,
     }
     for (PetscInt c = 0; c < dim; c++) {
       for (PetscInt a = 0; a < dim; a++) f[a] += w[(k * dim + a) * dim + c] * v[c];
-      if (st->own_surface) *strain += st->normal_strain[c][k] * v[c];
+      if (st->kind == SURFACE_SMOOTH) *strain += st->normal_strain[c][k] * v[c];
     }
   }
   for (PetscInt a = 0; a < dim; a++) {

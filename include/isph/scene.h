@@ -323,10 +323,11 @@ PetscReal      BodyDistance(const Scene *scene, const Body *body, const PetscRea
 PetscInt       BodyPoints(const Body *body, PetscReal dx);
 PetscReal      BodySpacing(const Scene *scene, const Body *body);
 PetscReal BodyPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], PetscReal normal[]);
+PetscReal SceneDistanceTo(const Scene *scene, unsigned properties, const PetscReal x[],
+                          PetscInt *side);
 PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *side);
 PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,
                         PetscReal normal[]);
-PetscReal SceneFreeDistance(const Scene *scene, const PetscReal x[]);
 Boundary *SceneAddFree(Scene *scene);
 PetscBool SceneHasFreeShape(const Scene *scene);
 PetscBool SceneHasFreeSurface(const Scene *scene);

@@ -29,7 +29,7 @@ static void GatherSurface(const FreeSurface *free, Stencil *st)
 {
   const PetscInt d = st->dim;
 
-  st->own_surface = st->near_surface = PETSC_FALSE;
+  st->near_surface = PETSC_FALSE;
   if (!free) return;
   for (PetscInt k = 0; k < st->n; k++) {
     if (st->wall[k] || free->kind[st->j[k]] != SURFACE_SMOOTH) continue;
@@ -38,7 +38,7 @@ static void GatherSurface(const FreeSurface *free, Stencil *st)
   }
   st->kind = (SurfaceKind)free->kind[st->i];
   if (st->kind != SURFACE_SMOOTH) return;
-  st->own_surface = st->near_surface = PETSC_TRUE;
+  st->near_surface = PETSC_TRUE;
   for (PetscInt a = 0; a < d; a++) st->own_normal[a] = free->normal[st->i * d + a];
 }
 

@@ -2,7 +2,22 @@
   Particle concentration and its gradient, for shifting and for the pressure source of -ppe_alpha
   after Zheng, Ma & Shao (2018).
 */
-#include "isph/operators.h"
+#include "rows.h"
+
+/* MirrorImage - Computes the image Y of a position X, relative to a particle, in those planes near
+   the particle that are bits of `set`, one after another; not collective */
+void MirrorImage(PetscInt dim, PetscInt n_planes, const WallPlane planes[], PetscInt set,
+                 const PetscReal X[], PetscReal Y[])
+{
+  for (PetscInt a = 0; a < dim; a++) Y[a] = X[a];
+  for (PetscInt p = 0; p < n_planes; p++) {
+    PetscReal height = planes[p].distance;
+
+    if (!(set & (1 << p))) continue;
+    for (PetscInt a = 0; a < dim; a++) height += Y[a] * planes[p].normal[a];
+    for (PetscInt a = 0; a < dim; a++) Y[a] -= 2.0 * height * planes[p].normal[a];
+  }
+}
 
 /* Adds to concentration and gradient the terms of a particle's mirror images, for every combination
    of mirror planes; X is the position of this particle relative to particle i. */
@@ -13,14 +28,7 @@ static void ConcentrationImages(const KernelRow *kernel, const Stencil *st,
   for (PetscInt set = 1; set < 1 << n_planes; set++) {
     PetscReal Y[ISPH_MAX_DIM], r2 = 0.0, r, w[3];
 
-    for (PetscInt a = 0; a < st->dim; a++) Y[a] = X[a];
-    for (PetscInt p = 0; p < n_planes; p++) {
-      PetscReal height = planes[p].distance;
-
-      if (!(set & (1 << p))) continue;
-      for (PetscInt a = 0; a < st->dim; a++) height += Y[a] * planes[p].normal[a];
-      for (PetscInt a = 0; a < st->dim; a++) Y[a] -= 2.0 * height * planes[p].normal[a];
-    }
+    MirrorImage(st->dim, n_planes, planes, set, X, Y);
     for (PetscInt a = 0; a < st->dim; a++) r2 += PetscSqr(Y[a]);
     if (r2 >= PetscSqr(st->radius) || r2 == 0.0) continue;
     r = PetscSqrtReal(r2);
@@ -72,7 +80,7 @@ static PetscInt StretchedPlanes(const Scene *scene, const Stencil *st, const Pet
    is mirrored as in a wall. */
 static void AddSurfacePlane(const Stencil *st, WallPlane planes[], PetscInt *n)
 {
-  PetscReal nearest = st->own_surface ? 0.0 : st->radius;
+  PetscReal nearest = st->kind == SURFACE_SMOOTH ? 0.0 : st->radius;
   PetscInt  which   = -1;
 
   if (!st->near_surface || *n == SCENE_MAX_BOUNDARIES) return;

@@ -17,6 +17,7 @@
   3652-3663
 */
 #include "assembly.h"
+#include "rows.h"
 
 #define CANDIDATE   0.35  /* least |S| over its value dx/2 below a plane */
 #define SPARSE      0.3   /* least eigenvalue of B below which a particle is a candidate */
@@ -50,15 +51,6 @@ static void AddNeighbour(const KernelRow *kernel, PetscInt dim, PetscReal h, Pet
   }
 }
 
-/* Mirrors a position X relative to a particle in a plane near this particle. */
-static void Mirror(PetscInt dim, const WallPlane *plane, PetscReal X[])
-{
-  PetscReal height = plane->distance;
-
-  for (PetscInt a = 0; a < dim; a++) height += plane->normal[a] * X[a];
-  for (PetscInt a = 0; a < dim; a++) X[a] -= 2.0 * height * plane->normal[a];
-}
-
 /* Computes the sums of own particle i. */
 static void SumsOf(const Scene *scene, const Particles *p, const Neighbors *nb,
                    const OperatorForms *forms, PetscInt i, Sums *sums)
@@ -86,9 +78,7 @@ static void SumsOf(const Scene *scene, const Particles *p, const Neighbors *nb,
     for (PetscInt set = 1; set < 1 << n_planes; set++) {
       PetscReal Y[ISPH_MAX_DIM];
 
-      for (PetscInt a = 0; a < d; a++) Y[a] = X[a];
-      for (PetscInt k = 0; k < n_planes; k++)
-        if (set & (1 << k)) Mirror(d, &planes[k], Y);
+      MirrorImage(d, n_planes, planes, set, X, Y);
       AddNeighbour(forms->kernel, d, h, p->volume[j], Y, sums);
     }
   }
@@ -156,25 +146,25 @@ static PetscBool IsCovered(const Particles *p, const Neighbors *nb, PetscInt i,
   return PETSC_FALSE;
 }
 
-/* Determines if own particle i is on the surface, and its first normal. */
+/* Determines if own particle i is on the surface, and its first normal; plane: from PlaneSum(). */
 static SurfaceKind Flag(const Scene *scene, const Particles *p, const Neighbors *nb,
-                        const OperatorForms *forms, PetscInt i, PetscReal normal[])
+                        const OperatorForms *forms, PetscReal plane, PetscInt i, PetscReal normal[])
 {
   Sums      sums;
-  PetscReal size = 0.0, plane;
+  PetscReal size = 0.0;
 
   SumsOf(scene, p, nb, forms, i, &sums);
   for (PetscInt a = 0; a < p->dim; a++) size += PetscSqr(sums.S[a]);
   size = PetscSqrtReal(size);
   for (PetscInt a = 0; a < p->dim; a++) normal[a] = size > 0.0 ? -sums.S[a] / size : a == 0;
   if (sums.close < 3) return SURFACE_ISOLATED;
-  plane = PlaneSum(forms->kernel, p->dim, forms->h_over_dx * p->dx[i], p->dx[i]);
   if (size < CANDIDATE * plane && LeastEigenvalue(p->dim, sums.B) > SPARSE) return SURFACE_INSIDE;
   return IsCovered(p, nb, i, normal) ? SURFACE_INSIDE : SURFACE_SMOOTH;
 }
 
-/* Completes the unit normal n to an orthonormal frame. */
-static void Tangents(PetscInt dim, const PetscReal n[], PetscReal t[][ISPH_MAX_DIM])
+/* SurfaceTangents - Computes the unit tangents t of a surface with the unit normal n, one in 2D and
+   two in 3D; returns their number; not collective */
+PetscInt SurfaceTangents(PetscInt dim, const PetscReal n[], PetscReal t[][ISPH_MAX_DIM])
 {
   PetscInt  least = 0;
   PetscReal length;
@@ -182,13 +172,17 @@ static void Tangents(PetscInt dim, const PetscReal n[], PetscReal t[][ISPH_MAX_D
   if (dim == 2) {
     t[0][0] = -n[1];
     t[0][1] = n[0];
-    return;
+    return 1;
   }
   for (PetscInt a = 1; a < 3; a++) least = PetscAbsReal(n[a]) < PetscAbsReal(n[least]) ? a : least;
   length = PetscSqrtReal(1.0 - PetscSqr(n[least]));
   for (PetscInt a = 0; a < 3; a++) t[0][a] = ((a == least) - n[least] * n[a]) / length;
-  for (PetscInt a = 0; a < 3; a++)
-    t[1][a] = n[(a + 1) % 3] * t[0][(a + 2) % 3] - n[(a + 2) % 3] * t[0][(a + 1) % 3];
+  for (PetscInt a = 0; a < 3; a++) {
+    const PetscInt b = (a + 1) % 3, c = (a + 2) % 3;
+
+    t[1][a] = n[b] * t[0][c] - n[c] * t[0][b];
+  }
+  return 2;
 }
 
 /* Computes the basis of a fit at s, and the weight of a point. */
@@ -214,7 +208,7 @@ static PetscBool FitSurface(const Particles *p, const Neighbors *nb, const Opera
   PetscReal M[FIT_TERMS * FIT_TERMS] = {0.0}, c[FIT_TERMS] = {0.0}, b[FIT_TERMS], phi[FIT_TERMS];
   PetscReal t[2][ISPH_MAX_DIM], squares = 0.0, weights = 0.0, length = 1.0;
 
-  Tangents(d, normal, t);
+  (void)SurfaceTangents(d, normal, t);
   for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {
     const PetscInt j    = q < nb->row[i] ? i : nb->col[q];
     PetscReal      s[2] = {0.0}, eta = 0.0, aligned = 0.0, r2 = 0.0, W;
@@ -274,8 +268,9 @@ static PetscErrorCode Exchange(const Particles *p, FreeSurface *free)
 PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Neighbors *nb,
                                const OperatorForms *forms, FreeSurface *free)
 {
-  const PetscInt d = p->dim, all = ParticlesAll(p);
-  PetscReal     *next;
+  const PetscInt  d = p->dim, all = ParticlesAll(p);
+  const PetscReal plane = PlaneSum(forms->kernel, d, forms->h, scene->dx); /* spacing is uniform */
+  PetscReal      *next;
 
   PetscFunctionBegin;
   if (all > free->capacity) {
@@ -287,7 +282,7 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
   PetscCall(PetscArrayzero(free->kind, all));
   PetscCall(PetscArrayzero(free->normal, all * d));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    free->kind[i]      = Flag(scene, p, nb, forms, i, &free->normal[i * d]);
+    free->kind[i]      = Flag(scene, p, nb, forms, plane, i, &free->normal[i * d]);
     free->curvature[i] = 0.0;
   }
   PetscCall(Exchange(p, free));

@@ -33,34 +33,12 @@ static inline void BasisGradient(PetscInt dim, const PetscReal s[], PetscReal sl
   }
 }
 
-/* Computes a unit tangent for a unit normal in 2D, two in 3D; returns their number. */
-static inline PetscInt Tangents(PetscInt dim, const PetscReal n[], PetscReal t[][ISPH_MAX_DIM])
-{
-  PetscInt  least = 0;
-  PetscReal length;
-
-  if (dim == 2) {
-    t[0][0] = -n[1];
-    t[0][1] = n[0];
-    return 1;
-  }
-  for (PetscInt a = 1; a < 3; a++) least = PetscAbsReal(n[a]) < PetscAbsReal(n[least]) ? a : least;
-  length = PetscSqrtReal(1.0 - PetscSqr(n[least]));
-  for (PetscInt a = 0; a < 3; a++) t[0][a] = ((a == least) - n[least] * n[a]) / length;
-  for (PetscInt a = 0; a < 3; a++) {
-    const PetscInt b = (a + 1) % 3, c = (a + 2) % 3;
-
-    t[1][a] = n[b] * t[0][c] - n[c] * t[0][b];
-  }
-  return 2;
-}
-
 /* Adds the conditions of a surface particle at s = X/R with normal n to the normal equations. */
 static inline void AddCondition(PetscInt dim, PetscInt terms, PetscInt width, PetscReal weight,
                                 const PetscReal s[], const PetscReal n[], PetscReal system[])
 {
   PetscReal      slope[MLS_QUADRATIC_TERMS][ISPH_MAX_DIM], tangent[2][ISPH_MAX_DIM];
-  const PetscInt tangents = Tangents(dim, n, tangent);
+  const PetscInt tangents = SurfaceTangents(dim, n, tangent);
 
   BasisGradient(dim, s, slope);
   for (PetscInt m = 0; m < tangents; m++) {
@@ -101,7 +79,7 @@ static inline void SetColumns(const Stencil *st, PetscInt dim, PetscInt terms, P
       }
     }
   }
-  for (PetscInt c = 0; st->own_surface && c < dim; c++) {
+  for (PetscInt c = 0; st->kind == SURFACE_SMOOTH && c < dim; c++) {
     for (PetscInt b = 0; b < dim; b++)
       system[(c * terms + b) * width + n + dim] =
           2.0 * st->own_normal[c] * st->own_normal[b] / st->radius;
@@ -124,7 +102,8 @@ static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscReal w[])
     for (PetscInt e = 0; e < terms * terms; e++)
       system[(c * terms + e / terms) * width + c * terms + e % terms] = moments[e];
   }
-  if (st->own_surface) AddCondition(dim, terms, width, st->self[0], s, st->own_normal, system);
+  if (st->kind == SURFACE_SMOOTH)
+    AddCondition(dim, terms, width, st->self[0], s, st->own_normal, system);
   for (PetscInt k = 0; k < st->n; k++) {
     PetscReal normal[ISPH_MAX_DIM];
 
@@ -143,7 +122,7 @@ static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscReal w[])
       for (PetscInt k = 0; k < st->n; k++) w[(k * dim + a) * dim + c] = st->fit.value[k];
     }
   }
-  for (PetscInt c = 0; st->own_surface && c < dim; c++)
+  for (PetscInt c = 0; st->kind == SURFACE_SMOOTH && c < dim; c++)
     MlsWeights(st, terms, width, solved + c * terms * width + n + dim, st->normal_strain[c]);
   return determined;
 }

@@ -49,22 +49,3 @@ PetscBool SceneHasFreeSurface(const Scene *scene)
 {
   return SceneHasBoundary(scene, BOUNDARY_FREE);
 }
-
-/* SceneFreeDistance - Returns the distance of x from the free surface at the start, positive in the
-   fluid, infinite without a free surface [m]; not collective */
-PetscReal SceneFreeDistance(const Scene *scene, const PetscReal x[])
-{
-  PetscReal best = PETSC_INFINITY, normal[ISPH_MAX_DIM];
-
-  for (PetscInt s = 0; s < SceneBoundaries(scene); s++) {
-    const Body    *body = BoundaryBody(scene, s);
-    const PetscInt a    = s / 2;
-    PetscReal      distance;
-
-    if (!BoundaryIs(scene, s, BOUNDARY_FREE)) continue;
-    if (body) distance = BodyDistance(scene, body, x, normal);
-    else distance = s % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
-    best = PetscMin(best, distance);
-  }
-  return best;
-}

@@ -147,46 +147,46 @@ static PetscErrorCode CreateBlocks(const Flow *flow, MatType type, Saddle *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the matrix of a scalar operator, the same for each of the interlaced components, to a block.
-   On entry block is NULL, or a matrix of interlaced components. */
-static PetscErrorCode AddToComponents(PetscInt dim, Mat scalar, Mat *block)
+/* Adds a term to a matrix and destroys the term; a matrix that is NULL becomes the term. */
+static PetscErrorCode AddTerm(Mat term, Mat *sum)
 {
-  Mat all, part;
-
   PetscFunctionBegin;
-  PetscCall(MatCreateMAIJ(scalar, dim, &all));
-  PetscCall(MatConvert(all, MATAIJ, MAT_INITIAL_MATRIX, &part));
-  PetscCall(MatDestroy(&all));
-  if (*block) {
-    PetscCall(MatAXPY(*block, 1.0, part, UNKNOWN_NONZERO_PATTERN));
-    PetscCall(MatDestroy(&part));
+  if (*sum) {
+    PetscCall(MatAXPY(*sum, 1.0, term, UNKNOWN_NONZERO_PATTERN));
+    PetscCall(MatDestroy(&term));
   } else {
-    *block = part;
+    *sum = term;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Creates the matrix T_i (-nu L + v.grad) of all interlaced velocity components; v: `advecting`, if
-   given. */
+   given. Terms that are the same for each component are summed up before they are interlaced. */
 static PetscErrorCode ViscousCreate(const Flow *flow, const Saddle *s, const Vec advecting[],
                                     Mat *viscous)
 {
-  const Scene             *scene = flow->scene;
-  const VelocityOperators *of    = &flow->ops->velocity[0];
-  Mat                      gradient;
+  const Scene             *scene   = flow->scene;
+  const VelocityOperators *of      = &flow->ops->velocity[0];
+  const PetscBool          couples = flow->ops->forms.components_coupled;
+  Mat                      term, scalar = NULL, all;
   Vec                      rows;
 
   PetscFunctionBegin;
-  *viscous = NULL;
-  if (flow->ops->forms.components_coupled)
-    PetscCall(MatDuplicate(of->visc.A, MAT_COPY_VALUES, viscous));
-  else PetscCall(AddToComponents(scene->dim, of->visc.A, viscous));
-  PetscCall(MatScale(*viscous, -scene->nu));
+  PetscCall(MatDuplicate(of->visc.A, MAT_COPY_VALUES, &term));
+  PetscCall(MatScale(term, -scene->nu));
+  *viscous = couples ? term : NULL;
+  if (!couples) scalar = term;
   for (PetscInt a = 0; advecting && a < scene->dim; a++) {
-    PetscCall(MatDuplicate(of->grad_u[a].A, MAT_COPY_VALUES, &gradient));
-    PetscCall(MatDiagonalScale(gradient, advecting[a], NULL));
-    PetscCall(AddToComponents(scene->dim, gradient, viscous));
-    PetscCall(MatDestroy(&gradient));
+    PetscCall(MatDuplicate(of->grad_u[a].A, MAT_COPY_VALUES, &term));
+    PetscCall(MatDiagonalScale(term, advecting[a], NULL));
+    PetscCall(AddTerm(term, &scalar));
+  }
+  if (scalar) {
+    PetscCall(MatCreateMAIJ(scalar, scene->dim, &all));
+    PetscCall(MatConvert(all, MATAIJ, MAT_INITIAL_MATRIX, &term));
+    PetscCall(AddTerm(term, viscous));
+    PetscCall(MatDestroy(&all));
+    PetscCall(MatDestroy(&scalar));
   }
   PetscCall(VelocityRows(flow->particles, s->time, &rows));
   PetscCall(VecScale(rows, s->step));
