@@ -22,6 +22,7 @@ static const Table *const tables[] = {&CaseTable,
                                       &WallTable,
                                       &ViscousIntegratorTable,
                                       &CoupledIntegratorTable,
+                                      &CoupledGradientTable,
                                       &SchurTable,
                                       &ProgressTable,
                                       &FieldTable};

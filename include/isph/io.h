@@ -60,6 +60,7 @@ PetscErrorCode ReportWrite(const Flow *flow, const Report *report, PetscReal wal
 /* Quantities that cases share: error norms against Exact(), and quantities of every report. */
 PetscErrorCode NormsExact(const Flow *flow, Report *report);
 PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report);
+PetscErrorCode MeasureFree(const Flow *flow, Report *report);
 
 /* Returns the form of the gradient that steps use; NULL if at most snapshots use a gradient. */
 static inline const GradientRow *FlowGradient(const Flow *flow)

@@ -31,9 +31,10 @@ void KernelEvaluateAll(const KernelRow *kernel, PetscInt dim, PetscReal h, Petsc
                        const PetscReal r[], PetscReal W[], PetscReal dW[], PetscReal ddW[]);
 
 #define MLS_MAX_DEGREE      4
-#define MLS_MAX_TERMS       34 /* monomials of degree 1 to 4 in 3D */
-#define MLS_QUADRATIC_TERMS 9  /* X_a, X_a X_b in 3D */
-#define MLS_LANES           8  /* arrays over neighbours end in zeros up to a multiple of it */
+#define MLS_MAX_TERMS       34    /* monomials of degree 1 to 4 in 3D */
+#define MLS_QUADRATIC_TERMS 9     /* X_a, X_a X_b in 3D */
+#define MLS_WEAK            1e-10 /* pivot over its diagonal entry of points that determine no fit */
+#define MLS_LANES           8     /* arrays over neighbours end in zeros up to a multiple of it */
 
 /* Least-squares fits for the present equations of the neighbours, see src/operators/mls.c. */
 typedef struct {
@@ -75,6 +76,8 @@ typedef struct {
   PetscBool   fits_walls;   /* wall neighbours have equations of their own, otherwise values */
   Equation   *equation;     /* of each neighbour in the present fit; fluid gives a value */
   PetscInt    degree;       /* of fits, 2 to MLS_MAX_DEGREE */
+  PetscInt    least_degree; /* of fits whose points do not determine `degree` */
+  PetscReal   weak;         /* pivot over its diagonal entry at which they do not */
   MlsFit      fit;          /* of these equations, shared by Laplacian, gradient and filter */
   PetscReal   volume;       /* of the particle itself [m^dim] */
   PetscReal   self[3];      /* W, dW/dr and d2W/dr2 at r = 0 [m^-dim, ...] */
@@ -350,6 +353,20 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *particles,
                                const Neighbors *neighbors, const OperatorForms *forms,
                                FreeSurface *free);
 PetscErrorCode FreeSurfaceFree(FreeSurface *free);
+
+/* FreeSurfaceHolds - Returns true if a fluid particle is on a free surface or isolated; free: NULL
+   without free surfaces; not collective */
+static inline PetscBool FreeSurfaceHolds(const FreeSurface *free, PetscInt i)
+{
+  return free && free->kind[i] != SURFACE_INSIDE;
+}
+
+/* FreeSurfaceIsRough - Returns true if a fluid particle is where no smooth surface passes; not
+   collective */
+static inline PetscBool FreeSurfaceIsRough(const FreeSurface *free, PetscInt i)
+{
+  return free->kind[i] == SURFACE_ROUGH || free->kind[i] == SURFACE_ISOLATED;
+}
 PetscErrorCode WallValuesRenumber(const Scene *scene, const Particles *particles,
                                   WallValues *walls);
 PetscErrorCode WallValuesSetVelocity(const Scene *scene, Particles *particles, PetscReal t,

@@ -254,6 +254,6 @@ PetscErrorCode      UndoSave(const Flow *flow, Undo *undo);
 PetscErrorCode      UndoRestore(const Undo *undo, Flow *flow);
 
 extern const Table ConvectionTable, PressurePointsTable, ProjectionTable, ViscousIntegratorTable,
-    CoupledIntegratorTable, SchurTable;
+    CoupledIntegratorTable, CoupledGradientTable, SchurTable;
 
 #endif

@@ -152,7 +152,7 @@ static PetscErrorCode MeasureGraded(const Flow *flow, Report *report)
     kinetic_energy [J], linear_momentum = |sum_i rho V_i u_i| [kg m/s], both per metre of depth in
     2D, docs/theory.md, (114), with the weights (131) in a periodic box without forces and bodies;
     divergence_max = max |div u| [1/s], if the run has a pressure; graded_volume, graded_momentum
-    and graded_energy, if graded particles move
+    and graded_energy, if graded particles move; those of MeasureFree() with a free surface
 
   Collective
 
@@ -185,5 +185,6 @@ PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report)
   }
   PetscCall(ReportAdd(report, "linear_momentum", PetscSqrtReal(square)));
   if (SceneMovesGraded(flow->scene)) PetscCall(MeasureGraded(flow, report));
+  PetscCall(MeasureFree(flow, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -27,7 +27,7 @@ typedef struct {
   PetscBool (*Has)(const Flow *flow);                     /* NULL: every run has it */
   PetscErrorCode (*Gather)(const Flow *flow, void *rows); /* double, int or long long; collective */
 } SnapshotField;
-#define SNAPSHOT_FIELDS 11
+#define SNAPSHOT_FIELDS 12
 extern const SnapshotField SnapshotFieldTable[SNAPSHOT_FIELDS];
 
 PetscBool      SnapshotHas(const Flow *flow, const SnapshotField *field);

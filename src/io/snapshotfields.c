@@ -172,6 +172,22 @@ static PetscErrorCode Gather_Type(const Flow *flow, void *rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscBool Has_Surface(const Flow *flow)
+{
+  return flow->ops->free ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Copies the place of each particle with respect to the free surface, SurfaceKind. */
+static PetscErrorCode Gather_Surface(const Flow *flow, void *rows)
+{
+  const Particles *p = flow->particles;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < ParticlesOwn(p); i++)
+    ((int *)rows)[i] = i < p->n_fluid ? (int)flow->ops->free->kind[i] : 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Copies the boundary number of each wall particle; -1 for fluid. */
 static PetscErrorCode Gather_Boundary(const Flow *flow, void *rows)
 {
@@ -226,6 +242,11 @@ const SnapshotField SnapshotFieldTable[SNAPSHOT_FIELDS] = {
      .Has    = Has_Volume,
      .Gather = Gather_Volume},
     {.name = "type", .units = "0 fluid, 1 wall", .shape = FIELD_LABEL, .Gather = Gather_Type},
+    {.name   = "surface",
+     .units  = "0 inside, 1 on a free surface, 2 on a rough one, 3 isolated",
+     .shape  = FIELD_LABEL,
+     .Has    = Has_Surface,
+     .Gather = Gather_Surface},
     {.name = "boundary", .units = "-1 fluid", .shape = FIELD_LABEL, .Gather = Gather_Boundary},
     {.name = "id", .units = "1", .shape = FIELD_ID, .Gather = Gather_Id},
 };

@@ -384,15 +384,17 @@ static void SetDiagonal(const Stencil *st, const Operators *ops, PetscInt diagon
     p_i - 2 mu (n.E n)_i = 0
 
   Not collective. The rows of ppe and filter_p become p_i, and the row of div becomes 2 n.E n, for
-  which the scheme has the factor. It vanishes on rough surfaces: their pressure is zero.
+  which the scheme has the factor. It vanishes on rough surfaces: their pressure is zero. No
+  pressure gradient acts on isolated particles.
 */
 void SetRows_Surface(const Stencil *st, PetscInt diagonal, Operators *ops)
 {
   SetDiagonal(st, ops, diagonal, 1.0, &ops->ppe);
   if (ops->filter_p.needed) SetDiagonal(st, ops, diagonal, 1.0, &ops->filter_p);
   for (PetscInt c = 0; c < st->dim; c++) {
+    if (st->kind == SURFACE_ISOLATED) EmptyRow(ops, st->i, &ops->grad_p[c]);
     EmptyRow(ops, st->i, &ops->div[c]);
-    if (st->kind != SURFACE_SMOOTH) continue;
+    if (st->kind != SURFACE_SMOOTH || ops->forms.visc.row != &LaplacianSurface) continue;
     for (PetscInt k = 0; k < st->n; k++) {
       AffineOperator *op   = &ops->div[c];
       PetscReal      *into = st->wall[k] ? op->b : op->a;

@@ -203,8 +203,9 @@ static PetscErrorCode ChooseWall(const Scene *scene, OperatorForms *forms)
   Returns the default ratio of the smoothing length to the spacing [-]
 
     1.6 or 2 for cubic or quartic fits, which need more neighbours; otherwise
-    1.3 if U dx/nu > 5, because viscosity then does not smooth the grid scale; otherwise
     1.5 with free surfaces: on disordered particles smaller fits let grid modes grow beside them;
+        otherwise
+    1.3 if U dx/nu > 5, because viscosity then does not smooth the grid scale; otherwise
     1.5 if there are walls and particles move: changes of neighbours next to walls dominate the
         error, and more neighbours halve it;
     1.1 if there are no walls, and both Laplacians are exact for quadratic functions: smaller fits
@@ -214,8 +215,8 @@ static PetscErrorCode ChooseWall(const Scene *scene, OperatorForms *forms)
 static PetscReal DefaultSmoothing(const Scene *scene, const OperatorForms *forms)
 {
   if (forms->degree > 2) return forms->degree == 3 ? 1.6 : 2.0;
-  if (SceneCellReynolds(scene) > 5.0) return 1.3;
   if (SceneHasFreeSurface(scene)) return 1.5;
+  if (SceneCellReynolds(scene) > 5.0) return 1.3;
   if (SceneHas(scene, PHYSICS_WALLS)) return SceneMoves(scene) ? 1.5 : 1.3;
   if (!SceneHas(scene, PHYSICS_PRESSURE)) return 1.3;
   return LaplacianIs(&forms->visc, FORM_EXACT_QUADRATIC) &&
@@ -271,8 +272,10 @@ static PetscErrorCode ChooseSurface(const Scene *scene, OperatorForms *forms)
   UserCheck(!SceneViscosityVaries(scene),
             "-scene_free: a fluid with a free surface has a uniform viscosity, which excludes %s",
             SceneIsNewtonian(scene) ? "-scene_fluid_1 and -viscosity_field" : "-rheology");
-  UserCheck(!forms->visc.row || forms->visc.row->Row == LaplacianRow_Mls,
-            "-visc_laplacian %s: it has no condition for the stress on a free surface; use mls",
+  UserCheck(!forms->visc.row || forms->visc.row->Row == LaplacianRow_Mls ||
+                forms->visc.row->Row == LaplacianRow_PairwiseStress,
+            "-visc_laplacian %s: it has no condition for the stress on a free surface; use mls or "
+            "pairwise_stress",
             forms->visc.row->name);
   UserCheck(!forms->ppe.row || forms->ppe.row->Row == LaplacianRow_Mls,
             "-ppe_laplacian %s: it needs fluid beyond the free surface; use mls",
@@ -285,7 +288,8 @@ static PetscErrorCode ChooseSurface(const Scene *scene, OperatorForms *forms)
   UserCheck(!forms->wall || forms->wall->on_surface,
             "-wall %s: with a free surface, fits have the equations of walls; use wall_layer",
             forms->wall->name);
-  if (forms->visc.row) forms->visc.row = &LaplacianSurface;
+  if (forms->visc.row && forms->visc.row->Row == LaplacianRow_Mls)
+    forms->visc.row = &LaplacianSurface;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -76,7 +76,8 @@ PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *st, PetscRea
   for (PetscInt k = 0; form->factor && k < st->n; k++) {
     const PetscReal own = form->factor[st->i];
 
-    st->factor[k] = st->wall[k] ? own : 0.5 * (own + form->factor[st->j[k]]);
+    st->factor[k] =
+        st->wall[k] || form->factor[st->j[k]] == 0.0 ? own : 0.5 * (own + form->factor[st->j[k]]);
   }
   PetscCall(form->row->Row(st, w));
   st->dW  = dW;
@@ -102,6 +103,7 @@ PetscErrorCode LaplacianFactors(const Scene *scene, const Particles *p, const Ne
   PetscCall(PetscFree(form->factor));
   PetscCall(PetscCalloc1(ParticlesAll(p), &form->factor));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
+    if (form->row == &LaplacianSurface && !FreeSurfaceIsRough(ops->free, i)) continue;
     PetscCall(GatherStencil(scene, p, nb, ops, i, st));
     form->factor[i] = form->row->Factor(st);
   }

@@ -5,8 +5,8 @@
     S = sum_j V_j grad_i W_ij,   B = sum_j V_j X (x) grad_j W_ij,   X = x_j - x_i,
 
   S vanishes and B is the unit matrix inside the fluid; walls act by mirror images. A candidate is
-  on the surface if no neighbour is in the cone about n_0 = -S/|S|. Normals n are those of a
-  quadratic fit through the surface particles nearby, in the frame of n_0:
+  on the surface if no neighbour is in the cone about n_0 = -S/|S|, or if the concentration
+  sum_j V_j W_ij lacks nearly as much as on a plane surface. Normals n are those of a quadratic fit through the surface particles nearby, in the frame of n_0:
 
     y.n_0 = a + b_m s_m + c_mq s_m s_q,   n = (n_0 - b_m t_m)/|..|,   s_m = y.t_m
 
@@ -19,8 +19,9 @@
 #include "assembly.h"
 #include "rows.h"
 
-#define CANDIDATE   0.35  /* least |S| over its value dx/2 below a plane */
-#define SPARSE      0.3   /* least eigenvalue of B below which a particle is a candidate */
+#define CANDIDATE   0.35 /* least |S| over its value dx/2 below a plane */
+#define SPARSE      0.3  /* least eigenvalue of B below which a particle is a candidate */
+#define VOID        0.7  /* least 1 - C over its value there of a particle that is on the surface */
 #define CONE        0.743 /* cosine of half the angle of the cone, 42 degrees */
 #define CONE_LENGTH 2.0   /* [dx] */
 #define ALIGNED     0.3   /* least n_i.n_j of particles in a fit */
@@ -31,9 +32,14 @@
 
 /* Neighbours of a particle and their images in walls. */
 typedef struct {
-  PetscReal S[ISPH_MAX_DIM], B[ISPH_MAX_DIM * ISPH_MAX_DIM];
+  PetscReal S[ISPH_MAX_DIM], B[ISPH_MAX_DIM * ISPH_MAX_DIM], C; /* C: concentration */
   PetscInt  close;
 } Sums;
+
+/* The sums at the distance dx/2 from the plane that bounds a half-space of fluid. */
+typedef struct {
+  PetscReal S, C;
+} PlaneSums;
 
 /* Adds a neighbour at the distance X to the sums. */
 static void AddNeighbour(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscReal V,
@@ -43,9 +49,10 @@ static void AddNeighbour(const KernelRow *kernel, PetscInt dim, PetscReal h, Pet
 
   for (PetscInt a = 0; a < dim; a++) r += PetscSqr(X[a]);
   r = PetscSqrtReal(r);
-  if (r >= kernel->support * h || r == 0.0) return;
+  if (r >= kernel->support * h) return;
   KernelEvaluate(kernel, dim, h, r, w);
-  for (PetscInt a = 0; a < dim; a++) {
+  sums->C += V * w[0];
+  for (PetscInt a = 0; a < dim && r > 0.0; a++) {
     sums->S[a] -= V * w[1] * X[a] / r;
     for (PetscInt b = 0; b < dim; b++) sums->B[a * dim + b] -= V * w[1] * X[a] * X[b] / r;
   }
@@ -84,16 +91,16 @@ static void SumsOf(const Scene *scene, const Particles *p, const Neighbors *nb,
   }
 }
 
-/* Returns |S| at the distance dx/2 from the plane that bounds a half-space of fluid,
-   int W dA over the plane, by the midpoint rule [1/m]. */
-static PetscReal PlaneSum(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscReal dx)
+/* Returns int W dA over a plane at a distance, by the midpoint rule [1/m]. */
+static PetscReal PlaneIntegral(const KernelRow *kernel, PetscInt dim, PetscReal h,
+                               PetscReal distance)
 {
   const PetscInt  n    = 200;
   const PetscReal step = kernel->support * h / n;
   PetscReal       sum  = 0.0;
 
   for (PetscInt k = 0; k < n; k++) {
-    const PetscReal s = (k + 0.5) * step, r = PetscSqrtReal(PetscSqr(s) + PetscSqr(0.5 * dx));
+    const PetscReal s = (k + 0.5) * step, r = PetscSqrtReal(PetscSqr(s) + PetscSqr(distance));
     PetscReal       w[3];
 
     if (r >= kernel->support * h) break;
@@ -101,6 +108,17 @@ static PetscReal PlaneSum(const KernelRow *kernel, PetscInt dim, PetscReal h, Pe
     sum += w[0] * step * (dim == 2 ? 2.0 : 2.0 * PETSC_PI * s);
   }
   return sum;
+}
+
+/* Computes |S| = int W dA over the plane, and C = 1/2 + the integral of |S| from the plane to the
+   particle, by Simpson's rule. */
+static void ComputePlane(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscReal dx,
+                         PlaneSums *plane)
+{
+  plane->S = PlaneIntegral(kernel, dim, h, 0.5 * dx);
+  plane->C = 0.5 + dx / 12.0 *
+                       (PlaneIntegral(kernel, dim, h, 0.0) +
+                        4.0 * PlaneIntegral(kernel, dim, h, 0.25 * dx) + plane->S);
 }
 
 /* Returns the least eigenvalue of a symmetric matrix of size 2 or 3. */
@@ -124,10 +142,12 @@ static PetscReal LeastEigenvalue(PetscInt d, const PetscReal B[])
 }
 
 /* Returns true if a neighbour of own particle i covers it: it is in the cone about the normal. A
-   wall particle covers only the fluid before it. */
-static PetscBool IsCovered(const Particles *p, const Neighbors *nb, PetscInt i,
-                           const PetscReal normal[])
+   wall particle covers only the fluid before it, and an isolated particle covers nothing. */
+static PetscBool IsCovered(const Particles *p, const Neighbors *nb, const FreeSurface *free,
+                           PetscInt i)
 {
+  const PetscReal *normal = &free->normal[i * p->dim];
+
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
     const PetscInt j  = nb->col[q];
     PetscReal      r2 = 0.0, along = 0.0, faces = 0.0;
@@ -141,14 +161,16 @@ static PetscBool IsCovered(const Particles *p, const Neighbors *nb, PetscInt i,
     }
     if (r2 == 0.0 || r2 >= PetscSqr(CONE_LENGTH * p->dx[i])) continue;
     if (along <= CONE * PetscSqrtReal(r2)) continue;
-    if (!ParticlesIsWall(p, j) || faces < -0.5) return PETSC_TRUE;
+    if (ParticlesIsWall(p, j) ? faces < -0.5 : free->kind[j] != SURFACE_ISOLATED) return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }
 
-/* Determines if own particle i is on the surface, and its first normal; plane: from PlaneSum(). */
-static SurfaceKind Flag(const Scene *scene, const Particles *p, const Neighbors *nb,
-                        const OperatorForms *forms, PetscReal plane, PetscInt i, PetscReal normal[])
+/* Determines if own particle i can be on the surface, and its first normal: SMOOTH is a candidate,
+   ROUGH is on the surface even if it is covered. */
+static SurfaceKind Candidate(const Scene *scene, const Particles *p, const Neighbors *nb,
+                             const OperatorForms *forms, const PlaneSums *plane, PetscInt i,
+                             PetscReal normal[])
 {
   Sums      sums;
   PetscReal size = 0.0;
@@ -158,8 +180,9 @@ static SurfaceKind Flag(const Scene *scene, const Particles *p, const Neighbors 
   size = PetscSqrtReal(size);
   for (PetscInt a = 0; a < p->dim; a++) normal[a] = size > 0.0 ? -sums.S[a] / size : a == 0;
   if (sums.close < 3) return SURFACE_ISOLATED;
-  if (size < CANDIDATE * plane && LeastEigenvalue(p->dim, sums.B) > SPARSE) return SURFACE_INSIDE;
-  return IsCovered(p, nb, i, normal) ? SURFACE_INSIDE : SURFACE_SMOOTH;
+  if (size < CANDIDATE * plane->S && LeastEigenvalue(p->dim, sums.B) > SPARSE)
+    return SURFACE_INSIDE;
+  return 1.0 - sums.C < VOID * (1.0 - plane->C) ? SURFACE_SMOOTH : SURFACE_ROUGH;
 }
 
 /* SurfaceTangents - Computes the unit tangents t of a surface with the unit normal n, one in 2D and
@@ -268,11 +291,12 @@ static PetscErrorCode Exchange(const Particles *p, FreeSurface *free)
 PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Neighbors *nb,
                                const OperatorForms *forms, FreeSurface *free)
 {
-  const PetscInt  d = p->dim, all = ParticlesAll(p);
-  const PetscReal plane = PlaneSum(forms->kernel, d, forms->h, scene->dx); /* spacing is uniform */
-  PetscReal      *next;
+  const PetscInt d = p->dim, all = ParticlesAll(p);
+  PlaneSums      plane;
+  PetscReal     *next;
 
   PetscFunctionBegin;
+  ComputePlane(forms->kernel, d, forms->h, scene->dx, &plane); /* the spacing is uniform */
   if (all > free->capacity) {
     free->capacity = all + all / 8;
     PetscCall(PetscFree3(free->kind, free->normal, free->curvature));
@@ -282,9 +306,13 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
   PetscCall(PetscArrayzero(free->kind, all));
   PetscCall(PetscArrayzero(free->normal, all * d));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    free->kind[i]      = Flag(scene, p, nb, forms, plane, i, &free->normal[i * d]);
+    free->kind[i]      = Candidate(scene, p, nb, forms, &plane, i, &free->normal[i * d]);
     free->curvature[i] = 0.0;
   }
+  PetscCall(Exchange(p, free));
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    if (free->kind[i] == SURFACE_SMOOTH && IsCovered(p, nb, free, i))
+      free->kind[i] = SURFACE_INSIDE;
   PetscCall(Exchange(p, free));
   PetscCall(PetscMalloc1(p->n_fluid * d, &next));
   for (PetscInt pass = 0; pass < 2; pass++) {

@@ -208,6 +208,7 @@ const LaplacianRow LaplacianSurface = {
     .citation   = "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)",
     .properties = FORM_NULL_CONSTANTS | FORM_EXACT_LINEAR | FORM_SAFE_IMPLICIT | FORM_COUPLES,
     .Row        = LaplacianRow_SurfaceMls,
+    .Factor     = Factor_PairwiseStress,
 };
 
 /* Appends the declared properties and the accepted corrections of a Laplacian to a text. */

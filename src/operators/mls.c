@@ -60,30 +60,46 @@ static inline void FilterWeights(const Stencil *st, PetscInt terms, PetscInt wid
   }
 }
 
+/* Sets the row of a Laplacian that needs no more than a neighbour, 2 d sum_k W_k (f_k - f_i) over
+   sum_k W_k r_k^2; exact for |X|^2. */
+static inline void LaplacianOfDistances(Stencil *st)
+{
+  PetscReal sum = 0.0;
+
+  for (PetscInt k = 0; k < st->n; k++) {
+    st->fit.laplacian[k] = st->equation[k] == EQUATION_VALUE ? 2.0 * st->dim * st->W[k] : 0.0;
+    sum += st->fit.laplacian[k] * PetscSqr(st->r[k]);
+  }
+  for (PetscInt k = 0; k < st->n && sum > 0.0; k++) st->fit.laplacian[k] *= 2.0 * st->dim / sum;
+}
+
 /*
   Computes all rows of the fit of a degree for the present equations of the neighbours
 
-  Returns: PETSC_FALSE if the neighbours do not determine a fit of a degree above 2. A quadratic fit
-  is regularised then, see MlsSolve(), and st->regularised counts it.
+  Returns: PETSC_FALSE if the neighbours do not determine a fit of a degree above the least one,
+  st->least_degree. A fit of the least degree is regularised then, see MlsSolve(), and
+  st->regularised counts it.
 */
 static inline PetscBool Fit(Stencil *st, PetscInt dim, PetscInt degree)
 {
   const PetscInt terms = MlsTerms(dim, degree), width = MlsWidth(terms + dim + 2), filter = terms,
                  laplacian = terms + 1, gradient = terms + 2;
   PetscReal system[MLS_MAX_TERMS * MLS_MAX_WIDTH], spare[MLS_MAX_TERMS * MLS_MAX_WIDTH];
-  PetscReal m[MLS_MAX_TERMS], *solved = degree == 2 ? spare : system, sum;
+  PetscReal m[MLS_MAX_TERMS], *solved = degree == st->least_degree ? spare : system, sum;
 
   for (PetscInt e = 0; e < terms * width; e++) system[e] = 0.0;
   MlsBasis(st, dim, degree);
   MlsMoments(st, terms, st->fit.W, width, system);
   sum = FilterColumn(st, terms, width, system + filter);
   for (PetscInt t = 0; t < terms; t++) m[t] = system[t * width + filter];
-  LaplacianColumn(st, dim, width, system + laplacian);
+  if (degree > 1) LaplacianColumn(st, dim, width, system + laplacian);
   for (PetscInt a = 0; a < dim; a++) system[a * width + gradient + a] = st->stretch[a] / st->radius;
-  if (degree > 2 && !MlsEliminate(terms, width, system)) return PETSC_FALSE;
-  if (degree == 2 && !MlsSolve(terms, width, system, solved)) st->regularised++;
+  if (degree > st->least_degree && !MlsEliminate(terms, width, st->weak, system))
+    return PETSC_FALSE;
+  if (degree == st->least_degree && !MlsSolve(terms, width, system, solved)) st->regularised++;
   FilterWeights(st, terms, width, sum, m, solved + filter, st->fit.filter);
-  MlsWeights(st, terms, width, solved + laplacian, st->fit.laplacian);
+  if (degree > 1) MlsWeights(st, terms, width, solved + laplacian, st->fit.laplacian);
+  else LaplacianOfDistances(st);
   for (PetscInt a = 0; a < dim; a++)
     MlsWeights(st, terms, width, solved + gradient + a, st->fit.gradient[a]);
   return PETSC_TRUE;
@@ -91,6 +107,7 @@ static inline PetscBool Fit(Stencil *st, PetscInt dim, PetscInt degree)
 
 static PetscBool FitOfDegree(Stencil *st, PetscInt degree)
 {
+  if (degree == 1) return st->dim == 2 ? Fit(st, 2, 1) : Fit(st, 3, 1);
   if (st->dim == 2)
     return degree == 2 ? Fit(st, 2, 2) : degree == 3 ? Fit(st, 2, 3) : Fit(st, 2, 4);
   return degree == 2 ? Fit(st, 3, 2) : degree == 3 ? Fit(st, 3, 3) : Fit(st, 3, 4);

@@ -162,13 +162,13 @@ static inline void MlsWeights(const Stencil *st, PetscInt terms, PetscInt width,
   Input/Output Parameter:
 . a - n rows of `width` numbers: M, then B; out: X in place of B
 
-  Returns: PETSC_FALSE if a pivot is at most 1e-10 of its diagonal entry
+  Returns: PETSC_FALSE if a pivot is at most the share `weak` of its diagonal entry
 */
-static inline PetscBool MlsEliminate(PetscInt n, PetscInt width, PetscReal a[])
+static inline PetscBool MlsEliminate(PetscInt n, PetscInt width, PetscReal weak, PetscReal a[])
 {
   PetscReal least[MLS_VECTOR_TERMS], inverse[MLS_VECTOR_TERMS];
 
-  for (PetscInt j = 0; j < n; j++) least[j] = 1e-10 * a[j * width + j];
+  for (PetscInt j = 0; j < n; j++) least[j] = weak * a[j * width + j];
   for (PetscInt j = 0; j < n; j++) {
     const PetscReal *pivot = a + j * width;
 
@@ -205,13 +205,13 @@ static inline PetscBool MlsSolve(PetscInt n, PetscInt width, const PetscReal sys
   PetscReal trace = 0.0;
 
   for (PetscInt e = 0; e < n * width; e++) solved[e] = system[e];
-  if (MlsEliminate(n, width, solved)) return PETSC_TRUE;
+  if (MlsEliminate(n, width, MLS_WEAK, solved)) return PETSC_TRUE;
   for (PetscInt t = 0; t < n; t++) trace += system[t * width + t];
   if (!(trace > 0.0)) trace = 1.0;
   for (PetscReal ridge = 1e-8; ridge < 1e6; ridge *= 100.0) {
     for (PetscInt e = 0; e < n * width; e++) solved[e] = system[e];
     for (PetscInt t = 0; t < n; t++) solved[t * width + t] += ridge * trace;
-    if (MlsEliminate(n, width, solved)) break;
+    if (MlsEliminate(n, width, MLS_WEAK, solved)) break;
   }
   return PETSC_FALSE;
 }

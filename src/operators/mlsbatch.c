@@ -269,6 +269,6 @@ PetscErrorCode MlsFitBatch(PetscInt degree, PetscInt count, Stencil *const st[],
   for (PetscInt l = 0; l < MLS_LANES; l++) FillLane(of_lane[l], l, n, b);
   FitLanes(st[0]->dim, degree, n, of_lane, b, &least);
   for (PetscInt l = 0; l < lanes; l++)
-    if (least[l] > 1e-10) KeepLane(b, degree, l, of_lane[l]);
+    if (least[l] > of_lane[l]->weak) KeepLane(b, degree, l, of_lane[l]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

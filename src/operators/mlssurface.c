@@ -92,8 +92,7 @@ static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscReal w[])
 {
   const PetscInt terms = MlsTerms(dim, 2), n = dim * terms, width = MlsWidth(n + dim + 1);
   PetscReal      moments[MLS_QUADRATIC_TERMS * MLS_QUADRATIC_TERMS], s[ISPH_MAX_DIM] = {0.0};
-  PetscReal      system[SURFACE_TERMS * SURFACE_WIDTH], solved[SURFACE_TERMS * SURFACE_WIDTH];
-  PetscBool      determined;
+  PetscReal      system[SURFACE_TERMS * SURFACE_WIDTH];
 
   for (PetscInt e = 0; e < n * width; e++) system[e] = 0.0;
   MlsBasis(st, dim, 2);
@@ -115,16 +114,16 @@ static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscReal w[])
     AddCondition(dim, terms, width, st->W[k], s, normal, system);
   }
   SetColumns(st, dim, terms, width, system);
-  determined = MlsSolve(n, width, system, solved);
+  if (!MlsEliminate(n, width, st->weak, system)) return PETSC_FALSE;
   for (PetscInt a = 0; a < dim; a++) {
     for (PetscInt c = 0; c < dim; c++) {
-      MlsWeights(st, terms, width, solved + c * terms * width + n + a, st->fit.value);
+      MlsWeights(st, terms, width, system + c * terms * width + n + a, st->fit.value);
       for (PetscInt k = 0; k < st->n; k++) w[(k * dim + a) * dim + c] = st->fit.value[k];
     }
   }
   for (PetscInt c = 0; st->kind == SURFACE_SMOOTH && c < dim; c++)
-    MlsWeights(st, terms, width, solved + c * terms * width + n + dim, st->normal_strain[c]);
-  return determined;
+    MlsWeights(st, terms, width, system + c * terms * width + n + dim, st->normal_strain[c]);
+  return PETSC_TRUE;
 }
 
 /*
@@ -134,7 +133,9 @@ static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscReal w[])
     (lap u + grad div u)_a = sum_k sum_c w_k,ac (u_k - u_i)_c
 
   The same fit gives 2 n.E n at a surface particle, st->normal_strain. Without a surface particle
-  within the support this is the fit of mls.c for each component.
+  within the support this is the fit of mls.c for each component. Rough and isolated particles, and
+  those whose neighbours do not determine the fit, have the pair forces of stress.c, which need no
+  normal and whose traction on the surface is zero.
 
   Properties: exact for quadratic velocities that satisfy the condition at the surface particles; no
   force on rigid motions; not symmetric. Wall neighbours give the wall velocity.
@@ -144,15 +145,27 @@ static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscReal w[])
 PetscErrorCode LaplacianRow_SurfaceMls(Stencil *st, PetscReal w[])
 {
   const PetscInt d = st->dim;
+  PetscReal      own;
 
   PetscFunctionBegin;
-  if (!st->near_surface) {
+  if (st->kind == SURFACE_ROUGH || st->kind == SURFACE_ISOLATED) {
+    PetscCall(LaplacianRow_PairwiseStress(st, w));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (st->near_surface) {
+    st->fit.wanted = 0; /* overwrites the basis of the fit */
+    if (st->dim == 2 ? SurfaceFit(st, 2, w) : SurfaceFit(st, 3, w))
+      PetscFunctionReturn(PETSC_SUCCESS);
+  } else {
     PetscCall(LaplacianRow_Mls(st, st->fit.value));
     for (PetscInt e = 0; e < st->n * d * d; e++)
       w[e] = e % (d * d) % (d + 1) ? 0.0 : st->fit.value[e / (d * d)];
-    PetscFunctionReturn(PETSC_SUCCESS);
+    if (st->fit.degree == st->degree) PetscFunctionReturn(PETSC_SUCCESS);
   }
-  st->fit.wanted = 0; /* overwrites the basis of the fit */
-  if (!(st->dim == 2 ? SurfaceFit(st, 2, w) : SurfaceFit(st, 3, w))) st->regularised++;
+  st->regularised++;
+  own = Factor_PairwiseStress(st);
+  for (PetscInt k = 0; k < st->n; k++) st->factor[k] = own;
+  for (PetscInt c = 0; c < d; c++) PetscCall(PetscArrayzero(st->normal_strain[c], st->n));
+  PetscCall(LaplacianRow_PairwiseStress(st, w));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -32,15 +32,15 @@ static inline PetscBool DivergenceFit(Stencil *st, PetscInt dim, PetscInt degree
   const PetscInt terms = MlsTerms(dim, degree), n = dim * terms, width = MlsWidth(n + 1);
   PetscReal      system[MLS_VECTOR_TERMS * MLS_VECTOR_WIDTH];
   PetscReal      spare[ISPH_MAX_DIM * MLS_QUADRATIC_TERMS * MLS_QUADRATIC_VECTOR_WIDTH];
-  PetscReal     *solved = degree == 2 ? spare : system;
+  PetscReal     *solved = degree == st->least_degree ? spare : system;
 
   for (PetscInt e = 0; e < n * width; e++) system[e] = 0.0;
   MlsBasis(st, dim, degree);
   VectorMoments(st, dim, terms, width, system);
   for (PetscInt a = 0; a < dim; a++)
     system[(a * terms + a) * width + n] = st->stretch[a] / st->radius;
-  if (degree > 2 && !MlsEliminate(n, width, system)) return PETSC_FALSE;
-  if (degree == 2 && !MlsSolve(n, width, system, solved)) st->regularised++;
+  if (degree > st->least_degree && !MlsEliminate(n, width, st->weak, system)) return PETSC_FALSE;
+  if (degree == st->least_degree && !MlsSolve(n, width, system, solved)) st->regularised++;
   for (PetscInt k = 0; k < st->n; k++) m[k] = 0.0;
   for (PetscInt a = 0; a < dim; a++) {
     MlsWeights(st, terms, width, solved + a * terms * width + n, d[a]);

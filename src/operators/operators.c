@@ -7,6 +7,8 @@
 #include "choose.h"
 #include "rows.h"
 
+#define SURFACE_WEAK 1e-2 /* Stencil.weak beside free surfaces: fragments have few particles */
+
 /* OperatorsList - Lists all operators, needed or not, in the order of assembly; not collective */
 void OperatorsList(Operators *ops, AffineOperator *all[OPERATORS_COUNT])
 {
@@ -83,6 +85,9 @@ static PetscErrorCode CreateWorkspace(const Scene *scene, Operators *ops)
     PetscCall(StencilCreate(scene->dim, &work->batch[l]));
     work->batch[l]->degree     = ops->forms.degree;
     work->batch[l]->fits_walls = ops->forms.wall ? ops->forms.wall->on_surface : PETSC_FALSE;
+    if (!SceneHasFreeSurface(scene)) continue;
+    work->batch[l]->least_degree = 1;
+    work->batch[l]->weak         = SURFACE_WEAK;
   }
   work->stencil  = work->batch[0];
   work->has_fits = HasFits(ops);

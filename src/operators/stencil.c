@@ -9,7 +9,8 @@ PetscErrorCode StencilCreate(PetscInt dim, Stencil **stencil)
   PetscFunctionBegin;
   PetscCall(PetscNew(stencil));
   (*stencil)->dim    = dim;
-  (*stencil)->degree = 2;
+  (*stencil)->degree = (*stencil)->least_degree = 2;
+  (*stencil)->weak                              = MLS_WEAK;
   for (PetscInt a = 0; a < dim; a++) (*stencil)->stretch[a] = 1.0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

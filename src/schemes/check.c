@@ -15,6 +15,25 @@ static PetscReal PaceFactor(const Scene *scene, const Particles *p, PetscInt i)
   return PetscMax(factor, PetscAbsReal(1.0 - factor));
 }
 
+/* FlowDivergence - Computes div u of a velocity u; zero on free surfaces, whose particles have no
+   equation of mass [1/s]; collective */
+PetscErrorCode FlowDivergence(Flow *flow, const Vec u[], Vec div)
+{
+  const FreeSurface *free = flow->ops->free;
+  PetscScalar       *values;
+
+  PetscFunctionBegin;
+  PetscCall(VecZeroEntries(div));
+  for (PetscInt c = 0; c < flow->scene->dim; c++)
+    PetscCall(AffineApplyAdd(&flow->ops->div[c], u[c], flow->walls.u[c], div));
+  if (!free) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecGetArray(div, &values));
+  for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
+    if (FreeSurfaceHolds(free, i)) values[i] = 0.0;
+  PetscCall(VecRestoreArray(div, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Computes the largest |div u| of a velocity u [1/s]. */
 static PetscErrorCode MeasureDivergence(Flow *flow, const Vec u[], PetscReal *largest)
 {
@@ -22,9 +41,7 @@ static PetscErrorCode MeasureDivergence(Flow *flow, const Vec u[], PetscReal *la
 
   PetscFunctionBegin;
   PetscCall(FlowGetWork(flow, &div));
-  PetscCall(VecZeroEntries(div));
-  for (PetscInt c = 0; c < flow->scene->dim; c++)
-    PetscCall(AffineApplyAdd(&flow->ops->div[c], u[c], flow->walls.u[c], div));
+  PetscCall(FlowDivergence(flow, u, div));
   PetscCall(VecNorm(div, NORM_INFINITY, largest));
   PetscCall(FlowRestoreWork(flow, &div));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -235,8 +235,9 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal shift[ISPH_MAX_DIM] = {0.0}, change[ISPH_MAX_DIM] = {0.0}, d2 = 0.0;
-    PetscReal flown[ISPH_MAX_DIM], x[ISPH_MAX_DIM];
+    PetscReal       shift[ISPH_MAX_DIM] = {0.0}, change[ISPH_MAX_DIM] = {0.0}, d2 = 0.0;
+    PetscReal       flown[ISPH_MAX_DIM], x[ISPH_MAX_DIM], pushed[ISPH_MAX_DIM];
+    const PetscBool on_surface = FreeSurfaceHolds(flow->ops->free, i);
 
     if (shifting) ShiftParticle(flow, slopes, i, shift);
     if (shifting && state->budget) {
@@ -252,8 +253,12 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     }
     if (SceneIsMapped(scene)) GradedKeepOffSides(scene, CLEARANCE, x);
     else SceneKeepOffWalls(scene, CLEARANCE * p->dx[i], x);
-    for (PetscInt a = 0; a < scene->dim; a++) shift[a] = x[a] - p->x[a][i] - flown[a];
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      pushed[a] = x[a] - p->x[a][i] - flown[a] - shift[a];
+      if (!on_surface) shift[a] += pushed[a];
+    }
     if (shifting) FollowShift(scene, slopes, i, shift, change);
+    for (PetscInt a = 0; on_surface && a < scene->dim; a++) change[a] += pushed[a] / clock->dt;
     if (state->budget) BudgetCarry(state->budget, scene->dim, CARRIED_CLEARANCE, i, change);
     if (flow->ops->velocity[0].filter_u.needed)
       FilterVelocity(scene, slopes, i, state->velocity_filter, clock->dt, change);

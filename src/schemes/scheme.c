@@ -20,7 +20,7 @@ static const OptionRow options[] = {
         .name     = "-scheme",
         .kind     = VALUE_NAME,
         .brief    = "scheme that advances velocity and pressure",
-        .standard = "projection; coupled with a free surface",
+        .standard = "projection; coupled with a free surface if nu dt/dx^2 > 0.1",
         .table    = &SchemeTable,
         .where    = "flows",
     },
@@ -38,6 +38,41 @@ static PetscErrorCode SchemeChooseStep(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns the scheme that is chosen by default: the projection gives free surfaces the pressure of
+   the last velocity, which is stable for short steps only. */
+static PetscErrorCode DefaultScheme(const Flow *flow, const char **name)
+{
+  const Clock *clock = flow->clock;
+  StepLimit    limit = {.dt = PETSC_INFINITY};
+
+  PetscFunctionBegin;
+  *name = "projection";
+  if (!SceneHasFreeSurface(flow->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FlowLimit(flow, &limit));
+  if (clock->dt_given > 0.0) limit.dt = clock->dt_given;
+  if (limit.dt > ProjectionFreeLimit(flow->scene) || clock->steady_solve) *name = "coupled";
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses what flows with a free surface exclude. */
+static PetscErrorCode RefuseSurface(const Flow *flow)
+{
+  const Scene       *scene = flow->scene;
+  const BoundaryRow *slip  = SceneSlipKind(scene);
+
+  PetscFunctionBegin;
+  if (!SceneHasFreeSurface(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  UserCheck(SceneHas(scene, PHYSICS_PRESSURE),
+            "-without pressure: a fluid with a free surface needs it");
+  UserCheck(!slip, "%s: with a free surface the other sides are walls, periodic or free",
+            slip->option.name);
+  UserCheck(
+      !flow->state->has_convection,
+      "-motion eulerian: a free surface moves with its particles; use lagrangian, or -without "
+      "convection for displacements far below dx");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   SchemeCreate - Chooses the scheme, creates the state of the flow, and sets the first time step
 
@@ -51,21 +86,23 @@ static PetscErrorCode SchemeChooseStep(Flow *flow)
 */
 PetscErrorCode SchemeCreate(Flow *flow)
 {
-  Scheme   *s;
-  PetscReal force2 = 0.0;
+  Scheme     *s;
+  PetscReal   force2 = 0.0;
+  const char *name   = NULL;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&s));
   flow->scheme = s;
   s->needs     = SceneNeeds(flow->scene);
-  PetscCall(OptionGetRow(&options[0], SceneHasFreeSurface(flow->scene) ? "coupled" : "projection",
-                         &s->row));
-  PetscCall(ClockRemember(flow->clock, &s->memory));
-  PetscCall(FlowRemember(flow));
   for (PetscInt a = 0; a < flow->scene->dim; a++) force2 += PetscSqr(flow->scene->body_force[a]);
   s->stats.force_max = PetscSqrtReal(force2);
+  PetscCall(DefaultScheme(flow, &name));
+  PetscCall(OptionGetRow(&options[0], name, &s->row));
+  PetscCall(ClockRemember(flow->clock, &s->memory));
+  PetscCall(FlowRemember(flow));
   PetscCall(SchemeChooseStep(flow));
   PetscCall(FlowStateCreate(flow, &s->needs));
+  PetscCall(RefuseSurface(flow));
   PetscCall(GradedRemember(flow));
   PetscCall(s->row->Create(flow));
   PetscFunctionReturn(PETSC_SUCCESS);

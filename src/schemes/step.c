@@ -96,6 +96,7 @@ PetscErrorCode FlowStep(Flow *flow, FlowSolve Solve)
   }
   if (!failure->code) PetscCall(BudgetBegin(flow));
   if (!failure->code) PetscCall(Solve(flow));
+  if (!failure->code) PetscCall(FlowCollide(flow));
   if (!failure->code) PetscCall(BudgetPart(flow, PART_SOLVE, 0.0, NULL));
   if (!failure->code && keeps) PetscCall(MomentumRestore(flow, mean));
   if (!failure->code && keeps) PetscCall(BudgetPart(flow, PART_MEAN, 0.0, NULL));

@@ -30,6 +30,7 @@ PetscErrorCode MomentumRestore(Flow *flow, const PetscReal mean[]);
 
 /* limits.c */
 PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit);
+PetscReal      ProjectionFreeLimit(const Scene *scene);
 
 /* forces.c */
 PetscErrorCode AddBodyForce(Flow *flow, PetscReal t, Vec force[]);
@@ -48,7 +49,11 @@ PetscErrorCode VelocityExtrapolate(const Flow *flow, PetscReal at, const Vec v[]
 /* history.c */
 PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt);
 
+/* collisions.c */
+PetscErrorCode FlowCollide(Flow *flow);
+
 /* check.c */
+PetscErrorCode FlowDivergence(Flow *flow, const Vec u[], Vec div);
 PetscErrorCode FlowMeasureStart(Flow *flow);
 PetscErrorCode FlowCheck(Flow *flow);
 PetscErrorCode FlowRemember(Flow *flow);

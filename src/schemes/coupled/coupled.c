@@ -20,15 +20,35 @@ static const CoupledIntegratorRow integrators[] = {
 };
 const Table CoupledIntegratorTable = TABLE("Time integrators of the coupled scheme", integrators);
 
+static const CoupledGradientRow gradients[] = {
+    {.name = "fit", .brief = "that of -gradient: as accurate as the divergence", .citation = ""},
+    {.name     = "adjoint",
+     .brief    = "minus the transposed divergence: conserves momentum and adds no energy; order 1",
+     .citation = "Bonet & Lok, Comput. Methods Appl. Mech. Eng. 180 (1999)",
+     .adjoint  = PETSC_TRUE},
+};
+const Table CoupledGradientTable = TABLE("Pressure gradients of the coupled scheme", gradients);
+
+enum { TS_TYPE, PRESSURE_GRADIENT };
 static const OptionRow options[] = {
-    {
-        .name     = "-coupled_ts_type",
-        .kind     = VALUE_NAME,
-        .brief    = "time integrator of the coupled scheme",
-        .standard = TSBEULER,
-        .table    = &CoupledIntegratorTable,
-        .where    = "-scheme coupled",
-    },
+    [PRESSURE_GRADIENT] =
+        {
+            .name     = "-coupled_gradient",
+            .kind     = VALUE_NAME,
+            .brief    = "pressure gradient",
+            .standard = "fit",
+            .table    = &CoupledGradientTable,
+            .where    = "-scheme coupled",
+        },
+    [TS_TYPE] =
+        {
+            .name     = "-coupled_ts_type",
+            .kind     = VALUE_NAME,
+            .brief    = "time integrator of the coupled scheme",
+            .standard = TSBEULER,
+            .table    = &CoupledIntegratorTable,
+            .where    = "-scheme coupled",
+        },
 };
 const OptionTable CoupledOptions = OPTIONS("Coupled scheme", options);
 
@@ -95,25 +115,6 @@ static PetscErrorCode RefuseHistory(const Flow *flow, const CoupledIntegratorRow
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses what flows with a free surface exclude. */
-static PetscErrorCode RefuseSurface(const Flow *flow)
-{
-  const Scene       *scene = flow->scene;
-  const BoundaryRow *slip  = SceneSlipKind(scene);
-
-  PetscFunctionBegin;
-  UserCheck(SceneHas(scene, PHYSICS_VISCOSITY) && SceneHas(scene, PHYSICS_PRESSURE),
-            "-without %s: a fluid with a free surface needs both viscosity and pressure",
-            SceneHas(scene, PHYSICS_VISCOSITY) ? "pressure" : "viscosity");
-  UserCheck(!slip, "%s: with a free surface the other sides are walls, periodic or free",
-            slip->option.name);
-  UserCheck(
-      !flow->state->has_convection,
-      "-motion eulerian: a free surface moves with its particles; use lagrangian, or -without "
-      "convection for displacements far below dx");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   CoupledCreate - Reads the options of the coupled scheme
 
@@ -134,7 +135,6 @@ static PetscErrorCode CoupledCreate(Flow *flow)
   PetscCall(PetscNew(&c));
   flow->scheme->data = c;
   c->flow            = flow;
-  if (SceneHasFreeSurface(scene)) PetscCall(RefuseSurface(flow));
   UserCheck(viscous && SceneHas(scene, PHYSICS_PRESSURE),
             "-scheme coupled: it solves for velocity and pressure together, and case %s has no %s "
             "here; add -with %s, or use -scheme projection",
@@ -149,9 +149,12 @@ static PetscErrorCode CoupledCreate(Flow *flow)
             "projection, or -motion eulerian");
   if (flow->clock->steady_solve) PetscCall(RefuseSteady(flow));
   PetscCall(SteadyRefuse(flow, NULL, PETSC_FALSE));
-  PetscCall(OptionGetRow(&options[0], NULL, &c->row));
+  PetscCall(OptionGetRow(&options[TS_TYPE], NULL, &c->row));
   PetscCall(RefuseHistory(flow, c->row));
-  if (c->row->substeps) PetscCall(ClockDropEstimate(flow->clock, options[0].name, c->row->name));
+  PetscCall(OptionGetRow(&options[PRESSURE_GRADIENT], NULL, &c->gradient));
+  c->saddle.adjoint = c->gradient->adjoint;
+  if (c->row->substeps)
+    PetscCall(ClockDropEstimate(flow->clock, options[TS_TYPE].name, c->row->name));
   c->convects = flow->state->has_convection && c->row->substeps;
   flow->scheme->needs |= NEED_FREE_GRAD_P | NEED_FILTER_P | NEED_MATRICES;
   if (c->row->substeps || flow->clock->steady_solve) {
@@ -185,6 +188,7 @@ static PetscErrorCode CoupledView(const Flow *flow, PetscViewer viewer)
 
   PetscFunctionBegin;
   if (!flow->clock->steady_solve) PetscCall(TableViewRow("coupled TS", c->row, viewer));
+  if (c->gradient->adjoint) PetscCall(TableViewRow("grad p", c->gradient, viewer));
   PetscCall(TableViewRow("schur", c->schur.row, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -16,6 +16,12 @@ typedef struct {
   PetscBool   substeps; /* substeps with error control; else a single step from u^n and u^{n-1} */
 } CoupledIntegratorRow;
 
+/* Pressure gradient of the coupled scheme. */
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscBool   adjoint; /* see SaddleAssemble() */
+} CoupledGradientRow;
+
 /* The approximation of the inverse of the Schur complement of the pressure, see schur.c. */
 typedef struct Schur Schur;
 typedef struct {
@@ -45,6 +51,7 @@ PetscErrorCode SchurFree(Schur *schur);
 
 typedef struct {
   const CoupledIntegratorRow *row;
+  const CoupledGradientRow   *gradient;
   TS                          ts;
   Guard                       guard;
   Saddle                      saddle;

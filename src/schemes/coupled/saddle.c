@@ -68,7 +68,7 @@ static PetscErrorCode SetUnits(const Flow *flow, Saddle *s)
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     time[i]   = SaddleTime(scene, flow->clock, p->dx[i]) / s->step;
     length[i] = mass[i] = p->dx[i] / scene->dx;
-    if (flow->ops->free && flow->ops->free->kind[i] != SURFACE_INSIDE)
+    if (FreeSurfaceHolds(flow->ops->free, i))
       mass[i] = -scene->nu * time[i] * s->step / (p->dx[i] * scene->dx);
   }
   PetscCall(VecRestoreArrayWrite(s->mass, &mass));
@@ -124,6 +124,56 @@ static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  Replaces G by its adjoint form: grad p_ia = -1/V_i sum_j V_j D_j,ia p_j, the sum over rows of
+  mass. Given pressures on free surfaces keep their terms in G.
+
+  The sum of V_i grad p_i is zero, as D is zero for constant velocities, and so is that of V_i x_i x
+  grad p_i if D is exact for linear ones. Without viscosity, force and C the kinetic energy is
+  constant.
+*/
+static PetscErrorCode TransposeDivergence(const Flow *flow, Vec momentum, MatType type, Saddle *s)
+{
+  const Particles *p = flow->particles;
+  PetscScalar     *before, *after, *kept;
+  Vec              of_mass, of_momentum, given, rows;
+  Mat              D, DT;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(s->length, &of_mass));
+  PetscCall(VecDuplicate(s->length, &of_momentum));
+  PetscCall(VecDuplicate(s->length, &given));
+  PetscCall(VecCopy(s->pressure, of_mass));
+  PetscCall(VecGetArray(of_mass, &before));
+  PetscCall(VecGetArrayWrite(of_momentum, &after));
+  PetscCall(VecGetArrayWrite(given, &kept));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    kept[i] = FreeSurfaceHolds(flow->ops->free, i) ? 1.0 : 0.0;
+    before[i] *= (1.0 - kept[i]) * p->volume[i] * flow->scene->dx / p->dx[i];
+    after[i] = -1.0 / p->volume[i];
+  }
+  PetscCall(VecRestoreArray(of_mass, &before));
+  PetscCall(VecRestoreArrayWrite(of_momentum, &after));
+  PetscCall(VecRestoreArrayWrite(given, &kept));
+  PetscCall(MatConvert(s->D, MATAIJ, MAT_INITIAL_MATRIX, &D));
+  PetscCall(MatDiagonalScale(D, of_mass, NULL));
+  PetscCall(MatTranspose(D, MAT_INITIAL_MATRIX, &DT));
+  PetscCall(VelocityRows(p, of_momentum, &rows));
+  PetscCall(VecPointwiseMult(rows, rows, momentum));
+  PetscCall(MatDiagonalScale(DT, rows, NULL));
+  PetscCall(MatConvert(s->G, MATAIJ, MAT_INPLACE_MATRIX, &s->G));
+  PetscCall(MatDiagonalScale(s->G, NULL, given));
+  PetscCall(MatAXPY(s->G, 1.0, DT, DIFFERENT_NONZERO_PATTERN));
+  PetscCall(MatConvert(s->G, type, MAT_INPLACE_MATRIX, &s->G));
+  PetscCall(MatDestroy(&D));
+  PetscCall(MatDestroy(&DT));
+  PetscCall(VecDestroy(&given));
+  PetscCall(VecDestroy(&rows));
+  PetscCall(VecDestroy(&of_mass));
+  PetscCall(VecDestroy(&of_momentum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Creates G, D and C in the units of each particle. */
 static PetscErrorCode CreateBlocks(const Flow *flow, MatType type, Saddle *s)
 {
@@ -142,6 +192,7 @@ static PetscErrorCode CreateBlocks(const Flow *flow, MatType type, Saddle *s)
                         type, &s->D));
   PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){1, 1, 1.0, mass, s->pressure},
                         &ops->filter_p, type, &s->C));
+  if (s->adjoint) PetscCall(TransposeDivergence(flow, momentum, type, s));
   PetscCall(VecDestroy(&momentum));
   PetscCall(VecDestroy(&mass));
   PetscFunctionReturn(PETSC_SUCCESS);

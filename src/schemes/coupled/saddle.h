@@ -10,6 +10,7 @@
 */
 typedef struct {
   PetscInt  dim, n;     /* own particles */
+  PetscBool adjoint;    /* G is minus the transposed D; chosen before the assembly */
   PetscReal step;       /* T of the reference spacing, factor of the momentum equation [s] */
   PetscReal unit;       /* rho dx/T of the reference spacing, unit of pressures [Pa s/m] */
   Vec       time;       /* T_i/T of each particle [-] */

@@ -36,7 +36,7 @@ static PetscErrorCode SetSurface(const Schur *s, Vec x, Vec y)
   if (x) PetscCall(VecGetArrayRead(x, &from));
   PetscCall(VecGetArray(y, &to));
   for (PetscInt i = 0; i < s->particles->n_fluid; i++)
-    if (s->free->kind[i] != SURFACE_INSIDE) to[i] = x ? from[i] : 0.0;
+    if (FreeSurfaceHolds(s->free, i)) to[i] = x ? from[i] : 0.0;
   PetscCall(VecRestoreArray(y, &to));
   if (x) PetscCall(VecRestoreArrayRead(x, &from));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -183,11 +183,8 @@ PetscErrorCode CoupledSolve(Flow *flow)
   PetscCall(VecCopy(s->p, s->p_before));
   PetscCall(SolveSystem(flow, dt, c));
   PetscCall(WallValuesSetVelocity(flow->scene, flow->particles, end, 0.0, &flow->walls));
-  PetscCall(VecZeroEntries(s->divergence));
-  for (PetscInt a = 0; a < dim; a++) {
-    PetscCall(AffineApplyAdd(&flow->ops->div[a], s->u_next[a], flow->walls.u[a], s->divergence));
-    PetscCall(FlowRestoreWork(flow, &force[a]));
-  }
+  PetscCall(FlowDivergence(flow, s->u_next, s->divergence));
+  for (PetscInt a = 0; a < dim; a++) PetscCall(FlowRestoreWork(flow, &force[a]));
   PetscCall(PetscLogEventEnd(c->event, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

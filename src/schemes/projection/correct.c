@@ -20,9 +20,7 @@ static PetscErrorCode SetSource(Flow *flow)
   Vec                work;
 
   PetscFunctionBegin;
-  PetscCall(VecZeroEntries(s->divergence));
-  for (PetscInt c = 0; c < scene->dim; c++)
-    PetscCall(AffineApplyAdd(&ops->div[c], s->u_next[c], flow->walls.u[c], s->divergence));
+  PetscCall(FlowDivergence(flow, s->u_next, s->divergence));
   PetscCall(VecGetArrayRead(ops->ppe_scale, &scale));
   PetscCall(VecGetArrayRead(s->divergence, &divergence));
   PetscCall(VecGetArray(pr->b, &b));
@@ -40,6 +38,7 @@ static PetscErrorCode SetSource(Flow *flow)
     PetscCall(VecAXPY(pr->b, -1.0, work));
     PetscCall(FlowRestoreWork(flow, &work));
   }
+  PetscCall(FreePressureIncrement(flow, pr->b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -86,6 +85,7 @@ static PetscErrorCode ShareOfResidual(const Flow *flow, Vec residual)
   PetscFunctionBegin;
   PetscCall(VecGetArray(residual, &r));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
+    if (FreeSurfaceHolds(flow->ops->free, i)) r[i] = 0.0; /* the surface gives the pressure */
     r[i] *=
         pr->filter * PetscMax(0.1, 1.0 / (1.0 + 8.0 * nu * flow->clock->dt / PetscSqr(p->dx[i])));
   }

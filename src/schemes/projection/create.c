@@ -210,7 +210,8 @@ static PetscErrorCode ChoosePoints(const Scene *scene, const PressurePointsRow *
 
   PetscFunctionBegin;
   PetscCall(OperatorsDegree(&degree));
-  coarse = SceneMoves(scene) || (degree == 4 ? SceneHas(scene, PHYSICS_WALLS) : damped);
+  coarse = !SceneHasFreeSurface(scene) &&
+           (SceneMoves(scene) || (degree == 4 ? SceneHas(scene, PHYSICS_WALLS) : damped));
   for (PetscInt a = 0; a < scene->dim; a++)
     coarse = coarse && CellsAlong(scene, a, SPACING_STANDARD) >= LEAST_CELLS;
   PetscCall(OptionGiven(options[POINTS].name, &given));
@@ -354,11 +355,11 @@ PetscErrorCode ProjectionCreate(Flow *flow)
   UserCheck(!flow->clock->steady_solve,
             "-steady: -scheme %s advances in time; use -scheme coupled, or -steady_tol",
             flow->scheme->row->name);
-  UserCheck(
-      !SceneHasFreeSurface(scene),
-      "-scheme %s: the pressure of a free surface follows from the velocity of the same time; "
-      "use -scheme coupled",
-      flow->scheme->row->name);
+  UserCheck(flow->clock->dt_given <= 2.0 * ProjectionFreeLimit(scene),
+            "-dt %.6g: with a free surface and -scheme %s at most %.3g s, 0.2 dx^2/nu; use -scheme "
+            "coupled for longer steps",
+            (double)flow->clock->dt_given, flow->scheme->row->name,
+            (double)(2.0 * ProjectionFreeLimit(scene)));
   PetscCall(ReadConvection(flow));
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
     PetscCall(OptionGetRow(&options[PROJECTION], NULL, &pr->row));
@@ -366,6 +367,8 @@ PetscErrorCode ProjectionCreate(Flow *flow)
     UserCheck(points_row->coarse || !SceneMovesGraded(scene),
               "-pressure_points same: flows of graded particles that move are lost with it; use "
               "coarse, with a box at least 6 dx wide, or -motion eulerian");
+    UserCheck(!points_row->coarse || !SceneHasFreeSurface(scene),
+              "-pressure_points coarse: its lattice does not follow a free surface; use same");
     if (points_row->coarse) PetscCall(CreateOnSplines(flow, pr));
     else PetscCall(CreateOnParticles(flow, pr));
     flow->scheme->variant = (const TableRow *)(const void *)pr->row;

@@ -81,6 +81,14 @@ static PetscErrorCode ProjectionStep(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode ProjectionLimit(const Flow *flow, StepLimit *limit)
+{
+  PetscFunctionBegin;
+  PetscCall(FlowLimit(flow, limit));
+  StepLimitLower(limit, ProjectionFreeLimit(flow->scene), "viscosity at the free surface");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Prints the projection, its integrator, and a warning about steps that are long compared with
    the time of diffusion. */
 static PetscErrorCode ProjectionView(const Flow *flow, PetscViewer viewer)
@@ -127,7 +135,7 @@ const SchemeRow SchemeProjection = {
     .Assemble = ProjectionAssemble,
     .Begin    = ProjectionBegin,
     .Step     = ProjectionStep,
-    .Limit    = FlowLimit,
+    .Limit    = ProjectionLimit,
     .View     = ProjectionView,
     .Destroy  = ProjectionDestroy,
 };

@@ -63,6 +63,9 @@ PetscErrorCode WallGradientBegin(Flow *flow);
 PetscErrorCode WallGradientPredict(Flow *flow);
 PetscErrorCode WallGradientCorrect(Flow *flow);
 
+/* freepressure.c */
+PetscErrorCode FreePressureIncrement(Flow *flow, Vec b);
+
 /* pressure.c */
 PetscErrorCode PressureCreate(Flow *flow, Pressure **ppe);
 PetscErrorCode PressureDestroy(Pressure **ppe);

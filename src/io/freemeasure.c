@@ -1,0 +1,72 @@
+/* Quantities of fluids with a free surface, which report and monitors have beside those of norms.c. */
+#include "isph/io.h"
+
+/* Adds what own particles contribute: momentum and first moments, then the extent of the fluid
+   without isolated particles as least and largest -x. */
+static void Contribute(const Flow *flow, const PetscScalar *const u[], PetscReal sum[],
+                       PetscReal extent[])
+{
+  const Particles *p = flow->particles;
+  const PetscInt   d = p->dim;
+
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    const PetscReal V = p->volume[i];
+
+    sum[0] += V;
+    for (PetscInt a = 0; a < d; a++) {
+      const PetscInt b = (a + 1) % d;
+
+      sum[1 + a] += V * p->x[a][i];
+      sum[4 + a] += V * (PetscReal)PetscRealPart(u[a][i]);
+      sum[7 + a] += V * PetscRealPart(p->x[a][i] * u[b][i] - p->x[b][i] * u[a][i]);
+      if (flow->ops->free->kind[i] == SURFACE_ISOLATED) continue;
+      extent[2 * a]     = PetscMax(extent[2 * a], -p->x[a][i]);
+      extent[2 * a + 1] = PetscMax(extent[2 * a + 1], p->x[a][i]);
+    }
+  }
+}
+
+/*
+  MeasureFree - Computes the quantities of fluids with a free surface
+
+    angular_momentum = |sum_i rho V_i (x_i - X) x u_i| [kg m^2/s], X: centre of mass; in 2D with its
+    sign, per metre of depth; x_min, x_max, y_min, ...: where the outermost particles are, but for
+    isolated ones [m]
+
+  Collective. Nothing without a free surface. In a periodic box the angular momentum has no meaning
+  and is left out.
+*/
+PetscErrorCode MeasureFree(const Flow *flow, Report *report)
+{
+  const PetscInt     d       = flow->scene->dim;
+  PetscReal          sum[10] = {0.0}, size = 0.0, L[ISPH_MAX_DIM];
+  PetscReal          extent[2 * ISPH_MAX_DIM] = {0.0};
+  const PetscScalar *u[ISPH_MAX_DIM];
+  PetscBool          periodic = PETSC_FALSE;
+  char               name[8];
+
+  PetscFunctionBegin;
+  if (!flow->ops->free) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt e = 0; e < 2 * d; e++) extent[e] = -PETSC_INFINITY;
+  for (PetscInt a = 0; a < d; a++) PetscCall(VecGetArrayRead(flow->state->u[a], &u[a]));
+  Contribute(flow, u, sum, extent);
+  for (PetscInt a = 0; a < d; a++) PetscCall(VecRestoreArrayRead(flow->state->u[a], &u[a]));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 10, MPIU_REAL, MPIU_SUM, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, extent, 2 * (PetscMPIInt)d, MPIU_REAL, MPIU_MAX,
+                             PETSC_COMM_WORLD));
+  for (PetscInt a = 0; a < d; a++) {
+    const PetscInt b = (a + 1) % d;
+
+    L[a] = flow->scene->rho *
+           (sum[7 + a] - (sum[1 + a] * sum[4 + b] - sum[1 + b] * sum[4 + a]) / sum[0]);
+    size += PetscSqr(L[a]);
+    if (SceneIsPeriodic(flow->scene, a)) periodic = PETSC_TRUE;
+  }
+  if (!periodic)
+    PetscCall(ReportAdd(report, "angular_momentum", d == 2 ? L[0] : PetscSqrtReal(size)));
+  for (PetscInt e = 0; e < 2 * d; e++) {
+    PetscCall(PetscSNPrintf(name, sizeof(name), "%c_%s", "xyz"[e / 2], e % 2 ? "max" : "min"));
+    PetscCall(ReportAdd(report, name, e % 2 ? extent[e] : -extent[e]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,43 @@
+/*
+  The pressure of particles on free surfaces in the projection, p = 2 mu n.E n with the strain rate
+  E of the velocity at the start of the step. It is zero where the surface is rough. The increment
+  phi of the pressure equation has this value minus p^n, so that the pressure is determined.
+
+  With a velocity of the same time the step is stable for any dt: that needs the coupled scheme. Here
+  dt may exceed about half of the step of an explicit viscous term only at the price of the surface:
+  docs/theory.md, section 17.
+*/
+#include "projection.h"
+
+/*
+  FreePressureIncrement - Sets b of the pressure equation on free surfaces: the increment of their
+  pressure
+
+  Collective. Their rows of the equation are phi_i = b_i.
+*/
+PetscErrorCode FreePressureIncrement(Flow *flow, Vec b)
+{
+  const Operators   *ops = flow->ops;
+  const FlowState   *s   = flow->state;
+  const PetscReal    mu  = flow->scene->rho * flow->scene->nu;
+  Vec                strain;
+  const PetscScalar *twice, *p;
+  PetscScalar       *increment;
+
+  PetscFunctionBegin;
+  if (!ops->free) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FlowGetWork(flow, &strain));
+  PetscCall(VecZeroEntries(strain));
+  for (PetscInt c = 0; c < flow->scene->dim; c++)
+    PetscCall(AffineApplyAdd(&ops->div[c], s->u[c], flow->walls.u[c], strain));
+  PetscCall(VecGetArrayRead(strain, &twice));
+  PetscCall(VecGetArrayRead(s->p, &p));
+  PetscCall(VecGetArray(b, &increment));
+  for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
+    if (FreeSurfaceHolds(ops->free, i)) increment[i] = mu * twice[i] - p[i];
+  PetscCall(VecRestoreArray(b, &increment));
+  PetscCall(VecRestoreArrayRead(s->p, &p));
+  PetscCall(VecRestoreArrayRead(strain, &twice));
+  PetscCall(FlowRestoreWork(flow, &strain));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
