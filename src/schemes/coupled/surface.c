@@ -7,7 +7,7 @@
   The same row of D is -Z, and vanishes in D + C Z. F alone has no condition on the normal stress
   and an eigenvalue with negative real part for each particle of the surface; no Schur complement of
   F has a simple approximation. F + G Z has both conditions of the surface, and the approximations
-  of schur.c suit its Schur complement: docs/theory.md, (156) to (158).
+  of schur.c suit its Schur complement: docs/theory.md, (156) and (157).
 */
 #include "saddle.h"
 
