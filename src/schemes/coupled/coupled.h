@@ -1,7 +1,7 @@
 /*
   The coupled scheme, which solves for velocity and pressure together. coupled.c has its row and
-  options, solver.c the solver, terms.c its terms, saddle.c its matrix, schur.c the Schur
-  complement, step.c the step.
+  options, solver.c the solver, terms.c its terms, saddle.c its matrix, surface.c the pressures of
+  free surfaces in it, schur.c the Schur complement, step.c the step.
 */
 #ifndef ISPH_SCHEMES_COUPLED_H
 #define ISPH_SCHEMES_COUPLED_H

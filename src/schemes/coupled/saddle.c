@@ -17,8 +17,10 @@
   of the pressure. C q, the residual of a quadratic fit of q, brings these modes into the continuity
   equation. For smooth pressures it is a flux of order dx^3 (dx^4 inside lattices); it vanishes for
   quadratic pressures and needs no condition at walls. The column c of GaugeColumn() fixes the
-  constant of the pressure. On free surfaces the rows of mass give the pressure, with the factor
-  -T_i nu/dx_i in place of dx_i. See docs/theory.md, (92) to (94) and section 17.
+  constant of the pressure. See docs/theory.md, (92) to (94).
+
+  On free surfaces the rows of mass give the pressure, q - Z u = 0, and the unknown there is the
+  given q - Z u, see surface.c.
 */
 #include "saddle.h"
 
@@ -92,7 +94,7 @@ static PetscErrorCode VelocityRows(const Particles *p, Vec factor, Vec *rows)
 /* Creates a block of the operators op[c] on the shared pattern; op[c] fills rows dim i + c or
    columns dim j + c. */
 static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, const BlockForm *by,
-                                  const AffineOperator op[], MatType type, Mat *block)
+                                  const AffineOperator op[], Mat *block)
 {
   const PetscInt n = p->n_fluid, entries = pattern->row[n];
   PetscInt      *row, *col, q = 0;
@@ -120,7 +122,6 @@ static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, co
   PetscCall(MatMPIAIJSetPreallocationCSR(*block, row, col, value));
   PetscCall(PetscFree3(row, col, value));
   PetscCall(MatDiagonalScale(*block, by->row_units, by->col_units));
-  PetscCall(MatConvert(*block, type, MAT_INPLACE_MATRIX, block));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -132,7 +133,7 @@ static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, co
   grad p_i if D is exact for linear ones. Without viscosity, force and C the kinetic energy is
   constant.
 */
-static PetscErrorCode TransposeDivergence(const Flow *flow, Vec momentum, MatType type, Saddle *s)
+static PetscErrorCode TransposeDivergence(const Flow *flow, Vec momentum, Saddle *s)
 {
   const Particles *p = flow->particles;
   PetscScalar     *before, *after, *kept;
@@ -155,16 +156,14 @@ static PetscErrorCode TransposeDivergence(const Flow *flow, Vec momentum, MatTyp
   PetscCall(VecRestoreArray(of_mass, &before));
   PetscCall(VecRestoreArrayWrite(of_momentum, &after));
   PetscCall(VecRestoreArrayWrite(given, &kept));
-  PetscCall(MatConvert(s->D, MATAIJ, MAT_INITIAL_MATRIX, &D));
+  PetscCall(MatDuplicate(s->D, MAT_COPY_VALUES, &D));
   PetscCall(MatDiagonalScale(D, of_mass, NULL));
   PetscCall(MatTranspose(D, MAT_INITIAL_MATRIX, &DT));
   PetscCall(VelocityRows(p, of_momentum, &rows));
   PetscCall(VecPointwiseMult(rows, rows, momentum));
   PetscCall(MatDiagonalScale(DT, rows, NULL));
-  PetscCall(MatConvert(s->G, MATAIJ, MAT_INPLACE_MATRIX, &s->G));
   PetscCall(MatDiagonalScale(s->G, NULL, given));
   PetscCall(MatAXPY(s->G, 1.0, DT, DIFFERENT_NONZERO_PATTERN));
-  PetscCall(MatConvert(s->G, type, MAT_INPLACE_MATRIX, &s->G));
   PetscCall(MatDestroy(&D));
   PetscCall(MatDestroy(&DT));
   PetscCall(VecDestroy(&given));
@@ -175,7 +174,7 @@ static PetscErrorCode TransposeDivergence(const Flow *flow, Vec momentum, MatTyp
 }
 
 /* Creates G, D and C in the units of each particle. */
-static PetscErrorCode CreateBlocks(const Flow *flow, MatType type, Saddle *s)
+static PetscErrorCode CreateBlocks(const Flow *flow, Saddle *s)
 {
   const Particles *p   = flow->particles;
   const Operators *ops = flow->ops;
@@ -187,12 +186,12 @@ static PetscErrorCode CreateBlocks(const Flow *flow, MatType type, Saddle *s)
   PetscCall(VecDuplicate(s->length, &mass));
   PetscCall(VecPointwiseDivide(mass, s->time, s->length));
   PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){s->dim, 1, dx, momentum, s->pressure},
-                        ops->grad_p, type, &s->G));
+                        ops->grad_p, &s->G));
   PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){1, s->dim, dx, s->mass, NULL}, ops->div,
-                        type, &s->D));
+                        &s->D));
   PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){1, 1, 1.0, mass, s->pressure},
-                        &ops->filter_p, type, &s->C));
-  if (s->adjoint) PetscCall(TransposeDivergence(flow, momentum, type, s));
+                        &ops->filter_p, &s->C));
+  if (s->adjoint) PetscCall(TransposeDivergence(flow, momentum, s));
   PetscCall(VecDestroy(&momentum));
   PetscCall(VecDestroy(&mass));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -259,8 +258,9 @@ static PetscErrorCode ViscousCreate(const Flow *flow, const Saddle *s, const Vec
 */
 PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], MatType type, Saddle *s)
 {
-  const Scene     *scene = flow->scene;
-  const Particles *p     = flow->particles;
+  const Scene     *scene   = flow->scene;
+  const Particles *p       = flow->particles;
+  Mat             *block[] = {&s->G, &s->D, &s->C};
 
   PetscFunctionBegin;
   PetscCall(SaddleFree(s));
@@ -270,8 +270,11 @@ PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], MatType t
   s->assemblies = flow->ops->assemblies;
   PetscCall(SetUnits(flow, s));
   PetscCall(ViscousCreate(flow, s, advecting, &s->viscous));
+  PetscCall(CreateBlocks(flow, s));
+  PetscCall(SaddleEliminateSurface(flow, s));
   PetscCall(MatConvert(s->viscous, type, MAT_INITIAL_MATRIX, &s->F));
-  PetscCall(CreateBlocks(flow, type, s));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(block); k++)
+    PetscCall(MatConvert(*block[k], type, MAT_INPLACE_MATRIX, block[k]));
   PetscCall(GaugeColumn(scene, p->comm, scene->dim, p->n_fluid, 1.0, &s->gauge));
   PetscCall(MatCreateNest(p->comm, 2, NULL, 2, NULL, (Mat[]){s->F, s->G, s->D, s->C}, &s->P));
   PetscCall(GaugeMatrix(s->P, s->gauge, &s->A));
@@ -302,7 +305,7 @@ PetscErrorCode SaddleSetShift(const Particles *p, PetscReal shift, Saddle *s)
 /* SaddleFree - Frees all matrices and units; collective */
 PetscErrorCode SaddleFree(Saddle *s)
 {
-  Mat *all[] = {&s->A, &s->P, &s->gauge, &s->C, &s->D, &s->G, &s->F, &s->viscous};
+  Mat *all[] = {&s->A, &s->P, &s->gauge, &s->Z, &s->C, &s->D, &s->G, &s->F, &s->viscous};
 
   PetscFunctionBegin;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(all); k++) PetscCall(MatDestroy(all[k]));
@@ -339,7 +342,8 @@ PetscErrorCode SaddleFlatten(Mat nest, Mat *flat)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddlePut - Sets x = (u, q), p_i = q_i times the unit of pressures; not collective */
+/* SaddlePut - Sets x = (u, q), or (u, q - Z u) on free surfaces; p_i is q_i times the unit of
+   pressures; collective */
 PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
 {
   const PetscScalar *from, *unit;
@@ -358,16 +362,18 @@ PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
   PetscCall(VecRestoreArrayRead(s->pressure, &unit));
   PetscCall(VecRestoreArrayRead(p, &from));
   PetscCall(VecRestoreArray(x, &to));
+  PetscCall(SaddleAddStress(s, -1.0, x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleGet - Extracts u and p from x, see SaddlePut(); p may be NULL; not collective */
+/* SaddleGet - Extracts u and p from x, see SaddlePut(); p may be NULL; collective */
 PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
 {
   const PetscScalar *from, *unit;
   PetscScalar       *to;
 
   PetscFunctionBegin;
+  if (p) PetscCall(SaddleAddStress(s, 1.0, x));
   PetscCall(VecGetArrayRead(x, &from));
   for (PetscInt c = 0; c < s->dim; c++) {
     PetscCall(VecGetArray(u[c], &to));
@@ -382,6 +388,7 @@ PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
     PetscCall(VecRestoreArray(p, &to));
   }
   PetscCall(VecRestoreArrayRead(x, &from));
+  if (p) PetscCall(SaddleAddStress(s, -1.0, x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

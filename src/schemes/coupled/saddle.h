@@ -1,4 +1,4 @@
-/* The matrix of the coupled system; see saddle.c. */
+/* The matrix of the coupled system; see saddle.c and surface.c. */
 #ifndef ISPH_SCHEMES_SADDLE_H
 #define ISPH_SCHEMES_SADDLE_H
 
@@ -22,6 +22,7 @@ typedef struct {
   Mat       viscous;    /* T_i (-nu L + v.grad), dim N x dim N [-] */
   Mat       F, G, D;    /* T_i shift + viscous; T_i grad dx_j/T_j; dx_i div [-] */
   Mat       C;          /* residual of a quadratic fit of the pressure, T_i/dx_i C dx_j/T_j [-] */
+  Mat       Z;          /* 2 mu n.E n on free surfaces, see surface.c; NULL: no surface [-] */
   Mat       A, P;       /* [F G; D C + c c^T] and [F G; D C]; the same if c is NULL */
   Mat       gauge;      /* c of GaugeColumn(), NULL for a determined pressure */
   PetscInt  assemblies; /* stamp of the operators in the blocks */
@@ -37,5 +38,9 @@ PetscErrorCode SaddlePut(const Saddle *saddle, Vec u[], Vec p, Vec x);
 PetscErrorCode SaddleGet(const Saddle *saddle, Vec x, Vec u[], Vec p);
 PetscErrorCode SaddleAdd(const Saddle *saddle, PetscInt c, PetscReal scale, Vec part, Vec x);
 PetscErrorCode SaddleAddInertia(const Saddle *saddle, Vec x, Vec xdot, Vec f);
+
+/* surface.c */
+PetscErrorCode SaddleEliminateSurface(const Flow *flow, Saddle *saddle);
+PetscErrorCode SaddleAddStress(const Saddle *saddle, PetscReal scale, Vec x);
 
 #endif

@@ -1,0 +1,62 @@
+/*
+  Pressures of free surfaces in the coupled system. There the row of mass is q - Z u = 0, the normal
+  stress at the surface. Its unknown q is replaced by q - Z u, which the row gives:
+
+    [F G; D C] [u; q] = [F + G Z, G; D + C Z, C] [u; q - Z u]
+
+  The same row of D is -Z, and vanishes in D + C Z. F alone has no condition on the normal stress
+  and an eigenvalue with negative real part for each particle of the surface; no Schur complement of
+  F has a simple approximation. F + G Z has both conditions of the surface, and the approximations
+  of schur.c suit its Schur complement: docs/theory.md, (156) and (157).
+*/
+#include "saddle.h"
+
+/* SaddleEliminateSurface - Computes Z, adds G Z to the viscous matrix, and replaces D by D + C Z;
+   collective */
+PetscErrorCode SaddleEliminateSurface(const Flow *flow, Saddle *s)
+{
+  const FreeSurface *surface = flow->ops->free;
+  PetscInt          *outer, *inner, first, n_outer = 0, n_inner = 0; /* global numbers */
+  Mat                GZ, CZ;
+
+  PetscFunctionBegin;
+  if (!surface) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatGetOwnershipRange(s->D, &first, NULL));
+  PetscCall(PetscMalloc2(s->n, &outer, s->n, &inner));
+  for (PetscInt i = 0; i < s->n; i++) {
+    if (FreeSurfaceHolds(surface, i)) outer[n_outer++] = first + i;
+    else inner[n_inner++] = first + i;
+  }
+  PetscCall(MatDuplicate(s->D, MAT_COPY_VALUES, &s->Z));
+  PetscCall(MatScale(s->Z, -1.0));
+  PetscCall(MatZeroRows(s->Z, n_inner, inner, 0.0, NULL, NULL));
+  PetscCall(MatMatMult(s->G, s->Z, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &GZ));
+  PetscCall(MatMatMult(s->C, s->Z, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &CZ));
+  PetscCall(MatAXPY(s->viscous, 1.0, GZ, UNKNOWN_NONZERO_PATTERN));
+  PetscCall(MatAXPY(s->D, 1.0, CZ, UNKNOWN_NONZERO_PATTERN));
+  PetscCall(MatZeroRows(s->D, n_outer, outer, 0.0, NULL, NULL));
+  PetscCall(MatDestroy(&GZ));
+  PetscCall(MatDestroy(&CZ));
+  PetscCall(PetscFree2(outer, inner));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SaddleAddStress - Adds scale Z u to the pressures in x = (u, q); collective */
+PetscErrorCode SaddleAddStress(const Saddle *s, PetscReal scale, Vec x)
+{
+  IS  rows[2];
+  Vec u, q, stress;
+
+  PetscFunctionBegin;
+  if (!s->Z) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatNestGetISs(s->P, rows, NULL));
+  PetscCall(VecGetSubVector(x, rows[0], &u));
+  PetscCall(VecGetSubVector(x, rows[1], &q));
+  PetscCall(VecDuplicate(q, &stress));
+  PetscCall(MatMult(s->Z, u, stress));
+  PetscCall(VecAXPY(q, scale, stress));
+  PetscCall(VecDestroy(&stress));
+  PetscCall(VecRestoreSubVector(x, rows[1], &q));
+  PetscCall(VecRestoreSubVector(x, rows[0], &u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
