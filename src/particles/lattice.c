@@ -317,6 +317,21 @@ static void SurfaceParticle(const Scene *scene, WallPlacement walls, PetscInt in
   BodyParticle(scene, k, x, 0.0, normal, volume, id, p, i);
 }
 
+/* Returns the part of the volume of lattice cells that is fluid: particles on free sides of the box
+   have half a cell outside. All particles lose the same share. */
+static PetscReal PartInside(const Scene *scene)
+{
+  PetscReal part = 1.0;
+
+  for (PetscInt side = 0; side < 2 * scene->dim; side += 2) {
+    const PetscInt free =
+        BoundaryIs(scene, side, BOUNDARY_FREE) + BoundaryIs(scene, side + 1, BOUNDARY_FREE);
+
+    part *= (scene->cells[side / 2] - 0.5 * free) / scene->cells[side / 2];
+  }
+  return part;
+}
+
 /*
   Creates the particles of lattice cells [first, last): fluid with ids from `fluid` on, or no fluid
   if `fluid` is negative, and dummies at local indices from `wall` on with ids from `dummy` on.
@@ -324,8 +339,9 @@ static void SurfaceParticle(const Scene *scene, WallPlacement walls, PetscInt in
 static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, PetscInt last,
                       PetscInt fluid, PetscInt wall, PetscInt dummy, Particles *p)
 {
-  PetscReal x[ISPH_MAX_DIM], depth, normal[ISPH_MAX_DIM];
-  PetscInt  body, i = 0;
+  const PetscReal part = PartInside(scene);
+  PetscReal       x[ISPH_MAX_DIM], depth, normal[ISPH_MAX_DIM];
+  PetscInt        body, i = 0;
 
   for (PetscInt c = first; c < last; c++) {
     const CellKind kind = ClassifyCell(scene, walls, c, x, &body, &depth, normal);
@@ -336,7 +352,7 @@ static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, P
     p->id[i]     = fluid + i;
     p->kind[i]   = PARTICLE_FLUID;
     p->dx[i]     = SceneSpacing(scene, x);
-    p->volume[i] = SceneVolumeAt(scene, x);
+    p->volume[i] = part * SceneVolumeAt(scene, x);
     SetStretch(scene, x, p, i);
     JitterFluid(scene, walls, p->id[i], x);
     for (PetscInt a = 0; a < p->dim; a++) p->x[a][i] = x[a];
@@ -344,19 +360,30 @@ static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, P
   }
 }
 
-/* Creates fluid at given positions; ids are consecutive in the order of ranks. */
-static void FillGiven(const Scene *scene, const FluidStart *start, Particles *p)
+/* Creates fluid at given positions; ids are consecutive in the order of ranks. The particles share
+   the volume of regions filled at the start. */
+static PetscErrorCode FillGiven(const Scene *scene, const FluidStart *start, Particles *p)
 {
+  const PetscReal part   = PartInside(scene);
+  PetscReal       volume = 0.0;
+  Pools           pools;
+
+  PetscFunctionBegin;
+  PetscCall(PoolsCreate(scene, &pools));
+  for (PetscInt pool = 0; pool < pools.n; pool++) volume += pools.volume[pool];
+  PetscCall(PoolsDestroy(&pools));
   for (PetscInt i = 0; i < start->n; i++) {
-    p->id[i]     = start->first + i;
-    p->kind[i]   = PARTICLE_FLUID;
-    p->dx[i]     = SceneSpacing(scene, &start->x[i * p->dim]);
-    p->volume[i] = SceneVolumeAt(scene, &start->x[i * p->dim]);
+    p->id[i]   = start->first + i;
+    p->kind[i] = PARTICLE_FLUID;
+    p->dx[i]   = SceneSpacing(scene, &start->x[i * p->dim]);
+    p->volume[i] =
+        volume > 0.0 ? volume / start->N : part * SceneVolumeAt(scene, &start->x[i * p->dim]);
     for (PetscInt a = 0; a < p->dim; a++) {
       p->x[a][i] = start->x[i * p->dim + a];
       if (start->u) p->u[a][i] = start->u[i * p->dim + a];
     }
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Checks, for each body that has the fluid inside, that the wall layers behind its surface fit into
@@ -430,6 +457,6 @@ PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidS
     SurfaceParticle(scene, walls, k, p->N_fluid + slabs.first[slabs.n] + k, p, wall++);
   dummy = p->N_fluid + slabs.first[slabs.n] + SurfacePoints(scene, walls) + before[1];
   FillCells(scene, walls, first, last, start ? -1 : before[0], wall, dummy, p);
-  if (start) FillGiven(scene, start, p);
+  if (start) PetscCall(FillGiven(scene, start, p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -97,8 +97,9 @@ static PetscErrorCode LeavesFree(Leaves *leaves)
 }
 
 /* Computes the points of a cell, and the sums of their shares of M and of their volumes. */
-static PetscErrorCode LeavesCreate(const Scene *scene, const Region *region, PetscInt index,
-                                   Leaves *leaves, PetscReal *mass, PetscReal *volume)
+static PetscErrorCode LeavesCreate(const Scene *scene, const Region *region, const Pools *pools,
+                                   PetscInt index, Leaves *leaves, PetscReal *mass,
+                                   PetscReal *volume)
 {
   const PetscInt n = region->n;
   PetscReal      lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM], x[ISPH_MAX_DIM], part = 1.0;
@@ -116,7 +117,7 @@ static PetscErrorCode LeavesCreate(const Scene *scene, const Region *region, Pet
   *mass = *volume = 0.0;
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) x[a] = region->x[a];
   for (PetscInt k = 0; k < leaves->n; k++) {
-    PetscInt  rest = k, body, side;
+    PetscInt  rest = k, body;
     PetscReal normal[ISPH_MAX_DIM], share = part;
 
     for (PetscInt m = 0; m < n; m++) {
@@ -127,8 +128,8 @@ static PetscErrorCode LeavesCreate(const Scene *scene, const Region *region, Pet
     }
     if (SceneDistance(scene, x, &body, normal) <= 0.0) share = 0.0;
     *volume += share;
-    if (share > 0.0 && n == scene->dim && RowsHold(scene, x)) share = 0.0;
-    if (SceneDistanceTo(scene, BOUNDARY_FREE, x, &side) < 0.5 * SceneSpacing(scene, x)) share = 0.0;
+    if (pools && !PoolsHold(pools, x)) share = 0.0;
+    if (share > 0.0 && !pools && n == scene->dim && RowsHold(scene, x)) share = 0.0;
     for (PetscInt m = 0; m < n && share > 0.0; m++) share *= scene->dx / SceneSpacing(scene, x);
     leaves->mass[k]  = share;
     leaves->order[k] = k;
@@ -192,8 +193,9 @@ static PetscErrorCode Bisect(PetscInt n, Leaves *leaves, PetscInt first, PetscIn
 
 /* Sums up M and the volume of this rank's cells of the path, and of the cells before them, in
    whole numbers. */
-static PetscErrorCode SumCells(const Scene *scene, const Region *region, PetscInt first,
-                               PetscInt last, PetscInt64 before[2], PetscInt64 all[2])
+static PetscErrorCode SumCells(const Scene *scene, const Region *region, const Pools *pools,
+                               PetscInt first, PetscInt last, PetscInt64 before[2],
+                               PetscInt64 all[2])
 {
   PetscInt64 own[2] = {0, 0};
 
@@ -203,7 +205,7 @@ static PetscErrorCode SumCells(const Scene *scene, const Region *region, PetscIn
     Leaves    leaves;
     PetscReal mass, volume;
 
-    PetscCall(LeavesCreate(scene, region, c, &leaves, &mass, &volume));
+    PetscCall(LeavesCreate(scene, region, pools, c, &leaves, &mass, &volume));
     PetscCall(LeavesFree(&leaves));
     own[0] += (PetscInt64)(mass * UNIT + 0.5);
     own[1] += (PetscInt64)(volume * UNIT + 0.5);
@@ -217,11 +219,13 @@ static PetscErrorCode SumCells(const Scene *scene, const Region *region, PetscIn
   PlacesCreate - Creates the first places of the particles of a region
 
   Collective on PETSC_COMM_WORLD. Each rank creates the places in a contiguous part of the path.
+  Input: pools - the fluid at the start; NULL if it fills the region.
 
   Output Parameter:
 . places - this rank's share; free with PlacesDestroy()
 */
-PetscErrorCode PlacesCreate(const Scene *scene, const Region *region, Places *places)
+PetscErrorCode PlacesCreate(const Scene *scene, const Region *region, const Pools *pools,
+                            Places *places)
 {
   const PetscInt64 half  = (PetscInt64)(0.5 * UNIT);
   PetscInt64       count = 1, before[2], all[2], end;
@@ -232,7 +236,7 @@ PetscErrorCode PlacesCreate(const Scene *scene, const Region *region, Places *pl
   UserCheck(count < PETSC_INT_MAX / 8, "-n asks for more particles than fit: more than %d",
             (int)(PETSC_INT_MAX / 8));
   ParticlesShare(PETSC_COMM_WORLD, (PetscInt)count, &first, &last);
-  PetscCall(SumCells(scene, region, first, last, before, all));
+  PetscCall(SumCells(scene, region, pools, first, last, before, all));
   UserCheck(all[0] / (1LL << 32) < PETSC_INT_MAX / 8,
             "-n asks for more particles than fit: more than %d", (int)(PETSC_INT_MAX / 8));
   places->dim    = region->n;
@@ -246,7 +250,7 @@ PetscErrorCode PlacesCreate(const Scene *scene, const Region *region, Places *pl
     PetscReal mass, volume;
     PetscInt  k;
 
-    PetscCall(LeavesCreate(scene, region, c, &leaves, &mass, &volume));
+    PetscCall(LeavesCreate(scene, region, pools, c, &leaves, &mass, &volume));
     end = before[0] + (PetscInt64)(mass * UNIT + 0.5);
     k   = (PetscInt)(((end + half) >> 32) - ((before[0] + half) >> 32));
     if ((places->n + k) > n) {
