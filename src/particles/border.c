@@ -3,14 +3,14 @@
   the outlines of regions that are inside the box, outside bodies and outside other regions, divided
   at corners. The particles of a piece are evenly spaced, about dx apart. A piece that ends at a
   wall has its last particle dx/2 above this wall, as a lattice has; a piece that ends at a corner
-  has it in the corner; a piece that ends at another region or at a body has it half a spacing
-  before.
+  has it in the corner; a piece that ends at another region, a body or a periodic side has it
+  half a spacing before.
 */
 #include "impl.h"
 
 #define FINE   32.0 /* samples of an outline along dx */
 #define CORNER 0.9  /* cosine of the angle of normals at a corner */
-#define NEAR   1e-6 /* distance from a wall below which an outline follows it [dx] */
+#define NEAR   1e-6 /* distance from a side below which an outline follows it [dx] */
 
 /* A run of consecutive samples of an outline. */
 typedef struct {
@@ -37,10 +37,22 @@ static PetscReal WallGap(const Scene *scene, const PetscReal x[], PetscBool bodi
   return gap;
 }
 
+/* Returns true if a point is on a periodic side of the box, or beyond it. */
+static PetscBool OnPeriodicSide(const Scene *scene, const PetscReal x[])
+{
+  for (PetscInt a = 0; a < 2; a++) {
+    const PetscReal gap = PetscMin(x[a] - scene->lo[a], scene->hi[a] - x[a]);
+
+    if (SceneIsPeriodic(scene, a) && gap < NEAR * scene->dx) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
 /* Returns true if a point on the outline of region k is on the free border. */
 static PetscBool IsFree(const Scene *scene, PetscInt k, const PetscReal x[])
 {
   if (WallGap(scene, x, PETSC_TRUE) < NEAR * scene->dx) return PETSC_FALSE;
+  if (OnPeriodicSide(scene, x)) return PETSC_FALSE;
   for (PetscInt m = 0; m < scene->n_filled; m++)
     if (m != k && SceneFilledDistance(scene, m, x) >= 0.0) return PETSC_FALSE;
   return PETSC_TRUE;

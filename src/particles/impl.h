@@ -2,8 +2,8 @@
   Declarations shared by the files of this folder. Each file calls only files to its right:
 
     particles.c | population.c, relax.c | neighbors.c | epoch.c | migrate.c, decompose.c, halo.c,
-    lattice.c, cloud.c, numbering.c | surfaces.c | places.c | pools.c | poollattice.c, border.c |
-    rows.c | cells.c | exchange.c, storage.c
+    lattice.c, cloud.c, numbering.c | given.c, surfaces.c | places.c | pools.c | poollattice.c,
+    border.c | rows.c | cells.c | exchange.c, storage.c
 */
 #ifndef ISPH_PARTICLES_IMPL_H
 #define ISPH_PARTICLES_IMPL_H
@@ -101,6 +101,10 @@ PetscErrorCode PoolLattice(const Pools *pools, PetscInt pool, Rows *rows);
 PetscErrorCode BorderCreate(Pools *pools);
 PetscReal      BorderDistance(const Pools *pools, const PetscReal x[]);
 PetscErrorCode BorderParticles(const Pools *pools, Rows *rows);
+
+/* given.c */
+PetscReal      LatticePartInside(const Scene *scene);
+PetscErrorCode GivenFill(const Scene *scene, const FluidStart *start, Particles *p);
 
 /* cloud.c */
 typedef struct {

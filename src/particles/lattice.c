@@ -317,21 +317,6 @@ static void SurfaceParticle(const Scene *scene, WallPlacement walls, PetscInt in
   BodyParticle(scene, k, x, 0.0, normal, volume, id, p, i);
 }
 
-/* Returns the part of the volume of lattice cells that is fluid: particles on free sides of the box
-   have half a cell outside. All particles lose the same share. */
-static PetscReal PartInside(const Scene *scene)
-{
-  PetscReal part = 1.0;
-
-  for (PetscInt side = 0; side < 2 * scene->dim; side += 2) {
-    const PetscInt free =
-        BoundaryIs(scene, side, BOUNDARY_FREE) + BoundaryIs(scene, side + 1, BOUNDARY_FREE);
-
-    part *= (scene->cells[side / 2] - 0.5 * free) / scene->cells[side / 2];
-  }
-  return part;
-}
-
 /*
   Creates the particles of lattice cells [first, last): fluid with ids from `fluid` on, or no fluid
   if `fluid` is negative, and dummies at local indices from `wall` on with ids from `dummy` on.
@@ -339,7 +324,7 @@ static PetscReal PartInside(const Scene *scene)
 static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, PetscInt last,
                       PetscInt fluid, PetscInt wall, PetscInt dummy, Particles *p)
 {
-  const PetscReal part = PartInside(scene);
+  const PetscReal part = LatticePartInside(scene);
   PetscReal       x[ISPH_MAX_DIM], depth, normal[ISPH_MAX_DIM];
   PetscInt        body, i = 0;
 
@@ -358,32 +343,6 @@ static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, P
     for (PetscInt a = 0; a < p->dim; a++) p->x[a][i] = x[a];
     i++;
   }
-}
-
-/* Creates fluid at given positions; ids are consecutive in the order of ranks. The particles share
-   the volume of regions filled at the start. */
-static PetscErrorCode FillGiven(const Scene *scene, const FluidStart *start, Particles *p)
-{
-  const PetscReal part   = PartInside(scene);
-  PetscReal       volume = 0.0;
-  Pools           pools;
-
-  PetscFunctionBegin;
-  PetscCall(PoolsCreate(scene, &pools));
-  for (PetscInt pool = 0; pool < pools.n; pool++) volume += pools.volume[pool];
-  PetscCall(PoolsDestroy(&pools));
-  for (PetscInt i = 0; i < start->n; i++) {
-    p->id[i]   = start->first + i;
-    p->kind[i] = PARTICLE_FLUID;
-    p->dx[i]   = SceneSpacing(scene, &start->x[i * p->dim]);
-    p->volume[i] =
-        volume > 0.0 ? volume / start->N : part * SceneVolumeAt(scene, &start->x[i * p->dim]);
-    for (PetscInt a = 0; a < p->dim; a++) {
-      p->x[a][i] = start->x[i * p->dim + a];
-      if (start->u) p->u[a][i] = start->u[i * p->dim + a];
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Checks, for each body that has the fluid inside, that the wall layers behind its surface fit into
@@ -457,6 +416,6 @@ PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidS
     SurfaceParticle(scene, walls, k, p->N_fluid + slabs.first[slabs.n] + k, p, wall++);
   dummy = p->N_fluid + slabs.first[slabs.n] + SurfacePoints(scene, walls) + before[1];
   FillCells(scene, walls, first, last, start ? -1 : before[0], wall, dummy, p);
-  if (start) PetscCall(FillGiven(scene, start, p));
+  if (start) PetscCall(GivenFill(scene, start, p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

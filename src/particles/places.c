@@ -96,7 +96,22 @@ static PetscErrorCode LeavesFree(Leaves *leaves)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the points of a cell, and the sums of their shares of M and of their volumes. */
+/* Returns true if a cell may be in a pool, by the depth of its middle. */
+static PetscBool MayHold(const Pools *pools, const Region *region, const PetscReal lo[],
+                         const PetscReal hi[])
+{
+  PetscReal x[ISPH_MAX_DIM] = {0.0}, half = 0.0, depth;
+
+  for (PetscInt m = 0; m < region->n; m++) {
+    x[region->axis[m]] = 0.5 * (lo[m] + hi[m]);
+    half += 0.25 * PetscSqr(hi[m] - lo[m]);
+  }
+  (void)PoolAt(pools, x, &depth);
+  return depth > -PetscSqrtReal(half) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Computes the points of a cell, none if it is empty, and the sums of their shares of M and of
+   their volumes. */
 static PetscErrorCode LeavesCreate(const Scene *scene, const Region *region, const Pools *pools,
                                    PetscInt index, Leaves *leaves, PetscReal *mass,
                                    PetscReal *volume)
@@ -106,11 +121,11 @@ static PetscErrorCode LeavesCreate(const Scene *scene, const Region *region, con
 
   PetscFunctionBegin;
   CellAt(scene, region, index, lo, hi);
-  leaves->along = PointsAlong(scene, region, lo, hi);
+  leaves->along = pools && !MayHold(pools, region, lo, hi) ? 0 : PointsAlong(scene, region, lo, hi);
   leaves->n     = 1;
   for (PetscInt m = 0; m < n; m++) {
     leaves->n *= leaves->along;
-    part *= (hi[m] - lo[m]) / leaves->along / SceneCellSide(scene, region->axis[m]);
+    if (leaves->n) part *= (hi[m] - lo[m]) / leaves->along / SceneCellSide(scene, region->axis[m]);
   }
   PetscCall(PetscMalloc4(leaves->n, &leaves->order, leaves->n * n, &leaves->x, leaves->n,
                          &leaves->mass, leaves->n, &leaves->key));

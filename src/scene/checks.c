@@ -4,7 +4,8 @@
 */
 #include "isph/scene.h"
 
-#define STIFF 3.0 /* ratio of viscosities */
+#define STIFF        3.0    /* ratio of viscosities */
+#define OUTLINE_MOST 100000 /* longest outline of a filled region, which ranks sample [dx] */
 
 /* Checks the gap between a body and its own periodic image, from its extent along each axis. */
 static PetscErrorCode CheckImages(const Scene *scene)
@@ -83,6 +84,10 @@ PetscErrorCode SceneCheckFilled(const Scene *scene)
             "-scene_free: the borders of -scene_filled_1 are the free surface; leave -scene_free "
             "out");
   for (PetscInt k = 0; k < scene->n_filled; k++) {
+    UserCheck(BodyPoints(&scene->filled[k], scene->dx) <= OUTLINE_MOST,
+              "-scene_filled_%" PetscInt_FMT
+              ": its outline is longer than %d dx; a region need not reach far beyond the box",
+              k + 1, OUTLINE_MOST);
     for (PetscInt a = 0; a < 2; a++) {
       PetscReal span[2], width;
 
