@@ -16,7 +16,6 @@ static PetscReal SlopeOfJ2(PetscReal x)
 static PetscErrorCode DropModeSetup(Scene *scene)
 {
   const PetscReal R = scene->length;
-  Body           *body;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) {
@@ -24,9 +23,7 @@ static PetscErrorCode DropModeSetup(Scene *scene)
     scene->hi[a] = 1.5 * R;
   }
   SceneSetSides(scene, &BoundaryNone);
-  body = &SceneAddFree(scene)->body;
-  BodyCircle(body, 0.0, 0.0, R);
-  body->around = PETSC_TRUE;
+  BodyCircle(SceneAddFilled(scene), 0.0, 0.0, R);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

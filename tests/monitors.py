@@ -4,6 +4,7 @@ a fluid at rest.
 
     monitors.py COMMAND...         COMMAND starts the program, on some ranks"""
 import csv
+import math
 import subprocess
 import sys
 
@@ -106,6 +107,17 @@ def main():
         close(last(forces, wall=wall)["fy"], mu * fy, 0.01 * mu * abs(fy))
         close(last(forces, wall=wall)["tz"], mu * tz, 0.01 * mu * abs(tz))
         close(last(forces, wall=wall)["fx"], 0, 0.01 * mu * abs(fy))
+
+    # A drop in free flight keeps its volume. Each of the corners of a square adds about dx^2/4.
+    flight = ["-case", "scene", "-scene_box", "0,0,2,1", "-scene_velocity", "1,0", "-viscosity", "0.1", "-n", "20", "-dt",
+              "0.05", "-t_end", "0.2", "-probe_volume"]
+    for shape, volume, excess in ("circle,0.6,0.5,0.3", 0.09 * math.pi, 0), ("box,0.3,0.2,0.9,0.8", 0.36, 1 / 400):
+        run(*flight, "-scene_filled_1", shape)
+        drop = rows("probe_volume.csv")
+        assert len(drop) == 5, len(drop)
+        for row in drop:
+            close(row["volume"], volume + excess, 1e-3 * volume)
+            close(row["error"], excess / volume, 1e-3)
 
     run("-case", "cavity_cylinder", "-n", "16", "-max_steps", "1", "-probe_forces")
     assert [row["wall"] for row in rows("probe_forces.csv")[:5]] == ["left", "right", "bottom", "top", "body_1"]

@@ -79,7 +79,6 @@ static PetscBool OnTop(const Pool *pool, PetscInt i)
 static void Disc(PetscInt n, Pool *pool)
 {
   Scene *scene;
-  Body  *body;
 
   pool->s   = CrowdBox("disc", 2, 3 * n, 3 * n, 1, 2, 0);
   scene     = &pool->s.scene;
@@ -90,9 +89,7 @@ static void Disc(PetscInt n, Pool *pool)
   }
   SceneSetSides(scene, &BoundaryNone);
   scene->physics = PHYSICS_PRESSURE;
-  body           = &SceneAddFree(scene)->body;
-  BodyCircle(body, 0.0, 0.0, 1.0);
-  body->around = PETSC_TRUE;
+  BodyCircle(SceneAddFilled(scene), 0.0, 0.0, 1.0);
   Fill(0.0, pool);
 }
 

@@ -105,6 +105,7 @@ PetscInt                MonitorsCount(const Monitors *monitors);
 void                    MonitorsGet(const Monitors *monitors, PetscReal values[]);
 PetscErrorCode          MonitorsSet(Monitors *monitors, PetscInt n, const PetscReal values[]);
 
+PetscErrorCode FluidVolume(const Flow *flow, PetscReal *volume, PetscReal *mass);
 PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscReal T[]);
 
 extern const OptionTable ReportOptions, SnapshotOptions, MonitorOptions, ProgressOptions,

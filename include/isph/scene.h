@@ -29,6 +29,7 @@ extern const char *const PhysicsNames[PHYSICS_COUNT + 1]; /* in the order of bit
 #define KIND_NAME            32 /* size of the name of a kind of boundaries, with a comma */
 #define BODY_PARAMETERS      64
 #define SCENE_MAX_FLUIDS     8
+#define SCENE_MAX_FILLED     16
 #define SCENE_ON_SURFACE     1e-9 /* rounding of distances from a surface [dx] */
 
 /* Solid bodies in the plane; with `around` the fluid is inside, and the solid surrounds it. */
@@ -223,6 +224,8 @@ struct Scene {
   Body       region[SCENE_MAX_FLUIDS]; /* of fluids 1, 2, ...; later regions cover earlier ones */
   PetscReal  region_nu[SCENE_MAX_FLUIDS]; /* their viscosities [m^2/s] */
   PetscInt   n_regions;
+  Body       filled[SCENE_MAX_FILLED]; /* regions that the fluid fills at the start */
+  PetscInt   n_filled;                 /* 0: the fluid fills the box */
   Rheology   rheology;
   PetscReal  jitter;         /* largest random displacement at the start [dx] */
   PetscInt   seed;           /* of the jitter and of random fields */
@@ -238,6 +241,7 @@ extern const OptionTable SceneOptions, SpacingOptions, TypedOptions, BoundaryOpt
 PetscErrorCode SceneReadTyped(Scene *scene);
 PetscReal      SceneViscosityAt(const Scene *scene, const PetscReal x[]);
 PetscErrorCode SceneCheckFluids(const Scene *scene);
+PetscErrorCode SceneCheckFilled(const Scene *scene);
 PetscErrorCode SceneCheckGaps(const Scene *scene);
 PetscErrorCode SceneCheckInflow(const Scene *scene, PetscReal t);
 PetscErrorCode SceneCreate(Scene **scene);
@@ -313,8 +317,13 @@ PetscReal      SceneViscosity(const Scene *scene, const PetscReal x[]);
 PetscErrorCode SceneBoundViscosity(Scene *scene);
 PetscErrorCode SceneBoundGivenViscosity(PetscInt n, const PetscReal nu[], Scene *scene);
 void           SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal f[]);
+void OptionNumber(const OptionRow *pattern, PetscInt k, char name[OPTION_LENGTH], OptionRow *row);
+PetscErrorCode ShapeRead(const Scene *scene, const OptionRow *pattern, PetscInt k, Body *body,
+                         PetscBool *given);
+PetscErrorCode ShapeCheckNumbers(const OptionRow *pattern, PetscInt n, PetscInt most);
 const char    *BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[]);
 void           BodyCircle(Body *body, PetscReal x, PetscReal y, PetscReal r);
+PetscInt       BodyLines(const Body *body, PetscInt axis, PetscReal line[]);
 PetscReal      BodyThickness(const Body *body, PetscReal dx, PetscReal limit, PetscReal place[2]);
 void           BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2]);
 void           BodySpan(const Body *body, PetscInt axis, PetscReal span[2]);
@@ -328,8 +337,8 @@ PetscReal SceneDistanceTo(const Scene *scene, unsigned properties, const PetscRe
 PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *side);
 PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,
                         PetscReal normal[]);
-Boundary *SceneAddFree(Scene *scene);
-PetscBool SceneHasFreeShape(const Scene *scene);
+Body     *SceneAddFilled(Scene *scene);
+PetscReal SceneFilledDistance(const Scene *scene, PetscInt region, const PetscReal x[]);
 PetscBool SceneHasFreeSurface(const Scene *scene);
 void      SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
                           WallPlane planes[SCENE_MAX_BOUNDARIES], PetscInt *count);

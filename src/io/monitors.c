@@ -6,7 +6,7 @@
 
 #define MONITOR_NUMBERS 256 /* most numbers of an option */
 
-enum { POINT, LINE, FLUX, FORCES, BUDGET, EVERY, BASE };
+enum { POINT, LINE, FLUX, FORCES, BUDGET, VOLUME, EVERY, BASE };
 static const OptionRow options[] = {
     [POINT] =
         {
@@ -51,6 +51,14 @@ static const OptionRow options[] = {
             .unit  = "m",
             .where = "flows that advance in time",
         },
+    [VOLUME] =
+        {
+            .name     = "-probe_volume",
+            .kind     = VALUE_SWITCH,
+            .brief    = "volume inside the free surface, and its error",
+            .standard = "false",
+            .where    = "flows with a free surface",
+        },
     [EVERY] =
         {
             .name     = "-probe_every",
@@ -76,7 +84,7 @@ const OptionTable MonitorOptions = OPTIONS("Probes", options);
 /* Kinds of monitors in the order of their options. */
 static const MonitorKind *const kinds[] = {
     [POINT] = &MonitorPoints,  [LINE] = &MonitorLines,    [FLUX] = &MonitorFluxes,
-    [FORCES] = &MonitorForces, [BUDGET] = &MonitorBudget,
+    [FORCES] = &MonitorForces, [BUDGET] = &MonitorBudget, [VOLUME] = &MonitorVolume,
 };
 #define MONITOR_KINDS PETSC_STATIC_ARRAY_LENGTH(kinds)
 
@@ -171,10 +179,11 @@ PetscErrorCode MonitorsNeeds(unsigned *needs)
                                   to (x1, y1) is positive [m]
 . -probe_forces                 - forces and torques on each wall
 . -probe_budget x0,y0,x1,y1,... - kinetic energy and divergence of each part of a step in boxes [m]
+. -probe_volume                 - volume inside the free surface
 . -probe_every T                - rows after the first step at or past each multiple of T [s]; by
                                   default rows after every step
 - -probe_output base            - files base_point.csv, base_line.csv, base_flux.csv,
-                                  base_forces.csv, base_budget.csv
+                                  base_forces.csv, base_budget.csv, base_volume.csv
 
   Errors: incomplete groups of numbers end the run
 */

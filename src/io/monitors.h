@@ -44,6 +44,8 @@ typedef struct {
 extern const MonitorKind MonitorPoints, MonitorLines, MonitorFluxes, MonitorBudget;
 /* forces.c */
 extern const MonitorKind MonitorForces;
+/* volume.c */
+extern const MonitorKind MonitorVolume;
 
 /* monitorfile.c */
 PetscErrorCode MonitorOpen(const MonitorKind *kind, Monitor *monitor);

@@ -270,7 +270,8 @@ static PetscErrorCode ChooseSurface(const Scene *scene, OperatorForms *forms)
   PetscFunctionBegin;
   if (!SceneHasFreeSurface(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   UserCheck(!SceneViscosityVaries(scene),
-            "-scene_free: a fluid with a free surface has a uniform viscosity, which excludes %s",
+            "%s: a fluid with a free surface has a uniform viscosity, which excludes %s",
+            scene->n_filled ? "-scene_filled_1" : "-scene_free",
             SceneIsNewtonian(scene) ? "-scene_fluid_1 and -viscosity_field" : "-rheology");
   UserCheck(!forms->visc.row || forms->visc.row->Row == LaplacianRow_Mls ||
                 forms->visc.row->Row == LaplacianRow_PairwiseStress,

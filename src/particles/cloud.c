@@ -1,8 +1,8 @@
 /*
-  Particles at the start of a run if the spacing is a function of place, or if the fluid has a free
-  surface. Fluid is created in ordered rows along walls, on free surfaces, and elsewhere at the
-  places of places.c, which relax.c relaxes. Wall particles lie on surfaces; no particle is behind a
-  wall.
+  Particles at the start of a run if the spacing is a function of place, or if the fluid does not
+  fill the box. Ordered particles are in rows along walls, or on lattices and free borders of pools;
+  the others are at the places of places.c, which relax.c relaxes. Wall particles lie on surfaces;
+  no particle is behind a wall.
 */
 #include "impl.h"
 
@@ -40,49 +40,92 @@ static void WallParticle(const Scene *scene, const SurfacePoint *point, Particle
   SetSize(scene, p, i);
 }
 
+/* Creates the ordered particles: on free borders and lattices of pools, or in rows along walls; and
+   the first places of the others. */
+static PetscErrorCode Arrange(const Scene *scene, const Surfaces *walls, Cloud *cloud, Rows *rows,
+                              Places *places)
+{
+  const Pools *pools = &cloud->pools;
+  Region       region;
+
+  PetscFunctionBegin;
+  RegionSetBox(scene, &region);
+  if (!pools->n) {
+    PetscCall(PlacesCreate(scene, &region, NULL, places));
+    PetscCall(RowsCreate(scene, walls, rows));
+  } else {
+    for (PetscInt pool = 0; pool < pools->n; pool++)
+      if (pools->lattice[pool]) PetscCall(PoolLattice(pools, pool, rows));
+    PetscCall(BorderParticles(pools, rows));
+    if (pools->relaxed) PetscCall(PlacesCreate(scene, &region, pools, places));
+  }
+  cloud->ordered = rows->N;
+  cloud->relaxed = places->N;
+  cloud->volume  = places->volume;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
-  CloudFill - Creates the particles of a scene with isotropic grading at their first places
+  CloudFill - Creates the particles of a scene with isotropic grading, or of a scene whose fluid
+  does not fill the box, at their first places
 
   Collective. Input: p - empty particles, with all fields of this module registered.
 
   Output Parameters:
-+ p     - the particles; ids are given to ordered rows, then to places, then to walls
-- cloud - number of particles in ordered rows, and volume of the fluid
++ p     - the particles; ids are given to ordered particles, then to places, then to walls
+- cloud - numbers of ordered and other particles, and volume of the fluid
 */
 PetscErrorCode CloudFill(const Scene *scene, Particles *p, Cloud *cloud)
 {
-  Region   region;
-  Places   places;
-  Surfaces walls = {0}, free;
-  Rows     rows;
+  Places   places = {0};
+  Surfaces walls  = {0};
+  Rows     rows   = {0};
 
   PetscFunctionBegin;
-  RegionSetBox(scene, &region);
-  PetscCall(PlacesCreate(scene, &region, &places));
-  if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(SurfacesCreate(scene, BOUNDARY_PARTICLES, &walls));
-  PetscCall(SurfacesCreate(scene, BOUNDARY_FREE, &free));
-  PetscCall(RowsCreate(scene, &walls, &rows));
-  cloud->ordered = rows.N + free.N;
-  cloud->volume  = places.volume;
+  PetscCall(PoolsCreate(scene, &cloud->pools));
+  if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(SurfacesCreate(scene, &walls));
+  PetscCall(Arrange(scene, &walls, cloud, &rows, &places));
   p->N_lattice = p->N_fluid = p->N_start[0] = cloud->ordered + places.N;
   p->N_wall = p->N_start[1] = walls.N;
-  p->n_fluid                = rows.n + free.n + places.n;
+  p->n_fluid                = rows.n + places.n;
   p->n_wall                 = walls.n;
   p->next_id                = (PetscInt64)p->N_fluid + p->N_wall;
   UserCheck(p->N_fluid > 0, "the bodies leave no room for fluid at dx = %.4g", (double)scene->dx);
   PetscCall(ParticlesReserve(p, ParticlesOwn(p)));
   for (PetscInt i = 0; i < rows.n; i++)
     FluidParticle(scene, &rows.x[i * p->dim], rows.index[i], p, i);
-  for (PetscInt i = 0; i < free.n; i++)
-    FluidParticle(scene, free.point[i].x, rows.N + free.point[i].index, p, rows.n + i);
   for (PetscInt i = 0; i < places.n; i++)
-    FluidParticle(scene, &places.x[i * p->dim], cloud->ordered + places.first + i, p,
-                  rows.n + free.n + i);
+    FluidParticle(scene, &places.x[i * p->dim], cloud->ordered + places.first + i, p, rows.n + i);
   for (PetscInt k = 0; k < walls.n; k++) WallParticle(scene, &walls.point[k], p, p->n_fluid + k);
   PetscCall(RowsDestroy(&rows));
   PetscCall(SurfacesDestroy(&walls));
-  PetscCall(SurfacesDestroy(&free));
   PetscCall(PlacesDestroy(&places));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Gives each fluid particle its share of the volume of its pool, or, of a fluid that fills the box,
+   a share in proportion to its present volume. */
+static PetscErrorCode ShareVolume(const Scene *scene, const Cloud *cloud, Particles *p)
+{
+  const Pools *pools                 = &cloud->pools;
+  PetscReal    sum[SCENE_MAX_FILLED] = {0.0}, depth;
+
+  PetscFunctionBegin;
+  for (PetscInt fill = 0; fill < 2; fill++) {
+    for (PetscInt i = 0; i < p->n_fluid; i++) {
+      PetscReal x[ISPH_MAX_DIM] = {0.0};
+      PetscInt  pool;
+
+      for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+      pool = pools->n ? PoolAt(pools, x, &depth) : 0;
+      if (!fill) sum[pool] += p->volume[i];
+      else if (pools->n) p->volume[i] *= pools->volume[pool] / sum[pool];
+      else p->volume[i] *= cloud->volume * p->cell_volume / sum[pool];
+    }
+    if (!fill)
+      PetscCallMPI(
+          MPI_Allreduce(MPI_IN_PLACE, sum, SCENE_MAX_FILLED, MPIU_REAL, MPIU_SUM, p->comm));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -90,18 +133,13 @@ PetscErrorCode CloudFill(const Scene *scene, Particles *p, Cloud *cloud)
   CloudFinish - Sets the sizes of particles at their last places; the volumes of the fluid add up to
   its volume
 
-  Collective
+  Collective. Frees the pools of the cloud.
 */
-PetscErrorCode CloudFinish(const Scene *scene, const Cloud *cloud, Particles *p)
+PetscErrorCode CloudFinish(const Scene *scene, Cloud *cloud, Particles *p)
 {
-  PetscReal sum = 0.0;
-
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    SetSize(scene, p, i);
-    sum += p->volume[i];
-  }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, p->comm));
-  for (PetscInt i = 0; i < p->n_fluid; i++) p->volume[i] *= cloud->volume * p->cell_volume / sum;
+  for (PetscInt i = 0; i < p->n_fluid; i++) SetSize(scene, p, i);
+  PetscCall(ShareVolume(scene, cloud, p));
+  PetscCall(PoolsDestroy(&cloud->pools));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,8 +2,8 @@
   Declarations shared by the files of this folder. Each file calls only files to its right:
 
     particles.c | population.c, relax.c | neighbors.c | epoch.c | migrate.c, decompose.c, halo.c,
-    lattice.c, cloud.c, numbering.c | rows.c, surfaces.c | places.c, cells.c | exchange.c,
-    storage.c
+    lattice.c, cloud.c, numbering.c | given.c, surfaces.c | places.c | pools.c | poollattice.c,
+    border.c | rows.c | cells.c | exchange.c, storage.c
 */
 #ifndef ISPH_PARTICLES_IMPL_H
 #define ISPH_PARTICLES_IMPL_H
@@ -32,6 +32,28 @@ PetscErrorCode ParticlesLargestMove(const Particles *p, PetscReal *const from[],
 PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidStart *start,
                            Particles *p);
 
+/* pools.c */
+typedef struct {
+  PetscInt  region;                       /* filled region on whose outline it lies */
+  PetscBool free;                         /* on the free border of the fluid */
+  PetscReal x[ISPH_MAX_DIM];              /* [m] */
+  PetscReal normal[ISPH_MAX_DIM], length; /* of the outline [m] */
+} BorderSample;
+typedef struct {
+  const Scene  *scene;
+  PetscInt      n;                         /* pools; 0: the fluid fills the box */
+  PetscInt      of[SCENE_MAX_FILLED];      /* pool of each filled region */
+  PetscBool     lattice[SCENE_MAX_FILLED]; /* of each pool: it has a lattice */
+  PetscReal     volume[SCENE_MAX_FILLED];  /* of each pool [m^dim] */
+  PetscBool     relaxed;                   /* a pool has no lattice */
+  BorderSample *border; /* of pools without lattice, in the order of outlines; all ranks */
+  PetscInt      n_border;
+} Pools;
+PetscErrorCode PoolsCreate(const Scene *scene, Pools *pools);
+PetscErrorCode PoolsDestroy(Pools *pools);
+PetscInt       PoolAt(const Pools *pools, const PetscReal x[], PetscReal *depth);
+PetscBool      PoolsHold(const Pools *pools, const PetscReal x[]);
+
 /* places.c */
 typedef struct {
   PetscInt  n, axis[ISPH_MAX_DIM]; /* axes along which the region extends, as the box */
@@ -44,7 +66,8 @@ typedef struct {
 } Places;
 void           RegionSetBox(const Scene *scene, Region *region);
 void           RegionSetSide(const Scene *scene, PetscInt side, Region *region);
-PetscErrorCode PlacesCreate(const Scene *scene, const Region *region, Places *places);
+PetscErrorCode PlacesCreate(const Scene *scene, const Region *region, const Pools *pools,
+                            Places *places);
 PetscErrorCode PlacesDestroy(Places *places);
 
 /* surfaces.c */
@@ -56,7 +79,7 @@ typedef struct {
   PetscInt      N, n, capacity; /* points of all ranks, of this rank */
   SurfacePoint *point;
 } Surfaces;
-PetscErrorCode SurfacesCreate(const Scene *scene, BoundaryProperty property, Surfaces *surfaces);
+PetscErrorCode SurfacesCreate(const Scene *scene, Surfaces *surfaces);
 PetscErrorCode SurfacesDestroy(Surfaces *surfaces);
 
 /* rows.c */
@@ -65,17 +88,33 @@ typedef struct {
   PetscInt  *index;          /* of each among those of all ranks */
   PetscReal *x;              /* dim values of each [m] */
 } Rows;
+PetscErrorCode RowsAdd(const Scene *scene, const PetscReal x[], Rows *rows);
 PetscBool      RowsHold(const Scene *scene, const PetscReal x[]);
 PetscErrorCode RowsCreate(const Scene *scene, const Surfaces *walls, Rows *rows);
 PetscErrorCode RowsDestroy(Rows *rows);
 
+/* poollattice.c */
+PetscBool      PoolHasLattice(const Pools *pools, PetscInt pool);
+PetscErrorCode PoolLattice(const Pools *pools, PetscInt pool, Rows *rows);
+
+/* border.c */
+PetscErrorCode BorderCreate(Pools *pools);
+PetscReal      BorderDistance(const Pools *pools, const PetscReal x[]);
+PetscErrorCode BorderParticles(const Pools *pools, Rows *rows);
+
+/* given.c */
+PetscReal      LatticePartInside(const Scene *scene);
+PetscErrorCode GivenFill(const Scene *scene, const FluidStart *start, Particles *p);
+
 /* cloud.c */
 typedef struct {
-  PetscInt  ordered; /* fluid particles of ordered rows: their ids are below it */
-  PetscReal volume;  /* of the fluid [lattice cells] */
+  PetscInt  ordered; /* fluid particles that relaxation does not move: their ids are below it */
+  PetscInt  relaxed; /* fluid particles that it moves */
+  PetscReal volume;  /* of the fluid that fills the box [lattice cells] */
+  Pools     pools;
 } Cloud;
 PetscErrorCode CloudFill(const Scene *scene, Particles *p, Cloud *cloud);
-PetscErrorCode CloudFinish(const Scene *scene, const Cloud *cloud, Particles *p);
+PetscErrorCode CloudFinish(const Scene *scene, Cloud *cloud, Particles *p);
 
 /* relax.c */
 PetscErrorCode CloudRelax(const Scene *scene, const Cloud *cloud, Particles *p);

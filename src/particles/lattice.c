@@ -324,8 +324,9 @@ static void SurfaceParticle(const Scene *scene, WallPlacement walls, PetscInt in
 static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, PetscInt last,
                       PetscInt fluid, PetscInt wall, PetscInt dummy, Particles *p)
 {
-  PetscReal x[ISPH_MAX_DIM], depth, normal[ISPH_MAX_DIM];
-  PetscInt  body, i = 0;
+  const PetscReal part = LatticePartInside(scene);
+  PetscReal       x[ISPH_MAX_DIM], depth, normal[ISPH_MAX_DIM];
+  PetscInt        body, i = 0;
 
   for (PetscInt c = first; c < last; c++) {
     const CellKind kind = ClassifyCell(scene, walls, c, x, &body, &depth, normal);
@@ -336,26 +337,11 @@ static void FillCells(const Scene *scene, WallPlacement walls, PetscInt first, P
     p->id[i]     = fluid + i;
     p->kind[i]   = PARTICLE_FLUID;
     p->dx[i]     = SceneSpacing(scene, x);
-    p->volume[i] = SceneVolumeAt(scene, x);
+    p->volume[i] = part * SceneVolumeAt(scene, x);
     SetStretch(scene, x, p, i);
     JitterFluid(scene, walls, p->id[i], x);
     for (PetscInt a = 0; a < p->dim; a++) p->x[a][i] = x[a];
     i++;
-  }
-}
-
-/* Creates fluid at given positions; ids are consecutive in the order of ranks. */
-static void FillGiven(const Scene *scene, const FluidStart *start, Particles *p)
-{
-  for (PetscInt i = 0; i < start->n; i++) {
-    p->id[i]     = start->first + i;
-    p->kind[i]   = PARTICLE_FLUID;
-    p->dx[i]     = SceneSpacing(scene, &start->x[i * p->dim]);
-    p->volume[i] = SceneVolumeAt(scene, &start->x[i * p->dim]);
-    for (PetscInt a = 0; a < p->dim; a++) {
-      p->x[a][i] = start->x[i * p->dim + a];
-      if (start->u) p->u[a][i] = start->u[i * p->dim + a];
-    }
   }
 }
 
@@ -430,6 +416,6 @@ PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidS
     SurfaceParticle(scene, walls, k, p->N_fluid + slabs.first[slabs.n] + k, p, wall++);
   dummy = p->N_fluid + slabs.first[slabs.n] + SurfacePoints(scene, walls) + before[1];
   FillCells(scene, walls, first, last, start ? -1 : before[0], wall, dummy, p);
-  if (start) FillGiven(scene, start, p);
+  if (start) PetscCall(GivenFill(scene, start, p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -53,7 +53,7 @@ static void SetViscosities(const Scene *scene, const FluidStart *start, Particle
   }
 }
 
-/* Creates particles whose spacing is a function of place. */
+/* Creates particles whose spacing is a function of place, or that do not fill the box. */
 static PetscErrorCode CreateCloud(const Scene *scene, Particles *p)
 {
   Cloud cloud;
@@ -61,7 +61,7 @@ static PetscErrorCode CreateCloud(const Scene *scene, Particles *p)
   PetscFunctionBegin;
   PetscCall(CloudFill(scene, p, &cloud));
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
-  PetscCall(CloudRelax(scene, &cloud, p));
+  if (cloud.relaxed) PetscCall(CloudRelax(scene, &cloud, p));
   PetscCall(CloudFinish(scene, &cloud, p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -117,7 +117,7 @@ PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscRea
   PetscCallMPI(MPI_Type_commit(&p->vector));
   PetscCall(RegisterOwnFields(scene, p));
 
-  if (scene->grading.on || (SceneHasFreeShape(scene) && !start)) PetscCall(CreateCloud(scene, p));
+  if (scene->grading.on || (scene->n_filled && !start)) PetscCall(CreateCloud(scene, p));
   else PetscCall(LatticeFill(scene, walls, start, p));
   SetViscosities(scene, start, p);
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));

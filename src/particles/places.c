@@ -96,27 +96,43 @@ static PetscErrorCode LeavesFree(Leaves *leaves)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the points of a cell, and the sums of their shares of M and of their volumes. */
-static PetscErrorCode LeavesCreate(const Scene *scene, const Region *region, PetscInt index,
-                                   Leaves *leaves, PetscReal *mass, PetscReal *volume)
+/* Returns true if a cell may be in a pool, by the depth of its middle. */
+static PetscBool MayHold(const Pools *pools, const Region *region, const PetscReal lo[],
+                         const PetscReal hi[])
+{
+  PetscReal x[ISPH_MAX_DIM] = {0.0}, half = 0.0, depth;
+
+  for (PetscInt m = 0; m < region->n; m++) {
+    x[region->axis[m]] = 0.5 * (lo[m] + hi[m]);
+    half += 0.25 * PetscSqr(hi[m] - lo[m]);
+  }
+  (void)PoolAt(pools, x, &depth);
+  return depth > -PetscSqrtReal(half) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Computes the points of a cell, none if it is empty, and the sums of their shares of M and of
+   their volumes. */
+static PetscErrorCode LeavesCreate(const Scene *scene, const Region *region, const Pools *pools,
+                                   PetscInt index, Leaves *leaves, PetscReal *mass,
+                                   PetscReal *volume)
 {
   const PetscInt n = region->n;
   PetscReal      lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM], x[ISPH_MAX_DIM], part = 1.0;
 
   PetscFunctionBegin;
   CellAt(scene, region, index, lo, hi);
-  leaves->along = PointsAlong(scene, region, lo, hi);
+  leaves->along = pools && !MayHold(pools, region, lo, hi) ? 0 : PointsAlong(scene, region, lo, hi);
   leaves->n     = 1;
   for (PetscInt m = 0; m < n; m++) {
     leaves->n *= leaves->along;
-    part *= (hi[m] - lo[m]) / leaves->along / SceneCellSide(scene, region->axis[m]);
+    if (leaves->n) part *= (hi[m] - lo[m]) / leaves->along / SceneCellSide(scene, region->axis[m]);
   }
   PetscCall(PetscMalloc4(leaves->n, &leaves->order, leaves->n * n, &leaves->x, leaves->n,
                          &leaves->mass, leaves->n, &leaves->key));
   *mass = *volume = 0.0;
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) x[a] = region->x[a];
   for (PetscInt k = 0; k < leaves->n; k++) {
-    PetscInt  rest = k, body, side;
+    PetscInt  rest = k, body;
     PetscReal normal[ISPH_MAX_DIM], share = part;
 
     for (PetscInt m = 0; m < n; m++) {
@@ -127,8 +143,8 @@ static PetscErrorCode LeavesCreate(const Scene *scene, const Region *region, Pet
     }
     if (SceneDistance(scene, x, &body, normal) <= 0.0) share = 0.0;
     *volume += share;
-    if (share > 0.0 && n == scene->dim && RowsHold(scene, x)) share = 0.0;
-    if (SceneDistanceTo(scene, BOUNDARY_FREE, x, &side) < 0.5 * SceneSpacing(scene, x)) share = 0.0;
+    if (pools && !PoolsHold(pools, x)) share = 0.0;
+    if (share > 0.0 && !pools && n == scene->dim && RowsHold(scene, x)) share = 0.0;
     for (PetscInt m = 0; m < n && share > 0.0; m++) share *= scene->dx / SceneSpacing(scene, x);
     leaves->mass[k]  = share;
     leaves->order[k] = k;
@@ -192,8 +208,9 @@ static PetscErrorCode Bisect(PetscInt n, Leaves *leaves, PetscInt first, PetscIn
 
 /* Sums up M and the volume of this rank's cells of the path, and of the cells before them, in
    whole numbers. */
-static PetscErrorCode SumCells(const Scene *scene, const Region *region, PetscInt first,
-                               PetscInt last, PetscInt64 before[2], PetscInt64 all[2])
+static PetscErrorCode SumCells(const Scene *scene, const Region *region, const Pools *pools,
+                               PetscInt first, PetscInt last, PetscInt64 before[2],
+                               PetscInt64 all[2])
 {
   PetscInt64 own[2] = {0, 0};
 
@@ -203,7 +220,7 @@ static PetscErrorCode SumCells(const Scene *scene, const Region *region, PetscIn
     Leaves    leaves;
     PetscReal mass, volume;
 
-    PetscCall(LeavesCreate(scene, region, c, &leaves, &mass, &volume));
+    PetscCall(LeavesCreate(scene, region, pools, c, &leaves, &mass, &volume));
     PetscCall(LeavesFree(&leaves));
     own[0] += (PetscInt64)(mass * UNIT + 0.5);
     own[1] += (PetscInt64)(volume * UNIT + 0.5);
@@ -217,11 +234,13 @@ static PetscErrorCode SumCells(const Scene *scene, const Region *region, PetscIn
   PlacesCreate - Creates the first places of the particles of a region
 
   Collective on PETSC_COMM_WORLD. Each rank creates the places in a contiguous part of the path.
+  Input: pools - the fluid at the start; NULL if it fills the region.
 
   Output Parameter:
 . places - this rank's share; free with PlacesDestroy()
 */
-PetscErrorCode PlacesCreate(const Scene *scene, const Region *region, Places *places)
+PetscErrorCode PlacesCreate(const Scene *scene, const Region *region, const Pools *pools,
+                            Places *places)
 {
   const PetscInt64 half  = (PetscInt64)(0.5 * UNIT);
   PetscInt64       count = 1, before[2], all[2], end;
@@ -232,7 +251,7 @@ PetscErrorCode PlacesCreate(const Scene *scene, const Region *region, Places *pl
   UserCheck(count < PETSC_INT_MAX / 8, "-n asks for more particles than fit: more than %d",
             (int)(PETSC_INT_MAX / 8));
   ParticlesShare(PETSC_COMM_WORLD, (PetscInt)count, &first, &last);
-  PetscCall(SumCells(scene, region, first, last, before, all));
+  PetscCall(SumCells(scene, region, pools, first, last, before, all));
   UserCheck(all[0] / (1LL << 32) < PETSC_INT_MAX / 8,
             "-n asks for more particles than fit: more than %d", (int)(PETSC_INT_MAX / 8));
   places->dim    = region->n;
@@ -246,7 +265,7 @@ PetscErrorCode PlacesCreate(const Scene *scene, const Region *region, Places *pl
     PetscReal mass, volume;
     PetscInt  k;
 
-    PetscCall(LeavesCreate(scene, region, c, &leaves, &mass, &volume));
+    PetscCall(LeavesCreate(scene, region, pools, c, &leaves, &mass, &volume));
     end = before[0] + (PetscInt64)(mass * UNIT + 0.5);
     k   = (PetscInt)(((end + half) >> 32) - ((before[0] + half) >> 32));
     if ((places->n + k) > n) {

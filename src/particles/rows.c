@@ -62,6 +62,20 @@ static PetscBool IsNearest(const Scene *scene, const PetscReal x[], PetscInt sid
   return PETSC_TRUE;
 }
 
+/* RowsAdd - Adds a particle at x; the caller sets its index and rows->N; not collective */
+PetscErrorCode RowsAdd(const Scene *scene, const PetscReal x[], Rows *rows)
+{
+  PetscFunctionBegin;
+  if (rows->n == rows->capacity) {
+    rows->capacity = 2 * rows->capacity + 64;
+    PetscCall(PetscRealloc(sizeof(*rows->x) * (size_t)(rows->capacity * scene->dim), &rows->x));
+    PetscCall(PetscRealloc(sizeof(*rows->index) * (size_t)rows->capacity, &rows->index));
+  }
+  for (PetscInt a = 0; a < scene->dim; a++) rows->x[rows->n * scene->dim + a] = x[a];
+  rows->n++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Adds the particles of all rows above a wall particle. */
 static PetscErrorCode AddRows(const Scene *scene, const SurfacePoint *point, Rows *rows)
 {
@@ -71,14 +85,7 @@ static PetscErrorCode AddRows(const Scene *scene, const SurfacePoint *point, Row
     PetscReal       x[ISPH_MAX_DIM] = {0.0};
 
     for (PetscInt a = 0; a < scene->dim; a++) x[a] = point->x[a] + height * point->normal[a];
-    if (!IsNearest(scene, x, point->side, height)) continue;
-    if (rows->n == rows->capacity) {
-      rows->capacity = 2 * rows->capacity + 64;
-      PetscCall(PetscRealloc(sizeof(*rows->x) * (size_t)(rows->capacity * scene->dim), &rows->x));
-      PetscCall(PetscRealloc(sizeof(*rows->index) * (size_t)rows->capacity, &rows->index));
-    }
-    for (PetscInt a = 0; a < scene->dim; a++) rows->x[rows->n * scene->dim + a] = x[a];
-    rows->n++;
+    if (IsNearest(scene, x, point->side, height)) PetscCall(RowsAdd(scene, x, rows));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -96,7 +103,6 @@ PetscErrorCode RowsCreate(const Scene *scene, const Surfaces *walls, Rows *rows)
   PetscInt k = 0;
 
   PetscFunctionBegin;
-  PetscCall(PetscMemzero(rows, sizeof(*rows)));
   for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
     const PetscInt begin = rows->n;
     PetscInt       own, before = 0, all;

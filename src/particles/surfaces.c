@@ -1,6 +1,7 @@
 /*
-  Wall particles of scenes whose spacing is a function of place. On a curve, a side of the box in 2D
-  or a body, each particle has the same share of the number of particles int dl/s.
+  Wall particles of scenes whose spacing is a function of place, or whose fluid does not fill the
+  box. On a curve, a side of the box in 2D or a body, each particle has the same share of the number
+  of particles int dl/s.
 */
 #include "impl.h"
 
@@ -104,7 +105,7 @@ static PetscErrorCode AddCurve(const Scene *scene, PetscInt side, Surfaces *s)
    the same everywhere on it. */
 static PetscErrorCode AddPlane(const Scene *scene, PetscInt side, Surfaces *s)
 {
-  const PetscReal even                 = scene->grading.even[side];
+  const PetscReal even                 = scene->grading.on ? scene->grading.even[side] : scene->dx;
   PetscReal       normal[ISPH_MAX_DIM] = {0.0};
   PetscInt        count[2];
   Region          region;
@@ -122,7 +123,7 @@ static PetscErrorCode AddPlane(const Scene *scene, PetscInt side, Surfaces *s)
     ParticlesShare(PETSC_COMM_WORLD, places.N, &places.first, &places.n);
     places.n -= places.first;
   } else {
-    PetscCall(PlacesCreate(scene, &region, &places));
+    PetscCall(PlacesCreate(scene, &region, NULL, &places));
   }
   for (PetscInt k = 0; k < places.n; k++) {
     PetscReal x[ISPH_MAX_DIM];
@@ -144,16 +145,16 @@ static PetscErrorCode AddPlane(const Scene *scene, PetscInt side, Surfaces *s)
 }
 
 /*
-  SurfacesCreate - Creates the particles on all sides of the box and on all bodies with a property
+  SurfacesCreate - Creates the wall particles on all sides of the box and on all bodies
 
   Collective on PETSC_COMM_WORLD. Output: s - this rank's share; free with SurfacesDestroy().
 */
-PetscErrorCode SurfacesCreate(const Scene *scene, BoundaryProperty property, Surfaces *s)
+PetscErrorCode SurfacesCreate(const Scene *scene, Surfaces *s)
 {
   PetscFunctionBegin;
   PetscCall(PetscMemzero(s, sizeof(*s)));
   for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
-    if (!BoundaryIs(scene, side, property)) continue;
+    if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES)) continue;
     if (scene->dim == 3 && !BoundaryBody(scene, side)) PetscCall(AddPlane(scene, side, s));
     else PetscCall(AddCurve(scene, side, s));
   }

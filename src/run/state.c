@@ -146,18 +146,21 @@ static PetscErrorCode SceneGrading(const Scene *scene, double value[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes a checksum of the shapes of all bodies. */
+/* Adds a shape to a checksum. */
+static void SumShape(const Body *body, uint64_t *sum)
+{
+  CheckpointSumText(body->shape->name, sum);
+  CheckpointSumNumbers(body->n, body->parameter, sum);
+}
+
+/* Computes a checksum of the shapes of all bodies and of the regions filled at the start. */
 static PetscErrorCode SceneShapes(const Scene *scene, double value[])
 {
   uint64_t sum = 0;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    const Body *body = SceneBody(scene, k);
-
-    CheckpointSumText(body->shape->name, &sum);
-    CheckpointSumNumbers(body->n, body->parameter, &sum);
-  }
+  for (PetscInt k = 0; k < scene->n_bodies; k++) SumShape(SceneBody(scene, k), &sum);
+  for (PetscInt k = 0; k < scene->n_filled; k++) SumShape(&scene->filled[k], &sum);
   value[0] = (double)(sum >> 16); /* a double holds 48 bits exactly */
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -172,26 +172,27 @@ const BoundaryRow *SceneFitKind(const Scene *scene)
 
 /*
   ScenePressureFloats - Returns true if the constant of the pressure is undetermined, because no
-  boundary gives a value of the pressure
+  boundary and no free surface gives a value of the pressure
 
   Not collective. Solvers ask through gauge.c.
 */
 PetscBool ScenePressureFloats(const Scene *scene)
 {
+  if (SceneHasFreeSurface(scene)) return PETSC_FALSE;
   for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
     if (BoundaryEquation(scene, side, FIT_PRESSURE) == EQUATION_VALUE) return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }
 
-/* SceneIsClosedBox - Returns true if all sides of the box confine the fluid and the scene has no
-   body; not collective */
+/* SceneIsClosedBox - Returns true if the fluid fills a box, all sides confine it and the scene has
+   no body; not collective */
 PetscBool SceneIsClosedBox(const Scene *scene)
 {
   for (PetscInt side = 0; side < SceneBodySide(scene, 0); side++) {
     if (!BoundaryIs(scene, side, BOUNDARY_CONFINES)) return PETSC_FALSE;
   }
-  return scene->n_bodies ? PETSC_FALSE : PETSC_TRUE;
+  return scene->n_bodies || scene->n_filled ? PETSC_FALSE : PETSC_TRUE;
 }
 
 /*

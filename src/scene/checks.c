@@ -1,10 +1,11 @@
 /*
-  Checks of a typed scene before any particle exists: gaps between bodies, and the balance of inflow
-  and outflow through the sides.
+  Checks of a typed scene before any particle exists: gaps between bodies, regions filled at the
+  start, and the balance of inflow and outflow through the sides.
 */
 #include "isph/scene.h"
 
-#define STIFF 3.0 /* ratio of viscosities */
+#define STIFF        3.0    /* ratio of viscosities */
+#define OUTLINE_MOST 100000 /* longest outline of a filled region, which ranks sample [dx] */
 
 /* Checks the gap between a body and its own periodic image, from its extent along each axis. */
 static PetscErrorCode CheckImages(const Scene *scene)
@@ -63,6 +64,45 @@ PetscErrorCode SceneCheckGaps(const Scene *scene)
           ": at (%.4g, %.4g) it is %.3g from another wall; less than 4 dx = %.3g, or overlapping; "
           "use a larger -n",
           k + 1, (double)x[0], (double)x[1], (double)gap, (double)least);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SceneCheckFilled - Refuses regions filled at the start that are thin or outside the box, that end
+  on a single one of two periodic sides, or that stand beside -scene_free
+
+  Collective. A region reaches over both periodic sides of an axis or over none.
+*/
+PetscErrorCode SceneCheckFilled(const Scene *scene)
+{
+  const PetscReal least = 2.0 * SceneCoarsest(scene), slack = 1e-6 * SceneTolerance(scene);
+
+  PetscFunctionBegin;
+  UserCheck(!scene->n_filled || !SceneHasBoundary(scene, BOUNDARY_FREE),
+            "-scene_free: the borders of -scene_filled_1 are the free surface; leave -scene_free "
+            "out");
+  for (PetscInt k = 0; k < scene->n_filled; k++) {
+    UserCheck(BodyPoints(&scene->filled[k], scene->dx) <= OUTLINE_MOST,
+              "-scene_filled_%" PetscInt_FMT
+              ": its outline is longer than %d dx; a region need not reach far beyond the box",
+              k + 1, OUTLINE_MOST);
+    for (PetscInt a = 0; a < 2; a++) {
+      PetscReal span[2], width;
+
+      BodySpan(&scene->filled[k], a, span);
+      width = PetscMin(span[1], scene->hi[a]) - PetscMax(span[0], scene->lo[a]);
+      UserCheck(width >= least,
+                "-scene_filled_%" PetscInt_FMT
+                ": %.3g m of it are in the box along %c; at least 2 dx = %.3g is allowed; use a "
+                "larger -n or another place",
+                k + 1, (double)PetscMax(width, 0.0), "xy"[a], (double)least);
+      UserCheck(!SceneIsPeriodic(scene, a) ||
+                    (span[0] < scene->lo[a] + slack) == (span[1] > scene->hi[a] - slack),
+                "-scene_filled_%" PetscInt_FMT
+                ": it reaches one of the periodic sides along %c; let it reach both or none",
+                k + 1, "xy"[a]);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

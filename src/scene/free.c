@@ -3,8 +3,10 @@
 
     sigma n = 0:   t.(grad u + grad u^T) n = 0,   p = 2 mu n.E n,
 
-  with the outward normal n and tangents t. A side of the box or a body around the fluid is the
-  place of the surface at the start; later the particles on it carry it (freesurface.c).
+  with the outward normal n and tangents t. At the start they are sides of the box, or the borders
+  of the regions that the fluid fills, as far as they are inside the box and outside other regions
+  and bodies; later the particles on the surface carry it (freesurface.c). Every side of a box with
+  such regions is a wall, a periodic side or no boundary: also where the fluid is not yet.
 */
 #include "isph/scene.h"
 
@@ -25,27 +27,24 @@ const BoundaryRow BoundaryFree = {
                    [FIT_PRESSURE_FREE]       = EQUATION_NONE},
 };
 
-/* SceneAddFree - Adds a free surface, whose shape the caller sets; returns its boundary; not
-   collective */
-Boundary *SceneAddFree(Scene *scene)
+/* SceneAddFilled - Adds a region that the fluid fills at the start, whose shape the caller sets;
+   returns the shape; not collective */
+Body *SceneAddFilled(Scene *scene)
 {
-  Boundary *boundary = SceneAddBody(scene);
-
-  boundary->kind = &BoundaryFree;
-  return boundary;
+  return &scene->filled[scene->n_filled++];
 }
 
-/* SceneHasFreeShape - Returns true if a free surface is a shape, not a side of the box; not
-   collective */
-PetscBool SceneHasFreeShape(const Scene *scene)
+/* SceneFilledDistance - Returns the distance of x from the border of a region that the fluid fills
+   at the start, positive in the fluid [m]; not collective */
+PetscReal SceneFilledDistance(const Scene *scene, PetscInt region, const PetscReal x[])
 {
-  for (PetscInt k = 0; k < scene->n_bodies; k++)
-    if (BoundaryIs(scene, SceneBodySide(scene, k), BOUNDARY_FREE)) return PETSC_TRUE;
-  return PETSC_FALSE;
+  PetscReal normal[ISPH_MAX_DIM];
+
+  return -BodyDistance(scene, &scene->filled[region], x, normal);
 }
 
 /* SceneHasFreeSurface - Returns true if the fluid has a free surface; not collective */
 PetscBool SceneHasFreeSurface(const Scene *scene)
 {
-  return SceneHasBoundary(scene, BOUNDARY_FREE);
+  return scene->n_filled || SceneHasBoundary(scene, BOUNDARY_FREE) ? PETSC_TRUE : PETSC_FALSE;
 }

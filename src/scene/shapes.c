@@ -284,6 +284,21 @@ void BodySpan(const Body *body, PetscInt axis, PetscReal span[2])
   body->shape->Span(body, axis, span);
 }
 
+/* BodyLines - Computes the coordinates of the corners of a body along an axis of the plane [m];
+   returns their number, 0 unless all edges are lines along the axes; not collective */
+PetscInt BodyLines(const Body *body, PetscInt axis, PetscReal line[])
+{
+  if (body->shape->round) return 0;
+  for (PetscInt e = 0; e < Corners(body); e++) {
+    const PetscReal *a, *b;
+
+    (void)Edge(body, e, &a, &b);
+    if (a[0] != b[0] && a[1] != b[1]) return 0;
+    line[e] = a[axis];
+  }
+  return Corners(body);
+}
+
 /*
   BodyThickness - Returns the least thickness of a body between opposite surfaces [m]
 

@@ -3,11 +3,6 @@
   solution. All options are checked before any particle exists.
 */
 #include "isph/scene.h"
-#include <stdlib.h>
-#include <string.h>
-
-#define SHAPE_TEXT   2048     /* room for BODY_PARAMETERS numbers with all their digits */
-#define SHAPE_POINTS 20000000 /* most points on a surface: checks visit all of them */
 
 enum {
   BOX,
@@ -16,6 +11,7 @@ enum {
   BODY_VELOCITY,
   BODY_ROTATION,
   BODY_AROUND,
+  FILLED,
   FLUID,
   FLUID_VISCOSITY,
   VISCOSITY_FIELD,
@@ -79,6 +75,18 @@ static const OptionRow options[] = {
             .table    = &BoundaryTable,
             .where    = "-case scene, bodies that are given",
         },
+    [FILLED] =
+        {
+            .name  = "-scene_filled_<k>",
+            .kind  = VALUE_SHAPE,
+            .brief = "region that the fluid fills at the start, a shape as of bodies; the rest of "
+                     "the box is empty, and its border is a free surface where it is inside the "
+                     "box; regions are numbered 1, 2, ... and may overlap",
+            .unit  = "m",
+            .standard = "the whole box",
+            .table    = &ShapeTable,
+            .where    = "-case scene",
+        },
     [FLUID] =
         {
             .name  = "-scene_fluid_<k>",
@@ -129,51 +137,6 @@ static const OptionRow options[] = {
 };
 const OptionTable TypedOptions = OPTIONS("Typed scenes", options);
 
-/* Makes the option row of body or fluid k from a pattern with <k> in its name. */
-static void Numbered(const OptionRow *pattern, PetscInt k, char name[OPTION_LENGTH], OptionRow *row)
-{
-  char number[32];
-
-  (void)snprintf(number, sizeof(number), "%" PetscInt_FMT, k);
-  OptionFill(pattern, number, name, row);
-}
-
-/* Reads the name of a shape and its numbers, as "circle,0.5,0.5,0.25". */
-static PetscErrorCode ReadShape(const Scene *scene, const char option[], const char text[],
-                                Body *body)
-{
-  const ShapeRow *shape;
-  const char     *wrong;
-  PetscReal       number[BODY_PARAMETERS];
-  PetscInt        n = 0;
-  char            word[SHAPE_TEXT], *next, *end;
-
-  PetscFunctionBegin;
-  UserCheck(strlen(text) < SHAPE_TEXT - 1, "%s: it is longer than %d characters", option,
-            SHAPE_TEXT - 2);
-  PetscCall(PetscStrncpy(word, text, sizeof(word)));
-  next = strchr(word, ',');
-  if (next) *next++ = '\0';
-  PetscCall(TableWant(&ShapeTable, option, word, &shape));
-  while (next && n < BODY_PARAMETERS) {
-    number[n++] = strtod(next, &end);
-    end += strspn(end, " ");
-    UserCheck(end != next && (*end == ',' || !*end), "%s: a number is required at '%s'", option,
-              next);
-    next = *end ? end + 1 : NULL;
-  }
-  UserCheck(!next && n >= shape->fewest && n <= shape->most, "%s: a %s is %s", option, shape->name,
-            shape->brief);
-  for (PetscInt k = 0; k < n; k++)
-    UserCheck(!PetscIsInfOrNanReal(number[k]), "%s: its numbers must be finite", option);
-  wrong = BodySet(body, shape, n, number);
-  UserCheck(!wrong, "%s: %s", option, wrong);
-  UserCheck(BodyPoints(body, BodySpacing(scene, body)) <= SHAPE_POINTS,
-            "%s: its outline is longer than %d dx; a shape need not reach far beyond the box",
-            option, SHAPE_POINTS);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   Refuses a constant surface velocity with a normal component: bodies have fixed positions, so it
   would carry fluid through the surface. A normal velocity that depends on t is accepted, because it
@@ -205,34 +168,14 @@ static PetscErrorCode ReadBodyMotion(PetscInt k, Scene *scene, Boundary *boundar
   OptionRow row;
 
   PetscFunctionBegin;
-  Numbered(&options[BODY_VELOCITY], k, name, &row);
+  OptionNumber(&options[BODY_VELOCITY], k, name, &row);
   PetscCall(ExpressionGet(scene->scope, &row, 2, 2, EXPRESSION_TIME, &boundary->velocity, NULL));
-  Numbered(&options[BODY_ROTATION], k, name, &row);
+  OptionNumber(&options[BODY_ROTATION], k, name, &row);
   PetscCall(ExpressionGet(scene->scope, &row, 1, 1, EXPRESSION_TIME, &boundary->rotation, NULL));
   if (ExpressionUses(&boundary->velocity, EXPRESSION_TIME) ||
       ExpressionUses(&boundary->rotation, EXPRESSION_TIME))
     scene->unsteady_walls = PETSC_TRUE;
   PetscCall(CheckBodyMotion(scene, boundary));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Ends the run if an option of this pattern has a number other than 1, 2, ..., n. */
-static PetscErrorCode CheckNumbers(const OptionRow *pattern, PetscInt n, PetscInt most)
-{
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k <= most + 1; k++) {
-    char      name[OPTION_LENGTH];
-    OptionRow row;
-    PetscBool given;
-
-    if (k >= 1 && k <= n) continue;
-    Numbered(pattern, k, name, &row);
-    PetscCall(OptionGiven(name, &given));
-    UserCheck(!given,
-              "%s: numbers are 1, 2, ... without gaps, to at most %" PetscInt_FMT "; %" PetscInt_FMT
-              " of them are given",
-              name, most, n);
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -242,23 +185,23 @@ static PetscErrorCode ReadBodies(Scene *scene)
   PetscFunctionBegin;
   for (PetscInt k = 1; k <= SCENE_MAX_BODIES; k++) {
     Boundary *boundary;
-    char      name[OPTION_LENGTH], text[SHAPE_TEXT];
+    Body      body;
+    char      name[OPTION_LENGTH];
     OptionRow row;
     PetscBool given;
 
-    Numbered(&options[BODY], k, name, &row);
-    PetscCall(OptionGetText(&row, sizeof(text), text, &given));
+    PetscCall(ShapeRead(scene, &options[BODY], k, &body, &given));
     if (!given) break;
-    boundary = SceneAddBody(scene);
-    PetscCall(ReadShape(scene, name, text, &boundary->body));
+    boundary       = SceneAddBody(scene);
+    boundary->body = body;
     PetscCall(ReadBodyMotion(k, scene, boundary));
-    Numbered(&options[BODY_AROUND], k, name, &row);
+    OptionNumber(&options[BODY_AROUND], k, name, &row);
     PetscCall(OptionGetSwitch(&row, &boundary->body.around, NULL));
     for (PetscInt side = 0; boundary->body.around && side < SceneBodySide(scene, 0); side++) {
       if (BoundaryIs(scene, side, BOUNDARY_PARTICLES)) SceneSetSide(scene, side, &BoundaryNone);
     }
   }
-  PetscCall(CheckNumbers(&options[BODY], scene->n_bodies, SCENE_MAX_BODIES));
+  PetscCall(ShapeCheckNumbers(&options[BODY], scene->n_bodies, SCENE_MAX_BODIES));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -308,6 +251,24 @@ static PetscErrorCode ReadSides(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Reads the regions 1, 2, ... that the fluid fills at the start. */
+static PetscErrorCode ReadFilled(Scene *scene)
+{
+  PetscBool given = PETSC_TRUE;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 1; k <= SCENE_MAX_FILLED; k++) {
+    Body body;
+
+    PetscCall(ShapeRead(scene, &options[FILLED], k, &body, &given));
+    if (!given) break;
+    *SceneAddFilled(scene) = body;
+  }
+  PetscCall(ShapeCheckNumbers(&options[FILLED], scene->n_filled, SCENE_MAX_FILLED));
+  PetscCall(SceneCheckFilled(scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Reads fluids 1, 2, ... and the viscosity elsewhere. */
 static PetscErrorCode ReadFluids(Scene *scene)
 {
@@ -318,19 +279,17 @@ static PetscErrorCode ReadFluids(Scene *scene)
                           &scene->nu_field, NULL));
   for (PetscInt k = 1; k <= SCENE_MAX_FLUIDS; k++) {
     PetscReal *nu = &scene->region_nu[scene->n_regions];
-    char       name[OPTION_LENGTH], text[SHAPE_TEXT];
+    char       name[OPTION_LENGTH];
     OptionRow  row;
 
-    Numbered(&options[FLUID], k, name, &row);
-    PetscCall(OptionGetText(&row, sizeof(text), text, &given));
+    PetscCall(ShapeRead(scene, &options[FLUID], k, &scene->region[scene->n_regions], &given));
     if (!given) break;
-    PetscCall(ReadShape(scene, name, text, &scene->region[scene->n_regions]));
-    Numbered(&options[FLUID_VISCOSITY], k, name, &row);
+    OptionNumber(&options[FLUID_VISCOSITY], k, name, &row);
     PetscCall(OptionGetReal(&row, nu, &given));
     UserCheck(given, "%s: the fluid's kinematic viscosity is required [m^2/s]", name);
     scene->n_regions++;
   }
-  PetscCall(CheckNumbers(&options[FLUID], scene->n_regions, SCENE_MAX_FLUIDS));
+  PetscCall(ShapeCheckNumbers(&options[FLUID], scene->n_regions, SCENE_MAX_FLUIDS));
   UserCheck(
       SceneIsNewtonian(scene) || (!scene->n_regions && !scene->nu_field.n),
       "-rheology %s with -scene_fluid_1 or -viscosity_field: viscosity follows the strain rate or "
@@ -366,6 +325,7 @@ static PetscErrorCode ReadFields(Scene *scene)
 . -scene_body_<k>_velocity u,v     - velocity of its surface [m/s] (t)
 . -scene_body_<k>_rotation w       - angular velocity of its surface [rad/s] (t)
 . -scene_body_<k>_around           - the fluid is inside the body; the box then has no walls
+. -scene_filled_<k> shape,...      - region that the fluid fills at the start [m]
 . -scene_fluid_<k> shape,...       - region of fluid 1, 2, ... at the start [m]
 . -scene_fluid_<k>_viscosity nu    - kinematic viscosity of this fluid [m^2/s]
 . -viscosity_field nu              - kinematic viscosity outside these regions [m^2/s] (x, y)
@@ -402,6 +362,7 @@ PetscErrorCode SceneReadTyped(Scene *scene)
   PetscCall(SceneCheckInflow(scene,
                              0.125 * scene->length / scene->speed)); /* walls may start from rest */
   if (!SceneHasBoundary(scene, BOUNDARY_PARTICLES)) scene->physics &= ~(unsigned)PHYSICS_WALLS;
+  PetscCall(ReadFilled(scene));
   PetscCall(ReadFluids(scene));
   PetscCall(SceneCheckFluids(scene));
   PetscCall(ReadFields(scene));

@@ -85,6 +85,8 @@ def scene_input(rng):
             words += [f"-scene_body_{k}_rotation", number(rng)]
         if rng.random() < 0.2:
             words += [f"-scene_body_{k}_around", "true"]
+    for k in range(1, 1 + rng.choice((0, 0, 0, 1, 3))):
+        words += [f"-scene_filled_{k}", shape(rng)]
     for k in range(1, 1 + rng.choice((0, 0, 1, 2, 5))):
         words += [f"-scene_fluid_{k}", shape(rng), f"-scene_fluid_{k}_viscosity", f"{10 ** rng.uniform(-6, 4):.3g}"]
     for side in "left", "right", "bottom", "top":

@@ -1,0 +1,243 @@
+/*
+  Particles on the free borders of pools without lattice. A border consists of pieces: the parts of
+  the outlines of regions that are inside the box, outside bodies and outside other regions, divided
+  at corners. The particles of a piece are evenly spaced, about dx apart. A piece that ends at a
+  wall has its last particle dx/2 above this wall, as a lattice has; a piece that ends at a corner
+  has it in the corner; a piece that ends at another region, a body or a periodic side has it
+  half a spacing before.
+*/
+#include "impl.h"
+
+#define FINE   32.0 /* samples of an outline along dx */
+#define CORNER 0.9  /* cosine of the angle of normals at a corner */
+#define NEAR   1e-6 /* distance from a side below which an outline follows it [dx] */
+
+/* A run of consecutive samples of an outline. */
+typedef struct {
+  PetscInt  first, n;  /* in the pool's samples */
+  PetscReal offset[2]; /* of the outer particles from the ends [spacings] */
+  PetscBool shared;    /* the particle at the first end belongs to the piece before; an outline
+                          without ends and corners is one piece with half a spacing at both ends */
+} Piece;
+
+/* Returns the distance of x from the nearest side of the box that confines the fluid and, if
+   `bodies`, from the nearest body [m]. */
+static PetscReal WallGap(const Scene *scene, const PetscReal x[], PetscBool bodies)
+{
+  PetscReal gap = PETSC_INFINITY, normal[ISPH_MAX_DIM];
+  PetscInt  body;
+
+  if (bodies) gap = SceneDistance(scene, x, &body, normal);
+  for (PetscInt side = 0; side < 4; side++) {
+    const PetscInt a = side / 2;
+
+    if (!BoundaryIs(scene, side, BOUNDARY_CONFINES)) continue;
+    gap = PetscMin(gap, side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a]);
+  }
+  return gap;
+}
+
+/* Returns true if a point is on a periodic side of the box, or beyond it. */
+static PetscBool OnPeriodicSide(const Scene *scene, const PetscReal x[])
+{
+  for (PetscInt a = 0; a < 2; a++) {
+    const PetscReal gap = PetscMin(x[a] - scene->lo[a], scene->hi[a] - x[a]);
+
+    if (SceneIsPeriodic(scene, a) && gap < NEAR * scene->dx) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* Returns true if a point on the outline of region k is on the free border. */
+static PetscBool IsFree(const Scene *scene, PetscInt k, const PetscReal x[])
+{
+  if (WallGap(scene, x, PETSC_TRUE) < NEAR * scene->dx) return PETSC_FALSE;
+  if (OnPeriodicSide(scene, x)) return PETSC_FALSE;
+  for (PetscInt m = 0; m < scene->n_filled; m++)
+    if (m != k && SceneFilledDistance(scene, m, x) >= 0.0) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
+/* Returns true if the normals of two samples differ as on both sides of a corner. */
+static PetscBool TurnsAt(const BorderSample *a, const BorderSample *b)
+{
+  return a->normal[0] * b->normal[0] + a->normal[1] * b->normal[1] < CORNER ? PETSC_TRUE
+                                                                            : PETSC_FALSE;
+}
+
+/* Adds the samples of the outline of region k, in order, beginning at the end of a piece if there
+   is one. */
+static PetscErrorCode SampleRegion(PetscInt k, Pools *pools)
+{
+  const Scene    *scene = pools->scene;
+  const Body     *body  = &scene->filled[k];
+  const PetscReal step  = scene->dx / FINE;
+  const PetscInt  n     = BodyPoints(body, step);
+  BorderSample   *all;
+  PetscInt        start = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(n, &all));
+  for (PetscInt q = 0; q < n; q++) {
+    all[q]        = (BorderSample){.region = k};
+    all[q].length = BodyPoint(body, q, step, all[q].x, all[q].normal);
+    all[q].free   = IsFree(scene, k, all[q].x);
+  }
+  for (PetscInt q = n - 1; q >= 0; q--) {
+    const BorderSample *before = &all[(q + n - 1) % n];
+
+    if (before->free != all[q].free || TurnsAt(before, &all[q])) start = q;
+  }
+  PetscCall(PetscRealloc(sizeof(*all) * (size_t)(pools->n_border + n), &pools->border));
+  for (PetscInt q = 0; q < n; q++) pools->border[pools->n_border + q] = all[(start + q) % n];
+  pools->n_border += n;
+  PetscCall(PetscFree(all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* BorderCreate - Samples the outlines of the regions of all pools without lattice; every rank has
+   all samples; not collective */
+PetscErrorCode BorderCreate(Pools *pools)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < pools->scene->n_filled; k++)
+    if (!pools->lattice[pools->of[k]]) PetscCall(SampleRegion(k, pools));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* BorderDistance - Returns the distance of x from the nearest sample of a free border [m]; not
+   collective */
+PetscReal BorderDistance(const Pools *pools, const PetscReal x[])
+{
+  PetscReal least = PETSC_INFINITY;
+
+  for (PetscInt q = 0; q < pools->n_border; q++) {
+    const BorderSample *s = &pools->border[q];
+
+    if (s->free) least = PetscMin(least, PetscSqr(x[0] - s->x[0]) + PetscSqr(x[1] - s->x[1]));
+  }
+  return PetscSqrtReal(least);
+}
+
+/* Finds the end of the piece that begins at a sample: the number of samples to it. */
+static PetscInt PieceLength(const Pools *pools, PetscInt first)
+{
+  const BorderSample *s = pools->border;
+  PetscInt            n = 1;
+
+  while (first + n < pools->n_border && s[first + n].region == s[first].region &&
+         s[first + n].free && !TurnsAt(&s[first + n - 1], &s[first + n]))
+    n++;
+  return n;
+}
+
+/* Finds the neighbour of an end of a piece on the outline, which is closed. */
+static const BorderSample *Beyond(const Pools *pools, const Piece *piece, PetscInt end)
+{
+  const BorderSample *s      = pools->border;
+  const PetscInt      region = s[piece->first].region;
+  PetscInt            k      = end ? piece->first + piece->n : piece->first - 1;
+
+  if (end && (k == pools->n_border || s[k].region != region)) {
+    k = piece->first;
+    while (k > 0 && s[k - 1].region == region) k--;
+  } else if (!end && (k < 0 || s[k].region != region)) {
+    k = piece->first;
+    while (k + 1 < pools->n_border && s[k + 1].region == region) k++;
+  }
+  return &s[k];
+}
+
+/* Sets the ends of a piece, and shortens it to the samples that are dx/2 above walls if it ends at
+   them. Returns PETSC_FALSE if none is left. */
+static PetscBool SetEnds(const Pools *pools, Piece *piece)
+{
+  const Scene *scene = pools->scene;
+
+  piece->shared = PETSC_FALSE;
+  for (PetscInt end = 0; end < 2; end++) {
+    const BorderSample *own    = &pools->border[piece->first + (end ? piece->n - 1 : 0)];
+    const BorderSample *beyond = Beyond(pools, piece, end);
+
+    piece->offset[end] = 0.5;
+    if (beyond->free && TurnsAt(own, beyond)) {
+      piece->offset[end] = 0.0;
+      if (!end) piece->shared = PETSC_TRUE;
+    } else if (!beyond->free && WallGap(scene, own->x, PETSC_FALSE) < 2.0 * scene->dx / FINE) {
+      piece->offset[end] = 0.0;
+      while (piece->n && WallGap(scene, pools->border[piece->first + (end ? piece->n - 1 : 0)].x,
+                                 PETSC_FALSE) < (0.5 - NEAR) * scene->dx) {
+        piece->n--;
+        if (!end) piece->first++;
+      }
+    }
+    if (!piece->n) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* Adds a particle at x, in 3D one in each layer of cells along the last axis, if this rank has
+   it. */
+static PetscErrorCode AddLayers(const Scene *scene, const PetscReal x[], Rows *rows)
+{
+  const PetscInt layers = scene->dim == 3 ? scene->cells[2] : 1;
+  PetscMPIInt    rank, ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  for (PetscInt l = 0; l < layers; l++, rows->N++) {
+    PetscReal y[ISPH_MAX_DIM] = {x[0], x[1], 0.0};
+
+    if (scene->dim == 3) y[2] = scene->lo[2] + (l + 0.5) * SceneCellSide(scene, 2);
+    if (rows->N % ranks != rank) continue;
+    PetscCall(RowsAdd(scene, y, rows));
+    rows->index[rows->n - 1] = rows->N;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the particles of a piece. */
+static PetscErrorCode AddPiece(const Pools *pools, const Piece *piece, Rows *rows)
+{
+  const Scene        *scene = pools->scene;
+  const BorderSample *s     = &pools->border[piece->first];
+  const PetscReal     ends  = piece->offset[0] + piece->offset[1];
+  PetscReal           total = 0.0, sum = 0.0, edge;
+  PetscInt            n, m;
+
+  PetscFunctionBegin;
+  for (PetscInt q = 0; q < piece->n; q++) total += s[q].length;
+  n    = PetscMax(1, (PetscInt)PetscFloorReal(total / scene->dx + 1.5 - ends));
+  edge = n - 1.0 + ends > 0.0 ? total / (n - 1.0 + ends) : 0.0;
+  m    = piece->shared ? 1 : 0;
+  for (PetscInt q = 0; q < piece->n && m < n; q++) {
+    sum += s[q].length;
+    if (sum < (m + piece->offset[0]) * edge && q + 1 < piece->n) continue;
+    PetscCall(AddLayers(scene, s[q].x, rows));
+    m++;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  BorderParticles - Adds this rank's share of the particles on free borders of pools without lattice
+
+  Collective on PETSC_COMM_WORLD
+*/
+PetscErrorCode BorderParticles(const Pools *pools, Rows *rows)
+{
+  Piece piece;
+
+  PetscFunctionBegin;
+  for (PetscInt q = 0; q < pools->n_border; q += piece.n) {
+    PetscInt n;
+
+    piece = (Piece){.first = q, .n = 1};
+    if (!pools->border[q].free) continue;
+    piece.n = n = PieceLength(pools, q);
+    if (SetEnds(pools, &piece)) PetscCall(AddPiece(pools, &piece, rows));
+    piece.n = n;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

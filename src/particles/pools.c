@@ -1,0 +1,164 @@
+/*
+  Pools: the connected parts of the fluid at the start of a run. Filled regions that touch form a
+  pool. Pools whose borders are lines along the axes have a lattice (poollattice.c); the particles
+  of other pools lie on the free border (border.c) or are relaxed inside it (places.c, relax.c). All
+  particles of a pool have the same share of its volume.
+*/
+#include "impl.h"
+
+#define POINTS 8   /* of the quadrature of volumes, along dx */
+#define TOUCH  0.5 /* gap below which regions touch [dx] */
+
+/* Computes the part of a filled region in the box, along an axis of the plane. */
+static void SpanInBox(const Scene *scene, PetscInt region, PetscInt axis, PetscReal span[2])
+{
+  BodySpan(&scene->filled[region], axis, span);
+  span[0] = PetscMax(span[0], scene->lo[axis]);
+  span[1] = PetscMin(span[1], scene->hi[axis]);
+}
+
+/* Returns true if two filled regions touch, by the boxes around them. */
+static PetscBool Touch(const Scene *scene, PetscInt k, PetscInt m)
+{
+  for (PetscInt a = 0; a < 2; a++) {
+    PetscReal one[2], two[2];
+
+    SpanInBox(scene, k, a, one);
+    SpanInBox(scene, m, a, two);
+    if (PetscMax(one[0], two[0]) - PetscMin(one[1], two[1]) > TOUCH * scene->dx) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* Joins the regions that touch, directly or through others, and numbers the pools. */
+static void JoinRegions(const Scene *scene, Pools *pools)
+{
+  PetscBool changed = PETSC_TRUE;
+
+  for (PetscInt k = 0; k < scene->n_filled; k++) pools->of[k] = k;
+  while (changed) {
+    changed = PETSC_FALSE;
+    for (PetscInt k = 0; k < scene->n_filled; k++) {
+      for (PetscInt m = 0; m < k; m++) {
+        const PetscInt first = PetscMin(pools->of[k], pools->of[m]);
+
+        if (pools->of[k] == pools->of[m] || !Touch(scene, k, m)) continue;
+        pools->of[k] = pools->of[m] = first;
+        changed                     = PETSC_TRUE;
+      }
+    }
+  }
+  for (PetscInt k = 0; k < scene->n_filled; k++)
+    pools->of[k] = pools->of[k] == k ? pools->n++ : pools->of[pools->of[k]];
+}
+
+/* Returns the part of a small cube of edge s about x that is in a pool and outside bodies, exact if
+   a single plane along the axes cuts the cube [-]. */
+static PetscReal PartInside(const Pools *pools, PetscInt pool, const PetscReal x[], PetscReal s)
+{
+  PetscReal part = 0.0, solid, normal[ISPH_MAX_DIM];
+  PetscInt  body;
+
+  for (PetscInt k = 0; k < pools->scene->n_filled; k++) {
+    if (pools->of[k] != pool) continue;
+    part += PetscMin(PetscMax(0.5 + SceneFilledDistance(pools->scene, k, x) / s, 0.0), 1.0);
+  }
+  solid = SceneDistance(pools->scene, x, &body, normal);
+  return PetscMin(part, 1.0) * PetscMin(PetscMax(0.5 + solid / s, 0.0), 1.0);
+}
+
+/* Computes the volume of a pool, by the midpoint rule in the box around it; the sum is a whole
+   number, so that it does not depend on the number of ranks. Bodies are prisms along the last axis
+   in 3D. */
+static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *volume)
+{
+  const Scene    *scene = pools->scene;
+  const PetscReal unit  = (PetscReal)((PetscInt64)1 << 30);
+  PetscReal  lo[2] = {PETSC_MAX_REAL, PETSC_MAX_REAL}, hi[2] = {-PETSC_MAX_REAL, -PETSC_MAX_REAL};
+  PetscInt   n[2], first, last;
+  PetscInt64 sum = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < 2; a++) {
+    for (PetscInt k = 0; k < scene->n_filled; k++) {
+      PetscReal span[2];
+
+      if (pools->of[k] != pool) continue;
+      SpanInBox(scene, k, a, span);
+      lo[a] = PetscMin(lo[a], span[0]);
+      hi[a] = PetscMax(hi[a], span[1]);
+    }
+    n[a] = POINTS * (PetscInt)PetscCeilReal((hi[a] - lo[a]) / scene->dx);
+  }
+  ParticlesShare(PETSC_COMM_WORLD, n[1], &first, &last);
+  for (PetscInt row = first; row < last; row++) {
+    for (PetscInt column = 0; column < n[0]; column++) {
+      const PetscReal x[ISPH_MAX_DIM] = {lo[0] + (hi[0] - lo[0]) * (column + 0.5) / n[0],
+                                         lo[1] + (hi[1] - lo[1]) * (row + 0.5) / n[1]};
+
+      sum += (PetscInt64)(unit * PartInside(pools, pool, x, (hi[0] - lo[0]) / n[0]) + 0.5);
+    }
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_INT64, MPI_SUM, PETSC_COMM_WORLD));
+  *volume = (PetscReal)sum / unit;
+  for (PetscInt a = 0; a < 2; a++) *volume *= (hi[a] - lo[a]) / n[a];
+  if (scene->dim == 3) *volume *= scene->hi[2] - scene->lo[2];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  PoolsCreate - Finds the pools of a scene and their volumes
+
+  Collective on PETSC_COMM_WORLD. Output: pools - none if the fluid fills the box; free with
+  PoolsDestroy().
+*/
+PetscErrorCode PoolsCreate(const Scene *scene, Pools *pools)
+{
+  PetscFunctionBegin;
+  *pools = (Pools){.scene = scene};
+  JoinRegions(scene, pools);
+  for (PetscInt pool = 0; pool < pools->n; pool++) {
+    PetscCall(PoolVolume(pools, pool, &pools->volume[pool]));
+    pools->lattice[pool] = PoolHasLattice(pools, pool);
+    if (!pools->lattice[pool]) pools->relaxed = PETSC_TRUE;
+  }
+  PetscCall(BorderCreate(pools));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* PoolsDestroy - Frees the pools; not collective */
+PetscErrorCode PoolsDestroy(Pools *pools)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(pools->border));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* PoolAt - Returns the pool in which x lies deepest, and its depth below the border of the region
+   there [m]; not collective */
+PetscInt PoolAt(const Pools *pools, const PetscReal x[], PetscReal *depth)
+{
+  PetscInt pool = 0;
+
+  *depth = PETSC_NINFINITY;
+  for (PetscInt k = 0; k < pools->scene->n_filled; k++) {
+    const PetscReal d = SceneFilledDistance(pools->scene, k, x);
+
+    if (d <= *depth) continue;
+    *depth = d;
+    pool   = pools->of[k];
+  }
+  return pool;
+}
+
+/* PoolsHold - Returns true if relaxed particles may be at x: in a pool without lattice, and not in
+   the half spacing below its free border, which belongs to the particles on it; not collective */
+PetscBool PoolsHold(const Pools *pools, const PetscReal x[])
+{
+  const PetscReal reach = 0.5 * pools->scene->dx;
+  PetscReal       depth;
+
+  if (pools->lattice[PoolAt(pools, x, &depth)] || depth < 0.0) return PETSC_FALSE;
+  if (depth >= reach) return PETSC_TRUE;
+  return BorderDistance(pools, x) >= reach ? PETSC_TRUE : PETSC_FALSE;
+}
