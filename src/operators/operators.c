@@ -82,10 +82,10 @@ static void ShareRows(AffineOperator *op, const AffineOperator **first)
   if (!*first) *first = op;
 }
 
-/* Finds the operators whose rows are equal at particles without wall neighbours. There a row depends
-   on the values of the fluid only, not on the quantity: the gradients of velocity components and of
-   the pressure are equal to the divergence, both filters are equal, and so are the operators of all
-   velocity components. */
+/* Finds the operators whose rows are equal at particles without wall neighbours. There a row
+   depends on values of the fluid only, not on the quantity: the gradients of velocity components
+   and of the pressure are equal to the divergence, both filters are equal, and so are the operators
+   of all velocity components. */
 static void ShareAllRows(Operators *ops)
 {
   const AffineOperator *visc = NULL, *filter = NULL;
