@@ -13,6 +13,7 @@
   ROW(CasePoiseuille)                                                                              \
   ROW(CaseHydrostatic)                                                                             \
   ROW(CaseStokesCylinders)                                                                         \
+  ROW(CaseDropMode)                                                                                \
   ROW(CaseScene)                                                                                   \
   ROW(CasePatch)
 

@@ -211,6 +211,20 @@ void CloudCreateForm(const CloudBox *box, const char kernel[], const LaplacianRo
   ASSERT_OK(CloudCreate(box, options, cloud));
 }
 
+/* CloudAsymmetry - Returns |A - A^T|/|A| in the Frobenius norm; collective */
+PetscReal CloudAsymmetry(Mat A)
+{
+  Mat       T;
+  PetscReal difference, norm;
+
+  ASSERT_OK(MatTranspose(A, MAT_INITIAL_MATRIX, &T));
+  ASSERT_OK(MatAXPY(T, -1.0, A, DIFFERENT_NONZERO_PATTERN));
+  ASSERT_OK(MatNorm(T, NORM_FROBENIUS, &difference));
+  ASSERT_OK(MatNorm(A, NORM_FROBENIUS, &norm));
+  ASSERT_OK(MatDestroy(&T));
+  return difference / norm;
+}
+
 /* QuadraticCount - Returns the number of monomials s_a and s_a s_b, b <= a */
 PetscInt QuadraticCount(PetscInt dim)
 {

@@ -62,6 +62,7 @@ PetscBool CloudHas(const LaplacianRow *form, FormProperty property);
 CloudBox  CloudPeriodic(PetscInt dim, PetscReal jitter);
 void      CloudCreateForm(const CloudBox *box, const char kernel[], const LaplacianRow *form,
                           Cloud *cloud);
+PetscReal CloudAsymmetry(Mat A);
 
 PetscInt  QuadraticCount(PetscInt dim);
 Quadratic QuadraticMonomial(PetscInt dim, PetscInt k);

@@ -22,7 +22,8 @@ def run(isph, words):
 
 
 def main(isph):
-    for more in ("", " -pressure_points same", " -velocity_filter 4", " -motion eulerian", " -visc_ts_type cn"):
+    for more in ("", " -pressure_points same", " -velocity_filter 4", " -motion eulerian", " -visc_ts_type cn",
+                 " -visc_laplacian pairwise_stress"):
         share, _ = run(isph, "-case taylor_green -n 24 -jitter 0 -t_end 0.2" + more)
         print("vortices", more, share)
         assert share < ROUNDING, more

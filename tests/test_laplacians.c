@@ -21,20 +21,6 @@ static PetscReal MonomialError(const Cloud *cloud, PetscInt first, PetscInt last
   return largest;
 }
 
-/* Returns |A - A^T|/|A| in the Frobenius norm. */
-static PetscReal Asymmetry(Mat A)
-{
-  Mat       T;
-  PetscReal difference, norm;
-
-  ASSERT_OK(MatTranspose(A, MAT_INITIAL_MATRIX, &T));
-  ASSERT_OK(MatAXPY(T, -1.0, A, DIFFERENT_NONZERO_PATTERN));
-  ASSERT_OK(MatNorm(T, NORM_FROBENIUS, &difference));
-  ASSERT_OK(MatNorm(A, NORM_FROBENIUS, &norm));
-  ASSERT_OK(MatDestroy(&T));
-  return difference / norm;
-}
-
 /* Checks on all rows that constants have no Laplacian, unless the form declares otherwise, and that
    the pressure operator is -dx^2 times the viscous operator. */
 static void CheckRows(const LaplacianRow *form, const char *where, const Cloud *cloud)
@@ -67,7 +53,7 @@ static void CheckDeclared(const LaplacianRow *form, const char *where, const Clo
 {
   const PetscInt  dim       = cloud->scene.dim;
   const PetscReal linear    = MonomialError(cloud, 0, dim),
-                  asymmetry = Asymmetry(cloud->ops->velocity[0].visc.A),
+                  asymmetry = CloudAsymmetry(cloud->ops->velocity[0].visc.A),
                   quadratic = MonomialError(cloud, dim, QuadraticCount(dim));
 
   if (CloudHas(form, FORM_SYMMETRIC))

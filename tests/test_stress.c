@@ -1,19 +1,52 @@
 /*
-  Identities of the Laplacians that couple velocity components: the divergence of the stress is
-  exact for quadratic velocities, rigid motions have no force, and all eigenvalues damp.
+  Identities of the Laplacians that couple velocity components, on lattices, disordered clouds, and
+  clouds with a free surface: a form has the properties that it declares and no others, rigid
+  motions have no force, and all eigenvalues damp.
 */
 /* RANKS: 1 2 */
 #include "cloud.h"
 
-static Cloud CloudOfForm(PetscInt k, PetscInt dim, PetscReal jitter)
+static Cloud CloudOfForm(const LaplacianRow *form, const CloudBox *box, const char more[])
 {
-  const CloudBox box = CloudPeriodic(dim, jitter);
-  char           options[128];
-  Cloud          cloud;
+  char  options[128];
+  Cloud cloud;
 
-  ASSERT_OK(PetscSNPrintf(options, sizeof(options), "-visc_laplacian %s", CloudLaplacian(k)->name));
-  ASSERT_OK(CloudCreate(&box, options, &cloud));
+  ASSERT_OK(PetscSNPrintf(options, sizeof(options), "-visc_laplacian %s %s", form->name, more));
+  ASSERT_OK(CloudCreate(box, options, &cloud));
   return cloud;
+}
+
+/* Creates a ball of fluid in empty space: removes all other particles from a periodic box, whose
+   images are then out of reach. */
+static Cloud FreeCloud(const LaplacianRow *form, PetscInt dim)
+{
+  const CloudBox  box   = CloudPeriodic(dim, 0.25);
+  Cloud           cloud = CloudOfForm(form, &box, "");
+  Particles      *p     = cloud.particles;
+  const PetscReal room  = 0.5 * (box.cells[0] * cloud.scene.dx - cloud.ops->forms.radius);
+  PetscInt       *list, n = 0;
+
+  ASSERT_OK(PetscMalloc1(p->n_fluid, &list));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal r2 = 0.0;
+
+    for (PetscInt a = 0; a < dim; a++)
+      r2 += PetscSqr(p->x[a][i] - 0.5 * (cloud.scene.lo[a] + cloud.scene.hi[a]));
+    if (r2 >= PetscSqr(room)) list[n++] = i;
+  }
+  ASSERT_OK(ParticlesRemove(&cloud.scene, p, n, list));
+  ASSERT_OK(PetscFree(list));
+  ASSERT_OK(CloudMove(0.0, PETSC_TRUE, 0.0, &cloud));
+  return cloud;
+}
+
+/* Sets `all` to the velocity u of all fluid particles. */
+static void SetVelocity(const Cloud *cloud, const Quadratic u[], Vec all)
+{
+  for (PetscInt a = 0; a < cloud->scene.dim; a++) {
+    ASSERT_OK(CloudSet(cloud, &u[a], cloud->f[0]));
+    ASSERT_OK(VecStrideScatter(cloud->f[0], a, all, INSERT_VALUES));
+  }
 }
 
 /* Sets y to component c of the viscous operator applied to the velocity u. */
@@ -23,19 +56,17 @@ static void Apply(const Cloud *cloud, const Quadratic u[], PetscInt c, Vec y)
 
   ASSERT_OK(VelocityVec(cloud->particles, &all));
   ASSERT_OK(VecDuplicate(all, &stress));
-  for (PetscInt a = 0; a < cloud->scene.dim; a++) {
-    ASSERT_OK(CloudSet(cloud, &u[a], cloud->f[0]));
-    ASSERT_OK(VecStrideScatter(cloud->f[0], a, all, INSERT_VALUES));
-  }
+  SetVelocity(cloud, u, all);
   ASSERT_OK(MatMult(cloud->ops->velocity[0].visc.A, all, stress));
   ASSERT_OK(VecStrideGather(stress, c, y, INSERT_VALUES));
   ASSERT_OK(VecDestroy(&all));
   ASSERT_OK(VecDestroy(&stress));
 }
 
-/* Returns the largest error of component c of the operator, which is exactly
-   lap u_c + 2 d(div u)/dx_c, in units of 1/dx^2. */
-static PetscReal StressError(const Cloud *cloud, const Quadratic u[], PetscInt c)
+/* Returns the largest difference of component c of the operator from lap u_c + 2 d(div u)/dx_c, in
+   units of 1/dx^2. Input: interior - as for CloudError(). */
+static PetscReal StressError(const Cloud *cloud, const Quadratic u[], PetscInt c,
+                             PetscBool interior)
 {
   Quadratic expected = QuadraticLaplacian(cloud, &u[c]);
   PetscReal error;
@@ -47,47 +78,128 @@ static PetscReal StressError(const Cloud *cloud, const Quadratic u[], PetscInt c
     expected.c += 2.0 * grad.c;
   }
   Apply(cloud, u, c, cloud->y);
-  ASSERT_OK(CloudError(cloud, cloud->y, &expected, PETSC_TRUE, &error));
+  ASSERT_OK(CloudError(cloud, cloud->y, &expected, interior, &error));
   return error * PetscSqr(cloud->scene.dx);
 }
 
-static void test_quadratics(void **state)
+/* Returns the largest StressError() over monomials [first, last) of every component. */
+static PetscReal LargestError(const Cloud *cloud, PetscInt first, PetscInt last)
+{
+  const PetscInt dim     = cloud->scene.dim;
+  PetscReal      largest = 0.0;
+
+  for (PetscInt m = first * dim; m < last * dim; m++) {
+    Quadratic u[ISPH_MAX_DIM] = {{0}};
+
+    u[m % dim] = QuadraticMonomial(dim, m / dim);
+    for (PetscInt c = 0; c < dim; c++)
+      largest = PetscMax(largest, StressError(cloud, u, c, PETSC_TRUE));
+  }
+  return largest;
+}
+
+/* At a jitter of 0.25 dx, undeclared errors and asymmetries are far from rounding. */
+static void test_declared(void **state)
+{
+  (void)state;
+  for (PetscInt k = CloudScalarForms(); k < LaplacianTable.count; k++) {
+    const LaplacianRow *form = CloudLaplacian(k);
+
+    for (PetscInt dim = 2; dim <= 3; dim++) {
+      const CloudBox  box       = CloudPeriodic(dim, 0.25);
+      Cloud           cloud     = CloudOfForm(form, &box, "");
+      const PetscReal linear    = LargestError(&cloud, 0, dim),
+                      quadratic = LargestError(&cloud, dim, QuadraticCount(dim)),
+                      asymmetry = CloudAsymmetry(cloud.ops->velocity[0].visc.A);
+
+      if (CloudHas(form, FORM_EXACT_LINEAR))
+        CloudAssertNone("exact_linear", form->name, linear > 1e-9);
+      else CloudAssertNone("exact_linear, undeclared", form->name, linear < 1e-3);
+      if (CloudHas(form, FORM_EXACT_QUADRATIC))
+        CloudAssertNone("exact_quadratic", form->name, quadratic > 1e-8);
+      else CloudAssertNone("exact_quadratic, undeclared", form->name, quadratic < 1e-3);
+      if (CloudHas(form, FORM_SYMMETRIC))
+        CloudAssertNone("symmetric", form->name, asymmetry > 1e-13);
+      else CloudAssertNone("symmetric, undeclared", form->name, asymmetry < 1e-3);
+      ASSERT_OK(CloudDestroy(&cloud));
+    }
+  }
+}
+
+/*
+  On a lattice linear velocities have no stress. Forces of quadratic velocities are at most 6 in
+  units of 1/dx^2; their errors are those of the viscosities in docs/theory.md, the table below
+  (150): 2 (1 - 0.949) in 2D and 3 x 2 x 0.022 in 3D with h/dx = 1.3, 0.006 and 0.018 with 2.
+*/
+static void test_lattice(void **state)
 {
   (void)state;
   for (PetscInt k = CloudScalarForms(); k < LaplacianTable.count; k++) {
     for (PetscInt dim = 2; dim <= 3; dim++) {
-      Cloud cloud = CloudOfForm(k, dim, 0.25);
+      const CloudBox box       = CloudPeriodic(dim, 0.0);
+      Cloud          narrow    = CloudOfForm(CloudLaplacian(k), &box, "-h_over_dx 1.3"),
+            wide               = CloudOfForm(CloudLaplacian(k), &box, "-h_over_dx 2");
+      const PetscReal errors[] = {LargestError(&narrow, dim, QuadraticCount(dim)),
+                                  LargestError(&wide, dim, QuadraticCount(dim))};
 
-      for (PetscInt m = 0; m < QuadraticCount(dim) * dim; m++) {
-        Quadratic u[ISPH_MAX_DIM] = {{0}};
-
-        u[m % dim] = QuadraticMonomial(dim, m / dim);
-        for (PetscInt c = 0; c < dim; c++)
-          CloudAssertNone("quadratics", CloudLaplacian(k)->name, StressError(&cloud, u, c) > 1e-8);
-      }
-      ASSERT_OK(CloudDestroy(&cloud));
+      CloudAssertNone("linear", CloudLaplacian(k)->name, LargestError(&narrow, 0, dim) > 1e-9);
+      CloudAssertNone("h/dx = 1.3", CloudLaplacian(k)->name, errors[0] > 0.13);
+      CloudAssertNone("h/dx = 2", CloudLaplacian(k)->name, errors[1] > 0.019);
+      ASSERT_OK(CloudDestroy(&narrow));
+      ASSERT_OK(CloudDestroy(&wide));
     }
   }
 }
 
 /* A rigid motion, rotation with unit rate in every plane plus translation, has no stress. */
+static void CheckRigid(const LaplacianRow *form, const Cloud *cloud, PetscBool interior)
+{
+  const PetscInt dim             = cloud->scene.dim;
+  Quadratic      u[ISPH_MAX_DIM] = {{0}};
+
+  for (PetscInt a = 0; a < dim; a++) {
+    u[a].c = 1.0 + a;
+    for (PetscInt b = 0; b < dim; b++) u[a].g[b] = b > a ? 1.0 : (b < a ? -1.0 : 0.0);
+  }
+  for (PetscInt c = 0; c < dim; c++)
+    CloudAssertNone("rigid motion", form->name, StressError(cloud, u, c, interior) > 1e-9);
+}
+
 static void test_one_piece(void **state)
 {
   (void)state;
   for (PetscInt k = CloudScalarForms(); k < LaplacianTable.count; k++) {
     for (PetscInt dim = 2; dim <= 3; dim++) {
-      Quadratic u[ISPH_MAX_DIM] = {{0}};
-      Cloud     cloud           = CloudOfForm(k, dim, 0.25);
+      const CloudBox box   = CloudPeriodic(dim, 0.25);
+      Cloud          cloud = CloudOfForm(CloudLaplacian(k), &box, "");
 
-      for (PetscInt a = 0; a < dim; a++) {
-        u[a].c = 1.0 + a;
-        for (PetscInt b = 0; b < dim; b++) u[a].g[b] = b > a ? 1.0 : (b < a ? -1.0 : 0.0);
-      }
-      for (PetscInt c = 0; c < dim; c++)
-        CloudAssertNone("one piece", CloudLaplacian(k)->name, StressError(&cloud, u, c) > 1e-9);
+      CheckRigid(CloudLaplacian(k), &cloud, PETSC_TRUE);
       ASSERT_OK(CloudDestroy(&cloud));
     }
   }
+}
+
+/* Returns the number of eigenvalues of -L dx^2 of a cloud of one rank whose real part does not
+   exceed rounding. */
+static PetscInt NotPositive(const Cloud *cloud)
+{
+  PetscInt   rows, low = 0;
+  PetscReal *re, *im;
+  KSP        ksp;
+  PC         pc;
+
+  ASSERT_OK(MatGetSize(cloud->ops->velocity[0].visc.A, &rows, NULL));
+  ASSERT_OK(PetscMalloc2(rows, &re, rows, &im));
+  ASSERT_OK(KSPCreate(PETSC_COMM_WORLD, &ksp));
+  ASSERT_OK(KSPSetOperators(ksp, cloud->ops->velocity[0].visc.A, cloud->ops->velocity[0].visc.A));
+  ASSERT_OK(KSPGetPC(ksp, &pc));
+  ASSERT_OK(PCSetType(pc, PCNONE));
+  ASSERT_OK(KSPSetUp(ksp));
+  ASSERT_OK(KSPComputeEigenvaluesExplicitly(ksp, rows, re, im));
+  for (PetscInt e = 0; e < rows; e++) low += -re[e] * PetscSqr(cloud->scene.dx) < 1e-9;
+  ASSERT_OK(KSPDestroy(&ksp));
+  ASSERT_OK(PetscFree2(re, im));
+  return low;
 }
 
 /* Tests the property safe_implicit: all eigenvalues of -L have positive real parts, except a zero
@@ -101,29 +213,115 @@ static void test_damps(void **state)
   if (ranks > 1) return;
   for (PetscInt k = CloudScalarForms(); k < LaplacianTable.count; k++) {
     for (PetscReal jitter = 0.25; jitter < 0.6; jitter += 0.25) {
-      const CloudBox box = {.dim = 2, .cells = {12, 12, 1}, .n_periodic = 2, .jitter = jitter};
-      char           options[128];
-      PetscInt       rows, low = 0;
-      PetscReal     *re, *im;
-      Cloud          cloud;
-      KSP            ksp;
-      PC             pc;
+      const CloudBox box   = {.dim = 2, .cells = {12, 12, 1}, .n_periodic = 2, .jitter = jitter};
+      Cloud          cloud = CloudOfForm(CloudLaplacian(k), &box, "");
 
-      ASSERT_OK(
-          PetscSNPrintf(options, sizeof(options), "-visc_laplacian %s", CloudLaplacian(k)->name));
-      ASSERT_OK(CloudCreate(&box, options, &cloud));
-      ASSERT_OK(MatGetSize(cloud.ops->velocity[0].visc.A, &rows, NULL));
-      ASSERT_OK(PetscMalloc2(rows, &re, rows, &im));
-      ASSERT_OK(KSPCreate(PETSC_COMM_WORLD, &ksp));
-      ASSERT_OK(KSPSetOperators(ksp, cloud.ops->velocity[0].visc.A, cloud.ops->velocity[0].visc.A));
-      ASSERT_OK(KSPGetPC(ksp, &pc));
-      ASSERT_OK(PCSetType(pc, PCNONE));
-      ASSERT_OK(KSPSetUp(ksp));
-      ASSERT_OK(KSPComputeEigenvaluesExplicitly(ksp, rows, re, im));
-      for (PetscInt e = 0; e < rows; e++) low += -re[e] * PetscSqr(cloud.scene.dx) < 1e-9;
-      CloudAssertNone("safe_implicit", CloudLaplacian(k)->name, low != 2);
-      ASSERT_OK(KSPDestroy(&ksp));
-      ASSERT_OK(PetscFree2(re, im));
+      CloudAssertNone("safe_implicit", CloudLaplacian(k)->name, NotPositive(&cloud) != 2);
+      ASSERT_OK(CloudDestroy(&cloud));
+    }
+  }
+}
+
+/*
+  Symmetric forces along pairs act on a free cloud with no net force and no torque, for any
+  velocity: the products with all rigid motions vanish.
+*/
+static void CheckMomentum(const LaplacianRow *form, const Cloud *cloud)
+{
+  const PetscInt dim     = cloud->scene.dim;
+  const PetscInt motions = dim * (dim + 1) / 2;
+  Vec            u, force, rigid;
+  PetscScalar   *value;
+  PetscInt       first, last;
+
+  ASSERT_OK(VelocityVec(cloud->particles, &u));
+  ASSERT_OK(VecDuplicate(u, &force));
+  ASSERT_OK(VecDuplicate(u, &rigid));
+  ASSERT_OK(VecGetOwnershipRange(u, &first, &last));
+  ASSERT_OK(VecGetArrayWrite(u, &value));
+  for (PetscInt k = first; k < last; k++) value[k - first] = ParticlesHash(5, k, 0);
+  ASSERT_OK(VecRestoreArrayWrite(u, &value));
+  ASSERT_OK(MatMult(cloud->ops->velocity[0].visc.A, u, force));
+  for (PetscInt m = 0, a = 0, b = 0; m < motions; m++) { /* b = a: translation along axis a */
+    Quadratic   motion[ISPH_MAX_DIM] = {{0}};
+    PetscScalar moment;
+    PetscReal   sizes[2];
+
+    if (a == b) {
+      motion[a].c = 1.0;
+    } else {
+      motion[a].g[b] = 1.0;
+      motion[b].g[a] = -1.0;
+    }
+    SetVelocity(cloud, motion, rigid);
+    ASSERT_OK(VecDot(force, rigid, &moment));
+    ASSERT_OK(VecNorm(force, NORM_2, &sizes[0]));
+    ASSERT_OK(VecNorm(rigid, NORM_2, &sizes[1]));
+    CloudAssertNone("momentum", form->name, PetscAbsScalar(moment) > 1e-13 * sizes[0] * sizes[1]);
+    if (++b == dim) b = ++a;
+  }
+  ASSERT_OK(VecDestroy(&u));
+  ASSERT_OK(VecDestroy(&force));
+  ASSERT_OK(VecDestroy(&rigid));
+}
+
+/* Returns the dissipation -sum_i u_i.(L u)_i over that of the continuum, 2 E:E + (div u)^2 for each
+   particle, of a linear velocity u. */
+static PetscReal Dissipation(const Cloud *cloud, const Quadratic u[])
+{
+  const PetscInt dim      = cloud->scene.dim;
+  PetscReal      expected = 0.0, trace = 0.0;
+  PetscScalar    dissipation;
+  Vec            all, stress;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    trace += u[a].g[a];
+    for (PetscInt b = 0; b < dim; b++) expected += 0.5 * PetscSqr(u[a].g[b] + u[b].g[a]);
+  }
+  expected = (expected + PetscSqr(trace)) / PetscSqr(cloud->scene.dx);
+  ASSERT_OK(VelocityVec(cloud->particles, &all));
+  ASSERT_OK(VecDuplicate(all, &stress));
+  SetVelocity(cloud, u, all);
+  ASSERT_OK(MatMult(cloud->ops->velocity[0].visc.A, all, stress));
+  ASSERT_OK(VecDot(all, stress, &dissipation));
+  ASSERT_OK(VecDestroy(&all));
+  ASSERT_OK(VecDestroy(&stress));
+  return -dissipation / (expected * cloud->particles->N_fluid);
+}
+
+/*
+  A ball of fluid in empty space, with symmetric forces: no rigid motion has a force in any row, net
+  force and torque vanish, all motions but the rigid ones are damped. The surface adds no work, so
+  the dissipation of a uniform strain is that of the volume: of u = x to rounding, docs/theory.md,
+  (150), of strains without dilatation up to the quadrature of the kernel.
+*/
+static void test_free_surface(void **state)
+{
+  PetscMPIInt ranks;
+
+  (void)state;
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  for (PetscInt k = CloudScalarForms(); k < LaplacianTable.count; k++) {
+    const LaplacianRow *form = CloudLaplacian(k);
+
+    if (!CloudHas(form, FORM_SYMMETRIC)) continue;
+    for (PetscInt dim = 2; dim <= 3; dim++) {
+      Cloud     cloud              = FreeCloud(form, dim);
+      Quadratic grow[ISPH_MAX_DIM] = {{0}}, stretch[ISPH_MAX_DIM] = {{0}},
+                shear[ISPH_MAX_DIM] = {{0}};
+
+      CheckRigid(form, &cloud, PETSC_FALSE);
+      CheckMomentum(form, &cloud);
+      for (PetscInt a = 0; a < dim; a++) grow[a].g[a] = 1.0;
+      stretch[0].g[0] = shear[0].g[1] = 1.0;
+      stretch[1].g[1]                 = -1.0;
+      CloudAssertNone("dilatation", form->name,
+                      !(PetscAbsReal(Dissipation(&cloud, grow) - 1.0) < 1e-12));
+      CloudAssertNone("stretch", form->name,
+                      !(PetscAbsReal(Dissipation(&cloud, stretch) - 1.0) < 0.1));
+      CloudAssertNone("shear", form->name, !(PetscAbsReal(Dissipation(&cloud, shear) - 1.0) < 0.1));
+      if (ranks == 1)
+        CloudAssertNone("damps", form->name, NotPositive(&cloud) != dim * (dim + 1) / 2);
       ASSERT_OK(CloudDestroy(&cloud));
     }
   }
@@ -132,9 +330,9 @@ static void test_damps(void **state)
 int main(int argc, char **argv)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_quadratics),
-      cmocka_unit_test(test_one_piece),
-      cmocka_unit_test(test_damps),
+      cmocka_unit_test(test_declared),     cmocka_unit_test(test_lattice),
+      cmocka_unit_test(test_one_piece),    cmocka_unit_test(test_damps),
+      cmocka_unit_test(test_free_surface),
   };
   int failed;
 

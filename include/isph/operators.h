@@ -45,30 +45,45 @@ typedef struct {
   PetscReal *gradient[ISPH_MAX_DIM];
 } MlsFit;
 
+/* Place of a particle with respect to free surfaces. */
+typedef enum {
+  SURFACE_INSIDE,
+  SURFACE_SMOOTH,
+  SURFACE_ROUGH,   /* no smooth surface passes through the particles nearby */
+  SURFACE_ISOLATED /* too few neighbours */
+} SurfaceKind;
+
 /* Neighbours of a particle with the quantities that row functions read. */
 typedef struct {
-  PetscInt   i, dim, n, n_wall; /* particle, neighbours, number of wall particles among them */
-  PetscInt   capacity;
-  PetscReal  dx, h, radius;         /* spacing of the particle, smoothing length, support [m] */
-  PetscReal  scale;                 /* multiplies equations of derivatives in fits [m] */
-  PetscReal  stretch[ISPH_MAX_DIM]; /* of the axes about the particle, SceneStretch() [-] */
-  PetscInt  *j;                     /* local index of each neighbour */
-  PetscReal *X[ISPH_MAX_DIM];       /* x_j - x_i, times stretch [m] */
-  PetscReal *r, *V;                 /* distance [m], volume [m^dim] */
-  PetscReal *W, *dW, *ddW;          /* kernel and its derivatives in r [m^-dim, ...] */
-  PetscReal *corrected[2];          /* storage for corrected dW and ddW */
-  PetscBool *wall;                  /* neighbour is a wall particle */
-  PetscReal *normal[ISPH_MAX_DIM];  /* of wall neighbours, into the fluid */
-  PetscInt  *side;                  /* side or body of wall neighbours */
-  PetscReal *beta;                  /* of dummies: factor of u_wall,i - u_i, docs/theory.md, (49) */
-  PetscReal *share;                 /* of dummies: weight in u_wall,i, docs/theory.md, (50) */
-  PetscBool  fits_walls;  /* wall neighbours have equations of their own, otherwise values */
-  Equation  *equation;    /* of each neighbour in the present fit; fluid gives a value */
-  PetscInt   degree;      /* of fits, 2 to MLS_MAX_DEGREE */
-  MlsFit     fit;         /* of these equations, shared by Laplacian, gradient and filter */
-  PetscReal  volume;      /* of the particle itself [m^dim] */
-  PetscReal  self[3];     /* W, dW/dr and d2W/dr2 at r = 0 [m^-dim, ...] */
-  PetscInt   regularised; /* number of fits so far whose points did not determine them */
+  PetscInt    i, dim, n, n_wall; /* particle, neighbours, number of wall particles among them */
+  PetscInt    capacity;
+  PetscReal   dx, h, radius;         /* spacing of the particle, smoothing length, support [m] */
+  PetscReal   scale;                 /* multiplies equations of derivatives in fits [m] */
+  PetscReal   stretch[ISPH_MAX_DIM]; /* of the axes about the particle, SceneStretch() [-] */
+  PetscInt   *j;                     /* local index of each neighbour */
+  PetscReal  *X[ISPH_MAX_DIM];       /* x_j - x_i, times stretch [m] */
+  PetscReal  *r, *V;                 /* distance [m], volume [m^dim] */
+  PetscReal  *W, *dW, *ddW;          /* kernel and its derivatives in r [m^-dim, ...] */
+  PetscReal  *corrected[2];          /* storage for corrected dW and ddW */
+  PetscBool  *wall;                  /* neighbour is a wall particle */
+  PetscReal  *normal[ISPH_MAX_DIM];  /* of wall neighbours, into the fluid; of neighbours on a free
+                                       surface, out of it */
+  PetscInt   *side;                  /* side or body of wall neighbours */
+  PetscReal  *beta;         /* of dummies: factor of u_wall,i - u_i, docs/theory.md, (49) */
+  PetscReal  *share;        /* of dummies: weight in u_wall,i, docs/theory.md, (50) */
+  PetscReal  *factor;       /* mean of the factors of the pair; of the particle alone with a wall */
+  PetscBool   fits_walls;   /* wall neighbours have equations of their own, otherwise values */
+  Equation   *equation;     /* of each neighbour in the present fit; fluid gives a value */
+  PetscInt    degree;       /* of fits, 2 to MLS_MAX_DEGREE */
+  MlsFit      fit;          /* of these equations, shared by Laplacian, gradient and filter */
+  PetscReal   volume;       /* of the particle itself [m^dim] */
+  PetscReal   self[3];      /* W, dW/dr and d2W/dr2 at r = 0 [m^-dim, ...] */
+  PetscInt    regularised;  /* number of fits so far whose points did not determine them */
+  PetscBool  *surface;      /* neighbour is on a free surface, where fits have its condition */
+  SurfaceKind kind;         /* of the particle */
+  PetscBool   near_surface; /* the particle or a neighbour is on it */
+  PetscReal   own_normal[ISPH_MAX_DIM];    /* of the particle, out of the fluid */
+  PetscReal  *normal_strain[ISPH_MAX_DIM]; /* row of 2 n.E n of a particle on it [1/m] */
 } Stencil;
 
 PetscErrorCode StencilCreate(PetscInt dim, Stencil **stencil);
@@ -107,12 +122,16 @@ extern const Table CorrectionTable;
   Laplacians. w[k] multiplies f_k - f_i of neighbour k, or the given n.grad f if that is its
   equation. If the form couples components, w[(k dim + a) dim + b] multiplies (u_k - u_i)_b in
   component a.
+
+  Factor() computes a number of a particle from its stencil, with the uncorrected kernel. It is
+  called for all fluid particles before the rows, which then read st->factor of each neighbour.
 */
 typedef struct {
   const char *name, *brief, *citation;
   unsigned    properties;  /* bits of FormProperty */
   unsigned    corrections; /* accepted corrections: bits of CorrectionBit */
   PetscErrorCode (*Row)(Stencil *stencil, PetscReal w[]);
+  PetscReal (*Factor)(const Stencil *stencil); /* or NULL */
 } LaplacianRow;
 extern const Table LaplacianTable;
 
@@ -122,6 +141,7 @@ typedef struct {
   const CorrectionRow *correction; /* NULL: none */
   PetscBool            extended;   /* wall values are extrapolated from the fluid: unsymmetric */
   PetscBool            graded;     /* particles of a pair may differ in size: unsymmetric */
+  PetscReal           *factor;     /* row->Factor() by local index; NULL: none */
 } LaplacianForm;
 PetscBool      LaplacianIs(const LaplacianForm *form, FormProperty property);
 PetscInt       LaplacianWidth(const LaplacianForm *form, PetscInt dim);
@@ -264,6 +284,14 @@ typedef struct {
   PetscReal *gradient[ISPH_MAX_DIM]; /* grad C [1/m] */
 } Concentration;
 
+/* Free surfaces at the present positions; arrays by local index, halo included. */
+typedef struct {
+  PetscInt   capacity;
+  PetscReal *kind;      /* SurfaceKind of fluid particles, a whole number */
+  PetscReal *normal;    /* out of the fluid, at [i dim + a]; zero inside */
+  PetscReal *curvature; /* sum of the principal curvatures, own particles [1/m] */
+} FreeSurface;
+
 typedef struct Assembly Assembly; /* workspace of a row, see src/operators/assembly.h */
 
 /* Operators of a velocity component; wall data: u_wall,c, or n.grad u_c if that is given. */
@@ -286,6 +314,7 @@ typedef struct {
   AffineOperator    filter_p;             /* residual of the fit of p [-]; wall data: p if given */
   OperatorRows      rows;
   Concentration     concentration;
+  FreeSurface      *free; /* NULL: the fluid has no free surface */
 
   PetscInt  epoch, moved;     /* stamps of the particles at the last assembly */
   PetscInt  assemblies;       /* stamp of the matrices: changes with each assembly */
@@ -332,6 +361,10 @@ typedef struct {
   PetscReal speed_bound;     /* largest speed that walls can have driven so far [m/s] */
 } WallValues;
 
+PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *particles,
+                               const Neighbors *neighbors, const OperatorForms *forms,
+                               FreeSurface *free);
+PetscErrorCode FreeSurfaceFree(FreeSurface *free);
 PetscErrorCode WallValuesRenumber(const Scene *scene, const Particles *particles,
                                   WallValues *walls);
 PetscErrorCode WallValuesSetVelocity(const Scene *scene, Particles *particles, PetscReal t,

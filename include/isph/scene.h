@@ -59,7 +59,8 @@ typedef enum {
   BOUNDARY_CONTINUES = 1 << 0, /* the fluid continues at the opposite side */
   BOUNDARY_PARTICLES = 1 << 1, /* wall particles on or behind it bring its equations into fits */
   BOUNDARY_CONFINES  = 1 << 2, /* impermeable */
-  BOUNDARY_NO_SLIP   = 1 << 3  /* the fluid has the velocity of the boundary */
+  BOUNDARY_NO_SLIP   = 1 << 3, /* the fluid has the velocity of the boundary */
+  BOUNDARY_FREE      = 1 << 4  /* free surface: no stress; its particles carry it */
 } BoundaryProperty;
 
 /* The equation that a particle on a boundary gives to a least-squares fit of a quantity f. */
@@ -89,7 +90,8 @@ typedef struct {
 } BoundaryRow;
 extern const Table       BoundaryTable;
 extern const char *const BoxAxes[], *const BoxSides[]; /* of typed boxes; NULL after the last */
-extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundaryNone; /* kinds that cases set */
+extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundaryNone,
+    BoundaryFree; /* kinds that cases set */
 
 /* A boundary of the fluid: a side of the box, or a body. */
 typedef struct {
@@ -265,6 +267,7 @@ PetscReal      SceneLatticePlace(const Scene *scene, PetscInt axis, PetscReal pl
 PetscReal      SceneFromUniform(const Scene *scene, PetscInt axis, PetscReal y, PetscReal *slope);
 PetscReal      SceneToUniform(const Scene *scene, PetscInt axis, PetscReal x);
 PetscReal      SceneGrowth(const Scene *scene);
+PetscInt       SceneCellsAlong(const Scene *scene, PetscInt axis);
 PetscReal      SceneCellSide(const Scene *scene, PetscInt axis); /* mean edge, about dx [m] */
 void           SceneEdges(const Scene *scene, const PetscReal x[], PetscReal edge[]);
 void           SceneStretch(const Scene *scene, const PetscReal x[], PetscReal stretch[]);
@@ -320,9 +323,14 @@ PetscReal      BodyDistance(const Scene *scene, const Body *body, const PetscRea
 PetscInt       BodyPoints(const Body *body, PetscReal dx);
 PetscReal      BodySpacing(const Scene *scene, const Body *body);
 PetscReal BodyPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], PetscReal normal[]);
+PetscReal SceneDistanceTo(const Scene *scene, unsigned properties, const PetscReal x[],
+                          PetscInt *side);
 PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *side);
 PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,
                         PetscReal normal[]);
+Boundary *SceneAddFree(Scene *scene);
+PetscBool SceneHasFreeShape(const Scene *scene);
+PetscBool SceneHasFreeSurface(const Scene *scene);
 void      SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
                           WallPlane planes[SCENE_MAX_BOUNDARIES], PetscInt *count);
 void      SceneSizes(const Scene *scene, const PetscReal x[], PetscReal *dx, PetscReal stretch[],

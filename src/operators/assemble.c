@@ -24,6 +24,24 @@ static void GatherWall(const Scene *scene, const Particles *p, const Operators *
   st->side[k] = (PetscInt)p->side[j];
 }
 
+/* Sets the neighbours on smooth parts of a free surface, and their normals. */
+static void GatherSurface(const FreeSurface *free, Stencil *st)
+{
+  const PetscInt d = st->dim;
+
+  st->near_surface = PETSC_FALSE;
+  if (!free) return;
+  for (PetscInt k = 0; k < st->n; k++) {
+    if (st->wall[k] || free->kind[st->j[k]] != SURFACE_SMOOTH) continue;
+    st->surface[k] = st->near_surface = PETSC_TRUE;
+    for (PetscInt a = 0; a < d; a++) st->normal[a][k] = free->normal[st->j[k] * d + a];
+  }
+  st->kind = (SurfaceKind)free->kind[st->i];
+  if (st->kind != SURFACE_SMOOTH) return;
+  st->near_surface = PETSC_TRUE;
+  for (PetscInt a = 0; a < d; a++) st->own_normal[a] = free->normal[st->i * d + a];
+}
+
 /* GatherStencil - Gathers the neighbours of own fluid particle i with the quantities that row
    functions read; not collective */
 PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neighbors *nb,
@@ -62,11 +80,13 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
     st->r[k]        = PetscSqrtReal(st->r[k]);
     st->V[k]        = p->volume[st->j[k]];
     st->equation[k] = EQUATION_VALUE;
+    st->surface[k]  = PETSC_FALSE;
     st->wall[k]     = ParticlesIsWall(p, st->j[k]);
     st->n_wall += st->wall[k] ? 1 : 0;
   }
   for (PetscInt k = 0; st->n_wall && k < n; k++)
     if (st->wall[k]) GatherWall(scene, p, ops, k, st);
+  GatherSurface(ops->free, st);
   KernelEvaluateAll(ops->forms.kernel, d, st->h, n, st->r, st->W, st->dW, st->ddW);
   WallPointShares(ops, st);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -155,6 +175,7 @@ static PetscErrorCode AssembleRow(const Scene *scene, const Particles *p, Stenci
       PetscCall(AddRows_GradientWithoutWalls(scene, st, diagonal, ops));
     if (ops->filter_p.needed) PetscCall(AddRow_PressureFilter(scene, st, diagonal, ops));
     PetscCall(AddRows_Divergence(scene, st, diagonal, ops));
+    if (st->kind != SURFACE_INSIDE) SetRows_Surface(st, diagonal, ops);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -348,6 +369,9 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
   if (!*changed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(BeginAssembly(scene, p, nb, ops, needed, count));
   PetscCall(ScalePressureRows(p, ops));
+  if (ops->free) PetscCall(FreeSurfaceFind(scene, p, nb, &ops->forms, ops->free));
+  PetscCall(LaplacianFactors(scene, p, nb, ops, &ops->forms.visc));
+  PetscCall(LaplacianFactors(scene, p, nb, ops, &ops->forms.ppe));
   for (PetscInt l = 0; l < MLS_LANES; l++) ops->work->batch[l]->regularised = 0;
   for (PetscInt i = 0; i < p->n_fluid; i += MLS_LANES)
     PetscCall(AssembleBatch(scene, p, nb, i, PetscMin(MLS_LANES, p->n_fluid - i), ops));

@@ -29,5 +29,8 @@ static inline PetscBool StoresRow(const Operators *ops, const AffineOperator *op
 PetscErrorCode GatherStencil(const Scene *scene, const Particles *particles,
                              const Neighbors *neighbors, const Operators *ops, PetscInt i,
                              Stencil *stencil);
+PetscErrorCode LaplacianFactors(const Scene *scene, const Particles *particles,
+                                const Neighbors *neighbors, const Operators *ops,
+                                LaplacianForm *form);
 
 #endif

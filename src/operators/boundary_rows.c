@@ -368,3 +368,38 @@ PetscErrorCode AddRows_Divergence(const Scene *scene, Stencil *st, PetscInt diag
   AddRow_Divergence(st, diagonal, ops->work->g, ops->work->m, ops);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* Sets a row of an operator to a multiple of the particle's own value. */
+static void SetDiagonal(const Stencil *st, const Operators *ops, PetscInt diagonal, PetscReal value,
+                        const AffineOperator *op)
+{
+  PetscReal *a, *b;
+
+  EmptyRow(ops, st->i, op, &a, &b);
+  a[diagonal] = value;
+}
+
+/*
+  SetRows_Surface - Replaces the rows of a particle on a free surface: its pressure is given, and it
+  has no equation of mass
+
+    p_i - 2 mu (n.E n)_i = 0
+
+  Not collective. The rows of ppe and filter_p become p_i, and the row of div becomes 2 n.E n, for
+  which the scheme has the factor. It vanishes on rough surfaces: their pressure is zero.
+*/
+void SetRows_Surface(const Stencil *st, PetscInt diagonal, Operators *ops)
+{
+  SetDiagonal(st, ops, diagonal, 1.0, &ops->ppe);
+  if (ops->filter_p.needed) SetDiagonal(st, ops, diagonal, 1.0, &ops->filter_p);
+  for (PetscInt c = 0; c < st->dim; c++) {
+    PetscReal *a, *b;
+
+    EmptyRow(ops, st->i, &ops->div[c], &a, &b);
+    if (st->kind != SURFACE_SMOOTH) continue;
+    for (PetscInt k = 0; k < st->n; k++) {
+      (st->wall[k] ? b : a)[ops->work->slot[k]] += st->normal_strain[c][k];
+      a[diagonal] -= st->normal_strain[c][k];
+    }
+  }
+}

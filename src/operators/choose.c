@@ -3,6 +3,7 @@
   decide the defaults, and combinations that cannot work are refused.
 */
 #include "choose.h"
+#include "rows.h"
 
 enum {
   KERNEL,
@@ -41,7 +42,8 @@ static const OptionRow options[] = {
             .brief = "smoothing length over particle spacing",
             .unit  = "-",
             .standard =
-                "1.3; up to U dx/nu = 5 it is 1.5 for particles that move between walls, and 1.1 "
+                "1.3; up to U dx/nu = 5 it is 1.5 for particles that move between walls and with "
+                "free surfaces, and 1.1 "
                 "without walls if both Laplacians are exact for quadratic functions; 1.6 with "
                 "-mls_degree 3, 2 with -mls_degree 4",
             .low  = 0.8,
@@ -202,6 +204,7 @@ static PetscErrorCode ChooseWall(const Scene *scene, OperatorForms *forms)
 
     1.6 or 2 for cubic or quartic fits, which need more neighbours; otherwise
     1.3 if U dx/nu > 5, because viscosity then does not smooth the grid scale; otherwise
+    1.5 with free surfaces: on disordered particles smaller fits let grid modes grow beside them;
     1.5 if there are walls and particles move: changes of neighbours next to walls dominate the
         error, and more neighbours halve it;
     1.1 if there are no walls, and both Laplacians are exact for quadratic functions: smaller fits
@@ -212,6 +215,7 @@ static PetscReal DefaultSmoothing(const Scene *scene, const OperatorForms *forms
 {
   if (forms->degree > 2) return forms->degree == 3 ? 1.6 : 2.0;
   if (SceneCellReynolds(scene) > 5.0) return 1.3;
+  if (SceneHasFreeSurface(scene)) return 1.5;
   if (SceneHas(scene, PHYSICS_WALLS)) return SceneMoves(scene) ? 1.5 : 1.3;
   if (!SceneHas(scene, PHYSICS_PRESSURE)) return 1.3;
   return LaplacianIs(&forms->visc, FORM_EXACT_QUADRATIC) &&
@@ -256,6 +260,32 @@ static PetscErrorCode RefuseEquations(const Scene *scene, const OperatorForms *f
             "%s: each velocity component has equations of its own there, and %s couples them; use "
             "a newtonian fluid and -visc_laplacian mls",
             kind->option.name, SceneIsNewtonian(scene) ? forms->visc.row->name : "-rheology");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Chooses the viscous form of fluids with a free surface, and refuses forms without one. */
+static PetscErrorCode ChooseSurface(const Scene *scene, OperatorForms *forms)
+{
+  PetscFunctionBegin;
+  if (!SceneHasFreeSurface(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  UserCheck(!SceneViscosityVaries(scene),
+            "-scene_free: a fluid with a free surface has a uniform viscosity, which excludes %s",
+            SceneIsNewtonian(scene) ? "-scene_fluid_1 and -viscosity_field" : "-rheology");
+  UserCheck(!forms->visc.row || forms->visc.row->Row == LaplacianRow_Mls,
+            "-visc_laplacian %s: it has no condition for the stress on a free surface; use mls",
+            forms->visc.row->name);
+  UserCheck(!forms->ppe.row || forms->ppe.row->Row == LaplacianRow_Mls,
+            "-ppe_laplacian %s: it needs fluid beyond the free surface; use mls",
+            forms->ppe.row->name);
+  UserCheck(!forms->gradient || forms->gradient->Row == GradientRow_Mls,
+            "-gradient %s: it needs fluid beyond the free surface; use mls", forms->gradient->name);
+  UserCheck(forms->degree == 2,
+            "-mls_degree %" PetscInt_FMT ": fits at free surfaces are quadratic; use 2",
+            forms->degree);
+  UserCheck(!forms->wall || forms->wall->on_surface,
+            "-wall %s: with a free surface, fits have the equations of walls; use wall_layer",
+            forms->wall->name);
+  if (forms->visc.row) forms->visc.row = &LaplacianSurface;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -311,6 +341,7 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
             "-wall %s: its particles behind the wall need a uniform lattice; with %s use -wall "
             "wall_layer and forms without full_support in -catalogue, such as mls",
             forms->wall->name, scene->grading.spacing.n ? "-spacing" : "-spacing_wall");
+  PetscCall(ChooseSurface(scene, forms));
   PetscCall(ChooseCoupling(scene, forms));
   PetscCall(RefuseEquations(scene, forms));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -2,7 +2,22 @@
   Particle concentration and its gradient, for shifting and for the pressure source of -ppe_alpha
   after Zheng, Ma & Shao (2018).
 */
-#include "isph/operators.h"
+#include "rows.h"
+
+/* MirrorImage - Computes the image Y of a position X, relative to a particle, in those planes near
+   the particle that are bits of `set`, one after another; not collective */
+void MirrorImage(PetscInt dim, PetscInt n_planes, const WallPlane planes[], PetscInt set,
+                 const PetscReal X[], PetscReal Y[])
+{
+  for (PetscInt a = 0; a < dim; a++) Y[a] = X[a];
+  for (PetscInt p = 0; p < n_planes; p++) {
+    PetscReal height = planes[p].distance;
+
+    if (!(set & (1 << p))) continue;
+    for (PetscInt a = 0; a < dim; a++) height += Y[a] * planes[p].normal[a];
+    for (PetscInt a = 0; a < dim; a++) Y[a] -= 2.0 * height * planes[p].normal[a];
+  }
+}
 
 /* Adds to concentration and gradient the terms of a particle's mirror images, for every combination
    of mirror planes; X is the position of this particle relative to particle i. */
@@ -13,14 +28,7 @@ static void ConcentrationImages(const KernelRow *kernel, const Stencil *st,
   for (PetscInt set = 1; set < 1 << n_planes; set++) {
     PetscReal Y[ISPH_MAX_DIM], r2 = 0.0, r, w[3];
 
-    for (PetscInt a = 0; a < st->dim; a++) Y[a] = X[a];
-    for (PetscInt p = 0; p < n_planes; p++) {
-      PetscReal height = planes[p].distance;
-
-      if (!(set & (1 << p))) continue;
-      for (PetscInt a = 0; a < st->dim; a++) height += Y[a] * planes[p].normal[a];
-      for (PetscInt a = 0; a < st->dim; a++) Y[a] -= 2.0 * height * planes[p].normal[a];
-    }
+    MirrorImage(st->dim, n_planes, planes, set, X, Y);
     for (PetscInt a = 0; a < st->dim; a++) r2 += PetscSqr(Y[a]);
     if (r2 >= PetscSqr(st->radius) || r2 == 0.0) continue;
     r = PetscSqrtReal(r2);
@@ -68,6 +76,29 @@ static PetscInt StretchedPlanes(const Scene *scene, const Stencil *st, const Pet
   return n;
 }
 
+/* Adds the plane half a spacing outside the nearest particle on a free surface, in which the fluid
+   is mirrored as in a wall. */
+static void AddSurfacePlane(const Stencil *st, WallPlane planes[], PetscInt *n)
+{
+  PetscReal nearest = st->kind == SURFACE_SMOOTH ? 0.0 : st->radius;
+  PetscInt  which   = -1;
+
+  if (!st->near_surface || *n == SCENE_MAX_BOUNDARIES) return;
+  for (PetscInt k = 0; k < st->n; k++) {
+    if (!st->surface[k] || st->r[k] >= nearest) continue;
+    nearest = st->r[k];
+    which   = k;
+  }
+  planes[*n].distance = 0.5 * st->dx;
+  for (PetscInt a = 0; a < st->dim; a++) {
+    const PetscReal normal = which < 0 ? st->own_normal[a] : st->normal[a][which];
+
+    planes[*n].normal[a] = -normal;
+    if (which >= 0) planes[*n].distance += st->X[a][which] * normal;
+  }
+  (*n)++;
+}
+
 /*
   ConcentrationRow - Computes the concentration at particle i and its gradient
 
@@ -75,6 +106,7 @@ static PetscInt StretchedPlanes(const Scene *scene, const Stencil *st, const Pet
 
   j runs over fluid neighbours, i itself, and the particles that continue the fluid beyond walls:
   mirror images if wall particles lie on the surface, otherwise the dummies: docs/theory.md, (10).
+  Mirror images continue it beyond free surfaces too.
 
   Not collective.
 
@@ -97,6 +129,7 @@ void ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil
 
   SumNeighbors(st, mirrored, concentration, sum);
   if (mirrored && st->n_wall) n_planes = StretchedPlanes(scene, st, x, planes);
+  AddSurfacePlane(st, planes, &n_planes);
   if (n_planes) {
     ConcentrationImages(kernel, st, planes, n_planes, origin, st->volume, concentration, sum);
     for (PetscInt k = 0; k < st->n; k++) {

@@ -2,6 +2,7 @@
   Declared properties of forms, and the weights of the chosen Laplacian, with or without correction
   of the kernel.
 */
+#include "assembly.h"
 #include "rows.h"
 
 const char *const FormPropertyNames[FORM_PROPERTY_COUNT] = {
@@ -72,9 +73,39 @@ PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *st, PetscRea
     st->dW  = st->corrected[0];
     st->ddW = st->corrected[1];
   }
+  for (PetscInt k = 0; form->factor && k < st->n; k++) {
+    const PetscReal own = form->factor[st->i];
+
+    st->factor[k] = st->wall[k] ? own : 0.5 * (own + form->factor[st->j[k]]);
+  }
   PetscCall(form->row->Row(st, w));
   st->dW  = dW;
   st->ddW = ddW;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  LaplacianFactors - Computes the factors of a form at all particles, if the form has factors
+
+  Collective on the particles' communicator.
+
+  Input/Output Parameter:
+. form - its factors; those of wall particles are not set
+*/
+PetscErrorCode LaplacianFactors(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                const Operators *ops, LaplacianForm *form)
+{
+  Stencil *st = ops->work->stencil;
+
+  PetscFunctionBegin;
+  if (!form->row || !form->row->Factor) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree(form->factor));
+  PetscCall(PetscCalloc1(ParticlesAll(p), &form->factor));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscCall(GatherStencil(scene, p, nb, ops, i, st));
+    form->factor[i] = form->row->Factor(st);
+  }
+  PetscCall(ParticlesHaloField(p, form->factor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

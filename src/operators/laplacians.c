@@ -165,34 +165,49 @@ static PetscErrorCode LaplacianRow_Lsph(Stencil *st, PetscReal w[])
 #define QUADRATIC (ADAPTED | FORM_EXACT_QUADRATIC)
 
 static const LaplacianRow laplacians[] = {
-    /* name, brief, citation, properties, accepted corrections, row */
+    /* name, brief, citation, properties, accepted corrections, row, factor */
     {"morris", "finite difference times kernel gradient (VISC-01, model E)",
      "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)", PAIRWISE | FORM_SYMMETRIC | DIFFUSIVE,
-     CORRECTION_SHEPARD | CORRECTION_FIRST_ORDER, LaplacianRow_Morris},
+     CORRECTION_SHEPARD | CORRECTION_FIRST_ORDER, LaplacianRow_Morris, NULL},
     {"gotoh", "from the kernel's Hessian along the pair (VISC-02)",
      "Gotoh et al., Appl. Ocean Res. 46 (2014); Zheng, Ma & Shao, Water 10 (2018)",
-     PAIRWISE | FORM_SYMMETRIC | DIFFUSIVE, CORRECTION_SHEPARD, LaplacianRow_Gotoh},
+     PAIRWISE | FORM_SYMMETRIC | DIFFUSIVE, CORRECTION_SHEPARD, LaplacianRow_Gotoh, NULL},
     {"schwaiger", "morris without the error of linear fields (VISC-03)",
      "Schwaiger, Int. J. Numer. Meth. Eng. 75 (2008)", ADAPTED | FORM_FULL_SUPPORT, 0,
-     LaplacianRow_Schwaiger},
+     LaplacianRow_Schwaiger, NULL},
     {"corrected", "morris with -correction first_order under another name (VISC-04)",
-     "Oger et al., J. Comput. Phys. 225 (2007)", PAIRWISE | DIFFUSIVE, 0, LaplacianRow_Corrected},
+     "Oger et al., J. Comput. Phys. 225 (2007)", PAIRWISE | DIFFUSIVE, 0, LaplacianRow_Corrected,
+     NULL},
     {"direct_scalar", "Laplacian of the kernel; anti-diffusive, for comparison",
      "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", PAIRWISE | FORM_SYMMETRIC,
-     CORRECTION_SHEPARD, LaplacianRow_DirectScalar},
+     CORRECTION_SHEPARD, LaplacianRow_DirectScalar, NULL},
     {"fatehi_manzari", "exact for quadratics by a matrix per particle",
      "Fatehi & Manzari, Comput. Math. Appl. 61 (2011)", QUADRATIC | FORM_FULL_SUPPORT, 0,
-     LaplacianRow_FatehiManzari},
+     LaplacianRow_FatehiManzari, NULL},
     {"mls", "quadratic moving least squares with boundary conditions in the fit",
-     "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", QUADRATIC, 0, LaplacianRow_Mls},
+     "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", QUADRATIC, 0, LaplacianRow_Mls, NULL},
     {"mls3", "cubic moving least squares, second order on disorder too",
-     "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", QUADRATIC, 0, LaplacianRow_Mls3},
+     "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", QUADRATIC, 0, LaplacianRow_Mls3, NULL},
     {"lsph", "renormalised meshless Laplacian", "Basic, Degiuli & Ban, J. Comput. Phys. 354 (2018)",
-     ADAPTED | FORM_FULL_SUPPORT, 0, LaplacianRow_Lsph},
+     ADAPTED | FORM_FULL_SUPPORT, 0, LaplacianRow_Lsph, NULL},
     {"stress_mls",
      "div of the stress 2 nu E + nu (div u) I, least squares along pairs; viscosity only",
      "after Cleary & Monaghan, J. Comput. Phys. 148 (1999)",
-     QUADRATIC | FORM_COUPLES | FORM_FULL_SUPPORT, 0, LaplacianRow_StressMls},
+     QUADRATIC | FORM_COUPLES | FORM_FULL_SUPPORT, 0, LaplacianRow_StressMls, NULL},
+    {"pairwise_stress",
+     "the same stress by symmetric pair forces, no traction at free surfaces; viscosity only",
+     "after Weiler et al., Comput. Graph. Forum 37(2) (2018)",
+     PAIRWISE | FORM_SYMMETRIC | DIFFUSIVE | FORM_COUPLES, 0, LaplacianRow_PairwiseStress,
+     Factor_PairwiseStress},
+};
+
+/* The form mls of fluids with a free surface. */
+const LaplacianRow LaplacianSurface = {
+    .name       = "mls",
+    .brief      = "quadratic moving least squares; no tangential stress on the free surface",
+    .citation   = "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)",
+    .properties = FORM_NULL_CONSTANTS | FORM_EXACT_LINEAR | FORM_SAFE_IMPLICIT | FORM_COUPLES,
+    .Row        = LaplacianRow_SurfaceMls,
 };
 
 /* Appends the declared properties and the accepted corrections of a Laplacian to a text. */

@@ -85,7 +85,7 @@ static void ShareRows(AffineOperator *op, const AffineOperator **first)
 /* Finds the operators whose rows are equal at particles without wall neighbours. There a row
    depends on values of the fluid only, not on the quantity: the gradients of velocity components
    and of the pressure are equal to the divergence, both filters are equal, and so are the operators
-   of all velocity components. */
+   of all velocity components. Free surfaces exclude this: SetRows_Surface() replaces single rows. */
 static void ShareAllRows(Operators *ops)
 {
   const AffineOperator *visc = NULL, *filter = NULL;
@@ -171,7 +171,8 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
     ChooseProducts(ops, PETSC_FALSE, &ops->grad_p[a]);
     ChooseProducts(ops, PETSC_FALSE, &ops->div[a]);
   }
-  ShareAllRows(ops);
+  if (SceneHasFreeSurface(scene)) PetscCall(PetscNew(&ops->free));
+  else ShareAllRows(ops);
   PetscCall(CreateWorkspace(scene, ops));
   *operators = ops;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -203,7 +204,11 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
     PetscCall(PetscFree(ops->work->g[a]));
   }
   PetscCall(PetscFree(ops->concentration.value));
+  PetscCall(PetscFree(ops->forms.visc.factor));
+  PetscCall(PetscFree(ops->forms.ppe.factor));
   PetscCall(VecDestroy(&ops->ppe_scale));
+  if (ops->free) PetscCall(FreeSurfaceFree(ops->free));
+  PetscCall(PetscFree(ops->free));
   PetscCall(PetscFree4(ops->work->slot, ops->work->w, ops->work->m, ops->work->wall_w));
   for (PetscInt l = 0; l < MLS_LANES; l++) PetscCall(StencilDestroy(&ops->work->batch[l]));
   PetscCall(MlsBatchDestroy(&ops->work->fits));

@@ -5,15 +5,22 @@
 
 #include "isph/operators.h"
 
-PetscErrorCode LaplacianRow_FatehiManzari(Stencil *stencil, PetscReal w[]);
-PetscErrorCode LaplacianRow_Mls(Stencil *stencil, PetscReal w[]);
-PetscErrorCode LaplacianRow_Mls3(Stencil *stencil, PetscReal w[]);
-PetscErrorCode LaplacianRow_StressMls(Stencil *stencil, PetscReal w[]);
-PetscErrorCode GradientRow_Mls(Stencil *stencil, PetscReal *g[]);
-PetscErrorCode GradientRow_MlsDegree(Stencil *stencil, PetscInt degree, PetscReal *g[],
-                                     PetscBool *determined);
-PetscErrorCode FilterRow_Mls(Stencil *stencil, PetscReal w[]);
-PetscErrorCode DivergenceFit_Mls(Stencil *stencil, PetscReal *d[], PetscReal m[]);
+PetscErrorCode            LaplacianRow_FatehiManzari(Stencil *stencil, PetscReal w[]);
+PetscErrorCode            LaplacianRow_Mls(Stencil *stencil, PetscReal w[]);
+PetscErrorCode            LaplacianRow_Mls3(Stencil *stencil, PetscReal w[]);
+PetscErrorCode            LaplacianRow_StressMls(Stencil *stencil, PetscReal w[]);
+extern const LaplacianRow LaplacianSurface;
+PetscErrorCode            LaplacianRow_SurfaceMls(Stencil *stencil, PetscReal w[]);
+PetscErrorCode            LaplacianRow_PairwiseStress(Stencil *stencil, PetscReal w[]);
+PetscReal                 Factor_PairwiseStress(const Stencil *stencil);
+PetscErrorCode            GradientRow_Mls(Stencil *stencil, PetscReal *g[]);
+PetscErrorCode            GradientRow_MlsDegree(Stencil *stencil, PetscInt degree, PetscReal *g[],
+                                                PetscBool *determined);
+PetscErrorCode            FilterRow_Mls(Stencil *stencil, PetscReal w[]);
+PetscErrorCode            DivergenceFit_Mls(Stencil *stencil, PetscReal *d[], PetscReal m[]);
+void           MirrorImage(PetscInt dim, PetscInt n_planes, const WallPlane planes[], PetscInt set,
+                           const PetscReal X[], PetscReal Y[]);
+PetscInt       SurfaceTangents(PetscInt dim, const PetscReal normal[], PetscReal t[][ISPH_MAX_DIM]);
 void           CorrectKernel_FirstOrder(Stencil *stencil, PetscReal dW[], PetscReal ddW[]);
 PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length);
 

@@ -17,13 +17,16 @@ PetscErrorCode StencilCreate(PetscInt dim, Stencil **stencil)
 static PetscErrorCode StencilFree(Stencil *st)
 {
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     PetscCall(PetscFree3(st->X[a], st->normal[a], st->fit.gradient[a]));
+    PetscCall(PetscFree(st->normal_strain[a]));
+  }
+  PetscCall(PetscFree(st->surface));
   PetscCall(PetscFree6(st->fit.phi, st->fit.W, st->fit.value, st->fit.weighted, st->fit.laplacian,
                        st->fit.filter));
   PetscCall(PetscFree7(st->r, st->V, st->W, st->dW, st->ddW, st->beta, st->j));
-  PetscCall(
-      PetscFree6(st->wall, st->corrected[0], st->corrected[1], st->side, st->share, st->equation));
+  PetscCall(PetscFree7(st->wall, st->corrected[0], st->corrected[1], st->side, st->share,
+                       st->equation, st->factor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -46,16 +49,18 @@ PetscErrorCode StencilReserve(Stencil *st, PetscInt n)
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     PetscCall(PetscMalloc3(st->capacity, &st->X[a], st->capacity, &st->normal[a], st->capacity,
                            &st->fit.gradient[a]));
+    PetscCall(PetscMalloc1(st->capacity, &st->normal_strain[a]));
   }
+  PetscCall(PetscMalloc1(st->capacity, &st->surface));
   PetscCall(PetscMalloc6(MLS_MAX_TERMS * st->capacity, &st->fit.phi, st->capacity, &st->fit.W,
                          st->capacity, &st->fit.value, st->capacity, &st->fit.weighted,
                          st->capacity, &st->fit.laplacian, st->capacity, &st->fit.filter));
   PetscCall(PetscMalloc7(st->capacity, &st->r, st->capacity, &st->V, st->capacity, &st->W,
                          st->capacity, &st->dW, st->capacity, &st->ddW, st->capacity, &st->beta,
                          st->capacity, &st->j));
-  PetscCall(PetscMalloc6(st->capacity, &st->wall, st->capacity, &st->corrected[0], st->capacity,
+  PetscCall(PetscMalloc7(st->capacity, &st->wall, st->capacity, &st->corrected[0], st->capacity,
                          &st->corrected[1], st->capacity, &st->side, st->capacity, &st->share,
-                         st->capacity, &st->equation));
+                         st->capacity, &st->equation, st->capacity, &st->factor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

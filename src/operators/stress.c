@@ -1,8 +1,9 @@
 /*
   The divergence of the viscous stress as a sum of forces between pairs of particles, along the line
-  that joins them. Least squares give the strengths of the forces. A rigid motion has no force (to
-  rounding) for any viscosities, so truncation errors do not accelerate a very viscous drop that
-  rotates in a fluid of low viscosity. See docs/theory.md, (67) to (71).
+  that joins them. The strengths of the forces are those of least squares (stress_mls) or of a
+  kernel (pairwise_stress). A rigid motion has no force (to rounding) for any viscosities, so
+  truncation errors do not accelerate a very viscous drop that rotates in a fluid of low viscosity.
+  See docs/theory.md, (67) to (71) and (148) to (150).
 */
 #include "mls.h"
 
@@ -48,6 +49,15 @@ static void StressTarget(PetscInt d, PetscReal unit, PetscReal target[])
       }
     }
   }
+}
+
+/* Sets the weights of neighbour k to c e e^T, e = X/r. */
+static void SetPairForce(const Stencil *st, PetscInt k, PetscReal c, PetscReal w[])
+{
+  const PetscInt d = st->dim;
+
+  for (PetscInt e = 0; e < d * d; e++)
+    w[k * d * d + e] = c * st->X[e / d][k] * st->X[e % d][k] / PetscSqr(st->r[k]);
 }
 
 /*
@@ -98,8 +108,51 @@ PetscErrorCode LaplacianRow_StressMls(Stencil *st, PetscReal w[])
 
     StressBasis(st, k, phi);
     for (PetscInt t = 0; t < n; t++) c += st->W[k] * phi[t] * solved[t * width + n];
-    for (PetscInt e = 0; e < d * d; e++)
-      w[k * d * d + e] = c * st->X[e / d][k] * st->X[e % d][k] / PetscSqr(st->r[k]);
+    SetPairForce(st, k, c, w);
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes V_k (W'' - W'/r) of neighbour k, which docs/theory.md, (8), makes positive. */
+static inline PetscReal PairStrength(const Stencil *st, PetscInt k)
+{
+  return st->V[k] * (st->ddW[k] - st->dW[k] / st->r[k]);
+}
+
+/* Factor_PairwiseStress - Returns the factor B_i of particle i: 1 inside a uniform fluid, 2 on its
+   plane free surface; not collective */
+PetscReal Factor_PairwiseStress(const Stencil *st)
+{
+  const PetscReal d   = st->dim;
+  PetscReal       sum = 0.0;
+
+  for (PetscInt k = 0; k < st->n; k++) sum += PairStrength(st, k) * PetscSqr(st->r[k]);
+  return sum > 0.0 ? d * (d + 2.0) / sum : 1.0;
+}
+
+/*
+  LaplacianRow_PairwiseStress - Computes the divergence of a viscous stress by symmetric forces
+  along pairs; couples velocity components
+
+    sum_k c_k e (e.(u_k - u_i)) ~ lap u + 2 grad div u,   e = X/r,
+    c_k = 2 V_k (W'' - W'/r) (B_i + B_k)/2,               B_i = d (d+2)/sum_k V_k (W'' - W'/r) r^2
+
+  B makes the dissipation of u = x exact in any cloud of equal volumes with or without a free
+  surface, on which the traction is zero: docs/theory.md, (148) to (150).
+
+  Properties: symmetric for equal volumes, so momentum and angular momentum are constant; all
+  strengths are positive; no force on rigid motions for any viscosities. On lattices the viscosity
+  depends on the direction of the strain, by 5 % for h/dx = 1.3; on disordered particles the error
+  is O(1/dx). Needs particles behind walls; a wall particle has the factor of the row.
+
+  Reference: M. Weiler, D. Koschier, M. Brand, J. Bender, Comput. Graph. Forum 37(2) (2018), there
+  with -(d+2) W'/r in place of W'' - W'/r, after P. W. Cleary, J. J. Monaghan, J. Comput. Phys. 148
+  (1999), and with B = 1
+*/
+PetscErrorCode LaplacianRow_PairwiseStress(Stencil *st, PetscReal w[])
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < st->n; k++)
+    SetPairForce(st, k, 2.0 * PairStrength(st, k) * st->factor[k], w);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,7 +1,8 @@
 /*
-  Particles at the start of a run if the spacing is a function of place. Fluid is created in
-  ordered rows along walls and, elsewhere, at the places of places.c, which relax.c relaxes. Wall
-  particles lie on surfaces; no particle is behind a wall.
+  Particles at the start of a run if the spacing is a function of place, or if the fluid has a free
+  surface. Fluid is created in ordered rows along walls, on free surfaces, and elsewhere at the
+  places of places.c, which relax.c relaxes. Wall particles lie on surfaces; no particle is behind a
+  wall.
 */
 #include "impl.h"
 
@@ -52,30 +53,35 @@ PetscErrorCode CloudFill(const Scene *scene, Particles *p, Cloud *cloud)
 {
   Region   region;
   Places   places;
-  Surfaces walls;
+  Surfaces walls = {0}, free;
   Rows     rows;
 
   PetscFunctionBegin;
   RegionSetBox(scene, &region);
   PetscCall(PlacesCreate(scene, &region, &places));
-  PetscCall(SurfacesCreate(scene, &walls));
+  if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(SurfacesCreate(scene, BOUNDARY_PARTICLES, &walls));
+  PetscCall(SurfacesCreate(scene, BOUNDARY_FREE, &free));
   PetscCall(RowsCreate(scene, &walls, &rows));
-  cloud->ordered = rows.N;
+  cloud->ordered = rows.N + free.N;
   cloud->volume  = places.volume;
-  p->N_lattice = p->N_fluid = p->N_start[0] = rows.N + places.N;
+  p->N_lattice = p->N_fluid = p->N_start[0] = cloud->ordered + places.N;
   p->N_wall = p->N_start[1] = walls.N;
-  p->n_fluid                = rows.n + places.n;
+  p->n_fluid                = rows.n + free.n + places.n;
   p->n_wall                 = walls.n;
   p->next_id                = (PetscInt64)p->N_fluid + p->N_wall;
   UserCheck(p->N_fluid > 0, "the bodies leave no room for fluid at dx = %.4g", (double)scene->dx);
   PetscCall(ParticlesReserve(p, ParticlesOwn(p)));
   for (PetscInt i = 0; i < rows.n; i++)
     FluidParticle(scene, &rows.x[i * p->dim], rows.index[i], p, i);
+  for (PetscInt i = 0; i < free.n; i++)
+    FluidParticle(scene, free.point[i].x, rows.N + free.point[i].index, p, rows.n + i);
   for (PetscInt i = 0; i < places.n; i++)
-    FluidParticle(scene, &places.x[i * p->dim], rows.N + places.first + i, p, rows.n + i);
+    FluidParticle(scene, &places.x[i * p->dim], cloud->ordered + places.first + i, p,
+                  rows.n + free.n + i);
   for (PetscInt k = 0; k < walls.n; k++) WallParticle(scene, &walls.point[k], p, p->n_fluid + k);
   PetscCall(RowsDestroy(&rows));
   PetscCall(SurfacesDestroy(&walls));
+  PetscCall(SurfacesDestroy(&free));
   PetscCall(PlacesDestroy(&places));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

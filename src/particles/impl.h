@@ -56,7 +56,7 @@ typedef struct {
   PetscInt      N, n, capacity; /* points of all ranks, of this rank */
   SurfacePoint *point;
 } Surfaces;
-PetscErrorCode SurfacesCreate(const Scene *scene, Surfaces *surfaces);
+PetscErrorCode SurfacesCreate(const Scene *scene, BoundaryProperty property, Surfaces *surfaces);
 PetscErrorCode SurfacesDestroy(Surfaces *surfaces);
 
 /* rows.c */

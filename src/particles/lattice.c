@@ -127,8 +127,21 @@ static CellKind ClassifyCell(const Scene *scene, WallPlacement walls, PetscInt i
   return *depth < walls.layers * dx ? CELL_DUMMY : CELL_EMPTY;
 }
 
-/* Displaces a fluid particle at random. It stays 0.25 dx away from bodies, and 0.3 of a cell away
-   from walls of the box if their particles are not displaced. */
+/* Returns true if a particle at the coordinate x lies on a free side of the box across axis a. */
+static PetscBool OnFreeSide(const Scene *scene, PetscInt a, PetscReal x)
+{
+  for (PetscInt end = 0; end < 2; end++) {
+    const PetscReal height = PetscAbsReal(x - (end ? scene->hi[a] : scene->lo[a]));
+
+    if (BoundaryIs(scene, 2 * a + end, BOUNDARY_FREE) && height < 0.25 * scene->dx)
+      return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* Displaces a fluid particle at random. On a free side of the box it stays on this side. It stays
+   0.25 dx away from bodies, and 0.3 of a cell away from walls of the box if their particles are not
+   displaced. */
 static void JitterFluid(const Scene *scene, WallPlacement walls, PetscInt64 id, PetscReal x[])
 {
   const PetscReal dx = SceneSpacing(scene, x);
@@ -141,6 +154,7 @@ static void JitterFluid(const Scene *scene, WallPlacement walls, PetscInt64 id, 
   for (PetscInt a = 0; a < scene->dim; a++) {
     const PetscReal side = scene->hi[a] - scene->lo[a], h = edge[a];
 
+    if (OnFreeSide(scene, a, x[a])) continue;
     x[a] += scene->jitter * (dx / stretch[a]) * ParticlesHash(scene->seed, id, a);
     if (SceneIsPeriodic(scene, a)) x[a] -= side * PetscFloorReal((x[a] - scene->lo[a]) / side);
     else if (!walls.jittered)

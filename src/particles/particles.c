@@ -117,7 +117,7 @@ PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscRea
   PetscCallMPI(MPI_Type_commit(&p->vector));
   PetscCall(RegisterOwnFields(scene, p));
 
-  if (scene->grading.on) PetscCall(CreateCloud(scene, p));
+  if (scene->grading.on || (SceneHasFreeShape(scene) && !start)) PetscCall(CreateCloud(scene, p));
   else PetscCall(LatticeFill(scene, walls, start, p));
   SetViscosities(scene, start, p);
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));

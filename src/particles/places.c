@@ -116,7 +116,7 @@ static PetscErrorCode LeavesCreate(const Scene *scene, const Region *region, Pet
   *mass = *volume = 0.0;
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) x[a] = region->x[a];
   for (PetscInt k = 0; k < leaves->n; k++) {
-    PetscInt  rest = k, body;
+    PetscInt  rest = k, body, side;
     PetscReal normal[ISPH_MAX_DIM], share = part;
 
     for (PetscInt m = 0; m < n; m++) {
@@ -128,6 +128,7 @@ static PetscErrorCode LeavesCreate(const Scene *scene, const Region *region, Pet
     if (SceneDistance(scene, x, &body, normal) <= 0.0) share = 0.0;
     *volume += share;
     if (share > 0.0 && n == scene->dim && RowsHold(scene, x)) share = 0.0;
+    if (SceneDistanceTo(scene, BOUNDARY_FREE, x, &side) < 0.5 * SceneSpacing(scene, x)) share = 0.0;
     for (PetscInt m = 0; m < n && share > 0.0; m++) share *= scene->dx / SceneSpacing(scene, x);
     leaves->mass[k]  = share;
     leaves->order[k] = k;

@@ -144,16 +144,16 @@ static PetscErrorCode AddPlane(const Scene *scene, PetscInt side, Surfaces *s)
 }
 
 /*
-  SurfacesCreate - Creates the wall particles on all sides of the box and on all bodies
+  SurfacesCreate - Creates the particles on all sides of the box and on all bodies with a property
 
   Collective on PETSC_COMM_WORLD. Output: s - this rank's share; free with SurfacesDestroy().
 */
-PetscErrorCode SurfacesCreate(const Scene *scene, Surfaces *s)
+PetscErrorCode SurfacesCreate(const Scene *scene, BoundaryProperty property, Surfaces *s)
 {
   PetscFunctionBegin;
   PetscCall(PetscMemzero(s, sizeof(*s)));
   for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
-    if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES) || !SceneHas(scene, PHYSICS_WALLS)) continue;
+    if (!BoundaryIs(scene, side, property)) continue;
     if (scene->dim == 3 && !BoundaryBody(scene, side)) PetscCall(AddPlane(scene, side, s));
     else PetscCall(AddCurve(scene, side, s));
   }

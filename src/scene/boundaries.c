@@ -36,7 +36,8 @@ const BoundaryRow BoundaryNone = {
 };
 
 /* The kinds in the order of -catalogue; a kind defined in a file of its own is added here too. */
-#define KINDS(ROW) ROW(BoundaryWall) ROW(BoundaryPeriodic) ROW(BoundarySymmetry) ROW(BoundaryNone)
+#define KINDS(ROW)                                                                                 \
+  ROW(BoundaryWall) ROW(BoundaryPeriodic) ROW(BoundarySymmetry) ROW(BoundaryFree) ROW(BoundaryNone)
 
 #define DECLARE(row) extern const BoundaryRow row;
 KINDS(DECLARE)
@@ -356,13 +357,14 @@ PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *neare
 }
 
 /*
-  SceneFluidDistance - Returns the distance of x from the nearest boundary with particles, positive
-  in the fluid [m]
+  SceneDistanceTo - Returns the distance of x from the nearest boundary with all the given
+  properties, positive in the fluid [m]
 
   Not collective. Output: side - number of this boundary, -1 if there is none (then the distance is
   infinite). For a point on a surface the distance is zero within SCENE_ON_SURFACE dx.
 */
-PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *side)
+PetscReal SceneDistanceTo(const Scene *scene, unsigned properties, const PetscReal x[],
+                          PetscInt *side)
 {
   PetscReal best = PETSC_INFINITY, normal[ISPH_MAX_DIM];
 
@@ -372,7 +374,7 @@ PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *
     const PetscInt a    = s / 2;
     PetscReal      distance;
 
-    if (!BoundaryIs(scene, s, BOUNDARY_PARTICLES)) continue;
+    if (!BoundaryIs(scene, s, properties)) continue;
     if (body) distance = BodyDistance(scene, body, x, normal);
     else distance = s % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
     if (distance >= best) continue;
@@ -380,6 +382,12 @@ PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *
     *side = s;
   }
   return best;
+}
+
+/* SceneFluidDistance - Returns SceneDistanceTo() boundaries with particles [m]; not collective */
+PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *side)
+{
+  return SceneDistanceTo(scene, BOUNDARY_PARTICLES, x, side);
 }
 
 /*

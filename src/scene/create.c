@@ -357,7 +357,7 @@ PetscErrorCode SceneCreate(Scene **scene)
     UserCheck((s->hi[a] - s->lo[a]) / s->dx < PETSC_MPI_INT_MAX / 8,
               "-n asks for more particles than fit: the box is %.6g dx wide along %c",
               (double)((s->hi[a] - s->lo[a]) / s->dx), "xyz"[a]);
-    s->cells[a] = (PetscInt)PetscFloorReal((s->hi[a] - s->lo[a]) / s->dx + 0.5);
+    s->cells[a] = SceneCellsAlong(s, a);
   }
   PetscCall(SceneReadSpacing(s));
   if (s->problem->typed) PetscCall(SceneCheckGaps(s));

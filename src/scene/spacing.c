@@ -207,6 +207,7 @@ PetscReal SceneGrowth(const Scene *scene)
 /* Returns the reason why a scene has no graded lattice; NULL if there is none. */
 static const char *LatticeFault(const Scene *scene)
 {
+  if (SceneHasFreeSurface(scene)) return "a free surface needs a uniform spacing; use 1";
   if (scene->n_bodies) return "bodies need a uniform lattice or -spacing_growth";
   if (SceneViscosityVaries(scene)) return "a viscosity that varies needs a uniform lattice; use 1";
   if (!SceneHasBoundary(scene, BOUNDARY_NO_SLIP)) return "this scene has no walls; use 1";
@@ -216,6 +217,7 @@ static const char *LatticeFault(const Scene *scene)
 /* Returns the reason why a scene has no isotropic grading; NULL if there is none. */
 static const char *GradingFault(const Scene *scene)
 {
+  if (SceneHasFreeSurface(scene)) return "a free surface needs a uniform spacing";
   if (SceneMoves(scene) && SceneHasBoundary(scene, BOUNDARY_NO_SLIP))
     return "particles that move between walls keep the spacing of lattices only; use -spacing_wall "
            "alone, or -motion eulerian";

@@ -20,7 +20,7 @@ static const OptionRow options[] = {
         .name     = "-scheme",
         .kind     = VALUE_NAME,
         .brief    = "scheme that advances velocity and pressure",
-        .standard = "projection",
+        .standard = "projection; coupled with a free surface",
         .table    = &SchemeTable,
         .where    = "flows",
     },
@@ -58,7 +58,8 @@ PetscErrorCode SchemeCreate(Flow *flow)
   PetscCall(PetscNew(&s));
   flow->scheme = s;
   s->needs     = SceneNeeds(flow->scene);
-  PetscCall(OptionGetRow(&options[0], NULL, &s->row));
+  PetscCall(OptionGetRow(&options[0], SceneHasFreeSurface(flow->scene) ? "coupled" : "projection",
+                         &s->row));
   PetscCall(ClockRemember(flow->clock, &s->memory));
   PetscCall(FlowRemember(flow));
   for (PetscInt a = 0; a < flow->scene->dim; a++) force2 += PetscSqr(flow->scene->body_force[a]);

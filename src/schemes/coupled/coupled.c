@@ -95,6 +95,25 @@ static PetscErrorCode RefuseHistory(const Flow *flow, const CoupledIntegratorRow
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses what flows with a free surface exclude. */
+static PetscErrorCode RefuseSurface(const Flow *flow)
+{
+  const Scene       *scene = flow->scene;
+  const BoundaryRow *slip  = SceneSlipKind(scene);
+
+  PetscFunctionBegin;
+  UserCheck(SceneHas(scene, PHYSICS_VISCOSITY) && SceneHas(scene, PHYSICS_PRESSURE),
+            "-without %s: a fluid with a free surface needs both viscosity and pressure",
+            SceneHas(scene, PHYSICS_VISCOSITY) ? "pressure" : "viscosity");
+  UserCheck(!slip, "%s: with a free surface the other sides are walls, periodic or free",
+            slip->option.name);
+  UserCheck(
+      !flow->state->has_convection,
+      "-motion eulerian: a free surface moves with its particles; use lagrangian, or -without "
+      "convection for displacements far below dx");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   CoupledCreate - Reads the options of the coupled scheme
 
@@ -115,6 +134,7 @@ static PetscErrorCode CoupledCreate(Flow *flow)
   PetscCall(PetscNew(&c));
   flow->scheme->data = c;
   c->flow            = flow;
+  if (SceneHasFreeSurface(scene)) PetscCall(RefuseSurface(flow));
   UserCheck(viscous && SceneHas(scene, PHYSICS_PRESSURE),
             "-scheme coupled: it solves for velocity and pressure together, and case %s has no %s "
             "here; add -with %s, or use -scheme projection",

@@ -25,16 +25,17 @@ typedef struct {
 } SchurRow;
 
 struct Schur {
-  const SchurRow  *row;
-  const Scene     *scene;
-  const Particles *particles;
-  const Saddle    *saddle;         /* units of the particles */
-  Mat              mass;           /* the identity, for other PCs than shell */
-  Mat              poisson;        /* -dx_i^2 lap, regular by GaugePreconditioner() [-] */
-  KSP              ksp;            /* solver of poisson; NULL: not needed */
-  KspViews         views;          /* -coupled_schur_ksp_view, ... */
-  Vec              work;           /* work vector */
-  PetscReal        viscous, inert; /* nu/sigma, shift dx^2/sigma of the reference spacing [-] */
+  const SchurRow    *row;
+  const Scene       *scene;
+  const Particles   *particles;
+  const Saddle      *saddle;         /* units of the particles */
+  const FreeSurface *free;           /* NULL: no free surface */
+  Mat                mass;           /* the identity, for other PCs than shell */
+  Mat                poisson;        /* -dx_i^2 lap, regular by GaugePreconditioner() [-] */
+  KSP                ksp;            /* solver of poisson; NULL: not needed */
+  KspViews           views;          /* -coupled_schur_ksp_view, ... */
+  Vec                work;           /* work vector */
+  PetscReal          viscous, inert; /* nu/sigma, shift dx^2/sigma of the reference spacing [-] */
 };
 
 PetscErrorCode SchurCreate(Schur *schur);

@@ -13,12 +13,12 @@
   L, G and D are the operators of viscosity, gradient and divergence; L couples velocity components
   if its form does. shift is the factor of u in du/dt; f and g contain forces and wall data. G is
   one-sided at walls: the wall pressure gradient follows from the momentum equation of the particles
-  next to the wall. All unknowns belong to the same particles, so G and D do not act on grid modes of
-  the pressure. C q, the residual of a quadratic fit of q, brings these modes into the continuity
-  equation. For smooth pressures it is a
-  flux of order dx^3 (dx^4 inside lattices); it vanishes for quadratic pressures and needs no
-  condition at walls. The column c of GaugeColumn() fixes the constant of the pressure. See
-  docs/theory.md, (92) to (94).
+  next to the wall. All unknowns belong to the same particles, so G and D do not act on grid modes
+  of the pressure. C q, the residual of a quadratic fit of q, brings these modes into the continuity
+  equation. For smooth pressures it is a flux of order dx^3 (dx^4 inside lattices); it vanishes for
+  quadratic pressures and needs no condition at walls. The column c of GaugeColumn() fixes the
+  constant of the pressure. On free surfaces the rows of mass give the pressure, with the factor
+  -T_i nu/dx_i in place of dx_i. See docs/theory.md, (92) to (94) and section 17.
 */
 #include "saddle.h"
 
@@ -54,19 +54,24 @@ static PetscErrorCode SetUnits(const Flow *flow, Saddle *s)
 {
   const Scene     *scene = flow->scene;
   const Particles *p     = flow->particles;
-  PetscScalar     *time, *length;
+  PetscScalar     *time, *length, *mass;
 
   PetscFunctionBegin;
   s->step = SaddleTime(scene, flow->clock, scene->dx);
   s->unit = scene->rho * scene->dx / s->step;
   PetscCall(FluidVec(p, NULL, &s->time));
   PetscCall(FluidVec(p, NULL, &s->length));
+  PetscCall(FluidVec(p, NULL, &s->mass));
+  PetscCall(VecGetArrayWrite(s->mass, &mass));
   PetscCall(VecGetArrayWrite(s->time, &time));
   PetscCall(VecGetArrayWrite(s->length, &length));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     time[i]   = SaddleTime(scene, flow->clock, p->dx[i]) / s->step;
-    length[i] = p->dx[i] / scene->dx;
+    length[i] = mass[i] = p->dx[i] / scene->dx;
+    if (flow->ops->free && flow->ops->free->kind[i] != SURFACE_INSIDE)
+      mass[i] = -scene->nu * time[i] * s->step / (p->dx[i] * scene->dx);
   }
+  PetscCall(VecRestoreArrayWrite(s->mass, &mass));
   PetscCall(VecRestoreArrayWrite(s->length, &length));
   PetscCall(VecRestoreArrayWrite(s->time, &time));
   PetscCall(VecDuplicate(s->length, &s->pressure));
@@ -133,7 +138,7 @@ static PetscErrorCode CreateBlocks(const Flow *flow, MatType type, Saddle *s)
   PetscCall(VecPointwiseDivide(mass, s->time, s->length));
   PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){s->dim, 1, dx, momentum, s->pressure},
                         ops->grad_p, type, &s->G));
-  PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){1, s->dim, dx, s->length, NULL}, ops->div,
+  PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){1, s->dim, dx, s->mass, NULL}, ops->div,
                         type, &s->D));
   PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){1, 1, 1.0, mass, s->pressure},
                         &ops->filter_p, type, &s->C));
@@ -142,46 +147,46 @@ static PetscErrorCode CreateBlocks(const Flow *flow, MatType type, Saddle *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the matrix of a scalar operator, the same for each of the interlaced components, to a block.
-   On entry block is NULL, or a matrix of interlaced components. */
-static PetscErrorCode AddToComponents(PetscInt dim, Mat scalar, Mat *block)
+/* Adds a term to a matrix and destroys the term; a matrix that is NULL becomes the term. */
+static PetscErrorCode AddTerm(Mat term, Mat *sum)
 {
-  Mat all, part;
-
   PetscFunctionBegin;
-  PetscCall(MatCreateMAIJ(scalar, dim, &all));
-  PetscCall(MatConvert(all, MATAIJ, MAT_INITIAL_MATRIX, &part));
-  PetscCall(MatDestroy(&all));
-  if (*block) {
-    PetscCall(MatAXPY(*block, 1.0, part, UNKNOWN_NONZERO_PATTERN));
-    PetscCall(MatDestroy(&part));
+  if (*sum) {
+    PetscCall(MatAXPY(*sum, 1.0, term, UNKNOWN_NONZERO_PATTERN));
+    PetscCall(MatDestroy(&term));
   } else {
-    *block = part;
+    *sum = term;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Creates the matrix T_i (-nu L + v.grad) of all interlaced velocity components; v: `advecting`, if
-   given. */
+   given. Terms that are the same for each component are summed up before they are interlaced. */
 static PetscErrorCode ViscousCreate(const Flow *flow, const Saddle *s, const Vec advecting[],
                                     Mat *viscous)
 {
-  const Scene             *scene = flow->scene;
-  const VelocityOperators *of    = &flow->ops->velocity[0];
-  Mat                      gradient;
+  const Scene             *scene   = flow->scene;
+  const VelocityOperators *of      = &flow->ops->velocity[0];
+  const PetscBool          couples = flow->ops->forms.components_coupled;
+  Mat                      term, scalar = NULL, all;
   Vec                      rows;
 
   PetscFunctionBegin;
-  *viscous = NULL;
-  if (flow->ops->forms.components_coupled)
-    PetscCall(MatDuplicate(of->visc.A, MAT_COPY_VALUES, viscous));
-  else PetscCall(AddToComponents(scene->dim, of->visc.A, viscous));
-  PetscCall(MatScale(*viscous, -scene->nu));
+  PetscCall(MatDuplicate(of->visc.A, MAT_COPY_VALUES, &term));
+  PetscCall(MatScale(term, -scene->nu));
+  *viscous = couples ? term : NULL;
+  if (!couples) scalar = term;
   for (PetscInt a = 0; advecting && a < scene->dim; a++) {
-    PetscCall(MatDuplicate(of->grad_u[a].A, MAT_COPY_VALUES, &gradient));
-    PetscCall(MatDiagonalScale(gradient, advecting[a], NULL));
-    PetscCall(AddToComponents(scene->dim, gradient, viscous));
-    PetscCall(MatDestroy(&gradient));
+    PetscCall(MatDuplicate(of->grad_u[a].A, MAT_COPY_VALUES, &term));
+    PetscCall(MatDiagonalScale(term, advecting[a], NULL));
+    PetscCall(AddTerm(term, &scalar));
+  }
+  if (scalar) {
+    PetscCall(MatCreateMAIJ(scalar, scene->dim, &all));
+    PetscCall(MatConvert(all, MATAIJ, MAT_INITIAL_MATRIX, &term));
+    PetscCall(AddTerm(term, viscous));
+    PetscCall(MatDestroy(&all));
+    PetscCall(MatDestroy(&scalar));
   }
   PetscCall(VelocityRows(flow->particles, s->time, &rows));
   PetscCall(VecScale(rows, s->step));
@@ -252,6 +257,7 @@ PetscErrorCode SaddleFree(Saddle *s)
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(all); k++) PetscCall(MatDestroy(all[k]));
   PetscCall(VecDestroy(&s->time));
   PetscCall(VecDestroy(&s->length));
+  PetscCall(VecDestroy(&s->mass));
   PetscCall(VecDestroy(&s->pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -337,7 +343,7 @@ PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
 PetscErrorCode SaddleAdd(const Saddle *s, PetscInt c, PetscReal scale, Vec part, Vec x)
 {
   const PetscInt     stride = c < s->dim ? s->dim : 1, first = c < s->dim ? c : s->dim * s->n;
-  const Vec          units = c < s->dim ? s->time : s->length;
+  const Vec          units = c < s->dim ? s->time : s->mass;
   const PetscScalar *from, *unit;
   PetscScalar       *to;
 

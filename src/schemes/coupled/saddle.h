@@ -14,6 +14,8 @@ typedef struct {
   PetscReal unit;       /* rho dx/T of the reference spacing, unit of pressures [Pa s/m] */
   Vec       time;       /* T_i/T of each particle [-] */
   Vec       length;     /* dx_i/dx of each particle [-] */
+  Vec       mass;       /* factor of the rows of div over dx: as `length`, on free surfaces of the
+                           equation of the pressure there [-] */
   Vec       pressure;   /* unit of the pressure of each particle over `unit` [-] */
   PetscReal shift;      /* shift in F; NaN: F is out of date [1/s] */
   Mat       viscous;    /* T_i (-nu L + v.grad), dim N x dim N [-] */

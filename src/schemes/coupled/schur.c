@@ -25,6 +25,23 @@ static PetscErrorCode SchurApply_Mass(Schur *s, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sets y to x on free surfaces, or to zero if x is NULL: the pressure is given there. */
+static PetscErrorCode SetSurface(const Schur *s, Vec x, Vec y)
+{
+  const PetscScalar *from = NULL;
+  PetscScalar       *to;
+
+  PetscFunctionBegin;
+  if (!s->free) PetscFunctionReturn(PETSC_SUCCESS);
+  if (x) PetscCall(VecGetArrayRead(x, &from));
+  PetscCall(VecGetArray(y, &to));
+  for (PetscInt i = 0; i < s->particles->n_fluid; i++)
+    if (s->free->kind[i] != SURFACE_INSIDE) to[i] = x ? from[i] : 0.0;
+  PetscCall(VecRestoreArray(y, &to));
+  if (x) PetscCall(VecRestoreArrayRead(x, &from));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   SchurApply_CahouetChabard - Applies S^-1 for any step:
 
@@ -45,6 +62,7 @@ static PetscErrorCode SchurApply_CahouetChabard(Schur *s, Vec x, Vec y)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(VecPointwiseMult(s->work, x, s->saddle->length));
+  PetscCall(SetSurface(s, NULL, s->work));
   PetscCall(GaugeRemove(s->scene, s->particles, s->work));
   PetscCall(KSPSolve(s->ksp, s->work, y));
   PetscCall(KspViewsShow(s->ksp, &s->views));
@@ -53,6 +71,7 @@ static PetscErrorCode SchurApply_CahouetChabard(Schur *s, Vec x, Vec y)
   PetscCall(VecPointwiseDivide(s->work, x, s->saddle->length));
   PetscCall(VecAXPY(y, s->viscous, s->work));
   PetscCall(VecPointwiseDivide(y, y, s->saddle->pressure));
+  PetscCall(SetSurface(s, x, y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -138,6 +157,7 @@ PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, MatType typ
   s->scene     = flow->scene;
   s->particles = p;
   s->saddle    = saddle;
+  s->free      = ops->free;
   PetscCall(MatCreateConstantDiagonal(p->comm, p->n_fluid, p->n_fluid, PETSC_DETERMINE,
                                       PETSC_DETERMINE, 1.0, &s->mass));
   PetscCall(MatDestroy(&s->poisson));

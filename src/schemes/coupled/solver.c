@@ -103,6 +103,10 @@ static PetscErrorCode CoupledCreateTS(Coupled *c)
 . -coupled_fieldsplit_velocity_..., -coupled_fieldsplit_pressure_... - KSP and PC of the blocks
 - -coupled_schur_ksp_type, -coupled_schur_pc_type, ... - solver of the Poisson equation in schur.c
 
+  Notes: with a free surface the preconditioner is LU by default. The approximation of schur.c does
+  not know that the pressure of the surface follows from the velocity, and needs hundreds of
+  iterations for steps above dx^2/nu.
+
   Errors: refuses options by which the TS would control time, and absolute tolerances
 */
 PetscErrorCode CoupledSolverCreate(Flow *flow, Coupled *c)
@@ -111,6 +115,7 @@ PetscErrorCode CoupledSolverCreate(Flow *flow, Coupled *c)
   PetscBool given, split, lu;
 
   PetscFunctionBegin;
+  if (SceneHasFreeSurface(flow->scene)) PetscCall(OptionDefault("coupled_", "-pc_type", PCLU));
   PetscCall(PetscOptionsGetString(NULL, "coupled_", "-pc_type", type, sizeof(type), NULL));
   PetscCall(PetscStrcmp(type, PCFIELDSPLIT, &split));
   PetscCall(PetscStrcmp(type, PCLU, &lu));

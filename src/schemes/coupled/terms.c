@@ -70,7 +70,7 @@ static PetscErrorCode AddGivenPressure(Coupled *c, PetscReal t)
   }
   PetscCall(MatMult(flow->ops->filter_p.B, flow->walls.p, c->part));
   PetscCall(VecPointwiseDivide(c->part, c->part, s->pressure));
-  PetscCall(VecPointwiseDivide(c->part, c->part, s->length)); /* SaddleAdd() multiplies by it */
+  PetscCall(VecPointwiseDivide(c->part, c->part, s->mass)); /* SaddleAdd() multiplies by it */
   PetscCall(SaddleAdd(s, s->dim, -1.0 / s->unit, c->part, c->b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -354,6 +354,11 @@ PetscErrorCode ProjectionCreate(Flow *flow)
   UserCheck(!flow->clock->steady_solve,
             "-steady: -scheme %s advances in time; use -scheme coupled, or -steady_tol",
             flow->scheme->row->name);
+  UserCheck(
+      !SceneHasFreeSurface(scene),
+      "-scheme %s: the pressure of a free surface follows from the velocity of the same time; "
+      "use -scheme coupled",
+      flow->scheme->row->name);
   PetscCall(ReadConvection(flow));
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
     PetscCall(OptionGetRow(&options[PROJECTION], NULL, &pr->row));

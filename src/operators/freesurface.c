@@ -1,0 +1,311 @@
+/*
+  Particles on free surfaces, their normals and curvatures, from the present positions. Sums over
+  neighbours tell where fluid is missing,
+
+    S = sum_j V_j grad_i W_ij,   B = sum_j V_j X (x) grad_j W_ij,   X = x_j - x_i,
+
+  S vanishes and B is the unit matrix inside the fluid; walls act by mirror images. A candidate is
+  on the surface if no neighbour is in the cone about n_0 = -S/|S|. Normals n are those of a
+  quadratic fit through the surface particles nearby, in the frame of n_0:
+
+    y.n_0 = a + b_m s_m + c_mq s_m s_q,   n = (n_0 - b_m t_m)/|..|,   s_m = y.t_m
+
+  A normal from S has an error on disordered particles that does not fall with dx, and so has the
+  stress that a row with this normal gives to the fluid.
+
+  Reference: S. Marrone, A. Colagrossi, D. Le Touze, G. Graziani, J. Comput. Phys. 229 (2010)
+  3652-3663
+*/
+#include "assembly.h"
+#include "rows.h"
+
+#define CANDIDATE   0.35  /* least |S| over its value dx/2 below a plane */
+#define SPARSE      0.3   /* least eigenvalue of B below which a particle is a candidate */
+#define CONE        0.743 /* cosine of half the angle of the cone, 42 degrees */
+#define CONE_LENGTH 2.0   /* [dx] */
+#define ALIGNED     0.3   /* least n_i.n_j of particles in a fit */
+#define RESIDUAL    0.3   /* root mean square of the fit above which the surface is rough [dx] */
+#define CURVATURE   0.5   /* likewise of c [1/dx] */
+#define CLOSE       1.9   /* distance of neighbours that a particle must have [dx] */
+#define FIT_TERMS   6
+
+/* Neighbours of a particle and their images in walls. */
+typedef struct {
+  PetscReal S[ISPH_MAX_DIM], B[ISPH_MAX_DIM * ISPH_MAX_DIM];
+  PetscInt  close;
+} Sums;
+
+/* Adds a neighbour at the distance X to the sums. */
+static void AddNeighbour(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscReal V,
+                         const PetscReal X[], Sums *sums)
+{
+  PetscReal r = 0.0, w[3];
+
+  for (PetscInt a = 0; a < dim; a++) r += PetscSqr(X[a]);
+  r = PetscSqrtReal(r);
+  if (r >= kernel->support * h || r == 0.0) return;
+  KernelEvaluate(kernel, dim, h, r, w);
+  for (PetscInt a = 0; a < dim; a++) {
+    sums->S[a] -= V * w[1] * X[a] / r;
+    for (PetscInt b = 0; b < dim; b++) sums->B[a * dim + b] -= V * w[1] * X[a] * X[b] / r;
+  }
+}
+
+/* Computes the sums of own particle i. */
+static void SumsOf(const Scene *scene, const Particles *p, const Neighbors *nb,
+                   const OperatorForms *forms, PetscInt i, Sums *sums)
+{
+  const PetscReal h = forms->h_over_dx * p->dx[i];
+  const PetscInt  d = p->dim;
+  WallPlane       planes[SCENE_MAX_BOUNDARIES];
+  PetscReal       x[ISPH_MAX_DIM];
+  PetscInt        n_planes;
+
+  *sums = (Sums){.close = 0};
+  for (PetscInt a = 0; a < d; a++) x[a] = p->x[a][i];
+  SceneWallPlanes(scene, x, forms->radius, planes, &n_planes);
+  for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {
+    const PetscInt j  = q < nb->row[i] ? i : nb->col[q];
+    PetscReal      r2 = 0.0, X[ISPH_MAX_DIM];
+
+    if (ParticlesIsWall(p, j)) continue;
+    for (PetscInt a = 0; a < d; a++) {
+      X[a] = p->x[a][j] - x[a];
+      r2 += PetscSqr(X[a]);
+    }
+    if (r2 > 0.0 && r2 < PetscSqr(CLOSE * p->dx[i])) sums->close++;
+    AddNeighbour(forms->kernel, d, h, p->volume[j], X, sums);
+    for (PetscInt set = 1; set < 1 << n_planes; set++) {
+      PetscReal Y[ISPH_MAX_DIM];
+
+      MirrorImage(d, n_planes, planes, set, X, Y);
+      AddNeighbour(forms->kernel, d, h, p->volume[j], Y, sums);
+    }
+  }
+}
+
+/* Returns |S| at the distance dx/2 from the plane that bounds a half-space of fluid,
+   int W dA over the plane, by the midpoint rule [1/m]. */
+static PetscReal PlaneSum(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscReal dx)
+{
+  const PetscInt  n    = 200;
+  const PetscReal step = kernel->support * h / n;
+  PetscReal       sum  = 0.0;
+
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal s = (k + 0.5) * step, r = PetscSqrtReal(PetscSqr(s) + PetscSqr(0.5 * dx));
+    PetscReal       w[3];
+
+    if (r >= kernel->support * h) break;
+    KernelEvaluate(kernel, dim, h, r, w);
+    sum += w[0] * step * (dim == 2 ? 2.0 : 2.0 * PETSC_PI * s);
+  }
+  return sum;
+}
+
+/* Returns the least eigenvalue of a symmetric matrix of size 2 or 3. */
+static PetscReal LeastEigenvalue(PetscInt d, const PetscReal B[])
+{
+  PetscReal trace = 0.0, off = 0.0, spread = 0.0, det, angle;
+
+  for (PetscInt a = 0; a < d; a++) trace += B[a * d + a] / d;
+  for (PetscInt a = 0; a < d; a++) {
+    spread += PetscSqr(B[a * d + a] - trace);
+    for (PetscInt b = 0; b < a; b++) off += PetscSqr(B[a * d + b]);
+  }
+  if (d == 2) return trace - PetscSqrtReal(0.5 * spread + off);
+  spread = PetscSqrtReal((spread + 2.0 * off) / 6.0);
+  if (spread == 0.0) return trace;
+  det = (B[0] - trace) * ((B[4] - trace) * (B[8] - trace) - B[5] * B[7]) -
+        B[1] * (B[3] * (B[8] - trace) - B[5] * B[6]) + B[2] * (B[3] * B[7] - (B[4] - trace) * B[6]);
+  det   = 0.5 * det / (spread * spread * spread);
+  angle = acos(PetscMin(PetscMax(det, -1.0), 1.0)) / 3.0;
+  return trace + 2.0 * spread * PetscCosReal(angle + 2.0 * PETSC_PI / 3.0);
+}
+
+/* Returns true if a neighbour of own particle i covers it: it is in the cone about the normal. A
+   wall particle covers only the fluid before it. */
+static PetscBool IsCovered(const Particles *p, const Neighbors *nb, PetscInt i,
+                           const PetscReal normal[])
+{
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    const PetscInt j  = nb->col[q];
+    PetscReal      r2 = 0.0, along = 0.0, faces = 0.0;
+
+    for (PetscInt a = 0; a < p->dim; a++) {
+      const PetscReal X = p->x[a][j] - p->x[a][i];
+
+      r2 += PetscSqr(X);
+      along += X * normal[a];
+      if (ParticlesIsWall(p, j)) faces += p->normal[a][j] * normal[a];
+    }
+    if (r2 == 0.0 || r2 >= PetscSqr(CONE_LENGTH * p->dx[i])) continue;
+    if (along <= CONE * PetscSqrtReal(r2)) continue;
+    if (!ParticlesIsWall(p, j) || faces < -0.5) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* Determines if own particle i is on the surface, and its first normal; plane: from PlaneSum(). */
+static SurfaceKind Flag(const Scene *scene, const Particles *p, const Neighbors *nb,
+                        const OperatorForms *forms, PetscReal plane, PetscInt i, PetscReal normal[])
+{
+  Sums      sums;
+  PetscReal size = 0.0;
+
+  SumsOf(scene, p, nb, forms, i, &sums);
+  for (PetscInt a = 0; a < p->dim; a++) size += PetscSqr(sums.S[a]);
+  size = PetscSqrtReal(size);
+  for (PetscInt a = 0; a < p->dim; a++) normal[a] = size > 0.0 ? -sums.S[a] / size : a == 0;
+  if (sums.close < 3) return SURFACE_ISOLATED;
+  if (size < CANDIDATE * plane && LeastEigenvalue(p->dim, sums.B) > SPARSE) return SURFACE_INSIDE;
+  return IsCovered(p, nb, i, normal) ? SURFACE_INSIDE : SURFACE_SMOOTH;
+}
+
+/* SurfaceTangents - Computes the unit tangents t of a surface with the unit normal n, one in 2D and
+   two in 3D; returns their number; not collective */
+PetscInt SurfaceTangents(PetscInt dim, const PetscReal n[], PetscReal t[][ISPH_MAX_DIM])
+{
+  PetscInt  least = 0;
+  PetscReal length;
+
+  if (dim == 2) {
+    t[0][0] = -n[1];
+    t[0][1] = n[0];
+    return 1;
+  }
+  for (PetscInt a = 1; a < 3; a++) least = PetscAbsReal(n[a]) < PetscAbsReal(n[least]) ? a : least;
+  length = PetscSqrtReal(1.0 - PetscSqr(n[least]));
+  for (PetscInt a = 0; a < 3; a++) t[0][a] = ((a == least) - n[least] * n[a]) / length;
+  for (PetscInt a = 0; a < 3; a++) {
+    const PetscInt b = (a + 1) % 3, c = (a + 2) % 3;
+
+    t[1][a] = n[b] * t[0][c] - n[c] * t[0][b];
+  }
+  return 2;
+}
+
+/* Computes the basis of a fit at s, and the weight of a point. */
+static void FitBasis(PetscInt dim, const PetscReal s[], PetscReal phi[])
+{
+  PetscInt t = 0;
+
+  phi[t++] = 1.0;
+  for (PetscInt m = 0; m < dim - 1; m++) phi[t++] = s[m];
+  for (PetscInt m = 0; m < dim - 1; m++) {
+    for (PetscInt q = 0; q <= m; q++) phi[t++] = s[m] * s[q];
+  }
+}
+
+/* Fits the surface about own particle i in the frame of its normal; sets the new normal and the sum
+   of the principal curvatures [1/m]. Returns PETSC_FALSE if the surface is rough. */
+static PetscBool FitSurface(const Particles *p, const Neighbors *nb, const OperatorForms *forms,
+                            const FreeSurface *free, PetscInt i, PetscReal normal[],
+                            PetscReal *curvature)
+{
+  const PetscInt  d = p->dim, terms = d == 2 ? 3 : FIT_TERMS;
+  const PetscReal R                  = forms->kernel->support * forms->h_over_dx * p->dx[i];
+  PetscReal M[FIT_TERMS * FIT_TERMS] = {0.0}, c[FIT_TERMS] = {0.0}, b[FIT_TERMS], phi[FIT_TERMS];
+  PetscReal t[2][ISPH_MAX_DIM], squares = 0.0, weights = 0.0, length = 1.0;
+
+  (void)SurfaceTangents(d, normal, t);
+  for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {
+    const PetscInt j    = q < nb->row[i] ? i : nb->col[q];
+    PetscReal      s[2] = {0.0}, eta = 0.0, aligned = 0.0, r2 = 0.0, W;
+
+    if (ParticlesIsWall(p, j)) continue;
+    if (free->kind[j] != SURFACE_SMOOTH && free->kind[j] != SURFACE_ROUGH) continue;
+    for (PetscInt a = 0; a < d; a++) {
+      const PetscReal X = (p->x[a][j] - p->x[a][i]) / R;
+
+      r2 += PetscSqr(X);
+      eta += X * normal[a];
+      aligned += free->normal[j * d + a] * normal[a];
+      for (PetscInt m = 0; m < d - 1; m++) s[m] += X * t[m][a];
+    }
+    if (r2 >= 1.0 || aligned <= ALIGNED) continue;
+    W = PetscSqr(1.0 - r2);
+    FitBasis(d, s, phi);
+    for (PetscInt u = 0; u < terms; u++) {
+      for (PetscInt v = 0; v < terms; v++) M[u * terms + v] += W * phi[u] * phi[v];
+      c[u] += W * phi[u] * eta;
+    }
+    squares += W * PetscSqr(eta);
+    weights += W;
+  }
+  for (PetscInt u = 0; u < terms; u++) b[u] = c[u];
+  if (DenseCholesky(terms, M)) return PETSC_FALSE;
+  DenseCholeskySolve(terms, M, c);
+  for (PetscInt u = 0; u < terms; u++) squares -= b[u] * c[u];
+  *curvature = 0.0;
+  for (PetscInt m = 0; m < d - 1; m++) *curvature -= 2.0 * c[d + m * (m + 1) / 2 + m] / R;
+  if (PetscSqrtReal(PetscMax(squares, 0.0) / weights) * R > RESIDUAL * p->dx[i]) return PETSC_FALSE;
+  if (PetscAbsReal(*curvature) > 2.0 * CURVATURE * (d - 1) / p->dx[i]) return PETSC_FALSE;
+  for (PetscInt m = 0; m < d - 1; m++) length += PetscSqr(c[1 + m]);
+  length = PetscSqrtReal(length);
+  for (PetscInt a = 0; a < d; a++) {
+    for (PetscInt m = 0; m < d - 1; m++) normal[a] -= c[1 + m] * t[m][a];
+    normal[a] /= length;
+  }
+  return PETSC_TRUE;
+}
+
+/* Copies kinds and normals to the halo. */
+static PetscErrorCode Exchange(const Particles *p, FreeSurface *free)
+{
+  PetscFunctionBegin;
+  PetscCall(ParticlesHaloField(p, free->kind));
+  PetscCall(ParticlesHaloVectors(p, free->normal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  FreeSurfaceFind - Finds the particles on free surfaces, their normals and curvatures
+
+  Collective. Input: nb - neighbours at the present positions. Output: free - arrays by local index,
+  halo included; curvatures of own particles.
+*/
+PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Neighbors *nb,
+                               const OperatorForms *forms, FreeSurface *free)
+{
+  const PetscInt  d = p->dim, all = ParticlesAll(p);
+  const PetscReal plane = PlaneSum(forms->kernel, d, forms->h, scene->dx); /* spacing is uniform */
+  PetscReal      *next;
+
+  PetscFunctionBegin;
+  if (all > free->capacity) {
+    free->capacity = all + all / 8;
+    PetscCall(PetscFree3(free->kind, free->normal, free->curvature));
+    PetscCall(PetscMalloc3(free->capacity, &free->kind, free->capacity * d, &free->normal,
+                           free->capacity, &free->curvature));
+  }
+  PetscCall(PetscArrayzero(free->kind, all));
+  PetscCall(PetscArrayzero(free->normal, all * d));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    free->kind[i]      = Flag(scene, p, nb, forms, plane, i, &free->normal[i * d]);
+    free->curvature[i] = 0.0;
+  }
+  PetscCall(Exchange(p, free));
+  PetscCall(PetscMalloc1(p->n_fluid * d, &next));
+  for (PetscInt pass = 0; pass < 2; pass++) {
+    PetscCall(PetscArraycpy(next, free->normal, p->n_fluid * d));
+    for (PetscInt i = 0; i < p->n_fluid; i++) {
+      if (free->kind[i] != SURFACE_SMOOTH && free->kind[i] != SURFACE_ROUGH) continue;
+      free->kind[i] = FitSurface(p, nb, forms, free, i, &next[i * d], &free->curvature[i])
+                          ? SURFACE_SMOOTH
+                          : SURFACE_ROUGH;
+    }
+    PetscCall(PetscArraycpy(free->normal, next, p->n_fluid * d));
+    PetscCall(Exchange(p, free));
+  }
+  PetscCall(PetscFree(next));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FreeSurfaceFree - Frees the arrays; not collective */
+PetscErrorCode FreeSurfaceFree(FreeSurface *free)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree3(free->kind, free->normal, free->curvature));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

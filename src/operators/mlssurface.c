@@ -1,0 +1,158 @@
+/*
+  The viscous operator next to a free surface, where the fluid has no tangential stress:
+
+    t.(grad u + grad u^T) n = 0    for all tangents t of the surface with normal n.
+
+  This condition couples the velocity components. The fit of the velocity is therefore a fit of a
+  vector. Each neighbour gives the values of all components, and each surface particle s within the
+  support, which may be the particle itself, gives the condition at its position:
+
+    sum_k W_k |u_k - u_i - fit(X_k)|^2 + sum_s W_s sum_t (R t.(grad fit + grad fit^T)(X_s) n_s)^2
+      -> min
+
+  with the radius R of the support. The condition on the normal stress belongs to the pressure: p =
+  2 mu n.E n. A fit that had it too would impose it twice.
+*/
+#include "mls.h"
+
+#define SURFACE_TERMS (ISPH_MAX_DIM * MLS_QUADRATIC_TERMS)
+#define SURFACE_WIDTH 32 /* MlsWidth() of the terms and dim + 1 right-hand sides */
+
+/* Computes the derivatives of the quadratic basis along all axes at s = X/R, times R. */
+static inline void BasisGradient(PetscInt dim, const PetscReal s[], PetscReal slope[][ISPH_MAX_DIM])
+{
+  PetscInt t = dim;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    for (PetscInt b = 0; b < dim; b++) slope[a][b] = a == b ? 1.0 : 0.0;
+  }
+  for (PetscInt a = 0; a < dim; a++) {
+    for (PetscInt b = 0; b <= a; b++, t++) {
+      for (PetscInt c = 0; c < dim; c++) slope[t][c] = (c == a) * s[b] + (c == b) * s[a];
+    }
+  }
+}
+
+/* Adds the conditions of a surface particle at s = X/R with normal n to the normal equations. */
+static inline void AddCondition(PetscInt dim, PetscInt terms, PetscInt width, PetscReal weight,
+                                const PetscReal s[], const PetscReal n[], PetscReal system[])
+{
+  PetscReal      slope[MLS_QUADRATIC_TERMS][ISPH_MAX_DIM], tangent[2][ISPH_MAX_DIM];
+  const PetscInt tangents = SurfaceTangents(dim, n, tangent);
+
+  BasisGradient(dim, s, slope);
+  for (PetscInt m = 0; m < tangents; m++) {
+    PetscReal row[SURFACE_TERMS];
+
+    for (PetscInt t = 0; t < terms; t++) {
+      PetscReal along = 0.0, across = 0.0;
+
+      for (PetscInt b = 0; b < dim; b++) {
+        along += n[b] * slope[t][b];
+        across += tangent[m][b] * slope[t][b];
+      }
+      for (PetscInt a = 0; a < dim; a++) row[a * terms + t] = tangent[m][a] * along + n[a] * across;
+    }
+    for (PetscInt p = 0; p < dim * terms; p++) {
+      for (PetscInt q = 0; q < dim * terms; q++) system[p * width + q] += weight * row[p] * row[q];
+    }
+  }
+}
+
+/* Sets the right-hand sides: for each component a that of lap u_a + d(div u)/dx_a, then that of
+   2 n.E n at the particle, with its own normal. */
+static inline void SetColumns(const Stencil *st, PetscInt dim, PetscInt terms, PetscInt width,
+                              PetscReal system[])
+{
+  const PetscReal over = 1.0 / PetscSqr(st->radius);
+  const PetscInt  n    = dim * terms;
+  PetscInt        t    = dim;
+
+  for (PetscInt p = 0; p < dim; p++) {
+    for (PetscInt q = 0; q <= p; q++, t++) { /* the term s_p s_q of component c */
+      for (PetscInt c = 0; c < dim; c++) {
+        PetscReal *column = system + (c * terms + t) * width + n;
+
+        if (p == q) column[c] += 2.0 * over;                  /* lap u_c */
+        if (c == p) column[q] += over * (p == q ? 2.0 : 1.0); /* d(du_c/dx_c)/dx_q */
+        else if (c == q) column[p] += over;
+      }
+    }
+  }
+  for (PetscInt c = 0; st->kind == SURFACE_SMOOTH && c < dim; c++) {
+    for (PetscInt b = 0; b < dim; b++)
+      system[(c * terms + b) * width + n + dim] =
+          2.0 * st->own_normal[c] * st->own_normal[b] / st->radius;
+  }
+}
+
+/* Computes the rows of a fit with the conditions of the surface; returns PETSC_FALSE if the points
+   do not determine it. */
+static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscReal w[])
+{
+  const PetscInt terms = MlsTerms(dim, 2), n = dim * terms, width = MlsWidth(n + dim + 1);
+  PetscReal      moments[MLS_QUADRATIC_TERMS * MLS_QUADRATIC_TERMS], s[ISPH_MAX_DIM] = {0.0};
+  PetscReal      system[SURFACE_TERMS * SURFACE_WIDTH], solved[SURFACE_TERMS * SURFACE_WIDTH];
+  PetscBool      determined;
+
+  for (PetscInt e = 0; e < n * width; e++) system[e] = 0.0;
+  MlsBasis(st, dim, 2);
+  MlsMoments(st, terms, st->fit.W, terms, moments);
+  for (PetscInt c = 0; c < dim; c++) {
+    for (PetscInt e = 0; e < terms * terms; e++)
+      system[(c * terms + e / terms) * width + c * terms + e % terms] = moments[e];
+  }
+  if (st->kind == SURFACE_SMOOTH)
+    AddCondition(dim, terms, width, st->self[0], s, st->own_normal, system);
+  for (PetscInt k = 0; k < st->n; k++) {
+    PetscReal normal[ISPH_MAX_DIM];
+
+    if (!st->surface[k]) continue;
+    for (PetscInt a = 0; a < dim; a++) {
+      s[a]      = st->X[a][k] / st->radius;
+      normal[a] = st->normal[a][k];
+    }
+    AddCondition(dim, terms, width, st->W[k], s, normal, system);
+  }
+  SetColumns(st, dim, terms, width, system);
+  determined = MlsSolve(n, width, system, solved);
+  for (PetscInt a = 0; a < dim; a++) {
+    for (PetscInt c = 0; c < dim; c++) {
+      MlsWeights(st, terms, width, solved + c * terms * width + n + a, st->fit.value);
+      for (PetscInt k = 0; k < st->n; k++) w[(k * dim + a) * dim + c] = st->fit.value[k];
+    }
+  }
+  for (PetscInt c = 0; st->kind == SURFACE_SMOOTH && c < dim; c++)
+    MlsWeights(st, terms, width, solved + c * terms * width + n + dim, st->normal_strain[c]);
+  return determined;
+}
+
+/*
+  LaplacianRow_SurfaceMls - Computes the divergence of the viscous stress by a fit of the velocity
+  with zero tangential stress on free surfaces; couples velocity components
+
+    (lap u + grad div u)_a = sum_k sum_c w_k,ac (u_k - u_i)_c
+
+  The same fit gives 2 n.E n at a surface particle, st->normal_strain. Without a surface particle
+  within the support this is the fit of mls.c for each component.
+
+  Properties: exact for quadratic velocities that satisfy the condition at the surface particles; no
+  force on rigid motions; not symmetric. Wall neighbours give the wall velocity.
+
+  Reference: J. Kuhnert, PhD thesis, Kaiserslautern 1999 (boundary conditions as equations of fits)
+*/
+PetscErrorCode LaplacianRow_SurfaceMls(Stencil *st, PetscReal w[])
+{
+  const PetscInt d = st->dim;
+
+  PetscFunctionBegin;
+  if (!st->near_surface) {
+    PetscCall(LaplacianRow_Mls(st, st->fit.value));
+    for (PetscInt e = 0; e < st->n * d * d; e++)
+      w[e] = e % (d * d) % (d + 1) ? 0.0 : st->fit.value[e / (d * d)];
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  st->fit.wanted = 0; /* overwrites the basis of the fit */
+  if (!(st->dim == 2 ? SurfaceFit(st, 2, w) : SurfaceFit(st, 3, w))) st->regularised++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,195 @@
+/*
+  Free surfaces: particles on the surface of discs and films are found and no others, their normals
+  and curvatures converge to those of a circle, and a fragment of two particles is isolated.
+*/
+/* RANKS: 1 3 */
+#include "crowd.h"
+
+typedef struct {
+  Setting       s;
+  Particles    *p;
+  Neighbors    *nb;
+  OperatorForms forms;
+  FreeSurface   free;
+} Pool;
+
+/* Errors of normals and curvatures on a circle, largest over the surface. */
+typedef struct {
+  PetscReal normal, curvature;
+} CircleError;
+
+static void Fill(PetscReal jitter, Pool *pool)
+{
+  OperatorForms *forms = &pool->forms;
+  Scene         *scene = &pool->s.scene;
+
+  *forms        = (OperatorForms){.h_over_dx = 1.5};
+  forms->kernel = (const KernelRow *)(const void *)TableGet(&KernelTable, 0);
+  forms->h      = forms->h_over_dx * scene->dx;
+  forms->radius = forms->kernel->support * forms->h;
+  pool->free    = (FreeSurface){0};
+  scene->jitter = jitter;
+  ASSERT_OK(ParticlesCreate(scene, pool->s.walls, forms->radius, NULL, &pool->p));
+  ASSERT_OK(NeighborsCreate(forms->radius, scene->dx, &pool->nb));
+}
+
+static void Find(Pool *pool)
+{
+  ASSERT_OK(NeighborsUpdate(pool->p, 0.0, pool->nb));
+  ASSERT_OK(FreeSurfaceFind(&pool->s.scene, pool->p, pool->nb, &pool->forms, &pool->free));
+}
+
+static void Empty(Pool *pool)
+{
+  ASSERT_OK(FreeSurfaceFree(&pool->free));
+  ASSERT_OK(NeighborsDestroy(&pool->nb));
+  ASSERT_OK(ParticlesDestroy(&pool->p));
+}
+
+/* Returns the number of particles of a kind on all ranks that are on the surface, or are not. */
+static PetscInt Count(const Pool *pool, SurfaceKind kind, PetscBool (*on)(const Pool *, PetscInt),
+                      PetscBool is)
+{
+  PetscInt n = 0;
+
+  for (PetscInt i = 0; i < pool->p->n_fluid; i++)
+    n += pool->free.kind[i] == kind && on(pool, i) == is ? 1 : 0;
+  MPI_Allreduce(MPI_IN_PLACE, &n, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD);
+  return n;
+}
+
+static PetscReal Radius(const Particles *p, PetscInt i)
+{
+  return PetscSqrtReal(PetscSqr(p->x[0][i]) + PetscSqr(p->x[1][i]));
+}
+
+static PetscBool OnCircle(const Pool *pool, PetscInt i)
+{
+  return Radius(pool->p, i) > 1.0 - 0.3 * pool->s.scene.dx ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool OnTop(const Pool *pool, PetscInt i)
+{
+  const Scene *scene = &pool->s.scene;
+
+  return pool->p->x[1][i] > scene->hi[1] - 0.3 * scene->dx ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Fills a disc of radius 1 with n particles along it. */
+static void Disc(PetscInt n, Pool *pool)
+{
+  Scene *scene;
+  Body  *body;
+
+  pool->s   = CrowdBox("disc", 2, 3 * n, 3 * n, 1, 2, 0);
+  scene     = &pool->s.scene;
+  scene->dx = 1.0 / n;
+  for (PetscInt a = 0; a < 2; a++) {
+    scene->lo[a] = -1.5;
+    scene->hi[a] = 1.5;
+  }
+  SceneSetSides(scene, &BoundaryNone);
+  scene->physics = PHYSICS_PRESSURE;
+  body           = &SceneAddFree(scene)->body;
+  BodyCircle(body, 0.0, 0.0, 1.0);
+  body->around = PETSC_TRUE;
+  Fill(0.0, pool);
+}
+
+static CircleError ErrorOnCircle(const Pool *pool)
+{
+  const Particles *p     = pool->p;
+  CircleError      error = {0.0, 0.0};
+
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal off = 0.0;
+
+    if (pool->free.kind[i] != SURFACE_SMOOTH) continue;
+    for (PetscInt a = 0; a < 2; a++)
+      off += PetscSqr(pool->free.normal[2 * i + a] - p->x[a][i] / Radius(p, i));
+    error.normal    = PetscMax(error.normal, PetscSqrtReal(off));
+    error.curvature = PetscMax(error.curvature, PetscAbsReal(pool->free.curvature[i] - 1.0));
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &error, 2, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD);
+  return error;
+}
+
+static void test_disc(void **state)
+{
+  CircleError error[2];
+
+  (void)state;
+  for (PetscInt m = 0; m < 2; m++) {
+    Pool pool;
+
+    Disc(m ? 24 : 12, &pool);
+    Find(&pool);
+    CloudAssertNone("missed", "disc",
+                    Count(&pool, SURFACE_SMOOTH, OnCircle, PETSC_TRUE) !=
+                        (PetscInt)PetscFloorReal(2.0 * PETSC_PI * (m ? 24 : 12) + 0.5));
+    CloudAssertNone("in the disc", "disc",
+                    Count(&pool, SURFACE_INSIDE, OnCircle, PETSC_FALSE) +
+                            Count(&pool, SURFACE_SMOOTH, OnCircle, PETSC_TRUE) !=
+                        pool.p->N_fluid);
+    error[m] = ErrorOnCircle(&pool);
+    Empty(&pool);
+  }
+  CloudAssertNone("normal", "disc", error[1].normal > 1e-3);
+  CloudAssertNone("curvature, of order 2", "disc", error[1].curvature > error[0].curvature / 3.0);
+}
+
+static void test_film(void **state)
+{
+  (void)state;
+  for (PetscInt walls = 0; walls < 2; walls++) {
+    for (PetscInt jitter = 0; jitter < 2; jitter++) {
+      Pool pool;
+
+      pool.s = CrowdBox("film", 2, 20, 9, 1, walls ? 0 : 1, 0);
+      SceneSetSide(&pool.s.scene, 3, &BoundaryFree);
+      Fill(0.2 * jitter, &pool);
+      Find(&pool);
+      CloudAssertNone("top", "film", Count(&pool, SURFACE_SMOOTH, OnTop, PETSC_TRUE) != 20);
+      CloudAssertNone("below", "film", Count(&pool, SURFACE_INSIDE, OnTop, PETSC_FALSE) != 160);
+      Empty(&pool);
+    }
+  }
+}
+
+static PetscBool Anywhere(const Pool *pool, PetscInt i)
+{
+  (void)pool;
+  (void)i;
+  return PETSC_TRUE;
+}
+
+/* Two particles far from the disc. */
+static void test_isolated(void **state)
+{
+  Pool pool;
+
+  (void)state;
+  Disc(12, &pool);
+  for (PetscInt i = 0; i < pool.p->n_fluid; i++) {
+    if (pool.p->id[i] > 1) continue;
+    pool.p->x[0][i] = 1.4;
+    pool.p->x[1][i] = 1.4 + (PetscReal)pool.p->id[i] / 12.0;
+  }
+  ASSERT_OK(ParticlesUpdateEpoch(&pool.s.scene, pool.p, PETSC_TRUE, NULL));
+  Find(&pool);
+  CloudAssertNone("isolated", "fragment",
+                  Count(&pool, SURFACE_ISOLATED, Anywhere, PETSC_TRUE) != 2);
+  Empty(&pool);
+}
+
+int main(int argc, char **argv)
+{
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_disc), cmocka_unit_test(test_film),
+                                     cmocka_unit_test(test_isolated)};
+  int                     failed;
+
+  if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;
+  failed = cmocka_run_group_tests(tests, NULL, NULL);
+  MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
+  return PetscFinalize() || failed ? 1 : 0;
+}
