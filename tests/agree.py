@@ -1,12 +1,13 @@
-"""agree.py TOLERANCE QUANTITY[,QUANTITY...] COMMAND_A... --and COMMAND_B...
+"""agree.py TOLERANCE QUANTITY[,QUANTITY...] COMMAND_A... --and COMMAND_B... [--and COMMAND_C...]
 
-Runs both commands with -report in separate directories: first A in a/, then B in b/, so that B may read
-../a/. Passes if the last values of every quantity agree: |a - b| <= TOLERANCE max(|a|, |b|).
+Runs all commands with -report in separate directories: first A in a/, then B in b/ and so on, so that B may read
+../a/. Passes if the last values of every quantity agree with those of A: |a - b| <= TOLERANCE max(|a|, |b|).
 """
 
 import csv
 import math
 import os
+import string
 import subprocess
 import sys
 
@@ -28,13 +29,10 @@ def run(name, command):
     return {row["quantity"]: float(row["value"]) for row in rows if row["value"]}
 
 
-def main():
-    tolerance, quantities = float(sys.argv[1]), sys.argv[2].split(",")
-    split = sys.argv.index("--and")
-    a, b = run("a", sys.argv[3:split]), run("b", sys.argv[split + 1:])
-
+def compare(tolerance, quantities, name, a, b):
+    """Prints the quantities of run A and of another run; returns True if they agree."""
     agree = True
-    print(f"{'quantity':20} {'a':>22} {'b':>22} {'relative':>10}   tolerance {tolerance:g}")
+    print(f"{'quantity':20} {'a':>22} {name:>22} {'relative':>10}   tolerance {tolerance:g}")
     for quantity in quantities:
         if quantity not in a or quantity not in b:
             agree = False
@@ -47,7 +45,21 @@ def main():
         agree = agree and good
         verdict = "ok" if good else "DIFFERS"
         print(f"{quantity:20} {va:22.14e} {vb:22.14e} {relative:10.2e}   {verdict}")
-    sys.exit(0 if agree else 1)
+    return agree
+
+
+def main():
+    tolerance, quantities = float(sys.argv[1]), sys.argv[2].split(",")
+    commands = [[]]
+    for word in sys.argv[3:]:
+        if word == "--and":
+            commands.append([])
+        else:
+            commands[-1].append(word)
+    first = run("a", commands[0])
+    verdicts = [compare(tolerance, quantities, name, first, run(name, command))
+                for name, command in zip(string.ascii_lowercase[1:], commands[1:])]
+    sys.exit(0 if len(verdicts) == len(commands) - 1 and all(verdicts) else 1)
 
 
 main()

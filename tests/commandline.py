@@ -11,6 +11,7 @@ import subprocess
 import sys
 
 source, command = sys.argv[1], sys.argv[2:]
+parallel = len(command) > 1  # the first rank reads files and tells the others
 
 
 def isph(*arguments):
@@ -82,7 +83,7 @@ refused("-options_file nowhere: No such file or directory", PETSC_OPTIONS="-opti
 refused("PETSC_OPTIONS_YAML: PETSc cannot read it as YAML; each line is 'name: value', names without a dash",
         PETSC_OPTIONS_YAML="dt: [1")
 os.mkdir("home")
-for name in (".petscrc", "petscrc", "home/.petscrc"):
+for name in (".petscrc",) if parallel else (".petscrc", "petscrc", "home/.petscrc"):
     for text, expected in (
             ("case cavity", "line 1: case: a stray word; options begin with a dash, and a value stands in the line of "
                             "its option"),

@@ -108,10 +108,10 @@ def full():
     refused("the file cannot be written", "-ppe_ksp_view", "ascii:/dev/full")
     with open("/dev/full", "w", encoding="utf-8") as disk:
         refused("standard output cannot be written", stdout=disk)
-    # 250,000 particles take 16 MB in a checkpoint; Open MPI needs files of 4 MB
-    limit = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (12000000, 12000000))}
-    refused("cannot be written, or the disk is full", "-n", "500", "-checkpoint", "c.h5", **limit)
-    refused("cannot write", "-n", "500", "-output", "s.h5", **limit)
+    # 122,500 particles take 8 MB in a checkpoint; Open MPI needs files of 4 MB
+    limit = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (6000000, 6000000))}
+    refused("cannot be written, or the disk is full", "-n", "350", "-checkpoint", "c.h5", **limit)
+    refused("cannot write", "-n", "350", "-output", "s.h5", **limit)
     refused("-n 1000000: allowed is 4 to 100000", "-n", "1000000")
     if not sanitized(sys.argv[2]):
         # 36 million particles take 288 MB for their ids and 144 MB for their rows

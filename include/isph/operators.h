@@ -221,6 +221,9 @@ typedef struct {
 /* The rows of all operators, and the values of a field by local index that their products read. */
 typedef struct {
   Pattern          fluid, walls;
+  PetscInt        *apart;   /* of each row: its first slot in AffineOperator.apart; -1: shared */
+  PetscInt         n_apart; /* slots of all rows apart */
+  PetscInt         rows_capacity, apart_capacity;
   const Particles *particles; /* of the last assembly */
   PetscReal       *value;     /* of a field, for all local particles */
   PetscInt         capacity;  /* of value */
@@ -228,16 +231,28 @@ typedef struct {
   PetscInt         system_capacity;
 } OperatorRows;
 
-/* An operator: its values in the slots of the shared rows, and matrices if a solver needs them. */
-typedef struct {
+/* An operator: its values in the slots of the shared rows, and matrices if a solver needs them. Far
+   from walls some operators have equal rows: one of them stores these, and is the twin of the
+   others, which store rows apart only. See ShareAllRows(). */
+typedef struct AffineOperator {
   PetscBool     needed;
   PetscInt      width; /* values in each slot of the pattern: 1, or dim^2 for coupled
                              components */
   PetscReal    *a, *b; /* over fluid, over walls */
+  PetscReal    *apart; /* over fluid, of rows that the twin does not store for this operator */
   PetscBool     has_matrices;
-  Mat           A, B; /* fluid x fluid, fluid x wall (NULL without walls) */
-  OperatorRows *rows; /* rows of products; NULL: products need the matrices */
+  Mat           A, B;                /* fluid x fluid, fluid x wall (NULL without walls) */
+  OperatorRows *rows;                /* rows of products; NULL: products need the matrices */
+  const struct AffineOperator *twin; /* stores the shared rows; NULL: the operator itself */
 } AffineOperator;
+
+/* AffineRow - Returns the weights of row i over fluid, in the order of the pattern; not
+   collective */
+static inline PetscReal *AffineRow(const OperatorRows *rows, const AffineOperator *op, PetscInt i)
+{
+  if (op->twin && rows->apart[i] >= 0) return op->apart + rows->apart[i];
+  return (op->twin ? op->twin : op)->a + op->width * rows->fluid.row[i];
+}
 
 /* Operators that the scheme and the scene need; no other operator is assembled. */
 typedef enum {

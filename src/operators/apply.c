@@ -25,14 +25,17 @@ static PetscErrorCode SetValues(OperatorRows *rows, Vec f, Vec walls)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the products of row i of n operators, over fluid or over walls, to sum[]. Two partial sums
-   of each hide the latency of additions. Inlined, so that the compiler knows n. */
+/* Adds the products of row i of n operators, over fluid or over walls, to sum[]. Input: weights -
+   those of the row. Two partial sums of each hide the latency of additions. Inlined, so that the
+   compiler knows n. */
 static inline void AddProducts(const Pattern *pattern, PetscInt i, PetscInt n,
-                               PetscReal *const weights[], const PetscReal value[], PetscReal sum[])
+                               const PetscReal *const weights[], const PetscReal value[],
+                               PetscReal sum[])
 {
-  const PetscInt first = pattern->row[i], last = pattern->row[i + 1], *local = pattern->local;
-  PetscReal      odd[APPLY_MOST] = {0.0};
-  PetscInt       s               = first;
+  const PetscInt *local           = &pattern->local[pattern->row[i]];
+  const PetscInt  last            = pattern->row[i + 1] - pattern->row[i];
+  PetscReal       odd[APPLY_MOST] = {0.0};
+  PetscInt        s               = 0;
 
   for (; s + 1 < last; s += 2) {
     const PetscReal even_value = value[local[s]], odd_value = value[local[s + 1]];
@@ -49,19 +52,29 @@ static inline void AddProducts(const Pattern *pattern, PetscInt i, PetscInt n,
 
 /* The terms of a product and its form. */
 typedef struct {
-  PetscReal   *a[APPLY_MOST], *b[APPLY_MOST]; /* weights of each operator */
-  PetscScalar *y[APPLY_MOST];
-  PetscBool    fluid, walls, add; /* terms over fluid and over walls; y is increased */
+  const PetscReal *a[APPLY_MOST], *b[APPLY_MOST]; /* weights of each operator */
+  const PetscReal *apart[APPLY_MOST];             /* of its rows apart; NULL: a has all rows */
+  PetscScalar     *y[APPLY_MOST];
+  PetscBool        fluid, walls, add; /* terms over fluid and over walls; y is increased */
 } Product;
 
 /* Computes the products of n operators, see ApplyRows(). */
 static inline void ApplyInline(const OperatorRows *rows, PetscInt n, const Product *product)
 {
   for (PetscInt i = 0; i < rows->fluid.n; i++) {
-    PetscReal sum[APPLY_MOST] = {0.0};
+    const PetscReal *weights[APPLY_MOST];
+    PetscReal        sum[APPLY_MOST] = {0.0};
 
-    if (product->fluid) AddProducts(&rows->fluid, i, n, product->a, rows->value, sum);
-    if (product->walls) AddProducts(&rows->walls, i, n, product->b, rows->value, sum);
+    if (product->fluid) {
+      for (PetscInt k = 0; k < n; k++) weights[k] = product->a[k] + rows->fluid.row[i];
+      for (PetscInt k = 0; rows->apart[i] >= 0 && k < n; k++)
+        if (product->apart[k]) weights[k] = product->apart[k] + rows->apart[i];
+      AddProducts(&rows->fluid, i, n, weights, rows->value, sum);
+    }
+    if (product->walls) {
+      for (PetscInt k = 0; k < n; k++) weights[k] = product->b[k] + rows->walls.row[i];
+      AddProducts(&rows->walls, i, n, weights, rows->value, sum);
+    }
     for (PetscInt k = 0; k < n; k++)
       product->y[k][i] = product->add ? product->y[k][i] + sum[k] : sum[k];
   }
@@ -73,13 +86,14 @@ static PetscErrorCode ApplyRows(PetscInt n, const AffineOperator *const op[], Pe
                                 PetscBool add, Vec f, Vec walls, const Vec y[])
 {
   OperatorRows *rows    = op[0]->rows;
-  Product       product = {.fluid = fluid, .walls = walls ? PETSC_TRUE : PETSC_FALSE, .add = add};
+  Product       product = {.fluid = fluid, .walls = walls != NULL, .add = add};
 
   PetscFunctionBegin;
   PetscCall(SetValues(rows, f, walls));
   for (PetscInt k = 0; k < n; k++) {
-    product.a[k] = op[k]->a;
-    product.b[k] = op[k]->b;
+    product.a[k]     = op[k]->twin ? op[k]->twin->a : op[k]->a;
+    product.b[k]     = op[k]->b;
+    product.apart[k] = op[k]->twin ? op[k]->apart : NULL;
     PetscCall(VecGetArray(y[k], &product.y[k]));
   }
   switch (n) {

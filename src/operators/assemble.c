@@ -115,11 +115,11 @@ static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, Pets
   }
   for (PetscInt k = 0; k < n; k++) cols[k] = p->row[local[k]];
   ops->work->simple = PatternRow(fluid, st->i, cols, local, n, place) && !st->n_wall;
-  *diagonal         = place[own];
+  *diagonal         = place[own] - fluid->row[st->i];
   for (PetscInt k = 0, q = 0; k < st->n; k++) {
     if (st->wall[k]) continue;
     if (q == own) q++;
-    ops->work->slot[k] = place[q++];
+    ops->work->slot[k] = place[q++] - fluid->row[st->i];
   }
   if (!ops->forms.wall) return;
   n = 0;
@@ -131,7 +131,7 @@ static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, Pets
   (void)PatternRow(&ops->rows.walls, st->i, cols, local, n, place);
   n = 0;
   for (PetscInt k = 0; k < st->n; k++) {
-    if (st->wall[k]) ops->work->slot[k] = place[n++];
+    if (st->wall[k]) ops->work->slot[k] = place[n++] - ops->rows.walls.row[st->i];
   }
 }
 
@@ -141,18 +141,18 @@ static PetscErrorCode AssembleVelocityRow(const Scene *scene, const Particles *p
                                           PetscInt diagonal, Operators *ops, VelocityOperators *of)
 {
   PetscFunctionBegin;
-  if (of->visc.needed) {
+  if (of->visc.needed && StoresRow(ops, &of->visc)) {
     PetscCall(LaplacianWeights(&ops->forms.visc, st, ops->work->w));
     if (p->nu && !ops->forms.components_coupled) WeighByViscosity(scene, p, st, ops->work->w);
     if (ops->forms.components_coupled) KeepBlockRow(st, ops->work->w, ops);
     else AddRow_Velocity(st, ops, diagonal, ops->work->w, &of->visc);
   }
-  if (of->grad_u[0].needed) {
+  if (of->grad_u[0].needed && StoresRow(ops, &of->grad_u[0])) {
     PetscCall(ops->forms.gradient->Row(st, ops->work->g));
     for (PetscInt a = 0; a < st->dim; a++)
       AddRow_Velocity(st, ops, diagonal, ops->work->g[a], &of->grad_u[a]);
   }
-  if (of->filter_u.needed) {
+  if (of->filter_u.needed && StoresRow(ops, &of->filter_u)) {
     PetscCall(FilterRow_Mls(st, ops->work->w));
     AddRow_Velocity(st, ops, diagonal, ops->work->w, &of->filter_u);
   }
@@ -205,6 +205,29 @@ static PetscInt WallEntries(const Particles *p, const Neighbors *nb)
   return n;
 }
 
+/* Finds the place of row i in operators that have a twin: a row with wall neighbours, or with no
+   neighbours at all, is apart, because its equations depend on the quantity. */
+static PetscErrorCode PlaceApart(const Stencil *st, Operators *ops)
+{
+  OperatorRows   *rows = &ops->rows;
+  const PetscInt  end  = rows->n_apart + rows->fluid.row[st->i + 1] - rows->fluid.row[st->i];
+  AffineOperator *all[OPERATORS_COUNT];
+
+  PetscFunctionBegin;
+  ops->work->shared  = st->n && !st->n_wall ? PETSC_TRUE : PETSC_FALSE;
+  rows->apart[st->i] = ops->work->shared ? -1 : rows->n_apart;
+  if (ops->work->shared) PetscFunctionReturn(PETSC_SUCCESS);
+  if (end > rows->apart_capacity) {
+    rows->apart_capacity = end + end / 2;
+    OperatorsList(ops, all);
+    for (PetscInt k = 0; k < OPERATORS_COUNT; k++)
+      if (all[k]->twin)
+        PetscCall(PetscRealloc(rows->apart_capacity * sizeof(PetscReal), &all[k]->apart));
+  }
+  rows->n_apart = end;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Destroys the matrices of the last assembly and makes room for the new rows. */
 static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, const Neighbors *nb,
                                     Operators *ops, AffineOperator *needed[], PetscInt count)
@@ -226,14 +249,20 @@ static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, cons
                   !needed[0]->a
               ? PETSC_TRUE
               : PETSC_FALSE;
-  for (PetscInt k = 0; k < count; k++) {
-    if (grown) PetscCall(PetscFree2(needed[k]->a, needed[k]->b));
-    if (grown) {
-      PetscCall(PetscMalloc2(ops->rows.fluid.capacity * needed[k]->width, &needed[k]->a,
-                             ops->forms.wall ? ops->rows.walls.capacity * needed[k]->width : 0,
-                             &needed[k]->b));
-    }
+  for (PetscInt k = 0; grown && k < count; k++) {
+    PetscCall(PetscFree(needed[k]->a));
+    PetscCall(PetscFree(needed[k]->b));
+    if (!needed[k]->twin)
+      PetscCall(PetscMalloc1(ops->rows.fluid.capacity * needed[k]->width, &needed[k]->a));
+    if (ops->forms.wall)
+      PetscCall(PetscMalloc1(ops->rows.walls.capacity * needed[k]->width, &needed[k]->b));
   }
+  if (p->n_fluid > ops->rows.rows_capacity) {
+    ops->rows.rows_capacity = p->n_fluid + p->n_fluid / 8;
+    PetscCall(PetscFree(ops->rows.apart));
+    PetscCall(PetscMalloc1(ops->rows.rows_capacity, &ops->rows.apart));
+  }
+  ops->rows.n_apart = 0;
   for (PetscInt i = 0; i < p->n_fluid; i++)
     longest = PetscMax(longest, nb->row[i + 1] - nb->row[i] + 1);
   if (longest > ops->work->slot_capacity) {
@@ -306,6 +335,7 @@ static PetscErrorCode AssembleBatch(const Scene *scene, const Particles *p, cons
     PetscInt diagonal;
 
     PlaceRow(p, batch[l], ops, &diagonal);
+    PetscCall(PlaceApart(batch[l], ops));
     PetscCall(AssembleRow(scene, p, batch[l], diagonal, ops));
     if (ops->needs & NEED_CONCENTRATION) AssembleConcentration(scene, p, batch[l], first + l, ops);
   }

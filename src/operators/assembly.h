@@ -11,13 +11,20 @@ struct Assembly {
   MlsBatch  *fits;             /* of several particles at once */
   PetscBool  has_fits;         /* an operator has the rows of fits of the chosen degree */
   PetscBool  simple;           /* no wall neighbours; slots in the order of neighbours */
-  PetscInt  *slot;             /* slot of each neighbour in its row of the pattern */
+  PetscBool  shared;           /* the present row is that of a twin in operators that have one */
+  PetscInt  *slot;             /* slot of each neighbour, from the first of the row */
   PetscReal *w;                /* weights of a Laplacian or a filter */
   PetscReal *g[ISPH_MAX_DIM];  /* weights of a gradient */
   PetscReal *m;                /* weights of normal components in a divergence */
   PetscReal *wall_w;           /* weights of wall data, see wall_points.c */
   PetscInt   slot_capacity;    /* number of neighbours that the arrays can hold */
 };
+
+/* Returns true if an operator stores the present row itself. */
+static inline PetscBool StoresRow(const Operators *ops, const AffineOperator *op)
+{
+  return op->twin && ops->work->shared ? PETSC_FALSE : PETSC_TRUE;
+}
 
 PetscErrorCode GatherStencil(const Scene *scene, const Particles *particles,
                              const Neighbors *neighbors, const Operators *ops, PetscInt i,

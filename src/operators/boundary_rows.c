@@ -17,18 +17,17 @@
 #include "wall_points.h"
 
 /* Sets the row scale sum_k w_k (f_k - f_i) in the matrix A, for a stencil without walls whose slots
-   follow each other. */
+   follow each other. `diagonal` neighbours come before the diagonal. */
 static void SetRow(const Stencil *st, const Operators *ops, PetscInt diagonal, PetscReal scale,
-                   const PetscReal w[], AffineOperator *op)
+                   const PetscReal w[], const AffineOperator *op)
 {
-  PetscReal     *row = op->a + ops->rows.fluid.row[st->i], *after = row + 1, sum = 0.0;
-  const PetscInt before = (PetscInt)(op->a + diagonal - row); /* neighbours before the diagonal */
+  PetscReal *row = AffineRow(&ops->rows, op, st->i), *after = row + 1, sum = 0.0;
 
 #pragma omp simd reduction(+ : sum)
   for (PetscInt k = 0; k < st->n; k++) sum += scale * w[k];
-  for (PetscInt k = 0; k < before; k++) row[k] = scale * w[k];
-  for (PetscInt k = before; k < st->n; k++) after[k] = scale * w[k];
-  op->a[diagonal] = -sum;
+  for (PetscInt k = 0; k < diagonal; k++) row[k] = scale * w[k];
+  for (PetscInt k = diagonal; k < st->n; k++) after[k] = scale * w[k];
+  row[diagonal] = -sum;
 }
 
 /*
@@ -42,23 +41,22 @@ static void SetRow(const Stencil *st, const Operators *ops, PetscInt diagonal, P
 void AddRow_Velocity(const Stencil *st, const Operators *ops, PetscInt diagonal,
                      const PetscReal w[], AffineOperator *op)
 {
-  const PetscReal *b;
-  PetscReal        sum = 0.0;
+  const PetscReal *of_walls;
+  PetscReal       *a, *b, sum = 0.0;
 
   if (ops->work->simple) {
     SetRow(st, ops, diagonal, 1.0, w, op);
     return;
   }
-  EmptyRow(ops, st->i, op);
-  b = WallWeights(st, ops, 1, w);
+  EmptyRow(ops, st->i, op, &a, &b);
+  of_walls = WallWeights(st, ops, 1, w);
   for (PetscInt k = 0; k < st->n; k++) {
-    const PetscReal weight = st->wall[k] ? b[k] : w[k];
+    const PetscReal weight = st->wall[k] ? of_walls[k] : w[k];
 
-    if (st->wall[k]) op->b[ops->work->slot[k]] += weight;
-    else op->a[ops->work->slot[k]] += weight;
+    (st->wall[k] ? b : a)[ops->work->slot[k]] += weight;
     if (st->equation[k] == EQUATION_VALUE) sum += weight;
   }
-  op->a[diagonal] -= sum;
+  a[diagonal] -= sum;
 }
 
 /*
@@ -70,26 +68,26 @@ void AddRow_Velocity(const Stencil *st, const Operators *ops, PetscInt diagonal,
 static void AddRow_Pressure(const Stencil *st, const Operators *ops, PetscInt diagonal,
                             PetscReal scale, const PetscReal w[], AffineOperator *op)
 {
-  PetscReal sum = 0.0, tangent[ISPH_MAX_DIM];
+  PetscReal *a, *b, sum = 0.0, tangent[ISPH_MAX_DIM];
 
   if (ops->work->simple) {
     SetRow(st, ops, diagonal, scale, w, op);
     return;
   }
-  EmptyRow(ops, st->i, op);
+  EmptyRow(ops, st->i, op, &a, &b);
   for (PetscInt k = 0; k < st->n; k++) {
     PetscReal weight = scale * w[k];
 
     if (!st->wall[k]) {
-      op->a[ops->work->slot[k]] += weight;
+      a[ops->work->slot[k]] += weight;
       sum += weight;
       continue;
     }
     if (!st->fits_walls) weight *= SplitX(st, k, tangent);
     else if (st->equation[k] == EQUATION_VALUE) sum += weight;
-    op->b[ops->work->slot[k]] += weight;
+    b[ops->work->slot[k]] += weight;
   }
-  op->a[diagonal] -= sum;
+  a[diagonal] -= sum;
 }
 
 #define SMALL_MAX (ISPH_MAX_DIM * ISPH_MAX_DIM) /* unknowns: the entries of grad u */
@@ -200,13 +198,13 @@ PetscErrorCode AddRows_Pressure(const Scene *scene, Stencil *st, PetscInt diagon
   PetscFunctionBegin;
   StencilSetQuantity(scene, FIT_PRESSURE, st);
   PetscCall(LaplacianWeights(&ops->forms.ppe, st, ops->work->w));
-  PetscCall(ops->forms.gradient->Row(st, ops->work->g));
+  if (StoresRow(ops, &ops->grad_p[0])) PetscCall(ops->forms.gradient->Row(st, ops->work->g));
   if (st->n_wall && !st->fits_walls) {
     DummyRow_Gradient(st, ops->work->g);
     if (follow) DummyRow_Laplacian(st, ops->work->g, ops->work->w);
   }
   AddRow_Pressure(st, ops, diagonal, -PetscSqr(st->dx), ops->work->w, &ops->ppe);
-  if (ops->needs & NEED_FREE_GRAD_P)
+  if (ops->needs & NEED_FREE_GRAD_P || !StoresRow(ops, &ops->grad_p[0]))
     PetscFunctionReturn(PETSC_SUCCESS); /* see AddRows_GradientWithoutWalls() */
   for (PetscInt a = 0; a < st->dim; a++)
     AddRow_Pressure(st, ops, diagonal, 1.0, ops->work->g[a], &ops->grad_p[a]);
@@ -224,6 +222,7 @@ PetscErrorCode AddRows_GradientWithoutWalls(const Scene *scene, Stencil *st, Pet
                                             Operators *ops)
 {
   PetscFunctionBegin;
+  if (!StoresRow(ops, &ops->grad_p[0])) PetscFunctionReturn(PETSC_SUCCESS);
   StencilSetQuantity(scene, FIT_PRESSURE_FREE, st);
   PetscCall(ops->forms.gradient->Row(st, ops->work->g));
   for (PetscInt a = 0; a < st->dim; a++)
@@ -250,10 +249,11 @@ PetscErrorCode AddRow_PressureFilter(const Scene *scene, Stencil *st, PetscInt d
                                      Operators *ops)
 {
   PetscFunctionBegin;
+  if (!StoresRow(ops, &ops->filter_p)) PetscFunctionReturn(PETSC_SUCCESS);
   StencilSetQuantity(scene, FIT_PRESSURE_FREE, st);
   PetscCall(FilterRow_Mls(st, ops->work->w));
   AddRow_Pressure(st, ops, diagonal, 1.0, ops->work->w, &ops->filter_p);
-  if (!GivesValue(st)) ops->filter_p.a[diagonal] = 1.0;
+  if (!GivesValue(st)) AffineRow(&ops->rows, &ops->filter_p, st->i)[diagonal] = 1.0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -323,22 +323,21 @@ static void AddRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d
                               const PetscReal m[], Operators *ops)
 {
   for (PetscInt c = 0; c < st->dim; c++) {
-    AffineOperator *op  = &ops->div[c];
-    PetscReal       sum = 0.0;
+    const AffineOperator *op = &ops->div[c];
+    PetscReal            *a, *b, sum = 0.0;
 
     if (ops->work->simple) {
       SetRow(st, ops, diagonal, 1.0, d[c], op);
       continue;
     }
-    EmptyRow(ops, st->i, op);
+    EmptyRow(ops, st->i, op, &a, &b);
     for (PetscInt k = 0; k < st->n; k++) {
       const PetscReal weight = st->wall[k] ? m[k] * st->normal[c][k] * st->beta[k] : d[c][k];
 
-      if (st->wall[k]) op->b[ops->work->slot[k]] += weight;
-      else op->a[ops->work->slot[k]] += weight;
+      (st->wall[k] ? b : a)[ops->work->slot[k]] += weight;
       if (st->equation[k] == EQUATION_VALUE) sum += weight;
     }
-    op->a[diagonal] -= sum;
+    a[diagonal] -= sum;
   }
 }
 
@@ -353,6 +352,7 @@ PetscErrorCode AddRows_Divergence(const Scene *scene, Stencil *st, PetscInt diag
                                   Operators *ops)
 {
   PetscFunctionBegin;
+  if (!StoresRow(ops, &ops->div[0])) PetscFunctionReturn(PETSC_SUCCESS);
   StencilSetQuantity(scene, FIT_VELOCITY_NORMAL, st);
   if (st->n_wall && st->fits_walls && ops->forms.gradient->DivergenceFit) {
     PetscCall(ops->forms.gradient->DivergenceFit(st, ops->work->g, ops->work->m));
@@ -371,10 +371,12 @@ PetscErrorCode AddRows_Divergence(const Scene *scene, Stencil *st, PetscInt diag
 
 /* Sets a row of an operator to a multiple of the particle's own value. */
 static void SetDiagonal(const Stencil *st, const Operators *ops, PetscInt diagonal, PetscReal value,
-                        AffineOperator *op)
+                        const AffineOperator *op)
 {
-  EmptyRow(ops, st->i, op);
-  op->a[diagonal] = value;
+  PetscReal *a, *b;
+
+  EmptyRow(ops, st->i, op, &a, &b);
+  a[diagonal] = value;
 }
 
 /*
@@ -392,15 +394,14 @@ void SetRows_Surface(const Stencil *st, PetscInt diagonal, Operators *ops)
   SetDiagonal(st, ops, diagonal, 1.0, &ops->ppe);
   if (ops->filter_p.needed) SetDiagonal(st, ops, diagonal, 1.0, &ops->filter_p);
   for (PetscInt c = 0; c < st->dim; c++) {
-    if (st->kind == SURFACE_ISOLATED) EmptyRow(ops, st->i, &ops->grad_p[c]);
-    EmptyRow(ops, st->i, &ops->div[c]);
+    PetscReal *a, *b;
+
+    if (st->kind == SURFACE_ISOLATED) EmptyRow(ops, st->i, &ops->grad_p[c], &a, &b);
+    EmptyRow(ops, st->i, &ops->div[c], &a, &b);
     if (st->kind != SURFACE_SMOOTH || ops->forms.visc.row != &LaplacianSurface) continue;
     for (PetscInt k = 0; k < st->n; k++) {
-      AffineOperator *op   = &ops->div[c];
-      PetscReal      *into = st->wall[k] ? op->b : op->a;
-
-      into[ops->work->slot[k]] += st->normal_strain[c][k];
-      op->a[diagonal] -= st->normal_strain[c][k];
+      (st->wall[k] ? b : a)[ops->work->slot[k]] += st->normal_strain[c][k];
+      a[diagonal] -= st->normal_strain[c][k];
     }
   }
 }

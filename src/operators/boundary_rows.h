@@ -14,14 +14,22 @@ static inline PetscReal PairViscosity(PetscReal own, PetscReal other)
   return 2.0 / (1.0 / own + 1.0 / other);
 }
 
-/* Sets row i of an operator to zero. */
-static inline void EmptyRow(const Operators *ops, PetscInt i, AffineOperator *op)
+/* Returns the weights of row i over walls, NULL without walls. */
+static inline PetscReal *RowOverWalls(const Operators *ops, const AffineOperator *op, PetscInt i)
+{
+  return ops->forms.wall ? op->b + op->width * ops->rows.walls.row[i] : NULL;
+}
+
+/* Sets a row of an operator to zero, and returns its weights over fluid and over walls. */
+static inline void EmptyRow(const Operators *ops, PetscInt i, const AffineOperator *op,
+                            PetscReal **a, PetscReal **b)
 {
   const PetscInt *fluid = ops->rows.fluid.row, *walls = ops->rows.walls.row;
 
-  for (PetscInt s = fluid[i] * op->width; s < fluid[i + 1] * op->width; s++) op->a[s] = 0.0;
-  if (!ops->forms.wall) return;
-  for (PetscInt s = walls[i] * op->width; s < walls[i + 1] * op->width; s++) op->b[s] = 0.0;
+  *a = AffineRow(&ops->rows, op, i);
+  *b = RowOverWalls(ops, op, i);
+  for (PetscInt s = 0; s < (fluid[i + 1] - fluid[i]) * op->width; s++) (*a)[s] = 0.0;
+  for (PetscInt s = 0; *b && s < (walls[i + 1] - walls[i]) * op->width; s++) (*b)[s] = 0.0;
 }
 
 void WeighByViscosity(const Scene *scene, const Particles *particles, const Stencil *stencil,

@@ -75,6 +75,38 @@ static PetscBool HasFits(const Operators *ops)
              : PETSC_FALSE;
 }
 
+/* Lets an operator of a group of operators with equal rows share those of the first that is needed.
+   Operators with matrices store all their rows. Input/Output: first - NULL if there is none yet. */
+static void ShareRows(AffineOperator *op, const AffineOperator **first)
+{
+  if (!op->needed || op->has_matrices || !op->rows) return;
+  op->twin = *first;
+  if (!*first) *first = op;
+}
+
+/* Finds the operators whose rows are equal at particles without wall neighbours. There a row
+   depends on values of the fluid only, not on the quantity: the gradients of velocity components
+   and of the pressure are equal to the divergence, both filters are equal, and so are the operators
+   of all velocity components. Free surfaces exclude this: SetRows_Surface() replaces single rows. */
+static void ShareAllRows(Operators *ops)
+{
+  const AffineOperator *visc = NULL, *filter = NULL;
+
+  for (PetscInt c = 0; c < ops->n_velocity; c++) {
+    ShareRows(&ops->velocity[c].visc, &visc);
+    ShareRows(&ops->velocity[c].filter_u, &filter);
+  }
+  ShareRows(&ops->filter_p, &filter);
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    const AffineOperator *gradient = NULL;
+
+    for (PetscInt c = 0; c < ops->n_velocity; c++)
+      ShareRows(&ops->velocity[c].grad_u[a], &gradient);
+    ShareRows(&ops->grad_p[a], &gradient);
+    ShareRows(&ops->div[a], &gradient);
+  }
+}
+
 /* Creates the stencils of a batch of particles. */
 static PetscErrorCode CreateWorkspace(const Scene *scene, Operators *ops)
 {
@@ -145,6 +177,7 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
     ChooseProducts(ops, PETSC_FALSE, &ops->div[a]);
   }
   if (SceneHasFreeSurface(scene)) PetscCall(PetscNew(&ops->free));
+  else ShareAllRows(ops);
   PetscCall(CreateWorkspace(scene, ops));
   *operators = ops;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -155,7 +188,9 @@ static PetscErrorCode AffineFree(AffineOperator *op)
   PetscFunctionBegin;
   PetscCall(MatDestroy(&op->A));
   PetscCall(MatDestroy(&op->B));
-  PetscCall(PetscFree2(op->a, op->b));
+  PetscCall(PetscFree(op->a));
+  PetscCall(PetscFree(op->b));
+  PetscCall(PetscFree(op->apart));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -185,6 +220,7 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   PetscCall(PetscFree(ops->work));
   PetscCall(PatternFree(&ops->rows.fluid));
   PetscCall(PatternFree(&ops->rows.walls));
+  PetscCall(PetscFree(ops->rows.apart));
   PetscCall(PetscFree(ops->rows.value));
   PetscCall(PetscFree(ops->rows.system));
   PetscCall(PetscFree(*operators));

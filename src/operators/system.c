@@ -32,9 +32,12 @@ static PetscErrorCode ShellGetDiagonal(Mat J, Vec diagonal)
   rows = shell->op->rows;
   PetscCall(VecGetArrayWrite(diagonal, &value));
   for (PetscInt i = 0; i < rows->fluid.n; i++) {
+    const PetscInt   first = rows->fluid.row[i];
+    const PetscReal *a     = AffineRow(rows, shell->op, i);
+
     value[i] = shell->shift;
-    for (PetscInt s = rows->fluid.row[i]; s < rows->fluid.row[i + 1]; s++)
-      if (rows->fluid.col[s] == rows->particles->row[i]) value[i] += shell->scale * shell->op->a[s];
+    for (PetscInt s = first; s < rows->fluid.row[i + 1]; s++)
+      if (rows->fluid.col[s] == rows->particles->row[i]) value[i] += shell->scale * a[s - first];
   }
   PetscCall(VecRestoreArrayWrite(diagonal, &value));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -150,8 +153,11 @@ PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscR
   }
   value = rows->system;
   for (PetscInt i = 0; i < rows->fluid.n; i++) {
-    for (PetscInt s = rows->fluid.row[i]; s < rows->fluid.row[i + 1]; s++) {
-      value[s] = scale * op->a[s];
+    const PetscInt   first = rows->fluid.row[i];
+    const PetscReal *a     = AffineRow(rows, op, i);
+
+    for (PetscInt s = first; s < rows->fluid.row[i + 1]; s++) {
+      value[s] = scale * a[s - first];
       if (rows->fluid.col[s] == rows->particles->row[i]) value[s] += shift;
     }
   }

@@ -22,14 +22,14 @@ static PetscInt SlotEntries(const Operators *ops, PetscInt dim)
    wall data from WallWeights(); not collective */
 void KeepBlockRow(const Stencil *st, const PetscReal w[], Operators *ops)
 {
-  const PetscInt   width = ops->velocity[0].visc.width;
-  const PetscReal *b     = WallWeights(st, ops, width, w);
-  AffineOperator  *op    = &ops->velocity[0].visc;
+  const PetscInt   width    = ops->velocity[0].visc.width;
+  const PetscReal *of_walls = WallWeights(st, ops, width, w);
+  PetscReal       *a, *b;
 
-  EmptyRow(ops, st->i, op);
+  EmptyRow(ops, st->i, &ops->velocity[0].visc, &a, &b);
   for (PetscInt k = 0; k < st->n; k++) {
-    PetscReal       *to   = (st->wall[k] ? op->b : op->a) + ops->work->slot[k] * width;
-    const PetscReal *from = st->wall[k] ? b : w;
+    PetscReal       *to   = (st->wall[k] ? b : a) + ops->work->slot[k] * width;
+    const PetscReal *from = st->wall[k] ? of_walls : w;
 
     for (PetscInt e = 0; e < width; e++) to[e] += from[k * width + e];
   }

@@ -79,6 +79,16 @@ static PetscErrorCode FitMat(const Splines *s, const Particles *p, PetscInt a, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Computes the product of two matrices. PETSc's product keeps its factors; nothing needs them, and
+   they are larger than the product. */
+static PetscErrorCode Multiply(Mat left, Mat right, Mat *product)
+{
+  PetscFunctionBegin;
+  PetscCall(MatMatMult(left, right, MAT_INITIAL_MATRIX, PETSC_DEFAULT, product));
+  PetscCall(MatProductClear(*product));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   Adds scale times T[a]^T J[a][b] G[b], summed over b, to A; creates A at the first call
 
@@ -94,7 +104,7 @@ static PetscErrorCode AddProducts(const Splines *s, const Particles *p, PetscInt
     if (a != b && !s->fits.coupled) continue;
     PetscCall(FitMat(s, p, a, b, &J));
     PetscCall(GradientMat(s, p, b, &G));
-    PetscCall(MatMatMult(J, G, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &part));
+    PetscCall(Multiply(J, G, &part));
     PetscCall(MatDestroy(&J));
     PetscCall(MatDestroy(&G));
     if (!fit) {
@@ -105,7 +115,7 @@ static PetscErrorCode AddProducts(const Splines *s, const Particles *p, PetscInt
     PetscCall(MatDestroy(&part));
   }
   PetscCall(MatTranspose(s->T[a], MAT_INITIAL_MATRIX, &transposed));
-  PetscCall(MatMatMult(transposed, fit, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &part));
+  PetscCall(Multiply(transposed, fit, &part));
   PetscCall(MatDestroy(&transposed));
   PetscCall(MatDestroy(&fit));
   if (*A) {
