@@ -7,7 +7,7 @@
 
   with the step s of the grid. The reference is the sum of the volumes of the particles, which never
   change: clumps and voids, and surfaces that rise or sink, make a difference. See docs/theory.md,
-  (156).
+  (158).
 */
 #include "monitors.h"
 
