@@ -1,9 +1,11 @@
 /*
   Fluid that does not fill the box at the start: places, volumes and surface particles of dams,
-  unions, drops and drops on a wall, and walls where no fluid is yet.
+  unions, drops and drops on a wall, and walls where no fluid is yet. The volume inside the surface
+  is the volume of the regions.
 */
 /* RANKS: 1 3 */
 #include "crowd.h"
+#include "isph/io.h"
 
 #define DX     0.1
 #define RANGES 2.0 /* largest distance of pairs that are searched [dx] */
@@ -89,6 +91,19 @@ static void CheckVolume(const Start *start, const char *where, PetscReal low, Pe
                   PetscAbsReal(VolumeBetween(start, low, high) / volume - 1.0) > 1e-3);
 }
 
+/* Checks the volume inside the free surface. */
+static void CheckMeasure(Start *start, const char *where, PetscReal expected, PetscReal tolerance)
+{
+  Operators ops  = {.forms = start->forms, .free = &start->free};
+  Flow      flow = {
+           .scene = &start->s.scene, .ops = &ops, .particles = start->p, .neighbors = start->nb};
+  PetscReal volume, mass;
+
+  ASSERT_OK(FluidVolume(&flow, &volume, &mass));
+  CloudAssertNone("measured volume", where, PetscAbsReal(volume / expected - 1.0) > tolerance);
+  CloudAssertNone("mass", where, PetscAbsReal(mass / expected - 1.0) > 1e-3);
+}
+
 /* Returns the least distance of two fluid particles. */
 static PetscReal Closest(const Start *start)
 {
@@ -157,6 +172,8 @@ static void test_dam(void **state)
     CloudAssertNone("above the surface", "dam", PetscAbsReal(least) > 1e-12);
     CheckVolume(&start, "dam", 0.0, 4.0, dim == 3 ? 1.6 : 2.0);
     CloudAssertNone("surface", "dam", Misjudged(&start, DamDepth));
+    /* the corner adds dx^2/4 times the depth */
+    CheckMeasure(&start, "dam", dim == 3 ? 1.6 : 2.0, 0.002);
     Empty(&start);
   }
 }
@@ -244,6 +261,7 @@ static void test_drops(void **state)
   CheckVolume(&start, "large drop", 1.8, 4.0, PETSC_PI * 0.81);
   CloudAssertNone("closest pair", "drops", Closest(&start) < 0.7 * DX);
   CloudAssertNone("surface", "drops", Misjudged(&start, CircleDepth));
+  CheckMeasure(&start, "drops", PETSC_PI * 1.3, 0.002);
   Empty(&start);
 }
 
@@ -274,6 +292,7 @@ static void test_half_drop(void **state)
     CheckVolume(&start, "half", 0.0, 4.0, PETSC_PI * (dim == 3 ? 0.4 : 0.5));
     CloudAssertNone("closest pair", "half", Closest(&start) < 0.65 * DX);
     CloudAssertNone("surface", "half", Misjudged(&start, HalfDepth));
+    CheckMeasure(&start, "half", PETSC_PI * (dim == 3 ? 0.4 : 0.5), 0.003);
     Empty(&start);
   }
 }
