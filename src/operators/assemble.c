@@ -67,6 +67,7 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
     const PetscInt j  = nb->col[q];
     PetscReal      r2 = 0.0;
 
+    if (ops->free && ParticlesIsWall(p, j) && !FreeSurfaceTouches(p, nb, i, j)) continue;
     for (PetscInt a = 0; a < d; a++) {
       st->X[a][n] = st->stretch[a] * (p->x[a][j] - x[a]);
       r2 += PetscSqr(st->X[a][n]);

@@ -27,6 +27,7 @@
 #define ALIGNED     0.3   /* least n_i.n_j of particles in a fit */
 #define RESIDUAL    0.3   /* root mean square of the fit above which the surface is rough [dx] */
 #define CURVATURE   0.5   /* likewise of c [1/dx] */
+#define WET         1.3   /* distance of fluid from a wall particle that it touches [dx] */
 #define CLOSE       1.9   /* distance of neighbours that a particle must have [dx] */
 #define FIT_TERMS   6
 
@@ -141,8 +142,31 @@ static PetscReal LeastEigenvalue(PetscInt d, const PetscReal B[])
   return trace + 2.0 * spread * PetscCosReal(angle + 2.0 * PETSC_PI / 3.0);
 }
 
+/*
+  FreeSurfaceTouches - Returns true if fluid touches a wall particle that is a neighbour of own fluid
+  particle i
+
+  Not collective. Fluid does not see a wall across a gap: there it has no friction, and the wall does
+  not cover it. Only neighbours of i are searched, so that the answer needs no other rank.
+*/
+PetscBool FreeSurfaceTouches(const Particles *p, const Neighbors *nb, PetscInt i, PetscInt wall)
+{
+  const PetscReal most = PetscSqr(WET * p->dx[i]);
+
+  for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {
+    const PetscInt j  = q < nb->row[i] ? i : nb->col[q];
+    PetscReal      r2 = 0.0;
+
+    if (ParticlesIsWall(p, j)) continue;
+    for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(p->x[a][j] - p->x[a][wall]);
+    if (r2 < most) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
 /* Returns true if a neighbour of own particle i covers it: it is in the cone about the normal. A
-   wall particle covers only the fluid before it, and an isolated particle covers nothing. */
+   wall particle covers only fluid before it that touches it, and an isolated particle covers
+   nothing. */
 static PetscBool IsCovered(const Particles *p, const Neighbors *nb, const FreeSurface *free,
                            PetscInt i)
 {
@@ -161,7 +185,9 @@ static PetscBool IsCovered(const Particles *p, const Neighbors *nb, const FreeSu
     }
     if (r2 == 0.0 || r2 >= PetscSqr(CONE_LENGTH * p->dx[i])) continue;
     if (along <= CONE * PetscSqrtReal(r2)) continue;
-    if (ParticlesIsWall(p, j) ? faces < -0.5 : free->kind[j] != SURFACE_ISOLATED) return PETSC_TRUE;
+    if (ParticlesIsWall(p, j) ? faces < -0.5 && FreeSurfaceTouches(p, nb, i, j)
+                              : free->kind[j] != SURFACE_ISOLATED)
+      return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }
@@ -221,10 +247,10 @@ static void FitBasis(PetscInt dim, const PetscReal s[], PetscReal phi[])
 }
 
 /* Fits the surface about own particle i in the frame of its normal; sets the new normal and the sum
-   of the principal curvatures [1/m]. Returns PETSC_FALSE if the surface is rough. */
-static PetscBool FitSurface(const Particles *p, const Neighbors *nb, const OperatorForms *forms,
-                            const FreeSurface *free, PetscInt i, PetscReal normal[],
-                            PetscReal *curvature)
+   of the principal curvatures [1/m]. Returns SURFACE_ROUGH if no smooth surface passes there. */
+static SurfaceKind FitSurface(const Particles *p, const Neighbors *nb, const OperatorForms *forms,
+                              const FreeSurface *free, PetscInt i, PetscReal normal[],
+                              PetscReal *curvature)
 {
   const PetscInt  d = p->dim, terms = d == 2 ? 3 : FIT_TERMS;
   const PetscReal R                  = forms->kernel->support * forms->h_over_dx * p->dx[i];
@@ -257,20 +283,21 @@ static PetscBool FitSurface(const Particles *p, const Neighbors *nb, const Opera
     weights += W;
   }
   for (PetscInt u = 0; u < terms; u++) b[u] = c[u];
-  if (DenseCholesky(terms, M)) return PETSC_FALSE;
+  if (DenseCholesky(terms, M)) return SURFACE_ROUGH;
   DenseCholeskySolve(terms, M, c);
   for (PetscInt u = 0; u < terms; u++) squares -= b[u] * c[u];
   *curvature = 0.0;
   for (PetscInt m = 0; m < d - 1; m++) *curvature -= 2.0 * c[d + m * (m + 1) / 2 + m] / R;
-  if (PetscSqrtReal(PetscMax(squares, 0.0) / weights) * R > RESIDUAL * p->dx[i]) return PETSC_FALSE;
-  if (PetscAbsReal(*curvature) > 2.0 * CURVATURE * (d - 1) / p->dx[i]) return PETSC_FALSE;
+  if (PetscSqrtReal(PetscMax(squares, 0.0) / weights) * R > RESIDUAL * p->dx[i])
+    return SURFACE_ROUGH;
+  if (PetscAbsReal(*curvature) > 2.0 * CURVATURE * (d - 1) / p->dx[i]) return SURFACE_ROUGH;
   for (PetscInt m = 0; m < d - 1; m++) length += PetscSqr(c[1 + m]);
   length = PetscSqrtReal(length);
   for (PetscInt a = 0; a < d; a++) {
     for (PetscInt m = 0; m < d - 1; m++) normal[a] -= c[1 + m] * t[m][a];
     normal[a] /= length;
   }
-  return PETSC_TRUE;
+  return SURFACE_SMOOTH;
 }
 
 /* Copies kinds and normals to the halo. */
@@ -319,9 +346,7 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
     PetscCall(PetscArraycpy(next, free->normal, p->n_fluid * d));
     for (PetscInt i = 0; i < p->n_fluid; i++) {
       if (free->kind[i] != SURFACE_SMOOTH && free->kind[i] != SURFACE_ROUGH) continue;
-      free->kind[i] = FitSurface(p, nb, forms, free, i, &next[i * d], &free->curvature[i])
-                          ? SURFACE_SMOOTH
-                          : SURFACE_ROUGH;
+      free->kind[i] = FitSurface(p, nb, forms, free, i, &next[i * d], &free->curvature[i]);
     }
     PetscCall(PetscArraycpy(free->normal, next, p->n_fluid * d));
     PetscCall(Exchange(p, free));
