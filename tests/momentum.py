@@ -33,7 +33,7 @@ def flight(isph):
     square = f"-options_file {SQUARE} -n 20 "
     # Pair forces and the adjoint gradient conserve both momenta, to the tolerance of the solver. Shifts do not, and the way
     # of the particles keeps the angular momentum only to the order of the step; here they stay.
-    exact = square + ("-viscosity 0.1 -visc_laplacian pairwise_stress -coupled_gradient adjoint "
+    exact = square + ("-viscosity 0.1 -scheme coupled -visc_laplacian pairwise_stress -coupled_gradient adjoint "
                       "-coupled_ksp_rtol 1e-12 -without convection -dt 0.01 -jitter 0.2 -t_end ")
     start, end = (report(isph, exact + t) for t in ("0.01", "0.1"))
     print("square, adjoint", start["angular_momentum"], end["angular_momentum"] - start["angular_momentum"],

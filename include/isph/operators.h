@@ -33,7 +33,7 @@ void KernelEvaluateAll(const KernelRow *kernel, PetscInt dim, PetscReal h, Petsc
 #define MLS_MAX_DEGREE      4
 #define MLS_MAX_TERMS       34    /* monomials of degree 1 to 4 in 3D */
 #define MLS_QUADRATIC_TERMS 9     /* X_a, X_a X_b in 3D */
-#define MLS_WEAK            1e-10 /* pivot over its diagonal entry of points that determine no fit */
+#define MLS_WEAK            1e-10 /* pivot over its diagonal entry below which a fit is weak */
 #define MLS_LANES           8     /* arrays over neighbours end in zeros up to a multiple of it */
 
 /* Least-squares fits for the present equations of the neighbours, see src/operators/mls.c. */

@@ -1,4 +1,4 @@
-/* Quantities of fluids with a free surface, which report and monitors have beside those of norms.c. */
+/* Quantities of fluids with a free surface, beside those of norms.c. */
 #include "isph/io.h"
 
 /* Adds what own particles contribute: momentum and first moments, then the extent of the fluid

@@ -6,7 +6,8 @@
 
   S vanishes and B is the unit matrix inside the fluid; walls act by mirror images. A candidate is
   on the surface if no neighbour is in the cone about n_0 = -S/|S|, or if the concentration
-  sum_j V_j W_ij lacks nearly as much as on a plane surface. Normals n are those of a quadratic fit through the surface particles nearby, in the frame of n_0:
+  sum_j V_j W_ij lacks nearly as much as on a plane surface. Normals n are those of a quadratic fit
+  through the surface particles nearby, in the frame of n_0:
 
     y.n_0 = a + b_m s_m + c_mq s_m s_q,   n = (n_0 - b_m t_m)/|..|,   s_m = y.t_m
 
@@ -143,11 +144,11 @@ static PetscReal LeastEigenvalue(PetscInt d, const PetscReal B[])
 }
 
 /*
-  FreeSurfaceTouches - Returns true if fluid touches a wall particle that is a neighbour of own fluid
-  particle i
+  FreeSurfaceTouches - Returns true if fluid touches a wall particle that is a neighbour of own
+  fluid particle i
 
-  Not collective. Fluid does not see a wall across a gap: there it has no friction, and the wall does
-  not cover it. Only neighbours of i are searched, so that the answer needs no other rank.
+  Not collective. Fluid does not see a wall across a gap: there it has no friction, and the wall
+  does not cover it. Only neighbours of i are searched, so that the answer needs no other rank.
 */
 PetscBool FreeSurfaceTouches(const Particles *p, const Neighbors *nb, PetscInt i, PetscInt wall)
 {

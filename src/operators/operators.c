@@ -87,7 +87,7 @@ static void ShareRows(AffineOperator *op, const AffineOperator **first)
 /* Finds the operators whose rows are equal at particles without wall neighbours. There a row
    depends on values of the fluid only, not on the quantity: the gradients of velocity components
    and of the pressure are equal to the divergence, both filters are equal, and so are the operators
-   of all velocity components. Free surfaces exclude this: SetRows_Surface() replaces single rows. */
+   of all velocity components. With free surfaces SetRows_Surface() replaces single rows. */
 static void ShareAllRows(Operators *ops)
 {
   const AffineOperator *visc = NULL, *filter = NULL;

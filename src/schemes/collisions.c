@@ -1,6 +1,6 @@
 /*
-  Collisions of fragments. Where a surface is rough, no equation of mass keeps particles apart, and
-  two that come close spoil the fits about them. A pair within CONTACT dx of which one is rough or
+  Collisions of fragments. On a rough surface no equation of mass keeps particles apart, and two
+  that come close spoil the fits about them. A pair within CONTACT dx of which one is rough or
   isolated therefore loses the velocity at which it approaches,
 
     u_i += e min(0, e.(u_j - u_i))/2,   e = (x_j - x_i)/r,

@@ -21,8 +21,7 @@ PetscReal ClockExplicitLimit(const Scene *scene, PetscReal support_radius)
   0.1 dx^2/nu; infinity without one [s]
 
   Not collective. The surface has the pressure 2 mu n.E n of the last velocity, as an explicit
-  viscous term. The mode of drop_mode stays within 1 % of the step of 0.01 dx^2/nu up to 0.2 dx^2/nu,
-  and grows from 0.25 dx^2/nu on.
+  viscous term. In drop_mode it is stable up to 0.2 dx^2/nu, and lost from 0.25 dx^2/nu on.
 */
 PetscReal ProjectionFreeLimit(const Scene *scene)
 {

@@ -41,9 +41,9 @@ static PetscErrorCode SchemeChooseStep(Flow *flow)
 }
 
 /* Returns the scheme that is chosen by default: the projection gives free surfaces the pressure of
-   the last velocity, which is stable for short steps only. Its steps cost about a tenth, and it holds
-   in impacts. So particles that move with steps of their own choice take it if ten of its steps span
-   one that advection allows. */
+   the last velocity, which is stable for short steps only. Its steps cost about a tenth, and it
+   holds in impacts. So particles that move without -dt take it if ten of its steps span a step
+   that advection allows. */
 static PetscErrorCode DefaultScheme(const Flow *flow, const char **name)
 {
   const Clock *clock = flow->clock;

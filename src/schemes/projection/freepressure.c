@@ -3,9 +3,8 @@
   E of the velocity at the start of the step. It is zero where the surface is rough. The increment
   phi of the pressure equation has this value minus p^n, so that the pressure is determined.
 
-  With a velocity of the same time the step is stable for any dt: that needs the coupled scheme. Here
-  dt may exceed about half of the step of an explicit viscous term only at the price of the surface:
-  docs/theory.md, section 17.
+  With a velocity of the same time any dt would be stable: that needs the coupled scheme. Here
+  ProjectionFreeLimit() bounds dt: docs/theory.md, (160).
 */
 #include "projection.h"
 
