@@ -40,11 +40,13 @@ PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
 /*
   Sets defaults for the solvers of the field split's blocks: for velocities a single application of
   block Jacobi if nu dt/dx^2 is below 2, or 100 if a free surface moves, otherwise of AMG; for
-  pressures the shell preconditioner of schur.c. AMG does not hold with rows of rough surfaces: a column that
-  collapses with nu dt/dx^2 = 6 is lost after 270 steps, and takes 20 iterations with block Jacobi.
+  pressures the shell preconditioner of schur.c. AMG does not hold with rows of rough surfaces: a
+  column that collapses with nu dt/dx^2 = 6 is lost after 270 steps, and takes 20 iterations with
+  block Jacobi.
 */
 static PetscErrorCode BlockDefaults(const Scene *scene, PetscReal dt)
 {
+  const PetscBool moves    = SceneHasFreeSurface(scene) && SceneMoves(scene);
   const PetscReal number   = scene->nu * dt / PetscSqr(SceneFinest(scene));
   const char     *velocity = number < (moves ? 100.0 : 2.0) ? PCBJACOBI : PCHYPRE;
 
