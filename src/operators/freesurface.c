@@ -26,6 +26,8 @@
 #define CONE        0.743 /* cosine of half the angle of the cone, 42 degrees */
 #define CONE_LENGTH 2.0   /* [dx] */
 #define ALIGNED     0.3   /* least n_i.n_j of particles in a fit */
+#define BESIDE      1.2   /* distance to a rough particle at which a surface is rough too [dx] */
+#define OFF_WALLS   2.0   /* distance from wall particles from which on this holds [dx] */
 #define RESIDUAL    0.3   /* root mean square of the fit above which the surface is rough [dx] */
 #define CURVATURE   0.5   /* likewise of c [1/dx] */
 #define WET         1.3   /* distance of fluid from a wall particle that it touches [dx] */
@@ -310,6 +312,28 @@ static PetscErrorCode Exchange(const Particles *p, FreeSurface *free)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns true if own particle i, on a smooth surface, is next to a rough one and off walls: beside
+   a corner its fit has particles of both sides. */
+static PetscBool BesideRough(const Particles *p, const Neighbors *nb, const FreeSurface *free,
+                             PetscInt i)
+{
+  PetscBool beside = PETSC_FALSE;
+
+  if (free->kind[i] != SURFACE_SMOOTH) return PETSC_FALSE;
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    const PetscInt j  = nb->col[q];
+    PetscReal      r2 = 0.0;
+
+    for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(p->x[a][j] - p->x[a][i]);
+    if (ParticlesIsWall(p, j)) {
+      if (r2 < PetscSqr(OFF_WALLS * p->dx[i])) return PETSC_FALSE;
+    } else if (free->kind[j] == SURFACE_ROUGH && r2 < PetscSqr(BESIDE * p->dx[i])) {
+      beside = PETSC_TRUE;
+    }
+  }
+  return beside;
+}
+
 /*
   FreeSurfaceFind - Finds the particles on free surfaces, their normals and curvatures
 
@@ -352,6 +376,10 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
     PetscCall(PetscArraycpy(free->normal, next, p->n_fluid * d));
     PetscCall(Exchange(p, free));
   }
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    next[i] = BesideRough(p, nb, free, i) ? SURFACE_ROUGH : free->kind[i];
+  PetscCall(PetscArraycpy(free->kind, next, p->n_fluid));
+  PetscCall(ParticlesHaloField(p, free->kind));
   PetscCall(PetscFree(next));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
