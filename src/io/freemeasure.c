@@ -31,7 +31,8 @@ static void Contribute(const Flow *flow, const PetscScalar *const u[], PetscReal
 
     angular_momentum = |sum_i rho V_i (x_i - X) x u_i| [kg m^2/s], X: centre of mass; in 2D with its
     sign, per metre of depth; x_min, x_max, y_min, ...: where the outermost particles are, but for
-    isolated ones [m]
+    isolated ones [m]; fluid_volume, inside the surface, its reference the volume of the particles
+    [m^dim]
 
   Collective. Nothing without a free surface. In a periodic box the angular momentum has no meaning
   and is left out.
@@ -43,6 +44,7 @@ PetscErrorCode MeasureFree(const Flow *flow, Report *report)
   PetscReal          extent[2 * ISPH_MAX_DIM] = {0.0};
   const PetscScalar *u[ISPH_MAX_DIM];
   PetscBool          periodic = PETSC_FALSE;
+  PetscReal          volume, mass;
   char               name[8];
 
   PetscFunctionBegin;
@@ -51,9 +53,9 @@ PetscErrorCode MeasureFree(const Flow *flow, Report *report)
   for (PetscInt a = 0; a < d; a++) PetscCall(VecGetArrayRead(flow->state->u[a], &u[a]));
   Contribute(flow, u, sum, extent);
   for (PetscInt a = 0; a < d; a++) PetscCall(VecRestoreArrayRead(flow->state->u[a], &u[a]));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 10, MPIU_REAL, MPIU_SUM, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 10, MPIU_REAL, MPIU_SUM, flow->particles->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, extent, 2 * (PetscMPIInt)d, MPIU_REAL, MPIU_MAX,
-                             PETSC_COMM_WORLD));
+                             flow->particles->comm));
   for (PetscInt a = 0; a < d; a++) {
     const PetscInt b = (a + 1) % d;
 
@@ -68,5 +70,7 @@ PetscErrorCode MeasureFree(const Flow *flow, Report *report)
     PetscCall(PetscSNPrintf(name, sizeof(name), "%c_%s", "xyz"[e / 2], e % 2 ? "max" : "min"));
     PetscCall(ReportAdd(report, name, e % 2 ? extent[e] : -extent[e]));
   }
+  PetscCall(FluidVolume(flow, &volume, &mass));
+  PetscCall(ReportAddReference(report, "fluid_volume", volume, mass, mass));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -146,26 +146,13 @@ static PetscErrorCode MeasureGraded(const Flow *flow, Report *report)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reports fluid_volume, the volume inside the free surface; its reference is the volume of the
-   particles [m^dim]. */
-static PetscErrorCode MeasureVolume(const Flow *flow, Report *report)
-{
-  PetscReal volume, mass;
-
-  PetscFunctionBegin;
-  PetscCall(FluidVolume(flow, &volume, &mass));
-  PetscCall(ReportAddReference(report, "fluid_volume", volume, mass, mass));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   MeasureCommon - Computes the quantities that every case reports
 
     kinetic_energy [J], linear_momentum = |sum_i rho V_i u_i| [kg m/s], both per metre of depth in
     2D, docs/theory.md, (114), with the weights (131) in a periodic box without forces and bodies;
     divergence_max = max |div u| [1/s], if the run has a pressure; graded_volume, graded_momentum
-    and graded_energy, if graded particles move; fluid_volume [m^dim] and those of MeasureFree(), if
-    there is a free surface
+    and graded_energy, if graded particles move; those of MeasureFree() with a free surface
 
   Collective
 
@@ -199,6 +186,5 @@ PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report)
   PetscCall(ReportAdd(report, "linear_momentum", PetscSqrtReal(square)));
   if (SceneMovesGraded(flow->scene)) PetscCall(MeasureGraded(flow, report));
   PetscCall(MeasureFree(flow, report));
-  if (flow->ops->free) PetscCall(MeasureVolume(flow, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -15,6 +15,17 @@ static PetscReal PaceFactor(const Scene *scene, const Particles *p, PetscInt i)
   return PetscMax(factor, PetscAbsReal(1.0 - factor));
 }
 
+/* FlowMassRows - Applies the rows of div to a velocity u: div u inside the fluid, 2 n.E n on free
+   surfaces [1/s]; collective */
+PetscErrorCode FlowMassRows(const Flow *flow, const Vec u[], Vec rows)
+{
+  PetscFunctionBegin;
+  PetscCall(VecZeroEntries(rows));
+  for (PetscInt c = 0; c < flow->scene->dim; c++)
+    PetscCall(AffineApplyAdd(&flow->ops->div[c], u[c], flow->walls.u[c], rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* FlowDivergence - Computes div u of a velocity u; zero on free surfaces, whose particles have no
    equation of mass [1/s]; collective */
 PetscErrorCode FlowDivergence(Flow *flow, const Vec u[], Vec div)
@@ -23,9 +34,7 @@ PetscErrorCode FlowDivergence(Flow *flow, const Vec u[], Vec div)
   PetscScalar       *values;
 
   PetscFunctionBegin;
-  PetscCall(VecZeroEntries(div));
-  for (PetscInt c = 0; c < flow->scene->dim; c++)
-    PetscCall(AffineApplyAdd(&flow->ops->div[c], u[c], flow->walls.u[c], div));
+  PetscCall(FlowMassRows(flow, u, div));
   if (!free) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VecGetArray(div, &values));
   for (PetscInt i = 0; i < flow->particles->n_fluid; i++)

@@ -53,6 +53,7 @@ PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt);
 PetscErrorCode FlowCollide(Flow *flow);
 
 /* check.c */
+PetscErrorCode FlowMassRows(const Flow *flow, const Vec u[], Vec rows);
 PetscErrorCode FlowDivergence(Flow *flow, const Vec u[], Vec div);
 PetscErrorCode FlowMeasureStart(Flow *flow);
 PetscErrorCode FlowCheck(Flow *flow);

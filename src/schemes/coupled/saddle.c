@@ -348,6 +348,7 @@ PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
 {
   const PetscScalar *from, *unit;
   PetscScalar       *to;
+  Vec                stress;
 
   PetscFunctionBegin;
   PetscCall(VecGetArray(x, &to));
@@ -362,18 +363,27 @@ PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
   PetscCall(VecRestoreArrayRead(s->pressure, &unit));
   PetscCall(VecRestoreArrayRead(p, &from));
   PetscCall(VecRestoreArray(x, &to));
-  PetscCall(SaddleAddStress(s, -1.0, x));
+  PetscCall(SaddleStress(s, x, &stress));
+  if (!stress) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecGetArrayRead(stress, &from));
+  PetscCall(VecGetArray(x, &to));
+  for (PetscInt i = 0; i < s->n; i++) to[s->dim * s->n + i] -= from[i];
+  PetscCall(VecRestoreArray(x, &to));
+  PetscCall(VecRestoreArrayRead(stress, &from));
+  PetscCall(VecDestroy(&stress));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* SaddleGet - Extracts u and p from x, see SaddlePut(); p may be NULL; collective */
 PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
 {
-  const PetscScalar *from, *unit;
+  const PetscScalar *from, *unit, *z = NULL;
   PetscScalar       *to;
+  Vec                stress = NULL;
 
   PetscFunctionBegin;
-  if (p) PetscCall(SaddleAddStress(s, 1.0, x));
+  if (p) PetscCall(SaddleStress(s, x, &stress));
+  if (stress) PetscCall(VecGetArrayRead(stress, &z));
   PetscCall(VecGetArrayRead(x, &from));
   for (PetscInt c = 0; c < s->dim; c++) {
     PetscCall(VecGetArray(u[c], &to));
@@ -383,12 +393,14 @@ PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
   if (p) {
     PetscCall(VecGetArray(p, &to));
     PetscCall(VecGetArrayRead(s->pressure, &unit));
-    for (PetscInt i = 0; i < s->n; i++) to[i] = from[s->dim * s->n + i] * s->unit * unit[i];
+    for (PetscInt i = 0; i < s->n; i++)
+      to[i] = (from[s->dim * s->n + i] + (z ? z[i] : 0.0)) * s->unit * unit[i];
     PetscCall(VecRestoreArrayRead(s->pressure, &unit));
     PetscCall(VecRestoreArray(p, &to));
   }
   PetscCall(VecRestoreArrayRead(x, &from));
-  if (p) PetscCall(SaddleAddStress(s, -1.0, x));
+  if (stress) PetscCall(VecRestoreArrayRead(stress, &z));
+  PetscCall(VecDestroy(&stress));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

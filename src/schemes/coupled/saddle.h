@@ -41,6 +41,6 @@ PetscErrorCode SaddleAddInertia(const Saddle *saddle, Vec x, Vec xdot, Vec f);
 
 /* surface.c */
 PetscErrorCode SaddleEliminateSurface(const Flow *flow, Saddle *saddle);
-PetscErrorCode SaddleAddStress(const Saddle *saddle, PetscReal scale, Vec x);
+PetscErrorCode SaddleStress(const Saddle *saddle, Vec x, Vec *stress);
 
 #endif

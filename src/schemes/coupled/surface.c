@@ -41,22 +41,20 @@ PetscErrorCode SaddleEliminateSurface(const Flow *flow, Saddle *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleAddStress - Adds scale Z u to the pressures in x = (u, q); collective */
-PetscErrorCode SaddleAddStress(const Saddle *s, PetscReal scale, Vec x)
+/* SaddleStress - Computes the pressures Z u of the velocity in x = (u, q); zero inside the fluid;
+   collective. Output: stress - NULL without a free surface; free with VecDestroy() */
+PetscErrorCode SaddleStress(const Saddle *s, Vec x, Vec *stress)
 {
   IS  rows[2];
-  Vec u, q, stress;
+  Vec u;
 
   PetscFunctionBegin;
+  *stress = NULL;
   if (!s->Z) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatCreateVecs(s->Z, NULL, stress));
   PetscCall(MatNestGetISs(s->P, rows, NULL));
   PetscCall(VecGetSubVector(x, rows[0], &u));
-  PetscCall(VecGetSubVector(x, rows[1], &q));
-  PetscCall(VecDuplicate(q, &stress));
-  PetscCall(MatMult(s->Z, u, stress));
-  PetscCall(VecAXPY(q, scale, stress));
-  PetscCall(VecDestroy(&stress));
-  PetscCall(VecRestoreSubVector(x, rows[1], &q));
+  PetscCall(MatMult(s->Z, u, *stress));
   PetscCall(VecRestoreSubVector(x, rows[0], &u));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

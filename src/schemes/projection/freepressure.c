@@ -26,9 +26,7 @@ PetscErrorCode FreePressureIncrement(Flow *flow, Vec b)
   PetscFunctionBegin;
   if (!ops->free) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FlowGetWork(flow, &strain));
-  PetscCall(VecZeroEntries(strain));
-  for (PetscInt c = 0; c < flow->scene->dim; c++)
-    PetscCall(AffineApplyAdd(&ops->div[c], s->u[c], flow->walls.u[c], strain));
+  PetscCall(FlowMassRows(flow, s->u, strain));
   PetscCall(VecGetArrayRead(strain, &twice));
   PetscCall(VecGetArrayRead(s->p, &p));
   PetscCall(VecGetArray(b, &increment));
