@@ -6,42 +6,52 @@
 #include "../src/operators/rows.h"
 #include "crowd.h"
 
-#define NEIGHBOURS 60
+#define NEIGHBOURS 125 /* most */
 
-/* Fills a stencil with points below the plane n.x = depth; all points in a layer of dx below it are
-   on the surface and are moved onto the plane. */
-static void HalfSpace(PetscInt dim, PetscReal depth, const PetscReal n[], Stencil *st)
+/* Appends the particle of an even lattice whose cell has the given number, displaced at random; on
+   the surface along it only. The last axis of the frame is the normal. */
+static void AddParticle(PetscInt dim, PetscReal depth, PetscReal frame[][ISPH_MAX_DIM], PetscInt id,
+                        const PetscInt cell[], Stencil *st)
+{
+  const PetscInt k  = st->n;
+  PetscReal      r2 = 0.0, y[ISPH_MAX_DIM];
+
+  for (PetscInt a = 0; a < dim; a++)
+    y[a] = st->dx * (cell[a] + 0.2 * (2.0 * ParticlesHash(1, id, a) - 1.0));
+  st->surface[k] = cell[dim - 1] * st->dx + depth > -0.5 * st->dx ? PETSC_TRUE : PETSC_FALSE;
+  if (st->surface[k]) y[dim - 1] = depth;
+  for (PetscInt a = 0; a < dim; a++) {
+    st->X[a][k]      = 0.0;
+    st->normal[a][k] = frame[dim - 1][a];
+    for (PetscInt b = 0; b < dim; b++) st->X[a][k] += frame[b][a] * y[b];
+    r2 += PetscSqr(y[a]);
+  }
+  st->r[k]        = PetscSqrtReal(r2);
+  st->wall[k]     = PETSC_FALSE;
+  st->equation[k] = EQUATION_VALUE;
+  if (r2 < PetscSqr(st->radius)) st->n++;
+}
+
+/* Fills a stencil with disordered particles in a half-space, whose surface is `depth` (0 or dx)
+   above the particle. */
+static void HalfSpace(PetscInt dim, PetscReal h_over_dx, PetscReal depth,
+                      PetscReal frame[][ISPH_MAX_DIM], Stencil *st)
 {
   const KernelRow *kernel = (const KernelRow *)(const void *)TableGet(&KernelTable, 0);
+  const PetscInt   top    = depth > 0.0 ? 1 : 0;
 
   ASSERT_OK(StencilReserve(st, NEIGHBOURS));
-  StencilSetSize(kernel, 1.3, 0.1, st);
+  StencilSetSize(kernel, h_over_dx, 0.1, st);
   st->n            = 0;
   st->near_surface = PETSC_TRUE;
-  for (PetscInt a = 0; a < dim; a++) st->own_normal[a] = n[a];
+  for (PetscInt a = 0; a < dim; a++) st->own_normal[a] = frame[dim - 1][a];
   st->kind = depth == 0.0 ? SURFACE_SMOOTH : SURFACE_INSIDE;
-  for (PetscInt id = 0; st->n < NEIGHBOURS / (dim == 2 ? 3 : 1); id++) {
-    PetscReal height = -depth, r2 = 0.0, x[ISPH_MAX_DIM];
+  for (PetscInt id = 0; id < (dim == 2 ? 25 : 125); id++) {
+    const PetscInt digits[] = {id % 5 - 2, id / 5 % 5 - 2, id / 25 % 5 - 2};
+    PetscInt       off      = 0;
 
-    for (PetscInt a = 0; a < dim; a++) {
-      x[a] = st->radius * ParticlesHash(1, id, a);
-      height += n[a] * x[a];
-    }
-    if (height > 0.0) continue;
-    st->surface[st->n] = height > -st->dx ? PETSC_TRUE : PETSC_FALSE;
-    for (PetscInt a = 0; a < dim; a++) {
-      if (st->surface[st->n]) x[a] -= height * n[a];
-      r2 += PetscSqr(x[a]);
-    }
-    if (r2 >= PetscSqr(st->radius)) continue;
-    for (PetscInt a = 0; a < dim; a++) {
-      st->X[a][st->n]      = x[a];
-      st->normal[a][st->n] = n[a];
-    }
-    st->r[st->n]        = PetscSqrtReal(r2);
-    st->wall[st->n]     = PETSC_FALSE;
-    st->equation[st->n] = EQUATION_VALUE;
-    st->n++;
+    for (PetscInt a = 0; a < dim; a++) off += PetscAbsInt(digits[a]);
+    if (off > 0 && digits[dim - 1] <= top) AddParticle(dim, depth, frame, id, digits, st);
   }
   KernelEvaluateAll(kernel, dim, st->h, st->n, st->r, st->W, st->dW, st->ddW);
 }
@@ -133,7 +143,7 @@ static void test_fields(void **state)
 
       ASSERT_OK(StencilCreate(dim, &st));
       Frame(dim, frame);
-      HalfSpace(dim, depth, frame[dim - 1], st);
+      HalfSpace(dim, 1.5, depth, frame, st);
       Apply(st, frame, depth, Rotation, force, &strain);
       for (PetscInt a = 0; a < dim; a++) assert_true(PetscAbsReal(force[a]) < 1e-10);
       assert_true(PetscAbsReal(strain) < 1e-10);
@@ -152,9 +162,44 @@ static void test_fields(void **state)
   }
 }
 
+/* A surface particle that lies below its surface has pair forces and no pressure: 2 n.E n would
+   fall if it moved outwards. */
+static void test_sunk(void **state)
+{
+  const KernelRow *kernel = (const KernelRow *)(const void *)TableGet(&KernelTable, 0);
+
+  (void)state;
+  for (PetscInt dim = 2; dim <= 3; dim++) {
+    PetscReal frame[ISPH_MAX_DIM][ISPH_MAX_DIM], w[NEIGHBOURS * 9];
+    Stencil  *st;
+
+    ASSERT_OK(StencilCreate(dim, &st));
+    Frame(dim, frame);
+    HalfSpace(dim, 1.5, 0.0, frame, st);
+    for (PetscInt k = 0; k < st->n; k++) {
+      PetscReal r2 = 0.0;
+
+      st->V[k] = st->dx * st->dx * (dim == 3 ? st->dx : 1.0);
+      for (PetscInt a = 0; a < dim; a++) {
+        st->X[a][k] += 0.6 * st->dx * frame[dim - 1][a];
+        r2 += PetscSqr(st->X[a][k]);
+      }
+      st->r[k] = PetscSqrtReal(r2);
+    }
+    st->volume = st->V[0];
+    KernelEvaluateAll(kernel, dim, st->h, st->n, st->r, st->W, st->dW, st->ddW);
+    ASSERT_OK(LaplacianRow_SurfaceMls(st, w));
+    assert_int_equal(st->regularised, 1);
+    for (PetscInt k = 0; k < st->n; k++) {
+      for (PetscInt c = 0; c < dim; c++) assert_true(st->normal_strain[c][k] == 0.0);
+    }
+    ASSERT_OK(StencilDestroy(&st));
+  }
+}
+
 int main(int argc, char **argv)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_fields)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_fields), cmocka_unit_test(test_sunk)};
 
   int failed;
 

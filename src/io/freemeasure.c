@@ -1,6 +1,9 @@
 /* Quantities of fluids with a free surface, beside those of norms.c. */
 #include "isph/io.h"
 
+#define VOLUME_KEPT                                                                                \
+  0.02 /* largest error of the volume inside the surface without a word of it [-] */
+
 /* Adds what own particles contribute: momentum and first moments, then the extent of the fluid
    without isolated particles as least and largest -x. */
 static void Contribute(const Flow *flow, const PetscScalar *const u[], PetscReal sum[],
@@ -72,5 +75,22 @@ PetscErrorCode MeasureFree(const Flow *flow, Report *report)
   }
   PetscCall(FluidVolume(flow, &volume, &mass));
   PetscCall(ReportAddReference(report, "fluid_volume", volume, mass, mass));
+  report->volume_error = volume / mass - 1.0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* VolumeView - Prints a line if the volume inside the free surface is not that of the particles;
+   collective on the viewer */
+PetscErrorCode VolumeView(const Report *report, PetscViewer viewer)
+{
+  const PetscReal error = report->volume_error;
+
+  PetscFunctionBegin;
+  if (PetscAbsReal(error) <= VOLUME_KEPT) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscViewerASCIIPrintf(
+      viewer,
+      "volume not kept: the free surface encloses %.2g %% %s than the volume of the particles, and "
+      "should enclose within %.0f %%; try a larger -n or a smaller -dt\n",
+      100.0 * (double)PetscAbsReal(error), error > 0.0 ? "more" : "less", 100.0 * VOLUME_KEPT));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

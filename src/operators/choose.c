@@ -160,6 +160,15 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns true if the viscous form needs particles behind walls. With a free surface
+   pairwise_stress does not: its factors follow from the neighbours there are, at walls too. */
+static PetscBool ViscousNeedsFluid(const Scene *scene, const LaplacianForm *visc)
+{
+  if (!visc->row || !LaplacianIs(visc, FORM_FULL_SUPPORT)) return PETSC_FALSE;
+  return SceneHasFreeSurface(scene) && visc->row->Row == LaplacianRow_PairwiseStress ? PETSC_FALSE
+                                                                                     : PETSC_TRUE;
+}
+
 /* Chooses the wall treatment from the options; the default works with all chosen forms. */
 static PetscErrorCode ChooseWall(const Scene *scene, OperatorForms *forms)
 {
@@ -171,7 +180,7 @@ static PetscErrorCode ChooseWall(const Scene *scene, OperatorForms *forms)
     forms->wall = &WallGiven;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (forms->visc.row && LaplacianIs(&forms->visc, FORM_FULL_SUPPORT)) {
+  if (ViscousNeedsFluid(scene, &forms->visc)) {
     blind = forms->visc.row->name;
     kind  = "-visc_laplacian";
   }

@@ -16,7 +16,9 @@
 #include "mls.h"
 
 #define SURFACE_TERMS (ISPH_MAX_DIM * MLS_QUADRATIC_TERMS)
-#define SURFACE_WIDTH 32 /* MlsWidth() of the terms and dim + 1 right-hand sides */
+#define SURFACE_WIDTH 32   /* MlsWidth() of the terms and dim + 1 right-hand sides */
+#define OUTERMOST     4.5  /* least share of the particle in its 2 n.E n [1/R] */
+#define STEEP         36.0 /* largest sum of absolute weights of 2 n.E n [1/R] */
 
 /* Computes the derivatives of the quadratic basis along all axes at s = X/R, times R. */
 static inline void BasisGradient(PetscInt dim, const PetscReal s[], PetscReal slope[][ISPH_MAX_DIM])
@@ -127,15 +129,36 @@ static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscReal w[])
 }
 
 /*
+  Returns true if the pressure p = 2 mu n.E n holds the surface particle. Its own motion along n has
+  a share of 2 n.E n near that of a difference to the fluid beneath: 5/R to 9/R on even and
+  disordered surfaces, with sums of absolute weights of 15/R to 35/R. If particles crowd on the
+  surface, one may lie below the others. Its share is small or negative then, and its pressure
+  drives it further in the direction in which it moves.
+*/
+static PetscBool HoldsSurface(const Stencil *st)
+{
+  PetscReal share = 0.0, sum = 0.0;
+
+  if (st->kind != SURFACE_SMOOTH) return PETSC_TRUE;
+  for (PetscInt c = 0; c < st->dim; c++) {
+    for (PetscInt k = 0; k < st->n; k++) {
+      share -= st->own_normal[c] * st->normal_strain[c][k];
+      sum += PetscAbsReal(st->normal_strain[c][k]);
+    }
+  }
+  return share * st->radius >= OUTERMOST && sum * st->radius <= STEEP ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/*
   LaplacianRow_SurfaceMls - Computes the divergence of the viscous stress by a fit of the velocity
   with zero tangential stress on free surfaces; couples velocity components
 
     (lap u + grad div u)_a = sum_k sum_c w_k,ac (u_k - u_i)_c
 
   The same fit gives 2 n.E n at a surface particle, st->normal_strain. Without a surface particle
-  within the support this is the fit of mls.c for each component. Rough and isolated particles, and
-  those whose neighbours do not determine the fit, have the pair forces of stress.c, which need no
-  normal and whose traction on the surface is zero.
+  within the support this is the fit of mls.c for each component. Rough and isolated particles,
+  those whose neighbours do not determine the fit, and those that HoldsSurface() excludes have the
+  pair forces of stress.c, which need no normal and whose traction on the surface is zero, and p = 0.
 
   Properties: exact for quadratic velocities that satisfy the condition at the surface particles; no
   force on rigid motions; not symmetric. Wall neighbours give the wall velocity.
@@ -154,7 +177,7 @@ PetscErrorCode LaplacianRow_SurfaceMls(Stencil *st, PetscReal w[])
   }
   if (st->near_surface) {
     st->fit.wanted = 0; /* overwrites the basis of the fit */
-    if (st->dim == 2 ? SurfaceFit(st, 2, w) : SurfaceFit(st, 3, w))
+    if ((st->dim == 2 ? SurfaceFit(st, 2, w) : SurfaceFit(st, 3, w)) && HoldsSurface(st))
       PetscFunctionReturn(PETSC_SUCCESS);
   } else {
     PetscCall(LaplacianRow_Mls(st, st->fit.value));
