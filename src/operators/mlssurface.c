@@ -157,8 +157,8 @@ static PetscBool HoldsSurface(const Stencil *st)
 
   The same fit gives 2 n.E n at a surface particle, st->normal_strain. Without a surface particle
   within the support this is the fit of mls.c for each component. Rough and isolated particles,
-  those whose neighbours do not determine the fit, and those that HoldsSurface() excludes have the
-  pair forces of stress.c, which need no normal and whose traction on the surface is zero, and p = 0.
+  those whose neighbours do not determine the fit, and those that HoldsSurface() excludes have p = 0
+  and the pair forces of stress.c, which need no normal and whose traction on the surface is zero.
 
   Properties: exact for quadratic velocities that satisfy the condition at the surface particles; no
   force on rigid motions; not symmetric. Wall neighbours give the wall velocity.
