@@ -14,6 +14,11 @@
   A normal from S has an error on disordered particles that does not fall with dx, and so has the
   stress that a row with this normal gives to the fluid.
 
+  Weights of the fit are (1 - r^2/R^2)^2, with the radius R of the support. With a surface tension
+  they are (1 - r^2/R^2) exp(-r^2/(2 dx^2)). The curvature then has the sign of the displacement for
+  waves of any length along particles 0.8 to 1.4 dx apart. The wider weights give the shortest waves
+  the wrong sign, and surface tension lets them grow: docs/theory.md, (163).
+
   Reference: S. Marrone, A. Colagrossi, D. Le Touze, G. Graziani, J. Comput. Phys. 229 (2010)
   3652-3663
 */
@@ -33,6 +38,7 @@
 #define WET         1.3   /* distance of fluid from a wall particle that it touches [dx] */
 #define CLOSE       1.9   /* distance of neighbours that a particle must have [dx] */
 #define FIT_TERMS   6
+#define MEANS       2 /* means of curvatures over neighbours, for surface tension */
 
 /* Neighbours of a particle and their images in walls. */
 typedef struct {
@@ -237,7 +243,13 @@ PetscInt SurfaceTangents(PetscInt dim, const PetscReal n[], PetscReal t[][ISPH_M
   return 2;
 }
 
-/* Computes the basis of a fit at s, and the weight of a point. */
+/* Returns the weight of a particle at the distance sqrt(r2) [R], with the spacing dx [R]. */
+static PetscReal FitWeight(const FreeSurface *free, PetscReal dx, PetscReal r2)
+{
+  return (1.0 - r2) * (free->tension > 0.0 ? PetscExpReal(-0.5 * r2 / PetscSqr(dx)) : 1.0 - r2);
+}
+
+/* Computes the basis of a fit at s. */
 static void FitBasis(PetscInt dim, const PetscReal s[], PetscReal phi[])
 {
   PetscInt t = 0;
@@ -276,7 +288,7 @@ static SurfaceKind FitSurface(const Particles *p, const Neighbors *nb, const Ope
       for (PetscInt m = 0; m < d - 1; m++) s[m] += X * t[m][a];
     }
     if (r2 >= 1.0 || aligned <= ALIGNED) continue;
-    W = PetscSqr(1.0 - r2);
+    W = FitWeight(free, p->dx[i] / R, r2);
     FitBasis(d, s, phi);
     for (PetscInt u = 0; u < terms; u++) {
       for (PetscInt v = 0; v < terms; v++) M[u * terms + v] += W * phi[u] * phi[v];
@@ -334,6 +346,62 @@ static PetscBool BesideRough(const Particles *p, const Neighbors *nb, const Free
   return beside;
 }
 
+/* Returns the mean of the curvatures of own particle i and of surface particles nearby. */
+static PetscReal MeanCurvature(const Particles *p, const Neighbors *nb, const OperatorForms *forms,
+                               const FreeSurface *free, PetscInt i)
+{
+  const PetscReal *normal = &free->normal[i * p->dim];
+  const PetscReal  R      = forms->kernel->support * forms->h_over_dx * p->dx[i];
+  PetscReal W = FitWeight(free, p->dx[i] / R, 0.0), sum = W * free->curvature[i], weights = W;
+
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    const PetscInt j  = nb->col[q];
+    PetscReal      r2 = 0.0, aligned = 0.0;
+
+    if (ParticlesIsWall(p, j)) continue;
+    if (free->kind[j] != SURFACE_SMOOTH && free->kind[j] != SURFACE_ROUGH) continue;
+    for (PetscInt a = 0; a < p->dim; a++) {
+      r2 += PetscSqr((p->x[a][j] - p->x[a][i]) / R);
+      aligned += free->normal[j * p->dim + a] * normal[a];
+    }
+    if (r2 >= 1.0 || aligned <= ALIGNED) continue;
+    W = FitWeight(free, p->dx[i] / R, r2);
+    sum += W * free->curvature[j];
+    weights += W;
+  }
+  return sum / weights;
+}
+
+/*
+  Bounds the curvatures of the fits by 1/dx, and replaces them MEANS times by their means over
+  surface particles nearby, with the weights of the fit
+
+  Collective. A displacement y of a single particle, such as that of a particle that joins the
+  surface where it stretches, changes the curvature of its fit by 0.7 y/dx^2. The means take four
+  fifths of it. Rough particles take part: their curvature makes corners round.
+*/
+static PetscErrorCode AverageCurvature(const Particles *p, const Neighbors *nb,
+                                       const OperatorForms *forms, FreeSurface *free)
+{
+  PetscReal *next;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    const PetscReal most = 2.0 * CURVATURE * (p->dim - 1) / p->dx[i];
+
+    free->curvature[i] = PetscMin(PetscMax(free->curvature[i], -most), most);
+  }
+  PetscCall(PetscMalloc1(p->n_fluid, &next));
+  for (PetscInt mean = 0; mean < MEANS; mean++) {
+    PetscCall(ParticlesHaloField(p, free->curvature));
+    for (PetscInt i = 0; i < p->n_fluid; i++)
+      next[i] = FreeSurfaceHolds(free, i) ? MeanCurvature(p, nb, forms, free, i) : 0.0;
+    PetscCall(PetscArraycpy(free->curvature, next, p->n_fluid));
+  }
+  PetscCall(PetscFree(next));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   FreeSurfaceFind - Finds the particles on free surfaces, their normals and curvatures
 
@@ -380,6 +448,7 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
     next[i] = BesideRough(p, nb, free, i) ? SURFACE_ROUGH : free->kind[i];
   PetscCall(PetscArraycpy(free->kind, next, p->n_fluid));
   PetscCall(ParticlesHaloField(p, free->kind));
+  if (free->tension > 0.0) PetscCall(AverageCurvature(p, nb, forms, free));
   PetscCall(PetscFree(next));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
