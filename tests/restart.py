@@ -126,7 +126,7 @@ def bitwise(*command):
                            ("same_body", [*FORCED, *SAME]), ("error", FORCED),
                            ("error_eulerian", [*FORCED, "-motion", "eulerian"]),
                            ("error_coupled", [*FORCED, "-motion", "eulerian", "-scheme", "coupled"]),
-                           ("surface", SURFACE)):
+                           ("surface", SURFACE), ("tension", [*SURFACE, "-surface_tension", "1"])):
             folder = f"{name}{n}"
             os.mkdir(folder)
             steps = ["-dt", "0.02", "-checkpoint_every", "0.1"]  # the run is stopped at 0.2

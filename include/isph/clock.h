@@ -120,5 +120,6 @@ PetscReal      ClockNext(PetscReal every, PetscReal t);
 PetscErrorCode ClockWhere(const Clock *clock, char where[]);
 PetscReal      ClockMoment(const Clock *clock);
 PetscReal      ClockExplicitLimit(const Scene *scene, PetscReal support_radius);
+PetscReal      CapillaryLimit(const Scene *scene);
 
 #endif

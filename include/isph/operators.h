@@ -293,6 +293,7 @@ typedef struct {
   PetscReal *kind;      /* SurfaceKind of fluid particles, a whole number */
   PetscReal *normal;    /* out of the fluid, at [i dim + a]; zero inside */
   PetscReal *curvature; /* sum of the principal curvatures, own particles [1/m] */
+  PetscReal  tension;   /* surface tension; 0: none [N/m] */
 } FreeSurface;
 
 typedef struct Assembly Assembly; /* workspace of a row, see src/operators/assembly.h */
@@ -374,6 +375,15 @@ PetscErrorCode FreeSurfaceFree(FreeSurface *free);
 static inline PetscBool FreeSurfaceHolds(const FreeSurface *free, PetscInt i)
 {
   return free && free->kind[i] != SURFACE_INSIDE;
+}
+
+/* FreeSurfacePressure - Returns the pressure of the surface tension at own particle i on a free
+   surface; isolated particles have none [Pa]; not collective */
+static inline PetscReal FreeSurfacePressure(const FreeSurface *free, PetscInt i)
+{
+  return free->tension == 0.0 || free->kind[i] == SURFACE_ISOLATED
+             ? 0.0
+             : free->tension * free->curvature[i];
 }
 
 /* FreeSurfaceIsRough - Returns true if a fluid particle is where no smooth surface passes; not

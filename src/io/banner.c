@@ -218,6 +218,28 @@ static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Prints surface tension, the Ohnesorge number of the reference length, and the longest step of
+   surface waves. */
+static PetscErrorCode BannerTension(const Flow *flow, PetscViewer viewer)
+{
+  const Scene    *scene = flow->scene;
+  const PetscReal sigma = scene->tension, limit = CapillaryLimit(scene);
+
+  PetscFunctionBegin;
+  if (sigma == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(
+      PetscViewerASCIIPrintf(viewer, BANNER_LABEL "sigma = %.6g N/m", "tension", (double)sigma));
+  if (SceneHas(scene, PHYSICS_VISCOSITY))
+    PetscCall(PetscViewerASCIIPrintf(
+        viewer, ", Oh = %.3g",
+        (double)(scene->nu * PetscSqrtReal(scene->rho / (sigma * scene->length)))));
+  if (limit < PETSC_INFINITY)
+    PetscCall(PetscViewerASCIIPrintf(viewer, ", dt = %.3g dt_capillary (%.3g s)",
+                                     (double)(flow->clock->dt / limit), (double)limit));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Prints the forms of the discretisation in space. */
 static PetscErrorCode BannerForms(const Flow *flow, PetscViewer viewer)
 {
@@ -289,6 +311,7 @@ PetscErrorCode BannerView(const Flow *flow, PetscViewer viewer)
   PetscCall(BannerViscosity(flow->scene, viewer));
   PetscCall(BannerPhysics(flow->scene, viewer));
   PetscCall(BannerTime(flow, viewer));
+  PetscCall(BannerTension(flow, viewer));
   PetscCall(BannerForms(flow, viewer));
   PetscCall(BannerScheme(flow, viewer));
   PetscCall(BannerAverage(flow, viewer));

@@ -176,8 +176,10 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
     ChooseProducts(ops, PETSC_FALSE, &ops->grad_p[a]);
     ChooseProducts(ops, PETSC_FALSE, &ops->div[a]);
   }
-  if (SceneHasFreeSurface(scene)) PetscCall(PetscNew(&ops->free));
-  else ShareAllRows(ops);
+  if (SceneHasFreeSurface(scene)) {
+    PetscCall(PetscNew(&ops->free));
+    ops->free->tension = scene->tension;
+  } else ShareAllRows(ops);
   PetscCall(CreateWorkspace(scene, ops));
   *operators = ops;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -13,6 +13,7 @@ enum {
   REYNOLDS,
   VISCOSITY,
   DENSITY,
+  TENSION,
   BODY_FORCE,
   WITH,
   WITHOUT,
@@ -102,6 +103,16 @@ static const OptionRow options[] = {
             .low      = 1e-50,
             .high     = 1e50,
             .where    = "flows",
+        },
+    [TENSION] =
+        {
+            .name     = "-surface_tension",
+            .kind     = VALUE_REAL,
+            .brief    = "surface tension sigma",
+            .unit     = "N/m",
+            .standard = "0",
+            NOT_NEGATIVE,
+            .where = "flows with a free surface",
         },
     [BODY_FORCE] =
         {
@@ -256,6 +267,18 @@ static PetscErrorCode SceneReadFluid(Scene *scene)
   PetscCall(OptionGetReal(&options[VISCOSITY], &viscosity, &set));
   if (set) scene->nu = viscosity;
   PetscCall(OptionGetReal(&options[DENSITY], &scene->rho, NULL));
+  PetscCall(OptionGetReal(&options[TENSION], &scene->tension, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses a surface tension without a free surface. */
+static PetscErrorCode RefuseTension(const Scene *scene)
+{
+  PetscFunctionBegin;
+  UserCheck(scene->tension == 0.0 || SceneHasFreeSurface(scene),
+            "-surface_tension %.6g: case %s has no free surface here; %s", (double)scene->tension,
+            scene->problem->name,
+            scene->problem->typed ? "give -scene_free or -scene_filled_1" : "allowed is 0");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -318,6 +341,7 @@ PetscErrorCode SceneNameConstants(Scene *scene)
 . -length L, -speed U     - reference length [m] and speed [m/s]
 . -reynolds, -viscosity   - Reynolds number, or kinematic viscosity [m^2/s]; not both
 . -density RHO            - density [kg/m^3]
+. -surface_tension SIGMA  - surface tension [N/m]
 . -body_force fx,fy,fz    - force per unit mass, replaces the force of the case; with -case scene
                             expressions of x, y, t [m/s^2]
 . -with, -without names   - physics added to the physics of the case, or removed from it
@@ -353,6 +377,7 @@ PetscErrorCode SceneCreate(Scene **scene)
                 !SceneHasBoundary(s, BOUNDARY_CONFINES | BOUNDARY_NO_SLIP),
             "-without viscosity: the walls of case %s are no-slip walls", s->problem->name);
   if (!s->problem->patch) PetscCall(SceneReadForce(s));
+  PetscCall(RefuseTension(s));
   for (PetscInt a = 0; a < s->dim; a++) {
     UserCheck((s->hi[a] - s->lo[a]) / s->dx < PETSC_MPI_INT_MAX / 8,
               "-n asks for more particles than fit: the box is %.6g dx wide along %c",

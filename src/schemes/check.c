@@ -104,6 +104,24 @@ static const char *StartOption(const Flow *flow)
   return flow->scene->velocity.n ? "-scene_velocity" : "-scene_exact";
 }
 
+/* Computes twice the energy of the surface tension over the mass of the fluid [m^2/s^2]; each
+   particle on the surface has the area dx^(dim-1). */
+static PetscErrorCode TensionEnergy(const Flow *flow, PetscReal *energy)
+{
+  const Scene     *scene = flow->scene;
+  const Particles *p     = flow->particles;
+  PetscReal        sum   = 0.0;
+
+  PetscFunctionBegin;
+  *energy = 0.0;
+  if (scene->tension == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    if (FreeSurfaceHolds(flow->ops->free, i)) sum += SceneVolume(scene) / scene->dx;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  *energy = 2.0 * scene->tension * sum / (scene->rho * p->weight * p->cell_volume);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   FlowMeasureStart - Measures energy, speed, divergence and body force of the flow at the start of a
   run
@@ -112,7 +130,8 @@ static const char *StartOption(const Flow *flow)
 */
 PetscErrorCode FlowMeasureStart(Flow *flow)
 {
-  Scheme *s = flow->scheme;
+  Scheme   *s = flow->scheme;
+  PetscReal energy;
 
   PetscFunctionBegin;
   PetscCall(MeasureFlow(flow, flow->state->u));
@@ -121,7 +140,8 @@ PetscErrorCode FlowMeasureStart(Flow *flow)
             StartOption(flow), (double)PetscSqrtReal(PETSC_MAX_REAL));
   if (SceneHas(flow->scene, PHYSICS_BODY_FORCE)) PetscCall(AddBodyForce(flow, 0.0, NULL));
   for (PetscInt k = 0; k < 3; k++) s->stats.change[k] = PETSC_INFINITY;
-  s->bound.start = FlowRmsSpeed(flow);
+  PetscCall(TensionEnergy(flow, &energy));
+  s->bound.start = PetscSqrtReal(PetscSqr(FlowRmsSpeed(flow)) + energy);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -131,7 +151,7 @@ PetscErrorCode FlowMeasureStart(Flow *flow)
 
     |u| <= |u|(0) + min(int F dt, max F/r) + max wall speed bound,  F = max |f|
 
-  f is the body force, and r the rate at which walls at rest slow the flow (SceneDecayRate()). All
+  |u|(0)^2 includes twice the energy of the surface at the start. f is the body force, and r the rate at which walls at rest slow the flow (SceneDecayRate()). All
   terms except the last follow from the energy balance, for steps of any length. The last term is
   SceneWallSpeedBound(). The speed stays below it in all flows with a known solution; a cavity
   reaches a third of it. See docs/theory.md, (115).

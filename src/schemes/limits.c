@@ -31,7 +31,32 @@ PetscReal ProjectionFreeLimit(const Scene *scene)
 }
 
 /*
-  FlowLimit - Limits the step by advection, by the body force, and by the period of the driving
+  CapillaryLimit - Returns the longest step of moving particles with surface tension; infinity
+  without it [s]
+
+    dt = t_v + sqrt(t_v^2 + t_c^2),   t_c^2 = rho dx^3/(4 pi sigma),   t_v = mu dx/(4 sigma)
+
+  Not collective. The pressure sigma kappa belongs to the positions at which the step solves for the
+  velocity. t_c bounds capillary waves of inertia, t_v those that viscosity slows. For small
+  displacements steps are stable up to about ten times this limit: docs/theory.md, (165). Surfaces
+  whose particles are disordered by large displacements need shorter steps.
+
+  Reference: C. Galusinski, P. Vigneaux, J. Comput. Phys. 227 (2008) 6140-6164
+*/
+PetscReal CapillaryLimit(const Scene *scene)
+{
+  const PetscReal sigma = scene->tension, dx = scene->dx;
+  PetscReal       viscous;
+
+  if (sigma == 0.0 || !SceneMoves(scene)) return PETSC_INFINITY;
+  viscous = SceneHas(scene, PHYSICS_VISCOSITY) ? 0.25 * scene->rho * scene->nu * dx / sigma : 0.0;
+  return viscous +
+         PetscSqrtReal(PetscSqr(viscous) + scene->rho * dx * dx * dx / (4.0 * PETSC_PI * sigma));
+}
+
+/*
+  FlowLimit - Limits the step by advection, by the body force, by surface tension, and by the period
+  of the driving
 
     dt <= C dx/U,   dt <= C/(g |(u_a/e_a)_i|),   dt <= max(sqrt(C e/|f|), C e r/|f|)
 
@@ -52,6 +77,7 @@ PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit)
 
   PetscFunctionBegin;
   StepLimitLower(limit, clock->dt_max, "-dt_max");
+  StepLimitLower(limit, CapillaryLimit(scene), "surface tension");
   if (!clock->adapt->follows) {
     StepLimitLower(limit, way / scene->speed, "advection with U");
     PetscFunctionReturn(PETSC_SUCCESS);

@@ -41,6 +41,7 @@ PetscErrorCode SaddleAddInertia(const Saddle *saddle, Vec x, Vec xdot, Vec f);
 
 /* surface.c */
 PetscErrorCode SaddleEliminateSurface(const Flow *flow, Saddle *saddle);
+PetscErrorCode SaddleAddTension(const Flow *flow, const Saddle *saddle, Vec b);
 PetscErrorCode SaddleStress(const Saddle *saddle, Vec x, Vec *stress);
 
 #endif

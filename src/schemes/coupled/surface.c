@@ -58,3 +58,24 @@ PetscErrorCode SaddleStress(const Saddle *s, Vec x, Vec *stress)
   PetscCall(VecRestoreSubVector(x, rows[0], &u));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* SaddleAddTension - Adds the pressure of the surface tension to the rows of mass of b on free
+   surfaces; not collective */
+PetscErrorCode SaddleAddTension(const Flow *flow, const Saddle *s, Vec b)
+{
+  const FreeSurface *surface = flow->ops->free;
+  const PetscScalar *unit;
+  PetscScalar       *to;
+
+  PetscFunctionBegin;
+  if (!surface || surface->tension == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecGetArrayRead(s->pressure, &unit));
+  PetscCall(VecGetArray(b, &to));
+  for (PetscInt i = 0; i < s->n; i++) {
+    if (FreeSurfaceHolds(surface, i))
+      to[s->dim * s->n + i] += FreeSurfacePressure(surface, i) / (s->unit * unit[i]);
+  }
+  PetscCall(VecRestoreArray(b, &to));
+  PetscCall(VecRestoreArrayRead(s->pressure, &unit));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -107,6 +107,7 @@ PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
     PetscCall(SaddleAdd(s, s->dim, -c->flow->scene->dx, c->part, c->b));
   }
   PetscCall(AddGivenPressure(c, t));
+  PetscCall(SaddleAddTension(c->flow, s, c->b));
   c->b_t = t;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,6 +1,7 @@
 /*
-  The pressure of particles on free surfaces in the projection, p = 2 mu n.E n with the strain rate
-  E of the velocity at the start of the step. It is zero where the surface is rough. The increment
+  The pressure of particles on free surfaces in the projection, p = 2 mu n.E n + sigma kappa, with
+  the strain rate E of the velocity at the start of the step, and the surface tension sigma and the
+  curvature kappa of the present surface. It is zero where the surface is rough. The increment
   phi of the pressure equation has this value minus p^n, so that the pressure is determined.
 
   With a velocity of the same time any dt would be stable: that needs the coupled scheme. Here
@@ -31,7 +32,8 @@ PetscErrorCode FreePressureIncrement(Flow *flow, Vec b)
   PetscCall(VecGetArrayRead(s->p, &p));
   PetscCall(VecGetArray(b, &increment));
   for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
-    if (FreeSurfaceHolds(ops->free, i)) increment[i] = mu * twice[i] - p[i];
+    if (FreeSurfaceHolds(ops->free, i))
+      increment[i] = mu * twice[i] + FreeSurfacePressure(ops->free, i) - p[i];
   PetscCall(VecRestoreArray(b, &increment));
   PetscCall(VecRestoreArrayRead(s->p, &p));
   PetscCall(VecRestoreArrayRead(strain, &twice));
