@@ -3,8 +3,8 @@
   which children find loaded. starter.py makes the requests:
 
     request   int, the length of the text, with the descriptors of a folder, of stdout and of
-              stderr; the text: NAME=VALUE words for the environment, an empty word, and the words of
-              the command, each with a zero at its end
+              stderr; the text: NAME=VALUE words for the environment, an empty word, and the
+              words of the command, each with a zero at its end
     answers   int, the process of the child, which leads a group; int, its status as of waitpid()
 */
 #include <fcntl.h>
