@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """Runs isph with random input: options, files, their contents, expressions and scenes that a seed determines.
 
-    fuzz.py [--count N] [--seed S] [--start K] [--jobs J] [--only KIND] [--patience X] ISPH
+    fuzz.py [--count N] [--seed S] [--start K] [--jobs J] [--only KIND] [--patience X] [--starter PROGRAM] ISPH
 
 Input k of seed S is the same on every computer and with any --count, so `--seed S --start K --count 1` repeats it
 (with the same --only). The options, their kinds and ranges come from `isph -options_reference`. Each input runs in a
 folder fuzz_S_K of its own below the present folder. The folder stays if the input is a finding; the file `command` in
 it holds the whole command line. Paths are names inside that folder, and options that run other programs, draw or wait
-do not occur.
+do not occur. With isph_starter as PROGRAM the runs are its children, and take a third of the time.
 
 A finding is one of these:
 
@@ -26,15 +26,17 @@ import os
 import random
 import shutil
 import sys
+import threading
 
 from random_input.commands import Input, base, expression_input, options, scene_input
 from random_input.files import contents_input, file_input, pristine
-from random_input.runs import FINDINGS, execute, judge, quoted, sanitized
+from random_input.runs import FINDINGS, execute, judge, quoted, sanitized, starter
 from random_input.table import reference
 
 SECONDS = 20
 KINDS = ("option", "combination", "file", "expression", "scene", "contents")
 SHARES = (35, 20, 15, 15, 10, 5)  # of the kinds
+THREAD = threading.local()  # start: the starter of a thread, or None
 
 
 def generate(rng, only, rows, cases, files, flows):
@@ -57,14 +59,14 @@ def try_input(isph, settings, index, known, memory):
     made = generate(rng, settings.only, *known)
     folder = os.path.abspath(f"fuzz_{settings.seed}_{index}")
     seconds = SECONDS * settings.patience
-    command = [isph] + [os.fsencode(word) for word in made.arguments()]
+    words = [os.fsencode(word) for word in made.arguments()]
     for attempt in 1, 3:  # a computer at work on other things is slow
         shutil.rmtree(folder, ignore_errors=True)
         os.makedirs(os.path.join(folder, "sub"))
         for name, data in {"text.h5": b"no HDF5\n", "empty.h5": b"", **made.files}.items():
             with open(os.path.join(folder, name), "wb") as file:
                 file.write(data)
-        status, out, err = execute(command, folder, attempt * seconds, memory)
+        status, out, err = execute([isph, *words], folder, attempt * seconds, memory, THREAD.start)
         if status is not None:
             break
     finding = judge(status, out, err, folder, reported="report.csv" in made.files)
@@ -92,13 +94,18 @@ def main():
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--only", choices=KINDS)
     parser.add_argument("--patience", type=float, default=1)
+    parser.add_argument("--starter")
     parser.add_argument("isph")
     settings = parser.parse_args()
     isph = os.path.abspath(settings.isph)
     memory = not sanitized(isph)
     known = *reference(isph), *pristine(isph, os.path.abspath(f"fuzz_{settings.seed}_files"))
     counts = dict.fromkeys(FINDINGS, 0)
-    with concurrent.futures.ThreadPoolExecutor(settings.jobs) as pool:
+
+    def begin():
+        THREAD.start = starter(settings.starter, memory) if settings.starter else None
+
+    with concurrent.futures.ThreadPoolExecutor(settings.jobs, initializer=begin) as pool:
         tries = [pool.submit(try_input, isph, settings, index, known, memory)
                  for index in range(settings.start, settings.start + settings.count)]
         for done in tries:

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """Hostile files: what an option may lead to, and disks and limits that are full. Each run ends with one line.
 
-    hostile.py files COMMAND...      devices, links, pipes and folders in the place of files; paths that are too long
-    hostile.py options COMMAND...    options files that are no files of options
-    hostile.py full COMMAND...       a full disk, and limits on the size of files and on memory
-    hostile.py quit COMMAND...       SIGQUIT
-    hostile.py numbers COMMAND...    numbers beyond the range of the computer
-    hostile.py contents COMMAND...   checkpoints and particle files with other numbers, and the right checksum
-    hostile.py damaged COMMAND...    checkpoints with attributes of other shapes, a particle file without particles;
+    hostile.py files ISPH [STARTER]      devices, links, pipes and folders in the place of files; paths that are too long
+    hostile.py options ISPH [STARTER]    options files that are no files of options
+    hostile.py full ISPH [STARTER]       a full disk, and limits on the size of files and on memory
+    hostile.py quit ISPH [STARTER]       SIGQUIT
+    hostile.py numbers ISPH [STARTER]    numbers beyond the range of the computer
+    hostile.py contents ISPH [STARTER]   checkpoints and particle files with other numbers, and the right checksum
+    hostile.py damaged ISPH [STARTER]    checkpoints with attributes of other shapes, a particle file without particles;
                                      needs h5py (else status 77)
 
 Writes in the present folder only.
@@ -24,17 +24,27 @@ import time
 
 from random_input.hdf5 import Contents, checksum
 from random_input.runs import sanitized
+from starter import Starter
 
 SKIPPED = 77
+ISPH = sys.argv[2]
+START = Starter(sys.argv[3]) if len(sys.argv) > 3 else None
 SMALL = ("-n", "8", "-max_steps", "1", "-progress", "none")
 
 
 def run(*options, **how):
-    """Runs a small flow; returns the status and the lines of isph on standard error."""
-    done = subprocess.run([*sys.argv[2:], *SMALL, *options], stderr=subprocess.PIPE, text=True, timeout=120, check=False,
-                          **{"stdout": subprocess.DEVNULL, **how})
-    assert "PETSC ERROR" not in done.stderr, done.stderr
-    return done.returncode, [line for line in done.stderr.splitlines() if line.startswith("isph: ")]
+    """Runs a small flow; returns the status and the lines of isph on standard error. Runs without limits are children of
+    the starter."""
+    if START and not how:
+        status, _, err = START.run([*SMALL, *options], seconds=120)
+        err = err.decode(errors="replace")
+        assert status is not None, "no end"
+    else:
+        done = subprocess.run([ISPH, *SMALL, *options], stderr=subprocess.PIPE, text=True, timeout=120, check=False,
+                              **{"stdout": subprocess.DEVNULL, **how})
+        status, err = done.returncode, done.stderr
+    assert "PETSC ERROR" not in err, err
+    return status, [line for line in err.splitlines() if line.startswith("isph: ")]
 
 
 def refused(words, *options, **how):
@@ -113,7 +123,7 @@ def full():
     refused("cannot be written, or the disk is full", "-n", "350", "-checkpoint", "c.h5", **limit)
     refused("cannot write", "-n", "350", "-output", "s.h5", **limit)
     refused("-n 1000000: allowed is 4 to 100000", "-n", "1000000")
-    if not sanitized(sys.argv[2]):
+    if not sanitized(ISPH):
         # 36 million particles take 288 MB for their ids and 144 MB for their rows
         limit = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_AS, (700 << 20, 700 << 20))}
         assert refused("there is too little memory: use a smaller -n, or more nodes", "-n", "6000", **limit) == 55
@@ -121,7 +131,7 @@ def full():
 
 def quitted():
     """SIGQUIT ends a run at once and without a message; the last checkpoint remains."""
-    command = [*sys.argv[2:], "-n", "16", "-t_end", "1e6", "-progress", "none", "-checkpoint", "c.h5",
+    command = [ISPH, "-n", "16", "-t_end", "1e6", "-progress", "none", "-checkpoint", "c.h5",
                "-checkpoint_every", "0.1"]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
                           preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CORE, (0, 0))) as process:

@@ -3,7 +3,7 @@
 
     restart.py kill ISPH           a run killed 30 times at random moments has the same report, snapshots and probes
     restart.py bitwise ISPH...     continued and restarted runs are equal to the last bit (1 and 3 ranks), also if
-                                   steps follow the error in time
+                                   steps follow the error in time; on 3 ranks one flow of each kind of state
     restart.py ranks ISPH...       a checkpoint of 2 ranks restarts on 1, 2 and 3 ranks with the same flow to 1e-10
     restart.py term ISPH           a run that gets SIGTERM leaves a checkpoint and the status interrupted; the
                                    restarted run has the same flow to 1e-4
@@ -113,6 +113,9 @@ def ranked(command, n):
     return [word.replace("{}", str(n)) for word in mpi] + [isph] if n > 1 else [isph]
 
 
+ON_RANKS = "lagrangian", "forced", "coupled", "same", "graded_moving", "cloud", "error", "surface"
+
+
 def bitwise(*command):
     for n in 1, 3:
         for name, flow in (("lagrangian", []), ("eulerian", ["-motion", "eulerian"]), ("forced", FORCED),
@@ -127,16 +130,18 @@ def bitwise(*command):
                            ("error_eulerian", [*FORCED, "-motion", "eulerian"]),
                            ("error_coupled", [*FORCED, "-motion", "eulerian", "-scheme", "coupled"]),
                            ("surface", SURFACE), ("tension", [*SURFACE, "-surface_tension", "1"])):
+            if n > 1 and name not in ON_RANKS:
+                continue
             folder = f"{name}{n}"
             os.mkdir(folder)
             steps = ["-dt", "0.02", "-checkpoint_every", "0.1"]  # the run is stopped at 0.2
             if name.startswith("error"):  # a checkpoint each step, because lengths of steps vary
                 steps = ["-dt_adapt", "error", "-checkpoint_every", "1e-6"]
             start_ = [*ranked(command, n), "-n", "16", *steps, "-skin", "0.5", *flow, "-progress", "none",
-                      "-report_times", "0.2,0.4"]
-            run([*start_, "-max_steps", "30", "-checkpoint", "a.h5", "-report", "a.csv"], folder)
+                      "-report_times", "0.2,0.3"]
+            run([*start_, "-max_steps", "20", "-checkpoint", "a.h5", "-report", "a.csv"], folder)
             run([*start_, "-max_steps", "10", "-checkpoint", "b.h5"], folder)
-            run([*start_, "-max_steps", "30", "-checkpoint", "c.h5", "-restart", "b.h5", "-report", "c.csv"],
+            run([*start_, "-max_steps", "20", "-checkpoint", "c.h5", "-restart", "b.h5", "-report", "c.csv"],
                 folder)
             assert report(f"{folder}/a.csv") == report(f"{folder}/c.csv"), folder
 

@@ -198,7 +198,7 @@ static void CheckPairs(Setting *s, const char options[])
 static void test_pairs(void **state)
 {
   Setting plane = CrowdBox("2D closed", 2, 24, 20, 1, 0, 0);
-  Setting space = CrowdBox("3D closed", 3, 12, 12, 12, 0, 0);
+  Setting space = CrowdBox("3D closed", 3, 10, 10, 10, 0, 0);
 
   (void)state;
   CheckPairs(&plane, "-spacing_wall 0.4");

@@ -11,6 +11,20 @@
 #define ISPH_MAX_DIM 3
 
 /*
+  ISPH_WIDE compiles a function twice: for all x86-64 processors, and for those with vectors of four
+  numbers. The loader takes the version that fits. Both have the same operations, without fused
+  multiply-add, so results are equal to the last bit. ISPH_INLINE marks the functions that have to
+  become part of both versions.
+*/
+#define ISPH_INLINE inline __attribute__((always_inline))
+#if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__) &&       \
+    !defined(__AVX2__) && !defined(__SANITIZE_ADDRESS__)
+#define ISPH_WIDE __attribute__((target_clones("avx2", "default")))
+#else
+#define ISPH_WIDE
+#endif
+
+/*
   A table is a const array of structs that all begin with these three members. Options choose a row
   by its name; only src/base/table.c compares names.
 */

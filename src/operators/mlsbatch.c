@@ -82,7 +82,8 @@ static void FillLane(const Stencil *st, PetscInt lane, PetscInt n, MlsBatch *b)
 }
 
 /* Computes the basis of neighbour k, see MlsBasis(). */
-static inline void Basis(PetscInt dim, PetscInt degree, const MlsBatch *b, PetscInt k, Lanes phi[])
+static ISPH_INLINE void Basis(PetscInt dim, PetscInt degree, const MlsBatch *b, PetscInt k,
+                              Lanes phi[])
 {
   PetscInt lower = 0, t = dim;
 
@@ -95,8 +96,8 @@ static inline void Basis(PetscInt dim, PetscInt degree, const MlsBatch *b, Petsc
 }
 
 /* Computes the moments and the right-hand sides. */
-static inline void SetSystems(PetscInt dim, PetscInt degree, PetscInt n, Stencil *const st[],
-                              const MlsBatch *b, Systems *y)
+static ISPH_INLINE void SetSystems(PetscInt dim, PetscInt degree, PetscInt n, Stencil *const st[],
+                                   const MlsBatch *b, Systems *y)
 {
   const PetscInt terms = MlsTerms(dim, degree);
   const Lanes    zero  = {0.0};
@@ -137,7 +138,7 @@ static inline void SetSystems(PetscInt dim, PetscInt degree, PetscInt n, Stencil
 
 /* Solves the systems by the factors L D L^T of M. Output: least - the least pivot over the diagonal
    entry of M, for each lane. */
-static inline void SolveSystems(PetscInt dim, PetscInt terms, Systems *y, Lanes *least)
+static ISPH_INLINE void SolveSystems(PetscInt dim, PetscInt terms, Systems *y, Lanes *least)
 {
   const Lanes zero = {0.0};
 
@@ -174,7 +175,7 @@ static inline void SolveSystems(PetscInt dim, PetscInt terms, Systems *y, Lanes 
 }
 
 /* Computes the weights of all rows from the solutions. */
-static inline void SetRows(PetscInt dim, PetscInt degree, PetscInt n, MlsBatch *b, Systems *y)
+static ISPH_INLINE void SetRows(PetscInt dim, PetscInt degree, PetscInt n, MlsBatch *b, Systems *y)
 {
   const PetscInt terms = MlsTerms(dim, degree);
   Lanes          x[ROWS][MLS_MAX_TERMS], per_sum;
@@ -207,8 +208,8 @@ static void KeepLane(const MlsBatch *b, PetscInt degree, PetscInt lane, Stencil 
   st->fit.wanted = st->fit.degree = degree;
 }
 
-static inline void FitInline(PetscInt dim, PetscInt degree, PetscInt n, Stencil *const st[],
-                             MlsBatch *b, Lanes *least)
+static ISPH_INLINE void FitInline(PetscInt dim, PetscInt degree, PetscInt n, Stencil *const st[],
+                                  MlsBatch *b, Lanes *least)
 {
   Systems y;
 
@@ -218,8 +219,8 @@ static inline void FitInline(PetscInt dim, PetscInt degree, PetscInt n, Stencil 
 }
 
 /* Computes the fits of all lanes, in a copy of the code for each dimension and degree. */
-static void FitLanes(PetscInt dim, PetscInt degree, PetscInt n, Stencil *const st[], MlsBatch *b,
-                     Lanes *least)
+static ISPH_WIDE void FitLanes(PetscInt dim, PetscInt degree, PetscInt n, Stencil *const st[],
+                               MlsBatch *b, Lanes *least)
 {
   if (dim == 2 && degree == 2) FitInline(2, 2, n, st, b, least);
   else if (dim == 2 && degree == 3) FitInline(2, 3, n, st, b, least);

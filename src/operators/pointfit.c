@@ -15,8 +15,8 @@ typedef PetscReal Four
 
 /* Computes the basis 1, s_a, s_a s_b (b <= a), ... at four points: s[a][at], s[a][at + 1], ...; the
    order is that of MlsBasis(). */
-static inline void FourBases(PetscInt dim, PetscInt degree, PetscReal *const s[], PetscInt at,
-                             Four phi[])
+static ISPH_INLINE void FourBases(PetscInt dim, PetscInt degree, PetscReal *const s[], PetscInt at,
+                                  Four phi[])
 {
   Four *lower = phi + 1, *next = phi + 1 + dim;
 
@@ -33,7 +33,7 @@ static inline void FourBases(PetscInt dim, PetscInt degree, PetscReal *const s[]
   Solves M c = e_0 by the factors L D L^T of M, whose rows are one after the other up to the
   diagonal. Output: least - the least pivot over its diagonal entry.
 */
-static inline void FourSolve(PetscInt terms, Four M[], Four c[], Four *least)
+static ISPH_INLINE void FourSolve(PetscInt terms, Four M[], Four c[], Four *least)
 {
   Four inverse[POINT_FIT_TERMS];
 
@@ -69,9 +69,9 @@ static inline void FourSolve(PetscInt terms, Four M[], Four c[], Four *least)
 
 /* Computes the fits of four points of m, the first of which is number `first`; see PointFits().
    Inlined, so that the compiler knows the number of terms. */
-static inline void FourFits(PetscInt dim, PetscInt degree, PetscInt m, PetscInt first, PetscInt n,
-                            PetscReal *const s[], const PetscReal W[], PetscReal w[],
-                            PetscBool fits[])
+static ISPH_INLINE void FourFits(PetscInt dim, PetscInt degree, PetscInt m, PetscInt first,
+                                 PetscInt n, PetscReal *const s[], const PetscReal W[],
+                                 PetscReal w[], PetscBool fits[])
 {
   const PetscInt terms = 1 + MlsTerms(dim, degree);
   Four           M[POINT_FIT_TERMS * (POINT_FIT_TERMS + 1) / 2], c[POINT_FIT_TERMS], least;
@@ -131,8 +131,8 @@ static inline void PointBasis(PetscInt dim, PetscInt degree, PetscReal *const s[
   Properties: exact for polynomials of the degree. The weights of a point do not depend on other
   points.
 */
-void PointFits(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const s[], const PetscReal W[],
-               PetscReal w[], PetscBool fits[])
+ISPH_WIDE void PointFits(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const s[],
+                         const PetscReal W[], PetscReal w[], PetscBool fits[])
 {
   for (PetscInt first = 0; first < 1 << dim; first += 4) {
     if (dim == 2 && degree == 2) FourFits(2, 2, 4, first, n, s, W, w, fits);

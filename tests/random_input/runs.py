@@ -6,6 +6,8 @@ import shlex
 import signal
 import subprocess
 
+from starter import Starter
+
 MEMORY = 4 << 30  # bytes of address space; not under AddressSanitizer, which reserves terabytes
 FINDINGS = ("crash", "hang", "sanitizer", "not finite", "refusal")
 
@@ -31,8 +33,18 @@ def limits(memory):
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
 
 
-def execute(command, folder, seconds, memory):
-    """Returns status, standard output and standard error; the status None after a timeout."""
+def starter(program, memory):
+    """Returns a starter of runs with limits."""
+    return Starter(program, env=environment(os.getcwd()), preexec_fn=lambda: limits(memory))
+
+
+def execute(command, folder, seconds, memory, start=None):
+    """Returns status, standard output and standard error; the status None after a timeout. With a starter, the run is
+    a child of it."""
+    if start:
+        changed = {name: folder for name in ("HOME", "OMPI_MCA_orte_tmpdir_base")}
+        status, *texts = start.run(command[1:], folder, changed, seconds)
+        return status, *(text.decode(errors="replace") for text in texts)
     process = subprocess.Popen(command, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                stderr=subprocess.PIPE, env=environment(folder), start_new_session=True,
                                preexec_fn=lambda: limits(memory))

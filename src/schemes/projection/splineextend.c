@@ -179,12 +179,14 @@ static PetscErrorCode SetSlaves(const SplineLattice *plane, const Plane *w, Spli
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Counts the extended splines that are not zero in a cell. */
-static PetscInt CountInCell(const SplineLattice *plane, const SplineBodies *s, PetscInt cell)
+/* SplinesInCell - Lists the extended splines of the plane that are not zero in a cell, at most
+   SPLINES_IN_CELL and some more than once; returns their number; not collective */
+PetscInt SplinesInCell(const SplineLattice *plane, const SplineBodies *s, PetscInt cell,
+                       PetscInt number[])
 {
   SplineValues at;
   PetscReal    x[2];
-  PetscInt     seen[81], n = 0;
+  PetscInt     n = 0;
 
   x[0] = plane->lo[0] + (cell % plane->cells[0] + 0.5) * plane->side[0];
   x[1] = plane->lo[1] + (cell / plane->cells[0] + 0.5) * plane->side[1];
@@ -193,26 +195,33 @@ static PetscInt CountInCell(const SplineLattice *plane, const SplineBodies *s, P
     const PetscInt     q = SplineNatural(plane, at.index[k]), e = s->slave[q];
     const SplineSlave *slave = e >= 0 ? &s->slaves[e] : NULL;
 
-    for (PetscInt m = 0; m < (slave ? slave->n : 1); m++) {
-      const PetscInt number = slave ? SplineNatural(plane, slave->master[m]) : q;
-      PetscInt       old    = 0;
-
-      while (old < n && seen[old] != number) old++;
-      if (old == n) seen[n++] = number;
-    }
+    for (PetscInt m = 0; m < (slave ? slave->n : 1); m++)
+      number[n++] = slave ? SplineNatural(plane, slave->master[m]) : q;
   }
   return n;
+}
+
+/* Sets the number of extended splines that are not zero in each cell. */
+static PetscErrorCode SetWidths(const SplineLattice *plane, SplineBodies *s)
+{
+  PetscInt number[SPLINES_IN_CELL];
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(plane->cells[0] * plane->cells[1], &s->width));
+  for (PetscInt c = 0; c < plane->cells[0] * plane->cells[1]; c++) {
+    s->width[c] = SplinesInCell(plane, s, c, number);
+    PetscCall(PetscSortRemoveDupsInt(&s->width[c], number));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* SplineExtensionSet - Sets the masters of splines with little fluid; not collective */
 PetscErrorCode SplineExtensionSet(const SplineLattice *lattice, SplineBodies *s)
 {
-  SplineLattice plane = *lattice;
-  Plane         w;
+  const SplineLattice plane = SplinePlane(lattice);
+  Plane               w;
 
   PetscFunctionBegin;
-  plane.dim = 2;
-  plane.N   = plane.count[0] * plane.count[1];
   PetscCall(PetscMalloc2(plane.N, &s->slave, plane.N, &s->range));
   PetscCall(PetscMemzero(s->range, sizeof(*s->range) * (size_t)plane.N));
   PetscCall(PetscCalloc5(plane.N, &w.fluid, plane.N, &w.box, plane.N, &w.offset[0], plane.N,
@@ -224,9 +233,7 @@ PetscErrorCode SplineExtensionSet(const SplineLattice *lattice, SplineBodies *s)
     w.enough[q] = w.fluid[q] >= ENOUGH * w.box[q] ? PETSC_TRUE : PETSC_FALSE;
   }
   PetscCall(SetSlaves(&plane, &w, s));
-  PetscCall(PetscMalloc1(plane.cells[0] * plane.cells[1], &s->width));
-  for (PetscInt c = 0; c < plane.cells[0] * plane.cells[1]; c++)
-    s->width[c] = CountInCell(&plane, s, c);
+  PetscCall(SetWidths(&plane, s));
   PetscCall(PetscFree5(w.fluid, w.box, w.offset[0], w.offset[1], w.enough));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -289,4 +296,12 @@ void SplineRowAt(const Splines *s, const SplineLattice *l, const Particles *p, c
       AddEntry(l->dim, SplinesGlobal(s, p, master), slave->weight[m], &at, k, row);
     }
   }
+}
+
+/* SplineRowWidth - Returns the number of entries of SplineRowAt() at a point, which bodies make
+   greater; not collective */
+PetscInt SplineRowWidth(const Splines *s, const SplineLattice *l, const PetscReal x[])
+{
+  if (!s->bodies) return SplinesAtPoint(l);
+  return s->bodies->width[SplineCellAt(l, x)] * (l->dim == 3 ? l->degree + 1 : 1);
 }

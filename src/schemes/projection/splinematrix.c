@@ -6,8 +6,6 @@
 */
 #include "splines.h"
 
-#define FIT_ENTRIES 40 /* entries of most fits; the matrix grows for others */
-
 /* Context of the shell. */
 typedef struct {
   Splines         *splines;
@@ -44,8 +42,14 @@ static PetscErrorCode SplineMatrix(Mat A, Vec x, Vec y)
 /* Assembles the matrix of the gradient along axis a, splines -> fluid [1/m]. */
 static PetscErrorCode GradientMat(const Splines *s, const Particles *p, PetscInt a, Mat *G)
 {
+  PetscInt *width;
+
   PetscFunctionBegin;
-  PetscCall(SplineMat(p->comm, p->n_fluid, s->own.size, SplinesAtPoint(&s->pressure), G));
+  PetscCall(PetscMalloc1(p->n_fluid, &width));
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    width[i] = SplineRowWidth(s, &s->pressure, (PetscReal[]){p->x[0][i], p->x[1][i]});
+  PetscCall(SplineMat(p->comm, p->n_fluid, s->own.size, width, G));
+  PetscCall(PetscFree(width));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     const PetscInt row = p->row[i];
     PetscReal      x[ISPH_MAX_DIM];
@@ -64,10 +68,13 @@ static PetscErrorCode FitMat(const Splines *s, const Particles *p, PetscInt a, P
 {
   const SplineFits *f   = &s->fits;
   const PetscInt    set = f->sets == 1 ? 0 : a, of = f->sets == 1 ? 0 : b;
-  PetscInt          row;
+  PetscInt          row, *width;
 
   PetscFunctionBegin;
-  PetscCall(SplineMat(p->comm, f->points, p->n_fluid, FIT_ENTRIES, J));
+  PetscCall(PetscMalloc1(f->points, &width));
+  for (PetscInt g = 0; g < f->points; g++) width[g] = f->last[set][of][g] - f->first[set][of][g];
+  PetscCall(SplineMat(p->comm, f->points, p->n_fluid, width, J));
+  PetscCall(PetscFree(width));
   PetscCall(MatGetOwnershipRange(*J, &row, NULL));
   for (PetscInt g = 0; g < f->points; g++, row++) {
     for (PetscInt k = f->first[set][of][g]; k < f->last[set][of][g]; k++) {

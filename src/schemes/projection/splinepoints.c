@@ -58,15 +58,8 @@ static PetscInt OwnCells(const Splines *s, const Particles *p, PetscInt first[],
 /* Returns false in a cell that a body fills. */
 static PetscBool IsFluid(const Splines *s, const PetscReal x[])
 {
-  PetscInt cell[2];
-
   if (!s->bodies) return PETSC_TRUE;
-  for (PetscInt a = 0; a < 2; a++) {
-    cell[a] = (PetscInt)((x[a] - s->lattice.lo[a]) / s->lattice.side[a]);
-    cell[a] = PetscMin(PetscMax(cell[a], 0), s->lattice.cells[a] - 1);
-  }
-  return s->bodies->fraction[cell[1] * s->lattice.cells[0] + cell[0]] > 0.0 ? PETSC_TRUE
-                                                                            : PETSC_FALSE;
+  return s->bodies->fraction[SplineCellAt(&s->lattice, x)] > 0.0 ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Returns the number of layers of cells of this rank that hold a part of a surface. */

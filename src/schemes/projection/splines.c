@@ -56,13 +56,23 @@ PetscBool SplineOwn(const Splines *s, PetscInt k, PetscInt index[])
              : PETSC_FALSE;
 }
 
-/* SplineMat - Creates a matrix with space for `width` entries in a row; collective */
-PetscErrorCode SplineMat(MPI_Comm comm, PetscInt rows, PetscInt cols, PetscInt width, Mat *A)
+/* SplineMat - Creates a matrix with space for width[r] entries in row r; collective. A row with
+   more entries is no error, but PETSc copies the whole matrix for it. */
+PetscErrorCode SplineMat(MPI_Comm comm, PetscInt rows, PetscInt cols, const PetscInt width[],
+                         Mat *A)
 {
+  PetscInt all, *own, *other;
+
   PetscFunctionBegin;
-  PetscCall(MatCreateAIJ(comm, rows, cols, PETSC_DETERMINE, PETSC_DETERMINE, width, NULL, width,
-                         NULL, A));
+  PetscCallMPI(MPI_Allreduce(&cols, &all, 1, MPIU_INT, MPI_SUM, comm));
+  PetscCall(PetscMalloc2(rows, &own, rows, &other));
+  for (PetscInt r = 0; r < rows; r++) {
+    own[r]   = PetscMin(width[r], cols);
+    other[r] = PetscMin(width[r], all - cols);
+  }
+  PetscCall(MatCreateAIJ(comm, rows, cols, PETSC_DETERMINE, PETSC_DETERMINE, 0, own, 0, other, A));
   PetscCall(MatSetOption(*A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+  PetscCall(PetscFree2(own, other));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -117,15 +127,32 @@ static PetscErrorCode AddNode(Splines *s, const Particles *p, PetscInt row, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Computes the number of entries in the rows of points; nodes of cut cells may be outside them. */
+static PetscErrorCode PointWidths(const Splines *s, const SplinePoints *points, PetscInt **width)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(points->n, width));
+  for (PetscInt g = 0; g < points->n; g++) {
+    const PetscInt node            = points == &s->inside ? points->side[g] : -1;
+    PetscReal      x[ISPH_MAX_DIM] = {0.0};
+
+    for (PetscInt a = 0; a < s->lattice.dim; a++) x[a] = points->x[a][g];
+    (*width)[g] = SplineRowWidth(s, &s->lattice, node < 0 ? x : s->bodies->cuts[node / 4].centre);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Assembles T. */
 static PetscErrorCode AssembleInside(Splines *s, const Particles *p)
 {
   const SplineLattice *l = &s->lattice;
-  PetscInt             row;
+  PetscInt             row, *width;
 
   PetscFunctionBegin;
+  PetscCall(PointWidths(s, &s->inside, &width));
   for (PetscInt a = 0; a < l->dim; a++)
-    PetscCall(SplineMat(p->comm, s->inside.n, s->own.size, SplinesAtPoint(l), &s->T[a]));
+    PetscCall(SplineMat(p->comm, s->inside.n, s->own.size, width, &s->T[a]));
+  PetscCall(PetscFree(width));
   PetscCall(MatGetOwnershipRange(s->T[0], &row, NULL));
   for (PetscInt g = 0; g < s->inside.n; g++, row++) {
     PetscReal x[ISPH_MAX_DIM];
@@ -143,12 +170,14 @@ static PetscErrorCode AssembleBoundary(Splines *s, const Particles *p)
 {
   const SplineLattice *l   = &s->lattice;
   PetscBool            any = s->bodies ? PETSC_TRUE : PETSC_FALSE;
-  PetscInt             row;
+  PetscInt             row, *width;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < l->dim; a++) any = any || !l->periodic[a] ? PETSC_TRUE : PETSC_FALSE;
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SplineMat(p->comm, s->boundary.n, s->own.size, SplinesAtPoint(l), &s->S));
+  PetscCall(PointWidths(s, &s->boundary, &width));
+  PetscCall(SplineMat(p->comm, s->boundary.n, s->own.size, width, &s->S));
+  PetscCall(PetscFree(width));
   PetscCall(MatGetOwnershipRange(s->S, &row, NULL));
   for (PetscInt g = 0; g < s->boundary.n; g++, row++) {
     PetscReal x[ISPH_MAX_DIM], entry[SPLINES_EXTENDED];

@@ -83,6 +83,7 @@ static inline void SplineBasis(PetscInt degree, PetscReal t, PetscReal per_edge,
 }
 
 #define SPLINES_EXTENDED (9 * SPLINES_AT_QUADRATIC) /* the most, if all have masters */
+#define SPLINES_IN_CELL  (9 * 9)                    /* in the plane */
 
 /* The splines at a point, without those that have masters. */
 typedef struct {
@@ -242,8 +243,34 @@ PetscErrorCode SplineBodiesCreate(const Scene *scene, const SplineLattice *latti
 PetscErrorCode SplineBodiesDestroy(SplineBodies **bodies);
 PetscErrorCode SplineExtensionSet(const SplineLattice *lattice, SplineBodies *s);
 PetscErrorCode SplineExtensionFree(SplineBodies *s);
+PetscInt       SplinesInCell(const SplineLattice *plane, const SplineBodies *s, PetscInt cell,
+                             PetscInt number[]);
 void SplineRowAt(const Splines *s, const SplineLattice *l, const Particles *p, const PetscReal x[],
                  SplineRow *row);
+PetscInt SplineRowWidth(const Splines *s, const SplineLattice *l, const PetscReal x[]);
+
+/* Returns the lattice without its third axis. */
+static inline SplineLattice SplinePlane(const SplineLattice *lattice)
+{
+  SplineLattice plane = *lattice;
+
+  plane.dim = 2;
+  plane.N   = plane.count[0] * plane.count[1];
+  return plane;
+}
+
+/* Returns the number of the cell of the plane that holds a point, or of the nearest one. Beside
+   bodies cells are uniform. */
+static inline PetscInt SplineCellAt(const SplineLattice *lattice, const PetscReal x[])
+{
+  PetscInt cell[2];
+
+  for (PetscInt a = 0; a < 2; a++) {
+    cell[a] = (PetscInt)((x[a] - lattice->lo[a]) / lattice->side[a]);
+    cell[a] = PetscMin(PetscMax(cell[a], 0), lattice->cells[a] - 1);
+  }
+  return cell[1] * lattice->cells[0] + cell[0];
+}
 
 /* Returns the number of a column of splines in the plane. */
 static inline PetscInt SplineColumn(const SplineLattice *lattice, const PetscInt index[])
@@ -281,7 +308,8 @@ PetscErrorCode SplineFitsReserve(const Particles *p, SplineFits *fits);
 PetscErrorCode SplineFitsApply(const Particles *p, Splines *s);
 
 /* splines.c, splinestiffness.c */
-PetscErrorCode SplineMat(MPI_Comm comm, PetscInt rows, PetscInt cols, PetscInt width, Mat *A);
+PetscErrorCode SplineMat(MPI_Comm comm, PetscInt rows, PetscInt cols, const PetscInt width[],
+                         Mat *A);
 PetscErrorCode SplineMatFinish(Mat A);
 PetscBool      SplineOwn(const Splines *s, PetscInt k, PetscInt index[]);
 PetscErrorCode SplineStiffness(Splines *s, const Particles *p);

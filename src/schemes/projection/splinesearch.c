@@ -139,7 +139,7 @@ PetscErrorCode SplineAroundFree(SplineAround *around)
 }
 
 /* Computes the squared distances of all particles from point i. */
-static void SetDistances(PetscInt dim, PetscInt i, SplineAround *around)
+static ISPH_INLINE void SetDistances(PetscInt dim, PetscInt i, SplineAround *around)
 {
   PetscReal *r2 = around->r2;
 
@@ -154,7 +154,7 @@ static void SetDistances(PetscInt dim, PetscInt i, SplineAround *around)
 }
 
 /* Returns the sum of the parts of the particles nearer than sqrt(limit). */
-static PetscReal SumWithin(const SplineAround *around, PetscReal limit)
+static ISPH_INLINE PetscReal SumWithin(const SplineAround *around, PetscReal limit)
 {
   const PetscReal *r2 = around->r2, *part = around->part;
   PetscReal        sum[LANES] = {0.0}, total = 0.0;
@@ -168,7 +168,7 @@ static PetscReal SumWithin(const SplineAround *around, PetscReal limit)
 }
 
 /* Returns the least squared distance of at least `low`, at most `high`. */
-static PetscReal LeastBeyond(const SplineAround *around, PetscReal low, PetscReal high)
+static ISPH_INLINE PetscReal LeastBeyond(const SplineAround *around, PetscReal low, PetscReal high)
 {
   const PetscReal *r2 = around->r2;
   PetscReal        least[LANES];
@@ -195,8 +195,8 @@ static PetscReal LeastBeyond(const SplineAround *around, PetscReal low, PetscRea
   last ones. If the number jumps beyond `wanted`, because distances are equal or parts are not, the
   radius is the second distance of the jump and beyond.
 */
-static PetscReal SquaredRadius(const SplineAround *around, PetscReal wanted, PetscReal reach,
-                               PetscReal guess, PetscBool *found)
+static ISPH_INLINE PetscReal SquaredRadius(const SplineAround *around, PetscReal wanted,
+                                           PetscReal reach, PetscReal guess, PetscBool *found)
 {
   const PetscReal all = PetscSqr(reach), count = wanted + 0.5;
   PetscReal       low = 0.0, high = all, below = 0.0, above = -1.0; /* above -1: not yet known */
@@ -249,9 +249,9 @@ static PetscReal SquaredRadius(const SplineAround *around, PetscReal wanted, Pet
   Output: around->found; n - their number; R - radius: the distance of the next, or the reach [m];
   found - PETSC_FALSE if there are fewer within reach.
 */
-PetscErrorCode SplineNearest(const Flow *flow, PetscInt i, PetscInt c, PetscInt wanted,
-                             SplineAround *around, PetscReal *reach, PetscInt *n, PetscReal *R,
-                             PetscBool *found)
+ISPH_WIDE PetscErrorCode SplineNearest(const Flow *flow, PetscInt i, PetscInt c, PetscInt wanted,
+                                       SplineAround *around, PetscReal *reach, PetscInt *n,
+                                       PetscReal *R, PetscBool *found)
 {
   const Particles *p      = flow->particles;
   const PetscReal  radius = flow->ops->forms.radius;

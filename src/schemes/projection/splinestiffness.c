@@ -53,6 +53,19 @@ static PetscInt SupportCells(const Splines *s, const PetscInt index[], PetscInt 
   return cells;
 }
 
+/* Computes cell k of a block of cells of a lattice, first axis fastest; returns false outside the
+   box. */
+static PetscBool BlockCell(const SplineLattice *l, const PetscInt first[], const PetscInt n[],
+                           PetscInt k, PetscInt cell[])
+{
+  SplineIndex(l->dim, first, n, k, cell);
+  for (PetscInt a = 0; a < l->dim; a++) {
+    if (l->periodic[a]) cell[a] = (cell[a] + 2 * l->cells[a]) % l->cells[a];
+    if (cell[a] < 0 || cell[a] >= l->cells[a]) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
 /* Adds all points in the support of an own spline to its rows. */
 static PetscErrorCode AddSupport(Splines *s, const Particles *p, PetscInt k, Mat M, PetscReal *mass)
 {
@@ -64,21 +77,45 @@ static PetscErrorCode AddSupport(Splines *s, const Particles *p, PetscInt k, Mat
   (void)SplineOwn(s, k, index);
   cells = SupportCells(s, index, first, n);
   for (PetscInt m = 0; m < cells * corners; m++) {
-    PetscInt  rest = m / corners, cell[ISPH_MAX_DIM], node;
+    PetscInt  cell[ISPH_MAX_DIM], node;
     PetscReal x[ISPH_MAX_DIM], weight;
-    PetscBool inside = PETSC_TRUE;
 
-    for (PetscInt a = 0; a < l->dim; a++) {
-      cell[a] = first[a] + rest % n[a];
-      if (l->periodic[a]) cell[a] = (cell[a] + 2 * l->cells[a]) % l->cells[a];
-      if (cell[a] < 0 || cell[a] >= l->cells[a]) inside = PETSC_FALSE;
-      rest /= n[a];
-    }
-    if (!inside) continue;
+    if (!BlockCell(l, first, n, m / corners, cell)) continue;
     weight = SplinePoint(s, cell, m % corners, x, &node);
     if (weight > 0.0) PetscCall(AddProducts(s, p, x, weight, s->own.start + k, M, mass));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Computes the number of entries in the rows of own splines: the splines that are not zero in a cell
+  of their supports
+
+  Work: seen - one number for each spline of the plane, zeros at first.
+*/
+static void RowWidths(const Splines *s, PetscInt seen[], PetscInt width[])
+{
+  const SplineLattice *l = &s->lattice, plane = SplinePlane(l);
+  const PetscInt       layers = l->dim == 3 ? PetscMin(5, l->count[2]) : 1;
+
+  for (PetscInt k = 0; k < s->own.size; k++) {
+    PetscInt index[ISPH_MAX_DIM], first[ISPH_MAX_DIM], n[ISPH_MAX_DIM];
+
+    width[k] = 25 * layers;
+    if (!SplineOwn(s, k, index) || !s->bodies) continue;
+    (void)SupportCells(s, index, first, n);
+    width[k] = 0;
+    for (PetscInt c = 0; c < n[0] * n[1]; c++) {
+      PetscInt cell[ISPH_MAX_DIM], number[SPLINES_IN_CELL], found;
+
+      if (!BlockCell(&plane, first, n, c, cell)) continue;
+      found = SplinesInCell(&plane, s->bodies, cell[1] * l->cells[0] + cell[0], number);
+      for (PetscInt e = 0; e < found; e++) {
+        width[k] += seen[number[e]] == k + 1 ? 0 : layers;
+        seen[number[e]] = k + 1;
+      }
+    }
+  }
 }
 
 /* Sets the mass of splines that may be negative in places: sum_r |int psi_q psi_r|. */
@@ -102,13 +139,18 @@ static PetscErrorCode SetAbsoluteMass(Splines *s, Mat M)
    from all points in the supports of its splines, so that sums have the same order in every run. */
 PetscErrorCode SplineStiffness(Splines *s, const Particles *p)
 {
-  const SplineBlock *b     = &s->own;
-  const PetscInt     width = s->lattice.dim == 2 ? 25 : 125;
-  Mat                M     = NULL;
+  const SplineBlock *b = &s->own;
+  PetscInt          *width, *seen;
+  Mat                M = NULL;
 
   PetscFunctionBegin;
+  PetscCall(PetscMalloc1(b->size, &width));
+  PetscCall(PetscCalloc1(SplinePlane(&s->lattice).N, &seen));
+  RowWidths(s, seen, width);
   PetscCall(SplineMat(p->comm, b->size, b->size, width, &s->K));
   if (s->bodies) PetscCall(SplineMat(p->comm, b->size, b->size, width, &M));
+  PetscCall(PetscFree(width));
+  PetscCall(PetscFree(seen));
   PetscCall(VecCreateMPI(p->comm, b->size, PETSC_DETERMINE, &s->mass));
   PetscCall(PetscMalloc1(b->size, &s->unused));
   s->n_unused = 0;
