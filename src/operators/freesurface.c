@@ -30,6 +30,7 @@
 #define OFF_WALLS   2.0   /* distance from wall particles from which on this holds [dx] */
 #define RESIDUAL    0.3   /* root mean square of the fit above which the surface is rough [dx] */
 #define CURVATURE   0.5   /* likewise of c [1/dx] */
+#define BELOW       0.15  /* depth below the fit from which on a particle is inside [dx] */
 #define WET         1.3   /* distance of fluid from a wall particle that it touches [dx] */
 #define CLOSE       1.9   /* distance of neighbours that a particle must have [dx] */
 #define FIT_TERMS   6
@@ -249,11 +250,12 @@ static void FitBasis(PetscInt dim, const PetscReal s[], PetscReal phi[])
   }
 }
 
-/* Fits the surface about own particle i in the frame of its normal; sets the new normal and the sum
-   of the principal curvatures [1/m]. Returns SURFACE_ROUGH if no smooth surface passes there. */
+/* Fits the surface about own particle i in the frame of its normal; sets the new normal, the sum of
+   the principal curvatures [1/m] and the depth of i below the fit [m]. Returns SURFACE_ROUGH if no
+   smooth surface passes there. */
 static SurfaceKind FitSurface(const Particles *p, const Neighbors *nb, const OperatorForms *forms,
                               const FreeSurface *free, PetscInt i, PetscReal normal[],
-                              PetscReal *curvature)
+                              PetscReal *curvature, PetscReal *depth)
 {
   const PetscInt  d = p->dim, terms = d == 2 ? 3 : FIT_TERMS;
   const PetscReal R                  = forms->kernel->support * forms->h_over_dx * p->dx[i];
@@ -289,6 +291,7 @@ static SurfaceKind FitSurface(const Particles *p, const Neighbors *nb, const Ope
   if (DenseCholesky(terms, M)) return SURFACE_ROUGH;
   DenseCholeskySolve(terms, M, c);
   for (PetscInt u = 0; u < terms; u++) squares -= b[u] * c[u];
+  *depth     = c[0] * R;
   *curvature = 0.0;
   for (PetscInt m = 0; m < d - 1; m++) *curvature -= 2.0 * c[d + m * (m + 1) / 2 + m] / R;
   if (PetscSqrtReal(PetscMax(squares, 0.0) / weights) * R > RESIDUAL * p->dx[i])
@@ -345,7 +348,7 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
 {
   const PetscInt d = p->dim, all = ParticlesAll(p);
   PlaneSums      plane;
-  PetscReal     *next;
+  PetscReal     *next, *depth;
 
   PetscFunctionBegin;
   ComputePlane(forms->kernel, d, forms->h, scene->dx, &plane); /* the spacing is uniform */
@@ -366,21 +369,26 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
     if (free->kind[i] == SURFACE_SMOOTH && IsCovered(p, nb, free, i))
       free->kind[i] = SURFACE_INSIDE;
   PetscCall(Exchange(p, free));
-  PetscCall(PetscMalloc1(p->n_fluid * d, &next));
+  PetscCall(PetscMalloc2(p->n_fluid * d, &next, p->n_fluid, &depth));
   for (PetscInt pass = 0; pass < 2; pass++) {
     PetscCall(PetscArraycpy(next, free->normal, p->n_fluid * d));
     for (PetscInt i = 0; i < p->n_fluid; i++) {
       if (free->kind[i] != SURFACE_SMOOTH && free->kind[i] != SURFACE_ROUGH) continue;
-      free->kind[i] = FitSurface(p, nb, forms, free, i, &next[i * d], &free->curvature[i]);
+      free->kind[i] =
+          FitSurface(p, nb, forms, free, i, &next[i * d], &free->curvature[i], &depth[i]);
     }
     PetscCall(PetscArraycpy(free->normal, next, p->n_fluid * d));
     PetscCall(Exchange(p, free));
   }
+  /* A particle below a gap of the surface is inside: the pressure of the surface would sink it. */
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    if (free->kind[i] == SURFACE_SMOOTH && depth[i] > BELOW * p->dx[i])
+      free->kind[i] = SURFACE_INSIDE;
   for (PetscInt i = 0; i < p->n_fluid; i++)
     next[i] = BesideRough(p, nb, free, i) ? SURFACE_ROUGH : free->kind[i];
   PetscCall(PetscArraycpy(free->kind, next, p->n_fluid));
   PetscCall(ParticlesHaloField(p, free->kind));
-  PetscCall(PetscFree(next));
+  PetscCall(PetscFree2(next, depth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
