@@ -14,6 +14,7 @@
   ROW(CaseHydrostatic)                                                                             \
   ROW(CaseStokesCylinders)                                                                         \
   ROW(CaseDropMode)                                                                                \
+  ROW(CaseStandingWave)                                                                            \
   ROW(CaseScene)                                                                                   \
   ROW(CasePatch)
 

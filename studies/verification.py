@@ -192,6 +192,67 @@ def stokes_exact():
     ], ("velocity, relative L2", "pressure, relative L2", "shear force on the bottom"))
 
 
+# ---- free surfaces ----
+
+def film_u(y, t):
+    """Velocity of a film that starts from rest: g sin 30 = nu = H = 1."""
+    odd = [(m + 0.5) * PI for m in range(20)]
+    return 0.5 * (y - y * y / 2 - 2 * sum(math.sin(k * y) * math.exp(-k * k * t) / k**3 for k in odd))
+
+
+def film():
+    base = "-options_file options/film.opts -dt 1.25e-3"
+    fixed = f"{base} -without convection"
+    quantities = [norm("velocity", "velocity, relative L2", "velocity_l2"),
+                  norm("velocity", "velocity, relative maximum", "velocity_linf"),
+                  norm("pressure", "pressure, relative L2", "pressure_l2")]
+    return Case("Film down a slope", [
+        Study("nu t/H^2 = 0.2, fixed disordered particles", f"{fixed} -jitter 0.2", (10, 20, 40), quantities, (3, 3, 3),
+              seeds),
+        Study("nu t/H^2 = 0.2, moving disordered particles", f"{base} -jitter 0.2", (10, 20, 40), quantities, (3, 3, 3),
+              seeds),
+        Study("nu t/H^2 = 0.2, fixed particles on the lattice", fixed, (10, 20, 40), quantities),
+    ], [Panel("n = 20, moving", f"{base} -jitter 0.2 -n 20", "0.25,0,0.25,1,41", "y", "u", ("y/H", "u nu/(g H^2)"), 0.2,
+              lambda y: film_u(y, 0.2)),
+        Panel("n = 20, moving", f"{base} -jitter 0.2 -n 20", "0.25,0,0.25,1,41", "y", "p", ("y/H", "p/(rho g H)"), 0.2,
+              lambda y: math.sqrt(0.75) * (1 - y))],
+        ("velocity, relative L2", "pressure, relative L2"))
+
+
+def drop_mode():
+    base = "-options_file options/drop_mode.opts"
+    quantities = [norm("velocity", "velocity, relative L2", "velocity_l2"),
+                  norm("velocity", "velocity, relative maximum", "velocity_linf"),
+                  norm("pressure", "pressure, relative L2", "pressure_l2")]
+    moving = "-with convection -speed 1e-3 -viscosity 1 -t_end 0.05"
+    return Case("Decay of a mode of a viscous drop", [
+        Study("nu t/R^2 = 0.1, fixed particles, dt = 5e-4 R^2/nu", f"{base} -dt 5e-4", (8, 16, 32, 64), quantities),
+        Study("nu t/R^2 = 0.1, fixed particles, dt = 5e-3 R^2/nu", f"{base} -dt 5e-3", (8, 16, 32), quantities),
+        Study("nu t/R^2 = 0.05, particles that move by 1e-3 R, dt = 5e-4 R^2/nu", f"{base} {moving} -dt 5e-4",
+              (8, 16, 32), quantities),
+        Study("nu t/R^2 = 0.1, projection, dt = 1e-4 R^2/nu", f"{base} -scheme projection -dt 1e-4", (8, 16, 24),
+              quantities),
+    ], [], ("velocity, relative L2", "pressure, relative L2"))
+
+
+def standing_wave():
+    base = "-options_file options/standing_wave.opts"
+
+    def amplitude(row):
+        return (row["amplitude"] - row["amplitude_reference"]) / 0.01 if "amplitude" in row else None
+
+    quantities = [Quantity("velocity", "amplitude of the surface, over the first crest", amplitude, True,
+                           "exact linear solution"),
+                  norm("velocity", "velocity, relative L2", "velocity_l2", "exact linear solution")]
+    return Case("Standing wave on a viscous fluid", [
+        Study("t = 1.2 (L/g)^(1/2), from the lattice", base, (16, 24, 32, 48), quantities),
+        Study("t = 1.2 (L/g)^(1/2), disordered particles", f"{base} -jitter 0.2", (16, 24, 32, 48), quantities, (3, 3, 3, 3),
+              seeds),
+        Study("t = 1.2 (L/g)^(1/2), projection, dt = 0.004", f"{base} -scheme projection -dt 0.004", (16, 24, 32),
+              quantities),
+    ], [], ("amplitude of the surface, over the first crest", "velocity, relative L2"))
+
+
 # ---- viscosity that varies ----
 
 def two_layers():
@@ -341,4 +402,5 @@ def patch():
 
 CASES = {make.__name__: make for make in (
     cavity, cavity_cube, cavity_cylinder, taylor_couette, taylor_green, poiseuille, couette, hydrostatic,
-    stokes_cylinders, stokes_exact, two_layers, rheology, womersley, scene, regularised_cavity, patch)}
+    stokes_cylinders, stokes_exact, film, drop_mode, standing_wave, two_layers, rheology, womersley, scene,
+    regularised_cavity, patch)}

@@ -161,8 +161,8 @@ static PetscBool Anywhere(const Pool *pool, PetscInt i)
   return PETSC_TRUE;
 }
 
-/* Returns the change of the curvature in proportion to the disturbance a cos(m theta) of the radius of
-   a disc, over m^2 a/R^2. */
+/* Returns the change of the curvature in proportion to the disturbance a cos(m theta) of the radius
+   of a disc, over m^2 a/R^2. */
 static PetscReal Stiffness(PetscInt m, Pool *pool)
 {
   const Particles *p      = pool->p;

@@ -36,6 +36,7 @@
 #define OFF_WALLS   2.0   /* distance from wall particles from which on this holds [dx] */
 #define RESIDUAL    0.3   /* root mean square of the fit above which the surface is rough [dx] */
 #define CURVATURE   0.5   /* likewise of c [1/dx] */
+#define BELOW       0.15  /* depth below the fit from which on a particle is inside [dx] */
 #define WET         1.3   /* distance of fluid from a wall particle that it touches [dx] */
 #define CLOSE       1.9   /* distance of neighbours that a particle must have [dx] */
 #define FIT_TERMS   6
@@ -62,6 +63,11 @@ typedef struct {
 typedef struct {
   PetscReal M[FIT_TERMS * FIT_TERMS], c[FIT_TERMS], squares, weights;
 } FitSums;
+
+/* Results of fits by own particle: the normal, and the depth of the particle below the fit [m]. */
+typedef struct {
+  PetscReal *normal, *depth;
+} Fits;
 
 /* Adds a neighbour at the distance X to the sums. */
 static void AddNeighbour(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscReal V,
@@ -332,15 +338,17 @@ static void AddToFit(PetscInt d, PetscInt terms, PetscReal W, const PetscReal X[
   sums->weights += W;
 }
 
-/* Fits the surface about own particle i in the frame of its normal; sets the new normal and the sum
-   of the principal curvatures [1/m]. Returns SURFACE_ROUGH if no smooth surface passes there. */
+/* Fits the surface about own particle i in the frame of its normal; sets its new normal, its depth
+   and free->curvature. Returns SURFACE_ROUGH if no smooth surface passes there. */
 static SurfaceKind FitSurface(const Scene *scene, const Particles *p, const Neighbors *nb,
                               const OperatorForms *forms, const FreeSurface *free, PetscInt i,
-                              PetscReal normal[], PetscReal *curvature)
+                              Fits *fits)
 {
   const PetscInt  d = p->dim, terms = d == 2 ? 3 : FIT_TERMS;
-  const PetscReal R    = forms->kernel->support * forms->h_over_dx * p->dx[i];
-  FitSums         sums = {.squares = 0.0};
+  const PetscReal R         = forms->kernel->support * forms->h_over_dx * p->dx[i];
+  PetscReal      *normal    = &fits->normal[i * d];
+  PetscReal      *curvature = &free->curvature[i];
+  FitSums         sums      = {.squares = 0.0};
   Mirrors         mirrors;
   PetscReal       t[2][ISPH_MAX_DIM], b[FIT_TERMS], length = 1.0;
 
@@ -360,7 +368,8 @@ static SurfaceKind FitSurface(const Scene *scene, const Particles *p, const Neig
   if (DenseCholesky(terms, sums.M)) return SURFACE_ROUGH;
   DenseCholeskySolve(terms, sums.M, sums.c);
   for (PetscInt u = 0; u < terms; u++) sums.squares -= b[u] * sums.c[u];
-  *curvature = 0.0;
+  fits->depth[i] = sums.c[0] * R;
+  *curvature     = 0.0;
   for (PetscInt m = 0; m < d - 1; m++) *curvature -= 2.0 * sums.c[d + m * (m + 1) / 2 + m] / R;
   if (PetscSqrtReal(PetscMax(sums.squares, 0.0) / sums.weights) * R > RESIDUAL * p->dx[i])
     return SURFACE_ROUGH;
@@ -459,6 +468,27 @@ static PetscErrorCode AverageCurvature(const Scene *scene, const Particles *p, c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sorts out surface particles after the fits. A particle below a gap of the surface is inside: the
+   pressure of the surface would sink it. One beside a rough particle is rough. */
+static PetscErrorCode Sort(const Particles *p, const Neighbors *nb, const PetscReal depth[],
+                           FreeSurface *free)
+{
+  PetscReal *kind;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(p->n_fluid, &kind));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    if (free->kind[i] == SURFACE_SMOOTH && depth[i] > BELOW * p->dx[i])
+      free->kind[i] = SURFACE_INSIDE;
+  }
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    kind[i] = BesideRough(p, nb, free, i) ? SURFACE_ROUGH : free->kind[i];
+  PetscCall(PetscArraycpy(free->kind, kind, p->n_fluid));
+  PetscCall(ParticlesHaloField(p, free->kind));
+  PetscCall(PetscFree(kind));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   FreeSurfaceFind - Finds the particles on free surfaces, their normals and curvatures
 
@@ -470,7 +500,7 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
 {
   const PetscInt d = p->dim, all = ParticlesAll(p);
   PlaneSums      plane;
-  PetscReal     *next;
+  Fits           fits;
 
   PetscFunctionBegin;
   ComputePlane(forms->kernel, d, forms->h, scene->dx, &plane); /* the spacing is uniform */
@@ -491,22 +521,18 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
     if (free->kind[i] == SURFACE_SMOOTH && IsCovered(p, nb, free, i))
       free->kind[i] = SURFACE_INSIDE;
   PetscCall(Exchange(p, free));
-  PetscCall(PetscMalloc1(p->n_fluid * d, &next));
+  PetscCall(PetscMalloc2(p->n_fluid * d, &fits.normal, p->n_fluid, &fits.depth));
   for (PetscInt pass = 0; pass < 2; pass++) {
-    PetscCall(PetscArraycpy(next, free->normal, p->n_fluid * d));
-    for (PetscInt i = 0; i < p->n_fluid; i++) {
-      if (free->kind[i] != SURFACE_SMOOTH && free->kind[i] != SURFACE_ROUGH) continue;
-      free->kind[i] = FitSurface(scene, p, nb, forms, free, i, &next[i * d], &free->curvature[i]);
-    }
-    PetscCall(PetscArraycpy(free->normal, next, p->n_fluid * d));
+    PetscCall(PetscArraycpy(fits.normal, free->normal, p->n_fluid * d));
+    for (PetscInt i = 0; i < p->n_fluid; i++)
+      if (free->kind[i] == SURFACE_SMOOTH || free->kind[i] == SURFACE_ROUGH)
+        free->kind[i] = FitSurface(scene, p, nb, forms, free, i, &fits);
+    PetscCall(PetscArraycpy(free->normal, fits.normal, p->n_fluid * d));
     PetscCall(Exchange(p, free));
   }
-  for (PetscInt i = 0; i < p->n_fluid; i++)
-    next[i] = BesideRough(p, nb, free, i) ? SURFACE_ROUGH : free->kind[i];
-  PetscCall(PetscArraycpy(free->kind, next, p->n_fluid));
-  PetscCall(ParticlesHaloField(p, free->kind));
+  PetscCall(Sort(p, nb, fits.depth, free));
   if (free->tension > 0.0) PetscCall(AverageCurvature(scene, p, nb, forms, free));
-  PetscCall(PetscFree(next));
+  PetscCall(PetscFree2(fits.normal, fits.depth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -244,7 +244,7 @@ static const ShapeRow shapes[] = {
     },
     {
         .name     = "polygon",
-        .brief    = "x0,y0,x1,y1,...: corners in order",
+        .brief    = "x0,y0,x1,y1,...: 3 to 32 corners in order",
         .citation = "",
         .fewest   = 6,
         .most     = BODY_PARAMETERS,

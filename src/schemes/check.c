@@ -151,10 +151,11 @@ PetscErrorCode FlowMeasureStart(Flow *flow)
 
     |u| <= |u|(0) + min(int F dt, max F/r) + max wall speed bound,  F = max |f|
 
-  |u|(0)^2 includes twice the energy of the surface at the start. f is the body force, and r the rate at which walls at rest slow the flow (SceneDecayRate()). All
-  terms except the last follow from the energy balance, for steps of any length. The last term is
-  SceneWallSpeedBound(). The speed stays below it in all flows with a known solution; a cavity
-  reaches a third of it. See docs/theory.md, (115).
+  |u|(0)^2 includes twice the energy of the surface at the start. f is the body force, and r the
+  rate at which walls at rest slow the flow (SceneDecayRate()). All terms except the last follow
+  from the energy balance, for steps of any length. The last term is SceneWallSpeedBound(). The
+  speed stays below it in all flows with a known solution; a cavity reaches a third of it. See
+  docs/theory.md, (115).
 */
 static PetscReal BoundSpeed(Flow *flow)
 {

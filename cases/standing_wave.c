@@ -1,0 +1,186 @@
+/*
+  A standing gravity wave of small amplitude on a viscous fluid above a floor without slip, in a
+  channel with one wave length: the least damped mode of the linear equations, an exact solution for
+  small slopes. It begins with a flat surface. g = U^2/L along y, wave length L, depth L/2.
+*/
+#include "cases.h"
+
+#define DEPTH 0.5  /* [L] */
+#define CREST 0.01 /* elevation of the first crest [L] */
+
+/* Mode exp(sigma t) over the height y above the floor, in units of L and L/U. */
+typedef struct {
+  PetscComplex sigma;     /* growth rate */
+  PetscComplex m;         /* wave number of the shear layers along y */
+  PetscComplex phi[2];    /* potential: factors of exp(k (y - H)) and exp(-k y) */
+  PetscComplex psi[2];    /* stream function: factors of exp(m (y - H)) and exp(-m y) */
+  PetscComplex elevation; /* of the surface */
+} Mode;
+
+/*
+  Computes a mode for a growth rate, k = 2 pi, and returns the residual of its normal stress
+
+    u = Re (-k Phi + Psi') sin kx,   v = Re (Phi' - k Psi) cos kx,   m^2 = k^2 + sigma/nu
+    Phi = exp(k (y - H)) + a exp(-k y),   Psi = b exp(m (y - H)) + c exp(-m y)
+    floor, y = 0:               u = v = 0 give a and c for any b
+    tangential stress, y = H:   Psi'' + k^2 Psi = 2 k Phi' gives b
+    normal stress, y = H:       sigma Phi + g v/sigma + 2 nu v' = 0 gives sigma
+*/
+static PetscComplex ModeResidual(PetscReal nu, PetscComplex sigma, Mode *mode)
+{
+  const PetscReal    k = 2.0 * PETSC_PI, e = PetscExpReal(-k * DEPTH);
+  const PetscComplex m = PetscSqrtComplex(k * k + sigma / nu), f = PetscExpComplex(-m * DEPTH);
+  const PetscComplex a0 = e * (m + k) / (m - k), a1 = -2.0 * m * f / (m - k); /* a = a0 + a1 b */
+  const PetscComplex c0 = e - a0, c1 = -f - a1;                               /* c = c0 + c1 b */
+  const PetscComplex s = m * m + k * k;
+  const PetscComplex b =
+      (2.0 * k * k * (1.0 - a0 * e) - s * c0 * f) / (s * (1.0 + c1 * f) + 2.0 * k * k * a1 * e);
+  const PetscComplex a = a0 + a1 * b, c = c0 + c1 * b;
+  const PetscComplex phi = 1.0 + a * e, psi = b + c * f, slope = m * (b - c * f);
+  const PetscComplex v = k * (1.0 - a * e) - k * psi;
+
+  *mode = (Mode){.sigma = sigma, .m = m, .phi = {1.0, a}, .psi = {b, c}, .elevation = v / sigma};
+  return sigma * phi + v / sigma + 2.0 * nu * (k * k * phi - k * slope);
+}
+
+/* Computes the least damped mode by the secant method, from the rate of a thin fluid, and scales it
+   to a flat surface at t = 0 and the crest CREST after it. */
+static Mode StandingWaveMode(const Scene *scene)
+{
+  const PetscReal k  = 2.0 * PETSC_PI;
+  const PetscReal nu = PetscMax(scene->nu / (scene->speed * scene->length), 1e-9);
+  PetscComplex    older, sigma, r_older, r, factor;
+  PetscReal       omega, decay, crest; /* rates; time of the first crest */
+  Mode            mode;
+
+  older   = PETSC_i * PetscSqrtReal(k * PetscTanhReal(k * DEPTH)) - nu * k * k;
+  sigma   = older * 1.001;
+  r_older = ModeResidual(nu, older, &mode);
+  r       = ModeResidual(nu, sigma, &mode);
+  for (PetscInt it = 0; it < 50 && PetscAbsComplex(sigma - older) > 1e-13; it++) {
+    const PetscComplex next = sigma - r * (sigma - older) / (r - r_older);
+
+    older   = sigma;
+    r_older = r;
+    sigma   = next;
+    r       = ModeResidual(nu, sigma, &mode);
+    if (r == r_older) break;
+  }
+  omega  = PetscImaginaryPartComplex(sigma);
+  decay  = -PetscRealPartComplex(sigma);
+  crest  = PetscAtan2Real(omega, decay) / omega;
+  factor = -PETSC_i * CREST * PetscExpReal(decay * crest) /
+           (mode.elevation * PetscSinReal(omega * crest));
+  for (PetscInt j = 0; j < 2; j++) {
+    mode.phi[j] *= factor;
+    mode.psi[j] *= factor;
+  }
+  mode.elevation *= factor;
+  return mode;
+}
+
+/* Sets the channel; refuses viscosities without waves, whose modes decay without a crest. */
+static PetscErrorCode StandingWaveSetup(Scene *scene)
+{
+  const Mode mode = StandingWaveMode(scene);
+
+  PetscFunctionBegin;
+  scene->hi[0] = scene->length;
+  scene->hi[1] = DEPTH * scene->length;
+  SceneSetAxis(scene, 0, &BoundaryPeriodic);
+  SceneSetSide(scene, 3, &BoundaryFree);
+  scene->body_force[1] = -PetscSqr(scene->speed) / scene->length;
+  UserCheck(PetscImaginaryPartComplex(mode.sigma) > 0.1,
+            "-reynolds: case standing_wave has no wave at %g; give 15 or more",
+            (double)(scene->speed * scene->length / scene->nu));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes velocity and pressure rho (g (H - y) - Re (sigma Phi cos kx)), see ModeResidual(). */
+static void StandingWaveExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[],
+                              PetscReal *p)
+{
+  const Mode         mode = StandingWaveMode(scene);
+  const PetscReal    L = scene->length, U = scene->speed, k = 2.0 * PETSC_PI, y = x[1] / L;
+  const PetscReal    cosine = PetscCosReal(k * x[0] / L), sine = PetscSinReal(k * x[0] / L);
+  const PetscComplex growth = PetscExpComplex(mode.sigma * t * U / L);
+  const PetscComplex up     = mode.phi[0] * PetscExpReal(k * (y - DEPTH)) * growth,
+                     down   = mode.phi[1] * PetscExpReal(-k * y) * growth,
+                     upper  = mode.psi[0] * PetscExpComplex(mode.m * (y - DEPTH)) * growth,
+                     lower  = mode.psi[1] * PetscExpComplex(-mode.m * y) * growth;
+
+  u[0] = U * sine * PetscRealPartComplex(-k * (up + down) + mode.m * (upper - lower));
+  u[1] = U * cosine * PetscRealPartComplex(k * (up - down) - k * (upper + lower));
+  *p   = scene->rho * U * U * (DEPTH - y - cosine * PetscRealPartComplex(mode.sigma * (up + down)));
+}
+
+static void StandingWaveVelocity(const Scene *scene, PetscReal t, const PetscReal x[],
+                                 PetscReal u[])
+{
+  PetscReal p;
+
+  StandingWaveExact(scene, t, x, u, &p);
+}
+
+/* Computes the amplitude of the surface: the factor of cos kx in a least-squares fit of its height
+   by 1, cos kx and sin kx; leaves it without three smooth particles. */
+static PetscErrorCode SurfaceAmplitude(const Flow *flow, PetscReal *amplitude)
+{
+  const Particles *p       = flow->particles;
+  const PetscReal  k       = 2.0 * PETSC_PI / flow->scene->length;
+  PetscReal        sum[12] = {0.0}; /* normal equations by rows, then their right-hand side */
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    const PetscReal basis[] = {PetscCosReal(k * p->x[0][i]), PetscSinReal(k * p->x[0][i]), 1.0};
+
+    if (flow->ops->free->kind[i] != SURFACE_SMOOTH) continue;
+    for (PetscInt r = 0; r < 3; r++) {
+      for (PetscInt c = 0; c < 3; c++) sum[3 * r + c] += basis[r] * basis[c];
+      sum[9 + r] += basis[r] * p->x[1][i];
+    }
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 12, MPIU_REAL, MPIU_SUM, p->comm));
+  if (!DenseCholesky(3, sum)) {
+    DenseCholeskySolve(3, sum, &sum[9]);
+    *amplitude = sum[9];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reports the amplitude of the surface, its error relative to the first crest, and the errors
+   against the exact solution. */
+static PetscErrorCode StandingWaveMeasure(const Flow *flow, Report *report)
+{
+  const Scene    *scene     = flow->scene;
+  const Mode      mode      = StandingWaveMode(scene);
+  const PetscReal t         = ClockMoment(flow->clock) * scene->speed / scene->length;
+  PetscReal       amplitude = NAN, exact;
+
+  PetscFunctionBegin;
+  PetscCall(SurfaceAmplitude(flow, &amplitude));
+  exact = PetscRealPartComplex(mode.elevation * PetscExpComplex(mode.sigma * t));
+  if (SceneIsAsPosed(scene) && SceneIsNewtonian(scene)) {
+    PetscCall(ReportAddReference(report, "amplitude", amplitude, exact * scene->length,
+                                 CREST * scene->length));
+  } else {
+    PetscCall(ReportAdd(report, "amplitude", amplitude));
+  }
+  PetscCall(MeasureExact(flow, report));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const CaseRow CaseStandingWave = {
+    .name            = "standing_wave",
+    .brief           = "viscous gravity wave of small amplitude, depth L/2, from a flat surface",
+    .citation        = "exact solution of the linear equations; H. Lamb, Hydrodynamics (1932), 349",
+    .physics         = NAVIER_STOKES | PHYSICS_WALLS | PHYSICS_BODY_FORCE,
+    .reynolds        = 50.0,
+    .reynolds_length = 1.0,
+    .t_end           = 2.5,
+    .n               = 24,
+    .Setup           = StandingWaveSetup,
+    .Velocity        = StandingWaveVelocity,
+    .Exact           = StandingWaveExact,
+    .Measure         = StandingWaveMeasure,
+};
