@@ -263,7 +263,8 @@ typedef enum {
   NEED_FILTER_P      = 1 << 4, /* filter_p */
   NEED_CONCENTRATION = 1 << 5, /* concentration and its gradient */
   NEED_FREE_GRAD_P   = 1 << 6, /* grad_p from fluid alone: the wall pressure gradient is unknown */
-  NEED_MATRICES      = 1 << 7  /* PETSc matrices of all operators, not only of ppe */
+  NEED_MATRICES      = 1 << 7, /* PETSc matrices of all operators, not only of ppe */
+  NEED_INSIDE_GAPS   = 1 << 8  /* particles below gaps of a free surface are inside, not on it */
 } Need;
 
 /* The chosen discretisation in space. */
@@ -294,6 +295,7 @@ typedef struct {
   PetscReal *normal;    /* out of the fluid, at [i dim + a]; zero inside */
   PetscReal *curvature; /* sum of the principal curvatures, own particles [1/m] */
   PetscReal  tension;   /* surface tension; 0: none [N/m] */
+  PetscBool  gaps;      /* particles below gaps of the surface are inside */
 } FreeSurface;
 
 typedef struct Assembly Assembly; /* workspace of a row, see src/operators/assembly.h */

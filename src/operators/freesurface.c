@@ -468,8 +468,10 @@ static PetscErrorCode AverageCurvature(const Scene *scene, const Particles *p, c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sorts out surface particles after the fits. A particle below a gap of the surface is inside: the
-   pressure of the surface would sink it. One beside a rough particle is rough. */
+/* Sorts out surface particles after the fits. In the projection a particle below a gap of the
+   surface is inside: the pressure of the surface would sink it. In the coupled scheme it stays,
+   since an exact equation of mass with neighbours on one side amplifies velocities. A particle
+   beside a rough one is rough. */
 static PetscErrorCode Sort(const Particles *p, const Neighbors *nb, const PetscReal depth[],
                            FreeSurface *free)
 {
@@ -478,7 +480,7 @@ static PetscErrorCode Sort(const Particles *p, const Neighbors *nb, const PetscR
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(p->n_fluid, &kind));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    if (free->kind[i] == SURFACE_SMOOTH && depth[i] > BELOW * p->dx[i])
+    if (free->gaps && free->kind[i] == SURFACE_SMOOTH && depth[i] > BELOW * p->dx[i])
       free->kind[i] = SURFACE_INSIDE;
   }
   for (PetscInt i = 0; i < p->n_fluid; i++)
