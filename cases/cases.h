@@ -25,5 +25,6 @@ PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], Report *repo
 
 /* exact.c */
 PetscErrorCode MeasureExact(const Flow *flow, Report *report);
+void           VelocityExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[]);
 
 #endif

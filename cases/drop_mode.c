@@ -161,13 +161,6 @@ static void DropModeExact(const Scene *scene, PetscReal t, const PetscReal x[], 
   u[1] = radial * sine + along * cosine;
 }
 
-static void DropModeVelocity(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[])
-{
-  PetscReal p;
-
-  DropModeExact(scene, t, x, u, &p);
-}
-
 const CaseRow CaseDropMode = {
     .name            = "drop_mode",
     .brief           = "mode 2 of a drop with a free surface, which surface tension lets oscillate",
@@ -178,7 +171,7 @@ const CaseRow CaseDropMode = {
     .t_end           = 0.1,
     .n               = 16,
     .Setup           = DropModeSetup,
-    .Velocity        = DropModeVelocity,
+    .Velocity        = VelocityExact,
     .Exact           = DropModeExact,
     .Measure         = MeasureExact,
 };

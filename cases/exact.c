@@ -1,4 +1,4 @@
-/* Quantities of cases whose only reference is an exact solution. */
+/* Shared by cases with an exact solution: their quantities, and a start from the solution. */
 #include "cases.h"
 
 /*
@@ -15,4 +15,13 @@ PetscErrorCode MeasureExact(const Flow *flow, Report *report)
   if (SceneIsAsPosed(scene) && SceneIsNewtonian(scene)) PetscCall(NormsExact(flow, report));
   PetscCall(MeasureCommon(flow, NAN, report));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* VelocityExact - Computes the velocity of the exact solution, for cases that start from it; not
+   collective */
+void VelocityExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[])
+{
+  PetscReal p;
+
+  scene->problem->Exact(scene, t, x, u, &p);
 }

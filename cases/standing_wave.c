@@ -114,14 +114,6 @@ static void StandingWaveExact(const Scene *scene, PetscReal t, const PetscReal x
   *p   = scene->rho * U * U * (DEPTH - y - cosine * PetscRealPartComplex(mode.sigma * (up + down)));
 }
 
-static void StandingWaveVelocity(const Scene *scene, PetscReal t, const PetscReal x[],
-                                 PetscReal u[])
-{
-  PetscReal p;
-
-  StandingWaveExact(scene, t, x, u, &p);
-}
-
 /* Computes the amplitude of the surface: the factor of cos kx in a least-squares fit of its height
    by 1, cos kx and sin kx; leaves it without three smooth particles. */
 static PetscErrorCode SurfaceAmplitude(const Flow *flow, PetscReal *amplitude)
@@ -180,7 +172,7 @@ const CaseRow CaseStandingWave = {
     .t_end           = 2.5,
     .n               = 24,
     .Setup           = StandingWaveSetup,
-    .Velocity        = StandingWaveVelocity,
+    .Velocity        = VelocityExact,
     .Exact           = StandingWaveExact,
     .Measure         = StandingWaveMeasure,
 };

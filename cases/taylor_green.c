@@ -33,13 +33,6 @@ static void TaylorGreenExact(const Scene *scene, PetscReal t, const PetscReal x[
   *p = 0.25 * scene->rho * decay * decay * (PetscCosReal(2.0 * X) + PetscCosReal(2.0 * Y));
 }
 
-static void TaylorGreenVelocity(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[])
-{
-  PetscReal p;
-
-  TaylorGreenExact(scene, t, x, u, &p);
-}
-
 const CaseRow CaseTaylorGreen = {
     .name            = "taylor_green",
     .brief           = "decaying Taylor-Green vortices, in 3D uniform along z",
@@ -51,7 +44,7 @@ const CaseRow CaseTaylorGreen = {
     .t_end           = 1.0,
     .n               = 50,
     .Setup           = TaylorGreenSetup,
-    .Velocity        = TaylorGreenVelocity,
+    .Velocity        = VelocityExact,
     .Exact           = TaylorGreenExact,
     .Measure         = MeasureExact,
 };

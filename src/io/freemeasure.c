@@ -1,8 +1,7 @@
 /* Quantities of fluids with a free surface, beside those of norms.c. */
 #include "isph/io.h"
 
-#define VOLUME_KEPT                                                                                \
-  0.02 /* largest error of the volume inside the surface without a word of it [-] */
+#define VOLUME_KEPT 0.02 /* largest error of the volume that needs no word [-] */
 
 /* Adds what own particles contribute: momentum and first moments, then the extent of the fluid
    without isolated particles as least and largest -x. */
