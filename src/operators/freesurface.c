@@ -14,33 +14,23 @@
   A normal from S has an error on disordered particles that does not fall with dx, and so has the
   stress that a row with this normal gives to the fluid.
 
-  Weights of the fit are (1 - r^2/R^2)^2, with the radius R of the support. With a surface tension
-  they are (1 - r^2/R^2) exp(-r^2/(2 dx^2)). The curvature then has the sign of the displacement for
-  waves of any length along particles 0.8 to 1.4 dx apart. The wider weights give the shortest waves
-  the wrong sign, and surface tension lets them grow: docs/theory.md, (163). Walls mirror the
-  surface.
-
   Reference: S. Marrone, A. Colagrossi, D. Le Touze, G. Graziani, J. Comput. Phys. 229 (2010)
   3652-3663
 */
 #include "assembly.h"
 #include "rows.h"
+#include "surfacefits.h"
 
 #define CANDIDATE   0.35 /* least |S| over its value dx/2 below a plane */
 #define SPARSE      0.3  /* least eigenvalue of B below which a particle is a candidate */
 #define VOID        0.7  /* least 1 - C over its value there of a particle that is on the surface */
 #define CONE        0.743 /* cosine of half the angle of the cone, 42 degrees */
 #define CONE_LENGTH 2.0   /* [dx] */
-#define ALIGNED     0.3   /* least n_i.n_j of particles in a fit */
 #define BESIDE      1.2   /* distance to a rough particle at which a surface is rough too [dx] */
 #define OFF_WALLS   2.0   /* distance from wall particles from which on this holds [dx] */
-#define RESIDUAL    0.3   /* root mean square of the fit above which the surface is rough [dx] */
-#define CURVATURE   0.5   /* likewise of c [1/dx] */
 #define BELOW       0.15  /* depth below the fit from which on a particle is inside [dx] */
 #define WET         1.3   /* distance of fluid from a wall particle that it touches [dx] */
 #define CLOSE       1.9   /* distance of neighbours that a particle must have [dx] */
-#define FIT_TERMS   6
-#define MEANS       2 /* means of curvatures over neighbours, for surface tension */
 
 /* Neighbours of a particle and their images in walls. */
 typedef struct {
@@ -52,22 +42,6 @@ typedef struct {
 typedef struct {
   PetscReal S, C;
 } PlaneSums;
-
-/* Planes of walls near a particle, and the same planes through the particle, which turn normals. */
-typedef struct {
-  PetscInt  n;
-  WallPlane plane[SCENE_MAX_BOUNDARIES], turn[SCENE_MAX_BOUNDARIES];
-} Mirrors;
-
-/* Normal equations of a fit of the surface, in units of the radius of the support. */
-typedef struct {
-  PetscReal M[FIT_TERMS * FIT_TERMS], c[FIT_TERMS], squares, weights;
-} FitSums;
-
-/* Results of fits by own particle: the normal, and the depth of the particle below the fit [m]. */
-typedef struct {
-  PetscReal *normal, *depth;
-} Fits;
 
 /* Adds a neighbour at the distance X to the sums. */
 static void AddNeighbour(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscReal V,
@@ -261,128 +235,6 @@ PetscInt SurfaceTangents(PetscInt dim, const PetscReal n[], PetscReal t[][ISPH_M
   return 2;
 }
 
-/* Returns the weight of a particle at the distance sqrt(r2) [R], with the spacing dx [R]. */
-static PetscReal FitWeight(const FreeSurface *free, PetscReal dx, PetscReal r2)
-{
-  return (1.0 - r2) * (free->tension > 0.0 ? PetscExpReal(-0.5 * r2 / PetscSqr(dx)) : 1.0 - r2);
-}
-
-/* Computes the basis of a fit at s. */
-static void FitBasis(PetscInt dim, const PetscReal s[], PetscReal phi[])
-{
-  PetscInt t = 0;
-
-  phi[t++] = 1.0;
-  for (PetscInt m = 0; m < dim - 1; m++) phi[t++] = s[m];
-  for (PetscInt m = 0; m < dim - 1; m++) {
-    for (PetscInt q = 0; q <= m; q++) phi[t++] = s[m] * s[q];
-  }
-}
-
-/* Sets the planes of walls in which surface particles near particle i have images: none without
-   surface tension. */
-static void FindMirrors(const Scene *scene, const Particles *p, const FreeSurface *free, PetscInt i,
-                        PetscReal R, Mirrors *mirrors)
-{
-  PetscReal x[ISPH_MAX_DIM];
-
-  mirrors->n = 0;
-  if (free->tension == 0.0) return;
-  for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
-  SceneWallPlanes(scene, x, R, mirrors->plane, &mirrors->n);
-  for (PetscInt k = 0; k < mirrors->n; k++) {
-    mirrors->turn[k]          = mirrors->plane[k];
-    mirrors->turn[k].distance = 0.0;
-  }
-}
-
-/* Computes the position X of image `set` of particle j relative to particle i [R], and its square
-   r2; set 0 is the particle. Returns false if it does not take part in the fit of i. */
-static PetscBool TakesPart(const Particles *p, const FreeSurface *free, const Mirrors *mirrors,
-                           PetscInt i, PetscInt j, PetscInt set, PetscReal R, PetscReal X[],
-                           PetscReal *r2)
-{
-  const PetscReal *normal  = &free->normal[i * p->dim];
-  PetscReal        aligned = 0.0, from[ISPH_MAX_DIM], turned[ISPH_MAX_DIM];
-
-  *r2 = 0.0;
-  if (ParticlesIsWall(p, j)) return PETSC_FALSE;
-  if (free->kind[j] != SURFACE_SMOOTH && free->kind[j] != SURFACE_ROUGH) return PETSC_FALSE;
-  for (PetscInt a = 0; a < p->dim; a++) from[a] = p->x[a][j] - p->x[a][i];
-  MirrorImage(p->dim, mirrors->n, mirrors->plane, set, from, X);
-  MirrorImage(p->dim, mirrors->n, mirrors->turn, set, &free->normal[j * p->dim], turned);
-  for (PetscInt a = 0; a < p->dim; a++) {
-    X[a] /= R;
-    *r2 += PetscSqr(X[a]);
-    aligned += turned[a] * normal[a];
-  }
-  return *r2 < 1.0 && aligned > ALIGNED ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/* Adds a particle at X [R], r2 = |X|^2, to the sums of a fit. */
-static void AddToFit(PetscInt d, PetscInt terms, PetscReal W, const PetscReal X[],
-                     const PetscReal normal[], PetscReal t[][ISPH_MAX_DIM], FitSums *sums)
-{
-  PetscReal s[2] = {0.0}, eta = 0.0, phi[FIT_TERMS];
-
-  for (PetscInt a = 0; a < d; a++) {
-    eta += X[a] * normal[a];
-    for (PetscInt m = 0; m < d - 1; m++) s[m] += X[a] * t[m][a];
-  }
-  FitBasis(d, s, phi);
-  for (PetscInt u = 0; u < terms; u++) {
-    for (PetscInt v = 0; v < terms; v++) sums->M[u * terms + v] += W * phi[u] * phi[v];
-    sums->c[u] += W * phi[u] * eta;
-  }
-  sums->squares += W * PetscSqr(eta);
-  sums->weights += W;
-}
-
-/* Fits the surface about own particle i in the frame of its normal; sets its new normal, its depth
-   and free->curvature. Returns SURFACE_ROUGH if no smooth surface passes there. */
-static SurfaceKind FitSurface(const Scene *scene, const Particles *p, const Neighbors *nb,
-                              const OperatorForms *forms, const FreeSurface *free, PetscInt i,
-                              Fits *fits)
-{
-  const PetscInt  d = p->dim, terms = d == 2 ? 3 : FIT_TERMS;
-  const PetscReal R         = forms->kernel->support * forms->h_over_dx * p->dx[i];
-  PetscReal      *normal    = &fits->normal[i * d];
-  PetscReal      *curvature = &free->curvature[i];
-  FitSums         sums      = {.squares = 0.0};
-  Mirrors         mirrors;
-  PetscReal       t[2][ISPH_MAX_DIM], b[FIT_TERMS], length = 1.0;
-
-  (void)SurfaceTangents(d, normal, t);
-  FindMirrors(scene, p, free, i, R, &mirrors);
-  for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {
-    const PetscInt j = q < nb->row[i] ? i : nb->col[q];
-
-    for (PetscInt set = 0; set < 1 << mirrors.n; set++) {
-      PetscReal X[ISPH_MAX_DIM], r2;
-
-      if (TakesPart(p, free, &mirrors, i, j, set, R, X, &r2))
-        AddToFit(d, terms, FitWeight(free, p->dx[i] / R, r2), X, normal, t, &sums);
-    }
-  }
-  for (PetscInt u = 0; u < terms; u++) b[u] = sums.c[u];
-  if (DenseCholesky(terms, sums.M)) return SURFACE_ROUGH;
-  DenseCholeskySolve(terms, sums.M, sums.c);
-  for (PetscInt u = 0; u < terms; u++) sums.squares -= b[u] * sums.c[u];
-  fits->depth[i] = sums.c[0] * R;
-  *curvature     = 0.0;
-  for (PetscInt m = 0; m < d - 1; m++) *curvature -= 2.0 * sums.c[d + m * (m + 1) / 2 + m] / R;
-  if (PetscSqrtReal(PetscMax(sums.squares, 0.0) / sums.weights) * R > RESIDUAL * p->dx[i])
-    return SURFACE_ROUGH;
-  if (PetscAbsReal(*curvature) > 2.0 * CURVATURE * (d - 1) / p->dx[i]) return SURFACE_ROUGH;
-  for (PetscInt m = 0; m < d - 1; m++) length += PetscSqr(sums.c[1 + m]);
-  length = PetscSqrtReal(length);
-  for (PetscInt a = 0; a < d; a++) {
-    for (PetscInt m = 0; m < d - 1; m++) normal[a] -= sums.c[1 + m] * t[m][a];
-    normal[a] /= length;
-  }
-  return SURFACE_SMOOTH;
-}
-
 /* Copies kinds and normals to the halo. */
 static PetscErrorCode Exchange(const Particles *p, FreeSurface *free)
 {
@@ -412,60 +264,6 @@ static PetscBool BesideRough(const Particles *p, const Neighbors *nb, const Free
     }
   }
   return beside;
-}
-
-/* Returns the mean of the curvatures of own particle i and of surface particles nearby. */
-static PetscReal MeanCurvature(const Scene *scene, const Particles *p, const Neighbors *nb,
-                               const OperatorForms *forms, const FreeSurface *free, PetscInt i)
-{
-  const PetscReal R   = forms->kernel->support * forms->h_over_dx * p->dx[i];
-  PetscReal       sum = 0.0, weights = 0.0;
-  Mirrors         mirrors;
-
-  FindMirrors(scene, p, free, i, R, &mirrors);
-  for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {
-    const PetscInt j = q < nb->row[i] ? i : nb->col[q];
-
-    for (PetscInt set = 0; set < 1 << mirrors.n; set++) {
-      PetscReal X[ISPH_MAX_DIM], r2, W;
-
-      if (!TakesPart(p, free, &mirrors, i, j, set, R, X, &r2)) continue;
-      W = FitWeight(free, p->dx[i] / R, r2);
-      sum += W * free->curvature[j];
-      weights += W;
-    }
-  }
-  return weights > 0.0 ? sum / weights : 0.0;
-}
-
-/*
-  Bounds the curvatures of the fits by 1/dx, and replaces them MEANS times by their means over
-  surface particles nearby, with the weights of the fit
-
-  Collective. A displacement y of a single particle, such as that of a particle that joins the
-  surface where it stretches, changes the curvature of its fit by 0.7 y/dx^2. The means take four
-  fifths of it. Rough particles take part: their curvature makes corners round.
-*/
-static PetscErrorCode AverageCurvature(const Scene *scene, const Particles *p, const Neighbors *nb,
-                                       const OperatorForms *forms, FreeSurface *free)
-{
-  PetscReal *next;
-
-  PetscFunctionBegin;
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    const PetscReal most = 2.0 * CURVATURE * (p->dim - 1) / p->dx[i];
-
-    free->curvature[i] = PetscMin(PetscMax(free->curvature[i], -most), most);
-  }
-  PetscCall(PetscMalloc1(p->n_fluid, &next));
-  for (PetscInt mean = 0; mean < MEANS; mean++) {
-    PetscCall(ParticlesHaloField(p, free->curvature));
-    for (PetscInt i = 0; i < p->n_fluid; i++)
-      next[i] = FreeSurfaceHolds(free, i) ? MeanCurvature(scene, p, nb, forms, free, i) : 0.0;
-    PetscCall(PetscArraycpy(free->curvature, next, p->n_fluid));
-  }
-  PetscCall(PetscFree(next));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Sorts out surface particles after the fits. In the projection a particle below a gap of the
@@ -502,7 +300,7 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
 {
   const PetscInt d = p->dim, all = ParticlesAll(p);
   PlaneSums      plane;
-  Fits           fits;
+  SurfaceFits    fits;
 
   PetscFunctionBegin;
   ComputePlane(forms->kernel, d, forms->h, scene->dx, &plane); /* the spacing is uniform */
@@ -528,12 +326,12 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
     PetscCall(PetscArraycpy(fits.normal, free->normal, p->n_fluid * d));
     for (PetscInt i = 0; i < p->n_fluid; i++)
       if (free->kind[i] == SURFACE_SMOOTH || free->kind[i] == SURFACE_ROUGH)
-        free->kind[i] = FitSurface(scene, p, nb, forms, free, i, &fits);
+        free->kind[i] = SurfaceFitAt(scene, p, nb, forms, free, i, &fits);
     PetscCall(PetscArraycpy(free->normal, fits.normal, p->n_fluid * d));
     PetscCall(Exchange(p, free));
   }
   PetscCall(Sort(p, nb, fits.depth, free));
-  if (free->tension > 0.0) PetscCall(AverageCurvature(scene, p, nb, forms, free));
+  if (free->tension > 0.0) PetscCall(SurfaceAverageCurvature(scene, p, nb, forms, free));
   PetscCall(PetscFree2(fits.normal, fits.depth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

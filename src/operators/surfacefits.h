@@ -1,0 +1,18 @@
+/* Fits of free surfaces, for freesurface.c. */
+#ifndef ISPH_SURFACEFITS_H
+#define ISPH_SURFACEFITS_H
+
+#include "isph/operators.h"
+
+/* Results by own particle: the normal, and the depth of the particle below the fit [m]. */
+typedef struct {
+  PetscReal *normal, *depth;
+} SurfaceFits;
+
+SurfaceKind    SurfaceFitAt(const Scene *scene, const Particles *p, const Neighbors *nb,
+                            const OperatorForms *forms, const FreeSurface *free, PetscInt i,
+                            SurfaceFits *fits);
+PetscErrorCode SurfaceAverageCurvature(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                       const OperatorForms *forms, FreeSurface *free);
+
+#endif
