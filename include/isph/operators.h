@@ -264,21 +264,24 @@ typedef enum {
   NEED_CONCENTRATION = 1 << 5, /* concentration and its gradient */
   NEED_FREE_GRAD_P   = 1 << 6, /* grad_p from fluid alone: the wall pressure gradient is unknown */
   NEED_MATRICES      = 1 << 7, /* PETSc matrices of all operators, not only of ppe */
-  NEED_INSIDE_GAPS   = 1 << 8  /* particles below gaps of a free surface are inside, not on it */
+  NEED_INSIDE_GAPS   = 1 << 8, /* particles below gaps of a free surface are inside, not on it */
+  NEED_STREAMS       = 1 << 9  /* no operator: the scheme gathers stencils and applies rows itself,
+                                  the rows of visc among them */
 } Need;
 
 /* The chosen discretisation in space. */
 typedef struct {
-  const KernelRow   *kernel;
-  LaplacianForm      visc, ppe;
-  const GradientRow *gradient;
-  const WallRow     *wall;               /* NULL: no walls */
-  PetscBool          wall_surface;       /* a layer of particles on walls before the dummies */
-  PetscBool          visc_is_laplacian;  /* visc is lap u */
-  PetscBool          components_coupled; /* visc couples components: viscous_block.c */
-  PetscInt           degree;             /* of least-squares fits */
-  PetscReal          h_over_dx;          /* smoothing length over a particle's spacing [-] */
-  PetscReal          h, radius;          /* of the coarsest particles; radius of the support [m] */
+  const KernelRow     *kernel;
+  LaplacianForm        visc, ppe;
+  const CorrectionRow *correction; /* as typed; forms that do not accept it have none */
+  const GradientRow   *gradient;
+  const WallRow       *wall;               /* NULL: no walls */
+  PetscBool            wall_surface;       /* a layer of particles on walls before the dummies */
+  PetscBool            visc_is_laplacian;  /* visc is lap u */
+  PetscBool            components_coupled; /* visc couples components: viscous_block.c */
+  PetscInt             degree;             /* of least-squares fits */
+  PetscReal            h_over_dx;          /* smoothing length over a particle's spacing [-] */
+  PetscReal            h, radius; /* of the coarsest particles; radius of the support [m] */
   PetscReal reach; /* largest distance at which assembly reads a particle; width of the halo [m] */
 } OperatorForms;
 
@@ -342,6 +345,15 @@ PetscErrorCode OperatorsDegree(PetscInt *degree);
 PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, WallPlacement *walls);
 PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *particles,
                                  const Neighbors *neighbors, Operators *ops, PetscBool *changed);
+
+/* Rows as streams, see src/operators/stream.c. */
+#define STREAM_MARGIN 0.6 /* approach of two particles within a step that the halo allows [dx] */
+typedef PetscErrorCode (*StreamRow)(Stencil *stencil, void *ctx);
+PetscErrorCode OperatorsStream(const Scene *scene, const Particles *particles,
+                               const Neighbors *neighbors, const Operators *ops, StreamRow Row,
+                               void *ctx);
+void           KernelGradients(const CorrectionRow *correction, Stencil *stencil, PetscReal *g[]);
+
 PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y);
 PetscErrorCode AffineApplyAdd(const AffineOperator *op, Vec f, Vec walls, Vec y);
 PetscErrorCode AffineSystemCreate(const AffineOperator *op, MatType type, Mat *J);

@@ -23,7 +23,8 @@ typedef struct {
 } ShiftRow;
 extern const Table       ShiftTable;
 extern const OptionTable MotionOptions, SchemeOptions, ProjectionOptions, ViscosityOptions,
-    CoupledOptions, CoupledSolverOptions, GuardOptions, SolverOptions, AverageOptions;
+    CoupledOptions, CoupledSolverOptions, WcsphOptions, WcsphTimeOptions, GuardOptions,
+    SolverOptions, AverageOptions;
 
 /* The mean of the pressure over the last time T before a snapshot; see src/schemes/average.c. */
 typedef struct {
@@ -210,6 +211,8 @@ struct Flow {
   Scheme    *scheme;
 };
 
+PetscErrorCode FlowPrepareOutput(const Flow *flow);
+
 PetscErrorCode FlowStateCreate(Flow *flow, unsigned *needs);
 PetscErrorCode FlowStateRegister(Flow *flow);
 PetscErrorCode FlowStateRenumber(Flow *flow);
@@ -254,6 +257,7 @@ PetscErrorCode      UndoSave(const Flow *flow, Undo *undo);
 PetscErrorCode      UndoRestore(const Undo *undo, Flow *flow);
 
 extern const Table ConvectionTable, PressurePointsTable, ProjectionTable, ViscousIntegratorTable,
-    CoupledIntegratorTable, CoupledGradientTable, SchurTable;
+    CoupledIntegratorTable, CoupledGradientTable, SchurTable, EquationOfStateTable,
+    DensityFormTable, PressureReductionTable, CompressibleIntegratorTable, ViscousSplitTable;
 
 #endif

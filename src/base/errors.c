@@ -41,7 +41,7 @@ static PetscBool SourceIsOurs(const char path[])
                                                                           : PETSC_FALSE;
 }
 
-const char *const SolverPrefixes[] = {"-visc_", "-ppe_", "-coupled_", NULL};
+const char *const SolverPrefixes[] = {"-visc_", "-ppe_", "-coupled_", "-wcsph_", NULL};
 
 /* Returns true if PETSc has found no memory. PETSc 3.18 passes the line of the caller for the error
    code and the name of the caller for the message. */

@@ -285,6 +285,7 @@ PetscErrorCode MonitorsWrite(const Flow *flow, Monitors *m)
     Monitor *monitor = &m->of[k];
 
     if (!monitor->on || (!due && !EntersMean(m, monitor, t))) continue;
+    PetscCall(FlowPrepareOutput(flow));
     if (!monitor->opened) PetscCall(MonitorOpen(kinds[k], monitor));
     monitor->quiet = due ? PETSC_FALSE : PETSC_TRUE;
     PetscCall(kinds[k]->Write(flow, monitor));

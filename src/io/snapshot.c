@@ -187,6 +187,7 @@ static PetscErrorCode SnapshotWrite(const Flow *flow, Snapshots *s)
   PetscBool      good;
 
   PetscFunctionBegin;
+  PetscCall(FlowPrepareOutput(flow));
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCall(SnapshotPath(s, number, path));
   PetscCall(PetscSNPrintf(part, sizeof(part), "%s.part", path));

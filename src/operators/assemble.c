@@ -51,6 +51,8 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
   PetscReal      radius2, x[ISPH_MAX_DIM];
   PetscInt       n = 0;
 
+  const FreeSurface *free = ops->needs & NEED_STREAMS ? NULL : ops->free;
+
   PetscFunctionBegin;
   PetscCall(StencilReserve(st, last - first));
   StencilSetSize(ops->forms.kernel, ops->forms.h_over_dx, p->dx[i], st);
@@ -67,7 +69,7 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
     const PetscInt j  = nb->col[q];
     PetscReal      r2 = 0.0;
 
-    if (ops->free && ParticlesIsWall(p, j) && !FreeSurfaceTouches(p, nb, i, j)) continue;
+    if (free && ParticlesIsWall(p, j) && !FreeSurfaceTouches(p, nb, i, j)) continue;
     for (PetscInt a = 0; a < d; a++) {
       st->X[a][n] = st->stretch[a] * (p->x[a][j] - x[a]);
       r2 += PetscSqr(st->X[a][n]);
@@ -87,7 +89,7 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
   }
   for (PetscInt k = 0; st->n_wall && k < n; k++)
     if (st->wall[k]) GatherWall(scene, p, ops, k, st);
-  GatherSurface(ops->free, st);
+  GatherSurface(free, st);
   KernelEvaluateAll(ops->forms.kernel, d, st->h, n, st->r, st->W, st->dW, st->ddW);
   WallPointShares(ops, st);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -247,7 +249,7 @@ static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, cons
   PetscCall(PatternBegin(&ops->rows.fluid, p->n_fluid, entries));
   if (ops->forms.wall) PetscCall(PatternBegin(&ops->rows.walls, p->n_fluid, walls));
   grown = ops->rows.fluid.capacity != capacity || ops->rows.walls.capacity != wall_capacity ||
-                  !needed[0]->a
+                  (count && !needed[0]->a)
               ? PETSC_TRUE
               : PETSC_FALSE;
   for (PetscInt k = 0; grown && k < count; k++) {
@@ -368,9 +370,14 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
   PetscFunctionBegin;
   *changed = (ops->epoch != p->epoch || ops->moved != p->moved) ? PETSC_TRUE : PETSC_FALSE;
   if (!*changed) PetscFunctionReturn(PETSC_SUCCESS);
+  if (ops->free) PetscCall(FreeSurfaceFind(scene, p, nb, &ops->forms, ops->free));
+  if (!count && !(ops->needs & NEED_CONCENTRATION)) { /* such as with NEED_STREAMS alone */
+    ops->epoch = p->epoch;
+    ops->moved = p->moved;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(BeginAssembly(scene, p, nb, ops, needed, count));
   PetscCall(ScalePressureRows(p, ops));
-  if (ops->free) PetscCall(FreeSurfaceFind(scene, p, nb, &ops->forms, ops->free));
   PetscCall(LaplacianFactors(scene, p, nb, ops, &ops->forms.visc));
   PetscCall(LaplacianFactors(scene, p, nb, ops, &ops->forms.ppe));
   for (PetscInt l = 0; l < MLS_LANES; l++) ops->work->batch[l]->regularised = 0;

@@ -53,8 +53,9 @@ static const OptionRow options[] = {
         {
             .name     = "-correction",
             .kind     = VALUE_NAME,
-            .brief    = "correction of the kernel in Laplacians that accept it",
-            .standard = "none",
+            .brief    = "correction of the kernel in Laplacians that accept it, and in all sums of "
+                        "-scheme wcsph",
+            .standard = "none; with -scheme wcsph and no free surface first_order",
             .table    = &CorrectionTable,
         },
     [VISC_LAPLACIAN] =
@@ -118,13 +119,15 @@ static PetscErrorCode ChooseLaplacian(const OptionRow *option, const char standa
 /*
   Returns the default form of the viscous term: stress_mls if the viscosity varies and the flow has
   a pressure or bodies, otherwise mls. With mls, which omits a part of the stress, a fluid that
-  rotates beside a fluid of another viscosity has an error of tens of per cent.
+  rotates beside a fluid of another viscosity has an error of tens of per cent. A scheme of pair
+  forces takes morris, which keeps the momentum.
 */
-static const char *DefaultLaplacian(const Scene *scene)
+static const char *DefaultLaplacian(const Scene *scene, unsigned needs)
 {
   const PetscBool curved =
       SceneHas(scene, PHYSICS_PRESSURE) || scene->n_bodies ? PETSC_TRUE : PETSC_FALSE;
 
+  if (needs & NEED_STREAMS) return "morris";
   return SceneViscosityVaries(scene) && curved ? "stress_mls" : "mls";
 }
 
@@ -134,9 +137,12 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
   const CorrectionRow *correction;
 
   PetscFunctionBegin;
-  PetscCall(OptionGetRow(&options[CORRECTION], NULL, &correction));
-  if (needs & NEED_VISCOSITY) {
-    PetscCall(ChooseLaplacian(&options[VISC_LAPLACIAN], DefaultLaplacian(scene), correction,
+  PetscCall(OptionGetRow(&options[CORRECTION],
+                         needs & NEED_STREAMS && !SceneHasFreeSurface(scene) ? "first_order" : "none",
+                         &correction));
+  forms->correction = correction;
+  if (needs & NEED_VISCOSITY || (needs & NEED_STREAMS && SceneHas(scene, PHYSICS_VISCOSITY))) {
+    PetscCall(ChooseLaplacian(&options[VISC_LAPLACIAN], DefaultLaplacian(scene, needs), correction,
                               &forms->visc));
     UserCheck(!SceneViscosityVaries(scene) || LaplacianIs(&forms->visc, FORM_VARYING),
               "-visc_laplacian %s: this form has no varying viscosity; use a form with "
@@ -154,7 +160,8 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
               "-ppe_laplacian %s: this form couples velocity components; use mls instead",
               forms->ppe.row->name);
   }
-  UserCheck(!correction->Kernel || forms->visc.correction || forms->ppe.correction,
+  UserCheck(!correction->Kernel || forms->visc.correction || forms->ppe.correction ||
+                needs & NEED_STREAMS,
             "-correction %s: no chosen Laplacian accepts it; -catalogue lists the forms that do",
             correction->name);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -170,7 +177,7 @@ static PetscBool ViscousNeedsFluid(const Scene *scene, const LaplacianForm *visc
 }
 
 /* Chooses the wall treatment from the options; the default works with all chosen forms. */
-static PetscErrorCode ChooseWall(const Scene *scene, OperatorForms *forms)
+static PetscErrorCode ChooseWall(const Scene *scene, unsigned needs, OperatorForms *forms)
 {
   const char *blind = NULL; /* a chosen form that needs particles behind walls */
   const char *kind  = "";
@@ -180,7 +187,10 @@ static PetscErrorCode ChooseWall(const Scene *scene, OperatorForms *forms)
     forms->wall = &WallGiven;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (ViscousNeedsFluid(scene, &forms->visc)) {
+  if (needs & NEED_STREAMS) {
+    blind = "wcsph";
+    kind  = "-scheme";
+  } else if (ViscousNeedsFluid(scene, &forms->visc)) {
     blind = forms->visc.row->name;
     kind  = "-visc_laplacian";
   }
@@ -274,10 +284,10 @@ static PetscErrorCode RefuseEquations(const Scene *scene, const OperatorForms *f
 }
 
 /* Chooses the viscous form of fluids with a free surface, and refuses forms without one. */
-static PetscErrorCode ChooseSurface(const Scene *scene, OperatorForms *forms)
+static PetscErrorCode ChooseSurface(const Scene *scene, unsigned needs, OperatorForms *forms)
 {
   PetscFunctionBegin;
-  if (!SceneHasFreeSurface(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!SceneHasFreeSurface(scene) || needs & NEED_STREAMS) PetscFunctionReturn(PETSC_SUCCESS);
   UserCheck(!SceneViscosityVaries(scene),
             "%s: a fluid with a free surface has a uniform viscosity, which excludes %s",
             scene->n_filled ? "-scene_filled_1" : "-scene_free",
@@ -338,12 +348,13 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
   if (needs & (NEED_PRESSURE | NEED_GRADIENT_U)) {
     PetscCall(OptionGetRow(&options[GRADIENT], NULL, &forms->gradient));
   }
-  if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(ChooseWall(scene, forms));
+  if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(ChooseWall(scene, needs, forms));
   forms->visc.graded = SceneFinest(scene) < SceneCoarsest(scene);
   forms->ppe.graded  = forms->visc.graded;
   forms->h_over_dx   = h_over_dx;
   forms->h           = h_over_dx * SceneCoarsest(scene);
   forms->radius = forms->reach = forms->kernel->support * forms->h;
+  if (needs & NEED_STREAMS) forms->reach += STREAM_MARGIN * SceneCoarsest(scene);
   if (forms->wall && forms->wall->Extend) {
     const PetscReal reach =
         forms->wall->radii * forms->radius + forms->wall->spacings * SceneCoarsest(scene);
@@ -355,7 +366,7 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
             "-wall %s: its particles behind the wall need a uniform lattice; with %s use -wall "
             "wall_layer and forms without full_support in -catalogue, such as mls",
             forms->wall->name, scene->grading.spacing.n ? "-spacing" : "-spacing_wall");
-  PetscCall(ChooseSurface(scene, forms));
+  PetscCall(ChooseSurface(scene, needs, forms));
   PetscCall(ChooseCoupling(scene, forms));
   PetscCall(RefuseEquations(scene, forms));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -201,6 +201,7 @@ static PetscErrorCode RunMeasure(Run *run)
 {
   PetscFunctionBegin;
   run->report->t = run->flow.clock->t;
+  PetscCall(FlowPrepareOutput(&run->flow));
   PetscCall(run->flow.scene->problem->Measure(&run->flow, run->report));
   PetscCall(ResolutionMeasure(&run->flow, run->report));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -6,7 +6,8 @@
 
 #define SCHEMES(ROW)                                                                               \
   ROW(SchemeProjection)                                                                            \
-  ROW(SchemeCoupled)
+  ROW(SchemeCoupled)                                                                               \
+  ROW(SchemeWcsph)
 
 #define DECLARE(row) extern const SchemeRow row;
 SCHEMES(DECLARE)

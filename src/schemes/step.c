@@ -5,8 +5,8 @@
 */
 #include "step.h"
 
-/* Advances the state: u^{n-2} <- u^{n-1} <- u^n <- u^{n+1}, and the time. */
-static PetscErrorCode FlowAdvance(Flow *flow)
+/* FlowAdvance - Advances the state, u^{n-2} <- u^{n-1} <- u^n <- u^{n+1}, and the time; collective */
+PetscErrorCode FlowAdvance(Flow *flow)
 {
   FlowState *s = flow->state;
 
@@ -21,29 +21,67 @@ static PetscErrorCode FlowAdvance(Flow *flow)
 }
 
 /*
-  FlowRebuild - Computes neighbours, matrices and vectors for the present positions
+  FlowFollow - Computes neighbours and vectors for the present positions
 
-  Collective. Only the assembly reads neighbours, so the neighbours of fixed particles are freed
-  after it.
+  Collective. Matrices are not assembled.
 */
-PetscErrorCode FlowRebuild(Flow *flow)
+PetscErrorCode FlowFollow(Flow *flow)
 {
   const PetscLogEvent *event = flow->state->event;
-  PetscBool            changed;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
   if (SceneMovesGraded(flow->scene)) PetscCall(ParticlesResize(flow->scene, flow->particles));
   PetscCall(NeighborsUpdate(flow->particles, flow->scheme->stats.speed_max * flow->clock->dt,
                             flow->neighbors));
+  PetscCall(WallValuesRenumber(flow->scene, flow->particles, &flow->walls));
+  PetscCall(FlowStateRenumber(flow));
   PetscCall(PetscLogEventEnd(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  FlowAssemble - Assembles all matrices for the present positions, unless this is done
+
+  Collective. Only the assembly reads neighbours, so the neighbours of fixed particles are freed
+  after it.
+*/
+PetscErrorCode FlowAssemble(Flow *flow)
+{
+  const PetscLogEvent *event = flow->state->event;
+  PetscBool            changed;
+
+  PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(event[FLOW_EVENT_OPERATORS], 0, 0, 0, 0));
   PetscCall(OperatorsAssemble(flow->scene, flow->particles, flow->neighbors, flow->ops, &changed));
   if (flow->scheme->row->Assemble) PetscCall(flow->scheme->row->Assemble(flow));
   if (!SceneMoves(flow->scene)) PetscCall(NeighborsRelease(flow->neighbors));
-  PetscCall(WallValuesRenumber(flow->scene, flow->particles, &flow->walls));
   PetscCall(PetscLogEventEnd(event[FLOW_EVENT_OPERATORS], 0, 0, 0, 0));
-  PetscCall(FlowStateRenumber(flow));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  FlowPrepareOutput - Assembles the operators that outputs read, if the scheme assembles none in its
+  steps
+
+  Collective. Other schemes have assembled them at the end of a step.
+*/
+PetscErrorCode FlowPrepareOutput(const Flow *flow)
+{
+  PetscBool changed;
+
+  PetscFunctionBegin;
+  if (!(flow->ops->needs & NEED_STREAMS)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(OperatorsAssemble(flow->scene, flow->particles, flow->neighbors, flow->ops, &changed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FlowRebuild - Computes neighbours, matrices and vectors for the present positions; collective */
+PetscErrorCode FlowRebuild(Flow *flow)
+{
+  PetscFunctionBegin;
+  PetscCall(FlowFollow(flow));
+  PetscCall(FlowAssemble(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

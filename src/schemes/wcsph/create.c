@@ -1,0 +1,269 @@
+/* Options and refusals of the weakly compressible scheme. */
+#include "wcsph.h"
+
+enum { EQUATION, SOUND, DENSITY, REDUCTION, DIFFUSION, ARTIFICIAL, COURANT, SPLIT };
+static const OptionRow options[] = {
+    [EQUATION] =
+        {
+            .name     = "-equation_of_state",
+            .kind     = VALUE_NAME,
+            .brief    = "pressure as a function of density, and of energy for a gas",
+            .standard = "tait",
+            .table    = &EquationOfStateTable,
+            .where    = "-scheme wcsph",
+        },
+    [SOUND] =
+        {
+            .name     = "-sound_speed",
+            .kind     = VALUE_REAL,
+            .brief    = "speed of sound at rest",
+            .unit     = "m/s",
+            .standard = "10 times the largest of U, (nu U/L)^(1/2) and (|f| L)^(1/2)",
+            POSITIVE,
+            .where = "-scheme wcsph",
+        },
+    [DENSITY] =
+        {
+            .name     = "-density_form",
+            .kind     = VALUE_NAME,
+            .brief    = "equation of the density, and the pressure force that belongs to it",
+            .standard = "continuity",
+            .table    = &DensityFormTable,
+            .where    = "-scheme wcsph",
+        },
+    [REDUCTION] =
+        {
+            .name     = "-pressure_reduction",
+            .kind     = VALUE_NAME,
+            .brief    = "pressure that is subtracted before its gradient is computed",
+            .standard = "none",
+            .table    = &PressureReductionTable,
+            .where    = "-scheme wcsph",
+        },
+    [DIFFUSION] =
+        {
+            .name     = "-density_diffusion",
+            .kind     = VALUE_REAL,
+            .brief    = "delta of the diffusivity delta h c0 of the density; 0: off",
+            .unit     = "-",
+            .standard = "0.1",
+            .low      = 0.0,
+            .high     = 1.0,
+            .where    = "-scheme wcsph with -density_form continuity",
+        },
+    [ARTIFICIAL] =
+        {
+            .name     = "-artificial_viscosity",
+            .kind     = VALUE_REALS,
+            .brief    = "alpha,beta of Monaghan's viscosity between particles that approach",
+            .unit     = "-",
+            .standard = "0,0",
+            .low      = 0.0,
+            .high     = 100.0,
+            .where    = "-scheme wcsph",
+        },
+    [COURANT] =
+        {
+            .name  = "-acoustic_cfl",
+            .kind  = VALUE_REAL,
+            .brief = "largest dt (c0 + U)/h",
+            .unit  = "-",
+            .standard =
+                "0.5, or 0.1 with a Runge-Kutta method of second order, which lets sound grow",
+            .low   = 1e-4,
+            .high  = 4.0,
+            .where = "-scheme wcsph",
+        },
+    [SPLIT] =
+        {
+            .name     = "-wcsph_viscosity",
+            .kind     = VALUE_NAME,
+            .brief    = "treatment of the viscous term",
+            .standard = "explicit",
+            .table    = &ViscousSplitTable,
+            .where    = "-scheme wcsph with viscosity",
+        },
+};
+const OptionTable WcsphOptions = OPTIONS("Weakly compressible flow", options);
+
+/*
+  Returns the default speed of sound [m/s]
+
+    c0 = 10 max(U, (nu U/L)^(1/2), (|f| L)^(1/2)),
+
+  with which inertia, viscosity and body force change the density by about one per cent.
+
+  Reference: J. P. Morris, P. J. Fox, Y. Zhu, J. Comput. Phys. 136 (1997), Eq. (4)
+*/
+static PetscReal DefaultSoundSpeed(const Flow *flow)
+{
+  const Scene *scene = flow->scene;
+  PetscReal most = PetscMax(PetscSqr(scene->speed), flow->scheme->stats.force_max * scene->length);
+
+  if (SceneHas(scene, PHYSICS_VISCOSITY))
+    most = PetscMax(most, scene->nu_high * scene->speed / scene->length);
+  return 10.0 * PetscSqrtReal(most);
+}
+
+/* Refuses scenes and options that the scheme has no equations for. */
+static PetscErrorCode Refuse(const Flow *flow)
+{
+  const Scene       *scene = flow->scene;
+  const Clock       *clock = flow->clock;
+  const BoundaryRow *fits  = SceneFitKind(scene);
+
+  PetscFunctionBegin;
+  UserCheck(SceneHas(scene, PHYSICS_PRESSURE),
+            "-scheme wcsph: it needs a pressure; add -with pressure,convection");
+  UserCheck(SceneMoves(scene),
+            "-scheme wcsph: its particles move; use -motion lagrangian and -with convection");
+  UserCheck(!fits, "-scheme wcsph: its walls have no slip, which excludes %s", fits->option.name);
+  UserCheck(!SceneIsGraded(scene) && !SceneMovesGraded(scene),
+            "-scheme wcsph: its particles have one size, which excludes -spacing and "
+            "-spacing_wall");
+  UserCheck(!SceneViscosityVaries(scene),
+            "-scheme wcsph: it has a uniform viscosity; use -scheme projection");
+  UserCheck(scene->tension == 0.0,
+            "-surface_tension: -scheme wcsph has none; use -scheme projection or coupled");
+  UserCheck(!clock->steady_solve, "-steady: -scheme wcsph advances in time; use -scheme coupled");
+  UserCheck(clock->steady_tol == 0.0,
+            "-steady_tol: sound waves of -scheme wcsph never come to rest; use -t_end");
+  UserCheck(!clock->adapt->estimates,
+            "-dt_adapt error: sound limits the steps of -scheme wcsph; use -dt_adapt retry");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses a hydrostatic pressure where the body force is not constant or has no wall to end at. */
+static PetscErrorCode RefuseHydrostatic(const Scene *scene, const PressureReductionRow *row)
+{
+  PetscFunctionBegin;
+  if (row->kind != REDUCE_HYDROSTATIC) PetscFunctionReturn(PETSC_SUCCESS);
+  UserCheck(!scene->force.n,
+            "-pressure_reduction %s: it needs a constant body force; use local_mean", row->name);
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    UserCheck(scene->body_force[a] == 0.0 || !SceneIsPeriodic(scene, a),
+              "-pressure_reduction %s: the body force acts along %c, where the box is periodic; "
+              "use local_mean",
+              row->name, "xyz"[a]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Returns the default of -acoustic_cfl [-]
+
+  Runge-Kutta methods of second order have no interval of stability on the imaginary axis: without
+  viscosity each step of dt = 0.25 h/c0 feeds waves of the grid scale. In the cavity at Re = 100, n =
+  25, all runs with midpoint and 0.25 were lost before t = 5, and none with 0.1. Methods of third
+  order are stable up to 1.7 over the largest frequency.
+*/
+static PetscErrorCode DefaultCourant(PetscReal *courant)
+{
+  const char *const second[] = {"midpoint", "2a", "2b"};
+  char              type[32];
+  PetscBool         given, same = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  *courant = 0.5;
+  PetscCall(PetscOptionsGetString(NULL, "wcsph_", "-ts_rk_type", type, sizeof(type), &given));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(second) && given && !same; k++)
+    PetscCall(PetscStrcmp(type, second[k], &same));
+  if (same) *courant = 0.1;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Chooses the shift: by default none with a free surface, which it would move, and otherwise three
+  times the strength of other schemes
+
+  In Taylor-Green vortices at Re = 100, n = 32, t = 1 the velocity errs by 0.6 and 0.2 % with the
+  strengths 1 and 3, and without shift the flow is lost in noise.
+*/
+static PetscErrorCode ChooseShift(const Flow *flow)
+{
+  const TableRow *none;
+  FlowState      *state = flow->state;
+  PetscBool       given;
+
+  PetscFunctionBegin;
+  PetscCall(OptionGiven("-shift", &given));
+  UserCheck(!SceneHasFreeSurface(flow->scene) || !given || !state->shift->Displace,
+            "-shift %s: with -scheme wcsph it would move the free surface; use none",
+            state->shift->name);
+  if (SceneHasFreeSurface(flow->scene)) {
+    PetscCall(TableFind(&ShiftTable, "none", &none));
+    state->shift = (const ShiftRow *)(const void *)none;
+  }
+  PetscCall(OptionGiven("-shift_strength", &given));
+  if (state->shift->Displace && !given) state->shift_strength = 3.0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads the constants of the fluid. */
+static PetscErrorCode ReadFluid(const Flow *flow, Wcsph *w)
+{
+  const Scene *scene = flow->scene;
+  PetscInt     n     = 0;
+
+  PetscFunctionBegin;
+  w->c0 = DefaultSoundSpeed(flow);
+  PetscCall(OptionGetReal(&options[SOUND], &w->c0, NULL));
+  if (w->equation->has_energy) {
+    w->p_rest = scene->rho * PetscSqr(w->c0) / w->equation->exponent;
+    w->e_rest = w->p_rest / ((w->equation->exponent - 1.0) * scene->rho);
+  }
+  if (!w->density->sums) {
+    w->diffusion = 0.1;
+    PetscCall(OptionGetReal(&options[DIFFUSION], &w->diffusion, NULL));
+  }
+  PetscCall(OptionGetReals(&options[ARTIFICIAL], 2, w->artificial, &n, NULL));
+  PetscCall(DefaultCourant(&w->courant));
+  PetscCall(OptionGetReal(&options[COURANT], &w->courant, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  WcsphCreate - Reads the options of the weakly compressible scheme
+
+  Collective on PETSC_COMM_WORLD.
+
+  Options Database Keys:
++ -equation_of_state name         - row of the table
+. -sound_speed c                  - see DefaultSoundSpeed()
+. -density_form name              - continuity or summation
+. -pressure_reduction name        - row of the table
+. -density_diffusion delta        - see DensityDiffusion()
+. -artificial_viscosity alpha,beta - see ArtificialViscosity()
+. -acoustic_cfl C                 - dt <= C h/(c0 + U)
+- -wcsph_viscosity name           - explicit or implicit
+*/
+PetscErrorCode WcsphCreate(Flow *flow)
+{
+  const ViscousSplitRow *split;
+  Wcsph                 *w;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&w));
+  flow->scheme->data = w;
+  w->flow            = flow;
+  PetscCall(Refuse(flow));
+  PetscCall(OptionGetRow(&options[EQUATION], NULL, &w->equation));
+  PetscCall(OptionGetRow(&options[DENSITY], NULL, &w->density));
+  PetscCall(OptionGetRow(&options[REDUCTION], NULL, &w->reduction));
+  PetscCall(RefuseHydrostatic(flow->scene, w->reduction));
+  PetscCall(ReadFluid(flow, w));
+  PetscCall(ChooseShift(flow));
+  flow->scheme->needs &= ~(unsigned)(NEED_PRESSURE | NEED_VISCOSITY | NEED_GRADIENT_U |
+                                     NEED_FILTER_U | NEED_CONCENTRATION);
+  flow->scheme->needs |= NEED_STREAMS;
+  if (SceneHas(flow->scene, PHYSICS_VISCOSITY)) {
+    PetscCall(OptionGetRow(&options[SPLIT], NULL, &split));
+    w->implicit = split->implicit;
+    if (w->implicit) flow->scheme->needs |= NEED_VISCOSITY;
+  }
+  PetscCall(MemoryAddReal(&flow->scheme->memory, "mach", &w->mach));
+  PetscCall(MemoryAddReal(&flow->scheme->memory, "density_variation", &w->variation));
+  PetscCall(MemoryAddReal(&flow->scheme->memory, "compression", &w->divergence));
+  flow->scheme->variant = (const TableRow *)(const void *)w->equation;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,116 @@
+/*
+  Equations of state of the weakly compressible scheme, and the choices of its other families. Each
+  equation has the speed of sound c0 at the density rho_0 of rest.
+*/
+#include "wcsph.h"
+
+/*
+  Pressure_Tait - Computes the pressure of a stiff liquid, p = rho_0 c0^2/gamma ((rho/rho_0)^gamma -
+  1) [Pa]
+
+  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eq. (13)
+*/
+static PetscReal Pressure_Tait(const Wcsph *w, PetscReal rho, PetscReal e)
+{
+  const PetscReal rho_0 = w->flow->scene->rho, gamma = w->equation->exponent;
+
+  return rho_0 * PetscSqr(w->c0) / gamma * (PetscPowReal(rho / rho_0, gamma) - 1.0);
+}
+
+static PetscReal Density_Tait(const Wcsph *w, PetscReal p)
+{
+  const PetscReal rho_0 = w->flow->scene->rho, gamma = w->equation->exponent;
+
+  return rho_0 * PetscPowReal(1.0 + gamma * p / (rho_0 * PetscSqr(w->c0)), 1.0 / gamma);
+}
+
+/*
+  Pressure_Linear - Computes p = c0^2 (rho - rho_0) [Pa]
+
+  Reference: J. Fang et al., Appl. Math. Modelling 33 (2009), Eq. (8)
+*/
+static PetscReal Pressure_Linear(const Wcsph *w, PetscReal rho, PetscReal e)
+{
+  return PetscSqr(w->c0) * (rho - w->flow->scene->rho);
+}
+
+static PetscReal Density_Linear(const Wcsph *w, PetscReal p)
+{
+  return w->flow->scene->rho + p / PetscSqr(w->c0);
+}
+
+/*
+  Pressure_IdealGas - Computes p = (gamma - 1) rho e, less the pressure at rest rho_0 c0^2/gamma [Pa]
+
+  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eq. (12)
+*/
+static PetscReal Pressure_IdealGas(const Wcsph *w, PetscReal rho, PetscReal e)
+{
+  return (w->equation->exponent - 1.0) * rho * e - w->p_rest;
+}
+
+static PetscReal Density_IdealGas(const Wcsph *w, PetscReal p)
+{
+  return (w->p_rest + p) / ((w->equation->exponent - 1.0) * w->e_rest);
+}
+
+static const EquationOfStateRow equations[] = {
+    {
+        .name     = "tait",
+        .brief    = "p = rho_0 c0^2/7 ((rho/rho_0)^7 - 1)",
+        .citation = "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)",
+        .exponent = 7.0,
+        .Pressure = Pressure_Tait,
+        .Density  = Density_Tait,
+    },
+    {
+        .name     = "linear",
+        .brief    = "p = c0^2 (rho - rho_0)",
+        .citation = "Fang et al., Appl. Math. Modelling 33 (2009)",
+        .exponent = 1.0,
+        .Pressure = Pressure_Linear,
+        .Density  = Density_Linear,
+    },
+    {
+        .name       = "ideal_gas",
+        .brief      = "p = 0.4 rho e with the energy equation; pressures less rho_0 c0^2/1.4",
+        .citation   = "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)",
+        .exponent   = 1.4,
+        .has_energy = PETSC_TRUE,
+        .Pressure   = Pressure_IdealGas,
+        .Density    = Density_IdealGas,
+    },
+};
+const Table EquationOfStateTable = TABLE("Equations of state", equations);
+
+static const DensityFormRow densities[] = {
+    {"continuity", "drho/dt = -rho div u, and the force -(p_i + p_j) V_j grad W/rho_i",
+     "Fang et al., Appl. Math. Modelling 33 (2009)", PETSC_FALSE},
+    {"summation", "rho = sum m_j W, and the force -m_j (p_i/rho_i^2 + p_j/rho_j^2) grad W",
+     "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", PETSC_TRUE},
+};
+const Table DensityFormTable = TABLE("Density of weakly compressible fluids", densities);
+
+static const PressureReductionRow reductions[] = {
+    {"none", "the pressure itself, which keeps the momentum", "", REDUCE_NONE},
+    {"local_mean", "the mean pressure of the neighbours is subtracted",
+     "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", REDUCE_LOCAL_MEAN},
+    {"hydrostatic", "the pressure at rest under the body force is subtracted, and its force added",
+     "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)", REDUCE_HYDROSTATIC},
+};
+const Table PressureReductionTable = TABLE("Reductions of the pressure", reductions);
+
+static const CompressibleIntegratorRow integrators[] = {
+    {TSRK, "Runge-Kutta; -wcsph_ts_rk_type midpoint is the predictor-corrector of Monaghan",
+     "Monaghan, J. Comput. Phys. 110 (1994)"},
+    {TSSSP, "strong stability preserving Runge-Kutta", "Ketcheson, SIAM J. Sci. Comput. 30 (2008)"},
+};
+const Table CompressibleIntegratorTable =
+    TABLE("Time integrators of weakly compressible fluids", integrators);
+
+static const ViscousSplitRow splits[] = {
+    {"explicit", "viscosity is a term of the rates", "", PETSC_FALSE},
+    {"implicit", "a viscous step of -visc_ts_type follows the step of the pressure", "",
+     PETSC_TRUE},
+};
+const Table ViscousSplitTable = TABLE("Viscosity of weakly compressible fluids", splits);

@@ -1,0 +1,226 @@
+/*
+  The step of the weakly compressible scheme by an explicit PETSc TS. Its vector holds positions,
+  velocities and, as far as they are unknowns, densities and energies of the own particles, one
+  component after the other. Owners and numbers of particles are constant within a step.
+*/
+#include "wcsph.h"
+
+static const OptionRow options[] = {
+    {
+        .name     = "-wcsph_ts_type",
+        .kind     = VALUE_NAME,
+        .brief    = "time integrator of the weakly compressible equations",
+        .standard = TSRK,
+        .table    = &CompressibleIntegratorTable,
+        .where    = "-scheme wcsph",
+    },
+};
+const OptionTable WcsphTimeOptions = OPTIONS("Integrator of weakly compressible flow", options);
+
+/* Lists the arrays of the unknowns of own particles, in the order of the vector. Input: positions
+   and velocities - where these are. */
+static PetscInt Components(const Wcsph *w, PetscReal *const x[], PetscReal *const u[],
+                           PetscReal *rho, PetscReal *e, PetscReal *of[])
+{
+  const PetscInt d = w->flow->scene->dim;
+  PetscInt       n = 2 * d;
+
+  for (PetscInt a = 0; a < d; a++) {
+    of[a]     = x[a];
+    of[d + a] = u[a];
+  }
+  if (!w->density->sums) of[n++] = rho;
+  if (w->equation->has_energy) of[n++] = e;
+  return n;
+}
+
+/* Copies a vector of the TS to arrays. */
+static PetscErrorCode CopyOut(const Wcsph *w, Vec y, PetscReal *const to[])
+{
+  const PetscInt     n = w->flow->particles->n_fluid;
+  const PetscScalar *value;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(y, &value));
+  for (PetscInt c = 0; c < w->components; c++) PetscCall(PetscArraycpy(to[c], value + c * n, n));
+  PetscCall(VecRestoreArrayRead(y, &value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Fails the step if a particle has moved too far since its start, or is nowhere. */
+static PetscErrorCode CheckPositions(Flow *flow, const Wcsph *w)
+{
+  const Particles *p    = flow->particles;
+  PetscReal        most = 0.0;
+  char             where[CLOCK_WHERE];
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal moved = 0.0;
+
+    for (PetscInt a = 0; a < p->dim; a++) moved += PetscSqr(p->x[a][i] - w->start[a][i]);
+    moved /= PetscSqr(p->dx[i]);
+    most = moved <= PETSC_MAX_REAL ? PetscMax(most, moved) : PETSC_INFINITY;
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, p->comm));
+  if (most <= PetscSqr(WCSPH_MOVE_MOST)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ClockWhere(flow->clock, where));
+  FailureSet(&flow->scheme->failure, PETSC_ERR_FP,
+             "%s: a particle moved by %.3g dx, more than %.3g: the flow is unstable at dt = %.6g; "
+             "try a smaller -dt or -acoustic_cfl",
+             where, (double)PetscSqrtReal(most), WCSPH_MOVE_MOST, (double)flow->clock->dt);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes dy/dt for the TS; zero once the step has failed. */
+static PetscErrorCode RateFunction(TS ts, PetscReal t, Vec y, Vec rate, void *ctx)
+{
+  Wcsph     *w    = (Wcsph *)ctx;
+  Flow      *flow = w->flow;
+  Particles *p    = flow->particles;
+  PetscReal *to[WCSPH_COMPONENTS];
+
+  PetscFunctionBegin;
+  PetscCall(VecZeroEntries(rate));
+  if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(WcsphReserve(flow, w));
+  (void)Components(w, p->x, w->local.u, w->local.rho, w->local.e, to);
+  PetscCall(CopyOut(w, y, to));
+  PetscCall(CheckPositions(flow, w));
+  if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ParticlesUpdateHalo(p));
+  PetscCall(NeighborsUpdate(p, flow->scheme->stats.speed_max * flow->clock->dt, flow->neighbors));
+  w->t = t;
+  PetscCall(VecGetArray(rate, &w->rate));
+  PetscCall(WcsphRates(flow, w));
+  PetscCall(VecRestoreArray(rate, &w->rate));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the predictor-corrector of the papers to PETSc's Runge-Kutta methods. */
+static PetscErrorCode RegisterMidpoint(void)
+{
+  const PetscReal A[4] = {0.0, 0.0, 0.5, 0.0}, b[2] = {0.0, 1.0}, c[2] = {0.0, 0.5};
+
+  PetscFunctionBegin;
+  PetscCall(TSRKRegister("midpoint", 2, 2, A, b, c, NULL, 0, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  WcsphCreateIntegrator - Creates the TS
+
+  Collective on PETSC_COMM_WORLD.
+
+  Options Database Keys:
+. -wcsph_ts_type, -wcsph_ts_rk_type, ... - PETSc's options of the TS
+*/
+PetscErrorCode WcsphCreateIntegrator(Flow *flow, Wcsph *w)
+{
+  PetscBool is_rk;
+  TSAdapt   adapt;
+
+  PetscFunctionBegin;
+  PetscCall(OptionGetRow(&options[0], NULL, &w->integrator));
+  PetscCall(TimeOptionsRefuse("wcsph_", w->integrator->name));
+  PetscCall(RegisterMidpoint());
+  PetscCall(TSCreate(PETSC_COMM_WORLD, &w->ts));
+  PetscCall(TSSetOptionsPrefix(w->ts, "wcsph_"));
+  PetscCall(PetscObjectSetName((PetscObject)w->ts, "flow"));
+  PetscCall(TSSetProblemType(w->ts, TS_NONLINEAR));
+  PetscCall(TSSetType(w->ts, w->integrator->name));
+  PetscCall(PetscObjectTypeCompare((PetscObject)w->ts, TSRK, &is_rk));
+  if (is_rk) PetscCall(TSRKSetType(w->ts, "3"));
+  PetscCall(TSSetExactFinalTime(w->ts, TS_EXACTFINALTIME_STEPOVER));
+  PetscCall(TSSetMaxSteps(w->ts, PETSC_INT_MAX - 1));
+  PetscCall(TSSetMaxTime(w->ts, PETSC_MAX_REAL));
+  PetscCall(TSSetErrorIfStepFails(w->ts, PETSC_FALSE));
+  PetscCall(TSSetRHSFunction(w->ts, NULL, RateFunction, w));
+  PetscCall(TSGetAdapt(w->ts, &adapt));
+  PetscCall(TSAdaptSetType(adapt, TSADAPTNONE));
+  PetscCall(SolverViewTake("wcsph_", "-ts_view", &w->guard.ts_view));
+  PetscCall(TSSetFromOptions(w->ts));
+  PetscCall(TimeToleranceRefuse(w->ts, "wcsph_"));
+  w->guard.solve.name = "compressible";
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates the vector for the present numbering. */
+static PetscErrorCode Renumber(Flow *flow, Wcsph *w)
+{
+  const Particles *p = flow->particles;
+
+  PetscFunctionBegin;
+  if (w->epoch == p->epoch) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecDestroy(&w->y));
+  PetscCall(TSReset(w->ts));
+  PetscCall(VecCreate(p->comm, &w->y));
+  PetscCall(VecSetSizes(w->y, w->components * p->n_fluid, PETSC_DETERMINE));
+  PetscCall(VecSetType(w->y, VECSTANDARD));
+  w->epoch = p->epoch;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Copies the state of the particles to the vector. */
+static PetscErrorCode CopyIn(Flow *flow, Wcsph *w)
+{
+  Particles   *p = flow->particles;
+  PetscReal   *from[WCSPH_COMPONENTS];
+  PetscScalar *value;
+
+  PetscFunctionBegin;
+  w->components = Components(w, p->x, p->u, w->rho, w->e, from);
+  PetscCall(Renumber(flow, w));
+  for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscArraycpy(w->start[a], p->x[a], p->n_fluid));
+  PetscCall(VecGetArrayWrite(w->y, &value));
+  for (PetscInt c = 0; c < w->components; c++)
+    PetscCall(PetscArraycpy(value + c * p->n_fluid, from[c], p->n_fluid));
+  PetscCall(VecRestoreArrayWrite(w->y, &value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  WcsphIntegrate - Advances positions, velocities, densities and energies by the clock's dt
+
+  Collective. Output: positions, velocities, densities and energies of the particles. Sets
+  scheme->failure if the step fails.
+*/
+PetscErrorCode WcsphIntegrate(Flow *flow, Wcsph *w)
+{
+  const Clock *clock = flow->clock;
+  Particles   *p     = flow->particles;
+  PetscReal    dt    = clock->dt, *to[WCSPH_COMPONENTS];
+
+  PetscFunctionBegin;
+  PetscCall(ClockWhere(clock, w->guard.where));
+  PetscCall(CopyIn(flow, w));
+  PetscCall(TSSetSolution(w->ts, w->y));
+  PetscCall(TSRestartStep(w->ts));
+  PetscCall(TimeStepThrough(w->ts, w->integrator->name, &w->guard, clock->t, clock->dt, &dt,
+                            &flow->scheme->failure));
+  if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
+  (void)Components(w, p->x, p->u, w->rho, w->e, to);
+  PetscCall(CopyOut(w, w->y, to));
+  PetscCall(CheckPositions(flow, w));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* WcsphFree - Shows the TS, if its option is given, and frees it with all arrays; collective */
+PetscErrorCode WcsphFree(Wcsph *w)
+{
+  PetscFunctionBegin;
+  if (w->ts) PetscCall(SolverViewShow((PetscObject)w->ts, &w->guard.ts_view));
+  PetscCall(SolverViewEnd(&w->guard.ts_view));
+  PetscCall(TSDestroy(&w->ts));
+  PetscCall(VecDestroy(&w->y));
+  PetscCall(PairsFree(&w->pairs));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    PetscCall(PetscFree(w->start[a]));
+    PetscCall(PetscFree(w->displacement[a]));
+    PetscCall(PetscFree(w->local.u[a]));
+  }
+  PetscCall(PetscFree(w->local.rho));
+  PetscCall(PetscFree(w->local.p));
+  PetscCall(PetscFree(w->local.e));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,228 @@
+/*
+  The rates of change of positions, velocities, densities and energies, computed in one stream over
+  the stencils of all particles; with -density_form summation a stream for the density comes first.
+*/
+#include "wcsph.h"
+
+/* WcsphReserve - Makes room for values of all local particles; not collective */
+PetscErrorCode WcsphReserve(const Flow *flow, Wcsph *w)
+{
+  const PetscInt n     = ParticlesAll(flow->particles);
+  LocalFlow     *local = &w->local;
+
+  PetscFunctionBegin;
+  if (n <= local->capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  local->capacity = n + n / 8;
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &local->u[a]));
+    PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &w->start[a]));
+    PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &w->displacement[a]));
+  }
+  PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &local->rho));
+  PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &local->p));
+  if (w->equation->has_energy)
+    PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &local->e));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sums rho_i = sum_j m_j W_ij, with the particle itself. */
+static PetscErrorCode SumRow(Stencil *st, void *ctx)
+{
+  Wcsph          *w     = (Wcsph *)ctx;
+  const PetscReal rho_0 = w->flow->scene->rho;
+  PetscReal       sum   = rho_0 * st->volume * st->self[0];
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < st->n; k++) sum += rho_0 * st->V[k] * st->W[k];
+  w->local.rho[st->i] = sum;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  WcsphSetDensity - Computes densities and pressures of all local particles at the present positions
+
+  Collective. Reads local.rho of own fluid (continuity) or computes it (summation), and local.e.
+  Output: local.rho and local.p with the halo.
+*/
+PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w)
+{
+  const Particles *p = flow->particles;
+  LocalFlow       *l = &w->local;
+
+  PetscFunctionBegin;
+  if (w->density->sums)
+    PetscCall(OperatorsStream(flow->scene, p, flow->neighbors, flow->ops, SumRow, w));
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    l->p[i] = w->equation->Pressure(w, l->rho[i], l->e ? l->e[i] : 0.0);
+  PetscCall(ParticlesHaloField(p, l->rho));
+  PetscCall(ParticlesHaloField(p, l->p));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Sets volume, density, pressure and velocity difference of the neighbours. A dummy behind a wall has
+  the density of the particle, its pressure continued by the body force f, and the velocity of the
+  wall treatment:
+
+    p_w = p_i + rho_i f.X,   u_w - u_i = beta (u_wall - u_i)
+*/
+static void SetPairs(const Wcsph *w, const PetscReal force[], Stencil *st, Pairs *pairs)
+{
+  const LocalFlow *l = &w->local;
+  const PetscInt   d = st->dim, i = st->i;
+  const PetscReal  rho = l->rho[i], rho_0 = w->flow->scene->rho;
+
+  for (PetscInt k = 0; k < st->n; k++) {
+    const PetscInt  j    = st->j[k];
+    const PetscBool wall = st->wall[k];
+    PetscReal       rise = 0.0;
+
+    pairs->rho[k] = wall ? rho : l->rho[j];
+    st->V[k] *= rho_0 / pairs->rho[k];
+    for (PetscInt a = 0; a < d; a++) {
+      pairs->du[a][k] = (wall ? st->beta[k] : 1.0) * (l->u[a][j] - l->u[a][i]);
+      rise += force[a] * st->X[a][k];
+    }
+    pairs->p[k] = wall ? l->p[i] + rho * rise : l->p[j];
+  }
+}
+
+/* Subtracts the mean of the neighbours' pressures from these and from the pressure of the particle;
+   or the hydrostatic pressure, whose force is removed too. */
+static void ReducePressure(const Wcsph *w, const Stencil *st, Pairs *pairs, PetscReal *own,
+                           PetscReal force[])
+{
+  PetscReal mean = 0.0;
+
+  if (w->reduction->kind == REDUCE_LOCAL_MEAN) {
+    for (PetscInt k = 0; k < st->n; k++) mean += pairs->p[k];
+    if (st->n) mean /= (PetscReal)st->n;
+    for (PetscInt k = 0; k < st->n; k++) pairs->p[k] -= mean;
+    *own -= mean;
+  }
+  if (w->reduction->kind == REDUCE_HYDROSTATIC) {
+    const PetscReal rho_0 = w->flow->scene->rho;
+
+    for (PetscInt a = 0; a < st->dim; a++) {
+      const PetscReal height = w->flow->particles->x[a][st->i] - w->flow->scene->hi[a];
+
+      *own -= rho_0 * force[a] * height;
+      for (PetscInt k = 0; k < st->n; k++) pairs->p[k] -= rho_0 * force[a] * (height + st->X[a][k]);
+      force[a] *= 1.0 - rho_0 / w->local.rho[st->i];
+    }
+  }
+}
+
+/* Adds the viscous acceleration mu/rho_i sum_k w_k du_k, with the weights of the chosen form. */
+static PetscErrorCode ViscousForce(const Wcsph *w, Stencil *st, const Pairs *pairs,
+                                   PetscReal acceleration[])
+{
+  const Scene         *scene = w->flow->scene;
+  const LaplacianForm *form  = &w->flow->ops->forms.visc;
+  const PetscInt       d = st->dim, width = LaplacianWidth(form, d);
+  const PetscReal      factor = scene->nu * scene->rho / w->local.rho[st->i];
+
+  PetscFunctionBegin;
+  PetscCall(LaplacianWeights(form, st, pairs->w));
+  if (width == 1) {
+    for (PetscInt a = 0; a < d; a++) {
+      const PetscReal *du = pairs->du[a], *weight = pairs->w;
+      PetscReal        sum = 0.0;
+
+#pragma omp simd reduction(+ : sum)
+      for (PetscInt k = 0; k < st->n; k++) sum += weight[k] * du[k];
+      acceleration[a] += factor * sum;
+    }
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt k = 0; k < st->n; k++)
+    for (PetscInt a = 0; a < d; a++)
+      for (PetscInt b = 0; b < d; b++)
+        acceleration[a] += factor * pairs->w[(k * d + a) * d + b] * pairs->du[b][k];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Stores the rates of a particle in the vector of the TS. */
+static void StoreRates(Wcsph *w, PetscInt i, const Rates *rates)
+{
+  const PetscInt n = w->flow->particles->n_fluid, d = w->flow->scene->dim;
+  PetscInt       c = 2 * d;
+
+  for (PetscInt a = 0; a < d; a++) {
+    w->rate[a * n + i]       = w->local.u[a][i];
+    w->rate[(d + a) * n + i] = rates->u[a];
+  }
+  if (!w->density->sums) w->rate[c++ * n + i] = rates->rho;
+  if (w->equation->has_energy) w->rate[c * n + i] = rates->e;
+}
+
+/* Computes and stores the rates of a particle from its stencil. */
+static PetscErrorCode RateRow(Stencil *st, void *ctx)
+{
+  Wcsph               *w         = (Wcsph *)ctx;
+  const Flow          *flow      = w->flow;
+  const CorrectionRow *corrects  = flow->ops->forms.correction;
+  const PetscBool      corrected = corrects && corrects->bit ? PETSC_TRUE : PETSC_FALSE;
+  const PetscInt       i = st->i, d = st->dim;
+  const PetscReal      rho   = w->local.rho[i];
+  Pairs               *pairs = &w->pairs;
+  PetscReal            x[ISPH_MAX_DIM], force[ISPH_MAX_DIM] = {0.0}, p = w->local.p[i], div;
+  Rates                rates = {.rho = 0.0};
+
+  PetscFunctionBegin;
+  PetscCall(PairsReserve(st->capacity, pairs));
+  for (PetscInt a = 0; a < d; a++) x[a] = flow->particles->x[a][i];
+  if (SceneHas(flow->scene, PHYSICS_BODY_FORCE)) SceneBodyForce(flow->scene, w->t, x, force);
+  SetPairs(w, force, st, pairs);
+  KernelGradients(corrects, st, pairs->g);
+  div           = PairsDivergence(st, pairs);
+  rates.rho     = -rho * div;
+  w->divergence = PetscMax(w->divergence, PetscAbsReal(div));
+  if (w->equation->has_energy) {
+    for (PetscInt k = 0; k < st->n; k++) pairs->p[k] += w->p_rest;
+    p += w->p_rest;
+    rates.e = PairsEnergy(st, pairs, rho, p);
+  }
+  if (!w->density->sums && w->diffusion > 0.0) {
+    PetscReal slope[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < d; a++) slope[a] = rho * force[a] / PetscSqr(w->c0);
+    rates.rho += w->diffusion * st->h * w->c0 * DensityDiffusion(st, pairs, rho, slope);
+  }
+  ReducePressure(w, st, pairs, &p, force);
+  for (PetscInt a = 0; a < d; a++) rates.u[a] = force[a];
+  PressureForce(st, pairs, w->density->sums, corrected, rho, p, rates.u);
+  if (w->artificial[0] > 0.0 || w->artificial[1] > 0.0)
+    ArtificialViscosity(st, pairs, w->artificial, w->c0, rho, rates.u);
+  if (flow->ops->forms.visc.row && !w->implicit) PetscCall(ViscousForce(w, st, pairs, rates.u));
+  StoreRates(w, i, &rates);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  WcsphRates - Computes the rates of all own fluid particles at positions, velocities, densities and
+  energies of local values
+
+    dx/dt = u,   drho/dt = -rho div u + delta h c0 lap rho,   de/dt by the pressure,
+    du/dt = -grad p/rho + (div tau)/rho + f
+
+  Collective. Input: local.u, local.rho and local.e of own fluid; w->t. Output: w->rate, local.p.
+*/
+PetscErrorCode WcsphRates(Flow *flow, Wcsph *w)
+{
+  Particles *p = flow->particles;
+  LocalFlow *l = &w->local;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(w->event, 0, 0, 0, 0));
+  PetscCall(WallValuesSetVelocity(flow->scene, p, w->t, 0.0, &flow->walls));
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    for (PetscInt i = p->n_fluid; i < ParticlesOwn(p); i++) l->u[a][i] = p->u[a][i];
+    PetscCall(ParticlesHaloField(p, l->u[a]));
+  }
+  PetscCall(WcsphSetDensity(flow, w));
+  w->divergence = 0.0;
+  PetscCall(OperatorsStream(flow->scene, p, flow->neighbors, flow->ops, RateRow, w));
+  PetscCall(PetscLogEventEnd(w->event, 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,237 @@
+/*
+  The weakly compressible scheme: an explicit step of
+
+    dx/dt = u,   drho/dt = -rho div u,   du/dt = -grad p/rho + (div tau)/rho + f,   p = p(rho),
+
+  with the sums of classical SPH. No matrix is assembled; or viscosity is left to the implicit TS of
+  the projection, which then has the only matrix.
+
+  References: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009); J. Fang et
+  al., Appl. Math. Modelling 33 (2009)
+*/
+#include "wcsph.h"
+
+#define CLEARANCE 0.05 /* least distance of particles from walls [dx] */
+
+/* Returns the largest |drho/dt|/rho of the last step, in place of |div u|. */
+static PetscErrorCode Compression(Flow *flow, const Vec u[], PetscReal *largest)
+{
+  const Wcsph *w = (const Wcsph *)flow->scheme->data;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(&w->divergence, largest, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WcsphSetUp(Flow *flow)
+{
+  Wcsph       *w = (Wcsph *)flow->scheme->data;
+  PetscClassId id;
+
+  PetscFunctionBegin;
+  PetscCall(PetscClassIdRegister("Wcsph", &id));
+  PetscCall(PetscLogEventRegister("PairRates", id, &w->event));
+  PetscCall(WcsphCreateIntegrator(flow, w));
+  if (w->implicit) PetscCall(ViscosityCreate(flow, &w->visc));
+  flow->scheme->Divergence = Compression;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Registers density and energy, and sets them from the pressure at the start. */
+static PetscErrorCode WcsphRegister(Flow *flow)
+{
+  Particles *p = flow->particles;
+  Wcsph     *w = (Wcsph *)flow->scheme->data;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesRegister(p, "density", 1, HALO_NONE, ENTRY_MEAN, &w->rho));
+  if (w->equation->has_energy)
+    PetscCall(ParticlesRegister(p, "energy", 1, HALO_NONE, ENTRY_MEAN, &w->e));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    w->rho[i] = w->equation->Density(w, p->p[i]);
+    if (w->e) w->e[i] = w->e_rest;
+    UserCheck(w->rho[i] > 0.0,
+              "-sound_speed %.6g: the pressure %.6g at the start has no density; use a larger one",
+              (double)w->c0, (double)p->p[i]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes density and pressure of the particles at their present positions. */
+static PetscErrorCode SetPressure(Flow *flow, Wcsph *w)
+{
+  Particles *p = flow->particles;
+
+  PetscFunctionBegin;
+  PetscCall(WcsphReserve(flow, w));
+  PetscCall(PetscArraycpy(w->local.rho, w->rho, p->n_fluid));
+  if (w->e) PetscCall(PetscArraycpy(w->local.e, w->e, p->n_fluid));
+  PetscCall(WcsphSetDensity(flow, w));
+  PetscCall(PetscArraycpy(w->rho, w->local.rho, p->n_fluid));
+  PetscCall(PetscArraycpy(p->p, w->local.p, p->n_fluid));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WcsphBegin(Flow *flow)
+{
+  Wcsph *w = (Wcsph *)flow->scheme->data;
+
+  PetscFunctionBegin;
+  PetscCall(FlowBegin(flow));
+  PetscCall(SetPressure(flow, w));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Moves particles that are too close to walls, or behind them, away from the walls. */
+static void KeepOffWalls(const Scene *scene, Particles *p)
+{
+  if (!SceneHas(scene, PHYSICS_WALLS)) return;
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal x[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
+    SceneKeepOffWalls(scene, CLEARANCE * p->dx[i], x);
+    for (PetscInt a = 0; a < scene->dim; a++) p->x[a][i] = x[a];
+  }
+}
+
+/* Advances viscosity implicitly over the step, from the velocity that the TS has left. */
+static PetscErrorCode SolveViscosity(Flow *flow, Wcsph *w)
+{
+  Vec force[ISPH_MAX_DIM] = {NULL};
+
+  PetscFunctionBegin;
+  if (!w->visc) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FlowAssemble(flow));
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    PetscCall(FlowGetWork(flow, &force[a]));
+    PetscCall(VecZeroEntries(force[a]));
+  }
+  PetscCall(ViscositySolve(flow, flow->clock->dt, 0.0, force, NULL, flow->state->u_next, w->visc));
+  for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(FlowRestoreWork(flow, &force[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Measures the largest Mach number and change of density of the run. */
+static PetscErrorCode MeasureCompression(Flow *flow, Wcsph *w)
+{
+  PetscReal most = 0.0;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
+    most = PetscMax(most, PetscAbsReal(w->rho[i] / flow->scene->rho - 1.0));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
+  w->variation = PetscMax(w->variation, most);
+  w->mach      = PetscMax(w->mach, flow->scheme->stats.speed_max / w->c0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Moves owners, halo, neighbours and vectors to the new positions, and begins with u_next = u. */
+static PetscErrorCode FollowPositions(Flow *flow)
+{
+  PetscBool started;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesUpdateEpoch(flow->scene, flow->particles, PETSC_FALSE, &started));
+  if (!started) PetscCall(ParticlesUpdateHalo(flow->particles));
+  PetscCall(FlowFollow(flow));
+  for (PetscInt a = 0; a < flow->scene->dim; a++)
+    PetscCall(VecCopy(flow->state->u[a], flow->state->u_next[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes a step of the clock's dt; scheme->failure has the reason if it fails. */
+static PetscErrorCode WcsphStep(Flow *flow)
+{
+  StepFailure *failure = &flow->scheme->failure;
+  Wcsph       *w       = (Wcsph *)flow->scheme->data;
+
+  PetscFunctionBegin;
+  failure->code = PETSC_SUCCESS;
+  PetscCall(AverageBegin(flow));
+  if (SceneHas(flow->scene, PHYSICS_BODY_FORCE))
+    PetscCall(AddBodyForce(flow, flow->clock->t + flow->clock->dt, NULL));
+  PetscCall(WcsphShift(flow, w));
+  PetscCall(WcsphIntegrate(flow, w));
+  if (failure->code) PetscFunctionReturn(PETSC_SUCCESS);
+  KeepOffWalls(flow->scene, flow->particles);
+  PetscCall(FollowPositions(flow));
+  PetscCall(SolveViscosity(flow, w));
+  if (!failure->code) PetscCall(FlowCheck(flow));
+  if (failure->code) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SetPressure(flow, w));
+  PetscCall(AverageEnd(flow));
+  PetscCall(FlowAdvance(flow));
+  PetscCall(MeasureCompression(flow, w));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Limits the step by sound and, unless it is implicit, by viscosity. */
+static PetscErrorCode WcsphLimit(const Flow *flow, StepLimit *limit)
+{
+  const Wcsph    *w    = (const Wcsph *)flow->scheme->data;
+  const PetscReal pace = PetscMax(flow->scene->speed, flow->scheme->stats.speed_max);
+
+  PetscFunctionBegin;
+  PetscCall(FlowLimit(flow, limit));
+  if (!flow->ops) PetscFunctionReturn(PETSC_SUCCESS);
+  StepLimitLower(limit, w->courant * flow->ops->forms.h / (w->c0 + pace), "sound");
+  if (flow->scheme->stats.force_max > 0.0)
+    StepLimitLower(limit, 0.25 * PetscSqrtReal(flow->ops->forms.h / flow->scheme->stats.force_max),
+                   "the body force");
+  if (!w->implicit)
+    StepLimitLower(limit, ClockExplicitLimit(flow->scene, flow->ops->forms.radius), "viscosity");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Prints the equation of state, the integrator, and the step with its limit. */
+static PetscErrorCode WcsphView(const Flow *flow, PetscViewer viewer)
+{
+  const Wcsph *w = (const Wcsph *)flow->scheme->data;
+  StepLimit    limit;
+
+  PetscFunctionBegin;
+  PetscCall(TableViewRow("state", w->equation, viewer));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "%-11s c0 = %.6g m/s, U/c0 = %.3g\n", "sound",
+                                   (double)w->c0, (double)(flow->scene->speed / w->c0)));
+  PetscCall(TableViewRow("density", w->density, viewer));
+  if (w->diffusion > 0.0)
+    PetscCall(
+        PetscViewerASCIIPrintf(viewer, "%-11s delta = %.3g\n", "diffusion", (double)w->diffusion));
+  PetscCall(TableViewRow("reduction", w->reduction, viewer));
+  if (w->artificial[0] > 0.0 || w->artificial[1] > 0.0)
+    PetscCall(PetscViewerASCIIPrintf(viewer, "%-11s alpha = %.3g, beta = %.3g\n", "artificial",
+                                     (double)w->artificial[0], (double)w->artificial[1]));
+  PetscCall(TableViewRow("integrator", w->integrator, viewer));
+  PetscCall(SchemeLimit(flow, &limit));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "%-11s at most %.4g s by %s\n", "step", (double)limit.dt,
+                                   limit.reason));
+  if (w->visc) PetscCall(ViscosityView(w->visc, viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WcsphDestroy(Flow *flow)
+{
+  Wcsph *w = (Wcsph *)flow->scheme->data;
+
+  PetscFunctionBegin;
+  if (!w) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ViscosityDestroy(&w->visc));
+  PetscCall(WcsphFree(w));
+  PetscCall(PetscFree(flow->scheme->data));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const SchemeRow SchemeWcsph = {
+    .name     = "wcsph",
+    .brief    = "weakly compressible, explicit: density and an equation of state, no matrices",
+    .citation = "Monaghan, J. Comput. Phys. 110 (1994)",
+    .Create   = WcsphCreate,
+    .SetUp    = WcsphSetUp,
+    .Register = WcsphRegister,
+    .Begin    = WcsphBegin,
+    .Step     = WcsphStep,
+    .Limit    = WcsphLimit,
+    .View     = WcsphView,
+    .Destroy  = WcsphDestroy,
+};

@@ -1,0 +1,140 @@
+/*
+  State and functions of the weakly compressible scheme. create.c reads its options, equations.c has
+  the equations of state, rates.c the rates of change, pairs.c the sums over neighbours, and
+  integrate.c the TS.
+*/
+#ifndef ISPH_SCHEMES_WCSPH_H
+#define ISPH_SCHEMES_WCSPH_H
+
+#include "isph/guard.h"
+#include "schemes/step.h"
+#include "schemes/viscosity/viscosity.h"
+
+#define WCSPH_MOVE_MOST  0.2  /* of a particle in a step, for halos that serve all stages [dx] */
+#define WCSPH_MACH       0.2  /* largest Mach number that needs no word [-] */
+#define WCSPH_VARIATION  0.03 /* largest |rho/rho_0 - 1| that needs no word [-] */
+#define WCSPH_COMPONENTS (2 * ISPH_MAX_DIM + 2)
+
+typedef struct Wcsph Wcsph;
+
+/* Equations of state. Pressures are differences to the pressure at rest, Wcsph.p_rest. */
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscReal   exponent;   /* gamma [-] */
+  PetscBool   has_energy; /* depends on the internal energy */
+  PetscReal (*Pressure)(const Wcsph *w, PetscReal rho, PetscReal e); /* [Pa] */
+  PetscReal (*Density)(const Wcsph *w, PetscReal p);                 /* [kg/m^3] */
+} EquationOfStateRow;
+
+/* The density: an unknown of the TS, or a sum over neighbours; with the pressure force that belongs
+   to it. */
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscBool   sums;
+} DensityFormRow;
+
+/* Pressures that are subtracted before the pressure gradient is computed. */
+typedef enum { REDUCE_NONE, REDUCE_LOCAL_MEAN, REDUCE_HYDROSTATIC } Reduction;
+typedef struct {
+  const char *name, *brief, *citation;
+  Reduction   kind;
+} PressureReductionRow;
+
+/* TS types of the compressible equations. */
+typedef struct {
+  const char *name, *brief, *citation;
+} CompressibleIntegratorRow;
+
+/* Treatment of the viscous term. */
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscBool   implicit;
+} ViscousSplitRow;
+
+/* The rates of change of a particle. */
+typedef struct {
+  PetscReal u[ISPH_MAX_DIM]; /* acceleration [m/s^2] */
+  PetscReal rho;             /* [kg/(m^3 s)] */
+  PetscReal e;               /* of the internal energy [J/(kg s)] */
+} Rates;
+
+/* Quantities of the neighbours of a particle; arrays of the stencil's capacity. */
+typedef struct {
+  PetscInt   capacity;
+  PetscReal *g[ISPH_MAX_DIM];  /* gradient of the kernel, with the chosen correction */
+  PetscReal *du[ISPH_MAX_DIM]; /* u_k - u_i [m/s] */
+  PetscReal *p, *rho;          /* [Pa], [kg/m^3] */
+  PetscReal *w;                /* weights of the viscous form */
+} Pairs;
+
+/* Values by local index, with the halo. */
+typedef struct {
+  PetscInt   capacity;
+  PetscReal *u[ISPH_MAX_DIM], *rho, *p, *e; /* e: NULL without energy */
+} LocalFlow;
+
+struct Wcsph {
+  const EquationOfStateRow        *equation;
+  const DensityFormRow            *density;
+  const PressureReductionRow      *reduction;
+  const CompressibleIntegratorRow *integrator;
+  PetscBool                        implicit; /* viscosity is left to visc */
+  PetscReal                        c0;       /* speed of sound at rest [m/s] */
+  PetscReal                        p_rest;   /* pressure at rest, not zero for a gas [Pa] */
+  PetscReal                        e_rest;   /* internal energy at rest [J/kg] */
+  PetscReal                        courant;  /* of sound [-] */
+  PetscReal                        diffusion;
+  PetscReal                        artificial[2]; /* alpha, beta [-] */
+
+  PetscReal *rho, *e; /* fields of the particles; e NULL: no energy */
+
+  Guard      guard; /* names the TS in messages; it has no KSP */
+  TS         ts;
+  Vec        y;     /* components of all own particles, one component after the other */
+  PetscInt   epoch; /* of y */
+  PetscInt   components;
+  PetscReal *start[ISPH_MAX_DIM];        /* positions at the start of the step [m] */
+  PetscReal *displacement[ISPH_MAX_DIM]; /* by shifting [m] */
+  Viscosity *visc;                       /* NULL: explicit viscosity, or none */
+
+  /* of the present rates */
+  Flow      *flow;
+  PetscReal  t;
+  LocalFlow  local;
+  Pairs      pairs;
+  PetscReal *rate;       /* of the TS: where the rates go */
+  PetscReal  divergence; /* largest |drho/dt|/rho [1/s] */
+
+  PetscReal     mach, variation; /* largest of the run [-] */
+  PetscLogEvent event;
+};
+
+/* create.c */
+PetscErrorCode WcsphCreate(Flow *flow);
+
+/* integrate.c */
+PetscErrorCode WcsphCreateIntegrator(Flow *flow, Wcsph *w);
+PetscErrorCode WcsphIntegrate(Flow *flow, Wcsph *w);
+PetscErrorCode WcsphFree(Wcsph *w);
+
+/* rates.c */
+PetscErrorCode WcsphReserve(const Flow *flow, Wcsph *w);
+PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w);
+PetscErrorCode WcsphRates(Flow *flow, Wcsph *w);
+
+/* shift.c */
+PetscErrorCode WcsphShift(Flow *flow, Wcsph *w);
+
+/* pairs.c */
+PetscErrorCode PairsReserve(PetscInt capacity, Pairs *pairs);
+PetscErrorCode PairsFree(Pairs *pairs);
+PetscReal      PairsDivergence(const Stencil *stencil, const Pairs *pairs);
+void PressureForce(const Stencil *stencil, const Pairs *pairs, PetscBool sums, PetscBool corrected,
+                   PetscReal rho, PetscReal p, PetscReal acceleration[]);
+PetscReal PairsEnergy(const Stencil *stencil, const Pairs *pairs, PetscReal rho, PetscReal p);
+void ArtificialViscosity(const Stencil *stencil, const Pairs *pairs, const PetscReal artificial[],
+                         PetscReal c0, PetscReal rho, PetscReal acceleration[]);
+PetscReal DensityDiffusion(const Stencil *stencil, const Pairs *pairs, PetscReal rho,
+                           const PetscReal slope[]);
+
+#endif
