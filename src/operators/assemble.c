@@ -145,7 +145,7 @@ static PetscErrorCode AssembleVelocityRow(const Scene *scene, const Particles *p
   if (of->visc.needed && StoresRow(ops, &of->visc)) {
     PetscCall(LaplacianWeights(&ops->forms.visc, st, ops->work->w));
     if (p->nu && !ops->forms.components_coupled) WeighByViscosity(scene, p, st, ops->work->w);
-    if (ops->forms.components_coupled) KeepBlockRow(st, ops->work->w, ops);
+    if (ops->forms.components_coupled) KeepBlockRow(st, diagonal, ops->work->w, ops);
     else AddRow_Velocity(st, ops, diagonal, ops->work->w, &of->visc);
   }
   if (of->grad_u[0].needed && StoresRow(ops, &of->grad_u[0])) {

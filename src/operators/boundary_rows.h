@@ -36,7 +36,7 @@ void WeighByViscosity(const Scene *scene, const Particles *particles, const Sten
                       PetscReal w[]);
 void AddRow_Velocity(const Stencil *stencil, const Operators *ops, PetscInt diagonal,
                      const PetscReal w[], AffineOperator *op);
-void KeepBlockRow(const Stencil *stencil, const PetscReal w[], Operators *ops);
+void KeepBlockRow(const Stencil *stencil, PetscInt diagonal, const PetscReal w[], Operators *ops);
 PetscErrorCode AssembleViscousBlock(const Scene *scene, const Particles *particles, Operators *ops);
 PetscErrorCode AddRows_Pressure(const Scene *scene, Stencil *stencil, PetscInt diagonal,
                                 Operators *ops);
