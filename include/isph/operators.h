@@ -349,6 +349,8 @@ typedef struct {
   AffineOperator    grad_p[ISPH_MAX_DIM]; /* dp/dx_a; wall data: WallValues.p */
   AffineOperator    div[ISPH_MAX_DIM];    /* (D u)_i = sum_c div[c] u_c; wall data: u_wall,c */
   AffineOperator    filter_p;             /* residual of the fit of p [-]; wall data: p if given */
+  AffineOperator    first_pass[ISPH_MAX_DIM];  /* G_a of a composed form, of each component [1/m] */
+  AffineOperator    second_pass[ISPH_MAX_DIM]; /* D_a; not needed: that of the first pass */
   OperatorRows      rows;
   Concentration     concentration;
   FreeSurface      *free; /* NULL: the fluid has no free surface */

@@ -162,8 +162,6 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
     PetscCall(ChooseLaplacian(&options[VISC_LAPLACIAN], DefaultLaplacian(scene), correction,
                               &forms->visc));
     PetscCall(ChooseClearyFactor(scene, &forms->visc));
-    UserCheck(!forms->visc.row->composed, "-visc_laplacian %s: not in implicit schemes yet",
-              forms->visc.row->name);
     UserCheck(!SceneViscosityVaries(scene) || LaplacianIs(&forms->visc, FORM_VARYING),
               "-visc_laplacian %s: this form has no varying viscosity; use a form with "
               "varying_viscosity in -catalogue, such as mls or schwaiger",
