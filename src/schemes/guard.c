@@ -60,7 +60,8 @@ static PetscErrorCode GuardNote(KSP ksp, const LaplacianForm *form, Guard *guard
                             "-%sksp_type %s needs a symmetric matrix, and the matrix of %s is "
                             "unsymmetric: it may fail or be slower than gmres",
                             guard->solve.prefix, type, name));
-  } else if (form && !LaplacianIs(form, FORM_SAFE_IMPLICIT)) {
+  } else if (form && !LaplacianIs(form, FORM_SAFE_IMPLICIT) &&
+             !LaplacianIs(form, FORM_DISSIPATES)) {
     PetscCall(PetscSNPrintf(guard->solve.note, sizeof(guard->solve.note),
                             "-%slaplacian %s is anti-diffusive: it amplifies modes that should "
                             "decay, and an implicit step may be singular",
