@@ -1,7 +1,7 @@
 /*
-  The viscous stress by second derivatives of the kernel, with or without Shepard's correction. The
-  matrix of these forms has eigenvalues of both signs, so they serve for comparison only. Notation:
-  laplacians.c.
+  The viscous stress by second derivatives of the kernel, with or without Shepard's correction. Of
+  these forms the published one damps uniform velocities, and the others amplify some velocities, so
+  they serve for comparison only. Notation: laplacians.c.
 */
 #include "rows.h"
 
@@ -100,6 +100,10 @@ PetscErrorCode LaplacianRow_DirectDifference(Stencil *st, PetscReal w[])
 
   The row is that of LaplacianRow_DirectDifference() with a weight of the particle's own velocity,
   the sum of all weights, which is of order 1/dx^2. With the correction shepard this sum is zero.
+
+  Properties: the Fourier transform of -(tr(H) I + H/3) is (k^2 I + k k^T/3) times that of the
+  kernel, which is positive for Wendland's kernels. With these the form damps every velocity on any
+  arrangement of particles, uniform velocities too.
 
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), model A, Eqs
   (6), (27), (28)
