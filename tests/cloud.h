@@ -63,6 +63,8 @@ CloudBox  CloudPeriodic(PetscInt dim, PetscReal jitter);
 void      CloudCreateForm(const CloudBox *box, const char kernel[], const LaplacianRow *form,
                           Cloud *cloud);
 PetscReal CloudAsymmetry(Mat A);
+Cloud     CloudOfForm(const LaplacianRow *form, const CloudBox *box, const char more[]);
+Cloud     CloudFree(const LaplacianRow *form, PetscInt dim);
 
 PetscInt  QuadraticCount(PetscInt dim);
 Quadratic QuadraticMonomial(PetscInt dim, PetscInt k);
@@ -71,6 +73,7 @@ Quadratic QuadraticDerivative(const Cloud *cloud, const Quadratic *q, PetscInt a
 Quadratic QuadraticLaplacian(const Cloud *cloud, const Quadratic *q);
 
 PetscErrorCode CloudSet(const Cloud *cloud, const Quadratic *q, Vec v);
+void           CloudSetVelocity(const Cloud *cloud, const Quadratic u[], Vec all);
 PetscErrorCode CloudSetSlope(const Cloud *cloud, const Quadratic *q, Vec e);
 PetscErrorCode CloudSetWalls(Cloud *cloud);
 PetscErrorCode CloudDivergence(const Cloud *cloud, Vec y);

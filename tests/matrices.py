@@ -90,4 +90,5 @@ def main():
             assert abs(apply(ppe, f, k)) < 1e-4 * dx
 
 
-main()
+if __name__ == "__main__":
+    main()

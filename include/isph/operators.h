@@ -85,8 +85,11 @@ typedef struct {
   PetscBool  *surface;      /* neighbour is on a free surface, where fits have its condition */
   SurfaceKind kind;         /* of the particle */
   PetscBool   near_surface; /* the particle or a neighbour is on it */
-  PetscReal   own_normal[ISPH_MAX_DIM];    /* of the particle, out of the fluid */
-  PetscReal  *normal_strain[ISPH_MAX_DIM]; /* row of 2 n.E n of a particle on it [1/m] */
+  PetscReal   own_normal[ISPH_MAX_DIM]; /* of the particle, out of the fluid */
+  unsigned    correction; /* CorrectionBit of the present row, for forms that couple components */
+  PetscReal   own[ISPH_MAX_DIM * ISPH_MAX_DIM]; /* weight of u_i itself, see LaplacianRow */
+  PetscReal  *slope[ISPH_MAX_DIM];              /* V_j times the corrected kernel gradient */
+  PetscReal  *normal_strain[ISPH_MAX_DIM];      /* row of 2 n.E n of a particle on it [1/m] */
 } Stencil;
 
 PetscErrorCode StencilCreate(PetscInt dim, Stencil **stencil);
@@ -106,14 +109,21 @@ typedef enum {
   FORM_FULL_SUPPORT    = 1 << 4, /* needs particles behind walls; ignores Stencil.equation */
   FORM_SAFE_IMPLICIT   = 1 << 5, /* the eigenvalues of -L have positive real parts */
   FORM_VARYING         = 1 << 6, /* admits a varying viscosity, averaged over each pair */
-  FORM_COUPLES         = 1 << 7  /* divergence of a stress, which couples velocity components */
+  FORM_COUPLES         = 1 << 7, /* divergence of a stress, which couples velocity components */
+  FORM_MOMENTUM   = 1 << 8, /* no net force on a free cloud of equal volumes, for any velocity */
+  FORM_ANGULAR    = 1 << 9, /* no net torque on it */
+  FORM_DISSIPATES = 1 << 10 /* no velocity gains kinetic energy on it */
 } FormProperty;
-#define FORM_PROPERTY_COUNT 8
+#define FORM_PROPERTY_COUNT 11
 extern const char *const FormPropertyNames[FORM_PROPERTY_COUNT]; /* bit order of FormProperty */
 
 /* Corrections of the kernel; a row of a Laplacian lists, as bits, the corrections that it
    accepts. */
-typedef enum { CORRECTION_SHEPARD = 1 << 0, CORRECTION_FIRST_ORDER = 1 << 1 } CorrectionBit;
+typedef enum {
+  CORRECTION_SHEPARD     = 1 << 0,
+  CORRECTION_FIRST_ORDER = 1 << 1,
+  CORRECTION_MIXED       = 1 << 2 /* first order of Shepard's kernel */
+} CorrectionBit;
 typedef struct {
   const char *name, *brief, *citation;
   unsigned    bit;                                            /* of CorrectionBit; 0: none */
@@ -122,9 +132,26 @@ typedef struct {
 extern const Table CorrectionTable;
 
 /*
+  A form of two passes: the divergence D(S(G u)) of the local stress
+
+    S_i = nu (g + g^T - t tr(g) I),   g = (G u)_i the velocity gradient,   t = 1 - row->grad_div
+
+    (D S)_i = sum_j (S_j - S_i) c_ij,              c_ij = V_j grad_i W, corrected as in G
+    (D S)_i = sum_j S_i c_ij - V_j/V_i S_j c_ji,   transposed: D = -V^-1 G^T V
+
+  LaplacianGradient() computes c_ij.
+*/
+typedef enum { GRADIENT_SPH, GRADIENT_FIRST_ORDER, GRADIENT_COUPLED } GradientChoice;
+typedef struct {
+  GradientChoice gradient;   /* coupled: of first order beside walls and free surfaces only */
+  PetscBool      transposed; /* F = -V^-1 G^T V tau */
+} ComposedForm;
+
+/*
   Laplacians. w[k] multiplies f_k - f_i of neighbour k, or the given n.grad f if that is its
   equation. If the form couples components, w[(k dim + a) dim + b] multiplies (u_k - u_i)_b in
-  component a.
+  component a. Such a form without FORM_NULL_CONSTANTS also sets own[a dim + b] of the stencil, which
+  multiplies (u_i)_b.
 
   Factor() computes a number of a particle from its stencil, with the uncorrected kernel. It is
   called for all fluid particles before the rows, which then read st->factor of each neighbour.
@@ -135,6 +162,8 @@ typedef struct {
   unsigned    corrections; /* accepted corrections: bits of CorrectionBit */
   PetscErrorCode (*Row)(Stencil *stencil, PetscReal w[]);
   PetscReal (*Factor)(const Stencil *stencil); /* or NULL */
+  PetscReal           grad_div; /* b of a form that approximates lap u + b grad div u */
+  const ComposedForm *composed; /* NULL: one pass, by Row(); otherwise Row is NULL */
 } LaplacianRow;
 extern const Table LaplacianTable;
 
@@ -145,11 +174,13 @@ typedef struct {
   PetscBool            extended;   /* wall values are extrapolated from the fluid: unsymmetric */
   PetscBool            graded;     /* particles of a pair may differ in size: unsymmetric */
   PetscReal           *factor;     /* row->Factor() by local index; NULL: none */
+  PetscReal            scale;      /* multiplies all weights; 0: 1 */
 } LaplacianForm;
 PetscBool      LaplacianIs(const LaplacianForm *form, FormProperty property);
 PetscInt       LaplacianWidth(const LaplacianForm *form, PetscInt dim);
 PetscReal      LaplacianDilatation(const LaplacianForm *form);
 PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *stencil, PetscReal w[]);
+void           LaplacianGradient(const LaplacianForm *form, Stencil *stencil, PetscReal *c[]);
 
 /*
   Gradients and divergences. Row() computes the weights g[a][k] of f_k - f_i in df/dx_a.
@@ -321,6 +352,8 @@ typedef struct {
   AffineOperator    grad_p[ISPH_MAX_DIM]; /* dp/dx_a; wall data: WallValues.p */
   AffineOperator    div[ISPH_MAX_DIM];    /* (D u)_i = sum_c div[c] u_c; wall data: u_wall,c */
   AffineOperator    filter_p;             /* residual of the fit of p [-]; wall data: p if given */
+  AffineOperator    first_pass[ISPH_MAX_DIM];  /* G_a of a composed form, of each component [1/m] */
+  AffineOperator    second_pass[ISPH_MAX_DIM]; /* D_a; not needed: that of the first pass */
   OperatorRows      rows;
   Concentration     concentration;
   FreeSurface      *free; /* NULL: the fluid has no free surface */

@@ -147,7 +147,7 @@ static PetscErrorCode AssembleVelocityRow(const Scene *scene, const Particles *p
   if (of->visc.needed && StoresRow(ops, &of->visc)) {
     PetscCall(LaplacianWeights(&ops->forms.visc, st, ops->work->w));
     if (p->nu && !ops->forms.components_coupled) WeighByViscosity(scene, p, st, ops->work->w);
-    if (ops->forms.components_coupled) KeepBlockRow(st, ops->work->w, ops);
+    if (ops->forms.components_coupled) KeepBlockRow(st, diagonal, ops->work->w, ops);
     else AddRow_Velocity(st, ops, diagonal, ops->work->w, &of->visc);
   }
   if (of->grad_u[0].needed && StoresRow(ops, &of->grad_u[0])) {
@@ -172,6 +172,7 @@ static PetscErrorCode AssembleRow(const Scene *scene, const Particles *p, Stenci
     StencilSetVelocity(scene, c, st);
     PetscCall(AssembleVelocityRow(scene, p, st, diagonal, ops, &ops->velocity[c]));
   }
+  if (ops->first_pass[0].needed) AddRows_Composed(st, diagonal, ops);
   if (ops->ppe.needed) {
     PetscCall(AddRows_Pressure(scene, st, diagonal, ops));
     if (ops->needs & NEED_FREE_GRAD_P)
@@ -392,7 +393,8 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
     PetscCall(
         PatternMat(p->comm, &ops->rows.walls, p->n_fluid, p->n_wall, needed[k]->b, &needed[k]->B));
   }
-  if (ops->forms.components_coupled) PetscCall(AssembleViscousBlock(scene, p, ops));
+  if (ops->first_pass[0].needed) PetscCall(AssembleComposed(p, ops));
+  else if (ops->forms.components_coupled) PetscCall(AssembleViscousBlock(scene, p, ops));
   ops->rows.particles = p;
   if (ops->forms.wall && ops->forms.wall->Extend) PetscCall(ExtendWalls(scene, p, nb, ops));
   ops->regularised_rows = 0;

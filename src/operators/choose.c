@@ -11,6 +11,7 @@ enum {
   H_OVER_DX,
   CORRECTION,
   VISC_LAPLACIAN,
+  CLEARY_XI,
   PPE_LAPLACIAN,
   GRADIENT,
   WALL,
@@ -67,6 +68,16 @@ static const OptionRow options[] = {
                 "mls, or stress_mls where the viscosity varies and there is a pressure or a body",
             .table = &LaplacianTable,
             .where = "runs with viscosity",
+        },
+    [CLEARY_XI] =
+        {
+            .name     = "-cleary_xi",
+            .kind     = VALUE_REAL,
+            .brief    = "factor xi of the form cleary; published are 4.96333 and 4.24",
+            .unit     = "-",
+            .standard = "dimension + 2",
+            POSITIVE,
+            .where = "-visc_laplacian cleary",
         },
     [PPE_LAPLACIAN] =
         {
@@ -131,6 +142,18 @@ static const char *DefaultLaplacian(const Scene *scene, unsigned needs)
   return SceneViscosityVaries(scene) && curved ? "stress_mls" : "mls";
 }
 
+/* Reads the factor of the form cleary, whose weights are those of the factor dim + 2. */
+static PetscErrorCode ChooseClearyFactor(const Scene *scene, LaplacianForm *form)
+{
+  PetscReal xi = (PetscReal)scene->dim + 2.0;
+
+  PetscFunctionBegin;
+  if (form->row->Row != LaplacianRow_Cleary) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(OptionGetReal(&options[CLEARY_XI], &xi, NULL));
+  form->scale = xi / ((PetscReal)scene->dim + 2.0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Chooses the Laplacians that the run needs; the correction applies to those that accept it. */
 static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, OperatorForms *forms)
 {
@@ -144,6 +167,7 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
   if (needs & NEED_VISCOSITY || (needs & NEED_STREAMS && SceneHas(scene, PHYSICS_VISCOSITY))) {
     PetscCall(ChooseLaplacian(&options[VISC_LAPLACIAN], DefaultLaplacian(scene, needs), correction,
                               &forms->visc));
+    PetscCall(ChooseClearyFactor(scene, &forms->visc));
     UserCheck(!SceneViscosityVaries(scene) || LaplacianIs(&forms->visc, FORM_VARYING),
               "-visc_laplacian %s: this form has no varying viscosity; use a form with "
               "varying_viscosity in -catalogue, such as mls or schwaiger",

@@ -74,6 +74,25 @@ void CorrectKernel_FirstOrder(Stencil *st, PetscReal dW[], PetscReal ddW[])
   }
 }
 
+/*
+  CorrectKernel_Mixed - Computes the derivative of Shepard's kernel along the pair from its corrected
+  gradient L grad psi; W'' is left
+
+  Reference: J. Bonet, T.-S. L. Lok, Comput. Methods Appl. Mech. Eng. 180 (1999) 97-115; M. Basa, N.
+  Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eqs (24) to (26)
+*/
+static void CorrectKernel_Mixed(Stencil *st, PetscReal dW[], PetscReal ddW[])
+{
+  KernelGradients(st, CORRECTION_MIXED, st->slope);
+  for (PetscInt k = 0; k < st->n; k++) {
+    PetscReal along = 0.0; /* X.c */
+
+    for (PetscInt a = 0; a < st->dim; a++) along += st->X[a][k] * st->slope[a][k];
+    dW[k]  = st->V[k] > 0.0 ? -along / (st->r[k] * st->V[k]) : 0.0;
+    ddW[k] = st->ddW[k];
+  }
+}
+
 static const CorrectionRow corrections[] = {
     /* name, brief, citation, bit, kernel */
     {"none", "no correction", "", 0, NULL},
@@ -83,5 +102,8 @@ static const CorrectionRow corrections[] = {
     {"first_order", "gradient times the inverse moment matrix; morris with it is corrected",
      "Bonet & Lok, Comput. Methods Appl. Mech. Eng. 180 (1999)", CORRECTION_FIRST_ORDER,
      CorrectKernel_FirstOrder},
+    {"mixed", "first_order of the kernel of shepard",
+     "Bonet & Lok (1999); Basa, Quinlan & Lastiwka (2009), Eqs (24) to (26)", CORRECTION_MIXED,
+     CorrectKernel_Mixed},
 };
 const Table CorrectionTable = TABLE("Corrections of the kernel in Laplacians", corrections);

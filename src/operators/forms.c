@@ -6,8 +6,12 @@
 #include "rows.h"
 
 const char *const FormPropertyNames[FORM_PROPERTY_COUNT] = {
-    "null_constants", "symmetric",     "exact_linear",      "exact_quadratic",
-    "full_support",   "safe_implicit", "varying_viscosity", "couples_components"};
+    "null_constants",     "symmetric",
+    "exact_linear",       "exact_quadratic",
+    "full_support",       "safe_implicit",
+    "varying_viscosity",  "couples_components",
+    "conserves_momentum", "conserves_angular_momentum",
+    "dissipates"};
 
 /* FormDescribe - Appends the names of properties to a text, such as "null_constants, symmetric";
    not collective */
@@ -25,13 +29,15 @@ PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length)
 
   Not collective. A Laplacian with a correction of the kernel, with particles of several sizes, or
   with an extension of the velocity to wall particles, is never symmetric: correction and kernel
-  differ from particle to particle, and the extension changes rows beside walls.
+  differ from particle to particle, and the extension changes rows beside walls. It has none of the
+  properties that follow from symmetry either.
 */
 PetscBool LaplacianIs(const LaplacianForm *form, FormProperty property)
 {
   unsigned properties = form->row->properties;
 
-  if (form->correction || form->extended || form->graded) properties &= ~(unsigned)FORM_SYMMETRIC;
+  if (form->correction || form->extended || form->graded)
+    properties &= ~(unsigned)(FORM_SYMMETRIC | FORM_MOMENTUM | FORM_ANGULAR | FORM_DISSIPATES);
   return (properties & (unsigned)property) ? PETSC_TRUE : PETSC_FALSE;
 }
 
@@ -52,7 +58,7 @@ PetscInt LaplacianWidth(const LaplacianForm *form, PetscInt dim)
 */
 PetscReal LaplacianDilatation(const LaplacianForm *form)
 {
-  return LaplacianIs(form, FORM_COUPLES) ? 3.0 : 1.0;
+  return 1.0 + form->row->grad_div;
 }
 
 /*
@@ -61,14 +67,21 @@ PetscReal LaplacianDilatation(const LaplacianForm *form)
   Not collective.
 
   Output Parameter:
-. w - w[k] multiplies f_k - f_i [m^-2]; for wall neighbours see LaplacianRow
+. w - w[k] multiplies f_k - f_i [m^-2]; for wall neighbours and for st->own see LaplacianRow
+
+  Notes: forms that couple components take a correction as a vector from KernelGradients(), the
+  others its component along the pair.
 */
 PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *st, PetscReal w[])
 {
   PetscReal *const dW = st->dW, *const ddW = st->ddW;
+  const PetscBool couples = LaplacianIs(form, FORM_COUPLES);
+  const PetscInt  entries = LaplacianWidth(form, st->dim);
 
   PetscFunctionBegin;
-  if (form->correction) {
+  st->correction = form->correction ? form->correction->bit : 0;
+  for (PetscInt e = 0; e < entries; e++) st->own[e] = 0.0;
+  if (form->correction && !couples) {
     form->correction->Kernel(st, st->corrected[0], st->corrected[1]);
     st->dW  = st->corrected[0];
     st->ddW = st->corrected[1];
@@ -80,6 +93,7 @@ PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *st, PetscRea
         st->wall[k] || form->factor[st->j[k]] == 0.0 ? own : 0.5 * (own + form->factor[st->j[k]]);
   }
   PetscCall(form->row->Row(st, w));
+  for (PetscInt e = 0; form->scale != 0.0 && e < st->n * entries; e++) w[e] *= form->scale;
   st->dW  = dW;
   st->ddW = ddW;
   PetscFunctionReturn(PETSC_SUCCESS);

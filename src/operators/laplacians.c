@@ -163,42 +163,77 @@ static PetscErrorCode LaplacianRow_Lsph(Stencil *st, PetscReal w[])
 #define DIFFUSIVE (FORM_SAFE_IMPLICIT | FORM_VARYING)
 #define ADAPTED   (FORM_NULL_CONSTANTS | FORM_EXACT_LINEAR | DIFFUSIVE)
 #define QUADRATIC (ADAPTED | FORM_EXACT_QUADRATIC)
+#define OPPOSITE  (PAIRWISE | FORM_SYMMETRIC | FORM_MOMENTUM) /* opposite forces of a pair */
+#define RADIAL    (OPPOSITE | FORM_ANGULAR | FORM_DISSIPATES | FORM_COUPLES | FORM_SAFE_IMPLICIT)
+#define ENERGY    (OPPOSITE | FORM_DISSIPATES | FORM_COUPLES)
+#define GRADIENTS (CORRECTION_SHEPARD | CORRECTION_FIRST_ORDER | CORRECTION_MIXED)
+
+static const ComposedForm two_pass       = {GRADIENT_SPH, PETSC_FALSE};
+static const ComposedForm energy_sph     = {GRADIENT_SPH, PETSC_TRUE};
+static const ComposedForm energy_fpm     = {GRADIENT_FIRST_ORDER, PETSC_TRUE};
+static const ComposedForm energy_coupled = {GRADIENT_COUPLED, PETSC_TRUE};
 
 static const LaplacianRow laplacians[] = {
-    /* name, brief, citation, properties, accepted corrections, row, factor */
+    /* name, brief, citation, properties, accepted corrections, row, factor, grad div, composed */
     {"morris", "finite difference times kernel gradient (VISC-01, model E)",
-     "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)", PAIRWISE | FORM_SYMMETRIC | DIFFUSIVE,
-     CORRECTION_SHEPARD | CORRECTION_FIRST_ORDER, LaplacianRow_Morris, NULL},
+     "Morris, Fox & Zhu, J. Comput. Phys. 136 (1997)", OPPOSITE | FORM_DISSIPATES | DIFFUSIVE,
+     GRADIENTS, LaplacianRow_Morris, NULL, 0.0, NULL},
     {"gotoh", "from the kernel's Hessian along the pair (VISC-02)",
      "Gotoh et al., Appl. Ocean Res. 46 (2014); Zheng, Ma & Shao, Water 10 (2018)",
-     PAIRWISE | FORM_SYMMETRIC | DIFFUSIVE, CORRECTION_SHEPARD, LaplacianRow_Gotoh, NULL},
+     OPPOSITE | FORM_DISSIPATES | DIFFUSIVE, CORRECTION_SHEPARD, LaplacianRow_Gotoh, NULL, 0.0,
+     NULL},
     {"schwaiger", "morris without the error of linear fields (VISC-03)",
      "Schwaiger, Int. J. Numer. Meth. Eng. 75 (2008)", ADAPTED | FORM_FULL_SUPPORT, 0,
-     LaplacianRow_Schwaiger, NULL},
+     LaplacianRow_Schwaiger, NULL, 0.0, NULL},
     {"corrected", "morris with -correction first_order under another name (VISC-04)",
      "Oger et al., J. Comput. Phys. 225 (2007)", PAIRWISE | DIFFUSIVE, 0, LaplacianRow_Corrected,
-     NULL},
+     NULL, 0.0, NULL},
     {"direct_scalar", "Laplacian of the kernel; anti-diffusive, for comparison",
-     "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", PAIRWISE | FORM_SYMMETRIC,
-     CORRECTION_SHEPARD, LaplacianRow_DirectScalar, NULL},
+     "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", OPPOSITE,
+     CORRECTION_SHEPARD, LaplacianRow_DirectScalar, NULL, 0.0, NULL},
     {"fatehi_manzari", "exact for quadratics by a matrix per particle",
      "Fatehi & Manzari, Comput. Math. Appl. 61 (2011)", QUADRATIC | FORM_FULL_SUPPORT, 0,
-     LaplacianRow_FatehiManzari, NULL},
+     LaplacianRow_FatehiManzari, NULL, 0.0, NULL},
     {"mls", "quadratic moving least squares with boundary conditions in the fit",
-     "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", QUADRATIC, 0, LaplacianRow_Mls, NULL},
+     "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", QUADRATIC, 0, LaplacianRow_Mls, NULL, 0.0,
+     NULL},
     {"mls3", "cubic moving least squares, second order on disorder too",
-     "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", QUADRATIC, 0, LaplacianRow_Mls3, NULL},
+     "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", QUADRATIC, 0, LaplacianRow_Mls3, NULL,
+     0.0, NULL},
     {"lsph", "renormalised meshless Laplacian", "Basic, Degiuli & Ban, J. Comput. Phys. 354 (2018)",
-     ADAPTED | FORM_FULL_SUPPORT, 0, LaplacianRow_Lsph, NULL},
+     ADAPTED | FORM_FULL_SUPPORT, 0, LaplacianRow_Lsph, NULL, 0.0, NULL},
     {"stress_mls",
      "div of the stress 2 nu E + nu (div u) I, least squares along pairs; viscosity only",
      "after Cleary & Monaghan, J. Comput. Phys. 148 (1999)",
-     QUADRATIC | FORM_COUPLES | FORM_FULL_SUPPORT, 0, LaplacianRow_StressMls, NULL},
+     QUADRATIC | FORM_COUPLES | FORM_FULL_SUPPORT, 0, LaplacianRow_StressMls, NULL, 2.0, NULL},
     {"pairwise_stress",
      "the same stress by symmetric pair forces, no traction at free surfaces; viscosity only",
-     "after Weiler et al., Comput. Graph. Forum 37(2) (2018)",
-     PAIRWISE | FORM_SYMMETRIC | DIFFUSIVE | FORM_COUPLES, 0, LaplacianRow_PairwiseStress,
-     Factor_PairwiseStress},
+     "after Weiler et al., Comput. Graph. Forum 37(2) (2018)", RADIAL | FORM_VARYING, 0,
+     LaplacianRow_PairwiseStress, Factor_PairwiseStress, 2.0, NULL},
+    {"violeau", "radial pair forces by the kernel gradient (model C); viscosity only",
+     "Violeau & Issa, Int. J. Numer. Meth. Fluids 53 (2007); Basa, Quinlan & Lastiwka (2009)",
+     RADIAL, GRADIENTS, LaplacianRow_Violeau, NULL, 2.0, NULL},
+    {"cleary", "the same with the factor -cleary_xi (model D); viscosity only",
+     "Cleary, Appl. Math. Modelling 22 (1998); Basa, Quinlan & Lastiwka (2009)",
+     RADIAL | FORM_VARYING, GRADIENTS, LaplacianRow_Cleary, NULL, 2.0, NULL},
+    {"direct", "second derivatives of the kernel (model A); uniform flow decays, for comparison",
+     "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)",
+     FORM_SYMMETRIC | FORM_DISSIPATES | FORM_COUPLES | FORM_FULL_SUPPORT, CORRECTION_SHEPARD,
+     LaplacianRow_Direct, NULL, 1.0 / 3.0, NULL},
+    {"direct_difference", "the same with differences of velocities; anti-diffusive, for comparison",
+     "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", OPPOSITE | FORM_COUPLES,
+     CORRECTION_SHEPARD, LaplacianRow_DirectDifference, NULL, 1.0 / 3.0, NULL},
+    {"two_pass", "gradient of the stress of the velocity gradient (model B); viscosity only",
+     "Flebbe et al., Astrophys. J. 431 (1994); Basa, Quinlan & Lastiwka (2009)",
+     PAIRWISE | FORM_COUPLES, GRADIENTS, NULL, NULL, 1.0 / 3.0, &two_pass},
+    {"energy_sph", "stress of the velocity gradient, forces by its adjoint; viscosity only",
+     "Fang et al., Appl. Numer. Math. 59 (2009)", ENERGY, 0, NULL, NULL, 1.0 / 3.0, &energy_sph},
+    {"energy_fpm", "the same with gradients of first order (FPH); viscosity only",
+     "Fang et al., Appl. Numer. Math. 59 (2009)", ENERGY | FORM_ANGULAR, 0, NULL, NULL, 1.0 / 3.0,
+     &energy_fpm},
+    {"energy_coupled", "the same, of first order beside boundaries only (CPH); viscosity only",
+     "Fang et al., Appl. Numer. Math. 59 (2009)", ENERGY, 0, NULL, NULL, 1.0 / 3.0,
+     &energy_coupled},
 };
 
 /* The form mls of fluids with a free surface. */
@@ -209,6 +244,7 @@ const LaplacianRow LaplacianSurface = {
     .properties = FORM_NULL_CONSTANTS | FORM_EXACT_LINEAR | FORM_SAFE_IMPLICIT | FORM_COUPLES,
     .Row        = LaplacianRow_SurfaceMls,
     .Factor     = Factor_PairwiseStress,
+    .grad_div   = 2.0,
 };
 
 /* Appends the declared properties and the accepted corrections of a Laplacian to a text. */

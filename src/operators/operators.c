@@ -24,6 +24,8 @@ void OperatorsList(Operators *ops, AffineOperator *all[OPERATORS_COUNT])
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     all[n++] = &ops->grad_p[a];
     all[n++] = &ops->div[a];
+    all[n++] = &ops->first_pass[a];
+    all[n++] = &ops->second_pass[a];
   }
 }
 
@@ -55,8 +57,9 @@ static void NeedVelocity(const Scene *scene, Operators *ops, VelocityOperators *
                  &of->visc);
   ChooseProducts(ops, extended, &of->filter_u);
   for (PetscInt a = 0; a < scene->dim; a++) ChooseProducts(ops, extended, &of->grad_u[a]);
-  of->visc.width      = LaplacianWidth(&ops->forms.visc, scene->dim);
-  of->visc.needed     = ops->needs & NEED_VISCOSITY ? PETSC_TRUE : PETSC_FALSE;
+  of->visc.width = LaplacianWidth(&ops->forms.visc, scene->dim);
+  of->visc.needed =
+      ops->needs & NEED_VISCOSITY && !ops->forms.visc.row->composed ? PETSC_TRUE : PETSC_FALSE;
   of->filter_u.needed = ops->needs & NEED_FILTER_U ? PETSC_TRUE : PETSC_FALSE;
   for (PetscInt a = 0; a < scene->dim; a++)
     of->grad_u[a].needed = ops->needs & NEED_GRADIENT_U ? PETSC_TRUE : PETSC_FALSE;
@@ -166,6 +169,7 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
   for (PetscInt k = 0; k < OPERATORS_COUNT; k++) all[k]->width = 1;
   ops->n_velocity = SceneSlipKind(scene) ? scene->dim : 1;
   for (PetscInt c = 0; c < ops->n_velocity; c++) NeedVelocity(scene, ops, &ops->velocity[c]);
+  ComposedNeed(scene, ops);
   ops->filter_p.needed = needs & NEED_FILTER_P ? PETSC_TRUE : PETSC_FALSE;
   ops->ppe.needed      = pressure;
   ChooseProducts(ops, PETSC_FALSE, &ops->filter_p);

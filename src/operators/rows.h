@@ -13,6 +13,10 @@ extern const LaplacianRow LaplacianSurface;
 PetscErrorCode            LaplacianRow_SurfaceMls(Stencil *stencil, PetscReal w[]);
 PetscErrorCode            LaplacianRow_PairwiseStress(Stencil *stencil, PetscReal w[]);
 PetscReal                 Factor_PairwiseStress(const Stencil *stencil);
+PetscErrorCode            LaplacianRow_Violeau(Stencil *stencil, PetscReal w[]);
+PetscErrorCode            LaplacianRow_Cleary(Stencil *stencil, PetscReal w[]);
+PetscErrorCode            LaplacianRow_Direct(Stencil *stencil, PetscReal w[]);
+PetscErrorCode            LaplacianRow_DirectDifference(Stencil *stencil, PetscReal w[]);
 PetscErrorCode            GradientRow_Mls(Stencil *stencil, PetscReal *g[]);
 PetscErrorCode            GradientRow_MlsDegree(Stencil *stencil, PetscInt degree, PetscReal *g[],
                                                 PetscBool *determined);
@@ -24,6 +28,7 @@ PetscBool FreeSurfaceTouches(const Particles *particles, const Neighbors *neighb
                              PetscInt wall);
 PetscInt  SurfaceTangents(PetscInt dim, const PetscReal normal[], PetscReal t[][ISPH_MAX_DIM]);
 void      CorrectKernel_FirstOrder(Stencil *stencil, PetscReal dW[], PetscReal ddW[]);
+void      KernelGradients(Stencil *stencil, unsigned correction, PetscReal *c[]);
 PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length);
 
 /* Computes the corrected kernel gradient M^-1 grad_i W of neighbour k; `inverse` holds M^-1,

@@ -20,7 +20,7 @@ static PetscErrorCode StencilFree(Stencil *st)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     PetscCall(PetscFree3(st->X[a], st->normal[a], st->fit.gradient[a]));
-    PetscCall(PetscFree(st->normal_strain[a]));
+    PetscCall(PetscFree2(st->normal_strain[a], st->slope[a]));
   }
   PetscCall(PetscFree(st->surface));
   PetscCall(PetscFree6(st->fit.phi, st->fit.W, st->fit.value, st->fit.weighted, st->fit.laplacian,
@@ -50,7 +50,7 @@ PetscErrorCode StencilReserve(Stencil *st, PetscInt n)
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     PetscCall(PetscMalloc3(st->capacity, &st->X[a], st->capacity, &st->normal[a], st->capacity,
                            &st->fit.gradient[a]));
-    PetscCall(PetscMalloc1(st->capacity, &st->normal_strain[a]));
+    PetscCall(PetscMalloc2(st->capacity, &st->normal_strain[a], st->capacity, &st->slope[a]));
   }
   PetscCall(PetscMalloc1(st->capacity, &st->surface));
   PetscCall(PetscMalloc6(MLS_MAX_TERMS * st->capacity, &st->fit.phi, st->capacity, &st->fit.W,

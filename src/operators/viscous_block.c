@@ -19,8 +19,9 @@ static PetscInt SlotEntries(const Operators *ops, PetscInt dim)
 }
 
 /* KeepBlockRow - Stores the weights of a row in their slots, for wall neighbours the weights of
-   wall data from WallWeights(); not collective */
-void KeepBlockRow(const Stencil *st, const PetscReal w[], Operators *ops)
+   wall data from WallWeights(). The slot of the diagonal has the particle's own weight; a neighbour
+   that is its periodic image has none. Not collective. */
+void KeepBlockRow(const Stencil *st, PetscInt diagonal, const PetscReal w[], Operators *ops)
 {
   const PetscInt   width    = ops->velocity[0].visc.width;
   const PetscReal *of_walls = WallWeights(st, ops, width, w);
@@ -33,6 +34,7 @@ void KeepBlockRow(const Stencil *st, const PetscReal w[], Operators *ops)
 
     for (PetscInt e = 0; e < width; e++) to[e] += from[k * width + e];
   }
+  for (PetscInt e = 0; e < width; e++) a[diagonal * width + e] = width > 1 ? st->own[e] : 0.0;
 }
 
 /* Creates a matrix of dim x dim blocks on a pattern, without values; columns: number of own
@@ -117,7 +119,8 @@ PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, O
     for (PetscInt s = ops->forms.wall ? walls->row[i] : 0; ops->forms.wall && s < walls->row[i + 1];
          s++)
       ScaleSlot(width, entries, own, &op->b[s * width], &b[s * entries], sum);
-    for (PetscInt e = 0; e < entries; e++) a[diagonal * entries + e] = -sum[e];
+    for (PetscInt e = 0; e < entries; e++)
+      a[diagonal * entries + e] = own * op->a[diagonal * width + (width == 1 ? 0 : e)] - sum[e];
   }
   PetscCall(MatSetValuesCOO(op->A, a, INSERT_VALUES));
   if (ops->forms.wall) PetscCall(MatSetValuesCOO(op->B, b, INSERT_VALUES));

@@ -44,8 +44,8 @@ static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Records a note if the KSP needs a symmetric matrix but the matrix is not symmetric, or if the
-   Laplacian can make an implicit step unstable. */
+/* Records a note if the KSP needs a symmetric matrix but the matrix is not symmetric, if the
+   Laplacian can make an implicit step unstable, or if it damps constants. */
 static PetscErrorCode GuardNote(KSP ksp, const LaplacianForm *form, Guard *guard)
 {
   PetscBool   needs_symmetry;
@@ -60,10 +60,16 @@ static PetscErrorCode GuardNote(KSP ksp, const LaplacianForm *form, Guard *guard
                             "-%sksp_type %s needs a symmetric matrix, and the matrix of %s is "
                             "unsymmetric: it may fail or be slower than gmres",
                             guard->solve.prefix, type, name));
-  } else if (form && !LaplacianIs(form, FORM_SAFE_IMPLICIT)) {
+  } else if (form && !LaplacianIs(form, FORM_SAFE_IMPLICIT) &&
+             !LaplacianIs(form, FORM_DISSIPATES)) {
     PetscCall(PetscSNPrintf(guard->solve.note, sizeof(guard->solve.note),
                             "-%slaplacian %s is anti-diffusive: it amplifies modes that should "
                             "decay, and an implicit step may be singular",
+                            guard->solve.prefix, name));
+  } else if (form && !LaplacianIs(form, FORM_NULL_CONSTANTS)) {
+    PetscCall(PetscSNPrintf(guard->solve.note, sizeof(guard->solve.note),
+                            "-%slaplacian %s does not vanish for constants: uniform velocities "
+                            "decay too",
                             guard->solve.prefix, name));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -63,9 +63,10 @@ static PetscErrorCode RefuseForms(const Flow *flow)
             "-gradient %s: -scheme coupled needs one-sided pressure gradients beside walls, which "
             "only -gradient mls has",
             forms->gradient->name);
-  UserCheck(LaplacianIs(&forms->visc, FORM_SAFE_IMPLICIT),
+  UserCheck(LaplacianIs(&forms->visc, FORM_SAFE_IMPLICIT) ||
+                LaplacianIs(&forms->visc, FORM_DISSIPATES),
             "-visc_laplacian %s: its matrix has eigenvalues of both signs, and -scheme coupled has "
-            "no solver for it; use a form that is safe_implicit in -catalogue",
+            "no solver for it; use a form that is safe_implicit or dissipates in -catalogue",
             forms->visc.row->name);
   UserCheck(!SceneViscosityVaries(scene),
             "-scheme coupled: it needs a uniform viscosity, which excludes %s; use -scheme "
@@ -74,7 +75,8 @@ static PetscErrorCode RefuseForms(const Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses -steady for flows with no steady state or with several steady states. */
+/* Refuses -steady for flows with no steady state or with several steady states, and for forms that
+   leave grid modes undetermined. */
 static PetscErrorCode RefuseSteady(const Flow *flow)
 {
   const Scene *scene = flow->scene;
@@ -89,6 +91,10 @@ static PetscErrorCode RefuseSteady(const Flow *flow)
                 !(scene->exact.n && ExpressionUses(&scene->exact, EXPRESSION_TIME)),
             "-steady: a wall's velocity, the body force or -scene_exact depends on t; advance in "
             "time, with -coupled_ts_type rosw in steps of any length");
+  UserCheck(LaplacianIs(&flow->ops->forms.visc, FORM_SAFE_IMPLICIT),
+            "-steady: -visc_laplacian %s hardly acts on grid modes, and without du/dt nothing else "
+            "determines them; use a form that is safe_implicit in -catalogue",
+            flow->ops->forms.visc.row->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,0 +1,235 @@
+/*
+  The viscous operator of forms of two passes, on all velocity components together: the divergence D
+  of the stress S of the velocity gradient G u. The first pass computes the stress, the second its
+  divergence, so the stencil is twice as wide. Both passes are matrices; their product is the viscous
+  operator. With the strain operator
+
+    (E u)_i,ab = G_a u_b + G_b u_a for a > b,   (E u)_i,aa = G_a u_a
+
+  and the symmetric stress by its entries a >= b, tau:grad u is the sum of tau_ab (E u)_ab, and the
+  adjoint form is -V^-1 E^T V S E: docs/theory.md, (166) to (169). The velocity of walls enters G as
+  in every row. The adjoint form needs no stress at walls. The other divergence is that of the
+  fluid's stress alone, one-sided beside walls.
+*/
+#include "assembly.h"
+#include "boundary_rows.h"
+#include "rows.h"
+
+/* Returns the number of entries of a symmetric tensor. */
+static PetscInt Entries(PetscInt dim)
+{
+  return dim * (dim + 1) / 2;
+}
+
+/* Returns the index of the entries (a, b) and (b, a) of a symmetric tensor. */
+static PetscInt Entry(PetscInt a, PetscInt b)
+{
+  return a >= b ? a * (a + 1) / 2 + b : b * (b + 1) / 2 + a;
+}
+
+/* Returns true if the second pass has rows of its own. */
+static PetscBool HasDivergence(const Scene *scene, const OperatorForms *forms)
+{
+  return SceneHas(scene, PHYSICS_WALLS) && !forms->visc.row->composed->transposed ? PETSC_TRUE
+                                                                                  : PETSC_FALSE;
+}
+
+/* ComposedNeed - Marks the operators of both passes that the chosen form needs; not collective */
+void ComposedNeed(const Scene *scene, Operators *ops)
+{
+  const LaplacianForm *visc = &ops->forms.visc;
+
+  for (PetscInt a = 0; visc->row && visc->row->composed && a < scene->dim; a++) {
+    ops->first_pass[a].needed  = PETSC_TRUE;
+    ops->second_pass[a].needed = HasDivergence(scene, &ops->forms);
+  }
+}
+
+/* AddRows_Composed - Adds a particle's rows of both passes; not collective */
+void AddRows_Composed(Stencil *st, PetscInt diagonal, Operators *ops)
+{
+  PetscReal **c = ops->work->g, *V = ops->work->w;
+
+  LaplacianGradient(&ops->forms.visc, st, c);
+  for (PetscInt a = 0; a < st->dim; a++)
+    AddRow_Velocity(st, ops, diagonal, c[a], &ops->first_pass[a]);
+  if (!ops->second_pass[0].needed) return;
+  for (PetscInt k = 0; k < st->n; k++) {
+    V[k] = st->V[k];
+    if (st->wall[k]) st->V[k] = 0.0; /* has no stress */
+  }
+  LaplacianGradient(&ops->forms.visc, st, c);
+  for (PetscInt k = 0; k < st->n; k++) st->V[k] = V[k];
+  for (PetscInt a = 0; a < st->dim; a++)
+    AddRow_Velocity(st, ops, diagonal, c[a], &ops->second_pass[a]);
+}
+
+/* A sparse matrix under construction, whose rows and columns are components of particles. */
+typedef struct {
+  PetscInt     rows, cols;        /* components of each particle */
+  PetscInt     n, n_cols;         /* own particles of rows and of columns */
+  PetscInt    *start, *col, used; /* compressed rows */
+  PetscScalar *value;
+} Blocks;
+
+static PetscErrorCode BlocksCreate(PetscInt rows, PetscInt cols, PetscInt n, PetscInt n_cols,
+                                   PetscInt most, Blocks *to)
+{
+  PetscFunctionBegin;
+  *to = (Blocks){.rows = rows, .cols = cols, .n = n, .n_cols = n_cols};
+  PetscCall(PetscMalloc3(rows * n + 1, &to->start, most, &to->col, most, &to->value));
+  to->start[0] = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates the matrix and frees the arrays. */
+static PetscErrorCode BlocksMat(MPI_Comm comm, Blocks *from, Mat *A)
+{
+  PetscFunctionBegin;
+  PetscCall(MatCreate(comm, A));
+  PetscCall(MatSetSizes(*A, from->rows * from->n, from->cols * from->n_cols, PETSC_DETERMINE,
+                        PETSC_DETERMINE));
+  PetscCall(MatSetType(*A, MATAIJ));
+  PetscCall(MatSeqAIJSetPreallocationCSR(*A, from->start, from->col, from->value));
+  PetscCall(MatMPIAIJSetPreallocationCSR(*A, from->start, from->col, from->value));
+  PetscCall(PetscFree3(from->start, from->col, from->value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void Put(Blocks *to, PetscInt particle, PetscInt component, PetscReal value)
+{
+  to->col[to->used]     = to->cols * particle + component;
+  to->value[to->used++] = value;
+}
+
+/* Puts the entries of a slot into the row (a, b) of E, or of the stress S E if t >= 0: tau = g + g^T
+   - t tr(g) I. Input: g - weights of the gradient. */
+static void PutStress(PetscInt d, PetscInt a, PetscInt b, PetscReal t, const PetscReal g[],
+                      PetscInt particle, Blocks *to)
+{
+  if (a != b) {
+    Put(to, particle, b, g[a]);
+    Put(to, particle, a, g[b]);
+    return;
+  }
+  for (PetscInt c = 0; c < d; c++) {
+    if (t < 0.0 && c == a) Put(to, particle, c, g[a]);
+    if (t >= 0.0) Put(to, particle, c, (c == a ? 2.0 * g[a] : 0.0) - t * g[c]);
+  }
+}
+
+/* Creates E (t < 0) or S E over fluid or over walls. */
+static PetscErrorCode StrainMat(const Particles *p, const Operators *ops, PetscBool over_walls,
+                                PetscReal t, Mat *A)
+{
+  const Pattern *pattern = over_walls ? &ops->rows.walls : &ops->rows.fluid;
+  const PetscInt d = p->dim, count = pattern->row[p->n_fluid];
+  Blocks         to;
+
+  PetscFunctionBegin;
+  PetscCall(BlocksCreate(Entries(d), d, p->n_fluid, over_walls ? p->n_wall : p->n_fluid,
+                         count * (d * (d - 1) + d * d), &to));
+  for (PetscInt r = 0; r < Entries(d) * p->n_fluid; r++) {
+    const PetscInt i = r / Entries(d),
+                   a = r % Entries(d) < 1   ? 0
+                       : r % Entries(d) < 3 ? 1
+                                            : 2,
+                   b = r % Entries(d) - Entry(a, 0);
+
+    for (PetscInt s = pattern->row[i]; s < pattern->row[i + 1]; s++) {
+      PetscReal g[ISPH_MAX_DIM];
+
+      for (PetscInt e = 0; e < d; e++)
+        g[e] = over_walls ? ops->first_pass[e].b[s] : ops->first_pass[e].a[s];
+      PutStress(d, a, b, t, g, pattern->col[s], &to);
+    }
+    to.start[r + 1] = to.used;
+  }
+  PetscCall(BlocksMat(p->comm, &to, A));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates the divergence D of the second pass: component a is sum_b D_b tau_ab. */
+static PetscErrorCode DivergenceMat(const Particles *p, const Operators *ops, Mat *D)
+{
+  const Pattern        *pattern = &ops->rows.fluid;
+  const AffineOperator *of      = ops->second_pass[0].needed ? ops->second_pass : ops->first_pass;
+  const PetscInt        d = p->dim, count = pattern->row[p->n_fluid];
+  Blocks                to;
+
+  PetscFunctionBegin;
+  PetscCall(BlocksCreate(d, Entries(d), p->n_fluid, p->n_fluid, count * d * d, &to));
+  for (PetscInt r = 0; r < d * p->n_fluid; r++) {
+    const PetscInt i = r / d, a = r % d;
+
+    for (PetscInt s = pattern->row[i]; s < pattern->row[i + 1]; s++) {
+      for (PetscInt b = 0; b < d; b++) Put(&to, pattern->col[s], Entry(a, b), of[b].a[s]);
+    }
+    to.start[r + 1] = to.used;
+  }
+  PetscCall(BlocksMat(p->comm, &to, D));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Multiplies the rows of a matrix by power (1 or -1) of the particles' volumes, and by `sign`;
+   input: rows - of each particle. */
+static PetscErrorCode ScaleByVolume(const Particles *p, PetscInt rows, PetscReal sign,
+                                    PetscBool inverse, Mat A)
+{
+  PetscScalar *factor;
+  Vec          scale;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateVecs(A, NULL, &scale));
+  PetscCall(VecGetArrayWrite(scale, &factor));
+  for (PetscInt r = 0; r < rows * p->n_fluid; r++)
+    factor[r] = sign * (inverse ? 1.0 / p->volume[r / rows] : p->volume[r / rows]);
+  PetscCall(VecRestoreArrayWrite(scale, &factor));
+  PetscCall(MatDiagonalScale(A, scale, NULL));
+  PetscCall(VecDestroy(&scale));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates the divergence D = -V^-1 E^T V of the adjoint form. */
+static PetscErrorCode AdjointMat(const Particles *p, const Operators *ops, Mat *D)
+{
+  Mat E;
+
+  PetscFunctionBegin;
+  PetscCall(StrainMat(p, ops, PETSC_FALSE, -1.0, &E));
+  PetscCall(ScaleByVolume(p, Entries(p->dim), 1.0, PETSC_FALSE, E));
+  PetscCall(MatTranspose(E, MAT_INITIAL_MATRIX, D));
+  PetscCall(MatDestroy(&E));
+  PetscCall(ScaleByVolume(p, p->dim, -1.0, PETSC_TRUE, *D));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  AssembleComposed - Creates the matrices A and B of the viscous operator of a form of two passes
+
+    A = D S E over fluid,   B = D S E over walls
+
+  Collective on the particles' communicator. Input: the rows of both passes.
+
+  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), model B, Eq.
+  (29); J. Fang, A. Parriaux, M. Rentschler, C. Ancey, Appl. Numer. Math. 59 (2009), Eq. (59)
+*/
+PetscErrorCode AssembleComposed(const Particles *p, Operators *ops)
+{
+  const LaplacianRow *form = ops->forms.visc.row;
+  AffineOperator     *visc = &ops->velocity[0].visc;
+  Mat                 D, T, *product[] = {&visc->A, &visc->B};
+
+  PetscFunctionBegin;
+  PetscCall(form->composed->transposed ? AdjointMat(p, ops, &D) : DivergenceMat(p, ops, &D));
+  for (PetscInt k = 0; k < (ops->forms.wall ? 2 : 1); k++) {
+    PetscCall(MatDestroy(product[k]));
+    PetscCall(StrainMat(p, ops, k ? PETSC_TRUE : PETSC_FALSE, 1.0 - form->grad_div, &T));
+    PetscCall(MatMatMult(D, T, MAT_INITIAL_MATRIX, PETSC_DEFAULT, product[k]));
+    PetscCall(MatProductClear(*product[k]));
+    PetscCall(MatSetBlockSizes(*product[k], p->dim, p->dim));
+    PetscCall(MatDestroy(&T));
+  }
+  PetscCall(MatDestroy(&D));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,116 @@
+/*
+  The gradient of the kernel as a vector, with the corrections of -correction. Forms that couple
+  velocity components need its direction, which a correction turns away from the pair. Notation:
+  laplacians.c.
+*/
+#include "rows.h"
+
+/* Computes V_k grad_i W. */
+static void PlainGradients(const Stencil *st, PetscReal *c[])
+{
+  for (PetscInt a = 0; a < st->dim; a++) {
+    for (PetscInt k = 0; k < st->n; k++) c[a][k] = -st->V[k] * st->X[a][k] * st->dW[k] / st->r[k];
+  }
+}
+
+/* Computes V_k grad psi_k from V_k grad_i W, with psi_k = W_k/S and the kernel sum S. */
+static void ShepardGradients(const Stencil *st, PetscReal *c[])
+{
+  PetscReal S = st->volume * st->self[0];
+
+  for (PetscInt k = 0; k < st->n; k++) S += st->V[k] * st->W[k];
+  for (PetscInt a = 0; a < st->dim; a++) {
+    PetscReal grad_S = 0.0;
+
+    for (PetscInt k = 0; k < st->n; k++) grad_S += c[a][k];
+    for (PetscInt k = 0; k < st->n; k++) c[a][k] = (c[a][k] - st->V[k] * st->W[k] * grad_S / S) / S;
+  }
+}
+
+/* Multiplies the gradients by M^-1, M = sum_k c_k X^T; if the neighbours do not span space, M is
+   the unit matrix, and st->regularised counts the row. */
+static void RenormalisedGradients(Stencil *st, PetscReal *c[])
+{
+  const PetscInt d                              = st->dim;
+  PetscReal      M[ISPH_MAX_DIM * ISPH_MAX_DIM] = {0.0}, inverse[ISPH_MAX_DIM * ISPH_MAX_DIM];
+  PetscReal      trace = 0.0, least = PETSC_MAX_REAL;
+
+  for (PetscInt a = 0; a < d; a++) {
+    for (PetscInt b = 0; b < d; b++) {
+      inverse[a * d + b] = a == b ? 1.0 : 0.0;
+      for (PetscInt k = 0; k < st->n; k++) M[a * d + b] += c[a][k] * st->X[b][k];
+    }
+    trace += PetscAbsReal(M[a * d + a]);
+  }
+  DenseEliminate(d, M, d, inverse);
+  for (PetscInt a = 0; a < d; a++) least = PetscMin(least, PetscAbsReal(M[a * (d + 1)]));
+  if (!(least > MLS_WEAK * trace)) {
+    st->regularised++;
+    return;
+  }
+  for (PetscInt k = 0; k < st->n; k++) {
+    PetscReal sum[ISPH_MAX_DIM] = {0.0};
+
+    for (PetscInt e = 0; e < d * d; e++)
+      sum[e / d] += inverse[e] / M[e % d * (d + 1)] * c[e % d][k];
+    for (PetscInt a = 0; a < d; a++) c[a][k] = sum[a];
+  }
+}
+
+/*
+  KernelGradients - Computes the volume of each neighbour times the corrected gradient of its kernel
+
+    c_k = V_k grad_i W                                        no correction
+    c_k = V_k grad (W/S),   S = sum_j V_j W_j                 shepard
+    c_k = M^-1 V_k grad_i W,   M = sum_j V_j (grad_i W) X^T   first_order
+    c_k = M^-1 V_k grad (W/S), with M of this gradient        mixed
+
+  The gradient of a field is sum_k c_k (f_k - f_i).
+
+  Not collective.
+
+  Input Parameter:
+. correction - CorrectionBit; 0: none
+
+  Output Parameter:
+. c - component a of neighbour k is c[a][k] [1/m]
+
+  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eqs (2), (22),
+  (24) to (26); J. Bonet, T.-S. L. Lok, Comput. Methods Appl. Mech. Eng. 180 (1999) 97-115
+*/
+void KernelGradients(Stencil *st, unsigned correction, PetscReal *c[])
+{
+  PlainGradients(st, c);
+  if (correction & (CORRECTION_SHEPARD | CORRECTION_MIXED)) ShepardGradients(st, c);
+  if (correction & (CORRECTION_FIRST_ORDER | CORRECTION_MIXED)) RenormalisedGradients(st, c);
+}
+
+/* Returns true if a boundary is within the support of the particle. */
+static PetscBool IsExterior(const Stencil *st)
+{
+  return st->n_wall || st->near_surface || st->kind != SURFACE_INSIDE ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/*
+  LaplacianGradient - Computes the weights c_ij of the gradient of a composed form
+
+    (G u)_i,ab = sum_j c_ij,b (u_j - u_i)_a
+
+  Not collective. The correction is that of the form's gradient, otherwise that of -correction. A
+  coupled gradient is of first order at particles with a wall or a free surface in their support.
+
+  Output Parameter:
+. c - component a of neighbour k is c[a][k] [1/m]
+
+  Reference: J. Fang, A. Parriaux, M. Rentschler, C. Ancey, Appl. Numer. Math. 59 (2009) 251-271,
+  Eqs (46), (78), (81), (86)
+*/
+void LaplacianGradient(const LaplacianForm *form, Stencil *st, PetscReal *c[])
+{
+  const GradientChoice gradient   = form->row->composed->gradient;
+  unsigned             correction = form->correction ? form->correction->bit : 0;
+
+  if (gradient == GRADIENT_FIRST_ORDER || (gradient == GRADIENT_COUPLED && IsExterior(st)))
+    correction = CORRECTION_FIRST_ORDER;
+  KernelGradients(st, correction, c);
+}
