@@ -385,7 +385,9 @@ typedef PetscErrorCode (*StreamRow)(Stencil *stencil, void *ctx);
 PetscErrorCode OperatorsStream(const Scene *scene, const Particles *particles,
                                const Neighbors *neighbors, const Operators *ops, StreamRow Row,
                                void *ctx);
-void           KernelGradients(const CorrectionRow *correction, Stencil *stencil, PetscReal *g[]);
+PetscErrorCode OperatorsStreamFactors(const Scene *scene, const Particles *particles,
+                                      const Neighbors *neighbors, Operators *ops);
+void           KernelGradients(Stencil *stencil, unsigned correction, PetscReal *c[]);
 
 PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y);
 PetscErrorCode AffineApplyAdd(const AffineOperator *op, Vec f, Vec walls, Vec y);

@@ -131,14 +131,15 @@ static PetscErrorCode ChooseLaplacian(const OptionRow *option, const char standa
   Returns the default form of the viscous term: stress_mls if the viscosity varies and the flow has
   a pressure or bodies, otherwise mls. With mls, which omits a part of the stress, a fluid that
   rotates beside a fluid of another viscosity has an error of tens of per cent. A scheme of pair
-  forces takes morris, which keeps the momentum.
+  forces takes morris, which keeps the momentum, or with a free surface cleary, which keeps the
+  angular momentum too.
 */
 static const char *DefaultLaplacian(const Scene *scene, unsigned needs)
 {
   const PetscBool curved =
       SceneHas(scene, PHYSICS_PRESSURE) || scene->n_bodies ? PETSC_TRUE : PETSC_FALSE;
 
-  if (needs & NEED_STREAMS) return "morris";
+  if (needs & NEED_STREAMS) return SceneHasFreeSurface(scene) ? "cleary" : "morris";
   return SceneViscosityVaries(scene) && curved ? "stress_mls" : "mls";
 }
 

@@ -28,7 +28,6 @@ PetscBool FreeSurfaceTouches(const Particles *particles, const Neighbors *neighb
                              PetscInt wall);
 PetscInt  SurfaceTangents(PetscInt dim, const PetscReal normal[], PetscReal t[][ISPH_MAX_DIM]);
 void      CorrectKernel_FirstOrder(Stencil *stencil, PetscReal dW[], PetscReal ddW[]);
-void      KernelGradients(Stencil *stencil, unsigned correction, PetscReal *c[]);
 PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length);
 
 /* Computes the corrected kernel gradient M^-1 grad_i W of neighbour k; `inverse` holds M^-1,

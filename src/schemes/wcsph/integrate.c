@@ -222,5 +222,8 @@ PetscErrorCode WcsphFree(Wcsph *w)
   PetscCall(PetscFree(w->local.rho));
   PetscCall(PetscFree(w->local.p));
   PetscCall(PetscFree(w->local.e));
+  for (PetscInt e = 0; e < ISPH_MAX_DIM * ISPH_MAX_DIM; e++)
+    PetscCall(PetscFree(w->local.stress[e]));
+  PetscCall(PetscFree(w->local.divergence));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,6 +1,6 @@
 /*
-  Sums over the neighbours of a particle i. Neighbour k has volume V_k = m_k/rho_k, pressure p_k,
-  velocity difference du_k = u_k - u_i, and g_k, the gradient of the kernel at i.
+  Sums over the neighbours of a particle i. Neighbour k has pressure p_k, density rho_k, velocity
+  difference du_k = u_k - u_i, and c_k = V_k grad_i W_k, with the chosen correction.
 */
 #include "wcsph.h"
 
@@ -12,7 +12,7 @@ PetscErrorCode PairsReserve(PetscInt capacity, Pairs *pairs)
   PetscCall(PairsFree(pairs));
   pairs->capacity = capacity;
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)
-    PetscCall(PetscMalloc2(capacity, &pairs->g[a], capacity, &pairs->du[a]));
+    PetscCall(PetscMalloc2(capacity, &pairs->c[a], capacity, &pairs->du[a]));
   PetscCall(PetscMalloc3(capacity, &pairs->p, capacity, &pairs->rho,
                          ISPH_MAX_DIM * ISPH_MAX_DIM * capacity, &pairs->w));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -22,22 +22,22 @@ PetscErrorCode PairsReserve(PetscInt capacity, Pairs *pairs)
 PetscErrorCode PairsFree(Pairs *pairs)
 {
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree2(pairs->g[a], pairs->du[a]));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree2(pairs->c[a], pairs->du[a]));
   PetscCall(PetscFree3(pairs->p, pairs->rho, pairs->w));
   pairs->capacity = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* PairsDivergence - Computes div u = sum_k V_k du_k.g_k [1/s] */
+/* PairsDivergence - Computes div u = sum_k du_k.c_k [1/s] */
 PetscReal PairsDivergence(const Stencil *st, const Pairs *pairs)
 {
   PetscReal sum = 0.0;
 
   for (PetscInt a = 0; a < st->dim; a++) {
-    const PetscReal *g = pairs->g[a], *du = pairs->du[a], *V = st->V;
+    const PetscReal *c = pairs->c[a], *du = pairs->du[a];
 
 #pragma omp simd reduction(+ : sum)
-    for (PetscInt k = 0; k < st->n; k++) sum += V[k] * du[k] * g[k];
+    for (PetscInt k = 0; k < st->n; k++) sum += du[k] * c[k];
   }
   return sum;
 }
@@ -45,14 +45,14 @@ PetscReal PairsDivergence(const Stencil *st, const Pairs *pairs)
 /*
   PressureForce - Adds the acceleration by the pressure
 
-    sums false:  -1/rho_i sum_k V_k (p_k + p_i) g_k
-    sums true:   -sum_k rho_k V_k (p_k/rho_k^2 + p_i/rho_i^2) g_k
+    sums false:  -1/rho_i sum_k (p_k + p_i) c_k
+    sums true:   -sum_k rho_k (p_k/rho_k^2 + p_i/rho_i^2) c_k
 
   Both keep the momentum without correction. With a correction of the kernel the sums include the
-  particle itself, whose V_i g_i = -sum_k V_k g_k:
+  particle itself, with c_i = -sum_k c_k:
 
-    sums false:  -1/rho_i sum_k V_k (p_k - p_i) g_k
-    sums true:   -sum_k V_k (rho_k (p_k/rho_k^2 + p_i/rho_i^2) - 2 p_i/rho_i) g_k
+    sums false:  -1/rho_i sum_k (p_k - p_i) c_k
+    sums true:   -sum_k (rho_k (p_k/rho_k^2 + p_i/rho_i^2) - 2 p_i/rho_i) c_k
 
   Input: rho, p - of the particle
 
@@ -63,19 +63,18 @@ void PressureForce(const Stencil *st, const Pairs *pairs, PetscBool sums, PetscB
 {
   const PetscReal  own = p / PetscSqr(rho), self = corrected ? 2.0 * p / rho : 0.0;
   const PetscReal  sign = corrected ? -1.0 : 1.0;
-  const PetscReal *V = st->V, *pk = pairs->p, *rk = pairs->rho;
+  const PetscReal *pk = pairs->p, *rk = pairs->rho;
 
   for (PetscInt a = 0; a < st->dim; a++) {
-    const PetscReal *g   = pairs->g[a];
+    const PetscReal *c   = pairs->c[a];
     PetscReal        sum = 0.0;
 
     if (sums) {
 #pragma omp simd reduction(+ : sum)
-      for (PetscInt k = 0; k < st->n; k++)
-        sum += V[k] * (pk[k] / rk[k] + rk[k] * own - self) * g[k];
+      for (PetscInt k = 0; k < st->n; k++) sum += (pk[k] / rk[k] + rk[k] * own - self) * c[k];
     } else {
 #pragma omp simd reduction(+ : sum)
-      for (PetscInt k = 0; k < st->n; k++) sum += V[k] * (pk[k] + sign * p) * g[k];
+      for (PetscInt k = 0; k < st->n; k++) sum += (pk[k] + sign * p) * c[k];
       sum /= rho;
     }
     acceleration[a] -= sum;
@@ -85,7 +84,7 @@ void PressureForce(const Stencil *st, const Pairs *pairs, PetscBool sums, PetscB
 /*
   PairsEnergy - Computes the rate of the internal energy by the pressure [J/(kg s)]
 
-    de/dt = -1/2 sum_k rho_k V_k (p_k/rho_k^2 + p_i/rho_i^2) du_k.g_k
+    de/dt = -1/2 sum_k rho_k (p_k/rho_k^2 + p_i/rho_i^2) du_k.c_k
 
   Input: rho, p - of the particle; pressures are absolute
 
@@ -98,8 +97,8 @@ PetscReal PairsEnergy(const Stencil *st, const Pairs *pairs, PetscReal rho, Pets
   for (PetscInt k = 0; k < st->n; k++) {
     PetscReal along = 0.0;
 
-    for (PetscInt a = 0; a < st->dim; a++) along += pairs->du[a][k] * pairs->g[a][k];
-    sum += st->V[k] * (pairs->p[k] / pairs->rho[k] + pairs->rho[k] * p / PetscSqr(rho)) * along;
+    for (PetscInt a = 0; a < st->dim; a++) along += pairs->du[a][k] * pairs->c[a][k];
+    sum += (pairs->p[k] / pairs->rho[k] + pairs->rho[k] * p / PetscSqr(rho)) * along;
   }
   return -0.5 * sum;
 }
@@ -108,12 +107,13 @@ PetscReal PairsEnergy(const Stencil *st, const Pairs *pairs, PetscReal rho, Pets
   ArtificialViscosity - Adds the acceleration by Monaghan's viscosity between fluid particles that
   approach each other
 
-    sum_k m_k (alpha c0 m - beta m^2)/rho_ik g_k,   m = h du.X/(r^2 + 0.01 h^2) < 0,
+    sum_k rho_k (alpha c0 m - beta m^2)/rho_ik c_k,   m = h du.X/(r^2 + 0.01 h^2) < 0,
     rho_ik = (rho_i + rho_k)/2
 
   Input: artificial - alpha and beta [-]; rho - of the particle
 
-  Reference: J. J. Monaghan, J. Comput. Phys. 110 (1994); Fang et al. (2009), Eqs (97) to (103)
+  Reference: J. J. Monaghan, J. Comput. Phys. 110 (1994); J. Fang, A. Parriaux, M. Rentschler, C.
+  Ancey, Appl. Numer. Math. 59 (2009) 251-271, Eqs (97) to (103)
 */
 void ArtificialViscosity(const Stencil *st, const Pairs *pairs, const PetscReal artificial[],
                          PetscReal c0, PetscReal rho, PetscReal acceleration[])
@@ -125,9 +125,9 @@ void ArtificialViscosity(const Stencil *st, const Pairs *pairs, const PetscReal 
     for (PetscInt a = 0; a < st->dim; a++) along += pairs->du[a][k] * st->X[a][k];
     if (along >= 0.0) continue;
     m     = st->h * along / (PetscSqr(st->r[k]) + 0.01 * PetscSqr(st->h));
-    force = pairs->rho[k] * st->V[k] * (artificial[0] * c0 * m - artificial[1] * PetscSqr(m)) /
+    force = pairs->rho[k] * (artificial[0] * c0 * m - artificial[1] * PetscSqr(m)) /
             (0.5 * (rho + pairs->rho[k]));
-    for (PetscInt a = 0; a < st->dim; a++) acceleration[a] += force * pairs->g[a][k];
+    for (PetscInt a = 0; a < st->dim; a++) acceleration[a] += force * pairs->c[a][k];
   }
 }
 
@@ -135,8 +135,8 @@ void ArtificialViscosity(const Stencil *st, const Pairs *pairs, const PetscReal 
   DensityDiffusion - Computes sum_k 2 V_k (rho_k - rho_i - slope.X_k) (-W'/r) over the fluid, the
   Laplacian of the density less its hydrostatic slope [kg/m^5]
 
-  Reference: D. Molteni, A. Colagrossi, Comput. Phys. Commun. 180 (2009) 861-872; the slope:
-  G. Fourtakas et al., Computers & Fluids 190 (2019) 346-361
+  Reference: D. Molteni, A. Colagrossi, Comput. Phys. Commun. 180 (2009) 861-872; the slope: G.
+  Fourtakas et al., Computers & Fluids 190 (2019) 346-361
 */
 PetscReal DensityDiffusion(const Stencil *st, const Pairs *pairs, PetscReal rho,
                            const PetscReal slope[])

@@ -22,6 +22,10 @@ PetscErrorCode WcsphReserve(const Flow *flow, Wcsph *w)
   PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &local->p));
   if (w->equation->has_energy)
     PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &local->e));
+  if (!WcsphComposed(w)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt e = 0; e < PetscSqr(flow->scene->dim); e++)
+    PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &local->stress[e]));
+  PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &local->divergence));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -60,18 +64,22 @@ PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w)
 }
 
 /*
-  Sets volume, density, pressure and velocity difference of the neighbours. A dummy behind a wall has
-  the density of the particle, its pressure continued by the body force f, and the velocity of the
-  wall treatment:
+  WcsphSetPairs - Sets volume, density, pressure and velocity difference of the neighbours
+
+  Not collective. A dummy behind a wall has the density of the particle, its pressure continued by
+  the body force f, and the velocity of the wall treatment:
 
     p_w = p_i + rho_i f.X,   u_w - u_i = beta (u_wall - u_i)
 */
-static void SetPairs(const Wcsph *w, const PetscReal force[], Stencil *st, Pairs *pairs)
+PetscErrorCode WcsphSetPairs(Wcsph *w, const PetscReal force[], Stencil *st)
 {
-  const LocalFlow *l = &w->local;
+  const LocalFlow *l     = &w->local;
+  Pairs           *pairs = &w->pairs;
   const PetscInt   d = st->dim, i = st->i;
   const PetscReal  rho = l->rho[i], rho_0 = w->flow->scene->rho;
 
+  PetscFunctionBegin;
+  PetscCall(PairsReserve(st->capacity, pairs));
   for (PetscInt k = 0; k < st->n; k++) {
     const PetscInt  j    = st->j[k];
     const PetscBool wall = st->wall[k];
@@ -85,6 +93,8 @@ static void SetPairs(const Wcsph *w, const PetscReal force[], Stencil *st, Pairs
     }
     pairs->p[k] = wall ? l->p[i] + rho * rise : l->p[j];
   }
+  st->volume *= rho_0 / rho;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Subtracts the mean of the neighbours' pressures from these and from the pressure of the particle;
@@ -136,9 +146,11 @@ static PetscErrorCode ViscousForce(const Wcsph *w, Stencil *st, const Pairs *pai
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt k = 0; k < st->n; k++)
-    for (PetscInt a = 0; a < d; a++)
-      for (PetscInt b = 0; b < d; b++)
-        acceleration[a] += factor * pairs->w[(k * d + a) * d + b] * pairs->du[b][k];
+    for (PetscInt e = 0; e < d * d; e++)
+      acceleration[e / d] += factor * pairs->w[k * d * d + e] * pairs->du[e % d][k];
+  if (LaplacianIs(form, FORM_NULL_CONSTANTS)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt e = 0; e < d * d; e++)
+    acceleration[e / d] += factor * st->own[e] * w->local.u[e % d][st->i];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -156,45 +168,59 @@ static void StoreRates(Wcsph *w, PetscInt i, const Rates *rates)
   if (w->equation->has_energy) w->rate[c * n + i] = rates->e;
 }
 
+/* Computes the rate of the density, and of the energy if there is one, with pressures that are still
+   whole; p: of the particle. */
+static void ContinuityRates(Wcsph *w, const Stencil *st, const PetscReal force[], PetscReal p,
+                            Rates *rates)
+{
+  const ComposedForm *composed = WcsphComposed(w);
+  const PetscReal     rho      = w->local.rho[st->i];
+  const PetscReal     div      = composed && composed->transposed ? w->local.divergence[st->i]
+                                                                  : PairsDivergence(st, &w->pairs);
+
+  w->divergence = PetscMax(w->divergence, PetscAbsReal(div));
+  rates->rho    = -rho * div;
+  if (w->diffusion > 0.0) {
+    PetscReal slope[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < st->dim; a++) slope[a] = rho * force[a] / PetscSqr(w->c0);
+    rates->rho += w->diffusion * st->h * w->c0 * DensityDiffusion(st, &w->pairs, rho, slope);
+  }
+  if (w->equation->has_energy) rates->e = PairsEnergy(st, &w->pairs, rho, p);
+}
+
 /* Computes and stores the rates of a particle from its stencil. */
 static PetscErrorCode RateRow(Stencil *st, void *ctx)
 {
-  Wcsph               *w         = (Wcsph *)ctx;
-  const Flow          *flow      = w->flow;
-  const CorrectionRow *corrects  = flow->ops->forms.correction;
-  const PetscBool      corrected = corrects && corrects->bit ? PETSC_TRUE : PETSC_FALSE;
-  const PetscInt       i = st->i, d = st->dim;
-  const PetscReal      rho   = w->local.rho[i];
-  Pairs               *pairs = &w->pairs;
-  PetscReal            x[ISPH_MAX_DIM], force[ISPH_MAX_DIM] = {0.0}, p = w->local.p[i], div;
-  Rates                rates = {.rho = 0.0};
+  Wcsph              *w          = (Wcsph *)ctx;
+  const Flow         *flow       = w->flow;
+  const ComposedForm *composed   = WcsphComposed(w);
+  const PetscBool     transposed = composed && composed->transposed ? PETSC_TRUE : PETSC_FALSE;
+  const unsigned      correction = transposed ? 0 : flow->ops->forms.correction->bit;
+  const PetscInt      i = st->i, d = st->dim;
+  const PetscReal     rho   = w->local.rho[i];
+  Pairs              *pairs = &w->pairs;
+  PetscReal           x[ISPH_MAX_DIM], force[ISPH_MAX_DIM] = {0.0}, p = w->local.p[i] + w->p_rest;
+  Rates               rates = {.rho = 0.0};
 
   PetscFunctionBegin;
-  PetscCall(PairsReserve(st->capacity, pairs));
   for (PetscInt a = 0; a < d; a++) x[a] = flow->particles->x[a][i];
   if (SceneHas(flow->scene, PHYSICS_BODY_FORCE)) SceneBodyForce(flow->scene, w->t, x, force);
-  SetPairs(w, force, st, pairs);
-  KernelGradients(corrects, st, pairs->g);
-  div           = PairsDivergence(st, pairs);
-  rates.rho     = -rho * div;
-  w->divergence = PetscMax(w->divergence, PetscAbsReal(div));
-  if (w->equation->has_energy) {
-    for (PetscInt k = 0; k < st->n; k++) pairs->p[k] += w->p_rest;
-    p += w->p_rest;
-    rates.e = PairsEnergy(st, pairs, rho, p);
+  PetscCall(WcsphSetPairs(w, force, st));
+  KernelGradients(st, correction, pairs->c);
+  for (PetscInt k = 0; w->p_rest > 0.0 && k < st->n; k++) pairs->p[k] += w->p_rest;
+  ContinuityRates(w, st, force, p, &rates);
+  if (!transposed) {
+    ReducePressure(w, st, pairs, &p, force);
+    PressureForce(st, pairs, w->density->sums, correction ? PETSC_TRUE : PETSC_FALSE, rho, p,
+                  rates.u);
   }
-  if (!w->density->sums && w->diffusion > 0.0) {
-    PetscReal slope[ISPH_MAX_DIM];
-
-    for (PetscInt a = 0; a < d; a++) slope[a] = rho * force[a] / PetscSqr(w->c0);
-    rates.rho += w->diffusion * st->h * w->c0 * DensityDiffusion(st, pairs, rho, slope);
-  }
-  ReducePressure(w, st, pairs, &p, force);
-  for (PetscInt a = 0; a < d; a++) rates.u[a] = force[a];
-  PressureForce(st, pairs, w->density->sums, corrected, rho, p, rates.u);
+  for (PetscInt a = 0; a < d; a++) rates.u[a] += force[a];
   if (w->artificial[0] > 0.0 || w->artificial[1] > 0.0)
     ArtificialViscosity(st, pairs, w->artificial, w->c0, rho, rates.u);
-  if (flow->ops->forms.visc.row && !w->implicit) PetscCall(ViscousForce(w, st, pairs, rates.u));
+  if (composed) StressForce(w, st, rates.u);
+  else if (flow->ops->forms.visc.row && !w->implicit)
+    PetscCall(ViscousForce(w, st, pairs, rates.u));
   StoreRates(w, i, &rates);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -221,6 +247,8 @@ PetscErrorCode WcsphRates(Flow *flow, Wcsph *w)
     PetscCall(ParticlesHaloField(p, l->u[a]));
   }
   PetscCall(WcsphSetDensity(flow, w));
+  PetscCall(OperatorsStreamFactors(flow->scene, p, flow->neighbors, flow->ops));
+  PetscCall(WcsphStresses(flow, w));
   w->divergence = 0.0;
   PetscCall(OperatorsStream(flow->scene, p, flow->neighbors, flow->ops, RateRow, w));
   PetscCall(PetscLogEventEnd(w->event, 0, 0, 0, 0));

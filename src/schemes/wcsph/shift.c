@@ -1,12 +1,6 @@
 /* Particle shifting before a step of the weakly compressible scheme. */
 #include "wcsph.h"
 
-/* Gradients at a particle. */
-typedef struct {
-  Wcsph    *w;
-  PetscReal largest; /* displacement [dx] */
-} ShiftContext;
-
 /*
   Displaces a particle by s, and changes its velocity, density and energy by s.grad
 
@@ -15,27 +9,25 @@ typedef struct {
 */
 static PetscErrorCode ShiftRowOf(Stencil *st, void *ctx)
 {
-  static const CorrectionRow exact = {.name = "first_order", .bit = CORRECTION_FIRST_ORDER};
-  const ShiftContext        *shift = (const ShiftContext *)ctx;
-  Wcsph                     *w     = shift->w;
-  const Flow                *flow  = w->flow;
-  const LocalFlow           *l     = &w->local;
-  const PetscInt             d = st->dim, i = st->i;
-  Pairs                     *pairs = &w->pairs;
-  PetscReal                  x[ISPH_MAX_DIM], C, slope[ISPH_MAX_DIM], s[ISPH_MAX_DIM], rate = 0.0;
-  PetscReal                  gradient[ISPH_MAX_DIM][ISPH_MAX_DIM] = {{0.0}}, rise[2] = {0.0};
+  Wcsph           *w    = (Wcsph *)ctx;
+  const Flow      *flow = w->flow;
+  const LocalFlow *l    = &w->local;
+  const PetscInt   d = st->dim, i = st->i;
+  Pairs           *pairs = &w->pairs;
+  PetscReal        x[ISPH_MAX_DIM], C, slope[ISPH_MAX_DIM], s[ISPH_MAX_DIM], rate = 0.0;
+  PetscReal        gradient[ISPH_MAX_DIM][ISPH_MAX_DIM] = {{0.0}}, rise[2] = {0.0};
 
   PetscFunctionBegin;
   PetscCall(PairsReserve(st->capacity, pairs));
   for (PetscInt a = 0; a < d; a++) x[a] = flow->particles->x[a][i];
   ConcentrationRow(flow->scene, flow->ops->forms.kernel, st, x, PETSC_FALSE, &C, slope);
-  KernelGradients(&exact, st, pairs->g);
+  KernelGradients(st, CORRECTION_FIRST_ORDER, pairs->c);
   for (PetscInt c = 0; c < d; c++) {
     for (PetscInt a = 0; a < d; a++) {
       for (PetscInt k = 0; k < st->n; k++) {
         const PetscReal beta = st->wall[k] ? st->beta[k] : 1.0;
 
-        gradient[c][a] += st->V[k] * beta * (l->u[c][st->j[k]] - l->u[c][i]) * pairs->g[a][k];
+        gradient[c][a] += beta * (l->u[c][st->j[k]] - l->u[c][i]) * pairs->c[a][k];
       }
       rate += PetscSqr(gradient[c][a]);
     }
@@ -47,9 +39,9 @@ static PetscErrorCode ShiftRowOf(Stencil *st, void *ctx)
     PetscReal along = 0.0;
 
     if (st->wall[k]) continue;
-    for (PetscInt a = 0; a < d; a++) along += s[a] * pairs->g[a][k];
-    rise[0] += st->V[k] * (l->rho[st->j[k]] - l->rho[i]) * along;
-    if (l->e) rise[1] += st->V[k] * (l->e[st->j[k]] - l->e[i]) * along;
+    for (PetscInt a = 0; a < d; a++) along += s[a] * pairs->c[a][k];
+    rise[0] += (l->rho[st->j[k]] - l->rho[i]) * along;
+    if (l->e) rise[1] += (l->e[st->j[k]] - l->e[i]) * along;
   }
   for (PetscInt a = 0; a < d; a++) w->displacement[a][i] = s[a];
   for (PetscInt c = 0; c < d; c++)
@@ -71,7 +63,6 @@ PetscErrorCode WcsphShift(Flow *flow, Wcsph *w)
 {
   Particles      *p     = flow->particles;
   const PetscBool keeps = SceneKeepsMomentum(flow->scene);
-  ShiftContext    shift = {.w = w};
   PetscReal       before[ISPH_MAX_DIM], after[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
@@ -85,7 +76,7 @@ PetscErrorCode WcsphShift(Flow *flow, Wcsph *w)
     PetscCall(PetscArraycpy(w->local.e, w->e, p->n_fluid));
     PetscCall(ParticlesHaloField(p, w->local.e));
   }
-  PetscCall(OperatorsStream(flow->scene, p, flow->neighbors, flow->ops, ShiftRowOf, &shift));
+  PetscCall(OperatorsStream(flow->scene, p, flow->neighbors, flow->ops, ShiftRowOf, w));
   for (PetscInt a = 0; a < p->dim; a++)
     for (PetscInt i = 0; i < p->n_fluid; i++) p->x[a][i] += w->displacement[a][i];
   if (!keeps) PetscFunctionReturn(PETSC_SUCCESS);

@@ -37,7 +37,8 @@ static PetscErrorCode WcsphSetUp(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Registers density and energy, and sets them from the pressure at the start. */
+/* Registers density and energy, and sets them from the pressure at the start; and the particles on
+   free surfaces at the start, if the viscous form has another gradient beside them. */
 static PetscErrorCode WcsphRegister(Flow *flow)
 {
   Particles *p = flow->particles;
@@ -47,6 +48,9 @@ static PetscErrorCode WcsphRegister(Flow *flow)
   PetscCall(ParticlesRegister(p, "density", 1, HALO_NONE, ENTRY_MEAN, &w->rho));
   if (w->equation->has_energy)
     PetscCall(ParticlesRegister(p, "energy", 1, HALO_NONE, ENTRY_MEAN, &w->e));
+  if (WcsphComposed(w) && WcsphComposed(w)->gradient == GRADIENT_COUPLED &&
+      SceneHasFreeSurface(flow->scene))
+    PetscCall(ParticlesRegister(p, "surface_start", 1, HALO_EPOCH, ENTRY_ZERO, &w->surface));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     w->rho[i] = w->equation->Density(w, p->p[i]);
     if (w->e) w->e[i] = w->e_rest;
@@ -78,6 +82,9 @@ static PetscErrorCode WcsphBegin(Flow *flow)
 
   PetscFunctionBegin;
   PetscCall(FlowBegin(flow));
+  for (PetscInt i = 0; w->surface && flow->clock->step == 0 && i < flow->particles->n_fluid; i++)
+    w->surface[i] = flow->ops->free->kind[i] != SURFACE_INSIDE ? 1.0 : 0.0;
+  if (w->surface) PetscCall(ParticlesHaloField(flow->particles, w->surface));
   PetscCall(SetPressure(flow, w));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -61,7 +61,7 @@ typedef struct {
 /* Quantities of the neighbours of a particle; arrays of the stencil's capacity. */
 typedef struct {
   PetscInt   capacity;
-  PetscReal *g[ISPH_MAX_DIM];  /* gradient of the kernel, with the chosen correction */
+  PetscReal *c[ISPH_MAX_DIM];  /* of KernelGradients() [1/m] */
   PetscReal *du[ISPH_MAX_DIM]; /* u_k - u_i [m/s] */
   PetscReal *p, *rho;          /* [Pa], [kg/m^3] */
   PetscReal *w;                /* weights of the viscous form */
@@ -70,7 +70,9 @@ typedef struct {
 /* Values by local index, with the halo. */
 typedef struct {
   PetscInt   capacity;
-  PetscReal *u[ISPH_MAX_DIM], *rho, *p, *e; /* e: NULL without energy */
+  PetscReal *u[ISPH_MAX_DIM], *rho, *p, *e;       /* e: NULL without energy */
+  PetscReal *stress[ISPH_MAX_DIM * ISPH_MAX_DIM]; /* of a composed form, else NULL [Pa] */
+  PetscReal *divergence;                          /* beside it, own particles [1/s] */
 } LocalFlow;
 
 struct Wcsph {
@@ -87,6 +89,7 @@ struct Wcsph {
   PetscReal                        artificial[2]; /* alpha, beta [-] */
 
   PetscReal *rho, *e; /* fields of the particles; e NULL: no energy */
+  PetscReal *surface; /* field: 1 on a free surface at the start; NULL: not needed */
 
   Guard      guard; /* names the TS in messages; it has no KSP */
   TS         ts;
@@ -120,7 +123,13 @@ PetscErrorCode WcsphFree(Wcsph *w);
 /* rates.c */
 PetscErrorCode WcsphReserve(const Flow *flow, Wcsph *w);
 PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w);
+PetscErrorCode WcsphSetPairs(Wcsph *w, const PetscReal force[], Stencil *stencil);
 PetscErrorCode WcsphRates(Flow *flow, Wcsph *w);
+
+/* stress.c */
+const ComposedForm *WcsphComposed(const Wcsph *w);
+PetscErrorCode      WcsphStresses(Flow *flow, Wcsph *w);
+void                StressForce(const Wcsph *w, const Stencil *stencil, PetscReal acceleration[]);
 
 /* shift.c */
 PetscErrorCode WcsphShift(Flow *flow, Wcsph *w);
