@@ -42,16 +42,57 @@ static void GatherSurface(const FreeSurface *free, Stencil *st)
   for (PetscInt a = 0; a < d; a++) st->own_normal[a] = free->normal[st->i * d + a];
 }
 
+/* Lists the neighbours of particle i in st->j, without those wall particles that a gap separates from
+   it; returns their number. */
+static PetscInt ListTouching(const Particles *p, const Neighbors *nb, PetscInt i, Stencil *st)
+{
+  PetscInt n = 0;
+
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    st->j[n] = nb->col[q];
+    if (!ParticlesIsWall(p, st->j[n]) || FreeSurfaceTouches(p, nb, i, st->j[n])) n++;
+  }
+  return n;
+}
+
+/* Keeps those of n candidates that are closer than the radius: their indices in j, places relative to
+   x in X, squares of distances in r; returns their number. j may be the candidates. Inlined for each
+   dimension, with pointers that the compiler can keep in registers. */
+static inline PetscInt KeepClose(PetscInt dim, const Particles *p, PetscInt n,
+                                 const PetscInt candidate[], const PetscReal x[],
+                                 const PetscReal stretch[], PetscReal radius2, Stencil *st)
+{
+  const PetscReal *px[ISPH_MAX_DIM] = {p->x[0], p->x[1], p->x[2]};
+  PetscReal       *X[ISPH_MAX_DIM] = {st->X[0], st->X[1], st->X[2]}, *r = st->r;
+  PetscInt        *j = st->j, kept = 0;
+
+  for (PetscInt q = 0; q < n; q++) {
+    const PetscInt c  = candidate[q];
+    PetscReal      r2 = 0.0;
+
+    for (PetscInt a = 0; a < dim; a++) {
+      const PetscReal difference = stretch[a] * (px[a][c] - x[a]);
+
+      X[a][kept] = difference;
+      r2 += difference * difference;
+    }
+    j[kept] = c;
+    r[kept] = r2;
+    kept += (r2 < radius2) & (r2 > 0.0);
+  }
+  return kept;
+}
+
 /* GatherStencil - Gathers the neighbours of own fluid particle i with the quantities that row
    functions read; not collective */
 PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neighbors *nb,
                              const Operators *ops, PetscInt i, Stencil *st)
 {
-  const PetscInt d = scene->dim, first = nb->row[i], last = nb->row[i + 1];
-  PetscReal      radius2, x[ISPH_MAX_DIM];
-  PetscInt       n = 0;
-
+  const PetscInt     d = scene->dim, first = nb->row[i], last = nb->row[i + 1];
   const FreeSurface *free = ops->needs & NEED_STREAMS ? NULL : ops->free;
+  const PetscInt    *candidate;
+  PetscReal          radius2, x[ISPH_MAX_DIM];
+  PetscInt           n;
 
   PetscFunctionBegin;
   PetscCall(StencilReserve(st, last - first));
@@ -65,28 +106,17 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
     x[a]           = p->x[a][i];
     st->stretch[a] = ParticlesStretch(p, a, i);
   }
-  for (PetscInt q = first; q < last; q++) {
-    const PetscInt j  = nb->col[q];
-    PetscReal      r2 = 0.0;
-
-    if (free && ParticlesIsWall(p, j) && !FreeSurfaceTouches(p, nb, i, j)) continue;
-    for (PetscInt a = 0; a < d; a++) {
-      st->X[a][n] = st->stretch[a] * (p->x[a][j] - x[a]);
-      r2 += PetscSqr(st->X[a][n]);
-    }
-    st->j[n] = j;
-    st->r[n] = r2;
-    if (r2 < radius2 && r2 > 0.0) n++;
-  }
+  n         = free ? ListTouching(p, nb, i, st) : last - first;
+  candidate = free ? st->j : nb->col + first;
+  if (d == 2) n = KeepClose(2, p, n, candidate, x, st->stretch, radius2, st);
+  else n = KeepClose(3, p, n, candidate, x, st->stretch, radius2, st);
   st->n = n;
-  for (PetscInt k = 0; k < n; k++) {
-    st->r[k]        = PetscSqrtReal(st->r[k]);
-    st->V[k]        = p->volume[st->j[k]];
-    st->equation[k] = EQUATION_VALUE;
-    st->surface[k]  = PETSC_FALSE;
-    st->wall[k]     = ParticlesIsWall(p, st->j[k]);
-    st->n_wall += st->wall[k] ? 1 : 0;
-  }
+  for (PetscInt k = 0; k < n; k++) st->r[k] = PetscSqrtReal(st->r[k]);
+  for (PetscInt k = 0; k < n; k++) st->V[k] = p->volume[st->j[k]];
+  for (PetscInt k = 0; k < n; k++) st->equation[k] = EQUATION_VALUE;
+  for (PetscInt k = 0; k < n; k++) st->surface[k] = PETSC_FALSE;
+  for (PetscInt k = 0; k < n; k++) st->wall[k] = ParticlesIsWall(p, st->j[k]);
+  for (PetscInt k = 0; k < n; k++) st->n_wall += st->wall[k] ? 1 : 0;
   for (PetscInt k = 0; st->n_wall && k < n; k++)
     if (st->wall[k]) GatherWall(scene, p, ops, k, st);
   GatherSurface(free, st);

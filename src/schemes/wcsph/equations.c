@@ -14,7 +14,7 @@ static PetscReal Pressure_Tait(const Wcsph *w, PetscReal rho, PetscReal e)
 {
   const PetscReal rho_0 = w->flow->scene->rho, gamma = w->equation->exponent;
 
-  return rho_0 * PetscSqr(w->c0) / gamma * (PetscPowReal(rho / rho_0, gamma) - 1.0);
+  return rho_0 * PetscSqr(w->c0) / gamma * (PetscPowRealInt(rho / rho_0, (PetscInt)gamma) - 1.0);
 }
 
 static PetscReal Density_Tait(const Wcsph *w, PetscReal p)
