@@ -296,8 +296,9 @@ typedef enum {
   NEED_FREE_GRAD_P   = 1 << 6, /* grad_p from fluid alone: the wall pressure gradient is unknown */
   NEED_MATRICES      = 1 << 7, /* PETSc matrices of all operators, not only of ppe */
   NEED_INSIDE_GAPS   = 1 << 8, /* particles below gaps of a free surface are inside, not on it */
-  NEED_STREAMS       = 1 << 9  /* no operator: the scheme gathers stencils and applies rows itself,
+  NEED_STREAMS       = 1 << 9, /* no operator: the scheme gathers stencils and applies rows itself,
                                   the rows of visc among them */
+  NEED_CORRECTION    = 1 << 10 /* no operator: kernels are corrected by default */
 } Need;
 
 /* The chosen discretisation in space. */

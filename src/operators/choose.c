@@ -56,7 +56,7 @@ static const OptionRow options[] = {
             .kind     = VALUE_NAME,
             .brief    = "correction of the kernel in Laplacians that accept it, and in all sums of "
                         "-scheme wcsph",
-            .standard = "none; with -scheme wcsph and no free surface first_order",
+            .standard = "none; with -scheme wcsph first_order if it shifts particles",
             .table    = &CorrectionTable,
         },
     [VISC_LAPLACIAN] =
@@ -162,7 +162,7 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
 
   PetscFunctionBegin;
   PetscCall(OptionGetRow(&options[CORRECTION],
-                         needs & NEED_STREAMS && !SceneHasFreeSurface(scene) ? "first_order" : "none",
+                         needs & NEED_CORRECTION ? "first_order" : "none",
                          &correction));
   forms->correction = correction;
   if (needs & NEED_VISCOSITY || (needs & NEED_STREAMS && SceneHas(scene, PHYSICS_VISCOSITY))) {
