@@ -169,14 +169,14 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
   }
   if (needs & NEED_PRESSURE) {
     PetscCall(ChooseLaplacian(&options[PPE_LAPLACIAN], NULL, correction, &forms->ppe));
+    UserCheck(!LaplacianIs(&forms->ppe, FORM_COUPLES),
+              "-ppe_laplacian %s: this form couples velocity components; use mls instead",
+              forms->ppe.row->name);
     UserCheck(
         LaplacianIs(&forms->ppe, FORM_SAFE_IMPLICIT),
         "-ppe_laplacian %s: its matrix has eigenvalues of both signs, so the pressure equation "
         "cannot be solved; use a form with safe_implicit in -catalogue, such as mls or morris",
         forms->ppe.row->name);
-    UserCheck(!LaplacianIs(&forms->ppe, FORM_COUPLES),
-              "-ppe_laplacian %s: this form couples velocity components; use mls instead",
-              forms->ppe.row->name);
   }
   UserCheck(!correction->Kernel || forms->visc.correction || forms->ppe.correction,
             "-correction %s: no chosen Laplacian accepts it; -catalogue lists the forms that do",

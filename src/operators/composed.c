@@ -7,7 +7,7 @@
     (E u)_i,ab = G_a u_b + G_b u_a for a > b,   (E u)_i,aa = G_a u_a
 
   and the symmetric stress by its entries a >= b, tau:grad u is the sum of tau_ab (E u)_ab, and the
-  adjoint form is -V^-1 E^T V S E: docs/theory.md, (166) to (169). The velocity of walls enters G as
+  adjoint form is -V^-1 E^T V S E: docs/theory.md, (170) to (174). The velocity of walls enters G as
   in every row. The adjoint form needs no stress at walls. The other divergence is that of the
   fluid's stress alone, one-sided beside walls.
 */
