@@ -204,9 +204,9 @@ static PetscInt NotPositive(const Cloud *cloud)
 }
 
 /*
-  Tests the property safe_implicit: all eigenvalues of -L have positive real parts, except a zero for
-  each constant velocity component. Of the forms without it those that dissipate have further zeros
-  on a lattice, where the wide stencil does not act on grid modes, and all others have eigenvalues
+  Tests the property safe_implicit: all eigenvalues of -L have positive real parts, except a zero
+  for each constant velocity component. Of the forms without it those that dissipate have further
+  zeros on a lattice, where the wide stencil does not act on grid modes. All others have eigenvalues
   below zero on disordered particles. A form that damps constants has no zeros.
 */
 static void test_damps(void **state)
