@@ -176,14 +176,14 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
   }
   if (needs & NEED_PRESSURE) {
     PetscCall(ChooseLaplacian(&options[PPE_LAPLACIAN], NULL, correction, &forms->ppe));
+    UserCheck(!LaplacianIs(&forms->ppe, FORM_COUPLES),
+              "-ppe_laplacian %s: this form couples velocity components; use mls instead",
+              forms->ppe.row->name);
     UserCheck(
         LaplacianIs(&forms->ppe, FORM_SAFE_IMPLICIT),
         "-ppe_laplacian %s: its matrix has eigenvalues of both signs, so the pressure equation "
         "cannot be solved; use a form with safe_implicit in -catalogue, such as mls or morris",
         forms->ppe.row->name);
-    UserCheck(!LaplacianIs(&forms->ppe, FORM_COUPLES),
-              "-ppe_laplacian %s: this form couples velocity components; use mls instead",
-              forms->ppe.row->name);
   }
   UserCheck(!correction->Kernel || forms->visc.correction || forms->ppe.correction ||
                 needs & NEED_STREAMS,
@@ -192,13 +192,21 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns true if the viscous form needs particles behind walls. With a free surface
-   pairwise_stress does not: its factors follow from the neighbours there are, at walls too. */
+/* Returns true if a viscous form has no traction on free surfaces by itself: it is the derivative
+   of a dissipation of the fluid alone, docs/theory.md, (150) and (174). */
+static PetscBool HasFreeTraction(const LaplacianRow *form)
+{
+  return form->Row == LaplacianRow_PairwiseStress || (form->composed && form->composed->transposed)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* Returns true if the viscous form needs particles behind walls. With a free surface forms without
+   traction do not: their rows follow from the neighbours there are, at walls too. */
 static PetscBool ViscousNeedsFluid(const Scene *scene, const LaplacianForm *visc)
 {
   if (!visc->row || !LaplacianIs(visc, FORM_FULL_SUPPORT)) return PETSC_FALSE;
-  return SceneHasFreeSurface(scene) && visc->row->Row == LaplacianRow_PairwiseStress ? PETSC_FALSE
-                                                                                     : PETSC_TRUE;
+  return SceneHasFreeSurface(scene) && HasFreeTraction(visc->row) ? PETSC_FALSE : PETSC_TRUE;
 }
 
 /* Chooses the wall treatment from the options; the default works with all chosen forms. */
@@ -318,9 +326,9 @@ static PetscErrorCode ChooseSurface(const Scene *scene, unsigned needs, Operator
             scene->n_filled ? "-scene_filled_1" : "-scene_free",
             SceneIsNewtonian(scene) ? "-scene_fluid_1 and -viscosity_field" : "-rheology");
   UserCheck(!forms->visc.row || forms->visc.row->Row == LaplacianRow_Mls ||
-                forms->visc.row->Row == LaplacianRow_PairwiseStress,
-            "-visc_laplacian %s: it has no condition for the stress on a free surface; use mls or "
-            "pairwise_stress",
+                HasFreeTraction(forms->visc.row),
+            "-visc_laplacian %s: it has no condition for the stress on a free surface; use mls, "
+            "pairwise_stress or energy_fpm",
             forms->visc.row->name);
   UserCheck(!forms->ppe.row || forms->ppe.row->Row == LaplacianRow_Mls,
             "-ppe_laplacian %s: it needs fluid beyond the free surface; use mls",
