@@ -96,6 +96,7 @@ PetscErrorCode FlowStateCreate(Flow *flow, unsigned *needs)
   if (SceneMoves(scene)) {
     PetscCall(OptionGetRow(&options[SHIFT], "fickian", &s->shift));
     if (s->shift->Displace) {
+      s->shift_strength = 1.0;
       PetscCall(OptionGetReal(&options[SHIFT_STRENGTH], &s->shift_strength, NULL));
       *needs |= NEED_CONCENTRATION;
     }
