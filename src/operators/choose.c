@@ -240,6 +240,9 @@ static PetscErrorCode ChooseWall(const Scene *scene, unsigned needs, OperatorFor
       !blind || !forms->wall->on_surface,
       "-wall %s: %s %s needs particles behind the wall; use -wall dummy_linear, or mls instead",
       forms->wall->name, kind, blind);
+  UserCheck(!(needs & NEED_STREAMS) || !forms->wall->Extend,
+            "-wall %s: -scheme wcsph does not extend the velocity of the fluid; use dummy_linear",
+            forms->wall->name);
   if (forms->wall->Check) PetscCall(forms->wall->Check(scene));
   forms->wall_surface = scene->n_bodies > 0 && !forms->wall->on_surface ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(OptionGetSwitch(&options[WALL_SURFACE], &forms->wall_surface, NULL));
