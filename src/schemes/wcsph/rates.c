@@ -168,8 +168,8 @@ static void StoreRates(Wcsph *w, PetscInt i, const Rates *rates)
   if (w->equation->has_energy) w->rate[c * n + i] = rates->e;
 }
 
-/* Computes the rate of the density, and of the energy if there is one, with pressures that are still
-   whole; p: of the particle. */
+/* Computes the rate of the density, and of the energy if there is one, with pressures that are not
+   reduced; p: of the particle. */
 static void ContinuityRates(Wcsph *w, const Stencil *st, const PetscReal force[], PetscReal p,
                             Rates *rates)
 {
