@@ -12,6 +12,7 @@
 #include "step.h"
 
 #define HEIGHT 0.05 /* error of the height at which particles of a fluid at rest are [dx] */
+#define LOST   2.0  /* energy of a flow that is lost over the most that it can have [-] */
 
 /* EnergyWork - Returns the work of the body force on own particle i, whose path in a step is
    `path` [m], over the mass of a particle of weight 1 [m^2/s^2]; not collective */
@@ -144,9 +145,10 @@ static void NoteGain(const Flow *flow, PetscReal rms, PetscReal given)
   EnergyBound - Returns the bound on the root mean square of the velocity at the end of a step, and
   notes the largest gain of energy so far
 
-    |u| <= sqrt(|u|(0)^2 + 2 W + l + F dx/10) + max wall speed bound,   F = max |f|
+    |u| <= sqrt(2 (|u|(0)^2 + 2 W + l + F dx/10)) + max wall speed bound,   F = max |f|
 
-  Collective. W is of second order for the velocities of the particles, except after a start from
+  Collective. The bound allows twice the energy, because fluid that hits a wall or other fluid may
+  gain energy for some steps and lose it again, which the gain records. W is of second order for the velocities of the particles, except after a start from
   rest: in the first step the force acts, but no particle moves. The lag l of the work is (F dt)^2
   then, and later the largest F dt |change of |u|| of a step. Moving walls give energy, so that the
   gain has no dissipation with them.
@@ -170,7 +172,8 @@ PetscErrorCode EnergyBound(Flow *flow, PetscReal before, PetscReal *bound)
   e->dissipated += dissipated;
   given = PetscSqr(b->start) + 2.0 * e->work;
   given += flow->clock->step == 0 ? PetscSqr(kick) : e->lag;
-  *bound = PetscSqrtReal(PetscMax(given + 2.0 * HEIGHT * force * flow->scene->dx, 0.0)) + b->walls;
+  *bound = given + 2.0 * HEIGHT * force * flow->scene->dx;
+  *bound = PetscSqrtReal(LOST * PetscMax(*bound, 0.0)) + b->walls;
   NoteGain(flow, rms, given);
   e->lag = PetscMax(e->lag, kick * PetscAbsReal(rms - before));
   PetscFunctionReturn(PETSC_SUCCESS);
