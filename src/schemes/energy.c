@@ -11,8 +11,9 @@
 */
 #include "step.h"
 
-#define HEIGHT 0.05 /* error of the height at which particles of a fluid at rest are [dx] */
-#define LOST   2.0  /* energy of a flow that is lost over the most that it can have [-] */
+#define HEIGHT   0.05 /* error of the height at which particles of a fluid at rest are [dx] */
+#define LOST     2.0  /* energy of a flow that is lost over the most that it can have [-] */
+#define ROUNDING 1e-6 /* speed of a fluid at rest [U] */
 
 /* EnergyWork - Returns the work of the body force on own particle i, whose path in a step is
    `path` [m], over the mass of a particle of weight 1 [m^2/s^2]; not collective */
@@ -131,11 +132,12 @@ static void NoteGain(const Flow *flow, PetscReal rms, PetscReal given)
   const SpeedBound *b      = &flow->scheme->bound;
   EnergyBalance    *e      = &flow->scheme->energy;
   const PetscReal   driven = PetscSqrtReal(PetscMax(given, 0.0)) + b->walls;
+  const PetscReal   noise  = PetscSqr(ROUNDING * flow->scene->speed);
   PetscReal         excess = PetscSqr(rms) + 2.0 * e->dissipated - given, gain;
 
   if (b->walls > 0.0) excess = PetscSqr(rms) - PetscSqr(driven);
   e->most = PetscMax(e->most, PetscSqr(driven));
-  gain    = excess / (e->most + 2.0 * b->force * flow->scene->dx);
+  gain    = excess / (e->most + 2.0 * b->force * flow->scene->dx + noise);
   if (!(excess > 0.0) || !(gain > e->gain)) return;
   e->gain   = gain;
   e->gain_t = flow->clock->t + flow->clock->dt;
@@ -148,10 +150,11 @@ static void NoteGain(const Flow *flow, PetscReal rms, PetscReal given)
     |u| <= sqrt(2 (|u|(0)^2 + 2 W + l + F dx/10)) + max wall speed bound,   F = max |f|
 
   Collective. The bound allows twice the energy, because fluid that hits a wall or other fluid may
-  gain energy for some steps and lose it again, which the gain records. W is of second order for the velocities of the particles, except after a start from
-  rest: in the first step the force acts, but no particle moves. The lag l of the work is (F dt)^2
-  then, and later the largest F dt |change of |u|| of a step. Moving walls give energy, so that the
-  gain has no dissipation with them.
+  gain energy for some steps and lose it again, which the gain records. W is of second order for the
+  velocities of the particles, except after a start from rest: in the first step the force acts, but
+  no particle moves. The lag l of the work is (F dt)^2 then, and later the largest
+  F dt |change of |u|| of a step. Moving walls give energy, so that the gain has no dissipation with
+  them.
 
   Input Parameter:
 . before - root mean square of the velocity at the start of the step [m/s]
@@ -165,7 +168,7 @@ PetscErrorCode EnergyBound(Flow *flow, PetscReal before, PetscReal *bound)
   EnergyBalance    *e     = &flow->scheme->energy;
   const PetscReal   rms   = FlowRmsSpeed(flow);
   const PetscReal   force = b->force, kick = force * flow->clock->dt;
-  PetscReal         given, dissipated      = 0.0;
+  PetscReal         given, dissipated;
 
   PetscFunctionBegin;
   PetscCall(Dissipation(flow, flow->state->u_next, &dissipated));
