@@ -128,6 +128,16 @@ typedef struct {
   PetscReal walls;      /* largest speed that walls can have driven so far [m/s] */
 } SpeedBound;
 
+/* The energy balance of a moving fluid with a free surface; see energy.c. */
+typedef struct {
+  PetscReal work;       /* of the body force so far, per mass [m^2/s^2] */
+  PetscReal dissipated; /* by viscosity so far, per mass [m^2/s^2] */
+  PetscReal lag;        /* error of twice the work [m^2/s^2] */
+  PetscReal most;       /* largest twice the energy per mass that start and work gave [m^2/s^2] */
+  PetscReal gain;       /* largest energy beyond that so far, relative to `most` [-] */
+  PetscReal gain_t;     /* its time [s] */
+} EnergyBalance;
+
 /* The column of the report that a linear solve fills. */
 typedef enum { SOLVE_VELOCITY, SOLVE_PRESSURE } SolveColumn;
 
@@ -187,6 +197,7 @@ typedef struct {
   StepStats        stats;
   SteadyTest       steady;
   SpeedBound       bound;
+  EnergyBalance    energy;
   StepFailure      failure; /* of the last attempted step */
   Memory           memory;
   PetscErrorCode (*Divergence)(Flow *flow, const Vec u[],

@@ -110,18 +110,26 @@ static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *v
   PoolsCreate - Finds the pools of a scene and their volumes
 
   Collective on PETSC_COMM_WORLD. Output: pools - none if the fluid fills the box; free with
-  PoolsDestroy().
+  PoolsDestroy(). Errors: refuses a jitter if no pool has a lattice.
 */
 PetscErrorCode PoolsCreate(const Scene *scene, Pools *pools)
 {
+  PetscBool lattices = PETSC_FALSE;
+
   PetscFunctionBegin;
   *pools = (Pools){.scene = scene};
   JoinRegions(scene, pools);
   for (PetscInt pool = 0; pool < pools->n; pool++) {
     PetscCall(PoolVolume(pools, pool, &pools->volume[pool]));
     pools->lattice[pool] = PoolHasLattice(pools, pool);
-    if (!pools->lattice[pool]) pools->relaxed = PETSC_TRUE;
+    if (pools->lattice[pool]) lattices = PETSC_TRUE;
+    else pools->relaxed = PETSC_TRUE;
   }
+  UserCheck(
+      scene->jitter == 0.0 || !pools->n || lattices,
+      "-jitter %.6g: it displaces lattices, which only regions bounded by lines along the axes "
+      "have; leave it out",
+      (double)scene->jitter);
   PetscCall(BorderCreate(pools));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -62,6 +62,12 @@ PetscErrorCode FlowMeasureStart(Flow *flow);
 PetscErrorCode FlowCheck(Flow *flow);
 PetscErrorCode FlowRemember(Flow *flow);
 
+/* energy.c */
+PetscReal      EnergyWork(const Flow *flow, PetscInt i, const PetscReal path[]);
+PetscErrorCode EnergyAddWork(Flow *flow, PetscReal work);
+PetscErrorCode EnergyBound(Flow *flow, PetscReal before, PetscReal *bound);
+PetscErrorCode EnergyRemember(const Scene *scene, Scheme *scheme);
+
 /* steady.c */
 PetscReal      FlowRmsSpeed(const Flow *flow);
 PetscErrorCode SteadyMeasure(Flow *flow);
