@@ -125,7 +125,8 @@ static const char *DefaultLaplacian(const Scene *scene)
   const PetscBool curved =
       SceneHas(scene, PHYSICS_PRESSURE) || scene->n_bodies ? PETSC_TRUE : PETSC_FALSE;
 
-  return SceneViscosityVaries(scene) && curved ? "stress_mls" : "mls";
+  return SceneViscosityVaries(scene) && curved && !SceneHasFreeSurface(scene) ? "stress_mls"
+                                                                              : "mls";
 }
 
 /* Chooses the Laplacians that the run needs; the correction applies to those that accept it. */
@@ -278,10 +279,6 @@ static PetscErrorCode ChooseSurface(const Scene *scene, OperatorForms *forms)
 {
   PetscFunctionBegin;
   if (!SceneHasFreeSurface(scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  UserCheck(!SceneViscosityVaries(scene),
-            "%s: a fluid with a free surface has a uniform viscosity, which excludes %s",
-            scene->n_filled ? "-scene_filled_1" : "-scene_free",
-            SceneIsNewtonian(scene) ? "-scene_fluid_1 and -viscosity_field" : "-rheology");
   UserCheck(!forms->visc.row || forms->visc.row->Row == LaplacianRow_Mls ||
                 forms->visc.row->Row == LaplacianRow_PairwiseStress,
             "-visc_laplacian %s: it has no condition for the stress on a free surface; use mls or "
@@ -299,7 +296,7 @@ static PetscErrorCode ChooseSurface(const Scene *scene, OperatorForms *forms)
             "-wall %s: with a free surface, fits have the equations of walls; use wall_layer",
             forms->wall->name);
   if (forms->visc.row && forms->visc.row->Row == LaplacianRow_Mls)
-    forms->visc.row = &LaplacianSurface;
+    forms->visc.row = SceneViscosityVaries(scene) ? &LaplacianSurfaceStress : &LaplacianSurface;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

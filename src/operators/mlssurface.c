@@ -61,10 +61,10 @@ static inline void AddCondition(PetscInt dim, PetscInt terms, PetscInt width, Pe
   }
 }
 
-/* Sets the right-hand sides: for each component a that of lap u_a + d(div u)/dx_a, then that of
-   2 n.E n at the particle, with its own normal. */
+/* Sets the right-hand sides: for each component a that of lap u_a + bulk d(div u)/dx_a, then that
+   of 2 n.E n at the particle, with its own normal. */
 static inline void SetColumns(const Stencil *st, PetscInt dim, PetscInt terms, PetscInt width,
-                              PetscReal system[])
+                              PetscReal bulk, PetscReal system[])
 {
   const PetscReal over = 1.0 / PetscSqr(st->radius);
   const PetscInt  n    = dim * terms;
@@ -75,9 +75,9 @@ static inline void SetColumns(const Stencil *st, PetscInt dim, PetscInt terms, P
       for (PetscInt c = 0; c < dim; c++) {
         PetscReal *column = system + (c * terms + t) * width + n;
 
-        if (p == q) column[c] += 2.0 * over;                  /* lap u_c */
-        if (c == p) column[q] += over * (p == q ? 2.0 : 1.0); /* d(du_c/dx_c)/dx_q */
-        else if (c == q) column[p] += over;
+        if (p == q) column[c] += 2.0 * over;                         /* lap u_c */
+        if (c == p) column[q] += bulk * over * (p == q ? 2.0 : 1.0); /* d(du_c/dx_c)/dx_q */
+        else if (c == q) column[p] += bulk * over;
       }
     }
   }
@@ -90,7 +90,7 @@ static inline void SetColumns(const Stencil *st, PetscInt dim, PetscInt terms, P
 
 /* Computes the rows of a fit with the conditions of the surface; returns PETSC_FALSE if the points
    do not determine it. */
-static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscReal w[])
+static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscReal bulk, PetscReal w[])
 {
   const PetscInt terms = MlsTerms(dim, 2), n = dim * terms, width = MlsWidth(n + dim + 1);
   PetscReal      moments[MLS_QUADRATIC_TERMS * MLS_QUADRATIC_TERMS], s[ISPH_MAX_DIM] = {0.0};
@@ -115,7 +115,7 @@ static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscReal w[])
     }
     AddCondition(dim, terms, width, st->W[k], s, normal, system);
   }
-  SetColumns(st, dim, terms, width, system);
+  SetColumns(st, dim, terms, width, bulk, system);
   if (!MlsEliminate(n, width, st->weak, system)) return PETSC_FALSE;
   for (PetscInt a = 0; a < dim; a++) {
     for (PetscInt c = 0; c < dim; c++) {
@@ -149,6 +149,30 @@ static PetscBool HoldsSurface(const Stencil *st)
   return share * st->radius >= OUTERMOST && sum * st->radius <= STEEP ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/* Computes the row of a fit; returns PETSC_FALSE if the points do not determine it, or if the
+   particle is not held by its surface. */
+static PetscBool FittedRow(Stencil *st, PetscReal bulk, PetscReal w[])
+{
+  st->fit.wanted = 0; /* overwrites the basis of the fit */
+  return (st->dim == 2 ? SurfaceFit(st, 2, bulk, w) : SurfaceFit(st, 3, bulk, w)) &&
+                 HoldsSurface(st)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* Computes the row by pair forces, without pressure on the surface, for a particle without fit. */
+static PetscErrorCode PairRow(Stencil *st, PetscReal w[])
+{
+  const PetscReal own = Factor_PairwiseStress(st);
+
+  PetscFunctionBegin;
+  st->regularised++;
+  for (PetscInt k = 0; k < st->n; k++) st->factor[k] = own;
+  for (PetscInt c = 0; c < st->dim; c++) PetscCall(PetscArrayzero(st->normal_strain[c], st->n));
+  PetscCall(LaplacianRow_PairwiseStress(st, w));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   LaplacianRow_SurfaceMls - Computes the divergence of the viscous stress by a fit of the velocity
   with zero tangential stress on free surfaces; couples velocity components
@@ -168,7 +192,6 @@ static PetscBool HoldsSurface(const Stencil *st)
 PetscErrorCode LaplacianRow_SurfaceMls(Stencil *st, PetscReal w[])
 {
   const PetscInt d = st->dim;
-  PetscReal      own;
 
   PetscFunctionBegin;
   if (st->kind == SURFACE_ROUGH || st->kind == SURFACE_ISOLATED) {
@@ -176,19 +199,31 @@ PetscErrorCode LaplacianRow_SurfaceMls(Stencil *st, PetscReal w[])
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (st->near_surface) {
-    st->fit.wanted = 0; /* overwrites the basis of the fit */
-    if ((st->dim == 2 ? SurfaceFit(st, 2, w) : SurfaceFit(st, 3, w)) && HoldsSurface(st))
-      PetscFunctionReturn(PETSC_SUCCESS);
+    if (FittedRow(st, 1.0, w)) PetscFunctionReturn(PETSC_SUCCESS);
   } else {
     PetscCall(LaplacianRow_Mls(st, st->fit.value));
     for (PetscInt e = 0; e < st->n * d * d; e++)
       w[e] = e % (d * d) % (d + 1) ? 0.0 : st->fit.value[e / (d * d)];
     if (st->fit.degree == st->degree) PetscFunctionReturn(PETSC_SUCCESS);
   }
-  st->regularised++;
-  own = Factor_PairwiseStress(st);
-  for (PetscInt k = 0; k < st->n; k++) st->factor[k] = own;
-  for (PetscInt c = 0; c < d; c++) PetscCall(PetscArrayzero(st->normal_strain[c], st->n));
-  PetscCall(LaplacianRow_PairwiseStress(st, w));
+  PetscCall(PairRow(st, w));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  LaplacianRow_SurfaceStress - Computes lap u + 2 grad div u by the fit of LaplacianRow_SurfaceMls();
+  couples velocity components
+
+  Weights multiplied by the mean viscosities of pairs give div(2 nu E) + grad(nu div u), as those of
+  stress.c: docs/theory.md, (71). The condition of the surface is then that of the weighted
+  differences. It is exact if the viscosity is uniform within the support; otherwise rows beside the
+  surface have an error of order 0, and velocities are of order 1.
+*/
+PetscErrorCode LaplacianRow_SurfaceStress(Stencil *st, PetscReal w[])
+{
+  PetscFunctionBegin;
+  if (st->kind == SURFACE_ROUGH || st->kind == SURFACE_ISOLATED)
+    PetscCall(LaplacianRow_PairwiseStress(st, w));
+  else if (!FittedRow(st, 2.0, w)) PetscCall(PairRow(st, w));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -19,7 +19,7 @@ PetscErrorCode FreePressureIncrement(Flow *flow, Vec b)
 {
   const Operators   *ops = flow->ops;
   const FlowState   *s   = flow->state;
-  const PetscReal    mu  = flow->scene->rho * flow->scene->nu;
+  const Particles   *of  = flow->particles;
   Vec                strain;
   const PetscScalar *twice, *p;
   PetscScalar       *increment;
@@ -31,9 +31,12 @@ PetscErrorCode FreePressureIncrement(Flow *flow, Vec b)
   PetscCall(VecGetArrayRead(strain, &twice));
   PetscCall(VecGetArrayRead(s->p, &p));
   PetscCall(VecGetArray(b, &increment));
-  for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
+  for (PetscInt i = 0; i < of->n_fluid; i++) {
+    const PetscReal mu = flow->scene->rho * (of->nu ? of->nu[i] : flow->scene->nu);
+
     if (FreeSurfaceHolds(ops->free, i))
       increment[i] = mu * twice[i] + FreeSurfacePressure(ops->free, i) - p[i];
+  }
   PetscCall(VecRestoreArray(b, &increment));
   PetscCall(VecRestoreArrayRead(s->p, &p));
   PetscCall(VecRestoreArrayRead(strain, &twice));
