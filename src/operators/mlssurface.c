@@ -160,13 +160,13 @@ static PetscBool FittedRow(Stencil *st, PetscReal bulk, PetscReal w[])
              : PETSC_FALSE;
 }
 
-/* Computes the row by pair forces, without pressure on the surface, for a particle without fit. */
+/* Computes the row by pair forces with the factor of the particle alone, and without pressure on
+   the surface. */
 static PetscErrorCode PairRow(Stencil *st, PetscReal w[])
 {
   const PetscReal own = Factor_PairwiseStress(st);
 
   PetscFunctionBegin;
-  st->regularised++;
   for (PetscInt k = 0; k < st->n; k++) st->factor[k] = own;
   for (PetscInt c = 0; c < st->dim; c++) PetscCall(PetscArrayzero(st->normal_strain[c], st->n));
   PetscCall(LaplacianRow_PairwiseStress(st, w));
@@ -206,24 +206,29 @@ PetscErrorCode LaplacianRow_SurfaceMls(Stencil *st, PetscReal w[])
       w[e] = e % (d * d) % (d + 1) ? 0.0 : st->fit.value[e / (d * d)];
     if (st->fit.degree == st->degree) PetscFunctionReturn(PETSC_SUCCESS);
   }
+  st->regularised++;
   PetscCall(PairRow(st, w));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  LaplacianRow_SurfaceStress - Computes lap u + 2 grad div u by the fit of LaplacianRow_SurfaceMls();
-  couples velocity components
+  LaplacianRow_SurfaceStress - Computes lap u + 2 grad div u for a varying viscosity; couples velocity
+  components
 
   Weights multiplied by the mean viscosities of pairs give div(2 nu E) + grad(nu div u), as those of
-  stress.c: docs/theory.md, (71). The condition of the surface is then that of the weighted
-  differences. It is exact if the viscosity is uniform within the support; otherwise rows beside the
-  surface have an error of order 0, and velocities are of order 1.
+  stress.c: docs/theory.md, (71). Rows are those of the fit of LaplacianRow_SurfaceMls(). Where the
+  viscosity varies within the support of a particle beside the surface, its row has pair forces, and
+  the surface no pressure: docs/theory.md, (167).
 */
 PetscErrorCode LaplacianRow_SurfaceStress(Stencil *st, PetscReal w[])
 {
   PetscFunctionBegin;
-  if (st->kind == SURFACE_ROUGH || st->kind == SURFACE_ISOLATED)
+  if (st->kind == SURFACE_ROUGH || st->kind == SURFACE_ISOLATED) {
     PetscCall(LaplacianRow_PairwiseStress(st, w));
-  else if (!FittedRow(st, 2.0, w)) PetscCall(PairRow(st, w));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (!st->pairs && FittedRow(st, 2.0, w)) PetscFunctionReturn(PETSC_SUCCESS);
+  st->regularised += st->pairs ? 0 : 1;
+  PetscCall(PairRow(st, w));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
