@@ -55,7 +55,7 @@ static PetscErrorCode DefaultScheme(const Flow *flow, const char **name)
   PetscCall(FlowLimit(flow, &limit));
   if (clock->dt_given > 0.0) limit.dt = clock->dt_given;
   else if (SceneMoves(flow->scene)) limit.dt *= 0.1;
-  if (limit.dt > ProjectionFreeLimit(flow->scene) || clock->steady_solve) *name = "coupled";
+  if (limit.dt > SurfaceStep(flow->scene) || clock->steady_solve) *name = "coupled";
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
