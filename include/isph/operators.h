@@ -85,7 +85,7 @@ typedef struct {
   PetscBool  *surface;      /* neighbour is on a free surface, where fits have its condition */
   SurfaceKind kind;         /* of the particle */
   PetscBool   near_surface; /* the particle or a neighbour is on a smooth part of it */
-  PetscBool   pairs;        /* the same on any part, and the viscosity varies within the support */
+  PetscBool   beside_surface;              /* the same on any part of it */
   PetscReal   own_normal[ISPH_MAX_DIM];    /* of the particle, out of the fluid */
   PetscReal  *normal_strain[ISPH_MAX_DIM]; /* row of 2 n.E n of a particle on it [1/m] */
 } Stencil;

@@ -9,8 +9,6 @@
 #include "rows.h"
 #include "wall_points.h"
 
-#define UNIFORM 0.1 /* largest relative difference of viscosities that count as uniform */
-
 /* Sets the data of wall neighbour k, particle j. */
 static void GatherWall(const Scene *scene, const Particles *p, const Operators *ops, PetscInt k,
                        Stencil *st)
@@ -26,37 +24,22 @@ static void GatherWall(const Scene *scene, const Particles *p, const Operators *
   st->side[k] = (PetscInt)p->side[j];
 }
 
-/* Returns true if the viscosity varies within the support. */
-static PetscBool ViscosityVaries(const Scene *scene, const Particles *p, const Stencil *st)
-{
-  if (!p->nu || !SceneIsNewtonian(scene)) return p->nu ? PETSC_TRUE : PETSC_FALSE;
-  for (PetscInt k = 0; k < st->n; k++) {
-    const PetscReal change = st->wall[k] ? 0.0 : PetscAbsReal(p->nu[st->j[k]] - p->nu[st->i]);
-
-    if (change > UNIFORM * p->nu[st->i]) return PETSC_TRUE;
-  }
-  return PETSC_FALSE;
-}
-
 /* Sets the neighbours on smooth parts of a free surface, and their normals. */
-static void GatherSurface(const Scene *scene, const Particles *p, const FreeSurface *free,
-                          Stencil *st)
+static void GatherSurface(const FreeSurface *free, Stencil *st)
 {
   const PetscInt d = st->dim;
-  PetscBool      beside;
 
-  st->near_surface = st->pairs = PETSC_FALSE;
+  st->near_surface = st->beside_surface = PETSC_FALSE;
   if (!free) return;
-  st->kind = (SurfaceKind)free->kind[st->i];
-  beside   = FreeSurfaceHolds(free, st->i);
+  st->kind           = (SurfaceKind)free->kind[st->i];
+  st->beside_surface = FreeSurfaceHolds(free, st->i);
   for (PetscInt k = 0; k < st->n; k++) {
     if (st->wall[k]) continue;
-    if (FreeSurfaceHolds(free, st->j[k])) beside = PETSC_TRUE;
+    if (FreeSurfaceHolds(free, st->j[k])) st->beside_surface = PETSC_TRUE;
     if (free->kind[st->j[k]] != SURFACE_SMOOTH) continue;
     st->surface[k] = st->near_surface = PETSC_TRUE;
     for (PetscInt a = 0; a < d; a++) st->normal[a][k] = free->normal[st->j[k] * d + a];
   }
-  st->pairs = beside && ViscosityVaries(scene, p, st) ? PETSC_TRUE : PETSC_FALSE;
   if (st->kind != SURFACE_SMOOTH) return;
   st->near_surface = PETSC_TRUE;
   for (PetscInt a = 0; a < d; a++) st->own_normal[a] = free->normal[st->i * d + a];
@@ -107,7 +90,7 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
   }
   for (PetscInt k = 0; st->n_wall && k < n; k++)
     if (st->wall[k]) GatherWall(scene, p, ops, k, st);
-  GatherSurface(scene, p, ops->free, st);
+  GatherSurface(ops->free, st);
   KernelEvaluateAll(ops->forms.kernel, d, st->h, n, st->r, st->W, st->dW, st->ddW);
   WallPointShares(ops, st);
   PetscFunctionReturn(PETSC_SUCCESS);

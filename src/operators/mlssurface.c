@@ -216,19 +216,19 @@ PetscErrorCode LaplacianRow_SurfaceMls(Stencil *st, PetscReal w[])
   components
 
   Weights multiplied by the mean viscosities of pairs give div(2 nu E) + grad(nu div u), as those of
-  stress.c: docs/theory.md, (71). Rows are those of the fit of LaplacianRow_SurfaceMls(). Where the
-  viscosity varies within the support of a particle beside the surface, its row has pair forces, and
-  the surface no pressure: docs/theory.md, (167).
+  stress.c: docs/theory.md, (71). Rows are those of a fit of each component. If the particle or a
+  neighbour is on a free surface, the row has pair forces with the factor of the particle, whose
+  traction on the surface is zero, and the surface has no pressure: docs/theory.md, (167). A
+  condition in the fit would be that of the weighted differences nu_ik (u_k - u_i), whose gradient is
+  not the stress.
 */
 PetscErrorCode LaplacianRow_SurfaceStress(Stencil *st, PetscReal w[])
 {
   PetscFunctionBegin;
-  if (st->kind == SURFACE_ROUGH || st->kind == SURFACE_ISOLATED) {
-    PetscCall(LaplacianRow_PairwiseStress(st, w));
-    PetscFunctionReturn(PETSC_SUCCESS);
+  if (!st->beside_surface) {
+    if (FittedRow(st, 2.0, w)) PetscFunctionReturn(PETSC_SUCCESS);
+    st->regularised++;
   }
-  if (!st->pairs && FittedRow(st, 2.0, w)) PetscFunctionReturn(PETSC_SUCCESS);
-  st->regularised += st->pairs ? 0 : 1;
   PetscCall(PairRow(st, w));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -27,16 +27,16 @@ PetscReal SurfaceStep(const Scene *scene)
 
 /*
   ProjectionFreeLimit - Returns the longest step of the projection with a free surface,
-  0.1 dx^2/nu; infinity without one, and for rheologies [s]
+  0.1 dx^2/nu; infinity without one, and with a viscosity that varies [s]
 
   Not collective. The surface has the pressure 2 mu n.E n of the last velocity, as an explicit
   viscous term. In drop_mode it is stable up to 0.2 dx^2/nu, and lost from 0.25 dx^2/nu on. With a
-  rheology the rows beside the surface have pair forces without this term: a Bingham column
+  viscosity that varies, rows beside the surface have pair forces without this term: a Bingham column
   (options/heap.opts) was stable in steps of 80 dx^2/nu.
 */
 PetscReal ProjectionFreeLimit(const Scene *scene)
 {
-  return SceneIsNewtonian(scene) ? SurfaceStep(scene) : PETSC_INFINITY;
+  return SceneViscosityVaries(scene) ? PETSC_INFINITY : SurfaceStep(scene);
 }
 
 /*
