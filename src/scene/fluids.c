@@ -106,7 +106,10 @@ PetscErrorCode SceneBoundViscosity(Scene *scene)
       scene->nu_high = PetscMax(scene->nu_high, nu);
     }
   }
-  if (scene->nu_high == 0.0) scene->nu_low = scene->nu_high = scene->nu; /* no centre in the fluid */
+  if (scene->nu_high == 0.0) { /* no centre is in the fluid */
+    scene->nu_low  = scene->nu;
+    scene->nu_high = scene->nu;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -31,8 +31,8 @@ PetscReal SurfaceStep(const Scene *scene)
 
   Not collective. The surface has the pressure 2 mu n.E n of the last velocity, as an explicit
   viscous term. In drop_mode it is stable up to 0.2 dx^2/nu, and lost from 0.25 dx^2/nu on. With a
-  viscosity that varies, rows beside the surface have pair forces without this term: a Bingham column
-  (options/heap.opts) was stable in steps of 80 dx^2/nu.
+  viscosity that varies, rows beside the surface have pair forces without this term: a Bingham
+  column (options/heap.opts) was stable in steps of 80 dx^2/nu.
 */
 PetscReal ProjectionFreeLimit(const Scene *scene)
 {

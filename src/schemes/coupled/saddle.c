@@ -1,14 +1,14 @@
 /*
   The matrix of the coupled system, scaled so that all entries are of order 1 and residuals of
   momentum and of mass have equal size. The unknowns are the velocity u and the scaled pressure q.
-  With p_i = rho dx_i/T_i q_i and 1/T_i = 1/(4 dt) + nu_i/dx_i^2 (steady: nu_i/dx_i^2), for particles
-  of equal size and viscosity:
+  With p_i = rho dx_i/T_i q_i and 1/T_i = 1/(4 dt) + nu_i/dx_i^2 (steady: nu_i/dx_i^2), for
+  particles of equal size and viscosity:
 
     [ T (shift - nu L)   dx G          ] [u]   [T f]
     [ dx D               C + c c^T     ] [q] = [g  ]
 
-  For several sizes or viscosities the rows of momentum are multiplied by T_i and the rows of mass by dx_i, and
-  T_i/(rho dx_i) C p replaces C q: docs/theory.md, (122).
+  For several sizes or viscosities the rows of momentum are multiplied by T_i and the rows of mass
+  by dx_i, and T_i/(rho dx_i) C p replaces C q: docs/theory.md, (122).
 
   L, G and D are the operators of viscosity, gradient and divergence; L couples velocity components
   if its form does. shift is the factor of u in du/dt; f and g contain forces and wall data. G is

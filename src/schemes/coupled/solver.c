@@ -43,8 +43,8 @@ PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
   pressures the shell preconditioner of schur.c. AMG does not hold with rows of rough surfaces: a
   column that collapses with nu dt/dx^2 = 6 is lost after 270 steps, and takes 20 iterations with
   block Jacobi. Nor does it hold with viscosities that vary by large factors: block Jacobi with
-  ILU(1) takes at most 80 iterations for a film of a power law whose viscosities vary by 1e6, n = 80,
-  nu dt/dx^2 = 1e4 for their geometric mean; ILU(0) takes up to 230 or fails.
+  ILU(1) takes at most 80 iterations for a film of a power law whose viscosities vary by 1e6, n =
+  80, nu dt/dx^2 = 1e4 for their geometric mean; ILU(0) takes up to 230 or fails.
 */
 static PetscErrorCode BlockDefaults(const Scene *scene, PetscReal dt)
 {
