@@ -132,7 +132,8 @@ static PetscErrorCode DropModeSetup(Scene *scene)
   Computes velocity and pressure from the stream functions of both modes, with r in units of R
 
     psi = (a r^2 + b r^2 g(q r^2)) sin(2 theta) exp(-q nu t/R^2)
-    u_r = psi_theta/r,   u_theta = -psi_r,   p = sigma/R + rho nu q a r^2 cos(2 theta) exp(...)/R
+    u_r = psi_theta/r,   u_theta = -psi_r
+    p = p_0 + sigma/R + rho nu q a r^2 cos(2 theta) exp(...)/R
 
   u_r is U cos(2 theta) at r = 1 and t = 0.
 */
@@ -146,7 +147,7 @@ static void DropModeExact(const Scene *scene, PetscReal t, const PetscReal x[], 
   const Roots     roots  = FindRoots(scene);
   PetscReal       radial = 0.0, along = 0.0;
 
-  *p = scene->tension / R;
+  *p = scene->outside + scene->tension / R;
   for (PetscInt k = 0; k < 2; k++) {
     const Mode         mode  = FindMode(scene, &roots, k);
     const PetscComplex z     = mode.q * r * r;

@@ -210,6 +210,7 @@ struct Scene {
   PetscReal        speed;               /* reference speed U [m/s] */
   PetscReal        rho;                 /* density [kg/m^3] */
   PetscReal        tension;             /* surface tension sigma; 0: none [N/m] */
+  PetscReal        outside;             /* pressure outside free surfaces [Pa] */
   PetscReal        nu; /* kinematic viscosity; if it varies, for Reynolds numbers only [m^2/s] */
   PetscReal        nu_low, nu_high; /* bounds of viscosity in the fluid; nu if uniform [m^2/s] */
   PetscReal        body_force[ISPH_MAX_DIM]; /* body force per unit mass [m/s^2] */

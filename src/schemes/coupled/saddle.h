@@ -13,6 +13,7 @@ typedef struct {
   PetscBool adjoint;    /* G is minus the transposed D; chosen before the assembly */
   PetscReal step;       /* T of the reference spacing, factor of the momentum equation [s] */
   PetscReal unit;       /* rho dx/T of the reference spacing, unit of pressures [Pa s/m] */
+  PetscReal outside;    /* pressure outside free surfaces, whose unknown is zero [Pa] */
   Vec       time;       /* T_i/T of each particle [-] */
   Vec       length;     /* dx_i/dx of each particle [-] */
   Vec       viscosity;  /* nu_i/nu of each particle [-] */
