@@ -53,6 +53,7 @@ struct Body {
   PetscReal       parameter[BODY_PARAMETERS]; /* of the shape [m] */
   PetscReal       centre[2], extent; /* centre, and largest distance of the surface from it [m] */
   PetscBool       around;
+  PetscBool       ball; /* a circle that is a ball in 3D, about a point of the plane z = 0 */
 };
 
 /* Properties of a kind of boundary; all other code depends on these instead of the kind. */
@@ -325,6 +326,7 @@ PetscErrorCode ShapeRead(const Scene *scene, const OptionRow *pattern, PetscInt 
 PetscErrorCode ShapeCheckNumbers(const OptionRow *pattern, PetscInt n, PetscInt most);
 const char    *BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[]);
 void           BodyCircle(Body *body, PetscReal x, PetscReal y, PetscReal r);
+void           BodyBall(Body *body, PetscReal x, PetscReal y, PetscReal r);
 PetscInt       BodyLines(const Body *body, PetscInt axis, PetscReal line[]);
 PetscReal      BodyThickness(const Body *body, PetscReal dx, PetscReal limit, PetscReal place[2]);
 void           BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2]);
