@@ -1,5 +1,5 @@
 /*
-  Mode 2 of a viscous drop with a free surface, for amplitudes that leave the disc or the ball round:
+  Mode 2 of a viscous drop with a free surface, for amplitudes that leave the disc or ball round:
   the least damped decay without surface tension, an oscillation or a creeping return with it. An
   exact solution with both conditions of the surface: docs/theory.md, (166) and (169).
 
@@ -29,7 +29,7 @@ typedef struct {
   PetscReal tension; /* C = tension sigma R/(rho nu^2) */
   PetscReal t;       /* factor of the tangential stress */
   PetscReal decay;   /* the second root without surface tension, for the first guess */
-  PetscReal static_; /* pressure of the round drop over sigma/R */
+  PetscReal rest;    /* pressure of the round drop over sigma/R */
 } Dimension;
 static const Dimension dimensions[] = {{0.0, 2.0, 6.0, 4.0, 5.5408, 1.0},
                                        {0.5, 6.0, 8.0, 6.0, 7.1055, 2.0}};
@@ -174,7 +174,7 @@ static void DropModeExact(const Scene *scene, PetscReal t, const PetscReal x[], 
   r = PetscMax(PetscSqrtReal(r) / R, 1e-12);
   for (PetscInt a = 0; a < dim; a++) n[a] = x[a] / (R * r);
   Y  = dim == 2 ? n[0] * n[0] - n[1] * n[1] : 1.5 * n[2] * n[2] - 0.5;
-  *p = scene->outside + d->static_ * scene->tension / R;
+  *p = scene->outside + d->rest * scene->tension / R;
   for (PetscInt k = 0; k < 2; k++) {
     const Mode         mode  = FindMode(scene, &roots, k);
     const PetscComplex z     = mode.q * r * r;

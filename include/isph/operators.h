@@ -88,6 +88,9 @@ typedef struct {
   PetscBool   beside_surface;              /* the same on any part of it */
   PetscReal   own_normal[ISPH_MAX_DIM];    /* of the particle, out of the fluid */
   PetscReal  *normal_strain[ISPH_MAX_DIM]; /* row of 2 n.E n of a particle on it [1/m] */
+
+  const Scene *scene; /* of the equations of walls */
+  PetscBool    slips; /* a neighbour is on a wall along which the fluid slides */
 } Stencil;
 
 PetscErrorCode StencilCreate(PetscInt dim, Stencil **stencil);

@@ -88,8 +88,13 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
     st->wall[k]     = ParticlesIsWall(p, st->j[k]);
     st->n_wall += st->wall[k] ? 1 : 0;
   }
-  for (PetscInt k = 0; st->n_wall && k < n; k++)
-    if (st->wall[k]) GatherWall(scene, p, ops, k, st);
+  st->scene = scene;
+  st->slips = PETSC_FALSE;
+  for (PetscInt k = 0; st->n_wall && k < n; k++) {
+    if (!st->wall[k]) continue;
+    GatherWall(scene, p, ops, k, st);
+    if (!BoundaryIs(scene, st->side[k], BOUNDARY_NO_SLIP)) st->slips = PETSC_TRUE;
+  }
   GatherSurface(ops->free, st);
   KernelEvaluateAll(ops->forms.kernel, d, st->h, n, st->r, st->W, st->dW, st->ddW);
   WallPointShares(ops, st);

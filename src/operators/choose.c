@@ -267,7 +267,7 @@ static PetscErrorCode RefuseEquations(const Scene *scene, const OperatorForms *f
             "%s: its equations are those of fits, and -wall %s has none; use -wall wall_layer and "
             "forms without full_support in -catalogue, such as mls",
             kind->option.name, forms->wall->name);
-  UserCheck(!forms->components_coupled,
+  UserCheck(!forms->components_coupled || LaplacianFitsSurface(&forms->visc),
             "%s: each velocity component has equations of its own there, and %s couples them; use "
             "a newtonian fluid and -visc_laplacian mls",
             kind->option.name, SceneIsNewtonian(scene) ? forms->visc.row->name : "-rheology");

@@ -11,7 +11,8 @@
       -> min
 
   with the radius R of the support. The condition on the normal stress belongs to the pressure: p =
-  2 mu n.E n. A fit that had it too would impose it twice.
+  2 mu n.E n. A fit that had it too would impose it twice. Walls give each component its own
+  equation: its value, or n.grad u_t = 0 on planes of symmetry.
 */
 #include "mls.h"
 
@@ -88,6 +89,14 @@ static inline void SetColumns(const Stencil *st, PetscInt dim, PetscInt terms, P
   }
 }
 
+/* Sets the weights of wall neighbours with equations of derivatives to zero: a side along which the
+   fluid slides has n.grad u_t = 0. */
+static inline void DropDerivatives(const Stencil *st, PetscReal w[])
+{
+  for (PetscInt k = 0; st->slips && k < st->n; k++)
+    if (st->wall[k] && st->equation[k] == EQUATION_NORMAL_DERIVATIVE) w[k] = 0.0;
+}
+
 /* Computes the rows of a fit with the conditions of the surface; returns PETSC_FALSE if the points
    do not determine it. */
 static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscReal bulk, PetscReal w[])
@@ -97,9 +106,12 @@ static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscReal bulk, Pe
   PetscReal      system[SURFACE_TERMS * SURFACE_WIDTH];
 
   for (PetscInt e = 0; e < n * width; e++) system[e] = 0.0;
-  MlsBasis(st, dim, 2);
-  MlsMoments(st, terms, st->fit.W, terms, moments);
   for (PetscInt c = 0; c < dim; c++) {
+    if (c == 0 || st->slips) {
+      if (st->slips) StencilSetVelocity(st->scene, c, st);
+      MlsBasis(st, dim, 2);
+      MlsMoments(st, terms, st->fit.W, terms, moments);
+    }
     for (PetscInt e = 0; e < terms * terms; e++)
       system[(c * terms + e / terms) * width + c * terms + e % terms] = moments[e];
   }
@@ -117,14 +129,20 @@ static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscReal bulk, Pe
   }
   SetColumns(st, dim, terms, width, bulk, system);
   if (!MlsEliminate(n, width, st->weak, system)) return PETSC_FALSE;
-  for (PetscInt a = 0; a < dim; a++) {
-    for (PetscInt c = 0; c < dim; c++) {
+  for (PetscInt c = 0; c < dim; c++) {
+    if (st->slips) {
+      StencilSetVelocity(st->scene, c, st);
+      MlsBasis(st, dim, 2);
+    }
+    for (PetscInt a = 0; a < dim; a++) {
       MlsWeights(st, terms, width, system + c * terms * width + n + a, st->fit.value);
+      DropDerivatives(st, st->fit.value);
       for (PetscInt k = 0; k < st->n; k++) w[(k * dim + a) * dim + c] = st->fit.value[k];
     }
-  }
-  for (PetscInt c = 0; st->kind == SURFACE_SMOOTH && c < dim; c++)
+    if (st->kind != SURFACE_SMOOTH) continue;
     MlsWeights(st, terms, width, system + c * terms * width + n + dim, st->normal_strain[c]);
+    DropDerivatives(st, st->normal_strain[c]);
+  }
   return PETSC_TRUE;
 }
 
@@ -160,6 +178,19 @@ static PetscBool FittedRow(Stencil *st, PetscReal bulk, PetscReal w[])
              : PETSC_FALSE;
 }
 
+/* Keeps of the pair forces of sides along which the fluid slides the normal force by the normal
+   velocity. */
+static void DropFriction(const Stencil *st, PetscReal w[])
+{
+  const PetscInt d = st->dim;
+
+  for (PetscInt k = 0; st->slips && k < st->n; k++) {
+    if (!st->wall[k] || BoundaryIs(st->scene, st->side[k], BOUNDARY_NO_SLIP)) continue;
+    for (PetscInt e = 0; e < d * d; e++)
+      w[k * d * d + e] *= PetscAbsReal(st->normal[e / d][k] * st->normal[e % d][k]);
+  }
+}
+
 /* Computes the row by pair forces with the factor of the particle alone, and without pressure on
    the surface. */
 static PetscErrorCode PairRow(Stencil *st, PetscReal w[])
@@ -170,6 +201,7 @@ static PetscErrorCode PairRow(Stencil *st, PetscReal w[])
   for (PetscInt k = 0; k < st->n; k++) st->factor[k] = own;
   for (PetscInt c = 0; c < st->dim; c++) PetscCall(PetscArrayzero(st->normal_strain[c], st->n));
   PetscCall(LaplacianRow_PairwiseStress(st, w));
+  DropFriction(st, w);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -196,9 +228,10 @@ PetscErrorCode LaplacianRow_SurfaceMls(Stencil *st, PetscReal w[])
   PetscFunctionBegin;
   if (st->kind == SURFACE_ROUGH || st->kind == SURFACE_ISOLATED) {
     PetscCall(LaplacianRow_PairwiseStress(st, w));
+    DropFriction(st, w);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (st->near_surface) {
+  if (st->near_surface || st->slips) {
     if (FittedRow(st, 1.0, w)) PetscFunctionReturn(PETSC_SUCCESS);
   } else {
     PetscCall(LaplacianRow_Mls(st, st->fit.value));

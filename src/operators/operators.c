@@ -55,8 +55,9 @@ static void NeedVelocity(const Scene *scene, Operators *ops, VelocityOperators *
                  &of->visc);
   ChooseProducts(ops, extended, &of->filter_u);
   for (PetscInt a = 0; a < scene->dim; a++) ChooseProducts(ops, extended, &of->grad_u[a]);
-  of->visc.width      = LaplacianWidth(&ops->forms.visc, scene->dim);
-  of->visc.needed     = ops->needs & NEED_VISCOSITY ? PETSC_TRUE : PETSC_FALSE;
+  of->visc.width  = LaplacianWidth(&ops->forms.visc, scene->dim);
+  of->visc.needed = ops->needs & NEED_VISCOSITY ? PETSC_TRUE : PETSC_FALSE;
+  if (ops->forms.components_coupled && of != &ops->velocity[0]) of->visc.needed = PETSC_FALSE;
   of->filter_u.needed = ops->needs & NEED_FILTER_U ? PETSC_TRUE : PETSC_FALSE;
   for (PetscInt a = 0; a < scene->dim; a++)
     of->grad_u[a].needed = ops->needs & NEED_GRADIENT_U ? PETSC_TRUE : PETSC_FALSE;

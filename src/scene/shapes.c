@@ -402,8 +402,8 @@ void BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscRea
 /*
   BodyDistance - Returns the distance from the surface of a body, positive in the fluid [m]
 
-  Not collective. In a periodic box the nearest image of the body is used, but not of a ball. Output: normal - into the
-  fluid, at the surface point nearest to x.
+  Not collective. In a periodic box the nearest image of the body is used, but not of a ball.
+  Output: normal - into the fluid, at the surface point nearest to x.
 */
 PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
                        PetscReal normal[])

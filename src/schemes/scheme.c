@@ -62,15 +62,12 @@ static PetscErrorCode DefaultScheme(const Flow *flow, const char **name)
 /* Refuses what flows with a free surface exclude. */
 static PetscErrorCode RefuseSurface(const Flow *flow)
 {
-  const Scene       *scene = flow->scene;
-  const BoundaryRow *slip  = SceneSlipKind(scene);
+  const Scene *scene = flow->scene;
 
   PetscFunctionBegin;
   if (!SceneHasFreeSurface(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   UserCheck(SceneHas(scene, PHYSICS_PRESSURE),
             "-without pressure: a fluid with a free surface needs it");
-  UserCheck(!slip, "%s: with a free surface the other sides are walls, periodic or free",
-            slip->option.name);
   UserCheck(
       !flow->state->has_convection,
       "-motion eulerian: a free surface moves with its particles; use lagrangian, or -without "

@@ -139,7 +139,7 @@ static PetscErrorCode CoupledCreate(Flow *flow)
             "here; add -with %s, or use -scheme projection",
             scene->problem->name, viscous ? "pressure" : "viscosity",
             viscous ? "pressure" : "viscosity");
-  UserCheck(!SceneSlipKind(scene),
+  UserCheck(!SceneSlipKind(scene) || SceneHasFreeSurface(scene),
             "-scheme coupled: it has one operator for all velocity components, and %s wants one "
             "for each; use -scheme projection",
             SceneSlipKind(scene)->option.name);
