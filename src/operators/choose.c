@@ -141,7 +141,8 @@ static const char *DefaultLaplacian(const Scene *scene, unsigned needs)
       SceneHas(scene, PHYSICS_PRESSURE) || scene->n_bodies ? PETSC_TRUE : PETSC_FALSE;
 
   if (needs & NEED_STREAMS) return SceneHasFreeSurface(scene) ? "cleary" : "morris";
-  return SceneViscosityVaries(scene) && curved ? "stress_mls" : "mls";
+  return SceneViscosityVaries(scene) && curved && !SceneHasFreeSurface(scene) ? "stress_mls"
+                                                                              : "mls";
 }
 
 /* Reads the factor of the form cleary, whose weights are those of the factor dim + 2. */
@@ -314,7 +315,7 @@ static PetscErrorCode RefuseEquations(const Scene *scene, const OperatorForms *f
             "%s: its equations are those of fits, and -wall %s has none; use -wall wall_layer and "
             "forms without full_support in -catalogue, such as mls",
             kind->option.name, forms->wall->name);
-  UserCheck(!forms->components_coupled,
+  UserCheck(!forms->components_coupled || LaplacianFitsSurface(&forms->visc),
             "%s: each velocity component has equations of its own there, and %s couples them; use "
             "a newtonian fluid and -visc_laplacian mls",
             kind->option.name, SceneIsNewtonian(scene) ? forms->visc.row->name : "-rheology");
@@ -326,10 +327,6 @@ static PetscErrorCode ChooseSurface(const Scene *scene, unsigned needs, Operator
 {
   PetscFunctionBegin;
   if (!SceneHasFreeSurface(scene) || needs & NEED_STREAMS) PetscFunctionReturn(PETSC_SUCCESS);
-  UserCheck(!SceneViscosityVaries(scene),
-            "%s: a fluid with a free surface has a uniform viscosity, which excludes %s",
-            scene->n_filled ? "-scene_filled_1" : "-scene_free",
-            SceneIsNewtonian(scene) ? "-scene_fluid_1 and -viscosity_field" : "-rheology");
   UserCheck(!forms->visc.row || forms->visc.row->Row == LaplacianRow_Mls ||
                 HasFreeTraction(&forms->visc),
             "-visc_laplacian %s: it has no condition for the stress on a free surface; use mls, "
@@ -352,7 +349,7 @@ static PetscErrorCode ChooseSurface(const Scene *scene, unsigned needs, Operator
             "-wall %s: with a free surface, fits have the equations of walls; use wall_layer",
             forms->wall->name);
   if (forms->visc.row && forms->visc.row->Row == LaplacianRow_Mls)
-    forms->visc.row = &LaplacianSurface;
+    forms->visc.row = SceneViscosityVaries(scene) ? &LaplacianSurfaceStress : &LaplacianSurface;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -69,7 +69,7 @@ static PetscReal PartInside(const Pools *pools, PetscInt pool, const PetscReal x
 
 /* Computes the volume of a pool, by the midpoint rule in the box around it; the sum is a whole
    number, so that it does not depend on the number of ranks. Bodies are prisms along the last axis
-   in 3D. */
+   in 3D; a ball is a pool of its own, inside the box. */
 static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *volume)
 {
   const Scene    *scene = pools->scene;
@@ -79,6 +79,11 @@ static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *v
   PetscInt64 sum = 0;
 
   PetscFunctionBegin;
+  for (PetscInt k = 0; k < scene->n_filled; k++) {
+    if (pools->of[k] != pool || scene->dim == 2 || !scene->filled[k].ball) continue;
+    *volume = 4.0 / 3.0 * PETSC_PI * PetscPowRealInt(scene->filled[k].extent, 3);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (PetscInt a = 0; a < 2; a++) {
     for (PetscInt k = 0; k < scene->n_filled; k++) {
       PetscReal span[2];

@@ -33,6 +33,7 @@ PetscErrorCode MomentumRestore(Flow *flow, const PetscReal mean[]);
 
 /* limits.c */
 PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit);
+PetscReal      SurfaceStep(const Scene *scene);
 PetscReal      ProjectionFreeLimit(const Scene *scene);
 
 /* forces.c */
