@@ -13,7 +13,7 @@ REDUCED = "-pressure_reduction local_mean"
 # CPU seconds of a run: the first matching equation of state and Re
 SECONDS = 5.0
 LONG = 15.0  # at Re = 10,000, for which 5 s end at t* = 0.01
-REYNOLDS = {"tait": (0.1, 0.5, 10, 100, 1000, 10000), "gas": (0.5, 10, 1000)}
+REYNOLDS = {"tait": (0.1, 0.5, 10, 100, 1000, 10000), "gas": (0.5, 10)}
 OWN = {
     "projection": "-scheme projection",
     "projection, morris": "-scheme projection -visc_laplacian morris",
@@ -85,26 +85,51 @@ def failure(q):
     return (found[-1][0] if found else 0.0), False
 
 
+def sweep(state, reynolds):
+    """Yields models and corrections of a Reynolds number; shepard changes B to E by less than a thousandth at Re = 0.5, and
+    has runs at other Re with model A only. At Re = 10,000, which costs most, four models remain."""
+    if reynolds == 0.5:
+        yield from ((model, correction) for correction, models in parts.CORRECTIONS.items() for model in models)
+        return
+    if reynolds >= 10000:
+        yield from (("E", "none"), ("D", "none"), ("B", "none"), ("A", "shepard"))
+        return
+    yield from ((model, "none") for model in "EDCBA")
+    yield "A", "shepard"
+    yield from ((model, "mixed") for model in "EDCB")
+
+
+def own_runs():
+    """Yields name, Re and seed of the project's own schemes."""
+    for seed in SEEDS:
+        for reynolds in OWN_REYNOLDS:
+            for name in OWN:
+                if seed > 1 and (reynolds not in (1, 100) or "morris" in name):
+                    continue
+                if "morris" in name and reynolds not in (1, 100, 10000):
+                    continue
+                yield name, reynolds, seed
+
+
 def plan(channel):
     """Makes all runs, the most telling first."""
-    for state in "tait", "gas":
-        for correction, models in parts.CORRECTIONS.items():
-            for model in models:
-                channel.model(model, correction, state, 0.5)
-    for model in "EABCD":
+    for model, correction in sweep("tait", 0.5):
+        channel.model(model, correction, "tait", 0.5)
+    for model in "EA":
         channel.model(model, "none", "gas", 0.5, reduced=False)
-    for reynolds in OWN_REYNOLDS:
-        for name in OWN:
-            channel.own(name, reynolds, 1)
-    for state, reynolds in (("tait", 100), ("tait", 10), ("gas", 10), ("tait", 1000), ("tait", 0.1), ("gas", 1000)):
-        for correction, models in parts.CORRECTIONS.items():
-            for model in models:
-                channel.model(model, correction, state, reynolds)
+    for name, reynolds, seed in own_runs():
+        if seed == 1:
+            channel.own(name, reynolds, seed)
+    for state, reynolds in (("tait", 100), ("gas", 10), ("tait", 10), ("tait", 1000), ("tait", 0.1)):
+        for model, correction in sweep(state, reynolds):
+            channel.model(model, correction, state, reynolds)
     for more in READINGS.values():
         channel.model("E", "none", "tait", 0.5, more=more)
-    for model in "EDCAB":
-        channel.model(model, "shepard" if model == "A" else "none", "tait", 10000)
-    for seed in SEEDS[1:]:
-        for reynolds in OWN_REYNOLDS[1::2]:
-            for name in OWN:
-                channel.own(name, reynolds, seed)
+    for model, correction in sweep("gas", 0.5):
+        channel.model(model, correction, "gas", 0.5)
+    for model in "BCD":
+        channel.model(model, "none", "gas", 0.5, reduced=False)
+    for name, reynolds, seed in own_runs():
+        channel.own(name, reynolds, seed)
+    for model, correction in sweep("tait", 10000):
+        channel.model(model, correction, "tait", 10000)

@@ -232,6 +232,10 @@ static PetscErrorCode ChooseWall(const Scene *scene, unsigned needs, OperatorFor
       !blind || !forms->wall->on_surface,
       "-wall %s: %s %s needs particles behind the wall; use -wall dummy_linear, or mls instead",
       forms->wall->name, kind, blind);
+  UserCheck(!(needs & NEED_STREAMS) || !forms->wall->Extend,
+            "-wall %s: it extends the velocity of the fluid by matrices, which -scheme wcsph does "
+            "not have; use -wall dummy_linear",
+            forms->wall->name);
   if (forms->wall->Check) PetscCall(forms->wall->Check(scene));
   forms->wall_surface = scene->n_bodies > 0 && !forms->wall->on_surface ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(OptionGetSwitch(&options[WALL_SURFACE], &forms->wall_surface, NULL));
