@@ -1,0 +1,120 @@
+"""Page and figure of studies/basa_cavity."""
+import basa_cavity_runs as runs
+import basa_parts as parts
+import matplotlib
+from runs import reference_rows, table
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402 (after the choice of the backend)
+
+LOOKS = {name: (parts.COLOURS[name[0]], {"none": ":", "mixed": "--"}.get(name.split(", ")[1], "-"))
+         for name in runs.SERIES if ", " in name} | {"wcsph": ("#666666", "-"), "projection": ("#666666", "--")}
+
+
+def energies(q, reynolds):
+    """Returns pairs of time and kinetic energy [U^2 L^2]."""
+    return parts.series(q, "kinetic_energy", runs.TIMES[reynolds])
+
+
+def off(q, reynolds, share):
+    """Returns the relative error of the energy at a share of the whole time as text."""
+    end = runs.TIMES[reynolds][round(20 * share) - 1]
+    name = "" if abs(q.get("t", 0.0) - end) < 1e-9 * end else f"@{end:.4g}"
+    if "kinetic_energy" + name not in q:
+        return ""
+    return f"{100 * (q['kinetic_energy' + name] / q['kinetic_energy_reference' + name] - 1):+.1f} %"
+
+
+def state(q):
+    """Returns the end of a run as text."""
+    if "failed" not in q:
+        return "reaches its end"
+    if "CPU time" in q["failed"]:
+        return f"stopped at t = {q.get('t', 0.0):.3g} by its CPU time"
+    return f"lost at t = {q.get('failed_t', q.get('t', 0.0)):.3g}"
+
+
+def results(run, reynolds):
+    """Yields rows: series, end, errors of energy and profiles, CPU time."""
+    for name, options in runs.SERIES.items():
+        q = runs.cavity(run, options, reynolds)
+        yield [name, state(q), *(off(q, reynolds, share) for share in (0.25, 0.5, 0.75, 1)),
+               *(f"{q[key]:.3f}" if key in q else "" for key in ("u_min", "u_profile_l2", "v_profile_l2")), f"{q['cpu_s']:.3g}"]
+
+
+def readings(run):
+    """Yields rows: reading, end, energy and its error."""
+    for name, options in runs.READINGS.items():
+        q = runs.reading(run, options)
+        yield [name, state(q), *(off(q, 100, share) for share in (0.05, 0.1, 0.25))]
+
+
+def page(run):
+    """Yields the lines of the page."""
+    yield "# Viscous models of Basa, Quinlan & Lastiwka (2009) in the lid-driven cavity\n"
+    yield ("Written by `studies/basa_cavity`; every run is in [basa_cavity.csv](basa_cavity.csv). The flow is that of section 6.2 "
+           f"of Int. J. Numer. Meth. Fluids 60 (2009) 1127-1148, from rest, with {runs.N} by {runs.N} particles in place of 50 by "
+           "50, at Re = 100 to t = 20 and at Re = 1000 to t = 40 in place of 80. Units are L and U.\n")
+    yield "![Kinetic energy against time, and velocity on the vertical centreline](basa_cavity.png)\n"
+    yield "## Statements of the paper\n"
+    yield from table(["statement", "found", "in numbers"], STATEMENTS)
+    yield "\n" + READING
+    yield "## Settings\n"
+    yield (f"`isph -case cavity -n {runs.N} -reynolds RE {parts.PAPER} {runs.REDUCED} -correction C -visc_laplacian FORM`; `wcsph` and "
+           "`projection` have the defaults of the project. The forms are "
+           + ", ".join(f"{model}: `{form}`" for model, form in parts.MODELS.items())
+           + f". A run has at most {runs.SECONDS:g} s of CPU time. Walls are dummies whose velocities are extrapolated from each "
+           "particle; the wall particles of the paper have densities and pressures of their own.\n")
+    for reynolds, end in runs.ENDS.items():
+        yield f"## Re = {reynolds}\n"
+        yield ("Energy against finite volumes (`cases/reference`), smallest u on the centreline, and root mean squares of the "
+               f"errors of both profiles at t = {end:g}.\n")
+        yield from table(["series", "end", *(f"energy, t = {end * share:g}" for share in (0.25, 0.5, 0.75, 1)), "min u",
+                          "u profile", "v profile", "CPU, s"], results(run, reynolds))
+        yield ""
+    yield "## Readings of ambiguous settings\n"
+    yield "Model E with `shepard`, Re = 100; one setting changed. Errors of the energy.\n"
+    yield from table(["reading", "end", *(f"t = {20 * share:g}" for share in (0.05, 0.1, 0.25))], readings(run))
+
+
+STATEMENTS = []
+READING = ""
+
+
+def draw_energy(axis, run, reynolds):
+    for name, options in runs.SERIES.items():
+        colour, line = LOOKS[name]
+        points = [(0, 0), *energies(runs.cavity(run, options, reynolds), reynolds)]
+        axis.plot(*zip(*points), line, color=colour, lw=1.2, label=name)
+    exact = [(float(row["t"]), float(row["kinetic_energy"])) for row in reference_rows(f"cavity_re{reynolds}_ke.csv")]
+    axis.plot(*zip(*[(t, e) for t, e in exact if t <= runs.ENDS[reynolds]]), "k-", lw=2, alpha=0.5, label="finite volumes")
+    axis.set(xlabel="t", ylabel="kinetic energy", title=f"Re = {reynolds}", ylim=(0, 0.08))
+    axis.legend(ncols=2)
+
+
+def draw_profile(axis, run, reynolds):
+    for name, options in runs.SERIES.items():
+        q = runs.cavity(run, options, reynolds)
+        points = [(q[f"point_{k}_u"], y) for k, y in enumerate(runs.HEIGHTS) if f"point_{k}_u" in q]
+        if points:
+            axis.plot(*zip(*points), LOOKS[name][1], color=LOOKS[name][0], lw=1.2, label=name)
+    own = "cavity_re100_u.csv" if reynolds == 100 else "cavity_re1000_t40_u.csv"
+    for file, look, label in ((own, "k-", "finite volumes"), (f"ghia_re{reynolds}_u.csv", "ko", "Ghia et al., steady")):
+        rows = [tuple(map(float, list(row.values())[:2])) for row in reference_rows(file)]
+        axis.plot([u for _, u in rows], [y for y, _ in rows], look, lw=2, ms=3, alpha=0.5, label=label)
+    axis.set(xlabel="u", ylabel="y", title=f"x = 1/2, Re = {reynolds}, t = {runs.ENDS[reynolds]:g}", xlim=(-0.6, 1.05))
+    axis.legend()
+
+
+def draw(path, run):
+    """Draws the figure in the manner of Figs 9 and 10 of the paper."""
+    plt.rcParams.update({"font.size": 9, "axes.titlesize": 10, "legend.fontsize": 7, "legend.frameon": False})
+    figure, grid = plt.subplots(2, 2, figsize=(12, 9))
+    for column, reynolds in zip(grid.T, runs.ENDS):
+        draw_energy(column[0], run, reynolds)
+        draw_profile(column[1], run, reynolds)
+    for axis in grid.flat:
+        axis.grid(alpha=0.3)
+    figure.tight_layout()
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
