@@ -86,7 +86,7 @@ def draw_energy(axis, run, reynolds):
         colour, line = LOOKS[name]
         points = [(0, 0), *energies(runs.cavity(run, options, reynolds), reynolds)]
         axis.plot(*zip(*points), line, color=colour, lw=1.2, label=name)
-    exact = [(float(row["t"]), float(row["kinetic_energy"])) for row in reference_rows(f"cavity_re{reynolds}_ke.csv")]
+    exact = [(float(row["t"]), float(row["KE"])) for row in reference_rows(f"cavity_re{reynolds}_ke.csv")]
     axis.plot(*zip(*[(t, e) for t, e in exact if t <= runs.ENDS[reynolds]]), "k-", lw=2, alpha=0.5, label="finite volumes")
     axis.set(xlabel="t", ylabel="kinetic energy", title=f"Re = {reynolds}", ylim=(0, 0.08))
     axis.legend(ncols=2)

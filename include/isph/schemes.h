@@ -126,6 +126,7 @@ typedef struct {
   PetscReal force;      /* largest |f| so far [m/s^2] */
   PetscReal force_step; /* largest |f| in the present step [m/s^2] */
   PetscReal walls;      /* largest speed that walls can have driven so far [m/s] */
+  PetscReal sound;      /* root mean square velocity of sound in weakly compressible flows [m/s] */
 } SpeedBound;
 
 /* The column of the report that a linear solve fills. */
@@ -148,7 +149,16 @@ typedef struct {
   PetscInt    falls;          /* solves that needed a fallback */
 } LinearSolve;
 
-#define SCHEME_MAX_SOLVES 4
+#define SCHEME_MAX_SOLVES  4
+#define SCHEME_MAX_FIGURES 4
+
+/* A number of a scheme for the report. The run prints a line if it has left its range. */
+typedef struct {
+  const char      *name;   /* in the report */
+  const PetscReal *value;  /* largest of the run */
+  PetscReal        most;   /* largest value that needs no word */
+  const char      *remedy; /* "the fluid ...; try ..." */
+} SchemeFigure;
 
 /*
   A scheme, a folder of src/schemes/. Create reads the scheme's options, refuses unsuitable scenes,
@@ -189,6 +199,8 @@ typedef struct {
   Vec          kept; /* state that is not on particles, for undo and checkpoints; NULL: none */
   LinearSolve *solve[SCHEME_MAX_SOLVES];
   PetscInt     n_solves;
+  SchemeFigure figure[SCHEME_MAX_FIGURES];
+  PetscInt     n_figures;
   void        *data;
 } Scheme;
 

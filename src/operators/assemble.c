@@ -24,14 +24,17 @@ static void GatherWall(const Scene *scene, const Particles *p, const Operators *
   st->side[k] = (PetscInt)p->side[j];
 }
 
-/* Sets the neighbours on smooth parts of a free surface, and their normals. */
+/* Sets the neighbours on smooth parts of a free surface, and their normals, and if a boundary is
+   within the support. */
 static void GatherSurface(const FreeSurface *free, Stencil *st)
 {
   const PetscInt d = st->dim;
 
   st->near_surface = PETSC_FALSE;
+  st->exterior     = st->n_wall || FreeSurfaceHolds(free, st->i) ? PETSC_TRUE : PETSC_FALSE;
   if (!free) return;
   for (PetscInt k = 0; k < st->n; k++) {
+    if (!st->wall[k] && free->kind[st->j[k]] != SURFACE_INSIDE) st->exterior = PETSC_TRUE;
     if (st->wall[k] || free->kind[st->j[k]] != SURFACE_SMOOTH) continue;
     st->surface[k] = st->near_surface = PETSC_TRUE;
     for (PetscInt a = 0; a < d; a++) st->normal[a][k] = free->normal[st->j[k] * d + a];

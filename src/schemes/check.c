@@ -149,13 +149,13 @@ PetscErrorCode FlowMeasureStart(Flow *flow)
   Adds the force of the present step to the bound on the root mean square velocity |u|, and returns
   the bound plus 5 % for discretisation and 1e-6 U for rounding
 
-    |u| <= |u|(0) + min(int F dt, max F/r) + max wall speed bound,  F = max |f|
+    |u| <= |u|(0) + min(int F dt, max F/r) + max wall speed bound + sound,  F = max |f|
 
   |u|(0)^2 includes twice the energy of the surface at the start. f is the body force, and r the
-  rate at which walls at rest slow the flow (SceneDecayRate()). All terms except the last follow
-  from the energy balance, for steps of any length. The last term is SceneWallSpeedBound(). The
-  speed stays below it in all flows with a known solution; a cavity reaches a third of it. See
-  docs/theory.md, (115).
+  rate at which walls at rest slow the flow (SceneDecayRate()). All terms of forces and of the start
+  follow from the energy balance, for steps of any length. The wall term is SceneWallSpeedBound(). The
+  speed stays below it in all flows with a known solution; a cavity reaches a third of it. The sound
+  is zero unless the scheme is weakly compressible. See docs/theory.md, (115).
 */
 static PetscReal BoundSpeed(Flow *flow)
 {
@@ -169,7 +169,7 @@ static PetscReal BoundSpeed(Flow *flow)
   b->force_step = 0.0;
   forced        = b->impulse;
   if (rate > 0.0) forced = PetscMin(forced, b->force / rate);
-  return 1.05 * (b->start + forced + b->walls) + 1e-6 * flow->scene->speed;
+  return 1.05 * (b->start + forced + b->walls) + b->sound + 1e-6 * flow->scene->speed;
 }
 
 /* Fails the step because the velocity exceeds its bound. */

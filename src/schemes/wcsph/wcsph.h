@@ -11,6 +11,7 @@
 #include "schemes/viscosity/viscosity.h"
 
 #define WCSPH_MOVE_MOST  0.2  /* of a particle in a step, for halos that serve all stages [dx] */
+#define WCSPH_SOUND      1e-3 /* rms of velocities by sound that the bound allows [c0] */
 #define WCSPH_MACH       0.2  /* largest Mach number that needs no word [-] */
 #define WCSPH_VARIATION  0.03 /* largest |rho/rho_0 - 1| that needs no word [-] */
 #define WCSPH_COMPONENTS (2 * ISPH_MAX_DIM + 2)
