@@ -2,7 +2,7 @@
 import basa_parts as parts
 
 N = 25
-ENDS = {100: 20.0, 1000: 40.0}
+ENDS = {100: 10.0, 1000: 10.0}
 TIMES = {reynolds: [end * k / 20 for k in range(1, 21)] for reynolds, end in ENDS.items()}
 HEIGHTS = [round(0.05 * k, 2) for k in range(1, 20)]
 POINTS = "-probe_point " + ",".join(f"0.5,{y:g}" for y in HEIGHTS)
@@ -25,7 +25,7 @@ READINGS = {  # readings of the paper's settings, model E with shepard, Re = 100
     "midpoint, acoustic CFL 0.1": SERIES["E, shepard"] + " -wcsph_ts_rk_type midpoint",
     "half the step": SERIES["E, shepard"] + " -acoustic_cfl 0.25",
 }
-READING_END = 5.0
+READING_END = 2.5
 
 
 def cavity(run, options, reynolds):
@@ -35,7 +35,7 @@ def cavity(run, options, reynolds):
 
 
 def reading(run, options):
-    """Returns a run at Re = 100 to a fifth of the way."""
+    """Returns a run at Re = 100 to a quarter of the way."""
     ends = [t for t in TIMES[100] if t <= READING_END]
     return run(f"-case cavity -n {N} -reynolds 100 {options} {parts.times(ends)}")
 
@@ -46,5 +46,5 @@ def plan(run):
     for reynolds in ENDS:
         for name in first:
             cavity(run, SERIES[name], reynolds)
-    for options in READINGS.values():
-        reading(run, options)
+        for options in READINGS.values():
+            reading(run, options)

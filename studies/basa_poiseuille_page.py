@@ -50,7 +50,7 @@ def failures(channel):
 
 def reductions(channel):
     """Yields rows: model, errors of the gas with and without pressure reduction."""
-    for model in parts.MODELS:
+    for model in sorted(runs.RAW):
         row = [model]
         for reduced in True, False:
             q = channel.model(model, "none", "gas", 0.5, reduced=reduced)
