@@ -35,6 +35,7 @@ static PetscErrorCode WcsphSetUp(Flow *flow)
   if (w->implicit) PetscCall(ViscosityCreate(flow, &w->visc));
   flow->scheme->Divergence  = Compression;
   flow->scheme->bound.sound = WCSPH_SOUND * w->c0;
+  w->lattice                = WcsphLatticeSum(flow);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

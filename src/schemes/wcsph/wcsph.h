@@ -86,6 +86,7 @@ struct Wcsph {
   PetscReal                        p_rest;   /* pressure at rest, not zero for a gas [Pa] */
   PetscReal                        e_rest;   /* internal energy at rest [J/kg] */
   PetscReal                        courant;  /* of sound [-] */
+  PetscReal                        lattice;  /* WcsphLatticeSum() [-] */
   PetscReal                        diffusion;
   PetscReal                        artificial[2]; /* alpha, beta [-] */
 
@@ -122,6 +123,7 @@ PetscErrorCode WcsphIntegrate(Flow *flow, Wcsph *w);
 PetscErrorCode WcsphFree(Wcsph *w);
 
 /* rates.c */
+PetscReal      WcsphLatticeSum(const Flow *flow);
 PetscErrorCode WcsphReserve(const Flow *flow, Wcsph *w);
 PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w);
 PetscErrorCode WcsphSetPairs(Wcsph *w, const PetscReal force[], Stencil *stencil);
