@@ -27,6 +27,8 @@ def off(q, reynolds, share):
 
 def state(q):
     """Returns the end of a run as text."""
+    if not q:
+        return "no run"
     if "failed" not in q:
         return "reaches its end"
     if "CPU time" in q["failed"]:
@@ -39,7 +41,7 @@ def results(run, reynolds):
     for name, options in runs.SERIES.items():
         q = runs.cavity(run, options, reynolds)
         yield [name, state(q), *(off(q, reynolds, share) for share in (0.25, 0.5, 0.75, 1)),
-               *(f"{q[key]:.3f}" if key in q else "" for key in ("u_min", "u_profile_l2", "v_profile_l2")), f"{q['cpu_s']:.3g}"]
+               *(f"{q[key]:.3f}" if key in q else "" for key in ("u_min", "u_profile_l2", "v_profile_l2")), f"{q.get('cpu_s', 0):.3g}"]
 
 
 def readings(run):

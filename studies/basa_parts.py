@@ -15,11 +15,18 @@ PAPER = ("-scheme wcsph -kernel cubic_spline -h_over_dx 1.56986 -wall dummy_line
 
 
 class FewRuns(Runs):
-    """Runs that keep only quantities whose names begin with a word of `kept`, at the end and at -report_times."""
+    """Runs that keep only quantities whose names begin with a word of `kept`, at the end and at -report_times. With `only`,
+    runs that the file lacks are not made, and have no quantities."""
 
-    def __init__(self, *arguments, kept=(), **named):
+    def __init__(self, *arguments, kept=(), only=False, **named):
         super().__init__(*arguments, **named)
+        self.only = only
         self.kept = (*kept, "run", "failed", "build", "cpu_s", "date", "wall_s", "steps", "particles")
+
+    def __call__(self, arguments, watch=""):
+        if self.only and arguments not in self.rows:
+            return {}
+        return super().__call__(arguments, watch)
 
     def make(self, arguments, watch=""):
         row = super().make(arguments, watch)

@@ -20,6 +20,8 @@ def at(q, star):
 
 def failed(q):
     """Returns the t* of the failure as text; > the end of a run that has not failed."""
+    if not q:
+        return ""
     star, lost = runs.failure(q)
     return f"{'' if lost else '> '}{star:.2g}"
 
@@ -71,6 +73,7 @@ def own(channel):
     for reynolds in runs.OWN_REYNOLDS:
         for name in runs.OWN:
             found = [channel.own(name, reynolds, seed) for seed in runs.SEEDS if (name, reynolds, seed) in planned]
+            found = [q for q in found if runs.curve(q)]
             if not found:
                 continue
             late = [[e for star, e in runs.curve(q) if star > 0.9] for q in found]
@@ -145,6 +148,7 @@ OWN_READING = ""
 def draw_failures(axis, channel, state, correction):
     for model in parts.CORRECTIONS[correction]:
         made = [r for r in runs.REYNOLDS[state] if (model, correction) in list(runs.sweep(state, r))]
+        made = [r for r in made if channel.model(model, correction, state, r)]
         ends = [runs.failure(channel.model(model, correction, state, r)) for r in made]
         axis.loglog(made, [star for star, _ in ends], "-", color=parts.COLOURS[model], lw=1)
         for reynolds, (star, lost) in zip(made, ends):
@@ -155,7 +159,7 @@ def draw_failures(axis, channel, state, correction):
 
 def draw_errors(axis, channel, state, correction):
     for model in parts.CORRECTIONS[correction]:
-        points = runs.curve(channel.model(model, correction, state, 0.5))
+        points = runs.curve(channel.model(model, correction, state, 0.5)) or [(float("nan"), float("nan"))]
         axis.loglog([100 * e for _, e in points], [star for star, _ in points], parts.MARKERS[model] + "-", ms=3, lw=1,
                     color=parts.COLOURS[model], label=f"{model}, {parts.MODELS[model].split()[0]}")
     axis.axvline(100 * parts.FAILED, color="#999999", lw=0.8)
@@ -186,7 +190,7 @@ def draw_own(path, channel):
     for axis, reynolds in zip(grid.flat, runs.OWN_REYNOLDS):
         for name, of, seed in runs.own_runs():
             if of == reynolds:
-                points = runs.curve(channel.own(name, reynolds, seed))
+                points = runs.curve(channel.own(name, reynolds, seed)) or [(float("nan"), float("nan"))]
                 axis.loglog(*zip(*points), "-", color=OWN_COLOURS[name], lw=1.2, label=name if seed == 1 else None)
                 axis.loglog(*points[-1], "o", color=OWN_COLOURS[name], ms=4)
         axis.axhline(0.01, color="#999999", lw=0.8)

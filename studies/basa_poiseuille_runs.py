@@ -49,9 +49,9 @@ class Channel:
         """Returns a run to t* = 30; to t* = 0.76 if it has failed there."""
         self.run.seconds = seconds or (LONG if reynolds >= 10000 else SECONDS)
         q = self.run(f"{CHANNEL} {arguments} {parts.times(TIMES[:FIRST])}")
-        if "failed" in q or q["u_relative_rms"] >= parts.FAILED:
+        if not q or "failed" in q or q["u_relative_rms"] >= parts.FAILED:
             return q
-        return self.run(f"{CHANNEL} {arguments} {parts.times(TIMES)}")
+        return self.run(f"{CHANNEL} {arguments} {parts.times(TIMES)}") or q
 
     def model(self, model, correction, state, reynolds, reduced=True, more=""):
         """Returns a run with the settings of the paper."""
