@@ -80,8 +80,8 @@ static void FillPairs(const PetscReal b[], Stencil *st, Pairs *pairs)
   ASSERT_OK(PetscRandomDestroy(&random));
 }
 
-/* A linear pressure has its exact gradient with mixed and first_order, for both densities; a constant
-   one has none with shepard. */
+/* A linear pressure has its exact gradient with mixed and first_order, for both densities; a
+   constant one has none with shepard. */
 static void test_pressure_force(void **state)
 {
   const PetscReal b[] = {2.0, -1.0, 0.5}, none[ISPH_MAX_DIM] = {0.0};

@@ -45,8 +45,8 @@ static void GatherSurface(const FreeSurface *free, Stencil *st)
   for (PetscInt a = 0; a < d; a++) st->own_normal[a] = free->normal[st->i * d + a];
 }
 
-/* Lists the neighbours of particle i in st->j, without those wall particles that a gap separates from
-   it; returns their number. */
+/* Lists the neighbours of particle i in st->j, without wall particles behind a gap; returns their
+   number. */
 static PetscInt ListTouching(const Particles *p, const Neighbors *nb, PetscInt i, Stencil *st)
 {
   PetscInt n = 0;
@@ -58,8 +58,8 @@ static PetscInt ListTouching(const Particles *p, const Neighbors *nb, PetscInt i
   return n;
 }
 
-/* Keeps those of n candidates that are closer than the radius: their indices in j, places relative to
-   x in X, squares of distances in r; returns their number. j may be the candidates. Inlined for each
+/* Keeps the candidates that are closer than the radius: their indices in j, places relative to x in
+   X, squares of distances in r; returns their number. j may be the candidates. Inlined for each
    dimension, with pointers that the compiler can keep in registers. */
 static inline PetscInt KeepClose(PetscInt dim, const Particles *p, PetscInt n,
                                  const PetscInt candidate[], const PetscReal x[],

@@ -61,13 +61,14 @@ static const OptionRow options[] = {
         },
     [VISC_LAPLACIAN] =
         {
-            .name  = "-visc_laplacian",
-            .kind  = VALUE_NAME,
-            .brief = "form of the viscous term",
-            .standard =
-                "mls, or stress_mls where the viscosity varies and there is a pressure or a body",
-            .table = &LaplacianTable,
-            .where = "runs with viscosity",
+            .name     = "-visc_laplacian",
+            .kind     = VALUE_NAME,
+            .brief    = "form of the viscous term",
+            .standard = "mls, or stress_mls where the viscosity varies and there is a pressure or "
+                        "a body; with "
+                        "-scheme wcsph morris, or cleary with a free surface",
+            .table    = &LaplacianTable,
+            .where    = "runs with viscosity",
         },
     [CLEARY_XI] =
         {
@@ -161,8 +162,7 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
   const CorrectionRow *correction;
 
   PetscFunctionBegin;
-  PetscCall(OptionGetRow(&options[CORRECTION],
-                         needs & NEED_CORRECTION ? "first_order" : "none",
+  PetscCall(OptionGetRow(&options[CORRECTION], needs & NEED_CORRECTION ? "first_order" : "none",
                          &correction));
   forms->correction = correction;
   if (needs & NEED_VISCOSITY || (needs & NEED_STREAMS && SceneHas(scene, PHYSICS_VISCOSITY))) {

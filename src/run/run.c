@@ -274,8 +274,8 @@ static PetscErrorCode RunWriteMatrices(const Run *run)
 }
 
 /* Reports the length of the average of the pressure if there is one, the number of undone steps if
-   steps are retried, the figures of the scheme, the number of steps rejected because of their error,
-   and the number of fallbacks of each solve that had any. */
+   steps are retried, the figures of the scheme, the number of steps rejected because of their
+   error, and the number of fallbacks of each solve that had any. */
 static PetscErrorCode RunReportChoices(Run *run)
 {
   const Scheme   *scheme = run->flow.scheme;

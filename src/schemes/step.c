@@ -5,7 +5,8 @@
 */
 #include "step.h"
 
-/* FlowAdvance - Advances the state, u^{n-2} <- u^{n-1} <- u^n <- u^{n+1}, and the time; collective */
+/* FlowAdvance - Advances the state, u^{n-2} <- u^{n-1} <- u^n <- u^{n+1}, and the time;
+   collective */
 PetscErrorCode FlowAdvance(Flow *flow)
 {
   FlowState *s = flow->state;
@@ -43,7 +44,8 @@ static PetscErrorCode Renumber(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FlowFollow - Computes neighbours and vectors for the present positions, no matrices; collective */
+/* FlowFollow - Computes neighbours and vectors for the present positions, no matrices;
+   collective */
 PetscErrorCode FlowFollow(Flow *flow)
 {
   PetscFunctionBegin;

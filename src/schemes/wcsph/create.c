@@ -153,8 +153,8 @@ static PetscErrorCode RefuseHydrostatic(const Scene *scene, const PressureReduct
   Returns the default of -acoustic_cfl [-]
 
   Runge-Kutta methods of second order have no interval of stability on the imaginary axis: without
-  viscosity each step of dt = 0.25 h/c0 feeds waves of the grid scale. In the cavity at Re = 100, n =
-  25, all runs with midpoint and 0.25 were lost before t = 5, and none with 0.1. Methods of third
+  viscosity each step of dt = 0.25 h/c0 feeds waves of the grid scale. In the cavity at Re = 100, n
+  = 25, all runs with midpoint and 0.25 were lost before t = 5, and none with 0.1. Methods of third
   order are stable up to 1.7 over the largest frequency.
 */
 static PetscErrorCode DefaultCourant(PetscReal *courant)
@@ -175,8 +175,8 @@ static PetscErrorCode DefaultCourant(PetscReal *courant)
 /*
   Chooses the shift, and with it the default correction of the kernel
 
-  Particles are shifted by default, three times as strongly as in other schemes, with corrected sums:
-  in Taylor-Green vortices at Re = 100, n = 32, t = 1 the velocity then errs by 0.2 %, with a
+  Particles are shifted by default, three times as strongly as in other schemes, with corrected
+  sums: in Taylor-Green vortices at Re = 100, n = 32, t = 1 the velocity then errs by 0.2 %, with a
   strength of 1 by 0.6 %, without correction by 6 %; without shift the flow is lost in noise. There
   is no shift with a free surface, which it would move, nor with -density_form summation, whose
   density it would change: the cavity at Re = 100, n = 20, t = 4 errs by 2 % in its energy without

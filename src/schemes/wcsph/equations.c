@@ -40,7 +40,8 @@ static PetscReal Density_Linear(const Wcsph *w, PetscReal p)
 }
 
 /*
-  Pressure_IdealGas - Computes p = (gamma - 1) rho e, less the pressure at rest rho_0 c0^2/gamma [Pa]
+  Pressure_IdealGas - Computes p = (gamma - 1) rho e, less the pressure at rest, rho_0 c0^2/gamma
+  [Pa]
 
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eq. (12)
 */
