@@ -26,6 +26,7 @@ READINGS = {  # readings of the paper's settings, model E with shepard, Re = 100
     "half the step": SERIES["E, shepard"] + " -acoustic_cfl 0.25",
 }
 READING_END = 2.5
+FINE_N, FINE = 50, (("E, shepard", 1000), ("D, shepard", 1000))  # at the paper's resolution, to t = 2.5
 
 
 def cavity(run, options, reynolds):
@@ -40,6 +41,12 @@ def reading(run, options):
     return run(f"-case cavity -n {N} -reynolds 100 {options} {parts.times(ends)}")
 
 
+def fine(run, name, reynolds):
+    """Returns a run with the paper's number of particles to a quarter of the way."""
+    ends = [t for t in TIMES[reynolds] if t <= READING_END]
+    return run(f"-case cavity -n {FINE_N} -reynolds {reynolds} {SERIES[name]} {parts.times(ends)}")
+
+
 def plan(run):
     """Makes all runs, the most telling first."""
     first = ["E, shepard", "wcsph", "projection", "B, shepard", "D, shepard", "E, none", "A, shepard", "C, shepard", "E, mixed"]
@@ -48,3 +55,5 @@ def plan(run):
             cavity(run, SERIES[name], reynolds)
         for options in READINGS.values():
             reading(run, options)
+    for name, reynolds in FINE:
+        fine(run, name, reynolds)
