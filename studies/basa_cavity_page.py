@@ -99,7 +99,7 @@ STATEMENTS = [
     ["C is nearly as accurate as D", "yes", "Re = 100: u profile 0.015 (C), 0.032 (D), 0.049 (E)"],
     ["D is the best by a small margin", "C, D", "C at Re = 100; at Re = 1000 D holds longest"],
     ["Re = 1000: all models have too little energy", "no", "all gain energy from t = 1 on, and are lost at n = 25"],
-    ["more robust than the channel", "no", "E at Re = 1000: lost at t = 1.7; the channel flows 8 L before failure"],
+    ["more robust than the channel", "no", "E at Re = 1000: lost at t = 1.7 L/U, in the channel at 19 L/U"],
 ]
 READING = """At Re = 100 the order of the paper holds: radial forces (C, D) are the quietest, E has spikes, B clumps. At Re = 1000
 no run with the paper's sums has a useful energy, at n = 25 or 50, with or without pressure reduction, with shorter steps
