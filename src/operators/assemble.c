@@ -427,7 +427,8 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
         PatternMat(p->comm, &ops->rows.walls, p->n_fluid, p->n_wall, needed[k]->b, &needed[k]->B));
   }
   if (ops->first_pass[0].needed) PetscCall(AssembleComposed(p, ops));
-  else if (ops->forms.components_coupled) PetscCall(AssembleViscousBlock(scene, p, ops));
+  else if (ops->forms.components_coupled && ops->velocity[0].visc.needed)
+    PetscCall(AssembleViscousBlock(scene, p, ops));
   ops->rows.particles = p;
   if (ops->forms.wall && ops->forms.wall->Extend) PetscCall(ExtendWalls(scene, p, nb, ops));
   ops->regularised_rows = 0;

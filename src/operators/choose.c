@@ -192,21 +192,23 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns true if a viscous form has no traction on free surfaces by itself: it is the derivative
-   of a dissipation of the fluid alone, docs/theory.md, (150) and (174). */
-static PetscBool HasFreeTraction(const LaplacianRow *form)
+/* Returns true if a viscous form has no traction on free surfaces by itself: it is a stress, and
+   the derivative of a dissipation of the fluid alone, docs/theory.md, (150) and (174). */
+static PetscBool HasFreeTraction(const LaplacianForm *visc)
 {
-  return form->Row == LaplacianRow_PairwiseStress || (form->composed && form->composed->transposed)
+  return LaplacianIs(visc, FORM_COUPLES) && LaplacianIs(visc, FORM_DISSIPATES) &&
+                 LaplacianIs(visc, FORM_NULL_CONSTANTS)
              ? PETSC_TRUE
              : PETSC_FALSE;
 }
 
-/* Returns true if the viscous form needs particles behind walls. With a free surface forms without
-   traction do not: their rows follow from the neighbours there are, at walls too. */
+/* Returns true if the viscous form needs particles behind walls. With a free surface
+   pairwise_stress does not: its factors follow from the neighbours there are, at walls too. */
 static PetscBool ViscousNeedsFluid(const Scene *scene, const LaplacianForm *visc)
 {
   if (!visc->row || !LaplacianIs(visc, FORM_FULL_SUPPORT)) return PETSC_FALSE;
-  return SceneHasFreeSurface(scene) && HasFreeTraction(visc->row) ? PETSC_FALSE : PETSC_TRUE;
+  return SceneHasFreeSurface(scene) && visc->row->Row == LaplacianRow_PairwiseStress ? PETSC_FALSE
+                                                                                     : PETSC_TRUE;
 }
 
 /* Chooses the wall treatment from the options; the default works with all chosen forms. */
@@ -329,10 +331,15 @@ static PetscErrorCode ChooseSurface(const Scene *scene, unsigned needs, Operator
             scene->n_filled ? "-scene_filled_1" : "-scene_free",
             SceneIsNewtonian(scene) ? "-scene_fluid_1 and -viscosity_field" : "-rheology");
   UserCheck(!forms->visc.row || forms->visc.row->Row == LaplacianRow_Mls ||
-                HasFreeTraction(forms->visc.row),
+                HasFreeTraction(&forms->visc),
             "-visc_laplacian %s: it has no condition for the stress on a free surface; use mls, "
             "pairwise_stress or energy_fpm",
             forms->visc.row->name);
+  UserCheck(
+      !forms->wall || !ViscousNeedsFluid(scene, &forms->visc),
+      "-visc_laplacian %s: it needs particles behind walls, and with a free surface there are "
+      "none; use mls or pairwise_stress, or -scene_periodic for a fluid without walls",
+      forms->visc.row->name);
   UserCheck(!forms->ppe.row || forms->ppe.row->Row == LaplacianRow_Mls,
             "-ppe_laplacian %s: it needs fluid beyond the free surface; use mls",
             forms->ppe.row->name);

@@ -69,8 +69,8 @@ static PetscErrorCode RefuseForms(const Flow *flow)
             "no solver for it; use a form that is safe_implicit or dissipates in -catalogue",
             forms->visc.row->name);
   UserCheck(!flow->clock->steady_solve || LaplacianIs(&forms->visc, FORM_SAFE_IMPLICIT),
-            "-steady: -visc_laplacian %s hardly acts on grid modes, and without du/dt nothing else "
-            "determines them; use a form that is safe_implicit in -catalogue",
+            "-steady: without du/dt -visc_laplacian %s leaves grid modes or constants wrong; use a "
+            "form that is safe_implicit in -catalogue",
             forms->visc.row->name);
   UserCheck(!SceneViscosityVaries(scene),
             "-scheme coupled: it needs a uniform viscosity, which excludes %s; use -scheme "
