@@ -13,7 +13,7 @@ REDUCED = "-pressure_reduction local_mean"
 # CPU seconds of a run: the first matching equation of state and Re
 SECONDS = 5.0
 LONG = 15.0  # at Re = 10,000, for which 5 s end at t* = 0.01
-OWN_LONG = 60.0  # of -scheme projection at Re = 1000 and 10,000
+OWN_LONG = 60.0  # of -scheme projection at Re = 10,000
 REYNOLDS = {"tait": (0.5, 10, 100, 1000, 10000), "gas": (0.5, 10)}
 OWN = {
     "projection": "-scheme projection",
@@ -66,7 +66,7 @@ class Channel:
 
     def own(self, name, reynolds, seed):
         """Returns a run of the project's own schemes from a disordered start."""
-        seconds = OWN_LONG if name == "projection" and reynolds >= 1000 else None
+        seconds = OWN_LONG if name == "projection" and reynolds >= 10000 else None
         return self(f"{OWN[name]} -jitter 0.2 -seed {seed} {flow(reynolds)} -progress none", reynolds, seconds)
 
 
