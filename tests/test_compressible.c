@@ -137,12 +137,30 @@ static void test_artificial_viscosity(void **state)
   ASSERT_OK(StencilDestroy(&st));
 }
 
+/* The kernel sum of a lattice: of the cubic spline at h = dx the particle itself, four neighbours at
+   dx and four at sqrt(2) dx, 10/(7 pi) (1 + 4/4 + 4 (2 - sqrt 2)^3/4). */
+static void test_lattice_sum(void **state)
+{
+  const PetscReal exact =
+      10.0 / (7.0 * PETSC_PI) * (2.0 + PetscPowRealInt(2.0 - PetscSqrtReal(2.0), 3));
+  const TableRow *row;
+  Scene           scene = {.dim = 2};
+  Operators       ops   = {.forms = {.h_over_dx = 1.0}};
+  const Flow      flow  = {.scene = &scene, .ops = &ops};
+
+  (void)state;
+  ASSERT_OK(TableFind(&KernelTable, "cubic_spline", &row));
+  ops.forms.kernel = (const KernelRow *)(const void *)row;
+  assert_true(PetscAbsReal(WcsphLatticeSum(&flow) - exact) < ROUNDING);
+}
+
 int main(int argc, char *argv[])
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_equations_of_state),
       cmocka_unit_test(test_pressure_force),
       cmocka_unit_test(test_artificial_viscosity),
+      cmocka_unit_test(test_lattice_sum),
   };
 
   int failed;

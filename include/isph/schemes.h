@@ -126,6 +126,7 @@ typedef struct {
   PetscReal force;      /* largest |f| so far [m/s^2] */
   PetscReal force_step; /* largest |f| in the present step [m/s^2] */
   PetscReal walls;      /* largest speed that walls can have driven so far [m/s] */
+  PetscReal sound;      /* root mean square velocity of sound in weakly compressible flows [m/s] */
 } SpeedBound;
 
 /* The energy balance of a moving fluid with a free surface; see energy.c. */

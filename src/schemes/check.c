@@ -149,14 +149,14 @@ PetscErrorCode FlowMeasureStart(Flow *flow)
   Adds the force of the present step to the bound on the root mean square velocity |u|, and returns
   the bound plus 5 % for discretisation and 1e-6 U for rounding
 
-    |u| <= |u|(0) + min(int F dt, max F/r) + max wall speed bound,  F = max |f|
+    |u| <= |u|(0) + min(int F dt, max F/r) + max wall speed bound + sound,  F = max |f|
 
   |u|(0)^2 includes twice the energy of the surface at the start. f is the body force, and r the
-  rate at which walls at rest slow the flow (SceneDecayRate()). All terms except the last follow
-  from the energy balance, for steps of any length. The last term is SceneWallSpeedBound(). The
-  speed stays below it in all flows with a known solution; a cavity reaches a third of it. See
-  docs/theory.md, (115). Moving fluids with a free surface have EnergyBound() instead. Input: before
-  - |u| at the start of the step.
+  rate at which walls at rest slow the flow (SceneDecayRate()). All terms of forces and of the start
+  follow from the energy balance, for steps of any length. The wall term is SceneWallSpeedBound(). The
+  speed stays below it in all flows with a known solution; a cavity reaches a third of it. The sound
+  is zero unless the scheme is weakly compressible. See docs/theory.md, (115). Moving fluids with a
+  free surface have EnergyBound() instead. Input: before - |u| at the start of the step.
 */
 static PetscErrorCode BoundSpeed(Flow *flow, PetscReal before, PetscReal *bound)
 {
@@ -173,7 +173,7 @@ static PetscErrorCode BoundSpeed(Flow *flow, PetscReal before, PetscReal *bound)
   if (rate > 0.0) forced = PetscMin(forced, b->force / rate);
   *bound = b->start + forced + b->walls;
   if (flow->ops->free && SceneMoves(flow->scene)) PetscCall(EnergyBound(flow, before, bound));
-  *bound = 1.05 * *bound + 1e-6 * flow->scene->speed;
+  *bound = 1.05 * *bound + b->sound + 1e-6 * flow->scene->speed;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -29,7 +29,35 @@ PetscErrorCode WcsphReserve(const Flow *flow, Wcsph *w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sums rho_i = sum_j m_j W_ij, with the particle itself. */
+/*
+  WcsphLatticeSum - Returns the kernel sum dx^d sum_j W_ij on a square lattice [-]
+
+  Masses are rho_0 V over this sum, so that a lattice at rest has the density rho_0 and no pressure.
+  For the cubic spline at h/dx = 1.57 it is 1.0033, which would be a pressure of 0.0033 rho_0 c0^2.
+  Not collective
+*/
+PetscReal WcsphLatticeSum(const Flow *flow)
+{
+  const OperatorForms *forms = &flow->ops->forms;
+  const PetscInt       d     = flow->scene->dim;
+  const PetscInt       m     = (PetscInt)(forms->kernel->support * forms->h_over_dx);
+  const PetscInt       depth = d > 2 ? m : 0;
+  PetscReal            sum   = 0.0, value[3];
+
+  for (PetscInt a = -m; a <= m; a++) {
+    for (PetscInt b = -m; b <= m; b++) {
+      for (PetscInt c = -depth; c <= depth; c++) {
+        const PetscReal r = PetscSqrtReal((PetscReal)(a * a + b * b + c * c));
+
+        KernelEvaluate(forms->kernel, d, forms->h_over_dx, r, value);
+        sum += value[0];
+      }
+    }
+  }
+  return sum;
+}
+
+/* Sums rho_i = sum_j m_j W_ij with the particle itself; m_j: rho_0 V_j over the lattice's sum. */
 static PetscErrorCode SumRow(Stencil *st, void *ctx)
 {
   Wcsph          *w     = (Wcsph *)ctx;
@@ -38,7 +66,7 @@ static PetscErrorCode SumRow(Stencil *st, void *ctx)
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < st->n; k++) sum += rho_0 * st->V[k] * st->W[k];
-  w->local.rho[st->i] = sum;
+  w->local.rho[st->i] = sum / w->lattice;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

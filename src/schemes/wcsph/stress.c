@@ -106,25 +106,64 @@ PetscErrorCode WcsphStresses(Flow *flow, Wcsph *w)
 }
 
 /*
+  Computes the slopes of the stresses of a particle from its fluid neighbours, exact for linear
+  stresses
+
+    s_ab = M^-1 sum_k V_k ((tau_k)_ab - (tau_i)_ab) grad_i W_k,   M = sum_k V_k (grad_i W_k) X_k^T
+
+  Returns false, with no slopes, if there is no wall or if the fluid does not span space.
+*/
+static PetscBool StressSlopes(const Wcsph *w, const Stencil *st, PetscReal slope[][ISPH_MAX_DIM])
+{
+  const PetscInt d      = st->dim;
+  PetscReal     *weight = w->pairs.w, inverse[ISPH_MAX_DIM * ISPH_MAX_DIM];
+
+  if (!st->n_wall) return PETSC_FALSE;
+  for (PetscInt k = 0; k < st->n; k++)
+    weight[k] = st->wall[k] ? 0.0 : -st->V[k] * st->dW[k] / st->r[k];
+  if (!MomentInverse(st, weight, inverse)) return PETSC_FALSE;
+  for (PetscInt e = 0; e < d * d; e++) {
+    const PetscReal *stress            = w->local.stress[e];
+    PetscReal        sum[ISPH_MAX_DIM] = {0.0};
+
+    for (PetscInt k = 0; k < st->n; k++)
+      for (PetscInt b = 0; b < d && !st->wall[k]; b++)
+        sum[b] += weight[k] * (stress[st->j[k]] - stress[st->i]) * st->X[b][k];
+    for (PetscInt a = 0; a < d; a++) {
+      slope[e][a] = 0.0;
+      for (PetscInt b = 0; b < d; b++) slope[e][a] += inverse[a * d + b] * sum[b];
+    }
+  }
+  return PETSC_TRUE;
+}
+
+/*
   StressForce - Adds the acceleration by the stresses of StressRow()
 
     1/rho_i sum_k (tau_k - tau_i).c_k                       or, transposed,
     1/rho_i sum_k V_k (P_k + P_i).grad_i W,   P = (tau - p I) M^-1
 
-  A dummy behind a wall has the stress of the particle. Input: c - with the correction of the form,
-  or without correction if it is transposed; not collective
+  A dummy behind a wall has the stress of the particle, continued linearly by StressSlopes() unless
+  the form is transposed. Input: c - with the correction of the form, or without correction if it is
+  transposed; not collective
 */
 void StressForce(const Wcsph *w, const Stencil *st, PetscReal acceleration[])
 {
+  const PetscBool transposed = WcsphComposed(w)->transposed;
   const PetscInt  d = st->dim, i = st->i;
-  const PetscReal sign = WcsphComposed(w)->transposed ? 1.0 : -1.0;
+  const PetscReal sign = transposed ? 1.0 : -1.0;
+  PetscReal       slope[ISPH_MAX_DIM * ISPH_MAX_DIM][ISPH_MAX_DIM];
+  const PetscBool sloped = !transposed && StressSlopes(w, st, slope) ? PETSC_TRUE : PETSC_FALSE;
 
   for (PetscInt e = 0; e < d * d; e++) {
     const PetscReal *stress = w->local.stress[e], *c = w->pairs.c[e % d];
     PetscReal        sum = 0.0;
 
-    for (PetscInt k = 0; k < st->n; k++)
+    for (PetscInt k = 0; k < st->n; k++) {
       sum += ((st->wall[k] ? stress[i] : stress[st->j[k]]) + sign * stress[i]) * c[k];
+      for (PetscInt a = 0; a < d && sloped && st->wall[k]; a++)
+        sum += slope[e][a] * st->X[a][k] * c[k];
+    }
     acceleration[e / d] += sum / w->local.rho[i];
   }
 }

@@ -33,7 +33,9 @@ static PetscErrorCode WcsphSetUp(Flow *flow)
   PetscCall(PetscLogEventRegister("PairRates", id, &w->event));
   PetscCall(WcsphCreateIntegrator(flow, w));
   if (w->implicit) PetscCall(ViscosityCreate(flow, &w->visc));
-  flow->scheme->Divergence = Compression;
+  flow->scheme->Divergence  = Compression;
+  flow->scheme->bound.sound = WCSPH_SOUND * w->c0;
+  w->lattice                = WcsphLatticeSum(flow);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

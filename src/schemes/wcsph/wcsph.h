@@ -11,6 +11,7 @@
 #include "schemes/viscosity/viscosity.h"
 
 #define WCSPH_MOVE_MOST  0.2  /* of a particle in a step, for halos that serve all stages [dx] */
+#define WCSPH_SOUND      1e-3 /* rms of velocities by sound that the bound allows [c0] */
 #define WCSPH_MACH       0.2  /* largest Mach number that needs no word [-] */
 #define WCSPH_VARIATION  0.03 /* largest |rho/rho_0 - 1| that needs no word [-] */
 #define WCSPH_COMPONENTS (2 * ISPH_MAX_DIM + 2)
@@ -85,6 +86,7 @@ struct Wcsph {
   PetscReal                        p_rest;   /* pressure at rest, not zero for a gas [Pa] */
   PetscReal                        e_rest;   /* internal energy at rest [J/kg] */
   PetscReal                        courant;  /* of sound [-] */
+  PetscReal                        lattice;  /* WcsphLatticeSum() [-] */
   PetscReal                        diffusion;
   PetscReal                        artificial[2]; /* alpha, beta [-] */
 
@@ -121,6 +123,7 @@ PetscErrorCode WcsphIntegrate(Flow *flow, Wcsph *w);
 PetscErrorCode WcsphFree(Wcsph *w);
 
 /* rates.c */
+PetscReal      WcsphLatticeSum(const Flow *flow);
 PetscErrorCode WcsphReserve(const Flow *flow, Wcsph *w);
 PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w);
 PetscErrorCode WcsphSetPairs(Wcsph *w, const PetscReal force[], Stencil *stencil);

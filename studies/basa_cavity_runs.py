@@ -1,0 +1,59 @@
+"""Runs of studies/basa_cavity. Times are in L/U."""
+import basa_parts as parts
+
+N = 25
+ENDS = {100: 10.0, 1000: 10.0}
+TIMES = {reynolds: [end * k / 20 for k in range(1, 21)] for reynolds, end in ENDS.items()}
+HEIGHTS = [round(0.05 * k, 2) for k in range(1, 20)]
+POINTS = "-probe_point " + ",".join(f"0.5,{y:g}" for y in HEIGHTS)
+REDUCED = "-pressure_reduction local_mean"
+SECONDS = 60.0  # of CPU time of a run
+SERIES = {  # name: options
+    **{f"{model}, shepard": f"{parts.PAPER} {REDUCED} -correction shepard -visc_laplacian {form}"
+       for model, form in parts.MODELS.items()},
+    "E, none": f"{parts.PAPER} {REDUCED} -correction none -visc_laplacian morris",
+    "E, mixed": f"{parts.PAPER} {REDUCED} -correction mixed -visc_laplacian morris",
+    "wcsph": "-scheme wcsph -progress none",
+    "projection": "-scheme projection -progress none",
+}
+CONTINUITY = parts.PAPER.replace("-density_form summation", "-density_form continuity -density_diffusion 0")
+READINGS = {  # readings of the paper's settings, model E with shepard, Re = 100
+    "as in all runs": SERIES["E, shepard"],
+    "density by continuity": f"{CONTINUITY} {REDUCED} -correction shepard -visc_laplacian morris",
+    "no pressure reduction": f"{parts.PAPER} -pressure_reduction none -correction shepard -visc_laplacian morris",
+    "particles on the walls too": SERIES["E, shepard"] + " -wall_surface 1",
+    "midpoint, acoustic CFL 0.1": SERIES["E, shepard"] + " -wcsph_ts_rk_type midpoint",
+    "half the step": SERIES["E, shepard"] + " -acoustic_cfl 0.25",
+}
+READING_END = 2.5
+FINE_N, FINE = 50, (("E, shepard", 1000), ("D, shepard", 1000))  # at the paper's resolution, to t = 2.5
+
+
+def cavity(run, options, reynolds):
+    """Returns a run to the end of its Reynolds number."""
+    return run(f"-case cavity -n {N} -reynolds {reynolds} {options} {parts.times(TIMES[reynolds])}",
+               f"{POINTS} -probe_every {ENDS[reynolds]:g}")
+
+
+def reading(run, options):
+    """Returns a run at Re = 100 to a quarter of the way."""
+    ends = [t for t in TIMES[100] if t <= READING_END]
+    return run(f"-case cavity -n {N} -reynolds 100 {options} {parts.times(ends)}")
+
+
+def fine(run, name, reynolds):
+    """Returns a run with the paper's number of particles to a quarter of the way."""
+    ends = [t for t in TIMES[reynolds] if t <= READING_END]
+    return run(f"-case cavity -n {FINE_N} -reynolds {reynolds} {SERIES[name]} {parts.times(ends)}")
+
+
+def plan(run):
+    """Makes all runs, the most telling first."""
+    first = ["E, shepard", "wcsph", "projection", "B, shepard", "D, shepard", "E, none", "A, shepard", "C, shepard", "E, mixed"]
+    for reynolds in ENDS:
+        for name in first:
+            cavity(run, SERIES[name], reynolds)
+        for options in READINGS.values():
+            reading(run, options)
+    for name, reynolds in FINE:
+        fine(run, name, reynolds)
