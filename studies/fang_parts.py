@@ -13,7 +13,8 @@ from matplotlib import tri  # noqa: E402
 from runs import Runs  # noqa: E402
 
 COLOURS = {"SPH": "#D55E00", "CPH": "#009E73", "FPH": "#0072B2", "projection": "#CC79A7", "coupled": "#E69F00"}
-HOLE = 1.2  # radius of the largest empty circle between particles of one piece [dx]
+HOLE = 2.0  # radius of the least empty circle that is a hole [dx]
+CLOSE = 0.3  # distance of particles that are clumps [dx]
 
 
 def lattice(path, points):
@@ -123,11 +124,11 @@ def pieces(x, dx):
     return parts, parts - (len(used) - len(edges) + len(triangles)), len(x) - len(used)
 
 
-def close(x, dx, limit=0.5):
-    """Returns the share of particles with another within `limit` dx."""
+def clumps(x, dx):
+    """Returns the share of particles with another within CLOSE dx."""
     square = ((x[:, None, :] - x[None, :, :])**2).sum(axis=2)
     np.fill_diagonal(square, np.inf)
-    return np.mean(square.min(axis=1) < (limit * dx)**2)
+    return np.mean(square.min(axis=1) < (CLOSE * dx)**2)
 
 
 def style(axis, **labels):
