@@ -1,5 +1,5 @@
-/* Clouds for tests of forms that couple velocity components: creation with a form, and balls of fluid
-   in empty space. */
+/* Clouds for tests of forms that couple velocity components: creation with a form, and balls of
+   fluid in empty space. */
 #include "cloud.h"
 
 /* CloudOfForm - Creates a cloud with a viscous form; more: further options */
@@ -13,8 +13,8 @@ Cloud CloudOfForm(const LaplacianRow *form, const CloudBox *box, const char more
   return cloud;
 }
 
-/* CloudFree - Creates a ball of fluid in empty space: removes all other particles from a periodic box, whose
-   images are then out of reach. */
+/* CloudFree - Creates a ball of fluid in empty space: removes all other particles from a periodic
+   box, whose images are then out of reach. */
 Cloud CloudFree(const LaplacianRow *form, PetscInt dim)
 {
   const CloudBox  box   = CloudPeriodic(dim, 0.25);

@@ -34,6 +34,8 @@ FORCED = ["-case", "scene", "-scene_body_1", "circle,0.5,0.5,0.2", "-body_force"
           "-scene_wall_top_velocity", "cos(5*t),0"]  # force and wall velocity depend on time
 SAME = ["-pressure_points", "same"]
 CLOUD = ["-spacing_wall", "0.5", "-spacing_growth", "0.15"]
+COMPRESSIBLE = ["-scheme", "wcsph"]
+GAS = ["-equation_of_state", "ideal_gas", "-density_form", "summation", "-wcsph_viscosity", "implicit"]
 SURFACE = ["-case", "drop_mode", "-with", "convection", "-speed", "1e-3", "-viscosity", "1"]
 FILES = ["-checkpoint", "c.h5", "-checkpoint_every", "0.1", "-output", "flow.h5", "-output_every", "0.5",
          "-report_times", "1,2", "-probe_point", "0.5,0.5", "-probe_every", "0.25", "-probe_forces"]
@@ -113,7 +115,7 @@ def ranked(command, n):
     return [word.replace("{}", str(n)) for word in mpi] + [isph] if n > 1 else [isph]
 
 
-ON_RANKS = "lagrangian", "forced", "coupled", "same", "graded_moving", "cloud", "error", "surface"
+ON_RANKS = "lagrangian", "forced", "coupled", "same", "graded_moving", "cloud", "error", "surface", "compressible"
 
 
 def bitwise(*command):
@@ -129,12 +131,15 @@ def bitwise(*command):
                            ("same_body", [*FORCED, *SAME]), ("error", FORCED),
                            ("error_eulerian", [*FORCED, "-motion", "eulerian"]),
                            ("error_coupled", [*FORCED, "-motion", "eulerian", "-scheme", "coupled"]),
+                           ("compressible", COMPRESSIBLE), ("gas", [*COMPRESSIBLE, *GAS]),
                            ("surface", SURFACE), ("tension", [*SURFACE, "-surface_tension", "1"])):
             if n > 1 and name not in ON_RANKS:
                 continue
             folder = f"{name}{n}"
             os.mkdir(folder)
             steps = ["-dt", "0.02", "-checkpoint_every", "0.1"]  # the run is stopped at 0.2
+            if "-scheme wcsph" in " ".join(flow):  # sound limits steps
+                steps = ["-dt", "0.004", "-checkpoint_every", "0.02"]
             if name.startswith("error"):  # a checkpoint each step, because lengths of steps vary
                 steps = ["-dt_adapt", "error", "-checkpoint_every", "1e-6"]
             start_ = [*ranked(command, n), "-n", "16", *steps, "-skin", "0.5", *flow, "-progress", "none",

@@ -113,6 +113,42 @@ static void test_lattice(void **state)
   }
 }
 
+/* Returns the force of the velocity u = s_y^2 along x over that of the continuum. */
+static PetscReal Shear(const LaplacianRow *form, PetscInt dim, const char more[])
+{
+  const CloudBox box             = CloudPeriodic(dim, 0.0);
+  Cloud          cloud           = CloudOfForm(form, &box, more);
+  Quadratic      u[ISPH_MAX_DIM] = {{0}}, zero = {0};
+  PetscReal      force;
+
+  u[0] = QuadraticMonomial(dim, dim + 2); /* after s_x, s_y, [s_z], s_x^2, s_x s_y */
+  Apply(&cloud, u, 0, cloud.y);
+  ASSERT_OK(CloudError(&cloud, cloud.y, &zero, PETSC_TRUE, &force));
+  ASSERT_OK(CloudDestroy(&cloud));
+  return 0.5 * force * PetscSqr(cloud.scene.dx);
+}
+
+/*
+  The factor xi with which model D of Basa et al. is exact for shear along the axes of a lattice,
+  docs/theory.md, (168): 4.182 for the cubic spline with h/dx = 1.57 (Basa et al. found 4.24), and
+  5.028 with h/dx = 1.2.
+*/
+static void test_cleary_factor(void **state)
+{
+  const TableRow *row;
+
+  (void)state;
+  ASSERT_OK(TableFind(&LaplacianTable, "cleary", &row));
+  for (PetscInt k = 0; k < 2; k++) {
+    const char *options[] = {"-kernel cubic_spline -h_over_dx 1.57 -cleary_xi 4.182",
+                             "-kernel cubic_spline -h_over_dx 1.2 -cleary_xi 5.028"};
+
+    CloudAssertNone(
+        "shear", options[k],
+        PetscAbsReal(Shear((const LaplacianRow *)(const void *)row, 2, options[k]) - 1.0) > 2e-4);
+  }
+}
+
 /* A rigid motion, rotation with unit rate in every plane plus translation, has no stress if forces
    are along pairs or the form is exact for linear velocities. The adjoint of a gradient that is
    exact for these has no torque, so this property is declared too. */
@@ -168,9 +204,9 @@ static PetscInt NotPositive(const Cloud *cloud)
 }
 
 /*
-  Tests the property safe_implicit: all eigenvalues of -L have positive real parts, except a zero for
-  each constant velocity component. Of the forms without it those that dissipate have further zeros
-  on a lattice, where the wide stencil does not act on grid modes, and all others have eigenvalues
+  Tests the property safe_implicit: all eigenvalues of -L have positive real parts, except a zero
+  for each constant velocity component. Of the forms without it those that dissipate have further
+  zeros on a lattice, where the wide stencil does not act on grid modes. All others have eigenvalues
   below zero on disordered particles. A form that damps constants has no zeros.
 */
 static void test_damps(void **state)
@@ -262,9 +298,9 @@ static void test_free_surface(void **state)
 int main(int argc, char **argv)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_declared),     cmocka_unit_test(test_lattice),
-      cmocka_unit_test(test_one_piece),    cmocka_unit_test(test_damps),
-      cmocka_unit_test(test_free_surface),
+      cmocka_unit_test(test_declared),  cmocka_unit_test(test_lattice),
+      cmocka_unit_test(test_one_piece), cmocka_unit_test(test_cleary_factor),
+      cmocka_unit_test(test_damps),     cmocka_unit_test(test_free_surface),
   };
   int failed;
 

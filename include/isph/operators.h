@@ -85,6 +85,7 @@ typedef struct {
   PetscBool  *surface;      /* neighbour is on a free surface, where fits have its condition */
   SurfaceKind kind;         /* of the particle */
   PetscBool   near_surface; /* the particle or a neighbour is on it */
+  PetscBool   exterior;     /* a wall or a free surface, smooth or not, is within the support */
   PetscReal   own_normal[ISPH_MAX_DIM]; /* of the particle, out of the fluid */
   unsigned    correction; /* CorrectionBit of the present row, for forms that couple components */
   PetscReal   own[ISPH_MAX_DIM * ISPH_MAX_DIM]; /* weight of u_i itself, see LaplacianRow */
@@ -150,8 +151,8 @@ typedef struct {
 /*
   Laplacians. w[k] multiplies f_k - f_i of neighbour k, or the given n.grad f if that is its
   equation. If the form couples components, w[(k dim + a) dim + b] multiplies (u_k - u_i)_b in
-  component a. Such a form without FORM_NULL_CONSTANTS also sets own[a dim + b] of the stencil, which
-  multiplies (u_i)_b.
+  component a. Such a form without FORM_NULL_CONSTANTS also sets own[a dim + b] of the stencil,
+  which multiplies (u_i)_b.
 
   Factor() computes a number of a particle from its stencil, with the uncorrected kernel. It is
   called for all fluid particles before the rows, which then read st->factor of each neighbour.
@@ -296,8 +297,9 @@ typedef enum {
   NEED_FREE_GRAD_P   = 1 << 6, /* grad_p from fluid alone: the wall pressure gradient is unknown */
   NEED_MATRICES      = 1 << 7, /* PETSc matrices of all operators, not only of ppe */
   NEED_INSIDE_GAPS   = 1 << 8, /* particles below gaps of a free surface are inside, not on it */
-  NEED_STREAMS       = 1 << 9  /* no operator: the scheme gathers stencils and applies rows itself,
+  NEED_STREAMS       = 1 << 9, /* no operator: the scheme gathers stencils and applies rows itself,
                                   the rows of visc among them */
+  NEED_CORRECTION    = 1 << 10 /* no operator: kernels are corrected by default */
 } Need;
 
 /* The chosen discretisation in space. */

@@ -148,7 +148,16 @@ typedef struct {
   PetscInt    falls;          /* solves that needed a fallback */
 } LinearSolve;
 
-#define SCHEME_MAX_SOLVES 4
+#define SCHEME_MAX_SOLVES  4
+#define SCHEME_MAX_FIGURES 4
+
+/* A number of a scheme for the report. The run prints a line if it has left its range. */
+typedef struct {
+  const char      *name;   /* in the report */
+  const PetscReal *value;  /* largest of the run */
+  PetscReal        most;   /* largest value that needs no word */
+  const char      *remedy; /* "the fluid ...; try ..." */
+} SchemeFigure;
 
 /*
   A scheme, a folder of src/schemes/. Create reads the scheme's options, refuses unsuitable scenes,
@@ -189,6 +198,8 @@ typedef struct {
   Vec          kept; /* state that is not on particles, for undo and checkpoints; NULL: none */
   LinearSolve *solve[SCHEME_MAX_SOLVES];
   PetscInt     n_solves;
+  SchemeFigure figure[SCHEME_MAX_FIGURES];
+  PetscInt     n_figures;
   void        *data;
 } Scheme;
 

@@ -150,7 +150,8 @@ static PetscErrorCode MeasureGraded(const Flow *flow, Report *report)
   MeasureCommon - Computes the quantities that every case reports
 
     kinetic_energy [J], linear_momentum = |sum_i rho V_i u_i| [kg m/s], both per metre of depth in
-    2D, docs/theory.md, (114), with the weights (131) in a periodic box without forces and bodies;
+    2D, docs/theory.md, (114), with the weights (131) in a periodic box without forces and bodies,
+    unless pair forces keep the sum itself;
     divergence_max = max |div u| [1/s], if the run has a pressure; graded_volume, graded_momentum
     and graded_energy, if graded particles move; those of MeasureFree() with a free surface
 
@@ -170,7 +171,7 @@ PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report)
   PetscReal        momentum[ISPH_MAX_DIM] = {0.0}, square = 0.0;
 
   PetscFunctionBegin;
-  if (SceneKeepsMomentum(flow->scene)) {
+  if (SceneKeepsMomentum(flow->scene) && !(flow->ops->needs & NEED_STREAMS)) {
     PetscCall(FlowMeanVelocity(flow, flow->state->u, momentum));
     for (PetscInt c = 0; c < p->dim; c++) momentum[c] *= p->weight;
   } else {

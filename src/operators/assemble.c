@@ -24,14 +24,17 @@ static void GatherWall(const Scene *scene, const Particles *p, const Operators *
   st->side[k] = (PetscInt)p->side[j];
 }
 
-/* Sets the neighbours on smooth parts of a free surface, and their normals. */
+/* Sets the neighbours on smooth parts of a free surface, and their normals, and if a boundary is
+   within the support. */
 static void GatherSurface(const FreeSurface *free, Stencil *st)
 {
   const PetscInt d = st->dim;
 
   st->near_surface = PETSC_FALSE;
+  st->exterior     = st->n_wall || FreeSurfaceHolds(free, st->i) ? PETSC_TRUE : PETSC_FALSE;
   if (!free) return;
   for (PetscInt k = 0; k < st->n; k++) {
+    if (!st->wall[k] && free->kind[st->j[k]] != SURFACE_INSIDE) st->exterior = PETSC_TRUE;
     if (st->wall[k] || free->kind[st->j[k]] != SURFACE_SMOOTH) continue;
     st->surface[k] = st->near_surface = PETSC_TRUE;
     for (PetscInt a = 0; a < d; a++) st->normal[a][k] = free->normal[st->j[k] * d + a];
@@ -42,8 +45,8 @@ static void GatherSurface(const FreeSurface *free, Stencil *st)
   for (PetscInt a = 0; a < d; a++) st->own_normal[a] = free->normal[st->i * d + a];
 }
 
-/* Lists the neighbours of particle i in st->j, without those wall particles that a gap separates from
-   it; returns their number. */
+/* Lists the neighbours of particle i in st->j, without wall particles behind a gap; returns their
+   number. */
 static PetscInt ListTouching(const Particles *p, const Neighbors *nb, PetscInt i, Stencil *st)
 {
   PetscInt n = 0;
@@ -55,8 +58,8 @@ static PetscInt ListTouching(const Particles *p, const Neighbors *nb, PetscInt i
   return n;
 }
 
-/* Keeps those of n candidates that are closer than the radius: their indices in j, places relative to
-   x in X, squares of distances in r; returns their number. j may be the candidates. Inlined for each
+/* Keeps the candidates that are closer than the radius: their indices in j, places relative to x in
+   X, squares of distances in r; returns their number. j may be the candidates. Inlined for each
    dimension, with pointers that the compiler can keep in registers. */
 static inline PetscInt KeepClose(PetscInt dim, const Particles *p, PetscInt n,
                                  const PetscInt candidate[], const PetscReal x[],

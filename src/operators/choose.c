@@ -56,18 +56,19 @@ static const OptionRow options[] = {
             .kind     = VALUE_NAME,
             .brief    = "correction of the kernel in Laplacians that accept it, and in all sums of "
                         "-scheme wcsph",
-            .standard = "none; with -scheme wcsph and no free surface first_order",
+            .standard = "none; with -scheme wcsph first_order if it shifts particles",
             .table    = &CorrectionTable,
         },
     [VISC_LAPLACIAN] =
         {
-            .name  = "-visc_laplacian",
-            .kind  = VALUE_NAME,
-            .brief = "form of the viscous term",
-            .standard =
-                "mls, or stress_mls where the viscosity varies and there is a pressure or a body",
-            .table = &LaplacianTable,
-            .where = "runs with viscosity",
+            .name     = "-visc_laplacian",
+            .kind     = VALUE_NAME,
+            .brief    = "form of the viscous term",
+            .standard = "mls, or stress_mls where the viscosity varies and there is a pressure or "
+                        "a body; with "
+                        "-scheme wcsph morris, or cleary with a free surface",
+            .table    = &LaplacianTable,
+            .where    = "runs with viscosity",
         },
     [CLEARY_XI] =
         {
@@ -161,8 +162,7 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
   const CorrectionRow *correction;
 
   PetscFunctionBegin;
-  PetscCall(OptionGetRow(&options[CORRECTION],
-                         needs & NEED_STREAMS && !SceneHasFreeSurface(scene) ? "first_order" : "none",
+  PetscCall(OptionGetRow(&options[CORRECTION], needs & NEED_CORRECTION ? "first_order" : "none",
                          &correction));
   forms->correction = correction;
   if (needs & NEED_VISCOSITY || (needs & NEED_STREAMS && SceneHas(scene, PHYSICS_VISCOSITY))) {
@@ -176,14 +176,14 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
   }
   if (needs & NEED_PRESSURE) {
     PetscCall(ChooseLaplacian(&options[PPE_LAPLACIAN], NULL, correction, &forms->ppe));
+    UserCheck(!LaplacianIs(&forms->ppe, FORM_COUPLES),
+              "-ppe_laplacian %s: this form couples velocity components; use mls instead",
+              forms->ppe.row->name);
     UserCheck(
         LaplacianIs(&forms->ppe, FORM_SAFE_IMPLICIT),
         "-ppe_laplacian %s: its matrix has eigenvalues of both signs, so the pressure equation "
         "cannot be solved; use a form with safe_implicit in -catalogue, such as mls or morris",
         forms->ppe.row->name);
-    UserCheck(!LaplacianIs(&forms->ppe, FORM_COUPLES),
-              "-ppe_laplacian %s: this form couples velocity components; use mls instead",
-              forms->ppe.row->name);
   }
   UserCheck(!correction->Kernel || forms->visc.correction || forms->ppe.correction ||
                 needs & NEED_STREAMS,
@@ -192,13 +192,21 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns true if the viscous form needs particles behind walls. With a free surface
-   pairwise_stress does not: its factors follow from the neighbours there are, at walls too. */
+/* Returns true if a viscous form has no traction on free surfaces by itself: it is the derivative
+   of a dissipation of the fluid alone, docs/theory.md, (150) and (174). */
+static PetscBool HasFreeTraction(const LaplacianRow *form)
+{
+  return form->Row == LaplacianRow_PairwiseStress || (form->composed && form->composed->transposed)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* Returns true if the viscous form needs particles behind walls. With a free surface forms without
+   traction do not: their rows follow from the neighbours there are, at walls too. */
 static PetscBool ViscousNeedsFluid(const Scene *scene, const LaplacianForm *visc)
 {
   if (!visc->row || !LaplacianIs(visc, FORM_FULL_SUPPORT)) return PETSC_FALSE;
-  return SceneHasFreeSurface(scene) && visc->row->Row == LaplacianRow_PairwiseStress ? PETSC_FALSE
-                                                                                     : PETSC_TRUE;
+  return SceneHasFreeSurface(scene) && HasFreeTraction(visc->row) ? PETSC_FALSE : PETSC_TRUE;
 }
 
 /* Chooses the wall treatment from the options; the default works with all chosen forms. */
@@ -232,6 +240,9 @@ static PetscErrorCode ChooseWall(const Scene *scene, unsigned needs, OperatorFor
       !blind || !forms->wall->on_surface,
       "-wall %s: %s %s needs particles behind the wall; use -wall dummy_linear, or mls instead",
       forms->wall->name, kind, blind);
+  UserCheck(!(needs & NEED_STREAMS) || !forms->wall->Extend,
+            "-wall %s: -scheme wcsph does not extend the velocity of the fluid; use dummy_linear",
+            forms->wall->name);
   if (forms->wall->Check) PetscCall(forms->wall->Check(scene));
   forms->wall_surface = scene->n_bodies > 0 && !forms->wall->on_surface ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(OptionGetSwitch(&options[WALL_SURFACE], &forms->wall_surface, NULL));
@@ -318,9 +329,9 @@ static PetscErrorCode ChooseSurface(const Scene *scene, unsigned needs, Operator
             scene->n_filled ? "-scene_filled_1" : "-scene_free",
             SceneIsNewtonian(scene) ? "-scene_fluid_1 and -viscosity_field" : "-rheology");
   UserCheck(!forms->visc.row || forms->visc.row->Row == LaplacianRow_Mls ||
-                forms->visc.row->Row == LaplacianRow_PairwiseStress,
-            "-visc_laplacian %s: it has no condition for the stress on a free surface; use mls or "
-            "pairwise_stress",
+                HasFreeTraction(forms->visc.row),
+            "-visc_laplacian %s: it has no condition for the stress on a free surface; use mls, "
+            "pairwise_stress or energy_fpm",
             forms->visc.row->name);
   UserCheck(!forms->ppe.row || forms->ppe.row->Row == LaplacianRow_Mls,
             "-ppe_laplacian %s: it needs fluid beyond the free surface; use mls",

@@ -1,13 +1,13 @@
 /*
   The viscous operator of forms of two passes, on all velocity components together: the divergence D
   of the stress S of the velocity gradient G u. The first pass computes the stress, the second its
-  divergence, so the stencil is twice as wide. Both passes are matrices; their product is the viscous
-  operator. With the strain operator
+  divergence, so the stencil is twice as wide. Both passes are matrices; their product is the
+  viscous operator. With the strain operator
 
     (E u)_i,ab = G_a u_b + G_b u_a for a > b,   (E u)_i,aa = G_a u_a
 
   and the symmetric stress by its entries a >= b, tau:grad u is the sum of tau_ab (E u)_ab, and the
-  adjoint form is -V^-1 E^T V S E: docs/theory.md, (166) to (169). The velocity of walls enters G as
+  adjoint form is -V^-1 E^T V S E: docs/theory.md, (170) to (174). The velocity of walls enters G as
   in every row. The adjoint form needs no stress at walls. The other divergence is that of the
   fluid's stress alone, one-sided beside walls.
 */
@@ -102,8 +102,8 @@ static void Put(Blocks *to, PetscInt particle, PetscInt component, PetscReal val
   to->value[to->used++] = value;
 }
 
-/* Puts the entries of a slot into the row (a, b) of E, or of the stress S E if t >= 0: tau = g + g^T
-   - t tr(g) I. Input: g - weights of the gradient. */
+/* Puts the entries of a slot into the row (a, b) of E, or of the stress S E if t >= 0, which is
+   g + g^T - t tr(g) I. Input: g - weights of the gradient. */
 static void PutStress(PetscInt d, PetscInt a, PetscInt b, PetscReal t, const PetscReal g[],
                       PetscInt particle, Blocks *to)
 {

@@ -75,8 +75,8 @@ void CorrectKernel_FirstOrder(Stencil *st, PetscReal dW[], PetscReal ddW[])
 }
 
 /*
-  CorrectKernel_Mixed - Computes the derivative of Shepard's kernel along the pair from its corrected
-  gradient L grad psi; W'' is left
+  CorrectKernel_Mixed - Computes the derivative of Shepard's kernel along the pair from its
+  corrected gradient M^-1 grad psi; W'' is left
 
   Reference: J. Bonet, T.-S. L. Lok, Comput. Methods Appl. Mech. Eng. 180 (1999) 97-115; M. Basa, N.
   Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eqs (24) to (26)

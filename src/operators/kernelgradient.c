@@ -85,12 +85,6 @@ void KernelGradients(Stencil *st, unsigned correction, PetscReal *c[])
   if (correction & (CORRECTION_FIRST_ORDER | CORRECTION_MIXED)) RenormalisedGradients(st, c);
 }
 
-/* Returns true if a boundary is within the support of the particle. */
-static PetscBool IsExterior(const Stencil *st)
-{
-  return st->n_wall || st->near_surface || st->kind != SURFACE_INSIDE ? PETSC_TRUE : PETSC_FALSE;
-}
-
 /*
   LaplacianGradient - Computes the weights c_ij of the gradient of a composed form
 
@@ -110,7 +104,7 @@ void LaplacianGradient(const LaplacianForm *form, Stencil *st, PetscReal *c[])
   const GradientChoice gradient   = form->row->composed->gradient;
   unsigned             correction = form->correction ? form->correction->bit : 0;
 
-  if (gradient == GRADIENT_FIRST_ORDER || (gradient == GRADIENT_COUPLED && IsExterior(st)))
+  if (gradient == GRADIENT_FIRST_ORDER || (gradient == GRADIENT_COUPLED && st->exterior))
     correction = CORRECTION_FIRST_ORDER;
   KernelGradients(st, correction, c);
 }

@@ -119,12 +119,12 @@ PetscErrorCode LaplacianRow_StressMls(Stencil *st, PetscReal w[])
 
     2 (d+2) sum_k V_k (u_k - u_i).X/r^2 grad_i W ~ lap u + 2 grad div u
 
-  The factor is exact in the continuum: docs/theory.md, (163). The published factor 8 is that of two
+  The factor is exact in the continuum: docs/theory.md, (167). The published factor 8 is that of two
   dimensions.
 
   Properties: symmetric for equal volumes with forces along the pair, as pairwise_stress. A
   correction replaces grad_i W, whose direction then is not that of the pair. On lattices the
-  viscosity depends on the direction of the strain, by 11 to 29 % for h/dx = 1.5 to 1.1.
+  viscosity depends on the direction of the strain: docs/theory.md, the table below (167).
 
   Reference: J. J. Monaghan, R. A. Gingold, J. Comput. Phys. 52 (1983) 374-389; D. Violeau, R. Issa,
   Int. J. Numer. Meth. Fluids 53 (2007) 277-304; M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer.

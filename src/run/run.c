@@ -274,8 +274,8 @@ static PetscErrorCode RunWriteMatrices(const Run *run)
 }
 
 /* Reports the length of the average of the pressure if there is one, the number of undone steps if
-   steps are retried, the number of steps rejected because of their error, and the number of
-   fallbacks of each solve that had any. */
+   steps are retried, the figures of the scheme, the number of steps rejected because of their
+   error, and the number of fallbacks of each solve that had any. */
 static PetscErrorCode RunReportChoices(Run *run)
 {
   const Scheme   *scheme = run->flow.scheme;
@@ -284,6 +284,8 @@ static PetscErrorCode RunReportChoices(Run *run)
   PetscFunctionBegin;
   if (T > 0.0) PetscCall(ReportAdd(run->report, "pressure_average", T));
   if (run->undo) PetscCall(ReportAdd(run->report, "retries", run->flow.clock->retries));
+  for (PetscInt k = 0; k < scheme->n_figures; k++)
+    PetscCall(ReportAdd(run->report, scheme->figure[k].name, *scheme->figure[k].value));
   if (run->flow.clock->adapt->estimates)
     PetscCall(ReportAdd(run->report, "rejected", run->flow.clock->control.rejected));
   for (PetscInt k = 0; k < scheme->n_solves; k++) {
@@ -292,6 +294,20 @@ static PetscErrorCode RunReportChoices(Run *run)
     if (!scheme->solve[k]->falls) continue;
     PetscCall(PetscSNPrintf(name, sizeof(name), "%sfalls", scheme->solve[k]->prefix));
     PetscCall(ReportAdd(run->report, name, scheme->solve[k]->falls));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Prints a line for each figure of the scheme that has left its range. */
+static PetscErrorCode RunTellFigures(const Scheme *scheme)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < scheme->n_figures; k++) {
+    const SchemeFigure *figure = &scheme->figure[k];
+
+    if (*figure->value <= figure->most) continue;
+    PetscCall(SayLine("%s %.3g, should be at most %.3g: %s", figure->name, (double)*figure->value,
+                      (double)figure->most, figure->remedy));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -314,6 +330,7 @@ static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measure
   if (measured) PetscCall(ReportView(run->report, now - run->started, PETSC_VIEWER_STDOUT_WORLD));
   if (measured) PetscCall(ResolutionView(&run->flow, run->report, PETSC_VIEWER_STDOUT_WORLD));
   if (measured) PetscCall(VolumeView(run->report, PETSC_VIEWER_STDOUT_WORLD));
+  PetscCall(RunTellFigures(run->flow.scheme));
   PetscCall(ReportWrite(&run->flow, run->report, now - run->started, status));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -42,7 +42,7 @@ static const OptionRow options[] = {
             .name     = "-shift",
             .kind     = VALUE_NAME,
             .brief    = "particle shifting",
-            .standard = "fickian",
+            .standard = "fickian; with -scheme wcsph none for free surfaces and summed densities",
             .table    = &ShiftTable,
             .where    = "flows whose particles move",
         },
@@ -52,7 +52,7 @@ static const OptionRow options[] = {
             .kind     = VALUE_REAL,
             .brief    = "factor of the diffusivity of -shift",
             .unit     = "-",
-            .standard = "1",
+            .standard = "1; with -scheme wcsph 3",
             .low      = 1e-3,
             .high     = 100.0,
             .where    = "flows whose particles are shifted",
@@ -94,8 +94,9 @@ PetscErrorCode FlowStateCreate(Flow *flow, unsigned *needs)
   PetscCall(PetscNew(&s));
   s->has_convection = scene->motion && !SceneMoves(scene) ? PETSC_TRUE : PETSC_FALSE;
   if (SceneMoves(scene)) {
-    PetscCall(OptionGetRow(&options[SHIFT], NULL, &s->shift));
+    PetscCall(OptionGetRow(&options[SHIFT], "fickian", &s->shift));
     if (s->shift->Displace) {
+      s->shift_strength = 1.0;
       PetscCall(OptionGetReal(&options[SHIFT_STRENGTH], &s->shift_strength, NULL));
       *needs |= NEED_CONCENTRATION;
     }

@@ -5,7 +5,8 @@
 */
 #include "step.h"
 
-/* FlowAdvance - Advances the state, u^{n-2} <- u^{n-1} <- u^n <- u^{n+1}, and the time; collective */
+/* FlowAdvance - Advances the state, u^{n-2} <- u^{n-1} <- u^n <- u^{n+1}, and the time;
+   collective */
 PetscErrorCode FlowAdvance(Flow *flow)
 {
   FlowState *s = flow->state;
@@ -20,12 +21,8 @@ PetscErrorCode FlowAdvance(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FlowFollow - Computes neighbours and vectors for the present positions
-
-  Collective. Matrices are not assembled.
-*/
-PetscErrorCode FlowFollow(Flow *flow)
+/* Updates the neighbours. */
+static PetscErrorCode UpdateNeighbors(Flow *flow)
 {
   const PetscLogEvent *event = flow->state->event;
 
@@ -34,9 +31,26 @@ PetscErrorCode FlowFollow(Flow *flow)
   if (SceneMovesGraded(flow->scene)) PetscCall(ParticlesResize(flow->scene, flow->particles));
   PetscCall(NeighborsUpdate(flow->particles, flow->scheme->stats.speed_max * flow->clock->dt,
                             flow->neighbors));
+  PetscCall(PetscLogEventEnd(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates the vectors for the present numbering. */
+static PetscErrorCode Renumber(Flow *flow)
+{
+  PetscFunctionBegin;
   PetscCall(WallValuesRenumber(flow->scene, flow->particles, &flow->walls));
   PetscCall(FlowStateRenumber(flow));
-  PetscCall(PetscLogEventEnd(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FlowFollow - Computes neighbours and vectors for the present positions, no matrices;
+   collective */
+PetscErrorCode FlowFollow(Flow *flow)
+{
+  PetscFunctionBegin;
+  PetscCall(UpdateNeighbors(flow));
+  PetscCall(Renumber(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -80,8 +94,9 @@ PetscErrorCode FlowPrepareOutput(const Flow *flow)
 PetscErrorCode FlowRebuild(Flow *flow)
 {
   PetscFunctionBegin;
-  PetscCall(FlowFollow(flow));
+  PetscCall(UpdateNeighbors(flow));
   PetscCall(FlowAssemble(flow));
+  PetscCall(Renumber(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -68,6 +68,10 @@ static PetscErrorCode RefuseForms(const Flow *flow)
             "-visc_laplacian %s: its matrix has eigenvalues of both signs, and -scheme coupled has "
             "no solver for it; use a form that is safe_implicit or dissipates in -catalogue",
             forms->visc.row->name);
+  UserCheck(!flow->clock->steady_solve || LaplacianIs(&forms->visc, FORM_SAFE_IMPLICIT),
+            "-steady: -visc_laplacian %s hardly acts on grid modes, and without du/dt nothing else "
+            "determines them; use a form that is safe_implicit in -catalogue",
+            forms->visc.row->name);
   UserCheck(!SceneViscosityVaries(scene),
             "-scheme coupled: it needs a uniform viscosity, which excludes %s; use -scheme "
             "projection",
@@ -75,8 +79,7 @@ static PetscErrorCode RefuseForms(const Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses -steady for flows with no steady state or with several steady states, and for forms that
-   leave grid modes undetermined. */
+/* Refuses -steady for flows with no steady state or with several steady states. */
 static PetscErrorCode RefuseSteady(const Flow *flow)
 {
   const Scene *scene = flow->scene;
@@ -91,10 +94,6 @@ static PetscErrorCode RefuseSteady(const Flow *flow)
                 !(scene->exact.n && ExpressionUses(&scene->exact, EXPRESSION_TIME)),
             "-steady: a wall's velocity, the body force or -scene_exact depends on t; advance in "
             "time, with -coupled_ts_type rosw in steps of any length");
-  UserCheck(LaplacianIs(&flow->ops->forms.visc, FORM_SAFE_IMPLICIT),
-            "-steady: -visc_laplacian %s hardly acts on grid modes, and without du/dt nothing else "
-            "determines them; use a form that is safe_implicit in -catalogue",
-            flow->ops->forms.visc.row->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -27,7 +27,7 @@ static PetscReal Density_Tait(const Wcsph *w, PetscReal p)
 /*
   Pressure_Linear - Computes p = c0^2 (rho - rho_0) [Pa]
 
-  Reference: J. Fang et al., Appl. Math. Modelling 33 (2009), Eq. (8)
+  Reference: J. Fang, A. Parriaux, M. Rentschler, C. Ancey, Appl. Numer. Math. 59 (2009), Eq. (8)
 */
 static PetscReal Pressure_Linear(const Wcsph *w, PetscReal rho, PetscReal e)
 {
@@ -40,7 +40,8 @@ static PetscReal Density_Linear(const Wcsph *w, PetscReal p)
 }
 
 /*
-  Pressure_IdealGas - Computes p = (gamma - 1) rho e, less the pressure at rest rho_0 c0^2/gamma [Pa]
+  Pressure_IdealGas - Computes p = (gamma - 1) rho e, less the pressure at rest, rho_0 c0^2/gamma
+  [Pa]
 
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eq. (12)
 */
@@ -66,7 +67,7 @@ static const EquationOfStateRow equations[] = {
     {
         .name     = "linear",
         .brief    = "p = c0^2 (rho - rho_0)",
-        .citation = "Fang et al., Appl. Math. Modelling 33 (2009)",
+        .citation = "Fang et al., Appl. Numer. Math. 59 (2009)",
         .exponent = 1.0,
         .Pressure = Pressure_Linear,
         .Density  = Density_Linear,
@@ -85,7 +86,7 @@ const Table EquationOfStateTable = TABLE("Equations of state", equations);
 
 static const DensityFormRow densities[] = {
     {"continuity", "drho/dt = -rho div u, and the force -(p_i + p_j) V_j grad W/rho_i",
-     "Fang et al., Appl. Math. Modelling 33 (2009)", PETSC_FALSE},
+     "Fang et al., Appl. Numer. Math. 59 (2009)", PETSC_FALSE},
     {"summation", "rho = sum m_j W, and the force -m_j (p_i/rho_i^2 + p_j/rho_j^2) grad W",
      "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", PETSC_TRUE},
 };

@@ -135,20 +135,27 @@ void ArtificialViscosity(const Stencil *st, const Pairs *pairs, const PetscReal 
   DensityDiffusion - Computes sum_k 2 V_k (rho_k - rho_i - slope.X_k) (-W'/r) over the fluid, the
   Laplacian of the density less its hydrostatic slope [kg/m^5]
 
+  Dummies have the density of the particle, so that only the slope leaves them out.
+
   Reference: D. Molteni, A. Colagrossi, Comput. Phys. Commun. 180 (2009) 861-872; the slope: G.
   Fourtakas et al., Computers & Fluids 190 (2019) 346-361
 */
 PetscReal DensityDiffusion(const Stencil *st, const Pairs *pairs, PetscReal rho,
                            const PetscReal slope[])
 {
-  PetscReal sum = 0.0;
+  const PetscReal *V = st->V, *dW = st->dW, *r = st->r, *rk = pairs->rho;
+  PetscReal        sum = 0.0;
 
-  for (PetscInt k = 0; k < st->n; k++) {
-    PetscReal difference = pairs->rho[k] - rho;
+#pragma omp simd reduction(+ : sum)
+  for (PetscInt k = 0; k < st->n; k++) sum -= V[k] * (rk[k] - rho) * dW[k] / r[k];
+  for (PetscInt a = 0; a < st->dim; a++) {
+    const PetscReal *X    = st->X[a];
+    PetscReal        rise = 0.0;
 
-    if (st->wall[k]) continue;
-    for (PetscInt a = 0; a < st->dim; a++) difference -= slope[a] * st->X[a][k];
-    sum -= 2.0 * st->V[k] * difference * st->dW[k] / st->r[k];
+    if (slope[a] == 0.0) continue;
+    for (PetscInt k = 0; k < st->n; k++)
+      if (!st->wall[k]) rise += V[k] * X[k] * dW[k] / r[k];
+    sum += slope[a] * rise;
   }
-  return sum;
+  return 2.0 * sum;
 }

@@ -46,7 +46,7 @@ static PetscErrorCode SumRow(Stencil *st, void *ctx)
   WcsphSetDensity - Computes densities and pressures of all local particles at the present positions
 
   Collective. Reads local.rho of own fluid (continuity) or computes it (summation), and local.e.
-  Output: local.rho and local.p with the halo.
+  Output: local.rho and local.p with the halo; walls are at rest.
 */
 PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w)
 {
@@ -58,9 +58,33 @@ PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w)
     PetscCall(OperatorsStream(flow->scene, p, flow->neighbors, flow->ops, SumRow, w));
   for (PetscInt i = 0; i < p->n_fluid; i++)
     l->p[i] = w->equation->Pressure(w, l->rho[i], l->e ? l->e[i] : 0.0);
+  for (PetscInt i = p->n_fluid; i < ParticlesOwn(p); i++) {
+    l->rho[i] = flow->scene->rho;
+    l->p[i]   = 0.0;
+  }
   PetscCall(ParticlesHaloField(p, l->rho));
   PetscCall(ParticlesHaloField(p, l->p));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets the values of the wall neighbours of particle i, see WcsphSetPairs(). */
+static void SetWallPairs(const Wcsph *w, const PetscReal force[], Stencil *st, Pairs *pairs)
+{
+  const LocalFlow *l   = &w->local;
+  const PetscReal  rho = l->rho[st->i];
+
+  for (PetscInt k = 0; k < st->n; k++) {
+    PetscReal rise = 0.0;
+
+    if (!st->wall[k]) continue;
+    for (PetscInt a = 0; a < st->dim; a++) {
+      pairs->du[a][k] *= st->beta[k];
+      rise += force[a] * st->X[a][k];
+    }
+    st->V[k] *= pairs->rho[k] / rho;
+    pairs->rho[k] = rho;
+    pairs->p[k]   = l->p[st->i] + rho * rise;
+  }
 }
 
 /*
@@ -75,25 +99,22 @@ PetscErrorCode WcsphSetPairs(Wcsph *w, const PetscReal force[], Stencil *st)
 {
   const LocalFlow *l     = &w->local;
   Pairs           *pairs = &w->pairs;
-  const PetscInt   d = st->dim, i = st->i;
-  const PetscReal  rho = l->rho[i], rho_0 = w->flow->scene->rho;
+  const PetscInt   n = st->n, *j = st->j;
+  const PetscReal  rho_0 = w->flow->scene->rho;
 
   PetscFunctionBegin;
   PetscCall(PairsReserve(st->capacity, pairs));
-  for (PetscInt k = 0; k < st->n; k++) {
-    const PetscInt  j    = st->j[k];
-    const PetscBool wall = st->wall[k];
-    PetscReal       rise = 0.0;
+  for (PetscInt k = 0; k < n; k++) pairs->rho[k] = l->rho[j[k]];
+  for (PetscInt k = 0; k < n; k++) pairs->p[k] = l->p[j[k]];
+  for (PetscInt k = 0; k < n; k++) st->V[k] *= rho_0 / pairs->rho[k];
+  for (PetscInt a = 0; a < st->dim; a++) {
+    const PetscReal *u = l->u[a], own = u[st->i];
+    PetscReal       *du = pairs->du[a];
 
-    pairs->rho[k] = wall ? rho : l->rho[j];
-    st->V[k] *= rho_0 / pairs->rho[k];
-    for (PetscInt a = 0; a < d; a++) {
-      pairs->du[a][k] = (wall ? st->beta[k] : 1.0) * (l->u[a][j] - l->u[a][i]);
-      rise += force[a] * st->X[a][k];
-    }
-    pairs->p[k] = wall ? l->p[i] + rho * rise : l->p[j];
+    for (PetscInt k = 0; k < n; k++) du[k] = u[j[k]] - own;
   }
-  st->volume *= rho_0 / rho;
+  if (st->n_wall) SetWallPairs(w, force, st, pairs);
+  st->volume *= rho_0 / l->rho[st->i];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -168,8 +189,8 @@ static void StoreRates(Wcsph *w, PetscInt i, const Rates *rates)
   if (w->equation->has_energy) w->rate[c * n + i] = rates->e;
 }
 
-/* Computes the rate of the density, and of the energy if there is one, with pressures that are still
-   whole; p: of the particle. */
+/* Computes the rate of the density, and of the energy if there is one, with pressures that are not
+   reduced; p: of the particle. */
 static void ContinuityRates(Wcsph *w, const Stencil *st, const PetscReal force[], PetscReal p,
                             Rates *rates)
 {

@@ -51,6 +51,17 @@ static PetscErrorCode ShiftRowOf(Stencil *st, void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Computes the mean velocity of the fluid, by mass. */
+static PetscErrorCode MeanVelocity(const Flow *flow, PetscReal mean[])
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    PetscCall(FluidSum(flow->particles, flow->state->u[a], PETSC_FALSE, &mean[a]));
+    mean[a] /= flow->particles->weight;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   WcsphShift - Shifts the particles
 
@@ -67,7 +78,7 @@ PetscErrorCode WcsphShift(Flow *flow, Wcsph *w)
 
   PetscFunctionBegin;
   if (!flow->state->shift->Displace) PetscFunctionReturn(PETSC_SUCCESS);
-  if (keeps) PetscCall(FlowMeanVelocity(flow, flow->state->u, before));
+  if (keeps) PetscCall(MeanVelocity(flow, before));
   for (PetscInt a = 0; a < p->dim; a++) {
     PetscCall(PetscArraycpy(w->local.u[a], p->u[a], ParticlesOwn(p)));
     PetscCall(ParticlesHaloField(p, w->local.u[a]));
@@ -80,7 +91,7 @@ PetscErrorCode WcsphShift(Flow *flow, Wcsph *w)
   for (PetscInt a = 0; a < p->dim; a++)
     for (PetscInt i = 0; i < p->n_fluid; i++) p->x[a][i] += w->displacement[a][i];
   if (!keeps) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(FlowMeanVelocity(flow, flow->state->u, after));
+  PetscCall(MeanVelocity(flow, after));
   for (PetscInt a = 0; a < p->dim; a++)
     PetscCall(VecShift(flow->state->u[a], before[a] - after[a]));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -13,7 +13,8 @@ const ComposedForm *WcsphComposed(const Wcsph *w)
   return row && !w->implicit ? row->composed : NULL;
 }
 
-/* Returns true if a wall or a particle that was on a free surface at the start is in the support. */
+/* Returns true if a wall, or a particle that was on a free surface at the start, is in the
+   support. */
 static PetscBool IsExterior(const Wcsph *w, const Stencil *st)
 {
   if (st->n_wall) return PETSC_TRUE;

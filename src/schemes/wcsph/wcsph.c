@@ -7,7 +7,7 @@
   the projection, which then has the only matrix.
 
   References: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009); J. Fang et
-  al., Appl. Math. Modelling 33 (2009)
+  al., Appl. Numer. Math. 59 (2009)
 */
 #include "wcsph.h"
 
