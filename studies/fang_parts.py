@@ -170,7 +170,7 @@ def draw_particles(path, rows, box, size):
             axis.axis("off")
         for axis, (title, x) in zip(axes, row):
             if x is None:
-                axis.text(0.5, 0.5, "no result", ha="center", transform=axis.transAxes)
+                axis.text(0.5, 0.5, "lost", ha="center", transform=axis.transAxes)
             else:
                 axis.plot(x[:, 0], x[:, 1], "o", ms=size, mew=0, color="#0072B2")
             axis.set(title=title, xlim=box[:2], ylim=box[2:], aspect="equal", xticks=[], yticks=[])
