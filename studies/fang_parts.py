@@ -146,7 +146,8 @@ def draw_curves(path, exact, stretching, rotating):
         left.plot(s["t"], 100 * (s["a"] / a - 1), color=COLOURS[method], lw=1.2, label=method)
         middle.plot(s["t"], s["p"], color=COLOURS[method], lw=0.8, label=method)
     for method, s in rotating.items():
-        right.plot(s["t"], s["L"] / s["L"][0], color=COLOURS[method], lw=1.2, label=method)
+        right.plot(s["t"], s["L"] / s["L"][0], "--" if method == "CPH" else "-", color=COLOURS[method], lw=1.2, label=method,
+                   zorder=3 if method == "CPH" else 2)
     style(left, xlabel="A0 t", ylabel="error of a [%]", title="stretching drop, semi-axis")
     style(middle, xlabel="A0 t", ylabel="p/(rho A0^2 R^2)", title="stretching drop, pressure at the centre")
     style(right, xlabel="omega t", ylabel="L/L0", title="rotating drop, angular momentum")
@@ -164,7 +165,7 @@ def draw_particles(path, rows, box, size):
     plt.rcParams.update({"font.size": 8, "axes.titlesize": 8})
     columns = max(len(row) for row in rows)
     aspect = (box[3] - box[2]) / (box[1] - box[0])
-    figure, grid = plt.subplots(len(rows), columns, figsize=(2.5 * columns, 2.5 * aspect * len(rows) + 0.3), squeeze=False)
+    figure, grid = plt.subplots(len(rows), columns, figsize=(2.2 * columns, 2.2 * aspect * len(rows) + 0.3), squeeze=False)
     for axes, row in zip(grid, rows):
         for axis in axes[len(row):]:
             axis.axis("off")
