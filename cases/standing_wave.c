@@ -111,7 +111,8 @@ static void StandingWaveExact(const Scene *scene, PetscReal t, const PetscReal x
 
   u[0] = U * sine * PetscRealPartComplex(-k * (up + down) + mode.m * (upper - lower));
   u[1] = U * cosine * PetscRealPartComplex(k * (up - down) - k * (upper + lower));
-  *p   = scene->rho * U * U * (DEPTH - y - cosine * PetscRealPartComplex(mode.sigma * (up + down)));
+  *p   = scene->outside +
+       scene->rho * U * U * (DEPTH - y - cosine * PetscRealPartComplex(mode.sigma * (up + down)));
 }
 
 /* Computes the amplitude of the surface: the factor of cos kx in a least-squares fit of its height

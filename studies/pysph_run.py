@@ -1,6 +1,6 @@
 """Runs an example of PySPH with PySPH's own Python, and times its time loop.
 
-    pysph_run.py FOLDER cavity|taylor_green OPTION...     options of the example
+    pysph_run.py FOLDER cavity|taylor_green|dam OPTION...     options of the example; dam is that of pysph_dam.py
 
 Code that is compiled at first use is compiled before the timed run. Writes to FOLDER run.json (wall_s, cpu_s, steps,
 dt, t) and run.npz: x, y, u, v of the fluid, a row for each of the last five outputs.
@@ -11,11 +11,12 @@ import sys
 import time
 
 import numpy as np
+import pysph_dam
 from pysph.examples.cavity import LidDrivenCavity
 from pysph.examples.taylor_green import TaylorGreen
 from pysph.solver.utils import load
 
-EXAMPLES = {"cavity": LidDrivenCavity, "taylor_green": TaylorGreen}
+EXAMPLES = {"cavity": LidDrivenCavity, "taylor_green": TaylorGreen, "dam": pysph_dam.ViscousDam}
 
 
 def main():

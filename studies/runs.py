@@ -30,7 +30,8 @@ def cpu_seconds():
 
 class Runs:
     """Quantities at the end of runs by their arguments; quantities at earlier -report_times have the name name@time. A
-    failed run has its error sentence in `failed`, and in `failed_t` the time at which it failed. A run that takes more
+    failed run has its error sentence in `failed`, and in `failed_t` the time at which it failed; `not_kept` has the
+    quantities that a run says that it has not kept. A run that takes more
     than `seconds` of CPU time is stopped and fails; quantities of its last step, at t, are kept. Each row names the
     build that made it and the day; rows of other builds are kept, and told() counts them. Runs take one rank, or
     `ranks` of them."""
@@ -67,7 +68,7 @@ class Runs:
 
     def numbers(self, arguments):
         """Returns the quantities of a run in the file as numbers."""
-        return {k: v if k in ("run", "failed", "build", "date") else float(v) for k, v in self.rows[arguments].items()}
+        return {k: v if k in ("run", "failed", "not_kept", "build", "date") else float(v) for k, v in self.rows[arguments].items()}
 
     def told(self):
         """Returns a sentence on the time of the used runs; prints the number of runs of other builds."""
@@ -111,6 +112,9 @@ class Runs:
                    "date": datetime.datetime.now(datetime.timezone.utc).date().isoformat()}
             if done.returncode:
                 row.update(self.why(done))
+            told = re.findall(r"^(\w+) not kept:", done.stdout, re.MULTILINE)
+            if told:
+                row["not_kept"] = " ".join(told)
             lines = []
             if os.path.exists(path):
                 with open(path, newline="") as file:

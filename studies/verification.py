@@ -232,6 +232,8 @@ def drop_mode():
               (8, 16, 32), quantities),
         Study("nu t/R^2 = 0.1, projection, dt = 1e-4 R^2/nu", f"{base} -scheme projection -dt 1e-4", (8, 16, 24),
               quantities),
+        Study("Ball, nu t/R^2 = 0.1, dt = 6e-4 R^2/nu", f"{base} -dim 3 -scheme projection -dt 6e-4",
+              (6, 8, 12), quantities),
     ], [], ("velocity, relative L2", "pressure, relative L2"))
 
 

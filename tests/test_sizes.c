@@ -150,7 +150,7 @@ static void DivideRows(const Flow *flow, PetscBool mass, Vec v)
 
   ASSERT_OK(VecGetArray(v, &value));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    const PetscReal T = SaddleTime(flow->scene, flow->clock, p->dx[i]);
+    const PetscReal T = SaddleTime(flow->scene->nu, flow->clock, p->dx[i]);
 
     /* SaddleGet() multiplies rows of mass by the unit of a pressure */
     value[i] /= mass ? PetscSqr(p->dx[i]) * flow->scene->rho / T : T;

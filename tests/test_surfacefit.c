@@ -84,10 +84,12 @@ static void Quadratic2(PetscInt dim, const PetscReal y[], PetscReal u[])
   u[dim - 1] = -0.5 * PetscSqr(y[0]);
 }
 
+typedef PetscErrorCode (*RowFunction)(Stencil *st, PetscReal w[]);
+
 /* Computes the force on the particle by finite sums of the row, in the frame of the surface, and
    2 n.E n. */
-static void Apply(Stencil *st, PetscReal frame[][ISPH_MAX_DIM], PetscReal depth, TestFlow field,
-                  PetscReal force[], PetscReal *strain)
+static void Apply(Stencil *st, RowFunction Row, PetscReal frame[][ISPH_MAX_DIM], PetscReal depth,
+                  TestFlow field, PetscReal force[], PetscReal *strain)
 {
   const PetscInt dim = st->dim;
   PetscReal      w[NEIGHBOURS * 9], u0[ISPH_MAX_DIM], y0[ISPH_MAX_DIM] = {0.0};
@@ -95,7 +97,7 @@ static void Apply(Stencil *st, PetscReal frame[][ISPH_MAX_DIM], PetscReal depth,
 
   y0[dim - 1] = -depth;
   field(dim, y0, u0);
-  ASSERT_OK(LaplacianRow_SurfaceMls(st, w));
+  ASSERT_OK(Row(st, w));
   *strain = 0.0;
   for (PetscInt k = 0; k < st->n; k++) {
     PetscReal y[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM] = {0.0}, v[ISPH_MAX_DIM] = {0.0};
@@ -144,21 +146,56 @@ static void test_fields(void **state)
       ASSERT_OK(StencilCreate(dim, &st));
       Frame(dim, frame);
       HalfSpace(dim, 1.5, depth, frame, st);
-      Apply(st, frame, depth, Rotation, force, &strain);
+      Apply(st, LaplacianRow_SurfaceMls, frame, depth, Rotation, force, &strain);
       for (PetscInt a = 0; a < dim; a++) assert_true(PetscAbsReal(force[a]) < 1e-10);
       assert_true(PetscAbsReal(strain) < 1e-10);
       /* lap u + grad div u: lap = (4, 0, 2), div = 2 y0 [+ y0] - 2 y0 + 2 y_n */
-      Apply(st, frame, depth, Quadratic1, force, &strain);
+      Apply(st, LaplacianRow_SurfaceMls, frame, depth, Quadratic1, force, &strain);
       assert_true(PetscAbsReal(force[0] - (dim == 2 ? 4.0 : 5.0)) < 1e-8);
       assert_true(PetscAbsReal(force[dim - 1] - 4.0) < 1e-8);
       if (dim == 3) assert_true(PetscAbsReal(force[1]) < 1e-8);
       assert_true(PetscAbsReal(strain) < 1e-10); /* 2 du_n/dy_n = -4 y0 + 4 y_n = 0 */
       /* lap = (0, 0, -1), div = y_n */
-      Apply(st, frame, depth, Quadratic2, force, &strain);
+      Apply(st, LaplacianRow_SurfaceMls, frame, depth, Quadratic2, force, &strain);
       assert_true(PetscAbsReal(force[0]) < 1e-8 && PetscAbsReal(force[dim - 1]) < 1e-8);
       assert_int_equal(st->regularised, 0);
       ASSERT_OK(StencilDestroy(&st));
     }
+  }
+}
+
+/* The stress for a varying viscosity: exact lap u + 2 grad div u inside; beside a surface forces
+   along pairs, which rotate nothing, and no pressure. */
+static void test_stress(void **state)
+{
+  (void)state;
+  for (PetscInt dim = 2; dim <= 3; dim++) {
+    const PetscReal depth = 0.1;
+    PetscReal       frame[ISPH_MAX_DIM][ISPH_MAX_DIM], force[ISPH_MAX_DIM], strain;
+    Stencil        *st;
+
+    ASSERT_OK(StencilCreate(dim, &st));
+    Frame(dim, frame);
+    HalfSpace(dim, 1.5, depth, frame, st);
+    for (PetscInt k = 0; k < st->n; k++) {
+      st->surface[k] = PETSC_FALSE;
+      st->V[k]       = dim == 3 ? 1e-3 : 1e-2;
+    }
+    st->near_surface = st->beside_surface = PETSC_FALSE;
+    /* grad div of Quadratic1: ([1] e_0 + 2 e_n) in 3D, 2 e_n in 2D */
+    Apply(st, LaplacianRow_SurfaceStress, frame, depth, Quadratic1, force, &strain);
+    assert_true(PetscAbsReal(force[0] - (dim == 2 ? 4.0 : 6.0)) < 1e-8);
+    assert_true(PetscAbsReal(force[dim - 1] - 6.0) < 1e-8);
+    Apply(st, LaplacianRow_SurfaceStress, frame, depth, Quadratic2, force, &strain);
+    assert_true(PetscAbsReal(force[0]) < 1e-8 && PetscAbsReal(force[dim - 1] - 1.0) < 1e-8);
+    st->beside_surface = PETSC_TRUE;
+    st->kind           = SURFACE_SMOOTH;
+    Apply(st, LaplacianRow_SurfaceStress, frame, depth, Rotation, force, &strain);
+    for (PetscInt a = 0; a < dim; a++) assert_true(PetscAbsReal(force[a]) < 1e-10);
+    Apply(st, LaplacianRow_SurfaceStress, frame, depth, Quadratic1, force, &strain);
+    assert_true(strain == 0.0);
+    assert_int_equal(st->regularised, 0);
+    ASSERT_OK(StencilDestroy(&st));
   }
 }
 
@@ -199,7 +236,8 @@ static void test_sunk(void **state)
 
 int main(int argc, char **argv)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_fields), cmocka_unit_test(test_sunk)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_fields), cmocka_unit_test(test_stress),
+                                     cmocka_unit_test(test_sunk)};
 
   int failed;
 

@@ -48,6 +48,13 @@ def main():
     count(lines, "0 KSP Residual norm", 3)
     for stage in "Main Stage", "Set-up", "Steps", "Output":
         assert any(f": {stage:>15}" in line or f": {stage}" in line for line in lines), stage
+    for event in "PairRates", "TSRHSFunction":  # of the weakly compressible scheme
+        count(lines, event, 0)
+    lines = output("-scheme", "wcsph", "-log_view", "-wcsph_ts_view")
+    count(lines, "TS Object: flow (wcsph_)", 1)
+    count(lines, "PairRates", 1)
+    for event in "KSP", "PC", "SNES", "Mat", "Pressure", "Viscosity":
+        count([line for line in lines if " 1.0 " in line], event, 0)  # events, not headings
     lines = output("-scheme", "coupled", "-motion", "eulerian", "-coupled_ksp_view",
                    "-coupled_ts_view", "-coupled_ts_monitor", "-coupled_schur_ksp_view",
                    "-coupled_ksp_view_rhs", "ascii:c.txt", "-coupled_schur_ksp_view_mat",

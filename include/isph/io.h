@@ -63,6 +63,7 @@ PetscErrorCode NormsExact(const Flow *flow, Report *report);
 PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report);
 PetscErrorCode MeasureFree(const Flow *flow, Report *report);
 PetscErrorCode VolumeView(const Report *report, PetscViewer viewer);
+PetscErrorCode EnergyView(const Flow *flow, PetscViewer viewer);
 
 /* Returns the form of the gradient that steps use; NULL if at most snapshots use a gradient. */
 static inline const GradientRow *FlowGradient(const Flow *flow)

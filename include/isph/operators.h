@@ -84,13 +84,16 @@ typedef struct {
   PetscInt    regularised;  /* number of fits so far whose points did not determine them */
   PetscBool  *surface;      /* neighbour is on a free surface, where fits have its condition */
   SurfaceKind kind;         /* of the particle */
-  PetscBool   near_surface; /* the particle or a neighbour is on it */
-  PetscBool   exterior;     /* a wall or a free surface, smooth or not, is within the support */
+  PetscBool   near_surface; /* the particle or a neighbour is on a smooth part of it */
+  PetscBool   beside_surface;           /* the same on any part of it */
   PetscReal   own_normal[ISPH_MAX_DIM]; /* of the particle, out of the fluid */
   unsigned    correction; /* CorrectionBit of the present row, for forms that couple components */
   PetscReal   own[ISPH_MAX_DIM * ISPH_MAX_DIM]; /* weight of u_i itself, see LaplacianRow */
   PetscReal  *slope[ISPH_MAX_DIM];              /* V_j times the corrected kernel gradient */
   PetscReal  *normal_strain[ISPH_MAX_DIM];      /* row of 2 n.E n of a particle on it [1/m] */
+
+  const Scene *scene; /* of the equations of walls */
+  PetscBool    slips; /* a neighbour is on a wall along which the fluid slides */
 } Stencil;
 
 PetscErrorCode StencilCreate(PetscInt dim, Stencil **stencil);

@@ -53,6 +53,7 @@ struct Body {
   PetscReal       parameter[BODY_PARAMETERS]; /* of the shape [m] */
   PetscReal       centre[2], extent; /* centre, and largest distance of the surface from it [m] */
   PetscBool       around;
+  PetscBool       ball; /* a circle that is a ball in 3D, about a point of the plane z = 0 */
 };
 
 /* Properties of a kind of boundary; all other code depends on these instead of the kind. */
@@ -210,6 +211,7 @@ struct Scene {
   PetscReal        speed;               /* reference speed U [m/s] */
   PetscReal        rho;                 /* density [kg/m^3] */
   PetscReal        tension;             /* surface tension sigma; 0: none [N/m] */
+  PetscReal        outside;             /* pressure outside free surfaces [Pa] */
   PetscReal        nu; /* kinematic viscosity; if it varies, for Reynolds numbers only [m^2/s] */
   PetscReal        nu_low, nu_high; /* bounds of viscosity in the fluid; nu if uniform [m^2/s] */
   PetscReal        body_force[ISPH_MAX_DIM]; /* body force per unit mass [m/s^2] */
@@ -324,6 +326,7 @@ PetscErrorCode ShapeRead(const Scene *scene, const OptionRow *pattern, PetscInt 
 PetscErrorCode ShapeCheckNumbers(const OptionRow *pattern, PetscInt n, PetscInt most);
 const char    *BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[]);
 void           BodyCircle(Body *body, PetscReal x, PetscReal y, PetscReal r);
+void           BodyBall(Body *body, PetscReal x, PetscReal y, PetscReal r);
 PetscInt       BodyLines(const Body *body, PetscInt axis, PetscReal line[]);
 PetscReal      BodyThickness(const Body *body, PetscReal dx, PetscReal limit, PetscReal place[2]);
 void           BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2]);

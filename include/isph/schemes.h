@@ -128,6 +128,16 @@ typedef struct {
   PetscReal walls;      /* largest speed that walls can have driven so far [m/s] */
 } SpeedBound;
 
+/* The energy balance of a moving fluid with a free surface; see energy.c. */
+typedef struct {
+  PetscReal work;       /* of the body force so far, per mass [m^2/s^2] */
+  PetscReal dissipated; /* by viscosity so far, per mass [m^2/s^2] */
+  PetscReal lag;        /* error of twice the work [m^2/s^2] */
+  PetscReal most;       /* largest twice the energy per mass that start and work gave [m^2/s^2] */
+  PetscReal gain;       /* largest energy beyond that so far, relative to `most` [-] */
+  PetscReal gain_t;     /* its time [s] */
+} EnergyBalance;
+
 /* The column of the report that a linear solve fills. */
 typedef enum { SOLVE_VELOCITY, SOLVE_PRESSURE } SolveColumn;
 
@@ -187,6 +197,7 @@ typedef struct {
   StepStats        stats;
   SteadyTest       steady;
   SpeedBound       bound;
+  EnergyBalance    energy;
   StepFailure      failure; /* of the last attempted step */
   Memory           memory;
   PetscErrorCode (*Divergence)(Flow *flow, const Vec u[],
@@ -195,12 +206,13 @@ typedef struct {
   PetscErrorCode (*Pressure)(const Flow *flow, const PetscReal x[], PetscReal *p);
   /* Adds the pressure over dt to its mean over `length`; NULL: on particles, by average.c */
   PetscErrorCode (*Average)(Flow *flow, PetscReal length, PetscReal dt);
-  Vec          kept; /* state that is not on particles, for undo and checkpoints; NULL: none */
-  LinearSolve *solve[SCHEME_MAX_SOLVES];
-  PetscInt     n_solves;
-  SchemeFigure figure[SCHEME_MAX_FIGURES];
-  PetscInt     n_figures;
-  void        *data;
+  PetscReal *const *density; /* field of the fluid's densities; NULL: from masses [kg/m^3] */
+  Vec               kept; /* state that is not on particles, for undo and checkpoints; NULL: none */
+  LinearSolve      *solve[SCHEME_MAX_SOLVES];
+  PetscInt          n_solves;
+  SchemeFigure      figure[SCHEME_MAX_FIGURES];
+  PetscInt          n_figures;
+  void             *data;
 } Scheme;
 
 PetscErrorCode SchemeCreate(Flow *flow);

@@ -218,14 +218,17 @@ static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Prints surface tension, the Ohnesorge number of the reference length, and the longest step of
-   surface waves. */
+/* Prints the pressure outside free surfaces, surface tension, the Ohnesorge number of the reference
+   length, and the longest step of surface waves. */
 static PetscErrorCode BannerTension(const Flow *flow, PetscViewer viewer)
 {
   const Scene    *scene = flow->scene;
   const PetscReal sigma = scene->tension, limit = CapillaryLimit(scene);
 
   PetscFunctionBegin;
+  if (scene->outside != 0.0)
+    PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL "p = %.6g Pa outside free surfaces\n",
+                                     "surface", (double)scene->outside));
   if (sigma == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(
       PetscViewerASCIIPrintf(viewer, BANNER_LABEL "sigma = %.6g N/m", "tension", (double)sigma));

@@ -2,6 +2,7 @@
 #include "isph/io.h"
 
 #define VOLUME_KEPT 0.02 /* largest error of the volume that needs no word [-] */
+#define ENERGY_KEPT 0.1  /* largest gain of energy that needs no word, 5 % of the speed [-] */
 
 /* Adds what own particles contribute: momentum and first moments, then the extent of the fluid
    without isolated particles as least and largest -x. */
@@ -34,7 +35,8 @@ static void Contribute(const Flow *flow, const PetscScalar *const u[], PetscReal
     angular_momentum = |sum_i rho V_i (x_i - X) x u_i| [kg m^2/s], X: centre of mass; in 2D with its
     sign, per metre of depth; x_min, x_max, y_min, ...: where the outermost particles are, but for
     isolated ones [m]; fluid_volume, inside the surface, its reference the volume of the particles
-    [m^dim]
+    [m^dim]; energy_gain, of moving particles: largest energy beyond that of start and forces, see
+    EnergyBound() [-]
 
   Collective. Nothing without a free surface. In a periodic box the angular momentum has no meaning
   and is left out.
@@ -74,6 +76,8 @@ PetscErrorCode MeasureFree(const Flow *flow, Report *report)
   }
   PetscCall(FluidVolume(flow, &volume, &mass));
   PetscCall(ReportAddReference(report, "fluid_volume", volume, mass, mass));
+  if (SceneMoves(flow->scene))
+    PetscCall(ReportAddError(report, "energy_gain", flow->scheme->energy.gain));
   report->volume_error = volume / mass - 1.0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -91,5 +95,21 @@ PetscErrorCode VolumeView(const Report *report, PetscViewer viewer)
       "volume not kept: the free surface encloses %.2g %% %s than the volume of the particles, and "
       "should enclose within %.0f %%; try a larger -n or a smaller -dt\n",
       100.0 * (double)PetscAbsReal(error), error > 0.0 ? "more" : "less", 100.0 * VOLUME_KEPT));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* EnergyView - Prints a line if a fluid with a free surface has gained energy from nothing;
+   collective on the viewer */
+PetscErrorCode EnergyView(const Flow *flow, PetscViewer viewer)
+{
+  const EnergyBalance *e = &flow->scheme->energy;
+
+  PetscFunctionBegin;
+  if (e->gain <= ENERGY_KEPT) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscViewerASCIIPrintf(
+      viewer,
+      "energy not kept: until t = %.3g the fluid had and dissipated %.2g %% more energy than its "
+      "start and the force gave, and should at most %.0f %%; try a larger -n or a smaller -dt\n",
+      (double)e->gain_t, 100.0 * (double)e->gain, 100.0 * ENERGY_KEPT));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -11,6 +11,7 @@
 #define SHARE     0.25        /* relative error of the velocity over that of its gradients [-] */
 #define SPREADING (1.0 / 3.0) /* time in which viscosity spreads errors [(U/G)^2/nu] */
 #define AT_REST   1e-6        /* a velocity below this is no flow [U] */
+#define UNIFORM   1e-6        /* gradients below this are rounding [velocity/L] */
 #define RESOLVED  0.05        /* largest estimated error of a resolved flow [-] */
 
 /* Sums over all fluid particles, weighted by volume, for a single MPI reduction. */
@@ -93,7 +94,7 @@ static PetscReal ErrorOf(const Flow *flow, const Sums *sums)
   const PetscReal gradient = sums->gradient / total, nu = sums->nu / total;
   PetscReal       time = ClockMoment(flow->clock), growth = 1.0;
 
-  if (!(u > AT_REST * scene->speed) || !(gradient > 0.0)) return 0.0;
+  if (!(u > AT_REST * scene->speed) || !(gradient * scene->length > UNIFORM * u)) return 0.0;
   if (SceneHas(scene, PHYSICS_VISCOSITY))
     time = PetscMin(time, SPREADING * PetscSqr(u / gradient) / nu);
   if (SceneHas(scene, PHYSICS_CONVECTION) && sums->rate > 0.0) growth += sums->rate / total * time;
@@ -108,7 +109,7 @@ static PetscReal ErrorOf(const Flow *flow, const Sums *sums)
 
   Collective. <.> is the mean over the fluid, weighted by volume; grad_2 and grad_3 are gradients of
   a quadratic and of a cubic fit, see OperatorsCompareGradients(). The formula is docs/theory.md,
-  (133). A fluid at rest has no error.
+  (133). A fluid at rest or in uniform motion has no error.
 
   Output Parameter:
 . resolution - the error, and the place where the gradients of both fits differ most

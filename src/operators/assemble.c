@@ -24,22 +24,22 @@ static void GatherWall(const Scene *scene, const Particles *p, const Operators *
   st->side[k] = (PetscInt)p->side[j];
 }
 
-/* Sets the neighbours on smooth parts of a free surface, and their normals, and if a boundary is
-   within the support. */
+/* Sets the neighbours on smooth parts of a free surface, and their normals. */
 static void GatherSurface(const FreeSurface *free, Stencil *st)
 {
   const PetscInt d = st->dim;
 
-  st->near_surface = PETSC_FALSE;
-  st->exterior     = st->n_wall || FreeSurfaceHolds(free, st->i) ? PETSC_TRUE : PETSC_FALSE;
+  st->near_surface = st->beside_surface = PETSC_FALSE;
   if (!free) return;
+  st->kind           = (SurfaceKind)free->kind[st->i];
+  st->beside_surface = FreeSurfaceHolds(free, st->i);
   for (PetscInt k = 0; k < st->n; k++) {
-    if (!st->wall[k] && free->kind[st->j[k]] != SURFACE_INSIDE) st->exterior = PETSC_TRUE;
-    if (st->wall[k] || free->kind[st->j[k]] != SURFACE_SMOOTH) continue;
+    if (st->wall[k]) continue;
+    if (FreeSurfaceHolds(free, st->j[k])) st->beside_surface = PETSC_TRUE;
+    if (free->kind[st->j[k]] != SURFACE_SMOOTH) continue;
     st->surface[k] = st->near_surface = PETSC_TRUE;
     for (PetscInt a = 0; a < d; a++) st->normal[a][k] = free->normal[st->j[k] * d + a];
   }
-  st->kind = (SurfaceKind)free->kind[st->i];
   if (st->kind != SURFACE_SMOOTH) return;
   st->near_surface = PETSC_TRUE;
   for (PetscInt a = 0; a < d; a++) st->own_normal[a] = free->normal[st->i * d + a];
@@ -120,8 +120,13 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
   for (PetscInt k = 0; k < n; k++) st->surface[k] = PETSC_FALSE;
   for (PetscInt k = 0; k < n; k++) st->wall[k] = ParticlesIsWall(p, st->j[k]);
   for (PetscInt k = 0; k < n; k++) st->n_wall += st->wall[k] ? 1 : 0;
-  for (PetscInt k = 0; st->n_wall && k < n; k++)
-    if (st->wall[k]) GatherWall(scene, p, ops, k, st);
+  st->scene = scene;
+  st->slips = PETSC_FALSE;
+  for (PetscInt k = 0; st->n_wall && k < n; k++) {
+    if (!st->wall[k]) continue;
+    GatherWall(scene, p, ops, k, st);
+    if (!BoundaryIs(scene, st->side[k], BOUNDARY_NO_SLIP)) st->slips = PETSC_TRUE;
+  }
   GatherSurface(free, st);
   KernelEvaluateAll(ops->forms.kernel, d, st->h, n, st->r, st->W, st->dW, st->ddW);
   WallPointShares(ops, st);
@@ -427,7 +432,8 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
         PatternMat(p->comm, &ops->rows.walls, p->n_fluid, p->n_wall, needed[k]->b, &needed[k]->B));
   }
   if (ops->first_pass[0].needed) PetscCall(AssembleComposed(p, ops));
-  else if (ops->forms.components_coupled) PetscCall(AssembleViscousBlock(scene, p, ops));
+  else if (ops->forms.components_coupled && ops->velocity[0].visc.needed)
+    PetscCall(AssembleViscousBlock(scene, p, ops));
   ops->rows.particles = p;
   if (ops->forms.wall && ops->forms.wall->Extend) PetscCall(ExtendWalls(scene, p, nb, ops));
   ops->regularised_rows = 0;

@@ -383,7 +383,7 @@ static void SetDiagonal(const Stencil *st, const Operators *ops, PetscInt diagon
   SetRows_Surface - Replaces the rows of a particle on a free surface: its pressure is given, and it
   has no equation of mass
 
-    p_i - 2 mu (n.E n)_i = 0
+    p_i - 2 mu_i (n.E n)_i = 0
 
   Not collective. The rows of ppe and filter_p become p_i, and the row of div becomes 2 n.E n, for
   which the scheme has the factor. It vanishes on rough surfaces: their pressure is zero. No
@@ -398,7 +398,7 @@ void SetRows_Surface(const Stencil *st, PetscInt diagonal, Operators *ops)
 
     if (st->kind == SURFACE_ISOLATED) EmptyRow(ops, st->i, &ops->grad_p[c], &a, &b);
     EmptyRow(ops, st->i, &ops->div[c], &a, &b);
-    if (st->kind != SURFACE_SMOOTH || ops->forms.visc.row != &LaplacianSurface) continue;
+    if (st->kind != SURFACE_SMOOTH || !LaplacianFitsSurface(&ops->forms.visc)) continue;
     for (PetscInt k = 0; k < st->n; k++) {
       (st->wall[k] ? b : a)[ops->work->slot[k]] += st->normal_strain[c][k];
       a[diagonal] -= st->normal_strain[c][k];

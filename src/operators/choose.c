@@ -141,7 +141,8 @@ static const char *DefaultLaplacian(const Scene *scene, unsigned needs)
       SceneHas(scene, PHYSICS_PRESSURE) || scene->n_bodies ? PETSC_TRUE : PETSC_FALSE;
 
   if (needs & NEED_STREAMS) return SceneHasFreeSurface(scene) ? "cleary" : "morris";
-  return SceneViscosityVaries(scene) && curved ? "stress_mls" : "mls";
+  return SceneViscosityVaries(scene) && curved && !SceneHasFreeSurface(scene) ? "stress_mls"
+                                                                              : "mls";
 }
 
 /* Reads the factor of the form cleary, whose weights are those of the factor dim + 2. */
@@ -192,21 +193,23 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns true if a viscous form has no traction on free surfaces by itself: it is the derivative
-   of a dissipation of the fluid alone, docs/theory.md, (150) and (174). */
-static PetscBool HasFreeTraction(const LaplacianRow *form)
+/* Returns true if a viscous form has no traction on free surfaces by itself: it is a stress, and
+   the derivative of a dissipation of the fluid alone, docs/theory.md, (150) and (174). */
+static PetscBool HasFreeTraction(const LaplacianForm *visc)
 {
-  return form->Row == LaplacianRow_PairwiseStress || (form->composed && form->composed->transposed)
+  return LaplacianIs(visc, FORM_COUPLES) && LaplacianIs(visc, FORM_DISSIPATES) &&
+                 LaplacianIs(visc, FORM_NULL_CONSTANTS)
              ? PETSC_TRUE
              : PETSC_FALSE;
 }
 
-/* Returns true if the viscous form needs particles behind walls. With a free surface forms without
-   traction do not: their rows follow from the neighbours there are, at walls too. */
+/* Returns true if the viscous form needs particles behind walls. With a free surface
+   pairwise_stress does not: its factors follow from the neighbours there are, at walls too. */
 static PetscBool ViscousNeedsFluid(const Scene *scene, const LaplacianForm *visc)
 {
   if (!visc->row || !LaplacianIs(visc, FORM_FULL_SUPPORT)) return PETSC_FALSE;
-  return SceneHasFreeSurface(scene) && HasFreeTraction(visc->row) ? PETSC_FALSE : PETSC_TRUE;
+  return SceneHasFreeSurface(scene) && visc->row->Row == LaplacianRow_PairwiseStress ? PETSC_FALSE
+                                                                                     : PETSC_TRUE;
 }
 
 /* Chooses the wall treatment from the options; the default works with all chosen forms. */
@@ -312,7 +315,7 @@ static PetscErrorCode RefuseEquations(const Scene *scene, const OperatorForms *f
             "%s: its equations are those of fits, and -wall %s has none; use -wall wall_layer and "
             "forms without full_support in -catalogue, such as mls",
             kind->option.name, forms->wall->name);
-  UserCheck(!forms->components_coupled,
+  UserCheck(!forms->components_coupled || LaplacianFitsSurface(&forms->visc),
             "%s: each velocity component has equations of its own there, and %s couples them; use "
             "a newtonian fluid and -visc_laplacian mls",
             kind->option.name, SceneIsNewtonian(scene) ? forms->visc.row->name : "-rheology");
@@ -324,15 +327,16 @@ static PetscErrorCode ChooseSurface(const Scene *scene, unsigned needs, Operator
 {
   PetscFunctionBegin;
   if (!SceneHasFreeSurface(scene) || needs & NEED_STREAMS) PetscFunctionReturn(PETSC_SUCCESS);
-  UserCheck(!SceneViscosityVaries(scene),
-            "%s: a fluid with a free surface has a uniform viscosity, which excludes %s",
-            scene->n_filled ? "-scene_filled_1" : "-scene_free",
-            SceneIsNewtonian(scene) ? "-scene_fluid_1 and -viscosity_field" : "-rheology");
   UserCheck(!forms->visc.row || forms->visc.row->Row == LaplacianRow_Mls ||
-                HasFreeTraction(forms->visc.row),
+                HasFreeTraction(&forms->visc),
             "-visc_laplacian %s: it has no condition for the stress on a free surface; use mls, "
             "pairwise_stress or energy_fpm",
             forms->visc.row->name);
+  UserCheck(
+      !forms->wall || !ViscousNeedsFluid(scene, &forms->visc),
+      "-visc_laplacian %s: it needs particles behind walls, and with a free surface there are "
+      "none; use mls or pairwise_stress, or -scene_periodic for a fluid without walls",
+      forms->visc.row->name);
   UserCheck(!forms->ppe.row || forms->ppe.row->Row == LaplacianRow_Mls,
             "-ppe_laplacian %s: it needs fluid beyond the free surface; use mls",
             forms->ppe.row->name);
@@ -345,7 +349,7 @@ static PetscErrorCode ChooseSurface(const Scene *scene, unsigned needs, Operator
             "-wall %s: with a free surface, fits have the equations of walls; use wall_layer",
             forms->wall->name);
   if (forms->visc.row && forms->visc.row->Row == LaplacianRow_Mls)
-    forms->visc.row = &LaplacianSurface;
+    forms->visc.row = SceneViscosityVaries(scene) ? &LaplacianSurfaceStress : &LaplacianSurface;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -39,6 +39,7 @@ void ComposedNeed(const Scene *scene, Operators *ops)
 {
   const LaplacianForm *visc = &ops->forms.visc;
 
+  if (!(ops->needs & NEED_VISCOSITY)) return;
   for (PetscInt a = 0; visc->row && visc->row->composed && a < scene->dim; a++) {
     ops->first_pass[a].needed  = PETSC_TRUE;
     ops->second_pass[a].needed = HasDivergence(scene, &ops->forms);

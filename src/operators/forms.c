@@ -117,7 +117,7 @@ PetscErrorCode LaplacianFactors(const Scene *scene, const Particles *p, const Ne
   PetscCall(PetscFree(form->factor));
   PetscCall(PetscCalloc1(ParticlesAll(p), &form->factor));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    if (form->row == &LaplacianSurface && !FreeSurfaceIsRough(ops->free, i)) continue;
+    if (LaplacianFitsSurface(form) && !FreeSurfaceIsRough(ops->free, i)) continue;
     PetscCall(GatherStencil(scene, p, nb, ops, i, st));
     form->factor[i] = form->row->Factor(st);
   }

@@ -104,7 +104,8 @@ void LaplacianGradient(const LaplacianForm *form, Stencil *st, PetscReal *c[])
   const GradientChoice gradient   = form->row->composed->gradient;
   unsigned             correction = form->correction ? form->correction->bit : 0;
 
-  if (gradient == GRADIENT_FIRST_ORDER || (gradient == GRADIENT_COUPLED && st->exterior))
+  if (gradient == GRADIENT_FIRST_ORDER ||
+      (gradient == GRADIENT_COUPLED && (st->n_wall || st->beside_surface)))
     correction = CORRECTION_FIRST_ORDER;
   KernelGradients(st, correction, c);
 }

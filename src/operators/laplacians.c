@@ -247,6 +247,26 @@ const LaplacianRow LaplacianSurface = {
     .grad_div   = 2.0,
 };
 
+/* The same for a varying viscosity. */
+const LaplacianRow LaplacianSurfaceStress = {
+    .name     = "mls",
+    .brief    = "the stress by quadratic moving least squares; no tangential stress on the free "
+                "surface",
+    .citation = "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)",
+    .properties =
+        FORM_NULL_CONSTANTS | FORM_EXACT_LINEAR | FORM_SAFE_IMPLICIT | FORM_VARYING | FORM_COUPLES,
+    .Row    = LaplacianRow_SurfaceStress,
+    .Factor = Factor_PairwiseStress,
+};
+
+/* LaplacianFitsSurface - Returns true if the form has the conditions of a free surface in its fits;
+   not collective */
+PetscBool LaplacianFitsSurface(const LaplacianForm *form)
+{
+  return form->row == &LaplacianSurface || form->row == &LaplacianSurfaceStress ? PETSC_TRUE
+                                                                                : PETSC_FALSE;
+}
+
 /* Appends the declared properties and the accepted corrections of a Laplacian to a text. */
 static PetscErrorCode LaplacianDescribe(const TableRow *row, char text[], size_t length)
 {

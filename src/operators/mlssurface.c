@@ -11,7 +11,8 @@
       -> min
 
   with the radius R of the support. The condition on the normal stress belongs to the pressure: p =
-  2 mu n.E n. A fit that had it too would impose it twice.
+  2 mu n.E n. A fit that had it too would impose it twice. Walls give each component its own
+  equation: its value, or n.grad u_t = 0 on planes of symmetry.
 */
 #include "mls.h"
 
@@ -61,10 +62,10 @@ static inline void AddCondition(PetscInt dim, PetscInt terms, PetscInt width, Pe
   }
 }
 
-/* Sets the right-hand sides: for each component a that of lap u_a + d(div u)/dx_a, then that of
-   2 n.E n at the particle, with its own normal. */
+/* Sets the right-hand sides: for each component a that of lap u_a + bulk d(div u)/dx_a, then that
+   of 2 n.E n at the particle, with its own normal. */
 static inline void SetColumns(const Stencil *st, PetscInt dim, PetscInt terms, PetscInt width,
-                              PetscReal system[])
+                              PetscReal bulk, PetscReal system[])
 {
   const PetscReal over = 1.0 / PetscSqr(st->radius);
   const PetscInt  n    = dim * terms;
@@ -75,9 +76,9 @@ static inline void SetColumns(const Stencil *st, PetscInt dim, PetscInt terms, P
       for (PetscInt c = 0; c < dim; c++) {
         PetscReal *column = system + (c * terms + t) * width + n;
 
-        if (p == q) column[c] += 2.0 * over;                  /* lap u_c */
-        if (c == p) column[q] += over * (p == q ? 2.0 : 1.0); /* d(du_c/dx_c)/dx_q */
-        else if (c == q) column[p] += over;
+        if (p == q) column[c] += 2.0 * over;                         /* lap u_c */
+        if (c == p) column[q] += bulk * over * (p == q ? 2.0 : 1.0); /* d(du_c/dx_c)/dx_q */
+        else if (c == q) column[p] += bulk * over;
       }
     }
   }
@@ -88,18 +89,29 @@ static inline void SetColumns(const Stencil *st, PetscInt dim, PetscInt terms, P
   }
 }
 
+/* Sets the weights of wall neighbours with equations of derivatives to zero: a side along which the
+   fluid slides has n.grad u_t = 0. */
+static inline void DropDerivatives(const Stencil *st, PetscReal w[])
+{
+  for (PetscInt k = 0; st->slips && k < st->n; k++)
+    if (st->wall[k] && st->equation[k] == EQUATION_NORMAL_DERIVATIVE) w[k] = 0.0;
+}
+
 /* Computes the rows of a fit with the conditions of the surface; returns PETSC_FALSE if the points
    do not determine it. */
-static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscReal w[])
+static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscReal bulk, PetscReal w[])
 {
   const PetscInt terms = MlsTerms(dim, 2), n = dim * terms, width = MlsWidth(n + dim + 1);
   PetscReal      moments[MLS_QUADRATIC_TERMS * MLS_QUADRATIC_TERMS], s[ISPH_MAX_DIM] = {0.0};
   PetscReal      system[SURFACE_TERMS * SURFACE_WIDTH];
 
   for (PetscInt e = 0; e < n * width; e++) system[e] = 0.0;
-  MlsBasis(st, dim, 2);
-  MlsMoments(st, terms, st->fit.W, terms, moments);
   for (PetscInt c = 0; c < dim; c++) {
+    if (c == 0 || st->slips) {
+      if (st->slips) StencilSetVelocity(st->scene, c, st);
+      MlsBasis(st, dim, 2);
+      MlsMoments(st, terms, st->fit.W, terms, moments);
+    }
     for (PetscInt e = 0; e < terms * terms; e++)
       system[(c * terms + e / terms) * width + c * terms + e % terms] = moments[e];
   }
@@ -115,16 +127,22 @@ static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscReal w[])
     }
     AddCondition(dim, terms, width, st->W[k], s, normal, system);
   }
-  SetColumns(st, dim, terms, width, system);
+  SetColumns(st, dim, terms, width, bulk, system);
   if (!MlsEliminate(n, width, st->weak, system)) return PETSC_FALSE;
-  for (PetscInt a = 0; a < dim; a++) {
-    for (PetscInt c = 0; c < dim; c++) {
+  for (PetscInt c = 0; c < dim; c++) {
+    if (st->slips) {
+      StencilSetVelocity(st->scene, c, st);
+      MlsBasis(st, dim, 2);
+    }
+    for (PetscInt a = 0; a < dim; a++) {
       MlsWeights(st, terms, width, system + c * terms * width + n + a, st->fit.value);
+      DropDerivatives(st, st->fit.value);
       for (PetscInt k = 0; k < st->n; k++) w[(k * dim + a) * dim + c] = st->fit.value[k];
     }
-  }
-  for (PetscInt c = 0; st->kind == SURFACE_SMOOTH && c < dim; c++)
+    if (st->kind != SURFACE_SMOOTH) continue;
     MlsWeights(st, terms, width, system + c * terms * width + n + dim, st->normal_strain[c]);
+    DropDerivatives(st, st->normal_strain[c]);
+  }
   return PETSC_TRUE;
 }
 
@@ -149,6 +167,44 @@ static PetscBool HoldsSurface(const Stencil *st)
   return share * st->radius >= OUTERMOST && sum * st->radius <= STEEP ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/* Computes the row of a fit; returns PETSC_FALSE if the points do not determine it, or if the
+   particle is not held by its surface. */
+static PetscBool FittedRow(Stencil *st, PetscReal bulk, PetscReal w[])
+{
+  st->fit.wanted = 0; /* overwrites the basis of the fit */
+  return (st->dim == 2 ? SurfaceFit(st, 2, bulk, w) : SurfaceFit(st, 3, bulk, w)) &&
+                 HoldsSurface(st)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* Keeps of the pair forces of sides along which the fluid slides the normal force by the normal
+   velocity. */
+static void DropFriction(const Stencil *st, PetscReal w[])
+{
+  const PetscInt d = st->dim;
+
+  for (PetscInt k = 0; st->slips && k < st->n; k++) {
+    if (!st->wall[k] || BoundaryIs(st->scene, st->side[k], BOUNDARY_NO_SLIP)) continue;
+    for (PetscInt e = 0; e < d * d; e++)
+      w[k * d * d + e] *= PetscAbsReal(st->normal[e / d][k] * st->normal[e % d][k]);
+  }
+}
+
+/* Computes the row by pair forces with the factor of the particle alone, and without pressure on
+   the surface. */
+static PetscErrorCode PairRow(Stencil *st, PetscReal w[])
+{
+  const PetscReal own = Factor_PairwiseStress(st);
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < st->n; k++) st->factor[k] = own;
+  for (PetscInt c = 0; c < st->dim; c++) PetscCall(PetscArrayzero(st->normal_strain[c], st->n));
+  PetscCall(LaplacianRow_PairwiseStress(st, w));
+  DropFriction(st, w);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   LaplacianRow_SurfaceMls - Computes the divergence of the viscous stress by a fit of the velocity
   with zero tangential stress on free surfaces; couples velocity components
@@ -168,17 +224,15 @@ static PetscBool HoldsSurface(const Stencil *st)
 PetscErrorCode LaplacianRow_SurfaceMls(Stencil *st, PetscReal w[])
 {
   const PetscInt d = st->dim;
-  PetscReal      own;
 
   PetscFunctionBegin;
   if (st->kind == SURFACE_ROUGH || st->kind == SURFACE_ISOLATED) {
     PetscCall(LaplacianRow_PairwiseStress(st, w));
+    DropFriction(st, w);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (st->near_surface) {
-    st->fit.wanted = 0; /* overwrites the basis of the fit */
-    if ((st->dim == 2 ? SurfaceFit(st, 2, w) : SurfaceFit(st, 3, w)) && HoldsSurface(st))
-      PetscFunctionReturn(PETSC_SUCCESS);
+  if (st->near_surface || st->slips) {
+    if (FittedRow(st, 1.0, w)) PetscFunctionReturn(PETSC_SUCCESS);
   } else {
     PetscCall(LaplacianRow_Mls(st, st->fit.value));
     for (PetscInt e = 0; e < st->n * d * d; e++)
@@ -186,9 +240,28 @@ PetscErrorCode LaplacianRow_SurfaceMls(Stencil *st, PetscReal w[])
     if (st->fit.degree == st->degree) PetscFunctionReturn(PETSC_SUCCESS);
   }
   st->regularised++;
-  own = Factor_PairwiseStress(st);
-  for (PetscInt k = 0; k < st->n; k++) st->factor[k] = own;
-  for (PetscInt c = 0; c < d; c++) PetscCall(PetscArrayzero(st->normal_strain[c], st->n));
-  PetscCall(LaplacianRow_PairwiseStress(st, w));
+  PetscCall(PairRow(st, w));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  LaplacianRow_SurfaceStress - Computes lap u + 2 grad div u for a varying viscosity; couples
+  velocity components
+
+  Weights multiplied by the mean viscosities of pairs give div(2 nu E) + grad(nu div u), as those of
+  stress.c: docs/theory.md, (71). Rows are those of a fit of each component. If the particle or a
+  neighbour is on a free surface, the row has pair forces with the factor of the particle, whose
+  traction on the surface is zero, and the surface has no pressure: docs/theory.md, (187). A
+  condition in the fit would be that of the weighted differences nu_ik (u_k - u_i), whose gradient
+  is not the stress.
+*/
+PetscErrorCode LaplacianRow_SurfaceStress(Stencil *st, PetscReal w[])
+{
+  PetscFunctionBegin;
+  if (!st->beside_surface) {
+    if (FittedRow(st, 2.0, w)) PetscFunctionReturn(PETSC_SUCCESS);
+    st->regularised++;
+  }
+  PetscCall(PairRow(st, w));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -60,6 +60,7 @@ static void NeedVelocity(const Scene *scene, Operators *ops, VelocityOperators *
   of->visc.width = LaplacianWidth(&ops->forms.visc, scene->dim);
   of->visc.needed =
       ops->needs & NEED_VISCOSITY && !ops->forms.visc.row->composed ? PETSC_TRUE : PETSC_FALSE;
+  if (ops->forms.components_coupled && of != &ops->velocity[0]) of->visc.needed = PETSC_FALSE;
   of->filter_u.needed = ops->needs & NEED_FILTER_U ? PETSC_TRUE : PETSC_FALSE;
   for (PetscInt a = 0; a < scene->dim; a++)
     of->grad_u[a].needed = ops->needs & NEED_GRADIENT_U ? PETSC_TRUE : PETSC_FALSE;

@@ -9,8 +9,10 @@ PetscErrorCode            LaplacianRow_FatehiManzari(Stencil *stencil, PetscReal
 PetscErrorCode            LaplacianRow_Mls(Stencil *stencil, PetscReal w[]);
 PetscErrorCode            LaplacianRow_Mls3(Stencil *stencil, PetscReal w[]);
 PetscErrorCode            LaplacianRow_StressMls(Stencil *stencil, PetscReal w[]);
-extern const LaplacianRow LaplacianSurface;
+extern const LaplacianRow LaplacianSurface, LaplacianSurfaceStress;
 PetscErrorCode            LaplacianRow_SurfaceMls(Stencil *stencil, PetscReal w[]);
+PetscErrorCode            LaplacianRow_SurfaceStress(Stencil *stencil, PetscReal w[]);
+PetscBool                 LaplacianFitsSurface(const LaplacianForm *form);
 PetscErrorCode            LaplacianRow_PairwiseStress(Stencil *stencil, PetscReal w[]);
 PetscReal                 Factor_PairwiseStress(const Stencil *stencil);
 PetscErrorCode            LaplacianRow_Violeau(Stencil *stencil, PetscReal w[]);

@@ -46,17 +46,20 @@ static void FitBasis(PetscInt dim, const PetscReal s[], PetscReal phi[])
   }
 }
 
-/* Sets the planes of walls in which surface particles near particle i have images: none without
-   surface tension. */
+/* Sets the planes of walls in which surface particles near particle i have images: with surface
+   tension all, otherwise sides along which the fluid slides. */
 static void FindMirrors(const Scene *scene, const Particles *p, const FreeSurface *free, PetscInt i,
                         PetscReal R, Mirrors *mirrors)
 {
   PetscReal x[ISPH_MAX_DIM];
+  PetscInt  n;
 
   mirrors->n = 0;
-  if (free->tension == 0.0) return;
   for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
-  SceneWallPlanes(scene, x, R, mirrors->plane, &mirrors->n);
+  SceneWallPlanes(scene, x, R, mirrors->plane, &n);
+  for (PetscInt k = 0; k < n; k++)
+    if (free->tension > 0.0 || !BoundaryIs(scene, mirrors->plane[k].side, BOUNDARY_NO_SLIP))
+      mirrors->plane[mirrors->n++] = mirrors->plane[k];
   for (PetscInt k = 0; k < mirrors->n; k++) {
     mirrors->turn[k]          = mirrors->plane[k];
     mirrors->turn[k].distance = 0.0;

@@ -20,6 +20,12 @@ typedef struct {
                           without ends and corners is one piece with half a spacing at both ends */
 } Piece;
 
+/* Returns true if region k is a ball, whose border is a surface instead of an outline. */
+static PetscBool IsBall(const Scene *scene, PetscInt k)
+{
+  return scene->dim == 3 && scene->filled[k].ball ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /* Returns the distance of x from the nearest side of the box that confines the fluid and, if
    `bodies`, from the nearest body [m]. */
 static PetscReal WallGap(const Scene *scene, const PetscReal x[], PetscBool bodies)
@@ -101,7 +107,8 @@ PetscErrorCode BorderCreate(Pools *pools)
 {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < pools->scene->n_filled; k++)
-    if (!pools->lattice[pools->of[k]]) PetscCall(SampleRegion(k, pools));
+    if (!pools->lattice[pools->of[k]] && !IsBall(pools->scene, k))
+      PetscCall(SampleRegion(k, pools));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -111,6 +118,9 @@ PetscReal BorderDistance(const Pools *pools, const PetscReal x[])
 {
   PetscReal least = PETSC_INFINITY;
 
+  for (PetscInt k = 0; k < pools->scene->n_filled; k++)
+    if (IsBall(pools->scene, k))
+      least = PetscMin(least, PetscSqr(SceneFilledDistance(pools->scene, k, x)));
   for (PetscInt q = 0; q < pools->n_border; q++) {
     const BorderSample *s = &pools->border[q];
 
@@ -220,6 +230,30 @@ static PetscErrorCode AddPiece(const Pools *pools, const Piece *piece, Rows *row
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds the particles on the surface of a ball of radius R: N = 4 pi R^2/dx^2 on a spiral, a golden
+   section of a turn and the height 2 R/N apart (R. Swinbank, R. J. Purser, Q. J. R. Meteorol. Soc.
+   132 (2006) 1769-1793). */
+static PetscErrorCode AddBall(const Scene *scene, const Body *ball, Rows *rows)
+{
+  const PetscReal R = ball->extent, turn = PETSC_PI * (3.0 - PetscSqrtReal(5.0));
+  const PetscInt  N = (PetscInt)(4.0 * PETSC_PI * PetscSqr(R / scene->dx) + 0.5);
+  PetscMPIInt     rank, ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  for (PetscInt k = 0; k < N; k++, rows->N++) {
+    const PetscReal z = 1.0 - (2.0 * k + 1.0) / N, ring = PetscSqrtReal(1.0 - z * z);
+    const PetscReal x[] = {ball->centre[0] + R * ring * PetscCosReal(k * turn),
+                           ball->centre[1] + R * ring * PetscSinReal(k * turn), R * z};
+
+    if (rows->N % ranks != rank) continue;
+    PetscCall(RowsAdd(scene, x, rows));
+    rows->index[rows->n - 1] = rows->N;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   BorderParticles - Adds this rank's share of the particles on free borders of pools without lattice
 
@@ -239,5 +273,7 @@ PetscErrorCode BorderParticles(const Pools *pools, Rows *rows)
     if (SetEnds(pools, &piece)) PetscCall(AddPiece(pools, &piece, rows));
     piece.n = n;
   }
+  for (PetscInt k = 0; k < pools->scene->n_filled; k++)
+    if (IsBall(pools->scene, k)) PetscCall(AddBall(pools->scene, &pools->scene->filled[k], rows));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

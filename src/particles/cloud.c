@@ -69,26 +69,34 @@ static PetscErrorCode Arrange(const Scene *scene, const Surfaces *walls, Cloud *
   CloudFill - Creates the particles of a scene with isotropic grading, or of a scene whose fluid
   does not fill the box, at their first places
 
-  Collective. Input: p - empty particles, with all fields of this module registered.
+  Collective.
+
+  Input Parameters:
++ walls - placement of wall particles; with layers they are behind the sides of the box, otherwise on
+          all surfaces
+- p     - empty particles, with all fields of this module registered
 
   Output Parameters:
 + p     - the particles; ids are given to ordered particles, then to places, then to walls
 - cloud - numbers of ordered and other particles, and volume of the fluid
 */
-PetscErrorCode CloudFill(const Scene *scene, Particles *p, Cloud *cloud)
+PetscErrorCode CloudFill(const Scene *scene, WallPlacement walls, Particles *p, Cloud *cloud)
 {
-  Places   places = {0};
-  Surfaces walls  = {0};
-  Rows     rows   = {0};
+  Places   places   = {0};
+  Surfaces surfaces = {0};
+  Rows     rows     = {0};
+  PetscInt layered  = 0, wall[2];
 
   PetscFunctionBegin;
   PetscCall(PoolsCreate(scene, &cloud->pools));
-  if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(SurfacesCreate(scene, &walls));
-  PetscCall(Arrange(scene, &walls, cloud, &rows, &places));
+  if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(SurfacesCreate(scene, &surfaces));
+  PetscCall(Arrange(scene, &surfaces, cloud, &rows, &places));
   p->N_lattice = p->N_fluid = p->N_start[0] = cloud->ordered + places.N;
-  p->N_wall = p->N_start[1] = walls.N;
+  if (walls.layers) PetscCall(LatticeWallCount(scene, walls, &layered));
+  ParticlesShare(p->comm, layered, &wall[0], &wall[1]);
+  p->N_wall = p->N_start[1] = walls.layers ? layered : surfaces.N;
   p->n_fluid                = rows.n + places.n;
-  p->n_wall                 = walls.n;
+  p->n_wall                 = walls.layers ? wall[1] - wall[0] : surfaces.n;
   p->next_id                = (PetscInt64)p->N_fluid + p->N_wall;
   UserCheck(p->N_fluid > 0, "the bodies leave no room for fluid at dx = %.4g", (double)scene->dx);
   PetscCall(ParticlesReserve(p, ParticlesOwn(p)));
@@ -96,9 +104,11 @@ PetscErrorCode CloudFill(const Scene *scene, Particles *p, Cloud *cloud)
     FluidParticle(scene, &rows.x[i * p->dim], rows.index[i], p, i);
   for (PetscInt i = 0; i < places.n; i++)
     FluidParticle(scene, &places.x[i * p->dim], cloud->ordered + places.first + i, p, rows.n + i);
-  for (PetscInt k = 0; k < walls.n; k++) WallParticle(scene, &walls.point[k], p, p->n_fluid + k);
+  if (walls.layers) PetscCall(LatticeWalls(scene, walls, wall[0], wall[1], p, p->n_fluid));
+  for (PetscInt k = 0; k < surfaces.n && !walls.layers; k++)
+    WallParticle(scene, &surfaces.point[k], p, p->n_fluid + k);
   PetscCall(RowsDestroy(&rows));
-  PetscCall(SurfacesDestroy(&walls));
+  PetscCall(SurfacesDestroy(&surfaces));
   PetscCall(PlacesDestroy(&places));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

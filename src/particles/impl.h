@@ -29,6 +29,9 @@ PetscErrorCode SortIndices(PetscInt n, PetscInt list[]);
 PetscErrorCode ParticlesLargestMove(const Particles *p, PetscReal *const from[], PetscReal *move);
 
 /* lattice.c */
+PetscErrorCode LatticeWallCount(const Scene *scene, WallPlacement walls, PetscInt *count);
+PetscErrorCode LatticeWalls(const Scene *scene, WallPlacement walls, PetscInt first, PetscInt last,
+                            Particles *particles, PetscInt at);
 PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidStart *start,
                            Particles *p);
 
@@ -113,7 +116,7 @@ typedef struct {
   PetscReal volume;  /* of the fluid that fills the box [lattice cells] */
   Pools     pools;
 } Cloud;
-PetscErrorCode CloudFill(const Scene *scene, Particles *p, Cloud *cloud);
+PetscErrorCode CloudFill(const Scene *scene, WallPlacement walls, Particles *p, Cloud *cloud);
 PetscErrorCode CloudFinish(const Scene *scene, Cloud *cloud, Particles *p);
 
 /* relax.c */

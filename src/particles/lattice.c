@@ -369,6 +369,31 @@ static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* LatticeWallCount - Computes the number of wall particles at the sides of the box; not
+   collective */
+PetscErrorCode LatticeWallCount(const Scene *scene, WallPlacement walls, PetscInt *count)
+{
+  WallSlabs slabs;
+
+  PetscFunctionBegin;
+  PetscCall(WallSlabsCreate(scene, walls, &slabs));
+  *count = slabs.first[slabs.n];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* LatticeWalls - Creates wall particles [first, last) of the sides of the box at local indices from
+   `at` on; not collective. Their ids follow those of p->N_fluid fluid particles. */
+PetscErrorCode LatticeWalls(const Scene *scene, WallPlacement walls, PetscInt first, PetscInt last,
+                            Particles *p, PetscInt at)
+{
+  WallSlabs slabs;
+
+  PetscFunctionBegin;
+  PetscCall(WallSlabsCreate(scene, walls, &slabs));
+  for (PetscInt k = first; k < last; k++) WallParticle(scene, walls, &slabs, k, p, at++);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   LatticeFill - Creates the particles at the start of a run
 

@@ -54,12 +54,12 @@ static void SetViscosities(const Scene *scene, const FluidStart *start, Particle
 }
 
 /* Creates particles whose spacing is a function of place, or that do not fill the box. */
-static PetscErrorCode CreateCloud(const Scene *scene, Particles *p)
+static PetscErrorCode CreateCloud(const Scene *scene, WallPlacement walls, Particles *p)
 {
   Cloud cloud;
 
   PetscFunctionBegin;
-  PetscCall(CloudFill(scene, p, &cloud));
+  PetscCall(CloudFill(scene, walls, p, &cloud));
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
   if (cloud.relaxed) PetscCall(CloudRelax(scene, &cloud, p));
   PetscCall(CloudFinish(scene, &cloud, p));
@@ -117,7 +117,7 @@ PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscRea
   PetscCallMPI(MPI_Type_commit(&p->vector));
   PetscCall(RegisterOwnFields(scene, p));
 
-  if (scene->grading.on || (scene->n_filled && !start)) PetscCall(CreateCloud(scene, p));
+  if (scene->grading.on || (scene->n_filled && !start)) PetscCall(CreateCloud(scene, walls, p));
   else PetscCall(LatticeFill(scene, walls, start, p));
   SetViscosities(scene, start, p);
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));

@@ -69,7 +69,7 @@ static PetscReal PartInside(const Pools *pools, PetscInt pool, const PetscReal x
 
 /* Computes the volume of a pool, by the midpoint rule in the box around it; the sum is a whole
    number, so that it does not depend on the number of ranks. Bodies are prisms along the last axis
-   in 3D. */
+   in 3D; a ball is a pool of its own, inside the box. */
 static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *volume)
 {
   const Scene    *scene = pools->scene;
@@ -79,6 +79,11 @@ static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *v
   PetscInt64 sum = 0;
 
   PetscFunctionBegin;
+  for (PetscInt k = 0; k < scene->n_filled; k++) {
+    if (pools->of[k] != pool || scene->dim == 2 || !scene->filled[k].ball) continue;
+    *volume = 4.0 / 3.0 * PETSC_PI * PetscPowRealInt(scene->filled[k].extent, 3);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (PetscInt a = 0; a < 2; a++) {
     for (PetscInt k = 0; k < scene->n_filled; k++) {
       PetscReal span[2];
@@ -110,18 +115,26 @@ static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *v
   PoolsCreate - Finds the pools of a scene and their volumes
 
   Collective on PETSC_COMM_WORLD. Output: pools - none if the fluid fills the box; free with
-  PoolsDestroy().
+  PoolsDestroy(). Errors: refuses a jitter if no pool has a lattice.
 */
 PetscErrorCode PoolsCreate(const Scene *scene, Pools *pools)
 {
+  PetscBool lattices = PETSC_FALSE;
+
   PetscFunctionBegin;
   *pools = (Pools){.scene = scene};
   JoinRegions(scene, pools);
   for (PetscInt pool = 0; pool < pools->n; pool++) {
     PetscCall(PoolVolume(pools, pool, &pools->volume[pool]));
     pools->lattice[pool] = PoolHasLattice(pools, pool);
-    if (!pools->lattice[pool]) pools->relaxed = PETSC_TRUE;
+    if (pools->lattice[pool]) lattices = PETSC_TRUE;
+    else pools->relaxed = PETSC_TRUE;
   }
+  UserCheck(
+      scene->jitter == 0.0 || !pools->n || lattices,
+      "-jitter %.6g: it displaces lattices, which only regions bounded by lines along the axes "
+      "have; leave it out",
+      (double)scene->jitter);
   PetscCall(BorderCreate(pools));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -330,6 +330,7 @@ static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measure
   if (measured) PetscCall(ReportView(run->report, now - run->started, PETSC_VIEWER_STDOUT_WORLD));
   if (measured) PetscCall(ResolutionView(&run->flow, run->report, PETSC_VIEWER_STDOUT_WORLD));
   if (measured) PetscCall(VolumeView(run->report, PETSC_VIEWER_STDOUT_WORLD));
+  if (measured) PetscCall(EnergyView(&run->flow, PETSC_VIEWER_STDOUT_WORLD));
   PetscCall(RunTellFigures(run->flow.scheme));
   PetscCall(ReportWrite(&run->flow, run->report, now - run->started, status));
   PetscFunctionReturn(PETSC_SUCCESS);

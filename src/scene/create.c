@@ -14,6 +14,7 @@ enum {
   VISCOSITY,
   DENSITY,
   TENSION,
+  SURFACE_PRESSURE,
   BODY_FORCE,
   WITH,
   WITHOUT,
@@ -110,6 +111,16 @@ static const OptionRow options[] = {
             .kind     = VALUE_REAL,
             .brief    = "surface tension sigma",
             .unit     = "N/m",
+            .standard = "0",
+            NOT_NEGATIVE,
+            .where = "flows with a free surface",
+        },
+    [SURFACE_PRESSURE] =
+        {
+            .name     = "-surface_pressure",
+            .kind     = VALUE_REAL,
+            .brief    = "pressure outside free surfaces, such as that of the atmosphere",
+            .unit     = "Pa",
             .standard = "0",
             NOT_NEGATIVE,
             .where = "flows with a free surface",
@@ -268,15 +279,19 @@ static PetscErrorCode SceneReadFluid(Scene *scene)
   if (set) scene->nu = viscosity;
   PetscCall(OptionGetReal(&options[DENSITY], &scene->rho, NULL));
   PetscCall(OptionGetReal(&options[TENSION], &scene->tension, NULL));
+  PetscCall(OptionGetReal(&options[SURFACE_PRESSURE], &scene->outside, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a surface tension without a free surface. */
+/* Refuses surface tension and outer pressure without a free surface. */
 static PetscErrorCode RefuseTension(const Scene *scene)
 {
+  const OptionRow *row   = &options[scene->tension != 0.0 ? TENSION : SURFACE_PRESSURE];
+  const PetscReal  value = scene->tension != 0.0 ? scene->tension : scene->outside;
+
   PetscFunctionBegin;
-  UserCheck(scene->tension == 0.0 || SceneHasFreeSurface(scene),
-            "-surface_tension %.6g: case %s has no free surface here; %s", (double)scene->tension,
+  UserCheck(value == 0.0 || SceneHasFreeSurface(scene),
+            "%s %.6g: case %s has no free surface here; %s", row->name, (double)value,
             scene->problem->name,
             scene->problem->typed ? "give -scene_free or -scene_filled_1" : "allowed is 0");
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -342,6 +357,7 @@ PetscErrorCode SceneNameConstants(Scene *scene)
 . -reynolds, -viscosity   - Reynolds number, or kinematic viscosity [m^2/s]; not both
 . -density RHO            - density [kg/m^3]
 . -surface_tension SIGMA  - surface tension [N/m]
+. -surface_pressure p     - pressure outside free surfaces [Pa]
 . -body_force fx,fy,fz    - force per unit mass, replaces the force of the case; with -case scene
                             expressions of x, y, t [m/s^2]
 . -with, -without names   - physics added to the physics of the case, or removed from it

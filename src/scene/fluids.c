@@ -27,12 +27,16 @@ PetscReal SceneViscosityAt(const Scene *scene, const PetscReal x[])
   return nu;
 }
 
-/* Returns true if x lies in the fluid or on its boundary. */
+/* Returns true if x lies in the fluid at the start, or on its boundary or free surface. */
 static PetscBool IsInFluid(const Scene *scene, const PetscReal x[])
 {
   PetscInt side;
 
-  return SceneFluidDistance(scene, x, &side) >= 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  if (SceneFluidDistance(scene, x, &side) < 0.0) return PETSC_FALSE;
+  if (SceneDistanceTo(scene, BOUNDARY_FREE, x, &side) < 0.0) return PETSC_FALSE;
+  for (PetscInt k = 0; k < scene->n_filled; k++)
+    if (SceneFilledDistance(scene, k, x) >= 0.0) return PETSC_TRUE;
+  return scene->n_filled ? PETSC_FALSE : PETSC_TRUE;
 }
 
 /*
@@ -101,6 +105,10 @@ PetscErrorCode SceneBoundViscosity(Scene *scene)
       scene->nu_low  = PetscMin(scene->nu_low, nu);
       scene->nu_high = PetscMax(scene->nu_high, nu);
     }
+  }
+  if (scene->nu_high == 0.0) { /* no centre is in the fluid */
+    scene->nu_low  = scene->nu;
+    scene->nu_high = scene->nu;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

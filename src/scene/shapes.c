@@ -278,6 +278,28 @@ void BodyCircle(Body *body, PetscReal x, PetscReal y, PetscReal r)
   (void)BodySet(body, &shapes[0], 3, number);
 }
 
+/* BodyBall - Sets a body to a circle about (x, y), which in 3D is a ball about (x, y, 0), in a box
+   without periodic sides [m]; not collective */
+void BodyBall(Body *body, PetscReal x, PetscReal y, PetscReal r)
+{
+  BodyCircle(body, x, y, r);
+  body->ball = PETSC_TRUE;
+}
+
+/* Returns the distance from the surface of a ball in 3D, and its outward normal. */
+static PetscReal BallDistance(const Body *body, const PetscReal x[], PetscReal normal[])
+{
+  PetscReal r = 0.0;
+
+  for (PetscInt a = 0; a < 3; a++) {
+    normal[a] = x[a] - (a < 2 ? body->centre[a] : 0.0);
+    r += PetscSqr(normal[a]);
+  }
+  r = PetscSqrtReal(r);
+  for (PetscInt a = 0; a < 3; a++) normal[a] = r > 0.0 ? normal[a] / r : a == 0;
+  return r - body->extent;
+}
+
 /* BodySpan - Computes the least and largest coordinate of a body along an axis of the plane [m] */
 void BodySpan(const Body *body, PetscInt axis, PetscReal span[2])
 {
@@ -380,15 +402,17 @@ void BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscRea
 /*
   BodyDistance - Returns the distance from the surface of a body, positive in the fluid [m]
 
-  Not collective. In a periodic box the nearest image of the body is used. Output: normal - into the
-  fluid, at the surface point nearest to x.
+  Not collective. In a periodic box the nearest image of the body is used, but not of a ball.
+  Output: normal - into the fluid, at the surface point nearest to x.
 */
 PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
                        PetscReal normal[])
 {
-  PetscReal       y[2];
-  const PetscReal distance = NearestImage(scene, body, x, y, normal);
+  PetscReal y[2];
+  PetscReal distance;
 
+  if (body->ball && scene->dim == 3) return BallDistance(body, x, normal);
+  distance = NearestImage(scene, body, x, y, normal);
   if (!body->around) return distance;
   for (PetscInt a = 0; a < 2; a++) normal[a] = -normal[a];
   return -distance;

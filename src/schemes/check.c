@@ -155,21 +155,26 @@ PetscErrorCode FlowMeasureStart(Flow *flow)
   rate at which walls at rest slow the flow (SceneDecayRate()). All terms except the last follow
   from the energy balance, for steps of any length. The last term is SceneWallSpeedBound(). The
   speed stays below it in all flows with a known solution; a cavity reaches a third of it. See
-  docs/theory.md, (115).
+  docs/theory.md, (115). Moving fluids with a free surface have EnergyBound() instead. Input: before
+  - |u| at the start of the step.
 */
-static PetscReal BoundSpeed(Flow *flow)
+static PetscErrorCode BoundSpeed(Flow *flow, PetscReal before, PetscReal *bound)
 {
   const PetscReal rate = SceneDecayRate(flow->scene);
   SpeedBound     *b    = &flow->scheme->bound;
   PetscReal       forced;
 
+  PetscFunctionBegin;
   if (b->force_step > 0.0)
     b->impulse += flow->clock->steady_solve ? PETSC_INFINITY : b->force_step * flow->clock->dt;
   b->force      = PetscMax(b->force, b->force_step);
   b->force_step = 0.0;
   forced        = b->impulse;
   if (rate > 0.0) forced = PetscMin(forced, b->force / rate);
-  return 1.05 * (b->start + forced + b->walls) + 1e-6 * flow->scene->speed;
+  *bound = b->start + forced + b->walls;
+  if (flow->ops->free && SceneMoves(flow->scene)) PetscCall(EnergyBound(flow, before, bound));
+  *bound = 1.05 * *bound + 1e-6 * flow->scene->speed;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Fails the step because the velocity exceeds its bound. */
@@ -204,16 +209,17 @@ static PetscErrorCode FailSpeed(Flow *flow, PetscReal rms, PetscReal bound)
 */
 PetscErrorCode FlowCheck(Flow *flow)
 {
-  const Clock *clock = flow->clock;
-  Scheme      *s     = flow->scheme;
-  PetscReal    bound, rms;
+  const Clock    *clock  = flow->clock;
+  const PetscReal before = FlowRmsSpeed(flow);
+  Scheme         *s      = flow->scheme;
+  PetscReal       bound, rms;
 
   PetscFunctionBegin;
   PetscCall(
       WallValuesSetVelocity(flow->scene, flow->particles, clock->t + clock->dt, 0.0, &flow->walls));
   PetscCall(MeasureFlow(flow, flow->state->u_next));
-  bound = BoundSpeed(flow);
-  rms   = FlowRmsSpeed(flow);
+  PetscCall(BoundSpeed(flow, before, &bound));
+  rms = FlowRmsSpeed(flow);
   if (!(rms <= bound) || s->stats.speed_max >= 100.0 * flow->scene->speed) {
     PetscCall(FailSpeed(flow, rms, bound));
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -244,6 +250,7 @@ PetscErrorCode FlowRemember(Flow *flow)
   PetscCall(MemoryAddReal(memory, "bound_force", &bound->force));
   PetscCall(MemoryAddReal(memory, "bound_force_step", &bound->force_step));
   PetscCall(MemoryAddReal(memory, "bound_walls", &bound->walls));
+  PetscCall(EnergyRemember(flow->scene, flow->scheme));
   PetscCall(SteadyRemember(flow->scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

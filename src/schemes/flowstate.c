@@ -162,7 +162,7 @@ PetscErrorCode FlowStateRegister(Flow *flow)
     PetscCall(ParticlesRegister(p, "convection", scene->dim, HALO_NONE, ENTRY_MEAN, s->convection));
   PetscCall(AverageRegister(flow));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM] = {0.0}, pressure = 0.0;
+    PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM] = {0.0}, pressure = scene->outside;
 
     for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
     if (p->velocity_given) {

@@ -222,7 +222,8 @@ static PetscErrorCode CheckMove(Flow *flow, PetscReal moved)
 
 /* Displaces all own fluid particles and changes their fields; moved: largest displacement by the
    flow [dx_i], or [edges of the cell]. */
-static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscReal *moved)
+static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscReal *moved,
+                                        PetscReal *work)
 {
   const Scene    *scene    = flow->scene;
   const Clock    *clock    = flow->clock;
@@ -234,9 +235,10 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   PetscReal       moved2   = 0.0;
 
   PetscFunctionBegin;
+  *work = 0.0;
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal       shift[ISPH_MAX_DIM] = {0.0}, change[ISPH_MAX_DIM] = {0.0}, d2 = 0.0;
-    PetscReal       flown[ISPH_MAX_DIM], x[ISPH_MAX_DIM], pushed[ISPH_MAX_DIM];
+    PetscReal       flown[ISPH_MAX_DIM], x[ISPH_MAX_DIM], pushed[ISPH_MAX_DIM], path[ISPH_MAX_DIM];
     const PetscBool on_surface = FreeSurfaceHolds(flow->ops->free, i);
 
     if (shifting) ShiftParticle(flow, slopes, i, shift);
@@ -254,9 +256,11 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     if (SceneIsMapped(scene)) GradedKeepOffSides(scene, CLEARANCE, x);
     else SceneKeepOffWalls(scene, CLEARANCE * p->dx[i], x);
     for (PetscInt a = 0; a < scene->dim; a++) {
-      pushed[a] = x[a] - p->x[a][i] - flown[a] - shift[a];
+      path[a]   = x[a] - p->x[a][i];
+      pushed[a] = path[a] - flown[a] - shift[a];
       if (!on_surface) shift[a] += pushed[a];
     }
+    *work += EnergyWork(flow, i, path);
     if (shifting) FollowShift(scene, slopes, i, shift, change);
     for (PetscInt a = 0; on_surface && a < scene->dim; a++) change[a] += pushed[a] / clock->dt;
     if (state->budget) BudgetCarry(state->budget, scene->dim, CARRIED_CLEARANCE, i, change);
@@ -298,14 +302,15 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
 PetscErrorCode FlowMove(Flow *flow)
 {
   const PetscLogEvent *event = flow->state->event;
-  PetscReal            moved;
+  PetscReal            moved, work;
   PetscBool            started;
   Slopes               slopes;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(event[FLOW_EVENT_MOVE], 0, 0, 0, 0));
   PetscCall(SlopesGet(flow, flow->state->shift->Displace ? PETSC_TRUE : PETSC_FALSE, &slopes));
-  PetscCall(DisplaceParticles(flow, &slopes, &moved));
+  PetscCall(DisplaceParticles(flow, &slopes, &moved, &work));
+  PetscCall(EnergyAddWork(flow, work));
   PetscCall(SlopesRestore(flow, &slopes));
   if (flow->clock->adapt->retries) PetscCall(CheckMove(flow, moved));
   PetscCall(PetscLogEventEnd(event[FLOW_EVENT_MOVE], 0, 0, 0, 0));

@@ -56,22 +56,19 @@ static PetscErrorCode DefaultScheme(const Flow *flow, const char **name)
   PetscCall(FlowLimit(flow, &limit));
   if (clock->dt_given > 0.0) limit.dt = clock->dt_given;
   else if (SceneMoves(flow->scene)) limit.dt *= 0.1;
-  if (limit.dt > ProjectionFreeLimit(flow->scene) || clock->steady_solve) *name = "coupled";
+  if (limit.dt > SurfaceStep(flow->scene) || clock->steady_solve) *name = "coupled";
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Refuses what flows with a free surface exclude. */
 static PetscErrorCode RefuseSurface(const Flow *flow)
 {
-  const Scene       *scene = flow->scene;
-  const BoundaryRow *slip  = SceneSlipKind(scene);
+  const Scene *scene = flow->scene;
 
   PetscFunctionBegin;
   if (!SceneHasFreeSurface(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   UserCheck(SceneHas(scene, PHYSICS_PRESSURE),
             "-without pressure: a fluid with a free surface needs it");
-  UserCheck(!slip, "%s: with a free surface the other sides are walls, periodic or free",
-            slip->option.name);
   UserCheck(
       !flow->state->has_convection,
       "-motion eulerian: a free surface moves with its particles; use lagrangian, or -without "

@@ -13,10 +13,12 @@ static const char *const Linear[]  = {"visc",
                                       NULL};
 static const char *const Solvers[] = {"visc", "ppe", "coupled", NULL};
 static const char *const Times[]   = {"visc", "coupled", NULL};
+static const char *const Steps[]   = {"visc", "coupled", "wcsph", NULL};
 
 /* clang-format off */
 #define LINEAR(word)    .name = "-<solve>_" word, .kind = VALUE_SOLVER, .places = Linear
 #define NONLINEAR(word) .name = "-<integrator>_" word, .kind = VALUE_SOLVER, .places = Times
+#define STEPS(word)     .name = "-<integrator>_" word, .kind = VALUE_SOLVER, .places = Steps
 #define MONITOR(option, words) .name = option, .kind = VALUE_MONITOR, .places = words
 /* clang-format on */
 
@@ -196,12 +198,12 @@ static const OptionRow options[] = {
         .where = "-scheme coupled with -coupled_pc_type fieldsplit",
     },
     {
-        NONLINEAR("ts_rtol"),
+        STEPS("ts_rtol"),
         .brief = "relative error allowed in a substep, for integrators that take substeps",
         .unit  = "-",
     },
     {
-        NONLINEAR("ts_adapt_type"),
+        STEPS("ts_adapt_type"),
         .brief = "control of substeps",
     },
     {
@@ -223,19 +225,19 @@ static const OptionRow options[] = {
         .brief = "Rosenbrock-W method",
     },
     {
-        NONLINEAR("ts_rk_type"),
+        STEPS("ts_rk_type"),
         .brief = "Runge-Kutta method",
     },
     {
-        NONLINEAR("ts_ssp_type"),
+        STEPS("ts_ssp_type"),
         .brief = "strong-stability-preserving method",
     },
     {
-        NONLINEAR("ts_monitor"),
+        STEPS("ts_monitor"),
         .brief = "print each substep",
     },
     {
-        NONLINEAR("ts_view"),
+        STEPS("ts_view"),
         .brief = "print the integrator at the end of the run",
     },
     {

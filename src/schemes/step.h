@@ -33,6 +33,7 @@ PetscErrorCode MomentumRestore(Flow *flow, const PetscReal mean[]);
 
 /* limits.c */
 PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit);
+PetscReal      SurfaceStep(const Scene *scene);
 PetscReal      ProjectionFreeLimit(const Scene *scene);
 
 /* forces.c */
@@ -61,6 +62,12 @@ PetscErrorCode FlowDivergence(Flow *flow, const Vec u[], Vec div);
 PetscErrorCode FlowMeasureStart(Flow *flow);
 PetscErrorCode FlowCheck(Flow *flow);
 PetscErrorCode FlowRemember(Flow *flow);
+
+/* energy.c */
+PetscReal      EnergyWork(const Flow *flow, PetscInt i, const PetscReal path[]);
+PetscErrorCode EnergyAddWork(Flow *flow, PetscReal work);
+PetscErrorCode EnergyBound(Flow *flow, PetscReal before, PetscReal *bound);
+PetscErrorCode EnergyRemember(const Scene *scene, Scheme *scheme);
 
 /* steady.c */
 PetscReal      FlowRmsSpeed(const Flow *flow);

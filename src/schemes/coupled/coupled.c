@@ -55,7 +55,6 @@ const OptionTable CoupledOptions = OPTIONS("Coupled scheme", options);
 /* Refuses forms for which the coupled scheme has no solver. */
 static PetscErrorCode RefuseForms(const Flow *flow)
 {
-  const Scene         *scene = flow->scene;
   const OperatorForms *forms = &flow->ops->forms;
 
   PetscFunctionBegin;
@@ -69,13 +68,9 @@ static PetscErrorCode RefuseForms(const Flow *flow)
             "no solver for it; use a form that is safe_implicit or dissipates in -catalogue",
             forms->visc.row->name);
   UserCheck(!flow->clock->steady_solve || LaplacianIs(&forms->visc, FORM_SAFE_IMPLICIT),
-            "-steady: -visc_laplacian %s hardly acts on grid modes, and without du/dt nothing else "
-            "determines them; use a form that is safe_implicit in -catalogue",
+            "-steady: without du/dt -visc_laplacian %s leaves grid modes or constants wrong; use a "
+            "form that is safe_implicit in -catalogue",
             forms->visc.row->name);
-  UserCheck(!SceneViscosityVaries(scene),
-            "-scheme coupled: it needs a uniform viscosity, which excludes %s; use -scheme "
-            "projection",
-            SceneIsNewtonian(scene) ? "fluids of different viscosity" : "-rheology");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -109,6 +104,10 @@ static PetscErrorCode RefuseHistory(const Flow *flow, const CoupledIntegratorRow
       !SceneMoves(flow->scene) || !row->substeps,
       "-coupled_ts_type %s: its substeps need fixed particles; use beuler, or -motion eulerian",
       row->name);
+  UserCheck(SceneIsNewtonian(flow->scene) || !row->substeps,
+            "-coupled_ts_type %s: a viscosity that follows the strain rate needs iterations in "
+            "each step, and substeps have none; use beuler",
+            row->name);
   if (!steady && !row->substeps) PetscFunctionReturn(PETSC_SUCCESS);
   if (flow->scene->motion) {
     PetscCall(OptionGiven("-velocity_filter", &filter));
@@ -145,7 +144,7 @@ static PetscErrorCode CoupledCreate(Flow *flow)
             "here; add -with %s, or use -scheme projection",
             scene->problem->name, viscous ? "pressure" : "viscosity",
             viscous ? "pressure" : "viscosity");
-  UserCheck(!SceneSlipKind(scene),
+  UserCheck(!SceneSlipKind(scene) || SceneHasFreeSurface(scene),
             "-scheme coupled: it has one operator for all velocity components, and %s wants one "
             "for each; use -scheme projection",
             SceneSlipKind(scene)->option.name);

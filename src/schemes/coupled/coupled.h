@@ -1,7 +1,8 @@
 /*
   The coupled scheme, which solves for velocity and pressure together. coupled.c has its row and
   options, solver.c the solver, terms.c its terms, saddle.c its matrix, surface.c the pressures of
-  free surfaces in it, schur.c the Schur complement, step.c the step.
+  free surfaces in it, schur.c the Schur complement, rheology.c viscosities that follow the strain
+  rate, step.c the step.
 */
 #ifndef ISPH_SCHEMES_COUPLED_H
 #define ISPH_SCHEMES_COUPLED_H
@@ -73,6 +74,19 @@ typedef struct {
   PetscBool  convects;  /* stages apply convection themselves */
   const Vec *advecting; /* v of implicit convection; NULL: none [m/s] */
 } Coupled;
+
+/* Viscosities of the iteration for a rheology, see rheology.c; arrays of own fluid particles. */
+typedef struct {
+  PetscInt   n, iterations; /* particles; calls of CoupledFollowStrain() */
+  PetscReal *given;         /* log nu_m of the last matrix [nu in m^2/s] */
+  PetscReal *followed;      /* log nu of the velocity before it [nu in m^2/s] */
+  PetscReal *residual;      /* f_{m-1} [-] */
+} ViscosityMix;
+
+/* rheology.c */
+PetscErrorCode CoupledMixBegin(PetscInt n, ViscosityMix *mix);
+PetscErrorCode CoupledMixEnd(ViscosityMix *mix);
+PetscErrorCode CoupledFollowStrain(Flow *flow, const Vec u[], ViscosityMix *mix);
 
 /* solver.c */
 PetscErrorCode CoupledSolverCreate(Flow *flow, Coupled *coupled);

@@ -1,14 +1,14 @@
 /*
   The matrix of the coupled system, scaled so that all entries are of order 1 and residuals of
   momentum and of mass have equal size. The unknowns are the velocity u and the scaled pressure q.
-  With p_i = rho dx_i/T_i q_i and 1/T_i = 1/(4 dt) + nu/dx_i^2 (steady: nu/dx_i^2), for particles of
-  equal size:
+  With p_i = rho dx_i/T_i q_i and 1/T_i = 1/(4 dt) + nu_i/dx_i^2 (steady: nu_i/dx_i^2), for
+  particles of equal size and viscosity:
 
     [ T (shift - nu L)   dx G          ] [u]   [T f]
     [ dx D               C + c c^T     ] [q] = [g  ]
 
-  For several sizes the rows of momentum are multiplied by T_i and the rows of mass by dx_i, and
-  T_i/(rho dx_i) C p replaces C q: docs/theory.md, (122).
+  For several sizes or viscosities the rows of momentum are multiplied by T_i and the rows of mass
+  by dx_i, and T_i/(rho dx_i) C p replaces C q: docs/theory.md, (122).
 
   L, G and D are the operators of viscosity, gradient and divergence; L couples velocity components
   if its form does. shift is the factor of u in du/dt; f and g contain forces and wall data. G is
@@ -33,16 +33,16 @@ typedef struct {
 
 /*
   SaddleTime - Returns T, the time in which momentum changes a velocity on the scale of the grid:
-  1/T = 1/(4 dt) + nu/dx^2, steady 1/T = nu/dx^2 [s]
+  1/T = 1/(4 dt) + nu/dx^2, steady 1/T = nu/dx^2 [s]; nu: viscosity [m^2/s]
 
   Not collective. The factor 1/4 gives the block C equal weight against inertia and viscosity. Of
   the factors 1, 1/3, 1/6, 1/12 and 1/24 the values near 1/4 take the fewest iterations; the error
   of moving vortices at Re = 100 is half the error with the factor 1. dt is rounded to eighths of a
   power of two, so that steps that differ by rounding share their matrices.
 */
-PetscReal SaddleTime(const Scene *scene, const Clock *clock, PetscReal dx)
+PetscReal SaddleTime(PetscReal nu, const Clock *clock, PetscReal dx)
 {
-  const PetscReal diffusion = scene->nu / PetscSqr(dx);
+  const PetscReal diffusion = nu / PetscSqr(dx);
   PetscReal       dt;
   int             exponent;
 
@@ -56,23 +56,30 @@ static PetscErrorCode SetUnits(const Flow *flow, Saddle *s)
 {
   const Scene     *scene = flow->scene;
   const Particles *p     = flow->particles;
-  PetscScalar     *time, *length, *mass;
+  PetscScalar     *time, *length, *mass, *viscosity;
 
   PetscFunctionBegin;
-  s->step = SaddleTime(scene, flow->clock, scene->dx);
-  s->unit = scene->rho * scene->dx / s->step;
+  s->step    = SaddleTime(scene->nu, flow->clock, scene->dx);
+  s->unit    = scene->rho * scene->dx / s->step;
+  s->outside = scene->outside;
   PetscCall(FluidVec(p, NULL, &s->time));
   PetscCall(FluidVec(p, NULL, &s->length));
   PetscCall(FluidVec(p, NULL, &s->mass));
+  PetscCall(FluidVec(p, NULL, &s->viscosity));
+  PetscCall(VecGetArrayWrite(s->viscosity, &viscosity));
   PetscCall(VecGetArrayWrite(s->mass, &mass));
   PetscCall(VecGetArrayWrite(s->time, &time));
   PetscCall(VecGetArrayWrite(s->length, &length));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    time[i]   = SaddleTime(scene, flow->clock, p->dx[i]) / s->step;
+    const PetscReal nu = p->nu ? p->nu[i] : scene->nu;
+
+    viscosity[i] = nu / scene->nu;
+    time[i]      = SaddleTime(nu, flow->clock, p->dx[i]) / s->step;
     length[i] = mass[i] = p->dx[i] / scene->dx;
     if (FreeSurfaceHolds(flow->ops->free, i))
-      mass[i] = -scene->nu * time[i] * s->step / (p->dx[i] * scene->dx);
+      mass[i] = -nu * time[i] * s->step / (p->dx[i] * scene->dx);
   }
+  PetscCall(VecRestoreArrayWrite(s->viscosity, &viscosity));
   PetscCall(VecRestoreArrayWrite(s->mass, &mass));
   PetscCall(VecRestoreArrayWrite(s->length, &length));
   PetscCall(VecRestoreArrayWrite(s->time, &time));
@@ -312,6 +319,7 @@ PetscErrorCode SaddleFree(Saddle *s)
   PetscCall(VecDestroy(&s->time));
   PetscCall(VecDestroy(&s->length));
   PetscCall(VecDestroy(&s->mass));
+  PetscCall(VecDestroy(&s->viscosity));
   PetscCall(VecDestroy(&s->pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -342,8 +350,8 @@ PetscErrorCode SaddleFlatten(Mat nest, Mat *flat)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddlePut - Sets x = (u, q), or (u, q - Z u) on free surfaces; p_i is q_i times the unit of
-   pressures; collective */
+/* SaddlePut - Sets x = (u, q), or (u, q - Z u) on free surfaces; p_i less the pressure outside them
+   is q_i times the unit of pressures; collective */
 PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
 {
   const PetscScalar *from, *unit;
@@ -359,7 +367,8 @@ PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
   }
   PetscCall(VecGetArrayRead(p, &from));
   PetscCall(VecGetArrayRead(s->pressure, &unit));
-  for (PetscInt i = 0; i < s->n; i++) to[s->dim * s->n + i] = from[i] / s->unit / unit[i];
+  for (PetscInt i = 0; i < s->n; i++)
+    to[s->dim * s->n + i] = (from[i] - s->outside) / s->unit / unit[i];
   PetscCall(VecRestoreArrayRead(s->pressure, &unit));
   PetscCall(VecRestoreArrayRead(p, &from));
   PetscCall(VecRestoreArray(x, &to));
@@ -394,7 +403,7 @@ PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
     PetscCall(VecGetArray(p, &to));
     PetscCall(VecGetArrayRead(s->pressure, &unit));
     for (PetscInt i = 0; i < s->n; i++)
-      to[i] = (from[s->dim * s->n + i] + (z ? z[i] : 0.0)) * s->unit * unit[i];
+      to[i] = s->outside + (from[s->dim * s->n + i] + (z ? z[i] : 0.0)) * s->unit * unit[i];
     PetscCall(VecRestoreArrayRead(s->pressure, &unit));
     PetscCall(VecRestoreArray(p, &to));
   }

@@ -13,8 +13,10 @@ typedef struct {
   PetscBool adjoint;    /* G is minus the transposed D; chosen before the assembly */
   PetscReal step;       /* T of the reference spacing, factor of the momentum equation [s] */
   PetscReal unit;       /* rho dx/T of the reference spacing, unit of pressures [Pa s/m] */
+  PetscReal outside;    /* pressure outside free surfaces, whose unknown is zero [Pa] */
   Vec       time;       /* T_i/T of each particle [-] */
   Vec       length;     /* dx_i/dx of each particle [-] */
+  Vec       viscosity;  /* nu_i/nu of each particle [-] */
   Vec       mass;       /* factor of the rows of div over dx: as `length`, on free surfaces of the
                            equation of the pressure there [-] */
   Vec       pressure;   /* unit of the pressure of each particle over `unit` [-] */
@@ -28,7 +30,7 @@ typedef struct {
   PetscInt  assemblies; /* stamp of the operators in the blocks */
 } Saddle;
 
-PetscReal      SaddleTime(const Scene *scene, const Clock *clock, PetscReal dx);
+PetscReal      SaddleTime(PetscReal nu, const Clock *clock, PetscReal dx);
 PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], MatType type,
                               Saddle *saddle);
 PetscErrorCode SaddleSetShift(const Particles *particles, PetscReal shift, Saddle *saddle);

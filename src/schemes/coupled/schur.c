@@ -45,7 +45,7 @@ static PetscErrorCode SetSurface(const Schur *s, Vec x, Vec y)
 /*
   SchurApply_CahouetChabard - Applies S^-1 for any step:
 
-    y_i = T_i/dx_i (nu x_i/dx_i + shift (A^-1 z)_i),   z_j = dx_j x_j
+    y_i = T_i/dx_i (nu_i x_i/dx_i + shift (A^-1 z)_i),   z_j = dx_j x_j
 
   Unless a boundary gives the pressure, the matrix A is -dx_i^2 lap + 1e-6, because the Poisson
   equation alone is singular. The mean of z and the mean of the solution are then removed. The left
@@ -69,6 +69,7 @@ static PetscErrorCode SchurApply_CahouetChabard(Schur *s, Vec x, Vec y)
   PetscCall(GaugeRemove(s->scene, s->particles, y));
   PetscCall(VecScale(y, s->inert));
   PetscCall(VecPointwiseDivide(s->work, x, s->saddle->length));
+  PetscCall(VecPointwiseMult(s->work, s->work, s->saddle->viscosity));
   PetscCall(VecAXPY(y, s->viscous, s->work));
   PetscCall(VecPointwiseDivide(y, y, s->saddle->pressure));
   PetscCall(SetSurface(s, x, y));

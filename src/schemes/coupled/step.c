@@ -1,12 +1,16 @@
 /*
-  The coupled step: a solve for velocity and pressure together, either in time, or steady with
-  Picard iterations for convection. In the first step in time with substeps, a backward Euler step
-  makes the velocity solenoidal before the substeps begin.
+  The coupled step: a solve for velocity and pressure together, either in time or steady, with
+  iterations for steady convection and for viscosities that follow the strain rate. In the first
+  step in time with substeps, a backward Euler step makes the velocity solenoidal before the
+  substeps begin.
 */
 #include "coupled.h"
 
-#define PICARD_MOST   50   /* largest number of iterations of a steady flow */
-#define PICARD_CHANGE 1e-6 /* relative change of u in the last iteration */
+#define PICARD_MOST   50  /* largest number of iterations of steady convection */
+#define RHEOLOGY_MOST 200 /* largest number of iterations with a rheology */
+#define PICARD_CHANGE                                                                              \
+  1e-6 /* change of u in the last iteration, relative to |u|, or to |u| + U in
+                              time */
 
 /* Solves the linear system, starting from the present unknowns. */
 static PetscErrorCode SolveLinear(Vec b, Coupled *c, StepFailure *failure)
@@ -21,25 +25,22 @@ static PetscErrorCode SolveLinear(Vec b, Coupled *c, StepFailure *failure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Makes a backward Euler step from t over h, after which the velocity is solenoidal and agrees with
-  the wall velocity. The velocity at the start of a run need not, and an integrator with error
-  control would never accept a step from it.
-*/
-static PetscErrorCode StartConsistently(PetscReal t, PetscReal h, Coupled *c, StepFailure *failure)
+/* Makes a backward Euler step to t over h from the velocity `start`, with the present unknowns as
+   guess. */
+static PetscErrorCode StepEuler(PetscReal t, PetscReal h, const Vec start[], Coupled *c,
+                                StepFailure *failure)
 {
   const PetscReal T = c->saddle.step;
   Vec             b;
 
   PetscFunctionBegin;
   PetscCall(CoupledSetShift(1.0 / h, c));
-  PetscCall(CoupledRightHandSide(c, t + h));
+  PetscCall(CoupledRightHandSide(c, t));
   PetscCall(VecDuplicate(c->b, &b));
   PetscCall(VecCopy(c->b, b));
   if (c->convects) PetscCall(CoupledAddConvection(c, c->x, -T, b));
-  PetscCall(SaddleGet(&c->saddle, c->x, c->u, NULL));
   for (PetscInt a = 0; a < c->saddle.dim; a++)
-    PetscCall(SaddleAdd(&c->saddle, a, T / h, c->u[a], b));
+    PetscCall(SaddleAdd(&c->saddle, a, T / h, start[a], b));
   PetscCall(SolveLinear(b, c, failure));
   PetscCall(VecDestroy(&b));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -48,7 +49,9 @@ static PetscErrorCode StartConsistently(PetscReal t, PetscReal h, Coupled *c, St
 /*
   Advances from t over dt: by a single step of the TS, or by substeps with error control if the row
   of the integrator has them. The first substep has the length of the last substep of the step
-  before. In the first step of a run, StartConsistently() advances over dt/100 before the substeps.
+  before. In the first step of a run, a backward Euler step advances over dt/100 before the
+  substeps: the velocity at the start need not be solenoidal and agree with the wall velocity, and
+  an integrator with error control would never accept a step from it.
 */
 static PetscErrorCode AdvanceInTime(PetscReal t, PetscReal dt, Coupled *c, StepFailure *failure)
 {
@@ -57,7 +60,8 @@ static PetscErrorCode AdvanceInTime(PetscReal t, PetscReal dt, Coupled *c, StepF
   PetscFunctionBegin;
   if (c->row->substeps && c->substep == 0.0) {
     h = started = 0.01 * dt;
-    PetscCall(StartConsistently(t, started, c, failure));
+    PetscCall(SaddleGet(&c->saddle, c->x, c->u, NULL));
+    PetscCall(StepEuler(t + started, started, c->u, c, failure));
   } else if (c->row->substeps) {
     h = PetscMin(c->substep, dt);
   }
@@ -71,54 +75,89 @@ static PetscErrorCode AdvanceInTime(PetscReal t, PetscReal dt, Coupled *c, StepF
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes |u - v|/|u| over all components. */
-static PetscErrorCode RelativeChange(PetscInt dim, const Vec u[], const Vec v[], Vec work,
-                                     PetscReal *change)
+/* Computes |u - v|/(|u| + U) over all components, with the root mean square |u|. Input: speed - U
+   [m/s]. */
+static PetscErrorCode RelativeChange(PetscInt dim, PetscReal speed, const Vec u[], const Vec v[],
+                                     Vec work, PetscReal *change)
 {
   PetscReal sum = 0.0, all = 0.0, part;
+  PetscInt  n;
 
   PetscFunctionBegin;
+  PetscCall(VecGetSize(work, &n));
   for (PetscInt a = 0; a < dim; a++) {
     PetscCall(VecWAXPY(work, -1.0, v[a], u[a]));
     PetscCall(VecNorm(work, NORM_2, &part));
-    sum += PetscSqr(part);
+    sum += PetscSqr(part) / n;
     PetscCall(VecNorm(u[a], NORM_2, &part));
-    all += PetscSqr(part);
+    all += PetscSqr(part) / n;
   }
-  *change = all > 0.0 ? PetscSqrtReal(sum / all) : 0.0;
+  all     = PetscSqrtReal(all) + speed;
+  *change = all > 0.0 ? PetscSqrtReal(sum) / all : 0.0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Solves for a steady flow with convection (v.grad) u by Picard's iteration. In each iteration v is
-  the velocity u of the iteration before. The last iteration changes u by at most the share
-  PICARD_CHANGE.
-
-  Reference: H. C. Elman, D. J. Silvester, A. J. Wathen, Finite Elements and Fast Iterative Solvers
-  (2014), ch. 8
-*/
-static PetscErrorCode IteratePicard(Vec u[], Vec pressure, Vec advecting[], Coupled *c,
-                                    StepFailure *failure)
+/* Fails a step whose iteration did not converge. */
+static void FailIteration(const Flow *flow, PetscReal change, const Coupled *c,
+                          StepFailure *failure)
 {
-  const Clock *clock  = c->flow->clock;
-  PetscReal    change = PETSC_INFINITY;
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < PICARD_MOST && change > PICARD_CHANGE && !failure->code; k++) {
-    PetscCall(SaddleGet(&c->saddle, c->x, advecting, pressure));
-    PetscCall(CoupledAssemble(0.0, advecting, c));
-    PetscCall(SaddlePut(&c->saddle, advecting, pressure, c->x));
-    PetscCall(CoupledRightHandSide(c, clock->t + clock->dt));
-    PetscCall(SolveLinear(c->b, c, failure));
-    PetscCall(SaddleGet(&c->saddle, c->x, u, NULL));
-    PetscCall(RelativeChange(c->saddle.dim, u, advecting, c->part, &change));
-  }
-  if (change > PICARD_CHANGE) {
+  if (SceneIsNewtonian(flow->scene)) {
     FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
                "-steady: u still changes by %.1e (relative) after %d Picard iterations; the flow "
                "at this Reynolds number must be advanced in time (no -steady)",
                (double)change, PICARD_MOST);
+    return;
   }
+  FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
+             "%s: viscosity and velocity did not converge: u still changes by %.1e (relative) "
+             "after %d iterations; try a smaller -dt, -scheme projection, or "
+             "-rheology_viscosity_min and -rheology_viscosity_max closer together",
+             c->guard.where, (double)change, RHEOLOGY_MOST);
+}
+
+/*
+  Iterates for steady convection (v.grad) u, for viscosities nu(v) of a rheology, or for both. In
+  each iteration v is the velocity u of the iteration before. The last iteration changes u by at
+  most the share PICARD_CHANGE. Input: start - velocity at the start of the step of length dt; NULL:
+  steady. Output: u.
+
+  Reference: H. C. Elman, D. J. Silvester, A. J. Wathen, Finite Elements and Fast Iterative Solvers
+  (2014), ch. 8
+*/
+static PetscErrorCode Iterate(Flow *flow, PetscReal dt, const Vec start[], Vec u[], Vec v[],
+                              Coupled *c, StepFailure *failure)
+{
+  const Scene    *scene    = flow->scene;
+  const PetscBool follows  = SceneIsNewtonian(scene) ? PETSC_FALSE : PETSC_TRUE;
+  const PetscBool convects = !start && SceneHas(scene, PHYSICS_CONVECTION);
+  const PetscInt  most     = follows ? RHEOLOGY_MOST : PICARD_MOST;
+  const PetscReal end      = flow->clock->t + flow->clock->dt;
+  Vec             pressure = flow->state->p;
+  PetscReal       change   = PETSC_INFINITY;
+  ViscosityMix    mix;
+
+  PetscFunctionBegin;
+  PetscCall(CoupledMixBegin(c->saddle.n, &mix));
+  for (PetscInt k = 0; k < most && change > PICARD_CHANGE && !failure->code; k++) {
+    PetscCall(SaddleGet(&c->saddle, c->x, v, pressure));
+    if (follows) {
+      PetscCall(WallValuesSetVelocity(scene, flow->particles, end, 0.0, &flow->walls));
+      PetscCall(CoupledFollowStrain(flow, v, &mix));
+      c->saddle.assemblies = -1;
+    }
+    PetscCall(CoupledAssemble(start ? 1.0 / dt : 0.0, convects ? v : NULL, c));
+    PetscCall(SaddlePut(&c->saddle, v, pressure, c->x));
+    if (start) {
+      PetscCall(StepEuler(end, dt, start, c, failure));
+    } else {
+      PetscCall(CoupledRightHandSide(c, end));
+      PetscCall(SolveLinear(c->b, c, failure));
+    }
+    PetscCall(SaddleGet(&c->saddle, c->x, u, NULL));
+    PetscCall(RelativeChange(c->saddle.dim, start ? scene->speed : 0.0, u, v, c->part, &change));
+  }
+  if (change > PICARD_CHANGE && !failure->code) FailIteration(flow, change, c, failure);
+  PetscCall(CoupledMixEnd(&mix));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -131,25 +170,33 @@ static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
   const Clock    *clock   = flow->clock;
   FlowState      *s       = flow->state;
   StepFailure    *failure = &flow->scheme->failure;
-  const PetscReal end     = clock->t + clock->dt;
-  Vec             advecting[ISPH_MAX_DIM];
+  const PetscBool steady = clock->steady_solve, newtonian = SceneIsNewtonian(flow->scene);
+  const PetscBool iterates = !newtonian || (steady && SceneHas(flow->scene, PHYSICS_CONVECTION));
+  const PetscReal end      = clock->t + clock->dt;
+  Vec             u[ISPH_MAX_DIM], v[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
   PetscCall(ClockWhere(clock, c->guard.where));
-  PetscCall(CoupledAssemble(clock->steady_solve ? 0.0 : 1.0 / dt, NULL, c));
+  PetscCall(CoupledAssemble(steady ? 0.0 : 1.0 / dt, NULL, c));
   PetscCall(SaddlePut(&c->saddle, s->u_next, s->p, c->x));
-  if (!clock->steady_solve) {
+  if (!steady && newtonian) {
     PetscCall(AdvanceInTime(end - dt, dt, c, failure));
-  } else {
+  } else if (steady) {
     PetscCall(CoupledRightHandSide(c, end));
     PetscCall(SolveLinear(c->b, c, failure));
   }
-  if (clock->steady_solve && SceneHas(flow->scene, PHYSICS_CONVECTION)) {
-    for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(FlowGetWork(flow, &advecting[a]));
-    PetscCall(IteratePicard(s->u_next, s->p, advecting, c, failure));
+  for (PetscInt a = 0; a < flow->scene->dim && iterates; a++) {
+    PetscCall(FlowGetWork(flow, &u[a]));
+    PetscCall(FlowGetWork(flow, &v[a]));
+  }
+  if (iterates) {
+    PetscCall(Iterate(flow, dt, steady ? NULL : s->u_next, u, v, c, failure));
     c->advecting         = NULL;
     c->saddle.assemblies = -1; /* forces an assembly without convection */
-    for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(FlowRestoreWork(flow, &advecting[a]));
+  }
+  for (PetscInt a = 0; a < flow->scene->dim && iterates; a++) {
+    PetscCall(FlowRestoreWork(flow, &v[a]));
+    PetscCall(FlowRestoreWork(flow, &u[a]));
   }
   PetscCall(SaddleGet(&c->saddle, c->x, s->u_next, s->p));
   PetscCall(GaugeRemove(flow->scene, flow->particles, s->p));

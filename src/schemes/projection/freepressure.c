@@ -1,7 +1,8 @@
 /*
-  The pressure of particles on free surfaces in the projection, p = 2 mu n.E n + sigma kappa, with
-  the strain rate E of the velocity at the start of the step, and the surface tension sigma and the
-  curvature kappa of the present surface. It is zero where the surface is rough. The increment
+  The pressure of particles on free surfaces in the projection, p = p_0 + 2 mu n.E n + sigma
+  kappa, with the pressure p_0 outside, the strain rate E of the velocity at the start of the step,
+  and the surface tension sigma and the curvature kappa of the present surface. It is p_0 where the
+  surface is rough. The increment
   phi of the pressure equation has this value minus p^n, so that the pressure is determined.
 
   With a velocity of the same time any dt would be stable: that needs the coupled scheme. Here
@@ -19,7 +20,7 @@ PetscErrorCode FreePressureIncrement(Flow *flow, Vec b)
 {
   const Operators   *ops = flow->ops;
   const FlowState   *s   = flow->state;
-  const PetscReal    mu  = flow->scene->rho * flow->scene->nu;
+  const Particles   *of  = flow->particles;
   Vec                strain;
   const PetscScalar *twice, *p;
   PetscScalar       *increment;
@@ -31,9 +32,13 @@ PetscErrorCode FreePressureIncrement(Flow *flow, Vec b)
   PetscCall(VecGetArrayRead(strain, &twice));
   PetscCall(VecGetArrayRead(s->p, &p));
   PetscCall(VecGetArray(b, &increment));
-  for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
+  for (PetscInt i = 0; i < of->n_fluid; i++) {
+    const PetscReal mu = flow->scene->rho * (of->nu ? of->nu[i] : flow->scene->nu);
+
     if (FreeSurfaceHolds(ops->free, i))
-      increment[i] = mu * twice[i] + FreeSurfacePressure(ops->free, i) - p[i];
+      increment[i] =
+          mu * twice[i] + FreeSurfacePressure(ops->free, i) + flow->scene->outside - p[i];
+  }
   PetscCall(VecRestoreArray(b, &increment));
   PetscCall(VecRestoreArrayRead(s->p, &p));
   PetscCall(VecRestoreArrayRead(strain, &twice));

@@ -121,6 +121,9 @@ static PetscErrorCode Refuse(const Flow *flow)
   UserCheck(!SceneIsGraded(scene) && !SceneMovesGraded(scene),
             "-scheme wcsph: its particles have one size, which excludes -spacing and "
             "-spacing_wall");
+  UserCheck(!SceneHasFreeSurface(scene) || scene->n_bodies == 0,
+            "-scheme wcsph: with a free surface its walls are the sides of the box, which excludes "
+            "-scene_body_1");
   UserCheck(!SceneViscosityVaries(scene),
             "-scheme wcsph: it has a uniform viscosity; use -scheme projection");
   UserCheck(scene->tension == 0.0,
@@ -289,6 +292,7 @@ PetscErrorCode WcsphCreate(Flow *flow)
     if (w->implicit) flow->scheme->needs |= NEED_VISCOSITY;
   }
   PetscCall(AddFigures(flow->scheme, w));
+  flow->scheme->density = &w->rho;
   flow->scheme->variant = (const TableRow *)(const void *)w->equation;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,6 +4,8 @@
 */
 #include "wcsph.h"
 
+#define MIRROR 2.0 /* factor of u_wall - u_i in the velocity of a mirror image */
+
 /* PairsReserve - Makes room for the neighbours of a stencil; not collective */
 PetscErrorCode PairsReserve(PetscInt capacity, Pairs *pairs)
 {
@@ -28,7 +30,13 @@ PetscErrorCode PairsFree(Pairs *pairs)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* PairsDivergence - Computes div u = sum_k du_k.c_k [1/s] */
+/*
+  PairsDivergence - Computes div u = sum_k du_k.c_k [1/s]
+
+  A dummy counts with the velocity of a mirror image, twice u_wall - u_i, where that of its wall
+  treatment is larger: an extrapolation by the factor beta would raise the frequency of sound beside
+  walls by beta^(1/2), and particles close to a wall would need shorter steps.
+*/
 PetscReal PairsDivergence(const Stencil *st, const Pairs *pairs)
 {
   PetscReal sum = 0.0;
@@ -38,6 +46,8 @@ PetscReal PairsDivergence(const Stencil *st, const Pairs *pairs)
 
 #pragma omp simd reduction(+ : sum)
     for (PetscInt k = 0; k < st->n; k++) sum += du[k] * c[k];
+    for (PetscInt k = 0; st->n_wall && k < st->n; k++)
+      if (st->wall[k] && st->beta[k] > MIRROR) sum -= (1.0 - MIRROR / st->beta[k]) * du[k] * c[k];
   }
   return sum;
 }

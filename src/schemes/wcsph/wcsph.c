@@ -102,6 +102,23 @@ static void KeepOffWalls(const Scene *scene, Particles *p)
   }
 }
 
+/* Adds the work of the body force in the step to the energy balance, from the way back. */
+static PetscErrorCode AddWork(Flow *flow, const Wcsph *w)
+{
+  const Particles *p    = flow->particles;
+  PetscReal        work = 0.0;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal back[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < p->dim; a++) back[a] = w->start[a][i] - p->x[a][i];
+    work -= EnergyWork(flow, i, back);
+  }
+  PetscCall(EnergyAddWork(flow, work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Advances viscosity implicitly over the step, from the velocity that the TS has left. */
 static PetscErrorCode SolveViscosity(Flow *flow, Wcsph *w)
 {
@@ -162,6 +179,7 @@ static PetscErrorCode WcsphStep(Flow *flow)
   PetscCall(WcsphIntegrate(flow, w));
   if (failure->code) PetscFunctionReturn(PETSC_SUCCESS);
   KeepOffWalls(flow->scene, flow->particles);
+  PetscCall(AddWork(flow, w));
   PetscCall(FollowPositions(flow));
   PetscCall(SolveViscosity(flow, w));
   if (!failure->code) PetscCall(FlowCheck(flow));
