@@ -137,8 +137,8 @@ static void test_artificial_viscosity(void **state)
   ASSERT_OK(StencilDestroy(&st));
 }
 
-/* The kernel sum of a lattice: of the cubic spline at h = dx the particle itself, four neighbours at
-   dx and four at sqrt(2) dx, 10/(7 pi) (1 + 4/4 + 4 (2 - sqrt 2)^3/4). */
+/* The kernel sum of a lattice: of the cubic spline at h = dx the particle itself, four neighbours
+   at dx and four at sqrt(2) dx, 10/(7 pi) (1 + 4/4 + 4 (2 - sqrt 2)^3/4). */
 static void test_lattice_sum(void **state)
 {
   const PetscReal exact =

@@ -72,8 +72,8 @@ static PetscErrorCode Arrange(const Scene *scene, const Surfaces *walls, Cloud *
   Collective.
 
   Input Parameters:
-+ walls - placement of wall particles; with layers they are behind the sides of the box, otherwise on
-          all surfaces
++ walls - placement of wall particles; with layers they are behind the sides of the box, otherwise
+          on all surfaces
 - p     - empty particles, with all fields of this module registered
 
   Output Parameters:

@@ -153,10 +153,10 @@ PetscErrorCode FlowMeasureStart(Flow *flow)
 
   |u|(0)^2 includes twice the energy of the surface at the start. f is the body force, and r the
   rate at which walls at rest slow the flow (SceneDecayRate()). All terms of forces and of the start
-  follow from the energy balance, for steps of any length. The wall term is SceneWallSpeedBound(). The
-  speed stays below it in all flows with a known solution; a cavity reaches a third of it. The sound
-  is zero unless the scheme is weakly compressible. See docs/theory.md, (115). Moving fluids with a
-  free surface have EnergyBound() instead. Input: before - |u| at the start of the step.
+  follow from the energy balance, for steps of any length. The wall term is SceneWallSpeedBound().
+  The speed stays below it in all flows with a known solution; a cavity reaches a third of it. The
+  sound is zero unless the scheme is weakly compressible. See docs/theory.md, (115). Moving fluids
+  with a free surface have EnergyBound() instead. Input: before - |u| at the start of the step.
 */
 static PetscErrorCode BoundSpeed(Flow *flow, PetscReal before, PetscReal *bound)
 {

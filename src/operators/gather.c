@@ -1,0 +1,131 @@
+/*
+  The stencil of a particle: its neighbours within the support, with the data of walls and of free
+  surfaces that rows read. Assembly and streams gather it for each particle.
+*/
+#include "assembly.h"
+#include "rows.h"
+#include "wall_points.h"
+
+/* Sets the data of wall neighbour k, particle j. */
+static void GatherWall(const Scene *scene, const Particles *p, const Operators *ops, PetscInt k,
+                       Stencil *st)
+{
+  const PetscInt j      = st->j[k];
+  PetscReal      height = 0.0;
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    st->normal[a][k] = p->normal[a][j];
+    height -= st->X[a][k] * p->normal[a][j];
+  }
+  st->beta[k] = ops->forms.wall->Beta(scene, height - p->depth[j], p->depth[j]);
+  st->side[k] = (PetscInt)p->side[j];
+}
+
+/* Sets the neighbours on smooth parts of a free surface, and their normals. */
+static void GatherSurface(const FreeSurface *free, Stencil *st)
+{
+  const PetscInt d = st->dim;
+
+  st->near_surface = st->beside_surface = PETSC_FALSE;
+  if (!free) return;
+  st->kind           = (SurfaceKind)free->kind[st->i];
+  st->beside_surface = FreeSurfaceHolds(free, st->i);
+  for (PetscInt k = 0; k < st->n; k++) {
+    if (st->wall[k]) continue;
+    if (FreeSurfaceHolds(free, st->j[k])) st->beside_surface = PETSC_TRUE;
+    if (free->kind[st->j[k]] != SURFACE_SMOOTH) continue;
+    st->surface[k] = st->near_surface = PETSC_TRUE;
+    for (PetscInt a = 0; a < d; a++) st->normal[a][k] = free->normal[st->j[k] * d + a];
+  }
+  if (st->kind != SURFACE_SMOOTH) return;
+  st->near_surface = PETSC_TRUE;
+  for (PetscInt a = 0; a < d; a++) st->own_normal[a] = free->normal[st->i * d + a];
+}
+
+/* Lists the neighbours of particle i in st->j, without wall particles behind a gap; returns their
+   number. */
+static PetscInt ListTouching(const Particles *p, const Neighbors *nb, PetscInt i, Stencil *st)
+{
+  PetscInt n = 0;
+
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    st->j[n] = nb->col[q];
+    if (!ParticlesIsWall(p, st->j[n]) || FreeSurfaceTouches(p, nb, i, st->j[n])) n++;
+  }
+  return n;
+}
+
+/* Keeps the candidates that are closer than the radius: their indices in j, places relative to x in
+   X, squares of distances in r; returns their number. j may be the candidates. Inlined for each
+   dimension, with pointers that the compiler can keep in registers. */
+static inline PetscInt KeepClose(PetscInt dim, const Particles *p, PetscInt n,
+                                 const PetscInt candidate[], const PetscReal x[],
+                                 const PetscReal stretch[], PetscReal radius2, Stencil *st)
+{
+  const PetscReal *px[ISPH_MAX_DIM] = {p->x[0], p->x[1], p->x[2]};
+  PetscReal       *X[ISPH_MAX_DIM] = {st->X[0], st->X[1], st->X[2]}, *r = st->r;
+  PetscInt        *j = st->j, kept = 0;
+
+  for (PetscInt q = 0; q < n; q++) {
+    const PetscInt c  = candidate[q];
+    PetscReal      r2 = 0.0;
+
+    for (PetscInt a = 0; a < dim; a++) {
+      const PetscReal difference = stretch[a] * (px[a][c] - x[a]);
+
+      X[a][kept] = difference;
+      r2 += difference * difference;
+    }
+    j[kept] = c;
+    r[kept] = r2;
+    kept += (r2 < radius2) & (r2 > 0.0);
+  }
+  return kept;
+}
+
+/* GatherStencil - Gathers the neighbours of own fluid particle i with the quantities that row
+   functions read; not collective */
+PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neighbors *nb,
+                             const Operators *ops, PetscInt i, Stencil *st)
+{
+  const PetscInt     d = scene->dim, first = nb->row[i], last = nb->row[i + 1];
+  const FreeSurface *free = ops->needs & NEED_STREAMS ? NULL : ops->free;
+  const PetscInt    *candidate;
+  PetscReal          radius2, x[ISPH_MAX_DIM];
+  PetscInt           n;
+
+  PetscFunctionBegin;
+  PetscCall(StencilReserve(st, last - first));
+  StencilSetSize(ops->forms.kernel, ops->forms.h_over_dx, p->dx[i], st);
+  radius2        = PetscSqr(st->radius);
+  st->i          = i;
+  st->volume     = p->volume[i];
+  st->n_wall     = 0;
+  st->fit.wanted = 0;
+  for (PetscInt a = 0; a < d; a++) {
+    x[a]           = p->x[a][i];
+    st->stretch[a] = ParticlesStretch(p, a, i);
+  }
+  n         = free ? ListTouching(p, nb, i, st) : last - first;
+  candidate = free ? st->j : nb->col + first;
+  if (d == 2) n = KeepClose(2, p, n, candidate, x, st->stretch, radius2, st);
+  else n = KeepClose(3, p, n, candidate, x, st->stretch, radius2, st);
+  st->n = n;
+  for (PetscInt k = 0; k < n; k++) st->r[k] = PetscSqrtReal(st->r[k]);
+  for (PetscInt k = 0; k < n; k++) st->V[k] = p->volume[st->j[k]];
+  for (PetscInt k = 0; k < n; k++) st->equation[k] = EQUATION_VALUE;
+  for (PetscInt k = 0; k < n; k++) st->surface[k] = PETSC_FALSE;
+  for (PetscInt k = 0; k < n; k++) st->wall[k] = ParticlesIsWall(p, st->j[k]);
+  for (PetscInt k = 0; k < n; k++) st->n_wall += st->wall[k] ? 1 : 0;
+  st->scene = scene;
+  st->slips = PETSC_FALSE;
+  for (PetscInt k = 0; st->n_wall && k < n; k++) {
+    if (!st->wall[k]) continue;
+    GatherWall(scene, p, ops, k, st);
+    if (!BoundaryIs(scene, st->side[k], BOUNDARY_NO_SLIP)) st->slips = PETSC_TRUE;
+  }
+  GatherSurface(free, st);
+  KernelEvaluateAll(ops->forms.kernel, d, st->h, n, st->r, st->W, st->dW, st->ddW);
+  WallPointShares(ops, st);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
