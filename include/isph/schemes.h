@@ -195,12 +195,13 @@ typedef struct {
   PetscErrorCode (*Pressure)(const Flow *flow, const PetscReal x[], PetscReal *p);
   /* Adds the pressure over dt to its mean over `length`; NULL: on particles, by average.c */
   PetscErrorCode (*Average)(Flow *flow, PetscReal length, PetscReal dt);
-  Vec          kept; /* state that is not on particles, for undo and checkpoints; NULL: none */
-  LinearSolve *solve[SCHEME_MAX_SOLVES];
-  PetscInt     n_solves;
-  SchemeFigure figure[SCHEME_MAX_FIGURES];
-  PetscInt     n_figures;
-  void        *data;
+  PetscReal *const *density; /* field of the fluid's densities; NULL: from masses [kg/m^3] */
+  Vec               kept; /* state that is not on particles, for undo and checkpoints; NULL: none */
+  LinearSolve      *solve[SCHEME_MAX_SOLVES];
+  PetscInt          n_solves;
+  SchemeFigure      figure[SCHEME_MAX_FIGURES];
+  PetscInt          n_figures;
+  void             *data;
 } Scheme;
 
 PetscErrorCode SchemeCreate(Flow *flow);

@@ -71,14 +71,18 @@ static PetscErrorCode Gather_Viscosity(const Flow *flow, void *rows)
 
 static PetscBool Has_Density(const Flow *flow)
 {
-  return flow->ops->needs & NEED_CONCENTRATION ? PETSC_TRUE : PETSC_FALSE;
+  return flow->scheme->density || flow->ops->needs & NEED_CONCENTRATION ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Computes the density from the masses of particles, rho sum_j V_j W_ij [kg/m^3]. */
+/* Copies the density of the scheme, or computes it from the masses of particles, rho sum_j V_j W_ij
+   [kg/m^3]. */
 static PetscErrorCode Gather_Density(const Flow *flow, void *rows)
 {
   PetscFunctionBegin;
-  GatherFluid(flow->particles, flow->scene->rho, flow->ops->concentration.value, (double *)rows);
+  if (flow->scheme->density)
+    GatherFluid(flow->particles, 1.0, *flow->scheme->density, (double *)rows);
+  else
+    GatherFluid(flow->particles, flow->scene->rho, flow->ops->concentration.value, (double *)rows);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

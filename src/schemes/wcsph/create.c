@@ -292,6 +292,7 @@ PetscErrorCode WcsphCreate(Flow *flow)
     if (w->implicit) flow->scheme->needs |= NEED_VISCOSITY;
   }
   PetscCall(AddFigures(flow->scheme, w));
+  flow->scheme->density = &w->rho;
   flow->scheme->variant = (const TableRow *)(const void *)w->equation;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
