@@ -231,7 +231,8 @@ static PetscErrorCode ReadFluid(const Flow *flow, Wcsph *w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the largest Mach number and change of density to report, memory and checkpoints. */
+/* Adds the largest Mach number and change of density to report, memory and checkpoints, and the
+   artificial viscosity to the report. */
 static PetscErrorCode AddFigures(Scheme *scheme, Wcsph *w)
 {
   PetscFunctionBegin;
@@ -248,6 +249,15 @@ static PetscErrorCode AddFigures(Scheme *scheme, Wcsph *w)
       .value  = &w->variation,
       .most   = WCSPH_VARIATION,
       .remedy = "the fluid is not nearly incompressible; try a larger -sound_speed",
+  };
+  if (!SceneHas(w->flow->scene, PHYSICS_VISCOSITY) || w->artificial[0] + w->artificial[1] == 0.0)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  scheme->figure[scheme->n_figures++] = (SchemeFigure){
+      .name   = "artificial_over_nu",
+      .value  = &w->artificial_over_nu,
+      .most   = 1.0,
+      .remedy = "the flow has the Reynolds number of the artificial viscosity; try a smaller "
+                "-artificial_viscosity or a larger -n",
   };
   PetscFunctionReturn(PETSC_SUCCESS);
 }

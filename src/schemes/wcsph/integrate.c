@@ -107,7 +107,7 @@ static PetscErrorCode CheckUnknowns(Flow *flow, const Wcsph *w, const PetscReal 
   }
   FailureSet(&flow->scheme->failure, PETSC_ERR_FP,
              "%s: %s of a particle is %.3g times that at rest, and should be positive: %s = %.6g; "
-             "try a smaller -dt or a larger -sound_speed",
+             "try a smaller -dt or -acoustic_cfl",
              where, worst[1] >= 0.0 ? "the density" : "the internal energy",
              -(double)(worst[1] >= 0.0 ? worst[1] : worst[2]), instability,
              (double)flow->clock->dt);
