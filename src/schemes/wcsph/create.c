@@ -250,6 +250,16 @@ static PetscErrorCode AddFigures(Scheme *scheme, Wcsph *w)
       .most   = WCSPH_VARIATION,
       .remedy = "the fluid is not nearly incompressible; try a larger -sound_speed",
   };
+  if (SceneHas(w->flow->scene, PHYSICS_WALLS)) {
+    PetscCall(MemoryAddReal(&scheme->memory, "sound_passage", &w->passage));
+    scheme->figure[scheme->n_figures++] = (SchemeFigure){
+        .name   = "sound_passage",
+        .value  = &w->passage,
+        .most   = 1.0,
+        .remedy = "sound has not yet crossed the fluid, which the walls still compress; try a "
+                  "longer -t_end, more -max_steps, or a larger -sound_speed",
+    };
+  }
   if (!SceneHas(w->flow->scene, PHYSICS_VISCOSITY) || w->artificial[0] + w->artificial[1] == 0.0)
     PetscFunctionReturn(PETSC_SUCCESS);
   scheme->figure[scheme->n_figures++] = (SchemeFigure){

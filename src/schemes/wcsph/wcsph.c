@@ -150,6 +150,8 @@ static PetscErrorCode MeasureCompression(Flow *flow, Wcsph *w)
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
   w->variation = PetscMax(w->variation, most);
   w->mach      = PetscMax(w->mach, flow->scheme->stats.speed_max / w->c0);
+  if (flow->scheme->bound.walls > 0.0)
+    w->passage = flow->scene->length / (w->c0 * (flow->clock->t + flow->clock->dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -231,6 +233,30 @@ static PetscErrorCode WcsphLimit(const Flow *flow, StepLimit *limit)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Prints a line if the viscous form brakes a motion without strain. */
+static PetscErrorCode RigidView(const Flow *flow, PetscViewer viewer)
+{
+  const LaplacianForm *visc = &flow->ops->forms.visc;
+
+  PetscFunctionBegin;
+  if (!visc->row) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!LaplacianIs(visc, FORM_NULL_CONSTANTS)) {
+    PetscCall(PetscViewerASCIIPrintf(
+        viewer,
+        "velocity not kept: -visc_laplacian %s brakes a uniform flow of disordered particles; try "
+        "cleary\n",
+        visc->row->name));
+  } else if (SceneHasFreeSurface(flow->scene) && !LaplacianIs(visc, FORM_EXACT_LINEAR) &&
+             !LaplacianIs(visc, FORM_ANGULAR)) {
+    PetscCall(PetscViewerASCIIPrintf(
+        viewer,
+        "rotation not kept: -visc_laplacian %s brakes a rotation beside a free surface; try "
+        "cleary or energy_fpm\n",
+        visc->row->name));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Prints the equation of state, the integrator, and the step with its limit. */
 static PetscErrorCode WcsphView(const Flow *flow, PetscViewer viewer)
 {
@@ -254,6 +280,7 @@ static PetscErrorCode WcsphView(const Flow *flow, PetscViewer viewer)
   PetscCall(PetscViewerASCIIPrintf(viewer, "%-11s at most %.4g s by %s\n", "step", (double)limit.dt,
                                    limit.reason));
   if (w->visc) PetscCall(ViscosityView(w->visc, viewer));
+  PetscCall(RigidView(flow, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
