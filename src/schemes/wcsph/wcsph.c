@@ -151,7 +151,7 @@ static PetscErrorCode MeasureCompression(Flow *flow, Wcsph *w)
   w->variation = PetscMax(w->variation, most);
   w->mach      = PetscMax(w->mach, flow->scheme->stats.speed_max / w->c0);
   if (flow->scheme->bound.walls > 0.0)
-    w->passage = flow->scene->length / (w->c0 * (flow->clock->t + flow->clock->dt));
+    w->passage = flow->scene->length / (w->c0 * flow->clock->t);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
