@@ -150,8 +150,7 @@ static PetscErrorCode MeasureCompression(Flow *flow, Wcsph *w)
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
   w->variation = PetscMax(w->variation, most);
   w->mach      = PetscMax(w->mach, flow->scheme->stats.speed_max / w->c0);
-  if (flow->scheme->bound.walls > 0.0)
-    w->passage = flow->scene->length / (w->c0 * flow->clock->t);
+  if (flow->scheme->bound.walls > 0.0) w->passage = flow->scene->length / (w->c0 * flow->clock->t);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
