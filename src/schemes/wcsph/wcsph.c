@@ -213,7 +213,8 @@ static void LimitDissipation(const Wcsph *w, PetscReal h, PetscReal pace, StepLi
   if (drag > 0.0) StepLimitLower(limit, 0.5 * h / drag, "artificial viscosity");
 }
 
-/* Limits the step by sound, dissipation and, unless it is implicit, viscosity. */
+/* Limits the step by sound, dissipation, the way of particles within the halo and, unless it is
+   implicit, viscosity. */
 static PetscErrorCode WcsphLimit(const Flow *flow, StepLimit *limit)
 {
   const Wcsph    *w    = (const Wcsph *)flow->scheme->data;
@@ -223,6 +224,7 @@ static PetscErrorCode WcsphLimit(const Flow *flow, StepLimit *limit)
   PetscCall(FlowLimit(flow, limit));
   if (!flow->ops) PetscFunctionReturn(PETSC_SUCCESS);
   StepLimitLower(limit, w->courant * flow->ops->forms.h / (w->c0 + pace), "sound");
+  StepLimitLower(limit, 0.75 * WCSPH_MOVE_MOST * flow->scene->dx / pace, "advection");
   LimitDissipation(w, flow->ops->forms.h, pace, limit);
   if (flow->scheme->stats.force_max > 0.0)
     StepLimitLower(limit, 0.25 * PetscSqrtReal(flow->ops->forms.h / flow->scheme->stats.force_max),
