@@ -208,6 +208,24 @@ static PetscErrorCode ChooseShift(const Flow *flow, const Wcsph *w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses equations that are not zero on a free surface, where sums see half of the fluid. */
+static PetscErrorCode RefuseFreeSurface(const Scene *scene, const Wcsph *w)
+{
+  PetscFunctionBegin;
+  if (!SceneHasFreeSurface(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  UserCheck(!w->density->sums,
+            "-density_form %s: at a free surface the sum has half of the density; use continuity",
+            w->density->name);
+  UserCheck(!w->equation->has_energy,
+            "-equation_of_state %s: a gas expands through a free surface; use tait or linear",
+            w->equation->name);
+  UserCheck(w->reduction->kind != REDUCE_HYDROSTATIC || scene->n_filled == 0,
+            "-pressure_reduction %s: its pressure is zero at the upper side of the box, and not on "
+            "the free surface of -scene_filled_1; use none",
+            w->reduction->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Reads the constants of the fluid. */
 static PetscErrorCode ReadFluid(const Flow *flow, Wcsph *w)
 {
@@ -301,6 +319,7 @@ PetscErrorCode WcsphCreate(Flow *flow)
   PetscCall(OptionGetRow(&options[DENSITY], NULL, &w->density));
   PetscCall(OptionGetRow(&options[REDUCTION], NULL, &w->reduction));
   PetscCall(RefuseHydrostatic(flow->scene, w->reduction));
+  PetscCall(RefuseFreeSurface(flow->scene, w));
   PetscCall(ReadFluid(flow, w));
   flow->scheme->needs &= ~(unsigned)(NEED_PRESSURE | NEED_VISCOSITY | NEED_GRADIENT_U |
                                      NEED_FILTER_U | NEED_CONCENTRATION);
