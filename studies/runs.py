@@ -19,6 +19,7 @@ FORMS = ["morris", "gotoh", "schwaiger", "corrected", "direct_scalar", "fatehi_m
          "mls3"]
 COLOURS = dict(zip(FORMS, ["#000000", "#E69F00", "#56B4E9", "#009E73", "#999999", "#CC79A7", "#8C6D31",
                            "#0072B2", "#D55E00"]))  # distinct for colour-blind readers too
+WARNING = r"^(?:not (resolved):|(\w+)(?: not kept:| [^,\n]+, should be at most))"  # in the report of a run
 MARKERS = dict(zip(FORMS, "osd^xPvD*"))
 
 
@@ -31,7 +32,7 @@ def cpu_seconds():
 class Runs:
     """Quantities at the end of runs by their arguments; quantities at earlier -report_times have the name name@time. A
     failed run has its error sentence in `failed`, and in `failed_t` the time at which it failed; `not_kept` has the
-    quantities that a run says that it has not kept. A run that takes more
+    quantities that a run says that it has not kept, and `said` those that its report warns of. A run that takes more
     than `seconds` of CPU time is stopped and fails; quantities of its last step, at t, are kept. Each row names the
     build that made it and the day; rows of other builds are kept, and told() counts them. Runs take one rank, or
     `ranks` of them."""
@@ -68,7 +69,7 @@ class Runs:
 
     def numbers(self, arguments):
         """Returns the quantities of a run in the file as numbers."""
-        return {k: v if k in ("run", "failed", "not_kept", "build", "date") else float(v) for k, v in self.rows[arguments].items()}
+        return {k: v if k in ("run", "failed", "not_kept", "said", "build", "date") else float(v) for k, v in self.rows[arguments].items()}
 
     def told(self):
         """Returns a sentence on the time of the used runs; prints the number of runs of other builds."""
@@ -115,6 +116,9 @@ class Runs:
             told = re.findall(r"^(\w+) not kept:", done.stdout, re.MULTILINE)
             if told:
                 row["not_kept"] = " ".join(told)
+            said = [found.group(1) or found.group(2) for found in re.finditer(WARNING, done.stdout, re.MULTILINE)]
+            if said:
+                row["said"] = " ".join(said)
             lines = []
             if os.path.exists(path):
                 with open(path, newline="") as file:

@@ -208,6 +208,24 @@ static PetscErrorCode ChooseShift(const Flow *flow, const Wcsph *w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses equations that are not zero on a free surface, where sums see half of the fluid. */
+static PetscErrorCode RefuseFreeSurface(const Scene *scene, const Wcsph *w)
+{
+  PetscFunctionBegin;
+  if (!SceneHasFreeSurface(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  UserCheck(!w->density->sums,
+            "-density_form %s: at a free surface the sum has half of the density; use continuity",
+            w->density->name);
+  UserCheck(!w->equation->has_energy,
+            "-equation_of_state %s: a gas expands through a free surface; use tait or linear",
+            w->equation->name);
+  UserCheck(w->reduction->kind != REDUCE_HYDROSTATIC || scene->n_filled == 0,
+            "-pressure_reduction %s: its pressure is zero at the upper side of the box, and not on "
+            "the free surface of -scene_filled_1; use none",
+            w->reduction->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Reads the constants of the fluid. */
 static PetscErrorCode ReadFluid(const Flow *flow, Wcsph *w)
 {
@@ -231,7 +249,8 @@ static PetscErrorCode ReadFluid(const Flow *flow, Wcsph *w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the largest Mach number and change of density to report, memory and checkpoints. */
+/* Adds the largest Mach number and change of density to report, memory and checkpoints, and the
+   artificial viscosity to the report. */
 static PetscErrorCode AddFigures(Scheme *scheme, Wcsph *w)
 {
   PetscFunctionBegin;
@@ -248,6 +267,25 @@ static PetscErrorCode AddFigures(Scheme *scheme, Wcsph *w)
       .value  = &w->variation,
       .most   = WCSPH_VARIATION,
       .remedy = "the fluid is not nearly incompressible; try a larger -sound_speed",
+  };
+  if (SceneHas(w->flow->scene, PHYSICS_WALLS)) {
+    PetscCall(MemoryAddReal(&scheme->memory, "sound_passage", &w->passage));
+    scheme->figure[scheme->n_figures++] = (SchemeFigure){
+        .name   = "sound_passage",
+        .value  = &w->passage,
+        .most   = 1.0,
+        .remedy = "sound has not yet crossed the fluid, which the walls still compress; try a "
+                  "longer -t_end, more -max_steps, or a larger -sound_speed",
+    };
+  }
+  if (!SceneHas(w->flow->scene, PHYSICS_VISCOSITY) || w->artificial[0] + w->artificial[1] == 0.0)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  scheme->figure[scheme->n_figures++] = (SchemeFigure){
+      .name   = "artificial_over_nu",
+      .value  = &w->artificial_over_nu,
+      .most   = 1.0,
+      .remedy = "the flow has the Reynolds number of the artificial viscosity; try a smaller "
+                "-artificial_viscosity or a larger -n",
   };
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -281,6 +319,7 @@ PetscErrorCode WcsphCreate(Flow *flow)
   PetscCall(OptionGetRow(&options[DENSITY], NULL, &w->density));
   PetscCall(OptionGetRow(&options[REDUCTION], NULL, &w->reduction));
   PetscCall(RefuseHydrostatic(flow->scene, w->reduction));
+  PetscCall(RefuseFreeSurface(flow->scene, w));
   PetscCall(ReadFluid(flow, w));
   flow->scheme->needs &= ~(unsigned)(NEED_PRESSURE | NEED_VISCOSITY | NEED_GRADIENT_U |
                                      NEED_FILTER_U | NEED_CONCENTRATION);

@@ -47,14 +47,12 @@ static PetscErrorCode CopyOut(const Wcsph *w, Vec y, PetscReal *const to[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Fails the step if a particle has moved too far since its start, or is nowhere. */
-static PetscErrorCode CheckPositions(Flow *flow, const Wcsph *w)
+/* Measures the largest displacement of a particle since the start of the step [dx]; infinite if a
+   particle is nowhere. */
+static PetscReal LargestMove(const Particles *p, const Wcsph *w)
 {
-  const Particles *p    = flow->particles;
-  PetscReal        most = 0.0;
-  char             where[CLOCK_WHERE];
+  PetscReal most = 0.0;
 
-  PetscFunctionBegin;
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal moved = 0.0;
 
@@ -62,13 +60,57 @@ static PetscErrorCode CheckPositions(Flow *flow, const Wcsph *w)
     moved /= PetscSqr(p->dx[i]);
     most = moved <= PETSC_MAX_REAL ? PetscMax(most, moved) : PETSC_INFINITY;
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, p->comm));
-  if (most <= PetscSqr(WCSPH_MOVE_MOST)) PetscFunctionReturn(PETSC_SUCCESS);
+  return PetscSqrtReal(most);
+}
+
+/* Returns the smallest of some values over their value at rest; minus infinity if a value is not
+   finite. NULL: no values. */
+static PetscReal Smallest(PetscInt n, const PetscReal *value, PetscReal rest)
+{
+  PetscReal least = PETSC_INFINITY;
+
+  for (PetscInt i = 0; value && i < n; i++)
+    least = PetscAbsReal(value[i]) <= PETSC_MAX_REAL ? PetscMin(least, value[i] / rest)
+                                                     : PETSC_NINFINITY;
+  return least;
+}
+
+/*
+  Fails the step if a particle has moved too far since its start, or is nowhere, or if a density or
+  an internal energy is not positive
+
+  Where these are not positive, neither is the square of the speed of sound. Sums of the kernel are.
+  Input: rho, e - of own fluid, in the unknowns of the TS
+*/
+static PetscErrorCode CheckUnknowns(Flow *flow, const Wcsph *w, const PetscReal *rho,
+                                    const PetscReal *e)
+{
+  const Particles *p           = flow->particles;
+  const char      *instability = "the flow is unstable at dt";
+  PetscReal        worst[3]; /* largest, so that one reduction serves */
+  char             where[CLOCK_WHERE];
+
+  PetscFunctionBegin;
+  worst[0] = LargestMove(p, w);
+  worst[1] = -Smallest(p->n_fluid, w->density->sums ? NULL : rho, flow->scene->rho);
+  worst[2] = -Smallest(p->n_fluid, w->equation->has_energy ? e : NULL, w->e_rest);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, worst, 3, MPIU_REAL, MPIU_MAX, p->comm));
+  if (worst[0] <= WCSPH_MOVE_MOST && worst[1] < 0.0 && worst[2] < 0.0)
+    PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ClockWhere(flow->clock, where));
+  if (worst[0] > WCSPH_MOVE_MOST) {
+    FailureSet(&flow->scheme->failure, PETSC_ERR_FP,
+               "%s: a particle moved by %.3g dx, more than %.3g: %s = %.6g; try a smaller -dt or "
+               "-acoustic_cfl",
+               where, (double)worst[0], WCSPH_MOVE_MOST, instability, (double)flow->clock->dt);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   FailureSet(&flow->scheme->failure, PETSC_ERR_FP,
-             "%s: a particle moved by %.3g dx, more than %.3g: the flow is unstable at dt = %.6g; "
+             "%s: %s of a particle is %.3g times that at rest, and should be positive: %s = %.6g; "
              "try a smaller -dt or -acoustic_cfl",
-             where, (double)PetscSqrtReal(most), WCSPH_MOVE_MOST, (double)flow->clock->dt);
+             where, worst[1] >= 0.0 ? "the density" : "the internal energy",
+             -(double)(worst[1] >= 0.0 ? worst[1] : worst[2]), instability,
+             (double)flow->clock->dt);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -86,7 +128,7 @@ static PetscErrorCode RateFunction(TS ts, PetscReal t, Vec y, Vec rate, void *ct
   PetscCall(WcsphReserve(flow, w));
   (void)Components(w, p->x, w->local.u, w->local.rho, w->local.e, to);
   PetscCall(CopyOut(w, y, to));
-  PetscCall(CheckPositions(flow, w));
+  PetscCall(CheckUnknowns(flow, w, w->local.rho, w->local.e));
   if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ParticlesUpdateHalo(p));
   PetscCall(NeighborsUpdate(p, flow->scheme->stats.speed_max * flow->clock->dt, flow->neighbors));
@@ -201,7 +243,7 @@ PetscErrorCode WcsphIntegrate(Flow *flow, Wcsph *w)
   if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   (void)Components(w, p->x, p->u, w->rho, w->e, to);
   PetscCall(CopyOut(w, w->y, to));
-  PetscCall(CheckPositions(flow, w));
+  PetscCall(CheckUnknowns(flow, w, w->rho, w->e));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

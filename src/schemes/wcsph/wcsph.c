@@ -78,6 +78,25 @@ static PetscErrorCode SetPressure(Flow *flow, Wcsph *w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  Returns the kinematic viscosity of the artificial viscosity, for the mean velocity gradient U/L,
+  over that of the fluid
+
+    h (alpha c0 + beta h U/L)/(2 (d + 2) nu),   d = dim [-]
+
+  Reference: J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703-1759
+*/
+static PetscReal ArtificialShare(const Flow *flow, const Wcsph *w)
+{
+  const Scene    *scene = flow->scene;
+  const PetscReal h     = flow->ops->forms.h;
+  const PetscReal speed =
+      w->artificial[0] * w->c0 + w->artificial[1] * h * scene->speed / scene->length;
+
+  if (!SceneHas(scene, PHYSICS_VISCOSITY)) return 0.0;
+  return h * speed / (2.0 * (scene->dim + 2) * scene->nu);
+}
+
 static PetscErrorCode WcsphBegin(Flow *flow)
 {
   Wcsph *w = (Wcsph *)flow->scheme->data;
@@ -88,6 +107,7 @@ static PetscErrorCode WcsphBegin(Flow *flow)
     w->surface[i] = flow->ops->free->kind[i] != SURFACE_INSIDE ? 1.0 : 0.0;
   if (w->surface) PetscCall(ParticlesHaloField(flow->particles, w->surface));
   PetscCall(SetPressure(flow, w));
+  w->artificial_over_nu = ArtificialShare(flow, w);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -149,6 +169,7 @@ static PetscErrorCode MeasureCompression(Flow *flow, Wcsph *w)
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
   w->variation = PetscMax(w->variation, most);
   w->mach      = PetscMax(w->mach, flow->scheme->stats.speed_max / w->c0);
+  if (flow->scheme->bound.walls > 0.0) w->passage = flow->scene->length / (w->c0 * flow->clock->t);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -193,7 +214,27 @@ static PetscErrorCode WcsphStep(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Limits the step by sound and, unless it is implicit, by viscosity. */
+/*
+  Limits the step by the diffusion of the density and by the artificial viscosity
+
+    dt <= 0.125 h/(delta c0),   dt <= 0.5 h/(alpha c0 + 2 beta U)
+
+  With the circles of Gershgorin the sums of DensityDiffusion() and ArtificialViscosity() for the
+  kernel Wendland C2 have no eigenvalue above 14 delta c0/h and 3.5 (alpha c0 + beta |m|)/h. These
+  steps keep the product of step and eigenvalue below 2, which all Runge-Kutta methods allow.
+  Particles at the distance h approach with |m| = 2 U at most.
+*/
+static void LimitDissipation(const Wcsph *w, PetscReal h, PetscReal pace, StepLimit *limit)
+{
+  const PetscReal drag = w->artificial[0] * w->c0 + 2.0 * w->artificial[1] * pace;
+
+  if (w->diffusion > 0.0)
+    StepLimitLower(limit, 0.125 * h / (w->diffusion * w->c0), "density diffusion");
+  if (drag > 0.0) StepLimitLower(limit, 0.5 * h / drag, "artificial viscosity");
+}
+
+/* Limits the step by sound, dissipation, the way of particles within the halo and, unless it is
+   implicit, viscosity. */
 static PetscErrorCode WcsphLimit(const Flow *flow, StepLimit *limit)
 {
   const Wcsph    *w    = (const Wcsph *)flow->scheme->data;
@@ -203,11 +244,37 @@ static PetscErrorCode WcsphLimit(const Flow *flow, StepLimit *limit)
   PetscCall(FlowLimit(flow, limit));
   if (!flow->ops) PetscFunctionReturn(PETSC_SUCCESS);
   StepLimitLower(limit, w->courant * flow->ops->forms.h / (w->c0 + pace), "sound");
+  StepLimitLower(limit, 0.75 * WCSPH_MOVE_MOST * flow->scene->dx / pace, "advection");
+  LimitDissipation(w, flow->ops->forms.h, pace, limit);
   if (flow->scheme->stats.force_max > 0.0)
     StepLimitLower(limit, 0.25 * PetscSqrtReal(flow->ops->forms.h / flow->scheme->stats.force_max),
                    "the body force");
   if (!w->implicit)
     StepLimitLower(limit, ClockExplicitLimit(flow->scene, flow->ops->forms.radius), "viscosity");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Prints a line if the viscous form brakes a motion without strain. */
+static PetscErrorCode RigidView(const Flow *flow, PetscViewer viewer)
+{
+  const LaplacianForm *visc = &flow->ops->forms.visc;
+
+  PetscFunctionBegin;
+  if (!visc->row) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!LaplacianIs(visc, FORM_NULL_CONSTANTS)) {
+    PetscCall(PetscViewerASCIIPrintf(
+        viewer,
+        "velocity not kept: -visc_laplacian %s brakes a uniform flow of disordered particles; try "
+        "cleary\n",
+        visc->row->name));
+  } else if (SceneHasFreeSurface(flow->scene) && !LaplacianIs(visc, FORM_EXACT_LINEAR) &&
+             !LaplacianIs(visc, FORM_ANGULAR)) {
+    PetscCall(PetscViewerASCIIPrintf(
+        viewer,
+        "rotation not kept: -visc_laplacian %s brakes a rotation beside a free surface; try "
+        "cleary or energy_fpm\n",
+        visc->row->name));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -234,6 +301,7 @@ static PetscErrorCode WcsphView(const Flow *flow, PetscViewer viewer)
   PetscCall(PetscViewerASCIIPrintf(viewer, "%-11s at most %.4g s by %s\n", "step", (double)limit.dt,
                                    limit.reason));
   if (w->visc) PetscCall(ViscosityView(w->visc, viewer));
+  PetscCall(RigidView(flow, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

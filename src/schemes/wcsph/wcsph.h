@@ -111,6 +111,8 @@ struct Wcsph {
   PetscReal  divergence; /* largest |drho/dt|/rho [1/s] */
 
   PetscReal     mach, variation; /* largest of the run [-] */
+  PetscReal     passage; /* time in which sound crosses L over that of the run, if walls move [-] */
+  PetscReal     artificial_over_nu; /* see ArtificialShare() [-] */
   PetscLogEvent event;
 };
 

@@ -1,0 +1,31 @@
+#!/usr/bin/env python3
+"""told.py ISPH - tests the lines of -scheme wcsph on runs that end with status 0 and are far from an incompressible flow
+
+Each line is there for a run that needs it, and not for a run beside it that does not."""
+import re
+import subprocess
+import sys
+
+VORTICES = "-case taylor_green -reynolds 100 -n 8 -max_steps 2"
+CAVITY = "-case cavity -reynolds 100 -n 8 -dt 0.01"
+DROP = "-case scene -scene_box -1.5,-1.5,1.5,1.5 -scene_filled_1 circle,0,0,1 -viscosity 5 -n 6 -max_steps 1"
+RUNS = [  # line, run that has it, run that has it not
+    # alpha h c0/(8 nu) = 1.6 for alpha = 0.1 and 0.16 for 0.01: h/dx = 1.3, c0 = 10
+    (r"artificial_over_nu \S+, should be at most 1: ", f"{VORTICES} -artificial_viscosity 0.1",
+     f"{VORTICES} -artificial_viscosity 0.01"),
+    (r"sound_passage 2, should be at most 1: ", f"{CAVITY} -t_end 0.05", f"{CAVITY} -t_end 0.2"),  # L/c0 = 0.1
+    (r"velocity not kept: -visc_laplacian direct ", f"{VORTICES} -visc_laplacian direct", VORTICES),
+    (r"rotation not kept: -visc_laplacian morris ", f"{DROP} -visc_laplacian morris", DROP),
+    (r"mach \S+, should be at most 0.2: ", f"{VORTICES} -sound_speed 3", VORTICES),
+]
+
+
+def lines(words):
+    done = subprocess.run([sys.argv[1], *words.split(), "-scheme", "wcsph", "-progress", "none"], capture_output=True,
+                          text=True, check=True, timeout=60)
+    return done.stdout
+
+
+for line, wrong, right in RUNS:
+    assert re.search("^" + line, lines(wrong), re.M), (line, lines(wrong))
+    assert not re.search("^" + line, lines(right), re.M), (line, lines(right))
