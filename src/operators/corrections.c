@@ -63,15 +63,16 @@ void CorrectKernel_FirstOrder(Stencil *st, PetscReal dW[], PetscReal ddW[])
 
   for (PetscInt k = 0; k < st->n; k++) dW[k] = -st->V[k] * st->dW[k] / st->r[k];
   if (!MomentInverse(st, dW, inverse)) st->regularised++;
-  for (PetscInt k = 0; k < st->n; k++) {
-    PetscReal sum = 0.0;
+  for (PetscInt k = 0; k < st->n; k++) dW[k] = 0.0;
+  for (PetscInt a = 0; a < d; a++) {
+    for (PetscInt b = 0; b < d; b++) {
+      const PetscReal *Xa = st->X[a], *Xb = st->X[b], entry = inverse[a * d + b];
 
-    for (PetscInt a = 0; a < d; a++) {
-      for (PetscInt b = 0; b < d; b++) sum += st->X[a][k] * inverse[a * d + b] * st->X[b][k];
+      for (PetscInt k = 0; k < st->n; k++) dW[k] += Xa[k] * entry * Xb[k];
     }
-    dW[k] = st->dW[k] * sum / PetscSqr(st->r[k]);
-    if (ddW) ddW[k] = st->ddW[k];
   }
+  for (PetscInt k = 0; k < st->n; k++) dW[k] *= st->dW[k] / PetscSqr(st->r[k]);
+  for (PetscInt k = 0; ddW && k < st->n; k++) ddW[k] = st->ddW[k];
 }
 
 /*

@@ -137,9 +137,14 @@ PetscBool MomentInverse(const Stencil *st, const PetscReal weight[], PetscReal i
   PetscReal      m[ISPH_MAX_DIM * ISPH_MAX_DIM] = {0.0};
   PetscBool      regular;
 
-  for (PetscInt k = 0; k < st->n; k++) {
-    for (PetscInt a = 0; a < d; a++) {
-      for (PetscInt b = 0; b <= a; b++) m[a * d + b] += weight[k] * st->X[a][k] * st->X[b][k];
+  for (PetscInt a = 0; a < d; a++) {
+    for (PetscInt b = 0; b <= a; b++) {
+      const PetscReal *Xa = st->X[a], *Xb = st->X[b];
+      PetscReal        sum = 0.0;
+
+#pragma omp simd reduction(+ : sum)
+      for (PetscInt k = 0; k < st->n; k++) sum += weight[k] * Xa[k] * Xb[k];
+      m[a * d + b] = sum;
     }
   }
   regular = DenseCholesky(d, m) ? PETSC_FALSE : PETSC_TRUE;

@@ -27,6 +27,18 @@ static void ShepardGradients(const Stencil *st, PetscReal *c[])
   }
 }
 
+/* Multiplies n gradients by a matrix; inlined for each dimension. */
+static inline void MultiplyAll(PetscInt d, PetscInt n, const PetscReal matrix[], PetscReal *c[])
+{
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal sum[ISPH_MAX_DIM] = {0.0};
+
+    for (PetscInt a = 0; a < d; a++)
+      for (PetscInt b = 0; b < d; b++) sum[a] += matrix[a * d + b] * c[b][k];
+    for (PetscInt a = 0; a < d; a++) c[a][k] = sum[a];
+  }
+}
+
 /* Multiplies the gradients by M^-1, M = sum_k c_k X^T; if the neighbours do not span space, M is
    the unit matrix, and st->regularised counts the row. */
 static void RenormalisedGradients(Stencil *st, PetscReal *c[])
@@ -37,8 +49,13 @@ static void RenormalisedGradients(Stencil *st, PetscReal *c[])
 
   for (PetscInt a = 0; a < d; a++) {
     for (PetscInt b = 0; b < d; b++) {
+      const PetscReal *ca = c[a], *X = st->X[b];
+      PetscReal        sum = 0.0;
+
+#pragma omp simd reduction(+ : sum)
+      for (PetscInt k = 0; k < st->n; k++) sum += ca[k] * X[k];
       inverse[a * d + b] = a == b ? 1.0 : 0.0;
-      for (PetscInt k = 0; k < st->n; k++) M[a * d + b] += c[a][k] * st->X[b][k];
+      M[a * d + b]       = sum;
     }
     trace += PetscAbsReal(M[a * d + a]);
   }
@@ -48,13 +65,9 @@ static void RenormalisedGradients(Stencil *st, PetscReal *c[])
     st->regularised++;
     return;
   }
-  for (PetscInt k = 0; k < st->n; k++) {
-    PetscReal sum[ISPH_MAX_DIM] = {0.0};
-
-    for (PetscInt e = 0; e < d * d; e++)
-      sum[e / d] += inverse[e] / M[e % d * (d + 1)] * c[e % d][k];
-    for (PetscInt a = 0; a < d; a++) c[a][k] = sum[a];
-  }
+  for (PetscInt e = 0; e < d * d; e++) inverse[e] /= M[e % d * (d + 1)];
+  if (d == 2) MultiplyAll(2, st->n, inverse, c);
+  else MultiplyAll(3, st->n, inverse, c);
 }
 
 /*
