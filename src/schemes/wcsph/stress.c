@@ -5,6 +5,8 @@
 */
 #include "wcsph.h"
 
+#define WEAK 10.0 /* largest diagonal entry of an inverse moment matrix [-] */
+
 /* Returns the composed form of the run; NULL: viscosity has one pass, or is implicit. */
 const ComposedForm *WcsphComposed(const Wcsph *w)
 {
@@ -25,29 +27,42 @@ static PetscBool IsExterior(const Wcsph *w, const Stencil *st)
   return PETSC_FALSE;
 }
 
-/* Returns the correction of the gradient of a composed form at a particle, as CorrectionBit. */
-static unsigned GradientCorrection(const Wcsph *w, const ComposedForm *form, const Stencil *st)
-{
-  const CorrectionRow *chosen = w->flow->ops->forms.visc.correction;
-
-  if (form->gradient == GRADIENT_FIRST_ORDER) return CORRECTION_FIRST_ORDER;
-  if (form->gradient == GRADIENT_COUPLED && IsExterior(w, st)) return CORRECTION_FIRST_ORDER;
-  return chosen ? chosen->bit : 0;
-}
-
-/* Multiplies a tensor from the right by M^-1, M = sum_k V_k (grad_i W) X^T; leaves it if the
-   neighbours do not span space. */
-static void TimesInverseMoment(const Stencil *st, PetscReal weight[], PetscReal tensor[])
+/*
+  Computes the inverse of M = sum_k V_k (grad_i W) X^T, which is I inside the fluid and about I/2 on
+  a plane surface. Returns false if the neighbours hardly span space, as in a string of particles:
+  an entry of the diagonal of M^-1 is above WEAK. Input: weight - workspace.
+*/
+static PetscBool FirmMoment(const Stencil *st, PetscReal weight[], PetscReal inverse[])
 {
   const PetscInt d = st->dim;
-  PetscReal      inverse[ISPH_MAX_DIM * ISPH_MAX_DIM], product[ISPH_MAX_DIM * ISPH_MAX_DIM];
 
   for (PetscInt k = 0; k < st->n; k++) weight[k] = -st->V[k] * st->dW[k] / st->r[k];
-  if (!MomentInverse(st, weight, inverse)) return;
-  for (PetscInt e = 0; e < d * d; e++) {
-    product[e] = 0.0;
-    for (PetscInt b = 0; b < d; b++) product[e] += tensor[e / d * d + b] * inverse[b * d + e % d];
-  }
+  if (!MomentInverse(st, weight, inverse)) return PETSC_FALSE;
+  for (PetscInt a = 0; a < d; a++)
+    if (inverse[a * (d + 1)] > WEAK) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
+/* Returns the correction of the gradient of a composed form at a particle, as CorrectionBit. Output:
+   inverse - M^-1 of first order, otherwise unchanged. */
+static unsigned GradientCorrection(const Wcsph *w, const ComposedForm *form, const Stencil *st,
+                                   PetscReal inverse[])
+{
+  const CorrectionRow *chosen = w->flow->ops->forms.visc.correction;
+  const unsigned       bit    = chosen ? chosen->bit : 0;
+
+  if (form->gradient == GRADIENT_SPH) return bit;
+  if (form->gradient == GRADIENT_COUPLED && !IsExterior(w, st)) return bit;
+  return FirmMoment(st, w->pairs.w, inverse) ? CORRECTION_FIRST_ORDER : bit;
+}
+
+/* Multiplies a tensor from the right by a matrix. */
+static void TimesMatrix(PetscInt d, const PetscReal matrix[], PetscReal tensor[])
+{
+  PetscReal product[ISPH_MAX_DIM * ISPH_MAX_DIM] = {0.0};
+
+  for (PetscInt e = 0; e < d * d; e++)
+    for (PetscInt b = 0; b < d; b++) product[e] += tensor[e / d * d + b] * matrix[b * d + e % d];
   for (PetscInt e = 0; e < d * d; e++) tensor[e] = product[e];
 }
 
@@ -66,13 +81,15 @@ static PetscErrorCode StressRow(Stencil *st, void *ctx)
   const LaplacianRow *row   = w->flow->ops->forms.visc.row;
   const PetscInt      d     = st->dim;
   const PetscReal     mu = scene->nu * scene->rho, t = 1.0 - row->grad_div;
-  const unsigned      correction         = GradientCorrection(w, row->composed, st);
   Pairs              *pairs              = &w->pairs;
   PetscReal           none[ISPH_MAX_DIM] = {0.0}, g[ISPH_MAX_DIM * ISPH_MAX_DIM] = {0.0};
   PetscReal           trace = 0.0, stress[ISPH_MAX_DIM * ISPH_MAX_DIM];
+  PetscReal           inverse[ISPH_MAX_DIM * ISPH_MAX_DIM];
+  unsigned            correction;
 
   PetscFunctionBegin;
   PetscCall(WcsphSetPairs(w, none, st));
+  correction = GradientCorrection(w, row->composed, st, inverse);
   KernelGradients(st, correction, pairs->c);
   for (PetscInt e = 0; e < d * d; e++)
     for (PetscInt k = 0; k < st->n; k++) g[e] += pairs->du[e / d][k] * pairs->c[e % d][k];
@@ -84,7 +101,7 @@ static PetscErrorCode StressRow(Stencil *st, void *ctx)
     if (a == b && row->composed->transposed) stress[e] -= w->local.p[st->i];
   }
   if (row->composed->transposed && correction == CORRECTION_FIRST_ORDER)
-    TimesInverseMoment(st, pairs->w, stress);
+    TimesMatrix(d, inverse, stress);
   for (PetscInt e = 0; e < d * d; e++) w->local.stress[e][st->i] = stress[e];
   w->local.divergence[st->i] = trace;
   PetscFunctionReturn(PETSC_SUCCESS);

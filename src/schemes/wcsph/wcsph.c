@@ -43,8 +43,9 @@ static PetscErrorCode WcsphSetUp(Flow *flow)
    free surfaces at the start, if the viscous form has another gradient beside them. */
 static PetscErrorCode WcsphRegister(Flow *flow)
 {
-  Particles *p = flow->particles;
-  Wcsph     *w = (Wcsph *)flow->scheme->data;
+  Particles *p     = flow->particles;
+  Wcsph     *w     = (Wcsph *)flow->scheme->data;
+  PetscReal  least = PETSC_INFINITY;
 
   PetscFunctionBegin;
   PetscCall(ParticlesRegister(p, "density", 1, HALO_NONE, ENTRY_MEAN, &w->rho));
@@ -56,10 +57,12 @@ static PetscErrorCode WcsphRegister(Flow *flow)
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     w->rho[i] = w->equation->Density(w, p->p[i]);
     if (w->e) w->e[i] = w->e_rest;
-    UserCheck(w->rho[i] > 0.0,
-              "-sound_speed %.6g: the pressure %.6g at the start has no density; use a larger one",
-              (double)w->c0, (double)p->p[i]);
+    least = w->rho[i] > 0.0 ? PetscMin(least, w->rho[i]) : 0.0;
   }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPIU_REAL, MPIU_MIN, p->comm));
+  UserCheck(least > 0.0,
+            "-sound_speed %.6g: the least pressure at the start has no density; use a larger one",
+            (double)w->c0);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
