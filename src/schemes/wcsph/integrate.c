@@ -17,21 +17,20 @@ static const OptionRow options[] = {
 };
 const OptionTable WcsphTimeOptions = OPTIONS("Integrator of weakly compressible flow", options);
 
-/* Lists the arrays of the unknowns of own particles, in the order of the vector. Input: positions
-   and velocities - where these are. */
-static PetscInt Components(const Wcsph *w, PetscReal *const x[], PetscReal *const u[],
-                           PetscReal *rho, PetscReal *e, PetscReal *of[])
+/* Lists the arrays of the unknowns of own particles, in the order of the vector, and counts them.
+   Input: x, u, rho, e - the arrays. */
+static void ListComponents(Wcsph *w, PetscReal *const x[], PetscReal *const u[], PetscReal *rho,
+                           PetscReal *e, PetscReal *of[])
 {
   const PetscInt d = w->flow->scene->dim;
-  PetscInt       n = 2 * d;
 
+  w->components = 2 * d;
   for (PetscInt a = 0; a < d; a++) {
     of[a]     = x[a];
     of[d + a] = u[a];
   }
-  if (!w->density->sums) of[n++] = rho;
-  if (w->equation->has_energy) of[n++] = e;
-  return n;
+  if (!w->density->sums) of[w->components++] = rho;
+  if (w->equation->has_energy) of[w->components++] = e;
 }
 
 /* Copies a vector of the TS to arrays. */
@@ -79,7 +78,7 @@ static PetscReal Smallest(PetscInt n, const PetscReal *value, PetscReal rest)
   Fails the step if a particle has moved too far since its start, or is nowhere, or if a density or
   an internal energy is not positive
 
-  Where these are not positive, neither is the square of the speed of sound. Sums of the kernel are.
+  The square of the speed of sound is positive only if these are. Sums of the kernel always are.
   Input: rho, e - of own fluid, in the unknowns of the TS
 */
 static PetscErrorCode CheckUnknowns(Flow *flow, const Wcsph *w, const PetscReal *rho,
@@ -126,7 +125,7 @@ static PetscErrorCode RateFunction(TS ts, PetscReal t, Vec y, Vec rate, void *ct
   PetscCall(VecZeroEntries(rate));
   if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(WcsphReserve(flow, w));
-  (void)Components(w, p->x, w->local.u, w->local.rho, w->local.e, to);
+  ListComponents(w, p->x, w->local.u, w->local.rho, w->local.e, to);
   PetscCall(CopyOut(w, y, to));
   PetscCall(CheckUnknowns(flow, w, w->local.rho, w->local.e));
   if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
@@ -211,7 +210,7 @@ static PetscErrorCode CopyIn(Flow *flow, Wcsph *w)
   PetscScalar *value;
 
   PetscFunctionBegin;
-  w->components = Components(w, p->x, p->u, w->rho, w->e, from);
+  ListComponents(w, p->x, p->u, w->rho, w->e, from);
   PetscCall(Renumber(flow, w));
   for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscArraycpy(w->start[a], p->x[a], p->n_fluid));
   PetscCall(VecGetArrayWrite(w->y, &value));
@@ -241,7 +240,7 @@ PetscErrorCode WcsphIntegrate(Flow *flow, Wcsph *w)
   PetscCall(TimeStepThrough(w->ts, w->integrator->name, &w->guard, clock->t, clock->dt, &dt,
                             &flow->scheme->failure));
   if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
-  (void)Components(w, p->x, p->u, w->rho, w->e, to);
+  ListComponents(w, p->x, p->u, w->rho, w->e, to);
   PetscCall(CopyOut(w, w->y, to));
   PetscCall(CheckUnknowns(flow, w, w->rho, w->e));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -43,8 +43,8 @@ static PetscBool FirmMoment(const Stencil *st, PetscReal weight[], PetscReal inv
   return PETSC_TRUE;
 }
 
-/* Returns the correction of the gradient of a composed form at a particle, as CorrectionBit. Output:
-   inverse - M^-1 of first order, otherwise unchanged. */
+/* Returns the correction of the gradient of a composed form at a particle, as CorrectionBit.
+   Output: inverse - M^-1 of first order, otherwise unchanged. */
 static unsigned GradientCorrection(const Wcsph *w, const ComposedForm *form, const Stencil *st,
                                    PetscReal inverse[])
 {

@@ -322,7 +322,7 @@ static PetscErrorCode WcsphDestroy(Flow *flow)
 
 const SchemeRow SchemeWcsph = {
     .name     = "wcsph",
-    .brief    = "weakly compressible, explicit: density and an equation of state, no matrices",
+    .brief    = "weakly compressible: density and an equation of state, no pressure matrix",
     .citation = "Monaghan, J. Comput. Phys. 110 (1994)",
     .Create   = WcsphCreate,
     .SetUp    = WcsphSetUp,
