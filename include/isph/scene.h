@@ -62,7 +62,9 @@ typedef enum {
   BOUNDARY_PARTICLES = 1 << 1, /* wall particles on or behind it bring its equations into fits */
   BOUNDARY_CONFINES  = 1 << 2, /* impermeable */
   BOUNDARY_NO_SLIP   = 1 << 3, /* the fluid has the velocity of the boundary */
-  BOUNDARY_FREE      = 1 << 4  /* free surface: no stress; its particles carry it */
+  BOUNDARY_FREE      = 1 << 4, /* free surface: no stress; its particles carry it */
+  BOUNDARY_INFLOW    = 1 << 5, /* fluid enters with the velocity of the boundary */
+  BOUNDARY_OUTFLOW   = 1 << 6  /* fluid leaves */
 } BoundaryProperty;
 
 /* The equation that a particle on a boundary gives to a least-squares fit of a quantity f. */
@@ -98,9 +100,10 @@ extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundaryNone,
 /* A boundary of the fluid: a side of the box, or a body. */
 typedef struct {
   const BoundaryRow *kind;
-  Body               body;     /* its geometry; unused by sides of the box */
-  Expression         velocity; /* function of x, y, t on a side, of t on a body [m/s] */
-  Expression         rotation; /* of a body about its centre, function of t [rad/s] */
+  Body               body;       /* its geometry; unused by sides of the box */
+  Expression         velocity;   /* function of x, y, t on a side, of t on a body [m/s] */
+  Expression         rotation;   /* of a body about its centre, function of t [rad/s] */
+  PetscReal          opening[2]; /* part of an inflow side through which fluid enters [m] */
 } Boundary;
 
 /* A tangent plane of a boundary at its point nearest to a position x. */
@@ -239,7 +242,7 @@ struct Scene {
 extern const Table       CaseTable; /* cases/cases.c */
 extern const char *const SideNames[2 * ISPH_MAX_DIM];
 extern const OptionTable SceneOptions, SpacingOptions, TypedOptions, BoundaryOptions,
-    RheologyOptions;
+    OpeningOptions, RheologyOptions;
 
 PetscErrorCode SceneReadTyped(Scene *scene);
 PetscReal      SceneViscosityAt(const Scene *scene, const PetscReal x[]);
@@ -247,6 +250,12 @@ PetscErrorCode SceneCheckFluids(const Scene *scene);
 PetscErrorCode SceneCheckFilled(const Scene *scene);
 PetscErrorCode SceneCheckGaps(const Scene *scene);
 PetscErrorCode SceneCheckInflow(const Scene *scene, PetscReal t);
+PetscErrorCode SceneReadOpenings(Scene *scene);
+PetscBool      SceneHasOpenings(const Scene *scene);
+PetscBool      BoundaryIsOpen(const Scene *scene, PetscInt side, const PetscReal x[]);
+PetscReal      BoundaryOpenPart(const Scene *scene, PetscInt side, const PetscReal x[],
+                                PetscReal length);
+PetscReal InflowPressureSlope(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[]);
 PetscErrorCode SceneCreate(Scene **scene);
 PetscErrorCode SceneDestroy(Scene **scene);
 PetscBool      SceneHas(const Scene *scene, Physics what);
@@ -346,6 +355,7 @@ PetscReal SceneFilledDistance(const Scene *scene, PetscInt region, const PetscRe
 PetscBool SceneHasFreeSurface(const Scene *scene);
 void      SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
                           WallPlane planes[SCENE_MAX_BOUNDARIES], PetscInt *count);
+PetscBool SceneIsBuried(const Scene *scene, PetscInt boundary, const PetscReal x[]);
 void      SceneSizes(const Scene *scene, const PetscReal x[], PetscReal *dx, PetscReal stretch[],
                      PetscReal *volume);
 void      SceneKeepOffWalls(const Scene *scene, PetscReal least, PetscReal x[]);

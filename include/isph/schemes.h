@@ -66,6 +66,14 @@ typedef struct {
   PetscReal energy;                 /* [J] (per metre of depth in 2D) */
 } Graded;
 
+/* Volume that enters and leaves through openings; see src/schemes/openings.c. */
+typedef struct {
+  PetscBool  there;                 /* particles can enter or leave */
+  PetscReal *entered;               /* length of fluid since the last particle, of wall particles on
+                                       an inflow (field); NULL without inflow [m] */
+  PetscReal  volume_in, volume_out; /* of particles, so far [m^dim] */
+} Openings;
+
 /*
   Velocity and pressure on the particles. Fields follow the particles through migration, restart and
   undo. Vectors are valid for an epoch; they share storage with the fields or hold the present step.
@@ -80,6 +88,7 @@ typedef struct {
   PressureAverage average; /* of the pressure */
   Budget         *budget;  /* NULL: steps measure none */
   Graded          graded;  /* zero unless particles move and are graded */
+  Openings        openings;
 
   PetscReal *u_previous[ISPH_MAX_DIM]; /* u^{n-1} (field) [m/s] */
   PetscReal *u_earlier[ISPH_MAX_DIM];  /* u^{n-2} (field); NULL without -dt_adapt error [m/s] */

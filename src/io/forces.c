@@ -39,6 +39,22 @@ static void SideSurface(const Scene *scene, PetscInt side, Surface *s)
   }
 }
 
+/* Leaves out the points that are buried in another boundary. */
+static void LeaveBuried(const Scene *scene, PetscInt side, Surface *s)
+{
+  const PetscInt dim = scene->dim, all = s->n;
+
+  s->n = 0;
+  for (PetscInt k = 0; k < all; k++) {
+    if (SceneIsBuried(scene, side, &s->x[k * dim])) continue;
+    for (PetscInt a = 0; a < dim; a++) {
+      s->x[s->n * dim + a]      = s->x[k * dim + a];
+      s->normal[s->n * dim + a] = s->normal[k * dim + a];
+    }
+    s->area[s->n++] = s->area[k];
+  }
+}
+
 static PetscErrorCode SurfaceCreate(const Scene *scene, PetscInt side, Surface *s)
 {
   const PetscInt dim  = scene->dim;
@@ -58,6 +74,7 @@ static PetscErrorCode SurfaceCreate(const Scene *scene, PetscInt side, Surface *
       s->normal[k * dim + a] = normal[a];
     }
   }
+  if (scene->n_bodies) LeaveBuried(scene, side, s);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

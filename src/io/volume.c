@@ -33,8 +33,8 @@ static void GridAbout(const Scene *scene, const Particles *p, PetscInt i, PetscR
     PetscInt        first = (PetscInt)PetscFloorReal((p->x[a][i] - reach - scene->lo[a]) / s),
              last         = (PetscInt)PetscCeilReal((p->x[a][i] + reach - scene->lo[a]) / s);
 
-    if (BoundaryIs(scene, 2 * a, BOUNDARY_CONFINES)) first = PetscMax(first, 0);
-    if (BoundaryIs(scene, 2 * a + 1, BOUNDARY_CONFINES)) last = PetscMin(last, all);
+    if (BoundaryIs(scene, 2 * a, BOUNDARY_PARTICLES)) first = PetscMax(first, 0);
+    if (BoundaryIs(scene, 2 * a + 1, BOUNDARY_PARTICLES)) last = PetscMin(last, all);
     grid->step[a]  = s;
     grid->first[a] = first;
     grid->n[a]     = PetscMax(last - first, 0);

@@ -315,7 +315,8 @@ static PetscErrorCode RefuseEquations(const Scene *scene, const OperatorForms *f
             "%s: its equations are those of fits, and -wall %s has none; use -wall wall_layer and "
             "forms without full_support in -catalogue, such as mls",
             kind->option.name, forms->wall->name);
-  UserCheck(!forms->components_coupled || LaplacianFitsSurface(&forms->visc),
+  UserCheck(!forms->components_coupled || LaplacianFitsSurface(&forms->visc) ||
+                forms->visc.row->Row == LaplacianRow_PairwiseStress,
             "%s: each velocity component has equations of its own there, and %s couples them; use "
             "a newtonian fluid and -visc_laplacian mls",
             kind->option.name, SceneIsNewtonian(scene) ? forms->visc.row->name : "-rheology");

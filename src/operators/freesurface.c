@@ -148,12 +148,22 @@ static PetscReal LeastEigenvalue(PetscInt d, const PetscReal B[])
   fluid particle i
 
   Not collective. Fluid does not see a wall across a gap: there it has no friction, and the wall
-  does not cover it. Only neighbours of i are searched, so that the answer needs no other rank.
+  does not cover it. Only neighbours of i are searched, so that the answer needs no other rank. The
+  gap at an opening is fluid that enters or has left.
 */
-PetscBool FreeSurfaceTouches(const Particles *p, const Neighbors *nb, PetscInt i, PetscInt wall)
+PetscBool FreeSurfaceTouches(const Scene *scene, const Particles *p, const Neighbors *nb,
+                             PetscInt i, PetscInt wall)
 {
   const PetscReal most = PetscSqr(WET * p->dx[i]);
+  const PetscInt  side = (PetscInt)p->side[wall];
 
+  if (BoundaryIs(scene, side, BOUNDARY_OUTFLOW)) return PETSC_TRUE;
+  if (BoundaryIs(scene, side, BOUNDARY_INFLOW)) {
+    PetscReal x[ISPH_MAX_DIM];
+
+    ParticlesWallPoint(p, wall, x);
+    if (BoundaryIsOpen(scene, side, x)) return PETSC_TRUE;
+  }
   for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {
     const PetscInt j  = q < nb->row[i] ? i : nb->col[q];
     PetscReal      r2 = 0.0;
@@ -168,8 +178,8 @@ PetscBool FreeSurfaceTouches(const Particles *p, const Neighbors *nb, PetscInt i
 /* Returns true if a neighbour of own particle i covers it: it is in the cone about the normal. A
    wall particle covers only fluid before it that touches it, and an isolated particle covers
    nothing. */
-static PetscBool IsCovered(const Particles *p, const Neighbors *nb, const FreeSurface *free,
-                           PetscInt i)
+static PetscBool IsCovered(const Scene *scene, const Particles *p, const Neighbors *nb,
+                           const FreeSurface *free, PetscInt i)
 {
   const PetscReal *normal = &free->normal[i * p->dim];
 
@@ -186,7 +196,7 @@ static PetscBool IsCovered(const Particles *p, const Neighbors *nb, const FreeSu
     }
     if (r2 == 0.0 || r2 >= PetscSqr(CONE_LENGTH * p->dx[i])) continue;
     if (along <= CONE * PetscSqrtReal(r2)) continue;
-    if (ParticlesIsWall(p, j) ? faces < -0.5 && FreeSurfaceTouches(p, nb, i, j)
+    if (ParticlesIsWall(p, j) ? faces < -0.5 && FreeSurfaceTouches(scene, p, nb, i, j)
                               : free->kind[j] != SURFACE_ISOLATED)
       return PETSC_TRUE;
   }
@@ -318,7 +328,7 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
   }
   PetscCall(Exchange(p, free));
   for (PetscInt i = 0; i < p->n_fluid; i++)
-    if (free->kind[i] == SURFACE_SMOOTH && IsCovered(p, nb, free, i))
+    if (free->kind[i] == SURFACE_SMOOTH && IsCovered(scene, p, nb, free, i))
       free->kind[i] = SURFACE_INSIDE;
   PetscCall(Exchange(p, free));
   PetscCall(PetscMalloc2(p->n_fluid * d, &fits.normal, p->n_fluid, &fits.depth));

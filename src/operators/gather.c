@@ -44,13 +44,14 @@ static void GatherSurface(const FreeSurface *free, Stencil *st)
 
 /* Lists the neighbours of particle i in st->j, without wall particles behind a gap; returns their
    number. */
-static PetscInt ListTouching(const Particles *p, const Neighbors *nb, PetscInt i, Stencil *st)
+static PetscInt ListTouching(const Scene *scene, const Particles *p, const Neighbors *nb,
+                             PetscInt i, Stencil *st)
 {
   PetscInt n = 0;
 
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
     st->j[n] = nb->col[q];
-    if (!ParticlesIsWall(p, st->j[n]) || FreeSurfaceTouches(p, nb, i, st->j[n])) n++;
+    if (!ParticlesIsWall(p, st->j[n]) || FreeSurfaceTouches(scene, p, nb, i, st->j[n])) n++;
   }
   return n;
 }
@@ -106,7 +107,7 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
     x[a]           = p->x[a][i];
     st->stretch[a] = ParticlesStretch(p, a, i);
   }
-  n         = free ? ListTouching(p, nb, i, st) : last - first;
+  n         = free ? ListTouching(scene, p, nb, i, st) : last - first;
   candidate = free ? st->j : nb->col + first;
   if (d == 2) n = KeepClose(2, p, n, candidate, x, st->stretch, radius2, st);
   else n = KeepClose(3, p, n, candidate, x, st->stretch, radius2, st);

@@ -178,19 +178,6 @@ static PetscBool FittedRow(Stencil *st, PetscReal bulk, PetscReal w[])
              : PETSC_FALSE;
 }
 
-/* Keeps of the pair forces of sides along which the fluid slides the normal force by the normal
-   velocity. */
-static void DropFriction(const Stencil *st, PetscReal w[])
-{
-  const PetscInt d = st->dim;
-
-  for (PetscInt k = 0; st->slips && k < st->n; k++) {
-    if (!st->wall[k] || BoundaryIs(st->scene, st->side[k], BOUNDARY_NO_SLIP)) continue;
-    for (PetscInt e = 0; e < d * d; e++)
-      w[k * d * d + e] *= PetscAbsReal(st->normal[e / d][k] * st->normal[e % d][k]);
-  }
-}
-
 /* Computes the row by pair forces with the factor of the particle alone, and without pressure on
    the surface. */
 static PetscErrorCode PairRow(Stencil *st, PetscReal w[])
@@ -201,7 +188,6 @@ static PetscErrorCode PairRow(Stencil *st, PetscReal w[])
   for (PetscInt k = 0; k < st->n; k++) st->factor[k] = own;
   for (PetscInt c = 0; c < st->dim; c++) PetscCall(PetscArrayzero(st->normal_strain[c], st->n));
   PetscCall(LaplacianRow_PairwiseStress(st, w));
-  DropFriction(st, w);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -228,7 +214,6 @@ PetscErrorCode LaplacianRow_SurfaceMls(Stencil *st, PetscReal w[])
   PetscFunctionBegin;
   if (st->kind == SURFACE_ROUGH || st->kind == SURFACE_ISOLATED) {
     PetscCall(LaplacianRow_PairwiseStress(st, w));
-    DropFriction(st, w);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (st->near_surface || st->slips) {

@@ -24,12 +24,12 @@ PetscErrorCode            GradientRow_MlsDegree(Stencil *stencil, PetscInt degre
                                                 PetscBool *determined);
 PetscErrorCode            FilterRow_Mls(Stencil *stencil, PetscReal w[]);
 PetscErrorCode            DivergenceFit_Mls(Stencil *stencil, PetscReal *d[], PetscReal m[]);
-void      MirrorImage(PetscInt dim, PetscInt n_planes, const WallPlane planes[], PetscInt set,
-                      const PetscReal X[], PetscReal Y[]);
-PetscBool FreeSurfaceTouches(const Particles *particles, const Neighbors *neighbors, PetscInt i,
-                             PetscInt wall);
-PetscInt  SurfaceTangents(PetscInt dim, const PetscReal normal[], PetscReal t[][ISPH_MAX_DIM]);
-void      CorrectKernel_FirstOrder(Stencil *stencil, PetscReal dW[], PetscReal ddW[]);
+void           MirrorImage(PetscInt dim, PetscInt n_planes, const WallPlane planes[], PetscInt set,
+                           const PetscReal X[], PetscReal Y[]);
+PetscBool      FreeSurfaceTouches(const Scene *scene, const Particles *particles,
+                                  const Neighbors *neighbors, PetscInt i, PetscInt wall);
+PetscInt       SurfaceTangents(PetscInt dim, const PetscReal normal[], PetscReal t[][ISPH_MAX_DIM]);
+void           CorrectKernel_FirstOrder(Stencil *stencil, PetscReal dW[], PetscReal ddW[]);
 PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length);
 
 /* Computes the corrected kernel gradient M^-1 grad_i W of neighbour k; `inverse` holds M^-1,

@@ -179,6 +179,21 @@ PetscReal Factor_PairwiseStress(const Stencil *st)
   return sum > 0.0 ? d * (d + 2.0) / sum : 1.0;
 }
 
+/* Keeps of the pair forces of sides along which the fluid slides the normal force by the normal
+   velocity, and none of those of an outflow. */
+static void DropFriction(const Stencil *st, PetscReal w[])
+{
+  const PetscInt d = st->dim;
+
+  for (PetscInt k = 0; st->slips && k < st->n; k++) {
+    if (!st->wall[k] || BoundaryIs(st->scene, st->side[k], BOUNDARY_NO_SLIP)) continue;
+    for (PetscInt e = 0; e < d * d; e++)
+      w[k * d * d + e] *= BoundaryIs(st->scene, st->side[k], BOUNDARY_OUTFLOW)
+                              ? 0.0
+                              : PetscAbsReal(st->normal[e / d][k] * st->normal[e % d][k]);
+  }
+}
+
 /*
   LaplacianRow_PairwiseStress - Computes the divergence of a viscous stress by symmetric forces
   along pairs; couples velocity components
@@ -203,5 +218,6 @@ PetscErrorCode LaplacianRow_PairwiseStress(Stencil *st, PetscReal w[])
   PetscFunctionBegin;
   for (PetscInt k = 0; k < st->n; k++)
     SetPairForce(st, k, 2.0 * PairStrength(st, k) * st->factor[k], w);
+  DropFriction(st, w);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -26,8 +26,8 @@ static PetscBool IsBall(const Scene *scene, PetscInt k)
   return scene->dim == 3 && scene->filled[k].ball ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Returns the distance of x from the nearest side of the box that confines the fluid and, if
-   `bodies`, from the nearest body [m]. */
+/* Returns the distance of x from the nearest side of the box with wall particles and, if `bodies`,
+   from the nearest body [m]. */
 static PetscReal WallGap(const Scene *scene, const PetscReal x[], PetscBool bodies)
 {
   PetscReal gap = PETSC_INFINITY, normal[ISPH_MAX_DIM];
@@ -37,7 +37,7 @@ static PetscReal WallGap(const Scene *scene, const PetscReal x[], PetscBool bodi
   for (PetscInt side = 0; side < 4; side++) {
     const PetscInt a = side / 2;
 
-    if (!BoundaryIs(scene, side, BOUNDARY_CONFINES)) continue;
+    if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES)) continue;
     gap = PetscMin(gap, side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a]);
   }
   return gap;

@@ -53,6 +53,38 @@ static void SetViscosities(const Scene *scene, const FluidStart *start, Particle
   }
 }
 
+/* Removes the new wall particles on surfaces that are buried in another boundary. */
+static PetscErrorCode LeaveBuriedWalls(const Scene *scene, Particles *p)
+{
+  const PetscInt own = ParticlesOwn(p);
+  PetscInt       n   = 0;
+  RecordColumns  columns;
+  PetscReal     *record;
+
+  PetscFunctionBegin;
+  if (!scene->n_bodies || !SceneHas(scene, PHYSICS_WALLS)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(ParticlesRecordWidth(p), &record));
+  PetscCall(RecordsBegin(p, &columns));
+  for (PetscInt i = p->n_fluid; i < own; i++) {
+    const PetscInt to              = p->n_fluid + n;
+    PetscReal      x[ISPH_MAX_DIM] = {0.0};
+
+    for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+    if (p->depth[i] == 0.0 && SceneIsBuried(scene, (PetscInt)p->side[i], x)) continue;
+    RecordPack(p, &columns, i, record);
+    RecordUnpack(&columns, record, to);
+    p->id[to]   = p->id[i];
+    p->kind[to] = p->kind[i];
+    n++;
+  }
+  PetscCall(RecordsEnd(&columns));
+  PetscCall(PetscFree(record));
+  p->n_wall = n;
+  PetscCallMPI(MPI_Allreduce(&n, &p->N_wall, 1, MPIU_INT, MPI_SUM, p->comm));
+  p->N_start[1] = p->N_wall;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Creates particles whose spacing is a function of place, or that do not fill the box. */
 static PetscErrorCode CreateCloud(const Scene *scene, WallPlacement walls, Particles *p)
 {
@@ -60,6 +92,7 @@ static PetscErrorCode CreateCloud(const Scene *scene, WallPlacement walls, Parti
 
   PetscFunctionBegin;
   PetscCall(CloudFill(scene, walls, p, &cloud));
+  PetscCall(LeaveBuriedWalls(scene, p));
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
   if (cloud.relaxed) PetscCall(CloudRelax(scene, &cloud, p));
   PetscCall(CloudFinish(scene, &cloud, p));
@@ -117,8 +150,12 @@ PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscRea
   PetscCallMPI(MPI_Type_commit(&p->vector));
   PetscCall(RegisterOwnFields(scene, p));
 
-  if (scene->grading.on || (scene->n_filled && !start)) PetscCall(CreateCloud(scene, walls, p));
-  else PetscCall(LatticeFill(scene, walls, start, p));
+  if (scene->grading.on || (scene->n_filled && !start)) {
+    PetscCall(CreateCloud(scene, walls, p));
+  } else {
+    PetscCall(LatticeFill(scene, walls, start, p));
+    PetscCall(LeaveBuriedWalls(scene, p));
+  }
   SetViscosities(scene, start, p);
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
   p->weight_start = p->weight_found = p->weight;

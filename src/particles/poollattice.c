@@ -27,8 +27,8 @@ static PetscReal Offset(const Scene *scene, PetscInt axis, PetscReal line)
     const PetscInt  side = 2 * axis + end;
     const PetscReal gap  = PetscAbsReal(line - (end ? scene->hi[axis] : scene->lo[axis]));
 
-    if (gap < NEAR * scene->dx &&
-        (BoundaryIs(scene, side, BOUNDARY_CONFINES) || BoundaryIs(scene, side, BOUNDARY_CONTINUES)))
+    if (gap < NEAR * scene->dx && (BoundaryIs(scene, side, BOUNDARY_PARTICLES) ||
+                                   BoundaryIs(scene, side, BOUNDARY_CONTINUES)))
       return 0.5;
   }
   return 0.0;

@@ -1,7 +1,7 @@
 /*
-  Boundaries of the fluid: the table of their kinds, and the functions that answer all questions
-  about them and give their data. The sides of the box have the numbers 2 axis + (0 low, 1 high);
-  the bodies follow.
+  Boundaries of the fluid: the table of their kinds, and the functions that answer questions about
+  them and give their data; distances are in distances.c. The sides of the box have the numbers
+  2 axis + (0 low, 1 high); the bodies follow.
 */
 #include "isph/scene.h"
 
@@ -37,7 +37,9 @@ const BoundaryRow BoundaryNone = {
 
 /* The kinds in the order of -catalogue; a kind defined in a file of its own is added here too. */
 #define KINDS(ROW)                                                                                 \
-  ROW(BoundaryWall) ROW(BoundaryPeriodic) ROW(BoundarySymmetry) ROW(BoundaryFree) ROW(BoundaryNone)
+  ROW(BoundaryWall)                                                                                \
+  ROW(BoundaryPeriodic)                                                                            \
+  ROW(BoundarySymmetry) ROW(BoundaryInflow) ROW(BoundaryOutflow) ROW(BoundaryFree) ROW(BoundaryNone)
 
 #define DECLARE(row) extern const BoundaryRow row;
 KINDS(DECLARE)
@@ -200,7 +202,8 @@ PetscBool SceneIsClosedBox(const Scene *scene)
 
     u = V(t) + w(t) z x (x - c)   for a body with centre c,   V(t, x) for a side of the box
 
-  Not collective. A case may define the velocities of the sides by a function.
+  Not collective. A case may define the velocities of the sides by a function. An inflow is at rest
+  outside its opening.
 */
 void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                        PetscReal u[])
@@ -219,6 +222,8 @@ void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pet
   } else if (scene->problem->WallVelocity) {
     scene->problem->WallVelocity(scene, side, t, x, u);
   }
+  for (PetscInt c = 0; BoundaryIs(scene, side, BOUNDARY_INFLOW) && c < scene->dim; c++)
+    if (!BoundaryIsOpen(scene, side, x)) u[c] = 0.0;
 }
 
 /*
@@ -258,7 +263,8 @@ void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const
 
     n.grad p = rho n.(f - a) [Pa/m],   or p [Pa] if the boundary gives its value
 
-  f is the body force, a the acceleration of the boundary. Not collective.
+  f is the body force, a the acceleration of the boundary; an inflow adds InflowPressureSlope(). Not
+  collective.
 */
 PetscReal SceneWallPressure(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                             const PetscReal normal[])
@@ -272,6 +278,7 @@ PetscReal SceneWallPressure(const Scene *scene, PetscInt side, PetscReal t, cons
   SceneBodyForce(scene, t, x, force);
   for (PetscInt a = 0; a < scene->dim; a++)
     slope += scene->rho * (force[a] - acceleration[a]) * normal[a];
+  if (BoundaryIs(scene, side, BOUNDARY_INFLOW)) slope += InflowPressureSlope(scene, side, t, x);
   return slope;
 }
 
@@ -331,113 +338,4 @@ PetscReal SceneDecayRate(const Scene *scene)
       width = PetscMin(width, scene->hi[a] - scene->lo[a]);
   }
   return SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low * PetscSqr(PETSC_PI / width) : 0.0;
-}
-
-/*
-  SceneDistance - Returns the distance of x from the surface of the nearest body, positive in the
-  fluid [m]
-
-  Not collective. Output: nearest - number of this body, -1 if there is none (then the distance is
-  infinite); normal - into the fluid, at the surface point nearest to x.
-*/
-PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,
-                        PetscReal normal[])
-{
-  PetscReal best = PETSC_INFINITY, n[ISPH_MAX_DIM];
-
-  *nearest = -1;
-  for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    const PetscReal distance = BodyDistance(scene, SceneBody(scene, k), x, n);
-
-    if (distance >= best) continue;
-    best     = distance;
-    *nearest = k;
-    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) normal[a] = n[a];
-  }
-  return best;
-}
-
-/*
-  SceneDistanceTo - Returns the distance of x from the nearest boundary with all the given
-  properties, positive in the fluid [m]
-
-  Not collective. Output: side - number of this boundary, -1 if there is none (then the distance is
-  infinite). For a point on a surface the distance is zero within SCENE_ON_SURFACE dx.
-*/
-PetscReal SceneDistanceTo(const Scene *scene, unsigned properties, const PetscReal x[],
-                          PetscInt *side)
-{
-  PetscReal best = PETSC_INFINITY, normal[ISPH_MAX_DIM];
-
-  *side = -1;
-  for (PetscInt s = 0; s < SceneBoundaries(scene); s++) {
-    const Body    *body = BoundaryBody(scene, s);
-    const PetscInt a    = s / 2;
-    PetscReal      distance;
-
-    if (!BoundaryIs(scene, s, properties)) continue;
-    if (body) distance = BodyDistance(scene, body, x, normal);
-    else distance = s % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
-    if (distance >= best) continue;
-    best  = distance;
-    *side = s;
-  }
-  return best;
-}
-
-/* SceneFluidDistance - Returns SceneDistanceTo() boundaries with particles [m]; not collective */
-PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *side)
-{
-  return SceneDistanceTo(scene, BOUNDARY_PARTICLES, x, side);
-}
-
-/*
-  SceneWallPlanes - Finds the tangent planes of all boundaries that confine the fluid near x
-
-  Not collective. Used for mirror images, for the minimum distance from walls, and for the
-  extrapolation of wall velocities, which depend on geometry instead of particles.
-
-  Input Parameters:
-+ x     - a point [m]
-- reach - largest distance from x [m]
-
-  Output Parameters:
-+ planes - a plane for each boundary within reach
-- count  - their number
-*/
-void SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
-                     WallPlane planes[SCENE_MAX_BOUNDARIES], PetscInt *count)
-{
-  *count = 0;
-  if (!SceneHas(scene, PHYSICS_WALLS)) return;
-  for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
-    const Body    *body  = BoundaryBody(scene, side);
-    const PetscInt a     = side / 2;
-    WallPlane     *plane = &planes[*count];
-
-    if (!BoundaryIs(scene, side, BOUNDARY_CONFINES)) continue;
-    plane->side = side;
-    if (body) {
-      plane->distance = BodyDistance(scene, body, x, plane->normal);
-    } else {
-      plane->distance = side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
-      for (PetscInt c = 0; c < ISPH_MAX_DIM; c++) plane->normal[c] = 0.0;
-      plane->normal[a] = side % 2 ? -1.0 : 1.0;
-    }
-    if (plane->distance < reach) (*count)++;
-  }
-}
-
-/* SceneKeepOffWalls - Moves a position that is less than `least` [m] from a boundary that confines
-   the fluid, or behind it, to this distance; not collective */
-void SceneKeepOffWalls(const Scene *scene, PetscReal least, PetscReal x[])
-{
-  WallPlane planes[SCENE_MAX_BOUNDARIES];
-  PetscInt  n;
-
-  SceneWallPlanes(scene, x, least, planes, &n);
-  for (PetscInt k = 0; k < n; k++) {
-    for (PetscInt a = 0; a < scene->dim; a++)
-      x[a] += (least - planes[k].distance) * planes[k].normal[a];
-  }
 }

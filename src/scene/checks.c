@@ -30,11 +30,35 @@ static PetscErrorCode CheckImages(const Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns true if a body stands on a side of the box or reaches beyond it. */
+static PetscBool StandsOn(const Scene *scene, const Body *body, PetscInt side)
+{
+  const PetscReal slack = SCENE_ON_SURFACE * scene->dx;
+  PetscReal       span[2];
+
+  BodySpan(body, side / 2, span);
+  return side % 2 ? span[1] >= scene->hi[side / 2] - slack : span[0] <= scene->lo[side / 2] + slack;
+}
+
+/* Returns the gap between a point of the surface of a body and a side of the box. A body that
+   stands on the side has no gap at the corner between them; there the gap is the way from the point
+   to the side along the normal, which is short only in an acute corner. */
+static PetscReal SideGap(const Scene *scene, const Body *body, PetscInt side, const PetscReal x[],
+                         const PetscReal normal[])
+{
+  const PetscInt  a       = side / 2;
+  const PetscReal gap     = side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
+  const PetscReal towards = side % 2 ? normal[a] : -normal[a];
+
+  if (!StandsOn(scene, body, side)) return gap;
+  return towards > PETSC_SMALL ? gap / towards : PETSC_INFINITY;
+}
+
 /*
   SceneCheckGaps - Refuses bodies that overlap or leave gaps too narrow for least-squares fits
 
   Collective. A gap between surfaces, also through a periodic side, has 4 dx or more, with the
-  spacing at the surface in place of dx if it differs.
+  spacing at the surface in place of dx if it differs. Bodies may stand on sides of the box.
 */
 PetscErrorCode SceneCheckGaps(const Scene *scene)
 {
@@ -48,15 +72,14 @@ PetscErrorCode SceneCheckGaps(const Scene *scene)
       PetscReal least;
 
       (void)BodyPoint(body, q, BodySpacing(scene, body), x, normal);
+      if (SceneIsBuried(scene, SceneBodySide(scene, k), x)) continue;
       least = 4.0 * SceneSpacing(scene, x);
       for (PetscInt m = 0; m < scene->n_bodies; m++) {
         if (m != k) gap = PetscMin(gap, BodyDistance(scene, SceneBody(scene, m), x, other));
       }
       for (PetscInt side = 0; side < 4; side++) {
-        const PetscInt a = side / 2;
-
         if (BoundaryIs(scene, side, BOUNDARY_PARTICLES))
-          gap = PetscMin(gap, side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a]);
+          gap = PetscMin(gap, SideGap(scene, body, side, x, normal));
       }
       UserCheck(
           gap >= least,

@@ -36,7 +36,7 @@ static const OptionRow options[] = {
             .unit     = "m/s",
             .standard = "0,0",
             .places   = BoxSides,
-            .where    = "-case scene, sides that are walls",
+            .where    = "-case scene, sides that are walls or inflows",
         },
     [BODY] =
         {
@@ -198,7 +198,14 @@ static PetscErrorCode ReadBodies(Scene *scene)
     OptionNumber(&options[BODY_AROUND], k, name, &row);
     PetscCall(OptionGetSwitch(&row, &boundary->body.around, NULL));
     for (PetscInt side = 0; boundary->body.around && side < SceneBodySide(scene, 0); side++) {
-      if (BoundaryIs(scene, side, BOUNDARY_PARTICLES)) SceneSetSide(scene, side, &BoundaryNone);
+      const BoundaryRow *kind = scene->boundary[side].kind;
+
+      if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES)) continue;
+      UserCheck(kind == &BoundaryWall,
+                "%s: the sides of the box are then in the solid, which "
+                "excludes %s",
+                name, kind->option.name);
+      SceneSetSide(scene, side, &BoundaryNone);
     }
   }
   PetscCall(ShapeCheckNumbers(&options[BODY], scene->n_bodies, SCENE_MAX_BODIES));
@@ -244,8 +251,8 @@ static PetscErrorCode ReadSides(Scene *scene)
     if (ExpressionUses(v, EXPRESSION_TIME)) scene->unsteady_walls = PETSC_TRUE;
     UserCheck(!SceneHas(scene, PHYSICS_CONVECTION) || !BoundaryIs(scene, side, BOUNDARY_CONFINES) ||
                   (!v->uses[normal] && v->value[normal] == 0.0),
-              "%s: %s is normal to that side and must be 0: with convection there is no in- or "
-              "outflow",
+              "%s: %s is normal to that side and must be 0: with convection fluid enters through "
+              "-scene_inflow only",
               name, normal ? "v" : "u");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -320,6 +327,8 @@ static PetscErrorCode ReadFields(Scene *scene)
 + -scene_box x0,y0,x1,y1           - corners [m]; by default 0,0,L,L
 . -scene_periodic x,y              - axes that are periodic
 . -scene_symmetry left,...         - sides in which the flow mirrors itself
+. -scene_inflow left,...           - sides through which fluid enters, see SceneReadOpenings()
+. -scene_outflow right,...         - sides through which fluid leaves
 . -scene_wall_<side>_velocity u,v  - velocity of side left, right, bottom or top [m/s] (x, y, t)
 . -scene_body_<k> shape,...        - shape of body 1, 2, ... [m]
 . -scene_body_<k>_velocity u,v     - velocity of its surface [m/s] (t)
@@ -358,11 +367,12 @@ PetscErrorCode SceneReadTyped(Scene *scene)
   PetscCall(ReadKinds(scene));
   PetscCall(ReadBodies(scene));
   PetscCall(ReadSides(scene));
+  PetscCall(SceneReadOpenings(scene));
+  if (!SceneHasBoundary(scene, BOUNDARY_PARTICLES)) scene->physics &= ~(unsigned)PHYSICS_WALLS;
+  PetscCall(ReadFilled(scene));
   PetscCall(SceneCheckInflow(scene, 0.0));
   PetscCall(SceneCheckInflow(scene,
                              0.125 * scene->length / scene->speed)); /* walls may start from rest */
-  if (!SceneHasBoundary(scene, BOUNDARY_PARTICLES)) scene->physics &= ~(unsigned)PHYSICS_WALLS;
-  PetscCall(ReadFilled(scene));
   PetscCall(ReadFluids(scene));
   PetscCall(SceneCheckFluids(scene));
   PetscCall(ReadFields(scene));

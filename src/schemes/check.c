@@ -183,6 +183,7 @@ static PetscErrorCode FailSpeed(Flow *flow, PetscReal rms, PetscReal bound)
   const Scene *scene = flow->scene;
   const Clock *clock = flow->clock;
   char where[CLOCK_WHERE], advice[128] = "try a smaller -coupled_ksp_rtol, or advance in time";
+  char most[64] = "";
 
   PetscFunctionBegin;
   PetscCall(ClockWhere(clock, where));
@@ -192,11 +193,14 @@ static PetscErrorCode FailSpeed(Flow *flow, PetscReal rms, PetscReal bound)
                       "the flow is unstable at dt = %.6g (CFL %.2g); try a smaller -dt or -cfl",
                       (double)clock->dt, (double)(clock->dt * scene->speed / scene->dx)));
   }
+  if (bound < PETSC_INFINITY)
+    PetscCall(
+        PetscSNPrintf(most, sizeof(most), "at most %.6g by forces and walls; ", (double)bound));
   FailureSet(&flow->scheme->failure, PETSC_ERR_FP,
-             "%s: the velocity has left every bound (root mean square %.6g, at most %.6g by forces "
-             "and walls; largest %.6g, reference %.6g): %s",
-             where, (double)rms, (double)bound, (double)flow->scheme->stats.speed_max,
-             (double)scene->speed, advice);
+             "%s: the velocity has left every bound (root mean square %.6g, %slargest %.6g, "
+             "reference %.6g): %s",
+             where, (double)rms, most, (double)flow->scheme->stats.speed_max, (double)scene->speed,
+             advice);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

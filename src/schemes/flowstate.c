@@ -2,7 +2,7 @@
   The state of a flow: velocity and pressure as fields of the particles and as vectors, the initial
   values, and work vectors that a step borrows.
 */
-#include "isph/schemes.h"
+#include "step.h"
 
 /*
   Returns the default strength of the velocity filter [-]
@@ -111,6 +111,7 @@ PetscErrorCode FlowStateCreate(Flow *flow, unsigned *needs)
   PetscCall(RegisterEvents(scene, s));
   flow->state = s;
   PetscCall(AverageCreate(flow));
+  PetscCall(OpeningsCreate(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -161,6 +162,7 @@ PetscErrorCode FlowStateRegister(Flow *flow)
   if (s->has_convection && !s->implicit_convection)
     PetscCall(ParticlesRegister(p, "convection", scene->dim, HALO_NONE, ENTRY_MEAN, s->convection));
   PetscCall(AverageRegister(flow));
+  PetscCall(OpeningsRegister(flow));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM] = {0.0}, pressure = scene->outside;
 

@@ -284,7 +284,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
 
 /*
   FlowMove - Moves particles from x^n to x^{n+1} by Adams-Bashforth with shifting, changes their
-  fields, and updates ownership and halo
+  fields, lets particles pass openings, and updates ownership and halo
 
     dr = dt ((1 + w/2) u^n - w/2 u^{n-1}) + s,   w = ClockRatio()
     u += s.grad u + |s|^2/(2d) lap u - filter of FilterVelocity(),   p += dr.grad p
@@ -303,7 +303,7 @@ PetscErrorCode FlowMove(Flow *flow)
 {
   const PetscLogEvent *event = flow->state->event;
   PetscReal            moved, work;
-  PetscBool            started;
+  PetscBool            started, passed;
   Slopes               slopes;
 
   PetscFunctionBegin;
@@ -316,8 +316,9 @@ PetscErrorCode FlowMove(Flow *flow)
   PetscCall(PetscLogEventEnd(event[FLOW_EVENT_MOVE], 0, 0, 0, 0));
   if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
+  PetscCall(OpeningsPass(flow, &passed));
   PetscCall(ParticlesUpdateEpoch(flow->scene, flow->particles, PETSC_FALSE, &started));
-  if (!started) PetscCall(ParticlesUpdateHalo(flow->particles));
+  if (!started && !passed) PetscCall(ParticlesUpdateHalo(flow->particles));
   PetscCall(PetscLogEventEnd(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -16,6 +16,11 @@ PetscErrorCode FlowBegin(Flow *flow);
 /* motion.c */
 PetscErrorCode FlowMove(Flow *flow);
 
+/* openings.c */
+PetscErrorCode OpeningsCreate(Flow *flow);
+PetscErrorCode OpeningsRegister(Flow *flow);
+PetscErrorCode OpeningsPass(Flow *flow, PetscBool *passed);
+
 /* graded.c */
 void GradedPath(const Scene *scene, const Particles *particles, PetscInt i, PetscReal way[]);
 void GradedKeepOffSides(const Scene *scene, PetscReal share, PetscReal x[]);

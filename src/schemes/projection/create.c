@@ -210,7 +210,7 @@ static PetscErrorCode ChoosePoints(const Scene *scene, const PressurePointsRow *
 
   PetscFunctionBegin;
   PetscCall(OperatorsDegree(&degree));
-  coarse = !SceneHasFreeSurface(scene) &&
+  coarse = !SceneHasFreeSurface(scene) && !SceneHasBoundary(scene, BOUNDARY_OUTFLOW) &&
            (SceneMoves(scene) || (degree == 4 ? SceneHas(scene, PHYSICS_WALLS) : damped));
   for (PetscInt a = 0; a < scene->dim; a++)
     coarse = coarse && CellsAlong(scene, a, SPACING_STANDARD) >= LEAST_CELLS;
@@ -370,6 +370,9 @@ PetscErrorCode ProjectionCreate(Flow *flow)
               "coarse, with a box at least 6 dx wide, or -motion eulerian");
     UserCheck(!points_row->coarse || !SceneHasFreeSurface(scene),
               "-pressure_points coarse: its lattice does not follow a free surface; use same");
+    UserCheck(!points_row->coarse || !SceneHasBoundary(scene, BOUNDARY_OUTFLOW),
+              "-pressure_points coarse: its splines have no condition for the pressure of "
+              "-scene_outflow; use same");
     if (points_row->coarse) PetscCall(CreateOnSplines(flow, pr));
     else PetscCall(CreateOnParticles(flow, pr));
     flow->scheme->variant = (const TableRow *)(const void *)pr->row;

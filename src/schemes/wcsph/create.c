@@ -118,6 +118,8 @@ static PetscErrorCode Refuse(const Flow *flow)
   UserCheck(SceneMoves(scene),
             "-scheme wcsph: its particles move; use -motion lagrangian and -with convection");
   UserCheck(!fits, "-scheme wcsph: its walls have no slip, which excludes %s", fits->option.name);
+  UserCheck(!SceneHasOpenings(scene), "-scheme wcsph: fluid does not enter, which excludes "
+                                      "-scene_inflow; use -scheme projection or coupled");
   UserCheck(!SceneIsGraded(scene) && !SceneMovesGraded(scene),
             "-scheme wcsph: its particles have one size, which excludes -spacing and "
             "-spacing_wall");

@@ -1,0 +1,138 @@
+/*
+  Distances of places from the boundaries of the scene: the nearest boundary, tangent planes, the
+  least distance of particles from walls, and the parts of surfaces that are buried in others.
+*/
+#include "isph/scene.h"
+
+/*
+  SceneDistance - Returns the distance of x from the surface of the nearest body, positive in the
+  fluid [m]
+
+  Not collective. Output: nearest - number of this body, -1 if there is none (then the distance is
+  infinite); normal - into the fluid, at the surface point nearest to x.
+*/
+PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,
+                        PetscReal normal[])
+{
+  PetscReal best = PETSC_INFINITY, n[ISPH_MAX_DIM];
+
+  *nearest = -1;
+  for (PetscInt k = 0; k < scene->n_bodies; k++) {
+    const PetscReal distance = BodyDistance(scene, SceneBody(scene, k), x, n);
+
+    if (distance >= best) continue;
+    best     = distance;
+    *nearest = k;
+    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) normal[a] = n[a];
+  }
+  return best;
+}
+
+/*
+  SceneDistanceTo - Returns the distance of x from the nearest boundary with all the given
+  properties, positive in the fluid [m]
+
+  Not collective. Output: side - number of this boundary, -1 if there is none (then the distance is
+  infinite). For a point on a surface the distance is zero within SCENE_ON_SURFACE dx.
+*/
+PetscReal SceneDistanceTo(const Scene *scene, unsigned properties, const PetscReal x[],
+                          PetscInt *side)
+{
+  PetscReal best = PETSC_INFINITY, normal[ISPH_MAX_DIM];
+
+  *side = -1;
+  for (PetscInt s = 0; s < SceneBoundaries(scene); s++) {
+    const Body    *body = BoundaryBody(scene, s);
+    const PetscInt a    = s / 2;
+    PetscReal      distance;
+
+    if (!BoundaryIs(scene, s, properties)) continue;
+    if (body) distance = BodyDistance(scene, body, x, normal);
+    else distance = s % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
+    if (distance >= best) continue;
+    best  = distance;
+    *side = s;
+  }
+  return best;
+}
+
+/* SceneFluidDistance - Returns SceneDistanceTo() boundaries with particles [m]; not collective */
+PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *side)
+{
+  return SceneDistanceTo(scene, BOUNDARY_PARTICLES, x, side);
+}
+
+/*
+  SceneWallPlanes - Finds the tangent planes of all boundaries with wall particles near x
+
+  Not collective. Used for mirror images, for the minimum distance from walls, and for the
+  extrapolation of wall velocities, which depend on geometry instead of particles.
+
+  Input Parameters:
++ x     - a point [m]
+- reach - largest distance from x [m]
+
+  Output Parameters:
++ planes - a plane for each boundary within reach
+- count  - their number
+*/
+void SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
+                     WallPlane planes[SCENE_MAX_BOUNDARIES], PetscInt *count)
+{
+  *count = 0;
+  if (!SceneHas(scene, PHYSICS_WALLS)) return;
+  for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
+    const Body    *body  = BoundaryBody(scene, side);
+    const PetscInt a     = side / 2;
+    WallPlane     *plane = &planes[*count];
+
+    if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES)) continue;
+    plane->side = side;
+    if (body) {
+      plane->distance = BodyDistance(scene, body, x, plane->normal);
+    } else {
+      plane->distance = side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
+      for (PetscInt c = 0; c < ISPH_MAX_DIM; c++) plane->normal[c] = 0.0;
+      plane->normal[a] = side % 2 ? -1.0 : 1.0;
+    }
+    if (plane->distance < reach) (*count)++;
+  }
+}
+
+/* SceneKeepOffWalls - Moves a position that is less than `least` [m] from a boundary with wall
+   particles, or behind it, to this distance, except at an outflow; not collective */
+void SceneKeepOffWalls(const Scene *scene, PetscReal least, PetscReal x[])
+{
+  WallPlane planes[SCENE_MAX_BOUNDARIES];
+  PetscInt  n;
+
+  SceneWallPlanes(scene, x, least, planes, &n);
+  for (PetscInt k = 0; k < n; k++) {
+    if (BoundaryIs(scene, planes[k].side, BOUNDARY_OUTFLOW)) continue;
+    for (PetscInt a = 0; a < scene->dim; a++)
+      x[a] += (least - planes[k].distance) * planes[k].normal[a];
+  }
+}
+
+/*
+  SceneIsBuried - Returns true if a point of the surface of a boundary is in the solid of another
+  one: beyond a side of the box, or in a body that stands on this side
+
+  Not collective. Such a point is no wall for the fluid. Sides without wall particles bury nothing.
+*/
+PetscBool SceneIsBuried(const Scene *scene, PetscInt boundary, const PetscReal x[])
+{
+  const PetscReal slack = SCENE_ON_SURFACE * scene->dx;
+  PetscReal       normal[ISPH_MAX_DIM];
+  PetscInt        nearest;
+
+  if (!BoundaryBody(scene, boundary))
+    return SceneDistance(scene, x, &nearest, normal) <= slack ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt side = 0; side < SceneBodySide(scene, 0); side++) {
+    const PetscInt a = side / 2;
+
+    if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES)) continue;
+    if ((side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a]) <= slack) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}

@@ -1,0 +1,252 @@
+/*
+  Moving particles leave through outflows and enter through inflows. Wall particle w of an inflow
+  represents a piece of its side of length a; the fluid that has entered there since the last
+  particle has the length
+
+    q_w += s_w n.u_w(t + dt/2) dt,   s_w: open part of the piece,
+
+  and when q_w exceeds EARLY l, with the length l = V/a of a particle of volume V, a particle enters
+  at the distance q_w - l/2 from the side, and q_w falls by l. So the volume that enters is that of
+  the given velocity, and the particles enter as a lattice that moves with it. They have the
+  velocity of the inflow, also as their history.
+*/
+#include "step.h"
+
+#define EARLY 0.8 /* a particle enters at 0.3 l; later, the gap behind it would be a void */
+
+/* A particle that enters, as all ranks know it. */
+typedef struct {
+  PetscReal x[ISPH_MAX_DIM];     /* position [m] */
+  PetscReal point[ISPH_MAX_DIM]; /* of the side, where it entered [m] */
+  PetscReal side;                /* a whole number */
+} Entrant;
+#define ENTRANT_NUMBERS ((PetscInt)(sizeof(Entrant) / sizeof(PetscReal)))
+
+/* The particles that enter in a step: first the share of a rank, then those of all ranks. */
+typedef struct {
+  const Flow *flow;
+  PetscInt    n, capacity;
+  Entrant    *entrant;
+  PetscInt    held, *of; /* those that this rank inserts */
+} Entrants;
+
+/*
+  OpeningsCreate - Prepares the counters of the volume that enters and leaves
+
+  Not collective. Does nothing if particles cannot enter or leave.
+*/
+PetscErrorCode OpeningsCreate(Flow *flow)
+{
+  Openings *o      = &flow->state->openings;
+  Scheme   *scheme = flow->scheme;
+  const struct {
+    const char *name;
+    PetscReal  *value;
+  } volume[] = {{"volume_in", &o->volume_in}, {"volume_out", &o->volume_out}};
+
+  PetscFunctionBegin;
+  o->there = SceneHasOpenings(flow->scene);
+  if (!o->there) PetscFunctionReturn(PETSC_SUCCESS);
+  UserCheck(
+      !SceneMovesGraded(flow->scene),
+      "-scene_inflow, -scene_outflow: graded particles that move neither enter nor leave; use "
+      "-motion eulerian, or a uniform spacing");
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(volume); k++) {
+    PetscCall(MemoryAddReal(&scheme->memory, volume[k].name, volume[k].value));
+    PetscCheck(scheme->n_figures < SCHEME_MAX_FIGURES, PETSC_COMM_SELF, PETSC_ERR_PLIB,
+               "More than SCHEME_MAX_FIGURES = %d figures", SCHEME_MAX_FIGURES);
+    scheme->figure[scheme->n_figures++] =
+        (SchemeFigure){.name = volume[k].name, .value = volume[k].value, .most = PETSC_INFINITY};
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* OpeningsRegister - Adds the field of the length that has entered, if there is an inflow;
+   collective */
+PetscErrorCode OpeningsRegister(Flow *flow)
+{
+  Openings *o = &flow->state->openings;
+
+  PetscFunctionBegin;
+  if (!o->there || !SceneHasBoundary(flow->scene, BOUNDARY_INFLOW))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ParticlesRegister(flow->particles, "entered", 1, HALO_NONE, ENTRY_ZERO, &o->entered));
+  for (PetscInt i = 0; i < ParticlesOwn(flow->particles); i++) o->entered[i] = 0.0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns true if x lies beyond an outflow. */
+static PetscBool HasLeft(const Scene *scene, const PetscReal x[])
+{
+  for (PetscInt side = 0; side < 2 * scene->dim; side++) {
+    const PetscInt a = side / 2;
+
+    if (!BoundaryIs(scene, side, BOUNDARY_OUTFLOW)) continue;
+    if (side % 2 ? x[a] > scene->hi[a] : x[a] < scene->lo[a]) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* Removes the particles that have left; volume: of all ranks [m^dim]. */
+static PetscErrorCode RemoveLeft(Flow *flow, PetscReal *volume)
+{
+  Particles *p = flow->particles;
+  PetscInt   n = 0, *list;
+  PetscReal  x[ISPH_MAX_DIM], sum = 0.0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(p->n_fluid, &list));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+    if (!HasLeft(flow->scene, x)) continue;
+    list[n++] = i;
+    sum += p->volume[i];
+  }
+  PetscCallMPI(MPI_Allreduce(&sum, volume, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  PetscCall(ParticlesRemove(flow->scene, p, n, list));
+  PetscCall(PetscFree(list));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds a particle at a distance from the side to the share of this rank. */
+static PetscErrorCode AddEntrant(const Particles *p, PetscInt w, PetscReal distance, Entrants *all)
+{
+  Entrant *entrant;
+
+  PetscFunctionBegin;
+  if (all->n == all->capacity) {
+    all->capacity = 2 * all->capacity + 16;
+    PetscCall(PetscRealloc(sizeof(*entrant) * (size_t)all->capacity, &all->entrant));
+  }
+  entrant  = &all->entrant[all->n++];
+  *entrant = (Entrant){.side = p->side[w]};
+  ParticlesWallPoint(p, w, entrant->point);
+  for (PetscInt a = 0; a < p->dim; a++)
+    entrant->x[a] = entrant->point[a] + distance * p->normal[a][w];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Lets fluid enter at own wall particle w of an inflow for the present step. */
+static PetscErrorCode EnterAt(const Flow *flow, PetscInt w, Entrants *all)
+{
+  const Scene     *scene = flow->scene;
+  const Particles *p     = flow->particles;
+  const PetscInt   side = (PetscInt)p->side[w], along = 1 - side / 2;
+  const PetscReal *opening = scene->boundary[side].opening;
+  const PetscReal  piece = SceneCellSide(scene, along), length = SceneVolume(scene) / piece;
+  PetscReal       *entered         = &flow->state->openings.entered[w];
+  PetscReal        x[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM], part;
+
+  PetscFunctionBegin;
+  ParticlesWallPoint(p, w, x);
+  part = BoundaryOpenPart(scene, side, x, piece);
+  if (part == 0.0 || p->depth[w] > p->dx[w]) PetscFunctionReturn(PETSC_SUCCESS);
+  x[along] = PetscMin(PetscMax(x[along], opening[0]), opening[1]);
+  SceneWallVelocity(scene, side, flow->clock->t + 0.5 * flow->clock->dt, x, u);
+  *entered += part * (side % 2 ? -u[side / 2] : u[side / 2]) * flow->clock->dt;
+  for (; *entered >= EARLY * length; *entered -= length)
+    PetscCall(AddEntrant(p, w, *entered - 0.5 * length, all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Gives all ranks the entrants of all ranks, in the order of ranks. */
+static PetscErrorCode GatherEntrants(MPI_Comm comm, Entrants *all)
+{
+  PetscMPIInt ranks, own = (PetscMPIInt)(all->n * ENTRANT_NUMBERS), *count, *before;
+  Entrant    *gathered;
+  PetscInt    total = 0;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  PetscCall(PetscMalloc2(ranks, &count, ranks, &before));
+  PetscCallMPI(MPI_Allgather(&own, 1, MPI_INT, count, 1, MPI_INT, comm));
+  for (PetscMPIInt r = 0; r < ranks; r++) {
+    before[r] = (PetscMPIInt)total;
+    total += count[r];
+  }
+  PetscCall(PetscMalloc1(total / ENTRANT_NUMBERS, &gathered));
+  PetscCallMPI(
+      MPI_Allgatherv(all->entrant, own, MPIU_REAL, gathered, count, before, MPIU_REAL, comm));
+  PetscCall(PetscFree2(count, before));
+  PetscCall(PetscFree(all->entrant));
+  all->entrant = gathered;
+  all->n       = total / ENTRANT_NUMBERS;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets a field of entering particle k: velocities are those of the inflow at their time, and the
+   viscosity of a Newtonian fluid is that at the place. */
+static void EnteringValue(const Field *field, PetscInt k, PetscReal value[], void *ctx)
+{
+  const Entrants   *all        = (const Entrants *)ctx;
+  const Flow       *flow       = all->flow;
+  const Clock      *clock      = flow->clock;
+  const Entrant    *entrant    = &all->entrant[all->of[k]];
+  PetscReal *const *velocity[] = {flow->particles->u, flow->state->u_previous,
+                                  flow->state->u_earlier};
+  const PetscReal   back[]     = {0.0, clock->dt_previous, clock->dt_previous + clock->dt_before};
+  PetscReal         u[ISPH_MAX_DIM];
+
+  for (PetscInt m = 0; m < 3; m++) {
+    if (field->slot[0] != velocity[m][0] || !velocity[m][0]) continue;
+    SceneWallVelocity(flow->scene, (PetscInt)entrant->side, PetscMax(clock->t - back[m], 0.0),
+                      entrant->point, u);
+    for (PetscInt a = 0; a < flow->scene->dim; a++) value[a] = u[a];
+  }
+  if (flow->particles->nu && field->slot[0] == flow->particles->nu && SceneIsNewtonian(flow->scene))
+    value[0] = SceneViscosityAt(flow->scene, entrant->x);
+}
+
+/* Inserts the entrants of all ranks. */
+static PetscErrorCode InsertEntrants(Flow *flow, Entrants *all)
+{
+  Particles   *p     = flow->particles;
+  NewParticles added = {.kind = PARTICLE_FLUID, .Value = EnteringValue, .ctx = all};
+  PetscReal   *x;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesUpdateHalo(p));
+  PetscCall(PetscMalloc2(all->n * p->dim, &x, all->n, &all->of));
+  for (PetscInt k = 0; k < all->n; k++) {
+    if (!ParticlesHolds(p, all->entrant[k].x)) continue;
+    for (PetscInt a = 0; a < p->dim; a++) x[added.n * p->dim + a] = all->entrant[k].x[a];
+    all->of[added.n++] = k;
+  }
+  added.x = x;
+  PetscCall(ParticlesInsert(flow->scene, p, &added, NULL));
+  PetscCall(PetscFree2(x, all->of));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  OpeningsPass - Removes the particles that left the box in the present step, and inserts those that
+  entered
+
+  Collective. Positions are those at the end of the step, velocities still those at its start.
+
+  Output Parameter:
+. passed - particles left or entered, so that an epoch has started
+*/
+PetscErrorCode OpeningsPass(Flow *flow, PetscBool *passed)
+{
+  Openings        *o    = &flow->state->openings;
+  const Particles *p    = flow->particles;
+  Entrants         all  = {.flow = flow};
+  PetscReal        left = 0.0;
+
+  PetscFunctionBegin;
+  *passed = PETSC_FALSE;
+  if (!o->there) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(RemoveLeft(flow, &left));
+  for (PetscInt w = p->n_fluid; o->entered && w < ParticlesOwn(p); w++) {
+    if (BoundaryIs(flow->scene, (PetscInt)p->side[w], BOUNDARY_INFLOW))
+      PetscCall(EnterAt(flow, w, &all));
+  }
+  PetscCall(GatherEntrants(p->comm, &all));
+  if (all.n) PetscCall(InsertEntrants(flow, &all));
+  o->volume_out += left;
+  o->volume_in += all.n * SceneVolume(flow->scene);
+  *passed = left > 0.0 || all.n ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(PetscFree(all.entrant));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
