@@ -103,6 +103,7 @@ typedef struct {
   Body               body;       /* its geometry; unused by sides of the box */
   Expression         velocity;   /* function of x, y, t on a side, of t on a body [m/s] */
   Expression         rotation;   /* of a body about its centre, function of t [rad/s] */
+  Expression         pressure;   /* on an outflow, function of x, y, t; n = 0: zero [Pa] */
   PetscReal          opening[2]; /* part of an inflow side through which fluid enters [m] */
 } Boundary;
 

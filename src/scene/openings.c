@@ -1,11 +1,11 @@
 /*
   Openings of the box. Through an inflow fluid enters with a given velocity, in a part of the side
-  or the whole; the rest of the side is a wall. Through an outflow fluid leaves,
+  or the whole; the rest of the side is a wall. Through an outflow fluid leaves, or returns,
 
-    p = 0,   n.grad u = 0,
+    p given,   n.grad u = 0,
 
-  which is exact for a flow that no longer changes along the normal. Moving particles enter and
-  leave in src/schemes/openings.c.
+  which is exact for a flow that does not change along the normal. Moving particles enter and leave
+  in src/schemes/openings.c.
 */
 #include "isph/scene.h"
 
@@ -27,9 +27,16 @@ const BoundaryRow BoundaryInflow = {
                    [FIT_PRESSURE_FREE]       = EQUATION_NONE},
 };
 
+/* Returns the pressure on an outflow side [Pa]. */
+static PetscReal OutflowPressure(const Scene *scene, PetscInt side, PetscReal t,
+                                 const PetscReal x[])
+{
+  return ExpressionValue(&scene->boundary[side].pressure, 0, t, x);
+}
+
 const BoundaryRow BoundaryOutflow = {
     .name       = "outflow",
-    .brief      = "side through which fluid leaves: p = 0, n.grad u = 0",
+    .brief      = "side through which fluid leaves or returns: p given, n.grad u = 0",
     .citation   = "R.L. Sani, P.M. Gresho, Int. J. Numer. Meth. Fluids 18 (1994) 983-1008",
     .option     = {.name  = "-scene_outflow",
                    .kind  = VALUE_NAMES,
@@ -42,19 +49,33 @@ const BoundaryRow BoundaryOutflow = {
                    [FIT_VELOCITY_TANGENTIAL] = EQUATION_NORMAL_DERIVATIVE,
                    [FIT_PRESSURE]            = EQUATION_VALUE,
                    [FIT_PRESSURE_FREE]       = EQUATION_VALUE},
+    .Pressure   = OutflowPressure,
 };
 
+enum { OPENING, PRESSURE };
 static const OptionRow options[] = {
-    {
-        .name  = "-scene_opening_<side>",
-        .kind  = VALUE_REALS,
-        .brief = "part a,b of an inflow side through which fluid enters, along the side; the rest "
-                 "of the side is a wall",
-        .unit  = "m",
-        .standard = "the whole side",
-        .places   = BoxSides,
-        .where    = "-case scene, sides that are inflows",
-    },
+    [PRESSURE] =
+        {
+            .name     = "-scene_outflow_<side>_pressure",
+            .kind     = VALUE_EXPRESSION,
+            .brief    = "pressure on an outflow side, of x, y, t",
+            .unit     = "Pa",
+            .standard = "0",
+            .places   = BoxSides,
+            .where    = "-case scene, sides that are outflows",
+        },
+    [OPENING] =
+        {
+            .name = "-scene_opening_<side>",
+            .kind = VALUE_REALS,
+            .brief =
+                "part a,b of an inflow side through which fluid enters, along the side; the rest "
+                "of the side is a wall",
+            .unit     = "m",
+            .standard = "the whole side",
+            .places   = BoxSides,
+            .where    = "-case scene, sides that are inflows",
+        },
 };
 const OptionTable OpeningOptions = OPTIONS("Openings of typed scenes", options);
 
@@ -135,7 +156,7 @@ static PetscErrorCode ReadOpening(Scene *scene, PetscInt side)
   PetscFunctionBegin;
   opening[0] = scene->lo[along];
   opening[1] = scene->hi[along];
-  OptionFill(&options[0], BoxSides[side], name, &row);
+  OptionFill(&options[OPENING], BoxSides[side], name, &row);
   PetscCall(OptionGetReals(&row, 2, opening, &n, &given));
   if (!given) PetscFunctionReturn(PETSC_SUCCESS);
   UserCheck(n == 2, "%s: 2 numbers are required, got %" PetscInt_FMT, name, n);
@@ -171,12 +192,14 @@ static PetscErrorCode CheckEntering(const Scene *scene, PetscInt side, PetscReal
 }
 
 /*
-  SceneReadOpenings - Reads the openings of the inflow sides, whose kinds and velocities are set
+  SceneReadOpenings - Reads the openings of inflow sides, whose kinds and velocities are set, and
+  the pressures of outflow sides
 
   Collective.
 
-  Options Database Key:
-. -scene_opening_<side> a,b - part of the side through which fluid enters [m]
+  Options Database Keys:
++ -scene_opening_<side> a,b      - part of the side through which fluid enters [m]
+- -scene_outflow_<side>_pressure - pressure on the side [Pa] (x, y, t)
 
   Errors: openings that are not part of the side, and velocities out of the box end the run
 */
@@ -184,6 +207,14 @@ PetscErrorCode SceneReadOpenings(Scene *scene)
 {
   PetscFunctionBegin;
   for (PetscInt side = 0; side < 4; side++) {
+    char      name[OPTION_LENGTH];
+    OptionRow row;
+
+    OptionFill(&options[PRESSURE], BoxSides[side], name, &row);
+    if (BoundaryIs(scene, side, BOUNDARY_OUTFLOW)) {
+      PetscCall(ExpressionGet(scene->scope, &row, 1, 1, EXPRESSION_PLACE | EXPRESSION_TIME,
+                              &scene->boundary[side].pressure, NULL));
+    }
     if (!BoundaryIs(scene, side, BOUNDARY_INFLOW)) continue;
     PetscCall(ReadOpening(scene, side));
     PetscCall(CheckEntering(scene, side, 0.0));

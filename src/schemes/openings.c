@@ -10,25 +10,9 @@
   the given velocity, and the particles enter as a lattice that moves with it. They have the
   velocity of the inflow, also as their history.
 */
-#include "step.h"
+#include "openings.h"
 
 #define EARLY 0.8 /* a particle enters at 0.3 l; later, the gap behind it would be a void */
-
-/* A particle that enters, as all ranks know it. */
-typedef struct {
-  PetscReal x[ISPH_MAX_DIM];     /* position [m] */
-  PetscReal point[ISPH_MAX_DIM]; /* of the side, where it entered [m] */
-  PetscReal side;                /* a whole number */
-} Entrant;
-#define ENTRANT_NUMBERS ((PetscInt)(sizeof(Entrant) / sizeof(PetscReal)))
-
-/* The particles that enter in a step: first the share of a rank, then those of all ranks. */
-typedef struct {
-  const Flow *flow;
-  PetscInt    n, capacity;
-  Entrant    *entrant;
-  PetscInt    held, *of; /* those that this rank inserts */
-} Entrants;
 
 /*
   OpeningsCreate - Prepares the counters of the volume that enters and leaves
@@ -108,8 +92,9 @@ static PetscErrorCode RemoveLeft(Flow *flow, PetscReal *volume)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds a particle at a distance from the side to the share of this rank. */
-static PetscErrorCode AddEntrant(const Particles *p, PetscInt w, PetscReal distance, Entrants *all)
+/* EntrantsAdd - Adds a particle at a distance from wall particle w to the share of this rank; not
+   collective */
+PetscErrorCode EntrantsAdd(const Particles *p, PetscInt w, PetscReal distance, Entrants *all)
 {
   Entrant *entrant;
 
@@ -145,7 +130,7 @@ static PetscErrorCode EnterAt(const Flow *flow, PetscInt w, Entrants *all)
   SceneWallVelocity(scene, side, flow->clock->t + 0.5 * flow->clock->dt, x, u);
   *entered += part * (side % 2 ? -u[side / 2] : u[side / 2]) * flow->clock->dt;
   for (; *entered >= EARLY * length; *entered -= length)
-    PetscCall(AddEntrant(p, w, *entered - 0.5 * length, all));
+    PetscCall(EntrantsAdd(p, w, *entered - 0.5 * length, all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -174,8 +159,8 @@ static PetscErrorCode GatherEntrants(MPI_Comm comm, Entrants *all)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets a field of entering particle k: velocities are those of the inflow at their time, and the
-   viscosity of a Newtonian fluid is that at the place. */
+/* Sets a field of entering particle k: on an inflow velocities are those of the side at their time,
+   and the viscosity of a Newtonian fluid is that at the place. */
 static void EnteringValue(const Field *field, PetscInt k, PetscReal value[], void *ctx)
 {
   const Entrants   *all        = (const Entrants *)ctx;
@@ -187,6 +172,7 @@ static void EnteringValue(const Field *field, PetscInt k, PetscReal value[], voi
   const PetscReal   back[]     = {0.0, clock->dt_previous, clock->dt_previous + clock->dt_before};
   PetscReal         u[ISPH_MAX_DIM];
 
+  if (!BoundaryIs(flow->scene, (PetscInt)entrant->side, BOUNDARY_INFLOW)) return;
   for (PetscInt m = 0; m < 3; m++) {
     if (field->slot[0] != velocity[m][0] || !velocity[m][0]) continue;
     SceneWallVelocity(flow->scene, (PetscInt)entrant->side, PetscMax(clock->t - back[m], 0.0),
@@ -242,6 +228,7 @@ PetscErrorCode OpeningsPass(Flow *flow, PetscBool *passed)
     if (BoundaryIs(flow->scene, (PetscInt)p->side[w], BOUNDARY_INFLOW))
       PetscCall(EnterAt(flow, w, &all));
   }
+  PetscCall(EntrantsFindReturning(flow, &all));
   PetscCall(GatherEntrants(p->comm, &all));
   if (all.n) PetscCall(InsertEntrants(flow, &all));
   o->volume_out += left;

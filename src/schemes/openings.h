@@ -1,0 +1,27 @@
+/* Particles that enter through openings in a step; openings.c and returning.c. */
+#ifndef ISPH_SCHEMES_OPENINGS_H
+#define ISPH_SCHEMES_OPENINGS_H
+
+#include "step.h"
+
+/* A particle that enters, as all ranks know it. */
+typedef struct {
+  PetscReal x[ISPH_MAX_DIM];     /* position [m] */
+  PetscReal point[ISPH_MAX_DIM]; /* of the side, where it entered [m] */
+  PetscReal side;                /* a whole number */
+} Entrant;
+#define ENTRANT_NUMBERS ((PetscInt)(sizeof(Entrant) / sizeof(PetscReal)))
+
+/* The particles that enter in a step: first the share of a rank, then those of all ranks. */
+typedef struct {
+  const Flow *flow;
+  PetscInt    n, capacity;
+  Entrant    *entrant;
+  PetscInt    held, *of; /* those that this rank inserts */
+} Entrants;
+
+PetscErrorCode EntrantsAdd(const Particles *particles, PetscInt w, PetscReal distance,
+                           Entrants *entrants);
+PetscErrorCode EntrantsFindReturning(Flow *flow, Entrants *entrants);
+
+#endif
