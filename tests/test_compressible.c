@@ -76,6 +76,8 @@ static void FillPairs(const PetscReal b[], Stencil *st, Pairs *pairs)
     st->dW[k] = -2.0 * st->r[k] * (1.0 - 0.5 * r2);
   }
   st->volume  = 0.05;
+  st->sloped  = SLOPE_NONE;
+  pairs->c    = st->slope;
   st->self[0] = 1.0;
   ASSERT_OK(PetscRandomDestroy(&random));
 }
@@ -96,12 +98,12 @@ static void test_pressure_force(void **state)
       PetscReal exact[ISPH_MAX_DIM] = {0.0}, constant[ISPH_MAX_DIM] = {0.0};
 
       FillPairs(b, st, &pairs);
-      KernelGradients(st, CORRECTION_MIXED, pairs.c);
+      StencilGradients(st, CORRECTION_MIXED);
       PressureForce(st, &pairs, sums, PETSC_TRUE, 1.0, 3.0, exact);
       assert_true(PetscAbsReal(PairsDivergence(st, &pairs) -
                                (b[0] + b[1] + (dim == 3 ? b[2] : 0.0))) < ROUNDING);
       FillPairs(none, st, &pairs);
-      KernelGradients(st, CORRECTION_SHEPARD, pairs.c);
+      StencilGradients(st, CORRECTION_SHEPARD);
       PressureForce(st, &pairs, sums, PETSC_TRUE, 1.0, 3.0, constant);
       for (PetscInt a = 0; a < dim; a++) {
         assert_true(PetscAbsReal(exact[a] + b[a]) < ROUNDING);
@@ -125,11 +127,11 @@ static void test_artificial_viscosity(void **state)
   ASSERT_OK(StencilCreate(2, &st));
   st->h = 0.5;
   FillPairs(apart, st, &pairs);
-  KernelGradients(st, 0, pairs.c);
+  StencilGradients(st, 0);
   ArtificialViscosity(st, &pairs, alpha_beta, 10.0, 1.0, a[0]);
   FillPairs(together, st, &pairs);
   st->n = 1;
-  KernelGradients(st, 0, pairs.c);
+  StencilGradients(st, 0);
   ArtificialViscosity(st, &pairs, alpha_beta, 10.0, 1.0, a[1]);
   assert_true(a[0][0] == 0.0 && a[0][1] == 0.0);
   assert_true(a[1][0] * st->X[0][0] + a[1][1] * st->X[1][0] < 0.0); /* away from the neighbour */

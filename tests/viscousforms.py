@@ -103,23 +103,24 @@ def velocity_gradient(cloud, correction):
     return g.reshape(cloud.d, cloud.d, count, count * cloud.d), c
 
 
-def stress(g):
-    """Eq. (4) of Basa et al. with unit viscosity."""
-    return g + g.swapaxes(0, 1) - 2 / 3 * np.einsum("cc...,ab->ab...", g, np.eye(len(g)))
+def stress(g, trace):
+    """A stress with unit viscosity, from which a multiple of the divergence is taken."""
+    return g + g.swapaxes(0, 1) - trace * np.einsum("cc...,ab->ab...", g, np.eye(len(g)))
 
 
 def two_pass(cloud, correction):
-    """Eq. (29) of Basa et al."""
+    """Eqs (4) and (29) of Basa et al."""
     g, c = velocity_gradient(cloud, correction)
     count = len(c)
-    return np.einsum("ijb,abjm->iam", c, stress(g)).reshape(count, cloud.d, count, cloud.d).swapaxes(1, 2)
+    return np.einsum("ijb,abjm->iam", c, stress(g, 2 / 3)).reshape(count, cloud.d, count, cloud.d).swapaxes(1, 2)
 
 
 def energy(cloud, correction):
-    """Eqs (56) to (58) of Fang et al.: the derivative of -sum V tau:grad u/2, over V."""
+    """Eqs (5), (6) and (56) to (58) of Fang et al.: the derivative of -sum V tau:grad u/2, over V. The stress has no trace
+    in cloud.d dimensions."""
     g, c = velocity_gradient(cloud, correction)
     count = len(c)
-    force = -np.einsum("abim,abin->mn", g, stress(g))
+    force = -np.einsum("abim,abin->mn", g, stress(g, 2 / cloud.d))
     return force.reshape(count, cloud.d, count, cloud.d).swapaxes(1, 2)
 
 

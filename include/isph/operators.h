@@ -54,6 +54,8 @@ typedef enum {
   SURFACE_ISOLATED /* too few neighbours */
 } SurfaceKind;
 
+#define SLOPE_NONE ~0u /* Stencil.slope is not computed */
+
 /* Neighbours of a particle with the quantities that row functions read. */
 typedef struct {
   PetscInt    i, dim, n, n_wall; /* particle, neighbours, number of wall particles among them */
@@ -89,8 +91,9 @@ typedef struct {
   PetscReal   own_normal[ISPH_MAX_DIM]; /* of the particle, out of the fluid */
   unsigned    correction; /* CorrectionBit of the present row, for forms that couple components */
   PetscReal   own[ISPH_MAX_DIM * ISPH_MAX_DIM]; /* weight of u_i itself, see LaplacianRow */
-  PetscReal  *slope[ISPH_MAX_DIM];              /* V_j times the corrected kernel gradient */
-  PetscReal  *normal_strain[ISPH_MAX_DIM];      /* row of 2 n.E n of a particle on it [1/m] */
+  PetscReal  *slope[ISPH_MAX_DIM]; /* of KernelGradients(), kept by StencilGradients() [1/m] */
+  unsigned    sloped;              /* CorrectionBit of slope, or SLOPE_NONE */
+  PetscReal  *normal_strain[ISPH_MAX_DIM]; /* row of 2 n.E n of a particle on it [1/m] */
 
   const Scene *scene; /* of the equations of walls */
   PetscBool    slips; /* a neighbour is on a wall along which the fluid slides */
@@ -138,17 +141,18 @@ extern const Table CorrectionTable;
 /*
   A form of two passes: the divergence D(S(G u)) of the local stress
 
-    S_i = nu (g + g^T - t tr(g) I),   g = (G u)_i the velocity gradient,   t = 1 - row->grad_div
+    S_i = nu (g + g^T - t tr(g) I),   g = (G u)_i the velocity gradient,   t = ComposedTrace()
 
     (D S)_i = sum_j (S_j - S_i) c_ij,              c_ij = V_j grad_i W, corrected as in G
     (D S)_i = sum_j S_i c_ij - V_j/V_i S_j c_ji,   transposed: D = -V^-1 G^T V
 
-  LaplacianGradient() computes c_ij.
+  LaplacianGradient() computes c_ij. For walls see composed.c.
 */
 typedef enum { GRADIENT_SPH, GRADIENT_FIRST_ORDER, GRADIENT_COUPLED } GradientChoice;
 typedef struct {
   GradientChoice gradient;   /* coupled: of first order beside walls and free surfaces only */
   PetscBool      transposed; /* F = -V^-1 G^T V tau */
+  PetscBool      planar;     /* in 2D the stress has no trace in the plane, otherwise none in 3D */
 } ComposedForm;
 
 /*
@@ -166,7 +170,7 @@ typedef struct {
   unsigned    corrections; /* accepted corrections: bits of CorrectionBit */
   PetscErrorCode (*Row)(Stencil *stencil, PetscReal w[]);
   PetscReal (*Factor)(const Stencil *stencil); /* or NULL */
-  PetscReal           grad_div; /* b of a form that approximates lap u + b grad div u */
+  PetscReal           grad_div; /* b of a form of one pass that approximates lap u + b grad div u */
   const ComposedForm *composed; /* NULL: one pass, by Row(); otherwise Row is NULL */
 } LaplacianRow;
 extern const Table LaplacianTable;
@@ -177,12 +181,14 @@ typedef struct {
   const CorrectionRow *correction; /* NULL: none */
   PetscBool            extended;   /* wall values are extrapolated from the fluid: unsymmetric */
   PetscBool            graded;     /* particles of a pair may differ in size: unsymmetric */
-  PetscReal           *factor;     /* row->Factor() by local index; NULL: none */
-  PetscReal            scale;      /* multiplies all weights; 0: 1 */
+  PetscBool  continued; /* stresses of dummies are continued from the fluid: unsymmetric */
+  PetscReal *factor;    /* row->Factor() by local index; NULL: none */
+  PetscReal  scale;     /* multiplies all weights; 0: 1 */
 } LaplacianForm;
 PetscBool      LaplacianIs(const LaplacianForm *form, FormProperty property);
 PetscInt       LaplacianWidth(const LaplacianForm *form, PetscInt dim);
-PetscReal      LaplacianDilatation(const LaplacianForm *form);
+PetscReal      ComposedTrace(const ComposedForm *form, PetscInt dim);
+PetscReal      LaplacianDilatation(const LaplacianForm *form, PetscInt dim);
 PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *stencil, PetscReal w[]);
 void           LaplacianGradient(const LaplacianForm *form, Stencil *stencil, PetscReal *c[]);
 
@@ -241,6 +247,7 @@ PetscBool VectorFit(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const 
                     const PetscReal W[], const PetscBool wall[], PetscReal *const normal[],
                     PetscReal *const w[]);
 
+void      MomentWeights(const Stencil *stencil, PetscBool walls, PetscReal weight[]);
 PetscBool MomentInverse(const Stencil *stencil, const PetscReal weight[], PetscReal inverse[]);
 void      ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil *stencil,
                            const PetscReal x[], PetscBool mirrored, PetscReal *concentration,
@@ -393,6 +400,7 @@ PetscErrorCode OperatorsStream(const Scene *scene, const Particles *particles,
 PetscErrorCode OperatorsStreamFactors(const Scene *scene, const Particles *particles,
                                       const Neighbors *neighbors, Operators *ops);
 void           KernelGradients(Stencil *stencil, unsigned correction, PetscReal *c[]);
+void           StencilGradients(Stencil *stencil, unsigned correction);
 
 PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y);
 PetscErrorCode AffineApplyAdd(const AffineOperator *op, Vec f, Vec walls, Vec y);

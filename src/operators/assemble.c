@@ -246,6 +246,7 @@ static PetscErrorCode AssembleBatch(const Scene *scene, const Particles *p, cons
   PetscFunctionBegin;
   for (PetscInt l = 0; l < count; l++) {
     PetscCall(GatherStencil(scene, p, nb, ops, first + l, batch[l]));
+    WallPointShares(ops, batch[l]);
     StencilSetVelocity(scene, 0, batch[l]); /* the first fit that rows ask for */
   }
   if (ops->work->has_fits) PetscCall(MlsFitBatch(ops->forms.degree, count, batch, ops->work->fits));

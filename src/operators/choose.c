@@ -203,6 +203,13 @@ static PetscBool HasFreeTraction(const LaplacianForm *visc)
              : PETSC_FALSE;
 }
 
+/* Returns true if the form takes the stress of dummies from the fluid: docs/theory.md, (216). */
+static PetscBool ContinuesStress(const LaplacianForm *visc)
+{
+  return visc->row && visc->row->composed && visc->row->composed->transposed ? PETSC_TRUE
+                                                                             : PETSC_FALSE;
+}
+
 /* Returns true if the viscous form needs particles behind walls. With a free surface
    pairwise_stress does not: its factors follow from the neighbours there are, at walls too. */
 static PetscBool ViscousNeedsFluid(const Scene *scene, const LaplacianForm *visc)
@@ -389,7 +396,10 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
   if (needs & (NEED_PRESSURE | NEED_GRADIENT_U)) {
     PetscCall(OptionGetRow(&options[GRADIENT], NULL, &forms->gradient));
   }
-  if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(ChooseWall(scene, needs, forms));
+  if (SceneHas(scene, PHYSICS_WALLS)) {
+    PetscCall(ChooseWall(scene, needs, forms));
+    forms->visc.continued = ContinuesStress(&forms->visc);
+  }
   forms->visc.graded = SceneFinest(scene) < SceneCoarsest(scene);
   forms->ppe.graded  = forms->visc.graded;
   forms->h_over_dx   = h_over_dx;

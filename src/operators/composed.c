@@ -8,8 +8,9 @@
 
   and the symmetric stress by its entries a >= b, tau:grad u is the sum of tau_ab (E u)_ab, and the
   adjoint form is -V^-1 E^T V S E: docs/theory.md, (170) to (174). The velocity of walls enters G as
-  in every row. The adjoint form needs no stress at walls. The other divergence is that of the
-  fluid's stress alone, one-sided beside walls.
+  in every row. Beside walls the adjoint form has the stress of dummies too, continued from the
+  fluid: docs/theory.md, (215) to (217). The other divergence is that of the fluid's stress alone,
+  one-sided beside walls.
 */
 #include "assembly.h"
 #include "boundary_rows.h"
@@ -27,13 +28,6 @@ static PetscInt Entry(PetscInt a, PetscInt b)
   return a >= b ? a * (a + 1) / 2 + b : b * (b + 1) / 2 + a;
 }
 
-/* Returns true if the second pass has rows of its own. */
-static PetscBool HasDivergence(const Scene *scene, const OperatorForms *forms)
-{
-  return SceneHas(scene, PHYSICS_WALLS) && !forms->visc.row->composed->transposed ? PETSC_TRUE
-                                                                                  : PETSC_FALSE;
-}
-
 /* ComposedNeed - Marks the operators of both passes that the chosen form needs; not collective */
 void ComposedNeed(const Scene *scene, Operators *ops)
 {
@@ -42,19 +36,15 @@ void ComposedNeed(const Scene *scene, Operators *ops)
   if (!(ops->needs & NEED_VISCOSITY)) return;
   for (PetscInt a = 0; visc->row && visc->row->composed && a < scene->dim; a++) {
     ops->first_pass[a].needed  = PETSC_TRUE;
-    ops->second_pass[a].needed = HasDivergence(scene, &ops->forms);
+    ops->second_pass[a].needed = SceneHas(scene, PHYSICS_WALLS) ? PETSC_TRUE : PETSC_FALSE;
   }
 }
 
-/* AddRows_Composed - Adds a particle's rows of both passes; not collective */
-void AddRows_Composed(Stencil *st, PetscInt diagonal, Operators *ops)
+/* Adds the rows of the divergence of the fluid's stress. */
+static void AddRows_FluidStress(Stencil *st, PetscInt diagonal, Operators *ops)
 {
   PetscReal **c = ops->work->g, *V = ops->work->w;
 
-  LaplacianGradient(&ops->forms.visc, st, c);
-  for (PetscInt a = 0; a < st->dim; a++)
-    AddRow_Velocity(st, ops, diagonal, c[a], &ops->first_pass[a]);
-  if (!ops->second_pass[0].needed) return;
   for (PetscInt k = 0; k < st->n; k++) {
     V[k] = st->V[k];
     if (st->wall[k]) st->V[k] = 0.0; /* has no stress */
@@ -63,6 +53,62 @@ void AddRows_Composed(Stencil *st, PetscInt diagonal, Operators *ops)
   for (PetscInt k = 0; k < st->n; k++) st->V[k] = V[k];
   for (PetscInt a = 0; a < st->dim; a++)
     AddRow_Velocity(st, ops, diagonal, c[a], &ops->second_pass[a]);
+}
+
+/*
+  Adds the rows by which the force of an adjoint form beside walls differs from -V^-1 E^T V
+
+    sum_w (tau_i + tau_w).c_iw  in place of  tau_i.(sum_w beta_w c_iw),   w: dummies
+
+  tau_w is continued linearly, with the slopes of ContinuationSlopes(). Input: c - c_iw of the first
+  pass, whose rows are complete.
+
+  Reference: the continuation of dummies' values by J. P. Morris, P. J. Fox, Y. Zhu, J. Comput.
+  Phys. 136 (1997), here of the stress
+*/
+static void AddRows_WallStress(const Stencil *st, PetscInt diagonal, PetscReal *const c[],
+                               Operators *ops)
+{
+  const PetscInt d      = st->dim;
+  PetscReal     *weight = ops->work->w, inverse[ISPH_MAX_DIM * ISPH_MAX_DIM];
+  PetscBool      sloped;
+
+  MomentWeights(st, PETSC_FALSE, weight);
+  sloped = MomentInverse(st, weight, inverse);
+  for (PetscInt b = 0; b < d; b++) {
+    PetscReal *a, *over_walls, reach[ISPH_MAX_DIM] = {0.0}, slope[ISPH_MAX_DIM] = {0.0};
+    PetscReal  own = AffineRow(&ops->rows, &ops->first_pass[b], st->i)[diagonal];
+
+    EmptyRow(ops, st->i, &ops->second_pass[b], &a, &over_walls);
+    if (!st->n_wall) continue;
+    for (PetscInt k = 0; k < st->n; k++) {
+      own += (st->wall[k] ? 2.0 : 1.0) * c[b][k];
+      for (PetscInt e = 0; e < d && st->wall[k]; e++) reach[e] += c[b][k] * st->X[e][k];
+    }
+    for (PetscInt e = 0; e < d * d && sloped; e++) slope[e / d] += inverse[e] * reach[e % d];
+    for (PetscInt k = 0; k < st->n; k++) {
+      PetscReal along = 0.0;
+
+      if (st->wall[k]) continue;
+      for (PetscInt e = 0; e < d; e++) along += st->X[e][k] * slope[e];
+      a[ops->work->slot[k]] += weight[k] * along;
+      own -= weight[k] * along;
+    }
+    a[diagonal] += own;
+  }
+}
+
+/* AddRows_Composed - Adds a particle's rows of both passes; not collective */
+void AddRows_Composed(Stencil *st, PetscInt diagonal, Operators *ops)
+{
+  PetscReal **c = ops->work->g;
+
+  LaplacianGradient(&ops->forms.visc, st, c);
+  for (PetscInt a = 0; a < st->dim; a++)
+    AddRow_Velocity(st, ops, diagonal, c[a], &ops->first_pass[a]);
+  if (!ops->second_pass[0].needed) return;
+  if (!ops->forms.visc.row->composed->transposed) AddRows_FluidStress(st, diagonal, ops);
+  else AddRows_WallStress(st, diagonal, c, ops);
 }
 
 /* A sparse matrix under construction, whose rows and columns are components of particles. */
@@ -150,13 +196,13 @@ static PetscErrorCode StrainMat(const Particles *p, const Operators *ops, PetscB
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates the divergence D of the second pass: component a is sum_b D_b tau_ab. */
-static PetscErrorCode DivergenceMat(const Particles *p, const Operators *ops, Mat *D)
+/* Creates a divergence of the stress of the fluid: component a is sum_b D_b tau_ab. */
+static PetscErrorCode DivergenceMat(const Particles *p, const Operators *ops,
+                                    const AffineOperator of[], Mat *D)
 {
-  const Pattern        *pattern = &ops->rows.fluid;
-  const AffineOperator *of      = ops->second_pass[0].needed ? ops->second_pass : ops->first_pass;
-  const PetscInt        d = p->dim, count = pattern->row[p->n_fluid];
-  Blocks                to;
+  const Pattern *pattern = &ops->rows.fluid;
+  const PetscInt d = p->dim, count = pattern->row[p->n_fluid];
+  Blocks         to;
 
   PetscFunctionBegin;
   PetscCall(BlocksCreate(d, Entries(d), p->n_fluid, p->n_fluid, count * d * d, &to));
@@ -191,10 +237,11 @@ static PetscErrorCode ScaleByVolume(const Particles *p, PetscInt rows, PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates the divergence D = -V^-1 E^T V of the adjoint form. */
+/* Creates the divergence D = -V^-1 E^T V of the adjoint form, with the stress of dummies beside
+   walls. */
 static PetscErrorCode AdjointMat(const Particles *p, const Operators *ops, Mat *D)
 {
-  Mat E;
+  Mat E, walls;
 
   PetscFunctionBegin;
   PetscCall(StrainMat(p, ops, PETSC_FALSE, -1.0, &E));
@@ -202,6 +249,10 @@ static PetscErrorCode AdjointMat(const Particles *p, const Operators *ops, Mat *
   PetscCall(MatTranspose(E, MAT_INITIAL_MATRIX, D));
   PetscCall(MatDestroy(&E));
   PetscCall(ScaleByVolume(p, p->dim, -1.0, PETSC_TRUE, *D));
+  if (!ops->second_pass[0].needed) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(DivergenceMat(p, ops, ops->second_pass, &walls));
+  PetscCall(MatAXPY(*D, 1.0, walls, DIFFERENT_NONZERO_PATTERN));
+  PetscCall(MatDestroy(&walls));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -217,15 +268,19 @@ static PetscErrorCode AdjointMat(const Particles *p, const Operators *ops, Mat *
 */
 PetscErrorCode AssembleComposed(const Particles *p, Operators *ops)
 {
-  const LaplacianRow *form = ops->forms.visc.row;
-  AffineOperator     *visc = &ops->velocity[0].visc;
+  const LaplacianRow *form  = ops->forms.visc.row;
+  const PetscReal     trace = ComposedTrace(form->composed, p->dim);
+  const PetscBool     walls = ops->second_pass[0].needed;
+  AffineOperator     *visc  = &ops->velocity[0].visc;
   Mat                 D, T, *product[] = {&visc->A, &visc->B};
 
   PetscFunctionBegin;
-  PetscCall(form->composed->transposed ? AdjointMat(p, ops, &D) : DivergenceMat(p, ops, &D));
+  PetscCall(form->composed->transposed
+                ? AdjointMat(p, ops, &D)
+                : DivergenceMat(p, ops, walls ? ops->second_pass : ops->first_pass, &D));
   for (PetscInt k = 0; k < (ops->forms.wall ? 2 : 1); k++) {
     PetscCall(MatDestroy(product[k]));
-    PetscCall(StrainMat(p, ops, k ? PETSC_TRUE : PETSC_FALSE, 1.0 - form->grad_div, &T));
+    PetscCall(StrainMat(p, ops, k ? PETSC_TRUE : PETSC_FALSE, trace, &T));
     PetscCall(MatMatMult(D, T, MAT_INITIAL_MATRIX, PETSC_DEFAULT, product[k]));
     PetscCall(MatProductClear(*product[k]));
     PetscCall(MatSetBlockSizes(*product[k], p->dim, p->dim));

@@ -42,6 +42,19 @@ static void CorrectKernel_Shepard(Stencil *st, PetscReal dW[], PetscReal ddW[])
   }
 }
 
+/* Computes the components of corrected gradients along the pairs, -(X/r).c/V. */
+static void AlongPairs(Stencil *st, unsigned correction, PetscReal dW[])
+{
+  StencilGradients(st, correction);
+  for (PetscInt k = 0; k < st->n; k++) dW[k] = 0.0;
+  for (PetscInt a = 0; a < st->dim; a++) {
+    const PetscReal *X = st->X[a], *c = st->slope[a];
+
+    for (PetscInt k = 0; k < st->n; k++) dW[k] -= X[k] * c[k];
+  }
+  for (PetscInt k = 0; k < st->n; k++) dW[k] /= st->r[k] * st->V[k];
+}
+
 /*
   CorrectKernel_FirstOrder - Computes the derivative of the kernel along the pair from the corrected
   gradient M^-1 grad_i W
@@ -58,20 +71,7 @@ static void CorrectKernel_Shepard(Stencil *st, PetscReal dW[], PetscReal ddW[])
 */
 void CorrectKernel_FirstOrder(Stencil *st, PetscReal dW[], PetscReal ddW[])
 {
-  const PetscInt d = st->dim;
-  PetscReal      inverse[ISPH_MAX_DIM * ISPH_MAX_DIM];
-
-  for (PetscInt k = 0; k < st->n; k++) dW[k] = -st->V[k] * st->dW[k] / st->r[k];
-  if (!MomentInverse(st, dW, inverse)) st->regularised++;
-  for (PetscInt k = 0; k < st->n; k++) dW[k] = 0.0;
-  for (PetscInt a = 0; a < d; a++) {
-    for (PetscInt b = 0; b < d; b++) {
-      const PetscReal *Xa = st->X[a], *Xb = st->X[b], entry = inverse[a * d + b];
-
-      for (PetscInt k = 0; k < st->n; k++) dW[k] += Xa[k] * entry * Xb[k];
-    }
-  }
-  for (PetscInt k = 0; k < st->n; k++) dW[k] *= st->dW[k] / PetscSqr(st->r[k]);
+  AlongPairs(st, CORRECTION_FIRST_ORDER, dW);
   for (PetscInt k = 0; ddW && k < st->n; k++) ddW[k] = st->ddW[k];
 }
 
@@ -84,14 +84,8 @@ void CorrectKernel_FirstOrder(Stencil *st, PetscReal dW[], PetscReal ddW[])
 */
 static void CorrectKernel_Mixed(Stencil *st, PetscReal dW[], PetscReal ddW[])
 {
-  KernelGradients(st, CORRECTION_MIXED, st->slope);
-  for (PetscInt k = 0; k < st->n; k++) {
-    PetscReal along = 0.0; /* X.c */
-
-    for (PetscInt a = 0; a < st->dim; a++) along += st->X[a][k] * st->slope[a][k];
-    dW[k]  = st->V[k] > 0.0 ? -along / (st->r[k] * st->V[k]) : 0.0;
-    ddW[k] = st->ddW[k];
-  }
+  AlongPairs(st, CORRECTION_MIXED, dW);
+  for (PetscInt k = 0; k < st->n; k++) ddW[k] = st->ddW[k];
 }
 
 static const CorrectionRow corrections[] = {

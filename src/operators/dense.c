@@ -116,6 +116,18 @@ void DenseEliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
 }
 
 /*
+  MomentWeights - Computes the weights -V_k W'/r of the moment matrix M = sum_k V_k (grad_i W) X^T
+
+  Not collective. Input: walls - false: the weights of wall neighbours are zero
+*/
+void MomentWeights(const Stencil *st, PetscBool walls, PetscReal weight[])
+{
+  for (PetscInt k = 0; k < st->n; k++) weight[k] = -st->V[k] * st->dW[k] / st->r[k];
+  for (PetscInt k = 0; !walls && st->n_wall && k < st->n; k++)
+    if (st->wall[k]) weight[k] = 0.0;
+}
+
+/*
   MomentInverse - Inverts a second moment matrix of a stencil
 
     M_ab = sum_k weight_k X_a X_b
@@ -123,8 +135,7 @@ void DenseEliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
   Not collective.
 
   Input Parameter:
-. weight - weight of each neighbour; for the corrected kernel gradient -V W'/r, which makes M =
-           sum_k V_k (grad_i W) X^T
+. weight - weight of each neighbour; for the corrected kernel gradient those of MomentWeights()
 
   Output Parameter:
 . inverse - dim x dim by rows

@@ -28,15 +28,15 @@ PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length)
   LaplacianIs - Returns true if the chosen Laplacian has a property
 
   Not collective. A Laplacian with a correction of the kernel, with particles of several sizes, or
-  with an extension of the velocity to wall particles, is never symmetric: correction and kernel
-  differ from particle to particle, and the extension changes rows beside walls. It has none of the
-  properties that follow from symmetry either.
+  with an extension of the velocity or the stress to wall particles, is never symmetric: correction
+  and kernel differ from particle to particle, and the extension changes rows beside walls. It has
+  none of the properties that follow from symmetry either.
 */
 PetscBool LaplacianIs(const LaplacianForm *form, FormProperty property)
 {
   unsigned properties = form->row->properties;
 
-  if (form->correction || form->extended || form->graded)
+  if (form->correction || form->extended || form->graded || form->continued)
     properties &= ~(unsigned)(FORM_SYMMETRIC | FORM_MOMENTUM | FORM_ANGULAR | FORM_DISSIPATES);
   return (properties & (unsigned)property) ? PETSC_TRUE : PETSC_FALSE;
 }
@@ -49,6 +49,20 @@ PetscInt LaplacianWidth(const LaplacianForm *form, PetscInt dim)
 }
 
 /*
+  ComposedTrace - Returns the factor t of the trace in the stress g + g^T - t tr(g) I
+
+  Not collective. The stress of Fang et al. has no trace in dim dimensions, t = 2/dim; that of Basa
+  et al. none in three, t = 2/3.
+
+  Reference: J. Fang, A. Parriaux, M. Rentschler, C. Ancey, Appl. Numer. Math. 59 (2009), Eqs (5),
+  (6); M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eq. (4)
+*/
+PetscReal ComposedTrace(const ComposedForm *form, PetscInt dim)
+{
+  return form->planar ? 2.0 / dim : 2.0 / 3.0;
+}
+
+/*
   LaplacianDilatation - Returns the factor c of a form that approximates lap u + (c - 1) grad div u
 
   The rotational pressure update subtracts c rho nu div u*, u* the predicted velocity:
@@ -56,8 +70,9 @@ PetscInt LaplacianWidth(const LaplacianForm *form, PetscInt dim)
 
   Not collective.
 */
-PetscReal LaplacianDilatation(const LaplacianForm *form)
+PetscReal LaplacianDilatation(const LaplacianForm *form, PetscInt dim)
 {
+  if (form->row->composed) return 2.0 - ComposedTrace(form->row->composed, dim);
   return 1.0 + form->row->grad_div;
 }
 

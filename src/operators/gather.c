@@ -4,7 +4,6 @@
 */
 #include "assembly.h"
 #include "rows.h"
-#include "wall_points.h"
 
 /* Sets the data of wall neighbour k, particle j. */
 static void GatherWall(const Scene *scene, const Particles *p, const Operators *ops, PetscInt k,
@@ -103,6 +102,7 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
   st->volume     = p->volume[i];
   st->n_wall     = 0;
   st->fit.wanted = 0;
+  st->sloped     = SLOPE_NONE;
   for (PetscInt a = 0; a < d; a++) {
     x[a]           = p->x[a][i];
     st->stretch[a] = ParticlesStretch(p, a, i);
@@ -127,6 +127,5 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
   }
   GatherSurface(free, st);
   KernelEvaluateAll(ops->forms.kernel, d, st->h, n, st->r, st->W, st->dW, st->ddW);
-  WallPointShares(ops, st);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

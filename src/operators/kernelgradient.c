@@ -8,8 +8,13 @@
 /* Computes V_k grad_i W. */
 static void PlainGradients(const Stencil *st, PetscReal *c[])
 {
+  PetscReal *last = c[st->dim - 1];
+
+  MomentWeights(st, PETSC_TRUE, last);
   for (PetscInt a = 0; a < st->dim; a++) {
-    for (PetscInt k = 0; k < st->n; k++) c[a][k] = -st->V[k] * st->X[a][k] * st->dW[k] / st->r[k];
+    const PetscReal *X = st->X[a];
+
+    for (PetscInt k = 0; k < st->n; k++) c[a][k] = last[k] * X[k];
   }
 }
 
@@ -96,6 +101,20 @@ void KernelGradients(Stencil *st, unsigned correction, PetscReal *c[])
   PlainGradients(st, c);
   if (correction & (CORRECTION_SHEPARD | CORRECTION_MIXED)) ShepardGradients(st, c);
   if (correction & (CORRECTION_FIRST_ORDER | CORRECTION_MIXED)) RenormalisedGradients(st, c);
+}
+
+/*
+  StencilGradients - Computes st->slope, the gradients of KernelGradients(), unless the stencil has
+  them
+
+  Not collective. Forms and sums that share a correction share its moment matrix. Code that changes
+  the volumes of the neighbours sets st->sloped to SLOPE_NONE.
+*/
+void StencilGradients(Stencil *st, unsigned correction)
+{
+  if (st->sloped == correction) return;
+  KernelGradients(st, correction, st->slope);
+  st->sloped = correction;
 }
 
 /*

@@ -168,10 +168,10 @@ static PetscErrorCode LaplacianRow_Lsph(Stencil *st, PetscReal w[])
 #define ENERGY    (OPPOSITE | FORM_DISSIPATES | FORM_COUPLES)
 #define GRADIENTS (CORRECTION_SHEPARD | CORRECTION_FIRST_ORDER | CORRECTION_MIXED)
 
-static const ComposedForm two_pass       = {GRADIENT_SPH, PETSC_FALSE};
-static const ComposedForm energy_sph     = {GRADIENT_SPH, PETSC_TRUE};
-static const ComposedForm energy_fpm     = {GRADIENT_FIRST_ORDER, PETSC_TRUE};
-static const ComposedForm energy_coupled = {GRADIENT_COUPLED, PETSC_TRUE};
+static const ComposedForm two_pass       = {GRADIENT_SPH, PETSC_FALSE, PETSC_FALSE};
+static const ComposedForm energy_sph     = {GRADIENT_SPH, PETSC_TRUE, PETSC_TRUE};
+static const ComposedForm energy_fpm     = {GRADIENT_FIRST_ORDER, PETSC_TRUE, PETSC_TRUE};
+static const ComposedForm energy_coupled = {GRADIENT_COUPLED, PETSC_TRUE, PETSC_TRUE};
 
 static const LaplacianRow laplacians[] = {
     /* name, brief, citation, properties, accepted corrections, row, factor, grad div, composed */
@@ -225,15 +225,14 @@ static const LaplacianRow laplacians[] = {
      CORRECTION_SHEPARD, LaplacianRow_DirectDifference, NULL, 1.0 / 3.0, NULL},
     {"two_pass", "gradient of the stress of the velocity gradient (model B); viscosity only",
      "Flebbe et al., Astrophys. J. 431 (1994); Basa, Quinlan & Lastiwka (2009)",
-     PAIRWISE | FORM_COUPLES, GRADIENTS, NULL, NULL, 1.0 / 3.0, &two_pass},
+     PAIRWISE | FORM_COUPLES, GRADIENTS, NULL, NULL, 0.0, &two_pass},
     {"energy_sph", "stress of the velocity gradient, forces by its adjoint; viscosity only",
-     "Fang et al., Appl. Numer. Math. 59 (2009)", ENERGY, 0, NULL, NULL, 1.0 / 3.0, &energy_sph},
+     "Fang et al., Appl. Numer. Math. 59 (2009)", ENERGY, 0, NULL, NULL, 0.0, &energy_sph},
     {"energy_fpm", "the same with gradients of first order (FPH); viscosity only",
-     "Fang et al., Appl. Numer. Math. 59 (2009)", ENERGY | FORM_ANGULAR, 0, NULL, NULL, 1.0 / 3.0,
+     "Fang et al., Appl. Numer. Math. 59 (2009)", ENERGY | FORM_ANGULAR, 0, NULL, NULL, 0.0,
      &energy_fpm},
     {"energy_coupled", "the same, of first order beside boundaries only (CPH); viscosity only",
-     "Fang et al., Appl. Numer. Math. 59 (2009)", ENERGY, 0, NULL, NULL, 1.0 / 3.0,
-     &energy_coupled},
+     "Fang et al., Appl. Numer. Math. 59 (2009)", ENERGY, 0, NULL, NULL, 0.0, &energy_coupled},
 };
 
 /* The form mls of fluids with a free surface. */

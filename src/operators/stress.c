@@ -135,7 +135,7 @@ PetscErrorCode LaplacianRow_Violeau(Stencil *st, PetscReal w[])
   const PetscInt d = st->dim;
 
   PetscFunctionBegin;
-  KernelGradients(st, st->correction, st->slope);
+  StencilGradients(st, st->correction);
   for (PetscInt k = 0; k < st->n; k++) {
     const PetscReal scale = 2.0 * ((PetscReal)d + 2.0) / PetscSqr(st->r[k]);
 

@@ -132,7 +132,7 @@ static PetscErrorCode UpdatePressure(Flow *flow)
   if (!pr->row->incremental) PetscCall(VecZeroEntries(s->p));
   PetscCall(VecAXPY(s->p, gain, pr->phi));
   if (pr->row->rotational && SceneHas(scene, PHYSICS_VISCOSITY)) {
-    const PetscReal dilatation = LaplacianDilatation(&flow->ops->forms.visc);
+    const PetscReal dilatation = LaplacianDilatation(&flow->ops->forms.visc, flow->scene->dim);
 
     PetscCall(VecAXPY(s->p, -gain * dilatation * scene->rho * scene->nu_low, s->divergence));
   }

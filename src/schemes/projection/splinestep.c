@@ -209,7 +209,7 @@ PetscErrorCode SplinesProject(Flow *flow)
   if (!pr->row->incremental) PetscCall(VecZeroEntries(s->p));
   PetscCall(VecAXPY(s->p, gain, s->phi));
   if (pr->row->rotational && SceneHas(scene, PHYSICS_VISCOSITY)) {
-    const PetscReal dilatation = LaplacianDilatation(&flow->ops->forms.visc);
+    const PetscReal dilatation = LaplacianDilatation(&flow->ops->forms.visc, flow->scene->dim);
 
     PetscCall(VecAXPY(s->p, -gain * dilatation * scene->rho * scene->nu_low, s->divergence));
   }

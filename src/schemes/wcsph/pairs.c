@@ -13,8 +13,7 @@ PetscErrorCode PairsReserve(PetscInt capacity, Pairs *pairs)
   if (capacity <= pairs->capacity) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PairsFree(pairs));
   pairs->capacity = capacity;
-  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)
-    PetscCall(PetscMalloc2(capacity, &pairs->c[a], capacity, &pairs->du[a]));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscMalloc1(capacity, &pairs->du[a]));
   PetscCall(PetscMalloc3(capacity, &pairs->p, capacity, &pairs->rho,
                          ISPH_MAX_DIM * ISPH_MAX_DIM * capacity, &pairs->w));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -24,7 +23,7 @@ PetscErrorCode PairsReserve(PetscInt capacity, Pairs *pairs)
 PetscErrorCode PairsFree(Pairs *pairs)
 {
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree2(pairs->c[a], pairs->du[a]));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(pairs->du[a]));
   PetscCall(PetscFree3(pairs->p, pairs->rho, pairs->w));
   pairs->capacity = 0;
   PetscFunctionReturn(PETSC_SUCCESS);

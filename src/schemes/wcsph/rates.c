@@ -143,6 +143,8 @@ PetscErrorCode WcsphSetPairs(Wcsph *w, const PetscReal force[], Stencil *st)
   }
   if (st->n_wall) SetWallPairs(w, force, st, pairs);
   st->volume *= rho_0 / l->rho[st->i];
+  st->sloped = SLOPE_NONE;
+  pairs->c   = st->slope;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -256,7 +258,7 @@ static PetscErrorCode RateRow(Stencil *st, void *ctx)
   for (PetscInt a = 0; a < d; a++) x[a] = flow->particles->x[a][i];
   if (SceneHas(flow->scene, PHYSICS_BODY_FORCE)) SceneBodyForce(flow->scene, w->t, x, force);
   PetscCall(WcsphSetPairs(w, force, st));
-  KernelGradients(st, correction, pairs->c);
+  StencilGradients(st, correction);
   for (PetscInt k = 0; w->p_rest > 0.0 && k < st->n; k++) pairs->p[k] += w->p_rest;
   ContinuityRates(w, st, force, p, &rates);
   if (!transposed) {

@@ -1,6 +1,27 @@
 /* Particle shifting before a step of the weakly compressible scheme. */
 #include "wcsph.h"
 
+/* Computes du_c/dx_a of a particle from the differences of its neighbours; returns the sum of the
+   squares. */
+static PetscReal VelocityGradient(const Stencil *st, const Pairs *pairs,
+                                  PetscReal gradient[][ISPH_MAX_DIM])
+{
+  PetscReal squares = 0.0;
+
+  for (PetscInt c = 0; c < st->dim; c++) {
+    for (PetscInt a = 0; a < st->dim; a++) {
+      const PetscReal *du = pairs->du[c], *weight = pairs->c[a];
+      PetscReal        sum = 0.0;
+
+#pragma omp simd reduction(+ : sum)
+      for (PetscInt k = 0; k < st->n; k++) sum += du[k] * weight[k];
+      gradient[c][a] = sum;
+      squares += PetscSqr(sum);
+    }
+  }
+  return squares;
+}
+
 /*
   Displaces a particle by s, and changes its velocity, density and energy by s.grad
 
@@ -14,33 +35,23 @@ static PetscErrorCode ShiftRowOf(Stencil *st, void *ctx)
   const LocalFlow *l    = &w->local;
   const PetscInt   d = st->dim, i = st->i;
   Pairs           *pairs = &w->pairs;
-  PetscReal        x[ISPH_MAX_DIM], C, slope[ISPH_MAX_DIM], s[ISPH_MAX_DIM], rate = 0.0;
-  PetscReal        gradient[ISPH_MAX_DIM][ISPH_MAX_DIM] = {{0.0}}, rise[2] = {0.0};
+  PetscReal        x[ISPH_MAX_DIM], none[ISPH_MAX_DIM] = {0.0}, C, slope[ISPH_MAX_DIM];
+  PetscReal        gradient[ISPH_MAX_DIM][ISPH_MAX_DIM], s[ISPH_MAX_DIM], rise[2] = {0.0}, rate;
 
   PetscFunctionBegin;
-  PetscCall(PairsReserve(st->capacity, pairs));
   for (PetscInt a = 0; a < d; a++) x[a] = flow->particles->x[a][i];
   ConcentrationRow(flow->scene, flow->ops->forms.kernel, st, x, PETSC_FALSE, &C, slope);
-  KernelGradients(st, CORRECTION_FIRST_ORDER, pairs->c);
-  for (PetscInt c = 0; c < d; c++) {
-    for (PetscInt a = 0; a < d; a++) {
-      for (PetscInt k = 0; k < st->n; k++) {
-        const PetscReal beta = st->wall[k] ? st->beta[k] : 1.0;
-
-        gradient[c][a] += beta * (l->u[c][st->j[k]] - l->u[c][i]) * pairs->c[a][k];
-      }
-      rate += PetscSqr(gradient[c][a]);
-    }
-  }
+  PetscCall(WcsphSetPairs(w, none, st));
+  StencilGradients(st, CORRECTION_FIRST_ORDER);
+  rate = PetscSqrtReal(VelocityGradient(st, pairs, gradient));
   flow->state->shift->Displace(d, st->dx, flow->state->shift_strength,
-                               flow->scheme->stats.speed_max, PetscSqrtReal(rate), flow->clock->dt,
-                               slope, s);
+                               flow->scheme->stats.speed_max, rate, flow->clock->dt, slope, s);
   for (PetscInt k = 0; k < st->n; k++) {
     PetscReal along = 0.0;
 
     if (st->wall[k]) continue;
     for (PetscInt a = 0; a < d; a++) along += s[a] * pairs->c[a][k];
-    rise[0] += (l->rho[st->j[k]] - l->rho[i]) * along;
+    rise[0] += (pairs->rho[k] - l->rho[i]) * along;
     if (l->e) rise[1] += (l->e[st->j[k]] - l->e[i]) * along;
   }
   for (PetscInt a = 0; a < d; a++) w->displacement[a][i] = s[a];

@@ -36,7 +36,7 @@ static PetscBool FirmMoment(const Stencil *st, PetscReal weight[], PetscReal inv
 {
   const PetscInt d = st->dim;
 
-  for (PetscInt k = 0; k < st->n; k++) weight[k] = -st->V[k] * st->dW[k] / st->r[k];
+  MomentWeights(st, PETSC_TRUE, weight);
   if (!MomentInverse(st, weight, inverse)) return PETSC_FALSE;
   for (PetscInt a = 0; a < d; a++)
     if (inverse[a * (d + 1)] > WEAK) return PETSC_FALSE;
@@ -72,7 +72,7 @@ static void TimesMatrix(PetscInt d, const PetscReal matrix[], PetscReal tensor[]
     tau = mu (g + g^T - t tr(g) I),   g_ab = sum_k (du_k)_a (c_k)_b
 
   or, for transposed forms, (tau - p I) M^-1, with M = I where the gradient has no correction. A
-  transposed form also stores tr(g), for the density.
+  transposed form also stores div u, for the density.
 */
 static PetscErrorCode StressRow(Stencil *st, void *ctx)
 {
@@ -80,7 +80,7 @@ static PetscErrorCode StressRow(Stencil *st, void *ctx)
   const Scene        *scene = w->flow->scene;
   const LaplacianRow *row   = w->flow->ops->forms.visc.row;
   const PetscInt      d     = st->dim;
-  const PetscReal     mu = scene->nu * scene->rho, t = 1.0 - row->grad_div;
+  const PetscReal     mu = scene->nu * scene->rho, t = ComposedTrace(row->composed, d);
   Pairs              *pairs              = &w->pairs;
   PetscReal           none[ISPH_MAX_DIM] = {0.0}, g[ISPH_MAX_DIM * ISPH_MAX_DIM] = {0.0};
   PetscReal           trace = 0.0, stress[ISPH_MAX_DIM * ISPH_MAX_DIM];
@@ -90,7 +90,7 @@ static PetscErrorCode StressRow(Stencil *st, void *ctx)
   PetscFunctionBegin;
   PetscCall(WcsphSetPairs(w, none, st));
   correction = GradientCorrection(w, row->composed, st, inverse);
-  KernelGradients(st, correction, pairs->c);
+  StencilGradients(st, correction);
   for (PetscInt e = 0; e < d * d; e++)
     for (PetscInt k = 0; k < st->n; k++) g[e] += pairs->du[e / d][k] * pairs->c[e % d][k];
   for (PetscInt a = 0; a < d; a++) trace += g[a * d + a];
@@ -103,7 +103,7 @@ static PetscErrorCode StressRow(Stencil *st, void *ctx)
   if (row->composed->transposed && correction == CORRECTION_FIRST_ORDER)
     TimesMatrix(d, inverse, stress);
   for (PetscInt e = 0; e < d * d; e++) w->local.stress[e][st->i] = stress[e];
-  w->local.divergence[st->i] = trace;
+  if (row->composed->transposed) w->local.divergence[st->i] = PairsDivergence(st, pairs);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -122,36 +122,64 @@ PetscErrorCode WcsphStresses(Flow *flow, Wcsph *w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns true if entry e of the stresses has the pressure in it: a diagonal entry of a transposed
+   form. */
+static PetscBool HasPressure(const Wcsph *w, PetscInt e)
+{
+  return WcsphComposed(w)->transposed && e % (w->flow->scene->dim + 1) == 0 ? PETSC_TRUE
+                                                                            : PETSC_FALSE;
+}
+
 /*
   Computes the slopes of the stresses of a particle from its fluid neighbours, exact for linear
   stresses
 
     s_ab = M^-1 sum_k V_k ((tau_k)_ab - (tau_i)_ab) grad_i W_k,   M = sum_k V_k (grad_i W_k) X_k^T
 
-  Returns false, with no slopes, if there is no wall or if the fluid does not span space.
+  or, for transposed forms, those of P + p I. The slopes are zero if there is no wall or if the
+  fluid does not span space.
 */
-static PetscBool StressSlopes(const Wcsph *w, const Stencil *st, PetscReal slope[][ISPH_MAX_DIM])
+static void StressSlopes(const Wcsph *w, const Stencil *st, PetscReal slope[][ISPH_MAX_DIM])
 {
   const PetscInt d      = st->dim;
   PetscReal     *weight = w->pairs.w, inverse[ISPH_MAX_DIM * ISPH_MAX_DIM];
+  PetscBool      regular;
 
-  if (!st->n_wall) return PETSC_FALSE;
-  for (PetscInt k = 0; k < st->n; k++)
-    weight[k] = st->wall[k] ? 0.0 : -st->V[k] * st->dW[k] / st->r[k];
-  if (!MomentInverse(st, weight, inverse)) return PETSC_FALSE;
-  for (PetscInt e = 0; e < d * d; e++) {
-    const PetscReal *stress            = w->local.stress[e];
+  for (PetscInt e = 0; e < d * d; e++)
+    for (PetscInt a = 0; a < d; a++) slope[e][a] = 0.0;
+  if (!st->n_wall) return;
+  MomentWeights(st, PETSC_FALSE, weight);
+  regular = MomentInverse(st, weight, inverse);
+  for (PetscInt e = 0; e < d * d && regular; e++) {
+    const PetscReal *stress = w->local.stress[e], *p = HasPressure(w, e) ? w->local.p : NULL;
     PetscReal        sum[ISPH_MAX_DIM] = {0.0};
 
-    for (PetscInt k = 0; k < st->n; k++)
-      for (PetscInt b = 0; b < d && !st->wall[k]; b++)
-        sum[b] += weight[k] * (stress[st->j[k]] - stress[st->i]) * st->X[b][k];
-    for (PetscInt a = 0; a < d; a++) {
-      slope[e][a] = 0.0;
-      for (PetscInt b = 0; b < d; b++) slope[e][a] += inverse[a * d + b] * sum[b];
+    for (PetscInt k = 0; k < st->n; k++) {
+      PetscReal rise = stress[st->j[k]] - stress[st->i];
+
+      if (st->wall[k]) continue;
+      if (p) rise += p[st->j[k]] - p[st->i];
+      for (PetscInt b = 0; b < d; b++) sum[b] += weight[k] * rise * st->X[b][k];
     }
+    for (PetscInt a = 0; a < d; a++)
+      for (PetscInt b = 0; b < d; b++) slope[e][a] += inverse[a * d + b] * sum[b];
   }
-  return PETSC_TRUE;
+}
+
+/* Sets entry e of the stresses of the neighbours. A dummy has the stress of the particle, continued
+   by the slopes, and its own pressure. */
+static void NeighborStresses(const Wcsph *w, const Stencil *st, PetscInt e, const PetscReal slope[],
+                             PetscReal value[])
+{
+  const PetscReal *stress   = w->local.stress[e];
+  const PetscBool  pressure = HasPressure(w, e);
+
+  for (PetscInt k = 0; k < st->n; k++) value[k] = stress[st->wall[k] ? st->i : st->j[k]];
+  for (PetscInt k = 0; st->n_wall && k < st->n; k++) {
+    if (!st->wall[k]) continue;
+    for (PetscInt a = 0; a < st->dim; a++) value[k] += slope[a] * st->X[a][k];
+    if (pressure) value[k] += w->local.p[st->i] + w->p_rest - w->pairs.p[k];
+  }
 }
 
 /*
@@ -160,27 +188,23 @@ static PetscBool StressSlopes(const Wcsph *w, const Stencil *st, PetscReal slope
     1/rho_i sum_k (tau_k - tau_i).c_k                       or, transposed,
     1/rho_i sum_k V_k (P_k + P_i).grad_i W,   P = (tau - p I) M^-1
 
-  A dummy behind a wall has the stress of the particle, continued linearly by StressSlopes() unless
-  the form is transposed. Input: c - with the correction of the form, or without correction if it is
-  transposed; not collective
+  The stress of a dummy behind a wall is that of NeighborStresses(): docs/theory.md, (216). Input: c
+  - with the correction of the form, or without correction if it is transposed; not collective
 */
 void StressForce(const Wcsph *w, const Stencil *st, PetscReal acceleration[])
 {
-  const PetscBool transposed = WcsphComposed(w)->transposed;
-  const PetscInt  d = st->dim, i = st->i;
-  const PetscReal sign = transposed ? 1.0 : -1.0;
-  PetscReal       slope[ISPH_MAX_DIM * ISPH_MAX_DIM][ISPH_MAX_DIM];
-  const PetscBool sloped = !transposed && StressSlopes(w, st, slope) ? PETSC_TRUE : PETSC_FALSE;
+  const PetscInt  d    = st->dim;
+  const PetscReal sign = WcsphComposed(w)->transposed ? 1.0 : -1.0;
+  PetscReal       slope[ISPH_MAX_DIM * ISPH_MAX_DIM][ISPH_MAX_DIM], *value = w->pairs.w;
 
+  StressSlopes(w, st, slope);
   for (PetscInt e = 0; e < d * d; e++) {
-    const PetscReal *stress = w->local.stress[e], *c = w->pairs.c[e % d];
+    const PetscReal *c   = w->pairs.c[e % d];
+    const PetscReal  own = sign * w->local.stress[e][st->i];
     PetscReal        sum = 0.0;
 
-    for (PetscInt k = 0; k < st->n; k++) {
-      sum += ((st->wall[k] ? stress[i] : stress[st->j[k]]) + sign * stress[i]) * c[k];
-      for (PetscInt a = 0; a < d && sloped && st->wall[k]; a++)
-        sum += slope[e][a] * st->X[a][k] * c[k];
-    }
-    acceleration[e / d] += sum / w->local.rho[i];
+    NeighborStresses(w, st, e, slope[e], value);
+    for (PetscInt k = 0; k < st->n; k++) sum += (value[k] + own) * c[k];
+    acceleration[e / d] += sum / w->local.rho[st->i];
   }
 }

@@ -61,11 +61,11 @@ typedef struct {
 
 /* Quantities of the neighbours of a particle; arrays of the stencil's capacity. */
 typedef struct {
-  PetscInt   capacity;
-  PetscReal *c[ISPH_MAX_DIM];  /* of KernelGradients() [1/m] */
-  PetscReal *du[ISPH_MAX_DIM]; /* u_k - u_i [m/s] */
-  PetscReal *p, *rho;          /* [Pa], [kg/m^3] */
-  PetscReal *w;                /* weights of the viscous form */
+  PetscInt          capacity;
+  PetscReal *const *c;                /* slope of the stencil, see StencilGradients() [1/m] */
+  PetscReal        *du[ISPH_MAX_DIM]; /* u_k - u_i [m/s] */
+  PetscReal        *p, *rho;          /* [Pa], [kg/m^3] */
+  PetscReal        *w;                /* weights of the viscous form */
 } Pairs;
 
 /* Values by local index, with the halo. */
