@@ -49,6 +49,7 @@ typedef struct {
   const char *const *words;    /* of VALUE_NAMES or an early VALUE_VIEWER; ends with NULL */
   const char *const *places;   /* words that <word> in the name stands for; NULL: any word */
   const char        *where;    /* runs that use it, a phrase; NULL: all */
+  const char        *instead;  /* remedy for other runs, a phrase; NULL: none */
   PetscBool          early;    /* checked before PetscInitialize() prints a traceback */
   PetscBool          late;     /* read at the end of the run */
   FileUse            file;     /* of VALUE_FILE */

@@ -35,8 +35,8 @@ static PetscErrorCode Refuse(const char name[])
   const char      *solver = "";
 
   PetscFunctionBegin;
-  UserCheck(!row || !row->where, "%s: this run does not use it; it belongs to %s", name,
-            row->where);
+  UserCheck(!row || !row->where, "%s: this run does not use it; it belongs to %s%s%s", name,
+            row->where, row->instead ? "; " : "", row->instead ? row->instead : "");
   UserCheck(!row,
             "%s: this run does not use it; its physics is left out, or another type is chosen",
             name);

@@ -61,6 +61,7 @@ static const OptionRow options[] = {
             .low      = 0.0,
             .high     = 100.0,
             .where    = "-scheme wcsph",
+            .instead  = "in an incompressible fluid it acts as a larger -viscosity",
         },
     [COURANT] =
         {

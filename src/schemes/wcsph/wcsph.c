@@ -85,19 +85,22 @@ static PetscErrorCode SetPressure(Flow *flow, Wcsph *w)
   Returns the kinematic viscosity of the artificial viscosity, for the mean velocity gradient U/L,
   over that of the fluid
 
-    h (alpha c0 + beta h U/L)/(2 (d + 2) nu),   d = dim [-]
+    h (alpha c0 + 0.4 beta h U/L)/(4 (d + 2) nu),   d = dim [-]
 
-  Reference: J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703-1759
+  This is half of the value for forces between all pairs, because pairs that separate have none:
+  docs/theory.md, (218).
+
+  Reference: J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703-1759, for all pairs
 */
 static PetscReal ArtificialShare(const Flow *flow, const Wcsph *w)
 {
   const Scene    *scene = flow->scene;
   const PetscReal h     = flow->ops->forms.h;
   const PetscReal speed =
-      w->artificial[0] * w->c0 + w->artificial[1] * h * scene->speed / scene->length;
+      w->artificial[0] * w->c0 + 0.4 * w->artificial[1] * h * scene->speed / scene->length;
 
   if (!SceneHas(scene, PHYSICS_VISCOSITY)) return 0.0;
-  return h * speed / (2.0 * (scene->dim + 2) * scene->nu);
+  return h * speed / (4.0 * (scene->dim + 2) * scene->nu);
 }
 
 static PetscErrorCode WcsphBegin(Flow *flow)
