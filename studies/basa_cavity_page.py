@@ -11,14 +11,22 @@ LOOKS = {name: (parts.COLOURS[name[0]], {"none": ":", "mixed": "--"}.get(name.sp
          for name in runs.SERIES if ", " in name} | {"wcsph": ("#666666", "-"), "projection": ("#666666", "--")}
 
 
+SHARES = (0.25, 0.5, 0.75, 1)
+
+
+def head(end):
+    """Returns the head of the tables of results to a time."""
+    return ["series", "end", *(f"energy, t = {end * share:g}" for share in SHARES), "min u", "u profile", "v profile", "CPU, s"]
+
+
 def energies(q, reynolds):
     """Returns pairs of time and kinetic energy [U^2 L^2]."""
     return parts.series(q, "kinetic_energy", runs.TIMES[reynolds])
 
 
-def off(q, reynolds, share):
-    """Returns the relative error of the energy at a share of the whole time as text."""
-    end = runs.TIMES[reynolds][round(20 * share) - 1]
+def off(q, times, share):
+    """Returns the relative error of the energy at a share of the last of 20 times as text."""
+    end = times[round(20 * share) - 1]
     name = "" if abs(q.get("t", 0.0) - end) < 1e-9 * end else f"@{end:.4g}"
     if "kinetic_energy" + name not in q:
         return ""
@@ -36,11 +44,10 @@ def state(q):
     return f"lost at t = {q.get('failed_t', q.get('t', 0.0)):.3g}"
 
 
-def results(run, reynolds):
+def results(runs_by_name, times):
     """Yields rows: series, end, errors of energy and profiles, CPU time."""
-    for name, options in runs.SERIES.items():
-        q = runs.cavity(run, options, reynolds)
-        yield [name, state(q), *(off(q, reynolds, share) for share in (0.25, 0.5, 0.75, 1)),
+    for name, q in runs_by_name.items():
+        yield [name, state(q), *(off(q, times, share) for share in SHARES),
                *(f"{q[key]:.3f}" if key in q else "" for key in ("u_min", "u_profile_l2", "v_profile_l2")), f"{q.get('cpu_s', 0):.3g}"]
 
 
@@ -48,14 +55,14 @@ def readings(run):
     """Yields rows: reading, end, energy and its error."""
     for name, options in runs.READINGS.items():
         q = runs.reading(run, options)
-        yield [name, state(q), *(off(q, 100, share) for share in (0.05, 0.1, 0.25))]
+        yield [name, state(q), *(off(q, runs.TIMES[100], share) for share in (0.05, 0.1, 0.25))]
 
 
 def resolutions(run):
     """Yields rows: series, Re, n, end, errors of the energy to t = 2.5."""
     for name, reynolds in runs.FINE:
         for n, q in ((runs.N, runs.cavity(run, runs.SERIES[name], reynolds)), (runs.FINE_N, runs.fine(run, name, reynolds))):
-            yield [name, reynolds, n, state(q), *(off(q, reynolds, share) for share in (0.05, 0.1, 0.15, 0.2, 0.25))]
+            yield [name, reynolds, n, state(q), *(off(q, runs.TIMES[reynolds], share) for share in (0.05, 0.1, 0.15, 0.2, 0.25))]
 
 
 def page(run):
@@ -78,8 +85,15 @@ def page(run):
         yield f"## Re = {reynolds}\n"
         yield ("Energy against finite volumes (`cases/reference`), smallest u on the centreline, and root mean squares of the "
                f"errors of both profiles at t = {end:g}, for which Re = 100 has a reference.\n")
-        yield from table(["series", "end", *(f"energy, t = {end * share:g}" for share in (0.25, 0.5, 0.75, 1)), "min u",
-                          "u profile", "v profile", "CPU, s"], results(run, reynolds))
+        found = {name: runs.cavity(run, options, reynolds) for name, options in runs.SERIES.items()}
+        yield from table(head(end), results(found, runs.TIMES[reynolds]))
+        yield ""
+    for reynolds, end in runs.LONG_ENDS.items():
+        yield f"## Re = {reynolds} as in the paper\n"
+        yield (f"{runs.LONG_N} by {runs.LONG_N} particles to t = {end:g}, at most {runs.LONG_SECONDS:g} s of CPU time. Profiles "
+               "against the steady flow.\n")
+        found = {name: runs.long(run, name, reynolds) for name in runs.LONG}
+        yield from table(head(end), results(found, runs.LONG_TIMES[reynolds]))
         yield ""
     yield "## Resolution\n"
     yield f"The same with {runs.FINE_N} by {runs.FINE_N} particles, to t = {runs.READING_END:g}; errors of the energy.\n"

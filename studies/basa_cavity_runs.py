@@ -26,6 +26,10 @@ READINGS = {  # readings of the paper's settings, model E with shepard, Re = 100
     "half the step": SERIES["E, shepard"] + " -acoustic_cfl 0.25",
 }
 READING_END = 2.5
+# At the paper's resolution and to its times
+LONG_N, LONG_ENDS, LONG_SECONDS = 50, {100: 20.0, 1000: 80.0}, 1800.0
+LONG_TIMES = {reynolds: [end * k / 20 for k in range(1, 21)] for reynolds, end in LONG_ENDS.items()}
+LONG = ("wcsph", "projection", "C, shepard", "D, shepard", "E, shepard")
 FINE_N, FINE = 50, (("E, shepard", 1000), ("D, shepard", 1000))  # at the paper's resolution, to t = 2.5
 
 
@@ -47,6 +51,15 @@ def fine(run, name, reynolds):
     return run(f"-case cavity -n {FINE_N} -reynolds {reynolds} {SERIES[name]} {parts.times(ends)}")
 
 
+def long(run, name, reynolds):
+    """Returns a run with the paper's number of particles to its time."""
+    run.seconds = LONG_SECONDS
+    q = run(f"-case cavity -n {LONG_N} -reynolds {reynolds} {SERIES[name]} {parts.times(LONG_TIMES[reynolds])}",
+            f"{POINTS} -probe_every {LONG_ENDS[reynolds]:g}")
+    run.seconds = SECONDS
+    return q
+
+
 def plan(run):
     """Makes all runs, the most telling first."""
     first = ["E, shepard", "wcsph", "projection", "B, shepard", "D, shepard", "E, none", "A, shepard", "C, shepard", "E, mixed"]
@@ -57,3 +70,6 @@ def plan(run):
             reading(run, options)
     for name, reynolds in FINE:
         fine(run, name, reynolds)
+    for name in LONG:
+        for reynolds in LONG_ENDS:
+            long(run, name, reynolds)

@@ -43,7 +43,7 @@ static void CorrectKernel_Shepard(Stencil *st, PetscReal dW[], PetscReal ddW[])
 }
 
 /* Computes the components of corrected gradients along the pairs, -(X/r).c/V. */
-static void AlongPairs(Stencil *st, unsigned correction, PetscReal dW[])
+static ISPH_WIDE void AlongPairs(Stencil *st, unsigned correction, PetscReal dW[])
 {
   StencilGradients(st, correction);
   for (PetscInt k = 0; k < st->n; k++) dW[k] = 0.0;

@@ -120,7 +120,7 @@ void DenseEliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
 
   Not collective. Input: walls - false: the weights of wall neighbours are zero
 */
-void MomentWeights(const Stencil *st, PetscBool walls, PetscReal weight[])
+ISPH_WIDE void MomentWeights(const Stencil *st, PetscBool walls, PetscReal weight[])
 {
   for (PetscInt k = 0; k < st->n; k++) weight[k] = -st->V[k] * st->dW[k] / st->r[k];
   for (PetscInt k = 0; !walls && st->n_wall && k < st->n; k++)

@@ -6,7 +6,7 @@
 #include "rows.h"
 
 /* Computes V_k grad_i W. */
-static void PlainGradients(const Stencil *st, PetscReal *c[])
+static ISPH_WIDE void PlainGradients(const Stencil *st, PetscReal *c[])
 {
   PetscReal *last = c[st->dim - 1];
 
@@ -33,7 +33,8 @@ static void ShepardGradients(const Stencil *st, PetscReal *c[])
 }
 
 /* Multiplies n gradients by a matrix; inlined for each dimension. */
-static inline void MultiplyAll(PetscInt d, PetscInt n, const PetscReal matrix[], PetscReal *c[])
+static ISPH_INLINE void MultiplyAll(PetscInt d, PetscInt n, const PetscReal matrix[],
+                                    PetscReal *c[])
 {
   for (PetscInt k = 0; k < n; k++) {
     PetscReal sum[ISPH_MAX_DIM] = {0.0};
@@ -42,6 +43,13 @@ static inline void MultiplyAll(PetscInt d, PetscInt n, const PetscReal matrix[],
       for (PetscInt b = 0; b < d; b++) sum[a] += matrix[a * d + b] * c[b][k];
     for (PetscInt a = 0; a < d; a++) c[a][k] = sum[a];
   }
+}
+
+static ISPH_WIDE void MultiplyGradients(PetscInt d, PetscInt n, const PetscReal matrix[],
+                                        PetscReal *c[])
+{
+  if (d == 2) MultiplyAll(2, n, matrix, c);
+  else MultiplyAll(3, n, matrix, c);
 }
 
 /* Multiplies the gradients by M^-1, M = sum_k c_k X^T; if the neighbours do not span space, M is
@@ -71,8 +79,7 @@ static void RenormalisedGradients(Stencil *st, PetscReal *c[])
     return;
   }
   for (PetscInt e = 0; e < d * d; e++) inverse[e] /= M[e % d * (d + 1)];
-  if (d == 2) MultiplyAll(2, st->n, inverse, c);
-  else MultiplyAll(3, st->n, inverse, c);
+  MultiplyGradients(d, st->n, inverse, c);
 }
 
 /*

@@ -7,7 +7,7 @@
 
 /* Computes the cubic B-spline with support 2h, w = 1 - 3/2 q^2 + 3/4 q^3 for q < 1, else (2-q)^3/4,
    and its derivatives w' and w''. */
-static void Shape_CubicSpline(PetscInt n, PetscReal w[], PetscReal dw[], PetscReal ddw[])
+static ISPH_WIDE void Shape_CubicSpline(PetscInt n, PetscReal w[], PetscReal dw[], PetscReal ddw[])
 {
 #pragma omp simd
   for (PetscInt k = 0; k < n; k++) {
@@ -21,7 +21,8 @@ static void Shape_CubicSpline(PetscInt n, PetscReal w[], PetscReal dw[], PetscRe
 
 /* Computes the quintic B-spline with support 3h, w = (3-q)^5 - 6 (2-q)^5 + 15 (1-q)^5, and its
    derivatives; a term counts only while its base is positive. */
-static void Shape_QuinticSpline(PetscInt n, PetscReal w[], PetscReal dw[], PetscReal ddw[])
+static ISPH_WIDE void Shape_QuinticSpline(PetscInt n, PetscReal w[], PetscReal dw[],
+                                          PetscReal ddw[])
 {
   const PetscReal knot[3] = {3.0, 2.0, 1.0}, weight[3] = {1.0, -6.0, 15.0};
 
@@ -41,7 +42,7 @@ static void Shape_QuinticSpline(PetscInt n, PetscReal w[], PetscReal dw[], Petsc
 }
 
 /* Computes the Wendland C2 kernel with support 2h, w = (1 - q/2)^4 (1 + 2q), and derivatives. */
-static void Shape_WendlandC2(PetscInt n, PetscReal w[], PetscReal dw[], PetscReal ddw[])
+static ISPH_WIDE void Shape_WendlandC2(PetscInt n, PetscReal w[], PetscReal dw[], PetscReal ddw[])
 {
 #pragma omp simd
   for (PetscInt k = 0; k < n; k++) {
@@ -55,7 +56,7 @@ static void Shape_WendlandC2(PetscInt n, PetscReal w[], PetscReal dw[], PetscRea
 
 /* Computes the Wendland C4 kernel with support 2h, w = (1 - q/2)^6 (1 + 3q + 35/12 q^2), and
    derivatives. */
-static void Shape_WendlandC4(PetscInt n, PetscReal w[], PetscReal dw[], PetscReal ddw[])
+static ISPH_WIDE void Shape_WendlandC4(PetscInt n, PetscReal w[], PetscReal dw[], PetscReal ddw[])
 {
 #pragma omp simd
   for (PetscInt k = 0; k < n; k++) {
@@ -86,8 +87,9 @@ static void Shape_WendlandC4(PetscInt n, PetscReal w[], PetscReal dw[], PetscRea
 . dW  - dW/dr [m^-(dim+1)]
 - ddW - d2W/dr2 [m^-(dim+2)]
 */
-void KernelEvaluateAll(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscInt n,
-                       const PetscReal r[], PetscReal W[], PetscReal dW[], PetscReal ddW[])
+ISPH_WIDE void KernelEvaluateAll(const KernelRow *kernel, PetscInt dim, PetscReal h, PetscInt n,
+                                 const PetscReal r[], PetscReal W[], PetscReal dW[],
+                                 PetscReal ddW[])
 {
   PetscReal scale = kernel->sigma[dim - 1];
 

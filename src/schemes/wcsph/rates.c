@@ -123,7 +123,7 @@ static void SetWallPairs(const Wcsph *w, const PetscReal force[], Stencil *st, P
 
     p_w = p_i + rho_i f.X,   u_w - u_i = beta (u_wall - u_i)
 */
-PetscErrorCode WcsphSetPairs(Wcsph *w, const PetscReal force[], Stencil *st)
+ISPH_WIDE PetscErrorCode WcsphSetPairs(Wcsph *w, const PetscReal force[], Stencil *st)
 {
   const LocalFlow *l     = &w->local;
   Pairs           *pairs = &w->pairs;
