@@ -33,6 +33,15 @@ static void ListComponents(Wcsph *w, PetscReal *const x[], PetscReal *const u[],
   if (w->equation->has_energy) of[w->components++] = e;
 }
 
+/* WcsphComponents - Lists the fields of the particles that are unknowns, in the order of the
+   vector; not collective */
+void WcsphComponents(Wcsph *w, PetscReal *of[])
+{
+  Particles *p = w->flow->particles;
+
+  ListComponents(w, p->x, p->u, w->rho, w->e, of);
+}
+
 /* Copies a vector of the TS to arrays. */
 static PetscErrorCode CopyOut(const Wcsph *w, Vec y, PetscReal *const to[])
 {
@@ -210,7 +219,7 @@ static PetscErrorCode CopyIn(Flow *flow, Wcsph *w)
   PetscScalar *value;
 
   PetscFunctionBegin;
-  ListComponents(w, p->x, p->u, w->rho, w->e, from);
+  WcsphComponents(w, from);
   PetscCall(Renumber(flow, w));
   for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscArraycpy(w->start[a], p->x[a], p->n_fluid));
   PetscCall(VecGetArrayWrite(w->y, &value));
@@ -229,18 +238,18 @@ static PetscErrorCode CopyIn(Flow *flow, Wcsph *w)
 PetscErrorCode WcsphIntegrate(Flow *flow, Wcsph *w)
 {
   const Clock *clock = flow->clock;
-  Particles   *p     = flow->particles;
   PetscReal    dt    = clock->dt, *to[WCSPH_COMPONENTS];
 
   PetscFunctionBegin;
   PetscCall(ClockWhere(clock, w->guard.where));
   PetscCall(CopyIn(flow, w));
+  w->first_stage = PETSC_TRUE;
   PetscCall(TSSetSolution(w->ts, w->y));
   PetscCall(TSRestartStep(w->ts));
   PetscCall(TimeStepThrough(w->ts, w->integrator->name, &w->guard, clock->t, clock->dt, &dt,
                             &flow->scheme->failure));
   if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
-  ListComponents(w, p->x, p->u, w->rho, w->e, to);
+  WcsphComponents(w, to);
   PetscCall(CopyOut(w, w->y, to));
   PetscCall(CheckUnknowns(flow, w, w->rho, w->e));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -257,9 +266,9 @@ PetscErrorCode WcsphFree(Wcsph *w)
   PetscCall(PairsFree(&w->pairs));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     PetscCall(PetscFree(w->start[a]));
-    PetscCall(PetscFree(w->displacement[a]));
     PetscCall(PetscFree(w->local.u[a]));
   }
+  PetscCall(PetscFree(w->shift));
   PetscCall(PetscFree(w->local.rho));
   PetscCall(PetscFree(w->local.p));
   PetscCall(PetscFree(w->local.e));

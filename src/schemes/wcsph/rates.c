@@ -16,12 +16,13 @@ PetscErrorCode WcsphReserve(const Flow *flow, Wcsph *w)
   for (PetscInt a = 0; a < flow->scene->dim; a++) {
     PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &local->u[a]));
     PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &w->start[a]));
-    PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &w->displacement[a]));
   }
   PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &local->rho));
   PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &local->p));
   if (w->equation->has_energy)
     PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &local->e));
+  if (flow->state->shift->Displace)
+    PetscCall(PetscRealloc(WCSPH_COMPONENTS * local->capacity * sizeof(PetscReal), &w->shift));
   if (!WcsphComposed(w)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt e = 0; e < PetscSqr(flow->scene->dim); e++)
     PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &local->stress[e]));
@@ -249,14 +250,17 @@ static PetscErrorCode RateRow(Stencil *st, void *ctx)
   const PetscBool     transposed = composed && composed->transposed ? PETSC_TRUE : PETSC_FALSE;
   const unsigned      correction = transposed ? 0 : flow->ops->forms.correction->bit;
   const PetscInt      i = st->i, d = st->dim;
-  const PetscReal     rho   = w->local.rho[i];
-  Pairs              *pairs = &w->pairs;
+  const PetscReal     rho    = w->local.rho[i];
+  Pairs              *pairs  = &w->pairs;
+  const PetscBool     shifts = WcsphShifts(w);
   PetscReal           x[ISPH_MAX_DIM], force[ISPH_MAX_DIM] = {0.0}, p = w->local.p[i] + w->p_rest;
+  PetscReal           C, slope[ISPH_MAX_DIM];
   Rates               rates = {.rho = 0.0};
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < d; a++) x[a] = flow->particles->x[a][i];
   if (SceneHas(flow->scene, PHYSICS_BODY_FORCE)) SceneBodyForce(flow->scene, w->t, x, force);
+  if (shifts) ConcentrationRow(flow->scene, flow->ops->forms.kernel, st, x, PETSC_FALSE, &C, slope);
   PetscCall(WcsphSetPairs(w, force, st));
   StencilGradients(st, correction);
   for (PetscInt k = 0; w->p_rest > 0.0 && k < st->n; k++) pairs->p[k] += w->p_rest;
@@ -273,6 +277,7 @@ static PetscErrorCode RateRow(Stencil *st, void *ctx)
   else if (flow->ops->forms.visc.row && !w->implicit)
     PetscCall(ViscousForce(w, st, pairs, rates.u));
   StoreRates(w, i, &rates);
+  if (shifts) WcsphShiftRow(w, st, slope);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -302,6 +307,7 @@ PetscErrorCode WcsphRates(Flow *flow, Wcsph *w)
   PetscCall(WcsphStresses(flow, w));
   w->divergence = 0.0;
   PetscCall(OperatorsStream(flow->scene, p, flow->neighbors, flow->ops, RateRow, w));
+  w->first_stage = PETSC_FALSE;
   PetscCall(PetscLogEventEnd(w->event, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

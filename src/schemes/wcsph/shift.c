@@ -1,4 +1,7 @@
-/* Particle shifting before a step of the weakly compressible scheme. */
+/*
+  Particle shifting in a step of the weakly compressible scheme. The sweep of the first stage has
+  all sums that a shift needs; the shift takes place after the last stage.
+*/
 #include "wcsph.h"
 
 /* Computes du_c/dx_a of a particle from the differences of its neighbours; returns the sum of the
@@ -22,26 +25,28 @@ static PetscReal VelocityGradient(const Stencil *st, const Pairs *pairs,
   return squares;
 }
 
-/*
-  Displaces a particle by s, and changes its velocity, density and energy by s.grad
-
-  The gradients are exact for linear fields. The new values go to the fields of the particle; other
-  particles read the copies of the local flow.
-*/
-static PetscErrorCode ShiftRowOf(Stencil *st, void *ctx)
+/* Returns true if the sweep of the present stage also computes the shift. */
+PetscBool WcsphShifts(const Wcsph *w)
 {
-  Wcsph           *w    = (Wcsph *)ctx;
+  return w->first_stage && w->flow->state->shift->Displace ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/*
+  WcsphShiftRow - Computes the displacement s of a particle, and the changes s.grad of its velocity,
+  density and energy
+
+  Not collective. The gradients are exact for linear fields. Input: slope - gradient of the
+  concentration [1/m]; w->pairs. Output: w->shift, in the order of the unknowns.
+*/
+void WcsphShiftRow(Wcsph *w, Stencil *st, const PetscReal slope[])
+{
   const Flow      *flow = w->flow;
   const LocalFlow *l    = &w->local;
-  const PetscInt   d = st->dim, i = st->i;
-  Pairs           *pairs = &w->pairs;
-  PetscReal        x[ISPH_MAX_DIM], none[ISPH_MAX_DIM] = {0.0}, C, slope[ISPH_MAX_DIM];
+  const PetscInt   d = st->dim, i = st->i, n = flow->particles->n_fluid;
+  const Pairs     *pairs = &w->pairs;
   PetscReal        gradient[ISPH_MAX_DIM][ISPH_MAX_DIM], s[ISPH_MAX_DIM], rise[2] = {0.0}, rate;
+  PetscInt         c = 2 * d;
 
-  PetscFunctionBegin;
-  for (PetscInt a = 0; a < d; a++) x[a] = flow->particles->x[a][i];
-  ConcentrationRow(flow->scene, flow->ops->forms.kernel, st, x, PETSC_FALSE, &C, slope);
-  PetscCall(WcsphSetPairs(w, none, st));
   StencilGradients(st, CORRECTION_FIRST_ORDER);
   rate = PetscSqrtReal(VelocityGradient(st, pairs, gradient));
   flow->state->shift->Displace(d, st->dx, flow->state->shift_strength,
@@ -54,12 +59,13 @@ static PetscErrorCode ShiftRowOf(Stencil *st, void *ctx)
     rise[0] += (pairs->rho[k] - l->rho[i]) * along;
     if (l->e) rise[1] += (l->e[st->j[k]] - l->e[i]) * along;
   }
-  for (PetscInt a = 0; a < d; a++) w->displacement[a][i] = s[a];
-  for (PetscInt c = 0; c < d; c++)
-    for (PetscInt a = 0; a < d; a++) flow->particles->u[c][i] += s[a] * gradient[c][a];
-  if (!w->density->sums) w->rho[i] += rise[0];
-  if (l->e) w->e[i] += rise[1];
-  PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < d; a++) {
+    w->shift[a * n + i]       = s[a];
+    w->shift[(d + a) * n + i] = 0.0;
+    for (PetscInt b = 0; b < d; b++) w->shift[(d + a) * n + i] += s[b] * gradient[a][b];
+  }
+  if (!w->density->sums) w->shift[c++ * n + i] = rise[0];
+  if (l->e) w->shift[c * n + i] = rise[1];
 }
 
 /* Computes the mean velocity of the fluid, by mass. */
@@ -79,31 +85,26 @@ static PetscErrorCode MeanVelocity(const Flow *flow, PetscReal mean[])
     x += s,   u += s.grad u,   rho += s.grad rho,   e += s.grad e,   s of the chosen ShiftRow
 
   Collective. Does nothing with -shift none. In a periodic box without forces the mean velocity
-  stays. Positions in the halo are out of date afterwards.
+  stays. w->start moves too, because no force works along s. Positions in the halo are out of date
+  afterwards.
 */
 PetscErrorCode WcsphShift(Flow *flow, Wcsph *w)
 {
-  Particles      *p     = flow->particles;
+  Particles      *p = flow->particles;
+  const PetscInt  n = p->n_fluid, d = p->dim;
   const PetscBool keeps = SceneKeepsMomentum(flow->scene);
-  PetscReal       before[ISPH_MAX_DIM], after[ISPH_MAX_DIM];
+  PetscReal       before[ISPH_MAX_DIM], after[ISPH_MAX_DIM], *to[WCSPH_COMPONENTS];
 
   PetscFunctionBegin;
   if (!flow->state->shift->Displace) PetscFunctionReturn(PETSC_SUCCESS);
   if (keeps) PetscCall(MeanVelocity(flow, before));
-  for (PetscInt a = 0; a < p->dim; a++) {
-    PetscCall(PetscArraycpy(w->local.u[a], p->u[a], ParticlesOwn(p)));
-    PetscCall(ParticlesHaloField(p, w->local.u[a]));
-  }
-  if (w->e) {
-    PetscCall(PetscArraycpy(w->local.e, w->e, p->n_fluid));
-    PetscCall(ParticlesHaloField(p, w->local.e));
-  }
-  PetscCall(OperatorsStream(flow->scene, p, flow->neighbors, flow->ops, ShiftRowOf, w));
-  for (PetscInt a = 0; a < p->dim; a++)
-    for (PetscInt i = 0; i < p->n_fluid; i++) p->x[a][i] += w->displacement[a][i];
+  WcsphComponents(w, to);
+  for (PetscInt c = 0; c < w->components; c++)
+    for (PetscInt i = 0; i < n; i++) to[c][i] += w->shift[c * n + i];
+  for (PetscInt a = 0; a < d; a++)
+    for (PetscInt i = 0; i < n; i++) w->start[a][i] += w->shift[a * n + i];
   if (!keeps) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MeanVelocity(flow, after));
-  for (PetscInt a = 0; a < p->dim; a++)
-    PetscCall(VecShift(flow->state->u[a], before[a] - after[a]));
+  for (PetscInt a = 0; a < d; a++) PetscCall(VecShift(flow->state->u[a], before[a] - after[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

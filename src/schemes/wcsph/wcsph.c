@@ -204,9 +204,9 @@ static PetscErrorCode WcsphStep(Flow *flow)
   PetscCall(AverageBegin(flow));
   if (SceneHas(flow->scene, PHYSICS_BODY_FORCE))
     PetscCall(AddBodyForce(flow, flow->clock->t + flow->clock->dt, NULL));
-  PetscCall(WcsphShift(flow, w));
   PetscCall(WcsphIntegrate(flow, w));
   if (failure->code) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(WcsphShift(flow, w));
   KeepOffWalls(flow->scene, flow->particles);
   PetscCall(AddWork(flow, w));
   PetscCall(FollowPositions(flow));

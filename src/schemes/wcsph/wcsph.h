@@ -98,17 +98,18 @@ struct Wcsph {
   Vec        y;     /* components of all own particles, one component after the other */
   PetscInt   epoch; /* of y */
   PetscInt   components;
-  PetscReal *start[ISPH_MAX_DIM];        /* positions at the start of the step [m] */
-  PetscReal *displacement[ISPH_MAX_DIM]; /* by shifting [m] */
-  Viscosity *visc;                       /* NULL: explicit viscosity, or none */
+  PetscReal *start[ISPH_MAX_DIM]; /* positions at the start of the step [m] */
+  PetscReal *shift; /* changes of the unknowns by shifting, in the order of y; NULL without */
+  Viscosity *visc;  /* NULL: explicit viscosity, or none */
 
   /* of the present rates */
   Flow      *flow;
   PetscReal  t;
   LocalFlow  local;
   Pairs      pairs;
-  PetscReal *rate;       /* of the TS: where the rates go */
-  PetscReal  divergence; /* largest |drho/dt|/rho [1/s] */
+  PetscReal *rate;        /* of the TS: where the rates go */
+  PetscBool  first_stage; /* of the step */
+  PetscReal  divergence;  /* largest |drho/dt|/rho [1/s] */
 
   PetscReal     mach, variation; /* largest of the run [-] */
   PetscReal     passage; /* time in which sound crosses L over that of the run, if walls move [-] */
@@ -121,6 +122,7 @@ PetscErrorCode WcsphCreate(Flow *flow);
 
 /* integrate.c */
 PetscErrorCode WcsphCreateIntegrator(Flow *flow, Wcsph *w);
+void           WcsphComponents(Wcsph *w, PetscReal *of[]);
 PetscErrorCode WcsphIntegrate(Flow *flow, Wcsph *w);
 PetscErrorCode WcsphFree(Wcsph *w);
 
@@ -137,6 +139,8 @@ PetscErrorCode      WcsphStresses(Flow *flow, Wcsph *w);
 void                StressForce(const Wcsph *w, const Stencil *stencil, PetscReal acceleration[]);
 
 /* shift.c */
+PetscBool      WcsphShifts(const Wcsph *w);
+void           WcsphShiftRow(Wcsph *w, Stencil *stencil, const PetscReal slope[]);
 PetscErrorCode WcsphShift(Flow *flow, Wcsph *w);
 
 /* pairs.c */
