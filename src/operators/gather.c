@@ -83,6 +83,24 @@ static inline PetscInt KeepClose(PetscInt dim, const Particles *p, PetscInt n,
   return kept;
 }
 
+/* Sets distances from their squares, volumes, kinds and equations of the first n neighbours. */
+static ISPH_WIDE void FillNeighbors(const Particles *p, PetscInt n, Stencil *st)
+{
+  const PetscReal *volume = p->volume;
+  const PetscInt  *j      = st->j;
+  PetscInt         n_wall = 0;
+
+  for (PetscInt k = 0; k < n; k++) st->r[k] = PetscSqrtReal(st->r[k]);
+  for (PetscInt k = 0; k < n; k++) st->V[k] = volume[j[k]];
+  for (PetscInt k = 0; k < n; k++) st->equation[k] = EQUATION_VALUE;
+  for (PetscInt k = 0; k < n; k++) st->surface[k] = PETSC_FALSE;
+  for (PetscInt k = 0; k < n; k++) {
+    st->wall[k] = ParticlesIsWall(p, j[k]);
+    n_wall += st->wall[k] ? 1 : 0;
+  }
+  st->n_wall = n_wall;
+}
+
 /* GatherStencil - Gathers the neighbours of own fluid particle i with the quantities that row
    functions read; not collective */
 PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neighbors *nb,
@@ -100,7 +118,6 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
   radius2        = PetscSqr(st->radius);
   st->i          = i;
   st->volume     = p->volume[i];
-  st->n_wall     = 0;
   st->fit.wanted = 0;
   st->sloped     = SLOPE_NONE;
   for (PetscInt a = 0; a < d; a++) {
@@ -112,12 +129,7 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
   if (d == 2) n = KeepClose(2, p, n, candidate, x, st->stretch, radius2, st);
   else n = KeepClose(3, p, n, candidate, x, st->stretch, radius2, st);
   st->n = n;
-  for (PetscInt k = 0; k < n; k++) st->r[k] = PetscSqrtReal(st->r[k]);
-  for (PetscInt k = 0; k < n; k++) st->V[k] = p->volume[st->j[k]];
-  for (PetscInt k = 0; k < n; k++) st->equation[k] = EQUATION_VALUE;
-  for (PetscInt k = 0; k < n; k++) st->surface[k] = PETSC_FALSE;
-  for (PetscInt k = 0; k < n; k++) st->wall[k] = ParticlesIsWall(p, st->j[k]);
-  for (PetscInt k = 0; k < n; k++) st->n_wall += st->wall[k] ? 1 : 0;
+  FillNeighbors(p, n, st);
   st->scene = scene;
   st->slips = PETSC_FALSE;
   for (PetscInt k = 0; st->n_wall && k < n; k++) {
