@@ -16,6 +16,7 @@ RUNS = [  # line, run that has it, run that has it not
     (r"sound_passage 2, should be at most 1: ", f"{CAVITY} -t_end 0.05", f"{CAVITY} -t_end 0.2"),  # L/c0 = 0.1
     (r"velocity not kept: -visc_laplacian direct ", f"{VORTICES} -visc_laplacian direct", VORTICES),
     (r"rotation not kept: -visc_laplacian morris ", f"{DROP} -visc_laplacian morris", DROP),
+    (r"rotation not kept: ", f"{DROP} -visc_laplacian energy_sph", f"{DROP} -visc_laplacian energy_fpm"),
     (r"mach \S+, should be at most 0.2: ", f"{VORTICES} -sound_speed 3", VORTICES),
 ]
 

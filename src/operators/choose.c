@@ -396,10 +396,7 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
   if (needs & (NEED_PRESSURE | NEED_GRADIENT_U)) {
     PetscCall(OptionGetRow(&options[GRADIENT], NULL, &forms->gradient));
   }
-  if (SceneHas(scene, PHYSICS_WALLS)) {
-    PetscCall(ChooseWall(scene, needs, forms));
-    forms->visc.continued = ContinuesStress(&forms->visc);
-  }
+  if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(ChooseWall(scene, needs, forms));
   forms->visc.graded = SceneFinest(scene) < SceneCoarsest(scene);
   forms->ppe.graded  = forms->visc.graded;
   forms->h_over_dx   = h_over_dx;
@@ -418,6 +415,7 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
             "wall_layer and forms without full_support in -catalogue, such as mls",
             forms->wall->name, scene->grading.spacing.n ? "-spacing" : "-spacing_wall");
   PetscCall(ChooseSurface(scene, needs, forms));
+  if (SceneHas(scene, PHYSICS_WALLS)) forms->visc.continued = ContinuesStress(&forms->visc);
   PetscCall(ChooseCoupling(scene, forms));
   PetscCall(RefuseEquations(scene, forms));
   PetscFunctionReturn(PETSC_SUCCESS);

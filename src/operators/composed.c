@@ -198,7 +198,7 @@ static PetscErrorCode StrainMat(const Particles *p, const Operators *ops, PetscB
 
 /* Creates a divergence of the stress of the fluid: component a is sum_b D_b tau_ab. */
 static PetscErrorCode DivergenceMat(const Particles *p, const Operators *ops,
-                                    const AffineOperator of[], Mat *D)
+                                    const AffineOperator *of, Mat *D)
 {
   const Pattern *pattern = &ops->rows.fluid;
   const PetscInt d = p->dim, count = pattern->row[p->n_fluid];

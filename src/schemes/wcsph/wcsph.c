@@ -260,6 +260,17 @@ static PetscErrorCode WcsphLimit(const Flow *flow, StepLimit *limit)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns true if a rotation has no force in rows beside a free surface, which do not depend on the
+   stress of dummies elsewhere. */
+static PetscBool KeepsRotation(const LaplacianForm *visc)
+{
+  LaplacianForm free = *visc;
+
+  free.continued = PETSC_FALSE;
+  return LaplacianIs(&free, FORM_EXACT_LINEAR) || LaplacianIs(&free, FORM_ANGULAR) ? PETSC_TRUE
+                                                                                   : PETSC_FALSE;
+}
+
 /* Prints a line if the viscous form brakes a motion without strain. */
 static PetscErrorCode RigidView(const Flow *flow, PetscViewer viewer)
 {
@@ -273,8 +284,7 @@ static PetscErrorCode RigidView(const Flow *flow, PetscViewer viewer)
         "velocity not kept: -visc_laplacian %s brakes a uniform flow of disordered particles; try "
         "cleary\n",
         visc->row->name));
-  } else if (SceneHasFreeSurface(flow->scene) && !LaplacianIs(visc, FORM_EXACT_LINEAR) &&
-             !LaplacianIs(visc, FORM_ANGULAR)) {
+  } else if (SceneHasFreeSurface(flow->scene) && !KeepsRotation(visc)) {
     PetscCall(PetscViewerASCIIPrintf(
         viewer,
         "rotation not kept: -visc_laplacian %s brakes a rotation beside a free surface; try "
