@@ -29,7 +29,7 @@ READING_END = 2.5
 # At the paper's resolution and to its times
 LONG_N, LONG_ENDS, LONG_SECONDS = 50, {100: 20.0, 1000: 80.0}, 1800.0
 LONG_TIMES = {reynolds: [end * k / 20 for k in range(1, 21)] for reynolds, end in LONG_ENDS.items()}
-LONG = ("wcsph", "projection", "C, shepard", "D, shepard", "E, shepard")
+LONG = {100: ("wcsph", "projection", "D, shepard"), 1000: ("wcsph", "projection", "D, shepard")}
 FINE_N, FINE = 50, (("E, shepard", 1000), ("D, shepard", 1000))  # at the paper's resolution, to t = 2.5
 
 
@@ -70,6 +70,6 @@ def plan(run):
             reading(run, options)
     for name, reynolds in FINE:
         fine(run, name, reynolds)
-    for name in LONG:
-        for reynolds in LONG_ENDS:
+    for reynolds, names in LONG.items():
+        for name in names:
             long(run, name, reynolds)
