@@ -29,7 +29,7 @@ READING_END = 2.5
 # At the paper's resolution and to its times
 LONG_N, LONG_ENDS, LONG_SECONDS = 50, {100: 20.0, 1000: 80.0}, 1800.0
 LONG_TIMES = {reynolds: [end * k / 20 for k in range(1, 21)] for reynolds, end in LONG_ENDS.items()}
-LONG = {100: ("wcsph", "projection", "D, shepard"), 1000: ("wcsph", "projection", "D, shepard")}
+LONG = {100: ("wcsph", "projection", "D, shepard"), 1000: ("wcsph", "projection")}
 FINE_N, FINE = 50, (("E, shepard", 1000), ("D, shepard", 1000))  # at the paper's resolution, to t = 2.5
 
 
