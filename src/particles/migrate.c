@@ -1,35 +1,75 @@
 /*
-  Migration of particles to their owners, and sorting of own particles. A particle is sent as a
-  record; received records are sorted and written into the arrays.
+  Migration of particles to their owners, and sorting of own particles. A particle that leaves is
+  sent as a record; particles that stay and received records are sorted together.
 */
 #include "impl.h"
 
-/* Sort key of a record: fluid or wall, cell, id. */
+/* The own particles to be: those that stay, by their local indices, followed by records. */
+typedef struct {
+  PetscInt         n_kept, n; /* particles that stay, and all */
+  const PetscInt  *kept;
+  const PetscReal *record;
+  PetscInt         width; /* of a record */
+} Items;
+
+/* Sort key of an item: fluid or wall, cell, id. */
 typedef struct {
   PetscInt64 cell, id;
-  PetscInt   record;
+  PetscInt   item;
 } SortKey;
 
 #define CELL_BITS 20 /* of each axis in SortKey.cell */
 
-/* Packs own particles as records in the order of receiving ranks. */
+/* Returns number `place` of the record of item k; values: those of the particles. */
+static inline PetscReal ItemValue(const Items *items, PetscInt k, PetscInt place,
+                                  const PetscReal values[])
+{
+  return k < items->n_kept ? values[items->kept[k]]
+                           : items->record[(size_t)(k - items->n_kept) * items->width + place];
+}
+
+/* Returns the id of item k. */
+static inline PetscInt64 ItemId(const Items *items, PetscInt k, const Particles *p)
+{
+  return k < items->n_kept
+             ? p->id[items->kept[k]]
+             : (PetscInt64)items->record[(size_t)(k - items->n_kept) * items->width + RECORD_ID];
+}
+
+/* Returns the kind of item k. */
+static inline ParticleKind ItemKind(const Items *items, PetscInt k, const Particles *p)
+{
+  return k < items->n_kept
+             ? p->kind[items->kept[k]]
+             : (ParticleKind)
+                   items->record[(size_t)(k - items->n_kept) * items->width + RECORD_KIND];
+}
+
+/* Lists own particles that stay, and packs the others as records in the order of receiving
+   ranks. */
 static PetscErrorCode PackRecords(const Particles *p, const PetscInt owner[], PetscInt n_to[],
-                                  PetscReal **records)
+                                  PetscInt kept[], PetscInt *n_kept, PetscReal **records)
 {
   const PetscInt own = ParticlesOwn(p), width = ParticlesRecordWidth(p);
-  PetscMPIInt    ranks;
+  PetscMPIInt    ranks, rank;
   PetscInt      *next;
   RecordColumns  columns;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
-  PetscCall(PetscMalloc1((size_t)own * width, records));
+  PetscCallMPI(MPI_Comm_rank(p->comm, &rank));
   PetscCall(PetscCalloc1(ranks + 1, &next));
   PetscCall(RecordsBegin(p, &columns));
-  for (PetscInt i = 0; i < own; i++) n_to[owner[i]]++;
+  *n_kept = 0;
+  for (PetscInt i = 0; i < own; i++) {
+    if (owner[i] == rank) kept[(*n_kept)++] = i;
+    else n_to[owner[i]]++;
+  }
   for (PetscMPIInt r = 0; r < ranks; r++) next[r + 1] = next[r] + n_to[r];
-  for (PetscInt i = 0; i < own; i++)
-    RecordPack(p, &columns, i, &(*records)[(size_t)next[owner[i]]++ * width]);
+  PetscCall(PetscMalloc1((size_t)next[ranks] * width, records));
+  for (PetscInt i = 0; i < own; i++) {
+    if (owner[i] != rank) RecordPack(p, &columns, i, &(*records)[(size_t)next[owner[i]]++ * width]);
+  }
   PetscCall(RecordsEnd(&columns));
   PetscCall(PetscFree(next));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -44,55 +84,60 @@ static int CompareKeys(const void *a, const void *b)
 }
 
 /*
-  Sorts records by kind (fluid or wall), cell and id. Cells have the size of an interaction radius
+  Sorts items by kind (fluid or wall), cell and id. Cells have the size of an interaction radius
   and begin at the corner of the scene's box, so that the order of two particles does not depend on
   their owners. Field 0 of a record is x.
 */
-static PetscErrorCode SortRecords(const Scene *scene, const Particles *p, PetscInt n,
-                                  const PetscReal records[], SortKey **keys)
+static PetscErrorCode SortItems(const Scene *scene, const Particles *p, const Items *items,
+                                SortKey **keys)
 {
-  const PetscInt  width = ParticlesRecordWidth(p), last = (1 << CELL_BITS) - 1;
+  const PetscInt  last   = (1 << CELL_BITS) - 1;
   const PetscReal offset = 1024.0; /* cells below the box, for walls */
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(n, keys));
-  for (PetscInt k = 0; k < n; k++) {
-    const PetscReal *record = &records[(size_t)k * width];
-    SortKey         *key    = &(*keys)[k];
+  PetscCall(PetscMalloc1(items->n, keys));
+  for (PetscInt k = 0; k < items->n; k++) {
+    SortKey *key = &(*keys)[k];
 
-    key->record = k;
-    key->id     = (PetscInt64)record[RECORD_ID];
-    key->cell   = ParticleKinds[(PetscInt)record[RECORD_KIND]].is_wall;
+    key->item = k;
+    key->id   = ItemId(items, k, p);
+    key->cell = ParticleKinds[ItemKind(items, k, p)].is_wall;
     for (PetscInt a = p->dim - 1; a >= 0; a--) {
-      const PetscReal s = (record[RECORD_FIELDS + a] - scene->lo[a]) / p->halo_width + offset;
+      const PetscReal x = ItemValue(items, k, RECORD_FIELDS + a, p->x[a]);
+      const PetscReal s = (x - scene->lo[a]) / p->halo_width + offset;
 
       key->cell = (key->cell << CELL_BITS) + (s < 0.0 ? 0 : (s > last ? last : (PetscInt64)s));
     }
   }
-  if (n > 1) qsort(*keys, (size_t)n, sizeof(**keys), CompareKeys);
+  if (items->n > 1) qsort(*keys, (size_t)items->n, sizeof(**keys), CompareKeys);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes records into the arrays in sorted order. */
-static PetscErrorCode UnpackRecords(Particles *p, PetscInt n, const PetscReal records[],
-                                    const SortKey keys[])
+/* Writes items into the arrays in sorted order, one array after the other: a copy of all particles
+   would be the peak of a run's memory. */
+static PetscErrorCode ArrangeItems(Particles *p, const Items *items, const SortKey keys[])
 {
-  const PetscInt width = ParticlesRecordWidth(p);
-  RecordColumns  columns;
+  RecordColumns columns;
+  PetscReal    *sorted;
 
   PetscFunctionBegin;
   p->n_fluid = p->n_wall = p->n_halo_fluid = p->n_halo_wall = 0;
-  PetscCall(ParticlesReserve(p, n));
+  PetscCall(ParticlesReserve(p, items->n));
   PetscCall(RecordsBegin(p, &columns));
-  for (PetscInt i = 0; i < n; i++) {
-    const PetscReal *record = &records[(size_t)keys[i].record * width];
-
+  PetscCall(PetscMalloc1(items->n, &sorted));
+  for (PetscInt c = 0; c < columns.n; c++) {
+    for (PetscInt i = 0; i < items->n; i++)
+      sorted[i] = ItemValue(items, keys[i].item, RECORD_FIELDS + c, columns.values[c]);
+    PetscCall(PetscArraycpy(columns.values[c], sorted, items->n));
+  }
+  for (PetscInt i = 0; i < items->n; i++) sorted[i] = ItemKind(items, keys[i].item, p);
+  for (PetscInt i = 0; i < items->n; i++) {
     p->id[i]   = keys[i].id;
-    p->kind[i] = (ParticleKind)record[RECORD_KIND];
+    p->kind[i] = (ParticleKind)sorted[i];
     if (ParticleKinds[p->kind[i]].is_wall) p->n_wall++;
     else p->n_fluid++;
-    RecordUnpack(&columns, record, i);
   }
+  PetscCall(PetscFree(sorted));
   PetscCall(RecordsEnd(&columns));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -133,12 +178,13 @@ static PetscErrorCode NumberParticles(Particles *p)
 PetscErrorCode ParticlesStore(const Scene *scene, Particles *p, PetscInt n,
                               const PetscReal record[])
 {
-  SortKey *keys;
-  PetscInt all[2];
+  const Items items = {.n = n, .record = record, .width = ParticlesRecordWidth(p)};
+  SortKey    *keys;
+  PetscInt    all[2];
 
   PetscFunctionBegin;
-  PetscCall(SortRecords(scene, p, n, record, &keys));
-  PetscCall(UnpackRecords(p, n, record, keys));
+  PetscCall(SortItems(scene, p, &items, &keys));
+  PetscCall(ArrangeItems(p, &items, keys));
   PetscCall(PetscFree(keys));
   all[0] = p->n_fluid;
   all[1] = p->n_wall;
@@ -164,22 +210,28 @@ PetscErrorCode ParticlesStore(const Scene *scene, Particles *p, PetscInt n,
 PetscErrorCode ParticlesMigrate(const Scene *scene, Particles *p, const PetscInt owner[])
 {
   PetscMPIInt ranks, n_sources, *source;
-  PetscInt   *n_to, *n_from, n = 0;
+  PetscInt   *n_to, *n_from, *kept;
   PetscReal  *sent, *records;
+  Items       items = {.width = ParticlesRecordWidth(p)};
   SortKey    *keys;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
   PetscCall(PetscCalloc1(ranks, &n_to));
-  PetscCall(PackRecords(p, owner, n_to, &sent));
-  PetscCall(ExchangeItems(p->comm, MPIU_REAL, ParticlesRecordWidth(p), n_to, sent, &n_sources,
-                          &source, &n_from, &records));
+  PetscCall(PetscMalloc1(ParticlesOwn(p), &kept));
+  PetscCall(PackRecords(p, owner, n_to, kept, &items.n_kept, &sent));
+  PetscCall(ExchangeItems(p->comm, MPIU_REAL, items.width, n_to, sent, &n_sources, &source, &n_from,
+                          &records));
   PetscCall(PetscFree(sent));
-  for (PetscMPIInt s = 0; s < n_sources; s++) n += n_from[s];
-  PetscCall(SortRecords(scene, p, n, records, &keys));
-  PetscCall(UnpackRecords(p, n, records, keys));
+  items.n      = items.n_kept;
+  items.kept   = kept;
+  items.record = records;
+  for (PetscMPIInt s = 0; s < n_sources; s++) items.n += n_from[s];
+  PetscCall(SortItems(scene, p, &items, &keys));
+  PetscCall(ArrangeItems(p, &items, keys));
   PetscCall(NumberParticles(p));
   PetscCall(PetscFree(keys));
+  PetscCall(PetscFree(kept));
   PetscCall(PetscFree(records));
   PetscCall(PetscFree(n_from));
   PetscCall(PetscFree(source));
