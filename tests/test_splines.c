@@ -76,7 +76,7 @@ static const CloudBox boxes[] = {
    such row, which took half of the time of a large box with a body. */
 static void TrySpace(const CloudBox *box, Fixture *f)
 {
-  const Mat mats[] = {f->splines.T[0], f->splines.S, f->splines.K};
+  const Mat mats[] = {f->splines.S, f->splines.K};
 
   for (size_t k = 0; k < sizeof(mats) / sizeof(mats[0]); k++) {
     MatInfo info;

@@ -144,6 +144,39 @@ static void SetNodes(const SplineBodies *s, PetscInt first, PetscReal fraction, 
   }
 }
 
+/*
+  Sets the integrals of a cut cell: the linear function of a node is
+
+    1/4 +- (x - c).e_a/(2 sqrt(2 l_a))
+
+  with the sign of the node along each principal axis e_a, and the spread l_a along it.
+*/
+static void SetIntegrals(const SplineLattice *l, const SplineBodies *s, SplineCut *cut)
+{
+  const SplineLattice plane = SplinePlane(l);
+
+  for (PetscInt e = 0; e < 4 * 3 * SPLINES_IN_PLANE; e++) (&cut->integral[0][0][0])[e] = 0.0;
+  for (PetscInt g = cut->first; g < cut->first + cut->n; g++) {
+    const PetscReal x[2] = {s->x[0][g], s->x[1][g]};
+    SplineValues    at;
+
+    SplinesAt(&plane, x, &at);
+    for (PetscInt node = 0; node < 4; node++) {
+      const PetscReal *reach = cut->reach[node / 2], sign = node % 2 ? 1.0 : -1.0;
+      const PetscReal  square = PetscSqr(reach[0]) + PetscSqr(reach[1]);
+      PetscReal        share  = 0.25;
+
+      for (PetscInt a = 0; square > 0.0 && a < 2; a++)
+        share += 0.5 * sign * (x[a] - cut->centre[a]) * reach[a] / square;
+      for (PetscInt k = 0; k < at.n; k++) {
+        cut->integral[node][0][k] += s->weight[g] * share * at.value[k];
+        for (PetscInt a = 0; a < 2; a++)
+          cut->integral[node][1 + a][k] += s->weight[g] * share * at.gradient[a][k];
+      }
+    }
+  }
+}
+
 /* Computes the fluid in all columns of cells. Columns farther from all surfaces than their corners
    are whole or empty. */
 static PetscErrorCode SetCells(const Scene *scene, const SplineLattice *l, PetscInt n,
@@ -178,7 +211,8 @@ static PetscErrorCode SetCells(const Scene *scene, const SplineLattice *l, Petsc
       s->cut[c]               = s->n_cut;
       s->cuts[s->n_cut].first = first;
       s->cuts[s->n_cut].n     = s->n_points - first;
-      SetNodes(s, first, s->fraction[c], l->side[0] * l->side[1], &s->cuts[s->n_cut++]);
+      SetNodes(s, first, s->fraction[c], l->side[0] * l->side[1], &s->cuts[s->n_cut]);
+      SetIntegrals(l, s, &s->cuts[s->n_cut++]);
       continue;
     }
     s->fraction[c] = s->fraction[c] < 0.5 ? 0.0 : 1.0;

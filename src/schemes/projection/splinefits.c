@@ -262,7 +262,7 @@ static PetscErrorCode AddFit(PetscInt a, PetscInt b, PetscInt g, PetscInt n, Pet
 {
   PetscFunctionBegin;
   if (f->n + n > f->capacity) {
-    f->capacity = 2 * (f->n + n) + 1024;
+    f->capacity = f->n + n + f->n / 8 + 1024;
     PetscCall(PetscRealloc(sizeof(*f->j) * (size_t)f->capacity, &f->j));
     PetscCall(PetscRealloc(sizeof(*f->w) * (size_t)f->capacity, &f->w));
   }
@@ -308,6 +308,10 @@ static PetscErrorCode BeginFits(const Flow *flow, PetscBool coupled, PetscInt n,
   f->coupled = coupled;
   if (f->points == n && f->first[0][0]) PetscFunctionReturn(PETSC_SUCCESS);
   f->points = n;
+  f->capacity =
+      PetscMax(f->capacity, n * LeastParticles(flow->scene->dim, flow->ops->forms.degree));
+  PetscCall(PetscRealloc(sizeof(*f->j) * (size_t)f->capacity, &f->j));
+  PetscCall(PetscRealloc(sizeof(*f->w) * (size_t)f->capacity, &f->w));
   for (PetscInt a = 0; a < f->sets; a++) {
     for (PetscInt b = 0; b < flow->scene->dim; b++) {
       if (a != b && !f->coupled) continue;

@@ -27,9 +27,7 @@ static PetscErrorCode SplineMatrix(Mat A, Vec x, Vec y)
   p = factors->particles;
   PetscCall(SplinesGradient(s, x, s->fits.value));
   PetscCall(PetscArrayzero(s->fits.value + p->dim * p->n_fluid, p->dim * p->n_wall));
-  PetscCall(SplineFitsApply(p, s));
-  PetscCall(VecZeroEntries(y));
-  for (PetscInt a = 0; a < p->dim; a++) PetscCall(MatMultTransposeAdd(s->T[a], s->points[a], y, y));
+  PetscCall(SplinesIntegrate(p, s, y));
   PetscCall(VecScale(y, s->scale));
   PetscCall(VecGetArrayRead(x, &in));
   PetscCall(VecGetArray(y, &out));
@@ -97,14 +95,14 @@ static PetscErrorCode Multiply(Mat left, Mat right, Mat *product)
 }
 
 /*
-  Adds scale times T[a]^T J[a][b] G[b], summed over b, to A; creates A at the first call
+  Adds scale times T_a^T J_ab G_b, summed over b, to A; creates A at the first call
 
   MatTransposeMatMult() would add the parts of other ranks in the order in which they arrive, and
   runs would differ in their last digits.
 */
 static PetscErrorCode AddProducts(const Splines *s, const Particles *p, PetscInt a, Mat *A)
 {
-  Mat fit = NULL, transposed, part, J, G;
+  Mat fit = NULL, T, transposed, part, J, G;
 
   PetscFunctionBegin;
   for (PetscInt b = 0; b < s->lattice.dim; b++) {
@@ -121,7 +119,9 @@ static PetscErrorCode AddProducts(const Splines *s, const Particles *p, PetscInt
     PetscCall(MatAXPY(fit, 1.0, part, DIFFERENT_NONZERO_PATTERN));
     PetscCall(MatDestroy(&part));
   }
-  PetscCall(MatTranspose(s->T[a], MAT_INITIAL_MATRIX, &transposed));
+  PetscCall(SplineGradientMat(p, s, a, &T));
+  PetscCall(MatTranspose(T, MAT_INITIAL_MATRIX, &transposed));
+  PetscCall(MatDestroy(&T));
   PetscCall(Multiply(transposed, fit, &part));
   PetscCall(MatDestroy(&transposed));
   PetscCall(MatDestroy(&fit));

@@ -8,7 +8,7 @@ PetscErrorCode SplinePointsFree(SplinePoints *points)
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     PetscCall(PetscFree(points->x[a]));
     PetscCall(PetscFree(points->normal[a]));
-    PetscCall(PetscFree2(points->uniform[a], points->stretch[a]));
+    PetscCall(PetscFree(points->stretch[a]));
   }
   PetscCall(PetscFree2(points->weight, points->side));
   points->n = points->capacity = 0;
@@ -19,10 +19,7 @@ static PetscErrorCode PointsReserve(PetscInt dim, PetscInt n, SplinePoints *poin
 {
   PetscFunctionBegin;
   PetscCall(SplinePointsFree(points));
-  for (PetscInt a = 0; a < dim; a++) {
-    PetscCall(PetscMalloc1(n, &points->x[a]));
-    PetscCall(PetscCalloc1(n, &points->normal[a]));
-  }
+  for (PetscInt a = 0; a < dim; a++) PetscCall(PetscMalloc1(n, &points->x[a]));
   PetscCall(PetscMalloc2(n, &points->weight, n, &points->side));
   points->capacity = n;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -119,6 +116,7 @@ static PetscErrorCode SetBoundaryPoints(Splines *s, const Particles *p)
   for (PetscInt k = 0; s->bodies && k < s->bodies->n_surface; k++)
     most += SurfaceParts(s, first, n, &s->bodies->surface[k]) * 6;
   PetscCall(PointsReserve(dim, most, &s->boundary));
+  for (PetscInt a = 0; a < dim; a++) PetscCall(PetscCalloc1(most, &s->boundary.normal[a]));
   for (PetscInt side = 0; side < 2 * dim; side++) {
     const PetscInt axis  = side / 2;
     PetscInt       faces = 1;
@@ -185,22 +183,19 @@ PetscReal SplinePoint(const Splines *s, const PetscInt cell[], PetscInt corner, 
   return s->bodies->fraction[column] / corners;
 }
 
-/* Sets coordinates on the uniform lattice and stretches of points inside, which many fits use. */
+/* Sets the stretches of points inside, which many fits use. */
 static PetscErrorCode SetStretches(const Scene *scene, SplinePoints *points)
 {
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < scene->dim; a++)
-    PetscCall(PetscMalloc2(points->n, &points->uniform[a], points->n, &points->stretch[a]));
+  if (!SceneIsGraded(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(PetscMalloc1(points->n, &points->stretch[a]));
   for (PetscInt g = 0; g < points->n; g++) {
     PetscReal x[ISPH_MAX_DIM] = {0.0}, stretch[ISPH_MAX_DIM], ratio;
 
     for (PetscInt a = 0; a < scene->dim; a++) x[a] = points->x[a][g];
     SceneStretch(scene, x, stretch);
     ratio = SceneCoarsest(scene) / SceneSpacing(scene, x);
-    for (PetscInt a = 0; a < scene->dim; a++) {
-      points->uniform[a][g] = SceneToUniform(scene, a, x[a]);
-      points->stretch[a][g] = stretch[a] * ratio;
-    }
+    for (PetscInt a = 0; a < scene->dim; a++) points->stretch[a][g] = stretch[a] * ratio;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -85,86 +85,6 @@ PetscErrorCode SplineMatFinish(Mat A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds weight times the gradients of the splines at x to row `row` of T. */
-static PetscErrorCode AddGradients(Splines *s, const Particles *p, PetscInt row,
-                                   const PetscReal x[], PetscReal weight)
-{
-  PetscReal entry[SPLINES_EXTENDED];
-  SplineRow at;
-
-  PetscFunctionBegin;
-  SplineRowAt(s, &s->lattice, p, x, &at);
-  for (PetscInt a = 0; a < s->lattice.dim; a++) {
-    for (PetscInt k = 0; k < at.n; k++) entry[k] = weight * s->scale * at.gradient[a][k];
-    PetscCall(MatSetValues(s->T[a], 1, &row, at.n, at.number, entry, ADD_VALUES));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  Adds the row of a node of a cut cell to T: the integral over the fluid in the cell of the
-  gradients times the linear function of the node, in the layer of the node
-
-    1/4 +- (x - c).e_a/(2 sqrt(2 l_a))
-*/
-static PetscErrorCode AddNode(Splines *s, const Particles *p, PetscInt row, PetscInt node,
-                              const PetscReal at[])
-{
-  const SplineBodies *b     = s->bodies;
-  const SplineCut    *cut   = &b->cuts[node / 4];
-  const PetscReal    *reach = cut->reach[node / 2 % 2], sign = node % 2 ? 1.0 : -1.0;
-  const PetscReal     square = PetscSqr(reach[0]) + PetscSqr(reach[1]);
-
-  PetscFunctionBegin;
-  for (PetscInt g = cut->first; g < cut->first + cut->n; g++) {
-    const PetscReal x[ISPH_MAX_DIM] = {b->x[0][g], b->x[1][g], s->lattice.dim == 3 ? at[2] : 0.0};
-    PetscReal       share           = 0.25;
-
-    for (PetscInt a = 0; square > 0.0 && a < 2; a++)
-      share += 0.5 * sign * (x[a] - cut->centre[a]) * reach[a] / square;
-    PetscCall(AddGradients(s, p, row, x, b->weight[g] * share / (s->lattice.dim == 3 ? 2.0 : 1.0)));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Computes the number of entries in the rows of points; nodes of cut cells may be outside them. */
-static PetscErrorCode PointWidths(const Splines *s, const SplinePoints *points, PetscInt **width)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(points->n, width));
-  for (PetscInt g = 0; g < points->n; g++) {
-    const PetscInt node            = points == &s->inside ? points->side[g] : -1;
-    PetscReal      x[ISPH_MAX_DIM] = {0.0};
-
-    for (PetscInt a = 0; a < s->lattice.dim; a++) x[a] = points->x[a][g];
-    (*width)[g] = SplineRowWidth(s, &s->lattice, node < 0 ? x : s->bodies->cuts[node / 4].centre);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Assembles T. */
-static PetscErrorCode AssembleInside(Splines *s, const Particles *p)
-{
-  const SplineLattice *l = &s->lattice;
-  PetscInt             row, *width;
-
-  PetscFunctionBegin;
-  PetscCall(PointWidths(s, &s->inside, &width));
-  for (PetscInt a = 0; a < l->dim; a++)
-    PetscCall(SplineMat(p->comm, s->inside.n, s->own.size, width, &s->T[a]));
-  PetscCall(PetscFree(width));
-  PetscCall(MatGetOwnershipRange(s->T[0], &row, NULL));
-  for (PetscInt g = 0; g < s->inside.n; g++, row++) {
-    PetscReal x[ISPH_MAX_DIM];
-
-    for (PetscInt a = 0; a < l->dim; a++) x[a] = s->inside.x[a][g];
-    if (s->inside.side[g] >= 0) PetscCall(AddNode(s, p, row, s->inside.side[g], x));
-    else PetscCall(AddGradients(s, p, row, x, s->inside.weight[g]));
-  }
-  for (PetscInt a = 0; a < l->dim; a++) PetscCall(SplineMatFinish(s->T[a]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Assembles S from the points on the boundary. */
 static PetscErrorCode AssembleBoundary(Splines *s, const Particles *p)
 {
@@ -175,7 +95,12 @@ static PetscErrorCode AssembleBoundary(Splines *s, const Particles *p)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < l->dim; a++) any = any || !l->periodic[a] ? PETSC_TRUE : PETSC_FALSE;
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PointWidths(s, &s->boundary, &width));
+  PetscCall(PetscMalloc1(s->boundary.n, &width));
+  for (PetscInt g = 0; g < s->boundary.n; g++) {
+    const PetscReal x[2] = {s->boundary.x[0][g], s->boundary.x[1][g]};
+
+    width[g] = SplineRowWidth(s, l, x);
+  }
   PetscCall(SplineMat(p->comm, s->boundary.n, s->own.size, width, &s->S));
   PetscCall(PetscFree(width));
   PetscCall(MatGetOwnershipRange(s->S, &row, NULL));
@@ -205,8 +130,6 @@ static PetscErrorCode CreateVectors(Splines *s, const Particles *p)
   PetscCall(VecDuplicate(s->mass, &s->phi));
   PetscCall(VecDuplicate(s->mass, &s->b));
   PetscCall(VecDuplicate(s->mass, &s->divergence));
-  for (PetscInt a = 0; a < s->lattice.dim; a++)
-    PetscCall(MatCreateVecs(s->T[a], NULL, &s->points[a]));
   PetscCall(PetscMalloc1(b->size, &natural));
   for (PetscInt k = 0; k < b->size; k++) {
     PetscInt index[ISPH_MAX_DIM];
@@ -226,10 +149,6 @@ static PetscErrorCode CreateVectors(Splines *s, const Particles *p)
 static PetscErrorCode FreeNumbered(Splines *s)
 {
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
-    PetscCall(MatDestroy(&s->T[a]));
-    PetscCall(VecDestroy(&s->points[a]));
-  }
   PetscCall(SplineWindowFree(&s->window));
   PetscCall(MatDestroy(&s->S));
   PetscCall(MatDestroy(&s->K));
@@ -277,11 +196,11 @@ PetscErrorCode SplinesNumber(Flow *flow, Splines *s)
     s->hi[a] = p->hi[a];
   }
   PetscCall(SplinePointsSet(s, p));
-  PetscCall(AssembleInside(s, p));
   PetscCall(SplineStiffness(s, p));
   PetscCall(AssembleBoundary(s, p));
   PetscCall(CreateVectors(s, p));
   PetscCall(SplineWindowSet(s, p));
+  PetscCall(SplinePointPlacesSet(s));
   s->numbering++;
   PetscCall(SplinesBegin(s));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -315,6 +234,7 @@ PetscErrorCode SplinesFree(Splines *s)
   PetscCall(FreeNumbered(s));
   PetscCall(SplineFitsFree(&s->fits));
   PetscCall(SplinePlacesFree(&s->at));
+  PetscCall(SplinePlacesFree(&s->inside_at));
   PetscCall(SplineBodiesDestroy(&s->bodies));
   PetscCall(VecDestroy(&s->kept));
   PetscCall(VecDestroy(&s->natural));

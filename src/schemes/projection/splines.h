@@ -29,6 +29,7 @@ typedef struct {
 #define SPLINES_ALONG        4  /* splines of an axis that are not zero at a point, at most */
 #define SPLINES_AT           64 /* in 3D */
 #define SPLINES_AT_QUADRATIC 27
+#define SPLINES_IN_PLANE     9 /* quadratic splines of the plane that are not zero at a point */
 
 /* Returns the number of splines that are not zero at a point. */
 static inline PetscInt SplinesAtPoint(const SplineLattice *lattice)
@@ -92,11 +93,13 @@ typedef struct {
   PetscReal gradient[ISPH_MAX_DIM][SPLINES_EXTENDED]; /* [1/m] */
 } SplineRow;
 
-/* A cell of the plane that a body cuts: its points of quadrature, and its four nodes
-   centre +- reach. */
+/* A cell of the plane that a body cuts: its points of quadrature, its four nodes centre +- reach,
+   and the integrals over its fluid of the linear function of each node times the splines of the
+   cell and their derivatives along both axes, over the area of a cell. */
 typedef struct {
   PetscInt  first, n;
-  PetscReal centre[2], reach[2][2]; /* [m] */
+  PetscReal centre[2], reach[2][2];           /* [m] */
+  PetscReal integral[4][3][SPLINES_IN_PLANE]; /* [-], [1/m] */
 } SplineCut;
 
 /* A straight part of the surface of a body in a cell of the plane. */
@@ -164,11 +167,12 @@ typedef struct {
   PetscReal *value; /* coefficients: sums of weight times those of the sources; work */
   PetscInt  *start, *source;
   PetscReal *weight;
+  PetscInt  *number;       /* global numbers of all sources, ascending */
   Vec        coefficients; /* of all sources; work */
   VecScatter collect;      /* p -> coefficients */
 } SplineWindow;
 
-/* Places of own fluid particles in the window. */
+/* Places of own fluid particles or of points of quadrature in the window. */
 typedef struct {
   PetscInt   n, capacity, *base;                       /* first spline that is not zero there */
   PetscReal *t[ISPH_MAX_DIM], *per_edge[ISPH_MAX_DIM]; /* see SplinePlaceAlong() [-], [1/m] */
@@ -184,11 +188,11 @@ typedef struct {
 typedef struct {
   PetscInt   n, capacity;
   PetscReal *x[ISPH_MAX_DIM]; /* [m] */
-  /* of points inside: coordinates on the uniform lattice [m], and the stretch of axes about the
-     point, by which a cell has the largest edge of all cells [-] */
-  PetscReal *uniform[ISPH_MAX_DIM], *stretch[ISPH_MAX_DIM];
+  /* of points inside: stretch of axes about the point, by which a cell has the largest edge of all
+     cells [-]; NULL: all are 1 */
+  PetscReal *stretch[ISPH_MAX_DIM];
   PetscReal *weight; /* volume over that of a cell, or area over that of its face [-] */
-  PetscReal *normal[ISPH_MAX_DIM]; /* of points on the boundary: out of the fluid */
+  PetscReal *normal[ISPH_MAX_DIM]; /* of points on the boundary: out of the fluid; NULL: inside */
   PetscInt  *side; /* of points on the boundary: its number; of nodes in cut cells: 4 times
                                  the number of the cut, plus that of the node; otherwise -1 */
 } SplinePoints;
@@ -208,25 +212,23 @@ struct Splines {
   PetscInt  epoch, moved;                       /* stamps of the particles at the last assembly */
   PetscReal lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM]; /* the rank's box when the splines were numbered */
 
-  Mat T[ISPH_MAX_DIM]; /* points x splines: weight scale dpsi_q/dx_a */
-  Mat S;               /* boundary points x splines: weight psi_q; NULL: a periodic box */
-  Mat K;               /* stiffness, scale^2 int grad psi . grad psi, for the preconditioner */
+  Mat S;    /* boundary points x splines: weight psi_q; NULL: a periodic box */
+  Mat K;    /* stiffness, scale^2 int grad psi . grad psi, for the preconditioner */
   Vec mass; /* int psi_q, with bodies sum_r |int psi_q psi_r|, over the volume of a cell */
   Mat A;    /* -scale^2 D G; a shell for moving particles */
 
   SplineWindow window;
-  SplinePlaces at;
+  SplinePlaces at, inside_at; /* chi_q at particles, psi_q at points inside */
   SplineFits   fits;
 
   Vec        p, phi, b, divergence; /* coefficients: pressure [Pa], its increment, right-hand side,
                                        div u* [1/s] */
-  Vec        kept;     /* state in the order of the lattice: of each spline the pressure and, with
+  Vec        kept;      /* state in the order of the lattice: of each spline the pressure and, with
                           -pressure_average, its mean [Pa] */
-  Vec        natural;  /* work: a number of each spline in the order of the lattice */
-  VecScatter renumber; /* p -> natural */
-  Vec        points[ISPH_MAX_DIM]; /* work: velocity at points inside */
-  Vec        wall_flux;            /* work: at points on the boundary */
-  PetscInt   n_unused, *unused;    /* own splines that are no unknowns: their equation is phi = 0 */
+  Vec        natural;   /* work: a number of each spline in the order of the lattice */
+  VecScatter renumber;  /* p -> natural */
+  Vec        wall_flux; /* work: at points on the boundary */
+  PetscInt   n_unused, *unused; /* own splines that are no unknowns: their equation is phi = 0 */
 
   PetscInt assemblies, numbering; /* stamps of fits and places, and of the splines' numbers */
   PetscInt product;               /* stamp of the fits in A */
@@ -295,17 +297,20 @@ PetscErrorCode SplinePointsFree(SplinePoints *points);
 /* splinewindow.c */
 PetscErrorCode SplineWindowSet(Splines *s, const Particles *p);
 PetscErrorCode SplineWindowFree(SplineWindow *w);
+PetscErrorCode SplineWindowSum(SplineWindow *w, Vec sum);
 PetscErrorCode SplinePlacesSet(const Particles *p, Splines *s);
+PetscErrorCode SplinePointPlacesSet(Splines *s);
 PetscErrorCode SplinePlacesFree(SplinePlaces *at);
 PetscErrorCode SplinesValue(Splines *s, Vec p, Vec value);
 PetscErrorCode SplinesGradient(Splines *s, Vec p, PetscReal gradient[]);
 PetscErrorCode SplinesAccelerate(Splines *s, Vec p, PetscReal factor, const Vec u[]);
 
-/* splinefits.c, splinevelocity.c */
+/* splinefits.c, splineintegrals.c */
 PetscErrorCode SplineFitsAssemble(Flow *flow, Splines *s);
 PetscErrorCode SplineFitsFree(SplineFits *fits);
 PetscErrorCode SplineFitsReserve(const Particles *p, SplineFits *fits);
-PetscErrorCode SplineFitsApply(const Particles *p, Splines *s);
+PetscErrorCode SplinesIntegrate(const Particles *p, Splines *s, Vec d);
+PetscErrorCode SplineGradientMat(const Particles *p, const Splines *s, PetscInt a, Mat *T);
 
 /* splines.c, splinestiffness.c */
 PetscErrorCode SplineMat(MPI_Comm comm, PetscInt rows, PetscInt cols, const PetscInt width[],

@@ -83,23 +83,19 @@ static PetscErrorCode Gather(const Flow *flow, PetscReal reach, SplineAround *ar
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the points of the cell that begins with point `first`: those within 3/4 of a cell of it. */
+/* Sets the points of the cell that begins with point `first`: in a cell the same splines are not
+   zero. */
 static void SetPoints(const Splines *s, PetscInt first, SplineAround *around)
 {
   const SplinePoints *points = &s->inside;
+  const PetscInt     *cell   = s->inside_at.base;
   const PetscInt      dim    = s->lattice.dim;
   PetscInt            m      = 0;
 
-  for (; m < 1 << dim && first + m < points->n; m++) {
+  for (; m < 1 << dim && first + m < points->n && cell[first + m] == cell[first]; m++) {
     for (PetscInt a = 0; a < dim; a++) {
-      const PetscReal *y = points->uniform[a];
-
       around->at[a][m]      = points->x[a][first + m];
-      around->stretch[a][m] = points->stretch[a][first + m];
-      if (PetscAbsReal(y[first + m] - y[first]) > 0.75 * s->lattice.side[a]) {
-        around->m = m;
-        return;
-      }
+      around->stretch[a][m] = points->stretch[a] ? points->stretch[a][first + m] : 1.0;
     }
   }
   around->m = m;

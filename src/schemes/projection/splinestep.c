@@ -145,13 +145,10 @@ static PetscErrorCode SetWallFlux(const Flow *flow, PetscReal t, Splines *s)
 PetscErrorCode SplinesDivergence(Flow *flow, Splines *s, const Vec u[], PetscReal t, Vec d)
 {
   PetscFunctionBegin;
-  PetscCall(VecZeroEntries(d));
   for (PetscInt a = 0; a < s->lattice.dim; a++)
     PetscCall(
         LocalValues(flow->particles, u[a], flow->walls.u[a], s->lattice.dim, s->fits.value + a));
-  PetscCall(SplineFitsApply(flow->particles, s));
-  for (PetscInt a = 0; a < s->lattice.dim; a++)
-    PetscCall(MatMultTransposeAdd(s->T[a], s->points[a], d, d));
+  PetscCall(SplinesIntegrate(flow->particles, s, d));
   PetscCall(VecScale(d, -1.0));
   if (s->S) {
     PetscCall(SetWallFlux(flow, t, s));

@@ -1,5 +1,6 @@
 /*
-  The pressure of the splines at particles, without a matrix. Splines are products of polynomials
+  The window of a rank: the pressure of the splines at particles, without a matrix, and sums over
+  splines. Splines are products of polynomials
   along the axes, so the place of a particle in its cell gives all of them. Their coefficients are
   collected in a block of the lattice around the particles of a rank, the window, where the splines
   beside bodies have the coefficients of their masters already (splineextend.c).
@@ -55,13 +56,13 @@ static PetscInt ListSources(const Splines *s, const Particles *p, PetscInt k, Pe
   SplineWindowSet - Sets the window of this rank for the present numbers of the splines
 
   Collective. The window holds all splines that are not zero at particles that are less than the
-  skin beyond the box of the rank.
+  skin beyond the box of the rank, and those at the points of quadrature in the box.
 */
 PetscErrorCode SplineWindowSet(Splines *s, const Particles *p)
 {
   const SplineLattice *l = &s->pressure;
   SplineWindow        *w = &s->window;
-  PetscInt             n = 0, *distinct;
+  PetscInt             n;
   IS                   from;
 
   PetscFunctionBegin;
@@ -73,18 +74,18 @@ PetscErrorCode SplineWindowSet(Splines *s, const Particles *p)
   }
   PetscCall(PetscMalloc4(w->size, &w->value, w->size + 1, &w->start, 9 * w->size, &w->source,
                          9 * w->size, &w->weight));
-  PetscCall(PetscMalloc1(9 * w->size, &distinct));
   w->start[0] = 0;
   for (PetscInt k = 0; k < w->size; k++)
     w->start[k + 1] =
         w->start[k] + ListSources(s, p, k, &w->source[w->start[k]], &w->weight[w->start[k]]);
   n = w->start[w->size];
-  PetscCall(PetscArraycpy(distinct, w->source, n));
-  PetscCall(PetscSortRemoveDupsInt(&n, distinct));
+  PetscCall(PetscMalloc1(n, &w->number));
+  PetscCall(PetscArraycpy(w->number, w->source, n));
+  PetscCall(PetscSortRemoveDupsInt(&n, w->number));
   for (PetscInt e = 0; e < w->start[w->size]; e++)
-    PetscCall(PetscFindInt(w->source[e], n, distinct, &w->source[e]));
+    PetscCall(PetscFindInt(w->source[e], n, w->number, &w->source[e]));
   PetscCall(VecCreateSeq(PETSC_COMM_SELF, n, &w->coefficients));
-  PetscCall(ISCreateGeneral(PETSC_COMM_SELF, n, distinct, PETSC_OWN_POINTER, &from));
+  PetscCall(ISCreateGeneral(PETSC_COMM_SELF, n, w->number, PETSC_USE_POINTER, &from));
   PetscCall(VecScatterCreate(s->mass, from, w->coefficients, NULL, &w->collect));
   PetscCall(ISDestroy(&from));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -97,6 +98,7 @@ PetscErrorCode SplineWindowFree(SplineWindow *w)
   PetscCall(VecScatterDestroy(&w->collect));
   PetscCall(VecDestroy(&w->coefficients));
   PetscCall(PetscFree4(w->value, w->start, w->source, w->weight));
+  PetscCall(PetscFree(w->number));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -110,31 +112,62 @@ PetscErrorCode SplinePlacesFree(SplinePlaces *at)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplinePlacesSet - Computes the first spline that is not zero at each own fluid particle, and the
-   place between the knots; not collective */
-PetscErrorCode SplinePlacesSet(const Particles *p, Splines *s)
+/* Makes room for n places. */
+static PetscErrorCode PlacesReserve(PetscInt dim, PetscInt n, SplinePlaces *at)
 {
-  const SplineLattice *l  = &s->pressure;
-  const SplineWindow  *w  = &s->window;
-  SplinePlaces        *at = &s->at;
-
   PetscFunctionBegin;
-  if (p->n_fluid > at->capacity) {
+  if (n > at->capacity) {
     PetscCall(SplinePlacesFree(at));
-    at->capacity = p->n_fluid + p->n_fluid / 8;
+    at->capacity = n + n / 8;
     PetscCall(PetscMalloc1(at->capacity, &at->base));
-    for (PetscInt a = 0; a < l->dim; a++)
+    for (PetscInt a = 0; a < dim; a++)
       PetscCall(PetscMalloc2(at->capacity, &at->t[a], at->capacity, &at->per_edge[a]));
   }
-  at->n = p->n_fluid;
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    at->base[i] = 0;
-    for (PetscInt a = l->dim - 1; a >= 0; a--) {
-      PetscInt first;
+  at->n = n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-      SplinePlaceAlong(l, a, p->x[a][i], &first, &at->t[a][i], &at->per_edge[a][i]);
-      at->base[i] = at->base[i] * w->n[a] + first - w->first[a];
-    }
+/* Computes place i, at x: the first spline that is not zero there, and the place between knots. */
+static inline void SetPlace(const SplineLattice *l, const SplineWindow *w, const PetscReal x[],
+                            PetscInt i, SplinePlaces *at)
+{
+  at->base[i] = 0;
+  for (PetscInt a = l->dim - 1; a >= 0; a--) {
+    PetscInt first;
+
+    SplinePlaceAlong(l, a, x[a], &first, &at->t[a][i], &at->per_edge[a][i]);
+    at->base[i] = at->base[i] * w->n[a] + first - w->first[a];
+  }
+}
+
+/* SplinePlacesSet - Computes the places of own fluid particles; not collective */
+PetscErrorCode SplinePlacesSet(const Particles *p, Splines *s)
+{
+  PetscFunctionBegin;
+  PetscCall(PlacesReserve(p->dim, p->n_fluid, &s->at));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    const PetscReal x[ISPH_MAX_DIM] = {p->x[0][i], p->x[1][i], p->dim == 3 ? p->x[2][i] : 0.0};
+
+    SetPlace(&s->pressure, &s->window, x, i, &s->at);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinePointPlacesSet - Computes the places of the points of quadrature inside; not collective.
+   Nodes of cut cells may be outside their cells, and take the place of its centre in the plane. */
+PetscErrorCode SplinePointPlacesSet(Splines *s)
+{
+  const SplinePoints *points = &s->inside;
+
+  PetscFunctionBegin;
+  PetscCall(PlacesReserve(s->lattice.dim, points->n, &s->inside_at));
+  for (PetscInt g = 0; g < points->n; g++) {
+    const PetscInt node            = points->side[g];
+    PetscReal      x[ISPH_MAX_DIM] = {0.0};
+
+    for (PetscInt a = 0; a < s->lattice.dim; a++)
+      x[a] = node >= 0 && a < 2 ? s->bodies->cuts[node / 4].centre[a] : points->x[a][g];
+    SetPlace(&s->lattice, &s->window, x, g, &s->inside_at);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -154,6 +187,25 @@ static PetscErrorCode Collect(SplineWindow *w, Vec p)
       w->value[k] += w->weight[e] * c[w->source[e]];
   }
   PetscCall(VecRestoreArrayRead(w->coefficients, &c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplineWindowSum - Sums the values of the window into the splines that make its entries, those of
+   other ranks too; collective */
+PetscErrorCode SplineWindowSum(SplineWindow *w, Vec sum)
+{
+  PetscScalar *c;
+
+  PetscFunctionBegin;
+  PetscCall(VecZeroEntries(w->coefficients));
+  PetscCall(VecGetArray(w->coefficients, &c));
+  for (PetscInt k = 0; k < w->size; k++)
+    for (PetscInt e = w->start[k]; e < w->start[k + 1]; e++)
+      c[w->source[e]] += w->weight[e] * w->value[k];
+  PetscCall(VecRestoreArray(w->coefficients, &c));
+  PetscCall(VecZeroEntries(sum));
+  PetscCall(VecScatterBegin(w->collect, w->coefficients, sum, ADD_VALUES, SCATTER_REVERSE));
+  PetscCall(VecScatterEnd(w->collect, w->coefficients, sum, ADD_VALUES, SCATTER_REVERSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,0 +1,204 @@
+/*
+  The volume part of the divergence: the velocity at the points of quadrature by the fits of
+  splinefits.c, and its integrals with the gradients of the splines,
+
+    d_q = scale sum_g V_g grad psi_q(x_g) . u_g,   V_g: volume over that of a cell.
+
+  No matrix is stored: the splines at a point are products of polynomials, and a node of a cut cell
+  has a small table. The sums are collected in the window, whose entries beside bodies go to their
+  masters.
+*/
+#include "splines.h"
+
+/* SplineFitsFree - Frees the fits; not collective */
+PetscErrorCode SplineFitsFree(SplineFits *f)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(f->j));
+  PetscCall(PetscFree(f->w));
+  PetscCall(PetscFree(f->value));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    for (PetscInt b = 0; b < ISPH_MAX_DIM; b++)
+      PetscCall(PetscFree2(f->first[a][b], f->last[a][b]));
+  }
+  f->n = f->capacity = f->points = f->value_capacity = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplineFitsReserve - Makes room for the velocities of all local particles; not collective */
+PetscErrorCode SplineFitsReserve(const Particles *p, SplineFits *f)
+{
+  const PetscInt all = ParticlesAll(p);
+
+  PetscFunctionBegin;
+  if (all <= f->value_capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  f->value_capacity = all + all / 8;
+  PetscCall(PetscFree(f->value));
+  PetscCall(PetscMalloc1(p->dim * f->value_capacity, &f->value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns the sum of entries [first, last) times the values of component b. */
+static inline PetscReal Sum(PetscInt dim, const SplineFits *f, PetscInt first, PetscInt last,
+                            PetscInt b)
+{
+  PetscReal sum = 0.0;
+
+  for (PetscInt k = first; k < last; k++) sum += f->w[k] * f->value[dim * f->j[k] + b];
+  return sum;
+}
+
+/* Returns true if all components at point g have the fit of the first. */
+static inline PetscBool IsShared(PetscInt dim, const SplineFits *f, PetscInt g)
+{
+  for (PetscInt a = 1; a < f->sets; a++)
+    if (f->first[a][a][g] != f->first[0][0][g]) return PETSC_FALSE;
+  return f->coupled && f->last[0][1][g] > f->first[0][1][g] ? PETSC_FALSE : PETSC_TRUE;
+}
+
+/* Computes the velocity at point g from f->value. */
+static inline void Velocity(PetscInt dim, const SplineFits *f, PetscInt g, PetscReal u[])
+{
+  for (PetscInt a = 0; a < dim; a++) u[a] = 0.0;
+  if (IsShared(dim, f, g)) {
+    for (PetscInt k = f->first[0][0][g]; k < f->last[0][0][g]; k++)
+      for (PetscInt a = 0; a < dim; a++) u[a] += f->w[k] * f->value[dim * f->j[k] + a];
+    return;
+  }
+  for (PetscInt a = 0; a < dim; a++) {
+    u[a] = Sum(dim, f, f->first[a][a][g], f->last[a][a][g], a);
+    for (PetscInt b = 0; f->coupled && b < dim; b++)
+      if (b != a) u[a] += Sum(dim, f, f->first[a][b][g], f->last[a][b][g], b);
+  }
+}
+
+/* The splines at a point: in the plane, values and derivatives along both axes, times the volume;
+   along the third axis, values and derivatives. */
+typedef struct {
+  PetscReal plane[3][SPLINES_IN_PLANE], value[SPLINES_ALONG], derivative[SPLINES_ALONG];
+} PointSplines;
+
+/* Computes the splines at point g. Inlined, so that the compiler knows the dimension. */
+static inline void SetPoint(PetscInt dim, const Splines *s, PetscInt g, PointSplines *at)
+{
+  const SplinePlaces *place = &s->inside_at;
+  const PetscInt      node  = s->inside.side[g];
+  PetscReal           b[2][SPLINES_ALONG], d[2][SPLINES_ALONG];
+
+  if (dim == 3) SplineBasis(2, place->t[2][g], place->per_edge[2][g], at->value, at->derivative);
+  if (node >= 0) {
+    const PetscReal share = dim == 3 ? 0.5 : 1.0; /* of the two layers of nodes in a cell */
+
+    for (PetscInt e = 0; e < 3; e++)
+      for (PetscInt k = 0; k < SPLINES_IN_PLANE; k++)
+        at->plane[e][k] = share * s->bodies->cuts[node / 4].integral[node % 4][e][k];
+    return;
+  }
+  for (PetscInt a = 0; a < 2; a++)
+    SplineBasis(2, place->t[a][g], place->per_edge[a][g], b[a], d[a]);
+  for (PetscInt e = 0; e < 3; e++) b[1][e] *= s->inside.weight[g];
+  for (PetscInt e = 0; e < 3; e++) d[1][e] *= s->inside.weight[g];
+  for (PetscInt k = 0; k < SPLINES_IN_PLANE; k++) {
+    at->plane[0][k] = b[0][k % 3] * b[1][k / 3];
+    at->plane[1][k] = d[0][k % 3] * b[1][k / 3];
+    at->plane[2][k] = b[0][k % 3] * d[1][k / 3];
+  }
+}
+
+/* Adds the gradients of the splines at a point times u to the entries of a block of splines, whose
+   rows and planes follow each other by `row` and `plane`. */
+static inline void AddPoint(PetscInt dim, const PointSplines *at, const PetscReal u[], PetscInt row,
+                            PetscInt plane, PetscReal to[])
+{
+  for (PetscInt k = 0; k < SPLINES_IN_PLANE; k++) {
+    const PetscInt  q    = k / 3 * row + k % 3;
+    const PetscReal flat = at->plane[1][k] * u[0] + at->plane[2][k] * u[1];
+
+    if (dim == 2) to[q] += flat;
+    for (PetscInt m = 0; dim == 3 && m < 3; m++)
+      to[q + m * plane] += at->value[m] * flat + at->derivative[m] * at->plane[0][k] * u[2];
+  }
+}
+
+/* Adds the integrals of the velocity in f->value to the window. Inlined, so that the compiler knows
+   the dimension. */
+static inline void IntegrateInline(PetscInt dim, Splines *s)
+{
+  const SplineWindow *w     = &s->window;
+  const PetscInt      plane = dim == 3 ? w->n[0] * w->n[1] : 0;
+
+  for (PetscInt g = 0; g < s->inside.n; g++) {
+    PointSplines at;
+    PetscReal    u[ISPH_MAX_DIM];
+
+    Velocity(dim, &s->fits, g, u);
+    SetPoint(dim, s, g, &at);
+    AddPoint(dim, &at, u, w->n[0], plane, w->value + s->inside_at.base[g]);
+  }
+}
+
+/*
+  SplinesIntegrate - Computes the integrals of the gradients of the splines with the velocity
+
+    d_q = scale int grad psi_q . u dV   over the volume of a cell
+
+  Collective. Input: velocities of own particles in s->fits.value.
+*/
+PetscErrorCode SplinesIntegrate(const Particles *p, Splines *s, Vec d)
+{
+  PetscFunctionBegin;
+  PetscCall(ParticlesHaloVectors(p, s->fits.value));
+  PetscCall(PetscArrayzero(s->window.value, s->window.size));
+  if (p->dim == 2) IntegrateInline(2, s);
+  else IntegrateInline(3, s);
+  PetscCall(SplineWindowSum(&s->window, d));
+  PetscCall(VecScale(d, s->scale));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Lists the splines that make entry k of the block at point g, and their weights; returns their
+   number. */
+static PetscInt ListEntries(const Splines *s, PetscInt g, PetscInt k, PetscReal value,
+                            PetscInt number[], PetscReal entry[])
+{
+  const SplineWindow *w = &s->window;
+  const PetscInt q = s->inside_at.base[g] + k / 9 * w->n[0] * w->n[1] + k / 3 % 3 * w->n[0] + k % 3;
+  const PetscInt from = w->start[q], n = w->start[q + 1] - from;
+
+  for (PetscInt e = 0; e < n; e++) {
+    number[e] = w->number[w->source[from + e]];
+    entry[e]  = w->weight[from + e] * value;
+  }
+  return n;
+}
+
+/* SplineGradientMat - Creates the matrix of the integrals along axis a, points x splines: entries
+   scale V_g dpsi_q/dx_a; collective */
+PetscErrorCode SplineGradientMat(const Particles *p, const Splines *s, PetscInt a, Mat *T)
+{
+  const PetscInt  dim = p->dim, n = dim == 3 ? SPLINES_AT_QUADRATIC : SPLINES_IN_PLANE;
+  const PetscReal unit[ISPH_MAX_DIM] = {a == 0, a == 1, a == 2};
+  PetscInt        row, *width, number[SPLINES_EXTENDED];
+  PetscReal       entry[SPLINES_EXTENDED];
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(s->inside.n, &width));
+  for (PetscInt g = 0; g < s->inside.n; g++)
+    for (PetscInt k = 0; k < n; k++) width[g] += ListEntries(s, g, k, 0.0, number, entry);
+  PetscCall(SplineMat(p->comm, s->inside.n, s->own.size, width, T));
+  PetscCall(PetscFree(width));
+  PetscCall(MatGetOwnershipRange(*T, &row, NULL));
+  for (PetscInt g = 0; g < s->inside.n; g++, row++) {
+    PetscReal    value[SPLINES_AT_QUADRATIC] = {0.0};
+    PetscInt     entries                     = 0;
+    PointSplines at;
+
+    SetPoint(dim, s, g, &at);
+    AddPoint(dim, &at, unit, 3, SPLINES_IN_PLANE, value);
+    for (PetscInt k = 0; k < n; k++)
+      entries += ListEntries(s, g, k, s->scale * value[k], number + entries, entry + entries);
+    PetscCall(MatSetValues(*T, 1, &row, entries, number, entry, ADD_VALUES));
+  }
+  PetscCall(SplineMatFinish(*T));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
