@@ -84,6 +84,47 @@ static void test_products(void **state)
   }
 }
 
+/* On a lattice rows repeat, and their products are those of rows that are all stored; on disordered
+   particles none repeats. */
+static void test_repeats(void **state)
+{
+  (void)state;
+  for (size_t b = 0; b < 2 * BOXES; b++) {
+    CloudBox              box = boxes[b / 2];
+    Cloud                 all, cloud;
+    const AffineOperator *op[2][ISPH_MAX_DIM + 2];
+    PetscInt              n = 0, count[2];
+
+    box.jitter = b % 2 ? 0.2 : 0.0;
+    for (PetscInt a = 0; a < box.dim; a++) box.cells[a] += 8;
+    ASSERT_OK(CloudCreate(&box, "", &all));
+    box.without_matrices = PETSC_TRUE;
+    ASSERT_OK(CloudCreate(&box, "", &cloud));
+    for (PetscInt c = 0; c < 2; c++) {
+      const Operators *ops = c ? cloud.ops : all.ops;
+
+      n          = 0;
+      op[c][n++] = &ops->ppe;
+      op[c][n++] = &ops->velocity[0].visc;
+      for (PetscInt a = 0; a < box.dim; a++) op[c][n++] = &ops->div[a];
+    }
+    SetRandom(&all);
+    ASSERT_OK(VecCopy(all.f[0], cloud.f[0]));
+    for (PetscInt k = 0; k < n; k++) {
+      ASSERT_OK(AffineApply(op[0][k], all.f[0], all.e, all.y));
+      ASSERT_OK(AffineApply(op[1][k], cloud.f[0], all.e, cloud.y));
+      AssertEqual("products of rows that repeat", box.name, cloud.y, all.y);
+    }
+    count[0] = cloud.ops->rows.n_weights;
+    count[1] = cloud.ops->rows.fluid.row[cloud.particles->n_fluid];
+    ASSERT_OK(MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
+    CloudAssertNone("stored weights", box.name,
+                    b % 2 ? count[0] != count[1] : count[0] >= count[1]);
+    ASSERT_OK(CloudDestroy(&cloud));
+    ASSERT_OK(CloudDestroy(&all));
+  }
+}
+
 /* Checks that a shell is the matrix 250 I - 0.4 A. */
 static void CheckShell(const AffineOperator *op, const char *name, Mat expected)
 {
@@ -229,7 +270,8 @@ static void test_batch(void **state)
 
 int main(int argc, char *argv[])
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_products), cmocka_unit_test(test_system),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_products),
+                                     cmocka_unit_test(test_repeats), cmocka_unit_test(test_system),
                                      cmocka_unit_test(test_batch)};
   int                     failed;
 

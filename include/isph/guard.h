@@ -39,7 +39,7 @@ typedef struct {
   PetscReal          residual;   /* true relative residual of the failed or else the last solve */
   KSPConvergedReason reason;     /* of the chosen method in that solve */
   PetscInt           iterations; /* of that solve */
-  /* converts a nested matrix or a shell to a sparse matrix; NULL: the matrix is sparse */
+  /* makes a sparse, regular matrix for fallbacks; NULL: they take the matrix of the solver */
   PetscErrorCode (*Flatten)(Mat matrix, Mat *flat);
   /* fails the step if the nonlinear solver of a TS did not converge; NULL: no such solver */
   PetscErrorCode (*Check)(TS ts, const char where[], StepFailure *failure);

@@ -255,22 +255,27 @@ void      ConcentrationRow(const Scene *scene, const KernelRow *kernel, const St
 
 /* A sparsity pattern. All operators have the same neighbours and share it. */
 typedef struct {
-  PetscInt *row, *col; /* compressed rows, global columns ascending */
-  PetscInt *local;     /* local index of a particle of each column */
+  PetscInt *row;   /* compressed rows, global columns ascending */
+  PetscInt *col;   /* global columns; NULL: no matrix needs them */
+  PetscInt *local; /* local index of a particle of each column */
   PetscInt  n, capacity;
 } Pattern;
 
 /* The rows of all operators, and the values of a field by local index that their products read. */
 typedef struct {
   Pattern          fluid, walls;
+  PetscBool        has_columns; /* patterns have global columns, for matrices */
+  PetscBool        repeats;     /* equal rows of particles on a lattice are stored once */
+  PetscInt        *first;       /* of each row over fluid: its first weight in AffineOperator.a */
+  PetscInt         n_weights;   /* of rows that are stored, if they repeat */
+  PetscInt         weights_capacity; /* of AffineOperator.a, over its width */
+  PetscInt         walls_capacity;   /* of AffineOperator.b, over its width */
   PetscInt        *apart;   /* of each row: its first slot in AffineOperator.apart; -1: shared */
   PetscInt         n_apart; /* slots of all rows apart */
   PetscInt         rows_capacity, apart_capacity;
   const Particles *particles; /* of the last assembly */
   PetscReal       *value;     /* of a field, for all local particles */
   PetscInt         capacity;  /* of value */
-  PetscReal       *system;    /* values of a matrix of AffineSystemCreate() */
-  PetscInt         system_capacity;
 } OperatorRows;
 
 /* An operator: its values in the slots of the shared rows, and matrices if a solver needs them. Far
@@ -293,7 +298,7 @@ typedef struct AffineOperator {
 static inline PetscReal *AffineRow(const OperatorRows *rows, const AffineOperator *op, PetscInt i)
 {
   if (op->twin && rows->apart[i] >= 0) return op->apart + rows->apart[i];
-  return (op->twin ? op->twin : op)->a + op->width * rows->fluid.row[i];
+  return (op->twin ? op->twin : op)->a + op->width * rows->first[i];
 }
 
 /* Operators that the scheme and the scene need; no other operator is assembled. */
@@ -305,7 +310,7 @@ typedef enum {
   NEED_FILTER_P      = 1 << 4, /* filter_p */
   NEED_CONCENTRATION = 1 << 5, /* concentration and its gradient */
   NEED_FREE_GRAD_P   = 1 << 6, /* grad_p from fluid alone: the wall pressure gradient is unknown */
-  NEED_MATRICES      = 1 << 7, /* PETSc matrices of all operators, not only of ppe */
+  NEED_MATRICES      = 1 << 7, /* PETSc matrices of all operators */
   NEED_INSIDE_GAPS   = 1 << 8, /* particles below gaps of a free surface are inside, not on it */
   NEED_STREAMS       = 1 << 9, /* no operator: the scheme gathers stencils and applies rows itself,
                                   the rows of visc among them */
@@ -476,12 +481,12 @@ PetscErrorCode WallVelocityVec(const Particles *particles, Vec *v);
 PetscErrorCode UnknownsVec(const Particles *particles, Vec *v);
 PetscErrorCode VectorsCheckType(MPI_Comm comm);
 
-PetscErrorCode PatternBegin(Pattern *pattern, PetscInt rows, PetscInt entries);
+PetscErrorCode PatternBegin(Pattern *pattern, PetscBool has_columns, PetscInt rows,
+                            PetscInt entries);
 PetscBool PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], const PetscInt local[],
                      PetscInt n, PetscInt slot[]);
 PetscErrorCode PatternMat(MPI_Comm comm, const Pattern *pattern, PetscInt rows, PetscInt cols,
                           PetscReal values[], Mat *A);
-PetscErrorCode PatternMatSet(const Pattern *pattern, const PetscReal values[], Mat A);
 PetscErrorCode PatternFree(Pattern *pattern);
 
 #endif

@@ -66,7 +66,7 @@ static inline void ApplyInline(const OperatorRows *rows, PetscInt n, const Produ
     PetscReal        sum[APPLY_MOST] = {0.0};
 
     if (product->fluid) {
-      for (PetscInt k = 0; k < n; k++) weights[k] = product->a[k] + rows->fluid.row[i];
+      for (PetscInt k = 0; k < n; k++) weights[k] = product->a[k] + rows->first[i];
       for (PetscInt k = 0; rows->apart[i] >= 0 && k < n; k++)
         if (product->apart[k]) weights[k] = product->apart[k] + rows->apart[i];
       AddProducts(&rows->fluid, i, n, weights, rows->value, sum);

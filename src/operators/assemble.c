@@ -146,63 +146,143 @@ static PetscErrorCode PlaceApart(const Stencil *st, Operators *ops)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Destroys the matrices of the last assembly and makes room for the new rows. */
-static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, const Neighbors *nb,
-                                    Operators *ops, AffineOperator *needed[], PetscInt count)
+/* Returns true if row i repeats an earlier one. */
+static inline PetscBool Repeats(const Operators *ops, PetscInt i)
 {
-  const PetscInt walls    = ops->forms.wall ? WallEntries(p, nb) : 0;
-  const PetscInt entries  = nb->row[p->n_fluid] + p->n_fluid - walls;
-  const PetscInt capacity = ops->rows.fluid.capacity, wall_capacity = ops->rows.walls.capacity;
+  return ops->work->like && ops->work->like[i] < i ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Finds the place of the weights of row i, if rows repeat. */
+static void PlaceWeights(PetscInt i, Operators *ops)
+{
+  OperatorRows *rows = &ops->rows;
+
+  if (!ops->work->like) return;
+  if (Repeats(ops, i)) {
+    rows->first[i] = rows->first[ops->work->like[i]];
+    return;
+  }
+  rows->first[i] = rows->n_weights;
+  rows->n_weights += rows->fluid.row[i + 1] - rows->fluid.row[i];
+}
+
+/* Makes room in the workspace for the longest row. */
+static PetscErrorCode ReserveWork(PetscInt dim, PetscInt rows, const Neighbors *nb, Operators *ops)
+{
+  const PetscInt width   = ops->velocity[0].visc.width;
+  Assembly      *work    = ops->work;
   PetscInt       longest = 1;
-  PetscBool      grown;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < rows; i++) longest = PetscMax(longest, nb->row[i + 1] - nb->row[i] + 1);
+  if (longest <= work->slot_capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  work->slot_capacity = 2 * longest;
+  PetscCall(PetscFree4(work->slot, work->w, work->m, work->wall_w));
+  PetscCall(PetscMalloc4(4 * work->slot_capacity, &work->slot, work->slot_capacity * width,
+                         &work->w, work->slot_capacity, &work->m, work->slot_capacity * width,
+                         &work->wall_w));
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscCall(PetscFree(work->g[a]));
+    PetscCall(PetscMalloc1(work->slot_capacity, &work->g[a]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Destroys the matrices of the last assembly and makes room for the pattern of the new rows. */
+static PetscErrorCode BeginPattern(const Particles *p, const Neighbors *nb, Operators *ops,
+                                   AffineOperator *needed[], PetscInt count)
+{
+  OperatorRows  *rows    = &ops->rows;
+  const PetscInt walls   = ops->forms.wall ? WallEntries(p, nb) : 0;
+  const PetscInt entries = nb->row[p->n_fluid] + p->n_fluid - walls;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < count; k++) {
     PetscCall(MatDestroy(&needed[k]->A));
     PetscCall(MatDestroy(&needed[k]->B));
   }
-  PetscCall(PatternBegin(&ops->rows.fluid, p->n_fluid, entries));
-  if (ops->forms.wall) PetscCall(PatternBegin(&ops->rows.walls, p->n_fluid, walls));
-  grown = ops->rows.fluid.capacity != capacity || ops->rows.walls.capacity != wall_capacity ||
-                  (count && !needed[0]->a)
-              ? PETSC_TRUE
-              : PETSC_FALSE;
-  for (PetscInt k = 0; grown && k < count; k++) {
+  PetscCall(PatternBegin(&rows->fluid, rows->has_columns, p->n_fluid, entries));
+  if (ops->forms.wall) PetscCall(PatternBegin(&rows->walls, rows->has_columns, p->n_fluid, walls));
+  if (p->n_fluid > rows->rows_capacity) {
+    rows->rows_capacity = p->n_fluid + p->n_fluid / 8;
+    PetscCall(PetscFree(rows->apart));
+    PetscCall(PetscMalloc1(rows->rows_capacity, &rows->apart));
+  }
+  rows->n_apart = 0;
+  PetscCall(ReserveWork(p->dim, p->n_fluid, nb, ops));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds the rows that repeat; without repetition weights are in the order of the pattern. Output:
+   capacity - room for the weights of an operator, over its width. */
+static PetscErrorCode ChooseWeights(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                    Operators *ops, PetscInt *capacity)
+{
+  OperatorRows *rows = &ops->rows;
+  Stencil      *st   = ops->work->stencil;
+
+  PetscFunctionBegin;
+  *capacity = rows->fluid.capacity;
+  if (!rows->repeats) {
+    rows->first = rows->fluid.row;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PetscFree(rows->first));
+  PetscCall(PetscMalloc1(p->n_fluid, &rows->first));
+  PetscCall(PetscMalloc1(p->n_fluid, &ops->work->like));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscInt diagonal;
+
+    PetscCall(GatherStencil(scene, p, nb, ops, i, st));
+    PlaceRow(p, st, ops, &diagonal);
+    ops->work->like[i] = ops->work->simple;
+  }
+  PetscCall(FindRepeats(scene, p, &rows->fluid, ops->work->like));
+  rows->n_weights = *capacity = 0;
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    if (!Repeats(ops, i)) *capacity += rows->fluid.row[i + 1] - rows->fluid.row[i];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes room for the weights of the needed operators. Input: fluid, walls - weights of an operator,
+   over its width. */
+static PetscErrorCode ReserveWeights(PetscInt fluid, PetscInt walls, AffineOperator *needed[],
+                                     PetscInt count, OperatorRows *rows)
+{
+  const PetscBool grown =
+      rows->weights_capacity < fluid || rows->walls_capacity < walls ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  if (!grown) PetscFunctionReturn(PETSC_SUCCESS);
+  rows->weights_capacity = fluid;
+  rows->walls_capacity   = walls;
+  for (PetscInt k = 0; k < count; k++) {
     PetscCall(PetscFree(needed[k]->a));
     PetscCall(PetscFree(needed[k]->b));
-    if (!needed[k]->twin)
-      PetscCall(PetscMalloc1(ops->rows.fluid.capacity * needed[k]->width, &needed[k]->a));
-    if (ops->forms.wall)
-      PetscCall(PetscMalloc1(ops->rows.walls.capacity * needed[k]->width, &needed[k]->b));
+    if (!needed[k]->twin) PetscCall(PetscMalloc1(fluid * needed[k]->width, &needed[k]->a));
+    if (walls) PetscCall(PetscMalloc1(walls * needed[k]->width, &needed[k]->b));
   }
-  if (p->n_fluid > ops->rows.rows_capacity) {
-    ops->rows.rows_capacity = p->n_fluid + p->n_fluid / 8;
-    PetscCall(PetscFree(ops->rows.apart));
-    PetscCall(PetscMalloc1(ops->rows.rows_capacity, &ops->rows.apart));
-  }
-  ops->rows.n_apart = 0;
-  for (PetscInt i = 0; i < p->n_fluid; i++)
-    longest = PetscMax(longest, nb->row[i + 1] - nb->row[i] + 1);
-  if (longest > ops->work->slot_capacity) {
-    ops->work->slot_capacity = 2 * longest;
-    PetscCall(PetscFree4(ops->work->slot, ops->work->w, ops->work->m, ops->work->wall_w));
-    PetscCall(PetscMalloc4(4 * ops->work->slot_capacity, &ops->work->slot,
-                           ops->work->slot_capacity * ops->velocity[0].visc.width, &ops->work->w,
-                           ops->work->slot_capacity, &ops->work->m,
-                           ops->work->slot_capacity * ops->velocity[0].visc.width,
-                           &ops->work->wall_w));
-    for (PetscInt a = 0; a < scene->dim; a++) {
-      PetscCall(PetscFree(ops->work->g[a]));
-      PetscCall(PetscMalloc1(ops->work->slot_capacity, &ops->work->g[a]));
-    }
-  }
-  if (ops->needs & NEED_CONCENTRATION && ops->epoch != p->epoch) {
-    PetscCall(PetscFree(ops->concentration.value));
-    PetscCall(PetscMalloc1(p->n_fluid, &ops->concentration.value));
-    for (PetscInt a = 0; a < scene->dim; a++) {
-      PetscCall(PetscFree(ops->concentration.gradient[a]));
-      PetscCall(PetscMalloc1(p->n_fluid, &ops->concentration.gradient[a]));
-    }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes room for all that an assembly computes. */
+static PetscErrorCode BeginAssembly(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                    Operators *ops, AffineOperator *needed[], PetscInt count)
+{
+  Concentration *c = &ops->concentration;
+  PetscInt       capacity;
+
+  PetscFunctionBegin;
+  PetscCall(BeginPattern(p, nb, ops, needed, count));
+  PetscCall(ChooseWeights(scene, p, nb, ops, &capacity));
+  PetscCall(ReserveWeights(capacity, ops->rows.walls.capacity, needed, count, &ops->rows));
+  if (!(ops->needs & NEED_CONCENTRATION) || ops->epoch == p->epoch)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree(c->value));
+  PetscCall(PetscMalloc1(p->n_fluid, &c->value));
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    PetscCall(PetscFree(c->gradient[a]));
+    PetscCall(PetscMalloc1(p->n_fluid, &c->gradient[a]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -242,20 +322,24 @@ static PetscErrorCode AssembleBatch(const Scene *scene, const Particles *p, cons
                                     PetscInt first, PetscInt count, Operators *ops)
 {
   Stencil *const *batch = ops->work->batch;
+  Stencil        *fresh[MLS_LANES];
+  PetscInt        fits = 0;
 
   PetscFunctionBegin;
   for (PetscInt l = 0; l < count; l++) {
     PetscCall(GatherStencil(scene, p, nb, ops, first + l, batch[l]));
     WallPointShares(ops, batch[l]);
     StencilSetVelocity(scene, 0, batch[l]); /* the first fit that rows ask for */
+    if (!Repeats(ops, first + l)) fresh[fits++] = batch[l];
   }
-  if (ops->work->has_fits) PetscCall(MlsFitBatch(ops->forms.degree, count, batch, ops->work->fits));
+  if (ops->work->has_fits) PetscCall(MlsFitBatch(ops->forms.degree, fits, fresh, ops->work->fits));
   for (PetscInt l = 0; l < count; l++) {
     PetscInt diagonal;
 
     PlaceRow(p, batch[l], ops, &diagonal);
+    PlaceWeights(first + l, ops);
     PetscCall(PlaceApart(batch[l], ops));
-    PetscCall(AssembleRow(scene, p, batch[l], diagonal, ops));
+    if (!Repeats(ops, first + l)) PetscCall(AssembleRow(scene, p, batch[l], diagonal, ops));
     if (ops->needs & NEED_CONCENTRATION) AssembleConcentration(scene, p, batch[l], first + l, ops);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -299,6 +383,7 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
   for (PetscInt l = 0; l < MLS_LANES; l++) ops->work->batch[l]->regularised = 0;
   for (PetscInt i = 0; i < p->n_fluid; i += MLS_LANES)
     PetscCall(AssembleBatch(scene, p, nb, i, PetscMin(MLS_LANES, p->n_fluid - i), ops));
+  PetscCall(PetscFree(ops->work->like));
   for (PetscInt k = 0; k < count; k++) {
     if (!needed[k]->has_matrices) continue;
     if (ops->forms.components_coupled && needed[k] == &ops->velocity[0].visc) continue;

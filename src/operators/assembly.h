@@ -12,6 +12,7 @@ struct Assembly {
   PetscBool  has_fits;         /* an operator has the rows of fits of the chosen degree */
   PetscBool  simple;           /* no wall neighbours; slots in the order of neighbours */
   PetscBool  shared;           /* the present row is that of a twin in operators that have one */
+  PetscInt  *like;             /* of each row: an equal earlier one, or itself; NULL: not sought */
   PetscInt  *slot;             /* slot of each neighbour, from the first of the row */
   PetscReal *w;                /* weights of a Laplacian or a filter */
   PetscReal *g[ISPH_MAX_DIM];  /* weights of a gradient */
@@ -26,6 +27,8 @@ static inline PetscBool StoresRow(const Operators *ops, const AffineOperator *op
   return op->twin && ops->work->shared ? PETSC_FALSE : PETSC_TRUE;
 }
 
+PetscErrorCode FindRepeats(const Scene *scene, const Particles *particles, const Pattern *rows,
+                           PetscInt like[]);
 PetscErrorCode GatherStencil(const Scene *scene, const Particles *particles,
                              const Neighbors *neighbors, const Operators *ops, PetscInt i,
                              Stencil *stencil);

@@ -111,6 +111,29 @@ static void ShareAllRows(Operators *ops)
   }
 }
 
+/*
+  Decides if rows of particles that do not move are stored once where they repeat: all operators are
+  products by rows, and a row depends on the places of its neighbours only. The pressure then has no
+  matrix; PressureMatrix() makes it while a solver needs it.
+*/
+static void ChooseRows(const Scene *scene, Operators *ops)
+{
+  const LaplacianForm *const form[] = {&ops->forms.visc, &ops->forms.ppe};
+  AffineOperator            *all[OPERATORS_COUNT];
+  PetscBool                  matrices = ops->first_pass[0].needed || ops->forms.components_coupled;
+
+  OperatorsList(ops, all);
+  for (PetscInt k = 0; k < OPERATORS_COUNT; k++)
+    if (all[k]->needed && all[k]->has_matrices) matrices = PETSC_TRUE;
+  ops->rows.repeats = !matrices && !SceneMoves(scene) && !ops->free && !SceneViscosityVaries(scene)
+                          ? PETSC_TRUE
+                          : PETSC_FALSE;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(form); k++)
+    if (form[k]->row && form[k]->row->Factor) ops->rows.repeats = PETSC_FALSE;
+  ops->ppe.has_matrices = ops->rows.repeats ? PETSC_FALSE : PETSC_TRUE;
+  ops->rows.has_columns = matrices || (ops->ppe.needed && ops->ppe.has_matrices);
+}
+
 /* Creates the stencils of a batch of particles. */
 static PetscErrorCode CreateWorkspace(const Scene *scene, Operators *ops)
 {
@@ -175,7 +198,6 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
   ops->ppe.needed      = pressure;
   ChooseProducts(ops, PETSC_FALSE, &ops->filter_p);
   ChooseProducts(ops, PETSC_FALSE, &ops->ppe);
-  ops->ppe.has_matrices = PETSC_TRUE;
   for (PetscInt a = 0; a < scene->dim; a++) {
     ops->grad_p[a].needed = ops->div[a].needed = pressure;
     ChooseProducts(ops, PETSC_FALSE, &ops->grad_p[a]);
@@ -186,6 +208,7 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
     ops->free->tension = scene->tension;
     ops->free->gaps    = needs & NEED_INSIDE_GAPS ? PETSC_TRUE : PETSC_FALSE;
   } else ShareAllRows(ops);
+  ChooseRows(scene, ops);
   PetscCall(CreateWorkspace(scene, ops));
   *operators = ops;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -226,11 +249,11 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   for (PetscInt l = 0; l < MLS_LANES; l++) PetscCall(StencilDestroy(&ops->work->batch[l]));
   PetscCall(MlsBatchDestroy(&ops->work->fits));
   PetscCall(PetscFree(ops->work));
+  if (ops->rows.repeats) PetscCall(PetscFree(ops->rows.first));
   PetscCall(PatternFree(&ops->rows.fluid));
   PetscCall(PatternFree(&ops->rows.walls));
   PetscCall(PetscFree(ops->rows.apart));
   PetscCall(PetscFree(ops->rows.value));
-  PetscCall(PetscFree(ops->rows.system));
   PetscCall(PetscFree(*operators));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -8,22 +8,53 @@
 /*
   PatternBegin - Empties a pattern and allocates room for rows
 
-  Not collective. Input: number of own rows, and an upper bound of the number of all entries.
+  Not collective. Input: has_columns - the global columns are kept; rows - number of own rows;
+  entries - an upper bound of the number of all entries.
 */
-PetscErrorCode PatternBegin(Pattern *pattern, PetscInt rows, PetscInt entries)
+PetscErrorCode PatternBegin(Pattern *pattern, PetscBool has_columns, PetscInt rows,
+                            PetscInt entries)
 {
   PetscFunctionBegin;
   if (rows > pattern->n || !pattern->row || entries > pattern->capacity) {
     const PetscInt capacity = PetscMax(pattern->capacity, entries + entries / 8 + 16);
 
     PetscCall(PatternFree(pattern));
-    PetscCall(
-        PetscMalloc3(rows + 1, &pattern->row, capacity, &pattern->col, capacity, &pattern->local));
+    PetscCall(PetscMalloc1(rows + 1, &pattern->row));
+    PetscCall(PetscMalloc1(capacity, &pattern->local));
+    if (has_columns) PetscCall(PetscMalloc1(capacity, &pattern->col));
     pattern->capacity = capacity;
   }
   pattern->n      = rows;
   pattern->row[0] = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sorts columns in ascending order without repetition: the slots of the columns given, and the
+   number of different ones. Insertion sort: the columns are nearly in order. */
+static PetscInt SortColumns(PetscInt n, const PetscInt cols[], PetscInt sorted[], PetscInt slot[])
+{
+  PetscInt length = 0;
+
+  for (PetscInt k = 0; k < n; k++) {
+    PetscInt q = k;
+
+    for (; q > 0 && sorted[q - 1] > cols[k]; q--) sorted[q] = sorted[q - 1];
+    sorted[q] = cols[k];
+  }
+  for (PetscInt k = 0; k < n; k++)
+    if (length == 0 || sorted[k] != sorted[length - 1]) sorted[length++] = sorted[k];
+  for (PetscInt k = 0; k < n; k++) {
+    PetscInt low = 0, high = length - 1;
+
+    while (low < high) {
+      const PetscInt middle = (low + high) / 2;
+
+      if (sorted[middle] < cols[k]) low = middle + 1;
+      else high = middle;
+    }
+    slot[k] = low;
+  }
+  return length;
 }
 
 /*
@@ -33,7 +64,7 @@ PetscErrorCode PatternBegin(Pattern *pattern, PetscInt rows, PetscInt entries)
 
   Input Parameters:
 + cols  - global columns in any order
-. local - local indices of their particles; NULL: none are kept
+. local - local indices of their particles
 - n     - number of columns
 
   Output Parameter:
@@ -44,42 +75,20 @@ PetscErrorCode PatternBegin(Pattern *pattern, PetscInt rows, PetscInt entries)
 PetscBool PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], const PetscInt local[],
                      PetscInt n, PetscInt slot[])
 {
-  const PetscInt first = pattern->row[i];
-  PetscInt      *row = &pattern->col[first], length = 0;
+  const PetscInt first     = pattern->row[i];
+  PetscInt       length    = n;
   PetscBool      ascending = PETSC_TRUE;
 
   for (PetscInt k = 0; k < n; k++) {
     if (k && cols[k] <= cols[k - 1]) ascending = PETSC_FALSE;
-    row[k]  = cols[k];
-    slot[k] = first + k;
+    slot[k] = k;
   }
-  pattern->row[i + 1] = first + n;
-  for (PetscInt k = 0; local && k < n; k++) pattern->local[first + k] = local[k];
-  if (ascending) return PETSC_TRUE;
-  for (PetscInt k = 1; k < n; k++) { /* insertion sort: the columns are nearly in order */
-    const PetscInt col = row[k];
-    PetscInt       q   = k;
-
-    for (; q > 0 && row[q - 1] > col; q--) row[q] = row[q - 1];
-    row[q] = col;
-  }
-  for (PetscInt k = 0; k < n; k++) {
-    if (length == 0 || row[k] != row[length - 1]) row[length++] = row[k];
-  }
+  if (!ascending) length = SortColumns(n, cols, pattern->local + first, slot);
+  for (PetscInt k = 0; k < n; k++) slot[k] += first;
+  for (PetscInt k = 0; k < n; k++) pattern->local[slot[k]] = local[k];
+  for (PetscInt k = 0; pattern->col && k < n; k++) pattern->col[slot[k]] = cols[k];
   pattern->row[i + 1] = first + length;
-  for (PetscInt k = 0; k < n; k++) {
-    PetscInt low = 0, high = length - 1;
-
-    while (low < high) {
-      const PetscInt middle = (low + high) / 2;
-
-      if (row[middle] < cols[k]) low = middle + 1;
-      else high = middle;
-    }
-    slot[k] = first + low;
-    if (local) pattern->local[slot[k]] = local[k];
-  }
-  return PETSC_FALSE;
+  return ascending;
 }
 
 /* The storage of a parallel matrix: rows over own columns and over columns of other ranks. */
@@ -169,44 +178,12 @@ PetscErrorCode PatternMat(MPI_Comm comm, const Pattern *pattern, PetscInt rows, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  PatternMatSet - Sets the values of a MATSEQAIJ or MATMPIAIJ of PatternMat()
-
-  Collective. Input: values - in the order of the pattern.
-*/
-PetscErrorCode PatternMatSet(const Pattern *pattern, const PetscReal values[], Mat A)
-{
-  PetscBool    parallel;
-  PetscInt     start = 0, end = 0, n[2] = {0, 0};
-  PetscScalar *to[2];
-  Mat          part[2] = {A, NULL};
-
-  PetscFunctionBegin;
-  PetscCall(PetscObjectTypeCompare((PetscObject)A, MATMPIAIJ, &parallel));
-  if (!parallel) {
-    PetscCall(MatSeqAIJGetArrayWrite(A, &to[0]));
-    if (to[0] != values) PetscCall(PetscArraycpy(to[0], values, pattern->row[pattern->n]));
-    PetscCall(MatSeqAIJRestoreArrayWrite(A, &to[0]));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(MatMPIAIJGetSeqAIJ(A, &part[0], &part[1], NULL));
-  PetscCall(MatGetOwnershipRangeColumn(A, &start, &end));
-  for (PetscInt k = 0; k < 2; k++) PetscCall(MatSeqAIJGetArrayWrite(part[k], &to[k]));
-  for (PetscInt s = 0; s < pattern->row[pattern->n]; s++) {
-    const PetscInt k = pattern->col[s] >= start && pattern->col[s] < end ? 0 : 1;
-
-    to[k][n[k]++] = values[s];
-  }
-  for (PetscInt k = 0; k < 2; k++) PetscCall(MatSeqAIJRestoreArrayWrite(part[k], &to[k]));
-  PetscCall(MatAssemblyBegin(A, MAT_FINAL_ASSEMBLY));
-  PetscCall(MatAssemblyEnd(A, MAT_FINAL_ASSEMBLY));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode PatternFree(Pattern *pattern)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree3(pattern->row, pattern->col, pattern->local));
+  PetscCall(PetscFree(pattern->row));
+  PetscCall(PetscFree(pattern->col));
+  PetscCall(PetscFree(pattern->local));
   pattern->n = pattern->capacity = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

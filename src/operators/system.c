@@ -20,6 +20,12 @@ static PetscErrorCode ShellMult(Mat J, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns the global column of slot s. */
+static inline PetscInt Column(const OperatorRows *rows, PetscInt s)
+{
+  return rows->particles->row[rows->fluid.local[s]];
+}
+
 /* Copies the diagonal. */
 static PetscErrorCode ShellGetDiagonal(Mat J, Vec diagonal)
 {
@@ -37,7 +43,7 @@ static PetscErrorCode ShellGetDiagonal(Mat J, Vec diagonal)
 
     value[i] = shell->shift;
     for (PetscInt s = first; s < rows->fluid.row[i + 1]; s++)
-      if (rows->fluid.col[s] == rows->particles->row[i]) value[i] += shell->scale * a[s - first];
+      if (Column(rows, s) == rows->particles->row[i]) value[i] += shell->scale * a[s - first];
   }
   PetscCall(VecRestoreArrayWrite(diagonal, &value));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -70,20 +76,57 @@ static PetscErrorCode ShellCreate(const AffineOperator *op, Mat *J)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The entries of a matrix, which uses them on a single rank. */
+typedef struct {
+  PetscInt  *col;
+  PetscReal *value;
+} Entries;
+
+static PetscErrorCode EntriesDestroy(void *ctx)
+{
+  Entries *entries = (Entries *)ctx;
+
+  PetscFunctionBegin;
+  PetscCall(PetscFree2(entries->col, entries->value));
+  PetscCall(PetscFree(entries));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates a matrix with the pattern of the rows and zeros. */
+static PetscErrorCode SystemMat(const OperatorRows *rows, Mat *J)
+{
+  const Particles *p       = rows->particles;
+  const PetscInt   n       = rows->fluid.row[p->n_fluid];
+  Pattern          pattern = rows->fluid;
+  PetscContainer   container;
+  Entries         *entries;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&entries));
+  PetscCall(PetscMalloc2(n, &entries->col, n, &entries->value));
+  PetscCall(PetscArrayzero(entries->value, n));
+  for (PetscInt s = 0; s < n; s++) entries->col[s] = Column(rows, s);
+  pattern.col = entries->col;
+  PetscCall(PatternMat(p->comm, &pattern, p->n_fluid, p->n_fluid, entries->value, J));
+  PetscCall(PetscContainerCreate(PETSC_COMM_SELF, &container));
+  PetscCall(PetscContainerSetPointer(container, entries));
+  PetscCall(PetscContainerSetUserDestroy(container, EntriesDestroy));
+  PetscCall(PetscObjectCompose((PetscObject)*J, "entries", (PetscObject)container));
+  PetscCall(PetscContainerDestroy(&container));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   AffineSystemCreate - Creates a matrix with the sparsity pattern of A
 
   Collective. Input: type - type of the matrix; MATSAME: the usual one; MATSHELL: products and the
   diagonal by the rows, in all assemblies of an epoch. Output: J - the matrix, for
-  AffineSystemSet(), also of other operators with the same rows. If it is no shell, it uses the
-  storage of the rows until the next assembly, so there is one at a time.
+  AffineSystemSet(), also of other operators with the same rows. If it is no shell, it is valid
+  until the next assembly.
 */
 PetscErrorCode AffineSystemCreate(const AffineOperator *op, MatType type, Mat *J)
 {
-  OperatorRows    *rows = op->rows;
-  const Particles *p;
-  PetscBool        same, shell;
-  PetscInt         entries;
+  PetscBool same, shell;
 
   PetscFunctionBegin;
   PetscCall(PetscStrcmp(type, MATSHELL, &shell));
@@ -95,32 +138,102 @@ PetscErrorCode AffineSystemCreate(const AffineOperator *op, MatType type, Mat *J
     PetscCall(MatConvert(op->A, type, MAT_INITIAL_MATRIX, J));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  p       = rows->particles;
-  entries = rows->fluid.row[p->n_fluid];
-  if (entries > rows->system_capacity) {
-    rows->system_capacity = entries + entries / 8;
-    PetscCall(PetscFree(rows->system));
-    PetscCall(PetscMalloc1(rows->system_capacity, &rows->system));
-  }
-  PetscCall(PetscArrayzero(rows->system, entries));
-  PetscCall(PatternMat(p->comm, &rows->fluid, p->n_fluid, p->n_fluid, rows->system, J));
+  PetscCall(SystemMat(op->rows, J));
   PetscCall(PetscStrcmp(type, MATSAME, &same));
   if (!same) PetscCall(MatConvert(*J, type, MAT_INPLACE_MATRIX, J));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the rows of a matrix of any type. */
-static PetscErrorCode SetRows(const OperatorRows *rows, const PetscReal value[], Mat J)
+/* Computes row i of shift I + scale A; col: NULL, or the global columns. */
+static void SystemRow(const AffineOperator *op, PetscInt i, PetscReal shift, PetscReal scale,
+                      PetscReal value[], PetscInt col[])
 {
-  const Pattern *pattern = &rows->fluid;
+  const OperatorRows *rows  = op->rows;
+  const PetscInt      first = rows->fluid.row[i], n = rows->fluid.row[i + 1] - first;
+  const PetscInt      own = rows->particles->row[i];
+  const PetscReal    *a   = AffineRow(rows, op, i);
+
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscInt column = Column(rows, first + k);
+
+    value[k] = scale * a[k];
+    if (column == own) value[k] += shift;
+    if (col) col[k] = column;
+  }
+}
+
+/* Sets the values of a MATSEQAIJ. */
+static PetscErrorCode SetSequential(const AffineOperator *op, PetscReal shift, PetscReal scale,
+                                    Mat J)
+{
+  const Pattern *pattern = &op->rows->fluid;
+  PetscScalar   *to;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < pattern->n; i++) {
-    const PetscInt first = pattern->row[i];
+  PetscCall(MatSeqAIJGetArrayWrite(J, &to));
+  for (PetscInt i = 0; i < pattern->n; i++)
+    SystemRow(op, i, shift, scale, to + pattern->row[i], NULL);
+  PetscCall(MatSeqAIJRestoreArrayWrite(J, &to));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    PetscCall(MatSetValues(J, 1, &rows->particles->row[i], pattern->row[i + 1] - first,
-                           pattern->col + first, value + first, INSERT_VALUES));
+/* Returns the length of the longest row. */
+static PetscInt LongestRow(const Pattern *pattern)
+{
+  PetscInt longest = 0;
+
+  for (PetscInt i = 0; i < pattern->n; i++)
+    longest = PetscMax(longest, pattern->row[i + 1] - pattern->row[i]);
+  return longest;
+}
+
+/* Sets the values of a MATMPIAIJ of PatternMat(), whose rows over own columns and over columns of
+   other ranks are apart. */
+static PetscErrorCode SetParallel(const AffineOperator *op, PetscReal shift, PetscReal scale, Mat J)
+{
+  const Pattern *pattern = &op->rows->fluid;
+  const PetscInt longest = LongestRow(pattern);
+  PetscInt       start, end, n[2] = {0, 0}, *col;
+  PetscScalar   *to[2];
+  PetscReal     *value;
+  Mat            part[2];
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(longest, &value, longest, &col));
+  PetscCall(MatMPIAIJGetSeqAIJ(J, &part[0], &part[1], NULL));
+  PetscCall(MatGetOwnershipRangeColumn(J, &start, &end));
+  for (PetscInt k = 0; k < 2; k++) PetscCall(MatSeqAIJGetArrayWrite(part[k], &to[k]));
+  for (PetscInt i = 0; i < pattern->n; i++) {
+    SystemRow(op, i, shift, scale, value, col);
+    for (PetscInt s = 0; s < pattern->row[i + 1] - pattern->row[i]; s++) {
+      const PetscInt k = col[s] >= start && col[s] < end ? 0 : 1;
+
+      to[k][n[k]++] = value[s];
+    }
   }
+  for (PetscInt k = 0; k < 2; k++) PetscCall(MatSeqAIJRestoreArrayWrite(part[k], &to[k]));
+  PetscCall(PetscFree2(value, col));
+  PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets the rows of a matrix of any type. */
+static PetscErrorCode SetRows(const AffineOperator *op, PetscReal shift, PetscReal scale, Mat J)
+{
+  const Pattern *pattern = &op->rows->fluid;
+  const PetscInt longest = LongestRow(pattern);
+  PetscInt      *col;
+  PetscReal     *value;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(longest, &value, longest, &col));
+  for (PetscInt i = 0; i < pattern->n; i++) {
+    SystemRow(op, i, shift, scale, value, col);
+    PetscCall(MatSetValues(J, 1, &op->rows->particles->row[i],
+                           pattern->row[i + 1] - pattern->row[i], col, value, INSERT_VALUES));
+  }
+  PetscCall(PetscFree2(value, col));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -130,9 +243,7 @@ static PetscErrorCode SetRows(const OperatorRows *rows, const PetscReal value[],
    collective */
 PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscReal scale, Mat J)
 {
-  const OperatorRows *rows = op->rows;
-  PetscReal          *value;
-  PetscBool           plain, is_shell;
+  PetscBool sequential, parallel, is_shell;
 
   PetscFunctionBegin;
   PetscCall(PetscObjectTypeCompare((PetscObject)J, MATSHELL, &is_shell));
@@ -151,19 +262,11 @@ PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscR
     PetscCall(MatShift(J, shift));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  value = rows->system;
-  for (PetscInt i = 0; i < rows->fluid.n; i++) {
-    const PetscInt   first = rows->fluid.row[i];
-    const PetscReal *a     = AffineRow(rows, op, i);
-
-    for (PetscInt s = first; s < rows->fluid.row[i + 1]; s++) {
-      value[s] = scale * a[s - first];
-      if (rows->fluid.col[s] == rows->particles->row[i]) value[s] += shift;
-    }
-  }
-  PetscCall(PetscObjectTypeCompareAny((PetscObject)J, &plain, MATSEQAIJ, MATMPIAIJ, ""));
-  if (plain) PetscCall(PatternMatSet(&rows->fluid, value, J));
-  else PetscCall(SetRows(rows, value, J));
+  PetscCall(PetscObjectTypeCompare((PetscObject)J, MATSEQAIJ, &sequential));
+  PetscCall(PetscObjectTypeCompare((PetscObject)J, MATMPIAIJ, &parallel));
+  if (sequential) PetscCall(SetSequential(op, shift, scale, J));
+  else if (parallel) PetscCall(SetParallel(op, shift, scale, J));
+  else PetscCall(SetRows(op, shift, scale, J));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -268,8 +268,14 @@ static PetscErrorCode RunWriteMatrices(const Run *run)
     PetscCall(
         MatrixFileWrite(flow->particles, flow->scheme->solve[k]->matrix, run->solve_matrix[k]));
   }
-  if (run->ppe_matrix)
-    PetscCall(MatrixFileWrite(flow->particles, flow->ops->ppe.A, run->ppe_matrix));
+  if (run->ppe_matrix) {
+    Mat A;
+
+    PetscCall(AffineSystemCreate(&flow->ops->ppe, MATSAME, &A));
+    PetscCall(AffineSystemSet(&flow->ops->ppe, 0.0, 1.0, A));
+    PetscCall(MatrixFileWrite(flow->particles, A, run->ppe_matrix));
+    PetscCall(MatDestroy(&A));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -85,7 +85,7 @@ PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved)
   PC        pc;
   Mat       A, P, flat = NULL;
   PetscInt  rows;
-  PetscBool nested = PETSC_FALSE, shell = PETSC_FALSE;
+  PetscBool nested = PETSC_FALSE;
 
   PetscFunctionBegin;
   *solved = PETSC_FALSE;
@@ -94,10 +94,8 @@ PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved)
   PetscCall(MatGetSize(A, &rows, NULL));
   if (guard->Flatten) {
     PetscCall(PetscObjectTypeCompare((PetscObject)P, MATNEST, &nested));
-    PetscCall(PetscObjectTypeCompare((PetscObject)P, MATSHELL, &shell));
+    if (!nested || rows <= levels[FALLBACK_LEVELS - 1].most) PetscCall(guard->Flatten(P, &flat));
   }
-  if (shell || (nested && rows <= levels[FALLBACK_LEVELS - 1].most))
-    PetscCall(guard->Flatten(P, &flat));
   for (PetscInt k = 0; k < FALLBACK_LEVELS && !*solved; k++) {
     PetscBool skips = PETSC_FALSE;
 

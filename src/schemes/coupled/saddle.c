@@ -329,15 +329,18 @@ PetscErrorCode SaddleFree(Saddle *s)
 
   Collective. Adds 1e-6 to the diagonal of the pressure rows; otherwise an undetermined constant of
   the pressure would make the matrix singular. On entry flat is NULL, or a matrix of the same blocks
-  that is reused.
+  that is reused. A matrix without blocks is not copied.
 */
 PetscErrorCode SaddleFlatten(Mat nest, Mat *flat)
 {
   const PetscInt *index;
   PetscInt        n;
+  PetscBool       nested;
   IS              rows[2];
 
   PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare((PetscObject)nest, MATNEST, &nested));
+  if (!nested) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatConvert(nest, MATAIJ, *flat ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX, flat));
   PetscCall(MatNestGetISs(nest, rows, NULL));
   PetscCall(ISGetLocalSize(rows[1], &n));

@@ -18,17 +18,37 @@
 #define PC_OPTIONS    "-ppe_pc_" /* beginning of the options of the preconditioner */
 
 struct Pressure {
-  Guard     guard;
-  Mat       preconditioner; /* of GaugePreconditioner() at the last set-up */
-  Mat       gauge;          /* c; NULL: the pressure is determined */
-  PetscBool direct;         /* the preconditioner is of A itself, for a factorisation */
-  Vec       source;         /* its product with b is the uniform source in b; NULL: unknown */
-  PetscBool guesses;        /* solves begin with a guess from earlier solutions */
-  PetscInt  assemblies;     /* stamp of the operators that the KSP has */
-  PetscInt  numbering;      /* stamp of the last set-up */
-  PetscInt  epoch;          /* of the particles at the first solution that the guess may use */
-  PetscInt  its_new;        /* iterations of the first solve after a set-up */
+  Guard guard;
+  PetscBool
+      passing; /* the preconditioner reads its matrix in the set-up only, and nothing shows it */
+  Mat A;       /* of operators without matrices; NULL: they have it */
+  Mat preconditioner;   /* its matrix; regular in the set-up, and later unless it is passing */
+  Mat gauge;            /* c; NULL: the pressure is determined */
+  PetscBool direct;     /* the preconditioner is of A itself, for a factorisation */
+  Vec       source;     /* its product with b is the uniform source in b; NULL: unknown */
+  PetscBool guesses;    /* solves begin with a guess from earlier solutions */
+  PetscInt  assemblies; /* stamp of the operators that the KSP has */
+  PetscInt  numbering;  /* stamp of the last set-up */
+  PetscInt  epoch;      /* of the particles at the first solution that the guess may use */
+  PetscInt  its_new;    /* iterations of the first solve after a set-up */
 };
+
+/* Creates a regular matrix for fallbacks from the matrix that the KSP has: products by rows, which
+   may have the term c c^T, or a matrix without shift. */
+static PetscErrorCode FlattenRegular(Mat P, Mat *flat)
+{
+  PetscBool has_column, is_shell;
+  Mat       A = P;
+
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare((PetscObject)P, MATLRC, &has_column));
+  if (has_column) PetscCall(MatLRCGetMats(P, &A, NULL, NULL, NULL));
+  PetscCall(PetscObjectTypeCompare((PetscObject)A, MATSHELL, &is_shell));
+  if (is_shell) PetscCall(AffineSystemFlatten(A, flat));
+  else PetscCall(MatDuplicate(A, MAT_COPY_VALUES, flat));
+  PetscCall(MatShift(*flat, GAUGE_SHIFT));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 /*
   Chooses LU as the default preconditioner if the matrix stays the same for the whole run
@@ -81,6 +101,24 @@ static PetscErrorCode ChooseGuess(const Flow *flow, Pressure *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Decides if the solver needs no matrix but products after its set-up, and no option shows one. */
+static PetscErrorCode ChoosePassing(Pressure *s)
+{
+  PetscBool multiplies, sets_up, same;
+  PC        pc;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetPC(s->guard.solve.ksp, &pc));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)s->guard.solve.ksp, &multiplies, KSPFGMRES,
+                                      KSPGMRES, KSPCG, KSPBCGS, ""));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &sets_up, PCLU, PCHYPRE, ""));
+  PetscCall(PetscStrcmp(s->guard.mat_type, MATSAME, &same));
+  s->passing = multiplies && sets_up && same && !KspViewsHaveMatrix(&s->guard.ksp_views)
+                   ? PETSC_TRUE
+                   : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   PressureCreate - Creates the KSP of the pressure equation and adds its solve to the scheme
 
@@ -103,6 +141,8 @@ PetscErrorCode PressureCreate(Flow *flow, Pressure **ppe)
       PoissonSolver(((Projection *)flow->scheme->data)->splines ? NULL : &flow->ops->forms.ppe,
                     1e-5, s->direct ? PCLU : PCHYPRE, &s->guard));
   PetscCall(ChooseGuess(flow, s));
+  if (!flow->ops->ppe.needed || !flow->ops->ppe.has_matrices) PetscCall(ChoosePassing(s));
+  if (s->passing) s->guard.Flatten = FlattenRegular;
   PetscCall(SchemeAddSolve(&s->guard.solve, flow->scheme));
   *ppe = s;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -115,6 +155,7 @@ PetscErrorCode PressureDestroy(Pressure **ppe)
   if (!*ppe) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(GuardDetach(&(*ppe)->guard));
   PetscCall(KSPDestroy(&(*ppe)->guard.solve.ksp));
+  PetscCall(MatDestroy(&(*ppe)->A));
   PetscCall(MatDestroy(&(*ppe)->preconditioner));
   PetscCall(MatDestroy(&(*ppe)->gauge));
   PetscCall(VecDestroy(&(*ppe)->source));
@@ -129,20 +170,49 @@ typedef struct {
   PetscInt  assemblies, numbering; /* stamps of A, and of the numbers of the unknowns */
 } PressureMatrices;
 
-static PetscErrorCode GetMatrices(Flow *flow, const Pressure *s, PressureMatrices *m)
+static PetscErrorCode GetMatrices(Flow *flow, Pressure *s, PressureMatrices *m)
 {
   const Operators *ops = flow->ops;
   Splines         *sp  = ((Projection *)flow->scheme->data)->splines;
 
   PetscFunctionBegin;
   if (!sp) {
-    *m = (PressureMatrices){ops->ppe.A, ops->ppe.A, PETSC_FALSE, ops->assemblies,
-                            flow->particles->epoch};
+    Mat A = ops->ppe.A;
+
+    if (!A && s->assemblies != ops->assemblies) {
+      PetscCall(MatDestroy(&s->A));
+      PetscCall(AffineSystemCreate(&ops->ppe, s->passing ? MATSHELL : MATSAME, &s->A));
+      PetscCall(AffineSystemSet(&ops->ppe, 0.0, 1.0, s->A));
+    }
+    if (!A) A = s->A;
+    *m = (PressureMatrices){A, A, PETSC_FALSE, ops->assemblies, flow->particles->epoch};
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(SplinesMatrix(flow, sp));
   if (s->direct) *m = (PressureMatrices){sp->A, sp->A, PETSC_TRUE, sp->assemblies, sp->assemblies};
   else *m = (PressureMatrices){sp->A, sp->K, PETSC_TRUE, sp->assemblies, sp->numbering};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Replaces the guess. PETSc's guess keeps its solutions unless the state of the matrix differs, and
+   a new matrix may have the state of the old one. */
+static PetscErrorCode RenewGuess(Pressure *s)
+{
+  const KSP    ksp = s->guard.solve.ksp;
+  KSPGuess     old, guess;
+  KSPGuessType type;
+
+  PetscFunctionBegin;
+  if (!s->guesses) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(KSPGetGuess(ksp, &old));
+  PetscCall(KSPGuessGetType(old, &type));
+  PetscCall(KSPGuessCreate(PetscObjectComm((PetscObject)ksp), &guess));
+  PetscCall(KSPGuessSetType(guess, type));
+  PetscCall(KSPGuessFischerSetModel(guess, FISCHER_MODEL, FISCHER_SIZE));
+  PetscCall(PetscObjectSetOptionsPrefix((PetscObject)guess, s->guard.solve.prefix));
+  PetscCall(KSPGuessSetFromOptions(guess));
+  PetscCall(KSPSetGuess(ksp, guess));
+  PetscCall(KSPGuessDestroy(&guess));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -153,6 +223,7 @@ static PetscErrorCode PressureRenumber(const Scene *scene, const PressureMatrice
 
   PetscFunctionBegin;
   PetscCall(KSPReset(s->guard.solve.ksp));
+  PetscCall(RenewGuess(s));
   PetscCall(MatDestroy(&s->preconditioner));
   PetscCall(MatDestroy(&s->gauge));
   PetscCall(MatGetLocalSize(m->P, &n, NULL));
@@ -207,6 +278,65 @@ static PetscErrorCode PressureSource(Pressure *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sets the matrix of the preconditioner: a copy, unless it is needed for the set-up only. */
+static PetscErrorCode PreconditionerMat(const PressureMatrices *m, Pressure *s)
+{
+  PetscBool is_shell;
+
+  PetscFunctionBegin;
+  PetscCall(MatDestroy(&s->preconditioner));
+  PetscCall(PetscObjectTypeCompare((PetscObject)m->P, MATSHELL, &is_shell));
+  if (is_shell) {
+    PetscCall(AffineSystemFlatten(m->P, &s->preconditioner));
+  } else if (s->passing) {
+    PetscCall(PetscObjectReference((PetscObject)m->P));
+    s->preconditioner = m->P;
+  } else {
+    PetscCall(MatConvert(m->P, s->guard.mat_type, MAT_INITIAL_MATRIX, &s->preconditioner));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Ends the use of the matrix of the preconditioner: a matrix of the splines gets its diagonal back,
+   and the matrix of a shell is destroyed. */
+static PetscErrorCode PassMatrix(Mat A, Vec diagonal, const PressureMatrices *m, Pressure *s)
+{
+  const KSP ksp = s->guard.solve.ksp;
+
+  PetscFunctionBegin;
+  PetscCall(KSPSetUp(ksp));
+  PetscCall(KSPSetReusePreconditioner(ksp, PETSC_TRUE));
+  if (s->preconditioner == m->P) {
+    PetscCall(MatDiagonalSet(s->preconditioner, diagonal, INSERT_VALUES));
+  } else {
+    PetscCall(KSPSetOperators(ksp, A, A));
+    PetscCall(MatDestroy(&s->preconditioner));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Renews the preconditioner of the matrix A. */
+static PetscErrorCode RenewPreconditioner(const Scene *scene, Mat A, const PressureMatrices *m,
+                                          Pressure *s)
+{
+  const KSP ksp = s->guard.solve.ksp;
+  Vec       diagonal;
+
+  PetscFunctionBegin;
+  PetscCall(SolverRenewPC(ksp));
+  PetscCall(PreconditionerMat(m, s));
+  PetscCall(MatCreateVecs(s->preconditioner, &diagonal, NULL));
+  PetscCall(MatGetDiagonal(s->preconditioner, diagonal));
+  PetscCall(GaugePreconditioner(scene, s->direct ? LU_SHIFT : GAUGE_SHIFT, s->preconditioner));
+  PetscCall(KSPSetReusePreconditioner(ksp, PETSC_FALSE));
+  PetscCall(KSPSetOperators(ksp, A, s->preconditioner));
+  PetscCall(PressureSource(s));
+  if (s->passing) PetscCall(PassMatrix(A, diagonal, m, s));
+  PetscCall(VecDestroy(&diagonal));
+  s->its_new = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   Gives new matrices to the KSP. The preconditioner is reused until unknowns are renumbered or the
   iterations have grown by half: displacements change it little, but a renumbering invalidates it.
@@ -228,19 +358,14 @@ static PetscErrorCode PressureUpdateMatrices(Flow *flow, Pressure *s)
     PetscCall(PressureRenumber(flow->scene, &m, s));
     rebuild = PETSC_TRUE;
   }
-  if (rebuild) {
-    PetscCall(SolverRenewPC(ksp));
-    PetscCall(MatDestroy(&s->preconditioner));
-    PetscCall(MatConvert(m.P, s->guard.mat_type, MAT_INITIAL_MATRIX, &s->preconditioner));
-    PetscCall(
-        GaugePreconditioner(flow->scene, s->direct ? LU_SHIFT : GAUGE_SHIFT, s->preconditioner));
-    s->its_new = 0;
-  }
   PetscCall(PressureOperator(&m, s, &A));
-  PetscCall(KSPSetReusePreconditioner(ksp, rebuild ? PETSC_FALSE : PETSC_TRUE));
-  PetscCall(KSPSetOperators(ksp, A, s->preconditioner));
+  if (rebuild) {
+    PetscCall(RenewPreconditioner(flow->scene, A, &m, s));
+  } else {
+    PetscCall(KSPSetReusePreconditioner(ksp, PETSC_TRUE));
+    PetscCall(KSPSetOperators(ksp, A, s->preconditioner ? s->preconditioner : A));
+  }
   PetscCall(MatDestroy(&A));
-  if (rebuild) PetscCall(PressureSource(s));
   s->assemblies = m.assemblies;
   s->epoch      = flow->particles->epoch;
   PetscFunctionReturn(PETSC_SUCCESS);
