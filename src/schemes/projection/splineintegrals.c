@@ -72,68 +72,79 @@ static inline void Velocity(PetscInt dim, const SplineFits *f, PetscInt g, Petsc
   }
 }
 
-/* The splines at a point: in the plane, values and derivatives along both axes, times the volume;
-   along the third axis, values and derivatives. */
+/* Entries of splines, whose rows and planes follow each other by `row` and `plane`. */
 typedef struct {
-  PetscReal plane[3][SPLINES_IN_PLANE], value[SPLINES_ALONG], derivative[SPLINES_ALONG];
-} PointSplines;
+  PetscInt   row, plane;
+  PetscReal *value;
+} SplineBlockSum;
 
-/* Computes the splines at point g. Inlined, so that the compiler knows the dimension. */
-static inline void SetPoint(PetscInt dim, const Splines *s, PetscInt g, PointSplines *at)
+/* Adds the gradients of the splines at a point times u to the block, from the polynomials b and
+   their derivatives d along each axis. */
+static inline void AddRegular(PetscInt dim, PetscReal b[][SPLINES_ALONG],
+                              PetscReal d[][SPLINES_ALONG], const PetscReal u[], SplineBlockSum to)
 {
-  const SplinePlaces *place = &s->inside_at;
-  const PetscInt      node  = s->inside.side[g];
-  PetscReal           b[2][SPLINES_ALONG], d[2][SPLINES_ALONG];
+  for (PetscInt m = 0; m < (dim == 3 ? 3 : 1); m++) {
+    for (PetscInt j = 0; j < 3; j++) {
+      PetscReal *value = to.value + m * to.plane + j * to.row;
+      PetscReal  along = u[0] * b[1][j], across = u[1] * d[1][j];
 
-  if (dim == 3) SplineBasis(2, place->t[2][g], place->per_edge[2][g], at->value, at->derivative);
-  if (node >= 0) {
-    const PetscReal share = dim == 3 ? 0.5 : 1.0; /* of the two layers of nodes in a cell */
-
-    for (PetscInt e = 0; e < 3; e++)
-      for (PetscInt k = 0; k < SPLINES_IN_PLANE; k++)
-        at->plane[e][k] = share * s->bodies->cuts[node / 4].integral[node % 4][e][k];
-    return;
-  }
-  for (PetscInt a = 0; a < 2; a++)
-    SplineBasis(2, place->t[a][g], place->per_edge[a][g], b[a], d[a]);
-  for (PetscInt e = 0; e < 3; e++) b[1][e] *= s->inside.weight[g];
-  for (PetscInt e = 0; e < 3; e++) d[1][e] *= s->inside.weight[g];
-  for (PetscInt k = 0; k < SPLINES_IN_PLANE; k++) {
-    at->plane[0][k] = b[0][k % 3] * b[1][k / 3];
-    at->plane[1][k] = d[0][k % 3] * b[1][k / 3];
-    at->plane[2][k] = b[0][k % 3] * d[1][k / 3];
+      if (dim == 3) {
+        along *= b[2][m];
+        across = across * b[2][m] + u[2] * b[1][j] * d[2][m];
+      }
+      for (PetscInt e = 0; e < 3; e++) value[e] += along * d[0][e] + across * b[0][e];
+    }
   }
 }
 
-/* Adds the gradients of the splines at a point times u to the entries of a block of splines, whose
-   rows and planes follow each other by `row` and `plane`. */
-static inline void AddPoint(PetscInt dim, const PointSplines *at, const PetscReal u[], PetscInt row,
-                            PetscInt plane, PetscReal to[])
+/* Adds the integrals of a node of a cut cell times u to the block; b and d as in AddRegular(), of
+   the third axis only. */
+static void AddNode(PetscInt dim, PetscReal integral[3][SPLINES_IN_PLANE],
+                    PetscReal b[][SPLINES_ALONG], PetscReal d[][SPLINES_ALONG], const PetscReal u[],
+                    SplineBlockSum to)
 {
   for (PetscInt k = 0; k < SPLINES_IN_PLANE; k++) {
-    const PetscInt  q    = k / 3 * row + k % 3;
-    const PetscReal flat = at->plane[1][k] * u[0] + at->plane[2][k] * u[1];
+    PetscReal      *value = to.value + k / 3 * to.row + k % 3;
+    const PetscReal flat  = integral[1][k] * u[0] + integral[2][k] * u[1];
 
-    if (dim == 2) to[q] += flat;
-    for (PetscInt m = 0; dim == 3 && m < 3; m++)
-      to[q + m * plane] += at->value[m] * flat + at->derivative[m] * at->plane[0][k] * u[2];
+    if (dim == 2) *value += flat;
+    for (PetscInt m = 0; dim == 3 && m < 3; m++) /* a cell has two layers of nodes */
+      value[m * to.plane] += 0.5 * (b[2][m] * flat + d[2][m] * integral[0][k] * u[2]);
   }
+}
+
+/* Adds the gradients of the splines at point g times the volume and u to a block. Inlined, so that
+   the compiler knows the dimension. */
+static inline void AddPoint(PetscInt dim, const Splines *s, PetscInt g, const PetscReal u[],
+                            SplineBlockSum to)
+{
+  const SplinePlaces *place = &s->inside_at;
+  const PetscInt      node  = s->inside.side[g];
+  PetscReal b[ISPH_MAX_DIM][SPLINES_ALONG], d[ISPH_MAX_DIM][SPLINES_ALONG], weighted[ISPH_MAX_DIM];
+
+  for (PetscInt a = 0; a < dim; a++)
+    SplineBasis(2, place->t[a][g], place->per_edge[a][g], b[a], d[a]);
+  if (node >= 0) {
+    AddNode(dim, s->bodies->cuts[node / 4].integral[node % 4], b, d, u, to);
+    return;
+  }
+  for (PetscInt a = 0; a < dim; a++) weighted[a] = s->inside.weight[g] * u[a];
+  AddRegular(dim, b, d, weighted, to);
 }
 
 /* Adds the integrals of the velocity in f->value to the window. Inlined, so that the compiler knows
    the dimension. */
 static inline void IntegrateInline(PetscInt dim, Splines *s)
 {
-  const SplineWindow *w     = &s->window;
-  const PetscInt      plane = dim == 3 ? w->n[0] * w->n[1] : 0;
+  const SplineWindow *w  = &s->window;
+  SplineBlockSum      to = {.row = w->n[0], .plane = dim == 3 ? w->n[0] * w->n[1] : 0};
 
   for (PetscInt g = 0; g < s->inside.n; g++) {
-    PointSplines at;
-    PetscReal    u[ISPH_MAX_DIM];
+    PetscReal u[ISPH_MAX_DIM];
 
     Velocity(dim, &s->fits, g, u);
-    SetPoint(dim, s, g, &at);
-    AddPoint(dim, &at, u, w->n[0], plane, w->value + s->inside_at.base[g]);
+    to.value = w->value + s->inside_at.base[g];
+    AddPoint(dim, s, g, u, to);
   }
 }
 
@@ -189,12 +200,11 @@ PetscErrorCode SplineGradientMat(const Particles *p, const Splines *s, PetscInt 
   PetscCall(PetscFree(width));
   PetscCall(MatGetOwnershipRange(*T, &row, NULL));
   for (PetscInt g = 0; g < s->inside.n; g++, row++) {
-    PetscReal    value[SPLINES_AT_QUADRATIC] = {0.0};
-    PetscInt     entries                     = 0;
-    PointSplines at;
+    PetscReal            value[SPLINES_AT_QUADRATIC] = {0.0};
+    const SplineBlockSum to      = {.row = 3, .plane = SPLINES_IN_PLANE, .value = value};
+    PetscInt             entries = 0;
 
-    SetPoint(dim, s, g, &at);
-    AddPoint(dim, &at, unit, 3, SPLINES_IN_PLANE, value);
+    AddPoint(dim, s, g, unit, to);
     for (PetscInt k = 0; k < n; k++)
       entries += ListEntries(s, g, k, s->scale * value[k], number + entries, entry + entries);
     PetscCall(MatSetValues(*T, 1, &row, entries, number, entry, ADD_VALUES));
