@@ -20,7 +20,8 @@
   constant of the pressure. See docs/theory.md, (92) to (94).
 
   On free surfaces the rows of mass give the pressure, q - Z u = 0, and the unknown there is the
-  given q - Z u, see surface.c.
+  given q - Z u, see surface.c. In fluids with a free surface columns of G that oppose their
+  equations are replaced, see adjoint.c.
 */
 #include "saddle.h"
 
@@ -132,54 +133,6 @@ static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Replaces G by its adjoint form: grad p_ia = -1/V_i sum_j V_j D_j,ia p_j, the sum over rows of
-  mass. Given pressures on free surfaces keep their terms in G.
-
-  The sum of V_i grad p_i is zero, as D is zero for constant velocities, and so is that of V_i x_i x
-  grad p_i if D is exact for linear ones. Without viscosity, force and C the kinetic energy is
-  constant.
-*/
-static PetscErrorCode TransposeDivergence(const Flow *flow, Vec momentum, Saddle *s)
-{
-  const Particles *p = flow->particles;
-  PetscScalar     *before, *after, *kept;
-  Vec              of_mass, of_momentum, given, rows;
-  Mat              D, DT;
-
-  PetscFunctionBegin;
-  PetscCall(VecDuplicate(s->length, &of_mass));
-  PetscCall(VecDuplicate(s->length, &of_momentum));
-  PetscCall(VecDuplicate(s->length, &given));
-  PetscCall(VecCopy(s->pressure, of_mass));
-  PetscCall(VecGetArray(of_mass, &before));
-  PetscCall(VecGetArrayWrite(of_momentum, &after));
-  PetscCall(VecGetArrayWrite(given, &kept));
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    kept[i] = FreeSurfaceHolds(flow->ops->free, i) ? 1.0 : 0.0;
-    before[i] *= (1.0 - kept[i]) * p->volume[i] * flow->scene->dx / p->dx[i];
-    after[i] = -1.0 / p->volume[i];
-  }
-  PetscCall(VecRestoreArray(of_mass, &before));
-  PetscCall(VecRestoreArrayWrite(of_momentum, &after));
-  PetscCall(VecRestoreArrayWrite(given, &kept));
-  PetscCall(MatDuplicate(s->D, MAT_COPY_VALUES, &D));
-  PetscCall(MatDiagonalScale(D, of_mass, NULL));
-  PetscCall(MatTranspose(D, MAT_INITIAL_MATRIX, &DT));
-  PetscCall(VelocityRows(p, of_momentum, &rows));
-  PetscCall(VecPointwiseMult(rows, rows, momentum));
-  PetscCall(MatDiagonalScale(DT, rows, NULL));
-  PetscCall(MatDiagonalScale(s->G, NULL, given));
-  PetscCall(MatAXPY(s->G, 1.0, DT, DIFFERENT_NONZERO_PATTERN));
-  PetscCall(MatDestroy(&D));
-  PetscCall(MatDestroy(&DT));
-  PetscCall(VecDestroy(&given));
-  PetscCall(VecDestroy(&rows));
-  PetscCall(VecDestroy(&of_mass));
-  PetscCall(VecDestroy(&of_momentum));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Creates G, D and C in the units of each particle. */
 static PetscErrorCode CreateBlocks(const Flow *flow, Saddle *s)
 {
@@ -198,7 +151,7 @@ static PetscErrorCode CreateBlocks(const Flow *flow, Saddle *s)
                         &s->D));
   PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){1, 1, 1.0, mass, s->pressure},
                         &ops->filter_p, &s->C));
-  if (s->adjoint) PetscCall(TransposeDivergence(flow, momentum, s));
+  PetscCall(SaddleUseReactions(flow, momentum, s));
   PetscCall(VecDestroy(&momentum));
   PetscCall(VecDestroy(&mass));
   PetscFunctionReturn(PETSC_SUCCESS);

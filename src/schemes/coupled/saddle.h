@@ -1,4 +1,4 @@
-/* The matrix of the coupled system; see saddle.c and surface.c. */
+/* The matrix of the coupled system; see saddle.c, adjoint.c and surface.c. */
 #ifndef ISPH_SCHEMES_SADDLE_H
 #define ISPH_SCHEMES_SADDLE_H
 
@@ -40,6 +40,9 @@ PetscErrorCode SaddlePut(const Saddle *saddle, Vec u[], Vec p, Vec x);
 PetscErrorCode SaddleGet(const Saddle *saddle, Vec x, Vec u[], Vec p);
 PetscErrorCode SaddleAdd(const Saddle *saddle, PetscInt c, PetscReal scale, Vec part, Vec x);
 PetscErrorCode SaddleAddInertia(const Saddle *saddle, Vec x, Vec xdot, Vec f);
+
+/* adjoint.c */
+PetscErrorCode SaddleUseReactions(const Flow *flow, Vec momentum, Saddle *saddle);
 
 /* surface.c */
 PetscErrorCode SaddleEliminateSurface(const Flow *flow, Saddle *saddle);
