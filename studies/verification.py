@@ -255,6 +255,22 @@ def standing_wave():
     ], [], ("amplitude of the surface, over the first crest", "velocity, relative L2"))
 
 
+def gravity_current():
+    base = "-options_file options/gravity_current.opts"
+
+    def beside(label, column, source):
+        def error(row):
+            return row[column] / row[f"{column}_reference"] - 1 if column in row else None
+        return Quantity("velocity", label, error, True, source)
+
+    quantities = [beside("front", "front", "similarity solution"), beside("height", "height", "similarity solution"),
+                  beside("volume inside the surface", "fluid_volume", "volume of the particles")]
+    return Case("Viscous gravity currents, plane and round", [
+        Study("plane, from the age 1 to 2", f"{base} -t_end 5.77", (4, 6), quantities),
+        Study("round, from the age 1 to 1.25", f"{base} -dim 3 -t_end 0.9", (3, 4), quantities),
+    ], [], ("front", "height"))
+
+
 # ---- viscosity that varies ----
 
 def two_layers():
@@ -404,5 +420,5 @@ def patch():
 
 CASES = {make.__name__: make for make in (
     cavity, cavity_cube, cavity_cylinder, taylor_couette, taylor_green, poiseuille, couette, hydrostatic,
-    stokes_cylinders, stokes_exact, film, drop_mode, standing_wave, two_layers, rheology, womersley, scene,
+    stokes_cylinders, stokes_exact, film, drop_mode, standing_wave, gravity_current, two_layers, rheology, womersley, scene,
     regularised_cavity, patch)}
