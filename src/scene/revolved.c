@@ -41,8 +41,8 @@ static PetscReal BallDistance(const Body *body, const PetscReal x[], PetscReal n
   return r - body->extent;
 }
 
-/* BodyRevolved - Returns the distance from the surface of a ball or of a body that revolves, and its
-   outward normal; not collective */
+/* BodyRevolved - Returns the distance from the surface of a ball or of a body that revolves, and
+   its outward normal; not collective */
 PetscReal BodyRevolved(const Body *body, const PetscReal x[], PetscReal normal[])
 {
   return body->ball ? BallDistance(body, x, normal) : MeridianDistance(body, x, normal);
