@@ -15,6 +15,7 @@
   ROW(CaseStokesCylinders)                                                                         \
   ROW(CaseDropMode)                                                                                \
   ROW(CaseStandingWave)                                                                            \
+  ROW(CaseGravityCurrent)                                                                          \
   ROW(CaseScene)                                                                                   \
   ROW(CasePatch)
 

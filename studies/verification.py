@@ -250,9 +250,26 @@ def standing_wave():
         Study("t = 1.2 (L/g)^(1/2), from the lattice", base, (16, 24, 32, 48), quantities),
         Study("t = 1.2 (L/g)^(1/2), disordered particles", f"{base} -jitter 0.2", (16, 24, 32, 48), quantities, (3, 3, 3, 3),
               seeds),
+        Study("t = 1.2 (L/g)^(1/2), cubic fits below the surface", f"{base} -surface_degree 3", (16, 24, 32), quantities),
         Study("t = 1.2 (L/g)^(1/2), projection, dt = 0.004", f"{base} -scheme projection -dt 0.004", (16, 24, 32),
               quantities),
     ], [], ("amplitude of the surface, over the first crest", "velocity, relative L2"))
+
+
+def gravity_current():
+    base = "-options_file options/gravity_current.opts"
+
+    def beside(label, column, source):
+        def error(row):
+            return row[column] / row[f"{column}_reference"] - 1 if column in row else None
+        return Quantity("velocity", label, error, True, source)
+
+    quantities = [beside("front", "front", "similarity solution"), beside("height", "height", "similarity solution"),
+                  beside("volume inside the surface", "fluid_volume", "volume of the particles")]
+    return Case("Viscous gravity currents, plane and round", [
+        Study("plane, from the age 1 to 2", f"{base} -t_end 5.77", (4, 6), quantities),
+        Study("round, from the age 1 to 1.25", f"{base} -dim 3 -t_end 0.9", (4, 5), quantities),
+    ], [], ("front", "height"))
 
 
 # ---- viscosity that varies ----
@@ -404,5 +421,5 @@ def patch():
 
 CASES = {make.__name__: make for make in (
     cavity, cavity_cube, cavity_cylinder, taylor_couette, taylor_green, poiseuille, couette, hydrostatic,
-    stokes_cylinders, stokes_exact, film, drop_mode, standing_wave, two_layers, rheology, womersley, scene,
+    stokes_cylinders, stokes_exact, film, drop_mode, standing_wave, gravity_current, two_layers, rheology, womersley, scene,
     regularised_cavity, patch)}

@@ -79,15 +79,16 @@ typedef struct {
   Equation   *equation;     /* of each neighbour in the present fit; fluid gives a value */
   PetscInt    degree;       /* of fits, 2 to MLS_MAX_DEGREE */
   PetscInt    least_degree; /* of fits whose points do not determine `degree` */
-  PetscReal   weak;         /* pivot over its diagonal entry at which they do not */
-  MlsFit      fit;          /* of these equations, shared by Laplacian, gradient and filter */
-  PetscReal   volume;       /* of the particle itself [m^dim] */
-  PetscReal   self[3];      /* W, dW/dr and d2W/dr2 at r = 0 [m^-dim, ...] */
-  PetscInt    regularised;  /* number of fits so far whose points did not determine them */
-  PetscBool  *surface;      /* neighbour is on a free surface, where fits have its condition */
-  SurfaceKind kind;         /* of the particle */
-  PetscBool   near_surface; /* the particle or a neighbour is on a smooth part of it */
-  PetscBool   beside_surface;           /* the same on any part of it */
+  PetscInt    surface_degree; /* of fits of particles below a free surface, 2 or 3 */
+  PetscReal   weak;           /* pivot over its diagonal entry at which they do not */
+  MlsFit      fit;            /* of these equations, shared by Laplacian, gradient and filter */
+  PetscReal   volume;         /* of the particle itself [m^dim] */
+  PetscReal   self[3];        /* W, dW/dr and d2W/dr2 at r = 0 [m^-dim, ...] */
+  PetscInt    regularised;    /* number of fits so far whose points did not determine them */
+  PetscBool  *surface;        /* neighbour is on a free surface, where fits have its condition */
+  SurfaceKind kind;           /* of the particle */
+  PetscBool   near_surface;   /* the particle or a neighbour is on a smooth part of it */
+  PetscBool   beside_surface; /* the same on any part of it */
   PetscReal   own_normal[ISPH_MAX_DIM]; /* of the particle, out of the fluid */
   unsigned    correction; /* CorrectionBit of the present row, for forms that couple components */
   PetscReal   own[ISPH_MAX_DIM * ISPH_MAX_DIM]; /* weight of u_i itself, see LaplacianRow */
@@ -328,6 +329,7 @@ typedef struct {
   PetscBool            visc_is_laplacian;  /* visc is lap u */
   PetscBool            components_coupled; /* visc couples components: viscous_block.c */
   PetscInt             degree;             /* of least-squares fits */
+  PetscInt             surface_degree;     /* of fits of particles below a free surface */
   PetscReal            h_over_dx;          /* smoothing length over a particle's spacing [-] */
   PetscReal            h, radius; /* of the coarsest particles; radius of the support [m] */
   PetscReal reach; /* largest distance at which assembly reads a particle; width of the halo [m] */

@@ -53,7 +53,8 @@ struct Body {
   PetscReal       parameter[BODY_PARAMETERS]; /* of the shape [m] */
   PetscReal       centre[2], extent; /* centre, and largest distance of the surface from it [m] */
   PetscBool       around;
-  PetscBool       ball; /* a circle that is a ball in 3D, about a point of the plane z = 0 */
+  PetscBool       ball;     /* a circle that is a ball in 3D, about a point of the plane z = 0 */
+  PetscBool       revolves; /* coordinates are the distance from the axis z and z, in 3D */
 };
 
 /* Properties of a kind of boundary; all other code depends on these instead of the kind. */
@@ -94,7 +95,7 @@ typedef struct {
 } BoundaryRow;
 extern const Table       BoundaryTable;
 extern const char *const BoxAxes[], *const BoxSides[]; /* of typed boxes; NULL after the last */
-extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundaryNone,
+extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundarySymmetry, BoundaryNone,
     BoundaryFree; /* kinds that cases set */
 
 /* A boundary of the fluid: a side of the box, or a body. */
@@ -337,6 +338,8 @@ PetscErrorCode ShapeCheckNumbers(const OptionRow *pattern, PetscInt n, PetscInt 
 const char    *BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[]);
 void           BodyCircle(Body *body, PetscReal x, PetscReal y, PetscReal r);
 void           BodyBall(Body *body, PetscReal x, PetscReal y, PetscReal r);
+const char    *BodyPolygon(Body *body, PetscInt corners, const PetscReal x[]);
+PetscReal      BodyRevolved(const Body *body, const PetscReal x[], PetscReal normal[]);
 PetscInt       BodyLines(const Body *body, PetscInt axis, PetscReal line[]);
 PetscReal      BodyThickness(const Body *body, PetscReal dx, PetscReal limit, PetscReal place[2]);
 void           BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2]);

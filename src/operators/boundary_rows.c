@@ -346,13 +346,16 @@ static void AddRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d
 
   Not collective. If wall neighbours have equations in fits and the gradient form has a
   DivergenceFit, the rows come from this fit of the velocity vector, otherwise from the weights of
-  the gradient.
+  the gradient. Below a free surface fits have their own degree.
 */
 PetscErrorCode AddRows_Divergence(const Scene *scene, Stencil *st, PetscInt diagonal,
                                   Operators *ops)
 {
+  const PetscInt degree = st->degree;
+
   PetscFunctionBegin;
   if (!StoresRow(ops, &ops->div[0])) PetscFunctionReturn(PETSC_SUCCESS);
+  if (st->near_surface) st->degree = st->surface_degree;
   StencilSetQuantity(scene, FIT_VELOCITY_NORMAL, st);
   if (st->n_wall && st->fits_walls && ops->forms.gradient->DivergenceFit) {
     PetscCall(ops->forms.gradient->DivergenceFit(st, ops->work->g, ops->work->m));
@@ -365,6 +368,7 @@ PetscErrorCode AddRows_Divergence(const Scene *scene, Stencil *st, PetscInt diag
         ops->work->m[k] += ops->work->g[c][k] * st->normal[c][k];
     }
   }
+  st->degree = degree;
   AddRow_Divergence(st, diagonal, ops->work->g, ops->work->m, ops);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -8,6 +8,7 @@
 enum {
   KERNEL,
   MLS_DEGREE,
+  SURFACE_DEGREE,
   H_OVER_DX,
   CORRECTION,
   VISC_LAPLACIAN,
@@ -35,6 +36,18 @@ static const OptionRow options[] = {
             .standard = "2",
             .low      = 2,
             .high     = MLS_MAX_DEGREE,
+        },
+    [SURFACE_DEGREE] =
+        {
+            .name  = "-surface_degree",
+            .kind  = VALUE_INT,
+            .brief = "degree of the fits of viscous term and divergence of particles below a free "
+                     "surface; 3 makes the errors of small waves smaller",
+            .unit  = "-",
+            .standard = "2",
+            .low      = 2,
+            .high     = 3,
+            .where    = "flows with a free surface in 2D",
         },
     [H_OVER_DX] =
         {
@@ -334,7 +347,10 @@ static PetscErrorCode RefuseEquations(const Scene *scene, const OperatorForms *f
 static PetscErrorCode ChooseSurface(const Scene *scene, unsigned needs, OperatorForms *forms)
 {
   PetscFunctionBegin;
+  forms->surface_degree = 2;
   if (!SceneHasFreeSurface(scene) || needs & NEED_STREAMS) PetscFunctionReturn(PETSC_SUCCESS);
+  if (scene->dim == 2)
+    PetscCall(OptionGetInt(&options[SURFACE_DEGREE], &forms->surface_degree, NULL));
   UserCheck(!forms->visc.row || forms->visc.row->Row == LaplacianRow_Mls ||
                 HasFreeTraction(&forms->visc),
             "-visc_laplacian %s: it has no condition for the stress on a free surface; use mls, "

@@ -16,34 +16,43 @@
 */
 #include "mls.h"
 
-#define SURFACE_TERMS (ISPH_MAX_DIM * MLS_QUADRATIC_TERMS)
+#define FIT_TERMS     MLS_QUADRATIC_TERMS /* of 3D, as many as those of cubic fits in 2D */
+#define SURFACE_TERMS (ISPH_MAX_DIM * FIT_TERMS)
 #define SURFACE_WIDTH 32   /* MlsWidth() of the terms and dim + 1 right-hand sides */
 #define OUTERMOST     4.5  /* least share of the particle in its 2 n.E n [1/R] */
 #define STEEP         36.0 /* largest sum of absolute weights of 2 n.E n [1/R] */
 
-/* Computes the derivatives of the quadratic basis along all axes at s = X/R, times R. */
-static inline void BasisGradient(PetscInt dim, const PetscReal s[], PetscReal slope[][ISPH_MAX_DIM])
+/* Computes the derivatives of the basis along all axes at s = X/R, times R: those of a monomial s_a
+   times a lower one follow from the lower one. */
+static inline void BasisGradient(PetscInt dim, PetscInt degree, const PetscReal s[],
+                                 PetscReal slope[][ISPH_MAX_DIM])
 {
-  PetscInt t = dim;
+  PetscReal value[FIT_TERMS];
+  PetscInt  lower = 0, t = dim;
 
   for (PetscInt a = 0; a < dim; a++) {
+    value[a] = s[a];
     for (PetscInt b = 0; b < dim; b++) slope[a][b] = a == b ? 1.0 : 0.0;
   }
-  for (PetscInt a = 0; a < dim; a++) {
-    for (PetscInt b = 0; b <= a; b++, t++) {
-      for (PetscInt c = 0; c < dim; c++) slope[t][c] = (c == a) * s[b] + (c == b) * s[a];
+  for (PetscInt d = 2; d <= degree; d++) {
+    for (PetscInt a = 0; a < dim; a++) {
+      for (PetscInt q = lower; q < lower + MlsMonomials(a, d - 1); q++, t++) {
+        value[t] = s[a] * value[q];
+        for (PetscInt c = 0; c < dim; c++) slope[t][c] = (c == a) * value[q] + s[a] * slope[q][c];
+      }
     }
+    lower += MlsMonomials(dim - 1, d - 1);
   }
 }
 
 /* Adds the conditions of a surface particle at s = X/R with normal n to the normal equations. */
-static inline void AddCondition(PetscInt dim, PetscInt terms, PetscInt width, PetscReal weight,
+static inline void AddCondition(PetscInt dim, PetscInt degree, PetscInt width, PetscReal weight,
                                 const PetscReal s[], const PetscReal n[], PetscReal system[])
 {
-  PetscReal      slope[MLS_QUADRATIC_TERMS][ISPH_MAX_DIM], tangent[2][ISPH_MAX_DIM];
-  const PetscInt tangents = SurfaceTangents(dim, n, tangent);
+  PetscReal      slope[FIT_TERMS][ISPH_MAX_DIM], tangent[2][ISPH_MAX_DIM];
+  const PetscInt terms = MlsTerms(dim, degree), tangents = SurfaceTangents(dim, n, tangent);
 
-  BasisGradient(dim, s, slope);
+  BasisGradient(dim, degree, s, slope);
   for (PetscInt m = 0; m < tangents; m++) {
     PetscReal row[SURFACE_TERMS];
 
@@ -99,24 +108,25 @@ static inline void DropDerivatives(const Stencil *st, PetscReal w[])
 
 /* Computes the rows of a fit with the conditions of the surface; returns PETSC_FALSE if the points
    do not determine it. */
-static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscReal bulk, PetscReal w[])
+static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscInt degree, PetscReal bulk,
+                                   PetscReal w[])
 {
-  const PetscInt terms = MlsTerms(dim, 2), n = dim * terms, width = MlsWidth(n + dim + 1);
-  PetscReal      moments[MLS_QUADRATIC_TERMS * MLS_QUADRATIC_TERMS], s[ISPH_MAX_DIM] = {0.0};
+  const PetscInt terms = MlsTerms(dim, degree), n = dim * terms, width = MlsWidth(n + dim + 1);
+  PetscReal      moments[FIT_TERMS * FIT_TERMS], s[ISPH_MAX_DIM] = {0.0};
   PetscReal      system[SURFACE_TERMS * SURFACE_WIDTH];
 
   for (PetscInt e = 0; e < n * width; e++) system[e] = 0.0;
   for (PetscInt c = 0; c < dim; c++) {
     if (c == 0 || st->slips) {
       if (st->slips) StencilSetVelocity(st->scene, c, st);
-      MlsBasis(st, dim, 2);
+      MlsBasis(st, dim, degree);
       MlsMoments(st, terms, st->fit.W, terms, moments);
     }
     for (PetscInt e = 0; e < terms * terms; e++)
       system[(c * terms + e / terms) * width + c * terms + e % terms] = moments[e];
   }
   if (st->kind == SURFACE_SMOOTH)
-    AddCondition(dim, terms, width, st->self[0], s, st->own_normal, system);
+    AddCondition(dim, degree, width, st->self[0], s, st->own_normal, system);
   for (PetscInt k = 0; k < st->n; k++) {
     PetscReal normal[ISPH_MAX_DIM];
 
@@ -125,14 +135,14 @@ static inline PetscBool SurfaceFit(Stencil *st, PetscInt dim, PetscReal bulk, Pe
       s[a]      = st->X[a][k] / st->radius;
       normal[a] = st->normal[a][k];
     }
-    AddCondition(dim, terms, width, st->W[k], s, normal, system);
+    AddCondition(dim, degree, width, st->W[k], s, normal, system);
   }
   SetColumns(st, dim, terms, width, bulk, system);
   if (!MlsEliminate(n, width, st->weak, system)) return PETSC_FALSE;
   for (PetscInt c = 0; c < dim; c++) {
     if (st->slips) {
       StencilSetVelocity(st->scene, c, st);
-      MlsBasis(st, dim, 2);
+      MlsBasis(st, dim, degree);
     }
     for (PetscInt a = 0; a < dim; a++) {
       MlsWeights(st, terms, width, system + c * terms * width + n + a, st->fit.value);
@@ -168,11 +178,15 @@ static PetscBool HoldsSurface(const Stencil *st)
 }
 
 /* Computes the row of a fit; returns PETSC_FALSE if the points do not determine it, or if the
-   particle is not held by its surface. */
+   particle is not held by its surface. The fit of a particle on the surface is quadratic: along the
+   normal there are three layers of particles within the support. */
 static PetscBool FittedRow(Stencil *st, PetscReal bulk, PetscReal w[])
 {
+  const PetscBool cubic = st->surface_degree == 3 && st->kind == SURFACE_INSIDE;
+
   st->fit.wanted = 0; /* overwrites the basis of the fit */
-  return (st->dim == 2 ? SurfaceFit(st, 2, bulk, w) : SurfaceFit(st, 3, bulk, w)) &&
+  if (cubic && SurfaceFit(st, 2, 3, bulk, w)) return PETSC_TRUE;
+  return (st->dim == 2 ? SurfaceFit(st, 2, 2, bulk, w) : SurfaceFit(st, 3, 2, bulk, w)) &&
                  HoldsSurface(st)
              ? PETSC_TRUE
              : PETSC_FALSE;

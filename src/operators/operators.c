@@ -145,8 +145,9 @@ static PetscErrorCode CreateWorkspace(const Scene *scene, Operators *ops)
     work->batch[l]->degree     = ops->forms.degree;
     work->batch[l]->fits_walls = ops->forms.wall ? ops->forms.wall->on_surface : PETSC_FALSE;
     if (!SceneHasFreeSurface(scene)) continue;
-    work->batch[l]->least_degree = 1;
-    work->batch[l]->weak         = SURFACE_WEAK;
+    work->batch[l]->least_degree   = 1;
+    work->batch[l]->surface_degree = ops->forms.surface_degree;
+    work->batch[l]->weak           = SURFACE_WEAK;
   }
   work->stencil  = work->batch[0];
   work->has_fits = HasFits(ops);

@@ -10,6 +10,7 @@ PetscErrorCode StencilCreate(PetscInt dim, Stencil **stencil)
   PetscCall(PetscNew(stencil));
   (*stencil)->dim    = dim;
   (*stencil)->degree = (*stencil)->least_degree = 2;
+  (*stencil)->surface_degree                    = 2;
   (*stencil)->weak                              = MLS_WEAK;
   (*stencil)->sloped                            = SLOPE_NONE;
   for (PetscInt a = 0; a < dim; a++) (*stencil)->stretch[a] = 1.0;

@@ -20,10 +20,12 @@ typedef struct {
                           without ends and corners is one piece with half a spacing at both ends */
 } Piece;
 
-/* Returns true if region k is a ball, whose border is a surface instead of an outline. */
-static PetscBool IsBall(const Scene *scene, PetscInt k)
+/* Returns true if region k is a ball or revolves: its border is a surface instead of an outline. */
+static PetscBool HasSurface(const Scene *scene, PetscInt k)
 {
-  return scene->dim == 3 && scene->filled[k].ball ? PETSC_TRUE : PETSC_FALSE;
+  const Body *body = &scene->filled[k];
+
+  return body->revolves || (scene->dim == 3 && body->ball) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Returns the distance of x from the nearest side of the box with wall particles and, if `bodies`,
@@ -107,7 +109,7 @@ PetscErrorCode BorderCreate(Pools *pools)
 {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < pools->scene->n_filled; k++)
-    if (!pools->lattice[pools->of[k]] && !IsBall(pools->scene, k))
+    if (!pools->lattice[pools->of[k]] && !HasSurface(pools->scene, k))
       PetscCall(SampleRegion(k, pools));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -119,7 +121,7 @@ PetscReal BorderDistance(const Pools *pools, const PetscReal x[])
   PetscReal least = PETSC_INFINITY;
 
   for (PetscInt k = 0; k < pools->scene->n_filled; k++)
-    if (IsBall(pools->scene, k))
+    if (HasSurface(pools->scene, k))
       least = PetscMin(least, PetscSqr(SceneFilledDistance(pools->scene, k, x)));
   for (PetscInt q = 0; q < pools->n_border; q++) {
     const BorderSample *s = &pools->border[q];
@@ -186,23 +188,34 @@ static PetscBool SetEnds(const Pools *pools, Piece *piece)
   return PETSC_TRUE;
 }
 
+/* Adds a particle at x, if this rank has it. */
+static PetscErrorCode AddPoint(const Scene *scene, const PetscReal x[], Rows *rows)
+{
+  PetscMPIInt rank, ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  if (rows->N % ranks == rank) {
+    PetscCall(RowsAdd(scene, x, rows));
+    rows->index[rows->n - 1] = rows->N;
+  }
+  rows->N++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Adds a particle at x, in 3D one in each layer of cells along the last axis, if this rank has
    it. */
 static PetscErrorCode AddLayers(const Scene *scene, const PetscReal x[], Rows *rows)
 {
   const PetscInt layers = scene->dim == 3 ? scene->cells[2] : 1;
-  PetscMPIInt    rank, ranks;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  for (PetscInt l = 0; l < layers; l++, rows->N++) {
+  for (PetscInt l = 0; l < layers; l++) {
     PetscReal y[ISPH_MAX_DIM] = {x[0], x[1], 0.0};
 
     if (scene->dim == 3) y[2] = scene->lo[2] + (l + 0.5) * SceneCellSide(scene, 2);
-    if (rows->N % ranks != rank) continue;
-    PetscCall(RowsAdd(scene, y, rows));
-    rows->index[rows->n - 1] = rows->N;
+    PetscCall(AddPoint(scene, y, rows));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -230,6 +243,59 @@ static PetscErrorCode AddPiece(const Pools *pools, const Piece *piece, Rows *row
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds the particles of a ring about the axis z, about dx apart; their number is a multiple of
+   four, so that planes of symmetry through the axis are half a spacing from them. */
+static PetscErrorCode AddRing(const Scene *scene, PetscReal r, PetscReal z, Rows *rows)
+{
+  const PetscInt quarter = (PetscInt)(0.5 * PETSC_PI * r / scene->dx + 0.5);
+  const PetscInt n       = 4 * PetscMax(1, quarter);
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal angle = 2.0 * PETSC_PI * (k + 0.5) / n;
+    const PetscReal x[]   = {r * PetscCosReal(angle), r * PetscSinReal(angle), z};
+    PetscBool       holds = PETSC_TRUE;
+
+    for (PetscInt a = 0; a < 3; a++)
+      if (x[a] < scene->lo[a] || x[a] > scene->hi[a]) holds = PETSC_FALSE;
+    if (holds) PetscCall(AddPoint(scene, x, rows));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns the length of surface of sample q of a meridian, zero on the other side of the axis and
+   below dx/2 above the box; computes its place (r, z). */
+static PetscReal MeridianPoint(const Scene *scene, const Body *body, PetscInt q, PetscReal place[])
+{
+  PetscReal       normal[ISPH_MAX_DIM];
+  const PetscReal length = BodyPoint(body, q, scene->dx / FINE, place, normal);
+
+  return place[0] < 0.0 || place[1] < scene->lo[2] + (0.5 - NEAR) * scene->dx ? 0.0 : length;
+}
+
+/* Adds the particles on the surface of a body that revolves: rings about dx apart along its
+   meridian, the first one dx/2 above the box, the last one half a spacing from the axis. */
+static PetscErrorCode AddRevolved(const Scene *scene, const Body *body, Rows *rows)
+{
+  const PetscInt samples = BodyPoints(body, scene->dx / FINE);
+  PetscReal      total = 0.0, sum = 0.0, edge, place[2];
+  PetscInt       ring = 0, n;
+
+  PetscFunctionBegin;
+  for (PetscInt q = 0; q < samples; q++) total += MeridianPoint(scene, body, q, place);
+  n    = PetscMax(1, (PetscInt)(total / scene->dx + 1.0));
+  edge = total / (n - 0.5);
+  for (PetscInt q = 0; q < samples && ring < n; q++) {
+    const PetscReal length = MeridianPoint(scene, body, q, place);
+
+    sum += length;
+    if (length == 0.0 || sum < ring * edge) continue;
+    PetscCall(AddRing(scene, place[0], place[1], rows));
+    ring++;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Adds the particles on the surface of a ball of radius R: N = 4 pi R^2/dx^2 on a spiral, a golden
    section of a turn and the height 2 R/N apart (R. Swinbank, R. J. Purser, Q. J. R. Meteorol. Soc.
    132 (2006) 1769-1793). */
@@ -237,19 +303,14 @@ static PetscErrorCode AddBall(const Scene *scene, const Body *ball, Rows *rows)
 {
   const PetscReal R = ball->extent, turn = PETSC_PI * (3.0 - PetscSqrtReal(5.0));
   const PetscInt  N = (PetscInt)(4.0 * PETSC_PI * PetscSqr(R / scene->dx) + 0.5);
-  PetscMPIInt     rank, ranks;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  for (PetscInt k = 0; k < N; k++, rows->N++) {
+  for (PetscInt k = 0; k < N; k++) {
     const PetscReal z = 1.0 - (2.0 * k + 1.0) / N, ring = PetscSqrtReal(1.0 - z * z);
     const PetscReal x[] = {ball->centre[0] + R * ring * PetscCosReal(k * turn),
                            ball->centre[1] + R * ring * PetscSinReal(k * turn), R * z};
 
-    if (rows->N % ranks != rank) continue;
-    PetscCall(RowsAdd(scene, x, rows));
-    rows->index[rows->n - 1] = rows->N;
+    PetscCall(AddPoint(scene, x, rows));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -273,7 +334,12 @@ PetscErrorCode BorderParticles(const Pools *pools, Rows *rows)
     if (SetEnds(pools, &piece)) PetscCall(AddPiece(pools, &piece, rows));
     piece.n = n;
   }
-  for (PetscInt k = 0; k < pools->scene->n_filled; k++)
-    if (IsBall(pools->scene, k)) PetscCall(AddBall(pools->scene, &pools->scene->filled[k], rows));
+  for (PetscInt k = 0; k < pools->scene->n_filled; k++) {
+    const Body *body = &pools->scene->filled[k];
+
+    if (!HasSurface(pools->scene, k)) continue;
+    if (body->ball) PetscCall(AddBall(pools->scene, body, rows));
+    else PetscCall(AddRevolved(pools->scene, body, rows));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -67,16 +67,42 @@ static PetscReal PartInside(const Pools *pools, PetscInt pool, const PetscReal x
   return PetscMin(part, 1.0) * PetscMin(PetscMax(0.5 + solid / s, 0.0), 1.0);
 }
 
+/* Computes the box around a pool, of the height of the scene, of 1 in 2D; returns true if a region
+   of the pool revolves. */
+static PetscBool BoxAround(const Pools *pools, PetscInt pool, PetscReal lo[], PetscReal hi[])
+{
+  const Scene *scene    = pools->scene;
+  PetscBool    revolves = PETSC_FALSE;
+
+  lo[2] = scene->dim == 3 ? scene->lo[2] : 0.0;
+  hi[2] = scene->dim == 3 ? scene->hi[2] : 1.0;
+  for (PetscInt a = 0; a < 2; a++) {
+    lo[a] = PETSC_MAX_REAL;
+    hi[a] = -PETSC_MAX_REAL;
+    for (PetscInt k = 0; k < scene->n_filled; k++) {
+      PetscReal span[2];
+
+      if (pools->of[k] != pool) continue;
+      revolves = revolves || scene->filled[k].revolves ? PETSC_TRUE : PETSC_FALSE;
+      SpanInBox(scene, k, a, span);
+      lo[a] = PetscMin(lo[a], span[0]);
+      hi[a] = PetscMax(hi[a], span[1]);
+    }
+  }
+  return revolves;
+}
+
 /* Computes the volume of a pool, by the midpoint rule in the box around it; the sum is a whole
-   number, so that it does not depend on the number of ranks. Bodies are prisms along the last axis
-   in 3D; a ball is a pool of its own, inside the box. */
+   number, so that it does not depend on the number of ranks. Regions are prisms along the last axis
+   in 3D, or revolve; a ball is a pool of its own, inside the box. */
 static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *volume)
 {
   const Scene    *scene = pools->scene;
   const PetscReal unit  = (PetscReal)((PetscInt64)1 << 30);
-  PetscReal  lo[2] = {PETSC_MAX_REAL, PETSC_MAX_REAL}, hi[2] = {-PETSC_MAX_REAL, -PETSC_MAX_REAL};
-  PetscInt   n[2], first, last;
-  PetscInt64 sum = 0;
+  PetscReal       lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM];
+  const PetscInt  axes            = BoxAround(pools, pool, lo, hi) ? 3 : 2;
+  PetscInt        n[ISPH_MAX_DIM] = {1, 1, 1}, first, last;
+  PetscInt64      sum             = 0;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < scene->n_filled; k++) {
@@ -84,30 +110,21 @@ static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *v
     *volume = 4.0 / 3.0 * PETSC_PI * PetscPowRealInt(scene->filled[k].extent, 3);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  for (PetscInt a = 0; a < 2; a++) {
-    for (PetscInt k = 0; k < scene->n_filled; k++) {
-      PetscReal span[2];
-
-      if (pools->of[k] != pool) continue;
-      SpanInBox(scene, k, a, span);
-      lo[a] = PetscMin(lo[a], span[0]);
-      hi[a] = PetscMax(hi[a], span[1]);
-    }
+  for (PetscInt a = 0; a < axes; a++)
     n[a] = POINTS * (PetscInt)PetscCeilReal((hi[a] - lo[a]) / scene->dx);
-  }
-  ParticlesShare(PETSC_COMM_WORLD, n[1], &first, &last);
+  ParticlesShare(PETSC_COMM_WORLD, n[1] * n[2], &first, &last);
   for (PetscInt row = first; row < last; row++) {
     for (PetscInt column = 0; column < n[0]; column++) {
       const PetscReal x[ISPH_MAX_DIM] = {lo[0] + (hi[0] - lo[0]) * (column + 0.5) / n[0],
-                                         lo[1] + (hi[1] - lo[1]) * (row + 0.5) / n[1]};
+                                         lo[1] + (hi[1] - lo[1]) * (row % n[1] + 0.5) / n[1],
+                                         lo[2] + (hi[2] - lo[2]) * (row / n[1] + 0.5) / n[2]};
 
       sum += (PetscInt64)(unit * PartInside(pools, pool, x, (hi[0] - lo[0]) / n[0]) + 0.5);
     }
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_INT64, MPI_SUM, PETSC_COMM_WORLD));
   *volume = (PetscReal)sum / unit;
-  for (PetscInt a = 0; a < 2; a++) *volume *= (hi[a] - lo[a]) / n[a];
-  if (scene->dim == 3) *volume *= scene->hi[2] - scene->lo[2];
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) *volume *= (hi[a] - lo[a]) / n[a];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

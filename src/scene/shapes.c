@@ -278,39 +278,26 @@ void BodyCircle(Body *body, PetscReal x, PetscReal y, PetscReal r)
   (void)BodySet(body, &shapes[0], 3, number);
 }
 
-/* BodyBall - Sets a body to a circle about (x, y), which in 3D is a ball about (x, y, 0), in a box
-   without periodic sides [m]; not collective */
-void BodyBall(Body *body, PetscReal x, PetscReal y, PetscReal r)
+/* BodyPolygon - Sets a body to a polygon with 3 to 32 corners x, y [m]; returns NULL or a fault;
+   not collective */
+const char *BodyPolygon(Body *body, PetscInt corners, const PetscReal x[])
 {
-  BodyCircle(body, x, y, r);
-  body->ball = PETSC_TRUE;
+  return BodySet(body, &shapes[2], 2 * corners, x);
 }
 
-/* Returns the distance from the surface of a ball in 3D, and its outward normal. */
-static PetscReal BallDistance(const Body *body, const PetscReal x[], PetscReal normal[])
-{
-  PetscReal r = 0.0;
-
-  for (PetscInt a = 0; a < 3; a++) {
-    normal[a] = x[a] - (a < 2 ? body->centre[a] : 0.0);
-    r += PetscSqr(normal[a]);
-  }
-  r = PetscSqrtReal(r);
-  for (PetscInt a = 0; a < 3; a++) normal[a] = r > 0.0 ? normal[a] / r : a == 0;
-  return r - body->extent;
-}
-
-/* BodySpan - Computes the least and largest coordinate of a body along an axis of the plane [m] */
+/* BodySpan - Computes the least and largest coordinate of a body along an axis of the plane, or
+   along any axis if it revolves [m] */
 void BodySpan(const Body *body, PetscInt axis, PetscReal span[2])
 {
-  body->shape->Span(body, axis, span);
+  body->shape->Span(body, body->revolves ? axis / 2 : axis, span);
+  if (body->revolves && axis < 2) span[0] = -span[1];
 }
 
 /* BodyLines - Computes the coordinates of the corners of a body along an axis of the plane [m];
    returns their number, 0 unless all edges are lines along the axes; not collective */
 PetscInt BodyLines(const Body *body, PetscInt axis, PetscReal line[])
 {
-  if (body->shape->round) return 0;
+  if (body->shape->round || body->revolves) return 0;
   for (PetscInt e = 0; e < Corners(body); e++) {
     const PetscReal *a, *b;
 
@@ -402,8 +389,8 @@ void BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscRea
 /*
   BodyDistance - Returns the distance from the surface of a body, positive in the fluid [m]
 
-  Not collective. In a periodic box the nearest image of the body is used, but not of a ball.
-  Output: normal - into the fluid, at the surface point nearest to x.
+  Not collective. In a periodic box the nearest image of the body is used, but not of a ball
+  or of a body that revolves. Output: normal - into the fluid, at the surface point nearest to x.
 */
 PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
                        PetscReal normal[])
@@ -411,7 +398,7 @@ PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[]
   PetscReal y[2];
   PetscReal distance;
 
-  if (body->ball && scene->dim == 3) return BallDistance(body, x, normal);
+  if (body->revolves || (body->ball && scene->dim == 3)) return BodyRevolved(body, x, normal);
   distance = NearestImage(scene, body, x, y, normal);
   if (!body->around) return distance;
   for (PetscInt a = 0; a < 2; a++) normal[a] = -normal[a];

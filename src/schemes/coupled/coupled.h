@@ -70,6 +70,7 @@ typedef struct {
 
   Flow      *flow;      /* of the present step, for callbacks */
   Vec       *force;     /* [m/s^2] */
+  PetscReal  end;       /* of the present step or stage [s] */
   PetscBool  stages;    /* the force is computed at each stage, without convection */
   PetscBool  convects;  /* stages apply convection themselves */
   const Vec *advecting; /* v of implicit convection; NULL: none [m/s] */
@@ -95,7 +96,8 @@ PetscErrorCode CoupledAssemble(PetscReal shift, const Vec advecting[], Coupled *
 PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *coupled);
 
 /* terms.c */
-PetscErrorCode CoupledForce(Flow *flow, Vec force[]);
+PetscErrorCode CoupledForce(Coupled *coupled);
+PetscErrorCode CoupledSecondForce(Coupled *coupled, PetscReal weight);
 PetscErrorCode CoupledRightHandSide(Coupled *coupled, PetscReal t);
 PetscErrorCode CoupledAddConvection(Coupled *coupled, Vec x, PetscReal scale, Vec f);
 PetscErrorCode CoupledIFunction(TS ts, PetscReal t, Vec x, Vec xdot, Vec f, void *ctx);

@@ -1,6 +1,7 @@
 /*
   The coupled step: a solve for velocity and pressure together, either in time or steady, with
-  iterations for steady convection and for viscosities that follow the strain rate. In the first
+  iterations for steady convection and for viscosities that follow the strain rate. A step without
+  earlier velocities has two stages, so that it is of order 2 as the steps after it. In the first
   step in time with substeps, a backward Euler step makes the velocity solenoidal before the
   substeps begin.
 */
@@ -11,6 +12,7 @@
 #define PICARD_CHANGE                                                                              \
   1e-6 /* change of u in the last iteration, relative to |u|, or to |u| + U in
                               time */
+#define STAGE_RATIO (1.0 + PETSC_SQRT2) /* (1 - g)/g of the stages, g = 1 - 1/sqrt(2) */
 
 /* Solves the linear system, starting from the present unknowns. */
 static PetscErrorCode SolveLinear(Vec b, Coupled *c, StepFailure *failure)
@@ -131,7 +133,6 @@ static PetscErrorCode Iterate(Flow *flow, PetscReal dt, const Vec start[], Vec u
   const PetscBool follows  = SceneIsNewtonian(scene) ? PETSC_FALSE : PETSC_TRUE;
   const PetscBool convects = !start && SceneHas(scene, PHYSICS_CONVECTION);
   const PetscInt  most     = follows ? RHEOLOGY_MOST : PICARD_MOST;
-  const PetscReal end      = flow->clock->t + flow->clock->dt;
   Vec             pressure = flow->state->p;
   PetscReal       change   = PETSC_INFINITY;
   ViscosityMix    mix;
@@ -141,16 +142,16 @@ static PetscErrorCode Iterate(Flow *flow, PetscReal dt, const Vec start[], Vec u
   for (PetscInt k = 0; k < most && change > PICARD_CHANGE && !failure->code; k++) {
     PetscCall(SaddleGet(&c->saddle, c->x, v, pressure));
     if (follows) {
-      PetscCall(WallValuesSetVelocity(scene, flow->particles, end, 0.0, &flow->walls));
+      PetscCall(WallValuesSetVelocity(scene, flow->particles, c->end, 0.0, &flow->walls));
       PetscCall(CoupledFollowStrain(flow, v, &mix));
       c->saddle.assemblies = -1;
     }
     PetscCall(CoupledAssemble(start ? 1.0 / dt : 0.0, convects ? v : NULL, c));
     PetscCall(SaddlePut(&c->saddle, v, pressure, c->x));
     if (start) {
-      PetscCall(StepEuler(end, dt, start, c, failure));
+      PetscCall(StepEuler(c->end, dt, start, c, failure));
     } else {
-      PetscCall(CoupledRightHandSide(c, end));
+      PetscCall(CoupledRightHandSide(c, c->end));
       PetscCall(SolveLinear(c->b, c, failure));
     }
     PetscCall(SaddleGet(&c->saddle, c->x, u, NULL));
@@ -162,8 +163,8 @@ static PetscErrorCode Iterate(Flow *flow, PetscReal dt, const Vec start[], Vec u
 }
 
 /*
-  Solves for u_next and p at the clock's t + dt. On entry u_next is the velocity at the start of the
-  step of length dt, and p an estimate of the pressure.
+  Solves for u_next and p at c->end. On entry u_next is the velocity at the start of the step of
+  length dt, and p an estimate of the pressure.
 */
 static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
 {
@@ -172,17 +173,17 @@ static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
   StepFailure    *failure = &flow->scheme->failure;
   const PetscBool steady = clock->steady_solve, newtonian = SceneIsNewtonian(flow->scene);
   const PetscBool iterates = !newtonian || (steady && SceneHas(flow->scene, PHYSICS_CONVECTION));
-  const PetscReal end      = clock->t + clock->dt;
   Vec             u[ISPH_MAX_DIM], v[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
   PetscCall(ClockWhere(clock, c->guard.where));
   PetscCall(CoupledAssemble(steady ? 0.0 : 1.0 / dt, NULL, c));
   PetscCall(SaddlePut(&c->saddle, s->u_next, s->p, c->x));
+  c->b_t = NAN; /* the force is new */
   if (!steady && newtonian) {
-    PetscCall(AdvanceInTime(end - dt, dt, c, failure));
+    PetscCall(AdvanceInTime(c->end - dt, dt, c, failure));
   } else if (steady) {
-    PetscCall(CoupledRightHandSide(c, end));
+    PetscCall(CoupledRightHandSide(c, c->end));
     PetscCall(SolveLinear(c->b, c, failure));
   }
   for (PetscInt a = 0; a < flow->scene->dim && iterates; a++) {
@@ -203,6 +204,38 @@ static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  Makes a step without earlier velocities by two stages, backward Euler steps of the same length k =
+  g dt, g = 1 - 1/sqrt(2)
+
+    u_1     = u^n + k f(u_1)                                at t + k
+    u^{n+1} = u^n + (1 - g)/g (u_1 - u^n) + k f(u^{n+1})    at t + dt
+
+  The method is L-stable and of order 2, and both stages have the same matrix. Moving particles have
+  their new positions in both.
+
+  References: R. Alexander, SIAM J. Numer. Anal. 14 (1977) 1006-1021; with convection U. M. Ascher,
+  S. J. Ruuth, R. J. Spiteri, Appl. Numer. Math. 25 (1997) 151-167
+*/
+static PetscErrorCode StepFirst(Flow *flow, Coupled *c)
+{
+  FlowState      *s = flow->state;
+  const PetscReal k = flow->clock->dt / (1.0 + STAGE_RATIO);
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(VecCopy(s->u[a], s->u_next[a]));
+  c->end = flow->clock->t + k;
+  PetscCall(CoupledForce(c));
+  PetscCall(SolveSystem(flow, k, c));
+  if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
+  c->end = flow->clock->t + flow->clock->dt;
+  PetscCall(CoupledSecondForce(c, PetscSqr(STAGE_RATIO)));
+  for (PetscInt a = 0; a < flow->scene->dim; a++)
+    PetscCall(VecAXPBY(s->u_next[a], 1.0 - STAGE_RATIO, STAGE_RATIO, s->u[a]));
+  PetscCall(SolveSystem(flow, k, c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* CoupledSolve - Solves for u^{n+1} and p^{n+1}, and computes the divergence of u^{n+1};
    collective */
 PetscErrorCode CoupledSolve(Flow *flow)
@@ -218,17 +251,20 @@ PetscErrorCode CoupledSolve(Flow *flow)
   PetscCall(PetscLogEventBegin(c->event, 0, 0, 0, 0));
   for (PetscInt a = 0; a < dim; a++) PetscCall(FlowGetWork(flow, &force[a]));
   c->force                  = force;
+  c->end                    = end;
   c->stages                 = c->row->substeps || flow->clock->steady_solve;
-  c->b_t                    = NAN;
   c->guard.solve.iterations = 0;
+  PetscCall(VecCopy(s->p, s->p_before));
   if (c->stages) {
     for (PetscInt a = 0; a < dim; a++) PetscCall(VecCopy(s->u[a], s->u_next[a]));
+    PetscCall(SolveSystem(flow, dt, c));
+  } else if (flow->clock->order == 2 && ClockRatio(flow->clock) == 0.0) {
+    PetscCall(StepFirst(flow, c));
   } else {
     PetscCall(HistoryStart(flow, PETSC_TRUE, &dt));
-    PetscCall(CoupledForce(flow, force));
+    PetscCall(CoupledForce(c));
+    PetscCall(SolveSystem(flow, dt, c));
   }
-  PetscCall(VecCopy(s->p, s->p_before));
-  PetscCall(SolveSystem(flow, dt, c));
   PetscCall(WallValuesSetVelocity(flow->scene, flow->particles, end, 0.0, &flow->walls));
   PetscCall(FlowDivergence(flow, s->u_next, s->divergence));
   for (PetscInt a = 0; a < dim; a++) PetscCall(FlowRestoreWork(flow, &force[a]));

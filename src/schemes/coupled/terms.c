@@ -2,20 +2,44 @@
 #include "coupled.h"
 
 /*
-  CoupledForce - Sets the force per unit mass: the body force and, for fixed particles, minus the
-  convective term extrapolated in time
+  CoupledForce - Sets the force per unit mass: the body force at c->end and, for fixed particles,
+  minus the convective term extrapolated in time
 
   Collective.
 */
-PetscErrorCode CoupledForce(Flow *flow, Vec force[])
+PetscErrorCode CoupledForce(Coupled *c)
 {
-  const Clock *clock = flow->clock;
+  Flow *flow = c->flow;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(VecZeroEntries(force[a]));
-  if (SceneHas(flow->scene, PHYSICS_BODY_FORCE))
-    PetscCall(AddBodyForce(flow, clock->t + clock->dt, force));
-  if (flow->state->has_convection) PetscCall(ConvectionExtrapolate(flow, 1.0, force));
+  for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(VecZeroEntries(c->force[a]));
+  if (SceneHas(flow->scene, PHYSICS_BODY_FORCE)) PetscCall(AddBodyForce(flow, c->end, c->force));
+  if (flow->state->has_convection) PetscCall(ConvectionExtrapolate(flow, 1.0, c->force));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  CoupledSecondForce - Sets the force per unit mass of the second stage of StepFirst(), from the
+  velocity u_1 of the first one in u_next
+
+    f - N^n - weight (N_1 - N^n),   N = u.grad u for fixed particles, otherwise 0
+
+  Collective. CoupledForce() has set the force of the first stage and kept N^n for the next step.
+*/
+PetscErrorCode CoupledSecondForce(Coupled *c, PetscReal weight)
+{
+  Flow      *flow = c->flow;
+  FlowState *s    = flow->state;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(VecZeroEntries(c->force[a]));
+  if (SceneHas(flow->scene, PHYSICS_BODY_FORCE)) PetscCall(AddBodyForce(flow, c->end, c->force));
+  for (PetscInt a = 0; s->has_convection && a < flow->scene->dim; a++) {
+    PetscCall(
+        ConvectionApply(flow, s->u_next, a, s->u_next[a], flow->walls.u[a], c->work, c->part));
+    PetscCall(VecAXPY(c->force[a], weight - 1.0, s->convection_prev[a]));
+    PetscCall(VecAXPY(c->force[a], -weight, c->part));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,0 +1,171 @@
+/*
+  A viscous fluid that spreads over a floor without slip by its weight: half of a plane current in
+  2D, a quarter of a round one in 3D, beyond planes of symmetry. It begins from Huppert's similarity
+  solution of lubrication theory with the height H = L and the radius 8 H. g = U^2/L, downwards
+  along the last axis.
+
+  Reference: H. E. Huppert, J. Fluid Mech. 121 (1982) 43-58
+*/
+#include "cases.h"
+
+#define RADIUS  8.0 /* front at the start [L] */
+#define CORNERS 32  /* of the profile at the start */
+#define SECTORS 16  /* of the quarter, in each of which the front is measured */
+
+/* Numbers of a dimension. */
+typedef struct {
+  PetscReal
+           front; /* eta: front eta (g Q^m t/(3 nu))^(1/e), Q the volume of the half or the whole */
+  PetscInt volume;    /* m */
+  PetscReal exponent; /* e */
+  PetscReal height;   /* H ~ t^-height */
+  PetscReal mean;     /* Q over height and length or area of the base */
+  PetscReal reach;    /* box over the radius, for a decade of time */
+} Current;
+static const Current currents[] = {{1.411, 3, 5.0, 0.2, 0.841309, 1.7},
+                                   {0.894, 3, 8.0, 0.25, 0.75, 1.4}};
+
+/* Returns the numbers of the scene's dimension. */
+static const Current *Numbers(const Scene *scene)
+{
+  return &currents[scene->dim - 2];
+}
+
+/* Returns the time that the similarity solution takes to reach the front at the start [s]. */
+static PetscReal StartTime(const Scene *scene)
+{
+  const Current  *c = Numbers(scene);
+  const PetscReal L = scene->length, R = RADIUS * L, g = PetscSqr(scene->speed) / L;
+  const PetscReal Q = c->mean * L * (scene->dim == 2 ? R : PETSC_PI * R * R);
+
+  return 3.0 * scene->nu * PetscPowReal(R / c->front, c->exponent) /
+         (g * PetscPowRealInt(Q, c->volume));
+}
+
+/* Returns the height of the similarity solution at the start at the distance r [m]. */
+static PetscReal StartHeight(const Scene *scene, PetscReal r)
+{
+  const PetscReal s = r / (RADIUS * scene->length);
+
+  return scene->length * PetscPowReal(PetscMax(1.0 - s * s, 0.0), 1.0 / 3.0);
+}
+
+/* Sets the filled region: a polygon through points of the profile, whose angles are even in the
+   ellipse of its axes, and two corners below the floor. */
+static const char *SetProfile(const Scene *scene, Body *body)
+{
+  const PetscReal L = scene->length, R = RADIUS * L;
+  PetscReal       x[2 * CORNERS] = {-R, -L};
+
+  for (PetscInt k = 1; k < CORNERS - 1; k++) {
+    const PetscReal angle = PETSC_PI * (k - 0.5) / (CORNERS - 2);
+
+    x[2 * k]     = -R * PetscCosReal(angle);
+    x[2 * k + 1] = StartHeight(scene, x[2 * k]);
+  }
+  x[2 * CORNERS - 2] = R;
+  x[2 * CORNERS - 1] = -L;
+  return BodyPolygon(body, CORNERS, x);
+}
+
+static PetscErrorCode GravityCurrentSetup(Scene *scene)
+{
+  const PetscInt up    = scene->dim - 1;
+  Body          *body  = SceneAddFilled(scene);
+  const char    *fault = SetProfile(scene, body);
+
+  PetscFunctionBegin;
+  PetscCheck(!fault, PETSC_COMM_SELF, PETSC_ERR_PLIB, "profile: %s", fault);
+  body->revolves = scene->dim == 3 ? PETSC_TRUE : PETSC_FALSE;
+  SceneSetSides(scene, &BoundaryNone);
+  for (PetscInt a = 0; a < up; a++) {
+    scene->hi[a] = Numbers(scene)->reach * RADIUS * scene->length;
+    SceneSetSide(scene, 2 * a, &BoundarySymmetry);
+  }
+  scene->hi[up] = 1.5 * scene->length;
+  SceneSetSide(scene, 2 * up, &BoundaryWall);
+  scene->body_force[up] = -PetscSqr(scene->speed) / scene->length;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the velocity of the similarity solution at the start: the mean over the height is
+   r/(e t), and the profile that of a film. */
+static void GravityCurrentVelocity(const Scene *scene, PetscReal t, const PetscReal x[],
+                                   PetscReal u[])
+{
+  const PetscInt  up   = scene->dim - 1;
+  const PetscReal rate = 1.0 / (Numbers(scene)->exponent * StartTime(scene));
+  PetscReal       r2   = 0.0, s;
+
+  for (PetscInt a = 0; a < up; a++) r2 += PetscSqr(x[a]);
+  s = PetscMin(x[up] / PetscMax(StartHeight(scene, PetscSqrtReal(r2)), 1e-9 * scene->length), 1.0);
+  for (PetscInt a = 0; a < up; a++) u[a] = 1.5 * s * (2.0 - s) * rate * x[a];
+  u[up] = 0.0;
+}
+
+/* Computes the mean over sectors of the distance of the outermost particle from the axis, without
+   isolated particles, and the height of the fluid within H of the axis [m]. */
+static PetscErrorCode MeasureCurrent(const Flow *flow, PetscReal *front, PetscReal *height)
+{
+  const Particles *p  = flow->particles;
+  const PetscInt   up = p->dim - 1, sectors = p->dim == 2 ? 1 : SECTORS;
+  PetscReal        most[SECTORS + 1] = {0.0};
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    const PetscReal y = p->dim == 2 ? 0.0 : p->x[1][i];
+    const PetscReal r = PetscSqrtReal(PetscSqr(p->x[0][i]) + PetscSqr(y));
+    PetscInt        s = (PetscInt)(sectors * PetscAtan2Real(y, p->x[0][i]) / (0.5 * PETSC_PI));
+
+    if (flow->ops->free->kind[i] == SURFACE_ISOLATED) continue;
+    s       = PetscMin(PetscMax(s, 0), sectors - 1);
+    most[s] = PetscMax(most[s], r);
+    if (r < flow->scene->length) most[SECTORS] = PetscMax(most[SECTORS], p->x[up][i]);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, SECTORS + 1, MPIU_REAL, MPIU_MAX, p->comm));
+  *front = 0.0;
+  for (PetscInt s = 0; s < sectors; s++) *front += most[s] / sectors;
+  *height = most[SECTORS];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reports front and height beside the similarity solution, which holds for currents much wider than
+   high without inertia. */
+static PetscErrorCode GravityCurrentMeasure(const Flow *flow, Report *report)
+{
+  const Scene    *scene = flow->scene;
+  const Current  *c     = Numbers(scene);
+  const PetscReal age   = 1.0 + ClockMoment(flow->clock) / StartTime(scene);
+  PetscReal       front, height;
+
+  PetscFunctionBegin;
+  PetscCall(MeasureCurrent(flow, &front, &height));
+  PetscCall(ReportAdd(report, "age", age));
+  if (SceneIsAsPosed(scene) && SceneIsNewtonian(scene)) {
+    const PetscReal R = RADIUS * scene->length * PetscPowReal(age, 1.0 / c->exponent);
+    const PetscReal H = scene->length * PetscPowReal(age, -c->height);
+
+    PetscCall(ReportAddReference(report, "front", front, R, R));
+    PetscCall(ReportAddReference(report, "height", height, H, H));
+  } else {
+    PetscCall(ReportAdd(report, "front", front));
+    PetscCall(ReportAdd(report, "height", height));
+  }
+  PetscCall(MeasureCommon(flow, NAN, report));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const CaseRow CaseGravityCurrent = {
+    .name            = "gravity_current",
+    .brief           = "viscous fluid that spreads over a floor, plane, or round in 3D",
+    .citation        = "H. E. Huppert, J. Fluid Mech. 121 (1982) 43-58",
+    .physics         = NAVIER_STOKES | PHYSICS_WALLS | PHYSICS_BODY_FORCE,
+    .reynolds        = 10.0,
+    .reynolds_length = 1.0,
+    .t_end           = 3.6,
+    .n               = 6,
+    .three_d         = PETSC_TRUE,
+    .Setup           = GravityCurrentSetup,
+    .Velocity        = GravityCurrentVelocity,
+    .Measure         = GravityCurrentMeasure,
+};
