@@ -160,13 +160,15 @@ static PetscErrorCode ChooseColumns(const Flow *flow, const Saddle *s, Mat react
 
 /*
   SaddleUseReactions - Replaces columns of G by reactions: those of all equations of mass if
-  s->adjoint is set, otherwise those that oppose their equations in fluids with a free surface
+  s->adjoint is set, otherwise those that oppose their equations in fluids with a free surface and
+  no surface tension
 
   Collective. Input: momentum - T_i/T of momentum rows.
 
   Notes: with the columns of all equations of mass replaced the sum of V_i grad p_i is zero, as D is
   zero for constant velocities, and so is that of V_i x_i x grad p_i if D is exact for linear ones.
-  Without viscosity, force and C the kinetic energy is constant.
+  Without viscosity, force and C the kinetic energy is constant. Single replaced columns give a
+  uniform pressure a force, so that a drop which surface tension holds would not be at rest.
 */
 PetscErrorCode SaddleUseReactions(const Flow *flow, Vec momentum, Saddle *s)
 {
@@ -175,7 +177,8 @@ PetscErrorCode SaddleUseReactions(const Flow *flow, Vec momentum, Saddle *s)
   Mat      reactions, columns;
 
   PetscFunctionBegin;
-  if (!s->adjoint && !flow->ops->free) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!s->adjoint && (!flow->ops->free || flow->scene->tension > 0.0))
+    PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CreateReactions(flow, momentum, s, &reactions));
   PetscCall(VecDuplicate(s->pressure, &fits));
   PetscCall(ChooseColumns(flow, s, reactions, fits, &replaced));
