@@ -17,7 +17,7 @@ typedef struct {
   const Flow *flow;
   PetscInt    n, capacity;
   Entrant    *entrant;
-  PetscInt    held, *of; /* those that this rank inserts */
+  PetscInt   *of; /* those that this rank inserts */
 } Entrants;
 
 PetscErrorCode EntrantsAdd(const Particles *particles, PetscInt w, PetscReal distance,
