@@ -354,6 +354,7 @@ PetscReal SceneDistanceTo(const Scene *scene, unsigned properties, const PetscRe
 PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *side);
 PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *nearest,
                         PetscReal normal[]);
+PetscReal SceneSideDistance(const Scene *scene, PetscInt side, const PetscReal x[]);
 Body     *SceneAddFilled(Scene *scene);
 PetscReal SceneFilledDistance(const Scene *scene, PetscInt region, const PetscReal x[]);
 PetscBool SceneHasFreeSurface(const Scene *scene);

@@ -37,10 +37,8 @@ static PetscReal WallGap(const Scene *scene, const PetscReal x[], PetscBool bodi
 
   if (bodies) gap = SceneDistance(scene, x, &body, normal);
   for (PetscInt side = 0; side < 4; side++) {
-    const PetscInt a = side / 2;
-
-    if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES)) continue;
-    gap = PetscMin(gap, side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a]);
+    if (BoundaryIs(scene, side, BOUNDARY_PARTICLES))
+      gap = PetscMin(gap, SceneSideDistance(scene, side, x));
   }
   return gap;
 }

@@ -222,8 +222,8 @@ void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pet
   } else if (scene->problem->WallVelocity) {
     scene->problem->WallVelocity(scene, side, t, x, u);
   }
-  for (PetscInt c = 0; BoundaryIs(scene, side, BOUNDARY_INFLOW) && c < scene->dim; c++)
-    if (!BoundaryIsOpen(scene, side, x)) u[c] = 0.0;
+  if (BoundaryIs(scene, side, BOUNDARY_INFLOW) && !BoundaryIsOpen(scene, side, x))
+    for (PetscInt c = 0; c < scene->dim; c++) u[c] = 0.0;
 }
 
 /*

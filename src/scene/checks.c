@@ -47,7 +47,7 @@ static PetscReal SideGap(const Scene *scene, const Body *body, PetscInt side, co
                          const PetscReal normal[])
 {
   const PetscInt  a       = side / 2;
-  const PetscReal gap     = side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
+  const PetscReal gap     = SceneSideDistance(scene, side, x);
   const PetscReal towards = side % 2 ? normal[a] : -normal[a];
 
   if (!StandsOn(scene, body, side)) return gap;

@@ -28,6 +28,15 @@ PetscReal SceneDistance(const Scene *scene, const PetscReal x[], PetscInt *neare
   return best;
 }
 
+/* SceneSideDistance - Returns the distance of x from a side of the box, positive in the box [m];
+   not collective */
+PetscReal SceneSideDistance(const Scene *scene, PetscInt side, const PetscReal x[])
+{
+  const PetscInt a = side / 2;
+
+  return side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
+}
+
 /*
   SceneDistanceTo - Returns the distance of x from the nearest boundary with all the given
   properties, positive in the fluid [m]
@@ -42,13 +51,12 @@ PetscReal SceneDistanceTo(const Scene *scene, unsigned properties, const PetscRe
 
   *side = -1;
   for (PetscInt s = 0; s < SceneBoundaries(scene); s++) {
-    const Body    *body = BoundaryBody(scene, s);
-    const PetscInt a    = s / 2;
-    PetscReal      distance;
+    const Body *body = BoundaryBody(scene, s);
+    PetscReal   distance;
 
     if (!BoundaryIs(scene, s, properties)) continue;
     if (body) distance = BodyDistance(scene, body, x, normal);
-    else distance = s % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
+    else distance = SceneSideDistance(scene, s, x);
     if (distance >= best) continue;
     best  = distance;
     *side = s;
@@ -91,7 +99,7 @@ void SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
     if (body) {
       plane->distance = BodyDistance(scene, body, x, plane->normal);
     } else {
-      plane->distance = side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
+      plane->distance = SceneSideDistance(scene, side, x);
       for (PetscInt c = 0; c < ISPH_MAX_DIM; c++) plane->normal[c] = 0.0;
       plane->normal[a] = side % 2 ? -1.0 : 1.0;
     }
@@ -129,10 +137,8 @@ PetscBool SceneIsBuried(const Scene *scene, PetscInt boundary, const PetscReal x
   if (!BoundaryBody(scene, boundary))
     return SceneDistance(scene, x, &nearest, normal) <= slack ? PETSC_TRUE : PETSC_FALSE;
   for (PetscInt side = 0; side < SceneBodySide(scene, 0); side++) {
-    const PetscInt a = side / 2;
-
-    if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES)) continue;
-    if ((side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a]) <= slack) return PETSC_TRUE;
+    if (BoundaryIs(scene, side, BOUNDARY_PARTICLES) && SceneSideDistance(scene, side, x) <= slack)
+      return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }

@@ -11,19 +11,9 @@
    there is none [m]. */
 static PetscReal WallDistance(const Scene *scene, const PetscReal x[])
 {
-  PetscReal best = PETSC_INFINITY, normal[ISPH_MAX_DIM];
+  PetscInt side;
 
-  for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
-    const Body    *body = BoundaryBody(scene, side);
-    const PetscInt a    = side / 2;
-    PetscReal      distance;
-
-    if (!BoundaryIs(scene, side, BOUNDARY_NO_SLIP | BOUNDARY_PARTICLES)) continue;
-    if (body) distance = BodyDistance(scene, body, x, normal);
-    else distance = side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
-    best = PetscMin(best, PetscMax(distance, 0.0));
-  }
-  return best;
+  return PetscMax(SceneDistanceTo(scene, BOUNDARY_NO_SLIP | BOUNDARY_PARTICLES, x, &side), 0.0);
 }
 
 /* Returns the wanted spacing at x before bounds are applied [dx]. */

@@ -55,7 +55,6 @@ PetscErrorCode OpeningsRegister(Flow *flow)
   if (!o->there || !SceneHasBoundary(flow->scene, BOUNDARY_INFLOW))
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ParticlesRegister(flow->particles, "entered", 1, HALO_NONE, ENTRY_ZERO, &o->entered));
-  for (PetscInt i = 0; i < ParticlesOwn(flow->particles); i++) o->entered[i] = 0.0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -63,10 +62,8 @@ PetscErrorCode OpeningsRegister(Flow *flow)
 static PetscBool HasLeft(const Scene *scene, const PetscReal x[])
 {
   for (PetscInt side = 0; side < 2 * scene->dim; side++) {
-    const PetscInt a = side / 2;
-
-    if (!BoundaryIs(scene, side, BOUNDARY_OUTFLOW)) continue;
-    if (side % 2 ? x[a] > scene->hi[a] : x[a] < scene->lo[a]) return PETSC_TRUE;
+    if (BoundaryIs(scene, side, BOUNDARY_OUTFLOW) && SceneSideDistance(scene, side, x) < 0.0)
+      return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }
@@ -223,7 +220,7 @@ PetscErrorCode OpeningsPass(Flow *flow, PetscBool *passed)
   PetscFunctionBegin;
   *passed = PETSC_FALSE;
   if (!o->there) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(RemoveLeft(flow, &left));
+  if (SceneHasBoundary(flow->scene, BOUNDARY_OUTFLOW)) PetscCall(RemoveLeft(flow, &left));
   for (PetscInt w = p->n_fluid; o->entered && w < ParticlesOwn(p); w++) {
     if (BoundaryIs(flow->scene, (PetscInt)p->side[w], BOUNDARY_INFLOW))
       PetscCall(EnterAt(flow, w, &all));

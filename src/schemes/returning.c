@@ -21,12 +21,12 @@ static PetscReal Inward(const Particles *p, PetscInt side, PetscInt i)
 static PetscBool MovesIn(const Scene *scene, const Particles *p)
 {
   for (PetscInt side = 0; side < 2 * scene->dim; side++) {
-    const PetscInt a = side / 2;
-
     for (PetscInt i = 0; BoundaryIs(scene, side, BOUNDARY_OUTFLOW) && i < p->n_fluid; i++) {
-      const PetscReal gap = side % 2 ? scene->hi[a] - p->x[a][i] : p->x[a][i] - scene->lo[a];
+      PetscReal x[ISPH_MAX_DIM];
 
-      if (gap < NEAR * p->dx[i] && Inward(p, side, i) > 0.0) return PETSC_TRUE;
+      for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+      if (SceneSideDistance(scene, side, x) < NEAR * p->dx[i] && Inward(p, side, i) > 0.0)
+        return PETSC_TRUE;
     }
   }
   return PETSC_FALSE;
