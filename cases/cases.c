@@ -13,6 +13,7 @@
   ROW(CasePoiseuille)                                                                              \
   ROW(CaseHydrostatic)                                                                             \
   ROW(CaseStokesCylinders)                                                                         \
+  ROW(CaseStokesSpheres)                                                                           \
   ROW(CaseDropMode)                                                                                \
   ROW(CaseStandingWave)                                                                            \
   ROW(CaseGravityCurrent)                                                                          \

@@ -8,8 +8,8 @@ static PetscErrorCode CavityCylinderSetup(Scene *scene)
 {
   PetscFunctionBegin;
   PetscCall(CavitySetup(scene));
-  BodyCircle(&SceneAddBody(scene)->body, 0.5 * scene->length, 0.5 * scene->length,
-             0.25 * scene->length);
+  BodyCircle(scene, 0.5 * scene->length, 0.5 * scene->length, 0.25 * scene->length,
+             &SceneAddBody(scene)->body);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

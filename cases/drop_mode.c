@@ -134,7 +134,8 @@ static Mode FindMode(const Scene *scene, const Roots *roots, PetscInt k)
 
 static PetscErrorCode DropModeSetup(Scene *scene)
 {
-  const PetscReal R = scene->length, most = LAPLACE * scene->rho * PetscSqr(scene->nu) / R;
+  const PetscReal R = scene->length, centre[ISPH_MAX_DIM] = {0.0},
+                  most = LAPLACE * scene->rho * PetscSqr(scene->nu) / R;
 
   PetscFunctionBegin;
   UserCheck(scene->tension <= most,
@@ -147,7 +148,7 @@ static PetscErrorCode DropModeSetup(Scene *scene)
     scene->hi[a] = 1.5 * R;
   }
   SceneSetSides(scene, &BoundaryNone);
-  BodyBall(SceneAddFilled(scene), 0.0, 0.0, R);
+  BodyBall(scene, centre, R, SceneAddFilled(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

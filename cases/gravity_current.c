@@ -65,7 +65,7 @@ static const char *SetProfile(const Scene *scene, Body *body)
   }
   x[2 * CORNERS - 2] = R;
   x[2 * CORNERS - 1] = -L;
-  return BodyPolygon(body, CORNERS, x);
+  return BodyPolygon(scene, CORNERS, x, body);
 }
 
 static PetscErrorCode GravityCurrentSetup(Scene *scene)
@@ -76,7 +76,6 @@ static PetscErrorCode GravityCurrentSetup(Scene *scene)
 
   PetscFunctionBegin;
   PetscCheck(!fault, PETSC_COMM_SELF, PETSC_ERR_PLIB, "profile: %s", fault);
-  body->revolves = scene->dim == 3 ? PETSC_TRUE : PETSC_FALSE;
   SceneSetSides(scene, &BoundaryNone);
   for (PetscInt a = 0; a < up; a++) {
     scene->hi[a] = Numbers(scene)->reach * RADIUS * scene->length;

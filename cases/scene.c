@@ -42,6 +42,10 @@ static PetscErrorCode MeasureBodies(const Flow *flow, Report *report)
     PetscCall(ReportAdd(report, name, F[0]));
     PetscCall(PetscSNPrintf(name, sizeof(name), "body_%" PetscInt_FMT "_fy", k + 1));
     PetscCall(ReportAdd(report, name, F[1]));
+    if (scene->dim == 3) {
+      PetscCall(PetscSNPrintf(name, sizeof(name), "body_%" PetscInt_FMT "_fz", k + 1));
+      PetscCall(ReportAdd(report, name, F[2]));
+    }
     PetscCall(PetscSNPrintf(name, sizeof(name), "body_%" PetscInt_FMT "_torque", k + 1));
     PetscCall(ReportAdd(report, name, T[2]));
   }
@@ -73,6 +77,7 @@ const CaseRow CaseScene = {
     .reynolds_length = 1.0,
     .t_end           = 10.0,
     .n               = 50,
+    .three_d         = PETSC_TRUE,
     .Setup           = SceneTypedSetup,
     .Velocity        = SceneTypedVelocity,
     .Exact           = SceneTypedExact,

@@ -43,30 +43,9 @@ static PetscErrorCode StokesCylindersSetup(Scene *scene)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) scene->hi[a] = scene->length;
   SceneSetSides(scene, &BoundaryPeriodic);
-  BodyCircle(&SceneAddBody(scene)->body, middle, middle, radius);
+  BodyCircle(scene, middle, middle, radius, &SceneAddBody(scene)->body);
   scene->body_force[0] =
       scene->nu * scene->speed / PetscSqr(scene->length) * DiluteDrag(scene->solid_fraction);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Computes the mean velocity through the periodic side of the cell, which no cylinder cuts, by the
-   midpoint rule. */
-static PetscErrorCode SuperficialVelocity(const Flow *flow, PetscReal *mean)
-{
-  const Scene   *scene = flow->scene;
-  const PetscInt n     = scene->cells[1];
-  PetscReal     *x, *u;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc2(2 * n, &x, 2 * n, &u));
-  for (PetscInt k = 0; k < n; k++) {
-    x[2 * k]     = scene->lo[0];
-    x[2 * k + 1] = scene->lo[1] + (k + 0.5) * (scene->hi[1] - scene->lo[1]) / n;
-  }
-  PetscCall(ProbePoints(flow, n, x, u, NULL));
-  *mean = 0.0;
-  for (PetscInt k = 0; k < n; k++) *mean += u[2 * k] / n;
-  PetscCall(PetscFree2(x, u));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -83,7 +62,7 @@ static PetscErrorCode StokesCylindersMeasure(const Flow *flow, Report *report)
   PetscReal       mean = 0.0, F[ISPH_MAX_DIM] = {0.0}, T[ISPH_MAX_DIM] = {0.0};
 
   PetscFunctionBegin;
-  PetscCall(SuperficialVelocity(flow, &mean));
+  PetscCall(MeanThroughSide(flow, 0, &mean));
   PetscCall(WallForce(flow, SceneBodySide(scene, 0), F, T));
   if (mean > 0.0) {
     /* in the paper a pressure gradient replaces the force and acts on the cylinder too: its drag is

@@ -19,8 +19,8 @@ static PetscErrorCode TaylorCouetteSetup(Scene *scene)
   SceneSetSides(scene, &BoundaryNone);
   inner = SceneAddBody(scene);
   outer = SceneAddBody(scene);
-  BodyCircle(&inner->body, 0.0, 0.0, 0.5 * scene->length);
-  BodyCircle(&outer->body, 0.0, 0.0, scene->length);
+  BodyCircle(scene, 0.0, 0.0, 0.5 * scene->length, &inner->body);
+  BodyCircle(scene, 0.0, 0.0, scene->length, &outer->body);
   inner->rotation    = ExpressionNumber(scene->speed / (0.5 * scene->length));
   outer->body.around = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -7,6 +7,7 @@
 static const Table *const tables[] = {&CaseTable,
                                       &BoundaryTable,
                                       &ShapeTable,
+                                      &SolidTable,
                                       &SchemeTable,
                                       &ProjectionTable,
                                       &ConvectionTable,
@@ -62,7 +63,7 @@ static void OptionsOf(const Table *table, char names[], size_t size)
     const OptionRow *row;
 
     for (PetscInt k = 0; (row = OptionNext(OptionTableGet(t), &k));) {
-      if (row->table == table) AppendWord(names, size, row->name);
+      if (row->table == table || row->table_3d == table) AppendWord(names, size, row->name);
     }
   }
 }

@@ -162,6 +162,21 @@ def stokes_cylinders():
         ("drag over mu U, from the mean velocity", "traction on the cylinder"))
 
 
+def stokes_spheres():
+    base = "-options_file options/stokes_spheres.opts"
+    quantities = [report("force", "drag over 6 pi mu a U, from the mean velocity", "drag", "series"),
+                  report("force", "traction on the sphere", "traction", "momentum balance")]
+    titles = {c: f"solid fraction {c}, projection" for c in (0.064, 0.027, 0.125)}
+    return Case("Creeping flow through an array of spheres", [
+        *[Study(title, f"{base} -solid_fraction {c}", (12, 16, 24, 32) if c == 0.064 else (16, 24), quantities)
+          for c, title in titles.items()],
+        Study("solid fraction 0.064, projection, disordered particles", f"{base} -jitter 0.2", (12, 16, 24), quantities,
+              (3, 3, 1), seeds),
+        Study("solid fraction 0.064, `-scheme coupled`", f"{base} -scheme coupled", (12, 16, 24), quantities),
+    ], [Chart("projection, finest n", "drag", ("solid fraction", "drag/(6 pi mu a U)"), {t: c for c, t in titles.items()})],
+        ("drag over 6 pi mu a U, from the mean velocity", "traction on the sphere"))
+
+
 def stokes_exact():
     base = "-options_file options/stokes_exact.opts"
     quantities = [norm("velocity", "velocity, relative L2", "velocity_l2"),
@@ -369,6 +384,7 @@ def womersley():
 
 def scene():
     forced, second = "-options_file options/scene_expressions.opts", "-options_file options/stokes_second.opts"
+    beltrami = "-options_file options/beltrami.opts"
     channel = ("-case scene -scene_box 0,0,2,1 -scene_periodic x -scene_body_1 circle,0.6,0.5,0.2 -body_force 1,0 "
                "-viscosity 0.1 -t_end 4")
     flow = [norm("velocity", "velocity, relative L2", "velocity_l2"),
@@ -387,6 +403,9 @@ def scene():
         Study("forced flow in a box with driven walls, Re = 10, fixed particles", f"{forced} -motion eulerian",
               (16, 32, 64), [*flow, pressure]),
         Study("the same, moving particles", forced, (16, 32), [*flow, pressure], (3, 3)),
+        Study("Beltrami flow in a cube, fixed particles", f"{beltrami} -motion eulerian", (12, 16, 24), [*flow, pressure]),
+        Study("the same, moving particles, jitter 0.2 dx", f"{beltrami} -jitter 0.2", (12, 16, 24), [*flow, pressure],
+              (3, 3, 1), seeds),
         Study("Stokes' second problem, one period, dt = 0.00125", f"{second} -dt 0.00125", (20, 40, 80),
               [*flow, Quantity("force", "shear force on the wall", "forces_bottom_fx", -0.05 * k * 0.4,
                                "exact solution")], watch="-probe_forces -probe_every 1"),
@@ -421,5 +440,5 @@ def patch():
 
 CASES = {make.__name__: make for make in (
     cavity, cavity_cube, cavity_cylinder, taylor_couette, taylor_green, poiseuille, couette, hydrostatic,
-    stokes_cylinders, stokes_exact, film, drop_mode, standing_wave, gravity_current, two_layers, rheology, womersley, scene,
+    stokes_cylinders, stokes_spheres, stokes_exact, film, drop_mode, standing_wave, gravity_current, two_layers, rheology, womersley, scene,
     regularised_cavity, patch)}

@@ -30,8 +30,8 @@ static void CloudWallVelocity(const Scene *scene, PetscInt side, PetscReal t, co
 /* Adds a circle at rest in the middle of the box. */
 static void CloudAddCircle(PetscReal radius, Scene *scene)
 {
-  BodyCircle(&SceneAddBody(scene)->body, 0.5 * (scene->lo[0] + scene->hi[0]),
-             0.5 * (scene->lo[1] + scene->hi[1]), radius);
+  BodyCircle(scene, 0.5 * (scene->lo[0] + scene->hi[0]), 0.5 * (scene->lo[1] + scene->hi[1]),
+             radius, &SceneAddBody(scene)->body);
   scene->physics |= PHYSICS_WALLS;
 }
 

@@ -90,7 +90,7 @@ static void Disc(PetscInt n, Pool *pool)
   }
   SceneSetSides(scene, &BoundaryNone);
   scene->physics = PHYSICS_PRESSURE;
-  BodyCircle(SceneAddFilled(scene), 0.0, 0.0, 1.0);
+  BodyCircle(scene, 0.0, 0.0, 1.0, SceneAddFilled(scene));
   Fill(0.0, pool);
 }
 

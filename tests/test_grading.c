@@ -137,8 +137,8 @@ static void test_clouds(void **state)
   CheckCloud(&square, "-spacing_wall 0.4 -spacing_growth 0.15", 3.2, 1e-9);
   CheckCloud(&corner, "-spacing_wall 0.6 -spacing_growth 0.1", 3.23, 1e-9);
   CheckCloud(&periodic, "-spacing 0.75+0.25*sin(pi*x)*cos(pi*y)", 4.0, 1e-9);
-  BodyCircle(&SceneAddBody(&circle.scene)->body, circle.scene.lo[0] + 1.1, circle.scene.lo[1] + 1.2,
-             radius);
+  BodyCircle(&circle.scene, circle.scene.lo[0] + 1.1, circle.scene.lo[1] + 1.2, radius,
+             &SceneAddBody(&circle.scene)->body);
   circle.scene.physics |= PHYSICS_WALLS;
   CheckCloud(&circle, "-spacing_wall 0.4 -spacing_growth 0.1", 5.76 - PETSC_PI * PetscSqr(radius),
              0.003);

@@ -307,7 +307,8 @@ static void test_tables_have_options(void **state)
       const OptionRow *row;
 
       for (PetscInt k = 0; (row = OptionNext(OptionTableGet(t), &k));)
-        if (row->table == CatalogueTable(c)) options_of_table++;
+        if (row->table == CatalogueTable(c) || row->table_3d == CatalogueTable(c))
+          options_of_table++;
     }
     assert_true(options_of_table > 0);
   }
@@ -336,7 +337,8 @@ static void test_names(void **state)
   assert_non_null(OptionFind("-coupled_fieldsplit_velocity_ksp_type"));
   assert_null(OptionFind("-scene_body_x"));
   assert_null(OptionFind("-scene_body_"));
-  assert_null(OptionFind("-scene_wall_front_velocity"));
+  assert_non_null(OptionFind("-scene_wall_front_velocity"));
+  assert_null(OptionFind("-scene_wall_side_velocity"));
   assert_null(OptionFind("-reynolds_2"));
   assert_null(OptionFind("--case"));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(near); k++) {

@@ -34,13 +34,21 @@ static Scene *Tank(PetscInt dim, Start *start)
   return scene;
 }
 
-/* Fills a region: a circle from 3 numbers or a polygon from pairs of numbers. */
+/* Fills a region: a circle, a box or a polygon, in 3D through the tank along z. */
 static void Add(Scene *scene, const char shape[], PetscInt n, const PetscReal number[])
 {
-  const ShapeRow *row;
+  const char *const names[3][2] = {{"circle", "cylinder"}, {"box", "box"}, {"polygon", "prism"}};
+  const PetscReal   box[6]      = {
+             number[0], number[1], scene->lo[2], number[2], n > 3 ? number[3] : 0.0, scene->hi[2]};
+  const PetscInt  solid = scene->dim == 3 ? 1 : 0;
+  const ShapeRow *row   = NULL;
 
-  ASSERT_OK(TableWant(&ShapeTable, "shape", shape, &row));
-  assert_null(BodySet(SceneAddFilled(scene), row, n, number));
+  for (PetscInt k = 0; k < 3; k++)
+    if (!strcmp(shape, names[k][0]))
+      ASSERT_OK(TableWant(solid ? &SolidTable : &ShapeTable, "shape", names[k][solid], &row));
+  if (solid && !strcmp(shape, "box"))
+    assert_null(BodySet(scene, row, 6, box, SceneAddFilled(scene)));
+  else assert_null(BodySet(scene, row, n, number, SceneAddFilled(scene)));
 }
 
 static void Fill(Start *start)

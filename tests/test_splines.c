@@ -222,7 +222,8 @@ static void SetShapes(size_t k, Scene *scene, SplineLattice *lattice, SplineBodi
 
     ASSERT_OK(TableFind(&ShapeTable, shapes[k].shape[b], (const TableRow **)(const void *)&row));
     CloudAssertNone("shape", shapes[k].name,
-                    BodySet(&boundary->body, row, shapes[k].n[b], shapes[k].number[b]) != NULL);
+                    BodySet(scene, row, shapes[k].n[b], shapes[k].number[b], &boundary->body) !=
+                        NULL);
     boundary->body.around = shapes[k].around;
   }
   ASSERT_OK(SplineLatticeSet(scene, 2.0, lattice));

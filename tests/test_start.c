@@ -68,7 +68,7 @@ static void MakeScene(PetscBool periodic, PetscBool body, Scene *scene)
   scene->physics                    = PHYSICS_WALLS;
   SceneSetSides(scene, &BoundaryWall);
   if (periodic) SceneSetAxis(scene, 0, &BoundaryPeriodic);
-  if (body) BodyCircle(&SceneAddBody(scene)->body, 0.5, 0.3, 0.05);
+  if (body) BodyCircle(scene, 0.5, 0.3, 0.05, &SceneAddBody(scene)->body);
 }
 
 /* Reads the file as in a run; returns the message of the error, or "". */

@@ -17,13 +17,15 @@ typedef enum {
    fault. */
 typedef struct ExpressionScope ExpressionScope;
 
+#define EXPRESSION_MOST (ISPH_MAX_DIM + 1) /* components: velocity and pressure */
+
 /* An expression: the components of an option. All members are zero if the option is absent. */
 typedef struct {
-  char             option[40];           /* for messages */
-  PetscInt         n;                    /* components; 0: not given */
-  PetscReal        value[ISPH_MAX_DIM];  /* of components that are numbers */
-  void            *parser[ISPH_MAX_DIM]; /* of other components; NULL for numbers */
-  unsigned         uses[ISPH_MAX_DIM];   /* bits of ExpressionUse */
+  char             option[40];              /* for messages */
+  PetscInt         n;                       /* components; 0: not given */
+  PetscReal        value[EXPRESSION_MOST];  /* of components that are numbers */
+  void            *parser[EXPRESSION_MOST]; /* of other components; NULL for numbers */
+  unsigned         uses[EXPRESSION_MOST];   /* bits of ExpressionUse */
   ExpressionScope *scope;
 } Expression;
 

@@ -46,6 +46,7 @@ typedef struct {
   PetscReal          low;      /* least value allowed */
   PetscReal          high;     /* largest value allowed; low = high = 0: no range */
   const Table       *table;    /* the rows that the option chooses from; NULL: none */
+  const Table       *table_3d; /* the rows in 3D, of VALUE_SHAPE; NULL: the same */
   const char *const *words;    /* of VALUE_NAMES or an early VALUE_VIEWER; ends with NULL */
   const char *const *places;   /* words that <word> in the name stands for; NULL: any word */
   const char        *where;    /* runs that use it, a phrase; NULL: all */

@@ -26,35 +26,40 @@ extern const char *const PhysicsNames[PHYSICS_COUNT + 1]; /* in the order of bit
 #define SCENE_MAX_BODIES     16
 #define SCENE_MAX_BOUNDARIES (2 * ISPH_MAX_DIM + SCENE_MAX_BODIES)
 #define WALL_NAME            24 /* size of a wall name */
+#define PLACE_TEXT           48 /* size of the text of a place */
 #define KIND_NAME            32 /* size of the name of a kind of boundaries, with a comma */
 #define BODY_PARAMETERS      64
 #define SCENE_MAX_FLUIDS     8
 #define SCENE_MAX_FILLED     16
 #define SCENE_ON_SURFACE     1e-9 /* rounding of distances from a surface [dx] */
 
-/* Solid bodies in the plane; with `around` the fluid is inside, and the solid surrounds it. */
-typedef struct Body Body;
-typedef struct {
-  const char *name, *brief, *citation;
-  PetscInt    fewest, most;           /* allowed numbers of parameters */
-  PetscBool   round;                  /* invariant under rotation about its centre */
+/* Solid bodies; with `around` the fluid is inside, and the solid surrounds it. */
+typedef struct Body     Body;
+typedef struct ShapeRow ShapeRow;
+struct ShapeRow {
+  const char     *name, *brief, *citation;
+  PetscInt        fewest, most;   /* allowed numbers of parameters */
+  PetscBool       round;          /* invariant under rotation about an axis along z through its
+                                         centre */
+  const ShapeRow *outline;        /* in 3D: plane shape of a body along z, or of the meridian */
+  PetscBool       revolves, ends; /* with an outline: it is a meridian; it ends inside the box */
   const char *(*Prepare)(Body *body); /* sets centre and extent; returns NULL or a fault */
   void (*Span)(const Body *body, PetscInt axis, PetscReal span[2]); /* see BodySpan() */
   PetscReal (*Distance)(const Body *body, const PetscReal x[],
                         PetscReal normal[]);         /* outside > 0 */
-  PetscInt (*Count)(const Body *body, PetscReal dx); /* points along the surface */
+  PetscInt (*Count)(const Body *body, PetscReal dx); /* points on the surface */
   PetscReal (*Point)(const Body *body, PetscInt k, PetscReal dx, PetscReal x[],
-                     PetscReal normal[]); /* returns the length of its surface part */
-} ShapeRow;
-extern const Table ShapeTable;
+                     PetscReal normal[]); /* returns the length, or area, of its surface part */
+};
+extern const Table ShapeTable, SolidTable; /* of the plane, and of space */
 struct Body {
   const ShapeRow *shape;
   PetscInt        n;
   PetscReal       parameter[BODY_PARAMETERS]; /* of the shape [m] */
-  PetscReal       centre[2], extent; /* centre, and largest distance of the surface from it [m] */
+  PetscReal       centre[ISPH_MAX_DIM];       /* [m] */
+  PetscReal       extent;                     /* largest distance of the surface from it [m] */
+  PetscReal       ends[2];                    /* along z, of a shape with an outline in 3D [m] */
   PetscBool       around;
-  PetscBool       ball;     /* a circle that is a ball in 3D, about a point of the plane z = 0 */
-  PetscBool       revolves; /* coordinates are the distance from the axis z and z, in 3D */
 };
 
 /* Properties of a kind of boundary; all other code depends on these instead of the kind. */
@@ -94,7 +99,7 @@ typedef struct {
                         const PetscReal x[]); /* of EQUATION_VALUE; NULL: 0 [Pa] */
 } BoundaryRow;
 extern const Table       BoundaryTable;
-extern const char *const BoxAxes[], *const BoxSides[]; /* of typed boxes; NULL after the last */
+extern const char *const BoxAxes[], *const BoxSides[]; /* NULL after the last */
 extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundarySymmetry, BoundaryNone,
     BoundaryFree; /* kinds that cases set */
 
@@ -102,10 +107,11 @@ extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundarySymmetry, Bound
 typedef struct {
   const BoundaryRow *kind;
   Body               body;       /* its geometry; unused by sides of the box */
-  Expression         velocity;   /* function of x, y, t on a side, of t on a body [m/s] */
+  Expression         velocity;   /* function of place and t on a side, of t on a body [m/s] */
   Expression         rotation;   /* of a body about its centre, function of t [rad/s] */
-  Expression         pressure;   /* on an outflow, function of x, y, t; n = 0: zero [Pa] */
-  PetscReal          opening[2]; /* part of an inflow side through which fluid enters [m] */
+  Expression         pressure;   /* on an outflow, function of place, t; n = 0: zero [Pa] */
+  PetscReal          opening[2]; /* part of an inflow side through which fluid enters, in 2D [m] */
+  Body               hole; /* the same in 3D, in the axes along the side; without shape: all */
 } Boundary;
 
 /* A tangent plane of a boundary at its point nearest to a position x. */
@@ -222,13 +228,13 @@ struct Scene {
   PetscReal        body_force[ISPH_MAX_DIM]; /* body force per unit mass [m/s^2] */
   PetscBool        unsteady_walls;           /* wall velocities depend on time */
   ExpressionScope *scope;                    /* of the expressions below; NULL: all are numbers */
-  Expression       velocity;                 /* typed: at the start, function of x, y [m/s] */
-  Expression       exact; /* typed: exact u, v[, p], functions of x, y, t [m/s], [Pa] */
-  Expression       force; /* typed: replaces body_force, function of x, y, t [m/s^2] */
+  Expression       velocity;                 /* typed: at the start, function of place [m/s] */
+  Expression       exact; /* typed: exact u, v[, w][, p], functions of place, t [m/s], [Pa] */
+  Expression       force; /* typed: replaces body_force, function of place, t [m/s^2] */
   /* sides of the box, 2 axis + (0 low, 1 high), then bodies, 2 dim + k */
   Boundary   boundary[SCENE_MAX_BOUNDARIES];
   PetscInt   n_bodies;
-  Expression nu_field;                 /* typed: outside the regions, function of x, y [m^2/s] */
+  Expression nu_field;                 /* typed: outside the regions, function of place [m^2/s] */
   Body       region[SCENE_MAX_FLUIDS]; /* of fluids 1, 2, ...; later regions cover earlier ones */
   PetscReal  region_nu[SCENE_MAX_FLUIDS]; /* their viscosities [m^2/s] */
   PetscInt   n_regions;
@@ -242,7 +248,6 @@ struct Scene {
 };
 
 extern const Table       CaseTable; /* cases/cases.c */
-extern const char *const SideNames[2 * ISPH_MAX_DIM];
 extern const OptionTable SceneOptions, SpacingOptions, TypedOptions, BoundaryOptions,
     OpeningOptions, RheologyOptions;
 
@@ -255,11 +260,15 @@ PetscErrorCode SceneCheckInflow(const Scene *scene, PetscReal t);
 PetscErrorCode SceneReadOpenings(Scene *scene);
 PetscBool      SceneHasOpenings(const Scene *scene);
 PetscBool      BoundaryIsOpen(const Scene *scene, PetscInt side, const PetscReal x[]);
-PetscReal      BoundaryOpenPart(const Scene *scene, PetscInt side, const PetscReal x[],
-                                PetscReal length);
+PetscReal      BoundaryOpenPart(const Scene *scene, PetscInt side, const PetscReal x[]);
+void           BoundaryIntoOpening(const Scene *scene, PetscInt side, PetscReal x[]);
+PetscInt       SideSamples(const Scene *scene, PetscInt side);
+PetscReal      SideSample(const Scene *scene, PetscInt side, PetscInt k, PetscReal x[]);
+PetscReal      SideEntering(PetscInt side, const PetscReal u[]);
 PetscReal InflowPressureSlope(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[]);
 PetscErrorCode SceneCreate(Scene **scene);
 PetscErrorCode SceneDestroy(Scene **scene);
+const char    *ScenePlaceText(const Scene *scene, const PetscReal x[], char text[PLACE_TEXT]);
 PetscBool      SceneHas(const Scene *scene, Physics what);
 PetscReal      SceneReynolds(const Scene *scene);
 PetscReal      SceneCellReynolds(const Scene *scene);
@@ -334,20 +343,25 @@ void           SceneBodyForce(const Scene *scene, PetscReal t, const PetscReal x
 void OptionNumber(const OptionRow *pattern, PetscInt k, char name[OPTION_LENGTH], OptionRow *row);
 PetscErrorCode ShapeRead(const Scene *scene, const OptionRow *pattern, PetscInt k, Body *body,
                          PetscBool *given);
+PetscErrorCode ShapeReadPlane(const Scene *scene, const OptionRow *row, Body *body,
+                              PetscBool *given);
 PetscErrorCode ShapeCheckNumbers(const OptionRow *pattern, PetscInt n, PetscInt most);
-const char    *BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[]);
-void           BodyCircle(Body *body, PetscReal x, PetscReal y, PetscReal r);
-void           BodyBall(Body *body, PetscReal x, PetscReal y, PetscReal r);
-const char    *BodyPolygon(Body *body, PetscInt corners, const PetscReal x[]);
-PetscReal      BodyRevolved(const Body *body, const PetscReal x[], PetscReal normal[]);
-PetscInt       BodyLines(const Body *body, PetscInt axis, PetscReal line[]);
-PetscReal      BodyThickness(const Body *body, PetscReal dx, PetscReal limit, PetscReal place[2]);
-void           BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2]);
-void           BodySpan(const Body *body, PetscInt axis, PetscReal span[2]);
-PetscReal      BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
-                            PetscReal normal[]);
-PetscInt       BodyPoints(const Body *body, PetscReal dx);
-PetscReal      BodySpacing(const Scene *scene, const Body *body);
+const char *BodySet(const Scene *scene, const ShapeRow *shape, PetscInt n, const PetscReal number[],
+                    Body *body);
+void        BodyCircle(const Scene *scene, PetscReal x, PetscReal y, PetscReal r, Body *body);
+void        BodyBall(const Scene *scene, const PetscReal centre[], PetscReal r, Body *body);
+const char *BodyPolygon(const Scene *scene, PetscInt corners, const PetscReal x[], Body *body);
+const ShapeRow *BodyOutline(const Scene *scene, const Body *body);
+PetscBool       BodyReachesThrough(const Body *body, PetscInt axis);
+PetscInt        BodyLines(const Body *body, PetscInt axis, PetscReal line[]);
+PetscReal       BodyThickness(const Body *body, PetscReal dx, PetscReal limit,
+                              PetscReal place[ISPH_MAX_DIM]);
+void      BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2]);
+void      BodySpan(const Body *body, PetscInt axis, PetscReal span[2]);
+PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
+                       PetscReal normal[]);
+PetscInt  BodyPoints(const Body *body, PetscReal dx);
+PetscReal BodySpacing(const Scene *scene, const Body *body);
 PetscReal BodyPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], PetscReal normal[]);
 PetscReal SceneDistanceTo(const Scene *scene, unsigned properties, const PetscReal x[],
                           PetscInt *side);

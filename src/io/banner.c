@@ -88,7 +88,8 @@ static PetscErrorCode BannerThinBodies(const Flow *flow, PetscViewer viewer)
   PetscFunctionBegin;
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
     const Body     *body = SceneBody(scene, k);
-    PetscReal       place[2];
+    PetscReal       place[ISPH_MAX_DIM];
+    char            text[PLACE_TEXT];
     const PetscReal reach = flow->ops->forms.radius,
                     thin  = BodyThickness(body, BodySpacing(scene, body), reach, place);
 
@@ -96,9 +97,9 @@ static PetscErrorCode BannerThinBodies(const Flow *flow, PetscViewer viewer)
     PetscCall(PetscViewerASCIIPrintf(
         viewer,
         BANNER_LABEL "body %" PetscInt_FMT
-                     " is %.2g dx thick at (%.4g, %.4g); particles on opposite sides interact "
+                     " is %.2g dx thick at (%s); particles on opposite sides interact "
                      "below %.2g dx, and forces on it are wrong; use a larger -n\n",
-        "thin", k + 1, (double)(thin / scene->dx), (double)place[0], (double)place[1],
+        "thin", k + 1, (double)(thin / scene->dx), ScenePlaceText(scene, place, text),
         (double)(reach / scene->dx)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

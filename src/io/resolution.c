@@ -155,16 +155,6 @@ PetscErrorCode ResolutionMeasure(const Flow *flow, Report *report)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the coordinates of x, separated by commas. */
-static PetscErrorCode WritePlace(PetscInt dim, const PetscReal x[], char text[], size_t length)
-{
-  PetscFunctionBegin;
-  PetscCall(dim == 2 ? PetscSNPrintf(text, length, "%.3g, %.3g", (double)x[0], (double)x[1])
-                     : PetscSNPrintf(text, length, "%.3g, %.3g, %.3g", (double)x[0], (double)x[1],
-                                     (double)x[2]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   ResolutionView - Prints a line if the flow of the last measurement is not resolved
 
@@ -177,12 +167,12 @@ PetscErrorCode ResolutionView(const Flow *flow, const Report *report, PetscViewe
 
   PetscFunctionBegin;
   if (resolution->error <= RESOLVED) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(WritePlace(flow->scene->dim, resolution->x, place, sizeof(place)));
   PetscCall(PetscViewerASCIIPrintf(
       viewer,
       "not resolved: the estimated error of the velocity is %.2g %% and should be at most %.0f %%; "
       "its gradients are worst near (%s); try -n %.0f\n",
-      100.0 * (double)resolution->error, 100.0 * RESOLVED, place,
+      100.0 * (double)resolution->error, 100.0 * RESOLVED,
+      ScenePlaceText(flow->scene, resolution->x, place),
       PetscCeilReal(flow->scene->n * PetscSqrtReal(resolution->error / RESOLVED))));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

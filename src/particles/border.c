@@ -25,7 +25,7 @@ static PetscBool HasSurface(const Scene *scene, PetscInt k)
 {
   const Body *body = &scene->filled[k];
 
-  return body->revolves || (scene->dim == 3 && body->ball) ? PETSC_TRUE : PETSC_FALSE;
+  return body->shape->revolves || !BodyOutline(scene, body) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Returns the distance of x from the nearest side of the box with wall particles and, if `bodies`,
@@ -36,7 +36,7 @@ static PetscReal WallGap(const Scene *scene, const PetscReal x[], PetscBool bodi
   PetscInt  body;
 
   if (bodies) gap = SceneDistance(scene, x, &body, normal);
-  for (PetscInt side = 0; side < 4; side++) {
+  for (PetscInt side = 0; side < 4; side++) { /* outlines reach through the box along z */
     if (BoundaryIs(scene, side, BOUNDARY_PARTICLES))
       gap = PetscMin(gap, SceneSideDistance(scene, side, x));
   }
@@ -77,16 +77,17 @@ static PetscErrorCode SampleRegion(PetscInt k, Pools *pools)
 {
   const Scene    *scene = pools->scene;
   const Body     *body  = &scene->filled[k];
+  const ShapeRow *shape = BodyOutline(scene, body);
   const PetscReal step  = scene->dx / FINE;
-  const PetscInt  n     = BodyPoints(body, step);
+  const PetscInt  n     = shape->Count(body, step);
   BorderSample   *all;
   PetscInt        start = 0;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(n, &all));
   for (PetscInt q = 0; q < n; q++) {
-    all[q]        = (BorderSample){.region = k};
-    all[q].length = BodyPoint(body, q, step, all[q].x, all[q].normal);
+    all[q]        = (BorderSample){.region = k, .x = {0.0, 0.0, body->centre[2]}};
+    all[q].length = shape->Point(body, q, step, all[q].x, all[q].normal);
     all[q].free   = IsFree(scene, k, all[q].x);
   }
   for (PetscInt q = n - 1; q >= 0; q--) {
@@ -266,7 +267,8 @@ static PetscErrorCode AddRing(const Scene *scene, PetscReal r, PetscReal z, Rows
 static PetscReal MeridianPoint(const Scene *scene, const Body *body, PetscInt q, PetscReal place[])
 {
   PetscReal       normal[ISPH_MAX_DIM];
-  const PetscReal length = BodyPoint(body, q, scene->dx / FINE, place, normal);
+  const PetscReal length =
+      BodyOutline(scene, body)->Point(body, q, scene->dx / FINE, place, normal);
 
   return place[0] < 0.0 || place[1] < scene->lo[2] + (0.5 - NEAR) * scene->dx ? 0.0 : length;
 }
@@ -275,7 +277,7 @@ static PetscReal MeridianPoint(const Scene *scene, const Body *body, PetscInt q,
    meridian, the first one dx/2 above the box, the last one half a spacing from the axis. */
 static PetscErrorCode AddRevolved(const Scene *scene, const Body *body, Rows *rows)
 {
-  const PetscInt samples = BodyPoints(body, scene->dx / FINE);
+  const PetscInt samples = BodyOutline(scene, body)->Count(body, scene->dx / FINE);
   PetscReal      total = 0.0, sum = 0.0, edge, place[2];
   PetscInt       ring = 0, n;
 
@@ -294,20 +296,14 @@ static PetscErrorCode AddRevolved(const Scene *scene, const Body *body, Rows *ro
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the particles on the surface of a ball of radius R: N = 4 pi R^2/dx^2 on a spiral, a golden
-   section of a turn and the height 2 R/N apart (R. Swinbank, R. J. Purser, Q. J. R. Meteorol. Soc.
-   132 (2006) 1769-1793). */
+/* Adds the particles on the surface of a ball. */
 static PetscErrorCode AddBall(const Scene *scene, const Body *ball, Rows *rows)
 {
-  const PetscReal R = ball->extent, turn = PETSC_PI * (3.0 - PetscSqrtReal(5.0));
-  const PetscInt  N = (PetscInt)(4.0 * PETSC_PI * PetscSqr(R / scene->dx) + 0.5);
-
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < N; k++) {
-    const PetscReal z = 1.0 - (2.0 * k + 1.0) / N, ring = PetscSqrtReal(1.0 - z * z);
-    const PetscReal x[] = {ball->centre[0] + R * ring * PetscCosReal(k * turn),
-                           ball->centre[1] + R * ring * PetscSinReal(k * turn), R * z};
+  for (PetscInt k = 0; k < BodyPoints(ball, scene->dx); k++) {
+    PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
 
+    (void)BodyPoint(ball, k, scene->dx, x, normal);
     PetscCall(AddPoint(scene, x, rows));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -336,8 +332,8 @@ PetscErrorCode BorderParticles(const Pools *pools, Rows *rows)
     const Body *body = &pools->scene->filled[k];
 
     if (!HasSurface(pools->scene, k)) continue;
-    if (body->ball) PetscCall(AddBall(pools->scene, body, rows));
-    else PetscCall(AddRevolved(pools->scene, body, rows));
+    if (body->shape->revolves) PetscCall(AddRevolved(pools->scene, body, rows));
+    else PetscCall(AddBall(pools->scene, body, rows));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

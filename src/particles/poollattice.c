@@ -41,11 +41,6 @@ static PetscInt PoolLines(const Pools *pools, PetscInt pool, PetscInt axis, Pets
   const Scene *scene = pools->scene;
   PetscInt     n = 0, kept = 0;
 
-  if (axis == 2) {
-    line[0] = scene->lo[2];
-    line[1] = scene->hi[2];
-    return 2;
-  }
   for (PetscInt k = 0; k < scene->n_filled; k++) {
     PetscInt lines;
 
@@ -81,7 +76,7 @@ PetscBool PoolHasLattice(const Pools *pools, PetscInt pool)
 {
   const Scene *scene = pools->scene;
 
-  for (PetscInt axis = 0; axis < 2; axis++) {
+  for (PetscInt axis = 0; axis < scene->dim; axis++) {
     PetscReal      line[LINES_MOST], edge;
     const PetscInt n = PoolLines(pools, pool, axis, line);
 

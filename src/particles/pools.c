@@ -9,7 +9,7 @@
 #define POINTS 8   /* of the quadrature of volumes, along dx */
 #define TOUCH  0.5 /* gap below which regions touch [dx] */
 
-/* Computes the part of a filled region in the box, along an axis of the plane. */
+/* Computes the part of a filled region in the box, along an axis. */
 static void SpanInBox(const Scene *scene, PetscInt region, PetscInt axis, PetscReal span[2])
 {
   BodySpan(&scene->filled[region], axis, span);
@@ -20,7 +20,7 @@ static void SpanInBox(const Scene *scene, PetscInt region, PetscInt axis, PetscR
 /* Returns true if two filled regions touch, by the boxes around them. */
 static PetscBool Touch(const Scene *scene, PetscInt k, PetscInt m)
 {
-  for (PetscInt a = 0; a < 2; a++) {
+  for (PetscInt a = 0; a < scene->dim; a++) {
     PetscReal one[2], two[2];
 
     SpanInBox(scene, k, a, one);
@@ -67,46 +67,46 @@ static PetscReal PartInside(const Pools *pools, PetscInt pool, const PetscReal x
   return PetscMin(part, 1.0) * PetscMin(PetscMax(0.5 + solid / s, 0.0), 1.0);
 }
 
-/* Computes the box around a pool, of the height of the scene, of 1 in 2D; returns true if a region
-   of the pool revolves. */
+/* Computes the box around a pool, of height 1 in 2D; returns true if all of its regions are the
+   same at every z. */
 static PetscBool BoxAround(const Pools *pools, PetscInt pool, PetscReal lo[], PetscReal hi[])
 {
-  const Scene *scene    = pools->scene;
-  PetscBool    revolves = PETSC_FALSE;
+  const Scene *scene = pools->scene;
+  PetscBool    even  = PETSC_TRUE;
 
-  lo[2] = scene->dim == 3 ? scene->lo[2] : 0.0;
-  hi[2] = scene->dim == 3 ? scene->hi[2] : 1.0;
-  for (PetscInt a = 0; a < 2; a++) {
+  lo[2] = 0.0;
+  hi[2] = 1.0;
+  for (PetscInt a = 0; a < scene->dim; a++) {
     lo[a] = PETSC_MAX_REAL;
     hi[a] = -PETSC_MAX_REAL;
     for (PetscInt k = 0; k < scene->n_filled; k++) {
       PetscReal span[2];
 
       if (pools->of[k] != pool) continue;
-      revolves = revolves || scene->filled[k].revolves ? PETSC_TRUE : PETSC_FALSE;
+      if (scene->dim == 3 && !BodyReachesThrough(&scene->filled[k], 2)) even = PETSC_FALSE;
       SpanInBox(scene, k, a, span);
       lo[a] = PetscMin(lo[a], span[0]);
       hi[a] = PetscMax(hi[a], span[1]);
     }
   }
-  return revolves;
+  return even;
 }
 
 /* Computes the volume of a pool, by the midpoint rule in the box around it; the sum is a whole
-   number, so that it does not depend on the number of ranks. Regions are prisms along the last axis
-   in 3D, or revolve; a ball is a pool of its own, inside the box. */
+   number, so that it does not depend on the number of ranks. A ball is a pool of its own, inside
+   the box. */
 static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *volume)
 {
   const Scene    *scene = pools->scene;
   const PetscReal unit  = (PetscReal)((PetscInt64)1 << 30);
   PetscReal       lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM];
-  const PetscInt  axes            = BoxAround(pools, pool, lo, hi) ? 3 : 2;
+  const PetscInt  axes            = BoxAround(pools, pool, lo, hi) ? 2 : 3;
   PetscInt        n[ISPH_MAX_DIM] = {1, 1, 1}, first, last;
   PetscInt64      sum             = 0;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < scene->n_filled; k++) {
-    if (pools->of[k] != pool || scene->dim == 2 || !scene->filled[k].ball) continue;
+    if (pools->of[k] != pool || BodyOutline(scene, &scene->filled[k])) continue;
     *volume = 4.0 / 3.0 * PETSC_PI * PetscPowRealInt(scene->filled[k].extent, 3);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -128,11 +128,48 @@ static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *v
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses regions in 3D on whose borders no particles can be placed: balls that touch a side of the
+   box or another region, and boxes that end inside the scene in a pool without lattice. */
+static PetscErrorCode RefuseBorders(const Pools *pools)
+{
+  const Scene *scene = pools->scene;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < scene->n_filled && scene->dim == 3; k++) {
+    const Body *body  = &scene->filled[k];
+    PetscBool   alone = PETSC_TRUE;
+
+    for (PetscInt m = 0; m < scene->n_filled; m++)
+      alone = alone && (m == k || pools->of[m] != pools->of[k]) ? PETSC_TRUE : PETSC_FALSE;
+    UserCheck(!body->shape->ends || pools->lattice[pools->of[k]],
+              "-scene_filled_%" PetscInt_FMT
+              ": it has no lattice, as it touches a region that is no box, or its edges and -n do "
+              "not fit; use other regions or another -n",
+              k + 1);
+    if (BodyOutline(scene, body)) continue;
+    UserCheck(alone,
+              "-scene_filled_%" PetscInt_FMT ": a ball may not touch another region that is filled",
+              k + 1);
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      PetscReal span[2];
+
+      BodySpan(body, a, span);
+      UserCheck(span[0] >= scene->lo[a] + 0.5 * scene->dx &&
+                    span[1] <= scene->hi[a] - 0.5 * scene->dx,
+                "-scene_filled_%" PetscInt_FMT
+                ": a ball stays dx/2 = %.3g off the sides of the box; along %s it reaches from "
+                "%.4g to %.4g",
+                k + 1, (double)(0.5 * scene->dx), BoxAxes[a], (double)span[0], (double)span[1]);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   PoolsCreate - Finds the pools of a scene and their volumes
 
   Collective on PETSC_COMM_WORLD. Output: pools - none if the fluid fills the box; free with
-  PoolsDestroy(). Errors: refuses a jitter if no pool has a lattice.
+  PoolsDestroy(). Errors: refuses a jitter if no pool has a lattice, and borders without particles.
 */
 PetscErrorCode PoolsCreate(const Scene *scene, Pools *pools)
 {
@@ -152,6 +189,7 @@ PetscErrorCode PoolsCreate(const Scene *scene, Pools *pools)
       "-jitter %.6g: it displaces lattices, which only regions bounded by lines along the axes "
       "have; leave it out",
       (double)scene->jitter);
+  PetscCall(RefuseBorders(pools));
   PetscCall(BorderCreate(pools));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,13 +1,13 @@
 /*
   Wall particles of scenes whose spacing is a function of place, or whose fluid does not fill the
-  box. On a curve, a side of the box in 2D or a body, each particle has the same share of the number
+  box. On a curve, a side of the box or a body in 2D, each particle has the same share of the number
   of particles int dl/s.
 */
 #include "impl.h"
 
 #define FINE 64.0 /* points along the smallest spacing, among which particles are chosen */
 
-/* A curve of walls: a side of the box in 2D, or the surface of a body. */
+/* A curve of walls in 2D: a side of the box, or the surface of a body. */
 typedef struct {
   const Scene *scene;
   const Body  *body; /* NULL: side of the box */
@@ -144,6 +144,26 @@ static PetscErrorCode AddPlane(const Scene *scene, PetscInt side, Surfaces *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds this rank's share of the particles on a body in 3D, at the points of its surface. */
+static PetscErrorCode AddBody(const Scene *scene, PetscInt side, Surfaces *s)
+{
+  const Body     *body = BoundaryBody(scene, side);
+  const PetscReal dx   = BodySpacing(scene, body);
+  const PetscInt  n    = BodyPoints(body, dx);
+  PetscInt        first, last;
+
+  PetscFunctionBegin;
+  ParticlesShare(PETSC_COMM_WORLD, n, &first, &last);
+  for (PetscInt k = first; k < last; k++) {
+    PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
+
+    (void)BodyPoint(body, k, dx, x, normal);
+    PetscCall(Add(side, s->N + k, x, normal, s));
+  }
+  s->N += n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   SurfacesCreate - Creates the wall particles on all sides of the box and on all bodies
 
@@ -155,8 +175,9 @@ PetscErrorCode SurfacesCreate(const Scene *scene, Surfaces *s)
   PetscCall(PetscMemzero(s, sizeof(*s)));
   for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
     if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES)) continue;
-    if (scene->dim == 3 && !BoundaryBody(scene, side)) PetscCall(AddPlane(scene, side, s));
-    else PetscCall(AddCurve(scene, side, s));
+    if (scene->dim == 2) PetscCall(AddCurve(scene, side, s));
+    else if (BoundaryBody(scene, side)) PetscCall(AddBody(scene, side, s));
+    else PetscCall(AddPlane(scene, side, s));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

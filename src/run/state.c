@@ -151,6 +151,7 @@ static void SumShape(const Body *body, uint64_t *sum)
 {
   CheckpointSumText(body->shape->name, sum);
   CheckpointSumNumbers(body->n, body->parameter, sum);
+  if (body->shape->ends) CheckpointSumNumbers(2, body->ends, sum);
 }
 
 /* Computes a checksum of the shapes of all bodies and of the regions filled at the start. */

@@ -53,9 +53,8 @@ static const OptionRow *const options[] = {KINDS(OPTION)};
 const Table       BoundaryTable   = TABLE_OF_POINTERS("Kinds of boundaries", kinds);
 const OptionTable BoundaryOptions = OPTIONS_ELSEWHERE("Sides of typed scenes", options);
 
-const char *const SideNames[2 * ISPH_MAX_DIM] = {"left", "right", "bottom", "top", "back", "front"};
-const char *const BoxAxes[]                   = {"x", "y", NULL};
-const char *const BoxSides[]                  = {"left", "right", "bottom", "top", NULL};
+const char *const BoxAxes[]  = {"x", "y", "z", NULL};
+const char *const BoxSides[] = {"left", "right", "bottom", "top", "back", "front", NULL};
 
 /* SceneSetSide - Sets the kind of one side of the box; not collective */
 void SceneSetSide(Scene *scene, PetscInt side, const BoundaryRow *kind)
@@ -135,7 +134,7 @@ void SceneWallName(const Scene *scene, PetscInt side, char name[])
 {
   const PetscInt body = side - SceneBodySide(scene, 0);
 
-  if (body < 0) (void)snprintf(name, WALL_NAME, "%s", SideNames[side]);
+  if (body < 0) (void)snprintf(name, WALL_NAME, "%s", BoxSides[side]);
   else (void)snprintf(name, WALL_NAME, "body_%d", (int)body + 1);
 }
 
@@ -252,8 +251,9 @@ void SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const
   w = SceneHas(scene, PHYSICS_CONVECTION) ? ExpressionValue(&boundary->rotation, 0, t, NULL) : 0.0;
   spin = ExpressionRate(&boundary->rotation, 0, t, NULL, tau);
   BodyArm(scene, body, x, r);
-  for (PetscInt c = 0; c < 2; c++)
-    a[c] = ExpressionRate(&boundary->velocity, c, t, NULL, tau) - PetscSqr(w) * r[c];
+  for (PetscInt c = 0; c < scene->dim; c++)
+    a[c] =
+        ExpressionRate(&boundary->velocity, c, t, NULL, tau) - (c < 2 ? PetscSqr(w) * r[c] : 0.0);
   a[0] -= spin * r[1];
   a[1] += spin * r[0];
 }
@@ -282,7 +282,7 @@ PetscReal SceneWallPressure(const Scene *scene, PetscInt side, PetscReal t, cons
   return slope;
 }
 
-/* Returns the distance from the centre of a body to the farthest corner of the box [m]. */
+/* Returns the distance from the axis of a body along z to the farthest corner of the box [m]. */
 static PetscReal Reach(const Scene *scene, const Body *body)
 {
   PetscReal sum = 0.0;

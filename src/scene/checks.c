@@ -12,10 +12,12 @@ static PetscErrorCode CheckImages(const Scene *scene)
 {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    for (PetscInt a = 0; a < 2; a++) {
-      const Body *body            = SceneBody(scene, k);
-      PetscReal   x[ISPH_MAX_DIM] = {body->centre[0], body->centre[1]}, span[2], gap, least;
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      const Body *body = SceneBody(scene, k);
+      PetscReal   x[ISPH_MAX_DIM], span[2], gap, least;
 
+      if (BodyReachesThrough(body, a)) continue;
+      PetscCall(PetscArraycpy(x, body->centre, ISPH_MAX_DIM));
       BodySpan(body, a, span);
       x[a]  = span[1];
       least = 4.0 * SceneSpacing(scene, x);
@@ -24,7 +26,7 @@ static PetscErrorCode CheckImages(const Scene *scene)
                 "-scene_body_%" PetscInt_FMT
                 ": along %c its periodic image is %.3g away; less than 4 dx = %.3g, or "
                 "overlapping; use a larger -n",
-                k + 1, "xy"[a], (double)gap, (double)least);
+                k + 1, "xyz"[a], (double)gap, (double)least);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -70,6 +72,7 @@ PetscErrorCode SceneCheckGaps(const Scene *scene)
     for (PetscInt q = 0; q < BodyPoints(body, BodySpacing(scene, body)); q++) {
       PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM], gap = PETSC_INFINITY, other[ISPH_MAX_DIM];
       PetscReal least;
+      char      place[PLACE_TEXT];
 
       (void)BodyPoint(body, q, BodySpacing(scene, body), x, normal);
       if (SceneIsBuried(scene, SceneBodySide(scene, k), x)) continue;
@@ -77,16 +80,16 @@ PetscErrorCode SceneCheckGaps(const Scene *scene)
       for (PetscInt m = 0; m < scene->n_bodies; m++) {
         if (m != k) gap = PetscMin(gap, BodyDistance(scene, SceneBody(scene, m), x, other));
       }
-      for (PetscInt side = 0; side < 4; side++) {
+      for (PetscInt side = 0; side < 2 * scene->dim; side++) {
         if (BoundaryIs(scene, side, BOUNDARY_PARTICLES))
           gap = PetscMin(gap, SideGap(scene, body, side, x, normal));
       }
       UserCheck(
           gap >= least,
           "-scene_body_%" PetscInt_FMT
-          ": at (%.4g, %.4g) it is %.3g from another wall; less than 4 dx = %.3g, or overlapping; "
-          "use a larger -n",
-          k + 1, (double)x[0], (double)x[1], (double)gap, (double)least);
+          ": at (%s) it is %.3g from another wall; less than 4 dx = %.3g, or overlapping; use a "
+          "larger -n",
+          k + 1, ScenePlaceText(scene, x, place), (double)gap, (double)least);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -111,7 +114,7 @@ PetscErrorCode SceneCheckFilled(const Scene *scene)
               "-scene_filled_%" PetscInt_FMT
               ": its outline is longer than %d dx; a region need not reach far beyond the box",
               k + 1, OUTLINE_MOST);
-    for (PetscInt a = 0; a < 2; a++) {
+    for (PetscInt a = 0; a < scene->dim; a++) {
       PetscReal span[2], width;
 
       BodySpan(&scene->filled[k], a, span);
@@ -120,12 +123,12 @@ PetscErrorCode SceneCheckFilled(const Scene *scene)
                 "-scene_filled_%" PetscInt_FMT
                 ": %.3g m of it are in the box along %c; at least 2 dx = %.3g is allowed; use a "
                 "larger -n or another place",
-                k + 1, (double)PetscMax(width, 0.0), "xy"[a], (double)least);
+                k + 1, (double)PetscMax(width, 0.0), "xyz"[a], (double)least);
       UserCheck(!SceneIsPeriodic(scene, a) ||
                     (span[0] < scene->lo[a] + slack) == (span[1] > scene->hi[a] - slack),
                 "-scene_filled_%" PetscInt_FMT
                 ": it reaches one of the periodic sides along %c; let it reach both or none",
-                k + 1, "xy"[a]);
+                k + 1, "xyz"[a]);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -135,8 +138,8 @@ PetscErrorCode SceneCheckFilled(const Scene *scene)
   SceneCheckInflow - Refuses velocities of the sides by which inflow and outflow at time t differ
 
   Collective. Then no flow without divergence exists, unless fluid passes a boundary that gives the
-  pressure; without the physics `pressure` velocities need no balance. Uses the midpoint rule with
-  1000 points per side. Bodies do not contribute, because their surfaces move rigidly.
+  pressure; without the physics `pressure` velocities need no balance. Uses the midpoint rule.
+  Bodies do not contribute, because their surfaces move rigidly.
 */
 PetscErrorCode SceneCheckInflow(const Scene *scene, PetscReal t)
 {
@@ -145,26 +148,22 @@ PetscErrorCode SceneCheckInflow(const Scene *scene, PetscReal t)
   PetscFunctionBegin;
   if (!SceneHas(scene, PHYSICS_PRESSURE) || !ScenePressureFloats(scene))
     PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt side = 0; side < 4; side++) {
-    const PetscInt  normal = side / 2, along = 1 - normal;
-    const PetscReal piece = (scene->hi[along] - scene->lo[along]) / 1000.0;
-
+  for (PetscInt side = 0; side < 2 * scene->dim; side++) {
     if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES)) continue;
-    for (PetscInt k = 0; k < 1000; k++) {
-      PetscReal x[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM];
+    for (PetscInt k = 0; k < SideSamples(scene, side); k++) {
+      PetscReal       x[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM];
+      const PetscReal piece           = SideSample(scene, side, k, x);
 
-      x[normal] = side % 2 ? scene->hi[normal] : scene->lo[normal];
-      x[along]  = scene->lo[along] + (k + 0.5) * piece;
       SceneWallVelocity(scene, side, t, x, u);
-      in += (side % 2 ? -1.0 : 1.0) * u[normal] * piece;
-      through += PetscAbsReal(u[normal]) * piece;
+      in += SideEntering(side, u) * piece;
+      through += PetscAbsReal(SideEntering(side, u)) * piece;
     }
   }
   UserCheck(
       !(PetscAbsReal(in) > 2e-3 * through),
-      "-scene_wall_<side>_velocity: at t = %.3g s %.4g m^2/s of fluid more %s through the sides; "
+      "-scene_wall_<side>_velocity: at t = %.3g s %.4g m^%d/s of fluid more %s through the sides; "
       "inflow and outflow must balance",
-      (double)t, (double)PetscAbsReal(in),
+      (double)t, (double)PetscAbsReal(in), (int)scene->dim,
       in > 0.0 ? "come in than go out" : "go out than come in");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -37,6 +37,51 @@ PetscReal SceneSideDistance(const Scene *scene, PetscInt side, const PetscReal x
   return side % 2 ? scene->hi[a] - x[a] : x[a] - scene->lo[a];
 }
 
+/* Returns the number of samples of a side along an axis: more than two for each particle. */
+static PetscInt SamplesAlong(const Scene *scene, PetscInt side, PetscInt axis)
+{
+  const PetscReal least = scene->dim == 2 ? 1000.0 : 100.0;
+
+  if (axis == side / 2) return 1;
+  return (PetscInt)PetscMin(
+      PetscMax(least, PetscCeilReal(2.0 * (scene->hi[axis] - scene->lo[axis]) / scene->dx)),
+      4.0 * least);
+}
+
+/* SideSamples - Returns the number of points of SideSample(); not collective */
+PetscInt SideSamples(const Scene *scene, PetscInt side)
+{
+  PetscInt n = 1;
+
+  for (PetscInt a = 0; a < scene->dim; a++) n *= SamplesAlong(scene, side, a);
+  return n;
+}
+
+/* SideSample - Computes point k of a lattice on a side of the box [m]; returns the area, or length,
+   that it represents [m^(dim-1)]; not collective */
+PetscReal SideSample(const Scene *scene, PetscInt side, PetscInt k, PetscReal x[])
+{
+  PetscReal area = 1.0;
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    const PetscInt  n    = SamplesAlong(scene, side, a);
+    const PetscReal step = (scene->hi[a] - scene->lo[a]) / n;
+
+    x[a] = side % 2 ? scene->hi[a] : scene->lo[a];
+    if (a == side / 2) continue;
+    x[a] = scene->lo[a] + (k % n + 0.5) * step;
+    area *= step;
+    k /= n;
+  }
+  return area;
+}
+
+/* SideEntering - Returns the component of u into the box through a side; not collective */
+PetscReal SideEntering(PetscInt side, const PetscReal u[])
+{
+  return side % 2 ? -u[side / 2] : u[side / 2];
+}
+
 /*
   SceneDistanceTo - Returns the distance of x from the nearest boundary with all the given
   properties, positive in the fluid [m]

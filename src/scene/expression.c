@@ -10,7 +10,7 @@
 #include <string.h>
 
 #define SCOPE_CONSTANTS 8
-#define SCOPE_PARSERS   192 /* 4 sides, 16 bodies and the fields of a scene need fewer */
+#define SCOPE_PARSERS   192 /* 6 sides, 16 bodies and the fields of a scene need fewer */
 #define TEXT_LENGTH     4096
 #define COMPONENT_MAX   1000 /* muParser copies texts and messages to 2048 characters unchecked */
 

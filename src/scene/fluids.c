@@ -1,5 +1,5 @@
 /*
-  Viscosity that varies in space: fluids in regions of the scene, or a field of x and y. A particle
+  Viscosity that varies in space: fluids in regions of the scene, or a function of place. A particle
   takes the viscosity at its first position and keeps it.
 */
 #include "isph/scene.h"
@@ -53,17 +53,21 @@ static PetscBool IsInFluid(const Scene *scene, const PetscReal x[])
 */
 PetscReal SceneViscosity(const Scene *scene, const PetscReal x[])
 {
-  const PetscReal side[2] = {SceneCellSide(scene, 0), SceneCellSide(scene, 1)};
-  PetscReal       sum     = 0.0;
-  PetscInt        n       = 0;
+  const PetscInt samples = SAMPLES * SAMPLES * (scene->dim == 3 ? SAMPLES : 1);
+  PetscReal      sum     = 0.0;
+  PetscInt       n       = 0;
 
   if (!SceneIsNewtonian(scene))
     return RheologyViscosity(&scene->rheology, scene->speed / scene->length);
   if (!scene->n_regions) return SceneViscosityAt(scene, x);
-  for (PetscInt s = 0; s < SAMPLES * SAMPLES; s++) {
-    const PetscReal y[2] = {x[0] + side[0] * ((s % SAMPLES + 0.5) / SAMPLES - 0.5),
-                            x[1] + side[1] * ((s / SAMPLES + 0.5) / SAMPLES - 0.5)};
+  for (PetscInt s = 0; s < samples; s++) {
+    PetscReal y[ISPH_MAX_DIM];
+    PetscInt  index = s;
 
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      y[a] = x[a] + SceneCellSide(scene, a) * ((index % SAMPLES + 0.5) / SAMPLES - 0.5);
+      index /= SAMPLES;
+    }
     if (!IsInFluid(scene, y)) continue;
     sum += 1.0 / SceneViscosityAt(scene, y);
     n++;
@@ -81,6 +85,8 @@ PetscReal SceneViscosity(const Scene *scene, const PetscReal x[])
 */
 PetscErrorCode SceneBoundViscosity(Scene *scene)
 {
+  PetscInt64 cells = 1;
+
   PetscFunctionBegin;
   scene->nu_low = scene->nu_high = scene->nu;
   if (!SceneIsNewtonian(scene)) {
@@ -91,20 +97,23 @@ PetscErrorCode SceneBoundViscosity(Scene *scene)
   if (!SceneViscosityVaries(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   scene->nu_low  = PETSC_MAX_REAL;
   scene->nu_high = 0.0;
-  for (PetscInt row = 0; row < scene->cells[1]; row++) {
-    for (PetscInt column = 0; column < scene->cells[0]; column++) {
-      const PetscReal x[2] = {scene->lo[0] + (column + 0.5) * SceneCellSide(scene, 0),
-                              scene->lo[1] + (row + 0.5) * SceneCellSide(scene, 1)};
-      PetscReal       nu;
+  for (PetscInt a = 0; a < scene->dim; a++) cells *= scene->cells[a];
+  for (PetscInt64 c = 0; c < cells; c++) {
+    PetscReal  x[ISPH_MAX_DIM], nu;
+    PetscInt64 index = c;
+    char       place[PLACE_TEXT];
 
-      if (!IsInFluid(scene, x)) continue;
-      nu = SceneViscosityAt(scene, x);
-      if (nu <= 0.0) PetscCall(ExpressionScopeCheck(scene->scope)); /* 0 may stand for NaN */
-      UserCheck(nu > 0.0, "-viscosity_field: it is %.6g at (%.4g, %.4g), and must be positive",
-                (double)nu, (double)x[0], (double)x[1]);
-      scene->nu_low  = PetscMin(scene->nu_low, nu);
-      scene->nu_high = PetscMax(scene->nu_high, nu);
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      x[a] = scene->lo[a] + ((PetscReal)(index % scene->cells[a]) + 0.5) * SceneCellSide(scene, a);
+      index /= scene->cells[a];
     }
+    if (!IsInFluid(scene, x)) continue;
+    nu = SceneViscosityAt(scene, x);
+    if (nu <= 0.0) PetscCall(ExpressionScopeCheck(scene->scope)); /* 0 may stand for NaN */
+    UserCheck(nu > 0.0, "-viscosity_field: it is %.6g at (%s), and must be positive", (double)nu,
+              ScenePlaceText(scene, x, place));
+    scene->nu_low  = PetscMin(scene->nu_low, nu);
+    scene->nu_high = PetscMax(scene->nu_high, nu);
   }
   if (scene->nu_high == 0.0) { /* no centre is in the fluid */
     scene->nu_low  = scene->nu;

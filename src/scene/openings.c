@@ -58,7 +58,7 @@ static const OptionRow options[] = {
         {
             .name     = "-scene_outflow_<side>_pressure",
             .kind     = VALUE_EXPRESSION,
-            .brief    = "pressure on an outflow side, of x, y, t",
+            .brief    = "pressure on an outflow side, of x, y[, z], t",
             .unit     = "Pa",
             .standard = "0",
             .places   = BoxSides,
@@ -67,17 +67,20 @@ static const OptionRow options[] = {
     [OPENING] =
         {
             .name = "-scene_opening_<side>",
-            .kind = VALUE_REALS,
+            .kind = VALUE_SHAPE,
             .brief =
-                "part a,b of an inflow side through which fluid enters, along the side; the rest "
-                "of the side is a wall",
+                "part of an inflow side through which fluid enters, the rest is a wall: a,b along "
+                "the side; in 3D a shape of 2D in the axes along the side, as circle,0.5,0.5,0.1",
             .unit     = "m",
             .standard = "the whole side",
+            .table_3d = &ShapeTable,
             .places   = BoxSides,
             .where    = "-case scene, sides that are inflows",
         },
 };
 const OptionTable OpeningOptions = OPTIONS("Openings of typed scenes", options);
+
+#define PARTS 8 /* of an edge of a cell, with which the open part of the cell is found in 3D */
 
 /* SceneHasOpenings - Returns true if particles enter or leave the box; not collective */
 PetscBool SceneHasOpenings(const Scene *scene)
@@ -88,35 +91,95 @@ PetscBool SceneHasOpenings(const Scene *scene)
              : PETSC_FALSE;
 }
 
+/* Gets the axes along a side, in order; returns their number. */
+static PetscInt AlongSide(const Scene *scene, PetscInt side, PetscInt axis[2])
+{
+  PetscInt n = 0;
+
+  for (PetscInt a = 0; a < scene->dim; a++)
+    if (a != side / 2) axis[n++] = a;
+  return n;
+}
+
+/* Returns the distance of a point of an inflow side from the edge of its opening, positive inside
+   [m]; computes the direction out of the opening along the side. */
+static PetscReal OpeningDepth(const Scene *scene, PetscInt side, const PetscReal x[],
+                              PetscReal out[ISPH_MAX_DIM])
+{
+  const Boundary *boundary = &scene->boundary[side];
+  PetscInt        axis[2];
+  PetscReal       low, high, depth, at[2], normal[2];
+
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) out[a] = 0.0;
+  if (AlongSide(scene, side, axis) == 1) {
+    low          = x[axis[0]] - boundary->opening[0];
+    high         = boundary->opening[1] - x[axis[0]];
+    out[axis[0]] = low < high ? -1.0 : 1.0;
+    return PetscMin(low, high);
+  }
+  if (!boundary->hole.shape) return PETSC_INFINITY;
+  for (PetscInt m = 0; m < 2; m++) at[m] = x[axis[m]];
+  depth = -boundary->hole.shape->Distance(&boundary->hole, at, normal);
+  for (PetscInt m = 0; m < 2; m++) out[axis[m]] = normal[m];
+  return depth;
+}
+
 /* BoundaryIsOpen - Returns true if fluid can enter through the side at x; not collective */
 PetscBool BoundaryIsOpen(const Scene *scene, PetscInt side, const PetscReal x[])
 {
-  return BoundaryOpenPart(scene, side, x, 0.0) > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  PetscReal out[ISPH_MAX_DIM];
+
+  return BoundaryIs(scene, side, BOUNDARY_INFLOW) && OpeningDepth(scene, side, x, out) >= 0.0
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* BoundaryIntoOpening - Moves a point of an inflow side into its opening; not collective */
+void BoundaryIntoOpening(const Scene *scene, PetscInt side, PetscReal x[])
+{
+  PetscReal       out[ISPH_MAX_DIM];
+  const PetscReal depth = OpeningDepth(scene, side, x, out) - SCENE_ON_SURFACE * scene->dx;
+
+  for (PetscInt a = 0; depth < 0.0 && a < scene->dim; a++) x[a] += depth * out[a];
 }
 
 /*
-  BoundaryOpenPart - Returns the part of a piece of a side, about x and of the given length, through
-  which fluid can enter [-]
+  BoundaryOpenPart - Returns the part of a cell about x on a side through which fluid can enter [-]
 
-  Not collective. A piece without length is a point, whose part is 0 or 1.
+  Not collective. It is exact in 2D. In 3D it is a sum over parts of the cell, each cut by the
+  tangent of the edge of the opening.
 */
-PetscReal BoundaryOpenPart(const Scene *scene, PetscInt side, const PetscReal x[], PetscReal length)
+PetscReal BoundaryOpenPart(const Scene *scene, PetscInt side, const PetscReal x[])
 {
   const PetscReal *opening = scene->boundary[side].opening;
-  PetscReal        open, at;
+  PetscInt         axis[2];
+  PetscReal        sum = 0.0, out[ISPH_MAX_DIM];
 
   if (!BoundaryIs(scene, side, BOUNDARY_INFLOW)) return 0.0;
-  at = x[1 - side / 2];
-  if (length == 0.0) return at >= opening[0] && at <= opening[1] ? 1.0 : 0.0;
-  open = PetscMin(at + 0.5 * length, opening[1]) - PetscMax(at - 0.5 * length, opening[0]);
-  return PetscMax(open / length, 0.0);
+  if (AlongSide(scene, side, axis) == 1) {
+    const PetscReal half = 0.5 * SceneCellSide(scene, axis[0]), at = x[axis[0]];
+
+    sum = PetscMin(at + half, opening[1]) - PetscMax(at - half, opening[0]);
+    return PetscMax(0.5 * sum / half, 0.0);
+  }
+  for (PetscInt k = 0; k < PARTS * PARTS; k++) {
+    PetscReal y[ISPH_MAX_DIM], part = 0.0;
+
+    y[side / 2] = x[side / 2];
+    for (PetscInt m = 0; m < 2; m++) {
+      part       = SceneCellSide(scene, axis[m]) / PARTS;
+      y[axis[m]] = x[axis[m]] + ((m ? k / PARTS : k % PARTS) - 0.5 * (PARTS - 1)) * part;
+    }
+    sum += PetscMin(PetscMax(0.5 + OpeningDepth(scene, side, y, out) / part, 0.0), 1.0);
+  }
+  return sum / (PARTS * PARTS);
 }
 
 /*
   InflowPressureSlope - Returns the share of viscosity and convection in n.grad p on an inflow
   [Pa/m]
 
-    rho (nu d^2 u_n/ds^2 - u_s du_n/ds + u_n du_s/ds),   s: along the side
+    rho (nu lap_s u_n - u_s.grad_s u_n + u_n div_s u_s),   s: along the side
 
   Not collective. The last term is -u_n du_n/dn by div u = 0; d^2 u_n/dn^2 is not known and left
   out. The derivatives are centred differences over 1e-3 of the side.
@@ -124,69 +187,95 @@ PetscReal BoundaryOpenPart(const Scene *scene, PetscInt side, const PetscReal x[
 PetscReal InflowPressureSlope(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[])
 {
   const Expression *velocity = &scene->boundary[side].velocity;
-  const PetscInt    normal = side / 2, along = 1 - normal;
-  const PetscReal   step = 1e-3 * (scene->hi[along] - scene->lo[along]);
-  PetscReal         u[3][2], slope[2], curve;
+  const PetscInt    normal   = side / 2;
+  PetscInt          axis[2];
+  const PetscInt    n  = AlongSide(scene, side, axis);
+  const PetscReal   nu = SceneHas(scene, PHYSICS_VISCOSITY) ? SceneViscosityAt(scene, x) : 0.0;
+  const PetscReal   convects = SceneHas(scene, PHYSICS_CONVECTION) ? 1.0 : 0.0;
+  PetscReal         sum      = 0.0;
 
   if (!BoundaryIsOpen(scene, side, x)) return 0.0;
-  for (PetscInt k = 0; k < 3; k++) {
-    PetscReal at[ISPH_MAX_DIM] = {x[0], x[1], 0.0};
+  for (PetscInt m = 0; m < n; m++) {
+    const PetscInt  along = axis[m];
+    const PetscReal step  = 1e-3 * (scene->hi[along] - scene->lo[along]);
+    PetscReal       u[3][2]; /* normal component, and that along this axis */
 
-    at[along] += (k - 1) * step;
-    for (PetscInt c = 0; c < 2; c++) u[k][c] = ExpressionValue(velocity, c, t, at);
+    for (PetscInt k = 0; k < 3; k++) {
+      PetscReal at[ISPH_MAX_DIM] = {0.0};
+
+      for (PetscInt a = 0; a < scene->dim; a++) at[a] = x[a];
+      at[along] += (k - 1) * step;
+      u[k][0] = ExpressionValue(velocity, normal, t, at);
+      u[k][1] = ExpressionValue(velocity, along, t, at);
+    }
+    sum += nu * (u[2][0] - 2.0 * u[1][0] + u[0][0]) / PetscSqr(step);
+    sum += convects * (u[1][0] * (u[2][1] - u[0][1]) - u[1][1] * (u[2][0] - u[0][0])) * 0.5 / step;
   }
-  for (PetscInt c = 0; c < 2; c++) slope[c] = 0.5 * (u[2][c] - u[0][c]) / step;
-  curve = (u[2][normal] - 2.0 * u[1][normal] + u[0][normal]) / PetscSqr(step);
-  curve *= SceneHas(scene, PHYSICS_VISCOSITY) ? SceneViscosityAt(scene, x) : 0.0;
-  if (SceneHas(scene, PHYSICS_CONVECTION))
-    curve += u[1][normal] * slope[along] - u[1][along] * slope[normal];
-  return (side % 2 ? -1.0 : 1.0) * scene->rho * curve;
+  return (side % 2 ? -1.0 : 1.0) * scene->rho * sum;
 }
 
-/* Reads the opening of an inflow side. */
-static PetscErrorCode ReadOpening(Scene *scene, PetscInt side)
+/* Reads the opening a,b of an inflow side in 2D. */
+static PetscErrorCode ReadInterval(Scene *scene, PetscInt side, const OptionRow *row)
 {
-  const PetscInt along   = 1 - side / 2;
-  PetscReal     *opening = scene->boundary[side].opening;
-  char           name[OPTION_LENGTH];
-  OptionRow      row;
-  PetscInt       n;
-  PetscBool      given;
+  PetscReal *opening = scene->boundary[side].opening;
+  PetscInt   axis[2], n;
+  PetscBool  given;
 
   PetscFunctionBegin;
-  opening[0] = scene->lo[along];
-  opening[1] = scene->hi[along];
-  OptionFill(&options[OPENING], BoxSides[side], name, &row);
-  PetscCall(OptionGetReals(&row, 2, opening, &n, &given));
+  (void)AlongSide(scene, side, axis);
+  opening[0] = scene->lo[axis[0]];
+  opening[1] = scene->hi[axis[0]];
+  PetscCall(OptionGetReals(row, 2, opening, &n, &given));
   if (!given) PetscFunctionReturn(PETSC_SUCCESS);
-  UserCheck(n == 2, "%s: 2 numbers are required, got %" PetscInt_FMT, name, n);
-  UserCheck(opening[0] >= scene->lo[along] && opening[1] <= scene->hi[along] &&
+  UserCheck(n == 2, "%s: 2 numbers are required, got %" PetscInt_FMT, row->name, n);
+  UserCheck(opening[0] >= scene->lo[axis[0]] && opening[1] <= scene->hi[axis[0]] &&
                 opening[1] - opening[0] >= 2.0 * scene->dx,
-            "%s %.6g,%.6g: an opening is at least 2 dx = %.4g wide and inside %.6g to %.6g", name,
-            (double)opening[0], (double)opening[1], (double)(2.0 * scene->dx),
-            (double)scene->lo[along], (double)scene->hi[along]);
+            "%s %.6g,%.6g: an opening is at least 2 dx = %.4g wide and inside %.6g to %.6g",
+            row->name, (double)opening[0], (double)opening[1], (double)(2.0 * scene->dx),
+            (double)scene->lo[axis[0]], (double)scene->hi[axis[0]]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads the opening of an inflow side in 3D. */
+static PetscErrorCode ReadHole(Scene *scene, PetscInt side, const OptionRow *row)
+{
+  Body     *hole = &scene->boundary[side].hole;
+  PetscInt  axis[2];
+  PetscBool given;
+
+  PetscFunctionBegin;
+  PetscCall(ShapeReadPlane(scene, row, hole, &given));
+  (void)AlongSide(scene, side, axis);
+  for (PetscInt m = 0; given && m < 2; m++) {
+    PetscReal span[2];
+
+    BodySpan(hole, m, span);
+    UserCheck(span[0] >= scene->lo[axis[m]] && span[1] <= scene->hi[axis[m]] &&
+                  span[1] - span[0] >= 2.0 * scene->dx,
+              "%s: from %.6g to %.6g along %s; an opening is at least 2 dx = %.4g wide and inside "
+              "%.6g to %.6g",
+              row->name, (double)span[0], (double)span[1], BoxAxes[axis[m]],
+              (double)(2.0 * scene->dx), (double)scene->lo[axis[m]], (double)scene->hi[axis[m]]);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Refuses an inflow whose velocity at time t leaves the box somewhere. */
 static PetscErrorCode CheckEntering(const Scene *scene, PetscInt side, PetscReal t)
 {
-  const PetscInt   normal = side / 2, along = 1 - normal;
-  const PetscReal *opening = scene->boundary[side].opening;
-
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < 1000; k++) {
-    PetscReal x[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM], entering;
+  for (PetscInt k = 0; k < SideSamples(scene, side); k++) {
+    PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM];
+    char      place[PLACE_TEXT];
 
-    x[normal] = side % 2 ? scene->hi[normal] : scene->lo[normal];
-    x[along]  = opening[0] + (k + 0.5) * (opening[1] - opening[0]) / 1000.0;
+    (void)SideSample(scene, side, k, x);
+    if (!BoundaryIsOpen(scene, side, x)) continue;
     SceneWallVelocity(scene, side, t, x, u);
-    entering = side % 2 ? -u[normal] : u[normal];
     UserCheck(
-        entering >= 0.0,
-        "-scene_wall_%s_velocity: at (%.4g, %.4g), t = %.3g s fluid leaves through the inflow; "
-        "allowed are velocities into the box; use -scene_outflow where fluid leaves",
-        BoxSides[side], (double)x[0], (double)x[1], (double)t);
+        SideEntering(side, u) >= 0.0,
+        "-scene_wall_%s_velocity: at (%s), t = %.3g s fluid leaves through the inflow; allowed are "
+        "velocities into the box; use -scene_outflow where fluid leaves",
+        BoxSides[side], ScenePlaceText(scene, x, place), (double)t);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -198,7 +287,7 @@ static PetscErrorCode CheckEntering(const Scene *scene, PetscInt side, PetscReal
   Collective.
 
   Options Database Keys:
-+ -scene_opening_<side> a,b      - part of the side through which fluid enters [m]
++ -scene_opening_<side> a,b      - part of the side through which fluid enters [m]; in 3D a shape
 - -scene_outflow_<side>_pressure - pressure on the side [Pa] (x, y, t)
 
   Errors: openings that are not part of the side, and velocities out of the box end the run
@@ -206,7 +295,7 @@ static PetscErrorCode CheckEntering(const Scene *scene, PetscInt side, PetscReal
 PetscErrorCode SceneReadOpenings(Scene *scene)
 {
   PetscFunctionBegin;
-  for (PetscInt side = 0; side < 4; side++) {
+  for (PetscInt side = 0; side < 2 * scene->dim; side++) {
     char      name[OPTION_LENGTH];
     OptionRow row;
 
@@ -216,7 +305,8 @@ PetscErrorCode SceneReadOpenings(Scene *scene)
                               &scene->boundary[side].pressure, NULL));
     }
     if (!BoundaryIs(scene, side, BOUNDARY_INFLOW)) continue;
-    PetscCall(ReadOpening(scene, side));
+    OptionFill(&options[OPENING], BoxSides[side], name, &row);
+    PetscCall(scene->dim == 2 ? ReadInterval(scene, side, &row) : ReadHole(scene, side, &row));
     PetscCall(CheckEntering(scene, side, 0.0));
     PetscCall(CheckEntering(scene, side, 0.125 * scene->length / scene->speed));
   }

@@ -7,6 +7,16 @@
 const char *const PhysicsNames[PHYSICS_COUNT + 1] = {"viscosity", "pressure",   "convection",
                                                      "walls",     "body_force", NULL};
 
+/* ScenePlaceText - Writes the coordinates of x, separated by commas; returns the text; not
+   collective */
+const char *ScenePlaceText(const Scene *scene, const PetscReal x[], char text[PLACE_TEXT])
+{
+  if (scene->dim == 2) (void)snprintf(text, PLACE_TEXT, "%.4g, %.4g", (double)x[0], (double)x[1]);
+  else
+    (void)snprintf(text, PLACE_TEXT, "%.4g, %.4g, %.4g", (double)x[0], (double)x[1], (double)x[2]);
+  return text;
+}
+
 /* SceneHas - Returns true if the run computes this physics */
 PetscBool SceneHas(const Scene *scene, Physics what)
 {

@@ -1,12 +1,12 @@
 /*
   Shapes of bodies in the plane, defined by a signed distance and by points along the surface. A new
-  shape is five functions and a row of the table at the end.
+  shape is five functions, a row and an entry of the table at the end.
 */
-#include "isph/scene.h"
+#include "shapes.h"
 
-/* Returns the number of points dx apart on a line, at least `fewest`; bounded, so that a body can
-   add up its lines. */
-static PetscInt LineCount(PetscReal length, PetscReal dx, PetscInt fewest)
+/* ShapeLineCount - Returns the number of points dx apart on a line, at least `fewest`; bounded, so
+   that a body can add up its lines; not collective */
+PetscInt ShapeLineCount(PetscReal length, PetscReal dx, PetscInt fewest)
 {
   const PetscReal most = (PetscReal)(PETSC_INT_MAX / BODY_PARAMETERS);
 
@@ -40,7 +40,7 @@ static PetscReal CircleDistance(const Body *body, const PetscReal x[], PetscReal
 
 static PetscInt CircleCount(const Body *body, PetscReal dx)
 {
-  return LineCount(2.0 * PETSC_PI * body->parameter[2], dx, 8);
+  return ShapeLineCount(2.0 * PETSC_PI * body->parameter[2], dx, 8);
 }
 
 static PetscReal CirclePoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[],
@@ -132,8 +132,9 @@ static const char *PolygonPrepare(Body *body)
   return NULL;
 }
 
-/* Replaces the two opposite corners of a box by its four corners, as a polygon. */
-static const char *BoxPrepare(Body *body)
+/* ShapeBoxPrepare - Replaces the two opposite corners of a box by its four corners, as a polygon;
+   returns NULL or a fault; not collective */
+const char *ShapeBoxPrepare(Body *body)
 {
   PetscReal      *c      = body->parameter;
   const PetscReal box[8] = {c[0], c[1], c[2], c[1], c[2], c[3], c[0], c[3]};
@@ -188,7 +189,7 @@ static PetscInt EdgeCount(const Body *body, PetscInt e, PetscReal dx)
 {
   const PetscReal *a, *b;
 
-  return LineCount(Edge(body, e, &a, &b), dx, 1);
+  return ShapeLineCount(Edge(body, e, &a, &b), dx, 1);
 }
 
 static PetscInt PolygonCount(const Body *body, PetscReal dx)
@@ -216,213 +217,45 @@ static PetscReal PolygonPoint(const Body *body, PetscInt k, PetscReal dx, PetscR
   return length / n;
 }
 
-static const ShapeRow shapes[] = {
-    {
-        .name     = "circle",
-        .brief    = "cx,cy,r",
-        .citation = "",
-        .fewest   = 3,
-        .most     = 3,
-        .round    = PETSC_TRUE,
-        .Prepare  = CirclePrepare,
-        .Span     = CircleSpan,
-        .Distance = CircleDistance,
-        .Count    = CircleCount,
-        .Point    = CirclePoint,
-    },
-    {
-        .name     = "box",
-        .brief    = "x0,y0,x1,y1: two opposite corners",
-        .citation = "",
-        .fewest   = 4,
-        .most     = 4,
-        .Prepare  = BoxPrepare,
-        .Span     = PolygonSpan,
-        .Distance = PolygonDistance,
-        .Count    = PolygonCount,
-        .Point    = PolygonPoint,
-    },
-    {
-        .name     = "polygon",
-        .brief    = "x0,y0,x1,y1,...: 3 to 32 corners in order",
-        .citation = "",
-        .fewest   = 6,
-        .most     = BODY_PARAMETERS,
-        .Prepare  = PolygonPrepare,
-        .Span     = PolygonSpan,
-        .Distance = PolygonDistance,
-        .Count    = PolygonCount,
-        .Point    = PolygonPoint,
-    },
+const ShapeRow ShapeCircle = {
+    .name     = "circle",
+    .brief    = "cx,cy,r",
+    .citation = "",
+    .fewest   = 3,
+    .most     = 3,
+    .round    = PETSC_TRUE,
+    .Prepare  = CirclePrepare,
+    .Span     = CircleSpan,
+    .Distance = CircleDistance,
+    .Count    = CircleCount,
+    .Point    = CirclePoint,
 };
-const Table ShapeTable = TABLE("Shapes of bodies and fluids", shapes);
 
-/*
-  BodySet - Sets a body from the numbers of its shape [m]
+static const ShapeRow box = {
+    .name     = "box",
+    .brief    = "x0,y0,x1,y1: two opposite corners",
+    .citation = "",
+    .fewest   = 4,
+    .most     = 4,
+    .Prepare  = ShapeBoxPrepare,
+    .Span     = PolygonSpan,
+    .Distance = PolygonDistance,
+    .Count    = PolygonCount,
+    .Point    = PolygonPoint,
+};
 
-  Not collective. The fluid is outside the body. Its centre, about which it may rotate, is the
-  centroid of its area. Returns: NULL, or a message about the wrong numbers.
-*/
-const char *BodySet(Body *body, const ShapeRow *shape, PetscInt n, const PetscReal number[])
-{
-  *body = (Body){.shape = shape, .n = n};
-  for (PetscInt k = 0; k < n; k++) body->parameter[k] = number[k];
-  return shape->Prepare(body);
-}
+const ShapeRow ShapePolygon = {
+    .name     = "polygon",
+    .brief    = "x0,y0,x1,y1,...: 3 to 32 corners in order",
+    .citation = "",
+    .fewest   = 6,
+    .most     = BODY_PARAMETERS,
+    .Prepare  = PolygonPrepare,
+    .Span     = PolygonSpan,
+    .Distance = PolygonDistance,
+    .Count    = PolygonCount,
+    .Point    = PolygonPoint,
+};
 
-/* BodyCircle - Sets a body to a circle of radius r > 0 about (x, y) [m]; not collective */
-void BodyCircle(Body *body, PetscReal x, PetscReal y, PetscReal r)
-{
-  const PetscReal number[3] = {x, y, r};
-
-  (void)BodySet(body, &shapes[0], 3, number);
-}
-
-/* BodyPolygon - Sets a body to a polygon with 3 to 32 corners x, y [m]; returns NULL or a fault;
-   not collective */
-const char *BodyPolygon(Body *body, PetscInt corners, const PetscReal x[])
-{
-  return BodySet(body, &shapes[2], 2 * corners, x);
-}
-
-/* BodySpan - Computes the least and largest coordinate of a body along an axis of the plane, or
-   along any axis if it revolves [m] */
-void BodySpan(const Body *body, PetscInt axis, PetscReal span[2])
-{
-  body->shape->Span(body, body->revolves ? axis / 2 : axis, span);
-  if (body->revolves && axis < 2) span[0] = -span[1];
-}
-
-/* BodyLines - Computes the coordinates of the corners of a body along an axis of the plane [m];
-   returns their number, 0 unless all edges are lines along the axes; not collective */
-PetscInt BodyLines(const Body *body, PetscInt axis, PetscReal line[])
-{
-  if (body->shape->round || body->revolves) return 0;
-  for (PetscInt e = 0; e < Corners(body); e++) {
-    const PetscReal *a, *b;
-
-    (void)Edge(body, e, &a, &b);
-    if (a[0] != b[0] && a[1] != b[1]) return 0;
-    line[e] = a[axis];
-  }
-  return Corners(body);
-}
-
-/*
-  BodyThickness - Returns the least thickness of a body between opposite surfaces [m]
-
-  Not collective. Searches inwards in steps of dx/4 from surface points dx apart. The two surfaces
-  at the tip of a wedge count as opposite only if its angle is less than about 50 degrees. Input:
-  limit - largest distance of the search. Output: place - surface point at the least thickness.
-  Returns: limit if the body is nowhere thinner, and for bodies around the fluid.
-*/
-PetscReal BodyThickness(const Body *body, PetscReal dx, PetscReal limit, PetscReal place[2])
-{
-  PetscReal thinnest = limit;
-
-  for (PetscInt k = 0; !body->around && k < BodyPoints(body, dx); k++) {
-    PetscReal x[ISPH_MAX_DIM], out[ISPH_MAX_DIM], y[2], other[ISPH_MAX_DIM], beyond = -1.0;
-
-    (void)BodyPoint(body, k, dx, x, out);
-    for (PetscReal s = 0.25 * dx; beyond <= 0.0 && s < limit + 0.25 * dx; s += 0.25 * dx) {
-      for (PetscInt a = 0; a < 2; a++) y[a] = x[a] - s * out[a];
-      beyond = body->shape->Distance(body, y, other);
-      if (beyond <= 0.0 || s - beyond >= thinnest || other[0] * out[0] + other[1] * out[1] > -0.6)
-        continue;
-      thinnest = s - beyond;
-      place[0] = x[0];
-      place[1] = x[1];
-    }
-  }
-  return thinnest;
-}
-
-/*
-  Returns the signed distance of x from the nearest periodic image of a body, positive outside its
-  outline, also for a body around the fluid [m]. Output: y - x shifted by periods, so that its
-  position relative to the body is the position of x relative to that image; normal - out of the
-  outline.
-*/
-static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscReal x[],
-                              PetscReal y[2], PetscReal normal[])
-{
-  PetscReal base[2], step[2] = {0.0, 0.0}, best = PETSC_INFINITY;
-
-  for (PetscInt a = 0; a < 2; a++) {
-    const PetscReal period = scene->hi[a] - scene->lo[a];
-    PetscReal       span[2], middle;
-
-    base[a] = x[a];
-    if (!SceneIsPeriodic(scene, a)) continue;
-    BodySpan(body, a, span);
-    middle = 0.5 * (span[0] + span[1]);
-    base[a] -= period * PetscFloorReal((x[a] - middle) / period + 0.5);
-    step[a] = base[a] > middle ? -period : period; /* to the image on the other side of x */
-  }
-  for (PetscInt image = 0; image < 4; image++) {
-    const PetscReal z[2] = {base[0] + (image % 2) * step[0], base[1] + (image / 2) * step[1]};
-    PetscReal       distance, n[ISPH_MAX_DIM] = {0.0};
-
-    if ((image % 2 && step[0] == 0.0) || (image / 2 && step[1] == 0.0)) continue;
-    distance = body->shape->Distance(body, z, n);
-    if (distance >= best) continue;
-    best = distance;
-    for (PetscInt a = 0; a < 2; a++) y[a] = z[a];
-    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) normal[a] = n[a];
-  }
-  return best;
-}
-
-/*
-  BodyArm - Computes the vector from the centre of a body to x [m]
-
-  Not collective. In a periodic box the image of the body nearest to x is used.
-*/
-void BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2])
-{
-  PetscReal normal[ISPH_MAX_DIM];
-
-  (void)NearestImage(scene, body, x, arm, normal);
-  for (PetscInt a = 0; a < 2; a++) arm[a] -= body->centre[a];
-}
-
-/*
-  BodyDistance - Returns the distance from the surface of a body, positive in the fluid [m]
-
-  Not collective. In a periodic box the nearest image of the body is used, but not of a ball
-  or of a body that revolves. Output: normal - into the fluid, at the surface point nearest to x.
-*/
-PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
-                       PetscReal normal[])
-{
-  PetscReal y[2];
-  PetscReal distance;
-
-  if (body->revolves || (body->ball && scene->dim == 3)) return BodyRevolved(body, x, normal);
-  distance = NearestImage(scene, body, x, y, normal);
-  if (!body->around) return distance;
-  for (PetscInt a = 0; a < 2; a++) normal[a] = -normal[a];
-  return -distance;
-}
-
-/* BodyPoints - Returns the number of surface points dx apart; not collective */
-PetscInt BodyPoints(const Body *body, PetscReal dx)
-{
-  return body->shape->Count(body, dx);
-}
-
-/*
-  BodyPoint - Computes point k of the BodyPoints() points on the surface of a body
-
-  Not collective. Output: x - the point [m]; normal - into the fluid. Returns: the length of surface
-  that belongs to the point [m].
-*/
-PetscReal BodyPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], PetscReal normal[])
-{
-  PetscReal length;
-
-  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) normal[a] = 0.0;
-  length = body->shape->Point(body, k, dx, x, normal);
-  for (PetscInt a = 0; body->around && a < 2; a++) normal[a] = -normal[a];
-  return length;
-}
+static const ShapeRow *const shapes[] = {&ShapeCircle, &box, &ShapePolygon};
+const Table ShapeTable = TABLE_OF_POINTERS("Shapes of bodies and fluids in 2D", shapes);

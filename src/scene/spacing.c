@@ -129,9 +129,7 @@ void SceneSizes(const Scene *scene, const PetscReal x[], PetscReal *dx, PetscRea
    at its centre, or the smallest one of isotropic grading [m] */
 PetscReal BodySpacing(const Scene *scene, const Body *body)
 {
-  const PetscReal x[ISPH_MAX_DIM] = {body->centre[0], body->centre[1]};
-
-  return scene->grading.on ? scene->grading.least : SceneSpacing(scene, x);
+  return scene->grading.on ? scene->grading.least : SceneSpacing(scene, body->centre);
 }
 
 /* SceneCoarsest - Returns the largest spacing or edge of a cell anywhere, which bounds supports [m]
@@ -222,6 +220,7 @@ static const char *GradingFault(const Scene *scene)
     return "particles that move between walls keep the spacing of lattices only; use -spacing_wall "
            "alone, or -motion eulerian";
   if (SceneViscosityVaries(scene)) return "a viscosity that varies needs a uniform spacing";
+  if (scene->n_bodies && scene->dim == 3) return "bodies in 3D need a uniform spacing";
   if (scene->jitter > 0.0) return "-jitter displaces a lattice, and there is none";
   if (scene->grading.growth > 0.0 && !SceneHasBoundary(scene, BOUNDARY_NO_SLIP))
     return "this scene has no walls";

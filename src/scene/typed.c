@@ -23,18 +23,18 @@ static const OptionRow options[] = {
         {
             .name     = "-scene_box",
             .kind     = VALUE_REALS,
-            .brief    = "corners of the box, x0,y0,x1,y1",
+            .brief    = "corners of the box, x0,y0,x1,y1; in 3D x0,y0,z0,x1,y1,z1",
             .unit     = "m",
-            .standard = "0,0,L,L",
+            .standard = "0,0,L,L; 0,0,0,L,L,L",
             .where    = "-case scene",
         },
     [WALL_VELOCITY] =
         {
             .name     = "-scene_wall_<side>_velocity",
             .kind     = VALUE_EXPRESSION,
-            .brief    = "velocity u,v of a side of the box, of x, y, t",
+            .brief    = "velocity u,v[,w] of a side of the box, of x, y[, z], t",
             .unit     = "m/s",
-            .standard = "0,0",
+            .standard = "0",
             .places   = BoxSides,
             .where    = "-case scene, sides that are walls or inflows",
         },
@@ -42,26 +42,28 @@ static const OptionRow options[] = {
         {
             .name  = "-scene_body_<k>",
             .kind  = VALUE_SHAPE,
-            .brief = "a solid body: circle,cx,cy,r or box,x0,y0,x1,y1 or "
-                     "polygon,x0,y0,...; bodies are numbered 1, 2, ...",
+            .brief = "a solid body: circle,cx,cy,r or box,x0,y0,x1,y1 or polygon,x0,y0,...; in 3D "
+                     "ball,cx,cy,cz,r or box,x0,y0,z0,x1,y1,z1 or, through the box along z, "
+                     "cylinder,cx,cy,r or prism,x0,y0,...; bodies are numbered 1, 2, ...",
             .unit  = "m",
             .table = &ShapeTable,
-            .where = "-case scene",
+            .table_3d = &SolidTable,
+            .where    = "-case scene",
         },
     [BODY_VELOCITY] =
         {
             .name     = "-scene_body_<k>_velocity",
             .kind     = VALUE_EXPRESSION,
-            .brief    = "velocity u,v of the surface of a body, of t",
+            .brief    = "velocity u,v[,w] of the surface of a body, of t",
             .unit     = "m/s",
-            .standard = "0,0",
+            .standard = "0",
             .where    = "-case scene, bodies that are given",
         },
     [BODY_ROTATION] =
         {
             .name     = "-scene_body_<k>_rotation",
             .kind     = VALUE_EXPRESSION,
-            .brief    = "rotation rate of the surface of a body about its centre, of t",
+            .brief    = "rotation rate of the surface of a body about its centre, about z, of t",
             .unit     = "rad/s",
             .standard = "0",
             .where    = "-case scene, bodies that are given",
@@ -85,18 +87,19 @@ static const OptionRow options[] = {
             .unit  = "m",
             .standard = "the whole box",
             .table    = &ShapeTable,
+            .table_3d = &SolidTable,
             .where    = "-case scene",
         },
     [FLUID] =
         {
-            .name  = "-scene_fluid_<k>",
-            .kind  = VALUE_SHAPE,
-            .brief = "region of another fluid at the start: circle,cx,cy,r or box,x0,y0,x1,y1 or "
-                     "polygon,x0,y0,...; fluids are numbered 1, 2, ..., and a later region "
-                     "covers an earlier one",
-            .unit  = "m",
-            .table = &ShapeTable,
-            .where = "-case scene",
+            .name     = "-scene_fluid_<k>",
+            .kind     = VALUE_SHAPE,
+            .brief    = "region of another fluid at the start, a shape as of bodies; fluids are "
+                        "numbered 1, 2, ..., and a later region covers an earlier one",
+            .unit     = "m",
+            .table    = &ShapeTable,
+            .table_3d = &SolidTable,
+            .where    = "-case scene",
         },
     [FLUID_VISCOSITY] =
         {
@@ -111,7 +114,7 @@ static const OptionRow options[] = {
         {
             .name     = "-viscosity_field",
             .kind     = VALUE_EXPRESSION,
-            .brief    = "kinematic viscosity outside the regions of other fluids, of x, y",
+            .brief    = "kinematic viscosity outside the regions of other fluids, of x, y[, z]",
             .unit     = "m^2/s",
             .standard = "-viscosity",
             .where    = "-case scene",
@@ -120,17 +123,18 @@ static const OptionRow options[] = {
         {
             .name     = "-scene_velocity",
             .kind     = VALUE_EXPRESSION,
-            .brief    = "velocity u,v at the start, of x, y",
+            .brief    = "velocity u,v[,w] at the start, of x, y[, z]",
             .unit     = "m/s",
             .standard = "-scene_exact at t = 0, or rest",
             .where    = "-case scene",
         },
     [EXACT] =
         {
-            .name  = "-scene_exact",
-            .kind  = VALUE_EXPRESSION,
-            .brief = "reference solution u,v[,p], of x, y, t: the flow starts from it, "
-                     "and errors are reported",
+            .name = "-scene_exact",
+            .kind = VALUE_EXPRESSION,
+            .brief =
+                "reference solution u,v[,w][,p], of x, y[, z], t: the flow starts from it, and "
+                "errors are reported",
             .unit  = "m/s, Pa",
             .where = "-case scene",
         },
@@ -149,14 +153,15 @@ static PetscErrorCode CheckBodyMotion(const Scene *scene, const Boundary *bounda
 
   PetscFunctionBegin;
   if (!SceneHas(scene, PHYSICS_CONVECTION)) PetscFunctionReturn(PETSC_SUCCESS);
-  UserCheck((v->uses[0] || v->value[0] == 0.0) && (v->uses[1] || v->value[1] == 0.0),
-            "%s: bodies stay where they are, and a steady velocity would carry fluid through the "
-            "surface; allowed are 0,0, expressions of t for motions small against the body, and "
-            "-without convection",
-            v->option);
+  for (PetscInt a = 0; a < scene->dim; a++)
+    UserCheck(v->uses[a] || v->value[a] == 0.0,
+              "%s: bodies stay where they are, and a steady velocity would carry fluid through the "
+              "surface; allowed are 0, expressions of t for motions small against the body, and "
+              "-without convection",
+              v->option);
   UserCheck(body->shape->round || ExpressionUses(w, EXPRESSION_TIME) || w->value[0] == 0.0,
             "%s: a %s stays as it is, and a steady rotation would carry fluid through its surface; "
-            "allowed are circles, expressions of t for small motions, and -without convection",
+            "allowed are round bodies, expressions of t for small motions, and -without convection",
             w->option, body->shape->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -169,7 +174,8 @@ static PetscErrorCode ReadBodyMotion(PetscInt k, Scene *scene, Boundary *boundar
 
   PetscFunctionBegin;
   OptionNumber(&options[BODY_VELOCITY], k, name, &row);
-  PetscCall(ExpressionGet(scene->scope, &row, 2, 2, EXPRESSION_TIME, &boundary->velocity, NULL));
+  PetscCall(ExpressionGet(scene->scope, &row, scene->dim, scene->dim, EXPRESSION_TIME,
+                          &boundary->velocity, NULL));
   OptionNumber(&options[BODY_ROTATION], k, name, &row);
   PetscCall(ExpressionGet(scene->scope, &row, 1, 1, EXPRESSION_TIME, &boundary->rotation, NULL));
   if (ExpressionUses(&boundary->velocity, EXPRESSION_TIME) ||
@@ -223,12 +229,14 @@ static PetscErrorCode ReadKinds(Scene *scene)
 
     if (!kind->option.name) continue;
     PetscCall(OptionGetFlags(&kind->option, &chosen));
-    for (PetscInt side = 0; side < 4; side++) {
+    for (PetscInt side = 0; side < 2 * ISPH_MAX_DIM; side++) {
       const BoundaryRow *before = scene->boundary[side].kind;
 
       if (!(chosen & (1u << (by_axis ? side / 2 : side)))) continue;
+      UserCheck(side < 2 * scene->dim, "%s: %s is of a box in 3D; use -dim 3", kind->option.name,
+                by_axis ? BoxAxes[side / 2] : BoxSides[side]);
       UserCheck(before == &BoundaryWall, "%s and %s: both name the %s side", before->option.name,
-                kind->option.name, SideNames[side]);
+                kind->option.name, BoxSides[side]);
       SceneSetSide(scene, side, kind);
     }
   }
@@ -239,7 +247,7 @@ static PetscErrorCode ReadKinds(Scene *scene)
 static PetscErrorCode ReadSides(Scene *scene)
 {
   PetscFunctionBegin;
-  for (PetscInt side = 0; side < 4; side++) {
+  for (PetscInt side = 0; side < 2 * scene->dim; side++) {
     Expression    *v      = &scene->boundary[side].velocity;
     const PetscInt normal = side / 2;
     char           name[OPTION_LENGTH];
@@ -247,13 +255,14 @@ static PetscErrorCode ReadSides(Scene *scene)
 
     if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES | BOUNDARY_NO_SLIP)) continue;
     OptionFill(&options[WALL_VELOCITY], BoxSides[side], name, &row);
-    PetscCall(ExpressionGet(scene->scope, &row, 2, 2, EXPRESSION_PLACE | EXPRESSION_TIME, v, NULL));
+    PetscCall(ExpressionGet(scene->scope, &row, scene->dim, scene->dim,
+                            EXPRESSION_PLACE | EXPRESSION_TIME, v, NULL));
     if (ExpressionUses(v, EXPRESSION_TIME)) scene->unsteady_walls = PETSC_TRUE;
     UserCheck(!SceneHas(scene, PHYSICS_CONVECTION) || !BoundaryIs(scene, side, BOUNDARY_CONFINES) ||
                   (!v->uses[normal] && v->value[normal] == 0.0),
-              "%s: %s is normal to that side and must be 0: with convection fluid enters through "
+              "%s: %c is normal to that side and must be 0: with convection fluid enters through "
               "-scene_inflow only",
-              name, normal ? "v" : "u");
+              name, "uvw"[normal]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -310,11 +319,13 @@ static PetscErrorCode ReadFluids(Scene *scene)
 /* Reads the flow at the start and the reference solution. */
 static PetscErrorCode ReadFields(Scene *scene)
 {
+  const PetscInt dim = scene->dim;
+
   PetscFunctionBegin;
-  PetscCall(ExpressionGet(scene->scope, &options[START_VELOCITY], 2, 2, EXPRESSION_PLACE,
+  PetscCall(ExpressionGet(scene->scope, &options[START_VELOCITY], dim, dim, EXPRESSION_PLACE,
                           &scene->velocity, NULL));
-  PetscCall(ExpressionGet(scene->scope, &options[EXACT], 2, 3, EXPRESSION_PLACE | EXPRESSION_TIME,
-                          &scene->exact, NULL));
+  PetscCall(ExpressionGet(scene->scope, &options[EXACT], dim, dim + 1,
+                          EXPRESSION_PLACE | EXPRESSION_TIME, &scene->exact, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -324,12 +335,12 @@ static PetscErrorCode ReadFields(Scene *scene)
   Collective.
 
   Options Database Keys:
-+ -scene_box x0,y0,x1,y1           - corners [m]; by default 0,0,L,L
-. -scene_periodic x,y              - axes that are periodic
++ -scene_box x0,y0,x1,y1           - corners [m]; by default 0,0,L,L; in 3D of 6 numbers
+. -scene_periodic x,y,z            - axes that are periodic
 . -scene_symmetry left,...         - sides in which the flow mirrors itself
 . -scene_inflow left,...           - sides through which fluid enters, see SceneReadOpenings()
 . -scene_outflow right,...         - sides through which fluid leaves
-. -scene_wall_<side>_velocity u,v  - velocity of side left, right, bottom or top [m/s] (x, y, t)
+. -scene_wall_<side>_velocity u,v  - velocity of a side of the box [m/s] (x, y, t)
 . -scene_body_<k> shape,...        - shape of body 1, 2, ... [m]
 . -scene_body_<k>_velocity u,v     - velocity of its surface [m/s] (t)
 . -scene_body_<k>_rotation w       - angular velocity of its surface [rad/s] (t)
@@ -341,7 +352,8 @@ static PetscErrorCode ReadFields(Scene *scene)
 . -scene_velocity u,v              - velocity at the start [m/s] (x, y)
 - -scene_exact u,v[,p]             - reference solution [m/s], [Pa] (x, y, t)
 
-  Notes: brackets give the variables that an expression may contain, see ExpressionSet(). The option
+  Notes: brackets give the variables that an expression may contain, see ExpressionSet(); in 3D
+  velocities have a third component, and expressions of x and y may contain z. The option
   of each kind of boundary stands in its row of BoundaryTable. A periodic box without bodies has no
   walls, so the physics `walls` is off.
 
@@ -350,19 +362,22 @@ static PetscErrorCode ReadFields(Scene *scene)
 */
 PetscErrorCode SceneReadTyped(Scene *scene)
 {
-  PetscReal box[4] = {0.0, 0.0, scene->length, scene->length};
-  PetscInt  n;
-  PetscBool given;
+  const PetscInt dim                   = scene->dim;
+  PetscReal      box[2 * ISPH_MAX_DIM] = {0.0};
+  PetscInt       n;
+  PetscBool      given;
 
   PetscFunctionBegin;
-  PetscCall(OptionGetReals(&options[BOX], 4, box, &n, &given));
-  UserCheck(!given || n == 4, "-scene_box: 4 numbers are required, got %" PetscInt_FMT, n);
-  for (PetscInt a = 0; a < 2; a++) {
+  for (PetscInt a = 0; a < dim; a++) box[dim + a] = scene->length;
+  PetscCall(OptionGetReals(&options[BOX], 2 * dim, box, &n, &given));
+  UserCheck(!given || n == 2 * dim,
+            "-scene_box: %" PetscInt_FMT " numbers are required, got %" PetscInt_FMT, 2 * dim, n);
+  for (PetscInt a = 0; a < dim; a++) {
     scene->lo[a] = box[a];
-    scene->hi[a] = box[2 + a];
-    UserCheck(box[2 + a] - box[a] >= 4.0 * SceneCoarsest(scene),
+    scene->hi[a] = box[dim + a];
+    UserCheck(box[dim + a] - box[a] >= 4.0 * SceneCoarsest(scene),
               "-scene_box: it is %.4g wide along %s; at least 4 dx = %.4g is allowed",
-              (double)(box[2 + a] - box[a]), BoxAxes[a], (double)(4.0 * SceneCoarsest(scene)));
+              (double)(box[dim + a] - box[a]), BoxAxes[a], (double)(4.0 * SceneCoarsest(scene)));
   }
   PetscCall(ReadKinds(scene));
   PetscCall(ReadBodies(scene));

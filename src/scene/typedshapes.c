@@ -16,9 +16,9 @@ void OptionNumber(const OptionRow *pattern, PetscInt k, char name[OPTION_LENGTH]
   OptionFill(pattern, number, name, row);
 }
 
-/* Reads the name of a shape and its numbers, as "circle,0.5,0.5,0.25". */
-static PetscErrorCode ReadShape(const Scene *scene, const char option[], const char text[],
-                                Body *body)
+/* Reads the name of a shape of a table and its numbers, as "circle,0.5,0.5,0.25". */
+static PetscErrorCode ReadShape(const Scene *scene, const Table *table, const char option[],
+                                const char text[], Body *body)
 {
   const ShapeRow *shape;
   const char     *wrong;
@@ -32,7 +32,7 @@ static PetscErrorCode ReadShape(const Scene *scene, const char option[], const c
   PetscCall(PetscStrncpy(word, text, sizeof(word)));
   next = strchr(word, ',');
   if (next) *next++ = '\0';
-  PetscCall(TableWant(&ShapeTable, option, word, &shape));
+  PetscCall(TableWant(table, option, word, &shape));
   while (next && n < BODY_PARAMETERS) {
     number[n++] = strtod(next, &end);
     end += strspn(end, " ");
@@ -44,7 +44,7 @@ static PetscErrorCode ReadShape(const Scene *scene, const char option[], const c
             shape->brief);
   for (PetscInt k = 0; k < n; k++)
     UserCheck(!PetscIsInfOrNanReal(number[k]), "%s: its numbers must be finite", option);
-  wrong = BodySet(body, shape, n, number);
+  wrong = BodySet(scene, shape, n, number, body);
   UserCheck(!wrong, "%s: %s", option, wrong);
   UserCheck(BodyPoints(body, BodySpacing(scene, body)) <= SHAPE_POINTS,
             "%s: its outline is longer than %d dx; a shape need not reach far beyond the box",
@@ -63,7 +63,21 @@ PetscErrorCode ShapeRead(const Scene *scene, const OptionRow *pattern, PetscInt 
   PetscFunctionBegin;
   OptionNumber(pattern, k, name, &row);
   PetscCall(OptionGetText(&row, sizeof(text), text, given));
-  if (*given) PetscCall(ReadShape(scene, name, text, body));
+  if (*given)
+    PetscCall(ReadShape(scene, scene->dim == 3 ? row.table_3d : row.table, name, text, body));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ShapeReadPlane - Reads a shape of the plane, also in 3D; collective. Output: given - the user
+   gave the option */
+PetscErrorCode ShapeReadPlane(const Scene *scene, const OptionRow *row, Body *body,
+                              PetscBool *given)
+{
+  char text[SHAPE_TEXT];
+
+  PetscFunctionBegin;
+  PetscCall(OptionGetText(row, sizeof(text), text, given));
+  if (*given) PetscCall(ReadShape(scene, &ShapeTable, row->name, text, body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

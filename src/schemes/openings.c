@@ -111,21 +111,20 @@ PetscErrorCode EntrantsAdd(const Particles *p, PetscInt w, PetscReal distance, E
 /* Lets fluid enter at own wall particle w of an inflow for the present step. */
 static PetscErrorCode EnterAt(const Flow *flow, PetscInt w, Entrants *all)
 {
-  const Scene     *scene = flow->scene;
-  const Particles *p     = flow->particles;
-  const PetscInt   side = (PetscInt)p->side[w], along = 1 - side / 2;
-  const PetscReal *opening = scene->boundary[side].opening;
-  const PetscReal  piece = SceneCellSide(scene, along), length = SceneVolume(scene) / piece;
+  const Scene     *scene           = flow->scene;
+  const Particles *p               = flow->particles;
+  const PetscInt   side            = (PetscInt)p->side[w];
+  const PetscReal  length          = SceneCellSide(scene, side / 2);
   PetscReal       *entered         = &flow->state->openings.entered[w];
   PetscReal        x[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM], part;
 
   PetscFunctionBegin;
   ParticlesWallPoint(p, w, x);
-  part = BoundaryOpenPart(scene, side, x, piece);
+  part = BoundaryOpenPart(scene, side, x);
   if (part == 0.0 || p->depth[w] > p->dx[w]) PetscFunctionReturn(PETSC_SUCCESS);
-  x[along] = PetscMin(PetscMax(x[along], opening[0]), opening[1]);
+  BoundaryIntoOpening(scene, side, x);
   SceneWallVelocity(scene, side, flow->clock->t + 0.5 * flow->clock->dt, x, u);
-  *entered += part * (side % 2 ? -u[side / 2] : u[side / 2]) * flow->clock->dt;
+  *entered += part * SideEntering(side, u) * flow->clock->dt;
   for (; *entered >= EARLY * length; *entered -= length)
     PetscCall(EntrantsAdd(p, w, *entered - 0.5 * length, all));
   PetscFunctionReturn(PETSC_SUCCESS);

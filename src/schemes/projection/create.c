@@ -192,6 +192,18 @@ static PetscReal DampingReynolds(const Scene *scene)
                            : SceneFinestReynolds(scene);
 }
 
+/* Returns the reason why a scene has no coarse points; NULL if there is none. */
+static const char *CoarseFault(const Scene *scene)
+{
+  if (SceneHasFreeSurface(scene)) return "its lattice does not follow a free surface; use same";
+  if (SceneHasBoundary(scene, BOUNDARY_OUTFLOW))
+    return "its splines have no condition for the pressure of -scene_outflow; use same";
+  for (PetscInt k = 0; k < scene->n_bodies && scene->dim == 3; k++)
+    if (!BodyReachesThrough(SceneBody(scene, k), 2))
+      return "its lattice takes bodies in 3D that reach through the box along z; use same";
+  return NULL;
+}
+
 /*
   Chooses where the pressure is known
 
@@ -210,7 +222,7 @@ static PetscErrorCode ChoosePoints(const Scene *scene, const PressurePointsRow *
 
   PetscFunctionBegin;
   PetscCall(OperatorsDegree(&degree));
-  coarse = !SceneHasFreeSurface(scene) && !SceneHasBoundary(scene, BOUNDARY_OUTFLOW) &&
+  coarse = !CoarseFault(scene) &&
            (SceneMoves(scene) || (degree == 4 ? SceneHas(scene, PHYSICS_WALLS) : damped));
   for (PetscInt a = 0; a < scene->dim; a++)
     coarse = coarse && CellsAlong(scene, a, SPACING_STANDARD) >= LEAST_CELLS;
@@ -368,11 +380,8 @@ PetscErrorCode ProjectionCreate(Flow *flow)
     UserCheck(points_row->coarse || !SceneMovesGraded(scene),
               "-pressure_points same: flows of graded particles that move are lost with it; use "
               "coarse, with a box at least 6 dx wide, or -motion eulerian");
-    UserCheck(!points_row->coarse || !SceneHasFreeSurface(scene),
-              "-pressure_points coarse: its lattice does not follow a free surface; use same");
-    UserCheck(!points_row->coarse || !SceneHasBoundary(scene, BOUNDARY_OUTFLOW),
-              "-pressure_points coarse: its splines have no condition for the pressure of "
-              "-scene_outflow; use same");
+    UserCheck(!points_row->coarse || !CoarseFault(scene), "-pressure_points coarse: %s",
+              CoarseFault(scene));
     if (points_row->coarse) PetscCall(CreateOnSplines(flow, pr));
     else PetscCall(CreateOnParticles(flow, pr));
     flow->scheme->variant = (const TableRow *)(const void *)pr->row;
