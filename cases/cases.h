@@ -27,7 +27,7 @@ PetscErrorCode ReferenceEnergy(const Flow *flow, const char file[], Report *repo
 PetscErrorCode MeasureExact(const Flow *flow, Report *report);
 void           VelocityExact(const Scene *scene, PetscReal t, const PetscReal x[], PetscReal u[]);
 
-/* mean.c */
-PetscErrorCode MeanThroughSide(const Flow *flow, PetscInt axis, PetscReal *mean);
+/* array.c */
+PetscErrorCode MeasureArray(const Flow *flow, PetscReal scale, PetscReal known, Report *report);
 
 #endif

@@ -49,29 +49,14 @@ static PetscErrorCode StokesCylindersSetup(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Reports the drag divided by mu U, computed from the balance with the driving force, which holds in
-  steady flow, and the traction on the cylinder, with the driving force as its reference.
-*/
+/* Reports the drag divided by mu U, and the traction on the cylinder. */
 static PetscErrorCode StokesCylindersMeasure(const Flow *flow, Report *report)
 {
-  const Scene    *scene = flow->scene;
-  const PetscReal c = scene->solid_fraction, mu = scene->rho * scene->nu;
-  const PetscReal known  = SceneIsNewtonian(scene) ? TabulatedDrag(c) : NAN;
-  const PetscReal driven = scene->rho * scene->body_force[0] * PetscSqr(scene->length);
-  PetscReal       mean = 0.0, F[ISPH_MAX_DIM] = {0.0}, T[ISPH_MAX_DIM] = {0.0};
+  const Scene *scene = flow->scene;
 
   PetscFunctionBegin;
-  PetscCall(MeanThroughSide(flow, 0, &mean));
-  PetscCall(WallForce(flow, SceneBodySide(scene, 0), F, T));
-  if (mean > 0.0) {
-    /* in the paper a pressure gradient replaces the force and acts on the cylinder too: its drag is
-       F/(1 - c) */
-    PetscCall(ReportAddReference(report, "drag", driven / (mu * mean), known,
-                                 PetscIsNanReal(known) ? 1.0 : known));
-    PetscCall(ReportAddReference(report, "traction", F[0] / (1.0 - c), driven, driven));
-  }
-  PetscCall(MeasureCommon(flow, NAN, report));
+  PetscCall(
+      MeasureArray(flow, scene->rho * scene->nu, TabulatedDrag(scene->solid_fraction), report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -55,29 +55,15 @@ static PetscErrorCode StokesSpheresSetup(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Reports the drag over 6 pi mu a U, computed from the balance with the driving force, which holds
-  in steady flow, and the traction on the sphere, with the driving force as its reference.
-*/
+/* Reports the drag over 6 pi mu a U, and the traction on the sphere. */
 static PetscErrorCode StokesSpheresMeasure(const Flow *flow, Report *report)
 {
   const Scene    *scene = flow->scene;
-  const PetscReal c = scene->solid_fraction, mu = scene->rho * scene->nu;
-  const PetscReal known  = SceneIsNewtonian(scene) && c <= SERIES_MOST ? SeriesDrag(c) : NAN;
-  const PetscReal driven = scene->rho * scene->body_force[0] * PetscPowRealInt(scene->length, 3);
-  PetscReal       mean, F[ISPH_MAX_DIM] = {0.0}, T[ISPH_MAX_DIM] = {0.0};
+  const PetscReal c     = scene->solid_fraction;
 
   PetscFunctionBegin;
-  PetscCall(MeanThroughSide(flow, 0, &mean));
-  PetscCall(WallForce(flow, SceneBodySide(scene, 0), F, T));
-  if (mean > 0.0) {
-    /* a pressure gradient in place of the force acts on the sphere too: its drag is F/(1 - c) */
-    PetscCall(ReportAddReference(report, "drag",
-                                 driven / (6.0 * PETSC_PI * mu * Radius(scene) * mean), known,
-                                 PetscIsNanReal(known) ? 1.0 : known));
-    PetscCall(ReportAddReference(report, "traction", F[0] / (1.0 - c), driven, driven));
-  }
-  PetscCall(MeasureCommon(flow, NAN, report));
+  PetscCall(MeasureArray(flow, 6.0 * PETSC_PI * scene->rho * scene->nu * Radius(scene),
+                         c <= SERIES_MOST ? SeriesDrag(c) : NAN, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
