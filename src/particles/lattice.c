@@ -354,16 +354,17 @@ static PetscErrorCode CheckRoom(const Scene *scene, WallPlacement walls)
     const Body     *body = SceneBody(scene, k);
     const PetscReal want = walls.layers * BodySpacing(scene, body);
 
-    for (PetscInt a = 0; a < 2 && body->around; a++) {
+    for (PetscInt a = 0; a < scene->dim && body->around; a++) {
       const char *const larger = scene->problem->typed ? "a larger -scene_box or " : "";
       PetscReal         span[2], room;
 
+      if (BodyReachesThrough(body, a)) continue;
       BodySpan(body, a, span);
       room = PetscMin(span[0] - scene->lo[a], scene->hi[a] - span[1]);
       UserCheck(room >= want - 1e-9 * SceneTolerance(scene),
                 "body %" PetscInt_FMT " has the fluid inside, and the box leaves %.4g m behind it "
                 "along %c; its wall takes %.4g m; use %sa smaller -h_over_dx",
-                k + 1, (double)room, "xy"[a], (double)want, larger);
+                k + 1, (double)room, "xyz"[a], (double)want, larger);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -70,9 +70,10 @@ static const OptionRow options[] = {
         },
     [BODY_AROUND] =
         {
-            .name     = "-scene_body_<k>_around",
-            .kind     = VALUE_SWITCH,
-            .brief    = "the fluid is inside the body; the sides of the box are then no walls",
+            .name = "-scene_body_<k>_around",
+            .kind = VALUE_SWITCH,
+            .brief =
+                "the fluid is inside the body; the sides of the box beyond it are then no walls",
             .standard = "false",
             .table    = &BoundaryTable,
             .where    = "-case scene, bodies that are given",
@@ -207,6 +208,7 @@ static PetscErrorCode ReadBodies(Scene *scene)
       const BoundaryRow *kind = scene->boundary[side].kind;
 
       if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES)) continue;
+      if (BodyReachesThrough(&boundary->body, side / 2)) continue;
       UserCheck(kind == &BoundaryWall,
                 "%s: the sides of the box are then in the solid, which "
                 "excludes %s",
@@ -344,7 +346,7 @@ static PetscErrorCode ReadFields(Scene *scene)
 . -scene_body_<k> shape,...        - shape of body 1, 2, ... [m]
 . -scene_body_<k>_velocity u,v     - velocity of its surface [m/s] (t)
 . -scene_body_<k>_rotation w       - angular velocity of its surface [rad/s] (t)
-. -scene_body_<k>_around           - the fluid is inside the body; the box then has no walls
+. -scene_body_<k>_around           - the fluid is inside the body; sides beyond it are no walls
 . -scene_filled_<k> shape,...      - region that the fluid fills at the start [m]
 . -scene_fluid_<k> shape,...       - region of fluid 1, 2, ... at the start [m]
 . -scene_fluid_<k>_viscosity nu    - kinematic viscosity of this fluid [m^2/s]
