@@ -1,6 +1,8 @@
-"""Runs an example of PySPH with PySPH's own Python, and times its time loop.
+"""Runs a flow of PySPH with PySPH's own Python, and times its time loop.
 
-    pysph_run.py FOLDER cavity|taylor_green|dam OPTION...     options of the example; dam is that of pysph_dam.py
+    pysph_run.py FOLDER FLOW OPTION...     options of the flow, for instance --nx
+
+Flows: cavity and taylor_green are PySPH's examples, dam is in pysph_dam.py, drop and column are in pysph_free.py.
 
 Code that is compiled at first use is compiled before the timed run. Writes to FOLDER run.json (wall_s, cpu_s, steps,
 dt, t) and run.npz: x, y, u, v of the fluid, a row for each of the last five outputs.
@@ -12,16 +14,18 @@ import time
 
 import numpy as np
 import pysph_dam
+import pysph_free
 from pysph.examples.cavity import LidDrivenCavity
 from pysph.examples.taylor_green import TaylorGreen
 from pysph.solver.utils import load
 
-EXAMPLES = {"cavity": LidDrivenCavity, "taylor_green": TaylorGreen, "dam": pysph_dam.ViscousDam}
+FLOWS = {"cavity": LidDrivenCavity, "taylor_green": TaylorGreen, "dam": pysph_dam.ViscousDam, "drop": pysph_free.Drop,
+         "column": pysph_free.Column}
 
 
 def main():
-    folder, example, *options = sys.argv[1:]
-    app = EXAMPLES[example](fname="run")
+    folder, flow, *options = sys.argv[1:]
+    app = FLOWS[flow](fname="run")
     app.setup([*options, "--no-openmp", "--cache-nnps", "--quiet", "--directory", os.path.join(folder, "out")])
     wall, cpu = time.perf_counter(), time.process_time()
     app.solve()
