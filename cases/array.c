@@ -1,8 +1,8 @@
 /* Creeping flow through a periodic array of bodies: what its cases report. */
 #include "cases.h"
 
-/* Computes the mean velocity along an axis on the low side of the box across it, which no body cuts,
-   by the midpoint rule on the cells of the lattice [m/s]. */
+/* Computes the mean velocity along an axis on the low side of the box across it, which no body
+   cuts, by the midpoint rule on the cells of the lattice [m/s]. */
 static PetscErrorCode MeanThroughSide(const Flow *flow, PetscInt axis, PetscReal *mean)
 {
   const Scene   *scene = flow->scene;
