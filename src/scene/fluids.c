@@ -39,15 +39,27 @@ static PetscBool IsInFluid(const Scene *scene, const PetscReal x[])
   return scene->n_filled ? PETSC_FALSE : PETSC_TRUE;
 }
 
+/* Returns true if the border of a region may cut the lattice cell around x. */
+static PetscBool InterfaceCuts(const Scene *scene, const PetscReal x[])
+{
+  PetscReal square = 0.0, normal[ISPH_MAX_DIM];
+
+  for (PetscInt a = 0; a < scene->dim; a++) square += PetscSqr(0.5 * SceneCellSide(scene, a));
+  for (PetscInt k = 0; k < scene->n_regions; k++) {
+    if (PetscSqr(BodyDistance(scene, &scene->region[k], x, normal)) < square) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
 /*
   SceneViscosity - Returns the kinematic viscosity of a particle that starts at x [m^2/s]
 
     1/nu = mean of 1/nu over the fluid part of the lattice cell around x
 
   Not collective. The harmonic mean gives layers the right shear resistance wherever an interface
-  cuts the lattice, because resistances in series add. Without regions of fluids the viscosity field
-  is evaluated at x. For a fluid that is not Newtonian the result is the viscosity at the strain
-  rate U/L, the first guess of the iteration.
+  cuts the lattice, because resistances in series add. In other cells the viscosity is that at x.
+  For a fluid that is not Newtonian the result is the viscosity at the strain rate U/L, the first
+  guess of the iteration.
 
   Reference: S. V. Patankar, Numerical Heat Transfer and Fluid Flow (1980), section 4.2-3
 */
@@ -59,7 +71,7 @@ PetscReal SceneViscosity(const Scene *scene, const PetscReal x[])
 
   if (!SceneIsNewtonian(scene))
     return RheologyViscosity(&scene->rheology, scene->speed / scene->length);
-  if (!scene->n_regions) return SceneViscosityAt(scene, x);
+  if (!InterfaceCuts(scene, x)) return SceneViscosityAt(scene, x);
   for (PetscInt s = 0; s < samples; s++) {
     PetscReal y[ISPH_MAX_DIM];
     PetscInt  index = s;
