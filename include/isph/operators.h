@@ -414,6 +414,7 @@ PetscErrorCode AffineApplyAdd(const AffineOperator *op, Vec f, Vec walls, Vec y)
 PetscErrorCode AffineSystemCreate(const AffineOperator *op, MatType type, Mat *J);
 PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscReal scale, Mat J);
 PetscErrorCode AffineSystemFlatten(Mat J, Mat *flat);
+#define MAT_FLATTEN "MatFlatten_C" /* of a shell: creates a matrix with its entries */
 PetscErrorCode AffineApplyWalls(const AffineOperator *op, Vec walls, Vec y);
 PetscErrorCode AffineApplyAll(PetscInt n, const AffineOperator *const op[], Vec f, Vec walls,
                               const Vec y[]);

@@ -33,6 +33,17 @@ struct Pressure {
   PetscInt  its_new;    /* iterations of the first solve after a set-up */
 };
 
+/* Creates a matrix with the entries of a shell. */
+static PetscErrorCode FlattenShell(Mat A, Mat *flat)
+{
+  PetscErrorCode (*Flatten)(Mat, Mat *);
+
+  PetscFunctionBegin;
+  PetscCall(PetscObjectQueryFunction((PetscObject)A, MAT_FLATTEN, &Flatten));
+  PetscCall((*Flatten)(A, flat));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Creates a regular matrix for fallbacks from the matrix that the KSP has: products by rows, which
    may have the term c c^T, or a matrix without shift. */
 static PetscErrorCode FlattenRegular(Mat P, Mat *flat)
@@ -44,7 +55,7 @@ static PetscErrorCode FlattenRegular(Mat P, Mat *flat)
   PetscCall(PetscObjectTypeCompare((PetscObject)P, MATLRC, &has_column));
   if (has_column) PetscCall(MatLRCGetMats(P, &A, NULL, NULL, NULL));
   PetscCall(PetscObjectTypeCompare((PetscObject)A, MATSHELL, &is_shell));
-  if (is_shell) PetscCall(AffineSystemFlatten(A, flat));
+  if (is_shell) PetscCall(FlattenShell(A, flat));
   else PetscCall(MatDuplicate(A, MAT_COPY_VALUES, flat));
   PetscCall(MatShift(*flat, GAUGE_SHIFT));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -188,7 +199,7 @@ static PetscErrorCode GetMatrices(Flow *flow, Pressure *s, PressureMatrices *m)
     *m = (PressureMatrices){A, A, PETSC_FALSE, ops->assemblies, flow->particles->epoch};
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(SplinesMatrix(flow, sp));
+  PetscCall(SplinesMatrix(flow, s->passing, sp));
   if (s->direct) *m = (PressureMatrices){sp->A, sp->A, PETSC_TRUE, sp->assemblies, sp->assemblies};
   else *m = (PressureMatrices){sp->A, sp->K, PETSC_TRUE, sp->assemblies, sp->numbering};
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -287,7 +298,7 @@ static PetscErrorCode PreconditionerMat(const PressureMatrices *m, Pressure *s)
   PetscCall(MatDestroy(&s->preconditioner));
   PetscCall(PetscObjectTypeCompare((PetscObject)m->P, MATSHELL, &is_shell));
   if (is_shell) {
-    PetscCall(AffineSystemFlatten(m->P, &s->preconditioner));
+    PetscCall(FlattenShell(m->P, &s->preconditioner));
   } else if (s->passing) {
     PetscCall(PetscObjectReference((PetscObject)m->P));
     s->preconditioner = m->P;
