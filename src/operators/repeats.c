@@ -1,7 +1,7 @@
 /*
-  Rows that repeat, and runs of them. Particles on a lattice, away from walls, have neighbours at the same offsets, so
-  their rows have the same weights to rounding, and are stored once. Rows are compared by all that
-  they depend on: offsets, volumes and the order of columns.
+  Rows that repeat, and runs of them. Particles on a lattice, away from walls, have neighbours at
+  the same offsets, so their rows have the same weights to rounding, and are stored once. Rows are
+  compared by all that they depend on: offsets, volumes and the order of columns.
 */
 #include "assembly.h"
 
@@ -111,8 +111,8 @@ static PetscBool ContinuesRun(const Pattern *rows, const PetscInt like[], PetscI
 /*
   FindRuns - Lists runs of equal rows whose columns follow each other, as along a line of a lattice
 
-  Not collective. Input: like - of FindRepeats(). Output: rows->run - first row and number of rows of
-  each run.
+  Not collective. Input: like - of FindRepeats(). Output: rows->run - first row and number of rows
+  of each run.
 */
 PetscErrorCode FindRuns(const PetscInt like[], OperatorRows *rows)
 {

@@ -1,11 +1,11 @@
 /*
-  The matrix of the pressure increment on a lattice of fixed particles, where most rows repeat. Row q
-  of A is a sum over the points of quadrature g in the support of spline q,
+  The matrix of the pressure increment on a lattice of fixed particles, where most rows repeat. Row
+  q of A is a sum over the points of quadrature g in the support of spline q,
 
     A_q = scale^2 sum_g V_g sum_a dpsi_q/dx_a(x_g) F_a(g),   F_a(g) = sum_k w_k dchi/dx_a(x_k),
 
-  with the fit w at point g. Points with equal F and equal psi have one number, so rows with the same
-  numbers at the same points are equal, and only different rows are computed.
+  with the fit w at point g. Points with equal F and equal psi have one number, so rows with the
+  same numbers at the same points are equal, and only different rows are computed.
 */
 #include "splinerows.h"
 
@@ -348,8 +348,8 @@ static PetscErrorCode SetRow(Product *t, PetscInt q, SplineRows *r)
 */
 PetscErrorCode SplineRowsCompute(const Splines *s, const Particles *p, SplineRows **rows)
 {
-  const PetscInt n = s->own.size;
-  Product        t = {.s = s, .p = p};
+  const PetscInt n        = s->own.size;
+  Product        t        = {.s = s, .p = p};
   PetscBool      complete = PETSC_FALSE;
 
   PetscFunctionBegin;
