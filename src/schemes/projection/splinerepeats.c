@@ -112,7 +112,8 @@ static PetscBool IsPlain(const Splines *s, PetscInt g)
   return PETSC_TRUE;
 }
 
-/* Sets the entries before the row of F that was stored last: all on which psi at point g depends. */
+/* Sets the entries before the row of F that was stored last: all on which psi at point g
+   depends. */
 static void SetHead(const Splines *s, PetscInt g, SplineRows *r)
 {
   const PetscInt at    = r->first[r->stored - 1];
