@@ -101,6 +101,7 @@ int main(int argc, char **argv)
 
   /* A line of an error is one write: mpiexec mixes the writes of the ranks. */
   (void)setvbuf(stderr, NULL, _IOLBF, BUFSIZ);
+  PrepareMpi();
   if (MPI_Init(&argc, &argv)) return 1;
   request = CommandLineRequest(&argc, argv);
   if (Answer(request)) return Finish(0);

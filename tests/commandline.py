@@ -93,3 +93,15 @@ for name in (".petscrc",) if parallel else (".petscrc", "petscrc", "home/.petscr
         refused(f"{name}, {expected}", HOME="home")
         assert re.search(r"^particles +256 fluid", isph("-n", "16", "-max_steps", "0", "-skip_petscrc"), re.M)
     os.remove(name)
+
+# Without a launcher and with no settings of MPI, isph has a folder of MPI of its own, and removes it.
+if not parallel:
+    os.mkdir("temporary")
+    plain = {name: value for name, value in os.environ.items() if not name.startswith(("OMPI_MCA_", "HWLOC_"))}
+    plain["TMPDIR"] = os.path.abspath("temporary")
+    runs = [subprocess.Popen([*command, "-n", "16", "-max_steps", "2", "-output", f"run{k}.h5"], env=plain,
+                             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) for k in range(4)]
+    for k, run in enumerate(runs):
+        error = run.communicate(timeout=60)[1]
+        assert run.returncode == 0 and not error and os.path.exists(f"run{k}_0001.h5"), (k, run.returncode, error)
+    assert not os.listdir("temporary"), os.listdir("temporary")

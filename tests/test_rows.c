@@ -94,6 +94,7 @@ static void test_repeats(void **state)
     Cloud                 all, cloud;
     const AffineOperator *op[2][ISPH_MAX_DIM + 2];
     PetscInt              n = 0, count[2];
+    PetscMPIInt           ranks;
 
     box.jitter = b % 2 ? 0.2 : 0.0;
     for (PetscInt a = 0; a < box.dim; a++) box.cells[a] += 8;
@@ -120,6 +121,9 @@ static void test_repeats(void **state)
     ASSERT_OK(MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
     CloudAssertNone("stored weights", box.name,
                     b % 2 ? count[0] != count[1] : count[0] >= count[1]);
+    ASSERT_OK(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+    CloudAssertNone("runs of rows", box.name,
+                    b % 2 ? cloud.ops->rows.n_runs : ranks == 1 && !cloud.ops->rows.n_runs);
     ASSERT_OK(CloudDestroy(&cloud));
     ASSERT_OK(CloudDestroy(&all));
   }

@@ -84,6 +84,8 @@ int            ErrorsExit(PetscErrorCode code, const ErrorState *state);
 PetscErrorCode FirstRankDecides(PetscBool *verdict);
 PetscErrorCode SayLine(const char format[], ...) PETSC_ATTRIBUTE_FORMAT(1, 2);
 
+void PrepareMpi(void);
+
 /* Files that a run writes. */
 PetscBool      FileIsOrdinary(const char path[]);
 PetscBool      FileIsReadable(const char path[]);

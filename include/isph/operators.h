@@ -262,18 +262,21 @@ typedef struct {
   PetscInt  n, capacity;
 } Pattern;
 
+#define RUN_LANES 8 /* rows of a run that products treat together */
+
 /* The rows of all operators, and the values of a field by local index that their products read. */
 typedef struct {
-  Pattern          fluid, walls;
-  PetscBool        has_columns; /* patterns have global columns, for matrices */
-  PetscBool        repeats;     /* equal rows of particles on a lattice are stored once */
-  PetscInt        *first;       /* of each row over fluid: its first weight in AffineOperator.a */
-  PetscInt         n_weights;   /* of rows that are stored, if they repeat */
-  PetscInt         weights_capacity; /* of AffineOperator.a, over its width */
-  PetscInt         walls_capacity;   /* of AffineOperator.b, over its width */
-  PetscInt        *apart;   /* of each row: its first slot in AffineOperator.apart; -1: shared */
-  PetscInt         n_apart; /* slots of all rows apart */
-  PetscInt         rows_capacity, apart_capacity;
+  Pattern   fluid, walls;
+  PetscBool has_columns; /* patterns have global columns, for matrices */
+  PetscBool repeats;     /* equal rows of particles on a lattice are stored once */
+  PetscInt *first;       /* of each row over fluid: its first weight in AffineOperator.a */
+  PetscInt  n_weights;   /* of rows that are stored, if they repeat */
+  PetscInt  n_runs, runs_capacity, (*run)[2]; /* first row and number of rows, see FindRuns() */
+  PetscInt  weights_capacity;                 /* of AffineOperator.a, over its width */
+  PetscInt  walls_capacity;                   /* of AffineOperator.b, over its width */
+  PetscInt *apart;   /* of each row: its first slot in AffineOperator.apart; -1: shared */
+  PetscInt  n_apart; /* slots of all rows apart */
+  PetscInt  rows_capacity, apart_capacity;
   const Particles *particles; /* of the last assembly */
   PetscReal       *value;     /* of a field, for all local particles */
   PetscInt         capacity;  /* of value */
@@ -414,6 +417,7 @@ PetscErrorCode AffineApplyAdd(const AffineOperator *op, Vec f, Vec walls, Vec y)
 PetscErrorCode AffineSystemCreate(const AffineOperator *op, MatType type, Mat *J);
 PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscReal scale, Mat J);
 PetscErrorCode AffineSystemFlatten(Mat J, Mat *flat);
+#define MAT_FLATTEN "MatFlatten_C" /* of a shell: creates a matrix with its entries */
 PetscErrorCode AffineApplyWalls(const AffineOperator *op, Vec walls, Vec y);
 PetscErrorCode AffineApplyAll(PetscInt n, const AffineOperator *const op[], Vec f, Vec walls,
                               const Vec y[]);

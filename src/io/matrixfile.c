@@ -20,7 +20,7 @@ const OptionTable MatrixOptions = OPTIONS("Matrices", options);
 
 struct MatrixFile {
   const char       *prefix; /* of the option, without dash */
-  PetscViewer       viewer; /* NULL: option not given */
+  PetscViewer       viewer;
   PetscViewerFormat format;
 };
 
@@ -31,6 +31,8 @@ struct MatrixFile {
 
   Options Database Keys:
 . -visc_mat_view, -ppe_mat_view - binary:file, ascii:file[:ascii_matlab] or any PETSc viewer
+
+  Output: file - NULL unless the option is given
 
   Errors: a file that cannot be opened ends the run
 */
@@ -43,6 +45,7 @@ PetscErrorCode MatrixFileCreate(const char prefix[], MatrixFile **file)
   (*file)->prefix = prefix;
   PetscCall(PetscOptionsCreateViewer(PETSC_COMM_WORLD, NULL, prefix, "-mat_view", &(*file)->viewer,
                                      &(*file)->format, &set));
+  if (!(*file)->viewer) PetscCall(PetscFree(*file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -128,7 +131,7 @@ static PetscErrorCode WritePositions(const Particles *p, const PetscInt index[],
 }
 
 /*
-  MatrixFileWrite - Writes the present matrix over fluid particles, if its option is given
+  MatrixFileWrite - Writes the present matrix over fluid particles
 
   Collective. Row and column k of the file belong to the fluid particle with the k-th smallest id;
   if A couples the velocity components, rows and columns dim k to dim k + dim - 1 belong to it. Row
@@ -147,7 +150,6 @@ PetscErrorCode MatrixFileWrite(const Particles *p, Mat A, MatrixFile *file)
   Mat         by_id;
 
   PetscFunctionBegin;
-  if (!file->viewer) PetscFunctionReturn(PETSC_SUCCESS);
   if (!A) {
     PetscCall(SayLine("-%smat_view: nothing was solved, so there is no matrix", file->prefix));
     PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,7 +1,8 @@
 /*
   Products of operators with fields. A product reads the values of neighbours by their local index,
   so it needs no matrix: the values of a field are copied to the halo once, and the rows of all
-  operators on this field are applied in one pass over the neighbours. Operators that a wall
+  operators on this field are applied in one pass over the neighbours. Equal rows of a lattice whose
+  neighbours follow each other are applied together. Operators that a wall
   treatment extends, or that couple components, are products with their matrices.
 */
 #include "boundary_rows.h"
@@ -28,9 +29,9 @@ static PetscErrorCode SetValues(OperatorRows *rows, Vec f, Vec walls)
 /* Adds the products of row i of n operators, over fluid or over walls, to sum[]. Input: weights -
    those of the row. Two partial sums of each hide the latency of additions. Inlined, so that the
    compiler knows n. */
-static inline void AddProducts(const Pattern *pattern, PetscInt i, PetscInt n,
-                               const PetscReal *const weights[], const PetscReal value[],
-                               PetscReal sum[])
+static ISPH_INLINE void AddProducts(const Pattern *pattern, PetscInt i, PetscInt n,
+                                    const PetscReal *const weights[], const PetscReal value[],
+                                    PetscReal sum[])
 {
   const PetscInt *local           = &pattern->local[pattern->row[i]];
   const PetscInt  last            = pattern->row[i + 1] - pattern->row[i];
@@ -58,25 +59,113 @@ typedef struct {
   PetscBool        fluid, walls, add; /* terms over fluid and over walls; y is increased */
 } Product;
 
-/* Computes the products of n operators, see ApplyRows(). */
-static inline void ApplyInline(const OperatorRows *rows, PetscInt n, const Product *product)
-{
-  for (PetscInt i = 0; i < rows->fluid.n; i++) {
-    const PetscReal *weights[APPLY_MOST];
-    PetscReal        sum[APPLY_MOST] = {0.0};
+/* Values of four rows of a run: in a vector register, and in an array. */
+typedef PetscReal Lanes __attribute__((vector_size(4 * sizeof(PetscReal))));
+typedef PetscReal Stored
+    __attribute__((vector_size(4 * sizeof(PetscReal)), aligned(sizeof(PetscReal)), may_alias));
+#define VECTORS (RUN_LANES / 4)
 
-    if (product->fluid) {
-      for (PetscInt k = 0; k < n; k++) weights[k] = product->a[k] + rows->first[i];
-      for (PetscInt k = 0; rows->apart[i] >= 0 && k < n; k++)
-        if (product->apart[k]) weights[k] = product->apart[k] + rows->apart[i];
-      AddProducts(&rows->fluid, i, n, weights, rows->value, sum);
+static ISPH_INLINE void LanesLoad(const PetscReal from[], Lanes to[VECTORS])
+{
+  for (PetscInt v = 0; v < VECTORS; v++) to[v] = ((const Stored *)from)[v];
+}
+
+/* Writes the sums of operator k to rows i and following. */
+static ISPH_INLINE void LanesStore(const Lanes sum[VECTORS], PetscInt k, PetscInt i,
+                                   const Product *product)
+{
+  Stored *y = (Stored *)(product->y[k] + i);
+
+  for (PetscInt v = 0; v < VECTORS; v++) {
+    if (product->add) y[v] += sum[v];
+    else y[v] = sum[v];
+  }
+}
+
+/* Computes the products of RUN_LANES rows of a run, from row i on. Sums have the same order as in
+   AddProducts(). */
+static ISPH_INLINE void ApplyLanes(const OperatorRows *rows, PetscInt i, PetscInt n,
+                                   const Product *product)
+{
+  const PetscInt *local = &rows->fluid.local[rows->fluid.row[i]];
+  const PetscInt  last = rows->fluid.row[i + 1] - rows->fluid.row[i], first = rows->first[i];
+  PetscInt        s                        = 0;
+  Lanes           sum[APPLY_MOST][VECTORS] = {{{0.0}}}, odd[APPLY_MOST][VECTORS] = {{{0.0}}};
+  Lanes           even_value[VECTORS], odd_value[VECTORS];
+
+  for (; s + 1 < last; s += 2) {
+    LanesLoad(rows->value + local[s], even_value);
+    LanesLoad(rows->value + local[s + 1], odd_value);
+    for (PetscInt k = 0; k < n; k++) {
+      for (PetscInt v = 0; v < VECTORS; v++) {
+        sum[k][v] += product->a[k][first + s] * even_value[v];
+        odd[k][v] += product->a[k][first + s + 1] * odd_value[v];
+      }
     }
-    if (product->walls) {
-      for (PetscInt k = 0; k < n; k++) weights[k] = product->b[k] + rows->walls.row[i];
-      AddProducts(&rows->walls, i, n, weights, rows->value, sum);
-    }
+  }
+  for (PetscInt k = 0; k < n; k++)
+    for (PetscInt v = 0; v < VECTORS; v++) sum[k][v] += odd[k][v];
+  if (s < last) {
+    LanesLoad(rows->value + local[s], even_value);
     for (PetscInt k = 0; k < n; k++)
-      product->y[k][i] = product->add ? product->y[k][i] + sum[k] : sum[k];
+      for (PetscInt v = 0; v < VECTORS; v++) sum[k][v] += product->a[k][first + s] * even_value[v];
+  }
+  for (PetscInt k = 0; k < n; k++) LanesStore(sum[k], k, i, product);
+}
+
+/* Computes the products of row i. */
+static ISPH_INLINE void ApplyRow(const OperatorRows *rows, PetscInt i, PetscInt n,
+                                 const Product *product)
+{
+  const PetscReal *weights[APPLY_MOST];
+  PetscReal        sum[APPLY_MOST] = {0.0};
+
+  if (product->fluid) {
+    for (PetscInt k = 0; k < n; k++) weights[k] = product->a[k] + rows->first[i];
+    for (PetscInt k = 0; rows->apart[i] >= 0 && k < n; k++)
+      if (product->apart[k]) weights[k] = product->apart[k] + rows->apart[i];
+    AddProducts(&rows->fluid, i, n, weights, rows->value, sum);
+  }
+  if (product->walls) {
+    for (PetscInt k = 0; k < n; k++) weights[k] = product->b[k] + rows->walls.row[i];
+    AddProducts(&rows->walls, i, n, weights, rows->value, sum);
+  }
+  for (PetscInt k = 0; k < n; k++)
+    product->y[k][i] = product->add ? product->y[k][i] + sum[k] : sum[k];
+}
+
+/* Computes the products of n operators, see ApplyRows(). Rows of runs have no walls and are not
+   apart. */
+static ISPH_INLINE void ApplyInline(const OperatorRows *rows, PetscInt n, const Product *product)
+{
+  PetscInt i = 0;
+
+  for (PetscInt k = 0; product->fluid && k < rows->n_runs; k++) {
+    const PetscInt end = rows->run[k][0] + rows->run[k][1];
+
+    for (; i < rows->run[k][0]; i++) ApplyRow(rows, i, n, product);
+    for (; i + RUN_LANES <= end; i += RUN_LANES) ApplyLanes(rows, i, n, product);
+  }
+  for (; i < rows->fluid.n; i++) ApplyRow(rows, i, n, product);
+}
+
+static ISPH_WIDE void ApplyProduct(const OperatorRows *rows, PetscInt n, const Product *product)
+{
+  switch (n) {
+  case 1:
+    ApplyInline(rows, 1, product);
+    break;
+  case 2:
+    ApplyInline(rows, 2, product);
+    break;
+  case 3:
+    ApplyInline(rows, 3, product);
+    break;
+  case 4:
+    ApplyInline(rows, 4, product);
+    break;
+  default:
+    ApplyInline(rows, n, product);
   }
 }
 
@@ -96,22 +185,7 @@ static PetscErrorCode ApplyRows(PetscInt n, const AffineOperator *const op[], Pe
     product.apart[k] = op[k]->twin ? op[k]->apart : NULL;
     PetscCall(VecGetArray(y[k], &product.y[k]));
   }
-  switch (n) {
-  case 1:
-    ApplyInline(rows, 1, &product);
-    break;
-  case 2:
-    ApplyInline(rows, 2, &product);
-    break;
-  case 3:
-    ApplyInline(rows, 3, &product);
-    break;
-  case 4:
-    ApplyInline(rows, 4, &product);
-    break;
-  default:
-    ApplyInline(rows, n, &product);
-  }
+  ApplyProduct(rows, n, &product);
   for (PetscInt k = 0; k < n; k++) PetscCall(VecRestoreArray(y[k], &product.y[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

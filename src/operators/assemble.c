@@ -238,6 +238,7 @@ static PetscErrorCode ChooseWeights(const Scene *scene, const Particles *p, cons
     ops->work->like[i] = ops->work->simple;
   }
   PetscCall(FindRepeats(scene, p, &rows->fluid, ops->work->like));
+  PetscCall(FindRuns(ops->work->like, rows));
   rows->n_weights = *capacity = 0;
   for (PetscInt i = 0; i < p->n_fluid; i++)
     if (!Repeats(ops, i)) *capacity += rows->fluid.row[i + 1] - rows->fluid.row[i];

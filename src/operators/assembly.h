@@ -29,6 +29,7 @@ static inline PetscBool StoresRow(const Operators *ops, const AffineOperator *op
 
 PetscErrorCode FindRepeats(const Scene *scene, const Particles *particles, const Pattern *rows,
                            PetscInt like[]);
+PetscErrorCode FindRuns(const PetscInt like[], OperatorRows *rows);
 PetscErrorCode GatherStencil(const Scene *scene, const Particles *particles,
                              const Neighbors *neighbors, const Operators *ops, PetscInt i,
                              Stencil *stencil);

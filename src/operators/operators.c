@@ -251,6 +251,7 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   PetscCall(MlsBatchDestroy(&ops->work->fits));
   PetscCall(PetscFree(ops->work));
   if (ops->rows.repeats) PetscCall(PetscFree(ops->rows.first));
+  PetscCall(PetscFree(ops->rows.run));
   PetscCall(PatternFree(&ops->rows.fluid));
   PetscCall(PatternFree(&ops->rows.walls));
   PetscCall(PetscFree(ops->rows.apart));

@@ -1,7 +1,7 @@
 /*
-  Rows that repeat. Particles on a lattice, away from walls, have neighbours at the same offsets, so
-  their rows have the same weights to rounding, and are stored once. Rows are compared by all that
-  they depend on: offsets, volumes and the order of columns.
+  Rows that repeat, and runs of them. Particles on a lattice, away from walls, have neighbours at
+  the same offsets, so their rows have the same weights to rounding, and are stored once. Rows are
+  compared by all that they depend on: offsets, volumes and the order of columns.
 */
 #include "assembly.h"
 
@@ -94,5 +94,41 @@ PetscErrorCode FindRepeats(const Scene *scene, const Particles *p, const Pattern
     else t.of[at] = i;
   }
   PetscCall(PetscFree(t.of));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns true if row i repeats the row before it, and its columns are the next particles. */
+static PetscBool ContinuesRun(const Pattern *rows, const PetscInt like[], PetscInt i)
+{
+  const PetscInt *of_i = &rows->local[rows->row[i]], *before = &rows->local[rows->row[i - 1]];
+
+  if (like[i] != like[i - 1]) return PETSC_FALSE;
+  for (PetscInt k = 0; k < rows->row[i + 1] - rows->row[i]; k++)
+    if (of_i[k] != before[k] + 1) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
+/*
+  FindRuns - Lists runs of equal rows whose columns follow each other, as along a line of a lattice
+
+  Not collective. Input: like - of FindRepeats(). Output: rows->run - first row and number of rows
+  of each run.
+*/
+PetscErrorCode FindRuns(const PetscInt like[], OperatorRows *rows)
+{
+  const PetscInt n = rows->fluid.n;
+
+  PetscFunctionBegin;
+  rows->n_runs = 0;
+  for (PetscInt i = 0, end; i < n; i = end) {
+    for (end = i + 1; end < n && ContinuesRun(&rows->fluid, like, end);) end++;
+    if (end - i < RUN_LANES) continue;
+    if (rows->n_runs == rows->runs_capacity) {
+      rows->runs_capacity = 2 * rows->runs_capacity + 64;
+      PetscCall(PetscRealloc(sizeof(*rows->run) * (size_t)rows->runs_capacity, &rows->run));
+    }
+    rows->run[rows->n_runs][0]   = i;
+    rows->run[rows->n_runs++][1] = end - i;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -73,6 +73,7 @@ static PetscErrorCode ShellCreate(const AffineOperator *op, Mat *J)
   PetscCall(MatShellSetOperation(*J, MATOP_MULT, (void (*)(void))ShellMult));
   PetscCall(MatShellSetOperation(*J, MATOP_GET_DIAGONAL, (void (*)(void))ShellGetDiagonal));
   PetscCall(MatShellSetOperation(*J, MATOP_DESTROY, (void (*)(void))ShellDestroy));
+  PetscCall(PetscObjectComposeFunction((PetscObject)*J, MAT_FLATTEN, AffineSystemFlatten));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

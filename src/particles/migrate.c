@@ -12,7 +12,7 @@ typedef struct {
   PetscInt         width; /* of a record */
 } Items;
 
-/* Sort key of an item: fluid or wall, cell, id. */
+/* Sort key of an item: fluid or wall with the cell, id. */
 typedef struct {
   PetscInt64 cell, id;
   PetscInt   item;
@@ -86,13 +86,15 @@ static int CompareKeys(const void *a, const void *b)
 /*
   Sorts items by kind (fluid or wall), cell and id. Cells have the size of an interaction radius
   and begin at the corner of the scene's box, so that the order of two particles does not depend on
-  their owners. Field 0 of a record is x.
+  their owners. Particles that stay on a lattice have the order of their ids, along its lines, in
+  which products of operators take several rows at a time. Field 0 of a record is x.
 */
 static PetscErrorCode SortItems(const Scene *scene, const Particles *p, const Items *items,
                                 SortKey **keys)
 {
   const PetscInt  last   = (1 << CELL_BITS) - 1;
   const PetscReal offset = 1024.0; /* cells below the box, for walls */
+  const PetscBool lines  = !SceneMoves(scene) && !scene->grading.on ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(items->n, keys));
@@ -102,7 +104,7 @@ static PetscErrorCode SortItems(const Scene *scene, const Particles *p, const It
     key->item = k;
     key->id   = ItemId(items, k, p);
     key->cell = ParticleKinds[ItemKind(items, k, p)].is_wall;
-    for (PetscInt a = p->dim - 1; a >= 0; a--) {
+    for (PetscInt a = p->dim - 1; a >= 0 && !lines; a--) {
       const PetscReal x = ItemValue(items, k, RECORD_FIELDS + a, p->x[a]);
       const PetscReal s = (x - scene->lo[a]) / p->halo_width + offset;
 

@@ -241,7 +241,7 @@ PetscErrorCode PatchRun(Scene *scene)
     PetscCall(PatchStructure(&patch, report));
     if (patch.spectrum) PetscCall(PatchSpectrum(&patch, report));
     if (patch.solve) PetscCall(PatchSolve(&patch, report));
-    PetscCall(MatrixFileWrite(patch.particles, patch.ops->velocity[0].visc.A, matrix));
+    if (matrix) PetscCall(MatrixFileWrite(patch.particles, patch.ops->velocity[0].visc.A, matrix));
     PetscCall(OptionsRefuseUnknown(PETSC_TRUE));
     PetscCall(PetscTime(&end));
     flow.particles = patch.particles;

@@ -2,9 +2,9 @@
   The matrix of the pressure increment on splines, A = -scale^2 D G: the product of divergence and
   gradient. Moving particles change both in each step, so A is a shell that applies one after the
   other. Fixed particles keep them, so A is computed once; its product with a vector takes about an
-  eighth of the operations.
+  eighth of the operations. On a lattice most rows repeat, see splinerepeats.c.
 */
-#include "splines.h"
+#include "splinerows.h"
 
 /* Context of the shell. */
 typedef struct {
@@ -142,7 +142,6 @@ static PetscErrorCode SplineProduct(Splines *s, const Particles *p)
   PetscScalar *d;
 
   PetscFunctionBegin;
-  PetscCall(MatDestroy(&s->A));
   for (PetscInt a = 0; a < s->lattice.dim; a++) PetscCall(AddProducts(s, p, a, &s->A));
   if (s->bodies) {
     PetscCall(VecDuplicate(s->b, &diagonal));
@@ -185,15 +184,23 @@ static PetscErrorCode SplineShell(Splines *s, const Particles *p)
 /*
   SplinesMatrix - Creates the matrix of the pressure increment for the present particles
 
-  Collective.
+  Collective. Input: multiplies - the solver needs no entries; then a single rank stores rows of
+  fixed particles that repeat once.
 */
-PetscErrorCode SplinesMatrix(Flow *flow, Splines *s)
+PetscErrorCode SplinesMatrix(Flow *flow, PetscBool multiplies, Splines *s)
 {
+  PetscMPIInt ranks;
+  SplineRows *rows = NULL;
+
   PetscFunctionBegin;
   if (SceneMoves(flow->scene)) {
     if (!s->A) PetscCall(SplineShell(s, flow->particles));
   } else if (s->product != s->assemblies) {
-    PetscCall(SplineProduct(s, flow->particles));
+    PetscCallMPI(MPI_Comm_size(flow->particles->comm, &ranks));
+    PetscCall(MatDestroy(&s->A));
+    if (multiplies && ranks == 1) PetscCall(SplineRowsCompute(s, flow->particles, &rows));
+    if (rows) PetscCall(SplineRowsShell(flow->particles->comm, rows, &s->A));
+    else PetscCall(SplineProduct(s, flow->particles));
   }
   s->product = s->assemblies;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -215,7 +215,7 @@ struct Splines {
   Mat S;    /* boundary points x splines: weight psi_q; NULL: a periodic box */
   Mat K;    /* stiffness, scale^2 int grad psi . grad psi, for the preconditioner */
   Vec mass; /* int psi_q, with bodies sum_r |int psi_q psi_r|, over the volume of a cell */
-  Mat A;    /* -scale^2 D G; a shell for moving particles */
+  Mat A;    /* -scale^2 D G; a shell for moving particles, and if most of its rows repeat */
 
   SplineWindow window;
   SplinePlaces at, inside_at; /* chi_q at particles, psi_q at points inside */
@@ -310,6 +310,8 @@ PetscErrorCode SplineFitsAssemble(Flow *flow, Splines *s);
 PetscErrorCode SplineFitsFree(SplineFits *fits);
 PetscErrorCode SplineFitsReserve(const Particles *p, SplineFits *fits);
 PetscErrorCode SplinesIntegrate(const Particles *p, Splines *s, Vec d);
+PetscBool      SplineFitIsSingle(PetscInt dim, const SplineFits *f, PetscInt g);
+void           SplinePointIntegrals(const Splines *s, PetscInt g, PetscInt a, PetscReal value[]);
 PetscErrorCode SplineGradientMat(const Particles *p, const Splines *s, PetscInt a, Mat *T);
 
 /* splines.c, splinestiffness.c */
@@ -317,6 +319,9 @@ PetscErrorCode SplineMat(MPI_Comm comm, PetscInt rows, PetscInt cols, const Pets
                          Mat *A);
 PetscErrorCode SplineMatFinish(Mat A);
 PetscBool      SplineOwn(const Splines *s, PetscInt k, PetscInt index[]);
+PetscInt  SplineSupport(const Splines *s, const PetscInt index[], PetscInt first[], PetscInt n[]);
+PetscBool SplineBlockCell(const SplineLattice *l, const PetscInt first[], const PetscInt n[],
+                          PetscInt k, PetscInt cell[]);
 PetscErrorCode SplineStiffness(Splines *s, const Particles *p);
 PetscErrorCode SplinesNumber(Flow *flow, Splines *s);
 PetscErrorCode SplinesAssemble(Flow *flow, Splines *s);
@@ -324,7 +329,7 @@ PetscInt       SplinesGlobal(const Splines *s, const Particles *p, const PetscIn
 PetscErrorCode SplinesFree(Splines *s);
 
 /* splinematrix.c */
-PetscErrorCode SplinesMatrix(Flow *flow, Splines *s);
+PetscErrorCode SplinesMatrix(Flow *flow, PetscBool multiplies, Splines *s);
 
 /* splinestep.c */
 PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, PetscBool mean,

@@ -31,9 +31,9 @@ static PetscErrorCode AddProducts(Splines *s, const Particles *p, const PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the cells in the support of own spline k; returns their number. */
-static PetscInt SupportCells(const Splines *s, const PetscInt index[], PetscInt first[],
-                             PetscInt n[])
+/* SplineSupport - Computes the cells in the support of a spline; returns their number; not
+   collective */
+PetscInt SplineSupport(const Splines *s, const PetscInt index[], PetscInt first[], PetscInt n[])
 {
   const SplineLattice *l     = &s->lattice;
   PetscInt             cells = 1;
@@ -53,10 +53,10 @@ static PetscInt SupportCells(const Splines *s, const PetscInt index[], PetscInt 
   return cells;
 }
 
-/* Computes cell k of a block of cells of a lattice, first axis fastest; returns false outside the
-   box. */
-static PetscBool BlockCell(const SplineLattice *l, const PetscInt first[], const PetscInt n[],
-                           PetscInt k, PetscInt cell[])
+/* SplineBlockCell - Computes cell k of a block of cells of a lattice, first axis fastest; returns
+   false outside the box; not collective */
+PetscBool SplineBlockCell(const SplineLattice *l, const PetscInt first[], const PetscInt n[],
+                          PetscInt k, PetscInt cell[])
 {
   SplineIndex(l->dim, first, n, k, cell);
   for (PetscInt a = 0; a < l->dim; a++) {
@@ -75,12 +75,12 @@ static PetscErrorCode AddSupport(Splines *s, const Particles *p, PetscInt k, Mat
 
   PetscFunctionBegin;
   (void)SplineOwn(s, k, index);
-  cells = SupportCells(s, index, first, n);
+  cells = SplineSupport(s, index, first, n);
   for (PetscInt m = 0; m < cells * corners; m++) {
     PetscInt  cell[ISPH_MAX_DIM], node;
     PetscReal x[ISPH_MAX_DIM], weight;
 
-    if (!BlockCell(l, first, n, m / corners, cell)) continue;
+    if (!SplineBlockCell(l, first, n, m / corners, cell)) continue;
     weight = SplinePoint(s, cell, m % corners, x, &node);
     if (weight > 0.0) PetscCall(AddProducts(s, p, x, weight, s->own.start + k, M, mass));
   }
@@ -103,12 +103,12 @@ static void RowWidths(const Splines *s, PetscInt seen[], PetscInt width[])
 
     width[k] = 25 * layers;
     if (!SplineOwn(s, k, index) || !s->bodies) continue;
-    (void)SupportCells(s, index, first, n);
+    (void)SplineSupport(s, index, first, n);
     width[k] = 0;
     for (PetscInt c = 0; c < n[0] * n[1]; c++) {
       PetscInt cell[ISPH_MAX_DIM], number[SPLINES_IN_CELL], found;
 
-      if (!BlockCell(&plane, first, n, c, cell)) continue;
+      if (!SplineBlockCell(&plane, first, n, c, cell)) continue;
       found = SplinesInCell(&plane, s->bodies, cell[1] * l->cells[0] + cell[0], number);
       for (PetscInt e = 0; e < found; e++) {
         width[k] += seen[number[e]] == k + 1 ? 0 : layers;
