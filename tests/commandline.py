@@ -46,7 +46,7 @@ for words in (["-help"], ["-h"], ["--help"], ["-case", "patch", "-n", "abc", "-h
     listed = re.findall(r"^  (-\S+)", text[text.index("All options"):], re.M)
     assert listed == options, set(options) ^ set(listed)
     assert max(len(line) for line in text.splitlines()) <= 100
-    assert re.search(r"^  <side> stands for +left, right, bottom, top$", text, re.M), text
+    assert re.search(r"^  <side> stands for +left, right, bottom, top, back, front$", text, re.M), text
 petsc = isph("-n", "12", "-help", "petsc")
 assert petsc.startswith(isph("-help")), petsc[:2000]
 for option in ("-ppe_ksp_gmres_restart", "-visc_ts_max_snes_failures", "-log_view"):
