@@ -7,7 +7,7 @@
 
 struct Assembly {
   Stencil   *stencil;          /* the first of the batch */
-  Stencil   *batch[MLS_LANES]; /* of particles whose rows are assembled together */
+  Stencil   *batch[MLS_BATCH]; /* of particles whose rows are assembled together */
   MlsBatch  *fits;             /* of several particles at once */
   PetscBool  has_fits;         /* an operator has the rows of fits of the chosen degree */
   PetscBool  simple;           /* no wall neighbours; slots in the order of neighbours */

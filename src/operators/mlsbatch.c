@@ -8,15 +8,19 @@
 
 /* A number of each particle. Unaligned, as PETSc allocates memory. */
 typedef PetscReal Lanes
-    __attribute__((vector_size(MLS_LANES * sizeof(PetscReal)), aligned(sizeof(PetscReal))));
+    __attribute__((vector_size(MLS_BATCH * sizeof(PetscReal)), aligned(sizeof(PetscReal))));
 
-#define ROWS    (2 + ISPH_MAX_DIM) /* filter, Laplacian, gradient */
-#define MOMENTS (MLS_MAX_TERMS * (MLS_MAX_TERMS + 1) / 2)
+#define ROWS      (2 + ISPH_MAX_DIM) /* filter, Laplacian, gradient */
+#define MOMENTS   (MLS_MAX_TERMS * (MLS_MAX_TERMS + 1) / 2)
+#define MONOMIALS 164 /* of degree 1 to 2 MLS_MAX_DEGREE in 3D */
+#define DEGREES   (MLS_MAX_DEGREE - 1)
 
 struct MlsBatch {
-  PetscInt capacity;        /* neighbours */
-  Lanes   *s[ISPH_MAX_DIM]; /* offsets of neighbours over the radius */
-  Lanes   *W, *row[ROWS];   /* weights of neighbours in the fit and in the rows */
+  PetscInt dim;
+  PetscInt product[DEGREES][MOMENTS]; /* monomial of each moment, of the degrees 2, 3, ... */
+  PetscInt capacity;                  /* neighbours */
+  Lanes   *s[ISPH_MAX_DIM];           /* offsets of neighbours over the radius */
+  Lanes   *W, *row[ROWS];             /* weights of neighbours in the fit and in the rows */
 };
 
 /* The systems of a batch. */
@@ -27,11 +31,52 @@ typedef struct {
   Lanes m[MLS_MAX_TERMS], sum;  /* of the filter */
 } Systems;
 
-/* MlsBatchCreate - Creates the workspace of a batch; not collective */
-PetscErrorCode MlsBatchCreate(MlsBatch **batch)
+/* Lists the exponents of the monomials of degree 1 to `degree`, in the order of MlsBasis(). */
+static void ListExponents(PetscInt dim, PetscInt degree, PetscInt exponent[][ISPH_MAX_DIM])
+{
+  PetscInt lower = 0, t = dim;
+
+  for (PetscInt e = 0; e < dim * ISPH_MAX_DIM; e++)
+    exponent[e / ISPH_MAX_DIM][e % ISPH_MAX_DIM] = e % (ISPH_MAX_DIM + 1) ? 0 : 1;
+  for (PetscInt d = 2; d <= degree; d++) {
+    for (PetscInt a = 0; a < dim; a++) {
+      for (PetscInt q = 0; q < MlsMonomials(a, d - 1); q++, t++) {
+        for (PetscInt b = 0; b < ISPH_MAX_DIM; b++)
+          exponent[t][b] = exponent[lower + q][b] + (a == b ? 1 : 0);
+      }
+    }
+    lower += MlsMonomials(dim - 1, d - 1);
+  }
+}
+
+/* Finds the monomial that each product of two terms of a degree is. */
+static void SetProducts(PetscInt degree, MlsBatch *b)
+{
+  const PetscInt terms = MlsTerms(b->dim, degree);
+  PetscInt       exponent[MONOMIALS][ISPH_MAX_DIM], e = 0;
+
+  ListExponents(b->dim, 2 * degree, exponent);
+  for (PetscInt t = 0; t < terms; t++) {
+    for (PetscInt q = 0; q <= t; q++, e++) {
+      for (PetscInt m = 0; m < MlsTerms(b->dim, 2 * degree); m++) {
+        PetscBool same = PETSC_TRUE;
+
+        for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)
+          if (exponent[m][a] != exponent[t][a] + exponent[q][a]) same = PETSC_FALSE;
+        if (same) b->product[degree - 2][e] = m;
+      }
+    }
+  }
+}
+
+/* MlsBatchCreate - Creates the workspace of a batch of particles in `dim` dimensions; not
+   collective */
+PetscErrorCode MlsBatchCreate(PetscInt dim, MlsBatch **batch)
 {
   PetscFunctionBegin;
   PetscCall(PetscNew(batch));
+  (*batch)->dim = dim;
+  for (PetscInt degree = 2; degree <= MLS_MAX_DEGREE; degree++) SetProducts(degree, *batch);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -81,49 +126,49 @@ static void FillLane(const Stencil *st, PetscInt lane, PetscInt n, MlsBatch *b)
   }
 }
 
-/* Computes the basis of neighbour k, see MlsBasis(). */
-static ISPH_INLINE void Basis(PetscInt dim, PetscInt degree, const MlsBatch *b, PetscInt k,
-                              Lanes phi[])
+/* Computes the monomials of degree 1 to `degree` of neighbour k times a factor, in the order of
+   MlsBasis(). Input: phi - the factor times the offsets. */
+static ISPH_INLINE void Monomials(PetscInt dim, PetscInt degree, const MlsBatch *b, PetscInt k,
+                                  Lanes phi[])
 {
   PetscInt lower = 0, t = dim;
 
-  for (PetscInt a = 0; a < dim; a++) phi[a] = b->s[a][k];
+#pragma GCC unroll 8
   for (PetscInt d = 2; d <= degree; d++) {
-    for (PetscInt a = 0; a < dim; a++)
-      for (PetscInt q = 0; q < MlsMonomials(a, d - 1); q++) phi[t++] = phi[a] * phi[lower + q];
+#pragma GCC unroll 3
+    for (PetscInt a = 0; a < dim; a++) {
+#pragma GCC unroll 16
+      for (PetscInt q = 0; q < MlsMonomials(a, d - 1); q++) phi[t++] = b->s[a][k] * phi[lower + q];
+    }
     lower += MlsMonomials(dim - 1, d - 1);
   }
 }
 
-/* Computes the moments and the right-hand sides. */
+/* Computes the moments and the right-hand sides. The products of two terms are fewer monomials than
+   pairs of terms, and the sum of each is computed once. */
 static ISPH_INLINE void SetSystems(PetscInt dim, PetscInt degree, PetscInt n, Stencil *const st[],
                                    const MlsBatch *b, Systems *y)
 {
-  const PetscInt terms = MlsTerms(dim, degree);
-  const Lanes    zero  = {0.0};
-  Lanes          M[MOMENTS], m[MLS_MAX_TERMS];
+  const PetscInt terms = MlsTerms(dim, degree), monomials = MlsTerms(dim, 2 * degree);
+  const Lanes    zero = {0.0};
+  Lanes          sum[MONOMIALS], weights = zero;
 
-  for (PetscInt e = 0; e < terms * (terms + 1) / 2; e++) M[e] = zero;
-  for (PetscInt t = 0; t < terms; t++) m[t] = zero;
-  y->sum = zero;
+  for (PetscInt m = 0; m < monomials; m++) sum[m] = zero;
   for (PetscInt k = 0; k < n; k++) {
-    Lanes    phi[MLS_MAX_TERMS];
-    PetscInt e = 0;
+    Lanes phi[MONOMIALS];
 
-    Basis(dim, degree, b, k, phi);
-    y->sum += b->W[k];
-    for (PetscInt t = 0; t < terms; t++) {
-      const Lanes weighted = b->W[k] * phi[t];
-
-      m[t] += weighted;
-      for (PetscInt q = 0; q <= t; q++) M[e++] += weighted * phi[q];
-    }
+    weights += b->W[k];
+    for (PetscInt a = 0; a < dim; a++) phi[a] = b->W[k] * b->s[a][k];
+    Monomials(dim, 2 * degree, b, k, phi);
+#pragma GCC unroll 40
+    for (PetscInt m = 0; m < monomials; m++) sum[m] += phi[m];
   }
-  for (PetscInt e = 0; e < terms * (terms + 1) / 2; e++) y->M[e] = M[e];
-  for (PetscInt t = 0; t < terms; t++) y->m[t] = y->b[0][t] = m[t];
+  y->sum = weights;
+  for (PetscInt e = 0; e < terms * (terms + 1) / 2; e++) y->M[e] = sum[b->product[degree - 2][e]];
+  for (PetscInt t = 0; t < terms; t++) y->m[t] = y->b[0][t] = sum[t];
   for (PetscInt r = 1; r < 2 + dim; r++)
     for (PetscInt t = 0; t < terms; t++) y->b[r][t] = zero;
-  for (PetscInt l = 0; l < MLS_LANES; l++) {
+  for (PetscInt l = 0; l < MLS_BATCH; l++) {
     const PetscReal over = 1.0 / st[l]->radius;
 
     y->sum[l] += st[l]->self[0];
@@ -159,7 +204,7 @@ static ISPH_INLINE void SolveSystems(PetscInt dim, PetscInt terms, Systems *y, L
       row[k] = factor;
     }
     share = y->pivot[j] / row[j];
-    for (PetscInt l = 0; l < MLS_LANES; l++)
+    for (PetscInt l = 0; l < MLS_BATCH; l++)
       (*least)[l] = share[l] < (*least)[l] || share[l] != share[l] ? share[l] : (*least)[l];
     y->pivot[j] = 1.0 / y->pivot[j];
   }
@@ -187,7 +232,8 @@ static ISPH_INLINE void SetRows(PetscInt dim, PetscInt degree, PetscInt n, MlsBa
   for (PetscInt k = 0; k < n; k++) {
     Lanes phi[MLS_MAX_TERMS];
 
-    Basis(dim, degree, b, k, phi);
+    for (PetscInt a = 0; a < dim; a++) phi[a] = b->s[a][k];
+    Monomials(dim, degree, b, k, phi);
     for (PetscInt r = 0; r < 2 + dim; r++) {
       Lanes sum = x[r][0] * phi[0];
 
@@ -246,7 +292,7 @@ static PetscBool HasValuesOnly(const Stencil *st)
 
   Input Parameters:
 + degree - of the fits, 2 to 4
-. count  - number of stencils, at most MLS_LANES
+. count  - number of stencils, at most MLS_BATCH
 - st     - stencils of the particles
 
   Output Parameter:
@@ -254,7 +300,7 @@ static PetscBool HasValuesOnly(const Stencil *st)
 */
 PetscErrorCode MlsFitBatch(PetscInt degree, PetscInt count, Stencil *const st[], MlsBatch *b)
 {
-  Stencil *of_lane[MLS_LANES];
+  Stencil *of_lane[MLS_BATCH];
   PetscInt lanes = 0, n = 0;
   Lanes    least;
 
@@ -266,8 +312,8 @@ PetscErrorCode MlsFitBatch(PetscInt degree, PetscInt count, Stencil *const st[],
   }
   if (!lanes) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(BatchReserve(n, b));
-  for (PetscInt l = lanes; l < MLS_LANES; l++) of_lane[l] = of_lane[0]; /* repeated, not kept */
-  for (PetscInt l = 0; l < MLS_LANES; l++) FillLane(of_lane[l], l, n, b);
+  for (PetscInt l = lanes; l < MLS_BATCH; l++) of_lane[l] = of_lane[0]; /* repeated, not kept */
+  for (PetscInt l = 0; l < MLS_BATCH; l++) FillLane(of_lane[l], l, n, b);
   FitLanes(st[0]->dim, degree, n, of_lane, b, &least);
   for (PetscInt l = 0; l < lanes; l++)
     if (least[l] > of_lane[l]->weak) KeepLane(b, degree, l, of_lane[l]);
