@@ -28,28 +28,29 @@ static PetscErrorCode SetValues(OperatorRows *rows, PetscInt fields, const Vec f
 }
 
 /* Adds the products of row i of n operators, over fluid or over walls, to sum[]. Input: weights -
-   those of the row. Two partial sums of each hide the latency of additions. Inlined, so that the
-   compiler knows n. */
+   those of the row. Partial sums of each hide the latency of additions. Inlined, so that the compiler
+   knows n. */
 static inline void AddProducts(const Pattern *pattern, PetscInt i, PetscInt n,
                                const PetscReal *const weights[], const PetscReal value[],
                                PetscReal sum[])
 {
-  const PetscInt *local            = &pattern->local[pattern->row[i]];
-  const PetscInt  last             = pattern->row[i + 1] - pattern->row[i];
-  PetscReal       odd[AFFINE_MOST] = {0.0};
-  PetscInt        s                = 0;
+  const PetscInt  parts                = n == 1 ? 4 : 2;
+  const PetscInt *local                = &pattern->local[pattern->row[i]];
+  const PetscInt  last                 = pattern->row[i + 1] - pattern->row[i];
+  PetscReal       part[4][AFFINE_MOST] = {{0.0}};
+  PetscInt        s                    = 0;
 
-  for (; s + 1 < last; s += 2) {
-    const PetscReal even_value = value[local[s]], odd_value = value[local[s + 1]];
+  for (; s + parts <= last; s += parts) {
+    for (PetscInt q = 0; q < parts; q++) {
+      const PetscReal f = value[local[s + q]];
 
-    for (PetscInt k = 0; k < n; k++) {
-      sum[k] += weights[k][s] * even_value;
-      odd[k] += weights[k][s + 1] * odd_value;
+      for (PetscInt k = 0; k < n; k++) part[q][k] += weights[k][s + q] * f;
     }
   }
-  for (PetscInt k = 0; k < n; k++) sum[k] += odd[k];
-  if (s == last) return;
-  for (PetscInt k = 0; k < n; k++) sum[k] += weights[k][s] * value[local[s]];
+  for (; s < last; s++)
+    for (PetscInt k = 0; k < n; k++) sum[k] += weights[k][s] * value[local[s]];
+  for (PetscInt q = 0; q < parts; q++)
+    for (PetscInt k = 0; k < n; k++) sum[k] += part[q][k];
 }
 
 /* The terms of a product and its form. */

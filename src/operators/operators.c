@@ -159,9 +159,9 @@ static PetscErrorCode ChooseFitted(const Scene *scene, Operators *ops)
                   filter_p = filters && ops->filter_p.needed;
 
   PetscFunctionBegin;
-  if (!SceneMoves(scene) || ops->free || ops->forms.gradient->Row != GradientRow_Mls)
+  if (!SceneMoves(scene) || ops->free || !GradientsAreProducts(ops))
     PetscFunctionReturn(PETSC_SUCCESS);
-  if (!GradientsAreProducts(ops)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (ops->forms.gradient->Row != GradientRow_Mls) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt c = 0; c < ops->n_velocity; c++) {
     if (filter_u) ops->velocity[c].filter_u.fitted = FIT_FILTER;
     for (PetscInt a = 0; a < scene->dim; a++)
