@@ -28,8 +28,8 @@ static PetscErrorCode SetValues(OperatorRows *rows, PetscInt fields, const Vec f
 }
 
 /* Adds the products of row i of n operators, over fluid or over walls, to sum[]. Input: weights -
-   those of the row. Partial sums of each hide the latency of additions. Inlined, so that the compiler
-   knows n. */
+   those of the row. Partial sums of each hide the latency of additions. Inlined, so that the
+   compiler knows n. */
 static inline void AddProducts(const Pattern *pattern, PetscInt i, PetscInt n,
                                const PetscReal *const weights[], const PetscReal value[],
                                PetscReal sum[])
@@ -83,8 +83,8 @@ static inline void ApplyInline(const OperatorRows *rows, PetscInt n, const Produ
   }
 }
 
-/* Computes y_k = [y_k +] op_k f for n operators by their stored rows. Input: fluid - flag: the terms
-   over fluid are added. */
+/* Computes y_k = [y_k +] op_k f for n operators by their stored rows. Input: fluid - flag: the
+   terms over fluid are added. */
 static PetscErrorCode ApplyStored(PetscInt n, const AffineOperator *const op[], PetscBool fluid,
                                   PetscBool add, Vec f, Vec walls, const Vec y[])
 {
@@ -155,8 +155,8 @@ static PetscErrorCode ApplyFitted(const AffineProducts *of, PetscBool add)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the products by rows. Input: fluid - flag: the terms over fluid are added; fields without
-   them are zero over fluid. */
+/* Computes the products by rows. Input: fluid - flag: the terms over fluid are added; fields
+   without them are zero over fluid. */
 static PetscErrorCode ApplyRows(const AffineProducts *of, PetscBool fluid, PetscBool add)
 {
   PetscFunctionBegin;

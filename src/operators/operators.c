@@ -149,8 +149,8 @@ static PetscBool GradientsAreProducts(const Operators *ops)
 
 /*
   Decides if products make the rows of gradients and filters from fits: those of particles that
-  move, without free surfaces, where rows have other equations. Beside walls the operators of several
-  quantities have different equations, and their rows are stored.
+  move, without free surfaces, where rows have other equations. Beside walls the operators of
+  several quantities have different equations, and their rows are stored.
 */
 static PetscErrorCode ChooseFitted(const Scene *scene, Operators *ops)
 {

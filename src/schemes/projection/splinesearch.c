@@ -208,8 +208,8 @@ static ISPH_INLINE PetscInt ListBetween(PetscReal low, PetscReal high, SplineAro
   the next, at most reach^2
 
   A shell about the wanted number of particles is found first, by a guess on which the result does
-  not depend, and its particles are sorted. The number of particles grows in proportion to the volume
-  of the ball.
+  not depend, and its particles are sorted. The number of particles grows in proportion to the
+  volume of the ball.
 */
 static ISPH_INLINE PetscReal SquaredRadius(PetscInt dim, PetscReal wanted, PetscReal reach,
                                            SplineAround *around, PetscBool *found)
