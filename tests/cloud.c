@@ -75,7 +75,8 @@ PetscErrorCode CloudOperators(const CloudBox *box, const char options[], Cloud *
   PetscCall(PetscOptionsInsertString(database, options));
   PetscCall(PetscOptionsPush(database));
   PetscCall(SceneReadSpacing(scene));
-  needs = SceneNeeds(scene) | NEED_CONCENTRATION;
+  if (box->moves) scene->motion = (const MotionRow *)TableGet(&MotionTable, 0); /* lagrangian */
+  needs = box->needs ? box->needs : SceneNeeds(scene) | NEED_CONCENTRATION;
   if (!box->without_matrices) needs |= NEED_MATRICES;
   if (box->grad_p_without_walls) needs |= NEED_FREE_GRAD_P | NEED_FILTER_P;
   code = OperatorsCreate(scene, needs, &cloud->ops);

@@ -21,6 +21,8 @@ typedef struct {
   PetscReal          circle;               /* radius of a body in the middle [dx]; 0: none */
   PetscBool          grad_p_without_walls; /* pressure rows of the coupled scheme */
   PetscBool          without_matrices;     /* operators are products by rows only */
+  PetscBool          moves;                /* particles move with the flow */
+  unsigned           needs;                /* 0: those of the scene */
   const BoundaryRow *kind[2 * ISPH_MAX_DIM]; /* of sides; NULL: as n_periodic says */
 } CloudBox;
 

@@ -17,16 +17,22 @@ static const CloudBox boxes[] = {
 #define BOXES (sizeof(boxes) / sizeof(boxes[0]))
 
 #define ROUNDING 1e-13 /* over the largest value */
+#define FITS     1e-11 /* the same, amplified by normal equations of condition 1e4 */
 
-/* Checks that two vectors are equal to rounding. */
-static void AssertEqual(const char *what, const char *where, Vec y, Vec expected)
+/* Checks that two vectors differ by at most a multiple of the largest value. */
+static void AssertNear(const char *what, const char *where, PetscReal most, Vec y, Vec expected)
 {
   PetscReal norm, difference;
 
   ASSERT_OK(VecNorm(expected, NORM_INFINITY, &norm));
   ASSERT_OK(VecAXPY(y, -1.0, expected));
   ASSERT_OK(VecNorm(y, NORM_INFINITY, &difference));
-  CloudAssertNone(what, where, !(difference <= ROUNDING * norm));
+  CloudAssertNone(what, where, !(difference <= most * norm));
+}
+
+static void AssertEqual(const char *what, const char *where, Vec y, Vec expected)
+{
+  AssertNear(what, where, ROUNDING, y, expected);
 }
 
 /* Sets random values over fluid and walls. */
@@ -126,6 +132,83 @@ static void test_repeats(void **state)
                     b % 2 ? cloud.ops->rows.n_runs : ranks == 1 && !cloud.ops->rows.n_runs);
     ASSERT_OK(CloudDestroy(&cloud));
     ASSERT_OK(CloudDestroy(&all));
+  }
+}
+
+/* Lists the operators whose rows products make from fits; returns their number. */
+static PetscInt ListFitted(const Operators *ops, PetscInt dim, const AffineOperator *op[])
+{
+  PetscInt n = 0;
+
+  op[n++] = &ops->velocity[0].filter_u;
+  for (PetscInt a = 0; a < dim; a++) op[n++] = &ops->velocity[0].grad_u[a];
+  return n;
+}
+
+/* Compares the products of all components of a velocity with those by matrices, and single products
+   of the operators of the pressure. */
+static void CompareFitted(const Cloud *stored, const Cloud *fitted, const char *name)
+{
+  AffineProducts        of = {.fields = stored->scene.dim};
+  const AffineOperator *by_matrix[AFFINE_MOST];
+
+  for (PetscInt c = 0; c < of.fields; c++) {
+    of.n        = ListFitted(fitted->ops, of.fields, of.op[c]);
+    of.f[c]     = fitted->f[c];
+    of.walls[c] = fitted->e;
+    for (PetscInt k = 0; k < of.n; k++) ASSERT_OK(VecDuplicate(fitted->y, &of.y[c][k]));
+  }
+  (void)ListFitted(stored->ops, of.fields, by_matrix);
+  ASSERT_OK(AffineApplyFields(&of));
+  for (PetscInt e = 0; e < of.fields * of.n; e++) {
+    const PetscInt c = e / of.n, k = e % of.n;
+
+    ASSERT_OK(MatMult(by_matrix[k]->A, of.f[c], stored->y));
+    if (by_matrix[k]->B) ASSERT_OK(MatMultAdd(by_matrix[k]->B, fitted->e, stored->y, stored->y));
+    AssertNear("products of fits", name, FITS, of.y[c][k], stored->y);
+    ASSERT_OK(VecDestroy(&of.y[c][k]));
+  }
+  for (PetscInt a = 0; fitted->ops->div[0].needed && a < of.fields; a++) {
+    ASSERT_OK(AffineApply(&fitted->ops->div[a], fitted->f[a], fitted->e, fitted->y));
+    ASSERT_OK(AffineApply(&stored->ops->div[a], fitted->f[a], fitted->e, stored->y));
+    AssertNear("divergence by fits", name, FITS, fitted->y, stored->y);
+    ASSERT_OK(AffineApplyWalls(&fitted->ops->velocity[0].grad_u[a], fitted->e, fitted->y));
+    ASSERT_OK(AffineApplyWalls(&stored->ops->velocity[0].grad_u[a], fitted->e, stored->y));
+    AssertNear("wall data by fits", name, FITS, fitted->y, stored->y);
+  }
+}
+
+/* Rows of particles that move are made from fits, and their products are those of stored rows, with
+   and without operators of the pressure. */
+static void test_fitted(void **state)
+{
+  const char *const options[] = {
+      "-gradient mls -visc_laplacian mls -h_over_dx 1.5",
+      "-gradient mls -visc_laplacian mls -ppe_laplacian mls -h_over_dx 1.5",
+      "-gradient mls -visc_laplacian mls -ppe_laplacian mls -mls_degree 3 -h_over_dx 1.8",
+      "-gradient mls -visc_laplacian mls -ppe_laplacian mls -mls_degree 4 -h_over_dx 2"};
+
+  (void)state;
+  for (size_t b = 0; b < 4 * BOXES; b++) {
+    CloudBox    box = boxes[b / 4];
+    Cloud       stored, fitted;
+    PetscRandom random;
+
+    box.moves = PETSC_TRUE;
+    box.needs = NEED_VISCOSITY | NEED_GRADIENT_U | NEED_FILTER_U;
+    if (b % 4) box.needs |= NEED_PRESSURE | NEED_FILTER_P;
+    ASSERT_OK(CloudCreate(&box, options[b % 4], &stored));
+    box.without_matrices = PETSC_TRUE;
+    ASSERT_OK(CloudCreate(&box, options[b % 4], &fitted));
+    CloudAssertNone("rows of fits", box.name, !fitted.ops->rows.fitted);
+    CloudAssertNone("stored rows", box.name, stored.ops->rows.fitted != NULL);
+    ASSERT_OK(PetscRandomCreate(PETSC_COMM_WORLD, &random));
+    for (PetscInt c = 0; c < box.dim; c++) ASSERT_OK(VecSetRandom(fitted.f[c], random));
+    ASSERT_OK(VecSetRandom(fitted.e, random));
+    ASSERT_OK(PetscRandomDestroy(&random));
+    CompareFitted(&stored, &fitted, box.name);
+    ASSERT_OK(CloudDestroy(&fitted));
+    ASSERT_OK(CloudDestroy(&stored));
   }
 }
 
@@ -239,8 +322,8 @@ static void CompareBatches(const Cloud *cloud, const char *name, PetscInt degree
   Stencil **batch = cloud->ops->work->batch;
   PetscInt  wrong = 0, compared = 0;
 
-  for (PetscInt i = 0; i < cloud->particles->n_fluid; i += MLS_LANES) {
-    const PetscInt count = PetscMin(MLS_LANES, cloud->particles->n_fluid - i);
+  for (PetscInt i = 0; i < cloud->particles->n_fluid; i += MLS_BATCH) {
+    const PetscInt count = PetscMin(MLS_BATCH, cloud->particles->n_fluid - i);
 
     for (PetscInt l = 0; l < count; l++) {
       wrong += GatherStencil(&cloud->scene, cloud->particles, cloud->neighbors, cloud->ops, i + l,
@@ -276,7 +359,7 @@ int main(int argc, char *argv[])
 {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_products),
                                      cmocka_unit_test(test_repeats), cmocka_unit_test(test_system),
-                                     cmocka_unit_test(test_batch)};
+                                     cmocka_unit_test(test_fitted), cmocka_unit_test(test_batch)};
   int                     failed;
 
   if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;

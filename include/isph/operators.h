@@ -44,6 +44,9 @@ typedef struct {
   PetscInt   wanted, degree;     /* degree asked for and reached; wanted 0: no rows yet */
   PetscReal *laplacian, *filter; /* rows of the fit */
   PetscReal *gradient[ISPH_MAX_DIM];
+  PetscReal *coefficient; /* a batch sets these in place of gradient and filter; NULL: rows */
+  PetscBool  with_filter; /* those of the filter too */
+  PetscBool  fitted;      /* the coefficients are set, and the rows are not valid */
 } MlsFit;
 
 /* Place of a particle with respect to free surfaces. */
@@ -264,6 +267,12 @@ typedef struct {
 
 #define RUN_LANES 8 /* rows of a run that products treat together */
 
+typedef struct FittedRows FittedRows; /* rows made from fits, see src/operators/fitted.c */
+
+/* A row of fits that products make and no array stores; the gradient along axis a is
+   FIT_GRADIENT + a. */
+typedef enum { FIT_STORED, FIT_FILTER, FIT_GRADIENT } FitRow;
+
 /* The rows of all operators, and the values of a field by local index that their products read. */
 typedef struct {
   Pattern   fluid, walls;
@@ -280,6 +289,7 @@ typedef struct {
   const Particles *particles; /* of the last assembly */
   PetscReal       *value;     /* of a field, for all local particles */
   PetscInt         capacity;  /* of value */
+  FittedRows      *fitted;    /* NULL: all rows are stored */
 } OperatorRows;
 
 /* An operator: its values in the slots of the shared rows, and matrices if a solver needs them. Far
@@ -290,7 +300,8 @@ typedef struct AffineOperator {
   PetscInt      width; /* values in each slot of the pattern: 1, or dim^2 for coupled
                              components */
   PetscReal    *a, *b; /* over fluid, over walls */
-  PetscReal    *apart; /* over fluid, of rows that the twin does not store for this operator */
+  PetscReal    *apart; /* over fluid, of rows that neither the twin stores nor fits make */
+  FitRow        fitted;
   PetscBool     has_matrices;
   Mat           A, B;                /* fluid x fluid, fluid x wall (NULL without walls) */
   OperatorRows *rows;                /* rows of products; NULL: products need the matrices */
@@ -301,7 +312,7 @@ typedef struct AffineOperator {
    collective */
 static inline PetscReal *AffineRow(const OperatorRows *rows, const AffineOperator *op, PetscInt i)
 {
-  if (op->twin && rows->apart[i] >= 0) return op->apart + rows->apart[i];
+  if (op->apart && rows->apart[i] >= 0) return op->apart + rows->apart[i];
   return (op->twin ? op->twin : op)->a + op->width * rows->first[i];
 }
 
@@ -421,6 +432,18 @@ PetscErrorCode AffineSystemFlatten(Mat J, Mat *flat);
 PetscErrorCode AffineApplyWalls(const AffineOperator *op, Vec walls, Vec y);
 PetscErrorCode AffineApplyAll(PetscInt n, const AffineOperator *const op[], Vec f, Vec walls,
                               const Vec y[]);
+
+#define AFFINE_MOST (ISPH_MAX_DIM + 2) /* operators in one pass: a gradient, viscosity, filter */
+
+/* Products of n operators with each of 1 or dim fields, which have wall data. */
+typedef struct {
+  PetscInt fields, n;
+  const AffineOperator
+      *op[ISPH_MAX_DIM][AFFINE_MOST]; /* at [field][operator]; of each kind alike */
+  Vec  f[ISPH_MAX_DIM], walls[ISPH_MAX_DIM];
+  Vec  y[ISPH_MAX_DIM][AFFINE_MOST];
+} AffineProducts;
+PetscErrorCode AffineApplyFields(const AffineProducts *products);
 
 PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *particles,
                                        Operators *ops);

@@ -6,6 +6,7 @@
 #include "assembly.h"
 #include "boundary_rows.h"
 #include "extension.h"
+#include "fitted.h"
 #include "rows.h"
 #include "wall_points.h"
 
@@ -123,8 +124,19 @@ static PetscInt WallEntries(const Particles *p, const Neighbors *nb)
   return n;
 }
 
-/* Finds the place of row i in operators that have a twin: a row with wall neighbours, or with no
-   neighbours at all, is apart, because its equations depend on the quantity. */
+/* Returns true if operators that share rows need not store that of a particle. The row of a twin
+   has no wall neighbours, whose equations depend on the quantity. Rows made from fits need the
+   coefficients, and a column for each neighbour. */
+static PetscBool IsShared(const Stencil *st, const OperatorRows *rows)
+{
+  const PetscInt *fluid = &rows->fluid.row[st->i], *walls = &rows->walls.row[st->i];
+
+  if (!rows->fitted) return st->n && !st->n_wall ? PETSC_TRUE : PETSC_FALSE;
+  if (!st->fit.fitted || fluid[1] - fluid[0] != st->n - st->n_wall + 1) return PETSC_FALSE;
+  return !st->n_wall || walls[1] - walls[0] == st->n_wall ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Finds the place of the present row in operators that share rows. */
 static PetscErrorCode PlaceApart(const Stencil *st, Operators *ops)
 {
   OperatorRows   *rows = &ops->rows;
@@ -132,14 +144,14 @@ static PetscErrorCode PlaceApart(const Stencil *st, Operators *ops)
   AffineOperator *all[OPERATORS_COUNT];
 
   PetscFunctionBegin;
-  ops->work->shared  = st->n && !st->n_wall ? PETSC_TRUE : PETSC_FALSE;
+  ops->work->shared  = IsShared(st, rows);
   rows->apart[st->i] = ops->work->shared ? -1 : rows->n_apart;
   if (ops->work->shared) PetscFunctionReturn(PETSC_SUCCESS);
   if (end > rows->apart_capacity) {
     rows->apart_capacity = end + end / 2;
     OperatorsList(ops, all);
     for (PetscInt k = 0; k < OPERATORS_COUNT; k++)
-      if (all[k]->twin)
+      if (all[k]->needed && AffineShares(all[k]))
         PetscCall(PetscRealloc(rows->apart_capacity * sizeof(PetscReal), &all[k]->apart));
   }
   rows->n_apart = end;
@@ -167,21 +179,23 @@ static void PlaceWeights(PetscInt i, Operators *ops)
 }
 
 /* Makes room in the workspace for the longest row. */
-static PetscErrorCode ReserveWork(PetscInt dim, PetscInt rows, const Neighbors *nb, Operators *ops)
+static PetscErrorCode ReserveWork(const Particles *p, const Neighbors *nb, Operators *ops)
 {
   const PetscInt width   = ops->velocity[0].visc.width;
   Assembly      *work    = ops->work;
   PetscInt       longest = 1;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < rows; i++) longest = PetscMax(longest, nb->row[i + 1] - nb->row[i] + 1);
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    longest = PetscMax(longest, nb->row[i + 1] - nb->row[i] + 1);
+  if (ops->rows.fitted) PetscCall(FittedReserve(p, longest, ops->rows.fitted));
   if (longest <= work->slot_capacity) PetscFunctionReturn(PETSC_SUCCESS);
   work->slot_capacity = 2 * longest;
   PetscCall(PetscFree4(work->slot, work->w, work->m, work->wall_w));
   PetscCall(PetscMalloc4(4 * work->slot_capacity, &work->slot, work->slot_capacity * width,
                          &work->w, work->slot_capacity, &work->m, work->slot_capacity * width,
                          &work->wall_w));
-  for (PetscInt a = 0; a < dim; a++) {
+  for (PetscInt a = 0; a < p->dim; a++) {
     PetscCall(PetscFree(work->g[a]));
     PetscCall(PetscMalloc1(work->slot_capacity, &work->g[a]));
   }
@@ -209,7 +223,7 @@ static PetscErrorCode BeginPattern(const Particles *p, const Neighbors *nb, Oper
     PetscCall(PetscMalloc1(rows->rows_capacity, &rows->apart));
   }
   rows->n_apart = 0;
-  PetscCall(ReserveWork(p->dim, p->n_fluid, nb, ops));
+  PetscCall(ReserveWork(p, nb, ops));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -260,7 +274,7 @@ static PetscErrorCode ReserveWeights(PetscInt fluid, PetscInt walls, AffineOpera
   for (PetscInt k = 0; k < count; k++) {
     PetscCall(PetscFree(needed[k]->a));
     PetscCall(PetscFree(needed[k]->b));
-    if (!needed[k]->twin) PetscCall(PetscMalloc1(fluid * needed[k]->width, &needed[k]->a));
+    if (!AffineShares(needed[k])) PetscCall(PetscMalloc1(fluid * needed[k]->width, &needed[k]->a));
     if (walls) PetscCall(PetscMalloc1(walls * needed[k]->width, &needed[k]->b));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -323,7 +337,7 @@ static PetscErrorCode AssembleBatch(const Scene *scene, const Particles *p, cons
                                     PetscInt first, PetscInt count, Operators *ops)
 {
   Stencil *const *batch = ops->work->batch;
-  Stencil        *fresh[MLS_LANES];
+  Stencil        *fresh[MLS_BATCH];
   PetscInt        fits = 0;
 
   PetscFunctionBegin;
@@ -331,6 +345,8 @@ static PetscErrorCode AssembleBatch(const Scene *scene, const Particles *p, cons
     PetscCall(GatherStencil(scene, p, nb, ops, first + l, batch[l]));
     WallPointShares(ops, batch[l]);
     StencilSetVelocity(scene, 0, batch[l]); /* the first fit that rows ask for */
+    if (ops->rows.fitted && (!batch[l]->n_wall || ops->work->fits_walls))
+      FittedPlace(ops->rows.fitted, batch[l]);
     if (!Repeats(ops, first + l)) fresh[fits++] = batch[l];
   }
   if (ops->work->has_fits) PetscCall(MlsFitBatch(ops->forms.degree, fits, fresh, ops->work->fits));
@@ -381,9 +397,9 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
   PetscCall(ScalePressureRows(p, ops));
   PetscCall(LaplacianFactors(scene, p, nb, ops, &ops->forms.visc));
   PetscCall(LaplacianFactors(scene, p, nb, ops, &ops->forms.ppe));
-  for (PetscInt l = 0; l < MLS_LANES; l++) ops->work->batch[l]->regularised = 0;
-  for (PetscInt i = 0; i < p->n_fluid; i += MLS_LANES)
-    PetscCall(AssembleBatch(scene, p, nb, i, PetscMin(MLS_LANES, p->n_fluid - i), ops));
+  for (PetscInt l = 0; l < MLS_BATCH; l++) ops->work->batch[l]->regularised = 0;
+  for (PetscInt i = 0; i < p->n_fluid; i += MLS_BATCH)
+    PetscCall(AssembleBatch(scene, p, nb, i, PetscMin(MLS_BATCH, p->n_fluid - i), ops));
   PetscCall(PetscFree(ops->work->like));
   for (PetscInt k = 0; k < count; k++) {
     if (!needed[k]->has_matrices) continue;
@@ -400,7 +416,7 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
   ops->rows.particles = p;
   if (ops->forms.wall && ops->forms.wall->Extend) PetscCall(ExtendWalls(scene, p, nb, ops));
   ops->regularised_rows = 0;
-  for (PetscInt l = 0; l < MLS_LANES; l++)
+  for (PetscInt l = 0; l < MLS_BATCH; l++)
     ops->regularised_rows += ops->work->batch[l]->regularised;
   ops->epoch = p->epoch;
   ops->moved = p->moved;

@@ -7,11 +7,12 @@
 
 struct Assembly {
   Stencil   *stencil;          /* the first of the batch */
-  Stencil   *batch[MLS_LANES]; /* of particles whose rows are assembled together */
+  Stencil   *batch[MLS_BATCH]; /* of particles whose rows are assembled together */
   MlsBatch  *fits;             /* of several particles at once */
   PetscBool  has_fits;         /* an operator has the rows of fits of the chosen degree */
+  PetscBool  fits_walls;       /* rows beside walls are made from fits too */
   PetscBool  simple;           /* no wall neighbours; slots in the order of neighbours */
-  PetscBool  shared;           /* the present row is that of a twin in operators that have one */
+  PetscBool  shared;           /* operators that share rows do not store the present one */
   PetscInt  *like;             /* of each row: an equal earlier one, or itself; NULL: not sought */
   PetscInt  *slot;             /* slot of each neighbour, from the first of the row */
   PetscReal *w;                /* weights of a Laplacian or a filter */
@@ -21,10 +22,16 @@ struct Assembly {
   PetscInt   slot_capacity;    /* number of neighbours that the arrays can hold */
 };
 
+/* Returns true if an operator stores only rows apart. */
+static inline PetscBool AffineShares(const AffineOperator *op)
+{
+  return op->twin || op->fitted ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /* Returns true if an operator stores the present row itself. */
 static inline PetscBool StoresRow(const Operators *ops, const AffineOperator *op)
 {
-  return op->twin && ops->work->shared ? PETSC_FALSE : PETSC_TRUE;
+  return AffineShares(op) && ops->work->shared ? PETSC_FALSE : PETSC_TRUE;
 }
 
 PetscErrorCode FindRepeats(const Scene *scene, const Particles *particles, const Pattern *rows,

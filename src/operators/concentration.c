@@ -4,21 +4,6 @@
 */
 #include "rows.h"
 
-/* MirrorImage - Computes the image Y of a position X, relative to a particle, in those planes near
-   the particle that are bits of `set`, one after another; not collective */
-void MirrorImage(PetscInt dim, PetscInt n_planes, const WallPlane planes[], PetscInt set,
-                 const PetscReal X[], PetscReal Y[])
-{
-  for (PetscInt a = 0; a < dim; a++) Y[a] = X[a];
-  for (PetscInt p = 0; p < n_planes; p++) {
-    PetscReal height = planes[p].distance;
-
-    if (!(set & (1 << p))) continue;
-    for (PetscInt a = 0; a < dim; a++) height += Y[a] * planes[p].normal[a];
-    for (PetscInt a = 0; a < dim; a++) Y[a] -= 2.0 * height * planes[p].normal[a];
-  }
-}
-
 /* Adds to concentration and gradient the terms of a particle's mirror images, for every combination
    of mirror planes; X is the position of this particle relative to particle i. */
 static void ConcentrationImages(const KernelRow *kernel, const Stencil *st,
@@ -39,24 +24,34 @@ static void ConcentrationImages(const KernelRow *kernel, const Stencil *st,
 }
 
 /* Sums the terms of particle i and its neighbours, without wall particles if images stand for them.
-   The factor 0 of wall particles avoids a branch. */
-static void SumNeighbors(const Stencil *st, PetscBool mirrored, PetscReal *concentration,
-                         PetscReal gradient[])
+   The factor 0 of wall particles avoids a branch. Inlined, so that the compiler knows the
+   dimension. */
+static ISPH_INLINE void SumInline(PetscInt dim, const Stencil *st, PetscBool mirrored,
+                                  PetscReal *concentration, PetscReal gradient[])
 {
-  PetscReal total = st->volume * st->self[0];
+  const PetscReal *X0 = st->X[0], *X1 = st->X[1], *X2 = st->X[dim - 1];
+  PetscReal        total = 0.0, along0 = 0.0, along1 = 0.0, along2 = 0.0;
 
-#pragma omp simd reduction(+ : total)
-  for (PetscInt k = 0; k < st->n; k++) total += mirrored && st->wall[k] ? 0.0 : st->V[k] * st->W[k];
-  for (PetscInt a = 0; a < st->dim; a++) {
-    const PetscReal *X    = st->X[a];
-    PetscReal        part = 0.0;
+#pragma omp simd reduction(+ : total, along0, along1, along2)
+  for (PetscInt k = 0; k < st->n; k++) {
+    const PetscReal V = mirrored && st->wall[k] ? 0.0 : st->V[k], slope = V * st->dW[k] / st->r[k];
 
-#pragma omp simd reduction(+ : part)
-    for (PetscInt k = 0; k < st->n; k++)
-      part += mirrored && st->wall[k] ? 0.0 : st->V[k] * st->dW[k] / st->r[k] * X[k];
-    gradient[a] = -part;
+    total += V * st->W[k];
+    along0 += slope * X0[k];
+    along1 += slope * X1[k];
+    if (dim == 3) along2 += slope * X2[k];
   }
-  *concentration = total;
+  *concentration = st->volume * st->self[0] + total;
+  gradient[0]    = -along0;
+  gradient[1]    = -along1;
+  if (dim == 3) gradient[2] = -along2;
+}
+
+static ISPH_WIDE void SumNeighbors(const Stencil *st, PetscBool mirrored, PetscReal *concentration,
+                                   PetscReal gradient[])
+{
+  if (st->dim == 2) SumInline(2, st, mirrored, concentration, gradient);
+  else SumInline(3, st, mirrored, concentration, gradient);
 }
 
 /* Finds the mirror planes near particle i; their distances are along stretched axes. Returns their

@@ -115,11 +115,13 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
   PetscFunctionBegin;
   PetscCall(StencilReserve(st, last - first));
   StencilSetSize(ops->forms.kernel, ops->forms.h_over_dx, p->dx[i], st);
-  radius2        = PetscSqr(st->radius);
-  st->i          = i;
-  st->volume     = p->volume[i];
-  st->fit.wanted = 0;
-  st->sloped     = SLOPE_NONE;
+  radius2             = PetscSqr(st->radius);
+  st->i               = i;
+  st->volume          = p->volume[i];
+  st->fit.wanted      = 0;
+  st->fit.coefficient = NULL;
+  st->fit.fitted      = PETSC_FALSE;
+  st->sloped          = SLOPE_NONE;
   for (PetscInt a = 0; a < d; a++) {
     x[a]           = p->x[a][i];
     st->stretch[a] = ParticlesStretch(p, a, i);

@@ -117,7 +117,8 @@ static PetscBool FitOfDegree(Stencil *st, PetscInt degree)
    takes the next lower one; st->regularised counts such fits. */
 static void MlsFitRows(Stencil *st, PetscInt degree)
 {
-  if (st->fit.wanted == degree) return;
+  if (st->fit.wanted == degree && !st->fit.fitted) return;
+  st->fit.fitted = PETSC_FALSE;
   st->fit.wanted = st->fit.degree = degree;
   while (!FitOfDegree(st, st->fit.degree)) st->fit.degree--;
   if (st->fit.degree < degree) st->regularised++;
@@ -134,7 +135,7 @@ static void MlsFitRows(Stencil *st, PetscInt degree)
 PetscErrorCode LaplacianRow_Mls(Stencil *st, PetscReal w[])
 {
   PetscFunctionBegin;
-  MlsFitRows(st, st->degree);
+  if (st->fit.wanted != st->degree) MlsFitRows(st, st->degree); /* coefficients are enough */
   PetscCall(PetscArraycpy(w, st->fit.laplacian, st->n));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

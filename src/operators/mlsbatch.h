@@ -4,9 +4,11 @@
 
 #include "isph/operators.h"
 
+#define MLS_BATCH 4 /* most particles, a vector of AVX2 */
+
 typedef struct MlsBatch MlsBatch;
 
-PetscErrorCode MlsBatchCreate(MlsBatch **batch);
+PetscErrorCode MlsBatchCreate(PetscInt dim, MlsBatch **batch);
 PetscErrorCode MlsBatchDestroy(MlsBatch **batch);
 PetscErrorCode MlsFitBatch(PetscInt degree, PetscInt count, Stencil *const stencil[],
                            MlsBatch *batch);

@@ -5,6 +5,7 @@
 #include "assembly.h"
 #include "boundary_rows.h"
 #include "choose.h"
+#include "fitted.h"
 #include "rows.h"
 
 #define SURFACE_WEAK 1e-2 /* Stencil.weak beside free surfaces: fragments have few particles */
@@ -134,13 +135,56 @@ static void ChooseRows(const Scene *scene, Operators *ops)
   ops->rows.has_columns = matrices || (ops->ppe.needed && ops->ppe.has_matrices);
 }
 
+/* Returns true if none of the gradients has a matrix. */
+static PetscBool GradientsAreProducts(const Operators *ops)
+{
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    const AffineOperator *const of[] = {&ops->velocity[0].grad_u[a], &ops->grad_p[a], &ops->div[a]};
+
+    for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(of); k++)
+      if (of[k]->needed && (of[k]->has_matrices || !of[k]->rows)) return PETSC_FALSE;
+  }
+  return ops->velocity[0].grad_u[0].needed;
+}
+
+/*
+  Decides if products make the rows of gradients and filters from fits: those of particles that
+  move, without free surfaces, where rows have other equations. Beside walls the operators of
+  several quantities have different equations, and their rows are stored.
+*/
+static PetscErrorCode ChooseFitted(const Scene *scene, Operators *ops)
+{
+  const PetscBool filters  = ops->forms.degree % 2 == 0 ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool filter_u = filters && ops->velocity[0].filter_u.needed,
+                  filter_p = filters && ops->filter_p.needed;
+
+  PetscFunctionBegin;
+  if (!SceneMoves(scene) || ops->free || !GradientsAreProducts(ops))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  if (ops->forms.gradient->Row != GradientRow_Mls) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt c = 0; c < ops->n_velocity; c++) {
+    if (filter_u) ops->velocity[c].filter_u.fitted = FIT_FILTER;
+    for (PetscInt a = 0; a < scene->dim; a++)
+      ops->velocity[c].grad_u[a].fitted = (FitRow)(FIT_GRADIENT + a);
+  }
+  if (filter_p) ops->filter_p.fitted = FIT_FILTER;
+  for (PetscInt a = 0; a < scene->dim; a++)
+    ops->grad_p[a].fitted = ops->div[a].fitted = (FitRow)(FIT_GRADIENT + a);
+  ops->work->fits_walls = ops->forms.wall && ops->forms.wall->on_surface && ops->n_velocity == 1 &&
+                                  !ops->grad_p[0].needed && !ops->filter_p.needed
+                              ? PETSC_TRUE
+                              : PETSC_FALSE;
+  PetscCall(FittedCreate(&ops->forms, scene->dim, filter_u || filter_p, &ops->rows.fitted));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Creates the stencils of a batch of particles. */
 static PetscErrorCode CreateWorkspace(const Scene *scene, Operators *ops)
 {
   Assembly *work = ops->work;
 
   PetscFunctionBegin;
-  for (PetscInt l = 0; l < MLS_LANES; l++) {
+  for (PetscInt l = 0; l < MLS_BATCH; l++) {
     PetscCall(StencilCreate(scene->dim, &work->batch[l]));
     work->batch[l]->degree     = ops->forms.degree;
     work->batch[l]->fits_walls = ops->forms.wall ? ops->forms.wall->on_surface : PETSC_FALSE;
@@ -151,7 +195,7 @@ static PetscErrorCode CreateWorkspace(const Scene *scene, Operators *ops)
   }
   work->stencil  = work->batch[0];
   work->has_fits = HasFits(ops);
-  PetscCall(MlsBatchCreate(&work->fits));
+  PetscCall(MlsBatchCreate(scene->dim, &work->fits));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -210,6 +254,7 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
     ops->free->gaps    = needs & NEED_INSIDE_GAPS ? PETSC_TRUE : PETSC_FALSE;
   } else ShareAllRows(ops);
   ChooseRows(scene, ops);
+  PetscCall(ChooseFitted(scene, ops));
   PetscCall(CreateWorkspace(scene, ops));
   *operators = ops;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -247,7 +292,7 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   if (ops->free) PetscCall(FreeSurfaceFree(ops->free));
   PetscCall(PetscFree(ops->free));
   PetscCall(PetscFree4(ops->work->slot, ops->work->w, ops->work->m, ops->work->wall_w));
-  for (PetscInt l = 0; l < MLS_LANES; l++) PetscCall(StencilDestroy(&ops->work->batch[l]));
+  for (PetscInt l = 0; l < MLS_BATCH; l++) PetscCall(StencilDestroy(&ops->work->batch[l]));
   PetscCall(MlsBatchDestroy(&ops->work->fits));
   PetscCall(PetscFree(ops->work));
   if (ops->rows.repeats) PetscCall(PetscFree(ops->rows.first));
@@ -256,6 +301,7 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   PetscCall(PatternFree(&ops->rows.walls));
   PetscCall(PetscFree(ops->rows.apart));
   PetscCall(PetscFree(ops->rows.value));
+  PetscCall(FittedDestroy(&ops->rows.fitted));
   PetscCall(PetscFree(*operators));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

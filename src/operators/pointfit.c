@@ -7,26 +7,18 @@
 
   Reference: P. Lancaster & K. Salkauskas, Math. Comput. 37 (1981) 141-158
 */
-#include "mls.h"
-
-/* A number of each of four points. Unaligned, as PETSc allocates memory. */
-typedef PetscReal Four
-    __attribute__((vector_size(4 * sizeof(PetscReal)), aligned(sizeof(PetscReal)), may_alias));
+#include "four.h"
 
 /* Computes the basis 1, s_a, s_a s_b (b <= a), ... at four points: s[a][at], s[a][at + 1], ...; the
    order is that of MlsBasis(). */
 static ISPH_INLINE void FourBases(PetscInt dim, PetscInt degree, PetscReal *const s[], PetscInt at,
                                   Four phi[])
 {
-  Four *lower = phi + 1, *next = phi + 1 + dim;
+  Four x[ISPH_MAX_DIM];
 
   phi[0] = (Four){1.0, 1.0, 1.0, 1.0};
-  for (PetscInt a = 0; a < dim; a++) phi[1 + a] = *(const Four *)&s[a][at];
-  for (PetscInt d = 2; d <= degree; d++) {
-    for (PetscInt a = 0; a < dim; a++)
-      for (PetscInt q = 0; q < MlsMonomials(a, d - 1); q++) *next++ = phi[1 + a] * lower[q];
-    lower += MlsMonomials(dim - 1, d - 1);
-  }
+  for (PetscInt a = 0; a < dim; a++) x[a] = phi[1 + a] = *(const Four *)&s[a][at];
+  FourMonomials(dim, degree, x, phi + 1);
 }
 
 /*

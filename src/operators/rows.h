@@ -24,10 +24,8 @@ PetscErrorCode            GradientRow_MlsDegree(Stencil *stencil, PetscInt degre
                                                 PetscBool *determined);
 PetscErrorCode            FilterRow_Mls(Stencil *stencil, PetscReal w[]);
 PetscErrorCode            DivergenceFit_Mls(Stencil *stencil, PetscReal *d[], PetscReal m[]);
-void           MirrorImage(PetscInt dim, PetscInt n_planes, const WallPlane planes[], PetscInt set,
-                           const PetscReal X[], PetscReal Y[]);
-PetscBool      FreeSurfaceTouches(const Scene *scene, const Particles *particles,
-                                  const Neighbors *neighbors, PetscInt i, PetscInt wall);
+PetscBool                 FreeSurfaceTouches(const Scene *scene, const Particles *particles,
+                                             const Neighbors *neighbors, PetscInt i, PetscInt wall);
 PetscInt       SurfaceTangents(PetscInt dim, const PetscReal normal[], PetscReal t[][ISPH_MAX_DIM]);
 void           CorrectKernel_FirstOrder(Stencil *stencil, PetscReal dW[], PetscReal ddW[]);
 PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length);
@@ -42,6 +40,21 @@ static inline void CorrectedKernelGradient(const Stencil *st, const PetscReal in
     for (PetscInt b = 0; b < st->dim; b++) {
       gradient[a] -= inverse[a * st->dim + b] * st->X[b][k] * st->dW[k] / st->r[k];
     }
+  }
+}
+
+/* Computes the image Y of a position X, relative to a particle, in those planes near the particle
+   that are bits of `set`, one after another. */
+static inline void MirrorImage(PetscInt dim, PetscInt n_planes, const WallPlane planes[],
+                               PetscInt set, const PetscReal X[], PetscReal Y[])
+{
+  for (PetscInt a = 0; a < dim; a++) Y[a] = X[a];
+  for (PetscInt p = 0; p < n_planes; p++) {
+    PetscReal height = planes[p].distance;
+
+    if (!(set & (1 << p))) continue;
+    for (PetscInt a = 0; a < dim; a++) height += Y[a] * planes[p].normal[a];
+    for (PetscInt a = 0; a < dim; a++) Y[a] -= 2.0 * height * planes[p].normal[a];
   }
 }
 

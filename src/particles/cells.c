@@ -159,15 +159,18 @@ static inline void ListWithin(const Cells *cells, PetscInt first, PetscInt last,
                               const PetscReal x[], PetscReal radius, PetscInt max, PetscInt list[],
                               PetscInt *n)
 {
-  const PetscReal *const *at = (const PetscReal *const *)cells->x;
+  const PetscReal *x0 = cells->x[0], *x1 = cells->x[1], *x2 = cells->x[2];
+  const PetscInt  *of    = cells->list;
+  PetscInt         count = *n; /* in a register: the list cannot change it */
 
   for (PetscInt k = first; k < last; k++) {
-    PetscReal r2 = PetscSqr(at[0][k] - x[0]) + PetscSqr(at[1][k] - x[1]);
+    PetscReal r2 = PetscSqr(x0[k] - x[0]) + PetscSqr(x1[k] - x[1]);
 
-    if (cells->dim == 3) r2 += PetscSqr(at[2][k] - x[2]);
-    if (*n < max) list[*n] = cells->list[k];
-    *n += r2 < radius * radius ? 1 : 0;
+    if (cells->dim == 3) r2 += PetscSqr(x2[k] - x[2]);
+    if (count < max) list[count] = of[k];
+    count += r2 < radius * radius ? 1 : 0;
   }
+  *n = count;
 }
 
 /*

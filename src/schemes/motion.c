@@ -35,18 +35,15 @@ static PetscErrorCode SlopeGet(Flow *flow, const AffineOperator *op, Vec f, Vec 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the derivatives of velocity component c. */
-static PetscErrorCode VelocitySlopesGet(Flow *flow, PetscBool shifting, PetscInt c, Slopes *t)
+/* Lists the operators whose products with velocity component c are needed, and the places of the
+   products; returns their number. */
+static PetscInt ListSlopes(const Flow *flow, PetscBool shifting, PetscInt c, Slopes *t,
+                           const AffineOperator *op[], Vec *to[], const PetscScalar **slope[])
 {
-  const VelocityOperators *of  = OperatorsOfVelocity(flow->ops, c);
-  const PetscInt           dim = flow->scene->dim;
-  const AffineOperator    *op[ISPH_MAX_DIM + 2];
-  const PetscScalar      **slope[ISPH_MAX_DIM + 2];
-  Vec                     *to[ISPH_MAX_DIM + 2], y[ISPH_MAX_DIM + 2];
-  PetscInt                 n = 0;
+  const VelocityOperators *of = OperatorsOfVelocity(flow->ops, c);
+  PetscInt                 n  = 0;
 
-  PetscFunctionBegin;
-  for (PetscInt a = 0; (shifting || of->filter_u.needed) && a < dim; a++) {
+  for (PetscInt a = 0; (shifting || of->filter_u.needed) && a < flow->scene->dim; a++) {
     op[n]      = &of->grad_u[a];
     to[n]      = &t->u_vec[c][a];
     slope[n++] = &t->u[c][a];
@@ -61,12 +58,31 @@ static PetscErrorCode VelocitySlopesGet(Flow *flow, PetscBool shifting, PetscInt
     to[n]      = &t->residual_vec[c];
     slope[n++] = &t->residual[c];
   }
-  for (PetscInt k = 0; k < n; k++) {
-    PetscCall(FlowGetWork(flow, to[k]));
-    y[k] = *to[k];
+  return n;
+}
+
+/* Computes the derivatives of all velocity components. */
+static PetscErrorCode VelocitySlopesGet(Flow *flow, PetscBool shifting, Slopes *t)
+{
+  AffineProducts      products = {.fields = flow->scene->dim};
+  const PetscScalar **slope[ISPH_MAX_DIM][AFFINE_MOST];
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < flow->scene->dim; c++) {
+    Vec *to[AFFINE_MOST];
+
+    products.f[c]     = flow->state->u[c];
+    products.walls[c] = flow->walls.u[c];
+    products.n        = ListSlopes(flow, shifting, c, t, products.op[c], to, slope[c]);
+    for (PetscInt k = 0; k < products.n; k++) {
+      PetscCall(FlowGetWork(flow, to[k]));
+      products.y[c][k] = *to[k];
+    }
   }
-  PetscCall(AffineApplyAll(n, op, flow->state->u[c], flow->walls.u[c], y));
-  for (PetscInt k = 0; k < n; k++) PetscCall(VecGetArrayRead(y[k], slope[k]));
+  PetscCall(AffineApplyFields(&products));
+  for (PetscInt e = 0; e < products.fields * products.n; e++)
+    PetscCall(VecGetArrayRead(products.y[e / products.n][e % products.n],
+                              slope[e / products.n][e % products.n]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -95,8 +111,8 @@ static PetscErrorCode SlopesGet(Flow *flow, PetscBool shifting, Slopes *t)
       PetscCall(SlopeGet(flow, &ops->grad_p[a], state->average.vec, walls->p, &t->mean_vec[a],
                          &t->mean[a]));
     }
-    PetscCall(VelocitySlopesGet(flow, shifting, a, t));
   }
+  PetscCall(VelocitySlopesGet(flow, shifting, t));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -57,13 +57,35 @@ PetscBool SplineFitIsSingle(PetscInt dim, const SplineFits *f, PetscInt g)
   return f->coupled && f->last[0][1][g] > f->first[0][1][g] ? PETSC_FALSE : PETSC_TRUE;
 }
 
+/* Computes the velocity at point g if all components have the same fit. Two partial sums of each
+   hide the latency of additions. */
+static inline void SharedVelocity(PetscInt dim, const SplineFits *f, PetscInt g, PetscReal u[])
+{
+  const PetscInt   n = f->last[0][0][g] - f->first[0][0][g], *j = f->j + f->first[0][0][g];
+  const PetscReal *w = f->w + f->first[0][0][g], *value = f->value;
+  PetscReal        odd[ISPH_MAX_DIM] = {0.0};
+  PetscInt         k                 = 0;
+
+  for (; k + 1 < n; k += 2) {
+    const PetscReal *even_value = value + dim * j[k], *odd_value = value + dim * j[k + 1];
+
+    for (PetscInt a = 0; a < dim; a++) {
+      u[a] += w[k] * even_value[a];
+      odd[a] += w[k + 1] * odd_value[a];
+    }
+  }
+  for (PetscInt a = 0; a < dim; a++) {
+    u[a] += odd[a];
+    if (k < n) u[a] += w[k] * value[dim * j[k] + a];
+  }
+}
+
 /* Computes the velocity at point g from f->value. */
 static inline void Velocity(PetscInt dim, const SplineFits *f, PetscInt g, PetscReal u[])
 {
   for (PetscInt a = 0; a < dim; a++) u[a] = 0.0;
   if (SplineFitIsSingle(dim, f, g)) {
-    for (PetscInt k = f->first[0][0][g]; k < f->last[0][0][g]; k++)
-      for (PetscInt a = 0; a < dim; a++) u[a] += f->w[k] * f->value[dim * f->j[k] + a];
+    SharedVelocity(dim, f, g, u);
     return;
   }
   for (PetscInt a = 0; a < dim; a++) {

@@ -71,7 +71,7 @@ static PetscErrorCode AddFit(const Splines *s, const Particles *p, const PetscIn
 }
 
 /* Computes the row of F at point g. */
-static PetscErrorCode FitRow(const Splines *s, const Particles *p, PetscInt g, SplineEntries *row)
+static PetscErrorCode RowOfFit(const Splines *s, const Particles *p, PetscInt g, SplineEntries *row)
 {
   const SplineFits *f = &s->fits;
 
@@ -174,7 +174,7 @@ static PetscErrorCode ComputeFits(Product *t, PetscBool *complete)
   t->row.each = r->each;
   for (PetscInt g = 0; g < r->n; g++) {
     r->base[g] = w->number[w->source[w->start[s->inside_at.base[g]]]];
-    PetscCall(FitRow(s, t->p, g, &t->row));
+    PetscCall(RowOfFit(s, t->p, g, &t->row));
     PetscCall(SplineRowsStore(&t->row, HEAD, g, r));
     SetHead(s, g, r);
     if (IsPlain(s, g)) JoinPoint(g, r);

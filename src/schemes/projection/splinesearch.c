@@ -2,8 +2,11 @@
    which share most of their particles, then the nearest of them for each point. */
 #include "splinesearch.h"
 
-#define FIRST_REACH 0.8 /* of the first search, over the support; mostly enough */
-#define LANES       8   /* numbers that a loop treats at once; r2 is padded to a multiple */
+#define FIRST_REACH 0.8  /* of the first search, over the support; mostly enough */
+#define LANES       8    /* numbers that a loop treats at once; r2 is padded to a multiple */
+#define SHELL_ABOVE 1.15 /* squared radii of a shell about the last fit's */
+#define SHELL_BELOW 0.8
+#define SAME_SUM    1e-9 /* difference of equal sums of parts */
 
 /*
   Returns true if particle j takes part in the fit of component c of the velocity: fluid, and wall
@@ -44,7 +47,7 @@ static PetscErrorCode Gather(const Flow *flow, PetscReal reach, SplineAround *ar
   const PetscReal  move =
       0.5 * flow->neighbors->margin + (wall && !wall->on_surface ? p->dx[0] : 0.0);
   PetscReal centre[ISPH_MAX_DIM] = {0.0}, extent = 0.0, radius;
-  PetscInt  near;
+  PetscInt  near, n = 0, walls = 0;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < p->dim; a++) {
@@ -59,8 +62,7 @@ static PetscErrorCode Gather(const Flow *flow, PetscReal reach, SplineAround *ar
   radius = reach + 1.0001 * PetscSqrtReal(extent);
   PetscCall(CellsFind(&flow->neighbors->cells, centre, radius + move, around->capacity, around->j,
                       &near));
-  around->n = around->walls = 0;
-  around->reach             = reach;
+  around->reach = reach;
   for (PetscInt k = 0; k < near; k++) {
     const PetscInt  j       = around->j[k];
     const PetscBool is_wall = ParticlesIsWall(p, j);
@@ -73,13 +75,15 @@ static PetscErrorCode Gather(const Flow *flow, PetscReal reach, SplineAround *ar
       r2 += PetscSqr(x[a] - centre[a]);
     }
     if (is_wall && r2 >= radius * radius) continue;
-    for (PetscInt a = 0; a < p->dim; a++) around->x[a][around->n] = x[a];
-    around->wall[around->n] = is_wall;
-    around->part[around->n] = 1.0;
-    around->walls += is_wall ? 1 : 0;
-    around->j[around->n] = j;
-    around->n += r2 < radius * radius ? 1 : 0; /* no branch: it would be mispredicted */
+    for (PetscInt a = 0; a < p->dim; a++) around->x[a][n] = x[a];
+    around->wall[n] = is_wall;
+    around->part[n] = 1.0;
+    walls += is_wall ? 1 : 0;
+    around->j[n] = j;
+    n += r2 < radius * radius ? 1 : 0; /* no branch: it would be mispredicted */
   }
+  around->n     = n;
+  around->walls = walls;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -163,76 +167,72 @@ static ISPH_INLINE PetscReal SumWithin(const SplineAround *around, PetscReal lim
   return total;
 }
 
-/* Returns the least squared distance of at least `low`, at most `high`. */
-static ISPH_INLINE PetscReal LeastBeyond(const SplineAround *around, PetscReal low, PetscReal high)
+/* Lists the particles nearer than sqrt(limit) in around->found; returns their number. */
+static ISPH_INLINE PetscInt ListNearer(PetscReal limit, SplineAround *around)
 {
-  const PetscReal *r2 = around->r2;
-  PetscReal        least[LANES];
+  const PetscReal *r2   = around->r2;
+  const PetscInt   all  = around->n;
+  PetscInt        *list = around->found, n = 0;
 
-  for (PetscInt i = 0; i < LANES; i++) least[i] = high;
-  for (PetscInt k = 0; k < around->n; k += LANES) {
-#pragma omp simd
-    for (PetscInt i = 0; i < LANES; i++) {
-      const PetscReal beyond = r2[k + i] < low ? high : r2[k + i];
-
-      least[i] = beyond < least[i] ? beyond : least[i];
-    }
+  for (PetscInt k = 0; k < all; k++) {
+    list[n] = k;
+    n += r2[k] < limit ? 1 : 0;
   }
-  for (PetscInt i = 1; i < LANES; i++) least[0] = PetscMin(least[0], least[i]);
-  return least[0];
+  return n;
+}
+
+/* Lists the particles of squared distances in [low, high) in ascending order; returns their
+   number. */
+static ISPH_INLINE PetscInt ListBetween(PetscReal low, PetscReal high, SplineAround *around)
+{
+  const PetscReal *r2   = around->r2;
+  const PetscInt   all  = around->n;
+  PetscInt        *list = around->found, n = 0;
+
+  for (PetscInt k = 0; k < all; k++) { /* no branch: it would be mispredicted */
+    list[n] = k;
+    n += (r2[k] >= low) & (r2[k] < high) ? 1 : 0;
+  }
+  for (PetscInt k = 1; k < n; k++) {
+    const PetscInt moved = list[k];
+    PetscInt       q     = k;
+
+    for (; q > 0 && r2[list[q - 1]] > r2[moved]; q--) list[q] = list[q - 1];
+    list[q] = moved;
+  }
+  return n;
 }
 
 /*
   Returns the squared radius of a fit of `wanted` particles, the nearest: the squared distance of
   the next, at most reach^2
 
-  In the plane, the number grows in proportion to the squared distance: the first distances are
-  extrapolated from a guess, on which the result does not depend, and interpolation brackets the
-  last ones. If the number jumps beyond `wanted`, because distances are equal or parts are not, the
-  radius is the second distance of the jump and beyond.
+  A shell about the wanted number of particles is found first, by a guess on which the result does
+  not depend, and its particles are sorted. The number of particles grows in proportion to the
+  volume of the ball.
 */
-static ISPH_INLINE PetscReal SquaredRadius(const SplineAround *around, PetscReal wanted,
-                                           PetscReal reach, PetscReal guess, PetscBool *found)
+static ISPH_INLINE PetscReal SquaredRadius(PetscInt dim, PetscReal wanted, PetscReal reach,
+                                           SplineAround *around, PetscBool *found)
 {
-  const PetscReal all = PetscSqr(reach), count = wanted + 0.5;
-  PetscReal       low = 0.0, high = all, below = 0.0, above = -1.0; /* above -1: not yet known */
-  PetscReal       next[2] = {all, all}, middle = guess > 0.0 ? guess : 0.5 * all;
+  const PetscReal all = PetscSqr(reach), guess = around->last2;
+  PetscReal       high = PetscMin(all, guess > 0.0 ? SHELL_ABOVE * guess : 0.5 * all);
+  PetscReal       low, below, sum = SumWithin(around, high);
+  PetscInt        n, k = 0;
 
-  *found = PETSC_TRUE;
-  while (high - low > 1e-14 * high) {
-    PetscReal sum;
+  while (sum + SAME_SUM < wanted + 1.0 && high < all) {
+    const PetscReal share = (wanted + 4.0) / PetscMax(sum, 1.0);
 
-    if (above < 0.0 && middle < 0.95 * all) {
-      sum = SumWithin(around, middle);
-    } else if (above < 0.0) {
-      above = SumWithin(around, all);
-      if (above + 1e-9 < wanted) {
-        *found = PETSC_FALSE;
-        return all;
-      }
-      continue;
-    } else {
-      const PetscReal share = (count - below) / (above - below);
-
-      middle = low + PetscMax(0.1, PetscMin(share, 0.9)) * (high - low);
-      sum    = SumWithin(around, middle);
-    }
-    if (PetscAbsReal(sum - wanted) < 1e-9) return LeastBeyond(around, middle, all);
-    if (sum < wanted) {
-      low    = middle;
-      below  = sum;
-      middle = sum > 0.0 ? middle * PetscMax(1.02, count / sum) : all;
-    } else {
-      high  = middle;
-      above = sum;
-    }
+    high = PetscMin(all, high * PetscMax(SHELL_ABOVE, dim == 2 ? share : PetscSqrtReal(share)));
+    sum  = SumWithin(around, high);
   }
-  for (PetscInt k = 0; k < around->n; k++) {
-    if (around->r2[k] < low || around->r2[k] >= next[1]) continue;
-    next[1] = PetscMax(next[0], around->r2[k]);
-    next[0] = PetscMin(next[0], around->r2[k]);
-  }
-  return next[1];
+  *found = sum + SAME_SUM < wanted ? PETSC_FALSE : PETSC_TRUE;
+  if (!*found) return all;
+  for (low = SHELL_BELOW * high; (below = SumWithin(around, low)) + SAME_SUM >= wanted;
+       low *= SHELL_BELOW)
+    if (below + SAME_SUM >= wanted + 1.0) high = low;
+  n = ListBetween(low, high, around);
+  while (k < n && below + SAME_SUM < wanted) below += around->part[around->found[k++]];
+  return k < n ? around->r2[around->found[k]] : high;
 }
 
 /*
@@ -263,16 +263,12 @@ ISPH_WIDE PetscErrorCode SplineNearest(const Flow *flow, PetscInt i, PetscInt c,
       around->part[k] = around->wall[k] && c == SPLINE_ALL ? 1.0 / p->dim : 1.0;
       if (around->wall[k] && !TakesPart(p, around->j[k], c)) around->r2[k] = PETSC_INFINITY;
     }
-    r2 = SquaredRadius(around, wanted, *reach, around->last2, found);
+    r2 = SquaredRadius(p->dim, wanted, *reach, around, found);
     if (*reach < radius && r2 >= PetscSqr(*reach)) *reach = radius;
     else if (*found || *reach >= most) break;
     else *reach = PetscMin(1.15 * *reach, most);
   }
-  *n = 0;
-  for (PetscInt k = 0; k < around->n; k++) {
-    around->found[*n] = k;
-    *n += around->r2[k] < r2 ? 1 : 0;
-  }
+  *n            = ListNearer(r2, around);
   *R            = PetscSqrtReal(r2);
   around->last2 = r2;
   PetscFunctionReturn(PETSC_SUCCESS);
