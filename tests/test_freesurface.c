@@ -236,8 +236,8 @@ static void test_isolated(void **state)
 
 #define FILM 18 /* length of the film [dx] */
 
-/* Returns true if particle i is at most 2.1 dx from the end of the film: a top particle 1.2 dx above the
-   lowest one, whose distance from it is below 2.5 dx. */
+/* Returns true if particle i is at most 2.1 dx from the end of the film. A top particle there is
+   nearer than 2.5 dx to the lowest one at the end, which is 1.2 dx deeper. */
 static PetscBool AtEnd(const Pool *pool, PetscInt i)
 {
   const Scene *scene = &pool->s.scene;
@@ -281,8 +281,8 @@ static void Film(PetscReal share, Pool *pool)
   Find(pool);
 }
 
-/* The end of a film of 1.5 dx has no smooth particle, and the film behind it no rough one. That of a
-   film of 2.5 dx is no nose: its vertical front is smooth. */
+/* The end of a film of 1.5 dx has no smooth particle, and the film behind it no rough one. The end
+   of a film of 2.5 dx is no nose: its vertical front is smooth. */
 static void test_nose(void **state)
 {
   Pool pool;
