@@ -262,7 +262,7 @@ static void SetFilmRegion(Scene *scene)
   const PetscReal below = scene->lo[1] - scene->dx, top = scene->lo[1] + 2.5 * scene->dx;
   const PetscReal x[] = {left, below, right, below, right, top, left, top};
 
-  assert_null(BodyPolygon(SceneAddFilled(scene), 4, x));
+  assert_null(BodyPolygon(scene, 4, x, SceneAddFilled(scene)));
 }
 
 /* A film of three layers that ends on the floor, pressed to the thickness 2.5 share dx. */
