@@ -1,7 +1,8 @@
 /*
   Free surfaces: particles on the surface of discs and films are found and no others, their normals
   and curvatures converge to those of a circle, waves of any length have a curvature of their sign
-  with surface tension, and a fragment of two particles is isolated.
+  with surface tension, and a fragment of two particles is isolated. The end of a thin film on a
+  wall is rough, and the film behind it is smooth.
 */
 /* RANKS: 1 3 */
 #include "crowd.h"
@@ -233,11 +234,79 @@ static void test_isolated(void **state)
   Empty(&pool);
 }
 
+#define FILM 18 /* length of the film [dx] */
+
+/* Returns true if particle i is at most 2.1 dx from the end of the film. A top particle there is
+   nearer than 2.5 dx to the lowest one at the end, which is 1.2 dx deeper. */
+static PetscBool AtEnd(const Pool *pool, PetscInt i)
+{
+  const Scene *scene = &pool->s.scene;
+
+  return pool->p->x[0][i] > scene->lo[0] + (FILM - 2.1) * scene->dx ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Returns true if particle i is behind the nose and away from the other end, which touches a wall:
+   a nose ends 1.7 + 2.5 dx from the wall that is not touched, which begins 1.3 dx from the film. */
+static PetscBool BehindNose(const Pool *pool, PetscInt i)
+{
+  const Scene    *scene = &pool->s.scene;
+  const PetscReal x     = (pool->p->x[0][i] - scene->lo[0]) / scene->dx;
+
+  return x > 3.0 && x < FILM - 4.2 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Sets the filled region: a box from beyond the corner of the walls to the end of the film. */
+static void SetFilmRegion(Scene *scene)
+{
+  const PetscReal left = scene->lo[0] - scene->dx, right = scene->lo[0] + FILM * scene->dx;
+  const PetscReal below = scene->lo[1] - scene->dx, top = scene->lo[1] + 2.5 * scene->dx;
+  const PetscReal x[] = {left, below, right, below, right, top, left, top};
+
+  assert_null(BodyPolygon(scene, 4, x, SceneAddFilled(scene)));
+}
+
+/* A film of three layers that ends on the floor, pressed to the thickness 2.5 share dx. */
+static void Film(PetscReal share, Pool *pool)
+{
+  Scene *scene;
+
+  pool->s = CrowdBox("nose", 2, 30, 12, 1, 0, 0);
+  scene   = &pool->s.scene;
+  SceneSetSide(scene, 3, &BoundaryNone);
+  SetFilmRegion(scene);
+  Fill(0.0, pool);
+  for (PetscInt i = 0; i < pool->p->n_fluid; i++)
+    pool->p->x[1][i] = scene->lo[1] + share * (pool->p->x[1][i] - scene->lo[1]);
+  ASSERT_OK(ParticlesUpdateEpoch(scene, pool->p, PETSC_TRUE, NULL));
+  Find(pool);
+}
+
+/* The end of a film of 1.5 dx has no smooth particle, and the film behind it no rough one. The end
+   of a film of 2.5 dx is no nose: its vertical front is smooth. */
+static void test_nose(void **state)
+{
+  Pool pool;
+
+  (void)state;
+  Film(0.6, &pool);
+  CloudAssertNone("smooth", "end of a film of 1.5 dx",
+                  Count(&pool, SURFACE_SMOOTH, AtEnd, PETSC_TRUE));
+  CloudAssertNone("not smooth", "film of 1.5 dx",
+                  Count(&pool, SURFACE_SMOOTH, BehindNose, PETSC_TRUE) < FILM - 9);
+  CloudAssertNone("rough", "film of 1.5 dx", Count(&pool, SURFACE_ROUGH, BehindNose, PETSC_TRUE));
+  Empty(&pool);
+  Film(1.0, &pool);
+  CloudAssertNone("rough", "film of 2.5 dx", Count(&pool, SURFACE_ROUGH, BehindNose, PETSC_TRUE));
+  CloudAssertNone("no smooth particle", "end of a film of 2.5 dx",
+                  Count(&pool, SURFACE_SMOOTH, AtEnd, PETSC_TRUE) == 0);
+  Empty(&pool);
+}
+
 int main(int argc, char **argv)
 {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_disc), cmocka_unit_test(test_film),
                                      cmocka_unit_test(test_stiffness),
-                                     cmocka_unit_test(test_isolated)};
+                                     cmocka_unit_test(test_isolated), cmocka_unit_test(test_nose)};
   int                     failed;
 
   if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;

@@ -326,10 +326,9 @@ typedef enum {
   NEED_CONCENTRATION = 1 << 5, /* concentration and its gradient */
   NEED_FREE_GRAD_P   = 1 << 6, /* grad_p from fluid alone: the wall pressure gradient is unknown */
   NEED_MATRICES      = 1 << 7, /* PETSc matrices of all operators */
-  NEED_INSIDE_GAPS   = 1 << 8, /* particles below gaps of a free surface are inside, not on it */
-  NEED_STREAMS       = 1 << 9, /* no operator: the scheme gathers stencils and applies rows itself,
+  NEED_STREAMS       = 1 << 8, /* no operator: the scheme gathers stencils and applies rows itself,
                                   the rows of visc among them */
-  NEED_CORRECTION    = 1 << 10 /* no operator: kernels are corrected by default */
+  NEED_CORRECTION    = 1 << 9  /* no operator: kernels are corrected by default */
 } Need;
 
 /* The chosen discretisation in space. */
@@ -362,7 +361,6 @@ typedef struct {
   PetscReal *normal;    /* out of the fluid, at [i dim + a]; zero inside */
   PetscReal *curvature; /* sum of the principal curvatures, own particles [1/m] */
   PetscReal  tension;   /* surface tension; 0: none [N/m] */
-  PetscBool  gaps;      /* particles below gaps of the surface are inside */
 } FreeSurface;
 
 typedef struct Assembly Assembly; /* workspace of a row, see src/operators/assembly.h */

@@ -276,21 +276,21 @@ static PetscBool BesideRough(const Particles *p, const Neighbors *nb, const Free
   return beside;
 }
 
-/* Sorts out surface particles after the fits. In the projection a particle below a gap of the
-   surface is inside: the pressure of the surface would sink it. In the coupled scheme it stays,
-   since an exact equation of mass with neighbours on one side amplifies velocities. A particle
-   beside a rough one is rough. */
-static PetscErrorCode Sort(const Particles *p, const Neighbors *nb, const PetscReal depth[],
-                           FreeSurface *free)
+/* Sorts out surface particles after the fits. Particles in noses are rough, and so are particles
+   beside a rough one. A particle below a gap of the surface is inside: the pressure of the surface
+   would sink it. */
+static PetscErrorCode Sort(const Scene *scene, const Particles *p, const Neighbors *nb,
+                           const PetscReal depth[], FreeSurface *free)
 {
   PetscReal *kind;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(p->n_fluid, &kind));
+  PetscCall(FreeSurfaceFindNoses(scene, p, nb, free));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    if (free->gaps && free->kind[i] == SURFACE_SMOOTH && depth[i] > BELOW * p->dx[i])
+    if (free->kind[i] == SURFACE_SMOOTH && depth[i] > BELOW * p->dx[i])
       free->kind[i] = SURFACE_INSIDE;
   }
+  PetscCall(PetscMalloc1(p->n_fluid, &kind));
   for (PetscInt i = 0; i < p->n_fluid; i++)
     kind[i] = BesideRough(p, nb, free, i) ? SURFACE_ROUGH : free->kind[i];
   PetscCall(PetscArraycpy(free->kind, kind, p->n_fluid));
@@ -340,7 +340,7 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
     PetscCall(PetscArraycpy(free->normal, fits.normal, p->n_fluid * d));
     PetscCall(Exchange(p, free));
   }
-  PetscCall(Sort(p, nb, fits.depth, free));
+  PetscCall(Sort(scene, p, nb, fits.depth, free));
   if (free->tension > 0.0) PetscCall(SurfaceAverageCurvature(scene, p, nb, forms, free));
   PetscCall(PetscFree2(fits.normal, fits.depth));
   PetscFunctionReturn(PETSC_SUCCESS);

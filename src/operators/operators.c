@@ -251,7 +251,6 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
   if (SceneHasFreeSurface(scene)) {
     PetscCall(PetscNew(&ops->free));
     ops->free->tension = scene->tension;
-    ops->free->gaps    = needs & NEED_INSIDE_GAPS ? PETSC_TRUE : PETSC_FALSE;
   } else ShareAllRows(ops);
   ChooseRows(scene, ops);
   PetscCall(ChooseFitted(scene, ops));

@@ -1,4 +1,4 @@
-/* Fits of free surfaces, for freesurface.c. */
+/* Fits and noses of free surfaces, for freesurface.c. */
 #ifndef ISPH_SURFACEFITS_H
 #define ISPH_SURFACEFITS_H
 
@@ -14,5 +14,7 @@ SurfaceKind    SurfaceFitAt(const Scene *scene, const Particles *p, const Neighb
                             SurfaceFits *fits);
 PetscErrorCode SurfaceAverageCurvature(const Scene *scene, const Particles *p, const Neighbors *nb,
                                        const OperatorForms *forms, FreeSurface *free);
+PetscErrorCode FreeSurfaceFindNoses(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                    FreeSurface *free);
 
 #endif

@@ -272,7 +272,6 @@ static PetscErrorCode CreateOnParticles(Flow *flow, Projection *pr)
             "-ppe_alpha %.6g: with -projection %s at most %.6g is stable", (double)pr->alpha,
             pr->row->name, (double)pr->row->alpha_max);
   PetscCall(OptionGetReal(&options[FILTER], &pr->filter, NULL));
-  flow->scheme->needs |= NEED_INSIDE_GAPS;
   if (pr->filter > 0.0) flow->scheme->needs |= NEED_FILTER_P;
   if (pr->alpha > 0.0) flow->scheme->needs |= NEED_CONCENTRATION;
   PetscFunctionReturn(PETSC_SUCCESS);

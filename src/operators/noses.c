@@ -1,0 +1,121 @@
+/*
+  Noses of thin fluid on walls without slip: the last particles of a film before the contact line,
+  where the surface meets the wall. Two or three particles on the surface hold the whole
+  cross-section there, and the fit of one of them has those of both sides of the tip. Its pressure
+  2 mu n.E n then feeds the velocity from which it comes, and a nose is lost in one or two steps of
+  any length.
+  Particles of noses are therefore rough: they have pair forces, which dissipate in any arrangement,
+  and p = 0. A film behind its nose keeps the fits, which are exact for a parabola of one or two
+  particles across. See docs/theory.md, (250) and (251).
+*/
+#include "assembly.h"
+#include "rows.h"
+#include "surfacefits.h"
+
+#define DRY    1.7 /* distance of wall particles that are tried for contact with fluid [dx] */
+#define LENGTH 2.5 /* of a nose, from particles beside a dry wall [dx] */
+#define THIN   2.2 /* height above the wall below which fluid is thin [dx] */
+
+/* Returns the square of the distance of neighbour j from own particle i. */
+static PetscReal SquareDistance(const Particles *p, PetscInt i, PetscInt j)
+{
+  PetscReal r2 = 0.0;
+
+  for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(p->x[a][j] - p->x[a][i]);
+  return r2;
+}
+
+/* Returns true if neighbour j is a wall particle of a boundary without slip. */
+static PetscBool Sticks(const Scene *scene, const Particles *p, PetscInt j)
+{
+  return ParticlesIsWall(p, j) ? BoundaryIs(scene, (PetscInt)p->side[j], BOUNDARY_NO_SLIP)
+                               : PETSC_FALSE;
+}
+
+/* Returns true if own particle i is beside a wall that no fluid touches. Fluid that touches a wall
+   particle nearer than DRY dx is within the usual support, 3 dx. */
+static PetscBool IsBesideDryWall(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                 PetscInt i)
+{
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    const PetscInt j = nb->col[q];
+
+    if (Sticks(scene, p, j) && SquareDistance(p, i, j) < PetscSqr(DRY * p->dx[i]) &&
+        !FreeSurfaceTouches(scene, p, nb, i, j))
+      return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* Returns the wall particle without slip that is nearest to own particle i, -1 if there is none. */
+static PetscInt NearestWall(const Scene *scene, const Particles *p, const Neighbors *nb, PetscInt i)
+{
+  PetscInt  nearest = -1;
+  PetscReal least   = PETSC_INFINITY;
+
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    const PetscReal r2 = SquareDistance(p, i, nb->col[q]);
+
+    if (r2 >= least || !Sticks(scene, p, nb->col[q])) continue;
+    nearest = nb->col[q];
+    least   = r2;
+  }
+  return nearest;
+}
+
+/* Returns true if the fluid about own particle i lies lower than THIN dx above the wall. */
+static PetscBool IsThin(const Scene *scene, const Particles *p, const Neighbors *nb, PetscInt i)
+{
+  const PetscInt wall = NearestWall(scene, p, nb, i);
+
+  if (wall < 0) return PETSC_FALSE;
+  for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {
+    const PetscInt j      = q < nb->row[i] ? i : nb->col[q];
+    PetscReal      height = -p->depth[wall];
+
+    if (ParticlesIsWall(p, j)) continue;
+    for (PetscInt a = 0; a < p->dim; a++)
+      height += p->normal[a][wall] * (p->x[a][j] - p->x[a][wall]);
+    if (height > THIN * p->dx[i]) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* Returns true if own particle i is within the length of a nose from a contact line. */
+static PetscBool IsNearContact(const Particles *p, const Neighbors *nb, const PetscReal contact[],
+                               PetscInt i)
+{
+  if (contact[i] > 0.0) return PETSC_TRUE;
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    const PetscInt j = nb->col[q];
+
+    if (contact[j] > 0.0 && SquareDistance(p, i, j) < PetscSqr(LENGTH * p->dx[i]))
+      return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/*
+  FreeSurfaceFindNoses - Sets smooth surface particles in noses of thin fluid to SURFACE_ROUGH
+
+  Collective. Input: free - kinds of all particles, halo included, and normals of own particles.
+  Output: kinds of own particles.
+*/
+PetscErrorCode FreeSurfaceFindNoses(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                    FreeSurface *free)
+{
+  PetscReal *contact; /* 1 at particles on the surface beside a dry wall */
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(ParticlesAll(p), &contact));
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    contact[i] = FreeSurfaceHolds(free, i) && IsBesideDryWall(scene, p, nb, i) ? 1.0 : 0.0;
+  PetscCall(ParticlesHaloField(p, contact));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    if (free->kind[i] == SURFACE_SMOOTH && IsNearContact(p, nb, contact, i) &&
+        IsThin(scene, p, nb, i))
+      free->kind[i] = SURFACE_ROUGH;
+  }
+  PetscCall(PetscFree(contact));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
