@@ -191,7 +191,7 @@ static void ShearTimes(PetscInt dim, PetscReal A[][ISPH_MAX_DIM], PetscReal leng
 /*
   Filters grid modes out of the velocity of particle i
 
-    u -= min(1, S) (min(1, k |A A|^(1/2)) r + k D r),   k = max(1, S) RATE dt,
+    u -= min(1, S) min(1, k |A A|^(1/2)) r + k D r,   k = max(1, S) RATE dt,
     D = (A^T A - |A A|/d^(1/2) I)/|A|,   A_ca = du_c/dx_a
 
   |.| is Frobenius' norm, S is -velocity_filter, RATE is FILTER_RATE, and r the residual of a
@@ -200,8 +200,9 @@ static void ShearTimes(PetscInt dim, PetscReal A[][ISPH_MAX_DIM], PetscReal leng
   and D is the shear rate times the projection on its direction: disturbances across the flow, which
   take energy from the shear, are damped, and boundary layers, however thin, keep their velocity. In
   a resolved flow the rate is U/L, and the filter is of order 3. A strength below 1 is a share,
-  above 1 it multiplies the rate. k in the last term is bounded, so that no component of r changes
-  its sign. See docs/theory.md, (77) and (255).
+  above 1 it multiplies the rate; the last term counts above 1 only, the strength for a pressure on
+  coarse points, which does not act on the shortest waves. k in this term is bounded, so that no
+  component of r changes its sign. See docs/theory.md, (77) and (255).
 */
 static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i, PetscReal strength,
                            PetscReal dt, PetscReal change[])
@@ -225,10 +226,10 @@ static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i,
   length  = PetscSqrtReal(length);
   product = PetscSqrtReal(product);
   share   = PetscMin(1.0, k * PetscSqrtReal(product));
-  along   = PetscMin(k, (1.0 - share) / length);
+  along   = strength > 1.0 ? PetscMin(k, (1.0 - share) / length) : 0.0;
+  share *= PetscMin(1.0, strength);
   ShearTimes(scene->dim, A, length, product, r, shear);
-  for (PetscInt c = 0; c < scene->dim; c++)
-    change[c] -= PetscMin(1.0, strength) * (share * r[c] + along * shear[c]);
+  for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * r[c] + along * shear[c];
 }
 
 /* Fails the step if a particle moved further than -dt_move_max times its spacing; collective. */
