@@ -239,8 +239,8 @@ static void CompareBatches(const Cloud *cloud, const char *name, PetscInt degree
   Stencil **batch = cloud->ops->work->batch;
   PetscInt  wrong = 0, compared = 0;
 
-  for (PetscInt i = 0; i < cloud->particles->n_fluid; i += MLS_LANES) {
-    const PetscInt count = PetscMin(MLS_LANES, cloud->particles->n_fluid - i);
+  for (PetscInt i = 0; i < cloud->particles->n_fluid; i += ISPH_LANES) {
+    const PetscInt count = PetscMin(ISPH_LANES, cloud->particles->n_fluid - i);
 
     for (PetscInt l = 0; l < count; l++) {
       wrong += GatherStencil(&cloud->scene, cloud->particles, cloud->neighbors, cloud->ops, i + l,

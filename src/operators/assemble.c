@@ -323,7 +323,7 @@ static PetscErrorCode AssembleBatch(const Scene *scene, const Particles *p, cons
                                     PetscInt first, PetscInt count, Operators *ops)
 {
   Stencil *const *batch = ops->work->batch;
-  Stencil        *fresh[MLS_LANES];
+  Stencil        *fresh[ISPH_LANES];
   PetscInt        fits = 0;
 
   PetscFunctionBegin;
@@ -381,9 +381,9 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
   PetscCall(ScalePressureRows(p, ops));
   PetscCall(LaplacianFactors(scene, p, nb, ops, &ops->forms.visc));
   PetscCall(LaplacianFactors(scene, p, nb, ops, &ops->forms.ppe));
-  for (PetscInt l = 0; l < MLS_LANES; l++) ops->work->batch[l]->regularised = 0;
-  for (PetscInt i = 0; i < p->n_fluid; i += MLS_LANES)
-    PetscCall(AssembleBatch(scene, p, nb, i, PetscMin(MLS_LANES, p->n_fluid - i), ops));
+  for (PetscInt l = 0; l < ISPH_LANES; l++) ops->work->batch[l]->regularised = 0;
+  for (PetscInt i = 0; i < p->n_fluid; i += ISPH_LANES)
+    PetscCall(AssembleBatch(scene, p, nb, i, PetscMin(ISPH_LANES, p->n_fluid - i), ops));
   PetscCall(PetscFree(ops->work->like));
   for (PetscInt k = 0; k < count; k++) {
     if (!needed[k]->has_matrices) continue;
@@ -400,7 +400,7 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
   ops->rows.particles = p;
   if (ops->forms.wall && ops->forms.wall->Extend) PetscCall(ExtendWalls(scene, p, nb, ops));
   ops->regularised_rows = 0;
-  for (PetscInt l = 0; l < MLS_LANES; l++)
+  for (PetscInt l = 0; l < ISPH_LANES; l++)
     ops->regularised_rows += ops->work->batch[l]->regularised;
   ops->epoch = p->epoch;
   ops->moved = p->moved;

@@ -6,19 +6,19 @@
 #include "mlsbatch.h"
 
 struct Assembly {
-  Stencil   *stencil;          /* the first of the batch */
-  Stencil   *batch[MLS_LANES]; /* of particles whose rows are assembled together */
-  MlsBatch  *fits;             /* of several particles at once */
-  PetscBool  has_fits;         /* an operator has the rows of fits of the chosen degree */
-  PetscBool  simple;           /* no wall neighbours; slots in the order of neighbours */
-  PetscBool  shared;           /* the present row is that of a twin in operators that have one */
-  PetscInt  *like;             /* of each row: an equal earlier one, or itself; NULL: not sought */
-  PetscInt  *slot;             /* slot of each neighbour, from the first of the row */
-  PetscReal *w;                /* weights of a Laplacian or a filter */
-  PetscReal *g[ISPH_MAX_DIM];  /* weights of a gradient */
-  PetscReal *m;                /* weights of normal components in a divergence */
-  PetscReal *wall_w;           /* weights of wall data, see wall_points.c */
-  PetscInt   slot_capacity;    /* number of neighbours that the arrays can hold */
+  Stencil   *stencil;           /* the first of the batch */
+  Stencil   *batch[ISPH_LANES]; /* of particles whose rows are assembled together */
+  MlsBatch  *fits;              /* of several particles at once */
+  PetscBool  has_fits;          /* an operator has the rows of fits of the chosen degree */
+  PetscBool  simple;            /* no wall neighbours; slots in the order of neighbours */
+  PetscBool  shared;            /* the present row is that of a twin in operators that have one */
+  PetscInt  *like;              /* of each row: an equal earlier one, or itself; NULL: not sought */
+  PetscInt  *slot;              /* slot of each neighbour, from the first of the row */
+  PetscReal *w;                 /* weights of a Laplacian or a filter */
+  PetscReal *g[ISPH_MAX_DIM];   /* weights of a gradient */
+  PetscReal *m;                 /* weights of normal components in a divergence */
+  PetscReal *wall_w;            /* weights of wall data, see wall_points.c */
+  PetscInt   slot_capacity;     /* number of neighbours that the arrays can hold */
 };
 
 /* Returns true if an operator stores the present row itself. */

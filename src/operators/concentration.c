@@ -40,23 +40,26 @@ static void ConcentrationImages(const KernelRow *kernel, const Stencil *st,
 
 /* Sums the terms of particle i and its neighbours, without wall particles if images stand for them.
    The factor 0 of wall particles avoids a branch. */
-static void SumNeighbors(const Stencil *st, PetscBool mirrored, PetscReal *concentration,
-                         PetscReal gradient[])
+static ISPH_WIDE void SumNeighbors(const Stencil *st, PetscBool mirrored, PetscReal *concentration,
+                                   PetscReal gradient[])
 {
-  PetscReal total = st->volume * st->self[0];
+  const PetscReal *W = st->W, *dW = st->dW, *r = st->r;
+  const PetscInt   n          = LanesPadded(st->n);
+  PetscReal total[ISPH_LANES] = {0.0}, sum[ISPH_MAX_DIM][ISPH_LANES] = {{0.0}}, V[ISPH_LANES];
 
-#pragma omp simd reduction(+ : total)
-  for (PetscInt k = 0; k < st->n; k++) total += mirrored && st->wall[k] ? 0.0 : st->V[k] * st->W[k];
-  for (PetscInt a = 0; a < st->dim; a++) {
-    const PetscReal *X    = st->X[a];
-    PetscReal        part = 0.0;
+  for (PetscInt k = 0; k < n; k += ISPH_LANES) {
+    for (PetscInt l = 0; l < ISPH_LANES; l++)
+      V[l] = mirrored && st->wall[k + l] ? 0.0 : st->V[k + l];
+    for (PetscInt l = 0; l < ISPH_LANES; l++) total[l] += V[l] * W[k + l];
+    for (PetscInt l = 0; l < ISPH_LANES; l++) V[l] *= dW[k + l] / r[k + l];
+    for (PetscInt a = 0; a < st->dim; a++) {
+      const PetscReal *X = st->X[a] + k;
 
-#pragma omp simd reduction(+ : part)
-    for (PetscInt k = 0; k < st->n; k++)
-      part += mirrored && st->wall[k] ? 0.0 : st->V[k] * st->dW[k] / st->r[k] * X[k];
-    gradient[a] = -part;
+      for (PetscInt l = 0; l < ISPH_LANES; l++) sum[a][l] -= V[l] * X[l];
+    }
   }
-  *concentration = total;
+  for (PetscInt a = 0; a < st->dim; a++) gradient[a] = LanesTotal(sum[a]);
+  *concentration = st->volume * st->self[0] + LanesTotal(total);
 }
 
 /* Finds the mirror planes near particle i; their distances are along stretched axes. Returns their

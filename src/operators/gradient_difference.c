@@ -76,8 +76,8 @@ static PetscErrorCode CompareBatch(const Scene *scene, const Particles *p, const
                                    PetscReal norm[])
 {
   const PetscInt entries = p->dim * p->dim;
-  PetscReal      difference[MLS_LANES * ISPH_MAX_DIM * ISPH_MAX_DIM];
-  PetscBool      determined[MLS_LANES];
+  PetscReal      difference[ISPH_LANES * ISPH_MAX_DIM * ISPH_MAX_DIM];
+  PetscBool      determined[ISPH_LANES];
 
   PetscFunctionBegin;
   for (PetscInt l = 0; l < count; l++) {
@@ -130,13 +130,13 @@ PetscErrorCode OperatorsCompareGradients(const Scene *scene, const Particles *p,
     longest = PetscMax(longest, nb->row[i + 1] - nb->row[i]);
   PetscCall(PetscMalloc1(longest * p->dim, &storage));
   for (PetscInt a = 0; a < p->dim; a++) g[a] = storage + longest * a;
-  for (PetscInt l = 0; l < MLS_LANES; l++) batch[l]->fits_walls = PETSC_TRUE;
-  for (PetscInt i = 0; i < p->n_fluid; i += MLS_LANES) {
+  for (PetscInt l = 0; l < ISPH_LANES; l++) batch[l]->fits_walls = PETSC_TRUE;
+  for (PetscInt i = 0; i < p->n_fluid; i += ISPH_LANES) {
     PetscCall(CompareBatch(scene, p, nb, ops, fits_walls ? PETSC_FALSE : PETSC_TRUE, i,
-                           PetscMin(MLS_LANES, p->n_fluid - i), g, gradient + i * p->dim * p->dim,
+                           PetscMin(ISPH_LANES, p->n_fluid - i), g, gradient + i * p->dim * p->dim,
                            difference + i));
   }
-  for (PetscInt l = 0; l < MLS_LANES; l++) batch[l]->fits_walls = fits_walls;
+  for (PetscInt l = 0; l < ISPH_LANES; l++) batch[l]->fits_walls = fits_walls;
   PetscCall(PetscFree(storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

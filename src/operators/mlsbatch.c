@@ -8,7 +8,7 @@
 
 /* A number of each particle. Unaligned, as PETSc allocates memory. */
 typedef PetscReal Lanes
-    __attribute__((vector_size(MLS_LANES * sizeof(PetscReal)), aligned(sizeof(PetscReal))));
+    __attribute__((vector_size(ISPH_LANES * sizeof(PetscReal)), aligned(sizeof(PetscReal))));
 
 #define ROWS    (2 + ISPH_MAX_DIM) /* filter, Laplacian, gradient */
 #define MOMENTS (MLS_MAX_TERMS * (MLS_MAX_TERMS + 1) / 2)
@@ -123,7 +123,7 @@ static ISPH_INLINE void SetSystems(PetscInt dim, PetscInt degree, PetscInt n, St
   for (PetscInt t = 0; t < terms; t++) y->m[t] = y->b[0][t] = m[t];
   for (PetscInt r = 1; r < 2 + dim; r++)
     for (PetscInt t = 0; t < terms; t++) y->b[r][t] = zero;
-  for (PetscInt l = 0; l < MLS_LANES; l++) {
+  for (PetscInt l = 0; l < ISPH_LANES; l++) {
     const PetscReal over = 1.0 / st[l]->radius;
 
     y->sum[l] += st[l]->self[0];
@@ -159,7 +159,7 @@ static ISPH_INLINE void SolveSystems(PetscInt dim, PetscInt terms, Systems *y, L
       row[k] = factor;
     }
     share = y->pivot[j] / row[j];
-    for (PetscInt l = 0; l < MLS_LANES; l++)
+    for (PetscInt l = 0; l < ISPH_LANES; l++)
       (*least)[l] = share[l] < (*least)[l] || share[l] != share[l] ? share[l] : (*least)[l];
     y->pivot[j] = 1.0 / y->pivot[j];
   }
@@ -246,7 +246,7 @@ static PetscBool HasValuesOnly(const Stencil *st)
 
   Input Parameters:
 + degree - of the fits, 2 to 4
-. count  - number of stencils, at most MLS_LANES
+. count  - number of stencils, at most ISPH_LANES
 - st     - stencils of the particles
 
   Output Parameter:
@@ -254,7 +254,7 @@ static PetscBool HasValuesOnly(const Stencil *st)
 */
 PetscErrorCode MlsFitBatch(PetscInt degree, PetscInt count, Stencil *const st[], MlsBatch *b)
 {
-  Stencil *of_lane[MLS_LANES];
+  Stencil *of_lane[ISPH_LANES];
   PetscInt lanes = 0, n = 0;
   Lanes    least;
 
@@ -266,8 +266,8 @@ PetscErrorCode MlsFitBatch(PetscInt degree, PetscInt count, Stencil *const st[],
   }
   if (!lanes) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(BatchReserve(n, b));
-  for (PetscInt l = lanes; l < MLS_LANES; l++) of_lane[l] = of_lane[0]; /* repeated, not kept */
-  for (PetscInt l = 0; l < MLS_LANES; l++) FillLane(of_lane[l], l, n, b);
+  for (PetscInt l = lanes; l < ISPH_LANES; l++) of_lane[l] = of_lane[0]; /* repeated, not kept */
+  for (PetscInt l = 0; l < ISPH_LANES; l++) FillLane(of_lane[l], l, n, b);
   FitLanes(st[0]->dim, degree, n, of_lane, b, &least);
   for (PetscInt l = 0; l < lanes; l++)
     if (least[l] > of_lane[l]->weak) KeepLane(b, degree, l, of_lane[l]);

@@ -140,7 +140,7 @@ static PetscErrorCode CreateWorkspace(const Scene *scene, Operators *ops)
   Assembly *work = ops->work;
 
   PetscFunctionBegin;
-  for (PetscInt l = 0; l < MLS_LANES; l++) {
+  for (PetscInt l = 0; l < ISPH_LANES; l++) {
     PetscCall(StencilCreate(scene->dim, &work->batch[l]));
     work->batch[l]->degree     = ops->forms.degree;
     work->batch[l]->fits_walls = ops->forms.wall ? ops->forms.wall->on_surface : PETSC_FALSE;
@@ -247,7 +247,7 @@ PetscErrorCode OperatorsDestroy(Operators **operators)
   if (ops->free) PetscCall(FreeSurfaceFree(ops->free));
   PetscCall(PetscFree(ops->free));
   PetscCall(PetscFree4(ops->work->slot, ops->work->w, ops->work->m, ops->work->wall_w));
-  for (PetscInt l = 0; l < MLS_LANES; l++) PetscCall(StencilDestroy(&ops->work->batch[l]));
+  for (PetscInt l = 0; l < ISPH_LANES; l++) PetscCall(StencilDestroy(&ops->work->batch[l]));
   PetscCall(MlsBatchDestroy(&ops->work->fits));
   PetscCall(PetscFree(ops->work));
   if (ops->rows.repeats) PetscCall(PetscFree(ops->rows.first));

@@ -6,23 +6,30 @@
 
 /* Computes du_c/dx_a of a particle from the differences of its neighbours; returns the sum of the
    squares. */
-static PetscReal VelocityGradient(const Stencil *st, const Pairs *pairs,
-                                  PetscReal gradient[][ISPH_MAX_DIM])
+static ISPH_WIDE PetscReal VelocityGradient(const Stencil *st, const Pairs *pairs,
+                                            PetscReal gradient[][ISPH_MAX_DIM])
 {
   PetscReal squares = 0.0;
 
   for (PetscInt c = 0; c < st->dim; c++) {
     for (PetscInt a = 0; a < st->dim; a++) {
-      const PetscReal *du = pairs->du[c], *weight = pairs->c[a];
-      PetscReal        sum = 0.0;
-
-#pragma omp simd reduction(+ : sum)
-      for (PetscInt k = 0; k < st->n; k++) sum += du[k] * weight[k];
-      gradient[c][a] = sum;
-      squares += PetscSqr(sum);
+      gradient[c][a] = LanesSum(LanesPadded(st->n), pairs->du[c], pairs->c[a]);
+      squares += PetscSqr(gradient[c][a]);
     }
   }
   return squares;
+}
+
+/* Computes s.grad rho of a particle of density rho; walls have this density. */
+static ISPH_WIDE PetscReal Rise(const Stencil *st, const Pairs *pairs, PetscReal rho,
+                                const PetscReal s[])
+{
+  const PetscInt n    = LanesPadded(st->n);
+  PetscReal      rise = 0.0, *more = pairs->w;
+
+  for (PetscInt k = 0; k < n; k++) more[k] = pairs->rho[k] - rho;
+  for (PetscInt a = 0; a < st->dim; a++) rise += s[a] * LanesSum(n, more, pairs->c[a]);
+  return rise;
 }
 
 /* Returns true if the sweep of the present stage also computes the shift. */
@@ -51,13 +58,10 @@ void WcsphShiftRow(Wcsph *w, Stencil *st, const PetscReal slope[])
   rate = PetscSqrtReal(VelocityGradient(st, pairs, gradient));
   flow->state->shift->Displace(d, st->dx, flow->state->shift_strength,
                                flow->scheme->stats.speed_max, rate, flow->clock->dt, slope, s);
-  for (PetscInt k = 0; k < st->n; k++) {
-    PetscReal along = 0.0;
-
+  rise[0] = Rise(st, pairs, l->rho[i], s);
+  for (PetscInt k = 0; l->e && k < st->n; k++) {
     if (st->wall[k]) continue;
-    for (PetscInt a = 0; a < d; a++) along += s[a] * pairs->c[a][k];
-    rise[0] += (pairs->rho[k] - l->rho[i]) * along;
-    if (l->e) rise[1] += (l->e[st->j[k]] - l->e[i]) * along;
+    for (PetscInt a = 0; a < d; a++) rise[1] += (l->e[st->j[k]] - l->e[i]) * s[a] * pairs->c[a][k];
   }
   for (PetscInt a = 0; a < d; a++) {
     w->shift[a * n + i]       = s[a];
