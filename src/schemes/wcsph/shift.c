@@ -32,6 +32,14 @@ static ISPH_WIDE PetscReal Rise(const Stencil *st, const Pairs *pairs, PetscReal
   return rise;
 }
 
+/* Computes lap u of a particle by the pairs of Morris, Fox & Zhu. */
+static ISPH_WIDE void VelocityLaplacian(const Stencil *st, const Pairs *pairs, PetscReal lap[])
+{
+  MomentWeights(st, PETSC_TRUE, pairs->w);
+  for (PetscInt a = 0; a < st->dim; a++)
+    lap[a] = 2.0 * LanesSum(LanesPadded(st->n), pairs->w, pairs->du[a]);
+}
+
 /* Returns true if the sweep of the present stage also computes the shift. */
 PetscBool WcsphShifts(const Wcsph *w)
 {
@@ -39,10 +47,11 @@ PetscBool WcsphShifts(const Wcsph *w)
 }
 
 /*
-  WcsphShiftRow - Computes the displacement s of a particle, and the changes s.grad of its velocity,
-  density and energy
+  WcsphShiftRow - Computes the displacement s of a particle, and the changes of its fields,
 
-  Not collective. The gradients are exact for linear fields. Input: slope - gradient of the
+    s.grad u + |s|^2/(2d) lap u,   s.grad rho,   s.grad e
+
+  Not collective. The gradients are exact for linear fields. For the second term see FlowMove(). Input: slope - gradient of the
   concentration [1/m]; w->pairs. Output: w->shift, in the order of the unknowns.
 */
 void WcsphShiftRow(Wcsph *w, Stencil *st, const PetscReal slope[])
@@ -52,6 +61,7 @@ void WcsphShiftRow(Wcsph *w, Stencil *st, const PetscReal slope[])
   const PetscInt   d = st->dim, i = st->i, n = flow->particles->n_fluid;
   const Pairs     *pairs = &w->pairs;
   PetscReal        gradient[ISPH_MAX_DIM][ISPH_MAX_DIM], s[ISPH_MAX_DIM], rise[2] = {0.0}, rate;
+  PetscReal        lap[ISPH_MAX_DIM], length2 = 0.0;
   PetscInt         c = 2 * d;
 
   StencilGradients(st, CORRECTION_FIRST_ORDER);
@@ -59,13 +69,15 @@ void WcsphShiftRow(Wcsph *w, Stencil *st, const PetscReal slope[])
   flow->state->shift->Displace(d, st->dx, flow->state->shift_strength,
                                flow->scheme->stats.speed_max, rate, flow->clock->dt, slope, s);
   rise[0] = Rise(st, pairs, l->rho[i], s);
+  VelocityLaplacian(st, pairs, lap);
+  for (PetscInt a = 0; a < d; a++) length2 += PetscSqr(s[a]);
   for (PetscInt k = 0; l->e && k < st->n; k++) {
     if (st->wall[k]) continue;
     for (PetscInt a = 0; a < d; a++) rise[1] += (l->e[st->j[k]] - l->e[i]) * s[a] * pairs->c[a][k];
   }
   for (PetscInt a = 0; a < d; a++) {
     w->shift[a * n + i]       = s[a];
-    w->shift[(d + a) * n + i] = 0.0;
+    w->shift[(d + a) * n + i] = 0.5 * length2 / (PetscReal)d * lap[a];
     for (PetscInt b = 0; b < d; b++) w->shift[(d + a) * n + i] += s[b] * gradient[a][b];
   }
   if (!w->density->sums) w->shift[c++ * n + i] = rise[0];
