@@ -91,7 +91,7 @@ static void Pack(const Particles *p, LocalFlow *l)
   WcsphSetDensity - Computes densities and pressures of all local particles at the present positions
 
   Collective. Reads local.rho of own fluid (continuity) or computes it (summation), and local.e.
-  Output: local.rho and local.p with the halo; walls are at rest.
+  Output: local.rho, local.p and local.e with the halo; walls are at rest.
 */
 PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w)
 {
@@ -106,9 +106,11 @@ PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w)
   for (PetscInt i = p->n_fluid; i < ParticlesOwn(p); i++) {
     l->rho[i] = flow->scene->rho;
     l->p[i]   = 0.0;
+    if (l->e) l->e[i] = w->e_rest;
   }
   PetscCall(ParticlesHaloField(p, l->rho));
   PetscCall(ParticlesHaloField(p, l->p));
+  if (l->e) PetscCall(ParticlesHaloField(p, l->e));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
