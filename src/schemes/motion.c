@@ -201,8 +201,9 @@ static void ShearTimes(PetscInt dim, PetscReal A[][ISPH_MAX_DIM], PetscReal leng
   take energy from the shear, are damped, and boundary layers, however thin, keep their velocity. In
   a resolved flow the rate is U/L, and the filter is of order 3. A strength below 1 is a share,
   above 1 it multiplies the rate; the last term counts above 1 only, the strength for a pressure on
-  coarse points, which does not act on the shortest waves. k in this term is bounded, so that no
-  component of r changes its sign. See docs/theory.md, (77) and (255).
+  coarse points, which does not act on the shortest waves. Graded particles leave it out: it takes
+  energy from their layers. k in this term is bounded, so that no component of r changes its sign.
+  See docs/theory.md, (77) and (255).
 */
 static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i, PetscReal strength,
                            PetscReal dt, PetscReal change[])
@@ -226,7 +227,7 @@ static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i,
   length  = PetscSqrtReal(length);
   product = PetscSqrtReal(product);
   share   = PetscMin(1.0, k * PetscSqrtReal(product));
-  along   = strength > 1.0 ? PetscMin(k, (1.0 - share) / length) : 0.0;
+  along   = strength > 1.0 && !SceneMovesGraded(scene) ? PetscMin(k, (1.0 - share) / length) : 0.0;
   share *= PetscMin(1.0, strength);
   ShearTimes(scene->dim, A, length, product, r, shear);
   for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * r[c] + along * shear[c];
