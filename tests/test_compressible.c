@@ -75,10 +75,13 @@ static void FillPairs(const PetscReal b[], Stencil *st, Pairs *pairs)
     st->W[k]  = PetscSqr(1.0 - 0.5 * r2);
     st->dW[k] = -2.0 * st->r[k] * (1.0 - 0.5 * r2);
   }
+  st->radius  = 1.0;
   st->volume  = 0.05;
   st->sloped  = SLOPE_NONE;
   pairs->c    = st->slope;
   st->self[0] = 1.0;
+  StencilFinish(st);
+  PairsFinish(1.0, st, pairs);
   ASSERT_OK(PetscRandomDestroy(&random));
 }
 
@@ -131,6 +134,7 @@ static void test_artificial_viscosity(void **state)
   ArtificialViscosity(st, &pairs, alpha_beta, 10.0, 1.0, a[0]);
   FillPairs(together, st, &pairs);
   st->n = 1;
+  StencilFinish(st);
   StencilGradients(st, 0);
   ArtificialViscosity(st, &pairs, alpha_beta, 10.0, 1.0, a[1]);
   assert_true(a[0][0] == 0.0 && a[0][1] == 0.0);

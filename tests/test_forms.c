@@ -47,6 +47,7 @@ static Stencil *Made(PetscInt dim, PetscReal h, PetscInt walls)
     if (st->wall[st->n]) st->n_wall++;
     st->n++;
   }
+  StencilFinish(st);
   st->fits_walls = walls ? PETSC_TRUE : PETSC_FALSE;
   return st;
 }

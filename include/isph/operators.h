@@ -13,6 +13,7 @@
 #ifndef ISPH_OPERATORS_H
 #define ISPH_OPERATORS_H
 
+#include "isph/lanes.h"
 #include "isph/particles.h"
 
 /* Kernels W(r) = sigma_d/h^d w(r/h), W = 0 for r >= support h. */
@@ -34,7 +35,6 @@ void KernelEvaluateAll(const KernelRow *kernel, PetscInt dim, PetscReal h, Petsc
 #define MLS_MAX_TERMS       34    /* monomials of degree 1 to 4 in 3D */
 #define MLS_QUADRATIC_TERMS 9     /* X_a, X_a X_b in 3D */
 #define MLS_WEAK            1e-10 /* pivot over its diagonal entry below which a fit is weak */
-#define MLS_LANES           8     /* arrays over neighbours end in zeros up to a multiple of it */
 
 /* Least-squares fits for the present equations of the neighbours, see src/operators/mls.c. */
 typedef struct {
@@ -67,6 +67,7 @@ typedef struct {
   PetscReal   scale;                 /* multiplies equations of derivatives in fits [m] */
   PetscReal   stretch[ISPH_MAX_DIM]; /* of the axes about the particle, SceneStretch() [-] */
   PetscInt   *j;                     /* local index of each neighbour */
+  PetscInt   *walls;                 /* the n_wall numbers of wall neighbours */
   PetscReal  *X[ISPH_MAX_DIM];       /* x_j - x_i, times stretch [m] */
   PetscReal  *r, *V;                 /* distance [m], volume [m^dim] */
   PetscReal  *W, *dW, *ddW;          /* kernel and its derivatives in r [m^-dim, ...] */
@@ -106,6 +107,7 @@ typedef struct {
 PetscErrorCode StencilCreate(PetscInt dim, Stencil **stencil);
 PetscErrorCode StencilDestroy(Stencil **stencil);
 PetscErrorCode StencilReserve(Stencil *stencil, PetscInt n);
+void           StencilFinish(Stencil *stencil);
 void StencilSetSize(const KernelRow *kernel, PetscReal h_over_dx, PetscReal dx, Stencil *stencil);
 void StencilSetQuantity(const Scene *scene, FitQuantity quantity, Stencil *stencil);
 void StencilSetVelocity(const Scene *scene, PetscInt c, Stencil *stencil);

@@ -24,34 +24,27 @@ static void ConcentrationImages(const KernelRow *kernel, const Stencil *st,
 }
 
 /* Sums the terms of particle i and its neighbours, without wall particles if images stand for them.
-   The factor 0 of wall particles avoids a branch. Inlined, so that the compiler knows the
-   dimension. */
-static ISPH_INLINE void SumInline(PetscInt dim, const Stencil *st, PetscBool mirrored,
-                                  PetscReal *concentration, PetscReal gradient[])
-{
-  const PetscReal *X0 = st->X[0], *X1 = st->X[1], *X2 = st->X[dim - 1];
-  PetscReal        total = 0.0, along0 = 0.0, along1 = 0.0, along2 = 0.0;
-
-#pragma omp simd reduction(+ : total, along0, along1, along2)
-  for (PetscInt k = 0; k < st->n; k++) {
-    const PetscReal V = mirrored && st->wall[k] ? 0.0 : st->V[k], slope = V * st->dW[k] / st->r[k];
-
-    total += V * st->W[k];
-    along0 += slope * X0[k];
-    along1 += slope * X1[k];
-    if (dim == 3) along2 += slope * X2[k];
-  }
-  *concentration = st->volume * st->self[0] + total;
-  gradient[0]    = -along0;
-  gradient[1]    = -along1;
-  if (dim == 3) gradient[2] = -along2;
-}
-
+   The factor 0 of wall particles avoids a branch. */
 static ISPH_WIDE void SumNeighbors(const Stencil *st, PetscBool mirrored, PetscReal *concentration,
                                    PetscReal gradient[])
 {
-  if (st->dim == 2) SumInline(2, st, mirrored, concentration, gradient);
-  else SumInline(3, st, mirrored, concentration, gradient);
+  const PetscReal *W = st->W, *dW = st->dW, *r = st->r;
+  const PetscInt   n          = LanesPadded(st->n);
+  PetscReal total[ISPH_LANES] = {0.0}, sum[ISPH_MAX_DIM][ISPH_LANES] = {{0.0}}, V[ISPH_LANES];
+
+  for (PetscInt k = 0; k < n; k += ISPH_LANES) {
+    for (PetscInt l = 0; l < ISPH_LANES; l++)
+      V[l] = mirrored && st->wall[k + l] ? 0.0 : st->V[k + l];
+    for (PetscInt l = 0; l < ISPH_LANES; l++) total[l] += V[l] * W[k + l];
+    for (PetscInt l = 0; l < ISPH_LANES; l++) V[l] *= dW[k + l] / r[k + l];
+    for (PetscInt a = 0; a < st->dim; a++) {
+      const PetscReal *X = st->X[a] + k;
+
+      for (PetscInt l = 0; l < ISPH_LANES; l++) sum[a][l] -= V[l] * X[l];
+    }
+  }
+  for (PetscInt a = 0; a < st->dim; a++) gradient[a] = LanesTotal(sum[a]);
+  *concentration = st->volume * st->self[0] + LanesTotal(total);
 }
 
 /* Finds the mirror planes near particle i; their distances are along stretched axes. Returns their

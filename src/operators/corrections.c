@@ -45,12 +45,14 @@ static void CorrectKernel_Shepard(Stencil *st, PetscReal dW[], PetscReal ddW[])
 /* Computes the components of corrected gradients along the pairs, -(X/r).c/V. */
 static ISPH_WIDE void AlongPairs(Stencil *st, unsigned correction, PetscReal dW[])
 {
+  const PetscInt n = LanesPadded(st->n);
+
   StencilGradients(st, correction);
-  for (PetscInt k = 0; k < st->n; k++) dW[k] = 0.0;
+  for (PetscInt k = 0; k < n; k++) dW[k] = 0.0;
   for (PetscInt a = 0; a < st->dim; a++) {
     const PetscReal *X = st->X[a], *c = st->slope[a];
 
-    for (PetscInt k = 0; k < st->n; k++) dW[k] -= X[k] * c[k];
+    for (PetscInt k = 0; k < n; k++) dW[k] -= X[k] * c[k];
   }
   for (PetscInt k = 0; k < st->n; k++) dW[k] /= st->r[k] * st->V[k];
 }

@@ -75,7 +75,8 @@ void DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[])
 }
 
 /* Exchanges columns p and q of a matrix with `rows` rows and n columns. */
-static void SwapColumns(PetscInt rows, PetscInt n, PetscReal A[], PetscInt p, PetscInt q)
+static ISPH_INLINE void SwapColumns(PetscInt rows, PetscInt n, PetscReal A[], PetscInt p,
+                                    PetscInt q)
 {
   for (PetscInt r = 0; r < rows; r++) {
     const PetscReal kept = A[r * n + p];
@@ -85,17 +86,8 @@ static void SwapColumns(PetscInt rows, PetscInt n, PetscReal A[], PetscInt p, Pe
   }
 }
 
-/*
-  DenseEliminate - Reduces the system X A = B to X D = B' with a diagonal D, by Gauss elimination
-  with pivoting
-
-  Not collective.
-
-  Input/Output Parameters:
-+ A - n x n by rows; out: D on the diagonal, with zeros if A is singular
-- B - `rows` rows of length n; out: B', so that X_rq = B[r n + q]/D_q
-*/
-void DenseEliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
+/* Computes the result of DenseEliminate(); inlined, so that small systems have no loops. */
+static ISPH_INLINE void Eliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
 {
   for (PetscInt p = 0; p < n; p++) {
     PetscInt best = p;
@@ -116,15 +108,32 @@ void DenseEliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
 }
 
 /*
+  DenseEliminate - Reduces the system X A = B to X D = B' with a diagonal D, by Gauss elimination
+  with pivoting
+
+  Not collective.
+
+  Input/Output Parameters:
++ A - n x n by rows; out: D on the diagonal, with zeros if A is singular
+- B - `rows` rows of length n; out: B', so that X_rq = B[r n + q]/D_q
+*/
+void DenseEliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[])
+{
+  if (n == 2 && rows == 2) Eliminate(2, A, 2, B);
+  else Eliminate(n, A, rows, B);
+}
+
+/*
   MomentWeights - Computes the weights -V_k W'/r of the moment matrix M = sum_k V_k (grad_i W) X^T
 
   Not collective. Input: walls - false: the weights of wall neighbours are zero
 */
 ISPH_WIDE void MomentWeights(const Stencil *st, PetscBool walls, PetscReal weight[])
 {
-  for (PetscInt k = 0; k < st->n; k++) weight[k] = -st->V[k] * st->dW[k] / st->r[k];
-  for (PetscInt k = 0; !walls && st->n_wall && k < st->n; k++)
-    if (st->wall[k]) weight[k] = 0.0;
+  const PetscInt n = LanesPadded(st->n);
+
+  for (PetscInt k = 0; k < n; k++) weight[k] = -st->V[k] * st->dW[k] / st->r[k];
+  for (PetscInt q = 0; !walls && q < st->n_wall; q++) weight[st->walls[q]] = 0.0;
 }
 
 /*

@@ -64,7 +64,8 @@ static inline PetscInt KeepClose(PetscInt dim, const Particles *p, PetscInt n,
 {
   const PetscReal *px[ISPH_MAX_DIM] = {p->x[0], p->x[1], p->x[2]};
   PetscReal       *X[ISPH_MAX_DIM] = {st->X[0], st->X[1], st->X[2]}, *r = st->r;
-  PetscInt        *j = st->j, kept = 0;
+  PetscInt        *j    = st->j;
+  size_t           kept = 0;
 
   for (PetscInt q = 0; q < n; q++) {
     const PetscInt c  = candidate[q];
@@ -80,7 +81,7 @@ static inline PetscInt KeepClose(PetscInt dim, const Particles *p, PetscInt n,
     r[kept] = r2;
     kept += (r2 < radius2) & (r2 > 0.0);
   }
-  return kept;
+  return (PetscInt)kept;
 }
 
 /* Sets distances from their squares, volumes, kinds and equations of the first n neighbours. */
@@ -88,17 +89,12 @@ static ISPH_WIDE void FillNeighbors(const Particles *p, PetscInt n, Stencil *st)
 {
   const PetscReal *volume = p->volume;
   const PetscInt  *j      = st->j;
-  PetscInt         n_wall = 0;
 
   for (PetscInt k = 0; k < n; k++) st->r[k] = PetscSqrtReal(st->r[k]);
   for (PetscInt k = 0; k < n; k++) st->V[k] = volume[j[k]];
   for (PetscInt k = 0; k < n; k++) st->equation[k] = EQUATION_VALUE;
   for (PetscInt k = 0; k < n; k++) st->surface[k] = PETSC_FALSE;
-  for (PetscInt k = 0; k < n; k++) {
-    st->wall[k] = ParticlesIsWall(p, j[k]);
-    n_wall += st->wall[k] ? 1 : 0;
-  }
-  st->n_wall = n_wall;
+  for (PetscInt k = 0; k < n; k++) st->wall[k] = ParticlesIsWall(p, j[k]);
 }
 
 /* GatherStencil - Gathers the neighbours of own fluid particle i with the quantities that row
@@ -132,14 +128,16 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
   else n = KeepClose(3, p, n, candidate, x, st->stretch, radius2, st);
   st->n = n;
   FillNeighbors(p, n, st);
+  StencilFinish(st);
   st->scene = scene;
   st->slips = PETSC_FALSE;
-  for (PetscInt k = 0; st->n_wall && k < n; k++) {
-    if (!st->wall[k]) continue;
+  for (PetscInt q = 0; q < st->n_wall; q++) {
+    const PetscInt k = st->walls[q];
+
     GatherWall(scene, p, ops, k, st);
     if (!BoundaryIs(scene, st->side[k], BOUNDARY_NO_SLIP)) st->slips = PETSC_TRUE;
   }
   GatherSurface(free, st);
-  KernelEvaluateAll(ops->forms.kernel, d, st->h, n, st->r, st->W, st->dW, st->ddW);
+  KernelEvaluateAll(ops->forms.kernel, d, st->h, LanesPadded(n), st->r, st->W, st->dW, st->ddW);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

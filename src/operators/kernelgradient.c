@@ -8,18 +8,20 @@
 /* Computes V_k grad_i W. */
 static ISPH_WIDE void PlainGradients(const Stencil *st, PetscReal *c[])
 {
-  PetscReal *last = c[st->dim - 1];
+  const PetscInt n    = LanesPadded(st->n);
+  PetscReal     *last = c[st->dim - 1];
 
   MomentWeights(st, PETSC_TRUE, last);
   for (PetscInt a = 0; a < st->dim; a++) {
-    const PetscReal *X = st->X[a];
+    const PetscReal *X  = st->X[a];
+    PetscReal       *to = c[a];
 
-    for (PetscInt k = 0; k < st->n; k++) c[a][k] = last[k] * X[k];
+    for (PetscInt k = 0; k < n; k++) to[k] = last[k] * X[k];
   }
 }
 
 /* Computes V_k grad psi_k from V_k grad_i W, with psi_k = W_k/S and the kernel sum S. */
-static void ShepardGradients(const Stencil *st, PetscReal *c[])
+static ISPH_WIDE void ShepardGradients(const Stencil *st, PetscReal *c[])
 {
   PetscReal S = st->volume * st->self[0];
 
@@ -36,12 +38,14 @@ static void ShepardGradients(const Stencil *st, PetscReal *c[])
 static ISPH_INLINE void MultiplyAll(PetscInt d, PetscInt n, const PetscReal matrix[],
                                     PetscReal *c[])
 {
+  PetscReal *const to[ISPH_MAX_DIM] = {c[0], c[1], c[d - 1]};
+
   for (PetscInt k = 0; k < n; k++) {
     PetscReal sum[ISPH_MAX_DIM] = {0.0};
 
     for (PetscInt a = 0; a < d; a++)
-      for (PetscInt b = 0; b < d; b++) sum[a] += matrix[a * d + b] * c[b][k];
-    for (PetscInt a = 0; a < d; a++) c[a][k] = sum[a];
+      for (PetscInt b = 0; b < d; b++) sum[a] += matrix[a * d + b] * to[b][k];
+    for (PetscInt a = 0; a < d; a++) to[a][k] = sum[a];
   }
 }
 
@@ -52,25 +56,26 @@ static ISPH_WIDE void MultiplyGradients(PetscInt d, PetscInt n, const PetscReal 
   else MultiplyAll(3, n, matrix, c);
 }
 
+/* Computes M = sum_k c_k X^T. */
+static ISPH_WIDE void Moments(const Stencil *st, PetscReal *const c[], PetscReal M[])
+{
+  const PetscInt d = st->dim, n = LanesPadded(st->n);
+
+  for (PetscInt e = 0; e < d * d; e++) M[e] = LanesSum(n, c[e / d], st->X[e % d]);
+}
+
 /* Multiplies the gradients by M^-1, M = sum_k c_k X^T; if the neighbours do not span space, M is
    the unit matrix, and st->regularised counts the row. */
 static void RenormalisedGradients(Stencil *st, PetscReal *c[])
 {
-  const PetscInt d                              = st->dim;
-  PetscReal      M[ISPH_MAX_DIM * ISPH_MAX_DIM] = {0.0}, inverse[ISPH_MAX_DIM * ISPH_MAX_DIM];
+  const PetscInt d = st->dim;
+  PetscReal      M[ISPH_MAX_DIM * ISPH_MAX_DIM], inverse[ISPH_MAX_DIM * ISPH_MAX_DIM] = {0.0};
   PetscReal      trace = 0.0, least = PETSC_MAX_REAL;
 
+  Moments(st, c, M);
   for (PetscInt a = 0; a < d; a++) {
-    for (PetscInt b = 0; b < d; b++) {
-      const PetscReal *ca = c[a], *X = st->X[b];
-      PetscReal        sum = 0.0;
-
-#pragma omp simd reduction(+ : sum)
-      for (PetscInt k = 0; k < st->n; k++) sum += ca[k] * X[k];
-      inverse[a * d + b] = a == b ? 1.0 : 0.0;
-      M[a * d + b]       = sum;
-    }
-    trace += PetscAbsReal(M[a * d + a]);
+    inverse[a * (d + 1)] = 1.0;
+    trace += PetscAbsReal(M[a * (d + 1)]);
   }
   DenseEliminate(d, M, d, inverse);
   for (PetscInt a = 0; a < d; a++) least = PetscMin(least, PetscAbsReal(M[a * (d + 1)]));
@@ -79,7 +84,7 @@ static void RenormalisedGradients(Stencil *st, PetscReal *c[])
     return;
   }
   for (PetscInt e = 0; e < d * d; e++) inverse[e] /= M[e % d * (d + 1)];
-  MultiplyGradients(d, st->n, inverse, c);
+  MultiplyGradients(d, LanesPadded(st->n), inverse, c);
 }
 
 /*

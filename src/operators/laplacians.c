@@ -16,10 +16,12 @@
 
   Reference: J. P. Morris, P. J. Fox, Y. Zhu, J. Comput. Phys. 136 (1997) 214-226
 */
-static PetscErrorCode LaplacianRow_Morris(Stencil *st, PetscReal w[])
+static ISPH_WIDE PetscErrorCode LaplacianRow_Morris(Stencil *st, PetscReal w[])
 {
+  const PetscReal *V = st->V, *dW = st->dW, *r = st->r;
+
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < st->n; k++) w[k] = -2.0 * st->V[k] * st->dW[k] / st->r[k];
+  for (PetscInt k = 0; k < st->n; k++) w[k] = -2.0 * V[k] * dW[k] / r[k];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -36,14 +36,14 @@ static inline void LaplacianColumn(const Stencil *st, PetscInt dim, PetscInt wid
 static inline PetscReal FilterColumn(const Stencil *st, PetscInt terms, PetscInt width,
                                      PetscReal m[])
 {
-  const PetscInt stride = st->capacity, n = MlsPadded(st->n);
+  const PetscInt stride = st->capacity, n = LanesPadded(st->n);
   PetscReal     *value = st->fit.value, sum = st->self[0];
 
   for (PetscInt k = 0; k < n; k++) value[k] = st->fit.W[k];
   for (PetscInt k = 0; st->n_wall && k < st->n; k++)
     if (st->equation[k] == EQUATION_NORMAL_DERIVATIVE) value[k] = 0.0;
   for (PetscInt k = 0; k < st->n; k++) sum += value[k];
-  for (PetscInt t = 0; t < terms; t++) m[t * width] = MlsSum(n, value, st->fit.phi + t * stride);
+  for (PetscInt t = 0; t < terms; t++) m[t * width] = LanesSum(n, value, st->fit.phi + t * stride);
   return sum;
 }
 

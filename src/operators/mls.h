@@ -2,7 +2,7 @@
   Parts of moving least-squares fits, shared by fits of scalars and of vectors: the basis at all
   neighbours, the sums over neighbours, and the solution of the normal equations. All are inlined,
   so that the compiler knows the numbers of terms. Loops over neighbours are innermost, and arrays
-  over neighbours end in zeros up to a multiple of MLS_LANES, so that they need no remainder.
+  over neighbours end in zeros up to a multiple of ISPH_LANES, so that they need no remainder.
 */
 #ifndef ISPH_MLS_H
 #define ISPH_MLS_H
@@ -30,12 +30,6 @@ static inline PetscInt MlsTerms(PetscInt dim, PetscInt degree)
 
   for (PetscInt d = 1; d <= degree; d++) terms += MlsMonomials(dim - 1, d);
   return terms;
-}
-
-/* Rounds a number of neighbours up to a multiple of MLS_LANES. */
-static inline PetscInt MlsPadded(PetscInt n)
-{
-  return (n + MLS_LANES - 1) / MLS_LANES * MLS_LANES;
 }
 
 /* Returns the length of the rows of a system, so that rows need no remainder either. */
@@ -77,7 +71,7 @@ static inline void MlsBasisNormalDerivative(const Stencil *st, PetscInt dim, Pet
 */
 static inline void MlsBasis(Stencil *st, PetscInt dim, PetscInt degree)
 {
-  const PetscInt  stride = st->capacity, n = MlsPadded(st->n);
+  const PetscInt  stride = st->capacity, n = LanesPadded(st->n);
   const PetscReal over = 1.0 / st->radius;
   PetscReal      *phi = st->fit.phi, *W = st->fit.W, *lower = phi, *next = phi + dim * stride;
 
@@ -102,20 +96,6 @@ static inline void MlsBasis(Stencil *st, PetscInt dim, PetscInt degree)
   }
 }
 
-/* Computes sum_k a_k b_k, in MLS_LANES partial sums; n is a multiple of MLS_LANES. */
-static inline PetscReal MlsSum(PetscInt n, const PetscReal a[], const PetscReal b[])
-{
-  PetscReal lane[MLS_LANES] = {0.0};
-
-  for (PetscInt k = 0; k < n; k += MLS_LANES) {
-    for (PetscInt l = 0; l < MLS_LANES; l++) lane[l] += a[k + l] * b[k + l];
-  }
-  for (PetscInt half = MLS_LANES / 2; half > 0; half /= 2) {
-    for (PetscInt l = 0; l < half; l++) lane[l] += lane[l + half];
-  }
-  return lane[0];
-}
-
 /*
   Computes the moments sum_k W_k phi_t phi_q
 
@@ -125,7 +105,7 @@ static inline PetscReal MlsSum(PetscInt n, const PetscReal a[], const PetscReal 
 static inline void MlsMoments(const Stencil *st, PetscInt terms, const PetscReal W[],
                               PetscInt width, PetscReal M[])
 {
-  const PetscInt   stride = st->capacity, n = MlsPadded(st->n);
+  const PetscInt   stride = st->capacity, n = LanesPadded(st->n);
   const PetscReal *phi      = st->fit.phi;
   PetscReal       *weighted = st->fit.weighted;
 
@@ -133,7 +113,7 @@ static inline void MlsMoments(const Stencil *st, PetscInt terms, const PetscReal
 #pragma omp simd
     for (PetscInt k = 0; k < n; k++) weighted[k] = W[k] * phi[t * stride + k];
     for (PetscInt q = 0; q <= t; q++)
-      M[t * width + q] = M[q * width + t] = MlsSum(n, weighted, phi + q * stride);
+      M[t * width + q] = M[q * width + t] = LanesSum(n, weighted, phi + q * stride);
   }
 }
 

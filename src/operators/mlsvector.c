@@ -15,7 +15,7 @@ static inline void VectorMoments(Stencil *st, PetscInt dim, PetscInt terms, Pets
     for (PetscInt e = c; e < dim; e++) {
       PetscReal *W = st->fit.value, total = 0.0;
 
-      for (PetscInt k = 0; k < MlsPadded(st->n); k++) W[k] = c == e ? st->fit.W[k] : 0.0;
+      for (PetscInt k = 0; k < LanesPadded(st->n); k++) W[k] = c == e ? st->fit.W[k] : 0.0;
       for (PetscInt k = 0; k < st->n; k++) {
         if (st->wall[k]) W[k] = st->fit.W[k] * st->normal[c][k] * st->normal[e][k];
         total += PetscAbsReal(W[k]);

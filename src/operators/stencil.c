@@ -24,7 +24,7 @@ static PetscErrorCode StencilFree(Stencil *st)
     PetscCall(PetscFree3(st->X[a], st->normal[a], st->fit.gradient[a]));
     PetscCall(PetscFree2(st->normal_strain[a], st->slope[a]));
   }
-  PetscCall(PetscFree(st->surface));
+  PetscCall(PetscFree2(st->surface, st->walls));
   PetscCall(PetscFree6(st->fit.phi, st->fit.W, st->fit.value, st->fit.weighted, st->fit.laplacian,
                        st->fit.filter));
   PetscCall(PetscFree7(st->r, st->V, st->W, st->dW, st->ddW, st->beta, st->j));
@@ -48,13 +48,13 @@ PetscErrorCode StencilReserve(Stencil *st, PetscInt n)
   PetscFunctionBegin;
   if (n <= st->capacity) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(StencilFree(st));
-  st->capacity = MLS_LANES * (2 * n / MLS_LANES + 1);
+  st->capacity = ISPH_LANES * (2 * n / ISPH_LANES + 1);
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     PetscCall(PetscMalloc3(st->capacity, &st->X[a], st->capacity, &st->normal[a], st->capacity,
                            &st->fit.gradient[a]));
     PetscCall(PetscMalloc2(st->capacity, &st->normal_strain[a], st->capacity, &st->slope[a]));
   }
-  PetscCall(PetscMalloc1(st->capacity, &st->surface));
+  PetscCall(PetscMalloc2(st->capacity, &st->surface, st->capacity, &st->walls));
   PetscCall(PetscMalloc6(MLS_MAX_TERMS * st->capacity, &st->fit.phi, st->capacity, &st->fit.W,
                          st->capacity, &st->fit.value, st->capacity, &st->fit.weighted,
                          st->capacity, &st->fit.laplacian, st->capacity, &st->fit.filter));
@@ -65,6 +65,24 @@ PetscErrorCode StencilReserve(Stencil *st, PetscInt n)
                          &st->corrected[1], st->capacity, &st->side, st->capacity, &st->share,
                          st->capacity, &st->equation, st->capacity, &st->factor));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* StencilFinish - Lists the wall neighbours of a stencil whose neighbours have places, volumes and
+   kinds, and ends the arrays that sums read in neighbours without volume; not collective */
+ISPH_WIDE void StencilFinish(Stencil *st)
+{
+  PetscInt n_wall = 0, listed = 0;
+
+  for (PetscInt k = 0; k < st->n; k++) n_wall += st->wall[k] ? 1 : 0;
+  st->n_wall = n_wall;
+  for (PetscInt k = 0; listed < n_wall; k++)
+    if (st->wall[k]) st->walls[listed++] = k;
+  for (PetscInt k = st->n; k < LanesPadded(st->n); k++) {
+    for (PetscInt a = 0; a < st->dim; a++) st->X[a][k] = 0.0;
+    st->r[k]    = st->radius;
+    st->wall[k] = PETSC_FALSE;
+    st->V[k] = st->W[k] = st->dW[k] = st->ddW[k] = 0.0;
+  }
 }
 
 /* Sets the equation of wall neighbour k; a change invalidates the fit. */

@@ -189,34 +189,64 @@ static void FollowShift(const Scene *scene, const Slopes *slopes, PetscInt i,
   }
 }
 
+/* Computes D r of FilterVelocity() for the gradient A with |A| = length and |A A| = product. */
+static void ShearTimes(PetscInt dim, PetscReal A[][ISPH_MAX_DIM], PetscReal length,
+                       PetscReal product, const PetscReal r[], PetscReal result[])
+{
+  PetscReal turned[ISPH_MAX_DIM] = {0.0};
+
+  for (PetscInt c = 0; c < dim; c++)
+    for (PetscInt a = 0; a < dim; a++) turned[c] += A[c][a] * r[a];
+  for (PetscInt a = 0; a < dim; a++) {
+    result[a] = -product / PetscSqrtReal((PetscReal)dim) * r[a];
+    for (PetscInt c = 0; c < dim; c++) result[a] += A[c][a] * turned[c];
+    result[a] /= length;
+  }
+}
+
 /*
   Filters grid modes out of the velocity of particle i
 
-    u -= min(1, S) min(1, max(1, S) RATE dt |A A|^(1/2)) (u - fit),   A_ca = du_c/dx_a
+    u -= min(1, S) min(1, k |A A|^(1/2)) r + k D r,   k = max(1, S) RATE dt,
+    D = (A^T A - |A A|/d^(1/2) I)/|A|,   A_ca = du_c/dx_a
 
-  |.| is Frobenius' norm, S is -velocity_filter, RATE is FILTER_RATE, and fit the value of a
-  quadratic fit of u at the particle. |A A|^(1/2) is the rate at which the flow can amplify
-  disturbances: the size of the eigenvalues of A in strain and rotation. It is zero in parallel flow
-  with any shear, so that thin boundary layers keep their velocity. In a resolved flow the rate is
-  U/L, and the filter is of order 3. A strength below 1 is a share, above 1 it multiplies the rate.
-  See docs/theory.md, (77).
+  |.| is Frobenius' norm, S is -velocity_filter, RATE is FILTER_RATE, and r the residual of a
+  quadratic fit of u at the particle in d dimensions. |A A|^(1/2) is the rate at which the flow can
+  amplify disturbances in strain and rotation. In these D vanishes. In parallel flow A A vanishes,
+  and D is the shear rate times the projection on its direction: disturbances across the flow, which
+  take energy from the shear, are damped, and boundary layers, however thin, keep their velocity. In
+  a resolved flow the rate is U/L, and the filter is of order 3. A strength below 1 is a share,
+  above 1 it multiplies the rate; the last term counts above 1 only, the strength for a pressure on
+  coarse points, which does not act on the shortest waves. Graded particles leave it out: it takes
+  energy from their layers. k in this term is bounded, so that no component of r changes its sign.
+  See docs/theory.md, (77) and (255).
 */
 static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i, PetscReal strength,
                            PetscReal dt, PetscReal change[])
 {
-  PetscReal square = 0.0, share;
+  const PetscReal k = PetscMax(1.0, strength) * FILTER_RATE * dt;
+  PetscReal       A[ISPH_MAX_DIM][ISPH_MAX_DIM], r[ISPH_MAX_DIM], shear[ISPH_MAX_DIM];
+  PetscReal       length = 0.0, product = 0.0, share, along;
 
   for (PetscInt c = 0; c < scene->dim; c++) {
+    r[c] = slopes->residual[c][i];
     for (PetscInt a = 0; a < scene->dim; a++) {
       PetscReal entry = 0.0;
 
+      A[c][a] = slopes->u[c][a][i];
       for (PetscInt b = 0; b < scene->dim; b++) entry += slopes->u[c][b][i] * slopes->u[b][a][i];
-      square += PetscSqr(entry);
+      product += PetscSqr(entry);
+      length += PetscSqr(A[c][a]);
     }
   }
-  share = FILTER_RATE * dt * PetscSqrtReal(PetscSqrtReal(square));
-  share = PetscMin(1.0, strength) * PetscMin(1.0, PetscMax(1.0, strength) * share);
-  for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * slopes->residual[c][i];
+  if (length == 0.0) return;
+  length  = PetscSqrtReal(length);
+  product = PetscSqrtReal(product);
+  share   = PetscMin(1.0, k * PetscSqrtReal(product));
+  along   = strength > 1.0 && !SceneMovesGraded(scene) ? PetscMin(k, (1.0 - share) / length) : 0.0;
+  share *= PetscMin(1.0, strength);
+  ShearTimes(scene->dim, A, length, product, r, shear);
+  for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * r[c] + along * shear[c];
 }
 
 /* Fails the step if a particle moved further than -dt_move_max times its spacing; collective. */

@@ -275,5 +275,6 @@ PetscErrorCode WcsphFree(Wcsph *w)
   for (PetscInt e = 0; e < ISPH_MAX_DIM * ISPH_MAX_DIM; e++)
     PetscCall(PetscFree(w->local.stress[e]));
   PetscCall(PetscFree(w->local.divergence));
+  PetscCall(PetscFree(w->local.packed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -19,6 +19,17 @@ PetscErrorCode PairsReserve(PetscInt capacity, Pairs *pairs)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* PairsFinish - Ends the arrays of the pairs in neighbours without volume, of the density rho and
+   the velocity of the particle; not collective */
+void PairsFinish(PetscReal rho, const Stencil *st, Pairs *pairs)
+{
+  for (PetscInt k = st->n; k < LanesPadded(st->n); k++) {
+    pairs->p[k]   = 0.0;
+    pairs->rho[k] = rho;
+    for (PetscInt a = 0; a < st->dim; a++) pairs->du[a][k] = 0.0;
+  }
+}
+
 /* PairsFree - Frees the arrays; not collective */
 PetscErrorCode PairsFree(Pairs *pairs)
 {
@@ -36,17 +47,18 @@ PetscErrorCode PairsFree(Pairs *pairs)
   treatment is larger: an extrapolation by the factor beta would raise the frequency of sound beside
   walls by beta^(1/2), and particles close to a wall would need shorter steps.
 */
-PetscReal PairsDivergence(const Stencil *st, const Pairs *pairs)
+ISPH_WIDE PetscReal PairsDivergence(const Stencil *st, const Pairs *pairs)
 {
   PetscReal sum = 0.0;
 
-  for (PetscInt a = 0; a < st->dim; a++) {
-    const PetscReal *c = pairs->c[a], *du = pairs->du[a];
+  for (PetscInt a = 0; a < st->dim; a++)
+    sum += LanesSum(LanesPadded(st->n), pairs->du[a], pairs->c[a]);
+  for (PetscInt q = 0; q < st->n_wall; q++) {
+    const PetscInt k = st->walls[q];
 
-#pragma omp simd reduction(+ : sum)
-    for (PetscInt k = 0; k < st->n; k++) sum += du[k] * c[k];
-    for (PetscInt k = 0; st->n_wall && k < st->n; k++)
-      if (st->wall[k] && st->beta[k] > MIRROR) sum -= (1.0 - MIRROR / st->beta[k]) * du[k] * c[k];
+    if (st->beta[k] <= MIRROR) continue;
+    for (PetscInt a = 0; a < st->dim; a++)
+      sum -= (1.0 - MIRROR / st->beta[k]) * pairs->du[a][k] * pairs->c[a][k];
   }
   return sum;
 }
@@ -67,27 +79,19 @@ PetscReal PairsDivergence(const Stencil *st, const Pairs *pairs)
 
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eqs (8), (9)
 */
-void PressureForce(const Stencil *st, const Pairs *pairs, PetscBool sums, PetscBool corrected,
-                   PetscReal rho, PetscReal p, PetscReal acceleration[])
+ISPH_WIDE void PressureForce(const Stencil *st, const Pairs *pairs, PetscBool sums,
+                             PetscBool corrected, PetscReal rho, PetscReal p,
+                             PetscReal acceleration[])
 {
   const PetscReal  own = p / PetscSqr(rho), self = corrected ? 2.0 * p / rho : 0.0;
-  const PetscReal  sign = corrected ? -1.0 : 1.0;
+  const PetscReal  more = corrected ? -p : p, over = 1.0 / rho;
   const PetscReal *pk = pairs->p, *rk = pairs->rho;
+  const PetscInt   n     = LanesPadded(st->n);
+  PetscReal       *force = pairs->w;
 
-  for (PetscInt a = 0; a < st->dim; a++) {
-    const PetscReal *c   = pairs->c[a];
-    PetscReal        sum = 0.0;
-
-    if (sums) {
-#pragma omp simd reduction(+ : sum)
-      for (PetscInt k = 0; k < st->n; k++) sum += (pk[k] / rk[k] + rk[k] * own - self) * c[k];
-    } else {
-#pragma omp simd reduction(+ : sum)
-      for (PetscInt k = 0; k < st->n; k++) sum += (pk[k] + sign * p) * c[k];
-      sum /= rho;
-    }
-    acceleration[a] -= sum;
-  }
+  for (PetscInt k = 0; k < n && sums; k++) force[k] = pk[k] / rk[k] + rk[k] * own - self;
+  for (PetscInt k = 0; k < n && !sums; k++) force[k] = over * (pk[k] + more);
+  for (PetscInt a = 0; a < st->dim; a++) acceleration[a] -= LanesSum(n, force, pairs->c[a]);
 }
 
 /*
@@ -149,14 +153,16 @@ void ArtificialViscosity(const Stencil *st, const Pairs *pairs, const PetscReal 
   Reference: D. Molteni, A. Colagrossi, Comput. Phys. Commun. 180 (2009) 861-872; the slope: G.
   Fourtakas et al., Computers & Fluids 190 (2019) 346-361
 */
-PetscReal DensityDiffusion(const Stencil *st, const Pairs *pairs, PetscReal rho,
-                           const PetscReal slope[])
+ISPH_WIDE PetscReal DensityDiffusion(const Stencil *st, const Pairs *pairs, PetscReal rho,
+                                     const PetscReal slope[])
 {
   const PetscReal *V = st->V, *dW = st->dW, *r = st->r, *rk = pairs->rho;
-  PetscReal        sum = 0.0;
+  PetscReal        lane[ISPH_LANES] = {0.0}, sum;
 
-#pragma omp simd reduction(+ : sum)
-  for (PetscInt k = 0; k < st->n; k++) sum -= V[k] * (rk[k] - rho) * dW[k] / r[k];
+  for (PetscInt k = 0; k < LanesPadded(st->n); k += ISPH_LANES)
+    for (PetscInt l = 0; l < ISPH_LANES; l++)
+      lane[l] -= V[k + l] * (rk[k + l] - rho) * dW[k + l] / r[k + l];
+  sum = LanesTotal(lane);
   for (PetscInt a = 0; a < st->dim; a++) {
     const PetscReal *X    = st->X[a];
     PetscReal        rise = 0.0;

@@ -4,6 +4,8 @@
 */
 #include "wcsph.h"
 
+#define PACKED(dim) (2 + (dim)) /* values of a particle in LocalFlow.packed */
+
 /* WcsphReserve - Makes room for values of all local particles; not collective */
 PetscErrorCode WcsphReserve(const Flow *flow, Wcsph *w)
 {
@@ -19,6 +21,8 @@ PetscErrorCode WcsphReserve(const Flow *flow, Wcsph *w)
   }
   PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &local->rho));
   PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &local->p));
+  PetscCall(
+      PetscRealloc(PACKED(flow->scene->dim) * local->capacity * sizeof(PetscReal), &local->packed));
   if (w->equation->has_energy)
     PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &local->e));
   if (flow->state->shift->Displace)
@@ -71,11 +75,23 @@ static PetscErrorCode SumRow(Stencil *st, void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Packs density, pressure and velocity of all local particles. */
+static void Pack(const Particles *p, LocalFlow *l)
+{
+  PetscReal *to = l->packed;
+
+  for (PetscInt i = 0; i < ParticlesAll(p); i++, to += PACKED(p->dim)) {
+    to[0] = l->rho[i];
+    to[1] = l->p[i];
+    for (PetscInt a = 0; a < p->dim; a++) to[2 + a] = l->u[a][i];
+  }
+}
+
 /*
   WcsphSetDensity - Computes densities and pressures of all local particles at the present positions
 
   Collective. Reads local.rho of own fluid (continuity) or computes it (summation), and local.e.
-  Output: local.rho and local.p with the halo; walls are at rest.
+  Output: local.rho, local.p and local.e with the halo; walls are at rest.
 */
 PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w)
 {
@@ -90,9 +106,11 @@ PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w)
   for (PetscInt i = p->n_fluid; i < ParticlesOwn(p); i++) {
     l->rho[i] = flow->scene->rho;
     l->p[i]   = 0.0;
+    if (l->e) l->e[i] = w->e_rest;
   }
   PetscCall(ParticlesHaloField(p, l->rho));
   PetscCall(ParticlesHaloField(p, l->p));
+  if (l->e) PetscCall(ParticlesHaloField(p, l->e));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -102,10 +120,10 @@ static void SetWallPairs(const Wcsph *w, const PetscReal force[], Stencil *st, P
   const LocalFlow *l   = &w->local;
   const PetscReal  rho = l->rho[st->i];
 
-  for (PetscInt k = 0; k < st->n; k++) {
-    PetscReal rise = 0.0;
+  for (PetscInt q = 0; q < st->n_wall; q++) {
+    const PetscInt k    = st->walls[q];
+    PetscReal      rise = 0.0;
 
-    if (!st->wall[k]) continue;
     for (PetscInt a = 0; a < st->dim; a++) {
       pairs->du[a][k] *= st->beta[k];
       rise += force[a] * st->X[a][k];
@@ -113,6 +131,23 @@ static void SetWallPairs(const Wcsph *w, const PetscReal force[], Stencil *st, P
     st->V[k] *= pairs->rho[k] / rho;
     pairs->rho[k] = rho;
     pairs->p[k]   = l->p[st->i] + rho * rise;
+  }
+}
+
+/* Unpacks density, pressure and velocity difference of the neighbours; inlined for each dimension.
+   Input: own - packed values of the particle */
+static ISPH_INLINE void Unpack(PetscInt dim, const PetscReal packed[], const PetscReal own[],
+                               const Stencil *st, Pairs *pairs)
+{
+  PetscReal *const rho = pairs->rho, *const p = pairs->p;
+  PetscReal *const du[ISPH_MAX_DIM] = {pairs->du[0], pairs->du[1], pairs->du[2]};
+
+  for (PetscInt k = 0; k < st->n; k++) {
+    const PetscReal *from = packed + PACKED(dim) * st->j[k];
+
+    rho[k] = from[0];
+    p[k]   = from[1];
+    for (PetscInt a = 0; a < dim; a++) du[a][k] = from[2 + a] - own[2 + a];
   }
 }
 
@@ -128,20 +163,15 @@ ISPH_WIDE PetscErrorCode WcsphSetPairs(Wcsph *w, const PetscReal force[], Stenci
 {
   const LocalFlow *l     = &w->local;
   Pairs           *pairs = &w->pairs;
-  const PetscInt   n = st->n, *j = st->j;
+  const PetscReal *own   = l->packed + PACKED(st->dim) * st->i;
   const PetscReal  rho_0 = w->flow->scene->rho;
 
   PetscFunctionBegin;
   PetscCall(PairsReserve(st->capacity, pairs));
-  for (PetscInt k = 0; k < n; k++) pairs->rho[k] = l->rho[j[k]];
-  for (PetscInt k = 0; k < n; k++) pairs->p[k] = l->p[j[k]];
-  for (PetscInt k = 0; k < n; k++) st->V[k] *= rho_0 / pairs->rho[k];
-  for (PetscInt a = 0; a < st->dim; a++) {
-    const PetscReal *u = l->u[a], own = u[st->i];
-    PetscReal       *du = pairs->du[a];
-
-    for (PetscInt k = 0; k < n; k++) du[k] = u[j[k]] - own;
-  }
+  if (st->dim == 2) Unpack(2, l->packed, own, st, pairs);
+  else Unpack(3, l->packed, own, st, pairs);
+  for (PetscInt k = 0; k < st->n; k++) st->V[k] *= rho_0 / pairs->rho[k];
+  PairsFinish(l->rho[st->i], st, pairs);
   if (st->n_wall) SetWallPairs(w, force, st, pairs);
   st->volume *= rho_0 / l->rho[st->i];
   st->sloped = SLOPE_NONE;
@@ -176,8 +206,8 @@ static void ReducePressure(const Wcsph *w, const Stencil *st, Pairs *pairs, Pets
 }
 
 /* Adds the viscous acceleration mu/rho_i sum_k w_k du_k, with the weights of the chosen form. */
-static PetscErrorCode ViscousForce(const Wcsph *w, Stencil *st, const Pairs *pairs,
-                                   PetscReal acceleration[])
+static ISPH_WIDE PetscErrorCode ViscousForce(const Wcsph *w, Stencil *st, const Pairs *pairs,
+                                             PetscReal acceleration[])
 {
   const Scene         *scene = w->flow->scene;
   const LaplacianForm *form  = &w->flow->ops->forms.visc;
@@ -187,14 +217,11 @@ static PetscErrorCode ViscousForce(const Wcsph *w, Stencil *st, const Pairs *pai
   PetscFunctionBegin;
   PetscCall(LaplacianWeights(form, st, pairs->w));
   if (width == 1) {
-    for (PetscInt a = 0; a < d; a++) {
-      const PetscReal *du = pairs->du[a], *weight = pairs->w;
-      PetscReal        sum = 0.0;
+    const PetscInt n = LanesPadded(st->n);
 
-#pragma omp simd reduction(+ : sum)
-      for (PetscInt k = 0; k < st->n; k++) sum += weight[k] * du[k];
-      acceleration[a] += factor * sum;
-    }
+    for (PetscInt k = st->n; k < n; k++) pairs->w[k] = 0.0;
+    for (PetscInt a = 0; a < d; a++)
+      acceleration[a] += factor * LanesSum(n, pairs->w, pairs->du[a]);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt k = 0; k < st->n; k++)
@@ -303,6 +330,7 @@ PetscErrorCode WcsphRates(Flow *flow, Wcsph *w)
     PetscCall(ParticlesHaloField(p, l->u[a]));
   }
   PetscCall(WcsphSetDensity(flow, w));
+  Pack(p, l);
   PetscCall(OperatorsStreamFactors(flow->scene, p, flow->neighbors, flow->ops));
   PetscCall(WcsphStresses(flow, w));
   w->divergence = 0.0;

@@ -6,23 +6,38 @@
 
 /* Computes du_c/dx_a of a particle from the differences of its neighbours; returns the sum of the
    squares. */
-static PetscReal VelocityGradient(const Stencil *st, const Pairs *pairs,
-                                  PetscReal gradient[][ISPH_MAX_DIM])
+static ISPH_WIDE PetscReal VelocityGradient(const Stencil *st, const Pairs *pairs,
+                                            PetscReal gradient[][ISPH_MAX_DIM])
 {
   PetscReal squares = 0.0;
 
   for (PetscInt c = 0; c < st->dim; c++) {
     for (PetscInt a = 0; a < st->dim; a++) {
-      const PetscReal *du = pairs->du[c], *weight = pairs->c[a];
-      PetscReal        sum = 0.0;
-
-#pragma omp simd reduction(+ : sum)
-      for (PetscInt k = 0; k < st->n; k++) sum += du[k] * weight[k];
-      gradient[c][a] = sum;
-      squares += PetscSqr(sum);
+      gradient[c][a] = LanesSum(LanesPadded(st->n), pairs->du[c], pairs->c[a]);
+      squares += PetscSqr(gradient[c][a]);
     }
   }
   return squares;
+}
+
+/* Computes s.grad rho of a particle of density rho; walls have this density. */
+static ISPH_WIDE PetscReal Rise(const Stencil *st, const Pairs *pairs, PetscReal rho,
+                                const PetscReal s[])
+{
+  const PetscInt n    = LanesPadded(st->n);
+  PetscReal      rise = 0.0, *more = pairs->w;
+
+  for (PetscInt k = 0; k < n; k++) more[k] = pairs->rho[k] - rho;
+  for (PetscInt a = 0; a < st->dim; a++) rise += s[a] * LanesSum(n, more, pairs->c[a]);
+  return rise;
+}
+
+/* Computes lap u of a particle by the pairs of Morris, Fox & Zhu. */
+static ISPH_WIDE void VelocityLaplacian(const Stencil *st, const Pairs *pairs, PetscReal lap[])
+{
+  MomentWeights(st, PETSC_TRUE, pairs->w);
+  for (PetscInt a = 0; a < st->dim; a++)
+    lap[a] = 2.0 * LanesSum(LanesPadded(st->n), pairs->w, pairs->du[a]);
 }
 
 /* Returns true if the sweep of the present stage also computes the shift. */
@@ -32,11 +47,13 @@ PetscBool WcsphShifts(const Wcsph *w)
 }
 
 /*
-  WcsphShiftRow - Computes the displacement s of a particle, and the changes s.grad of its velocity,
-  density and energy
+  WcsphShiftRow - Computes the displacement s of a particle, and the changes of its fields,
 
-  Not collective. The gradients are exact for linear fields. Input: slope - gradient of the
-  concentration [1/m]; w->pairs. Output: w->shift, in the order of the unknowns.
+    s.grad u + |s|^2/(2d) lap u,   s.grad rho,   s.grad e
+
+  Not collective. The gradients are exact for linear fields. For the second term see FlowMove().
+  Input: slope - gradient of the concentration [1/m]; w->pairs. Output: w->shift, in the order of
+  the unknowns.
 */
 void WcsphShiftRow(Wcsph *w, Stencil *st, const PetscReal slope[])
 {
@@ -45,23 +62,23 @@ void WcsphShiftRow(Wcsph *w, Stencil *st, const PetscReal slope[])
   const PetscInt   d = st->dim, i = st->i, n = flow->particles->n_fluid;
   const Pairs     *pairs = &w->pairs;
   PetscReal        gradient[ISPH_MAX_DIM][ISPH_MAX_DIM], s[ISPH_MAX_DIM], rise[2] = {0.0}, rate;
+  PetscReal        lap[ISPH_MAX_DIM], length2 = 0.0;
   PetscInt         c = 2 * d;
 
   StencilGradients(st, CORRECTION_FIRST_ORDER);
   rate = PetscSqrtReal(VelocityGradient(st, pairs, gradient));
   flow->state->shift->Displace(d, st->dx, flow->state->shift_strength,
                                flow->scheme->stats.speed_max, rate, flow->clock->dt, slope, s);
-  for (PetscInt k = 0; k < st->n; k++) {
-    PetscReal along = 0.0;
-
+  rise[0] = Rise(st, pairs, l->rho[i], s);
+  VelocityLaplacian(st, pairs, lap);
+  for (PetscInt a = 0; a < d; a++) length2 += PetscSqr(s[a]);
+  for (PetscInt k = 0; l->e && k < st->n; k++) {
     if (st->wall[k]) continue;
-    for (PetscInt a = 0; a < d; a++) along += s[a] * pairs->c[a][k];
-    rise[0] += (pairs->rho[k] - l->rho[i]) * along;
-    if (l->e) rise[1] += (l->e[st->j[k]] - l->e[i]) * along;
+    for (PetscInt a = 0; a < d; a++) rise[1] += (l->e[st->j[k]] - l->e[i]) * s[a] * pairs->c[a][k];
   }
   for (PetscInt a = 0; a < d; a++) {
     w->shift[a * n + i]       = s[a];
-    w->shift[(d + a) * n + i] = 0.0;
+    w->shift[(d + a) * n + i] = 0.5 * length2 / (PetscReal)d * lap[a];
     for (PetscInt b = 0; b < d; b++) w->shift[(d + a) * n + i] += s[b] * gradient[a][b];
   }
   if (!w->density->sums) w->shift[c++ * n + i] = rise[0];

@@ -65,7 +65,7 @@ typedef struct {
   PetscReal *const *c;                /* slope of the stencil, see StencilGradients() [1/m] */
   PetscReal        *du[ISPH_MAX_DIM]; /* u_k - u_i [m/s] */
   PetscReal        *p, *rho;          /* [Pa], [kg/m^3] */
-  PetscReal        *w;                /* weights of the viscous form */
+  PetscReal        *w;                /* weights of the viscous form; workspace */
 } Pairs;
 
 /* Values by local index, with the halo. */
@@ -74,6 +74,7 @@ typedef struct {
   PetscReal *u[ISPH_MAX_DIM], *rho, *p, *e;       /* e: NULL without energy */
   PetscReal *stress[ISPH_MAX_DIM * ISPH_MAX_DIM]; /* of a composed form, else NULL [Pa] */
   PetscReal *divergence;                          /* beside it, own particles [1/s] */
+  PetscReal *packed; /* rho, p and u of each particle, side by side for WcsphSetPairs() */
 } LocalFlow;
 
 struct Wcsph {
@@ -146,6 +147,7 @@ PetscErrorCode WcsphShift(Flow *flow, Wcsph *w);
 /* pairs.c */
 PetscErrorCode PairsReserve(PetscInt capacity, Pairs *pairs);
 PetscErrorCode PairsFree(Pairs *pairs);
+void           PairsFinish(PetscReal rho, const Stencil *stencil, Pairs *pairs);
 PetscReal      PairsDivergence(const Stencil *stencil, const Pairs *pairs);
 void PressureForce(const Stencil *stencil, const Pairs *pairs, PetscBool sums, PetscBool corrected,
                    PetscReal rho, PetscReal p, PetscReal acceleration[]);
