@@ -5,6 +5,7 @@
 #include "step.h"
 
 #define FILTER_RATE   2.0 /* factor of |A A|^(1/2) [-] */
+#define VISCOUS       5.0 /* U dx/nu up to which viscosity alone damps disturbances across a shear */
 #define CLEARANCE     0.3 /* least distance of particles from walls [dx_i] */
 #define SURFACE_SHARE 0.3 /* longest shift beside free surfaces [way of the fastest particle] */
 
@@ -204,6 +205,14 @@ static void ShearTimes(PetscInt dim, PetscReal A[][ISPH_MAX_DIM], PetscReal leng
   }
 }
 
+/* Returns true if the filter damps disturbances across a shear, see FilterVelocity(). */
+static PetscBool FiltersShear(const Scene *scene, PetscReal strength)
+{
+  return strength > 1.0 && !SceneMovesGraded(scene) && SceneCellReynolds(scene) > VISCOUS
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
 /*
   Filters grid modes out of the velocity of particle i
 
@@ -218,8 +227,8 @@ static void ShearTimes(PetscInt dim, PetscReal A[][ISPH_MAX_DIM], PetscReal leng
   a resolved flow the rate is U/L, and the filter is of order 3. A strength below 1 is a share,
   above 1 it multiplies the rate; the last term counts above 1 only, the strength for a pressure on
   coarse points, which does not act on the shortest waves. Graded particles leave it out: it takes
-  energy from their layers. k in this term is bounded, so that no component of r changes its sign.
-  See docs/theory.md, (77) and (255).
+  energy from their layers; so do flows that viscosity damps, up to U dx/nu = VISCOUS. k in this term is bounded, so that
+  no component of r changes its sign. See docs/theory.md, (77) and (255).
 */
 static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i, PetscReal strength,
                            PetscReal dt, PetscReal change[])
@@ -243,7 +252,7 @@ static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i,
   length  = PetscSqrtReal(length);
   product = PetscSqrtReal(product);
   share   = PetscMin(1.0, k * PetscSqrtReal(product));
-  along   = strength > 1.0 && !SceneMovesGraded(scene) ? PetscMin(k, (1.0 - share) / length) : 0.0;
+  along   = FiltersShear(scene, strength) ? PetscMin(k, (1.0 - share) / length) : 0.0;
   share *= PetscMin(1.0, strength);
   ShearTimes(scene->dim, A, length, product, r, shear);
   for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * r[c] + along * shear[c];
