@@ -5,7 +5,7 @@
 #include "step.h"
 
 #define FILTER_RATE   2.0 /* factor of |A A|^(1/2) [-] */
-#define VISCOUS       5.0 /* U dx/nu up to which viscosity alone damps disturbances across a shear */
+#define VISCOUS       5.0 /* U dx/nu up to which viscosity damps disturbances across a shear */
 #define CLEARANCE     0.3 /* least distance of particles from walls [dx_i] */
 #define SURFACE_SHARE 0.3 /* longest shift beside free surfaces [way of the fastest particle] */
 
@@ -227,7 +227,7 @@ static PetscBool FiltersShear(const Scene *scene, PetscReal strength)
   a resolved flow the rate is U/L, and the filter is of order 3. A strength below 1 is a share,
   above 1 it multiplies the rate; the last term counts above 1 only, the strength for a pressure on
   coarse points, which does not act on the shortest waves. Graded particles leave it out: it takes
-  energy from their layers; so do flows that viscosity damps, up to U dx/nu = VISCOUS. k in this term is bounded, so that
+  energy from their layers; so do flows up to U dx/nu = VISCOUS. k in this term is bounded, so that
   no component of r changes its sign. See docs/theory.md, (77) and (255).
 */
 static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i, PetscReal strength,
