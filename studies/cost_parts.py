@@ -199,9 +199,9 @@ def step(quick):
 # ---- single changes ----
 
 CHANGES = {  # options that undo or add a change; the first of each motion are the defaults
-    "fixed": (("defaults", ""), ("AMG in place of LU", "-ppe_pc_type hypre"),
-              ("AMG, and no guess from earlier solutions", "-ppe_pc_type hypre -ppe_ksp_initial_guess_nonzero 0"),
-              ("PETSc's AMG in place of LU", "-ppe_pc_type gamg"), ("pressure to 1e-3", "-ppe_ksp_rtol 1e-3"),
+    "fixed": (("defaults", ""), ("LU in place of AMG", "-ppe_pc_type lu"),
+              ("no guess from earlier solutions", "-ppe_ksp_initial_guess_nonzero 0"),
+              ("PETSc's AMG", "-ppe_pc_type gamg"), ("pressure to 1e-3", "-ppe_ksp_rtol 1e-3"),
               ("convection implicit, same steps", "-convection implicit -cfl 0.5"),
               ("pressure on coarse points", "-pressure_points coarse"), ("quartic fits", "-mls_degree 4")),
     "moving": (("defaults", ""), ("pressure to 1e-3, viscosity to 1e-4", "-ppe_ksp_rtol 1e-3 -visc_ksp_rtol 1e-4"),
