@@ -85,8 +85,8 @@ static ISPH_INLINE void LanesStore(const Lanes sum[VECTORS], PetscInt k, PetscIn
   }
 }
 
-/* Computes the products of RUN_LANES rows of a run, from row i on. Sums have the same order as in
-   AddProducts(). */
+/* Computes the products of RUN_LANES rows of a run, from row i on. Two partial sums of
+   each hide the latency of additions. */
 static ISPH_INLINE void ApplyLanes(const OperatorRows *rows, PetscInt i, PetscInt n,
                                    const Product *product)
 {

@@ -110,7 +110,9 @@ PetscErrorCode SceneCheckFilled(const Scene *scene)
             "-scene_free: the borders of -scene_filled_1 are the free surface; leave -scene_free "
             "out");
   for (PetscInt k = 0; k < scene->n_filled; k++) {
-    UserCheck(BodyPoints(&scene->filled[k], scene->dx) <= OUTLINE_MOST,
+    const ShapeRow *outline = BodyOutline(scene, &scene->filled[k]);
+
+    UserCheck(!outline || outline->Count(&scene->filled[k], scene->dx) <= OUTLINE_MOST,
               "-scene_filled_%" PetscInt_FMT
               ": its outline is longer than %d dx; a region need not reach far beyond the box",
               k + 1, OUTLINE_MOST);

@@ -254,8 +254,10 @@ static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i,
   share   = PetscMin(1.0, k * PetscSqrtReal(product));
   along   = FiltersShear(scene, strength) ? PetscMin(k, (1.0 - share) / length) : 0.0;
   share *= PetscMin(1.0, strength);
+  for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * r[c];
+  if (along == 0.0) return;
   ShearTimes(scene->dim, A, length, product, r, shear);
-  for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * r[c] + along * shear[c];
+  for (PetscInt c = 0; c < scene->dim; c++) change[c] -= along * shear[c];
 }
 
 /* Fails the step if a particle moved further than -dt_move_max times its spacing; collective. */
