@@ -22,6 +22,7 @@ typedef struct {
   PetscReal disturbance; /* random, in the first step; breaks the symmetry of lattices [dx] */
 } ShiftRow;
 extern const Table       ShiftTable;
+PetscReal                ShiftStepFactor(PetscReal dx, PetscReal speed, PetscReal dt);
 extern const OptionTable MotionOptions, SchemeOptions, ProjectionOptions, ViscosityOptions,
     CoupledOptions, CoupledSolverOptions, WcsphOptions, WcsphTimeOptions, GuardOptions,
     SolverOptions, AverageOptions;
@@ -118,6 +119,7 @@ typedef struct {
   PetscReal kinetic_energy; /* [J] (per metre of depth in 2D) */
   PetscReal divergence;     /* largest |D u| [1/s] */
   PetscReal change[3];      /* of u, div u* and p, relative, per shortest time scale [-] */
+  PetscReal unevenness;     /* largest root mean square of C - 1 of the run so far [-] */
 } StepStats;
 
 /* The steady test: means of root mean squares over a window of steps; see steady.c. */
@@ -177,6 +179,7 @@ typedef struct {
   const PetscReal *value;  /* largest of the run */
   PetscReal        most;   /* largest value that needs no word */
   const char      *remedy; /* "the fluid ...; try ..." */
+  PetscBool        quiet;  /* the report has it only if it has left its range */
 } SchemeFigure;
 
 /*

@@ -290,8 +290,12 @@ static PetscErrorCode RunReportChoices(Run *run)
   PetscFunctionBegin;
   if (T > 0.0) PetscCall(ReportAdd(run->report, "pressure_average", T));
   if (run->undo) PetscCall(ReportAdd(run->report, "retries", run->flow.clock->retries));
-  for (PetscInt k = 0; k < scheme->n_figures; k++)
-    PetscCall(ReportAdd(run->report, scheme->figure[k].name, *scheme->figure[k].value));
+  for (PetscInt k = 0; k < scheme->n_figures; k++) {
+    const SchemeFigure *figure = &scheme->figure[k];
+
+    if (figure->quiet && *figure->value <= figure->most) continue;
+    PetscCall(ReportAdd(run->report, figure->name, *figure->value));
+  }
   if (run->flow.clock->adapt->estimates)
     PetscCall(ReportAdd(run->report, "rejected", run->flow.clock->control.rejected));
   for (PetscInt k = 0; k < scheme->n_solves; k++) {

@@ -4,6 +4,8 @@
 */
 #include "step.h"
 
+#define UNEVEN 0.15 /* largest unevenness that needs no word [-] */
+
 /* Returns the larger of the speeds at which particle i moves and at which the fluid passes it, over
    the speed of the fluid: 1 without graded spacing. */
 static PetscReal PaceFactor(const Scene *scene, const Particles *p, PetscInt i)
@@ -56,18 +58,26 @@ static PetscErrorCode MeasureDivergence(Flow *flow, const Vec u[], PetscReal *la
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns the concentration at the particles if they should be evenly spread: shifting spreads
+   those of a full box. NULL: not assembled, or a surface moves. */
+static const PetscReal *Concentrations(const Flow *flow)
+{
+  return flow->ops->free ? NULL : flow->ops->concentration.value;
+}
+
 /*
-  Measures kinetic energy, largest speed, the largest speed to which walls can have driven the fluid
-  and, with a pressure, the largest divergence
+  Measures kinetic energy, largest speed, the largest speed to which walls can have driven the
+  fluid, the unevenness and, with a pressure, the largest divergence
 
   Collective. Input: u - velocity components. Output: scheme->stats, bound.walls.
 */
 static PetscErrorCode MeasureFlow(Flow *flow, const Vec u[])
 {
-  const Scene       *scene = flow->scene;
-  const Particles   *p     = flow->particles;
-  Scheme            *s     = flow->scheme;
-  PetscReal          sum = 0.0, most[3] = {0.0, flow->walls.speed_bound, 0.0};
+  const Scene       *scene  = flow->scene;
+  const Particles   *p      = flow->particles;
+  Scheme            *s      = flow->scheme;
+  const PetscReal   *C      = Concentrations(flow);
+  PetscReal          sum[2] = {0.0}, most[3] = {0.0, flow->walls.speed_bound, 0.0};
   const PetscScalar *v[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
@@ -79,16 +89,18 @@ static PetscErrorCode MeasureFlow(Flow *flow, const Vec u[])
       speed2 += PetscSqr(v[a][i]);
       stretched2 += PetscSqr(ParticlesStretch(p, a, i) * v[a][i]);
     }
-    sum += ParticlesWeight(p, i) * speed2;
+    sum[0] += ParticlesWeight(p, i) * speed2;
+    if (C) sum[1] += ParticlesWeight(p, i) * PetscSqr(C[i] - 1.0);
     speed   = PetscSqrtReal(speed2);
     most[0] = PetscMax(most[0], speed);
     most[2] = PetscMax(most[2], PetscSqrtReal(stretched2) * (scene->dx / p->dx[i]) *
                                     PaceFactor(scene, p, i));
   }
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(u[a], &v[a]));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, p->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, 3, MPIU_REAL, MPIU_MAX, p->comm));
-  s->stats.kinetic_energy = 0.5 * scene->rho * SceneVolume(scene) * sum;
+  s->stats.kinetic_energy = 0.5 * scene->rho * SceneVolume(scene) * sum[0];
+  s->stats.unevenness     = PetscMax(s->stats.unevenness, PetscSqrtReal(sum[1] / p->weight));
   s->stats.speed_max      = most[0];
   s->stats.pace_max       = most[2];
   s->bound.walls          = PetscMax(s->bound.walls, most[1]);
@@ -256,5 +268,35 @@ PetscErrorCode FlowRemember(Flow *flow)
   PetscCall(MemoryAddReal(memory, "bound_walls", &bound->walls));
   PetscCall(EnergyRemember(flow->scene, flow->scheme));
   PetscCall(SteadyRemember(flow->scheme));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  UnevennessRemember - Adds the unevenness to the memory of the run and to the figures of the scheme
+
+  Not collective. It is the largest root mean square of C - 1 so far, with the concentration C of
+  particles that shifting spreads in a full box. In taylor_green (Re = 100, n = 24 to 64) steps too
+  long for the strain of the flow make it: up to 0.12 the velocity errs by at most 0.6 %, from 0.2 on
+  by 3 % and more.
+*/
+PetscErrorCode UnevennessRemember(Flow *flow)
+{
+  Scheme *s = flow->scheme;
+
+  PetscFunctionBegin;
+  if (!(s->needs & NEED_CONCENTRATION) || SceneHasFreeSurface(flow->scene))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MemoryAddReal(&s->memory, "unevenness", &s->stats.unevenness));
+  PetscCheck(s->n_figures < SCHEME_MAX_FIGURES, PETSC_COMM_SELF, PETSC_ERR_PLIB,
+             "More than SCHEME_MAX_FIGURES = %d figures", SCHEME_MAX_FIGURES);
+  s->figure[s->n_figures++] = (SchemeFigure){
+      .name  = "unevenness",
+      .value = &s->stats.unevenness,
+      .most  = UNEVEN,
+      .remedy =
+          "the particles were unevenly spread, and the velocity may err by some per cent; try "
+          "a smaller -cfl or -dt",
+      .quiet = PETSC_TRUE,
+  };
   PetscFunctionReturn(PETSC_SUCCESS);
 }

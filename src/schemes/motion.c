@@ -158,19 +158,21 @@ static void ShiftParticle(const Flow *flow, const Slopes *slopes, PetscInt i, Pe
   const Scene     *scene = flow->scene;
   const FlowState *state = flow->state;
   const PetscReal  dx    = flow->particles->dx[i];
-  PetscReal        gradient_c[ISPH_MAX_DIM], rate2 = 0.0;
+  const PetscReal  speed = flow->scheme->stats.speed_max;
+  PetscReal        gradient_c[ISPH_MAX_DIM], rate2 = 0.0, disturbance = 0.0;
 
   for (PetscInt a = 0; a < scene->dim; a++) {
     gradient_c[a] =
         flow->ops->concentration.gradient[a][i] / ParticlesStretch(flow->particles, a, i);
     for (PetscInt c = 0; c < scene->dim; c++) rate2 += PetscSqr(slopes->u[c][a][i]);
   }
-  state->shift->Displace(scene->dim, dx, state->shift_strength, flow->scheme->stats.speed_max,
-                         PetscSqrtReal(rate2), flow->clock->dt, gradient_c, shift);
+  state->shift->Displace(scene->dim, dx, state->shift_strength, speed, PetscSqrtReal(rate2),
+                         flow->clock->dt, gradient_c, shift);
+  if (flow->clock->step == 0 && !flow->ops->free)
+    disturbance = state->shift->disturbance * dx * ShiftStepFactor(dx, speed, flow->clock->dt);
   for (PetscInt a = 0; a < scene->dim; a++) {
-    if (flow->clock->step == 0 && !flow->ops->free)
-      shift[a] += state->shift->disturbance * dx *
-                  ParticlesHash(scene->seed + 1, flow->particles->id[i], a);
+    if (disturbance > 0.0)
+      shift[a] += disturbance * ParticlesHash(scene->seed + 1, flow->particles->id[i], a);
     shift[a] /= ParticlesStretch(flow->particles, a, i);
   }
   if (flow->ops->free) LimitAtSurface(flow, i, shift);

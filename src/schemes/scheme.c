@@ -108,6 +108,7 @@ PetscErrorCode SchemeCreate(Flow *flow)
   PetscCall(RefuseSurface(flow));
   PetscCall(GradedRemember(flow));
   PetscCall(s->row->Create(flow));
+  PetscCall(UnevennessRemember(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

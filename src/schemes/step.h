@@ -67,6 +67,7 @@ PetscErrorCode FlowDivergence(Flow *flow, const Vec u[], Vec div);
 PetscErrorCode FlowMeasureStart(Flow *flow);
 PetscErrorCode FlowCheck(Flow *flow);
 PetscErrorCode FlowRemember(Flow *flow);
+PetscErrorCode UnevennessRemember(Flow *flow);
 
 /* energy.c */
 PetscReal      EnergyWork(const Flow *flow, PetscInt i, const PetscReal path[]);
