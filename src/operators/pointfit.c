@@ -91,21 +91,6 @@ static ISPH_INLINE void FourFits(PetscInt dim, PetscInt degree, PetscInt m, Pets
   }
 }
 
-/* Computes the basis of FourBases() for neighbour k of a single point. */
-static inline void PointBasis(PetscInt dim, PetscInt degree, PetscReal *const s[], PetscInt k,
-                              PetscReal phi[])
-{
-  PetscReal *lower = phi + 1, *next = phi + 1 + dim;
-
-  phi[0] = 1.0;
-  for (PetscInt a = 0; a < dim; a++) phi[1 + a] = s[a][k];
-  for (PetscInt d = 2; d <= degree; d++) {
-    for (PetscInt a = 0; a < dim; a++)
-      for (PetscInt q = 0; q < MlsMonomials(a, d - 1); q++) *next++ = s[a][k] * lower[q];
-    lower += MlsMonomials(dim - 1, d - 1);
-  }
-}
-
 /*
   PointFits - Computes the weights w_k of f(x_i) = sum_k w_k f_k at the m = 2^dim points i at once
 
@@ -134,29 +119,146 @@ ISPH_WIDE void PointFits(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *c
   }
 }
 
-/* Computes the moment matrix of the fit of a vector. */
-static void VectorMoments(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const s[],
-                          const PetscReal W[], const PetscBool wall[], PetscReal *const normal[],
-                          PetscReal moments[])
+/* Neighbours of a fit of a vector, in fours. */
+typedef struct {
+  PetscInt          n;
+  PetscReal *const *s;
+  const PetscReal  *W;
+  const PetscBool  *wall;
+  PetscReal *const *normal;
+} VectorPoints;
+
+#define VECTOR_PAIRS   (ISPH_MAX_DIM * (ISPH_MAX_DIM + 1) / 2)
+#define VECTOR_MOMENTS (POINT_FIT_TERMS * (POINT_FIT_TERMS + 1) / 2)
+
+/* Moments of a fit of a vector, rows up to the diagonal: of fluid neighbours, which are those of
+   each component, and of wall neighbours times n_c n_e. */
+typedef struct {
+  Four fluid[VECTOR_MOMENTS], wall[VECTOR_PAIRS][VECTOR_MOMENTS];
+} VectorMoments;
+
+/* Computes the flags of neighbours k to k + 3 as numbers: 1 for walls; returns true if there is a
+   wall. */
+static ISPH_INLINE PetscBool WallFlags(const VectorPoints *points, PetscInt k, Four *wall)
 {
-  const PetscInt terms = 1 + MlsTerms(dim, degree), size = dim * terms;
+  PetscBool any = PETSC_FALSE;
 
-  for (PetscInt k = 0; k < n; k++) {
-    PetscReal phi[POINT_FIT_TERMS];
+  for (PetscInt l = 0; l < 4; l++) {
+    (*wall)[l] = points->wall[k + l] ? 1.0 : 0.0;
+    any        = any || points->wall[k + l] ? PETSC_TRUE : PETSC_FALSE;
+  }
+  return any;
+}
 
-    PointBasis(dim, degree, s, k, phi);
+/* Adds the products of the basis times a weight. */
+static ISPH_INLINE void AddMoments(PetscInt terms, Four weight, const Four phi[], Four moments[])
+{
+  PetscInt e = 0;
+
+  for (PetscInt t = 0; t < terms; t++) {
+    const Four weighted = weight * phi[t];
+
+    for (PetscInt q = 0; q <= t; q++) moments[e++] += weighted * phi[q];
+  }
+}
+
+/* Computes the moments of the fit of a vector. */
+static ISPH_INLINE void SumMoments(PetscInt dim, PetscInt degree, const VectorPoints *points,
+                                   VectorMoments *m)
+{
+  const PetscInt terms = 1 + MlsTerms(dim, degree), size = terms * (terms + 1) / 2;
+
+  for (PetscInt e = 0; e < size; e++) m->fluid[e] = (Four){0.0};
+  for (PetscInt pair = 0; pair < dim * (dim + 1) / 2; pair++)
+    for (PetscInt e = 0; e < size; e++) m->wall[pair][e] = (Four){0.0};
+  for (PetscInt k = 0; k < points->n; k += 4) {
+    const Four W = *(const Four *)&points->W[k];
+    Four       phi[POINT_FIT_TERMS], wall;
+    PetscInt   pair = 0;
+
+    FourBases(dim, degree, points->s, k, phi);
+    if (!WallFlags(points, k, &wall)) {
+      AddMoments(terms, W, phi, m->fluid);
+      continue;
+    }
+    AddMoments(terms, W - W * wall, phi, m->fluid);
     for (PetscInt c = 0; c < dim; c++) {
-      for (PetscInt e = 0; e < dim; e++) {
-        const PetscReal couple = wall[k] ? normal[c][k] * normal[e][k] : (c == e ? 1.0 : 0.0);
+      const Four along = W * wall * *(const Four *)&points->normal[c][k];
 
-        if (couple == 0.0) continue;
-        for (PetscInt t = 0; t < terms; t++) {
-          for (PetscInt q = 0; q < terms; q++)
-            moments[(c * terms + t) * size + e * terms + q] += couple * W[k] * phi[t] * phi[q];
+      for (PetscInt e = 0; e <= c; e++)
+        AddMoments(terms, along * *(const Four *)&points->normal[e][k], phi, m->wall[pair++]);
+    }
+  }
+}
+
+/* Fills the lower triangle of the matrix of all components. */
+static ISPH_INLINE void FillMatrix(PetscInt dim, PetscInt terms, const VectorMoments *m,
+                                   PetscReal matrix[])
+{
+  const PetscInt size = dim * terms;
+  PetscInt       pair = 0;
+
+  for (PetscInt c = 0; c < dim; c++) {
+    for (PetscInt e = 0; e <= c; e++, pair++) {
+      PetscInt entry = 0;
+
+      for (PetscInt t = 0; t < terms; t++) {
+        for (PetscInt q = 0; q <= t; q++, entry++) {
+          PetscReal sum = FourSum(&m->wall[pair][entry]);
+
+          if (c == e) sum += FourSum(&m->fluid[entry]);
+          matrix[(c * terms + t) * size + e * terms + q] = sum;
+          matrix[(c * terms + q) * size + e * terms + t] = sum;
         }
       }
     }
   }
+}
+
+/* Computes the weights of all neighbours for component a from the coefficients of its value. */
+static ISPH_INLINE void SetVectorWeights(PetscInt dim, PetscInt degree, PetscInt a,
+                                         const VectorPoints *points, const PetscReal c[],
+                                         PetscReal *const w[])
+{
+  const PetscInt terms = 1 + MlsTerms(dim, degree);
+
+  for (PetscInt k = 0; k < points->n; k += 4) {
+    Four            phi[POINT_FIT_TERMS], part[ISPH_MAX_DIM], wall, along = {0.0};
+    const PetscBool beside = WallFlags(points, k, &wall);
+
+    FourBases(dim, degree, points->s, k, phi);
+    for (PetscInt b = 0; b < dim; b++) {
+      part[b] = (Four){0.0};
+      for (PetscInt t = 0; t < terms; t++) part[b] += phi[t] * c[b * terms + t];
+      part[b] *= *(const Four *)&points->W[k];
+      if (beside) along += *(const Four *)&points->normal[b][k] * part[b];
+    }
+    for (PetscInt b = 0; b < dim; b++) {
+      if (beside) part[b] += wall * (along * *(const Four *)&points->normal[b][k] - part[b]);
+      *(Four *)&w[a * dim + b][k] = part[b];
+    }
+  }
+}
+
+/* Computes the fit, see VectorFit(). Inlined, so that the compiler knows the number of terms. */
+static ISPH_INLINE PetscBool VectorFitInline(PetscInt dim, PetscInt degree,
+                                             const VectorPoints *points, PetscReal *const w[])
+{
+  const PetscInt terms = 1 + MlsTerms(dim, degree), size = dim * terms;
+  VectorMoments  moments;
+  PetscReal      matrix[ISPH_MAX_DIM * ISPH_MAX_DIM * POINT_FIT_TERMS * POINT_FIT_TERMS];
+
+  SumMoments(dim, degree, points, &moments);
+  FillMatrix(dim, terms, &moments, matrix);
+  if (DenseCholesky(size, matrix)) return PETSC_FALSE;
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscReal c[ISPH_MAX_DIM * POINT_FIT_TERMS] = {0.0};
+
+    c[a * terms] = 1.0;
+    DenseCholeskySolve(size, matrix, c);
+    SetVectorWeights(dim, degree, a, points, c, w);
+  }
+  return PETSC_TRUE;
 }
 
 /*
@@ -167,11 +269,11 @@ static void VectorMoments(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *
   with fluid neighbours k and wall neighbours w, see DivergenceFit_Mls(). Not collective.
 
   Input Parameters:
-+ n       - number of neighbours
-. s       - their offsets (x_k - x)/R, at most 1 in length [-]
-. W       - their weights in the fit [-]
-. wall    - flags of neighbours that give the normal component only
-- normal  - their unit normals
++ n      - number of neighbours, a multiple of 4; those of the weight zero fill it up
+. s      - their offsets (x_k - x)/R, at most 1 in length [-]
+. W      - their weights in the fit [-]
+. wall   - flags of neighbours that give the normal component only
+- normal - their unit normals, zero for fluid
 
   Output Parameter:
 . w - w[a dim + b], n weights each
@@ -180,32 +282,13 @@ static void VectorMoments(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *
 
   Properties: exact for polynomials of the degree.
 */
-PetscBool VectorFit(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const s[],
-                    const PetscReal W[], const PetscBool wall[], PetscReal *const normal[],
-                    PetscReal *const w[])
+ISPH_WIDE PetscBool VectorFit(PetscInt dim, PetscInt degree, PetscInt n, PetscReal *const s[],
+                              const PetscReal W[], const PetscBool wall[],
+                              PetscReal *const normal[], PetscReal *const w[])
 {
-  const PetscInt terms = 1 + MlsTerms(dim, degree), size = dim * terms;
-  PetscReal      moments[ISPH_MAX_DIM * ISPH_MAX_DIM * POINT_FIT_TERMS * POINT_FIT_TERMS];
+  const VectorPoints points = {.n = n, .s = s, .W = W, .wall = wall, .normal = normal};
 
-  for (PetscInt e = 0; e < size * size; e++) moments[e] = 0.0;
-  VectorMoments(dim, degree, n, s, W, wall, normal, moments);
-  if (DenseCholesky(size, moments)) return PETSC_FALSE;
-  for (PetscInt a = 0; a < dim; a++) {
-    PetscReal c[ISPH_MAX_DIM * POINT_FIT_TERMS] = {0.0};
-
-    c[a * terms] = 1.0;
-    DenseCholeskySolve(size, moments, c);
-    for (PetscInt k = 0; k < n; k++) {
-      PetscReal phi[POINT_FIT_TERMS], part[ISPH_MAX_DIM] = {0.0}, along = 0.0;
-
-      PointBasis(dim, degree, s, k, phi);
-      for (PetscInt b = 0; b < dim; b++) {
-        for (PetscInt t = 0; t < terms; t++) part[b] += W[k] * phi[t] * c[b * terms + t];
-        if (wall[k]) along += normal[b][k] * part[b];
-      }
-      for (PetscInt b = 0; b < dim; b++)
-        w[a * dim + b][k] = wall[k] ? along * normal[b][k] : part[b];
-    }
-  }
-  return PETSC_TRUE;
+  if (dim == 2 && degree == 2) return VectorFitInline(2, 2, &points, w);
+  if (dim == 2) return VectorFitInline(2, degree, &points, w);
+  return degree == 2 ? VectorFitInline(3, 2, &points, w) : VectorFitInline(3, degree, &points, w);
 }

@@ -276,8 +276,8 @@ PetscErrorCode FlowRemember(Flow *flow)
 
   Not collective. It is the largest root mean square of C - 1 so far, with the concentration C of
   particles that shifting spreads in a full box. In taylor_green (Re = 100, n = 24 to 64) steps too
-  long for the strain of the flow make it: up to 0.12 the velocity errs by at most 0.6 %, from 0.2 on
-  by 3 % and more.
+  long for the strain of the flow make it: up to 0.12 the velocity errs by at most 0.6 %, and by
+  more than 2.5 % from 0.2 on.
 */
 PetscErrorCode UnevennessRemember(Flow *flow)
 {

@@ -102,6 +102,22 @@ static PetscReal LargestSum(PetscInt dim, const CoupledFit *f)
   return largest;
 }
 
+/* Returns the smallest multiple of 4 that is at least n. */
+static PetscInt Fours(PetscInt n)
+{
+  return 4 * ((n + 3) / 4);
+}
+
+/* Fills the particles of a coupled fit up with the weight zero. */
+static void PadCoupled(PetscInt dim, CoupledFit *f)
+{
+  for (PetscInt k = f->n; k < Fours(f->n); k++) {
+    f->W[k]    = 0.0;
+    f->wall[k] = PETSC_FALSE;
+    for (PetscInt a = 0; a < dim; a++) f->s[a][k] = f->normal[a][k] = 0.0;
+  }
+}
+
 /* Sets the weights of a coupled fit to those of a mean. */
 static void SetCoupledMean(PetscInt dim, CoupledFit *f)
 {
@@ -211,8 +227,9 @@ static PetscErrorCode FitCoupled(Flow *flow, PetscInt i, SplineAround *around, C
         f->normal[a][e] = f->wall[e] ? p->normal[a][f->j[e]] : 0.0;
       }
     }
-    size = VectorFit(dim, degree, f->n, s, f->W, f->wall, normal, w) ? LargestSum(dim, f)
-                                                                     : PETSC_INFINITY;
+    PadCoupled(dim, f);
+    size = VectorFit(dim, degree, Fours(f->n), s, f->W, f->wall, normal, w) ? LargestSum(dim, f)
+                                                                            : PETSC_INFINITY;
     if (!TakesMore(least, wanted, found, size)) break;
   }
   if (size < PETSC_INFINITY) PetscFunctionReturn(PETSC_SUCCESS);
