@@ -108,6 +108,38 @@ static void TryUnity(const CloudBox *box, Fixture *f)
                   !f->splines.bodies && !(PetscAbsReal(sum - volume) < 1e-10 * volume));
 }
 
+/* The preconditioner is the inverse of K + c c^T: the number 1/3, 1/5, 1/7, ... of each spline comes
+   back after a product with the matrix. */
+static void TryInverse(const CloudBox *box, Fixture *f)
+{
+  const Splines *s = &f->splines;
+  SplineInverse *inverse;
+  PetscScalar   *values;
+  Mat            column, A;
+  Vec            x, b;
+
+  if (s->bodies) return;
+  ASSERT_OK(VecDuplicate(s->mass, &x));
+  ASSERT_OK(VecDuplicate(s->mass, &b));
+  ASSERT_OK(VecGetArrayWrite(x, &values));
+  for (PetscInt k = 0; k < s->own.size; k++) values[k] = 1.0 / (2.0 * (s->own.start + k) + 3.0);
+  ASSERT_OK(VecRestoreArrayWrite(x, &values));
+  ASSERT_OK(SplineInverseCreate(s, &inverse));
+  ASSERT_OK(SplineInverseNumber(s, f->cloud.particles, inverse));
+  ASSERT_OK(GaugeColumn(&f->cloud.scene, PETSC_COMM_WORLD, 0, s->own.size, 1.0, &column));
+  ASSERT_OK(SplineInverseColumn(s, column));
+  ASSERT_OK(GaugeMatrix(s->K, column, &A));
+  ASSERT_OK(MatMult(A, x, b));
+  ASSERT_OK(SplineInverseApply(inverse, b, b));
+  ASSERT_OK(VecAXPY(b, -1.0, x));
+  AssertNorm("the inverse of the stiffness", box->name, b, 1e-11);
+  ASSERT_OK(MatDestroy(&A));
+  ASSERT_OK(MatDestroy(&column));
+  ASSERT_OK(SplineInverseDestroy(&inverse));
+  ASSERT_OK(VecDestroy(&x));
+  ASSERT_OK(VecDestroy(&b));
+}
+
 /* Fills a velocity with the linear field g.s of each component, and the walls' with the same. */
 static void SetLinear(Fixture *f, PetscReal g[ISPH_MAX_DIM][ISPH_MAX_DIM])
 {
@@ -376,6 +408,7 @@ static void test_box(void **state)
     CloudAssertNone("cubic splines of quartic fits", box->name,
                     f.splines.pressure.degree != (degree == 4 && box->circle == 0.0 ? 3 : 2));
     TrySpace(box, &f);
+    TryInverse(box, &f);
     TryUnity(box, &f);
     TryLinear(box, &f);
     TryRigid(box, &f);

@@ -171,14 +171,18 @@ PetscErrorCode SolverMatType(const char prefix[], char type[], size_t length)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SolverNames - Returns the types of a KSP and its preconditioner; not collective */
+/* SolverNames - Returns the types of a KSP and its preconditioner, the name of a shell; not
+   collective */
 PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc)
 {
-  PC inner;
+  PetscBool is_shell;
+  PC        inner;
 
   PetscFunctionBegin;
   PetscCall(KSPGetType(ksp, type));
   PetscCall(KSPGetPC(ksp, &inner));
   PetscCall(PCGetType(inner, pc));
+  PetscCall(PetscObjectTypeCompare((PetscObject)inner, PCSHELL, &is_shell));
+  if (is_shell) PetscCall(PCShellGetName(inner, pc));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -11,27 +11,25 @@
 */
 #include "splines.h"
 
-#define LU_MOST       25000      /* unknowns up to which LU is faster than AMG */
-#define LU_SHORT      5000       /* the same for short steps, where its factors take more memory */
-#define LU_SHIFT      1e-8       /* s for LU: changes the solution little [-] */
-#define FISCHER_MODEL 1          /* the residual of the guess is minimal */
-#define FISCHER_SIZE  10         /* earlier solutions */
-#define PC_OPTIONS    "-ppe_pc_" /* beginning of the options of the preconditioner */
+#define LU_SHIFT      1e-8 /* s for LU: changes the solution little [-] */
+#define FISCHER_MODEL 1    /* the residual of the guess is minimal */
+#define FISCHER_SIZE  10   /* earlier solutions */
 
 struct Pressure {
   Guard guard;
   PetscBool
       passing; /* the preconditioner reads its matrix in the set-up only, and nothing shows it */
   Mat A;       /* of operators without matrices; NULL: they have it */
-  Mat preconditioner;   /* its matrix; regular in the set-up, and later unless it is passing */
-  Mat gauge;            /* c; NULL: the pressure is determined */
-  PetscBool direct;     /* the preconditioner is of A itself, for a factorisation */
-  Vec       source;     /* its product with b is the uniform source in b; NULL: unknown */
-  PetscBool guesses;    /* solves begin with a guess from earlier solutions */
-  PetscInt  assemblies; /* stamp of the operators that the KSP has */
-  PetscInt  numbering;  /* stamp of the last set-up */
-  PetscInt  epoch;      /* of the particles at the first solution that the guess may use */
-  PetscInt  its_new;    /* iterations of the first solve after a set-up */
+  Mat preconditioner;        /* its matrix; regular in the set-up, and later unless it is passing */
+  Mat gauge;                 /* c; NULL: the pressure is determined */
+  PetscBool      direct;     /* the preconditioner is of A itself, for a factorisation */
+  SplineInverse *inverse;    /* of the stiffness of splines, as the preconditioner; NULL: another */
+  Vec            source;     /* its product with b is the uniform source in b; NULL: unknown */
+  PetscBool      guesses;    /* solves begin with a guess from earlier solutions */
+  PetscInt       assemblies; /* stamp of the operators that the KSP has */
+  PetscInt       numbering;  /* stamp of the last set-up */
+  PetscInt       epoch;      /* of the particles at the first solution that the guess may use */
+  PetscInt       its_new;    /* iterations of the first solve after a set-up */
 };
 
 /* Creates a matrix with the entries of a shell. */
@@ -59,50 +57,6 @@ static PetscErrorCode FlattenRegular(Mat P, Mat *flat)
   if (is_shell) PetscCall(FlattenShell(A, flat));
   else PetscCall(MatDuplicate(A, MAT_COPY_VALUES, flat));
   PetscCall(MatShift(*flat, GAUGE_SHIFT));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  Chooses LU as the default preconditioner if the matrix stays the same for the whole run
-
-  In the cavity at Re = 1000 with n = 150 fixed particles a solve takes 29 ms with AMG, 12 ms with a
-  guess from earlier solutions, and 8 ms with LU, whose factors take 0.7 s. In 3D LU takes too much
-  memory, and on several ranks PETSc needs another package for it. An option of the preconditioner
-  or of the matrix asks for AMG.
-
-  With explicit convection and fits below degree 4 steps are so short that AMG needs two or three
-  iterations, and LU is not worth its memory. In the same cavity a step and a particle take:
-
-    n = 100, pressure on particles  LU 0.56 us, 3.5 kB   AMG 0.75 us, 1.6 kB
-    n = 300, on coarse points       LU 0.78 us, 2.5 kB   AMG 0.70 us, 1.35 kB
-
-  In the longer steps of implicit convection AMG needs five iterations, and more with degree 4.
-*/
-static PetscErrorCode ChooseDirect(const Flow *flow, Pressure *s)
-{
-  const Scene    *scene = flow->scene;
-  const Splines  *sp    = ((const Projection *)flow->scheme->data)->splines;
-  const PetscBool brief = SceneHas(scene, PHYSICS_CONVECTION) &&
-                                  !flow->state->implicit_convection && flow->ops->forms.degree < 4
-                              ? PETSC_TRUE
-                              : PETSC_FALSE;
-  PetscReal       n     = 1.0; /* may exceed PetscInt */
-  PetscMPIInt     ranks;
-  PetscBool       same;
-  char           *all, *asked;
-
-  PetscFunctionBegin;
-  for (PetscInt a = 0; a < scene->dim; a++) n *= scene->cells[a];
-  if (sp) n = sp->lattice.N;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(PetscStrcmp(s->guard.mat_type, MATSAME, &same));
-  PetscCall(PetscOptionsGetAll(NULL, &all));
-  PetscCall(PetscStrstr(all, PC_OPTIONS, &asked));
-  s->direct = !SceneMoves(scene) && scene->dim == 2 && ranks == 1 &&
-                      n <= (brief ? LU_SHORT : LU_MOST) && same && !asked
-                  ? PETSC_TRUE
-                  : PETSC_FALSE;
-  PetscCall(PetscFree(all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -136,7 +90,7 @@ static PetscErrorCode ChoosePassing(Pressure *s)
   PetscCall(KSPGetPC(s->guard.solve.ksp, &pc));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)s->guard.solve.ksp, &multiplies, KSPFGMRES,
                                       KSPGMRES, KSPCG, KSPBCGS, ""));
-  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &sets_up, PCLU, PCHYPRE, ""));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &sets_up, PCLU, PCHYPRE, PCSHELL, ""));
   PetscCall(PetscStrcmp(s->guard.mat_type, MATSAME, &same));
   s->passing = multiplies && sets_up && same && !KspViewsHaveMatrix(&s->guard.ksp_views)
                    ? PETSC_TRUE
@@ -147,24 +101,35 @@ static PetscErrorCode ChoosePassing(Pressure *s)
 /*
   PressureCreate - Creates the KSP of the pressure equation and adds its solve to the scheme
 
-  Collective on PETSC_COMM_WORLD. Defaults: see ChooseDirect() and ChooseGuess(); otherwise AMG.
+  Collective on PETSC_COMM_WORLD. Defaults: see PressureChoose() and ChooseGuess().
 
   Options Database Keys:
 . -ppe_ksp_type, -ppe_pc_type, ... - PETSc's options, see PoissonSolver()
 */
 PetscErrorCode PressureCreate(Flow *flow, Pressure **ppe)
 {
-  Pressure *s;
+  const Splines *sp = ((const Projection *)flow->scheme->data)->splines;
+  PressureSolver solver;
+  Pressure      *s;
+  PC             pc;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&s));
   s->guard.solve = (LinearSolve){
       .name = "pressure", .label = "ppe solver", .prefix = "ppe_", .column = SOLVE_PRESSURE};
   PetscCall(SolverMatType("ppe_", s->guard.mat_type, sizeof(s->guard.mat_type)));
-  PetscCall(ChooseDirect(flow, s));
-  PetscCall(
-      PoissonSolver(((Projection *)flow->scheme->data)->splines ? NULL : &flow->ops->forms.ppe,
-                    1e-5, s->direct ? PCLU : PCHYPRE, &s->guard));
+  PetscCall(PressureChoose(flow, s->guard.mat_type, &solver));
+  s->direct = solver == PRESSURE_LU ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(PoissonSolver(sp ? NULL : &flow->ops->forms.ppe, 1e-5,
+                          s->direct                   ? PCLU
+                          : solver == PRESSURE_TENSOR ? PCSHELL
+                                                      : PCHYPRE,
+                          &s->guard));
+  if (solver == PRESSURE_TENSOR) {
+    PetscCall(SplineInverseCreate(sp, &s->inverse));
+    PetscCall(KSPGetPC(s->guard.solve.ksp, &pc));
+    PetscCall(SplineInversePC(s->inverse, pc));
+  }
   PetscCall(ChooseGuess(flow, s));
   if (!flow->ops->ppe.needed || !flow->ops->ppe.has_matrices) PetscCall(ChoosePassing(s));
   if (s->passing) s->guard.Flatten = FlattenRegular;
@@ -180,6 +145,7 @@ PetscErrorCode PressureDestroy(Pressure **ppe)
   if (!*ppe) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(GuardDetach(&(*ppe)->guard));
   PetscCall(KSPDestroy(&(*ppe)->guard.solve.ksp));
+  PetscCall(SplineInverseDestroy(&(*ppe)->inverse));
   PetscCall(MatDestroy(&(*ppe)->A));
   PetscCall(MatDestroy(&(*ppe)->preconditioner));
   PetscCall(MatDestroy(&(*ppe)->gauge));
@@ -242,9 +208,10 @@ static PetscErrorCode RenewGuess(Pressure *s)
 }
 
 /* Resets the KSP, and creates the column c for the present numbering. */
-static PetscErrorCode PressureRenumber(const Scene *scene, const PressureMatrices *m, Pressure *s)
+static PetscErrorCode PressureRenumber(const Flow *flow, const PressureMatrices *m, Pressure *s)
 {
-  PetscInt n;
+  const Splines *sp = ((const Projection *)flow->scheme->data)->splines;
+  PetscInt       n;
 
   PetscFunctionBegin;
   PetscCall(KSPReset(s->guard.solve.ksp));
@@ -252,8 +219,12 @@ static PetscErrorCode PressureRenumber(const Scene *scene, const PressureMatrice
   PetscCall(MatDestroy(&s->preconditioner));
   PetscCall(MatDestroy(&s->gauge));
   PetscCall(MatGetLocalSize(m->P, &n, NULL));
-  PetscCall(GaugeColumn(scene, PetscObjectComm((PetscObject)m->P), 0, n, s->direct ? LU_SHIFT : 1.0,
-                        &s->gauge));
+  PetscCall(GaugeColumn(flow->scene, PetscObjectComm((PetscObject)m->P), 0, n,
+                        s->direct ? LU_SHIFT : 1.0, &s->gauge));
+  if (s->inverse) {
+    PetscCall(SplineInverseNumber(sp, flow->particles, s->inverse));
+    PetscCall(SplineInverseColumn(sp, s->gauge));
+  }
   s->numbering = m->numbering;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -380,7 +351,7 @@ static PetscErrorCode PressureUpdateMatrices(Flow *flow, Pressure *s)
   if (s->assemblies == m.assemblies) PetscFunctionReturn(PETSC_SUCCESS);
   if (m.lasting) rebuild = PETSC_FALSE;
   if (s->numbering != m.numbering || (s->guesses && s->epoch != flow->particles->epoch)) {
-    PetscCall(PressureRenumber(flow->scene, &m, s));
+    PetscCall(PressureRenumber(flow, &m, s));
     rebuild = PETSC_TRUE;
   }
   PetscCall(PressureOperator(&m, s, &A));

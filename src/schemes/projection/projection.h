@@ -66,6 +66,11 @@ PetscErrorCode WallGradientCorrect(Flow *flow);
 /* freepressure.c */
 PetscErrorCode FreePressureIncrement(Flow *flow, Vec b);
 
+/* pressuresolver.c */
+typedef enum { PRESSURE_AMG, PRESSURE_LU, PRESSURE_TENSOR } PressureSolver;
+
+PetscErrorCode PressureChoose(const Flow *flow, const char mat_type[], PressureSolver *solver);
+
 /* pressure.c */
 PetscErrorCode PressureCreate(Flow *flow, Pressure **ppe);
 PetscErrorCode PressureDestroy(Pressure **ppe);

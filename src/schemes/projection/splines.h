@@ -331,6 +331,16 @@ PetscErrorCode SplinesFree(Splines *s);
 /* splinematrix.c */
 PetscErrorCode SplinesMatrix(Flow *flow, PetscBool multiplies, Splines *s);
 
+/* splineinverse.c */
+typedef struct SplineInverse SplineInverse;
+
+PetscErrorCode SplineInverseCreate(const Splines *s, SplineInverse **inverse);
+PetscErrorCode SplineInverseDestroy(SplineInverse **inverse);
+PetscErrorCode SplineInverseNumber(const Splines *s, const Particles *p, SplineInverse *inverse);
+PetscErrorCode SplineInverseApply(SplineInverse *inverse, Vec b, Vec x);
+PetscErrorCode SplineInverseColumn(const Splines *s, Mat column);
+PetscErrorCode SplineInversePC(SplineInverse *inverse, PC pc);
+
 /* splinestep.c */
 PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, PetscBool mean,
                           Splines *s);
