@@ -4,23 +4,82 @@
 */
 #include "rows.h"
 
-/* Adds to concentration and gradient the terms of a particle's mirror images, for every combination
-   of mirror planes; X is the position of this particle relative to particle i. */
-static void ConcentrationImages(const KernelRow *kernel, const Stencil *st,
-                                const WallPlane planes[], PetscInt n_planes, const PetscReal X[],
-                                PetscReal volume, PetscReal *concentration, PetscReal gradient[])
+#define GROUP 64 /* particles whose images are treated together */
+
+/* Particles of a group, relative to particle i: itself and fluid neighbours. */
+typedef struct {
+  PetscInt  n;
+  PetscReal X[ISPH_MAX_DIM][GROUP], V[GROUP];
+} Group;
+
+/* Images of a group that are within the support. */
+typedef struct {
+  PetscInt  n;
+  PetscReal Y[ISPH_MAX_DIM][GROUP], V[GROUP], r[GROUP];
+} Images;
+
+/* Computes the images of a group in a combination of mirror planes. No branch depends on a
+   distance. */
+static ISPH_INLINE void MirrorGroup(PetscInt dim, const Stencil *st, const WallPlane planes[],
+                                    PetscInt n_planes, PetscInt set, const Group *group,
+                                    Images *images)
+{
+  images->n = 0;
+  for (PetscInt k = 0; k < group->n; k++) {
+    const PetscReal X[ISPH_MAX_DIM] = {group->X[0][k], group->X[1][k], group->X[2][k]};
+    PetscReal       Y[ISPH_MAX_DIM], r2 = 0.0;
+
+    MirrorImage(dim, n_planes, planes, set, X, Y);
+    for (PetscInt a = 0; a < dim; a++) {
+      images->Y[a][images->n] = Y[a];
+      r2 += PetscSqr(Y[a]);
+    }
+    images->V[images->n] = group->V[k];
+    images->r[images->n] = r2;
+    images->n += (r2 < PetscSqr(st->radius)) & (r2 > 0.0) ? 1 : 0;
+  }
+  for (PetscInt k = 0; k < images->n; k++) images->r[k] = PetscSqrtReal(images->r[k]);
+}
+
+/* Adds to concentration and gradient the terms of the images of a group, for every combination of
+   mirror planes. */
+static void AddImages(const KernelRow *kernel, const Stencil *st, const WallPlane planes[],
+                      PetscInt n_planes, const Group *group, PetscReal *concentration,
+                      PetscReal gradient[])
 {
   for (PetscInt set = 1; set < 1 << n_planes; set++) {
-    PetscReal Y[ISPH_MAX_DIM], r2 = 0.0, r, w[3];
+    PetscReal W[GROUP], dW[GROUP], ddW[GROUP];
+    Images    images;
 
-    MirrorImage(st->dim, n_planes, planes, set, X, Y);
-    for (PetscInt a = 0; a < st->dim; a++) r2 += PetscSqr(Y[a]);
-    if (r2 >= PetscSqr(st->radius) || r2 == 0.0) continue;
-    r = PetscSqrtReal(r2);
-    KernelEvaluate(kernel, st->dim, st->h, r, w);
-    *concentration += volume * w[0];
-    for (PetscInt a = 0; a < st->dim; a++) gradient[a] -= volume * w[1] * Y[a] / r;
+    if (st->dim == 2) MirrorGroup(2, st, planes, n_planes, set, group, &images);
+    else MirrorGroup(3, st, planes, n_planes, set, group, &images);
+    if (!images.n) continue;
+    KernelEvaluateAll(kernel, st->dim, st->h, images.n, images.r, W, dW, ddW);
+    for (PetscInt k = 0; k < images.n; k++) {
+      const PetscReal slope = images.V[k] * dW[k] / images.r[k];
+
+      *concentration += images.V[k] * W[k];
+      for (PetscInt a = 0; a < st->dim; a++) gradient[a] -= slope * images.Y[a][k];
+    }
   }
+}
+
+/* Adds the images of particle i and its fluid neighbours. */
+static void ConcentrationImages(const KernelRow *kernel, const Stencil *st,
+                                const WallPlane planes[], PetscInt n_planes,
+                                PetscReal *concentration, PetscReal gradient[])
+{
+  Group group = {.n = 1, .V = {st->volume}}; /* particle i */
+
+  for (PetscInt k = 0; k < st->n; k++) {
+    for (PetscInt a = 0; a < st->dim; a++) group.X[a][group.n] = st->X[a][k];
+    group.V[group.n] = st->V[k];
+    group.n += st->wall[k] ? 0 : 1;
+    if (group.n < GROUP) continue;
+    AddImages(kernel, st, planes, n_planes, &group, concentration, gradient);
+    group.n = 0;
+  }
+  AddImages(kernel, st, planes, n_planes, &group, concentration, gradient);
 }
 
 /* Sums the terms of particle i and its neighbours, without wall particles if images stand for them.
@@ -110,24 +169,14 @@ void ConcentrationRow(const Scene *scene, const KernelRow *kernel, const Stencil
                       const PetscReal x[], PetscBool mirrored, PetscReal *concentration,
                       PetscReal gradient[])
 {
-  const PetscReal origin[ISPH_MAX_DIM] = {0.0};
-  PetscReal       sum[ISPH_MAX_DIM] = {0.0}, stretched = 1.0;
-  WallPlane       planes[SCENE_MAX_BOUNDARIES];
-  PetscInt        n_planes = 0;
+  PetscReal sum[ISPH_MAX_DIM] = {0.0}, stretched = 1.0;
+  WallPlane planes[SCENE_MAX_BOUNDARIES];
+  PetscInt  n_planes = 0;
 
   SumNeighbors(st, mirrored, concentration, sum);
   if (mirrored && st->n_wall) n_planes = StretchedPlanes(scene, st, x, planes);
   AddSurfacePlane(st, planes, &n_planes);
-  if (n_planes) {
-    ConcentrationImages(kernel, st, planes, n_planes, origin, st->volume, concentration, sum);
-    for (PetscInt k = 0; k < st->n; k++) {
-      PetscReal X[ISPH_MAX_DIM];
-
-      if (st->wall[k]) continue;
-      for (PetscInt a = 0; a < st->dim; a++) X[a] = st->X[a][k];
-      ConcentrationImages(kernel, st, planes, n_planes, X, st->V[k], concentration, sum);
-    }
-  }
+  if (n_planes) ConcentrationImages(kernel, st, planes, n_planes, concentration, sum);
   for (PetscInt a = 0; a < st->dim; a++) stretched *= st->stretch[a];
   *concentration *= stretched;
   for (PetscInt a = 0; a < st->dim; a++) gradient[a] = stretched * st->stretch[a] * sum[a];

@@ -6,11 +6,10 @@
 */
 #include "splinesearch.h"
 
-#define FIT_NEAREST     84  /* most particles with which a fit begins */
 #define FIT_MOST        3   /* times as many if their weights are large */
 #define FIT_LARGEST_SUM 2.5 /* of absolute weights; 1.2 to 1.6 on a lattice */
 
-#define FIT_CAPACITY ((FIT_MOST + 1) * FIT_NEAREST)
+#define FIT_CAPACITY ((FIT_MOST + 1) * SPLINE_NEAREST)
 
 /* Fits of a component at the points of a cell; the arrays are those of PointFits(). */
 typedef struct {
@@ -29,15 +28,6 @@ typedef struct {
   PetscBool wall[ISPH_MAX_DIM * FIT_CAPACITY];
   PetscReal normal[ISPH_MAX_DIM][ISPH_MAX_DIM * FIT_CAPACITY];
 } CoupledFit;
-
-/* Returns the number of particles with which a fit begins: for 6, 10, 15 coefficients in 2D, and
-   10, 20, 35 in 3D. */
-static inline PetscInt LeastParticles(PetscInt dim, PetscInt degree)
-{
-  static const PetscInt least[2][MLS_MAX_DEGREE - 1] = {{14, 22, 34}, {28, 50, FIT_NEAREST}};
-
-  return least[dim - 2][degree - 2];
-}
 
 /* Returns the weight of a particle at the distance r, over the radius. */
 static inline PetscReal FitWeight(PetscReal r)
@@ -158,7 +148,7 @@ static PetscErrorCode FitComponent(Flow *flow, PetscInt c, const PetscBool todo[
 {
   const Particles *p = flow->particles;
   const PetscInt   m = 1 << p->dim, degree = flow->ops->forms.degree,
-                 least = LeastParticles(p->dim, degree);
+                 least = SplineLeast(p->dim, degree);
   PetscReal *s[ISPH_MAX_DIM], reach[POINT_FITS];
   PetscInt   wanted[POINT_FITS], left = 0; /* wanted 0: the fit is done */
   PetscBool  fits[POINT_FITS], found[POINT_FITS];
@@ -201,12 +191,11 @@ static PetscErrorCode FitComponent(Flow *flow, PetscInt c, const PetscBool todo[
 static PetscErrorCode FitCoupled(Flow *flow, PetscInt i, SplineAround *around, CoupledFit *f)
 {
   const Particles *p   = flow->particles;
-  const PetscInt   dim = p->dim, degree = flow->ops->forms.degree,
-                 least = LeastParticles(dim, degree);
-  PetscReal *s[ISPH_MAX_DIM], *normal[ISPH_MAX_DIM], *w[ISPH_MAX_DIM * ISPH_MAX_DIM];
-  PetscReal  reach = 0.0, R = 0.0, size;
-  PetscInt   wanted = least;
-  PetscBool  found;
+  const PetscInt   dim = p->dim, degree = flow->ops->forms.degree, least = SplineLeast(dim, degree);
+  PetscReal       *s[ISPH_MAX_DIM], *normal[ISPH_MAX_DIM], *w[ISPH_MAX_DIM * ISPH_MAX_DIM];
+  PetscReal        reach = 0.0, R = 0.0, size;
+  PetscInt         wanted = least;
+  PetscBool        found;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < dim; a++) {
@@ -324,9 +313,8 @@ static PetscErrorCode BeginFits(const Flow *flow, PetscBool coupled, PetscInt n,
   f->sets    = SceneHas(flow->scene, PHYSICS_WALLS) ? flow->scene->dim : 1;
   f->coupled = coupled;
   if (f->points == n && f->first[0][0]) PetscFunctionReturn(PETSC_SUCCESS);
-  f->points = n;
-  f->capacity =
-      PetscMax(f->capacity, n * LeastParticles(flow->scene->dim, flow->ops->forms.degree));
+  f->points   = n;
+  f->capacity = PetscMax(f->capacity, n * SplineLeast(flow->scene->dim, flow->ops->forms.degree));
   PetscCall(PetscRealloc(sizeof(*f->j) * (size_t)f->capacity, &f->j));
   PetscCall(PetscRealloc(sizeof(*f->w) * (size_t)f->capacity, &f->w));
   for (PetscInt a = 0; a < f->sets; a++) {

@@ -39,8 +39,8 @@ PetscErrorCode SplineFitsReserve(const Particles *p, SplineFits *f)
 }
 
 /* Returns the sum of entries [first, last) times the values of component b. */
-static inline PetscReal Sum(PetscInt dim, const SplineFits *f, PetscInt first, PetscInt last,
-                            PetscInt b)
+static ISPH_INLINE PetscReal Sum(PetscInt dim, const SplineFits *f, PetscInt first, PetscInt last,
+                                 PetscInt b)
 {
   PetscReal sum = 0.0;
 
@@ -59,7 +59,7 @@ PetscBool SplineFitIsSingle(PetscInt dim, const SplineFits *f, PetscInt g)
 
 /* Computes the velocity at point g if all components have the same fit. Two partial sums of each
    hide the latency of additions. */
-static inline void SharedVelocity(PetscInt dim, const SplineFits *f, PetscInt g, PetscReal u[])
+static ISPH_INLINE void SharedVelocity(PetscInt dim, const SplineFits *f, PetscInt g, PetscReal u[])
 {
   const PetscInt   n = f->last[0][0][g] - f->first[0][0][g], *j = f->j + f->first[0][0][g];
   const PetscReal *w = f->w + f->first[0][0][g], *value = f->value;
@@ -81,7 +81,7 @@ static inline void SharedVelocity(PetscInt dim, const SplineFits *f, PetscInt g,
 }
 
 /* Computes the velocity at point g from f->value. */
-static inline void Velocity(PetscInt dim, const SplineFits *f, PetscInt g, PetscReal u[])
+static ISPH_INLINE void Velocity(PetscInt dim, const SplineFits *f, PetscInt g, PetscReal u[])
 {
   for (PetscInt a = 0; a < dim; a++) u[a] = 0.0;
   if (SplineFitIsSingle(dim, f, g)) {
@@ -103,8 +103,9 @@ typedef struct {
 
 /* Adds the gradients of the splines at a point times u to the block, from the polynomials b and
    their derivatives d along each axis. */
-static inline void AddRegular(PetscInt dim, PetscReal b[][SPLINES_ALONG],
-                              PetscReal d[][SPLINES_ALONG], const PetscReal u[], SplineBlockSum to)
+static ISPH_INLINE void AddRegular(PetscInt dim, PetscReal b[][SPLINES_ALONG],
+                                   PetscReal d[][SPLINES_ALONG], const PetscReal u[],
+                                   SplineBlockSum to)
 {
   for (PetscInt m = 0; m < (dim == 3 ? 3 : 1); m++) {
     for (PetscInt j = 0; j < 3; j++) {
@@ -138,8 +139,8 @@ static void AddNode(PetscInt dim, PetscReal integral[3][SPLINES_IN_PLANE],
 
 /* Adds the gradients of the splines at point g times the volume and u to a block. Inlined, so that
    the compiler knows the dimension. */
-static inline void AddPoint(PetscInt dim, const Splines *s, PetscInt g, const PetscReal u[],
-                            SplineBlockSum to)
+static ISPH_INLINE void AddPoint(PetscInt dim, const Splines *s, PetscInt g, const PetscReal u[],
+                                 SplineBlockSum to)
 {
   const SplinePlaces *place = &s->inside_at;
   const PetscInt      node  = s->inside.side[g];
@@ -157,7 +158,7 @@ static inline void AddPoint(PetscInt dim, const Splines *s, PetscInt g, const Pe
 
 /* Adds the integrals of the velocity in f->value to the window. Inlined, so that the compiler knows
    the dimension. */
-static inline void IntegrateInline(PetscInt dim, Splines *s)
+static ISPH_INLINE void IntegrateInline(PetscInt dim, Splines *s)
 {
   const SplineWindow *w  = &s->window;
   SplineBlockSum      to = {.row = w->n[0], .plane = dim == 3 ? w->n[0] * w->n[1] : 0};
@@ -169,6 +170,12 @@ static inline void IntegrateInline(PetscInt dim, Splines *s)
     to.value = w->value + s->inside_at.base[g];
     AddPoint(dim, s, g, u, to);
   }
+}
+
+static ISPH_WIDE void IntegrateWide(Splines *s)
+{
+  if (s->lattice.dim == 2) IntegrateInline(2, s);
+  else IntegrateInline(3, s);
 }
 
 /*
@@ -183,8 +190,7 @@ PetscErrorCode SplinesIntegrate(const Particles *p, Splines *s, Vec d)
   PetscFunctionBegin;
   PetscCall(ParticlesHaloVectors(p, s->fits.value));
   PetscCall(PetscArrayzero(s->window.value, s->window.size));
-  if (p->dim == 2) IntegrateInline(2, s);
-  else IntegrateInline(3, s);
+  IntegrateWide(s);
   PetscCall(SplineWindowSum(&s->window, d));
   PetscCall(VecScale(d, s->scale));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -2,7 +2,7 @@
    which share most of their particles, then the nearest of them for each point. */
 #include "splinesearch.h"
 
-#define FIRST_REACH 0.8  /* of the first search, over the support; mostly enough */
+#define FIRST_SHARE 1.3  /* particles within the first search over those wanted; mostly enough */
 #define LANES       8    /* numbers that a loop treats at once; r2 is padded to a multiple */
 #define SHELL_ABOVE 1.15 /* squared radii of a shell about the last fit's */
 #define SHELL_BELOW 0.8
@@ -31,11 +31,28 @@ static PetscBool IsOblique(const Particles *p, PetscInt j)
   return most < 1.0 - 1e-12 ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Returns the reach of the first search [m]: the support if there are bodies, which may be oblique,
-   see SplineIsNearOblique(). */
+/* SplineLeast - Returns the number of particles with which a fit begins: for 6, 10, 15 coefficients
+   in 2D, and 10, 20, 35 in 3D; not collective */
+PetscInt SplineLeast(PetscInt dim, PetscInt degree)
+{
+  static const PetscInt least[2][MLS_MAX_DEGREE - 1] = {{14, 22, 34}, {28, 50, SPLINE_NEAREST}};
+
+  return least[dim - 2][degree - 2];
+}
+
+/* Returns the reach of the first search [m], which mostly finds enough particles: the radius of a
+   ball that holds FIRST_SHARE times as many as a fit begins with, at most the support. If there are
+   bodies, which may be oblique, it is the support, see SplineIsNearOblique(). */
 static PetscReal FirstReach(const Flow *flow)
 {
-  return flow->ops->forms.radius * (flow->scene->n_bodies ? 1.0 : FIRST_REACH);
+  const OperatorForms *forms = &flow->ops->forms;
+  const PetscInt       dim   = flow->scene->dim;
+  const PetscReal      ball  = dim == 2 ? PETSC_PI : 4.0 / 3.0 * PETSC_PI;
+  const PetscReal      size  = FIRST_SHARE * (PetscReal)SplineLeast(dim, forms->degree) / ball;
+  const PetscReal      share =
+      PetscPowReal(size, 1.0 / dim) / (forms->kernel->support * forms->h_over_dx);
+
+  return forms->radius * (flow->scene->n_bodies ? 1.0 : PetscMin(1.0, share));
 }
 
 /* Lists the particles within reach of the points of a cell. Dummies stand for the nearest point of

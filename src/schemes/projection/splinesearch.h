@@ -4,7 +4,8 @@
 
 #include "splines.h"
 
-#define SPLINE_ALL (-1) /* components of the velocity */
+#define SPLINE_ALL     (-1) /* components of the velocity */
+#define SPLINE_NEAREST 84   /* most particles with which a fit begins */
 
 /* Points of quadrature in a cell, and the particles around them in ascending order. */
 typedef struct {
@@ -22,6 +23,7 @@ typedef struct {
   PetscReal last2; /* squared radius of the last fit [m^2]; 0: none */
 } SplineAround;
 
+PetscInt       SplineLeast(PetscInt dim, PetscInt degree);
 PetscErrorCode SplineAroundCreate(const Flow *flow, SplineAround *around);
 PetscErrorCode SplineAroundFree(SplineAround *around);
 PetscErrorCode SplineAroundSet(const Flow *flow, const Splines *s, PetscInt first,

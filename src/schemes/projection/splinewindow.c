@@ -211,8 +211,9 @@ PetscErrorCode SplineWindowSum(SplineWindow *w, Vec sum)
 
 /* Evaluates the splines at all particles: values, or gradients if `value` is NULL. Inlined, so that
    the compiler knows the dimension and the degree. */
-static inline void EvaluateInline(PetscInt dim, PetscInt degree, const SplineWindow *w,
-                                  const SplinePlaces *at, PetscReal value[], PetscReal gradient[])
+static ISPH_INLINE void EvaluateInline(PetscInt dim, PetscInt degree, const SplineWindow *w,
+                                       const SplinePlaces *at, PetscReal value[],
+                                       PetscReal gradient[])
 {
   const PetscInt m = degree + 1, row = w->n[0], plane = dim == 3 ? row * w->n[1] : 0;
 
@@ -244,10 +245,8 @@ static inline void EvaluateInline(PetscInt dim, PetscInt degree, const SplineWin
   }
 }
 
-static PetscErrorCode Evaluate(Splines *s, Vec p, PetscReal value[], PetscReal gradient[])
+static ISPH_WIDE void EvaluateWide(const Splines *s, PetscReal value[], PetscReal gradient[])
 {
-  PetscFunctionBegin;
-  PetscCall(Collect(&s->window, p));
   if (s->lattice.dim == 2 && s->pressure.degree == 2) {
     EvaluateInline(2, 2, &s->window, &s->at, value, gradient);
   } else if (s->lattice.dim == 2) {
@@ -257,6 +256,13 @@ static PetscErrorCode Evaluate(Splines *s, Vec p, PetscReal value[], PetscReal g
   } else {
     EvaluateInline(3, 3, &s->window, &s->at, value, gradient);
   }
+}
+
+static PetscErrorCode Evaluate(Splines *s, Vec p, PetscReal value[], PetscReal gradient[])
+{
+  PetscFunctionBegin;
+  PetscCall(Collect(&s->window, p));
+  EvaluateWide(s, value, gradient);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
