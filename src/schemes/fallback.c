@@ -82,7 +82,6 @@ PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved)
   const KSP ksp = guard->solve.ksp;
   KSPType   ksp_type;
   PCType    pc_type;
-  PC        pc;
   Mat       A, P, flat = NULL;
   PetscInt  rows;
   PetscBool nested = PETSC_FALSE;
@@ -107,9 +106,7 @@ PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved)
     PetscCall(KSPSolve(guard->level[k], b, x));
     PetscCall(SolveResidual(guard->level[k], b, x, &guard->residual, solved));
     if (!*solved) continue;
-    PetscCall(KSPGetType(ksp, &ksp_type));
-    PetscCall(KSPGetPC(ksp, &pc));
-    PetscCall(PCGetType(pc, &pc_type));
+    PetscCall(SolverNames(ksp, &ksp_type, &pc_type));
     PetscCall(SayLine("%s: the %s solve by %s with %s ended with %s; %s with %s solved it",
                       guard->where, guard->solve.name, ksp_type, pc_type,
                       KSPConvergedReasons[guard->reason], levels[k].ksp, levels[k].pc));

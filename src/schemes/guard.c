@@ -189,9 +189,8 @@ PetscErrorCode GuardCheck(Guard *guard, StepFailure *failure)
   PetscFunctionBegin;
   if (!guard->failed) PetscFunctionReturn(PETSC_SUCCESS);
   guard->failed = PETSC_FALSE;
-  PetscCall(KSPGetType(ksp, &ksp_type));
+  PetscCall(SolverNames(ksp, &ksp_type, &pc_type));
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(PCGetType(pc, &pc_type));
   PetscCall(GuardRemedy(pc, guard, remedy, sizeof(remedy)));
   if (guard->max_in_a_row >= 0 && guard->in_a_row > guard->max_in_a_row) {
     FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
