@@ -54,8 +54,8 @@ static void CombineRows(PetscInt n, PetscInt first, const PetscReal v[], const P
 /*
   Makes a symmetric matrix C tridiagonal by reflections 1 - b v v^T of rows and columns
 
-  Output: d, e - the diagonal and the entries beside it; Z - the product of the reflections Q^T, with
-  T = Q^T C Q. Work: v, w - n numbers each.
+  Output: d, e - the diagonal and the entries beside it of T = Q^T C Q; Z - the product of the
+  reflections Q^T. Work: v, w - n numbers each.
 */
 static void MakeTridiagonal(PetscInt n, PetscReal C[], PetscReal d[], PetscReal e[], PetscReal Z[],
                             PetscReal v[], PetscReal w[])
