@@ -108,8 +108,8 @@ static void TryUnity(const CloudBox *box, Fixture *f)
                   !f->splines.bodies && !(PetscAbsReal(sum - volume) < 1e-10 * volume));
 }
 
-/* The preconditioner is the inverse of K + c c^T: a product with the matrix and then with the inverse
-   gives a vector back. */
+/* The preconditioner is the inverse of K + c c^T: a product with the matrix and then with the
+   inverse gives a vector back. */
 static void TryInverse(const CloudBox *box, Fixture *f)
 {
   const Splines *s = &f->splines;
