@@ -44,7 +44,7 @@ typedef struct {
   PetscReal            wall_slope_share; /* share of full wall gradient in p [-] */
   PetscReal            k;                /* u = u* - k/rho grad phi [s] */
   PetscInt             epoch;            /* of the vectors below */
-  Vec                  phi, b;           /* increment of the pressure [Pa]; its right-hand side */
+  Vec                  phi;              /* increment of the pressure on particles [Pa] */
   PetscLogEvent        event[PROJECTION_EVENTS];
 } Projection;
 
