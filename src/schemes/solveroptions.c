@@ -95,7 +95,8 @@ static const OptionRow options[] = {
         LINEAR("pc_type"),
         .brief    = "preconditioner",
         .standard = "visc by nu dt/dx^2: jacobi below 2, bjacobi below 200, else hypre; ppe hypre, "
-                    "or lu for few fixed particles in 2D on one rank; coupled fieldsplit",
+                    "or for few fixed particles in 2D lu on one rank and gamg on several; coupled "
+                    "fieldsplit",
     },
     {
         LINEAR("pc_factor_levels"),

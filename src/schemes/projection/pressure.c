@@ -13,6 +13,7 @@
 
 #define LU_MOST       25000 /* unknowns up to which LU is faster than AMG */
 #define LU_SHORT      5000  /* the same for short steps, where its factors take more memory */
+#define GAMG_MOST     10000 /* unknowns of a rank up to which messages count */
 #define LU_SHIFT      1e-8  /* s for LU: changes the solution little [-] */
 #define FISCHER_MODEL 1     /* the residual of the guess is minimal */
 #define FISCHER_SIZE  8     /* earlier solutions; ten save 1 % of iterations, two vectors each */
@@ -21,17 +22,18 @@
 struct Pressure {
   Guard guard;
   PetscBool
-      passing; /* the preconditioner reads its matrix in the set-up only, and nothing shows it */
-  Mat A;       /* of operators without matrices; NULL: they have it */
-  Mat preconditioner;   /* its matrix; regular in the set-up, and later unless it is passing */
-  Mat gauge;            /* c; NULL: the pressure is determined */
-  PetscBool direct;     /* the preconditioner is of A itself, for a factorisation */
-  Vec       source;     /* its product with b is the uniform source in b; NULL: unknown */
-  PetscBool guesses;    /* solves begin with a guess from earlier solutions */
-  PetscInt  assemblies; /* stamp of the operators that the KSP has */
-  PetscInt  numbering;  /* stamp of the last set-up */
-  PetscInt  epoch;      /* of the particles at the first solution that the guess may use */
-  PetscInt  its_new;    /* iterations of the first solve after a set-up */
+         passing; /* the preconditioner reads its matrix in the set-up only, and nothing shows it */
+  Mat    A;       /* of operators without matrices; NULL: they have it */
+  Mat    preconditioner; /* its matrix; regular in the set-up, and later unless it is passing */
+  Mat    gauge;          /* c; NULL: the pressure is determined */
+  PCType type;           /* of the preconditioner, by default */
+  PetscBool direct;      /* the preconditioner is of A itself, for a factorisation */
+  Vec       source;      /* its product with b is the uniform source in b; NULL: unknown */
+  PetscBool guesses;     /* solves begin with a guess from earlier solutions */
+  PetscInt  assemblies;  /* stamp of the operators that the KSP has */
+  PetscInt  numbering;   /* stamp of the last set-up */
+  PetscInt  epoch;       /* of the particles at the first solution that the guess may use */
+  PetscInt  its_new;     /* iterations of the first solve after a set-up */
 };
 
 /* Creates a matrix with the entries of a shell. */
@@ -63,12 +65,12 @@ static PetscErrorCode FlattenRegular(Mat P, Mat *flat)
 }
 
 /*
-  Chooses LU as the default preconditioner if the matrix stays the same for the whole run
+  Chooses the default preconditioner: LU if the matrix stays the same for the whole run, on one rank
 
   In the cavity at Re = 1000 with n = 150 fixed particles a solve takes 29 ms with AMG, 12 ms with a
   guess from earlier solutions, and 8 ms with LU, whose factors take 0.7 s. In 3D LU takes too much
   memory, and on several ranks PETSc needs another package for it. An option of the preconditioner
-  or of the matrix asks for AMG.
+  or of the matrix asks for BoomerAMG.
 
   With explicit convection and fits below degree 4 steps are so short that AMG needs two or three
   iterations, and LU is not worth its memory. In the same cavity a step and a particle take:
@@ -77,8 +79,11 @@ static PetscErrorCode FlattenRegular(Mat P, Mat *flat)
     n = 300, on coarse points       LU 0.78 us, 2.5 kB   AMG 0.70 us, 1.35 kB
 
   In the longer steps of implicit convection AMG needs five iterations, and more with degree 4.
+
+  On several ranks with few unknowns messages take as long as arithmetic. PETSc's AMG sends a third
+  of BoomerAMG's at the same arithmetic: its coarse levels are on fewer ranks. It needs more memory.
 */
-static PetscErrorCode ChooseDirect(const Flow *flow, Pressure *s)
+static PetscErrorCode ChoosePreconditioner(const Flow *flow, Pressure *s)
 {
   const Scene    *scene = flow->scene;
   const Splines  *sp    = ((const Projection *)flow->scheme->data)->splines;
@@ -88,7 +93,7 @@ static PetscErrorCode ChooseDirect(const Flow *flow, Pressure *s)
                               : PETSC_FALSE;
   PetscReal       n     = 1.0; /* may exceed PetscInt */
   PetscMPIInt     ranks;
-  PetscBool       same;
+  PetscBool       same, free;
   char           *all, *asked;
 
   PetscFunctionBegin;
@@ -98,10 +103,9 @@ static PetscErrorCode ChooseDirect(const Flow *flow, Pressure *s)
   PetscCall(PetscStrcmp(s->guard.mat_type, MATSAME, &same));
   PetscCall(PetscOptionsGetAll(NULL, &all));
   PetscCall(PetscStrstr(all, PC_OPTIONS, &asked));
-  s->direct = !SceneMoves(scene) && scene->dim == 2 && ranks == 1 &&
-                      n <= (brief ? LU_SHORT : LU_MOST) && same && !asked
-                  ? PETSC_TRUE
-                  : PETSC_FALSE;
+  free      = !SceneMoves(scene) && scene->dim == 2 && same && !asked ? PETSC_TRUE : PETSC_FALSE;
+  s->direct = free && ranks == 1 && n <= (brief ? LU_SHORT : LU_MOST) ? PETSC_TRUE : PETSC_FALSE;
+  s->type   = s->direct ? PCLU : free && ranks > 1 && n <= ranks * GAMG_MOST ? PCGAMG : PCHYPRE;
   PetscCall(PetscFree(all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -147,7 +151,7 @@ static PetscErrorCode ChoosePassing(Pressure *s)
 /*
   PressureCreate - Creates the KSP of the pressure equation and adds its solve to the scheme
 
-  Collective on PETSC_COMM_WORLD. Defaults: see ChooseDirect() and ChooseGuess(); otherwise AMG.
+  Collective on PETSC_COMM_WORLD. Defaults: see ChoosePreconditioner() and ChooseGuess().
 
   Options Database Keys:
 . -ppe_ksp_type, -ppe_pc_type, ... - PETSc's options, see PoissonSolver()
@@ -161,10 +165,10 @@ PetscErrorCode PressureCreate(Flow *flow, Pressure **ppe)
   s->guard.solve = (LinearSolve){
       .name = "pressure", .label = "ppe solver", .prefix = "ppe_", .column = SOLVE_PRESSURE};
   PetscCall(SolverMatType("ppe_", s->guard.mat_type, sizeof(s->guard.mat_type)));
-  PetscCall(ChooseDirect(flow, s));
+  PetscCall(ChoosePreconditioner(flow, s));
   PetscCall(
       PoissonSolver(((Projection *)flow->scheme->data)->splines ? NULL : &flow->ops->forms.ppe,
-                    1e-5, s->direct ? PCLU : PCHYPRE, &s->guard));
+                    1e-5, s->type, &s->guard));
   PetscCall(ChooseGuess(flow, s));
   if (!flow->ops->ppe.needed || !flow->ops->ppe.has_matrices) PetscCall(ChoosePassing(s));
   if (s->passing) s->guard.Flatten = FlattenRegular;
@@ -375,6 +379,7 @@ static PetscErrorCode RenewPreconditioner(const Scene *scene, Mat A, const Press
   PetscCall(PassToHypre(m, s));
   PetscCall(KSPSetReusePreconditioner(ksp, PETSC_FALSE));
   PetscCall(KSPSetOperators(ksp, A, s->preconditioner));
+  PetscCall(SolverSetUpGamg(ksp));
   PetscCall(PressureSource(s));
   if (s->passing) PetscCall(PassMatrix(A, diagonal, m, s));
   PetscCall(VecDestroy(&diagonal));
