@@ -90,8 +90,8 @@ static void test_products(void **state)
   }
 }
 
-/* On a lattice rows repeat, and their products are those of rows that are all stored; on disordered
-   particles none repeats. */
+/* On a lattice rows repeat, also beside walls, and their products are those of rows that are all
+   stored; on disordered particles none repeats. */
 static void test_repeats(void **state)
 {
   (void)state;
@@ -99,7 +99,7 @@ static void test_repeats(void **state)
     CloudBox              box = boxes[b / 2];
     Cloud                 all, cloud;
     const AffineOperator *op[2][ISPH_MAX_DIM + 2];
-    PetscInt              n = 0, count[2];
+    PetscInt              n = 0, count[4];
     PetscMPIInt           ranks;
 
     box.jitter = b % 2 ? 0.2 : 0.0;
@@ -124,9 +124,13 @@ static void test_repeats(void **state)
     }
     count[0] = cloud.ops->rows.n_weights;
     count[1] = cloud.ops->rows.fluid.row[cloud.particles->n_fluid];
-    ASSERT_OK(MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
+    count[2] = cloud.ops->rows.n_apart;
+    count[3] = all.ops->rows.n_apart;
+    ASSERT_OK(MPI_Allreduce(MPI_IN_PLACE, count, 4, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
     CloudAssertNone("stored weights", box.name,
                     b % 2 ? count[0] != count[1] : count[0] >= count[1]);
+    CloudAssertNone("weights beside walls", box.name,
+                    b % 2 ? count[2] != count[3] : count[3] && count[2] >= count[3]);
     ASSERT_OK(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
     CloudAssertNone("runs of rows", box.name,
                     b % 2 ? cloud.ops->rows.n_runs : ranks == 1 && !cloud.ops->rows.n_runs);

@@ -65,6 +65,7 @@ PetscErrorCode OptionDefault(const char prefix[], const char name[], const char 
 PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[]);
 PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, PCType type, Guard *guard);
 PetscErrorCode SolverRenewPC(KSP ksp);
+PetscErrorCode SolverSetUpGamg(KSP ksp);
 PetscErrorCode SolverMatType(const char prefix[], char type[], size_t length);
 PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc);
 

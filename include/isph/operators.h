@@ -262,9 +262,16 @@ PetscErrorCode WallValuesStepPressure(const Scene *scene, const Particles *parti
                                       WallValues *walls);
 PetscErrorCode WallValuesFree(WallValues *walls);
 
+/* Gradients of the velocity at own fluid particles first, ..., first + count - 1. */
+typedef struct {
+  PetscInt   first, count;
+  PetscReal *gradient;   /* du_c/dx_a of particle first + i at [(i dim + c) dim + a] [1/s] */
+  PetscReal *difference; /* of two fits, at [i] [1/s] */
+} GradientComparison;
+
 PetscErrorCode OperatorsCompareGradients(const Scene *scene, const Particles *particles,
                                          const Neighbors *neighbors, Operators *ops,
-                                         PetscReal gradient[], PetscReal difference[]);
+                                         const GradientComparison *of);
 PetscErrorCode OperatorsStrainRate(const Operators *ops, const Particles *particles, const Vec u[],
                                    const Vec walls[], PetscReal g[]);
 PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *particles,

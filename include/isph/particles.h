@@ -248,6 +248,8 @@ typedef struct {
   PetscInt  *row, *col;
   PetscInt   row_capacity, col_capacity;
   PetscReal *x_built[ISPH_MAX_DIM]; /* own positions when rows with a margin were built [m] */
+  PetscReal *reach2;       /* in the order of the cells' list: squares of radius + margin [m^2];
+                              NULL except during a search */
   PetscInt   epoch, moved; /* stamps of the particles when the rows were built; 0: no rows */
   PetscInt   builds;       /* number of row constructions, a measure of cost */
   Cells      cells;
@@ -258,5 +260,8 @@ PetscErrorCode NeighborsDestroy(Neighbors **neighbors);
 PetscErrorCode NeighborsRelease(Neighbors *neighbors);
 PetscErrorCode NeighborsUpdate(const Particles *particles, PetscReal step_length,
                                Neighbors *neighbors);
+PetscErrorCode NeighborsSearch(const Particles *particles, Neighbors *neighbors);
+PetscErrorCode NeighborsFindRows(const Particles *particles, PetscInt first, PetscInt count,
+                                 Neighbors *neighbors);
 
 #endif

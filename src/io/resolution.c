@@ -12,6 +12,7 @@
 #define SPREADING (1.0 / 3.0) /* time in which viscosity spreads errors [(U/G)^2/nu] */
 #define AT_REST   1e-6        /* a velocity below this is no flow [U] */
 #define UNIFORM   1e-6        /* gradients below this are rounding [velocity/L] */
+#define SLAB      512         /* particles whose gradients are kept at once */
 #define RESOLVED  0.05        /* largest estimated error of a resolved flow [-] */
 
 /* Sums over all fluid particles, weighted by volume, for a single MPI reduction. */
@@ -86,6 +87,37 @@ static PetscErrorCode FindPlace(const Flow *flow, PetscInt i, PetscReal differen
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The particle with the largest difference of gradients. */
+typedef struct {
+  PetscInt  i;
+  PetscReal difference; /* [1/s] */
+} Worst;
+
+/* Adds the terms of the own particles to the sums, and finds the worst particle. Only the gradients
+   of a slab, and the rows of neighbours of fixed particles in it, are kept at once: those of all
+   particles would be the peak of the run's memory. */
+static PetscErrorCode AddParticles(const Flow *flow, Sums *sums, Worst *worst)
+{
+  const Particles   *p       = flow->particles;
+  const PetscInt     entries = p->dim * p->dim;
+  GradientComparison of      = {.first = 0};
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(SLAB * entries, &of.gradient, SLAB, &of.difference));
+  for (; of.first < p->n_fluid; of.first += SLAB) {
+    of.count = PetscMin(SLAB, p->n_fluid - of.first);
+    PetscCall(NeighborsFindRows(p, of.first, of.count, flow->neighbors));
+    PetscCall(OperatorsCompareGradients(flow->scene, p, flow->neighbors, flow->ops, &of));
+    for (PetscInt k = 0; k < of.count; k++) {
+      AddParticle(flow, of.first + k, &of.gradient[k * entries], of.difference[k], sums);
+      if (of.difference[k] <= worst->difference) continue;
+      *worst = (Worst){of.first + k, of.difference[k]};
+    }
+  }
+  PetscCall(PetscFree2(of.gradient, of.difference));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Computes the relative error of the velocity from the sums, see ResolutionEstimate(). */
 static PetscReal ErrorOf(const Flow *flow, const Sums *sums)
 {
@@ -116,29 +148,22 @@ static PetscReal ErrorOf(const Flow *flow, const Sums *sums)
 */
 PetscErrorCode ResolutionEstimate(const Flow *flow, Resolution *resolution)
 {
-  const Particles *p    = flow->particles;
-  Sums             sums = {.u2 = 0.0};
-  PetscReal       *gradient, *difference, largest = -1.0;
-  PetscInt         worst = -1;
+  const Particles *p     = flow->particles;
+  Sums             sums  = {.u2 = 0.0};
+  Worst            worst = {-1, -1.0};
 
   PetscFunctionBegin;
-  /* fixed particles keep no lists of neighbours */
-  PetscCall(NeighborsUpdate(p, 0.0, flow->neighbors));
-  PetscCall(PetscMalloc2(p->n_fluid * p->dim * p->dim, &gradient, p->n_fluid, &difference));
-  PetscCall(
-      OperatorsCompareGradients(flow->scene, p, flow->neighbors, flow->ops, gradient, difference));
+  /* fixed particles keep no rows of neighbours; stencils beside free surfaces read several rows */
+  if (SceneMoves(flow->scene) || flow->ops->free)
+    PetscCall(NeighborsUpdate(p, 0.0, flow->neighbors));
+  else PetscCall(NeighborsSearch(p, flow->neighbors));
+  for (PetscInt c = 0; c < p->dim; c++) PetscCall(ParticlesHaloField(p, p->u[c]));
+  PetscCall(AddParticles(flow, &sums, &worst));
   if (!SceneMoves(flow->scene)) PetscCall(NeighborsRelease(flow->neighbors));
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    AddParticle(flow, i, &gradient[i * p->dim * p->dim], difference[i], &sums);
-    if (difference[i] <= largest) continue;
-    largest = difference[i];
-    worst   = i;
-  }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sums, (PetscMPIInt)(sizeof(sums) / sizeof(PetscReal)),
                              MPIU_REAL, MPIU_SUM, p->comm));
   resolution->error = ErrorOf(flow, &sums);
-  PetscCall(FindPlace(flow, worst, largest, resolution->x));
-  PetscCall(PetscFree2(gradient, difference));
+  PetscCall(FindPlace(flow, worst.i, worst.difference, resolution->x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

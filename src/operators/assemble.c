@@ -33,6 +33,7 @@ static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, Pets
   }
   for (PetscInt k = 0; k < n; k++) cols[k] = p->row[local[k]];
   ops->work->simple = PatternRow(fluid, st->i, cols, local, n, place) && !st->n_wall;
+  ops->work->single = fluid->row[st->i + 1] - fluid->row[st->i] == n ? PETSC_TRUE : PETSC_FALSE;
   *diagonal         = place[own] - fluid->row[st->i];
   for (PetscInt k = 0, q = 0; k < st->n; k++) {
     if (st->wall[k]) continue;
@@ -47,6 +48,8 @@ static void PlaceRow(const Particles *p, const Stencil *st, Operators *ops, Pets
     cols[n++] = p->row[st->j[k]];
   }
   (void)PatternRow(&ops->rows.walls, st->i, cols, local, n, place);
+  if (ops->rows.walls.row[st->i + 1] - ops->rows.walls.row[st->i] != n)
+    ops->work->single = PETSC_FALSE;
   n = 0;
   for (PetscInt k = 0; k < st->n; k++) {
     if (st->wall[k]) ops->work->slot[k] = place[n++] - ops->rows.walls.row[st->i];
@@ -136,6 +139,12 @@ static PetscBool IsShared(const Stencil *st, const OperatorRows *rows)
   return !st->n_wall || walls[1] - walls[0] == st->n_wall ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/* Returns true if row i repeats an earlier one. */
+static inline PetscBool Repeats(const Operators *ops, PetscInt i)
+{
+  return ops->work->like && ops->work->like[i] < i ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /* Finds the place of the present row in operators that share rows. */
 static PetscErrorCode PlaceApart(const Stencil *st, Operators *ops)
 {
@@ -145,8 +154,10 @@ static PetscErrorCode PlaceApart(const Stencil *st, Operators *ops)
 
   PetscFunctionBegin;
   ops->work->shared  = IsShared(st, rows);
-  rows->apart[st->i] = ops->work->shared ? -1 : rows->n_apart;
-  if (ops->work->shared) PetscFunctionReturn(PETSC_SUCCESS);
+  rows->apart[st->i] = ops->work->shared     ? -1
+                       : Repeats(ops, st->i) ? rows->apart[ops->work->like[st->i]]
+                                             : rows->n_apart;
+  if (ops->work->shared || Repeats(ops, st->i)) PetscFunctionReturn(PETSC_SUCCESS);
   if (end > rows->apart_capacity) {
     rows->apart_capacity = end + end / 2;
     OperatorsList(ops, all);
@@ -158,24 +169,35 @@ static PetscErrorCode PlaceApart(const Stencil *st, Operators *ops)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns true if row i repeats an earlier one. */
-static inline PetscBool Repeats(const Operators *ops, PetscInt i)
+/* Copies the weights of row i over walls from the equal row: they are stored in all rows. */
+static PetscErrorCode CopyWalls(PetscInt i, Operators *ops)
 {
-  return ops->work->like && ops->work->like[i] < i ? PETSC_TRUE : PETSC_FALSE;
+  const PetscInt *row = ops->rows.walls.row, from = row ? row[ops->work->like[i]] : 0;
+  const PetscInt  n = row ? row[i + 1] - row[i] : 0;
+  AffineOperator *needed[OPERATORS_COUNT];
+  const PetscInt  count = n ? NeededOperators(ops, needed) : 0;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < count; k++)
+    PetscCall(PetscArraycpy(needed[k]->b + row[i], needed[k]->b + from, n));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Finds the place of the weights of row i, if rows repeat. */
-static void PlaceWeights(PetscInt i, Operators *ops)
+static PetscErrorCode PlaceWeights(PetscInt i, Operators *ops)
 {
   OperatorRows *rows = &ops->rows;
 
-  if (!ops->work->like) return;
+  PetscFunctionBegin;
+  if (!ops->work->like) PetscFunctionReturn(PETSC_SUCCESS);
   if (Repeats(ops, i)) {
     rows->first[i] = rows->first[ops->work->like[i]];
-    return;
+    PetscCall(CopyWalls(i, ops));
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
   rows->first[i] = rows->n_weights;
   rows->n_weights += rows->fluid.row[i + 1] - rows->fluid.row[i];
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Makes room in the workspace for the longest row. */
@@ -249,9 +271,9 @@ static PetscErrorCode ChooseWeights(const Scene *scene, const Particles *p, cons
 
     PetscCall(GatherStencil(scene, p, nb, ops, i, st));
     PlaceRow(p, st, ops, &diagonal);
-    ops->work->like[i] = ops->work->simple;
+    ops->work->like[i] = ops->work->single;
   }
-  PetscCall(FindRepeats(scene, p, &rows->fluid, ops->work->like));
+  PetscCall(FindRepeats(scene, p, rows, ops->work->like));
   PetscCall(FindRuns(ops->work->like, rows));
   rows->n_weights = *capacity = 0;
   for (PetscInt i = 0; i < p->n_fluid; i++)
@@ -354,7 +376,7 @@ static PetscErrorCode AssembleBatch(const Scene *scene, const Particles *p, cons
     PetscInt diagonal;
 
     PlaceRow(p, batch[l], ops, &diagonal);
-    PlaceWeights(first + l, ops);
+    PetscCall(PlaceWeights(first + l, ops));
     PetscCall(PlaceApart(batch[l], ops));
     if (!Repeats(ops, first + l)) PetscCall(AssembleRow(scene, p, batch[l], diagonal, ops));
     if (ops->needs & NEED_CONCENTRATION) AssembleConcentration(scene, p, batch[l], first + l, ops);

@@ -11,6 +11,7 @@ struct Assembly {
   MlsBatch  *fits;             /* of several particles at once */
   PetscBool  has_fits;         /* an operator has the rows of fits of the chosen degree */
   PetscBool  fits_walls;       /* rows beside walls are made from fits too */
+  PetscBool  single;           /* each column is that of a single neighbour */
   PetscBool  simple;           /* no wall neighbours; slots in the order of neighbours */
   PetscBool  shared;           /* operators that share rows do not store the present one */
   PetscInt  *like;             /* of each row: an equal earlier one, or itself; NULL: not sought */
@@ -34,7 +35,7 @@ static inline PetscBool StoresRow(const Operators *ops, const AffineOperator *op
   return AffineShares(op) && ops->work->shared ? PETSC_FALSE : PETSC_TRUE;
 }
 
-PetscErrorCode FindRepeats(const Scene *scene, const Particles *particles, const Pattern *rows,
+PetscErrorCode FindRepeats(const Scene *scene, const Particles *particles, const OperatorRows *rows,
                            PetscInt like[]);
 PetscErrorCode FindRuns(const PetscInt like[], OperatorRows *rows);
 PetscErrorCode GatherStencil(const Scene *scene, const Particles *particles,

@@ -105,19 +105,18 @@ static PetscErrorCode CompareBatch(const Scene *scene, const Particles *p, const
 
     d_i = |grad_3 u - grad_2 u|
 
-  Collective on the particles' communicator. |.| is Frobenius' norm. Both fits have the neighbours
-  of the operators, with the equations of boundaries on the surface.
+  Not collective. |.| is Frobenius' norm. Both fits have the neighbours of the operators, with the
+  equations of boundaries on the surface.
 
-  Output Parameters:
-+ gradient   - du_c/dx_a of own fluid particle i at [(i dim + c) dim + a] [1/s]
-- difference - d_i; the norm of the whole gradient if the points do not determine the cubic fit, and
-               the gradient is then the quadratic fit's [1/s]
+  Input/Output Parameter:
+. of - in: the range of particles; out: gradient and d_i, which is the norm of the whole gradient if
+       the points do not determine the cubic fit; the gradient is then the quadratic fit's
 
-  Notes: needs the lists of neighbours of the present positions. The halo of the velocity is filled.
+  Note: needs the rows of neighbours of these particles, and the velocity in the halo.
 */
 PetscErrorCode OperatorsCompareGradients(const Scene *scene, const Particles *p,
-                                         const Neighbors *nb, Operators *ops, PetscReal gradient[],
-                                         PetscReal difference[])
+                                         const Neighbors *nb, Operators *ops,
+                                         const GradientComparison *of)
 {
   Stencil *const *batch      = ops->work->batch;
   const PetscBool fits_walls = batch[0]->fits_walls;
@@ -125,16 +124,15 @@ PetscErrorCode OperatorsCompareGradients(const Scene *scene, const Particles *p,
   PetscReal      *storage, *g[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
-  for (PetscInt c = 0; c < p->dim; c++) PetscCall(ParticlesHaloField(p, p->u[c]));
-  for (PetscInt i = 0; i < p->n_fluid; i++)
+  for (PetscInt i = of->first; i < of->first + of->count; i++)
     longest = PetscMax(longest, nb->row[i + 1] - nb->row[i]);
   PetscCall(PetscMalloc1(longest * p->dim, &storage));
   for (PetscInt a = 0; a < p->dim; a++) g[a] = storage + longest * a;
   for (PetscInt l = 0; l < MLS_BATCH; l++) batch[l]->fits_walls = PETSC_TRUE;
-  for (PetscInt i = 0; i < p->n_fluid; i += MLS_BATCH) {
-    PetscCall(CompareBatch(scene, p, nb, ops, fits_walls ? PETSC_FALSE : PETSC_TRUE, i,
-                           PetscMin(MLS_BATCH, p->n_fluid - i), g, gradient + i * p->dim * p->dim,
-                           difference + i));
+  for (PetscInt i = 0; i < of->count; i += MLS_BATCH) {
+    PetscCall(CompareBatch(scene, p, nb, ops, fits_walls ? PETSC_FALSE : PETSC_TRUE, of->first + i,
+                           PetscMin(MLS_BATCH, of->count - i), g,
+                           of->gradient + i * p->dim * p->dim, of->difference + i));
   }
   for (PetscInt l = 0; l < MLS_BATCH; l++) batch[l]->fits_walls = fits_walls;
   PetscCall(PetscFree(storage));

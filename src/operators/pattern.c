@@ -16,7 +16,8 @@ PetscErrorCode PatternBegin(Pattern *pattern, PetscBool has_columns, PetscInt ro
 {
   PetscFunctionBegin;
   if (rows > pattern->n || !pattern->row || entries > pattern->capacity) {
-    const PetscInt capacity = PetscMax(pattern->capacity, entries + entries / 8 + 16);
+    const PetscInt more     = pattern->row ? entries / 8 + 16 : 0; /* fixed particles come once */
+    const PetscInt capacity = PetscMax(pattern->capacity, entries + more);
 
     PetscCall(PatternFree(pattern));
     PetscCall(PetscMalloc1(rows + 1, &pattern->row));

@@ -1,32 +1,43 @@
 /*
-  Rows that repeat, and runs of them. Particles on a lattice, away from walls, have neighbours at
-  the same offsets, so their rows have the same weights to rounding, and are stored once. Rows are
-  compared by all that they depend on: offsets, volumes and the order of columns.
+  Rows that repeat, and runs of them. Particles on a lattice have neighbours at the same offsets, in
+  the same places before a plane wall, so their rows have the same weights to rounding, and are
+  stored once. Rows are compared by all that they depend on: offsets, volumes, the order of columns,
+  and the boundaries of wall neighbours.
 */
 #include "assembly.h"
 
 #define STEPS    1024.0 /* of offsets for the search, in a spacing */
-#define SAME     1e-12  /* relative difference of equal sizes */
+#define SAME     1e-12  /* relative difference of equal sizes; difference of equal normals */
 #define ROUNDING 64.0   /* of places, in units of the last digit */
 
 /* A table of different rows: equal rows begin their search at the same place. */
 typedef struct {
-  const Scene     *scene;
-  const Particles *p;
-  const Pattern   *rows;
-  PetscReal        tolerance; /* of offsets [m] */
-  PetscInt         size, *of; /* a power of 2; row at each place, -1: none */
+  const Scene        *scene;
+  const Particles    *p;
+  const OperatorRows *rows;
+  PetscReal           tolerance; /* of offsets [m] */
+  PetscInt            size, *of; /* a power of 2; row at each place, -1: none */
 } RepeatTable;
+
+/* Lists the fluid or wall neighbours of row i by local indices; returns their number. */
+static inline PetscInt ListOf(const Pattern *pattern, PetscInt i, const PetscInt **local)
+{
+  *local = NULL;
+  if (!pattern->row) return 0; /* no walls */
+  *local = &pattern->local[pattern->row[i]];
+  return pattern->row[i + 1] - pattern->row[i];
+}
 
 /* Returns the place in the table at which the search for a row begins. */
 static PetscInt PlaceOf(const RepeatTable *t, PetscInt i)
 {
   const PetscReal steps = STEPS / t->scene->dx;
-  PetscInt64      hash  = 0;
+  const PetscInt *local, n = ListOf(&t->rows->fluid, i, &local);
+  PetscInt64      hash = 0;
 
-  for (PetscInt s = t->rows->row[i]; s < t->rows->row[i + 1]; s++) {
+  for (PetscInt k = 0; k < n; k++) {
     for (PetscInt a = 0; a < t->p->dim; a++) {
-      const PetscReal offset = t->p->x[a][t->rows->local[s]] - t->p->x[a][i];
+      const PetscReal offset = t->p->x[a][local[k]] - t->p->x[a][i];
 
       hash = (hash * 31 + (PetscInt64)PetscFloorReal(steps * offset + 0.5)) % ((PetscInt64)1 << 48);
     }
@@ -39,21 +50,28 @@ static inline PetscBool AreEqual(PetscReal a, PetscReal b)
   return PetscAbsReal(a - b) <= SAME * PetscAbsReal(a) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Returns true if rows i and c have equal weights. */
-static PetscBool AreAlike(const RepeatTable *t, PetscInt i, PetscInt c)
+/* Returns true if wall particles j and e belong to the same boundary and have equal depths and
+   normals. */
+static PetscBool AreSameWall(const Particles *p, PetscInt j, PetscInt e)
 {
-  const Particles *p   = t->p;
-  const PetscInt   n   = t->rows->row[i + 1] - t->rows->row[i];
-  const PetscInt *of_i = &t->rows->local[t->rows->row[i]], *of_c = &t->rows->local[t->rows->row[c]];
-
-  if (t->rows->row[c + 1] - t->rows->row[c] != n || !AreEqual(p->dx[i], p->dx[c]))
-    return PETSC_FALSE;
+  if (p->side[j] != p->side[e] || !AreEqual(p->depth[j], p->depth[e])) return PETSC_FALSE;
   for (PetscInt a = 0; a < p->dim; a++)
-    if (!AreEqual(ParticlesStretch(p, a, i), ParticlesStretch(p, a, c))) return PETSC_FALSE;
+    if (PetscAbsReal(p->normal[a][j] - p->normal[a][e]) > SAME) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
+/* Returns true if rows i and c have the same neighbours of a pattern. */
+static PetscBool HaveSame(const RepeatTable *t, const Pattern *pattern, PetscInt i, PetscInt c)
+{
+  const Particles *p = t->p;
+  const PetscInt  *of_i, *of_c, n = ListOf(pattern, i, &of_i);
+
+  if (ListOf(pattern, c, &of_c) != n) return PETSC_FALSE;
   for (PetscInt k = 0; k < n; k++) {
     const PetscInt j = of_i[k], e = of_c[k];
 
     if (!AreEqual(p->volume[j], p->volume[e])) return PETSC_FALSE;
+    if (pattern == &t->rows->walls && !AreSameWall(p, j, e)) return PETSC_FALSE;
     for (PetscInt a = 0; a < p->dim; a++) {
       const PetscReal difference = (p->x[a][j] - p->x[a][i]) - (p->x[a][e] - p->x[a][c]);
 
@@ -63,13 +81,25 @@ static PetscBool AreAlike(const RepeatTable *t, PetscInt i, PetscInt c)
   return PETSC_TRUE;
 }
 
+/* Returns true if rows i and c have equal weights. */
+static PetscBool AreAlike(const RepeatTable *t, PetscInt i, PetscInt c)
+{
+  const Particles *p = t->p;
+
+  if (!AreEqual(p->dx[i], p->dx[c])) return PETSC_FALSE;
+  for (PetscInt a = 0; a < p->dim; a++)
+    if (!AreEqual(ParticlesStretch(p, a, i), ParticlesStretch(p, a, c))) return PETSC_FALSE;
+  return HaveSame(t, &t->rows->fluid, i, c) && HaveSame(t, &t->rows->walls, i, c) ? PETSC_TRUE
+                                                                                  : PETSC_FALSE;
+}
+
 /*
   FindRepeats - Finds an earlier equal row of each row
 
-  Not collective. Input: rows - the pattern. Input/Output: like - true for rows without walls whose
-  columns are those of their neighbours; out: an earlier equal row, or the row itself.
+  Not collective. Input: rows - the patterns. Input/Output: like - true for rows each of whose
+  columns is that of a single neighbour; out: an earlier equal row, or the row itself.
 */
-PetscErrorCode FindRepeats(const Scene *scene, const Particles *p, const Pattern *rows,
+PetscErrorCode FindRepeats(const Scene *scene, const Particles *p, const OperatorRows *rows,
                            PetscInt like[])
 {
   RepeatTable t       = {.scene = scene, .p = p, .rows = rows, .size = 64};
@@ -79,11 +109,11 @@ PetscErrorCode FindRepeats(const Scene *scene, const Particles *p, const Pattern
   for (PetscInt a = 0; a < scene->dim; a++)
     largest = PetscMax(largest, PetscMax(PetscAbsReal(scene->lo[a]), PetscAbsReal(scene->hi[a])));
   t.tolerance = ROUNDING * PETSC_MACHINE_EPSILON * largest;
-  while (t.size < 2 * rows->n) t.size *= 2;
+  while (t.size < 2 * rows->fluid.n) t.size *= 2;
   PetscCall(PetscMalloc1(t.size, &t.of));
   for (PetscInt k = 0; k < t.size; k++) t.of[k] = -1;
-  for (PetscInt i = 0; i < rows->n; i++) {
-    const PetscBool comparable = like[i] && rows->row[i + 1] - rows->row[i] > 1;
+  for (PetscInt i = 0; i < rows->fluid.n; i++) {
+    const PetscBool comparable = like[i] && rows->fluid.row[i + 1] - rows->fluid.row[i] > 1;
     PetscInt        at;
 
     like[i] = i;
@@ -97,19 +127,22 @@ PetscErrorCode FindRepeats(const Scene *scene, const Particles *p, const Pattern
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns true if row i repeats the row before it, and its columns are the next particles. */
-static PetscBool ContinuesRun(const Pattern *rows, const PetscInt like[], PetscInt i)
+/* Returns true if row i has no walls, repeats the row before it, and its columns are the next
+   particles. */
+static PetscBool ContinuesRun(const OperatorRows *rows, const PetscInt like[], PetscInt i)
 {
-  const PetscInt *of_i = &rows->local[rows->row[i]], *before = &rows->local[rows->row[i - 1]];
+  const PetscInt *of_i, *before, *walls, n = ListOf(&rows->fluid, i, &of_i);
 
-  if (like[i] != like[i - 1]) return PETSC_FALSE;
-  for (PetscInt k = 0; k < rows->row[i + 1] - rows->row[i]; k++)
+  if (like[i] != like[i - 1] || ListOf(&rows->walls, i, &walls)) return PETSC_FALSE;
+  (void)ListOf(&rows->fluid, i - 1, &before);
+  for (PetscInt k = 0; k < n; k++)
     if (of_i[k] != before[k] + 1) return PETSC_FALSE;
   return PETSC_TRUE;
 }
 
 /*
-  FindRuns - Lists runs of equal rows whose columns follow each other, as along a line of a lattice
+  FindRuns - Lists runs of equal rows without walls whose columns follow each other, as along a line
+  of a lattice
 
   Not collective. Input: like - of FindRepeats(). Output: rows->run - first row and number of rows
   of each run.
@@ -121,7 +154,7 @@ PetscErrorCode FindRuns(const PetscInt like[], OperatorRows *rows)
   PetscFunctionBegin;
   rows->n_runs = 0;
   for (PetscInt i = 0, end; i < n; i = end) {
-    for (end = i + 1; end < n && ContinuesRun(&rows->fluid, like, end);) end++;
+    for (end = i + 1; end < n && ContinuesRun(rows, like, end);) end++;
     if (end - i < RUN_LANES) continue;
     if (rows->n_runs == rows->runs_capacity) {
       rows->runs_capacity = 2 * rows->runs_capacity + 64;

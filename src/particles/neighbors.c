@@ -55,6 +55,7 @@ PetscErrorCode NeighborsRelease(Neighbors *nb)
   PetscFunctionBegin;
   PetscCall(PetscFree(nb->row));
   PetscCall(PetscFree(nb->col));
+  PetscCall(PetscFree(nb->reach2));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) PetscCall(PetscFree(nb->x_built[a]));
   PetscCall(CellsFree(&nb->cells));
   nb->row_capacity = nb->col_capacity = nb->epoch = 0;
@@ -117,13 +118,18 @@ static inline PetscInt ScanRun(const Cells *cells, const PetscReal reach2[], Pet
   return n;
 }
 
+/* Returns the square of radius and margin of local particle i, docs/theory.md, (120) [m^2]. */
+static inline PetscReal Reach2(const Particles *p, const Neighbors *nb, PetscInt i)
+{
+  return PetscSqr(nb->radius * (ParticlesLargestEdge(p, i) / nb->spacing) + nb->margin);
+}
+
 /* Appends row i. Cells along the first axis are contiguous in the list and scanned together. */
-static PetscErrorCode BuildRow(const Particles *p, const PetscReal reach2[], PetscInt i,
-                               PetscReal own2, Neighbors *nb)
+static PetscErrorCode BuildRow(const Particles *p, PetscInt i, Neighbors *nb)
 {
   const Cells *cells               = &nb->cells;
   PetscInt     first[ISPH_MAX_DIM] = {0}, last[ISPH_MAX_DIM] = {0}, n = nb->row[i];
-  PetscReal    x[ISPH_MAX_DIM];
+  PetscReal    x[ISPH_MAX_DIM], own2 = Reach2(p, nb, i);
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < p->dim; a++) {
@@ -140,7 +146,7 @@ static PetscErrorCode BuildRow(const Particles *p, const PetscReal reach2[], Pet
       const PetscInt begin = cells->start[cell + first[0]], end = cells->start[cell + last[0] + 1];
 
       PetscCall(ReserveColumns(n + end - begin + 1, nb));
-      n += ScanRun(cells, reach2, begin, end, x, own2, i, &nb->col[n]);
+      n += ScanRun(cells, nb->reach2, begin, end, x, own2, i, &nb->col[n]);
     }
   }
   PetscCall(SortIndices(n - nb->row[i], &nb->col[nb->row[i]]));
@@ -148,28 +154,28 @@ static PetscErrorCode BuildRow(const Particles *p, const PetscReal reach2[], Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the square of radius and margin of local particle i, docs/theory.md, (120) [m^2]. */
-static inline PetscReal Reach2(const Particles *p, const Neighbors *nb, PetscInt i)
+/* Sorts particles into cells and makes room for the beginnings of all rows. */
+static PetscErrorCode BeginSearch(const Particles *p, Neighbors *nb)
 {
-  return PetscSqr(nb->radius * (ParticlesLargestEdge(p, i) / nb->spacing) + nb->margin);
+  PetscFunctionBegin;
+  PetscCall(CellsBuild(p, nb->radius + nb->margin, &nb->cells));
+  PetscCall(ReserveRows(p->n_fluid, nb));
+  PetscCall(PetscFree(nb->reach2));
+  PetscCall(PetscMalloc1(nb->cells.n, &nb->reach2));
+  for (PetscInt k = 0; k < nb->cells.n; k++) nb->reach2[k] = Reach2(p, nb, nb->cells.list[k]);
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Builds all rows for present positions. */
 static PetscErrorCode BuildRows(const Particles *p, PetscReal step_length, Neighbors *nb)
 {
-  PetscReal reach, *reach2; /* squares of radius + margin, in the order of the cells' list [m^2] */
-
   PetscFunctionBegin;
   nb->margin = PetscMin(MARGIN_LARGEST * nb->radius, 2.0 * MARGIN_STEPS * step_length);
   if (step_length > STEP_TOO_LONG * nb->radius) nb->margin = 0.0;
-  reach = nb->radius + nb->margin;
-  PetscCall(CellsBuild(p, reach, &nb->cells));
-  PetscCall(ReserveRows(p->n_fluid, nb));
-  PetscCall(PetscMalloc1(nb->cells.n, &reach2));
-  for (PetscInt k = 0; k < nb->cells.n; k++) reach2[k] = Reach2(p, nb, nb->cells.list[k]);
+  PetscCall(BeginSearch(p, nb));
   nb->row[0] = 0;
-  for (PetscInt i = 0; i < p->n_fluid; i++) PetscCall(BuildRow(p, reach2, i, Reach2(p, nb, i), nb));
-  PetscCall(PetscFree(reach2));
+  for (PetscInt i = 0; i < p->n_fluid; i++) PetscCall(BuildRow(p, i, nb));
+  PetscCall(PetscFree(nb->reach2));
   if (nb->margin > 0.0) PetscCall(KeepPositions(p, nb));
   nb->epoch = p->epoch;
   nb->moved = p->moved;
@@ -215,5 +221,36 @@ PetscErrorCode NeighborsUpdate(const Particles *particles, PetscReal step_length
     }
   }
   PetscCall(BuildRows(p, step_length, nb));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  NeighborsSearch - Prepares NeighborsFindRows(), which needs much less memory than all rows at once
+
+  Not collective. Does nothing if the rows of the present positions are there; otherwise previous
+  rows are lost. NeighborsRelease() ends the search.
+*/
+PetscErrorCode NeighborsSearch(const Particles *p, Neighbors *nb)
+{
+  PetscFunctionBegin;
+  if (nb->epoch == p->epoch && nb->moved == p->moved) PetscFunctionReturn(PETSC_SUCCESS);
+  nb->epoch  = 0;
+  nb->margin = 0.0;
+  PetscCall(BeginSearch(p, nb));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  NeighborsFindRows - Makes the rows of own fluid particles first, ..., first + count - 1 available;
+  a search loses other rows
+
+  Not collective. To be called after NeighborsSearch().
+*/
+PetscErrorCode NeighborsFindRows(const Particles *p, PetscInt first, PetscInt count, Neighbors *nb)
+{
+  PetscFunctionBegin;
+  if (!nb->reach2) PetscFunctionReturn(PETSC_SUCCESS);
+  nb->row[first] = 0;
+  for (PetscInt i = first; i < first + count; i++) PetscCall(BuildRow(p, i, nb));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -60,6 +60,16 @@ PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sets limits of PETSc's AMG by which its coarse levels are on fewer ranks, unless they are given:
+   they send a third less messages. */
+static PetscErrorCode GamgDefaults(const char prefix[])
+{
+  PetscFunctionBegin;
+  PetscCall(OptionDefault(prefix, "-pc_gamg_process_eq_limit", "2000"));
+  PetscCall(OptionDefault(prefix, "-pc_gamg_coarse_eq_limit", "200"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   PoissonSolver - Creates the KSP of a Poisson equation, with the options of the guard's prefix, and
   attaches the guard
@@ -68,20 +78,23 @@ PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[])
 
   Input Parameters:
 + rtol - default tolerance
-- type - default preconditioner; PCHYPRE: BoomerAMG with the parameters of AmgDefaults()
+- type - default preconditioner; PCHYPRE: BoomerAMG with the parameters of AmgDefaults(); PCGAMG:
+         with GamgDefaults()
 
   Input/Output Parameter:
 . guard - in: name and prefix; out: attached to solve.ksp, which the caller destroys
 */
 PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, PCType type, Guard *guard)
 {
-  PetscBool amg;
+  PetscBool amg, gamg;
   KSP       ksp;
   PC        pc;
 
   PetscFunctionBegin;
   PetscCall(PetscStrcmp(type, PCHYPRE, &amg));
   if (amg) PetscCall(AmgDefaults(guard->solve.prefix, "1"));
+  PetscCall(PetscStrcmp(type, PCGAMG, &gamg));
+  if (gamg) PetscCall(GamgDefaults(guard->solve.prefix));
   PetscCall(KSPCreate(PETSC_COMM_WORLD, &ksp));
   PetscCall(KSPSetOptionsPrefix(ksp, guard->solve.prefix));
   PetscCall(KSPSetType(ksp, form && LaplacianIs(form, FORM_SYMMETRIC) ? KSPCG : KSPFGMRES));
@@ -122,6 +135,30 @@ PetscErrorCode SolverRenewPC(KSP ksp)
   PetscCall(PCSetUseAmat(fresh, PETSC_FALSE));
   PetscCall(KSPSetPC(ksp, fresh));
   PetscCall(PCDestroy(&fresh));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SolverSetUpGamg - Sets up PETSc's AMG so that sums have the same order in every run
+
+  Collective. Does nothing for other preconditioners. The default algorithm for the coarse matrices
+  P^T A P adds the parts of other ranks in the order in which they arrive (PETSc 3.18), and runs on
+  four ranks differed in their last digits.
+*/
+PetscErrorCode SolverSetUpGamg(KSP ksp)
+{
+  const char *const algorithm = "-matptap_via";
+  PetscBool         gamg, given;
+  PC                pc;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCGAMG, &gamg));
+  if (!gamg) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscOptionsHasName(NULL, NULL, algorithm, &given));
+  if (!given) PetscCall(PetscOptionsSetValue(NULL, algorithm, "allatonce"));
+  PetscCall(KSPSetUp(ksp));
+  if (!given) PetscCall(PetscOptionsClearValue(NULL, algorithm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -93,11 +93,11 @@ static const OptionRow options[] = {
     },
     {
         LINEAR("pc_type"),
-        .brief = "preconditioner",
-        .standard =
-            "visc by nu dt/dx^2: jacobi below 2, bjacobi below 200, else hypre; ppe hypre, "
-            "lu for few fixed particles in 2D on one rank, on coarse points without bodies tensor, "
-            "which is no value of the option; coupled fieldsplit",
+        .brief    = "preconditioner",
+        .standard = "visc by nu dt/dx^2: jacobi below 2, bjacobi below 200, else hypre; ppe hypre, "
+                    "on coarse points without bodies tensor, which is no value of the option, for "
+                    "few fixed particles in 2D lu on one rank and gamg on several; coupled "
+                    "fieldsplit",
     },
     {
         LINEAR("pc_factor_levels"),

@@ -9,7 +9,7 @@
   alpha is -ppe_alpha, C the concentration, k the length of the viscous step, and B the wall
   part of A. See docs/theory.md, (89) and (121).
 */
-static PetscErrorCode SetSource(Flow *flow)
+static PetscErrorCode SetSource(Flow *flow, Vec source)
 {
   const Scene       *scene = flow->scene;
   const Operators   *ops   = flow->ops;
@@ -23,22 +23,22 @@ static PetscErrorCode SetSource(Flow *flow)
   PetscCall(FlowDivergence(flow, s->u_next, s->divergence));
   PetscCall(VecGetArrayRead(ops->ppe_scale, &scale));
   PetscCall(VecGetArrayRead(s->divergence, &divergence));
-  PetscCall(VecGetArray(pr->b, &b));
+  PetscCall(VecGetArrayWrite(source, &b));
   for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
     b[i] = scale[i] * scene->rho / pr->k * (1.0 - pr->alpha) * divergence[i];
   for (PetscInt i = 0; pr->alpha > 0.0 && i < flow->particles->n_fluid; i++)
     b[i] += scale[i] * scene->rho / pr->k * pr->alpha * (1.0 - ops->concentration.value[i]) /
             flow->clock->dt;
-  PetscCall(VecRestoreArray(pr->b, &b));
+  PetscCall(VecRestoreArrayWrite(source, &b));
   PetscCall(VecRestoreArrayRead(s->divergence, &divergence));
   PetscCall(VecRestoreArrayRead(ops->ppe_scale, &scale));
   if (flow->walls.p_step) {
     PetscCall(FlowGetWork(flow, &work));
     PetscCall(AffineApplyWalls(&ops->ppe, flow->walls.p_step, work));
-    PetscCall(VecAXPY(pr->b, -1.0, work));
+    PetscCall(VecAXPY(source, -1.0, work));
     PetscCall(FlowRestoreWork(flow, &work));
   }
-  PetscCall(FreePressureIncrement(flow, pr->b));
+  PetscCall(FreePressureIncrement(flow, source));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -147,17 +147,15 @@ static PetscErrorCode UpdatePressure(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates the vectors of the pressure equation for the present numbering. */
+/* Creates the increment of the pressure on particles for the present numbering. */
 static PetscErrorCode RenumberProjection(Flow *flow)
 {
   Projection *pr = (Projection *)flow->scheme->data;
 
   PetscFunctionBegin;
-  if (pr->epoch == flow->particles->epoch) PetscFunctionReturn(PETSC_SUCCESS);
+  if (pr->splines || pr->epoch == flow->particles->epoch) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VecDestroy(&pr->phi));
-  PetscCall(VecDestroy(&pr->b));
   PetscCall(FluidVec(flow->particles, NULL, &pr->phi));
-  PetscCall(FluidVec(flow->particles, NULL, &pr->b));
   pr->epoch = flow->particles->epoch;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -167,6 +165,7 @@ static PetscErrorCode RenumberProjection(Flow *flow)
 PetscErrorCode ProjectVelocity(Flow *flow)
 {
   Projection *pr = (Projection *)flow->scheme->data;
+  Vec         b;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(pr->event[EVENT_PRESSURE], 0, 0, 0, 0));
@@ -178,8 +177,10 @@ PetscErrorCode ProjectVelocity(Flow *flow)
     PetscCall(PetscLogEventEnd(pr->event[EVENT_PRESSURE], 0, 0, 0, 0));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(SetSource(flow));
-  PetscCall(PressureSolve(flow, pr->b, pr->phi, pr->ppe));
+  PetscCall(FlowGetWork(flow, &b));
+  PetscCall(SetSource(flow, b));
+  PetscCall(PressureSolve(flow, b, pr->phi, pr->ppe));
+  PetscCall(FlowRestoreWork(flow, &b));
   PetscCall(PetscLogEventEnd(pr->event[EVENT_PRESSURE], 0, 0, 0, 0));
   if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(pr->event[EVENT_CORRECT], 0, 0, 0, 0));

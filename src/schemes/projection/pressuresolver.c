@@ -6,8 +6,15 @@
 
 #define LU_MOST     25000      /* unknowns up to which LU is faster than AMG */
 #define LU_SHORT    5000       /* the same for short steps, where its factors take more memory */
+#define GAMG_MOST   10000      /* unknowns of a rank up to which messages count */
 #define TENSOR_MOST 1500       /* splines along all axes together */
 #define PC_OPTIONS  "-ppe_pc_" /* beginning of the options of the preconditioner */
+
+/* Returns true if the matrix of a flow in 2D stays the same for the whole run. */
+static PetscBool IsFlatAndFixed(const Scene *scene)
+{
+  return !SceneMoves(scene) && scene->dim == 2 ? PETSC_TRUE : PETSC_FALSE;
+}
 
 /*
   Returns true for LU, if the matrix stays the same for the whole run
@@ -24,19 +31,27 @@
 
   In the longer steps of implicit convection AMG needs five iterations, and more with degree 4.
 */
-static PetscBool TakesLU(const Flow *flow, PetscMPIInt ranks)
+static PetscBool TakesLU(const Flow *flow, PetscMPIInt ranks, PetscReal n)
 {
   const Scene    *scene = flow->scene;
-  const Splines  *sp    = ((const Projection *)flow->scheme->data)->splines;
   const PetscBool brief = SceneHas(scene, PHYSICS_CONVECTION) &&
                                   !flow->state->implicit_convection && flow->ops->forms.degree < 4
                               ? PETSC_TRUE
                               : PETSC_FALSE;
-  PetscReal       n     = 1.0; /* may exceed PetscInt */
 
-  for (PetscInt a = 0; a < scene->dim; a++) n *= scene->cells[a];
-  if (sp) n = sp->lattice.N;
-  return !SceneMoves(scene) && scene->dim == 2 && ranks == 1 && n <= (brief ? LU_SHORT : LU_MOST)
+  return IsFlatAndFixed(scene) && ranks == 1 && n <= (brief ? LU_SHORT : LU_MOST) ? PETSC_TRUE
+                                                                                  : PETSC_FALSE;
+}
+
+/*
+  Returns true for PETSc's AMG
+
+  On several ranks with few unknowns messages take as long as arithmetic. PETSc's AMG sends a third
+  of BoomerAMG's at the same arithmetic: its coarse levels are on fewer ranks. It needs more memory.
+*/
+static PetscBool TakesGAMG(const Flow *flow, PetscMPIInt ranks, PetscReal n)
+{
+  return IsFlatAndFixed(flow->scene) && ranks > 1 && n <= (PetscReal)ranks * GAMG_MOST
              ? PETSC_TRUE
              : PETSC_FALSE;
 }
@@ -71,6 +86,7 @@ static PetscBool TakesTensor(const Splines *sp)
 PetscErrorCode PressureChoose(const Flow *flow, const char mat_type[], PressureSolver *solver)
 {
   const Splines *sp = ((const Projection *)flow->scheme->data)->splines;
+  PetscReal      n  = 1.0; /* unknowns, which may exceed PetscInt */
   PetscMPIInt    ranks;
   PetscBool      same;
   char          *all, *asked;
@@ -80,10 +96,13 @@ PetscErrorCode PressureChoose(const Flow *flow, const char mat_type[], PressureS
   PetscCall(PetscStrcmp(mat_type, MATSAME, &same));
   PetscCall(PetscOptionsGetAll(NULL, &all));
   PetscCall(PetscStrstr(all, PC_OPTIONS, &asked));
+  for (PetscInt a = 0; a < flow->scene->dim; a++) n *= flow->scene->cells[a];
+  if (sp) n = sp->lattice.N;
   *solver = PRESSURE_AMG;
   if (same && !asked) {
-    if (TakesLU(flow, ranks)) *solver = PRESSURE_LU;
+    if (TakesLU(flow, ranks, n)) *solver = PRESSURE_LU;
     else if (TakesTensor(sp)) *solver = PRESSURE_TENSOR;
+    else if (TakesGAMG(flow, ranks, n)) *solver = PRESSURE_GAMG;
   }
   PetscCall(PetscFree(all));
   PetscFunctionReturn(PETSC_SUCCESS);

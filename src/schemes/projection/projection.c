@@ -122,7 +122,6 @@ static PetscErrorCode ProjectionDestroy(Flow *flow)
   PetscCall(PressureDestroy(&pr->ppe));
   PetscCall(SplinesDestroy(&pr->splines));
   PetscCall(VecDestroy(&pr->phi));
-  PetscCall(VecDestroy(&pr->b));
   PetscCall(PetscFree(flow->scheme->data));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

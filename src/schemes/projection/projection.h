@@ -44,7 +44,7 @@ typedef struct {
   PetscReal            wall_slope_share; /* share of full wall gradient in p [-] */
   PetscReal            k;                /* u = u* - k/rho grad phi [s] */
   PetscInt             epoch;            /* of the vectors below */
-  Vec                  phi, b;           /* increment of the pressure [Pa]; its right-hand side */
+  Vec                  phi;              /* increment of the pressure on particles [Pa] */
   PetscLogEvent        event[PROJECTION_EVENTS];
 } Projection;
 
@@ -67,7 +67,7 @@ PetscErrorCode WallGradientCorrect(Flow *flow);
 PetscErrorCode FreePressureIncrement(Flow *flow, Vec b);
 
 /* pressuresolver.c */
-typedef enum { PRESSURE_AMG, PRESSURE_LU, PRESSURE_TENSOR } PressureSolver;
+typedef enum { PRESSURE_AMG, PRESSURE_GAMG, PRESSURE_LU, PRESSURE_TENSOR } PressureSolver;
 
 PetscErrorCode PressureChoose(const Flow *flow, const char mat_type[], PressureSolver *solver);
 

@@ -66,11 +66,16 @@ static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, 
 /* Adds `scale` times the convective term of velocity component c, whose values are u, to f. */
 static PetscErrorCode AddConvection(Viscosity *v, PetscInt c, PetscReal scale, Vec u, Vec f)
 {
+  Vec work, term;
+
   PetscFunctionBegin;
   if (!v->advecting) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(
-      ConvectionApply(v->flow, v->advecting, c, u, v->flow->walls.u[c], v->work, v->gradient));
-  PetscCall(VecAXPY(f, scale, v->gradient));
+  PetscCall(FlowGetWork(v->flow, &work));
+  PetscCall(FlowGetWork(v->flow, &term));
+  PetscCall(ConvectionApply(v->flow, v->advecting, c, u, v->flow->walls.u[c], work, term));
+  PetscCall(VecAXPY(f, scale, term));
+  PetscCall(FlowRestoreWork(v->flow, &term));
+  PetscCall(FlowRestoreWork(v->flow, &work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -145,6 +150,7 @@ PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal
   Component            *part = (Component *)ctx;
   Viscosity            *v    = part->visc;
   const AffineOperator *visc = Viscous(v, part->c);
+  Vec                   work;
 
   PetscFunctionBegin;
   if (J != P) {
@@ -156,8 +162,11 @@ PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal
   else if (shift == v->shift && visc == v->of_J)
     PetscFunctionReturn(PETSC_SUCCESS); /* keeps the preconditioner */
   PetscCall(AffineSystemSet(visc, shift, -v->flow->scene->nu, P));
-  if (v->convection)
-    PetscCall(ConvectionAddMatrix(v->flow, v->advecting, part->c, v->convection, v->work, P));
+  if (v->convection) {
+    PetscCall(FlowGetWork(v->flow, &work));
+    PetscCall(ConvectionAddMatrix(v->flow, v->advecting, part->c, v->convection, work, P));
+    PetscCall(FlowRestoreWork(v->flow, &work));
+  }
   v->shift = shift;
   v->of_J  = visc;
   PetscFunctionReturn(PETSC_SUCCESS);

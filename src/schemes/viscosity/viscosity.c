@@ -231,8 +231,6 @@ static PetscErrorCode ViscosityFree(Viscosity *v)
 {
   PetscFunctionBegin;
   PetscCall(VecDestroy(&v->boundary));
-  PetscCall(VecDestroy(&v->gradient));
-  PetscCall(VecDestroy(&v->work));
   PetscCall(VecDestroy(&v->all));
   PetscCall(VecDestroy(&v->all_force));
   PetscCall(VecDestroy(&v->all_walls));
@@ -267,8 +265,6 @@ static PetscErrorCode ViscosityRenumber(Viscosity *v)
   if (v->epoch == p->epoch) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ViscosityFree(v));
   for (PetscInt c = 0; c < v->systems; c++) PetscCall(TSReset(v->ts[c]));
-  PetscCall(FluidVec(p, NULL, &v->gradient));
-  PetscCall(FluidVec(p, NULL, &v->work));
   v->epoch = p->epoch;
   if (v->systems > 1) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VelocityVec(p, &v->boundary));
