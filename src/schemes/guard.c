@@ -135,14 +135,14 @@ static PetscErrorCode GuardRemedy(PC pc, const Guard *guard, char remedy[], size
 {
   const char *best = guard->best;
   const KSP   ksp  = guard->solve.ksp;
-  PetscBool   cg, is_best, amg;
+  PetscBool   cg, is_best, robust;
   PetscReal   rtol;
 
   PetscFunctionBegin;
   PetscCall(KSPGetTolerances(ksp, &rtol, NULL, NULL, NULL));
   PetscCall(PetscObjectTypeCompare((PetscObject)ksp, KSPCG, &cg));
   PetscCall(PetscObjectTypeCompare((PetscObject)ksp, best, &is_best));
-  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCHYPRE, &amg));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &robust, PCHYPRE, PCSHELL, ""));
   if (PetscIsInfOrNanReal(guard->residual)) {
     PetscCall(
         PetscSNPrintf(remedy, length, "the flow is no longer finite: try a smaller -dt or -cfl"));
@@ -157,7 +157,7 @@ static PetscErrorCode GuardRemedy(PC pc, const Guard *guard, char remedy[], size
     PetscCall(PetscSNPrintf(remedy, length,
                             "the tolerance given is too loose: use a smaller -%sksp_rtol",
                             guard->solve.prefix));
-  } else if (!is_best || !amg) {
+  } else if (!is_best || !robust) {
     PetscCall(PetscSNPrintf(remedy, length, "try -%sksp_type %s -%spc_type hypre",
                             guard->solve.prefix, best, guard->solve.prefix));
   } else {
