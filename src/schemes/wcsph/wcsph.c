@@ -36,6 +36,8 @@ static PetscErrorCode WcsphSetUp(Flow *flow)
   flow->scheme->Divergence  = Compression;
   flow->scheme->bound.sound = WCSPH_SOUND * w->c0;
   w->lattice                = WcsphLatticeSum(flow);
+  if (!w->implicit)
+    w->follows = LaplacianFollowsSlopes(&flow->ops->forms.visc, flow->ops->forms.correction->bit);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -225,7 +227,7 @@ static PetscErrorCode WcsphStep(Flow *flow)
 
     dt <= 0.125 h/(delta c0),   dt <= 0.5 h/(alpha c0 + 2 beta U)
 
-  With the circles of Gershgorin the sums of DensityDiffusion() and ArtificialViscosity() for the
+  With the circles of Gershgorin the sums of PairsSum() and ArtificialViscosity() for the
   kernel Wendland C2 have no eigenvalue above 14 delta c0/h and 3.5 (alpha c0 + beta |m|)/h. These
   steps keep the product of step and eigenvalue below 2, which all Runge-Kutta methods allow.
   Particles at the distance h approach with |m| = 2 U at most.
