@@ -45,8 +45,8 @@ void ComposedNeed(const Scene *scene, Operators *ops)
   ComposedRefuse - Refuses a form whose stress is continued beyond walls, if its grid modes stay
 
   Collective. On fixed particles a third of the modes decay slower than all modes of the flow, and
-  beside walls some grow: docs/theory.md, (285). A pressure drives them, and so does the error of the
-  force on disordered particles. In channels on lattices the flow has no part in them.
+  beside walls some grow: docs/theory.md, (285). A pressure drives them, and so does the error of
+  the force on disordered particles. In channels on lattices the flow has no part in them.
 */
 PetscErrorCode ComposedRefuse(const Scene *scene, const LaplacianForm *visc)
 {
