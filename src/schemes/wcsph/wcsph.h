@@ -103,6 +103,7 @@ struct Wcsph {
   PetscReal                        e_rest;   /* internal energy at rest [J/kg] */
   PetscReal                        courant;  /* of sound [-] */
   PetscReal                        lattice;  /* WcsphLatticeSum() [-] */
+  PetscReal                        volume;   /* of the fluid at the start, if it stays [m^dim] */
   PetscReal                        diffusion;
   PetscReal                        artificial[2]; /* alpha, beta [-] */
 
