@@ -166,7 +166,8 @@ a spacing. Velocities that alternate from row to row have no slope in its first 
 force; rows of particles dissolve in it first.
 """
 OWN_READING = """**Below 1 %?** From t* = 1 to 30 `-scheme projection` stays below 0.3 % at Re = 1 to 1000 (three seeds at Re = 1 and 100), and ends
-below 0.007 %. At Re = 10,000 its error is 0.16 % at t* = 1, grows to 0.22 % at t* = 11 and stays there to t* = 30 (one seed).
+below 0.007 %. At Re = 10,000 its error is 0.16 % at t* = 1, grows to 0.22 % at t* = 11 and stays there to t* = 30 (one
+seed; a second had 0.16 % at t* = 1.1 and 0.06 % at t* = 2.6, where it was ended).
 Before the velocity filter damped disturbances across a shear ([theory, (255)](../theory.md#eq-255)), waves of four spacings made it
 1.0 % from t* = 8 on. At Re = 0.1 its error is 1.6 % near t* = 2, because a step of CFL number 0.5 is t* =
 1.2 long; in steps of t* = 0.05 it is 0.15 %. At t* = 0.01 every scheme errs by 2 to 6 %, because the layers beside the walls are

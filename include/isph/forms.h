@@ -89,6 +89,7 @@ typedef struct {
   unsigned    correction; /* CorrectionBit of the present row, for forms that couple components */
   PetscReal   own[ISPH_MAX_DIM * ISPH_MAX_DIM]; /* weight of u_i itself, see LaplacianRow */
   PetscReal  *slope[ISPH_MAX_DIM]; /* of KernelGradients(), kept by StencilGradients() [1/m] */
+  PetscReal  *radial;              /* -V_k W'/r of the same volumes, without correction [1/m^2] */
   unsigned    sloped;              /* CorrectionBit of slope, or SLOPE_NONE */
   PetscReal  *normal_strain[ISPH_MAX_DIM]; /* row of 2 n.E n of a particle on it [1/m] */
 
@@ -189,6 +190,7 @@ PetscReal      ComposedTrace(const ComposedForm *form, PetscInt dim);
 PetscReal      LaplacianDilatation(const LaplacianForm *form, PetscInt dim);
 PetscErrorCode LaplacianWeights(const LaplacianForm *form, Stencil *stencil, PetscReal w[]);
 void           LaplacianGradient(const LaplacianForm *form, Stencil *stencil, PetscReal *c[]);
+PetscBool      LaplacianFollowsSlopes(const LaplacianForm *form, unsigned correction);
 
 /*
   Gradients and divergences. Row() computes the weights g[a][k] of f_k - f_i in df/dx_a.

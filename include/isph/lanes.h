@@ -36,4 +36,21 @@ static ISPH_INLINE PetscReal LanesSum(PetscInt n, const PetscReal a[], const Pet
   return LanesTotal(lane);
 }
 
+/* Vector of four numbers, one of each of four points or neighbours. Unaligned, as PETSc allocates
+   memory. */
+typedef PetscReal Four
+    __attribute__((vector_size(4 * sizeof(PetscReal)), aligned(sizeof(PetscReal)), may_alias));
+
+/* Returns the sum of the four numbers. */
+static ISPH_INLINE PetscReal FourSum(const Four *v)
+{
+  return ((*v)[0] + (*v)[1]) + ((*v)[2] + (*v)[3]);
+}
+
+/* Returns four numbers of an array, from the first. */
+static ISPH_INLINE const Four *FourAt(const PetscReal *first)
+{
+  return (const Four *)(const void *)first;
+}
+
 #endif

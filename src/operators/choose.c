@@ -432,6 +432,7 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
             forms->wall->name, scene->grading.spacing.n ? "-spacing" : "-spacing_wall");
   PetscCall(ChooseSurface(scene, needs, forms));
   if (SceneHas(scene, PHYSICS_WALLS)) forms->visc.continued = ContinuesStress(&forms->visc);
+  PetscCall(ComposedRefuse(scene, &forms->visc));
   PetscCall(ChooseCoupling(scene, forms));
   PetscCall(RefuseEquations(scene, forms));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -14,6 +14,7 @@
 */
 #include "assembly.h"
 #include "boundary_rows.h"
+#include "choose.h"
 #include "rows.h"
 
 /* Returns the number of entries of a symmetric tensor. */
@@ -38,6 +39,26 @@ void ComposedNeed(const Scene *scene, Operators *ops)
     ops->first_pass[a].needed  = PETSC_TRUE;
     ops->second_pass[a].needed = SceneHas(scene, PHYSICS_WALLS) ? PETSC_TRUE : PETSC_FALSE;
   }
+}
+
+/*
+  ComposedRefuse - Refuses a form whose stress is continued beyond walls, if its grid modes stay
+
+  Collective. On fixed particles a third of the modes decay slower than all modes of the flow, and
+  beside walls some grow: docs/theory.md, (285). A pressure drives them, and so does the error of
+  the force on disordered particles. In channels on lattices the flow has no part in them.
+*/
+PetscErrorCode ComposedRefuse(const Scene *scene, const LaplacianForm *visc)
+{
+  const PetscBool drives = SceneHas(scene, PHYSICS_PRESSURE) || scene->jitter > 0.0;
+
+  PetscFunctionBegin;
+  UserCheck(
+      !visc->continued || SceneMoves(scene) || !drives,
+      "-visc_laplacian %s: on fixed particles with walls its grid modes have no viscosity, and %s "
+      "drives them; use a form with safe_implicit in -catalogue, such as mls",
+      visc->row->name, scene->jitter > 0.0 ? "-jitter" : "the pressure");
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Adds the rows of the divergence of the fluid's stress. */

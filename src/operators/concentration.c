@@ -82,28 +82,36 @@ static void ConcentrationImages(const KernelRow *kernel, const Stencil *st,
   AddImages(kernel, st, planes, n_planes, &group, concentration, gradient);
 }
 
-/* Sums the terms of particle i and its neighbours, without wall particles if images stand for them.
-   The factor 0 of wall particles avoids a branch. */
+/* Sums the terms of particle i and its neighbours, without wall particles if images stand for them;
+   inlined for each dimension. */
+static ISPH_INLINE void SumAll(PetscInt d, const Stencil *st, PetscBool mirrored,
+                               PetscReal *concentration, PetscReal gradient[])
+{
+  const PetscInt n     = LanesPadded(st->n);
+  Four           total = {0.0}, sum[ISPH_MAX_DIM];
+
+#pragma GCC unroll 3
+  for (PetscInt a = 0; a < d; a++) sum[a] = (Four){0.0};
+  for (PetscInt k = 0; k < n; k += 4) {
+    Four V = *FourAt(st->V + k);
+
+    for (PetscInt l = 0; mirrored && l < 4; l++)
+      if (st->wall[k + l]) V[l] = 0.0;
+    total += V * *FourAt(st->W + k);
+    V *= *FourAt(st->dW + k) / *FourAt(st->r + k);
+#pragma GCC unroll 3
+    for (PetscInt a = 0; a < d; a++) sum[a] -= V * *FourAt(st->X[a] + k);
+  }
+  for (PetscInt a = 0; a < d; a++) gradient[a] = FourSum(&sum[a]);
+  *concentration = st->volume * st->self[0] + FourSum(&total);
+}
+
 static ISPH_WIDE void SumNeighbors(const Stencil *st, PetscBool mirrored, PetscReal *concentration,
                                    PetscReal gradient[])
 {
-  const PetscReal *W = st->W, *dW = st->dW, *r = st->r;
-  const PetscInt   n          = LanesPadded(st->n);
-  PetscReal total[ISPH_LANES] = {0.0}, sum[ISPH_MAX_DIM][ISPH_LANES] = {{0.0}}, V[ISPH_LANES];
-
-  for (PetscInt k = 0; k < n; k += ISPH_LANES) {
-    for (PetscInt l = 0; l < ISPH_LANES; l++)
-      V[l] = mirrored && st->wall[k + l] ? 0.0 : st->V[k + l];
-    for (PetscInt l = 0; l < ISPH_LANES; l++) total[l] += V[l] * W[k + l];
-    for (PetscInt l = 0; l < ISPH_LANES; l++) V[l] *= dW[k + l] / r[k + l];
-    for (PetscInt a = 0; a < st->dim; a++) {
-      const PetscReal *X = st->X[a] + k;
-
-      for (PetscInt l = 0; l < ISPH_LANES; l++) sum[a][l] -= V[l] * X[l];
-    }
-  }
-  for (PetscInt a = 0; a < st->dim; a++) gradient[a] = LanesTotal(sum[a]);
-  *concentration = st->volume * st->self[0] + LanesTotal(total);
+  mirrored = mirrored && st->n_wall ? PETSC_TRUE : PETSC_FALSE;
+  if (st->dim == 2) SumAll(2, st, mirrored, concentration, gradient);
+  else SumAll(3, st, mirrored, concentration, gradient);
 }
 
 /* Finds the mirror planes near particle i; their distances are along stretched axes. Returns their

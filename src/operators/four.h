@@ -1,12 +1,8 @@
-/* Vectors of four numbers, one of each of four points or neighbours, and their monomials. */
+/* Monomials of four points or neighbours at once, one in each lane of a vector. */
 #ifndef ISPH_FOUR_H
 #define ISPH_FOUR_H
 
 #include "mls.h"
-
-/* Unaligned, as PETSc allocates memory. */
-typedef PetscReal Four
-    __attribute__((vector_size(4 * sizeof(PetscReal)), aligned(sizeof(PetscReal)), may_alias));
 
 /* Computes the monomials of degree 2 to `degree` of the offsets s, times a factor, in the order of
    MlsBasis(). Input/Output: phi - in: the factor times s; out: all monomials. */
@@ -23,12 +19,6 @@ static ISPH_INLINE void FourMonomials(PetscInt dim, PetscInt degree, const Four 
     }
     lower += MlsMonomials(dim - 1, d - 1);
   }
-}
-
-/* Returns the sum of the four numbers. */
-static ISPH_INLINE PetscReal FourSum(const Four *v)
-{
-  return ((*v)[0] + (*v)[1]) + ((*v)[2] + (*v)[3]);
 }
 
 #endif

@@ -64,15 +64,17 @@ static inline PetscInt KeepClose(PetscInt dim, const Particles *p, PetscInt n,
 {
   const PetscReal *px[ISPH_MAX_DIM] = {p->x[0], p->x[1], p->x[2]};
   PetscReal       *X[ISPH_MAX_DIM] = {st->X[0], st->X[1], st->X[2]}, *r = st->r;
-  PetscInt        *j    = st->j;
-  size_t           kept = 0;
+  const PetscReal  origin[ISPH_MAX_DIM] = {x[0], x[1], x[dim - 1]};
+  const PetscReal  times[ISPH_MAX_DIM]  = {stretch[0], stretch[1], stretch[dim - 1]};
+  PetscInt        *j                    = st->j;
+  size_t           kept                 = 0;
 
   for (PetscInt q = 0; q < n; q++) {
     const PetscInt c  = candidate[q];
     PetscReal      r2 = 0.0;
 
     for (PetscInt a = 0; a < dim; a++) {
-      const PetscReal difference = stretch[a] * (px[a][c] - x[a]);
+      const PetscReal difference = times[a] * (px[a][c] - origin[a]);
 
       X[a][kept] = difference;
       r2 += difference * difference;
@@ -84,17 +86,23 @@ static inline PetscInt KeepClose(PetscInt dim, const Particles *p, PetscInt n,
   return (PetscInt)kept;
 }
 
-/* Sets distances from their squares, volumes, kinds and equations of the first n neighbours. */
+/* Sets distances from their squares, volumes, kinds and equations of the first n neighbours, which
+   ascend: own fluid comes first. The squares were stored one by one; vectors wait for such stores,
+   so roots come last. */
 static ISPH_WIDE void FillNeighbors(const Particles *p, PetscInt n, Stencil *st)
 {
   const PetscReal *volume = p->volume;
   const PetscInt  *j      = st->j;
 
-  for (PetscInt k = 0; k < n; k++) st->r[k] = PetscSqrtReal(st->r[k]);
   for (PetscInt k = 0; k < n; k++) st->V[k] = volume[j[k]];
   for (PetscInt k = 0; k < n; k++) st->equation[k] = EQUATION_VALUE;
   for (PetscInt k = 0; k < n; k++) st->surface[k] = PETSC_FALSE;
-  for (PetscInt k = 0; k < n; k++) st->wall[k] = ParticlesIsWall(p, j[k]);
+  if (n > 0 && j[n - 1] < p->n_fluid) {
+    for (PetscInt k = 0; k < n; k++) st->wall[k] = PETSC_FALSE;
+  } else {
+    for (PetscInt k = 0; k < n; k++) st->wall[k] = ParticlesIsWall(p, j[k]);
+  }
+  for (PetscInt k = 0; k < n; k++) st->r[k] = PetscSqrtReal(st->r[k]);
 }
 
 /* GatherStencil - Gathers the neighbours of own fluid particle i with the quantities that row

@@ -5,19 +5,39 @@
 */
 #include "rows.h"
 
-/* Computes V_k grad_i W. */
-static ISPH_WIDE void PlainGradients(const Stencil *st, PetscReal *c[])
+/* Computes c_k = V_k grad_i W, and M = sum_k c_k X^T on the way; inlined for each dimension. */
+static ISPH_INLINE void PlainAll(PetscInt d, Stencil *st, PetscReal *const c[], PetscReal M[])
 {
-  const PetscInt n    = LanesPadded(st->n);
-  PetscReal     *last = c[st->dim - 1];
+  const PetscReal *const X[ISPH_MAX_DIM]  = {st->X[0], st->X[1], st->X[d - 1]};
+  PetscReal *const       to[ISPH_MAX_DIM] = {c[0], c[1], c[d - 1]};
+  const PetscInt         n                = LanesPadded(st->n);
+  const PetscReal       *V = st->V, *dW = st->dW, *r = st->r;
+  PetscReal             *radial = st->radial;
+  Four                   sum[ISPH_MAX_DIM * ISPH_MAX_DIM];
 
-  MomentWeights(st, PETSC_TRUE, last);
-  for (PetscInt a = 0; a < st->dim; a++) {
-    const PetscReal *X  = st->X[a];
-    PetscReal       *to = c[a];
+#pragma GCC unroll 9
+  for (PetscInt e = 0; e < d * d; e++) sum[e] = (Four){0.0};
+  for (PetscInt k = 0; k < n; k += 4) {
+    const Four weight = -*FourAt(V + k) * *FourAt(dW + k) / *FourAt(r + k);
 
-    for (PetscInt k = 0; k < n; k++) to[k] = last[k] * X[k];
+    *(Four *)(void *)(radial + k) = weight;
+#pragma GCC unroll 3
+    for (PetscInt a = 0; a < d; a++) {
+      const Four slope = weight * *FourAt(X[a] + k);
+
+      *(Four *)(void *)(to[a] + k) = slope;
+#pragma GCC unroll 3
+      for (PetscInt b = 0; b <= a; b++) sum[a * d + b] += slope * *FourAt(X[b] + k);
+    }
   }
+  for (PetscInt a = 0; a < d; a++)
+    for (PetscInt b = 0; b <= a; b++) M[a * d + b] = M[b * d + a] = FourSum(&sum[a * d + b]);
+}
+
+static ISPH_WIDE void PlainGradients(Stencil *st, PetscReal *const c[], PetscReal M[])
+{
+  if (st->dim == 2) PlainAll(2, st, c, M);
+  else PlainAll(3, st, c, M);
 }
 
 /* Computes V_k grad psi_k from V_k grad_i W, with psi_k = W_k/S and the kernel sum S. */
@@ -64,27 +84,42 @@ static ISPH_WIDE void Moments(const Stencil *st, PetscReal *const c[], PetscReal
   for (PetscInt e = 0; e < d * d; e++) M[e] = LanesSum(n, c[e / d], st->X[e % d]);
 }
 
-/* Multiplies the gradients by M^-1, M = sum_k c_k X^T; if the neighbours do not span space, M is
-   the unit matrix, and st->regularised counts the row. */
-static void RenormalisedGradients(Stencil *st, PetscReal *c[])
+/* Inverts a matrix of order 2 without pivoting: moments of a support are symmetric, or nearly so.
+   Returns the smaller of its pivots. */
+static PetscReal InvertTwo(const PetscReal M[], PetscReal inverse[])
 {
-  const PetscInt d = st->dim;
-  PetscReal      M[ISPH_MAX_DIM * ISPH_MAX_DIM], inverse[ISPH_MAX_DIM * ISPH_MAX_DIM] = {0.0};
-  PetscReal      trace = 0.0, least = PETSC_MAX_REAL;
+  const PetscReal det = M[0] * M[3] - M[1] * M[2], over = 1.0 / det;
 
-  Moments(st, c, M);
-  for (PetscInt a = 0; a < d; a++) {
-    inverse[a * (d + 1)] = 1.0;
-    trace += PetscAbsReal(M[a * (d + 1)]);
-  }
+  inverse[0] = over * M[3];
+  inverse[1] = -over * M[1];
+  inverse[2] = -over * M[2];
+  inverse[3] = over * M[0];
+  return PetscMin(PetscAbsReal(M[0]), PetscAbsReal(det / M[0]));
+}
+
+/* Inverts a matrix of order d, and changes it; returns the smallest of its pivots. */
+static PetscReal InvertAny(PetscInt d, PetscReal M[], PetscReal inverse[])
+{
+  PetscReal least = PETSC_MAX_REAL;
+
+  for (PetscInt e = 0; e < d * d; e++) inverse[e] = e % (d + 1) ? 0.0 : 1.0;
   DenseEliminate(d, M, d, inverse);
   for (PetscInt a = 0; a < d; a++) least = PetscMin(least, PetscAbsReal(M[a * (d + 1)]));
-  if (!(least > MLS_WEAK * trace)) {
-    st->regularised++;
-    return;
-  }
   for (PetscInt e = 0; e < d * d; e++) inverse[e] /= M[e % d * (d + 1)];
-  MultiplyGradients(d, LanesPadded(st->n), inverse, c);
+  return least;
+}
+
+/* Multiplies the gradients by M^-1, M = sum_k c_k X^T; if the neighbours do not span space, M is
+   the unit matrix, and st->regularised counts the row. Changes M. */
+static void RenormalisedGradients(Stencil *st, PetscReal M[], PetscReal *c[])
+{
+  const PetscInt d = st->dim;
+  PetscReal      inverse[ISPH_MAX_DIM * ISPH_MAX_DIM], trace = 0.0, least;
+
+  for (PetscInt a = 0; a < d; a++) trace += PetscAbsReal(M[a * (d + 1)]);
+  least = d == 2 ? InvertTwo(M, inverse) : InvertAny(d, M, inverse);
+  if (least > MLS_WEAK * trace) MultiplyGradients(d, LanesPadded(st->n), inverse, c);
+  else st->regularised++;
 }
 
 /*
@@ -105,14 +140,19 @@ static void RenormalisedGradients(Stencil *st, PetscReal *c[])
   Output Parameter:
 . c - component a of neighbour k is c[a][k] [1/m]
 
+  Notes: sets st->radial too.
+
   Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eqs (2), (22),
   (24) to (26); J. Bonet, T.-S. L. Lok, Comput. Methods Appl. Mech. Eng. 180 (1999) 97-115
 */
 void KernelGradients(Stencil *st, unsigned correction, PetscReal *c[])
 {
-  PlainGradients(st, c);
+  PetscReal M[ISPH_MAX_DIM * ISPH_MAX_DIM];
+
+  PlainGradients(st, c, M);
   if (correction & (CORRECTION_SHEPARD | CORRECTION_MIXED)) ShepardGradients(st, c);
-  if (correction & (CORRECTION_FIRST_ORDER | CORRECTION_MIXED)) RenormalisedGradients(st, c);
+  if (correction & CORRECTION_MIXED) Moments(st, c, M);
+  if (correction & (CORRECTION_FIRST_ORDER | CORRECTION_MIXED)) RenormalisedGradients(st, M, c);
 }
 
 /*

@@ -91,17 +91,18 @@ ISPH_WIDE void KernelEvaluateAll(const KernelRow *kernel, PetscInt dim, PetscRea
                                  const PetscReal r[], PetscReal W[], PetscReal dW[],
                                  PetscReal ddW[])
 {
-  PetscReal scale = kernel->sigma[dim - 1];
+  const PetscReal over  = 1.0 / h;
+  PetscReal       scale = kernel->sigma[dim - 1];
 
-  for (PetscInt a = 0; a < dim; a++) scale /= h;
+  for (PetscInt a = 0; a < dim; a++) scale *= over;
 #pragma omp simd
-  for (PetscInt k = 0; k < n; k++) W[k] = r[k] / h;
+  for (PetscInt k = 0; k < n; k++) W[k] = r[k] * over;
   kernel->Shape(n, W, dW, ddW);
 #pragma omp simd
   for (PetscInt k = 0; k < n; k++) {
     W[k] *= scale;
-    dW[k] *= scale / h;
-    ddW[k] *= scale / (h * h);
+    dW[k] *= scale * over;
+    ddW[k] *= scale * over * over;
   }
 }
 

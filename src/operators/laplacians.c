@@ -5,6 +5,15 @@
 */
 #include "rows.h"
 
+/* Computes the weights of LaplacianRow_Morris(). Tables hold no function that has two versions: its
+   address is not unique. */
+static ISPH_WIDE void MorrisWeights(const Stencil *st, PetscReal w[])
+{
+  const PetscReal *V = st->V, *dW = st->dW, *r = st->r;
+
+  for (PetscInt k = 0; k < st->n; k++) w[k] = -2.0 * V[k] * dW[k] / r[k];
+}
+
 /*
   LaplacianRow_Morris - Computes the Laplacian of Morris, Fox & Zhu: finite differences along pairs
   times the kernel gradient
@@ -16,12 +25,10 @@
 
   Reference: J. P. Morris, P. J. Fox, Y. Zhu, J. Comput. Phys. 136 (1997) 214-226
 */
-static ISPH_WIDE PetscErrorCode LaplacianRow_Morris(Stencil *st, PetscReal w[])
+static PetscErrorCode LaplacianRow_Morris(Stencil *st, PetscReal w[])
 {
-  const PetscReal *V = st->V, *dW = st->dW, *r = st->r;
-
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < st->n; k++) w[k] = -2.0 * V[k] * dW[k] / r[k];
+  MorrisWeights(st, w);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -159,6 +166,24 @@ static PetscErrorCode LaplacianRow_Lsph(Stencil *st, PetscReal w[])
   }
   for (PetscInt k = 0; k < st->n; k++) w[k] *= 2.0 * (PetscReal)d / sum;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  LaplacianFollowsSlopes - Returns true if the weights of a form follow from the corrected gradients
+  of the kernel
+
+    w_k = 2 X.c_k/r^2,   c of KernelGradients() with the same correction
+
+  Not collective. The component of c_k along the pair is -V_k W', with W' of the correction.
+*/
+PetscBool LaplacianFollowsSlopes(const LaplacianForm *form, unsigned correction)
+{
+  const unsigned own = form->correction ? form->correction->bit : 0;
+
+  return form->row && form->row->Row == LaplacianRow_Morris && form->scale == 0.0 &&
+                 own == correction
+             ? PETSC_TRUE
+             : PETSC_FALSE;
 }
 
 #define PAIRWISE  (FORM_NULL_CONSTANTS | FORM_FULL_SUPPORT)

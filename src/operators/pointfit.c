@@ -17,7 +17,7 @@ static ISPH_INLINE void FourBases(PetscInt dim, PetscInt degree, PetscReal *cons
   Four x[ISPH_MAX_DIM];
 
   phi[0] = (Four){1.0, 1.0, 1.0, 1.0};
-  for (PetscInt a = 0; a < dim; a++) x[a] = phi[1 + a] = *(const Four *)&s[a][at];
+  for (PetscInt a = 0; a < dim; a++) x[a] = phi[1 + a] = *FourAt(&s[a][at]);
   FourMonomials(dim, degree, x, phi + 1);
 }
 
@@ -75,7 +75,7 @@ static ISPH_INLINE void FourFits(PetscInt dim, PetscInt degree, PetscInt m, Pets
 
     FourBases(dim, degree, s, k * m + first, phi);
     for (PetscInt t = 0; t < terms; t++) {
-      const Four weighted = *(const Four *)&W[k * m + first] * phi[t];
+      const Four weighted = *FourAt(&W[k * m + first]) * phi[t];
 
       for (PetscInt q = 0; q <= t; q++) M[e++] += weighted * phi[q];
     }
@@ -87,7 +87,7 @@ static ISPH_INLINE void FourFits(PetscInt dim, PetscInt degree, PetscInt m, Pets
 
     FourBases(dim, degree, s, k * m + first, phi);
     for (PetscInt t = 1; t < terms; t++) sum += phi[t] * c[t];
-    *(Four *)&w[k * m + first] = *(const Four *)&W[k * m + first] * sum;
+    *(Four *)&w[k * m + first] = *FourAt(&W[k * m + first]) * sum;
   }
 }
 
@@ -172,7 +172,7 @@ static ISPH_INLINE void SumMoments(PetscInt dim, PetscInt degree, const VectorPo
   for (PetscInt pair = 0; pair < dim * (dim + 1) / 2; pair++)
     for (PetscInt e = 0; e < size; e++) m->wall[pair][e] = (Four){0.0};
   for (PetscInt k = 0; k < points->n; k += 4) {
-    const Four W = *(const Four *)&points->W[k];
+    const Four W = *FourAt(&points->W[k]);
     Four       phi[POINT_FIT_TERMS], wall;
     PetscInt   pair = 0;
 
@@ -183,10 +183,10 @@ static ISPH_INLINE void SumMoments(PetscInt dim, PetscInt degree, const VectorPo
     }
     AddMoments(terms, W - W * wall, phi, m->fluid);
     for (PetscInt c = 0; c < dim; c++) {
-      const Four along = W * wall * *(const Four *)&points->normal[c][k];
+      const Four along = W * wall * *FourAt(&points->normal[c][k]);
 
       for (PetscInt e = 0; e <= c; e++)
-        AddMoments(terms, along * *(const Four *)&points->normal[e][k], phi, m->wall[pair++]);
+        AddMoments(terms, along * *FourAt(&points->normal[e][k]), phi, m->wall[pair++]);
     }
   }
 }
@@ -230,11 +230,11 @@ static ISPH_INLINE void SetVectorWeights(PetscInt dim, PetscInt degree, PetscInt
     for (PetscInt b = 0; b < dim; b++) {
       part[b] = (Four){0.0};
       for (PetscInt t = 0; t < terms; t++) part[b] += phi[t] * c[b * terms + t];
-      part[b] *= *(const Four *)&points->W[k];
-      if (beside) along += *(const Four *)&points->normal[b][k] * part[b];
+      part[b] *= *FourAt(&points->W[k]);
+      if (beside) along += *FourAt(&points->normal[b][k]) * part[b];
     }
     for (PetscInt b = 0; b < dim; b++) {
-      if (beside) part[b] += wall * (along * *(const Four *)&points->normal[b][k] - part[b]);
+      if (beside) part[b] += wall * (along * *FourAt(&points->normal[b][k]) - part[b]);
       *(Four *)&w[a * dim + b][k] = part[b];
     }
   }

@@ -24,7 +24,7 @@ static PetscErrorCode StencilFree(Stencil *st)
     PetscCall(PetscFree3(st->X[a], st->normal[a], st->fit.gradient[a]));
     PetscCall(PetscFree2(st->normal_strain[a], st->slope[a]));
   }
-  PetscCall(PetscFree2(st->surface, st->walls));
+  PetscCall(PetscFree3(st->surface, st->walls, st->radial));
   PetscCall(PetscFree6(st->fit.phi, st->fit.W, st->fit.value, st->fit.weighted, st->fit.laplacian,
                        st->fit.filter));
   PetscCall(PetscFree7(st->r, st->V, st->W, st->dW, st->ddW, st->beta, st->j));
@@ -54,7 +54,8 @@ PetscErrorCode StencilReserve(Stencil *st, PetscInt n)
                            &st->fit.gradient[a]));
     PetscCall(PetscMalloc2(st->capacity, &st->normal_strain[a], st->capacity, &st->slope[a]));
   }
-  PetscCall(PetscMalloc2(st->capacity, &st->surface, st->capacity, &st->walls));
+  PetscCall(PetscMalloc3(st->capacity, &st->surface, st->capacity, &st->walls, st->capacity,
+                         &st->radial));
   PetscCall(PetscMalloc6(MLS_MAX_TERMS * st->capacity, &st->fit.phi, st->capacity, &st->fit.W,
                          st->capacity, &st->fit.value, st->capacity, &st->fit.weighted,
                          st->capacity, &st->fit.laplacian, st->capacity, &st->fit.filter));
@@ -67,22 +68,30 @@ PetscErrorCode StencilReserve(Stencil *st, PetscInt n)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Fills the rest of an array, fewer than ISPH_LANES entries. */
+static ISPH_INLINE void FillReals(PetscInt from, PetscInt to, PetscReal value, PetscReal array[])
+{
+  for (PetscInt k = from; k < to; k++) array[k] = value;
+}
+
 /* StencilFinish - Lists the wall neighbours of a stencil whose neighbours have places, volumes and
    kinds, and ends the arrays that sums read in neighbours without volume; not collective */
 ISPH_WIDE void StencilFinish(Stencil *st)
 {
-  PetscInt n_wall = 0, listed = 0;
+  const PetscInt n = st->n, end = LanesPadded(n);
+  PetscInt       n_wall = 0, listed = 0;
 
-  for (PetscInt k = 0; k < st->n; k++) n_wall += st->wall[k] ? 1 : 0;
+  FillReals(n, end, 0.0, st->V);
+  FillReals(n, end, 0.0, st->W);
+  FillReals(n, end, 0.0, st->dW);
+  FillReals(n, end, 0.0, st->ddW);
+  FillReals(n, end, st->radius, st->r);
+  for (PetscInt a = 0; a < st->dim; a++) FillReals(n, end, 0.0, st->X[a]);
+  for (PetscInt k = n; k < end; k++) st->wall[k] = PETSC_FALSE;
+  for (PetscInt k = 0; k < n; k++) n_wall += st->wall[k] ? 1 : 0;
   st->n_wall = n_wall;
   for (PetscInt k = 0; listed < n_wall; k++)
     if (st->wall[k]) st->walls[listed++] = k;
-  for (PetscInt k = st->n; k < LanesPadded(st->n); k++) {
-    for (PetscInt a = 0; a < st->dim; a++) st->X[a][k] = 0.0;
-    st->r[k]    = st->radius;
-    st->wall[k] = PETSC_FALSE;
-    st->V[k] = st->W[k] = st->dW[k] = st->ddW[k] = 0.0;
-  }
 }
 
 /* Sets the equation of wall neighbour k; a change invalidates the fit. */

@@ -303,7 +303,7 @@ static PetscErrorCode AddFigures(Scheme *scheme, Wcsph *w)
 . -sound_speed c                  - see DefaultSoundSpeed()
 . -density_form name              - continuity or summation
 . -pressure_reduction name        - row of the table
-. -density_diffusion delta        - see DensityDiffusion()
+. -density_diffusion delta        - see PairsSum()
 . -artificial_viscosity alpha,beta - see ArtificialViscosity()
 . -acoustic_cfl C                 - dt <= C h/(c0 + U)
 - -wcsph_viscosity name           - explicit or implicit

@@ -40,58 +40,97 @@ PetscErrorCode PairsFree(Pairs *pairs)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  PairsDivergence - Computes div u = sum_k du_k.c_k [1/s]
+/* Adds up the sums of PairsSum() in one pass; inlined for each dimension and each form of the
+   pressure force. */
+static ISPH_INLINE void SumAll(PetscInt d, PetscBool by_sums, const Stencil *st, const Pairs *pairs,
+                               const PairTerms *own, PairSums *sums)
+{
+  const PetscReal  ratio = own->p / PetscSqr(own->rho), over = 1.0 / own->rho, rho_i = own->rho;
+  const PetscReal  self = own->corrected ? 2.0 * own->p * over : 0.0;
+  const PetscReal  more = own->corrected ? -own->p : own->p;
+  const PetscReal *r = st->r, *radial = st->radial;
+  const PetscInt   n   = LanesPadded(st->n);
+  Four             div = {0.0}, diffusion = {0.0}, lap[ISPH_MAX_DIM], push[ISPH_MAX_DIM];
 
-  A dummy counts with the velocity of a mirror image, twice u_wall - u_i, where that of its wall
-  treatment is larger: an extrapolation by the factor beta would raise the frequency of sound beside
-  walls by beta^(1/2), and particles close to a wall would need shorter steps.
-*/
-ISPH_WIDE PetscReal PairsDivergence(const Stencil *st, const Pairs *pairs)
+#pragma GCC unroll 3
+  for (PetscInt a = 0; a < d; a++) lap[a] = push[a] = (Four){0.0};
+  for (PetscInt k = 0; k < n; k += 4) {
+    const Four rho = *FourAt(pairs->rho + k), p = *FourAt(pairs->p + k), distance = *FourAt(r + k);
+    const Four force = by_sums ? p / rho + rho * ratio - self : over * (p + more);
+    Four       along = {0.0};
+
+#pragma GCC unroll 3
+    for (PetscInt a = 0; a < d; a++) {
+      const Four c = *FourAt(pairs->c[a] + k);
+
+      div += *FourAt(pairs->du[a] + k) * c;
+      along += *FourAt(st->X[a] + k) * c;
+      push[a] -= force * c;
+    }
+    diffusion += *FourAt(radial + k) * (rho - rho_i);
+    along *= 2.0 / (distance * distance);
+#pragma GCC unroll 3
+    for (PetscInt a = 0; a < d; a++) lap[a] += along * *FourAt(pairs->du[a] + k);
+  }
+  sums->divergence = FourSum(&div);
+  sums->diffusion  = 2.0 * FourSum(&diffusion);
+  for (PetscInt a = 0; a < d; a++) {
+    sums->laplacian[a] = FourSum(&lap[a]);
+    sums->pressure[a]  = FourSum(&push[a]);
+  }
+}
+
+/* Returns the part of the divergence by velocities of dummies beyond those of mirror images. */
+static PetscReal BeyondMirror(const Stencil *st, const Pairs *pairs)
 {
   PetscReal sum = 0.0;
 
-  for (PetscInt a = 0; a < st->dim; a++)
-    sum += LanesSum(LanesPadded(st->n), pairs->du[a], pairs->c[a]);
   for (PetscInt q = 0; q < st->n_wall; q++) {
     const PetscInt k = st->walls[q];
 
     if (st->beta[k] <= MIRROR) continue;
     for (PetscInt a = 0; a < st->dim; a++)
-      sum -= (1.0 - MIRROR / st->beta[k]) * pairs->du[a][k] * pairs->c[a][k];
+      sum += (1.0 - MIRROR / st->beta[k]) * pairs->du[a][k] * pairs->c[a][k];
   }
   return sum;
 }
 
 /*
-  PressureForce - Adds the acceleration by the pressure
+  PairsSum - Computes the sums of continuity and momentum in one pass over the neighbours
 
-    sums false:  -1/rho_i sum_k (p_k + p_i) c_k
-    sums true:   -sum_k rho_k (p_k/rho_k^2 + p_i/rho_i^2) c_k
+  Not collective.
+
+  divergence: div u = sum_k du_k.c_k. A dummy counts with the velocity of a mirror image, twice
+  u_wall - u_i, where that of its wall treatment is larger: an extrapolation by the factor beta
+  would raise the frequency of sound beside walls by beta^(1/2), and particles close to a wall would
+  need shorter steps.
+
+  diffusion: sum_k 2 V_k (rho_k - rho_i) (-W'/r), the Laplacian of the density; dummies have the
+  density of the particle.
+
+  laplacian: sum_k 2 X_k.c_k/r^2 du_k, see LaplacianFollowsSlopes().
+
+  pressure: the acceleration
+
+    by_sums false:  -1/rho_i sum_k (p_k + p_i) c_k
+    by_sums true:   -sum_k rho_k (p_k/rho_k^2 + p_i/rho_i^2) c_k
 
   Both keep the momentum without correction. With a correction of the kernel the sums include the
   particle itself, with c_i = -sum_k c_k:
 
-    sums false:  -1/rho_i sum_k (p_k - p_i) c_k
-    sums true:   -sum_k (rho_k (p_k/rho_k^2 + p_i/rho_i^2) - 2 p_i/rho_i) c_k
+    by_sums false:  -1/rho_i sum_k (p_k - p_i) c_k
+    by_sums true:   -sum_k (rho_k (p_k/rho_k^2 + p_i/rho_i^2) - 2 p_i/rho_i) c_k
 
-  Input: rho, p - of the particle
-
-  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eqs (8), (9)
+  Reference: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009), Eqs (8), (9);
+  D. Molteni, A. Colagrossi, Comput. Phys. Commun. 180 (2009) 861-872
 */
-ISPH_WIDE void PressureForce(const Stencil *st, const Pairs *pairs, PetscBool sums,
-                             PetscBool corrected, PetscReal rho, PetscReal p,
-                             PetscReal acceleration[])
+ISPH_WIDE void PairsSum(const Stencil *st, const Pairs *pairs, const PairTerms *own, PairSums *sums)
 {
-  const PetscReal  own = p / PetscSqr(rho), self = corrected ? 2.0 * p / rho : 0.0;
-  const PetscReal  more = corrected ? -p : p, over = 1.0 / rho;
-  const PetscReal *pk = pairs->p, *rk = pairs->rho;
-  const PetscInt   n     = LanesPadded(st->n);
-  PetscReal       *force = pairs->w;
-
-  for (PetscInt k = 0; k < n && sums; k++) force[k] = pk[k] / rk[k] + rk[k] * own - self;
-  for (PetscInt k = 0; k < n && !sums; k++) force[k] = over * (pk[k] + more);
-  for (PetscInt a = 0; a < st->dim; a++) acceleration[a] -= LanesSum(n, force, pairs->c[a]);
+  if (st->dim == 2 && own->by_sums) SumAll(2, PETSC_TRUE, st, pairs, own, sums);
+  else if (st->dim == 2) SumAll(2, PETSC_FALSE, st, pairs, own, sums);
+  else if (own->by_sums) SumAll(3, PETSC_TRUE, st, pairs, own, sums);
+  else SumAll(3, PETSC_FALSE, st, pairs, own, sums);
+  if (st->n_wall) sums->divergence -= BeyondMirror(st, pairs);
 }
 
 /*
@@ -145,31 +184,23 @@ void ArtificialViscosity(const Stencil *st, const Pairs *pairs, const PetscReal 
 }
 
 /*
-  DensityDiffusion - Computes sum_k 2 V_k (rho_k - rho_i - slope.X_k) (-W'/r) over the fluid, the
-  Laplacian of the density less its hydrostatic slope [kg/m^5]
+  HydrostaticRise - Computes the part of PairsSum.diffusion that belongs to a hydrostatic slope of
+  the density, sum_k 2 V_k slope.X_k (-W'/r) over the fluid [kg/m^5]
 
-  Dummies have the density of the particle, so that only the slope leaves them out.
+  Not collective. Dummies have the density of the particle, so they have no part in it.
 
-  Reference: D. Molteni, A. Colagrossi, Comput. Phys. Commun. 180 (2009) 861-872; the slope: G.
-  Fourtakas et al., Computers & Fluids 190 (2019) 346-361
+  Reference: G. Fourtakas et al., Computers & Fluids 190 (2019) 346-361
 */
-ISPH_WIDE PetscReal DensityDiffusion(const Stencil *st, const Pairs *pairs, PetscReal rho,
-                                     const PetscReal slope[])
+PetscReal HydrostaticRise(const Stencil *st, const PetscReal slope[])
 {
-  const PetscReal *V = st->V, *dW = st->dW, *r = st->r, *rk = pairs->rho;
-  PetscReal        lane[ISPH_LANES] = {0.0}, sum;
+  PetscReal sum = 0.0;
 
-  for (PetscInt k = 0; k < LanesPadded(st->n); k += ISPH_LANES)
-    for (PetscInt l = 0; l < ISPH_LANES; l++)
-      lane[l] -= V[k + l] * (rk[k + l] - rho) * dW[k + l] / r[k + l];
-  sum = LanesTotal(lane);
   for (PetscInt a = 0; a < st->dim; a++) {
-    const PetscReal *X    = st->X[a];
-    PetscReal        rise = 0.0;
+    PetscReal rise = 0.0;
 
     if (slope[a] == 0.0) continue;
     for (PetscInt k = 0; k < st->n; k++)
-      if (!st->wall[k]) rise += V[k] * X[k] * dW[k] / r[k];
+      if (!st->wall[k]) rise += st->radial[k] * st->X[a][k];
     sum += slope[a] * rise;
   }
   return 2.0 * sum;

@@ -4,7 +4,7 @@
 */
 #include "wcsph.h"
 
-#define PACKED(dim) (2 + (dim)) /* values of a particle in LocalFlow.packed */
+#define PACKED(dim) (3 + (dim)) /* values of a particle in LocalFlow.packed */
 
 /* WcsphReserve - Makes room for values of all local particles; not collective */
 PetscErrorCode WcsphReserve(const Flow *flow, Wcsph *w)
@@ -75,15 +75,17 @@ static PetscErrorCode SumRow(Stencil *st, void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Packs density, pressure and velocity of all local particles. */
-static void Pack(const Particles *p, LocalFlow *l)
+/* Packs the volume of the mass at the present density, density, pressure and velocity of all local
+   particles. */
+static void Pack(const Particles *p, PetscReal rho_0, LocalFlow *l)
 {
   PetscReal *to = l->packed;
 
   for (PetscInt i = 0; i < ParticlesAll(p); i++, to += PACKED(p->dim)) {
-    to[0] = l->rho[i];
-    to[1] = l->p[i];
-    for (PetscInt a = 0; a < p->dim; a++) to[2 + a] = l->u[a][i];
+    to[0] = p->volume[i] * rho_0 / l->rho[i];
+    to[1] = l->rho[i];
+    to[2] = l->p[i];
+    for (PetscInt a = 0; a < p->dim; a++) to[3 + a] = l->u[a][i];
   }
 }
 
@@ -134,20 +136,21 @@ static void SetWallPairs(const Wcsph *w, const PetscReal force[], Stencil *st, P
   }
 }
 
-/* Unpacks density, pressure and velocity difference of the neighbours; inlined for each dimension.
-   Input: own - packed values of the particle */
+/* Unpacks volume, density, pressure and velocity difference of the neighbours; inlined for each
+   dimension. Input: own - packed values of the particle */
 static ISPH_INLINE void Unpack(PetscInt dim, const PetscReal packed[], const PetscReal own[],
                                const Stencil *st, Pairs *pairs)
 {
-  PetscReal *const rho = pairs->rho, *const p = pairs->p;
+  PetscReal *const V = st->V, *const rho = pairs->rho, *const p = pairs->p;
   PetscReal *const du[ISPH_MAX_DIM] = {pairs->du[0], pairs->du[1], pairs->du[2]};
 
   for (PetscInt k = 0; k < st->n; k++) {
     const PetscReal *from = packed + PACKED(dim) * st->j[k];
 
-    rho[k] = from[0];
-    p[k]   = from[1];
-    for (PetscInt a = 0; a < dim; a++) du[a][k] = from[2 + a] - own[2 + a];
+    V[k]   = from[0];
+    rho[k] = from[1];
+    p[k]   = from[2];
+    for (PetscInt a = 0; a < dim; a++) du[a][k] = from[3 + a] - own[3 + a];
   }
 }
 
@@ -164,16 +167,14 @@ ISPH_WIDE PetscErrorCode WcsphSetPairs(Wcsph *w, const PetscReal force[], Stenci
   const LocalFlow *l     = &w->local;
   Pairs           *pairs = &w->pairs;
   const PetscReal *own   = l->packed + PACKED(st->dim) * st->i;
-  const PetscReal  rho_0 = w->flow->scene->rho;
 
   PetscFunctionBegin;
   PetscCall(PairsReserve(st->capacity, pairs));
   if (st->dim == 2) Unpack(2, l->packed, own, st, pairs);
   else Unpack(3, l->packed, own, st, pairs);
-  for (PetscInt k = 0; k < st->n; k++) st->V[k] *= rho_0 / pairs->rho[k];
   PairsFinish(l->rho[st->i], st, pairs);
   if (st->n_wall) SetWallPairs(w, force, st, pairs);
-  st->volume *= rho_0 / l->rho[st->i];
+  st->volume = own[0];
   st->sloped = SLOPE_NONE;
   pairs->c   = st->slope;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -247,25 +248,41 @@ static void StoreRates(Wcsph *w, PetscInt i, const Rates *rates)
   if (w->equation->has_energy) w->rate[c * n + i] = rates->e;
 }
 
-/* Computes the rate of the density, and of the energy if there is one, with pressures that are not
-   reduced; p: of the particle. */
-static void ContinuityRates(Wcsph *w, const Stencil *st, const PetscReal force[], PetscReal p,
-                            Rates *rates)
+/* Computes the rate of the density from the sums over the neighbours. */
+static PetscReal ContinuityRate(Wcsph *w, const Stencil *st, const PetscReal force[],
+                                const PairSums *sums)
 {
   const ComposedForm *composed = WcsphComposed(w);
   const PetscReal     rho      = w->local.rho[st->i];
-  const PetscReal     div      = composed && composed->transposed ? w->local.divergence[st->i]
-                                                                  : PairsDivergence(st, &w->pairs);
+  const PetscReal     div =
+      composed && composed->transposed ? w->local.divergence[st->i] : sums->divergence;
+  PetscReal slope[ISPH_MAX_DIM];
 
   w->divergence = PetscMax(w->divergence, PetscAbsReal(div));
-  rates->rho    = -rho * div;
-  if (w->diffusion > 0.0) {
-    PetscReal slope[ISPH_MAX_DIM];
+  if (w->diffusion == 0.0) return -rho * div;
+  for (PetscInt a = 0; a < st->dim; a++) slope[a] = rho * force[a] / PetscSqr(w->c0);
+  return -rho * div + w->diffusion * st->h * w->c0 * (sums->diffusion - HydrostaticRise(st, slope));
+}
 
-    for (PetscInt a = 0; a < st->dim; a++) slope[a] = rho * force[a] / PetscSqr(w->c0);
-    rates->rho += w->diffusion * st->h * w->c0 * DensityDiffusion(st, &w->pairs, rho, slope);
+/* Adds the acceleration by viscosity, and by the artificial viscosity. */
+static PetscErrorCode AddViscosity(const Wcsph *w, Stencil *st, const Pairs *pairs,
+                                   const PairSums *sums, PetscReal acceleration[])
+{
+  const Scene    *scene = w->flow->scene;
+  const PetscReal rho   = w->local.rho[st->i];
+
+  PetscFunctionBegin;
+  if (w->artificial[0] > 0.0 || w->artificial[1] > 0.0)
+    ArtificialViscosity(st, pairs, w->artificial, w->c0, rho, acceleration);
+  if (w->follows) {
+    for (PetscInt a = 0; a < st->dim; a++)
+      acceleration[a] += scene->nu * scene->rho / rho * sums->laplacian[a];
+  } else if (WcsphComposed(w)) {
+    StressForce(w, st, acceleration);
+  } else if (w->flow->ops->forms.visc.row && !w->implicit) {
+    PetscCall(ViscousForce(w, st, pairs, acceleration));
   }
-  if (w->equation->has_energy) rates->e = PairsEnergy(st, &w->pairs, rho, p);
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Computes and stores the rates of a particle from its stencil. */
@@ -277,12 +294,16 @@ static PetscErrorCode RateRow(Stencil *st, void *ctx)
   const PetscBool     transposed = composed && composed->transposed ? PETSC_TRUE : PETSC_FALSE;
   const unsigned      correction = transposed ? 0 : flow->ops->forms.correction->bit;
   const PetscInt      i = st->i, d = st->dim;
-  const PetscReal     rho    = w->local.rho[i];
   Pairs              *pairs  = &w->pairs;
   const PetscBool     shifts = WcsphShifts(w);
-  PetscReal           x[ISPH_MAX_DIM], force[ISPH_MAX_DIM] = {0.0}, p = w->local.p[i] + w->p_rest;
+  PetscReal           x[ISPH_MAX_DIM], force[ISPH_MAX_DIM] = {0.0}, pull[ISPH_MAX_DIM];
   PetscReal           C, slope[ISPH_MAX_DIM];
   Rates               rates = {.rho = 0.0};
+  PairTerms           own   = {.by_sums   = w->density->sums,
+                               .corrected = correction ? PETSC_TRUE : PETSC_FALSE,
+                               .rho       = w->local.rho[i],
+                               .p         = w->local.p[i] + w->p_rest};
+  PairSums            sums;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < d; a++) x[a] = flow->particles->x[a][i];
@@ -291,18 +312,13 @@ static PetscErrorCode RateRow(Stencil *st, void *ctx)
   PetscCall(WcsphSetPairs(w, force, st));
   StencilGradients(st, correction);
   for (PetscInt k = 0; w->p_rest > 0.0 && k < st->n; k++) pairs->p[k] += w->p_rest;
-  ContinuityRates(w, st, force, p, &rates);
-  if (!transposed) {
-    ReducePressure(w, st, pairs, &p, force);
-    PressureForce(st, pairs, w->density->sums, correction ? PETSC_TRUE : PETSC_FALSE, rho, p,
-                  rates.u);
-  }
-  for (PetscInt a = 0; a < d; a++) rates.u[a] += force[a];
-  if (w->artificial[0] > 0.0 || w->artificial[1] > 0.0)
-    ArtificialViscosity(st, pairs, w->artificial, w->c0, rho, rates.u);
-  if (composed) StressForce(w, st, rates.u);
-  else if (flow->ops->forms.visc.row && !w->implicit)
-    PetscCall(ViscousForce(w, st, pairs, rates.u));
+  if (w->equation->has_energy) rates.e = PairsEnergy(st, pairs, own.rho, own.p);
+  for (PetscInt a = 0; a < d; a++) pull[a] = force[a];
+  if (!transposed) ReducePressure(w, st, pairs, &own.p, pull);
+  PairsSum(st, pairs, &own, &sums);
+  rates.rho = ContinuityRate(w, st, force, &sums);
+  for (PetscInt a = 0; a < d; a++) rates.u[a] = pull[a] + (transposed ? 0.0 : sums.pressure[a]);
+  PetscCall(AddViscosity(w, st, pairs, &sums, rates.u));
   StoreRates(w, i, &rates);
   if (shifts) WcsphShiftRow(w, st, slope);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -330,7 +346,7 @@ PetscErrorCode WcsphRates(Flow *flow, Wcsph *w)
     PetscCall(ParticlesHaloField(p, l->u[a]));
   }
   PetscCall(WcsphSetDensity(flow, w));
-  Pack(p, l);
+  Pack(p, flow->scene->rho, l);
   PetscCall(OperatorsStreamFactors(flow->scene, p, flow->neighbors, flow->ops));
   PetscCall(WcsphStresses(flow, w));
   w->divergence = 0.0;

@@ -4,40 +4,50 @@
 */
 #include "wcsph.h"
 
-/* Computes du_c/dx_a of a particle from the differences of its neighbours; returns the sum of the
-   squares. */
-static ISPH_WIDE PetscReal VelocityGradient(const Stencil *st, const Pairs *pairs,
-                                            PetscReal gradient[][ISPH_MAX_DIM])
-{
-  PetscReal squares = 0.0;
+/* Sums of a shift: gradients of velocity and density, and the Laplacian of the velocity by the
+   pairs of Morris, Fox & Zhu. */
+typedef struct {
+  PetscReal u[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* du_c/dx_a at [c][a] [1/s] */
+  PetscReal rho[ISPH_MAX_DIM];             /* [kg/m^4] */
+  PetscReal lap[ISPH_MAX_DIM];             /* [1/(m s)] */
+} ShiftSums;
 
-  for (PetscInt c = 0; c < st->dim; c++) {
-    for (PetscInt a = 0; a < st->dim; a++) {
-      gradient[c][a] = LanesSum(LanesPadded(st->n), pairs->du[c], pairs->c[a]);
-      squares += PetscSqr(gradient[c][a]);
+/* Adds up the sums of a particle of density rho in one pass; inlined for each dimension. */
+static ISPH_INLINE void SumAll(PetscInt d, const Stencil *st, const Pairs *pairs, PetscReal rho,
+                               ShiftSums *sums)
+{
+  const PetscInt n = LanesPadded(st->n);
+  Four           u[ISPH_MAX_DIM * ISPH_MAX_DIM], rise[ISPH_MAX_DIM], lap[ISPH_MAX_DIM];
+
+#pragma GCC unroll 9
+  for (PetscInt e = 0; e < d * d; e++) u[e] = (Four){0.0};
+#pragma GCC unroll 3
+  for (PetscInt a = 0; a < d; a++) rise[a] = lap[a] = (Four){0.0};
+  for (PetscInt k = 0; k < n; k += 4) {
+    const Four more = *FourAt(pairs->rho + k) - rho, radial = *FourAt(st->radial + k);
+
+#pragma GCC unroll 3
+    for (PetscInt a = 0; a < d; a++) {
+      const Four du = *FourAt(pairs->du[a] + k);
+
+      rise[a] += more * *FourAt(pairs->c[a] + k);
+      lap[a] += radial * du;
+#pragma GCC unroll 3
+      for (PetscInt b = 0; b < d; b++) u[a * d + b] += du * *FourAt(pairs->c[b] + k);
     }
   }
-  return squares;
+  for (PetscInt a = 0; a < d; a++) {
+    sums->rho[a] = FourSum(&rise[a]);
+    sums->lap[a] = 2.0 * FourSum(&lap[a]);
+    for (PetscInt b = 0; b < d; b++) sums->u[a][b] = FourSum(&u[a * d + b]);
+  }
 }
 
-/* Computes s.grad rho of a particle of density rho; walls have this density. */
-static ISPH_WIDE PetscReal Rise(const Stencil *st, const Pairs *pairs, PetscReal rho,
-                                const PetscReal s[])
+static ISPH_WIDE void SumShift(const Stencil *st, const Pairs *pairs, PetscReal rho,
+                               ShiftSums *sums)
 {
-  const PetscInt n    = LanesPadded(st->n);
-  PetscReal      rise = 0.0, *more = pairs->w;
-
-  for (PetscInt k = 0; k < n; k++) more[k] = pairs->rho[k] - rho;
-  for (PetscInt a = 0; a < st->dim; a++) rise += s[a] * LanesSum(n, more, pairs->c[a]);
-  return rise;
-}
-
-/* Computes lap u of a particle by the pairs of Morris, Fox & Zhu. */
-static ISPH_WIDE void VelocityLaplacian(const Stencil *st, const Pairs *pairs, PetscReal lap[])
-{
-  MomentWeights(st, PETSC_TRUE, pairs->w);
-  for (PetscInt a = 0; a < st->dim; a++)
-    lap[a] = 2.0 * LanesSum(LanesPadded(st->n), pairs->w, pairs->du[a]);
+  if (st->dim == 2) SumAll(2, st, pairs, rho, sums);
+  else SumAll(3, st, pairs, rho, sums);
 }
 
 /* Returns true if the sweep of the present stage also computes the shift. */
@@ -61,25 +71,28 @@ void WcsphShiftRow(Wcsph *w, Stencil *st, const PetscReal slope[])
   const LocalFlow *l    = &w->local;
   const PetscInt   d = st->dim, i = st->i, n = flow->particles->n_fluid;
   const Pairs     *pairs = &w->pairs;
-  PetscReal        gradient[ISPH_MAX_DIM][ISPH_MAX_DIM], s[ISPH_MAX_DIM], rise[2] = {0.0}, rate;
-  PetscReal        lap[ISPH_MAX_DIM], length2 = 0.0;
+  ShiftSums        sums;
+  PetscReal        s[ISPH_MAX_DIM], rise[2] = {0.0}, squares = 0.0, length2 = 0.0;
   PetscInt         c = 2 * d;
 
   StencilGradients(st, CORRECTION_FIRST_ORDER);
-  rate = PetscSqrtReal(VelocityGradient(st, pairs, gradient));
+  SumShift(st, pairs, l->rho[i], &sums);
+  for (PetscInt e = 0; e < d * d; e++) squares += PetscSqr(sums.u[e / d][e % d]);
   flow->state->shift->Displace(d, st->dx, flow->state->shift_strength,
-                               flow->scheme->stats.speed_max, rate, flow->clock->dt, slope, s);
-  rise[0] = Rise(st, pairs, l->rho[i], s);
-  VelocityLaplacian(st, pairs, lap);
-  for (PetscInt a = 0; a < d; a++) length2 += PetscSqr(s[a]);
+                               flow->scheme->stats.speed_max, PetscSqrtReal(squares),
+                               flow->clock->dt, slope, s);
+  for (PetscInt a = 0; a < d; a++) {
+    length2 += PetscSqr(s[a]);
+    rise[0] += s[a] * sums.rho[a];
+  }
   for (PetscInt k = 0; l->e && k < st->n; k++) {
     if (st->wall[k]) continue;
     for (PetscInt a = 0; a < d; a++) rise[1] += (l->e[st->j[k]] - l->e[i]) * s[a] * pairs->c[a][k];
   }
   for (PetscInt a = 0; a < d; a++) {
     w->shift[a * n + i]       = s[a];
-    w->shift[(d + a) * n + i] = 0.5 * length2 / (PetscReal)d * lap[a];
-    for (PetscInt b = 0; b < d; b++) w->shift[(d + a) * n + i] += s[b] * gradient[a][b];
+    w->shift[(d + a) * n + i] = 0.5 * length2 / (PetscReal)d * sums.lap[a];
+    for (PetscInt b = 0; b < d; b++) w->shift[(d + a) * n + i] += s[b] * sums.u[a][b];
   }
   if (!w->density->sums) w->shift[c++ * n + i] = rise[0];
   if (l->e) w->shift[c * n + i] = rise[1];

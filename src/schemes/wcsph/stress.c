@@ -86,6 +86,8 @@ static PetscErrorCode StressRow(Stencil *st, void *ctx)
   PetscReal           trace = 0.0, stress[ISPH_MAX_DIM * ISPH_MAX_DIM];
   PetscReal           inverse[ISPH_MAX_DIM * ISPH_MAX_DIM];
   unsigned            correction;
+  PairTerms           own = {.rho = w->local.rho[st->i]};
+  PairSums            sums;
 
   PetscFunctionBegin;
   PetscCall(WcsphSetPairs(w, none, st));
@@ -103,7 +105,8 @@ static PetscErrorCode StressRow(Stencil *st, void *ctx)
   if (row->composed->transposed && correction == CORRECTION_FIRST_ORDER)
     TimesMatrix(d, inverse, stress);
   for (PetscInt e = 0; e < d * d; e++) w->local.stress[e][st->i] = stress[e];
-  if (row->composed->transposed) w->local.divergence[st->i] = PairsDivergence(st, pairs);
+  PairsSum(st, pairs, &own, &sums);
+  w->local.divergence[st->i] = sums.divergence;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

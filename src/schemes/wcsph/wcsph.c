@@ -36,7 +36,15 @@ static PetscErrorCode WcsphSetUp(Flow *flow)
   flow->scheme->Divergence  = Compression;
   flow->scheme->bound.sound = WCSPH_SOUND * w->c0;
   w->lattice                = WcsphLatticeSum(flow);
+  if (!w->implicit)
+    w->follows = LaplacianFollowsSlopes(&flow->ops->forms.visc, flow->ops->forms.correction->bit);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns true if the density is an unknown and walls or periods keep the volume of the fluid. */
+static PetscBool KeepsVolume(const Flow *flow, const Wcsph *w)
+{
+  return !w->density->sums && !SceneHasFreeSurface(flow->scene) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Registers density and energy, and sets them from the pressure at the start; and the particles on
@@ -49,6 +57,8 @@ static PetscErrorCode WcsphRegister(Flow *flow)
 
   PetscFunctionBegin;
   PetscCall(ParticlesRegister(p, "density", 1, HALO_NONE, ENTRY_MEAN, &w->rho));
+  if (KeepsVolume(flow, w))
+    PetscCall(MemoryAddReal(&flow->scheme->memory, "fluid_volume", &w->volume));
   if (w->equation->has_energy)
     PetscCall(ParticlesRegister(p, "energy", 1, HALO_NONE, ENTRY_MEAN, &w->e));
   if (WcsphComposed(w) && WcsphComposed(w)->gradient == GRADIENT_COUPLED &&
@@ -63,6 +73,32 @@ static PetscErrorCode WcsphRegister(Flow *flow)
   UserCheck(least > 0.0,
             "-sound_speed %.6g: the least pressure at the start has no density; use a larger one",
             (double)w->c0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the volume of the fluid at its present densities [m^dim]. */
+static PetscErrorCode FluidVolume(const Flow *flow, const Wcsph *w, PetscReal *volume)
+{
+  const Particles *p = flow->particles;
+
+  PetscFunctionBegin;
+  *volume = 0.0;
+  for (PetscInt i = 0; i < p->n_fluid; i++) *volume += p->volume[i] * flow->scene->rho / w->rho[i];
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, volume, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Multiplies all densities by the factor that restores the volume at the start: docs/theory.md,
+   (286). Errors of div u otherwise add up to a density, and a speed of sound, far from that at
+   rest. */
+static PetscErrorCode RestoreVolume(const Flow *flow, Wcsph *w)
+{
+  PetscReal volume;
+
+  PetscFunctionBegin;
+  if (!KeepsVolume(flow, w)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FluidVolume(flow, w, &volume));
+  for (PetscInt i = 0; i < flow->particles->n_fluid; i++) w->rho[i] *= volume / w->volume;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -113,6 +149,7 @@ static PetscErrorCode WcsphBegin(Flow *flow)
     w->surface[i] = flow->ops->free->kind[i] != SURFACE_INSIDE ? 1.0 : 0.0;
   if (w->surface) PetscCall(ParticlesHaloField(flow->particles, w->surface));
   PetscCall(SetPressure(flow, w));
+  if (flow->clock->step == 0 && KeepsVolume(flow, w)) PetscCall(FluidVolume(flow, w, &w->volume));
   w->artificial_over_nu = ArtificialShare(flow, w);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -213,6 +250,7 @@ static PetscErrorCode WcsphStep(Flow *flow)
   PetscCall(SolveViscosity(flow, w));
   if (!failure->code) PetscCall(FlowCheck(flow));
   if (failure->code) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(RestoreVolume(flow, w));
   PetscCall(SetPressure(flow, w));
   PetscCall(AverageEnd(flow));
   PetscCall(FlowAdvance(flow));
@@ -225,7 +263,7 @@ static PetscErrorCode WcsphStep(Flow *flow)
 
     dt <= 0.125 h/(delta c0),   dt <= 0.5 h/(alpha c0 + 2 beta U)
 
-  With the circles of Gershgorin the sums of DensityDiffusion() and ArtificialViscosity() for the
+  With the circles of Gershgorin the sums of PairsSum() and ArtificialViscosity() for the
   kernel Wendland C2 have no eigenvalue above 14 delta c0/h and 3.5 (alpha c0 + beta |m|)/h. These
   steps keep the product of step and eigenvalue below 2, which all Runge-Kutta methods allow.
   Particles at the distance h approach with |m| = 2 U at most.

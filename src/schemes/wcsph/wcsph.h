@@ -68,13 +68,27 @@ typedef struct {
   PetscReal        *w;                /* weights of the viscous form; workspace */
 } Pairs;
 
+/* The particle and the form of its pressure force in PairsSum(). */
+typedef struct {
+  PetscBool by_sums;   /* the force that belongs to -density_form summation */
+  PetscBool corrected; /* the kernel has a correction */
+  PetscReal rho, p;    /* [kg/m^3], [Pa] */
+} PairTerms;
+
+typedef struct {
+  PetscReal divergence;              /* [1/s] */
+  PetscReal diffusion;               /* [kg/m^5] */
+  PetscReal laplacian[ISPH_MAX_DIM]; /* of the velocity [1/(m s)] */
+  PetscReal pressure[ISPH_MAX_DIM];  /* acceleration [m/s^2] */
+} PairSums;
+
 /* Values by local index, with the halo. */
 typedef struct {
   PetscInt   capacity;
   PetscReal *u[ISPH_MAX_DIM], *rho, *p, *e;       /* e: NULL without energy */
   PetscReal *stress[ISPH_MAX_DIM * ISPH_MAX_DIM]; /* of a composed form, else NULL [Pa] */
   PetscReal *divergence;                          /* beside it, own particles [1/s] */
-  PetscReal *packed; /* rho, p and u of each particle, side by side for WcsphSetPairs() */
+  PetscReal *packed; /* V, rho, p and u of each particle, side by side for WcsphSetPairs() */
 } LocalFlow;
 
 struct Wcsph {
@@ -83,11 +97,13 @@ struct Wcsph {
   const PressureReductionRow      *reduction;
   const CompressibleIntegratorRow *integrator;
   PetscBool                        implicit; /* viscosity is left to visc */
+  PetscBool                        follows;  /* explicit viscosity is PairSums.laplacian */
   PetscReal                        c0;       /* speed of sound at rest [m/s] */
   PetscReal                        p_rest;   /* pressure at rest, not zero for a gas [Pa] */
   PetscReal                        e_rest;   /* internal energy at rest [J/kg] */
   PetscReal                        courant;  /* of sound [-] */
   PetscReal                        lattice;  /* WcsphLatticeSum() [-] */
+  PetscReal                        volume;   /* of the fluid at the start, if it stays [m^dim] */
   PetscReal                        diffusion;
   PetscReal                        artificial[2]; /* alpha, beta [-] */
 
@@ -148,13 +164,10 @@ PetscErrorCode WcsphShift(Flow *flow, Wcsph *w);
 PetscErrorCode PairsReserve(PetscInt capacity, Pairs *pairs);
 PetscErrorCode PairsFree(Pairs *pairs);
 void           PairsFinish(PetscReal rho, const Stencil *stencil, Pairs *pairs);
-PetscReal      PairsDivergence(const Stencil *stencil, const Pairs *pairs);
-void PressureForce(const Stencil *stencil, const Pairs *pairs, PetscBool sums, PetscBool corrected,
-                   PetscReal rho, PetscReal p, PetscReal acceleration[]);
+void PairsSum(const Stencil *stencil, const Pairs *pairs, const PairTerms *own, PairSums *sums);
 PetscReal PairsEnergy(const Stencil *stencil, const Pairs *pairs, PetscReal rho, PetscReal p);
 void ArtificialViscosity(const Stencil *stencil, const Pairs *pairs, const PetscReal artificial[],
                          PetscReal c0, PetscReal rho, PetscReal acceleration[]);
-PetscReal DensityDiffusion(const Stencil *stencil, const Pairs *pairs, PetscReal rho,
-                           const PetscReal slope[]);
+PetscReal HydrostaticRise(const Stencil *stencil, const PetscReal slope[]);
 
 #endif
