@@ -115,7 +115,7 @@ STATEMENTS = [
     ["E has spikes of energy, most without correction", "yes", "Re = 100: up to +47 % with shepard; none: lost at t = 5.4"],
     ["C is nearly as accurate as D", "yes", "Re = 100: u profile 0.015 (C), 0.032 (D), 0.049 (E)"],
     ["D is the best by a small margin", "C, D", "C at Re = 100; at Re = 1000 D holds longest"],
-    ["Re = 100 at 50 by 50: D is close to the reference", "within 6 %", "D at t = 20: energy -6.2 %, u profile 0.019; wcsph -0.4 %, 0.003"],
+    ["Re = 100 at 50 by 50: D is close to the reference", "within 6 %", "D at t = 20: energy -6.2 %, u profile 0.019; wcsph -0.2 %, 0.011"],
     ["Re = 1000: all models have too little energy", "no", "A to E gain energy from t = 1 on, and are lost before t = 7.2 at n = 25"],
     ["more robust than the channel", "no", "E at Re = 1000: lost at t = 1.7 L/U, in the channel at 19 L/U"],
 ]
@@ -125,12 +125,13 @@ more than its scatter, and continuity without diffusion is lost at once. In a ru
 which the CSV lacks, particles come to the walls until the clearance of 0.05 dx stops them, and the density varies by 17 %. Walls differ from the paper's: a dummy here has the pressure of the particle that
 reads it, so a particle of negative pressure is pulled to the wall, and particles of the paper's walls have densities of
 their own. The projection has -1.5 % at Re = 100 and -4 % at Re = 1000 with the same 25 by 25 particles. The default of
-`-scheme wcsph` has -5.0 % at Re = 100; at Re = 1000 it gains up to 43 % near t = 5 and returns to -7 %.
+`-scheme wcsph` has -0.9 % at Re = 100 and -9 % at Re = 1000; before it kept the volume of the fluid
+([(286)](../theory.md#eq-286)) it had -5.0 % at Re = 100, and +43 % near t = 5 at Re = 1000.
 
 At the paper's 50 by 50 particles and to its times the default of `-scheme wcsph` has the energy within 0.5 % at Re = 100, and profiles within
-0.4 % of U; the projection has 0.4 to 1 % and 0.06 % in a seventh of the CPU time. At Re = 1000 both have too little energy, as in the paper:
--1.5 % at t = 40 with the projection, whose profiles at t = 80 are within 0.3 % of U, and -4.6 % with `-scheme wcsph`, which is lost at
-t = 55.9, when a single particle moves by 0.2 dx in a step.
+1.1 % of U, which sound and shifts disturb; the projection has 0.4 to 1 % and 0.06 % in a third of the CPU time. At Re = 1000 both have too little energy, as in the paper:
+-1.5 % at t = 40 with the projection, whose profiles at t = 80 are within 0.3 % of U, and -3.9 % with `-scheme wcsph`, within
+1.1 % of U. Before it kept the volume of the fluid `-scheme wcsph` was lost at t = 55.9 and, with sums in another order, at 65.1.
 """
 
 
