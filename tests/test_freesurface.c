@@ -246,13 +246,13 @@ static PetscBool AtEnd(const Pool *pool, PetscInt i)
 }
 
 /* Returns true if particle i is behind the nose and away from the other end, which touches a wall:
-   a nose ends 1.7 + 2.5 dx from the wall that is not touched, which begins 1.3 dx from the film. */
+   a nose ends 2.4 + 2.5 dx from the wall that is not touched, which begins 1.3 dx from the film. */
 static PetscBool BehindNose(const Pool *pool, PetscInt i)
 {
   const Scene    *scene = &pool->s.scene;
   const PetscReal x     = (pool->p->x[0][i] - scene->lo[0]) / scene->dx;
 
-  return x > 3.0 && x < FILM - 4.2 ? PETSC_TRUE : PETSC_FALSE;
+  return x > 3.0 && x < FILM - 4.9 ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Sets the filled region: a box from beyond the corner of the walls to the end of the film. */

@@ -18,7 +18,7 @@ static void AddParticle(PetscInt dim, PetscReal depth, PetscReal frame[][ISPH_MA
 
   for (PetscInt a = 0; a < dim; a++)
     y[a] = st->dx * (cell[a] + 0.2 * (2.0 * ParticlesHash(1, id, a) - 1.0));
-  st->surface[k] = cell[dim - 1] * st->dx + depth > -0.5 * st->dx ? PETSC_TRUE : PETSC_FALSE;
+  st->surface[k] = cell[dim - 1] * st->dx - depth > -0.5 * st->dx ? PETSC_TRUE : PETSC_FALSE;
   if (st->surface[k]) y[dim - 1] = depth;
   for (PetscInt a = 0; a < dim; a++) {
     st->X[a][k]      = 0.0;

@@ -12,7 +12,7 @@
 #include "rows.h"
 #include "surfacefits.h"
 
-#define DRY    1.7 /* distance of wall particles that are tried for contact with fluid [dx] */
+#define DRY    2.4 /* distance of wall particles that are tried for contact with fluid [dx] */
 #define LENGTH 2.5 /* of a nose, from particles beside a dry wall [dx] */
 #define THIN   2.2 /* height above the wall below which fluid is thin [dx] */
 
@@ -32,8 +32,9 @@ static PetscBool Sticks(const Scene *scene, const Particles *p, PetscInt j)
                                : PETSC_FALSE;
 }
 
-/* Returns true if own particle i is beside a wall that no fluid touches. Fluid that touches a wall
-   particle nearer than DRY dx is within the usual support, 3 dx. */
+/* Returns true if own particle i is beside a wall that no fluid touches. Wall particles nearer than
+   1.3 dx are touched by the particle itself, and the next ones are dx further: wherever a front is,
+   one of them is within DRY dx. */
 static PetscBool IsBesideDryWall(const Scene *scene, const Particles *p, const Neighbors *nb,
                                  PetscInt i)
 {

@@ -6,7 +6,9 @@
     u_i += e min(0, e.(u_j - u_i))/2,   e = (x_j - x_i)/r,
 
   as two equal bodies in an inelastic collision. Momentum and angular momentum stay, and energy does
-  not grow.
+  not grow. Pairs that are nearer than that are moved apart: in the nose of a current on a wall
+  particles would pile up, and two in one place are lost when they become smooth again. See
+  docs/theory.md, (159) and (277).
 
   Reference: S. Koshizuka, Y. Oka, Nucl. Sci. Eng. 123 (1996) 421-434, there for all particles
 */
@@ -34,6 +36,45 @@ static void Collide(const Flow *flow, const PetscReal u[], PetscInt i, PetscReal
     }
     if (r2 == 0.0 || r2 >= PetscSqr(CONTACT * p->dx[i]) || approach >= 0.0) continue;
     for (PetscInt a = 0; a < d; a++) change[a] += 0.5 * approach / r2 * X[a];
+  }
+}
+
+/* Adds half of the displacement that brings each pair of rough particle i and a fluid particle
+   nearer than CONTACT dx to this distance. */
+static void Separate(const Particles *p, const Neighbors *nb, PetscInt i, PetscReal apart[])
+{
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    const PetscInt j  = nb->col[q];
+    PetscReal      r2 = 0.0, share, X[ISPH_MAX_DIM];
+
+    if (ParticlesIsWall(p, j)) continue;
+    for (PetscInt a = 0; a < p->dim; a++) {
+      X[a] = p->x[a][j] - p->x[a][i];
+      r2 += PetscSqr(X[a]);
+    }
+    if (r2 == 0.0 || r2 >= PetscSqr(CONTACT * p->dx[i])) continue;
+    share = 0.5 * (CONTACT * p->dx[i] / PetscSqrtReal(r2) - 1.0);
+    for (PetscInt a = 0; a < p->dim; a++) apart[a] -= share * X[a];
+  }
+}
+
+/*
+  FlowSeparate - Computes displacements that bring rough particles and their neighbours to the
+  distance CONTACT dx
+
+    s_i = -sum_j e (CONTACT dx - r)/2,   e = (x_j - x_i)/r
+
+  Not collective. Input: neighbours at the present positions. Output: apart - of own particles, by
+  [i dim + a], zero for those that are not rough [m].
+*/
+void FlowSeparate(const Flow *flow, PetscReal apart[])
+{
+  const Particles *p = flow->particles;
+
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    for (PetscInt a = 0; a < p->dim; a++) apart[i * p->dim + a] = 0.0;
+    if (flow->ops->free->kind[i] == SURFACE_ROUGH)
+      Separate(p, flow->neighbors, i, &apart[i * p->dim]);
   }
 }
 

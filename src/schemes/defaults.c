@@ -143,18 +143,20 @@ PetscErrorCode SolverRenewPC(KSP ksp)
 
   Collective. Does nothing for other preconditioners. The default algorithm for the coarse matrices
   P^T A P adds the parts of other ranks in the order in which they arrive (PETSc 3.18), and runs on
-  four ranks differed in their last digits.
+  four ranks differed in their last digits. Matrices of one rank do not have the other algorithm.
 */
 PetscErrorCode SolverSetUpGamg(KSP ksp)
 {
   const char *const algorithm = "-matptap_via";
   PetscBool         gamg, given;
+  PetscMPIInt       ranks;
   PC                pc;
 
   PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PetscObjectComm((PetscObject)ksp), &ranks));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCGAMG, &gamg));
-  if (!gamg) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!gamg || ranks == 1) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscOptionsHasName(NULL, NULL, algorithm, &given));
   if (!given) PetscCall(PetscOptionsSetValue(NULL, algorithm, "allatonce"));
   PetscCall(KSPSetUp(ksp));

@@ -13,7 +13,8 @@
   Derivatives at the old positions, which give the change of the fields of a displaced particle:
   grad p and the gradient of the mean pressure; with shifting also grad u and, if the viscous
   operator is a Laplacian, lap u; with the velocity filter also grad u and the residual of a
-  quadratic fit of u. Unneeded vectors are NULL.
+  quadratic fit of u. Unneeded vectors are NULL. Beside them the displacements of rough particles
+  from their neighbours, which follow from the old positions too.
 */
 typedef struct {
   Vec                p_vec[ISPH_MAX_DIM], mean_vec[ISPH_MAX_DIM], u_vec[ISPH_MAX_DIM][ISPH_MAX_DIM];
@@ -23,6 +24,7 @@ typedef struct {
   const PetscScalar *u[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* du_c/dx_a at [c][a] */
   const PetscScalar *lap[ISPH_MAX_DIM];             /* lap u_c */
   const PetscScalar *residual[ISPH_MAX_DIM];        /* residual of the fit of u_c */
+  PetscReal         *apart; /* FlowSeparate(); NULL without shifting or a free surface */
 } Slopes;
 
 /* Computes y = op f in a work vector and gets the array of this vector in `slope`. */
@@ -104,6 +106,10 @@ static PetscErrorCode SlopesGet(Flow *flow, PetscBool shifting, Slopes *t)
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(t, sizeof(*t)));
+  if (shifting && ops->free) {
+    PetscCall(PetscMalloc1(flow->particles->n_fluid * flow->scene->dim, &t->apart));
+    FlowSeparate(flow, t->apart);
+  }
   for (PetscInt a = 0; a < flow->scene->dim; a++) {
     if (state->p && ops->grad_p[a].needed) {
       PetscCall(SlopeGet(flow, &ops->grad_p[a], state->p, walls->p, &t->p_vec[a], &t->p[a]));
@@ -120,6 +126,7 @@ static PetscErrorCode SlopesGet(Flow *flow, PetscBool shifting, Slopes *t)
 static PetscErrorCode SlopesRestore(Flow *flow, Slopes *t)
 {
   PetscFunctionBegin;
+  PetscCall(PetscFree(t->apart));
   for (PetscInt a = 0; a < flow->scene->dim; a++) {
     PetscCall(SlopeRestore(flow, &t->p_vec[a], &t->p[a]));
     PetscCall(SlopeRestore(flow, &t->mean_vec[a], &t->mean[a]));
@@ -132,9 +139,10 @@ static PetscErrorCode SlopesRestore(Flow *flow, Slopes *t)
 }
 
 /* Limits the shift of particle i of a fluid with a free surface: particles on the surface stay on
-   it, and no shift is longer than a share of the way of the fastest particle. Longer shifts carry
-   fluid through the surface: the level of a resting puddle would fall or rise. */
-static void LimitAtSurface(const Flow *flow, PetscInt i, PetscReal shift[])
+   it, rough ones only move apart, and no shift is longer than a share of the way of the fastest
+   particle. Longer shifts carry fluid through the surface: the level of a resting puddle would fall
+   or rise. */
+static void LimitAtSurface(const Flow *flow, const PetscReal apart[], PetscInt i, PetscReal shift[])
 {
   const FreeSurface *free  = flow->ops->free;
   const PetscInt     d     = flow->scene->dim;
@@ -145,7 +153,7 @@ static void LimitAtSurface(const Flow *flow, PetscInt i, PetscReal shift[])
   for (PetscInt a = 0; a < d; a++) along += shift[a] * free->normal[i * d + a];
   for (PetscInt a = 0; a < d; a++) {
     if (kind == SURFACE_SMOOTH) shift[a] -= along * free->normal[i * d + a];
-    if (kind == SURFACE_ROUGH || kind == SURFACE_ISOLATED) shift[a] = 0.0;
+    if (kind == SURFACE_ROUGH || kind == SURFACE_ISOLATED) shift[a] = apart[i * d + a];
     length += PetscSqr(shift[a]);
   }
   length = PetscSqrtReal(length);
@@ -175,7 +183,7 @@ static void ShiftParticle(const Flow *flow, const Slopes *slopes, PetscInt i, Pe
       shift[a] += disturbance * ParticlesHash(scene->seed + 1, flow->particles->id[i], a);
     shift[a] /= ParticlesStretch(flow->particles, a, i);
   }
-  if (flow->ops->free) LimitAtSurface(flow, i, shift);
+  if (flow->ops->free) LimitAtSurface(flow, slopes->apart, i, shift);
 }
 
 /* Computes the change of the velocity of particle i by its shift s, s.grad u + |s|^2/(2d) lap u in

@@ -60,6 +60,7 @@ PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt);
 
 /* collisions.c */
 PetscErrorCode FlowCollide(Flow *flow);
+void           FlowSeparate(const Flow *flow, PetscReal apart[]);
 
 /* check.c */
 PetscErrorCode FlowMassRows(const Flow *flow, const Vec u[], Vec rows);
