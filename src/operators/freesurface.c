@@ -278,15 +278,17 @@ static PetscBool BesideRough(const Particles *p, const Neighbors *nb, const Free
 
 /* Sorts out surface particles after the fits. Particles in noses are rough, and so are particles
    beside a rough one. A particle below a gap of the surface is inside: the pressure of the surface
-   would sink it. */
+   would sink it. With pair forces everywhere it stays on the surface: an equation of mass there
+   stiffens thin jets, which then do not fold. */
 static PetscErrorCode Sort(const Scene *scene, const Particles *p, const Neighbors *nb,
-                           const PetscReal depth[], FreeSurface *free)
+                           const OperatorForms *forms, const PetscReal depth[], FreeSurface *free)
 {
+  const PetscBool fitted = LaplacianFitsSurface(&forms->visc);
   PetscReal *kind;
 
   PetscFunctionBegin;
   PetscCall(FreeSurfaceFindNoses(scene, p, nb, free));
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
+  for (PetscInt i = 0; fitted && i < p->n_fluid; i++) {
     if (free->kind[i] == SURFACE_SMOOTH && depth[i] > BELOW * p->dx[i])
       free->kind[i] = SURFACE_INSIDE;
   }
@@ -340,7 +342,7 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
     PetscCall(PetscArraycpy(free->normal, fits.normal, p->n_fluid * d));
     PetscCall(Exchange(p, free));
   }
-  PetscCall(Sort(scene, p, nb, fits.depth, free));
+  PetscCall(Sort(scene, p, nb, forms, fits.depth, free));
   if (free->tension > 0.0) PetscCall(SurfaceAverageCurvature(scene, p, nb, forms, free));
   PetscCall(PetscFree2(fits.normal, fits.depth));
   PetscFunctionReturn(PETSC_SUCCESS);
