@@ -284,7 +284,7 @@ static PetscErrorCode Sort(const Scene *scene, const Particles *p, const Neighbo
                            const OperatorForms *forms, const PetscReal depth[], FreeSurface *free)
 {
   const PetscBool fitted = LaplacianFitsSurface(&forms->visc);
-  PetscReal *kind;
+  PetscReal      *kind;
 
   PetscFunctionBegin;
   PetscCall(FreeSurfaceFindNoses(scene, p, nb, free));
