@@ -2,10 +2,12 @@
   Free surfaces: particles on the surface of discs and films are found and no others, their normals
   and curvatures converge to those of a circle, waves of any length have a curvature of their sign
   with surface tension, and a fragment of two particles is isolated. The end of a thin film on a
-  wall is rough, and the film behind it is smooth.
+  wall is rough, and the film behind it is smooth. Rough particles that are too near are moved
+  apart.
 */
 /* RANKS: 1 3 */
 #include "crowd.h"
+#include "schemes/step.h"
 
 typedef struct {
   Setting       s;
@@ -302,12 +304,52 @@ static void test_nose(void **state)
   Empty(&pool);
 }
 
+/* Compares the displacements of a pressed film, whose layers are 0.6 dx apart. Rough particles are
+   moved apart to 0.7 dx: those of the outer layers have a neighbour on one side and move by half of
+   0.1 dx. Returns the largest displacement. */
+static PetscReal TryApart(Pool *pool, PetscReal apart[])
+{
+  const PetscReal dx      = pool->s.scene.dx;
+  Operators       ops     = {.free = &pool->free};
+  const Flow      flow    = {.particles = pool->p, .neighbors = pool->nb, .ops = &ops};
+  PetscReal       largest = 0.0;
+
+  FlowSeparate(&flow, apart);
+  for (PetscInt i = 0; i < pool->p->n_fluid; i++) {
+    const PetscInt  layer = (PetscInt)((pool->p->x[1][i] - pool->s.scene.lo[1]) / (0.6 * dx));
+    const PetscReal along =
+        pool->free.kind[i] == SURFACE_ROUGH ? 0.05 * dx * (PetscReal)(layer - 1) : 0.0;
+
+    largest = PetscMax(largest, PetscAbsReal(along));
+    assert_true(PetscAbsReal(apart[2 * i]) < 1e-12 * dx);
+    assert_true(PetscAbsReal(apart[2 * i + 1] - along) < 1e-12 * dx);
+  }
+  return largest;
+}
+
+/* Rough particles of the nose of a film move apart, smooth ones and those inside stay. */
+static void test_separate(void **state)
+{
+  Pool       pool;
+  PetscReal *apart, largest;
+
+  (void)state;
+  Film(0.6, &pool);
+  ASSERT_OK(PetscMalloc1(2 * pool.p->n_fluid, &apart));
+  largest = TryApart(&pool, apart);
+  MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD);
+  CloudAssertNone("rough particle", "film of 1.5 dx", largest == 0.0);
+  ASSERT_OK(PetscFree(apart));
+  Empty(&pool);
+}
+
 int main(int argc, char **argv)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_disc), cmocka_unit_test(test_film),
-                                     cmocka_unit_test(test_stiffness),
-                                     cmocka_unit_test(test_isolated), cmocka_unit_test(test_nose)};
-  int                     failed;
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_disc),      cmocka_unit_test(test_film),
+      cmocka_unit_test(test_stiffness), cmocka_unit_test(test_isolated),
+      cmocka_unit_test(test_nose),      cmocka_unit_test(test_separate)};
+  int failed;
 
   if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;
   failed = cmocka_run_group_tests(tests, NULL, NULL);

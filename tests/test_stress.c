@@ -133,7 +133,7 @@ static PetscReal Shear(const LaplacianRow *form, PetscInt dim, const char more[]
    rate of the shear over dx. */
 static PetscReal CouetteForce(const LaplacianRow *form)
 {
-  const CloudBox box             = {.dim = 2, .cells = {12, 9, 1}, .n_periodic = 1};
+  const CloudBox box = {.dim = 2, .cells = {12, 9, 1}, .n_periodic = 1, .moves = PETSC_TRUE};
   Quadratic      u[ISPH_MAX_DIM] = {{0}}, zero = {0};
   PetscReal      largest = 0.0, force;
   Cloud          cloud;

@@ -6,6 +6,7 @@
   treatment extends, or that couple components, are products with their matrices.
 */
 #include "fitted.h"
+#include "isph/lanes.h"
 
 /* Collects the values of fields by local index, halo included, those of a particle one after
    another. NULL stands for zeros. */
@@ -62,22 +63,20 @@ typedef struct {
   PetscBool        fluid, walls, add; /* terms over fluid and over walls; y is increased */
 } Product;
 
-/* Values of four rows of a run: in a vector register, and in an array. */
+/* Values of four rows of a run in a vector register; those in arrays are not aligned. */
 typedef PetscReal Lanes __attribute__((vector_size(4 * sizeof(PetscReal))));
-typedef PetscReal Stored
-    __attribute__((vector_size(4 * sizeof(PetscReal)), aligned(sizeof(PetscReal)), may_alias));
 #define VECTORS (RUN_LANES / 4)
 
 static ISPH_INLINE void LanesLoad(const PetscReal from[], Lanes to[VECTORS])
 {
-  for (PetscInt v = 0; v < VECTORS; v++) to[v] = ((const Stored *)from)[v];
+  for (PetscInt v = 0; v < VECTORS; v++) to[v] = ((const Four *)from)[v];
 }
 
 /* Writes the sums of operator k to rows i and following. */
 static ISPH_INLINE void LanesStore(const Lanes sum[VECTORS], PetscInt k, PetscInt i,
                                    const Product *product)
 {
-  Stored *y = (Stored *)(product->y[k] + i);
+  Four *y = (Four *)(product->y[k] + i);
 
   for (PetscInt v = 0; v < VECTORS; v++) {
     if (product->add) y[v] += sum[v];
