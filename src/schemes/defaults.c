@@ -148,7 +148,7 @@ PetscErrorCode SolverRenewPC(KSP ksp)
 PetscErrorCode SolverSetUpGamg(KSP ksp)
 {
   const char *const algorithm = "-matptap_via";
-  PetscBool         gamg, given;
+  PetscBool         gamg;
   PetscMPIInt       ranks;
   PC                pc;
 
@@ -157,10 +157,9 @@ PetscErrorCode SolverSetUpGamg(KSP ksp)
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCGAMG, &gamg));
   if (!gamg || ranks == 1) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscOptionsHasName(NULL, NULL, algorithm, &given));
-  if (!given) PetscCall(PetscOptionsSetValue(NULL, algorithm, "allatonce"));
+  PetscCall(PetscOptionsSetValue(NULL, algorithm, "allatonce")); /* a user cannot give it */
   PetscCall(KSPSetUp(ksp));
-  if (!given) PetscCall(PetscOptionsClearValue(NULL, algorithm));
+  PetscCall(PetscOptionsClearValue(NULL, algorithm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
