@@ -233,6 +233,7 @@ PetscErrorCode SchemeSetUp(Flow *flow);
 PetscErrorCode SchemeRegister(Flow *flow);
 PetscErrorCode SchemeLimit(const Flow *flow, StepLimit *limit);
 PetscErrorCode SchemeAddSolve(LinearSolve *solve, Scheme *scheme);
+PetscErrorCode SchemeAddFigure(SchemeFigure figure, Scheme *scheme);
 PetscErrorCode SchemeDestroy(Flow *flow);
 
 /* All data of a step. A patch test has no clock, state or scheme. */

@@ -69,7 +69,7 @@ typedef PetscReal Lanes __attribute__((vector_size(4 * sizeof(PetscReal))));
 
 static ISPH_INLINE void LanesLoad(const PetscReal from[], Lanes to[VECTORS])
 {
-  for (PetscInt v = 0; v < VECTORS; v++) to[v] = ((const Four *)from)[v];
+  for (PetscInt v = 0; v < VECTORS; v++) to[v] = *FourAt(from + 4 * v);
 }
 
 /* Writes the sums of operator k to rows i and following. */

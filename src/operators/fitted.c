@@ -141,9 +141,9 @@ static ISPH_INLINE void SumMoments(PetscInt dim, PetscInt degree, PetscInt n,
   for (PetscInt k = 0; k < n; k += 4) {
     Four s[ISPH_MAX_DIM], phi[1 + MLS_MAX_TERMS];
 
-    phi[0] = *(const Four *)&difference[k];
+    phi[0] = *FourAt(&difference[k]);
     for (PetscInt a = 0; a < dim; a++) {
-      s[a]       = *(const Four *)&f->s[a][k];
+      s[a]       = *FourAt(&f->s[a][k]);
       phi[1 + a] = phi[0] * s[a];
     }
     FourMonomials(dim, degree, s, phi + 1);

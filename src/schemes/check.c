@@ -287,16 +287,16 @@ PetscErrorCode UnevennessRemember(Flow *flow)
   if (!(s->needs & NEED_CONCENTRATION) || SceneHasFreeSurface(flow->scene))
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MemoryAddReal(&s->memory, "unevenness", &s->stats.unevenness));
-  PetscCheck(s->n_figures < SCHEME_MAX_FIGURES, PETSC_COMM_SELF, PETSC_ERR_PLIB,
-             "More than SCHEME_MAX_FIGURES = %d figures", SCHEME_MAX_FIGURES);
-  s->figure[s->n_figures++] = (SchemeFigure){
-      .name  = "unevenness",
-      .value = &s->stats.unevenness,
-      .most  = UNEVEN,
-      .remedy =
-          "the particles were unevenly spread, and the velocity may err by some per cent; try "
-          "a smaller -cfl or -dt",
-      .quiet = PETSC_TRUE,
-  };
+  PetscCall(SchemeAddFigure(
+      (SchemeFigure){
+          .name  = "unevenness",
+          .value = &s->stats.unevenness,
+          .most  = UNEVEN,
+          .remedy =
+              "the particles were unevenly spread, and the velocity may err by some per cent; try "
+              "a smaller -cfl or -dt",
+          .quiet = PETSC_TRUE,
+      },
+      s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -37,10 +37,9 @@ PetscErrorCode OpeningsCreate(Flow *flow)
       "-motion eulerian, or a uniform spacing");
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(volume); k++) {
     PetscCall(MemoryAddReal(&scheme->memory, volume[k].name, volume[k].value));
-    PetscCheck(scheme->n_figures < SCHEME_MAX_FIGURES, PETSC_COMM_SELF, PETSC_ERR_PLIB,
-               "More than SCHEME_MAX_FIGURES = %d figures", SCHEME_MAX_FIGURES);
-    scheme->figure[scheme->n_figures++] =
-        (SchemeFigure){.name = volume[k].name, .value = volume[k].value, .most = PETSC_INFINITY};
+    PetscCall(SchemeAddFigure(
+        (SchemeFigure){.name = volume[k].name, .value = volume[k].value, .most = PETSC_INFINITY},
+        scheme));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -141,6 +141,17 @@ PetscErrorCode SchemeLimit(const Flow *flow, StepLimit *limit)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* SchemeAddFigure - Adds a number to the report of the run; not collective. figure.value must exist
+   as long as the scheme. */
+PetscErrorCode SchemeAddFigure(SchemeFigure figure, Scheme *s)
+{
+  PetscFunctionBegin;
+  PetscCheck(s->n_figures < SCHEME_MAX_FIGURES, PETSC_COMM_SELF, PETSC_ERR_PLIB,
+             "%s is one more than SCHEME_MAX_FIGURES = %d", figure.name, SCHEME_MAX_FIGURES);
+  s->figure[s->n_figures++] = figure;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   SchemeAddSolve - Adds a linear solve to the list for banner, report, progress and checkpoints
 

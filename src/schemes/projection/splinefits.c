@@ -5,6 +5,7 @@
   are treated together.
 */
 #include "splinesearch.h"
+#include "isph/lanes.h"
 
 #define FIT_MOST        3   /* times as many if their weights are large */
 #define FIT_LARGEST_SUM 2.5 /* of absolute weights; 1.2 to 1.6 on a lattice */
@@ -92,16 +93,10 @@ static PetscReal LargestSum(PetscInt dim, const CoupledFit *f)
   return largest;
 }
 
-/* Returns the smallest multiple of 4 that is at least n. */
-static PetscInt Fours(PetscInt n)
-{
-  return 4 * ((n + 3) / 4);
-}
-
 /* Fills the particles of a coupled fit up with the weight zero. */
 static void PadCoupled(PetscInt dim, CoupledFit *f)
 {
-  for (PetscInt k = f->n; k < Fours(f->n); k++) {
+  for (PetscInt k = f->n; k < LanesPadded(f->n); k++) {
     f->W[k]    = 0.0;
     f->wall[k] = PETSC_FALSE;
     for (PetscInt a = 0; a < dim; a++) f->s[a][k] = f->normal[a][k] = 0.0;
@@ -217,8 +212,9 @@ static PetscErrorCode FitCoupled(Flow *flow, PetscInt i, SplineAround *around, C
       }
     }
     PadCoupled(dim, f);
-    size = VectorFit(dim, degree, Fours(f->n), s, f->W, f->wall, normal, w) ? LargestSum(dim, f)
-                                                                            : PETSC_INFINITY;
+    size = VectorFit(dim, degree, LanesPadded(f->n), s, f->W, f->wall, normal, w)
+               ? LargestSum(dim, f)
+               : PETSC_INFINITY;
     if (!TakesMore(least, wanted, found, size)) break;
   }
   if (size < PETSC_INFINITY) PetscFunctionReturn(PETSC_SUCCESS);

@@ -31,7 +31,7 @@ static ISPH_INLINE void MultiplyTile(const Product *p, PetscInt row, PetscInt co
 
   for (PetscInt e = 0; e < TILE_ROWS * TILE_COLS / 4; e++) sum[e / 2][e % 2] = (Four){0.0};
   for (PetscInt k = 0; k < p->inner; k++, B += p->cols) {
-    const Four left = *(const Four *)B, right = *(const Four *)(B + 4);
+    const Four left = *FourAt(B), right = *FourAt(B + 4);
 
 #pragma GCC unroll 4
     for (PetscInt r = 0; r < TILE_ROWS; r++) {

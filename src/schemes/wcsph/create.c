@@ -259,37 +259,45 @@ static PetscErrorCode AddFigures(Scheme *scheme, Wcsph *w)
   PetscFunctionBegin;
   PetscCall(MemoryAddReal(&scheme->memory, "mach", &w->mach));
   PetscCall(MemoryAddReal(&scheme->memory, "density_variation", &w->variation));
-  scheme->figure[scheme->n_figures++] = (SchemeFigure){
-      .name   = "mach",
-      .value  = &w->mach,
-      .most   = WCSPH_MACH,
-      .remedy = "the fluid is not nearly incompressible; try a larger -sound_speed",
-  };
-  scheme->figure[scheme->n_figures++] = (SchemeFigure){
-      .name   = "density_variation",
-      .value  = &w->variation,
-      .most   = WCSPH_VARIATION,
-      .remedy = "the fluid is not nearly incompressible; try a larger -sound_speed",
-  };
+  PetscCall(SchemeAddFigure(
+      (SchemeFigure){
+          .name   = "mach",
+          .value  = &w->mach,
+          .most   = WCSPH_MACH,
+          .remedy = "the fluid is not nearly incompressible; try a larger -sound_speed",
+      },
+      scheme));
+  PetscCall(SchemeAddFigure(
+      (SchemeFigure){
+          .name   = "density_variation",
+          .value  = &w->variation,
+          .most   = WCSPH_VARIATION,
+          .remedy = "the fluid is not nearly incompressible; try a larger -sound_speed",
+      },
+      scheme));
   if (SceneHas(w->flow->scene, PHYSICS_WALLS)) {
     PetscCall(MemoryAddReal(&scheme->memory, "sound_passage", &w->passage));
-    scheme->figure[scheme->n_figures++] = (SchemeFigure){
-        .name   = "sound_passage",
-        .value  = &w->passage,
-        .most   = 1.0,
-        .remedy = "sound has not yet crossed the fluid, which the walls still compress; try a "
-                  "longer -t_end, more -max_steps, or a larger -sound_speed",
-    };
+    PetscCall(SchemeAddFigure(
+        (SchemeFigure){
+            .name   = "sound_passage",
+            .value  = &w->passage,
+            .most   = 1.0,
+            .remedy = "sound has not yet crossed the fluid, which the walls still compress; try a "
+                      "longer -t_end, more -max_steps, or a larger -sound_speed",
+        },
+        scheme));
   }
   if (!SceneHas(w->flow->scene, PHYSICS_VISCOSITY) || w->artificial[0] + w->artificial[1] == 0.0)
     PetscFunctionReturn(PETSC_SUCCESS);
-  scheme->figure[scheme->n_figures++] = (SchemeFigure){
-      .name   = "artificial_over_nu",
-      .value  = &w->artificial_over_nu,
-      .most   = 1.0,
-      .remedy = "the flow has the Reynolds number of the artificial viscosity; try a smaller "
-                "-artificial_viscosity or a larger -n",
-  };
+  PetscCall(SchemeAddFigure(
+      (SchemeFigure){
+          .name   = "artificial_over_nu",
+          .value  = &w->artificial_over_nu,
+          .most   = 1.0,
+          .remedy = "the flow has the Reynolds number of the artificial viscosity; try a smaller "
+                    "-artificial_viscosity or a larger -n",
+      },
+      scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
