@@ -253,7 +253,8 @@ static PetscErrorCode ApplyRows(const AffineProducts *of, PetscBool fluid, Petsc
 /*
   AffineApply - Computes the product of an operator with a field, y = A f + B e
 
-  Collective. Input: f - values over fluid; walls - the wall data e, not read without walls.
+  Collective. Input: f - values over fluid; walls - the wall data e, not read without walls; NULL:
+  zero.
 */
 PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y)
 {
@@ -336,7 +337,8 @@ PetscErrorCode AffineApplyFields(const AffineProducts *of)
 
     if (op->rows) continue;
     PetscCall(MatMult(op->A, of->f[c], of->y[c][k]));
-    if (op->B) PetscCall(MatMultAdd(op->B, of->walls[c], of->y[c][k], of->y[c][k]));
+    if (WallData(op, of->walls[c]))
+      PetscCall(MatMultAdd(op->B, of->walls[c], of->y[c][k], of->y[c][k]));
   }
   PetscCall(ApplyRows(of, PETSC_TRUE, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);

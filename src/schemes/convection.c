@@ -5,7 +5,7 @@
   ConvectionCentral - Computes the convective term v.grad u from the gradient operators, without the
   velocity filter
 
-  Collective. For inputs and output see ConvectionApply().
+  Collective. For inputs and output see ConvectionApply(); walls NULL: zero.
 */
 PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, const Vec v[], Vec u,
                                  Vec walls, Vec work, Vec result)
@@ -149,6 +149,41 @@ PetscErrorCode ConvectionExtrapolate(Flow *flow, PetscReal at, Vec force[])
     PetscCall(VecCopy(convection, s->convection_prev[c]));
   }
   PetscCall(FlowRestoreWork(flow, &convection));
+  PetscCall(FlowRestoreWork(flow, &work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ConvectionOfCorrection - Subtracts the convective term of half of the next correction from a force
+
+    force -= at (r/2) v.grad (u - u*)^n,   r = min(1, ClockRatio()^2)
+
+  Collective. The implicit term convects the predicted velocity u*, which the projection changes by
+  k/rho grad phi. This change is of order dt^2, and that of the last step differs by dt^3. Without
+  this force it is most of the error in time of an unsteady flow. With the whole of it in place of
+  half, long steps are unstable. See docs/theory.md, (315) and (316).
+
+  Input Parameters:
++ at - share of u* in the velocity that the integrator convects: 1 or 1/2
+- v  - advecting velocity over fluid [m/s]
+*/
+PetscErrorCode ConvectionOfCorrection(Flow *flow, PetscReal at, const Vec v[], Vec force[])
+{
+  const FlowState *s     = flow->state;
+  const PetscReal  share = 0.5 * at * PetscMin(1.0, PetscSqr(ClockRatio(flow->clock)));
+  const PetscInt   dim   = flow->scene->dim;
+  Vec              work, term;
+
+  PetscFunctionBegin;
+  if (!s->correction_prev[0] || share <= 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FlowGetWork(flow, &work));
+  PetscCall(FlowGetWork(flow, &term));
+  for (PetscInt c = 0; c < dim; c++) {
+    PetscCall(ConvectionCentral(dim, OperatorsOfVelocity(flow->ops, c), v, s->correction_prev[c],
+                                NULL, work, term));
+    PetscCall(VecAXPY(force[c], -share, term));
+  }
+  PetscCall(FlowRestoreWork(flow, &term));
   PetscCall(FlowRestoreWork(flow, &work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -123,6 +123,7 @@ static PetscErrorCode FlowStateFree(FlowState *s)
     PetscCall(VecDestroy(&s->u_prev[a]));
     PetscCall(VecDestroy(&s->u_before[a]));
     PetscCall(VecDestroy(&s->convection_prev[a]));
+    PetscCall(VecDestroy(&s->correction_prev[a]));
     PetscCall(VecDestroy(&s->u_next[a]));
   }
   PetscCall(VecDestroy(&s->p));
@@ -161,6 +162,8 @@ PetscErrorCode FlowStateRegister(Flow *flow)
     PetscCall(ParticlesRegister(p, "u_earlier", scene->dim, HALO_NONE, ENTRY_MEAN, s->u_earlier));
   if (s->has_convection && !s->implicit_convection)
     PetscCall(ParticlesRegister(p, "convection", scene->dim, HALO_NONE, ENTRY_MEAN, s->convection));
+  if (s->implicit_convection && p->p)
+    PetscCall(ParticlesRegister(p, "correction", scene->dim, HALO_NONE, ENTRY_MEAN, s->correction));
   PetscCall(AverageRegister(flow));
   PetscCall(OpeningsRegister(flow));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
@@ -195,6 +198,7 @@ PetscErrorCode FlowStateRenumber(Flow *flow)
     if (s->u_earlier[a]) PetscCall(FluidVec(p, s->u_earlier[a], &s->u_before[a]));
     PetscCall(FluidVec(p, NULL, &s->u_next[a]));
     if (s->convection[a]) PetscCall(FluidVec(p, s->convection[a], &s->convection_prev[a]));
+    if (s->correction[a]) PetscCall(FluidVec(p, s->correction[a], &s->correction_prev[a]));
   }
   if (p->p) {
     PetscCall(FluidVec(p, p->p, &s->p));

@@ -53,6 +53,7 @@ PetscErrorCode TimeErrorCheck(Flow *flow);
 
 /* convection.c */
 PetscErrorCode ConvectionExtrapolate(Flow *flow, PetscReal at, Vec force[]);
+PetscErrorCode ConvectionOfCorrection(Flow *flow, PetscReal at, const Vec v[], Vec force[]);
 PetscErrorCode VelocityExtrapolate(const Flow *flow, PetscReal at, const Vec v[]);
 
 /* history.c */

@@ -160,6 +160,18 @@ static PetscErrorCode RenumberProjection(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Keeps u - u* of the present step for ConvectionOfCorrection(), in two parts: u* before the
+   correction, with `after` the difference. */
+static PetscErrorCode KeepCorrection(const FlowState *s, PetscBool after)
+{
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < ISPH_MAX_DIM && s->correction_prev[c]; c++) {
+    if (after) PetscCall(VecAYPX(s->correction_prev[c], -1.0, s->u_next[c]));
+    else PetscCall(VecCopy(s->u_next[c], s->correction_prev[c]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ProjectVelocity - Solves for the pressure increment phi from div u*, then corrects velocity and
    pressure; collective */
 PetscErrorCode ProjectVelocity(Flow *flow)
@@ -172,8 +184,10 @@ PetscErrorCode ProjectVelocity(Flow *flow)
   PetscCall(RenumberProjection(flow));
   PetscCall(WallValuesSetVelocity(flow->scene, flow->particles, flow->clock->t + flow->clock->dt,
                                   pr->k / flow->scene->rho, &flow->walls));
+  PetscCall(KeepCorrection(flow->state, PETSC_FALSE));
   if (pr->splines) {
     PetscCall(SplinesProject(flow));
+    PetscCall(KeepCorrection(flow->state, PETSC_TRUE));
     PetscCall(PetscLogEventEnd(pr->event[EVENT_PRESSURE], 0, 0, 0, 0));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -185,6 +199,7 @@ PetscErrorCode ProjectVelocity(Flow *flow)
   if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(pr->event[EVENT_CORRECT], 0, 0, 0, 0));
   PetscCall(CorrectVelocity(flow));
+  PetscCall(KeepCorrection(flow->state, PETSC_TRUE));
   PetscCall(UpdatePressure(flow));
   PetscCall(PetscLogEventEnd(pr->event[EVENT_CORRECT], 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -43,6 +43,7 @@ PetscErrorCode PredictVelocity(Flow *flow)
   PetscCall(SetForce(flow, at, force));
   if (inner) PetscCall(VelocityExtrapolate(flow, at, v));
   else if (convects) PetscCall(ConvectionExtrapolate(flow, at, force));
+  if (implicit) PetscCall(ConvectionOfCorrection(flow, at, v, force));
   if (SceneMovesGraded(flow->scene)) PetscCall(GradedConvection(flow, at, force));
   PetscCall(BudgetPart(flow, PART_FORCE, dt, force));
   pr->k = dt;
