@@ -116,6 +116,20 @@ PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  Computes the part f of the body force with which dummies continue the pressure
+
+  The stress of a form of two passes is continued by its slope, which balances the body force along
+  a wall. No pressure then balances this force a second time: docs/theory.md, (305).
+*/
+static void ContinuingForce(const Wcsph *w, const PetscReal force[], PetscReal f[])
+{
+  const Scene *scene = w->flow->scene;
+
+  for (PetscInt a = 0; a < scene->dim; a++)
+    f[a] = WcsphComposed(w) && SceneIsPeriodic(scene, a) ? 0.0 : force[a];
+}
+
 /* Sets the values of the wall neighbours of particle i, see WcsphSetPairs(). */
 static void SetWallPairs(const Wcsph *w, const PetscReal force[], Stencil *st, Pairs *pairs)
 {
@@ -161,6 +175,8 @@ static ISPH_INLINE void Unpack(PetscInt dim, const PetscReal packed[], const Pet
   the body force f, and the velocity of the wall treatment:
 
     p_w = p_i + rho_i f.X,   u_w - u_i = beta (u_wall - u_i)
+
+  Input: force - f of ContinuingForce()
 */
 ISPH_WIDE PetscErrorCode WcsphSetPairs(Wcsph *w, const PetscReal force[], Stencil *st)
 {
@@ -297,7 +313,7 @@ static PetscErrorCode RateRow(Stencil *st, void *ctx)
   Pairs              *pairs  = &w->pairs;
   const PetscBool     shifts = WcsphShifts(w);
   PetscReal           x[ISPH_MAX_DIM], force[ISPH_MAX_DIM] = {0.0}, pull[ISPH_MAX_DIM];
-  PetscReal           C, slope[ISPH_MAX_DIM];
+  PetscReal           continuing[ISPH_MAX_DIM], C, slope[ISPH_MAX_DIM];
   Rates               rates = {.rho = 0.0};
   PairTerms           own   = {.by_sums   = w->density->sums,
                                .corrected = correction ? PETSC_TRUE : PETSC_FALSE,
@@ -309,7 +325,8 @@ static PetscErrorCode RateRow(Stencil *st, void *ctx)
   for (PetscInt a = 0; a < d; a++) x[a] = flow->particles->x[a][i];
   if (SceneHas(flow->scene, PHYSICS_BODY_FORCE)) SceneBodyForce(flow->scene, w->t, x, force);
   if (shifts) ConcentrationRow(flow->scene, flow->ops->forms.kernel, st, x, PETSC_FALSE, &C, slope);
-  PetscCall(WcsphSetPairs(w, force, st));
+  ContinuingForce(w, force, continuing);
+  PetscCall(WcsphSetPairs(w, continuing, st));
   StencilGradients(st, correction);
   for (PetscInt k = 0; w->p_rest > 0.0 && k < st->n; k++) pairs->p[k] += w->p_rest;
   if (w->equation->has_energy) rates.e = PairsEnergy(st, pairs, own.rho, own.p);
