@@ -109,6 +109,45 @@ PetscReal PressureGain(const Flow *flow)
   return pr->row->incremental ? PetscMin(1.0, 4.0 * flow->clock->dt / flow->clock->dt_wanted) : 1.0;
 }
 
+/* Returns true if the fluid within the support of own particle i has a free surface. */
+static PetscBool IsBesideSurface(const Operators *ops, PetscInt i)
+{
+  const Pattern *fluid = &ops->rows.fluid;
+
+  for (PetscInt s = fluid->row[i]; s < fluid->row[i + 1]; s++)
+    if (FreeSurfaceHolds(ops->free, fluid->local[s])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/*
+  Adds c div u* to the pressure, where no free surface is within the support
+
+  The term is exact if the viscous term of grad phi is that of its dilatation, grad (2 nu lap phi).
+  Beside a free surface the rows have its condition of zero stress, and weaker forces on a particle
+  that stands out, but the same div u*: the pressure then gains more than the viscosity takes. See
+  docs/theory.md, (290).
+*/
+static PetscErrorCode AddDilatation(const Flow *flow, PetscReal c)
+{
+  const FlowState   *s   = flow->state;
+  const Operators   *ops = flow->ops;
+  const PetscScalar *divergence;
+  PetscScalar       *p;
+
+  PetscFunctionBegin;
+  if (!ops->free) {
+    PetscCall(VecAXPY(s->p, c, s->divergence));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(VecGetArrayRead(s->divergence, &divergence));
+  PetscCall(VecGetArray(s->p, &p));
+  for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
+    if (!IsBesideSurface(ops, i)) p[i] += c * divergence[i];
+  PetscCall(VecRestoreArray(s->p, &p));
+  PetscCall(VecRestoreArrayRead(s->divergence, &divergence));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   Updates the pressure, p = [p^n] + s (phi [- c mu div u*]), s = PressureGain(), and its data at
   walls, then applies the pressure filter and removes an undetermined mean
@@ -134,7 +173,7 @@ static PetscErrorCode UpdatePressure(Flow *flow)
   if (pr->row->rotational && SceneHas(scene, PHYSICS_VISCOSITY)) {
     const PetscReal dilatation = LaplacianDilatation(&flow->ops->forms.visc, flow->scene->dim);
 
-    PetscCall(VecAXPY(s->p, -gain * dilatation * scene->rho * scene->nu_low, s->divergence));
+    PetscCall(AddDilatation(flow, -gain * dilatation * scene->rho * scene->nu_low));
   }
   if (pr->filter > 0.0) {
     PetscCall(FlowGetWork(flow, &residual));
