@@ -1,0 +1,135 @@
+"""The frequency at which a plane viscous jet folds on a belt (options/jet_folds.opts), a part of studies/jet_buckling."""
+import glob
+import os
+import shlex
+import tempfile
+
+import h5py
+import matplotlib.pyplot as plt
+import numpy as np
+from runs import Runs, table
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+AXIS, HEIGHT = 3.5, 11.0  # of the slit [D]
+LEVEL, BAND = 0.3 * HEIGHT, 0.5  # height at which the place of the jet is taken, and of the band of its mean [D]
+EVERY = 0.5  # time between snapshots [D/U]
+START, END = HEIGHT + 9, 80.0  # of the time in which folds are counted [D/U]
+FAR = 0.25  # least distance of the jet from its mean place on both sides in a fold [D]
+LINK = 2.0  # distance up to which particles are of one group [dx]
+SIDES, SEEDS = (6, 8, 12), (0, 1)  # particles along D
+SPEEDS = (0.8, 1, 1.2)  # of the belt [U], n = 6
+
+
+def line_of(n, seed, speed=1):
+    """Returns the arguments of a run."""
+    belt = "" if speed == 1 else f" -scene_wall_bottom_velocity {speed:g},0"
+    return f"-options_file options/jet_folds.opts -n {n} -jitter 0.1 -seed {seed} -t_end {END:g} -progress none{belt}"
+
+
+def stray(x, distance):
+    """Returns the number of particles that are not in the largest group; particles nearer than a distance are of one group."""
+    _, group = connected_components(cKDTree(x).sparse_distance_matrix(cKDTree(x), distance))
+    return len(x) - np.bincount(group).max()
+
+
+class Belts(Runs):
+    """Runs with the place of the jet in the course of time, and with counts of stray particles."""
+
+    def make(self, arguments, watch=""):
+        n = int(shlex.split(arguments)[shlex.split(arguments).index("-n") + 1])
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "jet.h5")
+            row = super().make(f"{arguments} -output {shlex.quote(path)} -output_every {EVERY}", watch)
+            row.update({"run": arguments, "stray": 0})
+            for k, snapshot in enumerate(sorted(glob.glob(os.path.join(folder, "jet_*.h5")))):
+                with h5py.File(snapshot, "r") as file:
+                    x = file["position"][:][file["type"][:] == 0]
+                row["stray"] = max(row["stray"], stray(x, LINK / n))
+                band = x[abs(x[:, 1] - LEVEL) < BAND / 2, 0]
+                if len(band):
+                    row[f"place@{k * EVERY:g}"] = f"{band.mean() - AXIS:.4g}"
+        return row
+
+
+def places(q):
+    """Returns times and places of the jet at the level, by time."""
+    return np.array(sorted((float(name[6:]), place) for name, place in q.items() if name.startswith("place@")))
+
+
+def crossings(q):
+    """Returns the times at which the jet crosses its mean place to the right, between places far from it on both sides."""
+    t, x = places(q).T
+    x = x[t >= START] - x[t >= START].mean()
+    t = t[t >= START]
+    found, last, left = [], None, False
+    for k in range(1, len(t)):
+        if x[k - 1] < 0 <= x[k]:
+            last = t[k - 1] - x[k - 1] * (t[k] - t[k - 1]) / (x[k] - x[k - 1])
+        left |= x[k] < -FAR
+        if x[k] > FAR and left and last is not None:
+            found.append(last)
+            left = False
+    return np.array(found)
+
+
+def measure(run):
+    """Makes the runs; returns them by particles along D and start, and by the speed of the belt."""
+    sides = {(n, seed): run(line_of(n, seed)) for n in SIDES for seed in SEEDS}
+    speeds = {speed: run(line_of(SIDES[0], SEEDS[0], speed)) for speed in SPEEDS}
+    run.save()
+    return sides, speeds
+
+
+def cells(q):
+    """Returns the cells of a run: times of folds, their mean distance and its spread, frequency, and what a run says of itself."""
+    if "failed" in q:
+        return [q["failed"], "", "", "", "", "", q["date"]]
+    t = crossings(q)
+    period = np.diff(t)
+    return [", ".join(f"{x:.1f}" for x in t), f"{period.mean():.2f}", f"{period.std(ddof=1):.2f}", f"{HEIGHT / period.mean():.3f}",
+            f"{q['stray']:.0f}", f"{100 * (q['fluid_volume'] / q['fluid_volume_reference'] - 1):+.1f} %", q["date"]]
+
+
+def frequencies(sides):
+    """Returns a sentence with the mean frequency of the starts at each resolution."""
+    means = {n: [HEIGHT / np.diff(crossings(sides[n, seed])).mean() for seed in SEEDS if "failed" not in sides[n, seed]] for n in SIDES}
+    return ("Means of the starts: f H/U = " + ", ".join(f"{np.mean(f):.2f} (n = {n})" for n, f in means.items() if f)
+            + ". The folding goes on, because the free height stays, but its frequency falls with dx: it has not converged. At n = 12 there are only three "
+            "and four folds in 60 D/U, so that this mean is rough, and the first jet is at times almost straight: a belt with the speed U may be near "
+            "the one on which jets do not fold. Slower belts with n = 12 were not run. The jets also differ in width: their outermost particles enter dx/2 from "
+            "the ends of the slit.")
+
+
+def part(sides, speeds, run):
+    """Yields the lines of the page on folds on a belt."""
+    head = ["times of folds, U t/D", "mean period", "spread", "f H/U", "stray particles", "volume", "made"]
+    yield "\n## Folds on a belt, Re = 0.2, H/D = 11\n"
+    yield (f"`options/jet_folds.opts`; the runs are in [jet_folds.csv](jet_folds.csv). The floor is a belt with the speed U of the jet. It carries the "
+           "folds through an outflow, so that the jet always folds on the bare belt and its free height stays. A fold is a crossing of the "
+           f"jet's mean place at the height {LEVEL:g} D, to the right, from U t/D = {START:g} to {END:g}; periods are in D/U, and f is the "
+           "inverse of their mean. Stray particles are those that are farther than 2 dx from the largest group, the most of all snapshots "
+           f"(every {EVERY:g} D/U); volume is the error of the volume inside the surface at the end.\n")
+    yield from table(["n", "start", *head], [[n, seed, *cells(q)] for (n, seed), q in sides.items()])
+    yield "\n" + frequencies(sides) + "\n"
+    yield "![Place of jets on a belt in the course of time](jet_folds.png)\n"
+    yield f"Other speeds of the belt, n = {SIDES[0]}, first start:\n"
+    yield from table(["belt / U", *head], [[f"{speed:g}", *cells(q)] for speed, q in speeds.items()])
+    yield "\n" + run.told()
+
+
+def figure(sides, path):
+    """Draws the place of the jets at the level in the course of time."""
+    with plt.rc_context({"font.size": 9, "legend.frameon": False}):
+        fig, axes = plt.subplots(len(SIDES), 1, figsize=(8, 1.7 * len(SIDES)), sharex=True, sharey=True)
+        for axis, n in zip(axes, SIDES):
+            for seed, colour in zip(SEEDS, ("#0072B2", "#D55E00")):
+                q = sides[n, seed]
+                axis.plot(*places(q).T, lw=1.2, color=colour, label=f"start {seed}")
+                axis.plot(crossings(q), 0 * crossings(q) + places(q)[:, 1].mean(), "o", color=colour, mfc="none", ms=4)
+            axis.set(title=f"n = {n}", ylabel="place / D")
+            axis.grid(alpha=0.3)
+        axes[0].legend(ncols=2, loc="upper left")
+        axes[-1].set(xlabel="t U/D")
+        fig.tight_layout()
+        fig.savefig(path, dpi=120)
