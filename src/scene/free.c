@@ -23,6 +23,7 @@ const BoundaryRow BoundaryFree = {
     .properties = BOUNDARY_FREE,
     .equation   = {[FIT_VELOCITY_NORMAL]     = EQUATION_NONE,
                    [FIT_VELOCITY_TANGENTIAL] = EQUATION_NONE,
+                   [FIT_DIVERGENCE]          = EQUATION_NONE,
                    [FIT_PRESSURE]            = EQUATION_VALUE,
                    [FIT_PRESSURE_FREE]       = EQUATION_NONE},
 };
