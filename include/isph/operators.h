@@ -287,6 +287,7 @@ PetscBool PatternRow(Pattern *pattern, PetscInt i, const PetscInt cols[], const 
                      PetscInt n, PetscInt slot[]);
 PetscErrorCode PatternMat(MPI_Comm comm, const Pattern *pattern, PetscInt rows, PetscInt cols,
                           PetscReal values[], Mat *A);
+PetscErrorCode PatternMatSet(const Pattern *pattern, const PetscReal values[], Mat A);
 PetscErrorCode PatternFree(Pattern *pattern);
 
 #endif

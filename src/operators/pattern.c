@@ -179,6 +179,41 @@ PetscErrorCode PatternMat(MPI_Comm comm, const Pattern *pattern, PetscInt rows, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sets the values of a MATMPIAIJ of PatternMat(), whose rows over own columns and over columns of
+   other ranks are apart. */
+static PetscErrorCode SplitMatSet(const Pattern *pattern, const PetscReal values[], Mat A)
+{
+  PetscInt     start, end, n[2] = {0, 0};
+  PetscScalar *to[2];
+  Mat          part[2];
+
+  PetscFunctionBegin;
+  PetscCall(MatMPIAIJGetSeqAIJ(A, &part[0], &part[1], NULL));
+  PetscCall(MatGetOwnershipRangeColumn(A, &start, &end));
+  for (PetscInt k = 0; k < 2; k++) PetscCall(MatSeqAIJGetArrayWrite(part[k], &to[k]));
+  for (PetscInt s = 0; s < pattern->row[pattern->n]; s++) {
+    const PetscInt k = pattern->col[s] >= start && pattern->col[s] < end ? 0 : 1;
+
+    to[k][n[k]++] = values[s];
+  }
+  for (PetscInt k = 0; k < 2; k++) PetscCall(MatSeqAIJRestoreArrayWrite(part[k], &to[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* PatternMatSet - Sets the values of a matrix of PatternMat(); on a single rank `values` is the array
+   of the matrix; collective */
+PetscErrorCode PatternMatSet(const Pattern *pattern, const PetscReal values[], Mat A)
+{
+  PetscBool parallel;
+
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare((PetscObject)A, MATMPIAIJ, &parallel));
+  if (parallel) PetscCall(SplitMatSet(pattern, values, A));
+  PetscCall(MatAssemblyBegin(A, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(A, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode PatternFree(Pattern *pattern)
 {
   PetscFunctionBegin;

@@ -11,11 +11,39 @@
 #include "boundary_rows.h"
 #include "wall_points.h"
 
-/* Returns the number of matrix entries of a slot: dim^2 if the form couples components (a, b),
-   otherwise dim, of the diagonal (a, a). */
+/* Returns the number of matrix entries of a slot in a row: dim if the form couples components (a,
+   b), otherwise 1, of the diagonal (a, a). */
 static PetscInt SlotEntries(const Operators *ops, PetscInt dim)
 {
-  return ops->velocity[0].visc.width == 1 ? dim : ops->velocity[0].visc.width;
+  return ops->velocity[0].visc.width == 1 ? 1 : dim;
+}
+
+/* The rows of a matrix of blocks, whose arrays it uses on a single rank. */
+typedef struct {
+  Pattern    pattern; /* without local indices */
+  PetscReal *value;
+} BlockRows;
+
+static PetscErrorCode BlockRowsDestroy(void *ctx)
+{
+  BlockRows *rows = (BlockRows *)ctx;
+
+  PetscFunctionBegin;
+  PetscCall(PatternFree(&rows->pattern));
+  PetscCall(PetscFree(rows->value));
+  PetscCall(PetscFree(rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns the rows of a matrix of ViscousBlockMat(). */
+static PetscErrorCode BlockRowsGet(Mat A, BlockRows **rows)
+{
+  PetscContainer container;
+
+  PetscFunctionBegin;
+  PetscCall(PetscObjectQuery((PetscObject)A, "block_rows", (PetscObject *)&container));
+  PetscCall(PetscContainerGetPointer(container, (void **)rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* KeepBlockRow - Stores the weights of a row in their slots, for wall neighbours the weights of
@@ -37,31 +65,51 @@ void KeepBlockRow(const Stencil *st, PetscInt diagonal, const PetscReal w[], Ope
   for (PetscInt e = 0; e < width; e++) a[diagonal * width + e] = width > 1 ? st->own[e] : 0.0;
 }
 
-/* Creates a matrix of dim x dim blocks on a pattern, without values; columns: number of own
-   particles that the columns stand for. */
+/* Computes the rows of a matrix of dim x dim blocks on a pattern, with zeros. The entries of a slot
+   in each of the dim rows of a particle follow each other, and columns ascend. */
+static PetscErrorCode BlockRowsCreate(const Particles *p, PetscInt entries, const Pattern *pattern,
+                                      BlockRows **rows)
+{
+  const PetscInt d = p->dim, n = d * entries * pattern->row[p->n_fluid];
+  Pattern       *blocks;
+  PetscInt       q = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(rows));
+  PetscCall(PetscCalloc1(n, &(*rows)->value));
+  blocks = &(*rows)->pattern;
+  PetscCall(PetscMalloc1(d * p->n_fluid + 1, &blocks->row));
+  PetscCall(PetscMalloc1(n, &blocks->col));
+  blocks->n      = d * p->n_fluid;
+  blocks->row[0] = 0;
+  for (PetscInt r = 0; r < blocks->n; r++) {
+    const PetscInt i = r / d, first = entries == 1 ? r % d : 0;
+
+    for (PetscInt s = pattern->row[i]; s < pattern->row[i + 1]; s++)
+      for (PetscInt b = 0; b < entries; b++) blocks->col[q++] = d * pattern->col[s] + first + b;
+    blocks->row[r + 1] = q;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates a matrix of dim x dim blocks on a pattern, with zeros; columns: number of own particles
+   that the columns stand for. */
 static PetscErrorCode ViscousBlockMat(const Particles *p, const Operators *ops,
                                       const Pattern *pattern, PetscInt columns, Mat *A)
 {
-  const PetscInt d = p->dim, entries = SlotEntries(ops, d),
-                 count = pattern->row[p->n_fluid] * entries;
-  PetscInt *row, *col, n = 0;
+  const PetscInt d = p->dim;
+  BlockRows     *rows;
+  PetscContainer container;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc2(count, &row, count, &col));
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    for (PetscInt s = pattern->row[i]; s < pattern->row[i + 1]; s++) {
-      for (PetscInt e = 0; e < entries; e++, n++) {
-        row[n] = d * p->row[i] + (entries == d ? e : e / d);
-        col[n] = d * pattern->col[s] + e % d;
-      }
-    }
-  }
-  PetscCall(MatCreate(p->comm, A));
-  PetscCall(MatSetSizes(*A, d * p->n_fluid, d * columns, PETSC_DETERMINE, PETSC_DETERMINE));
+  PetscCall(BlockRowsCreate(p, SlotEntries(ops, d), pattern, &rows));
+  PetscCall(PatternMat(p->comm, &rows->pattern, rows->pattern.n, d * columns, rows->value, A));
   PetscCall(MatSetBlockSizes(*A, d, d));
-  PetscCall(MatSetType(*A, MATAIJ));
-  PetscCall(MatSetPreallocationCOO(*A, count, row, col));
-  PetscCall(PetscFree2(row, col));
+  PetscCall(PetscContainerCreate(PETSC_COMM_SELF, &container));
+  PetscCall(PetscContainerSetPointer(container, rows));
+  PetscCall(PetscContainerSetUserDestroy(container, BlockRowsDestroy));
+  PetscCall(PetscObjectCompose((PetscObject)*A, "block_rows", (PetscObject)container));
+  PetscCall(PetscContainerDestroy(&container));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -77,14 +125,56 @@ PetscErrorCode AssembleViscousBlock(const Scene *scene, const Particles *p, Oper
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Multiplies the weights of a slot by `ratio`, a viscosity over scene->nu, and adds them to the sum
-   of the row. */
-static void ScaleSlot(PetscInt width, PetscInt entries, PetscReal ratio, const PetscReal w[],
-                      PetscReal value[], PetscReal sum[])
+/* The layout of a slot: its weights, and its entries in each of the dim rows of a particle, which
+   are `stride` apart. */
+typedef struct {
+  PetscInt dim, width, entries, stride;
+} Slot;
+
+/* Multiplies the weights of a slot by `ratio`, a viscosity over scene->nu, writes them to its
+   entries and adds them to the sum of the row. */
+static void ScaleSlot(const Slot *slot, PetscReal ratio, const PetscReal w[], PetscReal to[],
+                      PetscReal sum[])
 {
-  for (PetscInt e = 0; e < entries; e++) {
-    value[e] = ratio * w[width == 1 ? 0 : e];
-    sum[e] += value[e];
+  for (PetscInt a = 0, e = 0; a < slot->dim; a++) {
+    for (PetscInt b = 0; b < slot->entries; b++, e++) {
+      to[a * slot->stride + b] = ratio * w[slot->width == 1 ? 0 : e];
+      sum[e] += to[a * slot->stride + b];
+    }
+  }
+}
+
+/* Computes the entries of the rows of particle i for the present viscosities. Input: value - arrays
+   over fluid and over walls, the latter NULL without walls. */
+static void ScaleRow(const Scene *scene, const Particles *p, const Operators *ops, PetscInt i,
+                     PetscReal *const value[])
+{
+  const AffineOperator *op    = &ops->velocity[0].visc;
+  const Pattern        *fluid = &ops->rows.fluid, *walls = &ops->rows.walls;
+  const PetscInt        d = p->dim, entries = SlotEntries(ops, d);
+  const PetscInt        first = fluid->row[i], n = fluid->row[i + 1] - first;
+  const PetscInt        first_wall           = value[1] ? walls->row[i] : 0,
+                 n_wall                      = value[1] ? walls->row[i + 1] - first_wall : 0;
+  const PetscReal own                        = p->nu ? p->nu[i] / scene->nu : 1.0;
+  const Slot      slot                       = {d, op->width, entries, entries * n},
+             wall                            = {d, op->width, entries, entries * n_wall};
+  PetscReal sum[ISPH_MAX_DIM * ISPH_MAX_DIM] = {0.0}, *a = value[0] + d * entries * first;
+  PetscInt  diagonal = 0;
+
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscInt  s     = first + k;
+    const PetscReal ratio = p->nu ? PairViscosity(own, p->nu[fluid->local[s]] / scene->nu) : own;
+
+    if (fluid->col[s] == p->row[i]) diagonal = k;
+    else ScaleSlot(&slot, ratio, &op->a[s * op->width], a + k * entries, sum);
+  }
+  for (PetscInt k = 0; k < n_wall; k++)
+    ScaleSlot(&wall, own, &op->b[(first_wall + k) * op->width],
+              value[1] + (d * first_wall + k) * entries, sum);
+  for (PetscInt e = 0; e < d * entries; e++) {
+    const PetscReal w = op->a[(first + diagonal) * op->width + (op->width == 1 ? 0 : e)];
+
+    a[e / entries * slot.stride + diagonal * entries + e % entries] = own * w - sum[e];
   }
 }
 
@@ -97,34 +187,18 @@ static void ScaleSlot(PetscInt width, PetscInt entries, PetscReal ratio, const P
 */
 PetscErrorCode OperatorsScaleViscosity(const Scene *scene, const Particles *p, Operators *ops)
 {
-  const PetscInt        width = ops->velocity[0].visc.width, entries = SlotEntries(ops, p->dim);
-  const Pattern        *fluid = &ops->rows.fluid, *walls = &ops->rows.walls;
-  const AffineOperator *op = &ops->velocity[0].visc;
-  PetscReal            *a, *b;
+  const AffineOperator *op      = &ops->velocity[0].visc;
+  PetscReal            *value[] = {NULL, NULL};
+  BlockRows            *a, *b;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc2(fluid->row[p->n_fluid] * entries, &a,
-                         ops->forms.wall ? walls->row[p->n_fluid] * entries : 0, &b));
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    const PetscReal own                              = p->nu ? p->nu[i] / scene->nu : 1.0;
-    PetscReal       sum[ISPH_MAX_DIM * ISPH_MAX_DIM] = {0.0};
-    PetscInt        diagonal                         = -1;
-
-    for (PetscInt s = fluid->row[i]; s < fluid->row[i + 1]; s++) {
-      const PetscReal ratio = p->nu ? PairViscosity(own, p->nu[fluid->local[s]] / scene->nu) : own;
-
-      if (fluid->col[s] == p->row[i]) diagonal = s;
-      else ScaleSlot(width, entries, ratio, &op->a[s * width], &a[s * entries], sum);
-    }
-    for (PetscInt s = ops->forms.wall ? walls->row[i] : 0; ops->forms.wall && s < walls->row[i + 1];
-         s++)
-      ScaleSlot(width, entries, own, &op->b[s * width], &b[s * entries], sum);
-    for (PetscInt e = 0; e < entries; e++)
-      a[diagonal * entries + e] = own * op->a[diagonal * width + (width == 1 ? 0 : e)] - sum[e];
-  }
-  PetscCall(MatSetValuesCOO(op->A, a, INSERT_VALUES));
-  if (ops->forms.wall) PetscCall(MatSetValuesCOO(op->B, b, INSERT_VALUES));
-  PetscCall(PetscFree2(a, b));
+  PetscCall(BlockRowsGet(op->A, &a));
+  value[0] = a->value;
+  if (ops->forms.wall) PetscCall(BlockRowsGet(op->B, &b));
+  if (ops->forms.wall) value[1] = b->value;
+  for (PetscInt i = 0; i < p->n_fluid; i++) ScaleRow(scene, p, ops, i, value);
+  PetscCall(PatternMatSet(&a->pattern, value[0], op->A));
+  if (ops->forms.wall) PetscCall(PatternMatSet(&b->pattern, value[1], op->B));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
