@@ -13,6 +13,7 @@
   reactions. See docs/theory.md, (161) and (200).
 */
 #include "saddle.h"
+#include "isph/sparse.h"
 
 #define OBLIQUE 0.25 /* least cosine between a column of G and its row of -D or Z */
 #define ALIGNED 0.9  /* least cosine between their parts of the particle itself, on surfaces */
@@ -188,7 +189,7 @@ PetscErrorCode SaddleUseReactions(const Flow *flow, Vec momentum, Saddle *s)
     PetscCall(VecShift(fits, 1.0));
     PetscCall(MatDiagonalScale(reactions, fits, NULL));
     PetscCall(MatTranspose(reactions, MAT_INITIAL_MATRIX, &columns));
-    PetscCall(MatAXPY(s->G, 1.0, columns, DIFFERENT_NONZERO_PATTERN));
+    PetscCall(SparseAdd(columns, &s->G));
     PetscCall(MatDestroy(&columns));
   }
   PetscCall(VecDestroy(&fits));

@@ -24,6 +24,7 @@
   equations are replaced, see adjoint.c.
 */
 #include "saddle.h"
+#include "isph/sparse.h"
 
 /* Layout of a block, and its units: scale times the factors of rows and of columns. */
 typedef struct {
@@ -104,31 +105,24 @@ static PetscErrorCode VelocityRows(const Particles *p, Vec factor, Vec *rows)
 static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, const BlockForm *by,
                                   const AffineOperator op[], Mat *block)
 {
-  const PetscInt n = p->n_fluid, entries = pattern->row[n];
-  PetscInt      *row, *col, q = 0;
-  PetscScalar   *value;
+  const PetscInt n = by->rows * p->n_fluid;
+  SparseRows     rows;
+  PetscInt       q = 0;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc3(by->rows * n + 1, &row, by->rows * by->cols * entries, &col,
-                         by->rows * by->cols * entries, &value));
-  row[0] = 0;
-  for (PetscInt r = 0; r < by->rows * n; r++) {
+  PetscCall(SparseRowsMalloc(n, by->rows * by->cols * pattern->row[p->n_fluid], &rows));
+  for (PetscInt r = 0; r < n; r++) {
     const PetscInt i = r / by->rows;
 
     for (PetscInt s = pattern->row[i]; s < pattern->row[i + 1]; s++) {
       for (PetscInt c = 0; c < by->cols; c++) {
-        col[q]     = by->cols * pattern->col[s] + c;
-        value[q++] = by->scale * op[by->rows > 1 ? r % by->rows : c].a[s];
+        rows.col[q]     = by->cols * pattern->col[s] + c;
+        rows.value[q++] = by->scale * op[by->rows > 1 ? r % by->rows : c].a[s];
       }
     }
-    row[r + 1] = q;
+    rows.row[r + 1] = q;
   }
-  PetscCall(MatCreate(p->comm, block));
-  PetscCall(MatSetSizes(*block, by->rows * n, by->cols * n, PETSC_DETERMINE, PETSC_DETERMINE));
-  PetscCall(MatSetType(*block, MATAIJ));
-  PetscCall(MatSeqAIJSetPreallocationCSR(*block, row, col, value));
-  PetscCall(MatMPIAIJSetPreallocationCSR(*block, row, col, value));
-  PetscCall(PetscFree3(row, col, value));
+  PetscCall(SparseRowsMat(p->comm, &rows, by->cols * p->n_fluid, block));
   PetscCall(MatDiagonalScale(*block, by->row_units, by->col_units));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -162,7 +156,7 @@ static PetscErrorCode AddTerm(Mat term, Mat *sum)
 {
   PetscFunctionBegin;
   if (*sum) {
-    PetscCall(MatAXPY(*sum, 1.0, term, UNKNOWN_NONZERO_PATTERN));
+    PetscCall(SparseAdd(term, sum));
     PetscCall(MatDestroy(&term));
   } else {
     *sum = term;

@@ -10,6 +10,7 @@
   of schur.c suit its Schur complement: docs/theory.md, (156) and (157).
 */
 #include "saddle.h"
+#include "isph/sparse.h"
 
 /* SaddleEliminateSurface - Computes Z, adds G Z to the viscous matrix, and replaces D by D + C Z;
    collective */
@@ -32,8 +33,8 @@ PetscErrorCode SaddleEliminateSurface(const Flow *flow, Saddle *s)
   PetscCall(MatZeroRows(s->Z, n_inner, inner, 0.0, NULL, NULL));
   PetscCall(MatMatMult(s->G, s->Z, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &GZ));
   PetscCall(MatMatMult(s->C, s->Z, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &CZ));
-  PetscCall(MatAXPY(s->viscous, 1.0, GZ, UNKNOWN_NONZERO_PATTERN));
-  PetscCall(MatAXPY(s->D, 1.0, CZ, UNKNOWN_NONZERO_PATTERN));
+  PetscCall(SparseAdd(GZ, &s->viscous));
+  PetscCall(SparseAdd(CZ, &s->D));
   PetscCall(MatZeroRows(s->D, n_outer, outer, 0.0, NULL, NULL));
   PetscCall(MatDestroy(&GZ));
   PetscCall(MatDestroy(&CZ));
