@@ -27,7 +27,9 @@ static const char *const settings[][2] = {
     {"OMPI_MCA_ess_singleton_isolated", "1"}, /* no daemon, which only MPI_Comm_spawn() uses */
     {"OMPI_MCA_pml", "ob1"},
     {"OMPI_MCA_btl", "self"},
-    {"HWLOC_COMPONENTS", "no_os,stop"}, /* no search for the parts of the computer */
+    {"OMPI_MCA_coll", "^tuned,han,adapt,sm,monitoring,sync"}, /* algorithms of several ranks */
+    {"HWLOC_COMPONENTS", "no_os,stop"},  /* no search for the parts of the computer */
+    {"HWLOC_PLUGINS_PATH", "/dev/null"}, /* nor for the programs that search for them */
 };
 
 static PetscBool HasLauncher(void)
