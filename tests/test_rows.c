@@ -1,10 +1,11 @@
 /*
   Products of operators by their rows are those of their matrices; the matrix of a solver is
-  shift I + scale A; fits in a batch are those of single particles.
+  shift I + scale A; fits in a batch are those of single particles; sums of matrices are PETSc's.
 */
 /* RANKS: 1 2 3 */
 #include "operators/assembly.h"
 #include "operators/rows.h"
+#include "isph/sparse.h"
 #include "cloud.h"
 
 static const CloudBox boxes[] = {
@@ -359,12 +360,56 @@ static void test_batch(void **state)
   }
 }
 
+/* Creates a matrix of 12 rows and 10 columns on each rank: row i has the columns i + stride k of all
+   ranks, in turn. */
+static void SparseMat(PetscInt stride, Mat *A)
+{
+  SparseRows  rows;
+  PetscMPIInt size, rank;
+  PetscInt    q = 0;
+
+  ASSERT_OK(MPI_Comm_size(PETSC_COMM_WORLD, &size));
+  ASSERT_OK(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  ASSERT_OK(SparseRowsMalloc(12, 12 * 10 * size, &rows));
+  for (PetscInt i = 0; i < 12; i++) {
+    for (PetscInt c = i % stride; c < 10 * size; c += stride) {
+      rows.col[q]     = c;
+      rows.value[q++] = 1.0 / (1.0 + c + stride * i + rank);
+    }
+    rows.row[i + 1] = q;
+  }
+  ASSERT_OK(SparseRowsMat(PETSC_COMM_WORLD, &rows, 10, A));
+}
+
+/* The sum of matrices of different patterns has the entries of both, as PETSc's. */
+static void test_sums(void **state)
+{
+  PetscReal norm;
+  PetscBool equal;
+  Mat       X, Y, sum;
+
+  (void)state;
+  SparseMat(2, &X);
+  SparseMat(3, &Y);
+  ASSERT_OK(MatDuplicate(Y, MAT_COPY_VALUES, &sum));
+  ASSERT_OK(MatAXPY(sum, 1.0, X, DIFFERENT_NONZERO_PATTERN));
+  ASSERT_OK(SparseAdd(X, &Y));
+  ASSERT_OK(MatEqual(Y, sum, &equal));
+  assert_true(equal);
+  ASSERT_OK(MatNorm(sum, NORM_FROBENIUS, &norm));
+  assert_true(norm > 1.0);
+  ASSERT_OK(MatDestroy(&sum));
+  ASSERT_OK(MatDestroy(&Y));
+  ASSERT_OK(MatDestroy(&X));
+}
+
 int main(int argc, char *argv[])
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_products),
-                                     cmocka_unit_test(test_repeats), cmocka_unit_test(test_system),
-                                     cmocka_unit_test(test_fitted), cmocka_unit_test(test_batch)};
-  int                     failed;
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_products), cmocka_unit_test(test_repeats),
+      cmocka_unit_test(test_system),   cmocka_unit_test(test_fitted),
+      cmocka_unit_test(test_batch),    cmocka_unit_test(test_sums)};
+  int failed;
 
   if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;
   failed = cmocka_run_group_tests(tests, NULL, NULL);
