@@ -360,8 +360,8 @@ static void test_batch(void **state)
   }
 }
 
-/* Creates a matrix of 12 rows and 10 columns on each rank: row i has the columns i + stride k of all
-   ranks, in turn. */
+/* Creates a matrix of 12 rows and 10 columns on each rank; row i has each stride-th column of all
+   ranks from i % stride on. */
 static void SparseMat(PetscInt stride, Mat *A)
 {
   SparseRows  rows;

@@ -200,8 +200,8 @@ static PetscErrorCode SplitMatSet(const Pattern *pattern, const PetscReal values
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* PatternMatSet - Sets the values of a matrix of PatternMat(); on a single rank `values` is the array
-   of the matrix; collective */
+/* PatternMatSet - Sets the values of a matrix of PatternMat(); on a single rank `values` is the
+   array of the matrix; collective */
 PetscErrorCode PatternMatSet(const Pattern *pattern, const PetscReal values[], Mat A)
 {
   PetscBool parallel;

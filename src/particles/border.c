@@ -113,21 +113,22 @@ PetscErrorCode BorderCreate(Pools *pools)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* BorderDistance - Returns the distance of x from the nearest sample of a free border [m]; not
-   collective */
-PetscReal BorderDistance(const Pools *pools, const PetscReal x[])
+/* BorderIsNear - Returns true if a free border, or a sample of it, is nearer to x than `reach` [m];
+   not collective */
+PetscBool BorderIsNear(const Pools *pools, const PetscReal x[], PetscReal reach)
 {
-  PetscReal least = PETSC_INFINITY;
-
-  for (PetscInt k = 0; k < pools->scene->n_filled; k++)
-    if (HasSurface(pools->scene, k))
-      least = PetscMin(least, PetscSqr(SceneFilledDistance(pools->scene, k, x)));
+  for (PetscInt k = 0; k < pools->scene->n_filled; k++) {
+    if (HasSurface(pools->scene, k) &&
+        PetscAbsReal(SceneFilledDistance(pools->scene, k, x)) < reach)
+      return PETSC_TRUE;
+  }
   for (PetscInt q = 0; q < pools->n_border; q++) {
     const BorderSample *s = &pools->border[q];
 
-    if (s->free) least = PetscMin(least, PetscSqr(x[0] - s->x[0]) + PetscSqr(x[1] - s->x[1]));
+    if (s->free && PetscSqr(x[0] - s->x[0]) + PetscSqr(x[1] - s->x[1]) < PetscSqr(reach))
+      return PETSC_TRUE;
   }
-  return PetscSqrtReal(least);
+  return PETSC_FALSE;
 }
 
 /* Finds the end of the piece that begins at a sample: the number of samples to it. */

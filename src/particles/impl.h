@@ -102,7 +102,7 @@ PetscErrorCode PoolLattice(const Pools *pools, PetscInt pool, Rows *rows);
 
 /* border.c */
 PetscErrorCode BorderCreate(Pools *pools);
-PetscReal      BorderDistance(const Pools *pools, const PetscReal x[]);
+PetscBool      BorderIsNear(const Pools *pools, const PetscReal x[], PetscReal reach);
 PetscErrorCode BorderParticles(const Pools *pools, Rows *rows);
 
 /* given.c */

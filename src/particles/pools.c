@@ -228,5 +228,5 @@ PetscBool PoolsHold(const Pools *pools, const PetscReal x[])
 
   if (pools->lattice[PoolAt(pools, x, &depth)] || depth < 0.0) return PETSC_FALSE;
   if (depth >= reach) return PETSC_TRUE;
-  return BorderDistance(pools, x) >= reach ? PETSC_TRUE : PETSC_FALSE;
+  return BorderIsNear(pools, x, reach) ? PETSC_FALSE : PETSC_TRUE;
 }
