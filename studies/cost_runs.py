@@ -26,7 +26,7 @@ import spectral
 from runs import ROOT, Runs
 
 SHELL = ("sh", "-c", '"$@"; exit $?', "sh")  # keeps Python's memory out of the largest memory of isph
-LONG = 60  # user time of a run that is not repeated [s]
+LONG = 5  # user time of a run that is not repeated [s]
 CENTRE, RADIUS = (0.5, 0.55), 0.15
 BODY = f"circle,{CENTRE[0]},{CENTRE[1]},{RADIUS}"
 LINES = [(x, 0.05 + 0.05 * k) for x in (0.2, 0.8) for k in range(19)]
