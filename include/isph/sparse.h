@@ -14,6 +14,7 @@ typedef struct {
   PetscScalar *value;
 } SparseRows;
 
+PetscErrorCode MatKeep(Mat A, const char name[], void *data, PetscErrorCode (*Destroy)(void *));
 PetscErrorCode SparseRowsMalloc(PetscInt n, PetscInt entries, SparseRows *rows);
 PetscErrorCode SparseRowsMat(MPI_Comm comm, SparseRows *rows, PetscInt cols, Mat *A);
 PetscErrorCode SparseAdd(Mat X, Mat *Y);

@@ -3,6 +3,7 @@
   neighbours. So the columns of a row are sorted once, and every operator writes its values to the
   same slots: positions in the arrays of values.
 */
+#include "isph/sparse.h"
 #include "isph/operators.h"
 
 /*
@@ -116,7 +117,6 @@ static PetscErrorCode SplitMat(MPI_Comm comm, const Pattern *pattern, PetscInt r
 {
   const PetscInt entries = pattern->row[rows];
   PetscInt       own     = 0, n[2];
-  PetscContainer container;
   SplitRows     *split;
 
   PetscFunctionBegin;
@@ -142,11 +142,7 @@ static PetscErrorCode SplitMat(MPI_Comm comm, const Pattern *pattern, PetscInt r
   PetscCall(MatCreateMPIAIJWithSplitArrays(comm, rows, cols, PETSC_DETERMINE, PETSC_DETERMINE,
                                            split->row[0], split->col[0], split->value[0],
                                            split->row[1], split->col[1], split->value[1], A));
-  PetscCall(PetscContainerCreate(PETSC_COMM_SELF, &container));
-  PetscCall(PetscContainerSetPointer(container, split));
-  PetscCall(PetscContainerSetUserDestroy(container, SplitRowsDestroy));
-  PetscCall(PetscObjectCompose((PetscObject)*A, "rows", (PetscObject)container));
-  PetscCall(PetscContainerDestroy(&container));
+  PetscCall(MatKeep(*A, "rows", split, SplitRowsDestroy));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

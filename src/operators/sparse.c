@@ -1,6 +1,24 @@
 /* Matrices from sorted rows, and sums of matrices of different patterns. */
 #include "isph/sparse.h"
 
+/*
+  MatKeep - Keeps data with a matrix, which frees them at its end
+
+  Not collective. Input: name - of the data, for PetscObjectQuery(); Destroy - frees them.
+*/
+PetscErrorCode MatKeep(Mat A, const char name[], void *data, PetscErrorCode (*Destroy)(void *))
+{
+  PetscContainer container;
+
+  PetscFunctionBegin;
+  PetscCall(PetscContainerCreate(PETSC_COMM_SELF, &container));
+  PetscCall(PetscContainerSetPointer(container, data));
+  PetscCall(PetscContainerSetUserDestroy(container, Destroy));
+  PetscCall(PetscObjectCompose((PetscObject)A, name, (PetscObject)container));
+  PetscCall(PetscContainerDestroy(&container));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* SparseRowsMalloc - Allocates n rows for SparseRowsMat(), which frees them; not collective */
 PetscErrorCode SparseRowsMalloc(PetscInt n, PetscInt entries, SparseRows *rows)
 {
@@ -40,9 +58,8 @@ static PetscErrorCode RowsDestroy(void *ctx)
 */
 PetscErrorCode SparseRowsMat(MPI_Comm comm, SparseRows *rows, PetscInt cols, Mat *A)
 {
-  PetscMPIInt    size;
-  PetscContainer container;
-  SparseRows    *kept;
+  PetscMPIInt size;
+  SparseRows *kept;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(comm, &size));
@@ -55,11 +72,7 @@ PetscErrorCode SparseRowsMat(MPI_Comm comm, SparseRows *rows, PetscInt cols, Mat
   PetscCall(MatCreateSeqAIJWithArrays(comm, rows->n, cols, rows->row, rows->col, rows->value, A));
   PetscCall(PetscNew(&kept));
   *kept = *rows;
-  PetscCall(PetscContainerCreate(PETSC_COMM_SELF, &container));
-  PetscCall(PetscContainerSetPointer(container, kept));
-  PetscCall(PetscContainerSetUserDestroy(container, RowsDestroy));
-  PetscCall(PetscObjectCompose((PetscObject)*A, "sparse_rows", (PetscObject)container));
-  PetscCall(PetscContainerDestroy(&container));
+  PetscCall(MatKeep(*A, "sparse_rows", kept, RowsDestroy));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,5 +1,6 @@
 /* The matrix shift I + scale A of an operator, for solvers: from its rows, so that A itself need
    not be a matrix. Solvers that only multiply take a shell, which stores no entries. */
+#include "isph/sparse.h"
 #include "isph/operators.h"
 
 /* The context of a shell. */
@@ -99,7 +100,6 @@ static PetscErrorCode SystemMat(const OperatorRows *rows, Mat *J)
   const Particles *p       = rows->particles;
   const PetscInt   n       = rows->fluid.row[p->n_fluid];
   Pattern          pattern = rows->fluid;
-  PetscContainer   container;
   Entries         *entries;
 
   PetscFunctionBegin;
@@ -109,11 +109,7 @@ static PetscErrorCode SystemMat(const OperatorRows *rows, Mat *J)
   for (PetscInt s = 0; s < n; s++) entries->col[s] = Column(rows, s);
   pattern.col = entries->col;
   PetscCall(PatternMat(p->comm, &pattern, p->n_fluid, p->n_fluid, entries->value, J));
-  PetscCall(PetscContainerCreate(PETSC_COMM_SELF, &container));
-  PetscCall(PetscContainerSetPointer(container, entries));
-  PetscCall(PetscContainerSetUserDestroy(container, EntriesDestroy));
-  PetscCall(PetscObjectCompose((PetscObject)*J, "entries", (PetscObject)container));
-  PetscCall(PetscContainerDestroy(&container));
+  PetscCall(MatKeep(*J, "entries", entries, EntriesDestroy));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

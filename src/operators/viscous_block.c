@@ -7,6 +7,7 @@
   The weights w_ij,ab stay in the slots of the shared pattern, so that new viscosities nu_ij need no
   new rows.
 */
+#include "isph/sparse.h"
 #include "assembly.h"
 #include "boundary_rows.h"
 #include "wall_points.h"
@@ -99,17 +100,12 @@ static PetscErrorCode ViscousBlockMat(const Particles *p, const Operators *ops,
 {
   const PetscInt d = p->dim;
   BlockRows     *rows;
-  PetscContainer container;
 
   PetscFunctionBegin;
   PetscCall(BlockRowsCreate(p, SlotEntries(ops, d), pattern, &rows));
   PetscCall(PatternMat(p->comm, &rows->pattern, rows->pattern.n, d * columns, rows->value, A));
   PetscCall(MatSetBlockSizes(*A, d, d));
-  PetscCall(PetscContainerCreate(PETSC_COMM_SELF, &container));
-  PetscCall(PetscContainerSetPointer(container, rows));
-  PetscCall(PetscContainerSetUserDestroy(container, BlockRowsDestroy));
-  PetscCall(PetscObjectCompose((PetscObject)*A, "block_rows", (PetscObject)container));
-  PetscCall(PetscContainerDestroy(&container));
+  PetscCall(MatKeep(*A, "block_rows", rows, BlockRowsDestroy));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
