@@ -45,6 +45,8 @@ for words in (["-help"], ["-h"], ["--help"], ["-case", "patch", "-n", "abc", "-h
     text = isph(*words)
     listed = re.findall(r"^  (-\S+)", text[text.index("All options"):], re.M)
     assert listed == options, set(options) ^ set(listed)
+    most = re.findall(r"^  (-\S+)", text[text.index("most runs need:"):text.index("All options")], re.M)
+    assert 10 <= len(most) <= 20 and set(most) <= set(options), most
     assert max(len(line) for line in text.splitlines()) <= 100
     assert re.search(r"^  <side> stands for +left, right, bottom, top, back, front$", text, re.M), text
 petsc = isph("-n", "12", "-help", "petsc")

@@ -6,6 +6,16 @@
 
 extern const OptionTable StartOptions, CheckpointOptions;
 
+/*
+  FlowRun - Runs the flow of a scene of SceneCreate(), with banner, steps, files and report
+
+  Collective on PETSC_COMM_WORLD. The options of clock, scheme, operators and outputs are read here;
+  an option that nothing reads is refused.
+
+  Errors: PETSC_ERR_USER_INPUT for a refused option, a failed -check_<quantity> or a signal;
+  PETSC_ERR_FP for a flow that diverged; PETSC_ERR_NOT_CONVERGED for a failed solve; for all codes
+  see docs/reference/exit-status.md
+*/
 PetscErrorCode FlowRun(Scene *scene);
 
 /* Start with the particles of -particles. */

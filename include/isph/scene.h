@@ -243,7 +243,7 @@ struct Scene {
   PetscInt   n_filled;                 /* 0: the fluid fills the box */
   Rheology   rheology;
   PetscReal  jitter;         /* largest random displacement at the start [dx] */
-  PetscInt   seed;           /* of the jitter and of random fields */
+  PetscInt   seed;           /* of the jitter, of the first shift, of random fields */
   PetscReal  solid_fraction; /* of an array of bodies [-] */
   PetscReal  margin;         /* of a patch test: omitted at each side [dx] */
 };

@@ -181,7 +181,7 @@ typedef struct {
 typedef struct {
   const char      *name;   /* in the report */
   const PetscReal *value;  /* largest of the run */
-  PetscReal        most;   /* largest value that needs no word */
+  PetscReal        most;   /* largest value of its range */
   const char      *remedy; /* "the fluid ...; try ..." */
   PetscBool        quiet;  /* the report has it only if it has left its range */
 } SchemeFigure;

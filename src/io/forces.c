@@ -5,10 +5,10 @@
 
   with n into the fluid and w the velocity minus the wall velocity. The wall velocity of a body is
   extended into the fluid as a rigid motion, which has no strain; then the second viscous term is
-  zero, as w is on the surface. The velocity of a side may vary along the side; there the second
-  term follows from the derivatives of the wall velocity and from continuity. dw/dn is a one-sided
-  difference of third order between the surface and probes at the heights dx, 2 dx and 3 dx. See
-  docs/theory.md, (112) and (113).
+  zero, because w is zero on the surface. The velocity of a side may vary along the side; there the
+  second term follows from the derivatives of the wall velocity and from continuity. dw/dn is a
+  one-sided difference of third order between the surface and probes at the heights dx, 2 dx and
+  3 dx. See docs/theory.md, (112) and (113).
 */
 #include "monitors.h"
 

@@ -1,12 +1,12 @@
 /* Quantities of fluids with a free surface, beside those of norms.c. */
 #include "isph/io.h"
 
-#define VOLUME_KEPT 0.02 /* largest error of the volume that needs no word [-] */
-#define ENERGY_KEPT 0.1  /* largest gain of energy that needs no word, 5 % of the speed [-] */
+#define VOLUME_KEPT 0.02 /* error of the volume above which the run prints a note [-] */
+#define ENERGY_KEPT 0.1  /* gain of energy above which it does, 5 % of the speed [-] */
 
-/* Adds what own particles contribute: momentum and first moments, then the extent of the fluid
-   without isolated particles as least and largest -x. */
-static void Contribute(const Flow *flow, const PetscScalar *const u[], PetscReal sum[],
+/* Adds volume, first moments, momentum and angular momentum of own particles to the sums, over the
+   density; extends [-x_min, x_max, -y_min, ...] of the fluid without isolated particles. */
+static void AddMoments(const Flow *flow, const PetscScalar *const u[], PetscReal sum[],
                        PetscReal extent[])
 {
   const Particles *p = flow->particles;
@@ -55,7 +55,7 @@ PetscErrorCode MeasureFree(const Flow *flow, Report *report)
   if (!flow->ops->free) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt e = 0; e < 2 * d; e++) extent[e] = -PETSC_INFINITY;
   for (PetscInt a = 0; a < d; a++) PetscCall(VecGetArrayRead(flow->state->u[a], &u[a]));
-  Contribute(flow, u, sum, extent);
+  AddMoments(flow, u, sum, extent);
   for (PetscInt a = 0; a < d; a++) PetscCall(VecRestoreArrayRead(flow->state->u[a], &u[a]));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 10, MPIU_REAL, MPIU_SUM, flow->particles->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, extent, 2 * (PetscMPIInt)d, MPIU_REAL, MPIU_MAX,

@@ -87,8 +87,8 @@ static inline PetscInt KeepClose(PetscInt dim, const Particles *p, PetscInt n,
 }
 
 /* Sets distances from their squares, volumes, kinds and equations of the first n neighbours, which
-   ascend: own fluid comes first. The squares were stored one by one; vectors wait for such stores,
-   so roots come last. */
+   ascend: own fluid comes first. Roots come last: KeepClose() stored the squares one by one, and a
+   vector of them would wait for these stores. */
 static ISPH_WIDE void FillNeighbors(const Particles *p, PetscInt n, Stencil *st)
 {
   const PetscReal *volume = p->volume;

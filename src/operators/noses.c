@@ -1,9 +1,9 @@
 /*
   Noses of thin fluid on walls without slip: the last particles of a film before the contact line,
   where the surface meets the wall. Two or three particles on the surface hold the whole
-  cross-section there, and the fit of one of them has those of both sides of the tip. Its pressure
-  2 mu n.E n then feeds the velocity from which it comes, and a nose is lost in one or two steps of
-  any length.
+  cross-section there, and the fit of one of them uses particles from both sides of the tip. Its
+  pressure 2 mu n.E n then amplifies the velocity from which it is computed, and a nose is lost in
+  one or two steps of any length.
   Particles of noses are therefore rough: they have pair forces, which dissipate in any arrangement,
   and p = 0. A film behind its nose keeps the fits, which are exact for a parabola of one or two
   particles across. See docs/theory.md, (250) and (251).

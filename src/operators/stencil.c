@@ -1,5 +1,5 @@
 /*
-  Storage of the stencil of a particle. OperatorsAssemble() fills it, and row functions read it.
+  Storage of the stencil of a particle. GatherStencil() fills it, and row functions read it.
 */
 #include "isph/operators.h"
 

@@ -26,6 +26,13 @@ static const char *const kinds[] = {
     [VALUE_SOLVER]     = "value",
 };
 
+/* The options that most runs need, in the order of -help. */
+static const char *const common[] = {
+    "-case",   "-reynolds",     "-viscosity",  "-length",  "-speed",  "-n",
+    "-t_end",  "-dt",           "-motion",     "-scheme",  "-output", "-output_every",
+    "-report", "-probe_forces", "-checkpoint", "-restart",
+};
+
 /* Appends a part with the words before and after it to a text; nothing if the part is empty. */
 static void Append(char text[TEXT_LENGTH], const char before[], const char part[],
                    const char after[])
@@ -90,19 +97,27 @@ static void PrintOption(FILE *out, const OptionRow *row)
   PrintWrapped(out, column, text);
 }
 
+/* Returns true if an earlier row of the table has the words of a row. */
+static PetscBool HasPlacesBefore(const OptionTable *table, const OptionRow *row)
+{
+  const OptionRow *earlier;
+
+  for (PetscInt k = 0; (earlier = OptionNext(table, &k)) && earlier != row;)
+    if (earlier->places == row->places) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* Prints the words that stand in place of <word> in names of options, each list once. */
 static void PrintPlaces(FILE *out, const OptionTable *table, PetscBool markdown)
 {
-  const char *const *last = NULL;
-  const OptionRow   *row;
+  const OptionRow *row;
 
   for (PetscInt k = 0; (row = OptionNext(table, &k));) {
     const char *open             = strchr(row->name, '<');
     char        all[TEXT_LENGTH] = "";
     int         length;
 
-    if (!row->places || row->places == last) continue;
-    last   = row->places;
+    if (!row->places || HasPlacesBefore(table, row)) continue;
     length = (int)strcspn(open, ">") + 1;
     for (PetscInt q = 0; row->places[q]; q++) AppendWord(all, sizeof(all), row->places[q]);
     if (markdown) {
@@ -126,20 +141,24 @@ void UsagePrint(FILE *out)
       "  isph -case cavity -reynolds 0.01 -motion eulerian -scheme coupled -steady\n"
       "  isph -case scene -scene_body_1 circle,0.5,0.5,0.2 -scene_wall_top_velocity 1,0 -n 40\n"
       "\n"
-      "  -help             all options of isph; -help petsc adds PETSc's for the chosen solvers\n"
+      "  -help             the options that most runs need, then all options of isph; -help petsc\n"
+      "                    adds PETSc's for the chosen solvers\n"
       "  -catalogue        cases, operators, walls, schemes and integrators with their papers\n"
       "  -version          versions of isph and of the libraries it stands on\n",
       out);
 }
 
 /*
-  HelpPrint - Prints all options of isph, in groups
+  HelpPrint - Prints the options that most runs need, then all options of isph, in groups
 
   Not collective; needs neither PETSc nor MPI to be initialized.
 */
 void HelpPrint(FILE *out)
 {
   UsagePrint(out);
+  (void)fprintf(out, "\nThe options that most runs need:\n\n");
+  for (size_t k = 0; k < sizeof(common) / sizeof(common[0]); k++)
+    PrintOption(out, OptionFind(common[k]));
   (void)fprintf(out, "\n%s\n",
                 "All options, with unit, default, allowed values, and the runs that use them:");
   for (PetscInt t = 0; OptionTableGet(t); t++) {

@@ -309,7 +309,7 @@ static PetscErrorCode RunReportChoices(Run *run)
 }
 
 /* Prints a line for each figure of the scheme that has left its range. */
-static PetscErrorCode RunTellFigures(const Scheme *scheme)
+static PetscErrorCode RunPrintFigures(const Scheme *scheme)
 {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < scheme->n_figures; k++) {
@@ -341,13 +341,13 @@ static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measure
   if (measured) PetscCall(ResolutionView(&run->flow, run->report, PETSC_VIEWER_STDOUT_WORLD));
   if (measured) PetscCall(VolumeView(run->report, PETSC_VIEWER_STDOUT_WORLD));
   if (measured) PetscCall(EnergyView(&run->flow, PETSC_VIEWER_STDOUT_WORLD));
-  PetscCall(RunTellFigures(run->flow.scheme));
+  PetscCall(RunPrintFigures(run->flow.scheme));
   PetscCall(ReportWrite(&run->flow, run->report, now - run->started, status));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Prints the banner, runs the time loop, and reports. */
-static PetscErrorCode RunTellAndSolve(Run *run)
+static PetscErrorCode RunSolveAndReport(Run *run)
 {
   const char    *signal;
   PetscErrorCode failed;
@@ -370,14 +370,7 @@ static PetscErrorCode RunTellAndSolve(Run *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  FlowRun - Runs a flow from its scene to its report
-
-  Collective on PETSC_COMM_WORLD.
-
-  Errors: a flow that diverges, a signal, or an error above the tolerance of -check_<quantity> ends
-  the run
-*/
+/* FlowRun - Runs the flow of a scene; collective on PETSC_COMM_WORLD. See isph/run.h. */
 PetscErrorCode FlowRun(Scene *scene)
 {
   Run       run = {.flow = {.scene = scene}};
@@ -389,7 +382,7 @@ PetscErrorCode FlowRun(Scene *scene)
   PetscCall(PetscLogStagePush(run.stage[STAGE_SETUP]));
   PetscCall(RunCreate(&run));
   PetscCall(OptionGiven("-help", &wants_help));
-  if (!wants_help) PetscCall(RunTellAndSolve(&run));
+  if (!wants_help) PetscCall(RunSolveAndReport(&run));
   PetscCall(PetscLogStagePop());
   PetscCall(RunDestroy(&run));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -164,7 +164,7 @@ PetscErrorCode SceneCheckInflow(const Scene *scene, PetscReal t)
   UserCheck(
       !(PetscAbsReal(in) > 2e-3 * through),
       "-scene_wall_<side>_velocity: at t = %.3g s %.4g m^%d/s of fluid more %s through the sides; "
-      "inflow and outflow must balance",
+      "inflow and outflow must balance, or use -scene_outflow",
       (double)t, (double)PetscAbsReal(in), (int)scene->dim,
       in > 0.0 ? "come in than go out" : "go out than come in");
   PetscFunctionReturn(PETSC_SUCCESS);

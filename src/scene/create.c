@@ -174,7 +174,7 @@ static const OptionRow options[] = {
         {
             .name     = "-seed",
             .kind     = VALUE_INT,
-            .brief    = "seed of the jitter and of random fields",
+            .brief    = "seed of the jitter, of the first shift and of random fields",
             .standard = "1",
             NOT_NEGATIVE,
         },
@@ -363,7 +363,7 @@ PetscErrorCode SceneNameConstants(Scene *scene)
 . -with, -without names   - physics added to the physics of the case, or removed from it
 . -motion name            - row of MotionTable; read only with convection
 . -jitter J               - largest random displacement of the start lattice [dx]
-. -seed S                 - seed of the jitter and of random fields
+. -seed S                 - seed of the jitter, of the first shift and of random fields
 . -solid_fraction c       - share of the box filled by the bodies of an array; for such cases only
 - -patch_margin M         - width that a patch test leaves out at each side [dx]
 

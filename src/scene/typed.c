@@ -34,7 +34,7 @@ static const OptionRow options[] = {
             .kind     = VALUE_EXPRESSION,
             .brief    = "velocity u,v[,w] of a side of the box, of x, y[, z], t",
             .unit     = "m/s",
-            .standard = "0",
+            .standard = "0; of an inflow it must be given",
             .places   = BoxSides,
             .where    = "-case scene, sides that are walls or inflows",
         },
@@ -253,12 +253,16 @@ static PetscErrorCode ReadSides(Scene *scene)
     Expression    *v      = &scene->boundary[side].velocity;
     const PetscInt normal = side / 2;
     char           name[OPTION_LENGTH];
+    PetscBool      given;
     OptionRow      row;
 
     if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES | BOUNDARY_NO_SLIP)) continue;
     OptionFill(&options[WALL_VELOCITY], BoxSides[side], name, &row);
     PetscCall(ExpressionGet(scene->scope, &row, scene->dim, scene->dim,
-                            EXPRESSION_PLACE | EXPRESSION_TIME, v, NULL));
+                            EXPRESSION_PLACE | EXPRESSION_TIME, v, &given));
+    UserCheck(given || !BoundaryIs(scene, side, BOUNDARY_INFLOW),
+              "-scene_inflow %s: give the velocity of the fluid that enters by %s", BoxSides[side],
+              name);
     if (ExpressionUses(v, EXPRESSION_TIME)) scene->unsteady_walls = PETSC_TRUE;
     UserCheck(!SceneHas(scene, PHYSICS_CONVECTION) || !BoundaryIs(scene, side, BOUNDARY_CONFINES) ||
                   (!v->uses[normal] && v->value[normal] == 0.0),

@@ -4,7 +4,7 @@
 */
 #include "step.h"
 
-#define UNEVEN 0.15 /* largest unevenness that needs no word [-] */
+#define UNEVEN 0.15 /* unevenness above which the run prints a note [-] */
 
 /* Returns the larger of the speeds at which particle i moves and at which the fluid passes it, over
    the speed of the fluid: 1 without graded spacing. */

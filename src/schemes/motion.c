@@ -13,8 +13,8 @@
   Derivatives at the old positions, which give the change of the fields of a displaced particle:
   grad p and the gradient of the mean pressure; with shifting also grad u and, if the viscous
   operator is a Laplacian, lap u; with the velocity filter also grad u and the residual of a
-  quadratic fit of u. Unneeded vectors are NULL. Beside them the displacements of rough particles
-  from their neighbours, which follow from the old positions too.
+  quadratic fit of u. Unneeded vectors are NULL. The displacements of rough particles from their
+  neighbours follow from the old positions too.
 */
 typedef struct {
   Vec                p_vec[ISPH_MAX_DIM], mean_vec[ISPH_MAX_DIM], u_vec[ISPH_MAX_DIM][ISPH_MAX_DIM];

@@ -10,13 +10,13 @@
 #define MODES_3D 5   /* */
 #define MODES    7   /* the larger of both */
 #define TERMS    384 /* at least 3 MODES_3D^3 + 3, MODES_2D^2 + 2 */
-#define VEIL     0.1 /* distance from bodies in which the fields fall to zero [L] */
+#define CUTOFF   0.1 /* distance from bodies in which the fields fall to zero [L] */
 
 /* Values and derivatives of the factors of the stream functions at a particle. */
 typedef struct {
   PetscReal value[ISPH_MAX_DIM][MODES], slope[ISPH_MAX_DIM][MODES]; /* [-], [1/m] */
   PetscReal height[ISPH_MAX_DIM];                                   /* from the middle [m] */
-  PetscReal veil, veil_slope[ISPH_MAX_DIM]; /* 1 far from bodies, 0 on them [-], [1/m] */
+  PetscReal cutoff, cutoff_slope[ISPH_MAX_DIM]; /* 1 far from bodies, 0 on them [-], [1/m] */
 } Factors;
 
 static PetscInt ModesOf(const Scene *scene)
@@ -34,25 +34,25 @@ static PetscReal WaveNumber(const Scene *scene, PetscInt axis, PetscInt k)
                                       : PETSC_PI * (k + 1.0) / width;
 }
 
-/* Sets the veil and its gradient at x. */
-static void SetVeil(const Scene *scene, const PetscReal x[], Factors *f)
+/* Sets the cutoff and its gradient at x. */
+static void SetCutoff(const Scene *scene, const PetscReal x[], Factors *f)
 {
-  const PetscReal reach = VEIL * scene->length;
+  const PetscReal reach = CUTOFF * scene->length;
   WallPlane       planes[SCENE_MAX_BOUNDARIES];
   PetscInt        n = 0;
 
-  f->veil = 1.0;
-  for (PetscInt a = 0; a < scene->dim; a++) f->veil_slope[a] = 0.0;
+  f->cutoff = 1.0;
+  for (PetscInt a = 0; a < scene->dim; a++) f->cutoff_slope[a] = 0.0;
   if (scene->n_bodies) SceneWallPlanes(scene, x, reach, planes, &n);
   for (PetscInt q = 0; q < n; q++) {
     const PetscReal s = PetscMax(0.0, planes[q].distance / reach), m = s * s * (3.0 - 2.0 * s);
 
     if (!BoundaryBody(scene, planes[q].side)) continue;
     for (PetscInt a = 0; a < scene->dim; a++) {
-      f->veil_slope[a] =
-          m * f->veil_slope[a] + f->veil * 6.0 * s * (1.0 - s) / reach * planes[q].normal[a];
+      f->cutoff_slope[a] =
+          m * f->cutoff_slope[a] + f->cutoff * 6.0 * s * (1.0 - s) / reach * planes[q].normal[a];
     }
-    f->veil *= m;
+    f->cutoff *= m;
   }
 }
 
@@ -72,16 +72,16 @@ static void SetFactors(const Scene *scene, const PetscReal x[], Factors *f)
       f->slope[a][k] = PETSC_SQRT2 * w * (sine ? PetscCosReal(phase) : -PetscSinReal(phase));
     }
   }
-  SetVeil(scene, x, f);
+  SetCutoff(scene, x, f);
 }
 
-/* Returns e.curl(veil S) in the plane of axes a and b, for a stream function S with the gradient
+/* Returns e.curl(cutoff S) in the plane of axes a and b, for a stream function S with the gradient
    (along_a, along_b). */
 static PetscReal TimesCurl(const Factors *f, PetscInt a, PetscInt b, const PetscReal e[],
                            PetscReal S, PetscReal along_a, PetscReal along_b)
 {
-  return e[a] * (f->veil * along_b + S * f->veil_slope[b]) -
-         e[b] * (f->veil * along_a + S * f->veil_slope[a]);
+  return e[a] * (f->cutoff * along_b + S * f->cutoff_slope[b]) -
+         e[b] * (f->cutoff * along_a + S * f->cutoff_slope[a]);
 }
 
 /* Adds the products of a weighted velocity e with all fields in the plane of axes a and b. */

@@ -4,21 +4,21 @@
 */
 #include "isph/schemes.h"
 
-static const char *const Linear[]  = {"visc",
-                                      "ppe",
-                                      "coupled",
-                                      "coupled_schur",
-                                      "coupled_fieldsplit_velocity",
-                                      "coupled_fieldsplit_pressure",
-                                      NULL};
-static const char *const Solvers[] = {"visc", "ppe", "coupled", NULL};
-static const char *const Times[]   = {"visc", "coupled", NULL};
-static const char *const Steps[]   = {"visc", "coupled", "wcsph", NULL};
+static const char *const Linear[]   = {"visc",
+                                       "ppe",
+                                       "coupled",
+                                       "coupled_schur",
+                                       "coupled_fieldsplit_velocity",
+                                       "coupled_fieldsplit_pressure",
+                                       NULL};
+static const char *const Solvers[]  = {"visc", "ppe", "coupled", NULL};
+static const char *const Implicit[] = {"visc", "coupled", NULL};
+static const char *const Times[]    = {"visc", "coupled", "wcsph", NULL};
 
 /* clang-format off */
 #define LINEAR(word)    .name = "-<solve>_" word, .kind = VALUE_SOLVER, .places = Linear
-#define NONLINEAR(word) .name = "-<integrator>_" word, .kind = VALUE_SOLVER, .places = Times
-#define STEPS(word)     .name = "-<integrator>_" word, .kind = VALUE_SOLVER, .places = Steps
+#define IMPLICIT(word)  .name = "-<implicit>_" word, .kind = VALUE_SOLVER, .places = Implicit
+#define TIMES(word)     .name = "-<integrator>_" word, .kind = VALUE_SOLVER, .places = Times
 #define MONITOR(option, words) .name = option, .kind = VALUE_MONITOR, .places = words
 /* clang-format on */
 
@@ -200,61 +200,61 @@ static const OptionRow options[] = {
         .where = "-scheme coupled with -coupled_pc_type fieldsplit",
     },
     {
-        STEPS("ts_rtol"),
+        TIMES("ts_rtol"),
         .brief = "relative error allowed in a substep, for integrators that take substeps",
         .unit  = "-",
     },
     {
-        STEPS("ts_adapt_type"),
+        TIMES("ts_adapt_type"),
         .brief = "control of substeps",
     },
     {
-        NONLINEAR("ts_theta_theta"),
+        IMPLICIT("ts_theta_theta"),
         .brief    = "theta of the theta method, above 0 to 1",
         .unit     = "-",
         .standard = "0.5",
     },
     {
-        NONLINEAR("ts_bdf_order"),
+        IMPLICIT("ts_bdf_order"),
         .brief = "order of backward differentiation",
     },
     {
-        NONLINEAR("ts_arkimex_type"),
+        IMPLICIT("ts_arkimex_type"),
         .brief = "additive Runge-Kutta method",
     },
     {
-        NONLINEAR("ts_rosw_type"),
+        IMPLICIT("ts_rosw_type"),
         .brief = "Rosenbrock-W method",
     },
     {
-        STEPS("ts_rk_type"),
+        TIMES("ts_rk_type"),
         .brief = "Runge-Kutta method",
     },
     {
-        STEPS("ts_ssp_type"),
+        TIMES("ts_ssp_type"),
         .brief = "strong-stability-preserving method",
     },
     {
-        STEPS("ts_monitor"),
+        TIMES("ts_monitor"),
         .brief = "print each substep",
     },
     {
-        STEPS("ts_view"),
+        TIMES("ts_view"),
         .brief = "print the integrator at the end of the run",
     },
     {
-        NONLINEAR("snes_type"),
+        IMPLICIT("snes_type"),
         .brief    = "nonlinear solver",
         .standard = "newtonls where viscosity follows the strain rate",
     },
     {
-        NONLINEAR("snes_rtol"),
+        IMPLICIT("snes_rtol"),
         .brief    = "tolerance of the nonlinear residual",
         .unit     = "-",
         .standard = "visc 1e-6",
     },
     {
-        MONITOR("-<integrator>_snes_monitor", Times),
+        MONITOR("-<implicit>_snes_monitor", Implicit),
         .brief = "print the residual of each nonlinear iteration",
     },
     {

@@ -44,9 +44,9 @@ static PetscErrorCode Renumber(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FlowFollow - Computes neighbours and vectors for the present positions, no matrices;
+/* FlowRebuildNeighbors - Computes neighbours and vectors for the present positions, no matrices;
    collective */
-PetscErrorCode FlowFollow(Flow *flow)
+PetscErrorCode FlowRebuildNeighbors(Flow *flow)
 {
   PetscFunctionBegin;
   PetscCall(UpdateNeighbors(flow));

@@ -8,7 +8,7 @@
 typedef PetscErrorCode (*FlowSolve)(Flow *flow);
 PetscErrorCode FlowStep(Flow *flow, FlowSolve Solve);
 PetscErrorCode FlowAdvance(Flow *flow);
-PetscErrorCode FlowFollow(Flow *flow);
+PetscErrorCode FlowRebuildNeighbors(Flow *flow);
 PetscErrorCode FlowAssemble(Flow *flow);
 PetscErrorCode FlowRebuild(Flow *flow);
 PetscErrorCode FlowBegin(Flow *flow);

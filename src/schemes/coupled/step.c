@@ -9,10 +9,9 @@
 
 #define PICARD_MOST   50  /* largest number of iterations of steady convection */
 #define RHEOLOGY_MOST 200 /* largest number of iterations with a rheology */
-#define PICARD_CHANGE                                                                              \
-  1e-6 /* change of u in the last iteration, relative to |u|, or to |u| + U in
-                              time */
-#define STAGE_RATIO (1.0 + PETSC_SQRT2) /* (1 - g)/g of the stages, g = 1 - 1/sqrt(2) */
+/* Change of u in the last iteration, relative to |u|, or to |u| + U in time. */
+#define PICARD_CHANGE 1e-6
+#define STAGE_RATIO   (1.0 + PETSC_SQRT2) /* (1 - g)/g of the stages, g = 1 - 1/sqrt(2) */
 
 /* Solves the linear system, starting from the present unknowns. */
 static PetscErrorCode SolveLinear(Vec b, Coupled *c, StepFailure *failure)

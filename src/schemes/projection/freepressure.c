@@ -2,8 +2,8 @@
   The pressure of particles on free surfaces in the projection, p = p_0 + 2 mu n.E n + sigma
   kappa, with the pressure p_0 outside, the strain rate E of the velocity at the start of the step,
   and the surface tension sigma and the curvature kappa of the present surface. It is p_0 where the
-  surface is rough. The increment
-  phi of the pressure equation has this value minus p^n, so that the pressure is determined.
+  surface is rough. The increment phi of the pressure equation has this value minus p^n, so that the
+  pressure is determined.
 
   With a velocity of the same time any dt would be stable: that needs the coupled scheme. Here
   ProjectionFreeLimit() bounds dt: docs/theory.md, (160).

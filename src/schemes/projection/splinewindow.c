@@ -1,9 +1,9 @@
 /*
   The window of a rank: the pressure of the splines at particles, without a matrix, and sums over
-  splines. Splines are products of polynomials
-  along the axes, so the place of a particle in its cell gives all of them. Their coefficients are
-  collected in a block of the lattice around the particles of a rank, the window, where the splines
-  beside bodies have the coefficients of their masters already (splineextend.c).
+  splines. Splines are products of polynomials along the axes, so the place of a particle in its
+  cell gives all of them. Their coefficients are collected in a block of the lattice around the
+  particles of a rank, the window, where the splines beside bodies have the coefficients of their
+  masters already (splineextend.c).
 */
 #include "splines.h"
 

@@ -224,7 +224,7 @@ static PetscErrorCode FollowPositions(Flow *flow)
   PetscFunctionBegin;
   PetscCall(ParticlesUpdateEpoch(flow->scene, flow->particles, PETSC_FALSE, &started));
   if (!started) PetscCall(ParticlesUpdateHalo(flow->particles));
-  PetscCall(FlowFollow(flow));
+  PetscCall(FlowRebuildNeighbors(flow));
   for (PetscInt a = 0; a < flow->scene->dim; a++)
     PetscCall(VecCopy(flow->state->u[a], flow->state->u_next[a]));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -12,8 +12,8 @@
 
 #define WCSPH_MOVE_MOST  0.2  /* of a particle in a step, for halos that serve all stages [dx] */
 #define WCSPH_SOUND      1e-3 /* rms of velocities by sound that the bound allows [c0] */
-#define WCSPH_MACH       0.2  /* largest Mach number that needs no word [-] */
-#define WCSPH_VARIATION  0.03 /* largest |rho/rho_0 - 1| that needs no word [-] */
+#define WCSPH_MACH       0.2  /* Mach number above which the run prints a note [-] */
+#define WCSPH_VARIATION  0.03 /* |rho/rho_0 - 1| above which it does [-] */
 #define WCSPH_COMPONENTS (2 * ISPH_MAX_DIM + 2)
 
 typedef struct Wcsph Wcsph;
