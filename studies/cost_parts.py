@@ -11,6 +11,7 @@ FIXED = {  # the same settings in all flows of comparison
     "coarse points, CFL 8": "-motion eulerian -convection implicit -pressure_points coarse -cfl 8",
     "quartic, explicit": "-motion eulerian -mls_degree 4",
     "quartic, explicit, CFL 1": "-motion eulerian -mls_degree 4 -cfl 1",
+    "quartic, explicit, CFL 1, order 3": "-motion eulerian -mls_degree 4 -cfl 1 -time_order 3",
     "quartic": "-motion eulerian -convection implicit -mls_degree 4",
     "quartic, CFL 4": "-motion eulerian -convection implicit -mls_degree 4 -cfl 4",
     "quartic, CFL 8": "-motion eulerian -convection implicit -mls_degree 4 -cfl 8",
@@ -19,7 +20,8 @@ FIXED = {  # the same settings in all flows of comparison
     "quartic, coarse points, explicit, CFL 1": "-motion eulerian -mls_degree 4 -pressure_points coarse -cfl 1",
 }
 MOVING = {"default": "", "CFL 1": "-cfl 1", "CFL 2": "-cfl 2", "quartic": "-mls_degree 4",
-          "quartic, CFL 1": "-mls_degree 4 -cfl 1"}
+          "quartic, CFL 1": "-mls_degree 4 -cfl 1", "CFL 1, order 3": "-cfl 1 -time_order 3",
+          "quartic, order 3": "-mls_degree 4 -time_order 3"}
 SHEAR = ('-case scene -scene_box 0,0,1,1 -scene_periodic x,y -viscosity 1e-4 -scene_velocity '
          '"tanh(30*((y<0.5)?(y-0.25):(0.75-y))),0.05*sin(2*pi*(x+0.25))"')
 

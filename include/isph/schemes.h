@@ -92,23 +92,26 @@ typedef struct {
   Openings        openings;
 
   PetscReal *u_previous[ISPH_MAX_DIM]; /* u^{n-1} (field) [m/s] */
-  PetscReal *u_earlier[ISPH_MAX_DIM];  /* u^{n-2} (field); NULL without -dt_adapt error [m/s] */
+  PetscReal *u_earlier[ISPH_MAX_DIM];  /* u^{n-2} (field); NULL: not needed [m/s] */
   PetscReal *convection[ISPH_MAX_DIM]; /* (u.grad u)^{n-1} of fixed particles, explicit (field)
                                           [m/s^2] */
+  PetscReal *convection_earlier[ISPH_MAX_DIM]; /* (u.grad u)^{n-2} (field); NULL: not needed */
   PetscReal *correction[ISPH_MAX_DIM]; /* u - u* of the last projection (field); NULL without
                                           implicit convection [m/s] */
 
-  PetscInt  epoch;                         /* epoch of the vectors */
-  Vec       u[ISPH_MAX_DIM];               /* u^n, on the particles' field */
-  Vec       u_prev[ISPH_MAX_DIM];          /* u^{n-1}, on its field */
-  Vec       u_before[ISPH_MAX_DIM];        /* u^{n-2}, on its field; NULL: not needed */
-  Vec       convection_prev[ISPH_MAX_DIM]; /* convective term of the last step, on its field */
-  Vec       correction_prev[ISPH_MAX_DIM]; /* correction, on its field; NULL: not needed */
-  Vec       p;                             /* p, on the particles' field; NULL: no pressure */
-  Vec       u_next[ISPH_MAX_DIM];          /* u*, then u^{n+1} of the present step [m/s] */
-  Vec       p_before;                      /* p^n of the present step [Pa] */
-  Vec       divergence;                    /* div u* of the present step [1/s] */
-  Vec       work[FLOW_MAX_WORK];           /* vectors lent by FlowGetWork() */
+  PetscInt  epoch;                           /* epoch of the vectors */
+  Vec       u[ISPH_MAX_DIM];                 /* u^n, on the particles' field */
+  Vec       u_prev[ISPH_MAX_DIM];            /* u^{n-1}, on its field */
+  Vec       u_before[ISPH_MAX_DIM];          /* u^{n-2}, on its field; NULL: not needed */
+  Vec       convection_prev[ISPH_MAX_DIM];   /* convective term of the last step, on its field */
+  Vec       convection_before[ISPH_MAX_DIM]; /* that of the step before, on its field; NULL: not
+                                                needed */
+  Vec       correction_prev[ISPH_MAX_DIM];   /* correction, on its field; NULL: not needed */
+  Vec       p;                               /* p, on the particles' field; NULL: no pressure */
+  Vec       u_next[ISPH_MAX_DIM];            /* u*, then u^{n+1} of the present step [m/s] */
+  Vec       p_before;                        /* p^n of the present step [Pa] */
+  Vec       divergence;                      /* div u* of the present step [1/s] */
+  Vec       work[FLOW_MAX_WORK];             /* vectors lent by FlowGetWork() */
   PetscBool lent[FLOW_MAX_WORK];
 
   PetscLogEvent event[FLOW_EVENTS];

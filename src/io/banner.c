@@ -197,7 +197,7 @@ static PetscErrorCode BannerControl(const Flow *flow, PetscViewer viewer)
 static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
 {
   const Scene    *scene = flow->scene;
-  const PetscReal dt = flow->clock->dt, h = flow->ops->forms.h;
+  const PetscReal dt = flow->clock->dt / ClockShortening(flow->clock), h = flow->ops->forms.h;
 
   PetscFunctionBegin;
   if (flow->clock->steady_solve) {
@@ -212,6 +212,10 @@ static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
                                      (double)(scene->nu * dt / PetscSqr(h))));
   }
   PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
+  if (flow->clock->order > 2)
+    PetscCall(PetscViewerASCIIPrintf(
+        viewer, BANNER_LABEL "3: BDF3 and Adams-Bashforth%s\n", "time order",
+        flow->clock->adapt->estimates ? "" : "; the first steps are shorter"));
   PetscCall(BannerControl(flow, viewer));
   PetscCall(BannerAdvection(flow, dt, viewer));
   if (SceneHas(scene, PHYSICS_VISCOSITY))

@@ -53,6 +53,17 @@ static PetscReal ClockTarget(const Clock *c)
   return PetscMin(target, ClockNext(c->land_every, c->t));
 }
 
+/* ClockShortening - Returns the length of the present step over the usual one, below 1 at the start
+   with -time_order 3; not collective */
+PetscReal ClockShortening(const Clock *clock)
+{
+  const PetscInt left = CLOCK_SHORT - clock->step;
+
+  return clock->order > 2 && !clock->adapt->estimates && left > 0
+             ? PetscPowReal(CLOCK_GROWTH, (PetscReal)-left)
+             : 1.0;
+}
+
 /*
   ClockChoose - Sets dt of the next step
 
@@ -60,7 +71,8 @@ static PetscReal ClockTarget(const Clock *c)
 
   Not collective. land_every is the interval of snapshots. dt is dt_wanted, reduced so that equal
   steps end exactly at the next report time, at the next snapshot, or at t_end. In a run of a single
-  step dt_wanted is dt.
+  step dt_wanted is dt. With -time_order 3 the first CLOCK_SHORT steps are short and grow, because
+  the error of the very first one is of order dt^2; -dt_adapt error has a start of its own.
 
   Input Parameter:
 . limit - the longest step that the scheme allows
@@ -72,6 +84,7 @@ PetscErrorCode ClockChoose(const StepLimit *limit, Clock *clock)
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < clock->halvings; k++) dt *= 0.5;
+  dt *= ClockShortening(clock);
   dt = PetscMin(dt, clock->control.dt);
   if (clock->land_every > 0.0) dt = PetscMin(dt, clock->land_every);
   clock->dt_wanted = clock->step == 0 && target == clock->t_end ? PetscMin(dt, left) : dt;
@@ -193,9 +206,23 @@ PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
 PetscReal ClockRatio(const Clock *clock)
 {
   const PetscReal w =
-      clock->order == 2 && clock->dt_previous > 0.0 ? clock->dt / clock->dt_previous : 0.0;
+      clock->order >= 2 && clock->dt_previous > 0.0 ? clock->dt / clock->dt_previous : 0.0;
 
   return w <= 1.0 + PETSC_SQRT2 ? w : 0.0;
+}
+
+/*
+  ClockOrder - Returns the order of the formulas in time of the present step; not collective
+
+  It is below -time_order until enough earlier velocities are known, and after a much shorter step:
+  BDF3 is zero-stable up to a ratio of steps of 1.534.
+*/
+PetscInt ClockOrder(const Clock *clock)
+{
+  if (ClockRatio(clock) == 0.0) return 1;
+  return clock->order > 2 && clock->dt_before > 0.0 && clock->dt < CLOCK_STABLE * clock->dt_previous
+             ? 3
+             : 2;
 }
 
 /* ClockPasses - Returns true if a multiple of `every` [s] lies in (last, now] */

@@ -141,8 +141,8 @@ static const OptionRow options[] = {
             .brief    = "order of the time integration",
             .standard = "2",
             .low      = 1,
-            .high     = 2,
-            .where    = "flows",
+            .high     = 3,
+            .where    = "-scheme projection or coupled",
         },
     [STEADY] =
         {
@@ -244,7 +244,7 @@ static PetscErrorCode ClockReadAdapt(const Scene *scene, Clock *c)
 . -dt_rtol TOL        - largest error of a step with -dt_adapt error
 . -dt_move_max M      - largest displacement of a particle in a step that is not retried [dx]
 . -max_steps N        - stop after N steps
-. -time_order 1|2     - order of the time integration
+. -time_order 1|2|3   - order of the time integration
 . -steady             - no du/dt: a single step to t_end with -scheme coupled
 . -steady_tol TOL     - stop when u, div u* and p change by less than this per time scale
 - -report_times t,... - report quantities at these times too

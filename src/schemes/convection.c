@@ -126,7 +126,7 @@ PetscErrorCode ConvectionAddMatrix(const Flow *flow, const Vec v[], PetscInt c, 
   ConvectionExtrapolate - Subtracts the convective term of fixed particles, extrapolated in time,
   from a force
 
-    force -= (1 + w) (u.grad u)^n - w (u.grad u)^{n-1},   w = at ClockRatio()
+    force -= w_0 (u.grad u)^n + w_1 (u.grad u)^{n-1} + w_2 (u.grad u)^{n-2},   w of HistoryAhead()
 
   Collective. Keeps (u.grad u)^n for the next step.
 
@@ -135,17 +135,20 @@ PetscErrorCode ConvectionAddMatrix(const Flow *flow, const Vec v[], PetscInt c, 
 */
 PetscErrorCode ConvectionExtrapolate(Flow *flow, PetscReal at, Vec force[])
 {
-  FlowState      *s = flow->state;
-  const PetscReal w = at * ClockRatio(flow->clock);
-  Vec             work, convection;
+  FlowState *s = flow->state;
+  PetscReal  weight[HISTORY];
+  Vec        work, convection;
 
   PetscFunctionBegin;
+  HistoryAhead(flow->clock, at, weight);
   PetscCall(FlowGetWork(flow, &work));
   PetscCall(FlowGetWork(flow, &convection));
   for (PetscInt c = 0; c < flow->scene->dim; c++) {
     PetscCall(ConvectionApply(flow, s->u, c, s->u[c], flow->walls.u[c], work, convection));
-    PetscCall(VecAXPY(force[c], -(1.0 + w), convection));
-    PetscCall(VecAXPY(force[c], w, s->convection_prev[c]));
+    PetscCall(VecAXPY(force[c], -weight[0], convection));
+    PetscCall(VecAXPY(force[c], -weight[1], s->convection_prev[c]));
+    if (weight[2] != 0.0) PetscCall(VecAXPY(force[c], -weight[2], s->convection_before[c]));
+    if (s->convection_before[c]) PetscCall(VecCopy(s->convection_prev[c], s->convection_before[c]));
     PetscCall(VecCopy(convection, s->convection_prev[c]));
   }
   PetscCall(FlowRestoreWork(flow, &convection));
@@ -191,19 +194,21 @@ PetscErrorCode ConvectionOfCorrection(Flow *flow, PetscReal at, const Vec v[], V
 /*
   VelocityExtrapolate - Extrapolates the velocity in time
 
-    v = (1 + w) u^n - w u^{n-1},   w = at ClockRatio()
+    v = w_0 u^n + w_1 u^{n-1} + w_2 u^{n-2},   w of HistoryAhead()
 
   Collective. Input: at - time of v within the step: 1 or 1/2. Output: v - over fluid [m/s].
 */
 PetscErrorCode VelocityExtrapolate(const Flow *flow, PetscReal at, const Vec v[])
 {
   const FlowState *s = flow->state;
-  const PetscReal  w = at * ClockRatio(flow->clock);
+  PetscReal        weight[HISTORY];
 
   PetscFunctionBegin;
+  HistoryAhead(flow->clock, at, weight);
   for (PetscInt c = 0; c < flow->scene->dim; c++) {
     PetscCall(VecCopy(s->u[c], v[c]));
-    PetscCall(VecAXPBY(v[c], -w, 1.0 + w, s->u_prev[c]));
+    PetscCall(VecAXPBY(v[c], weight[1], weight[0], s->u_prev[c]));
+    if (weight[2] != 0.0) PetscCall(VecAXPY(v[c], weight[2], s->u_before[c]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

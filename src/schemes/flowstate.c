@@ -123,6 +123,7 @@ static PetscErrorCode FlowStateFree(FlowState *s)
     PetscCall(VecDestroy(&s->u_prev[a]));
     PetscCall(VecDestroy(&s->u_before[a]));
     PetscCall(VecDestroy(&s->convection_prev[a]));
+    PetscCall(VecDestroy(&s->convection_before[a]));
     PetscCall(VecDestroy(&s->correction_prev[a]));
     PetscCall(VecDestroy(&s->u_next[a]));
   }
@@ -158,10 +159,13 @@ PetscErrorCode FlowStateRegister(Flow *flow)
 
   PetscFunctionBegin;
   PetscCall(ParticlesRegister(p, "u_previous", scene->dim, HALO_NONE, ENTRY_MEAN, s->u_previous));
-  if (flow->clock->adapt->estimates)
+  if (flow->clock->adapt->estimates || flow->clock->order > 2)
     PetscCall(ParticlesRegister(p, "u_earlier", scene->dim, HALO_NONE, ENTRY_MEAN, s->u_earlier));
   if (s->has_convection && !s->implicit_convection)
     PetscCall(ParticlesRegister(p, "convection", scene->dim, HALO_NONE, ENTRY_MEAN, s->convection));
+  if (s->has_convection && !s->implicit_convection && flow->clock->order > 2)
+    PetscCall(ParticlesRegister(p, "convection_earlier", scene->dim, HALO_NONE, ENTRY_MEAN,
+                                s->convection_earlier));
   if (s->implicit_convection && p->p)
     PetscCall(ParticlesRegister(p, "correction", scene->dim, HALO_NONE, ENTRY_MEAN, s->correction));
   PetscCall(AverageRegister(flow));
@@ -198,6 +202,8 @@ PetscErrorCode FlowStateRenumber(Flow *flow)
     if (s->u_earlier[a]) PetscCall(FluidVec(p, s->u_earlier[a], &s->u_before[a]));
     PetscCall(FluidVec(p, NULL, &s->u_next[a]));
     if (s->convection[a]) PetscCall(FluidVec(p, s->convection[a], &s->convection_prev[a]));
+    if (s->convection_earlier[a])
+      PetscCall(FluidVec(p, s->convection_earlier[a], &s->convection_before[a]));
     if (s->correction[a]) PetscCall(FluidVec(p, s->correction[a], &s->correction_prev[a]));
   }
   if (p->p) {

@@ -117,7 +117,7 @@ static PetscErrorCode Convect(Flow *flow, PetscInt c, const Vec u[], const Petsc
 /*
   GradedConvection - Subtracts the convective term of graded particles that move from a force
 
-    force -= (1 - m) (u.grad u),   u = (1 + w) u^n - w u^{n-1},   w = at ClockRatio()
+    force -= (1 - m) (u.grad u),   u of VelocityExtrapolate()
 
   Collective, at the new places of the particles. Adds the momentum and the energy of the step to
   state->graded: those of the change of volumes and of the convective term, whose sums vanish in the

@@ -298,10 +298,10 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   FlowState      *state    = flow->state;
   const PetscBool shifting = state->shift->Displace ? PETSC_TRUE : PETSC_FALSE;
   const PetscBool graded   = SceneMovesGraded(scene);
-  const PetscReal w        = ClockRatio(clock);
-  PetscReal       moved2   = 0.0;
+  PetscReal       moved2   = 0.0, weight[HISTORY];
 
   PetscFunctionBegin;
+  HistoryPath(clock, weight);
   *work = 0.0;
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal       shift[ISPH_MAX_DIM] = {0.0}, change[ISPH_MAX_DIM] = {0.0}, d2 = 0.0;
@@ -313,8 +313,11 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
       FollowShift(scene, slopes, i, shift, change);
       BudgetCarry(state->budget, scene->dim, CARRIED_SHIFT, i, change);
     }
-    for (PetscInt a = 0; a < scene->dim; a++)
-      flown[a] = clock->dt * ((1.0 + 0.5 * w) * p->u[a][i] - 0.5 * w * state->u_previous[a][i]);
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      flown[a] = weight[0] * p->u[a][i] + weight[1] * state->u_previous[a][i];
+      if (weight[2] != 0.0) flown[a] += weight[2] * state->u_earlier[a][i];
+      flown[a] *= clock->dt;
+    }
     if (graded) GradedPath(scene, p, i, flown);
     for (PetscInt a = 0; a < scene->dim; a++) {
       x[a] = p->x[a][i] + flown[a] + shift[a];
@@ -353,7 +356,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   FlowMove - Moves particles from x^n to x^{n+1} by Adams-Bashforth with shifting, changes their
   fields, lets particles pass openings, and updates ownership and halo
 
-    dr = dt ((1 + w/2) u^n - w/2 u^{n-1}) + s,   w = ClockRatio()
+    dr = dt (w_0 u^n + w_1 u^{n-1} + w_2 u^{n-2}) + s,   w of HistoryPath()
     u += s.grad u + |s|^2/(2d) lap u - filter of FilterVelocity(),   p += dr.grad p
 
   Collective. Earlier velocities receive the same change as u^n, so that it is no change in time.

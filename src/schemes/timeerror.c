@@ -117,13 +117,13 @@ static void RejectStep(Flow *flow, PetscReal ratio, PetscReal order, PetscReal l
   chooses the length of the next step
 
     r = C |u^{n+1} - P|/(rtol max(|u|, U/10))
-    dt' = dt min(2, max(0.2, (0.7/r)^(0.3/q) (r'/r)^(0.4/q))),   q = 1 + -time_order
+    dt' = dt min(2, max(0.2, (0.7/r)^(0.3/q) (r'/r)^(0.4/q))),   q = 1 + min(2, -time_order)
 
   Collective. |u| is the largest root mean square so far, and r' the ratio of the last good step.
   Steps double in length until enough earlier velocities are known. The velocity at the start counts
   as unknown, because the first step may change it by any amount. Steps of a thousandth of the limit
-  of other reasons are kept, because a jump of the velocity has the same error in any step. See
-  docs/theory.md, (127).
+  of other reasons are kept, because a jump of the velocity has the same error in any step. With
+  -time_order 3 the error is that of BDF2, above that of the step. See docs/theory.md, (127).
 
   Reference: K. Gustafsson, ACM Trans. Math. Softw. 17 (1991) 533-554
 */
@@ -131,13 +131,13 @@ PetscErrorCode TimeErrorCheck(Flow *flow)
 {
   Clock          *clock   = flow->clock;
   StepControl    *control = &clock->control;
-  const PetscReal order   = clock->order + 1.0;
+  const PetscReal order   = PetscMin(clock->order, 2) + 1.0;
   PetscReal       error, ratio, growth;
   StepLimit       limit;
 
   PetscFunctionBegin;
   control->speed = PetscMax(control->speed, FlowRmsSpeed(flow));
-  if (clock->step <= clock->order) {
+  if (clock->step <= PetscMin(clock->order, 2)) {
     control->dt = GROWTH * clock->dt;
     PetscFunctionReturn(PETSC_SUCCESS);
   }

@@ -257,7 +257,7 @@ PetscErrorCode CoupledSolve(Flow *flow)
   if (c->stages) {
     for (PetscInt a = 0; a < dim; a++) PetscCall(VecCopy(s->u[a], s->u_next[a]));
     PetscCall(SolveSystem(flow, dt, c));
-  } else if (flow->clock->order == 2 && ClockRatio(flow->clock) == 0.0) {
+  } else if (flow->clock->order > 1 && ClockRatio(flow->clock) == 0.0) {
     PetscCall(StepFirst(flow, c));
   } else {
     PetscCall(HistoryStart(flow, PETSC_TRUE, &dt));

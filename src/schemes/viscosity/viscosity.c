@@ -223,6 +223,9 @@ PetscErrorCode ViscosityCreate(Flow *flow, Viscosity **visc)
         solve->ksp, flow->state->implicit_convection ? NULL : &flow->ops->forms.visc, &v->guard));
     PetscCall(ChooseShell(v));
   }
+  UserCheck(v->row->history || flow->clock->order < 3,
+            "-time_order 3: %s %s has an order of its own; use beuler", options[0].name,
+            v->row->name);
   if (!v->row->history) PetscCall(ClockDropEstimate(flow->clock, options[0].name, v->row->name));
   PetscCall(RefuseMultistep(flow, v->row));
   PetscCall(SchemeAddSolve(solve, flow->scheme));

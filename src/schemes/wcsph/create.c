@@ -112,8 +112,11 @@ static PetscErrorCode Refuse(const Flow *flow)
   const Scene       *scene = flow->scene;
   const Clock       *clock = flow->clock;
   const BoundaryRow *fits  = SceneFitKind(scene);
+  PetscBool          order;
 
   PetscFunctionBegin;
+  PetscCall(OptionGiven("-time_order", &order));
+  UserCheck(!order, "-time_order: -wcsph_ts_type gives the order of -scheme wcsph");
   UserCheck(SceneHas(scene, PHYSICS_PRESSURE),
             "-scheme wcsph: it needs a pressure; add -with pressure,convection");
   UserCheck(SceneMoves(scene),
