@@ -9,6 +9,7 @@ import os
 import codes
 import drop_mode
 import dualsphysics
+import dualsphysics_flows
 import numpy as np
 
 COLUMN_TIMES = (1, 2.5, 5)
@@ -62,12 +63,9 @@ def run_pysph(words, folder):
 
 def run_dualsphysics(words, folder):
     n, share = codes.option(words, "-n", int), codes.option(words, "-share")
-    particles = dualsphysics.write_case(folder, n, share, COLUMN_TIMES)
-    said, status, cost = codes.timed(dualsphysics.command(), folder)
-    if status:
-        return codes.end_of(said, status)
-    steps, outputs = dualsphysics.read(folder, COLUMN_TIMES)
-    return {**cost, "steps": steps, "dt": COLUMN_TIMES[-1] / steps, "particles": particles, **measures(words[0], outputs, n)}
+    case = dualsphysics_flows.column(n, share, COLUMN_TIMES)
+    row, outputs = codes.dualsphysics_outputs(case, folder)
+    return {**row, **measures(words[0], outputs, n)} if outputs else row
 
 
 CODES = {  # by the first word of a run's arguments: function for the missing program, function for a run

@@ -2,7 +2,8 @@
 
     pysph_run.py FOLDER FLOW OPTION...     options of the flow, for instance --nx
 
-Flows: cavity and taylor_green are PySPH's examples, dam is in pysph_dam.py, drop and column are in pysph_free.py.
+Flows: cavity and taylor_green are PySPH's examples, channel is in pysph_channel.py, dam in pysph_dam.py, drop and column are in
+pysph_free.py.
 
 Code that is compiled at first use is compiled before the timed run. Writes to FOLDER run.json (wall_s, cpu_s, steps,
 dt, t) and run.npz: x, y, u, v of the fluid, a row for each of the last five outputs.
@@ -13,14 +14,15 @@ import sys
 import time
 
 import numpy as np
+import pysph_channel
 import pysph_dam
 import pysph_free
 from pysph.examples.cavity import LidDrivenCavity
 from pysph.examples.taylor_green import TaylorGreen
 from pysph.solver.utils import load
 
-FLOWS = {"cavity": LidDrivenCavity, "taylor_green": TaylorGreen, "dam": pysph_dam.ViscousDam, "drop": pysph_free.Drop,
-         "column": pysph_free.Column}
+FLOWS = {"cavity": LidDrivenCavity, "taylor_green": TaylorGreen, "channel": pysph_channel.Channel, "dam": pysph_dam.ViscousDam,
+         "drop": pysph_free.Drop, "column": pysph_free.Column}
 
 
 def main():
