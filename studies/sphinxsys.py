@@ -1,7 +1,8 @@
 """Two examples of SPHinXsys, as it ships them: a lid-driven cavity at Re = 100 and a channel that starts from rest.
 
 Each is a program of its own without options for the flow, so that n and the steps are the example's: 50 along the cavity, 20
-across the channel of length 6. A run is stopped as soon as the output at its time is there. The number of acoustic steps follows
+across the channel of length 6. A program needs the folder `input` beside it, which its build makes. A run is stopped as soon as
+the output at its time is there. The number of acoustic steps follows
 from the steps dt that the program prints every hundred advective steps. Both run on a single core.
 """
 import glob
@@ -49,9 +50,13 @@ def last_output(folder, t):
 def run(name, folder):
     """Runs an example; returns its text, what it printed, and its user and system time."""
     example, core = EXAMPLES[name], {min(os.sched_getaffinity(0))}
+    program = shutil.which(example.program)
+    given = os.path.join(os.path.dirname(os.path.realpath(program)), "input")
+    if os.path.isdir(given):
+        shutil.copytree(given, os.path.join(folder, "input"))
     with open(os.path.join(folder, "log"), "w") as log:
         start = time.perf_counter()
-        child = subprocess.Popen(["stdbuf", "-oL", shutil.which(example.program)], cwd=folder, stdout=log, stderr=subprocess.STDOUT,
+        child = subprocess.Popen(["stdbuf", "-oL", program], cwd=folder, stdout=log, stderr=subprocess.STDOUT,
                                  preexec_fn=lambda: os.sched_setaffinity(0, core))
         ended, output = 0, None
         while not ended and output is None:
