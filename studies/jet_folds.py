@@ -12,18 +12,18 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 AXIS, HEIGHT = 3.5, 11.0  # of the slit [D]
-LEVEL, BAND = 0.3 * HEIGHT, 0.5  # height at which the place of the jet is taken, and of the band of its mean [D]
+LEVEL, BAND = 0.5 * HEIGHT, 0.5  # height at which the place of the jet is taken, and of the band of its mean [D]
 EVERY = 0.5  # time between snapshots [D/U]
 START, END = HEIGHT + 9, 80.0  # of the time in which folds are counted [D/U]
-FAR = 0.25  # least distance of the jet from its mean place on both sides in a fold [D]
+FAR = 0.1  # least distance of the jet from its mean place on both sides in a fold [D]
 LINK = 2.0  # distance up to which particles are of one group [dx]
 SIDES, SEEDS = (6, 8, 12), (0, 1)  # particles along D
-SPEEDS = (0.8, 1, 1.2)  # of the belt [U], n = 6
+SPEED, SPEEDS = 0.5, (0.3, 0.5, 0.7)  # of the belt [U]; those with 8 particles along D
 
 
-def line_of(n, seed, speed=1):
+def line_of(n, seed, speed=SPEED):
     """Returns the arguments of a run."""
-    belt = "" if speed == 1 else f" -scene_wall_bottom_velocity {speed:g},0"
+    belt = "" if speed == SPEED else f" -scene_wall_bottom_velocity {speed:g},0"
     return f"-options_file options/jet_folds.opts -n {n} -jitter 0.1 -seed {seed} -t_end {END:g} -progress none{belt}"
 
 
