@@ -10,7 +10,8 @@
   least change of the flow: the coupled system has an eigenvalue of the wrong sign. Such a column is
   replaced: by the reaction inside the fluid, and on a surface, where q = Z u, by the force along
   the normal on the particle itself. With -coupled_gradient adjoint all equations of mass have their
-  reactions. See docs/theory.md, (161) and (200).
+  reactions, and with -coupled_gradient natural off walls: pair forces and reactions together have no
+  stress on a free surface. See docs/theory.md, (161), (200) and (340) to (343).
 */
 #include "saddle.h"
 #include "isph/sparse.h"
@@ -207,7 +208,7 @@ static PetscErrorCode ReplaceRows(const Flow *flow, Mat reactions, Saddle *s)
 /*
   SaddleUseReactions - Replaces columns of G by reactions: those of all equations of mass if
   s->adjoint is set, otherwise those that oppose their equations in fluids with a free surface and
-  no surface tension
+  no surface tension; replaces rows of G off walls before if s->natural is set
 
   Collective. Input: momentum - T_i/T of momentum rows.
 
