@@ -18,7 +18,7 @@ EVERY = 0.5  # time between snapshots [D/U]
 START, END = HEIGHT + 9, 80.0  # of the time in which folds are counted [D/U]
 FAR = 0.1  # least distance of the jet from its mean place on both sides in a fold [D]
 LINK = 2.0  # distance up to which particles are of one group [dx]
-SIDES, SEEDS = (6, 8, 12), (0, 1)  # particles along D
+JETS = ((6, 0), (6, 1), (8, 0), (8, 1), (12, 0), (12, 1))  # particles along D, start
 SPEED, SPEEDS = 0.5, (0.3, 0.5, 0.7)  # of the belt [U]; those with 8 particles along D
 
 
@@ -75,8 +75,8 @@ def crossings(t, x):
 
 def measure(run):
     """Makes the runs; returns them by particles along D and start, and by the speed of the belt."""
-    sides = {(n, seed): run(line_of(n, seed)) for n in SIDES for seed in SEEDS}
-    speeds = {speed: run(line_of(8, SEEDS[0], speed)) for speed in SPEEDS}
+    sides = {(n, seed): run(line_of(n, seed)) for n, seed in JETS}
+    speeds = {speed: run(line_of(8, 0, speed)) for speed in SPEEDS}
     run.save()
     return sides, speeds
 
@@ -102,8 +102,11 @@ def sheets(speeds):
 
 def frequencies(sides):
     """Returns a sentence with the mean frequency of the starts at each resolution."""
-    means = {n: [HEIGHT / np.diff(crossings(*places(sides[n, seed]).T)).mean() for seed in SEEDS if "failed" not in sides[n, seed]] for n in SIDES}
-    return "Means of the starts: f H/U = " + ", ".join(f"{np.mean(f):.2f} (n = {n})" for n, f in means.items() if f)
+    means = {}
+    for (n, _), q in sides.items():
+        if "failed" not in q:
+            means.setdefault(n, []).append(HEIGHT / np.diff(crossings(*places(q).T)).mean())
+    return "Means of the starts: f H/U = " + ", ".join(f"{np.mean(f):.2f} (n = {n})" for n, f in means.items())
 
 
 def part(sides, speeds, run):
@@ -131,10 +134,10 @@ def part(sides, speeds, run):
 def figure(sides, path):
     """Draws the place of the jets at the level in the course of time."""
     with plt.rc_context({"font.size": 9, "legend.frameon": False}):
-        fig, axes = plt.subplots(len(SIDES), 1, figsize=(8, 1.7 * len(SIDES)), sharex=True, sharey=True)
-        for axis, n in zip(axes, SIDES):
-            for seed, colour in zip(SEEDS, ("#0072B2", "#D55E00")):
-                q = sides[n, seed]
+        numbers = sorted({n for n, _ in sides})
+        fig, axes = plt.subplots(len(numbers), 1, figsize=(8, 1.7 * len(numbers)), sharex=True, sharey=True)
+        for axis, n in zip(axes, numbers):
+            for (seed, q), colour in zip([(seed, q) for (m, seed), q in sides.items() if m == n], ("#0072B2", "#D55E00")):
                 axis.plot(*places(q).T, lw=1.2, color=colour, label=f"start {seed}")
                 t = crossings(*places(q).T)
                 axis.plot(t, 0 * t + places(q)[:, 1].mean(), "o", color=colour, mfc="none", ms=4)
