@@ -229,6 +229,8 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *particles,
                                const Neighbors *neighbors, const OperatorForms *forms,
                                FreeSurface *free);
 PetscErrorCode FreeSurfaceFree(FreeSurface *free);
+PetscBool      FreeSurfaceTouches(const Scene *scene, const Particles *particles,
+                                  const Neighbors *neighbors, PetscInt i, PetscInt wall);
 
 /* FreeSurfaceHolds - Returns true if a fluid particle is on a free surface or isolated; free: NULL
    without free surfaces; not collective */

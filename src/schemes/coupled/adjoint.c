@@ -10,7 +10,9 @@
   least change of the flow: the coupled system has an eigenvalue of the wrong sign. Such a column is
   replaced: by the reaction inside the fluid, and on a surface, where q = Z u, by the force along
   the normal on the particle itself. With -coupled_gradient adjoint all equations of mass have their
-  reactions. See docs/theory.md, (161) and (200).
+  reactions, and with -coupled_gradient natural those of particles off walls: pair forces and
+  reactions together have no stress on a free surface. See docs/theory.md, (161), (200) and (340) to
+  (343).
 */
 #include "saddle.h"
 #include "isph/sparse.h"
@@ -159,10 +161,55 @@ static PetscErrorCode ChooseColumns(const Flow *flow, const Saddle *s, Mat react
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns true if a wall that fluid touches is within the support of own particle i. */
+static PetscBool IsBesideWall(const Flow *flow, PetscInt i)
+{
+  const Particles *p  = flow->particles;
+  const Neighbors *nb = flow->neighbors;
+
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    const PetscInt j  = nb->col[q];
+    PetscReal      r2 = 0.0;
+
+    if (!ParticlesIsWall(p, j)) continue;
+    for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(p->x[a][j] - p->x[a][i]);
+    if (r2 < PetscSqr(flow->ops->forms.radius) && FreeSurfaceTouches(flow->scene, p, nb, i, j))
+      return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* Replaces the rows of G of particles off walls by those of the reactions: there the pressure and
+   the pair forces together have no stress on a free surface. Beside walls reactions have an error
+   of order 0, and the large pressures of narrow slits would compress the fluid. */
+static PetscErrorCode ReplaceRows(const Flow *flow, Mat reactions, Saddle *s)
+{
+  PetscScalar *off;
+  Vec          off_walls, rows;
+  Mat          columns;
+
+  PetscFunctionBegin;
+  PetscCall(FluidVec(flow->particles, NULL, &off_walls));
+  PetscCall(VecGetArrayWrite(off_walls, &off));
+  for (PetscInt i = 0; i < s->n; i++) off[i] = IsBesideWall(flow, i) ? 0.0 : 1.0;
+  PetscCall(VecRestoreArrayWrite(off_walls, &off));
+  PetscCall(SaddleVelocityRows(flow->particles, off_walls, &rows));
+  PetscCall(MatTranspose(reactions, MAT_INITIAL_MATRIX, &columns));
+  PetscCall(MatDiagonalScale(columns, rows, NULL));
+  PetscCall(VecScale(rows, -1.0));
+  PetscCall(VecShift(rows, 1.0));
+  PetscCall(MatDiagonalScale(s->G, rows, NULL));
+  PetscCall(SparseAdd(columns, &s->G));
+  PetscCall(MatDestroy(&columns));
+  PetscCall(VecDestroy(&rows));
+  PetscCall(VecDestroy(&off_walls));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   SaddleUseReactions - Replaces columns of G by reactions: those of all equations of mass if
   s->adjoint is set, otherwise those that oppose their equations in fluids with a free surface and
-  no surface tension
+  no surface tension; replaces rows of G off walls before if s->natural is set
 
   Collective. Input: momentum - T_i/T of momentum rows.
 
@@ -181,6 +228,7 @@ PetscErrorCode SaddleUseReactions(const Flow *flow, Vec momentum, Saddle *s)
   if (!s->adjoint && (!flow->ops->free || flow->scene->tension > 0.0))
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CreateReactions(flow, momentum, s, &reactions));
+  if (s->natural) PetscCall(ReplaceRows(flow, reactions, s));
   PetscCall(VecDuplicate(s->pressure, &fits));
   PetscCall(ChooseColumns(flow, s, reactions, fits, &replaced));
   if (replaced) {

@@ -26,6 +26,10 @@ static const CoupledGradientRow gradients[] = {
      .brief    = "minus the transposed divergence: conserves momentum and adds no energy; order 1",
      .citation = "Bonet & Lok, Comput. Methods Appl. Mech. Eng. 180 (1999)",
      .adjoint  = PETSC_TRUE},
+    {.name     = "natural",
+     .brief    = "adjoint off walls, fit beside them; with pair forces no stress on free surfaces",
+     .citation = "Bonet & Lok, Comput. Methods Appl. Mech. Eng. 180 (1999)",
+     .natural  = PETSC_TRUE},
 };
 const Table CoupledGradientTable = TABLE("Pressure gradients of the coupled scheme", gradients);
 
@@ -36,7 +40,7 @@ static const OptionRow options[] = {
             .name     = "-coupled_gradient",
             .kind     = VALUE_NAME,
             .brief    = "pressure gradient",
-            .standard = "fit",
+            .standard = "natural with pair forces and a free surface, else fit",
             .table    = &CoupledGradientTable,
             .where    = "-scheme coupled",
         },
@@ -155,8 +159,7 @@ static PetscErrorCode CoupledCreate(Flow *flow)
   PetscCall(SteadyRefuse(flow, NULL, PETSC_FALSE));
   PetscCall(OptionGetRow(&options[TS_TYPE], NULL, &c->row));
   PetscCall(RefuseHistory(flow, c->row));
-  PetscCall(OptionGetRow(&options[PRESSURE_GRADIENT], NULL, &c->gradient));
-  c->saddle.adjoint = c->gradient->adjoint;
+  PetscCall(OptionGetRow(&options[PRESSURE_GRADIENT], "natural", &c->gradient));
   if (c->row->substeps)
     PetscCall(ClockDropEstimate(flow->clock, options[TS_TYPE].name, c->row->name));
   c->convects = flow->state->has_convection && c->row->substeps;
@@ -171,10 +174,35 @@ static PetscErrorCode CoupledCreate(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Chooses the pressure gradient for the forms of the run. */
+static PetscErrorCode ChooseGradient(const Flow *flow, Coupled *c)
+{
+  const Operators *ops = flow->ops;
+  const PetscBool  natural =
+      ops->free && ops->free->tension == 0.0 && LaplacianIs(&ops->forms.visc, FORM_SYMMETRIC)
+           ? PETSC_TRUE
+           : PETSC_FALSE;
+  PetscBool given;
+
+  PetscFunctionBegin;
+  PetscCall(OptionGiven(options[PRESSURE_GRADIENT].name, &given));
+  if (c->gradient->natural && !natural) {
+    UserCheck(!given,
+              "%s natural: it needs a free surface without tension and -visc_laplacian "
+              "pairwise_stress; use fit or adjoint",
+              options[PRESSURE_GRADIENT].name);
+    c->gradient = &gradients[0];
+  }
+  c->saddle.adjoint = c->gradient->adjoint;
+  c->saddle.natural = c->gradient->natural;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode CoupledSetUp(Flow *flow)
 {
   PetscFunctionBegin;
   PetscCall(RefuseForms(flow));
+  PetscCall(ChooseGradient(flow, (Coupled *)flow->scheme->data));
   PetscCall(CoupledSolverCreate(flow, (Coupled *)flow->scheme->data));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -192,7 +220,7 @@ static PetscErrorCode CoupledView(const Flow *flow, PetscViewer viewer)
 
   PetscFunctionBegin;
   if (!flow->clock->steady_solve) PetscCall(TableViewRow("coupled TS", c->row, viewer));
-  if (c->gradient->adjoint) PetscCall(TableViewRow("grad p", c->gradient, viewer));
+  if (c->gradient != &gradients[0]) PetscCall(TableViewRow("grad p", c->gradient, viewer));
   PetscCall(TableViewRow("schur", c->schur.row, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -20,7 +20,8 @@ typedef struct {
 /* Pressure gradient of the coupled scheme. */
 typedef struct {
   const char *name, *brief, *citation;
-  PetscBool   adjoint; /* see SaddleAssemble() */
+  PetscBool   adjoint; /* G is minus the transposed D */
+  PetscBool   natural; /* G is that off walls */
 } CoupledGradientRow;
 
 /* The approximation of the inverse of the Schur complement of the pressure, see schur.c. */

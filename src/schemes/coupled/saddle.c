@@ -90,8 +90,9 @@ static PetscErrorCode SetUnits(const Flow *flow, Saddle *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates a vector with a factor of each particle in the rows of its velocity components. */
-static PetscErrorCode VelocityRows(const Particles *p, Vec factor, Vec *rows)
+/* SaddleVelocityRows - Creates a vector with a factor of each particle in the rows of its velocity
+   components; collective */
+PetscErrorCode SaddleVelocityRows(const Particles *p, Vec factor, Vec *rows)
 {
   PetscFunctionBegin;
   PetscCall(VelocityVec(p, rows));
@@ -136,7 +137,7 @@ static PetscErrorCode CreateBlocks(const Flow *flow, Saddle *s)
   Vec              momentum, mass; /* T_i/T of momentum rows; factor of the rows of C */
 
   PetscFunctionBegin;
-  PetscCall(VelocityRows(p, s->time, &momentum));
+  PetscCall(SaddleVelocityRows(p, s->time, &momentum));
   PetscCall(VecDuplicate(s->length, &mass));
   PetscCall(VecPointwiseDivide(mass, s->time, s->length));
   PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){s->dim, 1, dx, momentum, s->pressure},
@@ -192,7 +193,7 @@ static PetscErrorCode ViscousCreate(const Flow *flow, const Saddle *s, const Vec
     PetscCall(MatDestroy(&all));
     PetscCall(MatDestroy(&scalar));
   }
-  PetscCall(VelocityRows(flow->particles, s->time, &rows));
+  PetscCall(SaddleVelocityRows(flow->particles, s->time, &rows));
   PetscCall(VecScale(rows, s->step));
   PetscCall(MatDiagonalScale(*viscous, rows, NULL));
   PetscCall(MatSetBlockSize(*viscous, scene->dim));
@@ -244,7 +245,7 @@ PetscErrorCode SaddleSetShift(const Particles *p, PetscReal shift, Saddle *s)
   PetscFunctionBegin;
   if (shift == s->shift) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatCopy(s->viscous, s->F, SAME_NONZERO_PATTERN));
-  PetscCall(VelocityRows(p, s->time, &rows));
+  PetscCall(SaddleVelocityRows(p, s->time, &rows));
   PetscCall(VecScale(rows, s->step * shift));
   PetscCall(MatDiagonalSet(s->F, rows, ADD_VALUES));
   PetscCall(VecDestroy(&rows));

@@ -11,6 +11,7 @@
 typedef struct {
   PetscInt  dim, n;     /* own particles */
   PetscBool adjoint;    /* G is minus the transposed D; chosen before the assembly */
+  PetscBool natural;    /* G is that off walls; chosen before the assembly */
   PetscReal step;       /* T of the reference spacing, factor of the momentum equation [s] */
   PetscReal unit;       /* rho dx/T of the reference spacing, unit of pressures [Pa s/m] */
   PetscReal outside;    /* pressure outside free surfaces, whose unknown is zero [Pa] */
@@ -33,6 +34,7 @@ typedef struct {
 PetscReal      SaddleTime(PetscReal nu, const Clock *clock, PetscReal dx);
 PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], MatType type,
                               Saddle *saddle);
+PetscErrorCode SaddleVelocityRows(const Particles *particles, Vec factor, Vec *rows);
 PetscErrorCode SaddleSetShift(const Particles *particles, PetscReal shift, Saddle *saddle);
 PetscErrorCode SaddleFree(Saddle *saddle);
 PetscErrorCode SaddleFlatten(Mat nest, Mat *flat);
