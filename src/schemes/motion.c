@@ -300,6 +300,7 @@ static void FilterAtSurface(const Flow *flow, const Slopes *slopes, PetscInt i, 
   const PetscReal share = PetscMin(1.0, SURFACE_RATE * nu * flow->clock->dt / PetscSqr(dx));
 
   if (!OperatorsStressSurface(flow->ops) || !FlowIsBesideSurface(flow->ops, i)) return;
+  if (FreeSurfaceIsRough(flow->ops->free, i)) return;
   for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * slopes->residual[c][i];
 }
 

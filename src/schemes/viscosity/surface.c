@@ -42,19 +42,23 @@ PetscErrorCode SurfaceStressFree(SurfaceStress *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates a vector with mu at particles on free surfaces and 0 at others. */
-static PetscErrorCode SurfaceViscosity(const Flow *flow, Vec *mu)
+/* Creates Z, without entries in the rows of other particles [Pa s/m]. */
+static PetscErrorCode StressCreate(const Flow *flow, Mat *Z)
 {
   const Scene     *scene = flow->scene;
   const Particles *p     = flow->particles;
-  PetscScalar     *value;
+  PetscInt        *inner, first, n_inner = 0;
 
   PetscFunctionBegin;
-  PetscCall(FluidVec(p, NULL, mu));
-  PetscCall(VecGetArrayWrite(*mu, &value));
+  PetscCall(AffineBlock(p, &flow->ops->rows,
+                        &(AffineLayout){1, p->dim, scene->rho * scene->nu, NULL, NULL},
+                        flow->ops->div, Z));
+  PetscCall(MatGetOwnershipRange(*Z, &first, NULL));
+  PetscCall(PetscMalloc1(p->n_fluid, &inner));
   for (PetscInt i = 0; i < p->n_fluid; i++)
-    value[i] = FreeSurfaceHolds(flow->ops->free, i) ? scene->rho * scene->nu : 0.0;
-  PetscCall(VecRestoreArrayWrite(*mu, &value));
+    if (!FreeSurfaceHolds(flow->ops->free, i)) inner[n_inner++] = first + i;
+  PetscCall(MatZeroRows(*Z, n_inner, inner, 0.0, NULL, NULL));
+  PetscCall(PetscFree(inner));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -65,25 +69,41 @@ PetscErrorCode SurfaceStressAssemble(const Viscosity *v)
   const Operators *ops  = flow->ops;
   const Particles *p    = flow->particles;
   SurfaceStress   *s    = v->surface;
-  Vec              mu;
   Mat              G, Z;
 
   PetscFunctionBegin;
   if (!s || s->assemblies == ops->assemblies) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SurfaceStressFree(s));
   s->assemblies = ops->assemblies;
-  PetscCall(SurfaceViscosity(flow, &mu));
   PetscCall(AffineBlock(p, &ops->rows,
                         &(AffineLayout){v->dim, 1, -1.0 / flow->scene->rho, NULL, NULL},
                         ops->grad_p, &G));
-  PetscCall(AffineBlock(p, &ops->rows, &(AffineLayout){1, v->dim, 1.0, mu, NULL}, ops->div, &Z));
+  PetscCall(StressCreate(flow, &Z));
   PetscCall(MatMatMult(G, Z, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &s->term));
   PetscCall(MatDuplicate(ops->velocity[0].visc.A, MAT_COPY_VALUES, &s->all));
   PetscCall(MatScale(s->all, flow->scene->nu));
   PetscCall(SparseAdd(s->term, &s->all));
   PetscCall(MatDestroy(&Z));
   PetscCall(MatDestroy(&G));
-  PetscCall(VecDestroy(&mu));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes Z u of wall velocities, for a fluid at rest [Pa]. */
+static PetscErrorCode StressOfWalls(Flow *flow, Vec stress)
+{
+  Vec          zero[ISPH_MAX_DIM] = {NULL}, rest;
+  PetscScalar *value;
+
+  PetscFunctionBegin;
+  PetscCall(FlowGetWork(flow, &rest));
+  PetscCall(VecZeroEntries(rest));
+  for (PetscInt a = 0; a < flow->scene->dim; a++) zero[a] = rest;
+  PetscCall(FlowMassRows(flow, zero, stress));
+  PetscCall(FlowRestoreWork(flow, &rest));
+  PetscCall(VecGetArray(stress, &value));
+  for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
+    value[i] *= FreeSurfaceHolds(flow->ops->free, i) ? flow->scene->rho * flow->scene->nu : 0.0;
+  PetscCall(VecRestoreArray(stress, &value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -91,29 +111,22 @@ PetscErrorCode SurfaceStressAssemble(const Viscosity *v)
    collective */
 PetscErrorCode SurfaceStressBoundary(const Viscosity *v)
 {
-  Flow          *flow               = v->flow;
-  SurfaceStress *s                  = v->surface;
-  Vec            zero[ISPH_MAX_DIM] = {NULL}, mu, stress, gradient;
+  Flow          *flow = v->flow;
+  SurfaceStress *s    = v->surface;
+  Vec            stress, gradient;
 
   PetscFunctionBegin;
-  if (!s || !flow->walls.u[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!s) PetscFunctionReturn(PETSC_SUCCESS);
   if (!s->boundary) PetscCall(VelocityVec(flow->particles, &s->boundary));
-  PetscCall(FlowGetWork(flow, &zero[0]));
   PetscCall(FlowGetWork(flow, &stress));
   PetscCall(FlowGetWork(flow, &gradient));
-  PetscCall(VecZeroEntries(zero[0]));
-  for (PetscInt a = 1; a < v->dim; a++) zero[a] = zero[0];
-  PetscCall(FlowMassRows(flow, zero, stress));
-  PetscCall(SurfaceViscosity(flow, &mu));
-  PetscCall(VecPointwiseMult(stress, stress, mu));
+  PetscCall(StressOfWalls(flow, stress));
   for (PetscInt a = 0; a < v->dim; a++) {
     PetscCall(AffineApply(&flow->ops->grad_p[a], stress, NULL, gradient));
     PetscCall(VecScale(gradient, -1.0 / flow->scene->rho));
     PetscCall(VecStrideScatter(gradient, a, s->boundary, INSERT_VALUES));
   }
-  PetscCall(VecDestroy(&mu));
   PetscCall(FlowRestoreWork(flow, &gradient));
   PetscCall(FlowRestoreWork(flow, &stress));
-  PetscCall(FlowRestoreWork(flow, &zero[0]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
