@@ -19,8 +19,8 @@
   on the velocity
 
   Not collective. To be called before the first step, by schemes whose other forces leave this
-  pressure out. Where the viscosity varies, and with pair forces everywhere, surfaces have no such
-  pressure.
+  pressure out. Surfaces have no such pressure where the viscosity varies, and with pair forces
+  everywhere.
 */
 PetscErrorCode ViscosityHoldSurface(const Flow *flow, Viscosity *v)
 {
