@@ -78,8 +78,8 @@ void FlowSeparate(const Flow *flow, PetscReal apart[])
   }
 }
 
-/* FlowAllVelocities - Creates an array of the velocity components u of all particles, halo included,
-   by [i dim + a]; free with PetscFree(); collective */
+/* FlowAllVelocities - Creates an array of the velocity components u of all particles, halo
+   included, by [i dim + a]; free with PetscFree(); collective */
 PetscErrorCode FlowAllVelocities(const Flow *flow, const Vec u[], PetscReal **all)
 {
   const Particles *p = flow->particles;

@@ -83,7 +83,7 @@ static PetscReal PairSquare(const Operators *ops, PetscInt dim, const PetscReal 
   return 0.5 * sum[0] + sum[1];
 }
 
-/* Computes the weighted sum of 2 E:E over own particles, for rough ones that of their pair forces. */
+/* Computes the weighted sum of 2 E:E over own particles, with PairSquare() for rough ones. */
 static PetscErrorCode SumSquares(const Flow *flow, const Vec u[],
                                  const PetscScalar *gradient[][ISPH_MAX_DIM], PetscReal *sum)
 {

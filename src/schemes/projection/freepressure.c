@@ -4,10 +4,10 @@
   kappa of the present surface. It is p_0 where the surface is rough.
 
   An incremental projection has E of u*: 2 mu n.E n is part of the viscous term, see
-  viscosity/surface.c, the force of the predictor has the other terms, and the increment phi vanishes
-  on the surface. With E of the last velocity steps of 0.1 dx^2/nu amplified disturbances of single
-  particles of thin films: docs/theory.md, (330) and (331). Chorin's predictor has no pressure, and
-  phi has E of the velocity at the start of the step.
+  viscosity/surface.c, the force of the predictor has the other terms, and the increment phi
+  vanishes on the surface. With E of the last velocity steps of 0.1 dx^2/nu amplified disturbances
+  of single particles of thin films: docs/theory.md, (330) and (331). Chorin's predictor has no
+  pressure, and phi has E of the velocity at the start of the step.
 */
 #include "projection.h"
 
@@ -55,7 +55,8 @@ static PetscErrorCode SetOutside(const Flow *flow, Vec p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FreePressureStart - Sets the pressure of free surfaces in the force of the predictor; collective */
+/* FreePressureStart - Sets the pressure of free surfaces in the force of the predictor;
+   collective */
 PetscErrorCode FreePressureStart(Flow *flow)
 {
   PetscFunctionBegin;

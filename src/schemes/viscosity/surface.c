@@ -1,7 +1,7 @@
 /*
-  The pressure of free surfaces in the viscous step. The surface has p = 2 mu n.E n, a viscous stress
-  of the velocity, and its gradient is a force that opposes motion along n. With the operator Z u of
-  this pressure and the gradient G the viscous term of a projection is
+  The pressure of free surfaces in the viscous step. The surface has p = 2 mu n.E n, a viscous
+  stress of the velocity, and its gradient is a force that opposes motion along n. With the operator
+  Z u of this pressure and the gradient G the viscous term of a projection is
 
     nu (A u + B u_wall) - G Z u/rho
 
@@ -15,8 +15,8 @@
 #include "isph/sparse.h"
 
 /*
-  ViscosityHoldSurface - Makes the pressure of free surfaces a part of the viscous term, if it depends
-  on the velocity
+  ViscosityHoldSurface - Makes the pressure of free surfaces a part of the viscous term, if it
+  depends on the velocity
 
   Not collective. To be called before the first step, by schemes whose other forces leave this
   pressure out. Surfaces have no such pressure where the viscosity varies, and with pair forces
