@@ -282,8 +282,17 @@ PetscBool FlowIsBesideSurface(const Operators *ops, PetscInt i)
   return PETSC_FALSE;
 }
 
+/* Returns true if a wall is within the support of own particle i. */
+static PetscBool HasWall(const Operators *ops, PetscInt i)
+{
+  const PetscInt *row = ops->forms.wall ? ops->rows.walls.row : NULL;
+
+  return row && row[i + 1] > row[i] ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /*
-  Filters grid modes out of the velocity of particle i beside a free surface
+  Filters grid modes out of the velocity of particle i in a thin film: with a wall and a free
+  surface within its support
 
     u -= min(1, 5 nu dt/dx^2) r
 
@@ -300,7 +309,7 @@ static void FilterAtSurface(const Flow *flow, const Slopes *slopes, PetscInt i, 
   const PetscReal share = PetscMin(1.0, SURFACE_RATE * nu * flow->clock->dt / PetscSqr(dx));
 
   if (!OperatorsStressSurface(flow->ops) || !FlowIsBesideSurface(flow->ops, i)) return;
-  if (FreeSurfaceIsRough(flow->ops->free, i)) return;
+  if (FreeSurfaceIsRough(flow->ops->free, i) || !HasWall(flow->ops, i)) return;
   for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * slopes->residual[c][i];
 }
 
