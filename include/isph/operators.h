@@ -74,6 +74,13 @@ typedef struct AffineOperator {
   const struct AffineOperator *twin; /* stores the shared rows; NULL: the operator itself */
 } AffineOperator;
 
+/* Layout of a block of operators, and its units: scale times the factors of rows and of columns. */
+typedef struct {
+  PetscInt  rows, cols; /* interlaced components: 1 or dim */
+  PetscReal scale;
+  Vec       row_units, col_units; /* NULL: 1 */
+} AffineLayout;
+
 /* AffineRow - Returns the weights of row i over fluid, in the order of the pattern; not
    collective */
 static inline PetscReal *AffineRow(const OperatorRows *rows, const AffineOperator *op, PetscInt i)
@@ -189,6 +196,8 @@ void           StencilGradients(Stencil *stencil, unsigned correction);
 
 PetscErrorCode AffineApply(const AffineOperator *op, Vec f, Vec walls, Vec y);
 PetscErrorCode AffineApplyAdd(const AffineOperator *op, Vec f, Vec walls, Vec y);
+PetscErrorCode AffineBlock(const Particles *particles, const OperatorRows *rows,
+                           const AffineLayout *by, const AffineOperator op[], Mat *block);
 PetscErrorCode AffineSystemCreate(const AffineOperator *op, MatType type, Mat *J);
 PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscReal scale, Mat J);
 PetscErrorCode AffineSystemFlatten(Mat J, Mat *flat);
@@ -254,6 +263,8 @@ static inline PetscBool FreeSurfaceIsRough(const FreeSurface *free, PetscInt i)
 {
   return free->kind[i] == SURFACE_ROUGH || free->kind[i] == SURFACE_ISOLATED;
 }
+PetscBool OperatorsStressSurface(const Operators *ops);
+
 PetscErrorCode WallValuesRenumber(const Scene *scene, const Particles *particles,
                                   WallValues *walls);
 PetscErrorCode WallValuesSetVelocity(const Scene *scene, Particles *particles, PetscReal t,

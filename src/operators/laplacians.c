@@ -293,6 +293,13 @@ PetscBool LaplacianFitsSurface(const LaplacianForm *form)
                                                                                 : PETSC_FALSE;
 }
 
+/* OperatorsStressSurface - Returns true if the rows of div on free surfaces give the pressure
+   2 mu n.E n of the velocity; not collective */
+PetscBool OperatorsStressSurface(const Operators *ops)
+{
+  return ops->free && ops->forms.visc.row == &LaplacianSurface ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /* Appends the declared properties and the accepted corrections of a Laplacian to a text. */
 static PetscErrorCode LaplacianDescribe(const TableRow *row, char text[], size_t length)
 {

@@ -267,6 +267,40 @@ PetscErrorCode AffineSystemSet(const AffineOperator *op, PetscReal shift, PetscR
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  AffineBlock - Creates a matrix of the operators op[c] on interlaced components: op[c] fills rows
+  dim i + c or columns dim j + c
+
+  Collective. Input: rows - with columns. Output: block - destroy with MatDestroy().
+*/
+PetscErrorCode AffineBlock(const Particles *p, const OperatorRows *rows, const AffineLayout *by,
+                           const AffineOperator op[], Mat *block)
+{
+  const Pattern *pattern = &rows->fluid;
+  const PetscInt n       = by->rows * p->n_fluid;
+  SparseRows     to;
+  PetscInt       q = 0;
+
+  PetscFunctionBegin;
+  PetscCall(SparseRowsMalloc(n, by->rows * by->cols * pattern->row[p->n_fluid], &to));
+  for (PetscInt r = 0; r < n; r++) {
+    const PetscInt i = r / by->rows, first = pattern->row[i];
+
+    for (PetscInt s = first; s < pattern->row[i + 1]; s++) {
+      for (PetscInt c = 0; c < by->cols; c++) {
+        const AffineOperator *of = &op[by->rows > 1 ? r % by->rows : c];
+
+        to.col[q]     = by->cols * pattern->col[s] + c;
+        to.value[q++] = by->scale * AffineRow(rows, of, i)[s - first];
+      }
+    }
+    to.row[r + 1] = q;
+  }
+  PetscCall(SparseRowsMat(p->comm, &to, by->cols * p->n_fluid, block));
+  PetscCall(MatDiagonalScale(*block, by->row_units, by->col_units));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* AffineSystemFlatten - Creates a matrix with the entries of a shell; collective */
 PetscErrorCode AffineSystemFlatten(Mat J, Mat *flat)
 {

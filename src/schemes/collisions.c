@@ -78,6 +78,26 @@ void FlowSeparate(const Flow *flow, PetscReal apart[])
   }
 }
 
+/* FlowAllVelocities - Creates an array of the velocity components u of all particles, halo
+   included, by [i dim + a]; free with PetscFree(); collective */
+PetscErrorCode FlowAllVelocities(const Flow *flow, const Vec u[], PetscReal **all)
+{
+  const Particles *p = flow->particles;
+  const PetscInt   d = p->dim;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(ParticlesAll(p) * d, all));
+  for (PetscInt a = 0; a < d; a++) {
+    const PetscScalar *v;
+
+    PetscCall(VecGetArrayRead(u[a], &v));
+    for (PetscInt i = 0; i < p->n_fluid; i++) (*all)[i * d + a] = PetscRealPart(v[i]);
+    PetscCall(VecRestoreArrayRead(u[a], &v));
+  }
+  PetscCall(ParticlesHaloVectors(p, *all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* FlowCollide - Changes the new velocity u_next by collisions of fragments; nothing without free
    surfaces; collective */
 PetscErrorCode FlowCollide(Flow *flow)
@@ -89,11 +109,8 @@ PetscErrorCode FlowCollide(Flow *flow)
 
   PetscFunctionBegin;
   if (!flow->ops->free || !SceneMoves(flow->scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1(ParticlesAll(p) * d, &u));
+  PetscCall(FlowAllVelocities(flow, flow->state->u_next, &u));
   for (PetscInt a = 0; a < d; a++) PetscCall(VecGetArray(flow->state->u_next[a], &v[a]));
-  for (PetscInt i = 0; i < p->n_fluid; i++)
-    for (PetscInt a = 0; a < d; a++) u[i * d + a] = v[a][i];
-  PetscCall(ParticlesHaloVectors(p, u));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal change[ISPH_MAX_DIM] = {0.0};
 

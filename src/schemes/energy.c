@@ -5,7 +5,8 @@
     |u|^2/2 + D <= |u(0)|^2/2 + sigma A(0)/M + W,   W = sum_i m_i int f.dx_i/M,
     D = int 2 nu <E:E> dt,
 
-  for walls at rest. |u| is the root mean square. A fluid that breaks the balance has velocities or
+  for walls at rest, with the dissipation of their pair forces for rough particles. |u| is the root
+  mean square. A fluid that breaks the balance has velocities or
   a height that neither the start nor the body force gives. The bound on the speed of full boxes
   does not hold here: a fluid that falls touches no wall that slows it. See docs/theory.md, (176).
 */
@@ -39,25 +40,71 @@ PetscErrorCode EnergyAddWork(Flow *flow, PetscReal work)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the weighted sum of 2 E:E = sum_ab (d_a u_b + d_b u_a)^2/2 over own particles. Input:
-   gradient - d_a u_c at [c][a]. */
-static PetscReal StrainSquare(const Particles *p, const PetscScalar *gradient[][ISPH_MAX_DIM])
+/* Returns 2 E:E = sum_ab (d_a u_b + d_b u_a)^2/2 at own particle i [1/s^2]. Input: gradient -
+   d_a u_c at [c][a]. */
+static PetscReal StrainSquare(PetscInt dim, const PetscScalar *gradient[][ISPH_MAX_DIM], PetscInt i)
 {
-  PetscReal sum = 0.0;
+  PetscReal square = 0.0;
 
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal square = 0.0;
-
-    for (PetscInt a = 0; a < p->dim; a++) {
-      for (PetscInt b = 0; b < p->dim; b++)
-        square += 0.5 * PetscSqr(gradient[b][a][i] + gradient[a][b][i]);
-    }
-    sum += ParticlesWeight(p, i) * square;
+  for (PetscInt a = 0; a < dim; a++) {
+    for (PetscInt b = 0; b < dim; b++)
+      square += 0.5 * PetscSqr(gradient[b][a][i] + gradient[a][b][i]);
   }
-  return sum;
+  return square;
 }
 
-/* Computes the sum of 2 E:E over own particles from gradients of the velocity u [1/s^2]. */
+/*
+  Returns the dissipation over nu of the pair forces on rough particle i,
+
+    sum_k s_k (u_k - u_i).w_ik (u_k - u_i),   s_k = 1/2 for fluid, 1 for walls, which are at rest
+
+  The fit of a gradient at a particle with two or three neighbours has no meaning: it made up most
+  of the dissipation of thin noses. u: velocities of all particles, by [i dim + a] [m/s].
+*/
+static PetscReal PairSquare(const Operators *ops, PetscInt dim, const PetscReal u[], PetscInt i)
+{
+  const AffineOperator  *op     = &ops->velocity[0].visc;
+  const Pattern *const   of[]   = {&ops->rows.fluid, &ops->rows.walls};
+  const PetscReal *const w[]    = {op->a, ops->forms.wall ? op->b : NULL};
+  PetscReal              sum[2] = {0.0, 0.0};
+
+  for (PetscInt part = 0; part < 2 && w[part]; part++) {
+    for (PetscInt s = of[part]->row[i]; s < of[part]->row[i + 1]; s++) {
+      const PetscInt j = of[part]->local[s];
+      PetscReal      difference[ISPH_MAX_DIM];
+
+      for (PetscInt a = 0; a < dim; a++)
+        difference[a] = (part == 0 ? u[j * dim + a] : 0.0) - u[i * dim + a];
+      if (part == 0 && j == i) continue;
+      for (PetscInt e = 0; e < dim * dim; e++)
+        sum[part] += w[part][s * op->width + e] * difference[e / dim] * difference[e % dim];
+    }
+  }
+  return 0.5 * sum[0] + sum[1];
+}
+
+/* Computes the weighted sum of 2 E:E over own particles, with PairSquare() for rough ones. */
+static PetscErrorCode SumSquares(const Flow *flow, const Vec u[],
+                                 const PetscScalar *gradient[][ISPH_MAX_DIM], PetscReal *sum)
+{
+  const Particles *p = flow->particles;
+  PetscReal       *all;
+
+  PetscFunctionBegin;
+  *sum = 0.0;
+  PetscCall(FlowAllVelocities(flow, u, &all));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    const PetscReal square = FreeSurfaceIsRough(flow->ops->free, i)
+                                 ? PairSquare(flow->ops, p->dim, all, i)
+                                 : StrainSquare(p->dim, gradient, i);
+
+    *sum += ParticlesWeight(p, i) * square;
+  }
+  PetscCall(PetscFree(all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the sum of SumSquares() with gradients of the velocity u [1/s^2]. */
 static PetscErrorCode StrainPower(Flow *flow, const Vec u[], PetscReal *power)
 {
   const Particles   *p = flow->particles;
@@ -73,7 +120,7 @@ static PetscErrorCode StrainPower(Flow *flow, const Vec u[], PetscReal *power)
       PetscCall(VecGetArrayRead(y[c][a], &gradient[c][a]));
     }
   }
-  *power = StrainSquare(p, gradient);
+  PetscCall(SumSquares(flow, u, gradient, power));
   for (PetscInt c = 0; c < p->dim; c++) {
     for (PetscInt a = 0; a < p->dim; a++) {
       PetscCall(VecRestoreArrayRead(y[c][a], &gradient[c][a]));

@@ -64,7 +64,9 @@ static const OptionRow options[] = {
             .brief    = "strength of the grid-scale filter of velocities; 0: off",
             .unit     = "-",
             .standard = "from 0 at U dx/nu = 20 to 1 at 60; with -pressure_points coarse 4; with "
-                        "fixed particles, at most 1, 1 above 5, else 0",
+                        "fixed particles, at most 1, 1 above 5, else 0; films on walls lose "
+                        "another 5 nu dt/dx^2 of a residual with -scheme projection, "
+                        "unless 0 is given",
             .low      = 0.0,
             .high     = 8.0,
             .where    = "flows with convection",

@@ -6,6 +6,7 @@
 
 #define FILTER_RATE   2.0 /* factor of |A A|^(1/2) [-] */
 #define VISCOUS       5.0 /* U dx/nu up to which viscosity damps disturbances across a shear */
+#define SURFACE_RATE  5.0 /* of the filter beside free surfaces [nu/dx_i^2] */
 #define CLEARANCE     0.3 /* least distance of particles from walls [dx_i] */
 #define SURFACE_SHARE 0.3 /* longest shift beside free surfaces [way of the fastest particle] */
 
@@ -270,6 +271,48 @@ static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i,
   for (PetscInt c = 0; c < scene->dim; c++) change[c] -= along * shear[c];
 }
 
+/* FlowIsBesideSurface - Returns true if the fluid within the support of own particle i has a free
+   surface; not collective */
+PetscBool FlowIsBesideSurface(const Operators *ops, PetscInt i)
+{
+  const Pattern *fluid = &ops->rows.fluid;
+
+  for (PetscInt s = fluid->row[i]; ops->free && s < fluid->row[i + 1]; s++)
+    if (FreeSurfaceHolds(ops->free, fluid->local[s])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Returns true if a wall is within the support of own particle i. */
+static PetscBool HasWall(const Operators *ops, PetscInt i)
+{
+  const PetscInt *row = ops->forms.wall ? ops->rows.walls.row : NULL;
+
+  return row && row[i + 1] > row[i] ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/*
+  Filters grid modes out of the velocity of particle i in a thin film: with a wall and a free
+  surface within its support
+
+    u -= min(1, 5 nu dt/dx^2) r
+
+  with the residual r of a quadratic fit of u. Viscous rows beside a surface are those of fits with
+  conditions, which are not symmetric, and need not take energy from grid modes; inside the fluid
+  viscosity damps these modes at 8 nu/dx^2. r vanishes in a film, whose velocity is a parabola. See
+  docs/theory.md, (332).
+*/
+static void FilterAtSurface(const Flow *flow, const Slopes *slopes, PetscInt i, PetscReal change[])
+{
+  const Scene    *scene = flow->scene;
+  const PetscReal dx    = flow->particles->dx[i];
+  const PetscReal nu    = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low : 0.0;
+  const PetscReal share = PetscMin(1.0, SURFACE_RATE * nu * flow->clock->dt / PetscSqr(dx));
+
+  if (!OperatorsStressSurface(flow->ops) || !FlowIsBesideSurface(flow->ops, i)) return;
+  if (FreeSurfaceIsRough(flow->ops->free, i) || !HasWall(flow->ops, i)) return;
+  for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * slopes->residual[c][i];
+}
+
 /* Fails the step if a particle moved further than -dt_move_max times its spacing; collective. */
 static PetscErrorCode CheckMove(Flow *flow, PetscReal moved)
 {
@@ -334,8 +377,10 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     if (shifting) FollowShift(scene, slopes, i, shift, change);
     for (PetscInt a = 0; on_surface && a < scene->dim; a++) change[a] += pushed[a] / clock->dt;
     if (state->budget) BudgetCarry(state->budget, scene->dim, CARRIED_CLEARANCE, i, change);
-    if (flow->ops->velocity[0].filter_u.needed)
+    if (flow->ops->velocity[0].filter_u.needed) {
       FilterVelocity(scene, slopes, i, state->velocity_filter, clock->dt, change);
+      FilterAtSurface(flow, slopes, i, change);
+    }
     if (state->budget) BudgetCarry(state->budget, scene->dim, CARRIED_FILTER, i, change);
     d2 /= PetscSqr(p->dx[i]);
     moved2 = PetscIsNanReal(d2) ? PETSC_INFINITY : PetscMax(moved2, d2);

@@ -15,6 +15,7 @@ PetscErrorCode FlowBegin(Flow *flow);
 
 /* motion.c */
 PetscErrorCode FlowMove(Flow *flow);
+PetscBool      FlowIsBesideSurface(const Operators *ops, PetscInt i);
 
 /* openings.c */
 PetscErrorCode OpeningsCreate(Flow *flow);
@@ -63,6 +64,7 @@ void           HistoryPath(const Clock *clock, PetscReal weight[HISTORY]);
 PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt);
 
 /* collisions.c */
+PetscErrorCode FlowAllVelocities(const Flow *flow, const Vec u[], PetscReal **all);
 PetscErrorCode FlowCollide(Flow *flow);
 void           FlowSeparate(const Flow *flow, PetscReal apart[]);
 

@@ -26,13 +26,6 @@
 #include "saddle.h"
 #include "isph/sparse.h"
 
-/* Layout of a block, and its units: scale times the factors of rows and of columns. */
-typedef struct {
-  PetscInt  rows, cols; /* interlaced components: 1 or dim */
-  PetscReal scale;
-  Vec       row_units, col_units; /* NULL: 1 */
-} BlockForm;
-
 /*
   SaddleTime - Returns T, the time in which momentum changes a velocity on the scale of the grid:
   1/T = 1/(4 dt) + nu/dx^2, steady 1/T = nu/dx^2 [s]; nu: viscosity [m^2/s]
@@ -101,33 +94,6 @@ PetscErrorCode SaddleVelocityRows(const Particles *p, Vec factor, Vec *rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates a block of the operators op[c] on the shared pattern; op[c] fills rows dim i + c or
-   columns dim j + c. */
-static PetscErrorCode BlockCreate(const Particles *p, const Pattern *pattern, const BlockForm *by,
-                                  const AffineOperator op[], Mat *block)
-{
-  const PetscInt n = by->rows * p->n_fluid;
-  SparseRows     rows;
-  PetscInt       q = 0;
-
-  PetscFunctionBegin;
-  PetscCall(SparseRowsMalloc(n, by->rows * by->cols * pattern->row[p->n_fluid], &rows));
-  for (PetscInt r = 0; r < n; r++) {
-    const PetscInt i = r / by->rows;
-
-    for (PetscInt s = pattern->row[i]; s < pattern->row[i + 1]; s++) {
-      for (PetscInt c = 0; c < by->cols; c++) {
-        rows.col[q]     = by->cols * pattern->col[s] + c;
-        rows.value[q++] = by->scale * op[by->rows > 1 ? r % by->rows : c].a[s];
-      }
-    }
-    rows.row[r + 1] = q;
-  }
-  PetscCall(SparseRowsMat(p->comm, &rows, by->cols * p->n_fluid, block));
-  PetscCall(MatDiagonalScale(*block, by->row_units, by->col_units));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Creates G, D and C in the units of each particle. */
 static PetscErrorCode CreateBlocks(const Flow *flow, Saddle *s)
 {
@@ -140,11 +106,11 @@ static PetscErrorCode CreateBlocks(const Flow *flow, Saddle *s)
   PetscCall(SaddleVelocityRows(p, s->time, &momentum));
   PetscCall(VecDuplicate(s->length, &mass));
   PetscCall(VecPointwiseDivide(mass, s->time, s->length));
-  PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){s->dim, 1, dx, momentum, s->pressure},
+  PetscCall(AffineBlock(p, &ops->rows, &(AffineLayout){s->dim, 1, dx, momentum, s->pressure},
                         ops->grad_p, &s->G));
-  PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){1, s->dim, dx, s->mass, NULL}, ops->div,
-                        &s->D));
-  PetscCall(BlockCreate(p, &ops->rows.fluid, &(BlockForm){1, 1, 1.0, mass, s->pressure},
+  PetscCall(
+      AffineBlock(p, &ops->rows, &(AffineLayout){1, s->dim, dx, s->mass, NULL}, ops->div, &s->D));
+  PetscCall(AffineBlock(p, &ops->rows, &(AffineLayout){1, 1, 1.0, mass, s->pressure},
                         &ops->filter_p, &s->C));
   PetscCall(SaddleUseReactions(flow, momentum, s));
   PetscCall(VecDestroy(&momentum));

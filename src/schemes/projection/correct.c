@@ -109,16 +109,6 @@ PetscReal PressureGain(const Flow *flow)
   return pr->row->incremental ? PetscMin(1.0, 4.0 * flow->clock->dt / flow->clock->dt_wanted) : 1.0;
 }
 
-/* Returns true if the fluid within the support of own particle i has a free surface. */
-static PetscBool IsBesideSurface(const Operators *ops, PetscInt i)
-{
-  const Pattern *fluid = &ops->rows.fluid;
-
-  for (PetscInt s = fluid->row[i]; s < fluid->row[i + 1]; s++)
-    if (FreeSurfaceHolds(ops->free, fluid->local[s])) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
 /*
   Adds c div u* to the pressure, where no free surface is within the support
 
@@ -142,7 +132,7 @@ static PetscErrorCode AddDilatation(const Flow *flow, PetscReal c)
   PetscCall(VecGetArrayRead(s->divergence, &divergence));
   PetscCall(VecGetArray(s->p, &p));
   for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
-    if (!IsBesideSurface(ops, i)) p[i] += c * divergence[i];
+    if (!FlowIsBesideSurface(ops, i)) p[i] += c * divergence[i];
   PetscCall(VecRestoreArray(s->p, &p));
   PetscCall(VecRestoreArrayRead(s->divergence, &divergence));
   PetscFunctionReturn(PETSC_SUCCESS);

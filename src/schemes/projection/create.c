@@ -259,10 +259,19 @@ static PetscReal LatticeFilter(const Flow *flow)
   return 0.1 * (flow->state->implicit_convection ? PetscMin(1.0, CLOCK_CFL / cfl) : 1.0);
 }
 
+/* Returns true if moving particles beside a free surface have rows of fits, see FlowMove(). */
+static PetscBool SurfaceNeedsFilter(const Scene *scene)
+{
+  return SceneHasFreeSurface(scene) && SceneMoves(scene) && SceneHas(scene, PHYSICS_VISCOSITY) &&
+                 !SceneViscosityVaries(scene)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
 /* Reads the options of a pressure on the particles. */
 static PetscErrorCode CreateOnParticles(Flow *flow, Projection *pr)
 {
-  PetscBool ordered = PETSC_FALSE;
+  PetscBool ordered = PETSC_FALSE, given;
 
   PetscFunctionBegin;
   PetscCall(AreOrdered(flow->scene, &ordered));
@@ -273,6 +282,9 @@ static PetscErrorCode CreateOnParticles(Flow *flow, Projection *pr)
             pr->row->name, (double)pr->row->alpha_max);
   PetscCall(OptionGetReal(&options[FILTER], &pr->filter, NULL));
   if (pr->filter > 0.0) flow->scheme->needs |= NEED_FILTER_P;
+  PetscCall(OptionGiven("-velocity_filter", &given));
+  if (SurfaceNeedsFilter(flow->scene) && (!given || flow->state->velocity_filter > 0.0))
+    flow->scheme->needs |= NEED_FILTER_U;
   if (pr->alpha > 0.0) flow->scheme->needs |= NEED_CONCENTRATION;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

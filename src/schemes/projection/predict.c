@@ -40,6 +40,7 @@ PetscErrorCode PredictVelocity(Flow *flow)
   for (PetscInt a = 0; a < dim && inner; a++) PetscCall(FlowGetWork(flow, &v[a]));
   PetscCall(HistoryStart(flow, !row || row->history ? PETSC_TRUE : PETSC_FALSE, &dt));
   PetscCall(BudgetPart(flow, PART_TIME, 0.0, NULL));
+  if (pr->row && !pr->splines) PetscCall(FreePressureStart(flow));
   PetscCall(SetForce(flow, at, force));
   if (inner) PetscCall(VelocityExtrapolate(flow, at, v));
   else if (convects) PetscCall(ConvectionExtrapolate(flow, at, force));
@@ -56,6 +57,7 @@ PetscErrorCode PredictVelocity(Flow *flow)
   } else {
     for (PetscInt a = 0; a < dim; a++) PetscCall(VecAXPY(flow->state->u_next[a], dt, force[a]));
   }
+  if (!flow->scheme->failure.code && pr->row && !pr->splines) PetscCall(FreePressureFollow(flow));
   if (!flow->scheme->failure.code) PetscCall(BudgetPart(flow, PART_VISCOSITY, 0.0, NULL));
   for (PetscInt a = 0; a < dim; a++) {
     PetscCall(FlowRestoreWork(flow, &force[a]));

@@ -18,6 +18,7 @@ static PetscErrorCode ProjectionSetUp(Flow *flow)
 
   PetscFunctionBegin;
   if (SceneHas(flow->scene, PHYSICS_VISCOSITY)) PetscCall(ViscosityCreate(flow, &pr->visc));
+  if (pr->row && pr->row->incremental) PetscCall(ViscosityHoldSurface(flow, pr->visc));
   if (pr->spacing > 0.0) PetscCall(SplinesCreate(flow, pr->spacing, &pr->splines));
   if (pr->row) PetscCall(PressureCreate(flow, &pr->ppe));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -64,6 +64,8 @@ PetscErrorCode WallGradientPredict(Flow *flow);
 PetscErrorCode WallGradientCorrect(Flow *flow);
 
 /* freepressure.c */
+PetscErrorCode FreePressureStart(Flow *flow);
+PetscErrorCode FreePressureFollow(Flow *flow);
 PetscErrorCode FreePressureIncrement(Flow *flow, Vec b);
 
 /* pressuresolver.c */

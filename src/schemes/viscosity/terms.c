@@ -15,6 +15,7 @@ static PetscErrorCode ApplyBoundary(Viscosity *v)
   for (PetscInt c = 0; c < v->dim; c++)
     PetscCall(VecStrideScatter(v->flow->walls.u[c], c, v->all_walls, INSERT_VALUES));
   PetscCall(MatMult(Viscous(v, 0)->B, v->all_walls, v->boundary));
+  PetscCall(SurfaceStressBoundary(v));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -48,7 +49,7 @@ static PetscErrorCode FollowStrain(Viscosity *v, PetscReal t, Vec u)
 }
 
 /* Computes the viscous term f = nu (A u + B u_wall) at time t, of component c or of all components
-   in a single system. */
+   in a single system, and adds the pressure of free surfaces, if it is part of the term. */
 static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, Vec f)
 {
   PetscFunctionBegin;
@@ -60,6 +61,8 @@ static PetscErrorCode ViscousTerm(Viscosity *v, PetscInt c, PetscReal t, Vec u, 
     if (Viscous(v, 0)->B) PetscCall(VecAXPY(f, 1.0, v->boundary));
   }
   PetscCall(VecScale(f, v->flow->scene->nu));
+  if (v->surface) PetscCall(MatMultAdd(v->surface->term, u, f, f));
+  if (v->surface && v->surface->boundary) PetscCall(VecAXPY(f, 1.0, v->surface->boundary));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -138,6 +141,16 @@ PetscErrorCode ViscosityIFunction(TS ts, PetscReal t, Vec u, Vec udot, Vec f, vo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Computes P = shift I - (nu A - G Z/rho). */
+static PetscErrorCode SetWithSurface(const SurfaceStress *s, PetscReal shift, Mat P)
+{
+  PetscFunctionBegin;
+  PetscCall(MatCopy(s->all, P, SAME_NONZERO_PATTERN));
+  PetscCall(MatScale(P, -1.0));
+  PetscCall(MatShift(P, shift));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   ViscosityIJacobian - Computes P = shift I - nu A, and adds implicit convection, if the shift, the
   viscosities or the advecting velocity may be new
@@ -161,7 +174,8 @@ PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal
     PetscCall(FollowStrain(v, t, u)); /* the last residual may belong to another u */
   else if (shift == v->shift && visc == v->of_J)
     PetscFunctionReturn(PETSC_SUCCESS); /* keeps the preconditioner */
-  PetscCall(AffineSystemSet(visc, shift, -v->flow->scene->nu, P));
+  if (v->surface) PetscCall(SetWithSurface(v->surface, shift, P));
+  else PetscCall(AffineSystemSet(visc, shift, -v->flow->scene->nu, P));
   if (v->convection) {
     PetscCall(FlowGetWork(v->flow, &work));
     PetscCall(ConvectionAddMatrix(v->flow, v->advecting, part->c, v->convection, work, P));

@@ -243,6 +243,7 @@ static PetscErrorCode ViscosityFree(Viscosity *v)
   for (PetscInt c = 0; c < v->dim; c++) PetscCall(VecDestroy(&v->part[c]));
   PetscCall(MatDestroy(&v->J));
   PetscCall(MatDestroy(&v->convection));
+  PetscCall(SurfaceStressFree(v->surface));
   v->assemblies         = 0;
   v->guard.solve.matrix = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -256,6 +257,7 @@ PetscErrorCode ViscosityDestroy(Viscosity **visc)
   for (PetscInt c = 0; c < (*visc)->systems; c++)
     PetscCall(SolverViewShow((PetscObject)(*visc)->ts[c], &(*visc)->guard.ts_view));
   PetscCall(ViscosityFree(*visc));
+  PetscCall(PetscFree((*visc)->surface));
   PetscCall(GuardDetach(&(*visc)->guard));
   for (PetscInt c = 0; c < (*visc)->systems; c++) PetscCall(TSDestroy(&(*visc)->ts[c]));
   PetscCall(PetscFree(*visc));
@@ -312,8 +314,11 @@ static PetscErrorCode ViscosityUpdateJacobian(Viscosity *v)
   v->assemblies = ops->assemblies;
   if (v->shell && v->J) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ViscosityFreeJacobian(v));
-  PetscCall(
-      AffineSystemCreate(&ops->velocity[0].visc, v->shell ? MATSHELL : v->guard.mat_type, &v->J));
+  if (v->surface)
+    PetscCall(MatConvert(v->surface->all, v->guard.mat_type, MAT_INITIAL_MATRIX, &v->J));
+  else
+    PetscCall(
+        AffineSystemCreate(&ops->velocity[0].visc, v->shell ? MATSHELL : v->guard.mat_type, &v->J));
   if (v->flow->state->implicit_convection)
     PetscCall(MatDuplicate(v->J, MAT_DO_NOT_COPY_VALUES, &v->convection));
   for (PetscInt c = 0; c < v->systems; c++) {
@@ -398,6 +403,7 @@ PetscErrorCode ViscositySolve(Flow *flow, PetscReal dt, PetscReal projection_fac
   v->wall_t                 = NAN;
   v->guard.solve.iterations = 0;
   PetscCall(ViscosityRenumber(v));
+  PetscCall(SurfaceStressAssemble(v));
   PetscCall(ViscosityUpdateJacobian(v));
   if (v->convection) v->shift = NAN; /* the advecting velocity is new */
   PetscCall(ClockWhere(flow->clock, v->guard.where));

@@ -7,6 +7,14 @@
 
 #include "isph/guard.h"
 
+/* The pressure of free surfaces as a part of the viscous term, see surface.c. */
+typedef struct {
+  Mat      term;       /* -G Z/rho [1/s] */
+  Mat      all;        /* nu A - G Z/rho [1/s] */
+  Vec      boundary;   /* wall part of -G Z u/rho; NULL without walls [m/s^2] */
+  PetscInt assemblies; /* stamp of the operators in the matrices */
+} SurfaceStress;
+
 /* Callbacks of the terms of the viscous equation. */
 typedef enum {
   TIME_IMPLICIT, /* IFunction: viscosity; convection in the force, or implicit */
@@ -36,17 +44,18 @@ struct Viscosity {
   TS                          ts[ISPH_MAX_DIM]; /* they share the KSP of the first */
   Component                   component[ISPH_MAX_DIM];
   Guard                       guard;      /* its KSP is NULL for explicit integrators */
-  Mat                         J;          /* shift I - nu A */
+  Mat                         J;          /* shift I - nu A, with the term of `surface` */
   PetscBool                   shell;      /* J only has products and a diagonal */
   PetscReal                   shift;      /* in J; NaN: J is out of date [1/s] */
   Mat                         convection; /* work matrix; NULL: convection not in J */
   const AffineOperator       *of_J;       /* the A in J */
   PetscInt                    assemblies; /* stamp of the operators in J */
   PetscInt                    epoch;      /* epoch of the vectors below */
-  Vec       boundary; /* B u_wall at wall_t, of all components in a single system */
-  PetscReal wall_t;
-  Vec       all, all_force, all_walls; /* of all components: velocity, force, wall velocity */
-  Vec       part[ISPH_MAX_DIM];        /* their components; work vectors */
+  SurfaceStress *surface;  /* NULL: the pressure of a free surface is not part of the term */
+  Vec            boundary; /* B u_wall at wall_t, of all components in a single system */
+  PetscReal      wall_t;
+  Vec            all, all_force, all_walls; /* of all components: velocity, force, wall velocity */
+  Vec            part[ISPH_MAX_DIM];        /* their components; work vectors */
 
   Flow      *flow;              /* of the present solve, for callbacks */
   PetscReal  projection_factor; /* see WallValuesSetVelocity() */
@@ -59,6 +68,12 @@ PetscErrorCode ViscositySolve(Flow *flow, PetscReal dt, PetscReal projection_fac
                               const Vec force[], const Vec advecting[], Vec u[], Viscosity *visc);
 PetscReal      ViscosityResponse(const Viscosity *visc);
 PetscErrorCode ViscosityView(const Viscosity *visc, PetscViewer viewer);
+
+/* surface.c */
+PetscErrorCode ViscosityHoldSurface(const Flow *flow, Viscosity *visc);
+PetscErrorCode SurfaceStressAssemble(const Viscosity *visc);
+PetscErrorCode SurfaceStressBoundary(const Viscosity *visc);
+PetscErrorCode SurfaceStressFree(SurfaceStress *surface);
 
 /* iteration.c */
 PetscErrorCode IterationChoose(SNES snes);
