@@ -174,15 +174,18 @@ static PetscErrorCode CoupledCreate(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Chooses the pressure gradient for the forms of the run. */
+/* Chooses the pressure gradient for the forms of the run. Forces along pairs that dissipate have the
+   natural condition of a free surface; forces by adjoint gradients have modes without viscosity. */
 static PetscErrorCode ChooseGradient(const Flow *flow, Coupled *c)
 {
-  const Operators *ops = flow->ops;
-  const PetscBool  natural =
-      ops->free && ops->free->tension == 0.0 && LaplacianIs(&ops->forms.visc, FORM_SYMMETRIC)
-           ? PETSC_TRUE
-           : PETSC_FALSE;
-  PetscBool given;
+  const Operators     *ops     = flow->ops;
+  const LaplacianForm *visc    = &ops->forms.visc;
+  const PetscBool      natural = ops->free && ops->free->tension == 0.0 &&
+                                    LaplacianIs(visc, FORM_ANGULAR) &&
+                                    LaplacianIs(visc, FORM_SAFE_IMPLICIT)
+                                     ? PETSC_TRUE
+                                     : PETSC_FALSE;
+  PetscBool            given;
 
   PetscFunctionBegin;
   PetscCall(OptionGiven(options[PRESSURE_GRADIENT].name, &given));
