@@ -6,17 +6,17 @@
 #include "step.h"
 
 /* Computes the weights of u^n, u^{n-1}, u^{n-2} in u^n + s u' + c u'', with the first and second
-   divided differences u' and u''. */
-static void PastWeights(const Clock *clock, PetscReal s, PetscReal c, PetscReal weight[HISTORY])
+   divided differences u' and u'' of the first n of these velocities. */
+static void PastWeights(const Clock *clock, PetscInt n, PetscReal s, PetscReal c,
+                        PetscReal weight[HISTORY])
 {
-  const PetscInt  order = ClockOrder(clock);
   const PetscReal a = clock->dt_previous, b = clock->dt_before;
-  const PetscReal first = order > 1 ? s / a : 0.0, second = order > 2 ? c / (a + b) : 0.0;
+  const PetscReal first = n > 1 ? s / a : 0.0, second = n > 2 ? c / (a + b) : 0.0;
 
   weight[0] = 1.0 + first;
   weight[1] = -first;
   weight[2] = 0.0;
-  if (order < 3) return;
+  if (n < 3) return;
   weight[0] += second / a;
   weight[1] -= second / a + second / b;
   weight[2] = second / b;
@@ -31,7 +31,17 @@ void HistoryAhead(const Clock *clock, PetscReal at, PetscReal weight[HISTORY])
 {
   const PetscReal s = at * clock->dt;
 
-  PastWeights(clock, s, s * (s + clock->dt_previous), weight);
+  PastWeights(clock, ClockOrder(clock), s, s * (s + clock->dt_previous), weight);
+}
+
+/*
+  HistoryPredict - Computes the weights of the last n velocities in their extrapolation to t^{n+1}
+
+  Not collective. Input: n - 2 or 3, all known. Output: weight - of u^n, u^{n-1} and u^{n-2} [-].
+*/
+void HistoryPredict(const Clock *clock, PetscInt n, PetscReal weight[HISTORY])
+{
+  PastWeights(clock, n, clock->dt, clock->dt * (clock->dt + clock->dt_previous), weight);
 }
 
 /*
@@ -44,7 +54,8 @@ void HistoryPath(const Clock *clock, PetscReal weight[HISTORY])
 {
   const PetscReal dt = clock->dt;
 
-  PastWeights(clock, 0.5 * dt, dt * (dt / 3.0 + 0.5 * clock->dt_previous), weight);
+  PastWeights(clock, ClockOrder(clock), 0.5 * dt, dt * (dt / 3.0 + 0.5 * clock->dt_previous),
+              weight);
 }
 
 /* Computes the weights of earlier velocities in the start of a step of backward Euler that is a
@@ -52,17 +63,16 @@ void HistoryPath(const Clock *clock, PetscReal weight[HISTORY])
 static PetscReal StartWeights(const Clock *clock, PetscReal weight[HISTORY])
 {
   const PetscReal w = ClockRatio(clock), a = clock->dt, b = a + clock->dt_previous,
-                  c = b + clock->dt_before;
-  PetscReal k;
+                  c = b + clock->dt_before, k = 1.0 / (1.0 / a + 1.0 / b + 1.0 / c);
 
   weight[0] = PetscSqr(1.0 + w) / (1.0 + 2.0 * w);
   weight[1] = -w * w / (1.0 + 2.0 * w);
   weight[2] = 0.0;
   if (ClockOrder(clock) < 3) return (1.0 + w) / (1.0 + 2.0 * w);
-  k         = 1.0 / (1.0 / a + 1.0 / b + 1.0 / c);
-  weight[0] = k * b * c / (a * (b - a) * (c - a));
-  weight[1] = -k * a * c / (b * (b - a) * (c - b));
-  weight[2] = k * a * b / (c * (c - a) * (c - b));
+  HistoryPredict(clock, 3, weight);
+  weight[0] *= k / a;
+  weight[1] *= k / b;
+  weight[2] *= k / c;
   return k / a;
 }
 

@@ -308,8 +308,8 @@ static void FilterAtSurface(const Flow *flow, const Slopes *slopes, PetscInt i, 
   const PetscReal nu    = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low : 0.0;
   const PetscReal share = PetscMin(1.0, SURFACE_RATE * nu * flow->clock->dt / PetscSqr(dx));
 
-  if (!OperatorsStressSurface(flow->ops) || !FlowIsBesideSurface(flow->ops, i)) return;
-  if (FreeSurfaceIsRough(flow->ops->free, i) || !HasWall(flow->ops, i)) return;
+  if (!OperatorsStressSurface(flow->ops) || FreeSurfaceIsRough(flow->ops->free, i)) return;
+  if (!HasWall(flow->ops, i) || !FlowIsBesideSurface(flow->ops, i)) return;
   for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * slopes->residual[c][i];
 }
 

@@ -60,6 +60,7 @@ PetscErrorCode VelocityExtrapolate(const Flow *flow, PetscReal at, const Vec v[]
 /* history.c */
 #define HISTORY 3 /* most earlier velocities in a formula */
 void           HistoryAhead(const Clock *clock, PetscReal at, PetscReal weight[HISTORY]);
+void           HistoryPredict(const Clock *clock, PetscInt n, PetscReal weight[HISTORY]);
 void           HistoryPath(const Clock *clock, PetscReal weight[HISTORY]);
 PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt);
 

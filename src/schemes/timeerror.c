@@ -37,29 +37,21 @@ PetscErrorCode TimeErrorStart(Flow *flow)
   P is the polynomial through the velocities at t^n ... t^m, with m = n-2 for BDF2 and n-1 for
   backward Euler; k is the length of HistoryStart(). See docs/theory.md, (124) and (125).
 */
-static void SetPredictor(const Clock *clock, PetscReal weight[3], PetscReal *share)
+static void SetPredictor(const Clock *clock, PetscReal weight[HISTORY], PetscReal *share)
 {
-  const PetscReal a = clock->dt, b = a + clock->dt_previous, c = b + clock->dt_before;
-  const PetscReal w = ClockRatio(clock), k = a * (1.0 + w) / (1.0 + 2.0 * w);
+  const PetscInt  n = clock->order == 1 ? 2 : 3;
+  const PetscReal b = clock->dt + clock->dt_previous, c = b + clock->dt_before;
+  const PetscReal w = ClockRatio(clock), k = clock->dt * (1.0 + w) / (1.0 + 2.0 * w);
 
-  if (clock->order == 1) {
-    weight[0] = b / (b - a);
-    weight[1] = -a / (b - a);
-    weight[2] = 0.0;
-    *share    = k / (k + b);
-    return;
-  }
-  weight[0] = b * c / ((b - a) * (c - a));
-  weight[1] = -a * c / ((b - a) * (c - b));
-  weight[2] = a * b / ((c - a) * (c - b));
-  *share    = k / (k + c);
+  HistoryPredict(clock, n, weight);
+  *share = k / (k + (n == 2 ? b : c));
 }
 
 /* Computes the error of the step of each particle, C (u^{n+1} - P) [m/s]. */
 static PetscErrorCode SetError(const Flow *flow, Vec error[])
 {
   const FlowState *s = flow->state;
-  PetscReal        weight[3], share;
+  PetscReal        weight[HISTORY], share;
 
   PetscFunctionBegin;
   SetPredictor(flow->clock, weight, &share);

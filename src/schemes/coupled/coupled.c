@@ -174,8 +174,9 @@ static PetscErrorCode CoupledCreate(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Chooses the pressure gradient for the forms of the run. Forces along pairs that dissipate have the
-   natural condition of a free surface; forces by adjoint gradients have modes without viscosity. */
+/* Chooses the pressure gradient for the forms of the run. Forces along pairs that dissipate have
+   the natural condition of a free surface; forces by adjoint gradients have modes without
+   viscosity. */
 static PetscErrorCode ChooseGradient(const Flow *flow, Coupled *c)
 {
   const Operators     *ops     = flow->ops;
