@@ -34,6 +34,20 @@ static PetscErrorCode RefuseBlocks(const char prefix[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns true if the solver of a prefix is BoomerAMG: by default, or by options. */
+static PetscErrorCode IsBoomerAmg(const char prefix[], PetscBool *amg)
+{
+  char type[32] = PCHYPRE, method[32] = "boomeramg";
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsGetString(NULL, prefix, "-pc_type", type, sizeof(type), NULL));
+  PetscCall(PetscStrcmp(type, PCHYPRE, amg));
+  if (!*amg) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscOptionsGetString(NULL, prefix, "-pc_hypre_type", method, sizeof(method), NULL));
+  PetscCall(PetscStrcmp(method, "boomeramg", amg));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   AmgDefaults - Sets the parameters of BoomerAMG that measurements found best, unless they are given
 
@@ -42,21 +56,36 @@ static PetscErrorCode RefuseBlocks(const char prefix[])
 */
 PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[])
 {
-  char      type[32] = PCHYPRE, method[32] = "boomeramg";
   PetscBool amg;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsGetString(NULL, prefix, "-pc_type", type, sizeof(type), NULL));
-  PetscCall(PetscStrcmp(type, PCHYPRE, &amg));
-  if (!amg) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscOptionsGetString(NULL, prefix, "-pc_hypre_type", method, sizeof(method), NULL));
-  PetscCall(PetscStrcmp(method, "boomeramg", &amg));
+  PetscCall(IsBoomerAmg(prefix, &amg));
   if (!amg) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_coarsen_type", "PMIS"));
   PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_interp_type", "ext+i"));
   PetscCall(RefuseBlocks(prefix));
   PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_P_max", "4"));
   PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_agg_nl", aggressive));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  AmgSmoothByFactors - Smooths the finest level of BoomerAMG by an incomplete factorisation (Euclid),
+  unless options say otherwise
+
+  Collective on PETSC_COMM_WORLD. Notes: for rows that sweeps do not smooth, such as the stress-free
+  rows of a free surface; docs/theory.md, section 9, has iterations. In 3D the factors cost four
+  times as much as they save.
+*/
+PetscErrorCode AmgSmoothByFactors(const char prefix[])
+{
+  PetscBool amg;
+
+  PetscFunctionBegin;
+  PetscCall(IsBoomerAmg(prefix, &amg));
+  if (!amg) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_smooth_type", "Euclid"));
+  PetscCall(OptionDefault(prefix, "-pc_hypre_boomeramg_smooth_num_levels", "1"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

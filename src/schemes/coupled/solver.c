@@ -64,6 +64,8 @@ static PetscErrorCode BlockDefaults(const Scene *scene, PetscReal dt)
   if (varies && blocks)
     PetscCall(OptionDefault("coupled_fieldsplit_velocity_", "-sub_pc_factor_levels", "1"));
   PetscCall(AmgDefaults("coupled_fieldsplit_velocity_", "0"));
+  if (SceneHasFreeSurface(scene) && scene->dim == 2)
+    PetscCall(AmgSmoothByFactors("coupled_fieldsplit_velocity_"));
   PetscCall(OptionDefault("coupled_fieldsplit_pressure_", "-ksp_type", KSPPREONLY));
   PetscCall(OptionDefault("coupled_fieldsplit_pressure_", "-pc_type", PCSHELL));
   PetscFunctionReturn(PETSC_SUCCESS);
