@@ -346,7 +346,8 @@ static void AddRow_Divergence(const Stencil *st, PetscInt diagonal, PetscReal *d
 
   Not collective. If wall neighbours have equations in fits and the gradient form has a
   DivergenceFit, the rows come from this fit of the velocity vector, otherwise from the weights of
-  the gradient. Below a free surface fits have their own degree.
+  the gradient. Below a free surface fits have their own degree. Boundaries have the equations of
+  FIT_DIVERGENCE in fluids with a free surface only: docs/theory.md, section 5.
 */
 PetscErrorCode AddRows_Divergence(const Scene *scene, Stencil *st, PetscInt diagonal,
                                   Operators *ops)
@@ -356,7 +357,7 @@ PetscErrorCode AddRows_Divergence(const Scene *scene, Stencil *st, PetscInt diag
   PetscFunctionBegin;
   if (!StoresRow(ops, &ops->div[0])) PetscFunctionReturn(PETSC_SUCCESS);
   if (st->near_surface) st->degree = st->surface_degree;
-  StencilSetQuantity(scene, FIT_DIVERGENCE, st);
+  StencilSetQuantity(scene, ops->free ? FIT_DIVERGENCE : FIT_VELOCITY_NORMAL, st);
   if (st->n_wall && st->fits_walls && ops->forms.gradient->DivergenceFit) {
     PetscCall(ops->forms.gradient->DivergenceFit(st, ops->work->g, ops->work->m));
   } else {
