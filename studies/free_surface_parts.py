@@ -1,4 +1,4 @@
-"""Exact solutions and pictures of studies/free_surface."""
+"""Exact solutions, numbers of tables and pictures of studies/free_surface."""
 import math
 
 import matplotlib
@@ -7,7 +7,30 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402 (after the choice of the backend)
 from runs import reference_rows  # noqa: E402
 
+BARE = "-progress none -options_file options/"
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00"]
+
+
+def times(values):
+    """Returns the options that report at these times, of which the last is the end of the run."""
+    return "-report_times " + ",".join(f"{t:g}" for t in values[:-1]) + f" -t_end {values[-1]:g}"
+
+
+def series(q, name, values):
+    """Returns a quantity at its times; None where the run ended earlier."""
+    return [q.get(f"{name}@{t:.4g}", q.get(name) if abs(q.get("t", -1) - t) < 1e-9 * t else None) for t in values]
+
+
+def percent(error):
+    return "" if error is None else f"{100 * error:.2g} %"
+
+
+def signed(error):
+    return "" if error is None else f"{100 * error:+.2f} %"
+
+
+def off(value, exact):
+    return None if value is None else value / exact - 1
 
 
 def stretching_drop(times, steps=2000):
@@ -74,8 +97,10 @@ def draw_gains(axis, measured, wanted):
     for name, n, implicit, explicit, same in measured:
         if n != largest[name]:
             continue
-        for kind, tried, mark in (("implicit", implicit + same, "o-"), ("explicit", explicit, "s")):
+        for kind, tried, mark in (("implicit", implicit, "o-"), ("implicit, order 3", same, "^--"), ("explicit", explicit, "s")):
             points = [(cpu, error) for _, error, cpu in tried if error is not None]
+            if not points:
+                continue
             axis.loglog(*zip(*points), mark, ms=4, lw=1.2, color=COLOURS[list(largest).index(name)],
                         mfc="none" if kind == "explicit" else None, label=f"{kind}: {name}, n = {n}")
     axis.axhline(wanted, color="#999999", lw=0.8)
