@@ -111,9 +111,9 @@ def part(found):
            f"place at the height {LEVEL:g} H, in two windows of {WINDOW:g} D/U from U t/D = {START:g} on, of up to three starts. The disorder of particles lets "
            f"straight jets sway by some 0.05 D. A fold is a crossing of the mean place to the right between places {jet_folds.FAR:g} D off it on both sides, "
            f"U t/D = {START:g} to {END:g}; periods are in D/U. Stray particles are farther than 2 dx from the largest group, the most of all snapshots "
-           f"(every {EVERY:g} D/U). Volume is the error of the volume inside the surface at the end: particles crowd in the heap, which is too low by about this share. "
+           f"(every {EVERY:g} D/U). Volume is the error of the volume inside the surface at the end: particles crowd in the heap, so that it is too low. "
            "Steps in which a velocity left its bounds are repeated with half of their length (`-dt_adapt retry`).\n")
-    yield "\n## Height, Re = 0.2\n"
+    yield "## Height, Re = 0.2\n"
     yield from table(["H/D", *head], [[f"{h}", *cells(runs)] for h, runs in heights.items()])
     yield "\n" + told_of(heights, "H/D") + " In experiments the threshold is about 10.\n"
     yield "## Reynolds number, H/D = 11\n"
@@ -139,5 +139,7 @@ def draw(axes, found):
     axes[1].set(xlabel="Re at H/D = 11", title="sway / D")
     for h in (7, 8, 11):
         axes[2].plot(*places(heights[h][0]).T, lw=1.2, label=f"H/D = {h}")
+    for axis in axes[:2]:
+        axis.set_ylim(bottom=0)
     axes[2].set(xlabel="t U/D", title=f"place at {LEVEL:g} H / D, Re = 0.2")
     axes[2].legend()
