@@ -19,6 +19,7 @@ START, END = 20.0, 45.0  # of the time of a mean; the heap is steady at START [D
 WINDOW = 12.0  # time of a mean, about a period of folds [D/U]
 LINK = 2.0  # distance up to which particles are of one group [dx]
 HEIGHTS = {4: 1, 6: 1, 7: 3, 8: 3, 9: 1, 11: 1}  # starts by height at Re = 0.2
+FAST = {8: 1, 11: 2, 14: 1}  # starts by height at Re = 0.56
 REYNOLDS = {0.2: 1, 0.4: 2, 0.56: 2}  # starts by Re at H/D = 11
 FINE = (8, 9)  # heights of jets with 8 particles along D, one start
 
@@ -63,12 +64,13 @@ def places(q):
 
 
 def measure(run):
-    """Makes the runs; returns them by height, by Re at H/D = 11, and with finer particles by height."""
-    heights = {h: [run(line_of(6, h, 0.2, seed)) for seed in range(starts)] for h, starts in HEIGHTS.items()}
+    """Makes the runs; returns them by height at Re = 0.2 and 0.56, by Re at H/D = 11, and with finer particles by height."""
+    heights, fast = ({h: [run(line_of(6, h, re, seed)) for seed in range(starts)] for h, starts in rows.items()}
+                     for re, rows in ((0.2, HEIGHTS), (0.56, FAST)))
     speeds = {re: [run(line_of(6, 11, re, seed)) for seed in range(starts)] for re, starts in REYNOLDS.items()}
     fine = {h: run(line_of(8, h, 0.2, 0)) for h in FINE}
     run.save()
-    return heights, speeds, fine
+    return heights, fast, speeds, fine
 
 
 def sway(q):
@@ -104,7 +106,7 @@ def told_of(rows, name):
 
 def part(found):
     """Yields the part of the page on jets on plates."""
-    heights, speeds, fine = found
+    heights, fast, speeds, fine = found
     head = ["sways / D", "period", "stray", "volume", "repeated steps", "made"]
     yield (f"The floor is a plate of width {PLATE:g} D without slip, and fluid leaves over its edges: the heap keeps its height, and below the threshold the flow is steady. "
            "Jets begin as columns from slit to plate, disordered by 0.1 dx, with n = 6 particles along D. Sway: root mean square distance of the jet from its mean "
@@ -116,6 +118,9 @@ def part(found):
     yield "## Height, Re = 0.2\n"
     yield from table(["H/D", *head], [[f"{h}", *cells(runs)] for h, runs in heights.items()])
     yield "\n" + told_of(heights, "H/D") + " In experiments the threshold is about 10.\n"
+    yield "## Height, Re = 0.56\n"
+    yield from table(["H/D", *head], [[f"{h}", *cells(runs)] for h, runs in fast.items()])
+    yield "\n" + told_of(fast, "H/D") + "\n"
     yield "## Reynolds number, H/D = 11\n"
     yield from table(["Re", *head], [[f"{re}", *cells(runs)] for re, runs in speeds.items()])
     yield "\n" + told_of(speeds, "Re") + " In experiments it is 0.56.\n"
@@ -126,7 +131,7 @@ def part(found):
 
 def draw(axes, found):
     """Draws sways by height and by Reynolds number, and places of jets in the course of time."""
-    heights, speeds, fine = found
+    heights, _, speeds, fine = found
     for h, runs in heights.items():
         axes[0].plot([h] * len(runs), [sway(q) for q in runs], "o", color="#0072B2", mfc="none", ms=4, label="n = 6" if h == min(heights) else None)
     axes[0].plot(list(fine), [sway(q) for q in fine.values()], "^", color="black", mfc="none", ms=5, label="n = 8")
