@@ -199,6 +199,28 @@ static PetscErrorCode InsertEntrants(Flow *flow, Entrants *all)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Fails the step, and the run, if the particles have more volume than the box and no outflow. */
+static PetscErrorCode CheckRoom(Flow *flow)
+{
+  const Scene    *scene   = flow->scene;
+  const PetscReal volume  = flow->particles->N_fluid * SceneVolume(scene);
+  StepFailure    *failure = &flow->scheme->failure;
+  PetscReal       room    = 1.0;
+  char            where[CLOCK_WHERE];
+
+  PetscFunctionBegin;
+  if (SceneHasBoundary(scene, BOUNDARY_OUTFLOW)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < scene->dim; a++) room *= scene->hi[a] - scene->lo[a];
+  if (volume <= room * (1.0 + PETSC_SQRT_MACHINE_EPSILON)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ClockWhere(flow->clock, where));
+  FailureSet(failure, PETSC_ERR_USER_INPUT,
+             "%s: the box is full: the fluid that has entered has the volume %.4g, the box %.4g; "
+             "give -scene_outflow, a larger -scene_box or a smaller -t_end",
+             where, (double)volume, (double)room);
+  failure->fatal = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   OpeningsPass - Removes the particles that left the box in the present step, and inserts those that
   entered
@@ -207,6 +229,9 @@ static PetscErrorCode InsertEntrants(Flow *flow, Entrants *all)
 
   Output Parameter:
 . passed - particles left or entered, so that an epoch has started
+
+  Notes:
+  The step fails, and with it the run, if a box without an outflow is full.
 */
 PetscErrorCode OpeningsPass(Flow *flow, PetscBool *passed)
 {
@@ -230,5 +255,6 @@ PetscErrorCode OpeningsPass(Flow *flow, PetscBool *passed)
   o->volume_in += all.n * SceneVolume(flow->scene);
   *passed = left > 0.0 || all.n ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(PetscFree(all.entrant));
+  PetscCall(CheckRoom(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
