@@ -94,7 +94,7 @@ static PetscErrorCode SpectrumSparse(Mat A, Spectrum *spectrum)
   PetscCall(LoadSparse(&function));
   UserCheck(function,
             "-patch_spectrum: %" PetscInt_FMT
-            " rows need SLEPc, which this installation lacks; without it at most %d rows are allowed",
+            " rows need SLEPc, which is not installed; without it at most %d rows are allowed",
             N, SPECTRUM_DENSE);
   PetscCall(function(A, spectrum));
   PetscFunctionReturn(PETSC_SUCCESS);

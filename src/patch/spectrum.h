@@ -9,8 +9,8 @@ typedef struct {
   PetscReal eig_min, eig_max, condition;
 } Spectrum;
 
-/* SpectrumCondition - Returns the condition number of A from the least and the largest eigenvalue of
-   A^T A; not collective */
+/* SpectrumCondition - Returns the condition number of A from the least and the largest eigenvalue
+   of A^T A; not collective */
 static inline PetscReal SpectrumCondition(PetscReal least, PetscReal most)
 {
   return least > 0.0 ? PetscSqrtReal(most / least) : PETSC_INFINITY;
