@@ -90,6 +90,8 @@ PetscErrorCode SayLine(const char format[], ...) PETSC_ATTRIBUTE_FORMAT(1, 2);
 
 void PrepareMpi(void);
 
+PetscErrorCode PathBesideProgram(const char relative[], char path[PETSC_MAX_PATH_LEN]);
+
 /* Files that a run writes. */
 PetscBool      FileIsOrdinary(const char path[]);
 PetscBool      FileIsReadable(const char path[]);

@@ -57,17 +57,20 @@ static PetscErrorCode SpectrumDense(Mat A, Spectrum *spectrum)
 }
 
 #if defined(ISPH_SLEPC)
-/* Finds the function of the module, in the directories that the program names and in the
-   installation; NULL if a rank has no module. */
+/* Finds the function of the module: beside the program, as in a build tree, or in the installation;
+   NULL if a rank has no module. */
 static PetscErrorCode LoadSparse(SparseSpectrum **function)
 {
-  const char *const path[] = {ISPH_SLEPC, ISPH_SLEPC_INSTALL "/" ISPH_SLEPC};
+  char              beside[PETSC_MAX_PATH_LEN], relative[PETSC_MAX_PATH_LEN];
+  const char *const path[] = {beside, relative, ISPH_SLEPC_INSTALL "/" ISPH_SLEPC};
   void             *module = NULL;
   PetscMPIInt       found;
 
   PetscFunctionBegin;
+  PetscCall(PathBesideProgram(ISPH_SLEPC, beside));
+  PetscCall(PathBesideProgram(ISPH_SLEPC_RELATIVE "/" ISPH_SLEPC, relative));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(path) && !module; k++)
-    module = dlopen(path[k], RTLD_NOW | RTLD_LOCAL);
+    if (path[k][0]) module = dlopen(path[k], RTLD_NOW | RTLD_LOCAL);
   *function = module ? (SparseSpectrum *)dlsym(module, "SpectrumSlepc") : NULL;
   found     = *function ? 1 : 0;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &found, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD));
