@@ -19,7 +19,7 @@ typedef struct {
 
 /* A mode with the function F = a r^2 + b r^2 g(q r^2), r in units of R. */
 typedef struct {
-  PetscComplex q, a, b;
+  PetscComplex q, a, b; /* Scene.solution has them of mode 0, then of mode 1 */
 } Mode;
 
 /* Numbers of a dimension. */
@@ -132,6 +132,20 @@ static Mode FindMode(const Scene *scene, const Roots *roots, PetscInt k)
   return mode;
 }
 
+/* Computes the modes and stores them in the scene. */
+static void StoreModes(Scene *scene)
+{
+  const Roots roots = FindRoots(scene);
+
+  for (PetscInt k = 0; k < 2; k++) {
+    const Mode mode = FindMode(scene, &roots, k);
+
+    scene->solution[3 * k]     = mode.q;
+    scene->solution[3 * k + 1] = mode.a;
+    scene->solution[3 * k + 2] = mode.b;
+  }
+}
+
 static PetscErrorCode DropModeSetup(Scene *scene)
 {
   const PetscReal R = scene->length, centre[ISPH_MAX_DIM] = {0.0},
@@ -149,6 +163,7 @@ static PetscErrorCode DropModeSetup(Scene *scene)
   }
   SceneSetSides(scene, &BoundaryNone);
   BodyBall(scene, centre, R, SceneAddFilled(scene));
+  StoreModes(scene);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -168,7 +183,6 @@ static void DropModeExact(const Scene *scene, PetscReal t, const PetscReal x[], 
   const Dimension *d      = Numbers(scene);
   const PetscInt   dim    = scene->dim;
   const PetscReal  R      = scene->length;
-  const Roots      roots  = FindRoots(scene);
   PetscReal        radial = 0.0, along = 0.0, r = 0.0, n[ISPH_MAX_DIM], Y;
 
   for (PetscInt a = 0; a < dim; a++) r += PetscSqr(x[a]);
@@ -177,7 +191,8 @@ static void DropModeExact(const Scene *scene, PetscReal t, const PetscReal x[], 
   Y  = dim == 2 ? n[0] * n[0] - n[1] * n[1] : 1.5 * n[2] * n[2] - 0.5;
   *p = scene->outside + d->rest * scene->tension / R;
   for (PetscInt k = 0; k < 2; k++) {
-    const Mode         mode  = FindMode(scene, &roots, k);
+    const Mode         mode  = {scene->solution[3 * k], scene->solution[3 * k + 1],
+                                scene->solution[3 * k + 2]};
     const PetscComplex z     = mode.q * r * r;
     const PetscComplex decay = PetscExpComplex(-mode.q * scene->nu * t / (R * R));
     const PetscComplex both  = mode.a + mode.b * Radial(d, z);

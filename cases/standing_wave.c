@@ -45,7 +45,7 @@ static PetscComplex ModeResidual(PetscReal nu, PetscComplex sigma, Mode *mode)
 
 /* Computes the least damped mode by the secant method, from the rate of a thin fluid, and scales it
    to a flat surface at t = 0 and the crest CREST after it. */
-static Mode StandingWaveMode(const Scene *scene)
+static Mode FindMode(const Scene *scene)
 {
   const PetscReal k  = 2.0 * PETSC_PI;
   const PetscReal nu = PetscMax(scene->nu / (scene->speed * scene->length), 1e-9);
@@ -79,12 +79,24 @@ static Mode StandingWaveMode(const Scene *scene)
   return mode;
 }
 
+/* Returns the mode that StandingWaveSetup() has stored in the scene. */
+static Mode StandingWaveMode(const Scene *scene)
+{
+  const PetscComplex *s = scene->solution;
+
+  return (Mode){
+      .sigma = s[0], .m = s[1], .phi = {s[2], s[3]}, .psi = {s[4], s[5]}, .elevation = s[6]};
+}
+
 /* Sets the channel; refuses viscosities without waves, whose modes decay without a crest. */
 static PetscErrorCode StandingWaveSetup(Scene *scene)
 {
-  const Mode mode = StandingWaveMode(scene);
+  const Mode         mode    = FindMode(scene);
+  const PetscComplex store[] = {mode.sigma,  mode.m,      mode.phi[0],   mode.phi[1],
+                                mode.psi[0], mode.psi[1], mode.elevation};
 
   PetscFunctionBegin;
+  PetscCall(PetscArraycpy(scene->solution, store, SCENE_SOLUTION));
   scene->hi[0] = scene->length;
   scene->hi[1] = DEPTH * scene->length;
   SceneSetAxis(scene, 0, &BoundaryPeriodic);

@@ -7,6 +7,7 @@
     restart.py ranks ISPH...       a checkpoint of 2 ranks restarts on 1, 2 and 3 ranks with the same flow to 1e-10
     restart.py term ISPH           a run that gets SIGTERM leaves a checkpoint and the status interrupted; the
                                    restarted run has the same flow to 1e-4
+    restart.py status ISPH...      runs that get SIGINT, or SIGXCPU on 1 and 2 ranks, end with 128 plus its number
     restart.py damage ISPH         corrupted, truncated and foreign checkpoints are refused by a single line
     restart.py other ISPH          a run restarts with other -report_times and another -output
     restart.py probes ISPH         a probe file that cannot be continued ends the run and stays unchanged
@@ -179,13 +180,30 @@ def term(isph):
         time.sleep(0.01)
     process.send_signal(signal.SIGTERM)
     error = process.communicate()[1]
-    assert process.returncode > 0 and error.startswith("isph: interrupted by SIGTERM"), error
+    assert process.returncode == 128 + signal.SIGTERM and error.startswith("isph: interrupted by SIGTERM"), error
     assert {row[0] for row in report("r.csv")} == {"interrupted"}
     run([isph, *BASE, "-restart", "c.h5", "-report", "rest.csv"])
     for quantity in "u_min", "v_max", "v_min", "kinetic_energy":
         a, b = (number(report(path), quantity) for path in ("calm.csv", "rest.csv"))
         print(quantity, a, b)  # the epoch at the checkpoint changes the order of sums: differences of 1e-6 occur
         assert abs(a - b) < 1e-4 * abs(a)
+
+
+def status(*command):
+    """The status is the one that a shell gives to a program that the signal ends: POSIX, exit status of commands."""
+    flow = [*BASE, "-t_end", "3000", "-report", "r.csv", "-checkpoint", "c.h5"]
+    process = start([command[0], *flow, "-checkpoint_every", "0.1"])
+    while not os.path.exists("c.h5"):
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    assert process.communicate()[1].startswith("isph: interrupted by SIGINT"), "SIGINT"
+    assert process.returncode == 130, process.returncode
+    for n in 1, 2:
+        limited = ["sh", "-c", "ulimit -S -t 1; exec \"$0\" \"$@\"", command[0], *flow]
+        done = subprocess.run([*ranked(command, n)[:-1], *limited], capture_output=True, text=True, check=False)
+        assert "isph: interrupted by SIGXCPU" in done.stderr, done.stderr
+        assert done.returncode == 152, (n, done.returncode)
+        assert {row[0] for row in report("r.csv")} == {"interrupted"}
 
 
 def damage(isph):
@@ -329,8 +347,8 @@ def disk(isph):
 
 
 def main():
-    tests = {"kill": kill, "bitwise": bitwise, "ranks": ranks, "term": term, "damage": damage, "other": other,
-             "probes": probes, "particles": particles, "scene": scene, "disk": disk}
+    tests = {"kill": kill, "bitwise": bitwise, "ranks": ranks, "term": term, "status": status, "damage": damage,
+             "other": other, "probes": probes, "particles": particles, "scene": scene, "disk": disk}
     tests[sys.argv[1]](*sys.argv[2:])
 
 

@@ -70,6 +70,10 @@ void            AppendWord(char list[], size_t size, const char word[]);
 */
 #define UserCheck(condition, ...)                                                                  \
   PetscCheck(condition, PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT, __VA_ARGS__)
+/* Error code of a run that a signal interrupted, 128 plus its number; also its exit status, as of a
+   program that the signal ends in a shell. */
+#define ERROR_INTERRUPTED(signal) ((PetscErrorCode)(128 + (signal)))
+
 /* State of the error handler for ErrorsExit(). */
 typedef struct {
   PetscBool of_one_rank; /* a single rank met an error that all ranks normally detect together */
@@ -85,6 +89,8 @@ PetscErrorCode FirstRankDecides(PetscBool *verdict);
 PetscErrorCode SayLine(const char format[], ...) PETSC_ATTRIBUTE_FORMAT(1, 2);
 
 void PrepareMpi(void);
+
+PetscErrorCode PathBesideProgram(const char relative[], char path[PETSC_MAX_PATH_LEN]);
 
 /* Files that a run writes. */
 PetscBool      FileIsOrdinary(const char path[]);

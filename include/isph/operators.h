@@ -133,6 +133,7 @@ typedef struct {
   PetscReal *kind;      /* SurfaceKind of fluid particles, a whole number */
   PetscReal *normal;    /* out of the fluid, at [i dim + a]; zero inside */
   PetscReal *curvature; /* sum of the principal curvatures, own particles [1/m] */
+  PetscBool  has_rough; /* FreeSurfaceIsRough() for a fluid particle of any rank */
   PetscReal  tension;   /* surface tension; 0: none [N/m] */
 } FreeSurface;
 

@@ -202,6 +202,8 @@ typedef struct {
   PetscReal  even[SCENE_MAX_BOUNDARIES]; /* spacing on a side in 3D; 0: it differs there [m] */
 } Grading;
 
+#define SCENE_SOLUTION 7 /* largest number of numbers of an exact solution */
+
 struct Scene {
   const CaseRow   *problem;
   const MotionRow *motion;  /* NULL: no convection */
@@ -245,7 +247,10 @@ struct Scene {
   PetscReal  jitter;         /* largest random displacement at the start [dx] */
   PetscInt   seed;           /* of the jitter, of the first shift, of random fields */
   PetscReal  solid_fraction; /* of an array of bodies [-] */
-  PetscReal  margin;         /* of a patch test: omitted at each side [dx] */
+  /* numbers of an exact solution that do not depend on place and time; the case computes them in
+     its Setup */
+  PetscComplex solution[SCENE_SOLUTION];
+  PetscReal    margin; /* of a patch test: omitted at each side [dx] */
 };
 
 extern const Table       CaseTable; /* cases/cases.c */

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Returns true if an error code means wrong input, a file error or a diverged solve. */
+/* Returns true if an error code means wrong input, a file error, a diverged solve or a signal. */
 static PetscBool ErrorIsUsers(PetscErrorCode code)
 {
   switch (code) {
@@ -28,7 +28,7 @@ static PetscBool ErrorIsUsers(PetscErrorCode code)
   case PETSC_ERR_MEM:
     return PETSC_TRUE;
   default:
-    return PETSC_FALSE;
+    return code > ERROR_INTERRUPTED(0) ? PETSC_TRUE : PETSC_FALSE;
   }
 }
 

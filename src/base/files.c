@@ -1,6 +1,6 @@
 /*
-  Files that a run writes. Only regular files are written or replaced: a device, a folder or a
-  symbolic link in the place of a file would be lost.
+  Files that a run writes, and the place of the program. Only regular files are written or replaced:
+  a device, a folder or a symbolic link in the place of a file would be lost.
 */
 #include "isph/base.h"
 #include <fcntl.h>
@@ -85,5 +85,22 @@ PetscErrorCode ViewerCheck(PetscViewer viewer, const char option[])
   PetscCall(FirstRankDecides(&good));
   PetscCheck(good, PETSC_COMM_WORLD, PETSC_ERR_FILE_WRITE,
              "%s: the file cannot be written, or the disk is full", option);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* PathBesideProgram - Makes the path of a file from its place relative to the directory of the
+   running program; "" if this directory is unknown; not collective */
+PetscErrorCode PathBesideProgram(const char relative[], char path[PETSC_MAX_PATH_LEN])
+{
+  char          program[PETSC_MAX_PATH_LEN], *slash;
+  const ssize_t length = readlink("/proc/self/exe", program, sizeof(program) - 1);
+
+  PetscFunctionBegin;
+  path[0]                          = '\0';
+  program[length > 0 ? length : 0] = '\0';
+  PetscCall(PetscStrrchr(program, '/', &slash));
+  if (slash == program) PetscFunctionReturn(PETSC_SUCCESS);
+  *slash = '\0'; /* PetscStrrchr() points behind the last '/' */
+  PetscCall(PetscSNPrintf(path, PETSC_MAX_PATH_LEN, "%s%s", program, relative));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

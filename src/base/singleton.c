@@ -27,7 +27,18 @@ static const char *const settings[][2] = {
     {"OMPI_MCA_ess_singleton_isolated", "1"}, /* no daemon, which only MPI_Comm_spawn() uses */
     {"OMPI_MCA_pml", "ob1"},
     {"OMPI_MCA_btl", "self"},
-    {"OMPI_MCA_coll", "^tuned,han,adapt,sm,monitoring,sync"}, /* algorithms of several ranks */
+    /* Parts for several ranks, shared memory, daemons and launchers. Loading them takes 3 ms. */
+    {"OMPI_MCA_coll", "^tuned,han,adapt,sm,monitoring,sync,inter"},
+    {"OMPI_MCA_osc", "^ucx,pt2pt,monitoring"},
+    {"OMPI_MCA_op", "^avx"},
+    {"OMPI_MCA_mpool", "^hugepage"},
+    {"OMPI_MCA_rcache", "^grdma"},
+    {"OMPI_MCA_shmem", "^posix,sysv"},
+    {"OMPI_MCA_reachable", "^netlink"},
+    {"OMPI_MCA_state", "^orted,hnp,novm,tool"},
+    {"OMPI_MCA_errmgr", "^default_tool,default_orted,default_hnp"},
+    {"OMPI_MCA_schizo", "^slurm,jsm,flux"},
+    /* hwloc */
     {"HWLOC_COMPONENTS", "no_os,stop"},  /* no search for the parts of the computer */
     {"HWLOC_PLUGINS_PATH", "/dev/null"}, /* nor for the programs that search for them */
 };

@@ -4,24 +4,6 @@
 */
 #include "isph/io.h"
 #include <stdlib.h>
-#include <unistd.h>
-
-/* Finds the directory of the reference data installed beside the running program; "" if it is
-   unknown. */
-static PetscErrorCode ProgramData(char directory[PETSC_MAX_PATH_LEN])
-{
-  char          program[PETSC_MAX_PATH_LEN], *slash;
-  const ssize_t length = readlink("/proc/self/exe", program, sizeof(program) - 1);
-
-  PetscFunctionBegin;
-  directory[0]                     = '\0';
-  program[length > 0 ? length : 0] = '\0';
-  PetscCall(PetscStrrchr(program, '/', &slash));
-  if (slash == program) PetscFunctionReturn(PETSC_SUCCESS);
-  *slash = '\0'; /* PetscStrrchr() points behind the last '/' */
-  PetscCall(PetscSNPrintf(directory, PETSC_MAX_PATH_LEN, "%s%s", program, ISPH_DATA_RELATIVE));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /*
   Opens a file of the reference data. The environment variable ISPH_DATA names the directory. If it
@@ -36,7 +18,7 @@ static PetscErrorCode ReferenceDataOpen(const char file[], FILE **stream)
 
   PetscFunctionBegin;
   *stream = NULL;
-  PetscCall(ProgramData(beside));
+  PetscCall(PathBesideProgram(ISPH_DATA_RELATIVE, beside));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(directory) && !*stream; k++) {
     char path[PETSC_MAX_PATH_LEN];
 

@@ -48,20 +48,60 @@ static PetscBool HasCell(const FreeSurface *free, PetscInt j)
   return free->kind[j] != SURFACE_ISOLATED ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Returns true if own particle i is the nearest to a point at the distance X from it. */
-static PetscBool IsNearest(const Flow *flow, PetscInt i, const PetscReal X[], PetscReal r2)
+/* Returns true if neighbour q of own particle i has a cell. */
+static PetscBool NeighbourHasCell(const Flow *flow, PetscInt q)
 {
-  const Particles *p   = flow->particles;
-  const Neighbors *nb  = flow->neighbors;
-  const PetscReal  tie = TIE * PetscSqr(flow->scene->dx);
+  const PetscInt j = flow->neighbors->col[q];
+
+  return !ParticlesIsWall(flow->particles, j) && HasCell(flow->ops->free, j) ? PETSC_TRUE
+                                                                             : PETSC_FALSE;
+}
+
+/* Returns the square of half the distance of own particle i to the nearest particle with a cell:
+   nearer points belong to i [m^2]. */
+static PetscReal OwnReach2(const Flow *flow, PetscInt i)
+{
+  const Particles *p     = flow->particles;
+  const Neighbors *nb    = flow->neighbors;
+  const PetscReal  tie   = TIE * PetscSqr(flow->scene->dx);
+  PetscReal        least = PETSC_INFINITY;
 
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
-    const PetscInt j  = nb->col[q];
-    PetscReal      d2 = 0.0;
+    PetscReal d2 = 0.0;
 
-    if (ParticlesIsWall(p, j) || !HasCell(flow->ops->free, j)) continue;
-    for (PetscInt a = 0; a < p->dim; a++) d2 += PetscSqr(p->x[a][i] + X[a] - p->x[a][j]);
-    if (d2 < r2 - tie || (d2 < r2 + tie && p->id[j] < p->id[i])) return PETSC_FALSE;
+    if (!NeighbourHasCell(flow, q)) continue;
+    for (PetscInt a = 0; a < p->dim; a++) d2 += PetscSqr(p->x[a][i] - p->x[a][nb->col[q]]);
+    least = PetscMin(least, d2);
+  }
+  return least > tie ? least * PetscSqr(0.5 - 0.5 * tie / least) : 0.0; /* (d^2 - tie)/(2 d) */
+}
+
+/* Returns true if a point at the distance X from own particle i is nearer to neighbour q. */
+static PetscBool IsNearer(const Flow *flow, PetscInt i, const PetscReal X[], PetscReal r2,
+                          PetscInt q)
+{
+  const Particles *p   = flow->particles;
+  const PetscInt   j   = flow->neighbors->col[q];
+  const PetscReal  tie = TIE * PetscSqr(flow->scene->dx);
+  PetscReal        d2  = 0.0;
+
+  if (!NeighbourHasCell(flow, q)) return PETSC_FALSE;
+  for (PetscInt a = 0; a < p->dim; a++) d2 += PetscSqr(p->x[a][i] + X[a] - p->x[a][j]);
+  return d2 < r2 - tie || (d2 < r2 + tie && p->id[j] < p->id[i]) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Returns true if own particle i is the nearest to a point at the distance X from it. Input and
+   output: nearer - the last neighbour nearer to a point, which mostly is nearer to the next too. */
+static PetscBool IsNearest(const Flow *flow, PetscInt i, const PetscReal X[], PetscReal r2,
+                           PetscInt *nearer)
+{
+  const Neighbors *nb = flow->neighbors;
+
+  if (*nearer < nb->row[i + 1] && IsNearer(flow, i, X, r2, *nearer)) return PETSC_FALSE;
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    if (!IsNearer(flow, i, X, r2, q)) continue;
+    *nearer = q;
+    return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }
@@ -94,8 +134,9 @@ static PetscReal CellVolume(const Flow *flow, PetscInt i)
   const Scene     *scene = flow->scene;
   const Particles *p     = flow->particles;
   const PetscReal  reach = PetscMin(REACH * scene->dx, 0.5 * flow->ops->forms.radius);
+  const PetscReal  own2  = OwnReach2(flow, i);
   PetscReal        sum   = 0.0;
-  PetscInt         n     = 1;
+  PetscInt         n = 1, nearer = flow->neighbors->row[i];
   PointGrid        grid;
 
   if (!HasCell(flow->ops->free, i)) return p->volume[i];
@@ -112,7 +153,7 @@ static PetscReal CellVolume(const Flow *flow, PetscInt i)
     }
     if (r2 > PetscSqr(reach)) continue;
     part = PartInside(flow, i, X, grid.step[0]);
-    if (part > 0.0 && IsNearest(flow, i, X, r2)) sum += part;
+    if (part > 0.0 && (r2 < own2 || IsNearest(flow, i, X, r2, &nearer))) sum += part;
   }
   return sum * grid.volume;
 }

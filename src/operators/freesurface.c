@@ -301,6 +301,19 @@ static PetscErrorCode Sort(const Scene *scene, const Particles *p, const Neighbo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Finds out if a particle of any rank is rough: steps without any exchange no velocities for their
+   pair forces. */
+static PetscErrorCode FindRough(const Particles *p, FreeSurface *free)
+{
+  PetscMPIInt rough = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < p->n_fluid && !rough; i++) rough = FreeSurfaceIsRough(free, i);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &rough, 1, MPI_INT, MPI_MAX, p->comm));
+  free->has_rough = rough ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   FreeSurfaceFind - Finds the particles on free surfaces, their normals and curvatures
 
@@ -343,6 +356,7 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
     PetscCall(Exchange(p, free));
   }
   PetscCall(Sort(scene, p, nb, forms, fits.depth, free));
+  PetscCall(FindRough(p, free));
   if (free->tension > 0.0) PetscCall(SurfaceAverageCurvature(scene, p, nb, forms, free));
   PetscCall(PetscFree2(fits.normal, fits.depth));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -4,16 +4,10 @@
   eigenvalues of large matrices.
 */
 #include "isph/patch.h"
-#if defined(ISPH_HAVE_SLEPC)
-#include <slepceps.h>
-#endif
+#include "spectrum.h"
+#include <dlfcn.h>
 
 #define SPECTRUM_DENSE 1000 /* largest number of rows for LAPACK */
-
-/* Real parts of the extreme eigenvalues, and the ratio of the extreme singular values. */
-typedef struct {
-  PetscReal eig_min, eig_max, condition;
-} Spectrum;
 
 /* Computes the least and the largest real part of the eigenvalues of a sequential matrix. */
 static PetscErrorCode AllEigenvalues(Mat A, PetscReal *least, PetscReal *most)
@@ -43,12 +37,6 @@ static PetscErrorCode AllEigenvalues(Mat A, PetscReal *least, PetscReal *most)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the condition number of A from the least and the largest eigenvalue of A^T A. */
-static PetscReal Condition(PetscReal least, PetscReal most)
-{
-  return least > 0.0 ? PetscSqrtReal(most / least) : PETSC_INFINITY;
-}
-
 /* Computes the spectrum by LAPACK, redundantly on every rank. */
 static PetscErrorCode SpectrumDense(Mat A, Spectrum *spectrum)
 {
@@ -62,99 +50,58 @@ static PetscErrorCode SpectrumDense(Mat A, Spectrum *spectrum)
   PetscCall(AllEigenvalues(whole, &spectrum->eig_min, &spectrum->eig_max));
   PetscCall(MatTransposeMatMult(whole, whole, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &square));
   PetscCall(AllEigenvalues(square, &least, &most));
-  spectrum->condition = Condition(least, most);
+  spectrum->condition = SpectrumCondition(least, most);
   PetscCall(MatDestroy(&square));
   PetscCall(MatDestroy(&whole));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#if defined(ISPH_HAVE_SLEPC)
-/* Chooses shift and invert; its LU is redundant on every rank if this PETSc lacks a parallel LU. */
-static PetscErrorCode ShiftAndInvert(EPS eps, Mat A)
+#if defined(ISPH_SLEPC)
+/* Finds the function of the module: beside the program, as in a build tree, or in the installation;
+   NULL if a rank has no module. */
+static PetscErrorCode LoadSparse(SparseSpectrum **function)
 {
-  PetscBool parallel;
-  ST        st;
-  KSP       ksp;
-  PC        pc;
+  char              beside[PETSC_MAX_PATH_LEN], relative[PETSC_MAX_PATH_LEN];
+  const char *const path[] = {beside, relative, ISPH_SLEPC_INSTALL "/" ISPH_SLEPC};
+  void             *module = NULL;
+  PetscMPIInt       found;
 
   PetscFunctionBegin;
-  PetscCall(EPSGetST(eps, &st));
-  PetscCall(STSetType(st, STSINVERT));
-  PetscCall(MatGetFactorAvailable(A, NULL, MAT_FACTOR_LU, &parallel));
-  if (!parallel) {
-    PetscCall(STGetKSP(st, &ksp));
-    PetscCall(KSPSetType(ksp, KSPPREONLY));
-    PetscCall(KSPGetPC(ksp, &pc));
-    PetscCall(PCSetType(pc, PCREDUNDANT));
-  }
+  PetscCall(PathBesideProgram(ISPH_SLEPC, beside));
+  PetscCall(PathBesideProgram(ISPH_SLEPC_RELATIVE "/" ISPH_SLEPC, relative));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(path) && !module; k++)
+    if (path[k][0]) module = dlopen(path[k], RTLD_NOW | RTLD_LOCAL);
+  *function = module ? (SparseSpectrum *)dlsym(module, "SpectrumSlepc") : NULL;
+  found     = *function ? 1 : 0;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &found, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD));
+  if (!found) *function = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-/* Computes an extreme eigenvalue: the eigenvalue nearest to 0 by shift and invert, any other by
-   Krylov-Schur alone. */
-static PetscErrorCode Extreme(Mat A, EPSProblemType type, EPSWhich which, PetscReal *value)
+#else
+static PetscErrorCode LoadSparse(SparseSpectrum **function)
 {
-  const PetscBool inner = which == EPS_TARGET_MAGNITUDE ? PETSC_TRUE : PETSC_FALSE;
-  EPS             eps;
-  PetscScalar     re, im;
-  PetscInt        found;
-
   PetscFunctionBegin;
-  PetscCall(EPSCreate(PetscObjectComm((PetscObject)A), &eps));
-  PetscCall(EPSSetOptionsPrefix(eps, "patch_"));
-  PetscCall(EPSSetOperators(eps, A, NULL));
-  PetscCall(EPSSetProblemType(eps, type));
-  PetscCall(EPSSetDimensions(eps, 1, inner ? PETSC_DETERMINE : 60, PETSC_DETERMINE));
-  PetscCall(EPSSetTolerances(eps, 1e-8, 20000));
-  PetscCall(EPSSetWhichEigenpairs(eps, which));
-  if (inner) {
-    PetscCall(EPSSetTarget(eps, 0.0));
-    PetscCall(ShiftAndInvert(eps, A));
-  }
-  PetscCall(EPSSetFromOptions(eps));
-  PetscCall(EPSSolve(eps));
-  PetscCall(EPSGetConverged(eps, &found));
-  PetscCheck(found > 0, PETSC_COMM_WORLD, PETSC_ERR_NOT_CONVERGED,
-             "patch test: the eigenvalue solver did not converge; try a smaller -n, or "
-             "-patch_eps_max_it and -patch_eps_ncv larger");
-  PetscCall(EPSGetEigenvalue(eps, 0, &re, &im));
-  *value = re;
-  PetscCall(EPSDestroy(&eps));
+  *function = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+#endif
 
 /* Computes extreme eigenvalues by SLEPc. */
 static PetscErrorCode SpectrumSparse(Mat A, Spectrum *spectrum)
 {
-  Mat       square;
-  PetscReal least, most;
-
-  PetscFunctionBegin;
-  PetscCall(SlepcInitializeNoArguments());
-  PetscCall(Extreme(A, EPS_NHEP, EPS_SMALLEST_REAL, &spectrum->eig_min));
-  PetscCall(Extreme(A, EPS_NHEP, EPS_LARGEST_REAL, &spectrum->eig_max));
-  PetscCall(MatTransposeMatMult(A, A, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &square));
-  PetscCall(Extreme(square, EPS_HEP, EPS_TARGET_MAGNITUDE, &least));
-  PetscCall(Extreme(square, EPS_HEP, EPS_LARGEST_REAL, &most));
-  PetscCall(MatDestroy(&square));
-  spectrum->condition = Condition(least, most);
-  PetscCall(SlepcFinalize());
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-#else
-static PetscErrorCode SpectrumSparse(Mat A, Spectrum *spectrum)
-{
-  PetscInt N;
+  SparseSpectrum *function;
+  PetscInt        N;
 
   PetscFunctionBegin;
   PetscCall(MatGetSize(A, &N, NULL));
-  UserCheck(PETSC_FALSE,
+  PetscCall(LoadSparse(&function));
+  UserCheck(function,
             "-patch_spectrum: %" PetscInt_FMT
-            " rows need SLEPc, which this build lacks; without it at most %d rows are allowed",
+            " rows need SLEPc, which is not installed; without it at most %d rows are allowed",
             N, SPECTRUM_DENSE);
+  PetscCall(function(A, spectrum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-#endif
 
 /*
   PatchSpectrum - Reports eigenvalues and condition number of -L dx^2 over the box, L: Laplacian

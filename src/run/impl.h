@@ -40,6 +40,7 @@ PetscErrorCode RunCheckOutputs(const Run *run);
 
 /* interrupt.c */
 PetscErrorCode InterruptInstall(void);
-PetscErrorCode InterruptCheck(const char **signal);
+PetscErrorCode InterruptCheck(PetscMPIInt *signal);
+const char    *InterruptName(PetscMPIInt signal);
 
 #endif

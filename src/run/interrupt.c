@@ -23,14 +23,18 @@ PetscErrorCode InterruptInstall(void)
 /*
   InterruptCheck - Checks if a signal has reached any rank
 
-  Collective on PETSC_COMM_WORLD. Output: signal - its name, NULL for none.
+  Collective on PETSC_COMM_WORLD. Output: signal - its number, 0 for none.
 */
-PetscErrorCode InterruptCheck(const char **signal)
+PetscErrorCode InterruptCheck(PetscMPIInt *signal)
 {
-  PetscInt most = (PetscInt)caught;
-
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_INT, MPI_MAX, PETSC_COMM_WORLD));
-  *signal = most == 0 ? NULL : most == SIGTERM ? "SIGTERM" : most == SIGINT ? "SIGINT" : "SIGXCPU";
+  *signal = (PetscMPIInt)caught;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, signal, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* InterruptName - Returns the name of a signal that InterruptCheck() found; not collective */
+const char *InterruptName(PetscMPIInt signal)
+{
+  return signal == SIGTERM ? "SIGTERM" : signal == SIGINT ? "SIGINT" : "SIGXCPU";
 }

@@ -236,15 +236,15 @@ static PetscErrorCode RunBetweenSteps(Run *run, PetscBool over)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Runs the time loop. Output: signal - the signal that stopped it early, or NULL. */
-static PetscErrorCode RunSolve(Run *run, const char **signal)
+/* Runs the time loop. Output: signal - the signal that stopped it early, or 0. */
+static PetscErrorCode RunSolve(Run *run, PetscMPIInt *signal)
 {
   Clock    *clock = run->flow.clock;
   PetscInt  first = clock->step;
   PetscBool over;
 
   PetscFunctionBegin;
-  *signal = NULL;
+  *signal = 0;
   PetscCall(RunIsOver(run, &over));
   if (!over) PetscCall(RunMeasureDue(run)); /* a restarted run may begin at a report time */
   while (!over && !*signal) {
@@ -349,7 +349,7 @@ static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measure
 /* Prints the banner, runs the time loop, and reports. */
 static PetscErrorCode RunSolveAndReport(Run *run)
 {
-  const char    *signal;
+  PetscMPIInt    signal;
   PetscErrorCode failed;
 
   PetscFunctionBegin;
@@ -363,9 +363,9 @@ static PetscErrorCode RunSolveAndReport(Run *run)
     PetscCall(RunReport(run, "diverged", PETSC_FALSE));
   PetscCall(failed);
   PetscCall(RunReport(run, signal ? "interrupted" : "ok", PETSC_TRUE));
-  UserCheck(!signal,
-            "interrupted by %s at t = %.6g (step %" PetscInt_FMT "); all files are complete",
-            signal, (double)run->flow.clock->t, run->flow.clock->step);
+  PetscCheck(!signal, PETSC_COMM_WORLD, ERROR_INTERRUPTED(signal),
+             "interrupted by %s at t = %.6g (step %" PetscInt_FMT "); all files are complete",
+             InterruptName(signal), (double)run->flow.clock->t, run->flow.clock->step);
   PetscCall(ReportCheck(run->report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

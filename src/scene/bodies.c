@@ -131,6 +131,7 @@ static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscR
                               PetscReal y[ISPH_MAX_DIM], PetscReal normal[])
 {
   PetscReal base[ISPH_MAX_DIM] = {0.0}, step[ISPH_MAX_DIM] = {0.0}, best = PETSC_INFINITY;
+  PetscInt  periodic = 0; /* bits of the axes along which there are images */
 
   for (PetscInt a = 0; a < scene->dim; a++) {
     const PetscReal period = scene->hi[a] - scene->lo[a];
@@ -142,16 +143,13 @@ static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscR
     middle = 0.5 * (span[0] + span[1]);
     base[a] -= period * PetscFloorReal((x[a] - middle) / period + 0.5);
     step[a] = base[a] > middle ? -period : period; /* to the image on the other side of x */
+    periodic |= 1 << a;
   }
   for (PetscInt image = 0; image < 1 << scene->dim; image++) {
     PetscReal z[ISPH_MAX_DIM], distance, n[ISPH_MAX_DIM] = {0.0};
-    PetscBool there = PETSC_TRUE;
 
-    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
-      z[a] = base[a] + (image >> a & 1) * step[a];
-      if (image >> a & 1 && step[a] == 0.0) there = PETSC_FALSE;
-    }
-    if (!there) continue;
+    if (image & ~periodic) continue;
+    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) z[a] = base[a] + (image >> a & 1) * step[a];
     distance = body->shape->Distance(body, z, n);
     if (distance >= best) continue;
     best = distance;

@@ -87,12 +87,12 @@ static PetscReal PairSquare(const Operators *ops, PetscInt dim, const PetscReal 
 static PetscErrorCode SumSquares(const Flow *flow, const Vec u[],
                                  const PetscScalar *gradient[][ISPH_MAX_DIM], PetscReal *sum)
 {
-  const Particles *p = flow->particles;
-  PetscReal       *all;
+  const Particles *p   = flow->particles;
+  PetscReal       *all = NULL;
 
   PetscFunctionBegin;
   *sum = 0.0;
-  PetscCall(FlowAllVelocities(flow, u, &all));
+  if (flow->ops->free->has_rough) PetscCall(FlowAllVelocities(flow, u, &all));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     const PetscReal square = FreeSurfaceIsRough(flow->ops->free, i)
                                  ? PairSquare(flow->ops, p->dim, all, i)

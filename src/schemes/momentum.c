@@ -39,6 +39,12 @@ static PetscInt SetModes(const Scene *scene, const PetscReal x[], PetscReal psi[
   return n;
 }
 
+/* Adds weight psi_q to n sums. */
+static ISPH_WIDE void AddModes(PetscInt n, PetscReal weight, const PetscReal psi[], PetscReal sum[])
+{
+  for (PetscInt q = 0; q < n; q++) sum[q] += weight * psi[q];
+}
+
 /*
   FlowMeanVelocity - Computes the mean of a velocity over a periodic box [m/s]
 
@@ -68,12 +74,9 @@ PetscErrorCode FlowMeanVelocity(const Flow *flow, const Vec u[], PetscReal mean[
 
     for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
     SetModes(scene, x, psi);
-    for (PetscInt q = 0; q < n; q++) sum[q] += weight * psi[q];
-    for (PetscInt a = 0; a < scene->dim; a++) {
-      const PetscReal weighted = weight * value[a][i];
-
-      for (PetscInt q = 0; q < n; q++) sum[(1 + a) * TERMS + q] += weighted * psi[q];
-    }
+    AddModes(n, weight, psi, sum);
+    for (PetscInt a = 0; a < scene->dim; a++)
+      AddModes(n, weight * PetscRealPart(value[a][i]), psi, &sum[(1 + a) * TERMS]);
   }
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(u[a], &value[a]));
   PetscCallMPI(
