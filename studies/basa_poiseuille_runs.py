@@ -23,7 +23,7 @@ OWN = {
 }
 OWN_REYNOLDS = (0.1, 1, 10, 100, 1000, 10000)
 SEEDS = (1, 2, 3)
-SEEDED = {"projection": (1, 100, 10000), "wcsph": (1, 100)}  # Re with runs of all seeds
+SEEDED = {"projection": (0.1, 1, 10, 100, 1000, 10000), "projection, short steps": (0.1, 1), "wcsph": (1, 100)}  # Re with all seeds
 RAW = "EAD"  # models with runs without pressure reduction
 READINGS = {  # readings of the paper's settings, model E without correction, Re = 0.5
     "as in all runs": "",
