@@ -181,12 +181,12 @@ system). The first two rows agree with `-scheme wcsph` now and before to two dig
 thick as for other models; its Fig. 3 has stresses of wall particles. Eq. (29) without differences is the same on a
 lattice. Gradients of first order change the first row little: 15, 6.3 and 2.5 % at t* = 0.1, 0.31 and 1.
 """
-OWN_READING = """**Below 1 %?** From t* = 1 to 30 `-scheme projection` stays below 0.3 % at Re = 1 to 1000 (three seeds at Re = 1 and 100), and ends
-below 0.007 %. At Re = 10,000 its error is 0.16 % at t* = 1, grows to 0.22 % at t* = 11 and stays there: seed 1 to t* = 30, seeds 2 and 3
-to t* = 16, where they were ended. The worst error of the three after t* = 0.9 is 0.23 %.
+OWN_READING = """**Below 1 %?** From t* = 1 to 30 `-scheme projection` stays below 0.25 % at Re = 1 to 1000 (three seeds), and ends
+below 0.007 %. At Re = 10,000 its error is 0.16 % at t* = 1, grows to 0.22 % at t* = 11 and stays there to t* = 30. The worst error of
+three seeds after t* = 0.9 is 0.23 %.
 Before the velocity filter damped disturbances across a shear ([theory, (255)](../theory.md#eq-255)), waves of four spacings made it
 1.0 % from t* = 8 on. At Re = 0.1 its error is 1.6 % near t* = 2, because a step of CFL number 0.5 is t* =
-1.2 long; in steps of t* = 0.05 it is 0.15 %. At t* = 0.01 every scheme errs by 2 to 6 %, because the layers beside the walls are
+1.2 long; in steps of t* = 0.05 it is 0.2 %. At t* = 0.01 every scheme errs by 2 to 6 %, because the layers beside the walls are
 thinner than two particles. `-scheme wcsph` comes below 0.4 % at Re = 1 to 100; at Re = 0.1 it has 1.4 % at t* =
 1, because particles hardly move and remain disordered, and 0.24 % at the end. Its steps by sound end the runs at Re = 1000
 and 10,000 before t* = 1. The form `morris` in the projection does not get below 1.6 %: on disordered particles
