@@ -70,7 +70,7 @@ PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[])
 }
 
 /*
-  AmgSmoothByFactors - Smooths the finest level of BoomerAMG by an incomplete factorisation (Euclid),
+  AmgSmoothByFactors - Smooths the finest level of BoomerAMG by incomplete factors (Euclid),
   unless options say otherwise
 
   Collective on PETSC_COMM_WORLD. Notes: for rows that sweeps do not smooth, such as the stress-free
