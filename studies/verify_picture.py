@@ -134,7 +134,7 @@ def draw(path, case, sweeps, isph, rounding):
     columns = 2 if cells == 4 else min(3, cells)
     above = -(-cells // columns)
     key = 0.35 if case.drawn else 0.01  # height of the legend, in panels
-    figure = plt.figure(figsize=(9.6 if cells > 1 else 4.8, 3.2 * (above + key)), layout="constrained")
+    figure = plt.figure(figsize=(9.6 if cells > 1 else 7.2, 3.2 * (above + key)), layout="constrained")
     grid = figure.add_gridspec(above + 1, columns, height_ratios=[1] * above + [key])
     for k, panel in enumerate(case.panels):
         axes = figure.add_subplot(grid[k // columns, k % columns])
