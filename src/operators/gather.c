@@ -55,6 +55,23 @@ static PetscInt ListTouching(const Scene *scene, const Particles *p, const Neigh
   return n;
 }
 
+/* Returns true if walls hold the fluid of particle i as a hinge: fewer wall particles within the
+   support than dimensions are in contact, and others there are not. */
+static PetscBool IsHinged(const Scene *scene, const Particles *p, const Neighbors *nb, PetscInt i,
+                          const Stencil *st)
+{
+  if (st->n_wall == 0 || st->n_wall >= st->dim) return PETSC_FALSE;
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    const PetscInt j  = nb->col[q];
+    PetscReal      r2 = 0.0;
+
+    if (!ParticlesIsWall(p, j)) continue;
+    for (PetscInt a = 0; a < st->dim; a++) r2 += PetscSqr(p->x[a][j] - p->x[a][i]);
+    if (r2 < PetscSqr(st->radius) && !FreeSurfaceTouches(scene, p, nb, i, j)) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
 /* Keeps the candidates that are closer than the radius: their indices in j, places relative to x in
    X, squares of distances in r; returns their number. j may be the candidates. Inlined for each
    dimension, with pointers that the compiler can keep in registers. */
@@ -146,6 +163,7 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
     if (!BoundaryIs(scene, st->side[k], BOUNDARY_NO_SLIP)) st->slips = PETSC_TRUE;
   }
   GatherSurface(free, st);
+  st->hinged = free ? IsHinged(scene, p, nb, i, st) : PETSC_FALSE;
   KernelEvaluateAll(ops->forms.kernel, d, st->h, LanesPadded(n), st->r, st->W, st->dW, st->ddW);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -230,6 +230,10 @@ PetscErrorCode LaplacianRow_SurfaceMls(Stencil *st, PetscReal w[])
     PetscCall(LaplacianRow_PairwiseStress(st, w));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  if (st->hinged) {
+    PetscCall(PairRow(st, w));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (st->near_surface || st->slips) {
     if (FittedRow(st, 1.0, w)) PetscFunctionReturn(PETSC_SUCCESS);
   } else {
