@@ -89,6 +89,38 @@ static void test_start(void **state)
   for (PetscInt k = 0; k < 4; k++) ASSERT_OK(VecDestroy(all[k]));
 }
 
+/* Formulas that are blended with order 1 are exact for linear velocities at the end of a step, and
+   for constant ones along a path; a whole jump leaves u^n alone. */
+static void test_jump(void **state)
+{
+  const PetscReal shares[] = {0.3, 1.0};
+  Scene           scene    = {.dim = 1};
+  FlowState       s        = {.epoch = 0};
+  Vec            *all[]    = {&s.u[0], &s.u_prev[0], &s.u_before[0], &s.u_next[0]};
+
+  (void)state;
+  for (PetscInt k = 0; k < 4; k++) ASSERT_OK(VecCreateSeq(PETSC_COMM_SELF, 1, all[k]));
+  for (PetscInt k = 0; k < 12; k++) {
+    Clock     clock = ClockOf(2 + k % 2, steps[k / 4]);
+    Flow      flow  = {.scene = &scene, .clock = &clock, .state = &s};
+    PetscReal dt, start, weight[HISTORY];
+
+    clock.jump = shares[k / 2 % 2];
+    HistoryPath(&clock, weight);
+    assert_true(PetscAbsReal(weight[0] + weight[1] + weight[2] - 1.0) < 1e-12);
+    for (PetscInt m = 0; m < 2; m++) {
+      SetPower(&clock, m, &s);
+      ASSERT_OK(HistoryStart(&flow, PETSC_TRUE, &dt));
+      ASSERT_OK(VecSum(s.u_next[0], &start));
+      assert_true(PetscAbsReal((m ? now + clock.dt - dt : 1.0) - start) < 1e-12);
+    }
+    if (clock.jump < 1.0) continue;
+    assert_true(weight[0] == 1.0 && weight[1] == 0.0 && weight[2] == 0.0);
+    assert_true(dt == clock.dt && start == now);
+  }
+  for (PetscInt k = 0; k < 4; k++) ASSERT_OK(VecDestroy(all[k]));
+}
+
 /* The order follows what is known: one velocity, two, three; and the ratio of steps. */
 static void test_fall(void **state)
 {
@@ -130,9 +162,8 @@ static void test_first_steps(void **state)
 int main(int argc, char **argv)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_ahead_and_path),
-      cmocka_unit_test(test_start),
-      cmocka_unit_test(test_fall),
+      cmocka_unit_test(test_ahead_and_path), cmocka_unit_test(test_start),
+      cmocka_unit_test(test_jump),           cmocka_unit_test(test_fall),
       cmocka_unit_test(test_first_steps),
   };
   int failed;

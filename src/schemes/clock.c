@@ -108,6 +108,7 @@ PetscErrorCode ClockRemember(Clock *c, Memory *memory)
   PetscCall(MemoryAddInt(memory, "good_needed", &c->good_needed));
   PetscCall(MemoryAddInt(memory, "good", &c->good));
   PetscCall(MemoryAddReal(memory, "dt_before", &c->dt_before));
+  PetscCall(MemoryAddReal(memory, "jump", &c->jump));
   PetscCall(MemoryAddReal(memory, "control_dt", &c->control.dt));
   PetscCall(MemoryAddReal(memory, "control_last", &c->control.last));
   PetscCall(MemoryAddReal(memory, "control_speed", &c->control.speed));

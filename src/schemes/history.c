@@ -22,6 +22,15 @@ static void PastWeights(const Clock *clock, PetscInt n, PetscReal s, PetscReal c
   weight[2] = second / b;
 }
 
+/* Blends weights of earlier velocities and the length of a step over dt with those of order 1;
+   returns the length. */
+static PetscReal Blend(PetscReal jump, PetscReal length, PetscReal weight[HISTORY])
+{
+  for (PetscInt k = 0; k < HISTORY; k++) weight[k] *= 1.0 - jump;
+  weight[0] += jump;
+  return jump + (1.0 - jump) * length;
+}
+
 /*
   HistoryAhead - Computes the weights of earlier values in their extrapolation to t^n + at dt
 
@@ -56,6 +65,7 @@ void HistoryPath(const Clock *clock, PetscReal weight[HISTORY])
 
   PastWeights(clock, ClockOrder(clock), 0.5 * dt, dt * (dt / 3.0 + 0.5 * clock->dt_previous),
               weight);
+  (void)Blend(clock->jump, 1.0, weight);
 }
 
 /* Computes the weights of earlier velocities in the start of a step of backward Euler that is a
@@ -99,7 +109,7 @@ PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt)
 
   PetscFunctionBegin;
   *dt = flow->clock->dt;
-  if (history) *dt *= StartWeights(flow->clock, weight);
+  if (history) *dt *= Blend(flow->clock->jump, StartWeights(flow->clock, weight), weight);
   for (PetscInt a = 0; a < flow->scene->dim; a++) {
     PetscCall(VecCopy(s->u[a], s->u_next[a]));
     if (!history) continue;

@@ -64,6 +64,9 @@ void           HistoryPredict(const Clock *clock, PetscInt n, PetscReal weight[H
 void           HistoryPath(const Clock *clock, PetscReal weight[HISTORY]);
 PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt);
 
+/* jump.c */
+PetscErrorCode JumpCheck(Flow *flow, PetscBool *again);
+
 /* collisions.c */
 PetscErrorCode FlowAllVelocities(const Flow *flow, const Vec u[], PetscReal **all);
 PetscErrorCode FlowCollide(Flow *flow);

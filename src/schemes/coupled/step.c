@@ -260,9 +260,16 @@ PetscErrorCode CoupledSolve(Flow *flow)
   } else if (flow->clock->order > 1 && ClockRatio(flow->clock) == 0.0) {
     PetscCall(StepFirst(flow, c));
   } else {
+    PetscBool again;
+
     PetscCall(HistoryStart(flow, PETSC_TRUE, &dt));
     PetscCall(CoupledForce(c));
     PetscCall(SolveSystem(flow, dt, c));
+    PetscCall(JumpCheck(flow, &again));
+    if (again) {
+      PetscCall(HistoryStart(flow, PETSC_TRUE, &dt));
+      PetscCall(SolveSystem(flow, dt, c));
+    }
   }
   PetscCall(WallValuesSetVelocity(flow->scene, flow->particles, end, 0.0, &flow->walls));
   PetscCall(FlowDivergence(flow, s->u_next, s->divergence));
