@@ -40,6 +40,8 @@ GAS = ["-equation_of_state", "ideal_gas", "-density_form", "summation", "-wcsph_
 OPENINGS = ["-case", "scene", "-scene_inflow", "left", "-scene_outflow", "right", "-scene_wall_left_velocity", "6*y*(1-y),0",
             "-scene_velocity", "6*y*(1-y),0", "-viscosity", "0.1"]  # particles enter and leave
 SURFACE = ["-case", "drop_mode", "-with", "convection", "-speed", "1e-3", "-viscosity", "1"]
+IMPACT = ["-case", "scene", "-scene_box", "0,0,2,1", "-scene_filled_1", "circle,0.62,0.5,0.35", "-scene_velocity", "-1,0",
+          "-viscosity", "10", "-scheme", "coupled"]  # the velocity jumps in step 10
 FILES = ["-checkpoint", "c.h5", "-checkpoint_every", "0.1", "-output", "flow.h5", "-output_every", "0.5",
          "-report_times", "1,2", "-probe_point", "0.5,0.5", "-probe_every", "0.25", "-probe_forces"]
 
@@ -118,7 +120,7 @@ def ranked(command, n):
     return [word.replace("{}", str(n)) for word in mpi] + [isph] if n > 1 else [isph]
 
 
-ON_RANKS = "lagrangian", "forced", "coupled", "same", "graded_moving", "cloud", "error", "surface", "compressible", "openings"
+ON_RANKS = "lagrangian", "forced", "coupled", "same", "graded_moving", "cloud", "error", "surface", "impact", "compressible", "openings"
 
 
 def bitwise(*command):
@@ -136,7 +138,7 @@ def bitwise(*command):
                            ("error_eulerian", [*FORCED, "-motion", "eulerian"]),
                            ("error_coupled", [*FORCED, "-motion", "eulerian", "-scheme", "coupled"]),
                            ("compressible", COMPRESSIBLE), ("gas", [*COMPRESSIBLE, *GAS]),
-                           ("surface", SURFACE), ("openings", OPENINGS), ("tension", [*SURFACE, "-surface_tension", "1"])):
+                           ("surface", SURFACE), ("impact", IMPACT), ("openings", OPENINGS), ("tension", [*SURFACE, "-surface_tension", "1"])):
             if n > 1 and name not in ON_RANKS:
                 continue
             folder = f"{name}{n}"
