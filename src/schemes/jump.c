@@ -1,11 +1,11 @@
 /*
-  Jumps of the velocity in fluids with a free surface. A fluid that meets a wall or other fluid stops
-  in the time in which viscosity crosses dx, or, as it is incompressible, at once. If a step is
-  longer, formulas of order 2 and 3 carry the velocity of before to later steps: after a stop from
-  the velocity U BDF2 starts from -U/3, Adams-Bashforth moves the particle back by U dt/2, and the
-  energy of the step errs by the share J of the jump. Such a step is therefore blended with a step of
+  Jumps of the velocity in fluids with a free surface. A fluid that meets a wall or other fluid
+  stops in the time in which viscosity crosses dx, or, as it is incompressible, at once. If a step
+  is longer, formulas of order 2 and 3 carry the velocity of before to later steps: after a stop
+  from the velocity U BDF2 starts from -U/3, Adams-Bashforth moves the particle back by U dt/2, and
+  the energy of the step errs by about the jump J. Such a step is therefore blended with a step of
   order 1. In closed flows walls change the velocity of their own layer only, and no place depends
-  on it; their formulas stay. See docs/theory.md, (360) to (364).
+  on it; their formulas stay. See docs/theory.md, (360) to (363).
 */
 #include "step.h"
 
@@ -62,8 +62,8 @@ static PetscErrorCode RelativeJump(Flow *flow, PetscReal *jump)
 }
 
 /*
-  JumpCheck - Measures if the velocity jumps in the step that was solved, and sets the share of order
-  1 in the formulas of the step and of the next path
+  JumpCheck - Measures if the velocity jumps in the step that was solved, and sets the share of
+  order 1 in the formulas of the step and of the next path
 
     jump = min(1, max(0, (J - SMOOTH)/(SUDDEN - SMOOTH)))
 

@@ -1,9 +1,9 @@
 /*
   The coupled step: a solve for velocity and pressure together, either in time or steady, with
   iterations for steady convection and for viscosities that follow the strain rate. A step without
-  earlier velocities has two stages, so that it is of order 2 as the steps after it. In the first
-  step in time with substeps, a backward Euler step makes the velocity solenoidal before the
-  substeps begin.
+  earlier velocities has two stages, so that it is of order 2 as the steps after it. A step in which
+  the velocity jumps is solved again with a larger share of order 1 (jump.c). In the first step in
+  time with substeps, a backward Euler step makes the velocity solenoidal before the substeps begin.
 */
 #include "coupled.h"
 
