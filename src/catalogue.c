@@ -34,14 +34,14 @@ static const Table *const tables[] = {&CaseTable,
                                       &FieldTable};
 
 static const OptionTable *const options[] = {
-    &ProgramOptions,  &SceneOptions,         &SpacingOptions,    &StartOptions,
-    &TypedOptions,    &BoundaryOptions,      &OpeningOptions,    &RheologyOptions,
-    &TimeOptions,     &SchemeOptions,        &ProjectionOptions, &ViscosityOptions,
-    &CoupledOptions,  &CoupledSolverOptions, &WcsphOptions,      &WcsphTimeOptions,
-    &MotionOptions,   &ParticleOptions,      &OperatorOptions,   &GuardOptions,
-    &SnapshotOptions, &AverageOptions,       &MonitorOptions,    &ReportOptions,
-    &ProgressOptions, &CheckpointOptions,    &MatrixOptions,     &PatchOptions,
-    &SolverOptions};
+    &ProgramOptions, &SceneOptions,         &SpacingOptions,    &StartOptions,
+    &TypedOptions,   &BoundaryOptions,      &OpeningOptions,    &RheologyOptions,
+    &TimeOptions,    &SchemeOptions,        &ProjectionOptions, &ViscosityOptions,
+    &CoupledOptions, &CoupledSolverOptions, &WcsphOptions,      &WcsphTimeOptions,
+    &MotionOptions,  &SurfaceVolumeOptions, &ParticleOptions,   &OperatorOptions,
+    &GuardOptions,   &SnapshotOptions,      &AverageOptions,    &MonitorOptions,
+    &ReportOptions,  &ProgressOptions,      &CheckpointOptions, &MatrixOptions,
+    &PatchOptions,   &SolverOptions};
 
 /* OptionTableGet - Returns option table k, NULL after the last; not collective */
 const OptionTable *OptionTableGet(PetscInt k)

@@ -23,9 +23,9 @@ typedef struct {
 } ShiftRow;
 extern const Table       ShiftTable;
 PetscReal                ShiftStepFactor(PetscReal dx, PetscReal speed, PetscReal dt);
-extern const OptionTable MotionOptions, SchemeOptions, ProjectionOptions, ViscosityOptions,
-    CoupledOptions, CoupledSolverOptions, WcsphOptions, WcsphTimeOptions, GuardOptions,
-    SolverOptions, AverageOptions;
+extern const OptionTable MotionOptions, SurfaceVolumeOptions, SchemeOptions, ProjectionOptions,
+    ViscosityOptions, CoupledOptions, CoupledSolverOptions, WcsphOptions, WcsphTimeOptions,
+    GuardOptions, SolverOptions, AverageOptions;
 
 /* The mean of the pressure over the last time T before a snapshot; see src/schemes/average.c. */
 typedef struct {
@@ -82,6 +82,7 @@ typedef struct {
 typedef struct {
   const ShiftRow *shift; /* NULL: fixed particles */
   PetscReal       shift_strength;
+  PetscReal       volume_rate;         /* of the control of volume at free surfaces; 0: none [-] */
   PetscReal       velocity_filter;     /* strength of the grid-scale filter of velocities [-] */
   PetscBool       has_convection;      /* particles are fixed and have a convective term */
   PetscBool       implicit_convection; /* this term is in the viscous matrix */
@@ -96,6 +97,8 @@ typedef struct {
   PetscReal *convection[ISPH_MAX_DIM]; /* (u.grad u)^{n-1} of fixed particles, explicit (field)
                                           [m/s^2] */
   PetscReal *convection_earlier[ISPH_MAX_DIM]; /* (u.grad u)^{n-2} (field); NULL: not needed */
+  PetscReal *owned; /* volume that particles near a free surface own (field); NULL: not controlled
+                       [m^dim] */
   PetscReal *correction[ISPH_MAX_DIM]; /* u - u* of the last projection (field); NULL without
                                           implicit convection [m/s] */
 
@@ -110,7 +113,9 @@ typedef struct {
   Vec       p;                               /* p, on the particles' field; NULL: no pressure */
   Vec       u_next[ISPH_MAX_DIM];            /* u*, then u^{n+1} of the present step [m/s] */
   Vec       p_before;                        /* p^n of the present step [Pa] */
-  Vec       divergence;                      /* div u* of the present step [1/s] */
+  Vec       divergence;                      /* div u* - source of the present step [1/s] */
+  Vec       source;                          /* divergence that particles should have, on the
+                                                own fluid; NULL: zero [1/s] */
   Vec       work[FLOW_MAX_WORK];             /* vectors lent by FlowGetWork() */
   PetscBool lent[FLOW_MAX_WORK];
 
@@ -255,6 +260,7 @@ struct Flow {
   Scheme    *scheme;
 };
 
+PetscErrorCode FlowCellVolumes(const Flow *flow, PetscInt points, PetscReal volume[]);
 PetscErrorCode FlowPrepareOutput(const Flow *flow);
 
 PetscErrorCode FlowStateCreate(Flow *flow, unsigned *needs);

@@ -29,8 +29,8 @@ PetscErrorCode FlowMassRows(const Flow *flow, const Vec u[], Vec rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FlowDivergence - Computes div u of a velocity u; zero on free surfaces, whose particles have no
-   equation of mass [1/s]; collective */
+/* FlowDivergence - Computes div u - source of a velocity u, which the equations of mass make zero;
+   zero on free surfaces, whose particles have none [1/s]; collective */
 PetscErrorCode FlowDivergence(Flow *flow, const Vec u[], Vec div)
 {
   const FreeSurface *free = flow->ops->free;
@@ -38,6 +38,7 @@ PetscErrorCode FlowDivergence(Flow *flow, const Vec u[], Vec div)
 
   PetscFunctionBegin;
   PetscCall(FlowMassRows(flow, u, div));
+  if (flow->state->source) PetscCall(VecAXPY(div, -1.0, flow->state->source));
   if (!free) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VecGetArray(div, &values));
   for (PetscInt i = 0; i < flow->particles->n_fluid; i++)

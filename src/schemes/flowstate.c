@@ -133,6 +133,7 @@ static PetscErrorCode FlowStateFree(FlowState *s)
   PetscCall(VecDestroy(&s->average.vec));
   PetscCall(VecDestroy(&s->p_before));
   PetscCall(VecDestroy(&s->divergence));
+  PetscCall(VecDestroy(&s->source));
   for (PetscInt k = 0; k < FLOW_MAX_WORK; k++) PetscCall(VecDestroy(&s->work[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -172,6 +173,7 @@ PetscErrorCode FlowStateRegister(Flow *flow)
     PetscCall(ParticlesRegister(p, "correction", scene->dim, HALO_NONE, ENTRY_MEAN, s->correction));
   PetscCall(AverageRegister(flow));
   PetscCall(OpeningsRegister(flow));
+  PetscCall(VolumesRegister(flow));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM] = {0.0}, pressure = scene->outside;
 
@@ -213,6 +215,8 @@ PetscErrorCode FlowStateRenumber(Flow *flow)
     if (s->average.mean) PetscCall(FluidVec(p, s->average.mean, &s->average.vec));
     PetscCall(FluidVec(p, NULL, &s->p_before));
     PetscCall(FluidVec(p, NULL, &s->divergence));
+    if (s->owned) PetscCall(FluidVec(p, NULL, &s->source));
+    if (s->owned) PetscCall(VecZeroEntries(s->source));
   }
   s->epoch = p->epoch;
   PetscFunctionReturn(PETSC_SUCCESS);

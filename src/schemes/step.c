@@ -147,6 +147,7 @@ PetscErrorCode FlowStep(Flow *flow, FlowSolve Solve)
     PetscCall(FlowMove(flow));
     if (!failure->code) PetscCall(FlowRebuild(flow));
   }
+  if (!failure->code) PetscCall(VolumesControl(flow));
   if (!failure->code) PetscCall(BudgetBegin(flow));
   if (!failure->code) PetscCall(Solve(flow));
   if (!failure->code) PetscCall(FlowCollide(flow));

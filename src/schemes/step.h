@@ -72,6 +72,11 @@ PetscErrorCode FlowAllVelocities(const Flow *flow, const Vec u[], PetscReal **al
 PetscErrorCode FlowCollide(Flow *flow);
 void           FlowSeparate(const Flow *flow, PetscReal apart[]);
 
+/* ownedvolumes.c */
+PetscErrorCode VolumesCreate(Flow *flow);
+PetscErrorCode VolumesRegister(Flow *flow);
+PetscErrorCode VolumesControl(Flow *flow);
+
 /* check.c */
 PetscErrorCode FlowMassRows(const Flow *flow, const Vec u[], Vec rows);
 PetscErrorCode FlowDivergence(Flow *flow, const Vec u[], Vec div);

@@ -157,6 +157,7 @@ static PetscErrorCode CoupledCreate(Flow *flow)
             "projection, or -motion eulerian");
   if (flow->clock->steady_solve) PetscCall(RefuseSteady(flow));
   PetscCall(SteadyRefuse(flow, NULL, PETSC_FALSE));
+  PetscCall(VolumesCreate(flow));
   PetscCall(OptionGetRow(&options[TS_TYPE], NULL, &c->row));
   PetscCall(RefuseHistory(flow, c->row));
   PetscCall(OptionGetRow(&options[PRESSURE_GRADIENT], "natural", &c->gradient));

@@ -103,7 +103,7 @@ static PetscErrorCode AddGivenPressure(Coupled *c, PetscReal t)
   CoupledRightHandSide - Computes the right-hand side b at time t
 
     T_i (force + terms of wall velocities in nu lap u - (v.grad) u)    in momentum rows
-    -dx_i (terms of wall velocities in div u)                          in rows of mass
+    dx_i (source - terms of wall velocities in div u)                  in rows of mass
 
   and subtracts the terms of given pressures.
 
@@ -130,6 +130,8 @@ PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
     PetscCall(MatMult(c->flow->ops->div[a].B, c->flow->walls.u[a], c->part));
     PetscCall(SaddleAdd(s, s->dim, -c->flow->scene->dx, c->part, c->b));
   }
+  if (c->flow->state->source)
+    PetscCall(SaddleAdd(s, s->dim, c->flow->scene->dx, c->flow->state->source, c->b));
   PetscCall(AddGivenPressure(c, t));
   PetscCall(SaddleAddTension(c->flow, s, c->b));
   c->b_t = t;

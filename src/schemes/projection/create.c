@@ -274,6 +274,7 @@ static PetscErrorCode CreateOnParticles(Flow *flow, Projection *pr)
   PetscBool ordered = PETSC_FALSE, given;
 
   PetscFunctionBegin;
+  PetscCall(VolumesCreate(flow));
   PetscCall(AreOrdered(flow->scene, &ordered));
   pr->filter = ordered ? LatticeFilter(flow) : 1.0;
   PetscCall(OptionGetReal(&options[ALPHA], &pr->alpha, NULL));
