@@ -39,6 +39,10 @@ COMPRESSIBLE = ["-scheme", "wcsph"]
 GAS = ["-equation_of_state", "ideal_gas", "-density_form", "summation", "-wcsph_viscosity", "implicit"]
 OPENINGS = ["-case", "scene", "-scene_inflow", "left", "-scene_outflow", "right", "-scene_wall_left_velocity", "6*y*(1-y),0",
             "-scene_velocity", "6*y*(1-y),0", "-viscosity", "0.1"]  # particles enter and leave
+JET = ["-case", "scene", "-scene_box", "0,0,2,1.5", "-scene_inflow", "top", "-scene_opening_top", "0.5,1.5", "-scene_outflow",
+       "left,right", "-scene_filled_1", "box,0,0,2,0.5", "-scene_filled_2", "box,0.5,0.5,1.5,1.5", "-scene_wall_top_velocity",
+       "0,-6*(x-0.5)*(1.5-x)", "-scene_velocity", "0,y > 0.5 ? -6*(x-0.5)*(1.5-x) : 0", "-viscosity", "5", "-jitter", "0.1",
+       "-visc_laplacian", "pairwise_stress"]  # lands and crowds; particles enter and leave
 SURFACE = ["-case", "drop_mode", "-with", "convection", "-speed", "1e-3", "-viscosity", "1"]
 IMPACT = ["-case", "scene", "-scene_box", "0,0,2,1", "-scene_filled_1", "circle,0.62,0.5,0.35", "-scene_velocity", "-1,0",
           "-viscosity", "10", "-scheme", "coupled"]  # the velocity jumps in step 10
@@ -120,7 +124,8 @@ def ranked(command, n):
     return [word.replace("{}", str(n)) for word in mpi] + [isph] if n > 1 else [isph]
 
 
-ON_RANKS = "lagrangian", "forced", "coupled", "same", "graded_moving", "cloud", "error", "surface", "impact", "compressible", "openings"
+ON_RANKS = "lagrangian", "forced", "coupled", "same", "graded_moving", "cloud", "error", "surface", "impact", "compressible", "openings", \
+    "jet"
 
 
 def bitwise(*command):
@@ -138,7 +143,8 @@ def bitwise(*command):
                            ("error_eulerian", [*FORCED, "-motion", "eulerian"]),
                            ("error_coupled", [*FORCED, "-motion", "eulerian", "-scheme", "coupled"]),
                            ("compressible", COMPRESSIBLE), ("gas", [*COMPRESSIBLE, *GAS]),
-                           ("surface", SURFACE), ("impact", IMPACT), ("openings", OPENINGS), ("tension", [*SURFACE, "-surface_tension", "1"])):
+                           ("surface", SURFACE), ("impact", IMPACT), ("openings", OPENINGS), ("jet", JET),
+                           ("tension", [*SURFACE, "-surface_tension", "1"])):
             if n > 1 and name not in ON_RANKS:
                 continue
             folder = f"{name}{n}"
