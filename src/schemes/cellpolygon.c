@@ -14,28 +14,31 @@ void PolygonDisc(PetscReal radius, Polygon *polygon)
   }
 }
 
-/* PolygonCut - Keeps the part n.X <= most of a polygon. A convex one gains at most one corner. */
+/* PolygonCut - Keeps the part n.X <= most of a convex polygon, which gains at most one corner; one
+   with POLYGON_MOST - 1 corners stays as it is */
 void PolygonCut(const PetscReal n[2], PetscReal most, Polygon *polygon)
 {
-  Polygon   old = {0};
-  PetscReal before, here;
+  Polygon   old;
+  PetscReal beyond[POLYGON_MOST], largest = -PETSC_INFINITY; /* n.X - most of the corners */
 
-  if (polygon->n == 0) return;
-  old.n = polygon->n;
-  for (PetscInt k = 0; k < old.n; k++) {
-    old.x[k][0] = polygon->x[k][0];
-    old.x[k][1] = polygon->x[k][1];
+  for (PetscInt k = 0; k < polygon->n; k++) {
+    beyond[k] = n[0] * polygon->x[k][0] + n[1] * polygon->x[k][1] - most;
+    largest   = PetscMax(largest, beyond[k]);
   }
+  if (!(largest > 0.0) || polygon->n + 1 == POLYGON_MOST) return;
+  old        = *polygon;
   polygon->n = 0;
-  before     = n[0] * old.x[old.n - 1][0] + n[1] * old.x[old.n - 1][1] - most;
-  for (PetscInt k = 0; k < old.n; k++, before = here) {
-    const PetscReal *a = old.x[k > 0 ? k - 1 : old.n - 1], *b = old.x[k];
+  for (PetscInt k = 0; k < old.n; k++) {
+    const PetscInt   last = k > 0 ? k - 1 : old.n - 1;
+    const PetscReal *a = old.x[last], *b = old.x[k];
 
-    here = n[0] * b[0] + n[1] * b[1] - most;
-    for (PetscInt e = 0; e < 2 && before * here < 0.0; e++)
-      polygon->x[polygon->n][e] = a[e] + before / (before - here) * (b[e] - a[e]);
-    if (before * here < 0.0) polygon->n++;
-    if (here > 0.0) continue;
+    if (beyond[last] * beyond[k] < 0.0) {
+      const PetscReal share = beyond[last] / (beyond[last] - beyond[k]);
+
+      for (PetscInt e = 0; e < 2; e++) polygon->x[polygon->n][e] = a[e] + share * (b[e] - a[e]);
+      polygon->n++;
+    }
+    if (beyond[k] > 0.0) continue;
     for (PetscInt e = 0; e < 2; e++) polygon->x[polygon->n][e] = b[e];
     polygon->n++;
   }

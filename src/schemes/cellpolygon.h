@@ -4,8 +4,8 @@
 
 #include <petscsys.h>
 
-#define POLYGON_DISC 24 /* corners of a disc */
-#define POLYGON_MOST 64 /* corners */
+#define POLYGON_DISC 12 /* corners of a disc */
+#define POLYGON_MOST 32 /* corners */
 
 typedef struct {
   PetscInt  n;

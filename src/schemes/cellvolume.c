@@ -14,6 +14,7 @@
 #include "step.h"
 
 #define REACH 1.2  /* largest distance of a point from its particle; beyond it is a void [dx] */
+#define NEAR  1.5  /* distance of near neighbours [dx] */
 #define TIE   1e-9 /* difference of squared distances that is rounding [dx^2] */
 
 /* The grid about a particle. */
@@ -143,9 +144,14 @@ static PetscReal PolygonVolume(const Flow *flow, PetscInt i, PetscReal reach, co
   Polygon            cell;
 
   PolygonDisc(reach, &cell);
-  for (PetscInt k = 0; k < n; k++) {
-    if (rival[k].square > tie * scene->dx) PolygonCut(rival[k].x, 0.5 * rival[k].square, &cell);
-    else if (rival[k].first) return 0.0;
+  for (PetscInt k = 0; k < 2 * n;
+       k++) { /* near rivals first: they leave few corners to the others */
+    const Rival    *r    = &rival[k % n];
+    const PetscBool near = r->square < PetscSqr(NEAR * scene->dx) ? PETSC_TRUE : PETSC_FALSE;
+
+    if (near != (k < n ? PETSC_TRUE : PETSC_FALSE)) continue;
+    if (r->square > tie * scene->dx) PolygonCut(r->x, 0.5 * r->square, &cell);
+    else if (r->first) return 0.0;
   }
   for (PetscInt side = 0; side < 4; side++) {
     const PetscReal sign = side % 2 ? 1.0 : -1.0,

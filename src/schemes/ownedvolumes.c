@@ -136,41 +136,29 @@ static PetscErrorCode FindExcess(Flow *flow, Values *v)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Exchanges the excess of own particle i with its neighbours; returns what it has then [m^dim].
-   Input: lattice - W. */
-static PetscReal Exchange(const Flow *flow, const Values *v, PetscReal lattice, PetscInt i)
+/* Returns the excess of own particle i after its exchange with its neighbours [m^dim]. Input:
+   lattice - W. Output: inside - sum_k V_k w_ik over the particles inside [m^dim]. */
+static PetscReal Exchange(const Flow *flow, const Values *v, PetscReal lattice, PetscInt i,
+                          PetscReal *inside)
 {
-  const Particles *p   = flow->particles;
-  const Neighbors *nb  = flow->neighbors;
-  PetscReal        sum = 0.0;
+  const Particles   *p    = flow->particles;
+  const Neighbors   *nb   = flow->neighbors;
+  const FreeSurface *free = flow->ops->free;
+  PetscReal          sum  = 0.0;
 
+  *inside = FreeSurfaceHolds(free, i) ? 0.0 : p->volume[i];
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
     const PetscInt j = nb->col[q];
     PetscReal      X[ISPH_MAX_DIM], r2, w;
 
-    if (ParticlesIsWall(p, j) || v->shear[j] == 0.0) continue;
-    w = Weight(flow, i, j, X, &r2) / lattice;
+    if (ParticlesIsWall(p, j)) continue;
+    w = Weight(flow, i, j, X, &r2);
+    if (!FreeSurfaceHolds(free, j)) *inside += p->volume[j] * w;
+    if (v->shear[j] == 0.0) continue;
     w *= PetscMin(MOST, EXCHANGE * 0.5 * (v->shear[i] + v->shear[j]) * flow->clock->dt);
-    sum += w * (v->excess[j] - v->excess[i]);
+    sum += w / lattice * (v->excess[j] - v->excess[i]);
   }
   return v->excess[i] + sum;
-}
-
-/* Returns sum_k V_k w_ik over the particles inside about own particle i [m^dim]. */
-static PetscReal VolumeInside(const Flow *flow, PetscInt i)
-{
-  const Particles *p   = flow->particles;
-  const Neighbors *nb  = flow->neighbors;
-  PetscReal        sum = 0.0;
-
-  for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {
-    const PetscInt k = q < nb->row[i] ? i : nb->col[q];
-    PetscReal      X[ISPH_MAX_DIM], r2;
-
-    if (!ParticlesIsWall(p, k) && !FreeSurfaceHolds(flow->ops->free, k))
-      sum += p->volume[k] * Weight(flow, i, k, X, &r2);
-  }
-  return sum;
 }
 
 /* Exchanges the excess and sets the shares. Excess beyond LARGEST waits, and so does a part where few
@@ -187,9 +175,9 @@ static PetscErrorCode SetShares(Flow *flow, Values *v)
     PetscReal left, inside;
 
     if (v->shear[i] == 0.0) continue;
-    left = Exchange(flow, v, lattice, i);
+    left = Exchange(flow, v, lattice, i, &inside);
     s->owned[i] += v->excess[i] - left;
-    inside      = PetscMax(VolumeInside(flow, i), LEAST * lattice * p->volume[i]);
+    inside      = PetscMax(inside, LEAST * lattice * p->volume[i]);
     left        = PetscMax(-LARGEST * p->volume[i], PetscMin(LARGEST * p->volume[i], left));
     v->share[i] = PetscMin(MOST, s->volume_rate * v->shear[i] * dt) * left / (dt * inside);
   }
