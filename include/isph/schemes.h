@@ -11,7 +11,13 @@
 #define FLOW_MAX_WORK 32
 
 /* Stages common to all steps, for -log_view. */
-enum { FLOW_EVENT_MOVE, FLOW_EVENT_NEIGHBORS, FLOW_EVENT_OPERATORS, FLOW_EVENTS };
+enum {
+  FLOW_EVENT_MOVE,
+  FLOW_EVENT_NEIGHBORS,
+  FLOW_EVENT_OPERATORS,
+  FLOW_EVENT_VOLUMES,
+  FLOW_EVENTS
+};
 
 /* Particle shifting: small displacements that keep particles evenly spread. */
 typedef struct {
@@ -97,8 +103,7 @@ typedef struct {
   PetscReal *convection[ISPH_MAX_DIM]; /* (u.grad u)^{n-1} of fixed particles, explicit (field)
                                           [m/s^2] */
   PetscReal *convection_earlier[ISPH_MAX_DIM]; /* (u.grad u)^{n-2} (field); NULL: not needed */
-  PetscReal *owned; /* volume that particles near a free surface own (field); NULL: not controlled
-                       [m^dim] */
+  PetscReal *owned; /* volume that particles own (field); NULL: not controlled [m^dim] */
   PetscReal *correction[ISPH_MAX_DIM]; /* u - u* of the last projection (field); NULL without
                                           implicit convection [m/s] */
 

@@ -43,16 +43,21 @@ typedef struct {
   PetscReal *share;  /* rate c e/(sum_k V_k w_ik) [1/s] */
 } Values;
 
-/* VolumesCreate - Reads the option, for schemes with equations of mass; not collective */
+/* VolumesCreate - Reads the option, for schemes with equations of mass; collective */
 PetscErrorCode VolumesCreate(Flow *flow)
 {
   FlowState *s = flow->state;
+
+  PetscClassId id;
 
   PetscFunctionBegin;
   if (!SceneHasFreeSurface(flow->scene) || !SceneMoves(flow->scene))
     PetscFunctionReturn(PETSC_SUCCESS);
   s->volume_rate = 0.5;
   PetscCall(OptionGetReal(&options[0], &s->volume_rate, NULL));
+  if (s->volume_rate == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscClassIdRegister("Volume", &id));
+  PetscCall(PetscLogEventRegister("VolumesControl", id, &s->event[FLOW_EVENT_VOLUMES]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -161,8 +166,8 @@ static PetscReal Exchange(const Flow *flow, const Values *v, PetscReal lattice, 
   return v->excess[i] + sum;
 }
 
-/* Exchanges the excess and sets the shares. Excess beyond LARGEST waits, and so does a part where few
-   particles are inside: the tips of the arms of a turning square burst without these limits. */
+/* Exchanges the excess and sets the shares. Excess beyond LARGEST waits, and so does a part where
+   few particles are inside: the tips of the arms of a turning square burst without these limits. */
 static PetscErrorCode SetShares(Flow *flow, Values *v)
 {
   const Particles *p       = flow->particles;
@@ -218,6 +223,7 @@ PetscErrorCode VolumesControl(Flow *flow)
 
   PetscFunctionBegin;
   if (!s->owned) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscLogEventBegin(s->event[FLOW_EVENT_VOLUMES], 0, 0, 0, 0));
   PetscCall(PetscCalloc3(ParticlesAll(p), &v.shear, ParticlesAll(p), &v.excess, ParticlesAll(p),
                          &v.share));
   PetscCall(FindExcess(flow, &v));
@@ -230,5 +236,6 @@ PetscErrorCode VolumesControl(Flow *flow)
   PetscCall(VecRestoreArrayWrite(s->source, &source));
   PetscCall(PetscFree3(v.shear, v.excess, v.share));
   PetscCall(EnergyAddWork(flow, work * flow->clock->dt / flow->scene->rho));
+  PetscCall(PetscLogEventEnd(s->event[FLOW_EVENT_VOLUMES], 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
