@@ -113,8 +113,8 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
   PetscCall(PetscStrcmp(names, wanted, &same));
   UserCheck(same,
             "-restart %s: the file holds %s, this run needs %s; use the same physics, -motion, "
-            "-spacing_wall, -wall_surface, -dt_adapt, -pressure_average (0 or above) and "
-            "-probe_budget (if any)",
+            "-spacing_wall, -wall_surface, -dt_adapt and -probe_budget, and give -pressure_average "
+            "and -surface_volume_rate above 0 in both runs or in none",
             path, names, wanted);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
