@@ -144,14 +144,13 @@ static PetscReal PolygonVolume(const Flow *flow, PetscInt i, PetscReal reach, co
   Polygon            cell;
 
   PolygonDisc(reach, &cell);
-  for (PetscInt k = 0; k < 2 * n;
-       k++) { /* near rivals first: they leave few corners to the others */
-    const Rival    *r    = &rival[k % n];
-    const PetscBool near = r->square < PetscSqr(NEAR * scene->dx) ? PETSC_TRUE : PETSC_FALSE;
-
-    if (near != (k < n ? PETSC_TRUE : PETSC_FALSE)) continue;
-    if (r->square > tie * scene->dx) PolygonCut(r->x, 0.5 * r->square, &cell);
-    else if (r->first) return 0.0;
+  /* near rivals first: they leave few corners to the others */
+  for (PetscInt far = 0; far < 2; far++) {
+    for (PetscInt k = 0; k < n; k++) {
+      if ((rival[k].square < PetscSqr(NEAR * scene->dx)) == far) continue;
+      if (rival[k].square > tie * scene->dx) PolygonCut(rival[k].x, 0.5 * rival[k].square, &cell);
+      else if (rival[k].first) return 0.0;
+    }
   }
   for (PetscInt side = 0; side < 4; side++) {
     const PetscReal sign = side % 2 ? 1.0 : -1.0,

@@ -46,8 +46,7 @@ typedef struct {
 /* VolumesCreate - Reads the option, for schemes with equations of mass; collective */
 PetscErrorCode VolumesCreate(Flow *flow)
 {
-  FlowState *s = flow->state;
-
+  FlowState   *s = flow->state;
   PetscClassId id;
 
   PetscFunctionBegin;
