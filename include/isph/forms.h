@@ -85,7 +85,7 @@ typedef struct {
   SurfaceKind kind;           /* of the particle */
   PetscBool   near_surface;   /* the particle or a neighbour is on a smooth part of it */
   PetscBool   beside_surface; /* the same on any part of it */
-  PetscBool   hinged;         /* a wall holds the fluid nearby in fewer points than dimensions */
+  PetscBool   paired;         /* pair forces in place of a fit, whatever the neighbours */
   PetscReal   own_normal[ISPH_MAX_DIM]; /* of the particle, out of the fluid */
   unsigned    correction; /* CorrectionBit of the present row, for forms that couple components */
   PetscReal   own[ISPH_MAX_DIM * ISPH_MAX_DIM]; /* weight of u_i itself, see LaplacianRow */

@@ -133,8 +133,9 @@ typedef struct {
   PetscReal *kind;      /* SurfaceKind of fluid particles, a whole number */
   PetscReal *normal;    /* out of the fluid, at [i dim + a]; zero inside */
   PetscReal *curvature; /* sum of the principal curvatures, own particles [1/m] */
-  PetscBool  has_rough; /* FreeSurfaceIsRough() for a fluid particle of any rank */
+  PetscBool  has_rough; /* a fluid particle of any rank is rough, or paired */
   PetscReal  tension;   /* surface tension; 0: none [N/m] */
+  PetscReal *paired;    /* not 0: own particle has pair forces, see BurstSolve(); NULL: none */
 } FreeSurface;
 
 typedef struct Assembly Assembly; /* workspace of a row, see src/operators/assembly.h */
@@ -240,7 +241,8 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *particles,
                                FreeSurface *free);
 PetscErrorCode FreeSurfaceFree(FreeSurface *free);
 PetscBool      FreeSurfaceTouches(const Scene *scene, const Particles *particles,
-                                  const Neighbors *neighbors, PetscInt i, PetscInt wall);
+                                  const Neighbors *neighbors, const FreeSurface *free, PetscInt i,
+                                  PetscInt wall);
 
 /* FreeSurfaceHolds - Returns true if a fluid particle is on a free surface or isolated; free: NULL
    without free surfaces; not collective */
@@ -258,6 +260,13 @@ static inline PetscReal FreeSurfacePressure(const FreeSurface *free, PetscInt i)
              : free->tension * free->curvature[i];
 }
 
+/* FreeSurfaceIsPaired - Returns true if the present step has pair forces on own particle i in place
+   of a fit, see BurstSolve(); not collective */
+static inline PetscBool FreeSurfaceIsPaired(const FreeSurface *free, PetscInt i)
+{
+  return free->paired && free->paired[i] != 0.0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /* FreeSurfaceIsRough - Returns true if a fluid particle is where no smooth surface passes; not
    collective */
 static inline PetscBool FreeSurfaceIsRough(const FreeSurface *free, PetscInt i)
@@ -265,6 +274,7 @@ static inline PetscBool FreeSurfaceIsRough(const FreeSurface *free, PetscInt i)
   return free->kind[i] == SURFACE_ROUGH || free->kind[i] == SURFACE_ISOLATED;
 }
 PetscBool OperatorsStressSurface(const Operators *ops);
+void      OperatorsForget(Operators *ops);
 
 PetscErrorCode WallValuesRenumber(const Scene *scene, const Particles *particles,
                                   WallValues *walls);

@@ -78,6 +78,8 @@ PetscErrorCode MeasureFree(const Flow *flow, Report *report)
   PetscCall(ReportAddReference(report, "fluid_volume", volume, mass, mass));
   if (SceneMoves(flow->scene))
     PetscCall(ReportAddError(report, "energy_gain", flow->scheme->energy.gain));
+  if (SceneMoves(flow->scene) && flow->clock->bursts)
+    PetscCall(ReportAdd(report, "bursts", flow->clock->bursts));
   report->volume_error = volume / mass - 1.0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -149,10 +149,11 @@ static PetscReal LeastEigenvalue(PetscInt d, const PetscReal B[])
 
   Not collective. Fluid does not see a wall across a gap: there it has no friction, and the wall
   does not cover it. Only neighbours of i are searched, so that the answer needs no other rank. The
-  gap at an opening is fluid that enters or has left.
+  gap at an opening is fluid that enters or has left. Isolated particles do not count if `free` is
+  given; NULL: they do.
 */
 PetscBool FreeSurfaceTouches(const Scene *scene, const Particles *p, const Neighbors *nb,
-                             PetscInt i, PetscInt wall)
+                             const FreeSurface *free, PetscInt i, PetscInt wall)
 {
   const PetscReal most = PetscSqr(WET * p->dx[i]);
   const PetscInt  side = (PetscInt)p->side[wall];
@@ -168,7 +169,7 @@ PetscBool FreeSurfaceTouches(const Scene *scene, const Particles *p, const Neigh
     const PetscInt j  = q < nb->row[i] ? i : nb->col[q];
     PetscReal      r2 = 0.0;
 
-    if (ParticlesIsWall(p, j)) continue;
+    if (ParticlesIsWall(p, j) || (free && free->kind[j] == SURFACE_ISOLATED)) continue;
     for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(p->x[a][j] - p->x[a][wall]);
     if (r2 < most) return PETSC_TRUE;
   }
@@ -196,7 +197,7 @@ static PetscBool IsCovered(const Scene *scene, const Particles *p, const Neighbo
     }
     if (r2 == 0.0 || r2 >= PetscSqr(CONE_LENGTH * p->dx[i])) continue;
     if (along <= CONE * PetscSqrtReal(r2)) continue;
-    if (ParticlesIsWall(p, j) ? faces < -0.5 && FreeSurfaceTouches(scene, p, nb, i, j)
+    if (ParticlesIsWall(p, j) ? faces < -0.5 && FreeSurfaceTouches(scene, p, nb, NULL, i, j)
                               : free->kind[j] != SURFACE_ISOLATED)
       return PETSC_TRUE;
   }
@@ -301,14 +302,15 @@ static PetscErrorCode Sort(const Scene *scene, const Particles *p, const Neighbo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds out if a particle of any rank is rough: steps without any exchange no velocities for their
-   pair forces. */
+/* Finds out if a particle of any rank is rough or paired: steps without any exchange no velocities
+   for their pair forces. */
 static PetscErrorCode FindRough(const Particles *p, FreeSurface *free)
 {
   PetscMPIInt rough = 0;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < p->n_fluid && !rough; i++) rough = FreeSurfaceIsRough(free, i);
+  for (PetscInt i = 0; i < p->n_fluid && !rough; i++)
+    rough = FreeSurfaceIsRough(free, i) || FreeSurfaceIsPaired(free, i);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &rough, 1, MPI_INT, MPI_MAX, p->comm));
   free->has_rough = rough ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -50,7 +50,7 @@ static PetscInt ListTouching(const Scene *scene, const Particles *p, const Neigh
 
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
     st->j[n] = nb->col[q];
-    if (!ParticlesIsWall(p, st->j[n]) || FreeSurfaceTouches(scene, p, nb, i, st->j[n])) n++;
+    if (!ParticlesIsWall(p, st->j[n]) || FreeSurfaceTouches(scene, p, nb, NULL, i, st->j[n])) n++;
   }
   return n;
 }
@@ -67,7 +67,8 @@ static PetscBool IsHinged(const Scene *scene, const Particles *p, const Neighbor
 
     if (!ParticlesIsWall(p, j)) continue;
     for (PetscInt a = 0; a < st->dim; a++) r2 += PetscSqr(p->x[a][j] - p->x[a][i]);
-    if (r2 < PetscSqr(st->radius) && !FreeSurfaceTouches(scene, p, nb, i, j)) return PETSC_TRUE;
+    if (r2 < PetscSqr(st->radius) && !FreeSurfaceTouches(scene, p, nb, NULL, i, j))
+      return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }
@@ -163,7 +164,9 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
     if (!BoundaryIs(scene, st->side[k], BOUNDARY_NO_SLIP)) st->slips = PETSC_TRUE;
   }
   GatherSurface(free, st);
-  st->hinged = free ? IsHinged(scene, p, nb, i, st) : PETSC_FALSE;
+  st->paired = free && (FreeSurfaceIsPaired(free, i) || IsHinged(scene, p, nb, i, st))
+                   ? PETSC_TRUE
+                   : PETSC_FALSE;
   KernelEvaluateAll(ops->forms.kernel, d, st->h, LanesPadded(n), st->r, st->W, st->dW, st->ddW);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -230,7 +230,7 @@ PetscErrorCode LaplacianRow_SurfaceMls(Stencil *st, PetscReal w[])
     PetscCall(LaplacianRow_PairwiseStress(st, w));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (st->hinged) {
+  if (st->paired) {
     PetscCall(PairRow(st, w));
     PetscFunctionReturn(PETSC_SUCCESS);
   }

@@ -149,7 +149,7 @@ PetscErrorCode FlowStep(Flow *flow, FlowSolve Solve)
   }
   if (!failure->code) PetscCall(VolumesControl(flow));
   if (!failure->code) PetscCall(BudgetBegin(flow));
-  if (!failure->code) PetscCall(Solve(flow));
+  if (!failure->code) PetscCall(BurstSolve(flow, Solve));
   if (!failure->code) PetscCall(FlowCollide(flow));
   if (!failure->code) PetscCall(BudgetPart(flow, PART_SOLVE, 0.0, NULL));
   if (!failure->code && keeps) PetscCall(MomentumRestore(flow, mean));

@@ -67,6 +67,9 @@ PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt);
 /* jump.c */
 PetscErrorCode JumpCheck(Flow *flow, PetscBool *again);
 
+/* burst.c */
+PetscErrorCode BurstSolve(Flow *flow, FlowSolve Solve);
+
 /* collisions.c */
 PetscErrorCode FlowAllVelocities(const Flow *flow, const Vec u[], PetscReal **all);
 PetscErrorCode FlowCollide(Flow *flow);

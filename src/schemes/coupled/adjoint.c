@@ -173,27 +173,41 @@ static PetscBool IsBesideWall(const Flow *flow, PetscInt i)
 
     if (!ParticlesIsWall(p, j)) continue;
     for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(p->x[a][j] - p->x[a][i]);
-    if (r2 < PetscSqr(flow->ops->forms.radius) && FreeSurfaceTouches(flow->scene, p, nb, i, j))
+    if (r2 < PetscSqr(flow->ops->forms.radius) &&
+        FreeSurfaceTouches(flow->scene, p, nb, NULL, i, j))
       return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }
 
-/* Replaces the rows of G of particles off walls by those of the reactions: there the pressure and
-   the pair forces together have no stress on a free surface. Beside walls reactions have an error
-   of order 0, and the large pressures of narrow slits would compress the fluid. */
+/*
+  Returns true if the row of G of own particle i is that of the reactions. Pair forces and reactions
+  belong together: neither adds energy to any velocity. With a gradient of fits rough particles and
+  those of a burst have both. With -coupled_gradient natural all particles off walls have both, and
+  then the pressure and the pair forces have no stress on a free surface; beside walls reactions
+  have an error of order 0, and the large pressures of narrow slits would compress the fluid.
+*/
+static PetscBool HasReactions(const Flow *flow, const Saddle *s, PetscInt i)
+{
+  const FreeSurface *free = flow->ops->free;
+
+  if (s->natural) return IsBesideWall(flow, i) ? PETSC_FALSE : PETSC_TRUE;
+  return FreeSurfaceIsRough(free, i) || FreeSurfaceIsPaired(free, i) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Replaces rows of G by those of the reactions. */
 static PetscErrorCode ReplaceRows(const Flow *flow, Mat reactions, Saddle *s)
 {
-  PetscScalar *off;
-  Vec          off_walls, rows;
+  PetscScalar *of;
+  Vec          particles, rows;
   Mat          columns;
 
   PetscFunctionBegin;
-  PetscCall(FluidVec(flow->particles, NULL, &off_walls));
-  PetscCall(VecGetArrayWrite(off_walls, &off));
-  for (PetscInt i = 0; i < s->n; i++) off[i] = IsBesideWall(flow, i) ? 0.0 : 1.0;
-  PetscCall(VecRestoreArrayWrite(off_walls, &off));
-  PetscCall(SaddleVelocityRows(flow->particles, off_walls, &rows));
+  PetscCall(FluidVec(flow->particles, NULL, &particles));
+  PetscCall(VecGetArrayWrite(particles, &of));
+  for (PetscInt i = 0; i < s->n; i++) of[i] = HasReactions(flow, s, i) ? 1.0 : 0.0;
+  PetscCall(VecRestoreArrayWrite(particles, &of));
+  PetscCall(SaddleVelocityRows(flow->particles, particles, &rows));
   PetscCall(MatTranspose(reactions, MAT_INITIAL_MATRIX, &columns));
   PetscCall(MatDiagonalScale(columns, rows, NULL));
   PetscCall(VecScale(rows, -1.0));
@@ -202,7 +216,7 @@ static PetscErrorCode ReplaceRows(const Flow *flow, Mat reactions, Saddle *s)
   PetscCall(SparseAdd(columns, &s->G));
   PetscCall(MatDestroy(&columns));
   PetscCall(VecDestroy(&rows));
-  PetscCall(VecDestroy(&off_walls));
+  PetscCall(VecDestroy(&particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -228,7 +242,8 @@ PetscErrorCode SaddleUseReactions(const Flow *flow, Vec momentum, Saddle *s)
   if (!s->adjoint && (!flow->ops->free || flow->scene->tension > 0.0))
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CreateReactions(flow, momentum, s, &reactions));
-  if (s->natural) PetscCall(ReplaceRows(flow, reactions, s));
+  if (s->natural || (!s->adjoint && flow->ops->free->has_rough))
+    PetscCall(ReplaceRows(flow, reactions, s));
   PetscCall(VecDuplicate(s->pressure, &fits));
   PetscCall(ChooseColumns(flow, s, reactions, fits, &replaced));
   if (replaced) {
