@@ -12,10 +12,9 @@
 #include "rows.h"
 #include "surfacefits.h"
 
-#define DRY     2.4  /* distance of wall particles that are tried for contact with fluid [dx] */
-#define LENGTH  2.5  /* of a nose, from particles beside a dry wall or pressed against one [dx] */
-#define PRESSED 0.45 /* height of a surface particle below which it is a layer of its own [dx] */
-#define THIN    2.2  /* height above the wall below which fluid is thin [dx] */
+#define DRY    2.4 /* distance of wall particles that are tried for contact with fluid [dx] */
+#define LENGTH 2.5 /* of a nose, from particles beside a dry wall [dx] */
+#define THIN   2.2 /* height above the wall below which fluid is thin [dx] */
 
 /* Returns the square of the distance of neighbour j from own particle i. */
 static PetscReal SquareDistance(const Particles *p, PetscInt i, PetscInt j)
@@ -65,23 +64,6 @@ static PetscInt NearestWall(const Scene *scene, const Particles *p, const Neighb
   return nearest;
 }
 
-/* Returns the height of particle j above the wall of wall particle `wall`. */
-static PetscReal Height(const Particles *p, PetscInt wall, PetscInt j)
-{
-  PetscReal height = -p->depth[wall];
-
-  for (PetscInt a = 0; a < p->dim; a++) height += p->normal[a][wall] * (p->x[a][j] - p->x[a][wall]);
-  return height;
-}
-
-/* Returns true if own particle i, on the surface, is pressed against a wall: a layer of its own. */
-static PetscBool IsPressed(const Scene *scene, const Particles *p, const Neighbors *nb, PetscInt i)
-{
-  const PetscInt wall = NearestWall(scene, p, nb, i);
-
-  return wall >= 0 && Height(p, wall, i) < PRESSED * p->dx[i] ? PETSC_TRUE : PETSC_FALSE;
-}
-
 /* Returns true if the fluid about own particle i lies lower than THIN dx above the wall. */
 static PetscBool IsThin(const Scene *scene, const Particles *p, const Neighbors *nb, PetscInt i)
 {
@@ -89,9 +71,13 @@ static PetscBool IsThin(const Scene *scene, const Particles *p, const Neighbors 
 
   if (wall < 0) return PETSC_FALSE;
   for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {
-    const PetscInt j = q < nb->row[i] ? i : nb->col[q];
+    const PetscInt j      = q < nb->row[i] ? i : nb->col[q];
+    PetscReal      height = -p->depth[wall];
 
-    if (!ParticlesIsWall(p, j) && Height(p, wall, j) > THIN * p->dx[i]) return PETSC_FALSE;
+    if (ParticlesIsWall(p, j)) continue;
+    for (PetscInt a = 0; a < p->dim; a++)
+      height += p->normal[a][wall] * (p->x[a][j] - p->x[a][wall]);
+    if (height > THIN * p->dx[i]) return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }
@@ -119,15 +105,12 @@ static PetscBool IsNearContact(const Particles *p, const Neighbors *nb, const Pe
 PetscErrorCode FreeSurfaceFindNoses(const Scene *scene, const Particles *p, const Neighbors *nb,
                                     FreeSurface *free)
 {
-  PetscReal *contact; /* 1 at particles on the surface beside a dry wall, or pressed against one */
+  PetscReal *contact; /* 1 at particles on the surface beside a dry wall */
 
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(ParticlesAll(p), &contact));
   for (PetscInt i = 0; i < p->n_fluid; i++)
-    contact[i] = FreeSurfaceHolds(free, i) &&
-                         (IsBesideDryWall(scene, p, nb, free, i) || IsPressed(scene, p, nb, i))
-                     ? 1.0
-                     : 0.0;
+    contact[i] = FreeSurfaceHolds(free, i) && IsBesideDryWall(scene, p, nb, free, i) ? 1.0 : 0.0;
   PetscCall(ParticlesHaloField(p, contact));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     if (free->kind[i] == SURFACE_SMOOTH && IsNearContact(p, nb, contact, i) &&
