@@ -9,10 +9,11 @@
   reaction or oppose it. The equation is then met by a flow that its pressure drives, and not by the
   least change of the flow: the coupled system has an eigenvalue of the wrong sign. Such a column is
   replaced: by the reaction inside the fluid, and on a surface, where q = Z u, by the force along
-  the normal on the particle itself. With -coupled_gradient adjoint all equations of mass have their
-  reactions, and with -coupled_gradient natural those of particles off walls: pair forces and
-  reactions together have no stress on a free surface. See docs/theory.md, (161), (200) and (340) to
-  (343).
+  the normal on the particle itself. The rows of rough particles are those of the reactions, as pair
+  forces and fits together may drive a flow. With -coupled_gradient adjoint all equations of mass
+  have their reactions, and with -coupled_gradient natural those of particles off walls: pair forces
+  and reactions together have no stress on a free surface. See docs/theory.md, (161), (200), (340)
+  to (343) and (373).
 */
 #include "saddle.h"
 #include "isph/sparse.h"
