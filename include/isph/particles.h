@@ -171,6 +171,16 @@ static inline PetscBool ParticlesIsWall(const Particles *p, PetscInt i)
   return (i < own ? i >= p->n_fluid : i >= own + p->n_halo_fluid) ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/* ParticlesSquareDistance - Returns the square of the distance of two particles [m^2]; not
+   collective */
+static inline PetscReal ParticlesSquareDistance(const Particles *p, PetscInt i, PetscInt j)
+{
+  PetscReal r2 = 0.0;
+
+  for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(p->x[a][j] - p->x[a][i]);
+  return r2;
+}
+
 /* Returns true if a position [m] lies in the box of this rank; the boxes of ranks do not
    overlap. */
 static inline PetscBool ParticlesHolds(const Particles *p, const PetscReal x[])

@@ -445,10 +445,3 @@ PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const N
   ops->assemblies++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-/* OperatorsForget - Lets OperatorsAssemble() assemble all matrices at the present positions again;
-   not collective */
-void OperatorsForget(Operators *ops)
-{
-  ops->moved = -1;
-}

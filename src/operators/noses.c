@@ -16,15 +16,6 @@
 #define LENGTH 2.5 /* of a nose, from particles beside a dry wall [dx] */
 #define THIN   2.2 /* height above the wall below which fluid is thin [dx] */
 
-/* Returns the square of the distance of neighbour j from own particle i. */
-static PetscReal SquareDistance(const Particles *p, PetscInt i, PetscInt j)
-{
-  PetscReal r2 = 0.0;
-
-  for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(p->x[a][j] - p->x[a][i]);
-  return r2;
-}
-
 /* Returns true if neighbour j is a wall particle of a boundary without slip. */
 static PetscBool Sticks(const Scene *scene, const Particles *p, PetscInt j)
 {
@@ -41,7 +32,7 @@ static PetscBool IsBesideDryWall(const Scene *scene, const Particles *p, const N
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
     const PetscInt j = nb->col[q];
 
-    if (Sticks(scene, p, j) && SquareDistance(p, i, j) < PetscSqr(DRY * p->dx[i]) &&
+    if (Sticks(scene, p, j) && ParticlesSquareDistance(p, i, j) < PetscSqr(DRY * p->dx[i]) &&
         !FreeSurfaceTouches(scene, p, nb, free, i, j))
       return PETSC_TRUE;
   }
@@ -55,7 +46,7 @@ static PetscInt NearestWall(const Scene *scene, const Particles *p, const Neighb
   PetscReal least   = PETSC_INFINITY;
 
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
-    const PetscReal r2 = SquareDistance(p, i, nb->col[q]);
+    const PetscReal r2 = ParticlesSquareDistance(p, i, nb->col[q]);
 
     if (r2 >= least || !Sticks(scene, p, nb->col[q])) continue;
     nearest = nb->col[q];
@@ -90,7 +81,7 @@ static PetscBool IsNearContact(const Particles *p, const Neighbors *nb, const Pe
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
     const PetscInt j = nb->col[q];
 
-    if (contact[j] > 0.0 && SquareDistance(p, i, j) < PetscSqr(LENGTH * p->dx[i]))
+    if (contact[j] > 0.0 && ParticlesSquareDistance(p, i, j) < PetscSqr(LENGTH * p->dx[i]))
       return PETSC_TRUE;
   }
   return PETSC_FALSE;

@@ -54,11 +54,8 @@ static PetscErrorCode Measure(const Flow *flow, Changes *c)
 /* Returns true if neighbour j of own particle i is a part of the burst and near it. */
 static PetscBool IsNear(const Particles *p, const PetscReal bursts[], PetscInt i, PetscInt j)
 {
-  PetscReal r2 = 0.0;
-
   if (ParticlesIsWall(p, j) || bursts[j] == 0.0) return PETSC_FALSE;
-  for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(p->x[a][j] - p->x[a][i]);
-  return r2 < PetscSqr(ABOUT * p->dx[i]) ? PETSC_TRUE : PETSC_FALSE;
+  return ParticlesSquareDistance(p, i, j) < PetscSqr(ABOUT * p->dx[i]) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Gives pair forces to the particles of the burst and to those near them, besides those that have
