@@ -266,8 +266,8 @@ def standing_wave():
         Study("t = 1.2, disordered particles", f"{base} -jitter 0.2", (16, 24, 32, 48), quantities, (3, 3, 3, 3), seeds),
         Study("t = 1.2, dt = 0.005", f"{base} -scheme coupled -dt 0.005", (16, 24, 32, 48), quantities),
         Study("t = 1.2, projection, dt = 0.004", f"{base} -scheme projection -dt 0.004", (16, 24, 32), quantities),
-        Study("t = 1.2, quadratic fits, lattice", f"{base} -surface_degree 2", (16, 24, 32, 48), quantities),
-        Study("t = 1.2, quadratic fits, disordered", f"{base} -surface_degree 2 -jitter 0.2", (16, 24, 32, 48), quantities,
+        Study("t = 1.2, defaults of the program, lattice", f"{base} -surface_degree 2 -h_over_dx 1.5", (16, 24, 32, 48), quantities),
+        Study("t = 1.2, defaults of the program, disordered", f"{base} -surface_degree 2 -h_over_dx 1.5 -jitter 0.2", (16, 24, 32, 48), quantities,
               (3, 3, 3, 3), seeds),
     ], [], ("amplitude of the surface, over the first crest", "velocity, relative L2"))
 
