@@ -166,12 +166,10 @@ PetscBool FreeSurfaceTouches(const Scene *scene, const Particles *p, const Neigh
     if (BoundaryIsOpen(scene, side, x)) return PETSC_TRUE;
   }
   for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {
-    const PetscInt j  = q < nb->row[i] ? i : nb->col[q];
-    PetscReal      r2 = 0.0;
+    const PetscInt j = q < nb->row[i] ? i : nb->col[q];
 
     if (ParticlesIsWall(p, j) || (free && free->kind[j] == SURFACE_ISOLATED)) continue;
-    for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(p->x[a][j] - p->x[a][wall]);
-    if (r2 < most) return PETSC_TRUE;
+    if (ParticlesSquareDistance(p, wall, j) < most) return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }
@@ -264,10 +262,9 @@ static PetscBool BesideRough(const Particles *p, const Neighbors *nb, const Free
 
   if (free->kind[i] != SURFACE_SMOOTH) return PETSC_FALSE;
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
-    const PetscInt j  = nb->col[q];
-    PetscReal      r2 = 0.0;
+    const PetscInt  j  = nb->col[q];
+    const PetscReal r2 = ParticlesSquareDistance(p, i, j);
 
-    for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(p->x[a][j] - p->x[a][i]);
     if (ParticlesIsWall(p, j)) {
       if (r2 < PetscSqr(OFF_WALLS * p->dx[i])) return PETSC_FALSE;
     } else if (free->kind[j] == SURFACE_ROUGH && r2 < PetscSqr(BESIDE * p->dx[i])) {

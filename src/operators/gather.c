@@ -62,12 +62,10 @@ static PetscBool IsHinged(const Scene *scene, const Particles *p, const Neighbor
 {
   if (st->n_wall == 0 || st->n_wall >= st->dim) return PETSC_FALSE;
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
-    const PetscInt j  = nb->col[q];
-    PetscReal      r2 = 0.0;
+    const PetscInt j = nb->col[q];
 
-    if (!ParticlesIsWall(p, j)) continue;
-    for (PetscInt a = 0; a < st->dim; a++) r2 += PetscSqr(p->x[a][j] - p->x[a][i]);
-    if (r2 < PetscSqr(st->radius) && !FreeSurfaceTouches(scene, p, nb, NULL, i, j))
+    if (ParticlesIsWall(p, j) && ParticlesSquareDistance(p, i, j) < PetscSqr(st->radius) &&
+        !FreeSurfaceTouches(scene, p, nb, NULL, i, j))
       return PETSC_TRUE;
   }
   return PETSC_FALSE;

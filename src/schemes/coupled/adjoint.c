@@ -169,12 +169,10 @@ static PetscBool IsBesideWall(const Flow *flow, PetscInt i)
   const Neighbors *nb = flow->neighbors;
 
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
-    const PetscInt j  = nb->col[q];
-    PetscReal      r2 = 0.0;
+    const PetscInt j = nb->col[q];
 
-    if (!ParticlesIsWall(p, j)) continue;
-    for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(p->x[a][j] - p->x[a][i]);
-    if (r2 < PetscSqr(flow->ops->forms.radius) &&
+    if (ParticlesIsWall(p, j) &&
+        ParticlesSquareDistance(p, i, j) < PetscSqr(flow->ops->forms.radius) &&
         FreeSurfaceTouches(flow->scene, p, nb, NULL, i, j))
       return PETSC_TRUE;
   }
