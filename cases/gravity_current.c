@@ -51,21 +51,26 @@ static PetscReal StartHeight(const Scene *scene, PetscReal r)
 }
 
 /* Sets the filled region: a polygon through points of the profile, whose angles are even in the
-   ellipse of its axes, and two corners below the floor. */
+   ellipse of its axes, and corners below the floor; in 3D its half turns about the axis. */
 static const char *SetProfile(const Scene *scene, Body *body)
 {
   const PetscReal L = scene->length, R = RADIUS * L;
-  PetscReal       x[2 * CORNERS] = {-R, -L};
+  const PetscInt  first          = scene->dim == 2 ? 1 : CORNERS / 2; /* point of the profile */
+  PetscReal       x[2 * CORNERS] = {scene->dim == 2 ? -R : 0.0, -L};
+  PetscInt        n              = 1;
 
-  for (PetscInt k = 1; k < CORNERS - 1; k++) {
-    const PetscReal angle = PETSC_PI * (k - 0.5) / (CORNERS - 2);
-
-    x[2 * k]     = -R * PetscCosReal(angle);
-    x[2 * k + 1] = StartHeight(scene, x[2 * k]);
+  if (scene->dim == 3) {
+    x[2] = 0.0;
+    x[3] = StartHeight(scene, R * PetscSinReal(0.5 * PETSC_PI / (CORNERS - 2)));
+    n    = 2;
   }
-  x[2 * CORNERS - 2] = R;
-  x[2 * CORNERS - 1] = -L;
-  return BodyPolygon(scene, CORNERS, x, body);
+  for (PetscInt k = first; k < CORNERS - 1; k++, n++) {
+    x[2 * n]     = -R * PetscCosReal(PETSC_PI * (k - 0.5) / (CORNERS - 2));
+    x[2 * n + 1] = StartHeight(scene, x[2 * n]);
+  }
+  x[2 * n]     = R;
+  x[2 * n + 1] = -L;
+  return BodyPolygon(scene, n + 1, x, body);
 }
 
 static PetscErrorCode GravityCurrentSetup(Scene *scene)

@@ -22,6 +22,14 @@ static const struct {
     {3, "box", 6, {0.75, -0.25, 0.3, -0.5, 0.5, -0.2}, 2.0 * (1.25 * 0.75 + 1.25 * 0.5 + 0.375)},
     {3, "cylinder", 3, {0.1, -0.2, 0.7}, 1.4 * PETSC_PI},
     {3, "prism", 6, {0.0, 0.0, 0.6, 0.0, 0.0, 0.8}, 2.4},
+    /* a pipe, a cone from the point 0 with a base on the axis, and a cone with the base below */
+    {3,
+     "revolved",
+     8,
+     {0.2, -0.3, 0.6, -0.3, 0.6, 0.1, 0.2, 0.1},
+     0.64 * PETSC_PI + 0.64 * PETSC_PI},
+    {3, "revolved", 6, {0.0, 0.0, 0.3, 0.4, 0.0, 0.4}, 0.24 * PETSC_PI},
+    {3, "revolved", 6, {0.3, -0.4, 0.0, 0.0, 0.0, -0.4}, 0.24 * PETSC_PI},
 };
 
 /* Returns the spacing of points with which a test of a sample is quick. */

@@ -38,7 +38,7 @@ typedef struct Body     Body;
 typedef struct ShapeRow ShapeRow;
 struct ShapeRow {
   const char     *name, *brief, *citation;
-  PetscInt        fewest, most;   /* allowed numbers of parameters */
+  PetscInt        fewest, most;   /* allowed numbers of parameters, at most BODY_PARAMETERS */
   PetscBool       round;          /* invariant under rotation about an axis along z through its
                                          centre */
   const ShapeRow *outline;        /* in 3D: plane shape of a body along z, or of the meridian */
@@ -55,10 +55,10 @@ extern const Table ShapeTable, SolidTable; /* of the plane, and of space */
 struct Body {
   const ShapeRow *shape;
   PetscInt        n;
-  PetscReal       parameter[BODY_PARAMETERS]; /* of the shape [m] */
-  PetscReal       centre[ISPH_MAX_DIM];       /* [m] */
-  PetscReal       extent;                     /* largest distance of the surface from it [m] */
-  PetscReal       ends[2];                    /* along z, of a shape with an outline in 3D [m] */
+  PetscReal       parameter[2 * BODY_PARAMETERS]; /* of the shape; with a mirrored meridian [m] */
+  PetscReal       centre[ISPH_MAX_DIM];           /* [m] */
+  PetscReal       extent;                         /* largest distance of the surface from it [m] */
+  PetscReal       ends[2]; /* along z, of a shape with an outline in 3D [m] */
   PetscBool       around;
 };
 
@@ -360,6 +360,7 @@ const char *BodyPolygon(const Scene *scene, PetscInt corners, const PetscReal x[
 const ShapeRow *BodyOutline(const Scene *scene, const Body *body);
 PetscBool       BodyReachesThrough(const Body *body, PetscInt axis);
 PetscInt        BodyLines(const Body *body, PetscInt axis, PetscReal line[]);
+PetscInt        ShapeRingCount(PetscReal r, PetscReal dx);
 PetscReal       BodyThickness(const Body *body, PetscReal dx, PetscReal limit,
                               PetscReal place[ISPH_MAX_DIM]);
 void      BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2]);

@@ -2,9 +2,9 @@
   Particles on the free borders of pools without lattice. A border consists of pieces: the parts of
   the outlines of regions that are inside the box, outside bodies and outside other regions, divided
   at corners. The particles of a piece are evenly spaced, about dx apart. A piece that ends at a
-  wall has its last particle dx/2 above this wall, as a lattice has; a piece that ends at a corner
-  has it in the corner; a piece that ends at another region, a body or a periodic side has it
-  half a spacing before.
+  wall has its last particle dx/2 above this wall, as a lattice has, and a meridian that ends at the
+  axis has it dx/2 off the axis; a piece that ends at a corner has it in the corner; a piece that
+  ends at another region, a body or a periodic side has it half a spacing before.
 */
 #include "impl.h"
 
@@ -20,33 +20,69 @@ typedef struct {
                           without ends and corners is one piece with half a spacing at both ends */
 } Piece;
 
-/* Returns true if region k is a ball or revolves: its border is a surface instead of an outline. */
-static PetscBool HasSurface(const Scene *scene, PetscInt k)
+/* Returns true unless region k is a ball: its border has an outline, in 3D the same at every z, or a
+   meridian. */
+static PetscBool HasOutline(const Scene *scene, PetscInt k)
 {
-  const Body *body = &scene->filled[k];
-
-  return body->shape->revolves || !BodyOutline(scene, body) ? PETSC_TRUE : PETSC_FALSE;
+  return BodyOutline(scene, &scene->filled[k]) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Returns the distance of x from the nearest side of the box with wall particles and, if `bodies`,
-   from the nearest body [m]. */
-static PetscReal WallGap(const Scene *scene, const PetscReal x[], PetscBool bodies)
+/* Computes a place in the box at a point of the outline of region k; for a meridian, whose points
+   are (r, z), at y = 0. */
+static void PlaceAt(const Scene *scene, PetscInt k, const PetscReal point[], PetscReal x[])
 {
-  PetscReal gap = PETSC_INFINITY, normal[ISPH_MAX_DIM];
-  PetscInt  body;
+  const PetscBool revolves = scene->filled[k].shape->revolves;
 
+  x[0] = point[0];
+  x[1] = revolves ? 0.0 : point[1];
+  x[2] = revolves ? point[1] : scene->filled[k].centre[2];
+}
+
+/* Computes the point in the plane of the outline of region k that is below or beside x. */
+static void PointBelow(const Scene *scene, PetscInt k, const PetscReal x[], PetscReal point[])
+{
+  const PetscBool revolves = scene->filled[k].shape->revolves;
+
+  point[0] = revolves ? PetscSqrtReal(PetscSqr(x[0]) + PetscSqr(x[1])) : x[0];
+  point[1] = x[revolves ? 2 : 1];
+}
+
+/* Gets the axes, from the first to before the last, across which sides of the box end an outline:
+   one that is the same at every z ends across x and y, a meridian across z. */
+static void GetAxes(const Scene *scene, PetscInt k, PetscInt *first, PetscInt *last)
+{
+  *first = scene->filled[k].shape->revolves ? 2 : 0;
+  *last  = scene->filled[k].shape->revolves ? 3 : 2;
+}
+
+/* Returns the distance of a point of the outline of region k from the nearest side of the box with
+   wall particles, from the axis of a meridian and, if `bodies`, from the nearest body [m]. */
+static PetscReal WallGap(const Scene *scene, PetscInt k, const PetscReal point[], PetscBool bodies)
+{
+  PetscReal gap = PETSC_INFINITY, x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
+  PetscInt  body, first, last;
+
+  PlaceAt(scene, k, point, x);
+  GetAxes(scene, k, &first, &last);
   if (bodies) gap = SceneDistance(scene, x, &body, normal);
-  for (PetscInt side = 0; side < 4; side++) { /* outlines reach through the box along z */
+  if (scene->filled[k].shape->revolves) gap = PetscMin(gap, point[0]);
+  for (PetscInt side = 2 * first; side < 2 * last; side++) {
     if (BoundaryIs(scene, side, BOUNDARY_PARTICLES))
       gap = PetscMin(gap, SceneSideDistance(scene, side, x));
   }
   return gap;
 }
 
-/* Returns true if a point is on a periodic side of the box, or beyond it. */
-static PetscBool OnPeriodicSide(const Scene *scene, const PetscReal x[])
+/* Returns true if a point of the outline of region k is on a periodic side of the box, or beyond
+   it. */
+static PetscBool OnPeriodicSide(const Scene *scene, PetscInt k, const PetscReal point[])
 {
-  for (PetscInt a = 0; a < 2; a++) {
+  PetscReal x[ISPH_MAX_DIM];
+  PetscInt  first, last;
+
+  PlaceAt(scene, k, point, x);
+  GetAxes(scene, k, &first, &last);
+  for (PetscInt a = first; a < last; a++) {
     const PetscReal gap = PetscMin(x[a] - scene->lo[a], scene->hi[a] - x[a]);
 
     if (SceneIsPeriodic(scene, a) && gap < NEAR * scene->dx) return PETSC_TRUE;
@@ -54,11 +90,15 @@ static PetscBool OnPeriodicSide(const Scene *scene, const PetscReal x[])
   return PETSC_FALSE;
 }
 
-/* Returns true if a point on the outline of region k is on the free border. */
-static PetscBool IsFree(const Scene *scene, PetscInt k, const PetscReal x[])
+/* Returns true if a point on the outline of region k is on the free border; the mirror image of a
+   meridian is not. */
+static PetscBool IsFree(const Scene *scene, PetscInt k, const PetscReal point[])
 {
-  if (WallGap(scene, x, PETSC_TRUE) < NEAR * scene->dx) return PETSC_FALSE;
-  if (OnPeriodicSide(scene, x)) return PETSC_FALSE;
+  PetscReal x[ISPH_MAX_DIM];
+
+  PlaceAt(scene, k, point, x);
+  if (WallGap(scene, k, point, PETSC_TRUE) < NEAR * scene->dx) return PETSC_FALSE;
+  if (OnPeriodicSide(scene, k, point)) return PETSC_FALSE;
   for (PetscInt m = 0; m < scene->n_filled; m++)
     if (m != k && SceneFilledDistance(scene, m, x) >= 0.0) return PETSC_FALSE;
   return PETSC_TRUE;
@@ -86,7 +126,7 @@ static PetscErrorCode SampleRegion(PetscInt k, Pools *pools)
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(n, &all));
   for (PetscInt q = 0; q < n; q++) {
-    all[q]        = (BorderSample){.region = k, .x = {0.0, 0.0, body->centre[2]}};
+    all[q]        = (BorderSample){.region = k};
     all[q].length = shape->Point(body, q, step, all[q].x, all[q].normal);
     all[q].free   = IsFree(scene, k, all[q].x);
   }
@@ -108,7 +148,7 @@ PetscErrorCode BorderCreate(Pools *pools)
 {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < pools->scene->n_filled; k++)
-    if (!pools->lattice[pools->of[k]] && !HasSurface(pools->scene, k))
+    if (!pools->lattice[pools->of[k]] && HasOutline(pools->scene, k))
       PetscCall(SampleRegion(k, pools));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -118,14 +158,16 @@ PetscErrorCode BorderCreate(Pools *pools)
 PetscBool BorderIsNear(const Pools *pools, const PetscReal x[], PetscReal reach)
 {
   for (PetscInt k = 0; k < pools->scene->n_filled; k++) {
-    if (HasSurface(pools->scene, k) &&
+    if (!HasOutline(pools->scene, k) &&
         PetscAbsReal(SceneFilledDistance(pools->scene, k, x)) < reach)
       return PETSC_TRUE;
   }
   for (PetscInt q = 0; q < pools->n_border; q++) {
     const BorderSample *s = &pools->border[q];
+    PetscReal           y[2];
 
-    if (s->free && PetscSqr(x[0] - s->x[0]) + PetscSqr(x[1] - s->x[1]) < PetscSqr(reach))
+    PointBelow(pools->scene, s->region, x, y);
+    if (s->free && PetscSqr(y[0] - s->x[0]) + PetscSqr(y[1] - s->x[1]) < PetscSqr(reach))
       return PETSC_TRUE;
   }
   return PETSC_FALSE;
@@ -164,7 +206,8 @@ static const BorderSample *Beyond(const Pools *pools, const Piece *piece, PetscI
    them. Returns PETSC_FALSE if none is left. */
 static PetscBool SetEnds(const Pools *pools, Piece *piece)
 {
-  const Scene *scene = pools->scene;
+  const Scene   *scene  = pools->scene;
+  const PetscInt region = pools->border[piece->first].region;
 
   piece->shared = PETSC_FALSE;
   for (PetscInt end = 0; end < 2; end++) {
@@ -175,10 +218,12 @@ static PetscBool SetEnds(const Pools *pools, Piece *piece)
     if (beyond->free && TurnsAt(own, beyond)) {
       piece->offset[end] = 0.0;
       if (!end) piece->shared = PETSC_TRUE;
-    } else if (!beyond->free && WallGap(scene, own->x, PETSC_FALSE) < 2.0 * scene->dx / FINE) {
+    } else if (!beyond->free &&
+               WallGap(scene, region, own->x, PETSC_FALSE) < 2.0 * scene->dx / FINE) {
       piece->offset[end] = 0.0;
-      while (piece->n && WallGap(scene, pools->border[piece->first + (end ? piece->n - 1 : 0)].x,
-                                 PETSC_FALSE) < (0.5 - NEAR) * scene->dx) {
+      while (piece->n &&
+             WallGap(scene, region, pools->border[piece->first + (end ? piece->n - 1 : 0)].x,
+                     PETSC_FALSE) < (0.5 - NEAR) * scene->dx) {
         piece->n--;
         if (!end) piece->first++;
       }
@@ -220,6 +265,24 @@ static PetscErrorCode AddLayers(const Scene *scene, const PetscReal x[], Rows *r
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds the particles of a ring about the axis z that are in the box. */
+static PetscErrorCode AddRing(const Scene *scene, PetscReal r, PetscReal z, Rows *rows)
+{
+  const PetscInt n = ShapeRingCount(r, scene->dx);
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal angle = 2.0 * PETSC_PI * (k + 0.5) / n;
+    const PetscReal x[]   = {r * PetscCosReal(angle), r * PetscSinReal(angle), z};
+    PetscBool       holds = PETSC_TRUE;
+
+    for (PetscInt a = 0; a < 3; a++)
+      if (x[a] < scene->lo[a] || x[a] > scene->hi[a]) holds = PETSC_FALSE;
+    if (holds) PetscCall(AddPoint(scene, x, rows));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Adds the particles of a piece. */
 static PetscErrorCode AddPiece(const Pools *pools, const Piece *piece, Rows *rows)
 {
@@ -237,62 +300,10 @@ static PetscErrorCode AddPiece(const Pools *pools, const Piece *piece, Rows *row
   for (PetscInt q = 0; q < piece->n && m < n; q++) {
     sum += s[q].length;
     if (sum < (m + piece->offset[0]) * edge && q + 1 < piece->n) continue;
-    PetscCall(AddLayers(scene, s[q].x, rows));
+    if (scene->filled[s->region].shape->revolves)
+      PetscCall(AddRing(scene, s[q].x[0], s[q].x[1], rows));
+    else PetscCall(AddLayers(scene, s[q].x, rows));
     m++;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Adds the particles of a ring about the axis z, about dx apart; their number is a multiple of
-   four, so that planes of symmetry through the axis are half a spacing from them. */
-static PetscErrorCode AddRing(const Scene *scene, PetscReal r, PetscReal z, Rows *rows)
-{
-  const PetscInt quarter = (PetscInt)(0.5 * PETSC_PI * r / scene->dx + 0.5);
-  const PetscInt n       = 4 * PetscMax(1, quarter);
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < n; k++) {
-    const PetscReal angle = 2.0 * PETSC_PI * (k + 0.5) / n;
-    const PetscReal x[]   = {r * PetscCosReal(angle), r * PetscSinReal(angle), z};
-    PetscBool       holds = PETSC_TRUE;
-
-    for (PetscInt a = 0; a < 3; a++)
-      if (x[a] < scene->lo[a] || x[a] > scene->hi[a]) holds = PETSC_FALSE;
-    if (holds) PetscCall(AddPoint(scene, x, rows));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Returns the length of surface of sample q of a meridian, zero on the other side of the axis and
-   below dx/2 above the box; computes its place (r, z). */
-static PetscReal MeridianPoint(const Scene *scene, const Body *body, PetscInt q, PetscReal place[])
-{
-  PetscReal       normal[ISPH_MAX_DIM];
-  const PetscReal length =
-      BodyOutline(scene, body)->Point(body, q, scene->dx / FINE, place, normal);
-
-  return place[0] < 0.0 || place[1] < scene->lo[2] + (0.5 - NEAR) * scene->dx ? 0.0 : length;
-}
-
-/* Adds the particles on the surface of a body that revolves: rings about dx apart along its
-   meridian, the first one dx/2 above the box, the last one half a spacing from the axis. */
-static PetscErrorCode AddRevolved(const Scene *scene, const Body *body, Rows *rows)
-{
-  const PetscInt samples = BodyOutline(scene, body)->Count(body, scene->dx / FINE);
-  PetscReal      total = 0.0, sum = 0.0, edge, place[2];
-  PetscInt       ring = 0, n;
-
-  PetscFunctionBegin;
-  for (PetscInt q = 0; q < samples; q++) total += MeridianPoint(scene, body, q, place);
-  n    = PetscMax(1, (PetscInt)(total / scene->dx + 1.0));
-  edge = total / (n - 0.5);
-  for (PetscInt q = 0; q < samples && ring < n; q++) {
-    const PetscReal length = MeridianPoint(scene, body, q, place);
-
-    sum += length;
-    if (length == 0.0 || sum < ring * edge) continue;
-    PetscCall(AddRing(scene, place[0], place[1], rows));
-    ring++;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -332,9 +343,7 @@ PetscErrorCode BorderParticles(const Pools *pools, Rows *rows)
   for (PetscInt k = 0; k < pools->scene->n_filled; k++) {
     const Body *body = &pools->scene->filled[k];
 
-    if (!HasSurface(pools->scene, k)) continue;
-    if (body->shape->revolves) PetscCall(AddRevolved(pools->scene, body, rows));
-    else PetscCall(AddBall(pools->scene, body, rows));
+    if (!HasOutline(pools->scene, k)) PetscCall(AddBall(pools->scene, body, rows));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

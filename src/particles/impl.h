@@ -37,9 +37,9 @@ PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidS
 
 /* pools.c */
 typedef struct {
-  PetscInt  region;                       /* filled region on whose outline it lies */
-  PetscBool free;                         /* on the free border of the fluid */
-  PetscReal x[ISPH_MAX_DIM];              /* [m] */
+  PetscInt  region;          /* filled region on whose outline it lies */
+  PetscBool free;            /* on the free border of the fluid */
+  PetscReal x[ISPH_MAX_DIM]; /* in the plane of the outline, of a meridian (r, z) [m] */
   PetscReal normal[ISPH_MAX_DIM], length; /* of the outline [m] */
 } BorderSample;
 typedef struct {

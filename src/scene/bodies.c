@@ -42,7 +42,8 @@ void BodyBall(const Scene *scene, const PetscReal centre[], PetscReal r, Body *b
 }
 
 /* BodyPolygon - Sets a body to a polygon with 3 to 32 corners x, y [m], in 3D to the body that it
-   makes with a turn about the axis z, with corners r, z; returns NULL or a fault; not collective */
+   makes with a turn about the axis z, with corners r >= 0, z; returns NULL or a fault; not
+   collective */
 const char *BodyPolygon(const Scene *scene, PetscInt corners, const PetscReal x[], Body *body)
 {
   return BodySet(scene, scene->dim == 3 ? &ShapeRevolved : &ShapePolygon, 2 * corners, x, body);
@@ -71,7 +72,7 @@ PetscInt BodyLines(const Body *body, PetscInt axis, PetscReal line[])
   const PetscInt   corners = body->n / 2;
   const PetscReal *c       = body->parameter;
 
-  if (body->shape->round || body->shape->revolves) return 0;
+  if (body->shape->round) return 0;
   for (PetscInt e = 0; e < corners; e++) {
     const PetscReal *a = &c[2 * e], *b = &c[2 * ((e + 1) % corners)];
 

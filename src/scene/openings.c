@@ -238,7 +238,13 @@ static PetscErrorCode ReadInterval(Scene *scene, PetscInt side, const OptionRow 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the opening of an inflow side in 3D. */
+/* Returns true if an end of an axis is a plane of symmetry. */
+static PetscBool Mirrors(const Scene *scene, PetscInt axis, PetscInt end)
+{
+  return scene->boundary[2 * axis + end].kind == &BoundarySymmetry ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Reads the opening of an inflow side in 3D. It may reach beyond planes of symmetry. */
 static PetscErrorCode ReadHole(Scene *scene, PetscInt side, const OptionRow *row)
 {
   Body     *hole = &scene->boundary[side].hole;
@@ -252,7 +258,8 @@ static PetscErrorCode ReadHole(Scene *scene, PetscInt side, const OptionRow *row
     PetscReal span[2];
 
     BodySpan(hole, m, span);
-    UserCheck(span[0] >= scene->lo[axis[m]] && span[1] <= scene->hi[axis[m]] &&
+    UserCheck((span[0] >= scene->lo[axis[m]] || Mirrors(scene, axis[m], 0)) &&
+                  (span[1] <= scene->hi[axis[m]] || Mirrors(scene, axis[m], 1)) &&
                   span[1] - span[0] >= 2.0 * scene->dx,
               "%s: from %.6g to %.6g along %s; an opening is at least 2 dx = %.4g wide and inside "
               "%.6g to %.6g",

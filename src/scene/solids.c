@@ -181,7 +181,52 @@ static PetscReal BallPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal
   return 4.0 * PETSC_PI * PetscSqr(body->extent) / N;
 }
 
-/* ---- revolved: a polygon in the plane of the distance from the axis z and of z ---- */
+/* ---- revolved: a polygon in the plane of the distance r from the axis z and of z ---- */
+
+/*
+  Adds the mirror image of a meridian that has a side on the axis, which is no surface: this side
+  lies then inside the polygon. Returns NULL or a fault.
+*/
+static const char *MirrorMeridian(Body *body)
+{
+  PetscReal     *c       = body->parameter, turned[BODY_PARAMETERS];
+  const PetscInt corners = body->n / 2;
+  PetscInt       first = -1, on_axis = 0;
+
+  for (PetscInt e = 0; e < corners; e++) {
+    if (c[2 * e] < 0.0) return "r is a distance from the axis, 0 or more";
+    if (c[2 * e] > 0.0) continue;
+    on_axis++;
+    if (c[2 * ((e + corners - 1) % corners)] == 0.0) first = e;
+  }
+  if (on_axis > 2) return "at most two of its corners are on the axis";
+  if (first < 0) return NULL;
+  for (PetscInt k = 0; k < body->n; k++) turned[k] = c[(2 * first + k) % body->n];
+  for (PetscInt k = 0; k < body->n; k++) c[k] = turned[k];
+  for (PetscInt e = corners - 2; e >= 1; e--) {
+    c[body->n++] = -c[2 * e];
+    c[body->n++] = c[2 * e + 1];
+  }
+  return NULL;
+}
+
+static const char *RevolvedPrepare(Body *body)
+{
+  const char *fault = body->n % 2 ? NULL : MirrorMeridian(body);
+  PetscReal   span[2];
+
+  if (!fault) fault = ShapePolygon.Prepare(body);
+  if (fault) return fault;
+  ShapePolygon.Span(body, 1, span);
+  body->centre[0] = body->centre[1] = body->extent = 0.0;
+  body->centre[2]                                  = 0.5 * (span[0] + span[1]);
+  for (PetscInt k = 0; k < body->n; k += 2) {
+    const PetscReal r = body->parameter[k], z = body->parameter[k + 1] - body->centre[2];
+
+    body->extent = PetscMax(body->extent, PetscSqrtReal(r * r + z * z));
+  }
+  return NULL;
+}
 
 static void RevolvedSpan(const Body *body, PetscInt axis, PetscReal span[2])
 {
@@ -202,17 +247,85 @@ static PetscReal RevolvedDistance(const Body *body, const PetscReal x[], PetscRe
   return distance;
 }
 
+/* ShapeRingCount - Returns the number of points about dx apart on a ring of radius r about the axis
+   z, a multiple of four: planes of symmetry through the axis are half a spacing from them; not
+   collective */
+PetscInt ShapeRingCount(PetscReal r, PetscReal dx)
+{
+  return 4 * ShapeLineCount(0.5 * PETSC_PI * r, dx, 1);
+}
+
+/* A ring of points about the axis: its middle, the outward normal, and its area for each point. */
+typedef struct {
+  PetscReal r, z, normal[2], area;
+  PetscInt  n;
+} Ring;
+
+/* Finds the ring of point k among those of all sides of the meridian that are not mirror images;
+   returns the number of points on the rings before it, or of all points if they are k or fewer. */
+static PetscInt FindRing(const Body *body, PetscInt k, PetscReal dx, Ring *ring)
+{
+  const PetscInt corners = body->n / 2;
+  PetscInt       first   = 0;
+
+  for (PetscInt e = 0; e < corners && first <= k; e++) {
+    const PetscReal *a = &body->parameter[2 * e], *b = &body->parameter[2 * ((e + 1) % corners)];
+    const PetscReal  dr = b[0] - a[0], dz = b[1] - a[1], side = PetscSqrtReal(dr * dr + dz * dz);
+    const PetscInt   rings = ShapeLineCount(side, dx, 1);
+
+    for (PetscInt j = 0; j < rings && a[0] + b[0] > 0.0 && first <= k; j++) {
+      const PetscReal s = (j + 0.5) / rings, r = a[0] + s * dr;
+      const PetscInt  n = ShapeRingCount(r, dx);
+
+      if (k - first < n) {
+        *ring      = (Ring){r, a[1] + s * dz, {dz / side, -dr / side}, 0.0, n};
+        ring->area = 2.0 * PETSC_PI * r * side / rings / n;
+        return first;
+      }
+      first = Product(1.0, (PetscReal)first + n);
+    }
+  }
+  return first;
+}
+
+static PetscInt RevolvedCount(const Body *body, PetscReal dx)
+{
+  Ring none;
+
+  return FindRing(body, PETSC_INT_MAX / 4, dx, &none);
+}
+
+static PetscReal RevolvedPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[],
+                               PetscReal normal[])
+{
+  Ring            ring     = {.n = 1};
+  const PetscInt  first    = FindRing(body, k, dx, &ring);
+  const PetscReal angle    = 2.0 * PETSC_PI * (k - first + 0.5) / ring.n;
+  const PetscReal along[2] = {PetscCosReal(angle), PetscSinReal(angle)};
+
+  for (PetscInt a = 0; a < 2; a++) {
+    x[a]      = ring.r * along[a];
+    normal[a] = ring.normal[0] * along[a];
+  }
+  x[2]      = ring.z;
+  normal[2] = ring.normal[1];
+  return ring.area;
+}
+
 const ShapeRow ShapeRevolved = {
     .name     = "revolved",
-    .brief    = "r0,z0,r1,z1,...: 3 to 32 corners in order",
+    .brief    = "r0,z0,r1,z1,...: a turn about the axis z of 3 to 32 corners in order, r >= 0",
     .citation = "",
     .fewest   = 6,
     .most     = BODY_PARAMETERS,
+    .round    = PETSC_TRUE,
     .outline  = &ShapePolygon,
     .revolves = PETSC_TRUE,
-    .Prepare  = PrismPrepare,
+    .Prepare  = RevolvedPrepare,
     .Span     = RevolvedSpan,
     .Distance = RevolvedDistance,
+    .Count    = RevolvedCount,
+    .Point    = RevolvedPoint,
 };
 
 const ShapeRow ShapeBall = {
@@ -273,5 +386,5 @@ static const ShapeRow prism = {
     .Point    = PrismPoint,
 };
 
-static const ShapeRow *const solids[] = {&ShapeBall, &box, &ShapeCylinder, &prism};
+static const ShapeRow *const solids[] = {&ShapeBall, &box, &ShapeCylinder, &prism, &ShapeRevolved};
 const Table SolidTable = TABLE_OF_POINTERS("Shapes of bodies and fluids in 3D", solids);

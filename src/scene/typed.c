@@ -43,8 +43,9 @@ static const OptionRow options[] = {
             .name  = "-scene_body_<k>",
             .kind  = VALUE_SHAPE,
             .brief = "a solid body: circle,cx,cy,r or box,x0,y0,x1,y1 or polygon,x0,y0,...; in 3D "
-                     "ball,cx,cy,cz,r or box,x0,y0,z0,x1,y1,z1 or, through the box along z, "
-                     "cylinder,cx,cy,r or prism,x0,y0,...; bodies are numbered 1, 2, ...",
+                     "ball,cx,cy,cz,r or box,x0,y0,z0,x1,y1,z1 or revolved,r0,z0,... about the "
+                     "axis z or, through the box along z, cylinder,cx,cy,r or prism,x0,y0,...; "
+                     "bodies are numbered 1, 2, ...",
             .unit  = "m",
             .table = &ShapeTable,
             .table_3d = &SolidTable,
