@@ -240,6 +240,8 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *particles,
                                const Neighbors *neighbors, const OperatorForms *forms,
                                FreeSurface *free);
 PetscErrorCode FreeSurfaceFree(FreeSurface *free);
+PetscInt       FreeSurfaceOpenings(const Scene *scene, const Particles *particles,
+                                   const Neighbors *neighbors, PetscInt i);
 PetscBool      FreeSurfaceTouches(const Scene *scene, const Particles *particles,
                                   const Neighbors *neighbors, const FreeSurface *free, PetscInt i,
                                   PetscInt wall);

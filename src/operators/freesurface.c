@@ -143,28 +143,33 @@ static PetscReal LeastEigenvalue(PetscInt d, const PetscReal B[])
   return trace + 2.0 * spread * PetscCosReal(angle + 2.0 * PETSC_PI / 3.0);
 }
 
+/* Returns true if wall particle w is a part of an opening: beyond it is fluid that enters or has
+   left. */
+static PetscBool IsOpening(const Scene *scene, const Particles *p, PetscInt w)
+{
+  const PetscInt side = (PetscInt)p->side[w];
+  PetscReal      x[ISPH_MAX_DIM];
+
+  if (!BoundaryIs(scene, side, BOUNDARY_INFLOW)) return BoundaryIs(scene, side, BOUNDARY_OUTFLOW);
+  ParticlesWallPoint(p, w, x);
+  return BoundaryIsOpen(scene, side, x);
+}
+
 /*
   FreeSurfaceTouches - Returns true if fluid touches a wall particle that is a neighbour of own
   fluid particle i
 
   Not collective. Fluid does not see a wall across a gap: there it has no friction, and the wall
-  does not cover it. Only neighbours of i are searched, so that the answer needs no other rank. The
-  gap at an opening is fluid that enters or has left. Isolated particles do not count if `free` is
-  given; NULL: they do.
+  does not cover it. Only neighbours of i are searched, so that the answer needs no other rank.
+  Fluid touches all wall particles of openings. Isolated particles do not count if `free` is given;
+  NULL: they do.
 */
 PetscBool FreeSurfaceTouches(const Scene *scene, const Particles *p, const Neighbors *nb,
                              const FreeSurface *free, PetscInt i, PetscInt wall)
 {
   const PetscReal most = PetscSqr(WET * p->dx[i]);
-  const PetscInt  side = (PetscInt)p->side[wall];
 
-  if (BoundaryIs(scene, side, BOUNDARY_OUTFLOW)) return PETSC_TRUE;
-  if (BoundaryIs(scene, side, BOUNDARY_INFLOW)) {
-    PetscReal x[ISPH_MAX_DIM];
-
-    ParticlesWallPoint(p, wall, x);
-    if (BoundaryIsOpen(scene, side, x)) return PETSC_TRUE;
-  }
+  if (IsOpening(scene, p, wall)) return PETSC_TRUE;
   for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {
     const PetscInt j = q < nb->row[i] ? i : nb->col[q];
 
@@ -174,9 +179,20 @@ PetscBool FreeSurfaceTouches(const Scene *scene, const Particles *p, const Neigh
   return PETSC_FALSE;
 }
 
-/* Returns true if a neighbour of own particle i covers it: it is in the cone about the normal. A
-   wall particle covers only fluid before it that touches it, and an isolated particle covers
-   nothing. */
+/* Returns true if wall particle w covers own particle i: it is a part of an opening, or fluid before
+   it touches it. */
+static PetscBool Covers(const Scene *scene, const Particles *p, const Neighbors *nb, PetscInt i,
+                        PetscInt w, const PetscReal normal[])
+{
+  PetscReal faces = 0.0;
+
+  if (IsOpening(scene, p, w)) return PETSC_TRUE;
+  for (PetscInt a = 0; a < p->dim; a++) faces += p->normal[a][w] * normal[a];
+  return faces < -0.5 && FreeSurfaceTouches(scene, p, nb, NULL, i, w) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Returns true if a neighbour of own particle i covers it: it is in the cone about the normal. An
+   isolated particle covers nothing. */
 static PetscBool IsCovered(const Scene *scene, const Particles *p, const Neighbors *nb,
                            const FreeSurface *free, PetscInt i)
 {
@@ -184,22 +200,38 @@ static PetscBool IsCovered(const Scene *scene, const Particles *p, const Neighbo
 
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
     const PetscInt j  = nb->col[q];
-    PetscReal      r2 = 0.0, along = 0.0, faces = 0.0;
+    PetscReal      r2 = 0.0, along = 0.0;
 
     for (PetscInt a = 0; a < p->dim; a++) {
       const PetscReal X = p->x[a][j] - p->x[a][i];
 
       r2 += PetscSqr(X);
       along += X * normal[a];
-      if (ParticlesIsWall(p, j)) faces += p->normal[a][j] * normal[a];
     }
     if (r2 == 0.0 || r2 >= PetscSqr(CONE_LENGTH * p->dx[i])) continue;
     if (along <= CONE * PetscSqrtReal(r2)) continue;
-    if (ParticlesIsWall(p, j) ? faces < -0.5 && FreeSurfaceTouches(scene, p, nb, NULL, i, j)
+    if (ParticlesIsWall(p, j) ? Covers(scene, p, nb, i, j, normal)
                               : free->kind[j] != SURFACE_ISOLATED)
       return PETSC_TRUE;
   }
   return PETSC_FALSE;
+}
+
+/* FreeSurfaceOpenings - Returns the number of wall particles of openings close to own particle i: a
+   void there is fluid that enters or has left; not collective */
+PetscInt FreeSurfaceOpenings(const Scene *scene, const Particles *p, const Neighbors *nb,
+                             PetscInt i)
+{
+  PetscInt n = 0;
+
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    const PetscInt j = nb->col[q];
+
+    if (ParticlesIsWall(p, j) && ParticlesSquareDistance(p, i, j) < PetscSqr(CLOSE * p->dx[i]) &&
+        IsOpening(scene, p, j))
+      n++;
+  }
+  return n;
 }
 
 /* Determines if own particle i can be on the surface, and its first normal: SMOOTH is a candidate,
@@ -208,17 +240,18 @@ static SurfaceKind Candidate(const Scene *scene, const Particles *p, const Neigh
                              const OperatorForms *forms, const PlaneSums *plane, PetscInt i,
                              PetscReal normal[])
 {
-  Sums      sums;
-  PetscReal size = 0.0;
+  const PetscInt openings = FreeSurfaceOpenings(scene, p, nb, i);
+  Sums           sums;
+  PetscReal      size = 0.0;
 
   SumsOf(scene, p, nb, forms, i, &sums);
   for (PetscInt a = 0; a < p->dim; a++) size += PetscSqr(sums.S[a]);
   size = PetscSqrtReal(size);
   for (PetscInt a = 0; a < p->dim; a++) normal[a] = size > 0.0 ? -sums.S[a] / size : a == 0;
-  if (sums.close < 3) return SURFACE_ISOLATED;
+  if (sums.close + openings < 3) return SURFACE_ISOLATED;
   if (size < CANDIDATE * plane->S && LeastEigenvalue(p->dim, sums.B) > SPARSE)
     return SURFACE_INSIDE;
-  return 1.0 - sums.C < VOID * (1.0 - plane->C) ? SURFACE_SMOOTH : SURFACE_ROUGH;
+  return openings || 1.0 - sums.C < VOID * (1.0 - plane->C) ? SURFACE_SMOOTH : SURFACE_ROUGH;
 }
 
 /* SurfaceTangents - Computes the unit tangents t of a surface with the unit normal n, one in 2D and
