@@ -26,6 +26,7 @@
 #define VOID        0.7  /* least 1 - C over its value there of a particle that is on the surface */
 #define CONE        0.743 /* cosine of half the angle of the cone, 42 degrees */
 #define CONE_LENGTH 2.0   /* [dx] */
+#define LONG_CONE   3.0   /* beside openings [dx] */
 #define BESIDE      1.2   /* distance to a rough particle at which a surface is rough too [dx] */
 #define OFF_WALLS   2.0   /* distance from wall particles from which on this holds [dx] */
 #define BELOW       0.15  /* depth below the fit from which on a particle is inside [dx] */
@@ -143,16 +144,24 @@ static PetscReal LeastEigenvalue(PetscInt d, const PetscReal B[])
   return trace + 2.0 * spread * PetscCosReal(angle + 2.0 * PETSC_PI / 3.0);
 }
 
-/* Returns true if wall particle w is a part of an opening: beyond it is fluid that enters or has
-   left. */
-static PetscBool IsOpening(const Scene *scene, const Particles *p, PetscInt w)
+/* Returns true if fluid enters at wall particle w. */
+static PetscBool IsInflow(const Scene *scene, const Particles *p, PetscInt w)
 {
   const PetscInt side = (PetscInt)p->side[w];
   PetscReal      x[ISPH_MAX_DIM];
 
-  if (!BoundaryIs(scene, side, BOUNDARY_INFLOW)) return BoundaryIs(scene, side, BOUNDARY_OUTFLOW);
+  if (!BoundaryIs(scene, side, BOUNDARY_INFLOW)) return PETSC_FALSE;
   ParticlesWallPoint(p, w, x);
   return BoundaryIsOpen(scene, side, x);
+}
+
+/* Returns true if wall particle w is a part of an opening: beyond it is fluid that enters or has
+   left. */
+static PetscBool IsOpening(const Scene *scene, const Particles *p, PetscInt w)
+{
+  return BoundaryIs(scene, (PetscInt)p->side[w], BOUNDARY_OUTFLOW) || IsInflow(scene, p, w)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
 }
 
 /*
@@ -179,24 +188,26 @@ PetscBool FreeSurfaceTouches(const Scene *scene, const Particles *p, const Neigh
   return PETSC_FALSE;
 }
 
-/* Returns true if wall particle w covers own particle i: it is a part of an opening, or fluid before
-   it touches it. */
+/* Returns true if wall particle w covers own particle i: fluid enters there, or it faces the normal
+   and fluid touches it. */
 static PetscBool Covers(const Scene *scene, const Particles *p, const Neighbors *nb, PetscInt i,
                         PetscInt w, const PetscReal normal[])
 {
   PetscReal faces = 0.0;
 
-  if (IsOpening(scene, p, w)) return PETSC_TRUE;
+  if (IsInflow(scene, p, w)) return PETSC_TRUE;
   for (PetscInt a = 0; a < p->dim; a++) faces += p->normal[a][w] * normal[a];
   return faces < -0.5 && FreeSurfaceTouches(scene, p, nb, NULL, i, w) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Returns true if a neighbour of own particle i covers it: it is in the cone about the normal. An
-   isolated particle covers nothing. */
+/* Returns true if a neighbour of own particle i covers it: it is in the cone about the normal. The
+   cone is longer beside openings, where rows of particles leave gaps. An isolated particle covers
+   nothing. */
 static PetscBool IsCovered(const Scene *scene, const Particles *p, const Neighbors *nb,
                            const FreeSurface *free, PetscInt i)
 {
   const PetscReal *normal = &free->normal[i * p->dim];
+  const PetscReal  length = FreeSurfaceOpenings(scene, p, nb, i) ? LONG_CONE : CONE_LENGTH;
 
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
     const PetscInt j  = nb->col[q];
@@ -208,7 +219,7 @@ static PetscBool IsCovered(const Scene *scene, const Particles *p, const Neighbo
       r2 += PetscSqr(X);
       along += X * normal[a];
     }
-    if (r2 == 0.0 || r2 >= PetscSqr(CONE_LENGTH * p->dx[i])) continue;
+    if (r2 == 0.0 || r2 >= PetscSqr(length * p->dx[i])) continue;
     if (along <= CONE * PetscSqrtReal(r2)) continue;
     if (ParticlesIsWall(p, j) ? Covers(scene, p, nb, i, j, normal)
                               : free->kind[j] != SURFACE_ISOLATED)

@@ -20,8 +20,8 @@ typedef struct {
                           without ends and corners is one piece with half a spacing at both ends */
 } Piece;
 
-/* Returns true unless region k is a ball: its border has an outline, in 3D the same at every z, or a
-   meridian. */
+/* Returns true unless region k is a ball: its border has an outline, in 3D the same at every z, or
+   a meridian. */
 static PetscBool HasOutline(const Scene *scene, PetscInt k)
 {
   return BodyOutline(scene, &scene->filled[k]) ? PETSC_TRUE : PETSC_FALSE;

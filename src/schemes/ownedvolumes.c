@@ -19,7 +19,7 @@
 #define MOST     0.3  /* largest share of an excess that a step exchanges or takes back [-] */
 #define LEAST    0.3  /* least part of a support that counts as inside: less than one layer [-] */
 #define LARGEST  0.2  /* largest excess that counts, over the volume of the particle [-] */
-#define DEPTH    3    /* supports from a surface to the particles whose volume is controlled */
+#define DEPTH    6    /* supports from a surface to the particles whose volume is controlled */
 
 static const OptionRow options[] = {
     {
