@@ -19,7 +19,6 @@
 #define MOST     0.3  /* largest share of an excess that a step exchanges or takes back [-] */
 #define LEAST    0.3  /* least part of a support that counts as inside: less than one layer [-] */
 #define LARGEST  0.2  /* largest excess that counts, over the volume of the particle [-] */
-#define DEPTH    6    /* supports from a surface to the particles whose volume is controlled */
 
 static const OptionRow options[] = {
     {
@@ -119,54 +118,39 @@ static PetscReal ShearRate(const Flow *flow, const PetscReal u[], PetscInt i)
   return weights > 0.0 ? PetscSqrtReal(d * (d + 2.0) * sum / weights) : 0.0;
 }
 
-/* Marks the particles within DEPTH supports of a free surface, with 1 for those on it and one more
-   for each support. Fluid farther from it, as in a pipe, needs no control. */
-static PetscErrorCode MarkNear(const Flow *flow, PetscReal near[])
+/* Finds out if a particle of any rank is on a free surface. A fluid that fills its box needs no
+   control: there the sources of fluctuating cells would drive a flow through its openings. */
+static PetscErrorCode FindSurface(const Flow *flow, PetscBool *found)
 {
-  const Particles *p  = flow->particles;
-  const Neighbors *nb = flow->neighbors;
+  const Particles *p   = flow->particles;
+  PetscMPIInt      any = 0;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < p->n_fluid; i++)
-    near[i] = FreeSurfaceHolds(flow->ops->free, i) ? 1.0 : 0.0;
-  for (PetscInt mark = 1; mark <= DEPTH; mark++) {
-    PetscCall(ParticlesHaloField(p, near));
-    for (PetscInt i = 0; i < p->n_fluid; i++) {
-      for (PetscInt q = nb->row[i]; q < nb->row[i + 1] && near[i] == 0.0; q++) {
-        const PetscInt j = nb->col[q];
-        PetscReal      X[ISPH_MAX_DIM], r2;
-
-        if (!ParticlesIsWall(p, j) && near[j] == (PetscReal)mark &&
-            Weight(flow, i, j, X, &r2) > 0.0)
-          near[i] = mark + 1.0;
-      }
-    }
-  }
+  for (PetscInt i = 0; i < p->n_fluid && !any; i++) any = FreeSurfaceHolds(flow->ops->free, i);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, p->comm));
+  *found = any ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Sets shear and excess of own particles. At the start a particle owns its cell, and later the
    volume with which it has entered. Isolated particles have no excess. Particles beside an opening,
-   whose cells end at its side, and those far from a surface have no shear: their excess waits. */
+   whose cells end at its side, have no shear: their excess waits. */
 static PetscErrorCode FindExcess(Flow *flow, Values *v)
 {
   const Particles *p     = flow->particles;
-  PetscReal       *owned = flow->state->owned, *u, *near;
+  PetscReal       *owned = flow->state->owned, *u;
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc1(ParticlesAll(p), &near));
-  PetscCall(MarkNear(flow, near));
   PetscCall(FlowAllVelocities(flow, flow->state->u, &u));
   PetscCall(FlowCellVolumes(flow, GRID, v->excess));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     if (owned[i] == 0.0) owned[i] = flow->clock->step == 0 ? v->excess[i] : p->volume[i];
     if (flow->ops->free->kind[i] == SURFACE_ISOLATED) v->excess[i] = owned[i];
-    else if (near[i] > 0.0 && !FreeSurfaceOpenings(flow->scene, p, flow->neighbors, i))
+    else if (!FreeSurfaceOpenings(flow->scene, p, flow->neighbors, i))
       v->shear[i] = ShearRate(flow, u, i);
     v->excess[i] -= owned[i];
   }
   PetscCall(PetscFree(u));
-  PetscCall(PetscFree(near));
   PetscCall(ParticlesHaloField(p, v->excess));
   PetscCall(ParticlesHaloField(p, v->shear));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -249,11 +233,17 @@ PetscErrorCode VolumesControl(Flow *flow)
   const Particles *p    = flow->particles;
   FlowState       *s    = flow->state;
   PetscReal        work = 0.0;
+  PetscBool        found;
   PetscScalar     *source;
   Values           v;
 
   PetscFunctionBegin;
   if (!s->owned) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FindSurface(flow, &found));
+  if (!found) {
+    PetscCall(VecZeroEntries(s->source));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(PetscLogEventBegin(s->event[FLOW_EVENT_VOLUMES], 0, 0, 0, 0));
   PetscCall(PetscCalloc3(ParticlesAll(p), &v.shear, ParticlesAll(p), &v.excess, ParticlesAll(p),
                          &v.share));
