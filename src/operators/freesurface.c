@@ -235,6 +235,7 @@ PetscInt FreeSurfaceOpenings(const Scene *scene, const Particles *p, const Neigh
 {
   PetscInt n = 0;
 
+  if (!SceneHasOpenings(scene)) return 0;
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
     const PetscInt j = nb->col[q];
 
