@@ -133,6 +133,7 @@ typedef struct {
   PetscReal *kind;      /* SurfaceKind of fluid particles, a whole number */
   PetscReal *normal;    /* out of the fluid, at [i dim + a]; zero inside */
   PetscReal *curvature; /* sum of the principal curvatures, own particles [1/m] */
+  PetscBool  there;     /* a fluid particle of any rank is on the surface, or isolated */
   PetscBool  has_rough; /* a fluid particle of any rank is rough, or paired */
   PetscReal  tension;   /* surface tension; 0: none [N/m] */
   PetscReal *paired;    /* not 0: own particle has pair forces, see BurstSolve(); NULL: none */
@@ -276,6 +277,7 @@ static inline PetscBool FreeSurfaceIsRough(const FreeSurface *free, PetscInt i)
   return free->kind[i] == SURFACE_ROUGH || free->kind[i] == SURFACE_ISOLATED;
 }
 PetscBool OperatorsStressSurface(const Operators *ops);
+PetscBool OperatorsBesideSurface(const Operators *ops, PetscInt i);
 void      OperatorsForget(Operators *ops);
 
 PetscErrorCode WallValuesRenumber(const Scene *scene, const Particles *particles,

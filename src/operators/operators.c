@@ -325,3 +325,14 @@ void OperatorsForget(Operators *ops)
 {
   ops->moved = -1;
 }
+
+/* OperatorsBesideSurface - Returns true if the fluid within the support of own particle i has a
+   free surface; not collective */
+PetscBool OperatorsBesideSurface(const Operators *ops, PetscInt i)
+{
+  const Pattern *fluid = &ops->rows.fluid;
+
+  for (PetscInt s = fluid->row[i]; ops->free && s < fluid->row[i + 1]; s++)
+    if (FreeSurfaceHolds(ops->free, fluid->local[s])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}

@@ -271,17 +271,6 @@ static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i,
   for (PetscInt c = 0; c < scene->dim; c++) change[c] -= along * shear[c];
 }
 
-/* FlowIsBesideSurface - Returns true if the fluid within the support of own particle i has a free
-   surface; not collective */
-PetscBool FlowIsBesideSurface(const Operators *ops, PetscInt i)
-{
-  const Pattern *fluid = &ops->rows.fluid;
-
-  for (PetscInt s = fluid->row[i]; ops->free && s < fluid->row[i + 1]; s++)
-    if (FreeSurfaceHolds(ops->free, fluid->local[s])) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
 /* Returns true if a wall is within the support of own particle i. */
 static PetscBool HasWall(const Operators *ops, PetscInt i)
 {
@@ -309,7 +298,7 @@ static void FilterAtSurface(const Flow *flow, const Slopes *slopes, PetscInt i, 
   const PetscReal share = PetscMin(1.0, SURFACE_RATE * nu * flow->clock->dt / PetscSqr(dx));
 
   if (!OperatorsStressSurface(flow->ops) || FreeSurfaceIsRough(flow->ops->free, i)) return;
-  if (!HasWall(flow->ops, i) || !FlowIsBesideSurface(flow->ops, i)) return;
+  if (!HasWall(flow->ops, i) || !OperatorsBesideSurface(flow->ops, i)) return;
   for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * slopes->residual[c][i];
 }
 

@@ -15,7 +15,6 @@ PetscErrorCode FlowBegin(Flow *flow);
 
 /* motion.c */
 PetscErrorCode FlowMove(Flow *flow);
-PetscBool      FlowIsBesideSurface(const Operators *ops, PetscInt i);
 
 /* openings.c */
 PetscErrorCode OpeningsCreate(Flow *flow);

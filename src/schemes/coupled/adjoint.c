@@ -128,6 +128,17 @@ static PetscBool IsBesideSlip(const Flow *flow, PetscInt i)
   return PETSC_FALSE;
 }
 
+/* Returns true if the column of own particle i stays whatever its cosine is: beside a side along
+   which the fluid slides, and away from free surfaces, as in a fluid without one. Beside corners of
+   walls and inflows a reaction would have an error as large as the pressure. */
+static PetscBool KeepsColumn(const Flow *flow, PetscInt i)
+{
+  return IsBesideSlip(flow, i) ||
+                 !(FreeSurfaceHolds(flow->ops->free, i) || OperatorsBesideSurface(flow->ops, i))
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
 /* Sets `fits` to 1 for the pressures that keep their columns of G, and to 0 for those whose columns
    are replaced by the rows of the reactions; counts the latter on all ranks. */
 static PetscErrorCode ChooseColumns(const Flow *flow, const Saddle *s, Mat reactions, Vec fits,
@@ -149,7 +160,7 @@ static PetscErrorCode ChooseColumns(const Flow *flow, const Saddle *s, Mat react
 
     if (GT) PetscCall(RowCosines(s->dim, GT, reactions, first + i, cosine));
     keeps[i] = cosine[0] >= OBLIQUE && (!held || cosine[1] >= ALIGNED) ? 1.0 : 0.0;
-    if (GT && keeps[i] == 0.0 && IsBesideSlip(flow, i)) keeps[i] = 1.0;
+    if (GT && keeps[i] == 0.0 && KeepsColumn(flow, i)) keeps[i] = 1.0;
     if (keeps[i] > 0.0) continue;
     if (held) surface[n++] = first + i;
     (*replaced)++;

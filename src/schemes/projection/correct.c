@@ -132,7 +132,7 @@ static PetscErrorCode AddDilatation(const Flow *flow, PetscReal c)
   PetscCall(VecGetArrayRead(s->divergence, &divergence));
   PetscCall(VecGetArray(s->p, &p));
   for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
-    if (!FlowIsBesideSurface(ops, i)) p[i] += c * divergence[i];
+    if (!OperatorsBesideSurface(ops, i)) p[i] += c * divergence[i];
   PetscCall(VecRestoreArray(s->p, &p));
   PetscCall(VecRestoreArrayRead(s->divergence, &divergence));
   PetscFunctionReturn(PETSC_SUCCESS);
