@@ -344,17 +344,20 @@ static PetscErrorCode Sort(const Scene *scene, const Particles *p, const Neighbo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds out if a particle of any rank is rough or paired: steps without any exchange no velocities
-   for their pair forces. */
-static PetscErrorCode FindRough(const Particles *p, FreeSurface *free)
+/* Finds out if a particle of any rank is on the surface, and if any is rough or paired: steps
+   without them exchange no velocities for pair forces. */
+static PetscErrorCode FindOnAnyRank(const Particles *p, FreeSurface *free)
 {
-  PetscMPIInt rough = 0;
+  PetscMPIInt any[2] = {0, 0};
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < p->n_fluid && !rough; i++)
-    rough = FreeSurfaceIsRough(free, i) || FreeSurfaceIsPaired(free, i);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &rough, 1, MPI_INT, MPI_MAX, p->comm));
-  free->has_rough = rough ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    if (FreeSurfaceHolds(free, i)) any[0] = 1;
+    if (FreeSurfaceIsRough(free, i) || FreeSurfaceIsPaired(free, i)) any[1] = 1;
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, any, 2, MPI_INT, MPI_MAX, p->comm));
+  free->there     = any[0] ? PETSC_TRUE : PETSC_FALSE;
+  free->has_rough = any[1] ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -400,7 +403,7 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
     PetscCall(Exchange(p, free));
   }
   PetscCall(Sort(scene, p, nb, forms, fits.depth, free));
-  PetscCall(FindRough(p, free));
+  PetscCall(FindOnAnyRank(p, free));
   if (free->tension > 0.0) PetscCall(SurfaceAverageCurvature(scene, p, nb, forms, free));
   PetscCall(PetscFree2(fits.normal, fits.depth));
   PetscFunctionReturn(PETSC_SUCCESS);

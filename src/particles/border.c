@@ -166,9 +166,9 @@ PetscBool BorderIsNear(const Pools *pools, const PetscReal x[], PetscReal reach)
     const BorderSample *s = &pools->border[q];
     PetscReal           y[2];
 
+    if (!s->free) continue;
     PointBelow(pools->scene, s->region, x, y);
-    if (s->free && PetscSqr(y[0] - s->x[0]) + PetscSqr(y[1] - s->x[1]) < PetscSqr(reach))
-      return PETSC_TRUE;
+    if (PetscSqr(y[0] - s->x[0]) + PetscSqr(y[1] - s->x[1]) < PetscSqr(reach)) return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }

@@ -118,20 +118,6 @@ static PetscReal ShearRate(const Flow *flow, const PetscReal u[], PetscInt i)
   return weights > 0.0 ? PetscSqrtReal(d * (d + 2.0) * sum / weights) : 0.0;
 }
 
-/* Finds out if a particle of any rank is on a free surface. A fluid that fills its box needs no
-   control: there the sources of fluctuating cells would drive a flow through its openings. */
-static PetscErrorCode FindSurface(const Flow *flow, PetscBool *found)
-{
-  const Particles *p   = flow->particles;
-  PetscMPIInt      any = 0;
-
-  PetscFunctionBegin;
-  for (PetscInt i = 0; i < p->n_fluid && !any; i++) any = FreeSurfaceHolds(flow->ops->free, i);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, p->comm));
-  *found = any ? PETSC_TRUE : PETSC_FALSE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Sets shear and excess of own particles. At the start a particle owns its cell, and later the
    volume with which it has entered. Isolated particles have no excess. Particles beside an opening,
    whose cells end at its side, have no shear: their excess waits. */
@@ -226,21 +212,20 @@ static PetscReal Source(const Flow *flow, const Values *v, PetscInt j)
   VolumesControl - Sets the divergence that takes the excess of volume back, state->source
 
   Collective. Input: neighbours and kinds at the present positions. The work of the pressure on it
-  enters the balance of energy.
+  enters the balance of energy. A fluid that fills its box has no control: the sources of
+  fluctuating cells would drive a flow through its openings.
 */
 PetscErrorCode VolumesControl(Flow *flow)
 {
   const Particles *p    = flow->particles;
   FlowState       *s    = flow->state;
   PetscReal        work = 0.0;
-  PetscBool        found;
   PetscScalar     *source;
   Values           v;
 
   PetscFunctionBegin;
   if (!s->owned) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(FindSurface(flow, &found));
-  if (!found) {
+  if (!flow->ops->free->there) {
     PetscCall(VecZeroEntries(s->source));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
