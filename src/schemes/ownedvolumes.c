@@ -14,14 +14,15 @@
   sum W of w over a lattice. `rate` is -surface_volume_rate. See docs/theory.md, (370) to (372).
 
   Cells fluctuate as particles pass each other. Without the lag the source of mass would jump from
-  step to step, and pressures with the jump over dt. LAG is 4: an error decays without a swing, as
-  de/dt = -rate c f and df/dt = LAG rate c (e - f) are then critically damped.
+  step to step, and pressures with the jump over dt. An error decays by de/dt = -rate c f,
+  df/dt = LAG rate c (e - f), which have the damping ratio sqrt(LAG)/2: with LAG = 2 an error
+  overshoots zero by 4 %.
 */
 #include "step.h"
 
 #define GRID     3    /* points of the cells along dx */
 #define EXCHANGE 20.0 /* exchanged share per unit of shear [-] */
-#define LAG      4.0  /* rate of the lag over that of the control [-] */
+#define LAG      2.0  /* rate of the lag over that of the control [-] */
 #define MOST     0.3  /* largest share of an excess that a step exchanges or takes back [-] */
 #define LEAST    0.3  /* least part of a support that counts as inside: less than one layer [-] */
 #define LARGEST  0.2  /* largest excess that counts, over the volume of the particle [-] */
