@@ -174,9 +174,29 @@ static PetscReal Exchange(const Flow *flow, const Values *v, PetscReal lattice, 
   return v->excess[i] + sum;
 }
 
+/* Returns true if a rough particle is within the support of own particle i. */
+static PetscBool IsBesideRough(const Flow *flow, PetscInt i)
+{
+  const Particles   *p      = flow->particles;
+  const Neighbors   *nb     = flow->neighbors;
+  const FreeSurface *free   = flow->ops->free;
+  const PetscReal    radius = flow->ops->forms.radius;
+
+  if (!free->has_rough) return PETSC_FALSE;
+  for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {
+    const PetscInt j = q < nb->row[i] ? i : nb->col[q];
+
+    if (!ParticlesIsWall(p, j) && free->kind[j] == SURFACE_ROUGH &&
+        ParticlesSquareDistance(p, i, j) < PetscSqr(radius))
+      return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
 /* Exchanges the excess, lets the lagged one follow and sets the shares. Excess beyond LARGEST
    waits, and so does a part where few particles are inside: the tips of the arms of a turning
-   square burst without these limits. */
+   square burst without these limits. Beside rough particles, whose cells flicker, nothing is taken
+   back: their excess goes to the fluid behind. */
 static PetscErrorCode SetShares(Flow *flow, Values *v)
 {
   const Particles     *p       = flow->particles;
@@ -192,6 +212,7 @@ static PetscErrorCode SetShares(Flow *flow, Values *v)
     left = Exchange(flow, v, lattice, i, &inside);
     c->owned[i] += v->excess[i] - left;
     c->lagged[i] += PetscMin(1.0, LAG * rate * flow->clock->dt) * (left - c->lagged[i]);
+    if (IsBesideRough(flow, i)) continue;
     inside      = PetscMax(inside, LEAST * lattice * p->volume[i]);
     taken       = PetscMax(-most, PetscMin(most, c->lagged[i]));
     v->share[i] = PetscMin(MOST / flow->clock->dt, rate) * taken / inside;
