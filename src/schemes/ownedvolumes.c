@@ -15,14 +15,13 @@
 
   Cells fluctuate as particles pass each other. Without the lag the source of mass would jump from
   step to step, and pressures with the jump over dt. An error decays by de/dt = -rate c f,
-  df/dt = LAG rate c (e - f), which have the damping ratio sqrt(LAG)/2: with LAG = 2 an error
-  overshoots zero by 4 %.
+  df/dt = LAG rate c (e - f), which are critically damped with LAG = 4.
 */
 #include "step.h"
 
 #define GRID     3    /* points of the cells along dx */
 #define EXCHANGE 20.0 /* exchanged share per unit of shear [-] */
-#define LAG      2.0  /* rate of the lag over that of the control [-] */
+#define LAG      4.0  /* rate of the lag over that of the control [-] */
 #define MOST     0.3  /* largest share of an excess that a step exchanges or takes back [-] */
 #define LEAST    0.3  /* least part of a support that counts as inside: less than one layer [-] */
 #define LARGEST  0.2  /* largest excess that counts, over the volume of the particle [-] */
@@ -35,7 +34,7 @@ static const OptionRow options[] = {
             "share of an error of the volume at a free surface that the equations of mass take "
             "back while the fluid is sheared by 1; 0: no control of the volume",
         .unit     = "-",
-        .standard = "1",
+        .standard = "0.5",
         .low      = 0.0,
         .high     = 10.0,
         .where    = "flows with a free surface that moves",
@@ -59,7 +58,7 @@ PetscErrorCode VolumesCreate(Flow *flow)
   PetscFunctionBegin;
   if (!SceneHasFreeSurface(flow->scene) || !SceneMoves(flow->scene))
     PetscFunctionReturn(PETSC_SUCCESS);
-  s->volumes.rate = 1.0;
+  s->volumes.rate = 0.5;
   PetscCall(OptionGetReal(&options[0], &s->volumes.rate, NULL));
   if (s->volumes.rate == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscClassIdRegister("Volume", &id));
@@ -174,29 +173,9 @@ static PetscReal Exchange(const Flow *flow, const Values *v, PetscReal lattice, 
   return v->excess[i] + sum;
 }
 
-/* Returns true if a rough particle is within the support of own particle i. */
-static PetscBool IsBesideRough(const Flow *flow, PetscInt i)
-{
-  const Particles   *p      = flow->particles;
-  const Neighbors   *nb     = flow->neighbors;
-  const FreeSurface *free   = flow->ops->free;
-  const PetscReal    radius = flow->ops->forms.radius;
-
-  if (!free->has_rough) return PETSC_FALSE;
-  for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {
-    const PetscInt j = q < nb->row[i] ? i : nb->col[q];
-
-    if (!ParticlesIsWall(p, j) && free->kind[j] == SURFACE_ROUGH &&
-        ParticlesSquareDistance(p, i, j) < PetscSqr(radius))
-      return PETSC_TRUE;
-  }
-  return PETSC_FALSE;
-}
-
 /* Exchanges the excess, lets the lagged one follow and sets the shares. Excess beyond LARGEST
    waits, and so does a part where few particles are inside: the tips of the arms of a turning
-   square burst without these limits. Beside rough particles, whose cells flicker, nothing is taken
-   back: their excess goes to the fluid behind. */
+   square burst without these limits. */
 static PetscErrorCode SetShares(Flow *flow, Values *v)
 {
   const Particles     *p       = flow->particles;
@@ -212,7 +191,6 @@ static PetscErrorCode SetShares(Flow *flow, Values *v)
     left = Exchange(flow, v, lattice, i, &inside);
     c->owned[i] += v->excess[i] - left;
     c->lagged[i] += PetscMin(1.0, LAG * rate * flow->clock->dt) * (left - c->lagged[i]);
-    if (IsBesideRough(flow, i)) continue;
     inside      = PetscMax(inside, LEAST * lattice * p->volume[i]);
     taken       = PetscMax(-most, PetscMin(most, c->lagged[i]));
     v->share[i] = PetscMin(MOST / flow->clock->dt, rate) * taken / inside;
