@@ -81,13 +81,6 @@ typedef struct {
   PetscReal  volume_in, volume_out; /* of particles, so far [m^dim] */
 } Openings;
 
-/* Control of the volume inside a free surface; see src/schemes/ownedvolumes.c. */
-typedef struct {
-  PetscReal  rate;   /* share of an error that the equations of mass take back; 0: no control [-] */
-  PetscReal *owned;  /* volume that particles own (field); NULL: no control [m^dim] */
-  PetscReal *lagged; /* excess that the equations of mass take back (field) [m^dim] */
-} VolumeControl;
-
 /*
   Velocity and pressure on the particles. Fields follow the particles through migration, restart and
   undo. Vectors are valid for an epoch; they share storage with the fields or hold the present step.
@@ -95,6 +88,7 @@ typedef struct {
 typedef struct {
   const ShiftRow *shift; /* NULL: fixed particles */
   PetscReal       shift_strength;
+  PetscReal       volume_rate;         /* of the control of volume at free surfaces; 0: none [-] */
   PetscReal       velocity_filter;     /* strength of the grid-scale filter of velocities [-] */
   PetscBool       has_convection;      /* particles are fixed and have a convective term */
   PetscBool       implicit_convection; /* this term is in the viscous matrix */
@@ -103,13 +97,13 @@ typedef struct {
   Budget         *budget;  /* NULL: steps measure none */
   Graded          graded;  /* zero unless particles move and are graded */
   Openings        openings;
-  VolumeControl   volumes;
 
   PetscReal *u_previous[ISPH_MAX_DIM]; /* u^{n-1} (field) [m/s] */
   PetscReal *u_earlier[ISPH_MAX_DIM];  /* u^{n-2} (field); NULL: not needed [m/s] */
   PetscReal *convection[ISPH_MAX_DIM]; /* (u.grad u)^{n-1} of fixed particles, explicit (field)
                                           [m/s^2] */
   PetscReal *convection_earlier[ISPH_MAX_DIM]; /* (u.grad u)^{n-2} (field); NULL: not needed */
+  PetscReal *owned; /* volume that particles own (field); NULL: not controlled [m^dim] */
   PetscReal *correction[ISPH_MAX_DIM]; /* u - u* of the last projection (field); NULL without
                                           implicit convection [m/s] */
 

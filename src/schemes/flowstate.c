@@ -215,8 +215,8 @@ PetscErrorCode FlowStateRenumber(Flow *flow)
     if (s->average.mean) PetscCall(FluidVec(p, s->average.mean, &s->average.vec));
     PetscCall(FluidVec(p, NULL, &s->p_before));
     PetscCall(FluidVec(p, NULL, &s->divergence));
-    if (s->volumes.owned) PetscCall(FluidVec(p, NULL, &s->source));
-    if (s->volumes.owned) PetscCall(VecZeroEntries(s->source));
+    if (s->owned) PetscCall(FluidVec(p, NULL, &s->source));
+    if (s->owned) PetscCall(VecZeroEntries(s->source));
   }
   s->epoch = p->epoch;
   PetscFunctionReturn(PETSC_SUCCESS);

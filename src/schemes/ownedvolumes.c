@@ -3,25 +3,19 @@
   that of its cell V_i (cellvolume.c), and the flow should keep it. It does not: the surface sinks
   where particles from inside join it, displacements that are no velocity raise it, and particles
   crowd on it where it shortens. Neighbours exchange their excess e_i = V_i - v_i, so that only its
-  mean over the support remains, and the equations of mass take this mean back with a lag, f_i:
+  mean over the support remains, and the equations of mass take this mean back:
 
     v_i    <- v_i - sum_j EXCHANGE (c_i + c_j)/2 dt (e_j - e_i) w_ij/W,
-    f_i    <- f_i + min(1, LAG rate c_i dt) (e_i - f_i),
-    div u_j = -sum_i rate c_i f_i w_ij/(sum_k V_k w_ik),   j and k inside, w = (1 - r^2/R^2)^2,
+    div u_j = -sum_i rate c_i e_i w_ij/(sum_k V_k w_ik),   j and k inside, w = (1 - r^2/R^2)^2,
 
   with the shear rate c_i about the particle, c^2 = d (d + 2) <(e.(u_k - u_i)/r)^2>, which is
   sqrt(2 E:E) of a uniform strain and zero for rigid motions, the radius R of the support and the
   sum W of w over a lattice. `rate` is -surface_volume_rate. See docs/theory.md, (370) to (372).
-
-  Cells fluctuate as particles pass each other. Without the lag the source of mass would jump from
-  step to step, and pressures with the jump over dt. An error decays by de/dt = -rate c f,
-  df/dt = LAG rate c (e - f), which are critically damped with LAG = 4.
 */
 #include "step.h"
 
 #define GRID     3    /* points of the cells along dx */
 #define EXCHANGE 20.0 /* exchanged share per unit of shear [-] */
-#define LAG      4.0  /* rate of the lag over that of the control [-] */
 #define MOST     0.3  /* largest share of an excess that a step exchanges or takes back [-] */
 #define LEAST    0.3  /* least part of a support that counts as inside: less than one layer [-] */
 #define LARGEST  0.2  /* largest excess that counts, over the volume of the particle [-] */
@@ -46,7 +40,7 @@ const OptionTable SurfaceVolumeOptions = OPTIONS("Volume of fluids with a free s
 typedef struct {
   PetscReal *shear;  /* c [1/s] */
   PetscReal *excess; /* e; zero for isolated particles [m^dim] */
-  PetscReal *share;  /* rate c f/(sum_k V_k w_ik) [1/s] */
+  PetscReal *share;  /* rate c e/(sum_k V_k w_ik) [1/s] */
 } Values;
 
 /* VolumesCreate - Reads the option, for schemes with equations of mass; collective */
@@ -58,24 +52,24 @@ PetscErrorCode VolumesCreate(Flow *flow)
   PetscFunctionBegin;
   if (!SceneHasFreeSurface(flow->scene) || !SceneMoves(flow->scene))
     PetscFunctionReturn(PETSC_SUCCESS);
-  s->volumes.rate = 0.5;
-  PetscCall(OptionGetReal(&options[0], &s->volumes.rate, NULL));
-  if (s->volumes.rate == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  s->volume_rate = 0.5;
+  PetscCall(OptionGetReal(&options[0], &s->volume_rate, NULL));
+  if (s->volume_rate == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscClassIdRegister("Volume", &id));
   PetscCall(PetscLogEventRegister("VolumesControl", id, &s->event[FLOW_EVENT_VOLUMES]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* VolumesRegister - Adds the fields of the control, if there is one; collective */
+/* VolumesRegister - Adds the field of the volumes that particles own, if they are controlled;
+   collective */
 PetscErrorCode VolumesRegister(Flow *flow)
 {
-  VolumeControl *c = &flow->state->volumes;
-  Particles     *p = flow->particles;
+  FlowState *s = flow->state;
 
   PetscFunctionBegin;
-  if (c->rate == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(ParticlesRegister(p, "owned_volume", 1, HALO_NONE, ENTRY_ZERO, &c->owned));
-  PetscCall(ParticlesRegister(p, "lagged_excess", 1, HALO_NONE, ENTRY_ZERO, &c->lagged));
+  if (s->volume_rate == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(
+      ParticlesRegister(flow->particles, "owned_volume", 1, HALO_NONE, ENTRY_ZERO, &s->owned));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -130,7 +124,7 @@ static PetscReal ShearRate(const Flow *flow, const PetscReal u[], PetscInt i)
 static PetscErrorCode FindExcess(Flow *flow, Values *v)
 {
   const Particles *p     = flow->particles;
-  PetscReal       *owned = flow->state->volumes.owned, *u;
+  PetscReal       *owned = flow->state->owned, *u;
 
   PetscFunctionBegin;
   PetscCall(FlowAllVelocities(flow, flow->state->u, &u));
@@ -173,27 +167,25 @@ static PetscReal Exchange(const Flow *flow, const Values *v, PetscReal lattice, 
   return v->excess[i] + sum;
 }
 
-/* Exchanges the excess, lets the lagged one follow and sets the shares. Excess beyond LARGEST
-   waits, and so does a part where few particles are inside: the tips of the arms of a turning
-   square burst without these limits. */
+/* Exchanges the excess and sets the shares. Excess beyond LARGEST waits, and so does a part where
+   few particles are inside: the tips of the arms of a turning square burst without these limits. */
 static PetscErrorCode SetShares(Flow *flow, Values *v)
 {
-  const Particles     *p       = flow->particles;
-  const VolumeControl *c       = &flow->state->volumes;
-  const PetscReal      lattice = LatticeWeight(flow);
+  const Particles *p       = flow->particles;
+  FlowState       *s       = flow->state;
+  const PetscReal  dt      = flow->clock->dt;
+  const PetscReal  lattice = LatticeWeight(flow);
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    const PetscReal most = LARGEST * p->volume[i], rate = c->rate * v->shear[i];
-    PetscReal       left, inside, taken;
+    PetscReal left, inside;
 
     if (v->shear[i] == 0.0) continue;
     left = Exchange(flow, v, lattice, i, &inside);
-    c->owned[i] += v->excess[i] - left;
-    c->lagged[i] += PetscMin(1.0, LAG * rate * flow->clock->dt) * (left - c->lagged[i]);
+    s->owned[i] += v->excess[i] - left;
     inside      = PetscMax(inside, LEAST * lattice * p->volume[i]);
-    taken       = PetscMax(-most, PetscMin(most, c->lagged[i]));
-    v->share[i] = PetscMin(MOST / flow->clock->dt, rate) * taken / inside;
+    left        = PetscMax(-LARGEST * p->volume[i], PetscMin(LARGEST * p->volume[i], left));
+    v->share[i] = PetscMin(MOST, s->volume_rate * v->shear[i] * dt) * left / (dt * inside);
   }
   PetscCall(ParticlesHaloField(p, v->share));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -232,7 +224,7 @@ PetscErrorCode VolumesControl(Flow *flow)
   Values           v;
 
   PetscFunctionBegin;
-  if (!s->volumes.owned) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!s->owned) PetscFunctionReturn(PETSC_SUCCESS);
   if (!flow->ops->free->there) {
     PetscCall(VecZeroEntries(s->source));
     PetscFunctionReturn(PETSC_SUCCESS);
