@@ -326,8 +326,8 @@ void OperatorsForget(Operators *ops)
   ops->moved = -1;
 }
 
-/* OperatorsBesideSurface - Returns true if the fluid within the support of own particle i has a
-   free surface; not collective */
+/* OperatorsBesideSurface - Returns true if own particle i or fluid within its support is on a free
+   surface; not collective */
 PetscBool OperatorsBesideSurface(const Operators *ops, PetscInt i)
 {
   const Pattern *fluid = &ops->rows.fluid;

@@ -133,10 +133,7 @@ static PetscBool IsBesideSlip(const Flow *flow, PetscInt i)
    walls and inflows a reaction would have an error as large as the pressure. */
 static PetscBool KeepsColumn(const Flow *flow, PetscInt i)
 {
-  return IsBesideSlip(flow, i) ||
-                 !(FreeSurfaceHolds(flow->ops->free, i) || OperatorsBesideSurface(flow->ops, i))
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  return IsBesideSlip(flow, i) || !OperatorsBesideSurface(flow->ops, i) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Sets `fits` to 1 for the pressures that keep their columns of G, and to 0 for those whose columns
