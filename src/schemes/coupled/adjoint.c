@@ -136,19 +136,36 @@ static PetscBool KeepsColumn(const Flow *flow, PetscInt i)
   return IsBesideSlip(flow, i) || !OperatorsBesideSurface(flow->ops, i) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Sets `fits` to 1 for the pressures that keep their columns of G, and to 0 for those whose columns
-   are replaced by the rows of the reactions; counts the latter on all ranks. */
-static PetscErrorCode ChooseColumns(const Flow *flow, const Saddle *s, Mat reactions, Vec fits,
-                                    PetscInt *replaced)
+/* Scales the columns of the transposed G and of the reactions by factors of momentum rows. */
+static PetscErrorCode ScaleBoth(Vec factors, Mat GT, Mat reactions)
 {
-  PetscScalar *keeps;
-  PetscInt     first, n = 0, *surface;
-  Mat          GT = NULL;
+  PetscFunctionBegin;
+  PetscCall(MatDiagonalScale(GT, NULL, factors));
+  PetscCall(MatDiagonalScale(reactions, NULL, factors));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets `fits` to 1 for the pressures that keep their columns of G, and to 0 for those whose columns
+   are replaced by the rows of the reactions; counts the latter on all ranks. The cosines are those of
+   accelerations, without the units of the blocks: in a rheology these follow the viscosity, and
+   columns that change in the iteration keep it from its end. */
+static PetscErrorCode ChooseColumns(const Flow *flow, const Saddle *s, Vec momentum, Mat reactions,
+                                    Vec fits, PetscInt *replaced)
+{
+  const PetscBool scaled = flow->particles->nu ? PETSC_TRUE : PETSC_FALSE;
+  PetscScalar    *keeps;
+  PetscInt        first, n = 0, *surface;
+  Mat             GT = NULL;
 
   PetscFunctionBegin;
   *replaced = 0;
   PetscCall(PetscMalloc1(s->n, &surface));
   if (!s->adjoint) PetscCall(MatTranspose(s->G, MAT_INITIAL_MATRIX, &GT));
+  if (GT && scaled) {
+    PetscCall(VecReciprocal(momentum));
+    PetscCall(ScaleBoth(momentum, GT, reactions));
+    PetscCall(VecReciprocal(momentum));
+  }
   PetscCall(MatGetOwnershipRange(reactions, &first, NULL));
   PetscCall(VecGetArrayWrite(fits, &keeps));
   for (PetscInt i = 0; i < s->n; i++) {
@@ -163,6 +180,7 @@ static PetscErrorCode ChooseColumns(const Flow *flow, const Saddle *s, Mat react
     (*replaced)++;
   }
   PetscCall(VecRestoreArrayWrite(fits, &keeps));
+  if (GT && scaled) PetscCall(ScaleBoth(momentum, GT, reactions));
   if (GT) PetscCall(SetNormalForces(flow->ops->free, s->dim, n, surface, reactions));
   PetscCall(MatDestroy(&GT));
   PetscCall(PetscFree(surface));
@@ -252,7 +270,7 @@ PetscErrorCode SaddleUseReactions(const Flow *flow, Vec momentum, Saddle *s)
   if (s->natural || (!s->adjoint && flow->ops->free->has_rough))
     PetscCall(ReplaceRows(flow, reactions, s));
   PetscCall(VecDuplicate(s->pressure, &fits));
-  PetscCall(ChooseColumns(flow, s, reactions, fits, &replaced));
+  PetscCall(ChooseColumns(flow, s, momentum, reactions, fits, &replaced));
   if (replaced) {
     PetscCall(MatDiagonalScale(s->G, NULL, fits));
     PetscCall(VecScale(fits, -1.0));

@@ -77,12 +77,16 @@ typedef struct {
   const Vec *advecting; /* v of implicit convection; NULL: none [m/s] */
 } Coupled;
 
+#define MIX_DEPTH 5 /* earlier iterations that the viscosities of a rheology follow from */
+
 /* Viscosities of the iteration for a rheology, see rheology.c; arrays of own fluid particles. */
 typedef struct {
-  PetscInt   n, iterations; /* particles; calls of CoupledFollowStrain() */
-  PetscReal *given;         /* log nu_m of the last matrix [nu in m^2/s] */
-  PetscReal *followed;      /* log nu of the velocity before it [nu in m^2/s] */
-  PetscReal *residual;      /* f_{m-1} [-] */
+  PetscInt   n, iterations, kept; /* particles; calls of CoupledFollowStrain(); changes kept */
+  PetscReal *given;               /* log nu_m of the last matrix [nu in m^2/s] */
+  PetscReal *followed;            /* log nu of the present velocity [nu in m^2/s] */
+  PetscReal *residual;            /* f_m [-] */
+  PetscReal *moved[MIX_DEPTH];    /* changes of `followed`, d(log nu)_s + df_s [-] */
+  PetscReal *fell[MIX_DEPTH];     /* changes df_s of the residual [-] */
 } ViscosityMix;
 
 /* rheology.c */

@@ -137,7 +137,7 @@ static PetscErrorCode Iterate(Flow *flow, PetscReal dt, const Vec start[], Vec u
   ViscosityMix    mix;
 
   PetscFunctionBegin;
-  PetscCall(CoupledMixBegin(c->saddle.n, &mix));
+  PetscCall(CoupledMixBegin(follows ? c->saddle.n : 0, &mix));
   for (PetscInt k = 0; k < most && change > PICARD_CHANGE && !failure->code; k++) {
     PetscCall(SaddleGet(&c->saddle, c->x, v, pressure));
     if (follows) {
