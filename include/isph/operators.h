@@ -131,7 +131,7 @@ typedef struct {
 typedef struct {
   PetscInt   capacity;
   PetscReal *kind;      /* SurfaceKind of fluid particles, a whole number */
-  PetscReal *normal;    /* out of the fluid, at [i dim + a]; zero inside */
+  PetscReal *normal;    /* out of the fluid, at [i dim + a]; of no meaning inside */
   PetscReal *curvature; /* sum of the principal curvatures, own particles [1/m] */
   PetscBool  there;     /* a fluid particle of any rank is on the surface, or isolated */
   PetscBool  has_rough; /* a fluid particle of any rank is rough, or paired */
@@ -175,6 +175,13 @@ typedef struct {
 static inline const VelocityOperators *OperatorsOfVelocity(const Operators *ops, PetscInt c)
 {
   return &ops->velocity[ops->n_velocity == 1 ? 0 : c];
+}
+
+/* PairViscosity - Returns the viscosity of a pair of particles, the harmonic mean of both
+   viscosities: P. W. Cleary, J. J. Monaghan (1999); not collective */
+static inline PetscReal PairViscosity(PetscReal own, PetscReal other)
+{
+  return 2.0 / (1.0 / own + 1.0 / other);
 }
 
 unsigned       SceneNeeds(const Scene *scene);

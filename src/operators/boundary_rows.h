@@ -7,13 +7,6 @@
 #define OPERATORS_COUNT (2 + 6 * ISPH_MAX_DIM + ISPH_MAX_DIM * ISPH_MAX_DIM)
 void OperatorsList(Operators *ops, AffineOperator *all[OPERATORS_COUNT]);
 
-/* Returns the viscosity of a pair of particles, the harmonic mean of both viscosities: P. W.
-   Cleary, J. J. Monaghan (1999). */
-static inline PetscReal PairViscosity(PetscReal own, PetscReal other)
-{
-  return 2.0 / (1.0 / own + 1.0 / other);
-}
-
 /* Returns the weights of row i over walls, NULL without walls. */
 static inline PetscReal *RowOverWalls(const Operators *ops, const AffineOperator *op, PetscInt i)
 {

@@ -53,16 +53,27 @@ static PetscReal StrainSquare(PetscInt dim, const PetscScalar *gradient[][ISPH_M
   return square;
 }
 
-/*
-  Returns the dissipation over nu of the pair forces on rough particle i,
+/* Returns the viscosity of particle i over that of the scene [-]. */
+static PetscReal ViscosityRatio(const Flow *flow, PetscInt i)
+{
+  return flow->particles->nu ? flow->particles->nu[i] / flow->scene->nu : 1.0;
+}
 
-    sum_k s_k (u_k - u_i).w_ik (u_k - u_i),   s_k = 1/2 for fluid, 1 for walls, which are at rest
+/*
+  Returns the dissipation over the nu of the scene of the pair forces on rough particle i,
+
+    sum_k s_k n_ik (u_k - u_i).w_ik (u_k - u_i),   s_k = 1/2 for fluid, 1 for walls, at rest
+
+  with the viscosity n_ik of the pair over nu.
 
   The fit of a gradient at a particle with two or three neighbours has no meaning: it made up most
   of the dissipation of thin noses. u: velocities of all particles, by [i dim + a] [m/s].
 */
-static PetscReal PairSquare(const Operators *ops, PetscInt dim, const PetscReal u[], PetscInt i)
+static PetscReal PairSquare(const Flow *flow, const PetscReal u[], PetscInt i)
 {
+  const Operators       *ops    = flow->ops;
+  const PetscInt         dim    = flow->scene->dim;
+  const PetscReal        own    = ViscosityRatio(flow, i);
   const AffineOperator  *op     = &ops->velocity[0].visc;
   const Pattern *const   of[]   = {&ops->rows.fluid, &ops->rows.walls};
   const PetscReal *const w[]    = {op->a, ops->forms.wall ? op->b : NULL};
@@ -70,20 +81,22 @@ static PetscReal PairSquare(const Operators *ops, PetscInt dim, const PetscReal 
 
   for (PetscInt part = 0; part < 2 && w[part]; part++) {
     for (PetscInt s = of[part]->row[i]; s < of[part]->row[i + 1]; s++) {
-      const PetscInt j = of[part]->local[s];
-      PetscReal      difference[ISPH_MAX_DIM];
+      const PetscInt  j     = of[part]->local[s];
+      const PetscReal ratio = part == 0 ? PairViscosity(own, ViscosityRatio(flow, j)) : own;
+      PetscReal       difference[ISPH_MAX_DIM];
 
       for (PetscInt a = 0; a < dim; a++)
         difference[a] = (part == 0 ? u[j * dim + a] : 0.0) - u[i * dim + a];
       if (part == 0 && j == i) continue;
       for (PetscInt e = 0; e < dim * dim; e++)
-        sum[part] += w[part][s * op->width + e] * difference[e / dim] * difference[e % dim];
+        sum[part] += ratio * w[part][s * op->width + e] * difference[e / dim] * difference[e % dim];
     }
   }
   return 0.5 * sum[0] + sum[1];
 }
 
-/* Computes the weighted sum of 2 E:E over own particles, with PairSquare() for rough ones. */
+/* Computes the weighted sum of 2 E:E over own particles, times their viscosity over that of the
+   scene, with PairSquare() for rough ones. */
 static PetscErrorCode SumSquares(const Flow *flow, const Vec u[],
                                  const PetscScalar *gradient[][ISPH_MAX_DIM], PetscReal *sum)
 {
@@ -95,8 +108,8 @@ static PetscErrorCode SumSquares(const Flow *flow, const Vec u[],
   if (flow->ops->free->has_rough) PetscCall(FlowAllVelocities(flow, u, &all));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     const PetscReal square = FreeSurfaceIsRough(flow->ops->free, i)
-                                 ? PairSquare(flow->ops, p->dim, all, i)
-                                 : StrainSquare(p->dim, gradient, i);
+                                 ? PairSquare(flow, all, i)
+                                 : ViscosityRatio(flow, i) * StrainSquare(p->dim, gradient, i);
 
     *sum += ParticlesWeight(p, i) * square;
   }
