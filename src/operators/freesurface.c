@@ -183,6 +183,7 @@ PetscBool FreeSurfaceTouches(const Scene *scene, const Particles *p, const Neigh
     const PetscInt j = q < nb->row[i] ? i : nb->col[q];
 
     if (ParticlesIsWall(p, j) || (free && free->kind[j] == SURFACE_ISOLATED)) continue;
+    if (ParticlesSquareDistance(p, i, j) >= PetscSqr(nb->radius)) continue;
     if (ParticlesSquareDistance(p, wall, j) < most) return PETSC_TRUE;
   }
   return PETSC_FALSE;
@@ -331,6 +332,7 @@ static PetscErrorCode Sort(const Scene *scene, const Particles *p, const Neighbo
 
   PetscFunctionBegin;
   PetscCall(FreeSurfaceFindNoses(scene, p, nb, free));
+  PetscCall(ParticlesHaloField(p, free->kind)); /* rough particles of noses on other ranks */
   for (PetscInt i = 0; fitted && i < p->n_fluid; i++) {
     if (free->kind[i] == SURFACE_SMOOTH && depth[i] > BELOW * p->dx[i])
       free->kind[i] = SURFACE_INSIDE;

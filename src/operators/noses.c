@@ -48,7 +48,7 @@ static PetscInt NearestWall(const Scene *scene, const Particles *p, const Neighb
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
     const PetscReal r2 = ParticlesSquareDistance(p, i, nb->col[q]);
 
-    if (r2 >= least || !Sticks(scene, p, nb->col[q])) continue;
+    if (r2 >= PetscMin(least, PetscSqr(nb->radius)) || !Sticks(scene, p, nb->col[q])) continue;
     nearest = nb->col[q];
     least   = r2;
   }
@@ -65,7 +65,7 @@ static PetscBool IsThin(const Scene *scene, const Particles *p, const Neighbors 
     const PetscInt j      = q < nb->row[i] ? i : nb->col[q];
     PetscReal      height = -p->depth[wall];
 
-    if (ParticlesIsWall(p, j)) continue;
+    if (ParticlesIsWall(p, j) || ParticlesSquareDistance(p, i, j) >= PetscSqr(nb->radius)) continue;
     for (PetscInt a = 0; a < p->dim; a++)
       height += p->normal[a][wall] * (p->x[a][j] - p->x[a][wall]);
     if (height > THIN * p->dx[i]) return PETSC_FALSE;
