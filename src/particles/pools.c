@@ -67,8 +67,8 @@ static PetscReal PartInside(const Pools *pools, PetscInt pool, const PetscReal x
   return PetscMin(part, 1.0) * PetscMin(PetscMax(0.5 + solid / s, 0.0), 1.0);
 }
 
-/* Computes the box around a pool, of height 1 in 2D; returns true if all of its regions are the
-   same at every z. */
+/* Computes the box around a pool, of height 1 in 2D; returns true if all of its regions, and all
+   bodies, are the same at every z. */
 static PetscBool BoxAround(const Pools *pools, PetscInt pool, PetscReal lo[], PetscReal hi[])
 {
   const Scene *scene = pools->scene;
@@ -89,6 +89,8 @@ static PetscBool BoxAround(const Pools *pools, PetscInt pool, PetscReal lo[], Pe
       hi[a] = PetscMax(hi[a], span[1]);
     }
   }
+  for (PetscInt b = 0; b < scene->n_bodies && scene->dim == 3; b++)
+    if (!BodyReachesThrough(SceneBody(scene, b), 2)) even = PETSC_FALSE;
   return even;
 }
 
