@@ -3,10 +3,10 @@
   that come close spoil the fits about them. A pair within CONTACT dx of which one is rough or
   isolated therefore loses the velocity at which it approaches,
 
-    u_i += e min(0, e.(u_j - u_i))/2,   e = (x_j - x_i)/r,
+    u_i += V_j/(V_i + V_j) e min(0, e.(u_j - u_i)),   e = (x_j - x_i)/r,
 
-  as two equal bodies in an inelastic collision. Momentum and angular momentum stay, and energy does
-  not grow. Pairs that are nearer than that are moved apart: in the nose of a current on a wall
+  as two bodies in an inelastic collision. Momentum and angular momentum stay, and energy does not
+  grow. Pairs that are nearer than that are moved apart: in the nose of a current on a wall
   particles would pile up, and two in one place are lost when they become smooth again. See
   docs/theory.md, (159) and (277).
 
@@ -22,6 +22,7 @@ static void Collide(const Flow *flow, const PetscReal u[], PetscInt i, PetscReal
   const Particles *p     = flow->particles;
   const Neighbors *nb    = flow->neighbors;
   const PetscBool  rough = FreeSurfaceIsRough(flow->ops->free, i);
+  const PetscReal *V     = p->volume;
   const PetscInt   d     = p->dim;
 
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
@@ -35,7 +36,7 @@ static void Collide(const Flow *flow, const PetscReal u[], PetscInt i, PetscReal
       approach += X[a] * (u[j * d + a] - u[i * d + a]);
     }
     if (r2 == 0.0 || r2 >= PetscSqr(CONTACT * p->dx[i]) || approach >= 0.0) continue;
-    for (PetscInt a = 0; a < d; a++) change[a] += 0.5 * approach / r2 * X[a];
+    for (PetscInt a = 0; a < d; a++) change[a] += V[j] / (V[i] + V[j]) * approach / r2 * X[a];
   }
 }
 
