@@ -34,7 +34,6 @@ typedef struct {
   PetscBool          inner; /* part of a nonlinear solve, which checks its own residual instead */
   PetscInt           max_in_a_row;           /* allowed fallbacks in a row; -1: no fallback */
   KSP                level[FALLBACK_LEVELS]; /* fallback solvers; NULL until needed */
-  PetscInt           in_a_row;               /* fallbacks since the last good solve */
   PetscBool          failed;                 /* a solve has failed since the last GuardCheck() */
   PetscReal          residual;   /* true relative residual of the failed or else the last solve */
   KSPConvergedReason reason;     /* of the chosen method in that solve */

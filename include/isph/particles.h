@@ -15,7 +15,7 @@
 
 extern const OptionTable ParticleOptions;
 
-#define PARTICLES_MAX_FIELDS 16
+#define PARTICLES_MAX_FIELDS 20
 
 /* Values of a field that the halo needs. */
 typedef enum {

@@ -185,6 +185,7 @@ typedef struct {
   PetscInt    iterations;     /* of the last step */
   PetscInt    iterations_sum; /* of all steps */
   PetscInt    falls;          /* solves that needed a fallback */
+  PetscInt    falls_in_a_row; /* those since the last good solve */
 } LinearSolve;
 
 #define SCHEME_MAX_SOLVES  4

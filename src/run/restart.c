@@ -84,7 +84,8 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
   const Particles *p      = run->flow.particles;
   int              format = 0, dim = 0;
   long long        N_fluid = 0, N_wall = 0;
-  char             version[64], problem[64], names[512], wanted[512];
+  char             version[64], problem[64];
+  char             names[PARTICLES_MAX_FIELDS * 32], wanted[PARTICLES_MAX_FIELDS * 32];
   PetscBool        same;
 
   PetscFunctionBegin;

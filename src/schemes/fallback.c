@@ -74,8 +74,8 @@ static PetscErrorCode FallbackSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBoo
 - solved - PETSC_FALSE if no method reached a small true residual, or if the residual of the failed
            solver is not finite
 
-  Notes: each fallback is printed; guard->solve.falls counts all fallbacks, guard->in_a_row the
-  fallbacks since the last success of the chosen method
+  Notes: each fallback is printed; guard->solve.falls counts all fallbacks, and falls_in_a_row those
+  since the last success of the chosen method
 */
 PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved)
 {
@@ -111,7 +111,7 @@ PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved)
                       guard->where, guard->solve.name, ksp_type, pc_type,
                       KSPConvergedReasons[guard->reason], levels[k].ksp, levels[k].pc));
     guard->solve.falls++;
-    guard->in_a_row++;
+    guard->solve.falls_in_a_row++;
   }
   PetscCall(MatDestroy(&flat));
   PetscFunctionReturn(PETSC_SUCCESS);

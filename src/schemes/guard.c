@@ -34,13 +34,13 @@ static PetscErrorCode Guard_PostSolve(KSP ksp, Vec rhs, Vec solution, void *ctx)
   PetscCall(SolveResidual(ksp, rhs, solution, &guard->residual, &good));
   if (guard->inner && guard->reason >= 0) good = PETSC_TRUE;
   if (good) {
-    guard->in_a_row = 0;
+    guard->solve.falls_in_a_row = 0;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   residual = guard->residual;
   if (guard->max_in_a_row >= 0) PetscCall(FallbackSolve(rhs, solution, guard, &good));
   if (!good) guard->residual = residual;
-  if (!good || guard->in_a_row > guard->max_in_a_row) guard->failed = PETSC_TRUE;
+  if (!good || guard->solve.falls_in_a_row > guard->max_in_a_row) guard->failed = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -192,11 +192,11 @@ PetscErrorCode GuardCheck(Guard *guard, StepFailure *failure)
   PetscCall(SolverNames(ksp, &ksp_type, &pc_type));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(GuardRemedy(pc, guard, remedy, sizeof(remedy)));
-  if (guard->max_in_a_row >= 0 && guard->in_a_row > guard->max_in_a_row) {
+  if (guard->max_in_a_row >= 0 && guard->solve.falls_in_a_row > guard->max_in_a_row) {
     FailureSet(failure, PETSC_ERR_NOT_CONVERGED,
                "%s: %" PetscInt_FMT " %s solves in a row failed by %s with %s (%s) and needed a "
                "fallback; %s, or give -fallback a larger number",
-               guard->where, guard->in_a_row, guard->solve.name, ksp_type, pc_type,
+               guard->where, guard->solve.falls_in_a_row, guard->solve.name, ksp_type, pc_type,
                KSPConvergedReasons[guard->reason], remedy);
     failure->fatal = PETSC_TRUE;
     PetscFunctionReturn(PETSC_SUCCESS);
