@@ -9,6 +9,7 @@
 #include "impl.h"
 
 #define FINE   32.0 /* samples of an outline along dx */
+#define COARSE 8    /* samples from one that is checked to the next */
 #define CORNER 0.9  /* cosine of the angle of normals at a corner */
 #define NEAR   1e-6 /* distance from a side below which an outline follows it [dx] */
 
@@ -142,14 +143,110 @@ static PetscErrorCode SampleRegion(PetscInt k, Pools *pools)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns the number of particles on the border at a point of the outline of region k: in 3D one in
+   each layer of cells along z, or those of a ring about the axis. */
+static PetscInt PlacesAlong(const Scene *scene, PetscInt k, const PetscReal point[])
+{
+  if (scene->dim == 2) return 1;
+  return scene->filled[k].shape->revolves ? ShapeRingCount(point[0], scene->dx) : scene->cells[2];
+}
+
+/* Computes the place of particle l of PlacesAlong(); those of a ring may be outside the box. */
+static void PlaceAlong(const Scene *scene, PetscInt k, const PetscReal point[], PetscInt l,
+                       PetscReal x[])
+{
+  x[0] = point[0];
+  x[1] = point[1];
+  x[2] = 0.0;
+  if (scene->filled[k].shape->revolves) {
+    const PetscReal angle = 2.0 * PETSC_PI * (l + 0.5) / ShapeRingCount(point[0], scene->dx);
+
+    x[0] = point[0] * PetscCosReal(angle);
+    x[1] = point[0] * PetscSinReal(angle);
+    x[2] = point[1];
+  } else if (scene->dim == 3) {
+    x[2] = scene->lo[2] + (l + 0.5) * SceneCellSide(scene, 2);
+  }
+}
+
+static PetscBool InBox(const Scene *scene, const PetscReal x[])
+{
+  for (PetscInt a = 0; a < scene->dim; a++)
+    if (x[a] < scene->lo[a] || x[a] > scene->hi[a]) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
+/* Returns true if a body or region cuts the border of a region alike at all places along it. */
+static PetscBool CutsAlike(const Body *region, const Body *other)
+{
+  if (region->shape->revolves) return other->shape->revolves;
+  return BodyReachesThrough(region, 2) && BodyReachesThrough(other, 2) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Refuses region k if at a place on its border it meets a body, or another region, that does not
+   cut it alike at all places: the outline cannot tell where the border is free. */
+static PetscErrorCode RefusePlace(const Scene *scene, PetscInt k, const PetscReal x[])
+{
+  const Body *region = &scene->filled[k];
+  PetscReal   y[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  if (!InBox(scene, x)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt b = 0; b < scene->n_bodies; b++) {
+    const Body *body = SceneBody(scene, b);
+
+    UserCheck(CutsAlike(region, body) || BodyDistance(scene, body, x, y) >= NEAR * scene->dx,
+              "-scene_filled_%" PetscInt_FMT ": its border meets -scene_body_%" PetscInt_FMT
+              " near (%.4g, %.4g, %.4g), and in 3D only bodies that reach through the box along z, "
+              "as it does, or that revolve, as it does, may cut a border; use such shapes or boxes",
+              k + 1, b + 1, (double)x[0], (double)x[1], (double)x[2]);
+  }
+  for (PetscInt m = 0; m < scene->n_filled; m++) {
+    UserCheck(m == k || CutsAlike(region, &scene->filled[m]) ||
+                  SceneFilledDistance(scene, m, x) < 0.0,
+              "-scene_filled_%" PetscInt_FMT ": its border meets -scene_filled_%" PetscInt_FMT
+              " near (%.4g, %.4g, %.4g), and in 3D only regions that both reach through the box "
+              "along z, or both revolve, may meet; use such shapes or boxes",
+              k + 1, m + 1, (double)x[0], (double)x[1], (double)x[2]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses borders in 3D as RefusePlace(). */
+static PetscErrorCode RefuseUneven(const Pools *pools)
+{
+  const Scene *scene = pools->scene;
+  PetscReal    x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  for (PetscInt q = 0; q < pools->n_border; q += COARSE) {
+    const BorderSample *s = &pools->border[q];
+
+    for (PetscInt l = 0; l < PlacesAlong(scene, s->region, s->x); l++) {
+      PlaceAlong(scene, s->region, s->x, l, x);
+      PetscCall(RefusePlace(scene, s->region, x));
+    }
+  }
+  for (PetscInt k = 0; k < scene->n_filled; k++) {
+    const Body *ball = &scene->filled[k];
+
+    for (PetscInt q = 0; !HasOutline(scene, k) && q < BodyPoints(ball, scene->dx); q++) {
+      (void)BodyPoint(ball, q, scene->dx, x, normal);
+      PetscCall(RefusePlace(scene, k, x));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* BorderCreate - Samples the outlines of the regions of all pools without lattice; every rank has
-   all samples; not collective */
+   all samples; not collective. Errors: refuses borders in 3D whose free part has no outline. */
 PetscErrorCode BorderCreate(Pools *pools)
 {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < pools->scene->n_filled; k++)
     if (!pools->lattice[pools->of[k]] && HasOutline(pools->scene, k))
       PetscCall(SampleRegion(k, pools));
+  if (pools->scene->dim == 3) PetscCall(RefuseUneven(pools));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -249,40 +346,6 @@ static PetscErrorCode AddPoint(const Scene *scene, const PetscReal x[], Rows *ro
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds a particle at x, in 3D one in each layer of cells along the last axis, if this rank has
-   it. */
-static PetscErrorCode AddLayers(const Scene *scene, const PetscReal x[], Rows *rows)
-{
-  const PetscInt layers = scene->dim == 3 ? scene->cells[2] : 1;
-
-  PetscFunctionBegin;
-  for (PetscInt l = 0; l < layers; l++) {
-    PetscReal y[ISPH_MAX_DIM] = {x[0], x[1], 0.0};
-
-    if (scene->dim == 3) y[2] = scene->lo[2] + (l + 0.5) * SceneCellSide(scene, 2);
-    PetscCall(AddPoint(scene, y, rows));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Adds the particles of a ring about the axis z that are in the box. */
-static PetscErrorCode AddRing(const Scene *scene, PetscReal r, PetscReal z, Rows *rows)
-{
-  const PetscInt n = ShapeRingCount(r, scene->dx);
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < n; k++) {
-    const PetscReal angle = 2.0 * PETSC_PI * (k + 0.5) / n;
-    const PetscReal x[]   = {r * PetscCosReal(angle), r * PetscSinReal(angle), z};
-    PetscBool       holds = PETSC_TRUE;
-
-    for (PetscInt a = 0; a < 3; a++)
-      if (x[a] < scene->lo[a] || x[a] > scene->hi[a]) holds = PETSC_FALSE;
-    if (holds) PetscCall(AddPoint(scene, x, rows));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Adds the particles of a piece. */
 static PetscErrorCode AddPiece(const Pools *pools, const Piece *piece, Rows *rows)
 {
@@ -300,9 +363,12 @@ static PetscErrorCode AddPiece(const Pools *pools, const Piece *piece, Rows *row
   for (PetscInt q = 0; q < piece->n && m < n; q++) {
     sum += s[q].length;
     if (sum < (m + piece->offset[0]) * edge && q + 1 < piece->n) continue;
-    if (scene->filled[s->region].shape->revolves)
-      PetscCall(AddRing(scene, s[q].x[0], s[q].x[1], rows));
-    else PetscCall(AddLayers(scene, s[q].x, rows));
+    for (PetscInt l = 0; l < PlacesAlong(scene, s->region, s[q].x); l++) {
+      PetscReal x[ISPH_MAX_DIM];
+
+      PlaceAlong(scene, s->region, s[q].x, l, x);
+      if (InBox(scene, x)) PetscCall(AddPoint(scene, x, rows));
+    }
     m++;
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -199,7 +199,8 @@ static PetscErrorCode InsertEntrants(Flow *flow, Entrants *all)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Fails the step, and the run, if the particles have more volume than the box and no outflow. */
+/* Fails the step, and the run, if no fluid is left, or if the particles have more volume than the
+   box and no outflow. */
 static PetscErrorCode CheckRoom(Flow *flow)
 {
   const Scene    *scene   = flow->scene;
@@ -209,10 +210,17 @@ static PetscErrorCode CheckRoom(Flow *flow)
   char            where[CLOCK_WHERE];
 
   PetscFunctionBegin;
+  PetscCall(ClockWhere(flow->clock, where));
+  if (flow->particles->N_fluid == 0) {
+    FailureSet(
+        failure, PETSC_ERR_USER_INPUT,
+        "%s: all of the fluid has left the box; give a smaller -t_end or a larger -scene_box",
+        where);
+    failure->fatal = PETSC_TRUE;
+  }
   if (SceneHasBoundary(scene, BOUNDARY_OUTFLOW)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < scene->dim; a++) room *= scene->hi[a] - scene->lo[a];
   if (volume <= room * (1.0 + PETSC_SQRT_MACHINE_EPSILON)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(ClockWhere(flow->clock, where));
   FailureSet(failure, PETSC_ERR_USER_INPUT,
              "%s: the box is full: the fluid that has entered has the volume %.4g, the box %.4g; "
              "give -scene_outflow, a larger -scene_box or a smaller -t_end",
@@ -231,7 +239,7 @@ static PetscErrorCode CheckRoom(Flow *flow)
 . passed - particles left or entered, so that an epoch has started
 
   Notes:
-  The step fails, and with it the run, if a box without an outflow is full.
+  The step fails, and with it the run, if no fluid is left, or if a box without an outflow is full.
 */
 PetscErrorCode OpeningsPass(Flow *flow, PetscBool *passed)
 {
