@@ -399,6 +399,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   The velocity belongs to the particle and changes only by the shift s and the filter. s includes
   the displacement by SceneKeepOffWalls(). If the velocity did not change with this displacement,
   particles would carry the speed of a moving lid away from the lid, as they do without shifting.
+  On a free surface this displacement is a velocity that the wall gives, and no part of s.
   The term with lap u is the mean of s s : grad grad u/2 over directions of s; without it shifting
   feeds energy into the flow. On entry the operators belong to x^n; on exit they are out of date.
   See docs/theory.md, (105) to (107).

@@ -30,7 +30,7 @@ PetscErrorCode UndoDestroy(Undo **undo)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* UndoSave - Copies the present flow over the last copy; not collective */
+/* UndoSave - Copies the present flow over the last copy; collective */
 PetscErrorCode UndoSave(const Flow *flow, Undo *undo)
 {
   const Particles *p    = flow->particles;

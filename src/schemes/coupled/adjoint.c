@@ -146,8 +146,8 @@ static PetscErrorCode ScaleBoth(Vec factors, Mat GT, Mat reactions)
 }
 
 /* Sets `fits` to 1 for the pressures that keep their columns of G, and to 0 for those whose columns
-   are replaced by the rows of the reactions; counts the latter on all ranks. The cosines are those of
-   accelerations, without the units of the blocks: in a rheology these follow the viscosity, and
+   are replaced by the rows of the reactions; counts the latter on all ranks. The cosines are those
+   of accelerations, without the units of the blocks: in a rheology these follow the viscosity, and
    columns that change in the iteration keep it from its end. */
 static PetscErrorCode ChooseColumns(const Flow *flow, const Saddle *s, Vec momentum, Mat reactions,
                                     Vec fits, PetscInt *replaced)
