@@ -183,7 +183,21 @@ static PetscBool CutsAlike(const Body *region, const Body *other)
   return BodyReachesThrough(region, 2) && BodyReachesThrough(other, 2) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Refuses region k if at a place on its border it meets a body, or another region, that does not
+/* Refuses region k if the gap between its border and another shape vanishes at x. Input: option,
+   number - of the other shape; gap - negative inside it [m]. */
+static PetscErrorCode RefuseGap(const Scene *scene, PetscInt k, const char option[],
+                                PetscInt number, const PetscReal x[], PetscReal gap)
+{
+  PetscFunctionBegin;
+  UserCheck(gap >= NEAR * scene->dx,
+            "-scene_filled_%" PetscInt_FMT ": its border meets %s_%" PetscInt_FMT
+            " near (%.4g, %.4g, %.4g); in 3D cylinders and prisms may cut borders of each other, "
+            "and revolved shapes those of each other; change a shape, or keep them apart",
+            k + 1, option, number + 1, (double)x[0], (double)x[1], (double)x[2]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses region k if at place x on its border it meets a body, or another region, that does not
    cut it alike at all places: the outline cannot tell where the border is free. */
 static PetscErrorCode RefusePlace(const Scene *scene, PetscInt k, const PetscReal x[])
 {
@@ -195,19 +209,12 @@ static PetscErrorCode RefusePlace(const Scene *scene, PetscInt k, const PetscRea
   for (PetscInt b = 0; b < scene->n_bodies; b++) {
     const Body *body = SceneBody(scene, b);
 
-    UserCheck(CutsAlike(region, body) || BodyDistance(scene, body, x, y) >= NEAR * scene->dx,
-              "-scene_filled_%" PetscInt_FMT ": its border meets -scene_body_%" PetscInt_FMT
-              " near (%.4g, %.4g, %.4g), and in 3D only bodies that reach through the box along z, "
-              "as it does, or that revolve, as it does, may cut a border; use such shapes or boxes",
-              k + 1, b + 1, (double)x[0], (double)x[1], (double)x[2]);
+    if (CutsAlike(region, body)) continue;
+    PetscCall(RefuseGap(scene, k, "-scene_body", b, x, BodyDistance(scene, body, x, y)));
   }
   for (PetscInt m = 0; m < scene->n_filled; m++) {
-    UserCheck(m == k || CutsAlike(region, &scene->filled[m]) ||
-                  SceneFilledDistance(scene, m, x) < 0.0,
-              "-scene_filled_%" PetscInt_FMT ": its border meets -scene_filled_%" PetscInt_FMT
-              " near (%.4g, %.4g, %.4g), and in 3D only regions that both reach through the box "
-              "along z, or both revolve, may meet; use such shapes or boxes",
-              k + 1, m + 1, (double)x[0], (double)x[1], (double)x[2]);
+    if (m == k || CutsAlike(region, &scene->filled[m])) continue;
+    PetscCall(RefuseGap(scene, k, "-scene_filled", m, x, -SceneFilledDistance(scene, m, x)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
