@@ -210,8 +210,8 @@ static PetscErrorCode CheckRoom(Flow *flow)
   char            where[CLOCK_WHERE];
 
   PetscFunctionBegin;
-  PetscCall(ClockWhere(flow->clock, where));
   if (flow->particles->N_fluid == 0) {
+    PetscCall(ClockWhere(flow->clock, where));
     FailureSet(
         failure, PETSC_ERR_USER_INPUT,
         "%s: all of the fluid has left the box; give a smaller -t_end or a larger -scene_box",
@@ -221,6 +221,7 @@ static PetscErrorCode CheckRoom(Flow *flow)
   if (SceneHasBoundary(scene, BOUNDARY_OUTFLOW)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < scene->dim; a++) room *= scene->hi[a] - scene->lo[a];
   if (volume <= room * (1.0 + PETSC_SQRT_MACHINE_EPSILON)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ClockWhere(flow->clock, where));
   FailureSet(failure, PETSC_ERR_USER_INPUT,
              "%s: the box is full: the fluid that has entered has the volume %.4g, the box %.4g; "
              "give -scene_outflow, a larger -scene_box or a smaller -t_end",

@@ -115,8 +115,10 @@ PetscErrorCode CoupledFollowStrain(Flow *flow, const Vec u[], ViscosityMix *mix)
   PetscFunctionBegin;
   PetscCall(OperatorsFollowStrain(flow->scene, p, &flow->walls, u, flow->ops));
   KeepResidual(p->nu, mix);
-  for (PetscInt i = 0; i < mix->n; i++) mix->given[i] = mix->followed[i];
-  if (!mix->kept) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!mix->kept) {
+    PetscCall(PetscArraycpy(mix->given, mix->followed, mix->n));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(MixFactors(p->comm, mix, a));
   for (PetscInt i = 0; i < mix->n; i++) {
     p->nu[i]      = Mixed(&flow->scene->rheology, mix, a, i);
