@@ -3,7 +3,7 @@
   and curvatures converge to those of a circle, waves of any length have a curvature of their sign
   with surface tension, and a fragment of two particles is isolated. The end of a thin film on a
   wall is rough, and the film behind it is smooth. Rough particles that are too near are moved
-  apart.
+  apart. The sides of a jet begin at the opening where its fluid enters.
 */
 /* RANKS: 1 3 */
 #include "crowd.h"
@@ -343,12 +343,97 @@ static void test_separate(void **state)
   Empty(&pool);
 }
 
+#define JET   3.0  /* radius of the opening of a jet [dx] */
+#define SWELL 1.08 /* of its radius below the opening */
+
+/* Returns the distance of own particle i from the axis of the jet [dx]. */
+static PetscReal FromAxis(const Pool *pool, PetscInt i)
+{
+  const Scene *scene = &pool->s.scene;
+  PetscReal    r2    = 0.0;
+
+  for (PetscInt a = 0; a < 3; a += 2)
+    r2 += PetscSqr(pool->p->x[a][i] - 0.5 * (scene->lo[a] + scene->hi[a]));
+  return PetscSqrtReal(r2) / scene->dx;
+}
+
+/* Returns true if own particle i is in the first row of the jet or in the second one. */
+static PetscBool IsFirst(const Pool *pool, PetscInt i)
+{
+  return pool->s.scene.hi[1] - pool->p->x[1][i] < 2.0 * pool->s.scene.dx ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool AtRim(const Pool *pool, PetscInt i)
+{
+  return IsFirst(pool, i) && FromAxis(pool, i) > SWELL * (JET - 0.6) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool InJet(const Pool *pool, PetscInt i)
+{
+  return IsFirst(pool, i) && FromAxis(pool, i) < SWELL * (JET - 1.0) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Creates a round jet that swells below an opening, with its first row at a depth [dx]. */
+static void Jet(PetscReal depth, Pool *pool)
+{
+  const BoundaryRow *inflow;
+  const ShapeRow    *circle;
+  Scene             *scene;
+  PetscInt          *list, n = 0;
+
+  pool->s = CrowdBox("rim", 3, 14, 10, 14, 0, 0);
+  scene   = &pool->s.scene;
+  ASSERT_OK(TableWant(&BoundaryTable, "boundary", "inflow", &inflow));
+  ASSERT_OK(TableWant(&ShapeTable, "shape", "circle", &circle));
+  SceneSetSide(scene, 3, inflow);
+  scene->motion = (const MotionRow *)(const void *)TableGet(&MotionTable, 0); /* lagrangian */
+  assert_null(BodySet(scene, circle, 3,
+                      (PetscReal[]){0.5 * (scene->lo[0] + scene->hi[0]),
+                                    0.5 * (scene->lo[2] + scene->hi[2]), JET * scene->dx},
+                      &scene->boundary[3].hole));
+  Fill(0.0, pool);
+  ASSERT_OK(PetscMalloc1(pool->p->n_fluid, &list));
+  for (PetscInt i = 0; i < pool->p->n_fluid; i++) {
+    pool->p->x[1][i] -= (depth - 0.5) * scene->dx;
+    if (FromAxis(pool, i) > JET || pool->p->x[1][i] < scene->lo[1] + 3.0 * scene->dx) list[n++] = i;
+    for (PetscInt a = 0; a < 3; a += 2) {
+      const PetscReal axis = 0.5 * (scene->lo[a] + scene->hi[a]);
+
+      pool->p->x[a][i] = axis + SWELL * (pool->p->x[a][i] - axis);
+    }
+  }
+  ASSERT_OK(ParticlesRemove(scene, pool->p, n, list));
+  ASSERT_OK(PetscFree(list));
+  ASSERT_OK(ParticlesUpdateEpoch(scene, pool->p, PETSC_TRUE, NULL));
+  Find(pool);
+}
+
+/* Before a row of fluid enters, the row before it is up to 1.5 dx below the opening. Its particles
+   at the side of the jet are on the surface, and those near the axis are inside. */
+static void test_rim(void **state)
+{
+  (void)state;
+  for (PetscInt k = 2; k < 6; k++) {
+    Pool pool;
+
+    Jet(0.25 * k, &pool);
+    CloudAssertNone("inside", "at the side of a jet",
+                    Count(&pool, SURFACE_INSIDE, AtRim, PETSC_TRUE));
+    CloudAssertNone("smooth", "inside a jet", Count(&pool, SURFACE_SMOOTH, InJet, PETSC_TRUE));
+    CloudAssertNone("rough", "inside a jet", Count(&pool, SURFACE_ROUGH, InJet, PETSC_TRUE));
+    CloudAssertNone("no particle", "inside a jet",
+                    Count(&pool, SURFACE_INSIDE, InJet, PETSC_TRUE) == 0);
+    Empty(&pool);
+  }
+}
+
 int main(int argc, char **argv)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_disc),      cmocka_unit_test(test_film),
       cmocka_unit_test(test_stiffness), cmocka_unit_test(test_isolated),
-      cmocka_unit_test(test_nose),      cmocka_unit_test(test_separate)};
+      cmocka_unit_test(test_nose),      cmocka_unit_test(test_separate),
+      cmocka_unit_test(test_rim)};
   int failed;
 
   if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;

@@ -229,6 +229,15 @@ static PetscBool IsCovered(const Scene *scene, const Particles *p, const Neighbo
   return PETSC_FALSE;
 }
 
+/* Returns true if neighbour j of own particle i is a wall particle of an opening close to it. */
+static PetscBool IsOpeningClose(const Scene *scene, const Particles *p, PetscInt i, PetscInt j)
+{
+  return ParticlesIsWall(p, j) && ParticlesSquareDistance(p, i, j) < PetscSqr(CLOSE * p->dx[i]) &&
+                 IsOpening(scene, p, j)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
 /* FreeSurfaceOpenings - Returns the number of wall particles of openings close to own particle i: a
    void there is fluid that enters or has left; not collective */
 PetscInt FreeSurfaceOpenings(const Scene *scene, const Particles *p, const Neighbors *nb,
@@ -237,14 +246,24 @@ PetscInt FreeSurfaceOpenings(const Scene *scene, const Particles *p, const Neigh
   PetscInt n = 0;
 
   if (!SceneHasOpenings(scene)) return 0;
-  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
-    const PetscInt j = nb->col[q];
-
-    if (ParticlesIsWall(p, j) && ParticlesSquareDistance(p, i, j) < PetscSqr(CLOSE * p->dx[i]) &&
-        IsOpening(scene, p, j))
-      n++;
-  }
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++)
+    if (IsOpeningClose(scene, p, i, nb->col[q])) n++;
   return n;
+}
+
+/* Takes the void at openings close to own particle i out of S: its component away from them. With
+   it n_0 of a particle at the rim of a jet would point to the opening, which covers it. */
+static void FillOpenings(const Scene *scene, const Particles *p, const Neighbors *nb, PetscInt i,
+                         PetscReal S[])
+{
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    const PetscInt j    = nb->col[q];
+    PetscReal      away = 0.0;
+
+    if (!IsOpeningClose(scene, p, i, j)) continue;
+    for (PetscInt a = 0; a < p->dim; a++) away += S[a] * p->normal[a][j];
+    for (PetscInt a = 0; a < p->dim && away > 0.0; a++) S[a] -= away * p->normal[a][j];
+  }
 }
 
 /* Determines if own particle i can be on the surface, and its first normal: SMOOTH is a candidate,
@@ -258,6 +277,7 @@ static SurfaceKind Candidate(const Scene *scene, const Particles *p, const Neigh
   PetscReal      size = 0.0;
 
   SumsOf(scene, p, nb, forms, i, &sums);
+  if (openings) FillOpenings(scene, p, nb, i, sums.S);
   for (PetscInt a = 0; a < p->dim; a++) size += PetscSqr(sums.S[a]);
   size = PetscSqrtReal(size);
   for (PetscInt a = 0; a < p->dim; a++) normal[a] = size > 0.0 ? -sums.S[a] / size : a == 0;
