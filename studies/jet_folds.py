@@ -18,7 +18,7 @@ EVERY = 0.5  # time between snapshots [D/U]
 START, END = HEIGHT + 9, 80.0  # of the time in which folds are counted [D/U]
 FAR = 0.1  # least distance of the jet from its mean place on both sides in a fold [D]
 LINK = 2.0  # distance up to which particles are of one group [dx]
-JETS = ((6, 0), (6, 1), (8, 0), (8, 1), (12, 0))  # particles along D, start
+JETS = [(n, seed) for n, starts in ((6, 3), (8, 3), (12, 3)) for seed in range(starts)]  # particles along D, start
 SPEED, SPEEDS = 0.5, (0.5, 0.7)  # of the belt [U]; those with 8 particles along D
 
 
@@ -106,7 +106,12 @@ def frequencies(sides):
     for (n, _), q in sides.items():
         if "failed" not in q:
             means.setdefault(n, []).append(HEIGHT / np.diff(crossings(*places(q).T)).mean())
-    return "Means of the starts: f H/U = " + ", ".join(f"{np.mean(f):.2f} (n = {n})" for n, f in means.items())
+    return "Means of the starts and their standard errors: f H/U = " + ", ".join(f"{np.mean(f):.3f} {spread(f)}(n = {n})" for n, f in means.items())
+
+
+def spread(values):
+    """Returns the standard error of a mean with its sign, or nothing for a single value."""
+    return f"± {np.std(values, ddof=1) / len(values) ** 0.5:.3f} " if len(values) > 1 else ""
 
 
 def part(sides, speeds, run):
@@ -137,7 +142,7 @@ def figure(sides, path):
         numbers = sorted({n for n, _ in sides})
         fig, axes = plt.subplots(len(numbers), 1, figsize=(8, 1.7 * len(numbers)), sharex=True, sharey=True)
         for axis, n in zip(axes, numbers):
-            for (seed, q), colour in zip([(seed, q) for (m, seed), q in sides.items() if m == n], ("#0072B2", "#D55E00")):
+            for (seed, q), colour in zip([(seed, q) for (m, seed), q in sides.items() if m == n], ("#0072B2", "#D55E00", "#009E73")):
                 axis.plot(*places(q).T, lw=1.2, color=colour, label=f"start {seed}")
                 t = crossings(*places(q).T)
                 axis.plot(t, 0 * t + places(q)[:, 1].mean(), "o", color=colour, mfc="none", ms=4)

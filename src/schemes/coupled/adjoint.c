@@ -112,8 +112,9 @@ static PetscErrorCode SetNormalForces(const FreeSurface *free, PetscInt dim, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns true if a side along which the fluid slides is within the support of own particle i. G
-   has no condition there, and D and Z have one: they differ even where particles are even. */
+/* Returns true if a side along which the fluid slides, or an inflow, is within the support of own
+   particle i. G has no condition there, and D and Z have one: they differ even where particles are
+   even. At an outflow D has none in fluids with a free surface. */
 static PetscBool IsBesideSlip(const Flow *flow, PetscInt i)
 {
   const Particles *p = flow->particles;
@@ -124,12 +125,14 @@ static PetscBool IsBesideSlip(const Flow *flow, PetscInt i)
   for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
   SceneWallPlanes(flow->scene, x, flow->ops->forms.radius, planes, &n);
   for (PetscInt k = 0; k < n; k++)
-    if (!BoundaryIs(flow->scene, planes[k].side, BOUNDARY_NO_SLIP)) return PETSC_TRUE;
+    if (!BoundaryIs(flow->scene, planes[k].side, BOUNDARY_NO_SLIP) &&
+        !BoundaryIs(flow->scene, planes[k].side, BOUNDARY_OUTFLOW))
+      return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
 /* Returns true if the column of own particle i stays whatever its cosine is: beside a side along
-   which the fluid slides, and away from free surfaces, as in a fluid without one. Beside corners of
+   which the fluid slides, beside an inflow, and away from free surfaces, as in a fluid without one. Beside corners of
    walls and inflows a reaction would have an error as large as the pressure. */
 static PetscBool KeepsColumn(const Flow *flow, PetscInt i)
 {

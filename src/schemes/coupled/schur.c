@@ -140,9 +140,8 @@ PetscErrorCode SchurCreate(Schur *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Raises diagonal entries of the Poisson matrix to half of the sum of the other magnitudes in their
-   rows, where sweeps of AMG neither divide by zero nor amplify. Fits whose particles lie on one side
-   have smaller diagonals, or negative ones; those of even particles have 0.8 of the sum. */
+/* Raises small diagonal entries of the Poisson matrix, by which sweeps of AMG divide: those of fits
+   whose particles lie on one side; docs/theory.md, (375). */
 static PetscErrorCode RaiseDiagonal(Mat A)
 {
   PetscScalar *entry;
