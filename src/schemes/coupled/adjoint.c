@@ -132,8 +132,8 @@ static PetscBool IsBesideSlip(const Flow *flow, PetscInt i)
 }
 
 /* Returns true if the column of own particle i stays whatever its cosine is: beside a side along
-   which the fluid slides, beside an inflow, and away from free surfaces, as in a fluid without one. Beside corners of
-   walls and inflows a reaction would have an error as large as the pressure. */
+   which the fluid slides or enters, and away from free surfaces, as in a fluid without one. Beside
+   corners of walls and inflows a reaction would have an error as large as the pressure. */
 static PetscBool KeepsColumn(const Flow *flow, PetscInt i)
 {
   return IsBesideSlip(flow, i) || !OperatorsBesideSurface(flow->ops, i) ? PETSC_TRUE : PETSC_FALSE;
