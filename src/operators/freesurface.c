@@ -252,7 +252,8 @@ PetscInt FreeSurfaceOpenings(const Scene *scene, const Particles *p, const Neigh
 }
 
 /* Takes the void at openings close to own particle i out of S: its component away from them. With
-   it n_0 of a particle at the rim of a jet would point to the opening, which covers it. */
+   it n_0 of a particle at the rim of a jet would point to the wall around the opening, which covers
+   it. */
 static void FillOpenings(const Scene *scene, const Particles *p, const Neighbors *nb, PetscInt i,
                          PetscReal S[])
 {
