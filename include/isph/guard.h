@@ -62,6 +62,7 @@ PetscErrorCode KspViewsEnd(KspViews *views);
 /* defaults.c */
 PetscErrorCode OptionDefault(const char prefix[], const char name[], const char value[]);
 PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[]);
+PetscErrorCode AmgDiagonal(Mat A);
 PetscErrorCode AmgSmoothByFactors(const char prefix[]);
 PetscErrorCode PoissonSolver(const LaplacianForm *form, PetscReal rtol, PCType type, Guard *guard);
 PetscErrorCode SolverRenewPC(KSP ksp);

@@ -70,6 +70,43 @@ PetscErrorCode AmgDefaults(const char prefix[], const char aggressive[])
 }
 
 /*
+  AmgDiagonal - Raises small diagonal entries of the matrix of a preconditioner, by which sweeps of
+  AMG divide
+
+    a_ii <- max(a_ii, sum_{j != i} |a_ij| / 2)
+
+  Collective. Only fits of the Laplacian whose particles lie on one side have such entries, also
+  negative ones: docs/theory.md, (375).
+*/
+PetscErrorCode AmgDiagonal(Mat A)
+{
+  PetscScalar *entry;
+  PetscInt     first, n;
+  Vec          diagonal;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateVecs(A, NULL, &diagonal));
+  PetscCall(MatGetDiagonal(A, diagonal));
+  PetscCall(MatGetOwnershipRange(A, &first, NULL));
+  PetscCall(VecGetLocalSize(diagonal, &n));
+  PetscCall(VecGetArray(diagonal, &entry));
+  for (PetscInt i = 0; i < n; i++) {
+    const PetscScalar *a;
+    PetscInt           count;
+    PetscReal          others = -PetscAbsScalar(entry[i]);
+
+    PetscCall(MatGetRow(A, first + i, &count, NULL, &a));
+    for (PetscInt k = 0; k < count; k++) others += PetscAbsScalar(a[k]);
+    PetscCall(MatRestoreRow(A, first + i, &count, NULL, &a));
+    entry[i] = PetscMax(entry[i], 0.5 * others);
+  }
+  PetscCall(VecRestoreArray(diagonal, &entry));
+  PetscCall(MatDiagonalSet(A, diagonal, INSERT_VALUES));
+  PetscCall(VecDestroy(&diagonal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
   AmgSmoothByFactors - Smooths the finest level of BoomerAMG by incomplete factors (Euclid),
   unless options say otherwise
 

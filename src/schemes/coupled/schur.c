@@ -140,36 +140,6 @@ PetscErrorCode SchurCreate(Schur *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Raises small diagonal entries of the Poisson matrix, by which sweeps of AMG divide: those of fits
-   whose particles lie on one side; docs/theory.md, (375). */
-static PetscErrorCode RaiseDiagonal(Mat A)
-{
-  PetscScalar *entry;
-  PetscInt     first, n;
-  Vec          diagonal;
-
-  PetscFunctionBegin;
-  PetscCall(MatCreateVecs(A, NULL, &diagonal));
-  PetscCall(MatGetDiagonal(A, diagonal));
-  PetscCall(MatGetOwnershipRange(A, &first, NULL));
-  PetscCall(VecGetLocalSize(diagonal, &n));
-  PetscCall(VecGetArray(diagonal, &entry));
-  for (PetscInt i = 0; i < n; i++) {
-    const PetscScalar *a;
-    PetscInt           count;
-    PetscReal          others = -PetscAbsScalar(entry[i]);
-
-    PetscCall(MatGetRow(A, first + i, &count, NULL, &a));
-    for (PetscInt k = 0; k < count; k++) others += PetscAbsScalar(a[k]);
-    PetscCall(MatRestoreRow(A, first + i, &count, NULL, &a));
-    entry[i] = PetscMax(entry[i], 0.5 * others);
-  }
-  PetscCall(VecRestoreArray(diagonal, &entry));
-  PetscCall(MatDiagonalSet(A, diagonal, INSERT_VALUES));
-  PetscCall(VecDestroy(&diagonal));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   SchurAssemble - Creates the matrices of the approximation for new operators
 
@@ -194,7 +164,7 @@ PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, MatType typ
   PetscCall(MatDestroy(&s->poisson));
   if (!s->row->poisson) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatDuplicate(ops->ppe.A, MAT_COPY_VALUES, &s->poisson));
-  PetscCall(RaiseDiagonal(s->poisson));
+  PetscCall(AmgDiagonal(s->poisson));
   PetscCall(MatConvert(s->poisson, type, MAT_INPLACE_MATRIX, &s->poisson));
   PetscCall(GaugePreconditioner(s->scene, GAUGE_SHIFT, s->poisson));
   PetscCall(KSPReset(s->ksp));

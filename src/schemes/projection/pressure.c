@@ -330,8 +330,9 @@ static PetscErrorCode PassMatrix(Mat A, Vec diagonal, const PressureMatrices *m,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Renews the preconditioner of the matrix A. */
-static PetscErrorCode RenewPreconditioner(const Scene *scene, Mat A, const PressureMatrices *m,
+/* Renews the preconditioner of the matrix A. The matrices of splines have no small diagonal entries
+   by fits, and LU needs A itself. */
+static PetscErrorCode RenewPreconditioner(const Flow *flow, Mat A, const PressureMatrices *m,
                                           Pressure *s)
 {
   const KSP ksp = s->guard.solve.ksp;
@@ -342,7 +343,10 @@ static PetscErrorCode RenewPreconditioner(const Scene *scene, Mat A, const Press
   PetscCall(PreconditionerMat(m, s));
   PetscCall(MatCreateVecs(s->preconditioner, &diagonal, NULL));
   PetscCall(MatGetDiagonal(s->preconditioner, diagonal));
-  PetscCall(GaugePreconditioner(scene, s->direct ? LU_SHIFT : GAUGE_SHIFT, s->preconditioner));
+  if (!s->direct && !((const Projection *)flow->scheme->data)->splines)
+    PetscCall(AmgDiagonal(s->preconditioner));
+  PetscCall(
+      GaugePreconditioner(flow->scene, s->direct ? LU_SHIFT : GAUGE_SHIFT, s->preconditioner));
   PetscCall(PassToHypre(m, s));
   PetscCall(KSPSetReusePreconditioner(ksp, PETSC_FALSE));
   PetscCall(KSPSetOperators(ksp, A, s->preconditioner));
@@ -377,7 +381,7 @@ static PetscErrorCode PressureUpdateMatrices(Flow *flow, Pressure *s)
   }
   PetscCall(PressureOperator(&m, s, &A));
   if (rebuild) {
-    PetscCall(RenewPreconditioner(flow->scene, A, &m, s));
+    PetscCall(RenewPreconditioner(flow, A, &m, s));
   } else {
     PetscCall(KSPSetReusePreconditioner(ksp, PETSC_TRUE));
     PetscCall(KSPSetOperators(ksp, A, s->preconditioner ? s->preconditioner : A));
