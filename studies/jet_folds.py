@@ -18,7 +18,7 @@ EVERY = 0.5  # time between snapshots [D/U]
 START, END = HEIGHT + 9, 80.0  # of the time in which folds are counted [D/U]
 FAR = 0.1  # least distance of the jet from its mean place on both sides in a fold [D]
 LINK = 2.0  # distance up to which particles are of one group [dx]
-JETS = [(n, seed) for n, starts in ((6, 3), (8, 3), (12, 3)) for seed in range(starts)]  # particles along D, start
+JETS = [(n, seed) for n, starts in ((6, 3), (8, 3), (12, 3), (16, 3), (24, 2)) for seed in range(starts)]  # particles along D, start
 SPEED, SPEEDS = 0.5, (0.5, 0.7)  # of the belt [U]; those with 8 particles along D
 
 
