@@ -8,8 +8,8 @@
 
 #define ROWS 4 /* on each rank */
 
-/* A row has its diagonal entry, -1 in the other columns of its rank, and 5 in one column of the next
-   rank, if there is one: the sum of the others is 3 or 8. */
+/* A row has its diagonal entry, -1 in the other columns of its rank, and 5 in one column of the
+   next rank, if there is one: the sum of the others is 3 or 8. */
 static void test_raised(void **state)
 {
   const PetscScalar entry[ROWS] = {-0.5, 0.1, 1.75, 4.0};
