@@ -330,8 +330,8 @@ static PetscErrorCode PassMatrix(Mat A, Vec diagonal, const PressureMatrices *m,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Renews the preconditioner of the matrix A. The matrices of splines have no small diagonal entries
-   by fits, and LU needs A itself. */
+/* Renews the preconditioner of the matrix A. Small diagonal entries are raised, but not those of
+   splines, which are right, and not for LU, which needs A itself. */
 static PetscErrorCode RenewPreconditioner(const Flow *flow, Mat A, const PressureMatrices *m,
                                           Pressure *s)
 {
