@@ -3,7 +3,8 @@
   and curvatures converge to those of a circle, waves of any length have a curvature of their sign
   with surface tension, and a fragment of two particles is isolated. The end of a thin film on a
   wall is rough, and the film behind it is smooth. Rough particles that are too near are moved
-  apart. The sides of a jet begin at the opening where its fluid enters.
+  apart. Shifts carry no particle at the contact line over the dry wall. The sides of a jet begin at
+  the opening where its fluid enters.
 */
 /* RANKS: 1 3 */
 #include "crowd.h"
@@ -343,6 +344,76 @@ static void test_separate(void **state)
   Empty(&pool);
 }
 
+#define LEAN 0.3 /* of the end of a film, over its height */
+
+/* A film of three layers whose end leans back. */
+static void LeaningFilm(Pool *pool)
+{
+  const Scene *scene = &pool->s.scene;
+
+  Film(1.0, pool);
+  for (PetscInt i = 0; i < pool->p->n_fluid; i++)
+    pool->p->x[0][i] -= LEAN * (pool->p->x[1][i] - scene->lo[1]) *
+                        (pool->p->x[0][i] - scene->lo[0]) / (FILM * scene->dx);
+  ASSERT_OK(ParticlesUpdateEpoch(scene, pool->p, PETSC_TRUE, NULL));
+  Find(pool);
+}
+
+/* Returns true if own particle i is smooth and at the contact line on the floor. The other end of
+   the film has a contact line on a wall. */
+static PetscBool AtFloor(const Flow *flow, PetscInt i)
+{
+  const Particles   *p    = flow->particles;
+  const FreeSurface *free = flow->ops->free;
+  const PetscReal    half = flow->scene->lo[0] + 0.5 * FILM * p->dx[i];
+
+  return free->contact[i] && free->kind[i] == SURFACE_SMOOTH && p->x[0][i] > half;
+}
+
+/* Returns true if a shift of own particle i along the floor is limited wrongly. A smooth particle
+   keeps its part along the surface, one at the contact line only a shift into the film. Rough
+   particles only move apart and do not count. */
+static PetscBool IsLimitedWrongly(const Flow *flow, PetscInt i, PetscReal along)
+{
+  const FreeSurface *free = flow->ops->free;
+  const PetscReal   *n = &free->normal[2 * i], none[2] = {0.0, 0.0};
+  const PetscReal    normal  = free->kind[i] == SURFACE_SMOOTH ? along * n[0] : 0.0;
+  PetscReal          shift[] = {along, 0.0}, wanted[2] = {along - normal * n[0], -normal * n[1]};
+
+  if (FreeSurfaceIsRough(free, i)) return PETSC_FALSE;
+  if (AtFloor(flow, i) && along > 0.0) wanted[0] = 0.0;
+  FlowLimitShift(flow, none, i, shift);
+  return PetscAbsReal(shift[0] - wanted[0]) + PetscAbsReal(shift[1] - wanted[1]) >
+         1e-12 * flow->particles->dx[i];
+}
+
+/* Shifts do not lengthen a film over the dry floor before it. */
+static void test_contact_line(void **state)
+{
+  Pool      pool;
+  Operators ops      = {.free = &pool.free};
+  Scheme    scheme   = {0};
+  Clock     clock    = {.dt = 1.0};
+  Flow      flow     = {.ops = &ops, .scheme = &scheme, .clock = &clock};
+  PetscInt  count[2] = {0, 0}; /* particles at the contact line, wrong shifts */
+
+  (void)state;
+  LeaningFilm(&pool);
+  flow.scene             = &pool.s.scene;
+  flow.particles         = pool.p;
+  flow.neighbors         = pool.nb;
+  scheme.stats.speed_max = pool.s.scene.dx;
+  for (PetscInt i = 0; i < pool.p->n_fluid; i++) {
+    count[0] += AtFloor(&flow, i) ? 1 : 0;
+    for (PetscInt way = -1; way < 2; way += 2)
+      count[1] += IsLimitedWrongly(&flow, i, 0.1 * (PetscReal)way * pool.s.scene.dx) ? 1 : 0;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD);
+  CloudAssertNone("no contact line", "film of 2.5 dx", count[0] == 0);
+  CloudAssertNone("shifts", "film of 2.5 dx", count[1]);
+  Empty(&pool);
+}
+
 #define JET   3.0  /* radius of the opening of a jet [dx] */
 #define SWELL 1.08 /* of its radius below the opening */
 
@@ -430,10 +501,10 @@ static void test_rim(void **state)
 int main(int argc, char **argv)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_disc),      cmocka_unit_test(test_film),
-      cmocka_unit_test(test_stiffness), cmocka_unit_test(test_isolated),
-      cmocka_unit_test(test_nose),      cmocka_unit_test(test_separate),
-      cmocka_unit_test(test_rim)};
+      cmocka_unit_test(test_disc),         cmocka_unit_test(test_film),
+      cmocka_unit_test(test_stiffness),    cmocka_unit_test(test_isolated),
+      cmocka_unit_test(test_nose),         cmocka_unit_test(test_separate),
+      cmocka_unit_test(test_contact_line), cmocka_unit_test(test_rim)};
   int failed;
 
   if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;

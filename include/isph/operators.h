@@ -133,6 +133,7 @@ typedef struct {
   PetscReal *kind;      /* SurfaceKind of fluid particles, a whole number */
   PetscReal *normal;    /* out of the fluid, at [i dim + a]; of no meaning inside */
   PetscReal *curvature; /* sum of the principal curvatures, own particles [1/m] */
+  PetscBool *contact;   /* of own particles: at a contact line, but in no nose */
   PetscBool  there;     /* a fluid particle of any rank is on the surface, or isolated */
   PetscBool  has_rough; /* a fluid particle of any rank is rough, or paired */
   PetscReal  tension;   /* surface tension; 0: none [N/m] */

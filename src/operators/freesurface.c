@@ -401,9 +401,9 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
   ComputePlane(forms->kernel, d, forms->h, scene->dx, &plane); /* the spacing is uniform */
   if (all > free->capacity) {
     free->capacity = all + all / 8;
-    PetscCall(PetscFree3(free->kind, free->normal, free->curvature));
-    PetscCall(PetscMalloc3(free->capacity, &free->kind, free->capacity * d, &free->normal,
-                           free->capacity, &free->curvature));
+    PetscCall(PetscFree4(free->kind, free->normal, free->curvature, free->contact));
+    PetscCall(PetscMalloc4(free->capacity, &free->kind, free->capacity * d, &free->normal,
+                           free->capacity, &free->curvature, free->capacity, &free->contact));
   }
   PetscCall(PetscArrayzero(free->kind, all));
   PetscCall(PetscArrayzero(free->normal, all * d));
@@ -436,6 +436,6 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
 PetscErrorCode FreeSurfaceFree(FreeSurface *free)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree3(free->kind, free->normal, free->curvature));
+  PetscCall(PetscFree4(free->kind, free->normal, free->curvature, free->contact));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

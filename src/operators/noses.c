@@ -88,10 +88,11 @@ static PetscBool IsNearContact(const Particles *p, const Neighbors *nb, const Pe
 }
 
 /*
-  FreeSurfaceFindNoses - Sets smooth surface particles in noses of thin fluid to SURFACE_ROUGH
+  FreeSurfaceFindNoses - Finds the contact lines, and sets smooth surface particles in noses of thin
+  fluid to SURFACE_ROUGH
 
   Collective. Input: free - kinds of all particles, halo included, and normals of own particles.
-  Output: kinds of own particles.
+  Output: kinds of own particles, and which of them are at a contact line but in no nose.
 */
 PetscErrorCode FreeSurfaceFindNoses(const Scene *scene, const Particles *p, const Neighbors *nb,
                                     FreeSurface *free)
@@ -104,9 +105,11 @@ PetscErrorCode FreeSurfaceFindNoses(const Scene *scene, const Particles *p, cons
     contact[i] = FreeSurfaceHolds(free, i) && IsBesideDryWall(scene, p, nb, free, i) ? 1.0 : 0.0;
   PetscCall(ParticlesHaloField(p, contact));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    if (free->kind[i] == SURFACE_SMOOTH && IsNearContact(p, nb, contact, i) &&
-        IsThin(scene, p, nb, i))
-      free->kind[i] = SURFACE_ROUGH;
+    const PetscBool nose =
+        FreeSurfaceHolds(free, i) && IsNearContact(p, nb, contact, i) && IsThin(scene, p, nb, i);
+
+    free->contact[i] = contact[i] > 0.0 && !nose;
+    if (nose && free->kind[i] == SURFACE_SMOOTH) free->kind[i] = SURFACE_ROUGH;
   }
   PetscCall(PetscFree(contact));
   PetscFunctionReturn(PETSC_SUCCESS);

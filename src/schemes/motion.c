@@ -4,11 +4,10 @@
 */
 #include "step.h"
 
-#define FILTER_RATE   2.0 /* factor of |A A|^(1/2) [-] */
-#define VISCOUS       5.0 /* U dx/nu up to which viscosity damps disturbances across a shear */
-#define SURFACE_RATE  5.0 /* of the filter beside free surfaces [nu/dx_i^2] */
-#define CLEARANCE     0.3 /* least distance of particles from walls [dx_i] */
-#define SURFACE_SHARE 0.3 /* longest shift beside free surfaces [way of the fastest particle] */
+#define FILTER_RATE  2.0 /* factor of |A A|^(1/2) [-] */
+#define VISCOUS      5.0 /* U dx/nu up to which viscosity damps disturbances across a shear */
+#define SURFACE_RATE 5.0 /* of the filter beside free surfaces [nu/dx_i^2] */
+#define CLEARANCE    0.3 /* least distance of particles from walls [dx_i] */
 
 /*
   Derivatives at the old positions, which give the change of the fields of a displaced particle:
@@ -139,28 +138,6 @@ static PetscErrorCode SlopesRestore(Flow *flow, Slopes *t)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Limits the shift of particle i of a fluid with a free surface: particles on the surface stay on
-   it, rough ones only move apart, and no shift is longer than a share of the way of the fastest
-   particle. Longer shifts carry fluid through the surface: the level of a resting puddle would fall
-   or rise. */
-static void LimitAtSurface(const Flow *flow, const PetscReal apart[], PetscInt i, PetscReal shift[])
-{
-  const FreeSurface *free  = flow->ops->free;
-  const PetscInt     d     = flow->scene->dim;
-  const SurfaceKind  kind  = (SurfaceKind)free->kind[i];
-  const PetscReal    most  = SURFACE_SHARE * flow->scheme->stats.speed_max * flow->clock->dt;
-  PetscReal          along = 0.0, length = 0.0;
-
-  for (PetscInt a = 0; a < d; a++) along += shift[a] * free->normal[i * d + a];
-  for (PetscInt a = 0; a < d; a++) {
-    if (kind == SURFACE_SMOOTH) shift[a] -= along * free->normal[i * d + a];
-    if (kind == SURFACE_ROUGH || kind == SURFACE_ISOLATED) shift[a] = apart[i * d + a];
-    length += PetscSqr(shift[a]);
-  }
-  length = PetscSqrtReal(length);
-  for (PetscInt a = 0; a < d && length > most; a++) shift[a] *= most / length;
-}
-
 /* Computes the shift of particle i, in the stretched coordinates in which its cell is a cube. */
 static void ShiftParticle(const Flow *flow, const Slopes *slopes, PetscInt i, PetscReal shift[])
 {
@@ -184,7 +161,7 @@ static void ShiftParticle(const Flow *flow, const Slopes *slopes, PetscInt i, Pe
       shift[a] += disturbance * ParticlesHash(scene->seed + 1, flow->particles->id[i], a);
     shift[a] /= ParticlesStretch(flow->particles, a, i);
   }
-  if (flow->ops->free) LimitAtSurface(flow, slopes->apart, i, shift);
+  if (flow->ops->free) FlowLimitShift(flow, &slopes->apart[i * scene->dim], i, shift);
 }
 
 /* Computes the change of the velocity of particle i by its shift s, s.grad u + |s|^2/(2d) lap u in

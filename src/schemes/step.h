@@ -74,6 +74,9 @@ PetscErrorCode FlowAllVelocities(const Flow *flow, const Vec u[], PetscReal **al
 PetscErrorCode FlowCollide(Flow *flow);
 void           FlowSeparate(const Flow *flow, PetscReal apart[]);
 
+/* surfaceshift.c */
+void FlowLimitShift(const Flow *flow, const PetscReal apart[], PetscInt i, PetscReal shift[]);
+
 /* ownedvolumes.c */
 PetscErrorCode VolumesCreate(Flow *flow);
 PetscErrorCode VolumesRegister(Flow *flow);
