@@ -254,6 +254,8 @@ PetscInt       FreeSurfaceOpenings(const Scene *scene, const Particles *particle
 PetscBool      FreeSurfaceTouches(const Scene *scene, const Particles *particles,
                                   const Neighbors *neighbors, const FreeSurface *free, PetscInt i,
                                   PetscInt wall);
+PetscInt       FreeSurfaceNearestWall(const Scene *scene, const Particles *particles,
+                                      const Neighbors *neighbors, PetscInt i, PetscReal most);
 
 /* FreeSurfaceHolds - Returns true if a fluid particle is on a free surface or isolated; free: NULL
    without free surfaces; not collective */

@@ -39,17 +39,25 @@ static PetscBool IsBesideDryWall(const Scene *scene, const Particles *p, const N
   return PETSC_FALSE;
 }
 
-/* Returns the wall particle without slip that is nearest to own particle i, -1 if there is none. */
-static PetscInt NearestWall(const Scene *scene, const Particles *p, const Neighbors *nb, PetscInt i)
+/*
+  FreeSurfaceNearestWall - Returns the wall particle nearest to own particle i, -1 if none is nearer
+  than a distance
+
+  Not collective. Input: scene - only walls without slip count; NULL: all do. most - the distance,
+  at most the radius of the support [m].
+*/
+PetscInt FreeSurfaceNearestWall(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                PetscInt i, PetscReal most)
 {
   PetscInt  nearest = -1;
-  PetscReal least   = PETSC_INFINITY;
+  PetscReal least   = PetscSqr(most);
 
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
-    const PetscReal r2 = ParticlesSquareDistance(p, i, nb->col[q]);
+    const PetscInt  j  = nb->col[q];
+    const PetscReal r2 = ParticlesSquareDistance(p, i, j);
 
-    if (r2 >= PetscMin(least, PetscSqr(nb->radius)) || !Sticks(scene, p, nb->col[q])) continue;
-    nearest = nb->col[q];
+    if (r2 >= least || !(scene ? Sticks(scene, p, j) : ParticlesIsWall(p, j))) continue;
+    nearest = j;
     least   = r2;
   }
   return nearest;
@@ -58,7 +66,7 @@ static PetscInt NearestWall(const Scene *scene, const Particles *p, const Neighb
 /* Returns true if the fluid about own particle i lies lower than THIN dx above the wall. */
 static PetscBool IsThin(const Scene *scene, const Particles *p, const Neighbors *nb, PetscInt i)
 {
-  const PetscInt wall = NearestWall(scene, p, nb, i);
+  const PetscInt wall = FreeSurfaceNearestWall(scene, p, nb, i, nb->radius);
 
   if (wall < 0) return PETSC_FALSE;
   for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {

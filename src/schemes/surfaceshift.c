@@ -8,29 +8,14 @@
 #define SHARE 0.3 /* longest shift beside free surfaces [way of the fastest particle] */
 #define WALL  1.5 /* largest distance of the wall beside a contact line [dx] */
 
-/* Returns the wall particle nearest to own particle i, -1 if none is nearer than WALL dx. */
-static PetscInt NearestWall(const Particles *p, const Neighbors *nb, PetscInt i)
-{
-  PetscInt  nearest = -1;
-  PetscReal least   = PetscSqr(WALL * p->dx[i]);
-
-  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
-    const PetscReal r2 = ParticlesSquareDistance(p, i, nb->col[q]);
-
-    if (r2 >= least || !ParticlesIsWall(p, nb->col[q])) continue;
-    nearest = nb->col[q];
-    least   = r2;
-  }
-  return nearest;
-}
-
 /* Removes the part of a shift that carries particle i at a contact line along the wall out of the
    fluid. At the edge of a slit such shifts would wet the wall around it: they follow the
    fastest particle, and the fluid at the edge is slower the finer the particles are. */
 static void KeepContactLine(const Flow *flow, PetscInt i, PetscReal shift[])
 {
-  const Particles *p = flow->particles;
-  const PetscInt   d = p->dim, w = NearestWall(p, flow->neighbors, i);
+  const Particles *p      = flow->particles;
+  const PetscInt   d      = p->dim;
+  const PetscInt   w      = FreeSurfaceNearestWall(NULL, p, flow->neighbors, i, WALL * p->dx[i]);
   const PetscReal *normal = &flow->ops->free->normal[i * d];
   PetscReal        out[ISPH_MAX_DIM], facing = 0.0, length2 = 0.0, along = 0.0;
 
