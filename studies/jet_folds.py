@@ -12,7 +12,7 @@ from runs import Runs, table
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-AXIS, HEIGHT = 3.5, 11.0  # of the slit [D]
+AXIS, HEIGHT, OUTFLOW = 3.5, 11.0, 9.0  # places of the slit and of the outflow [D]
 LEVEL, BAND = 0.5 * HEIGHT, 0.5  # height at which the place of the jet is taken, and of the band of its mean [D]
 EVERY = 0.5  # time between snapshots [D/U]
 START, END = HEIGHT + 9, 80.0  # of the time in which folds are counted [D/U]
@@ -28,10 +28,12 @@ def line_of(n, seed, speed=SPEED):
     return f"-options_file options/jet_folds.opts -n {n} -jitter 0.1 -seed {seed} -t_end {END:g} -progress none{belt}"
 
 
-def stray(x, distance):
-    """Returns the number of particles that are not in the largest group; particles nearer than a distance are of one group."""
+def stray(x, distance, outflow=np.inf):
+    """Returns the number of particles outside the largest group that are in no group beside the outflow at x = outflow either: such a
+    group is the end of a fold that leaves. Particles nearer than a distance are of one group."""
     _, group = connected_components(cKDTree(x).sparse_distance_matrix(cKDTree(x), distance))
-    return len(x) - np.bincount(group).max()
+    leaving = group[x[:, 0] > outflow - distance]
+    return np.isin(group, [np.bincount(group).argmax(), *leaving], invert=True).sum()
 
 
 class Belts(Runs):
@@ -46,7 +48,7 @@ class Belts(Runs):
             for k, snapshot in enumerate(sorted(glob.glob(os.path.join(folder, "jet_*.h5")))):
                 with h5py.File(snapshot, "r") as file:
                     x = file["position"][:][file["type"][:] == 0]
-                row["stray"] = max(row["stray"], stray(x, LINK / n))
+                row["stray"] = max(row["stray"], stray(x, LINK / n, OUTFLOW))
                 band = x[abs(x[:, 1] - LEVEL) < BAND / 2, 0]
                 if len(band):
                     row[f"place@{k * EVERY:g}"] = f"{band.mean() - AXIS:.4g}"
@@ -122,7 +124,8 @@ def part(sides, speeds, run):
            "folds through an outflow, so that no heap grows. A fold is a crossing of the "
            f"jet's mean place at the height {LEVEL:g} D, to the right, from U t/D = {START:g} to {END:g}; periods are in D/U, and f is the "
            "inverse of their mean. Stray particles are those that are farther than 2 dx from the largest group, the most of all snapshots "
-           f"(every {EVERY:g} D/U); volume is the error of the volume inside the surface at the end.\n")
+           f"(every {EVERY:g} D/U), without groups beside the outflow: a fold that leaves is in two parts for a time. The volume "
+           "is the error of the volume inside the surface at the end.\n")
     yield from table(["n", "start", *head], [[n, seed, *cells(q)] for (n, seed), q in sides.items()])
     yield (f"\n{frequencies(sides)}. A thin sheet without contact of its folds (`studies/thin_sheet.py`, after Ribe, Phys. Rev. E 68 (2003) 036305) has "
            f"{sheets(SPEEDS)} on belts of these speeds; at the speed U of the jet its place varies by 0.01 D only. The folds of jets lie "
