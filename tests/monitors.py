@@ -61,6 +61,15 @@ def main():
         close(last(forces, wall=wall)["fx"], 0.5 * 8 * 0.5, 1e-6)
     close(rows("probe_flux.csv")[-1]["flux"], 2 / 3, 2e-3)  # midpoint rule, 16 cells: U/(12 n^2) = 3e-4
 
+    # Two layers of thickness 1/2, the upper three times as viscous: the stress is U/(1/2 + 1/6), the length 0.16.
+    run("-case", "scene", "-without", "pressure,convection", "-scene_box", "0,0,0.16,1", "-scene_periodic", "x", "-n", "50",
+        "-viscosity", "1", "-scene_fluid_1", "box,-1,0.5,2,2", "-scene_fluid_1_viscosity", "3", "-scene_velocity", "0,0",
+        "-scene_wall_top_velocity", "1,0", "-dt", "1000", "-t_end", "5000",
+        "-visc_ksp_rtol", "1e-10", "-probe_forces")
+    forces = rows("probe_forces.csv")
+    close(last(forces, wall="bottom")["fx"], 0.24, 2.4e-4)  # within 0.1 %
+    close(last(forces, wall="top")["fx"], -0.24, 2.4e-4)
+
     # A row after the first step at or past each multiple of the interval, with the time of that step.
     run("-case", "couette", "-n", "8", "-dt", "0.3", "-t_end", "3", "-probe_point", "0.1,0.3", "-probe_every", "1")
     times = [row["t"] for row in rows("probe_point.csv")]

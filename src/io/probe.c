@@ -303,7 +303,7 @@ static PetscErrorCode NearestViscosity(Probe *probe, const PetscReal x[], PetscR
 
   PetscFunctionBegin;
   *nu = 0.0;
-  PetscCall(ProbeFind(probe, x, &ball, PETSC_FALSE, &n));
+  PetscCall(ProbeFind(probe, x, &ball, p->dim, &n)); /* no wall particle has a pressure */
   for (PetscInt k = 0; k < n; k++) {
     const PetscInt j  = probe->list[k];
     PetscReal      r2 = 0.0;
