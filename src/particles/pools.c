@@ -99,12 +99,13 @@ static PetscBool BoxAround(const Pools *pools, PetscInt pool, PetscReal lo[], Pe
    the box. */
 static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *volume)
 {
-  const Scene    *scene = pools->scene;
-  const PetscReal unit  = (PetscReal)((PetscInt64)1 << 30);
-  PetscReal       lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM];
-  const PetscInt  axes            = BoxAround(pools, pool, lo, hi) ? 2 : 3;
-  PetscInt        n[ISPH_MAX_DIM] = {1, 1, 1}, first, last;
-  PetscInt64      sum             = 0;
+  const Scene   *scene = pools->scene;
+  PetscReal      lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM];
+  const PetscInt axes            = BoxAround(pools, pool, lo, hi) ? 2 : 3;
+  PetscInt       n[ISPH_MAX_DIM] = {1, 1, 1};
+  PetscInt64     sum             = 0, rows;
+  PetscMPIInt    rank, ranks;
+  PetscReal      unit, points = 1.0;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < scene->n_filled; k++) {
@@ -112,10 +113,16 @@ static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *v
     *volume = 4.0 / 3.0 * PETSC_PI * PetscPowRealInt(scene->filled[k].extent, 3);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  for (PetscInt a = 0; a < axes; a++) points *= POINTS * PetscCeilReal((hi[a] - lo[a]) / scene->dx);
+  UserCheck(points / PetscPowRealInt(POINTS, axes) < PETSC_INT_MAX / 8,
+            "-n asks for more particles than fit: more than %d", (int)(PETSC_INT_MAX / 8));
+  unit = (PetscReal)((PetscInt64)1 << (points < 4e9 ? 30 : 25)); /* the sum is less than 2^62 */
   for (PetscInt a = 0; a < axes; a++)
     n[a] = POINTS * (PetscInt)PetscCeilReal((hi[a] - lo[a]) / scene->dx);
-  ParticlesShare(PETSC_COMM_WORLD, n[1] * n[2], &first, &last);
-  for (PetscInt row = first; row < last; row++) {
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  rows = (PetscInt64)n[1] * n[2];
+  for (PetscInt64 row = rows * rank / ranks; row < rows * (rank + 1) / ranks; row++) {
     for (PetscInt column = 0; column < n[0]; column++) {
       const PetscReal x[ISPH_MAX_DIM] = {lo[0] + (hi[0] - lo[0]) * (column + 0.5) / n[0],
                                          lo[1] + (hi[1] - lo[1]) * (row % n[1] + 0.5) / n[1],

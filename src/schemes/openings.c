@@ -124,8 +124,26 @@ static PetscErrorCode EnterAt(const Flow *flow, PetscInt w, Entrants *all)
   BoundaryIntoOpening(scene, side, x);
   SceneWallVelocity(scene, side, flow->clock->t + 0.5 * flow->clock->dt, x, u);
   *entered += part * SideEntering(side, u) * flow->clock->dt;
+  all->far = PetscMax(all->far, *entered / (scene->hi[side / 2] - scene->lo[side / 2]));
+  if (all->far > 1.0) PetscFunctionReturn(PETSC_SUCCESS);
   for (; *entered >= EARLY * length; *entered -= length)
     PetscCall(EntrantsAdd(p, w, *entered - 0.5 * length, all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Fails the step if fluid enters farther than the box is long. */
+static PetscErrorCode CheckFar(Flow *flow, PetscReal far)
+{
+  char where[CLOCK_WHERE];
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &far, 1, MPIU_REAL, MPIU_MAX, flow->particles->comm));
+  if (far <= 1.0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ClockWhere(flow->clock, where));
+  FailureSet(&flow->scheme->failure, PETSC_ERR_USER_INPUT,
+             "%s: in one step fluid enters %.3g times as far as the box is long; give a smaller "
+             "-dt, or a lower -scene_wall_<side>_velocity of the inflow",
+             where, (double)far);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -204,7 +222,7 @@ static PetscErrorCode InsertEntrants(Flow *flow, Entrants *all)
 static PetscErrorCode CheckRoom(Flow *flow)
 {
   const Scene    *scene   = flow->scene;
-  const PetscReal volume  = flow->particles->N_fluid * SceneVolume(scene);
+  const PetscReal volume  = flow->particles->weight * flow->particles->cell_volume;
   StepFailure    *failure = &flow->scheme->failure;
   PetscReal       room    = 1.0;
   char            where[CLOCK_WHERE];
@@ -240,7 +258,8 @@ static PetscErrorCode CheckRoom(Flow *flow)
 . passed - particles left or entered, so that an epoch has started
 
   Notes:
-  The step fails, and with it the run, if no fluid is left, or if a box without an outflow is full.
+  The step fails if fluid enters farther than the box is long. The step, and with it the run, fails
+  if no fluid is left, or if a box without an outflow is full.
 */
 PetscErrorCode OpeningsPass(Flow *flow, PetscBool *passed)
 {
@@ -257,8 +276,14 @@ PetscErrorCode OpeningsPass(Flow *flow, PetscBool *passed)
     if (BoundaryIs(flow->scene, (PetscInt)p->side[w], BOUNDARY_INFLOW))
       PetscCall(EnterAt(flow, w, &all));
   }
+  if (SceneHasBoundary(flow->scene, BOUNDARY_INFLOW)) PetscCall(CheckFar(flow, all.far));
+  if (flow->scheme->failure.code) {
+    PetscCall(PetscFree(all.entrant));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(EntrantsFindReturning(flow, &all));
   PetscCall(GatherEntrants(p->comm, &all));
+  EntrantsDropCrowded(flow->scene, &all);
   if (all.n) PetscCall(InsertEntrants(flow, &all));
   o->volume_out += left;
   o->volume_in += all.n * SceneVolume(flow->scene);

@@ -17,11 +17,13 @@ typedef struct {
   const Flow *flow;
   PetscInt    n, capacity;
   Entrant    *entrant;
-  PetscInt   *of; /* those that this rank inserts */
+  PetscInt   *of;  /* those that this rank inserts */
+  PetscReal   far; /* largest depth that fluid has entered in the step [length of the box] */
 } Entrants;
 
 PetscErrorCode EntrantsAdd(const Particles *particles, PetscInt w, PetscReal distance,
                            Entrants *entrants);
 PetscErrorCode EntrantsFindReturning(Flow *flow, Entrants *entrants);
+void           EntrantsDropCrowded(const Scene *scene, Entrants *entrants);
 
 #endif

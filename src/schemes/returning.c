@@ -86,3 +86,34 @@ PetscErrorCode EntrantsFindReturning(Flow *flow, Entrants *entrants)
   PetscCall(CellsFree(&cells));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* Returns true if a returning particle is within SPACE of a kept one that returns too. */
+static PetscBool IsCrowded(const Scene *scene, const Entrants *kept, const Entrant *entrant)
+{
+  for (PetscInt k = 0; k < kept->n; k++) {
+    const Entrant *other = &kept->entrant[k];
+    PetscReal      r2    = 0.0;
+
+    if (!BoundaryIs(scene, (PetscInt)other->side, BOUNDARY_OUTFLOW)) continue;
+    for (PetscInt a = 0; a < scene->dim; a++) r2 += PetscSqr(other->x[a] - entrant->x[a]);
+    if (r2 < PetscSqr(SPACE * scene->dx)) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* EntrantsDropCrowded - Drops returning particles that are close to an earlier one, as where two
+   outflows meet; not collective. Input: entrants - of all ranks. */
+void EntrantsDropCrowded(const Scene *scene, Entrants *entrants)
+{
+  const PetscInt n = entrants->n;
+
+  entrants->n = 0;
+  for (PetscInt k = 0; k < n; k++) {
+    const Entrant entrant = entrants->entrant[k];
+
+    if (BoundaryIs(scene, (PetscInt)entrant.side, BOUNDARY_OUTFLOW) &&
+        IsCrowded(scene, entrants, &entrant))
+      continue;
+    entrants->entrant[entrants->n++] = entrant;
+  }
+}
