@@ -108,7 +108,7 @@ typedef struct {
   StepControl       control;     /* with -dt_adapt error */
   PetscReal         move_max;    /* largest allowed displacement in a step [dx] */
   PetscInt          retries;     /* number of undone steps */
-  PetscInt          bursts;      /* number of steps that BurstSolve() solved again */
+  PetscInt          bursts;      /* number of steps whose bursts pair forces ended */
   PetscInt          halvings;    /* dt is divided by 2^halvings */
   PetscInt          good_needed; /* good steps before halvings decreases */
   PetscInt          good;        /* good steps since the last change of halvings */

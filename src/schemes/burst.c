@@ -82,14 +82,15 @@ static PetscErrorCode AddPairs(Flow *flow, const Changes *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Solves the step again with the present pair forces, from what it began with. */
-static PetscErrorCode SolveAgain(Flow *flow, FlowSolve Solve, Vec p, PetscReal jump)
+/* Solves the step again with the present pair forces, from what it began with: the pressure p and
+   the numbers of the memory. */
+static PetscErrorCode SolveAgain(Flow *flow, FlowSolve Solve, Vec p, const PetscReal memory[])
 {
   PetscFunctionBegin;
   OperatorsForget(flow->ops);
   PetscCall(FlowAssemble(flow));
   PetscCall(VecCopy(p, flow->state->p));
-  flow->clock->jump = jump;
+  MemorySet(&flow->scheme->memory, PETSC_FALSE, memory);
   PetscCall(BudgetBegin(flow));
   PetscCall(Solve(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -97,7 +98,8 @@ static PetscErrorCode SolveAgain(Flow *flow, FlowSolve Solve, Vec p, PetscReal j
 
 /* Solves a step with a burst again, until the velocity changes little. If pair forces do not halve
    the change, it is none of the fits, and the first solve was right. */
-static PetscErrorCode EndBurst(Flow *flow, FlowSolve Solve, Vec p, PetscReal jump, Changes *c)
+static PetscErrorCode EndBurst(Flow *flow, FlowSolve Solve, Vec p, const PetscReal memory[],
+                               Changes *c)
 {
   FreeSurface       *free    = flow->ops->free;
   const StepFailure *failure = &flow->scheme->failure;
@@ -106,13 +108,13 @@ static PetscErrorCode EndBurst(Flow *flow, FlowSolve Solve, Vec p, PetscReal jum
   PetscFunctionBegin;
   for (PetscInt k = 0; k < MOST && c->largest > BURST * c->fastest && !failure->code; k++) {
     PetscCall(AddPairs(flow, c));
-    PetscCall(SolveAgain(flow, Solve, p, jump));
+    PetscCall(SolveAgain(flow, Solve, p, memory));
     if (!failure->code) PetscCall(Measure(flow, c));
     if (c->largest > CALMER * first) break;
   }
   PetscCall(PetscFree(free->paired));
   if (failure->code) PetscFunctionReturn(PETSC_SUCCESS);
-  if (c->largest > CALMER * first) PetscCall(SolveAgain(flow, Solve, p, jump));
+  if (c->largest > CALMER * first) PetscCall(SolveAgain(flow, Solve, p, memory));
   else flow->clock->bursts++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -121,30 +123,32 @@ static PetscErrorCode EndBurst(Flow *flow, FlowSolve Solve, Vec p, PetscReal jum
   BurstSolve - Solves a step, and solves it again with pair forces about particles that burst
 
   Collective. A burst is a change of the velocity of a particle with a fit by more than four times
-  the largest speed before. Only moving fluids with a free surface are checked.
+  the largest speed before. Only moving fluids with a free surface are checked, from the second
+  step on: the first may begin at rest.
 
   Input Parameter:
 . Solve - solve of the scheme
 */
 PetscErrorCode BurstSolve(Flow *flow, FlowSolve Solve)
 {
-  const PetscReal jump = flow->clock->jump;
-  Changes         c;
-  Vec             p;
+  PetscReal memory[MEMORY_MAX];
+  Changes   c;
+  Vec       p;
 
   PetscFunctionBegin;
   if (!flow->ops->free || !SceneMoves(flow->scene) || !OperatorsStressSurface(flow->ops) ||
-      ClockRatio(flow->clock) == 0.0) {
+      flow->clock->dt_previous == 0.0) {
     PetscCall(Solve(flow));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(FlowGetWork(flow, &p));
   PetscCall(VecCopy(flow->state->p, p));
+  MemoryGet(&flow->scheme->memory, memory);
   PetscCall(Solve(flow));
   PetscCall(PetscMalloc1(flow->particles->n_fluid, &c.change));
   if (!flow->scheme->failure.code) {
     PetscCall(Measure(flow, &c));
-    if (c.largest > BURST * c.fastest) PetscCall(EndBurst(flow, Solve, p, jump, &c));
+    if (c.largest > BURST * c.fastest) PetscCall(EndBurst(flow, Solve, p, memory, &c));
   }
   PetscCall(PetscFree(c.change));
   PetscCall(FlowRestoreWork(flow, &p));
