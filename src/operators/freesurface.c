@@ -2,7 +2,7 @@
   Particles on free surfaces, their normals and curvatures, from the present positions. Sums over
   neighbours tell where fluid is missing,
 
-    S = sum_j V_j grad_i W_ij,   B = sum_j V_j X (x) grad_j W_ij,   X = x_j - x_i,
+    S = sum_j V_j grad_i W_ij,   B = sum_j V_j X (x) grad_i W_ij,   X = x_j - x_i,
 
   S vanishes and B is the unit matrix inside the fluid; walls act by mirror images. A candidate is
   on the surface if no neighbour is in the cone about n_0 = -S/|S|, or if the concentration
@@ -83,7 +83,7 @@ static void SumsOf(const Scene *scene, const Particles *p, const Neighbors *nb,
       X[a] = p->x[a][j] - x[a];
       r2 += PetscSqr(X[a]);
     }
-    if (r2 > 0.0 && r2 < PetscSqr(CLOSE * p->dx[i])) sums->close++;
+    if (r2 > 0.0 && r2 < PetscSqr(SurfaceReach(p, nb, i, CLOSE))) sums->close++;
     AddNeighbour(forms->kernel, d, h, p->volume[j], X, sums);
     for (PetscInt set = 1; set < 1 << n_planes; set++) {
       PetscReal Y[ISPH_MAX_DIM];
@@ -220,7 +220,7 @@ static PetscBool IsCovered(const Scene *scene, const Particles *p, const Neighbo
       r2 += PetscSqr(X);
       along += X * normal[a];
     }
-    if (r2 == 0.0 || r2 >= PetscSqr(length * p->dx[i])) continue;
+    if (r2 == 0.0 || r2 >= PetscSqr(SurfaceReach(p, nb, i, length))) continue;
     if (along <= CONE * PetscSqrtReal(r2)) continue;
     if (ParticlesIsWall(p, j) ? Covers(scene, p, nb, i, j, normal)
                               : free->kind[j] != SURFACE_ISOLATED)
@@ -230,9 +230,11 @@ static PetscBool IsCovered(const Scene *scene, const Particles *p, const Neighbo
 }
 
 /* Returns true if neighbour j of own particle i is a wall particle of an opening close to it. */
-static PetscBool IsOpeningClose(const Scene *scene, const Particles *p, PetscInt i, PetscInt j)
+static PetscBool IsOpeningClose(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                PetscInt i, PetscInt j)
 {
-  return ParticlesIsWall(p, j) && ParticlesSquareDistance(p, i, j) < PetscSqr(CLOSE * p->dx[i]) &&
+  return ParticlesIsWall(p, j) &&
+                 ParticlesSquareDistance(p, i, j) < PetscSqr(SurfaceReach(p, nb, i, CLOSE)) &&
                  IsOpening(scene, p, j)
              ? PETSC_TRUE
              : PETSC_FALSE;
@@ -247,7 +249,7 @@ PetscInt FreeSurfaceOpenings(const Scene *scene, const Particles *p, const Neigh
 
   if (!SceneHasOpenings(scene)) return 0;
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++)
-    if (IsOpeningClose(scene, p, i, nb->col[q])) n++;
+    if (IsOpeningClose(scene, p, nb, i, nb->col[q])) n++;
   return n;
 }
 
@@ -261,7 +263,7 @@ static void FillOpenings(const Scene *scene, const Particles *p, const Neighbors
     const PetscInt j    = nb->col[q];
     PetscReal      away = 0.0;
 
-    if (!IsOpeningClose(scene, p, i, j)) continue;
+    if (!IsOpeningClose(scene, p, nb, i, j)) continue;
     for (PetscInt a = 0; a < p->dim; a++) away += S[a] * p->normal[a][j];
     for (PetscInt a = 0; a < p->dim && away > 0.0; a++) S[a] -= away * p->normal[a][j];
   }
@@ -333,8 +335,8 @@ static PetscBool BesideRough(const Particles *p, const Neighbors *nb, const Free
     const PetscReal r2 = ParticlesSquareDistance(p, i, j);
 
     if (ParticlesIsWall(p, j)) {
-      if (r2 < PetscSqr(OFF_WALLS * p->dx[i])) return PETSC_FALSE;
-    } else if (free->kind[j] == SURFACE_ROUGH && r2 < PetscSqr(BESIDE * p->dx[i])) {
+      if (r2 < PetscSqr(SurfaceReach(p, nb, i, OFF_WALLS))) return PETSC_FALSE;
+    } else if (free->kind[j] == SURFACE_ROUGH && r2 < PetscSqr(SurfaceReach(p, nb, i, BESIDE))) {
       beside = PETSC_TRUE;
     }
   }

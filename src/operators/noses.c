@@ -5,8 +5,8 @@
   pressure 2 mu n.E n then amplifies the velocity from which it is computed, and a nose is lost in
   one or two steps of any length.
   Particles of noses are therefore rough: they have pair forces, which dissipate in any arrangement,
-  and p = 0. A film behind its nose keeps the fits, which are exact for a parabola of one or two
-  particles across. See docs/theory.md, (250) and (251).
+  and a pressure without 2 mu n.E n. A film behind its nose keeps the fits, which are exact for a
+  parabola of one or two particles across. See docs/theory.md, (250) and (251).
 */
 #include "assembly.h"
 #include "rows.h"
@@ -32,7 +32,8 @@ static PetscBool IsBesideDryWall(const Scene *scene, const Particles *p, const N
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
     const PetscInt j = nb->col[q];
 
-    if (Sticks(scene, p, j) && ParticlesSquareDistance(p, i, j) < PetscSqr(DRY * p->dx[i]) &&
+    if (Sticks(scene, p, j) &&
+        ParticlesSquareDistance(p, i, j) < PetscSqr(SurfaceReach(p, nb, i, DRY)) &&
         !FreeSurfaceTouches(scene, p, nb, free, i, j))
       return PETSC_TRUE;
   }
@@ -43,14 +44,14 @@ static PetscBool IsBesideDryWall(const Scene *scene, const Particles *p, const N
   FreeSurfaceNearestWall - Returns the wall particle nearest to own particle i, -1 if none is nearer
   than a distance
 
-  Not collective. Input: scene - only walls without slip count; NULL: all do. most - the distance,
-  at most the radius of the support [m].
+  Not collective. Input: scene - only walls without slip count; NULL: all do. most - the distance
+  [m]; the radius of the support if that is less.
 */
 PetscInt FreeSurfaceNearestWall(const Scene *scene, const Particles *p, const Neighbors *nb,
                                 PetscInt i, PetscReal most)
 {
   PetscInt  nearest = -1;
-  PetscReal least   = PetscSqr(most);
+  PetscReal least   = PetscSqr(PetscMin(most, nb->radius));
 
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
     const PetscInt  j  = nb->col[q];
@@ -89,7 +90,8 @@ static PetscBool IsNearContact(const Particles *p, const Neighbors *nb, const Pe
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
     const PetscInt j = nb->col[q];
 
-    if (contact[j] > 0.0 && ParticlesSquareDistance(p, i, j) < PetscSqr(LENGTH * p->dx[i]))
+    if (contact[j] > 0.0 &&
+        ParticlesSquareDistance(p, i, j) < PetscSqr(SurfaceReach(p, nb, i, LENGTH)))
       return PETSC_TRUE;
   }
   return PETSC_FALSE;
@@ -99,7 +101,7 @@ static PetscBool IsNearContact(const Particles *p, const Neighbors *nb, const Pe
   FreeSurfaceFindNoses - Finds the contact lines, and sets smooth surface particles in noses of thin
   fluid to SURFACE_ROUGH
 
-  Collective. Input: free - kinds of all particles, halo included, and normals of own particles.
+  Collective. Input: free - kinds of all particles, halo included.
   Output: kinds of own particles, and which of them are at a contact line but in no nose.
 */
 PetscErrorCode FreeSurfaceFindNoses(const Scene *scene, const Particles *p, const Neighbors *nb,

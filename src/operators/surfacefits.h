@@ -9,6 +9,14 @@ typedef struct {
   PetscReal *normal, *depth;
 } SurfaceFits;
 
+/* Returns a length given in dx, at most the radius of the support: rows also hold some pairs
+   farther away, and which these are depends on the age of the rows. */
+static inline PetscReal SurfaceReach(const Particles *p, const Neighbors *nb, PetscInt i,
+                                     PetscReal length)
+{
+  return PetscMin(length * p->dx[i], nb->radius);
+}
+
 SurfaceKind    SurfaceFitAt(const Scene *scene, const Particles *p, const Neighbors *nb,
                             const OperatorForms *forms, const FreeSurface *free, PetscInt i,
                             SurfaceFits *fits);
