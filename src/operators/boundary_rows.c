@@ -391,8 +391,8 @@ static void SetDiagonal(const Stencil *st, const Operators *ops, PetscInt diagon
     p_i - 2 mu_i (n.E n)_i = 0
 
   Not collective. The rows of ppe and filter_p become p_i, and the row of div becomes 2 n.E n, for
-  which the scheme has the factor. It vanishes on rough surfaces: their pressure is zero. No
-  pressure gradient acts on isolated particles.
+  which the scheme has the factor. It vanishes on rough surfaces. No pressure gradient acts on
+  isolated particles.
 */
 void SetRows_Surface(const Stencil *st, PetscInt diagonal, Operators *ops)
 {

@@ -213,8 +213,9 @@ static PetscErrorCode PairRow(Stencil *st, PetscReal w[])
 
   The same fit gives 2 n.E n at a surface particle, st->normal_strain. Without a surface particle
   within the support this is the fit of mls.c for each component. Rough and isolated particles,
-  those whose neighbours do not determine the fit, and those that HoldsSurface() excludes have p = 0
-  and the pair forces of stress.c, which need no normal and whose traction on the surface is zero.
+  those whose neighbours do not determine the fit, and those that HoldsSurface() excludes have no
+  2 mu n.E n, and the pair forces of stress.c, which need no normal and whose traction on the
+  surface is zero.
 
   Properties: exact for quadratic velocities that satisfy the condition at the surface particles; no
   force on rigid motions; not symmetric. Wall neighbours give the wall velocity.

@@ -5,8 +5,8 @@
 
   with the outward normal n and tangents t. At the start they are sides of the box, or the borders
   of the regions that the fluid fills, as far as they are inside the box and outside other regions
-  and bodies; later the particles on the surface carry it (freesurface.c). Every side of a box with
-  such regions is a wall, a periodic side or no boundary: also where the fluid is not yet.
+  and bodies; later the particles on the surface carry it (freesurface.c). No side of a box with
+  such regions is of this kind: each keeps its own also where the fluid is not yet.
 */
 #include "isph/scene.h"
 

@@ -41,9 +41,9 @@ static PetscErrorCode SchemeChooseStep(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the scheme that is chosen by default: the projection gives free surfaces the pressure of
-   the last velocity, which is stable for short steps only. Its steps cost about a tenth, and it
-   holds in impacts. So particles that move without -dt take it if ten of its steps span a step
+/* Returns the scheme that is chosen by default: with free surfaces the projection is stable for
+   short steps only, see ProjectionFreeLimit(). Its steps cost about a tenth, and it holds in
+   impacts. So particles that move without -dt take it if ten of its steps span a step
    that advection allows. */
 static PetscErrorCode DefaultScheme(const Flow *flow, const char **name)
 {

@@ -1,7 +1,8 @@
 /*
   The pressure of particles on free surfaces in the projection, p = p_0 + 2 mu n.E n + sigma kappa,
   with the pressure p_0 outside, the strain rate E, and the surface tension sigma and the curvature
-  kappa of the present surface. It is p_0 where the surface is rough.
+  kappa of the present surface. Rough particles have no 2 mu n.E n, and isolated ones have no
+  sigma kappa either.
 
   An incremental projection has E of u*: 2 mu n.E n is part of the viscous term, see
   viscosity/surface.c, the force of the predictor has the other terms, and the increment phi
