@@ -48,7 +48,7 @@ PetscErrorCode MeasureArray(const Flow *flow, PetscReal scale, PetscReal known, 
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) driven *= scene->hi[a] - scene->lo[a];
-  if (!SceneIsNewtonian(scene)) known = NAN;
+  if (!SceneIsNewtonian(scene) || SceneHas(scene, PHYSICS_CONVECTION)) known = NAN;
   PetscCall(MeanThroughSide(flow, 0, &mean));
   PetscCall(WallForce(flow, SceneBodySide(scene, 0), F, T));
   if (mean > 0.0) {

@@ -145,7 +145,7 @@ static PetscErrorCode GravityCurrentMeasure(const Flow *flow, Report *report)
   PetscFunctionBegin;
   PetscCall(MeasureCurrent(flow, &front, &height));
   PetscCall(ReportAdd(report, "age", age));
-  if (SceneIsAsPosed(scene) && SceneIsNewtonian(scene)) {
+  if (SceneIsAsPosed(scene) && SceneIsNewtonian(scene) && scene->tension == 0.0) {
     const PetscReal R = RADIUS * scene->length * PetscPowReal(age, 1.0 / c->exponent);
     const PetscReal H = scene->length * PetscPowReal(age, -c->height);
 

@@ -1,7 +1,8 @@
 /*
-  A standing gravity wave of small amplitude on a viscous fluid above a floor without slip, in a
-  channel with one wave length: the least damped mode of the linear equations, an exact solution for
-  small slopes. It begins with a flat surface. g = U^2/L along y, wave length L, depth L/2.
+  A standing wave of gravity and surface tension, of small amplitude, on a viscous fluid above a
+  floor without slip, in a channel with one wave length: the least damped mode of the linear
+  equations, an exact solution for small slopes. It begins with a flat surface. g = U^2/L along y,
+  wave length L, depth L/2.
 */
 #include "cases.h"
 
@@ -24,9 +25,11 @@ typedef struct {
     Phi = exp(k (y - H)) + a exp(-k y),   Psi = b exp(m (y - H)) + c exp(-m y)
     floor, y = 0:               u = v = 0 give a and c for any b
     tangential stress, y = H:   Psi'' + k^2 Psi = 2 k Phi' gives b
-    normal stress, y = H:       sigma Phi + g v/sigma + 2 nu v' = 0 gives sigma
+    normal stress, y = H:       sigma Phi + (1 + T k^2) v/sigma + 2 nu v' = 0 gives sigma
+
+  T is the surface tension over rho U^2 L.
 */
-static PetscComplex ModeResidual(PetscReal nu, PetscComplex sigma, Mode *mode)
+static PetscComplex ModeResidual(PetscReal nu, PetscReal tension, PetscComplex sigma, Mode *mode)
 {
   const PetscReal    k = 2.0 * PETSC_PI, e = PetscExpReal(-k * DEPTH);
   const PetscComplex m = PetscSqrtComplex(k * k + sigma / nu), f = PetscExpComplex(-m * DEPTH);
@@ -40,7 +43,7 @@ static PetscComplex ModeResidual(PetscReal nu, PetscComplex sigma, Mode *mode)
   const PetscComplex v = k * (1.0 - a * e) - k * psi;
 
   *mode = (Mode){.sigma = sigma, .m = m, .phi = {1.0, a}, .psi = {b, c}, .elevation = v / sigma};
-  return sigma * phi + v / sigma + 2.0 * nu * (k * k * phi - k * slope);
+  return sigma * phi + (1.0 + tension * k * k) * v / sigma + 2.0 * nu * (k * k * phi - k * slope);
 }
 
 /* Computes the least damped mode by the secant method, from the rate of a thin fluid, and scales it
@@ -49,21 +52,22 @@ static Mode FindMode(const Scene *scene)
 {
   const PetscReal k  = 2.0 * PETSC_PI;
   const PetscReal nu = PetscMax(scene->nu / (scene->speed * scene->length), 1e-9);
+  const PetscReal T  = scene->tension / (scene->rho * PetscSqr(scene->speed) * scene->length);
   PetscComplex    older, sigma, r_older, r, factor;
   PetscReal       omega, decay, crest; /* rates; time of the first crest */
   Mode            mode;
 
-  older   = PETSC_i * PetscSqrtReal(k * PetscTanhReal(k * DEPTH)) - nu * k * k;
+  older   = PETSC_i * PetscSqrtReal(k * (1.0 + T * k * k) * PetscTanhReal(k * DEPTH)) - nu * k * k;
   sigma   = older * 1.001;
-  r_older = ModeResidual(nu, older, &mode);
-  r       = ModeResidual(nu, sigma, &mode);
+  r_older = ModeResidual(nu, T, older, &mode);
+  r       = ModeResidual(nu, T, sigma, &mode);
   for (PetscInt it = 0; it < 50 && PetscAbsComplex(sigma - older) > 1e-13; it++) {
     const PetscComplex next = sigma - r * (sigma - older) / (r - r_older);
 
     older   = sigma;
     r_older = r;
     sigma   = next;
-    r       = ModeResidual(nu, sigma, &mode);
+    r       = ModeResidual(nu, T, sigma, &mode);
     if (r == r_older) break;
   }
   omega  = PetscImaginaryPartComplex(sigma);
@@ -176,8 +180,8 @@ static PetscErrorCode StandingWaveMeasure(const Flow *flow, Report *report)
 }
 
 const CaseRow CaseStandingWave = {
-    .name            = "standing_wave",
-    .brief           = "viscous gravity wave of small amplitude, depth L/2, from a flat surface",
+    .name  = "standing_wave",
+    .brief = "viscous wave of small amplitude, with surface tension if given, from a flat surface",
     .citation        = "exact solution of the linear equations; H. Lamb, Hydrodynamics (1932), 349",
     .physics         = NAVIER_STOKES | PHYSICS_WALLS | PHYSICS_BODY_FORCE,
     .reynolds        = 50.0,
