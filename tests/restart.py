@@ -253,10 +253,10 @@ def damage(isph):
 def other(isph):
     flow = [isph, "-n", "16", "-progress", "none", "-output_every", "0.5"]
     run([*flow, "-t_end", "1", "-report_times", "0.5", "-checkpoint", "c.h5", "-output", "one.h5"])
-    run([*flow, "-t_end", "2", "-report_times", "1.25,1.75", "-restart", "c.h5", "-output", "flow.h5", "-report",
+    run([*flow, "-t_end", "2", "-report_times", "1,1.25,1.75", "-restart", "c.h5", "-output", "flow.h5", "-report",
          "r.csv"])
     times = sorted({float(row[2]) for row in report("r.csv")})
-    assert times == [0.5, 1.25, 1.75, 2.0], times  # reports of the first run are kept
+    assert times == [0.5, 1.0, 1.25, 1.75, 2.0], times  # reports of the first run are kept
     named = complete(".")
     assert named == sorted(glob.glob("flow_*.h5")) and len(named) == 3, named  # at the start, at 1.5 and at the end
 

@@ -109,7 +109,8 @@ typedef struct {
   PetscReal         move_max;    /* largest allowed displacement in a step [dx] */
   PetscInt          retries;     /* number of undone steps */
   PetscInt          bursts;      /* number of steps whose bursts pair forces ended */
-  PetscInt          halvings;    /* dt is divided by 2^halvings */
+  PetscInt          halvings;    /* the limit of dt is divided by 2^halvings */
+  PetscReal         limit;       /* of dt in this step, without halvings [s] */
   PetscInt          good_needed; /* good steps before halvings decreases */
   PetscInt          good;        /* good steps since the last change of halvings */
 } Clock;

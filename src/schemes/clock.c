@@ -67,7 +67,7 @@ PetscReal ClockShortening(const Clock *clock)
 /*
   ClockChoose - Sets dt of the next step
 
-    dt_wanted = min((-dt, or else the scheme's limit)/2^halvings, control.dt, land_every)
+    dt_wanted = min((-dt, or else the scheme's limit)/2^halvings, control.dt, land_every/2^halvings)
 
   Not collective. land_every is the interval of snapshots. dt is dt_wanted, reduced so that equal
   steps end exactly at the next report time, at the next snapshot, or at t_end. In a run of a single
@@ -80,13 +80,15 @@ PetscReal ClockShortening(const Clock *clock)
 PetscErrorCode ClockChoose(const StepLimit *limit, Clock *clock)
 {
   const PetscReal target = ClockTarget(clock), left = target - clock->t;
-  PetscReal       dt = clock->dt_given > 0.0 ? clock->dt_given : limit->dt;
+  PetscReal       dt = clock->dt_given > 0.0 ? clock->dt_given : limit->dt, share = 1.0;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < clock->halvings; k++) dt *= 0.5;
+  for (PetscInt k = 0; k < clock->halvings; k++) share *= 0.5;
   dt *= ClockShortening(clock);
+  clock->limit = dt;
+  dt *= share;
   dt = PetscMin(dt, clock->control.dt);
-  if (clock->land_every > 0.0) dt = PetscMin(dt, clock->land_every);
+  if (clock->land_every > 0.0) dt = PetscMin(dt, share * clock->land_every);
   clock->dt_wanted = clock->step == 0 && target == clock->t_end ? PetscMin(dt, left) : dt;
   if (left > 0.0) dt = left / PetscCeilReal(left / dt * (1.0 - 1e-9));
   clock->dt = dt;
@@ -121,20 +123,19 @@ PetscErrorCode ClockRemember(Clock *c, Memory *memory)
   ClockRestart - Prepares the clock after its numbers were read from a checkpoint
 
   Not collective. Finds the first report at or after the present time, because -report_times may
-  differ from the earlier run. A report at the present time is skipped if the earlier run has made
-  it.
+  differ from the earlier run. A checkpoint is written before the report of its time, so that this
+  run makes it. The bound of an error control that this run has not ends.
 */
 PetscErrorCode ClockRestart(Clock *c)
 {
-  const PetscInt counted = c->next_report;
-  PetscInt       k       = 0;
+  PetscInt k = 0;
 
   PetscFunctionBegin;
   while (k < c->n_reports && c->report_time[k] < c->t * (1.0 - 1e-12)) k++;
-  if (k < c->n_reports && c->report_time[k] <= c->t * (1.0 + 1e-12) && counted > k) k++;
   c->next_report = k;
   c->t_first     = c->t;
   c->step_first  = c->step;
+  if (!c->adapt->estimates) c->control.dt = PETSC_INFINITY;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -164,7 +165,8 @@ PetscErrorCode ClockAdvance(Clock *clock)
   ClockRetry - Shortens the following steps after a failed step
 
   Collective. To be called when the step has been undone. A step whose error was too large is
-  repeated with the length that the failure gives; after other failures steps are halved.
+  repeated with the length that the failure gives. After other failures the limit of dt is halved
+  until it is shorter than the failed step, for which another bound may have been shorter.
 
   Output Parameter:
 . failure - made fatal, with advice, if steps cannot be halved any more
@@ -189,7 +191,9 @@ PetscErrorCode ClockRetry(Clock *clock, StepFailure *failure)
     failure->fatal = PETSC_TRUE;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  clock->halvings++;
+  for (PetscReal dt = clock->dt; dt >= clock->dt && clock->halvings < CLOCK_MAX_HALVINGS;)
+    dt = clock->limit * PetscPowReal(0.5, (PetscReal)++clock->halvings);
+  if (clock->adapt->estimates) clock->control.dt = 0.5 * clock->dt;
   clock->retries++;
   clock->good        = 0;
   clock->good_needed = PetscMin(2 * clock->good_needed, 1000000);
