@@ -88,7 +88,7 @@ static PetscErrorCode ReserveColumns(PetscInt n, Neighbors *nb)
 {
   PetscFunctionBegin;
   if (n <= nb->col_capacity) PetscFunctionReturn(PETSC_SUCCESS);
-  nb->col_capacity = n + n / 2;
+  nb->col_capacity = (PetscInt)PetscMin((PetscInt64)n + n / 2, PETSC_INT_MAX);
   PetscCall(PetscRealloc(sizeof(PetscInt) * (size_t)nb->col_capacity, &nb->col));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -247,9 +247,11 @@ PetscErrorCode PlacesCreate(const Scene *scene, const Region *region, const Pool
   PetscInt         first, last, n = 0;
 
   PetscFunctionBegin;
-  for (PetscInt m = 0; m < region->n; m++) count *= CellsAlong(scene, region, m);
-  UserCheck(count < PETSC_INT_MAX / 8, "-n asks for more particles than fit: more than %d",
-            (int)(PETSC_INT_MAX / 8));
+  for (PetscInt m = 0; m < region->n; m++) {
+    count *= CellsAlong(scene, region, m);
+    UserCheck(count < PETSC_INT_MAX / 8, "-n asks for more particles than fit: more than %d",
+              (int)(PETSC_INT_MAX / 8));
+  }
   ParticlesShare(PETSC_COMM_WORLD, (PetscInt)count, &first, &last);
   PetscCall(SumCells(scene, region, pools, first, last, before, all));
   UserCheck(all[0] / (1LL << 32) < PETSC_INT_MAX / 8,

@@ -218,7 +218,9 @@ static PetscErrorCode WriteFile(const Run *run, const PetscReal record[], const 
 {
   const Particles *p   = run->flow.particles;
   const PetscInt   own = ParticlesOwn(p), width = ParticlesRecordWidth(p);
-  const size_t bytes = (size_t)(p->N_fluid + p->N_wall) * (size_t)(width + 1) * 8 + (size_t)262144;
+  const size_t     numbers =
+      (size_t)(p->N_fluid + p->N_wall) * (size_t)(width + 1) + (size_t)MonitorsCount(run->monitors);
+  const size_t bytes = 8 * numbers + (size_t)262144;
   char         part[PETSC_MAX_PATH_LEN];
   PetscBool    good;
   Hdf5File     file;

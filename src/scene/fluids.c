@@ -109,7 +109,14 @@ PetscErrorCode SceneBoundViscosity(Scene *scene)
   if (!SceneViscosityVaries(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   scene->nu_low  = PETSC_MAX_REAL;
   scene->nu_high = 0.0;
-  for (PetscInt a = 0; a < scene->dim; a++) cells *= scene->cells[a];
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    cells *= scene->cells[a];
+    UserCheck(cells < PETSC_INT_MAX / 8,
+              "-n asks for more particles than fit: the box has more than %" PetscInt_FMT
+              " cells, in "
+              "each of which the viscosity is found",
+              PETSC_INT_MAX / 8);
+  }
   for (PetscInt64 c = 0; c < cells; c++) {
     PetscReal  x[ISPH_MAX_DIM], nu;
     PetscInt64 index = c;

@@ -122,9 +122,9 @@ PetscErrorCode GradingSample(Scene *scene)
     count[a] = SAMPLES * scene->cells[a] + 1;
     total *= count[a];
     cells *= scene->cells[a];
+    UserCheck(cells < PETSC_INT_MAX / 8,
+              "-n asks for more particles than fit: more than %" PetscInt_FMT, PETSC_INT_MAX / 8);
   }
-  UserCheck(cells < PETSC_INT_MAX / 8,
-            "-n asks for more particles than fit: more than %" PetscInt_FMT, PETSC_INT_MAX / 8);
   bound[0] = -PETSC_MAX_REAL;
   for (PetscInt64 k = total * rank / ranks; k < total * (rank + 1) / ranks; k++) {
     PetscReal  x[ISPH_MAX_DIM] = {0.0}, spacing, volume;

@@ -184,7 +184,8 @@ PetscReal BoundaryOpenPart(const Scene *scene, PetscInt side, const PetscReal x[
     rho (nu lap_s u_n - u_s.grad_s u_n + u_n div_s u_s),   s: along the side
 
   Not collective. The last term is -u_n du_n/dn by div u = 0; d^2 u_n/dn^2 is not known and left
-  out. The derivatives are centred differences over 1e-3 of the side.
+  out. The derivatives are centred differences over 1e-3 of the side, at points this far from its
+  ends.
 */
 PetscReal InflowPressureSlope(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[])
 {
@@ -206,6 +207,8 @@ PetscReal InflowPressureSlope(const Scene *scene, PetscInt side, PetscReal t, co
       PetscReal at[ISPH_MAX_DIM] = {0.0};
 
       for (PetscInt a = 0; a < scene->dim; a++) at[a] = x[a];
+      if (!SceneIsPeriodic(scene, along))
+        at[along] = PetscMin(PetscMax(at[along], scene->lo[along] + step), scene->hi[along] - step);
       at[along] += (k - 1) * step;
       u[k][0] = ExpressionValue(velocity, normal, t, at);
       u[k][1] = ExpressionValue(velocity, along, t, at);

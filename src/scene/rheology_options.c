@@ -176,6 +176,11 @@ PetscErrorCode SceneReadRheology(Scene *scene)
     }
     if (pass == 0) RheologyDefaults(rate, r);
   }
+  UserCheck(!(r->row->takes & RHEOLOGY_BIT(RHEOLOGY_INFINITE)) ||
+                r->parameter[RHEOLOGY_EXPONENT] <= 1.0 || r->parameter[RHEOLOGY_INFINITE] <= r->nu,
+            "-rheology_viscosity_infinite %.6g: with -rheology_exponent above 1 it must be at most "
+            "the viscosity at zero rate, %.6g, or viscosities become negative",
+            (double)r->parameter[RHEOLOGY_INFINITE], (double)r->nu);
   RheologyBound(rate, r);
   PetscCall(OptionGetReal(&options[VISCOSITY_MIN], &r->low, NULL));
   PetscCall(OptionGetReal(&options[VISCOSITY_MAX], &r->high, NULL));
