@@ -18,7 +18,7 @@ EVERY = 0.5  # time between snapshots [D/U]
 START, END = 20.0, 45.0  # of the time of a mean; the heap is steady at START [D/U]
 WINDOW = 12.0  # time of a mean, about a period of folds [D/U]
 LINK = 2.0  # distance up to which particles are of one group [dx]
-HEIGHTS = {4: 1, 6: 1, 7: 3, 8: 3, 9: 1, 11: 3}  # starts by height at Re = 0.2
+HEIGHTS = {4: 1, 6: 1, 7: 3, 8: 3, 9: 3, 11: 3}  # starts by height at Re = 0.2
 FAST = {8: 1, 11: 2, 14: 1}  # starts by height at Re = 0.56
 REYNOLDS = {0.2: 1, 0.4: 2, 0.56: 2}  # starts by Re at H/D = 11
 FINE = (4, 8, 9, 11)  # heights of jets with 8 particles along D, one start
