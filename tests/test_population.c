@@ -268,15 +268,16 @@ static void CheckSnapshot(const Setting *s, const char path[], const Population 
 */
 static void test_files(void **state)
 {
-  Setting         s     = CrowdBox("files", 2, 14, 11, 1, 1, 3);
-  const SchemeRow row   = {.name = "nothing", .Begin = BeginNothing};
-  Scheme          first = {.row = &row}, second = {.row = &row};
-  Clock           clock = {.t_end = 1.0}, later = {.t_end = 1.0};
-  Operators       none = {.needs = 0};
-  Population      pop, again;
-  Particles      *p;
-  Run             run;
-  PetscBool       restarted;
+  Setting          s     = CrowdBox("files", 2, 14, 11, 1, 1, 3);
+  const SchemeRow  row   = {.name = "nothing", .Begin = BeginNothing};
+  const DtAdaptRow adapt = {.name = "none"};
+  Scheme           first = {.row = &row}, second = {.row = &row};
+  Clock            clock = {.t_end = 1.0, .adapt = &adapt}, later = {.t_end = 1.0, .adapt = &adapt};
+  Operators        none = {.needs = 0};
+  Population       pop, again;
+  Particles       *p;
+  Run              run;
+  PetscBool        restarted;
 
   (void)state;
   s.scene.length = s.scene.speed = s.scene.rho = s.scene.nu = 1.0;
