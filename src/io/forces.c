@@ -8,7 +8,8 @@
   zero, because w is zero on the surface. The velocity of a side may vary along the side; there the
   second term follows from the derivatives of the wall velocity and from continuity. dw/dn is a
   one-sided difference of third order between the surface and probes at the heights dx, 2 dx and
-  3 dx. See docs/theory.md, (112) and (113).
+  3 dx. Points outside a free surface take no part in the sums; where only the upper probes are, the
+  order is that of the others. See docs/theory.md, (112) and (113).
 */
 #include "monitors.h"
 
@@ -18,12 +19,24 @@ typedef struct {
   PetscReal *x, *normal, *area; /* dim coordinates of each point [m]; [m^(dim-1)] */
 } Surface;
 
+/* Returns the share of cell i of the lattice along an axis that lies in the box, and its middle
+   [cells]. Cells of particles on a free side have the other half outside. */
+static PetscReal ShareInBox(const Scene *scene, PetscInt axis, PetscInt i, PetscReal *middle)
+{
+  const PetscInt  last = scene->cells[axis] - 1;
+  const PetscReal low  = i == 0 && BoundaryIs(scene, 2 * axis, BOUNDARY_FREE) ? 0.5 : 0.0;
+  const PetscReal high = i == last && BoundaryIs(scene, 2 * axis + 1, BOUNDARY_FREE) ? 0.5 : 0.0;
+
+  *middle = i + 0.5 * (low + 1.0 - high);
+  return 1.0 - low - high;
+}
+
 /* Sets the points of a side of the box to the midpoints of the lattice cells on it. */
 static void SideSurface(const Scene *scene, PetscInt side, Surface *s)
 {
   const PetscInt axis = side / 2, dim = scene->dim;
   for (PetscInt k = 0; k < s->n; k++) {
-    PetscReal edge[ISPH_MAX_DIM];
+    PetscReal edge[ISPH_MAX_DIM], middle;
     PetscInt  index = k;
 
     s->area[k] = 1.0;
@@ -31,7 +44,8 @@ static void SideSurface(const Scene *scene, PetscInt side, Surface *s)
       s->normal[k * dim + a] = a == axis ? (side % 2 ? -1.0 : 1.0) : 0.0;
       s->x[k * dim + a]      = side % 2 ? scene->hi[a] : scene->lo[a];
       if (a == axis) continue;
-      s->x[k * dim + a] = SceneLatticePlace(scene, a, index % scene->cells[a] + 0.5);
+      s->area[k] *= ShareInBox(scene, a, index % scene->cells[a], &middle);
+      s->x[k * dim + a] = SceneLatticePlace(scene, a, middle);
       index /= scene->cells[a];
     }
     SceneEdges(scene, &s->x[k * dim], edge);
@@ -90,7 +104,7 @@ static PetscReal HeightUnit(const Scene *scene, PetscInt side, const PetscReal x
 }
 
 /* Probes the velocity minus the wall velocity, and the pressure unless p is NULL, at the points of
-   a surface raised by `height` spacings along the normal. */
+   a surface raised by `height` spacings along the normal; NaN outside a free surface. */
 static PetscErrorCode ProbeAbove(const Flow *flow, PetscInt side, const Surface *s,
                                  PetscReal height, PetscReal w[], PetscReal p[])
 {
@@ -202,11 +216,21 @@ static PetscErrorCode SurfaceViscosity(const Flow *flow, const Surface *s, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns the slope on the wall of a function that vanishes there, from its values at the heights
+   of 1 to 3 units. Upper values that are NaN are left out. */
+static PetscReal SlopeAtWall(const PetscReal w[], PetscReal unit)
+{
+  if (!PetscIsNanReal(w[2])) return (18.0 * w[0] - 9.0 * w[1] + 2.0 * w[2]) / (6.0 * unit);
+  if (!PetscIsNanReal(w[1])) return (4.0 * w[0] - w[1]) / (2.0 * unit);
+  return PetscIsNanReal(w[0]) ? 0.0 : w[0] / unit;
+}
+
 /*
   WallForce - Computes force and torque of the fluid on a wall: a side of the box or a body
 
-  Collective. Output: F [N]; T [N m] about the centre of a body or the middle of the box. In 2D both
-  are per metre of depth, and the torque is T[2].
+  Collective. Points of the wall outside a free surface take no part. Output: F [N]; T [N m] about
+  the centre of a body or the middle of the box. In 2D both are per metre of depth, and the torque
+  is T[2].
 */
 PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscReal T[])
 {
@@ -222,17 +246,18 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
                          s.n, &p, s.n, &nu));
   for (PetscInt k = 0; k < 4; k++)
     PetscCall(ProbeAbove(flow, side, &s, (PetscReal)k, w[k], k ? NULL : p));
-  slope = w[0]; /* dw/dn; on the surface w itself vanishes */
+  slope = w[0]; /* dw/dn; on the surface w itself vanishes, or is NaN at a dry point */
   for (PetscInt q = 0; q < s.n * dim; q++) {
-    const PetscReal *x = &s.x[q / dim * dim];
+    const PetscReal above[] = {w[1][q], w[2][q], w[3][q]};
 
-    slope[q] =
-        (18.0 * w[1][q] - 9.0 * w[2][q] + 2.0 * w[3][q]) / (6.0 * HeightUnit(scene, side, x));
+    if (!PetscIsNanReal(w[0][q]))
+      slope[q] = SlopeAtWall(above, HeightUnit(scene, side, &s.x[q / dim * dim]));
   }
   PetscCall(SurfaceViscosity(flow, &s, slope, nu));
   for (PetscInt k = 0; k < s.n; k++) {
     PetscReal f[ISPH_MAX_DIM] = {0.0};
 
+    if (PetscIsNanReal(slope[k * dim])) continue;
     for (PetscInt a = 0; a < dim; a++) {
       const PetscInt q = k * dim + a;
 

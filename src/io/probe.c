@@ -5,13 +5,15 @@
 
   with the offsets X_k of the neighbours k, the radius R of the support and the kernel W. The rank
   that owns the point computes the fit. It is exact for quadratic fields, on walls and in corners
-  too.
+  too. Points outside a free surface have no values.
 
   Reference: P. Lancaster & K. Salkauskas, Math. Comput. 37 (1981) 141-158
 */
 #include "isph/io.h"
 
 #define PROBE_MAX_TERMS (1 + MLS_QUADRATIC_TERMS)
+#define WET             1.3 /* distance of the nearest particle from which on a point is dry [dx] */
+#define ON_SURFACE      0.01 /* height above a free surface up to which a point is on it [dx] */
 
 /* Data shared by the fits of all points. */
 typedef struct {
@@ -227,17 +229,65 @@ static PetscBool ProbeOwns(const Flow *flow, PetscReal x[])
   return owns;
 }
 
-/* Evaluates all fields at a point. Fields share weights if the same particles have their values;
-   wall particles have no pressure. */
+/* Finds the fluid particle nearest to x within a reach; j: -1 without one. */
+static PetscErrorCode NearestFluid(Probe *probe, const PetscReal x[], PetscReal reach, PetscInt *j,
+                                   PetscReal *distance)
+{
+  const Particles *p = probe->flow->particles;
+  PetscInt         n;
+
+  PetscFunctionBegin;
+  *j        = -1;
+  *distance = reach;
+  PetscCall(CellsFind(&probe->cells, x, reach, probe->cells.n, probe->list, &n));
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscInt i  = probe->list[k];
+    PetscReal      r2 = 0.0;
+
+    if (ParticlesIsWall(p, i)) continue;
+    for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(p->x[a][i] - x[a]);
+    if (r2 >= PetscSqr(*distance)) continue;
+    *distance = PetscSqrtReal(r2);
+    *j        = i;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns true if x is outside the free surface: no particle is near, or the nearest one is on the
+   surface and x is beyond its tangent plane. Particles of the surface lie on it. */
+static PetscErrorCode ProbeIsDry(Probe *probe, const PetscReal x[], PetscBool *dry)
+{
+  const FreeSurface *free = probe->flow->ops->free;
+  const Particles   *p    = probe->flow->particles;
+  const PetscReal    dx   = SceneSpacing(probe->flow->scene, x);
+  PetscReal          distance, above = 0.0;
+  PetscInt           j;
+
+  PetscFunctionBegin;
+  *dry = PETSC_FALSE;
+  if (!free) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(NearestFluid(probe, x, WET * dx, &j, &distance));
+  *dry = j < 0 || free->kind[j] == SURFACE_ISOLATED ? PETSC_TRUE : PETSC_FALSE;
+  if (*dry || free->kind[j] == SURFACE_INSIDE) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < p->dim; a++) above += free->normal[j * p->dim + a] * (x[a] - p->x[a][j]);
+  *dry = above > ON_SURFACE * dx ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Evaluates all fields at a point; they are NaN outside a free surface. Fields share weights if the
+   same particles have their values; wall particles have no pressure. */
 static PetscErrorCode ProbeEvaluate(Probe *probe, const PetscReal x[], PetscReal values[])
 {
   const WallRow  *wall  = probe->flow->ops->forms.wall;
   const PetscBool walls = wall && wall->on_surface ? PETSC_TRUE : PETSC_FALSE;
   const PetscBool slip  = SceneSlipKind(probe->flow->scene) ? PETSC_TRUE : PETSC_FALSE;
   PetscInt        n     = 0;
+  PetscBool       dry;
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < probe->n_fields; f++) {
+  PetscCall(ProbeIsDry(probe, x, &dry));
+  for (PetscInt f = 0; f < probe->n_fields; f++) values[f] = NAN;
+  for (PetscInt f = 0; !dry && f < probe->n_fields; f++) {
     const PetscBool pressure = f == probe->flow->particles->dim ? PETSC_TRUE : PETSC_FALSE;
 
     if (f == 0 || slip || (pressure && walls)) PetscCall(ProbeWeights(probe, x, f, &n));
@@ -259,8 +309,8 @@ static PetscErrorCode ProbeEvaluate(Probe *probe, const PetscReal x[], PetscReal
          allowed [m]
 
   Output Parameters:
-+ u - velocities, dim components each, on all ranks [m/s]
-- p - pressures, NaN if the run has none; may be NULL [Pa]
++ u - velocities, dim components each, on all ranks; NaN at points outside a free surface [m/s]
+- p - pressures, NaN there and if the run has none; may be NULL [Pa]
 */
 PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal u[],
                            PetscReal p[])
@@ -296,23 +346,13 @@ PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], Pe
 /* Finds the viscosity of the fluid particle nearest to x. */
 static PetscErrorCode NearestViscosity(Probe *probe, const PetscReal x[], PetscReal *nu)
 {
-  const Particles *p    = probe->flow->particles;
-  const ProbeBall  ball = ProbeSupport(probe, x);
-  PetscReal        best = PETSC_INFINITY;
-  PetscInt         n;
+  const ProbeBall ball = ProbeSupport(probe, x);
+  PetscReal       distance;
+  PetscInt        j;
 
   PetscFunctionBegin;
-  *nu = 0.0;
-  PetscCall(ProbeFind(probe, x, &ball, p->dim, &n)); /* no wall particle has a pressure */
-  for (PetscInt k = 0; k < n; k++) {
-    const PetscInt j  = probe->list[k];
-    PetscReal      r2 = 0.0;
-
-    for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(p->x[a][j] - x[a]);
-    if (r2 >= best) continue;
-    best = r2;
-    *nu  = p->nu[j];
-  }
+  PetscCall(NearestFluid(probe, x, ball.R / ball.least, &j, &distance));
+  *nu = j < 0 ? 0.0 : probe->flow->particles->nu[j];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

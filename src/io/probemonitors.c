@@ -14,8 +14,9 @@ static PetscBool InBody(const Scene *scene, const PetscReal x[])
 /*
   Writes a row with velocity and mean pressure for each of n points, whose window has the given
   index. After time and step follows the given number or, if it is negative, the index of the point.
-  The columns of velocity and pressure
-  are empty for points in bodies, the column of the pressure if the run has none.
+  The columns of velocity and pressure are empty for points in bodies and outside a free surface.
+  That of the pressure is also empty if the run has none, or if the point was outside at some time of
+  the mean.
 */
 static PetscErrorCode WriteProbes(const Flow *flow, Monitor *monitor, PetscInt window, PetscInt n,
                                   const PetscReal x[], PetscInt number)
@@ -31,7 +32,7 @@ static PetscErrorCode WriteProbes(const Flow *flow, Monitor *monitor, PetscInt w
     if (!MonitorRow(flow, monitor)) continue;
     (void)fprintf(monitor->stream, ",%" PetscInt_FMT, number < 0 ? k : number);
     MonitorVector(monitor, dim, &x[k * dim]);
-    if (InBody(flow->scene, &x[k * dim])) {
+    if (InBody(flow->scene, &x[k * dim]) || PetscIsNanReal(u[k * dim])) {
       (void)fprintf(monitor->stream, ",,,,\n");
       continue;
     }
@@ -132,7 +133,7 @@ const MonitorKind MonitorLines = {
 
 /*
   Computes the flux through a section by the midpoint rule: sum u.n dA over cells of at most dx
-  whose midpoint lies outside bodies [m^2/s, m^3/s]. In 2D the area vector is the vector between the
+  whose midpoint lies in the fluid [m^2/s, m^3/s]. In 2D the area vector is the vector between the
   ends turned to the right, in 3D the cross product of the two sides.
 */
 static PetscErrorCode SectionFlux(const Flow *flow, const PetscReal corner[], PetscReal *flux)
@@ -173,7 +174,7 @@ static PetscErrorCode SectionFlux(const Flow *flow, const PetscReal corner[], Pe
   PetscCall(ProbePoints(flow, total, x, u, NULL));
   *flux = 0.0;
   for (PetscInt k = 0; k < total; k++) {
-    if (InBody(flow->scene, &x[k * dim])) continue;
+    if (InBody(flow->scene, &x[k * dim]) || PetscIsNanReal(u[k * dim])) continue;
     for (PetscInt a = 0; a < dim; a++) *flux += u[k * dim + a] * area[a] / total;
   }
   PetscCall(PetscFree2(x, u));
