@@ -15,7 +15,7 @@ static PetscBool InBody(const Scene *scene, const PetscReal x[])
   Writes a row with velocity and mean pressure for each of n points, whose window has the given
   index. After time and step follows the given number or, if it is negative, the index of the point.
   The columns of velocity and pressure are empty for points in bodies and outside a free surface.
-  That of the pressure is also empty if the run has none, or if the point was outside at some time of
+  That of the pressure is also empty if the run has none, or if the point was outside at a time of
   the mean.
 */
 static PetscErrorCode WriteProbes(const Flow *flow, Monitor *monitor, PetscInt window, PetscInt n,
