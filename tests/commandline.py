@@ -9,6 +9,7 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 
 source, command = sys.argv[1], sys.argv[2:]
 parallel = len(command) > 1  # the first rank reads files and tells the others
@@ -64,6 +65,18 @@ banner = isph("-options_file", f"{source}/tests/options_files/good.opts")
 assert re.search(r"^case +scene", banner, re.M) and re.search(r"^particles +256 fluid", banner, re.M), banner
 banner = isph("-options_file", f"{source}/tests/options_files/good.yaml")
 assert re.search(r"^case +cavity", banner, re.M) and re.search(r"^particles +256 fluid", banner, re.M), banner
+
+# Solvers are chosen by the usual step, though -time_order 3 begins with shorter ones, and implicit convection has its own CFL number.
+for flow, name in (("-reynolds 0.1 -dt 0.1 -time_order 3", "hypre"), ("-reynolds 8 -motion eulerian -convection implicit", "bjacobi")):
+    banner = isph("-case", "cavity", "-n", "16", "-max_steps", "0", *flow.split())
+    assert re.search(rf"^visc solver .* PC {name}$", banner, re.M), banner
+
+# The banner of a restarted run has the step of this run.
+with tempfile.TemporaryDirectory() as folder:
+    flow = ["-case", "cavity", "-n", "16", "-progress", "none"]
+    isph(*flow, "-dt", "0.02", "-max_steps", "1", "-checkpoint", f"{folder}/c.h5")
+    banner = isph(*flow, "-dt", "0.01", "-max_steps", "2", "-restart", f"{folder}/c.h5")
+    assert ", dt = 0.01 s," in banner, banner
 
 # A mistake in the environment or in PETSc's own files ends the run with a line that names its place.
 

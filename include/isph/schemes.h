@@ -250,6 +250,7 @@ PetscErrorCode SchemeCreate(Flow *flow);
 PetscErrorCode SchemeSetUp(Flow *flow);
 PetscErrorCode SchemeRegister(Flow *flow);
 PetscErrorCode SchemeLimit(const Flow *flow, StepLimit *limit);
+PetscErrorCode SchemeChooseStep(Flow *flow);
 PetscErrorCode SchemeAddSolve(LinearSolve *solve, Scheme *scheme);
 PetscErrorCode SchemeAddFigure(SchemeFigure figure, Scheme *scheme);
 PetscErrorCode SchemeDestroy(Flow *flow);

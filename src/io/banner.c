@@ -197,7 +197,7 @@ static PetscErrorCode BannerControl(const Flow *flow, PetscViewer viewer)
 static PetscErrorCode BannerTime(const Flow *flow, PetscViewer viewer)
 {
   const Scene    *scene = flow->scene;
-  const PetscReal dt = flow->clock->dt / ClockShortening(flow->clock), h = flow->ops->forms.h;
+  const PetscReal dt = flow->clock->dt, h = flow->ops->forms.h;
 
   PetscFunctionBegin;
   if (flow->clock->steady_solve) {

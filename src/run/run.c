@@ -346,6 +346,19 @@ static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measure
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Prints the banner with the usual step of this run. After a restart the clock has the last step of
+   the earlier run, which a report at this time still shows. */
+static PetscErrorCode RunShowBanner(Run *run)
+{
+  const PetscReal last = run->flow.clock->dt;
+
+  PetscFunctionBegin;
+  PetscCall(SchemeChooseStep(&run->flow));
+  PetscCall(BannerView(&run->flow, PETSC_VIEWER_STDOUT_WORLD));
+  run->flow.clock->dt = last;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Prints the banner, runs the time loop, and reports. */
 static PetscErrorCode RunSolveAndReport(Run *run)
 {
@@ -355,7 +368,7 @@ static PetscErrorCode RunSolveAndReport(Run *run)
   PetscFunctionBegin;
   PetscCall(InterruptInstall());
   PetscCall(RunBegin(run));
-  PetscCall(BannerView(&run->flow, PETSC_VIEWER_STDOUT_WORLD));
+  PetscCall(RunShowBanner(run));
   PetscCall(RunEnter(run, STAGE_STEPS));
   failed = RunSolve(run, &signal);
   PetscCall(RunEnter(run, STAGE_OUTPUT));

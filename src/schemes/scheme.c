@@ -30,14 +30,16 @@ static const OptionRow options[] = {
 };
 const OptionTable SchemeOptions = OPTIONS("Scheme", options);
 
-/* Sets the time step on which choices of solvers depend. */
-static PetscErrorCode SchemeChooseStep(Flow *flow)
+/* SchemeChooseStep - Sets dt to the usual length of steps, on which choices of solvers and the
+   banner depend; collective. First steps can be shorter, see ClockShortening(). */
+PetscErrorCode SchemeChooseStep(Flow *flow)
 {
   StepLimit limit;
 
   PetscFunctionBegin;
   PetscCall(SchemeLimit(flow, &limit));
   PetscCall(ClockChoose(&limit, flow->clock));
+  flow->clock->dt /= ClockShortening(flow->clock);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

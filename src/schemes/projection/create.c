@@ -349,7 +349,10 @@ static PetscErrorCode ReadConvection(Flow *flow)
   flow->state->implicit_convection = row->implicit;
   if (row->implicit) flow->scheme->needs |= NEED_MATRICES;
   PetscCall(OptionGiven("-cfl", &given));
-  if (row->implicit && !given) flow->clock->cfl = IMPLICIT_CFL;
+  if (row->implicit && !given) {
+    flow->clock->cfl = IMPLICIT_CFL;
+    PetscCall(SchemeChooseStep(flow));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
