@@ -301,6 +301,7 @@ PetscReal      SceneFromUniform(const Scene *scene, PetscInt axis, PetscReal y, 
 PetscReal      SceneToUniform(const Scene *scene, PetscInt axis, PetscReal x);
 PetscReal      SceneGrowth(const Scene *scene);
 PetscInt       SceneCellsAlong(const Scene *scene, PetscInt axis);
+PetscErrorCode SceneCountCells(PetscInt n, const PetscInt count[], PetscInt *cells);
 PetscReal      SceneCellSide(const Scene *scene, PetscInt axis); /* mean edge, about dx [m] */
 void           SceneEdges(const Scene *scene, const PetscReal x[], PetscReal edge[]);
 void           SceneStretch(const Scene *scene, const PetscReal x[], PetscReal stretch[]);

@@ -16,20 +16,6 @@ typedef struct {
   PetscInt first[2 * ISPH_MAX_DIM + 1];           /* wall index of the slab's first cell */
 } WallSlabs;
 
-static PetscErrorCode CountCells(PetscInt dim, const PetscInt count[], PetscInt *total)
-{
-  PetscInt64 product = 1;
-
-  PetscFunctionBegin;
-  for (PetscInt a = 0; a < dim; a++) {
-    UserCheck(!product || count[a] < PETSC_INT_MAX / 8 / product,
-              "-n asks for more particles than fit: more than %" PetscInt_FMT, PETSC_INT_MAX / 8);
-    product *= count[a];
-  }
-  *total = (PetscInt)product;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   Creates the slabs. The slab of a side spans the wall layers along its own axis, the lattice with
   wall layers along lower axes, and the lattice of the fluid along higher axes: together the slabs
@@ -55,7 +41,7 @@ static PetscErrorCode WallSlabsCreate(const Scene *scene, WallPlacement walls, W
     slabs->begin[s][axis] = side % 2 ? scene->cells[axis] : -PetscMax(k, 1);
     slabs->count[s][axis] = PetscMax(k, 1);
     slabs->side[s]        = side;
-    PetscCall(CountCells(scene->dim, slabs->count[s], &total));
+    PetscCall(SceneCountCells(scene->dim, slabs->count[s], &total));
     slabs->first[s + 1] = slabs->first[s] + total;
     slabs->n++;
   }
@@ -419,7 +405,7 @@ PetscErrorCode LatticeFill(const Scene *scene, WallPlacement walls, const FluidS
 
   PetscFunctionBegin;
   PetscCall(CheckRoom(scene, walls));
-  PetscCall(CountCells(scene->dim, scene->cells, &cells));
+  PetscCall(SceneCountCells(scene->dim, scene->cells, &cells));
   ParticlesShare(p->comm, cells, &first, &last);
   PetscCall(CountShare(scene, walls, first, last, p->comm, own, before, all));
   PetscCall(WallSlabsCreate(scene, walls, &slabs));

@@ -242,22 +242,18 @@ static PetscErrorCode SumCells(const Scene *scene, const Region *region, const P
 PetscErrorCode PlacesCreate(const Scene *scene, const Region *region, const Pools *pools,
                             Places *places)
 {
-  const PetscInt64 half  = (PetscInt64)(0.5 * UNIT);
-  PetscInt64       count = 1, before[2], all[2], end;
-  PetscInt         first, last, n = 0;
+  const PetscInt64 half = (PetscInt64)(0.5 * UNIT);
+  PetscInt64       before[2], all[2], end;
+  PetscInt         count[ISPH_MAX_DIM], cells, first, last, n = 0;
 
   PetscFunctionBegin;
-  for (PetscInt m = 0; m < region->n; m++) {
-    count *= CellsAlong(scene, region, m);
-    UserCheck(count < PETSC_INT_MAX / 8, "-n asks for more particles than fit: more than %d",
-              (int)(PETSC_INT_MAX / 8));
-  }
-  ParticlesShare(PETSC_COMM_WORLD, (PetscInt)count, &first, &last);
+  for (PetscInt m = 0; m < region->n; m++) count[m] = CellsAlong(scene, region, m);
+  PetscCall(SceneCountCells(region->n, count, &cells));
+  ParticlesShare(PETSC_COMM_WORLD, cells, &first, &last);
   PetscCall(SumCells(scene, region, pools, first, last, before, all));
-  UserCheck(all[0] / (1LL << 32) < PETSC_INT_MAX / 8,
-            "-n asks for more particles than fit: more than %d", (int)(PETSC_INT_MAX / 8));
-  places->dim    = region->n;
-  places->N      = (PetscInt)((all[0] + half) >> 32);
+  places->dim = region->n;
+  places->N   = (PetscInt)((all[0] + half) >> 32);
+  PetscCall(SceneCountCells(1, &places->N, &places->N));
   places->first  = (PetscInt)((before[0] + half) >> 32);
   places->volume = (PetscReal)all[1] / UNIT;
   places->n      = 0;

@@ -191,17 +191,16 @@ PetscErrorCode PoolLattice(const Pools *pools, PetscInt pool, Rows *rows)
 {
   const Scene   *scene = pools->scene;
   const PetscInt begin = rows->n;
-  PetscInt       cell[ISPH_MAX_DIM], cells = 1, first, last, own, before = 0, all;
+  PetscInt       cell[ISPH_MAX_DIM], count[ISPH_MAX_DIM], cells, first, last, own, before = 0, all;
   PetscReal      x[ISPH_MAX_DIM] = {0.0};
   PoolAxis       axis[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) {
     PetscCall(AxisCreate(pools, pool, a, &axis[a]));
-    UserCheck(axis[a].n < PETSC_INT_MAX / 8 / cells,
-              "-n asks for more particles than fit: more than %" PetscInt_FMT, PETSC_INT_MAX / 8);
-    cells *= axis[a].n;
+    count[a] = axis[a].n;
   }
+  PetscCall(SceneCountCells(scene->dim, count, &cells));
   ParticlesShare(PETSC_COMM_WORLD, cells, &first, &last);
   for (PetscInt c = first; c < last; c++)
     if (CellHolds(pools, pool, axis, c, cell, x)) PetscCall(RowsAdd(scene, x, rows));

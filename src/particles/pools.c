@@ -102,10 +102,10 @@ static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *v
   const Scene   *scene = pools->scene;
   PetscReal      lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM];
   const PetscInt axes            = BoxAround(pools, pool, lo, hi) ? 2 : 3;
-  PetscInt       n[ISPH_MAX_DIM] = {1, 1, 1};
+  PetscInt       n[ISPH_MAX_DIM] = {1, 1, 1}, cells;
   PetscInt64     sum             = 0, rows;
   PetscMPIInt    rank, ranks;
-  PetscReal      unit, points = 1.0;
+  PetscReal      unit, points;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < scene->n_filled; k++) {
@@ -113,12 +113,11 @@ static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *v
     *volume = 4.0 / 3.0 * PETSC_PI * PetscPowRealInt(scene->filled[k].extent, 3);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  for (PetscInt a = 0; a < axes; a++) points *= POINTS * PetscCeilReal((hi[a] - lo[a]) / scene->dx);
-  UserCheck(points / PetscPowRealInt(POINTS, axes) < PETSC_INT_MAX / 8,
-            "-n asks for more particles than fit: more than %d", (int)(PETSC_INT_MAX / 8));
-  unit = (PetscReal)((PetscInt64)1 << (points < 4e9 ? 30 : 25)); /* the sum is less than 2^62 */
-  for (PetscInt a = 0; a < axes; a++)
-    n[a] = POINTS * (PetscInt)PetscCeilReal((hi[a] - lo[a]) / scene->dx);
+  for (PetscInt a = 0; a < axes; a++) n[a] = (PetscInt)PetscCeilReal((hi[a] - lo[a]) / scene->dx);
+  PetscCall(SceneCountCells(axes, n, &cells));
+  for (PetscInt a = 0; a < axes; a++) n[a] *= POINTS;
+  points = PetscPowRealInt(POINTS, axes) * cells;
+  unit   = (PetscReal)((PetscInt64)1 << (points < 4e9 ? 30 : 25)); /* the sum is less than 2^62 */
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   rows = (PetscInt64)n[1] * n[2];

@@ -119,10 +119,7 @@ static PetscErrorCode AddPlane(const Scene *scene, PetscInt side, Surfaces *s)
         PetscMax(1, (PetscInt)PetscFloorReal(
                         (scene->hi[region.axis[m]] - scene->lo[region.axis[m]]) / even + 0.5));
   if (even > 0.0) {
-    UserCheck((PetscInt64)count[0] * count[1] < PETSC_INT_MAX / 8,
-              "-n asks for more particles than fit: more than %" PetscInt_FMT " on a side",
-              PETSC_INT_MAX / 8);
-    places.N = count[0] * count[1];
+    PetscCall(SceneCountCells(2, count, &places.N));
     ParticlesShare(PETSC_COMM_WORLD, places.N, &places.first, &places.n);
     places.n -= places.first;
   } else {

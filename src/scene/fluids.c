@@ -97,7 +97,7 @@ PetscReal SceneViscosity(const Scene *scene, const PetscReal x[])
 */
 PetscErrorCode SceneBoundViscosity(Scene *scene)
 {
-  PetscInt64 cells = 1;
+  PetscInt cells;
 
   PetscFunctionBegin;
   scene->nu_low = scene->nu_high = scene->nu;
@@ -109,18 +109,11 @@ PetscErrorCode SceneBoundViscosity(Scene *scene)
   if (!SceneViscosityVaries(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   scene->nu_low  = PETSC_MAX_REAL;
   scene->nu_high = 0.0;
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    cells *= scene->cells[a];
-    UserCheck(cells < PETSC_INT_MAX / 8,
-              "-n asks for more particles than fit: the box has more than %" PetscInt_FMT
-              " cells, in "
-              "each of which the viscosity is found",
-              PETSC_INT_MAX / 8);
-  }
-  for (PetscInt64 c = 0; c < cells; c++) {
-    PetscReal  x[ISPH_MAX_DIM], nu;
-    PetscInt64 index = c;
-    char       place[PLACE_TEXT];
+  PetscCall(SceneCountCells(scene->dim, scene->cells, &cells));
+  for (PetscInt c = 0; c < cells; c++) {
+    PetscReal x[ISPH_MAX_DIM], nu;
+    PetscInt  index = c;
+    char      place[PLACE_TEXT];
 
     for (PetscInt a = 0; a < scene->dim; a++) {
       x[a] = scene->lo[a] + ((PetscReal)(index % scene->cells[a]) + 0.5) * SceneCellSide(scene, a);

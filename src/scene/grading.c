@@ -109,8 +109,8 @@ PetscBool GradingHasRows(const Scene *scene, PetscInt side)
 PetscErrorCode GradingSample(Scene *scene)
 {
   Grading    *g = &scene->grading;
-  PetscInt    count[ISPH_MAX_DIM], least_side = SceneBoundaries(scene);
-  PetscInt64  total = 1, cells = 1;
+  PetscInt    count[ISPH_MAX_DIM], cells, least_side = SceneBoundaries(scene);
+  PetscInt64  total    = 1;
   PetscReal   bound[3] = {0.0, 0.0, 0.0}; /* -least, most [dx], growth */
   PetscReal   sum[2]   = {0.0, 0.0};      /* of volumes [dx^dim], and of their squares */
   PetscMPIInt rank, ranks;
@@ -121,10 +121,8 @@ PetscErrorCode GradingSample(Scene *scene)
   for (PetscInt a = 0; a < scene->dim; a++) {
     count[a] = SAMPLES * scene->cells[a] + 1;
     total *= count[a];
-    cells *= scene->cells[a];
-    UserCheck(cells < PETSC_INT_MAX / 8,
-              "-n asks for more particles than fit: more than %" PetscInt_FMT, PETSC_INT_MAX / 8);
   }
+  PetscCall(SceneCountCells(scene->dim, scene->cells, &cells));
   bound[0] = -PETSC_MAX_REAL;
   for (PetscInt64 k = total * rank / ranks; k < total * (rank + 1) / ranks; k++) {
     PetscReal  x[ISPH_MAX_DIM] = {0.0}, spacing, volume;

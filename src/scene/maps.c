@@ -121,6 +121,22 @@ PetscInt SceneCellsAlong(const Scene *scene, PetscInt axis)
                                   Beyond(scene, 2 * axis) + Beyond(scene, 2 * axis + 1));
 }
 
+/* SceneCountCells - Computes the product of n numbers of cells, and refuses numbers that are too
+   large for indices of particles; collective on PETSC_COMM_WORLD */
+PetscErrorCode SceneCountCells(PetscInt n, const PetscInt count[], PetscInt *cells)
+{
+  PetscInt64 product = 1;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < n; k++) {
+    product *= count[k];
+    UserCheck(product < PETSC_INT_MAX / 8,
+              "-n asks for more particles than fit: more than %" PetscInt_FMT, PETSC_INT_MAX / 8);
+  }
+  *cells = (PetscInt)product;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* SceneEdges - Computes the edges of a cell of the lattice that is centred at x, or that is nearest
    to x in the half of a cell beside a side of the box [m]; not collective */
 void SceneEdges(const Scene *scene, const PetscReal x[], PetscReal edge[])
