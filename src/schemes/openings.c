@@ -137,7 +137,6 @@ static PetscErrorCode CheckFar(Flow *flow, PetscReal far)
   char where[CLOCK_WHERE];
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &far, 1, MPIU_REAL, MPIU_MAX, flow->particles->comm));
   if (far <= 1.0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ClockWhere(flow->clock, where));
   FailureSet(&flow->scheme->failure, PETSC_ERR_USER_INPUT,
@@ -147,25 +146,29 @@ static PetscErrorCode CheckFar(Flow *flow, PetscReal far)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Gives all ranks the entrants of all ranks, in the order of ranks. */
+/* Gives all ranks the entrants of all ranks, in the order of ranks, and the largest `far`. */
 static PetscErrorCode GatherEntrants(MPI_Comm comm, Entrants *all)
 {
-  PetscMPIInt ranks, own = (PetscMPIInt)(all->n * ENTRANT_NUMBERS), *count, *before;
-  Entrant    *gathered;
-  PetscInt    total = 0;
+  const PetscReal own = (PetscReal)(all->n * ENTRANT_NUMBERS), tell[] = {own, all->far};
+  PetscReal      *told;
+  PetscMPIInt     ranks, *count, *before;
+  Entrant        *gathered;
+  PetscInt        total = 0;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
-  PetscCall(PetscMalloc2(ranks, &count, ranks, &before));
-  PetscCallMPI(MPI_Allgather(&own, 1, MPI_INT, count, 1, MPI_INT, comm));
+  PetscCall(PetscMalloc3(ranks, &count, ranks, &before, 2 * ranks, &told));
+  PetscCallMPI(MPI_Allgather(tell, 2, MPIU_REAL, told, 2, MPIU_REAL, comm));
   for (PetscMPIInt r = 0; r < ranks; r++) {
+    count[r]  = (PetscMPIInt)told[2 * r];
     before[r] = (PetscMPIInt)total;
     total += count[r];
+    all->far = PetscMax(all->far, told[2 * r + 1]);
   }
   PetscCall(PetscMalloc1(total / ENTRANT_NUMBERS, &gathered));
-  PetscCallMPI(
-      MPI_Allgatherv(all->entrant, own, MPIU_REAL, gathered, count, before, MPIU_REAL, comm));
-  PetscCall(PetscFree2(count, before));
+  PetscCallMPI(MPI_Allgatherv(all->entrant, (PetscMPIInt)own, MPIU_REAL, gathered, count, before,
+                              MPIU_REAL, comm));
+  PetscCall(PetscFree3(count, before, told));
   PetscCall(PetscFree(all->entrant));
   all->entrant = gathered;
   all->n       = total / ENTRANT_NUMBERS;
@@ -276,13 +279,13 @@ PetscErrorCode OpeningsPass(Flow *flow, PetscBool *passed)
     if (BoundaryIs(flow->scene, (PetscInt)p->side[w], BOUNDARY_INFLOW))
       PetscCall(EnterAt(flow, w, &all));
   }
-  if (SceneHasBoundary(flow->scene, BOUNDARY_INFLOW)) PetscCall(CheckFar(flow, all.far));
+  PetscCall(EntrantsFindReturning(flow, &all));
+  PetscCall(GatherEntrants(p->comm, &all));
+  PetscCall(CheckFar(flow, all.far));
   if (flow->scheme->failure.code) {
     PetscCall(PetscFree(all.entrant));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(EntrantsFindReturning(flow, &all));
-  PetscCall(GatherEntrants(p->comm, &all));
   EntrantsDropCrowded(flow->scene, &all);
   if (all.n) PetscCall(InsertEntrants(flow, &all));
   o->volume_out += left;
