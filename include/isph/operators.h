@@ -254,6 +254,7 @@ PetscInt       FreeSurfaceOpenings(const Scene *scene, const Particles *particle
 PetscBool      FreeSurfaceTouches(const Scene *scene, const Particles *particles,
                                   const Neighbors *neighbors, const FreeSurface *free, PetscInt i,
                                   PetscInt wall);
+PetscInt       SurfaceTangents(PetscInt dim, const PetscReal normal[], PetscReal t[][ISPH_MAX_DIM]);
 PetscInt       FreeSurfaceNearestWall(const Scene *scene, const Particles *particles,
                                       const Neighbors *neighbors, PetscInt i, PetscReal most);
 

@@ -8,89 +8,10 @@
   zero, because w is zero on the surface. The velocity of a side may vary along the side; there the
   second term follows from the derivatives of the wall velocity and from continuity. dw/dn is a
   one-sided difference of third order between the surface and probes at the heights dx, 2 dx and
-  3 dx. Points outside a free surface take no part in the sums; where only the upper probes are, the
-  order is that of the others. See docs/theory.md, (112) and (113).
+  3 dx, or of the order of those that are not outside a free surface. Only the wet parts of a wall
+  have forces. See docs/theory.md, (112) and (113).
 */
 #include "monitors.h"
-
-/* Points on a wall, with their normals into the fluid and their areas. */
-typedef struct {
-  PetscInt   n;
-  PetscReal *x, *normal, *area; /* dim coordinates of each point [m]; [m^(dim-1)] */
-} Surface;
-
-/* Returns the share of cell i of the lattice along an axis that lies in the box, and its middle
-   [cells]. Cells of particles on a free side have the other half outside. */
-static PetscReal ShareInBox(const Scene *scene, PetscInt axis, PetscInt i, PetscReal *middle)
-{
-  const PetscInt  last = scene->cells[axis] - 1;
-  const PetscReal low  = i == 0 && BoundaryIs(scene, 2 * axis, BOUNDARY_FREE) ? 0.5 : 0.0;
-  const PetscReal high = i == last && BoundaryIs(scene, 2 * axis + 1, BOUNDARY_FREE) ? 0.5 : 0.0;
-
-  *middle = i + 0.5 * (low + 1.0 - high);
-  return 1.0 - low - high;
-}
-
-/* Sets the points of a side of the box to the midpoints of the lattice cells on it. */
-static void SideSurface(const Scene *scene, PetscInt side, Surface *s)
-{
-  const PetscInt axis = side / 2, dim = scene->dim;
-  for (PetscInt k = 0; k < s->n; k++) {
-    PetscReal edge[ISPH_MAX_DIM], middle;
-    PetscInt  index = k;
-
-    s->area[k] = 1.0;
-    for (PetscInt a = 0; a < dim; a++) {
-      s->normal[k * dim + a] = a == axis ? (side % 2 ? -1.0 : 1.0) : 0.0;
-      s->x[k * dim + a]      = side % 2 ? scene->hi[a] : scene->lo[a];
-      if (a == axis) continue;
-      s->area[k] *= ShareInBox(scene, a, index % scene->cells[a], &middle);
-      s->x[k * dim + a] = SceneLatticePlace(scene, a, middle);
-      index /= scene->cells[a];
-    }
-    SceneEdges(scene, &s->x[k * dim], edge);
-    for (PetscInt a = 0; a < dim; a++) s->area[k] *= a == axis ? 1.0 : edge[a];
-  }
-}
-
-/* Leaves out the points that are buried in another boundary. */
-static void LeaveBuried(const Scene *scene, PetscInt side, Surface *s)
-{
-  const PetscInt dim = scene->dim, all = s->n;
-
-  s->n = 0;
-  for (PetscInt k = 0; k < all; k++) {
-    if (SceneIsBuried(scene, side, &s->x[k * dim])) continue;
-    for (PetscInt a = 0; a < dim; a++) {
-      s->x[s->n * dim + a]      = s->x[k * dim + a];
-      s->normal[s->n * dim + a] = s->normal[k * dim + a];
-    }
-    s->area[s->n++] = s->area[k];
-  }
-}
-
-static PetscErrorCode SurfaceCreate(const Scene *scene, PetscInt side, Surface *s)
-{
-  const PetscInt dim  = scene->dim;
-  const Body    *body = BoundaryBody(scene, side);
-
-  PetscFunctionBegin;
-  s->n = body ? BodyPoints(body, BodySpacing(scene, body)) : 1;
-  for (PetscInt a = 0; !body && a < dim; a++) s->n *= a == side / 2 ? 1 : scene->cells[a];
-  PetscCall(PetscMalloc3(s->n * dim, &s->x, s->n * dim, &s->normal, s->n, &s->area));
-  if (!body) SideSurface(scene, side, s);
-  for (PetscInt k = 0; body && k < s->n; k++) {
-    PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
-
-    s->area[k] = BodyPoint(body, k, BodySpacing(scene, body), x, normal);
-    for (PetscInt a = 0; a < dim; a++) {
-      s->x[k * dim + a]      = x[a];
-      s->normal[k * dim + a] = normal[a];
-    }
-  }
-  if (scene->n_bodies) LeaveBuried(scene, side, s);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* Returns the height of the first probe above point x of a boundary: the spacing, on sides of the
    box along the normal [m]. */
@@ -103,10 +24,10 @@ static PetscReal HeightUnit(const Scene *scene, PetscInt side, const PetscReal x
   return SceneSpacing(scene, x) / stretch[side / 2];
 }
 
-/* Probes the velocity minus the wall velocity, and the pressure unless p is NULL, at the points of
-   a surface raised by `height` spacings along the normal; NaN outside a free surface. */
-static PetscErrorCode ProbeAbove(const Flow *flow, PetscInt side, const Surface *s,
-                                 PetscReal height, PetscReal w[], PetscReal p[])
+/* Probes the velocity minus the wall velocity, and the pressure unless p is NULL, at the middles of
+   facets raised by `height` spacings along the normal; NaN outside a free surface. */
+static PetscErrorCode ProbeAbove(const Flow *flow, PetscInt side, const Facets *s, PetscReal height,
+                                 PetscReal w[], PetscReal p[])
 {
   const Scene   *scene = flow->scene;
   const PetscInt dim   = scene->dim;
@@ -196,7 +117,7 @@ static void AddTorque(PetscInt dim, const PetscReal c[], const PetscReal x[], co
   Computes the kinematic viscosity at the points [m^2/s]. For a fluid that is not Newtonian it
   follows from the strain rate, which is |dw/dn| at a wall without slip.
 */
-static PetscErrorCode SurfaceViscosity(const Flow *flow, const Surface *s, const PetscReal slope[],
+static PetscErrorCode SurfaceViscosity(const Flow *flow, const Facets *s, const PetscReal slope[],
                                        PetscReal nu[])
 {
   const Scene *scene = flow->scene;
@@ -228,7 +149,7 @@ static PetscReal SlopeAtWall(const PetscReal w[], PetscReal unit)
 /*
   WallForce - Computes force and torque of the fluid on a wall: a side of the box or a body
 
-  Collective. Points of the wall outside a free surface take no part. Output: F [N]; T [N m] about
+  Collective. Parts of the wall outside a free surface take no part. Output: F [N]; T [N m] about
   the centre of a body or the middle of the box. In 2D both are per metre of depth, and the torque
   is T[2].
 */
@@ -237,16 +158,17 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
   const Scene   *scene = flow->scene;
   const PetscInt dim   = scene->dim;
   PetscReal     *w[4], *slope = NULL, *p, *nu, centre[ISPH_MAX_DIM];
-  Surface        s;
+  Facets         s;
 
   PetscFunctionBegin;
   TorqueCentre(scene, side, centre);
-  PetscCall(SurfaceCreate(scene, side, &s));
+  PetscCall(FacetsOfWall(scene, side, &s));
+  PetscCall(FacetsKeepWet(flow, &s));
   PetscCall(PetscMalloc6(s.n * dim, &w[0], s.n * dim, &w[1], s.n * dim, &w[2], s.n * dim, &w[3],
                          s.n, &p, s.n, &nu));
   for (PetscInt k = 0; k < 4; k++)
     PetscCall(ProbeAbove(flow, side, &s, (PetscReal)k, w[k], k ? NULL : p));
-  slope = w[0]; /* dw/dn; on the surface w itself vanishes, or is NaN at a dry point */
+  slope = w[0]; /* dw/dn; on the wall w itself vanishes, or is NaN at a dry point */
   for (PetscInt q = 0; q < s.n * dim; q++) {
     const PetscReal above[] = {w[1][q], w[2][q], w[3][q]};
 
@@ -271,7 +193,7 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
     AddTorque(dim, centre, &s.x[k * dim], f, T);
   }
   PetscCall(PetscFree6(w[0], w[1], w[2], w[3], p, nu));
-  PetscCall(PetscFree3(s.x, s.normal, s.area));
+  PetscCall(FacetsFree(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -54,6 +54,21 @@ PetscErrorCode MonitorFlush(Monitor *monitor);
 PetscBool      MonitorRow(const Flow *flow, const Monitor *monitor);
 void           MonitorVector(const Monitor *monitor, PetscInt dim, const PetscReal v[]);
 
+/* Facets of a wall or a section, see facets.c. */
+typedef struct {
+  PetscInt   n, dim;
+  PetscReal *x, *normal; /* middles and unit normals, dim coordinates each [m]; [-] */
+  PetscReal *area;       /* [m^(dim-1)] */
+} Facets;
+PetscErrorCode FacetsOfWall(const Scene *scene, PetscInt side, Facets *facets);
+PetscErrorCode FacetsOfSection(const Scene *scene, const PetscReal corner[], Facets *facets);
+PetscErrorCode FacetsKeepWet(const Flow *flow, Facets *facets);
+PetscErrorCode FacetsFree(Facets *facets);
+
+/* probe.c */
+PetscErrorCode ProbeDry(const Flow *flow, PetscInt n, const PetscReal x[], PetscBool dry[]);
+PetscBool      ProbeInBody(const Scene *scene, const PetscReal x[]);
+
 /* window.c */
 PetscErrorCode MonitorMean(const Flow *flow, PetscInt k, PetscInt n, PetscReal value[],
                            Monitor *monitor);

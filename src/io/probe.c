@@ -9,7 +9,7 @@
 
   Reference: P. Lancaster & K. Salkauskas, Math. Comput. 37 (1981) 141-158
 */
-#include "isph/io.h"
+#include "monitors.h"
 
 #define PROBE_MAX_TERMS (1 + MLS_QUADRATIC_TERMS)
 #define WET             1.3 /* distance of the nearest particle from which on a point is dry [dx] */
@@ -341,6 +341,41 @@ PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], Pe
   PetscCall(PetscFree(values));
   PetscCall(ProbeEnd(&probe));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ProbeDry - Finds out which points are outside a free surface
+
+  Collective. Input: as ProbePoints(). Output: dry - on all ranks.
+*/
+PetscErrorCode ProbeDry(const Flow *flow, PetscInt n, const PetscReal x[], PetscBool dry[])
+{
+  const PetscInt dim = flow->particles->dim;
+  Probe          probe;
+
+  PetscFunctionBegin;
+  PetscCall(ProbeBegin(flow, PETSC_FALSE, &probe));
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal place[ISPH_MAX_DIM];
+
+    dry[k] = PETSC_FALSE;
+    for (PetscInt a = 0; a < dim; a++) place[a] = x[k * dim + a];
+    if (ProbeOwns(flow, place)) PetscCall(ProbeIsDry(&probe, place, &dry[k]));
+  }
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, dry, (PetscMPIInt)n, MPIU_BOOL, MPI_LOR, flow->particles->comm));
+  PetscCall(ProbeEnd(&probe));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ProbeInBody - Returns true if a point lies in a body; not collective */
+PetscBool ProbeInBody(const Scene *scene, const PetscReal x[])
+{
+  PetscInt side;
+
+  return SceneFluidDistance(scene, x, &side) < -SCENE_ON_SURFACE * SceneTolerance(scene)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
 }
 
 /* Finds the viscosity of the fluid particle nearest to x. */

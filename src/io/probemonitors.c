@@ -1,16 +1,6 @@
 /* Monitors based on probes: points, lines, and fluxes through sections; the budget of a step. */
 #include "monitors.h"
 
-/* Returns true if a point lies in a body. */
-static PetscBool InBody(const Scene *scene, const PetscReal x[])
-{
-  PetscInt side;
-
-  return SceneFluidDistance(scene, x, &side) < -SCENE_ON_SURFACE * SceneTolerance(scene)
-             ? PETSC_TRUE
-             : PETSC_FALSE;
-}
-
 /*
   Writes a row with velocity and mean pressure for each of n points, whose window has the given
   index. After time and step follows the given number or, if it is negative, the index of the point.
@@ -32,7 +22,7 @@ static PetscErrorCode WriteProbes(const Flow *flow, Monitor *monitor, PetscInt w
     if (!MonitorRow(flow, monitor)) continue;
     (void)fprintf(monitor->stream, ",%" PetscInt_FMT, number < 0 ? k : number);
     MonitorVector(monitor, dim, &x[k * dim]);
-    if (InBody(flow->scene, &x[k * dim]) || PetscIsNanReal(u[k * dim])) {
+    if (ProbeInBody(flow->scene, &x[k * dim]) || PetscIsNanReal(u[k * dim])) {
       (void)fprintf(monitor->stream, ",,,,\n");
       continue;
     }
@@ -49,8 +39,8 @@ static PetscErrorCode CheckPoint(const Scene *scene, const char option[], PetscI
                                  const PetscReal x[])
 {
   PetscFunctionBegin;
-  UserCheck(!InBody(scene, x), "%s: point %" PetscInt_FMT " at (%.6g, %.6g) lies in a body", option,
-            k, (double)x[0], (double)x[1]);
+  UserCheck(!ProbeInBody(scene, x), "%s: point %" PetscInt_FMT " at (%.6g, %.6g) lies in a body",
+            option, k, (double)x[0], (double)x[1]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -131,53 +121,26 @@ const MonitorKind MonitorLines = {
     .Write   = WriteLines,
 };
 
-/*
-  Computes the flux through a section by the midpoint rule: sum u.n dA over cells of at most dx
-  whose midpoint lies in the fluid [m^2/s, m^3/s]. In 2D the area vector is the vector between the
-  ends turned to the right, in 3D the cross product of the two sides.
-*/
+/* Computes the flux through a section by the midpoint rule, sum u.n dA over the wet parts of its
+   facets [m^2/s, m^3/s]. */
 static PetscErrorCode SectionFlux(const Flow *flow, const PetscReal corner[], PetscReal *flux)
 {
-  const PetscInt dim                   = flow->scene->dim;
-  PetscReal      side[2][ISPH_MAX_DIM] = {{0.0}}, area[ISPH_MAX_DIM], *x, *u;
-  PetscInt       n[2]                  = {1, 1}, total;
+  const PetscInt dim = flow->scene->dim;
+  PetscReal     *u;
+  Facets         f;
 
   PetscFunctionBegin;
-  for (PetscInt s = 0; s < dim - 1; s++) {
-    PetscReal length2 = 0.0;
-
-    for (PetscInt a = 0; a < dim; a++) {
-      side[s][a] = corner[(s + 1) * dim + a] - corner[a];
-      length2 += PetscSqr(side[s][a]);
-    }
-    n[s] = PetscMax(
-        1, (PetscInt)PetscCeilReal(PetscSqrtReal(length2) / SceneFinest(flow->scene) - 1e-9));
-  }
-  total = n[0] * n[1];
-  if (dim == 2) {
-    area[0] = side[0][1];
-    area[1] = -side[0][0];
-  } else {
-    for (PetscInt a = 0; a < 3; a++) {
-      const PetscInt b = (a + 1) % 3, c = (a + 2) % 3;
-
-      area[a] = side[0][b] * side[1][c] - side[0][c] * side[1][b];
-    }
-  }
-  PetscCall(PetscMalloc2(total * dim, &x, total * dim, &u));
-  for (PetscInt k = 0; k < total; k++) {
-    for (PetscInt a = 0; a < dim; a++) {
-      x[k * dim + a] = corner[a] + (k % n[0] + 0.5) / n[0] * side[0][a] +
-                       (dim == 3 ? (k / n[0] + 0.5) / n[1] * side[1][a] : 0.0);
-    }
-  }
-  PetscCall(ProbePoints(flow, total, x, u, NULL));
+  PetscCall(FacetsOfSection(flow->scene, corner, &f));
+  PetscCall(FacetsKeepWet(flow, &f));
+  PetscCall(PetscMalloc1(f.n * dim, &u));
+  PetscCall(ProbePoints(flow, f.n, f.x, u, NULL));
   *flux = 0.0;
-  for (PetscInt k = 0; k < total; k++) {
-    if (InBody(flow->scene, &x[k * dim]) || PetscIsNanReal(u[k * dim])) continue;
-    for (PetscInt a = 0; a < dim; a++) *flux += u[k * dim + a] * area[a] / total;
+  for (PetscInt k = 0; k < f.n; k++) {
+    if (PetscIsNanReal(u[k * dim])) continue; /* dry between wet parts */
+    for (PetscInt a = 0; a < dim; a++) *flux += u[k * dim + a] * f.normal[k * dim + a] * f.area[k];
   }
-  PetscCall(PetscFree2(x, u));
+  PetscCall(PetscFree(u));
+  PetscCall(FacetsFree(&f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

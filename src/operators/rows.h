@@ -24,7 +24,6 @@ PetscErrorCode            GradientRow_MlsDegree(Stencil *stencil, PetscInt degre
                                                 PetscBool *determined);
 PetscErrorCode            FilterRow_Mls(Stencil *stencil, PetscReal w[]);
 PetscErrorCode            DivergenceFit_Mls(Stencil *stencil, PetscReal *d[], PetscReal m[]);
-PetscInt       SurfaceTangents(PetscInt dim, const PetscReal normal[], PetscReal t[][ISPH_MAX_DIM]);
 void           CorrectKernel_FirstOrder(Stencil *stencil, PetscReal dW[], PetscReal ddW[]);
 PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length);
 
