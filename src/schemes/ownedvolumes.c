@@ -5,20 +5,23 @@
   crowd on it where it shortens. Neighbours exchange their excess e_i = V_i - v_i, so that only its
   mean over the support remains, and the equations of mass take this mean back:
 
-    v_i    <- v_i - sum_j EXCHANGE (c_i + c_j)/2 dt (e_j - e_i) w_ij/W,
+    v_i    <- v_i - sum_j E_ij (c_i + c_j)/2 dt (e_j - e_i) w_ij/W,
     div u_j = -sum_i rate c_i e_i w_ij/(sum_k V_k w_ik),   j and k inside, w = (1 - r^2/R^2)^2,
 
   with the shear rate c_i about the particle, c^2 = d (d + 2) <(e.(u_k - u_i)/r)^2>, which is
   sqrt(2 E:E) of a uniform strain and zero for rigid motions, the radius R of the support and the
-  sum W of w over a lattice. `rate` is -surface_volume_rate. See docs/theory.md, (370) to (372).
+  sum W of w over a lattice. `rate` is -surface_volume_rate. E_ij is larger between particles whose
+  supports have no surface: their cells fluctuate, and no volume is lost there. See docs/theory.md,
+  (370) to (372).
 */
 #include "step.h"
 
-#define GRID     3    /* points of the cells along dx */
-#define EXCHANGE 20.0 /* exchanged share per unit of shear [-] */
-#define MOST     0.3  /* largest share of an excess that a step exchanges or takes back [-] */
-#define LEAST    0.3  /* least part of a support that counts as inside: less than one layer [-] */
-#define LARGEST  0.2  /* largest excess that counts, over the volume of the particle [-] */
+#define GRID     3      /* points of the cells along dx */
+#define EXCHANGE 20.0   /* exchanged share per unit of shear [-] */
+#define BELOW    1000.0 /* the same between particles below the surface; 20 left noise in films */
+#define MOST     0.3    /* largest share of an excess that a step exchanges or takes back [-] */
+#define LEAST    0.3    /* least part of a support that counts as inside: less than one layer [-] */
+#define LARGEST  0.2    /* largest excess that counts, over the volume of the particle [-] */
 
 static const OptionRow options[] = {
     {
@@ -41,6 +44,7 @@ typedef struct {
   PetscReal *shear;  /* c [1/s] */
   PetscReal *excess; /* e; zero for isolated particles [m^dim] */
   PetscReal *share;  /* rate c e/(sum_k V_k w_ik) [1/s] */
+  PetscReal *below;  /* 1 if no particle of the support is on the surface, 0 otherwise */
 } Values;
 
 /* VolumesCreate - Reads the option, for schemes with equations of mass; collective */
@@ -118,9 +122,26 @@ static PetscReal ShearRate(const Flow *flow, const PetscReal u[], PetscInt i)
   return weights > 0.0 ? PetscSqrtReal(d * (d + 2.0) * sum / weights) : 0.0;
 }
 
-/* Sets shear and excess of own particles. At the start a particle owns its cell, and later the
-   volume with which it has entered. Isolated particles have no excess. Particles beside an opening,
-   whose cells end at its side, have no shear: their excess waits. */
+/* Returns 1 if no particle in the support of own particle i is on the surface, 0 otherwise. */
+static PetscReal IsBelow(const Flow *flow, PetscInt i)
+{
+  const Neighbors *nb = flow->neighbors;
+
+  if (FreeSurfaceHolds(flow->ops->free, i)) return 0.0;
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    const PetscInt j = nb->col[q];
+    PetscReal      X[ISPH_MAX_DIM], r2;
+
+    if (!ParticlesIsWall(flow->particles, j) && FreeSurfaceHolds(flow->ops->free, j) &&
+        Weight(flow, i, j, X, &r2) > 0.0)
+      return 0.0;
+  }
+  return 1.0;
+}
+
+/* Sets shear, excess and place of own particles. At the start a particle owns its cell, and later
+   the volume with which it has entered. Isolated particles have no excess. Particles beside an
+   opening, whose cells end at its side, have no shear: their excess waits. */
 static PetscErrorCode FindExcess(Flow *flow, Values *v)
 {
   const Particles *p     = flow->particles;
@@ -134,11 +155,13 @@ static PetscErrorCode FindExcess(Flow *flow, Values *v)
     if (flow->ops->free->kind[i] == SURFACE_ISOLATED) v->excess[i] = owned[i];
     else if (!FreeSurfaceOpenings(flow->scene, p, flow->neighbors, i))
       v->shear[i] = ShearRate(flow, u, i);
+    v->below[i] = IsBelow(flow, i);
     v->excess[i] -= owned[i];
   }
   PetscCall(PetscFree(u));
   PetscCall(ParticlesHaloField(p, v->excess));
   PetscCall(ParticlesHaloField(p, v->shear));
+  PetscCall(ParticlesHaloField(p, v->below));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -155,13 +178,15 @@ static PetscReal Exchange(const Flow *flow, const Values *v, PetscReal lattice, 
   *inside = FreeSurfaceHolds(free, i) ? 0.0 : p->volume[i];
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
     const PetscInt j = nb->col[q];
-    PetscReal      X[ISPH_MAX_DIM], r2, w;
+    PetscReal      X[ISPH_MAX_DIM], r2, w, rate;
 
     if (ParticlesIsWall(p, j)) continue;
     w = Weight(flow, i, j, X, &r2);
     if (!FreeSurfaceHolds(free, j)) *inside += p->volume[j] * w;
     if (v->shear[j] == 0.0) continue;
-    w *= PetscMin(MOST, EXCHANGE * 0.5 * (v->shear[i] + v->shear[j]) * flow->clock->dt);
+    rate = 0.5 * (v->shear[i] + v->shear[j]);
+    rate *= v->below[i] * v->below[j] > 0.0 ? BELOW : EXCHANGE;
+    w *= PetscMin(MOST, rate * flow->clock->dt);
     sum += w / lattice * (v->excess[j] - v->excess[i]);
   }
   return v->excess[i] + sum;
@@ -230,8 +255,8 @@ PetscErrorCode VolumesControl(Flow *flow)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PetscLogEventBegin(s->event[FLOW_EVENT_VOLUMES], 0, 0, 0, 0));
-  PetscCall(PetscCalloc3(ParticlesAll(p), &v.shear, ParticlesAll(p), &v.excess, ParticlesAll(p),
-                         &v.share));
+  PetscCall(PetscCalloc4(ParticlesAll(p), &v.shear, ParticlesAll(p), &v.excess, ParticlesAll(p),
+                         &v.share, ParticlesAll(p), &v.below));
   PetscCall(FindExcess(flow, &v));
   PetscCall(SetShares(flow, &v));
   PetscCall(VecGetArrayWrite(s->source, &source));
@@ -240,7 +265,7 @@ PetscErrorCode VolumesControl(Flow *flow)
     work += ParticlesWeight(p, j) * PetscRealPart(source[j]) * (p->p[j] - flow->scene->outside);
   }
   PetscCall(VecRestoreArrayWrite(s->source, &source));
-  PetscCall(PetscFree3(v.shear, v.excess, v.share));
+  PetscCall(PetscFree4(v.shear, v.excess, v.share, v.below));
   PetscCall(EnergyAddWork(flow, work * flow->clock->dt / flow->scene->rho));
   PetscCall(PetscLogEventEnd(s->event[FLOW_EVENT_VOLUMES], 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
