@@ -151,8 +151,8 @@ def main():
         "-coupled_ksp_rtol", "1e-12", "-probe_flux", "0.2,0,0.2,0.5")
     close(rows("probe_flux.csv")[-1]["flux"], 0.115**3 / 0.3, 0.05 * 0.115**3 / 0.3)
 
-    # Archimedes: a cylinder half below the surface bears the weight of the fluid in its place, within 2 % (measured: 0.4 to
-    # 1.4 %, three seeds at n = 20, 40 and 80). With the dry half it is 30 % off.
+    # Archimedes: a cylinder half below the surface bears the weight of the fluid in its place, within 2 % (measured: 0.3 to
+    # 1.0 %, three seeds at n = 20 and 40). With the dry half it is 30 % off.
     run("-case", "scene", "-n", "20", "-jitter", "0.2", "-scene_filled_1", "box,-1,-1,2,0.5", "-scene_body_1", "circle,0.5,0.5,0.2",
         "-body_force", "0,-1", "-viscosity", "0.1", "-dt", "5e-3", "-t_end", "0.5", "-probe_forces", "-probe_every", "0.5")
     weight = 0.5 * math.pi * 0.2**2

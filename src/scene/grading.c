@@ -118,11 +118,11 @@ PetscErrorCode GradingSample(Scene *scene)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(SceneCountCells(scene->dim, scene->cells, &cells));
   for (PetscInt a = 0; a < scene->dim; a++) {
     count[a] = SAMPLES * scene->cells[a] + 1;
     total *= count[a];
   }
-  PetscCall(SceneCountCells(scene->dim, scene->cells, &cells));
   bound[0] = -PETSC_MAX_REAL;
   for (PetscInt64 k = total * rank / ranks; k < total * (rank + 1) / ranks; k++) {
     PetscReal  x[ISPH_MAX_DIM] = {0.0}, spacing, volume;
