@@ -210,8 +210,8 @@ static PetscErrorCode ProbeEnd(Probe *probe)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Wraps x into a periodic box; returns true on the rank that owns the point. */
-static PetscBool ProbeOwns(const Flow *flow, PetscReal x[])
+/* Sets place to x, wrapped into a periodic box; returns true on the rank that owns the point. */
+static PetscBool ProbeOwns(const Flow *flow, const PetscReal x[], PetscReal place[])
 {
   const Scene     *scene = flow->scene;
   const Particles *p     = flow->particles;
@@ -220,25 +220,26 @@ static PetscBool ProbeOwns(const Flow *flow, PetscReal x[])
   for (PetscInt a = 0; a < p->dim; a++) {
     const PetscReal lo = scene->lo[a], period = scene->hi[a] - lo;
 
-    if (SceneIsPeriodic(scene, a) && !(x[a] >= lo && x[a] < scene->hi[a])) {
-      x[a] -= period * PetscFloorReal((x[a] - lo) / period);
-      if (!(x[a] >= lo && x[a] < scene->hi[a])) x[a] = lo; /* rounding at the upper end */
+    place[a] = x[a];
+    if (SceneIsPeriodic(scene, a) && !(place[a] >= lo && place[a] < scene->hi[a])) {
+      place[a] -= period * PetscFloorReal((place[a] - lo) / period);
+      if (!(place[a] >= lo && place[a] < scene->hi[a]))
+        place[a] = lo; /* rounding at the upper end */
     }
-    if (!(x[a] >= p->lo[a] && x[a] < p->hi[a])) owns = PETSC_FALSE;
+    if (!(place[a] >= p->lo[a] && place[a] < p->hi[a])) owns = PETSC_FALSE;
   }
   return owns;
 }
 
 /* Finds the fluid particle nearest to x within a reach; j: -1 without one. */
-static PetscErrorCode NearestFluid(Probe *probe, const PetscReal x[], PetscReal reach, PetscInt *j,
-                                   PetscReal *distance)
+static PetscErrorCode NearestFluid(Probe *probe, const PetscReal x[], PetscReal reach, PetscInt *j)
 {
-  const Particles *p = probe->flow->particles;
+  const Particles *p    = probe->flow->particles;
+  PetscReal        best = PetscSqr(reach);
   PetscInt         n;
 
   PetscFunctionBegin;
-  *j        = -1;
-  *distance = reach;
+  *j = -1;
   PetscCall(CellsFind(&probe->cells, x, reach, probe->cells.n, probe->list, &n));
   for (PetscInt k = 0; k < n; k++) {
     const PetscInt i  = probe->list[k];
@@ -246,9 +247,9 @@ static PetscErrorCode NearestFluid(Probe *probe, const PetscReal x[], PetscReal 
 
     if (ParticlesIsWall(p, i)) continue;
     for (PetscInt a = 0; a < p->dim; a++) r2 += PetscSqr(p->x[a][i] - x[a]);
-    if (r2 >= PetscSqr(*distance)) continue;
-    *distance = PetscSqrtReal(r2);
-    *j        = i;
+    if (r2 >= best) continue;
+    best = r2;
+    *j   = i;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -257,16 +258,16 @@ static PetscErrorCode NearestFluid(Probe *probe, const PetscReal x[], PetscReal 
    surface and x is beyond its tangent plane. Particles of the surface lie on it. */
 static PetscErrorCode ProbeIsDry(Probe *probe, const PetscReal x[], PetscBool *dry)
 {
-  const FreeSurface *free = probe->flow->ops->free;
-  const Particles   *p    = probe->flow->particles;
-  const PetscReal    dx   = SceneSpacing(probe->flow->scene, x);
-  PetscReal          distance, above = 0.0;
+  const FreeSurface *free  = probe->flow->ops->free;
+  const Particles   *p     = probe->flow->particles;
+  const PetscReal    dx    = SceneSpacing(probe->flow->scene, x);
+  PetscReal          above = 0.0;
   PetscInt           j;
 
   PetscFunctionBegin;
   *dry = PETSC_FALSE;
   if (!free) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(NearestFluid(probe, x, WET * dx, &j, &distance));
+  PetscCall(NearestFluid(probe, x, WET * dx, &j));
   *dry = j < 0 || free->kind[j] == SURFACE_ISOLATED ? PETSC_TRUE : PETSC_FALSE;
   if (*dry || free->kind[j] == SURFACE_INSIDE) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < p->dim; a++) above += free->normal[j * p->dim + a] * (x[a] - p->x[a][j]);
@@ -328,8 +329,8 @@ PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], Pe
   for (PetscInt k = 0; k < n; k++) {
     PetscReal place[ISPH_MAX_DIM];
 
-    for (PetscInt a = 0; a < dim; a++) place[a] = x[k * dim + a];
-    if (ProbeOwns(flow, place)) PetscCall(ProbeEvaluate(&probe, place, &values[k * width]));
+    if (ProbeOwns(flow, &x[k * dim], place))
+      PetscCall(ProbeEvaluate(&probe, place, &values[k * width]));
     if (own) PetscCall(flow->scheme->Pressure(flow, place, &values[k * width + dim]));
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, values, (PetscMPIInt)(n * width), MPIU_REAL, MPIU_SUM,
@@ -359,8 +360,7 @@ PetscErrorCode ProbeDry(const Flow *flow, PetscInt n, const PetscReal x[], Petsc
     PetscReal place[ISPH_MAX_DIM];
 
     dry[k] = PETSC_FALSE;
-    for (PetscInt a = 0; a < dim; a++) place[a] = x[k * dim + a];
-    if (ProbeOwns(flow, place)) PetscCall(ProbeIsDry(&probe, place, &dry[k]));
+    if (ProbeOwns(flow, &x[k * dim], place)) PetscCall(ProbeIsDry(&probe, place, &dry[k]));
   }
   PetscCallMPI(
       MPI_Allreduce(MPI_IN_PLACE, dry, (PetscMPIInt)n, MPIU_BOOL, MPI_LOR, flow->particles->comm));
@@ -382,11 +382,10 @@ PetscBool ProbeInBody(const Scene *scene, const PetscReal x[])
 static PetscErrorCode NearestViscosity(Probe *probe, const PetscReal x[], PetscReal *nu)
 {
   const ProbeBall ball = ProbeSupport(probe, x);
-  PetscReal       distance;
   PetscInt        j;
 
   PetscFunctionBegin;
-  PetscCall(NearestFluid(probe, x, ball.R / ball.least, &j, &distance));
+  PetscCall(NearestFluid(probe, x, ball.R / ball.least, &j));
   *nu = j < 0 ? 0.0 : probe->flow->particles->nu[j];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -408,8 +407,7 @@ PetscErrorCode ProbeViscosity(const Flow *flow, PetscInt n, const PetscReal x[],
     PetscReal place[ISPH_MAX_DIM];
 
     nu[k] = 0.0;
-    for (PetscInt a = 0; a < p->dim; a++) place[a] = x[k * p->dim + a];
-    if (ProbeOwns(flow, place)) PetscCall(NearestViscosity(&probe, place, &nu[k]));
+    if (ProbeOwns(flow, &x[k * p->dim], place)) PetscCall(NearestViscosity(&probe, place, &nu[k]));
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, nu, (PetscMPIInt)n, MPIU_REAL, MPIU_SUM, p->comm));
   PetscCall(ProbeEnd(&probe));

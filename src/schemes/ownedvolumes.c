@@ -122,23 +122,6 @@ static PetscReal ShearRate(const Flow *flow, const PetscReal u[], PetscInt i)
   return weights > 0.0 ? PetscSqrtReal(d * (d + 2.0) * sum / weights) : 0.0;
 }
 
-/* Returns 1 if no particle in the support of own particle i is on the surface, 0 otherwise. */
-static PetscReal IsBelow(const Flow *flow, PetscInt i)
-{
-  const Neighbors *nb = flow->neighbors;
-
-  if (FreeSurfaceHolds(flow->ops->free, i)) return 0.0;
-  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
-    const PetscInt j = nb->col[q];
-    PetscReal      X[ISPH_MAX_DIM], r2;
-
-    if (!ParticlesIsWall(flow->particles, j) && FreeSurfaceHolds(flow->ops->free, j) &&
-        Weight(flow, i, j, X, &r2) > 0.0)
-      return 0.0;
-  }
-  return 1.0;
-}
-
 /* Sets shear, excess and place of own particles. At the start a particle owns its cell, and later
    the volume with which it has entered. Isolated particles have no excess. Particles beside an
    opening, whose cells end at its side, have no shear: their excess waits. */
@@ -155,7 +138,7 @@ static PetscErrorCode FindExcess(Flow *flow, Values *v)
     if (flow->ops->free->kind[i] == SURFACE_ISOLATED) v->excess[i] = owned[i];
     else if (!FreeSurfaceOpenings(flow->scene, p, flow->neighbors, i))
       v->shear[i] = ShearRate(flow, u, i);
-    v->below[i] = IsBelow(flow, i);
+    v->below[i] = OperatorsBesideSurface(flow->ops, i) ? 0.0 : 1.0;
     v->excess[i] -= owned[i];
   }
   PetscCall(PetscFree(u));
