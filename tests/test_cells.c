@@ -3,7 +3,7 @@
 #include <stddef.h>
 #include <setjmp.h>
 #include <cmocka.h>
-#include "../src/schemes/cellpolygon.h"
+#include "../src/geometry/cellpolygon.h"
 
 #define TOLERANCE 1e-13
 

@@ -3,7 +3,7 @@
   particle enters.
 */
 #include "cloud.h"
-#include "../src/schemes/openings.h"
+#include "../src/motion/entrants.h"
 
 #define DX 0.1
 

@@ -3,8 +3,8 @@
   shift I + scale A; fits in a batch are those of single particles; sums of matrices are PETSc's.
 */
 /* RANKS: 1 2 3 */
-#include "operators/assembly.h"
-#include "operators/rows.h"
+#include "rows/assembly.h"
+#include "rows/rows.h"
 #include "isph/sparse.h"
 #include "cloud.h"
 

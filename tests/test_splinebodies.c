@@ -2,7 +2,7 @@
   Cells of the lattice of splines that bodies cut: the area of the fluid, and the theorem of Gauss
   for every spline, over the fluid and over the surface of the bodies.
 */
-#include "schemes/projection/splines.h"
+#include "splines/splines.h"
 #include "cloud.h"
 
 /* Bodies in a box of 20 x 18 cells of 0.1 from (0, 0); `solid` is their area in the box. */

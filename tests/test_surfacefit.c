@@ -3,7 +3,7 @@
   velocities without this stress, and no force on rigid motions, on disordered half-spaces.
 */
 /* RANKS: 1 */
-#include "../src/operators/rows.h"
+#include "../src/rows/rows.h"
 #include "crowd.h"
 
 #define NEIGHBOURS 125 /* most */

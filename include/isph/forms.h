@@ -28,7 +28,7 @@ void KernelEvaluateAll(const KernelRow *kernel, PetscInt dim, PetscReal h, Petsc
 #define MLS_QUADRATIC_TERMS 9     /* X_a, X_a X_b in 3D */
 #define MLS_WEAK            1e-10 /* pivot over its diagonal entry below which a fit is weak */
 
-/* Least-squares fits for the present equations of the neighbours, see src/operators/mls.c. */
+/* Least-squares fits for the present equations of the neighbours, see src/fits/mls.c. */
 typedef struct {
   PetscReal *phi;                /* basis: phi[t capacity + k] of neighbour k */
   PetscReal *W;                  /* weights of the equations */

@@ -1,7 +1,7 @@
 /*
   The guard of linear solves: after each solve it computes the true residual, solves again by
   fallback methods if the residual is not small, and fails the step if no method helps. See
-  src/schemes/guard.c and fallback.c.
+  src/solvers/guard.c and fallback.c.
 */
 #ifndef ISPH_GUARD_H
 #define ISPH_GUARD_H

@@ -28,7 +28,7 @@ typedef struct {
   PetscReal error;     /* relative to the scale; NaN without reference [-] */
 } Quantity;
 
-/* The estimated error of the velocity of a flow, see src/io/resolution.c. */
+/* The estimated error of the velocity of a flow, see src/measures/resolution.c. */
 typedef struct {
   PetscReal error;           /* root mean square over that of the velocity [-] */
   PetscReal x[ISPH_MAX_DIM]; /* place of the largest error of the gradient [m] */

@@ -33,7 +33,7 @@ typedef struct {
 
 #define RUN_LANES 8 /* rows of a run that products treat together */
 
-typedef struct FittedRows FittedRows; /* rows made from fits, see src/operators/fitted.c */
+typedef struct FittedRows FittedRows; /* rows made from fits, see src/fits/fitted.c */
 
 /* A row of fits that products make and no array stores; the gradient along axis a is
    FIT_GRADIENT + a. */
@@ -140,7 +140,7 @@ typedef struct {
   PetscReal *paired;    /* not 0: own particle has pair forces, see BurstSolve(); NULL: none */
 } FreeSurface;
 
-typedef struct Assembly Assembly; /* workspace of a row, see src/operators/assembly.h */
+typedef struct Assembly Assembly; /* workspace of a row, see src/rows/assembly.h */
 
 /* Operators of a velocity component; wall data: u_wall,c, or n.grad u_c if that is given. */
 typedef struct {
@@ -194,7 +194,7 @@ PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, Wall
 PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *particles,
                                  const Neighbors *neighbors, Operators *ops, PetscBool *changed);
 
-/* Rows as streams, see src/operators/stream.c. */
+/* Rows as streams, see src/rows/stream.c. */
 #define STREAM_MARGIN 0.6 /* approach of two particles within a step that the halo allows [dx] */
 typedef PetscErrorCode (*StreamRow)(Stencil *stencil, void *ctx);
 PetscErrorCode OperatorsStream(const Scene *scene, const Particles *particles,

@@ -33,7 +33,7 @@ extern const OptionTable MotionOptions, SurfaceVolumeOptions, SchemeOptions, Pro
     ViscosityOptions, CoupledOptions, CoupledSolverOptions, WcsphOptions, WcsphTimeOptions,
     GuardOptions, SolverOptions, AverageOptions;
 
-/* The mean of the pressure over the last time T before a snapshot; see src/schemes/average.c. */
+/* The mean of the pressure over the last time T before a snapshot; see src/flow/average.c. */
 typedef struct {
   PetscReal  T;          /* -pressure_average [s]; 0: none */
   PetscBool  snapshots;  /* snapshots need the mean */
@@ -42,7 +42,7 @@ typedef struct {
   Vec        vec;        /* on the field; valid for an epoch */
 } PressureAverage;
 
-/* The parts of a step that change the velocity, in their order; see src/schemes/budget.c. */
+/* The parts of a step that change the velocity, in their order; see src/flow/budget.c. */
 typedef enum {
   PART_MOTION,    /* displacement of particles; remaking of operators */
   PART_SHIFT,     /* change of velocities by the shift */
@@ -67,13 +67,13 @@ typedef struct {
 } BudgetValues;
 
 /* Sums over the run of momentum and energy that graded particles add by their motion; see
-   src/schemes/graded.c. */
+   src/motion/graded.c. */
 typedef struct {
   PetscReal momentum[ISPH_MAX_DIM]; /* [kg m/s] (per metre of depth in 2D) */
   PetscReal energy;                 /* [J] (per metre of depth in 2D) */
 } Graded;
 
-/* Volume that enters and leaves through openings; see src/schemes/openings.c. */
+/* Volume that enters and leaves through openings; see src/motion/openings.c. */
 typedef struct {
   PetscBool  there;                 /* particles can enter or leave */
   PetscReal *entered;               /* length of fluid since the last particle, of wall particles on
@@ -298,7 +298,7 @@ PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], PetscInt c, Vec 
 PetscErrorCode ConvectionAddMatrix(const Flow *flow, const Vec v[], PetscInt c, Mat work, Vec rate,
                                    Mat sum);
 
-/* The constant of the pressure, see src/schemes/gauge.c. */
+/* The constant of the pressure, see src/solvers/gauge.c. */
 #define GAUGE_SHIFT 1e-6 /* of matrices whose entries are of order 1 [-] */
 PetscErrorCode GaugeRemove(const Scene *scene, const Particles *particles, Vec p);
 PetscErrorCode GaugeColumn(const Scene *scene, MPI_Comm comm, PetscInt before, PetscInt n,

@@ -3,12 +3,12 @@
   computes the particle's row of every operator, and stores the weights of fluid and wall neighbours
   in arrays that share a sparsity pattern.
 */
-#include "assembly.h"
-#include "boundary_rows.h"
-#include "extension.h"
-#include "fitted.h"
-#include "rows.h"
-#include "wall_points.h"
+#include "rows/assembly.h"
+#include "walls/boundary_rows.h"
+#include "walls/extension.h"
+#include "fits/fitted.h"
+#include "rows/rows.h"
+#include "walls/wall_points.h"
 
 /* Adds a particle's row to the patterns of the matrices A and B. Finds the slots of its neighbours
    and of the diagonal: their positions in the arrays of values. */

@@ -3,7 +3,7 @@
   decide the defaults, and combinations that cannot work are refused.
 */
 #include "choose.h"
-#include "rows.h"
+#include "rows/rows.h"
 
 enum {
   KERNEL,

@@ -12,10 +12,10 @@
   fluid: docs/theory.md, (215) to (217). The other divergence is that of the fluid's stress alone,
   one-sided beside walls.
 */
-#include "assembly.h"
-#include "boundary_rows.h"
+#include "rows/assembly.h"
+#include "walls/boundary_rows.h"
 #include "choose.h"
-#include "rows.h"
+#include "rows/rows.h"
 
 /* Returns the number of entries of a symmetric tensor. */
 static PetscInt Entries(PetscInt dim)

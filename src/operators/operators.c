@@ -2,11 +2,11 @@
   Operators of a run: creation for given needs, placement of walls, destruction. For their choice
   see choose.c, for their assembly assemble.c, for their products apply.c.
 */
-#include "assembly.h"
-#include "boundary_rows.h"
+#include "rows/assembly.h"
+#include "walls/boundary_rows.h"
 #include "choose.h"
-#include "fitted.h"
-#include "rows.h"
+#include "fits/fitted.h"
+#include "rows/rows.h"
 
 #define SURFACE_WEAK 1e-2 /* Stencil.weak beside free surfaces: fragments have few particles */
 

@@ -4,7 +4,7 @@
   stored once. Rows are compared by all that they depend on: offsets, volumes, the order of columns,
   and the boundaries of wall neighbours.
 */
-#include "assembly.h"
+#include "rows/assembly.h"
 
 #define STEPS    1024.0 /* of offsets for the search, in a spacing */
 #define SAME     1e-12  /* relative difference of equal sizes; difference of equal normals */

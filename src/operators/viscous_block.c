@@ -8,9 +8,9 @@
   new rows.
 */
 #include "isph/sparse.h"
-#include "assembly.h"
-#include "boundary_rows.h"
-#include "wall_points.h"
+#include "rows/assembly.h"
+#include "walls/boundary_rows.h"
+#include "walls/wall_points.h"
 
 /* Returns the number of matrix entries of a slot in a row: dim if the form couples components (a,
    b), otherwise 1, of the diagonal (a, a). */

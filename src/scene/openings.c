@@ -5,7 +5,7 @@
     p given,   n.grad u = 0,
 
   which is exact for a flow that does not change along the normal. Moving particles enter and leave
-  in src/schemes/openings.c.
+  in src/motion/openings.c.
 */
 #include "isph/scene.h"
 

@@ -7,6 +7,23 @@
 const char *const PhysicsNames[PHYSICS_COUNT + 1] = {"viscosity", "pressure",   "convection",
                                                      "walls",     "body_force", NULL};
 
+/* Both motions use the same arbitrary Lagrangian-Eulerian step; only the velocity of the particles
+   differs. */
+static const MotionRow motions[] = {
+    {
+        .name           = "lagrangian",
+        .brief          = "particles move with the flow and are shifted",
+        .citation       = "",
+        .particles_move = PETSC_TRUE,
+    },
+    {
+        .name     = "eulerian",
+        .brief    = "particles stay; du/dt gains -u.grad u; operators are built once",
+        .citation = "",
+    },
+};
+const Table MotionTable = TABLE("Motions", motions);
+
 /* ScenePlaceText - Writes the coordinates of x, separated by commas; returns the text; not
    collective */
 const char *ScenePlaceText(const Scene *scene, const PetscReal x[], char text[PLACE_TEXT])

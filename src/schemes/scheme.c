@@ -2,7 +2,7 @@
   The table of schemes, and creation and destruction of the scheme of a run. A new scheme needs a
   folder with its row at the foot of a file, and one word here.
 */
-#include "schemes/step.h"
+#include "flow/step.h"
 
 #define SCHEMES(ROW)                                                                               \
   ROW(SchemeProjection)                                                                            \

@@ -1,7 +1,7 @@
 /* Fuzzer of the readers of CSV files: reference data, and the files of monitors in a restart. The
    first byte chooses the reader. */
 #include "fuzzer.h"
-#include "io/monitors.h"
+#include "measures/monitors.h"
 #include <stdlib.h>
 
 int LLVMFuzzerInitialize(int *argc, char ***argv)

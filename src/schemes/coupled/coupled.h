@@ -9,7 +9,7 @@
 
 #include "isph/guard.h"
 #include "saddle.h"
-#include "schemes/step.h"
+#include "flow/step.h"
 
 /* Time integrator of the coupled scheme. */
 typedef struct {

@@ -5,8 +5,8 @@
 #ifndef ISPH_PROJECTION_H
 #define ISPH_PROJECTION_H
 
-#include "schemes/step.h"
-#include "schemes/viscosity/viscosity.h"
+#include "flow/step.h"
+#include "schemes/diffusion/viscosity.h"
 
 /* The update of the pressure by the increment phi. */
 typedef struct {

@@ -7,8 +7,8 @@
 #define ISPH_SCHEMES_WCSPH_H
 
 #include "isph/guard.h"
-#include "schemes/step.h"
-#include "schemes/viscosity/viscosity.h"
+#include "flow/step.h"
+#include "schemes/diffusion/viscosity.h"
 
 #define WCSPH_MOVE_MOST  0.2  /* of a particle in a step, for halos that serve all stages [dx] */
 #define WCSPH_SOUND      1e-3 /* rms of velocities by sound that the bound allows [c0] */

@@ -1,0 +1,406 @@
+/*
+  The motion of particles: with the flow (graded.c: along its streamlines), and by a small shift
+  that keeps them evenly spread. Taylor series give the change of their fields.
+*/
+#include "flow/step.h"
+
+#define FILTER_RATE  2.0 /* factor of |A A|^(1/2) [-] */
+#define VISCOUS      5.0 /* U dx/nu up to which viscosity damps disturbances across a shear */
+#define SURFACE_RATE 5.0 /* of the filter beside free surfaces [nu/dx_i^2] */
+#define CLEARANCE    0.3 /* least distance of particles from walls [dx_i] */
+
+/*
+  Derivatives at the old positions, which give the change of the fields of a displaced particle:
+  grad p and the gradient of the mean pressure; with shifting also grad u and, if the viscous
+  operator is a Laplacian, lap u; with the velocity filter also grad u and the residual of a
+  quadratic fit of u. Unneeded vectors are NULL. The displacements of rough particles from their
+  neighbours follow from the old positions too.
+*/
+typedef struct {
+  Vec                p_vec[ISPH_MAX_DIM], mean_vec[ISPH_MAX_DIM], u_vec[ISPH_MAX_DIM][ISPH_MAX_DIM];
+  Vec                lap_vec[ISPH_MAX_DIM], residual_vec[ISPH_MAX_DIM];
+  const PetscScalar *p[ISPH_MAX_DIM];               /* dp/dx_a */
+  const PetscScalar *mean[ISPH_MAX_DIM];            /* derivatives of the mean pressure */
+  const PetscScalar *u[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* du_c/dx_a at [c][a] */
+  const PetscScalar *lap[ISPH_MAX_DIM];             /* lap u_c */
+  const PetscScalar *residual[ISPH_MAX_DIM];        /* residual of the fit of u_c */
+  PetscReal         *apart; /* FlowSeparate(); NULL without shifting or a free surface */
+} Slopes;
+
+/* Computes y = op f in a work vector and gets the array of this vector in `slope`. */
+static PetscErrorCode SlopeGet(Flow *flow, const AffineOperator *op, Vec f, Vec walls, Vec *y,
+                               const PetscScalar **slope)
+{
+  PetscFunctionBegin;
+  PetscCall(FlowGetWork(flow, y));
+  PetscCall(AffineApply(op, f, walls, *y));
+  PetscCall(VecGetArrayRead(*y, slope));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Lists the operators whose products with velocity component c are needed, and the places of the
+   products; returns their number. */
+static PetscInt ListSlopes(const Flow *flow, PetscBool shifting, PetscInt c, Slopes *t,
+                           const AffineOperator *op[], Vec *to[], const PetscScalar **slope[])
+{
+  const VelocityOperators *of = OperatorsOfVelocity(flow->ops, c);
+  PetscInt                 n  = 0;
+
+  for (PetscInt a = 0; (shifting || of->filter_u.needed) && a < flow->scene->dim; a++) {
+    op[n]      = &of->grad_u[a];
+    to[n]      = &t->u_vec[c][a];
+    slope[n++] = &t->u[c][a];
+  }
+  if (shifting && of->visc.needed && flow->ops->forms.visc_is_laplacian) {
+    op[n]      = &of->visc;
+    to[n]      = &t->lap_vec[c];
+    slope[n++] = &t->lap[c];
+  }
+  if (of->filter_u.needed) {
+    op[n]      = &of->filter_u;
+    to[n]      = &t->residual_vec[c];
+    slope[n++] = &t->residual[c];
+  }
+  return n;
+}
+
+/* Computes the derivatives of all velocity components. */
+static PetscErrorCode VelocitySlopesGet(Flow *flow, PetscBool shifting, Slopes *t)
+{
+  AffineProducts      products = {.fields = flow->scene->dim};
+  const PetscScalar **slope[ISPH_MAX_DIM][AFFINE_MOST];
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < flow->scene->dim; c++) {
+    Vec *to[AFFINE_MOST];
+
+    products.f[c]     = flow->state->u[c];
+    products.walls[c] = flow->walls.u[c];
+    products.n        = ListSlopes(flow, shifting, c, t, products.op[c], to, slope[c]);
+    for (PetscInt k = 0; k < products.n; k++) {
+      PetscCall(FlowGetWork(flow, to[k]));
+      products.y[c][k] = *to[k];
+    }
+  }
+  PetscCall(AffineApplyFields(&products));
+  for (PetscInt e = 0; e < products.fields * products.n; e++)
+    PetscCall(VecGetArrayRead(products.y[e / products.n][e % products.n],
+                              slope[e / products.n][e % products.n]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SlopeRestore(Flow *flow, Vec *y, const PetscScalar **slope)
+{
+  PetscFunctionBegin;
+  if (!*y) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecRestoreArrayRead(*y, slope));
+  PetscCall(FlowRestoreWork(flow, y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SlopesGet(Flow *flow, PetscBool shifting, Slopes *t)
+{
+  const Operators  *ops   = flow->ops;
+  const FlowState  *state = flow->state;
+  const WallValues *walls = &flow->walls;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(t, sizeof(*t)));
+  if (shifting && ops->free) {
+    PetscCall(PetscMalloc1(flow->particles->n_fluid * flow->scene->dim, &t->apart));
+    FlowSeparate(flow, t->apart);
+  }
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    if (state->p && ops->grad_p[a].needed) {
+      PetscCall(SlopeGet(flow, &ops->grad_p[a], state->p, walls->p, &t->p_vec[a], &t->p[a]));
+    }
+    if (state->average.due > 0.0 && ops->grad_p[a].needed) {
+      PetscCall(SlopeGet(flow, &ops->grad_p[a], state->average.vec, walls->p, &t->mean_vec[a],
+                         &t->mean[a]));
+    }
+  }
+  PetscCall(VelocitySlopesGet(flow, shifting, t));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SlopesRestore(Flow *flow, Slopes *t)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(t->apart));
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    PetscCall(SlopeRestore(flow, &t->p_vec[a], &t->p[a]));
+    PetscCall(SlopeRestore(flow, &t->mean_vec[a], &t->mean[a]));
+    for (PetscInt c = 0; c < flow->scene->dim; c++)
+      PetscCall(SlopeRestore(flow, &t->u_vec[c][a], &t->u[c][a]));
+    PetscCall(SlopeRestore(flow, &t->lap_vec[a], &t->lap[a]));
+    PetscCall(SlopeRestore(flow, &t->residual_vec[a], &t->residual[a]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the shift of particle i, in the stretched coordinates in which its cell is a cube. */
+static void ShiftParticle(const Flow *flow, const Slopes *slopes, PetscInt i, PetscReal shift[])
+{
+  const Scene     *scene = flow->scene;
+  const FlowState *state = flow->state;
+  const PetscReal  dx    = flow->particles->dx[i];
+  const PetscReal  speed = flow->scheme->stats.speed_max;
+  PetscReal        gradient_c[ISPH_MAX_DIM], rate2 = 0.0, disturbance = 0.0;
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    gradient_c[a] =
+        flow->ops->concentration.gradient[a][i] / ParticlesStretch(flow->particles, a, i);
+    for (PetscInt c = 0; c < scene->dim; c++) rate2 += PetscSqr(slopes->u[c][a][i]);
+  }
+  state->shift->Displace(scene->dim, dx, state->shift_strength, speed, PetscSqrtReal(rate2),
+                         flow->clock->dt, gradient_c, shift);
+  if (flow->clock->step == 0 && !flow->ops->free)
+    disturbance = state->shift->disturbance * dx * ShiftStepFactor(dx, speed, flow->clock->dt);
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    if (disturbance > 0.0)
+      shift[a] += disturbance * ParticlesHash(scene->seed + 1, flow->particles->id[i], a);
+    shift[a] /= ParticlesStretch(flow->particles, a, i);
+  }
+  if (flow->ops->free) FlowLimitShift(flow, &slopes->apart[i * scene->dim], i, shift);
+}
+
+/* Computes the change of the velocity of particle i by its shift s, s.grad u + |s|^2/(2d) lap u in
+   d dimensions. */
+static void FollowShift(const Scene *scene, const Slopes *slopes, PetscInt i,
+                        const PetscReal shift[], PetscReal change[])
+{
+  PetscReal length2 = 0.0;
+
+  for (PetscInt a = 0; a < scene->dim; a++) length2 += PetscSqr(shift[a]);
+  for (PetscInt c = 0; c < scene->dim; c++) {
+    change[c] = slopes->lap[c] ? 0.5 * length2 / scene->dim * slopes->lap[c][i] : 0.0;
+    for (PetscInt a = 0; a < scene->dim; a++) change[c] += shift[a] * slopes->u[c][a][i];
+  }
+}
+
+/* Computes D r of FilterVelocity() for the gradient A with |A| = length and |A A| = product. */
+static void ShearTimes(PetscInt dim, PetscReal A[][ISPH_MAX_DIM], PetscReal length,
+                       PetscReal product, const PetscReal r[], PetscReal result[])
+{
+  PetscReal turned[ISPH_MAX_DIM] = {0.0};
+
+  for (PetscInt c = 0; c < dim; c++)
+    for (PetscInt a = 0; a < dim; a++) turned[c] += A[c][a] * r[a];
+  for (PetscInt a = 0; a < dim; a++) {
+    result[a] = -product / PetscSqrtReal((PetscReal)dim) * r[a];
+    for (PetscInt c = 0; c < dim; c++) result[a] += A[c][a] * turned[c];
+    result[a] /= length;
+  }
+}
+
+/* Returns true if the filter damps disturbances across a shear, see FilterVelocity(). */
+static PetscBool FiltersShear(const Scene *scene, PetscReal strength)
+{
+  return strength > 1.0 && !SceneMovesGraded(scene) && SceneCellReynolds(scene) > VISCOUS
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/*
+  Filters grid modes out of the velocity of particle i
+
+    u -= min(1, S) min(1, k |A A|^(1/2)) r + k D r,   k = max(1, S) RATE dt,
+    D = (A^T A - |A A|/d^(1/2) I)/|A|,   A_ca = du_c/dx_a
+
+  |.| is Frobenius' norm, S is -velocity_filter, RATE is FILTER_RATE, and r the residual of a
+  quadratic fit of u at the particle in d dimensions. |A A|^(1/2) is the rate at which the flow can
+  amplify disturbances in strain and rotation. In these D vanishes. In parallel flow A A vanishes,
+  and D is the shear rate times the projection on its direction: disturbances across the flow, which
+  take energy from the shear, are damped, and boundary layers, however thin, keep their velocity. In
+  a resolved flow the rate is U/L, and the filter is of order 3. A strength below 1 is a share,
+  above 1 it multiplies the rate; the last term counts above 1 only, the strength for a pressure on
+  coarse points, which does not act on the shortest waves. Graded particles leave it out: it takes
+  energy from their layers; so do flows up to U dx/nu = VISCOUS. k in this term is bounded, so that
+  no component of r changes its sign. See docs/theory.md, (77) and (255).
+*/
+static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i, PetscReal strength,
+                           PetscReal dt, PetscReal change[])
+{
+  const PetscReal k = PetscMax(1.0, strength) * FILTER_RATE * dt;
+  PetscReal       A[ISPH_MAX_DIM][ISPH_MAX_DIM], r[ISPH_MAX_DIM], shear[ISPH_MAX_DIM];
+  PetscReal       length = 0.0, product = 0.0, share, along;
+
+  for (PetscInt c = 0; c < scene->dim; c++) {
+    r[c] = slopes->residual[c][i];
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      PetscReal entry = 0.0;
+
+      A[c][a] = slopes->u[c][a][i];
+      for (PetscInt b = 0; b < scene->dim; b++) entry += slopes->u[c][b][i] * slopes->u[b][a][i];
+      product += PetscSqr(entry);
+      length += PetscSqr(A[c][a]);
+    }
+  }
+  if (length == 0.0) return;
+  length  = PetscSqrtReal(length);
+  product = PetscSqrtReal(product);
+  share   = PetscMin(1.0, k * PetscSqrtReal(product));
+  along   = FiltersShear(scene, strength) ? PetscMin(k, (1.0 - share) / length) : 0.0;
+  share *= PetscMin(1.0, strength);
+  for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * r[c];
+  if (along == 0.0) return;
+  ShearTimes(scene->dim, A, length, product, r, shear);
+  for (PetscInt c = 0; c < scene->dim; c++) change[c] -= along * shear[c];
+}
+
+/* Returns true if a wall is within the support of own particle i. */
+static PetscBool HasWall(const Operators *ops, PetscInt i)
+{
+  const PetscInt *row = ops->forms.wall ? ops->rows.walls.row : NULL;
+
+  return row && row[i + 1] > row[i] ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/*
+  Filters grid modes out of the velocity of particle i in a thin film: with a wall and a free
+  surface within its support
+
+    u -= min(1, 5 nu dt/dx^2) r
+
+  with the residual r of a quadratic fit of u. Viscous rows beside a surface are those of fits with
+  conditions, which are not symmetric, and need not take energy from grid modes; inside the fluid
+  viscosity damps these modes at 8 nu/dx^2. r vanishes in a film, whose velocity is a parabola. See
+  docs/theory.md, (332).
+*/
+static void FilterAtSurface(const Flow *flow, const Slopes *slopes, PetscInt i, PetscReal change[])
+{
+  const Scene    *scene = flow->scene;
+  const PetscReal dx    = flow->particles->dx[i];
+  const PetscReal nu    = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu_low : 0.0;
+  const PetscReal share = PetscMin(1.0, SURFACE_RATE * nu * flow->clock->dt / PetscSqr(dx));
+
+  if (!OperatorsStressSurface(flow->ops) || FreeSurfaceIsRough(flow->ops->free, i)) return;
+  if (!HasWall(flow->ops, i) || !OperatorsBesideSurface(flow->ops, i)) return;
+  for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * slopes->residual[c][i];
+}
+
+/* Fails the step if a particle moved further than -dt_move_max times its spacing; collective. */
+static PetscErrorCode CheckMove(Flow *flow, PetscReal moved)
+{
+  const PetscReal most = flow->clock->move_max;
+  char            where[CLOCK_WHERE];
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &moved, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
+  if (moved <= most) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ClockWhere(flow->clock, where));
+  FailureSet(
+      &flow->scheme->failure, PETSC_ERR_FP,
+      "%s: a particle moved by %.3g dx, more than -dt_move_max %.3g; try a smaller -dt or -cfl",
+      where, (double)moved, (double)most);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Displaces all own fluid particles and changes their fields; moved: largest displacement by the
+   flow [dx_i], or [edges of the cell]. */
+static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscReal *moved,
+                                        PetscReal *work)
+{
+  const Scene    *scene    = flow->scene;
+  const Clock    *clock    = flow->clock;
+  Particles      *p        = flow->particles;
+  FlowState      *state    = flow->state;
+  const PetscBool shifting = state->shift->Displace ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool graded   = SceneMovesGraded(scene);
+  PetscReal       moved2   = 0.0, weight[HISTORY];
+
+  PetscFunctionBegin;
+  HistoryPath(clock, weight);
+  *work = 0.0;
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal       shift[ISPH_MAX_DIM] = {0.0}, change[ISPH_MAX_DIM] = {0.0}, d2 = 0.0;
+    PetscReal       flown[ISPH_MAX_DIM], x[ISPH_MAX_DIM], pushed[ISPH_MAX_DIM], path[ISPH_MAX_DIM];
+    const PetscBool on_surface = FreeSurfaceHolds(flow->ops->free, i);
+
+    if (shifting) ShiftParticle(flow, slopes, i, shift);
+    if (shifting && state->budget) {
+      FollowShift(scene, slopes, i, shift, change);
+      BudgetCarry(state->budget, scene->dim, CARRIED_SHIFT, i, change);
+    }
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      flown[a] = weight[0] * p->u[a][i] + weight[1] * state->u_previous[a][i];
+      if (weight[2] != 0.0) flown[a] += weight[2] * state->u_earlier[a][i];
+      flown[a] *= clock->dt;
+    }
+    if (graded) GradedPath(scene, p, i, flown);
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      x[a] = p->x[a][i] + flown[a] + shift[a];
+      d2 += PetscSqr(ParticlesStretch(p, a, i) * flown[a]);
+    }
+    if (SceneIsMapped(scene)) GradedKeepOffSides(scene, CLEARANCE, x);
+    else SceneKeepOffWalls(scene, CLEARANCE * p->dx[i], x);
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      path[a]   = x[a] - p->x[a][i];
+      pushed[a] = path[a] - flown[a] - shift[a];
+      if (!on_surface) shift[a] += pushed[a];
+    }
+    *work += EnergyWork(flow, i, path);
+    if (shifting) FollowShift(scene, slopes, i, shift, change);
+    for (PetscInt a = 0; on_surface && a < scene->dim; a++) change[a] += pushed[a] / clock->dt;
+    if (state->budget) BudgetCarry(state->budget, scene->dim, CARRIED_CLEARANCE, i, change);
+    if (flow->ops->velocity[0].filter_u.needed) {
+      FilterVelocity(scene, slopes, i, state->velocity_filter, clock->dt, change);
+      FilterAtSurface(flow, slopes, i, change);
+    }
+    if (state->budget) BudgetCarry(state->budget, scene->dim, CARRIED_FILTER, i, change);
+    d2 /= PetscSqr(p->dx[i]);
+    moved2 = PetscIsNanReal(d2) ? PETSC_INFINITY : PetscMax(moved2, d2);
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      if (slopes->p[a]) p->p[i] += (x[a] - p->x[a][i]) * slopes->p[a][i];
+      if (slopes->mean[a]) state->average.mean[i] += (x[a] - p->x[a][i]) * slopes->mean[a][i];
+      p->x[a][i] = x[a];
+      p->u[a][i] += change[a];
+      state->u_previous[a][i] += change[a];
+      if (state->u_earlier[a]) state->u_earlier[a][i] += change[a];
+    }
+  }
+  *moved = PetscSqrtReal(moved2);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  FlowMove - Moves particles from x^n to x^{n+1} by Adams-Bashforth with shifting, changes their
+  fields, lets particles pass openings, and updates ownership and halo
+
+    dr = dt (w_0 u^n + w_1 u^{n-1} + w_2 u^{n-2}) + s,   w of HistoryPath()
+    u += s.grad u + |s|^2/(2d) lap u - filter of FilterVelocity(),   p += dr.grad p
+
+  Collective. Earlier velocities receive the same change as u^n, so that it is no change in time.
+  The pressure and its mean of average.c are carried as Eulerian fields, unless a scheme has them
+  fixed in space.
+  The velocity belongs to the particle and changes only by the shift s and the filter. s includes
+  the displacement by SceneKeepOffWalls(). If the velocity did not change with this displacement,
+  particles would carry the speed of a moving lid away from the lid, as they do without shifting.
+  On a free surface this displacement is a velocity that the wall gives, and no part of s.
+  The term with lap u is the mean of s s : grad grad u/2 over directions of s; without it shifting
+  feeds energy into the flow. On entry the operators belong to x^n; on exit they are out of date.
+  See docs/theory.md, (105) to (107).
+*/
+PetscErrorCode FlowMove(Flow *flow)
+{
+  const PetscLogEvent *event = flow->state->event;
+  PetscReal            moved, work;
+  PetscBool            started, passed;
+  Slopes               slopes;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(event[FLOW_EVENT_MOVE], 0, 0, 0, 0));
+  PetscCall(SlopesGet(flow, flow->state->shift->Displace ? PETSC_TRUE : PETSC_FALSE, &slopes));
+  PetscCall(DisplaceParticles(flow, &slopes, &moved, &work));
+  PetscCall(EnergyAddWork(flow, work));
+  PetscCall(SlopesRestore(flow, &slopes));
+  if (flow->clock->adapt->retries) PetscCall(CheckMove(flow, moved));
+  PetscCall(PetscLogEventEnd(event[FLOW_EVENT_MOVE], 0, 0, 0, 0));
+  if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscLogEventBegin(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
+  PetscCall(OpeningsPass(flow, &passed));
+  PetscCall(ParticlesUpdateEpoch(flow->scene, flow->particles, PETSC_FALSE, &started));
+  if (!started && !passed) PetscCall(ParticlesUpdateHalo(flow->particles));
+  PetscCall(PetscLogEventEnd(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,90 @@
+/*
+  Jumps of the velocity in fluids with a free surface. A fluid that meets a wall or other fluid
+  stops in the time in which viscosity crosses dx, or, as it is incompressible, at once. If a step
+  is longer, formulas of order 2 and 3 carry the velocity of before to later steps: after a stop
+  from the velocity U BDF2 starts from -U/3, Adams-Bashforth moves the particle back by U dt/2, and
+  the energy of the step errs by about the jump J. Such a step is therefore blended with a step of
+  order 1. In closed flows walls change the velocity of their own layer only, and no place depends
+  on it; their formulas stay. See docs/theory.md, (360) to (363).
+*/
+#include "flow/step.h"
+
+#define SMOOTH  0.06 /* largest J of a step of full order [-] */
+#define SUDDEN  0.15 /* J from which on a step is of order 1 [-] */
+#define SLOWEST 0.5  /* least ratio of smooth changes in steps that follow each other [-] */
+#define RISE    0.1  /* of the share of order 1 above which a step is solved again [-] */
+#define REST    1e-6 /* speed of a fluid at rest [U] */
+
+/* Computes the sum over the fluid of |a u_next + b u + c u_prev|^2 [m^2/s^2]. */
+static PetscErrorCode SumOfSquares(Flow *flow, const PetscReal factor[3], PetscReal *sum)
+{
+  const FlowState *s = flow->state;
+  Vec              v;
+
+  PetscFunctionBegin;
+  *sum = 0.0;
+  PetscCall(FlowGetWork(flow, &v));
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    Vec       of[] = {s->u_next[a], s->u[a], s->u_prev[a]};
+    PetscReal part;
+
+    PetscCall(VecZeroEntries(v));
+    PetscCall(VecMAXPY(v, 3, factor, of));
+    PetscCall(FluidSum(flow->particles, v, PETSC_TRUE, &part));
+    *sum += part;
+  }
+  PetscCall(FlowRestoreWork(flow, &v));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Computes the least J = |d - s e|/max(|u^{n+1}|, |u^n|, |u^{n-1}|) for SLOWEST <= s <= 1, with root
+  mean squares, the change d = u^{n+1} - u^n and its extrapolation e = w (u^n - u^{n-1})
+
+  A velocity that decays by the factor s >= 1/2 in each step is smooth: BDF2 follows it without a
+  change of sign.
+*/
+static PetscErrorCode RelativeJump(Flow *flow, PetscReal *jump)
+{
+  const PetscReal w            = ClockRatio(flow->clock);
+  const PetscReal factor[6][3] = {{1.0, 0.0, 0.0},  {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0},
+                                  {1.0, -1.0, 0.0}, {0.0, w, -w},    {1.0, -1.0 - w, w}};
+  PetscReal       sum[6], most, product, s;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < 6; k++) PetscCall(SumOfSquares(flow, factor[k], &sum[k]));
+  most    = PetscMax(sum[0], PetscMax(sum[1], sum[2]));
+  most    = PetscMax(most, PetscSqr(REST * flow->scene->speed) * flow->particles->weight);
+  product = 0.5 * (sum[3] + sum[4] - sum[5]);
+  s       = PetscMin(1.0, PetscMax(SLOWEST, sum[4] > 0.0 ? product / sum[4] : 1.0));
+  *jump   = PetscSqrtReal(PetscMax(sum[3] - 2.0 * s * product + s * s * sum[4], 0.0) / most);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  JumpCheck - Measures if the velocity jumps in the step that was solved, and sets the share of
+  order 1 in the formulas of the step and of the next path
+
+    jump = min(1, max(0, (J - SMOOTH)/(SUDDEN - SMOOTH)))
+
+  Collective. Only moving particles with a free surface have a share.
+
+  Output Parameter:
+. again - flag: the step is to be solved again, because its share was too small
+*/
+PetscErrorCode JumpCheck(Flow *flow, PetscBool *again)
+{
+  Clock    *clock = flow->clock;
+  PetscReal jump  = 0.0;
+
+  PetscFunctionBegin;
+  *again = PETSC_FALSE;
+  if (!flow->ops->free || !SceneMoves(flow->scene) || flow->scheme->failure.code)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  if (ClockRatio(clock) == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(RelativeJump(flow, &jump));
+  jump        = PetscMin(1.0, PetscMax(0.0, (jump - SMOOTH) / (SUDDEN - SMOOTH)));
+  *again      = jump > clock->jump + RISE ? PETSC_TRUE : PETSC_FALSE;
+  clock->jump = *again ? jump : PetscMin(jump, clock->jump);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

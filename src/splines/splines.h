@@ -1,0 +1,357 @@
+/*
+  The pressure on B-splines of a lattice that is fixed in space and coarser than the particles:
+
+    p(x) = sum_q p_q chi_q(x),   G p = grad p(x_i)
+    (D u)_q = -int grad psi_q . u dV + int psi_q u_w.n dA
+
+  u in the integral is the least-squares fit of the particles' velocities at Gauss points. psi_q are
+  quadratic, and chi_q too, but cubic with quartic fits, see SplinesSet(). psi_q sum to 1, so D
+  conserves volume exactly: errors of single particles cancel in sums over splines. Beside bodies
+  the splines are extended, see splineextend.c; docs/theory.md, section 8.
+*/
+#ifndef ISPH_SPLINES_H
+#define ISPH_SPLINES_H
+
+#include "schemes/projection/projection.h"
+
+/* A lattice of cells over the box, and its splines, with centres in the middle of cells: quadratic
+   splines with knots between cells, or cubic splines with knots at the centres. With -spacing_wall
+   the lattice is uniform in the coordinates of SceneToUniform(). */
+typedef struct {
+  const Scene *scene;
+  PetscInt     degree;                                     /* of the splines, 2 or 3 */
+  PetscInt  dim, cells[ISPH_MAX_DIM], count[ISPH_MAX_DIM]; /* cells and splines along each axis */
+  PetscReal lo[ISPH_MAX_DIM], side[ISPH_MAX_DIM]; /* corner of the box, and of a cell [m] */
+  PetscBool periodic[ISPH_MAX_DIM];
+  PetscInt  N; /* all splines */
+} SplineLattice;
+
+#define SPLINES_ALONG        4  /* splines of an axis that are not zero at a point, at most */
+#define SPLINES_AT           64 /* in 3D */
+#define SPLINES_AT_QUADRATIC 27
+#define SPLINES_IN_PLANE     9 /* quadratic splines of the plane that are not zero at a point */
+
+/* Returns the number of splines that are not zero at a point. */
+static inline PetscInt SplinesAtPoint(const SplineLattice *lattice)
+{
+  const PetscInt along = lattice->degree + 1;
+
+  return lattice->dim == 2 ? along * along : along * along * along;
+}
+
+/* The splines at a point. */
+typedef struct {
+  PetscInt  n;                                  /* (degree + 1)^dim */
+  PetscInt  index[SPLINES_AT][ISPH_MAX_DIM];    /* along each axis */
+  PetscReal value[SPLINES_AT];                  /* psi_q or chi_q [-] */
+  PetscReal gradient[ISPH_MAX_DIM][SPLINES_AT]; /* of them [1/m] */
+} SplineValues;
+
+PetscErrorCode SplineLatticeSet(const Scene *scene, PetscReal ratio, SplineLattice *lattice);
+PetscInt       SplineNatural(const SplineLattice *lattice, const PetscInt index[]);
+void           SplineIndex(PetscInt dim, const PetscInt first[], const PetscInt n[], PetscInt k,
+                           PetscInt index[]);
+void           SplineCentre(const SplineLattice *lattice, const PetscInt index[], PetscReal x[]);
+void           SplinePlace(const SplineLattice *lattice, const PetscInt index[], PetscReal x[]);
+void           SplinesAt(const SplineLattice *lattice, const PetscReal x[], SplineValues *values);
+PetscInt       SplineFirstAlong(const SplineLattice *lattice, PetscInt a, PetscReal distance);
+void SplinePlaceAlong(const SplineLattice *lattice, PetscInt a, PetscReal x, PetscInt *first,
+                      PetscReal *t, PetscReal *per_edge);
+
+/* Computes the polynomials of the splines between two knots of an axis, and their derivatives. */
+static inline void SplineBasis(PetscInt degree, PetscReal t, PetscReal per_edge,
+                               PetscReal value[SPLINES_ALONG], PetscReal derivative[SPLINES_ALONG])
+{
+  const PetscReal s = 1.0 - t;
+
+  if (degree == 3) {
+    value[0]      = s * s * s / 6.0;
+    value[1]      = 2.0 / 3.0 - t * t * (1.0 - 0.5 * t);
+    value[2]      = 2.0 / 3.0 - s * s * (1.0 - 0.5 * s);
+    value[3]      = t * t * t / 6.0;
+    derivative[0] = -0.5 * s * s * per_edge;
+    derivative[1] = t * (1.5 * t - 2.0) * per_edge;
+    derivative[2] = s * (2.0 - 1.5 * s) * per_edge;
+    derivative[3] = 0.5 * t * t * per_edge;
+    return;
+  }
+  value[0]      = 0.5 * (1.0 - t) * (1.0 - t);
+  value[1]      = 0.5 + t - t * t;
+  value[2]      = 0.5 * t * t;
+  derivative[0] = (t - 1.0) * per_edge;
+  derivative[1] = (1.0 - 2.0 * t) * per_edge;
+  derivative[2] = t * per_edge;
+}
+
+#define SPLINES_EXTENDED (9 * SPLINES_AT_QUADRATIC) /* the most, if all have masters */
+#define SPLINES_IN_CELL  (9 * 9)                    /* in the plane */
+
+/* The splines at a point, without those that have masters. */
+typedef struct {
+  PetscInt  n, number[SPLINES_EXTENDED];              /* global numbers */
+  PetscReal value[SPLINES_EXTENDED];                  /* [-] */
+  PetscReal gradient[ISPH_MAX_DIM][SPLINES_EXTENDED]; /* [1/m] */
+} SplineRow;
+
+/* A cell of the plane that a body cuts: its points of quadrature, its four nodes centre +- reach,
+   and the integrals over its fluid of the linear function of each node times the splines of the
+   cell and their derivatives along both axes, over the area of a cell. */
+typedef struct {
+  PetscInt  first, n;
+  PetscReal centre[2], reach[2][2];           /* [m] */
+  PetscReal integral[4][3][SPLINES_IN_PLANE]; /* [-], [1/m] */
+} SplineCut;
+
+/* A straight part of the surface of a body in a cell of the plane. */
+typedef struct {
+  PetscInt  cell, side;             /* number of the boundary */
+  PetscReal from[2], to[2], length; /* [m] */
+  PetscReal normal[2];              /* out of the fluid */
+} SplineSurface;
+
+/* A spline of the plane whose coefficient is extrapolated from its masters. */
+typedef struct {
+  PetscInt  n, master[9][2], step[9][2]; /* indices along the axes, and relative to the spline */
+  PetscReal weight[9];
+} SplineSlave;
+
+/* Indices of the splines that add to a spline, relative to it. */
+typedef struct {
+  PetscInt low[2], high[2];
+} SplineRange;
+
+enum { SPLINE_FAR = -2, SPLINE_NEAR = -1 };    /* cells that no body cuts: far from it, beside it */
+enum { SPLINE_UNUSED = -2, SPLINE_FREE = -1 }; /* splines without masters: no fluid, an unknown */
+
+/* The outline of a body or of one of its periodic images, counter-clockwise. */
+typedef struct {
+  PetscInt   n;
+  PetscReal *x;    /* corners: 2 coordinates each [m] */
+  PetscReal  sign; /* of its area in the area of the fluid */
+} SplineOutline;
+
+/* Bodies in the lattice: in the plane, equal for all layers of cells. */
+typedef struct {
+  PetscReal     *fraction; /* of fluid in each cell [-] */
+  PetscInt      *cut;      /* number of each cell in cuts, or SPLINE_FAR, SPLINE_NEAR */
+  PetscInt       n_cut;
+  SplineCut     *cuts;
+  PetscInt       n_points, capacity;
+  PetscReal     *x[2], *weight; /* points of quadrature [m], with weights that sum to fraction */
+  PetscInt       n_surface, surface_capacity;
+  SplineSurface *surface;
+  PetscInt      *slave; /* number of each spline in slaves, or SPLINE_UNUSED, SPLINE_FREE */
+  PetscInt       n_slaves;
+  SplineSlave   *slaves;
+  SplineRange   *range; /* of each spline */
+  PetscInt      *width; /* of each cell: extended splines that are not zero in it */
+} SplineBodies;
+
+/* Fits of the velocity at points of quadrature: sums over particles by local index. */
+typedef struct {
+  PetscInt   n, capacity, *j; /* entries of all fits: particles */
+  PetscReal *w;               /* their weights */
+  PetscInt   points;
+  PetscInt   sets;    /* components with fits of their own: 1 if boundaries make no difference */
+  PetscBool  coupled; /* fits of a component have entries of the others */
+  /* entries [first, last) of the fit of component [a] from component [b] at each point */
+  PetscInt  *first[ISPH_MAX_DIM][ISPH_MAX_DIM], *last[ISPH_MAX_DIM][ISPH_MAX_DIM];
+  PetscReal *value; /* velocity component a of the particle of local index j at [j dim + a]; work */
+  PetscInt   value_capacity;
+} SplineFits;
+
+/* The splines that are not zero at the particles of a rank: a block of the lattice. In periodic
+   directions its indices continue beyond the period. */
+typedef struct {
+  PetscInt   first[ISPH_MAX_DIM], n[ISPH_MAX_DIM], size;
+  PetscReal *value; /* coefficients: sums of weight times those of the sources; work */
+  PetscInt  *start, *source;
+  PetscReal *weight;
+  PetscInt  *number;       /* global numbers of all sources, ascending */
+  Vec        coefficients; /* of all sources; work */
+  VecScatter collect;      /* p -> coefficients */
+} SplineWindow;
+
+/* Places of own fluid particles or of points of quadrature in the window. */
+typedef struct {
+  PetscInt   n, capacity, *base;                       /* first spline that is not zero there */
+  PetscReal *t[ISPH_MAX_DIM], *per_edge[ISPH_MAX_DIM]; /* see SplinePlaceAlong() [-], [1/m] */
+} SplinePlaces;
+
+/* The splines of a rank: those whose centres are in its box of space. */
+typedef struct {
+  PetscInt first[ISPH_MAX_DIM], n[ISPH_MAX_DIM]; /* along each axis */
+  PetscInt start, size;                          /* their global numbers */
+} SplineBlock;
+
+/* Points of quadrature of this rank, inside the fluid or on its boundary. */
+typedef struct {
+  PetscInt   n, capacity;
+  PetscReal *x[ISPH_MAX_DIM]; /* [m] */
+  /* of points inside: stretch of axes about the point, by which a cell has the largest edge of all
+     cells [-]; NULL: all are 1 */
+  PetscReal *stretch[ISPH_MAX_DIM];
+  PetscReal *weight; /* volume over that of a cell, or area over that of its face [-] */
+  PetscReal *normal[ISPH_MAX_DIM]; /* of points on the boundary: out of the fluid; NULL: inside */
+  PetscInt  *side; /* of points on the boundary: its number; of nodes in cut cells: 4 times
+                                 the number of the cut, plus that of the node; otherwise -1 */
+} SplinePoints;
+
+/* Points of Gauss from the centre of a cell, over its edge: 1/(2 sqrt(3)). */
+#define GAUSS 0.28867513459481287
+
+struct Splines {
+  SplineLattice lattice;  /* with the splines psi_q of the divergence */
+  SplineLattice pressure; /* the same with the splines chi_q of the pressure */
+  SplineBodies *bodies;   /* NULL: none */
+  PetscReal     scale;    /* edge of a cell of the same volume [m] */
+  SplineBlock  *block;    /* of all ranks */
+  SplineBlock   own;
+  SplinePoints  inside, boundary;
+
+  PetscInt  epoch, moved;                       /* stamps of the particles at the last assembly */
+  PetscReal lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM]; /* the rank's box when the splines were numbered */
+
+  Mat S;    /* boundary points x splines: weight psi_q; NULL: a periodic box */
+  Mat K;    /* stiffness, scale^2 int grad psi . grad psi, for the preconditioner */
+  Vec mass; /* int psi_q, with bodies sum_r |int psi_q psi_r|, over the volume of a cell */
+  Mat A;    /* -scale^2 D G; a shell for moving particles, and if most of its rows repeat */
+
+  SplineWindow window;
+  SplinePlaces at, inside_at; /* chi_q at particles, psi_q at points inside */
+  SplineFits   fits;
+
+  Vec        p, phi, b, divergence; /* coefficients: pressure [Pa], its increment, right-hand side,
+                                       div u* [1/s] */
+  Vec        kept;      /* state in the order of the lattice: of each spline the pressure and, with
+                          -pressure_average, its mean [Pa] */
+  Vec        natural;   /* work: a number of each spline in the order of the lattice */
+  VecScatter renumber;  /* p -> natural */
+  Vec        wall_flux; /* work: at points on the boundary */
+  PetscInt   n_unused, *unused; /* own splines that are no unknowns: their equation is phi = 0 */
+
+  PetscInt assemblies, numbering; /* stamps of fits and places, and of the splines' numbers */
+  PetscInt product;               /* stamp of the fits in A */
+};
+
+/* splinesurface.c, splinebodies.c, splineextend.c */
+void SplineCell(const SplineLattice *lattice, PetscInt cell, PetscReal lo[2], PetscReal hi[2]);
+PetscErrorCode SplineOutlineCreate(const Body *body, PetscReal spacing, const PetscReal shift[2],
+                                   SplineOutline *o);
+PetscErrorCode SplineOutlineDivide(const SplineLattice *l, const SplineOutline *o, PetscInt side,
+                                   SplineBodies *s);
+PetscErrorCode SplineBodiesCreate(const Scene *scene, const SplineLattice *lattice,
+                                  SplineBodies **bodies);
+PetscErrorCode SplineBodiesDestroy(SplineBodies **bodies);
+PetscErrorCode SplineExtensionSet(const SplineLattice *lattice, SplineBodies *s);
+PetscErrorCode SplineExtensionFree(SplineBodies *s);
+PetscInt       SplinesInCell(const SplineLattice *plane, const SplineBodies *s, PetscInt cell,
+                             PetscInt number[]);
+void SplineRowAt(const Splines *s, const SplineLattice *l, const Particles *p, const PetscReal x[],
+                 SplineRow *row);
+PetscInt SplineRowWidth(const Splines *s, const SplineLattice *l, const PetscReal x[]);
+
+/* Returns the lattice without its third axis. */
+static inline SplineLattice SplinePlane(const SplineLattice *lattice)
+{
+  SplineLattice plane = *lattice;
+
+  plane.dim = 2;
+  plane.N   = plane.count[0] * plane.count[1];
+  return plane;
+}
+
+/* Returns the number of the cell of the plane that holds a point, or of the nearest one. Beside
+   bodies cells are uniform. */
+static inline PetscInt SplineCellAt(const SplineLattice *lattice, const PetscReal x[])
+{
+  PetscInt cell[2];
+
+  for (PetscInt a = 0; a < 2; a++) {
+    cell[a] = (PetscInt)((x[a] - lattice->lo[a]) / lattice->side[a]);
+    cell[a] = PetscMin(PetscMax(cell[a], 0), lattice->cells[a] - 1);
+  }
+  return cell[1] * lattice->cells[0] + cell[0];
+}
+
+/* Returns the number of a column of splines in the plane. */
+static inline PetscInt SplineColumn(const SplineLattice *lattice, const PetscInt index[])
+{
+  return index[1] * lattice->count[0] + index[0];
+}
+
+/* Returns the masters of a spline, NULL if it has none. */
+static inline const SplineSlave *SplineSlaveAt(const Splines *s, const PetscInt index[])
+{
+  const PetscInt k = s->bodies ? s->bodies->slave[SplineColumn(&s->lattice, index)] : SPLINE_FREE;
+
+  return k >= 0 ? &s->bodies->slaves[k] : NULL;
+}
+
+/* splinepoints.c */
+PetscReal      SplinePoint(const Splines *s, const PetscInt cell[], PetscInt corner, PetscReal x[],
+                           PetscInt *node);
+PetscErrorCode SplinePointsSet(Splines *s, const Particles *p);
+PetscErrorCode SplinePointsFree(SplinePoints *points);
+
+/* splinewindow.c */
+PetscErrorCode SplineWindowSet(Splines *s, const Particles *p);
+PetscErrorCode SplineWindowFree(SplineWindow *w);
+PetscErrorCode SplineWindowSum(SplineWindow *w, Vec sum);
+PetscErrorCode SplinePlacesSet(const Particles *p, Splines *s);
+PetscErrorCode SplinePointPlacesSet(Splines *s);
+PetscErrorCode SplinePlacesFree(SplinePlaces *at);
+PetscErrorCode SplinesValue(Splines *s, Vec p, Vec value);
+PetscErrorCode SplinesGradient(Splines *s, Vec p, PetscReal gradient[]);
+PetscErrorCode SplinesAccelerate(Splines *s, Vec p, PetscReal factor, const Vec u[]);
+
+/* splinefits.c, splineintegrals.c */
+PetscErrorCode SplineFitsAssemble(Flow *flow, Splines *s);
+PetscErrorCode SplineFitsFree(SplineFits *fits);
+PetscErrorCode SplineFitsReserve(const Particles *p, SplineFits *fits);
+PetscErrorCode SplinesIntegrate(const Particles *p, Splines *s, Vec d);
+PetscBool      SplineFitIsSingle(PetscInt dim, const SplineFits *f, PetscInt g);
+void           SplinePointIntegrals(const Splines *s, PetscInt g, PetscInt a, PetscReal value[]);
+PetscErrorCode SplineGradientMat(const Particles *p, const Splines *s, PetscInt a, Mat *T);
+
+/* splines.c, splinestiffness.c */
+PetscErrorCode SplineMat(MPI_Comm comm, PetscInt rows, PetscInt cols, const PetscInt width[],
+                         Mat *A);
+PetscErrorCode SplineMatFinish(Mat A);
+PetscBool      SplineOwn(const Splines *s, PetscInt k, PetscInt index[]);
+PetscInt  SplineSupport(const Splines *s, const PetscInt index[], PetscInt first[], PetscInt n[]);
+PetscBool SplineBlockCell(const SplineLattice *l, const PetscInt first[], const PetscInt n[],
+                          PetscInt k, PetscInt cell[]);
+PetscErrorCode SplineStiffness(Splines *s, const Particles *p);
+PetscErrorCode SplinesNumber(Flow *flow, Splines *s);
+PetscErrorCode SplinesAssemble(Flow *flow, Splines *s);
+PetscInt       SplinesGlobal(const Splines *s, const Particles *p, const PetscInt index[]);
+PetscErrorCode SplinesFree(Splines *s);
+
+/* splinematrix.c */
+PetscErrorCode SplinesMatrix(Flow *flow, PetscBool multiplies, Splines *s);
+
+/* splineinverse.c */
+typedef struct SplineInverse SplineInverse;
+
+PetscErrorCode SplineInverseCreate(const Splines *s, SplineInverse **inverse);
+PetscErrorCode SplineInverseDestroy(SplineInverse **inverse);
+PetscErrorCode SplineInverseNumber(const Splines *s, const Particles *p, SplineInverse *inverse);
+PetscErrorCode SplineInverseApply(SplineInverse *inverse, Vec b, Vec x);
+PetscErrorCode SplineInverseColumn(const Splines *s, Mat column);
+PetscErrorCode SplineInversePC(SplineInverse *inverse, PC pc);
+
+/* splinestep.c */
+PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, PetscBool mean,
+                          Splines *s);
+PetscErrorCode SplinesCreate(Flow *flow, PetscReal ratio, Splines **splines);
+PetscErrorCode SplinesDestroy(Splines **splines);
+PetscErrorCode SplinesStart(const Flow *flow, Splines *s);
+PetscErrorCode SplinesBegin(Splines *s);
+PetscErrorCode SplinesDivergence(Flow *flow, Splines *s, const Vec u[], PetscReal t, Vec d);
+PetscErrorCode SplinesProject(Flow *flow);
+PetscErrorCode SplinesPressure(const Flow *flow, const PetscReal x[], PetscReal *p);
+PetscErrorCode SplinesAverage(Flow *flow, PetscReal length, PetscReal dt);
+PetscErrorCode SplinesView(const Splines *s, PetscViewer viewer);
+
+#endif

@@ -1,0 +1,221 @@
+/*
+  The lattice of a pool whose borders are lines along the axes. Between two lines the spacing along
+  an axis is even and near dx. The outer particles are on free borders; they are half an edge away
+  from walls and from periodic sides, as on the lattice of a full box. All regions of a pool share
+  the lattice.
+*/
+#include "particles/impl.h"
+
+#define EDGE_LEAST 0.8 /* edges of cells for which a pool has a lattice [dx] */
+#define EDGE_MOST  1.25
+#define NEAR       1e-6 /* distance of lines that are the same [dx] */
+#define BODY_CLEAR 0.4  /* least distance from bodies [dx] */
+#define WALL_CLEAR 0.3  /* of displaced particles from walls [dx] */
+#define LINES_MOST (SCENE_MAX_FILLED * BODY_PARAMETERS / 2 + 2)
+
+/* The lattice along an axis: places of particles, and ends of their cells [m]. */
+typedef struct {
+  PetscInt   n;
+  PetscReal *place, *end; /* n, n + 1 */
+} PoolAxis;
+
+/* Returns the place of the first particle behind an end of an axis: 1/2 behind walls and periodic
+   sides, 0 on free borders [edges]. */
+static PetscReal Offset(const Scene *scene, PetscInt axis, PetscReal line)
+{
+  for (PetscInt end = 0; end < 2; end++) {
+    const PetscInt  side = 2 * axis + end;
+    const PetscReal gap  = PetscAbsReal(line - (end ? scene->hi[axis] : scene->lo[axis]));
+
+    if (gap < NEAR * scene->dx && (BoundaryIs(scene, side, BOUNDARY_PARTICLES) ||
+                                   BoundaryIs(scene, side, BOUNDARY_CONTINUES)))
+      return 0.5;
+  }
+  return 0.0;
+}
+
+/* Computes the lines across an axis that bound the regions of a pool, in ascending order; returns
+   their number, 0 if a border is no line along an axis. */
+static PetscInt PoolLines(const Pools *pools, PetscInt pool, PetscInt axis, PetscReal line[])
+{
+  const Scene *scene = pools->scene;
+  PetscInt     n = 0, kept = 0;
+
+  for (PetscInt k = 0; k < scene->n_filled; k++) {
+    PetscInt lines;
+
+    if (pools->of[k] != pool) continue;
+    lines = BodyLines(&scene->filled[k], axis, &line[n]);
+    if (!lines) return 0;
+    n += lines;
+  }
+  for (PetscInt l = 0; l < n; l++)
+    line[l] = PetscMin(PetscMax(line[l], scene->lo[axis]), scene->hi[axis]);
+  if (PetscSortReal(n, line)) return 0;
+  for (PetscInt l = 0; l < n; l++)
+    if (!kept || line[l] - line[kept - 1] > NEAR * scene->dx) line[kept++] = line[l];
+  return kept;
+}
+
+/* Returns the number of particles from one line to the next, those on the lines included; computes
+   the edge of their cells [m]. */
+static PetscInt CountBetween(const Scene *scene, PetscInt axis, const PetscReal line[2],
+                             PetscReal *edge)
+{
+  const PetscReal ends   = Offset(scene, axis, line[0]) + Offset(scene, axis, line[1]),
+                  length = line[1] - line[0];
+  const PetscInt n       = (PetscInt)PetscFloorReal(length / scene->dx + 1.5 - ends);
+
+  *edge = n - 1.0 + ends > 0.0 ? length / (n - 1.0 + ends) : PETSC_MAX_REAL;
+  return n;
+}
+
+/* PoolHasLattice - Returns true if lines along the axes bound a pool, and if cells of about dx fit
+   between them; not collective */
+PetscBool PoolHasLattice(const Pools *pools, PetscInt pool)
+{
+  const Scene *scene = pools->scene;
+
+  for (PetscInt axis = 0; axis < scene->dim; axis++) {
+    PetscReal      line[LINES_MOST], edge;
+    const PetscInt n = PoolLines(pools, pool, axis, line);
+
+    if (n < 2) return PETSC_FALSE;
+    for (PetscInt l = 0; l + 1 < n; l++) {
+      (void)CountBetween(scene, axis, &line[l], &edge);
+      if (edge < EDGE_LEAST * scene->dx || edge > EDGE_MOST * scene->dx) return PETSC_FALSE;
+    }
+  }
+  return PETSC_TRUE;
+}
+
+static PetscErrorCode AxisCreate(const Pools *pools, PetscInt pool, PetscInt a, PoolAxis *axis)
+{
+  const Scene   *scene = pools->scene;
+  PetscReal      line[LINES_MOST], edge;
+  const PetscInt lines = PoolLines(pools, pool, a, line);
+  PetscInt       room  = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt l = 0; l + 1 < lines; l++) room += CountBetween(scene, a, &line[l], &edge);
+  PetscCall(PetscMalloc2(room, &axis->place, room + 1, &axis->end));
+  axis->n = 0;
+  for (PetscInt l = 0; l + 1 < lines; l++) {
+    const PetscInt  n     = CountBetween(scene, a, &line[l], &edge);
+    const PetscReal start = line[l] + edge * Offset(scene, a, line[l]);
+
+    for (PetscInt k = l ? 1 : 0; k < n; k++) axis->place[axis->n++] = start + k * edge;
+  }
+  axis->end[0] = line[0];
+  for (PetscInt k = 1; k < axis->n; k++) axis->end[k] = 0.5 * (axis->place[k - 1] + axis->place[k]);
+  axis->end[axis->n] = line[lines - 1];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds the axes along which a particle cannot move without leaving the pool or its free border:
+   bits of axes. One corner of its cell alone is empty at an edge that turns inwards. */
+static unsigned FixedAxes(const Pools *pools, const PoolAxis axis[], const PetscInt cell[])
+{
+  const PetscInt dim = pools->scene->dim;
+  unsigned       low = ~0u, high = ~0u, fixed; /* axes with no fluid on the side */
+  PetscInt       empty = 0;
+
+  for (PetscInt corner = 0; corner < 1 << dim; corner++) {
+    PetscReal x[ISPH_MAX_DIM] = {0.0}, depth;
+    PetscBool flat            = PETSC_FALSE;
+
+    for (PetscInt a = 0; a < dim; a++) {
+      const PetscReal place = axis[a].place[cell[a]],
+                      end   = axis[a].end[cell[a] + (corner >> a & 1)];
+
+      x[a] = 0.5 * (place + end);
+      flat = flat || PetscAbsReal(place - end) < NEAR * pools->scene->dx ? PETSC_TRUE : PETSC_FALSE;
+    }
+    (void)PoolAt(pools, x, &depth);
+    if (flat || depth < 0.0) {
+      empty++;
+      continue;
+    }
+    high &= ~(unsigned)corner;
+    low &= (unsigned)corner;
+  }
+  fixed = (low | high) & ((1u << dim) - 1);
+  return empty && !fixed ? (1u << dim) - 1 : fixed;
+}
+
+/* Displaces a particle at random along the axes that are not fixed, and keeps it off walls. */
+static void Jitter(const Scene *scene, PetscInt64 id, unsigned fixed, PetscReal x[])
+{
+  const PetscReal least = WALL_CLEAR * scene->dx;
+  PetscReal       distance, normal[ISPH_MAX_DIM];
+  PetscInt        body;
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    const PetscReal period = scene->hi[a] - scene->lo[a];
+
+    if (fixed >> a & 1) continue;
+    x[a] += scene->jitter * scene->dx * ParticlesHash(scene->seed, id, a);
+    if (SceneIsPeriodic(scene, a)) x[a] -= period * PetscFloorReal((x[a] - scene->lo[a]) / period);
+    else x[a] = PetscMin(PetscMax(x[a], scene->lo[a] + least), scene->hi[a] - least);
+  }
+  distance = SceneDistance(scene, x, &body, normal);
+  for (PetscInt a = 0; distance < least && a < scene->dim; a++)
+    x[a] += (least - distance) * normal[a];
+}
+
+/* Computes the place of lattice cell `index`; returns true if it is in the pool and off bodies. */
+static PetscBool CellHolds(const Pools *pools, PetscInt pool, const PoolAxis axis[], PetscInt index,
+                           PetscInt cell[], PetscReal x[])
+{
+  const Scene *scene = pools->scene;
+  PetscReal    depth, normal[ISPH_MAX_DIM];
+  PetscInt     body;
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    cell[a] = index % axis[a].n;
+    x[a]    = axis[a].place[cell[a]];
+    index /= axis[a].n;
+  }
+  if (PoolAt(pools, x, &depth) != pool || depth < -NEAR * scene->dx) return PETSC_FALSE;
+  return SceneDistance(scene, x, &body, normal) >= BODY_CLEAR * scene->dx ? PETSC_TRUE
+                                                                          : PETSC_FALSE;
+}
+
+/*
+  PoolLattice - Adds this rank's share of the particles of a pool that has a lattice
+
+  Collective on PETSC_COMM_WORLD. Particles are displaced by the jitter of the scene; those on free
+  borders stay on them.
+*/
+PetscErrorCode PoolLattice(const Pools *pools, PetscInt pool, Rows *rows)
+{
+  const Scene   *scene = pools->scene;
+  const PetscInt begin = rows->n;
+  PetscInt       cell[ISPH_MAX_DIM], count[ISPH_MAX_DIM], cells, first, last, own, before = 0, all;
+  PetscReal      x[ISPH_MAX_DIM] = {0.0};
+  PoolAxis       axis[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    PetscCall(AxisCreate(pools, pool, a, &axis[a]));
+    count[a] = axis[a].n;
+  }
+  PetscCall(SceneCountCells(scene->dim, count, &cells));
+  ParticlesShare(PETSC_COMM_WORLD, cells, &first, &last);
+  for (PetscInt c = first; c < last; c++)
+    if (CellHolds(pools, pool, axis, c, cell, x)) PetscCall(RowsAdd(scene, x, rows));
+  own = rows->n - begin;
+  PetscCallMPI(MPI_Exscan(&own, &before, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Allreduce(&own, &all, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
+  own = begin;
+  for (PetscInt c = first; c < last; c++) {
+    if (!CellHolds(pools, pool, axis, c, cell, x)) continue;
+    rows->index[own] = rows->N + before + own - begin;
+    if (scene->jitter > 0.0)
+      Jitter(scene, rows->index[own], FixedAxes(pools, axis, cell), &rows->x[own * scene->dim]);
+    own++;
+  }
+  rows->N += all;
+  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(PetscFree2(axis[a].place, axis[a].end));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,240 @@
+/*
+  Pools: the connected parts of the fluid at the start of a run. Filled regions that touch form a
+  pool. Pools whose borders are lines along the axes have a lattice (poollattice.c); the particles
+  of other pools lie on the free border (border.c) or are relaxed inside it (places.c, relax.c). All
+  particles of a pool have the same share of its volume.
+*/
+#include "particles/impl.h"
+
+#define POINTS 8   /* of the quadrature of volumes, along dx */
+#define TOUCH  0.5 /* gap below which regions touch [dx] */
+
+/* Computes the part of a filled region in the box, along an axis. */
+static void SpanInBox(const Scene *scene, PetscInt region, PetscInt axis, PetscReal span[2])
+{
+  BodySpan(&scene->filled[region], axis, span);
+  span[0] = PetscMax(span[0], scene->lo[axis]);
+  span[1] = PetscMin(span[1], scene->hi[axis]);
+}
+
+/* Returns true if two filled regions touch, by the boxes around them. */
+static PetscBool Touch(const Scene *scene, PetscInt k, PetscInt m)
+{
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    PetscReal one[2], two[2];
+
+    SpanInBox(scene, k, a, one);
+    SpanInBox(scene, m, a, two);
+    if (PetscMax(one[0], two[0]) - PetscMin(one[1], two[1]) > TOUCH * scene->dx) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* Joins the regions that touch, directly or through others, and numbers the pools. */
+static void JoinRegions(const Scene *scene, Pools *pools)
+{
+  PetscBool changed = PETSC_TRUE;
+
+  for (PetscInt k = 0; k < scene->n_filled; k++) pools->of[k] = k;
+  while (changed) {
+    changed = PETSC_FALSE;
+    for (PetscInt k = 0; k < scene->n_filled; k++) {
+      for (PetscInt m = 0; m < k; m++) {
+        const PetscInt first = PetscMin(pools->of[k], pools->of[m]);
+
+        if (pools->of[k] == pools->of[m] || !Touch(scene, k, m)) continue;
+        pools->of[k] = pools->of[m] = first;
+        changed                     = PETSC_TRUE;
+      }
+    }
+  }
+  for (PetscInt k = 0; k < scene->n_filled; k++)
+    pools->of[k] = pools->of[k] == k ? pools->n++ : pools->of[pools->of[k]];
+}
+
+/* Returns the part of a small cube of edge s about x that is in a pool and outside bodies, exact if
+   a single plane along the axes cuts the cube [-]. */
+static PetscReal PartInside(const Pools *pools, PetscInt pool, const PetscReal x[], PetscReal s)
+{
+  PetscReal part = 0.0, solid, normal[ISPH_MAX_DIM];
+  PetscInt  body;
+
+  for (PetscInt k = 0; k < pools->scene->n_filled; k++) {
+    if (pools->of[k] != pool) continue;
+    part += PetscMin(PetscMax(0.5 + SceneFilledDistance(pools->scene, k, x) / s, 0.0), 1.0);
+  }
+  solid = SceneDistance(pools->scene, x, &body, normal);
+  return PetscMin(part, 1.0) * PetscMin(PetscMax(0.5 + solid / s, 0.0), 1.0);
+}
+
+/* Computes the box around a pool, of height 1 in 2D; returns true if all of its regions, and all
+   bodies, are the same at every z. */
+static PetscBool BoxAround(const Pools *pools, PetscInt pool, PetscReal lo[], PetscReal hi[])
+{
+  const Scene *scene = pools->scene;
+  PetscBool    even  = PETSC_TRUE;
+
+  lo[2] = 0.0;
+  hi[2] = 1.0;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    lo[a] = PETSC_MAX_REAL;
+    hi[a] = -PETSC_MAX_REAL;
+    for (PetscInt k = 0; k < scene->n_filled; k++) {
+      PetscReal span[2];
+
+      if (pools->of[k] != pool) continue;
+      if (scene->dim == 3 && !BodyReachesThrough(&scene->filled[k], 2)) even = PETSC_FALSE;
+      SpanInBox(scene, k, a, span);
+      lo[a] = PetscMin(lo[a], span[0]);
+      hi[a] = PetscMax(hi[a], span[1]);
+    }
+  }
+  for (PetscInt b = 0; b < scene->n_bodies && scene->dim == 3; b++)
+    if (!BodyReachesThrough(SceneBody(scene, b), 2)) even = PETSC_FALSE;
+  return even;
+}
+
+/* Computes the volume of a pool, by the midpoint rule in the box around it; the sum is a whole
+   number, so that it does not depend on the number of ranks. A ball is a pool of its own, inside
+   the box. */
+static PetscErrorCode PoolVolume(const Pools *pools, PetscInt pool, PetscReal *volume)
+{
+  const Scene   *scene = pools->scene;
+  PetscReal      lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM];
+  const PetscInt axes            = BoxAround(pools, pool, lo, hi) ? 2 : 3;
+  PetscInt       n[ISPH_MAX_DIM] = {1, 1, 1}, cells;
+  PetscInt64     sum             = 0, rows;
+  PetscMPIInt    rank, ranks;
+  PetscReal      unit, points;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < scene->n_filled; k++) {
+    if (pools->of[k] != pool || BodyOutline(scene, &scene->filled[k])) continue;
+    *volume = 4.0 / 3.0 * PETSC_PI * PetscPowRealInt(scene->filled[k].extent, 3);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt a = 0; a < axes; a++) n[a] = (PetscInt)PetscCeilReal((hi[a] - lo[a]) / scene->dx);
+  PetscCall(SceneCountCells(axes, n, &cells));
+  for (PetscInt a = 0; a < axes; a++) n[a] *= POINTS;
+  points = PetscPowRealInt(POINTS, axes) * cells;
+  unit   = (PetscReal)((PetscInt64)1 << (points < 4e9 ? 30 : 25)); /* the sum is less than 2^62 */
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  rows = (PetscInt64)n[1] * n[2];
+  for (PetscInt64 row = rows * rank / ranks; row < rows * (rank + 1) / ranks; row++) {
+    for (PetscInt column = 0; column < n[0]; column++) {
+      const PetscReal x[ISPH_MAX_DIM] = {lo[0] + (hi[0] - lo[0]) * (column + 0.5) / n[0],
+                                         lo[1] + (hi[1] - lo[1]) * (row % n[1] + 0.5) / n[1],
+                                         lo[2] + (hi[2] - lo[2]) * (row / n[1] + 0.5) / n[2]};
+
+      sum += (PetscInt64)(unit * PartInside(pools, pool, x, (hi[0] - lo[0]) / n[0]) + 0.5);
+    }
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_INT64, MPI_SUM, PETSC_COMM_WORLD));
+  *volume = (PetscReal)sum / unit;
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) *volume *= (hi[a] - lo[a]) / n[a];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses regions in 3D on whose borders no particles can be placed: balls that touch a side of the
+   box or another region, and boxes that end inside the scene in a pool without lattice. */
+static PetscErrorCode RefuseBorders(const Pools *pools)
+{
+  const Scene *scene = pools->scene;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < scene->n_filled && scene->dim == 3; k++) {
+    const Body *body  = &scene->filled[k];
+    PetscBool   alone = PETSC_TRUE;
+
+    for (PetscInt m = 0; m < scene->n_filled; m++)
+      alone = alone && (m == k || pools->of[m] != pools->of[k]) ? PETSC_TRUE : PETSC_FALSE;
+    UserCheck(!body->shape->ends || pools->lattice[pools->of[k]],
+              "-scene_filled_%" PetscInt_FMT
+              ": it has no lattice, as it touches a region that is no box, or its edges and -n do "
+              "not fit; use other regions or another -n",
+              k + 1);
+    if (BodyOutline(scene, body)) continue;
+    UserCheck(alone,
+              "-scene_filled_%" PetscInt_FMT ": a ball may not touch another region that is filled",
+              k + 1);
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      PetscReal span[2];
+
+      BodySpan(body, a, span);
+      UserCheck(span[0] >= scene->lo[a] + 0.5 * scene->dx &&
+                    span[1] <= scene->hi[a] - 0.5 * scene->dx,
+                "-scene_filled_%" PetscInt_FMT
+                ": a ball stays dx/2 = %.3g off the sides of the box; along %s it reaches from "
+                "%.4g to %.4g",
+                k + 1, (double)(0.5 * scene->dx), BoxAxes[a], (double)span[0], (double)span[1]);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  PoolsCreate - Finds the pools of a scene and their volumes
+
+  Collective on PETSC_COMM_WORLD. Output: pools - none if the fluid fills the box; free with
+  PoolsDestroy(). Errors: refuses a jitter if no pool has a lattice, and borders without particles.
+*/
+PetscErrorCode PoolsCreate(const Scene *scene, Pools *pools)
+{
+  PetscBool lattices = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  *pools = (Pools){.scene = scene};
+  JoinRegions(scene, pools);
+  for (PetscInt pool = 0; pool < pools->n; pool++) {
+    PetscCall(PoolVolume(pools, pool, &pools->volume[pool]));
+    pools->lattice[pool] = PoolHasLattice(pools, pool);
+    if (pools->lattice[pool]) lattices = PETSC_TRUE;
+    else pools->relaxed = PETSC_TRUE;
+  }
+  UserCheck(
+      scene->jitter == 0.0 || !pools->n || lattices,
+      "-jitter %.6g: it displaces lattices, which only regions bounded by lines along the axes "
+      "have; leave it out",
+      (double)scene->jitter);
+  PetscCall(RefuseBorders(pools));
+  PetscCall(BorderCreate(pools));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* PoolsDestroy - Frees the pools; not collective */
+PetscErrorCode PoolsDestroy(Pools *pools)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(pools->border));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* PoolAt - Returns the pool in which x lies deepest, and its depth below the border of the region
+   there [m]; not collective */
+PetscInt PoolAt(const Pools *pools, const PetscReal x[], PetscReal *depth)
+{
+  PetscInt pool = 0;
+
+  *depth = PETSC_NINFINITY;
+  for (PetscInt k = 0; k < pools->scene->n_filled; k++) {
+    const PetscReal d = SceneFilledDistance(pools->scene, k, x);
+
+    if (d <= *depth) continue;
+    *depth = d;
+    pool   = pools->of[k];
+  }
+  return pool;
+}
+
+/* PoolsHold - Returns true if relaxed particles may be at x: in a pool without lattice, and not in
+   the half spacing below its free border, which belongs to the particles on it; not collective */
+PetscBool PoolsHold(const Pools *pools, const PetscReal x[])
+{
+  const PetscReal reach = 0.5 * pools->scene->dx;
+  PetscReal       depth;
+
+  if (pools->lattice[PoolAt(pools, x, &depth)] || depth < 0.0) return PETSC_FALSE;
+  if (depth >= reach) return PETSC_TRUE;
+  return BorderIsNear(pools, x, reach) ? PETSC_FALSE : PETSC_TRUE;
+}

@@ -1,0 +1,126 @@
+/*
+  Noses of thin fluid on walls without slip: the last particles of a film before the contact line,
+  where the surface meets the wall. Two or three particles on the surface hold the whole
+  cross-section there, and the fit of one of them uses particles from both sides of the tip. Its
+  pressure 2 mu n.E n then amplifies the velocity from which it is computed, and a nose is lost in
+  one or two steps of any length.
+  Particles of noses are therefore rough: they have pair forces, which dissipate in any arrangement,
+  and a pressure without 2 mu n.E n. A film behind its nose keeps the fits, which are exact for a
+  parabola of one or two particles across. See docs/theory.md, (250) and (251).
+*/
+#include "rows/assembly.h"
+#include "rows/rows.h"
+#include "surfacefits.h"
+
+#define DRY    2.4 /* distance of wall particles that are tried for contact with fluid [dx] */
+#define LENGTH 2.5 /* of a nose, from particles beside a dry wall [dx] */
+#define THIN   2.2 /* height above the wall below which fluid is thin [dx] */
+
+/* Returns true if neighbour j is a wall particle of a boundary without slip. */
+static PetscBool Sticks(const Scene *scene, const Particles *p, PetscInt j)
+{
+  return ParticlesIsWall(p, j) ? BoundaryIs(scene, (PetscInt)p->side[j], BOUNDARY_NO_SLIP)
+                               : PETSC_FALSE;
+}
+
+/* Returns true if own particle i is beside a wall that no fluid touches, except isolated particles.
+   Wall particles nearer than 1.3 dx are touched by the particle itself, and the next ones are dx
+   further: wherever a front is, one of them is within DRY dx. */
+static PetscBool IsBesideDryWall(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                 const FreeSurface *free, PetscInt i)
+{
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    const PetscInt j = nb->col[q];
+
+    if (Sticks(scene, p, j) &&
+        ParticlesSquareDistance(p, i, j) < PetscSqr(SurfaceReach(p, nb, i, DRY)) &&
+        !FreeSurfaceTouches(scene, p, nb, free, i, j))
+      return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/*
+  FreeSurfaceNearestWall - Returns the wall particle nearest to own particle i, -1 if none is nearer
+  than a distance
+
+  Not collective. Input: scene - only walls without slip count; NULL: all do. most - the distance
+  [m]; the radius of the support if that is less.
+*/
+PetscInt FreeSurfaceNearestWall(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                PetscInt i, PetscReal most)
+{
+  PetscInt  nearest = -1;
+  PetscReal least   = PetscSqr(PetscMin(most, nb->radius));
+
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    const PetscInt  j  = nb->col[q];
+    const PetscReal r2 = ParticlesSquareDistance(p, i, j);
+
+    if (r2 >= least || !(scene ? Sticks(scene, p, j) : ParticlesIsWall(p, j))) continue;
+    nearest = j;
+    least   = r2;
+  }
+  return nearest;
+}
+
+/* Returns true if the fluid about own particle i lies lower than THIN dx above the wall. */
+static PetscBool IsThin(const Scene *scene, const Particles *p, const Neighbors *nb, PetscInt i)
+{
+  const PetscInt wall = FreeSurfaceNearestWall(scene, p, nb, i, nb->radius);
+
+  if (wall < 0) return PETSC_FALSE;
+  for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {
+    const PetscInt j      = q < nb->row[i] ? i : nb->col[q];
+    PetscReal      height = -p->depth[wall];
+
+    if (ParticlesIsWall(p, j) || ParticlesSquareDistance(p, i, j) >= PetscSqr(nb->radius)) continue;
+    for (PetscInt a = 0; a < p->dim; a++)
+      height += p->normal[a][wall] * (p->x[a][j] - p->x[a][wall]);
+    if (height > THIN * p->dx[i]) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* Returns true if own particle i is within the length of a nose from a contact line. */
+static PetscBool IsNearContact(const Particles *p, const Neighbors *nb, const PetscReal contact[],
+                               PetscInt i)
+{
+  if (contact[i] > 0.0) return PETSC_TRUE;
+  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
+    const PetscInt j = nb->col[q];
+
+    if (contact[j] > 0.0 &&
+        ParticlesSquareDistance(p, i, j) < PetscSqr(SurfaceReach(p, nb, i, LENGTH)))
+      return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/*
+  FreeSurfaceFindNoses - Finds the contact lines, and sets smooth surface particles in noses of thin
+  fluid to SURFACE_ROUGH
+
+  Collective. Input: free - kinds of all particles, halo included.
+  Output: kinds of own particles, and which of them are at a contact line but in no nose.
+*/
+PetscErrorCode FreeSurfaceFindNoses(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                    FreeSurface *free)
+{
+  PetscReal *contact; /* 1 at particles on the surface beside a dry wall */
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(ParticlesAll(p), &contact));
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    contact[i] = FreeSurfaceHolds(free, i) && IsBesideDryWall(scene, p, nb, free, i) ? 1.0 : 0.0;
+  PetscCall(ParticlesHaloField(p, contact));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    const PetscBool nose =
+        FreeSurfaceHolds(free, i) && IsNearContact(p, nb, contact, i) && IsThin(scene, p, nb, i);
+
+    free->contact[i] = contact[i] > 0.0 && !nose;
+    if (nose && free->kind[i] == SURFACE_SMOOTH) free->kind[i] = SURFACE_ROUGH;
+  }
+  PetscCall(PetscFree(contact));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

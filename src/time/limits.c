@@ -1,0 +1,109 @@
+/* Limits of the time step that schemes share. */
+#include "flow/step.h"
+
+#define PERIOD_STEPS 20.0 /* least number of steps in a period of walls or forces */
+
+/*
+  ClockExplicitLimit - Returns the largest stable step of an explicit viscous term [s]
+
+    dt = 0.125 h^2/(largest nu),   h half the smallest radius of a support, for every form
+*/
+PetscReal ClockExplicitLimit(const Scene *scene, PetscReal support_radius)
+{
+  return SceneHas(scene, PHYSICS_VISCOSITY)
+             ? 0.125 * PetscSqr(0.5 * support_radius * SceneFinest(scene) / SceneCoarsest(scene)) /
+                   scene->nu_high
+             : PETSC_INFINITY;
+}
+
+/* SurfaceStep - Returns 0.1 dx^2/nu for the largest viscosity, the step above which flows with a
+   free surface have the coupled scheme by default; infinity without one [s]; not collective */
+PetscReal SurfaceStep(const Scene *scene)
+{
+  return SceneHasFreeSurface(scene) && SceneHas(scene, PHYSICS_VISCOSITY)
+             ? 0.1 * PetscSqr(scene->dx) / scene->nu_high
+             : PETSC_INFINITY;
+}
+
+/*
+  ProjectionFreeLimit - Returns the longest step of the projection with a free surface,
+  0.1 dx^2/nu; infinity without one, and with a viscosity that varies [s]
+
+  Not collective. With the pressure 2 mu n.E n of the last velocity drop_mode was stable up to 0.2
+  dx^2/nu. With that of u* a column was stable at 0.4 dx^2/nu, but its front less accurate. With a
+  viscosity that varies, rows beside the surface have pair forces without this term: a Bingham
+  column (options/heap.opts) was stable in steps of 80 dx^2/nu.
+*/
+PetscReal ProjectionFreeLimit(const Scene *scene)
+{
+  return SceneViscosityVaries(scene) ? PETSC_INFINITY : SurfaceStep(scene);
+}
+
+/*
+  CapillaryLimit - Returns the longest step of moving particles with surface tension; infinity
+  without it [s]
+
+    dt = t_v + sqrt(t_v^2 + t_c^2),   t_c^2 = rho dx^3/(4 pi sigma),   t_v = mu dx/(4 sigma)
+
+  Not collective. The pressure sigma kappa belongs to the positions at which the step solves for the
+  velocity. t_c bounds capillary waves of inertia, t_v those that viscosity slows. For small
+  displacements steps are stable up to about ten times this limit: docs/theory.md, (165). Surfaces
+  whose particles are disordered by large displacements need shorter steps.
+
+  Reference: C. Galusinski, P. Vigneaux, J. Comput. Phys. 227 (2008) 6140-6164
+*/
+PetscReal CapillaryLimit(const Scene *scene)
+{
+  const PetscReal sigma = scene->tension, dx = scene->dx;
+  PetscReal       viscous;
+
+  if (sigma == 0.0 || !SceneMoves(scene)) return PETSC_INFINITY;
+  viscous = SceneHas(scene, PHYSICS_VISCOSITY) ? 0.25 * scene->rho * scene->nu * dx / sigma : 0.0;
+  return viscous +
+         PetscSqrtReal(PetscSqr(viscous) + scene->rho * dx * dx * dx / (4.0 * PETSC_PI * sigma));
+}
+
+/*
+  FlowLimit - Limits the step by advection, by the body force, by surface tension, and by the period
+  of the driving
+
+    dt <= C dx/U,   dt <= C/(g |(u_a/e_a)_i|),   dt <= max(sqrt(C e/|f|), C e r/|f|)
+
+  Not collective. C is the CFL number, dx the reference spacing, e_a the edges of the cell of a
+  particle, e the smallest of all edges, and f the body force. g = 1, or g = max(m, 1 - m) for
+  graded particles that move with the factor m of SceneMotionFactor(). A force alone moves a
+  particle by f dt^2 in a step, or by f dt/r if walls at rest slow the flow at the rate r
+  (SceneDecayRate()); so very viscous flows need no short steps. With -dt_adapt none only the
+  reference speed U is used. With -dt_adapt error a period of walls or forces takes at least
+  PERIOD_STEPS steps. -dt_max bounds all steps.
+*/
+PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit)
+{
+  const Scene     *scene = flow->scene;
+  const Clock     *clock = flow->clock;
+  const StepStats *stats = &flow->scheme->stats;
+  const PetscReal  way   = clock->cfl * SceneFinest(scene);
+
+  PetscFunctionBegin;
+  StepLimitLower(limit, clock->dt_max, "-dt_max");
+  StepLimitLower(limit, CapillaryLimit(scene), "surface tension");
+  if (!clock->adapt->follows) {
+    StepLimitLower(limit, way / scene->speed, "advection with U");
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  StepLimitLower(limit, clock->cfl * scene->dx / PetscMax(scene->speed, stats->pace_max),
+                 "advection");
+  if (SceneHas(scene, PHYSICS_CONVECTION) && stats->force_max > 0.0) {
+    StepLimitLower(limit,
+                   PetscMax(PetscSqrtReal(way / stats->force_max),
+                            way * SceneDecayRate(scene) / stats->force_max),
+                   "the body force");
+  }
+  if (clock->adapt->estimates) {
+    const PetscReal period = SceneDrivingPeriod(scene, clock->t, PERIOD_STEPS * limit->dt,
+                                                0.1 * clock->control.rtol * scene->speed);
+
+    StepLimitLower(limit, period / PERIOD_STEPS, "the period of walls or forces");
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,185 @@
+/*
+  The steady test: changes of velocity, divergence and pressure in a time scale of the flow.
+*/
+#include "flow/step.h"
+
+/* Computes the root mean square of a vector over the volume of the fluid: docs/theory.md, (119). */
+static PetscErrorCode RootMeanSquare(const Particles *p, Vec v, PetscReal *rms)
+{
+  PetscReal sum;
+
+  PetscFunctionBegin;
+  PetscCall(FluidSum(p, v, PETSC_TRUE, &sum));
+  *rms = PetscSqrtReal(sum / p->weight);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the root mean square of b - a; collective. */
+static PetscErrorCode RmsDifference(Flow *flow, Vec a, Vec b, PetscReal *rms)
+{
+  Vec difference;
+
+  PetscFunctionBegin;
+  PetscCall(FlowGetWork(flow, &difference));
+  PetscCall(VecWAXPY(difference, -1.0, a, b));
+  PetscCall(RootMeanSquare(flow->particles, difference, rms));
+  PetscCall(FlowRestoreWork(flow, &difference));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns the scale of pressures, rho U (U + nu/L) [Pa]. */
+static PetscReal PressureScale(const Scene *scene)
+{
+  const PetscReal nu = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu : 0.0;
+
+  return scene->rho * scene->speed * (scene->speed + nu / scene->length);
+}
+
+/* Returns the shortest time scale of the flow, min(L/U, L^2/nu) [s]. */
+static PetscReal TimeScale(const Scene *scene)
+{
+  const PetscReal advective = scene->length / scene->speed;
+
+  if (!SceneHas(scene, PHYSICS_VISCOSITY)) return advective;
+  return PetscMin(advective, PetscSqr(scene->length) / scene->nu_high);
+}
+
+/* FlowRmsSpeed - Returns the root mean square of the velocity, from the energy [m/s] */
+PetscReal FlowRmsSpeed(const Flow *flow)
+{
+  const Particles *p = flow->particles;
+
+  return PetscSqrtReal(2.0 * flow->scheme->stats.kinetic_energy /
+                       (flow->scene->rho * p->cell_volume * p->weight));
+}
+
+/*
+  Measures the rates of change on fixed particles: of u and p at each particle, and of the root mean
+  square of div u*, which converges to the error of the approximate projection and not to zero.
+  Rates are relative changes in TimeScale(), or in a step if the step is longer. With an incremental
+  projection at large steps, u changes little long before the flow is steady, but p still changes.
+*/
+static PetscErrorCode MeasureFixed(Flow *flow)
+{
+  const Scene     *scene = flow->scene;
+  const FlowState *s     = flow->state;
+  StepStats       *stats = &flow->scheme->stats;
+  SteadyTest      *test  = &flow->scheme->steady;
+  const PetscReal  scale = PetscMax(1.0, TimeScale(scene) / flow->clock->dt);
+  PetscReal        sum = 0.0, div = 0.0, dp = 0.0;
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < scene->dim; c++) {
+    PetscReal part;
+
+    PetscCall(RmsDifference(flow, s->u[c], s->u_next[c], &part));
+    sum += PetscSqr(part);
+  }
+  if (s->p) {
+    PetscCall(RootMeanSquare(flow->particles, s->divergence, &div));
+    PetscCall(RmsDifference(flow, s->p_before, s->p, &dp));
+  }
+  stats->change[0] = PetscSqrtReal(sum) * scale / scene->speed;
+  stats->change[1] = PetscAbsReal(div - test->divergence) * scale * scene->length / scene->speed;
+  stats->change[2] = dp * scale / PressureScale(scene);
+  test->divergence = div;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Measures the rates of change with moving particles. Shifting and new neighbours make single steps
+  noisy. Therefore the root mean squares of u, div u* and p are averaged over windows of
+  TimeScale(), but at least 20 steps, and compared with the averages of the window before.
+*/
+static PetscErrorCode MeasureMoving(Flow *flow)
+{
+  const Scene     *scene = flow->scene;
+  const FlowState *s     = flow->state;
+  StepStats       *stats = &flow->scheme->stats;
+  SteadyTest      *test  = &flow->scheme->steady;
+  const PetscReal  t = flow->clock->t + flow->clock->dt, T = TimeScale(scene), start = test->start;
+  PetscReal        u, div = 0.0, pressure = 0.0;
+
+  PetscFunctionBegin;
+  u = FlowRmsSpeed(flow);
+  if (s->p) {
+    PetscCall(RootMeanSquare(flow->particles, s->divergence, &div));
+    PetscCall(RootMeanSquare(flow->particles, s->p, &pressure));
+  }
+  test->sum[0] += u / scene->speed;
+  test->sum[1] += div * scene->length / scene->speed;
+  test->sum[2] += pressure / PressureScale(scene);
+  test->count += 1.0;
+  if (test->count < 20.0 || t - start < T) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < 3; k++) {
+    const PetscReal now = test->sum[k] / test->count;
+
+    stats->change[k] =
+        start > 0.0 ? PetscAbsReal(now - test->mean[k]) * T / (t - start) : PETSC_INFINITY;
+    test->mean[k] = now;
+    test->sum[k]  = 0.0;
+  }
+  test->start = t;
+  test->count = 0.0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SteadyMeasure - Measures the rates of change of the flow and sets stats.change; collective */
+PetscErrorCode SteadyMeasure(Flow *flow)
+{
+  PetscFunctionBegin;
+  if (SceneMoves(flow->scene)) PetscCall(MeasureMoving(flow));
+  else PetscCall(MeasureFixed(flow));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SteadyRemember - Lists the numbers of the steady test in the memory of the scheme, which
+   checkpoints and retries save; not collective */
+PetscErrorCode SteadyRemember(Scheme *scheme)
+{
+  static const char *const sums[]  = {"sum_u", "sum_divergence", "sum_p"};
+  static const char *const means[] = {"mean_u", "mean_divergence", "mean_p"};
+  SteadyTest              *test    = &scheme->steady;
+
+  PetscFunctionBegin;
+  PetscCall(MemoryAddReal(&scheme->memory, "steady_start", &test->start));
+  PetscCall(MemoryAddReal(&scheme->memory, "steady_count", &test->count));
+  for (PetscInt k = 0; k < 3; k++) {
+    PetscCall(MemoryAddReal(&scheme->memory, sums[k], &test->sum[k]));
+    PetscCall(MemoryAddReal(&scheme->memory, means[k], &test->mean[k]));
+  }
+  PetscCall(MemoryAddReal(&scheme->memory, "rms_divergence", &test->divergence));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SteadyRefuse - Refuses -steady_tol if the test could end the run far from the steady state
+
+  Collective. A flow with a driving force or wall velocity that depends on time has no steady state.
+  A projection whose rotational term does not contain the whole viscosity converges slowly in the
+  Stokes limit, so that at large steps the test is met too early: with the incremental projection at
+  Re = 0.01 and nu dt/L^2 = 100, the cavity meets -steady_tol 1e-3 with an error of 31 % in u_min.
+
+  Input Parameters:
++ projection - name of the projection; NULL: no pressure, or no splitting
+- rotational - flag: the projection has a rotational term, with the least viscosity
+*/
+PetscErrorCode SteadyRefuse(const Flow *flow, const char projection[], PetscBool rotational)
+{
+  const Scene    *scene  = flow->scene;
+  const Clock    *clock  = flow->clock;
+  const PetscReal left   = scene->nu_high - (rotational ? scene->nu_low : 0.0);
+  const PetscReal number = left * clock->dt / PetscSqr(scene->length);
+
+  PetscFunctionBegin;
+  UserCheck(clock->steady_tol == 0.0 || !SceneIsDrivenInTime(scene),
+            "-steady_tol: a wall's velocity or the body force depends on t, and a temporarily "
+            "steady flow would end the run; use -t_end");
+  UserCheck(
+      clock->steady_tol == 0.0 || !projection || !SceneHas(scene, PHYSICS_VISCOSITY) ||
+          number <= 0.01,
+      "-steady_tol with -projection %s at nu dt/L^2 = %.2g: convergence is too slow for a test of "
+      "the steady state; use -projection rotational with a uniform viscosity, or -dt below %.2g",
+      projection, (double)number, (double)(0.01 * clock->dt / number));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
