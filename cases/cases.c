@@ -3,6 +3,7 @@
   name here, and an .opts file.
 */
 #include "cases.h"
+#include "isph/cases.h"
 
 #define CASES(ROW)                                                                                 \
   ROW(CaseCavity)                                                                                  \
@@ -26,3 +27,13 @@ CASES(DECLARE)
 #define ADDRESS(row) &row,
 static const CaseRow *const cases[]   = {CASES(ADDRESS)};
 const Table                 CaseTable = TABLE_OF_POINTERS("Cases", cases);
+
+const OptionRow CaseOption = {
+    .name     = "-case",
+    .kind     = VALUE_NAME,
+    .brief    = "flow or patch test to compute",
+    .standard = "cavity",
+    .table    = &CaseTable,
+};
+static const OptionRow *const options[]   = {&CaseOption};
+const OptionTable             CaseOptions = OPTIONS_ELSEWHERE("Case", options);

@@ -1,6 +1,6 @@
 /* Functions that several cases share. */
-#ifndef ISPH_CASES_H
-#define ISPH_CASES_H
+#ifndef ISPH_CASES_SHARED_H
+#define ISPH_CASES_SHARED_H
 
 #include "isph/io.h"
 

@@ -1,6 +1,7 @@
 /* Lists all tables of the program: tables of named rows for -catalogue, and tables of options for
    -help. */
 #include "isph/catalogue.h"
+#include "isph/cases.h"
 #include "isph/patch.h"
 #include "isph/run.h"
 
@@ -33,21 +34,15 @@ static const Table *const tables[] = {&CaseTable,
                                       &ProgressTable,
                                       &FieldTable};
 
-static const OptionTable *const options[] = {
-    &ProgramOptions, &SceneOptions,         &SpacingOptions,    &StartOptions,
-    &TypedOptions,   &BoundaryOptions,      &OpeningOptions,    &RheologyOptions,
-    &TimeOptions,    &SchemeOptions,        &ProjectionOptions, &ViscosityOptions,
-    &CoupledOptions, &CoupledSolverOptions, &WcsphOptions,      &WcsphTimeOptions,
-    &MotionOptions,  &SurfaceVolumeOptions, &ParticleOptions,   &OperatorOptions,
-    &GuardOptions,   &SnapshotOptions,      &AverageOptions,    &MonitorOptions,
-    &ReportOptions,  &ProgressOptions,      &CheckpointOptions, &MatrixOptions,
-    &PatchOptions,   &SolverOptions};
-
-/* OptionTableGet - Returns option table k, NULL after the last; not collective */
-const OptionTable *OptionTableGet(PetscInt k)
-{
-  return k < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(options) ? options[k] : NULL;
-}
+const OptionTable *const CatalogueOptions[] = {
+    &ProgramOptions,   &CaseOptions,    &SceneOptions,         &SpacingOptions,
+    &StartOptions,     &TypedOptions,   &BoundaryOptions,      &OpeningOptions,
+    &RheologyOptions,  &TimeOptions,    &SchemeOptions,        &ProjectionOptions,
+    &ViscosityOptions, &CoupledOptions, &CoupledSolverOptions, &WcsphOptions,
+    &WcsphTimeOptions, &MotionOptions,  &SurfaceVolumeOptions, &ParticleOptions,
+    &OperatorOptions,  &GuardOptions,   &SnapshotOptions,      &AverageOptions,
+    &MonitorOptions,   &ReportOptions,  &ProgressOptions,      &CheckpointOptions,
+    &MatrixOptions,    &PatchOptions,   &SolverOptions,        NULL};
 
 /* CatalogueTable - Returns table k of named rows, NULL after the last; not collective */
 const Table *CatalogueTable(PetscInt k)

@@ -1,4 +1,5 @@
 /* The program: answers a request that needs no run, or else creates a scene and solves it. */
+#include "isph/cases.h"
 #include "isph/catalogue.h"
 #include "isph/patch.h"
 #include "isph/run.h"
@@ -28,7 +29,7 @@ static PetscErrorCode Solve(void)
   Scene *scene;
 
   PetscFunctionBegin;
-  PetscCall(SceneCreate(&scene));
+  PetscCall(SceneCreate(&CaseOption, &scene));
   if (scene->problem->patch) PetscCall(PatchRun(scene));
   else PetscCall(FlowRun(scene));
   PetscCall(SceneDestroy(&scene));
@@ -101,6 +102,7 @@ int main(int argc, char **argv)
 
   /* A line of an error is one write: mpiexec mixes the writes of the ranks. */
   (void)setvbuf(stderr, NULL, _IOLBF, BUFSIZ);
+  OptionsKnow(CatalogueOptions);
   PrepareMpi();
   if (MPI_Init(&argc, &argv)) return 1;
   request = CommandLineRequest(&argc, argv);

@@ -114,8 +114,8 @@ PetscErrorCode CloudCreate(const CloudBox *box, const char options[], Cloud *clo
   PetscFunctionBegin;
   PetscCall(CloudOperators(box, options, cloud));
   PetscCall(OperatorsPlacement(&cloud->scene, cloud->ops, &walls));
-  PetscCall(
-      ParticlesCreate(&cloud->scene, walls, cloud->ops->forms.reach, NULL, &cloud->particles));
+  PetscCall(ParticlesCreate(&cloud->scene, cloud->ops->forms.reach, &cloud->particles));
+  PetscCall(ParticlesFill(&cloud->scene, walls, NULL, cloud->particles));
   PetscCall(
       NeighborsCreate(cloud->ops->forms.radius, SceneCoarsest(&cloud->scene), &cloud->neighbors));
   PetscCall(CloudAssemble(0.0, cloud));

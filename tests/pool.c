@@ -13,7 +13,8 @@ void PoolFill(PetscReal jitter, Pool *pool)
   forms->radius = forms->kernel->support * forms->h;
   pool->free    = (FreeSurface){0};
   scene->jitter = jitter;
-  ASSERT_OK(ParticlesCreate(scene, pool->s.walls, forms->radius, NULL, &pool->p));
+  ASSERT_OK(ParticlesCreate(scene, forms->radius, &pool->p));
+  ASSERT_OK(ParticlesFill(scene, pool->s.walls, NULL, pool->p));
   ASSERT_OK(NeighborsCreate(forms->radius, scene->dx, &pool->nb));
 }
 

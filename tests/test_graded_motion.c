@@ -71,7 +71,8 @@ static PetscReal MoveLong(Setting *s, PetscBool follows, PetscReal *volume)
   Particles   *p;
   PetscReal    uneven;
 
-  ASSERT_OK(ParticlesCreate(scene, s->walls, RADIUS * SceneCoarsest(scene), NULL, &p));
+  ASSERT_OK(ParticlesCreate(scene, RADIUS * SceneCoarsest(scene), &p));
+  ASSERT_OK(ParticlesFill(scene, s->walls, NULL, p));
   for (PetscInt step = 0; step < 500; step++) {
     Move(scene, follows, 0.004, p);
     ASSERT_OK(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
@@ -179,7 +180,8 @@ static void CheckPairs(Setting *s, const char options[])
   Neighbors      *nb;
 
   CrowdReadSpacing(options, &s->scene);
-  ASSERT_OK(ParticlesCreate(scene, s->walls, RADIUS * SceneCoarsest(scene), NULL, &p));
+  ASSERT_OK(ParticlesCreate(scene, RADIUS * SceneCoarsest(scene), &p));
+  ASSERT_OK(ParticlesFill(scene, s->walls, NULL, p));
   ASSERT_OK(NeighborsCreate(RADIUS * SceneCoarsest(scene), SceneCoarsest(scene), &nb));
   nb->slope = RADIUS * SceneGrowth(scene);
   for (PetscInt k = 0; k < 20; k++) {

@@ -97,7 +97,8 @@ static void CheckCloud(Setting *s, const char options[], PetscReal volume, Petsc
   PetscInt     about = 0, rows = 0, sizes = 0;
 
   ReadSpacing(options, &s->scene);
-  ASSERT_OK(ParticlesCreate(scene, s->walls, RADIUS * SceneCoarsest(scene), NULL, &p));
+  ASSERT_OK(ParticlesCreate(scene, RADIUS * SceneCoarsest(scene), &p));
+  ASSERT_OK(ParticlesFill(scene, s->walls, NULL, p));
   ASSERT_OK(NeighborsCreate(RADIUS * SceneCoarsest(scene), SceneCoarsest(scene), &nb));
   ASSERT_OK(NeighborsUpdate(p, 0.0, nb));
   CrowdCheckNeighbors(s, p, nb);

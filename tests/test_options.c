@@ -387,6 +387,7 @@ int main(int argc, char **argv)
   };
   int failed;
 
+  OptionsKnow(CatalogueOptions);
   if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;
   failed = cmocka_run_group_tests(tests, NULL, NULL);
   MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);

@@ -37,7 +37,8 @@ static void Follow(const Setting *s, PetscReal step, PetscInt n_steps)
   PetscReal   *tag[2];
   PetscInt     starts = 0;
 
-  ASSERT_OK(ParticlesCreate(scene, s->walls, RADIUS * scene->dx, NULL, &p));
+  ASSERT_OK(ParticlesCreate(scene, RADIUS * scene->dx, &p));
+  ASSERT_OK(ParticlesFill(scene, s->walls, NULL, p));
   ASSERT_OK(NeighborsCreate(RADIUS * scene->dx, scene->dx, &nb));
   ASSERT_OK(ParticlesRegister(p, "tag", 2, HALO_EPOCH, ENTRY_ZERO, tag));
   for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
@@ -122,7 +123,8 @@ static void test_balance(void **state)
 
   (void)state;
   MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  ASSERT_OK(ParticlesCreate(&s.scene, s.walls, RADIUS * s.scene.dx, NULL, &p));
+  ASSERT_OK(ParticlesCreate(&s.scene, RADIUS * s.scene.dx, &p));
+  ASSERT_OK(ParticlesFill(&s.scene, s.walls, NULL, p));
   for (PetscInt k = 0; k < 4; k++) {
     PetscInt most = p->n_fluid;
 
@@ -149,7 +151,8 @@ static void test_jitter(void **state)
 
   (void)state;
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  ASSERT_OK(ParticlesCreate(&s.scene, s.walls, RADIUS * s.scene.dx, NULL, &p));
+  ASSERT_OK(ParticlesCreate(&s.scene, RADIUS * s.scene.dx, &p));
+  ASSERT_OK(ParticlesFill(&s.scene, s.walls, NULL, p));
   CrowdGather(p, &some);
   for (PetscInt id = 0; id < p->N_fluid; id++) {
     const PetscInt cell[2] = {id % 16, id / 16};
@@ -167,7 +170,8 @@ static void test_jitter(void **state)
   { /* the same particles on a communicator of this rank only */
     MPI_Comm world   = PETSC_COMM_WORLD;
     PETSC_COMM_WORLD = PETSC_COMM_SELF;
-    differ += ParticlesCreate(&s.scene, s.walls, RADIUS * s.scene.dx, NULL, &p) ? 1 : 0;
+    differ += ParticlesCreate(&s.scene, RADIUS * s.scene.dx, &p) ? 1 : 0;
+    differ += ParticlesFill(&s.scene, s.walls, NULL, p) ? 1 : 0;
     CrowdGather(p, &alone);
     for (PetscInt k = 0; k < 2 * alone.n; k++) differ += alone.x[k] != some.x[k];
     differ += ParticlesDestroy(&p) ? 1 : 0;
@@ -188,7 +192,8 @@ static void test_cells_find(void **state)
   PetscInt      list[2000], wrong = 0;
 
   (void)state;
-  ASSERT_OK(ParticlesCreate(&s.scene, s.walls, RADIUS * s.scene.dx, NULL, &p));
+  ASSERT_OK(ParticlesCreate(&s.scene, RADIUS * s.scene.dx, &p));
+  ASSERT_OK(ParticlesFill(&s.scene, s.walls, NULL, p));
   ASSERT_OK(CellsBuild(p, 0.26, &cells));
   for (PetscInt k = 0; k < 60; k++) {
     const PetscReal x[2]   = {0.4 + 1.5 * CrowdNoise(k, 0), 0.9 + 1.5 * CrowdNoise(k, 1)};

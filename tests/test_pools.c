@@ -60,7 +60,8 @@ static void Fill(Start *start)
   forms->kernel    = (const KernelRow *)(const void *)TableGet(&KernelTable, 0);
   forms->h         = forms->h_over_dx * DX;
   forms->radius    = forms->kernel->support * forms->h;
-  ASSERT_OK(ParticlesCreate(scene, start->s.walls, forms->radius, NULL, &start->p));
+  ASSERT_OK(ParticlesCreate(scene, forms->radius, &start->p));
+  ASSERT_OK(ParticlesFill(scene, start->s.walls, NULL, start->p));
   ASSERT_OK(NeighborsCreate(forms->radius, DX, &start->nb));
   ASSERT_OK(NeighborsUpdate(start->p, 0.0, start->nb));
   ASSERT_OK(FreeSurfaceFind(scene, start->p, start->nb, forms, &start->free));

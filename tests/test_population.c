@@ -45,7 +45,8 @@ static void PopulationCreate(const Setting *s, Population *pop)
 {
   Particles *p;
 
-  ASSERT_OK(ParticlesCreate(&s->scene, s->walls, RADIUS * s->scene.dx, NULL, &p));
+  ASSERT_OK(ParticlesCreate(&s->scene, RADIUS * s->scene.dx, &p));
+  ASSERT_OK(ParticlesFill(&s->scene, s->walls, NULL, p));
   ASSERT_OK(NeighborsCreate(RADIUS * s->scene.dx, s->scene.dx, &pop->nb));
   PopulationFields(p, pop);
   for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
@@ -295,7 +296,8 @@ static void test_files(void **state)
   ASSERT_OK(PetscOptionsClearValue(NULL, "-checkpoint"));
 
   ASSERT_OK(PetscOptionsInsertString(NULL, "-restart c.h5"));
-  ASSERT_OK(ParticlesCreate(&s.scene, s.walls, RADIUS * s.scene.dx, NULL, &p));
+  ASSERT_OK(ParticlesCreate(&s.scene, RADIUS * s.scene.dx, &p));
+  ASSERT_OK(ParticlesFill(&s.scene, s.walls, NULL, p));
   again = pop;
   PopulationFields(p, &again);
   MakeRun(&s.scene, p, &second, &later, &none, &run);

@@ -26,7 +26,8 @@ static void CheckPairs(const Setting *s)
   Particles   *p;
   Neighbors   *nb;
 
-  ASSERT_OK(ParticlesCreate(scene, s->walls, RADIUS * scene->dx, NULL, &p));
+  ASSERT_OK(ParticlesCreate(scene, RADIUS * scene->dx, &p));
+  ASSERT_OK(ParticlesFill(scene, s->walls, NULL, p));
   ASSERT_OK(NeighborsCreate(RADIUS * scene->dx, scene->dx, &nb));
   Resize(scene, p);
   for (PetscInt step = 0; step < 4; step++) {
@@ -240,7 +241,8 @@ static void test_means(void **state)
   PetscReal     volume, sum, plain;
 
   (void)state;
-  ASSERT_OK(ParticlesCreate(&s.scene, s.walls, RADIUS * s.scene.dx, NULL, &p));
+  ASSERT_OK(ParticlesCreate(&s.scene, RADIUS * s.scene.dx, &p));
+  ASSERT_OK(ParticlesFill(&s.scene, s.walls, NULL, p));
   CloudAssertNone("equal volumes weigh 1", s.name, p->weight != (PetscReal)p->N_fluid);
   Resize(&s.scene, p);
   ASSERT_OK(FluidVec(p, NULL, &f));

@@ -112,7 +112,8 @@ static void CheckParticles(Setting *s, const char options[])
   PetscInt     wrong = 0;
 
   CrowdReadSpacing(options, &s->scene);
-  ASSERT_OK(ParticlesCreate(scene, s->walls, RADIUS * SceneCoarsest(scene), NULL, &p));
+  ASSERT_OK(ParticlesCreate(scene, RADIUS * SceneCoarsest(scene), &p));
+  ASSERT_OK(ParticlesFill(scene, s->walls, NULL, p));
   ASSERT_OK(NeighborsCreate(RADIUS * SceneCoarsest(scene), SceneCoarsest(scene), &nb));
   for (PetscInt i = 0; i < ParticlesOwn(p); i++) {
     PetscReal squares = 0.0;

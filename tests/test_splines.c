@@ -281,10 +281,8 @@ static void SetLinearPressure(Fixture *f, const PetscReal g[])
 static void TryPoints(const CloudBox *box, Fixture *f)
 {
   static const PetscReal g[ISPH_MAX_DIM] = {0.3, -0.7, 0.2};
-  Projection             pr              = {.splines = &f->splines};
 
   if (box->n_periodic) return;
-  f->scheme.data = &pr;
   SetLinearPressure(f, g);
   for (PetscInt m = 0; m < 40; m++) {
     const Scene *scene                = &f->cloud.scene;
@@ -300,11 +298,10 @@ static void TryPoints(const CloudBox *box, Fixture *f)
     if (scene->n_bodies && m % 2) (void)BodyPoint(SceneBody(scene, 0), m % 6, scene->dx, x, normal);
     for (PetscInt a = 0; a < scene->dim; a++) exact += g[a] * x[a] / scene->dx;
     if (scene->n_bodies && SceneDistance(scene, x, &(PetscInt){0}, normal) < -1e-12) continue;
-    ASSERT_OK(SplinesPressure(&f->flow, x, &p));
+    ASSERT_OK(SplinesPressure(&f->splines, f->flow.particles, x, &p));
     assert_int_equal(MPI_Allreduce(MPI_IN_PLACE, &p, 1, MPIU_REAL, MPIU_SUM, PETSC_COMM_WORLD), 0);
     CloudAssertNone("pressure at a point", box->name, !(PetscAbsReal(p - exact) < 1e-10));
   }
-  f->scheme.data = NULL;
 }
 
 /* Factors of 1, s, s^2 and s^3 along each axis. */

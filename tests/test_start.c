@@ -200,7 +200,8 @@ static void test_particles(void **state)
   MakeScene(PETSC_FALSE, PETSC_FALSE, &scene);
   WriteGiven("begin.h5", &given);
   Read(&scene, "begin.h5", &start, message);
-  assert_int_equal(ParticlesCreate(&scene, walls, 0.5, &start, &p), 0);
+  assert_int_equal(ParticlesCreate(&scene, 0.5, &p), 0);
+  assert_int_equal(ParticlesFill(&scene, walls, &start, p), 0);
   assert_int_equal(StartFree(&start), 0);
   assert_int_equal(p->N_fluid, ROWS);
   assert_int_equal(p->N_lattice, 25);
@@ -233,7 +234,8 @@ static void test_closest(void **state)
     if (wrong) given.x[4][0] = given.x[3][0] + 0.001;
     WriteGiven("closest.h5", &given);
     Read(&scene, "closest.h5", &start, message);
-    assert_int_equal(ParticlesCreate(&scene, walls, 0.5, &start, &p), 0);
+    assert_int_equal(ParticlesCreate(&scene, 0.5, &p), 0);
+    assert_int_equal(ParticlesFill(&scene, walls, &start, p), 0);
     assert_int_equal(NeighborsCreate(0.5, scene.dx, &nb), 0);
     assert_int_equal(PetscPushErrorHandler(CloudKeepMessage, message), 0);
     code = StartCheck(&scene, "closest.h5", p, nb);

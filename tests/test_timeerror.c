@@ -19,7 +19,8 @@ static void Make(Setting *s, Flow *flow, Clock *clock, FlowState *state, Scheme 
   *state  = (FlowState){.epoch = 0};
   *scheme = (Scheme){.row = &row};
   *flow   = (Flow){.scene = &s->scene, .clock = clock, .state = state, .scheme = scheme};
-  ASSERT_OK(ParticlesCreate(&s->scene, s->walls, RADIUS * s->scene.dx, NULL, &flow->particles));
+  ASSERT_OK(ParticlesCreate(&s->scene, RADIUS * s->scene.dx, &flow->particles));
+  ASSERT_OK(ParticlesFill(&s->scene, s->walls, NULL, flow->particles));
   for (PetscInt a = 0; a < s->scene.dim; a++) {
     ASSERT_OK(FluidVec(flow->particles, NULL, &state->u[a]));
     ASSERT_OK(FluidVec(flow->particles, NULL, &state->u_prev[a]));

@@ -2,9 +2,10 @@
 #ifndef ISPH_CATALOGUE_H
 #define ISPH_CATALOGUE_H
 
-#include "isph/base.h"
+#include "isph/options.h"
 
-const Table   *CatalogueTable(PetscInt k);
-PetscErrorCode CatalogueView(PetscViewer viewer);
+extern const OptionTable *const CatalogueOptions[]; /* of OptionsKnow(); NULL after the last */
+const Table                    *CatalogueTable(PetscInt k);
+PetscErrorCode                  CatalogueView(PetscViewer viewer);
 
 #endif

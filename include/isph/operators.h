@@ -137,7 +137,8 @@ typedef struct {
   PetscBool  there;     /* a fluid particle of any rank is on the surface, or isolated */
   PetscBool  has_rough; /* a fluid particle of any rank is rough, or paired */
   PetscReal  tension;   /* surface tension; 0: none [N/m] */
-  PetscReal *paired;    /* not 0: own particle has pair forces, see BurstSolve(); NULL: none */
+  PetscBool  fitted; /* fits of the viscous term have its condition; else pair forces everywhere */
+  PetscReal *paired; /* not 0: own particle has pair forces, see BurstSolve(); NULL: none */
 } FreeSurface;
 
 typedef struct Assembly Assembly; /* workspace of a row, see src/rows/assembly.h */

@@ -82,7 +82,9 @@ typedef struct {
     title, NULL, pointers, (PetscInt)(sizeof(pointers) / sizeof((pointers)[0]))                    \
   }
 
-/* Returns table k of all tables of options, NULL beyond the last; defined in src/catalogue.c. */
+/* All tables of options, which the program hands in: src/catalogue.c. */
+void               OptionsKnow(const OptionTable *const tables[]);
+PetscBool          OptionsAreKnown(void);
 const OptionTable *OptionTableGet(PetscInt k);
 
 #define OPTION_LENGTH 128 /* of a name */

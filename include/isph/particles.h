@@ -128,8 +128,9 @@ typedef struct {
   void *ctx;                /* of Value */
 } NewParticles;
 
-PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscReal halo_width,
-                               const FluidStart *start, Particles **particles);
+PetscErrorCode ParticlesCreate(const Scene *scene, PetscReal halo_width, Particles **particles);
+PetscErrorCode ParticlesFill(const Scene *scene, WallPlacement walls, const FluidStart *start,
+                             Particles *particles);
 PetscErrorCode ParticlesDestroy(Particles **particles);
 PetscErrorCode ParticlesRegister(Particles *particles, const char name[], PetscInt components,
                                  HaloPolicy halo, EntryPolicy entry, PetscReal **slot);

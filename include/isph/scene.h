@@ -7,6 +7,7 @@
 #define ISPH_SCENE_H
 
 #include "isph/expression.h"
+#include "isph/geometry.h"
 
 typedef struct Scene  Scene;
 typedef struct Flow   Flow;
@@ -28,39 +29,9 @@ extern const char *const PhysicsNames[PHYSICS_COUNT + 1]; /* in the order of bit
 #define WALL_NAME            24 /* size of a wall name */
 #define PLACE_TEXT           48 /* size of the text of a place */
 #define KIND_NAME            32 /* size of the name of a kind of boundaries, with a comma */
-#define BODY_PARAMETERS      64
 #define SCENE_MAX_FLUIDS     8
 #define SCENE_MAX_FILLED     16
 #define SCENE_ON_SURFACE     1e-9 /* rounding of distances from a surface [dx] */
-
-/* Solid bodies; with `around` the fluid is inside, and the solid surrounds it. */
-typedef struct Body     Body;
-typedef struct ShapeRow ShapeRow;
-struct ShapeRow {
-  const char     *name, *brief, *citation;
-  PetscInt        fewest, most;   /* allowed numbers of parameters, at most BODY_PARAMETERS */
-  PetscBool       round;          /* invariant under rotation about an axis along z through its
-                                         centre */
-  const ShapeRow *outline;        /* in 3D: plane shape of a body along z, or of the meridian */
-  PetscBool       revolves, ends; /* with an outline: it is a meridian; it ends inside the box */
-  const char *(*Prepare)(Body *body); /* sets centre and extent; returns NULL or a fault */
-  void (*Span)(const Body *body, PetscInt axis, PetscReal span[2]); /* see BodySpan() */
-  PetscReal (*Distance)(const Body *body, const PetscReal x[],
-                        PetscReal normal[]);         /* outside > 0 */
-  PetscInt (*Count)(const Body *body, PetscReal dx); /* points on the surface */
-  PetscReal (*Point)(const Body *body, PetscInt k, PetscReal dx, PetscReal x[],
-                     PetscReal normal[]); /* returns the length, or area, of its surface part */
-};
-extern const Table ShapeTable, SolidTable; /* of the plane, and of space */
-struct Body {
-  const ShapeRow *shape;
-  PetscInt        n;
-  PetscReal       parameter[2 * BODY_PARAMETERS]; /* of the shape; with a mirrored meridian [m] */
-  PetscReal       centre[ISPH_MAX_DIM];           /* [m] */
-  PetscReal       extent;                         /* largest distance of the surface from it [m] */
-  PetscReal       ends[2]; /* along z, of a shape with an outline in 3D [m] */
-  PetscBool       around;
-};
 
 /* Properties of a kind of boundary; all other code depends on these instead of the kind. */
 typedef enum {
@@ -124,8 +95,7 @@ typedef struct {
 
 /*
   A case: geometry, initial and boundary values, exact solution or reference data, but no time loop
-  and no scheme. Each case has a file in cases/ with the row at its end, and a name in
-  cases/cases.c.
+  and no scheme.
 */
 typedef struct {
   const char *name, *brief, *citation;
@@ -253,7 +223,6 @@ struct Scene {
   PetscReal    margin; /* of a patch test: omitted at each side [dx] */
 };
 
-extern const Table       CaseTable; /* cases/cases.c */
 extern const OptionTable SceneOptions, SpacingOptions, TypedOptions, BoundaryOptions,
     OpeningOptions, RheologyOptions;
 
@@ -272,7 +241,7 @@ PetscInt       SideSamples(const Scene *scene, PetscInt side);
 PetscReal      SideSample(const Scene *scene, PetscInt side, PetscInt k, PetscReal x[]);
 PetscReal      SideEntering(PetscInt side, const PetscReal u[]);
 PetscReal InflowPressureSlope(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[]);
-PetscErrorCode SceneCreate(Scene **scene);
+PetscErrorCode SceneCreate(const OptionRow *cases, Scene **scene);
 PetscErrorCode SceneDestroy(Scene **scene);
 const char    *ScenePlaceText(const Scene *scene, const PetscReal x[], char text[PLACE_TEXT]);
 PetscBool      SceneHas(const Scene *scene, Physics what);
@@ -359,18 +328,10 @@ void        BodyCircle(const Scene *scene, PetscReal x, PetscReal y, PetscReal r
 void        BodyBall(const Scene *scene, const PetscReal centre[], PetscReal r, Body *body);
 const char *BodyPolygon(const Scene *scene, PetscInt corners, const PetscReal x[], Body *body);
 const ShapeRow *BodyOutline(const Scene *scene, const Body *body);
-PetscBool       BodyReachesThrough(const Body *body, PetscInt axis);
-PetscInt        BodyLines(const Body *body, PetscInt axis, PetscReal line[]);
-PetscInt        ShapeRingCount(PetscReal r, PetscReal dx);
-PetscReal       BodyThickness(const Body *body, PetscReal dx, PetscReal limit,
-                              PetscReal place[ISPH_MAX_DIM]);
 void      BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2]);
-void      BodySpan(const Body *body, PetscInt axis, PetscReal span[2]);
 PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
                        PetscReal normal[]);
-PetscInt  BodyPoints(const Body *body, PetscReal dx);
 PetscReal BodySpacing(const Scene *scene, const Body *body);
-PetscReal BodyPoint(const Body *body, PetscInt k, PetscReal dx, PetscReal x[], PetscReal normal[]);
 PetscReal SceneDistanceTo(const Scene *scene, unsigned properties, const PetscReal x[],
                           PetscInt *side);
 PetscReal SceneFluidDistance(const Scene *scene, const PetscReal x[], PetscInt *side);

@@ -1,53 +1,8 @@
 /*
-  Bodies, and regions with the same shapes: their geometry in the scene, with periodic images, and
-  for fluid on either side of the surface.
+  Bodies, and regions with the same shapes: their extent, faces, thickness and the points on their
+  surface.
 */
 #include "shapes.h"
-
-/*
-  BodySet - Sets a body from the numbers of its shape [m]
-
-  Not collective. The fluid is outside the body. Its centre, about which it may rotate, is the
-  centroid of its area or volume. The scene gives the ends of prisms in 3D. Returns: NULL, or a
-  message about the wrong numbers.
-*/
-const char *BodySet(const Scene *scene, const ShapeRow *shape, PetscInt n, const PetscReal number[],
-                    Body *body)
-{
-  *body = (Body){.shape = shape, .n = n};
-  for (PetscInt k = 0; k < n; k++) body->parameter[k] = number[k];
-  for (PetscInt end = 0; end < 2 && shape->outline; end++)
-    body->ends[end] = end ? scene->hi[2] : scene->lo[2];
-  body->centre[2] = 0.5 * (body->ends[0] + body->ends[1]);
-  return shape->Prepare(body);
-}
-
-/* BodyCircle - Sets a body to a circle of radius r > 0 about (x, y), in 3D to a cylinder along z
-   [m]; not collective */
-void BodyCircle(const Scene *scene, PetscReal x, PetscReal y, PetscReal r, Body *body)
-{
-  const PetscReal number[3] = {x, y, r};
-
-  (void)BodySet(scene, scene->dim == 3 ? &ShapeCylinder : &ShapeCircle, 3, number, body);
-}
-
-/* BodyBall - Sets a body to a circle of radius r > 0, in 3D to a ball [m]; not collective */
-void BodyBall(const Scene *scene, const PetscReal centre[], PetscReal r, Body *body)
-{
-  PetscReal number[ISPH_MAX_DIM + 1];
-
-  for (PetscInt a = 0; a < scene->dim; a++) number[a] = centre[a];
-  number[scene->dim] = r;
-  (void)BodySet(scene, scene->dim == 3 ? &ShapeBall : &ShapeCircle, scene->dim + 1, number, body);
-}
-
-/* BodyPolygon - Sets a body to a polygon with 3 to 32 corners x, y [m], in 3D to the body that it
-   makes with a turn about the axis z, with corners r >= 0, z; returns NULL or a fault; not
-   collective */
-const char *BodyPolygon(const Scene *scene, PetscInt corners, const PetscReal x[], Body *body)
-{
-  return BodySet(scene, scene->dim == 3 ? &ShapeRevolved : &ShapePolygon, 2 * corners, x, body);
-}
 
 /* BodySpan - Computes the least and largest coordinate of a body along an axis [m]; not
    collective */
@@ -83,13 +38,6 @@ PetscInt BodyLines(const Body *body, PetscInt axis, PetscReal line[])
   return axis < 2 ? corners : 2;
 }
 
-/* BodyOutline - Returns the plane shape of the outline of a body along z, or of the meridian of one
-   that revolves; plane shapes are their own outline; NULL if there is none; not collective */
-const ShapeRow *BodyOutline(const Scene *scene, const Body *body)
-{
-  return scene->dim == 2 ? body->shape : body->shape->outline;
-}
-
 /*
   BodyThickness - Returns the least thickness of a body between opposite surfaces [m]
 
@@ -120,76 +68,6 @@ PetscReal BodyThickness(const Body *body, PetscReal dx, PetscReal limit,
     }
   }
   return thinnest;
-}
-
-/*
-  Returns the signed distance of x from the nearest periodic image of a body, positive outside its
-  outline, also for a body around the fluid [m]. Output: y - x shifted by periods, so that its
-  position relative to the body is the position of x relative to that image; normal - out of the
-  outline.
-*/
-static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscReal x[],
-                              PetscReal y[ISPH_MAX_DIM], PetscReal normal[])
-{
-  PetscReal base[ISPH_MAX_DIM] = {0.0}, step[ISPH_MAX_DIM] = {0.0}, best = PETSC_INFINITY;
-  PetscInt  periodic = 0; /* bits of the axes along which there are images */
-
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    const PetscReal period = scene->hi[a] - scene->lo[a];
-    PetscReal       span[2], middle;
-
-    base[a] = x[a];
-    if (!SceneIsPeriodic(scene, a) || BodyReachesThrough(body, a)) continue;
-    BodySpan(body, a, span);
-    middle = 0.5 * (span[0] + span[1]);
-    base[a] -= period * PetscFloorReal((x[a] - middle) / period + 0.5);
-    step[a] = base[a] > middle ? -period : period; /* to the image on the other side of x */
-    periodic |= 1 << a;
-  }
-  for (PetscInt image = 0; image < 1 << scene->dim; image++) {
-    PetscReal z[ISPH_MAX_DIM], distance, n[ISPH_MAX_DIM] = {0.0};
-
-    if (image & ~periodic) continue;
-    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) z[a] = base[a] + (image >> a & 1) * step[a];
-    distance = body->shape->Distance(body, z, n);
-    if (distance >= best) continue;
-    best = distance;
-    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
-      y[a]      = z[a];
-      normal[a] = n[a];
-    }
-  }
-  return best;
-}
-
-/*
-  BodyArm - Computes the vector from the centre of a body to x, along x and y [m]
-
-  Not collective. In a periodic box the image of the body nearest to x is used.
-*/
-void BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2])
-{
-  PetscReal y[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
-
-  (void)NearestImage(scene, body, x, y, normal);
-  for (PetscInt a = 0; a < 2; a++) arm[a] = y[a] - body->centre[a];
-}
-
-/*
-  BodyDistance - Returns the distance from the surface of a body, positive in the fluid [m]
-
-  Not collective. In a periodic box the nearest image of the body is used. Output: normal - into the
-  fluid, at the surface point nearest to x.
-*/
-PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
-                       PetscReal normal[])
-{
-  PetscReal       y[ISPH_MAX_DIM];
-  const PetscReal distance = NearestImage(scene, body, x, y, normal);
-
-  if (!body->around) return distance;
-  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) normal[a] = -normal[a];
-  return -distance;
 }
 
 /* BodyPoints - Returns the number of surface points dx apart; not collective */

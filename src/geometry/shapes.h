@@ -1,8 +1,8 @@
 /* Shapes in the plane and in space, and what they share. */
-#ifndef ISPH_SCENE_SHAPES_H
-#define ISPH_SCENE_SHAPES_H
+#ifndef ISPH_GEOMETRY_SHAPES_H
+#define ISPH_GEOMETRY_SHAPES_H
 
-#include "isph/scene.h"
+#include "isph/geometry.h"
 
 extern const ShapeRow ShapeCircle, ShapePolygon;               /* shapes.c */
 extern const ShapeRow ShapeBall, ShapeCylinder, ShapeRevolved; /* solids.c */

@@ -251,6 +251,7 @@ PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **o
   if (SceneHasFreeSurface(scene)) {
     PetscCall(PetscNew(&ops->free));
     ops->free->tension = scene->tension;
+    ops->free->fitted  = LaplacianFitsSurface(&ops->forms.visc);
   } else ShareAllRows(ops);
   ChooseRows(scene, ops);
   PetscCall(ChooseFitted(scene, ops));

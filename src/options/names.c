@@ -1,10 +1,32 @@
 /*
-  Names of options: search in all tables, and the known name nearest to a misspelt one.
+  Names of options: search in all tables, and the known name nearest to a misspelt one. main() hands
+  in the tables, because those of later stages stand above this folder.
 */
 #include "isph/options.h"
 #include <ctype.h>
 #include <string.h>
 #include <strings.h>
+
+static const OptionTable *const *known; /* all tables, NULL after the last */
+
+/* OptionsKnow - Hands in all tables of options, NULL after the last, which must exist to the end of
+   the program; not collective. Without them, as in tests of a part, no name is refused. */
+void OptionsKnow(const OptionTable *const tables[])
+{
+  known = tables;
+}
+
+/* OptionsAreKnown - Returns true if OptionsKnow() has handed in the tables; not collective */
+PetscBool OptionsAreKnown(void)
+{
+  return known ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* OptionTableGet - Returns option table k, NULL after the last; not collective */
+const OptionTable *OptionTableGet(PetscInt k)
+{
+  return known ? known[k] : NULL;
+}
 
 /* Returns true if a name matches a pattern, in which <k> is a number and <word> one of places. As
    in PETSc, capitals and small letters are equal. */

@@ -296,8 +296,8 @@ PetscErrorCode OptionGetRow(const OptionRow *row, const char standard[], void *c
 PetscErrorCode OptionTyped(const char option[], const char **text, PetscBool *given)
 {
   PetscFunctionBegin;
-  PetscCheck(OptionFind(option), PETSC_COMM_WORLD, PETSC_ERR_PLIB, "%s is in no table of options",
-             option);
+  PetscCheck(!OptionsAreKnown() || OptionFind(option), PETSC_COMM_WORLD, PETSC_ERR_PLIB,
+             "%s is in no table of options", option);
   PetscCall(ReadText(option, text, given));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,6 +1,7 @@
 /*
-  Creation and destruction of the particles of a run. Every array with values of particles is a
-  registered field, so that migration and sorting treat all arrays alike.
+  Creation and destruction of particles, their sizes, and random numbers by their ids. Every array
+  with values of particles is a registered field, so that migration and sorting treat all arrays
+  alike.
 */
 #include "impl.h"
 
@@ -42,91 +43,20 @@ static PetscErrorCode RegisterOwnFields(const Scene *scene, Particles *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the viscosities of fluid: given values, or SceneViscosity() at the positions. */
-static void SetViscosities(const Scene *scene, const FluidStart *start, Particles *p)
-{
-  for (PetscInt i = 0; p->nu && i < p->n_fluid; i++) {
-    PetscReal x[ISPH_MAX_DIM];
-
-    for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
-    p->nu[i] = start && start->nu ? start->nu[i] : SceneViscosity(scene, x);
-  }
-}
-
-/* Removes the new wall particles on surfaces that are buried in another boundary. */
-static PetscErrorCode LeaveBuriedWalls(const Scene *scene, Particles *p)
-{
-  const PetscInt own = ParticlesOwn(p);
-  PetscInt       n   = 0;
-  RecordColumns  columns;
-  PetscReal     *record;
-
-  PetscFunctionBegin;
-  if (!scene->n_bodies || !SceneHas(scene, PHYSICS_WALLS)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1(ParticlesRecordWidth(p), &record));
-  PetscCall(RecordsBegin(p, &columns));
-  for (PetscInt i = p->n_fluid; i < own; i++) {
-    const PetscInt to              = p->n_fluid + n;
-    PetscReal      x[ISPH_MAX_DIM] = {0.0};
-
-    for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
-    if (p->depth[i] == 0.0 && SceneIsBuried(scene, (PetscInt)p->side[i], x)) continue;
-    RecordPack(p, &columns, i, record);
-    RecordUnpack(&columns, record, to);
-    p->id[to]   = p->id[i];
-    p->kind[to] = p->kind[i];
-    n++;
-  }
-  PetscCall(RecordsEnd(&columns));
-  PetscCall(PetscFree(record));
-  p->n_wall = n;
-  PetscCallMPI(MPI_Allreduce(&n, &p->N_wall, 1, MPIU_INT, MPI_SUM, p->comm));
-  p->N_start[1] = p->N_wall;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Creates particles whose spacing is a function of place, or that do not fill the box. */
-static PetscErrorCode CreateCloud(const Scene *scene, WallPlacement walls, Particles *p)
-{
-  Cloud cloud;
-
-  PetscFunctionBegin;
-  PetscCall(CloudFill(scene, walls, p, &cloud));
-  PetscCall(LeaveBuriedWalls(scene, p));
-  PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
-  if (cloud.relaxed) PetscCall(CloudRelax(scene, &cloud, p));
-  PetscCall(CloudFinish(scene, &cloud, p));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
-  ParticlesCreate - Fills the box with fluid particles and its sides with wall particles
-
-    x_j = lo + (j + 1/2) (hi - lo) / cells + jitter dx xi,  xi uniform in (-1, 1)^dim
-
-  or, with -spacing_wall, at the places of SceneLatticePlace(); with isotropic grading at the places
-  of CloudRelax().
+  ParticlesCreate - Creates an empty set of particles with its fields; ParticlesFill() fills it
 
   Collective on PETSC_COMM_WORLD
 
   Input Parameters:
 + scene      - the scene
-. walls      - placement of wall particles for the wall treatment; ignored without PHYSICS_WALLS
-. halo_width - largest interaction radius of any operator [m]
-- start      - given positions of the fluid; NULL: the fluid fills the lattice
-
-  Output Parameter:
-. particles - the particles in their first epoch, with a filled halo; pressures are zero, velocities
-              too unless start has velocities
+- halo_width - largest interaction radius of any operator [m]
 
   Options Database Key:
 . -skin <4> - width of the halo beyond halo_width; half of it is the largest displacement within an
               epoch [dx]
-
-  Note: xi is a hash of (seed, id, axis) and does not depend on the number of ranks.
 */
-PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscReal halo_width,
-                               const FluidStart *start, Particles **particles)
+PetscErrorCode ParticlesCreate(const Scene *scene, PetscReal halo_width, Particles **particles)
 {
   Particles  *p;
   PetscReal   skin;
@@ -150,16 +80,7 @@ PetscErrorCode ParticlesCreate(const Scene *scene, WallPlacement walls, PetscRea
   PetscCallMPI(MPI_Type_commit(&p->vector));
   PetscCall(RegisterOwnFields(scene, p));
 
-  if (scene->grading.on || (scene->n_filled && !start)) {
-    PetscCall(CreateCloud(scene, walls, p));
-  } else {
-    PetscCall(LatticeFill(scene, walls, start, p));
-    PetscCall(LeaveBuriedWalls(scene, p));
-  }
-  SetViscosities(scene, start, p);
-  PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
-  p->weight_start = p->weight_found = p->weight;
-  *particles                        = p;
+  *particles = p;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -188,4 +109,61 @@ PetscErrorCode ParticlesDestroy(Particles **particles)
   PetscCallMPI(MPI_Type_free(&p->vector));
   PetscCall(PetscFree(*particles));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets spacing, stretch and volume of local particle i for its place. */
+static void Resize(const Scene *scene, Particles *p, PetscInt i)
+{
+  PetscReal x[ISPH_MAX_DIM] = {0.0}, stretch[ISPH_MAX_DIM];
+
+  for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+  SceneSizes(scene, x, &p->dx[i], stretch, &p->volume[i]);
+  for (PetscInt a = 0; a < p->dim; a++)
+    if (p->stretch[a]) p->stretch[a][i] = stretch[a];
+}
+
+/*
+  ParticlesResize - Sets the sizes of all local fluid particles for their present places
+
+    V_i = (sum V at the start/sum_j SceneVolumeAt(x_j)) SceneVolumeAt(x_i)
+
+  Collective. Sets spacing, stretch and volume of own particles and of the halo. The factor keeps
+  the volume of the fluid; weight_found is the weight without it. Wall particles keep their sizes.
+*/
+PetscErrorCode ParticlesResize(const Scene *scene, Particles *p)
+{
+  PetscReal sum = 0.0;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < ParticlesAll(p); i++) {
+    if (ParticlesIsWall(p, i)) continue;
+    Resize(scene, p, i);
+    if (i < p->n_fluid) sum += ParticlesWeight(p, i);
+  }
+  PetscCallMPI(MPI_Allreduce(&sum, &p->weight_found, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  for (PetscInt i = 0; i < ParticlesAll(p); i++)
+    if (!ParticlesIsWall(p, i)) p->volume[i] *= p->weight_start / p->weight_found;
+  p->weight = p->weight_start;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ParticlesHash - Returns a number in (-1, 1) that depends on its arguments only, not on ranks or
+  order
+
+  Not collective. It applies the finaliser of SplitMix64 twice. Input: axis - less than 4.
+
+  Reference: G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014
+*/
+PetscReal ParticlesHash(PetscInt seed, PetscInt64 id, PetscInt axis)
+{
+  uint64_t z = (uint64_t)seed * 0xD1342543DE82EF95u + (uint64_t)id * 4u + (uint64_t)axis;
+
+  for (int round = 0; round < 2; round++) {
+    z += 0x9E3779B97F4A7C15u;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    z ^= z >> 31;
+  }
+  return 2.0 * (((PetscReal)(z >> 11) + 0.5) / 9007199254740992.0) - 1.0;
 }

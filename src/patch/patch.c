@@ -185,7 +185,8 @@ static PetscErrorCode PatchCreate(Scene *scene, Patch *patch)
   PetscCall(OperatorsCreate(scene, NEED_VISCOSITY | NEED_MATRICES, &patch->ops));
   PetscCall(PatchReadOptions(patch));
   PetscCall(OperatorsPlacement(scene, patch->ops, &around));
-  PetscCall(ParticlesCreate(scene, around, patch->ops->forms.reach, NULL, &patch->particles));
+  PetscCall(ParticlesCreate(scene, patch->ops->forms.reach, &patch->particles));
+  PetscCall(ParticlesFill(scene, around, NULL, patch->particles));
   PetscCall(NeighborsCreate(patch->ops->forms.radius, SceneCoarsest(scene), &patch->neighbors));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

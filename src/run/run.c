@@ -57,8 +57,8 @@ static PetscErrorCode RunFill(Run *run, const char path[], const FluidStart *sta
 
   PetscFunctionBegin;
   PetscCall(OperatorsPlacement(flow->scene, flow->ops, &walls));
-  PetscCall(ParticlesCreate(flow->scene, walls, flow->ops->forms.reach, path[0] ? start : NULL,
-                            &flow->particles));
+  PetscCall(ParticlesCreate(flow->scene, flow->ops->forms.reach, &flow->particles));
+  PetscCall(ParticlesFill(flow->scene, walls, path[0] ? start : NULL, flow->particles));
   if (flow->particles->nu && SceneIsNewtonian(flow->scene)) {
     PetscCall(SceneBoundGivenViscosity(flow->particles->n_fluid, flow->particles->nu, flow->scene));
   }

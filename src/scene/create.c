@@ -5,7 +5,6 @@
 #include "isph/scene.h"
 
 enum {
-  CASE,
   DIM,
   RESOLUTION,
   LENGTH,
@@ -25,14 +24,6 @@ enum {
   PATCH_MARGIN
 };
 static const OptionRow options[] = {
-    [CASE] =
-        {
-            .name     = "-case",
-            .kind     = VALUE_NAME,
-            .brief    = "flow or patch test to compute",
-            .standard = "cavity",
-            .table    = &CaseTable,
-        },
     [DIM] =
         {
             .name     = "-dim",
@@ -201,7 +192,7 @@ static const OptionRow options[] = {
             .where    = "-case patch",
         },
 };
-const OptionTable SceneOptions = OPTIONS("Case and fluid", options);
+const OptionTable SceneOptions = OPTIONS("Physics and fluid", options);
 
 /* Reads -with and -without and checks them against the physics of the case. */
 static PetscErrorCode SceneReadPhysics(Scene *scene)
@@ -346,6 +337,9 @@ PetscErrorCode SceneNameConstants(Scene *scene)
 
   Collective on PETSC_COMM_WORLD.
 
+  Input Parameter:
+. cases - the option that chooses the case, with the table of cases
+
   Output Parameter:
 . scene - complete: geometry in m, fluid, forces and chosen physics
 
@@ -369,14 +363,14 @@ PetscErrorCode SceneNameConstants(Scene *scene)
 
   Notes: a patch test reads no options of fluid and physics.
 */
-PetscErrorCode SceneCreate(Scene **scene)
+PetscErrorCode SceneCreate(const OptionRow *cases, Scene **scene)
 {
   Scene *s;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&s));
   s->length = s->speed = s->rho = 1.0;
-  PetscCall(OptionGetRow(&options[CASE], NULL, &s->problem));
+  PetscCall(OptionGetRow(cases, NULL, &s->problem));
   PetscCall(SceneReadPhysics(s));
   PetscCall(SceneReadNumbers(s));
   SceneSetSides(s, &BoundaryWall);

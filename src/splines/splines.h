@@ -349,9 +349,10 @@ PetscErrorCode SplinesDestroy(Splines **splines);
 PetscErrorCode SplinesStart(const Flow *flow, Splines *s);
 PetscErrorCode SplinesBegin(Splines *s);
 PetscErrorCode SplinesDivergence(Flow *flow, Splines *s, const Vec u[], PetscReal t, Vec d);
-PetscErrorCode SplinesProject(Flow *flow);
-PetscErrorCode SplinesPressure(const Flow *flow, const PetscReal x[], PetscReal *p);
-PetscErrorCode SplinesAverage(Flow *flow, PetscReal length, PetscReal dt);
+PetscErrorCode SplinesSpread(Flow *flow, Splines *s);
+PetscErrorCode SplinesPressure(const Splines *s, const Particles *particles, const PetscReal x[],
+                               PetscReal *p);
+PetscErrorCode SplinesAverage(PetscReal length, PetscReal dt, Splines *s, Vec mean);
 PetscErrorCode SplinesView(const Splines *s, PetscViewer viewer);
 
 #endif

@@ -1,5 +1,5 @@
-/* The projection with the pressure on splines: divergence, right-hand side of the increment, and
-   correction. Its matrix is in splinematrix.c. */
+/* The pressure on splines in a step: its start, the divergence of a velocity, and its values on
+   particles. The matrix is in splinematrix.c. */
 #include "splines.h"
 
 /*
@@ -158,9 +158,9 @@ PetscErrorCode SplinesDivergence(Flow *flow, Splines *s, const Vec u[], PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the pressure of particles to the splines' and removes an undetermined mean; keeps a copy in
-   the order of the lattice. */
-static PetscErrorCode SpreadPressure(Flow *flow, Splines *s)
+/* SplinesSpread - Sets the pressure of particles to the splines' and removes an undetermined mean;
+   keeps a copy in the order of the lattice; collective */
+PetscErrorCode SplinesSpread(Flow *flow, Splines *s)
 {
   FlowState *state = flow->state;
   PetscReal  sum;
@@ -178,52 +178,16 @@ static PetscErrorCode SpreadPressure(Flow *flow, Splines *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  SplinesProject - Solves for the pressure increment from div u*, and corrects velocity and pressure
-
-    A phi = -scale^2 rho/k D u*,   u = u* - k/rho G phi,   p = [p^n] + s (phi [- c mu div u*])
-
-  Collective. The terms are those of UpdatePressure(). There is no wall condition of the pressure:
-  the splines take part in the balance of volume at walls.
-*/
-PetscErrorCode SplinesProject(Flow *flow)
-{
-  Projection     *pr    = (Projection *)flow->scheme->data;
-  const Scene    *scene = flow->scene;
-  FlowState      *state = flow->state;
-  Splines        *s     = pr->splines;
-  const PetscReal gain = PressureGain(flow), t = flow->clock->t + flow->clock->dt;
-
-  PetscFunctionBegin;
-  PetscCall(SplinesDivergence(flow, s, state->u_next, t, s->b));
-  PetscCall(VecPointwiseDivide(s->divergence, s->b, s->mass));
-  PetscCall(SplinesValue(s, s->divergence, state->divergence));
-  PetscCall(VecScale(s->b, -PetscSqr(s->scale) * scene->rho / pr->k));
-  PetscCall(PressureSolve(flow, s->b, s->phi, pr->ppe));
-  if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SplinesAccelerate(s, s->phi, -pr->k / scene->rho, state->u_next));
-  PetscCall(VecCopy(state->p, state->p_before));
-  if (!pr->row->incremental) PetscCall(VecZeroEntries(s->p));
-  PetscCall(VecAXPY(s->p, gain, s->phi));
-  if (pr->row->rotational && SceneHas(scene, PHYSICS_VISCOSITY)) {
-    const PetscReal dilatation = LaplacianDilatation(&flow->ops->forms.visc, flow->scene->dim);
-
-    PetscCall(VecAXPY(s->p, -gain * dilatation * scene->rho * scene->nu_low, s->divergence));
-  }
-  PetscCall(SpreadPressure(flow, s));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* SplinesPressure - Computes this rank's part of the pressure at a point [Pa]; the sum over all
    ranks is the pressure; not collective */
-PetscErrorCode SplinesPressure(const Flow *flow, const PetscReal x[], PetscReal *p)
+PetscErrorCode SplinesPressure(const Splines *s, const Particles *particles, const PetscReal x[],
+                               PetscReal *p)
 {
-  const Splines     *s = ((const Projection *)flow->scheme->data)->splines;
   const PetscScalar *coefficient;
   SplineRow          at;
 
   PetscFunctionBegin;
-  SplineRowAt(s, &s->pressure, flow->particles, x, &at);
+  SplineRowAt(s, &s->pressure, particles, x, &at);
   *p = 0.0;
   PetscCall(VecGetArrayRead(s->p, &coefficient));
   for (PetscInt k = 0; k < at.n; k++) {
@@ -236,10 +200,9 @@ PetscErrorCode SplinesPressure(const Flow *flow, const PetscReal x[], PetscReal 
 }
 
 /* SplinesAverage - Adds the pressure over dt to its mean over a time `length`, and sets the mean of
-   the particles to that of the splines; collective */
-PetscErrorCode SplinesAverage(Flow *flow, PetscReal length, PetscReal dt)
+   particles to that of the splines; collective */
+PetscErrorCode SplinesAverage(PetscReal length, PetscReal dt, Splines *s, Vec mean)
 {
-  Splines     *s = ((Projection *)flow->scheme->data)->splines;
   PetscScalar *kept;
   PetscInt     n;
 
@@ -250,7 +213,7 @@ PetscErrorCode SplinesAverage(Flow *flow, PetscReal length, PetscReal dt)
     kept[k + 1] = (length * kept[k + 1] + dt * kept[k]) / (length + dt);
   PetscCall(VecRestoreArray(s->kept, &kept));
   PetscCall(GetKept(1, s, s->b));
-  PetscCall(SplinesValue(s, s->b, flow->state->average.vec));
+  PetscCall(SplinesValue(s, s->b, mean));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

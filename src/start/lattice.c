@@ -48,27 +48,6 @@ static PetscErrorCode WallSlabsCreate(const Scene *scene, WallPlacement walls, W
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  ParticlesHash - Returns a number in (-1, 1) that depends on its arguments only, not on ranks or
-  order
-
-  Not collective. It applies the finaliser of SplitMix64 twice. Input: axis - less than 4.
-
-  Reference: G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014
-*/
-PetscReal ParticlesHash(PetscInt seed, PetscInt64 id, PetscInt axis)
-{
-  uint64_t z = (uint64_t)seed * 0xD1342543DE82EF95u + (uint64_t)id * 4u + (uint64_t)axis;
-
-  for (int round = 0; round < 2; round++) {
-    z += 0x9E3779B97F4A7C15u;
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    z ^= z >> 31;
-  }
-  return 2.0 * (((PetscReal)(z >> 11) + 0.5) / 9007199254740992.0) - 1.0;
-}
-
 /* Converts the index of a cell in a block, first axis fastest, to an index along each axis. */
 static void CellOf(PetscInt dim, const PetscInt count[], PetscInt index, PetscInt cell[])
 {

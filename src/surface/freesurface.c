@@ -348,15 +348,14 @@ static PetscBool BesideRough(const Particles *p, const Neighbors *nb, const Free
    would sink it. With pair forces everywhere it stays on the surface: an equation of mass there
    stiffens thin jets, which then do not fold. */
 static PetscErrorCode Sort(const Scene *scene, const Particles *p, const Neighbors *nb,
-                           const OperatorForms *forms, const PetscReal depth[], FreeSurface *free)
+                           const PetscReal depth[], FreeSurface *free)
 {
-  const PetscBool fitted = LaplacianFitsSurface(&forms->visc);
-  PetscReal      *kind;
+  PetscReal *kind;
 
   PetscFunctionBegin;
   PetscCall(FreeSurfaceFindNoses(scene, p, nb, free));
   PetscCall(ParticlesHaloField(p, free->kind)); /* rough particles of noses on other ranks */
-  for (PetscInt i = 0; fitted && i < p->n_fluid; i++) {
+  for (PetscInt i = 0; free->fitted && i < p->n_fluid; i++) {
     if (free->kind[i] == SURFACE_SMOOTH && depth[i] > BELOW * p->dx[i])
       free->kind[i] = SURFACE_INSIDE;
   }
@@ -427,7 +426,7 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
     PetscCall(PetscArraycpy(free->normal, fits.normal, p->n_fluid * d));
     PetscCall(Exchange(p, free));
   }
-  PetscCall(Sort(scene, p, nb, forms, fits.depth, free));
+  PetscCall(Sort(scene, p, nb, fits.depth, free));
   PetscCall(FindOnAnyRank(p, free));
   if (free->tension > 0.0) PetscCall(SurfaceAverageCurvature(scene, p, nb, forms, free));
   PetscCall(PetscFree2(fits.normal, fits.depth));

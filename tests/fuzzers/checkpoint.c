@@ -5,6 +5,7 @@
   byte tells if the checksum is corrected, so that a restart continues behind it.
 */
 #include "fuzzer.h"
+#include "isph/cases.h"
 #include "run/checkpoint.h"
 #include <stdlib.h>
 #include <string.h>
@@ -101,7 +102,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
   FuzzerStart();
   SetOptions(common);
   SetOptions((const char *const[]){"-checkpoint", PRISTINE, NULL});
-  if (SceneCreate(&scene) || FlowRun(scene)) abort();
+  if (SceneCreate(&CaseOption, &scene) || FlowRun(scene)) abort();
   if (PetscOptionsClearValue(NULL, "-checkpoint")) abort();
   (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   ReadPristine();

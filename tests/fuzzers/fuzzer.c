@@ -1,6 +1,7 @@
 /* Starts PETSc for a fuzzer, accepts refusals of input without a message, and aborts on all other
    errors of PETSc, which would print a traceback. */
 #include "fuzzer.h"
+#include "isph/catalogue.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -38,6 +39,8 @@ void FuzzerStart(void)
   static char  name[] = "fuzzer", quiet[] = "-no_signal_handler", own[] = "-skip_petscrc";
   static char *words[] = {name, quiet, own, NULL}, **argv = words;
   int          argc = 3;
+
+  OptionsKnow(CatalogueOptions);
 
   (void)setenv("OMPI_MCA_ess_singleton_isolated", "1", 1);
   (void)setenv("OMPI_MCA_opal_signal", "", 1); /* signals are libFuzzer's */

@@ -3,7 +3,7 @@
   options file without quotes. The first byte gives the resolution.
 */
 #include "fuzzer.h"
-#include "isph/scene.h"
+#include "isph/cases.h"
 #include <stdlib.h>
 #include <string.h>
 

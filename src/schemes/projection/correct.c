@@ -176,6 +176,42 @@ static PetscErrorCode UpdatePressure(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  Solves for the pressure increment on splines from div u*, and corrects velocity and pressure
+
+    A phi = -scale^2 rho/k D u*,   u = u* - k/rho G phi,   p = [p^n] + s (phi [- c mu div u*])
+
+  The terms are those of UpdatePressure(). There is no wall condition of the pressure:
+  the splines take part in the balance of volume at walls.
+*/
+static PetscErrorCode ProjectOnSplines(Flow *flow)
+{
+  Projection     *pr    = (Projection *)flow->scheme->data;
+  const Scene    *scene = flow->scene;
+  FlowState      *state = flow->state;
+  Splines        *s     = pr->splines;
+  const PetscReal gain = PressureGain(flow), t = flow->clock->t + flow->clock->dt;
+
+  PetscFunctionBegin;
+  PetscCall(SplinesDivergence(flow, s, state->u_next, t, s->b));
+  PetscCall(VecPointwiseDivide(s->divergence, s->b, s->mass));
+  PetscCall(SplinesValue(s, s->divergence, state->divergence));
+  PetscCall(VecScale(s->b, -PetscSqr(s->scale) * scene->rho / pr->k));
+  PetscCall(PressureSolve(flow, s->b, s->phi, pr->ppe));
+  if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SplinesAccelerate(s, s->phi, -pr->k / scene->rho, state->u_next));
+  PetscCall(VecCopy(state->p, state->p_before));
+  if (!pr->row->incremental) PetscCall(VecZeroEntries(s->p));
+  PetscCall(VecAXPY(s->p, gain, s->phi));
+  if (pr->row->rotational && SceneHas(scene, PHYSICS_VISCOSITY)) {
+    const PetscReal dilatation = LaplacianDilatation(&flow->ops->forms.visc, flow->scene->dim);
+
+    PetscCall(VecAXPY(s->p, -gain * dilatation * scene->rho * scene->nu_low, s->divergence));
+  }
+  PetscCall(SplinesSpread(flow, s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Creates the increment of the pressure on particles for the present numbering. */
 static PetscErrorCode RenumberProjection(Flow *flow)
 {
@@ -215,7 +251,7 @@ PetscErrorCode ProjectVelocity(Flow *flow)
                                   pr->k / flow->scene->rho, &flow->walls));
   PetscCall(KeepCorrection(flow->state, PETSC_FALSE));
   if (pr->splines) {
-    PetscCall(SplinesProject(flow));
+    PetscCall(ProjectOnSplines(flow));
     PetscCall(KeepCorrection(flow->state, PETSC_TRUE));
     PetscCall(PetscLogEventEnd(pr->event[EVENT_PRESSURE], 0, 0, 0, 0));
     PetscFunctionReturn(PETSC_SUCCESS);

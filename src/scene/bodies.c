@@ -1,0 +1,230 @@
+/*
+  Bodies of a scene, and regions with the same shapes: set from numbers or typed in numbered options,
+  as -scene_body_1 circle,0.5,0.5,0.25; distances from them, with periodic images, for fluid on
+  either side of the surface.
+*/
+#include "geometry/shapes.h"
+#include "isph/scene.h"
+#include <stdlib.h>
+#include <string.h>
+
+#define SHAPE_TEXT   2048     /* room for BODY_PARAMETERS numbers with all their digits */
+#define SHAPE_POINTS 20000000 /* most points on a surface: checks visit all of them */
+
+/* OptionNumber - Makes the option row of item k from a pattern with <k> in its name; not
+   collective */
+void OptionNumber(const OptionRow *pattern, PetscInt k, char name[OPTION_LENGTH], OptionRow *row)
+{
+  char number[32];
+
+  (void)snprintf(number, sizeof(number), "%" PetscInt_FMT, k);
+  OptionFill(pattern, number, name, row);
+}
+
+/* Reads the name of a shape of a table and its numbers, as "circle,0.5,0.5,0.25". */
+static PetscErrorCode ReadShape(const Scene *scene, const Table *table, const char option[],
+                                const char text[], Body *body)
+{
+  const ShapeRow *shape;
+  const char     *wrong;
+  PetscReal       number[BODY_PARAMETERS];
+  PetscInt        n = 0;
+  char            word[SHAPE_TEXT], *next, *end;
+
+  PetscFunctionBegin;
+  UserCheck(strlen(text) < SHAPE_TEXT - 1, "%s: it is longer than %d characters", option,
+            SHAPE_TEXT - 2);
+  PetscCall(PetscStrncpy(word, text, sizeof(word)));
+  next = strchr(word, ',');
+  if (next) *next++ = '\0';
+  PetscCall(TableWant(table, option, word, &shape));
+  while (next && n < BODY_PARAMETERS) {
+    number[n++] = strtod(next, &end);
+    end += strspn(end, " ");
+    UserCheck(end != next && (*end == ',' || !*end), "%s: a number is required at '%s'", option,
+              next);
+    next = *end ? end + 1 : NULL;
+  }
+  UserCheck(!next && n >= shape->fewest && n <= shape->most, "%s: a %s is %s", option, shape->name,
+            shape->brief);
+  for (PetscInt k = 0; k < n; k++)
+    UserCheck(!PetscIsInfOrNanReal(number[k]), "%s: its numbers must be finite", option);
+  wrong = BodySet(scene, shape, n, number, body);
+  UserCheck(!wrong, "%s: %s", option, wrong);
+  UserCheck(BodyPoints(body, BodySpacing(scene, body)) <= SHAPE_POINTS,
+            "%s: its outline is longer than %d dx; a shape need not reach far beyond the box",
+            option, SHAPE_POINTS);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ShapeRead - Reads the shape of item k of an option pattern; collective. Output: given - the user
+   gave the option */
+PetscErrorCode ShapeRead(const Scene *scene, const OptionRow *pattern, PetscInt k, Body *body,
+                         PetscBool *given)
+{
+  char      name[OPTION_LENGTH], text[SHAPE_TEXT];
+  OptionRow row;
+
+  PetscFunctionBegin;
+  OptionNumber(pattern, k, name, &row);
+  PetscCall(OptionGetText(&row, sizeof(text), text, given));
+  if (*given)
+    PetscCall(ReadShape(scene, scene->dim == 3 ? row.table_3d : row.table, name, text, body));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ShapeReadPlane - Reads a shape of the plane, also in 3D; collective. Output: given - the user
+   gave the option */
+PetscErrorCode ShapeReadPlane(const Scene *scene, const OptionRow *row, Body *body,
+                              PetscBool *given)
+{
+  char text[SHAPE_TEXT];
+
+  PetscFunctionBegin;
+  PetscCall(OptionGetText(row, sizeof(text), text, given));
+  if (*given) PetscCall(ReadShape(scene, &ShapeTable, row->name, text, body));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ShapeCheckNumbers - Ends the run if an option of this pattern has a number other than 1, 2, ...,
+   n; collective */
+PetscErrorCode ShapeCheckNumbers(const OptionRow *pattern, PetscInt n, PetscInt most)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k <= most + 1; k++) {
+    char      name[OPTION_LENGTH];
+    OptionRow row;
+    PetscBool given;
+
+    if (k >= 1 && k <= n) continue;
+    OptionNumber(pattern, k, name, &row);
+    PetscCall(OptionGiven(name, &given));
+    UserCheck(!given,
+              "%s: numbers are 1, 2, ... without gaps, to at most %" PetscInt_FMT "; %" PetscInt_FMT
+              " of them are given",
+              name, most, n);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  BodySet - Sets a body from the numbers of its shape [m]
+
+  Not collective. The fluid is outside the body. Its centre, about which it may rotate, is the
+  centroid of its area or volume. The scene gives the ends of prisms in 3D. Returns: NULL, or a
+  message about the wrong numbers.
+*/
+const char *BodySet(const Scene *scene, const ShapeRow *shape, PetscInt n, const PetscReal number[],
+                    Body *body)
+{
+  *body = (Body){.shape = shape, .n = n};
+  for (PetscInt k = 0; k < n; k++) body->parameter[k] = number[k];
+  for (PetscInt end = 0; end < 2 && shape->outline; end++)
+    body->ends[end] = end ? scene->hi[2] : scene->lo[2];
+  body->centre[2] = 0.5 * (body->ends[0] + body->ends[1]);
+  return shape->Prepare(body);
+}
+
+/* BodyCircle - Sets a body to a circle of radius r > 0 about (x, y), in 3D to a cylinder along z
+   [m]; not collective */
+void BodyCircle(const Scene *scene, PetscReal x, PetscReal y, PetscReal r, Body *body)
+{
+  const PetscReal number[3] = {x, y, r};
+
+  (void)BodySet(scene, scene->dim == 3 ? &ShapeCylinder : &ShapeCircle, 3, number, body);
+}
+
+/* BodyBall - Sets a body to a circle of radius r > 0, in 3D to a ball [m]; not collective */
+void BodyBall(const Scene *scene, const PetscReal centre[], PetscReal r, Body *body)
+{
+  PetscReal number[ISPH_MAX_DIM + 1];
+
+  for (PetscInt a = 0; a < scene->dim; a++) number[a] = centre[a];
+  number[scene->dim] = r;
+  (void)BodySet(scene, scene->dim == 3 ? &ShapeBall : &ShapeCircle, scene->dim + 1, number, body);
+}
+
+/* BodyPolygon - Sets a body to a polygon with 3 to 32 corners x, y [m], in 3D to the body that it
+   makes with a turn about the axis z, with corners r >= 0, z; returns NULL or a fault; not
+   collective */
+const char *BodyPolygon(const Scene *scene, PetscInt corners, const PetscReal x[], Body *body)
+{
+  return BodySet(scene, scene->dim == 3 ? &ShapeRevolved : &ShapePolygon, 2 * corners, x, body);
+}
+
+/* BodyOutline - Returns the plane shape of the outline of a body along z, or of the meridian of one
+   that revolves; plane shapes are their own outline; NULL if there is none; not collective */
+const ShapeRow *BodyOutline(const Scene *scene, const Body *body)
+{
+  return scene->dim == 2 ? body->shape : body->shape->outline;
+}
+
+/*
+  Returns the signed distance of x from the nearest periodic image of a body, positive outside its
+  outline, also for a body around the fluid [m]. Output: y - x shifted by periods, so that its
+  position relative to the body is the position of x relative to that image; normal - out of the
+  outline.
+*/
+static PetscReal NearestImage(const Scene *scene, const Body *body, const PetscReal x[],
+                              PetscReal y[ISPH_MAX_DIM], PetscReal normal[])
+{
+  PetscReal base[ISPH_MAX_DIM] = {0.0}, step[ISPH_MAX_DIM] = {0.0}, best = PETSC_INFINITY;
+  PetscInt  periodic = 0; /* bits of the axes along which there are images */
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    const PetscReal period = scene->hi[a] - scene->lo[a];
+    PetscReal       span[2], middle;
+
+    base[a] = x[a];
+    if (!SceneIsPeriodic(scene, a) || BodyReachesThrough(body, a)) continue;
+    BodySpan(body, a, span);
+    middle = 0.5 * (span[0] + span[1]);
+    base[a] -= period * PetscFloorReal((x[a] - middle) / period + 0.5);
+    step[a] = base[a] > middle ? -period : period; /* to the image on the other side of x */
+    periodic |= 1 << a;
+  }
+  for (PetscInt image = 0; image < 1 << scene->dim; image++) {
+    PetscReal z[ISPH_MAX_DIM], distance, n[ISPH_MAX_DIM] = {0.0};
+
+    if (image & ~periodic) continue;
+    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) z[a] = base[a] + (image >> a & 1) * step[a];
+    distance = body->shape->Distance(body, z, n);
+    if (distance >= best) continue;
+    best = distance;
+    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+      y[a]      = z[a];
+      normal[a] = n[a];
+    }
+  }
+  return best;
+}
+
+/*
+  BodyArm - Computes the vector from the centre of a body to x, along x and y [m]
+
+  Not collective. In a periodic box the image of the body nearest to x is used.
+*/
+void BodyArm(const Scene *scene, const Body *body, const PetscReal x[], PetscReal arm[2])
+{
+  PetscReal y[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
+
+  (void)NearestImage(scene, body, x, y, normal);
+  for (PetscInt a = 0; a < 2; a++) arm[a] = y[a] - body->centre[a];
+}
+
+/*
+  BodyDistance - Returns the distance from the surface of a body, positive in the fluid [m]
+
+  Not collective. In a periodic box the nearest image of the body is used. Output: normal - into the
+  fluid, at the surface point nearest to x.
+*/
+PetscReal BodyDistance(const Scene *scene, const Body *body, const PetscReal x[],
+                       PetscReal normal[])
+{
+  PetscReal       y[ISPH_MAX_DIM];
+  const PetscReal distance = NearestImage(scene, body, x, y, normal);
+
+  if (!body->around) return distance;
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) normal[a] = -normal[a];
+  return -distance;
+}

@@ -1,0 +1,99 @@
+/*
+  The particles at the start of a run: fills the box with fluid particles and its sides with wall
+  particles, and removes walls that are buried in other walls.
+*/
+#include "particles/impl.h"
+
+/* Sets the viscosities of fluid: given values, or SceneViscosity() at the positions. */
+static void SetViscosities(const Scene *scene, const FluidStart *start, Particles *p)
+{
+  for (PetscInt i = 0; p->nu && i < p->n_fluid; i++) {
+    PetscReal x[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+    p->nu[i] = start && start->nu ? start->nu[i] : SceneViscosity(scene, x);
+  }
+}
+
+/* Removes the new wall particles on surfaces that are buried in another boundary. */
+static PetscErrorCode LeaveBuriedWalls(const Scene *scene, Particles *p)
+{
+  const PetscInt own = ParticlesOwn(p);
+  PetscInt       n   = 0;
+  RecordColumns  columns;
+  PetscReal     *record;
+
+  PetscFunctionBegin;
+  if (!scene->n_bodies || !SceneHas(scene, PHYSICS_WALLS)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(ParticlesRecordWidth(p), &record));
+  PetscCall(RecordsBegin(p, &columns));
+  for (PetscInt i = p->n_fluid; i < own; i++) {
+    const PetscInt to              = p->n_fluid + n;
+    PetscReal      x[ISPH_MAX_DIM] = {0.0};
+
+    for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+    if (p->depth[i] == 0.0 && SceneIsBuried(scene, (PetscInt)p->side[i], x)) continue;
+    RecordPack(p, &columns, i, record);
+    RecordUnpack(&columns, record, to);
+    p->id[to]   = p->id[i];
+    p->kind[to] = p->kind[i];
+    n++;
+  }
+  PetscCall(RecordsEnd(&columns));
+  PetscCall(PetscFree(record));
+  p->n_wall = n;
+  PetscCallMPI(MPI_Allreduce(&n, &p->N_wall, 1, MPIU_INT, MPI_SUM, p->comm));
+  p->N_start[1] = p->N_wall;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates particles whose spacing is a function of place, or that do not fill the box. */
+static PetscErrorCode CreateCloud(const Scene *scene, WallPlacement walls, Particles *p)
+{
+  Cloud cloud;
+
+  PetscFunctionBegin;
+  PetscCall(CloudFill(scene, walls, p, &cloud));
+  PetscCall(LeaveBuriedWalls(scene, p));
+  PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
+  if (cloud.relaxed) PetscCall(CloudRelax(scene, &cloud, p));
+  PetscCall(CloudFinish(scene, &cloud, p));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ParticlesFill - Fills the box with fluid particles and its sides with wall particles
+
+    x_j = lo + (j + 1/2) (hi - lo) / cells + jitter dx xi,  xi uniform in (-1, 1)^dim
+
+  or, with -spacing_wall, at the places of SceneLatticePlace(); with isotropic grading at the places
+  of CloudRelax().
+
+  Collective
+
+  Input Parameters:
++ scene - the scene
+. walls - placement of wall particles for the wall treatment; ignored without PHYSICS_WALLS
+- start - given positions of the fluid; NULL: the fluid fills the lattice
+
+  Input/Output Parameter:
+. p - in: empty, of ParticlesCreate(); out: the particles in their first epoch, with a filled halo;
+      pressures are zero, velocities too unless start has velocities
+
+  Note: xi is a hash of (seed, id, axis) and does not depend on the number of ranks.
+*/
+PetscErrorCode ParticlesFill(const Scene *scene, WallPlacement walls, const FluidStart *start,
+                             Particles *p)
+{
+  PetscFunctionBegin;
+  if (scene->grading.on || (scene->n_filled && !start)) {
+    PetscCall(CreateCloud(scene, walls, p));
+  } else {
+    PetscCall(LatticeFill(scene, walls, start, p));
+    PetscCall(LeaveBuriedWalls(scene, p));
+  }
+  SetViscosities(scene, start, p);
+  PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
+  p->weight_start = p->weight_found = p->weight;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
