@@ -317,6 +317,7 @@ PetscErrorCode OperatorsStrainRate(const Operators *ops, const Particles *partic
 PetscErrorCode OperatorsFollowStrain(const Scene *scene, Particles *particles,
                                      const WallValues *walls, const Vec u[], Operators *ops);
 PetscErrorCode VelocityVec(const Particles *particles, Vec *v);
+PetscErrorCode VelocityVecRepeat(const Particles *particles, Vec factor, Vec *v);
 PetscErrorCode WallVelocityVec(const Particles *particles, Vec *v);
 PetscErrorCode UnknownsVec(const Particles *particles, Vec *v);
 PetscErrorCode VectorsCheckType(MPI_Comm comm);

@@ -1,4 +1,5 @@
-/* Particles that enter through openings in a step; openings.c and backflow.c. */
+/* Particles that enter through openings in a step; openings.c, backflow.c and
+   entrants.c. */
 #ifndef ISPH_ENTRANTS_H
 #define ISPH_ENTRANTS_H
 
@@ -23,6 +24,8 @@ typedef struct {
 
 PetscErrorCode EntrantsAdd(const Particles *particles, PetscInt w, PetscReal distance,
                            Entrants *entrants);
+PetscErrorCode EntrantsGather(MPI_Comm comm, Entrants *all);
+PetscErrorCode EntrantsInsert(Flow *flow, Entrants *all);
 PetscErrorCode EntrantsFindReturning(Flow *flow, Entrants *entrants);
 void           EntrantsDropCrowded(const Scene *scene, Entrants *entrants);
 

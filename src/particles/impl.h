@@ -54,8 +54,24 @@ typedef struct {
 } Pools;
 PetscErrorCode PoolsCreate(const Scene *scene, Pools *pools);
 PetscErrorCode PoolsDestroy(Pools *pools);
-PetscInt       PoolAt(const Pools *pools, const PetscReal x[], PetscReal *depth);
 PetscBool      PoolsHold(const Pools *pools, const PetscReal x[]);
+
+/* PoolAt - Returns the pool in which x lies deepest, and its depth below the border of the region
+   there [m]; not collective */
+static inline PetscInt PoolAt(const Pools *pools, const PetscReal x[], PetscReal *depth)
+{
+  PetscInt pool = 0;
+
+  *depth = PETSC_NINFINITY;
+  for (PetscInt k = 0; k < pools->scene->n_filled; k++) {
+    const PetscReal d = SceneFilledDistance(pools->scene, k, x);
+
+    if (d <= *depth) continue;
+    *depth = d;
+    pool   = pools->of[k];
+  }
+  return pool;
+}
 
 /* places.c */
 typedef struct {

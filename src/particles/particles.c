@@ -167,3 +167,14 @@ PetscReal ParticlesHash(PetscInt seed, PetscInt64 id, PetscInt axis)
   }
   return 2.0 * (((PetscReal)(z >> 11) + 0.5) / 9007199254740992.0) - 1.0;
 }
+
+/* ParticlesShare - Computes the range [first, last) of this rank among n items; not collective */
+void ParticlesShare(MPI_Comm comm, PetscInt n, PetscInt *first, PetscInt *last)
+{
+  PetscMPIInt rank = 0, ranks = 1;
+
+  (void)MPI_Comm_rank(comm, &rank);
+  (void)MPI_Comm_size(comm, &ranks);
+  *first = (PetscInt)((PetscInt64)n * rank / ranks);
+  *last  = (PetscInt)((PetscInt64)n * (rank + 1) / ranks);
+}

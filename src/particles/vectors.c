@@ -187,3 +187,14 @@ PetscErrorCode UnknownsVec(const Particles *p, Vec *v)
   PetscCall(VecOfType(p->comm, (p->dim + 1) * p->n_fluid, 1, v));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* VelocityVecRepeat - Creates a vector with a factor of each particle in the rows of its velocity
+   components; collective */
+PetscErrorCode VelocityVecRepeat(const Particles *p, Vec factor, Vec *rows)
+{
+  PetscFunctionBegin;
+  PetscCall(VelocityVec(p, rows));
+  for (PetscInt c = 0; c < p->dim; c++)
+    PetscCall(VecStrideScatter(factor, c, *rows, INSERT_VALUES));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

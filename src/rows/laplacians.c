@@ -262,44 +262,6 @@ static const LaplacianRow laplacians[] = {
      "Fang et al., Appl. Numer. Math. 59 (2009)", ENERGY, 0, NULL, NULL, 0.0, &energy_coupled},
 };
 
-/* The form mls of fluids with a free surface. */
-const LaplacianRow LaplacianSurface = {
-    .name       = "mls",
-    .brief      = "quadratic moving least squares; no tangential stress on the free surface",
-    .citation   = "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)",
-    .properties = FORM_NULL_CONSTANTS | FORM_EXACT_LINEAR | FORM_SAFE_IMPLICIT | FORM_COUPLES,
-    .Row        = LaplacianRow_SurfaceMls,
-    .Factor     = Factor_PairwiseStress,
-    .grad_div   = 2.0,
-};
-
-/* The same for a varying viscosity. */
-const LaplacianRow LaplacianSurfaceStress = {
-    .name     = "mls",
-    .brief    = "the stress by quadratic moving least squares; no tangential stress on the free "
-                "surface",
-    .citation = "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)",
-    .properties =
-        FORM_NULL_CONSTANTS | FORM_EXACT_LINEAR | FORM_SAFE_IMPLICIT | FORM_VARYING | FORM_COUPLES,
-    .Row    = LaplacianRow_SurfaceStress,
-    .Factor = Factor_PairwiseStress,
-};
-
-/* LaplacianFitsSurface - Returns true if the form has the conditions of a free surface in its fits;
-   not collective */
-PetscBool LaplacianFitsSurface(const LaplacianForm *form)
-{
-  return form->row == &LaplacianSurface || form->row == &LaplacianSurfaceStress ? PETSC_TRUE
-                                                                                : PETSC_FALSE;
-}
-
-/* OperatorsStressSurface - Returns true if the rows of div on free surfaces give the pressure
-   2 mu n.E n of the velocity; not collective */
-PetscBool OperatorsStressSurface(const Operators *ops)
-{
-  return ops->free && ops->forms.visc.row == &LaplacianSurface ? PETSC_TRUE : PETSC_FALSE;
-}
-
 /* Appends the declared properties and the accepted corrections of a Laplacian to a text. */
 static PetscErrorCode LaplacianDescribe(const TableRow *row, char text[], size_t length)
 {

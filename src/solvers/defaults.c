@@ -275,19 +275,3 @@ PetscErrorCode SolverMatType(const char prefix[], char type[], size_t length)
       prefix, *type ? " " : "", type);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-/* SolverNames - Returns the types of a KSP and its preconditioner, the name of a shell; not
-   collective */
-PetscErrorCode SolverNames(KSP ksp, const char **type, const char **pc)
-{
-  PetscBool is_shell;
-  PC        inner;
-
-  PetscFunctionBegin;
-  PetscCall(KSPGetType(ksp, type));
-  PetscCall(KSPGetPC(ksp, &inner));
-  PetscCall(PCGetType(inner, pc));
-  PetscCall(PetscObjectTypeCompare((PetscObject)inner, PCSHELL, &is_shell));
-  if (is_shell) PetscCall(PCShellGetName(inner, pc));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}

@@ -199,17 +199,6 @@ static void WallParticle(const Scene *scene, WallPlacement walls, const WallSlab
   SetStretch(scene, x, p, i);
 }
 
-/* ParticlesShare - Computes the range [first, last) of this rank among n items; not collective */
-void ParticlesShare(MPI_Comm comm, PetscInt n, PetscInt *first, PetscInt *last)
-{
-  PetscMPIInt rank = 0, ranks = 1;
-
-  (void)MPI_Comm_rank(comm, &rank);
-  (void)MPI_Comm_size(comm, &ranks);
-  *first = (PetscInt)((PetscInt64)n * rank / ranks);
-  *last  = (PetscInt)((PetscInt64)n * (rank + 1) / ranks);
-}
-
 /* Counts fluid and dummies (index 0 and 1) among the lattice cells [first, last) of this rank, of
    lower ranks (start) and of all ranks. */
 static PetscErrorCode CountShare(const Scene *scene, WallPlacement walls, PetscInt first,

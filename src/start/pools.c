@@ -210,23 +210,6 @@ PetscErrorCode PoolsDestroy(Pools *pools)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* PoolAt - Returns the pool in which x lies deepest, and its depth below the border of the region
-   there [m]; not collective */
-PetscInt PoolAt(const Pools *pools, const PetscReal x[], PetscReal *depth)
-{
-  PetscInt pool = 0;
-
-  *depth = PETSC_NINFINITY;
-  for (PetscInt k = 0; k < pools->scene->n_filled; k++) {
-    const PetscReal d = SceneFilledDistance(pools->scene, k, x);
-
-    if (d <= *depth) continue;
-    *depth = d;
-    pool   = pools->of[k];
-  }
-  return pool;
-}
-
 /* PoolsHold - Returns true if relaxed particles may be at x: in a pool without lattice, and not in
    the half spacing below its free border, which belongs to the particles on it; not collective */
 PetscBool PoolsHold(const Pools *pools, const PetscReal x[])

@@ -30,8 +30,6 @@
 #define BESIDE      1.2   /* distance to a rough particle at which a surface is rough too [dx] */
 #define OFF_WALLS   2.0   /* distance from wall particles from which on this holds [dx] */
 #define BELOW       0.15  /* depth below the fit from which on a particle is inside [dx] */
-#define WET         1.3   /* distance of fluid from a wall particle that it touches [dx] */
-#define CLOSE       1.9   /* distance of neighbours that a particle must have [dx] */
 
 /* Neighbours of a particle and their images in walls. */
 typedef struct {
@@ -83,7 +81,7 @@ static void SumsOf(const Scene *scene, const Particles *p, const Neighbors *nb,
       X[a] = p->x[a][j] - x[a];
       r2 += PetscSqr(X[a]);
     }
-    if (r2 > 0.0 && r2 < PetscSqr(SurfaceReach(p, nb, i, CLOSE))) sums->close++;
+    if (r2 > 0.0 && r2 < PetscSqr(SurfaceReach(p, nb, i, SURFACE_CLOSE))) sums->close++;
     AddNeighbour(forms->kernel, d, h, p->volume[j], X, sums);
     for (PetscInt set = 1; set < 1 << n_planes; set++) {
       PetscReal Y[ISPH_MAX_DIM];
@@ -144,63 +142,6 @@ static PetscReal LeastEigenvalue(PetscInt d, const PetscReal B[])
   return trace + 2.0 * spread * PetscCosReal(angle + 2.0 * PETSC_PI / 3.0);
 }
 
-/* Returns true if fluid enters at wall particle w. */
-static PetscBool IsInflow(const Scene *scene, const Particles *p, PetscInt w)
-{
-  const PetscInt side = (PetscInt)p->side[w];
-  PetscReal      x[ISPH_MAX_DIM];
-
-  if (!BoundaryIs(scene, side, BOUNDARY_INFLOW)) return PETSC_FALSE;
-  ParticlesWallPoint(p, w, x);
-  return BoundaryIsOpen(scene, side, x);
-}
-
-/* Returns true if wall particle w is a part of an opening: beyond it is fluid that enters or has
-   left. */
-static PetscBool IsOpening(const Scene *scene, const Particles *p, PetscInt w)
-{
-  return BoundaryIs(scene, (PetscInt)p->side[w], BOUNDARY_OUTFLOW) || IsInflow(scene, p, w)
-             ? PETSC_TRUE
-             : PETSC_FALSE;
-}
-
-/*
-  FreeSurfaceTouches - Returns true if fluid touches a wall particle that is a neighbour of own
-  fluid particle i
-
-  Not collective. Fluid does not see a wall across a gap: there it has no friction, and the wall
-  does not cover it. Only neighbours of i are searched, so that the answer needs no other rank.
-  Fluid touches all wall particles of openings. Isolated particles do not count if `free` is given;
-  NULL: they do.
-*/
-PetscBool FreeSurfaceTouches(const Scene *scene, const Particles *p, const Neighbors *nb,
-                             const FreeSurface *free, PetscInt i, PetscInt wall)
-{
-  const PetscReal most = PetscSqr(WET * p->dx[i]);
-
-  if (IsOpening(scene, p, wall)) return PETSC_TRUE;
-  for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {
-    const PetscInt j = q < nb->row[i] ? i : nb->col[q];
-
-    if (ParticlesIsWall(p, j) || (free && free->kind[j] == SURFACE_ISOLATED)) continue;
-    if (ParticlesSquareDistance(p, i, j) >= PetscSqr(nb->radius)) continue;
-    if (ParticlesSquareDistance(p, wall, j) < most) return PETSC_TRUE;
-  }
-  return PETSC_FALSE;
-}
-
-/* Returns true if wall particle w covers own particle i: fluid enters there, or it faces the normal
-   and fluid touches it. */
-static PetscBool Covers(const Scene *scene, const Particles *p, const Neighbors *nb, PetscInt i,
-                        PetscInt w, const PetscReal normal[])
-{
-  PetscReal faces = 0.0;
-
-  if (IsInflow(scene, p, w)) return PETSC_TRUE;
-  for (PetscInt a = 0; a < p->dim; a++) faces += p->normal[a][w] * normal[a];
-  return faces < -0.5 && FreeSurfaceTouches(scene, p, nb, NULL, i, w) ? PETSC_TRUE : PETSC_FALSE;
-}
-
 /* Returns true if a neighbour of own particle i covers it: it is in the cone about the normal. The
    cone is longer beside openings, where rows of particles leave gaps. An isolated particle covers
    nothing. */
@@ -222,51 +163,11 @@ static PetscBool IsCovered(const Scene *scene, const Particles *p, const Neighbo
     }
     if (r2 == 0.0 || r2 >= PetscSqr(SurfaceReach(p, nb, i, length))) continue;
     if (along <= CONE * PetscSqrtReal(r2)) continue;
-    if (ParticlesIsWall(p, j) ? Covers(scene, p, nb, i, j, normal)
+    if (ParticlesIsWall(p, j) ? FreeSurfaceIsCoveredBy(scene, p, nb, i, j, normal)
                               : free->kind[j] != SURFACE_ISOLATED)
       return PETSC_TRUE;
   }
   return PETSC_FALSE;
-}
-
-/* Returns true if neighbour j of own particle i is a wall particle of an opening close to it. */
-static PetscBool IsOpeningClose(const Scene *scene, const Particles *p, const Neighbors *nb,
-                                PetscInt i, PetscInt j)
-{
-  return ParticlesIsWall(p, j) &&
-                 ParticlesSquareDistance(p, i, j) < PetscSqr(SurfaceReach(p, nb, i, CLOSE)) &&
-                 IsOpening(scene, p, j)
-             ? PETSC_TRUE
-             : PETSC_FALSE;
-}
-
-/* FreeSurfaceOpenings - Returns the number of wall particles of openings close to own particle i: a
-   void there is fluid that enters or has left; not collective */
-PetscInt FreeSurfaceOpenings(const Scene *scene, const Particles *p, const Neighbors *nb,
-                             PetscInt i)
-{
-  PetscInt n = 0;
-
-  if (!SceneHasOpenings(scene)) return 0;
-  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++)
-    if (IsOpeningClose(scene, p, nb, i, nb->col[q])) n++;
-  return n;
-}
-
-/* Takes the void at openings close to own particle i out of S: its component away from them. With
-   it n_0 of a particle at the rim of a jet would point to the wall around the opening, which covers
-   it. */
-static void FillOpenings(const Scene *scene, const Particles *p, const Neighbors *nb, PetscInt i,
-                         PetscReal S[])
-{
-  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
-    const PetscInt j    = nb->col[q];
-    PetscReal      away = 0.0;
-
-    if (!IsOpeningClose(scene, p, nb, i, j)) continue;
-    for (PetscInt a = 0; a < p->dim; a++) away += S[a] * p->normal[a][j];
-    for (PetscInt a = 0; a < p->dim && away > 0.0; a++) S[a] -= away * p->normal[a][j];
-  }
 }
 
 /* Determines if own particle i can be on the surface, and its first normal: SMOOTH is a candidate,
@@ -280,7 +181,7 @@ static SurfaceKind Candidate(const Scene *scene, const Particles *p, const Neigh
   PetscReal      size = 0.0;
 
   SumsOf(scene, p, nb, forms, i, &sums);
-  if (openings) FillOpenings(scene, p, nb, i, sums.S);
+  if (openings) FreeSurfaceFillOpenings(scene, p, nb, i, sums.S);
   for (PetscInt a = 0; a < p->dim; a++) size += PetscSqr(sums.S[a]);
   size = PetscSqrtReal(size);
   for (PetscInt a = 0; a < p->dim; a++) normal[a] = size > 0.0 ? -sums.S[a] / size : a == 0;
@@ -288,29 +189,6 @@ static SurfaceKind Candidate(const Scene *scene, const Particles *p, const Neigh
   if (size < CANDIDATE * plane->S && LeastEigenvalue(p->dim, sums.B) > SPARSE)
     return SURFACE_INSIDE;
   return openings || 1.0 - sums.C < VOID * (1.0 - plane->C) ? SURFACE_SMOOTH : SURFACE_ROUGH;
-}
-
-/* SurfaceTangents - Computes the unit tangents t of a surface with the unit normal n, one in 2D and
-   two in 3D; returns their number; not collective */
-PetscInt SurfaceTangents(PetscInt dim, const PetscReal n[], PetscReal t[][ISPH_MAX_DIM])
-{
-  PetscInt  least = 0;
-  PetscReal length;
-
-  if (dim == 2) {
-    t[0][0] = -n[1];
-    t[0][1] = n[0];
-    return 1;
-  }
-  for (PetscInt a = 1; a < 3; a++) least = PetscAbsReal(n[a]) < PetscAbsReal(n[least]) ? a : least;
-  length = PetscSqrtReal(1.0 - PetscSqr(n[least]));
-  for (PetscInt a = 0; a < 3; a++) t[0][a] = ((a == least) - n[least] * n[a]) / length;
-  for (PetscInt a = 0; a < 3; a++) {
-    const PetscInt b = (a + 1) % 3, c = (a + 2) % 3;
-
-    t[1][a] = n[b] * t[0][c] - n[c] * t[0][b];
-  }
-  return 2;
 }
 
 /* Copies kinds and normals to the halo. */

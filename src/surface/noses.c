@@ -12,57 +12,8 @@
 #include "rows/rows.h"
 #include "surfacefits.h"
 
-#define DRY    2.4 /* distance of wall particles that are tried for contact with fluid [dx] */
 #define LENGTH 2.5 /* of a nose, from particles beside a dry wall [dx] */
 #define THIN   2.2 /* height above the wall below which fluid is thin [dx] */
-
-/* Returns true if neighbour j is a wall particle of a boundary without slip. */
-static PetscBool Sticks(const Scene *scene, const Particles *p, PetscInt j)
-{
-  return ParticlesIsWall(p, j) ? BoundaryIs(scene, (PetscInt)p->side[j], BOUNDARY_NO_SLIP)
-                               : PETSC_FALSE;
-}
-
-/* Returns true if own particle i is beside a wall that no fluid touches, except isolated particles.
-   Wall particles nearer than 1.3 dx are touched by the particle itself, and the next ones are dx
-   further: wherever a front is, one of them is within DRY dx. */
-static PetscBool IsBesideDryWall(const Scene *scene, const Particles *p, const Neighbors *nb,
-                                 const FreeSurface *free, PetscInt i)
-{
-  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
-    const PetscInt j = nb->col[q];
-
-    if (Sticks(scene, p, j) &&
-        ParticlesSquareDistance(p, i, j) < PetscSqr(SurfaceReach(p, nb, i, DRY)) &&
-        !FreeSurfaceTouches(scene, p, nb, free, i, j))
-      return PETSC_TRUE;
-  }
-  return PETSC_FALSE;
-}
-
-/*
-  FreeSurfaceNearestWall - Returns the wall particle nearest to own particle i, -1 if none is nearer
-  than a distance
-
-  Not collective. Input: scene - only walls without slip count; NULL: all do. most - the distance
-  [m]; the radius of the support if that is less.
-*/
-PetscInt FreeSurfaceNearestWall(const Scene *scene, const Particles *p, const Neighbors *nb,
-                                PetscInt i, PetscReal most)
-{
-  PetscInt  nearest = -1;
-  PetscReal least   = PetscSqr(PetscMin(most, nb->radius));
-
-  for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
-    const PetscInt  j  = nb->col[q];
-    const PetscReal r2 = ParticlesSquareDistance(p, i, j);
-
-    if (r2 >= least || !(scene ? Sticks(scene, p, j) : ParticlesIsWall(p, j))) continue;
-    nearest = j;
-    least   = r2;
-  }
-  return nearest;
-}
 
 /* Returns true if the fluid about own particle i lies lower than THIN dx above the wall. */
 static PetscBool IsThin(const Scene *scene, const Particles *p, const Neighbors *nb, PetscInt i)
@@ -112,7 +63,8 @@ PetscErrorCode FreeSurfaceFindNoses(const Scene *scene, const Particles *p, cons
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(ParticlesAll(p), &contact));
   for (PetscInt i = 0; i < p->n_fluid; i++)
-    contact[i] = FreeSurfaceHolds(free, i) && IsBesideDryWall(scene, p, nb, free, i) ? 1.0 : 0.0;
+    contact[i] =
+        FreeSurfaceHolds(free, i) && FreeSurfaceIsBesideDryWall(scene, p, nb, free, i) ? 1.0 : 0.0;
   PetscCall(ParticlesHaloField(p, contact));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     const PetscBool nose =

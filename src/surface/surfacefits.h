@@ -4,6 +4,8 @@
 
 #include "isph/operators.h"
 
+#define SURFACE_CLOSE 1.9 /* distance of neighbours that a particle must have [dx] */
+
 /* Results by own particle: the normal, and the depth of the particle below the fit [m]. */
 typedef struct {
   PetscReal *normal, *depth;
@@ -24,5 +26,13 @@ PetscErrorCode SurfaceAverageCurvature(const Scene *scene, const Particles *p, c
                                        const OperatorForms *forms, FreeSurface *free);
 PetscErrorCode FreeSurfaceFindNoses(const Scene *scene, const Particles *p, const Neighbors *nb,
                                     FreeSurface *free);
+
+/* contact.c */
+PetscBool FreeSurfaceIsCoveredBy(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                 PetscInt i, PetscInt w, const PetscReal normal[]);
+void      FreeSurfaceFillOpenings(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                  PetscInt i, PetscReal S[]);
+PetscBool FreeSurfaceIsBesideDryWall(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                     const FreeSurface *free, PetscInt i);
 
 #endif

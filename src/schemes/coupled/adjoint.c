@@ -235,7 +235,7 @@ static PetscErrorCode ReplaceRows(const Flow *flow, Mat reactions, Saddle *s)
   PetscCall(VecGetArrayWrite(particles, &of));
   for (PetscInt i = 0; i < s->n; i++) of[i] = HasReactions(flow, s, i) ? 1.0 : 0.0;
   PetscCall(VecRestoreArrayWrite(particles, &of));
-  PetscCall(SaddleVelocityRows(flow->particles, particles, &rows));
+  PetscCall(VelocityVecRepeat(flow->particles, particles, &rows));
   PetscCall(MatTranspose(reactions, MAT_INITIAL_MATRIX, &columns));
   PetscCall(MatDiagonalScale(columns, rows, NULL));
   PetscCall(VecScale(rows, -1.0));

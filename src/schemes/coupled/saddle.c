@@ -83,17 +83,6 @@ static PetscErrorCode SetUnits(const Flow *flow, Saddle *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddleVelocityRows - Creates a vector with a factor of each particle in the rows of its velocity
-   components; collective */
-PetscErrorCode SaddleVelocityRows(const Particles *p, Vec factor, Vec *rows)
-{
-  PetscFunctionBegin;
-  PetscCall(VelocityVec(p, rows));
-  for (PetscInt c = 0; c < p->dim; c++)
-    PetscCall(VecStrideScatter(factor, c, *rows, INSERT_VALUES));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Creates G, D and C in the units of each particle. */
 static PetscErrorCode CreateBlocks(const Flow *flow, Saddle *s)
 {
@@ -103,7 +92,7 @@ static PetscErrorCode CreateBlocks(const Flow *flow, Saddle *s)
   Vec              momentum, mass; /* T_i/T of momentum rows; factor of the rows of C */
 
   PetscFunctionBegin;
-  PetscCall(SaddleVelocityRows(p, s->time, &momentum));
+  PetscCall(VelocityVecRepeat(p, s->time, &momentum));
   PetscCall(VecDuplicate(s->length, &mass));
   PetscCall(VecPointwiseDivide(mass, s->time, s->length));
   PetscCall(AffineBlock(p, &ops->rows, &(AffineLayout){s->dim, 1, dx, momentum, s->pressure},
@@ -159,7 +148,7 @@ static PetscErrorCode ViscousCreate(const Flow *flow, const Saddle *s, const Vec
     PetscCall(MatDestroy(&all));
     PetscCall(MatDestroy(&scalar));
   }
-  PetscCall(SaddleVelocityRows(flow->particles, s->time, &rows));
+  PetscCall(VelocityVecRepeat(flow->particles, s->time, &rows));
   PetscCall(VecScale(rows, s->step));
   PetscCall(MatDiagonalScale(*viscous, rows, NULL));
   PetscCall(MatSetBlockSize(*viscous, scene->dim));
@@ -211,7 +200,7 @@ PetscErrorCode SaddleSetShift(const Particles *p, PetscReal shift, Saddle *s)
   PetscFunctionBegin;
   if (shift == s->shift) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatCopy(s->viscous, s->F, SAME_NONZERO_PATTERN));
-  PetscCall(SaddleVelocityRows(p, s->time, &rows));
+  PetscCall(VelocityVecRepeat(p, s->time, &rows));
   PetscCall(VecScale(rows, s->step * shift));
   PetscCall(MatDiagonalSet(s->F, rows, ADD_VALUES));
   PetscCall(VecDestroy(&rows));

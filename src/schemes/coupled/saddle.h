@@ -34,7 +34,6 @@ typedef struct {
 PetscReal      SaddleTime(PetscReal nu, const Clock *clock, PetscReal dx);
 PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], MatType type,
                               Saddle *saddle);
-PetscErrorCode SaddleVelocityRows(const Particles *particles, Vec factor, Vec *rows);
 PetscErrorCode SaddleSetShift(const Particles *particles, PetscReal shift, Saddle *saddle);
 PetscErrorCode SaddleFree(Saddle *saddle);
 PetscErrorCode SaddleFlatten(Mat nest, Mat *flat);

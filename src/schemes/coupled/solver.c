@@ -21,22 +21,6 @@ static const OptionRow options[] = {
 };
 const OptionTable CoupledSolverOptions = OPTIONS("Solver of the coupled scheme", options);
 
-/* CoupledSetShift - Sets the shift of the matrix, and reuses the preconditioner if its shift
-   differs by a factor of at most 1.5; collective */
-PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
-{
-  const PetscBool keep = shift <= 1.5 * c->shift && c->shift <= 1.5 * shift;
-
-  PetscFunctionBegin;
-  PetscCall(SaddleSetShift(c->flow->particles, shift, &c->saddle));
-  if (!keep && c->flat) PetscCall(SaddleFlatten(c->saddle.P, &c->flat));
-  if (!keep) c->shift = shift;
-  PetscCall(KSPSetReusePreconditioner(c->guard.solve.ksp, keep));
-  c->schur.viscous = c->flow->scene->nu * c->saddle.step / PetscSqr(c->flow->scene->dx);
-  c->schur.inert   = shift * c->saddle.step;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   Sets defaults for the solvers of the field split's blocks: for velocities a single application of
   block Jacobi if nu dt/dx^2 is below 2, or 100 if a free surface moves, otherwise of AMG; for

@@ -154,6 +154,22 @@ PetscErrorCode CoupledAddConvection(Coupled *c, Vec x, PetscReal scale, Vec f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* CoupledSetShift - Sets the shift of the matrix, and reuses the preconditioner if its shift
+   differs by a factor of at most 1.5; collective */
+PetscErrorCode CoupledSetShift(PetscReal shift, Coupled *c)
+{
+  const PetscBool keep = shift <= 1.5 * c->shift && c->shift <= 1.5 * shift;
+
+  PetscFunctionBegin;
+  PetscCall(SaddleSetShift(c->flow->particles, shift, &c->saddle));
+  if (!keep && c->flat) PetscCall(SaddleFlatten(c->saddle.P, &c->flat));
+  if (!keep) c->shift = shift;
+  PetscCall(KSPSetReusePreconditioner(c->guard.solve.ksp, keep));
+  c->schur.viscous = c->flow->scene->nu * c->saddle.step / PetscSqr(c->flow->scene->dx);
+  c->schur.inert   = shift * c->saddle.step;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   CoupledIFunction - Computes the residual T_i du/dt + [T_i u.grad u] + A_0 x - b
 

@@ -94,15 +94,15 @@ static PetscErrorCode ShareOfResidual(const Flow *flow, Vec residual)
 }
 
 /*
-  PressureGain - Returns the share of the pressure increment phi that is added to the pressure,
+  Returns the share of the pressure increment phi that is added to the pressure,
   min(1, 4 dt/dt_wanted)
 
-  Not collective. An error e of the velocity gives phi of about rho e dx/dt. If a report cuts a step
+  An error e of the velocity gives phi of about rho e dx/dt. If a report cuts a step
   short, phi is therefore far too large for the following steps, which may be thousands of times as
   long. An incremental projection therefore adds about the phi that a step of usual length would
   have; the true change of the pressure in such a short time is small. See docs/theory.md, (91).
 */
-PetscReal PressureGain(const Flow *flow)
+static PetscReal PressureGain(const Flow *flow)
 {
   const Projection *pr = (const Projection *)flow->scheme->data;
 
@@ -156,7 +156,7 @@ static PetscErrorCode UpdatePressure(Flow *flow)
   Vec               residual;
 
   PetscFunctionBegin;
-  PetscCall(WallGradientCorrect(flow));
+  PetscCall(WallGradientCorrect(flow, gain));
   PetscCall(VecCopy(s->p, s->p_before));
   if (!pr->row->incremental) PetscCall(VecZeroEntries(s->p));
   PetscCall(VecAXPY(s->p, gain, pr->phi));

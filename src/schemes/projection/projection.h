@@ -56,12 +56,11 @@ PetscErrorCode PredictVelocity(Flow *flow);
 
 /* correct.c */
 PetscErrorCode ProjectVelocity(Flow *flow);
-PetscReal      PressureGain(const Flow *flow);
 
 /* wallgradient.c */
 PetscErrorCode WallGradientBegin(Flow *flow);
 PetscErrorCode WallGradientPredict(Flow *flow);
-PetscErrorCode WallGradientCorrect(Flow *flow);
+PetscErrorCode WallGradientCorrect(Flow *flow, PetscReal gain);
 
 /* freepressure.c */
 PetscErrorCode FreePressureStart(Flow *flow);

@@ -41,14 +41,15 @@ PetscErrorCode WallGradientPredict(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* WallGradientCorrect - Sets the wall gradient of p^{n+1}; collective */
-PetscErrorCode WallGradientCorrect(Flow *flow)
+/* WallGradientCorrect - Sets the wall gradient of p^{n+1}, with the share of PressureGain();
+   collective */
+PetscErrorCode WallGradientCorrect(Flow *flow, PetscReal gain)
 {
   Projection  *pr    = (Projection *)flow->scheme->data;
   const Clock *clock = flow->clock;
 
   PetscFunctionBegin;
-  pr->wall_slope_share += PressureGain(flow) * (1.0 - pr->wall_slope_share);
+  pr->wall_slope_share += gain * (1.0 - pr->wall_slope_share);
   PetscCall(WallValuesSetPressure(flow->scene, flow->particles,
                                   GradientTime(pr, clock->t + clock->dt, clock->dt),
                                   pr->wall_slope_share, &flow->walls));

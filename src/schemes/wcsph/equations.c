@@ -115,3 +115,28 @@ static const ViscousSplitRow splits[] = {
      PETSC_TRUE},
 };
 const Table ViscousSplitTable = TABLE("Viscosity of weakly compressible fluids", splits);
+
+/* WcsphListUnknowns - Lists the arrays of the unknowns of own particles, in the order of the vector, and counts them;
+   not collective. Input: x, u, rho, e - the arrays. */
+void WcsphListUnknowns(Wcsph *w, PetscReal *const x[], PetscReal *const u[], PetscReal *rho,
+                       PetscReal *e, PetscReal *of[])
+{
+  const PetscInt d = w->flow->scene->dim;
+
+  w->components = 2 * d;
+  for (PetscInt a = 0; a < d; a++) {
+    of[a]     = x[a];
+    of[d + a] = u[a];
+  }
+  if (!w->density->sums) of[w->components++] = rho;
+  if (w->equation->has_energy) of[w->components++] = e;
+}
+
+/* WcsphComponents - Lists the fields of the particles that are unknowns, in the order of the
+   vector; not collective */
+void WcsphComponents(Wcsph *w, PetscReal *of[])
+{
+  Particles *p = w->flow->particles;
+
+  WcsphListUnknowns(w, p->x, p->u, w->rho, w->e, of);
+}

@@ -17,31 +17,6 @@ static const OptionRow options[] = {
 };
 const OptionTable WcsphTimeOptions = OPTIONS("Integrator of weakly compressible flow", options);
 
-/* Lists the arrays of the unknowns of own particles, in the order of the vector, and counts them.
-   Input: x, u, rho, e - the arrays. */
-static void ListComponents(Wcsph *w, PetscReal *const x[], PetscReal *const u[], PetscReal *rho,
-                           PetscReal *e, PetscReal *of[])
-{
-  const PetscInt d = w->flow->scene->dim;
-
-  w->components = 2 * d;
-  for (PetscInt a = 0; a < d; a++) {
-    of[a]     = x[a];
-    of[d + a] = u[a];
-  }
-  if (!w->density->sums) of[w->components++] = rho;
-  if (w->equation->has_energy) of[w->components++] = e;
-}
-
-/* WcsphComponents - Lists the fields of the particles that are unknowns, in the order of the
-   vector; not collective */
-void WcsphComponents(Wcsph *w, PetscReal *of[])
-{
-  Particles *p = w->flow->particles;
-
-  ListComponents(w, p->x, p->u, w->rho, w->e, of);
-}
-
 /* Copies a vector of the TS to arrays. */
 static PetscErrorCode CopyOut(const Wcsph *w, Vec y, PetscReal *const to[])
 {
@@ -134,7 +109,7 @@ static PetscErrorCode RateFunction(TS ts, PetscReal t, Vec y, Vec rate, void *ct
   PetscCall(VecZeroEntries(rate));
   if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(WcsphReserve(flow, w));
-  ListComponents(w, p->x, w->local.u, w->local.rho, w->local.e, to);
+  WcsphListUnknowns(w, p->x, w->local.u, w->local.rho, w->local.e, to);
   PetscCall(CopyOut(w, y, to));
   PetscCall(CheckUnknowns(flow, w, w->local.rho, w->local.e));
   if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);

@@ -205,3 +205,69 @@ PetscReal HydrostaticRise(const Stencil *st, const PetscReal slope[])
   }
   return 2.0 * sum;
 }
+
+/* Sets the values of the wall neighbours of particle i, see WcsphSetPairs(). */
+static void SetWallPairs(const Wcsph *w, const PetscReal force[], Stencil *st, Pairs *pairs)
+{
+  const LocalFlow *l   = &w->local;
+  const PetscReal  rho = l->rho[st->i];
+
+  for (PetscInt q = 0; q < st->n_wall; q++) {
+    const PetscInt k    = st->walls[q];
+    PetscReal      rise = 0.0;
+
+    for (PetscInt a = 0; a < st->dim; a++) {
+      pairs->du[a][k] *= st->beta[k];
+      rise += force[a] * st->X[a][k];
+    }
+    st->V[k] *= pairs->rho[k] / rho;
+    pairs->rho[k] = rho;
+    pairs->p[k]   = l->p[st->i] + rho * rise;
+  }
+}
+
+/* Unpacks volume, density, pressure and velocity difference of the neighbours; inlined for each
+   dimension. Input: own - packed values of the particle */
+static ISPH_INLINE void Unpack(PetscInt dim, const PetscReal packed[], const PetscReal own[],
+                               const Stencil *st, Pairs *pairs)
+{
+  PetscReal *const V = st->V, *const rho = pairs->rho, *const p = pairs->p;
+  PetscReal *const du[ISPH_MAX_DIM] = {pairs->du[0], pairs->du[1], pairs->du[2]};
+
+  for (PetscInt k = 0; k < st->n; k++) {
+    const PetscReal *from = packed + PACKED(dim) * st->j[k];
+
+    V[k]   = from[0];
+    rho[k] = from[1];
+    p[k]   = from[2];
+    for (PetscInt a = 0; a < dim; a++) du[a][k] = from[3 + a] - own[3 + a];
+  }
+}
+
+/*
+  WcsphSetPairs - Sets volume, density, pressure and velocity difference of the neighbours
+
+  Not collective. A dummy behind a wall has the density of the particle, its pressure continued by
+  the body force f, and the velocity of the wall treatment:
+
+    p_w = p_i + rho_i f.X,   u_w - u_i = beta (u_wall - u_i)
+
+  Input: force - f of ContinuingForce()
+*/
+ISPH_WIDE PetscErrorCode WcsphSetPairs(Wcsph *w, const PetscReal force[], Stencil *st)
+{
+  const LocalFlow *l     = &w->local;
+  Pairs           *pairs = &w->pairs;
+  const PetscReal *own   = l->packed + PACKED(st->dim) * st->i;
+
+  PetscFunctionBegin;
+  PetscCall(PairsReserve(st->capacity, pairs));
+  if (st->dim == 2) Unpack(2, l->packed, own, st, pairs);
+  else Unpack(3, l->packed, own, st, pairs);
+  PairsFinish(l->rho[st->i], st, pairs);
+  if (st->n_wall) SetWallPairs(w, force, st, pairs);
+  st->volume = own[0];
+  st->sloped = SLOPE_NONE;
+  pairs->c   = st->slope;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

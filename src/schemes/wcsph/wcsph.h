@@ -137,9 +137,13 @@ struct Wcsph {
 /* create.c */
 PetscErrorCode WcsphCreate(Flow *flow);
 
+/* equations.c */
+void WcsphListUnknowns(Wcsph *w, PetscReal *const x[], PetscReal *const u[], PetscReal *rho,
+                       PetscReal *e, PetscReal *of[]);
+void WcsphComponents(Wcsph *w, PetscReal *of[]);
+
 /* integrate.c */
 PetscErrorCode WcsphCreateIntegrator(Flow *flow, Wcsph *w);
-void           WcsphComponents(Wcsph *w, PetscReal *of[]);
 PetscErrorCode WcsphIntegrate(Flow *flow, Wcsph *w);
 PetscErrorCode WcsphFree(Wcsph *w);
 
@@ -147,7 +151,6 @@ PetscErrorCode WcsphFree(Wcsph *w);
 PetscReal      WcsphLatticeSum(const Flow *flow);
 PetscErrorCode WcsphReserve(const Flow *flow, Wcsph *w);
 PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w);
-PetscErrorCode WcsphSetPairs(Wcsph *w, const PetscReal force[], Stencil *stencil);
 PetscErrorCode WcsphRates(Flow *flow, Wcsph *w);
 
 /* stress.c */
@@ -161,6 +164,8 @@ void           WcsphShiftRow(Wcsph *w, Stencil *stencil, const PetscReal slope[]
 PetscErrorCode WcsphShift(Flow *flow, Wcsph *w);
 
 /* pairs.c */
+#define PACKED(dim) (3 + (dim)) /* values of a particle in LocalFlow.packed */
+PetscErrorCode WcsphSetPairs(Wcsph *w, const PetscReal force[], Stencil *stencil);
 PetscErrorCode PairsReserve(PetscInt capacity, Pairs *pairs);
 PetscErrorCode PairsFree(Pairs *pairs);
 void           PairsFinish(PetscReal rho, const Stencil *stencil, Pairs *pairs);
