@@ -21,8 +21,10 @@ void PoolFill(PetscReal jitter, Pool *pool)
 /* PoolFind - Finds the particles on the surface */
 void PoolFind(Pool *pool)
 {
+  const KernelSize kernel = FormsKernel(&pool->forms);
+
   ASSERT_OK(NeighborsUpdate(pool->p, 0.0, pool->nb));
-  ASSERT_OK(FreeSurfaceFind(&pool->s.scene, pool->p, pool->nb, &pool->forms, &pool->free));
+  ASSERT_OK(FreeSurfaceFind(&pool->s.scene, pool->p, pool->nb, &kernel, &pool->free));
 }
 
 /* PoolEmpty - Destroys the particles */

@@ -5,7 +5,7 @@
 /* RANKS: 1 2 */
 #include <string.h>
 #include "cloud.h"
-#include "isph/expression.h"
+#include "isph/options.h"
 
 #define ANYWHERE (EXPRESSION_PLACE | EXPRESSION_TIME)
 

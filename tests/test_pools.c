@@ -55,6 +55,7 @@ static void Fill(Start *start)
 {
   OperatorForms *forms = &start->forms;
   const Scene   *scene = &start->s.scene;
+  KernelSize     kernel;
 
   forms->h_over_dx = 1.5;
   forms->kernel    = (const KernelRow *)(const void *)TableGet(&KernelTable, 0);
@@ -64,7 +65,8 @@ static void Fill(Start *start)
   ASSERT_OK(ParticlesFill(scene, start->s.walls, NULL, start->p));
   ASSERT_OK(NeighborsCreate(forms->radius, DX, &start->nb));
   ASSERT_OK(NeighborsUpdate(start->p, 0.0, start->nb));
-  ASSERT_OK(FreeSurfaceFind(scene, start->p, start->nb, forms, &start->free));
+  kernel = FormsKernel(forms);
+  ASSERT_OK(FreeSurfaceFind(scene, start->p, start->nb, &kernel, &start->free));
   CrowdGather(start->p, &start->all);
 }
 

@@ -5,7 +5,7 @@
 /* RANKS: 1 2 3 */
 #include "rows/assembly.h"
 #include "rows/rows.h"
-#include "isph/sparse.h"
+#include "isph/operators.h"
 #include "cloud.h"
 
 static const CloudBox boxes[] = {

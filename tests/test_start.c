@@ -5,7 +5,7 @@
 /* RANKS: 1 3 */
 #include <string.h>
 #include "cloud.h"
-#include "isph/hdf5file.h"
+#include "io/hdf5file.h"
 #include "isph/run.h"
 
 #define ROWS 10 /* of the file: two lines of five particles */

@@ -275,4 +275,17 @@ PetscErrorCode NeighborsSearch(const Particles *particles, Neighbors *neighbors)
 PetscErrorCode NeighborsFindRows(const Particles *particles, PetscInt first, PetscInt count,
                                  Neighbors *neighbors);
 
+/* Vectors over own fluid or own wall particles; array NULL: the vector allocates its storage. */
+PetscErrorCode FluidVec(const Particles *particles, PetscReal array[], Vec *v);
+PetscErrorCode WallVec(const Particles *particles, Vec *v);
+PetscErrorCode LocalValues(const Particles *particles, Vec f, Vec walls, PetscInt step,
+                           PetscReal value[]);
+PetscErrorCode FluidSum(const Particles *particles, Vec f, PetscBool squared, PetscReal *sum);
+PetscErrorCode FluidRemoveMean(const Particles *particles, Vec f);
+PetscErrorCode VelocityVec(const Particles *particles, Vec *v);
+PetscErrorCode VelocityVecRepeat(const Particles *particles, Vec factor, Vec *v);
+PetscErrorCode WallVelocityVec(const Particles *particles, Vec *v);
+PetscErrorCode UnknownsVec(const Particles *particles, Vec *v);
+PetscErrorCode VectorsCheckType(MPI_Comm comm);
+
 #endif

@@ -6,7 +6,6 @@
 #ifndef ISPH_SCENE_H
 #define ISPH_SCENE_H
 
-#include "isph/expression.h"
 #include "isph/geometry.h"
 
 typedef struct Scene  Scene;

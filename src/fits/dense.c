@@ -2,7 +2,7 @@
   Small dense algebra for stencils, at most a few tens of rows: Cholesky factors of moment matrices,
   and elimination for unsymmetric matrices.
 */
-#include "isph/operators.h"
+#include "isph/fits.h"
 
 /*
   DenseCholesky - Factors a symmetric positive definite matrix in place

@@ -3,7 +3,7 @@
   integral of the kernel to 1 in 1, 2 and 3 dimensions. A new kernel needs a shape function and a
   table row.
 */
-#include "isph/operators.h"
+#include "isph/fits.h"
 
 /* Computes the cubic B-spline with support 2h, w = 1 - 3/2 q^2 + 3/4 q^3 for q < 1, else (2-q)^3/4,
    and its derivatives w' and w''. */

@@ -7,7 +7,7 @@
 #ifndef ISPH_MLS_H
 #define ISPH_MLS_H
 
-#include "rows/rows.h"
+#include "isph/fits.h"
 
 #define MLS_MAX_WIDTH              40 /* MlsWidth() of terms, Laplacian, gradient, filter */
 #define MLS_VECTOR_TERMS           (ISPH_MAX_DIM * MLS_MAX_TERMS)

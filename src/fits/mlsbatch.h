@@ -2,7 +2,7 @@
 #ifndef ISPH_MLSBATCH_H
 #define ISPH_MLSBATCH_H
 
-#include "isph/operators.h"
+#include "isph/fits.h"
 
 #define MLS_BATCH 4 /* most particles, a vector of AVX2 */
 

@@ -1,5 +1,5 @@
 /* Parallel HDF5 for snapshots and checkpoints. Hdf5File.failed records failures of calls. */
-#include "isph/hdf5file.h"
+#include "hdf5file.h"
 
 #define COMPACT_MOST 1000 /* attributes and data sets that the header of a file holds itself */
 #define ROWS_MAX                                                                                   \

@@ -1,5 +1,5 @@
 /* Parallel HDF5: groups, attributes of any object, and second names of data sets. */
-#include "isph/hdf5file.h"
+#include "hdf5file.h"
 
 /* Records a failure of an HDF5 call; returns the result of the call. */
 static hid_t Noted(Hdf5File *file, hid_t result)

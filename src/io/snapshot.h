@@ -2,7 +2,7 @@
 #ifndef ISPH_IO_SNAPSHOT_H
 #define ISPH_IO_SNAPSHOT_H
 
-#include "isph/hdf5file.h"
+#include "hdf5file.h"
 
 /* A snapshot that is complete on disk. */
 typedef struct {

@@ -5,8 +5,7 @@
   neighbours follow each other are applied together. Operators that a wall
   treatment extends, or that couple components, are products with their matrices.
 */
-#include "fits/fitted.h"
-#include "isph/lanes.h"
+#include "fitted.h"
 
 /* Collects the values of fields by local index, halo included, those of a particle one after
    another. NULL stands for zeros. */

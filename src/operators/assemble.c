@@ -6,7 +6,7 @@
 #include "rows/assembly.h"
 #include "walls/boundary_rows.h"
 #include "walls/extension.h"
-#include "fits/fitted.h"
+#include "fitted.h"
 #include "rows/rows.h"
 #include "walls/wall_points.h"
 
@@ -403,13 +403,14 @@ static PetscErrorCode AssembleBatch(const Scene *scene, const Particles *p, cons
 PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *p, const Neighbors *nb,
                                  Operators *ops, PetscBool *changed)
 {
-  AffineOperator *needed[OPERATORS_COUNT];
-  const PetscInt  count = NeededOperators(ops, needed);
+  AffineOperator  *needed[OPERATORS_COUNT];
+  const PetscInt   count  = NeededOperators(ops, needed);
+  const KernelSize kernel = FormsKernel(&ops->forms);
 
   PetscFunctionBegin;
   *changed = (ops->epoch != p->epoch || ops->moved != p->moved) ? PETSC_TRUE : PETSC_FALSE;
   if (!*changed) PetscFunctionReturn(PETSC_SUCCESS);
-  if (ops->free) PetscCall(FreeSurfaceFind(scene, p, nb, &ops->forms, ops->free));
+  if (ops->free) PetscCall(FreeSurfaceFind(scene, p, nb, &kernel, ops->free));
   if (!count && !(ops->needs & NEED_CONCENTRATION)) { /* such as with NEED_STREAMS alone */
     ops->epoch = p->epoch;
     ops->moved = p->moved;

@@ -5,7 +5,7 @@
 #include "rows/assembly.h"
 #include "walls/boundary_rows.h"
 #include "choose.h"
-#include "fits/fitted.h"
+#include "fitted.h"
 #include "rows/rows.h"
 
 #define SURFACE_WEAK 1e-2 /* Stencil.weak beside free surfaces: fragments have few particles */

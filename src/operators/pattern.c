@@ -3,7 +3,6 @@
   neighbours. So the columns of a row are sorted once, and every operator writes its values to the
   same slots: positions in the arrays of values.
 */
-#include "isph/sparse.h"
 #include "isph/operators.h"
 
 /*

@@ -1,5 +1,5 @@
 /* Matrices from sorted rows, and sums of matrices of different patterns. */
-#include "isph/sparse.h"
+#include "isph/operators.h"
 
 /*
   MatKeep - Keeps data with a matrix, which frees them at its end

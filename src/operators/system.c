@@ -1,6 +1,5 @@
 /* The matrix shift I + scale A of an operator, for solvers: from its rows, so that A itself need
    not be a matrix. Solvers that only multiply take a shell, which stores no entries. */
-#include "isph/sparse.h"
 #include "isph/operators.h"
 
 /* The context of a shell. */

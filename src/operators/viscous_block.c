@@ -7,7 +7,7 @@
   The weights w_ij,ab stay in the slots of the shared pattern, so that new viscosities nu_ij need no
   new rows.
 */
-#include "isph/sparse.h"
+#include "isph/operators.h"
 #include "rows/assembly.h"
 #include "walls/boundary_rows.h"
 #include "walls/wall_points.h"

@@ -4,7 +4,7 @@
   single line. Plain numbers need no parser. && and || are operators of this file: muParser's own
   convert constant operands to int, so 0.5 && 1 is 0 and 41e30 is out of range.
 */
-#include "isph/expression.h"
+#include "isph/options.h"
 #include <muParserDLL.h>
 #include <stdlib.h>
 #include <string.h>

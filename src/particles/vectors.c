@@ -3,7 +3,7 @@
   -vec_type. A vector whose storage is a particle field has PETSc's standard type, which matrices of
   any type accept.
 */
-#include "isph/operators.h"
+#include "isph/particles.h"
 
 /* Creates a vector of n values in blocks, which allocates its storage. */
 static PetscErrorCode VecOfType(MPI_Comm comm, PetscInt n, PetscInt block, Vec *v)

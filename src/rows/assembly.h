@@ -2,7 +2,7 @@
 #ifndef ISPH_ASSEMBLY_H
 #define ISPH_ASSEMBLY_H
 
-#include "isph/operators.h"
+#include "isph/rows.h"
 #include "fits/mlsbatch.h"
 
 struct Assembly {

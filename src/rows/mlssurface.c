@@ -15,6 +15,7 @@
   equation: its value, or n.grad u_t = 0 on planes of symmetry.
 */
 #include "fits/mls.h"
+#include "rows.h"
 
 #define FIT_TERMS     MLS_QUADRATIC_TERMS /* of 3D, as many as those of cubic fits in 2D */
 #define SURFACE_TERMS (ISPH_MAX_DIM * FIT_TERMS)

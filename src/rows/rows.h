@@ -1,13 +1,11 @@
 /* Row functions of the tables in laplacians.c and gradients.c that other files define, and
    functions that they share. */
-#ifndef ISPH_ROWS_H
-#define ISPH_ROWS_H
+#ifndef ISPH_ROWS_ROWS_H
+#define ISPH_ROWS_ROWS_H
 
-#include "isph/operators.h"
+#include "isph/rows.h"
 
 PetscErrorCode            LaplacianRow_FatehiManzari(Stencil *stencil, PetscReal w[]);
-PetscErrorCode            LaplacianRow_Mls(Stencil *stencil, PetscReal w[]);
-PetscErrorCode            LaplacianRow_Mls3(Stencil *stencil, PetscReal w[]);
 PetscErrorCode            LaplacianRow_StressMls(Stencil *stencil, PetscReal w[]);
 extern const LaplacianRow LaplacianSurface, LaplacianSurfaceStress;
 PetscErrorCode            LaplacianRow_SurfaceMls(Stencil *stencil, PetscReal w[]);
@@ -19,11 +17,6 @@ PetscErrorCode            LaplacianRow_Violeau(Stencil *stencil, PetscReal w[]);
 PetscErrorCode            LaplacianRow_Cleary(Stencil *stencil, PetscReal w[]);
 PetscErrorCode            LaplacianRow_Direct(Stencil *stencil, PetscReal w[]);
 PetscErrorCode            LaplacianRow_DirectDifference(Stencil *stencil, PetscReal w[]);
-PetscErrorCode            GradientRow_Mls(Stencil *stencil, PetscReal *g[]);
-PetscErrorCode            GradientRow_MlsDegree(Stencil *stencil, PetscInt degree, PetscReal *g[],
-                                                PetscBool *determined);
-PetscErrorCode            FilterRow_Mls(Stencil *stencil, PetscReal w[]);
-PetscErrorCode            DivergenceFit_Mls(Stencil *stencil, PetscReal *d[], PetscReal m[]);
 void           CorrectKernel_FirstOrder(Stencil *stencil, PetscReal dW[], PetscReal ddW[]);
 PetscErrorCode FormDescribe(unsigned properties, char text[], size_t length);
 
@@ -37,21 +30,6 @@ static inline void CorrectedKernelGradient(const Stencil *st, const PetscReal in
     for (PetscInt b = 0; b < st->dim; b++) {
       gradient[a] -= inverse[a * st->dim + b] * st->X[b][k] * st->dW[k] / st->r[k];
     }
-  }
-}
-
-/* Computes the image Y of a position X, relative to a particle, in those planes near the particle
-   that are bits of `set`, one after another. */
-static inline void MirrorImage(PetscInt dim, PetscInt n_planes, const WallPlane planes[],
-                               PetscInt set, const PetscReal X[], PetscReal Y[])
-{
-  for (PetscInt a = 0; a < dim; a++) Y[a] = X[a];
-  for (PetscInt p = 0; p < n_planes; p++) {
-    PetscReal height = planes[p].distance;
-
-    if (!(set & (1 << p))) continue;
-    for (PetscInt a = 0; a < dim; a++) height += Y[a] * planes[p].normal[a];
-    for (PetscInt a = 0; a < dim; a++) Y[a] -= 2.0 * height * planes[p].normal[a];
   }
 }
 

@@ -1,7 +1,7 @@
 /*
   Storage of the stencil of a particle. GatherStencil() fills it, and row functions read it.
 */
-#include "isph/operators.h"
+#include "isph/rows.h"
 
 /* StencilCreate - Creates an empty stencil; not collective */
 PetscErrorCode StencilCreate(PetscInt dim, Stencil **stencil)

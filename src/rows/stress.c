@@ -6,6 +6,7 @@
   See docs/theory.md, (67) to (71) and (148) to (150).
 */
 #include "fits/mls.h"
+#include "rows.h"
 
 #define STRESS_TERMS 25 /* monomials of degree 3 and 4 in three dimensions */
 #define STRESS_WIDTH 28 /* MlsWidth() of the terms and a right-hand side */

@@ -3,7 +3,7 @@
 #define ISPH_RUN_CHECKPOINT_H
 
 #include "impl.h"
-#include "isph/hdf5file.h"
+#include "io/hdf5file.h"
 
 #define CHECKPOINT_FORMAT 18 /* version of the layout of the file */
 

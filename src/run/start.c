@@ -1,7 +1,7 @@
 /* Start of a run with the user's particles: a file gives their positions and, if it has them, their
    velocities and viscosities. */
 #include "impl.h"
-#include "isph/hdf5file.h"
+#include "io/hdf5file.h"
 
 #define START_CLOSEST 0.01 /* least distance of two particles, for fits to be meaningful [dx] */
 

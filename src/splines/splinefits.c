@@ -5,7 +5,6 @@
   are treated together.
 */
 #include "splinesearch.h"
-#include "isph/lanes.h"
 
 #define FIT_MOST        3   /* times as many if their weights are large */
 #define FIT_LARGEST_SUM 2.5 /* of absolute weights; 1.2 to 1.6 on a lattice */

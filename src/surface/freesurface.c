@@ -17,8 +17,6 @@
   Reference: S. Marrone, A. Colagrossi, D. Le Touze, G. Graziani, J. Comput. Phys. 229 (2010)
   3652-3663
 */
-#include "rows/assembly.h"
-#include "rows/rows.h"
 #include "surfacefits.h"
 
 #define CANDIDATE   0.35 /* least |S| over its value dx/2 below a plane */
@@ -61,9 +59,9 @@ static void AddNeighbour(const KernelRow *kernel, PetscInt dim, PetscReal h, Pet
 
 /* Computes the sums of own particle i. */
 static void SumsOf(const Scene *scene, const Particles *p, const Neighbors *nb,
-                   const OperatorForms *forms, PetscInt i, Sums *sums)
+                   const KernelSize *kernel, PetscInt i, Sums *sums)
 {
-  const PetscReal h = forms->h_over_dx * p->dx[i];
+  const PetscReal h = kernel->h_over_dx * p->dx[i];
   const PetscInt  d = p->dim;
   WallPlane       planes[SCENE_MAX_BOUNDARIES];
   PetscReal       x[ISPH_MAX_DIM];
@@ -71,7 +69,7 @@ static void SumsOf(const Scene *scene, const Particles *p, const Neighbors *nb,
 
   *sums = (Sums){.close = 0};
   for (PetscInt a = 0; a < d; a++) x[a] = p->x[a][i];
-  SceneWallPlanes(scene, x, forms->radius, planes, &n_planes);
+  SceneWallPlanes(scene, x, kernel->radius, planes, &n_planes);
   for (PetscInt q = nb->row[i] - 1; q < nb->row[i + 1]; q++) {
     const PetscInt j  = q < nb->row[i] ? i : nb->col[q];
     PetscReal      r2 = 0.0, X[ISPH_MAX_DIM];
@@ -82,12 +80,12 @@ static void SumsOf(const Scene *scene, const Particles *p, const Neighbors *nb,
       r2 += PetscSqr(X[a]);
     }
     if (r2 > 0.0 && r2 < PetscSqr(SurfaceReach(p, nb, i, SURFACE_CLOSE))) sums->close++;
-    AddNeighbour(forms->kernel, d, h, p->volume[j], X, sums);
+    AddNeighbour(kernel->row, d, h, p->volume[j], X, sums);
     for (PetscInt set = 1; set < 1 << n_planes; set++) {
       PetscReal Y[ISPH_MAX_DIM];
 
       MirrorImage(d, n_planes, planes, set, X, Y);
-      AddNeighbour(forms->kernel, d, h, p->volume[j], Y, sums);
+      AddNeighbour(kernel->row, d, h, p->volume[j], Y, sums);
     }
   }
 }
@@ -173,14 +171,14 @@ static PetscBool IsCovered(const Scene *scene, const Particles *p, const Neighbo
 /* Determines if own particle i can be on the surface, and its first normal: SMOOTH is a candidate,
    ROUGH is on the surface even if it is covered. */
 static SurfaceKind Candidate(const Scene *scene, const Particles *p, const Neighbors *nb,
-                             const OperatorForms *forms, const PlaneSums *plane, PetscInt i,
+                             const KernelSize *kernel, const PlaneSums *plane, PetscInt i,
                              PetscReal normal[])
 {
   const PetscInt openings = FreeSurfaceOpenings(scene, p, nb, i);
   Sums           sums;
   PetscReal      size = 0.0;
 
-  SumsOf(scene, p, nb, forms, i, &sums);
+  SumsOf(scene, p, nb, kernel, i, &sums);
   if (openings) FreeSurfaceFillOpenings(scene, p, nb, i, sums.S);
   for (PetscInt a = 0; a < p->dim; a++) size += PetscSqr(sums.S[a]);
   size = PetscSqrtReal(size);
@@ -270,14 +268,14 @@ static PetscErrorCode FindOnAnyRank(const Particles *p, FreeSurface *free)
   halo included; curvatures of own particles.
 */
 PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Neighbors *nb,
-                               const OperatorForms *forms, FreeSurface *free)
+                               const KernelSize *kernel, FreeSurface *free)
 {
   const PetscInt d = p->dim, all = ParticlesAll(p);
   PlaneSums      plane;
   SurfaceFits    fits;
 
   PetscFunctionBegin;
-  ComputePlane(forms->kernel, d, forms->h, scene->dx, &plane); /* the spacing is uniform */
+  ComputePlane(kernel->row, d, kernel->h, scene->dx, &plane); /* the spacing is uniform */
   if (all > free->capacity) {
     free->capacity = all + all / 8;
     PetscCall(PetscFree4(free->kind, free->normal, free->curvature, free->contact));
@@ -287,7 +285,7 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
   PetscCall(PetscArrayzero(free->kind, all));
   PetscCall(PetscArrayzero(free->normal, all * d));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    free->kind[i]      = Candidate(scene, p, nb, forms, &plane, i, &free->normal[i * d]);
+    free->kind[i]      = Candidate(scene, p, nb, kernel, &plane, i, &free->normal[i * d]);
     free->curvature[i] = 0.0;
   }
   PetscCall(Exchange(p, free));
@@ -300,13 +298,13 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
     PetscCall(PetscArraycpy(fits.normal, free->normal, p->n_fluid * d));
     for (PetscInt i = 0; i < p->n_fluid; i++)
       if (free->kind[i] == SURFACE_SMOOTH || free->kind[i] == SURFACE_ROUGH)
-        free->kind[i] = SurfaceFitAt(scene, p, nb, forms, free, i, &fits);
+        free->kind[i] = SurfaceFitAt(scene, p, nb, kernel, free, i, &fits);
     PetscCall(PetscArraycpy(free->normal, fits.normal, p->n_fluid * d));
     PetscCall(Exchange(p, free));
   }
   PetscCall(Sort(scene, p, nb, fits.depth, free));
   PetscCall(FindOnAnyRank(p, free));
-  if (free->tension > 0.0) PetscCall(SurfaceAverageCurvature(scene, p, nb, forms, free));
+  if (free->tension > 0.0) PetscCall(SurfaceAverageCurvature(scene, p, nb, kernel, free));
   PetscCall(PetscFree2(fits.normal, fits.depth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -8,8 +8,6 @@
   and a pressure without 2 mu n.E n. A film behind its nose keeps the fits, which are exact for a
   parabola of one or two particles across. See docs/theory.md, (250) and (251).
 */
-#include "rows/assembly.h"
-#include "rows/rows.h"
 #include "surfacefits.h"
 
 #define LENGTH 2.5 /* of a nose, from particles beside a dry wall [dx] */

@@ -8,8 +8,6 @@
   along which the fluid slides, mirror the surface; with surface tension walls without slip do too.
 */
 #include "surfacefits.h"
-#include "rows/assembly.h"
-#include "rows/rows.h"
 
 #define ALIGNED   0.3 /* least n_i.n_j of particles in a fit */
 #define RESIDUAL  0.3 /* root mean square of the fit above which the surface is rough [dx] */
@@ -135,11 +133,11 @@ static void AddToFit(PetscInt d, PetscInt terms, PetscReal W, const PetscReal X[
    normal, its depth and free->curvature; returns SURFACE_ROUGH if no smooth surface passes there;
    not collective */
 SurfaceKind SurfaceFitAt(const Scene *scene, const Particles *p, const Neighbors *nb,
-                         const OperatorForms *forms, const FreeSurface *free, PetscInt i,
+                         const KernelSize *kernel, const FreeSurface *free, PetscInt i,
                          SurfaceFits *fits)
 {
   const PetscInt  d = p->dim, terms = d == 2 ? 3 : FIT_TERMS;
-  const PetscReal R         = forms->kernel->support * forms->h_over_dx * p->dx[i];
+  const PetscReal R         = kernel->row->support * kernel->h_over_dx * p->dx[i];
   PetscReal      *normal    = &fits->normal[i * d];
   PetscReal      *curvature = &free->curvature[i];
   FitSums         sums      = {.squares = 0.0};
@@ -179,9 +177,9 @@ SurfaceKind SurfaceFitAt(const Scene *scene, const Particles *p, const Neighbors
 
 /* Returns the mean of the curvatures of own particle i and of surface particles nearby. */
 static PetscReal MeanCurvature(const Scene *scene, const Particles *p, const Neighbors *nb,
-                               const OperatorForms *forms, const FreeSurface *free, PetscInt i)
+                               const KernelSize *kernel, const FreeSurface *free, PetscInt i)
 {
-  const PetscReal R   = forms->kernel->support * forms->h_over_dx * p->dx[i];
+  const PetscReal R   = kernel->row->support * kernel->h_over_dx * p->dx[i];
   PetscReal       sum = 0.0, weights = 0.0;
   Mirrors         mirrors;
 
@@ -210,7 +208,7 @@ static PetscReal MeanCurvature(const Scene *scene, const Particles *p, const Nei
   fifths of it. Rough particles take part: their curvature makes corners round.
 */
 PetscErrorCode SurfaceAverageCurvature(const Scene *scene, const Particles *p, const Neighbors *nb,
-                                       const OperatorForms *forms, FreeSurface *free)
+                                       const KernelSize *kernel, FreeSurface *free)
 {
   PetscReal *next;
 
@@ -224,7 +222,7 @@ PetscErrorCode SurfaceAverageCurvature(const Scene *scene, const Particles *p, c
   for (PetscInt mean = 0; mean < MEANS; mean++) {
     PetscCall(ParticlesHaloField(p, free->curvature));
     for (PetscInt i = 0; i < p->n_fluid; i++)
-      next[i] = FreeSurfaceHolds(free, i) ? MeanCurvature(scene, p, nb, forms, free, i) : 0.0;
+      next[i] = FreeSurfaceHolds(free, i) ? MeanCurvature(scene, p, nb, kernel, free, i) : 0.0;
     PetscCall(PetscArraycpy(free->curvature, next, p->n_fluid));
   }
   PetscCall(PetscFree(next));

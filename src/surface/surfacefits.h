@@ -2,7 +2,7 @@
 #ifndef ISPH_SURFACEFITS_H
 #define ISPH_SURFACEFITS_H
 
-#include "isph/operators.h"
+#include "isph/surface.h"
 
 #define SURFACE_CLOSE 1.9 /* distance of neighbours that a particle must have [dx] */
 
@@ -20,10 +20,10 @@ static inline PetscReal SurfaceReach(const Particles *p, const Neighbors *nb, Pe
 }
 
 SurfaceKind    SurfaceFitAt(const Scene *scene, const Particles *p, const Neighbors *nb,
-                            const OperatorForms *forms, const FreeSurface *free, PetscInt i,
+                            const KernelSize *kernel, const FreeSurface *free, PetscInt i,
                             SurfaceFits *fits);
 PetscErrorCode SurfaceAverageCurvature(const Scene *scene, const Particles *p, const Neighbors *nb,
-                                       const OperatorForms *forms, FreeSurface *free);
+                                       const KernelSize *kernel, FreeSurface *free);
 PetscErrorCode FreeSurfaceFindNoses(const Scene *scene, const Particles *p, const Neighbors *nb,
                                     FreeSurface *free);
 

@@ -2,7 +2,7 @@
 #ifndef ISPH_BOUNDARY_ROWS_H
 #define ISPH_BOUNDARY_ROWS_H
 
-#include "isph/operators.h"
+#include "isph/walls.h"
 
 #define OPERATORS_COUNT (2 + 6 * ISPH_MAX_DIM + ISPH_MAX_DIM * ISPH_MAX_DIM)
 void OperatorsList(Operators *ops, AffineOperator *all[OPERATORS_COUNT]);

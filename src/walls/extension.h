@@ -2,7 +2,7 @@
 #ifndef ISPH_EXTENSION_H
 #define ISPH_EXTENSION_H
 
-#include "isph/operators.h"
+#include "isph/walls.h"
 
 /* Wall particle w and the fluid near it: input and output of the row functions WallExtend_*. */
 struct Extension {

@@ -2,7 +2,7 @@
 #ifndef ISPH_WALL_POINTS_H
 #define ISPH_WALL_POINTS_H
 
-#include "isph/operators.h"
+#include "isph/walls.h"
 
 /* Splits the offset X = x_k - x_i of wall neighbour k: returns the normal component X.n, and sets
    the tangential part X_t. */

@@ -2,7 +2,7 @@
   Values at boundaries: data of the velocity and the pressure at each own wall particle. Their
   vectors multiply the matrices B of the operators.
 */
-#include "isph/operators.h"
+#include "isph/walls.h"
 
 /* WallValuesFree - Frees the vectors; collective */
 PetscErrorCode WallValuesFree(WallValues *walls)

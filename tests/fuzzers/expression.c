@@ -3,7 +3,7 @@
   is the text. Values of an accepted text are finite, or the scope has a fault.
 */
 #include "fuzzer.h"
-#include "isph/expression.h"
+#include "isph/options.h"
 #include <math.h>
 #include <stdlib.h>
 

@@ -24,7 +24,7 @@
   equations are replaced, see adjoint.c.
 */
 #include "saddle.h"
-#include "isph/sparse.h"
+#include "isph/operators.h"
 
 /*
   SaddleTime - Returns T, the time in which momentum changes a velocity on the scale of the grid:

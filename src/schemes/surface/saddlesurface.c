@@ -10,7 +10,7 @@
   of schur.c suit its Schur complement: docs/theory.md, (156) and (157).
 */
 #include "schemes/coupled/saddle.h"
-#include "isph/sparse.h"
+#include "isph/operators.h"
 
 /* SaddleEliminateSurface - Computes Z, adds G Z to the viscous matrix, and replaces D by D + C Z;
    collective */

@@ -12,7 +12,7 @@
 */
 #include "flow/step.h"
 #include "schemes/diffusion/viscosity.h"
-#include "isph/sparse.h"
+#include "isph/operators.h"
 
 /*
   ViscosityHoldSurface - Makes the pressure of free surfaces a part of the viscous term, if it

@@ -6,7 +6,7 @@
   of a particle. Neighbours have the weights and the offsets of the assembly, computed anew.
 */
 #include "fitted.h"
-#include "four.h"
+#include "fits/four.h"
 
 /* Arrays over neighbours end in zeros up to a multiple of 4. */
 struct FittedRows {

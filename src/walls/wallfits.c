@@ -5,7 +5,7 @@
   radius of the support. Behind an edge of the box s and m can lie outside the box; then the fit
   uses the fluid nearest to the edge.
 */
-#include "walls/extension.h"
+#include "extension.h"
 
 #define FIT_MAX_TERMS MLS_QUADRATIC_TERMS
 
