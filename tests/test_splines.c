@@ -6,7 +6,7 @@
   these properties tried.
 */
 /* RANKS: 1 2 3 */
-#include "splines/splinerows.h"
+#include "splines/splines.h"
 #include "cloud.h"
 #include <string.h>
 

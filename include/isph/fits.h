@@ -155,7 +155,9 @@ typedef struct {
 void     DenseEliminate(PetscInt n, PetscReal A[], PetscInt rows, PetscReal B[]);
 PetscInt DenseCholesky(PetscInt n, PetscReal a[]);
 void     DenseCholeskyRidge(PetscInt n, const PetscReal a[], PetscReal ridge, PetscReal factor[]);
-void     DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[]);
+PetscErrorCode DenseEigen(PetscInt n, PetscReal K[], PetscReal M[], PetscReal lambda[],
+                          PetscReal V[]);
+void           DenseCholeskySolve(PetscInt n, const PetscReal factor[], PetscReal x[]);
 
 #define POINT_FIT_TERMS (1 + MLS_MAX_TERMS)
 #define POINT_FITS      8 /* most fits at once, 2^dim */

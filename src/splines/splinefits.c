@@ -4,7 +4,7 @@
   walls in a fit of all components together. The points of a cell share most of their particles and
   are treated together.
 */
-#include "splinesearch.h"
+#include "splines.h"
 
 #define FIT_MOST        3   /* times as many if their weights are large */
 #define FIT_LARGEST_SUM 2.5 /* of absolute weights; 1.2 to 1.6 on a lattice */

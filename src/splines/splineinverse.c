@@ -7,7 +7,7 @@
   are first dealt out in slabs, which have all splines along all axes but one, and then for the
   product along this axis in slabs of another axis.
 */
-#include "splinetensor.h"
+#include "splines.h"
 
 /* Splines of a rank if the lattice is divided evenly along one axis only. */
 typedef struct {

@@ -4,7 +4,7 @@
   other. Fixed particles keep them, so A is computed once; its product with a vector takes about an
   eighth of the operations. On a lattice most rows repeat, see splinerepeats.c.
 */
-#include "splinerows.h"
+#include "splines.h"
 
 /* Context of the shell. */
 typedef struct {

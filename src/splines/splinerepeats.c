@@ -7,7 +7,7 @@
   with the fit w at point g. Points with equal F and equal psi have one number, so rows with the
   same numbers at the same points are equal, and only different rows are computed.
 */
-#include "splinerows.h"
+#include "splines.h"
 
 #define SAME        1e-11 /* relative difference of equal values; places in cells have rounding */
 #define HEAD        3     /* entries before a row of F: place, slopes, and volume of the point */

@@ -2,7 +2,7 @@
   Rows of a matrix that repeat: of a lattice of splines and fixed particles. Equal rows are stored
   once, so products read little memory. The matrix is a shell.
 */
-#include "splinerows.h"
+#include "splines.h"
 
 #define LEAST 1000 /* stored rows for which there is room in any case */
 #define SHARE 4    /* more stored rows than this part of all rows do not repeat */

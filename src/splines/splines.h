@@ -12,7 +12,9 @@
 #ifndef ISPH_SPLINES_H
 #define ISPH_SPLINES_H
 
-#include "schemes/projection/projection.h"
+#include "flow/step.h"
+
+typedef struct Splines Splines;
 
 /* A lattice of cells over the box, and its splines, with centres in the middle of cells: quadratic
    splines with knots between cells, or cubic splines with knots at the centres. With -spacing_wall
@@ -354,5 +356,92 @@ PetscErrorCode SplinesPressure(const Splines *s, const Particles *particles, con
                                PetscReal *p);
 PetscErrorCode SplinesAverage(PetscReal length, PetscReal dt, Splines *s, Vec mean);
 PetscErrorCode SplinesView(const Splines *s, PetscViewer viewer);
+
+/* ---- splinerows.c: rows of a matrix that repeat and are stored once, with columns relative to their own numbers ---- */
+
+/* Rows that repeat. */
+typedef struct {
+  PetscInt   n, *of;                   /* rows; the stored row of each */
+  PetscInt  *base;                     /* columns of each are relative to it; NULL: its number */
+  PetscInt   each;                     /* values of an entry */
+  PetscInt   most;                     /* stored rows that the table can hold */
+  PetscInt   stored, row_room, *first; /* first entry of each stored row, and the end of the last */
+  PetscInt   capacity, *offset;        /* column of each entry, less the base */
+  PetscReal *value;
+  PetscInt   size, *table; /* a power of 2; stored row at each place, -1: none */
+} SplineRows;
+
+/* A row in the making. */
+typedef struct {
+  PetscInt  *place; /* of each column among the entries, -1: none */
+  PetscInt   n, capacity, each, *column;
+  PetscReal *value;
+} SplineEntries;
+
+PetscErrorCode SplineRowsCreate(PetscInt n, PetscInt each, SplineRows **rows);
+PetscErrorCode SplineRowsDestroy(SplineRows **rows);
+PetscErrorCode SplineRowsStore(const SplineEntries *row, PetscInt head, PetscInt k, SplineRows *r);
+PetscErrorCode SplineRowsShell(MPI_Comm comm, SplineRows *rows, Mat *A);
+PetscInt       SplineRowsPlace(PetscInt n, const PetscInt number[], const SplineRows *r);
+PetscErrorCode SplineEntriesAdd(PetscInt column, const PetscReal value[], SplineEntries *row);
+void           SplineEntriesClear(SplineEntries *row);
+
+/* splinerepeats.c */
+PetscErrorCode SplineRowsCompute(const Splines *s, const Particles *p, SplineRows **rows);
+
+/* ---- splinesearch.c: particles around the points of quadrature in a cell of the splines ---- */
+
+#define SPLINE_ALL     (-1) /* components of the velocity */
+#define SPLINE_NEAREST 84   /* most particles with which a fit begins */
+
+/* Points of quadrature in a cell, and the particles around them in ascending order. */
+typedef struct {
+  PetscInt  m;                            /* number of points */
+  PetscReal at[ISPH_MAX_DIM][POINT_FITS]; /* the points [m] */
+  /* of the axes about each point; stretched cells have the largest edge of all cells [-] */
+  PetscReal  stretch[ISPH_MAX_DIM][POINT_FITS];
+  PetscReal  reach; /* distance from each point within which all particles are listed [m] */
+  PetscInt   n, walls, capacity, *j;
+  PetscReal *x[ISPH_MAX_DIM]; /* positions; of wall particles: their points on the wall [m] */
+  PetscBool *wall;
+  PetscReal *r2,
+      *part; /* of a point: squared distances, stretched [m^2], and shares in the number wanted */
+  PetscInt *found; /* particles of a fit, numbers in this list */
+  PetscReal last2; /* squared radius of the last fit [m^2]; 0: none */
+} SplineAround;
+
+PetscInt       SplineLeast(PetscInt dim, PetscInt degree);
+PetscErrorCode SplineAroundCreate(const Flow *flow, SplineAround *around);
+PetscErrorCode SplineAroundFree(SplineAround *around);
+PetscErrorCode SplineAroundSet(const Flow *flow, const Splines *s, PetscInt first,
+                               SplineAround *around);
+PetscErrorCode SplineNearest(const Flow *flow, PetscInt i, PetscInt c, PetscInt wanted,
+                             SplineAround *around, PetscReal *reach, PetscInt *n, PetscReal *R,
+                             PetscBool *found);
+PetscBool      SplineIsNearOblique(const Flow *flow, PetscInt i, const SplineAround *around);
+PetscBool SplineFitIsShared(const Particles *p, PetscInt i, PetscInt a, PetscInt b, PetscReal R,
+                            const SplineAround *around);
+
+/* ---- splinetensor.c: the stiffness of the splines of a box in the basis that makes it diagonal ---- */
+
+/* A matrix of an axis, in both orders: row by row and column by column. */
+typedef struct {
+  PetscInt   n;
+  PetscReal *V, *transposed; /* columns of V: eigenvectors, V^T M V = I */
+  PetscReal *lambda;         /* their eigenvalues, scale^2 L [-] */
+} SplineAxis;
+
+typedef struct {
+  PetscInt   dim;
+  SplineAxis axis[ISPH_MAX_DIM];
+} SplineTensor;
+
+/* splinetensor.c */
+PetscErrorCode SplineTensorSet(const SplineLattice *lattice, PetscReal scale, SplineTensor *t);
+PetscErrorCode SplineTensorFree(SplineTensor *t);
+void SplineTensorAlong(const SplineTensor *t, const PetscInt n[], PetscInt a, PetscBool back,
+                       const PetscReal from[], PetscReal to[]);
+void SplineTensorDivide(const SplineTensor *t, const PetscInt first[], const PetscInt n[],
+                        PetscReal value[]);
 
 #endif

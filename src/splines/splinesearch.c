@@ -1,6 +1,6 @@
 /* The search for the particles in the fits at points of quadrature: once for the points of a cell,
    which share most of their particles, then the nearest of them for each point. */
-#include "splinesearch.h"
+#include "splines.h"
 
 #define FIRST_SHARE 1.3  /* particles within the first search over those wanted; mostly enough */
 #define LANES       8    /* numbers that a loop treats at once; r2 is padded to a multiple */

@@ -10,7 +10,7 @@
   References: R. E. Lynch, J. R. Rice, D. H. Thomas, Numer. Math. 6 (1964) 185-199; for splines
   G. Sangalli, M. Tani, SIAM J. Sci. Comput. 38 (2016) A3644-A3671
 */
-#include "splinetensor.h"
+#include "splines.h"
 #include "fits/four.h"
 
 #define TILE_ROWS 4 /* of a tile of a product */
@@ -144,7 +144,7 @@ static PetscErrorCode SetAxis(PetscReal scale, PetscReal K[], PetscReal M[], Spl
   const PetscInt n = axis->n;
 
   PetscFunctionBegin;
-  PetscCall(SplineEigen(n, K, M, axis->lambda, axis->V));
+  PetscCall(DenseEigen(n, K, M, axis->lambda, axis->V));
   for (PetscInt k = 0; k < n; k++) {
     axis->lambda[k] = k ? PetscSqr(scale) * axis->lambda[k] : 0.0; /* 0: the constant */
     for (PetscInt i = 0; i < n; i++) axis->transposed[k * n + i] = axis->V[i * n + k];

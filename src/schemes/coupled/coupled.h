@@ -1,7 +1,7 @@
 /*
   The coupled scheme, which solves for velocity and pressure together. coupled.c has its row and
   options, solver.c the solver, terms.c its terms, saddle.c its matrix, adjoint.c columns of its
-  gradient that are the transposed divergence, surface.c the pressures of free surfaces in it,
+  gradient that are the transposed divergence, saddlesurface.c the pressures of free surfaces in it,
   schur.c the Schur complement, rheology.c viscosities that follow the strain rate, step.c the step.
 */
 #ifndef ISPH_SCHEMES_COUPLED_H

@@ -20,7 +20,7 @@
   constant of the pressure. See docs/theory.md, (92) to (94).
 
   On free surfaces the rows of mass give the pressure, q - Z u = 0, and the unknown there is the
-  given q - Z u, see surface.c. In fluids with a free surface columns of G that oppose their
+  given q - Z u, see saddlesurface.c. In fluids with a free surface columns of G that oppose their
   equations are replaced, see adjoint.c.
 */
 #include "saddle.h"

@@ -1,4 +1,4 @@
-/* The matrix of the coupled system; see saddle.c, adjoint.c and surface.c. */
+/* The matrix of the coupled system; see saddle.c, adjoint.c and saddlesurface.c. */
 #ifndef ISPH_SCHEMES_SADDLE_H
 #define ISPH_SCHEMES_SADDLE_H
 
@@ -25,7 +25,7 @@ typedef struct {
   Mat       viscous;    /* T_i (-nu L + v.grad), dim N x dim N [-] */
   Mat       F, G, D;    /* T_i shift + viscous; T_i grad dx_j/T_j; dx_i div [-] */
   Mat       C;          /* residual of a quadratic fit of the pressure, T_i/dx_i C dx_j/T_j [-] */
-  Mat       Z;          /* 2 mu n.E n on free surfaces, see surface.c; NULL: no surface [-] */
+  Mat       Z;          /* 2 mu n.E n on free surfaces, see saddlesurface.c; NULL: no surface [-] */
   Mat       A, P;       /* [F G; D C + c c^T] and [F G; D C]; the same if c is NULL */
   Mat       gauge;      /* c of GaugeColumn(), NULL for a determined pressure */
   PetscInt  assemblies; /* stamp of the operators in the blocks */
@@ -45,7 +45,7 @@ PetscErrorCode SaddleAddInertia(const Saddle *saddle, Vec x, Vec xdot, Vec f);
 /* adjoint.c */
 PetscErrorCode SaddleUseReactions(const Flow *flow, Vec momentum, Saddle *saddle);
 
-/* surface.c */
+/* saddlesurface.c */
 PetscErrorCode SaddleEliminateSurface(const Flow *flow, Saddle *saddle);
 PetscErrorCode SaddleAddTension(const Flow *flow, const Saddle *saddle, Vec b);
 PetscErrorCode SaddleStress(const Saddle *saddle, Vec x, Vec *stress);

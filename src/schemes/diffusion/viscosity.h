@@ -7,7 +7,7 @@
 
 #include "isph/guard.h"
 
-/* The pressure of free surfaces as a part of the viscous term, see surface.c. */
+/* The pressure of free surfaces as a part of the viscous term, see surfacestress.c. */
 typedef struct {
   Mat      term;       /* -G Z/rho [1/s] */
   Mat      all;        /* nu A - G Z/rho [1/s] */
@@ -69,7 +69,7 @@ PetscErrorCode ViscositySolve(Flow *flow, PetscReal dt, PetscReal projection_fac
 PetscReal      ViscosityResponse(const Viscosity *visc);
 PetscErrorCode ViscosityView(const Viscosity *visc, PetscViewer viewer);
 
-/* surface.c */
+/* surfacestress.c */
 PetscErrorCode ViscosityHoldSurface(const Flow *flow, Viscosity *visc);
 PetscErrorCode SurfaceStressAssemble(const Viscosity *visc);
 PetscErrorCode SurfaceStressBoundary(const Viscosity *visc);

@@ -1,5 +1,5 @@
 /* The corrector of the projection: the pressure increment, and the new velocity and pressure. */
-#include "splines/splines.h"
+#include "projection.h"
 
 /*
   Sets the right-hand side of A phi = b, A = -dx_i^2 lap:

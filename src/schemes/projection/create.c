@@ -2,7 +2,7 @@
   The options of the projection scheme: the update of the pressure, the points on which the pressure
   is known, its filter, and the convection of fixed particles.
 */
-#include "splines/splines.h"
+#include "projection.h"
 
 static const ProjectionRow projections[] = {
     {.name        = "rotational",

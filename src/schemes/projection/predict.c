@@ -1,5 +1,5 @@
 /* The predictor of the projection: forces at the new time, then the viscous step to u*. */
-#include "splines/splines.h"
+#include "projection.h"
 
 /* Sets the force on u* without convection, -grad p^n/rho + f; at: time of f within the step, 1
    or 1/2. */

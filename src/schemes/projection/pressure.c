@@ -9,7 +9,7 @@
   no phi exists. (The left null vector of an unsymmetric L is not constant.) If a boundary gives the
   pressure, the system is A phi = b.
 */
-#include "splines/splines.h"
+#include "projection.h"
 
 #define LU_SHIFT      1e-8 /* s for LU: changes the solution little [-] */
 #define FISCHER_MODEL 1    /* the residual of the guess is minimal */

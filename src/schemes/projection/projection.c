@@ -10,7 +10,7 @@
   k is the length of the viscous step: for the default of second order 2dt/3, as a backward Euler
   step from (4u^n - u^{n-1})/3. w is the velocity of the particles: u (Lagrangian) or 0 (Eulerian).
 */
-#include "splines/splines.h"
+#include "projection.h"
 
 static PetscErrorCode ProjectionSetUp(Flow *flow)
 {

@@ -5,8 +5,8 @@
 #ifndef ISPH_PROJECTION_H
 #define ISPH_PROJECTION_H
 
-#include "flow/step.h"
 #include "schemes/diffusion/viscosity.h"
+#include "splines/splines.h"
 
 /* The update of the pressure by the increment phi. */
 typedef struct {
@@ -29,7 +29,6 @@ typedef struct {
 } PressurePointsRow;
 
 typedef struct Pressure Pressure;
-typedef struct Splines  Splines;
 
 enum { EVENT_VISCOSITY, EVENT_PRESSURE, EVENT_CORRECT, PROJECTION_EVENTS };
 

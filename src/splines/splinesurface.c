@@ -1,5 +1,5 @@
 /* Surfaces of bodies in the lattice of the splines: outlines, and their parts in cells. */
-#include "splines/splines.h"
+#include "splines.h"
 
 /* SplineCell - Computes the corners of a cell of the plane; not collective [m] */
 void SplineCell(const SplineLattice *l, PetscInt cell, PetscReal lo[2], PetscReal hi[2])

@@ -9,7 +9,7 @@
   F has a simple approximation. F + G Z has both conditions of the surface, and the approximations
   of schur.c suit its Schur complement: docs/theory.md, (156) and (157).
 */
-#include "schemes/coupled/saddle.h"
+#include "saddle.h"
 #include "isph/operators.h"
 
 /* SaddleEliminateSurface - Computes Z, adds G Z to the viscous matrix, and replaces D by D + C Z;

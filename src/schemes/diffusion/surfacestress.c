@@ -11,7 +11,7 @@
   docs/theory.md, (330).
 */
 #include "flow/step.h"
-#include "schemes/diffusion/viscosity.h"
+#include "viscosity.h"
 #include "isph/operators.h"
 
 /*

@@ -5,12 +5,12 @@
   sigma kappa either.
 
   An incremental projection has E of u*: 2 mu n.E n is part of the viscous term, see
-  viscosity/surface.c, the force of the predictor has the other terms, and the increment phi
+  surfacestress.c, the force of the predictor has the other terms, and the increment phi
   vanishes on the surface. With E of the last velocity steps of 0.1 dx^2/nu amplified disturbances
   of single particles of thin films: docs/theory.md, (330) and (331). Chorin's predictor has no
   pressure, and phi has E of the velocity at the start of the step.
 */
-#include "schemes/projection/projection.h"
+#include "projection.h"
 
 /* Returns true if the projection adds increments to a pressure of the predictor. */
 static PetscBool IsIncremental(const Flow *flow)

@@ -1,5 +1,5 @@
 /*
-  The eigenproblem of an axis of splines, K v = lambda M v, with K and M symmetric and M positive
+  The dense eigenproblem K v = lambda M v, as of an axis of splines, with K and M symmetric and M positive
   definite. With M = L L^T it becomes the standard problem of L^-1 K L^-T, which is made tridiagonal
   by reflections and then diagonal by rotations. All matrices are stored row by row, and rotations
   and reflections combine rows.
@@ -7,7 +7,7 @@
   Reference: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th edition, Johns Hopkins University
   Press (2013), algorithms 8.3.1 to 8.3.3
 */
-#include "splinetensor.h"
+#include "isph/fits.h"
 
 #define MOST_SWEEPS 60 /* of rotations for an eigenvalue, on average; about 2 are usual */
 
@@ -163,7 +163,7 @@ static void PutLeastFirst(PetscInt n, PetscReal d[], PetscReal Z[])
 }
 
 /*
-  SplineEigen - Solves K V = M V diag(lambda), V^T M V = 1, for n x n matrices
+  DenseEigen - Solves K V = M V diag(lambda), V^T M V = 1, for n x n matrices
 
   Not collective.
 
@@ -174,8 +174,8 @@ static void PutLeastFirst(PetscInt n, PetscReal d[], PetscReal Z[])
 + lambda - eigenvalues, the least first
 - V      - eigenvectors in columns
 */
-PetscErrorCode SplineEigen(PetscInt n, PetscReal K[], PetscReal M[], PetscReal lambda[],
-                           PetscReal V[])
+PetscErrorCode DenseEigen(PetscInt n, PetscReal K[], PetscReal M[], PetscReal lambda[],
+                          PetscReal V[])
 {
   PetscReal *e, *v, *w;
 

@@ -2,7 +2,7 @@
   The default solver of the pressure, by the kind and the number of its unknowns. Options of the
   preconditioner or of the matrix ask for AMG.
 */
-#include "splines/splines.h"
+#include "projection.h"
 
 #define LU_MOST     25000      /* unknowns up to which LU is faster than AMG */
 #define LU_SHORT    5000       /* the same for short steps, where its factors take more memory */
