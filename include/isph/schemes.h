@@ -10,14 +10,8 @@
 
 #define FLOW_MAX_WORK 32
 
-/* Stages common to all steps, for -log_view. */
-enum {
-  FLOW_EVENT_MOVE,
-  FLOW_EVENT_NEIGHBORS,
-  FLOW_EVENT_OPERATORS,
-  FLOW_EVENT_VOLUMES,
-  FLOW_EVENTS
-};
+/* The work on neighbours and matrices, which stages of a step share, for -log_view. */
+enum { FLOW_EVENT_NEIGHBORS, FLOW_EVENT_OPERATORS, FLOW_EVENTS };
 
 /* Particle shifting: small displacements that keep particles evenly spread. */
 typedef struct {
@@ -42,8 +36,9 @@ typedef struct {
   Vec        vec;        /* on the field; valid for an epoch */
 } PressureAverage;
 
-/* The parts of a step that change the velocity, in their order; see src/flow/budget.c. */
+/* The parts of a step that change the velocity, in their order. */
 typedef enum {
+  PART_NONE,
   PART_MOTION,    /* displacement of particles; remaking of operators */
   PART_SHIFT,     /* change of velocities by the shift */
   PART_CLEARANCE, /* change of velocities by the clearance of walls */
@@ -93,9 +88,10 @@ typedef struct {
   PetscBool       has_convection;      /* particles are fixed and have a convective term */
   PetscBool       implicit_convection; /* this term is in the viscous matrix */
 
-  PressureAverage average; /* of the pressure */
-  Budget         *budget;  /* NULL: steps measure none */
-  Graded          graded;  /* zero unless particles move and are graded */
+  PressureAverage average;            /* of the pressure */
+  Budget         *budget;             /* NULL: steps measure none */
+  PetscReal       mean[ISPH_MAX_DIM]; /* velocity before the step of a flow that keeps it [m/s] */
+  Graded          graded;             /* zero unless particles move and are graded */
   Openings        openings;
 
   PetscReal *u_previous[ISPH_MAX_DIM]; /* u^{n-1} (field) [m/s] */
@@ -103,6 +99,8 @@ typedef struct {
   PetscReal *convection[ISPH_MAX_DIM]; /* (u.grad u)^{n-1} of fixed particles, explicit (field)
                                           [m/s^2] */
   PetscReal *convection_earlier[ISPH_MAX_DIM]; /* (u.grad u)^{n-2} (field); NULL: not needed */
+  /* change of the velocity by the motion up to each of its parts (field); NULL: not noted [m/s] */
+  PetscReal *carried[CARRIED_PARTS][ISPH_MAX_DIM];
   PetscReal *owned; /* volume that particles own (field); NULL: not controlled [m^dim] */
   PetscReal *correction[ISPH_MAX_DIM]; /* u - u* of the last projection (field); NULL without
                                           implicit convection [m/s] */
@@ -188,8 +186,11 @@ typedef struct {
   PetscInt    falls_in_a_row; /* those since the last good solve */
 } LinearSolve;
 
-#define SCHEME_MAX_SOLVES  4
-#define SCHEME_MAX_FIGURES 4
+#define SCHEME_MAX_SOLVES    4
+#define SCHEME_MAX_FIGURES   4
+#define SCHEME_MAX_STAGES    16
+#define SCHEME_MAX_OBSERVERS 4
+#define SCHEME_MAX_JUDGES    4
 
 /* A number of a scheme for the report. The run prints a line if it has left its range. */
 typedef struct {
@@ -201,11 +202,56 @@ typedef struct {
 } SchemeFigure;
 
 /*
+  A stage of a step. The stages that apply to a flow are chosen once in a run, and FlowStep() does
+  them in turn. A stage that fails sets scheme->failure, which ends the step.
+*/
+typedef struct {
+  const char *name, *brief;
+  PetscBool (*Applies)(const Flow *flow); /* NULL: to all flows */
+  PetscErrorCode (*Do)(Flow *flow);
+  StepPart  part;   /* part of the step that ends with the stage */
+  PetscBool solves; /* u_next and p follow from it; it can be done again, see src/flow/attempt.c */
+} Stage;
+
+/* An observer of steps, which changes none. Its functions may be NULL. */
+typedef struct {
+  const char *name, *brief;
+  PetscBool (*Applies)(const Flow *flow);
+  PetscErrorCode (*Begin)(Flow *flow); /* before the first stage */
+  PetscErrorCode (*After)(Flow *flow, StepPart part, PetscReal dt, const Vec f[]);
+  PetscErrorCode (*End)(Flow *flow); /* after the last stage, before the time advances */
+} Observer;
+
+/* What happens again: the last stage that solves, all that solve, with the pressure and the memory
+   before them, or the step in a shorter time. */
+typedef enum { AGAIN_LAST, AGAIN_SOLVES, AGAIN_SHORTER, AGAIN_KINDS } Again;
+
+/* Attempts of a judge in the present step. */
+typedef struct {
+  PetscInt  times; /* so far */
+  PetscReal first; /* its measure of the solution before them */
+} Trial;
+
+/*
+  A judge of solutions. Decide sees the solution and tells if something is done again. Treat, after
+  the restoring, prepares another treatment. Clear ends the treatment after the step.
+*/
+typedef struct {
+  const char *name, *brief;
+  PetscBool (*Applies)(const Flow *flow);
+  Again again;
+  PetscErrorCode (*Decide)(Flow *flow, Trial *trial, PetscBool *again);
+  PetscErrorCode (*Treat)(Flow *flow); /* NULL: Decide does it */
+  PetscErrorCode (*Clear)(Flow *flow); /* NULL: nothing to end */
+} Judge;
+typedef struct Attempt Attempt;
+
+/*
   A scheme, a folder of src/schemes/. Create reads the scheme's options, refuses unsuitable scenes,
   and sets scheme->needs. SetUp, after the choice of operators, refuses unsuitable forms and creates
   solvers. Register adds fields to the particles. Begin prepares the scheme for the present fields.
-  Step makes a step of the clock's dt. Limit lowers the longest allowed step. View prints the
-  scheme's lines of the banner.
+  Limit lowers the longest allowed step. View prints the scheme's lines of the banner. The stages
+  make a step of the clock's dt.
 */
 typedef struct {
   const char *name, *brief, *citation;
@@ -214,17 +260,24 @@ typedef struct {
   PetscErrorCode (*Register)(Flow *flow); /* NULL: no additional fields */
   PetscErrorCode (*Assemble)(Flow *flow); /* NULL: no matrices of its own */
   PetscErrorCode (*Begin)(Flow *flow);
-  PetscErrorCode (*Step)(Flow *flow);
   PetscErrorCode (*Limit)(const Flow *flow, StepLimit *limit);
   PetscErrorCode (*View)(const Flow *flow, PetscViewer viewer);
   PetscErrorCode (*Destroy)(Flow *flow);
+  const Stage *const *stages; /* in their order; NULL ends the list */
+  const Judge *const *judges; /* in their order; NULL ends the list */
 } SchemeRow;
 extern const Table SchemeTable;
 
 typedef struct {
   const SchemeRow *row;
   const TableRow  *variant; /* row for the report's column projection; NULL: none */
-  unsigned         needs;   /* operators, bits of Need */
+  const Stage     *stage[SCHEME_MAX_STAGES]; /* those that apply */
+  PetscLogEvent    stage_event[SCHEME_MAX_STAGES];
+  PetscInt         n_stages;
+  const Observer  *observer[SCHEME_MAX_OBSERVERS]; /* those that apply */
+  PetscInt         n_observers;
+  Attempt         *attempt;
+  unsigned         needs; /* operators, bits of Need */
   StepStats        stats;
   SteadyTest       steady;
   SpeedBound       bound;
@@ -249,6 +302,7 @@ typedef struct {
 PetscErrorCode SchemeCreate(Flow *flow);
 PetscErrorCode SchemeSetUp(Flow *flow);
 PetscErrorCode SchemeRegister(Flow *flow);
+PetscErrorCode SchemeArrange(Flow *flow);
 PetscErrorCode SchemeLimit(const Flow *flow, StepLimit *limit);
 PetscErrorCode SchemeChooseStep(Flow *flow);
 PetscErrorCode SchemeAddSolve(LinearSolve *solve, Scheme *scheme);
@@ -281,8 +335,6 @@ PetscErrorCode FlowRestoreWork(Flow *flow, Vec *v);
 /* The mean of the pressure for snapshots. */
 PetscErrorCode AverageCreate(Flow *flow);
 PetscErrorCode AverageRegister(Flow *flow);
-PetscErrorCode AverageBegin(Flow *flow);
-PetscErrorCode AverageEnd(Flow *flow);
 PetscReal      AverageLength(const Flow *flow);
 
 /* The budget of a step. */
@@ -306,12 +358,7 @@ PetscErrorCode GaugeColumn(const Scene *scene, MPI_Comm comm, PetscInt before, P
 PetscErrorCode GaugeMatrix(Mat A, Mat column, Mat *regular);
 PetscErrorCode GaugePreconditioner(const Scene *scene, PetscReal shift, Mat A);
 
-/* Copy of the flow before a step. */
-typedef struct Undo Undo;
-PetscErrorCode      UndoCreate(Undo **undo);
-PetscErrorCode      UndoDestroy(Undo **undo);
-PetscErrorCode      UndoSave(const Flow *flow, Undo *undo);
-PetscErrorCode      UndoRestore(const Undo *undo, Flow *flow);
+PetscErrorCode AttemptStep(Flow *flow);
 
 extern const Table ConvectionTable, PressurePointsTable, ProjectionTable, ViscousIntegratorTable,
     CoupledIntegratorTable, CoupledGradientTable, SchurTable, EquationOfStateTable,

@@ -90,13 +90,13 @@ static PetscErrorCode AddPressure(Flow *flow, PetscReal length, PetscReal dt)
 }
 
 /*
-  AverageBegin - Begins or continues the mean before a step: adds p^n dt/2
+  Begins or continues the mean before a step: adds p^n dt/2
 
-  Collective. The mean begins at the first step in the last T before a snapshot at a multiple of
-  -output_every or at -t_end. The pressure before the first step is not a pressure of the flow, and
-  no mean begins with it.
+  The mean begins at the first step in the last T before a snapshot at a multiple of -output_every
+  or at -t_end. The pressure before the first step is not a pressure of the flow, and no mean begins
+  with it.
 */
-PetscErrorCode AverageBegin(Flow *flow)
+static PetscErrorCode AverageBegin(Flow *flow)
 {
   PressureAverage *a     = &flow->state->average;
   const Clock     *clock = flow->clock;
@@ -114,8 +114,8 @@ PetscErrorCode AverageBegin(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* AverageEnd - Continues the mean after the solve of a step: adds p^{n+1} dt/2; collective */
-PetscErrorCode AverageEnd(Flow *flow)
+/* Continues the mean after a step: adds p^{n+1} dt/2. */
+static PetscErrorCode AverageEnd(Flow *flow)
 {
   const PressureAverage *a  = &flow->state->average;
   const PetscReal        dt = flow->clock->dt;
@@ -124,6 +124,19 @@ PetscErrorCode AverageEnd(Flow *flow)
   if (a->due > 0.0) PetscCall(AddPressure(flow, flow->clock->t - a->start + 0.5 * dt, 0.5 * dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+static PetscBool Averages(const Flow *flow)
+{
+  return flow->state->average.T > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+const Observer ObserverAverage = {
+    .name    = "average",
+    .brief   = "the mean of the pressure over the last time before a snapshot",
+    .Applies = Averages,
+    .Begin   = AverageBegin,
+    .End     = AverageEnd,
+};
 
 /* AverageLength - Returns the length of the present mean [s]; 0: there is none; not collective */
 PetscReal AverageLength(const Flow *flow)

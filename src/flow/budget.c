@@ -20,9 +20,8 @@ typedef struct {
 } BoxSums;
 
 struct Budget {
-  PetscInt         n;                                    /* boxes; box n is the rest of the fluid */
-  const PetscReal *box;                                  /* lower and upper corners [m] */
-  PetscReal       *carried[CARRIED_PARTS][ISPH_MAX_DIM]; /* (field), see BudgetCarry() [m/s] */
+  PetscInt         n;   /* boxes; box n is the rest of the fluid */
+  const PetscReal *box; /* lower and upper corners [m] */
   PetscBool        measured[STEP_PARTS];
   PetscReal       *after[STEP_PARTS]; /* u_a of particle i after a part at [i * dim + a] [m/s] */
   PetscInt         capacity;          /* particles for which these arrays have room */
@@ -52,7 +51,7 @@ PetscErrorCode BudgetCreate(Flow *flow, PetscInt n, const PetscReal box[])
     PetscCall(PetscCalloc1(n + 1, &budget->sums[part]));
   for (PetscInt k = 0; k < CARRIED_PARTS && SceneMoves(flow->scene); k++) {
     PetscCall(ParticlesRegister(flow->particles, names[k], flow->scene->dim, HALO_NONE, ENTRY_ZERO,
-                                budget->carried[k]));
+                                flow->state->carried[k]));
   }
   flow->state->budget = budget;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -69,13 +68,6 @@ PetscErrorCode BudgetDestroy(Budget **budget)
   }
   PetscCall(PetscFree(*budget));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* BudgetCarry - Notes the change of the velocity of particle i by the motion up to and including
-   part k of CARRIED_PARTS; the note follows the particle to its new place; not collective */
-void BudgetCarry(Budget *budget, PetscInt dim, PetscInt k, PetscInt i, const PetscReal change[])
-{
-  for (PetscInt a = 0; a < dim; a++) budget->carried[k][a][i] = change[a];
 }
 
 /* Returns the first box that contains particle i, or the rest. */
@@ -139,36 +131,35 @@ static PetscErrorCode MeasurePart(Flow *flow, StepPart part, const Vec u[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  BudgetBegin - Measures the velocity before the step on the new operators, and after each part of
-  the motion
-
-  Collective. Does nothing without a budget. The motion itself changes no velocity. All particles
-  count in the boxes of their new places.
-*/
-PetscErrorCode BudgetBegin(Flow *flow)
+/* Measures the velocity before a step of fixed particles. */
+static PetscErrorCode BudgetBegin(Flow *flow)
 {
-  const FlowState *state  = flow->state;
-  Budget          *budget = state->budget;
+  PetscFunctionBegin;
+  if (SceneMoves(flow->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Reserve(flow->particles->n_fluid, flow->scene->dim, flow->state->budget));
+  PetscCall(MeasurePart(flow, PART_MOTION, flow->state->u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Measures the velocity before the step on the new operators, and after each part of the motion.
+   The motion itself changes no velocity. All particles count in the boxes of their new places. */
+static PetscErrorCode MeasureMotion(Flow *flow)
+{
+  const FlowState *state = flow->state;
   Vec              u[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
-  if (!budget) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Reserve(flow->particles->n_fluid, flow->scene->dim, budget));
-  if (!budget->carried[0][0]) {
-    PetscCall(MeasurePart(flow, PART_MOTION, state->u));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
+  PetscCall(Reserve(flow->particles->n_fluid, flow->scene->dim, state->budget));
   for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(FlowGetWork(flow, &u[a]));
   for (PetscInt k = -1; k < CARRIED_PARTS; k++) {
     for (PetscInt a = 0; a < flow->scene->dim; a++) {
-      const PetscReal *all = budget->carried[CARRIED_PARTS - 1][a];
+      const PetscReal *all = state->carried[CARRIED_PARTS - 1][a];
       PetscScalar     *v;
 
       PetscCall(VecCopy(state->u[a], u[a]));
       PetscCall(VecGetArray(u[a], &v));
       for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
-        v[i] -= all[i] - (k < 0 ? 0.0 : budget->carried[k][a][i]);
+        v[i] -= all[i] - (k < 0 ? 0.0 : state->carried[k][a][i]);
       PetscCall(VecRestoreArray(u[a], &v));
     }
     PetscCall(MeasurePart(flow, (StepPart)(PART_SHIFT + k), u));
@@ -177,19 +168,17 @@ PetscErrorCode BudgetBegin(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  BudgetPart - Measures the velocity u_next + dt f after a part of the step
-
-  Collective. Does nothing without a budget. Input: dt, f - the viscous step and its force, NULL:
-  none.
-*/
-PetscErrorCode BudgetPart(Flow *flow, StepPart part, PetscReal dt, const Vec f[])
+/* Measures the velocity u_next + dt f after a part of the step. */
+static PetscErrorCode BudgetPart(Flow *flow, StepPart part, PetscReal dt, const Vec f[])
 {
   const FlowState *state = flow->state;
   Vec              u[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
-  if (!state->budget) PetscFunctionReturn(PETSC_SUCCESS);
+  if (part == PART_MOTION) {
+    PetscCall(MeasureMotion(flow));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (!f) {
     PetscCall(MeasurePart(flow, part, state->u_next));
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -227,22 +216,36 @@ static void AddEnergies(const Particles *p, StepPart part, const PetscReal befor
   }
 }
 
-/* BudgetEnd - Computes the energies of all parts from the velocities that they left; does nothing
-   without a budget; not collective */
-void BudgetEnd(const Flow *flow)
+/* Computes the energies of all parts from the velocities that they left. */
+static PetscErrorCode BudgetEnd(Flow *flow)
 {
   Budget  *budget = flow->state->budget;
   PetscInt last = STEP_PARTS - 1, before = PART_MOTION;
 
-  if (!budget) return;
-  while (!budget->measured[last]) last--;
+  PetscFunctionBegin;
+  while (last > PART_NONE && !budget->measured[last]) last--;
   for (PetscInt part = PART_SHIFT; part <= last; part++) {
     if (!budget->measured[part]) continue;
     AddEnergies(flow->particles, (StepPart)part, budget->after[before], budget->after[part],
                 budget->after[last], budget);
     before = part;
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+static PetscBool HasBudget(const Flow *flow)
+{
+  return flow->state->budget ? PETSC_TRUE : PETSC_FALSE;
+}
+
+const Observer ObserverBudget = {
+    .name    = "budget",
+    .brief   = "kinetic energy and divergence after each part of a step, in boxes",
+    .Applies = HasBudget,
+    .Begin   = BudgetBegin,
+    .After   = BudgetPart,
+    .End     = BudgetEnd,
+};
 
 /*
   BudgetGet - Computes the budget of the last step: kinetic energy that a part added in a box, and

@@ -21,15 +21,13 @@ static PetscReal DefaultVelocityFilter(const Scene *scene)
   return PetscMin(1.0, PetscMax(0.0, (R - 20.0) / 40.0));
 }
 
-/* Registers the stages of a step for -log_view; fixed particles have no stage of motion. */
-static PetscErrorCode RegisterEvents(const Scene *scene, FlowState *s)
+/* Registers the work that stages of a step share for -log_view. */
+static PetscErrorCode RegisterEvents(FlowState *s)
 {
   PetscClassId id;
 
   PetscFunctionBegin;
   PetscCall(PetscClassIdRegister("Flow", &id));
-  if (SceneMoves(scene))
-    PetscCall(PetscLogEventRegister("ParticlesMove", id, &s->event[FLOW_EVENT_MOVE]));
   PetscCall(PetscLogEventRegister("NeighborsUpdate", id, &s->event[FLOW_EVENT_NEIGHBORS]));
   PetscCall(PetscLogEventRegister("OperatorsAssem", id, &s->event[FLOW_EVENT_OPERATORS]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -110,10 +108,9 @@ PetscErrorCode FlowStateCreate(Flow *flow, unsigned *needs)
               "-velocity_filter %.6g: with fixed particles at most 1", (double)s->velocity_filter);
     if (s->velocity_filter > 0.0) *needs |= NEED_FILTER_U;
   }
-  PetscCall(RegisterEvents(scene, s));
+  PetscCall(RegisterEvents(s));
   flow->state = s;
   PetscCall(AverageCreate(flow));
-  PetscCall(OpeningsCreate(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -172,8 +169,6 @@ PetscErrorCode FlowStateRegister(Flow *flow)
   if (s->implicit_convection && p->p)
     PetscCall(ParticlesRegister(p, "correction", scene->dim, HALO_NONE, ENTRY_MEAN, s->correction));
   PetscCall(AverageRegister(flow));
-  PetscCall(OpeningsRegister(flow));
-  PetscCall(VolumesRegister(flow));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM] = {0.0}, pressure = scene->outside;
 

@@ -1,13 +1,11 @@
 /*
-  The step of a flow, shared by schemes with a single solve per step. Particles move first, so that
-  all terms belong to t^{n+1}. Then matrices are assembled, the scheme solves for u^{n+1} and
-  p^{n+1}, and the result is checked and becomes the state.
+  The step of a flow: the stages of its scheme in their order. They are chosen once in a run, see
+  src/schemes/stages.c. Observers stand between the stages.
 */
 #include "step.h"
 
-/* FlowAdvance - Advances the state, u^{n-2} <- u^{n-1} <- u^n <- u^{n+1}, and the time;
-   collective */
-PetscErrorCode FlowAdvance(Flow *flow)
+/* Advances the state, u^{n-2} <- u^{n-1} <- u^n <- u^{n+1}, and the time. */
+static PetscErrorCode Advance(Flow *flow)
 {
   FlowState *s = flow->state;
 
@@ -18,39 +16,6 @@ PetscErrorCode FlowAdvance(Flow *flow)
     PetscCall(VecCopy(s->u_next[a], s->u[a]));
   }
   PetscCall(ClockAdvance(flow->clock));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Updates the neighbours. */
-static PetscErrorCode UpdateNeighbors(Flow *flow)
-{
-  const PetscLogEvent *event = flow->state->event;
-
-  PetscFunctionBegin;
-  PetscCall(PetscLogEventBegin(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
-  if (SceneMovesGraded(flow->scene)) PetscCall(ParticlesResize(flow->scene, flow->particles));
-  PetscCall(NeighborsUpdate(flow->particles, flow->scheme->stats.speed_max * flow->clock->dt,
-                            flow->neighbors));
-  PetscCall(PetscLogEventEnd(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Creates the vectors for the present numbering. */
-static PetscErrorCode Renumber(Flow *flow)
-{
-  PetscFunctionBegin;
-  PetscCall(WallValuesRenumber(flow->scene, flow->particles, &flow->walls));
-  PetscCall(FlowStateRenumber(flow));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* FlowRebuildNeighbors - Computes neighbours and vectors for the present positions, no matrices;
-   collective */
-PetscErrorCode FlowRebuildNeighbors(Flow *flow)
-{
-  PetscFunctionBegin;
-  PetscCall(UpdateNeighbors(flow));
-  PetscCall(Renumber(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -90,74 +55,66 @@ PetscErrorCode FlowPrepareOutput(const Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FlowRebuild - Computes neighbours, matrices and vectors for the present positions; collective */
-PetscErrorCode FlowRebuild(Flow *flow)
-{
-  PetscFunctionBegin;
-  PetscCall(UpdateNeighbors(flow));
-  PetscCall(FlowAssemble(flow));
-  PetscCall(Renumber(flow));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
-  FlowBegin - Prepares the flow for the next step at the start of a run, after a restart, or after
-  an undone step
+  FlowPartDone - Shows observers the velocity u_next + dt f after a part of the step
 
-  Collective. Computes from the particles' fields all other data that a finished step leaves.
+  Collective. Shows nothing of a step that has failed. Stages call it for the parts within them. Input: dt, f - the viscous step and its
+  force; NULL: none.
 */
-PetscErrorCode FlowBegin(Flow *flow)
+PetscErrorCode FlowPartDone(Flow *flow, StepPart part, PetscReal dt, const Vec f[])
 {
-  const Scene *scene = flow->scene;
+  const Scheme *s = flow->scheme;
 
   PetscFunctionBegin;
-  PetscCall(FlowRebuild(flow));
-  PetscCall(WallValuesSetVelocity(scene, flow->particles, flow->clock->t, 0.0, &flow->walls));
-  if (!SceneIsNewtonian(scene)) {
-    PetscCall(
-        OperatorsFollowStrain(scene, flow->particles, &flow->walls, flow->state->u, flow->ops));
-  }
-  if (flow->clock->step == 0) {
-    PetscCall(FlowMeasureStart(flow));
-    PetscCall(TimeErrorStart(flow));
-  }
+  if (part == PART_NONE || s->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < s->n_observers; k++)
+    if (s->observer[k]->After) PetscCall(s->observer[k]->After(flow, part, dt, f));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Tells observers that a step begins. */
+static PetscErrorCode BeginObservers(Flow *flow)
+{
+  const Scheme *s = flow->scheme;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < s->n_observers; k++)
+    if (s->observer[k]->Begin) PetscCall(s->observer[k]->Begin(flow));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Tells observers that a good step ends, before the time advances. */
+static PetscErrorCode EndObservers(Flow *flow)
+{
+  const Scheme *s = flow->scheme;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < s->n_observers; k++)
+    if (s->observer[k]->End) PetscCall(s->observer[k]->End(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  FlowStep - Makes a step of the clock's dt
+  FlowStep - Makes a step of the clock's dt by the stages of the scheme
 
   Collective. If the step fails, scheme->failure has the reason, time has not advanced, and the
-  fields are invalid.
-
-  Input Parameter:
-. Solve - solve of the scheme: sets u_next to u^{n+1} and p to p^{n+1}
+  fields are invalid. Judges of the solves send the step back to an earlier stage.
 */
-PetscErrorCode FlowStep(Flow *flow, FlowSolve Solve)
+PetscErrorCode FlowStep(Flow *flow)
 {
-  StepFailure    *failure = &flow->scheme->failure;
-  const PetscBool keeps   = SceneKeepsMomentum(flow->scene);
-  PetscReal       mean[ISPH_MAX_DIM];
+  Scheme *s = flow->scheme;
 
   PetscFunctionBegin;
-  failure->code = PETSC_SUCCESS;
-  if (keeps) PetscCall(FlowMeanVelocity(flow, flow->state->u, mean));
-  PetscCall(AverageBegin(flow));
-  if (SceneMoves(flow->scene)) {
-    PetscCall(FlowMove(flow));
-    if (!failure->code) PetscCall(FlowRebuild(flow));
+  s->failure.code = PETSC_SUCCESS;
+  PetscCall(BeginObservers(flow));
+  for (PetscInt k = 0; k < s->n_stages && !s->failure.code;) {
+    PetscCall(PetscLogEventBegin(s->stage_event[k], 0, 0, 0, 0));
+    PetscCall(s->stage[k]->Do(flow));
+    PetscCall(PetscLogEventEnd(s->stage_event[k], 0, 0, 0, 0));
+    PetscCall(FlowPartDone(flow, s->stage[k]->part, 0.0, NULL));
+    PetscCall(AttemptNext(flow, &k));
   }
-  if (!failure->code) PetscCall(VolumesControl(flow));
-  if (!failure->code) PetscCall(BudgetBegin(flow));
-  if (!failure->code) PetscCall(BurstSolve(flow, Solve));
-  if (!failure->code) PetscCall(FlowCollide(flow));
-  if (!failure->code) PetscCall(BudgetPart(flow, PART_SOLVE, 0.0, NULL));
-  if (!failure->code && keeps) PetscCall(MomentumRestore(flow, mean));
-  if (!failure->code && keeps) PetscCall(BudgetPart(flow, PART_MEAN, 0.0, NULL));
-  if (!failure->code) PetscCall(FlowCheck(flow));
-  if (!failure->code && flow->clock->adapt->estimates) PetscCall(TimeErrorCheck(flow));
-  if (!failure->code) PetscCall(AverageEnd(flow));
-  if (!failure->code) BudgetEnd(flow);
-  if (!failure->code) PetscCall(FlowAdvance(flow));
+  if (!s->failure.code) PetscCall(EndObservers(flow));
+  if (!s->failure.code) PetscCall(Advance(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -5,13 +5,15 @@
 #include "isph/schemes.h"
 
 /* step.c */
-typedef PetscErrorCode (*FlowSolve)(Flow *flow);
-PetscErrorCode FlowStep(Flow *flow, FlowSolve Solve);
-PetscErrorCode FlowAdvance(Flow *flow);
-PetscErrorCode FlowRebuildNeighbors(Flow *flow);
+PetscErrorCode FlowStep(Flow *flow);
 PetscErrorCode FlowAssemble(Flow *flow);
-PetscErrorCode FlowRebuild(Flow *flow);
-PetscErrorCode FlowBegin(Flow *flow);
+PetscErrorCode FlowPartDone(Flow *flow, StepPart part, PetscReal dt, const Vec f[]);
+
+/* attempt.c */
+extern const Judge JudgeFailure;
+PetscErrorCode     AttemptArrange(Flow *flow);
+PetscErrorCode     AttemptDestroy(Attempt **attempt);
+PetscErrorCode     AttemptNext(Flow *flow, PetscInt *k);
 
 /* motion.c */
 PetscErrorCode FlowMove(Flow *flow);
@@ -19,7 +21,7 @@ PetscErrorCode FlowMove(Flow *flow);
 /* openings.c */
 PetscErrorCode OpeningsCreate(Flow *flow);
 PetscErrorCode OpeningsRegister(Flow *flow);
-PetscErrorCode OpeningsPass(Flow *flow, PetscBool *passed);
+PetscErrorCode OpeningsPass(Flow *flow);
 
 /* graded.c */
 void GradedPath(const Scene *scene, const Particles *particles, PetscInt i, PetscReal way[]);
@@ -27,14 +29,11 @@ void GradedKeepOffSides(const Scene *scene, PetscReal share, PetscReal x[]);
 PetscErrorCode GradedConvection(Flow *flow, PetscReal at, Vec force[]);
 PetscErrorCode GradedRemember(Flow *flow);
 
-/* budget.c */
-void BudgetCarry(Budget *budget, PetscInt dim, PetscInt k, PetscInt i, const PetscReal change[]);
-PetscErrorCode BudgetBegin(Flow *flow);
-PetscErrorCode BudgetPart(Flow *flow, StepPart part, PetscReal dt, const Vec f[]);
-void           BudgetEnd(const Flow *flow);
+/* average.c, budget.c */
+extern const Observer ObserverAverage, ObserverBudget;
 
 /* momentum.c */
-PetscErrorCode MomentumRestore(Flow *flow, const PetscReal mean[]);
+PetscErrorCode MomentumRestore(Flow *flow);
 
 /* limits.c */
 PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit);
@@ -64,10 +63,10 @@ void           HistoryPath(const Clock *clock, PetscReal weight[HISTORY]);
 PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt);
 
 /* jump.c */
-PetscErrorCode JumpCheck(Flow *flow, PetscBool *again);
+extern const Judge JudgeJump;
 
 /* burst.c */
-PetscErrorCode BurstSolve(Flow *flow, FlowSolve Solve);
+extern const Judge JudgeBurst;
 
 /* collisions.c */
 PetscErrorCode FlowAllVelocities(const Flow *flow, const Vec u[], PetscReal **all);

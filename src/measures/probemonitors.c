@@ -198,7 +198,7 @@ static PetscErrorCode WriteBudget(const Flow *flow, Monitor *monitor)
   };
 
   PetscFunctionBegin;
-  for (PetscInt part = 0; part < STEP_PARTS; part++) {
+  for (PetscInt part = PART_MOTION; part < STEP_PARTS; part++) {
     for (PetscInt k = 0; k <= monitor->n; k++) {
       BudgetValues values;
       PetscBool    measured;

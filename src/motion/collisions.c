@@ -99,8 +99,8 @@ PetscErrorCode FlowAllVelocities(const Flow *flow, const Vec u[], PetscReal **al
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FlowCollide - Changes the new velocity u_next by collisions of fragments; nothing without rough
-   particles on free surfaces; collective */
+/* FlowCollide - Changes the new velocity u_next by collisions of fragments of a free surface that
+   moves; nothing without rough particles; collective */
 PetscErrorCode FlowCollide(Flow *flow)
 {
   const Particles *p = flow->particles;
@@ -109,8 +109,7 @@ PetscErrorCode FlowCollide(Flow *flow)
   PetscReal       *u;
 
   PetscFunctionBegin;
-  if (!flow->ops->free || !flow->ops->free->has_rough || !SceneMoves(flow->scene))
-    PetscFunctionReturn(PETSC_SUCCESS);
+  if (!flow->ops->free->has_rough) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FlowAllVelocities(flow, flow->state->u_next, &u));
   for (PetscInt a = 0; a < d; a++) PetscCall(VecGetArray(flow->state->u_next[a], &v[a]));
   for (PetscInt i = 0; i < p->n_fluid; i++) {

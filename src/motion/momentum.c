@@ -97,17 +97,15 @@ PetscErrorCode FlowMeanVelocity(const Flow *flow, const Vec u[], PetscReal mean[
 
 /*
   MomentumRestore - Shifts u^{n+1} of a flow that conserves its momentum to the mean velocity before
-  the step
+  the step, state->mean
 
   Collective. The shift is uniform: it changes neither divergence nor vorticity. It is of the order
   of the truncation error of the rows.
-
-  Input Parameter:
-. mean - of FlowMeanVelocity() before the step [m/s]
 */
-PetscErrorCode MomentumRestore(Flow *flow, const PetscReal mean[])
+PetscErrorCode MomentumRestore(Flow *flow)
 {
-  PetscReal now[ISPH_MAX_DIM];
+  const PetscReal *mean = flow->state->mean;
+  PetscReal        now[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
   PetscCall(FlowMeanVelocity(flow, flow->state->u_next, now));

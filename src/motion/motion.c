@@ -296,6 +296,14 @@ static PetscErrorCode CheckMove(Flow *flow, PetscReal moved)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Notes the change of the velocity of particle i by the motion up to and including part k; the note
+   follows the particle to its new place. */
+static void NoteChange(const FlowState *state, PetscInt dim, PetscInt k, PetscInt i,
+                       const PetscReal change[])
+{
+  for (PetscInt a = 0; a < dim; a++) state->carried[k][a][i] = change[a];
+}
+
 /* Displaces all own fluid particles and changes their fields; moved: largest displacement by the
    flow [dx_i], or [edges of the cell]. */
 static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscReal *moved,
@@ -307,6 +315,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   FlowState      *state    = flow->state;
   const PetscBool shifting = state->shift->Displace ? PETSC_TRUE : PETSC_FALSE;
   const PetscBool graded   = SceneMovesGraded(scene);
+  const PetscBool noted    = state->carried[0][0] ? PETSC_TRUE : PETSC_FALSE;
   PetscReal       moved2   = 0.0, weight[HISTORY];
 
   PetscFunctionBegin;
@@ -318,9 +327,9 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     const PetscBool on_surface = FreeSurfaceHolds(flow->ops->free, i);
 
     if (shifting) ShiftParticle(flow, slopes, i, shift);
-    if (shifting && state->budget) {
+    if (shifting && noted) {
       FollowShift(scene, slopes, i, shift, change);
-      BudgetCarry(state->budget, scene->dim, CARRIED_SHIFT, i, change);
+      NoteChange(state, scene->dim, CARRIED_SHIFT, i, change);
     }
     for (PetscInt a = 0; a < scene->dim; a++) {
       flown[a] = weight[0] * p->u[a][i] + weight[1] * state->u_previous[a][i];
@@ -342,12 +351,12 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     *work += EnergyWork(flow, i, path);
     if (shifting) FollowShift(scene, slopes, i, shift, change);
     for (PetscInt a = 0; on_surface && a < scene->dim; a++) change[a] += pushed[a] / clock->dt;
-    if (state->budget) BudgetCarry(state->budget, scene->dim, CARRIED_CLEARANCE, i, change);
+    if (noted) NoteChange(state, scene->dim, CARRIED_CLEARANCE, i, change);
     if (flow->ops->velocity[0].filter_u.needed) {
       FilterVelocity(scene, slopes, i, state->velocity_filter, clock->dt, change);
       FilterAtSurface(flow, slopes, i, change);
     }
-    if (state->budget) BudgetCarry(state->budget, scene->dim, CARRIED_FILTER, i, change);
+    if (noted) NoteChange(state, scene->dim, CARRIED_FILTER, i, change);
     d2 /= PetscSqr(p->dx[i]);
     moved2 = PetscIsNanReal(d2) ? PETSC_INFINITY : PetscMax(moved2, d2);
     for (PetscInt a = 0; a < scene->dim; a++) {
@@ -364,8 +373,8 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
 }
 
 /*
-  FlowMove - Moves particles from x^n to x^{n+1} by Adams-Bashforth with shifting, changes their
-  fields, lets particles pass openings, and updates ownership and halo
+  FlowMove - Moves particles from x^n to x^{n+1} by Adams-Bashforth with shifting, and changes their
+  fields
 
     dr = dt (w_0 u^n + w_1 u^{n-1} + w_2 u^{n-2}) + s,   w of HistoryPath()
     u += s.grad u + |s|^2/(2d) lap u - filter of FilterVelocity(),   p += dr.grad p
@@ -378,29 +387,20 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   particles would carry the speed of a moving lid away from the lid, as they do without shifting.
   On a free surface this displacement is a velocity that the wall gives, and no part of s.
   The term with lap u is the mean of s s : grad grad u/2 over directions of s; without it shifting
-  feeds energy into the flow. On entry the operators belong to x^n; on exit they are out of date.
+  feeds energy into the flow. On entry the operators belong to x^n; on exit they, owners and halo are out of
+  date.
   See docs/theory.md, (105) to (107).
 */
 PetscErrorCode FlowMove(Flow *flow)
 {
-  const PetscLogEvent *event = flow->state->event;
-  PetscReal            moved, work;
-  PetscBool            started, passed;
-  Slopes               slopes;
+  PetscReal moved, work;
+  Slopes    slopes;
 
   PetscFunctionBegin;
-  PetscCall(PetscLogEventBegin(event[FLOW_EVENT_MOVE], 0, 0, 0, 0));
   PetscCall(SlopesGet(flow, flow->state->shift->Displace ? PETSC_TRUE : PETSC_FALSE, &slopes));
   PetscCall(DisplaceParticles(flow, &slopes, &moved, &work));
   PetscCall(EnergyAddWork(flow, work));
   PetscCall(SlopesRestore(flow, &slopes));
   if (flow->clock->adapt->retries) PetscCall(CheckMove(flow, moved));
-  PetscCall(PetscLogEventEnd(event[FLOW_EVENT_MOVE], 0, 0, 0, 0));
-  if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscLogEventBegin(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
-  PetscCall(OpeningsPass(flow, &passed));
-  PetscCall(ParticlesUpdateEpoch(flow->scene, flow->particles, PETSC_FALSE, &started));
-  if (!started && !passed) PetscCall(ParticlesUpdateHalo(flow->particles));
-  PetscCall(PetscLogEventEnd(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

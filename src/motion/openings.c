@@ -162,16 +162,14 @@ static PetscErrorCode CheckRoom(Flow *flow)
   OpeningsPass - Removes the particles that left the box in the present step, and inserts those that
   entered
 
-  Collective. Positions are those at the end of the step, velocities still those at its start.
-
-  Output Parameter:
-. passed - particles left or entered, so that an epoch has started
+  Collective. Positions are those at the end of the step, velocities still those at its start. An
+  epoch starts if a particle leaves or enters.
 
   Notes:
   The step fails if fluid enters farther than the box is long. The step, and with it the run, fails
   if no fluid is left, or if a box without an outflow is full.
 */
-PetscErrorCode OpeningsPass(Flow *flow, PetscBool *passed)
+PetscErrorCode OpeningsPass(Flow *flow)
 {
   Openings        *o    = &flow->state->openings;
   const Particles *p    = flow->particles;
@@ -179,8 +177,6 @@ PetscErrorCode OpeningsPass(Flow *flow, PetscBool *passed)
   PetscReal        left = 0.0;
 
   PetscFunctionBegin;
-  *passed = PETSC_FALSE;
-  if (!o->there) PetscFunctionReturn(PETSC_SUCCESS);
   if (SceneHasBoundary(flow->scene, BOUNDARY_OUTFLOW)) PetscCall(RemoveLeft(flow, &left));
   for (PetscInt w = p->n_fluid; o->entered && w < ParticlesOwn(p); w++) {
     if (BoundaryIs(flow->scene, (PetscInt)p->side[w], BOUNDARY_INFLOW))
@@ -197,7 +193,6 @@ PetscErrorCode OpeningsPass(Flow *flow, PetscBool *passed)
   if (all.n) PetscCall(EntrantsInsert(flow, &all));
   o->volume_out += left;
   o->volume_in += all.n * SceneVolume(flow->scene);
-  *passed = left > 0.0 || all.n ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(PetscFree(all.entrant));
   PetscCall(CheckRoom(flow));
   PetscFunctionReturn(PETSC_SUCCESS);

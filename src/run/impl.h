@@ -9,7 +9,7 @@ typedef struct Checkpoints Checkpoints;
 /* The stages of a run in the output of -log_view. */
 typedef enum { STAGE_SETUP, STAGE_STEPS, STAGE_OUTPUT, RUN_STAGES } RunStage;
 
-/* A run: the flow, its output, and its memory for retries. */
+/* A run: the flow and its output. */
 typedef struct {
   Flow           flow;
   Snapshots     *snapshots;
@@ -19,7 +19,6 @@ typedef struct {
   MatrixFile    *solve_matrix[SCHEME_MAX_SOLVES]; /* of the scheme's solves; NULL: none */
   MatrixFile    *ppe_matrix;
   Checkpoints   *checkpoints;
-  Undo          *undo;              /* NULL: steps are not retried */
   PetscLogDouble started;           /* wall clock [s] */
   PetscLogStage  stage[RUN_STAGES]; /* without a log the main stage, 0 */
 } Run;

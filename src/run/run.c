@@ -45,7 +45,6 @@ static PetscErrorCode RunChoose(Run *run)
   PetscCall(OperatorsCreate(
       flow->scene, flow->scheme->needs | SnapshotsNeeds(run->snapshots) | probes, &flow->ops));
   PetscCall(SchemeSetUp(flow));
-  if (flow->clock->adapt->retries) PetscCall(UndoCreate(&run->undo));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -104,6 +103,7 @@ PetscErrorCode RunCreate(Run *run)
   PetscCall(RunFill(run, path, &start));
   PetscCall(StartFree(&start));
   PetscCall(RunOpenFiles(run));
+  PetscCall(SchemeArrange(&run->flow));
   PetscCall(OptionsRefuseUnknown(PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -124,7 +124,6 @@ PetscErrorCode RunDestroy(Run *run)
   PetscCall(SnapshotsDestroy(&run->snapshots));
   PetscCall(NeighborsDestroy(&flow->neighbors));
   PetscCall(ParticlesDestroy(&flow->particles));
-  PetscCall(UndoDestroy(&run->undo));
   PetscCall(SchemeDestroy(flow));
   PetscCall(OperatorsDestroy(&flow->ops));
   PetscCall(ClockDestroy(&flow->clock));
@@ -167,32 +166,6 @@ static PetscErrorCode RunIsOver(Run *run, PetscBool *over)
                 (double)clock->t, (double)change[0], (double)change[1], (double)change[2],
                 (double)clock->steady_tol));
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  Makes a successful step, or ends the run. If the chosen row of -dt_adapt retries steps, a step
-  that fails or has too large an error is undone and repeated with a shorter dt.
-*/
-static PetscErrorCode RunStep(Run *run)
-{
-  Flow        *flow    = &run->flow;
-  StepFailure *failure = &flow->scheme->failure;
-  StepLimit    limit;
-
-  PetscFunctionBegin;
-  do {
-    PetscCall(SchemeLimit(flow, &limit));
-    PetscCall(ClockChoose(&limit, flow->clock));
-    if (run->undo) PetscCall(UndoSave(flow, run->undo));
-    PetscCall(flow->scheme->row->Step(flow));
-    PetscCall(ExpressionScopeCheck(flow->scene->scope));
-    if (!failure->code) PetscFunctionReturn(PETSC_SUCCESS);
-    if (!run->undo || failure->fatal) break;
-    PetscCall(UndoRestore(run->undo, flow));
-    PetscCall(ClockRetry(flow->clock, failure));
-  } while (!failure->fatal);
-  PetscCheck(PETSC_FALSE, PETSC_COMM_WORLD, failure->code, "%s", failure->sentence);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -248,7 +221,7 @@ static PetscErrorCode RunSolve(Run *run, PetscMPIInt *signal)
   PetscCall(RunIsOver(run, &over));
   if (!over) PetscCall(RunMeasureDue(run)); /* a restarted run may begin at a report time */
   while (!over && !*signal) {
-    PetscCall(RunStep(run));
+    PetscCall(AttemptStep(&run->flow));
     if (clock->step == first + 1) PetscCall(OptionsRefuseUnknown(PETSC_TRUE));
     PetscCall(RunIsOver(run, &over));
     PetscCall(InterruptCheck(signal));
@@ -289,7 +262,8 @@ static PetscErrorCode RunReportChoices(Run *run)
 
   PetscFunctionBegin;
   if (T > 0.0) PetscCall(ReportAdd(run->report, "pressure_average", T));
-  if (run->undo) PetscCall(ReportAdd(run->report, "retries", run->flow.clock->retries));
+  if (run->flow.clock->adapt->retries)
+    PetscCall(ReportAdd(run->report, "retries", run->flow.clock->retries));
   for (PetscInt k = 0; k < scheme->n_figures; k++) {
     const SchemeFigure *figure = &scheme->figure[k];
 

@@ -94,6 +94,7 @@ PetscErrorCode SchemeCreate(Flow *flow)
   PetscCall(FlowRemember(flow));
   PetscCall(SchemeChooseStep(flow));
   PetscCall(FlowStateCreate(flow, &s->needs));
+  PetscCall(OpeningsCreate(flow));
   PetscCall(RefuseSurface(flow));
   PetscCall(GradedRemember(flow));
   PetscCall(s->row->Create(flow));
@@ -117,6 +118,8 @@ PetscErrorCode SchemeRegister(Flow *flow)
 {
   PetscFunctionBegin;
   PetscCall(FlowStateRegister(flow));
+  PetscCall(OpeningsRegister(flow));
+  PetscCall(VolumesRegister(flow));
   if (flow->scheme->row->Register) PetscCall(flow->scheme->row->Register(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -127,6 +130,7 @@ PetscErrorCode SchemeDestroy(Flow *flow)
   PetscFunctionBegin;
   if (!flow->scheme) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(flow->scheme->row->Destroy(flow));
+  PetscCall(AttemptDestroy(&flow->scheme->attempt));
   PetscCall(FlowStateDestroy(flow));
   PetscCall(WallValuesFree(&flow->walls));
   PetscCall(PetscFree(flow->scheme));

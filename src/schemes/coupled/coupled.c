@@ -4,6 +4,8 @@
 */
 #include "coupled.h"
 
+#include "schemes/stages.h"
+
 static const CoupledIntegratorRow integrators[] = {
     {.name     = TSBEULER,
      .brief    = "backward Euler, from (4u^n - u^{n-1})/3 over 2dt/3: BDF2 with the history on "
@@ -136,7 +138,6 @@ static PetscErrorCode CoupledCreate(Flow *flow)
 {
   const Scene    *scene   = flow->scene;
   const PetscBool viscous = SceneHas(scene, PHYSICS_VISCOSITY);
-  PetscClassId    id;
   Coupled        *c;
 
   PetscFunctionBegin;
@@ -170,8 +171,6 @@ static PetscErrorCode CoupledCreate(Flow *flow)
     flow->scheme->needs &= ~(unsigned)NEED_FILTER_U;
   }
   PetscCall(MemoryAddReal(&flow->scheme->memory, "coupled_substep", &c->substep));
-  PetscCall(PetscClassIdRegister("Coupled", &id));
-  PetscCall(PetscLogEventRegister("CoupledSolve", id, &c->event));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -212,13 +211,6 @@ static PetscErrorCode CoupledSetUp(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode CoupledStep(Flow *flow)
-{
-  PetscFunctionBegin;
-  PetscCall(FlowStep(flow, CoupledSolve));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode CoupledView(const Flow *flow, PetscViewer viewer)
 {
   const Coupled *c = (const Coupled *)flow->scheme->data;
@@ -239,6 +231,26 @@ static PetscErrorCode CoupledDestroy(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static const Stage start = {
+    .name   = "start",
+    .brief  = "the pressure of the last step is kept",
+    .Do     = CoupledStart,
+    .solves = PETSC_TRUE,
+};
+static const Stage solve = {
+    .name   = "solve",
+    .brief  = "new velocity and pressure together",
+    .Do     = CoupledSolve,
+    .part   = PART_SOLVE,
+    .solves = PETSC_TRUE,
+};
+
+static const Stage *const stages[] = {&StageMomentum, &StageMove,  &StagePass,  &StageRebuild,
+                                      &StageVolume,   &start,      &solve,      &StageCollide,
+                                      &StageMean,     &StageCheck, &StageError, NULL};
+
+static const Judge *const judges[] = {&JudgeJump, &JudgeBurst, &JudgeFailure, NULL};
+
 const SchemeRow SchemeCoupled = {
     .name     = "coupled",
     .brief    = "velocity and pressure in one matrix: no splitting error at any step, or -steady",
@@ -246,8 +258,9 @@ const SchemeRow SchemeCoupled = {
     .Create   = CoupledCreate,
     .SetUp    = CoupledSetUp,
     .Begin    = FlowBegin,
-    .Step     = CoupledStep,
     .Limit    = FlowLimit,
     .View     = CoupledView,
     .Destroy  = CoupledDestroy,
+    .stages   = stages,
+    .judges   = judges,
 };

@@ -65,9 +65,8 @@ typedef struct {
   Vec                         part, work;          /* work vectors of a component */
   Vec                         all_walls, boundary; /* wall velocities of interlaced components,
                                                       their viscous terms; NULL: not coupled */
-  Vec           u[ISPH_MAX_DIM]; /* components of x, for convection at a stage [m/s] */
-  PetscReal     substep;         /* last substep of the integrator [s] */
-  PetscLogEvent event;
+  Vec       u[ISPH_MAX_DIM]; /* components of x, for convection at a stage [m/s] */
+  PetscReal substep;         /* last substep of the integrator [s] */
 
   Flow      *flow;      /* of the present step, for callbacks */
   Vec       *force;     /* [m/s^2] */
@@ -110,6 +109,7 @@ PetscErrorCode CoupledIJacobian(TS ts, PetscReal t, Vec x, Vec xdot, PetscReal s
                                 void *ctx);
 
 /* step.c */
+PetscErrorCode CoupledStart(Flow *flow);
 PetscErrorCode CoupledSolve(Flow *flow);
 
 #endif

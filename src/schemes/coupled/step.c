@@ -235,6 +235,17 @@ static PetscErrorCode StepFirst(Flow *flow, Coupled *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* CoupledStart - Keeps the pressure before the solve, and counts iterations anew; collective */
+PetscErrorCode CoupledStart(Flow *flow)
+{
+  Coupled *c = (Coupled *)flow->scheme->data;
+
+  PetscFunctionBegin;
+  c->guard.solve.iterations = 0;
+  PetscCall(VecCopy(flow->state->p, flow->state->p_before));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* CoupledSolve - Solves for u^{n+1} and p^{n+1}, and computes the divergence of u^{n+1};
    collective */
 PetscErrorCode CoupledSolve(Flow *flow)
@@ -247,33 +258,22 @@ PetscErrorCode CoupledSolve(Flow *flow)
   Vec             force[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCall(PetscLogEventBegin(c->event, 0, 0, 0, 0));
   for (PetscInt a = 0; a < dim; a++) PetscCall(FlowGetWork(flow, &force[a]));
-  c->force                  = force;
-  c->end                    = end;
-  c->stages                 = c->row->substeps || flow->clock->steady_solve;
-  c->guard.solve.iterations = 0;
-  PetscCall(VecCopy(s->p, s->p_before));
+  c->force  = force;
+  c->end    = end;
+  c->stages = c->row->substeps || flow->clock->steady_solve;
   if (c->stages) {
     for (PetscInt a = 0; a < dim; a++) PetscCall(VecCopy(s->u[a], s->u_next[a]));
     PetscCall(SolveSystem(flow, dt, c));
   } else if (flow->clock->order > 1 && ClockRatio(flow->clock) == 0.0) {
     PetscCall(StepFirst(flow, c));
   } else {
-    PetscBool again;
-
     PetscCall(HistoryStart(flow, PETSC_TRUE, &dt));
     PetscCall(CoupledForce(c));
     PetscCall(SolveSystem(flow, dt, c));
-    PetscCall(JumpCheck(flow, &again));
-    if (again) {
-      PetscCall(HistoryStart(flow, PETSC_TRUE, &dt));
-      PetscCall(SolveSystem(flow, dt, c));
-    }
   }
   PetscCall(WallValuesSetVelocity(flow->scene, flow->particles, end, 0.0, &flow->walls));
   PetscCall(FlowDivergence(flow, s->u_next, s->divergence));
   for (PetscInt a = 0; a < dim; a++) PetscCall(FlowRestoreWork(flow, &force[a]));
-  PetscCall(PetscLogEventEnd(c->event, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -245,7 +245,6 @@ PetscErrorCode ProjectVelocity(Flow *flow)
   Vec         b;
 
   PetscFunctionBegin;
-  PetscCall(PetscLogEventBegin(pr->event[EVENT_PRESSURE], 0, 0, 0, 0));
   PetscCall(RenumberProjection(flow));
   PetscCall(WallValuesSetVelocity(flow->scene, flow->particles, flow->clock->t + flow->clock->dt,
                                   pr->k / flow->scene->rho, &flow->walls));
@@ -253,19 +252,15 @@ PetscErrorCode ProjectVelocity(Flow *flow)
   if (pr->splines) {
     PetscCall(ProjectOnSplines(flow));
     PetscCall(KeepCorrection(flow->state, PETSC_TRUE));
-    PetscCall(PetscLogEventEnd(pr->event[EVENT_PRESSURE], 0, 0, 0, 0));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(FlowGetWork(flow, &b));
   PetscCall(SetSource(flow, b));
   PetscCall(PressureSolve(flow, b, pr->phi, pr->ppe));
   PetscCall(FlowRestoreWork(flow, &b));
-  PetscCall(PetscLogEventEnd(pr->event[EVENT_PRESSURE], 0, 0, 0, 0));
   if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscLogEventBegin(pr->event[EVENT_CORRECT], 0, 0, 0, 0));
   PetscCall(CorrectVelocity(flow));
   PetscCall(KeepCorrection(flow->state, PETSC_TRUE));
   PetscCall(UpdatePressure(flow));
-  PetscCall(PetscLogEventEnd(pr->event[EVENT_CORRECT], 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

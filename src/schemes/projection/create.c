@@ -184,19 +184,6 @@ static PetscErrorCode RefuseGain(const Scene *scene, const ProjectionRow *row)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode RegisterEvents(Projection *pr)
-{
-  PetscClassId id;
-
-  PetscFunctionBegin;
-  PetscCall(PetscClassIdRegister("Projection", &id));
-  PetscCall(PetscLogEventRegister("ViscositySolve", id, &pr->event[EVENT_VISCOSITY]));
-  if (!pr->row) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscLogEventRegister("PressureSolve", id, &pr->event[EVENT_PRESSURE]));
-  PetscCall(PetscLogEventRegister("PressureUpdate", id, &pr->event[EVENT_CORRECT]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Returns the width of the box along an axis in cells of the splines. */
 static PetscReal CellsAlong(const Scene *scene, PetscInt a, PetscReal spacing)
 {
@@ -425,6 +412,5 @@ PetscErrorCode ProjectionCreate(Flow *flow)
                          pr->row && pr->row->rotational ? PETSC_TRUE : PETSC_FALSE));
   PetscCall(RefuseGain(scene, pr->row));
   PetscCall(MemoryAddReal(&flow->scheme->memory, "wall_slope_share", &pr->wall_slope_share));
-  PetscCall(RegisterEvents(pr));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

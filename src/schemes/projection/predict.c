@@ -22,7 +22,8 @@ static PetscErrorCode SetForce(Flow *flow, PetscReal at, Vec force[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* PredictVelocity - Predicts u* in u_next by a viscous step; collective */
+/* PredictVelocity - Predicts u* in u_next by a viscous step, with the data of the pressure at walls;
+   collective */
 PetscErrorCode PredictVelocity(Flow *flow)
 {
   Projection                 *pr       = (Projection *)flow->scheme->data;
@@ -36,17 +37,18 @@ PetscErrorCode PredictVelocity(Flow *flow)
   PetscReal                   dt;
 
   PetscFunctionBegin;
+  if (pr->row && !pr->splines) PetscCall(WallGradientPredict(flow));
   for (PetscInt a = 0; a < dim; a++) PetscCall(FlowGetWork(flow, &force[a]));
   for (PetscInt a = 0; a < dim && inner; a++) PetscCall(FlowGetWork(flow, &v[a]));
   PetscCall(HistoryStart(flow, !row || row->history ? PETSC_TRUE : PETSC_FALSE, &dt));
-  PetscCall(BudgetPart(flow, PART_TIME, 0.0, NULL));
+  PetscCall(FlowPartDone(flow, PART_TIME, 0.0, NULL));
   if (pr->row && !pr->splines) PetscCall(FreePressureStart(flow));
   PetscCall(SetForce(flow, at, force));
   if (inner) PetscCall(VelocityExtrapolate(flow, at, v));
   else if (convects) PetscCall(ConvectionExtrapolate(flow, at, force));
   if (implicit) PetscCall(ConvectionOfCorrection(flow, at, v, force));
   if (SceneMovesGraded(flow->scene)) PetscCall(GradedConvection(flow, at, force));
-  PetscCall(BudgetPart(flow, PART_FORCE, dt, force));
+  PetscCall(FlowPartDone(flow, PART_FORCE, dt, force));
   pr->k = dt;
   if (pr->visc) {
     const PetscReal factor = pr->row ? dt * ViscosityResponse(pr->visc) / flow->scene->rho : 0.0;
@@ -58,7 +60,7 @@ PetscErrorCode PredictVelocity(Flow *flow)
     for (PetscInt a = 0; a < dim; a++) PetscCall(VecAXPY(flow->state->u_next[a], dt, force[a]));
   }
   if (!flow->scheme->failure.code && pr->row && !pr->splines) PetscCall(FreePressureFollow(flow));
-  if (!flow->scheme->failure.code) PetscCall(BudgetPart(flow, PART_VISCOSITY, 0.0, NULL));
+  PetscCall(FlowPartDone(flow, PART_VISCOSITY, 0.0, NULL));
   for (PetscInt a = 0; a < dim; a++) {
     PetscCall(FlowRestoreWork(flow, &force[a]));
     PetscCall(FlowRestoreWork(flow, &v[a]));

@@ -11,6 +11,7 @@
   step from (4u^n - u^{n-1})/3. w is the velocity of the particles: u (Lagrangian) or 0 (Eulerian).
 */
 #include "projection.h"
+#include "schemes/stages.h"
 
 static PetscErrorCode ProjectionSetUp(Flow *flow)
 {
@@ -62,28 +63,6 @@ static PetscErrorCode ProjectionAssemble(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Solves for u^{n+1} and p^{n+1} by prediction and correction; stops at the first failure. */
-static PetscErrorCode ProjectionSolve(Flow *flow)
-{
-  const Projection *pr = (const Projection *)flow->scheme->data;
-
-  PetscFunctionBegin;
-  if (pr->row && !pr->splines) PetscCall(WallGradientPredict(flow));
-  PetscCall(PetscLogEventBegin(pr->event[EVENT_VISCOSITY], 0, 0, 0, 0));
-  PetscCall(PredictVelocity(flow));
-  PetscCall(PetscLogEventEnd(pr->event[EVENT_VISCOSITY], 0, 0, 0, 0));
-  if (!pr->row || flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(ProjectVelocity(flow));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ProjectionStep(Flow *flow)
-{
-  PetscFunctionBegin;
-  PetscCall(FlowStep(flow, ProjectionSolve));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode ProjectionLimit(const Flow *flow, StepLimit *limit)
 {
   PetscFunctionBegin;
@@ -127,6 +106,33 @@ static PetscErrorCode ProjectionDestroy(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscBool HasPressure(const Flow *flow)
+{
+  return ((const Projection *)flow->scheme->data)->row ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static const Stage predict = {
+    .name   = "predict",
+    .brief  = "velocity after force and viscosity, u*",
+    .Do     = PredictVelocity,
+    .part   = PART_SOLVE,
+    .solves = PETSC_TRUE,
+};
+static const Stage project = {
+    .name    = "project",
+    .brief   = "pressure increment from div u*, new velocity and pressure",
+    .Applies = HasPressure,
+    .Do      = ProjectVelocity,
+    .part    = PART_SOLVE,
+    .solves  = PETSC_TRUE,
+};
+
+static const Stage *const stages[] = {&StageMomentum, &StageMove,  &StagePass,  &StageRebuild,
+                                      &StageVolume,   &predict,    &project,    &StageCollide,
+                                      &StageMean,     &StageCheck, &StageError, NULL};
+
+static const Judge *const judges[] = {&JudgeBurst, &JudgeFailure, NULL};
+
 const SchemeRow SchemeProjection = {
     .name     = "projection",
     .brief    = "implicit viscosity, then a pressure projection",
@@ -136,8 +142,9 @@ const SchemeRow SchemeProjection = {
     .Register = ProjectionRegister,
     .Assemble = ProjectionAssemble,
     .Begin    = ProjectionBegin,
-    .Step     = ProjectionStep,
     .Limit    = ProjectionLimit,
     .View     = ProjectionView,
     .Destroy  = ProjectionDestroy,
+    .stages   = stages,
+    .judges   = judges,
 };

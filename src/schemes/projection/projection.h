@@ -30,8 +30,6 @@ typedef struct {
 
 typedef struct Pressure Pressure;
 
-enum { EVENT_VISCOSITY, EVENT_PRESSURE, EVENT_CORRECT, PROJECTION_EVENTS };
-
 typedef struct {
   const ProjectionRow *row;              /* NULL: no pressure */
   PetscReal            alpha;            /* share of the density error in the pressure source [-] */
@@ -44,7 +42,6 @@ typedef struct {
   PetscReal            k;                /* u = u* - k/rho grad phi [s] */
   PetscInt             epoch;            /* of the vectors below */
   Vec                  phi;              /* increment of the pressure on particles [Pa] */
-  PetscLogEvent        event[PROJECTION_EVENTS];
 } Projection;
 
 /* create.c */

@@ -82,75 +82,66 @@ static PetscErrorCode AddPairs(Flow *flow, const Changes *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Solves the step again with the present pair forces, from what it began with: the pressure p and
-   the numbers of the memory. */
-static PetscErrorCode SolveAgain(Flow *flow, FlowSolve Solve, Vec p, const PetscReal memory[])
+/* Assembles the matrices with the present pair forces. */
+static PetscErrorCode Reassemble(Flow *flow)
 {
   PetscFunctionBegin;
   OperatorsForget(flow->ops);
   PetscCall(FlowAssemble(flow));
-  PetscCall(VecCopy(p, flow->state->p));
-  MemorySet(&flow->scheme->memory, PETSC_FALSE, memory);
-  PetscCall(BudgetBegin(flow));
-  PetscCall(Solve(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Solves a step with a burst again, until the velocity changes little. If pair forces do not halve
-   the change, it is none of the fits, and the first solve was right. */
-static PetscErrorCode EndBurst(Flow *flow, FlowSolve Solve, Vec p, const PetscReal memory[],
-                               Changes *c)
+/* Ends the pair forces; matrices keep them until they are assembled. */
+static PetscErrorCode DropPairs(Flow *flow)
 {
-  FreeSurface       *free    = flow->ops->free;
-  const StepFailure *failure = &flow->scheme->failure;
-  const PetscReal    first   = c->largest;
-
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < MOST && c->largest > BURST * c->fastest && !failure->code; k++) {
-    PetscCall(AddPairs(flow, c));
-    PetscCall(SolveAgain(flow, Solve, p, memory));
-    if (!failure->code) PetscCall(Measure(flow, c));
-    if (c->largest > CALMER * first) break;
-  }
-  PetscCall(PetscFree(free->paired));
-  if (failure->code) PetscFunctionReturn(PETSC_SUCCESS);
-  if (c->largest > CALMER * first) PetscCall(SolveAgain(flow, Solve, p, memory));
-  else flow->clock->bursts++;
+  PetscCall(PetscFree(flow->ops->free->paired));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  BurstSolve - Solves a step, and solves it again with pair forces about particles that burst
+  Lets a step with a burst be solved again with pair forces about the particles that burst, until
+  the velocity changes little
 
-  Collective. A burst is a change of the velocity of a particle with a fit by more than four times
-  the largest speed before. Only moving fluids with a free surface are checked, from the second
-  step on: the first may begin at rest.
-
-  Input Parameter:
-. Solve - solve of the scheme
+  A burst is a change of the velocity of a particle with a fit by more than four times the largest
+  speed before. If pair forces do not halve the change, it is none of the fits, and the first solve
+  was right: it is done again and kept. From the second step on: the first may begin at rest.
 */
-PetscErrorCode BurstSolve(Flow *flow, FlowSolve Solve)
+static PetscErrorCode DecideBurst(Flow *flow, Trial *trial, PetscBool *again)
 {
-  PetscReal memory[MEMORY_MAX];
-  Changes   c;
-  Vec       p;
+  Changes c;
 
   PetscFunctionBegin;
-  if (!flow->ops->free || !SceneMoves(flow->scene) || !OperatorsStressSurface(flow->ops) ||
-      flow->clock->dt_previous == 0.0) {
-    PetscCall(Solve(flow));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(FlowGetWork(flow, &p));
-  PetscCall(VecCopy(flow->state->p, p));
-  MemoryGet(&flow->scheme->memory, memory);
-  PetscCall(Solve(flow));
+  if (flow->clock->dt_previous == 0.0 || trial->times > MOST) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(flow->particles->n_fluid, &c.change));
-  if (!flow->scheme->failure.code) {
-    PetscCall(Measure(flow, &c));
-    if (c.largest > BURST * c.fastest) PetscCall(EndBurst(flow, Solve, p, memory, &c));
+  PetscCall(Measure(flow, &c));
+  if (trial->times == 0) trial->first = c.largest;
+  if (trial->times > 0 && c.largest > CALMER * trial->first) {
+    PetscCall(DropPairs(flow));
+    trial->times = MOST;
+    *again       = PETSC_TRUE;
+  } else if (trial->times < MOST && c.largest > BURST * c.fastest) {
+    PetscCall(AddPairs(flow, &c));
+    *again = PETSC_TRUE;
+  } else if (trial->times > 0) {
+    flow->clock->bursts++;
   }
   PetscCall(PetscFree(c.change));
-  PetscCall(FlowRestoreWork(flow, &p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* Returns true for moving fluids with a free surface whose viscous rows beside it are fits. */
+static PetscBool MayBurst(const Flow *flow)
+{
+  return SceneMoves(flow->scene) && OperatorsStressSurface(flow->ops) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+const Judge JudgeBurst = {
+    .name    = "burst",
+    .brief   = "a step in which single particles burst is solved again with pair forces about them",
+    .Applies = MayBurst,
+    .again   = AGAIN_SOLVES,
+    .Decide  = DecideBurst,
+    .Treat   = Reassemble,
+    .Clear   = DropPairs,
+};

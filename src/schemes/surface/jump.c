@@ -62,29 +62,37 @@ static PetscErrorCode RelativeJump(Flow *flow, PetscReal *jump)
 }
 
 /*
-  JumpCheck - Measures if the velocity jumps in the step that was solved, and sets the share of
-  order 1 in the formulas of the step and of the next path
+  Measures if the velocity jumps in the step that was solved, and sets the share of order 1 in the
+  formulas of the step and of the next path
 
     jump = min(1, max(0, (J - SMOOTH)/(SUDDEN - SMOOTH)))
 
-  Collective. Only moving particles with a free surface have a share.
-
-  Output Parameter:
-. again - flag: the step is to be solved again, because its share was too small
+  Output: again - the step is to be solved again, once, because its share was too small.
 */
-PetscErrorCode JumpCheck(Flow *flow, PetscBool *again)
+static PetscErrorCode DecideJump(Flow *flow, Trial *trial, PetscBool *again)
 {
   Clock    *clock = flow->clock;
   PetscReal jump  = 0.0;
 
   PetscFunctionBegin;
-  *again = PETSC_FALSE;
-  if (!flow->ops->free || !SceneMoves(flow->scene) || flow->scheme->failure.code)
-    PetscFunctionReturn(PETSC_SUCCESS);
-  if (ClockRatio(clock) == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (trial->times > 0 || ClockRatio(clock) == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(RelativeJump(flow, &jump));
   jump        = PetscMin(1.0, PetscMax(0.0, (jump - SMOOTH) / (SUDDEN - SMOOTH)));
   *again      = jump > clock->jump + RISE ? PETSC_TRUE : PETSC_FALSE;
   clock->jump = *again ? jump : PetscMin(jump, clock->jump);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* Returns true for the flows that have a share, moving particles with a free surface. */
+static PetscBool MayJump(const Flow *flow)
+{
+  return flow->ops->free && SceneMoves(flow->scene) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+const Judge JudgeJump = {
+    .name    = "jump",
+    .brief   = "a step in which the velocity jumps is solved again with a share of order 1",
+    .Applies = MayJump,
+    .again   = AGAIN_LAST,
+    .Decide  = DecideJump,
+};

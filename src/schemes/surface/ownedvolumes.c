@@ -50,17 +50,13 @@ typedef struct {
 /* VolumesCreate - Reads the option, for schemes with equations of mass; collective */
 PetscErrorCode VolumesCreate(Flow *flow)
 {
-  FlowState   *s = flow->state;
-  PetscClassId id;
+  FlowState *s = flow->state;
 
   PetscFunctionBegin;
   if (!SceneHasFreeSurface(flow->scene) || !SceneMoves(flow->scene))
     PetscFunctionReturn(PETSC_SUCCESS);
   s->volume_rate = 0.5;
   PetscCall(OptionGetReal(&options[0], &s->volume_rate, NULL));
-  if (s->volume_rate == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscClassIdRegister("Volume", &id));
-  PetscCall(PetscLogEventRegister("VolumesControl", id, &s->event[FLOW_EVENT_VOLUMES]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -232,12 +228,10 @@ PetscErrorCode VolumesControl(Flow *flow)
   Values           v;
 
   PetscFunctionBegin;
-  if (!s->owned) PetscFunctionReturn(PETSC_SUCCESS);
   if (!flow->ops->free->there) {
     PetscCall(VecZeroEntries(s->source));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(PetscLogEventBegin(s->event[FLOW_EVENT_VOLUMES], 0, 0, 0, 0));
   PetscCall(PetscCalloc4(ParticlesAll(p), &v.shear, ParticlesAll(p), &v.excess, ParticlesAll(p),
                          &v.share, ParticlesAll(p), &v.below));
   PetscCall(FindExcess(flow, &v));
@@ -250,6 +244,5 @@ PetscErrorCode VolumesControl(Flow *flow)
   PetscCall(VecRestoreArrayWrite(s->source, &source));
   PetscCall(PetscFree4(v.shear, v.excess, v.share, v.below));
   PetscCall(EnergyAddWork(flow, work * flow->clock->dt / flow->scene->rho));
-  PetscCall(PetscLogEventEnd(s->event[FLOW_EVENT_VOLUMES], 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -210,9 +210,10 @@ static PetscErrorCode CopyIn(Flow *flow, Wcsph *w)
   Collective. Output: positions, velocities, densities and energies of the particles. Sets
   scheme->failure if the step fails.
 */
-PetscErrorCode WcsphIntegrate(Flow *flow, Wcsph *w)
+PetscErrorCode WcsphIntegrate(Flow *flow)
 {
   const Clock *clock = flow->clock;
+  Wcsph       *w     = (Wcsph *)flow->scheme->data;
   PetscReal    dt    = clock->dt, *to[WCSPH_COMPONENTS];
 
   PetscFunctionBegin;

@@ -114,19 +114,19 @@ static PetscErrorCode MeanVelocity(const Flow *flow, PetscReal mean[])
 
     x += s,   u += s.grad u,   rho += s.grad rho,   e += s.grad e,   s of the chosen ShiftRow
 
-  Collective. Does nothing with -shift none. In a periodic box without forces the mean velocity
+  Collective. In a periodic box without forces the mean velocity
   stays. w->start moves too, because no force works along s. Positions in the halo are out of date
   afterwards.
 */
-PetscErrorCode WcsphShift(Flow *flow, Wcsph *w)
+PetscErrorCode WcsphShift(Flow *flow)
 {
+  Wcsph          *w = (Wcsph *)flow->scheme->data;
   Particles      *p = flow->particles;
   const PetscInt  n = p->n_fluid, d = p->dim;
   const PetscBool keeps = SceneKeepsMomentum(flow->scene);
   PetscReal       before[ISPH_MAX_DIM], after[ISPH_MAX_DIM], *to[WCSPH_COMPONENTS];
 
   PetscFunctionBegin;
-  if (!flow->state->shift->Displace) PetscFunctionReturn(PETSC_SUCCESS);
   if (keeps) PetscCall(MeanVelocity(flow, before));
   WcsphComponents(w, to);
   for (PetscInt c = 0; c < w->components; c++)

@@ -11,6 +11,8 @@
 */
 #include "wcsph.h"
 
+#include "schemes/stages.h"
+
 #define CLEARANCE 0.05 /* least distance of particles from walls [dx] */
 
 /* Returns the largest |drho/dt|/rho of the last step, in place of |div u|. */
@@ -42,8 +44,10 @@ static PetscErrorCode WcsphSetUp(Flow *flow)
 }
 
 /* Returns true if the density is an unknown and walls or periods keep the volume of the fluid. */
-static PetscBool KeepsVolume(const Flow *flow, const Wcsph *w)
+static PetscBool KeepsVolume(const Flow *flow)
 {
+  const Wcsph *w = (const Wcsph *)flow->scheme->data;
+
   return !w->density->sums && !SceneHasFreeSurface(flow->scene) ? PETSC_TRUE : PETSC_FALSE;
 }
 
@@ -57,7 +61,7 @@ static PetscErrorCode WcsphRegister(Flow *flow)
 
   PetscFunctionBegin;
   PetscCall(ParticlesRegister(p, "density", 1, HALO_NONE, ENTRY_MEAN, &w->rho));
-  if (KeepsVolume(flow, w))
+  if (KeepsVolume(flow))
     PetscCall(MemoryAddReal(&flow->scheme->memory, "fluid_volume", &w->volume));
   if (w->equation->has_energy)
     PetscCall(ParticlesRegister(p, "energy", 1, HALO_NONE, ENTRY_MEAN, &w->e));
@@ -91,12 +95,12 @@ static PetscErrorCode FluidVolume(const Flow *flow, const Wcsph *w, PetscReal *v
 /* Multiplies all densities by the factor that restores the volume at the start: docs/theory.md,
    (286). Errors of div u otherwise add up to a density, and a speed of sound, far from that at
    rest. */
-static PetscErrorCode RestoreVolume(const Flow *flow, Wcsph *w)
+static PetscErrorCode RestoreVolume(Flow *flow)
 {
+  Wcsph    *w = (Wcsph *)flow->scheme->data;
   PetscReal volume;
 
   PetscFunctionBegin;
-  if (!KeepsVolume(flow, w)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FluidVolume(flow, w, &volume));
   for (PetscInt i = 0; i < flow->particles->n_fluid; i++) w->rho[i] *= volume / w->volume;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -149,9 +153,27 @@ static PetscErrorCode WcsphBegin(Flow *flow)
     w->surface[i] = flow->ops->free->kind[i] != SURFACE_INSIDE ? 1.0 : 0.0;
   if (w->surface) PetscCall(ParticlesHaloField(flow->particles, w->surface));
   PetscCall(SetPressure(flow, w));
-  if (flow->clock->step == 0 && KeepsVolume(flow, w)) PetscCall(FluidVolume(flow, w, &w->volume));
+  if (flow->clock->step == 0 && KeepsVolume(flow)) PetscCall(FluidVolume(flow, w, &w->volume));
   w->artificial_over_nu = ArtificialShare(flow, w);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool HasForce(const Flow *flow)
+{
+  return SceneHas(flow->scene, PHYSICS_BODY_FORCE);
+}
+
+/* Measures the largest body force of the step. */
+static PetscErrorCode MeasureForce(Flow *flow)
+{
+  PetscFunctionBegin;
+  PetscCall(AddBodyForce(flow, flow->clock->t + flow->clock->dt, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool Shifts(const Flow *flow)
+{
+  return flow->state->shift->Displace ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Moves particles that are too close to walls, or behind them, away from the walls. */
@@ -167,13 +189,16 @@ static void KeepOffWalls(const Scene *scene, Particles *p)
   }
 }
 
-/* Adds the work of the body force in the step to the energy balance, from the way back. */
-static PetscErrorCode AddWork(Flow *flow, const Wcsph *w)
+/* Keeps particles off walls, and adds the work of the body force in the step to the energy balance,
+   from the way back. */
+static PetscErrorCode Settle(Flow *flow)
 {
+  const Wcsph     *w    = (const Wcsph *)flow->scheme->data;
   const Particles *p    = flow->particles;
   PetscReal        work = 0.0;
 
   PetscFunctionBegin;
+  KeepOffWalls(flow->scene, flow->particles);
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal back[ISPH_MAX_DIM];
 
@@ -184,77 +209,55 @@ static PetscErrorCode AddWork(Flow *flow, const Wcsph *w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Advances viscosity implicitly over the step, from the velocity that the TS has left. */
-static PetscErrorCode SolveViscosity(Flow *flow, Wcsph *w)
-{
-  Vec force[ISPH_MAX_DIM] = {NULL};
-
-  PetscFunctionBegin;
-  if (!w->visc) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(FlowAssemble(flow));
-  for (PetscInt a = 0; a < flow->scene->dim; a++) {
-    PetscCall(FlowGetWork(flow, &force[a]));
-    PetscCall(VecZeroEntries(force[a]));
-  }
-  PetscCall(ViscositySolve(flow, flow->clock->dt, 0.0, force, NULL, flow->state->u_next, w->visc));
-  for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(FlowRestoreWork(flow, &force[a]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Measures the largest Mach number and change of density of the run. */
-static PetscErrorCode MeasureCompression(Flow *flow, Wcsph *w)
-{
-  PetscReal most = 0.0;
-
-  PetscFunctionBegin;
-  for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
-    most = PetscMax(most, PetscAbsReal(w->rho[i] / flow->scene->rho - 1.0));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
-  w->variation = PetscMax(w->variation, most);
-  w->mach      = PetscMax(w->mach, flow->scheme->stats.speed_max / w->c0);
-  if (flow->scheme->bound.walls > 0.0) w->passage = flow->scene->length / (w->c0 * flow->clock->t);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Moves owners, halo, neighbours and vectors to the new positions, and begins with u_next = u. */
 static PetscErrorCode FollowPositions(Flow *flow)
 {
-  PetscBool started;
-
   PetscFunctionBegin;
-  PetscCall(ParticlesUpdateEpoch(flow->scene, flow->particles, PETSC_FALSE, &started));
-  if (!started) PetscCall(ParticlesUpdateHalo(flow->particles));
+  PetscCall(FlowFollow(flow));
   PetscCall(FlowRebuildNeighbors(flow));
   for (PetscInt a = 0; a < flow->scene->dim; a++)
     PetscCall(VecCopy(flow->state->u[a], flow->state->u_next[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes a step of the clock's dt; scheme->failure has the reason if it fails. */
-static PetscErrorCode WcsphStep(Flow *flow)
+static PetscBool IsImplicit(const Flow *flow)
 {
-  StepFailure *failure = &flow->scheme->failure;
-  Wcsph       *w       = (Wcsph *)flow->scheme->data;
+  return ((const Wcsph *)flow->scheme->data)->visc ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Advances viscosity implicitly over the step, from the velocity that the TS has left. */
+static PetscErrorCode SolveViscosity(Flow *flow)
+{
+  Viscosity *visc                = ((Wcsph *)flow->scheme->data)->visc;
+  Vec        force[ISPH_MAX_DIM] = {NULL};
 
   PetscFunctionBegin;
-  failure->code = PETSC_SUCCESS;
-  PetscCall(AverageBegin(flow));
-  if (SceneHas(flow->scene, PHYSICS_BODY_FORCE))
-    PetscCall(AddBodyForce(flow, flow->clock->t + flow->clock->dt, NULL));
-  PetscCall(WcsphIntegrate(flow, w));
-  if (failure->code) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(WcsphShift(flow, w));
-  KeepOffWalls(flow->scene, flow->particles);
-  PetscCall(AddWork(flow, w));
-  PetscCall(FollowPositions(flow));
-  PetscCall(SolveViscosity(flow, w));
-  if (!failure->code) PetscCall(FlowCheck(flow));
-  if (failure->code) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(RestoreVolume(flow, w));
+  PetscCall(FlowAssemble(flow));
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    PetscCall(FlowGetWork(flow, &force[a]));
+    PetscCall(VecZeroEntries(force[a]));
+  }
+  PetscCall(ViscositySolve(flow, flow->clock->dt, 0.0, force, NULL, flow->state->u_next, visc));
+  for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(FlowRestoreWork(flow, &force[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes density and pressure, and the largest Mach number and change of density of the run. */
+static PetscErrorCode SetPressureAndMeasure(Flow *flow)
+{
+  const Clock *clock = flow->clock;
+  Wcsph       *w     = (Wcsph *)flow->scheme->data;
+  PetscReal    most  = 0.0;
+
+  PetscFunctionBegin;
   PetscCall(SetPressure(flow, w));
-  PetscCall(AverageEnd(flow));
-  PetscCall(FlowAdvance(flow));
-  PetscCall(MeasureCompression(flow, w));
+  for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
+    most = PetscMax(most, PetscAbsReal(w->rho[i] / flow->scene->rho - 1.0));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
+  w->variation = PetscMax(w->variation, most);
+  w->mach      = PetscMax(w->mach, flow->scheme->stats.speed_max / w->c0);
+  if (flow->scheme->bound.walls > 0.0)
+    w->passage = flow->scene->length / (w->c0 * (clock->t + clock->dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -371,6 +374,33 @@ static PetscErrorCode WcsphDestroy(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static const Stage force = {
+    .name = "force", .brief = "largest body force", .Applies = HasForce, .Do = MeasureForce};
+static const Stage integrate = {.name  = "integrate",
+                                .brief = "places, velocities and densities by the TS",
+                                .Do    = WcsphIntegrate};
+static const Stage shift     = {
+        .name = "shift", .brief = "particles evenly spread", .Applies = Shifts, .Do = WcsphShift};
+static const Stage settle = {
+    .name = "settle", .brief = "particles off walls, work of the force", .Do = Settle};
+static const Stage rebuild = {
+    .name = "rebuild", .brief = "owners and neighbours at the new places", .Do = FollowPositions};
+static const Stage viscosity = {.name    = "viscosity",
+                                .brief   = "implicit viscosity",
+                                .Applies = IsImplicit,
+                                .Do      = SolveViscosity};
+static const Stage volume    = {.name    = "volume",
+                                .brief   = "densities that keep the volume",
+                                .Applies = KeepsVolume,
+                                .Do      = RestoreVolume};
+static const Stage pressure  = {
+     .name = "pressure", .brief = "density and pressure, Mach number", .Do = SetPressureAndMeasure};
+
+static const Stage *const stages[] = {&force,     &integrate,  &shift,  &settle,   &rebuild,
+                                      &viscosity, &StageCheck, &volume, &pressure, NULL};
+
+static const Judge *const judges[] = {&JudgeFailure, NULL};
+
 const SchemeRow SchemeWcsph = {
     .name     = "wcsph",
     .brief    = "weakly compressible: density and an equation of state, no pressure matrix",
@@ -379,8 +409,9 @@ const SchemeRow SchemeWcsph = {
     .SetUp    = WcsphSetUp,
     .Register = WcsphRegister,
     .Begin    = WcsphBegin,
-    .Step     = WcsphStep,
     .Limit    = WcsphLimit,
     .View     = WcsphView,
     .Destroy  = WcsphDestroy,
+    .stages   = stages,
+    .judges   = judges,
 };

@@ -144,7 +144,7 @@ void WcsphComponents(Wcsph *w, PetscReal *of[]);
 
 /* integrate.c */
 PetscErrorCode WcsphCreateIntegrator(Flow *flow, Wcsph *w);
-PetscErrorCode WcsphIntegrate(Flow *flow, Wcsph *w);
+PetscErrorCode WcsphIntegrate(Flow *flow);
 PetscErrorCode WcsphFree(Wcsph *w);
 
 /* rates.c */
@@ -161,7 +161,7 @@ void                StressForce(const Wcsph *w, const Stencil *stencil, PetscRea
 /* shift.c */
 PetscBool      WcsphShifts(const Wcsph *w);
 void           WcsphShiftRow(Wcsph *w, Stencil *stencil, const PetscReal slope[]);
-PetscErrorCode WcsphShift(Flow *flow, Wcsph *w);
+PetscErrorCode WcsphShift(Flow *flow);
 
 /* pairs.c */
 #define PACKED(dim) (3 + (dim)) /* values of a particle in LocalFlow.packed */

@@ -1,0 +1,210 @@
+/*
+  Stages of a step that schemes share, the observers of steps, and the choice of those that apply to
+  a flow. A list of stages stands with its scheme. A stage that a flow has not, such as openings in
+  a closed box, costs it nothing.
+*/
+#include "stages.h"
+
+#include "flow/step.h"
+
+/* Updates the neighbours. */
+static PetscErrorCode UpdateNeighbors(Flow *flow)
+{
+  const PetscLogEvent *event = flow->state->event;
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
+  if (SceneMovesGraded(flow->scene)) PetscCall(ParticlesResize(flow->scene, flow->particles));
+  PetscCall(NeighborsUpdate(flow->particles, flow->scheme->stats.speed_max * flow->clock->dt,
+                            flow->neighbors));
+  PetscCall(PetscLogEventEnd(event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates the vectors for the present numbering. */
+static PetscErrorCode Renumber(Flow *flow)
+{
+  PetscFunctionBegin;
+  PetscCall(WallValuesRenumber(flow->scene, flow->particles, &flow->walls));
+  PetscCall(FlowStateRenumber(flow));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FlowRebuildNeighbors - Computes neighbours and vectors for the present positions, no matrices;
+   collective */
+PetscErrorCode FlowRebuildNeighbors(Flow *flow)
+{
+  PetscFunctionBegin;
+  PetscCall(UpdateNeighbors(flow));
+  PetscCall(Renumber(flow));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes neighbours, matrices and vectors for the present positions. */
+static PetscErrorCode Rebuild(Flow *flow)
+{
+  PetscFunctionBegin;
+  PetscCall(UpdateNeighbors(flow));
+  PetscCall(FlowAssemble(flow));
+  PetscCall(Renumber(flow));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  FlowBegin - Prepares the flow for the next step at the start of a run, after a restart, or after
+  an undone step
+
+  Collective. Computes from the particles' fields all other data that a finished step leaves.
+*/
+PetscErrorCode FlowBegin(Flow *flow)
+{
+  const Scene *scene = flow->scene;
+
+  PetscFunctionBegin;
+  PetscCall(Rebuild(flow));
+  PetscCall(WallValuesSetVelocity(scene, flow->particles, flow->clock->t, 0.0, &flow->walls));
+  if (!SceneIsNewtonian(scene)) {
+    PetscCall(
+        OperatorsFollowStrain(scene, flow->particles, &flow->walls, flow->state->u, flow->ops));
+  }
+  if (flow->clock->step == 0) {
+    PetscCall(FlowMeasureStart(flow));
+    PetscCall(TimeErrorStart(flow));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FlowFollow - Moves owners and halo to the new positions of the particles; an epoch that has started
+   since the last rebuild has its halo; collective */
+PetscErrorCode FlowFollow(Flow *flow)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(flow->state->event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
+  PetscCall(ParticlesUpdateEpoch(flow->scene, flow->particles, PETSC_FALSE, NULL));
+  if (flow->state->epoch == flow->particles->epoch) PetscCall(ParticlesUpdateHalo(flow->particles));
+  PetscCall(PetscLogEventEnd(flow->state->event[FLOW_EVENT_NEIGHBORS], 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool Moves(const Flow *flow)
+{
+  return SceneMoves(flow->scene);
+}
+
+static PetscBool HasOpenings(const Flow *flow)
+{
+  return flow->state->openings.there;
+}
+
+static PetscBool HasSurface(const Flow *flow)
+{
+  return flow->ops->free && SceneMoves(flow->scene) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool OwnsVolumes(const Flow *flow)
+{
+  return flow->state->owned ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool KeepsMomentum(const Flow *flow)
+{
+  return SceneKeepsMomentum(flow->scene);
+}
+
+static PetscBool EstimatesError(const Flow *flow)
+{
+  return flow->clock->adapt->estimates;
+}
+
+static PetscErrorCode FollowAndRebuild(Flow *flow)
+{
+  PetscFunctionBegin;
+  PetscCall(FlowFollow(flow));
+  PetscCall(Rebuild(flow));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode MeasureMomentum(Flow *flow)
+{
+  PetscFunctionBegin;
+  PetscCall(FlowMeanVelocity(flow, flow->state->u, flow->state->mean));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const Stage StageMomentum = {.name    = "momentum",
+                             .brief   = "mean velocity before the step, where nothing changes it",
+                             .Applies = KeepsMomentum,
+                             .Do      = MeasureMomentum};
+const Stage StageMove     = {.name    = "move",
+                             .brief   = "particles along the flow, and evenly spread",
+                             .Applies = Moves,
+                             .Do      = FlowMove};
+const Stage StagePass     = {.name    = "pass",
+                             .brief   = "particles leave and enter openings",
+                             .Applies = HasOpenings,
+                             .Do      = OpeningsPass};
+const Stage StageRebuild  = {.name    = "rebuild",
+                             .brief   = "owners, neighbours and matrices at the new places",
+                             .Applies = Moves,
+                             .Do      = FollowAndRebuild,
+                             .part    = PART_MOTION};
+const Stage StageVolume   = {.name    = "volume",
+                             .brief   = "divergence that keeps the volume inside free surfaces",
+                             .Applies = OwnsVolumes,
+                             .Do      = VolumesControl};
+const Stage StageCollide  = {.name    = "collide",
+                             .brief   = "collisions of fragments on free surfaces",
+                             .Applies = HasSurface,
+                             .Do      = FlowCollide,
+                             .part    = PART_SOLVE};
+const Stage StageMean     = {.name    = "mean",
+                             .brief   = "the mean velocity before the step",
+                             .Applies = KeepsMomentum,
+                             .Do      = MomentumRestore,
+                             .part    = PART_MEAN};
+const Stage StageCheck    = {
+       .name = "check", .brief = "energy, speed and divergence, and their bounds", .Do = FlowCheck};
+const Stage StageError = {.name    = "error",
+                          .brief   = "error in time, and the length of the next step",
+                          .Applies = EstimatesError,
+                          .Do      = TimeErrorCheck};
+
+static const Observer *const observers[] = {&ObserverAverage, &ObserverBudget};
+
+/* Lists the observers that apply to a flow. */
+static PetscErrorCode ListObservers(Flow *flow)
+{
+  Scheme *s = flow->scheme;
+
+  PetscFunctionBegin;
+  s->n_observers = 0;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(observers); k++)
+    if (observers[k]->Applies(flow)) s->observer[s->n_observers++] = observers[k];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SchemeArrange - Chooses the stages and observers of the steps of a run, and registers the stages
+  for -log_view
+
+  Collective. To be called when all parts of the run exist, before its first step.
+*/
+PetscErrorCode SchemeArrange(Flow *flow)
+{
+  Scheme      *s = flow->scheme;
+  PetscClassId id;
+
+  PetscFunctionBegin;
+  PetscCall(PetscClassIdRegister("Stage", &id));
+  s->n_stages = 0;
+  for (const Stage *const *stage = s->row->stages; *stage; stage++) {
+    if ((*stage)->Applies && !(*stage)->Applies(flow)) continue;
+    PetscCheck(s->n_stages < SCHEME_MAX_STAGES, PETSC_COMM_SELF, PETSC_ERR_PLIB,
+               "%s is one more than SCHEME_MAX_STAGES = %d", (*stage)->name, SCHEME_MAX_STAGES);
+    PetscCall(PetscLogEventRegister((*stage)->name, id, &s->stage_event[s->n_stages]));
+    s->stage[s->n_stages++] = *stage;
+  }
+  PetscCall(ListObservers(flow));
+  PetscCall(AttemptArrange(flow));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

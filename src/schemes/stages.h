@@ -1,0 +1,14 @@
+/* Stages of a step that schemes share; see stages.c. */
+#ifndef ISPH_SCHEMES_STAGES_H
+#define ISPH_SCHEMES_STAGES_H
+
+#include "isph/schemes.h"
+
+extern const Stage StageMomentum, StageMove, StagePass, StageRebuild, StageVolume, StageCollide,
+    StageMean, StageCheck, StageError;
+
+PetscErrorCode FlowFollow(Flow *flow);
+PetscErrorCode FlowRebuildNeighbors(Flow *flow);
+PetscErrorCode FlowBegin(Flow *flow);
+
+#endif
