@@ -248,6 +248,17 @@ static PetscErrorCode BannerTension(const Flow *flow, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Prints the stages of a step. */
+static PetscErrorCode BannerStages(const Scheme *scheme, PetscViewer viewer)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscViewerASCIIPrintf(viewer, BANNER_LABEL, "step"));
+  for (PetscInt k = 0; k < scheme->n_stages; k++)
+    PetscCall(PetscViewerASCIIPrintf(viewer, "%s%s", k ? ", " : "", scheme->stage[k]->name));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Prints the forms of the discretisation in space. */
 static PetscErrorCode BannerForms(const Flow *flow, PetscViewer viewer)
 {
@@ -255,6 +266,7 @@ static PetscErrorCode BannerForms(const Flow *flow, PetscViewer viewer)
 
   PetscFunctionBegin;
   PetscCall(TableViewRow("scheme", flow->scheme->row, viewer));
+  PetscCall(BannerStages(flow->scheme, viewer));
   PetscCall(TableViewRow("motion", flow->scene->motion, viewer));
   PetscCall(TableViewRow("shift", flow->state->shift, viewer));
   if (flow->state->volume_rate > 0.0)

@@ -131,43 +131,31 @@ static PetscErrorCode MeasureMomentum(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const Stage StageMomentum = {.name    = "momentum",
-                             .brief   = "mean velocity before the step, where nothing changes it",
-                             .Applies = KeepsMomentum,
-                             .Do      = MeasureMomentum};
-const Stage StageMove     = {.name    = "move",
-                             .brief   = "particles along the flow, and evenly spread",
-                             .Applies = Moves,
-                             .Do      = FlowMove};
-const Stage StagePass     = {.name    = "pass",
-                             .brief   = "particles leave and enter openings",
-                             .Applies = HasOpenings,
-                             .Do      = OpeningsPass};
-const Stage StageRebuild  = {.name    = "rebuild",
-                             .brief   = "owners, neighbours and matrices at the new places",
-                             .Applies = Moves,
-                             .Do      = FollowAndRebuild,
-                             .part    = PART_MOTION};
-const Stage StageVolume   = {.name    = "volume",
-                             .brief   = "divergence that keeps the volume inside free surfaces",
-                             .Applies = OwnsVolumes,
-                             .Do      = VolumesControl};
-const Stage StageCollide  = {.name    = "collide",
-                             .brief   = "collisions of fragments on free surfaces",
-                             .Applies = HasSurface,
-                             .Do      = FlowCollide,
-                             .part    = PART_SOLVE};
-const Stage StageMean     = {.name    = "mean",
-                             .brief   = "the mean velocity before the step",
-                             .Applies = KeepsMomentum,
-                             .Do      = MomentumRestore,
-                             .part    = PART_MEAN};
-const Stage StageCheck    = {
-       .name = "check", .brief = "energy, speed and divergence, and their bounds", .Do = FlowCheck};
-const Stage StageError = {.name    = "error",
-                          .brief   = "error in time, and the length of the next step",
-                          .Applies = EstimatesError,
-                          .Do      = TimeErrorCheck};
+const Stage StageMomentum = {"momentum",    "mean velocity of a flow that keeps it",
+                             KeepsMomentum, MeasureMomentum,
+                             PART_NONE,     PETSC_FALSE};
+const Stage StageMove     = {
+        "move", "places by the flow and by shifting", Moves, FlowMove, PART_NONE, PETSC_FALSE};
+const Stage StagePass    = {"pass",      "particles leave and enter through openings",
+                            HasOpenings, OpeningsPass,
+                            PART_NONE,   PETSC_FALSE};
+const Stage StageRebuild = {"rebuild",   "owners, neighbours and matrices at the new places",
+                            Moves,       FollowAndRebuild,
+                            PART_MOTION, PETSC_FALSE};
+const Stage StageVolume  = {"volume",    "divergence that keeps the volume inside free surfaces",
+                            OwnsVolumes, VolumesControl,
+                            PART_NONE,   PETSC_FALSE};
+const Stage StageCollide = {"collide",  "collisions of fragments of a free surface",
+                            HasSurface, FlowCollide,
+                            PART_SOLVE, PETSC_FALSE};
+const Stage StageMean    = {
+       "mean", "restored mean velocity", KeepsMomentum, MomentumRestore, PART_MEAN, PETSC_FALSE};
+const Stage StageCheck = {"check",   "energy, speed and divergence within their bounds",
+                          NULL,      FlowCheck,
+                          PART_NONE, PETSC_FALSE};
+const Stage StageError = {"error",        "error in time and length of the next step",
+                          EstimatesError, TimeErrorCheck,
+                          PART_NONE,      PETSC_FALSE};
 
 static const Observer *const observers[] = {&ObserverAverage, &ObserverBudget};
 

@@ -231,19 +231,10 @@ static PetscErrorCode CoupledDestroy(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const Stage start = {
-    .name   = "start",
-    .brief  = "the pressure of the last step is kept",
-    .Do     = CoupledStart,
-    .solves = PETSC_TRUE,
-};
+static const Stage start = {"start",   "pressure of the last step", NULL, CoupledStart, PART_NONE,
+                            PETSC_TRUE};
 static const Stage solve = {
-    .name   = "solve",
-    .brief  = "new velocity and pressure together",
-    .Do     = CoupledSolve,
-    .part   = PART_SOLVE,
-    .solves = PETSC_TRUE,
-};
+    "solve", "new velocity and pressure together", NULL, CoupledSolve, PART_SOLVE, PETSC_TRUE};
 
 static const Stage *const stages[] = {&StageMomentum, &StageMove,  &StagePass,  &StageRebuild,
                                       &StageVolume,   &start,      &solve,      &StageCollide,

@@ -205,7 +205,8 @@ static PetscErrorCode CopyIn(Flow *flow, Wcsph *w)
 }
 
 /*
-  WcsphIntegrate - Advances positions, velocities, densities and energies by the clock's dt
+  WcsphIntegrate - Advances positions, velocities, densities and energies by the clock's dt, and
+  measures the largest body force
 
   Collective. Output: positions, velocities, densities and energies of the particles. Sets
   scheme->failure if the step fails.
@@ -217,6 +218,8 @@ PetscErrorCode WcsphIntegrate(Flow *flow)
   PetscReal    dt    = clock->dt, *to[WCSPH_COMPONENTS];
 
   PetscFunctionBegin;
+  if (SceneHas(flow->scene, PHYSICS_BODY_FORCE))
+    PetscCall(AddBodyForce(flow, clock->t + clock->dt, NULL));
   PetscCall(ClockWhere(clock, w->guard.where));
   PetscCall(CopyIn(flow, w));
   w->first_stage = PETSC_TRUE;

@@ -9,11 +9,8 @@
   References: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009); J. Fang et
   al., Appl. Numer. Math. 59 (2009)
 */
-#include "wcsph.h"
-
 #include "schemes/stages.h"
-
-#define CLEARANCE 0.05 /* least distance of particles from walls [dx] */
+#include "wcsph.h"
 
 /* Returns the largest |drho/dt|/rho of the last step, in place of |div u|. */
 static PetscErrorCode Compression(Flow *flow, const Vec u[], PetscReal *largest)
@@ -43,14 +40,6 @@ static PetscErrorCode WcsphSetUp(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns true if the density is an unknown and walls or periods keep the volume of the fluid. */
-static PetscBool KeepsVolume(const Flow *flow)
-{
-  const Wcsph *w = (const Wcsph *)flow->scheme->data;
-
-  return !w->density->sums && !SceneHasFreeSurface(flow->scene) ? PETSC_TRUE : PETSC_FALSE;
-}
-
 /* Registers density and energy, and sets them from the pressure at the start; and the particles on
    free surfaces at the start, if the viscous form has another gradient beside them. */
 static PetscErrorCode WcsphRegister(Flow *flow)
@@ -61,7 +50,7 @@ static PetscErrorCode WcsphRegister(Flow *flow)
 
   PetscFunctionBegin;
   PetscCall(ParticlesRegister(p, "density", 1, HALO_NONE, ENTRY_MEAN, &w->rho));
-  if (KeepsVolume(flow))
+  if (WcsphKeepsVolume(flow))
     PetscCall(MemoryAddReal(&flow->scheme->memory, "fluid_volume", &w->volume));
   if (w->equation->has_energy)
     PetscCall(ParticlesRegister(p, "energy", 1, HALO_NONE, ENTRY_MEAN, &w->e));
@@ -77,47 +66,6 @@ static PetscErrorCode WcsphRegister(Flow *flow)
   UserCheck(least > 0.0,
             "-sound_speed %.6g: the least pressure at the start has no density; use a larger one",
             (double)w->c0);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Computes the volume of the fluid at its present densities [m^dim]. */
-static PetscErrorCode FluidVolume(const Flow *flow, const Wcsph *w, PetscReal *volume)
-{
-  const Particles *p = flow->particles;
-
-  PetscFunctionBegin;
-  *volume = 0.0;
-  for (PetscInt i = 0; i < p->n_fluid; i++) *volume += p->volume[i] * flow->scene->rho / w->rho[i];
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, volume, 1, MPIU_REAL, MPIU_SUM, p->comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Multiplies all densities by the factor that restores the volume at the start: docs/theory.md,
-   (286). Errors of div u otherwise add up to a density, and a speed of sound, far from that at
-   rest. */
-static PetscErrorCode RestoreVolume(Flow *flow)
-{
-  Wcsph    *w = (Wcsph *)flow->scheme->data;
-  PetscReal volume;
-
-  PetscFunctionBegin;
-  PetscCall(FluidVolume(flow, w, &volume));
-  for (PetscInt i = 0; i < flow->particles->n_fluid; i++) w->rho[i] *= volume / w->volume;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Computes density and pressure of the particles at their present positions. */
-static PetscErrorCode SetPressure(Flow *flow, Wcsph *w)
-{
-  Particles *p = flow->particles;
-
-  PetscFunctionBegin;
-  PetscCall(WcsphReserve(flow, w));
-  PetscCall(PetscArraycpy(w->local.rho, w->rho, p->n_fluid));
-  if (w->e) PetscCall(PetscArraycpy(w->local.e, w->e, p->n_fluid));
-  PetscCall(WcsphSetDensity(flow, w));
-  PetscCall(PetscArraycpy(w->rho, w->local.rho, p->n_fluid));
-  PetscCall(PetscArraycpy(p->p, w->local.p, p->n_fluid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -152,112 +100,9 @@ static PetscErrorCode WcsphBegin(Flow *flow)
   for (PetscInt i = 0; w->surface && flow->clock->step == 0 && i < flow->particles->n_fluid; i++)
     w->surface[i] = flow->ops->free->kind[i] != SURFACE_INSIDE ? 1.0 : 0.0;
   if (w->surface) PetscCall(ParticlesHaloField(flow->particles, w->surface));
-  PetscCall(SetPressure(flow, w));
-  if (flow->clock->step == 0 && KeepsVolume(flow)) PetscCall(FluidVolume(flow, w, &w->volume));
+  PetscCall(WcsphSetPressure(flow));
+  if (flow->clock->step == 0 && WcsphKeepsVolume(flow)) PetscCall(WcsphVolume(flow, &w->volume));
   w->artificial_over_nu = ArtificialShare(flow, w);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscBool HasForce(const Flow *flow)
-{
-  return SceneHas(flow->scene, PHYSICS_BODY_FORCE);
-}
-
-/* Measures the largest body force of the step. */
-static PetscErrorCode MeasureForce(Flow *flow)
-{
-  PetscFunctionBegin;
-  PetscCall(AddBodyForce(flow, flow->clock->t + flow->clock->dt, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscBool Shifts(const Flow *flow)
-{
-  return flow->state->shift->Displace ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/* Moves particles that are too close to walls, or behind them, away from the walls. */
-static void KeepOffWalls(const Scene *scene, Particles *p)
-{
-  if (!SceneHas(scene, PHYSICS_WALLS)) return;
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal x[ISPH_MAX_DIM];
-
-    for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
-    SceneKeepOffWalls(scene, CLEARANCE * p->dx[i], x);
-    for (PetscInt a = 0; a < scene->dim; a++) p->x[a][i] = x[a];
-  }
-}
-
-/* Keeps particles off walls, and adds the work of the body force in the step to the energy balance,
-   from the way back. */
-static PetscErrorCode Settle(Flow *flow)
-{
-  const Wcsph     *w    = (const Wcsph *)flow->scheme->data;
-  const Particles *p    = flow->particles;
-  PetscReal        work = 0.0;
-
-  PetscFunctionBegin;
-  KeepOffWalls(flow->scene, flow->particles);
-  for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal back[ISPH_MAX_DIM];
-
-    for (PetscInt a = 0; a < p->dim; a++) back[a] = w->start[a][i] - p->x[a][i];
-    work -= EnergyWork(flow, i, back);
-  }
-  PetscCall(EnergyAddWork(flow, work));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Moves owners, halo, neighbours and vectors to the new positions, and begins with u_next = u. */
-static PetscErrorCode FollowPositions(Flow *flow)
-{
-  PetscFunctionBegin;
-  PetscCall(FlowFollow(flow));
-  PetscCall(FlowRebuildNeighbors(flow));
-  for (PetscInt a = 0; a < flow->scene->dim; a++)
-    PetscCall(VecCopy(flow->state->u[a], flow->state->u_next[a]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscBool IsImplicit(const Flow *flow)
-{
-  return ((const Wcsph *)flow->scheme->data)->visc ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/* Advances viscosity implicitly over the step, from the velocity that the TS has left. */
-static PetscErrorCode SolveViscosity(Flow *flow)
-{
-  Viscosity *visc                = ((Wcsph *)flow->scheme->data)->visc;
-  Vec        force[ISPH_MAX_DIM] = {NULL};
-
-  PetscFunctionBegin;
-  PetscCall(FlowAssemble(flow));
-  for (PetscInt a = 0; a < flow->scene->dim; a++) {
-    PetscCall(FlowGetWork(flow, &force[a]));
-    PetscCall(VecZeroEntries(force[a]));
-  }
-  PetscCall(ViscositySolve(flow, flow->clock->dt, 0.0, force, NULL, flow->state->u_next, visc));
-  for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(FlowRestoreWork(flow, &force[a]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Computes density and pressure, and the largest Mach number and change of density of the run. */
-static PetscErrorCode SetPressureAndMeasure(Flow *flow)
-{
-  const Clock *clock = flow->clock;
-  Wcsph       *w     = (Wcsph *)flow->scheme->data;
-  PetscReal    most  = 0.0;
-
-  PetscFunctionBegin;
-  PetscCall(SetPressure(flow, w));
-  for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
-    most = PetscMax(most, PetscAbsReal(w->rho[i] / flow->scene->rho - 1.0));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
-  w->variation = PetscMax(w->variation, most);
-  w->mach      = PetscMax(w->mach, flow->scheme->stats.speed_max / w->c0);
-  if (flow->scheme->bound.walls > 0.0)
-    w->passage = flow->scene->length / (w->c0 * (clock->t + clock->dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -355,7 +200,7 @@ static PetscErrorCode WcsphView(const Flow *flow, PetscViewer viewer)
                                      (double)w->artificial[0], (double)w->artificial[1]));
   PetscCall(TableViewRow("integrator", w->integrator, viewer));
   PetscCall(SchemeLimit(flow, &limit));
-  PetscCall(PetscViewerASCIIPrintf(viewer, "%-11s at most %.4g s by %s\n", "step", (double)limit.dt,
+  PetscCall(PetscViewerASCIIPrintf(viewer, "%-11s at most %.4g s by %s\n", "dt", (double)limit.dt,
                                    limit.reason));
   if (w->visc) PetscCall(ViscosityView(w->visc, viewer));
   PetscCall(RigidView(flow, viewer));
@@ -374,31 +219,6 @@ static PetscErrorCode WcsphDestroy(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const Stage force = {
-    .name = "force", .brief = "largest body force", .Applies = HasForce, .Do = MeasureForce};
-static const Stage integrate = {.name  = "integrate",
-                                .brief = "places, velocities and densities by the TS",
-                                .Do    = WcsphIntegrate};
-static const Stage shift     = {
-        .name = "shift", .brief = "particles evenly spread", .Applies = Shifts, .Do = WcsphShift};
-static const Stage settle = {
-    .name = "settle", .brief = "particles off walls, work of the force", .Do = Settle};
-static const Stage rebuild = {
-    .name = "rebuild", .brief = "owners and neighbours at the new places", .Do = FollowPositions};
-static const Stage viscosity = {.name    = "viscosity",
-                                .brief   = "implicit viscosity",
-                                .Applies = IsImplicit,
-                                .Do      = SolveViscosity};
-static const Stage volume    = {.name    = "volume",
-                                .brief   = "densities that keep the volume",
-                                .Applies = KeepsVolume,
-                                .Do      = RestoreVolume};
-static const Stage pressure  = {
-     .name = "pressure", .brief = "density and pressure, Mach number", .Do = SetPressureAndMeasure};
-
-static const Stage *const stages[] = {&force,     &integrate,  &shift,  &settle,   &rebuild,
-                                      &viscosity, &StageCheck, &volume, &pressure, NULL};
-
 static const Judge *const judges[] = {&JudgeFailure, NULL};
 
 const SchemeRow SchemeWcsph = {
@@ -412,6 +232,6 @@ const SchemeRow SchemeWcsph = {
     .Limit    = WcsphLimit,
     .View     = WcsphView,
     .Destroy  = WcsphDestroy,
-    .stages   = stages,
+    .stages   = WcsphStages,
     .judges   = judges,
 };

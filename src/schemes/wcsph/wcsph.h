@@ -142,6 +142,12 @@ void WcsphListUnknowns(Wcsph *w, PetscReal *const x[], PetscReal *const u[], Pet
                        PetscReal *e, PetscReal *of[]);
 void WcsphComponents(Wcsph *w, PetscReal *of[]);
 
+/* step.c */
+extern const Stage *const WcsphStages[];
+PetscBool                 WcsphKeepsVolume(const Flow *flow);
+PetscErrorCode            WcsphVolume(const Flow *flow, PetscReal *volume);
+PetscErrorCode            WcsphSetPressure(Flow *flow);
+
 /* integrate.c */
 PetscErrorCode WcsphCreateIntegrator(Flow *flow, Wcsph *w);
 PetscErrorCode WcsphIntegrate(Flow *flow);
