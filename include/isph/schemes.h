@@ -27,6 +27,14 @@ extern const OptionTable MotionOptions, SurfaceVolumeOptions, SchemeOptions, Pro
     ViscosityOptions, CoupledOptions, CoupledSolverOptions, WcsphOptions, WcsphTimeOptions,
     GuardOptions, SolverOptions, AverageOptions;
 
+/* A pressure that stands in space: particles that move take its change along their way. */
+typedef struct {
+  PetscReal **field; /* of the particles [Pa] */
+  Vec        *vec;   /* on the field; valid for an epoch */
+  PetscBool   idle;  /* it has no values at present */
+} StandingField;
+#define FLOW_MAX_STANDING 2
+
 /* The mean of the pressure over the last time T before a snapshot; see src/flow/average.c. */
 typedef struct {
   PetscReal  T;          /* -pressure_average [s]; 0: none */
@@ -34,6 +42,8 @@ typedef struct {
   PetscReal  start, due; /* start of the present mean, and the snapshot it is for; 0: no mean [s] */
   PetscReal *mean;       /* (field) [Pa]; NULL without T */
   Vec        vec;        /* on the field; valid for an epoch */
+
+  StandingField *standing;
 } PressureAverage;
 
 /* The parts of a step that change the velocity, in their order. */
@@ -88,6 +98,8 @@ typedef struct {
   PetscBool       has_convection;      /* particles are fixed and have a convective term */
   PetscBool       implicit_convection; /* this term is in the viscous matrix */
 
+  StandingField   standing[FLOW_MAX_STANDING];
+  PetscInt        n_standing;
   PressureAverage average;            /* of the pressure */
   Budget         *budget;             /* NULL: steps measure none */
   PetscReal       mean[ISPH_MAX_DIM]; /* velocity before the step of a flow that keeps it [m/s] */
@@ -145,7 +157,7 @@ typedef struct {
   PetscReal divergence;   /* root mean square of div u* in the last step [1/s] */
 } SteadyTest;
 
-/* The bound on the velocity that follows from driving forces and walls; see check.c. */
+/* The bound on the velocity that follows from driving forces and walls; see src/balance/check.c. */
 typedef struct {
   PetscReal start;      /* root mean square of u at the start [m/s] */
   PetscReal impulse;    /* int max |f| dt [m/s] */
@@ -155,7 +167,7 @@ typedef struct {
   PetscReal sound;      /* root mean square velocity of sound in weakly compressible flows [m/s] */
 } SpeedBound;
 
-/* The energy balance of a moving fluid with a free surface; see energy.c. */
+/* The energy balance of a moving fluid with a free surface; see src/balance/energy.c. */
 typedef struct {
   PetscReal work;       /* of the body force so far, per mass [m^2/s^2] */
   PetscReal dissipated; /* by viscosity so far, per mass [m^2/s^2] */
@@ -222,8 +234,8 @@ typedef struct {
   PetscErrorCode (*End)(Flow *flow); /* after the last stage, before the time advances */
 } Observer;
 
-/* What happens again: the last stage that solves, all that solve, with the pressure and the memory
-   before them, or the step in a shorter time. */
+/* Parts of a step that are done again: its last stage that solves; all that solve, from the pressure
+   and the memory before them; all of it, in a shorter time. */
 typedef enum { AGAIN_LAST, AGAIN_SOLVES, AGAIN_SHORTER, AGAIN_KINDS } Again;
 
 /* Attempts of a judge in the present step. */

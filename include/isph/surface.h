@@ -15,7 +15,7 @@ typedef struct {
   PetscBool  has_rough; /* a fluid particle of any rank is rough, or paired */
   PetscReal  tension;   /* surface tension; 0: none [N/m] */
   PetscBool  fitted; /* fits of the viscous term have its condition; else pair forces everywhere */
-  PetscReal *paired; /* not 0: own particle has pair forces, see BurstSolve(); NULL: none */
+  PetscReal *paired; /* not 0: own particle has pair forces, see JudgeBurst; NULL: none */
 } FreeSurface;
 
 PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *particles,
@@ -48,7 +48,7 @@ static inline PetscReal FreeSurfacePressure(const FreeSurface *free, PetscInt i)
 }
 
 /* FreeSurfaceIsPaired - Returns true if the present step has pair forces on own particle i in place
-   of a fit, see BurstSolve(); not collective */
+   of a fit, see JudgeBurst; not collective */
 static inline PetscBool FreeSurfaceIsPaired(const FreeSurface *free, PetscInt i)
 {
   return free->paired && free->paired[i] != 0.0 ? PETSC_TRUE : PETSC_FALSE;

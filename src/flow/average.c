@@ -59,8 +59,9 @@ PetscErrorCode AverageRegister(Flow *flow)
   PressureAverage *a = &flow->state->average;
 
   PetscFunctionBegin;
-  if (a->T > 0.0)
-    PetscCall(ParticlesRegister(flow->particles, "p_mean", 1, HALO_NONE, ENTRY_MEAN, &a->mean));
+  if (a->T == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ParticlesRegister(flow->particles, "p_mean", 1, HALO_NONE, ENTRY_MEAN, &a->mean));
+  a->standing = FlowAddStanding(&a->mean, &a->vec, flow->state);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -103,14 +104,16 @@ static PetscErrorCode AverageBegin(Flow *flow)
   PetscReal        due;
 
   PetscFunctionBegin;
-  if (!a->snapshots) PetscFunctionReturn(PETSC_SUCCESS);
-  due = NextSnapshot(clock);
-  if (a->due != due) a->due = a->start = 0.0;
-  if (a->due == 0.0 && clock->step > 0 && due - clock->t <= a->T * (1.0 + 1e-9)) {
-    a->due   = due;
-    a->start = clock->t;
+  if (a->snapshots) {
+    due = NextSnapshot(clock);
+    if (a->due != due) a->due = a->start = 0.0;
+    if (a->due == 0.0 && clock->step > 0 && due - clock->t <= a->T * (1.0 + 1e-9)) {
+      a->due   = due;
+      a->start = clock->t;
+    }
+    if (a->due > 0.0) PetscCall(AddPressure(flow, clock->t - a->start, 0.5 * clock->dt));
   }
-  if (a->due > 0.0) PetscCall(AddPressure(flow, clock->t - a->start, 0.5 * clock->dt));
+  a->standing->idle = a->due > 0.0 ? PETSC_FALSE : PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -110,7 +110,6 @@ PetscErrorCode FlowStateCreate(Flow *flow, unsigned *needs)
   }
   PetscCall(RegisterEvents(s));
   flow->state = s;
-  PetscCall(AverageCreate(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -126,8 +125,7 @@ static PetscErrorCode FlowStateFree(FlowState *s)
     PetscCall(VecDestroy(&s->correction_prev[a]));
     PetscCall(VecDestroy(&s->u_next[a]));
   }
-  PetscCall(VecDestroy(&s->p));
-  PetscCall(VecDestroy(&s->average.vec));
+  for (PetscInt k = 0; k < s->n_standing; k++) PetscCall(VecDestroy(s->standing[k].vec));
   PetscCall(VecDestroy(&s->p_before));
   PetscCall(VecDestroy(&s->divergence));
   PetscCall(VecDestroy(&s->source));
@@ -144,6 +142,15 @@ PetscErrorCode FlowStateDestroy(Flow *flow)
   PetscCall(BudgetDestroy(&flow->state->budget));
   PetscCall(PetscFree(flow->state));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FlowAddStanding - Adds a pressure that stands in space to the state; not collective */
+StandingField *FlowAddStanding(PetscReal **field, Vec *vec, FlowState *s)
+{
+  StandingField *standing = &s->standing[s->n_standing++];
+
+  *standing = (StandingField){.field = field, .vec = vec};
+  return standing;
 }
 
 /*
@@ -168,7 +175,7 @@ PetscErrorCode FlowStateRegister(Flow *flow)
                                 s->convection_earlier));
   if (s->implicit_convection && p->p)
     PetscCall(ParticlesRegister(p, "correction", scene->dim, HALO_NONE, ENTRY_MEAN, s->correction));
-  PetscCall(AverageRegister(flow));
+  if (p->p) (void)FlowAddStanding(&p->p, &s->p, s);
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM] = {0.0}, pressure = scene->outside;
 
@@ -206,8 +213,8 @@ PetscErrorCode FlowStateRenumber(Flow *flow)
     if (s->correction[a]) PetscCall(FluidVec(p, s->correction[a], &s->correction_prev[a]));
   }
   if (p->p) {
-    PetscCall(FluidVec(p, p->p, &s->p));
-    if (s->average.mean) PetscCall(FluidVec(p, s->average.mean, &s->average.vec));
+    for (PetscInt k = 0; k < s->n_standing; k++)
+      PetscCall(FluidVec(p, *s->standing[k].field, s->standing[k].vec));
     PetscCall(FluidVec(p, NULL, &s->p_before));
     PetscCall(FluidVec(p, NULL, &s->divergence));
     if (s->owned) PetscCall(FluidVec(p, NULL, &s->source));

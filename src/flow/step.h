@@ -29,10 +29,14 @@ void GradedKeepOffSides(const Scene *scene, PetscReal share, PetscReal x[]);
 PetscErrorCode GradedConvection(Flow *flow, PetscReal at, Vec force[]);
 PetscErrorCode GradedRemember(Flow *flow);
 
+/* flowstate.c */
+StandingField *FlowAddStanding(PetscReal **field, Vec *vec, FlowState *state);
+
 /* average.c, budget.c */
 extern const Observer ObserverAverage, ObserverBudget;
 
-/* momentum.c */
+/* balance/momentum.c */
+PetscErrorCode MomentumKeep(Flow *flow);
 PetscErrorCode MomentumRestore(Flow *flow);
 
 /* limits.c */
@@ -69,7 +73,6 @@ extern const Judge JudgeJump;
 extern const Judge JudgeBurst;
 
 /* collisions.c */
-PetscErrorCode FlowAllVelocities(const Flow *flow, const Vec u[], PetscReal **all);
 PetscErrorCode FlowCollide(Flow *flow);
 void           FlowSeparate(const Flow *flow, PetscReal apart[]);
 
@@ -81,15 +84,19 @@ PetscErrorCode VolumesCreate(Flow *flow);
 PetscErrorCode VolumesRegister(Flow *flow);
 PetscErrorCode VolumesControl(Flow *flow);
 
-/* check.c */
+/* flow/velocity.c */
 PetscErrorCode FlowMassRows(const Flow *flow, const Vec u[], Vec rows);
 PetscErrorCode FlowDivergence(Flow *flow, const Vec u[], Vec div);
+PetscErrorCode FlowAllVelocities(const Flow *flow, const Vec u[], PetscReal **all);
+
+/* balance/check.c */
 PetscErrorCode FlowMeasureStart(Flow *flow);
 PetscErrorCode FlowCheck(Flow *flow);
 PetscErrorCode FlowRemember(Flow *flow);
 PetscErrorCode UnevennessRemember(Flow *flow);
 
-/* energy.c */
+/* balance/energy.c */
+PetscErrorCode EnergyTension(const Flow *flow, PetscReal *energy);
 PetscReal      EnergyWork(const Flow *flow, PetscInt i, const PetscReal path[]);
 PetscErrorCode EnergyAddWork(Flow *flow, PetscReal work);
 PetscErrorCode EnergyBound(Flow *flow, PetscReal before, PetscReal *bound);

@@ -79,26 +79,6 @@ void FlowSeparate(const Flow *flow, PetscReal apart[])
   }
 }
 
-/* FlowAllVelocities - Creates an array of the velocity components u of all particles, halo
-   included, by [i dim + a]; free with PetscFree(); collective */
-PetscErrorCode FlowAllVelocities(const Flow *flow, const Vec u[], PetscReal **all)
-{
-  const Particles *p = flow->particles;
-  const PetscInt   d = p->dim;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(ParticlesAll(p) * d, all));
-  for (PetscInt a = 0; a < d; a++) {
-    const PetscScalar *v;
-
-    PetscCall(VecGetArrayRead(u[a], &v));
-    for (PetscInt i = 0; i < p->n_fluid; i++) (*all)[i * d + a] = PetscRealPart(v[i]);
-    PetscCall(VecRestoreArrayRead(u[a], &v));
-  }
-  PetscCall(ParticlesHaloVectors(p, *all));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* FlowCollide - Changes the new velocity u_next by collisions of fragments of a free surface that
    moves; nothing without rough particles; collective */
 PetscErrorCode FlowCollide(Flow *flow)

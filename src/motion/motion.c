@@ -11,19 +11,18 @@
 
 /*
   Derivatives at the old positions, which give the change of the fields of a displaced particle:
-  grad p and the gradient of the mean pressure; with shifting also grad u and, if the viscous
+  gradients of pressures that stand in space; with shifting also grad u and, if the viscous
   operator is a Laplacian, lap u; with the velocity filter also grad u and the residual of a
   quadratic fit of u. Unneeded vectors are NULL. The displacements of rough particles from their
   neighbours follow from the old positions too.
 */
 typedef struct {
-  Vec                p_vec[ISPH_MAX_DIM], mean_vec[ISPH_MAX_DIM], u_vec[ISPH_MAX_DIM][ISPH_MAX_DIM];
+  Vec                p_vec[FLOW_MAX_STANDING][ISPH_MAX_DIM], u_vec[ISPH_MAX_DIM][ISPH_MAX_DIM];
   Vec                lap_vec[ISPH_MAX_DIM], residual_vec[ISPH_MAX_DIM];
-  const PetscScalar *p[ISPH_MAX_DIM];               /* dp/dx_a */
-  const PetscScalar *mean[ISPH_MAX_DIM];            /* derivatives of the mean pressure */
-  const PetscScalar *u[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* du_c/dx_a at [c][a] */
-  const PetscScalar *lap[ISPH_MAX_DIM];             /* lap u_c */
-  const PetscScalar *residual[ISPH_MAX_DIM];        /* residual of the fit of u_c */
+  const PetscScalar *p[FLOW_MAX_STANDING][ISPH_MAX_DIM]; /* dp/dx_a of pressure k at [k][a] */
+  const PetscScalar *u[ISPH_MAX_DIM][ISPH_MAX_DIM];      /* du_c/dx_a at [c][a] */
+  const PetscScalar *lap[ISPH_MAX_DIM];                  /* lap u_c */
+  const PetscScalar *residual[ISPH_MAX_DIM];             /* residual of the fit of u_c */
   PetscReal         *apart; /* FlowSeparate(); NULL without shifting or a free surface */
 } Slopes;
 
@@ -100,9 +99,8 @@ static PetscErrorCode SlopeRestore(Flow *flow, Vec *y, const PetscScalar **slope
 
 static PetscErrorCode SlopesGet(Flow *flow, PetscBool shifting, Slopes *t)
 {
-  const Operators  *ops   = flow->ops;
-  const FlowState  *state = flow->state;
-  const WallValues *walls = &flow->walls;
+  const Operators *ops   = flow->ops;
+  const FlowState *state = flow->state;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(t, sizeof(*t)));
@@ -110,14 +108,10 @@ static PetscErrorCode SlopesGet(Flow *flow, PetscBool shifting, Slopes *t)
     PetscCall(PetscMalloc1(flow->particles->n_fluid * flow->scene->dim, &t->apart));
     FlowSeparate(flow, t->apart);
   }
-  for (PetscInt a = 0; a < flow->scene->dim; a++) {
-    if (state->p && ops->grad_p[a].needed) {
-      PetscCall(SlopeGet(flow, &ops->grad_p[a], state->p, walls->p, &t->p_vec[a], &t->p[a]));
-    }
-    if (state->average.due > 0.0 && ops->grad_p[a].needed) {
-      PetscCall(SlopeGet(flow, &ops->grad_p[a], state->average.vec, walls->p, &t->mean_vec[a],
-                         &t->mean[a]));
-    }
+  for (PetscInt k = 0; k < state->n_standing && ops->grad_p[0].needed; k++) {
+    for (PetscInt a = 0; !state->standing[k].idle && a < flow->scene->dim; a++)
+      PetscCall(SlopeGet(flow, &ops->grad_p[a], *state->standing[k].vec, flow->walls.p,
+                         &t->p_vec[k][a], &t->p[k][a]));
   }
   PetscCall(VelocitySlopesGet(flow, shifting, t));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -128,8 +122,8 @@ static PetscErrorCode SlopesRestore(Flow *flow, Slopes *t)
   PetscFunctionBegin;
   PetscCall(PetscFree(t->apart));
   for (PetscInt a = 0; a < flow->scene->dim; a++) {
-    PetscCall(SlopeRestore(flow, &t->p_vec[a], &t->p[a]));
-    PetscCall(SlopeRestore(flow, &t->mean_vec[a], &t->mean[a]));
+    for (PetscInt k = 0; k < FLOW_MAX_STANDING; k++)
+      PetscCall(SlopeRestore(flow, &t->p_vec[k][a], &t->p[k][a]));
     for (PetscInt c = 0; c < flow->scene->dim; c++)
       PetscCall(SlopeRestore(flow, &t->u_vec[c][a], &t->u[c][a]));
     PetscCall(SlopeRestore(flow, &t->lap_vec[a], &t->lap[a]));
@@ -360,8 +354,9 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     d2 /= PetscSqr(p->dx[i]);
     moved2 = PetscIsNanReal(d2) ? PETSC_INFINITY : PetscMax(moved2, d2);
     for (PetscInt a = 0; a < scene->dim; a++) {
-      if (slopes->p[a]) p->p[i] += (x[a] - p->x[a][i]) * slopes->p[a][i];
-      if (slopes->mean[a]) state->average.mean[i] += (x[a] - p->x[a][i]) * slopes->mean[a][i];
+      for (PetscInt k = 0; k < state->n_standing; k++)
+        if (slopes->p[k][a])
+          (*state->standing[k].field)[i] += (x[a] - p->x[a][i]) * slopes->p[k][a][i];
       p->x[a][i] = x[a];
       p->u[a][i] += change[a];
       state->u_previous[a][i] += change[a];
@@ -380,8 +375,8 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     u += s.grad u + |s|^2/(2d) lap u - filter of FilterVelocity(),   p += dr.grad p
 
   Collective. Earlier velocities receive the same change as u^n, so that it is no change in time.
-  The pressure and its mean of average.c are carried as Eulerian fields, unless a scheme has them
-  fixed in space.
+  Pressures that stand in space are carried as Eulerian fields, unless a scheme has them fixed
+  there.
   The velocity belongs to the particle and changes only by the shift s and the filter. s includes
   the displacement by SceneKeepOffWalls(). If the velocity did not change with this displacement,
   particles would carry the speed of a moving lid away from the lid, as they do without shifting.

@@ -94,6 +94,7 @@ PetscErrorCode SchemeCreate(Flow *flow)
   PetscCall(FlowRemember(flow));
   PetscCall(SchemeChooseStep(flow));
   PetscCall(FlowStateCreate(flow, &s->needs));
+  PetscCall(AverageCreate(flow));
   PetscCall(OpeningsCreate(flow));
   PetscCall(RefuseSurface(flow));
   PetscCall(GradedRemember(flow));
@@ -118,6 +119,7 @@ PetscErrorCode SchemeRegister(Flow *flow)
 {
   PetscFunctionBegin;
   PetscCall(FlowStateRegister(flow));
+  PetscCall(AverageRegister(flow));
   PetscCall(OpeningsRegister(flow));
   PetscCall(VolumesRegister(flow));
   if (flow->scheme->row->Register) PetscCall(flow->scheme->row->Register(flow));

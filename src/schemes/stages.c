@@ -124,15 +124,8 @@ static PetscErrorCode FollowAndRebuild(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode MeasureMomentum(Flow *flow)
-{
-  PetscFunctionBegin;
-  PetscCall(FlowMeanVelocity(flow, flow->state->u, flow->state->mean));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 const Stage StageMomentum = {"momentum",    "mean velocity of a flow that keeps it",
-                             KeepsMomentum, MeasureMomentum,
+                             KeepsMomentum, MomentumKeep,
                              PART_NONE,     PETSC_FALSE};
 const Stage StageMove     = {
         "move", "places by the flow and by shifting", Moves, FlowMove, PART_NONE, PETSC_FALSE};

@@ -95,6 +95,14 @@ PetscErrorCode FlowMeanVelocity(const Flow *flow, const Vec u[], PetscReal mean[
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* MomentumKeep - Measures the mean velocity before a step, state->mean; collective */
+PetscErrorCode MomentumKeep(Flow *flow)
+{
+  PetscFunctionBegin;
+  PetscCall(FlowMeanVelocity(flow, flow->state->u, flow->state->mean));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   MomentumRestore - Shifts u^{n+1} of a flow that conserves its momentum to the mean velocity before
   the step, state->mean

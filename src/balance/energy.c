@@ -185,6 +185,24 @@ static PetscErrorCode Dissipation(Flow *flow, const Vec u[], PetscReal *energy)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* EnergyTension - Computes twice the energy of the surface tension over the mass of the fluid
+   [m^2/s^2]; each particle on the surface has the area dx^(dim-1); collective */
+PetscErrorCode EnergyTension(const Flow *flow, PetscReal *energy)
+{
+  const Scene     *scene = flow->scene;
+  const Particles *p     = flow->particles;
+  PetscReal        sum   = 0.0;
+
+  PetscFunctionBegin;
+  *energy = 0.0;
+  if (scene->tension == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt i = 0; i < p->n_fluid; i++)
+    if (FreeSurfaceHolds(flow->ops->free, i)) sum += SceneVolume(scene) / scene->dx;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  *energy = 2.0 * scene->tension * sum / (scene->rho * p->weight * p->cell_volume);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Adds the balance at the end of a step to the largest gain. Input: rms - of the velocity [m/s];
    given - twice the energy per mass of start and work [m^2/s^2]. */
 static void NoteGain(const Flow *flow, PetscReal rms, PetscReal given)

@@ -2,7 +2,7 @@
   The check of a step: measures energy, largest speed and divergence of the new velocity, and
   compares the velocity with the bound that follows from driving forces and walls.
 */
-#include "step.h"
+#include "flow/step.h"
 
 #define UNEVEN 0.15 /* unevenness above which the run prints a note [-] */
 #define FIRST  1.5  /* share of a first step in later velocities, 1 + 1/3 + 1/9 + ... [-] */
@@ -16,35 +16,6 @@ static PetscReal PaceFactor(const Scene *scene, const Particles *p, PetscInt i)
   if (!SceneMovesGraded(scene)) return 1.0;
   factor = ParticlesMotionFactor(scene, p, i);
   return PetscMax(factor, PetscAbsReal(1.0 - factor));
-}
-
-/* FlowMassRows - Applies the rows of div to a velocity u: div u inside the fluid, 2 n.E n on free
-   surfaces [1/s]; collective */
-PetscErrorCode FlowMassRows(const Flow *flow, const Vec u[], Vec rows)
-{
-  PetscFunctionBegin;
-  PetscCall(VecZeroEntries(rows));
-  for (PetscInt c = 0; c < flow->scene->dim; c++)
-    PetscCall(AffineApplyAdd(&flow->ops->div[c], u[c], flow->walls.u[c], rows));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* FlowDivergence - Computes div u - source of a velocity u, which the equations of mass make zero;
-   zero on free surfaces, whose particles have none [1/s]; collective */
-PetscErrorCode FlowDivergence(Flow *flow, const Vec u[], Vec div)
-{
-  const FreeSurface *free = flow->ops->free;
-  PetscScalar       *values;
-
-  PetscFunctionBegin;
-  PetscCall(FlowMassRows(flow, u, div));
-  if (flow->state->source) PetscCall(VecAXPY(div, -1.0, flow->state->source));
-  if (!free) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(VecGetArray(div, &values));
-  for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
-    if (FreeSurfaceHolds(free, i)) values[i] = 0.0;
-  PetscCall(VecRestoreArray(div, &values));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Computes the largest |div u| of a velocity u [1/s]. */
@@ -118,24 +89,6 @@ static const char *StartOption(const Flow *flow)
   return flow->scene->velocity.n ? "-scene_velocity" : "-scene_exact";
 }
 
-/* Computes twice the energy of the surface tension over the mass of the fluid [m^2/s^2]; each
-   particle on the surface has the area dx^(dim-1). */
-static PetscErrorCode TensionEnergy(const Flow *flow, PetscReal *energy)
-{
-  const Scene     *scene = flow->scene;
-  const Particles *p     = flow->particles;
-  PetscReal        sum   = 0.0;
-
-  PetscFunctionBegin;
-  *energy = 0.0;
-  if (scene->tension == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt i = 0; i < p->n_fluid; i++)
-    if (FreeSurfaceHolds(flow->ops->free, i)) sum += SceneVolume(scene) / scene->dx;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, p->comm));
-  *energy = 2.0 * scene->tension * sum / (scene->rho * p->weight * p->cell_volume);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   FlowMeasureStart - Measures energy, speed, divergence and body force of the flow at the start of a
   run
@@ -154,7 +107,7 @@ PetscErrorCode FlowMeasureStart(Flow *flow)
             StartOption(flow), (double)PetscSqrtReal(PETSC_MAX_REAL));
   if (SceneHas(flow->scene, PHYSICS_BODY_FORCE)) PetscCall(AddBodyForce(flow, 0.0, NULL));
   for (PetscInt k = 0; k < 3; k++) s->stats.change[k] = PETSC_INFINITY;
-  PetscCall(TensionEnergy(flow, &energy));
+  PetscCall(EnergyTension(flow, &energy));
   s->bound.start = PetscSqrtReal(PetscSqr(FlowRmsSpeed(flow)) + energy);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,0 +1,52 @@
+/* Quantities of a velocity that several stages need: the rows of mass, the divergence, and the values
+   of all particles. */
+#include "step.h"
+
+/* FlowMassRows - Applies the rows of div to a velocity u: div u inside the fluid, 2 n.E n on free
+   surfaces [1/s]; collective */
+PetscErrorCode FlowMassRows(const Flow *flow, const Vec u[], Vec rows)
+{
+  PetscFunctionBegin;
+  PetscCall(VecZeroEntries(rows));
+  for (PetscInt c = 0; c < flow->scene->dim; c++)
+    PetscCall(AffineApplyAdd(&flow->ops->div[c], u[c], flow->walls.u[c], rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FlowDivergence - Computes div u - source of a velocity u, which the equations of mass make zero;
+   zero on free surfaces, whose particles have none [1/s]; collective */
+PetscErrorCode FlowDivergence(Flow *flow, const Vec u[], Vec div)
+{
+  const FreeSurface *free = flow->ops->free;
+  PetscScalar       *values;
+
+  PetscFunctionBegin;
+  PetscCall(FlowMassRows(flow, u, div));
+  if (flow->state->source) PetscCall(VecAXPY(div, -1.0, flow->state->source));
+  if (!free) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecGetArray(div, &values));
+  for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
+    if (FreeSurfaceHolds(free, i)) values[i] = 0.0;
+  PetscCall(VecRestoreArray(div, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FlowAllVelocities - Creates an array of the velocity components u of all particles, halo
+   included, by [i dim + a]; free with PetscFree(); collective */
+PetscErrorCode FlowAllVelocities(const Flow *flow, const Vec u[], PetscReal **all)
+{
+  const Particles *p = flow->particles;
+  const PetscInt   d = p->dim;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(ParticlesAll(p) * d, all));
+  for (PetscInt a = 0; a < d; a++) {
+    const PetscScalar *v;
+
+    PetscCall(VecGetArrayRead(u[a], &v));
+    for (PetscInt i = 0; i < p->n_fluid; i++) (*all)[i * d + a] = PetscRealPart(v[i]);
+    PetscCall(VecRestoreArrayRead(u[a], &v));
+  }
+  PetscCall(ParticlesHaloVectors(p, *all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
