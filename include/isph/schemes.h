@@ -232,6 +232,7 @@ typedef struct {
   PetscErrorCode (*Begin)(Flow *flow); /* before the first stage */
   PetscErrorCode (*After)(Flow *flow, StepPart part, PetscReal dt, const Vec f[]);
   PetscErrorCode (*End)(Flow *flow); /* after the last stage, before the time advances */
+  PetscErrorCode (*Destroy)(Flow *flow);
 } Observer;
 
 /* Parts of a step that are done again: its last stage that solves; all that solve, from the pressure
@@ -351,7 +352,6 @@ PetscReal      AverageLength(const Flow *flow);
 
 /* The budget of a step. */
 PetscErrorCode BudgetCreate(Flow *flow, PetscInt n, const PetscReal box[]);
-PetscErrorCode BudgetDestroy(Budget **budget);
 PetscErrorCode BudgetGet(const Flow *flow, StepPart part, PetscInt box, BudgetValues *values,
                          PetscBool *measured);
 
@@ -370,7 +370,7 @@ PetscErrorCode GaugeColumn(const Scene *scene, MPI_Comm comm, PetscInt before, P
 PetscErrorCode GaugeMatrix(Mat A, Mat column, Mat *regular);
 PetscErrorCode GaugePreconditioner(const Scene *scene, PetscReal shift, Mat A);
 
-PetscErrorCode AttemptStep(Flow *flow);
+PetscErrorCode FlowMakeStep(Flow *flow);
 
 extern const Table ConvectionTable, PressurePointsTable, ProjectionTable, ViscousIntegratorTable,
     CoupledIntegratorTable, CoupledGradientTable, SchurTable, EquationOfStateTable,

@@ -174,30 +174,32 @@ static PetscErrorCode EndTreatments(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  AttemptStep - Makes a successful step, or ends the run
-
-  Collective. If the chosen row of -dt_adapt retries steps, a step that fails or has too large an
-  error is undone and repeated with a shorter dt.
-*/
-PetscErrorCode AttemptStep(Flow *flow)
+/* AttemptBegin - Saves what a step begins with, if it may be repeated; collective */
+PetscErrorCode AttemptBegin(Flow *flow)
 {
-  StepFailure *failure = &flow->scheme->failure;
-  Attempt     *a       = flow->scheme->attempt;
-  const Judge *again;
-  StepLimit    limit;
+  Attempt *a = flow->scheme->attempt;
 
   PetscFunctionBegin;
-  do {
-    PetscCall(SchemeLimit(flow, &limit));
-    PetscCall(ClockChoose(&limit, flow->clock));
-    if (a->saves[AGAIN_SHORTER]) PetscCall(SaveStep(flow, a));
-    PetscCall(FlowStep(flow));
-    PetscCall(EndTreatments(flow));
-    PetscCall(ExpressionScopeCheck(flow->scene->scope));
-    PetscCall(Ask(flow, PETSC_TRUE, &again));
-  } while (again && !failure->fatal);
-  PetscCheck(!failure->code, PETSC_COMM_WORLD, failure->code, "%s", failure->sentence);
+  if (a->saves[AGAIN_SHORTER]) PetscCall(SaveStep(flow, a));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  AttemptEnd - Ends the treatments of a step, and asks the judges of steps
+
+  Collective.
+
+  Output Parameter:
+. again - flag: the flow before the step is restored, and the step is to be repeated
+*/
+PetscErrorCode AttemptEnd(Flow *flow, PetscBool *again)
+{
+  const Judge *verdict;
+
+  PetscFunctionBegin;
+  PetscCall(EndTreatments(flow));
+  PetscCall(Ask(flow, PETSC_TRUE, &verdict));
+  *again = verdict && !flow->scheme->failure.fatal ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

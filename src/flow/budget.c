@@ -57,16 +57,17 @@ PetscErrorCode BudgetCreate(Flow *flow, PetscInt n, const PetscReal box[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* BudgetDestroy - Frees the budget; its fields belong to the particles; not collective */
-PetscErrorCode BudgetDestroy(Budget **budget)
+/* Frees the budget; its fields belong to the particles. */
+static PetscErrorCode BudgetDestroy(Flow *flow)
 {
+  Budget *budget = flow->state->budget;
+
   PetscFunctionBegin;
-  if (!*budget) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt part = 0; part < STEP_PARTS; part++) {
-    PetscCall(PetscFree((*budget)->after[part]));
-    PetscCall(PetscFree((*budget)->sums[part]));
+    PetscCall(PetscFree(budget->after[part]));
+    PetscCall(PetscFree(budget->sums[part]));
   }
-  PetscCall(PetscFree(*budget));
+  PetscCall(PetscFree(flow->state->budget));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -245,6 +246,7 @@ const Observer ObserverBudget = {
     .Begin   = BudgetBegin,
     .After   = BudgetPart,
     .End     = BudgetEnd,
+    .Destroy = BudgetDestroy,
 };
 
 /*

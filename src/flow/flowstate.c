@@ -139,7 +139,6 @@ PetscErrorCode FlowStateDestroy(Flow *flow)
   PetscFunctionBegin;
   if (!flow->state) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FlowStateFree(flow->state));
-  PetscCall(BudgetDestroy(&flow->state->budget));
   PetscCall(PetscFree(flow->state));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

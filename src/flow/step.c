@@ -1,6 +1,6 @@
 /*
   The step of a flow: the stages of its scheme in their order. They are chosen once in a run, see
-  src/schemes/stages.c. Observers stand between the stages.
+  src/schemes/stages/stages.c. Observers stand between the stages.
 */
 #include "step.h"
 
@@ -116,5 +116,30 @@ PetscErrorCode FlowStep(Flow *flow)
   }
   if (!s->failure.code) PetscCall(EndObservers(flow));
   if (!s->failure.code) PetscCall(Advance(flow));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  FlowMakeStep - Makes a successful step, or ends the run
+
+  Collective. If the chosen row of -dt_adapt retries steps, a step that fails or has too large an
+  error is undone and repeated with a shorter dt.
+*/
+PetscErrorCode FlowMakeStep(Flow *flow)
+{
+  const StepFailure *failure = &flow->scheme->failure;
+  PetscBool          again;
+  StepLimit          limit;
+
+  PetscFunctionBegin;
+  do {
+    PetscCall(SchemeLimit(flow, &limit));
+    PetscCall(ClockChoose(&limit, flow->clock));
+    PetscCall(AttemptBegin(flow));
+    PetscCall(FlowStep(flow));
+    PetscCall(ExpressionScopeCheck(flow->scene->scope));
+    PetscCall(AttemptEnd(flow, &again));
+  } while (again);
+  PetscCheck(!failure->code, PETSC_COMM_WORLD, failure->code, "%s", failure->sentence);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -13,6 +13,8 @@ PetscErrorCode FlowPartDone(Flow *flow, StepPart part, PetscReal dt, const Vec f
 extern const Judge JudgeFailure;
 PetscErrorCode     AttemptArrange(Flow *flow);
 PetscErrorCode     AttemptDestroy(Attempt **attempt);
+PetscErrorCode     AttemptBegin(Flow *flow);
+PetscErrorCode     AttemptEnd(Flow *flow, PetscBool *again);
 PetscErrorCode     AttemptNext(Flow *flow, PetscInt *k);
 
 /* motion.c */

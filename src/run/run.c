@@ -221,7 +221,7 @@ static PetscErrorCode RunSolve(Run *run, PetscMPIInt *signal)
   PetscCall(RunIsOver(run, &over));
   if (!over) PetscCall(RunMeasureDue(run)); /* a restarted run may begin at a report time */
   while (!over && !*signal) {
-    PetscCall(AttemptStep(&run->flow));
+    PetscCall(FlowMakeStep(&run->flow));
     if (clock->step == first + 1) PetscCall(OptionsRefuseUnknown(PETSC_TRUE));
     PetscCall(RunIsOver(run, &over));
     PetscCall(InterruptCheck(signal));

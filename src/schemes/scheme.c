@@ -131,6 +131,9 @@ PetscErrorCode SchemeDestroy(Flow *flow)
 {
   PetscFunctionBegin;
   if (!flow->scheme) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < flow->scheme->n_observers; k++) {
+    if (flow->scheme->observer[k]->Destroy) PetscCall(flow->scheme->observer[k]->Destroy(flow));
+  }
   PetscCall(flow->scheme->row->Destroy(flow));
   PetscCall(AttemptDestroy(&flow->scheme->attempt));
   PetscCall(FlowStateDestroy(flow));

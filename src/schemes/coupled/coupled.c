@@ -4,7 +4,7 @@
 */
 #include "coupled.h"
 
-#include "schemes/stages.h"
+#include "schemes/stages/stages.h"
 
 static const CoupledIntegratorRow integrators[] = {
     {.name     = TSBEULER,

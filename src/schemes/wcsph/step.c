@@ -1,5 +1,5 @@
 /* The stages of the weakly compressible step besides its integrator. */
-#include "schemes/stages.h"
+#include "schemes/stages/stages.h"
 #include "wcsph.h"
 
 #define CLEARANCE 0.05 /* least distance of particles from walls [dx] */

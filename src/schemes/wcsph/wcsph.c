@@ -9,7 +9,7 @@
   References: M. Basa, N. Quinlan, M. Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009); J. Fang et
   al., Appl. Numer. Math. 59 (2009)
 */
-#include "schemes/stages.h"
+#include "schemes/stages/stages.h"
 #include "wcsph.h"
 
 /* Returns the largest |drho/dt|/rho of the last step, in place of |div u|. */
