@@ -337,7 +337,7 @@ struct Flow {
 PetscErrorCode FlowCellVolumes(const Flow *flow, PetscInt points, PetscReal volume[]);
 PetscErrorCode FlowPrepareOutput(const Flow *flow);
 
-PetscErrorCode FlowStateCreate(Flow *flow, unsigned *needs);
+PetscErrorCode FlowStateCreate(Flow *flow);
 PetscErrorCode FlowStateRegister(Flow *flow);
 PetscErrorCode FlowStateRenumber(Flow *flow);
 PetscErrorCode FlowStateDestroy(Flow *flow);

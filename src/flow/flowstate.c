@@ -4,23 +4,6 @@
 */
 #include "step.h"
 
-/*
-  Returns the default strength of the velocity filter [-]
-
-  It depends on the cell Reynolds number R = U dx/nu. The filter damps boundary layers too (a
-  quarter of the cavity's energy at Re = 1000, n = 25), so it is on only if the flow needs it.
-  Without filter moving particles were stable at R = 20 and unstable at 25, for CFL numbers up to
-  0.1 (Re = 1000, n = 40); they need a strength of 0.2 at R = 40 and 1 at 200 (Re = 10,000, n = 50).
-  Fixed particles were stable up to R = 6 and unstable at 7 (Re = 100 in 3D).
-*/
-static PetscReal DefaultVelocityFilter(const Scene *scene)
-{
-  const PetscReal R = SceneCellReynolds(scene);
-
-  if (!SceneMoves(scene)) return R > 5.0 ? 1.0 : 0.0;
-  return PetscMin(1.0, PetscMax(0.0, (R - 20.0) / 40.0));
-}
-
 /* Registers the work that stages of a step share for -log_view. */
 static PetscErrorCode RegisterEvents(FlowState *s)
 {
@@ -33,59 +16,8 @@ static PetscErrorCode RegisterEvents(FlowState *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-enum { SHIFT, SHIFT_STRENGTH, VELOCITY_FILTER };
-static const OptionRow options[] = {
-    [SHIFT] =
-        {
-            .name     = "-shift",
-            .kind     = VALUE_NAME,
-            .brief    = "particle shifting",
-            .standard = "fickian; with -scheme wcsph none for free surfaces and summed densities",
-            .table    = &ShiftTable,
-            .where    = "flows whose particles move",
-        },
-    [SHIFT_STRENGTH] =
-        {
-            .name     = "-shift_strength",
-            .kind     = VALUE_REAL,
-            .brief    = "factor of the diffusivity of -shift",
-            .unit     = "-",
-            .standard = "1; with -scheme wcsph 3",
-            .low      = 1e-3,
-            .high     = 100.0,
-            .where    = "flows whose particles are shifted",
-        },
-    [VELOCITY_FILTER] =
-        {
-            .name     = "-velocity_filter",
-            .kind     = VALUE_REAL,
-            .brief    = "strength of the grid-scale filter of velocities; 0: off",
-            .unit     = "-",
-            .standard = "from 0 at U dx/nu = 20 to 1 at 60; with -pressure_points coarse 4; with "
-                        "fixed particles, at most 1, 1 above 5, else 0; films on walls lose "
-                        "another 5 nu dt/dx^2 of a residual with -scheme projection, "
-                        "unless 0 is given",
-            .low      = 0.0,
-            .high     = 8.0,
-            .where    = "flows with convection",
-        },
-};
-const OptionTable MotionOptions = OPTIONS("Motion of particles", options);
-
-/*
-  FlowStateCreate - Creates the state and reads the options of filter and shifting
-
-  Collective on PETSC_COMM_WORLD.
-
-  Output Parameter:
-. needs - bits of Need for shifting and filter
-
-  Options Database Keys:
-+ -shift name        - row of the shift table
-. -shift_strength S  - factor of the diffusivity of -shift
-- -velocity_filter S - strength of the velocity filter in ConvectionApply() and FlowMove()
-*/
-PetscErrorCode FlowStateCreate(Flow *flow, unsigned *needs)
+/* FlowStateCreate - Creates the state; not collective */
+PetscErrorCode FlowStateCreate(Flow *flow)
 {
   const Scene *scene = flow->scene;
   FlowState   *s;
@@ -93,21 +25,6 @@ PetscErrorCode FlowStateCreate(Flow *flow, unsigned *needs)
   PetscFunctionBegin;
   PetscCall(PetscNew(&s));
   s->has_convection = scene->motion && !SceneMoves(scene) ? PETSC_TRUE : PETSC_FALSE;
-  if (SceneMoves(scene)) {
-    PetscCall(OptionGetRow(&options[SHIFT], "fickian", &s->shift));
-    if (s->shift->Displace) {
-      s->shift_strength = 1.0;
-      PetscCall(OptionGetReal(&options[SHIFT_STRENGTH], &s->shift_strength, NULL));
-      *needs |= NEED_CONCENTRATION;
-    }
-  }
-  if (SceneHas(scene, PHYSICS_CONVECTION)) {
-    s->velocity_filter = DefaultVelocityFilter(scene);
-    PetscCall(OptionGetReal(&options[VELOCITY_FILTER], &s->velocity_filter, NULL));
-    UserCheck(SceneMoves(scene) || s->velocity_filter <= 1.0,
-              "-velocity_filter %.6g: with fixed particles at most 1", (double)s->velocity_filter);
-    if (s->velocity_filter > 0.0) *needs |= NEED_FILTER_U;
-  }
   PetscCall(RegisterEvents(s));
   flow->state = s;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -17,6 +17,9 @@ PetscErrorCode     AttemptBegin(Flow *flow);
 PetscErrorCode     AttemptEnd(Flow *flow, PetscBool *again);
 PetscErrorCode     AttemptNext(Flow *flow, PetscInt *k);
 
+/* shift.c */
+PetscErrorCode MotionCreate(Flow *flow, unsigned *needs);
+
 /* motion.c */
 PetscErrorCode FlowMove(Flow *flow);
 

@@ -93,7 +93,8 @@ PetscErrorCode SchemeCreate(Flow *flow)
   PetscCall(ClockRemember(flow->clock, &s->memory));
   PetscCall(FlowRemember(flow));
   PetscCall(SchemeChooseStep(flow));
-  PetscCall(FlowStateCreate(flow, &s->needs));
+  PetscCall(FlowStateCreate(flow));
+  PetscCall(MotionCreate(flow, &s->needs));
   PetscCall(AverageCreate(flow));
   PetscCall(OpeningsCreate(flow));
   PetscCall(RefuseSurface(flow));
