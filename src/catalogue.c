@@ -4,6 +4,10 @@
 #include "isph/cases.h"
 #include "isph/patch.h"
 #include "isph/run.h"
+#include "schemes/coupled/coupled.h"
+#include "schemes/projection/projection.h"
+#include "schemes/surface/surface.h"
+#include "schemes/wcsph/wcsph.h"
 
 static const Table *const tables[] = {&CaseTable,
                                       &BoundaryTable,

@@ -4,7 +4,7 @@
 */
 /* RANKS: 1 2 */
 #include "cloud.h"
-#include "isph/guard.h"
+#include "isph/solvers.h"
 
 #define ROWS 4 /* on each rank */
 

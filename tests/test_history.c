@@ -3,7 +3,7 @@
   lengths, and fall to a lower order where earlier velocities are not known or steps grow too fast.
 */
 /* RANKS: 1 */
-#include "../src/flow/step.h"
+#include "isph/schemes.h"
 #include "cloud.h"
 
 static const PetscReal now        = 0.7,

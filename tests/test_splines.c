@@ -8,6 +8,7 @@
 /* RANKS: 1 2 3 */
 #include "splines/splines.h"
 #include "cloud.h"
+#include "isph/solvers.h"
 #include <string.h>
 
 /* A flow of a cloud's particles without clock or scheme, and its splines. */

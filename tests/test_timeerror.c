@@ -3,7 +3,7 @@
   the solenoidal norm, and periods of expressions are found at any length of the window.
 */
 /* RANKS: 1 2 */
-#include "../src/flow/step.h"
+#include "isph/schemes.h"
 #include "crowd.h"
 
 /* Creates a flow of particles on a lattice, without operators. */

@@ -2,7 +2,7 @@
   The check of a step: measures energy, largest speed and divergence of the new velocity, and
   compares the velocity with the bound that follows from driving forces and walls.
 */
-#include "flow/step.h"
+#include "isph/balance.h"
 
 #define UNEVEN 0.15 /* unevenness above which the run prints a note [-] */
 #define FIRST  1.5  /* share of a first step in later velocities, 1 + 1/3 + 1/9 + ... [-] */

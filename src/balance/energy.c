@@ -10,7 +10,7 @@
   a height that neither the start nor the body force gives. The bound on the speed of full boxes
   does not hold here: a fluid that falls touches no wall that slows it. See docs/theory.md, (176).
 */
-#include "flow/step.h"
+#include "isph/balance.h"
 
 #define HEIGHT   0.05 /* error of the height at which particles of a fluid at rest are [dx] */
 #define LOST     2.0  /* energy of a flow that is lost over the most that it can have [-] */

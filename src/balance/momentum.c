@@ -7,7 +7,7 @@
   The sum of V u over disordered particles is a poor integral of u: its error changes as particles
   move, and a flow that keeps this sum would be wrong. The integral is exact here for smooth fields.
 */
-#include "flow/step.h"
+#include "isph/balance.h"
 
 #define HARMONICS 3                   /* along each axis, in 2D; 2 in 3D */
 #define MODES     (2 * HARMONICS + 1) /* 1, cos and sin of each harmonic */

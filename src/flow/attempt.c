@@ -4,7 +4,7 @@
   alone saves and restores what a step begins with: all registered fields, the numbers of the run's
   memory, and what a scheme keeps off the particles. All other data are computed from these.
 */
-#include "step.h"
+#include "isph/flow.h"
 
 struct Attempt {
   const Judge *judge[SCHEME_MAX_JUDGES]; /* those that apply */

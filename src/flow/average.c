@@ -10,7 +10,7 @@
   Steps outside of the last T before a snapshot do nothing. Probes and forces have fixed points, and
   average their values themselves (src/measures/window.c).
 */
-#include "step.h"
+#include "isph/flow.h"
 
 static const OptionRow options[] = {
     {

@@ -9,7 +9,7 @@
   projection add rho V_i dt a.u^{n+1} with the acceleration a = c/k of an implicit step of length k.
   The rest is the energy of the time integrator. See docs/theory.md, (135) and (136).
 */
-#include "step.h"
+#include "isph/flow.h"
 
 /* Values of a part of the step in a box. */
 typedef struct {

@@ -1,5 +1,5 @@
 /* The convective term of fixed particles. */
-#include "step.h"
+#include "isph/flow.h"
 
 /*
   ConvectionCentral - Computes the convective term v.grad u from the gradient operators, without the

@@ -2,7 +2,7 @@
   The state of a flow: velocity and pressure as fields of the particles and as vectors, the initial
   values, and work vectors that a step borrows.
 */
-#include "step.h"
+#include "isph/flow.h"
 
 /* Registers the work that stages of a step share for -log_view. */
 static PetscErrorCode RegisterEvents(FlowState *s)

@@ -1,5 +1,5 @@
 /* The body force on the fluid. */
-#include "step.h"
+#include "isph/flow.h"
 
 /* Stores the largest body force, for the limit of the step and the speed bound. */
 static void NoteForce(Scheme *scheme, PetscReal square)

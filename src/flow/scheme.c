@@ -2,7 +2,7 @@
   The limit of a scheme's steps, and its lists of solves and figures for banner, report, progress and
   checkpoints.
 */
-#include "step.h"
+#include "isph/flow.h"
 
 /* SchemeLimit - Computes the longest step that the scheme allows, with its reason; collective */
 PetscErrorCode SchemeLimit(const Flow *flow, StepLimit *limit)

@@ -4,7 +4,7 @@
   scale of the grid. Both vary from step to step where particles move, as a noise that is no error
   in time.
 */
-#include "step.h"
+#include "isph/flow.h"
 
 #define MODES_2D 7   /* modes along each axis */
 #define MODES_3D 5   /* */

@@ -1,7 +1,7 @@
 /*
   The steady test: changes of velocity, divergence and pressure in a time scale of the flow.
 */
-#include "step.h"
+#include "isph/flow.h"
 
 /* Computes the root mean square of a vector over the volume of the fluid: docs/theory.md, (119). */
 static PetscErrorCode RootMeanSquare(const Particles *p, Vec v, PetscReal *rms)

@@ -2,7 +2,7 @@
   The step of a flow: the stages of its scheme in their order. They are chosen once in a run, see
   src/schemes/stages/stages.c. Observers stand between the stages.
 */
-#include "step.h"
+#include "isph/flow.h"
 
 /* Advances the state, u^{n-2} <- u^{n-1} <- u^n <- u^{n+1}, and the time. */
 static PetscErrorCode Advance(Flow *flow)

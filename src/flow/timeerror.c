@@ -5,7 +5,7 @@
   (Milne's device). A step whose error is too large is undone and repeated, and a
   proportional-integral controller chooses the length of the next step.
 */
-#include "step.h"
+#include "isph/flow.h"
 
 #define START_SHARE 64.0 /* length of the first step: the limit of other reasons over this number */
 #define FLOOR_SHARE 1e-3 /* steps below this share of the limit of other reasons are kept */

@@ -1,6 +1,6 @@
 /* Quantities of a velocity that several stages need: the rows of mass, the divergence, and the values
    of all particles. */
-#include "step.h"
+#include "isph/flow.h"
 
 /* FlowMassRows - Applies the rows of div to a velocity u: div u inside the fluid, 2 n.E n on free
    surfaces [1/s]; collective */
@@ -48,5 +48,34 @@ PetscErrorCode FlowAllVelocities(const Flow *flow, const Vec u[], PetscReal **al
     PetscCall(VecRestoreArrayRead(u[a], &v));
   }
   PetscCall(ParticlesHaloVectors(p, *all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  HistoryStart - Sets u_next to the start of an implicit step, HistoryStartWeights()
+
+  Collective.
+
+  Input Parameter:
+. history - flag: BDF if earlier velocities are known; otherwise backward Euler, with start = u^n
+            and k = dt
+
+  Output Parameter:
+. dt - length k of the step from this start [s]
+*/
+PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt)
+{
+  FlowState *s = flow->state;
+  PetscReal  weight[HISTORY];
+
+  PetscFunctionBegin;
+  *dt = flow->clock->dt;
+  if (history) *dt *= HistoryStartWeights(flow->clock, weight);
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    PetscCall(VecCopy(s->u[a], s->u_next[a]));
+    if (!history) continue;
+    PetscCall(VecAXPBY(s->u_next[a], weight[1], weight[0], s->u_prev[a]));
+    if (weight[2] != 0.0) PetscCall(VecAXPY(s->u_next[a], weight[2], s->u_before[a]));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,7 +2,7 @@
   The banner: the first lines that a run prints. It shows the case, the chosen forms and their
   publications, the physics left out, and the gain of implicit over explicit viscosity.
 */
-#include "isph/guard.h"
+#include "isph/solvers.h"
 #include "isph/io.h"
 
 #define BANNER_LABEL "%-11s "

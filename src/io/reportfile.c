@@ -2,7 +2,7 @@
   The CSV file of -report, to which each run appends a row for each quantity and time. Studies make
   many runs with the same file, and evaluate it with a table program.
 */
-#include "isph/guard.h"
+#include "isph/solvers.h"
 #include "isph/io.h"
 #include <sys/resource.h>
 

@@ -3,6 +3,7 @@
   of the volumes of the particles, which never change. See docs/theory.md, (158).
 */
 #include "monitors.h"
+#include "schemes/surface/surface.h"
 
 #define GRID 4 /* points of the cells along dx */
 

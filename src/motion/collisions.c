@@ -12,7 +12,7 @@
 
   Reference: S. Koshizuka, Y. Oka, Nucl. Sci. Eng. 123 (1996) 421-434, there for all particles
 */
-#include "flow/step.h"
+#include "isph/motion.h"
 
 #define CONTACT 0.7 /* distance of centres [dx] */
 

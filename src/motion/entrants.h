@@ -3,7 +3,7 @@
 #ifndef ISPH_ENTRANTS_H
 #define ISPH_ENTRANTS_H
 
-#include "flow/step.h"
+#include "isph/motion.h"
 
 /* A particle that enters, as all ranks know it. */
 typedef struct {

@@ -8,7 +8,7 @@
   So no particle is inserted or removed. The particles cross the flow, so that du/dt along their
   paths has the convective term (u - w).grad u. See docs/theory.md, (145) to (147).
 */
-#include "flow/step.h"
+#include "isph/motion.h"
 
 /* Copies the position of particle i. */
 static void PlaceOf(const Particles *p, PetscInt i, PetscReal x[])

@@ -2,7 +2,7 @@
   The motion of particles: with the flow (graded.c: along its streamlines), and by a small shift
   that keeps them evenly spread. Taylor series give the change of their fields.
 */
-#include "flow/step.h"
+#include "isph/motion.h"
 
 #define FILTER_RATE  2.0 /* factor of |A A|^(1/2) [-] */
 #define VISCOUS      5.0 /* U dx/nu up to which viscosity damps disturbances across a shear */

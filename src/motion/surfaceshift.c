@@ -3,7 +3,7 @@
   surface, and not over a wall past the contact line, where the surface meets it. Only the velocity
   moves the surface and the contact line. See docs/theory.md, section 15.11 and (376).
 */
-#include "flow/step.h"
+#include "isph/motion.h"
 
 #define SHARE 0.3 /* longest shift beside free surfaces [way of the fastest particle] */
 #define WALL  1.5 /* largest distance of the wall beside a contact line [dx] */

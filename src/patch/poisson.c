@@ -1,6 +1,6 @@
 /* The Poisson problem of a patch test: solves L f = lap f for f in the box; lap f in the box and f
    around it are exact. */
-#include "isph/guard.h"
+#include "isph/solvers.h"
 #include "isph/patch.h"
 
 /* Computes the right-hand side of -dx^2 A f = -dx^2 (lap f - B f_around), where L f is

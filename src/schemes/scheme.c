@@ -2,7 +2,8 @@
   The table of schemes, and creation and destruction of the scheme of a run. A new scheme needs a
   folder with its row at the foot of a file, and one word here.
 */
-#include "flow/step.h"
+#include "isph/schemes.h"
+#include "schemes/surface/surface.h"
 
 #define SCHEMES(ROW)                                                                               \
   ROW(SchemeProjection)                                                                            \

@@ -2,7 +2,7 @@
   Defaults of linear solvers, set in the options database so that options of the user take
   precedence, and renewal of a preconditioner for a new matrix.
 */
-#include "isph/guard.h"
+#include "isph/solvers.h"
 #include <strings.h>
 
 /* OptionDefault - Sets an option in the database unless it is given; name: with its dash */

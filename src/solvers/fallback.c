@@ -3,7 +3,7 @@
   methods solve the same system, from the cheapest to the most robust. Each fallback is printed and
   counted.
 */
-#include "isph/guard.h"
+#include "isph/solvers.h"
 
 #define RESIDUAL_SLACK 10.0 /* accepted true residual divided by the tolerance */
 #define RESIDUAL_WORST 0.1  /* largest true residual accepted with any tolerance */

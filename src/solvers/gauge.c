@@ -3,7 +3,7 @@
   pressure (ScenePressureFloats()). All solvers fix it by these functions and in no other way; for a
   determined pressure the functions change nothing.
 */
-#include "isph/schemes.h"
+#include "isph/solvers.h"
 
 /* GaugeRemove - Removes the mean of a pressure with undetermined constant; collective */
 PetscErrorCode GaugeRemove(const Scene *scene, const Particles *particles, Vec p)

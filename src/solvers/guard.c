@@ -3,7 +3,7 @@
   with a remedy. A method preconditioned by AMG can report convergence although the residual is as
   large as the right-hand side; without the guard the flow would be wrong without a message.
 */
-#include "isph/guard.h"
+#include "isph/solvers.h"
 
 #define LOOSEST_RTOL 0.01 /* largest allowed tolerance of a KSP */
 

@@ -1,5 +1,5 @@
 /* Steps of a PETSc TS within the steps of the clock. */
-#include "isph/guard.h"
+#include "isph/solvers.h"
 
 /*
   TimeOptionsRefuse - Refuses options by which a TS would control time, -ts_theta_theta for types

@@ -4,7 +4,7 @@
   viewers of a KSP after a reset for another number of particles, newer releases view a KSP in every
   step, and only TSSolve(), which no step calls, views a TS.
 */
-#include "isph/guard.h"
+#include "isph/solvers.h"
 
 /*
   SolverViewTake - Creates the viewer of an option and removes the option from the database

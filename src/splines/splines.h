@@ -12,7 +12,7 @@
 #ifndef ISPH_SPLINES_H
 #define ISPH_SPLINES_H
 
-#include "flow/step.h"
+#include "isph/flow.h"
 
 typedef struct Splines Splines;
 

@@ -1,7 +1,7 @@
 /*
   The clock, which keeps the time and chooses the step length. Solvers take t and dt from it.
 */
-#include "isph/clock.h"
+#include "isph/time.h"
 #include <stdarg.h>
 
 #define CLOCK_MAX_HALVINGS 10 /* largest number of halvings of a step */

@@ -1,7 +1,7 @@
 /*
   The creation of the clock from the options of the time step and of the end of the run.
 */
-#include "isph/clock.h"
+#include "isph/time.h"
 
 #define CLOCK_GOOD_NEEDED 10 /* good_needed before the first failure, which doubles it */
 

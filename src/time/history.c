@@ -3,7 +3,7 @@
   particle: the start of an implicit step, the path of a particle, and extrapolation. Their order is
   ClockOrder().
 */
-#include "flow/step.h"
+#include "isph/time.h"
 
 /* Computes the weights of u^n, u^{n-1}, u^{n-2} in u^n + s u' + c u'', with the first and second
    divided differences u' and u'' of the first n of these velocities. */
@@ -88,34 +88,16 @@ static PetscReal StartWeights(const Clock *clock, PetscReal weight[HISTORY])
 }
 
 /*
-  HistoryStart - Sets u_next to the start of an implicit step
+  HistoryStartWeights - Computes the weights of u^n, u^{n-1}, u^{n-2} in the start of an implicit
+  step of BDF, and returns its length k over dt
 
     BDF2, w = ClockRatio():  start = ((1+w)^2 u^n - w^2 u^{n-1})/(1+2w),  k = dt (1+w)/(1+2w)
     BDF3, equal steps:       start = (18 u^n - 9 u^{n-1} + 2 u^{n-2})/11,  k = 6 dt/11
 
-  Collective. A backward Euler step of length k from this start is a step of BDF: docs/theory.md,
+  Not collective. A backward Euler step of length k from this start is a step of BDF: docs/theory.md,
   (99) and (318). In a jump both are blended with order 1: (362).
-
-  Input Parameter:
-. history - flag: BDF if earlier velocities are known; otherwise backward Euler, with start = u^n
-            and k = dt
-
-  Output Parameter:
-. dt - length k of the step from this start [s]
 */
-PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt)
+PetscReal HistoryStartWeights(const Clock *clock, PetscReal weight[HISTORY])
 {
-  FlowState *s = flow->state;
-  PetscReal  weight[HISTORY];
-
-  PetscFunctionBegin;
-  *dt = flow->clock->dt;
-  if (history) *dt *= Blend(flow->clock->jump, StartWeights(flow->clock, weight), weight);
-  for (PetscInt a = 0; a < flow->scene->dim; a++) {
-    PetscCall(VecCopy(s->u[a], s->u_next[a]));
-    if (!history) continue;
-    PetscCall(VecAXPBY(s->u_next[a], weight[1], weight[0], s->u_prev[a]));
-    if (weight[2] != 0.0) PetscCall(VecAXPY(s->u_next[a], weight[2], s->u_before[a]));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return Blend(clock->jump, StartWeights(clock, weight), weight);
 }

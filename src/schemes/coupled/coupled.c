@@ -3,6 +3,7 @@
   pressure together, in time or for a steady flow.
 */
 #include "coupled.h"
+#include "schemes/surface/surface.h"
 
 #include "schemes/stages/stages.h"
 

@@ -7,9 +7,12 @@
 #ifndef ISPH_SCHEMES_COUPLED_H
 #define ISPH_SCHEMES_COUPLED_H
 
-#include "isph/guard.h"
+#include "isph/solvers.h"
 #include "saddle.h"
-#include "flow/step.h"
+#include "isph/motion.h"
+
+extern const Table       CoupledIntegratorTable, CoupledGradientTable, SchurTable;
+extern const OptionTable CoupledOptions, CoupledSolverOptions;
 
 /* Time integrator of the coupled scheme. */
 typedef struct {

@@ -2,7 +2,7 @@
 #ifndef ISPH_SCHEMES_SADDLE_H
 #define ISPH_SCHEMES_SADDLE_H
 
-#include "isph/schemes.h"
+#include "isph/solvers.h"
 
 /*
   Blocks of the scaled system. On each rank a vector holds the velocities of its particles, with

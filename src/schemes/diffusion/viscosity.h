@@ -5,7 +5,10 @@
 #ifndef ISPH_SCHEMES_VISCOSITY_H
 #define ISPH_SCHEMES_VISCOSITY_H
 
-#include "isph/guard.h"
+#include "isph/solvers.h"
+
+extern const Table       ViscousIntegratorTable;
+extern const OptionTable ViscosityOptions;
 
 /* The pressure of free surfaces as a part of the viscous term, see surfacestress.c. */
 typedef struct {

@@ -3,6 +3,7 @@
   is known, its filter, and the convection of fixed particles.
 */
 #include "projection.h"
+#include "schemes/surface/surface.h"
 
 static const ProjectionRow projections[] = {
     {.name        = "rotational",

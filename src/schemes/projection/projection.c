@@ -11,6 +11,7 @@
   step from (4u^n - u^{n-1})/3. w is the velocity of the particles: u (Lagrangian) or 0 (Eulerian).
 */
 #include "projection.h"
+#include "schemes/surface/surface.h"
 #include "schemes/stages/stages.h"
 
 static PetscErrorCode ProjectionSetUp(Flow *flow)

@@ -8,6 +8,9 @@
 #include "schemes/diffusion/viscosity.h"
 #include "splines/splines.h"
 
+extern const Table       ProjectionTable, PressurePointsTable, ConvectionTable;
+extern const OptionTable ProjectionOptions;
+
 /* The update of the pressure by the increment phi. */
 typedef struct {
   const char *name, *brief, *citation;

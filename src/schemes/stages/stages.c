@@ -5,7 +5,7 @@
 */
 #include "stages.h"
 
-#include "flow/step.h"
+#include "schemes/surface/surface.h"
 
 /* Updates the neighbours. */
 static PetscErrorCode UpdateNeighbors(Flow *flow)

@@ -2,7 +2,7 @@
 #ifndef ISPH_SCHEMES_STAGES_H
 #define ISPH_SCHEMES_STAGES_H
 
-#include "isph/schemes.h"
+#include "isph/motion.h"
 
 extern const Stage StageMomentum, StageMove, StagePass, StageRebuild, StageVolume, StageCollide,
     StageMean, StageCheck, StageError;

@@ -5,7 +5,7 @@
   speed. Pair forces dissipate in any arrangement of particles. A step with a burst is therefore
   solved again with pair forces about the particles that burst. See docs/theory.md, (374).
 */
-#include "flow/step.h"
+#include "surface.h"
 
 #define BURST  4.0  /* change of a velocity in a burst over the largest speed before [-] */
 #define REST   1e-6 /* speed of a fluid at rest [U] */

@@ -11,7 +11,7 @@
   docs/theory.md, (158).
 */
 #include "geometry/cellpolygon.h"
-#include "flow/step.h"
+#include "surface.h"
 
 #define REACH 1.2  /* largest distance of a point from its particle; beyond it is a void [dx] */
 #define NEAR  1.5  /* distance of near neighbours [dx] */

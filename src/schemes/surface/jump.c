@@ -7,7 +7,7 @@
   order 1. In closed flows walls change the velocity of their own layer only, and no place depends
   on it; their formulas stay. See docs/theory.md, (360) to (363).
 */
-#include "flow/step.h"
+#include "surface.h"
 
 #define SMOOTH  0.06 /* largest J of a step of full order [-] */
 #define SUDDEN  0.15 /* J from which on a step is of order 1 [-] */

@@ -14,7 +14,7 @@
   supports have no surface: their cells fluctuate, and no volume is lost there. See docs/theory.md,
   (370) to (372).
 */
-#include "flow/step.h"
+#include "surface.h"
 
 #define GRID     3      /* points of the cells along dx */
 #define EXCHANGE 20.0   /* exchanged share per unit of shear [-] */

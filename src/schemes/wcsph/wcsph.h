@@ -6,9 +6,13 @@
 #ifndef ISPH_SCHEMES_WCSPH_H
 #define ISPH_SCHEMES_WCSPH_H
 
-#include "isph/guard.h"
-#include "flow/step.h"
+#include "isph/solvers.h"
+#include "isph/motion.h"
 #include "schemes/diffusion/viscosity.h"
+
+extern const Table EquationOfStateTable, DensityFormTable, PressureReductionTable,
+    CompressibleIntegratorTable, ViscousSplitTable;
+extern const OptionTable WcsphOptions, WcsphTimeOptions;
 
 #define WCSPH_MOVE_MOST  0.2  /* of a particle in a step, for halos that serve all stages [dx] */
 #define WCSPH_SOUND      1e-3 /* rms of velocities by sound that the bound allows [c0] */

@@ -2,8 +2,8 @@
   The clock owns the time and the length of steps. This header also has the reason for a failed
   step.
 */
-#ifndef ISPH_CLOCK_H
-#define ISPH_CLOCK_H
+#ifndef ISPH_TIME_H
+#define ISPH_TIME_H
 
 #include "isph/scene.h"
 
@@ -131,7 +131,12 @@ PetscBool      ClockPasses(PetscReal every, PetscReal last, PetscReal now);
 PetscReal      ClockNext(PetscReal every, PetscReal t);
 PetscErrorCode ClockWhere(const Clock *clock, char where[]);
 PetscReal      ClockMoment(const Clock *clock);
-PetscReal      ClockExplicitLimit(const Scene *scene, PetscReal support_radius);
-PetscReal      CapillaryLimit(const Scene *scene);
+
+/* Formulas in time for steps of unequal lengths, see src/time/history.c. */
+#define HISTORY 3 /* most earlier velocities in a formula */
+void      HistoryAhead(const Clock *clock, PetscReal at, PetscReal weight[HISTORY]);
+void      HistoryPredict(const Clock *clock, PetscInt n, PetscReal weight[HISTORY]);
+void      HistoryPath(const Clock *clock, PetscReal weight[HISTORY]);
+PetscReal HistoryStartWeights(const Clock *clock, PetscReal weight[HISTORY]);
 
 #endif

@@ -1,12 +1,12 @@
 /*
-  The guard of linear solves: after each solve it computes the true residual, solves again by
-  fallback methods if the residual is not small, and fails the step if no method helps. See
-  src/solvers/guard.c and fallback.c.
+  Linear solvers: their defaults, and a guard. After each solve the guard computes the true residual,
+  solves again by fallback methods if the residual is not small, and fails the step if no method
+  helps. See src/solvers/guard.c and fallback.c.
 */
-#ifndef ISPH_GUARD_H
-#define ISPH_GUARD_H
+#ifndef ISPH_SOLVERS_H
+#define ISPH_SOLVERS_H
 
-#include "isph/schemes.h"
+#include "isph/flow.h"
 
 #define FALLBACK_LEVELS 3 /* methods of fallback.c */
 
@@ -75,5 +75,15 @@ PetscErrorCode TimeOptionsRefuse(const char prefix[], const char type[]);
 PetscErrorCode TimeToleranceRefuse(TS ts, const char prefix[]);
 PetscErrorCode TimeStepThrough(TS ts, const char name[], Guard *guard, PetscReal t, PetscReal dt,
                                PetscReal *h, StepFailure *failure);
+
+/* The constant of the pressure, see src/solvers/gauge.c. */
+#define GAUGE_SHIFT 1e-6 /* of matrices whose entries are of order 1 [-] */
+PetscErrorCode GaugeRemove(const Scene *scene, const Particles *particles, Vec p);
+PetscErrorCode GaugeColumn(const Scene *scene, MPI_Comm comm, PetscInt before, PetscInt n,
+                           PetscReal strength, Mat *column);
+PetscErrorCode GaugeMatrix(Mat A, Mat column, Mat *regular);
+PetscErrorCode GaugePreconditioner(const Scene *scene, PetscReal shift, Mat A);
+
+extern const OptionTable GuardOptions, SolverOptions;
 
 #endif

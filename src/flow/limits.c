@@ -1,5 +1,5 @@
 /* Limits of the time step that schemes share. */
-#include "flow/step.h"
+#include "isph/flow.h"
 
 #define PERIOD_STEPS 20.0 /* least number of steps in a period of walls or forces */
 

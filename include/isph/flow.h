@@ -1,0 +1,394 @@
+/*
+  Flow: all data of a step. FlowState holds velocities and pressure; a scheme is a list of stages,
+  which FlowStep() does in turn; observers stand between stages, and judges repeat them.
+*/
+#ifndef ISPH_FLOW_H
+#define ISPH_FLOW_H
+
+#include "isph/operators.h"
+#include "isph/time.h"
+
+#define FLOW_MAX_WORK 32
+
+/* The work on neighbours and matrices, which stages of a step share, for -log_view. */
+enum { FLOW_EVENT_NEIGHBORS, FLOW_EVENT_OPERATORS, FLOW_EVENTS };
+
+/* Particle shifting: small displacements that keep particles evenly spread. */
+typedef struct {
+  const char *name, *brief, *citation;
+  void (*Displace)(PetscInt dim, PetscReal dx, PetscReal strength, PetscReal speed, PetscReal rate,
+                   PetscReal dt, const PetscReal gradient_c[],
+                   PetscReal displacement[]); /* NULL: none */
+  PetscReal disturbance; /* random, in the first step; breaks the symmetry of lattices [dx] */
+} ShiftRow;
+/* A pressure that stands in space: particles that move take its change along their way. */
+typedef struct {
+  PetscReal **field; /* of the particles [Pa] */
+  Vec        *vec;   /* on the field; valid for an epoch */
+  PetscBool   idle;  /* it has no values at present */
+} StandingField;
+#define FLOW_MAX_STANDING 2
+
+/* The mean of the pressure over the last time T before a snapshot; see src/flow/average.c. */
+typedef struct {
+  PetscReal  T;          /* -pressure_average [s]; 0: none */
+  PetscBool  snapshots;  /* snapshots need the mean */
+  PetscReal  start, due; /* start of the present mean, and the snapshot it is for; 0: no mean [s] */
+  PetscReal *mean;       /* (field) [Pa]; NULL without T */
+  Vec        vec;        /* on the field; valid for an epoch */
+
+  StandingField *standing;
+} PressureAverage;
+
+/* The parts of a step that change the velocity, in their order. */
+typedef enum {
+  PART_NONE,
+  PART_MOTION,    /* displacement of particles; remaking of operators */
+  PART_SHIFT,     /* change of velocities by the shift */
+  PART_CLEARANCE, /* change of velocities by the clearance of walls */
+  PART_FILTER,    /* velocity filter */
+  PART_TIME,      /* extrapolation to the start of the viscous step */
+  PART_FORCE,     /* old pressure, body force, and explicit convection */
+  PART_VISCOSITY,
+  PART_SOLVE, /* the projection, or the whole solve of the coupled scheme */
+  PART_MEAN,  /* restored mean velocity */
+  STEP_PARTS
+} StepPart;
+enum { CARRIED_SHIFT, CARRIED_CLEARANCE, CARRIED_FILTER, CARRIED_PARTS };
+typedef struct Budget Budget;
+
+/* The budget of a part of a step in a box. */
+typedef struct {
+  PetscReal share;          /* of the fluid [-] */
+  PetscReal energy;         /* added kinetic energy [J] (per metre of depth in 2D) */
+  PetscReal divergence_rms; /* root mean square of div u after the part [1/s] */
+  PetscReal divergence_max; /* largest |div u| after the part [1/s] */
+} BudgetValues;
+
+/* Sums over the run of momentum and energy that graded particles add by their motion; see
+   src/motion/graded.c. */
+typedef struct {
+  PetscReal momentum[ISPH_MAX_DIM]; /* [kg m/s] (per metre of depth in 2D) */
+  PetscReal energy;                 /* [J] (per metre of depth in 2D) */
+} Graded;
+
+/* Volume that enters and leaves through openings; see src/motion/openings.c. */
+typedef struct {
+  PetscBool  there;                 /* particles can enter or leave */
+  PetscReal *entered;               /* length of fluid since the last particle, of wall particles on
+                                       an inflow (field); NULL without inflow [m] */
+  PetscReal  volume_in, volume_out; /* of particles, so far [m^dim] */
+} Openings;
+
+/*
+  Velocity and pressure on the particles. Fields follow the particles through migration, restart and
+  undo. Vectors are valid for an epoch; they share storage with the fields or hold the present step.
+*/
+typedef struct {
+  const ShiftRow *shift; /* NULL: fixed particles */
+  PetscReal       shift_strength;
+  PetscReal       volume_rate;         /* of the control of volume at free surfaces; 0: none [-] */
+  PetscReal       velocity_filter;     /* strength of the grid-scale filter of velocities [-] */
+  PetscBool       has_convection;      /* particles are fixed and have a convective term */
+  PetscBool       implicit_convection; /* this term is in the viscous matrix */
+
+  StandingField   standing[FLOW_MAX_STANDING];
+  PetscInt        n_standing;
+  PressureAverage average;            /* of the pressure */
+  Budget         *budget;             /* NULL: steps measure none */
+  PetscReal       mean[ISPH_MAX_DIM]; /* velocity before the step of a flow that keeps it [m/s] */
+  Graded          graded;             /* zero unless particles move and are graded */
+  Openings        openings;
+
+  PetscReal *u_previous[ISPH_MAX_DIM]; /* u^{n-1} (field) [m/s] */
+  PetscReal *u_earlier[ISPH_MAX_DIM];  /* u^{n-2} (field); NULL: not needed [m/s] */
+  PetscReal *convection[ISPH_MAX_DIM]; /* (u.grad u)^{n-1} of fixed particles, explicit (field)
+                                          [m/s^2] */
+  PetscReal *convection_earlier[ISPH_MAX_DIM]; /* (u.grad u)^{n-2} (field); NULL: not needed */
+  /* change of the velocity by the motion up to each of its parts (field); NULL: not noted [m/s] */
+  PetscReal *carried[CARRIED_PARTS][ISPH_MAX_DIM];
+  PetscReal *owned; /* volume that particles own (field); NULL: not controlled [m^dim] */
+  PetscReal *correction[ISPH_MAX_DIM]; /* u - u* of the last projection (field); NULL without
+                                          implicit convection [m/s] */
+
+  PetscInt  epoch;                           /* epoch of the vectors */
+  Vec       u[ISPH_MAX_DIM];                 /* u^n, on the particles' field */
+  Vec       u_prev[ISPH_MAX_DIM];            /* u^{n-1}, on its field */
+  Vec       u_before[ISPH_MAX_DIM];          /* u^{n-2}, on its field; NULL: not needed */
+  Vec       convection_prev[ISPH_MAX_DIM];   /* convective term of the last step, on its field */
+  Vec       convection_before[ISPH_MAX_DIM]; /* that of the step before, on its field; NULL: not
+                                                needed */
+  Vec       correction_prev[ISPH_MAX_DIM];   /* correction, on its field; NULL: not needed */
+  Vec       p;                               /* p, on the particles' field; NULL: no pressure */
+  Vec       u_next[ISPH_MAX_DIM];            /* u*, then u^{n+1} of the present step [m/s] */
+  Vec       p_before;                        /* p^n of the present step [Pa] */
+  Vec       divergence;                      /* div u* - source of the present step [1/s] */
+  Vec       source;                          /* divergence that particles should have, on the
+                                                own fluid; NULL: zero [1/s] */
+  Vec       work[FLOW_MAX_WORK];             /* vectors lent by FlowGetWork() */
+  PetscBool lent[FLOW_MAX_WORK];
+
+  PetscLogEvent event[FLOW_EVENTS];
+} FlowState;
+
+/* Statistics of a step, for progress, the steady test and the report. */
+typedef struct {
+  PetscReal speed_max;      /* largest particle speed [m/s] */
+  PetscReal pace_max;       /* largest speed in cells, times the reference spacing [m/s]: of
+                               particles, or of the fluid that passes them */
+  PetscReal force_max;      /* largest body force per unit mass [m/s^2] */
+  PetscReal kinetic_energy; /* [J] (per metre of depth in 2D) */
+  PetscReal divergence;     /* largest |D u| [1/s] */
+  PetscReal change[3];      /* of u, div u* and p, relative, per shortest time scale [-] */
+  PetscReal unevenness;     /* largest root mean square of C - 1 of the run so far [-] */
+} StepStats;
+
+/* The steady test: means of root mean squares over a window of steps; see steady.c. */
+typedef struct {
+  PetscReal start, count; /* start of the window [s]; number of its steps so far */
+  PetscReal sum[3];       /* of the root mean squares of u, div u* and p, relative [-] */
+  PetscReal mean[3];      /* over the last window [-] */
+  PetscReal divergence;   /* root mean square of div u* in the last step [1/s] */
+} SteadyTest;
+
+/* The bound on the velocity that follows from driving forces and walls; see src/balance/check.c. */
+typedef struct {
+  PetscReal start;      /* root mean square of u at the start [m/s] */
+  PetscReal impulse;    /* int max |f| dt [m/s] */
+  PetscReal force;      /* largest |f| so far [m/s^2] */
+  PetscReal force_step; /* largest |f| in the present step [m/s^2] */
+  PetscReal walls;      /* largest speed that walls can have driven so far [m/s] */
+  PetscReal sound;      /* root mean square velocity of sound in weakly compressible flows [m/s] */
+} SpeedBound;
+
+/* The energy balance of a moving fluid with a free surface; see src/balance/energy.c. */
+typedef struct {
+  PetscReal work;       /* of the body force so far, per mass [m^2/s^2] */
+  PetscReal dissipated; /* by viscosity so far, per mass [m^2/s^2] */
+  PetscReal lag;        /* error of twice the work [m^2/s^2] */
+  PetscReal most;       /* largest twice the energy per mass that start and work gave [m^2/s^2] */
+  PetscReal gain;       /* largest energy beyond that so far, relative to `most` [-] */
+  PetscReal gain_t;     /* its time [s] */
+} EnergyBalance;
+
+/* The column of the report that a linear solve fills. */
+typedef enum { SOLVE_VELOCITY, SOLVE_PRESSURE } SolveColumn;
+
+/* A linear solve of a scheme, for banner, report, progress and checkpoints. */
+typedef struct {
+  const char *name;           /* in messages: "viscous", "pressure", ... */
+  const char *label;          /* in the banner */
+  const char *prefix;         /* of its options: "visc_", "ppe_", "coupled_" */
+  const char *integrator;     /* type of its TS; NULL: none */
+  SolveColumn column;         /* of the report */
+  KSP         ksp;            /* NULL: explicit */
+  Mat         matrix;         /* of the last solve, for -<prefix>mat_view; NULL: none */
+  PetscBool   views_matrix;   /* -<prefix>mat_view exists */
+  PetscBool   multistep;      /* the TS keeps earlier velocities, which no checkpoint holds */
+  char        note[256];      /* allowed but unwise choices of the user; empty: none */
+  PetscInt    iterations;     /* of the last step */
+  PetscInt    iterations_sum; /* of all steps */
+  PetscInt    falls;          /* solves that needed a fallback */
+  PetscInt    falls_in_a_row; /* those since the last good solve */
+} LinearSolve;
+
+#define SCHEME_MAX_SOLVES    4
+#define SCHEME_MAX_FIGURES   4
+#define SCHEME_MAX_STAGES    16
+#define SCHEME_MAX_OBSERVERS 4
+#define SCHEME_MAX_JUDGES    4
+
+/* A number of a scheme for the report. The run prints a line if it has left its range. */
+typedef struct {
+  const char      *name;   /* in the report */
+  const PetscReal *value;  /* largest of the run */
+  PetscReal        most;   /* largest value of its range */
+  const char      *remedy; /* "the fluid ...; try ..." */
+  PetscBool        quiet;  /* the report has it only if it has left its range */
+} SchemeFigure;
+
+/*
+  A stage of a step. The stages that apply to a flow are chosen once in a run, and FlowStep() does
+  them in turn. A stage that fails sets scheme->failure, which ends the step.
+*/
+typedef struct {
+  const char *name, *brief;
+  PetscBool (*Applies)(const Flow *flow); /* NULL: to all flows */
+  PetscErrorCode (*Do)(Flow *flow);
+  StepPart  part;   /* part of the step that ends with the stage */
+  PetscBool solves; /* u_next and p follow from it; it can be done again, see src/flow/attempt.c */
+} Stage;
+
+/* An observer of steps, which changes none. Its functions may be NULL. */
+typedef struct {
+  const char *name, *brief;
+  PetscBool (*Applies)(const Flow *flow);
+  PetscErrorCode (*Begin)(Flow *flow); /* before the first stage */
+  PetscErrorCode (*After)(Flow *flow, StepPart part, PetscReal dt, const Vec f[]);
+  PetscErrorCode (*End)(Flow *flow); /* after the last stage, before the time advances */
+  PetscErrorCode (*Destroy)(Flow *flow);
+} Observer;
+
+/* Parts of a step that are done again: its last stage that solves; all that solve, from the pressure
+   and the memory before them; all of it, in a shorter time. */
+typedef enum { AGAIN_LAST, AGAIN_SOLVES, AGAIN_SHORTER, AGAIN_KINDS } Again;
+
+/* Attempts of a judge in the present step. */
+typedef struct {
+  PetscInt  times; /* so far */
+  PetscReal first; /* its measure of the solution before them */
+} Trial;
+
+/*
+  A judge of solutions. Decide sees the solution and tells if something is done again. Treat, after
+  the restoring, prepares another treatment. Clear ends the treatment after the step.
+*/
+typedef struct {
+  const char *name, *brief;
+  PetscBool (*Applies)(const Flow *flow);
+  Again again;
+  PetscErrorCode (*Decide)(Flow *flow, Trial *trial, PetscBool *again);
+  PetscErrorCode (*Treat)(Flow *flow); /* NULL: Decide does it */
+  PetscErrorCode (*Clear)(Flow *flow); /* NULL: nothing to end */
+} Judge;
+typedef struct Attempt Attempt;
+
+/*
+  A scheme, a folder of src/schemes/. Create reads the scheme's options, refuses unsuitable scenes,
+  and sets scheme->needs. SetUp, after the choice of operators, refuses unsuitable forms and creates
+  solvers. Register adds fields to the particles. Begin prepares the scheme for the present fields.
+  Limit lowers the longest allowed step. View prints the scheme's lines of the banner. The stages
+  make a step of the clock's dt.
+*/
+typedef struct {
+  const char *name, *brief, *citation;
+  PetscErrorCode (*Create)(Flow *flow);
+  PetscErrorCode (*SetUp)(Flow *flow);
+  PetscErrorCode (*Register)(Flow *flow); /* NULL: no additional fields */
+  PetscErrorCode (*Assemble)(Flow *flow); /* NULL: no matrices of its own */
+  PetscErrorCode (*Begin)(Flow *flow);
+  PetscErrorCode (*Limit)(const Flow *flow, StepLimit *limit);
+  PetscErrorCode (*View)(const Flow *flow, PetscViewer viewer);
+  PetscErrorCode (*Destroy)(Flow *flow);
+  const Stage *const *stages; /* in their order; NULL ends the list */
+  const Judge *const *judges; /* in their order; NULL ends the list */
+} SchemeRow;
+
+typedef struct {
+  const SchemeRow *row;
+  const TableRow  *variant; /* row for the report's column projection; NULL: none */
+  const Stage     *stage[SCHEME_MAX_STAGES]; /* those that apply */
+  PetscLogEvent    stage_event[SCHEME_MAX_STAGES];
+  PetscInt         n_stages;
+  const Observer  *observer[SCHEME_MAX_OBSERVERS]; /* those that apply */
+  PetscInt         n_observers;
+  Attempt         *attempt;
+  unsigned         needs; /* operators, bits of Need */
+  StepStats        stats;
+  SteadyTest       steady;
+  SpeedBound       bound;
+  EnergyBalance    energy;
+  StepFailure      failure; /* of the last attempted step */
+  Memory           memory;
+  PetscErrorCode (*Divergence)(Flow *flow, const Vec u[],
+                               PetscReal *largest); /* largest |div u|; NULL: by Operators.div */
+  /* This rank's part of the pressure at a point in the box; NULL: by a fit of the particles' */
+  PetscErrorCode (*Pressure)(const Flow *flow, const PetscReal x[], PetscReal *p);
+  /* Adds the pressure over dt to its mean over `length`; NULL: on particles, by average.c */
+  PetscErrorCode (*Average)(Flow *flow, PetscReal length, PetscReal dt);
+  PetscReal *const *density; /* field of the fluid's densities; NULL: from masses [kg/m^3] */
+  Vec               kept; /* state that is not on particles, for undo and checkpoints; NULL: none */
+  LinearSolve      *solve[SCHEME_MAX_SOLVES];
+  PetscInt          n_solves;
+  SchemeFigure      figure[SCHEME_MAX_FIGURES];
+  PetscInt          n_figures;
+  void             *data;
+} Scheme;
+
+PetscErrorCode SchemeLimit(const Flow *flow, StepLimit *limit);
+PetscErrorCode SchemeChooseStep(Flow *flow);
+PetscErrorCode SchemeAddSolve(LinearSolve *solve, Scheme *scheme);
+PetscErrorCode SchemeAddFigure(SchemeFigure figure, Scheme *scheme);
+
+/* All data of a step. A patch test has no clock, state or scheme. */
+struct Flow {
+  Scene     *scene;
+  Clock     *clock;
+  Operators *ops;
+  Particles *particles;
+  Neighbors *neighbors;
+  WallValues walls;
+  FlowState *state;
+  Scheme    *scheme;
+};
+
+PetscErrorCode FlowPrepareOutput(const Flow *flow);
+
+PetscErrorCode FlowStateCreate(Flow *flow);
+PetscErrorCode FlowStateRegister(Flow *flow);
+PetscErrorCode FlowStateRenumber(Flow *flow);
+PetscErrorCode FlowStateDestroy(Flow *flow);
+PetscErrorCode FlowMeanVelocity(const Flow *flow, const Vec u[], PetscReal mean[]);
+PetscErrorCode FlowGetWork(Flow *flow, Vec *v);
+PetscErrorCode FlowRestoreWork(Flow *flow, Vec *v);
+
+/* The mean of the pressure for snapshots. */
+PetscErrorCode AverageCreate(Flow *flow);
+PetscErrorCode AverageRegister(Flow *flow);
+PetscReal      AverageLength(const Flow *flow);
+
+/* The budget of a step. */
+PetscErrorCode BudgetCreate(Flow *flow, PetscInt n, const PetscReal box[]);
+PetscErrorCode BudgetGet(const Flow *flow, StepPart part, PetscInt box, BudgetValues *values,
+                         PetscBool *measured);
+
+PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, const Vec v[], Vec u,
+                                 Vec walls, Vec work, Vec result);
+PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], PetscInt c, Vec u, Vec walls,
+                               Vec work, Vec result);
+PetscErrorCode ConvectionAddMatrix(const Flow *flow, const Vec v[], PetscInt c, Mat work, Vec rate,
+                                   Mat sum);
+
+/* The step, and its attempts. */
+PetscErrorCode        FlowMakeStep(Flow *flow);
+PetscErrorCode        FlowStep(Flow *flow);
+PetscErrorCode        FlowAssemble(Flow *flow);
+PetscErrorCode        FlowPartDone(Flow *flow, StepPart part, PetscReal dt, const Vec f[]);
+extern const Judge    JudgeFailure;
+PetscErrorCode        AttemptArrange(Flow *flow);
+PetscErrorCode        AttemptDestroy(Attempt **attempt);
+PetscErrorCode        AttemptBegin(Flow *flow);
+PetscErrorCode        AttemptEnd(Flow *flow, PetscBool *again);
+PetscErrorCode        AttemptNext(Flow *flow, PetscInt *k);
+extern const Observer ObserverAverage, ObserverBudget;
+
+/* Limits of steps. */
+PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit);
+PetscReal      SurfaceStep(const Scene *scene);
+PetscReal      ProjectionFreeLimit(const Scene *scene);
+PetscReal      ClockExplicitLimit(const Scene *scene, PetscReal support_radius);
+PetscReal      CapillaryLimit(const Scene *scene);
+
+/* Terms of the momentum equation. */
+PetscErrorCode AddBodyForce(Flow *flow, PetscReal t, Vec force[]);
+PetscErrorCode ConvectionExtrapolate(Flow *flow, PetscReal at, Vec force[]);
+PetscErrorCode ConvectionOfCorrection(Flow *flow, PetscReal at, const Vec v[], Vec force[]);
+PetscErrorCode VelocityExtrapolate(const Flow *flow, PetscReal at, const Vec v[]);
+PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt);
+
+/* Norms, divergence and changes of velocities. */
+PetscErrorCode FlowMassRows(const Flow *flow, const Vec u[], Vec rows);
+PetscErrorCode FlowDivergence(Flow *flow, const Vec u[], Vec div);
+PetscErrorCode FlowAllVelocities(const Flow *flow, const Vec u[], PetscReal **all);
+PetscErrorCode SolenoidalNorm(const Flow *flow, const Vec e[], PetscReal *norm);
+PetscReal      FlowRmsSpeed(const Flow *flow);
+PetscErrorCode SteadyMeasure(Flow *flow);
+PetscErrorCode SteadyRemember(Scheme *scheme);
+PetscErrorCode SteadyRefuse(const Flow *flow, const char projection[], PetscBool rotational);
+PetscErrorCode TimeErrorStart(Flow *flow);
+PetscErrorCode TimeErrorCheck(Flow *flow);
+StandingField *FlowAddStanding(PetscReal **field, Vec *vec, FlowState *state);
+
+extern const OptionTable AverageOptions;
+
+#endif

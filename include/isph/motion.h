@@ -1,0 +1,27 @@
+/* Motion of particles: paths, shifting, graded motion, openings, collisions. */
+#ifndef ISPH_MOTION_H
+#define ISPH_MOTION_H
+
+#include "isph/balance.h"
+
+extern const Table       ShiftTable;
+PetscReal                ShiftStepFactor(PetscReal dx, PetscReal speed, PetscReal dt);
+extern const OptionTable MotionOptions;
+
+PetscErrorCode MotionCreate(Flow *flow, unsigned *needs);
+PetscErrorCode FlowMove(Flow *flow);
+
+PetscErrorCode OpeningsCreate(Flow *flow);
+PetscErrorCode OpeningsRegister(Flow *flow);
+PetscErrorCode OpeningsPass(Flow *flow);
+
+void GradedPath(const Scene *scene, const Particles *particles, PetscInt i, PetscReal way[]);
+void GradedKeepOffSides(const Scene *scene, PetscReal share, PetscReal x[]);
+PetscErrorCode GradedConvection(Flow *flow, PetscReal at, Vec force[]);
+PetscErrorCode GradedRemember(Flow *flow);
+
+PetscErrorCode FlowCollide(Flow *flow);
+void           FlowSeparate(const Flow *flow, PetscReal apart[]);
+void FlowLimitShift(const Flow *flow, const PetscReal apart[], PetscInt i, PetscReal shift[]);
+
+#endif
