@@ -14,8 +14,8 @@ from same_runs import STUDIES, expected, read_list, run
 TABLE = os.path.join(STUDIES, "same.entered")
 FOLDERS = ("src", "include", "cases")
 HEADER = """\
-# Functions of the source files that the runs of same.list enter, and the first line that enters most of them. Files are
-# named without their folders, unless two have the same name. tests/entered.py asks for a row of each file.
+# Source files without their folders, the first line of same.list that enters most of their functions, and the number of
+# functions that the list enters, of all. tests/entered.py asks for a row of each file.
 # Written by: studies/same --entered BUILD, a build tree with -DISPH_COVERAGE=ON.
 """
 
@@ -71,24 +71,26 @@ def entered_by(line, build, source):
     return {function for function, entered in found.items() if entered}, used, expected(line.label, ends)
 
 
-def short_names(names):
-    """Returns {file: its name in the table}: without the folder, unless two files have the same name."""
-    bases = collections.Counter(map(os.path.basename, names))
-    return {name: base if bases[base := os.path.basename(name)] == 1 else name for name in names}
-
-
 def table_rows(functions, by_line):
     """Returns (file, label, entered, functions) of each file; the label is of the first line that enters most of it."""
     files = collections.defaultdict(set)
     for name, function in functions:
         files[name].add((name, function))
-    names = short_names(files)
     everything = set().union(*by_line.values())
     result = []
     for name, inside in files.items():
         label = max(by_line, key=lambda label: len(by_line[label] & inside))  # the first of equals
-        result.append((names[name], label if by_line[label] & inside else "-", len(everything & inside), len(inside)))
-    return sorted(result)
+        result.append((name, label if by_line[label] & inside else "-", len(everything & inside), len(inside)))
+    return sorted(result, key=lambda row: (os.path.basename(row[0]), row))
+
+
+def write_table(rows):
+    """Writes the rows of source files, which are named without their folders: they may move."""
+    with open(TABLE, "w") as file:
+        file.write(HEADER)
+        for name, label, some, every in rows:
+            if name.endswith(".c"):
+                file.write(f"{os.path.basename(name)} | {label} | {some}/{every}\n")
 
 
 def entered(build, only):
@@ -121,6 +123,5 @@ def entered(build, only):
     print(f"\n{len(seen)} of {len(functions)} functions entered, {100 * len(seen) / len(functions):.1f} %; "
           f"{len(zero)} files without: {', '.join(zero) or 'none'}; {seconds:.0f} s of CPU, {failed} lines end otherwise")
     if not only:
-        with open(TABLE, "w") as file:
-            file.write(HEADER + "".join(f"{name} | {label} | {some}/{every}\n" for name, label, some, every in rows))
+        write_table(rows)
     return failed

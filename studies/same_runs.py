@@ -55,7 +55,7 @@ def read_command(text):
     while words and (words[0] == "stdout" or words[0].startswith("np=")):
         word = words.pop(0)
         ranks, stdout = (ranks, True) if word == "stdout" else (int(word[3:]), stdout)
-    return Command(ranks, stdout, [os.path.join(ROOT, w) if w.startswith("options/") else w for w in words])
+    return Command(ranks, stdout, [os.path.join(ROOT, w) if w.startswith(("options/", "tests/")) else w for w in words])
 
 
 def launched(isph, ranks):
@@ -83,7 +83,8 @@ def run(isph, commands, folder, **variables):
         except subprocess.TimeoutExpired:
             ends.append((f"more than {TIMEOUT} s", []))
             continue
-        ends.append((done.returncode, [line for line in done.stderr.splitlines() if line.startswith("isph")]))
+        said = done.stderr.replace(folder, ".").splitlines()
+        ends.append((done.returncode, [line for line in said if line.startswith("isph")]))
         if command.stdout:
             with open(os.path.join(folder, f"stdout{k}.txt"), "w") as file:
                 file.write(done.stdout)
