@@ -56,7 +56,7 @@ def notes_of(build):
 
 
 def entered_by(line, build, source):
-    """Makes the runs of a line; returns the functions that they enter, the CPU time, and whether they end as expected."""
+    """Makes the runs of a line; returns the functions that they enter, the CPU time, and true if they end as expected."""
     with tempfile.TemporaryDirectory() as folder:
         counts, runs = (os.path.join(folder, name) for name in ("counts", "runs"))
         os.mkdir(runs)
@@ -94,7 +94,7 @@ def write_table(rows):
 
 
 def entered(build, only):
-    """Makes the runs of all lines once, prints what they enter, and writes the table; returns the number of failures."""
+    """Runs all lines once, prints what they enter, and writes the table; returns the number of lines that failed."""
     build = os.path.abspath(build)
     source = source_of(build)
     functions = counted(notes_of(build), source, build)
@@ -121,7 +121,7 @@ def entered(build, only):
         print(f"  {name:32} {some:4} {every:4}")
     zero = [name for name, _, some, _ in rows if some == 0]
     print(f"\n{len(seen)} of {len(functions)} functions entered, {100 * len(seen) / len(functions):.1f} %; "
-          f"{len(zero)} files without: {', '.join(zero) or 'none'}; {seconds:.0f} s of CPU, {failed} lines end otherwise")
+          f"files without: {', '.join(zero) or 'none'}; {seconds:.0f} s of CPU; {failed} lines end otherwise")
     if not only:
         write_table(rows)
     return failed

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Checks that studies/same.entered has a row for each source file: entered.py ROOT
 
-Each .c file of src/ and cases/ that defines a function has a row, which names a line of studies/same.list that enters it.
-Rows name files without their folders, so that a file that moves needs no new row. Nothing is run."""
+Each .c file of src/ and cases/ that defines a function has a row, which names a line of studies/same.list that enters
+it. Rows name files without their folders, so that a file that moves needs no new row. Nothing is run."""
 import collections
 import os
 import re
