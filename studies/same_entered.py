@@ -68,7 +68,7 @@ def entered_by(line, build, source):
             note = path[:-5] + ".gcno"
             os.symlink(note[len(counts):], note)
         found = counted(files, source, folder)
-    return {function for function, entered in found.items() if entered}, used, expected(line.label, ends)
+    return {function for function, entered in found.items() if entered}, used, expected(line, ends)
 
 
 def table_rows(functions, by_line):

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(sys.argv[1])
-REMEDY = ("add a line to studies/same.list that runs it if there is none, then: cmake -S . -B build-cover "
+REMEDY = ("add a line to studies/same.list if none runs it, then remake the table: cmake -S . -B build-cover "
           "-DISPH_COVERAGE=ON -DISPH_TESTS=OFF && cmake --build build-cover && studies/same --entered build-cover")
 DEFINITION = re.compile(r"^[A-Za-z_][^;={}#]*\)\s*\{", re.M)
 COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.S)
