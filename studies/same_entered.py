@@ -56,7 +56,7 @@ def notes_of(build):
 
 
 def entered_by(line, build, source):
-    """Makes the runs of a line; returns the functions that they enter, the CPU time, and true if they end as expected."""
+    """Makes the runs of a line; returns the functions that they enter, CPU time, and true if they end as expected."""
     with tempfile.TemporaryDirectory() as folder:
         counts, runs = (os.path.join(folder, name) for name in ("counts", "runs"))
         os.mkdir(runs)

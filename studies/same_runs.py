@@ -4,6 +4,7 @@ import re
 import shlex
 import string
 import subprocess
+import tempfile
 from typing import NamedTuple
 
 STUDIES = os.path.dirname(os.path.realpath(__file__))
@@ -73,18 +74,26 @@ def file_words(command, k):
 
 
 def run(isph, commands, folder, **variables):
-    """Makes the runs of a line in a folder; returns status and error sentences of each."""
+    """Makes the runs of a line in a folder; returns status and error sentences of each. Open MPI removes its directory
+    with the last of its processes, so that other runs that start then would fail: each line has its own directory."""
+    with tempfile.TemporaryDirectory() as mpi:
+        return run_all(isph, commands, folder, {**ENVIRONMENT, **variables, "OMPI_MCA_orte_tmpdir_base": mpi})
+
+
+def run_all(isph, commands, folder, environment):
+    """Makes the runs of a line, as run()."""
     ends = []
     for k, command in enumerate(commands, 1):
         try:
             done = subprocess.run([*launched(isph, command.ranks), *command.words, *file_words(command, k)], cwd=folder,
-                                  env={**ENVIRONMENT, **variables}, text=True, stdin=subprocess.DEVNULL,
-                                  capture_output=True, timeout=TIMEOUT, check=False)
+                                  env=environment, text=True, stdin=subprocess.DEVNULL, capture_output=True,
+                                  timeout=TIMEOUT, check=False)
         except subprocess.TimeoutExpired:
             ends.append((f"more than {TIMEOUT} s", []))
             continue
-        said = done.stderr.replace(folder, ".").splitlines()
-        ends.append((done.returncode, [line for line in said if line.startswith("isph")]))
+        lines = [line for line in done.stderr.replace(folder, ".").splitlines() if line.strip()]
+        said = [line for line in lines if line.startswith("isph")]
+        ends.append((done.returncode, said or lines[:3] if done.returncode else said))  # lines of MPI, if isph has none
         if command.stdout:
             with open(os.path.join(folder, f"stdout{k}.txt"), "w") as file:
                 file.write(done.stdout)
