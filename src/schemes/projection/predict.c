@@ -1,4 +1,5 @@
 /* The predictor of the projection: forces at the new time, then the viscous step to u*. */
+#include "isph/motion.h"
 #include "projection.h"
 
 /* Sets the force on u* without convection, -grad p^n/rho + f; at: time of f within the step, 1
