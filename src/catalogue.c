@@ -68,13 +68,19 @@ static void OptionsOf(const Table *table, char names[], size_t size)
 }
 
 /*
-  CatalogueView - Prints all rows that can be chosen by name, with their briefs and citations
+  CatalogueView - Prints all rows that can be chosen by name, with their briefs and citations, and
+  the defaults by the regime
 
   Collective on the viewer
 */
 PetscErrorCode CatalogueView(PetscViewer viewer)
 {
+  PetscMPIInt rank;
+  FILE       *out;
+
   PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PetscObjectComm((PetscObject)viewer), &rank));
+  PetscCall(PetscViewerASCIIGetPointer(viewer, &out));
   PetscCall(PetscViewerASCIIPrintf(viewer, "isph %s: choices by name\n", ISPH_VERSION));
   for (PetscInt k = 0; CatalogueTable(k); k++) {
     char names[256];
@@ -82,5 +88,6 @@ PetscErrorCode CatalogueView(PetscViewer viewer)
     OptionsOf(CatalogueTable(k), names, sizeof(names));
     PetscCall(TableView(CatalogueTable(k), names, viewer));
   }
+  if (rank == 0) RegimePrint(out, PETSC_FALSE);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -47,7 +47,10 @@ static PetscBool Answer(Request request)
     if (request == REQUEST_USAGE) UsagePrint(stdout);
     if (request == REQUEST_HELP || request == REQUEST_HELP_PETSC) HelpPrint(stdout);
     if (request == REQUEST_VERSION) VersionPrint(stdout);
-    if (request == REQUEST_REFERENCE) ReferencePrint(stdout);
+    if (request == REQUEST_REFERENCE) {
+      ReferencePrint(stdout);
+      RegimePrint(stdout, PETSC_TRUE);
+    }
     (void)fflush(stdout);
   }
   return request == REQUEST_RUN || request == REQUEST_HELP_PETSC ? PETSC_FALSE : PETSC_TRUE;

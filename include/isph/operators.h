@@ -10,7 +10,7 @@ unsigned       SceneNeeds(const Scene *scene);
 PetscErrorCode OperatorsCreate(const Scene *scene, unsigned needs, Operators **ops);
 PetscErrorCode OperatorsDestroy(Operators **ops);
 const char    *OperatorsCorrection(const Operators *ops);
-PetscErrorCode OperatorsDegree(PetscInt *degree);
+PetscErrorCode OperatorsDegree(const Scene *scene, PetscInt *degree);
 PetscErrorCode OperatorsPlacement(const Scene *scene, const Operators *ops, WallPlacement *walls);
 PetscErrorCode OperatorsAssemble(const Scene *scene, const Particles *particles,
                                  const Neighbors *neighbors, Operators *ops, PetscBool *changed);

@@ -7,6 +7,7 @@
 #define ISPH_SCENE_H
 
 #include "isph/geometry.h"
+#include "isph/regime.h"
 
 typedef struct Scene  Scene;
 typedef struct Flow   Flow;
@@ -220,6 +221,7 @@ struct Scene {
      its Setup */
   PetscComplex solution[SCENE_SOLUTION];
   PetscReal    margin; /* of a patch test: omitted at each side [dx] */
+  Regime      *regime; /* of defaults; callers add the facts of their options */
 };
 
 extern const OptionTable SceneOptions, SpacingOptions, TypedOptions, BoundaryOptions,
@@ -245,8 +247,6 @@ PetscErrorCode SceneDestroy(Scene **scene);
 const char    *ScenePlaceText(const Scene *scene, const PetscReal x[], char text[PLACE_TEXT]);
 PetscBool      SceneHas(const Scene *scene, Physics what);
 PetscReal      SceneReynolds(const Scene *scene);
-PetscReal      SceneCellReynolds(const Scene *scene);
-PetscReal      SceneFinestReynolds(const Scene *scene);
 PetscBool      SceneIsAsPosed(const Scene *scene);
 PetscBool      SceneMoves(const Scene *scene);
 PetscBool      SceneKeepsMomentum(const Scene *scene);

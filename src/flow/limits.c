@@ -16,12 +16,12 @@ PetscReal ClockExplicitLimit(const Scene *scene, PetscReal support_radius)
              : PETSC_INFINITY;
 }
 
-/* SurfaceStep - Returns 0.1 dx^2/nu for the largest viscosity, the step above which flows with a
+/* SurfaceStep - Returns REGIME_SURFACE dx^2/nu for the largest viscosity, the step above which flows with a
    free surface have the coupled scheme by default; infinity without one [s]; not collective */
 PetscReal SurfaceStep(const Scene *scene)
 {
   return SceneHasFreeSurface(scene) && SceneHas(scene, PHYSICS_VISCOSITY)
-             ? 0.1 * PetscSqr(scene->dx) / scene->nu_high
+             ? REGIME_SURFACE * PetscSqr(scene->dx) / scene->nu_high
              : PETSC_INFINITY;
 }
 

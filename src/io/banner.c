@@ -166,15 +166,16 @@ static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_ex
 static PetscErrorCode BannerAdvection(const Flow *flow, PetscReal dt, PetscViewer viewer)
 {
   const Scene    *scene = flow->scene;
-  const PetscReal R = SceneCellReynolds(scene), cfl = scene->speed * dt / scene->dx;
+  const PetscReal R = scene->regime->number[NUMBER_CELL], cfl = scene->speed * dt / scene->dx;
+  const PetscReal most = RegimeValue(scene->regime, REGIME_STEP_HOLDS);
 
   PetscFunctionBegin;
-  if (!SceneMoves(scene) || R <= 20.0 || cfl <= 0.5) PetscFunctionReturn(PETSC_SUCCESS);
+  if (cfl <= most) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscViewerASCIIPrintf(viewer,
                                    BANNER_LABEL
                                    "U dx/nu = %.3g: moving particles may be unstable above a CFL "
-                                   "number of 0.5; -dt_adapt retry shortens failed steps\n",
-                                   "advection", (double)R));
+                                   "number of %.2g; -dt_adapt retry shortens failed steps\n",
+                                   "advection", (double)R, (double)most));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -334,6 +335,7 @@ PetscErrorCode BannerView(const Flow *flow, PetscViewer viewer)
   PetscCall(BannerCase(flow, viewer));
   PetscCall(BannerViscosity(flow->scene, viewer));
   PetscCall(BannerPhysics(flow->scene, viewer));
+  PetscCall(RegimeView(flow->scene->regime, viewer));
   PetscCall(BannerTime(flow, viewer));
   PetscCall(BannerTension(flow, viewer));
   PetscCall(BannerForms(flow, viewer));

@@ -5,7 +5,6 @@
 #include "isph/motion.h"
 
 #define FILTER_RATE  2.0 /* factor of |A A|^(1/2) [-] */
-#define VISCOUS      5.0 /* U dx/nu up to which viscosity damps disturbances across a shear */
 #define SURFACE_RATE 5.0 /* of the filter beside free surfaces [nu/dx_i^2] */
 #define CLEARANCE    0.3 /* least distance of particles from walls [dx_i] */
 
@@ -188,11 +187,12 @@ static void ShearTimes(PetscInt dim, PetscReal A[][ISPH_MAX_DIM], PetscReal leng
 }
 
 /* Returns true if the filter damps disturbances across a shear, see FilterVelocity(). */
-static PetscBool FiltersShear(const Scene *scene, PetscReal strength)
+static PetscBool FiltersShear(const Flow *flow)
 {
-  return strength > 1.0 && !SceneMovesGraded(scene) && SceneCellReynolds(scene) > VISCOUS
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  Regime *regime = flow->scene->regime;
+
+  RegimeSetFact(regime, FACT_STRONG, flow->state->velocity_filter > 1.0 ? PETSC_TRUE : PETSC_FALSE);
+  return RegimeValue(regime, REGIME_SHEAR) > 0.0 ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /*
@@ -207,13 +207,12 @@ static PetscBool FiltersShear(const Scene *scene, PetscReal strength)
   and D is the shear rate times the projection on its direction: disturbances across the flow, which
   take energy from the shear, are damped, and boundary layers, however thin, keep their velocity. In
   a resolved flow the rate is U/L, and the filter is of order 3. A strength below 1 is a share,
-  above 1 it multiplies the rate; the last term counts above 1 only, the strength for a pressure on
-  coarse points, which does not act on the shortest waves. Graded particles leave it out: it takes
-  energy from their layers; so do flows up to U dx/nu = VISCOUS. k in this term is bounded, so that
-  no component of r changes its sign. See docs/theory.md, (77) and (255).
+  above 1 it multiplies the rate; the regime decides on the last term (`across`), which counts for a
+  pressure on coarse points only. k in this term is bounded, so that no component of r changes its
+  sign. See docs/theory.md, (77) and (255).
 */
 static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i, PetscReal strength,
-                           PetscReal dt, PetscReal change[])
+                           PetscBool across, PetscReal dt, PetscReal change[])
 {
   const PetscReal k = PetscMax(1.0, strength) * FILTER_RATE * dt;
   PetscReal       A[ISPH_MAX_DIM][ISPH_MAX_DIM], r[ISPH_MAX_DIM], shear[ISPH_MAX_DIM];
@@ -234,7 +233,7 @@ static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i,
   length  = PetscSqrtReal(length);
   product = PetscSqrtReal(product);
   share   = PetscMin(1.0, k * PetscSqrtReal(product));
-  along   = FiltersShear(scene, strength) ? PetscMin(k, (1.0 - share) / length) : 0.0;
+  along   = across ? PetscMin(k, (1.0 - share) / length) : 0.0;
   share *= PetscMin(1.0, strength);
   for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * r[c];
   if (along == 0.0) return;
@@ -310,6 +309,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   const PetscBool shifting = state->shift->Displace ? PETSC_TRUE : PETSC_FALSE;
   const PetscBool graded   = SceneMovesGraded(scene);
   const PetscBool noted    = state->carried[0][0] ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool across   = FiltersShear(flow);
   PetscReal       moved2   = 0.0, weight[HISTORY];
 
   PetscFunctionBegin;
@@ -347,7 +347,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     for (PetscInt a = 0; on_surface && a < scene->dim; a++) change[a] += pushed[a] / clock->dt;
     if (noted) NoteChange(state, scene->dim, CARRIED_CLEARANCE, i, change);
     if (flow->ops->velocity[0].filter_u.needed) {
-      FilterVelocity(scene, slopes, i, state->velocity_filter, clock->dt, change);
+      FilterVelocity(scene, slopes, i, state->velocity_filter, across, clock->dt, change);
       FilterAtSurface(flow, slopes, i, change);
     }
     if (noted) NoteChange(state, scene->dim, CARRIED_FILTER, i, change);

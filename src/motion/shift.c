@@ -66,7 +66,7 @@ static const OptionRow options[] = {
             .name     = "-shift",
             .kind     = VALUE_NAME,
             .brief    = "particle shifting",
-            .standard = "fickian; with -scheme wcsph none for free surfaces and summed densities",
+            .standard = REGIME,
             .table    = &ShiftTable,
             .where    = "flows whose particles move",
         },
@@ -76,7 +76,7 @@ static const OptionRow options[] = {
             .kind     = VALUE_REAL,
             .brief    = "factor of the diffusivity of -shift",
             .unit     = "-",
-            .standard = "1; with -scheme wcsph 3",
+            .standard = REGIME,
             .low      = 1e-3,
             .high     = 100.0,
             .where    = "flows whose particles are shifted",
@@ -87,33 +87,13 @@ static const OptionRow options[] = {
             .kind     = VALUE_REAL,
             .brief    = "strength of the grid-scale filter of velocities; 0: off",
             .unit     = "-",
-            .standard = "from 0 at U dx/nu = 20 to 1 at 60; with -pressure_points coarse 4; with "
-                        "fixed particles, at most 1, 1 above 5, else 0; films on walls lose "
-                        "another 5 nu dt/dx^2 of a residual with -scheme projection, "
-                        "unless 0 is given",
+            .standard = REGIME,
             .low      = 0.0,
             .high     = 8.0,
             .where    = "flows with convection",
         },
 };
 const OptionTable MotionOptions = OPTIONS("Motion of particles", options);
-
-/*
-  Returns the default strength of the velocity filter [-]
-
-  It depends on the cell Reynolds number R = U dx/nu. The filter damps boundary layers too (a
-  quarter of the cavity's energy at Re = 1000, n = 25), so it is on only if the flow needs it.
-  Without filter moving particles were stable at R = 20 and unstable at 25, for CFL numbers up to
-  0.1 (Re = 1000, n = 40); they need a strength of 0.2 at R = 40 and 1 at 200 (Re = 10,000, n = 50).
-  Fixed particles were stable up to R = 6 and unstable at 7 (Re = 100 in 3D).
-*/
-static PetscReal DefaultVelocityFilter(const Scene *scene)
-{
-  const PetscReal R = SceneCellReynolds(scene);
-
-  if (!SceneMoves(scene)) return R > 5.0 ? 1.0 : 0.0;
-  return PetscMin(1.0, PetscMax(0.0, (R - 20.0) / 40.0));
-}
 
 /*
   MotionCreate - Reads the options of filter and shifting
@@ -132,15 +112,15 @@ PetscErrorCode MotionCreate(Flow *flow, unsigned *needs)
 
   PetscFunctionBegin;
   if (SceneMoves(scene)) {
-    PetscCall(OptionGetRow(&options[SHIFT], "fickian", &s->shift));
+    PetscCall(OptionGetRow(&options[SHIFT], RegimeWord(scene->regime, REGIME_SHIFT), &s->shift));
     if (s->shift->Displace) {
-      s->shift_strength = 1.0;
+      s->shift_strength = RegimeValue(scene->regime, REGIME_SHIFT_STRENGTH);
       PetscCall(OptionGetReal(&options[SHIFT_STRENGTH], &s->shift_strength, NULL));
       *needs |= NEED_CONCENTRATION;
     }
   }
   if (SceneHas(scene, PHYSICS_CONVECTION)) {
-    s->velocity_filter = DefaultVelocityFilter(scene);
+    s->velocity_filter = RegimeValue(scene->regime, REGIME_FILTER_U);
     PetscCall(OptionGetReal(&options[VELOCITY_FILTER], &s->velocity_filter, NULL));
     UserCheck(SceneMoves(scene) || s->velocity_filter <= 1.0,
               "-velocity_filter %.6g: with fixed particles at most 1", (double)s->velocity_filter);

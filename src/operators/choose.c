@@ -51,17 +51,13 @@ static const OptionRow options[] = {
         },
     [H_OVER_DX] =
         {
-            .name  = "-h_over_dx",
-            .kind  = VALUE_REAL,
-            .brief = "smoothing length over particle spacing",
-            .unit  = "-",
-            .standard =
-                "1.3; up to U dx/nu = 5 it is 1.5 for particles that move between walls and with "
-                "free surfaces, and 1.1 "
-                "without walls if both Laplacians are exact for quadratic functions; 1.6 with "
-                "-mls_degree 3, 2 with -mls_degree 4",
-            .low  = 0.8,
-            .high = 4.0,
+            .name     = "-h_over_dx",
+            .kind     = VALUE_REAL,
+            .brief    = "smoothing length over particle spacing",
+            .unit     = "-",
+            .standard = REGIME,
+            .low      = 0.8,
+            .high     = 4.0,
         },
     [CORRECTION] =
         {
@@ -69,7 +65,7 @@ static const OptionRow options[] = {
             .kind     = VALUE_NAME,
             .brief    = "correction of the kernel in Laplacians that accept it, and in all sums of "
                         "-scheme wcsph",
-            .standard = "none; with -scheme wcsph first_order if it shifts particles",
+            .standard = REGIME,
             .table    = &CorrectionTable,
         },
     [VISC_LAPLACIAN] =
@@ -77,9 +73,7 @@ static const OptionRow options[] = {
             .name     = "-visc_laplacian",
             .kind     = VALUE_NAME,
             .brief    = "form of the viscous term",
-            .standard = "mls, or stress_mls where the viscosity varies and there is a pressure or "
-                        "a body; with "
-                        "-scheme wcsph morris, or cleary with a free surface",
+            .standard = REGIME,
             .table    = &LaplacianTable,
             .where    = "runs with viscosity",
         },
@@ -116,7 +110,7 @@ static const OptionRow options[] = {
             .name     = "-wall",
             .kind     = VALUE_NAME,
             .brief    = "wall treatment",
-            .standard = "wall_layer, or dummy_linear if a chosen form needs particles behind walls",
+            .standard = REGIME,
             .table    = &WallTable,
             .where    = "flows with walls",
         },
@@ -141,23 +135,6 @@ static PetscErrorCode ChooseLaplacian(const OptionRow *option, const char standa
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Returns the default form of the viscous term: stress_mls if the viscosity varies and the flow has
-  a pressure or bodies, otherwise mls. With mls, which omits a part of the stress, a fluid that
-  rotates beside a fluid of another viscosity has an error of tens of per cent. A scheme of pair
-  forces takes morris, which keeps the momentum, or with a free surface cleary, which keeps the
-  angular momentum too.
-*/
-static const char *DefaultLaplacian(const Scene *scene, unsigned needs)
-{
-  const PetscBool curved =
-      SceneHas(scene, PHYSICS_PRESSURE) || scene->n_bodies ? PETSC_TRUE : PETSC_FALSE;
-
-  if (needs & NEED_STREAMS) return SceneHasFreeSurface(scene) ? "cleary" : "morris";
-  return SceneViscosityVaries(scene) && curved && !SceneHasFreeSurface(scene) ? "stress_mls"
-                                                                              : "mls";
-}
-
 /* Reads the factor of the form cleary, whose weights are those of the factor dim + 2. */
 static PetscErrorCode ChooseClearyFactor(const Scene *scene, LaplacianForm *form)
 {
@@ -176,12 +153,12 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
   const CorrectionRow *correction;
 
   PetscFunctionBegin;
-  PetscCall(OptionGetRow(&options[CORRECTION], needs & NEED_CORRECTION ? "first_order" : "none",
+  PetscCall(OptionGetRow(&options[CORRECTION], RegimeWord(scene->regime, REGIME_CORRECTION),
                          &correction));
   forms->correction = correction;
   if (needs & NEED_VISCOSITY || (needs & NEED_STREAMS && SceneHas(scene, PHYSICS_VISCOSITY))) {
-    PetscCall(ChooseLaplacian(&options[VISC_LAPLACIAN], DefaultLaplacian(scene, needs), correction,
-                              &forms->visc));
+    PetscCall(ChooseLaplacian(&options[VISC_LAPLACIAN], RegimeWord(scene->regime, REGIME_LAPLACIAN),
+                              correction, &forms->visc));
     PetscCall(ChooseClearyFactor(scene, &forms->visc));
     UserCheck(!SceneViscosityVaries(scene) || LaplacianIs(&forms->visc, FORM_VARYING),
               "-visc_laplacian %s: this form has no varying viscosity; use a form with "
@@ -258,7 +235,8 @@ static PetscErrorCode ChooseWall(const Scene *scene, unsigned needs, OperatorFor
     blind = forms->gradient->name;
     kind  = "-gradient";
   }
-  PetscCall(OptionGetRow(&options[WALL], blind ? "dummy_linear" : "wall_layer", &forms->wall));
+  RegimeSetFact(scene->regime, FACT_BLIND, blind ? PETSC_TRUE : PETSC_FALSE);
+  PetscCall(OptionGetRow(&options[WALL], RegimeWord(scene->regime, REGIME_WALL), &forms->wall));
   UserCheck(
       !blind || !forms->wall->on_surface,
       "-wall %s: %s %s needs particles behind the wall; use -wall dummy_linear, or mls instead",
@@ -277,30 +255,13 @@ static PetscErrorCode ChooseWall(const Scene *scene, unsigned needs, OperatorFor
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Returns the default ratio of the smoothing length to the spacing [-]
-
-    1.6 or 2 for cubic or quartic fits, which need more neighbours; otherwise
-    1.5 with free surfaces: on disordered particles smaller fits let grid modes grow beside them;
-        otherwise
-    1.3 if U dx/nu > 5, because viscosity then does not smooth the grid scale; otherwise
-    1.5 if there are walls and particles move: changes of neighbours next to walls dominate the
-        error, and more neighbours halve it;
-    1.1 if there are no walls, and both Laplacians are exact for quadratic functions: smaller fits
-        have smaller errors, in Taylor-Green vortices at Re = 100 a third of the error with 1.3;
-    1.3 in all other cases.
-*/
-static PetscReal DefaultSmoothing(const Scene *scene, const OperatorForms *forms)
+/* Returns true if both Laplacians are exact for quadratic functions. */
+static PetscBool AreExact(const OperatorForms *forms)
 {
-  if (forms->degree > 2) return forms->degree == 3 ? 1.6 : 2.0;
-  if (SceneHasFreeSurface(scene)) return 1.5;
-  if (SceneCellReynolds(scene) > 5.0) return 1.3;
-  if (SceneHas(scene, PHYSICS_WALLS)) return SceneMoves(scene) ? 1.5 : 1.3;
-  if (!SceneHas(scene, PHYSICS_PRESSURE)) return 1.3;
-  return LaplacianIs(&forms->visc, FORM_EXACT_QUADRATIC) &&
+  return forms->visc.row && LaplacianIs(&forms->visc, FORM_EXACT_QUADRATIC) &&
                  (!forms->ppe.row || LaplacianIs(&forms->ppe, FORM_EXACT_QUADRATIC))
-             ? 1.1
-             : 1.3;
+             ? PETSC_TRUE
+             : PETSC_FALSE;
 }
 
 /* Sets visc_is_laplacian and components_coupled, and refuses options that coupled components
@@ -377,12 +338,15 @@ static PetscErrorCode ChooseSurface(const Scene *scene, unsigned needs, Operator
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* OperatorsDegree - Reads -mls_degree, the degree of least-squares fits; collective */
-PetscErrorCode OperatorsDegree(PetscInt *degree)
+/* OperatorsDegree - Reads -mls_degree, the degree of least-squares fits, into the regime too;
+   collective */
+PetscErrorCode OperatorsDegree(const Scene *scene, PetscInt *degree)
 {
   PetscFunctionBegin;
   *degree = 2;
   PetscCall(OptionGetInt(&options[MLS_DEGREE], degree, NULL));
+  RegimeSetFact(scene->regime, FACT_CUBIC, *degree == 3 ? PETSC_TRUE : PETSC_FALSE);
+  RegimeSetFact(scene->regime, FACT_QUARTIC, *degree == 4 ? PETSC_TRUE : PETSC_FALSE);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -401,13 +365,17 @@ PetscErrorCode OperatorsDegree(PetscInt *degree)
 */
 PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms *forms)
 {
+  Regime   *regime = scene->regime;
   PetscReal h_over_dx;
 
   PetscFunctionBegin;
+  RegimeSetFact(regime, FACT_WCSPH, needs & NEED_STREAMS ? PETSC_TRUE : PETSC_FALSE);
+  RegimeSetFact(regime, FACT_SHIFTS, needs & NEED_CORRECTION ? PETSC_TRUE : PETSC_FALSE);
   PetscCall(OptionGetRow(&options[KERNEL], NULL, &forms->kernel));
   PetscCall(ChooseLaplacians(scene, needs, forms));
-  PetscCall(OperatorsDegree(&forms->degree));
-  h_over_dx = DefaultSmoothing(scene, forms);
+  PetscCall(OperatorsDegree(scene, &forms->degree));
+  RegimeSetFact(regime, FACT_EXACT, AreExact(forms));
+  h_over_dx = RegimeValue(regime, REGIME_KERNEL);
   PetscCall(OptionGetReal(&options[H_OVER_DX], &h_over_dx, NULL));
   if (needs & (NEED_PRESSURE | NEED_GRADIENT_U)) {
     PetscCall(OptionGetRow(&options[GRADIENT], NULL, &forms->gradient));

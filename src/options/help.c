@@ -163,7 +163,8 @@ void HelpPrint(FILE *out)
   for (size_t k = 0; k < sizeof(common) / sizeof(common[0]); k++)
     PrintOption(out, OptionFind(common[k]));
   (void)fprintf(out, "\n%s\n",
-                "All options, with unit, default, allowed values, and the runs that use them:");
+                "All options, with unit, default (by the regime: in -catalogue), allowed values, "
+                "and their runs:");
   for (PetscInt t = 0; OptionTableGet(t); t++) {
     const OptionTable *table = OptionTableGet(t);
     const OptionRow   *row;
@@ -202,7 +203,9 @@ void ReferencePrint(FILE *out)
       "an earlier one. A name that is unknown, or that the run does not use, ends the run.\n"
       "\n"
       "- Unit: of the value; `-` is a pure number, `dx` the particle spacing.\n"
-      "- Default: the value, or the choice it follows from; empty: nothing unless given.\n"
+      "- Default: the value, or the choice it follows from; empty: nothing unless given; by the "
+      "regime:\n"
+      "  a row of the [last table](#defaults-by-the-regime).\n"
       "- Used by: the runs that read the option; empty: all.\n"
       "- L and U are the reference length and speed, nu the kinematic viscosity.\n",
       out);

@@ -398,6 +398,7 @@ PetscErrorCode SceneCreate(const OptionRow *cases, Scene **scene)
   if (s->problem->typed) PetscCall(SceneCheckGaps(s));
   if (s->scope && ExpressionScopeIsIdle(s->scope)) PetscCall(ExpressionScopeDestroy(&s->scope));
   PetscCall(SceneBoundViscosity(s));
+  PetscCall(RegimeCreate(s, &s->regime));
   *scene = s;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -406,6 +407,7 @@ PetscErrorCode SceneDestroy(Scene **scene)
 {
   PetscFunctionBegin;
   PetscCall(ExpressionScopeDestroy(&(*scene)->scope));
+  PetscCall(PetscFree((*scene)->regime));
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -48,20 +48,6 @@ PetscReal SceneReynolds(const Scene *scene)
   return scene->speed * scene->problem->reynolds_length * scene->length / scene->nu;
 }
 
-/* SceneCellReynolds - Returns U dx/nu with the least viscosity; infinite without viscosity */
-PetscReal SceneCellReynolds(const Scene *scene)
-{
-  if (!SceneHas(scene, PHYSICS_VISCOSITY)) return PETSC_INFINITY;
-  return scene->speed * scene->dx / scene->nu_low;
-}
-
-/* SceneFinestReynolds - Returns U e/nu with the smallest edge e of a cell, at walls of graded
-   lattices, and the least viscosity; infinite without viscosity */
-PetscReal SceneFinestReynolds(const Scene *scene)
-{
-  return SceneCellReynolds(scene) * (SceneFinest(scene) / scene->dx);
-}
-
 /*
   SceneIsAsPosed - Returns true if the exact solution of the case holds: the run computes all
   physics of the case and adds no body force. Added pressure or convection does not change the exact

@@ -19,34 +19,32 @@ const Table                   SchemeTable = TABLE_OF_POINTERS("Schemes", schemes
 
 static const OptionRow options[] = {
     {
-        .name  = "-scheme",
-        .kind  = VALUE_NAME,
-        .brief = "scheme that advances velocity and pressure",
-        .standard =
-            "projection; with a free surface coupled if nu dt/dx^2 > 0.1, or 1 for particles "
-            "that move without -dt",
-        .table = &SchemeTable,
-        .where = "flows",
+        .name     = "-scheme",
+        .kind     = VALUE_NAME,
+        .brief    = "scheme that advances velocity and pressure",
+        .standard = REGIME,
+        .table    = &SchemeTable,
+        .where    = "flows",
     },
 };
 const OptionTable SchemeOptions = OPTIONS("Scheme", options);
 
-/* Returns the scheme that is chosen by default: with free surfaces the projection is stable for
-   short steps only, see ProjectionFreeLimit(). Its steps cost about a tenth, and it holds in
-   impacts. So particles that move without -dt take it if ten of its steps span a step
-   that advection allows. */
+/* Returns the scheme that is chosen by default. With a free surface it depends on the step: of
+   particles that move without -dt on a tenth of the step that advection allows, because ten steps
+   of the projection cost as much as a coupled one. */
 static PetscErrorCode DefaultScheme(const Flow *flow, const char **name)
 {
-  const Clock *clock = flow->clock;
-  StepLimit    limit = {.dt = PETSC_INFINITY};
+  Regime      *regime = flow->scene->regime;
+  const Clock *clock  = flow->clock;
+  StepLimit    limit  = {.dt = PETSC_INFINITY};
 
   PetscFunctionBegin;
-  *name = "projection";
-  if (!SceneHasFreeSurface(flow->scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FlowLimit(flow, &limit));
   if (clock->dt_given > 0.0) limit.dt = clock->dt_given;
   else if (SceneMoves(flow->scene)) limit.dt *= 0.1;
-  if (limit.dt > SurfaceStep(flow->scene) || clock->steady_solve) *name = "coupled";
+  regime->number[NUMBER_SURFACE] = REGIME_SURFACE * (limit.dt / SurfaceStep(flow->scene));
+  RegimeSetFact(regime, FACT_STEADY, clock->steady_solve);
+  *name = RegimeWord(regime, REGIME_SCHEME);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

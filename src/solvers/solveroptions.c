@@ -31,10 +31,9 @@ static const OptionRow options[] = {
     },
     {
         LINEAR("ksp_rtol"),
-        .brief = "tolerance of the true residual, relative to the right-hand side",
-        .unit  = "-",
-        .standard =
-            "visc 1e-7, or 1e-3 in a nonlinear solve; ppe 1e-5, in patch tests 1e-10; coupled 1e-7",
+        .brief    = "tolerance of the true residual, relative to the right-hand side",
+        .unit     = "-",
+        .standard = "visc " REGIME "; ppe 1e-5, in patch tests 1e-10; coupled 1e-7",
     },
     {
         LINEAR("ksp_max_it"),
@@ -93,11 +92,10 @@ static const OptionRow options[] = {
     },
     {
         LINEAR("pc_type"),
-        .brief    = "preconditioner",
-        .standard = "visc by nu dt/dx^2: jacobi below 2, bjacobi below 200, else hypre; ppe hypre, "
-                    "on coarse points without bodies tensor, which is no value of the option, for "
-                    "few fixed particles in 2D lu on one rank and gamg on several; coupled "
-                    "fieldsplit",
+        .brief = "preconditioner",
+        .standard =
+            "visc and coupled_fieldsplit_velocity " REGIME "; ppe hypre, tensor, lu or gamg "
+            "by its size (theory, section 13); coupled fieldsplit",
     },
     {
         LINEAR("pc_factor_levels"),

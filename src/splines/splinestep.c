@@ -50,7 +50,7 @@ PetscErrorCode SplinesCreate(Flow *flow, PetscReal ratio, Splines **splines)
   Splines        *s;
 
   PetscFunctionBegin;
-  PetscCall(OperatorsDegree(&degree));
+  PetscCall(OperatorsDegree(flow->scene, &degree));
   PetscCall(PetscNew(&s));
   PetscCall(SplinesSet(flow->scene, ratio, degree, mean, s));
   flow->scheme->kept = s->kept;

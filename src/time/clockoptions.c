@@ -78,7 +78,7 @@ static const OptionRow options[] = {
             .brief = "time step in units of dx/U; U is the larger of the reference speed and the "
                      "present speed",
             .unit  = "-",
-            .standard = PetscStringize(CLOCK_CFL),
+            .standard = REGIME,
             .low      = 1e-6,
             .high     = 1e6,
             .where    = "flows",
@@ -88,7 +88,7 @@ static const OptionRow options[] = {
             .name     = "-dt_adapt",
             .kind     = VALUE_NAME,
             .brief    = "control of the length of steps",
-            .standard = "cfl, or none if -dt is given; error for walls or forces that depend on t",
+            .standard = REGIME,
             .table    = &DtAdaptTable,
             .where    = "flows",
         },
@@ -212,16 +212,13 @@ static PetscErrorCode ClockReadSteady(Clock *clock)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads -dt_adapt and the options that depend on it. By default steps of a flow that is driven by
-   functions of time follow the error in time. */
+/* Reads -dt_adapt and the options that depend on it. */
 static PetscErrorCode ClockReadAdapt(const Scene *scene, Clock *c)
 {
-  const char *const standard = c->dt_given > 0.0            ? "none"
-                               : SceneIsDrivenInTime(scene) ? "error"
-                                                            : "cfl";
-
   PetscFunctionBegin;
-  PetscCall(OptionGetRow(&options[DT_ADAPT], standard, &c->adapt));
+  RegimeSetFact(scene->regime, FACT_STEP_GIVEN, c->dt_given > 0.0 ? PETSC_TRUE : PETSC_FALSE);
+  PetscCall(
+      OptionGetRow(&options[DT_ADAPT], RegimeWord(scene->regime, REGIME_DT_ADAPT), &c->adapt));
   UserCheck(c->dt_given == 0.0 || !c->adapt->follows || (c->adapt->retries && !c->adapt->estimates),
             "-dt_adapt %s and -dt cannot both be given: give %s", c->adapt->name,
             c->adapt->estimates ? "-dt_max" : "-cfl");
@@ -265,6 +262,7 @@ PetscErrorCode ClockCreate(const Scene *scene, Clock **clock)
   PetscCall(OptionsRefuseTogether("-dt", "-dt_max", "-dt gives the time step"));
   PetscCall(OptionGetReal(&options[T_END], &c->t_end, NULL));
   PetscCall(OptionGetReal(&options[DT], &c->dt_given, NULL));
+  c->cfl = RegimeValue(scene->regime, REGIME_COURANT);
   PetscCall(OptionGetReal(&options[CFL], &c->cfl, NULL));
   PetscCall(OptionGetReal(&options[DT_MAX], &c->dt_max, NULL));
   PetscCall(ClockReadAdapt(scene, c));

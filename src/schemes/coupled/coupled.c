@@ -43,7 +43,7 @@ static const OptionRow options[] = {
             .name     = "-coupled_gradient",
             .kind     = VALUE_NAME,
             .brief    = "pressure gradient",
-            .standard = "natural with pair forces and a free surface, else fit",
+            .standard = REGIME,
             .table    = &CoupledGradientTable,
             .where    = "-scheme coupled",
         },
@@ -162,42 +162,39 @@ static PetscErrorCode CoupledCreate(Flow *flow)
   PetscCall(VolumesCreate(flow));
   PetscCall(OptionGetRow(&options[TS_TYPE], NULL, &c->row));
   PetscCall(RefuseHistory(flow, c->row));
-  PetscCall(OptionGetRow(&options[PRESSURE_GRADIENT], "natural", &c->gradient));
   if (c->row->substeps)
     PetscCall(ClockDropEstimate(flow->clock, options[TS_TYPE].name, c->row->name));
   c->convects = flow->state->has_convection && c->row->substeps;
   flow->scheme->needs |= NEED_FREE_GRAD_P | NEED_FILTER_P | NEED_MATRICES;
   if (c->row->substeps || flow->clock->steady_solve) {
-    flow->state->velocity_filter = 0.0;
+    RegimeSetFact(scene->regime, FACT_SUBSTEPS, PETSC_TRUE);
+    flow->state->velocity_filter = RegimeValue(scene->regime, REGIME_FILTER_U);
     flow->scheme->needs &= ~(unsigned)NEED_FILTER_U;
   }
   PetscCall(MemoryAddReal(&flow->scheme->memory, "coupled_substep", &c->substep));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Chooses the pressure gradient for the forms of the run. Forces along pairs that dissipate have
-   the natural condition of a free surface; forces by adjoint gradients have modes without
-   viscosity. */
+/* Chooses the pressure gradient for the forms of the run. */
 static PetscErrorCode ChooseGradient(const Flow *flow, Coupled *c)
 {
-  const Operators     *ops     = flow->ops;
-  const LaplacianForm *visc    = &ops->forms.visc;
-  const PetscBool      natural = ops->free && ops->free->tension == 0.0 &&
-                                    LaplacianIs(visc, FORM_ANGULAR) &&
-                                    LaplacianIs(visc, FORM_SAFE_IMPLICIT)
-                                     ? PETSC_TRUE
-                                     : PETSC_FALSE;
-  PetscBool            given;
+  const LaplacianForm *visc   = &flow->ops->forms.visc;
+  Regime              *regime = flow->scene->regime;
+  const char          *standard;
+  PetscBool            same;
 
   PetscFunctionBegin;
-  PetscCall(OptionGiven(options[PRESSURE_GRADIENT].name, &given));
-  if (c->gradient->natural && !natural) {
-    UserCheck(!given,
-              "%s natural: it needs a free surface without tension and -visc_laplacian "
-              "pairwise_stress; use fit or adjoint",
-              options[PRESSURE_GRADIENT].name);
-    c->gradient = &gradients[0];
-  }
+  RegimeSetFact(regime, FACT_PAIRS,
+                LaplacianIs(visc, FORM_ANGULAR) && LaplacianIs(visc, FORM_SAFE_IMPLICIT)
+                    ? PETSC_TRUE
+                    : PETSC_FALSE);
+  standard = RegimeWord(regime, REGIME_GRADIENT);
+  PetscCall(OptionGetRow(&options[PRESSURE_GRADIENT], standard, &c->gradient));
+  PetscCall(PetscStrcmp(standard, c->gradient->name, &same));
+  UserCheck(!c->gradient->natural || same,
+            "%s natural: it needs a free surface without tension and -visc_laplacian "
+            "pairwise_stress; use fit or adjoint",
+            options[PRESSURE_GRADIENT].name);
   c->saddle.adjoint = c->gradient->adjoint;
   c->saddle.natural = c->gradient->natural;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -21,25 +21,19 @@ static const OptionRow options[] = {
 };
 const OptionTable CoupledSolverOptions = OPTIONS("Solver of the coupled scheme", options);
 
-/*
-  Sets defaults for the solvers of the field split's blocks: for velocities a single application of
-  block Jacobi if nu dt/dx^2 is below 2, or 100 if a free surface moves, otherwise of AMG; for
-  pressures the shell preconditioner of schur.c. AMG does not hold with rows of rough surfaces: a
-  column that collapses with nu dt/dx^2 = 6 is lost after 270 steps, and takes 20 iterations with
-  block Jacobi. Nor does it hold with viscosities that vary by large factors: block Jacobi with
-  ILU(1) takes at most 80 iterations for a film of a power law whose viscosities vary by 1e6, n =
-  80, nu dt/dx^2 = 1e4 for their geometric mean; ILU(0) takes up to 230 or fails.
-*/
+/* Sets defaults for the solvers of the field split's blocks: a single application of the regime's
+   preconditioner for velocities, with more fill where viscosities vary, which ILU(0) does not hold
+   with; for pressures the shell preconditioner of schur.c. */
 static PetscErrorCode BlockDefaults(const Scene *scene, PetscReal dt)
 {
-  const PetscBool moves    = SceneHasFreeSurface(scene) && SceneMoves(scene);
-  const PetscBool varies   = SceneViscosityVaries(scene);
-  const PetscReal number   = scene->nu_high * dt / PetscSqr(SceneFinest(scene));
-  const char     *velocity = varies || number < (moves ? 100.0 : 2.0) ? PCBJACOBI : PCHYPRE;
+  const PetscBool varies = SceneViscosityVaries(scene);
+  const char     *velocity;
   char            type[32];
   PetscBool       blocks, given;
 
   PetscFunctionBegin;
+  scene->regime->number[NUMBER_STIFFNESS] = scene->nu_high * dt / PetscSqr(SceneFinest(scene));
+  velocity                                = RegimeWord(scene->regime, REGIME_BLOCK_PC);
   PetscCall(OptionDefault("coupled_fieldsplit_velocity_", "-ksp_type", KSPPREONLY));
   PetscCall(OptionDefault("coupled_fieldsplit_velocity_", "-pc_type", velocity));
   PetscCall(PetscOptionsGetString(NULL, "coupled_fieldsplit_velocity_", "-pc_type", type,

@@ -42,16 +42,12 @@ static PetscErrorCode RefuseTimeOptions(const ViscousIntegratorRow *row)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Chooses the linear solver by the stiffness of the step, nu dt/dx^2: Jacobi below 2, block Jacobi
-  with ILU(0) up to 200, AMG above. Implicit convection takes 40 and more iterations to 1e-7, and
-  1e-5 leaves six digits of extrema and energies: docs/theory.md, section 13.
-*/
+/* Chooses the linear solver by the stiffness of the step, nu dt/dx^2. */
 static PetscErrorCode ViscosityCreateSolver(const Flow *flow, Viscosity *v)
 {
-  const Scene    *scene     = flow->scene;
-  const PetscReal stiffness = scene->nu_high * flow->clock->dt / PetscSqr(SceneFinest(scene));
-  const PetscBool convects  = flow->state->implicit_convection;
+  const Scene    *scene    = flow->scene;
+  Regime         *regime   = scene->regime;
+  const PetscBool convects = flow->state->implicit_convection;
   PetscBool       symmetric;
   PetscReal       rtol;
   KSP             ksp;
@@ -59,14 +55,16 @@ static PetscErrorCode ViscosityCreateSolver(const Flow *flow, Viscosity *v)
   PC              pc;
 
   PetscFunctionBegin;
+  regime->number[NUMBER_STIFFNESS] =
+      scene->nu_high * flow->clock->dt / PetscSqr(SceneFinest(scene));
   PetscCall(TSGetSNES(v->ts[0], &snes));
   PetscCall(SNESGetKSP(snes, &ksp));
   symmetric = LaplacianIs(&flow->ops->forms.visc, FORM_SYMMETRIC) && !v->nonlinear && !convects;
-  rtol      = v->nonlinear ? 1e-3 : convects && stiffness < 2.0 ? 1e-5 : 1e-7;
+  rtol      = RegimeValue(regime, REGIME_VISC_RTOL);
   PetscCall(KSPSetType(ksp, symmetric ? KSPCG : KSPGMRES));
   PetscCall(KSPSetTolerances(ksp, rtol, 0.0, PETSC_CURRENT, 1000));
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(PCSetType(pc, stiffness < 2.0 ? PCJACOBI : stiffness < 200.0 ? PCBJACOBI : PCHYPRE));
+  PetscCall(PCSetType(pc, RegimeWord(regime, REGIME_VISC_PC)));
   for (PetscInt c = 0; c < v->systems; c++) {
     PetscCall(TSGetSNES(v->ts[c], &snes));
     if (c) PetscCall(SNESSetKSP(snes, ksp));

@@ -36,8 +36,6 @@ static const PressurePointsRow points[] = {
 };
 const Table PressurePointsTable = TABLE("Points of the pressure", points);
 
-#define IMPLICIT_CFL 2.0 /* default of -cfl with implicit convection [-] */
-
 static const ConvectionRow convections[] = {
     {.name     = "explicit",
      .brief    = "extrapolated from earlier steps, or an explicit part of the TS",
@@ -55,7 +53,7 @@ static const OptionRow options[] = {
         {
             .name     = "-convection",
             .kind     = VALUE_NAME,
-            .brief    = "convective term of fixed particles; implicit: -cfl is 2 by default",
+            .brief    = "convective term of fixed particles",
             .standard = "explicit",
             .table    = &ConvectionTable,
             .where    = "-scheme projection with -motion eulerian, viscosity and convection",
@@ -74,11 +72,7 @@ static const OptionRow options[] = {
             .name     = "-pressure_points",
             .kind     = VALUE_NAME,
             .brief    = "where the pressure is known",
-            .standard = "coarse for moving particles, and for fixed ones without convection, up to "
-                        "U dx/nu = 5 at walls, or everywhere with -spacing and -spacing_growth, or "
-                        "between walls with -mls_degree 4; same in boxes "
-                        "below 3 cells along an axis, and with an option of a pressure on "
-                        "particles",
+            .standard = REGIME,
             .table    = &PressurePointsTable,
             .where    = "-scheme projection with pressure",
         },
@@ -111,9 +105,7 @@ static const OptionRow options[] = {
             .kind     = VALUE_REAL,
             .brief    = "strength of the grid-scale filter of the pressure; 0: off",
             .unit     = "-",
-            .standard = "1; 0.1 on lattices whose particles do not move and with -spacing and "
-                        "-spacing_growth, with -convection implicit in steps above CFL 0.5 less, "
-                        "as 1/dt",
+            .standard = REGIME,
             .low      = 0.0,
             .high     = 2.0,
             .where    = "-scheme projection with -pressure_points same",
@@ -167,21 +159,15 @@ static PetscErrorCode AverageOnSplines(Flow *flow, PetscReal length, PetscReal d
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Refuses Chorin's projection between walls on fixed particles if viscosity does not damp grid
-  modes. The cavity (n = 32, t = 4) has 1, 7, 20, 43 % more energy than with the rotational
-  projection at U dx/nu = 6, 8, 10, 12, five times as much at 31 and eight times at 312.
-*/
+/* Refuses Chorin's projection where it feeds energy into the flow. */
 static PetscErrorCode RefuseGain(const Scene *scene, const ProjectionRow *row)
 {
-  const PetscReal R = SceneCellReynolds(scene);
-
   PetscFunctionBegin;
-  UserCheck(!row || row->incremental || SceneMoves(scene) || !SceneHas(scene, PHYSICS_WALLS) ||
-                !SceneHas(scene, PHYSICS_CONVECTION) || R <= 10.0,
+  UserCheck(!row || row->incremental || RegimeAllows(scene->regime, REGIME_CHORIN_HOLDS),
             "-projection %s: on fixed particles between walls it feeds energy into the flow for U "
-            "dx/nu above 10, here %.3g; use rotational or incremental, or a larger -n",
-            row->name, (double)R);
+            "dx/nu above %g, here %.3g; use rotational or incremental, or a larger -n",
+            row->name, (double)RegimeFind(scene->regime, REGIME_CHORIN_HOLDS)->range.above,
+            (double)scene->regime->number[NUMBER_CELL]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -189,15 +175,6 @@ static PetscErrorCode RefuseGain(const Scene *scene, const ProjectionRow *row)
 static PetscReal CellsAlong(const Scene *scene, PetscInt a, PetscReal spacing)
 {
   return (scene->hi[a] - scene->lo[a]) / scene->dx / spacing;
-}
-
-/* Returns U e/nu, which decides if viscosity damps velocities between coarse points: with the cells
-   at walls on lattices. Without a lattice the coarsest particles decide: at Re = 400 flows go
-   through up to 12.5, at Re = 1000 all are lost from 18 on, with 3 to 5 at walls. */
-static PetscReal DampingReynolds(const Scene *scene)
-{
-  return scene->grading.on ? SceneCellReynolds(scene) * (SceneCoarsest(scene) / scene->dx)
-                           : SceneFinestReynolds(scene);
 }
 
 /* Returns the reason why a scene has no coarse points; NULL if there is none. */
@@ -212,59 +189,42 @@ static const char *CoarseFault(const Scene *scene)
   return NULL;
 }
 
-/*
-  Chooses where the pressure is known
-
-  By default the pressure is known on coarse points. There it has no noise from moving particles,
-  and no condition at walls, whose error is of first order beside driven walls. A narrow box has no
-  room for these points, and an option of the pressure on particles asks for the particles. On
-  fixed particles viscosity has to damp what these points cannot see, see CreateOnSplines(); the
-  bound leaves room for flows that are faster than U.
-*/
+/* Sets the facts that decide on coarse points, and chooses where the pressure is known. */
 static PetscErrorCode ChoosePoints(const Scene *scene, const PressurePointsRow **chosen)
 {
   static const char *const of_particles[] = {"-ppe_alpha", "-ppe_filter", "-ppe_laplacian"};
-  const PetscBool damped = !SceneHas(scene, PHYSICS_CONVECTION) || DampingReynolds(scene) <= 5.0;
-  PetscBool       coarse, given;
-  PetscInt        degree;
+  Regime                  *regime         = scene->regime;
+  PetscBool                narrow = PETSC_FALSE, asks = PETSC_FALSE;
+  PetscInt                 degree;
 
   PetscFunctionBegin;
-  PetscCall(OperatorsDegree(&degree));
-  coarse = !CoarseFault(scene) &&
-           (SceneMoves(scene) || (degree == 4 ? SceneHas(scene, PHYSICS_WALLS) : damped));
+  PetscCall(OperatorsDegree(scene, &degree));
   for (PetscInt a = 0; a < scene->dim; a++)
-    coarse = coarse && CellsAlong(scene, a, SPACING_STANDARD) >= LEAST_CELLS;
-  PetscCall(OptionGiven(options[POINTS].name, &given));
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(of_particles) && !given; k++) {
-    PetscBool asks;
-
+    if (CellsAlong(scene, a, SPACING_STANDARD) < LEAST_CELLS) narrow = PETSC_TRUE;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(of_particles) && !asks; k++)
     PetscCall(OptionGiven(of_particles[k], &asks));
-    coarse = coarse && !asks;
-  }
-  PetscCall(OptionGetRow(&options[POINTS], coarse ? "coarse" : "same", chosen));
+  RegimeSetFact(regime, FACT_UNFIT, CoarseFault(scene) ? PETSC_TRUE : PETSC_FALSE);
+  RegimeSetFact(regime, FACT_NARROW, narrow);
+  RegimeSetFact(regime, FACT_ASKED, asks);
+  PetscCall(OptionGetRow(&options[POINTS], RegimeWord(regime, REGIME_POINTS), chosen));
+  RegimeSetFact(regime, FACT_COARSE, (*chosen)->coarse);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Returns the default strength of the pressure filter on lattices and relaxed clouds of fixed
-  particles [-]
-
-  The filter leaves a divergence in proportion to S dt, see ShareOfResidual(). Therefore the long
-  steps of implicit convection take a strength that keeps S dt at its value for the CFL number 0.5.
-  In the cavity at Re = 1000, n = 64, CFL number 2, t = 40, the energy has errors of -9.8, -1.7,
-  -0.6, 3.3, 8.0 % for S = 0, 0.02, 0.025, 0.05, 0.1, and of 2.5 % with explicit convection.
-  The strength 1 gives far more energy, beside bodies too: between lids with a cylinder, Re = 1000,
-  16 % too much in place of 1.7 % on a lattice with n = 64, and 11 % in place of 0.4 % on a relaxed
-  cloud of 3504 particles. A lattice that is disturbed by 0.2 dx needs it: with 0.1 the flow around
-  a small cylinder at Re = 1000, n = 40, is lost.
-*/
-static PetscReal LatticeFilter(const Flow *flow)
+/* Returns the default strength of the pressure filter [-]; collective */
+static PetscErrorCode DefaultFilter(const Flow *flow, PetscReal *strength)
 {
-  const Clock    *clock = flow->clock;
-  const PetscReal given = clock->dt_given * flow->scene->speed / flow->scene->dx;
-  const PetscReal cfl   = clock->dt_given > 0.0 ? given : clock->cfl;
+  const Clock    *clock   = flow->clock;
+  const PetscReal given   = clock->dt_given * flow->scene->speed / flow->scene->dx;
+  Regime         *regime  = flow->scene->regime;
+  PetscBool       ordered = PETSC_FALSE;
 
-  return 0.1 * (flow->state->implicit_convection ? PetscMin(1.0, CLOCK_CFL / cfl) : 1.0);
+  PetscFunctionBegin;
+  PetscCall(AreOrdered(flow->scene, &ordered));
+  RegimeSetFact(regime, FACT_ORDERED, ordered);
+  regime->number[NUMBER_COURANT] = clock->dt_given > 0.0 ? given : clock->cfl;
+  *strength                      = RegimeValue(regime, REGIME_FILTER_P);
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Returns true if moving particles beside a free surface have rows of fits, see FlowMove(). */
@@ -279,12 +239,11 @@ static PetscBool SurfaceNeedsFilter(const Scene *scene)
 /* Reads the options of a pressure on the particles. */
 static PetscErrorCode CreateOnParticles(Flow *flow, Projection *pr)
 {
-  PetscBool ordered = PETSC_FALSE, given;
+  PetscBool given;
 
   PetscFunctionBegin;
   PetscCall(VolumesCreate(flow));
-  PetscCall(AreOrdered(flow->scene, &ordered));
-  pr->filter = ordered ? LatticeFilter(flow) : 1.0;
+  PetscCall(DefaultFilter(flow, &pr->filter));
   PetscCall(OptionGetReal(&options[ALPHA], &pr->alpha, NULL));
   UserCheck(pr->alpha <= pr->row->alpha_max,
             "-ppe_alpha %.6g: with -projection %s at most %.6g is stable", (double)pr->alpha,
@@ -298,29 +257,18 @@ static PetscErrorCode CreateOnParticles(Flow *flow, Projection *pr)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Reads the options of a pressure on splines
-
-  A pressure that is coarser than the particles does not act on velocities between its points. The
-  velocity filter damps them, by default four times as fast as the flow can amplify them. In the
-  cavity at Re = 1000, n = 32, t = 6 the energy has errors of -31, -17, -12, -7 % for S = 0, 0.6, 1,
-  4, and -10 % with the pressure on particles. The filter of fixed particles
-  does not act between the points: at Re = 1000, t = 4 their energy is 31 % too large for n = 50,
-  and 3 % too small for n = 100.
-*/
+/* Reads the options of a pressure on splines. */
 static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
 {
-  const PetscReal R = DampingReynolds(flow->scene);
-  PetscBool       given;
-  PetscInt        degree;
+  Regime   *regime = flow->scene->regime;
+  PetscBool given;
 
   PetscFunctionBegin;
-  PetscCall(OperatorsDegree(&degree));
-  UserCheck(SceneMoves(flow->scene) || !SceneHas(flow->scene, PHYSICS_CONVECTION) || R <= 15.0 ||
-                degree == 4,
+  UserCheck(RegimeAllows(regime, REGIME_COARSE_HOLDS),
             "-pressure_points coarse: on fixed particles it feeds energy into the flow for U dx/nu "
-            "above 15, here %.3g%s",
-            (double)R,
+            "above %g, here %.3g%s",
+            (double)RegimeFind(regime, REGIME_COARSE_HOLDS)->range.above,
+            (double)regime->number[NUMBER_DAMPING],
             flow->scene->grading.on ? " for the largest spacing; use same, or a larger -n"
                                     : " at walls; use same, -mls_degree 4 on a lattice, a larger "
                                       "-n, or a smaller -spacing_wall");
@@ -339,7 +287,8 @@ static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
   flow->scheme->Pressure   = PressureOnSplines;
   flow->scheme->Average    = AverageOnSplines;
   PetscCall(OptionGiven("-velocity_filter", &given));
-  if (SceneMoves(flow->scene) && !given) flow->state->velocity_filter = 4.0;
+  if (SceneMoves(flow->scene) && !given)
+    flow->state->velocity_filter = RegimeValue(regime, REGIME_FILTER_U);
   if (flow->state->velocity_filter > 0.0) flow->scheme->needs |= NEED_FILTER_U;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -355,10 +304,11 @@ static PetscErrorCode ReadConvection(Flow *flow)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(OptionGetRow(&options[CONVECTION], NULL, &row));
   flow->state->implicit_convection = row->implicit;
+  RegimeSetFact(flow->scene->regime, FACT_IMPLICIT, row->implicit);
   if (row->implicit) flow->scheme->needs |= NEED_MATRICES;
   PetscCall(OptionGiven("-cfl", &given));
   if (row->implicit && !given) {
-    flow->clock->cfl = IMPLICIT_CFL;
+    flow->clock->cfl = RegimeValue(flow->scene->regime, REGIME_COURANT);
     PetscCall(SchemeChooseStep(flow));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

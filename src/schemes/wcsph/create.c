@@ -181,36 +181,30 @@ static PetscErrorCode DefaultCourant(PetscReal *courant)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Chooses the shift, and with it the default correction of the kernel
-
-  Particles are shifted by default, three times as strongly as in other schemes, with corrected
-  sums: in Taylor-Green vortices at Re = 100, n = 32, t = 1 the velocity then errs by 0.2 %, with a
-  strength of 1 by 0.6 %, without correction by 6 %; without shift the flow is lost in noise. There
-  is no shift with a free surface, which it would move, nor with -density_form summation, whose
-  density it would change: the cavity at Re = 100, n = 20, t = 4 errs by 2 % in its energy without
-  shift, and by 19 % with it.
-*/
+/* Chooses the shift, and with it the default correction of the kernel. */
 static PetscErrorCode ChooseShift(const Flow *flow, const Wcsph *w)
 {
-  const PetscBool free = SceneHasFreeSurface(flow->scene);
-  const TableRow *none;
+  const PetscBool free   = SceneHasFreeSurface(flow->scene);
+  Regime         *regime = flow->scene->regime;
+  const TableRow *row;
   FlowState      *state = flow->state;
   PetscBool       given;
 
   PetscFunctionBegin;
+  RegimeSetFact(regime, FACT_WCSPH, PETSC_TRUE);
+  RegimeSetFact(regime, FACT_SUMS, w->density->sums);
   PetscCall(OptionGiven("-shift", &given));
   UserCheck(!free || !given || !state->shift->Displace,
             "-shift %s: with -scheme wcsph it would move the free surface; use none",
             state->shift->name);
-  if (free || (w->density->sums && !given)) {
-    PetscCall(TableFind(&ShiftTable, "none", &none));
-    state->shift = (const ShiftRow *)(const void *)none;
+  if (!given) {
+    PetscCall(TableFind(&ShiftTable, RegimeWord(regime, REGIME_SHIFT), &row));
+    state->shift = (const ShiftRow *)(const void *)row;
   }
   if (!state->shift->Displace) PetscFunctionReturn(PETSC_SUCCESS);
   flow->scheme->needs |= NEED_CORRECTION;
   PetscCall(OptionGiven("-shift_strength", &given));
-  if (!given) state->shift_strength = 3.0;
+  if (!given) state->shift_strength = RegimeValue(regime, REGIME_SHIFT_STRENGTH);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
