@@ -21,8 +21,8 @@ RANK = {folder: k for k, folder in enumerate(LAYERS)}
 
 # Files that call each other: the parts of one object, which stand in one folder.
 CIRCLES = {
-    "scene": """bodies boundaries checks create distances fluids free grading maps openings rheology scene spacing
-        symmetry typed""".split(),
+    "scene": """bodies boundaries checks create distances fluids free grading openings regime spacing symmetry
+        typed""".split(),
     "splines": """splinebodies splineextend splinefits splineintegrals splines splinestep splinestiffness
         splinewindow""".split(),
 }

@@ -219,18 +219,19 @@ typedef struct {
   PetscBool solves; /* u_next and p follow from it; it can be done again, see src/flow/attempt.c */
 } Stage;
 
-/* An observer of steps, which changes none. Its functions may be NULL. */
+/* An observer of steps, which changes none. After sees the velocity u_next + dt f after a part of a
+   step; see FlowPartDone(). */
 typedef struct {
   const char *name, *brief;
   PetscBool (*Applies)(const Flow *flow);
   PetscErrorCode (*Begin)(Flow *flow); /* before the first stage */
-  PetscErrorCode (*After)(Flow *flow, StepPart part, PetscReal dt, const Vec f[]);
-  PetscErrorCode (*End)(Flow *flow); /* after the last stage, before the time advances */
-  PetscErrorCode (*Destroy)(Flow *flow);
+  PetscErrorCode (*After)(Flow *flow, StepPart part, PetscReal dt, const Vec f[]); /* or NULL */
+  PetscErrorCode (*End)(Flow *flow);     /* after the last stage, before the time advances */
+  PetscErrorCode (*Destroy)(Flow *flow); /* NULL: nothing to free */
 } Observer;
 
-/* Parts of a step that are done again: its last stage that solves; all that solve, from the pressure
-   and the memory before them; all of it, in a shorter time. */
+/* Parts of a step that are done again: its last stage that solves; all that solve, from pressure
+   and memory before them; all of it, in a shorter time. */
 typedef enum { AGAIN_LAST, AGAIN_SOLVES, AGAIN_SHORTER, AGAIN_KINDS } Again;
 
 /* Attempts of a judge in the present step. */

@@ -58,8 +58,8 @@ PetscErrorCode FlowPrepareOutput(const Flow *flow)
 /*
   FlowPartDone - Shows observers the velocity u_next + dt f after a part of the step
 
-  Collective. Shows nothing of a step that has failed. Stages call it for the parts within them. Input: dt, f - the viscous step and its
-  force; NULL: none.
+  Collective. Shows nothing of a step that has failed. Stages call it for the parts within them.
+  Input: dt, f - the viscous step and its force; NULL: none.
 */
 PetscErrorCode FlowPartDone(Flow *flow, StepPart part, PetscReal dt, const Vec f[])
 {
@@ -69,28 +69,6 @@ PetscErrorCode FlowPartDone(Flow *flow, StepPart part, PetscReal dt, const Vec f
   if (part == PART_NONE || s->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < s->n_observers; k++)
     if (s->observer[k]->After) PetscCall(s->observer[k]->After(flow, part, dt, f));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Tells observers that a step begins. */
-static PetscErrorCode BeginObservers(Flow *flow)
-{
-  const Scheme *s = flow->scheme;
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < s->n_observers; k++)
-    if (s->observer[k]->Begin) PetscCall(s->observer[k]->Begin(flow));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Tells observers that a good step ends, before the time advances. */
-static PetscErrorCode EndObservers(Flow *flow)
-{
-  const Scheme *s = flow->scheme;
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < s->n_observers; k++)
-    if (s->observer[k]->End) PetscCall(s->observer[k]->End(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -106,7 +84,7 @@ PetscErrorCode FlowStep(Flow *flow)
 
   PetscFunctionBegin;
   s->failure.code = PETSC_SUCCESS;
-  PetscCall(BeginObservers(flow));
+  for (PetscInt k = 0; k < s->n_observers; k++) PetscCall(s->observer[k]->Begin(flow));
   for (PetscInt k = 0; k < s->n_stages && !s->failure.code;) {
     PetscCall(PetscLogEventBegin(s->stage_event[k], 0, 0, 0, 0));
     PetscCall(s->stage[k]->Do(flow));
@@ -114,8 +92,9 @@ PetscErrorCode FlowStep(Flow *flow)
     PetscCall(FlowPartDone(flow, s->stage[k]->part, 0.0, NULL));
     PetscCall(AttemptNext(flow, &k));
   }
-  if (!s->failure.code) PetscCall(EndObservers(flow));
-  if (!s->failure.code) PetscCall(Advance(flow));
+  if (s->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < s->n_observers; k++) PetscCall(s->observer[k]->End(flow));
+  PetscCall(Advance(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

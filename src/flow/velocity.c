@@ -1,5 +1,5 @@
-/* Quantities of a velocity that several stages need: the rows of mass, the divergence, and the values
-   of all particles. */
+/* Quantities of a velocity that several stages need: rows of mass, divergence, and values of all
+   particles; and the start of an implicit step. */
 #include "isph/flow.h"
 
 /* FlowMassRows - Applies the rows of div to a velocity u: div u inside the fluid, 2 n.E n on free

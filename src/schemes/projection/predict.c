@@ -23,8 +23,8 @@ static PetscErrorCode SetForce(Flow *flow, PetscReal at, Vec force[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* PredictVelocity - Predicts u* in u_next by a viscous step, with the data of the pressure at walls;
-   collective */
+/* PredictVelocity - Predicts u* in u_next by a viscous step, and sets the wall gradient of the
+   pressure; collective */
 PetscErrorCode PredictVelocity(Flow *flow)
 {
   Projection                 *pr       = (Projection *)flow->scheme->data;

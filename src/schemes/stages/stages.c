@@ -21,22 +21,14 @@ static PetscErrorCode UpdateNeighbors(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Creates the vectors for the present numbering. */
-static PetscErrorCode Renumber(Flow *flow)
-{
-  PetscFunctionBegin;
-  PetscCall(WallValuesRenumber(flow->scene, flow->particles, &flow->walls));
-  PetscCall(FlowStateRenumber(flow));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* FlowRebuildNeighbors - Computes neighbours and vectors for the present positions, no matrices;
    collective */
 PetscErrorCode FlowRebuildNeighbors(Flow *flow)
 {
   PetscFunctionBegin;
   PetscCall(UpdateNeighbors(flow));
-  PetscCall(Renumber(flow));
+  PetscCall(WallValuesRenumber(flow->scene, flow->particles, &flow->walls));
+  PetscCall(FlowStateRenumber(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -46,7 +38,8 @@ static PetscErrorCode Rebuild(Flow *flow)
   PetscFunctionBegin;
   PetscCall(UpdateNeighbors(flow));
   PetscCall(FlowAssemble(flow));
-  PetscCall(Renumber(flow));
+  PetscCall(WallValuesRenumber(flow->scene, flow->particles, &flow->walls));
+  PetscCall(FlowStateRenumber(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -74,8 +67,8 @@ PetscErrorCode FlowBegin(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FlowFollow - Moves owners and halo to the new positions of the particles; an epoch that has started
-   since the last rebuild has its halo; collective */
+/* FlowFollow - Moves owners and halo to the new positions of the particles; an epoch that has
+   started since the last rebuild has its halo; collective */
 PetscErrorCode FlowFollow(Flow *flow)
 {
   PetscFunctionBegin;

@@ -75,8 +75,8 @@ static PetscErrorCode SolveViscosity(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* WcsphKeepsVolume - Returns true if the density is an unknown and walls or periods keep the volume of
-   the fluid; not collective */
+/* WcsphKeepsVolume - Returns true if the density is an unknown and walls or periods keep the volume
+   of the fluid; not collective */
 PetscBool WcsphKeepsVolume(const Flow *flow)
 {
   const Wcsph *w = (const Wcsph *)flow->scheme->data;
