@@ -1,4 +1,5 @@
 /* Creates the clouds of cloud.h: particles, neighbours and assembled operators. */
+#include "isph/start.h"
 #include "cloud.h"
 
 /* CloudKeepMessage - Copies the message of an error to `kept`, an array of 512 characters; for

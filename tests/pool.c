@@ -1,4 +1,5 @@
 /* Fluid with a free surface, for tests of the particles on it. */
+#include "isph/start.h"
 #include "pool.h"
 
 /* PoolFill - Creates the particles of a scene, its lattices displaced by a jitter */

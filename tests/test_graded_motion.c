@@ -4,6 +4,7 @@
   although radii change.
 */
 /* RANKS: 1 2 3 */
+#include "isph/start.h"
 #include "crowd.h"
 
 #define BLOCKS 4 /* along an axis */
@@ -79,7 +80,7 @@ static PetscReal MoveLong(Setting *s, PetscBool follows, PetscReal *volume)
     ASSERT_OK(ParticlesResize(scene, p));
   }
   uneven  = Unevenness(scene, p);
-  *volume = p->weight_found / p->weight_start - 1.0;
+  *volume = p->weight_resized / p->weight_start - 1.0;
   ASSERT_OK(ParticlesDestroy(&p));
   return uneven;
 }

@@ -3,6 +3,7 @@
   of particles relaxed to it: distances, numbers of neighbours, ordered rows along walls, volumes.
 */
 /* RANKS: 1 2 3 */
+#include "isph/start.h"
 #include "crowd.h"
 
 /* Reads a scene's spacing from options. */

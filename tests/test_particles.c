@@ -4,6 +4,7 @@
   rows equal a search over all particles and periodic images.
 */
 /* RANKS: 1 2 3 */
+#include "isph/start.h"
 #include "crowd.h"
 
 /* Checks normals, depths and sides of own wall particles and of their copies. */

@@ -4,6 +4,7 @@
   is the volume of the regions.
 */
 /* RANKS: 1 3 */
+#include "isph/start.h"
 #include "crowd.h"
 #include "isph/io.h"
 

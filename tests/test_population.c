@@ -4,6 +4,7 @@
   restart.
 */
 /* RANKS: 1 2 3 */
+#include "isph/start.h"
 #include "crowd.h"
 #include "../src/run/checkpoint.h"
 

@@ -4,6 +4,7 @@
   coupled system have the units of their particle. No Laplacian is symmetric.
 */
 /* RANKS: 1 2 3 */
+#include "isph/start.h"
 #include "crowd.h"
 #include "../src/schemes/coupled/saddle.h"
 

@@ -4,6 +4,7 @@
   that are not on a lattice (-spacing_growth).
 */
 /* RANKS: 1 2 */
+#include "isph/start.h"
 #include "crowd.h"
 
 /* Returns the edge of cell c of the lattice along an axis. */

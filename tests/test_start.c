@@ -4,6 +4,7 @@
 */
 /* RANKS: 1 3 */
 #include <string.h>
+#include "isph/start.h"
 #include "cloud.h"
 #include "io/hdf5file.h"
 #include "isph/run.h"

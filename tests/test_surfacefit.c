@@ -42,8 +42,8 @@ static void HalfSpace(PetscInt dim, PetscReal h_over_dx, PetscReal depth,
 
   ASSERT_OK(StencilReserve(st, NEIGHBOURS));
   StencilSetSize(kernel, h_over_dx, 0.1, st);
-  st->n            = 0;
-  st->near_surface = PETSC_TRUE;
+  st->n                     = 0;
+  st->beside_smooth_surface = PETSC_TRUE;
   for (PetscInt a = 0; a < dim; a++) st->own_normal[a] = frame[dim - 1][a];
   st->kind = depth == 0.0 ? SURFACE_SMOOTH : SURFACE_INSIDE;
   for (PetscInt id = 0; id < (dim == 2 ? 25 : 125); id++) {
@@ -181,7 +181,7 @@ static void test_stress(void **state)
       st->surface[k] = PETSC_FALSE;
       st->V[k]       = dim == 3 ? 1e-3 : 1e-2;
     }
-    st->near_surface = st->beside_surface = PETSC_FALSE;
+    st->beside_smooth_surface = st->beside_surface = PETSC_FALSE;
     /* grad div of Quadratic1: ([1] e_0 + 2 e_n) in 3D, 2 e_n in 2D */
     Apply(st, LaplacianRow_SurfaceStress, frame, depth, Quadratic1, force, &strain);
     assert_true(PetscAbsReal(force[0] - (dim == 2 ? 4.0 : 6.0)) < 1e-8);

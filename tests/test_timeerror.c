@@ -3,6 +3,7 @@
   the solenoidal norm, and periods of expressions are found at any length of the window.
 */
 /* RANKS: 1 2 */
+#include "isph/start.h"
 #include "isph/schemes.h"
 #include "crowd.h"
 

@@ -1,5 +1,5 @@
-/* The cases: flows and patch tests by name. Each has a file in cases/ with its row at the end, and a
-   name in cases/cases.c. */
+/* The cases: flows and patch tests by name. Each has a file in cases/ with its row at the end, and
+   a name in cases/cases.c. */
 #ifndef ISPH_CASES_H
 #define ISPH_CASES_H
 

@@ -137,9 +137,9 @@ typedef struct {
   PetscInt    regularised;    /* number of fits so far whose points did not determine them */
   PetscBool  *surface;        /* neighbour is on a free surface, where fits have its condition */
   SurfaceKind kind;           /* of the particle */
-  PetscBool   near_surface;   /* the particle or a neighbour is on a smooth part of it */
-  PetscBool   beside_surface; /* the same on any part of it */
-  PetscBool   paired;         /* pair forces in place of a fit, whatever the neighbours */
+  PetscBool   beside_smooth_surface;    /* the particle or a neighbour is on a smooth part of it */
+  PetscBool   beside_surface;           /* the same on any part of it */
+  PetscBool   has_pair_forces;          /* pair forces in place of a fit, whatever the neighbours */
   PetscReal   own_normal[ISPH_MAX_DIM]; /* of the particle, out of the fluid */
   unsigned    correction; /* CorrectionBit of the present row, for forms that couple components */
   PetscReal   own[ISPH_MAX_DIM * ISPH_MAX_DIM]; /* weight of u_i itself, see LaplacianRow */

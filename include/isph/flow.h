@@ -66,7 +66,7 @@ typedef struct {
 } BudgetValues;
 
 /* Sums over the run of momentum and energy that graded particles add by their motion; see
-   src/motion/graded.c. */
+   src/motion/gradedmotion.c. */
 typedef struct {
   PetscReal momentum[ISPH_MAX_DIM]; /* [kg m/s] (per metre of depth in 2D) */
   PetscReal energy;                 /* [J] (per metre of depth in 2D) */
@@ -74,7 +74,7 @@ typedef struct {
 
 /* Volume that enters and leaves through openings; see src/motion/openings.c. */
 typedef struct {
-  PetscBool  there;                 /* particles can enter or leave */
+  PetscBool  open;                  /* particles can enter or leave */
   PetscReal *entered;               /* length of fluid since the last particle, of wall particles on
                                        an inflow (field); NULL without inflow [m] */
   PetscReal  volume_in, volume_out; /* of particles, so far [m^dim] */
@@ -107,7 +107,7 @@ typedef struct {
   PetscReal *convection_earlier[ISPH_MAX_DIM]; /* (u.grad u)^{n-2} (field); NULL: not needed */
   /* change of the velocity by the motion up to each of its parts (field); NULL: not noted [m/s] */
   PetscReal *carried[CARRIED_PARTS][ISPH_MAX_DIM];
-  PetscReal *owned; /* volume that particles own (field); NULL: not controlled [m^dim] */
+  PetscReal *owned_volume; /* volume that particles own (field); NULL: not controlled [m^dim] */
   PetscReal *correction[ISPH_MAX_DIM]; /* u - u* of the last projection (field); NULL without
                                           implicit convection [m/s] */
 
@@ -151,7 +151,8 @@ typedef struct {
   PetscReal divergence;   /* root mean square of div u* in the last step [1/s] */
 } SteadyTest;
 
-/* The bound on the velocity that follows from driving forces and walls; see src/balance/check.c. */
+/* The bound on the velocity that follows from driving forces and walls; see
+   src/balance/stepcheck.c. */
 typedef struct {
   PetscReal start;      /* root mean square of u at the start [m/s] */
   PetscReal impulse;    /* int max |f| dt [m/s] */

@@ -1,6 +1,6 @@
 /*
-  Geometry: shapes of the plane and of space by the distance from their surface, bodies made of them,
-  and points on surfaces. It knows neither a scene nor particles.
+  Geometry: shapes of the plane and of space by the distance from their surface, bodies made of
+  them, and points on surfaces. It knows neither a scene nor particles.
 */
 #ifndef ISPH_GEOMETRY_H
 #define ISPH_GEOMETRY_H

@@ -132,8 +132,8 @@ void        ReferencePrint(FILE *out);
 void        VersionPrint(FILE *out);
 const char *VersionCommit(void);
 
-/* Expressions of position and time typed by the user, such as "sin(2*pi*t), 0". muParser parses them
-   once; then they can be evaluated anywhere and at any time. */
+/* Expressions of position and time typed by the user, such as "sin(2*pi*t), 0". muParser parses
+   them once; then they can be evaluated anywhere and at any time. */
 
 /* Bits of the variables that a text may use, or that a component uses. */
 typedef enum {

@@ -83,9 +83,9 @@ typedef struct {
   PetscReal *stretch[ISPH_MAX_DIM]; /* SceneStretch() (field) [-]; NULL: all are 1 */
   PetscReal *volume;                /* (field) [m^dim] */
   PetscReal  cell_volume;           /* of the lattice of the reference spacing [m^dim] */
-  PetscReal  weight;       /* sum of ParticlesWeight() over all fluid; N_fluid if uniform [-] */
-  PetscReal  weight_start; /* the same at the start of the run [-] */
-  PetscReal  weight_found; /* the same of the volumes that ParticlesResize() found [-] */
+  PetscReal  weight;         /* sum of ParticlesWeight() over all fluid; N_fluid if uniform [-] */
+  PetscReal  weight_start;   /* the same at the start of the run [-] */
+  PetscReal  weight_resized; /* the same of the volumes that ParticlesResize() found [-] */
   Field      field[PARTICLES_MAX_FIELDS];
   PetscInt   n_fields;
 
@@ -129,8 +129,6 @@ typedef struct {
 } NewParticles;
 
 PetscErrorCode ParticlesCreate(const Scene *scene, PetscReal halo_width, Particles **particles);
-PetscErrorCode ParticlesFill(const Scene *scene, WallPlacement walls, const FluidStart *start,
-                             Particles *particles);
 PetscErrorCode ParticlesDestroy(Particles **particles);
 PetscErrorCode ParticlesRegister(Particles *particles, const char name[], PetscInt components,
                                  HaloPolicy halo, EntryPolicy entry, PetscReal **slot);
@@ -202,7 +200,7 @@ static inline PetscReal ParticlesWeight(const Particles *p, PetscInt i)
 /* Returns SceneMotionFactor() at the place of graded particle i, from its volume [-]. */
 static inline PetscReal ParticlesMotionFactor(const Scene *scene, const Particles *p, PetscInt i)
 {
-  return p->volume[i] * (p->weight_found / p->weight_start) / scene->motion_volume;
+  return p->volume[i] * (p->weight_resized / p->weight_start) / scene->motion_volume;
 }
 
 /* Returns the factor by which axis a is stretched about particle i, SceneStretch() [-]. */

@@ -47,8 +47,8 @@ typedef enum {
 /* Numbers that rows compare with their bounds. */
 typedef enum {
   NUMBER_NONE,
-  NUMBER_CELL,    /* U dx/nu with the least viscosity */
-  NUMBER_DAMPING, /* U e/nu, e the smallest edge of a cell, or the largest spacing without a lattice */
+  NUMBER_CELL,      /* U dx/nu with the least viscosity */
+  NUMBER_DAMPING,   /* U e/nu, e the smallest edge of a cell; largest spacing without a lattice */
   NUMBER_SURFACE,   /* nu dt/dx^2 of the steps that a scheme saves at a free surface */
   NUMBER_STIFFNESS, /* nu dt/e^2 with the largest viscosity, e the smallest edge of a cell */
   NUMBER_COURANT,   /* U dt/dx */

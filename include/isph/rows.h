@@ -63,7 +63,7 @@ extern const Table CorrectionTable;
     (D S)_i = sum_j (S_j - S_i) c_ij,              c_ij = V_j grad_i W, corrected as in G
     (D S)_i = sum_j S_i c_ij - V_j/V_i S_j c_ji,   transposed: D = -V^-1 G^T V
 
-  LaplacianGradient() computes c_ij. For walls see composed.c.
+  LaplacianGradient() computes c_ij. For walls see twopassstress.c.
 */
 typedef enum { GRADIENT_SPH, GRADIENT_FIRST_ORDER, GRADIENT_COUPLED } GradientChoice;
 typedef struct {

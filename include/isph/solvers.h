@@ -1,7 +1,7 @@
 /*
-  Linear solvers: their defaults, and a guard. After each solve the guard computes the true residual,
-  solves again by fallback methods if the residual is not small, and fails the step if no method
-  helps. See src/solvers/guard.c and fallback.c.
+  Linear solvers: their defaults, and a guard. After each solve the guard computes the true
+  residual, solves again by fallback methods if the residual is not small, and fails the step if no
+  method helps. See src/solvers/guard.c and fallback.c.
 */
 #ifndef ISPH_SOLVERS_H
 #define ISPH_SOLVERS_H
@@ -50,7 +50,7 @@ PetscErrorCode GuardCheck(Guard *guard, StepFailure *failure);
 PetscErrorCode SolveResidual(KSP ksp, Vec b, Vec x, PetscReal *residual, PetscBool *good);
 PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved);
 
-/* views.c */
+/* solverviews.c */
 PetscErrorCode SolverViewTake(const char prefix[], const char name[], SolverView *view);
 PetscErrorCode SolverViewShow(PetscObject solver, const SolverView *view);
 PetscErrorCode SolverViewEnd(SolverView *view);

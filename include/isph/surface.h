@@ -7,15 +7,15 @@
 /* Free surfaces at the present positions; arrays by local index, halo included. */
 typedef struct {
   PetscInt   capacity;
-  PetscReal *kind;      /* SurfaceKind of fluid particles, a whole number */
-  PetscReal *normal;    /* out of the fluid, at [i dim + a]; of no meaning inside */
-  PetscReal *curvature; /* sum of the principal curvatures, own particles [1/m] */
-  PetscBool *contact;   /* of own particles: at a contact line, but in no nose */
-  PetscBool  there;     /* a fluid particle of any rank is on the surface, or isolated */
-  PetscBool  has_rough; /* a fluid particle of any rank is rough, or paired */
-  PetscReal  tension;   /* surface tension; 0: none [N/m] */
+  PetscReal *kind;            /* SurfaceKind of fluid particles, a whole number */
+  PetscReal *normal;          /* out of the fluid, at [i dim + a]; of no meaning inside */
+  PetscReal *curvature;       /* sum of the principal curvatures, own particles [1/m] */
+  PetscBool *at_contact_line; /* of own particles: at a contact line, but in no nose */
+  PetscBool  exists;          /* a fluid particle of any rank is on the surface, or isolated */
+  PetscBool  has_rough;       /* a fluid particle of any rank is rough, or paired */
+  PetscReal  tension;         /* surface tension; 0: none [N/m] */
   PetscBool  fitted; /* fits of the viscous term have its condition; else pair forces everywhere */
-  PetscReal *paired; /* not 0: own particle has pair forces, see JudgeBurst; NULL: none */
+  PetscReal *has_pair_forces; /* not 0: own particle has pair forces, see JudgeBurst; NULL: none */
 } FreeSurface;
 
 PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *particles,
@@ -51,7 +51,7 @@ static inline PetscReal FreeSurfacePressure(const FreeSurface *free, PetscInt i)
    of a fit, see JudgeBurst; not collective */
 static inline PetscBool FreeSurfaceIsPaired(const FreeSurface *free, PetscInt i)
 {
-  return free->paired && free->paired[i] != 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  return free->has_pair_forces && free->has_pair_forces[i] != 0.0 ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* FreeSurfaceIsRough - Returns true if a fluid particle is where no smooth surface passes; not

@@ -87,8 +87,7 @@ typedef struct {
 typedef struct {
   PetscReal t, dt, dt_previous; /* [s]; dt_previous = 0 before the second step */
   PetscReal dt_before;          /* length of the step before the previous step [s] */
-  PetscReal
-      jump; /* share of order 1 in the formulas of a step; see src/schemes/surface/jump.c [-] */
+  PetscReal jump;       /* share of order 1 in the formulas of a step; see velocityjump.c [-] */
   PetscReal dt_wanted;  /* dt before a report time shortens it; dt in a run of one step [s] */
   PetscInt  step;       /* finished steps */
   PetscReal t_first;    /* time at the start of this process, not 0 after a restart [s] */

@@ -1,8 +1,8 @@
 /*
-  The dense eigenproblem K v = lambda M v, as of an axis of splines, with K and M symmetric and M positive
-  definite. With M = L L^T it becomes the standard problem of L^-1 K L^-T, which is made tridiagonal
-  by reflections and then diagonal by rotations. All matrices are stored row by row, and rotations
-  and reflections combine rows.
+  The dense eigenproblem K v = lambda M v, as of an axis of splines, with K and M symmetric and M
+  positive definite. With M = L L^T it becomes the standard problem of L^-1 K L^-T, which is made
+  tridiagonal by reflections and then diagonal by rotations. All matrices are stored row by row, and
+  rotations and reflections combine rows.
 
   Reference: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th edition, Johns Hopkins University
   Press (2013), algorithms 8.3.1 to 8.3.3

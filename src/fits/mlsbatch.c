@@ -4,7 +4,7 @@
   lanes and on a system of a few unknowns; here no operation crosses lanes.
 */
 #include "mlsbatch.h"
-#include "four.h"
+#include "lanemonomials.h"
 
 #define ROWS      (2 + ISPH_MAX_DIM) /* filter, Laplacian, gradient */
 #define MOMENTS   (MLS_MAX_TERMS * (MLS_MAX_TERMS + 1) / 2)

@@ -7,7 +7,7 @@
 
   Reference: P. Lancaster & K. Salkauskas, Math. Comput. 37 (1981) 141-158
 */
-#include "four.h"
+#include "lanemonomials.h"
 
 /* Computes the basis 1, s_a, s_a s_b (b <= a), ... at four points: s[a][at], s[a][at + 1], ...; the
    order is that of MlsBasis(). */

@@ -8,7 +8,7 @@
   like the pressure, as an Eulerian field, because the mean along the paths of particles would
   differ from it by u.grad p T/2. A scheme with a pressure that is fixed in space averages it there.
   Steps outside of the last T before a snapshot do nothing. Probes and forces have fixed points, and
-  average their values themselves (src/measures/window.c).
+  average their values themselves (src/measures/slidingmean.c).
 */
 #include "isph/flow.h"
 

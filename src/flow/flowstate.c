@@ -133,8 +133,8 @@ PetscErrorCode FlowStateRenumber(Flow *flow)
       PetscCall(FluidVec(p, *s->standing[k].field, s->standing[k].vec));
     PetscCall(FluidVec(p, NULL, &s->p_before));
     PetscCall(FluidVec(p, NULL, &s->divergence));
-    if (s->owned) PetscCall(FluidVec(p, NULL, &s->source));
-    if (s->owned) PetscCall(VecZeroEntries(s->source));
+    if (s->owned_volume) PetscCall(FluidVec(p, NULL, &s->source));
+    if (s->owned_volume) PetscCall(VecZeroEntries(s->source));
   }
   s->epoch = p->epoch;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,6 +1,6 @@
 /*
-  The limit of a scheme's steps, and its lists of solves and figures for banner, report, progress and
-  checkpoints.
+  The limit of a scheme's steps, and its lists of solves and figures for banner, report, progress
+  and checkpoints.
 */
 #include "isph/flow.h"
 

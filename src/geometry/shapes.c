@@ -71,7 +71,7 @@ static PetscReal Edge(const Body *body, PetscInt e, const PetscReal **from, cons
 }
 
 /* Returns twice the signed area of the triangle a, b, c. */
-static PetscReal Turn(const PetscReal a[], const PetscReal b[], const PetscReal c[])
+static PetscReal CrossProduct(const PetscReal a[], const PetscReal b[], const PetscReal c[])
 {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
@@ -87,8 +87,10 @@ static PetscBool EdgesCross(const Body *body, PetscInt e, PetscInt f)
     if (PetscMax(a[k], b[k]) < PetscMin(c[k], d[k]) || PetscMax(c[k], d[k]) < PetscMin(a[k], b[k]))
       return PETSC_FALSE;
   }
-  return Turn(a, b, c) * Turn(a, b, d) <= 0.0 && Turn(c, d, a) * Turn(c, d, b) <= 0.0 ? PETSC_TRUE
-                                                                                      : PETSC_FALSE;
+  return CrossProduct(a, b, c) * CrossProduct(a, b, d) <= 0.0 &&
+                 CrossProduct(c, d, a) * CrossProduct(c, d, b) <= 0.0
+             ? PETSC_TRUE
+             : PETSC_FALSE;
 }
 
 /* Checks the corners and orders them counter-clockwise; computes the centroid and the extent. */
@@ -106,7 +108,7 @@ static const char *PolygonPrepare(Body *body)
       return "two corners in a row are at one place; each side needs a length, and a polygon "
              "closes by itself";
     longest  = PetscMax(longest, length);
-    triangle = 0.5 * Turn(c, a, b);
+    triangle = 0.5 * CrossProduct(c, a, b);
     area += triangle;
     for (PetscInt k = 0; k < 2; k++) body->centre[k] += triangle * (c[k] + a[k] + b[k]) / 3.0;
   }

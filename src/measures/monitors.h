@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Values of the last time T, for their mean; see window.c. */
+/* Values of the last time T, for their mean; see slidingmean.c. */
 typedef struct {
   PetscInt   n, count, capacity; /* values of a time; number of times; room for times */
   PetscReal *row;                /* a time [s], then its n values, for each time */
@@ -69,7 +69,7 @@ PetscErrorCode FacetsFree(Facets *facets);
 PetscErrorCode ProbeDry(const Flow *flow, PetscInt n, const PetscReal x[], PetscBool dry[]);
 PetscBool      ProbeInBody(const Scene *scene, const PetscReal x[]);
 
-/* window.c */
+/* slidingmean.c */
 PetscErrorCode MonitorMean(const Flow *flow, PetscInt k, PetscInt n, PetscReal value[],
                            Monitor *monitor);
 PetscInt       WindowPack(const Window *window, PetscReal values[]);

@@ -139,8 +139,8 @@ static PetscErrorCode MeasureGraded(const Flow *flow, Report *report)
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < p->dim; a++) square += PetscSqr(graded->momentum[a]);
-  PetscCall(
-      ReportAddReference(report, "graded_volume", p->weight_found * p->cell_volume, start, start));
+  PetscCall(ReportAddReference(report, "graded_volume", p->weight_resized * p->cell_volume, start,
+                               start));
   PetscCall(ReportAdd(report, "graded_momentum", PetscSqrtReal(square)));
   PetscCall(ReportAdd(report, "graded_energy", graded->energy));
   PetscFunctionReturn(PETSC_SUCCESS);

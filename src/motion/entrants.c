@@ -20,8 +20,8 @@ PetscErrorCode EntrantsAdd(const Particles *p, PetscInt w, PetscReal distance, E
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* EntrantsGather - Gives all ranks the entrants of all ranks, in the order of ranks, and the largest
-   `far`; collective */
+/* EntrantsGather - Gives all ranks the entrants of all ranks, in the order of ranks, and the
+   largest `far`; collective */
 PetscErrorCode EntrantsGather(MPI_Comm comm, Entrants *all)
 {
   const PetscReal own = (PetscReal)(all->n * ENTRANT_NUMBERS), tell[] = {own, all->far};

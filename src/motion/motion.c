@@ -1,6 +1,6 @@
 /*
-  The motion of particles: with the flow (graded.c: along its streamlines), and by a small shift
-  that keeps them evenly spread. Taylor series give the change of their fields.
+  The motion of particles: with the flow (gradedmotion.c: along its streamlines), and by a small
+  shift that keeps them evenly spread. Taylor series give the change of their fields.
 */
 #include "isph/motion.h"
 

@@ -29,8 +29,8 @@ PetscErrorCode OpeningsCreate(Flow *flow)
   } volume[] = {{"volume_in", &o->volume_in}, {"volume_out", &o->volume_out}};
 
   PetscFunctionBegin;
-  o->there = SceneHasOpenings(flow->scene);
-  if (!o->there) PetscFunctionReturn(PETSC_SUCCESS);
+  o->open = SceneHasOpenings(flow->scene);
+  if (!o->open) PetscFunctionReturn(PETSC_SUCCESS);
   UserCheck(
       !SceneMovesGraded(flow->scene),
       "-scene_inflow, -scene_outflow: graded particles that move neither enter nor leave; use "
@@ -51,7 +51,7 @@ PetscErrorCode OpeningsRegister(Flow *flow)
   Openings *o = &flow->state->openings;
 
   PetscFunctionBegin;
-  if (!o->there || !SceneHasBoundary(flow->scene, BOUNDARY_INFLOW))
+  if (!o->open || !SceneHasBoundary(flow->scene, BOUNDARY_INFLOW))
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ParticlesRegister(flow->particles, "entered", 1, HALO_NONE, ENTRY_ZERO, &o->entered));
   PetscFunctionReturn(PETSC_SUCCESS);

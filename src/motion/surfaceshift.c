@@ -54,7 +54,7 @@ void FlowLimitShift(const Flow *flow, const PetscReal apart[], PetscInt i, Petsc
     if (kind == SURFACE_SMOOTH) shift[a] -= along * free->normal[i * d + a];
     if (FreeSurfaceIsRough(free, i)) shift[a] = apart[a];
   }
-  if (free->contact[i]) KeepContactLine(flow, i, shift);
+  if (free->at_contact_line[i]) KeepContactLine(flow, i, shift);
   for (PetscInt a = 0; a < d; a++) length += PetscSqr(shift[a]);
   length = PetscSqrtReal(length);
   for (PetscInt a = 0; a < d && length > most; a++) shift[a] *= most / length;

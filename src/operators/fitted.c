@@ -6,7 +6,7 @@
   of a particle. Neighbours have the weights and the offsets of the assembly, computed anew.
 */
 #include "fitted.h"
-#include "fits/four.h"
+#include "fits/lanemonomials.h"
 
 /* Arrays over neighbours end in zeros up to a multiple of 4. */
 struct FittedRows {
@@ -186,8 +186,8 @@ static PetscReal RowApart(const OperatorRows *rows, const AffineOperator *op, Pe
   return sum;
 }
 
-static inline void Put(const FittedProducts *to, PetscInt c, PetscInt k, PetscInt i,
-                       PetscReal product)
+static inline void StoreProduct(const FittedProducts *to, PetscInt c, PetscInt k, PetscInt i,
+                                PetscReal product)
 {
   to->y[c][k][i] = to->add ? to->y[c][k][i] + product : product;
 }
@@ -207,7 +207,7 @@ static ISPH_INLINE void ApplyInline(PetscInt dim, PetscInt degree, const FittedP
       for (PetscInt e = 0; e < to->fields * to->n; e++) {
         const PetscInt c = e / to->n, k = e % to->n;
 
-        Put(to, c, k, i, RowApart(rows, to->op[c][k], i, rows->value + c, step));
+        StoreProduct(to, c, k, i, RowApart(rows, to->op[c][k], i, rows->value + c, step));
       }
       continue;
     }
@@ -218,7 +218,7 @@ static ISPH_INLINE void ApplyInline(PetscInt dim, PetscInt degree, const FittedP
 
       SumMoments(dim, degree, n, rows->value + c, step, rows->value[step * i + c], f, m);
       for (PetscInt k = 0; k < to->n; k++)
-        Put(to, c, k, i, RowOfMoments(f, i, to->op[c][k]->fitted, m));
+        StoreProduct(to, c, k, i, RowOfMoments(f, i, to->op[c][k]->fitted, m));
     }
   }
 }

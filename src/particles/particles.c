@@ -128,7 +128,7 @@ static void Resize(const Scene *scene, Particles *p, PetscInt i)
     V_i = (sum V at the start/sum_j SceneVolumeAt(x_j)) SceneVolumeAt(x_i)
 
   Collective. Sets spacing, stretch and volume of own particles and of the halo. The factor keeps
-  the volume of the fluid; weight_found is the weight without it. Wall particles keep their sizes.
+  the volume of the fluid; weight_resized is the weight without it. Wall particles keep their sizes.
 */
 PetscErrorCode ParticlesResize(const Scene *scene, Particles *p)
 {
@@ -140,9 +140,9 @@ PetscErrorCode ParticlesResize(const Scene *scene, Particles *p)
     Resize(scene, p, i);
     if (i < p->n_fluid) sum += ParticlesWeight(p, i);
   }
-  PetscCallMPI(MPI_Allreduce(&sum, &p->weight_found, 1, MPIU_REAL, MPIU_SUM, p->comm));
+  PetscCallMPI(MPI_Allreduce(&sum, &p->weight_resized, 1, MPIU_REAL, MPIU_SUM, p->comm));
   for (PetscInt i = 0; i < ParticlesAll(p); i++)
-    if (!ParticlesIsWall(p, i)) p->volume[i] *= p->weight_start / p->weight_found;
+    if (!ParticlesIsWall(p, i)) p->volume[i] *= p->weight_start / p->weight_resized;
   p->weight = p->weight_start;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

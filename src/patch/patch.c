@@ -2,6 +2,7 @@
   Runs a patch test: sets a field on particles in a box and around it, compares the Laplacian of a
   form with the exact Laplacian, and measures its cost.
 */
+#include "isph/start.h"
 #include "isph/patch.h"
 
 /* Prints the banner of a patch test. */

@@ -138,7 +138,7 @@ static void AddSurfacePlane(const Stencil *st, WallPlane planes[], PetscInt *n)
   PetscReal nearest = st->kind == SURFACE_SMOOTH ? 0.0 : st->radius;
   PetscInt  which   = -1;
 
-  if (!st->near_surface || *n == SCENE_MAX_BOUNDARIES) return;
+  if (!st->beside_smooth_surface || *n == SCENE_MAX_BOUNDARIES) return;
   for (PetscInt k = 0; k < st->n; k++) {
     if (!st->surface[k] || st->r[k] >= nearest) continue;
     nearest = st->r[k];

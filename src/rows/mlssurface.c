@@ -232,11 +232,11 @@ PetscErrorCode LaplacianRow_SurfaceMls(Stencil *st, PetscReal w[])
     PetscCall(LaplacianRow_PairwiseStress(st, w));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (st->paired) {
+  if (st->has_pair_forces) {
     PetscCall(PairRow(st, w));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (st->near_surface || st->slips) {
+  if (st->beside_smooth_surface || st->slips) {
     if (FittedRow(st, 1.0, w)) PetscFunctionReturn(PETSC_SUCCESS);
   } else {
     PetscCall(LaplacianRow_Mls(st, st->fit.value));

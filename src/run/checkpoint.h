@@ -8,7 +8,7 @@
 #define CHECKPOINT_FORMAT 18 /* version of the layout of the file */
 
 /* An entry of numbers that identify a scene in the file; a restart refuses a file with other
-   numbers. Each entry is a row of the table in state.c. */
+   numbers. Each entry is a row of the table in identity.c. */
 #define SCENE_ENTRY_MAX (2 * ISPH_MAX_DIM)
 typedef struct {
   const char *name;      /* of the data set */

@@ -34,7 +34,7 @@ PetscErrorCode CheckpointsDestroy(Checkpoints **checkpoints);
 PetscErrorCode CheckpointsUpdate(PetscBool final, Run *run);
 PetscErrorCode CheckpointsRestart(Run *run, PetscBool *restarted);
 
-/* outputs.c */
+/* outputnames.c */
 PetscErrorCode RunCheckOutputs(const Run *run);
 
 /* interrupt.c */

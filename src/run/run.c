@@ -2,6 +2,7 @@
   The run of a flow: creation of its parts, the time loop with the output between steps, and the
   report at the end, which is also written after a failure.
 */
+#include "isph/start.h"
 #include "impl.h"
 
 /*

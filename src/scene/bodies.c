@@ -1,7 +1,7 @@
 /*
-  Bodies of a scene, and regions with the same shapes: set from numbers or typed in numbered options,
-  as -scene_body_1 circle,0.5,0.5,0.25; distances from them, with periodic images, for fluid on
-  either side of the surface.
+  Bodies of a scene, and regions with the same shapes: set from numbers or typed in numbered
+  options, as -scene_body_1 circle,0.5,0.5,0.25; distances from them, with periodic images, for
+  fluid on either side of the surface.
 */
 #include "geometry/shapes.h"
 #include "isph/scene.h"

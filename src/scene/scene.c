@@ -1,6 +1,6 @@
 /*
-  Functions that return properties of a scene: physics, dimensionless numbers and force. create.c
-  creates the scene; for its lattice see spacing.c.
+  Functions that return properties of a scene: physics, dimensionless numbers and force.
+  scenecreate.c creates the scene; for its lattice see spacing.c.
 */
 #include "isph/scene.h"
 

@@ -176,7 +176,7 @@ static PetscErrorCode TurnSlabs(ScatterMode mode, SplineInverse *v)
 }
 
 /* Moves a vector to the slabs in v->work[0]. */
-static PetscErrorCode Deal(Vec x, SplineInverse *v)
+static PetscErrorCode MoveToSlabs(Vec x, SplineInverse *v)
 {
   const PetscScalar *a;
 
@@ -217,7 +217,7 @@ static PetscErrorCode Collect(SplineInverse *v, Vec x)
 PetscErrorCode SplineInverseApply(SplineInverse *v, Vec b, Vec x)
 {
   PetscFunctionBegin;
-  PetscCall(Deal(b, v));
+  PetscCall(MoveToSlabs(b, v));
   TransformSlab(&v->slab, -1, PETSC_FALSE, v);
   if (v->spread) {
     PetscCall(TurnSlabs(SCATTER_FORWARD, v));

@@ -357,7 +357,8 @@ PetscErrorCode SplinesPressure(const Splines *s, const Particles *particles, con
 PetscErrorCode SplinesAverage(PetscReal length, PetscReal dt, Splines *s, Vec mean);
 PetscErrorCode SplinesView(const Splines *s, PetscViewer viewer);
 
-/* ---- splinerows.c: rows of a matrix that repeat and are stored once, with columns relative to their own numbers ---- */
+/* ---- splinerows.c: rows of a matrix that repeat and are stored once, with columns relative to
+   their own numbers ---- */
 
 /* Rows that repeat. */
 typedef struct {
@@ -422,7 +423,8 @@ PetscBool      SplineIsNearOblique(const Flow *flow, PetscInt i, const SplineAro
 PetscBool SplineFitIsShared(const Particles *p, PetscInt i, PetscInt a, PetscInt b, PetscReal R,
                             const SplineAround *around);
 
-/* ---- splinetensor.c: the stiffness of the splines of a box in the basis that makes it diagonal ---- */
+/* ---- splinetensor.c: the stiffness of the splines of a box in the basis that makes it diagonal
+   ---- */
 
 /* A matrix of an axis, in both orders: row by row and column by column. */
 typedef struct {

@@ -11,7 +11,7 @@
   G. Sangalli, M. Tani, SIAM J. Sci. Comput. 38 (2016) A3644-A3671
 */
 #include "splines.h"
-#include "fits/four.h"
+#include "fits/lanemonomials.h"
 
 #define TILE_ROWS 4 /* of a tile of a product */
 #define TILE_COLS 8

@@ -6,7 +6,7 @@
   axis has it dx/2 off the axis; a piece that ends at a corner has it in the corner; a piece that
   ends at another region, a body or a periodic side has it half a spacing before.
 */
-#include "particles/impl.h"
+#include "start.h"
 
 #define FINE   32.0 /* samples of an outline along dx */
 #define COARSE 8    /* samples from one that is checked to the next */

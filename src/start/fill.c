@@ -2,7 +2,7 @@
   The particles at the start of a run: fills the box with fluid particles and its sides with wall
   particles, and removes walls that are buried in other walls.
 */
-#include "particles/impl.h"
+#include "start.h"
 
 /* Sets the viscosities of fluid: given values, or SceneViscosity() at the positions. */
 static void SetViscosities(const Scene *scene, const FluidStart *start, Particles *p)
@@ -94,6 +94,6 @@ PetscErrorCode ParticlesFill(const Scene *scene, WallPlacement walls, const Flui
   }
   SetViscosities(scene, start, p);
   PetscCall(ParticlesUpdateEpoch(scene, p, PETSC_TRUE, NULL));
-  p->weight_start = p->weight_found = p->weight;
+  p->weight_start = p->weight_resized = p->weight;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

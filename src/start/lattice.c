@@ -5,7 +5,7 @@
   surface layer represents the half cell between fluid and dummies. Each particle follows from its
   index alone, so each rank creates the particles of a contiguous range of indices.
 */
-#include "particles/impl.h"
+#include "start.h"
 
 /* Slabs of lattice cells with the wall particles of the box, a slab for each confining side. */
 typedef struct {

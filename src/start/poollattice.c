@@ -4,7 +4,7 @@
   from walls and from periodic sides, as on the lattice of a full box. All regions of a pool share
   the lattice.
 */
-#include "particles/impl.h"
+#include "start.h"
 
 #define EDGE_LEAST 0.8 /* edges of cells for which a pool has a lattice [dx] */
 #define EDGE_MOST  1.25

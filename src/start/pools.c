@@ -1,10 +1,10 @@
 /*
   Pools: the connected parts of the fluid at the start of a run. Filled regions that touch form a
   pool. Pools whose borders are lines along the axes have a lattice (poollattice.c); the particles
-  of other pools lie on the free border (border.c) or are relaxed inside it (places.c, relax.c). All
-  particles of a pool have the same share of its volume.
+  of other pools lie on the free border (border.c) or are relaxed inside it (densityplaces.c,
+  relax.c). All particles of a pool have the same share of its volume.
 */
-#include "particles/impl.h"
+#include "start.h"
 
 #define POINTS 8   /* of the quadrature of volumes, along dx */
 #define TOUCH  0.5 /* gap below which regions touch [dx] */
@@ -18,7 +18,7 @@ static void SpanInBox(const Scene *scene, PetscInt region, PetscInt axis, PetscR
 }
 
 /* Returns true if two filled regions touch, by the boxes around them. */
-static PetscBool Touch(const Scene *scene, PetscInt k, PetscInt m)
+static PetscBool RegionsTouch(const Scene *scene, PetscInt k, PetscInt m)
 {
   for (PetscInt a = 0; a < scene->dim; a++) {
     PetscReal one[2], two[2];
@@ -42,7 +42,7 @@ static void JoinRegions(const Scene *scene, Pools *pools)
       for (PetscInt m = 0; m < k; m++) {
         const PetscInt first = PetscMin(pools->of[k], pools->of[m]);
 
-        if (pools->of[k] == pools->of[m] || !Touch(scene, k, m)) continue;
+        if (pools->of[k] == pools->of[m] || !RegionsTouch(scene, k, m)) continue;
         pools->of[k] = pools->of[m] = first;
         changed                     = PETSC_TRUE;
       }

@@ -11,7 +11,7 @@
 
   Reference: B. Fornberg, N. Flyer, Comput. Math. Appl. 69 (2015) 531-544
 */
-#include "particles/impl.h"
+#include "start.h"
 
 #define STEPS     100  /* as even as 400 steps with B = 0 */
 #define RANGE     1.8  /* Q: range of the repulsion [spacings] */

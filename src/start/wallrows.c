@@ -4,7 +4,7 @@
   along the normal, dD/dm = s(D), and its particles are at D(m + 1/2). Disorder beside walls has
   larger errors than disorder elsewhere: it changes the shear stress.
 */
-#include "particles/impl.h"
+#include "start.h"
 
 /* Returns the height D(m) above a point of a wall, by the midpoint rule in steps of 1/2 [m]. */
 static PetscReal RowHeight(const Scene *scene, const PetscReal foot[], const PetscReal normal[],

@@ -170,9 +170,9 @@ static PetscBool IsCovered(const Scene *scene, const Particles *p, const Neighbo
 
 /* Determines if own particle i can be on the surface, and its first normal: SMOOTH is a candidate,
    ROUGH is on the surface even if it is covered. */
-static SurfaceKind Candidate(const Scene *scene, const Particles *p, const Neighbors *nb,
-                             const KernelSize *kernel, const PlaneSums *plane, PetscInt i,
-                             PetscReal normal[])
+static SurfaceKind CandidateKind(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                 const KernelSize *kernel, const PlaneSums *plane, PetscInt i,
+                                 PetscReal normal[])
 {
   const PetscInt openings = FreeSurfaceOpenings(scene, p, nb, i);
   Sums           sums;
@@ -223,8 +223,8 @@ static PetscBool BesideRough(const Particles *p, const Neighbors *nb, const Free
    beside a rough one. A particle below a gap of the surface is inside: the pressure of the surface
    would sink it. With pair forces everywhere it stays on the surface: an equation of mass there
    stiffens thin jets, which then do not fold. */
-static PetscErrorCode Sort(const Scene *scene, const Particles *p, const Neighbors *nb,
-                           const PetscReal depth[], FreeSurface *free)
+static PetscErrorCode ClassifyParticles(const Scene *scene, const Particles *p, const Neighbors *nb,
+                                        const PetscReal depth[], FreeSurface *free)
 {
   PetscReal *kind;
 
@@ -256,7 +256,7 @@ static PetscErrorCode FindOnAnyRank(const Particles *p, FreeSurface *free)
     if (FreeSurfaceIsRough(free, i) || FreeSurfaceIsPaired(free, i)) any[1] = 1;
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, any, 2, MPI_INT, MPI_MAX, p->comm));
-  free->there     = any[0] ? PETSC_TRUE : PETSC_FALSE;
+  free->exists    = any[0] ? PETSC_TRUE : PETSC_FALSE;
   free->has_rough = any[1] ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -278,14 +278,15 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
   ComputePlane(kernel->row, d, kernel->h, scene->dx, &plane); /* the spacing is uniform */
   if (all > free->capacity) {
     free->capacity = all + all / 8;
-    PetscCall(PetscFree4(free->kind, free->normal, free->curvature, free->contact));
+    PetscCall(PetscFree4(free->kind, free->normal, free->curvature, free->at_contact_line));
     PetscCall(PetscMalloc4(free->capacity, &free->kind, free->capacity * d, &free->normal,
-                           free->capacity, &free->curvature, free->capacity, &free->contact));
+                           free->capacity, &free->curvature, free->capacity,
+                           &free->at_contact_line));
   }
   PetscCall(PetscArrayzero(free->kind, all));
   PetscCall(PetscArrayzero(free->normal, all * d));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    free->kind[i]      = Candidate(scene, p, nb, kernel, &plane, i, &free->normal[i * d]);
+    free->kind[i]      = CandidateKind(scene, p, nb, kernel, &plane, i, &free->normal[i * d]);
     free->curvature[i] = 0.0;
   }
   PetscCall(Exchange(p, free));
@@ -302,7 +303,7 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
     PetscCall(PetscArraycpy(free->normal, fits.normal, p->n_fluid * d));
     PetscCall(Exchange(p, free));
   }
-  PetscCall(Sort(scene, p, nb, fits.depth, free));
+  PetscCall(ClassifyParticles(scene, p, nb, fits.depth, free));
   PetscCall(FindOnAnyRank(p, free));
   if (free->tension > 0.0) PetscCall(SurfaceAverageCurvature(scene, p, nb, kernel, free));
   PetscCall(PetscFree2(fits.normal, fits.depth));
@@ -313,6 +314,6 @@ PetscErrorCode FreeSurfaceFind(const Scene *scene, const Particles *p, const Nei
 PetscErrorCode FreeSurfaceFree(FreeSurface *free)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree4(free->kind, free->normal, free->curvature, free->contact));
+  PetscCall(PetscFree4(free->kind, free->normal, free->curvature, free->at_contact_line));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -27,7 +27,7 @@ PetscErrorCode SurfaceAverageCurvature(const Scene *scene, const Particles *p, c
 PetscErrorCode FreeSurfaceFindNoses(const Scene *scene, const Particles *p, const Neighbors *nb,
                                     FreeSurface *free);
 
-/* contact.c */
+/* wetwalls.c */
 PetscBool FreeSurfaceIsCoveredBy(const Scene *scene, const Particles *p, const Neighbors *nb,
                                  PetscInt i, PetscInt w, const PetscReal normal[]);
 void      FreeSurfaceFillOpenings(const Scene *scene, const Particles *p, const Neighbors *nb,

@@ -57,7 +57,7 @@ void HistoryPredict(const Clock *clock, PetscInt n, PetscReal weight[HISTORY])
   HistoryPath - Computes the weights of earlier velocities in the displacement of a step over dt
 
   Not collective. The formula of Adams and Bashforth: the mean of HistoryAhead() over the step,
-  blended with u^n after a jump (jump.c).
+  blended with u^n after a jump (velocityjump.c).
   Output: weight - of u^n, u^{n-1} and u^{n-2} [-]. See docs/theory.md, (105) and (319).
 */
 void HistoryPath(const Clock *clock, PetscReal weight[HISTORY])
@@ -94,8 +94,8 @@ static PetscReal StartWeights(const Clock *clock, PetscReal weight[HISTORY])
     BDF2, w = ClockRatio():  start = ((1+w)^2 u^n - w^2 u^{n-1})/(1+2w),  k = dt (1+w)/(1+2w)
     BDF3, equal steps:       start = (18 u^n - 9 u^{n-1} + 2 u^{n-2})/11,  k = 6 dt/11
 
-  Not collective. A backward Euler step of length k from this start is a step of BDF: docs/theory.md,
-  (99) and (318). In a jump both are blended with order 1: (362).
+  Not collective. A backward Euler step of length k from this start is a step of BDF:
+  docs/theory.md, (99) and (318). In a jump both are blended with order 1: (362).
 */
 PetscReal HistoryStartWeights(const Clock *clock, PetscReal weight[HISTORY])
 {

@@ -356,7 +356,7 @@ PetscErrorCode AddRows_Divergence(const Scene *scene, Stencil *st, PetscInt diag
 
   PetscFunctionBegin;
   if (!StoresRow(ops, &ops->div[0])) PetscFunctionReturn(PETSC_SUCCESS);
-  if (st->near_surface) st->degree = st->surface_degree;
+  if (st->beside_smooth_surface) st->degree = st->surface_degree;
   StencilSetQuantity(scene, ops->free ? FIT_DIVERGENCE : FIT_VELOCITY_NORMAL, st);
   if (st->n_wall && st->fits_walls && ops->forms.gradient->DivergenceFit) {
     PetscCall(ops->forms.gradient->DivergenceFit(st, ops->work->g, ops->work->m));

@@ -176,7 +176,7 @@ class Contents:
         return code and struct.unpack(f"<{item.count()}{code}", raw)
 
 
-# ---- the checksum of src/run/state.c ----
+# ---- the checksum of src/run/identity.c ----
 
 
 def hashed(words):

@@ -249,7 +249,7 @@ static PetscErrorCode ReplaceRows(const Flow *flow, Mat reactions, Saddle *s)
 }
 
 /*
-  SaddleUseReactions - Replaces columns of G by reactions: those of all equations of mass if
+  SaddleReplaceGradient - Replaces columns of G by reactions: those of all equations of mass if
   s->adjoint is set, otherwise those that oppose their equations in fluids with a free surface and
   no surface tension; replaces rows of G off walls before if s->natural is set
 
@@ -260,7 +260,7 @@ static PetscErrorCode ReplaceRows(const Flow *flow, Mat reactions, Saddle *s)
   Without viscosity, force and C the kinetic energy is constant. Single replaced columns give a
   uniform pressure a force, so that a drop which surface tension holds would not be at rest.
 */
-PetscErrorCode SaddleUseReactions(const Flow *flow, Vec momentum, Saddle *s)
+PetscErrorCode SaddleReplaceGradient(const Flow *flow, Vec momentum, Saddle *s)
 {
   PetscInt replaced;
   Vec      fits;

@@ -71,12 +71,12 @@ typedef struct {
   Vec       u[ISPH_MAX_DIM]; /* components of x, for convection at a stage [m/s] */
   PetscReal substep;         /* last substep of the integrator [s] */
 
-  Flow      *flow;      /* of the present step, for callbacks */
-  Vec       *force;     /* [m/s^2] */
-  PetscReal  end;       /* of the present step or stage [s] */
-  PetscBool  stages;    /* the force is computed at each stage, without convection */
-  PetscBool  convects;  /* stages apply convection themselves */
-  const Vec *advecting; /* v of implicit convection; NULL: none [m/s] */
+  Flow      *flow;           /* of the present step, for callbacks */
+  Vec       *force;          /* [m/s^2] */
+  PetscReal  end;            /* of the present step or stage [s] */
+  PetscBool  force_by_stage; /* the force is computed at each stage, without convection */
+  PetscBool  convects;       /* stages apply convection themselves */
+  const Vec *advecting;      /* v of implicit convection; NULL: none [m/s] */
 } Coupled;
 
 #define MIX_DEPTH 5 /* earlier iterations that the viscosities of a rheology follow from */

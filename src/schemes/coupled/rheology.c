@@ -90,8 +90,8 @@ static PetscErrorCode MixFactors(MPI_Comm comm, const ViscosityMix *mix, PetscRe
 }
 
 /* Returns nu_{m+1} of particle i [m^2/s]. */
-static PetscReal Mixed(const Rheology *law, const ViscosityMix *mix, const PetscReal a[],
-                       PetscInt i)
+static PetscReal MixedViscosity(const Rheology *law, const ViscosityMix *mix, const PetscReal a[],
+                                PetscInt i)
 {
   PetscReal next = mix->followed[i];
 
@@ -121,7 +121,7 @@ PetscErrorCode CoupledFollowStrain(Flow *flow, const Vec u[], ViscosityMix *mix)
   }
   PetscCall(MixFactors(p->comm, mix, a));
   for (PetscInt i = 0; i < mix->n; i++) {
-    p->nu[i]      = Mixed(&flow->scene->rheology, mix, a, i);
+    p->nu[i]      = MixedViscosity(&flow->scene->rheology, mix, a, i);
     mix->given[i] = PetscLogReal(p->nu[i]);
   }
   PetscCall(ParticlesHaloField(p, p->nu));

@@ -101,7 +101,7 @@ static PetscErrorCode CreateBlocks(const Flow *flow, Saddle *s)
       AffineBlock(p, &ops->rows, &(AffineLayout){1, s->dim, dx, s->mass, NULL}, ops->div, &s->D));
   PetscCall(AffineBlock(p, &ops->rows, &(AffineLayout){1, 1, 1.0, mass, s->pressure},
                         &ops->filter_p, &s->C));
-  PetscCall(SaddleUseReactions(flow, momentum, s));
+  PetscCall(SaddleReplaceGradient(flow, momentum, s));
   PetscCall(VecDestroy(&momentum));
   PetscCall(VecDestroy(&mass));
   PetscFunctionReturn(PETSC_SUCCESS);

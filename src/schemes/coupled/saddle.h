@@ -43,7 +43,7 @@ PetscErrorCode SaddleAdd(const Saddle *saddle, PetscInt c, PetscReal scale, Vec 
 PetscErrorCode SaddleAddInertia(const Saddle *saddle, Vec x, Vec xdot, Vec f);
 
 /* adjoint.c */
-PetscErrorCode SaddleUseReactions(const Flow *flow, Vec momentum, Saddle *saddle);
+PetscErrorCode SaddleReplaceGradient(const Flow *flow, Vec momentum, Saddle *saddle);
 
 /* saddlesurface.c */
 PetscErrorCode SaddleEliminateSurface(const Flow *flow, Saddle *saddle);

@@ -2,8 +2,9 @@
   The coupled step: a solve for velocity and pressure together, either in time or steady, with
   iterations for steady convection and for viscosities that follow the strain rate. A step without
   earlier velocities has two stages, so that it is of order 2 as the steps after it. A step in which
-  the velocity jumps is solved again with a larger share of order 1 (jump.c). In the first step in
-  time with substeps, a backward Euler step makes the velocity solenoidal before the substeps begin.
+  the velocity jumps is solved again with a larger share of order 1 (velocityjump.c). In the first
+  step in time with substeps, a backward Euler step makes the velocity solenoidal before the
+  substeps begin.
 */
 #include "coupled.h"
 
@@ -259,10 +260,10 @@ PetscErrorCode CoupledSolve(Flow *flow)
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < dim; a++) PetscCall(FlowGetWork(flow, &force[a]));
-  c->force  = force;
-  c->end    = end;
-  c->stages = c->row->substeps || flow->clock->steady_solve;
-  if (c->stages) {
+  c->force          = force;
+  c->end            = end;
+  c->force_by_stage = c->row->substeps || flow->clock->steady_solve;
+  if (c->force_by_stage) {
     for (PetscInt a = 0; a < dim; a++) PetscCall(VecCopy(s->u[a], s->u_next[a]));
     PetscCall(SolveSystem(flow, dt, c));
   } else if (flow->clock->order > 1 && ClockRatio(flow->clock) == 0.0) {

@@ -117,8 +117,8 @@ PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
   PetscFunctionBegin;
   if (c->b_t == t) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(WallValuesSetVelocity(c->flow->scene, c->flow->particles, t, 0.0, &c->flow->walls));
-  for (PetscInt a = 0; c->stages && a < s->dim; a++) PetscCall(VecZeroEntries(c->force[a]));
-  if (c->stages && SceneHas(c->flow->scene, PHYSICS_BODY_FORCE))
+  for (PetscInt a = 0; c->force_by_stage && a < s->dim; a++) PetscCall(VecZeroEntries(c->force[a]));
+  if (c->force_by_stage && SceneHas(c->flow->scene, PHYSICS_BODY_FORCE))
     PetscCall(AddBodyForce(c->flow, t, c->force));
   PetscCall(VecZeroEntries(c->b));
   for (PetscInt a = 0; a < s->dim; a++) {

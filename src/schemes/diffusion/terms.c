@@ -172,7 +172,7 @@ PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal
   }
   if (v->nonlinear)
     PetscCall(FollowStrain(v, t, u)); /* the last residual may belong to another u */
-  else if (shift == v->shift && visc == v->of_J)
+  else if (shift == v->shift && visc == v->operator_of_J)
     PetscFunctionReturn(PETSC_SUCCESS); /* keeps the preconditioner */
   if (v->surface) PetscCall(SetWithSurface(v->surface, shift, P));
   else PetscCall(AffineSystemSet(visc, shift, -v->flow->scene->nu, P));
@@ -181,8 +181,8 @@ PetscErrorCode ViscosityIJacobian(TS ts, PetscReal t, Vec u, Vec udot, PetscReal
     PetscCall(ConvectionAddMatrix(v->flow, v->advecting, part->c, v->convection, work, P));
     PetscCall(FlowRestoreWork(v->flow, &work));
   }
-  v->shift = shift;
-  v->of_J  = visc;
+  v->shift         = shift;
+  v->operator_of_J = visc;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -46,14 +46,14 @@ struct Viscosity {
   PetscBool                   nonlinear;        /* the viscosity depends on the strain rate */
   TS                          ts[ISPH_MAX_DIM]; /* they share the KSP of the first */
   Component                   component[ISPH_MAX_DIM];
-  Guard                       guard;      /* its KSP is NULL for explicit integrators */
-  Mat                         J;          /* shift I - nu A, with the term of `surface` */
-  PetscBool                   shell;      /* J only has products and a diagonal */
-  PetscReal                   shift;      /* in J; NaN: J is out of date [1/s] */
-  Mat                         convection; /* work matrix; NULL: convection not in J */
-  const AffineOperator       *of_J;       /* the A in J */
-  PetscInt                    assemblies; /* stamp of the operators in J */
-  PetscInt                    epoch;      /* epoch of the vectors below */
+  Guard                       guard;         /* its KSP is NULL for explicit integrators */
+  Mat                         J;             /* shift I - nu A, with the term of `surface` */
+  PetscBool                   shell;         /* J only has products and a diagonal */
+  PetscReal                   shift;         /* in J; NaN: J is out of date [1/s] */
+  Mat                         convection;    /* work matrix; NULL: convection not in J */
+  const AffineOperator       *operator_of_J; /* the A in J */
+  PetscInt                    assemblies;    /* stamp of the operators in J */
+  PetscInt                    epoch;         /* epoch of the vectors below */
   SurfaceStress *surface;  /* NULL: the pressure of a free surface is not part of the term */
   Vec            boundary; /* B u_wall at wall_t, of all components in a single system */
   PetscReal      wall_t;

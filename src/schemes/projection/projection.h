@@ -1,5 +1,5 @@
 /*
-  The projection scheme: its choices and state. Its options are in create.c, the step in
+  The projection scheme: its choices and state. Its options are in projectioncreate.c, the step in
   projection.c, the step's parts in predict.c, correct.c, pressure.c and wallgradient.c.
 */
 #ifndef ISPH_PROJECTION_H
@@ -47,7 +47,7 @@ typedef struct {
   Vec                  phi;              /* increment of the pressure on particles [Pa] */
 } Projection;
 
-/* create.c */
+/* projectioncreate.c */
 PetscErrorCode ProjectionCreate(Flow *flow);
 
 /* predict.c */

@@ -86,7 +86,7 @@ static PetscBool Moves(const Flow *flow)
 
 static PetscBool HasOpenings(const Flow *flow)
 {
-  return flow->state->openings.there;
+  return flow->state->openings.open;
 }
 
 static PetscBool HasSurface(const Flow *flow)
@@ -96,7 +96,7 @@ static PetscBool HasSurface(const Flow *flow)
 
 static PetscBool OwnsVolumes(const Flow *flow)
 {
-  return flow->state->owned ? PETSC_TRUE : PETSC_FALSE;
+  return flow->state->owned_volume ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscBool KeepsMomentum(const Flow *flow)

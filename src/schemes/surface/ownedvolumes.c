@@ -68,8 +68,8 @@ PetscErrorCode VolumesRegister(Flow *flow)
 
   PetscFunctionBegin;
   if (s->volume_rate == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(
-      ParticlesRegister(flow->particles, "owned_volume", 1, HALO_NONE, ENTRY_ZERO, &s->owned));
+  PetscCall(ParticlesRegister(flow->particles, "owned_volume", 1, HALO_NONE, ENTRY_ZERO,
+                              &s->owned_volume));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -124,7 +124,7 @@ static PetscReal ShearRate(const Flow *flow, const PetscReal u[], PetscInt i)
 static PetscErrorCode FindExcess(Flow *flow, Values *v)
 {
   const Particles *p     = flow->particles;
-  PetscReal       *owned = flow->state->owned, *u;
+  PetscReal       *owned = flow->state->owned_volume, *u;
 
   PetscFunctionBegin;
   PetscCall(FlowAllVelocities(flow, flow->state->u, &u));
@@ -186,7 +186,7 @@ static PetscErrorCode SetShares(Flow *flow, Values *v)
 
     if (v->shear[i] == 0.0) continue;
     left = Exchange(flow, v, lattice, i, &inside);
-    s->owned[i] += v->excess[i] - left;
+    s->owned_volume[i] += v->excess[i] - left;
     inside      = PetscMax(inside, LEAST * lattice * p->volume[i]);
     left        = PetscMax(-LARGEST * p->volume[i], PetscMin(LARGEST * p->volume[i], left));
     v->share[i] = PetscMin(MOST, s->volume_rate * v->shear[i] * dt) * left / (dt * inside);
@@ -196,7 +196,7 @@ static PetscErrorCode SetShares(Flow *flow, Values *v)
 }
 
 /* Returns the divergence that own particle j should have [1/s]. */
-static PetscReal Source(const Flow *flow, const Values *v, PetscInt j)
+static PetscReal DivergenceSource(const Flow *flow, const Values *v, PetscInt j)
 {
   const Particles *p      = flow->particles;
   const Neighbors *nb     = flow->neighbors;
@@ -228,7 +228,7 @@ PetscErrorCode VolumesControl(Flow *flow)
   Values           v;
 
   PetscFunctionBegin;
-  if (!flow->ops->free->there) {
+  if (!flow->ops->free->exists) {
     PetscCall(VecZeroEntries(s->source));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -238,7 +238,7 @@ PetscErrorCode VolumesControl(Flow *flow)
   PetscCall(SetShares(flow, &v));
   PetscCall(VecGetArrayWrite(s->source, &source));
   for (PetscInt j = 0; j < p->n_fluid; j++) {
-    source[j] = FreeSurfaceHolds(flow->ops->free, j) ? 0.0 : Source(flow, &v, j);
+    source[j] = FreeSurfaceHolds(flow->ops->free, j) ? 0.0 : DivergenceSource(flow, &v, j);
     work += ParticlesWeight(p, j) * PetscRealPart(source[j]) * (p->p[j] - flow->scene->outside);
   }
   PetscCall(VecRestoreArrayWrite(s->source, &source));

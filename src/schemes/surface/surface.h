@@ -6,7 +6,7 @@
 
 extern const OptionTable SurfaceVolumeOptions;
 
-/* jump.c, burst.c */
+/* velocityjump.c, velocityburst.c */
 extern const Judge JudgeJump, JudgeBurst;
 
 /* cellvolume.c */

@@ -116,8 +116,8 @@ static const ViscousSplitRow splits[] = {
 };
 const Table ViscousSplitTable = TABLE("Viscosity of weakly compressible fluids", splits);
 
-/* WcsphListUnknowns - Lists the arrays of the unknowns of own particles, in the order of the vector, and counts them;
-   not collective. Input: x, u, rho, e - the arrays. */
+/* WcsphListUnknowns - Lists the arrays of the unknowns of own particles, in the order of the
+   vector, and counts them; not collective. Input: x, u, rho, e - the arrays. */
 void WcsphListUnknowns(Wcsph *w, PetscReal *const x[], PetscReal *const u[], PetscReal *rho,
                        PetscReal *e, PetscReal *of[])
 {

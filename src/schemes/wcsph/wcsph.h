@@ -1,7 +1,7 @@
 /*
-  State and functions of the weakly compressible scheme. create.c reads its options, equations.c has
-  the equations of state, rates.c the rates of change, pairs.c the sums over neighbours, and
-  integrate.c the TS.
+  State and functions of the weakly compressible scheme. wcsphcreate.c reads its options,
+  equations.c has the equations of state, rates.c the rates of change, pairs.c the sums over
+  neighbours, and integrate.c the TS.
 */
 #ifndef ISPH_SCHEMES_WCSPH_H
 #define ISPH_SCHEMES_WCSPH_H
@@ -138,7 +138,7 @@ struct Wcsph {
   PetscLogEvent event;
 };
 
-/* create.c */
+/* wcsphcreate.c */
 PetscErrorCode WcsphCreate(Flow *flow);
 
 /* equations.c */

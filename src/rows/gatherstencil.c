@@ -25,7 +25,7 @@ static void GatherSurface(const FreeSurface *free, Stencil *st)
 {
   const PetscInt d = st->dim;
 
-  st->near_surface = st->beside_surface = PETSC_FALSE;
+  st->beside_smooth_surface = st->beside_surface = PETSC_FALSE;
   if (!free) return;
   st->kind           = (SurfaceKind)free->kind[st->i];
   st->beside_surface = FreeSurfaceHolds(free, st->i);
@@ -33,11 +33,11 @@ static void GatherSurface(const FreeSurface *free, Stencil *st)
     if (st->wall[k]) continue;
     if (FreeSurfaceHolds(free, st->j[k])) st->beside_surface = PETSC_TRUE;
     if (free->kind[st->j[k]] != SURFACE_SMOOTH) continue;
-    st->surface[k] = st->near_surface = PETSC_TRUE;
+    st->surface[k] = st->beside_smooth_surface = PETSC_TRUE;
     for (PetscInt a = 0; a < d; a++) st->normal[a][k] = free->normal[st->j[k] * d + a];
   }
   if (st->kind != SURFACE_SMOOTH) return;
-  st->near_surface = PETSC_TRUE;
+  st->beside_smooth_surface = PETSC_TRUE;
   for (PetscInt a = 0; a < d; a++) st->own_normal[a] = free->normal[st->i * d + a];
 }
 
@@ -162,9 +162,9 @@ PetscErrorCode GatherStencil(const Scene *scene, const Particles *p, const Neigh
     if (!BoundaryIs(scene, st->side[k], BOUNDARY_NO_SLIP)) st->slips = PETSC_TRUE;
   }
   GatherSurface(free, st);
-  st->paired = free && (FreeSurfaceIsPaired(free, i) || IsHinged(scene, p, nb, i, st))
-                   ? PETSC_TRUE
-                   : PETSC_FALSE;
+  st->has_pair_forces = free && (FreeSurfaceIsPaired(free, i) || IsHinged(scene, p, nb, i, st))
+                            ? PETSC_TRUE
+                            : PETSC_FALSE;
   KernelEvaluateAll(ops->forms.kernel, d, st->h, LanesPadded(n), st->r, st->W, st->dW, st->ddW);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,7 +1,7 @@
 /*
   Walls and openings beside a free surface: wall particles that fluid touches, dry walls, walls that
   cover a particle, and openings, where a void is fluid that enters or has left. The contact line,
-  where the surface meets a wall, follows from them: noses.c.
+  where the surface meets a wall, follows from them: contactline.c.
 */
 #include "surfacefits.h"
 
@@ -53,8 +53,8 @@ PetscBool FreeSurfaceTouches(const Scene *scene, const Particles *p, const Neigh
   return PETSC_FALSE;
 }
 
-/* FreeSurfaceIsCoveredBy - Returns true if wall particle w covers own particle i: fluid enters there,
-   or it faces the normal and fluid touches it; not collective */
+/* FreeSurfaceIsCoveredBy - Returns true if wall particle w covers own particle i: fluid enters
+   there, or it faces the normal and fluid touches it; not collective */
 PetscBool FreeSurfaceIsCoveredBy(const Scene *scene, const Particles *p, const Neighbors *nb,
                                  PetscInt i, PetscInt w, const PetscReal normal[])
 {
@@ -107,7 +107,7 @@ void FreeSurfaceFillOpenings(const Scene *scene, const Particles *p, const Neigh
 }
 
 /* Returns true if neighbour j is a wall particle of a boundary without slip. */
-static PetscBool Sticks(const Scene *scene, const Particles *p, PetscInt j)
+static PetscBool IsNoSlipWall(const Scene *scene, const Particles *p, PetscInt j)
 {
   return ParticlesIsWall(p, j) ? BoundaryIs(scene, (PetscInt)p->side[j], BOUNDARY_NO_SLIP)
                                : PETSC_FALSE;
@@ -130,7 +130,7 @@ PetscInt FreeSurfaceNearestWall(const Scene *scene, const Particles *p, const Ne
     const PetscInt  j  = nb->col[q];
     const PetscReal r2 = ParticlesSquareDistance(p, i, j);
 
-    if (r2 >= least || !(scene ? Sticks(scene, p, j) : ParticlesIsWall(p, j))) continue;
+    if (r2 >= least || !(scene ? IsNoSlipWall(scene, p, j) : ParticlesIsWall(p, j))) continue;
     nearest = j;
     least   = r2;
   }
@@ -138,15 +138,16 @@ PetscInt FreeSurfaceNearestWall(const Scene *scene, const Particles *p, const Ne
 }
 
 /* FreeSurfaceIsBesideDryWall - Returns true if own particle i is beside a wall without slip that no
-   fluid touches, except isolated particles; not collective. Wall particles nearer than 1.3 dx are touched by the particle itself, and the next ones are dx
-   further: wherever a front is, one of them is within DRY dx. */
+   fluid touches, except isolated particles; not collective. Wall particles nearer than 1.3 dx are
+   touched by the particle itself, and the next ones are dx further: wherever a front is, one of
+   them is within DRY dx. */
 PetscBool FreeSurfaceIsBesideDryWall(const Scene *scene, const Particles *p, const Neighbors *nb,
                                      const FreeSurface *free, PetscInt i)
 {
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
     const PetscInt j = nb->col[q];
 
-    if (Sticks(scene, p, j) &&
+    if (IsNoSlipWall(scene, p, j) &&
         ParticlesSquareDistance(p, i, j) < PetscSqr(SurfaceReach(p, nb, i, DRY)) &&
         !FreeSurfaceTouches(scene, p, nb, free, i, j))
       return PETSC_TRUE;

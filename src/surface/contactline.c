@@ -68,7 +68,7 @@ PetscErrorCode FreeSurfaceFindNoses(const Scene *scene, const Particles *p, cons
     const PetscBool nose =
         FreeSurfaceHolds(free, i) && IsNearContact(p, nb, contact, i) && IsThin(scene, p, nb, i);
 
-    free->contact[i] = contact[i] > 0.0 && !nose;
+    free->at_contact_line[i] = contact[i] > 0.0 && !nose;
     if (nose && free->kind[i] == SURFACE_SMOOTH) free->kind[i] = SURFACE_ROUGH;
   }
   PetscCall(PetscFree(contact));

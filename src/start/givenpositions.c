@@ -1,5 +1,5 @@
 /* Fluid that starts at given positions, and its volumes. */
-#include "particles/impl.h"
+#include "start.h"
 
 /* LatticePartInside - Returns the part of the volume of lattice cells that is fluid: particles on
    free sides of the box have half a cell outside, and all particles lose the same share [-]; not

@@ -3,7 +3,7 @@
   box. On a curve, a side of the box or a body in 2D, each particle has the same share of the number
   of particles int dl/s.
 */
-#include "particles/impl.h"
+#include "start.h"
 
 #define FINE 64.0 /* points along the smallest spacing, among which particles are chosen */
 

@@ -139,7 +139,7 @@ static PetscBool AtFloor(const Flow *flow, PetscInt i)
   const FreeSurface *free = flow->ops->free;
   const PetscReal    half = flow->scene->lo[0] + 0.5 * FILM * p->dx[i];
 
-  return free->contact[i] && free->kind[i] == SURFACE_SMOOTH && p->x[0][i] > half;
+  return free->at_contact_line[i] && free->kind[i] == SURFACE_SMOOTH && p->x[0][i] > half;
 }
 
 /* Returns true if a shift of own particle i along the floor is limited wrongly. A smooth particle

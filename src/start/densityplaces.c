@@ -8,7 +8,7 @@
   give each particle the same share of M. Sums are whole numbers, so places do not depend on the
   number of ranks. They are those of a lattice if s has its largest value everywhere.
 */
-#include "particles/impl.h"
+#include "start.h"
 
 #define UNIT       ((PetscReal)((PetscInt64)1 << 32)) /* a particle, in whole numbers of M */
 #define LEAF_SHARE 2.0 /* half the points of the quadrature along the smallest spacing of a cell */

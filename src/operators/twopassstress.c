@@ -164,7 +164,7 @@ static PetscErrorCode BlocksMat(MPI_Comm comm, Blocks *from, Mat *A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void Put(Blocks *to, PetscInt particle, PetscInt component, PetscReal value)
+static void StoreComponent(Blocks *to, PetscInt particle, PetscInt component, PetscReal value)
 {
   to->col[to->used]     = to->cols * particle + component;
   to->value[to->used++] = value;
@@ -176,13 +176,13 @@ static void PutStress(PetscInt d, PetscInt a, PetscInt b, PetscReal t, const Pet
                       PetscInt particle, Blocks *to)
 {
   if (a != b) {
-    Put(to, particle, b, g[a]);
-    Put(to, particle, a, g[b]);
+    StoreComponent(to, particle, b, g[a]);
+    StoreComponent(to, particle, a, g[b]);
     return;
   }
   for (PetscInt c = 0; c < d; c++) {
-    if (t < 0.0 && c == a) Put(to, particle, c, g[a]);
-    if (t >= 0.0) Put(to, particle, c, (c == a ? 2.0 * g[a] : 0.0) - t * g[c]);
+    if (t < 0.0 && c == a) StoreComponent(to, particle, c, g[a]);
+    if (t >= 0.0) StoreComponent(to, particle, c, (c == a ? 2.0 * g[a] : 0.0) - t * g[c]);
   }
 }
 
@@ -231,7 +231,8 @@ static PetscErrorCode DivergenceMat(const Particles *p, const Operators *ops,
     const PetscInt i = r / d, a = r % d;
 
     for (PetscInt s = pattern->row[i]; s < pattern->row[i + 1]; s++) {
-      for (PetscInt b = 0; b < d; b++) Put(&to, pattern->col[s], Entry(a, b), of[b].a[s]);
+      for (PetscInt b = 0; b < d; b++)
+        StoreComponent(&to, pattern->col[s], Entry(a, b), of[b].a[s]);
     }
     to.start[r + 1] = to.used;
   }

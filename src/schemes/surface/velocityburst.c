@@ -22,7 +22,7 @@ typedef struct {
 
 /* Computes the changes in the step that was solved. Rough particles have pair forces anyway; their
    changes do not tell a burst, as those that a wall stops fall onto it again in each step. */
-static PetscErrorCode Measure(const Flow *flow, Changes *c)
+static PetscErrorCode MeasureChanges(const Flow *flow, Changes *c)
 {
   const FlowState   *s      = flow->state;
   const PetscInt     d      = flow->scene->dim;
@@ -72,11 +72,11 @@ static PetscErrorCode AddPairs(Flow *flow, const Changes *c)
   for (PetscInt i = 0; i < p->n_fluid; i++)
     bursts[i] = c->change[i] > SHARE * c->largest ? 1.0 : 0.0;
   PetscCall(ParticlesHaloField(p, bursts));
-  if (!free->paired) PetscCall(PetscCalloc1(p->n_fluid + 1, &free->paired));
+  if (!free->has_pair_forces) PetscCall(PetscCalloc1(p->n_fluid + 1, &free->has_pair_forces));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    if (bursts[i] > 0.0) free->paired[i] = 1.0;
-    for (PetscInt q = nb->row[i]; q < nb->row[i + 1] && free->paired[i] == 0.0; q++)
-      if (IsNear(p, bursts, i, nb->col[q])) free->paired[i] = 1.0;
+    if (bursts[i] > 0.0) free->has_pair_forces[i] = 1.0;
+    for (PetscInt q = nb->row[i]; q < nb->row[i + 1] && free->has_pair_forces[i] == 0.0; q++)
+      if (IsNear(p, bursts, i, nb->col[q])) free->has_pair_forces[i] = 1.0;
   }
   PetscCall(PetscFree(bursts));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -95,7 +95,7 @@ static PetscErrorCode Reassemble(Flow *flow)
 static PetscErrorCode DropPairs(Flow *flow)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(flow->ops->free->paired));
+  PetscCall(PetscFree(flow->ops->free->has_pair_forces));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -114,7 +114,7 @@ static PetscErrorCode DecideBurst(Flow *flow, Trial *trial, PetscBool *again)
   PetscFunctionBegin;
   if (flow->clock->dt_previous == 0.0 || trial->times > MOST) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(flow->particles->n_fluid, &c.change));
-  PetscCall(Measure(flow, &c));
+  PetscCall(MeasureChanges(flow, &c));
   if (trial->times == 0) trial->first = c.largest;
   if (trial->times > 0 && c.largest > CALMER * trial->first) {
     PetscCall(DropPairs(flow));
