@@ -6,6 +6,9 @@ set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${page})
 file(READ ${page} text)
 string(FIND "${text}" "\n## " start)
 string(SUBSTRING "${text}" ${start} -1 text)
+string(FIND "${text}" "\n## Defaults by the regime" end)
+string(SUBSTRING "${text}" 0 ${end} text)
+string(APPEND text "\n## Defaults by the regime\n\nA table of them: isph -catalogue.\n")
 string(REGEX REPLACE "\n\\| (option|---) [^\n]*" "" text "${text}") # heads of tables
 
 # Markdown escapes a bar within a cell, among others; roff escapes dashes.

@@ -19,8 +19,15 @@ FORMS = ["morris", "gotoh", "schwaiger", "corrected", "direct_scalar", "fatehi_m
          "mls3"]
 COLOURS = dict(zip(FORMS, ["#000000", "#E69F00", "#56B4E9", "#009E73", "#999999", "#CC79A7", "#8C6D31",
                            "#0072B2", "#D55E00"]))  # distinct for colour-blind readers too
+OWN = r"-(?:visc|ppe)_laplacian (?:corrected|direct_difference|mls3)\b"  # forms of studies/forms.c
 WARNING = r"^(?:not (resolved):|(\w+)(?: not kept:| [^,\n]+, should be at most))"  # in the report of a run
 MARKERS = dict(zip(FORMS, "osd^xPvD*"))
+
+
+def own_forms(isph, arguments):
+    """Returns the options that a run with a form of studies/forms.c needs besides; the build of isph has the object."""
+    path = os.path.join(os.path.dirname(os.path.abspath(isph)), "studies", "forms.so")
+    return ["-forms_library", path] if re.search(OWN, arguments) else []
 
 
 def cpu_seconds():
@@ -105,7 +112,7 @@ class Runs:
     def make(self, arguments, watch=""):
         with tempfile.TemporaryDirectory() as folder:
             path, probes = os.path.join(folder, "run.csv"), os.path.join(folder, "probe")
-            words = [*shlex.split(arguments), *shlex.split(watch), *(["-probe_output", probes] if watch else [])]
+            words = [*shlex.split(arguments), *own_forms(self.isph, arguments), *shlex.split(watch), *(["-probe_output", probes] if watch else [])]
             before = cpu_seconds()
             done = subprocess.run([*self.launch, *words, "-report", path], preexec_fn=self.bound,
                                   capture_output=True, text=True, check=False)

@@ -80,6 +80,7 @@ PetscErrorCode CloudOperators(const CloudBox *box, const char options[], Cloud *
   needs = box->needs ? box->needs : SceneNeeds(scene) | NEED_CONCENTRATION;
   if (!box->without_matrices) needs |= NEED_MATRICES;
   if (box->grad_p_without_walls) needs |= NEED_FREE_GRAD_P | NEED_FILTER_P;
+  PetscCall(RegimeCreate(scene, &scene->regime));
   code = OperatorsCreate(scene, needs, &cloud->ops);
   PetscCall(PetscOptionsPop());
   PetscCall(PetscOptionsDestroy(&database));
@@ -134,6 +135,7 @@ PetscErrorCode CloudDestroy(Cloud *cloud)
   PetscCall(NeighborsDestroy(&cloud->neighbors));
   PetscCall(ParticlesDestroy(&cloud->particles));
   PetscCall(ExpressionScopeDestroy(&cloud->scene.scope));
+  PetscCall(PetscFree(cloud->scene.regime));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

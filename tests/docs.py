@@ -407,11 +407,9 @@ def remake(isph, names):
 
 
 def code():
-    """Prints the C code of the how-tos: a case, a function of a Laplacian, and its row in a table."""
+    """Prints the C code of the how-to of a case; tests/library.py builds that of a Laplacian."""
     case, = (body for mark, body, _, _ in blocks(read("docs/howto/own-case.md")) if mark == "c")
-    function, row = (body for mark, body, _, _ in blocks(read("docs/howto/own-laplacian.md")) if mark == "c")
-    print(f"{case}\n#include \"rows/rows.h\"\n\n{function}\nextern const LaplacianRow manual[];\n"
-          f"const LaplacianRow manual[] = {{\n{row}}};")
+    print(case)
 
 
 def main():

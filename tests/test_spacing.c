@@ -224,7 +224,7 @@ static void test_quadratics(void **state)
 
   (void)state;
   CheckQuadratics(&plane, "-spacing_wall 0.5");
-  CheckQuadratics(&plane, "-spacing_wall 0.5 -visc_laplacian mls3 -h_over_dx 1.7");
+  CheckQuadratics(&plane, "-spacing_wall 0.5 -mls_degree 3 -h_over_dx 2.4");
   CheckQuadratics(&plane, "-spacing_wall 0.5 -spacing_growth 0.15 -h_over_dx 1.4");
   plane.jitter = 0.2;
   CheckQuadratics(&plane, "-spacing_wall 0.5 -h_over_dx 1.5");

@@ -131,8 +131,6 @@ def expected(cloud, form, correction):
         return morris(cloud, correction)
     if form == "direct":
         return of_hessian(cloud.seconds(correction))
-    if form == "direct_difference":
-        return cloud.differences(of_hessian(cloud.seconds(correction)))
     if form == "two_pass":
         return two_pass(cloud, correction)
     return energy(cloud, "first_order" if form == "energy_fpm" else "none")
@@ -159,7 +157,7 @@ def measured(isph, n, dim, form, correction):
 def main():
     isph, wrong = sys.argv[1], 0
     every = "none", "shepard", "first_order", "mixed"
-    forms = {"morris": every, "violeau": every, "cleary": every[:1], "direct": every[:2], "direct_difference": every[:2],
+    forms = {"morris": every, "violeau": every, "cleary": every[:1], "direct": every[:2],
              "two_pass": every, "energy_sph": every[:1], "energy_fpm": every[:1], "energy_coupled": every[:1]}
     runs = [(dim, form, correction) for dim in (2, 3) for form in forms for correction in forms[form]
             if dim == 2 or form in ("violeau", "direct", "two_pass", "energy_fpm") and correction in every[:2]]

@@ -184,7 +184,6 @@ static inline void MirrorImage(PetscInt dim, PetscInt n_planes, const WallPlane 
 
 /* Rows of fits. */
 PetscErrorCode LaplacianRow_Mls(Stencil *stencil, PetscReal w[]);
-PetscErrorCode LaplacianRow_Mls3(Stencil *stencil, PetscReal w[]);
 PetscErrorCode GradientRow_Mls(Stencil *stencil, PetscReal *g[]);
 PetscErrorCode GradientRow_MlsDegree(Stencil *stencil, PetscInt degree, PetscReal *g[],
                                      PetscBool *determined);

@@ -140,21 +140,6 @@ PetscErrorCode LaplacianRow_Mls(Stencil *st, PetscReal w[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  LaplacianRow_Mls3 - Computes the Laplacian of the cubic fit, or of the quadratic fit if the points
-  do not determine the cubic fit; st->regularised counts such rows
-
-  Properties: exact for cubic fields, so of order 2 on disordered particles too; not symmetric; uses
-  the wall neighbours' equations.
-*/
-PetscErrorCode LaplacianRow_Mls3(Stencil *st, PetscReal w[])
-{
-  PetscFunctionBegin;
-  MlsFitRows(st, 3);
-  PetscCall(PetscArraycpy(w, st->fit.laplacian, st->n));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* GradientRow_Mls - Computes the gradient of the fit of degree st->degree, df/dx_a = c_a/R with the
    coefficient c_a of X_a/R; exact for polynomials of the degree */
 PetscErrorCode GradientRow_Mls(Stencil *st, PetscReal *g[])

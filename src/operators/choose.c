@@ -16,7 +16,8 @@ enum {
   PPE_LAPLACIAN,
   GRADIENT,
   WALL,
-  WALL_SURFACE
+  WALL_SURFACE,
+  LIBRARY
 };
 static const OptionRow options[] = {
     [KERNEL] =
@@ -123,14 +124,24 @@ static const OptionRow options[] = {
             .standard = "true with bodies, if -wall has particles behind walls",
             .where    = "flows with walls",
         },
+    [LIBRARY] =
+        {
+            .name  = "-forms_library",
+            .kind  = VALUE_FILE,
+            .file  = FILE_READ,
+            .brief = "shared object with own rows for -visc_laplacian, -ppe_laplacian, -gradient",
+        },
 };
 const OptionTable OperatorOptions = OPTIONS("Operators", options);
 
 static PetscErrorCode ChooseLaplacian(const OptionRow *option, const char standard[],
-                                      const CorrectionRow *correction, LaplacianForm *form)
+                                      const OperatorForms *forms, LaplacianForm *form)
 {
+  const CorrectionRow *correction = forms->correction;
+  const Table         *own        = forms->library ? &forms->library->laplacians : NULL;
+
   PetscFunctionBegin;
-  PetscCall(OptionGetRow(option, standard, &form->row));
+  PetscCall(FormsLibraryRow(option, own, standard, &form->row));
   if (form->row->corrections & correction->bit) form->correction = correction;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -158,7 +169,7 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
   forms->correction = correction;
   if (needs & NEED_VISCOSITY || (needs & NEED_STREAMS && SceneHas(scene, PHYSICS_VISCOSITY))) {
     PetscCall(ChooseLaplacian(&options[VISC_LAPLACIAN], RegimeWord(scene->regime, REGIME_LAPLACIAN),
-                              correction, &forms->visc));
+                              forms, &forms->visc));
     PetscCall(ChooseClearyFactor(scene, &forms->visc));
     UserCheck(!SceneViscosityVaries(scene) || LaplacianIs(&forms->visc, FORM_VARYING),
               "-visc_laplacian %s: this form has no varying viscosity; use a form with "
@@ -166,7 +177,7 @@ static PetscErrorCode ChooseLaplacians(const Scene *scene, unsigned needs, Opera
               forms->visc.row->name);
   }
   if (needs & NEED_PRESSURE) {
-    PetscCall(ChooseLaplacian(&options[PPE_LAPLACIAN], NULL, correction, &forms->ppe));
+    PetscCall(ChooseLaplacian(&options[PPE_LAPLACIAN], NULL, forms, &forms->ppe));
     UserCheck(!LaplacianIs(&forms->ppe, FORM_COUPLES),
               "-ppe_laplacian %s: this form couples velocity components; use mls instead",
               forms->ppe.row->name);
@@ -371,6 +382,7 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
   PetscFunctionBegin;
   RegimeSetFact(regime, FACT_WCSPH, needs & NEED_STREAMS ? PETSC_TRUE : PETSC_FALSE);
   RegimeSetFact(regime, FACT_SHIFTS, needs & NEED_CORRECTION ? PETSC_TRUE : PETSC_FALSE);
+  PetscCall(FormsLibraryOpen(&options[LIBRARY], &forms->library));
   PetscCall(OptionGetRow(&options[KERNEL], NULL, &forms->kernel));
   PetscCall(ChooseLaplacians(scene, needs, forms));
   PetscCall(OperatorsDegree(scene, &forms->degree));
@@ -378,7 +390,9 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
   h_over_dx = RegimeValue(regime, REGIME_KERNEL);
   PetscCall(OptionGetReal(&options[H_OVER_DX], &h_over_dx, NULL));
   if (needs & (NEED_PRESSURE | NEED_GRADIENT_U)) {
-    PetscCall(OptionGetRow(&options[GRADIENT], NULL, &forms->gradient));
+    PetscCall(FormsLibraryRow(&options[GRADIENT],
+                              forms->library ? &forms->library->gradients : NULL, NULL,
+                              &forms->gradient));
   }
   if (SceneHas(scene, PHYSICS_WALLS)) PetscCall(ChooseWall(scene, needs, forms));
   forms->visc.graded = SceneFinest(scene) < SceneCoarsest(scene);

@@ -7,4 +7,9 @@
 PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms *forms);
 PetscErrorCode ComposedRefuse(const Scene *scene, const LaplacianForm *visc);
 
+/* library.c */
+PetscErrorCode FormsLibraryOpen(const OptionRow *option, const FormsLibrary **library);
+PetscErrorCode FormsLibraryRow(const OptionRow *option, const Table *own, const char standard[],
+                               void *chosen);
+
 #endif

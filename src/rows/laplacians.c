@@ -77,25 +77,6 @@ static PetscErrorCode LaplacianRow_DirectScalar(Stencil *st, PetscReal w[])
 }
 
 /*
-  LaplacianRow_Corrected - Computes the Laplacian of Morris, Fox & Zhu with the corrected kernel
-  gradient
-
-    (lap f)_i = sum_j 2 V_j X.(M^-1 grad_i W)/r^2 (f_j - f_i),   M = sum_j V_j (grad_i W) X^T
-
-  Properties: exact for |x - x_i|^2; linear fields have an error O(1/dx) on disordered particles.
-
-  Reference: G. Oger et al., J. Comput. Phys. 225 (2007); X. Zheng, Q. Ma, S. Shao, Water 10 (2018),
-  VISC-04
-*/
-static PetscErrorCode LaplacianRow_Corrected(Stencil *st, PetscReal w[])
-{
-  PetscFunctionBegin;
-  CorrectKernel_FirstOrder(st, w, NULL);
-  for (PetscInt k = 0; k < st->n; k++) w[k] = -2.0 * st->V[k] * w[k] / st->r[k];
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
   LaplacianRow_Schwaiger - Computes a Laplacian that the corrected gradient g_i makes exact for
   linear fields
 
@@ -212,9 +193,6 @@ static const LaplacianRow laplacians[] = {
     {"schwaiger", "morris without the error of linear fields (VISC-03)",
      "Schwaiger, Int. J. Numer. Meth. Eng. 75 (2008)", ADAPTED | FORM_FULL_SUPPORT, 0,
      LaplacianRow_Schwaiger, NULL, 0.0, NULL},
-    {"corrected", "morris with -correction first_order under another name (VISC-04)",
-     "Oger et al., J. Comput. Phys. 225 (2007)", PAIRWISE | DIFFUSIVE, 0, LaplacianRow_Corrected,
-     NULL, 0.0, NULL},
     {"direct_scalar", "Laplacian of the kernel; anti-diffusive, for comparison",
      "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", OPPOSITE,
      CORRECTION_SHEPARD, LaplacianRow_DirectScalar, NULL, 0.0, NULL},
@@ -224,9 +202,6 @@ static const LaplacianRow laplacians[] = {
     {"mls", "quadratic moving least squares with boundary conditions in the fit",
      "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", QUADRATIC, 0, LaplacianRow_Mls, NULL, 0.0,
      NULL},
-    {"mls3", "cubic moving least squares, second order on disorder too",
-     "Liu & Gu, Meshfree Methods (2005); Kuhnert (1999)", QUADRATIC, 0, LaplacianRow_Mls3, NULL,
-     0.0, NULL},
     {"lsph", "renormalised meshless Laplacian", "Basic, Degiuli & Ban, J. Comput. Phys. 354 (2018)",
      ADAPTED | FORM_FULL_SUPPORT, 0, LaplacianRow_Lsph, NULL, 0.0, NULL},
     {"stress_mls",
@@ -247,9 +222,6 @@ static const LaplacianRow laplacians[] = {
      "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)",
      FORM_SYMMETRIC | FORM_DISSIPATES | FORM_COUPLES | FORM_FULL_SUPPORT, CORRECTION_SHEPARD,
      LaplacianRow_Direct, NULL, 1.0 / 3.0, NULL},
-    {"direct_difference", "the same with differences of velocities; anti-diffusive, for comparison",
-     "Basa, Quinlan & Lastiwka, Int. J. Numer. Meth. Fluids 60 (2009)", OPPOSITE | FORM_COUPLES,
-     CORRECTION_SHEPARD, LaplacianRow_DirectDifference, NULL, 1.0 / 3.0, NULL},
     {"two_pass", "gradient of the stress of the velocity gradient (model B); viscosity only",
      "Flebbe et al., Astrophys. J. 431 (1994); Basa, Quinlan & Lastiwka (2009)",
      PAIRWISE | FORM_COUPLES, GRADIENTS, NULL, NULL, 0.0, &two_pass},

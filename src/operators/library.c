@@ -1,0 +1,81 @@
+/*
+  Forms of a shared object (-forms_library): rows of Laplacians and gradients of a user, beside those
+  of the tables. docs/howto/own-laplacian.md has an example.
+*/
+#include "choose.h"
+#include <dlfcn.h>
+#include <string.h>
+
+/* Returns true if a shared object was built for the structs of this program. */
+static PetscBool Fits(const FormsLibrary *library)
+{
+  return library->version == FORMS_VERSION && library->stencil == sizeof(Stencil) &&
+                 library->laplacian == sizeof(LaplacianRow) &&
+                 library->gradient == sizeof(GradientRow)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* Returns true if the condition holds on all ranks; collective. */
+static PetscErrorCode HoldsEverywhere(PetscBool *holds)
+{
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, holds, 1, MPIU_BOOL, MPI_LAND, PETSC_COMM_WORLD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  FormsLibraryOpen - Opens the shared object of an option
+
+  Collective. Output: library - its rows, NULL if the option is not given; it stays open to the end
+  of the program.
+
+  Errors: refuses files that are no shared objects, have no symbol FORMS_SYMBOL, or were built for
+  other structs
+*/
+PetscErrorCode FormsLibraryOpen(const OptionRow *option, const FormsLibrary **library)
+{
+  char        path[PETSC_MAX_PATH_LEN], place[PETSC_MAX_PATH_LEN + 2];
+  void       *object;
+  const char *why;
+  PetscBool   good;
+
+  PetscFunctionBegin;
+  *library = NULL;
+  PetscCall(OptionGetFile(option, path));
+  if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  (void)snprintf(place, sizeof(place), "%s%s", strchr(path, '/') ? "" : "./", path);
+  object = dlopen(place, RTLD_NOW | RTLD_LOCAL);
+  why    = object ? "" : dlerror();
+  good   = object ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(HoldsEverywhere(&good));
+  UserCheck(good,
+            "%s %s: no shared object that opens (%s); build one as "
+            "docs/howto/own-laplacian.md does",
+            option->name, path, why);
+  *library = (const FormsLibrary *)dlsym(object, FORMS_SYMBOL);
+  UserCheck(*library, "%s %s: it has no symbol %s, a FormsLibrary of isph/rows.h", option->name,
+            path, FORMS_SYMBOL);
+  UserCheck(Fits(*library),
+            "%s %s: it was built for another isph, version %" PetscInt_FMT
+            " of the forms, allowed is %d; build it again with the headers of this isph",
+            option->name, path, (*library)->version, FORMS_VERSION);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FormsLibraryRow - Reads the name of a row of the option's table or of a table of a shared object;
+   collective. Input: own - count 0: no rows. */
+PetscErrorCode FormsLibraryRow(const OptionRow *option, const Table *own, const char standard[],
+                               void *chosen)
+{
+  const char     *name;
+  const TableRow *row = NULL;
+  PetscBool       given;
+
+  PetscFunctionBegin;
+  PetscCall(OptionTyped(option->name, &name, &given));
+  if (own && given) PetscCall(TableFind(own, name, &row));
+  if (row) *(const TableRow **)chosen = row;
+  else PetscCall(OptionGetRow(option, standard, chosen));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
