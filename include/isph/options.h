@@ -53,6 +53,7 @@ typedef struct {
   const char        *instead;  /* remedy for other runs, a phrase; NULL: none */
   PetscBool          early;    /* checked before PetscInitialize() prints a traceback */
   PetscBool          late;     /* read at the end of the run */
+  PetscBool          expert;   /* for studies of the numerics */
   FileUse            file;     /* of VALUE_FILE */
 } OptionRow;
 

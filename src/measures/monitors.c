@@ -44,12 +44,13 @@ static const OptionRow options[] = {
         },
     [BUDGET] =
         {
-            .name  = "-probe_budget",
-            .kind  = VALUE_REALS,
-            .brief = "kinetic energy and divergence that each part of a step adds in boxes: two "
-                     "opposite corners of each box",
-            .unit  = "m",
-            .where = "flows that advance in time",
+            .name   = "-probe_budget",
+            .expert = PETSC_TRUE,
+            .kind   = VALUE_REALS,
+            .brief  = "kinetic energy and divergence that each part of a step adds in boxes: two "
+                      "opposite corners of each box",
+            .unit   = "m",
+            .where  = "flows that advance in time",
         },
     [VOLUME] =
         {

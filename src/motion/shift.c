@@ -73,6 +73,7 @@ static const OptionRow options[] = {
     [SHIFT_STRENGTH] =
         {
             .name     = "-shift_strength",
+            .expert   = PETSC_TRUE,
             .kind     = VALUE_REAL,
             .brief    = "factor of the diffusivity of -shift",
             .unit     = "-",
@@ -84,6 +85,7 @@ static const OptionRow options[] = {
     [VELOCITY_FILTER] =
         {
             .name     = "-velocity_filter",
+            .expert   = PETSC_TRUE,
             .kind     = VALUE_REAL,
             .brief    = "strength of the grid-scale filter of velocities; 0: off",
             .unit     = "-",

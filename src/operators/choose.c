@@ -40,11 +40,12 @@ static const OptionRow options[] = {
         },
     [SURFACE_DEGREE] =
         {
-            .name  = "-surface_degree",
-            .kind  = VALUE_INT,
-            .brief = "degree of the fits of viscous term and divergence of particles below a free "
-                     "surface; 3 makes the errors of small waves smaller",
-            .unit  = "-",
+            .name   = "-surface_degree",
+            .expert = PETSC_TRUE,
+            .kind   = VALUE_INT,
+            .brief  = "degree of the fits of viscous term and divergence of particles below a free "
+                      "surface; 3 makes the errors of small waves smaller",
+            .unit   = "-",
             .standard = "2",
             .low      = 2,
             .high     = 3,
@@ -63,6 +64,7 @@ static const OptionRow options[] = {
     [CORRECTION] =
         {
             .name     = "-correction",
+            .expert   = PETSC_TRUE,
             .kind     = VALUE_NAME,
             .brief    = "correction of the kernel in Laplacians that accept it, and in all sums of "
                         "-scheme wcsph",
@@ -81,6 +83,7 @@ static const OptionRow options[] = {
     [CLEARY_XI] =
         {
             .name     = "-cleary_xi",
+            .expert   = PETSC_TRUE,
             .kind     = VALUE_REAL,
             .brief    = "factor xi of the form cleary; published are 4.96333 and 4.24",
             .unit     = "-",
@@ -118,6 +121,7 @@ static const OptionRow options[] = {
     [WALL_SURFACE] =
         {
             .name     = "-wall_surface",
+            .expert   = PETSC_TRUE,
             .kind     = VALUE_SWITCH,
             .brief    = "a layer of particles on the walls, before the layers behind them, which "
                         "alone leave a gap at curved walls",
@@ -126,10 +130,11 @@ static const OptionRow options[] = {
         },
     [LIBRARY] =
         {
-            .name  = "-forms_library",
-            .kind  = VALUE_FILE,
-            .file  = FILE_READ,
-            .brief = "shared object with own rows for -visc_laplacian, -ppe_laplacian, -gradient",
+            .name   = "-forms_library",
+            .expert = PETSC_TRUE,
+            .kind   = VALUE_FILE,
+            .file   = FILE_READ,
+            .brief  = "shared object with own rows for -visc_laplacian, -ppe_laplacian, -gradient",
         },
 };
 const OptionTable OperatorOptions = OPTIONS("Operators", options);

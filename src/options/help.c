@@ -151,6 +151,18 @@ void UsagePrint(FILE *out)
       out);
 }
 
+/* Returns true if a table has options for all users. */
+static PetscBool IsForAll(const OptionTable *table)
+{
+  const OptionRow *row;
+
+  for (PetscInt k = 0; (row = OptionNext(table, &k));)
+    if (!row->expert) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+#define EXPERT "Expert: for studies of the numerics"
+
 /*
   HelpPrint - Prints the options that most runs need, then all options of isph, in groups
 
@@ -169,9 +181,18 @@ void HelpPrint(FILE *out)
     const OptionTable *table = OptionTableGet(t);
     const OptionRow   *row;
 
+    if (!IsForAll(table)) continue;
     (void)fprintf(out, "\n%s\n", table->title);
     PrintPlaces(out, table, PETSC_FALSE);
-    for (PetscInt k = 0; (row = OptionNext(table, &k));) PrintOption(out, row);
+    for (PetscInt k = 0; (row = OptionNext(table, &k));)
+      if (!row->expert) PrintOption(out, row);
+  }
+  (void)fprintf(out, "\n%s\n", EXPERT);
+  for (PetscInt t = 0; OptionTableGet(t); t++) {
+    const OptionRow *row;
+
+    for (PetscInt k = 0; (row = OptionNext(OptionTableGet(t), &k));)
+      if (row->expert) PrintOption(out, row);
   }
 }
 
@@ -184,6 +205,35 @@ static void PrintCell(FILE *out, const char text[])
     (void)fputc(*c, out);
   }
   (void)fputs(text && *text ? " |" : "|", out);
+}
+
+/* Prints the head of a table of options in Markdown. */
+static void PrintHead(FILE *out)
+{
+  (void)fputs("\n| option | value | unit | default | allowed | used by | meaning |\n"
+              "| --- | --- | --- | --- | --- | --- | --- |\n",
+              out);
+}
+
+/* Prints the options of a table in Markdown: those for experts, or the others. */
+static void PrintRows(FILE *out, const OptionTable *table, PetscBool expert)
+{
+  const OptionRow *row;
+
+  for (PetscInt k = 0; (row = OptionNext(table, &k));) {
+    char allowed[TEXT_LENGTH];
+
+    if (row->expert != expert) continue;
+    Allowed(row, allowed);
+    (void)fprintf(out, "| `%s` |", row->name);
+    PrintCell(out, kinds[row->kind]);
+    PrintCell(out, row->unit);
+    PrintCell(out, row->standard);
+    PrintCell(out, allowed);
+    PrintCell(out, row->where);
+    PrintCell(out, row->brief);
+    (void)fputc('\n', out);
+  }
 }
 
 /*
@@ -211,26 +261,16 @@ void ReferencePrint(FILE *out)
       out);
   for (PetscInt t = 0; OptionTableGet(t); t++) {
     const OptionTable *table = OptionTableGet(t);
-    const OptionRow   *row;
 
+    if (!IsForAll(table)) continue;
     (void)fprintf(out, "\n## %s\n", table->title);
     PrintPlaces(out, table, PETSC_TRUE);
-    (void)fprintf(out, "\n| option | value | unit | default | allowed | used by | meaning |\n"
-                       "| --- | --- | --- | --- | --- | --- | --- |\n");
-    for (PetscInt k = 0; (row = OptionNext(table, &k));) {
-      char allowed[TEXT_LENGTH];
-
-      Allowed(row, allowed);
-      (void)fprintf(out, "| `%s` |", row->name);
-      PrintCell(out, kinds[row->kind]);
-      PrintCell(out, row->unit);
-      PrintCell(out, row->standard);
-      PrintCell(out, allowed);
-      PrintCell(out, row->where);
-      PrintCell(out, row->brief);
-      (void)fputc('\n', out);
-    }
+    PrintHead(out);
+    PrintRows(out, table, PETSC_FALSE);
   }
+  (void)fprintf(out, "\n## %s\n", EXPERT);
+  PrintHead(out);
+  for (PetscInt t = 0; OptionTableGet(t); t++) PrintRows(out, OptionTableGet(t), PETSC_TRUE);
 }
 
 /* VersionCommit - Returns the git commit of the program, empty if unknown; not collective */

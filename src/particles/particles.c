@@ -8,6 +8,7 @@
 static const OptionRow options[] = {
     {
         .name     = "-skin",
+        .expert   = PETSC_TRUE,
         .kind     = VALUE_REAL,
         .brief    = "width of the halo beyond the interaction radius; an epoch ends when "
                     "displacements have used "

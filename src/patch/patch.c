@@ -49,6 +49,7 @@ static const OptionRow options[] = {
     [REPEATS] =
         {
             .name     = "-patch_repeats",
+            .expert   = PETSC_TRUE,
             .kind     = VALUE_INT,
             .brief    = "repetitions of timed work; the least time is reported",
             .standard = "3",

@@ -183,6 +183,7 @@ static const OptionRow options[] = {
     [PATCH_MARGIN] =
         {
             .name     = "-patch_margin",
+            .expert   = PETSC_TRUE,
             .kind     = VALUE_REAL,
             .brief    = "width at the sides of the unit square that measurements leave out",
             .unit     = "dx",

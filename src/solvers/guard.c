@@ -10,6 +10,7 @@
 static const OptionRow options[] = {
     {
         .name     = "-fallback",
+        .expert   = PETSC_TRUE,
         .kind     = VALUE_INT,
         .brief    = "largest number of solves in a row that fallback methods may take over; -1: no "
                     "fallback, the first failure ends the step",

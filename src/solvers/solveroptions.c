@@ -186,16 +186,18 @@ static const OptionRow options[] = {
         .standard = VECSTANDARD,
     },
     {
-        .name  = "-coupled_pc_fieldsplit_schur_fact_type",
-        .kind  = VALUE_SOLVER,
-        .brief = "factors of the block elimination that are applied",
-        .where = "-scheme coupled with -coupled_pc_type fieldsplit",
+        .name   = "-coupled_pc_fieldsplit_schur_fact_type",
+        .expert = PETSC_TRUE,
+        .kind   = VALUE_SOLVER,
+        .brief  = "factors of the block elimination that are applied",
+        .where  = "-scheme coupled with -coupled_pc_type fieldsplit",
     },
     {
-        .name  = "-coupled_pc_fieldsplit_schur_precondition",
-        .kind  = VALUE_SOLVER,
-        .brief = "matrix that preconditions the Schur complement",
-        .where = "-scheme coupled with -coupled_pc_type fieldsplit",
+        .name   = "-coupled_pc_fieldsplit_schur_precondition",
+        .expert = PETSC_TRUE,
+        .kind   = VALUE_SOLVER,
+        .brief  = "matrix that preconditions the Schur complement",
+        .where  = "-scheme coupled with -coupled_pc_type fieldsplit",
     },
     {
         TIMES("ts_rtol"),
@@ -256,10 +258,11 @@ static const OptionRow options[] = {
         .brief = "print the residual of each nonlinear iteration",
     },
     {
-        .name  = "-visc_snes_mf_operator",
-        .kind  = VALUE_SOLVER,
-        .brief = "Newton's method, preconditioned by the matrix of Picard's iteration",
-        .where = "fluids that are not newtonian",
+        .name   = "-visc_snes_mf_operator",
+        .expert = PETSC_TRUE,
+        .kind   = VALUE_SOLVER,
+        .brief  = "Newton's method, preconditioned by the matrix of Picard's iteration",
+        .where  = "fluids that are not newtonian",
     },
 };
 const OptionTable SolverOptions = OPTIONS("Solvers of PETSc", options);

@@ -117,6 +117,7 @@ static const OptionRow options[] = {
     [DT_MOVE_MAX] =
         {
             .name     = "-dt_move_max",
+            .expert   = PETSC_TRUE,
             .kind     = VALUE_REAL,
             .brief    = "displacement of a particle with the flow above which a step is undone",
             .unit     = "dx",

@@ -41,6 +41,7 @@ static const OptionRow options[] = {
     [PRESSURE_GRADIENT] =
         {
             .name     = "-coupled_gradient",
+            .expert   = PETSC_TRUE,
             .kind     = VALUE_NAME,
             .brief    = "pressure gradient",
             .standard = REGIME,

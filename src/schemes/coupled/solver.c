@@ -12,6 +12,7 @@
 static const OptionRow options[] = {
     {
         .name     = "-coupled_schur",
+        .expert   = PETSC_TRUE,
         .kind     = VALUE_NAME,
         .brief    = "preconditioner of the pressure in the coupled scheme",
         .standard = "cahouet_chabard",

@@ -79,6 +79,7 @@ static const OptionRow options[] = {
     [SPACING] =
         {
             .name     = "-pressure_spacing",
+            .expert   = PETSC_TRUE,
             .kind     = VALUE_REAL,
             .brief    = "edge of a cell of the lattice of the pressure",
             .unit     = "dx",
@@ -90,6 +91,7 @@ static const OptionRow options[] = {
     [ALPHA] =
         {
             .name     = "-ppe_alpha",
+            .expert   = PETSC_TRUE,
             .kind     = VALUE_REAL,
             .brief    = "share of the density error in the pressure source; at most 0.4 unless "
                         "-projection chorin",
@@ -102,6 +104,7 @@ static const OptionRow options[] = {
     [FILTER] =
         {
             .name     = "-ppe_filter",
+            .expert   = PETSC_TRUE,
             .kind     = VALUE_REAL,
             .brief    = "strength of the grid-scale filter of the pressure; 0: off",
             .unit     = "-",

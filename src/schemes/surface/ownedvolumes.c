@@ -25,8 +25,9 @@
 
 static const OptionRow options[] = {
     {
-        .name = "-surface_volume_rate",
-        .kind = VALUE_REAL,
+        .name   = "-surface_volume_rate",
+        .expert = PETSC_TRUE,
+        .kind   = VALUE_REAL,
         .brief =
             "share of an error of the volume at a free surface that the equations of mass take "
             "back while the fluid is sheared by 1; 0: no control of the volume",

@@ -43,6 +43,7 @@ static const OptionRow options[] = {
     [DIFFUSION] =
         {
             .name     = "-density_diffusion",
+            .expert   = PETSC_TRUE,
             .kind     = VALUE_REAL,
             .brief    = "delta of the diffusivity delta h c0 of the density; 0: off",
             .unit     = "-",
