@@ -1,6 +1,6 @@
 /*
-  Forms of a shared object (-forms_library): rows of Laplacians and gradients of a user, beside those
-  of the tables. docs/howto/own-laplacian.md has an example.
+  Forms of a shared object (-forms_library): rows of Laplacians and gradients of a user, beside
+  those of the tables. docs/howto/own-laplacian.md has an example.
 */
 #include "choose.h"
 #include <dlfcn.h>

@@ -230,14 +230,25 @@ static PetscErrorCode CoupledDestroy(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const Stage start = {"start",   "pressure of the last step", NULL, CoupledStart, PART_NONE,
-                            PETSC_TRUE};
-static const Stage solve = {
-    "solve", "new velocity and pressure together", NULL, CoupledSolve, PART_SOLVE, PETSC_TRUE};
+static const Stage start = {
+    .name   = "start",
+    .brief  = "pressure of the last step",
+    .Do     = CoupledStart,
+    .solves = PETSC_TRUE,
+};
 
-static const Stage *const stages[] = {&StageMomentum, &StageMove,  &StagePass,  &StageRebuild,
-                                      &StageVolume,   &start,      &solve,      &StageCollide,
-                                      &StageMean,     &StageCheck, &StageError, NULL};
+static const Stage solve = {
+    .name   = "solve",
+    .brief  = "new velocity and pressure together",
+    .Do     = CoupledSolve,
+    .part   = PART_SOLVE,
+    .solves = PETSC_TRUE,
+};
+
+static const Stage *const stages[] = {
+    &StageMomentum, &StageMove,    &StagePass, &StageRebuild, &StageVolume, &start,
+    &solve,         &StageCollide, &StageMean, &StageCheck,   &StageError,  NULL,
+};
 
 static const Judge *const judges[] = {&JudgeJump, &JudgeBurst, &JudgeFailure, NULL};
 

@@ -112,16 +112,27 @@ static PetscBool HasPressure(const Flow *flow)
   return ((const Projection *)flow->scheme->data)->row ? PETSC_TRUE : PETSC_FALSE;
 }
 
-static const Stage predict = {"predict",  "velocity after force and viscosity, u*",
-                              NULL,       PredictVelocity,
-                              PART_SOLVE, PETSC_TRUE};
-static const Stage project = {"project",   "pressure from div u*, new velocity",
-                              HasPressure, ProjectVelocity,
-                              PART_SOLVE,  PETSC_TRUE};
+static const Stage predict = {
+    .name   = "predict",
+    .brief  = "velocity after force and viscosity, u*",
+    .Do     = PredictVelocity,
+    .part   = PART_SOLVE,
+    .solves = PETSC_TRUE,
+};
 
-static const Stage *const stages[] = {&StageMomentum, &StageMove,  &StagePass,  &StageRebuild,
-                                      &StageVolume,   &predict,    &project,    &StageCollide,
-                                      &StageMean,     &StageCheck, &StageError, NULL};
+static const Stage project = {
+    .name    = "project",
+    .brief   = "pressure from div u*, new velocity",
+    .Applies = HasPressure,
+    .Do      = ProjectVelocity,
+    .part    = PART_SOLVE,
+    .solves  = PETSC_TRUE,
+};
+
+static const Stage *const stages[] = {
+    &StageMomentum, &StageMove,    &StagePass, &StageRebuild, &StageVolume, &predict,
+    &project,       &StageCollide, &StageMean, &StageCheck,   &StageError,  NULL,
+};
 
 static const Judge *const judges[] = {&JudgeBurst, &JudgeFailure, NULL};
 

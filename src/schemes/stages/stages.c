@@ -117,31 +117,70 @@ static PetscErrorCode FollowAndRebuild(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const Stage StageMomentum = {"momentum",    "mean velocity of a flow that keeps it",
-                             KeepsMomentum, MomentumKeep,
-                             PART_NONE,     PETSC_FALSE};
-const Stage StageMove     = {
-        "move", "places by the flow and by shifting", Moves, FlowMove, PART_NONE, PETSC_FALSE};
-const Stage StagePass    = {"pass",      "particles leave and enter through openings",
-                            HasOpenings, OpeningsPass,
-                            PART_NONE,   PETSC_FALSE};
-const Stage StageRebuild = {"rebuild",   "owners, neighbours and matrices at the new places",
-                            Moves,       FollowAndRebuild,
-                            PART_MOTION, PETSC_FALSE};
-const Stage StageVolume  = {"volume",    "divergence that keeps the volume inside free surfaces",
-                            OwnsVolumes, VolumesControl,
-                            PART_NONE,   PETSC_FALSE};
-const Stage StageCollide = {"collide",  "collisions of fragments of a free surface",
-                            HasSurface, FlowCollide,
-                            PART_SOLVE, PETSC_FALSE};
-const Stage StageMean    = {
-       "mean", "restored mean velocity", KeepsMomentum, MomentumRestore, PART_MEAN, PETSC_FALSE};
-const Stage StageCheck = {"check",   "energy, speed and divergence within their bounds",
-                          NULL,      FlowCheck,
-                          PART_NONE, PETSC_FALSE};
-const Stage StageError = {"error",        "error in time and length of the next step",
-                          EstimatesError, TimeErrorCheck,
-                          PART_NONE,      PETSC_FALSE};
+const Stage StageMomentum = {
+    .name    = "momentum",
+    .brief   = "mean velocity of a flow that keeps it",
+    .Applies = KeepsMomentum,
+    .Do      = MomentumKeep,
+};
+
+const Stage StageMove = {
+    .name    = "move",
+    .brief   = "places by the flow and by shifting",
+    .Applies = Moves,
+    .Do      = FlowMove,
+};
+
+const Stage StagePass = {
+    .name    = "pass",
+    .brief   = "particles leave and enter through openings",
+    .Applies = HasOpenings,
+    .Do      = OpeningsPass,
+};
+
+const Stage StageRebuild = {
+    .name    = "rebuild",
+    .brief   = "owners, neighbours and matrices at the new places",
+    .Applies = Moves,
+    .Do      = FollowAndRebuild,
+    .part    = PART_MOTION,
+};
+
+const Stage StageVolume = {
+    .name    = "volume",
+    .brief   = "divergence that keeps the volume inside free surfaces",
+    .Applies = OwnsVolumes,
+    .Do      = VolumesControl,
+};
+
+const Stage StageCollide = {
+    .name    = "collide",
+    .brief   = "collisions of fragments of a free surface",
+    .Applies = HasSurface,
+    .Do      = FlowCollide,
+    .part    = PART_SOLVE,
+};
+
+const Stage StageMean = {
+    .name    = "mean",
+    .brief   = "restored mean velocity",
+    .Applies = KeepsMomentum,
+    .Do      = MomentumRestore,
+    .part    = PART_MEAN,
+};
+
+const Stage StageCheck = {
+    .name  = "check",
+    .brief = "energy, speed and divergence within their bounds",
+    .Do    = FlowCheck,
+};
+
+const Stage StageError = {
+    .name    = "error",
+    .brief   = "error in time and length of the next step",
+    .Applies = EstimatesError,
+    .Do      = TimeErrorCheck,
+};
 
 static const Observer *const observers[] = {&ObserverAverage, &ObserverBudget};
 

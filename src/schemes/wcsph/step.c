@@ -147,24 +147,51 @@ static PetscErrorCode SetPressureAndMeasure(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const Stage integrate = {"integrate", "places, velocities and densities by the TS",
-                                NULL,        WcsphIntegrate,
-                                PART_NONE,   PETSC_FALSE};
-static const Stage shift  = {"shift",    "particles evenly spread", Shifts, WcsphShift, PART_NONE,
-                             PETSC_FALSE};
-static const Stage settle = {
-    "settle", "particles off walls, work of the force", NULL, Settle, PART_NONE, PETSC_FALSE};
-static const Stage rebuild   = {"rebuild", "owners and neighbours at the new places",
-                                NULL,      FollowPositions,
-                                PART_NONE, PETSC_FALSE};
-static const Stage viscosity = {"viscosity", "implicit viscosity", IsImplicit, SolveViscosity,
-                                PART_NONE,   PETSC_FALSE};
-static const Stage volume    = {"volume",         "densities that keep the volume",
-                                WcsphKeepsVolume, RestoreVolume,
-                                PART_NONE,        PETSC_FALSE};
-static const Stage pressure  = {"pressure", "density and pressure, Mach number",
-                                NULL,       SetPressureAndMeasure,
-                                PART_NONE,  PETSC_FALSE};
+static const Stage integrate = {
+    .name  = "integrate",
+    .brief = "places, velocities and densities by the TS",
+    .Do    = WcsphIntegrate,
+};
 
-const Stage *const WcsphStages[] = {&integrate,  &shift,  &settle,   &rebuild, &viscosity,
-                                    &StageCheck, &volume, &pressure, NULL};
+static const Stage shift = {
+    .name    = "shift",
+    .brief   = "particles evenly spread",
+    .Applies = Shifts,
+    .Do      = WcsphShift,
+};
+
+static const Stage settle = {
+    .name  = "settle",
+    .brief = "particles off walls, work of the force",
+    .Do    = Settle,
+};
+
+static const Stage rebuild = {
+    .name  = "rebuild",
+    .brief = "owners and neighbours at the new places",
+    .Do    = FollowPositions,
+};
+
+static const Stage viscosity = {
+    .name    = "viscosity",
+    .brief   = "implicit viscosity",
+    .Applies = IsImplicit,
+    .Do      = SolveViscosity,
+};
+
+static const Stage volume = {
+    .name    = "volume",
+    .brief   = "densities that keep the volume",
+    .Applies = WcsphKeepsVolume,
+    .Do      = RestoreVolume,
+};
+
+static const Stage pressure = {
+    .name  = "pressure",
+    .brief = "density and pressure, Mach number",
+    .Do    = SetPressureAndMeasure,
+};
+
+const Stage *const WcsphStages[] = {
+    &integrate, &shift, &settle, &rebuild, &viscosity, &StageCheck, &volume, &pressure, NULL,
+};
