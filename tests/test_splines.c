@@ -218,7 +218,7 @@ static void TryConservation(const CloudBox *box, Fixture *f)
   ASSERT_OK(SplinesDivergence(&f->flow, &f->splines, f->cloud.f, 0.0, f->d));
   ASSERT_OK(VecSum(f->d, &sum));
   CloudAssertNone("volume is conserved", box->name, !(PetscAbsReal(sum) < 1e-10));
-  ASSERT_OK(SplinesMatrix(&f->flow, PETSC_FALSE, &f->splines));
+  ASSERT_OK(SplinesMatrix(f->flow.particles, PETSC_FALSE, &f->splines));
   SetUnknowns(f, NULL);
   ASSERT_OK(MatMult(f->splines.A, f->splines.p, f->d));
   AssertNorm("A 1 = 0", box->name, f->d, 1e-11);

@@ -169,10 +169,10 @@ static void test_norm(void **state)
   Make(&s, &flow, &clock, &flow_state, &scheme);
   for (PetscInt k = 1; k <= 4; k++) {
     SetField(&flow, PETSC_TRUE, k, 5 - k, flow_state.u);
-    ASSERT_OK(SolenoidalNorm(&flow, flow_state.u, &norm));
+    ASSERT_OK(SolenoidalNorm(flow.scene, flow.particles, flow_state.u, &norm));
     CloudAssertNone("gradient", s.name, norm > 1e-12);
     SetField(&flow, PETSC_FALSE, k, 5 - k, flow_state.u);
-    ASSERT_OK(SolenoidalNorm(&flow, flow_state.u, &norm));
+    ASSERT_OK(SolenoidalNorm(flow.scene, flow.particles, flow_state.u, &norm));
     for (PetscInt a = 0; a < 2; a++)
       ASSERT_OK(FluidSum(flow.particles, flow_state.u[a], PETSC_TRUE, &sums[a]));
     CloudAssertNone(

@@ -382,7 +382,8 @@ PetscErrorCode HistoryStart(Flow *flow, PetscBool history, PetscReal *dt);
 PetscErrorCode FlowMassRows(const Flow *flow, const Vec u[], Vec rows);
 PetscErrorCode FlowDivergence(Flow *flow, const Vec u[], Vec div);
 PetscErrorCode FlowAllVelocities(const Flow *flow, const Vec u[], PetscReal **all);
-PetscErrorCode SolenoidalNorm(const Flow *flow, const Vec e[], PetscReal *norm);
+PetscErrorCode SolenoidalNorm(const Scene *scene, const Particles *particles, const Vec e[],
+                              PetscReal *norm);
 PetscReal      FlowRmsSpeed(const Flow *flow);
 PetscErrorCode SteadyMeasure(Flow *flow);
 PetscErrorCode SteadyRemember(Scheme *scheme);

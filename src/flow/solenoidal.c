@@ -118,10 +118,9 @@ static void AddPlane(const Scene *scene, const Factors *f, PetscInt a, PetscInt 
   tangential to all sides, and stream functions vanish on bodies, so that gradients have no product
   with them. See docs/theory.md, (126).
 */
-PetscErrorCode SolenoidalNorm(const Flow *flow, const Vec e[], PetscReal *norm)
+PetscErrorCode SolenoidalNorm(const Scene *scene, const Particles *p, const Vec e[],
+                              PetscReal *norm)
 {
-  const Scene       *scene = flow->scene;
-  const Particles   *p     = flow->particles;
   const PetscScalar *value[ISPH_MAX_DIM];
   PetscReal          sum[TERMS] = {0.0}, square = 0.0;
 

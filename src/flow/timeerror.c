@@ -78,7 +78,7 @@ static PetscErrorCode EstimateError(Flow *flow, PetscReal *norm)
   for (PetscInt a = 0; a < dim; a++) PetscCall(FlowGetWork(flow, &error[a]));
   PetscCall(SetError(flow, error));
   if (SceneMoves(flow->scene)) {
-    PetscCall(SolenoidalNorm(flow, error, norm));
+    PetscCall(SolenoidalNorm(flow->scene, flow->particles, error, norm));
   } else {
     for (PetscInt a = 0; a < dim; a++) {
       PetscReal part;

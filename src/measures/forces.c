@@ -210,9 +210,9 @@ static PetscErrorCode WriteForces(const Flow *flow, Monitor *monitor)
     if (!SceneHas(scene, PHYSICS_WALLS)) continue;
     if (!BoundaryIs(scene, side, BOUNDARY_CONFINES | BOUNDARY_NO_SLIP)) continue;
     PetscCall(WallForce(flow, side, force, &force[ISPH_MAX_DIM]));
-    PetscCall(MonitorMean(flow, side, 2 * ISPH_MAX_DIM, force, monitor));
+    PetscCall(MonitorMean(flow->clock, side, 2 * ISPH_MAX_DIM, force, monitor));
     SceneWallName(scene, side, name);
-    if (!MonitorRow(flow, monitor)) continue;
+    if (!MonitorRow(flow->clock, monitor)) continue;
     (void)fprintf(monitor->stream, ",%s", name);
     MonitorVector(monitor, scene->dim, force);
     MonitorVector(monitor, 3, &force[ISPH_MAX_DIM]);

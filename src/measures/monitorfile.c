@@ -114,10 +114,10 @@ PetscErrorCode MonitorFlush(Monitor *monitor)
   Returns: PETSC_FALSE if nothing is to be written: on other ranks, and for values that only enter a
   mean
 */
-PetscBool MonitorRow(const Flow *flow, const Monitor *monitor)
+PetscBool MonitorRow(const Clock *clock, const Monitor *monitor)
 {
   if (!monitor->stream || monitor->quiet) return PETSC_FALSE;
-  (void)fprintf(monitor->stream, "%.12g,%" PetscInt_FMT, (double)flow->clock->t, flow->clock->step);
+  (void)fprintf(monitor->stream, "%.12g,%" PetscInt_FMT, (double)clock->t, clock->step);
   return PETSC_TRUE;
 }
 

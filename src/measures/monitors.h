@@ -51,7 +51,7 @@ extern const MonitorKind MonitorVolume;
 PetscErrorCode MonitorOpen(const MonitorKind *kind, Monitor *monitor);
 PetscErrorCode MonitorGoOn(const MonitorKind *kind, PetscReal t, Monitor *monitor);
 PetscErrorCode MonitorFlush(Monitor *monitor);
-PetscBool      MonitorRow(const Flow *flow, const Monitor *monitor);
+PetscBool      MonitorRow(const Clock *clock, const Monitor *monitor);
 void           MonitorVector(const Monitor *monitor, PetscInt dim, const PetscReal v[]);
 
 /* Facets of a wall or a section, see facets.c. */
@@ -70,7 +70,7 @@ PetscErrorCode ProbeDry(const Flow *flow, PetscInt n, const PetscReal x[], Petsc
 PetscBool      ProbeInBody(const Scene *scene, const PetscReal x[]);
 
 /* slidingmean.c */
-PetscErrorCode MonitorMean(const Flow *flow, PetscInt k, PetscInt n, PetscReal value[],
+PetscErrorCode MonitorMean(const Clock *clock, PetscInt k, PetscInt n, PetscReal value[],
                            Monitor *monitor);
 PetscInt       WindowPack(const Window *window, PetscReal values[]);
 PetscErrorCode WindowUnpack(PetscInt room, const PetscReal values[], Window *window,

@@ -17,9 +17,9 @@ static PetscErrorCode WriteProbes(const Flow *flow, Monitor *monitor, PetscInt w
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(n * dim, &u, n, &p));
   PetscCall(ProbePoints(flow, n, x, u, p));
-  PetscCall(MonitorMean(flow, window, n, p, monitor));
+  PetscCall(MonitorMean(flow->clock, window, n, p, monitor));
   for (PetscInt k = 0; k < n; k++) {
-    if (!MonitorRow(flow, monitor)) continue;
+    if (!MonitorRow(flow->clock, monitor)) continue;
     (void)fprintf(monitor->stream, ",%" PetscInt_FMT, number < 0 ? k : number);
     MonitorVector(monitor, dim, &x[k * dim]);
     if (ProbeInBody(flow->scene, &x[k * dim]) || PetscIsNanReal(u[k * dim])) {
@@ -154,7 +154,7 @@ static PetscErrorCode WriteFluxes(const Flow *flow, Monitor *monitor)
     PetscReal flux = 0.0;
 
     PetscCall(SectionFlux(flow, &monitor->parameter[k * group], &flux));
-    if (!MonitorRow(flow, monitor)) continue;
+    if (!MonitorRow(flow->clock, monitor)) continue;
     (void)fprintf(monitor->stream, ",%" PetscInt_FMT ",%.12g\n", k, (double)flux);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -204,7 +204,7 @@ static PetscErrorCode WriteBudget(const Flow *flow, Monitor *monitor)
       PetscBool    measured;
 
       PetscCall(BudgetGet(flow, (StepPart)part, k, &values, &measured));
-      if (!measured || values.share == 0.0 || !MonitorRow(flow, monitor)) continue;
+      if (!measured || values.share == 0.0 || !MonitorRow(flow->clock, monitor)) continue;
       (void)fprintf(monitor->stream, ",%.12g,%s,", (double)flow->clock->dt, parts[part]);
       if (k < monitor->n) (void)fprintf(monitor->stream, "%" PetscInt_FMT, k);
       else (void)fprintf(monitor->stream, "rest");

@@ -83,13 +83,13 @@ static void WindowMean(const Window *w, PetscReal value[])
 + value   - in: present values; out: their means; unchanged without windows
 - monitor - the monitor
 */
-PetscErrorCode MonitorMean(const Flow *flow, PetscInt k, PetscInt n, PetscReal value[],
+PetscErrorCode MonitorMean(const Clock *clock, PetscInt k, PetscInt n, PetscReal value[],
                            Monitor *monitor)
 {
-  const PetscReal t = flow->clock->t;
+  const PetscReal t = clock->t;
 
   PetscFunctionBegin;
-  if (!monitor->n_windows || flow->clock->step == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!monitor->n_windows || clock->step == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(WindowSize(n, &monitor->window[k]));
   PetscCall(WindowForget(t - monitor->T * (1.0 + 1e-9), &monitor->window[k]));
   PetscCall(WindowAppend(t, value, &monitor->window[k]));

@@ -48,7 +48,7 @@ static PetscErrorCode WriteVolume(const Flow *flow, Monitor *monitor)
 
   PetscFunctionBegin;
   PetscCall(FluidVolume(flow, &volume, &mass));
-  if (MonitorRow(flow, monitor))
+  if (MonitorRow(flow->clock, monitor))
     (void)fprintf(monitor->stream, ",%.12g,%.6g\n", (double)volume, (double)(volume / mass - 1.0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -187,20 +187,20 @@ static PetscErrorCode SplineShell(Splines *s, const Particles *p)
   Collective. Input: multiplies - the solver needs no entries; then a single rank stores rows of
   fixed particles that repeat once.
 */
-PetscErrorCode SplinesMatrix(Flow *flow, PetscBool multiplies, Splines *s)
+PetscErrorCode SplinesMatrix(const Particles *p, PetscBool multiplies, Splines *s)
 {
   PetscMPIInt ranks;
   SplineRows *rows = NULL;
 
   PetscFunctionBegin;
-  if (SceneMoves(flow->scene)) {
-    if (!s->A) PetscCall(SplineShell(s, flow->particles));
+  if (SceneMoves(s->lattice.scene)) {
+    if (!s->A) PetscCall(SplineShell(s, p));
   } else if (s->product != s->assemblies) {
-    PetscCallMPI(MPI_Comm_size(flow->particles->comm, &ranks));
+    PetscCallMPI(MPI_Comm_size(p->comm, &ranks));
     PetscCall(MatDestroy(&s->A));
-    if (multiplies && ranks == 1) PetscCall(SplineRowsCompute(s, flow->particles, &rows));
-    if (rows) PetscCall(SplineRowsShell(flow->particles->comm, rows, &s->A));
-    else PetscCall(SplineProduct(s, flow->particles));
+    if (multiplies && ranks == 1) PetscCall(SplineRowsCompute(s, p, &rows));
+    if (rows) PetscCall(SplineRowsShell(p->comm, rows, &s->A));
+    else PetscCall(SplineProduct(s, p));
   }
   s->product = s->assemblies;
   PetscFunctionReturn(PETSC_SUCCESS);

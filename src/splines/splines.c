@@ -172,11 +172,10 @@ static PetscErrorCode FreeNumbered(Splines *s)
 
   Collective. Does nothing unless the box of a rank has changed.
 */
-PetscErrorCode SplinesNumber(Flow *flow, Splines *s)
+PetscErrorCode SplinesNumber(const Particles *p, Splines *s)
 {
-  const Particles *p   = flow->particles;
-  int              old = s->K ? 1 : 0;
-  PetscMPIInt      ranks, rank;
+  int         old = s->K ? 1 : 0;
+  PetscMPIInt ranks, rank;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < p->dim; a++) old = old && s->lo[a] == p->lo[a] && s->hi[a] == p->hi[a];
@@ -218,7 +217,7 @@ PetscErrorCode SplinesAssemble(Flow *flow, Splines *s)
 
   PetscFunctionBegin;
   if (s->epoch == p->epoch && s->moved == p->moved) PetscFunctionReturn(PETSC_SUCCESS);
-  if (s->epoch != p->epoch) PetscCall(SplinesNumber(flow, s)); /* boxes may be new */
+  if (s->epoch != p->epoch) PetscCall(SplinesNumber(p, s)); /* boxes may be new */
   PetscCall(SplinePlacesSet(p, s));
   PetscCall(SplineFitsAssemble(flow, s));
   s->epoch = p->epoch;

@@ -325,13 +325,13 @@ PetscInt  SplineSupport(const Splines *s, const PetscInt index[], PetscInt first
 PetscBool SplineBlockCell(const SplineLattice *l, const PetscInt first[], const PetscInt n[],
                           PetscInt k, PetscInt cell[]);
 PetscErrorCode SplineStiffness(Splines *s, const Particles *p);
-PetscErrorCode SplinesNumber(Flow *flow, Splines *s);
+PetscErrorCode SplinesNumber(const Particles *particles, Splines *s);
 PetscErrorCode SplinesAssemble(Flow *flow, Splines *s);
 PetscInt       SplinesGlobal(const Splines *s, const Particles *p, const PetscInt index[]);
 PetscErrorCode SplinesFree(Splines *s);
 
 /* splinematrix.c */
-PetscErrorCode SplinesMatrix(Flow *flow, PetscBool multiplies, Splines *s);
+PetscErrorCode SplinesMatrix(const Particles *particles, PetscBool multiplies, Splines *s);
 
 /* splineinverse.c */
 typedef struct SplineInverse SplineInverse;

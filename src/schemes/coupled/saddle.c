@@ -181,7 +181,7 @@ PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], MatType t
   PetscCall(SetUnits(flow, s));
   PetscCall(ViscousCreate(flow, s, advecting, &s->viscous));
   PetscCall(CreateBlocks(flow, s));
-  PetscCall(SaddleEliminateSurface(flow, s));
+  PetscCall(SaddleEliminateSurface(flow->ops->free, s));
   PetscCall(MatConvert(s->viscous, type, MAT_INITIAL_MATRIX, &s->F));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(block); k++)
     PetscCall(MatConvert(*block[k], type, MAT_INPLACE_MATRIX, block[k]));

@@ -46,8 +46,8 @@ PetscErrorCode SaddleAddInertia(const Saddle *saddle, Vec x, Vec xdot, Vec f);
 PetscErrorCode SaddleReplaceGradient(const Flow *flow, Vec momentum, Saddle *saddle);
 
 /* saddlesurface.c */
-PetscErrorCode SaddleEliminateSurface(const Flow *flow, Saddle *saddle);
-PetscErrorCode SaddleAddTension(const Flow *flow, const Saddle *saddle, Vec b);
+PetscErrorCode SaddleEliminateSurface(const FreeSurface *surface, Saddle *saddle);
+PetscErrorCode SaddleAddTension(const FreeSurface *surface, const Saddle *saddle, Vec b);
 PetscErrorCode SaddleStress(const Saddle *saddle, Vec x, Vec *stress);
 
 #endif

@@ -14,11 +14,10 @@
 
 /* SaddleEliminateSurface - Computes Z, adds G Z to the viscous matrix, and replaces D by D + C Z;
    collective */
-PetscErrorCode SaddleEliminateSurface(const Flow *flow, Saddle *s)
+PetscErrorCode SaddleEliminateSurface(const FreeSurface *surface, Saddle *s)
 {
-  const FreeSurface *surface = flow->ops->free;
-  PetscInt          *outer, *inner, first, n_outer = 0, n_inner = 0; /* global numbers */
-  Mat                GZ, CZ;
+  PetscInt *outer, *inner, first, n_outer = 0, n_inner = 0; /* global numbers */
+  Mat       GZ, CZ;
 
   PetscFunctionBegin;
   if (!surface) PetscFunctionReturn(PETSC_SUCCESS);
@@ -62,9 +61,8 @@ PetscErrorCode SaddleStress(const Saddle *s, Vec x, Vec *stress)
 
 /* SaddleAddTension - Adds the pressure of the surface tension to the rows of mass of b on free
    surfaces; not collective */
-PetscErrorCode SaddleAddTension(const Flow *flow, const Saddle *s, Vec b)
+PetscErrorCode SaddleAddTension(const FreeSurface *surface, const Saddle *s, Vec b)
 {
-  const FreeSurface *surface = flow->ops->free;
   const PetscScalar *unit;
   PetscScalar       *to;
 

@@ -133,7 +133,7 @@ PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
   if (c->flow->state->source)
     PetscCall(SaddleAdd(s, s->dim, c->flow->scene->dx, c->flow->state->source, c->b));
   PetscCall(AddGivenPressure(c, t));
-  PetscCall(SaddleAddTension(c->flow, s, c->b));
+  PetscCall(SaddleAddTension(c->flow->ops->free, s, c->b));
   c->b_t = t;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
