@@ -67,9 +67,21 @@ static void OptionsOf(const Table *table, char names[], size_t size)
   }
 }
 
+/* Prints the stages of a step with a scheme, in their order, and the judges that repeat them. */
+static PetscErrorCode SchemeViewSteps(const SchemeRow *scheme, PetscViewer viewer)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscViewerASCIIPrintf(viewer, "\nStages of a step (-scheme %s)\n", scheme->name));
+  for (const Stage *const *stage = scheme->stages; *stage; stage++)
+    PetscCall(PetscViewerASCIIPrintf(viewer, "  %-16s %s\n", (*stage)->name, (*stage)->brief));
+  for (const Judge *const *judge = scheme->judges; *judge; judge++)
+    PetscCall(PetscViewerASCIIPrintf(viewer, "  %-16s %s\n", (*judge)->name, (*judge)->brief));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
-  CatalogueView - Prints all rows that can be chosen by name, with their briefs and citations, and
-  the defaults by the regime
+  CatalogueView - Prints all rows that can be chosen by name, with their briefs and citations, the
+  stages of steps, and the defaults by the regime
 
   Collective on the viewer
 */
@@ -88,6 +100,8 @@ PetscErrorCode CatalogueView(PetscViewer viewer)
     OptionsOf(CatalogueTable(k), names, sizeof(names));
     PetscCall(TableView(CatalogueTable(k), names, viewer));
   }
+  for (PetscInt k = 0; k < SchemeTable.count; k++)
+    PetscCall(SchemeViewSteps((const SchemeRow *)(const void *)TableGet(&SchemeTable, k), viewer));
   if (rank == 0) RegimePrint(out, PETSC_FALSE);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,8 +2,9 @@
 """Checks the style of comments and docstrings: english.py [-v] [ROOT or FILE ...]
 
 Counts the words of LIMITS, which often hide the noun of a sentence, and fails if there are too many in
-1000 words of comments. Refuses a sentence that begins with a word of HEADLESS. Reads C, Python, shell
-and CMake sources, option files and lists of tests. Option -v prints each counted comment.
+1000 words of comments. Refuses a sentence that begins with a word of HEADLESS, and in the whole tree a
+comment of the C sources that names a file or a function which is not there. Reads C, Python, shell and
+CMake sources, option files and lists of tests. Option -v prints each counted comment.
 """
 
 import ast
@@ -117,6 +118,22 @@ def files(root):
             yield path
 
 
+def stale(root, comments):
+    """Yields a sentence for each C comment that names a file or a function which the tree does not have."""
+    text = "\n".join(path.read_text(encoding="utf-8") for path in root.rglob("*.[ch]") if "build" not in str(path))
+    text = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
+    functions = set(re.findall(r"\b(\w+)\(", text)) | set(re.findall(r"\(\*(\w+)\)", text))
+    sources = {path.name for path in root.rglob("*.[ch]")}
+    for path, line, comment in comments:
+        for name in re.findall(r"(?<![<\w./*-])((?:[a-z_]+/)*[a-z_]+\.[ch])\b", comment):
+            there = (root / name).is_file() or (root / "src" / name).is_file() if "/" in name else name in sources
+            if not there and not name.startswith("isph/"):
+                yield f"{path}:{line + 1}: {name} is not there"
+        for name in re.findall(r"\b([A-Z][a-z]\w*)\(\)", comment):
+            if name not in functions and not name.startswith("Petsc"):
+                yield f"{path}:{line + 1}: {name}() is not there"
+
+
 def main():
     arguments = [word for word in sys.argv[1:] if word != "-v"]
     verbose = "-v" in sys.argv
@@ -125,13 +142,15 @@ def main():
         path = Path(word)
         paths += files(path) if path.is_dir() else [path]
 
-    words, refused = 0, 0
+    words, refused, in_c = 0, 0, []
     counts = dict.fromkeys(LIMITS, 0)
     for path in paths:
         comments = reader(path)
         if not comments:
             continue
         for line, text in comments(path.read_text(encoding="utf-8")):
+            if comments is c_comments:
+                in_c.append((path, line, text))
             text = text.strip()
             words += len(WORD.findall(text))
             place = f"{path}:{line + 1}"
@@ -146,6 +165,10 @@ def main():
                 if found and verbose:
                     print(f"{place}: {habit}: {' '.join(text.split())[:100]!r}")
 
+    if not arguments:
+        for sentence in stale(Path(__file__).resolve().parent.parent, in_c):
+            refused += 1
+            print(sentence)
     failed = refused > 0
     print(f"{words} words of comments; {refused} comments refused")
     for habit, (_, limit) in LIMITS.items():

@@ -26,6 +26,8 @@ CIRCLES = {
     "splines": """splinebodies splineextend splinefits splineintegrals splines splinestep splinestiffness
         splinewindow""".split(),
 }
+# Headers of isph/ that are not named by their folder.
+HEADERS = {"petsc": "base", "regime": "scene", "catalogue": "top"}
 MOST_FILES = 18  # of a folder, headers included
 
 
@@ -132,8 +134,8 @@ def check_circles(arrows):
 def header_layer(name, path, root):
     """Returns the folder of an included header, or None for those of libraries."""
     if name.startswith("isph/"):
-        folder = name[5:-2]
-        return next((f for f in LAYERS if f.split("/")[-1] == folder), None)
+        folder = HEADERS.get(name[5:-2], name[5:-2])
+        return next(f for f in LAYERS if f.split("/")[-1] == folder)
     for base in (path.parent, root / "src"):
         if (base / name).is_file():
             return place((base / name).resolve().relative_to(root.resolve()))[0]

@@ -6,6 +6,7 @@
 #include <string.h>
 #include "cloud.h"
 #include "isph/schemes.h"
+#include "isph/solvers.h"
 
 #define RIGHT 1 /* the open side */
 

@@ -5,7 +5,7 @@
 */
 /* RANKS: 1 3 */
 #include "pool.h"
-#include "isph/schemes.h"
+#include "isph/motion.h"
 
 #define FILM 18 /* length of the film [dx] */
 

@@ -1,6 +1,6 @@
 /*
-  Foundation of all modules: PETSc, the version, tables of named rows, options, and errors of the
-  user.
+  Foundation of all modules: PETSc, the version, tables of named rows, errors of the user, and
+  files.
 */
 #ifndef ISPH_BASE_H
 #define ISPH_BASE_H

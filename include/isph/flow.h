@@ -223,7 +223,6 @@ typedef struct {
 /* An observer of steps, which changes none. After sees the velocity u_next + dt f after a part of a
    step; see FlowPartDone(). */
 typedef struct {
-  const char *name, *brief;
   PetscBool (*Applies)(const Flow *flow);
   PetscErrorCode (*Begin)(Flow *flow); /* before the first stage */
   PetscErrorCode (*After)(Flow *flow, StepPart part, PetscReal dt, const Vec f[]); /* or NULL */
@@ -235,7 +234,7 @@ typedef struct {
    and memory before them; all of it, in a shorter time. */
 typedef enum { AGAIN_LAST, AGAIN_SOLVES, AGAIN_SHORTER, AGAIN_KINDS } Again;
 
-/* Attempts of a judge in the present step. */
+/* Attempts of a judge: of solves in the present step, or of the step. */
 typedef struct {
   PetscInt  times; /* so far */
   PetscReal first; /* its measure of the solution before them */

@@ -119,8 +119,8 @@ typedef struct {
   unsigned  asked; /* bit k: choice k was read */
 } Regime;
 
-#define REGIME         "by the regime" /* the default of an option with a table */
-#define REGIME_SURFACE 0.1 /* nu dt/dx^2 above which free surfaces have the coupled scheme */
+#define REGIME            "by the regime" /* the default of an option with a table */
+#define SURFACE_STIFFNESS 0.1 /* nu dt/dx^2 from which the projection is unstable there */
 
 extern const RegimeTable RegimeTables[REGIMES]; /* src/scene/regimes.c */
 

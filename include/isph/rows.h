@@ -1,6 +1,7 @@
 /*
   Rows: the forms of Laplacians and gradients, whose functions compute the weights of a row from a
-  stencil, and the operators that store the rows.
+  stencil, and the operators that store the rows, so that rows can write them; functions of
+  operators are in operators.h.
 
   An operator acts on an unknown field f on fluid particles and on given data e on wall particles:
 
@@ -171,7 +172,7 @@ typedef struct {
 
 #define RUN_LANES 8 /* rows of a run that products treat together */
 
-typedef struct FittedRows FittedRows; /* rows made from fits, see src/fits/fitted.c */
+typedef struct FittedRows FittedRows; /* rows made from fits, see src/operators/fitted.c */
 
 /* A row of fits that products make and no array stores; the gradient along axis a is
    FIT_GRADIENT + a. */

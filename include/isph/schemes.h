@@ -2,8 +2,7 @@
 #ifndef ISPH_SCHEMES_H
 #define ISPH_SCHEMES_H
 
-#include "isph/motion.h"
-#include "isph/solvers.h"
+#include "isph/flow.h"
 
 extern const Table       SchemeTable;
 extern const OptionTable SchemeOptions;

@@ -1,6 +1,6 @@
 /*
-  The attempts of a step. Judges see the solution of a step and let the same things happen again
-  with another treatment: the last solve, all solves, or the whole step in a shorter time. This file
+  The attempts of a step. Judges see the solution of a step and repeat a part of it with another
+  treatment: the last solve, all solves, or the whole step in a shorter time. This file
   alone saves and restores what a step begins with: all registered fields, the numbers of the run's
   memory, and what a scheme keeps off the particles. All other data are computed from these.
 */
@@ -37,6 +37,8 @@ PetscErrorCode AttemptArrange(Flow *flow)
   s->attempt = a;
   for (const Judge *const *judge = s->row->judges; *judge; judge++) {
     if (!(*judge)->Applies(flow)) continue;
+    PetscCheck(a->n_judges < SCHEME_MAX_JUDGES, PETSC_COMM_SELF, PETSC_ERR_PLIB,
+               "%s is one more than SCHEME_MAX_JUDGES = %d", (*judge)->name, SCHEME_MAX_JUDGES);
     a->judge[a->n_judges++]   = *judge;
     a->saves[(*judge)->again] = PETSC_TRUE;
   }
@@ -114,9 +116,9 @@ static PetscErrorCode RestoreSolves(Flow *flow, const Attempt *a)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Asks the judges of steps or of solves, in their order. The first one that lets something happen
-   again restores what that begins with, and judges before it start anew. Output: verdict - this
-   judge; NULL: the solution is kept. */
+/* Asks the judges of steps or of solves, in their order, until the first of them repeats a part of
+   the step. The start of that part is restored, and earlier judges count from 0 again. Output:
+   verdict - this judge; NULL: the solution is kept. */
 static PetscErrorCode Ask(Flow *flow, PetscBool steps, const Judge **verdict)
 {
   Attempt *a = flow->scheme->attempt;
@@ -141,8 +143,8 @@ static PetscErrorCode Ask(Flow *flow, PetscBool steps, const Judge **verdict)
 }
 
 /*
-  AttemptNext - Returns the stage that follows a stage of a step: the next one, or an earlier one if
-  a judge lets solves happen again
+  AttemptNext - Sets the stage that follows a stage of a step: the next one, or an earlier one if a
+  judge repeats solves
 
   Collective. Input/Output: k - number of the stage in scheme->stage.
 */
@@ -160,14 +162,14 @@ PetscErrorCode AttemptNext(Flow *flow, PetscInt *k)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ends the treatments of a step. */
-static PetscErrorCode EndTreatments(Flow *flow)
+/* Ends the treatments of judges of steps or of solves. */
+static PetscErrorCode EndTreatments(Flow *flow, PetscBool steps)
 {
   Attempt *a = flow->scheme->attempt;
 
   PetscFunctionBegin;
-  PetscCall(FlowRestoreWork(flow, &a->p));
   for (PetscInt j = 0; j < a->n_judges; j++) {
+    if ((a->judge[j]->again == AGAIN_SHORTER) != steps) continue;
     if (a->trial[j].times > 0 && a->judge[j]->Clear) PetscCall(a->judge[j]->Clear(flow));
     a->trial[j] = (Trial){0};
   }
@@ -185,7 +187,8 @@ PetscErrorCode AttemptBegin(Flow *flow)
 }
 
 /*
-  AttemptEnd - Ends the treatments of a step, and asks the judges of steps
+  AttemptEnd - Ends the treatments of the solves of a step, and asks the judges of steps; they end
+  theirs when the step is kept
 
   Collective.
 
@@ -197,9 +200,11 @@ PetscErrorCode AttemptEnd(Flow *flow, PetscBool *again)
   const Judge *verdict;
 
   PetscFunctionBegin;
-  PetscCall(EndTreatments(flow));
+  PetscCall(FlowRestoreWork(flow, &flow->scheme->attempt->p));
+  PetscCall(EndTreatments(flow, PETSC_FALSE));
   PetscCall(Ask(flow, PETSC_TRUE, &verdict));
   *again = verdict && !flow->scheme->failure.fatal ? PETSC_TRUE : PETSC_FALSE;
+  if (!*again) PetscCall(EndTreatments(flow, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -133,9 +133,8 @@ static PetscBool Averages(const Flow *flow)
   return flow->state->average.T > 0.0 ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/* The mean of the pressure over the last time before a snapshot. */
 const Observer ObserverAverage = {
-    .name    = "average",
-    .brief   = "the mean of the pressure over the last time before a snapshot",
     .Applies = Averages,
     .Begin   = AverageBegin,
     .End     = AverageEnd,

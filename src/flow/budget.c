@@ -239,9 +239,8 @@ static PetscBool HasBudget(const Flow *flow)
   return flow->state->budget ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/* Kinetic energy and divergence after each part of a step, in boxes. */
 const Observer ObserverBudget = {
-    .name    = "budget",
-    .brief   = "kinetic energy and divergence after each part of a step, in boxes",
     .Applies = HasBudget,
     .Begin   = BudgetBegin,
     .After   = BudgetPart,

@@ -16,13 +16,13 @@ PetscReal ClockExplicitLimit(const Scene *scene, PetscReal support_radius)
              : PETSC_INFINITY;
 }
 
-/* SurfaceStep - Returns REGIME_SURFACE dx^2/nu for the largest viscosity, the step above which
+/* SurfaceStep - Returns SURFACE_STIFFNESS dx^2/nu for the largest viscosity, the step above which
    flows with a free surface have the coupled scheme by default; infinity without one [s]; not
    collective */
 PetscReal SurfaceStep(const Scene *scene)
 {
   return SceneHasFreeSurface(scene) && SceneHas(scene, PHYSICS_VISCOSITY)
-             ? REGIME_SURFACE * PetscSqr(scene->dx) / scene->nu_high
+             ? SURFACE_STIFFNESS * PetscSqr(scene->dx) / scene->nu_high
              : PETSC_INFINITY;
 }
 

@@ -115,7 +115,7 @@ static void ShareAllRows(Operators *ops)
 /*
   Decides if rows of particles that do not move are stored once where they repeat: all operators are
   products by rows, and a row depends on the places of its neighbours only. The pressure then has no
-  matrix; PressureMatrix() makes it while a solver needs it.
+  matrix; AffineSystemCreate() makes it while a solver needs it.
 */
 static void ChooseRows(const Scene *scene, Operators *ops)
 {
@@ -209,7 +209,7 @@ static PetscErrorCode CreateWorkspace(const Scene *scene, Operators *ops)
 
   Options Database Keys:
 + -kernel name         - row of the kernel table
-. -h_over_dx ratio     - smoothing length over particle spacing; see DefaultSmoothing()
+. -h_over_dx ratio     - smoothing length over particle spacing; see REGIME_KERNEL
 . -visc_laplacian name - form of the viscous term
 . -ppe_laplacian name  - form of the pressure Poisson equation
 . -correction name     - correction of the kernel in these Laplacians

@@ -81,7 +81,7 @@ static void AddRows_FluidStress(Stencil *st, PetscInt diagonal, Operators *ops)
 
     sum_w (tau_i + tau_w).c_iw  in place of  tau_i.(sum_w beta_w c_iw),   w: dummies
 
-  tau_w is continued linearly, with the slopes of ContinuationSlopes(). Input: c - c_iw of the first
+  tau_w is continued linearly, with slopes by MomentInverse(). Input: c - c_iw of the first
   pass, whose rows are complete.
 
   Reference: the continuation of dummies' values by J. P. Morris, P. J. Fox, Y. Zhu, J. Comput.

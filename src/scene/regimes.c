@@ -20,9 +20,9 @@
 static const RegimeRow schemes[] = {
     {0, FACT_SURFACE, ANY, "projection", "a step is cheapest"},
     {FACT_SURFACE | FACT_STEADY, 0, ANY, "coupled", "it solves without du/dt"},
-    {FACT_SURFACE, FACT_STEADY, UPTO(REGIME_SURFACE), "projection",
+    {FACT_SURFACE, FACT_STEADY, UPTO(SURFACE_STIFFNESS), "projection",
      "ten of its steps cost as much as a coupled one, and it holds in impacts"},
-    {FACT_SURFACE, FACT_STEADY, ABOVE(REGIME_SURFACE), "coupled",
+    {FACT_SURFACE, FACT_STEADY, ABOVE(SURFACE_STIFFNESS), "coupled",
      "the projection is unstable in long steps"},
 };
 

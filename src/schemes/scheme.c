@@ -42,7 +42,7 @@ static PetscErrorCode DefaultScheme(const Flow *flow, const char **name)
   PetscCall(FlowLimit(flow, &limit));
   if (clock->dt_given > 0.0) limit.dt = clock->dt_given;
   else if (SceneMoves(flow->scene)) limit.dt *= 0.1;
-  regime->number[NUMBER_SURFACE] = REGIME_SURFACE * (limit.dt / SurfaceStep(flow->scene));
+  regime->number[NUMBER_SURFACE] = SURFACE_STIFFNESS * (limit.dt / SurfaceStep(flow->scene));
   RegimeSetFact(regime, FACT_STEADY, clock->steady_solve);
   *name = RegimeWord(regime, REGIME_SCHEME);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -16,7 +16,6 @@
   to (343) and (373).
 */
 #include "saddle.h"
-#include "isph/operators.h"
 
 #define OBLIQUE 0.25 /* least cosine between a column of G and its row of -D or Z */
 #define ALIGNED 0.9  /* least cosine between their parts of the particle itself, on surfaces */

@@ -7,7 +7,6 @@
 #ifndef ISPH_SCHEMES_COUPLED_H
 #define ISPH_SCHEMES_COUPLED_H
 
-#include "isph/solvers.h"
 #include "saddle.h"
 #include "isph/motion.h"
 

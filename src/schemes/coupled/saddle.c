@@ -24,7 +24,6 @@
   equations are replaced, see adjoint.c.
 */
 #include "saddle.h"
-#include "isph/operators.h"
 
 /*
   SaddleTime - Returns T, the time in which momentum changes a velocity on the scale of the grid:

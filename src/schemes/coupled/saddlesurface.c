@@ -10,7 +10,6 @@
   of schur.c suit its Schur complement: docs/theory.md, (156) and (157).
 */
 #include "saddle.h"
-#include "isph/operators.h"
 
 /* SaddleEliminateSurface - Computes Z, adds G Z to the viscous matrix, and replaces D by D + C Z;
    collective */

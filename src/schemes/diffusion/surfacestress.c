@@ -10,9 +10,7 @@
   weights of Z is up to 36/R, and steps of 0.1 dx^2/nu amplified disturbances of single particles:
   docs/theory.md, (330).
 */
-#include "isph/motion.h"
 #include "viscosity.h"
-#include "isph/operators.h"
 
 /*
   ViscosityHoldSurface - Makes the pressure of free surfaces a part of the viscous term, if it

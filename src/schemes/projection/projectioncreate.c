@@ -197,14 +197,16 @@ static PetscErrorCode ChoosePoints(const Scene *scene, const PressurePointsRow *
 {
   static const char *const of_particles[] = {"-ppe_alpha", "-ppe_filter", "-ppe_laplacian"};
   Regime                  *regime         = scene->regime;
-  PetscBool                narrow = PETSC_FALSE, asks = PETSC_FALSE;
+  PetscBool                narrow = PETSC_FALSE, asks = PETSC_FALSE, given;
   PetscInt                 degree;
 
   PetscFunctionBegin;
   PetscCall(OperatorsDegree(scene, &degree));
   for (PetscInt a = 0; a < scene->dim; a++)
     if (CellsAlong(scene, a, SPACING_STANDARD) < LEAST_CELLS) narrow = PETSC_TRUE;
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(of_particles) && !asks; k++)
+  PetscCall(
+      OptionGiven(options[POINTS].name, &given)); /* then these are read only if it uses them */
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(of_particles) && !given && !asks; k++)
     PetscCall(OptionGiven(of_particles[k], &asks));
   RegimeSetFact(regime, FACT_UNFIT, CoarseFault(scene) ? PETSC_TRUE : PETSC_FALSE);
   RegimeSetFact(regime, FACT_NARROW, narrow);

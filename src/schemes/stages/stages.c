@@ -1,7 +1,7 @@
 /*
   Stages of a step that schemes share, the observers of steps, and the choice of those that apply to
-  a flow. A list of stages stands with its scheme. A stage that a flow has not, such as openings in
-  a closed box, costs it nothing.
+  a flow. A list of stages stands with its scheme. A stage that a flow does not need, such as
+  openings in a closed box, costs it nothing.
 */
 #include "stages.h"
 
@@ -89,7 +89,7 @@ static PetscBool HasOpenings(const Flow *flow)
   return flow->state->openings.open;
 }
 
-static PetscBool HasSurface(const Flow *flow)
+static PetscBool HasMovingSurface(const Flow *flow)
 {
   return flow->ops->free && SceneMoves(flow->scene) ? PETSC_TRUE : PETSC_FALSE;
 }
@@ -119,7 +119,7 @@ static PetscErrorCode FollowAndRebuild(Flow *flow)
 
 const Stage StageMomentum = {
     .name    = "momentum",
-    .brief   = "mean velocity of a flow that keeps it",
+    .brief   = "mean velocity, of flows that keep their momentum",
     .Applies = KeepsMomentum,
     .Do      = MomentumKeep,
 };
@@ -156,7 +156,7 @@ const Stage StageVolume = {
 const Stage StageCollide = {
     .name    = "collide",
     .brief   = "collisions of fragments of a free surface",
-    .Applies = HasSurface,
+    .Applies = HasMovingSurface,
     .Do      = FlowCollide,
     .part    = PART_SOLVE,
 };

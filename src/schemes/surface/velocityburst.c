@@ -118,7 +118,7 @@ static PetscErrorCode DecideBurst(Flow *flow, Trial *trial, PetscBool *again)
   if (trial->times == 0) trial->first = c.largest;
   if (trial->times > 0 && c.largest > CALMER * trial->first) {
     PetscCall(DropPairs(flow));
-    trial->times = MOST;
+    trial->times = MOST; /* this solve counts too, and is the last */
     *again       = PETSC_TRUE;
   } else if (trial->times < MOST && c.largest > BURST * c.fastest) {
     PetscCall(AddPairs(flow, &c));

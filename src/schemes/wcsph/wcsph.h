@@ -6,7 +6,6 @@
 #ifndef ISPH_SCHEMES_WCSPH_H
 #define ISPH_SCHEMES_WCSPH_H
 
-#include "isph/solvers.h"
 #include "isph/motion.h"
 #include "schemes/diffusion/viscosity.h"
 
