@@ -168,7 +168,7 @@ static PetscErrorCode RefuseGain(const Scene *scene, const ProjectionRow *row)
   PetscFunctionBegin;
   UserCheck(!row || row->incremental || RegimeAllows(scene->regime, REGIME_CHORIN_HOLDS),
             "-projection %s: on fixed particles between walls it feeds energy into the flow for U "
-            "dx/nu above %g, here %.3g; use rotational or incremental, or a larger -n",
+            "dx/nu above %.3g, here %.3g; use rotational or incremental, or a larger -n",
             row->name, (double)RegimeFind(scene->regime, REGIME_CHORIN_HOLDS)->range.above,
             (double)scene->regime->number[NUMBER_CELL]);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -271,7 +271,7 @@ static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
   PetscFunctionBegin;
   UserCheck(RegimeAllows(regime, REGIME_COARSE_HOLDS),
             "-pressure_points coarse: on fixed particles it feeds energy into the flow for U dx/nu "
-            "above %g, here %.3g%s",
+            "above %.3g, here %.3g%s",
             (double)RegimeFind(regime, REGIME_COARSE_HOLDS)->range.above,
             (double)regime->number[NUMBER_DAMPING],
             flow->scene->grading.on ? " for the largest spacing; use same, or a larger -n"
