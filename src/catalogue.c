@@ -103,5 +103,6 @@ PetscErrorCode CatalogueView(PetscViewer viewer)
   for (PetscInt k = 0; k < SchemeTable.count; k++)
     PetscCall(SchemeViewSteps((const SchemeRow *)(const void *)TableGet(&SchemeTable, k), viewer));
   if (rank == 0) RegimePrint(out, PETSC_FALSE);
+  PetscCall(ViewerCheck(viewer, "-catalogue"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -100,8 +100,9 @@ const OptionTable MotionOptions = OPTIONS("Motion of particles", options);
 /*
   MotionCreate - Reads the options of filter and shifting
 
-  Collective on PETSC_COMM_WORLD. Output: needs - bits of Need for them. The regime gives the default
-  of the filter; a scheme takes it again when it knows the points of the pressure or its substeps.
+  Collective on PETSC_COMM_WORLD. Output: needs - bits of Need for them. The regime gives the
+  default of the filter; a scheme takes it again when it knows the points of the pressure or its
+  substeps.
 
   Options Database Keys:
 + -shift name        - row of the shift table

@@ -16,6 +16,40 @@ static PetscBool Fits(const FormsLibrary *library)
              : PETSC_FALSE;
 }
 
+static PetscBool LaplacianIsComplete(const TableRow *row)
+{
+  const LaplacianRow *form = (const LaplacianRow *)(const void *)row;
+
+  return form->Row || form->composed ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool GradientIsComplete(const TableRow *row)
+{
+  return ((const GradientRow *)(const void *)row)->Row ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Refuses a table of a shared object with rows that are not complete or have the name of a row of
+   the program. Input: size - of a row; Complete - checks its functions. */
+static PetscErrorCode CheckTable(const char option[], const Table *own, const Table *table,
+                                 size_t size, PetscBool (*Complete)(const TableRow *row))
+{
+  PetscFunctionBegin;
+  UserCheck(own->count >= 0 && (!own->count || own->rows) && (own->row_size == size || !own->count),
+            "%s: its table of %s is not made by TABLE()", option, table->title);
+  for (PetscInt k = 0; k < own->count; k++) {
+    const TableRow *row = TableGet(own, k), *same;
+
+    UserCheck(row && row->name && row->brief && row->citation && Complete(row),
+              "%s: row %" PetscInt_FMT
+              " of its %s lacks a name, a brief, a citation or its function",
+              option, k + 1, table->title);
+    PetscCall(TableFind(table, row->name, &same));
+    UserCheck(!same, "%s: the program has a row %s of its own among the %s; take another name",
+              option, row->name, table->title);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Returns true if the condition holds on all ranks; collective. */
 static PetscErrorCode HoldsEverywhere(PetscBool *holds)
 {
@@ -30,8 +64,8 @@ static PetscErrorCode HoldsEverywhere(PetscBool *holds)
   Collective. Output: library - its rows, NULL if the option is not given; it stays open to the end
   of the program.
 
-  Errors: refuses files that are no shared objects, have no symbol FORMS_SYMBOL, or were built for
-  other structs
+  Errors: refuses files that are no shared objects, have no symbol FORMS_SYMBOL, were built for
+  other structs, or have rows that are not complete or have names of the program's rows
 */
 PetscErrorCode FormsLibraryOpen(const OptionRow *option, const FormsLibrary **library)
 {
@@ -57,9 +91,13 @@ PetscErrorCode FormsLibraryOpen(const OptionRow *option, const FormsLibrary **li
   UserCheck(*library, "%s %s: it has no symbol %s, a FormsLibrary of isph/rows.h", option->name,
             path, FORMS_SYMBOL);
   UserCheck(Fits(*library),
-            "%s %s: it was built for another isph, version %" PetscInt_FMT
-            " of the forms, allowed is %d; build it again with the headers of this isph",
-            option->name, path, (*library)->version, FORMS_VERSION);
+            "%s %s: it was built for another isph: version or sizes of the structs of its forms "
+            "differ; build it again with the headers of this isph",
+            option->name, path);
+  PetscCall(CheckTable(option->name, &(*library)->laplacians, &LaplacianTable, sizeof(LaplacianRow),
+                       LaplacianIsComplete));
+  PetscCall(CheckTable(option->name, &(*library)->gradients, &GradientTable, sizeof(GradientRow),
+                       GradientIsComplete));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -75,7 +113,19 @@ PetscErrorCode FormsLibraryRow(const OptionRow *option, const Table *own, const 
   PetscFunctionBegin;
   PetscCall(OptionTyped(option->name, &name, &given));
   if (own && given) PetscCall(TableFind(own, name, &row));
-  if (row) *(const TableRow **)chosen = row;
-  else PetscCall(OptionGetRow(option, standard, chosen));
+  if (row) {
+    *(const TableRow **)chosen = row;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (own && own->count && given) {
+    char names[1024] = "";
+
+    for (PetscInt k = 0; k < own->count; k++)
+      AppendWord(names, sizeof(names), TableGet(own, k)->name);
+    PetscCall(TableFind(option->table, name, &row));
+    UserCheck(row, "%s %s: no such name; -forms_library has %s, the program those of -catalogue",
+              option->name, name, names);
+  }
+  PetscCall(OptionGetRow(option, standard, chosen));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -10,7 +10,8 @@
 static const OptionTable *const *known; /* all tables, NULL after the last */
 
 /* OptionsKnow - Hands in all tables of options, NULL after the last, which must exist to the end of
-   the program; not collective. Without them, as in tests of a part, no name is refused. */
+   the program; not collective. Without them, as in tests of a part, readers take any
+   name, but OptionsRefuseUnknown() knows none. */
 void OptionsKnow(const OptionTable *const tables[])
 {
   known = tables;
