@@ -9,9 +9,8 @@
 static const char ReportHeader[] =
     "case,dim,reynolds,scheme,projection,motion,physics,visc_laplacian,ppe_laplacian,gradient,"
     "correction,visc_ts,visc_ksp,visc_pc,ppe_ksp,ppe_pc,kernel,h_over_dx,wall,shift,jitter,seed,n,"
-    "particles,ranks,dt,steps,t,wall_s,us_per_particle_step,visc_its,ppe_its,rss_mb,status,"
-    "quantity,"
-    "value,reference,error\n";
+    "particles,ranks,dt,steps,t,wall_s,cpu_s,us_per_particle_step,visc_its,ppe_its,rss_mb,status,"
+    "quantity,value,reference,error\n";
 
 /* Part of a row: the columns before t, which are equal in all rows, or the columns after t. */
 typedef struct {
@@ -158,8 +157,14 @@ static PetscErrorCode ColumnsBeforeTime(const Flow *flow, Columns *columns)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Fills `columns` with the columns from wall_s up to status, the last. Collective: rss_mb is the
-   largest value of all ranks. */
+/* Returns seconds of a time of getrusage(). */
+static PetscReal Seconds(struct timeval time)
+{
+  return (PetscReal)time.tv_sec + 1e-6 * (PetscReal)time.tv_usec;
+}
+
+/* Fills `columns` with the columns from wall_s up to status, the last. Collective: cpu_s is the sum
+   over all ranks, user and system, rss_mb their largest value. */
 static PetscErrorCode ColumnsAfterTime(const Flow *flow, PetscReal wall_seconds,
                                        const char status[], Columns *columns)
 {
@@ -168,17 +173,20 @@ static PetscErrorCode ColumnsAfterTime(const Flow *flow, PetscReal wall_seconds,
   const PetscReal    steps    = flow->clock ? flow->clock->step : 0.0;
   const PetscReal    work =
       flow->clock ? (steps - flow->clock->step_first) * flow->particles->N_fluid : 0.0;
-  PetscReal     rss_mb, visc_its = NAN, ppe_its = NAN;
+  PetscReal     rss_mb, cpu_s, visc_its = NAN, ppe_its = NAN;
   struct rusage usage;
 
   PetscFunctionBegin;
   columns->text[0] = '\0';
   PetscCheck(getrusage(RUSAGE_SELF, &usage) == 0, PETSC_COMM_SELF, PETSC_ERR_SYS, "getrusage()");
   rss_mb = (PetscReal)usage.ru_maxrss / 1024.0;
+  cpu_s  = Seconds(usage.ru_utime) + Seconds(usage.ru_stime);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &rss_mb, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &cpu_s, 1, MPIU_REAL, MPIU_SUM, PETSC_COMM_WORLD));
   if (steps > 0.0 && velocity) visc_its = velocity->iterations_sum / steps;
   if (steps > 0.0 && pressure) ppe_its = pressure->iterations_sum / steps;
   PetscCall(ColumnNumber(columns, wall_seconds));
+  PetscCall(ColumnNumber(columns, cpu_s));
   PetscCall(ColumnNumber(columns, work > 0.0 ? 1e6 * wall_seconds / work : NAN));
   PetscCall(ColumnNumber(columns, visc_its));
   PetscCall(ColumnNumber(columns, ppe_its));
