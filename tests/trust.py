@@ -11,7 +11,7 @@ import sys
 
 from interpreter import python_with
 
-python_with("numpy, matplotlib")
+python_with("numpy, matplotlib, scipy")
 study, isph = sys.argv[1:3]
 ONLY = "linear (wheels_n12|rigid_cleary)|bodies bearing_n|form_channel morris_steady"
 
