@@ -1,9 +1,53 @@
-"""Reads snapshots of isph as fields for drawing."""
+"""Reads snapshots of isph as fields for drawing: particles, and the part of the plane that is fluid."""
 import sys
 
 import h5py
 import numpy as np
-from matplotlib import tri
+from matplotlib import patches, tri
+
+HOLE = 1.0  # radius of the least empty circle that is no fluid [spacing of the particles around it]
+
+
+class Body:
+    """A body of the plane, or the section of a body in space across z."""
+
+    def __init__(self, shape, numbers, around):
+        self.around = around
+        self.round = shape in ("circle", "cylinder", "ball", "ring")
+        if self.round:
+            self.centre, self.outer = numbers[:2], numbers[-1]
+            self.inner = numbers[2] if shape == "ring" else -self.outer
+        else:
+            self.corners = numbers.reshape(-1, 2)
+
+    def distance(self, x):
+        """Returns the distance of points from the surface, positive in the fluid, and the nearest points of it."""
+        if self.round:
+            arm = x - self.centre
+            r = np.maximum(np.linalg.norm(arm, axis=1), 1e-300)
+            middle = (self.inner + self.outer) / 2
+            distance = abs(r - middle) - (self.outer - middle)
+            nearest = self.centre + arm * (np.where(r > middle, self.outer, self.inner) / r)[:, None]
+        else:
+            distance, nearest, inside = np.full(len(x), np.inf), np.zeros_like(x), np.zeros(len(x), bool)
+            for a, b in zip(self.corners, np.roll(self.corners, -1, axis=0)):
+                along = np.clip((x - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
+                foot = a + along[:, None] * (b - a)
+                d = np.linalg.norm(x - foot, axis=1)
+                nearest[d < distance] = foot[d < distance]
+                distance = np.minimum(d, distance)
+                if a[1] != b[1]:
+                    beside = x[:, 0] < a[0] + (x[:, 1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+                    inside ^= ((a[1] > x[:, 1]) != (b[1] > x[:, 1])) & beside
+            distance = np.where(inside, -distance, distance)
+        return (-distance if self.around else distance), nearest
+
+    def patch(self, **style):
+        if not self.round:
+            return patches.Polygon(self.corners, **style)
+        if self.inner > 0:
+            return patches.Annulus(self.centre, self.outer, self.outer - self.inner, **style)
+        return patches.Circle(self.centre, self.outer, **style)
 
 
 class Snapshot:
@@ -13,46 +57,196 @@ class Snapshot:
         try:
             with h5py.File(path, "r") as file:
                 x, u = file["position"][:], file["velocity"][:]
-                fluid = file["type"][:] == 0
+                self.fluid = file["type"][:] == 0
                 self.attributes = {name: plain(value) for name, value in file.attrs.items()}
+                dx = float(self.attributes["dx"])
+                size = file["volume"][:] ** (1 / x.shape[1]) if "volume" in file else np.full(len(x), dx)
+                self.lo, self.hi = file.attrs["box"][:].reshape(2, -1)[:, :2]
+                self.free = bool(self.attributes["free_surface"])
+                self.all, self.speeds = x, np.linalg.norm(u, axis=1)
+                self.bodies, cut = self.read_bodies(file, x)
         except (OSError, KeyError) as error:
             sys.exit(f"plot: {path} is not a readable snapshot: {error}")
         self.length, self.speed = length, speed  # units on the axes
         self.time = float(self.attributes.get("time", 0))
-        lo, hi = x[fluid].min(axis=0), x[fluid].max(axis=0)
-        self.dim = x.shape[1]
-        self.dx = 0
-        for _ in range(20):  # each particle fills a cube of side dx, which extends half beyond lo and hi
-            self.dx = (np.prod(hi - lo + self.dx) / fluid.sum()) ** (1 / self.dim)
-
+        self.dim, self.dx = x.shape[1], dx
+        fluid = self.fluid
         if self.dim == 3:
-            above = (x[:, 2] - (lo[2] + hi[2]) / 2) / self.dx
-            layer = (above > -0.01) & (above < 0.99)
-            x, u = x[layer], u[layer]
+            fluid, x, u, size = fluid[cut], x[cut, :2], u[cut], size[cut]
+        self.x, self.size = x[fluid], size[fluid]
+        self.kinds = self.attributes["boundary_kinds"].split(",")[:4]
+        for k in (k for k, kind in enumerate(self.kinds) if kind == "free"):  # a film leaves the box there
+            axis = k // 2
+            if k % 2:
+                self.hi[axis] = max(self.hi[axis], self.x[:, axis].max() + 4 * dx)
+            else:
+                self.lo[axis] = min(self.lo[axis], self.x[:, axis].min() - 4 * dx)
+        self.box = box or self.window()  # left, right, bottom, top
 
         # Wall particles count if they touch the fluid: layers behind them hold extrapolated values.
-        lo, hi, margin = lo[:2], hi[:2], 0.75 * self.dx
-        if box is not None:
-            lo, hi, margin = np.array(box[::2]), np.array(box[1::2]), 0.1 * self.dx
-        inside = np.all((x[:, :2] >= lo - margin) & (x[:, :2] <= hi + margin), axis=1)
-        x, u = x[inside, :2], u[inside, :2]
-        if box is None:
-            box = x[:, 0].min(), x[:, 0].max(), x[:, 1].min(), x[:, 1].max()
-        self.box = box  # left, right, bottom, top
-        _, distinct = np.unique(np.round(x / (1e-6 * self.dx)), axis=0, return_index=True)
+        margin = 0.75 * dx if box is None else 0.1 * dx
+        lo, hi = (np.array(self.box[k::2]) for k in range(2)) if box else (self.lo, self.hi)
+        inside = fluid | (self.room(x) > -margin) if box is None else np.all(
+            (x >= lo - margin) & (x <= hi + margin), axis=1)
+        x, u = x[inside], u[inside, :2]
+        _, distinct = np.unique(np.round(x / (1e-6 * dx)), axis=0, return_index=True)
         x, u = x[distinct], u[distinct]
+        self.triangles, self.velocity = tri.Triangulation(x[:, 0], x[:, 1]), u.T
+        self.inside = self.surface() if self.free else None
+
+    def read_bodies(self, file, x):
+        """Returns the sections of all bodies at the middle of z, and which particles are in the layer there."""
+        middle, cut = 0, np.ones(len(x), bool)
+        if x.shape[1] == 3:
+            low, high = file.attrs["box"][[2, 5]]
+            middle = (low + high) / 2
+            above = (x[:, 2] - middle) / float(self.attributes["dx"])
+            cut = (above > -0.01) & (above < 0.99)
+        bodies = []
+        for k, shape in enumerate(filter(None, self.attributes["body_shapes"].split(",")), 1):
+            numbers, around = file.attrs[f"body_{k}"][:], bool(plain(file.attrs[f"body_{k}_around"]))
+            ends = file.attrs[f"body_{k}_ends"][:] if f"body_{k}_ends" in file.attrs else (-np.inf, np.inf)
+            bodies += [Body(*section, around) for section in sections(shape, numbers, ends, middle)]
+        return bodies, cut
+
+    def window(self):
+        """Returns the part of the box that the fluid and its neighbourhood take."""
+        margin = np.maximum(4 * self.dx, 0.1 * np.ptp(self.x, axis=0))
+        low = np.maximum(self.lo, self.x.min(axis=0) - margin)
+        high = np.minimum(self.hi, self.x.max(axis=0) + margin)
+        return low[0], high[0], low[1], high[1]
+
+    def walls(self):
+        """Returns functions of points: their distances from a side of the box or from a body, and the nearest points."""
+        def side(axis, at, sign):
+            def distance(x):
+                nearest = x.copy()
+                nearest[:, axis] = at
+                return sign * (x[:, axis] - at), nearest
+            return distance
+
+        sides = [(k // 2, self.hi[k // 2] if k % 2 else self.lo[k // 2], -1 if k % 2 else 1) for k in range(4)]
+        closed = [side(*s) for s, kind in zip(sides, self.kinds) if kind not in ("periodic", "free")]
+        return closed + [body.distance for body in self.bodies]
+
+    def room(self, x):
+        """Returns the distance of points from the nearest side or body, negative outside the fluid's domain."""
+        nearest = np.minimum((x - self.lo).min(axis=1), (self.hi - x).min(axis=1))
+        return np.min([nearest, *(body.distance(x)[0] for body in self.bodies)], axis=0)
+
+    def surface(self):
+        """Returns a function that tells which points are fluid, with free surfaces through the outermost particles.
+
+        Triangles of Delaunay with an empty circle below HOLE are fluid, as alpha shapes are: H. Edelsbrunner,
+        D. G. Kirkpatrick, R. Seidel, IEEE Trans. Inf. Theory 29 (1983) 551-559. Images of particles beyond walls and
+        periodic sides continue the fluid to them. A particle in no triangle is a disc of its volume."""
+        x, size = self.x, self.size
+        for axis, kind in enumerate(self.kinds[::2]):
+            period = self.hi[axis] - self.lo[axis]
+            for end, sign in ((self.lo, 1), (self.hi, -1)):
+                near = (kind == "periodic") & (abs(self.x[:, axis] - end[axis]) < 2 * self.dx)
+                x = np.vstack([x, self.x[near] + sign * period * np.eye(2)[axis]])
+                size = np.append(size, self.size[near])
+        for wall in self.walls():
+            distance, nearest = wall(x)
+            near = (abs(distance) < 0.8 * size) & (distance > 0.05 * size)
+            image = 2 * nearest[near] - x[near] + ends(x, distance, size, near, nearest)
+            solid = self.room(image) < 0
+            x, size = np.vstack([x, image[solid]]), np.append(size, size[near][solid])
 
         triangles = tri.Triangulation(x[:, 0], x[:, 1])
-        corner = x[triangles.triangles]
-        edge = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2)
-        triangles.set_mask(edge.max(axis=1) > 4 * self.dx)  # no interpolation across holes
-        self.triangles, self.velocity = triangles, u.T
+        corner = triangles.triangles
+        triangles.set_mask(circumradius(x[corner]) > HOLE * size[corner].max(axis=1))
+        find = triangles.get_trifinder()
+        single = np.setdiff1d(np.arange(len(x)), triangles.get_masked_triangles())
+
+        def inside(points):
+            fluid = find(*points.T) >= 0
+            for k in single:
+                fluid |= ((points - x[k]) ** 2).sum(axis=1) < size[k] ** 2 / np.pi
+            return fluid
+        return inside
+
+    def is_fluid(self, x, y):
+        """Tells which points of a grid are fluid."""
+        points = np.column_stack([x.ravel(), y.ravel()])
+        fluid = self.room(points) >= 0
+        if self.inside is not None:
+            fluid &= self.inside(points)
+        return fluid.reshape(x.shape)
+
+    def on_grid(self, box, points=600):
+        """Returns x and y of the centres of a grid of squares, `points` along the longer side, and u, v where is fluid."""
+        left, right, bottom, top = box
+        cell = max(right - left, top - bottom) / points
+        x, y = ((np.arange(n) + 0.5) * length / n + low for low, length in ((left, right - left), (bottom, top - bottom))
+                for n in [max(2, round(length / cell))])
+        grid = np.meshgrid(x, y)
+        fluid = self.is_fluid(*grid)
+        values = [tri.LinearTriInterpolator(self.triangles, c)(*grid) for c in self.velocity]
+        gap = fluid & np.ma.getmaskarray(values[0])  # corners, where no particle is: the nearest has the value
+        particles = np.column_stack([self.triangles.x, self.triangles.y])
+        nearest = [np.argmin(((particles - p) ** 2).sum(axis=1)) for p in np.column_stack([c[gap] for c in grid])]
+        for value, component in zip(values, self.velocity):
+            value[gap] = component[nearest]
+        return x, y, *(np.ma.array(value, mask=~fluid) for value in values)
+
+    def draw_bodies(self, axes):
+        """Draws the bodies, and the solid around bodies that have the fluid inside."""
+        style = {"facecolor": "0.75", "edgecolor": "0.3", "linewidth": 1}
+        for body in self.bodies:
+            if body.around:
+                axes.add_patch(patches.Rectangle(self.lo, *(self.hi - self.lo), zorder=-2, **style))
+                axes.add_patch(body.patch(zorder=-1, **{**style, "facecolor": "white"}))
+        for body in self.bodies:
+            if not body.around:
+                axes.add_patch(body.patch(zorder=2.5, **style))
 
     def title(self):
         parts = [str(self.attributes[name]) for name in ["case"] if name in self.attributes]
         if "reynolds" in self.attributes:
             parts.append(f"Re = {float(self.attributes['reynolds']):g}")
         return ", ".join(parts + [f"t = {self.time:g}"])
+
+
+def sections(shape, numbers, ends, z):
+    """Returns shapes and numbers of the sections of a body of space at z; those of a body of the plane are its own."""
+    if shape == "ball":
+        squared = numbers[3] ** 2 - (z - numbers[2]) ** 2
+        return [(shape, np.array([*numbers[:2], squared ** 0.5]))] if squared > 0 else []
+    if shape == "revolved":
+        corners = numbers.reshape(-1, 2)
+        r = sorted(a[0] + (z - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+                   for a, b in zip(corners, np.roll(corners, -1, axis=0)) if (a[1] > z) != (b[1] > z))
+        return [("ring", np.array([0, 0, *pair])) for pair in zip(r[::2], r[1::2]) if pair[1] > 0]
+    return [(shape, numbers)] if ends[0] <= z <= ends[1] else []
+
+
+def ends(x, distance, size, near, nearest):
+    """Returns the shifts of the images of particles `near` a wall: those at an end of the wetted wall continue the slope
+    of the free surface above them, so that it meets the wall where the line through two particles does."""
+    shift = np.zeros((near.sum(), 2))
+    for k, i in enumerate(np.flatnonzero(near)):
+        normal = (x[i] - nearest[i]) / distance[i]
+        tangent, cell = np.array([-normal[1], normal[0]]), size[i]
+        along, height = (x - x[i]) @ tangent, distance - distance[i]
+        close = np.linalg.norm(x - x[i], axis=1) < 1.6 * cell
+        beside = near & close & (abs(along) > 0.3 * cell)
+        above = close & (height > 0.5 * cell)
+        sides = np.sign(along[beside])
+        if above.any() and len(sides) and abs(sides.sum()) == len(sides):
+            outer = np.flatnonzero(above)[np.argmax(-sides[0] * along[above])]
+            slope = np.clip(along[outer] / height[outer], -1.5, 1.5)
+            shift[k] = -2 * distance[i] * slope * tangent
+    return shift
+
+
+def circumradius(corner):
+    """Returns the radius of the circle through the corners of each triangle."""
+    a, b, c = (np.linalg.norm(corner[:, k] - corner[:, k - 1], axis=1) for k in range(3))
+    p, q = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    twice = abs(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])
+    return a * b * c / np.maximum(2 * twice, 1e-300)
 
 
 def plain(value):

@@ -76,6 +76,10 @@ def fields():
     for path in "b_0001.h5", "k.h5":
         with h5py.File(path) as file:
             assert file.attrs["boundary_names"] == b"left,right,bottom,top,body_1", path
+    with h5py.File("b_0001.h5") as file:
+        known = {name: value.tolist() for name, value in file.attrs.items() if name[:3] in ("box", "bod", "fre")}
+        assert known == {"box": [0, 0, 1, 1], "free_surface": 0, "body_shapes": b"circle", "body_1": [0.5, 0.5, 0.25],
+                         "body_1_around": 0}, known
     run("-case", "cavity", "-dim", "3", "-n", "8", "-max_steps", "1", "-output", "d.h5")
     with h5py.File("d_0001.h5") as file:
         assert file["vorticity"].shape == (len(file["id"]), 3)

@@ -37,6 +37,7 @@ PetscErrorCode Hdf5WriteNumbers(Hdf5File *file, const char object[], const char 
 PetscErrorCode Hdf5WriteWord(Hdf5File *file, const char object[], const char name[],
                              const char word[]);
 PetscErrorCode Hdf5WriteBoundaries(const Scene *scene, Hdf5File *file);
+PetscErrorCode Hdf5WriteGeometry(const Scene *scene, Hdf5File *file);
 PetscErrorCode Hdf5Link(Hdf5File *file, const char name[], const char link[]);
 PetscErrorCode Hdf5Widen(Hdf5File *file, const char name[], PetscInt columns, const char wide[],
                          PetscInt wide_columns);

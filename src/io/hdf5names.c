@@ -96,6 +96,48 @@ PetscErrorCode Hdf5WriteBoundaries(const Scene *scene, Hdf5File *file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  Hdf5WriteGeometry - Writes the box of a scene, its bodies and if it has a free surface as
+  attributes of the file
+
+  Collective on comm. box has the low corner and the high one [m]; body_<k> the numbers of shape
+  k of the list body_shapes, as BodySet() prepares them: corners for boxes; body_<k>_ends in 3D
+  both ends along z; body_<k>_around is 1 for bodies with the fluid inside.
+*/
+PetscErrorCode Hdf5WriteGeometry(const Scene *scene, Hdf5File *file)
+{
+  const int free_surface = SceneHasFreeSurface(scene) ? 1 : 0;
+  double    box[2 * ISPH_MAX_DIM];
+  char      shapes[SCENE_MAX_BOUNDARIES * KIND_NAME] = "", name[WALL_NAME + 8];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    box[a]              = (double)scene->lo[a];
+    box[scene->dim + a] = (double)scene->hi[a];
+  }
+  PetscCall(Hdf5WriteNumbers(file, "/", "box", H5T_NATIVE_DOUBLE, 2 * scene->dim, box));
+  PetscCall(Hdf5WriteNumber(file, "free_surface", H5T_NATIVE_INT, &free_surface));
+  for (PetscInt k = 0; k < scene->n_bodies; k++) {
+    const Body  *body    = SceneBody(scene, k);
+    const int    around  = body->around ? 1 : 0;
+    const double ends[2] = {(double)body->ends[0], (double)body->ends[1]};
+    double       numbers[2 * BODY_PARAMETERS];
+
+    for (PetscInt c = 0; c < body->n; c++) numbers[c] = (double)body->parameter[c];
+    if (k) PetscCall(PetscStrlcat(shapes, ",", sizeof(shapes)));
+    PetscCall(PetscStrlcat(shapes, body->shape->name, sizeof(shapes)));
+    PetscCall(PetscSNPrintf(name, sizeof(name), "body_%d", (int)k + 1));
+    PetscCall(Hdf5WriteNumbers(file, "/", name, H5T_NATIVE_DOUBLE, body->n, numbers));
+    PetscCall(PetscSNPrintf(name, sizeof(name), "body_%d_around", (int)k + 1));
+    PetscCall(Hdf5WriteNumber(file, name, H5T_NATIVE_INT, &around));
+    if (scene->dim < 3) continue;
+    PetscCall(PetscSNPrintf(name, sizeof(name), "body_%d_ends", (int)k + 1));
+    PetscCall(Hdf5WriteNumbers(file, "/", name, H5T_NATIVE_DOUBLE, 2, ends));
+  }
+  PetscCall(Hdf5WriteText(file, file->file, "body_shapes", shapes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Hdf5Link - Gives a data set a second name by a hard link; collective on comm */
 PetscErrorCode Hdf5Link(Hdf5File *file, const char name[], const char link[])
 {

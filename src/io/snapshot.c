@@ -152,6 +152,7 @@ static PetscErrorCode SnapshotAttributes(const Flow *flow, Hdf5File *file)
   PetscCall(Hdf5WriteNumber(file, "dim", H5T_NATIVE_INT, &dim));
   PetscCall(Hdf5WriteText(file, file->file, "case", scene->problem->name));
   PetscCall(Hdf5WriteBoundaries(scene, file));
+  PetscCall(Hdf5WriteGeometry(scene, file));
   PetscCall(Hdf5WriteText(file, file->file, "version", ISPH_VERSION));
   PetscCall(Hdf5WriteText(file, file->file, "commit", VersionCommit()));
   PetscCall(PetscSNPrintf(text, sizeof(text), "%d.%d.%d", PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR,
