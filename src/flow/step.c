@@ -22,8 +22,8 @@ static PetscErrorCode Advance(Flow *flow)
 /*
   FlowAssemble - Assembles all matrices for the present positions, unless this is done
 
-  Collective. Only the assembly reads neighbours, so the neighbours of fixed particles are freed
-  after it.
+  Collective. Only assemblies read neighbours, so the neighbours of fixed particles are freed after
+  it, except with a free surface, whose gradients by reactions are assembled in the solve.
 */
 PetscErrorCode FlowAssemble(Flow *flow)
 {
@@ -34,7 +34,7 @@ PetscErrorCode FlowAssemble(Flow *flow)
   PetscCall(PetscLogEventBegin(event[FLOW_EVENT_OPERATORS], 0, 0, 0, 0));
   PetscCall(OperatorsAssemble(flow->scene, flow->particles, flow->neighbors, flow->ops, &changed));
   if (flow->scheme->row->Assemble) PetscCall(flow->scheme->row->Assemble(flow));
-  if (!SceneMoves(flow->scene)) PetscCall(NeighborsRelease(flow->neighbors));
+  if (!SceneMoves(flow->scene) && !flow->ops->free) PetscCall(NeighborsRelease(flow->neighbors));
   PetscCall(PetscLogEventEnd(event[FLOW_EVENT_OPERATORS], 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
