@@ -136,7 +136,8 @@ typedef struct {
   PetscReal speed_max;      /* largest particle speed [m/s] */
   PetscReal pace_max;       /* largest speed in cells, times the reference spacing [m/s]: of
                                particles, or of the fluid that passes them */
-  PetscReal force_max;      /* largest body force per unit mass [m/s^2] */
+  PetscReal force_max;      /* largest body force per unit mass that no pressure is known to
+                               balance [m/s^2] */
   PetscReal kinetic_energy; /* [J] (per metre of depth in 2D) */
   PetscReal divergence;     /* largest |D u| [1/s] */
   PetscReal change[3];      /* of u, div u* and p, relative, per shortest time scale [-] */
@@ -268,6 +269,7 @@ typedef struct {
   PetscErrorCode (*Register)(Flow *flow); /* NULL: no additional fields */
   PetscErrorCode (*Assemble)(Flow *flow); /* NULL: no matrices of its own */
   PetscErrorCode (*Begin)(Flow *flow);
+  PetscErrorCode (*Start)(Flow *flow); /* NULL: nothing at the start of a run, after Begin */
   PetscErrorCode (*Limit)(const Flow *flow, StepLimit *limit);
   PetscErrorCode (*View)(const Flow *flow, PetscViewer viewer);
   PetscErrorCode (*Destroy)(Flow *flow);
@@ -372,6 +374,7 @@ PetscReal      CapillaryLimit(const Scene *scene);
 
 /* Terms of the momentum equation. */
 PetscErrorCode AddBodyForce(Flow *flow, PetscReal t, Vec force[]);
+PetscErrorCode NoteUnbalancedForce(Flow *flow, const Vec force[]);
 PetscErrorCode ConvectionExtrapolate(Flow *flow, PetscReal at, Vec force[]);
 PetscErrorCode ConvectionOfCorrection(Flow *flow, PetscReal at, const Vec v[], Vec force[]);
 PetscErrorCode VelocityExtrapolate(const Flow *flow, PetscReal at, const Vec v[]);

@@ -196,6 +196,7 @@ struct Scene {
   PetscReal        rho;                 /* density [kg/m^3] */
   PetscReal        tension;             /* surface tension sigma; 0: none [N/m] */
   PetscReal        outside;             /* pressure outside free surfaces [Pa] */
+  PetscReal        level;               /* solves have pressures less this one [Pa] */
   PetscReal        nu; /* kinematic viscosity; if it varies, for Reynolds numbers only [m^2/s] */
   PetscReal        nu_low, nu_high; /* bounds of viscosity in the fluid; nu if uniform [m^2/s] */
   PetscReal        body_force[ISPH_MAX_DIM]; /* body force per unit mass [m/s^2] */
@@ -301,6 +302,7 @@ void      SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, cons
                             PetscReal u[]);
 void      SceneWallAcceleration(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                                 PetscReal a[]);
+void      SceneSetLevel(Scene *scene);
 PetscReal SceneWallPressure(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                             const PetscReal normal[]);
 PetscReal SceneWallSpeedBound(const Scene *scene, PetscInt side, const PetscReal x[],

@@ -93,7 +93,7 @@ PetscErrorCode FlowStateRegister(Flow *flow)
     PetscCall(ParticlesRegister(p, "correction", scene->dim, HALO_NONE, ENTRY_MEAN, s->correction));
   if (p->p) (void)FlowAddStanding(&p->p, &s->p, s);
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM] = {0.0}, pressure = scene->outside;
+    PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM] = {0.0}, pressure = scene->level;
 
     for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
     if (p->velocity_given) {

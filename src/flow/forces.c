@@ -53,3 +53,31 @@ PetscErrorCode AddBodyForce(Flow *flow, PetscReal t, Vec force[])
   NoteForce(flow->scheme, most);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/*
+  NoteUnbalancedForce - Lowers the stored largest body force to that of a force per mass which
+  contains the gradient of the pressure, f - grad p/rho
+
+  Collective. The part of f that the pressure balances moves no particle and limits no step. A free
+  surface that moves keeps f: its waves have the frequency sqrt(|f| k), however small the sum is.
+*/
+PetscErrorCode NoteUnbalancedForce(Flow *flow, const Vec force[])
+{
+  const Scene       *scene = flow->scene;
+  const PetscScalar *f[ISPH_MAX_DIM];
+  PetscReal          most = 0.0;
+
+  PetscFunctionBegin;
+  if (SceneHasFreeSurface(scene) && SceneMoves(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecGetArrayRead(force[a], &f[a]));
+  for (PetscInt i = 0; i < flow->particles->n_fluid; i++) {
+    PetscReal square = 0.0;
+
+    for (PetscInt a = 0; a < scene->dim; a++) square += PetscSqr(f[a][i]);
+    most = PetscMax(most, square);
+  }
+  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecRestoreArrayRead(force[a], &f[a]));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, flow->particles->comm));
+  flow->scheme->stats.force_max = PetscMin(flow->scheme->stats.force_max, PetscSqrtReal(most));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -142,6 +142,7 @@ PetscErrorCode RunBegin(Run *run)
     PetscCall(MonitorsRestart(run->flow.clock->t, run->monitors));
   } else {
     PetscCall(run->flow.scheme->row->Begin(&run->flow));
+    if (run->flow.scheme->row->Start) PetscCall(run->flow.scheme->row->Start(&run->flow));
     PetscCall(SnapshotsWrite(&run->flow, PETSC_FALSE, run->snapshots));
     PetscCall(MonitorsWrite(&run->flow, run->monitors));
   }

@@ -187,6 +187,31 @@ PetscBool ScenePressureFloats(const Scene *scene)
   return PETSC_TRUE;
 }
 
+/*
+  SceneSetLevel - Sets the level of the pressure: the pressure outside free surfaces, or else the
+  mean of the pressures at t = 0 in the middle of the sides that give one; 0 if none does
+
+  Not collective. Tolerances of solves and rounding are relative to pressures less this level, so
+  that a large constant in all given pressures, such as an atmosphere, changes no velocity.
+*/
+void SceneSetLevel(Scene *scene)
+{
+  PetscReal sum   = 0.0;
+  PetscInt  sides = 0;
+
+  for (PetscInt side = 0; side < SceneBodySide(scene, 0); side++) {
+    const BoundaryRow *kind = scene->boundary[side].kind;
+    PetscReal          x[ISPH_MAX_DIM];
+
+    if (kind->equation[FIT_PRESSURE] != EQUATION_VALUE || !kind->Pressure) continue;
+    for (PetscInt a = 0; a < scene->dim; a++) x[a] = 0.5 * (scene->lo[a] + scene->hi[a]);
+    x[side / 2] = side % 2 ? scene->hi[side / 2] : scene->lo[side / 2];
+    sum += kind->Pressure(scene, side, 0.0, x);
+    sides++;
+  }
+  scene->level = !SceneHasFreeSurface(scene) && sides ? sum / (PetscReal)sides : scene->outside;
+}
+
 /* SceneIsClosedBox - Returns true if the fluid fills a box, all sides confine it and the scene has
    no body; not collective */
 PetscBool SceneIsClosedBox(const Scene *scene)

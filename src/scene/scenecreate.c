@@ -389,6 +389,7 @@ PetscErrorCode SceneCreate(const OptionRow *cases, Scene **scene)
             "-without viscosity: the walls of case %s are no-slip walls", s->problem->name);
   if (!s->problem->patch) PetscCall(SceneReadForce(s));
   PetscCall(RefuseTension(s));
+  SceneSetLevel(s);
   for (PetscInt a = 0; a < s->dim; a++) {
     UserCheck((s->hi[a] - s->lo[a]) / s->dx < PETSC_MPI_INT_MAX / 8,
               "-n asks for more particles than fit: the box is %.6g dx wide along %c",

@@ -103,7 +103,8 @@ static PetscReal FullPressure(const Scene *scene, const Particles *p, PetscInt w
   Not collective.
 
   Input Parameter:
-. share - of the full data; the pressure of a flow at its start has no gradient yet [-]
+. share - of the full data, less the level of the scene for values; the pressure of a flow that
+          starts from the level has no gradient yet [-]
 
   Output Parameter:
 . walls - p; p_step is zero
@@ -116,7 +117,13 @@ PetscErrorCode WallValuesSetPressure(const Scene *scene, const Particles *p, Pet
   PetscFunctionBegin;
   if (!walls->p) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VecGetArray(walls->p, &value));
-  for (PetscInt w = 0; w < p->n_wall; w++) value[w] = share * FullPressure(scene, p, w, t);
+  for (PetscInt w = 0; w < p->n_wall; w++) {
+    const PetscInt  side  = (PetscInt)p->side[p->n_fluid + w];
+    const PetscBool given = BoundaryEquation(scene, side, FIT_PRESSURE) == EQUATION_VALUE;
+    const PetscReal rest  = given ? scene->level : 0.0;
+
+    value[w] = rest + share * (FullPressure(scene, p, w, t) - rest);
+  }
   PetscCall(VecRestoreArray(walls->p, &value));
   PetscCall(VecZeroEntries(walls->p_step));
   PetscFunctionReturn(PETSC_SUCCESS);

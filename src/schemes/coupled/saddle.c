@@ -53,9 +53,9 @@ static PetscErrorCode SetUnits(const Flow *flow, Saddle *s)
   PetscScalar     *time, *length, *mass, *viscosity;
 
   PetscFunctionBegin;
-  s->step    = SaddleTime(scene->nu, flow->clock, scene->dx);
-  s->unit    = scene->rho * scene->dx / s->step;
-  s->outside = scene->outside;
+  s->step  = SaddleTime(scene->nu, flow->clock, scene->dx);
+  s->unit  = scene->rho * scene->dx / s->step;
+  s->level = scene->level;
   PetscCall(FluidVec(p, NULL, &s->time));
   PetscCall(FluidVec(p, NULL, &s->length));
   PetscCall(FluidVec(p, NULL, &s->mass));
@@ -255,8 +255,8 @@ PetscErrorCode SaddleFlatten(Mat nest, Mat *flat)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SaddlePut - Sets x = (u, q), or (u, q - Z u) on free surfaces; p_i less the pressure outside them
-   is q_i times the unit of pressures; collective */
+/* SaddlePut - Sets x = (u, q), or (u, q - Z u) on free surfaces; p_i less the pressure level
+   of the scene is q_i times the unit of pressures; collective */
 PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
 {
   const PetscScalar *from, *unit;
@@ -273,7 +273,7 @@ PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
   PetscCall(VecGetArrayRead(p, &from));
   PetscCall(VecGetArrayRead(s->pressure, &unit));
   for (PetscInt i = 0; i < s->n; i++)
-    to[s->dim * s->n + i] = (from[i] - s->outside) / s->unit / unit[i];
+    to[s->dim * s->n + i] = (from[i] - s->level) / s->unit / unit[i];
   PetscCall(VecRestoreArrayRead(s->pressure, &unit));
   PetscCall(VecRestoreArrayRead(p, &from));
   PetscCall(VecRestoreArray(x, &to));
@@ -308,7 +308,7 @@ PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
     PetscCall(VecGetArray(p, &to));
     PetscCall(VecGetArrayRead(s->pressure, &unit));
     for (PetscInt i = 0; i < s->n; i++)
-      to[i] = s->outside + (from[s->dim * s->n + i] + (z ? z[i] : 0.0)) * s->unit * unit[i];
+      to[i] = s->level + (from[s->dim * s->n + i] + (z ? z[i] : 0.0)) * s->unit * unit[i];
     PetscCall(VecRestoreArrayRead(s->pressure, &unit));
     PetscCall(VecRestoreArray(p, &to));
   }

@@ -14,7 +14,7 @@ typedef struct {
   PetscBool natural;    /* G is that off walls; chosen before the assembly */
   PetscReal step;       /* T of the reference spacing, factor of the momentum equation [s] */
   PetscReal unit;       /* rho dx/T of the reference spacing, unit of pressures [Pa s/m] */
-  PetscReal outside;    /* pressure outside free surfaces, whose unknown is zero [Pa] */
+  PetscReal level;      /* pressure whose unknown is zero, see SceneSetLevel() [Pa] */
   Vec       time;       /* T_i/T of each particle [-] */
   Vec       length;     /* dx_i/dx of each particle [-] */
   Vec       viscosity;  /* nu_i/nu of each particle [-] */

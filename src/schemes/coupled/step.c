@@ -247,6 +247,23 @@ PetscErrorCode CoupledStart(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Notes the largest body force at the end of the step that its pressure does not balance. */
+static PetscErrorCode NoteForce(Coupled *c, PetscReal end)
+{
+  Flow *flow = c->flow;
+
+  PetscFunctionBegin;
+  if (flow->clock->steady_solve || !SceneHas(flow->scene, PHYSICS_BODY_FORCE))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    PetscCall(AffineApply(&flow->ops->grad_p[a], flow->state->p, flow->walls.p, c->force[a]));
+    PetscCall(VecScale(c->force[a], -1.0 / flow->scene->rho));
+  }
+  PetscCall(AddBodyForce(flow, end, c->force));
+  PetscCall(NoteUnbalancedForce(flow, c->force));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* CoupledSolve - Solves for u^{n+1} and p^{n+1}, and computes the divergence of u^{n+1};
    collective */
 PetscErrorCode CoupledSolve(Flow *flow)
@@ -273,6 +290,7 @@ PetscErrorCode CoupledSolve(Flow *flow)
     PetscCall(CoupledForce(c));
     PetscCall(SolveSystem(flow, dt, c));
   }
+  PetscCall(NoteForce(c, end));
   PetscCall(WallValuesSetVelocity(flow->scene, flow->particles, end, 0.0, &flow->walls));
   PetscCall(FlowDivergence(flow, s->u_next, s->divergence));
   for (PetscInt a = 0; a < dim; a++) PetscCall(FlowRestoreWork(flow, &force[a]));

@@ -78,8 +78,9 @@ static PetscErrorCode AddWallConvection(Coupled *c, PetscInt a, Vec part)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Subtracts the terms of given pressures: T_i/rho times their part of grad p in momentum rows,
-   T_i/(rho dx_i) times their part of the filter C of saddle.c in rows of mass. */
+/* Subtracts the terms of given pressures, which are counted from the level of the scene as the
+   unknowns are: T_i/rho times their part of grad p in momentum rows, T_i/(rho dx_i) times their
+   part of the filter C of saddle.c in rows of mass. */
 static PetscErrorCode AddGivenPressure(Coupled *c, PetscReal t)
 {
   const Flow   *flow = c->flow;
@@ -87,15 +88,17 @@ static PetscErrorCode AddGivenPressure(Coupled *c, PetscReal t)
 
   PetscFunctionBegin;
   if (ScenePressureFloats(flow->scene) || !flow->walls.p) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(WallValuesSetPressure(flow->scene, flow->particles, t, 1.0, &c->flow->walls));
+  PetscCall(WallValuesSetPressure(flow->scene, flow->particles, t, 0.0, &c->flow->walls));
+  PetscCall(WallValuesStepPressure(flow->scene, flow->particles, t, &c->flow->walls));
   for (PetscInt a = 0; a < s->dim; a++) {
-    PetscCall(MatMult(flow->ops->grad_p[a].B, flow->walls.p, c->part));
+    PetscCall(MatMult(flow->ops->grad_p[a].B, flow->walls.p_step, c->part));
     PetscCall(SaddleAdd(s, a, -s->step / flow->scene->rho, c->part, c->b));
   }
-  PetscCall(MatMult(flow->ops->filter_p.B, flow->walls.p, c->part));
+  PetscCall(MatMult(flow->ops->filter_p.B, flow->walls.p_step, c->part));
   PetscCall(VecPointwiseDivide(c->part, c->part, s->pressure));
   PetscCall(VecPointwiseDivide(c->part, c->part, s->mass)); /* SaddleAdd() multiplies by it */
   PetscCall(SaddleAdd(s, s->dim, -1.0 / s->unit, c->part, c->b));
+  PetscCall(WallValuesSetPressure(flow->scene, flow->particles, t, 1.0, &c->flow->walls));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

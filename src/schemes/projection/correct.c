@@ -158,7 +158,7 @@ static PetscErrorCode UpdatePressure(Flow *flow)
   PetscFunctionBegin;
   PetscCall(WallGradientCorrect(flow, gain));
   PetscCall(VecCopy(s->p, s->p_before));
-  if (!pr->row->incremental) PetscCall(VecZeroEntries(s->p));
+  if (!pr->row->incremental) PetscCall(VecSet(s->p, scene->level));
   PetscCall(VecAXPY(s->p, gain, pr->phi));
   if (pr->row->rotational && SceneHas(scene, PHYSICS_VISCOSITY)) {
     const PetscReal dilatation = LaplacianDilatation(&flow->ops->forms.visc, flow->scene->dim);

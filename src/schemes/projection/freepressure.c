@@ -42,8 +42,9 @@ static PetscErrorCode AddStress(Flow *flow, const Vec u[], Vec p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets p at particles on free surfaces to the terms that do not depend on the velocity. */
-static PetscErrorCode SetOutside(const Flow *flow, Vec p)
+/* Sets p at particles on free surfaces to the terms that do not depend on the velocity, less a
+   level [Pa]. */
+static PetscErrorCode SetOutside(const Flow *flow, PetscReal level, Vec p)
 {
   const FreeSurface *free = flow->ops->free;
   PetscScalar       *to;
@@ -51,8 +52,18 @@ static PetscErrorCode SetOutside(const Flow *flow, Vec p)
   PetscFunctionBegin;
   PetscCall(VecGetArray(p, &to));
   for (PetscInt i = 0; i < flow->particles->n_fluid; i++)
-    if (FreeSurfaceHolds(free, i)) to[i] = FreeSurfacePressure(free, i) + flow->scene->outside;
+    if (FreeSurfaceHolds(free, i))
+      to[i] = FreeSurfacePressure(free, i) + (flow->scene->outside - level);
   PetscCall(VecRestoreArray(p, &to));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FreePressureFirst - Sets b of the first pressure of a run on free surfaces: their pressure less
+   the level of the scene, without the stress of the velocity; collective */
+PetscErrorCode FreePressureFirst(const Flow *flow, Vec b)
+{
+  PetscFunctionBegin;
+  if (flow->ops->free) PetscCall(SetOutside(flow, flow->scene->level, b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -61,7 +72,7 @@ static PetscErrorCode SetOutside(const Flow *flow, Vec p)
 PetscErrorCode FreePressureStart(Flow *flow)
 {
   PetscFunctionBegin;
-  if (flow->ops->free && IsIncremental(flow)) PetscCall(SetOutside(flow, flow->state->p));
+  if (flow->ops->free && IsIncremental(flow)) PetscCall(SetOutside(flow, 0.0, flow->state->p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -87,7 +98,7 @@ PetscErrorCode FreePressureIncrement(Flow *flow, Vec b)
   PetscFunctionBegin;
   if (!flow->ops->free) PetscFunctionReturn(PETSC_SUCCESS);
   if (!IsIncremental(flow)) {
-    PetscCall(SetOutside(flow, b));
+    PetscCall(SetOutside(flow, flow->scene->level, b));
     PetscCall(AddStress(flow, flow->state->u, b));
     PetscFunctionReturn(PETSC_SUCCESS);
   }

@@ -2,9 +2,9 @@
 #include "isph/motion.h"
 #include "projection.h"
 
-/* Sets the force on u* without convection, -grad p^n/rho + f; at: time of f within the step, 1
-   or 1/2. */
-static PetscErrorCode SetForce(Flow *flow, PetscReal at, Vec force[])
+/* ProjectionForce - Sets the force on u* without convection, -grad p/rho + f, with the present
+   pressure and the body force f at time t, and notes its largest value; collective */
+PetscErrorCode ProjectionForce(Flow *flow, PetscReal t, Vec force[])
 {
   const Scene      *scene = flow->scene;
   const Projection *pr    = (const Projection *)flow->scheme->data;
@@ -18,8 +18,9 @@ static PetscErrorCode SetForce(Flow *flow, PetscReal at, Vec force[])
   }
   if (pr->row && pr->row->incremental && pr->splines)
     PetscCall(SplinesAccelerate(pr->splines, pr->splines->p, -1.0 / scene->rho, force));
-  if (SceneHas(scene, PHYSICS_BODY_FORCE))
-    PetscCall(AddBodyForce(flow, flow->clock->t + at * flow->clock->dt, force));
+  if (!SceneHas(scene, PHYSICS_BODY_FORCE)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(AddBodyForce(flow, t, force));
+  if (pr->row && pr->row->incremental) PetscCall(NoteUnbalancedForce(flow, force));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -44,7 +45,7 @@ PetscErrorCode PredictVelocity(Flow *flow)
   PetscCall(HistoryStart(flow, !row || row->history ? PETSC_TRUE : PETSC_FALSE, &dt));
   PetscCall(FlowPartDone(flow, PART_TIME, 0.0, NULL));
   if (pr->row && !pr->splines) PetscCall(FreePressureStart(flow));
-  PetscCall(SetForce(flow, at, force));
+  PetscCall(ProjectionForce(flow, flow->clock->t + at * flow->clock->dt, force));
   if (inner) PetscCall(VelocityExtrapolate(flow, at, v));
   else if (convects) PetscCall(ConvectionExtrapolate(flow, at, force));
   if (implicit) PetscCall(ConvectionOfCorrection(flow, at, v, force));

@@ -30,14 +30,14 @@ static PetscErrorCode ProjectionSetUp(Flow *flow)
    the force at walls, otherwise 0. */
 static PetscErrorCode ProjectionRegister(Flow *flow)
 {
-  const Particles *p       = flow->particles;
-  Projection      *pr      = (Projection *)flow->scheme->data;
-  const PetscReal  outside = flow->scene->outside;
-  PetscReal        most    = 0.0;
+  const Particles *p     = flow->particles;
+  Projection      *pr    = (Projection *)flow->scheme->data;
+  const PetscReal  level = flow->scene->level;
+  PetscReal        most  = 0.0;
 
   PetscFunctionBegin;
   for (PetscInt i = 0; p->p && i < p->n_fluid; i++)
-    most = PetscMax(most, PetscAbsReal(p->p[i] - outside));
+    most = PetscMax(most, PetscAbsReal(p->p[i] - level));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, p->comm));
   pr->wall_slope_share = most > 0.0 ? 1.0 : 0.0;
   if (pr->splines) PetscCall(SplinesStart(flow, pr->splines));
@@ -145,6 +145,7 @@ const SchemeRow SchemeProjection = {
     .Register = ProjectionRegister,
     .Assemble = ProjectionAssemble,
     .Begin    = ProjectionBegin,
+    .Start    = ProjectionStart,
     .Limit    = ProjectionLimit,
     .View     = ProjectionView,
     .Destroy  = ProjectionDestroy,

@@ -53,6 +53,11 @@ PetscErrorCode ProjectionCreate(Flow *flow);
 /* predict.c */
 PetscErrorCode PredictVelocity(Flow *flow);
 
+PetscErrorCode ProjectionForce(Flow *flow, PetscReal t, Vec force[]);
+
+/* firstpressure.c */
+PetscErrorCode ProjectionStart(Flow *flow);
+
 /* correct.c */
 PetscErrorCode ProjectVelocity(Flow *flow);
 
@@ -62,6 +67,7 @@ PetscErrorCode WallGradientPredict(Flow *flow);
 PetscErrorCode WallGradientCorrect(Flow *flow, PetscReal gain);
 
 /* freepressure.c */
+PetscErrorCode FreePressureFirst(const Flow *flow, Vec b);
 PetscErrorCode FreePressureStart(Flow *flow);
 PetscErrorCode FreePressureFollow(Flow *flow);
 PetscErrorCode FreePressureIncrement(Flow *flow, Vec b);
@@ -75,5 +81,6 @@ PetscErrorCode PressureChoose(const Flow *flow, const char mat_type[], PressureS
 PetscErrorCode PressureCreate(Flow *flow, Pressure **ppe);
 PetscErrorCode PressureDestroy(Pressure **ppe);
 PetscErrorCode PressureSolve(Flow *flow, Vec b, Vec phi, Pressure *ppe);
+PetscErrorCode PressureRefine(Flow *flow, const Vec b, Vec phi, Pressure *ppe);
 
 #endif
