@@ -4,6 +4,21 @@
 
 #include "isph/flow.h"
 
+/* A row of the balance sheet: `name` in the report, `what` the sentence says that is not kept, by
+   `value` relative to the scale, at most `bound`. */
+typedef struct {
+  const char *name, *brief;
+  const char *what;   /* "the fluid ..." */
+  const char *remedy; /* "try ..." */
+  PetscReal   bound;  /* [-] */
+} BalanceRow;
+extern const BalanceRow BalanceRows[BALANCES];
+extern const Observer   ObserverFlight;
+
+void      BalanceSet(BalanceKind kind, PetscReal value, PetscReal t, BalanceSheet *sheet);
+PetscBool BalanceWorst(const Flow *flow, const char **name, PetscReal *value, PetscReal *bound);
+PetscErrorCode FlightRemember(const Scene *scene, Scheme *scheme);
+
 PetscErrorCode FlowMeasureStart(Flow *flow);
 PetscErrorCode FlowCheck(Flow *flow);
 PetscErrorCode FlowRemember(Flow *flow);

@@ -173,6 +173,35 @@ typedef struct {
   PetscReal gain_t;     /* its time [s] */
 } EnergyBalance;
 
+/* The balances of a run, rows of the table in src/balance/sheet.c. */
+typedef enum {
+  BALANCE_VOLUME,
+  BALANCE_MASS,
+  BALANCE_MOMENTUM,
+  BALANCE_ANGULAR,
+  BALANCE_ENERGY,
+  BALANCE_FORCE,
+  BALANCE_TORQUE,
+  BALANCES
+} BalanceKind;
+
+/* Fluid that touches nothing: momentum and angular momentum less the impulse of the body force,
+   per mass, against those of the start of the flight; see src/balance/flight.c. */
+typedef struct {
+  PetscReal on;                     /* 1: in flight */
+  PetscReal start[2][ISPH_MAX_DIM]; /* momentum [m/s], angular momentum [m^2/s] */
+  PetscReal given[2][ISPH_MAX_DIM]; /* by the body force since then */
+  PetscReal speed;                  /* largest root mean square of the velocity [m/s] */
+} Flight;
+
+/* Violations of the balances, relative to their scales. */
+typedef struct {
+  PetscBool applies[BALANCES];
+  PetscReal value[BALANCES]; /* positive or zero [-] */
+  PetscReal t[BALANCES];     /* their times [s] */
+  Flight    flight;
+} BalanceSheet;
+
 /* The column of the report that a linear solve fills. */
 typedef enum { SOLVE_VELOCITY, SOLVE_PRESSURE } SolveColumn;
 
@@ -291,6 +320,7 @@ typedef struct {
   SteadyTest       steady;
   SpeedBound       bound;
   EnergyBalance    energy;
+  BalanceSheet     sheet;
   StepFailure      failure; /* of the last attempted step */
   Memory           memory;
   PetscErrorCode (*Divergence)(Flow *flow, const Vec u[],

@@ -40,7 +40,6 @@ struct Report {
   PetscReal  t;                        /* time of the quantities that are added next [s] */
   char       not_finite[32];           /* first quantity that is not finite; empty: none */
   Resolution resolution;               /* at the last time */
-  PetscReal  volume_error;             /* of the last fluid_volume, relative; 0 without one [-] */
   PetscBool  data_absent;              /* a file of the reference data was not found */
   char       file[PETSC_MAX_PATH_LEN]; /* file of all runs; empty: none */
 };
@@ -62,8 +61,8 @@ PetscErrorCode ReportWrite(const Flow *flow, const Report *report, PetscReal wal
 PetscErrorCode NormsExact(const Flow *flow, Report *report);
 PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report);
 PetscErrorCode MeasureFree(const Flow *flow, Report *report);
-PetscErrorCode VolumeView(const Report *report, PetscViewer viewer);
-PetscErrorCode EnergyView(const Flow *flow, PetscViewer viewer);
+PetscErrorCode BalancesMeasure(Flow *flow, Report *report);
+PetscErrorCode BalancesView(const Flow *flow, PetscViewer viewer);
 
 /* Returns the form of the gradient that steps use; NULL if at most snapshots use a gradient. */
 static inline const GradientRow *FlowGradient(const Flow *flow)

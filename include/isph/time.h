@@ -47,7 +47,7 @@ void StepLimitLower(StepLimit *limit, PetscReal dt, const char reason[]);
   Named numbers that a run keeps from step to step. The run restores them when it undoes a step
   (except counters) and writes them to checkpoints. Their owners keep the storage.
 */
-#define MEMORY_MAX 64
+#define MEMORY_MAX 96
 typedef struct {
   char       name[32];
   PetscReal *real;    /* NULL for an integer */

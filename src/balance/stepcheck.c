@@ -226,6 +226,7 @@ PetscErrorCode FlowRemember(Flow *flow)
   PetscCall(MemoryAddReal(memory, "bound_force_step", &bound->force_step));
   PetscCall(MemoryAddReal(memory, "bound_walls", &bound->walls));
   PetscCall(EnergyRemember(flow->scene, flow->scheme));
+  PetscCall(FlightRemember(flow->scene, flow->scheme));
   PetscCall(SteadyRemember(flow->scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -96,9 +96,9 @@ static void TorqueCentre(const Scene *scene, PetscInt side, PetscReal c[])
   }
 }
 
-/* Adds (x - c) x f to T; in 2D the component out of the plane is T[2]. */
-static void AddTorque(PetscInt dim, const PetscReal c[], const PetscReal x[], const PetscReal f[],
-                      PetscReal T[])
+/* AddTorque - Adds (x - c) x f to T, in 2D the component T[2]; not collective */
+void AddTorque(PetscInt dim, const PetscReal c[], const PetscReal x[], const PetscReal f[],
+               PetscReal T[])
 {
   PetscReal arm[ISPH_MAX_DIM] = {0.0}, g[ISPH_MAX_DIM] = {0.0};
 
@@ -146,6 +146,78 @@ static PetscReal SlopeAtWall(const PetscReal w[], PetscReal unit)
   return PetscIsNanReal(w[0]) ? 0.0 : w[0] / unit;
 }
 
+/* Computes the slopes on the wall of the velocity minus the wall velocity, which vanishes on walls
+   without slip, from its values at the heights of 1 to 3 units; NaN at dry points [1/s]. p: on the
+   wall. */
+static PetscErrorCode ProbeSlopes(const Flow *flow, PetscInt side, const Facets *s,
+                                  PetscReal slope[], PetscReal p[])
+{
+  const Scene    *scene = flow->scene;
+  const PetscInt  dim   = scene->dim;
+  const PetscBool sticks =
+      BoundaryIs(scene, side, BOUNDARY_CONFINES | BOUNDARY_NO_SLIP) ? PETSC_TRUE : PETSC_FALSE;
+  PetscReal *w[3];
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc3(s->n * dim, &w[0], s->n * dim, &w[1], s->n * dim, &w[2]));
+  PetscCall(ProbeAbove(flow, side, s, 0.0, slope, p));
+  for (PetscInt k = 0; k < (sticks ? 3 : 2); k++)
+    PetscCall(ProbeAbove(flow, side, s, (PetscReal)(k + 1), w[k], NULL));
+  for (PetscInt q = 0; q < s->n * dim; q++) {
+    const PetscReal unit    = HeightUnit(scene, side, &s->x[q / dim * dim]);
+    const PetscReal above[] = {w[0][q], w[1][q], w[2][q]};
+
+    if (PetscIsNanReal(slope[q])) continue;
+    if (sticks) slope[q] = SlopeAtWall(above, unit);
+    else if (PetscIsNanReal(w[0][q]) || PetscIsNanReal(w[1][q])) slope[q] = 0.0;
+    else slope[q] = (-3.0 * slope[q] + 4.0 * w[0][q] - w[1][q]) / (2.0 * unit);
+  }
+  PetscCall(PetscFree3(w[0], w[1], w[2]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  WallLoads - Computes the forces of the fluid on the facets of a boundary: a side of the box or a
+  body
+
+  Collective. Output: s - the wet facets, to be freed by FacetsFree(); f - viscous forces, dim
+  components each, NaN at dry facets [N]; p - pressures, NaN without one [Pa]; both to be freed by
+  PetscFree(). In 2D forces are per metre of depth. On an opening or a side with slip the viscous
+  traction is mu (du/dn + n d(u.n)/dn): the rest has no sum along a side between walls.
+*/
+PetscErrorCode WallLoads(const Flow *flow, PetscInt side, Facets *s, PetscReal **f, PetscReal **p)
+{
+  const Scene    *scene = flow->scene;
+  const PetscInt  dim   = scene->dim;
+  const PetscBool sticks =
+      BoundaryIs(scene, side, BOUNDARY_CONFINES | BOUNDARY_NO_SLIP) ? PETSC_TRUE : PETSC_FALSE;
+  PetscReal *nu;
+
+  PetscFunctionBegin;
+  PetscCall(FacetsOfWall(scene, side, s));
+  PetscCall(FacetsKeepWet(flow, s));
+  PetscCall(PetscMalloc1(s->n * dim, f));
+  PetscCall(PetscMalloc1(s->n, p));
+  PetscCall(PetscMalloc1(s->n, &nu));
+  PetscCall(ProbeSlopes(flow, side, s, *f, *p));
+  PetscCall(SurfaceViscosity(flow, s, *f, nu));
+  for (PetscInt k = 0; k < s->n; k++) {
+    PetscReal normal = 0.0;
+
+    for (PetscInt a = 0; a < dim; a++) normal += (*f)[k * dim + a] * s->normal[k * dim + a];
+    for (PetscInt a = 0; a < dim; a++) {
+      PetscReal *slope = &(*f)[k * dim + a];
+
+      if (!sticks) *slope += normal * s->normal[k * dim + a];
+      else if (!BoundaryBody(scene, side))
+        *slope += NormalVelocityDerivative(flow, side, a, &s->x[k * dim]);
+      *slope *= s->area[k] * scene->rho * nu[k];
+    }
+  }
+  PetscCall(PetscFree(nu));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   WallForce - Computes force and torque of the fluid on a wall: a side of the box or a body
 
@@ -155,44 +227,25 @@ static PetscReal SlopeAtWall(const PetscReal w[], PetscReal unit)
 */
 PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscReal T[])
 {
-  const Scene   *scene = flow->scene;
-  const PetscInt dim   = scene->dim;
-  PetscReal     *w[4], *slope = NULL, *p, *nu, centre[ISPH_MAX_DIM];
+  const PetscInt dim = flow->scene->dim;
+  PetscReal     *f, *p, centre[ISPH_MAX_DIM];
   Facets         s;
 
   PetscFunctionBegin;
-  TorqueCentre(scene, side, centre);
-  PetscCall(FacetsOfWall(scene, side, &s));
-  PetscCall(FacetsKeepWet(flow, &s));
-  PetscCall(PetscMalloc6(s.n * dim, &w[0], s.n * dim, &w[1], s.n * dim, &w[2], s.n * dim, &w[3],
-                         s.n, &p, s.n, &nu));
-  for (PetscInt k = 0; k < 4; k++)
-    PetscCall(ProbeAbove(flow, side, &s, (PetscReal)k, w[k], k ? NULL : p));
-  slope = w[0]; /* dw/dn; on the wall w itself vanishes, or is NaN at a dry point */
-  for (PetscInt q = 0; q < s.n * dim; q++) {
-    const PetscReal above[] = {w[1][q], w[2][q], w[3][q]};
-
-    if (!PetscIsNanReal(w[0][q]))
-      slope[q] = SlopeAtWall(above, HeightUnit(scene, side, &s.x[q / dim * dim]));
-  }
-  PetscCall(SurfaceViscosity(flow, &s, slope, nu));
+  TorqueCentre(flow->scene, side, centre);
+  PetscCall(WallLoads(flow, side, &s, &f, &p));
   for (PetscInt k = 0; k < s.n; k++) {
-    PetscReal f[ISPH_MAX_DIM] = {0.0};
+    PetscReal *load = &f[k * dim];
 
-    if (PetscIsNanReal(slope[k * dim])) continue;
+    if (PetscIsNanReal(load[0])) continue;
     for (PetscInt a = 0; a < dim; a++) {
-      const PetscInt q = k * dim + a;
-
-      f[a] = s.area[k] * (scene->rho * nu[k]) * slope[q];
-      if (!BoundaryBody(scene, side))
-        f[a] += s.area[k] * (scene->rho * nu[k]) *
-                NormalVelocityDerivative(flow, side, a, &s.x[k * dim]);
-      if (!PetscIsNanReal(p[k])) f[a] -= s.area[k] * p[k] * s.normal[q];
-      F[a] += f[a];
+      if (!PetscIsNanReal(p[k])) load[a] -= s.area[k] * p[k] * s.normal[k * dim + a];
+      F[a] += load[a];
     }
-    AddTorque(dim, centre, &s.x[k * dim], f, T);
+    AddTorque(dim, centre, &s.x[k * dim], load, T);
   }
-  PetscCall(PetscFree6(w[0], w[1], w[2], w[3], p, nu));
+  PetscCall(PetscFree(f));
+  PetscCall(PetscFree(p));
   PetscCall(FacetsFree(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

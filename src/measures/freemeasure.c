@@ -1,8 +1,6 @@
 /* Quantities of fluids with a free surface, beside those of norms.c. */
+#include "isph/balance.h"
 #include "isph/io.h"
-
-#define VOLUME_KEPT 0.02 /* error of the volume above which the run prints a note [-] */
-#define ENERGY_KEPT 0.1  /* gain of energy above which it does, 5 % of the speed [-] */
 
 /* Adds volume, first moments, momentum and angular momentum of own particles to the sums, over the
    density; extends [-x_min, x_max, -y_min, ...] of the fluid without isolated particles. */
@@ -35,8 +33,7 @@ static void AddMoments(const Flow *flow, const PetscScalar *const u[], PetscReal
     angular_momentum = |sum_i rho V_i (x_i - X) x u_i| [kg m^2/s], X: centre of mass; in 2D with its
     sign, per metre of depth; x_min, x_max, y_min, ...: where the outermost particles are, but for
     isolated ones [m]; fluid_volume, inside the surface, its reference the volume of the particles
-    [m^dim]; energy_gain, of moving particles: largest energy beyond that of start and forces, see
-    EnergyBound() [-]
+    [m^dim]
 
   Collective. Nothing without a free surface. In a periodic box the angular momentum has no meaning
   and is left out.
@@ -76,42 +73,8 @@ PetscErrorCode MeasureFree(const Flow *flow, Report *report)
   }
   PetscCall(FluidVolume(flow, &volume, &mass));
   PetscCall(ReportAddReference(report, "fluid_volume", volume, mass, mass));
-  if (SceneMoves(flow->scene))
-    PetscCall(ReportAddError(report, "energy_gain", flow->scheme->energy.gain));
   if (SceneMoves(flow->scene) && flow->clock->bursts)
     PetscCall(ReportAdd(report, "bursts", flow->clock->bursts));
-  report->volume_error = volume / mass - 1.0;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* VolumeView - Prints a line if the volume inside the free surface is not that of the particles;
-   collective on the viewer */
-PetscErrorCode VolumeView(const Report *report, PetscViewer viewer)
-{
-  const PetscReal error = report->volume_error;
-
-  PetscFunctionBegin;
-  if (PetscAbsReal(error) <= VOLUME_KEPT) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscViewerASCIIPrintf(
-      viewer,
-      "volume not kept: the free surface encloses %.2g %% %s than the volume of the particles, and "
-      "should enclose within %.0f %%; try a larger -n or a smaller -dt\n",
-      100.0 * (double)PetscAbsReal(error), error > 0.0 ? "more" : "less", 100.0 * VOLUME_KEPT));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* EnergyView - Prints a line if a fluid with a free surface has gained energy from nothing;
-   collective on the viewer */
-PetscErrorCode EnergyView(const Flow *flow, PetscViewer viewer)
-{
-  const EnergyBalance *e = &flow->scheme->energy;
-
-  PetscFunctionBegin;
-  if (e->gain <= ENERGY_KEPT) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscViewerASCIIPrintf(
-      viewer,
-      "energy not kept: until t = %.3g the fluid had and dissipated %.2g %% more energy than its "
-      "start and the force gave, and should at most %.0f %%; try a larger -n or a smaller -dt\n",
-      (double)e->gain_t, 100.0 * (double)e->gain, 100.0 * ENERGY_KEPT));
+  BalanceSet(BALANCE_VOLUME, volume / mass - 1.0, flow->clock->t, &flow->scheme->sheet);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -65,6 +65,12 @@ PetscErrorCode FacetsOfSection(const Scene *scene, const PetscReal corner[], Fac
 PetscErrorCode FacetsKeepWet(const Flow *flow, Facets *facets);
 PetscErrorCode FacetsFree(Facets *facets);
 
+/* forces.c */
+PetscErrorCode WallLoads(const Flow *flow, PetscInt side, Facets *facets, PetscReal **f,
+                         PetscReal **p);
+void AddTorque(PetscInt dim, const PetscReal c[], const PetscReal x[], const PetscReal f[],
+               PetscReal T[]);
+
 /* probe.c */
 PetscErrorCode ProbeDry(const Flow *flow, PetscInt n, const PetscReal x[], PetscBool dry[]);
 PetscBool      ProbeInBody(const Scene *scene, const PetscReal x[]);

@@ -178,6 +178,7 @@ static PetscErrorCode RunMeasure(Run *run)
   run->report->t = run->flow.clock->t;
   PetscCall(FlowPrepareOutput(&run->flow));
   PetscCall(run->flow.scene->problem->Measure(&run->flow, run->report));
+  PetscCall(BalancesMeasure(&run->flow, run->report));
   PetscCall(ResolutionMeasure(&run->flow, run->report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -315,8 +316,7 @@ static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measure
   PetscCall(PetscTime(&now));
   if (measured) PetscCall(ReportView(run->report, now - run->started, PETSC_VIEWER_STDOUT_WORLD));
   if (measured) PetscCall(ResolutionView(&run->flow, run->report, PETSC_VIEWER_STDOUT_WORLD));
-  if (measured) PetscCall(VolumeView(run->report, PETSC_VIEWER_STDOUT_WORLD));
-  if (measured) PetscCall(EnergyView(&run->flow, PETSC_VIEWER_STDOUT_WORLD));
+  PetscCall(BalancesView(&run->flow, PETSC_VIEWER_STDOUT_WORLD));
   PetscCall(RunPrintFigures(run->flow.scheme));
   PetscCall(ReportWrite(&run->flow, run->report, now - run->started, status));
   PetscFunctionReturn(PETSC_SUCCESS);

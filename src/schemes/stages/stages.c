@@ -182,7 +182,7 @@ const Stage StageError = {
     .Do      = TimeErrorCheck,
 };
 
-static const Observer *const observers[] = {&ObserverAverage, &ObserverBudget};
+static const Observer *const observers[] = {&ObserverAverage, &ObserverBudget, &ObserverFlight};
 
 /* Lists the observers that apply to a flow. */
 static PetscErrorCode ListObservers(Flow *flow)

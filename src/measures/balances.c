@@ -1,0 +1,289 @@
+/*
+  Balances of the boundaries at the times of the report: the flux through all of them, and the
+  equations of momentum and angular momentum of the whole fluid,
+
+    sum F + d/dt int rho u dV - int rho f dV + sum rho u (u.n) dA = 0,
+
+  with the forces F of the fluid on walls, bodies, sides with slip and openings, and n into the
+  fluid. Their residuals are relative to the sums of the magnitudes. See docs/theory.md, (378)
+  and (379).
+*/
+#include "isph/balance.h"
+#include "monitors.h"
+
+enum { FORCE, TORQUE };
+
+/* Sums over all boundaries and the fluid. */
+typedef struct {
+  PetscReal sum[2][ISPH_MAX_DIM]; /* of forces, and of torques about the middle [N], [N m] */
+  PetscReal size[2];              /* sums of their magnitudes */
+  PetscReal flux, flux_size;      /* into the fluid; sum of magnitudes on openings [m^dim/s] */
+  PetscReal area, pressure;       /* wet; integral of p [m^(dim-1)], [Pa m^(dim-1)] */
+  PetscReal volume;               /* inside the boundaries [m^dim] */
+  PetscReal unknown[2];           /* forces and torques of edges where velocities jump [N], [N m] */
+  PetscReal middle[ISPH_MAX_DIM];
+} Ledger;
+
+/* Loads of a boundary. */
+typedef struct {
+  Facets     s;
+  PetscReal *f, *p, *u; /* viscous forces [N], pressures [Pa], velocities [m/s] */
+} Loads;
+
+/* Adds a force at x to the sums. */
+static void AddForce(PetscInt dim, const PetscReal x[], const PetscReal f[], Ledger *l)
+{
+  PetscReal torque[ISPH_MAX_DIM] = {0.0}, square[2] = {0.0};
+
+  AddTorque(dim, l->middle, x, f, torque);
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    if (a < dim) l->sum[FORCE][a] += f[a];
+    l->sum[TORQUE][a] += torque[a];
+    square[FORCE] += a < dim ? PetscSqr(f[a]) : 0.0;
+    square[TORQUE] += PetscSqr(torque[a]);
+  }
+  for (PetscInt k = 0; k < 2; k++) l->size[k] += PetscSqrtReal(square[k]);
+}
+
+/* Returns the first axis that is not periodic, or dim. */
+static PetscInt FirstOpenAxis(const Scene *scene)
+{
+  PetscInt axis = 0;
+
+  while (axis < scene->dim && SceneIsPeriodic(scene, axis)) axis++;
+  return axis;
+}
+
+/* Computes the loads of a boundary, and adds flux, area, pressure and volume. */
+static PetscErrorCode LoadsOf(const Flow *flow, PetscInt side, Loads *of, Ledger *l)
+{
+  const Scene    *scene = flow->scene;
+  const PetscInt  dim = scene->dim, axis = FirstOpenAxis(scene) % dim;
+  const PetscBool opening =
+      BoundaryIs(scene, side, BOUNDARY_INFLOW) || BoundaryIs(scene, side, BOUNDARY_OUTFLOW)
+          ? PETSC_TRUE
+          : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(WallLoads(flow, side, &of->s, &of->f, &of->p));
+  PetscCall(PetscMalloc1(of->s.n * dim, &of->u));
+  PetscCall(ProbePoints(flow, of->s.n, of->s.x, of->u, NULL));
+  for (PetscInt k = 0; k < of->s.n; k++) {
+    const PetscReal *x = &of->s.x[k * dim], *n = &of->s.normal[k * dim];
+    PetscReal        flux = 0.0;
+
+    l->volume -= of->s.area[k] * x[axis] * n[axis];
+    if (PetscIsNanReal(of->f[k * dim])) continue;
+    for (PetscInt a = 0; a < dim; a++) flux += of->s.area[k] * n[a] * of->u[k * dim + a];
+    l->flux += flux;
+    if (opening) l->flux_size += PetscAbsReal(flux);
+    l->area += of->s.area[k];
+    if (!PetscIsNanReal(of->p[k])) l->pressure += of->s.area[k] * of->p[k];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the forces of the loads, with pressures relative to `level`, and the momentum that leaves
+   fixed particles through the boundary. */
+static void AddLoads(const Flow *flow, const Loads *of, PetscReal level, Ledger *l)
+{
+  const PetscInt  dim     = flow->scene->dim;
+  const PetscBool carries = SceneHas(flow->scene, PHYSICS_CONVECTION) && !SceneMoves(flow->scene)
+                                ? PETSC_TRUE
+                                : PETSC_FALSE;
+
+  for (PetscInt k = 0; k < of->s.n; k++) {
+    const PetscReal *n = &of->s.normal[k * dim], *u = &of->u[k * dim];
+    PetscReal        load[ISPH_MAX_DIM], flux       = 0.0;
+
+    if (PetscIsNanReal(of->f[k * dim])) continue;
+    for (PetscInt a = 0; carries && a < dim; a++) flux += flow->scene->rho * n[a] * u[a];
+    for (PetscInt a = 0; a < dim; a++)
+      load[a] = of->f[k * dim + a] - of->s.area[k] * ((of->p[k] - level) * n[a] + flux * u[a]);
+    AddForce(dim, &of->s.x[k * dim], load, l);
+  }
+}
+
+/* Adds inertia and body force of the fluid. In a full box the volumes of the particles are scaled
+   to that inside the boundaries: particles beside curved walls have parts of cells. */
+static PetscErrorCode AddFluid(const Flow *flow, Ledger *l)
+{
+  const Particles *p     = flow->particles;
+  const Scene     *scene = flow->scene;
+  const PetscReal  full  = p->weight * p->cell_volume;
+  const PetscReal  share = flow->ops->free ? 1.0 : l->volume / full;
+  const PetscReal  rate  = flow->clock->steady_solve ? 0.0 : 1.0 / flow->clock->dt;
+  Ledger           own   = {.volume = 0.0};
+  PetscReal       *sum   = &own.sum[0][0];
+
+  PetscFunctionBegin;
+  PetscCall(PetscArraycpy(own.middle, l->middle, ISPH_MAX_DIM));
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    const PetscReal mass            = scene->rho * share * ParticlesWeight(p, i) * p->cell_volume;
+    PetscReal       x[ISPH_MAX_DIM] = {0.0}, f[ISPH_MAX_DIM] = {0.0};
+
+    for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+    if (SceneHas(scene, PHYSICS_BODY_FORCE)) SceneBodyForce(scene, flow->clock->t, x, f);
+    for (PetscInt a = 0; a < p->dim; a++)
+      f[a] = mass * (rate * (p->u[a][i] - flow->state->u_previous[a][i]) - f[a]);
+    AddForce(p->dim, x, f, &own);
+  }
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, sum, 2 * ISPH_MAX_DIM + 2, MPIU_REAL, MPIU_SUM, p->comm));
+  for (PetscInt k = 0; k < 2; k++) {
+    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) l->sum[k][a] += own.sum[k][a];
+    l->size[k] += own.size[k];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the forces that are not known at the edge between two sides of the box, or in 2D the corner,
+   with given velocities that differ by J. The traction beside it is about 2 mu J/r at the distance
+   r, and has no integral. */
+static void AddEdge(const Scene *scene, PetscReal t, PetscInt side, PetscInt other, Ledger *l)
+{
+  const PetscInt beside[2]       = {side, other};
+  PetscReal      x[ISPH_MAX_DIM] = {0.0}, u[2][ISPH_MAX_DIM], J = 0.0, arm = 0.0, length = 1.0;
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    x[a] = l->middle[a];
+    if (a == side / 2) x[a] = side % 2 ? scene->hi[a] : scene->lo[a];
+    else if (a == other / 2) x[a] = other % 2 ? scene->hi[a] : scene->lo[a];
+    else length *= scene->hi[a] - scene->lo[a];
+    arm += PetscSqr(x[a] - l->middle[a]);
+  }
+  for (PetscInt k = 0; k < 2; k++) SceneWallVelocity(scene, beside[k], t, x, u[k]);
+  for (PetscInt a = 0; a < scene->dim; a++) J += PetscSqr(u[0][a] - u[1][a]);
+  J = 2.0 * scene->rho * scene->nu_high * length * PetscSqrtReal(J);
+  l->unknown[FORCE] += J;
+  l->unknown[TORQUE] += J * PetscSqrtReal(arm);
+}
+
+/* Adds AddEdge() of all pairs of sides that meet. */
+static void AddEdges(const Scene *scene, PetscReal t, Ledger *l)
+{
+  for (PetscInt side = 0; side < 2 * scene->dim; side++) {
+    for (PetscInt other = 0; other < side / 2 * 2; other++) {
+      if (BoundaryIs(scene, side, BOUNDARY_NO_SLIP) && BoundaryIs(scene, other, BOUNDARY_NO_SLIP))
+        AddEdge(scene, t, side, other, l);
+    }
+  }
+}
+
+/* Returns the residual of forces or torques over their magnitudes. Input: square - of the residual;
+   noise - magnitude of forces that are rounding. */
+static PetscReal Residual(const Ledger *l, PetscInt of, PetscReal square, PetscReal noise)
+{
+  return PetscMax(PetscSqrtReal(square) - l->unknown[of], 0.0) / (l->size[of] + noise);
+}
+
+/* Sets the rows of forces and torques. A periodic axis has no middle, so that torques about the
+   others have no balance. */
+static void SetForces(Flow *flow, Ledger *l)
+{
+  const Scene    *scene = flow->scene;
+  const PetscReal t = flow->clock->t, noise = 1e-12 * scene->rho * PetscSqr(scene->speed);
+  PetscReal       square[2] = {0.0};
+  PetscBool       turns     = PETSC_FALSE;
+
+  for (PetscInt a = 0; a < scene->dim; a++) square[FORCE] += PetscSqr(l->sum[FORCE][a]);
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+    const PetscInt b = (a + 1) % 3, c = (a + 2) % 3;
+
+    if (b >= scene->dim || c >= scene->dim) continue;
+    if (SceneIsPeriodic(scene, b) || SceneIsPeriodic(scene, c)) continue;
+    square[TORQUE] += PetscSqr(l->sum[TORQUE][a]);
+    turns = PETSC_TRUE;
+  }
+  BalanceSet(BALANCE_FORCE, Residual(l, FORCE, square[FORCE], noise * l->area), t,
+             &flow->scheme->sheet);
+  if (!turns) return;
+  BalanceSet(BALANCE_TORQUE, Residual(l, TORQUE, square[TORQUE], noise * l->area * scene->length),
+             t, &flow->scheme->sheet);
+}
+
+/* Measures fluxes and forces of the boundaries. */
+static PetscErrorCode MeasureBoundaries(Flow *flow)
+{
+  const Scene    *scene = flow->scene;
+  const PetscInt  n     = SceneBoundaries(scene);
+  const PetscReal box   = (scene->hi[0] - scene->lo[0]) * (scene->hi[1] - scene->lo[1]) *
+                        (scene->dim == 3 ? scene->hi[2] - scene->lo[2] : 1.0);
+  Ledger l = {.volume = FirstOpenAxis(scene) < scene->dim ? 0.0 : box};
+  Loads  of[SCENE_MAX_BOUNDARIES];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->dim; a++) l.middle[a] = 0.5 * (scene->lo[a] + scene->hi[a]);
+  for (PetscInt side = 0; side < n; side++) {
+    of[side].s.n = 0;
+    if (BoundaryIs(scene, side, BOUNDARY_CONTINUES) || BoundaryIs(scene, side, BOUNDARY_FREE))
+      continue;
+    PetscCall(LoadsOf(flow, side, &of[side], &l));
+  }
+  if (l.flux_size > 0.0 && !flow->ops->free)
+    BalanceSet(BALANCE_MASS, 2.0 * l.flux / l.flux_size, flow->clock->t, &flow->scheme->sheet);
+  for (PetscInt side = 0; side < n; side++) {
+    if (BoundaryIs(scene, side, BOUNDARY_CONTINUES) || BoundaryIs(scene, side, BOUNDARY_FREE))
+      continue;
+    AddLoads(flow, &of[side], flow->ops->free ? scene->outside : l.pressure / l.area, &l);
+    PetscCall(PetscFree(of[side].f));
+    PetscCall(PetscFree(of[side].p));
+    PetscCall(PetscFree(of[side].u));
+    PetscCall(FacetsFree(&of[side].s));
+  }
+  if (l.area == 0.0 || flow->clock->step == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(AddFluid(flow, &l));
+  AddEdges(scene, flow->clock->t, &l);
+  SetForces(flow, &l);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns true if the momentum of the fluid follows from the loads of boundaries: there are some,
+   pressure acts, and no surface tension pulls at contact lines. */
+static PetscBool HasLoads(const Flow *flow)
+{
+  if (!SceneHas(flow->scene, PHYSICS_PRESSURE) || flow->scene->tension > 0.0) return PETSC_FALSE;
+  for (PetscInt side = 0; side < SceneBoundaries(flow->scene); side++)
+    if (!BoundaryIs(flow->scene, side, BOUNDARY_CONTINUES)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* BalancesMeasure - Measures the balances of boundaries, and reports all rows of the sheet that
+   apply; collective */
+PetscErrorCode BalancesMeasure(Flow *flow, Report *report)
+{
+  const BalanceSheet *sheet = &flow->scheme->sheet;
+  const char         *name;
+  PetscReal           value, bound;
+
+  PetscFunctionBegin;
+  if (flow->ops->free && SceneMoves(flow->scene))
+    BalanceSet(BALANCE_ENERGY, flow->scheme->energy.gain, flow->scheme->energy.gain_t,
+               &flow->scheme->sheet);
+  if (HasLoads(flow)) PetscCall(MeasureBoundaries(flow));
+  for (PetscInt k = 0; k < BALANCES; k++) {
+    if (sheet->applies[k] && k != BALANCE_VOLUME) /* MeasureFree() reports it with its reference */
+      PetscCall(ReportAddError(report, BalanceRows[k].name, sheet->value[k]));
+  }
+  if (BalanceWorst(flow, &name, &value, &bound))
+    PetscCall(ReportAddError(report, "balance", value / bound));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* BalancesView - Prints a line for each balance out of its bound; collective on the viewer */
+PetscErrorCode BalancesView(const Flow *flow, PetscViewer viewer)
+{
+  const BalanceSheet *sheet = &flow->scheme->sheet;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < BALANCES; k++) {
+    const BalanceRow *row = &BalanceRows[k];
+
+    if (!sheet->applies[k] || sheet->value[k] <= row->bound) continue;
+    PetscCall(PetscViewerASCIIPrintf(viewer,
+                                     "%s (%s %.2g %% at t = %.3g, should be at most %.2g %%); %s\n",
+                                     row->what, row->name, 100.0 * (double)sheet->value[k],
+                                     (double)sheet->t[k], 100.0 * (double)row->bound, row->remedy));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
