@@ -14,13 +14,18 @@ install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/packaging)
 
-# The plot tool and its modules, with a link in the directory of programs.
-install(PROGRAMS studies/plot DESTINATION ${data}/plot)
-install(FILES studies/centreline.py studies/costs.py studies/runs.py studies/snapshot.py
-        DESTINATION ${data}/plot)
-file(RELATIVE_PATH plot ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_DATADIR}/isph/plot/plot)
-file(CREATE_LINK ${plot} ${CMAKE_BINARY_DIR}/packaging/isph-plot SYMBOLIC)
-install(FILES ${CMAKE_BINARY_DIR}/packaging/isph-plot DESTINATION ${CMAKE_INSTALL_BINDIR})
+# The tools in Python and their modules, with links in the directory of programs; isph-study is in the build tree too.
+install(PROGRAMS studies/plot studies/isph-study DESTINATION ${data}/studies)
+file(GLOB study_modules CONFIGURE_DEPENDS studies/study_*.py)
+install(FILES ${study_modules} studies/centreline.py studies/costs.py studies/runs.py studies/snapshot.py
+        DESTINATION ${data}/studies)
+foreach(tool IN ITEMS plot isph-study)
+  string(REPLACE "isph-isph-" "isph-" link isph-${tool})
+  file(RELATIVE_PATH path ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_DATADIR}/isph/studies/${tool})
+  file(CREATE_LINK ${path} ${CMAKE_BINARY_DIR}/packaging/${link} SYMBOLIC)
+  install(FILES ${CMAKE_BINARY_DIR}/packaging/${link} DESTINATION ${CMAKE_INSTALL_BINDIR})
+endforeach()
+file(CREATE_LINK ${CMAKE_SOURCE_DIR}/studies/isph-study ${CMAKE_BINARY_DIR}/isph-study SYMBOLIC)
 
 include(packaging/manual.cmake)
 configure_file(packaging/isph.1.in packaging/isph.1 @ONLY)

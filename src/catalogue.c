@@ -74,6 +74,7 @@ static PetscErrorCode SchemeViewSteps(const SchemeRow *scheme, PetscViewer viewe
   PetscCall(PetscViewerASCIIPrintf(viewer, "\nStages of a step (-scheme %s)\n", scheme->name));
   for (const Stage *const *stage = scheme->stages; *stage; stage++)
     PetscCall(PetscViewerASCIIPrintf(viewer, "  %-16s %s\n", (*stage)->name, (*stage)->brief));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "\nJudges of a step (-scheme %s)\n", scheme->name));
   for (const Judge *const *judge = scheme->judges; *judge; judge++)
     PetscCall(PetscViewerASCIIPrintf(viewer, "  %-16s %s\n", (*judge)->name, (*judge)->brief));
   PetscFunctionReturn(PETSC_SUCCESS);

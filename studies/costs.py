@@ -1,4 +1,4 @@
-"""Draws error against wall time of the runs in -report files."""
+"""Draws error against CPU time of the runs in -report files."""
 import csv
 
 from runs import front
@@ -14,7 +14,7 @@ def read_runs(paths):
     for path in paths:
         with open(path, newline="", errors="replace") as file:
             for row in csv.DictReader(file):
-                if not {"wall_s", "status", *OF_THE_RUN} <= row.keys():
+                if not {"cpu_s", "status", *OF_THE_RUN} <= row.keys():
                     raise ValueError(f"{path} is no file of -report, or one of another version")
                 key = path, *(value for name, value in row.items() if name not in OF_THE_RUN)
                 _, errors = runs.setdefault(key, (row, {}))
@@ -39,17 +39,18 @@ def draw(axes, paths, quantity, group):
     for row, errors in runs:
         if errors.get(quantity, 0) > 0:  # for the logarithmic axis
             label = ", ".join(row[column] or "none" for column in group)
-            curves.setdefault(label, []).append((float(row["wall_s"]), errors[quantity]))
+            curves.setdefault(label, []).append((float(row["cpu_s"]), errors[quantity]))
     draw_curves(axes, curves, f"error of {quantity}", ", ".join(group))
 
 
 def draw_curves(axes, curves, label, title):
-    """Draws lists of (wall time, error) by label, and the Pareto front."""
+    """Draws lists of (CPU time, error) by label; of several also the Pareto front."""
     for k, (name, points) in enumerate(curves.items()):
         axes.plot(*zip(*sorted(points)), MARKERS[(k + k // 8) % 8], linestyle="-", linewidth=0.8, markersize=5,
                   color=COLOURS[k % 8], alpha=0.8, label=name)
-    best = front(point for points in curves.values() for point in points)
-    axes.plot(*zip(*best), "-", color="#D55E00", linewidth=2.5, alpha=0.45, zorder=0, label="front")
-    axes.set(xscale="log", yscale="log", xlabel="wall time [s]", ylabel=label)
+    if len(curves) > 1:
+        best = front(point for points in curves.values() for point in points)
+        axes.plot(*zip(*best), "-", color="#D55E00", linewidth=2.5, alpha=0.45, zorder=0, label="front")
+    axes.set(xscale="log", yscale="log", xlabel="CPU time [s]", ylabel=label)
     axes.grid(alpha=0.3, which="both", linewidth=0.5)
     axes.legend(title=title, loc="upper left", bbox_to_anchor=(1, 1))

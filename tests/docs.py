@@ -15,7 +15,7 @@ test.
 
 Short variants: with `run` each flow ends after two steps (four if it is a restart), no progress is printed, and
 tolerances (-check_...) are not tested. Programs that build, install or take hours (cmake, quickstart, check, and all
-studies except `plot` and `curve`) only have to exist. If no Python can draw, commands that draw are skipped with a
+studies except `plot` and `isph-study`) only have to exist. If no Python can draw, commands that draw are skipped with a
 message.
 
 Output that is shown is compared word by word. Numbers may differ by 2 %, by two units of the last digit or by 1e-6, and
@@ -203,6 +203,10 @@ FULL = """#!/bin/sh
 exec @ISPH@ "$@"
 """
 
+STUDY = """#!/bin/sh
+exec python3 studies/isph-study "$@" --isph .bin/isph
+"""
+
 EXISTS = """#!/bin/sh
 exit 0
 """
@@ -237,10 +241,11 @@ class Place:
         for path in glob.glob(os.path.join(ROOT, "studies", "*")):
             name = os.path.basename(path)
             there = os.path.join(self.path, "studies", name)
-            if os.access(path, os.X_OK) and os.path.isfile(path) and name not in ("plot", "curve"):
+            if os.access(path, os.X_OK) and os.path.isfile(path) and name not in ("plot", "isph-study"):
                 script(there, EXISTS)
             elif os.path.isfile(path):
                 shutil.copy2(path, there)
+        script(os.path.join(self.path, ".bin", "isph-study"), STUDY)
         for name in "quickstart", "check":
             if os.path.exists(os.path.join(ROOT, name)):
                 script(os.path.join(self.path, name), EXISTS)
@@ -252,7 +257,7 @@ class Place:
         self.environment = dict(os.environ, PATH=os.path.join(self.path, ".bin") + ":" + os.environ["PATH"])
 
     def draws(self, command):
-        return re.search(r"studies/(plot|curve)|python3|\.png", command) is not None
+        return re.search(r"studies/plot|python3|\.png", command) is not None
 
     def run(self, command):
         """Runs a command; returns its status and its output (both streams), None if it draws but no Python can."""

@@ -69,7 +69,10 @@ def main():
     isph = os.path.join(prefix, "bin", "isph")
     for name in ["LICENSE", "theory.md", "isph.1", "cavity.opts", "plot"]:
         find(name)
-    assert os.path.exists(os.path.join(prefix, "bin", "isph-plot")), "isph-plot leads nowhere"
+    for tool in "isph-plot", "isph-study":
+        assert os.path.exists(os.path.join(prefix, "bin", tool)), f"{tool} leads nowhere"
+    told = run([sys.executable, os.path.join(prefix, "bin", "isph-study"), "need", "-case", "cavity", "-n", "8", "--steps", "1"])
+    assert "| predict |" in told, told
 
     check_options(isph)
 

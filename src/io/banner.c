@@ -160,8 +160,8 @@ static PetscErrorCode BannerPays(const Flow *flow, PetscReal dt, PetscReal dt_ex
 }
 
 /*
-  Warns about long steps of moving particles: in studies/stability, runs of the cavity ended early
-  at CFL numbers of 1 and more if viscosity did not smooth the grid scale.
+  Warns about long steps of moving particles: in docs/results/stability.md, runs of the cavity
+  ended early at CFL numbers of 1 and more if viscosity did not smooth the grid scale.
 */
 static PetscErrorCode BannerAdvection(const Flow *flow, PetscReal dt, PetscViewer viewer)
 {
