@@ -149,8 +149,8 @@ class Snapshot:
                 size = np.append(size, self.size[near])
         for wall in self.walls():
             distance, nearest = wall(x)
-            near = (abs(distance) < 0.8 * size) & (distance > 0.05 * size)
-            image = 2 * nearest[near] - x[near] + ends(x, distance, size, near, nearest)
+            near = (distance < size) & (distance > 0.05 * size)
+            image = 2 * nearest[near] - x[near] + ends(x, distance, size, near, nearest, self.room)
             solid = self.room(image) < 0
             x, size = np.vstack([x, image[solid]]), np.append(size, size[near][solid])
 
@@ -222,19 +222,21 @@ def sections(shape, numbers, ends, z):
     return [(shape, numbers)] if ends[0] <= z <= ends[1] else []
 
 
-def ends(x, distance, size, near, nearest):
+def ends(x, distance, size, near, nearest, room):
     """Returns the shifts of the images of particles `near` a wall: those at an end of the wetted wall continue the slope
-    of the free surface above them, so that it meets the wall where the line through two particles does."""
+    of the free surface above them, so that it meets the wall where the line through two particles does. At an end no
+    particle and no other wall is on one side of the particle."""
     shift = np.zeros((near.sum(), 2))
     for k, i in enumerate(np.flatnonzero(near)):
         normal = (x[i] - nearest[i]) / distance[i]
         tangent, cell = np.array([-normal[1], normal[0]]), size[i]
         along, height = (x - x[i]) @ tangent, distance - distance[i]
         close = np.linalg.norm(x - x[i], axis=1) < 1.6 * cell
-        beside = near & close & (abs(along) > 0.3 * cell)
+        beside = (abs(distance) < 1.2 * cell) & (abs(along) > 0.3 * cell) & (abs(along) < 2.5 * cell)
         above = close & (height > 0.5 * cell)
         sides = np.sign(along[beside])
-        if above.any() and len(sides) and abs(sides.sum()) == len(sides):
+        if (above.any() and len(sides) and abs(sides.sum()) == len(sides)
+                and room((x[i] - 1.2 * cell * sides[0] * tangent)[None, :])[0] > 0):
             outer = np.flatnonzero(above)[np.argmax(-sides[0] * along[above])]
             slope = np.clip(along[outer] / height[outer], -1.5, 1.5)
             shift[k] = -2 * distance[i] * slope * tangent
