@@ -5,7 +5,7 @@ import h5py
 import numpy as np
 from matplotlib import patches, tri
 
-HOLE = 1.0  # radius of the least empty circle that is no fluid [spacing of the particles around it]
+HOLE, BUBBLE = 1.0, 2.0  # radius of the least empty circle that is no fluid, at a surface and inside [local spacing]
 
 
 class Body:
@@ -61,15 +61,17 @@ class Snapshot:
                 self.attributes = {name: plain(value) for name, value in file.attrs.items()}
                 dx = float(self.attributes["dx"])
                 size = file["volume"][:] ** (1 / x.shape[1]) if "volume" in file else np.full(len(x), dx)
-                self.lo, self.hi = file.attrs["box"][:].reshape(2, -1)[:, :2]
+                self.room_lo, self.room_hi = file.attrs["box"][:].reshape(2, -1)
+                self.lo, self.hi = self.room_lo[:2].copy(), self.room_hi[:2].copy()
                 self.free = bool(self.attributes["free_surface"])
-                self.all, self.speeds = x, np.linalg.norm(u, axis=1)
+                self.place, self.fluid_speed = x[self.fluid], np.linalg.norm(u[self.fluid], axis=1)
                 self.bodies, cut = self.read_bodies(file, x)
         except (OSError, KeyError) as error:
             sys.exit(f"plot: {path} is not a readable snapshot: {error}")
         self.length, self.speed = length, speed  # units on the axes
         self.time = float(self.attributes.get("time", 0))
         self.dim, self.dx = x.shape[1], dx
+        self.radius = size[self.fluid] * (0.75 / np.pi) ** (1 / 3)  # of balls with the volume of the particles
         fluid = self.fluid
         if self.dim == 3:
             fluid, x, u, size = fluid[cut], x[cut, :2], u[cut], size[cut]
@@ -102,12 +104,12 @@ class Snapshot:
             middle = (low + high) / 2
             above = (x[:, 2] - middle) / float(self.attributes["dx"])
             cut = (above > -0.01) & (above < 0.99)
-        bodies = []
+        self.solids = []  # shape, numbers, ends along z, and if the fluid is inside
         for k, shape in enumerate(filter(None, self.attributes["body_shapes"].split(",")), 1):
-            numbers, around = file.attrs[f"body_{k}"][:], bool(plain(file.attrs[f"body_{k}_around"]))
             ends = file.attrs[f"body_{k}_ends"][:] if f"body_{k}_ends" in file.attrs else (-np.inf, np.inf)
-            bodies += [Body(*section, around) for section in sections(shape, numbers, ends, middle)]
-        return bodies, cut
+            self.solids.append((shape, file.attrs[f"body_{k}"][:], ends, bool(plain(file.attrs[f"body_{k}_around"]))))
+        return [Body(*section, around) for shape, numbers, ends, around in self.solids
+                for section in sections(shape, numbers, ends, middle)], cut
 
     def window(self):
         """Returns the part of the box that the fluid and its neighbourhood take."""
@@ -137,7 +139,8 @@ class Snapshot:
     def surface(self):
         """Returns a function that tells which points are fluid, with free surfaces through the outermost particles.
 
-        Triangles of Delaunay with an empty circle below HOLE are fluid, as alpha shapes are: H. Edelsbrunner,
+        Triangles of Delaunay with an empty circle below HOLE are fluid, and so are those that they enclose, where particles
+        are stretched, with circles below BUBBLE. They are alpha shapes: H. Edelsbrunner,
         D. G. Kirkpatrick, R. Seidel, IEEE Trans. Inf. Theory 29 (1983) 551-559. Images of particles beyond walls and
         periodic sides continue the fluid to them. A particle in no triangle is a disc of its volume."""
         x, size = self.x, self.size
@@ -156,7 +159,7 @@ class Snapshot:
 
         triangles = tri.Triangulation(x[:, 0], x[:, 1])
         corner = triangles.triangles
-        triangles.set_mask(circumradius(x[corner]) > HOLE * size[corner].max(axis=1))
+        triangles.set_mask(outside(triangles, circumradius(x[corner]) / size[corner].max(axis=1)))
         find = triangles.get_trifinder()
         single = np.setdiff1d(np.arange(len(x)), triangles.get_masked_triangles())
 
@@ -241,6 +244,18 @@ def ends(x, distance, size, near, nearest, room):
             slope = np.clip(along[outer] / height[outer], -1.5, 1.5)
             shift[k] = -2 * distance[i] * slope * tangent
     return shift
+
+
+def outside(triangles, radius):
+    """Tells which triangles are outside the fluid: those with large circles that are reached from outside."""
+    left = (radius > BUBBLE) | ((radius > HOLE) & (triangles.neighbors < 0).any(axis=1))
+    edge = np.flatnonzero(left)
+    while len(edge):
+        beside = np.unique(triangles.neighbors[edge])
+        beside = beside[beside >= 0]
+        edge = beside[(radius[beside] > HOLE) & ~left[beside]]
+        left[edge] = True
+    return left
 
 
 def circumradius(corner):

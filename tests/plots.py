@@ -46,9 +46,40 @@ def areas():
         assert abs(fluid[0].sum() * pixel[0] - foot) < 0.25 * snapshot.dx, (run, fluid[0].sum() * pixel[0], foot)
 
 
+SOLIDS = ("ball,-0.9,-0.6,0.6,0.2", "box,0.7,0.4,0.45,1.05,0.7,0.75", "cylinder,-0.9,0.6,0.15",
+          "prism,0.7,-0.7,1.1,-0.7,0.9,-0.4", "revolved,0,0.4,0.2,0.4,0,0.7")
+
+
+def space():
+    """Surfaces of bodies lie where their wall particles are; a drop is drawn round, with light."""
+    import h5py
+    import numpy as np
+    from balls import picture, solid_distance
+    from snapshot import Snapshot
+
+    bodies = [word for k, shape in enumerate(SOLIDS, 1) for word in (f"-scene_body_{k}", shape)]
+    quiet = {"check": True, "stdout": subprocess.DEVNULL}
+    subprocess.run([*COMMAND, *SCENE, *bodies, "-dim", "3", "-scene_box", "-1.5,-1.2,0,1.5,1.2,1.2", "-n", "10", "-motion",
+                    "eulerian", "-output", "solid.h5", "-progress", "none"], **quiet)
+    solids = Snapshot("solid_0001.h5").solids
+    with h5py.File("solid_0001.h5") as file:
+        for k, solid in enumerate(solids):
+            wall = file["position"][:][file["boundary"][:] == 6 + k]
+            assert len(wall) and abs(solid_distance([solid], wall)).max() < 1e-9, solid
+    subprocess.run([*COMMAND, *SCENE, "-dim", "3", "-scene_filled_1", "ball,0.5,0.5,0.5,0.3", "-n", "10", "-output",
+                    "space.h5", "-progress", "none"], **quiet)
+    drop = Snapshot("space_0001.h5")
+    image = picture(drop, np.tile([1.0, 0, 0], (len(drop.place), 1)), azimuth=0, elevation=0, pixels=200)
+    red = image[..., 0] > image[..., 1] + 0.2
+    radius = (red.sum() / np.pi) ** 0.5 * 1.04 / 200  # the box and a margin are 200 pixels wide
+    assert abs(radius - 0.3 - drop.radius[0]) < 0.25 * drop.dx, radius
+    assert np.quantile(image[red, 0], 0.95) > 1.5 * np.quantile(image[red, 0], 0.05)
+
+
 def main():
     python_with("h5py, matplotlib")
     areas()
+    space()
     plot = [sys.executable, PLOT]
     for n in "10", "14":
         subprocess.run([*COMMAND, "-case", "cavity", "-reynolds", "100", "-n", n, "-t_end", "0.3", "-progress", "none",
@@ -58,6 +89,7 @@ def main():
     assert len(snapshots) == 4, snapshots
     for kind, files, options, start in (("field", snapshots, [], b"\x89PNG"), ("profiles", snapshots, [], b"\x89PNG"),
                                         ("cavity", snapshots, [], b"\x89PNG"), ("animate", snapshots, [], b"GIF8"),
+                                        ("space", ["space_0001.h5"], [], b"\x89PNG"),
                                         ("cost", ["run.csv"], ["--quantity", "kinetic_energy", "--group", "motion"],
                                          b"\x89PNG")):
         picture = kind + (".gif" if start == b"GIF8" else ".png")
@@ -70,6 +102,7 @@ def main():
                             (["cost", "run.csv", "--group", "wrong"], "wrong is no column"),
                             (["cost", snapshots[0]], "is no file of -report"),
                             (["animate", "run.csv"], "is not a readable snapshot"),
+                            (["space", "run_0000.h5"], "is a snapshot of a plane"),
                             (["field", "absent.h5"], "is not a readable snapshot")):
         done = subprocess.run([*plot, *arguments, "-o", "none.gif"], capture_output=True, text=True, check=False)
         assert done.returncode == 1 and done.stderr.count("\n") == 1 and told in done.stderr, done.stderr

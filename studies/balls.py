@@ -1,0 +1,171 @@
+"""Draws particles of space as balls of their volume, and bodies by their shapes, with light and shadows.
+
+Numpy alone: each ball writes its depth into a buffer of pixels, bodies are found by sphere tracing of their signed
+distance (J. C. Hart, Vis. Comput. 12 (1996) 527-545), and a second buffer, seen from the light, has the shadows. The VTK of
+Debian 12 draws to an X display only, which a machine without one has not."""
+import numpy as np
+from snapshot import Body
+
+GREY, FLOOR, EDGE = (0.62, 0.62, 0.64), (0.93, 0.93, 0.92), (0.45, 0.45, 0.45)
+BALL, SOLID, GROUND, LINE = 0, 1, 2, 3  # what a pixel shows
+LIGHT = np.array([-0.55, 1.2, 0.75])  # to the right of the camera, up, towards it
+SHADE, AMBIENT = 0.35, 0.5  # of light in a shadow; of light that has no direction
+
+
+def view(azimuth, elevation):
+    """Returns the directions right, up and towards the camera as rows; angles in degrees, y is up."""
+    a, e = np.radians([azimuth, elevation])
+    towards = np.array([np.sin(a) * np.cos(e), np.sin(e), np.cos(a) * np.cos(e)])
+    return frame(towards)
+
+
+def frame(towards):
+    """Returns three normal directions, the last along `towards`."""
+    towards = towards / np.linalg.norm(towards)
+    right = np.cross([0, 1, 0] if abs(towards[1]) < 0.99 else [0, 0, -1], towards)
+    right /= np.linalg.norm(right)
+    return np.array([right, np.cross(towards, right), towards])
+
+
+def solid_distance(solids, x):
+    """Returns the signed distance of points from bodies, positive outside."""
+    nearest = np.full(len(x), np.inf)
+    for shape, numbers, ends, around in solids:
+        if around:
+            continue
+        if shape == "ball":
+            distance = np.linalg.norm(x - numbers[:3], axis=1) - numbers[3]
+        elif shape == "revolved":
+            section = np.column_stack([np.hypot(x[:, 0], x[:, 1]), x[:, 2]])
+            distance = Body("polygon", numbers, False).distance(section)[0]
+        else:
+            outline = Body(shape, numbers, False).distance(x[:, :2])[0]
+            distance = np.maximum(outline, abs(x[:, 2] - np.mean(ends)) - (ends[1] - ends[0]) / 2)
+        nearest = np.minimum(nearest, distance)
+    return nearest
+
+
+class Buffer:
+    """Depths and what is seen in the pixels of a view along the last direction of `axes`."""
+
+    def __init__(self, axes, corners, pixels):
+        seen = corners @ axes.T
+        self.axes, self.low, high = axes, seen.min(axis=0), seen.max(axis=0)
+        margin = 0.02 * (high - self.low).max()
+        self.low, high = self.low - margin, high + margin
+        self.pixel = (high - self.low)[:2].max() / pixels
+        self.shape = tuple(np.ceil((high - self.low)[1::-1] / self.pixel).astype(int))
+        self.nearest, self.far = high[2], self.low[2]
+        self.depth = np.full(self.shape, -np.inf)
+        self.what = np.full(self.shape, -1)
+        self.ball = np.zeros(self.shape, int)
+        self.normal = np.zeros((*self.shape, 3))
+
+    def balls(self, x, radius):
+        """Draws balls at x."""
+        place = x @ self.axes.T
+        first = np.ceil((place[:, :2] - radius[:, None] - self.low[:2]) / self.pixel - 0.5).astype(int)
+        last = np.floor((place[:, :2] + radius[:, None] - self.low[:2]) / self.pixel - 0.5).astype(int)
+        first, last = np.maximum(first, 0), np.minimum(last + 1, self.shape[::-1])
+        for k in np.flatnonzero((last > first).all(axis=1)):
+            part = slice(first[k, 1], last[k, 1]), slice(first[k, 0], last[k, 0])
+            across, up = (self.low[a] + (np.arange(first[k, a], last[k, a]) + 0.5) * self.pixel - place[k, a]
+                          for a in range(2))
+            rise = radius[k] ** 2 - across**2 - up[:, None] ** 2
+            depth = place[k, 2] + np.sqrt(np.maximum(rise, 0))
+            nearer = (rise > 0) & (depth > self.depth[part])
+            self.depth[part][nearer], self.ball[part][nearer] = depth[nearer], k
+        cell = np.nonzero(self.depth > -np.inf)
+        self.what[cell] = BALL
+        self.normal[cell] = self.points(self.depth)[cell] - x[self.ball[cell]]
+        self.normal[cell] /= radius[self.ball[cell], None]
+
+    def points(self, depth):
+        """Returns the points of space of all pixels at a depth."""
+        row, column = np.indices(self.shape)
+        depth = np.where(np.isfinite(depth), depth, self.far)
+        place = np.stack([self.low[0] + (column + 0.5) * self.pixel, self.low[1] + (row + 0.5) * self.pixel,
+                          np.broadcast_to(depth, self.shape)], axis=-1)
+        return place @ self.axes
+
+    def put(self, pixels, depth, what, normal):
+        """Draws a surface in the pixels in which it is nearer than what is there."""
+        nearer = pixels & (depth > self.depth)
+        self.depth[nearer], self.what[nearer], self.normal[nearer] = depth[nearer], what, normal[nearer]
+
+    def bodies(self, solids):
+        """Draws bodies."""
+        x = self.points(self.nearest).reshape(-1, 3)
+        depth, hit = np.full(len(x), self.nearest), np.zeros(len(x), bool)
+        left = np.arange(len(x))
+        while len(left):
+            distance = solid_distance(solids, x[left] - (self.nearest - depth[left])[:, None] * self.axes[2])
+            hit[left[distance < 0.5 * self.pixel]] = True
+            depth[left] -= np.maximum(distance, 0.5 * self.pixel)
+            left = left[(distance >= 0.5 * self.pixel) & (depth[left] > self.far)]
+        x -= (self.nearest - depth)[:, None] * self.axes[2]
+        normal = np.zeros_like(x)
+        step = 1.5 * self.pixel
+        for a, e in enumerate(np.eye(3)):
+            normal[hit, a] = solid_distance(solids, x[hit] + step * e) - solid_distance(solids, x[hit] - step * e)
+        normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+        self.put(hit.reshape(self.shape), depth.reshape(self.shape), SOLID, normal.reshape(*self.shape, 3))
+
+    def floor(self, lo, hi):
+        """Draws the floor of the box."""
+        if self.axes[2, 1] < 0.01:
+            return
+        start = self.points(0.0)
+        depth = (lo[1] - start[..., 1]) / self.axes[2, 1]
+        x = start + depth[..., None] * self.axes[2]
+        inside = np.all((x >= lo) & (x <= hi), axis=-1, where=[True, False, True])
+        self.put(inside, depth, GROUND, np.broadcast_to([0.0, 1.0, 0.0], x.shape))
+
+    def edges(self, lo, hi):
+        """Draws the edges of the box."""
+        for axis in range(3):
+            for k in range(4):
+                x = np.repeat([[(lo, hi)[bool(k & (1 << (b - (b > axis))))][b] for b in range(3)]], 4000, axis=0)
+                x[:, axis] = np.linspace(lo[axis], hi[axis], 4000)
+                place = x @ self.axes.T
+                column, row = np.floor((place[:, :2] - self.low[:2]) / self.pixel).astype(int).T
+                good = (column >= 0) & (row >= 0) & (column < self.shape[1]) & (row < self.shape[0])
+                cell = row[good], column[good]
+                seen = place[good, 2] >= self.depth[cell] - 1e-3 * (self.nearest - self.far)
+                self.what[cell[0][seen], cell[1][seen]] = LINE
+
+    def lit(self, light):
+        """Returns the share of the light that reaches each pixel, from the depths that the light sees."""
+        place = self.points(self.depth) @ light.axes.T
+        share = np.zeros(self.shape)
+        for i, j in ((-1, -1), (-1, 1), (1, -1), (1, 1), (0, 0)):
+            column = np.clip((place[..., 0] - light.low[0]) / light.pixel + i, 0, light.shape[1] - 1)
+            row = np.clip((place[..., 1] - light.low[1]) / light.pixel + j, 0, light.shape[0] - 1)
+            share += place[..., 2] > light.depth[row.astype(int), column.astype(int)] - 4 * light.pixel
+        return share / 5
+
+
+def picture(snapshot, colours, azimuth=30, elevation=20, pixels=800):
+    """Returns a picture of the fluid of a snapshot in space as rows of RGB, from the top; colours: RGB of each particle."""
+    x, radius = snapshot.place, snapshot.radius
+    lo, hi = snapshot.room_lo, snapshot.room_hi
+    corners = np.array([[(lo, hi)[k >> a & 1][a] for a in range(3)] for k in range(8)])
+    axes = view(azimuth, elevation)
+    camera = Buffer(axes, corners, 2 * pixels)
+    light = Buffer(frame(LIGHT @ axes * [1, 0, 1] + [0, LIGHT[1], 0]), corners, pixels)
+    for buffer in camera, light:
+        buffer.balls(x, radius)
+        if any(not around for *_, around in snapshot.solids):
+            buffer.bodies(snapshot.solids)
+    if snapshot.kinds[2] == "wall":
+        camera.floor(lo, hi)
+    facing = np.clip(camera.normal @ light.axes[2], 0, 1)
+    bright = AMBIENT + (1 - AMBIENT) * facing * (SHADE + (1 - SHADE) * camera.lit(light))
+    image = np.ones((*camera.shape, 3))
+    for what, colour in ((BALL, None), (SOLID, GREY), (GROUND, FLOOR)):
+        here = camera.what == what
+        image[here] = (colours[camera.ball[here]] if colour is None else colour) * bright[here][:, None]
+    camera.edges(lo, hi)
+    image[camera.what == LINE] = EDGE
+    rows, columns = (n // 2 for n in camera.shape)
+    return image[:2 * rows, :2 * columns].reshape(rows, 2, columns, 2, 3).mean(axis=(1, 3))[::-1]
