@@ -7,7 +7,7 @@ import numpy as np
 from snapshot import Body
 
 GREY, FLOOR, EDGE = (0.62, 0.62, 0.64), (0.93, 0.93, 0.92), (0.45, 0.45, 0.45)
-BALL, SOLID, GROUND, LINE = 0, 1, 2, 3  # what a pixel shows
+BALL, SOLID, GROUND, LINE = 0, 1, 2, 3  # contents of a pixel
 LIGHT = np.array([-0.55, 1.2, 0.75])  # to the right of the camera, up, towards it
 SHADE, AMBIENT = 0.35, 0.5  # of light in a shadow; of light that has no direction
 
@@ -46,7 +46,7 @@ def solid_distance(solids, x):
 
 
 class Buffer:
-    """Depths and what is seen in the pixels of a view along the last direction of `axes`."""
+    """Depths and surfaces in the pixels of a view along the last direction of `axes`."""
 
     def __init__(self, axes, corners, pixels):
         seen = corners @ axes.T
