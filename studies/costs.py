@@ -1,11 +1,20 @@
 """Draws error against CPU time of the runs in -report files."""
 import csv
 
+from matplotlib import ticker
+
 from runs import front
 
 OF_THE_RUN = ("t", "quantity", "value", "reference", "error")  # columns that differ between rows of a run
 COLOURS = ["#0072B2", "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#8C6D31", "#000000", "#999999"]
 MARKERS = "osd^vPX*"  # with COLOURS: distinct for colour-blind readers too
+
+
+class Plain(ticker.LogFormatter):
+    """Labels of a logarithmic axis as 0.02 in place of 2e-02."""
+
+    def _num_to_string(self, x, vmin, vmax):
+        return f"{x:g}"
 
 
 def read_runs(paths):
@@ -53,4 +62,7 @@ def draw_curves(axes, curves, label, title):
         axes.plot(*zip(*best), "-", color="#D55E00", linewidth=2.5, alpha=0.45, zorder=0, label="front")
     axes.set(xscale="log", yscale="log", xlabel="CPU time [s]", ylabel=label)
     axes.grid(alpha=0.3, which="both", linewidth=0.5)
-    axes.legend(title=title, loc="upper left", bbox_to_anchor=(1, 1))
+    for axis in axes.xaxis, axes.yaxis:
+        axis.set_major_formatter(Plain())
+        axis.set_minor_formatter(Plain(minor_thresholds=(2, 0.5)))
+    axes.legend(title=title, loc="upper center", bbox_to_anchor=(0.5, -0.16))

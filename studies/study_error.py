@@ -6,7 +6,6 @@ import os
 import re
 import sys
 
-import costs
 from runs import table
 from study_runs import GOOD, Run, UserError, last, make, pyplot, real, say, split, whole, write_rows
 
@@ -168,9 +167,10 @@ def lines(name, word, refined, curves, found):
                "makes a finer run")
     else:
         yield f"{name}: error by {word}"
-    for swap, (_, told) in found.items():
+    same = len({told for _, told in found.values()}) == 1
+    for swap, (_, told) in list(found.items())[:1 if same else None]:
         if told:
-            yield f"  {swap or 'as typed'}: {told}"
+            yield f"  {told}" if same else f"  {swap or 'as typed'}: {told}"
     yield ""
     rows = []
     for swap, runs in curves.items():
@@ -254,18 +254,19 @@ def picture(results, curves, path):
     plt = pyplot()
     if not plt:
         return
+    import costs
     results = {name: result for name, result in results.items() if result[0]}
     if not results:
         return
-    figure, panels = plt.subplots(1, len(results), figsize=(5.2 * len(results) + 2, 4.2), squeeze=False)
+    figure, panels = plt.subplots(1, len(results), figsize=(5.6 * len(results), 4.2), squeeze=False)
     for axes, (name, (word, found)) in zip(panels[0], results.items()):
         points = {swap or "as typed": [(run.record["cpu_s"], found[swap][0][value]) for value, run in runs.items()
                                        if found[swap][0].get(value, 0.0) > 0.0] for swap, runs in curves.items() if runs}
         points = {label: some for label, some in points.items() if some}
         if points:
             costs.draw_curves(axes, points, f"error of {name}, by {word}", None)
-        if axes is not panels[0][-1] and axes.get_legend():
+        if axes is not panels[0][0] and axes.get_legend():
             axes.get_legend().remove()
-    figure.tight_layout()
+    figure.subplots_adjust(wspace=0.3)
     figure.savefig(path, dpi=130, bbox_inches="tight")
     print(f"drew {path}")

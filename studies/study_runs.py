@@ -66,20 +66,23 @@ def file_words(path):
         raise UserError(f"{path}: {getattr(error, 'strerror', None) or error}") from None
 
 
+def absolute(words):
+    """Returns words in which files to be read have absolute paths."""
+    return [os.path.abspath(word) if before.lower() in READ else word for before, word in zip(["", *words], words)]
+
+
 class Scene:
     """The command of isph that a study repeats. `words` name files by absolute paths, because runs have other folders;
     `known` holds the words of its options files too."""
 
     def __init__(self, words):
         self.typed = shlex.join(words)
-        self.words, self.known = list(words), []
-        for k, word in enumerate(words[1:], 1):
-            if words[k - 1].lower() in READ:
-                self.words[k] = os.path.abspath(word)
-                if words[k - 1].lower() == "-options_file":
-                    self.known += file_words(word)
+        self.words, self.known = absolute(words), []
+        for name, path in zip(words, words[1:]):
+            if name.lower() == "-options_file":
+                self.known += file_words(path)
         named = [(name, path) for name in READ if (path := last(self.known, name)) and not last(words, name)]
-        self.words += [word for name, path in named for word in (name, os.path.abspath(path))]
+        self.words += absolute([word for pair in named for word in pair])
         self.known += self.words
 
     def base(self, extra):
@@ -104,7 +107,7 @@ class Run:
     t, step, what it said, and the numbers of its report and probes at the end; at earlier times they are name@time."""
 
     def __init__(self, scene, extra, isph, out, more=()):
-        self.extra, start = without(extra, PSEUDO), last(extra, "-start")
+        self.extra, start = absolute(without(extra, PSEUDO)), last(extra, "-start")
         if start:
             self.extra += start_words([*scene.known, *self.extra], whole(start, "start"))
         self.ranks, self.label = whole(last(extra, "-ranks") or "1", "ranks"), shlex.join(extra) or "as typed"
