@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """told.py ISPH - tests lines on runs that end with status 0 though something is wrong: of -scheme wcsph if the flow is far
-from an incompressible one, and of moving particles that are unevenly spread
+from an incompressible one, of moving particles that are unevenly spread, and of balances out of their bounds
 
 Each line is there for a run that needs it, and not for a run beside it that does not."""
 import re
@@ -23,6 +23,17 @@ WCSPH = [  # line, run that has it, run that has it not
 STRAINED = "-case taylor_green -reynolds 100 -n 24 -t_end 0.5"
 RUNS = [*((line, f"-scheme wcsph {wrong}", f"-scheme wcsph {right}") for line, wrong, right in WCSPH),
         (r"unevenness \S+, should be at most 0.15: ", f"{STRAINED} -cfl 3", STRAINED)]
+# Balances. A drop that no force acts on must not move; the torques on two cylinders are opposite, which stiff plastics miss.
+PAIR = "-case scene -scene_box 0,0,3,3 -scene_filled_1 circle,1.3,1.5,0.35 -scene_filled_2 circle,1.6,1.5,0.35 -n 16 -t_end 1"
+RINGS = ("-case scene -scene_box -0.65,-0.65,0.65,0.65 -scene_body_1 circle,0,0,0.5 -scene_body_1_around -scene_body_2 "
+         "circle,0,0,0.25 -scene_body_2_rotation 1 -viscosity 1 -without convection -n 20 -scheme coupled -steady")
+DUCT = ("-case scene -scene_box 0,0,2,1 -scene_inflow left -scene_outflow right -scene_wall_left_velocity 6*y*(1-y),0 "
+        "-viscosity 0.1 -motion eulerian -t_end 1")
+RUNS += [
+    (r"momentum not kept: fluid that touches nothing ", f"{PAIR} -viscosity 0.01 -surface_tension 1", f"{PAIR} -viscosity 0.1"),
+    (r"rotation not kept: torques on boundaries ", f"{RINGS} -rheology papanastasiou -rheology_yield 1", RINGS),
+    (r"momentum not kept: forces on boundaries ", "-case cavity -motion eulerian -reynolds 100 -n 16 -t_end 5", f"{DUCT} -n 12"),
+]
 
 
 def lines(words):

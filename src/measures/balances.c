@@ -11,6 +11,8 @@
 #include "isph/balance.h"
 #include "monitors.h"
 
+#define SLOW 0.2 /* rate of the momentum over the magnitudes of forces, in a slow flow [-] */
+
 enum { FORCE, TORQUE };
 
 /* Sums over all boundaries and the fluid. */
@@ -20,6 +22,7 @@ typedef struct {
   PetscReal flux, flux_size;      /* into the fluid; sum of magnitudes on openings [m^dim/s] */
   PetscReal area, pressure;       /* wet; integral of p [m^(dim-1)], [Pa m^(dim-1)] */
   PetscReal volume;               /* inside the boundaries [m^dim] */
+  PetscReal inertia[2];           /* rates of the momentum and the angular momentum [N], [N m] */
   PetscReal unknown[2];           /* forces and torques of edges where velocities jump [N], [N m] */
   PetscReal middle[ISPH_MAX_DIM];
 } Ledger;
@@ -27,7 +30,7 @@ typedef struct {
 /* Loads of a boundary. */
 typedef struct {
   Facets     s;
-  PetscReal *f, *p, *u; /* viscous forces [N], pressures [Pa], velocities [m/s] */
+  PetscReal *f, *p, *u; /* viscous forces [N], pressures [Pa], velocities of openings [m/s] */
 } Loads;
 
 /* Adds a force at x to the sums. */
@@ -54,29 +57,34 @@ static PetscInt FirstOpenAxis(const Scene *scene)
   return axis;
 }
 
+static PetscBool IsOpening(const Scene *scene, PetscInt side)
+{
+  return BoundaryIs(scene, side, BOUNDARY_INFLOW) || BoundaryIs(scene, side, BOUNDARY_OUTFLOW)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
 /* Computes the loads of a boundary, and adds flux, area, pressure and volume. */
 static PetscErrorCode LoadsOf(const Flow *flow, PetscInt side, Loads *of, Ledger *l)
 {
-  const Scene    *scene = flow->scene;
-  const PetscInt  dim = scene->dim, axis = FirstOpenAxis(scene) % dim;
-  const PetscBool opening =
-      BoundaryIs(scene, side, BOUNDARY_INFLOW) || BoundaryIs(scene, side, BOUNDARY_OUTFLOW)
-          ? PETSC_TRUE
-          : PETSC_FALSE;
+  const Scene   *scene = flow->scene;
+  const PetscInt dim = scene->dim, axis = FirstOpenAxis(scene) % dim;
+  PetscReal      flux, size;
 
   PetscFunctionBegin;
   PetscCall(WallLoads(flow, side, &of->s, &of->f, &of->p));
   PetscCall(PetscMalloc1(of->s.n * dim, &of->u));
-  PetscCall(ProbePoints(flow, of->s.n, of->s.x, of->u, NULL));
+  if (IsOpening(scene, side)) {
+    PetscCall(ProbePoints(flow, of->s.n, of->s.x, of->u, NULL));
+    PetscCall(FacetsFlux(flow, &of->s, &flux, &size));
+    l->flux += flux;
+    l->flux_size += size;
+  } else PetscCall(PetscArrayzero(of->u, of->s.n * dim));
   for (PetscInt k = 0; k < of->s.n; k++) {
     const PetscReal *x = &of->s.x[k * dim], *n = &of->s.normal[k * dim];
-    PetscReal        flux = 0.0;
 
     l->volume -= of->s.area[k] * x[axis] * n[axis];
     if (PetscIsNanReal(of->f[k * dim])) continue;
-    for (PetscInt a = 0; a < dim; a++) flux += of->s.area[k] * n[a] * of->u[k * dim + a];
-    l->flux += flux;
-    if (opening) l->flux_size += PetscAbsReal(flux);
     l->area += of->s.area[k];
     if (!PetscIsNanReal(of->p[k])) l->pressure += of->s.area[k] * of->p[k];
   }
@@ -104,35 +112,63 @@ static void AddLoads(const Flow *flow, const Loads *of, PetscReal level, Ledger 
   }
 }
 
-/* Adds inertia and body force of the fluid. In a full box the volumes of the particles are scaled
-   to that inside the boundaries: particles beside curved walls have parts of cells. */
-static PetscErrorCode AddFluid(const Flow *flow, Ledger *l)
+/* Adds the sums of another ledger on all ranks. */
+static PetscErrorCode AddLedger(const Flow *flow, const Ledger *own, Ledger *l)
 {
-  const Particles *p     = flow->particles;
-  const Scene     *scene = flow->scene;
-  const PetscReal  full  = p->weight * p->cell_volume;
-  const PetscReal  share = flow->ops->free ? 1.0 : l->volume / full;
-  const PetscReal  rate  = flow->clock->steady_solve ? 0.0 : 1.0 / flow->clock->dt;
-  Ledger           own   = {.volume = 0.0};
-  PetscReal       *sum   = &own.sum[0][0];
+  PetscReal all[2][ISPH_MAX_DIM + 1];
 
   PetscFunctionBegin;
-  PetscCall(PetscArraycpy(own.middle, l->middle, ISPH_MAX_DIM));
+  for (PetscInt k = 0; k < 2; k++) {
+    PetscCall(PetscArraycpy(all[k], own->sum[k], ISPH_MAX_DIM));
+    all[k][ISPH_MAX_DIM] = own->size[k];
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, all, 2 * (ISPH_MAX_DIM + 1), MPIU_REAL, MPIU_SUM,
+                             flow->particles->comm));
+  for (PetscInt k = 0; k < 2; k++) {
+    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) l->sum[k][a] += all[k][a];
+    l->size[k] += all[k][ISPH_MAX_DIM];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds inertia and body force of the fluid in the middle of the last step. In a full box the
+   volumes of the particles are scaled to that inside the boundaries: particles beside curved walls
+   have parts of cells. */
+static PetscErrorCode AddFluid(const Flow *flow, Ledger *l)
+{
+  const Particles *p       = flow->particles;
+  const Scene     *scene   = flow->scene;
+  const PetscReal  full    = p->weight * p->cell_volume;
+  const PetscReal  share   = flow->ops->free ? 1.0 : l->volume / full;
+  const PetscReal  rate    = flow->clock->steady_solve ? 0.0 : 1.0 / flow->clock->dt;
+  const PetscReal  middle  = flow->clock->t - (rate > 0.0 ? 0.5 / rate : 0.0);
+  Ledger           inertia = {.volume = 0.0}, weight = {.volume = 0.0};
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < p->dim; a++) inertia.middle[a] = weight.middle[a] = l->middle[a];
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     const PetscReal mass            = scene->rho * share * ParticlesWeight(p, i) * p->cell_volume;
-    PetscReal       x[ISPH_MAX_DIM] = {0.0}, f[ISPH_MAX_DIM] = {0.0};
+    PetscReal       x[ISPH_MAX_DIM] = {0.0}, f[ISPH_MAX_DIM] = {0.0}, a[ISPH_MAX_DIM] = {0.0};
 
-    for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
-    if (SceneHas(scene, PHYSICS_BODY_FORCE)) SceneBodyForce(scene, flow->clock->t, x, f);
-    for (PetscInt a = 0; a < p->dim; a++)
-      f[a] = mass * (rate * (p->u[a][i] - flow->state->u_previous[a][i]) - f[a]);
-    AddForce(p->dim, x, f, &own);
+    for (PetscInt c = 0; c < p->dim; c++) x[c] = p->x[c][i];
+    if (SceneHas(scene, PHYSICS_BODY_FORCE)) SceneBodyForce(scene, middle, x, f);
+    for (PetscInt c = 0; c < p->dim; c++) {
+      a[c] = mass * rate * (p->u[c][i] - flow->state->u_previous[c][i]);
+      f[c] *= -mass;
+    }
+    AddForce(p->dim, x, a, &inertia);
+    AddForce(p->dim, x, f, &weight);
   }
-  PetscCallMPI(
-      MPI_Allreduce(MPI_IN_PLACE, sum, 2 * ISPH_MAX_DIM + 2, MPIU_REAL, MPIU_SUM, p->comm));
+  PetscCall(AddLedger(flow, &weight, l));
+  weight = (Ledger){.volume = 0.0};
+  PetscCall(AddLedger(flow, &inertia, &weight));
   for (PetscInt k = 0; k < 2; k++) {
-    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) l->sum[k][a] += own.sum[k][a];
-    l->size[k] += own.size[k];
+    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
+      l->sum[k][a] += weight.sum[k][a];
+      l->inertia[k] += PetscSqr(weight.sum[k][a]);
+    }
+    l->size[k] += weight.size[k];
+    l->inertia[k] = PetscSqrtReal(l->inertia[k]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -170,36 +206,38 @@ static void AddEdges(const Scene *scene, PetscReal t, Ledger *l)
   }
 }
 
-/* Returns the residual of forces or torques over their magnitudes. Input: square - of the residual;
-   noise - magnitude of forces that are rounding. */
-static PetscReal Residual(const Ledger *l, PetscInt of, PetscReal square, PetscReal noise)
+/* Sets the row of forces or of torques from the square of the residual, unless the flow changes
+   faster than its inertia, which lags by half a step, is known. noise: a magnitude of rounding. */
+static void SetRow(Flow *flow, PetscInt of, PetscReal square, PetscReal noise, const Ledger *l)
 {
-  return PetscMax(PetscSqrtReal(square) - l->unknown[of], 0.0) / (l->size[of] + noise);
+  const BalanceKind kind = of == FORCE ? BALANCE_FORCE : BALANCE_TORQUE;
+  const PetscReal   rest = PetscMax(PetscSqrtReal(square) - l->unknown[of], 0.0);
+
+  flow->scheme->sheet.applies[kind] = PETSC_FALSE;
+  if (l->inertia[of] > SLOW * l->size[of]) return;
+  BalanceSet(kind, rest / (l->size[of] + noise), flow->clock->t, &flow->scheme->sheet);
 }
 
 /* Sets the rows of forces and torques. A periodic axis has no middle, so that torques about the
    others have no balance. */
-static void SetForces(Flow *flow, Ledger *l)
+static void SetForces(Flow *flow, const Ledger *l)
 {
-  const Scene    *scene = flow->scene;
-  const PetscReal t = flow->clock->t, noise = 1e-12 * scene->rho * PetscSqr(scene->speed);
+  const Scene    *scene     = flow->scene;
+  const PetscReal noise     = 1e-12 * scene->rho * PetscSqr(scene->speed) * l->area;
   PetscReal       square[2] = {0.0};
   PetscBool       turns     = PETSC_FALSE;
 
-  for (PetscInt a = 0; a < scene->dim; a++) square[FORCE] += PetscSqr(l->sum[FORCE][a]);
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
     const PetscInt b = (a + 1) % 3, c = (a + 2) % 3;
 
+    square[FORCE] += PetscSqr(l->sum[FORCE][a]);
     if (b >= scene->dim || c >= scene->dim) continue;
     if (SceneIsPeriodic(scene, b) || SceneIsPeriodic(scene, c)) continue;
     square[TORQUE] += PetscSqr(l->sum[TORQUE][a]);
     turns = PETSC_TRUE;
   }
-  BalanceSet(BALANCE_FORCE, Residual(l, FORCE, square[FORCE], noise * l->area), t,
-             &flow->scheme->sheet);
-  if (!turns) return;
-  BalanceSet(BALANCE_TORQUE, Residual(l, TORQUE, square[TORQUE], noise * l->area * scene->length),
-             t, &flow->scheme->sheet);
+  SetRow(flow, FORCE, square[FORCE], noise, l);
+  if (turns) SetRow(flow, TORQUE, square[TORQUE], noise * scene->length, l);
 }
 
 /* Measures fluxes and forces of the boundaries. */
@@ -220,7 +258,7 @@ static PetscErrorCode MeasureBoundaries(Flow *flow)
       continue;
     PetscCall(LoadsOf(flow, side, &of[side], &l));
   }
-  if (l.flux_size > 0.0 && !flow->ops->free)
+  if (l.flux_size > 0.0 && !flow->ops->free && !SceneMoves(scene))
     BalanceSet(BALANCE_MASS, 2.0 * l.flux / l.flux_size, flow->clock->t, &flow->scheme->sheet);
   for (PetscInt side = 0; side < n; side++) {
     if (BoundaryIs(scene, side, BOUNDARY_CONTINUES) || BoundaryIs(scene, side, BOUNDARY_FREE))

@@ -176,14 +176,44 @@ static PetscErrorCode ProbeSlopes(const Flow *flow, PetscInt side, const Facets 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds grad(u.n) along an opening to the slopes: differences of u.n between points at a quarter of
+   a cell beside the middles of facets. */
+static PetscErrorCode AddAlongOpening(const Flow *flow, PetscInt side, const Facets *s,
+                                      PetscReal slope[])
+{
+  const PetscInt dim = flow->scene->dim, axis = side / 2;
+  PetscReal     *x[2], *u[2];
+
+  PetscFunctionBegin;
+  PetscCall(
+      PetscMalloc4(s->n * dim, &x[0], s->n * dim, &x[1], s->n * dim, &u[0], s->n * dim, &u[1]));
+  for (PetscInt b = 0; b < dim; b++) {
+    if (b == axis) continue;
+    for (PetscInt end = 0; end < 2; end++) {
+      PetscCall(PetscArraycpy(x[end], s->x, s->n * dim));
+      for (PetscInt k = 0; k < s->n; k++)
+        x[end][k * dim + b] += (end ? 0.25 : -0.25) * SceneSpacing(flow->scene, &s->x[k * dim]);
+      PetscCall(ProbePoints(flow, s->n, x[end], u[end], NULL));
+    }
+    for (PetscInt k = 0; k < s->n; k++) {
+      const PetscReal change = u[1][k * dim + axis] - u[0][k * dim + axis];
+
+      if (PetscIsNanReal(change)) continue;
+      slope[k * dim + b] +=
+          s->normal[k * dim + axis] * change / (x[1][k * dim + b] - x[0][k * dim + b]);
+    }
+  }
+  PetscCall(PetscFree4(x[0], x[1], u[0], u[1]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   WallLoads - Computes the forces of the fluid on the facets of a boundary: a side of the box or a
   body
 
   Collective. Output: s - the wet facets, to be freed by FacetsFree(); f - viscous forces, dim
   components each, NaN at dry facets [N]; p - pressures, NaN without one [Pa]; both to be freed by
-  PetscFree(). In 2D forces are per metre of depth. On an opening or a side with slip the viscous
-  traction is mu (du/dn + n d(u.n)/dn): the rest has no sum along a side between walls.
+  PetscFree(). In 2D forces are per metre of depth.
 */
 PetscErrorCode WallLoads(const Flow *flow, PetscInt side, Facets *s, PetscReal **f, PetscReal **p)
 {
@@ -201,6 +231,8 @@ PetscErrorCode WallLoads(const Flow *flow, PetscInt side, Facets *s, PetscReal *
   PetscCall(PetscMalloc1(s->n, &nu));
   PetscCall(ProbeSlopes(flow, side, s, *f, *p));
   PetscCall(SurfaceViscosity(flow, s, *f, nu));
+  if (!sticks && !BoundaryIs(scene, side, BOUNDARY_CONFINES))
+    PetscCall(AddAlongOpening(flow, side, s, *f));
   for (PetscInt k = 0; k < s->n; k++) {
     PetscReal normal = 0.0;
 

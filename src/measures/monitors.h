@@ -59,10 +59,13 @@ typedef struct {
   PetscInt   n, dim;
   PetscReal *x, *normal; /* middles and unit normals, dim coordinates each [m]; [-] */
   PetscReal *area;       /* [m^(dim-1)] */
+  PetscReal  whole;      /* area of a piece of a section; 0: facets are squares [m^(dim-1)] */
+  PetscReal  edge[2][ISPH_MAX_DIM]; /* its edges [m] */
 } Facets;
 PetscErrorCode FacetsOfWall(const Scene *scene, PetscInt side, Facets *facets);
 PetscErrorCode FacetsOfSection(const Scene *scene, const PetscReal corner[], Facets *facets);
 PetscErrorCode FacetsKeepWet(const Flow *flow, Facets *facets);
+PetscErrorCode FacetsFlux(const Flow *flow, const Facets *facets, PetscReal *flux, PetscReal *size);
 PetscErrorCode FacetsFree(Facets *facets);
 
 /* forces.c */

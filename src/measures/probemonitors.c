@@ -121,25 +121,15 @@ const MonitorKind MonitorLines = {
     .Write   = WriteLines,
 };
 
-/* Computes the flux through a section by the midpoint rule, sum u.n dA over the wet parts of its
-   facets [m^2/s, m^3/s]. */
+/* Computes the flux through the wet parts of a section [m^2/s, m^3/s]. */
 static PetscErrorCode SectionFlux(const Flow *flow, const PetscReal corner[], PetscReal *flux)
 {
-  const PetscInt dim = flow->scene->dim;
-  PetscReal     *u;
-  Facets         f;
+  Facets f;
 
   PetscFunctionBegin;
   PetscCall(FacetsOfSection(flow->scene, corner, &f));
   PetscCall(FacetsKeepWet(flow, &f));
-  PetscCall(PetscMalloc1(f.n * dim, &u));
-  PetscCall(ProbePoints(flow, f.n, f.x, u, NULL));
-  *flux = 0.0;
-  for (PetscInt k = 0; k < f.n; k++) {
-    if (PetscIsNanReal(u[k * dim])) continue; /* dry between wet parts */
-    for (PetscInt a = 0; a < dim; a++) *flux += u[k * dim + a] * f.normal[k * dim + a] * f.area[k];
-  }
-  PetscCall(PetscFree(u));
+  PetscCall(FacetsFlux(flow, &f, flux, NULL));
   PetscCall(FacetsFree(&f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
