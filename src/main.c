@@ -36,16 +36,17 @@ static PetscErrorCode Solve(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Prints the answer to a request, on the first rank. Returns PETSC_FALSE if PETSc must be
-   initialised: for a run, or for PETSc's own help. */
-static PetscBool Answer(Request request)
+/* Prints the answer to a request, on the first rank. Input: word - of -help; NULL: none. Returns
+   PETSC_FALSE if PETSc must be initialised: for a run, or for PETSc's own help. */
+static PetscBool Answer(Request request, const char word[])
 {
   int rank;
 
   (void)MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   if (rank == 0) {
     if (request == REQUEST_USAGE) UsagePrint(stdout);
-    if (request == REQUEST_HELP || request == REQUEST_HELP_PETSC) HelpPrint(stdout);
+    if (request == REQUEST_HELP && word) HelpSearch(stdout, word);
+    else if (request == REQUEST_HELP || request == REQUEST_HELP_PETSC) HelpPrint(stdout);
     if (request == REQUEST_VERSION) VersionPrint(stdout);
     if (request == REQUEST_REFERENCE) {
       ReferencePrint(stdout);
@@ -67,7 +68,7 @@ static PetscErrorCode SolveOrList(Request request, ErrorState *errors)
   PetscCall(OptionGiven("-help", &help));
   PetscCall(OptionsCheckSolvers());
   if (catalogue) PetscCall(CatalogueView(PETSC_VIEWER_STDOUT_WORLD));
-  else if (help && request != REQUEST_HELP_PETSC) (void)Answer(REQUEST_HELP);
+  else if (help && request != REQUEST_HELP_PETSC) (void)Answer(REQUEST_HELP, NULL);
   else PetscCall(Solve());
   PetscCall(ViewLog());
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -101,6 +102,7 @@ int main(int argc, char **argv)
 {
   ErrorState     errors;
   PetscErrorCode failed;
+  const char    *word;
   Request        request;
 
   /* A line of an error is one write: mpiexec mixes the writes of the ranks. */
@@ -108,8 +110,8 @@ int main(int argc, char **argv)
   OptionsKnow(CatalogueOptions);
   PrepareMpi();
   if (MPI_Init(&argc, &argv)) return 1;
-  request = CommandLineRequest(&argc, argv);
-  if (Answer(request)) return Finish(0);
+  request = CommandLineRequest(&argc, argv, &word);
+  if (Answer(request, word)) return Finish(0);
   if (Refuse(argc, argv)) return Finish(1);
   failed = PetscInitialize(&argc, &argv, NULL, NULL);
   if (failed) return (int)failed;

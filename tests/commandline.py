@@ -50,6 +50,9 @@ for words in (["-help"], ["-h"], ["--help"], ["-case", "patch", "-n", "abc", "-h
     assert 10 <= len(most) <= 20 and set(most) <= set(options), most
     assert max(len(line) for line in text.splitlines()) <= 100
     assert re.search(r"^  <side> stands for +left, right, bottom, top, back, front$", text, re.M), text
+found = isph("-help", "VISCOSITY")
+assert "  -viscosity " in found and "  -rheology_viscosity_min " in found and "  -case " not in found, found
+assert "  -body_force " in isph("-help", "gravity") and "no option has" in isph("-help", "nonsense")
 petsc = isph("-n", "12", "-help", "petsc")
 assert petsc.startswith(isph("-help")), petsc[:2000]
 for option in ("-ppe_ksp_gmres_restart", "-visc_ts_max_snes_failures", "-log_view"):

@@ -50,6 +50,7 @@ typedef struct {
   const char *const *words;    /* of VALUE_NAMES or an early VALUE_VIEWER; ends with NULL */
   const char *const *places;   /* words that <word> in the name stands for; NULL: any word */
   const char        *where;    /* runs that use it, a phrase; NULL: all */
+  const char        *also;     /* other names in use, between spaces: " re "; NULL: none */
   const char        *instead;  /* remedy for other runs, a phrase; NULL: none */
   PetscBool          early;    /* checked before PetscInitialize() prints a traceback */
   PetscBool          late;     /* read at the end of the run */
@@ -125,10 +126,12 @@ typedef enum {
 
 extern const OptionTable ProgramOptions;
 
-Request     CommandLineRequest(int *argc, char **argv);
+Request     CommandLineRequest(int *argc, char **argv, const char **word);
 void        OptionsCheck(int argc, char **argv, char sentence[], size_t length);
 void        UsagePrint(FILE *out);
 void        HelpPrint(FILE *out);
+void        HelpSearch(FILE *out, const char word[]);
+PetscBool   OptionTextHas(const char text[], const char word[]);
 void        ReferencePrint(FILE *out);
 void        VersionPrint(FILE *out);
 const char *VersionCommit(void);

@@ -23,19 +23,20 @@ typedef struct {
 } KspViews;
 
 typedef struct {
-  LinearSolve        solve;
-  KspViews           ksp_views;          /* -<prefix>ksp_view, -<prefix>ksp_view_mat, ... */
-  SolverView         ts_view;            /* -<prefix>ts_view */
-  const char        *best;               /* type of KSP to recommend */
-  const char        *remedy;             /* advice; NULL: derived from the user's choice */
-  char               mat_type[64];       /* for MatConvert(): -<prefix>mat_type, or MATSAME */
-  char               where[CLOCK_WHERE]; /* the present step, for messages */
-  PetscBool          symmetric;          /* the matrix is symmetric */
-  PetscBool          inner; /* part of a nonlinear solve, which checks its own residual instead */
-  PetscInt           max_in_a_row;           /* allowed fallbacks in a row; -1: no fallback */
-  KSP                level[FALLBACK_LEVELS]; /* fallback solvers; NULL until needed */
-  PetscBool          failed;                 /* a solve has failed since the last GuardCheck() */
-  PetscReal          residual;   /* true relative residual of the failed or else the last solve */
+  LinearSolve solve;
+  KspViews    ksp_views;          /* -<prefix>ksp_view, -<prefix>ksp_view_mat, ... */
+  SolverView  ts_view;            /* -<prefix>ts_view */
+  const char *best;               /* type of KSP to recommend */
+  const char *remedy;             /* advice; NULL: derived from the user's choice */
+  char        mat_type[64];       /* for MatConvert(): -<prefix>mat_type, or MATSAME */
+  char        where[CLOCK_WHERE]; /* the present step, for messages */
+  PetscBool   symmetric;          /* the matrix is symmetric */
+  PetscBool   approximate;  /* the preconditioner is of another matrix, even a factorisation */
+  PetscBool   inner;        /* part of a nonlinear solve, which checks its own residual instead */
+  PetscInt    max_in_a_row; /* allowed fallbacks in a row; -1: no fallback */
+  KSP         level[FALLBACK_LEVELS]; /* fallback solvers; NULL until needed */
+  PetscBool   failed;                 /* a solve has failed since the last GuardCheck() */
+  PetscReal   residual;          /* true relative residual of the failed or else the last solve */
   KSPConvergedReason reason;     /* of the chosen method in that solve */
   PetscInt           iterations; /* of that solve */
   /* makes a sparse, regular matrix for fallbacks; NULL: they take the matrix of the solver */

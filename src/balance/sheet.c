@@ -11,7 +11,7 @@ const BalanceRow BalanceRows[BALANCES] = {
             .name  = "fluid_volume",
             .brief = "volume inside the free surface, against that of the particles",
             .what  = "volume not kept: the free surface encloses another volume than the particles",
-            .remedy = "try a larger -n or a smaller -dt",
+            .remedy = "try a larger -n; no -n or -dt prevents gaps where parts of the fluid meet",
             .bound  = 0.02,
         },
     [BALANCE_MASS] =

@@ -148,8 +148,9 @@ static PetscErrorCode BoundSpeed(Flow *flow, PetscReal before, PetscReal *bound)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Fails the step because the velocity exceeds its bound. */
-static PetscErrorCode FailSpeed(Flow *flow, PetscReal rms, PetscReal bound)
+/* Fails the step because the velocity exceeds its bound. Input: pace - largest speed in cells
+   before the step, times the reference spacing [m/s]. */
+static PetscErrorCode FailSpeed(Flow *flow, PetscReal pace, PetscReal rms, PetscReal bound)
 {
   const Scene *scene = flow->scene;
   const Clock *clock = flow->clock;
@@ -162,7 +163,7 @@ static PetscErrorCode FailSpeed(Flow *flow, PetscReal rms, PetscReal bound)
     PetscCall(
         PetscSNPrintf(advice, sizeof(advice),
                       "the flow is unstable at dt = %.6g (CFL %.2g); try a smaller -dt or -cfl",
-                      (double)clock->dt, (double)(clock->dt * scene->speed / scene->dx)));
+                      (double)clock->dt, (double)(clock->dt * pace / scene->dx)));
   }
   if (bound < PETSC_INFINITY)
     PetscCall(
@@ -187,6 +188,7 @@ PetscErrorCode FlowCheck(Flow *flow)
   const Clock    *clock  = flow->clock;
   const PetscReal before = FlowRmsSpeed(flow);
   Scheme         *s      = flow->scheme;
+  const PetscReal pace   = s->stats.pace_max;
   PetscReal       bound, rms;
 
   PetscFunctionBegin;
@@ -196,7 +198,7 @@ PetscErrorCode FlowCheck(Flow *flow)
   PetscCall(BoundSpeed(flow, before, &bound));
   rms = FlowRmsSpeed(flow);
   if (!(rms <= bound) || s->stats.speed_max >= 100.0 * flow->scene->speed) {
-    PetscCall(FailSpeed(flow, rms, bound));
+    PetscCall(FailSpeed(flow, PetscMax(pace, flow->scene->speed), rms, bound));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt k = 0; k < s->n_solves; k++) s->solve[k]->iterations_sum += s->solve[k]->iterations;

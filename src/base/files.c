@@ -24,10 +24,25 @@ PetscBool FileIsReadable(const char path[])
   return stat(path, &status) || S_ISREG(status.st_mode) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* FileOpen - Opens a regular file as fopen() does; returns NULL for others; not collective */
+/* Ends the last line of a stream for reading and appending, unless it has an end: a row that is
+   added begins a line, whatever program wrote the file. */
+static void EndLastLine(FILE *stream)
+{
+  const int last = fseek(stream, -1, SEEK_END) ? '\n' : fgetc(stream);
+
+  (void)fseek(stream, 0, SEEK_END);
+  if (last != '\n') (void)fputc('\n', stream);
+}
+
+/* FileOpen - Opens a regular file as fopen() does, and to append begins a new line; returns NULL
+   for others; not collective */
 FILE *FileOpen(const char path[], const char mode[])
 {
-  return FileIsOrdinary(path) ? fopen(path, mode) : NULL;
+  const PetscBool adds   = mode[0] == 'a' ? PETSC_TRUE : PETSC_FALSE;
+  FILE           *stream = FileIsOrdinary(path) ? fopen(path, adds ? "a+" : mode) : NULL;
+
+  if (stream && adds) EndLastLine(stream);
+  return stream;
 }
 
 /* FileReplace - Renames a file over a regular file or a free path; returns false on failure; not

@@ -16,7 +16,7 @@ const TableRow *TableGet(const Table *table, PetscInt k)
 }
 
 /*
-  TableFind - Finds the row with a given name
+  TableFind - Finds the row with a given name; capitals and small letters are equal
 
   Not collective. Output: row - NULL if the table has no such name.
 */
@@ -27,7 +27,7 @@ PetscErrorCode TableFind(const Table *table, const char name[], const TableRow *
   for (PetscInt k = 0; k < table->count; k++) {
     PetscBool same;
 
-    PetscCall(PetscStrcmp(TableGet(table, k)->name, name, &same));
+    PetscCall(PetscStrcasecmp(TableGet(table, k)->name, name, &same));
     if (same) *row = TableGet(table, k);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

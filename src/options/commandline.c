@@ -13,8 +13,8 @@ static const OptionRow options[] = {
     {
         .name  = "-help",
         .kind  = VALUE_WORD,
-        .brief = "list all options of isph and end; -help petsc adds PETSc's for the chosen "
-                 "solvers; also -h and --help",
+        .brief = "list all options of isph and end; -help WORD searches them, -help "
+                 "petsc adds PETSc's for the chosen solvers; also -h and --help",
     },
     {
         .name  = "-version",
@@ -88,14 +88,16 @@ static PetscBool IsOption(const char word[], const char name[])
 /*
   CommandLineRequest - Determines the request of a command line
 
-  Not collective. Input/Output: argc, argv - "petsc" after -help is removed, because PETSc would
-  refuse it; -h and --help become -help.
+  Not collective. Input/Output: argc, argv - a word after -help is removed, because PETSc would
+  refuse it; -h and --help become -help. Output: word - to be searched for; NULL: none.
 */
-Request CommandLineRequest(int *argc, char **argv)
+Request CommandLineRequest(int *argc, char **argv, const char **word)
 {
   static char help[]  = "-help";
   Request     request = *argc > 1 ? REQUEST_RUN : REQUEST_USAGE;
   int         kept    = 1;
+
+  *word = NULL;
 
   for (int k = 1; k < *argc; k++) {
     if (IsOption(argv[k], "version")) request = REQUEST_VERSION;
@@ -104,10 +106,9 @@ Request CommandLineRequest(int *argc, char **argv)
     if (!IsOption(argv[k], "h") && !IsOption(argv[k], "help")) continue;
     argv[kept - 1] = help;
     request        = REQUEST_HELP;
-    if (k + 1 < *argc && strcmp(argv[k + 1], "petsc") == 0) {
-      request = REQUEST_HELP_PETSC;
-      k++;
-    }
+    if (k + 1 == *argc || OptionBegins(argv[k + 1])) continue;
+    if (strcmp(argv[++k], "petsc") == 0) request = REQUEST_HELP_PETSC;
+    else *word = argv[k];
   }
   argv[kept] = NULL;
   *argc      = kept;

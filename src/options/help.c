@@ -144,8 +144,8 @@ void UsagePrint(FILE *out)
       "  isph -case cavity -reynolds 0.01 -motion eulerian -scheme coupled -steady\n"
       "  isph -case scene -scene_body_1 circle,0.5,0.5,0.2 -scene_wall_top_velocity 1,0 -n 40\n"
       "\n"
-      "  -help             the options that most runs need, then all options of isph; -help petsc\n"
-      "                    adds PETSc's for the chosen solvers\n"
+      "  -help             the options that most runs need, then all options of isph; -help WORD\n"
+      "                    searches them, -help petsc adds PETSc's for the chosen solvers\n"
       "  -catalogue        cases, operators, walls, schemes and integrators with their papers\n"
       "  -version          versions of isph and of the libraries it stands on\n",
       out);
@@ -162,6 +162,30 @@ static PetscBool IsForAll(const OptionTable *table)
 }
 
 #define EXPERT "Expert: for studies of the numerics"
+
+/*
+  HelpSearch - Prints the options that have a word in their name, meaning or other names
+
+  Not collective; needs neither PETSc nor MPI to be initialized. Prints that there is none.
+*/
+void HelpSearch(FILE *out, const char word[])
+{
+  PetscInt found = 0;
+
+  for (PetscInt t = 0; OptionTableGet(t); t++) {
+    const OptionRow *row;
+
+    for (PetscInt k = 0; (row = OptionNext(OptionTableGet(t), &k));) {
+      if (!OptionTextHas(row->name, word) && !OptionTextHas(row->brief, word) &&
+          !OptionTextHas(row->also, word))
+        continue;
+      PrintOption(out, row);
+      found++;
+    }
+  }
+  if (!found)
+    (void)fprintf(out, "no option has \"%s\" in its name or meaning; -help lists all\n", word);
+}
 
 /*
   HelpPrint - Prints the options that most runs need, then all options of isph, in groups

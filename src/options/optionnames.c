@@ -149,8 +149,26 @@ static PetscBool IsNear(PetscInt distance, const char a[], const char b[])
   return distance <= most && distance < PetscMin(na, nb) ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/* OptionTextHas - Returns true if a text, or NULL, has a word, in capitals or small letters; not
+   collective */
+PetscBool OptionTextHas(const char text[], const char word[])
+{
+  for (; text && *text; text++)
+    if (!strncasecmp(text, word, strlen(word))) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Returns true if a row has a name, without its dash, among its other names. */
+static PetscBool IsAlso(const OptionRow *row, const char name[])
+{
+  char word[OPTION_LENGTH];
+
+  (void)snprintf(word, sizeof(word), " %s ", name);
+  return OptionTextHas(row->also, word);
+}
+
 /*
-  OptionNearest - Finds the known option nearest to a misspelt one
+  OptionNearest - Finds the known option nearest to a misspelt one, or that with this other name
 
   Not collective. Input: name - with its dash; <k> in patterns takes the first number in it.
 
@@ -174,6 +192,10 @@ const OptionRow *OptionNearest(const char name[], char nearest[OPTION_LENGTH])
     for (PetscInt k = 0; (row = OptionNext(OptionTableGet(t), &k));) {
       for (PetscInt q = 0; q == 0 || (row->places && row->places[q]); q++) {
         OptionFill(row, row->places ? row->places[q] : number[0] ? number : "1", known, &one);
+        if (IsAlso(row, name + 1)) {
+          (void)snprintf(nearest, OPTION_LENGTH, "%s", known);
+          return row;
+        }
         if (Nearer(name, known, &best, nearest)) found = row;
       }
     }

@@ -30,9 +30,10 @@ static PetscBool IsReadLater(const char name[], PetscBool deferred_too)
 /* Ends the run with a message on an option that nothing has read. */
 static PetscErrorCode Refuse(const char name[])
 {
-  const OptionRow *row = OptionFind(name);
-  char             nearest[OPTION_LENGTH];
-  const char      *solver = "";
+  const char *const families[] = {"-ksp_", "-pc_", "-ts_", "-snes_", "-sub_", "-mg_"};
+  const OptionRow  *row        = OptionFind(name);
+  char              nearest[OPTION_LENGTH];
+  const char       *solver = "";
 
   PetscFunctionBegin;
   UserCheck(!row || !row->where, "%s: this run does not use it; it belongs to %s%s%s", name,
@@ -43,6 +44,12 @@ static PetscErrorCode Refuse(const char name[])
   for (size_t k = 0; SolverPrefixes[k]; k++) {
     if (!strncmp(name, SolverPrefixes[k], strlen(SolverPrefixes[k])))
       solver = ", or one that the chosen solvers do not read";
+  }
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(families); k++) {
+    UserCheck(strncmp(name, families[k], strlen(families[k])),
+              "%s: unknown option; options of solvers begin with the name of the solve: -visc_%s, "
+              "-ppe_%s or -coupled_%s",
+              name, name + 1, name + 1, name + 1);
   }
   UserCheck(!OptionNearest(name, nearest),
             "%s: unknown option%s; the nearest known name is %s (see -help)", name, solver,

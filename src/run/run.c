@@ -212,12 +212,23 @@ static PetscErrorCode RunBetweenSteps(Run *run, PetscBool over)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses options that no solver has read, once each solver has solved. Output: checked - flag:
+   this is done. */
+static PetscErrorCode RefuseUnread(const Scheme *scheme, PetscBool *checked)
+{
+  PetscFunctionBegin;
+  if (*checked) PetscFunctionReturn(PETSC_SUCCESS);
+  *checked = PETSC_TRUE;
+  for (PetscInt k = 0; k < scheme->n_solves; k++)
+    if (scheme->solve[k]->ksp && scheme->solve[k]->iterations == 0) *checked = PETSC_FALSE;
+  if (*checked) PetscCall(OptionsRefuseUnknown(PETSC_TRUE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Runs the time loop. Output: signal - the signal that stopped it early, or 0. */
 static PetscErrorCode RunSolve(Run *run, PetscMPIInt *signal)
 {
-  Clock    *clock = run->flow.clock;
-  PetscInt  first = clock->step;
-  PetscBool over;
+  PetscBool checked = PETSC_FALSE, over;
 
   PetscFunctionBegin;
   *signal = 0;
@@ -225,7 +236,7 @@ static PetscErrorCode RunSolve(Run *run, PetscMPIInt *signal)
   if (!over) PetscCall(RunMeasureDue(run)); /* a restarted run may begin at a report time */
   while (!over && !*signal) {
     PetscCall(FlowMakeStep(&run->flow));
-    if (clock->step == first + 1) PetscCall(OptionsRefuseUnknown(PETSC_TRUE));
+    PetscCall(RefuseUnread(run->flow.scheme, &checked));
     PetscCall(RunIsOver(run, &over));
     PetscCall(InterruptCheck(signal));
     PetscCall(RunBetweenSteps(run, over || *signal ? PETSC_TRUE : PETSC_FALSE));

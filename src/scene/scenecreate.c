@@ -45,6 +45,7 @@ static const OptionRow options[] = {
     [LENGTH] =
         {
             .name     = "-length",
+            .also     = " L ",
             .kind     = VALUE_REAL,
             .brief    = "reference length L",
             .unit     = "m",
@@ -56,6 +57,7 @@ static const OptionRow options[] = {
     [SPEED] =
         {
             .name     = "-speed",
+            .also     = " U ",
             .kind     = VALUE_REAL,
             .brief    = "reference speed U",
             .unit     = "m/s",
@@ -67,6 +69,7 @@ static const OptionRow options[] = {
     [REYNOLDS] =
         {
             .name     = "-reynolds",
+            .also     = " re ",
             .kind     = VALUE_REAL,
             .brief    = "Reynolds number U L/nu, with the length of the case for L",
             .unit     = "-",
@@ -78,6 +81,7 @@ static const OptionRow options[] = {
     [VISCOSITY] =
         {
             .name     = "-viscosity",
+            .also     = " nu kinematic_viscosity ",
             .kind     = VALUE_REAL,
             .brief    = "kinematic viscosity nu, in place of -reynolds",
             .unit     = "m^2/s",
@@ -88,6 +92,7 @@ static const OptionRow options[] = {
     [DENSITY] =
         {
             .name     = "-density",
+            .also     = " rho ",
             .kind     = VALUE_REAL,
             .brief    = "density rho",
             .unit     = "kg/m^3",
@@ -119,6 +124,7 @@ static const OptionRow options[] = {
     [BODY_FORCE] =
         {
             .name     = "-body_force",
+            .also     = " g gravity acceleration ",
             .kind     = VALUE_EXPRESSION,
             .brief    = "body force per unit mass, one component per axis; adds body_force to the "
                         "physics; expressions of x, y, t in -case scene, numbers elsewhere",

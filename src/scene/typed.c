@@ -143,6 +143,18 @@ static const OptionRow options[] = {
 };
 const OptionTable TypedOptions = OPTIONS("Typed scenes", options);
 
+/* Returns true if component c of an expression of t is not zero and keeps its value, 1+0*t. */
+static PetscBool IsSteady(const Scene *scene, const Expression *e, PetscInt c)
+{
+  const PetscReal first = ExpressionValue(e, c, 0.0, NULL);
+
+  for (PetscInt k = 1; k < 8; k++) {
+    if (ExpressionValue(e, c, 0.37 * k * scene->length / scene->speed, NULL) != first)
+      return PETSC_FALSE;
+  }
+  return first != 0.0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /*
   Refuses a constant surface velocity with a normal component: bodies have fixed positions, so it
   would carry fluid through the surface. A normal velocity that depends on t is accepted, because it
@@ -156,12 +168,12 @@ static PetscErrorCode CheckBodyMotion(const Scene *scene, const Boundary *bounda
   PetscFunctionBegin;
   if (!SceneHas(scene, PHYSICS_CONVECTION)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < scene->dim; a++)
-    UserCheck(v->uses[a] || v->value[a] == 0.0,
+    UserCheck(!IsSteady(scene, v, a),
               "%s: bodies stay where they are, and a steady velocity would carry fluid through the "
               "surface; allowed are 0, expressions of t for motions small against the body, and "
               "-without convection",
               v->option);
-  UserCheck(body->shape->round || ExpressionUses(w, EXPRESSION_TIME) || w->value[0] == 0.0,
+  UserCheck(body->shape->round || !IsSteady(scene, w, 0),
             "%s: a %s stays as it is, and a steady rotation would carry fluid through its surface; "
             "allowed are round bodies, expressions of t for small motions, and -without convection",
             w->option, body->shape->name);

@@ -56,6 +56,25 @@ static PetscReal SideGap(const Scene *scene, const Body *body, PetscInt side, co
   return towards > PETSC_SMALL ? gap / towards : PETSC_INFINITY;
 }
 
+/* Computes the gap between point q of the surface of body k and the nearest other wall, negative in
+   it [m]; returns false for a point that is no wall for the fluid. */
+static PetscBool BodyGap(const Scene *scene, PetscInt k, PetscInt q, PetscReal x[], PetscReal *gap)
+{
+  const Body *body = SceneBody(scene, k);
+  PetscReal   normal[ISPH_MAX_DIM], other[ISPH_MAX_DIM];
+
+  (void)BodyPoint(body, q, BodySpacing(scene, body), x, normal);
+  if (SceneIsBuried(scene, SceneBodySide(scene, k), x)) return PETSC_FALSE;
+  *gap = PETSC_INFINITY;
+  for (PetscInt m = 0; m < scene->n_bodies; m++)
+    if (m != k) *gap = PetscMin(*gap, BodyDistance(scene, SceneBody(scene, m), x, other));
+  for (PetscInt side = 0; side < 2 * scene->dim; side++) {
+    if (BoundaryIs(scene, side, BOUNDARY_PARTICLES))
+      *gap = PetscMin(*gap, SideGap(scene, body, side, x, normal));
+  }
+  return PETSC_TRUE;
+}
+
 /*
   SceneCheckGaps - Refuses bodies that overlap or leave gaps too narrow for least-squares fits
 
@@ -67,30 +86,29 @@ PetscErrorCode SceneCheckGaps(const Scene *scene)
   PetscFunctionBegin;
   PetscCall(CheckImages(scene));
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    const Body *body = SceneBody(scene, k);
+    const Body *body  = SceneBody(scene, k);
+    PetscReal   worst = PETSC_INFINITY, least = 0.0, at[ISPH_MAX_DIM];
+    char        place[PLACE_TEXT];
 
     for (PetscInt q = 0; q < BodyPoints(body, BodySpacing(scene, body)); q++) {
-      PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM], gap = PETSC_INFINITY, other[ISPH_MAX_DIM];
-      PetscReal least;
-      char      place[PLACE_TEXT];
+      PetscReal x[ISPH_MAX_DIM], gap;
 
-      (void)BodyPoint(body, q, BodySpacing(scene, body), x, normal);
-      if (SceneIsBuried(scene, SceneBodySide(scene, k), x)) continue;
+      if (!BodyGap(scene, k, q, x, &gap)) continue;
+      if (gap >= 4.0 * SceneSpacing(scene, x) || gap >= worst) continue;
+      worst = gap;
       least = 4.0 * SceneSpacing(scene, x);
-      for (PetscInt m = 0; m < scene->n_bodies; m++) {
-        if (m != k) gap = PetscMin(gap, BodyDistance(scene, SceneBody(scene, m), x, other));
-      }
-      for (PetscInt side = 0; side < 2 * scene->dim; side++) {
-        if (BoundaryIs(scene, side, BOUNDARY_PARTICLES))
-          gap = PetscMin(gap, SideGap(scene, body, side, x, normal));
-      }
-      UserCheck(
-          gap >= least,
-          "-scene_body_%" PetscInt_FMT
-          ": at (%s) it is %.3g from another wall; less than 4 dx = %.3g, or overlapping; use a "
-          "larger -n",
-          k + 1, ScenePlaceText(scene, x, place), (double)gap, (double)least);
+      for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) at[a] = x[a];
     }
+    UserCheck(
+        worst >= 0.0,
+        "-scene_body_%" PetscInt_FMT
+        ": at (%s) it overlaps another wall by %.3g, at any -n; type both as one shape, such as "
+        "a polygon, or leave a gap of 4 dx = %.3g",
+        k + 1, ScenePlaceText(scene, at, place), (double)-worst, (double)least);
+    UserCheck(worst >= least,
+              "-scene_body_%" PetscInt_FMT
+              ": at (%s) it is %.3g from another wall; less than 4 dx = %.3g; use a larger -n",
+              k + 1, ScenePlaceText(scene, at, place), (double)worst, (double)least);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

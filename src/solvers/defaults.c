@@ -16,6 +16,8 @@ PetscErrorCode OptionDefault(const char prefix[], const char name[], const char 
   if (given) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(option, sizeof(option), "-%s%s", prefix, name + 1));
   PetscCall(PetscOptionsSetValue(NULL, option, value));
+  PetscCall(
+      PetscOptionsHasName(NULL, prefix, name, &given)); /* counts it as read: no user gave it */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

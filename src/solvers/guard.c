@@ -91,7 +91,8 @@ static PetscErrorCode GuardNote(KSP ksp, const LaplacianForm *form, Guard *guard
   Options Database Key:
 . -fallback N - largest number of successive solves by fallbacks
 
-  Errors: refuses a Cholesky factorisation of an unsymmetric matrix, and absolute tolerances
+  Errors: refuses a Cholesky factorisation of an unsymmetric matrix, absolute tolerances, and no
+  iterations with a preconditioner of another matrix
 */
 PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
 {
@@ -113,6 +114,11 @@ PetscErrorCode GuardAttach(KSP ksp, const LaplacianForm *form, Guard *guard)
             guard->solve.prefix, guard->solve.prefix);
   PetscCall(PCSetUseAmat(pc, PETSC_FALSE)); /* a reused preconditioner keeps its own matrix */
   PetscCall(PetscObjectTypeCompare((PetscObject)ksp, KSPPREONLY, &preonly));
+  UserCheck(!preonly || !guard->approximate,
+            "-%sksp_type preonly: the preconditioner is of a matrix that is made regular, or of an "
+            "earlier one, and a single application leaves an error; use -%sksp_type %s, with "
+            "-%spc_type lu for few iterations",
+            guard->solve.prefix, guard->solve.prefix, guard->best, guard->solve.prefix);
   PetscCall(PetscOptionsHasName(NULL, guard->solve.prefix, "-ksp_norm_type", &chosen));
   if (!preonly && !chosen) PetscCall(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
   PetscCall(KSPSetPostSolve(ksp, Guard_PostSolve, guard));

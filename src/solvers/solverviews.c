@@ -58,10 +58,32 @@ enum { VIEW_MAT = 1, VIEW_PMAT = 2 };
 static const char *const names[KSP_VIEWS] = {"-ksp_view", "-ksp_view_mat", "-ksp_view_pmat",
                                              "-ksp_view_rhs", "-ksp_view_solution"};
 
-/* KspViewsTake - Creates the viewers of a KSP's options, as SolverViewTake() does; collective */
+/* Views of KSPView's family that a solve here does not reach. */
+static const char *const refused[] = {
+    "-ksp_view_eigenvalues",          "-ksp_view_singularvalues",
+    "-ksp_view_final_residual",       "-ksp_view_mat_explicit",
+    "-ksp_view_diagonal_scale",       "-ksp_view_pre",
+    "-ksp_compute_eigenvalues",       "-ksp_compute_singularvalues",
+    "-ksp_plot_eigenvalues",          "-ksp_converged_rate",
+    "-ksp_view_eigenvalues_explicit", "-ksp_view_preconditioned_operator_explicit"};
+
+/*
+  KspViewsTake - Creates the viewers of a KSP's options, as SolverViewTake() does
+
+  Collective. Errors: refuses the views that no solve here would show
+*/
 PetscErrorCode KspViewsTake(const char prefix[], KspViews *views)
 {
+  PetscBool given;
+
   PetscFunctionBegin;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(refused); k++) {
+    PetscCall(PetscOptionsHasName(NULL, prefix, refused[k], &given));
+    UserCheck(!given,
+              "-%s%s: solves here do not compute it; -%sksp_view_mat binary:file writes the matrix "
+              "for other programs, -%sksp_monitor_true_residual shows the iterations",
+              prefix, refused[k] + 1, prefix, prefix);
+  }
   for (PetscInt k = 0; k < KSP_VIEWS; k++)
     PetscCall(SolverViewTake(prefix, names[k], &views->of[k]));
   PetscFunctionReturn(PETSC_SUCCESS);

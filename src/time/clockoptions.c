@@ -54,6 +54,7 @@ static const OptionRow options[] = {
     [T_END] =
         {
             .name     = "-t_end",
+            .also     = " tmax t_max time end_time final_time ",
             .kind     = VALUE_REAL,
             .brief    = "end of the run",
             .unit     = "s",

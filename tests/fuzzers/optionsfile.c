@@ -42,7 +42,8 @@ static void CheckWords(char text[])
 {
   char  name[] = "isph", sentence[2 * PETSC_MAX_PATH_LEN] = "", *word[MOST_WORDS + 2] = {name};
   char *next = text;
-  int   argc = 1;
+  const char *search;
+  int         argc = 1;
 
   while (next && argc <= MOST_WORDS) {
     word[argc++] = next;
@@ -50,7 +51,7 @@ static void CheckWords(char text[])
     if (next) *next++ = '\0';
   }
   word[argc] = NULL;
-  (void)CommandLineRequest(&argc, word);
+  (void)CommandLineRequest(&argc, word, &search);
   OptionsCheck(argc, word, sentence, sizeof(sentence));
 }
 

@@ -109,14 +109,16 @@ PetscErrorCode CoupledSolverCreate(Flow *flow, Coupled *c)
   PetscCall(PetscOptionsGetString(NULL, "coupled_", "-pc_type", type, sizeof(type), NULL));
   PetscCall(PetscStrcmp(type, PCFIELDSPLIT, &split));
   PetscCall(PetscStrcmp(type, PCLU, &lu));
-  c->guard.solve   = (LinearSolve){.name       = "coupled",
-                                   .label      = "solver",
-                                   .prefix     = "coupled_",
-                                   .integrator = c->row->name,
-                                   .column     = SOLVE_VELOCITY};
-  c->guard.Flatten = SaddleFlatten;
-  c->guard.remedy  = lu ? "try a larger -coupled_ksp_max_it, or a smaller -dt"
-                        : "try -coupled_pc_type lu, a larger -coupled_ksp_max_it, or a smaller -dt";
+  c->guard.solve       = (LinearSolve){.name       = "coupled",
+                                       .label      = "solver",
+                                       .prefix     = "coupled_",
+                                       .integrator = c->row->name,
+                                       .column     = SOLVE_VELOCITY};
+  c->guard.approximate = PETSC_TRUE;
+  c->guard.Flatten     = SaddleFlatten;
+  c->guard.remedy      = "try a larger -coupled_ksp_max_it, or a smaller -dt";
+  if (!lu)
+    c->guard.remedy = "try -coupled_pc_type lu, a larger -coupled_ksp_max_it, or a smaller -dt";
   if (split) PetscCall(BlockDefaults(flow->scene, flow->clock->dt));
   if (split) PetscCall(OptionGetRow(&options[0], NULL, &c->schur.row));
   PetscCall(TimeOptionsRefuse("coupled_", c->row->name));

@@ -58,12 +58,14 @@ static const ViscousIntegratorRow integrators[] = {
         .brief    = "additive Runge-Kutta, viscosity implicit, convection explicit",
         .citation = "Kennedy & Carpenter, Appl. Numer. Math. 44 (2003)",
         .terms    = TIME_IMEX,
+        .substeps = PETSC_TRUE,
     },
     {
         .name     = TSROSW,
         .brief    = "Rosenbrock-W, viscosity implicit, convection explicit",
         .citation = "Rang & Angermann, BIT 45 (2005)",
         .terms    = TIME_IMEX,
+        .substeps = PETSC_TRUE,
     },
     {
         .name     = TSEULER,
@@ -82,6 +84,7 @@ static const ViscousIntegratorRow integrators[] = {
         .brief    = "explicit Runge-Kutta",
         .citation = "Bogacki & Shampine, Appl. Math. Lett. 2 (1989)",
         .terms    = TIME_EXPLICIT,
+        .substeps = PETSC_TRUE,
     },
 };
 const Table ViscousIntegratorTable = TABLE("Time integrators of viscosity", integrators);

@@ -21,12 +21,13 @@ static PetscErrorCode TakesNewton(PetscBool *newton)
   iterations of full steps, and converged in cases in which full steps or bt did not; it may extend
   a step. Newton steps use bt.
 
-  Errors: refuses an absolute tolerance, and a SNES type that does not iterate
+  Errors: refuses an absolute tolerance, a SNES type that does not iterate, and -mat_type for a
+  Jacobian without entries
 */
 PetscErrorCode IterationChoose(SNES snes)
 {
   SNESLineSearch search;
-  PetscBool      given, newton, once = PETSC_FALSE;
+  PetscBool      given, newton, type_given, once = PETSC_FALSE;
   char           type[64];
 
   PetscFunctionBegin;
@@ -38,6 +39,11 @@ PetscErrorCode IterationChoose(SNES snes)
   PetscCall(PetscOptionsHasName(NULL, "visc_", "-snes_atol", &given));
   UserCheck(!given, "-visc_snes_atol: an absolute tolerance depends on units; use -visc_snes_rtol");
   PetscCall(TakesNewton(&newton));
+  PetscCall(PetscOptionsHasName(NULL, "visc_", "-snes_mf", &given));
+  PetscCall(OptionGiven("-mat_type", &type_given));
+  UserCheck(!type_given || (!newton && !given),
+            "-mat_type: PETSc gives it to the matrix-free Jacobian of -visc_snes_mf_operator too, "
+            "which has no entries; use -visc_mat_type and -ppe_mat_type");
   PetscCall(SNESSetType(snes, SNESNEWTONLS));
   PetscCall(SNESSetTolerances(snes, 0.0, 1e-6, 0.0, 500, PETSC_INT_MAX));
   /* the first residual is no reference: viscosities at rest may be far off */

@@ -32,10 +32,11 @@ static PetscErrorCode RefuseTimeOptions(const ViscousIntegratorRow *row)
   PetscFunctionBegin;
   PetscCall(TimeOptionsRefuse("visc_", row->name));
   PetscCall(PetscOptionsHasName(NULL, "visc_", "-ts_adapt_type", &given));
-  UserCheck(!given || !row->multistep,
-            "-visc_ts_adapt_type: %s shares its steps with the projection; use a one-step type "
-            "such as arkimex",
-            row->name);
+  UserCheck(
+      !given || row->substeps,
+      "-visc_ts_adapt_type: %s takes a single step here, without an estimate of its error; use "
+      "arkimex, rosw or rk",
+      row->name);
   PetscCall(PetscOptionsGetReal(NULL, "visc_", "-ts_theta_theta", &theta, NULL));
   UserCheck(theta > 0.0 && theta <= 1.0, "-visc_ts_theta_theta %.6g: allowed is more than 0 to 1",
             (double)theta);

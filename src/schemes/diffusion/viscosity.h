@@ -29,6 +29,7 @@ typedef struct {
   ViscousTerms terms;
   PetscBool    history;         /* starts from (4u^n - u^{n-1})/3, for second order */
   PetscBool    multistep;       /* PETSc keeps earlier velocities, which cannot follow particles */
+  PetscBool    substeps;        /* estimates the error of a step from this step alone */
   PetscBool    end_of_step;     /* time of the force: end of the step, otherwise its middle */
   PetscReal (*Response)(TS ts); /* for ViscosityResponse(); NULL: 1 */
 } ViscousIntegratorRow;

@@ -124,7 +124,8 @@ PetscErrorCode PressureCreate(Flow *flow, Pressure **ppe)
       .name = "pressure", .label = "ppe solver", .prefix = "ppe_", .column = SOLVE_PRESSURE};
   PetscCall(SolverMatType("ppe_", s->guard.mat_type, sizeof(s->guard.mat_type)));
   PetscCall(PressureChoose(flow, s->guard.mat_type, &solver));
-  s->direct = solver == PRESSURE_LU ? PETSC_TRUE : PETSC_FALSE;
+  s->direct            = solver == PRESSURE_LU ? PETSC_TRUE : PETSC_FALSE;
+  s->guard.approximate = PETSC_TRUE;
   PetscCall(PoissonSolver(sp ? NULL : &flow->ops->forms.ppe, 1e-5, types[solver], &s->guard));
   if (solver == PRESSURE_TENSOR) {
     PetscCall(SplineInverseCreate(sp, &s->inverse));
