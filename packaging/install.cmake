@@ -17,8 +17,8 @@ file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/packaging)
 # The tools in Python and their modules, with links in the directory of programs; isph-study is in the build tree too.
 install(PROGRAMS studies/plot studies/isph-study DESTINATION ${data}/studies)
 file(GLOB study_modules CONFIGURE_DEPENDS studies/study_*.py)
-install(FILES ${study_modules} studies/balls.py studies/centreline.py studies/costs.py studies/runs.py studies/snapshot.py
-        DESTINATION ${data}/studies)
+install(FILES ${study_modules} studies/balls.py studies/centreline.py studies/costs.py studies/paraview_state.py studies/runs.py
+        studies/snapshot.py DESTINATION ${data}/studies)
 foreach(tool IN ITEMS plot isph-study)
   string(REPLACE "isph-isph-" "isph-" link isph-${tool})
   file(RELATIVE_PATH path ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_DATADIR}/isph/studies/${tool})

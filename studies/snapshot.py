@@ -152,14 +152,16 @@ class Snapshot:
                 size = np.append(size, self.size[near])
         for wall in self.walls():
             distance, nearest = wall(x)
-            near = (distance < size) & (distance > 0.05 * size)
+            near = (distance < 1.5 * size) & (distance > 0.05 * size)
             image = 2 * nearest[near] - x[near] + ends(x, distance, size, near, nearest, self.room)
             solid = self.room(image) < 0
             x, size = np.vstack([x, image[solid]]), np.append(size, size[near][solid])
 
         triangles = tri.Triangulation(x[:, 0], x[:, 1])
         corner = triangles.triangles
-        triangles.set_mask(outside(triangles, circumradius(x[corner]) / size[corner].max(axis=1)))
+        radius = circumradius(x[corner]) / size[corner].max(axis=1)
+        radius[(self.room(x[corner].mean(axis=1)) < 0) & (radius < BUBBLE)] = 0  # gaps are not reached through walls
+        triangles.set_mask(outside(triangles, radius))
         find = triangles.get_trifinder()
         single = np.setdiff1d(np.arange(len(x)), triangles.get_masked_triangles())
 
