@@ -155,6 +155,7 @@ def check_refusals():
                             (["stability", WALLS, "--vary", "n=6", "--bound", "u"], "--bound u: "),
                             (["stability", WALLS, "--vary", "ranks=x"], "whole number"),
                             (["stability", WALLS, "--vary", "isph=file"], "is no program"),
+                            (["error", WALLS, "--jobs", "x"], "--jobs"), (["error"], "a scene is required"),
                             (["need", WALLS, "-n", "x", "--out", "q"], "-n")):
         done = call(*words)
         assert done.returncode and sentence in done.stderr and "Traceback" not in done.stderr, (words, done.stderr)
