@@ -17,6 +17,8 @@ A finding is one of these:
     not finite   the status 0 with nan or inf in the report file or in the printed table
     refusal      another status without exactly one line on standard error, which begins with "isph: "; a traceback.
                  Lines of Open MPI's own, which begin with "mca_" when it reads a damaged file, do not count
+    balance      the status 0 with a `balance` above 1 in the report, and no line that something is not kept, or with
+                 `trust` 1
 
 Exits with status 1 if there is a finding.
 """
@@ -113,7 +115,7 @@ def main():
                 counts[done.result()[0]] += 1
                 print(done.result()[1], flush=True)
     print("{} inputs, {} crashes, {} hangs, {} sanitizer reports, {} not finite, "
-          "{} refusals of more than one line".format(settings.count, *counts.values()))
+          "{} refusals of more than one line, {} balances out of their bound".format(settings.count, *counts.values()))
     sys.exit(any(counts.values()))
 
 

@@ -92,6 +92,14 @@ def scene_input(rng):
     for side in "left", "right", "bottom", "top":
         if rng.random() < 0.15:
             words += [f"-scene_wall_{side}_velocity", f"{number(rng)},{number(rng)}"]
+    if rng.random() < 0.15:
+        one, other = rng.choice((("left", "right"), ("bottom", "top"), ("right", "top")))
+        inwards = {"left": "1,0", "bottom": "0,1", "right": "-1,0"}[one]
+        words += ["-scene_inflow", one, f"-scene_wall_{one}_velocity", inwards, "-scene_outflow", other]
+    if rng.random() < 0.15:
+        words += ["-surface_tension", f"{10 ** rng.uniform(-3, 1):.3g}"]
+    if rng.random() < 0.15:
+        words += ["-rheology", "papanastasiou", "-rheology_yield", f"{10 ** rng.uniform(-2, 2):.3g}"]
     if rng.random() < 0.3:
         words += ["-body_force", f"{number(rng)},{number(rng)}"]
     if rng.random() < 0.3:

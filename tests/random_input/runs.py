@@ -1,4 +1,5 @@
 """Runs of isph with limits on time, memory and files, and the judgement of a run."""
+import csv
 import os
 import re
 import resource
@@ -9,7 +10,7 @@ import subprocess
 from starter import Starter
 
 MEMORY = 4 << 30  # bytes of address space; not under AddressSanitizer, which reserves terabytes
-FINDINGS = ("crash", "hang", "sanitizer", "not finite", "refusal")
+FINDINGS = ("crash", "hang", "sanitizer", "not finite", "refusal", "balance")
 
 
 def environment(folder):
@@ -69,6 +70,19 @@ def infinite(folder, out):
     return match and match[0].strip()[-100:]
 
 
+def unbalanced(folder, out):
+    """Returns a line about a balance out of its bound of which the run does not say so, or which it trusts, or None."""
+    path = os.path.join(folder, "report.csv")
+    if not os.path.isfile(path):
+        return None
+    with open(path, newline="", encoding="utf-8", errors="replace") as file:
+        last = {row["quantity"]: float(row["value"] or "nan") for row in csv.DictReader(file) if row.get("value")}
+    trusted = last.get("trust") == 1.0
+    if last.get("balance", 0.0) > 1.0 and (trusted or " not kept: " not in out):
+        return f"balance {last['balance']:.3g} of its bound, " + ("with trust 1" if trusted else "without a word")
+    return None
+
+
 def judge(status, out, err, folder, reported):
     """Returns the kind of a finding and its reason, or None."""
     if status is None:
@@ -83,7 +97,10 @@ def judge(status, out, err, folder, reported):
     lines = [line for line in err.rstrip("\n").split("\n") if not line.startswith("mca_")]
     if status == 0:
         strange = None if reported else infinite(folder, out)
-        return ("not finite", strange) if strange else None
+        if strange:
+            return "not finite", strange
+        wrong = None if reported else unbalanced(folder, out)
+        return ("balance", wrong) if wrong else None
     if len(lines) != 1 or not lines[0].startswith("isph: "):
         return "refusal", f"status {status} with {len(lines)} lines: {err[:200]!r}"
     return None
