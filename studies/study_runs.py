@@ -20,6 +20,7 @@ EITHER = {"-viscosity": "-reynolds", "-reynolds": "-viscosity"}  # a varied opti
 PSEUDO = ("-ranks", "-isph", "-start")  # settings of a run that are no options of isph
 START_STEP = 1e-5  # of the jitter from start to start [dx]
 JITTER_MOST = 0.5  # the range of -jitter [dx]
+NO_SHARED_LOCKS = {"OMPI_MCA_sharedfp": "^sm"}  # which Open MPI names after files without their folders
 PATIENCE = 10.0  # between the signals that ask a run to end and that kill it [s]
 GOOD = ("holds", "doubtful")  # runs that reach their end
 
@@ -146,7 +147,7 @@ class Run:
         with open(os.path.join(self.folder, "stdout"), "w") as out, open(os.path.join(self.folder, "stderr"), "w") as err:
             self.began, self.asked = time.monotonic(), None
             self.process = subprocess.Popen(command, cwd=self.folder, stdin=subprocess.DEVNULL, stdout=out, stderr=err,
-                                            start_new_session=True)
+                                            start_new_session=True, env={**NO_SHARED_LOCKS, **os.environ})
 
     def signal(self, number):
         try:
