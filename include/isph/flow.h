@@ -78,6 +78,7 @@ typedef struct {
   PetscReal *entered;               /* length of fluid since the last particle, of wall particles on
                                        an inflow (field); NULL without inflow [m] */
   PetscReal  volume_in, volume_out; /* of particles, so far [m^dim] */
+  PetscReal  room; /* volume of a box that fluid enters and cannot leave; 0: another box [m^dim] */
 } Openings;
 
 /*

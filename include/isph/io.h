@@ -62,6 +62,7 @@ PetscErrorCode NormsExact(const Flow *flow, Report *report);
 PetscErrorCode MeasureCommon(const Flow *flow, PetscReal energy, Report *report);
 PetscErrorCode MeasureFree(const Flow *flow, Report *report);
 PetscErrorCode BalancesMeasure(Flow *flow, Report *report);
+PetscErrorCode BalancesOfFailed(Flow *flow, Report *report, PetscViewer viewer);
 PetscErrorCode BalancesView(const Flow *flow, PetscViewer viewer);
 
 /* Returns the form of the gradient that steps use; NULL if at most snapshots use a gradient. */

@@ -5,10 +5,11 @@
     |u|^2/2 + D <= |u(0)|^2/2 + sigma A(0)/M + W,   W = sum_i m_i int f.dx_i/M,
     D = int 2 nu <E:E> dt,
 
-  for walls at rest, with the dissipation of their pair forces for rough particles. |u| is the root
-  mean square. A fluid that breaks the balance has velocities or
-  a height that neither the start nor the body force gives. The bound on the speed of full boxes
-  does not hold here: a fluid that falls touches no wall that slows it. See docs/theory.md, (176).
+  in flight less the least energy that the surface can have, for walls at rest, with the
+  dissipation of their pair forces for rough particles. |u| is the root mean square. A fluid that
+  breaks the balance has velocities or a height that neither the start nor the body force gives.
+  The bound on the speed of full boxes does not hold here: a fluid that falls touches no wall that
+  slows it. See docs/theory.md, (176).
 */
 #include "isph/balance.h"
 
@@ -203,6 +204,20 @@ PetscErrorCode EnergyTension(const Flow *flow, PetscReal *energy)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns twice the least energy of the surface over the mass of fluid that touches nothing: that
+   of one circle or ball [m^2/s^2]; 0, which loosens the balance, if it touches something. */
+static PetscReal LeastTension(const Flow *flow)
+{
+  const Scene    *scene  = flow->scene;
+  const PetscReal volume = flow->particles->weight * flow->particles->cell_volume;
+  const PetscReal area   = scene->dim == 2 ? 2.0 * PetscSqrtReal(PETSC_PI * volume)
+                                           : cbrt(36.0 * PETSC_PI * volume * volume);
+
+  if (flow->scheme->sheet.flight.on == 0.0 || SceneHasBoundary(scene, BOUNDARY_CONTINUES))
+    return 0.0;
+  return 2.0 * scene->tension * area / (scene->rho * volume);
+}
+
 /* Adds the balance at the end of a step to the largest gain. Input: rms - of the velocity [m/s];
    given - twice the energy per mass of start and work [m^2/s^2]. */
 static void NoteGain(const Flow *flow, PetscReal rms, PetscReal given)
@@ -214,6 +229,7 @@ static void NoteGain(const Flow *flow, PetscReal rms, PetscReal given)
   PetscReal         excess = PetscSqr(rms) + 2.0 * e->dissipated - given, gain;
 
   if (b->walls > 0.0) excess = PetscSqr(rms) - PetscSqr(driven);
+  excess += LeastTension(flow);
   e->most = PetscMax(e->most, PetscSqr(driven));
   gain    = excess / (e->most + 2.0 * b->force * flow->scene->dx + noise);
   if (!(excess > 0.0) || !(gain > e->gain)) return;

@@ -4,6 +4,8 @@
 */
 #include "isph/flow.h"
 
+#define FULL 0.9 /* share of a box that is full [-] */
+
 /* Advances the state, u^{n-2} <- u^{n-1} <- u^n <- u^{n+1}, and the time. */
 static PetscErrorCode Advance(Flow *flow)
 {
@@ -98,6 +100,27 @@ PetscErrorCode FlowStep(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Gives a failed step the reason that the box is full, if fluid enters it, cannot leave, and fills
+   FULL of it: the last voids are narrower than the supports of fits, and solves fail there. */
+static PetscErrorCode BlameFullBox(Flow *flow)
+{
+  const Particles *p       = flow->particles;
+  const PetscReal  room    = flow->state->openings.room;
+  StepFailure     *failure = &flow->scheme->failure;
+  const PetscReal  volume  = p->weight * p->cell_volume;
+  char             where[CLOCK_WHERE];
+
+  PetscFunctionBegin;
+  if (failure->fatal || room == 0.0 || volume < FULL * room) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ClockWhere(flow->clock, where));
+  failure->code = PETSC_SUCCESS;
+  FailureSet(failure, PETSC_ERR_USER_INPUT,
+             "%s: the box is full: the fluid has the volume %.4g, the box between its bodies %.4g, "
+             "and fluid enters; give -scene_outflow, a larger -scene_box or a smaller -t_end",
+             where, (double)volume, (double)room);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   FlowMakeStep - Makes a successful step, or ends the run
 
@@ -119,6 +142,7 @@ PetscErrorCode FlowMakeStep(Flow *flow)
     PetscCall(ExpressionScopeCheck(flow->scene->scope));
     PetscCall(AttemptEnd(flow, &again));
   } while (again);
+  if (failure->code) PetscCall(BlameFullBox(flow));
   PetscCheck(!failure->code, PETSC_COMM_WORLD, failure->code, "%s", failure->sentence);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

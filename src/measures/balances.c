@@ -286,9 +286,8 @@ static PetscBool HasLoads(const Flow *flow)
   return PETSC_FALSE;
 }
 
-/* BalancesMeasure - Measures the balances of boundaries, and reports all rows of the sheet that
-   apply; collective */
-PetscErrorCode BalancesMeasure(Flow *flow, Report *report)
+/* Sets the energy from the steps, and reports all rows of the sheet that apply. */
+static PetscErrorCode ReportRows(Flow *flow, Report *report)
 {
   const BalanceSheet *sheet = &flow->scheme->sheet;
   const char         *name;
@@ -298,13 +297,51 @@ PetscErrorCode BalancesMeasure(Flow *flow, Report *report)
   if (flow->ops->free && SceneMoves(flow->scene))
     BalanceSet(BALANCE_ENERGY, flow->scheme->energy.gain, flow->scheme->energy.gain_t,
                &flow->scheme->sheet);
-  if (HasLoads(flow)) PetscCall(MeasureBoundaries(flow));
   for (PetscInt k = 0; k < BALANCES; k++) {
     if (sheet->applies[k] && k != BALANCE_VOLUME) /* MeasureFree() reports it with its reference */
       PetscCall(ReportAddError(report, BalanceRows[k].name, sheet->value[k]));
   }
   if (BalanceWorst(flow, &name, &value, &bound))
     PetscCall(ReportAddError(report, "balance", value / bound));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  BalancesOfFailed - Reports the balances of a run that has failed, as far as its steps measured
+  them, and prints the volume of its fluid
+
+  Collective on the viewer. Its fields are invalid, so that boundaries have no balance.
+*/
+PetscErrorCode BalancesOfFailed(Flow *flow, Report *report, PetscViewer viewer)
+{
+  const Particles *p = flow->particles;
+  const Openings  *o = &flow->state->openings;
+
+  PetscFunctionBegin;
+  flow->scheme->sheet.applies[BALANCE_FORCE]  = PETSC_FALSE;
+  flow->scheme->sheet.applies[BALANCE_TORQUE] = PETSC_FALSE;
+  if (!flow->ops->free && !o->open) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ReportRows(flow, report));
+  PetscCall(PetscViewerASCIIPrintf(
+      viewer, "at t = %.6g the fluid had the volume %.6g: %.6g entered, %.6g left",
+      (double)flow->clock->t, (double)(p->weight * p->cell_volume), (double)o->volume_in,
+      (double)o->volume_out));
+  for (PetscInt k = 0; k < BALANCES; k++) {
+    if (!flow->scheme->sheet.applies[k]) continue;
+    PetscCall(PetscViewerASCIIPrintf(viewer, ", %s %.2g %%", BalanceRows[k].name,
+                                     100.0 * (double)flow->scheme->sheet.value[k]));
+  }
+  PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* BalancesMeasure - Measures the balances of boundaries, and reports all rows of the sheet that
+   apply; collective */
+PetscErrorCode BalancesMeasure(Flow *flow, Report *report)
+{
+  PetscFunctionBegin;
+  if (HasLoads(flow)) PetscCall(MeasureBoundaries(flow));
+  PetscCall(ReportRows(flow, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

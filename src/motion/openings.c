@@ -12,7 +12,29 @@
 */
 #include "entrants.h"
 
+#define ROOM  40  /* points along each axis for the volume of a box with bodies */
 #define EARLY 0.8 /* a particle enters at 0.3 l; later, the gap behind it would be a void */
+
+/* Returns the volume of the box outside bodies, by points of a lattice [m^dim]. */
+static PetscReal RoomOf(const Scene *scene)
+{
+  PetscReal room = 1.0, normal[ISPH_MAX_DIM];
+  PetscInt  n = 1, free = 0, nearest;
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    room *= scene->hi[a] - scene->lo[a];
+    n *= ROOM;
+  }
+  if (scene->n_bodies == 0) return room;
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal x[ISPH_MAX_DIM] = {0.0};
+
+    for (PetscInt a = 0, index = k; a < scene->dim; a++, index /= ROOM)
+      x[a] = scene->lo[a] + (index % ROOM + 0.5) / ROOM * (scene->hi[a] - scene->lo[a]);
+    if (SceneDistance(scene, x, &nearest, normal) > 0.0) free++;
+  }
+  return room * free / n;
+}
 
 /*
   OpeningsCreate - Prepares the counters of the volume that enters and leaves
@@ -31,6 +53,7 @@ PetscErrorCode OpeningsCreate(Flow *flow)
   PetscFunctionBegin;
   o->open = SceneHasOpenings(flow->scene);
   if (!o->open) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!SceneHasBoundary(flow->scene, BOUNDARY_OUTFLOW)) o->room = RoomOf(flow->scene);
   UserCheck(
       !SceneMovesGraded(flow->scene),
       "-scene_inflow, -scene_outflow: graded particles that move neither enter nor leave; use "
@@ -134,7 +157,7 @@ static PetscErrorCode CheckRoom(Flow *flow)
   const Scene    *scene   = flow->scene;
   const PetscReal volume  = flow->particles->weight * flow->particles->cell_volume;
   StepFailure    *failure = &flow->scheme->failure;
-  PetscReal       room    = 1.0;
+  const PetscReal room    = flow->state->openings.room;
   char            where[CLOCK_WHERE];
 
   PetscFunctionBegin;
@@ -147,8 +170,8 @@ static PetscErrorCode CheckRoom(Flow *flow)
     failure->fatal = PETSC_TRUE;
   }
   if (SceneHasBoundary(scene, BOUNDARY_OUTFLOW)) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt a = 0; a < scene->dim; a++) room *= scene->hi[a] - scene->lo[a];
-  if (volume <= room * (1.0 + PETSC_SQRT_MACHINE_EPSILON)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (volume <= room * (1.0 + (scene->n_bodies ? 1.0 / ROOM : PETSC_SQRT_MACHINE_EPSILON)))
+    PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ClockWhere(flow->clock, where));
   FailureSet(failure, PETSC_ERR_USER_INPUT,
              "%s: the box is full: the fluid that has entered has the volume %.4g, the box %.4g; "

@@ -322,6 +322,7 @@ static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measure
   run->report->t = run->flow.clock->t; /* of quantities of the run itself */
   PetscCall(RunWriteMatrices(run));
   if (measured) PetscCall(RunMeasure(run));
+  else PetscCall(BalancesOfFailed(&run->flow, run->report, PETSC_VIEWER_STDOUT_WORLD));
   PetscCall(ExpressionScopeCheck(run->flow.scene->scope));
   PetscCall(RunReportChoices(run));
   PetscCall(PetscTime(&now));
@@ -359,7 +360,7 @@ static PetscErrorCode RunSolveAndReport(Run *run)
   PetscCall(RunEnter(run, STAGE_STEPS));
   failed = RunSolve(run, &signal);
   PetscCall(RunEnter(run, STAGE_OUTPUT));
-  if (failed == PETSC_ERR_NOT_CONVERGED || failed == PETSC_ERR_FP)
+  if (failed && failed == run->flow.scheme->failure.code)
     PetscCall(RunReport(run, "diverged", PETSC_FALSE));
   PetscCall(failed);
   PetscCall(RunReport(run, signal ? "interrupted" : "ok", PETSC_TRUE));
