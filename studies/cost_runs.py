@@ -34,7 +34,7 @@ POINTS = LINES + [(0.5, 0.05 + 0.05 * k) for k in (*range(7), *range(14, 19))]  
 TEXTS = ("run", "failed", "build", "date", "profile")
 EXTREMA = tuple(f"{name}_error" for name in centreline.EXTREMA)
 ENERGY = "kinetic_energy_error"
-REPORTED = ("u_min", "v_max", "v_min", "kinetic_energy", "velocity_l2", "pressure_l2", "resolved")
+REPORTED = ("u_min", "v_max", "v_min", "kinetic_energy", "velocity_l2", "pressure_l2", "trust")
 
 
 class Periodic(NamedTuple):

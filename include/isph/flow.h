@@ -57,6 +57,14 @@ typedef enum {
 enum { CARRIED_SHIFT, CARRIED_CLEARANCE, CARRIED_FILTER, CARRIED_PARTS };
 typedef struct Budget Budget;
 
+/* The rate of the last step, and the error in time of the steps; see src/flow/acceleration.c. */
+typedef struct {
+  PetscReal *rate[ISPH_MAX_DIM]; /* Du/Dt (field); NULL: steady, or the scheme computes it [m/s^2] */
+  PetscReal  time_error;         /* of the velocity by steps in time, root mean square [m/s] */
+  PetscReal  sampled;            /* time of its last measurement [s] */
+  PetscReal  speed[2];           /* root mean square of the velocity of the last two steps [m/s] */
+} Acceleration;
+
 /* The budget of a part of a step in a box. */
 typedef struct {
   PetscReal share;          /* of the fluid [-] */
@@ -97,6 +105,7 @@ typedef struct {
   PetscInt        n_standing;
   PressureAverage average;            /* of the pressure */
   Budget         *budget;             /* NULL: steps measure none */
+  Acceleration    acceleration;       /* of the last step */
   PetscReal       mean[ISPH_MAX_DIM]; /* velocity before the step of a flow that keeps it [m/s] */
   Graded          graded;             /* zero unless particles move and are graded */
   Openings        openings;
@@ -330,6 +339,8 @@ typedef struct {
   PetscErrorCode (*Pressure)(const Flow *flow, const PetscReal x[], PetscReal *p);
   /* Adds the pressure over dt to its mean over `length`; NULL: on particles, by average.c */
   PetscErrorCode (*Average)(Flow *flow, PetscReal length, PetscReal dt);
+  /* Du/Dt at present, by components [m/s^2]; NULL: from the formula of the last step */
+  PetscErrorCode (*Accelerate)(const Flow *flow, PetscReal *const rate[]);
   PetscReal *const *density; /* field of the fluid's densities; NULL: from masses [kg/m^3] */
   Vec               kept; /* state that is not on particles, for undo and checkpoints; NULL: none */
   LinearSolve      *solve[SCHEME_MAX_SOLVES];
@@ -371,6 +382,11 @@ PetscErrorCode AverageCreate(Flow *flow);
 PetscErrorCode AverageRegister(Flow *flow);
 PetscReal      AverageLength(const Flow *flow);
 
+/* The acceleration of the last step, and the error in time. */
+PetscErrorCode AccelerationGet(const Flow *flow, PetscReal *const rate[]);
+PetscErrorCode AccelerationRegister(Flow *flow);
+PetscErrorCode AccelerationRemember(Flow *flow);
+
 /* The budget of a step. */
 PetscErrorCode BudgetCreate(Flow *flow, PetscInt n, const PetscReal box[]);
 PetscErrorCode BudgetGet(const Flow *flow, StepPart part, PetscInt box, BudgetValues *values,
@@ -394,7 +410,7 @@ PetscErrorCode        AttemptDestroy(Attempt **attempt);
 PetscErrorCode        AttemptBegin(Flow *flow);
 PetscErrorCode        AttemptEnd(Flow *flow, PetscBool *again);
 PetscErrorCode        AttemptNext(Flow *flow, PetscInt *k);
-extern const Observer ObserverAverage, ObserverBudget;
+extern const Observer ObserverAverage, ObserverBudget, ObserverAcceleration;
 
 /* Limits of steps. */
 PetscErrorCode FlowLimit(const Flow *flow, StepLimit *limit);

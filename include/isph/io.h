@@ -28,18 +28,28 @@ typedef struct {
   PetscReal error;     /* relative to the scale; NaN without reference [-] */
 } Quantity;
 
-/* The estimated error of the velocity of a flow, see src/measures/resolution.c. */
+/* The error of the velocity by its gradients, see src/measures/resolution.c. */
 typedef struct {
-  PetscReal error;           /* root mean square over that of the velocity [-] */
+  PetscReal error;           /* in space, root mean square over that of the velocity [-] */
+  PetscReal path;            /* by steps along the paths of particles, the same [-] */
   PetscReal x[ISPH_MAX_DIM]; /* place of the largest error of the gradient [m] */
 } Resolution;
+
+/* Parts of the estimated error, see src/measures/trust.c. */
+typedef enum { TRUST_SPACE, TRUST_OPERATOR, TRUST_TIME, TRUST_PARTS } TrustPart;
+typedef struct {
+  PetscReal error;                 /* of the velocity, root mean square over that of it [-] */
+  PetscReal part[TRUST_PARTS];     /* the same by a single cause [-] */
+  TrustPart worst;                 /* the cause of most of it */
+  PetscReal x[ISPH_MAX_DIM];       /* place of the largest error of the gradient [m] */
+} Trust;
 
 struct Report {
   Quantity  *quantity;
   PetscInt   n, capacity;
   PetscReal  t;                        /* time of the quantities that are added next [s] */
   char       not_finite[32];           /* first quantity that is not finite; empty: none */
-  Resolution resolution;               /* at the last time */
+  Trust      trust;                    /* at the last time */
   PetscBool  data_absent;              /* a file of the reference data was not found */
   char       file[PETSC_MAX_PATH_LEN]; /* file of all runs; empty: none */
 };
@@ -74,8 +84,8 @@ static inline const GradientRow *FlowGradient(const Flow *flow)
 }
 
 PetscErrorCode ResolutionEstimate(const Flow *flow, Resolution *resolution);
-PetscErrorCode ResolutionMeasure(const Flow *flow, Report *report);
-PetscErrorCode ResolutionView(const Flow *flow, const Report *report, PetscViewer viewer);
+PetscErrorCode TrustMeasure(const Flow *flow, Report *report);
+PetscErrorCode TrustView(const Flow *flow, const Report *report, PetscViewer viewer);
 
 /* Snapshots of the particles for ParaView, option -output. */
 typedef struct Snapshots Snapshots;

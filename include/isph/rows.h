@@ -343,4 +343,27 @@ PetscErrorCode OperatorsCompareGradients(const Scene *scene, const Particles *pa
                                          const Neighbors *neighbors, Operators *ops,
                                          const GradientComparison *of);
 
+/* Kinds of fields, by what their fits assume. */
+typedef enum {
+  FIELD_WHOLE_VELOCITY, /* the equations of boundaries */
+  FIELD_VELOCITY,       /* the same, one-sided beside another fluid */
+  FIELD_STRESS          /* no equations of boundaries; the softer of two fluids counts */
+} FieldKind;
+
+/* Gradients of fields at own fluid particles first, ..., first + count - 1 by fits. Field f of local
+   particle j is value[f][j stride]. */
+typedef struct {
+  FieldKind        kind; /* of velocities, the fields are its components */
+  PetscInt         first, count, degree, n_fields, stride;
+  PetscReal        weak; /* pivot over its diagonal entry below which a degree is not determined; 0:
+                            that of the operators [-] */
+  const PetscReal *value[ISPH_MAX_DIM * ISPH_MAX_DIM];
+  PetscReal       *gradient;   /* d f/dx_a of particle first + i at [(i n_fields + f) dim + a] */
+  PetscReal       *laplacian;  /* lap f at [i n_fields + f]; NULL: not computed */
+  PetscBool       *determined; /* at [i]: the points determine the degree; NULL: not wanted */
+} FieldGradients;
+PetscErrorCode OperatorsFitGradients(const Scene *scene, const Particles *particles,
+                                     const Neighbors *neighbors, Operators *ops,
+                                     const FieldGradients *of);
+
 #endif

@@ -1,6 +1,6 @@
 /*
-  The resolution of a flow: an estimate of the error of its velocity from the particles themselves.
-  It is computed for reports only.
+  The resolution of a flow: an estimate of the error of its velocity from its gradients. It is
+  computed for reports only.
 
   The error of gradients, relative to the gradients, is estimated by the difference of two fits.
   Errors of the convective term grow while the flow amplifies them, until viscosity has spread
@@ -13,7 +13,6 @@
 #define AT_REST   1e-6        /* a velocity below this is no flow [U] */
 #define UNIFORM   1e-6        /* gradients below this are rounding [velocity/L] */
 #define SLAB      512         /* particles whose gradients are kept at once */
-#define RESOLVED  0.05        /* largest estimated error of a resolved flow [-] */
 
 /* Sums over all fluid particles, weighted by volume, for a single MPI reduction. */
 typedef struct {
@@ -118,19 +117,25 @@ static PetscErrorCode AddParticles(const Flow *flow, Sums *sums, Worst *worst)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the relative error of the velocity from the sums, see ResolutionEstimate(). */
-static PetscReal ErrorOf(const Flow *flow, const Sums *sums)
+/* Computes the relative errors of the velocity from the sums, see ResolutionEstimate(). */
+static void SetErrors(const Flow *flow, const Sums *sums, Resolution *resolution)
 {
   const Scene    *scene = flow->scene;
+  const Clock    *clock = flow->clock;
   const PetscReal total = flow->particles->weight, u = PetscSqrtReal(sums->u2 / total);
   const PetscReal gradient = sums->gradient / total, nu = sums->nu / total;
-  PetscReal       time = ClockMoment(flow->clock), growth = 1.0;
+  const PetscReal rate = sums->rate / total;
+  const PetscReal turn = PetscMax(clock->dt, clock->dt_previous) * rate;
+  PetscReal       time = ClockMoment(clock), growth = 1.0;
 
-  if (!(u > AT_REST * scene->speed) || !(gradient * scene->length > UNIFORM * u)) return 0.0;
+  resolution->error = resolution->path = 0.0;
+  if (!(u > AT_REST * scene->speed) || !(gradient * scene->length > UNIFORM * u)) return;
   if (SceneHas(scene, PHYSICS_VISCOSITY))
     time = PetscMin(time, SPREADING * PetscSqr(u / gradient) / nu);
-  if (SceneHas(scene, PHYSICS_CONVECTION) && sums->rate > 0.0) growth += sums->rate / total * time;
-  return SHARE * sums->difference / sums->gradient * growth;
+  if (SceneHas(scene, PHYSICS_CONVECTION) && rate > 0.0) growth += rate * time;
+  resolution->error = SHARE * sums->difference / sums->gradient * growth;
+  if (!SceneMoves(scene)) return;
+  resolution->path = (clock->order > 1 ? PetscSqr(turn) / 3.0 : 0.5 * turn) * rate * time;
 }
 
 /*
@@ -140,11 +145,12 @@ static PetscReal ErrorOf(const Flow *flow, const Sums *sums)
     T = min(t, (U/G)^2/(3 nu)),   A = grad_3 u,   G = <|A|>,   U = <|u|^2>^(1/2)
 
   Collective. <.> is the mean over the fluid, weighted by volume; grad_2 and grad_3 are gradients of
-  a quadratic and of a cubic fit, see OperatorsCompareGradients(). The formula is docs/theory.md,
-  (133). A fluid at rest or in uniform motion has no error.
+  a quadratic and of a cubic fit, see OperatorsCompareGradients(). Moving particles turn with the
+  flow, and steps of order 2 err by dt^2 a^3/3 of it per time, those of order 1 by dt a^2/2. The
+  formulas are docs/theory.md, (133). A fluid at rest or in uniform motion has no error.
 
   Output Parameter:
-. resolution - the error, and the place where the gradients of both fits differ most
+. resolution - both errors, and the place where the gradients of both fits differ most
 */
 PetscErrorCode ResolutionEstimate(const Flow *flow, Resolution *resolution)
 {
@@ -162,42 +168,7 @@ PetscErrorCode ResolutionEstimate(const Flow *flow, Resolution *resolution)
   if (!SceneMoves(flow->scene)) PetscCall(NeighborsRelease(flow->neighbors));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sums, (PetscMPIInt)(sizeof(sums) / sizeof(PetscReal)),
                              MPIU_REAL, MPIU_SUM, p->comm));
-  resolution->error = ErrorOf(flow, &sums);
+  SetErrors(flow, &sums, resolution);
   PetscCall(FindPlace(flow, worst.i, worst.difference, resolution->x));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ResolutionMeasure - Reports the estimated error of the velocity, and 1 if it is at most RESOLVED,
-   otherwise 0; collective */
-PetscErrorCode ResolutionMeasure(const Flow *flow, Report *report)
-{
-  Resolution *resolution = &report->resolution;
-
-  PetscFunctionBegin;
-  PetscCall(ResolutionEstimate(flow, resolution));
-  PetscCall(ReportAddError(report, "velocity_l2_estimate", resolution->error));
-  PetscCall(ReportAdd(report, "resolved", resolution->error <= RESOLVED ? 1.0 : 0.0));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  ResolutionView - Prints a line if the flow of the last measurement is not resolved
-
-  Collective on the viewer. The error is of order dx^2, which gives the number -n of the line.
-*/
-PetscErrorCode ResolutionView(const Flow *flow, const Report *report, PetscViewer viewer)
-{
-  const Resolution *resolution = &report->resolution;
-  char              place[128];
-
-  PetscFunctionBegin;
-  if (resolution->error <= RESOLVED) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscViewerASCIIPrintf(
-      viewer,
-      "not resolved: the estimated error of the velocity is %.2g %% and should be at most %.0f %%; "
-      "its gradients are worst near (%s); try -n %.0f\n",
-      100.0 * (double)resolution->error, 100.0 * RESOLVED,
-      ScenePlaceText(flow->scene, resolution->x, place),
-      PetscCeilReal(flow->scene->n * PetscSqrtReal(resolution->error / RESOLVED))));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -171,7 +171,7 @@ static PetscErrorCode RunIsOver(Run *run, PetscBool *over)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Measures the present flow: the quantities of its case, and its resolution. */
+/* Measures the present flow: the quantities of its case, and the estimate of its error. */
 static PetscErrorCode RunMeasure(Run *run)
 {
   PetscFunctionBegin;
@@ -179,7 +179,7 @@ static PetscErrorCode RunMeasure(Run *run)
   PetscCall(FlowPrepareOutput(&run->flow));
   PetscCall(run->flow.scene->problem->Measure(&run->flow, run->report));
   PetscCall(BalancesMeasure(&run->flow, run->report));
-  PetscCall(ResolutionMeasure(&run->flow, run->report));
+  PetscCall(TrustMeasure(&run->flow, run->report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -327,7 +327,7 @@ static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measure
   PetscCall(RunReportChoices(run));
   PetscCall(PetscTime(&now));
   if (measured) PetscCall(ReportView(run->report, now - run->started, PETSC_VIEWER_STDOUT_WORLD));
-  if (measured) PetscCall(ResolutionView(&run->flow, run->report, PETSC_VIEWER_STDOUT_WORLD));
+  if (measured) PetscCall(TrustView(&run->flow, run->report, PETSC_VIEWER_STDOUT_WORLD));
   PetscCall(BalancesView(&run->flow, PETSC_VIEWER_STDOUT_WORLD));
   PetscCall(RunPrintFigures(run->flow.scheme));
   PetscCall(ReportWrite(&run->flow, run->report, now - run->started, status));

@@ -100,6 +100,7 @@ PetscErrorCode SchemeCreate(Flow *flow)
   PetscCall(GradedRemember(flow));
   PetscCall(s->row->Create(flow));
   PetscCall(UnevennessRemember(flow));
+  PetscCall(AccelerationRemember(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -120,6 +121,7 @@ PetscErrorCode SchemeRegister(Flow *flow)
   PetscFunctionBegin;
   PetscCall(FlowStateRegister(flow));
   PetscCall(AverageRegister(flow));
+  PetscCall(AccelerationRegister(flow));
   PetscCall(OpeningsRegister(flow));
   PetscCall(VolumesRegister(flow));
   if (flow->scheme->row->Register) PetscCall(flow->scheme->row->Register(flow));

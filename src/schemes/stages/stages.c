@@ -182,7 +182,8 @@ const Stage StageError = {
     .Do      = TimeErrorCheck,
 };
 
-static const Observer *const observers[] = {&ObserverAverage, &ObserverBudget, &ObserverFlight};
+static const Observer *const observers[] = {&ObserverAverage, &ObserverBudget, &ObserverFlight,
+                                          &ObserverAcceleration};
 
 /* Lists the observers that apply to a flow. */
 static PetscErrorCode ListObservers(Flow *flow)

@@ -304,3 +304,31 @@ PetscErrorCode WcsphRates(Flow *flow, Wcsph *w)
   PetscCall(PetscLogEventEnd(w->event, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* WcsphAccelerate - Computes the accelerations of own fluid at the present positions [m/s^2];
+   collective. Note: needs the rows of neighbours. */
+PetscErrorCode WcsphAccelerate(const Flow *flow, PetscReal *const rate[])
+{
+  Wcsph          *w     = (Wcsph *)flow->scheme->data;
+  const PetscReal t     = w->t, divergence = w->divergence;
+  const PetscBool first = w->first_stage;
+  const PetscInt  n = flow->particles->n_fluid, d = flow->scene->dim;
+  PetscReal      *rates;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(w->components * n, &rates));
+  PetscCall(WcsphReserve(w->flow, w));
+  for (PetscInt a = 0; a < d; a++) PetscCall(PetscArraycpy(w->local.u[a], flow->particles->u[a], n));
+  PetscCall(PetscArraycpy(w->local.rho, w->rho, n));
+  if (w->e) PetscCall(PetscArraycpy(w->local.e, w->e, n));
+  w->t           = flow->clock->t;
+  w->rate        = rates;
+  w->first_stage = PETSC_FALSE;
+  PetscCall(WcsphRates(w->flow, w));
+  for (PetscInt a = 0; a < d; a++) PetscCall(PetscArraycpy(rate[a], rates + (d + a) * n, n));
+  w->t           = t;
+  w->divergence  = divergence;
+  w->first_stage = first;
+  PetscCall(PetscFree(rates));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -161,6 +161,7 @@ PetscReal      WcsphLatticeSum(const Flow *flow);
 PetscErrorCode WcsphReserve(const Flow *flow, Wcsph *w);
 PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w);
 PetscErrorCode WcsphRates(Flow *flow, Wcsph *w);
+PetscErrorCode WcsphAccelerate(const Flow *flow, PetscReal *const rate[]);
 
 /* stress.c */
 const ComposedForm *WcsphComposed(const Wcsph *w);

@@ -340,7 +340,8 @@ PetscErrorCode WcsphCreate(Flow *flow)
     if (w->implicit) flow->scheme->needs |= NEED_VISCOSITY;
   }
   PetscCall(AddFigures(flow->scheme, w));
-  flow->scheme->density = &w->rho;
+  flow->scheme->density    = &w->rho;
+  flow->scheme->Accelerate = WcsphAccelerate;
   flow->scheme->variant = (const TableRow *)(const void *)w->equation;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,0 +1,181 @@
+/*
+  The acceleration of the last step, and the error of steps in time. Both are for the estimate of
+  errors in reports.
+
+    a = (u^{n+1} - start)/k,   start and k of HistoryStart()
+
+  is the rate Du/Dt that the formula of the step has solved for, so that the momentum equation with
+  a has no error in time. BDF2 leaves dt^2/3 u''' in this equation, and backward Euler dt/2 u''. A
+  residual that alternates as the flow does acts for the time |u'|/|u''|, so that the error of the
+  velocity is about
+
+    e = dt^2/3 |u''|   or   e = dt/2 |u'|,
+
+  or what decay leaves of it from earlier steps. The velocity of moving particles has a noise, whose
+  second derivative is no error: their u' and u'' are those of the root mean square of u, and of a
+  particle that the strain of the flow turns, see src/measures/trust.c.
+*/
+#include "isph/flow.h"
+
+#define SAMPLE 16 /* steps from one measurement of the error in time to the next */
+
+/* Keeps the rate of component a of a step whose formula has these weights and this length. */
+static PetscErrorCode KeepRate(const Flow *flow, PetscInt a, const PetscReal weight[HISTORY],
+                               PetscReal k)
+{
+  const FlowState   *s    = flow->state;
+  PetscReal         *rate = s->acceleration.rate[a];
+  const PetscScalar *next, *now, *earlier, *first = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(s->u_next[a], &next));
+  PetscCall(VecGetArrayRead(s->u[a], &now));
+  PetscCall(VecGetArrayRead(s->u_prev[a], &earlier));
+  if (s->u_before[a]) PetscCall(VecGetArrayRead(s->u_before[a], &first));
+  for (PetscInt i = 0; i < flow->particles->n_fluid; i++) {
+    const PetscReal start = weight[0] * now[i] + weight[1] * earlier[i];
+
+    rate[i] = (next[i] - start - (first ? weight[2] * first[i] : 0.0)) / k;
+  }
+  if (first) PetscCall(VecRestoreArrayRead(s->u_before[a], &first));
+  PetscCall(VecRestoreArrayRead(s->u_prev[a], &earlier));
+  PetscCall(VecRestoreArrayRead(s->u[a], &now));
+  PetscCall(VecRestoreArrayRead(s->u_next[a], &next));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the squares of u' and u'' over the last two steps of component a to sum. */
+static PetscErrorCode AddDerivatives(const Flow *flow, PetscInt a, PetscReal sum[2])
+{
+  const FlowState   *s  = flow->state;
+  const PetscReal    dt = flow->clock->dt, before = flow->clock->dt_previous;
+  const PetscScalar *next, *now, *earlier;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(s->u_next[a], &next));
+  PetscCall(VecGetArrayRead(s->u[a], &now));
+  PetscCall(VecGetArrayRead(s->u_prev[a], &earlier));
+  for (PetscInt i = 0; i < flow->particles->n_fluid; i++) {
+    const PetscReal first  = (next[i] - now[i]) / dt;
+    const PetscReal second = 2.0 * (first - (now[i] - earlier[i]) / before) / (dt + before);
+
+    sum[0] += ParticlesWeight(flow->particles, i) * PetscSqr(first);
+    sum[1] += ParticlesWeight(flow->particles, i) * PetscSqr(second);
+  }
+  PetscCall(VecRestoreArrayRead(s->u_prev[a], &earlier));
+  PetscCall(VecRestoreArrayRead(s->u[a], &now));
+  PetscCall(VecRestoreArrayRead(s->u_next[a], &next));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes |u'| and |u''| of the present step: of the velocity of fixed particles, of its root mean
+   square with moving ones. */
+static PetscErrorCode Derivatives(const Flow *flow, PetscReal derivative[2])
+{
+  const Acceleration *acceleration = &flow->state->acceleration;
+  const PetscReal     dt = flow->clock->dt, before = flow->clock->dt_previous;
+  const PetscReal    *speed = acceleration->speed;
+
+  PetscFunctionBegin;
+  derivative[0] = derivative[1] = 0.0;
+  if (SceneMoves(flow->scene)) {
+    derivative[0] = (FlowRmsSpeed(flow) - speed[0]) / dt;
+    derivative[1] = 2.0 * (derivative[0] - (speed[0] - speed[1]) / before) / (dt + before);
+    for (PetscInt k = 0; k < 2; k++) derivative[k] = PetscAbsReal(derivative[k]);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(AddDerivatives(flow, a, derivative));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, derivative, 2, MPIU_REAL, MPIU_SUM, flow->particles->comm));
+  for (PetscInt k = 0; k < 2; k++)
+    derivative[k] = PetscSqrtReal(derivative[k] / flow->particles->weight);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AccelerationEnd(Flow *flow)
+{
+  const Clock    *clock        = flow->clock;
+  Acceleration   *acceleration = &flow->state->acceleration;
+  PetscReal       weight[HISTORY], derivative[2], decay = SceneDecayRate(flow->scene);
+  const PetscReal k = clock->dt * HistoryStartWeights(clock, weight);
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(KeepRate(flow, a, weight, k));
+  if (clock->step > 1 && (clock->step < SAMPLE || clock->step % SAMPLE == 0)) {
+    const PetscReal now = clock->t + clock->dt;
+    PetscReal       error;
+
+    PetscCall(Derivatives(flow, derivative));
+    error = clock->order > 1 ? PetscSqr(clock->dt) / 3.0 * derivative[1]
+                             : 0.5 * clock->dt * derivative[0];
+    if (derivative[0] > 0.0) decay += derivative[1] / derivative[0];
+    acceleration->time_error *= PetscExpReal(-decay * (now - acceleration->sampled));
+    acceleration->time_error = PetscMax(acceleration->time_error, error);
+    acceleration->sampled    = now;
+  }
+  acceleration->speed[1] = acceleration->speed[0];
+  acceleration->speed[0] = FlowRmsSpeed(flow);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AccelerationBegin(Flow *flow)
+{
+  (void)flow;
+  return PETSC_SUCCESS;
+}
+
+static PetscBool Advances(const Flow *flow)
+{
+  return flow->clock->steady_solve || flow->scheme->Accelerate ? PETSC_FALSE : PETSC_TRUE;
+}
+
+/* The acceleration of particles in the last step, and the error in time. */
+const Observer ObserverAcceleration = {
+    .Applies = Advances,
+    .Begin   = AccelerationBegin,
+    .End     = AccelerationEnd,
+};
+
+/* AccelerationGet - Computes Du/Dt of own fluid by components; zero before the first step and in a
+   steady solve [m/s^2]; collective */
+PetscErrorCode AccelerationGet(const Flow *flow, PetscReal *const rate[])
+{
+  PetscReal *const *last = flow->state->acceleration.rate;
+  const PetscInt    n    = flow->particles->n_fluid;
+
+  PetscFunctionBegin;
+  if (flow->scheme->Accelerate) {
+    PetscCall(flow->scheme->Accelerate(flow, rate));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    if (last[a]) PetscCall(PetscArraycpy(rate[a], last[a], n));
+    else PetscCall(PetscArrayzero(rate[a], n));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* AccelerationRegister - Adds the acceleration to the fields of the particles; collective */
+PetscErrorCode AccelerationRegister(Flow *flow)
+{
+  PetscFunctionBegin;
+  if (!Advances(flow)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ParticlesRegister(flow->particles, "acceleration", flow->scene->dim, HALO_NONE,
+                              ENTRY_MEAN, flow->state->acceleration.rate));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* AccelerationRemember - Adds the error in time to the memory of the run; not collective */
+PetscErrorCode AccelerationRemember(Flow *flow)
+{
+  Acceleration *acceleration = &flow->state->acceleration;
+  Memory       *memory       = &flow->scheme->memory;
+
+  PetscFunctionBegin;
+  if (!Advances(flow)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MemoryAddReal(memory, "time_error", &acceleration->time_error));
+  PetscCall(MemoryAddReal(memory, "time_error_at", &acceleration->sampled));
+  PetscCall(MemoryAddReal(memory, "speed_last", &acceleration->speed[0]));
+  PetscCall(MemoryAddReal(memory, "speed_before", &acceleration->speed[1]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

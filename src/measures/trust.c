@@ -1,0 +1,108 @@
+/*
+  How far the velocity of a report can be trusted: an estimate of its error, and the cause of most
+  of it.
+
+    space     the gradients of two fits (resolution.c)
+    operator  the defect of momentum and mass (defect.c), which sees inconsistent forms, varying
+              viscosities, boundaries and surfaces
+    time      the steps (src/flow/acceleration.c; of moving particles, their paths too)
+
+  Space and operator see the same error where the form is consistent. The defect is the better
+  estimate if it is larger; otherwise their geometric mean stands, because both are logarithmically
+  spread about the true error. docs/results/trust.md compares them with the true errors of flows.
+*/
+#include "defect.h"
+
+#define TRUSTED 0.05 /* largest estimated error of a velocity that can be trusted [-] */
+#define AT_REST 1e-3 /* speed below which errors are relative to this share of U [U] */
+
+static const char *const names[TRUST_PARTS] = {"error_space", "error_operator", "error_time"};
+static const char *const words[TRUST_PARTS] = {"space", "operator", "time"};
+
+/* Combines the parts to the error of the velocity. */
+static void Combine(Trust *trust)
+{
+  const PetscReal *part  = trust->part;
+  PetscReal        space = part[TRUST_OPERATOR];
+
+  if (space < part[TRUST_SPACE]) space = PetscSqrtReal(space * part[TRUST_SPACE]);
+  trust->error = space + part[TRUST_TIME];
+  trust->worst = part[TRUST_OPERATOR] > part[TRUST_SPACE] ? TRUST_OPERATOR : TRUST_SPACE;
+  if (part[TRUST_TIME] > space) trust->worst = TRUST_TIME;
+}
+
+/*
+  TrustMeasure - Estimates the error of the velocity, and reports it with its parts, and 1 if it is
+  at most TRUSTED, otherwise 0
+
+  Collective. Errors are root mean squares over that of the velocity, or over AT_REST U of a slower
+  fluid.
+*/
+PetscErrorCode TrustMeasure(const Flow *flow, Report *report)
+{
+  const PetscReal scale = PetscMax(FlowRmsSpeed(flow), AT_REST * flow->scene->speed);
+  Trust          *trust = &report->trust;
+  Resolution      resolution;
+  Defect          defect;
+  PetscReal       error;
+
+  PetscFunctionBegin;
+  PetscCall(ResolutionEstimate(flow, &resolution));
+  PetscCall(DefectCreate(flow, &defect));
+  PetscCall(DefectError(flow, &defect, &error));
+  PetscCall(DefectDestroy(&defect));
+  for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) trust->x[a] = resolution.x[a];
+  trust->part[TRUST_SPACE]    = resolution.error;
+  trust->part[TRUST_OPERATOR] = error / scale;
+  trust->part[TRUST_TIME]     = resolution.path + flow->state->acceleration.time_error / scale;
+  Combine(trust);
+  PetscCall(ReportAddError(report, "velocity_l2_estimate", trust->error));
+  for (PetscInt k = 0; k < TRUST_PARTS; k++)
+    PetscCall(ReportAddError(report, names[k], trust->part[k]));
+  PetscCall(ReportAdd(report, "trust", trust->error <= TRUSTED ? 1.0 : 0.0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes the advice that follows from the cause of the error. */
+static PetscErrorCode Advise(const Flow *flow, const Trust *trust, char text[], size_t length)
+{
+  const LaplacianRow *row = flow->ops->forms.visc.row;
+  char                place[128];
+
+  PetscFunctionBegin;
+  if (trust->worst == TRUST_TIME) {
+    PetscCall(PetscStrncpy(text, "try a smaller -dt or -cfl", length));
+  } else if (trust->worst == TRUST_OPERATOR && row && !(row->properties & FORM_EXACT_QUADRATIC)) {
+    PetscCall(PetscSNPrintf(text, length,
+                            "-visc_laplacian %s does not follow every velocity; try its default, "
+                            "or a larger -n",
+                            row->name));
+  } else {
+    PetscCall(PetscSNPrintf(text, length, "gradients are worst near (%s); try -n %.0f",
+                            ScenePlaceText(flow->scene, trust->x, place),
+                            PetscCeilReal(flow->scene->n * PetscSqrtReal(trust->error / TRUSTED))));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  TrustView - Prints a line if the velocity of the last measurement cannot be trusted
+
+  Collective on the viewer. The error is of order dx^2, which gives the number -n of the line.
+*/
+PetscErrorCode TrustView(const Flow *flow, const Report *report, PetscViewer viewer)
+{
+  const Trust *trust = &report->trust;
+  char         advice[256];
+
+  PetscFunctionBegin;
+  if (trust->error <= TRUSTED) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Advise(flow, trust, advice, sizeof(advice)));
+  PetscCall(PetscViewerASCIIPrintf(viewer,
+                                   "not trusted: the estimated error of the velocity is %.2g %%, "
+                                   "most of it by %s, and should be "
+                                   "at most %.0f %%; %s\n",
+                                   100.0 * (double)trust->error, words[trust->worst],
+                                   100.0 * TRUSTED, advice));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

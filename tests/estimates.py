@@ -1,0 +1,81 @@
+#!/usr/bin/env python3
+"""Tests that a run says how far its velocity can be trusted, and why not.
+
+    estimates.py ISPH...
+
+ISPH... is the program, followed by the words that start it on several ranks, with {} for their number. Exact solutions
+of the flows are typed, so that the report has the true error beside the estimate. Flows that the operators represent
+exactly are trusted; errors by the form, by the step and by the start are found and named."""
+import os
+import subprocess
+import sys
+
+ROOT = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
+CHANNEL = ("-case scene -scene_periodic x -scene_box 0,0,0.5,1 -viscosity 1 -without convection -body_force 8,0 "
+           "-scene_exact 4*y*(1-y),0 -n 16")
+EXACT = {  # flows whose fits are exact: estimate below 1e-6, whatever their particles
+    "channel": CHANNEL + " -t_end 1",
+    "channel, coupled": CHANNEL + " -scheme coupled -steady",
+    "shear, jitter": "-case scene -scene_periodic x -scene_wall_top_velocity 1,0 -scene_exact y,0 -viscosity 1 "
+                     "-without convection -scheme coupled -steady -n 12 -jitter 0.2",
+    "at rest": "-case hydrostatic -n 12",
+    "puddle": "-case scene -scene_free top -scene_periodic x -body_force 0,-1 -viscosity 0.1 -n 10 -t_end 0.1",
+}
+CLOSE = {  # flow: (cause of the error, options); the estimate within a factor of 4
+    "inconsistent form": ("operator", CHANNEL + " -visc_laplacian cleary -t_end 1"),
+    "vortices": ("space", "-case taylor_green -n 24 -t_end 0.5"),
+    "fixed vortices": ("space", "-case taylor_green -n 24 -t_end 0.5 -motion eulerian"),
+    "long steps": ("time", f"-options_file {ROOT}/options/womersley.opts -n 16 -dt 0.03"),
+}
+VIOLATED = {  # not trusted: the reason is the same in all of them
+    "drop in a cavity": "-case scene -without convection -viscosity 1 -scene_wall_top_velocity 1,0 -scene_fluid_1 "
+                        "circle,0.5,0.6,0.15 -scene_fluid_1_viscosity 1e-3 -n 24 -scheme coupled -steady",
+    "Bingham between cylinders": "-case scene -scene_box -0.65,-0.65,0.65,0.65 -scene_body_1 circle,0,0,0.5 "
+                                 "-scene_body_1_around -scene_body_2 circle,0,0,0.25 -scene_body_2_rotation 1 "
+                                 "-viscosity 1 -without convection -rheology papanastasiou -rheology_yield 4 -n 20 "
+                                 "-scheme coupled -steady",
+    "anti-diffusive form": CHANNEL + " -visc_laplacian direct -t_end 1",
+}
+PARTS = ("error_space", "error_operator", "error_time")
+
+
+def run(command, options, ranks=1):
+    isph, *mpi = command
+    start = [word.replace("{}", str(ranks)) for word in mpi] + [isph] if ranks > 1 else [isph]
+    done = subprocess.run([*start, *options.split(), "-progress", "none"], capture_output=True, text=True, check=False)
+    if done.returncode:
+        sys.exit(f"{options}: status {done.returncode}: {done.stderr.strip()}")
+    rows = [line.split() for line in done.stdout.partition("\nquantity ")[2].partition("\n\n")[0].splitlines()[1:]]
+    return {row[0]: float(row[1]) for row in rows if len(row) == 4 and row[1] not in ("-", "value")}, done.stdout
+
+
+def check(holds, sentence):
+    if not holds:
+        sys.exit(sentence)
+
+
+def main():
+    command = sys.argv[1:]
+    for name, options in EXACT.items():
+        report, text = run(command, options)
+        estimate = report["velocity_l2_estimate"]
+        check(estimate < 1e-6 and report["trust"] == 1.0 and "not trusted" not in text, f"{name}: estimate {estimate}")
+    for name, (cause, options) in CLOSE.items():
+        report, text = run(command, options)
+        error, estimate = report["velocity_l2"], report["velocity_l2_estimate"]
+        check(error / 4 < estimate < 4 * error, f"{name}: error {error}, estimate {estimate}")
+        if report["trust"] == 0.0:
+            check(f"most of it by {cause}" in text, f"{name}: the cause is not {cause}: {text}")
+        else:
+            check(max(PARTS, key=report.get) == f"error_{cause}" or cause == "space", f"{name}: {report}")
+    for name, options in VIOLATED.items():
+        report, text = run(command, options)
+        check(report["trust"] == 0.0 and "not trusted: " in text, f"{name}: trusted, {report}")
+    one, three = (run(command, "-case taylor_green -n 16 -t_end 0.2", ranks)[0] for ranks in (1, 3))
+    for part in PARTS:
+        check(abs(one[part] - three[part]) <= 0.02 * one["velocity_l2_estimate"], f"{part}: {one[part]}, {three[part]}")
+
+
+if __name__ == "__main__":
+    os.environ.setdefault("OMPI_MCA_rmaps_base_oversubscribe", "1")
+    main()
