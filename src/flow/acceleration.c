@@ -56,8 +56,9 @@ static PetscErrorCode AddDerivatives(const Flow *flow, PetscInt a, PetscReal sum
   PetscCall(VecGetArrayRead(s->u[a], &now));
   PetscCall(VecGetArrayRead(s->u_prev[a], &earlier));
   for (PetscInt i = 0; i < flow->particles->n_fluid; i++) {
-    const PetscReal first  = (next[i] - now[i]) / dt;
-    const PetscReal second = 2.0 * (first - (now[i] - earlier[i]) / before) / (dt + before);
+    const PetscReal first = (next[i] - now[i]) / dt;
+    const PetscReal second =
+        before > 0.0 ? 2.0 * (first - (now[i] - earlier[i]) / before) / (dt + before) : first / dt;
 
     sum[0] += ParticlesWeight(flow->particles, i) * PetscSqr(first);
     sum[1] += ParticlesWeight(flow->particles, i) * PetscSqr(second);
@@ -69,7 +70,7 @@ static PetscErrorCode AddDerivatives(const Flow *flow, PetscInt a, PetscReal sum
 }
 
 /* Computes |u'| and |u''| of the present step: of the velocity of fixed particles, of its root mean
-   square with moving ones. */
+   square with moving ones. In the first step u'' is u'/dt. */
 static PetscErrorCode Derivatives(const Flow *flow, PetscReal derivative[2])
 {
   const Acceleration *acceleration = &flow->state->acceleration;
@@ -80,7 +81,9 @@ static PetscErrorCode Derivatives(const Flow *flow, PetscReal derivative[2])
   derivative[0] = derivative[1] = 0.0;
   if (SceneMoves(flow->scene)) {
     derivative[0] = (FlowRmsSpeed(flow) - speed[0]) / dt;
-    derivative[1] = 2.0 * (derivative[0] - (speed[0] - speed[1]) / before) / (dt + before);
+    derivative[1] = derivative[0] / dt;
+    if (before > 0.0)
+      derivative[1] = 2.0 * (derivative[0] - (speed[0] - speed[1]) / before) / (dt + before);
     for (PetscInt k = 0; k < 2; k++) derivative[k] = PetscAbsReal(derivative[k]);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -101,7 +104,7 @@ static PetscErrorCode AccelerationEnd(Flow *flow)
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(KeepRate(flow, a, weight, k));
-  if (clock->step > 1 && (clock->step < SAMPLE || clock->step % SAMPLE == 0)) {
+  if (clock->step < SAMPLE || clock->step % SAMPLE == 0) {
     const PetscReal now = clock->t + clock->dt;
     PetscReal       error;
 
@@ -109,7 +112,10 @@ static PetscErrorCode AccelerationEnd(Flow *flow)
     error = clock->order > 1 ? PetscSqr(clock->dt) / 3.0 * derivative[1]
                              : 0.5 * clock->dt * derivative[0];
     if (derivative[0] > 0.0) decay += derivative[1] / derivative[0];
+    if (FlowRmsSpeed(flow) > 0.0 && acceleration->speed[0] > FlowRmsSpeed(flow))
+      decay += (acceleration->speed[0] / FlowRmsSpeed(flow) - 1.0) / clock->dt;
     acceleration->time_error *= PetscExpReal(-decay * (now - acceleration->sampled));
+    if (clock->step < 2) acceleration->time_error = 0.0; /* the first step knows no u'' */
     acceleration->time_error = PetscMax(acceleration->time_error, error);
     acceleration->sampled    = now;
   }
@@ -118,10 +124,14 @@ static PetscErrorCode AccelerationEnd(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Notes the speed at the start of the run. */
 static PetscErrorCode AccelerationBegin(Flow *flow)
 {
-  (void)flow;
-  return PETSC_SUCCESS;
+  PetscReal *speed = flow->state->acceleration.speed;
+
+  PetscFunctionBegin;
+  if (flow->clock->step == 0) speed[0] = speed[1] = FlowRmsSpeed(flow);
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscBool Advances(const Flow *flow)

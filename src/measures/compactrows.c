@@ -12,7 +12,6 @@
 
 #define REACH 1.8  /* Q: all neighbours around a particle of a lattice, diagonal ones too [dx] */
 #define CLOSE 0.1  /* least distance of a boundary [dx] */
-#define FIRST 0.75 /* depth that no wall particle of the first layer has [dx] */
 #define RIDGE 1e-3 /* for particles with neighbours on one line only [-] */
 
 /* Returns w at a squared distance. */
@@ -47,22 +46,27 @@ static PetscErrorCode Reserve(PetscInt dim, PetscInt n, CompactRows *rows)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds F to the point of wall particle j on its boundary, if that gives the velocity. */
-static void AddWall(const Flow *flow, PetscInt i, PetscInt j, PetscReal c, CompactRows *rows)
+/*
+  Returns sum F/V_i of particle i to boundaries that give the velocity: 1/(2 d dx) at the distance
+  d < dx, so that 2 F is that of a cell beside a wall at d = dx/2
+*/
+static PetscReal WallConductance(const Flow *flow, PetscInt i)
 {
-  const Particles *p    = flow->particles;
-  const PetscInt   side = (PetscInt)p->side[j];
-  PetscReal        point[ISPH_MAX_DIM], q2 = 0.0;
+  const Scene     *scene = flow->scene;
+  const Particles *p     = flow->particles;
+  WallPlane        planes[SCENE_MAX_BOUNDARIES];
+  PetscReal        x[ISPH_MAX_DIM] = {0.0}, sum = 0.0;
+  PetscInt         n = 0;
 
-  if (p->depth[j] > FIRST * p->dx[j]) return;
-  if (!BoundaryIs(flow->scene, side, BOUNDARY_NO_SLIP) &&
-      !BoundaryIs(flow->scene, side, BOUNDARY_INFLOW))
-    return;
-  ParticlesWallPoint(p, j, point);
-  for (PetscInt a = 0; a < p->dim; a++)
-    q2 += PetscSqr(ParticlesStretch(p, a, i) * (point[a] - p->x[a][i]) / p->dx[i]);
-  q2 = PetscMax(q2, PetscSqr(CLOSE));
-  rows->wall[i] += c * PairWeight(q2) / (q2 * PetscSqr(p->dx[i]));
+  for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+  if (SceneHas(scene, PHYSICS_WALLS)) SceneWallPlanes(scene, x, p->dx[i], planes, &n);
+  for (PetscInt k = 0; k < n; k++) {
+    if (!BoundaryIs(scene, planes[k].side, BOUNDARY_NO_SLIP) &&
+        !BoundaryIs(scene, planes[k].side, BOUNDARY_INFLOW))
+      continue;
+    sum += 0.5 / (PetscMax(planes[k].distance, CLOSE * p->dx[i]) * p->dx[i]);
+  }
+  return sum;
 }
 
 /* Returns the square of the distance of particles i and j in spacings of i. */
@@ -111,10 +115,9 @@ PetscErrorCode CompactRowAdd(const Flow *flow, PetscInt i, CompactRows *rows)
 
   PetscFunctionBegin;
   PetscCall(Reserve(dim, k + nb->row[i + 1] - nb->row[i], rows));
-  rows->wall[i] = 0.0;
+  rows->wall[i] = WallConductance(flow, i);
   for (PetscInt q = nb->row[i]; q < nb->row[i + 1]; q++) {
-    if (ParticlesIsWall(p, nb->col[q])) AddWall(flow, i, nb->col[q], c, rows);
-    else k = AddNeighbor(p, i, nb->col[q], c, k, rows, M);
+    if (!ParticlesIsWall(p, nb->col[q])) k = AddNeighbor(p, i, nb->col[q], c, k, rows, M);
   }
   for (PetscInt a = 0; a < dim; a++) M[a * dim + a] += RIDGE * PetscSqr(p->dx[i]);
   rows->row[i + 1] = k;

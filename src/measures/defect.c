@@ -13,10 +13,11 @@
 */
 #include "defect.h"
 
-#define SLAB   512  /* particles whose rows of neighbours are kept at once */
-#define DEGREE 3    /* of the fits */
-#define SURE   1e-3 /* pivot of a fit that its points determine well [-] */
-#define WIDE   2.4  /* radius in which a lattice determines fits of degree 4 [dx] */
+#define SLAB    512  /* particles whose rows of neighbours are kept at once */
+#define DEGREE  3    /* of the fits */
+#define SURE    1e-3 /* pivot of a fit that its points determine well [-] */
+#define TANGENT 1e-3 /* relative distance of the secant that stands for a tangent [-] */
+#define WIDE    2.4  /* radius in which a lattice determines fits of degree 4 [dx] */
 
 /* Returns true if the viscous force is nu lap u of one fit. */
 static PetscBool FitsLaplacian(const Flow *flow)
@@ -36,27 +37,42 @@ static PetscBool HasSound(const Flow *flow)
   return flow->scheme->density ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Sets viscosity and stress S at own particle i from the gradient A of its velocity; S without the
-   viscous part if it is not needed. */
+/* Returns the slope of the stress over the strain rate, d(nu g)/dg, by which the stress follows an
+   error of the velocity [m^2/s]. */
+static PetscReal TangentViscosity(const Rheology *rheology, PetscReal rate)
+{
+  const PetscReal low = (1.0 - TANGENT) * rate, high = (1.0 + TANGENT) * rate;
+
+  if (!(rate > 0.0)) return RheologyViscosity(rheology, rate);
+  return (high * RheologyViscosity(rheology, high) - low * RheologyViscosity(rheology, low)) /
+         (high - low);
+}
+
+/* Sets stress S and tangent viscosity at own particle i from the gradient A of its velocity; S
+   without the viscous part if it is not needed. */
 static void SetStress(const Flow *flow, PetscInt i, const PetscReal A[], PetscBool viscous,
                       PetscReal *const S[], PetscReal *nu)
 {
   const Scene     *scene  = flow->scene;
   const Particles *p      = flow->particles;
   const PetscInt   dim    = p->dim;
-  PetscReal        square = 0.0;
+  PetscReal        square = 0.0, own;
 
   for (PetscInt a = 0; a < dim; a++) {
     for (PetscInt b = 0; b < dim; b++) square += 0.5 * PetscSqr(A[a * dim + b] + A[b * dim + a]);
   }
-  *nu = 0.0;
+  *nu = own = 0.0;
   if (SceneHas(scene, PHYSICS_VISCOSITY)) {
-    if (!SceneIsNewtonian(scene)) *nu = RheologyViscosity(&scene->rheology, PetscSqrtReal(square));
-    else *nu = p->nu ? p->nu[i] : scene->nu;
+    own = p->nu ? p->nu[i] : scene->nu;
+    *nu = own;
+    if (!SceneIsNewtonian(scene)) {
+      own = RheologyViscosity(&scene->rheology, PetscSqrtReal(square));
+      *nu = TangentViscosity(&scene->rheology, PetscSqrtReal(square));
+    }
   }
   for (PetscInt a = 0; a < dim; a++) {
     for (PetscInt b = 0; viscous && b < dim; b++)
-      S[a][i * dim + b] = *nu * (A[a * dim + b] + A[b * dim + a]);
+      S[a][i * dim + b] = own * (A[a * dim + b] + A[b * dim + a]);
     if (p->p && !HasSound(flow)) S[a][i * dim + a] -= p->p[i] / scene->rho;
   }
 }

@@ -16,7 +16,7 @@ typedef struct {
 typedef struct {
   PetscReal  *momentum[ISPH_MAX_DIM]; /* [m/s^2] */
   PetscReal  *mass;                   /* div u [1/s] */
-  PetscReal  *nu;                     /* viscosity of local particles [m^2/s] */
+  PetscReal  *nu;                     /* tangent viscosity of local particles [m^2/s] */
   CompactRows rows;
 } Defect;
 

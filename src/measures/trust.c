@@ -14,7 +14,7 @@
 #include "defect.h"
 
 #define TRUSTED 0.05 /* largest estimated error of a velocity that can be trusted [-] */
-#define AT_REST 1e-3 /* speed below which errors are relative to this share of U [U] */
+#define AT_REST 1e-2 /* speed below which errors are relative to this share of U [U] */
 
 static const char *const names[TRUST_PARTS] = {"error_space", "error_operator", "error_time"};
 static const char *const words[TRUST_PARTS] = {"space", "operator", "time"};
@@ -36,7 +36,7 @@ static void Combine(Trust *trust)
   at most TRUSTED, otherwise 0
 
   Collective. Errors are root mean squares over that of the velocity, or over AT_REST U of a slower
-  fluid.
+  fluid. That of the operators is over the sum of both, the most that the true velocity can be.
 */
 PetscErrorCode TrustMeasure(const Flow *flow, Report *report)
 {
@@ -53,7 +53,7 @@ PetscErrorCode TrustMeasure(const Flow *flow, Report *report)
   PetscCall(DefectDestroy(&defect));
   for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) trust->x[a] = resolution.x[a];
   trust->part[TRUST_SPACE]    = resolution.error;
-  trust->part[TRUST_OPERATOR] = error / scale;
+  trust->part[TRUST_OPERATOR] = error / (scale + error);
   trust->part[TRUST_TIME]     = resolution.path + flow->state->acceleration.time_error / scale;
   Combine(trust);
   PetscCall(ReportAddError(report, "velocity_l2_estimate", trust->error));

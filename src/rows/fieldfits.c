@@ -69,9 +69,8 @@ static void AddProducts(const FieldGradients *of, const Stencil *st, PetscReal *
   PetscReal       *A = of->gradient + (l * of->n_fields + f) * st->dim;
 
   for (PetscInt k = 0; k < st->n; k++) {
-    const PetscReal y = st->equation[k] == EQUATION_VALUE
-                            ? v[st->j[k] * of->stride] - v[st->i * of->stride]
-                            : 0.0;
+    const PetscReal y =
+        st->equation[k] == EQUATION_VALUE ? v[st->j[k] * of->stride] - v[st->i * of->stride] : 0.0;
 
     for (PetscInt a = 0; a < st->dim; a++) A[a] += g[a][k] * y;
     if (of->laplacian) of->laplacian[l * of->n_fields + f] += st->fit.laplacian[k] * y;

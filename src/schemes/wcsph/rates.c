@@ -305,6 +305,23 @@ PetscErrorCode WcsphRates(Flow *flow, Wcsph *w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds component a of the viscous acceleration that the TS has advanced by itself. */
+static PetscErrorCode AddImplicitViscosity(Flow *flow, PetscInt a, PetscReal rate[])
+{
+  const PetscScalar *lap;
+  Vec                y;
+
+  PetscFunctionBegin;
+  PetscCall(FlowGetWork(flow, &y));
+  PetscCall(AffineApply(&OperatorsOfVelocity(flow->ops, a)->visc, flow->state->u[a],
+                        flow->walls.u[a], y));
+  PetscCall(VecGetArrayRead(y, &lap));
+  for (PetscInt i = 0; i < flow->particles->n_fluid; i++) rate[i] += flow->scene->nu * lap[i];
+  PetscCall(VecRestoreArrayRead(y, &lap));
+  PetscCall(FlowRestoreWork(flow, &y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* WcsphAccelerate - Computes the accelerations of own fluid at the present positions [m/s^2];
    collective. Note: needs the rows of neighbours. */
 PetscErrorCode WcsphAccelerate(const Flow *flow, PetscReal *const rate[])
@@ -325,7 +342,10 @@ PetscErrorCode WcsphAccelerate(const Flow *flow, PetscReal *const rate[])
   w->rate        = rates;
   w->first_stage = PETSC_FALSE;
   PetscCall(WcsphRates(w->flow, w));
-  for (PetscInt a = 0; a < d; a++) PetscCall(PetscArraycpy(rate[a], rates + (d + a) * n, n));
+  for (PetscInt a = 0; a < d; a++) {
+    PetscCall(PetscArraycpy(rate[a], rates + (d + a) * n, n));
+    if (w->implicit) PetscCall(AddImplicitViscosity(w->flow, a, rate[a]));
+  }
   w->t           = t;
   w->divergence  = divergence;
   w->first_stage = first;
