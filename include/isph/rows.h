@@ -350,8 +350,8 @@ typedef enum {
   FIELD_STRESS          /* no equations of boundaries; the softer of two fluids counts */
 } FieldKind;
 
-/* Gradients of fields at own fluid particles first, ..., first + count - 1 by fits. Field f of local
-   particle j is value[f][j stride]. */
+/* Gradients of fields at own fluid particles first, ..., first + count - 1 by fits. Field f of
+   local particle j is value[f][j stride]. */
 typedef struct {
   FieldKind        kind; /* of velocities, the fields are its components */
   PetscInt         first, count, degree, n_fields, stride;

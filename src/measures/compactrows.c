@@ -6,7 +6,8 @@
     V_i (lap f)_i = sum_j F_ij (f_j - f_i),   F_ij = c (V_i w(q_ij) + V_j w(q_ji))/r_ij^2,
     w(q) = (1 - (q/Q)^2)^2,
 
-  with q_ij the distance in spacings of i, V the weight of a particle and c that of a lattice. The gradient is exact for linear fields.
+  with q_ij the distance in spacings of i, V the weight of a particle and c that of a lattice. The
+  gradient is exact for linear fields.
 */
 #include "defect.h"
 

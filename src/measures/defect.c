@@ -7,9 +7,9 @@
   a is Du/Dt by the formula of the step (src/flow/acceleration.c), w the velocity of particles, and
   nu the law of the fluid at the gradients found here. All derivatives are those of cubic fits:
   those of u have the conditions of boundaries, those of S none. With a uniform viscosity the
-  Laplacian of the fit of u stands for its part of div S, because one fit has less noise than two. On
-  a lattice with few neighbours it would be blind: by symmetry a cubic fit has there the Laplacian
-  of a quadratic fit. See docs/theory.md, (377).
+  Laplacian of the fit of u stands for its part of div S, because one fit has less noise than two.
+  On a lattice with few neighbours it would be blind: by symmetry a cubic fit has there the
+  Laplacian of a quadratic fit. See docs/theory.md, (377).
 */
 #include "defect.h"
 
@@ -137,8 +137,12 @@ static PetscErrorCode FitStress(const Flow *flow, PetscReal *const S[], Defect *
 {
   const Particles *p   = flow->particles;
   const PetscInt   dim = p->dim;
-  FieldGradients   of  = {
-         .kind = FIELD_STRESS, .degree = DEGREE, .stride = dim, .weak = SURE, .n_fields = dim * dim};
+  FieldGradients   of  = {.kind     = FIELD_STRESS,
+                          .degree   = DEGREE,
+                          .stride   = dim,
+                          .weak     = SURE,
+                          .n_fields = dim * dim,
+                          .first    = 0};
 
   PetscFunctionBegin;
   for (PetscInt f = 0; f < of.n_fields; f++) of.value[f] = S[f / dim] + f % dim;

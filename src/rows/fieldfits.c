@@ -112,8 +112,8 @@ static PetscErrorCode Clear(PetscInt dim, const FieldGradients *of)
   OperatorsFitGradients - Computes gradients of fields at a range of particles by fits of a degree
 
   Not collective. The fits have the neighbours of the operators, with the equations of boundaries on
-  the surface for a velocity, and none for a stress. If the neighbours do not determine a degree, the
-  next lower one stands.
+  the surface for a velocity, and none for a stress. If the neighbours do not determine a degree,
+  the next lower one stands.
 
   Input/Output Parameter:
 . of - in: range, degree and fields; out: gradients, Laplacians, and whether the degree is

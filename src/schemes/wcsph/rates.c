@@ -326,8 +326,8 @@ static PetscErrorCode AddImplicitViscosity(Flow *flow, PetscInt a, PetscReal rat
    collective. Note: needs the rows of neighbours. */
 PetscErrorCode WcsphAccelerate(const Flow *flow, PetscReal *const rate[])
 {
-  Wcsph          *w     = (Wcsph *)flow->scheme->data;
-  const PetscReal t     = w->t, divergence = w->divergence;
+  Wcsph          *w = (Wcsph *)flow->scheme->data;
+  const PetscReal t = w->t, divergence = w->divergence;
   const PetscBool first = w->first_stage;
   const PetscInt  n = flow->particles->n_fluid, d = flow->scene->dim;
   PetscReal      *rates;
@@ -335,7 +335,8 @@ PetscErrorCode WcsphAccelerate(const Flow *flow, PetscReal *const rate[])
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(w->components * n, &rates));
   PetscCall(WcsphReserve(w->flow, w));
-  for (PetscInt a = 0; a < d; a++) PetscCall(PetscArraycpy(w->local.u[a], flow->particles->u[a], n));
+  for (PetscInt a = 0; a < d; a++)
+    PetscCall(PetscArraycpy(w->local.u[a], flow->particles->u[a], n));
   PetscCall(PetscArraycpy(w->local.rho, w->rho, n));
   if (w->e) PetscCall(PetscArraycpy(w->local.e, w->e, n));
   w->t           = flow->clock->t;
