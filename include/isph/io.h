@@ -36,7 +36,7 @@ typedef struct {
 } Resolution;
 
 /* Parts of the estimated error, see src/measures/trust.c. */
-typedef enum { TRUST_SPACE, TRUST_OPERATOR, TRUST_TIME, TRUST_PARTS } TrustPart;
+typedef enum { TRUST_SPACE, TRUST_OPERATOR, TRUST_TIME, TRUST_BALANCE, TRUST_PARTS } TrustPart;
 typedef struct {
   PetscReal error;                 /* of the velocity, root mean square over that of it [-] */
   PetscReal part[TRUST_PARTS];     /* the same by a single cause [-] */

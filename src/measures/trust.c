@@ -6,18 +6,20 @@
     operator  the defect of momentum and mass (defect.c), which sees inconsistent forms, varying
               viscosities, boundaries and surfaces
     time      the steps (src/flow/acceleration.c; of moving particles, their paths too)
+    balance   the worst row of the balance sheet, if it is out of its bound
 
   Space and operator see the same error where the form is consistent. The defect is the better
   estimate if it is larger; otherwise their geometric mean stands, because both are logarithmically
   spread about the true error. docs/results/trust.md compares them with the true errors of flows.
 */
 #include "defect.h"
+#include "isph/balance.h"
 
 #define TRUSTED 0.05 /* largest estimated error of a velocity that can be trusted [-] */
 #define AT_REST 1e-2 /* speed below which errors are relative to this share of U [U] */
 
-static const char *const names[TRUST_PARTS] = {"error_space", "error_operator", "error_time"};
-static const char *const words[TRUST_PARTS] = {"space", "operator", "time"};
+static const char *const names[TRUST_BALANCE] = {"error_space", "error_operator", "error_time"};
+static const char *const words[TRUST_PARTS]   = {"space", "operator", "time", "balance"};
 
 /* Combines the parts to the error of the velocity. */
 static void Combine(Trust *trust)
@@ -29,6 +31,21 @@ static void Combine(Trust *trust)
   trust->error = space + part[TRUST_TIME];
   trust->worst = part[TRUST_OPERATOR] > part[TRUST_SPACE] ? TRUST_OPERATOR : TRUST_SPACE;
   if (part[TRUST_TIME] > space) trust->worst = TRUST_TIME;
+  if (part[TRUST_BALANCE] > trust->error) {
+    trust->error = part[TRUST_BALANCE];
+    trust->worst = TRUST_BALANCE;
+  }
+}
+
+/* Returns the worst value of the balance sheet over its bound, in units of an error that cannot be
+   trusted; zero if all balances are kept. */
+static PetscReal BalanceError(const Flow *flow)
+{
+  const char *name;
+  PetscReal   value, bound;
+
+  if (!BalanceWorst(flow, &name, &value, &bound) || !(value > bound)) return 0.0;
+  return PetscMax(value, TRUSTED * value / bound);
 }
 
 /*
@@ -55,9 +72,10 @@ PetscErrorCode TrustMeasure(const Flow *flow, Report *report)
   trust->part[TRUST_SPACE]    = resolution.error;
   trust->part[TRUST_OPERATOR] = error / (scale + error);
   trust->part[TRUST_TIME]     = resolution.path + flow->state->acceleration.time_error / scale;
+  trust->part[TRUST_BALANCE]  = BalanceError(flow);
   Combine(trust);
   PetscCall(ReportAddError(report, "velocity_l2_estimate", trust->error));
-  for (PetscInt k = 0; k < TRUST_PARTS; k++)
+  for (PetscInt k = 0; k < TRUST_BALANCE; k++) /* the sheet reports its own */
     PetscCall(ReportAddError(report, names[k], trust->part[k]));
   PetscCall(ReportAdd(report, "trust", trust->error <= TRUSTED ? 1.0 : 0.0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -70,7 +88,9 @@ static PetscErrorCode Advise(const Flow *flow, const Trust *trust, char text[], 
   char                place[128];
 
   PetscFunctionBegin;
-  if (trust->worst == TRUST_TIME) {
+  if (trust->worst == TRUST_BALANCE) {
+    PetscCall(PetscStrncpy(text, "see the balances below", length));
+  } else if (trust->worst == TRUST_TIME) {
     PetscCall(PetscStrncpy(text, "try a smaller -dt or -cfl", length));
   } else if (trust->worst == TRUST_OPERATOR && row && !(row->properties & FORM_EXACT_QUADRATIC)) {
     PetscCall(PetscSNPrintf(text, length,
