@@ -25,7 +25,7 @@ CLOSE = {  # flow: (cause of the error, options); the estimate within a factor o
     "inconsistent form": ("operator", CHANNEL + " -visc_laplacian cleary -t_end 1"),
     "vortices": ("space", "-case taylor_green -n 24 -t_end 0.5"),
     "fixed vortices": ("space", "-case taylor_green -n 24 -t_end 0.5 -motion eulerian"),
-    "long steps": ("time", f"-options_file {ROOT}/options/womersley.opts -n 16 -dt 0.03"),
+    "long steps": ("time", f"-options_file {ROOT}/options/womersley.opts -n 16 -dt 0.015 -motion eulerian"),
 }
 VIOLATED = {  # not trusted: the reason is the same in all of them
     "drop in a cavity": "-case scene -without convection -viscosity 1 -scene_wall_top_velocity 1,0 -scene_fluid_1 "

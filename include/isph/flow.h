@@ -206,7 +206,7 @@ typedef struct {
 
 /* Violations of the balances, relative to their scales. */
 typedef struct {
-  PetscBool applies[BALANCES];
+  PetscInt  applies[BALANCES];
   PetscReal value[BALANCES]; /* positive or zero [-] */
   PetscReal t[BALANCES];     /* their times [s] */
   Flight    flight;

@@ -38,20 +38,20 @@ typedef struct {
 /* Parts of the estimated error, see src/measures/trust.c. */
 typedef enum { TRUST_SPACE, TRUST_OPERATOR, TRUST_TIME, TRUST_BALANCE, TRUST_PARTS } TrustPart;
 typedef struct {
-  PetscReal error;                 /* of the velocity, root mean square over that of it [-] */
-  PetscReal part[TRUST_PARTS];     /* the same by a single cause [-] */
-  TrustPart worst;                 /* the cause of most of it */
-  PetscReal x[ISPH_MAX_DIM];       /* place of the largest error of the gradient [m] */
+  PetscReal error;             /* of the velocity, root mean square over that of it [-] */
+  PetscReal part[TRUST_PARTS]; /* the same by a single cause [-] */
+  TrustPart worst;             /* the cause of most of it */
+  PetscReal x[ISPH_MAX_DIM];   /* place of the largest error of the gradient [m] */
 } Trust;
 
 struct Report {
-  Quantity  *quantity;
-  PetscInt   n, capacity;
-  PetscReal  t;                        /* time of the quantities that are added next [s] */
-  char       not_finite[32];           /* first quantity that is not finite; empty: none */
-  Trust      trust;                    /* at the last time */
-  PetscBool  data_absent;              /* a file of the reference data was not found */
-  char       file[PETSC_MAX_PATH_LEN]; /* file of all runs; empty: none */
+  Quantity *quantity;
+  PetscInt  n, capacity;
+  PetscReal t;                        /* time of the quantities that are added next [s] */
+  char      not_finite[32];           /* first quantity that is not finite; empty: none */
+  Trust     trust;                    /* at the last time */
+  PetscBool data_absent;              /* a file of the reference data was not found */
+  char      file[PETSC_MAX_PATH_LEN]; /* file of all runs; empty: none */
 };
 PetscErrorCode ReportCreate(Report **report);
 PetscErrorCode ReportDestroy(Report **report);

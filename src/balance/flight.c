@@ -105,7 +105,7 @@ static void Note(const Means *mean, PetscInt of, PetscReal scale, Flow *flow)
   for (PetscInt a = 0; a < 3; a++)
     square += PetscSqr(mean->of[of][a] - sheet->flight.start[of][a] - sheet->flight.given[of][a]);
   value                = PetscSqrtReal(square) / scale;
-  sheet->applies[kind] = PETSC_TRUE;
+  sheet->applies[kind] = 1;
   if (value > sheet->value[kind]) BalanceSet(kind, value, flow->clock->t + flow->clock->dt, sheet);
 }
 
@@ -180,6 +180,8 @@ PetscErrorCode FlightRemember(const Scene *scene, Scheme *scheme)
   PetscCall(MemoryAddReal(&scheme->memory, "flight_speed", &f->speed));
   PetscCall(MemoryAddReal(&scheme->memory, "flight_momentum", &sheet->value[BALANCE_MOMENTUM]));
   PetscCall(MemoryAddReal(&scheme->memory, "flight_angular", &sheet->value[BALANCE_ANGULAR]));
+  PetscCall(MemoryAddInt(&scheme->memory, "flew", &sheet->applies[BALANCE_MOMENTUM]));
+  PetscCall(MemoryAddInt(&scheme->memory, "turned", &sheet->applies[BALANCE_ANGULAR]));
   for (PetscInt k = 0; k < 2 * ISPH_MAX_DIM; k++) {
     PetscCall(PetscSNPrintf(name, sizeof(name), "flight_start_%d", (int)k));
     PetscCall(MemoryAddReal(&scheme->memory, name, &f->start[k / ISPH_MAX_DIM][k % ISPH_MAX_DIM]));

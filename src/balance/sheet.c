@@ -70,7 +70,7 @@ const BalanceRow BalanceRows[BALANCES] = {
    of any sign, relative to its scale [-]; t - its time [s]. */
 void BalanceSet(BalanceKind kind, PetscReal value, PetscReal t, BalanceSheet *sheet)
 {
-  sheet->applies[kind] = PETSC_TRUE;
+  sheet->applies[kind] = 1;
   sheet->value[kind]   = PetscAbsReal(value);
   sheet->t[kind]       = t;
 }

@@ -183,7 +183,7 @@ const Stage StageError = {
 };
 
 static const Observer *const observers[] = {&ObserverAverage, &ObserverBudget, &ObserverFlight,
-                                          &ObserverAcceleration};
+                                            &ObserverAcceleration};
 
 /* Lists the observers that apply to a flow. */
 static PetscErrorCode ListObservers(Flow *flow)

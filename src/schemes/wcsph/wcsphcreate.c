@@ -342,6 +342,6 @@ PetscErrorCode WcsphCreate(Flow *flow)
   PetscCall(AddFigures(flow->scheme, w));
   flow->scheme->density    = &w->rho;
   flow->scheme->Accelerate = WcsphAccelerate;
-  flow->scheme->variant = (const TableRow *)(const void *)w->equation;
+  flow->scheme->variant    = (const TableRow *)(const void *)w->equation;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
