@@ -37,15 +37,22 @@ static void Combine(Trust *trust)
   }
 }
 
-/* Returns the worst value of the balance sheet over its bound, in units of an error that cannot be
-   trusted; zero if all balances are kept. */
+/* Returns the largest violation of a balance that an error of the velocity makes, at least an error
+   that cannot be trusted; zero if these balances are kept. Forces may err where the velocity does
+   not: their balances have notes of their own. */
 static PetscReal BalanceError(const Flow *flow)
 {
-  const char *name;
-  PetscReal   value, bound;
+  const BalanceSheet *sheet = &flow->scheme->sheet;
+  PetscReal           most  = 0.0;
 
-  if (!BalanceWorst(flow, &name, &value, &bound) || !(value > bound)) return 0.0;
-  return PetscMax(value, TRUSTED * value / bound);
+  for (PetscInt k = 0; k < BALANCES; k++) {
+    const PetscReal value = sheet->value[k], bound = BalanceRows[k].bound;
+
+    if (k == BALANCE_FORCE || k == BALANCE_TORQUE) continue;
+    if (!sheet->applies[k] || !(value > bound)) continue;
+    most = PetscMax(most, PetscMax(value, TRUSTED * value / bound));
+  }
+  return most;
 }
 
 /*
