@@ -218,12 +218,22 @@ static void SetRow(Flow *flow, PetscInt of, PetscReal square, PetscReal noise, c
   BalanceSet(kind, rest / (l->size[of] + noise), flow->clock->t, &flow->scheme->sheet);
 }
 
+/* Returns the least scale of forces on an area: the stress of the velocity over the length of the
+   scene, which a rigid rotation has not, and rounding [Pa]. */
+static PetscReal ForceScale(const Flow *flow)
+{
+  const Scene    *scene  = flow->scene;
+  const PetscReal stress = scene->nu_low * FlowRmsSpeed(flow) / scene->length;
+
+  return scene->rho * (stress + 1e-12 * PetscSqr(scene->speed));
+}
+
 /* Sets the rows of forces and torques. A periodic axis has no middle, so that torques about the
    others have no balance. */
 static void SetForces(Flow *flow, const Ledger *l)
 {
   const Scene    *scene     = flow->scene;
-  const PetscReal noise     = 1e-12 * scene->rho * PetscSqr(scene->speed) * l->area;
+  const PetscReal noise     = ForceScale(flow) * l->area;
   PetscReal       square[2] = {0.0};
   PetscBool       turns     = PETSC_FALSE;
 
