@@ -53,6 +53,10 @@ for words in (["-help"], ["-h"], ["--help"], ["-case", "patch", "-n", "abc", "-h
 found = isph("-help", "VISCOSITY")
 assert "  -viscosity " in found and "  -rheology_viscosity_min " in found and "  -case " not in found, found
 assert "  -body_force " in isph("-help", "gravity") and "no option has" in isph("-help", "nonsense")
+# Steps of two hundred diffusion times reach a steady pressure slowly by the incremental projection, at once by the coupled scheme.
+slow = ("-case", "cavity", "-reynolds", "1", "-motion", "eulerian", "-n", "12", "-dt", "200", "-t_end", "2000")
+assert "not steady: steps are 2e+02 times" in isph(*slow, "-projection", "incremental")
+assert "not steady" not in isph(*slow, "-scheme", "coupled")
 petsc = isph("-n", "12", "-help", "petsc")
 assert petsc.startswith(isph("-help")), petsc[:2000]
 for option in ("-ppe_ksp_gmres_restart", "-visc_ts_max_snes_failures", "-log_view"):

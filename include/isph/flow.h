@@ -158,8 +158,8 @@ typedef struct {
 typedef struct {
   PetscReal start, count; /* start of the window [s]; number of its steps so far */
   PetscReal sum[3];       /* of the root mean squares of u, div u* and p, relative [-] */
-  PetscReal mean[3];      /* over the last window [-] */
-  PetscReal divergence;   /* root mean square of div u* in the last step [1/s] */
+  PetscReal mean[3];    /* over the last window; fixed particles: changes in the step before [-] */
+  PetscReal divergence; /* root mean square of div u* in the last step [1/s] */
 } SteadyTest;
 
 /* The bound on the velocity that follows from driving forces and walls; see
@@ -435,6 +435,7 @@ PetscErrorCode SolenoidalNorm(const Scene *scene, const Particles *particles, co
                               PetscReal *norm);
 PetscReal      FlowRmsSpeed(const Flow *flow);
 PetscErrorCode SteadyMeasure(Flow *flow);
+PetscErrorCode SteadyView(const Flow *flow, PetscViewer viewer);
 PetscErrorCode SteadyRemember(Scheme *scheme);
 PetscErrorCode SteadyRefuse(const Flow *flow, const char projection[], PetscBool rotational);
 PetscErrorCode TimeErrorStart(Flow *flow);

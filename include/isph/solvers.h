@@ -31,6 +31,7 @@ typedef struct {
   char        mat_type[64];       /* for MatConvert(): -<prefix>mat_type, or MATSAME */
   char        where[CLOCK_WHERE]; /* the present step, for messages */
   PetscBool   symmetric;          /* the matrix is symmetric */
+  PetscBool   flat; /* particles fill a plane, whose matrices have factors with few entries */
   PetscBool   approximate;  /* the preconditioner is of another matrix, even a factorisation */
   PetscBool   inner;        /* part of a nonlinear solve, which checks its own residual instead */
   PetscInt    max_in_a_row; /* allowed fallbacks in a row; -1: no fallback */

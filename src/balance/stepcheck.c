@@ -202,7 +202,7 @@ PetscErrorCode FlowCheck(Flow *flow)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt k = 0; k < s->n_solves; k++) s->solve[k]->iterations_sum += s->solve[k]->iterations;
-  if (clock->steady_tol > 0.0) PetscCall(SteadyMeasure(flow));
+  PetscCall(SteadyMeasure(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -3,6 +3,9 @@
 */
 #include "isph/flow.h"
 
+#define LONG    10.0 /* steps beyond it are no steps in time [time scale of the flow] */
+#define SETTLED 0.02 /* distance from a steady flow that counts as none [-] */
+
 /* Computes the root mean square of a vector over the volume of the fluid: docs/theory.md, (119). */
 static PetscErrorCode RootMeanSquare(const Particles *p, Vec v, PetscReal *rms)
 {
@@ -79,6 +82,7 @@ static PetscErrorCode MeasureFixed(Flow *flow)
     PetscCall(RootMeanSquare(flow->particles, s->divergence, &div));
     PetscCall(RmsDifference(flow, s->p_before, s->p, &dp));
   }
+  for (PetscInt k = 0; k < 3; k++) test->mean[k] = stats->change[k];
   stats->change[0] = PetscSqrtReal(sum) * scale / scene->speed;
   stats->change[1] = PetscAbsReal(div - test->divergence) * scale * scene->length / scene->speed;
   stats->change[2] = dp * scale / PressureScale(scene);
@@ -124,12 +128,64 @@ static PetscErrorCode MeasureMoving(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SteadyMeasure - Measures the rates of change of the flow and sets stats.change; collective */
+/* Returns true if a step is much longer than the time scale of the flow, so that it serves to reach
+   a steady flow only. */
+static PetscBool IsLong(const Flow *flow)
+{
+  return flow->clock->dt > LONG * TimeScale(flow->scene) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* SteadyMeasure - Measures the rates of change of the flow and sets stats.change, if -steady_tol is
+   given or the step is long; collective */
 PetscErrorCode SteadyMeasure(Flow *flow)
 {
+  const PetscBool tests = flow->clock->steady_tol > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+
   PetscFunctionBegin;
-  if (SceneMoves(flow->scene)) PetscCall(MeasureMoving(flow));
+  if (!tests && (!IsLong(flow) || flow->clock->steady_solve)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (tests && SceneMoves(flow->scene)) PetscCall(MeasureMoving(flow));
   else PetscCall(MeasureFixed(flow));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns the distance of a quantity from its limit, if its last changes are the first terms of a
+   geometric series. */
+static PetscReal Distance(PetscReal now, PetscReal before)
+{
+  const PetscReal ratio = now < before ? now / before : 1.0;
+
+  return now * ratio / PetscMax(1.0 - ratio, 1e-3);
+}
+
+/*
+  SteadyView - Prints a line if the last step was much longer than the time scale of the flow, and
+  the flow is still far from steady
+
+  Collective on the viewer. Steps of many diffusion times are taken to reach a steady flow. The
+  changes may be small in each step and far from their sum: the pressure, and forces with it, can
+  need hundreds of such steps. Prints nothing about flows whose driving depends on time.
+*/
+PetscErrorCode SteadyView(const Flow *flow, PetscViewer viewer)
+{
+  const Clock      *clock  = flow->clock;
+  const PetscReal  *now    = flow->scheme->stats.change;
+  const SteadyTest *test   = &flow->scheme->steady;
+  const PetscReal   period = SceneDrivingPeriod(flow->scene, clock->t, clock->dt, 0.0);
+  PetscReal         u, p;
+
+  PetscFunctionBegin;
+  if (clock->steady_solve || clock->steady || clock->step < 3 || !IsLong(flow) ||
+      clock->steady_tol > 0.0 || period < PETSC_INFINITY)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  u = Distance(now[0], test->mean[0]);
+  p = Distance(now[2], test->mean[2]);
+  if (!(PetscMax(u, p) > SETTLED)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscViewerASCIIPrintf(
+      viewer,
+      "not steady: steps are %.2g times the time scale of the flow, and the last changes leave the "
+      "velocity about %.2g %% of U and the pressure %.2g %% of its scale from steady; try more "
+      "steps, or -scheme coupled\n",
+      (double)(clock->dt / TimeScale(flow->scene)), 100.0 * (double)u, 100.0 * (double)p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

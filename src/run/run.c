@@ -328,6 +328,7 @@ static PetscErrorCode RunReport(Run *run, const char status[], PetscBool measure
   PetscCall(PetscTime(&now));
   if (measured) PetscCall(ReportView(run->report, now - run->started, PETSC_VIEWER_STDOUT_WORLD));
   if (measured) PetscCall(TrustView(&run->flow, run->report, PETSC_VIEWER_STDOUT_WORLD));
+  if (measured) PetscCall(SteadyView(&run->flow, PETSC_VIEWER_STDOUT_WORLD));
   PetscCall(BalancesView(&run->flow, PETSC_VIEWER_STDOUT_WORLD));
   PetscCall(RunPrintFigures(run->flow.scheme));
   PetscCall(ReportWrite(&run->flow, run->report, now - run->started, status));

@@ -65,6 +65,14 @@ static const struct {
     {KSPGMRES, PCLU, 20000, PETSC_TRUE},
 };
 
+#define FLAT_MOST 6 /* times as many rows of a flat system have factors of the same size */
+
+/* Returns the largest number of rows for a fallback; 0: any. */
+static PetscInt MostRows(PetscInt k, const Guard *guard)
+{
+  return guard->flat ? FLAT_MOST * levels[k].most : levels[k].most;
+}
+
 /* Creates the solver of a fallback when it is first needed. */
 static PetscErrorCode FallbackLevel(KSP ksp, PetscInt k, Guard *guard)
 {
@@ -89,9 +97,10 @@ static PetscErrorCode FallbackLevel(KSP ksp, PetscInt k, Guard *guard)
 
 /* Checks if a fallback is the failed method itself, is too expensive, or needs a parallel
    factorisation that this PETSc lacks. */
-static PetscErrorCode FallbackSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBool nested,
+static PetscErrorCode FallbackSkips(const Guard *guard, PetscInt k, PetscInt rows, PetscBool nested,
                                     PetscBool *skips)
 {
+  const KSP   ksp = guard->solve.ksp;
   PetscBool   same_ksp, same_pc;
   PetscMPIInt ranks;
   PC          pc;
@@ -101,7 +110,7 @@ static PetscErrorCode FallbackSkips(KSP ksp, PetscInt k, PetscInt rows, PetscBoo
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PetscObjectTypeCompare((PetscObject)ksp, levels[k].ksp, &same_ksp));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, levels[k].pc, &same_pc));
-  *skips = (same_ksp && same_pc) || (levels[k].most && rows > levels[k].most) ||
+  *skips = (same_ksp && same_pc) || (levels[k].most && rows > MostRows(k, guard)) ||
                    (nested && !levels[k].nested) ||
                    (levels[k].most && ranks > 1 && !PetscDefined(HAVE_MUMPS))
                ? PETSC_TRUE
@@ -142,12 +151,13 @@ PetscErrorCode FallbackSolve(Vec b, Vec x, Guard *guard, PetscBool *solved)
   PetscCall(MatGetSize(A, &rows, NULL));
   if (guard->Flatten) {
     PetscCall(PetscObjectTypeCompare((PetscObject)P, MATNEST, &nested));
-    if (!nested || rows <= levels[FALLBACK_LEVELS - 1].most) PetscCall(guard->Flatten(P, &flat));
+    if (!nested || rows <= MostRows(FALLBACK_LEVELS - 1, guard))
+      PetscCall(guard->Flatten(P, &flat));
   }
   for (PetscInt k = 0; k < FALLBACK_LEVELS && !*solved; k++) {
     PetscBool skips = PETSC_FALSE;
 
-    PetscCall(FallbackSkips(ksp, k, rows, nested, &skips));
+    PetscCall(FallbackSkips(guard, k, rows, nested, &skips));
     if (skips) continue;
     PetscCall(FallbackLevel(ksp, k, guard));
     PetscCall(KSPReset(guard->level[k]));
