@@ -46,34 +46,37 @@ static PetscReal Extremum(PetscInt n, const PetscReal value[], PetscReal sign)
   return sign * bend < 0.0 ? value[best] - 0.5 * slope * slope / bend : value[best];
 }
 
+/* Reports an extremum of values divided by U, and its reference, times U. */
 static PetscErrorCode AddExtremum(const char name[], const PetscReal value[], PetscReal sign,
-                                  PetscReal reference, Report *report)
+                                  PetscReal reference, PetscReal U, Report *report)
 {
-  const PetscReal scale = PetscIsNanReal(reference) ? 1.0 : PetscAbsReal(reference);
+  const PetscReal scale = U * (PetscIsNanReal(reference) ? 1.0 : PetscAbsReal(reference));
 
   PetscFunctionBegin;
-  PetscCall(ReportAddReference(report, name, Extremum(LINE_POINTS, value, sign), reference, scale));
+  PetscCall(ReportAddReference(report, name, U * Extremum(LINE_POINTS, value, sign), U * reference,
+                               scale));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
   CentrelineExtrema - Reports u_min on the vertical centreline, v_max and v_min on the horizontal
-  centreline, divided by U
+  centreline [m/s]
 
-  Collective. Input: reference of each value, NaN without a reference.
+  Collective. Input: reference of each value over U, NaN without a reference [-].
 */
 PetscErrorCode CentrelineExtrema(const Flow *flow, PetscReal u_min, PetscReal v_max,
                                  PetscReal v_min, Report *report)
 {
-  PetscReal s[LINE_POINTS], value[LINE_POINTS];
+  const PetscReal U = flow->scene->speed;
+  PetscReal       s[LINE_POINTS], value[LINE_POINTS];
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < LINE_POINTS; k++) s[k] = (PetscReal)k / (LINE_POINTS - 1);
   PetscCall(SampleLine(flow, 1, 0, LINE_POINTS, s, value));
-  PetscCall(AddExtremum("u_min", value, -1.0, u_min, report));
+  PetscCall(AddExtremum("u_min", value, -1.0, u_min, U, report));
   PetscCall(SampleLine(flow, 0, 1, LINE_POINTS, s, value));
-  PetscCall(AddExtremum("v_max", value, 1.0, v_max, report));
-  PetscCall(AddExtremum("v_min", value, -1.0, v_min, report));
+  PetscCall(AddExtremum("v_max", value, 1.0, v_max, U, report));
+  PetscCall(AddExtremum("v_min", value, -1.0, v_min, U, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

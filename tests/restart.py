@@ -12,11 +12,13 @@
     restart.py other ISPH          a run restarts with other -report_times and another -output
     restart.py probes ISPH         a probe file that cannot be continued ends the run and stays unchanged
     restart.py particles ISPH      a run started from the particles of a snapshot equals the original run
+    restart.py finished ISPH       the restart of a finished run writes new outputs; locks of other programs hold nobody up
     restart.py scene ISPH          a restart with another box, other sides, bodies or viscosities is refused
     restart.py disk ISPH           a run on a full disk prints a single line of error, and all its files are complete
 
 ISPH... is the program, followed by the words that start it on several ranks, with {} for their number."""
 import csv
+import ctypes
 import glob
 import os
 import random
@@ -26,6 +28,7 @@ import signal
 import struct
 import subprocess
 import sys
+import xml.dom.minidom
 import time
 
 from random_input.hdf5 import Contents
@@ -55,10 +58,10 @@ def start(command, folder="."):
                             text=True)
 
 
-def run(command, folder=".", good=True):
+def run(command, folder=".", good=True, timeout=None):
     """Runs a command to its end, asserts that it succeeds or fails as expected, and returns its stderr."""
     done = start(command, folder)
-    error = done.communicate()[1]
+    error = done.communicate(timeout=timeout)[1]
     assert (done.returncode == 0) == good, (command, done.returncode, error)
     return error
 
@@ -238,7 +241,7 @@ def damage(isph):
     refused("density.h5", data, "the file has another density", "-density", "5")
     refused("start.h5", data, "started from other places", "-jitter", "0.2")
     refused("given.h5", data, "started from other places", "-particles", "s_0000.h5")
-    refused("motion.h5", data, "this run needs", "-motion", "eulerian")
+    refused("motion.h5", data, "other quantities", "-motion", "eulerian")
     contents = Contents(bytearray(data))
     for begin, end in contents.sealed:  # HDF5's metadata, which have checksums
         place = (begin + end) // 2
@@ -281,6 +284,28 @@ def particles(isph):
     run([*flow, "-particles", "s_0000.h5", "-report", "given.csv"])
     energies = [number(report(path), "kinetic_energy") for path in ("lattice.csv", "given.csv")]
     assert abs(energies[0] - energies[1]) < 1e-6 * energies[0], energies
+    for options, words in ((["-n", "24"], "times the volume of the fluid"),
+                           (["-n", "16", "-rheology", "newtonian"], "a data set 'viscosity'")):
+        error = run([isph, "-case", "poiseuille", "-particles", "s_0000.h5", *options], good=False)
+        assert error.startswith("isph: -particles s_0000.h5: ") and words in error, error
+
+
+def finished(isph):
+    """Checks that the restart of a finished run writes the outputs that its first run did not, and that a lock which another
+    program has left on the name of a file holds nobody up."""
+    flow = [isph, "-n", "12", "-max_steps", "3", "-progress", "none"]
+    lock = ctypes.CDLL(None)
+    lock.sem_open.argtypes = [ctypes.c_char_p, ctypes.c_int, ctypes.c_uint, ctypes.c_uint]
+    lock.sem_open(b"/OMPIO_locked.h5.part", os.O_CREAT, 0o644, 0)
+    try:
+        run([*flow, "-checkpoint", "locked.h5"], timeout=60)
+    finally:
+        lock.sem_unlink(b"/OMPIO_locked.h5.part")
+    run([*flow, "-restart", "locked.h5", "-output", "o&p.h5", "-probe_line", "0.5,0,0.5,1,11"])
+    with open("probe_line.csv") as file:
+        assert len(file.readlines()) == 12
+    assert os.path.exists("o&p_0000.h5")
+    xml.dom.minidom.parse("o&p.xdmf")
 
 
 def refused(flow, options, words):
@@ -356,7 +381,8 @@ def disk(isph):
 
 def main():
     tests = {"kill": kill, "bitwise": bitwise, "ranks": ranks, "term": term, "status": status, "damage": damage,
-             "other": other, "probes": probes, "particles": particles, "scene": scene, "disk": disk}
+             "other": other, "probes": probes, "particles": particles, "finished": finished, "scene": scene,
+             "disk": disk}
     tests[sys.argv[1]](*sys.argv[2:])
 
 

@@ -9,8 +9,8 @@ import os
 import subprocess
 import sys
 
-POWER = {  # powers of length, time and mass in the reported quantities; velocities of the cavity are divided by U
-    "u_min": (0, 0, 0), "v_max": (0, 0, 0), "v_min": (0, 0, 0), "kinetic_energy": (2, -2, 1),
+POWER = {  # powers of length, time and mass in the reported quantities
+    "u_min": (1, -1, 0), "v_max": (1, -1, 0), "v_min": (1, -1, 0), "kinetic_energy": (2, -2, 1),
     "divergence_max": (0, -1, 0), "linear_momentum": (1, -1, 1),
     "velocity_l2_estimate": (0, 0, 0), "error_space": (0, 0, 0), "error_operator": (0, 0, 0),
     "error_time": (0, 0, 0), "trust": (0, 0, 0), "mach": (0, 0, 0), "density_variation": (0, 0, 0),

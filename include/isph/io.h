@@ -114,6 +114,7 @@ const char             *MonitorsBase(const Monitors *monitors);
 PetscErrorCode          MonitorsDestroy(Monitors **monitors);
 PetscErrorCode          MonitorsRestart(PetscReal t, Monitors *monitors);
 PetscErrorCode          MonitorsWrite(const Flow *flow, Monitors *monitors);
+PetscErrorCode          MonitorsBegin(const Flow *flow, Monitors *monitors);
 PetscInt                MonitorsCount(const Monitors *monitors);
 void                    MonitorsGet(const Monitors *monitors, PetscReal values[]);
 PetscErrorCode          MonitorsSet(Monitors *monitors, PetscInt n, const PetscReal values[]);

@@ -80,13 +80,16 @@ static void NameFolder(void)
 }
 
 /*
-  PrepareMpi - Restricts the start of MPI of a program without a launcher to the parts that a single
-  rank uses
+  PrepareMpi - Restricts the start of MPI: to no locks that the computer shares, and without a
+  launcher to the parts that a single rank uses
 
   Not collective; called before MPI_Init(). Variables that the user has set stay.
 */
 void PrepareMpi(void)
 {
+  /* It locks each file by a semaphore of the computer with the file's name, whatever its folder: two
+     users with equal names disturb each other, and a run killed in it blocks all later ones. */
+  (void)setenv("OMPI_MCA_sharedfp", "^sm", 0);
   if (HasLauncher()) return;
   if (!getenv(settings[0][0])) NameFolder();
   for (size_t k = 0; k < sizeof(settings) / sizeof(settings[0]); k++)

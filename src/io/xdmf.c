@@ -9,6 +9,23 @@
 #define XDMF_INT32  "NumberType=\"Int\" Precision=\"4\""
 #define XDMF_INT64  "NumberType=\"Int\" Precision=\"8\""
 
+/* Writes a name with the entities of XML for its marks. */
+static void XmlName(const char name[], size_t length, char text[])
+{
+  static const char *const entities[] = {"&&amp;", "<&lt;", ">&gt;", "\"&quot;"};
+  size_t                   n          = 0;
+
+  for (; *name && n + 8 < length; name++) {
+    const char *entity = NULL;
+
+    for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(entities); k++)
+      if (*name == entities[k][0]) entity = entities[k] + 1;
+    if (entity) n += (size_t)snprintf(text + n, length - n, "%s", entity);
+    else text[n++] = *name;
+  }
+  text[n] = '\0';
+}
+
 /* Writes a data item, which refers to a data set in the file of a snapshot. */
 static void XdmfItem(FILE *f, const char indent[], const char file[], const char set[],
                      const char type[], PetscInt N, PetscInt columns)
@@ -35,11 +52,12 @@ static void XdmfAttribute(FILE *f, const char file[], const Flow *flow, const Sn
   fprintf(f, "        </Attribute>\n");
 }
 
-/* Writes the grid of a snapshot; file names are relative to the index. */
+/* Writes the grid of a snapshot; file names, in which marks are entities, are relative to the
+   index. */
 static void XdmfGrid(FILE *f, const char name[], const Flow *flow, const Snapshot *snapshot)
 {
   const PetscInt N = snapshot->N, dim = flow->particles->dim;
-  char           file[PETSC_MAX_PATH_LEN];
+  char           file[2 * PETSC_MAX_PATH_LEN];
 
   (void)snprintf(file, sizeof(file), "%s_%04d.h5", name, (int)snapshot->number);
   fprintf(f, "      <Grid Name=\"%s_%04d\" GridType=\"Uniform\">\n", name, (int)snapshot->number);
@@ -76,7 +94,7 @@ static void XdmfGrid(FILE *f, const char name[], const Flow *flow, const Snapsho
 PetscErrorCode XdmfWrite(const char base[], const Flow *flow, PetscInt n,
                          const Snapshot snapshots[], PetscBool *good)
 {
-  char  path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN];
+  char  path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN], text[PETSC_MAX_PATH_LEN - 32];
   char *name;
   FILE *f;
   int   status;
@@ -85,12 +103,13 @@ PetscErrorCode XdmfWrite(const char base[], const Flow *flow, PetscInt n,
   PetscCall(PetscSNPrintf(path, sizeof(path), "%s.xdmf", base));
   PetscCall(PetscSNPrintf(part, sizeof(part), "%s.xdmf.part", base));
   PetscCall(PetscStrrchr(base, '/', &name)); /* the whole of base if it has no slash */
+  XmlName(name, sizeof(text), text);
   *good = PETSC_FALSE;
   f     = FileOpen(part, "w");
   if (!f) PetscFunctionReturn(PETSC_SUCCESS);
   fprintf(f, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n");
-  fprintf(f, "    <Grid Name=\"%s\" GridType=\"Collection\" CollectionType=\"Temporal\">\n", name);
-  for (PetscInt k = 0; k < n; k++) XdmfGrid(f, name, flow, &snapshots[k]);
+  fprintf(f, "    <Grid Name=\"%s\" GridType=\"Collection\" CollectionType=\"Temporal\">\n", text);
+  for (PetscInt k = 0; k < n; k++) XdmfGrid(f, text, flow, &snapshots[k]);
   fprintf(f, "    </Grid>\n  </Domain>\n</Xdmf>\n");
   status = ferror(f);
   if (fclose(f) || status || !FileReplace(part, path)) PetscFunctionReturn(PETSC_SUCCESS);

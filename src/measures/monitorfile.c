@@ -89,6 +89,7 @@ PetscErrorCode MonitorGoOn(const MonitorKind *kind, PetscReal t, Monitor *monito
   monitor->opened = PETSC_TRUE;
   if (there) PetscCall(MonitorVerdict(monitor->path, good));
   else PetscCall(MonitorOpen(kind, monitor));
+  monitor->begins = there ? PETSC_FALSE : PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -295,6 +295,23 @@ PetscErrorCode MonitorsWrite(const Flow *flow, Monitors *m)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* MonitorsBegin - Writes the rows of the present time to files that a restarted run has created, as
+   at the start of any other run; collective */
+PetscErrorCode MonitorsBegin(const Flow *flow, Monitors *m)
+{
+  PetscFunctionBegin;
+  for (size_t k = 0; k < MONITOR_KINDS; k++) {
+    Monitor *monitor = &m->of[k];
+
+    if (!monitor->on || !monitor->begins) continue;
+    PetscCall(FlowPrepareOutput(flow));
+    monitor->quiet = PETSC_FALSE;
+    PetscCall(kinds[k]->Write(flow, monitor));
+    PetscCall(MonitorFlush(monitor));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Copies the kind, the coordinates and the windows of a monitor to an array, if that is not NULL;
    returns the number of values. */
 static PetscInt MonitorPack(size_t kind, const Monitor *monitor, PetscReal values[])

@@ -15,6 +15,7 @@ typedef struct {
 /* The state of a kind of monitor in a run. */
 typedef struct {
   PetscBool  on, opened;
+  PetscBool  begins;    /* a restarted run has created its file */
   PetscInt   n;         /* points, lines or sections */
   PetscReal *parameter; /* their coordinates, as given */
   PetscInt   n_numbers; /* number of coordinates */

@@ -1,5 +1,9 @@
-/* Names of the files that a run writes: two options must not lead to the same file. */
+/*
+  Names of the files that a run writes or reads: two options must not lead to the same file, those of
+  PETSc's viewers included, and a checkpoint does not replace a file of another kind.
+*/
 #include "impl.h"
+#include "io/hdf5file.h"
 #include <fnmatch.h>
 #include <libgen.h>
 #include <stdlib.h>
@@ -51,29 +55,148 @@ static PetscErrorCode OutputPattern(const Run *run, const OutputName *row,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  RunCheckOutputs - Refuses two options that lead to the same file
+/* Options of the files that a run reads; it may continue the checkpoint that it restarts from. */
+static const char *const inputs[] = {"-options_file", "-options_file_yaml", "-particles",
+                                     "-forms_library", "-restart"};
 
-  Collective.
+/* A file that an option leads to, in its shortest form, or a pattern of such files. */
+typedef struct {
+  char      option[OPTION_LENGTH], pattern[3 * PETSC_MAX_PATH_LEN];
+  PetscBool read;
+} NamedFile;
+
+#define NAMED_MOST 64
+
+typedef struct {
+  NamedFile file[NAMED_MOST];
+  PetscInt  n;
+} NamedFiles;
+
+/* Adds a file; further ones than fit are not looked at. */
+static void AddFile(const char option[], const char pattern[], PetscBool read, NamedFiles *all)
+{
+  NamedFile *file = &all->file[all->n];
+
+  if (all->n == NAMED_MOST || !pattern[0]) return;
+  (void)snprintf(file->option, sizeof(file->option), "%s", option);
+  (void)snprintf(file->pattern, sizeof(file->pattern), "%s", pattern);
+  file->read = read;
+  all->n++;
+}
+
+/* Adds the file of a viewer of PETSc, type:file:format. */
+static void AddViewer(const char option[], const char value[], NamedFiles *all)
+{
+  const char *begin = strchr(value, ':');
+  char        name[PETSC_MAX_PATH_LEN], path[2 * PETSC_MAX_PATH_LEN];
+
+  if (!begin || !begin[1] || begin[1] == ':') return;
+  (void)snprintf(name, sizeof(name), "%s", begin + 1);
+  name[strcspn(name, ":")] = '\0';
+  Canonical(name, path);
+  AddFile(option, path, PETSC_FALSE, all);
+}
+
+/* Adds the files of all options that view or monitor, as `-log_view :file` and `-visc_mat_view
+   binary:file`. */
+static PetscErrorCode AddViewers(NamedFiles *all)
+{
+  char *text, *rest, *word, option[OPTION_LENGTH] = "";
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsGetAll(NULL, &text));
+  for (word = strtok_r(text, " ", &rest); word; word = strtok_r(NULL, " ", &rest)) {
+    if (word[0] == '-') (void)snprintf(option, sizeof(option), "%s", word);
+    else if (strstr(option, "view") || strstr(option, "monitor")) AddViewer(option, word, all);
+  }
+  PetscCall(PetscFree(text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Lists the files that the run writes and reads. */
+static PetscErrorCode ListFiles(const Run *run, NamedFiles *all)
+{
+  char pattern[3 * PETSC_MAX_PATH_LEN];
+
+  PetscFunctionBegin;
+  all->n = 0;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(names); k++) {
+    PetscCall(OutputPattern(run, &names[k], pattern));
+    AddFile(names[k].option, pattern, PETSC_FALSE, all);
+  }
+  PetscCall(AddViewers(all));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(inputs); k++) {
+    const char *typed;
+    PetscBool   given;
+
+    PetscCall(OptionTyped(inputs[k], &typed, &given));
+    if (!typed[0]) continue;
+    Canonical(typed, pattern);
+    AddFile(inputs[k], pattern, PETSC_TRUE, all);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns true if two options must not lead to these files. */
+static PetscBool Clash(const NamedFile *a, const NamedFile *b)
+{
+  if ((a->read && b->read) || !strcmp(a->option, b->option)) return PETSC_FALSE;
+  if (!strcmp(a->option, "-checkpoint") && !strcmp(b->option, "-restart")) return PETSC_FALSE;
+  return !fnmatch(a->pattern, b->pattern, 0) || !fnmatch(b->pattern, a->pattern, 0) ? PETSC_TRUE
+                                                                                    : PETSC_FALSE;
+}
+
+/* Refuses a file in the place of the checkpoint that is no checkpoint. */
+static PetscErrorCode KeepForeignFile(void)
+{
+  const char *path;
+  char        names_of[8];
+  PetscBool   given, good, there;
+  FILE       *f;
+  Hdf5File    file;
+
+  PetscFunctionBegin;
+  PetscCall(OptionTyped("-checkpoint", &path, &given));
+  if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  f     = FileOpen(path, "r");
+  there = f && fgetc(f) != EOF ? PETSC_TRUE : PETSC_FALSE;
+  if (f) (void)fclose(f);
+  PetscCall(FirstRankDecides(&there));
+  if (!there) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Hdf5FileOpen(PETSC_COMM_WORLD, path, &file));
+  good = file.file >= 0 ? PETSC_TRUE : PETSC_FALSE;
+  if (good) {
+    PetscCall(Hdf5ReadText(&file, "case", names_of, sizeof(names_of)));
+    PetscCall(Hdf5FileClose(&file, &good));
+  }
+  UserCheck(good, "-checkpoint %s: this file is there and is no checkpoint; give another name",
+            path);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  RunCheckOutputs - Refuses two options that lead to the same file, unless both only read it, and a
+  checkpoint in the place of another file
+
+  Collective. Nothing has been written before.
 */
 PetscErrorCode RunCheckOutputs(const Run *run)
 {
-  char pattern[PETSC_STATIC_ARRAY_LENGTH(names)][3 * PETSC_MAX_PATH_LEN];
+  NamedFiles *all;
 
   PetscFunctionBegin;
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(names); k++) {
-    PetscCall(OutputPattern(run, &names[k], pattern[k]));
-    for (size_t m = 0; m < k; m++) {
-      PetscBool same;
+  PetscCall(PetscNew(&all));
+  PetscCall(ListFiles(run, all));
+  for (PetscInt k = 0; k < all->n; k++) {
+    for (PetscInt m = 0; m < k; m++) {
+      PetscBool same = Clash(&all->file[m], &all->file[k]);
 
-      if (!pattern[k][0] || !pattern[m][0] || !strcmp(names[k].option, names[m].option)) continue;
-      same = !fnmatch(pattern[k], pattern[m], 0) || !fnmatch(pattern[m], pattern[k], 0)
-                 ? PETSC_TRUE
-                 : PETSC_FALSE;
       PetscCall(FirstRankDecides(&same)); /* its folders decide */
-      UserCheck(!same, "%s and %s lead to the same file; two names are required", names[m].option,
-                names[k].option);
+      UserCheck(!same, "%s and %s lead to the same file; two names are required",
+                all->file[m].option, all->file[k].option);
     }
   }
+  PetscCall(PetscFree(all));
+  PetscCall(KeepForeignFile());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

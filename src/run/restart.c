@@ -112,11 +112,12 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
             path, N_fluid, N_wall, dim, p->N_start[0], p->N_start[1], p->dim);
   PetscCall(CheckpointRecord(p, wanted, sizeof(wanted)));
   PetscCall(PetscStrcmp(names, wanted, &same));
-  UserCheck(same,
-            "-restart %s: the file holds %s, this run needs %s; use the same physics, -motion, "
-            "-spacing_wall, -wall_surface, -dt_adapt and -probe_budget, and give -pressure_average "
-            "and -surface_volume_rate above 0 in both runs or in none",
-            path, names, wanted);
+  UserCheck(
+      same,
+      "-restart %s: its particles have other quantities than those of this run; use the same "
+      "physics, -motion, -scheme, -spacing_wall, -wall_surface, -dt_adapt and -probe_budget, and "
+      "give -pressure_average and -surface_volume_rate above 0 in both runs or in none",
+      path);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

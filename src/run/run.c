@@ -140,6 +140,8 @@ PetscErrorCode RunBegin(Run *run)
   PetscCall(CheckpointsRestart(run, &restarted));
   if (restarted) {
     PetscCall(MonitorsRestart(run->flow.clock->t, run->monitors));
+    PetscCall(SnapshotsWrite(&run->flow, PETSC_FALSE, run->snapshots)); /* of a new series */
+    PetscCall(MonitorsBegin(&run->flow, run->monitors));
   } else {
     PetscCall(run->flow.scheme->row->Begin(&run->flow));
     if (run->flow.scheme->row->Start) PetscCall(run->flow.scheme->row->Start(&run->flow));

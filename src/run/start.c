@@ -4,6 +4,9 @@
 #include "io/hdf5file.h"
 
 #define START_CLOSEST 0.01 /* least distance of two particles, for fits to be meaningful [dx] */
+#define VOLUME_ERROR  0.01 /* of the particles of a file in a full box, relative [-] */
+#define VOLUME_ERROR_BODIES                                                                        \
+  0.05 /* the same with bodies, about which lattices have parts of cells */
 
 static const OptionRow options[] = {
     {
@@ -137,7 +140,7 @@ PetscErrorCode StartRead(Scene *scene, FluidStart *start, char path[])
 {
   Hdf5File  file;
   PetscInt  columns, *row;
-  PetscBool good;
+  PetscBool good, given_nu;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(start, sizeof(*start)));
@@ -148,6 +151,7 @@ PetscErrorCode StartRead(Scene *scene, FluidStart *start, char path[])
   PetscCheck(file.file >= 0, PETSC_COMM_WORLD, PETSC_ERR_FILE_OPEN,
              "-particles %s: is absent, no HDF5 file, or a truncated one", path);
   PetscCall(ReadParticles(scene->dim, &file, start, &columns, &row));
+  given_nu = start->nu ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(Hdf5FileClose(&file, &good));
   UserCheck(columns == scene->dim,
             "-particles %s: it needs a data set 'position' of N rows and %" PetscInt_FMT " columns",
@@ -161,6 +165,10 @@ PetscErrorCode StartRead(Scene *scene, FluidStart *start, char path[])
   PetscCallMPI(MPI_Exscan(&start->n, &start->first, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
   PetscCallMPI(MPI_Allreduce(&start->n, &start->N, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
   UserCheck(start->N > 0, "-particles %s: there is no fluid in it", path);
+  UserCheck(!given_nu || SceneViscosityVaries(scene),
+            "-particles %s: it has a data set 'viscosity', which this run does not use; add "
+            "-viscosity_field, whose value fluid that enters has, or remove the data set",
+            path);
   if (SceneViscosityVaries(scene) && SceneIsNewtonian(scene))
     PetscCall(SceneBoundGivenViscosity(start->nu ? start->n : 0, start->nu, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -180,15 +188,23 @@ PetscErrorCode StartFree(FluidStart *start)
   StartCheck - Prints the number and the closest distance of the user's particles; ends the run if
   two particles nearly coincide
 
-  Collective on PETSC_COMM_WORLD. Every particle has the volume of a lattice cell. Their number may
-  differ from the number of particles on a lattice, which is printed for comparison.
+  Collective on PETSC_COMM_WORLD. Every particle has the volume of a lattice cell, so that in a full
+  box of equal cells their number must be that of a lattice within VOLUME_ERROR; beside bodies
+  lattices differ by more. Regions that are filled share their volume among the particles.
 */
 PetscErrorCode StartCheck(const Scene *scene, const char path[], const Particles *p, Neighbors *nb)
 {
-  PetscReal closest = PetscSqr(nb->radius / nb->spacing);
+  const PetscReal most    = scene->n_bodies ? VOLUME_ERROR_BODIES : VOLUME_ERROR;
+  const PetscReal share   = (PetscReal)p->N_fluid / (PetscReal)PetscMax(p->N_lattice, 1);
+  PetscReal       closest = PetscSqr(nb->radius / nb->spacing);
 
   PetscFunctionBegin;
   if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  UserCheck(scene->n_filled || SceneIsGraded(scene) || PetscAbsReal(share - 1.0) <= most,
+            "-particles %s: its %" PetscInt_FMT
+            " particles have %.3g times the volume of the fluid, for which dx = %.4g needs "
+            "%" PetscInt_FMT "; give all particles, or the -n of their spacing",
+            path, p->N_fluid, (double)share, (double)scene->dx, p->N_lattice);
   PetscCall(NeighborsUpdate(p, 0.0, nb));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     for (PetscInt k = nb->row[i]; k < nb->row[i + 1]; k++) {
