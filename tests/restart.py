@@ -284,7 +284,7 @@ def particles(isph):
     run([*flow, "-particles", "s_0000.h5", "-report", "given.csv"])
     energies = [number(report(path), "kinetic_energy") for path in ("lattice.csv", "given.csv")]
     assert abs(energies[0] - energies[1]) < 1e-6 * energies[0], energies
-    for options, words in ((["-n", "24"], "times the volume of the fluid"),
+    for options, words in ((["-n", "24", "-rheology", "power_law", "-rheology_exponent", "0.5"], "times the volume of the fluid"),
                            (["-n", "16", "-rheology", "newtonian"], "a data set 'viscosity'")):
         error = run([isph, "-case", "poiseuille", "-particles", "s_0000.h5", *options], good=False)
         assert error.startswith("isph: -particles s_0000.h5: ") and words in error, error

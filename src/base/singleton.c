@@ -87,8 +87,8 @@ static void NameFolder(void)
 */
 void PrepareMpi(void)
 {
-  /* It locks each file by a semaphore of the computer with the file's name, whatever its folder: two
-     users with equal names disturb each other, and a run killed in it blocks all later ones. */
+  /* It locks each file by a semaphore of the computer with the file's name, whatever its folder:
+     two users with equal names disturb each other, and a killed run blocks all later ones. */
   (void)setenv("OMPI_MCA_sharedfp", "^sm", 0);
   if (HasLauncher()) return;
   if (!getenv(settings[0][0])) NameFolder();
