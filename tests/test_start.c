@@ -216,7 +216,8 @@ static void test_particles(void **state)
   assert_int_equal(ParticlesDestroy(&p), 0);
 }
 
-/* StartCheck() refuses two particles at nearly the same place, even on different ranks. */
+/* StartCheck() refuses two particles at nearly the same place, even on different ranks, and
+   particles that do not fill the box. */
 static void test_closest(void **state)
 {
   const WallPlacement walls = {0};
@@ -224,7 +225,7 @@ static void test_closest(void **state)
 
   (void)state;
   MakeScene(PETSC_FALSE, PETSC_FALSE, &scene);
-  for (PetscInt wrong = 0; wrong < 2; wrong++) {
+  for (PetscInt wrong = 0; wrong < 3; wrong++) {
     FluidStart     start;
     Given          given = GivenLattice();
     Particles     *p;
@@ -232,17 +233,19 @@ static void test_closest(void **state)
     PetscErrorCode code;
     char           message[512];
 
-    if (wrong) given.x[4][0] = given.x[3][0] + 0.001;
+    if (wrong == 1) given.x[4][0] = given.x[3][0] + 0.001;
     WriteGiven("closest.h5", &given);
     Read(&scene, "closest.h5", &start, message);
     assert_int_equal(ParticlesCreate(&scene, 0.5, &p), 0);
     assert_int_equal(ParticlesFill(&scene, walls, &start, p), 0);
     assert_int_equal(NeighborsCreate(0.5, scene.dx, &nb), 0);
+    if (wrong < 2) p->N_lattice = ROWS; /* as if they filled the box, which has room for 25 */
     assert_int_equal(PetscPushErrorHandler(CloudKeepMessage, message), 0);
     code = StartCheck(&scene, "closest.h5", p, nb);
     assert_int_equal(PetscPopErrorHandler(), 0);
-    assert_int_equal(code ? 1 : 0, wrong);
-    if (wrong) assert_non_null(strstr(message, "0.005 dx apart"));
+    assert_int_equal(code ? 1 : 0, wrong ? 1 : 0);
+    if (wrong == 1) assert_non_null(strstr(message, "0.005 dx apart"));
+    if (wrong == 2) assert_non_null(strstr(message, "times the volume of the fluid"));
     assert_int_equal(NeighborsDestroy(&nb), 0);
     assert_int_equal(StartFree(&start), 0);
     assert_int_equal(ParticlesDestroy(&p), 0);

@@ -52,7 +52,7 @@ def main():
         count(lines, event, 0)
     lines = output("-scheme", "wcsph", "-log_view", "-wcsph_ts_view")
     count(lines, "TS Object: flow (wcsph_)", 1)
-    count(lines, "PairRates", 1)
+    count(lines, "PairRates", 2)  # in the steps, and in the estimate of the error
     for event in "KSP", "PC", "SNES", "Mat", "Pressure", "Viscosity":
         count([line for line in lines if " 1.0 " in line], event, 0)  # events, not headings
     lines = output("-scheme", "coupled", "-motion", "eulerian", "-coupled_ksp_view",

@@ -88,7 +88,8 @@ int            ErrorsExit(PetscErrorCode code, const ErrorState *state);
 PetscErrorCode FirstRankDecides(PetscBool *verdict);
 PetscErrorCode SayLine(const char format[], ...) PETSC_ATTRIBUTE_FORMAT(1, 2);
 
-void PrepareMpi(void);
+void      PrepareMpi(void);
+PetscBool HasLauncher(void);
 
 PetscErrorCode PathBesideProgram(const char relative[], char path[PETSC_MAX_PATH_LEN]);
 

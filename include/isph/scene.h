@@ -234,6 +234,8 @@ PetscErrorCode SceneCheckFluids(const Scene *scene);
 PetscErrorCode SceneCheckFilled(const Scene *scene);
 PetscErrorCode SceneCheckGaps(const Scene *scene);
 PetscErrorCode SceneCheckInflow(const Scene *scene, PetscReal t);
+PetscErrorCode SceneCheckVelocities(const Scene *scene, PetscReal t);
+void           SceneDropFullRegions(Scene *scene);
 PetscErrorCode SceneReadOpenings(Scene *scene);
 PetscBool      SceneHasOpenings(const Scene *scene);
 PetscBool      BoundaryIsOpen(const Scene *scene, PetscInt side, const PetscReal x[]);

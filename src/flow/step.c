@@ -137,6 +137,7 @@ PetscErrorCode FlowMakeStep(Flow *flow)
   do {
     PetscCall(SchemeLimit(flow, &limit));
     PetscCall(ClockChoose(&limit, flow->clock));
+    PetscCall(SceneCheckVelocities(flow->scene, flow->clock->t + flow->clock->dt));
     PetscCall(AttemptBegin(flow));
     PetscCall(FlowStep(flow));
     PetscCall(ExpressionScopeCheck(flow->scene->scope));

@@ -37,6 +37,7 @@ struct Progress {
   PetscReal          start, last;   /* wall clock at creation and at the last line [s] */
   PetscReal          last_fraction; /* of the run, at the last line [-] */
   size_t             width;         /* of the last line, which the next line overwrites */
+  PetscInt           N;             /* particles in the first step of this process; 0: none yet */
 };
 
 /*
@@ -56,7 +57,7 @@ PetscErrorCode ProgressCreate(Progress **progress)
   PetscCall(OptionGetRow(&options[0], NULL, &(*progress)->row));
   PetscCall(PetscTime(&now));
   (*progress)->start    = (PetscReal)now;
-  (*progress)->terminal = isatty(STDOUT_FILENO) ? PETSC_TRUE : PETSC_FALSE;
+  (*progress)->terminal = isatty(STDOUT_FILENO) && !HasLauncher() ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -88,9 +89,23 @@ static PetscErrorCode ProgressDuration(PetscReal seconds, char text[], size_t le
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  Returns the time that the rest of the run takes if the cost is in proportion to the number of
+  particles, which changes linearly from n to N in the share `done` and goes on in the share `rest`
+
+  Particles enter and leave through openings.
+*/
+static PetscReal TimeLeft(PetscReal elapsed, PetscReal done, PetscReal rest, PetscReal n,
+                          PetscReal N)
+{
+  const PetscReal end = PetscMax(0.0, N + (N - n) * rest / done);
+
+  return elapsed * rest / done * (N + end) / (n + N);
+}
+
 /* Writes the progress line; it omits quantities that the run does not compute. */
 static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscReal elapsed,
-                                   char line[], size_t length)
+                                   PetscInt n, char line[], size_t length)
 {
   const StepStats *stats  = &flow->scheme->stats;
   const Clock     *clock  = flow->clock;
@@ -116,8 +131,9 @@ static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscRe
   PetscCall(PetscSNPrintf(part, sizeof(part), "  %.2f M/s", (double)rate));
   PetscCall(PetscStrlcat(line, part, length));
   if (fraction > before && fraction < 1.0) {
-    PetscCall(
-        ProgressDuration(elapsed * (1.0 - fraction) / (fraction - before), left, sizeof(left)));
+    PetscCall(ProgressDuration(TimeLeft(elapsed, fraction - before, 1.0 - fraction, (PetscReal)n,
+                                        (PetscReal)flow->particles->N_fluid),
+                               left, sizeof(left)));
     PetscCall(PetscSNPrintf(part, sizeof(part), "  left %s", left));
     PetscCall(PetscStrlcat(line, part, length));
   }
@@ -128,7 +144,8 @@ static PetscErrorCode ProgressLine(const Flow *flow, PetscReal fraction, PetscRe
   ProgressUpdate - Prints the progress line if it is due
 
   Not collective; the first rank prints. On a terminal the line replaces the last line at most four
-  times a second, otherwise a line is printed every 10 % of the run. Called after each step.
+  times a second, otherwise a line is printed every 10 % of the run. A launcher gives each rank a
+  terminal of its own, whatever it writes to. Called after each step.
 
   Input Parameters:
 + flow     - the flow, with the statistics of the step; M/s counts million particle-steps per second
@@ -148,11 +165,13 @@ PetscErrorCode ProgressUpdate(const Flow *flow, PetscBool final, Progress *progr
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   if (rank || !progress->row->shown) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!progress->N) progress->N = PetscMax(1, flow->particles->N_fluid);
   PetscCall(PetscTime(&now));
   gap = progress->terminal ? (PetscReal)now - progress->last - 0.25
                            : fraction - progress->last_fraction - 0.1;
   if (!final && gap < 0.0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(ProgressLine(flow, fraction, (PetscReal)now - progress->start, line, sizeof(line)));
+  PetscCall(ProgressLine(flow, fraction, (PetscReal)now - progress->start, progress->N, line,
+                         sizeof(line)));
   PetscCall(PetscStrlen(line, &width));
   PetscCall(PetscPrintf(PETSC_COMM_SELF, "%s%s%*s%s", progress->terminal ? "\r" : "", line,
                         width < progress->width ? (int)(progress->width - width) : 0, "",

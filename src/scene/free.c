@@ -10,6 +10,8 @@
 */
 #include "isph/scene.h"
 
+#define LOOK_MOST 4e7 /* points at which regions are looked at */
+
 const BoundaryRow BoundaryFree = {
     .name       = "free",
     .brief      = "free surface at the start: no stress; it moves with the fluid",
@@ -42,6 +44,48 @@ PetscReal SceneFilledDistance(const Scene *scene, PetscInt region, const PetscRe
   PetscReal normal[ISPH_MAX_DIM];
 
   return -BodyDistance(scene, &scene->filled[region], x, normal);
+}
+
+/* Returns true if a filled region, or a body, is at a place in the box. */
+static PetscBool IsTaken(const Scene *scene, const PetscReal x[])
+{
+  PetscInt side;
+
+  for (PetscInt k = 0; k < scene->n_filled; k++)
+    if (SceneFilledDistance(scene, k, x) >= -SCENE_ON_SURFACE * scene->dx) return PETSC_TRUE;
+  return scene->n_bodies && SceneFluidDistance(scene, x, &side) < 0.0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/*
+  SceneDropFullRegions - Removes the regions that the fluid fills at the start if they leave no room
+  in the box: such a fluid has no free surface
+
+  Not collective; all ranks do the same. Looks at points dx/2 apart, unless they are more than
+  LOOK_MOST.
+*/
+void SceneDropFullRegions(Scene *scene)
+{
+  PetscReal n[ISPH_MAX_DIM] = {1.0, 1.0, 1.0};
+  size_t    count;
+
+  if (scene->n_filled == 0) return;
+  for (PetscInt a = 0; a < scene->dim; a++)
+    n[a] = PetscCeilReal(2.0 * (scene->hi[a] - scene->lo[a]) / scene->dx);
+  if (n[0] * n[1] * n[2] > LOOK_MOST) return;
+  count = (size_t)(n[0] * n[1] * n[2]);
+  for (size_t k = 0; k < count; k++) {
+    PetscReal x[ISPH_MAX_DIM] = {0.0};
+    size_t    rest            = k;
+
+    for (PetscInt a = 0; a < scene->dim; a++) {
+      const size_t i = rest % (size_t)n[a];
+
+      x[a] = scene->lo[a] + ((PetscReal)i + 0.5) / n[a] * (scene->hi[a] - scene->lo[a]);
+      rest /= (size_t)n[a];
+    }
+    if (!IsTaken(scene, x)) return;
+  }
+  scene->n_filled = 0;
 }
 
 /* SceneHasFreeSurface - Returns true if the fluid has a free surface; not collective */

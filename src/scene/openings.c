@@ -293,6 +293,26 @@ static PetscErrorCode CheckEntering(const Scene *scene, PetscInt side, PetscReal
 }
 
 /*
+  SceneCheckVelocities - Refuses velocities of the sides at time t by which fluid leaves through an
+  inflow, or more enters than leaves
+
+  Collective. Velocities that do not depend on time were checked when they were read.
+*/
+PetscErrorCode SceneCheckVelocities(const Scene *scene, PetscReal t)
+{
+  PetscBool varies = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  for (PetscInt side = 0; side < 2 * scene->dim; side++)
+    if (ExpressionUses(&scene->boundary[side].velocity, EXPRESSION_TIME)) varies = PETSC_TRUE;
+  if (!varies) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt side = 0; side < 2 * scene->dim; side++)
+    if (BoundaryIs(scene, side, BOUNDARY_INFLOW)) PetscCall(CheckEntering(scene, side, t));
+  PetscCall(SceneCheckInflow(scene, t));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
   SceneReadOpenings - Reads the openings of inflow sides, whose kinds and velocities are set, and
   the pressures of outflow sides
 

@@ -301,6 +301,7 @@ static PetscErrorCode ReadFilled(Scene *scene)
   }
   PetscCall(ShapeCheckNumbers(&options[FILLED], scene->n_filled, SCENE_MAX_FILLED));
   PetscCall(SceneCheckFilled(scene));
+  SceneDropFullRegions(scene);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
