@@ -53,8 +53,11 @@ def main():
     lines = output("-scheme", "wcsph", "-log_view", "-wcsph_ts_view")
     count(lines, "TS Object: flow (wcsph_)", 1)
     count(lines, "PairRates", 2)  # in the steps, and in the estimate of the error
-    for event in "KSP", "PC", "SNES", "Mat", "Pressure", "Viscosity":
-        count([line for line in lines if " 1.0 " in line], event, 0)  # events, not headings
+    marks = [k for k, line in enumerate(lines) if line.startswith("--- Event Stage")]
+    steps = next(k for k in marks if "Steps" in lines[k])
+    steps = lines[steps:next(k for k in marks if k > steps)]
+    for event in "KSP", "PC", "SNES", "Mat", "Pressure", "Viscosity":  # the estimate of the error has solves, steps none
+        count([line for line in steps if " 1.0 " in line], event, 0)  # events, not headings
     lines = output("-scheme", "coupled", "-motion", "eulerian", "-coupled_ksp_view",
                    "-coupled_ts_view", "-coupled_ts_monitor", "-coupled_schur_ksp_view",
                    "-coupled_ksp_view_rhs", "ascii:c.txt", "-coupled_schur_ksp_view_mat",

@@ -43,7 +43,8 @@ static const char *const settings[][2] = {
     {"HWLOC_PLUGINS_PATH", "/dev/null"}, /* nor for the programs that search for them */
 };
 
-/* HasLauncher - Returns true if a launcher such as mpiexec has started the program; not collective */
+/* HasLauncher - Returns true if a launcher such as mpiexec has started the program; not
+   collective */
 PetscBool HasLauncher(void)
 {
   for (char **variable = environ; variable && *variable; variable++) {
