@@ -18,7 +18,7 @@ A finding is one of these:
     refusal      another status without exactly one line on standard error, which begins with "isph: "; a traceback.
                  Lines of Open MPI's own, which begin with "mca_" when it reads a damaged file, do not count
     balance      the status 0 with a `balance` above 1 in the report, and no line that something is not kept, or with
-                 `trust` 1
+                 `trust` 1 and a line about more than forces and torques
 
 Exits with status 1 if there is a finding.
 """

@@ -146,31 +146,34 @@ static PetscBool Clash(const NamedFile *a, const NamedFile *b)
                                                                                     : PETSC_FALSE;
 }
 
-/* Refuses a file in the place of the checkpoint that is no checkpoint. */
+/* Refuses a file in the place of the checkpoint that is no checkpoint. A damaged one may go. */
 static PetscErrorCode KeepForeignFile(void)
 {
-  const char *path;
-  char        names_of[8];
-  PetscBool   given, good, there;
-  FILE       *f;
-  Hdf5File    file;
+  static const char mark[]              = "\x89HDF\r\n\x1a\n";
+  char              begin[sizeof(mark)] = "";
+  const char       *path;
+  PetscBool         given, closed, there, good;
+  FILE             *f;
+  Hdf5File          file;
 
   PetscFunctionBegin;
   PetscCall(OptionTyped("-checkpoint", &path, &given));
   if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
   f     = FileOpen(path, "r");
-  there = f && fgetc(f) != EOF ? PETSC_TRUE : PETSC_FALSE;
+  there = f && fread(begin, 1, sizeof(mark) - 1, f) > 0 ? PETSC_TRUE : PETSC_FALSE;
+  good  = memcmp(begin, mark, sizeof(mark) - 1) == 0 ? PETSC_TRUE : PETSC_FALSE;
   if (f) (void)fclose(f);
   PetscCall(FirstRankDecides(&there));
-  if (!there) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Hdf5FileOpen(PETSC_COMM_WORLD, path, &file));
-  good = file.file >= 0 ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(FirstRankDecides(&good));
   if (good) {
-    PetscCall(Hdf5ReadText(&file, "case", names_of, sizeof(names_of)));
-    PetscCall(Hdf5FileClose(&file, &good));
+    PetscCall(Hdf5FileOpen(PETSC_COMM_WORLD, path, &file));
+    if (file.file >= 0) {
+      if (H5Lexists(file.file, "memory", H5P_DEFAULT) == 0) good = PETSC_FALSE;
+      PetscCall(Hdf5FileClose(&file, &closed));
+    }
   }
-  UserCheck(good, "-checkpoint %s: this file is there and is no checkpoint; give another name",
-            path);
+  UserCheck(!there || good,
+            "-checkpoint %s: this file is there and is no checkpoint; give another name", path);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -77,7 +77,9 @@ def unbalanced(folder, out):
         return None
     with open(path, newline="", encoding="utf-8", errors="replace") as file:
         last = {row["quantity"]: float(row["value"] or "nan") for row in csv.DictReader(file) if row.get("value")}
-    trusted = last.get("trust") == 1.0
+    kinds = [line.partition(" not kept: ")[2] for line in out.splitlines() if " not kept: " in line]
+    velocity = [kind for kind in kinds if not kind.startswith(("forces ", "torques "))]  # forces may err alone
+    trusted = last.get("trust") == 1.0 and (velocity or not kinds)
     if last.get("balance", 0.0) > 1.0 and (trusted or " not kept: " not in out):
         return f"balance {last['balance']:.3g} of its bound, " + ("with trust 1" if trusted else "without a word")
     return None
