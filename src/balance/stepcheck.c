@@ -165,6 +165,14 @@ static PetscErrorCode FailSpeed(Flow *flow, PetscReal pace, PetscReal rms, Petsc
                       "the flow is unstable at dt = %.6g (CFL %.2g); try a smaller -dt or -cfl",
                       (double)clock->dt, (double)(clock->dt * pace / scene->dx)));
   }
+  if (rms <= bound) {
+    FailureSet(
+        &flow->scheme->failure, PETSC_ERR_FP,
+        "%s: a velocity is %.6g, a hundred times the reference speed %.6g: if the flow is so "
+        "fast, give its -speed; otherwise %s",
+        where, (double)flow->scheme->stats.speed_max, (double)scene->speed, advice);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (bound < PETSC_INFINITY)
     PetscCall(
         PetscSNPrintf(most, sizeof(most), "at most %.6g by forces and walls; ", (double)bound));

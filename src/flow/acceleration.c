@@ -17,7 +17,8 @@
 */
 #include "isph/flow.h"
 
-#define SAMPLE 16 /* steps from one measurement of the error in time to the next */
+#define SAMPLE 16  /* steps from one measurement of the error in time to the next */
+#define ALIKE  1.5 /* largest ratio of two rates of one decay [-] */
 
 /* Keeps the rate of component a of a step whose formula has these weights and this length. */
 static PetscErrorCode KeepRate(const Flow *flow, PetscInt a, const PetscReal weight[HISTORY],
@@ -95,11 +96,36 @@ static PetscErrorCode Derivatives(const Flow *flow, PetscReal derivative[2])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  Adds the error of the present steps to what decay has left of the earlier one, after `span`
+
+  The error of a flow that decays, with u'' = -d u' and u' = -d u, keeps its sign: it decays with
+  the flow, and grows beside it by d in a time. Otherwise the residual alternates, and errors decay
+  by walls, with the flow, and by their own details.
+*/
+static void AddError(const Flow *flow, PetscReal error, const PetscReal derivative[2],
+                     PetscReal span, Acceleration *acceleration)
+{
+  const PetscReal speed = FlowRmsSpeed(flow), before = acceleration->speed[0];
+  const PetscReal rate = derivative[0] > 0.0 ? derivative[1] / derivative[0] : 0.0;
+  const PetscReal d =
+      speed > 0.0 && before > speed ? (before / speed - 1.0) / flow->clock->dt : 0.0;
+
+  if (flow->clock->step < 2) acceleration->time_error = 0.0; /* the first step knows no u'' */
+  if (d > 0.0 && rate > d / ALIKE && rate < ALIKE * d) {
+    acceleration->time_error *= PetscExpReal(-d * span);
+    acceleration->time_error += error * d * span;
+  } else {
+    acceleration->time_error *= PetscExpReal(-(SceneDecayRate(flow->scene) + rate + d) * span);
+  }
+  acceleration->time_error = PetscMax(acceleration->time_error, error);
+}
+
 static PetscErrorCode AccelerationEnd(Flow *flow)
 {
   const Clock    *clock        = flow->clock;
   Acceleration   *acceleration = &flow->state->acceleration;
-  PetscReal       weight[HISTORY], derivative[2], decay = SceneDecayRate(flow->scene);
+  PetscReal       weight[HISTORY], derivative[2];
   const PetscReal k = clock->dt * HistoryStartWeights(clock, weight);
 
   PetscFunctionBegin;
@@ -111,13 +137,8 @@ static PetscErrorCode AccelerationEnd(Flow *flow)
     PetscCall(Derivatives(flow, derivative));
     error = clock->order > 1 ? PetscSqr(clock->dt) / 3.0 * derivative[1]
                              : 0.5 * clock->dt * derivative[0];
-    if (derivative[0] > 0.0) decay += derivative[1] / derivative[0];
-    if (FlowRmsSpeed(flow) > 0.0 && acceleration->speed[0] > FlowRmsSpeed(flow))
-      decay += (acceleration->speed[0] / FlowRmsSpeed(flow) - 1.0) / clock->dt;
-    acceleration->time_error *= PetscExpReal(-decay * (now - acceleration->sampled));
-    if (clock->step < 2) acceleration->time_error = 0.0; /* the first step knows no u'' */
-    acceleration->time_error = PetscMax(acceleration->time_error, error);
-    acceleration->sampled    = now;
+    AddError(flow, error, derivative, now - acceleration->sampled, acceleration);
+    acceleration->sampled = now;
   }
   acceleration->speed[1] = acceleration->speed[0];
   acceleration->speed[0] = FlowRmsSpeed(flow);

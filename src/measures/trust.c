@@ -16,7 +16,7 @@
 #include "isph/balance.h"
 
 #define TRUSTED 0.05 /* largest estimated error of a velocity that can be trusted [-] */
-#define AT_REST 1e-2 /* speed below which errors are relative to this share of U [U] */
+#define AT_REST 1e-2 /* least speed of a moving fluid over that which drives it [-] */
 
 static const char *const names[TRUST_BALANCE] = {"error_space", "error_operator", "error_time"};
 static const char *const words[TRUST_PARTS]   = {"space", "operator", "time", "balance"};
@@ -56,15 +56,34 @@ static PetscReal BalanceError(const Flow *flow)
 }
 
 /*
+  Returns the speed to which errors are relative: that of the fluid, at least AT_REST of the speed
+  that its walls, its start and its force can give it, or of U
+
+  A fluid that is pushed has a velocity of its own to err from, however slow it is beside U.
+*/
+static PetscReal ErrorScale(const Flow *flow)
+{
+  const Scene      *scene  = flow->scene;
+  const SpeedBound *bound  = &flow->scheme->bound;
+  const PetscReal   L      = scene->length;
+  PetscReal         driven = bound->start + bound->walls;
+
+  if (SceneHas(scene, PHYSICS_VISCOSITY)) driven += bound->force * PetscSqr(L) / scene->nu_low;
+  else driven += PetscSqrtReal(bound->force * L);
+  if (!(driven > 0.0) || driven > scene->speed) driven = scene->speed;
+  return PetscMax(FlowRmsSpeed(flow), AT_REST * driven);
+}
+
+/*
   TrustMeasure - Estimates the error of the velocity, and reports it with its parts, and 1 if it is
   at most TRUSTED, otherwise 0
 
-  Collective. Errors are root mean squares over that of the velocity, or over AT_REST U of a slower
-  fluid. That of the operators is over the sum of both, the most that the true velocity can be.
+  Collective. Errors are root mean squares over ErrorScale(). That of the operators is over the sum
+  of both, the most that the true velocity can be.
 */
 PetscErrorCode TrustMeasure(const Flow *flow, Report *report)
 {
-  const PetscReal scale = PetscMax(FlowRmsSpeed(flow), AT_REST * flow->scene->speed);
+  const PetscReal scale = ErrorScale(flow);
   Trust          *trust = &report->trust;
   Resolution      resolution;
   Defect          defect;
@@ -93,13 +112,16 @@ static PetscErrorCode Advise(const Flow *flow, const Trust *trust, char text[], 
 {
   const LaplacianRow *row = flow->ops->forms.visc.row;
   char                place[128];
+  PetscBool           typed;
 
   PetscFunctionBegin;
+  PetscCall(OptionGiven("-visc_laplacian", &typed));
   if (trust->worst == TRUST_BALANCE) {
     PetscCall(PetscStrncpy(text, "see the balances below", length));
   } else if (trust->worst == TRUST_TIME) {
     PetscCall(PetscStrncpy(text, "try a smaller -dt or -cfl", length));
-  } else if (trust->worst == TRUST_OPERATOR && row && !(row->properties & FORM_EXACT_QUADRATIC)) {
+  } else if (trust->worst == TRUST_OPERATOR && typed && row &&
+             !(row->properties & FORM_EXACT_QUADRATIC)) {
     PetscCall(PetscSNPrintf(text, length,
                             "-visc_laplacian %s does not follow every velocity; try its default, "
                             "or a larger -n",
