@@ -293,6 +293,7 @@ typedef struct {
   PetscErrorCode (*Clear)(Flow *flow); /* NULL: nothing to end */
 } Judge;
 typedef struct Attempt Attempt;
+typedef struct Splines Splines;
 
 /*
   A scheme, a folder of src/schemes/. Create reads the scheme's options, refuses unsuitable scenes,
@@ -342,6 +343,7 @@ typedef struct {
   /* Du/Dt at present, by components [m/s^2]; NULL: from the formula of the last step */
   PetscErrorCode (*Accelerate)(const Flow *flow, PetscReal *const rate[]);
   PetscReal *const *density; /* field of the fluid's densities; NULL: from masses [kg/m^3] */
+  Splines          *splines; /* of the pressure; NULL: it is on the particles */
   Vec               kept; /* state that is not on particles, for undo and checkpoints; NULL: none */
   LinearSolve      *solve[SCHEME_MAX_SOLVES];
   PetscInt          n_solves;

@@ -14,8 +14,6 @@
 
 #include "isph/flow.h"
 
-typedef struct Splines Splines;
-
 /* A lattice of cells over the box, and its splines, with centres in the middle of cells: quadratic
    splines with knots between cells, or cubic splines with knots at the centres. With -spacing_wall
    the lattice is uniform in the coordinates of SceneToUniform(). */

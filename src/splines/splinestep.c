@@ -53,8 +53,8 @@ PetscErrorCode SplinesCreate(Flow *flow, PetscReal ratio, Splines **splines)
   PetscCall(OperatorsDegree(flow->scene, &degree));
   PetscCall(PetscNew(&s));
   PetscCall(SplinesSet(flow->scene, ratio, degree, mean, s));
-  flow->scheme->kept = s->kept;
-  *splines           = s;
+  flow->scheme->kept    = s->kept;
+  flow->scheme->splines = *splines = s;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

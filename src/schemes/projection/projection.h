@@ -6,9 +6,9 @@
 #define ISPH_PROJECTION_H
 
 #include "schemes/diffusion/viscosity.h"
-#include "splines/splines.h"
+#include "schemes/stages/pressurepoints.h"
 
-extern const Table       ProjectionTable, PressurePointsTable, ConvectionTable;
+extern const Table       ProjectionTable, ConvectionTable;
 extern const OptionTable ProjectionOptions;
 
 /* The update of the pressure by the increment phi. */
@@ -24,12 +24,6 @@ typedef struct {
   const char *name, *brief, *citation;
   PetscBool   implicit; /* in the viscous matrix */
 } ConvectionRow;
-
-/* The points of the pressure: on particles, or on splines. */
-typedef struct {
-  const char *name, *brief, *citation;
-  PetscBool   coarse; /* on splines */
-} PressurePointsRow;
 
 typedef struct Pressure Pressure;
 

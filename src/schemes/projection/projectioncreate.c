@@ -1,6 +1,6 @@
 /*
-  The options of the projection scheme: the update of the pressure, the points on which the pressure
-  is known, its filter, and the convection of fixed particles.
+  The options of the projection scheme: the update of the pressure, its filter, and the convection
+  of fixed particles. Those of the points of the pressure are in pressurepoints.c.
 */
 #include "projection.h"
 #include "schemes/surface/surface.h"
@@ -24,18 +24,6 @@ static const ProjectionRow projections[] = {
 };
 const Table ProjectionTable = TABLE("Projections", projections);
 
-#define SPACING_STANDARD 2.0 /* of -pressure_spacing [dx] */
-#define LEAST_CELLS      2.5 /* of the splines along an axis; rounded to 3 */
-
-static const PressurePointsRow points[] = {
-    {.name = "same", .brief = "on the particles", .citation = ""},
-    {.name     = "coarse",
-     .brief    = "on B-splines of a coarser lattice, fixed in space: conserves volume exactly",
-     .citation = "after Hoellig, Finite Element Methods with B-Splines, SIAM (2003)",
-     .coarse   = PETSC_TRUE},
-};
-const Table PressurePointsTable = TABLE("Points of the pressure", points);
-
 static const ConvectionRow convections[] = {
     {.name     = "explicit",
      .brief    = "extrapolated from earlier steps, or an explicit part of the TS",
@@ -47,7 +35,7 @@ static const ConvectionRow convections[] = {
 };
 const Table ConvectionTable = TABLE("Convection of fixed particles", convections);
 
-enum { PROJECTION, CONVECTION, POINTS, SPACING, ALPHA, FILTER };
+enum { PROJECTION, CONVECTION, ALPHA, FILTER };
 static const OptionRow options[] = {
     [CONVECTION] =
         {
@@ -66,27 +54,6 @@ static const OptionRow options[] = {
             .standard = "rotational",
             .table    = &ProjectionTable,
             .where    = "-scheme projection with pressure",
-        },
-    [POINTS] =
-        {
-            .name     = "-pressure_points",
-            .kind     = VALUE_NAME,
-            .brief    = "where the pressure is known",
-            .standard = REGIME,
-            .table    = &PressurePointsTable,
-            .where    = "-scheme projection with pressure",
-        },
-    [SPACING] =
-        {
-            .name     = "-pressure_spacing",
-            .expert   = PETSC_TRUE,
-            .kind     = VALUE_REAL,
-            .brief    = "edge of a cell of the lattice of the pressure",
-            .unit     = "dx",
-            .standard = "2",
-            .low      = 1.25,
-            .high     = 4.0,
-            .where    = "-pressure_points coarse",
         },
     [ALPHA] =
         {
@@ -129,39 +96,6 @@ static PetscErrorCode AreOrdered(const Scene *scene, PetscBool *ordered)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the largest mean of |div u| over a spline. */
-static PetscErrorCode DivergenceOnSplines(Flow *flow, const Vec u[], PetscReal *largest)
-{
-  Projection *pr = (Projection *)flow->scheme->data;
-  Splines    *s  = pr->splines;
-
-  PetscFunctionBegin;
-  PetscCall(SplinesDivergence(flow, s, u, flow->clock->t + flow->clock->dt, s->b));
-  PetscCall(VecPointwiseDivide(s->b, s->b, s->mass));
-  PetscCall(VecNorm(s->b, NORM_INFINITY, largest));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Computes this rank's part of the pressure at a point [Pa]. */
-static PetscErrorCode PressureOnSplines(const Flow *flow, const PetscReal x[], PetscReal *p)
-{
-  const Projection *pr = (const Projection *)flow->scheme->data;
-
-  PetscFunctionBegin;
-  PetscCall(SplinesPressure(pr->splines, flow->particles, x, p));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Adds the pressure over dt to its mean over a time `length`. */
-static PetscErrorCode AverageOnSplines(Flow *flow, PetscReal length, PetscReal dt)
-{
-  Projection *pr = (Projection *)flow->scheme->data;
-
-  PetscFunctionBegin;
-  PetscCall(SplinesAverage(length, dt, pr->splines, flow->state->average.vec));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Refuses Chorin's projection where it feeds energy into the flow. */
 static PetscErrorCode RefuseGain(const Scene *scene, const ProjectionRow *row)
 {
@@ -171,48 +105,6 @@ static PetscErrorCode RefuseGain(const Scene *scene, const ProjectionRow *row)
             "dx/nu above %.3g, here %.3g; use rotational or incremental, or a larger -n",
             row->name, (double)RegimeFind(scene->regime, REGIME_CHORIN_HOLDS)->range.above,
             (double)scene->regime->number[NUMBER_CELL]);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Returns the width of the box along an axis in cells of the splines. */
-static PetscReal CellsAlong(const Scene *scene, PetscInt a, PetscReal spacing)
-{
-  return (scene->hi[a] - scene->lo[a]) / scene->dx / spacing;
-}
-
-/* Returns the reason why a scene has no coarse points; NULL if there is none. */
-static const char *CoarseFault(const Scene *scene)
-{
-  if (SceneHasFreeSurface(scene)) return "its lattice does not follow a free surface; use same";
-  if (SceneHasBoundary(scene, BOUNDARY_OUTFLOW))
-    return "its splines have no condition for the pressure of -scene_outflow; use same";
-  for (PetscInt k = 0; k < scene->n_bodies && scene->dim == 3; k++)
-    if (!BodyReachesThrough(SceneBody(scene, k), 2))
-      return "its lattice takes bodies in 3D that reach through the box along z; use same";
-  return NULL;
-}
-
-/* Sets the facts that decide on coarse points, and chooses where the pressure is known. */
-static PetscErrorCode ChoosePoints(const Scene *scene, const PressurePointsRow **chosen)
-{
-  static const char *const of_particles[] = {"-ppe_alpha", "-ppe_filter", "-ppe_laplacian"};
-  Regime                  *regime         = scene->regime;
-  PetscBool                narrow = PETSC_FALSE, asks = PETSC_FALSE, given;
-  PetscInt                 degree;
-
-  PetscFunctionBegin;
-  PetscCall(OperatorsDegree(scene, &degree));
-  for (PetscInt a = 0; a < scene->dim; a++)
-    if (CellsAlong(scene, a, SPACING_STANDARD) < LEAST_CELLS) narrow = PETSC_TRUE;
-  PetscCall(
-      OptionGiven(options[POINTS].name, &given)); /* then these are read only if it uses them */
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(of_particles) && !given && !asks; k++)
-    PetscCall(OptionGiven(of_particles[k], &asks));
-  RegimeSetFact(regime, FACT_UNFIT, CoarseFault(scene) ? PETSC_TRUE : PETSC_FALSE);
-  RegimeSetFact(regime, FACT_NARROW, narrow);
-  RegimeSetFact(regime, FACT_ASKED, asks);
-  PetscCall(OptionGetRow(&options[POINTS], RegimeWord(regime, REGIME_POINTS), chosen));
-  RegimeSetFact(regime, FACT_COARSE, (*chosen)->coarse);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -262,42 +154,6 @@ static PetscErrorCode CreateOnParticles(Flow *flow, Projection *pr)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the options of a pressure on splines. */
-static PetscErrorCode CreateOnSplines(Flow *flow, Projection *pr)
-{
-  Regime   *regime = flow->scene->regime;
-  PetscBool given;
-
-  PetscFunctionBegin;
-  UserCheck(RegimeAllows(regime, REGIME_COARSE_HOLDS),
-            "-pressure_points coarse: on fixed particles it feeds energy into the flow for U dx/nu "
-            "above %.3g, here %.3g%s",
-            (double)RegimeFind(regime, REGIME_COARSE_HOLDS)->range.above,
-            (double)regime->number[NUMBER_DAMPING],
-            flow->scene->grading.on ? " for the largest spacing; use same, or a larger -n"
-                                    : " at walls; use same, -mls_degree 4 on a lattice, a larger "
-                                      "-n, or a smaller -spacing_wall");
-  pr->spacing = SPACING_STANDARD;
-  PetscCall(OptionGetReal(&options[SPACING], &pr->spacing, NULL));
-  for (PetscInt a = 0; a < flow->scene->dim; a++) {
-    const PetscReal cells = CellsAlong(flow->scene, a, pr->spacing);
-
-    UserCheck(cells >= LEAST_CELLS,
-              "-pressure_points coarse: the box is only %.3g cells of -pressure_spacing %.3g wide "
-              "along %c, at least 3 are needed; use a larger -n",
-              (double)cells, (double)pr->spacing, "xyz"[a]);
-  }
-  flow->scheme->needs &= ~(unsigned)NEED_PRESSURE;
-  flow->scheme->Divergence = DivergenceOnSplines;
-  flow->scheme->Pressure   = PressureOnSplines;
-  flow->scheme->Average    = AverageOnSplines;
-  PetscCall(OptionGiven("-velocity_filter", &given));
-  if (SceneMoves(flow->scene) && !given)
-    flow->state->velocity_filter = RegimeValue(regime, REGIME_FILTER_U);
-  if (flow->state->velocity_filter > 0.0) flow->scheme->needs |= NEED_FILTER_U;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Reads -convection; implicit convection takes longer steps by default. */
 static PetscErrorCode ReadConvection(Flow *flow)
 {
@@ -327,8 +183,6 @@ static PetscErrorCode ReadConvection(Flow *flow)
   Options Database Keys:
 + -projection name      - row of the table of projections
 . -convection name      - explicit or implicit
-. -pressure_points name - same or coarse, see ChoosePoints()
-. -pressure_spacing H   - edge of a cell of coarse points [dx]
 . -ppe_alpha A          - share of the density error in the pressure source (Zheng et al. 2018,
                           Eq. 13)
 - -ppe_filter S         - strength of the pressure filter, by default 1, or 0.1 if particles stay
@@ -337,7 +191,7 @@ static PetscErrorCode ReadConvection(Flow *flow)
 PetscErrorCode ProjectionCreate(Flow *flow)
 {
   const Scene             *scene = flow->scene;
-  const PressurePointsRow *points_row;
+  const PressurePointsRow *points;
   Projection              *pr;
 
   PetscFunctionBegin;
@@ -354,13 +208,11 @@ PetscErrorCode ProjectionCreate(Flow *flow)
   PetscCall(ReadConvection(flow));
   if (SceneHas(scene, PHYSICS_PRESSURE)) {
     PetscCall(OptionGetRow(&options[PROJECTION], NULL, &pr->row));
-    PetscCall(ChoosePoints(scene, &points_row));
-    UserCheck(points_row->coarse || !SceneMovesGraded(scene),
+    PetscCall(PressurePointsChoose(scene, &points));
+    UserCheck(points->coarse || !SceneMovesGraded(scene),
               "-pressure_points same: flows of graded particles that move are lost with it; use "
               "coarse, with a box at least 6 dx wide, or -motion eulerian");
-    UserCheck(!points_row->coarse || !CoarseFault(scene), "-pressure_points coarse: %s",
-              CoarseFault(scene));
-    if (points_row->coarse) PetscCall(CreateOnSplines(flow, pr));
+    if (points->coarse) PetscCall(PressureOnSplinesCreate(flow, &pr->spacing));
     else PetscCall(CreateOnParticles(flow, pr));
     flow->scheme->variant = (const TableRow *)(const void *)pr->row;
   }
