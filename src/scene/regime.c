@@ -19,7 +19,7 @@ static const char *const words[FACTS][2] = {
     {"walls or forces that depend on t", NULL},
     {"tension", "no tension"},
     {"a viscosity by the strain rate", NULL},
-    {"a free surface, an outflow, or bodies in 3D that end within the box", NULL},
+    {"a free surface, or bodies in 3D that end within the box", NULL},
     {"a box below 3 cells of the pressure along an axis", NULL},
     {"-dt", NULL},
     {"-steady", NULL},

@@ -18,7 +18,7 @@
 typedef struct {
   PetscReal *fluid, *box; /* int psi over the fluid, and over the box [cells] */
   PetscReal *offset[2];   /* centroid of the fluid, from the centre of the spline [cells] */
-  PetscBool *enough;
+  PetscBool *enough, *given;
 } Plane;
 
 /* Adds the splines at a point to the integrals. */
@@ -165,7 +165,7 @@ static PetscErrorCode SetSlaves(const SplineLattice *plane, const Plane *w, Spli
     PetscBool found = PETSC_FALSE;
 
     s->slave[q] = w->fluid[q] > 0.0 ? SPLINE_FREE : SPLINE_UNUSED;
-    if (s->slave[q] == SPLINE_UNUSED || w->enough[q]) continue;
+    if (s->slave[q] == SPLINE_UNUSED || w->enough[q] || w->given[q]) continue;
     if (s->n_slaves == capacity) {
       capacity = 2 * capacity + 64;
       PetscCall(PetscRealloc(sizeof(*s->slaves) * (size_t)capacity, &s->slaves));
@@ -177,6 +177,60 @@ static PetscErrorCode SetSlaves(const SplineLattice *plane, const Plane *w, Spli
     s->slave[q] = s->n_slaves++;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplineSideGives - Returns true if a side gives the pressure; not collective */
+PetscBool SplineSideGives(const SplineLattice *l)
+{
+  for (PetscInt side = 0; side < 2 * l->dim; side++)
+    if (l->given[side]) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* SplineIsGiven - Returns true if the coefficient of a spline is given by a side, the first in
+   order; not collective */
+PetscBool SplineIsGiven(const SplineLattice *l, const PetscInt index[], PetscInt *side)
+{
+  for (*side = 0; *side < 2 * l->dim; (*side)++) {
+    const PetscInt a = *side / 2;
+
+    if (l->given[*side] && index[a] == (*side % 2 ? l->count[a] - 1 : 0)) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/*
+  SplineSourcesOf - Lists the numbers that make the coefficient of a spline: its own, or those of
+  its masters
+
+  Not collective. The outermost spline q beside a side that gives the pressure is followed by spline
+  r inside. Its own number is given, c_q = 2 p(side), and its coefficient is c_q - p_r: the sum of
+  both is the pressure on the side, and spline r is psi_r - psi_q, which is zero there.
+*/
+void SplineSourcesOf(const SplineLattice *l, const SplineBodies *bodies, const PetscInt index[],
+                     SplineSources *sources)
+{
+  const SplineSlave *slave            = NULL;
+  PetscInt           at[ISPH_MAX_DIM] = {0}, side, k = SPLINE_FREE;
+  PetscReal          weight = 1.0;
+
+  sources->n = 0;
+  for (PetscInt a = 0; a < l->dim; a++) at[a] = index[a];
+  while (SplineIsGiven(l, at, &side)) {
+    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) sources->index[sources->n][a] = at[a];
+    sources->weight[sources->n++] = weight;
+    at[side / 2] += side % 2 ? -1 : 1;
+    weight = -weight;
+  }
+  if (bodies) k = bodies->slave[SplineColumn(l, at)];
+  if (k >= 0) slave = &bodies->slaves[k];
+  for (PetscInt m = 0; m < (slave ? slave->n : 1); m++) {
+    PetscInt *of = sources->index[sources->n];
+
+    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)
+      of[a] = slave && a < 2 ? slave->master[m][a] : at[a];
+    sources->weight[sources->n++] = slave ? weight * slave->weight[m] : weight;
+  }
 }
 
 /* SplinesInCell - Lists the extended splines of the plane that are not zero in a cell, at most
@@ -192,11 +246,10 @@ PetscInt SplinesInCell(const SplineLattice *plane, const SplineBodies *s, PetscI
   x[1] = plane->lo[1] + (cell / plane->cells[0] + 0.5) * plane->side[1];
   SplinesAt(plane, x, &at);
   for (PetscInt k = 0; k < at.n; k++) {
-    const PetscInt     q = SplineNatural(plane, at.index[k]), e = s->slave[q];
-    const SplineSlave *slave = e >= 0 ? &s->slaves[e] : NULL;
+    SplineSources sources;
 
-    for (PetscInt m = 0; m < (slave ? slave->n : 1); m++)
-      number[n++] = slave ? SplineNatural(plane, slave->master[m]) : q;
+    SplineSourcesOf(plane, s, at.index[k], &sources);
+    for (PetscInt m = 0; m < sources.n; m++) number[n++] = SplineNatural(plane, sources.index[m]);
   }
   return n;
 }
@@ -224,17 +277,21 @@ PetscErrorCode SplineExtensionSet(const SplineLattice *lattice, SplineBodies *s)
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(plane.N, &s->slave, plane.N, &s->range));
   PetscCall(PetscMemzero(s->range, sizeof(*s->range) * (size_t)plane.N));
-  PetscCall(PetscCalloc5(plane.N, &w.fluid, plane.N, &w.box, plane.N, &w.offset[0], plane.N,
-                         &w.offset[1], plane.N, &w.enough));
+  PetscCall(PetscCalloc6(plane.N, &w.fluid, plane.N, &w.box, plane.N, &w.offset[0], plane.N,
+                         &w.offset[1], plane.N, &w.enough, plane.N, &w.given));
   Integrate(&plane, s, &w);
   for (PetscInt q = 0; q < plane.N; q++) {
     if (w.fluid[q] < 1e-12 * w.box[q]) w.fluid[q] = 0.0;
     for (PetscInt a = 0; a < 2; a++) w.offset[a][q] /= w.fluid[q] > 0.0 ? w.fluid[q] : 1.0;
-    w.enough[q] = w.fluid[q] >= ENOUGH * w.box[q] ? PETSC_TRUE : PETSC_FALSE;
+    const PetscInt index[2] = {q % plane.count[0], q / plane.count[0]};
+    PetscInt       side;
+
+    w.given[q]  = SplineIsGiven(&plane, index, &side);
+    w.enough[q] = !w.given[q] && w.fluid[q] >= ENOUGH * w.box[q] ? PETSC_TRUE : PETSC_FALSE;
   }
   PetscCall(SetSlaves(&plane, &w, s));
   PetscCall(SetWidths(&plane, s));
-  PetscCall(PetscFree5(w.fluid, w.box, w.offset[0], w.offset[1], w.enough));
+  PetscCall(PetscFree6(w.fluid, w.box, w.offset[0], w.offset[1], w.enough, w.given));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -246,6 +303,12 @@ PetscErrorCode SplineExtensionFree(SplineBodies *s)
   PetscCall(PetscFree(s->slaves));
   PetscCall(PetscFree(s->width));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplinesArePlain - Returns true if all coefficients are unknowns; not collective */
+PetscBool SplinesArePlain(const Splines *s)
+{
+  return s->bodies || SplineSideGives(&s->lattice) ? PETSC_FALSE : PETSC_TRUE;
 }
 
 /* Adds weight times spline k at a point to the entry of a number. */
@@ -279,22 +342,19 @@ void SplineRowAt(const Splines *s, const SplineLattice *l, const Particles *p, c
   SplinesAt(l, x, &at);
   row->n = 0;
   for (PetscInt k = 0; k < at.n; k++) {
-    const SplineSlave *slave = SplineSlaveAt(s, at.index[k]);
+    SplineSources sources;
 
-    if (!slave && !s->bodies) {
+    if (SplinesArePlain(s)) {
       row->number[k] = SplinesGlobal(s, p, at.index[k]);
       row->value[k]  = at.value[k];
       for (PetscInt a = 0; a < l->dim; a++) row->gradient[a][k] = at.gradient[a][k];
       row->n++;
-    } else if (!slave) {
-      AddEntry(l->dim, SplinesGlobal(s, p, at.index[k]), 1.0, &at, k, row);
+      continue;
     }
-    for (PetscInt m = 0; slave && m < slave->n; m++) {
-      PetscInt master[ISPH_MAX_DIM] = {slave->master[m][0], slave->master[m][1], 0};
 
-      if (l->dim == 3) master[2] = at.index[k][2];
-      AddEntry(l->dim, SplinesGlobal(s, p, master), slave->weight[m], &at, k, row);
-    }
+    SplineSourcesOf(&s->lattice, s->bodies, at.index[k], &sources);
+    for (PetscInt m = 0; m < sources.n; m++)
+      AddEntry(l->dim, SplinesGlobal(s, p, sources.index[m]), sources.weight[m], &at, k, row);
   }
 }
 

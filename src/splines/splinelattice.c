@@ -28,6 +28,9 @@ PetscErrorCode SplineLatticeSet(const Scene *scene, PetscReal ratio, SplineLatti
     lattice->lo[a]       = scene->lo[a];
     lattice->side[a]     = length / lattice->cells[a];
     lattice->N *= lattice->count[a];
+    for (PetscInt side = 2 * a; side < 2 * a + 2; side++)
+      lattice->given[side] =
+          BoundaryEquation(scene, side, FIT_PRESSURE) == EQUATION_VALUE ? PETSC_TRUE : PETSC_FALSE;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -140,10 +140,15 @@ static PetscErrorCode SplineProduct(Splines *s, const Particles *p)
 {
   Vec          diagonal;
   PetscScalar *d;
+  PetscInt    *row;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < s->lattice.dim; a++) PetscCall(AddProducts(s, p, a, &s->A));
-  if (s->bodies) {
+  if (!SplinesArePlain(s)) {
+    PetscCall(PetscMalloc1(s->n_unused, &row));
+    for (PetscInt k = 0; k < s->n_unused; k++) row[k] = s->own.start + s->unused[k];
+    PetscCall(MatZeroRows(s->A, s->n_unused, row, 0.0, NULL, NULL));
+    PetscCall(PetscFree(row));
     PetscCall(VecDuplicate(s->b, &diagonal));
     PetscCall(VecSet(diagonal, 0.0));
     PetscCall(VecGetArray(diagonal, &d));

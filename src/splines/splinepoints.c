@@ -121,7 +121,7 @@ static PetscErrorCode SetBoundaryPoints(Splines *s, const Particles *p)
     const PetscInt axis  = side / 2;
     PetscInt       faces = 1;
 
-    if (l->periodic[axis]) continue;
+    if (l->periodic[axis] || l->given[side]) continue; /* the splines are zero where p is given */
     for (PetscInt b = 0; b < dim; b++) faces *= b == axis ? 1 : n[b];
     for (PetscInt f = 0; f < faces * corners; f++) {
       PetscInt  cell = f / corners, corner = f % corners;

@@ -50,7 +50,10 @@ PetscInt SplinesGlobal(const Splines *s, const Particles *p, const PetscInt inde
    unknown; not collective */
 PetscBool SplineOwn(const Splines *s, PetscInt k, PetscInt index[])
 {
+  PetscInt side;
+
   SplineIndex(s->lattice.dim, s->own.first, s->own.n, k, index);
+  if (SplineIsGiven(&s->lattice, index, &side)) return PETSC_FALSE;
   return !s->bodies || s->bodies->slave[SplineColumn(&s->lattice, index)] == SPLINE_FREE
              ? PETSC_TRUE
              : PETSC_FALSE;

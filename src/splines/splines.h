@@ -23,7 +23,8 @@ typedef struct {
   PetscInt  dim, cells[ISPH_MAX_DIM], count[ISPH_MAX_DIM]; /* cells and splines along each axis */
   PetscReal lo[ISPH_MAX_DIM], side[ISPH_MAX_DIM]; /* corner of the box, and of a cell [m] */
   PetscBool periodic[ISPH_MAX_DIM];
-  PetscInt  N; /* all splines */
+  PetscBool given[2 * ISPH_MAX_DIM]; /* the side gives the pressure */
+  PetscInt  N;                       /* all splines */
 } SplineLattice;
 
 #define SPLINES_ALONG        4  /* splines of an axis that are not zero at a point, at most */
@@ -83,8 +84,15 @@ static inline void SplineBasis(PetscInt degree, PetscReal t, PetscReal per_edge,
   derivative[2] = t * per_edge;
 }
 
-#define SPLINES_EXTENDED (9 * SPLINES_AT_QUADRATIC) /* the most, if all have masters */
-#define SPLINES_IN_CELL  (9 * 9)                    /* in the plane */
+#define SPLINE_SOURCES   (9 + ISPH_MAX_DIM) /* of a coefficient, at most */
+#define SPLINES_EXTENDED (SPLINE_SOURCES * SPLINES_AT_QUADRATIC)
+#define SPLINES_IN_CELL  (SPLINE_SOURCES * SPLINES_IN_PLANE)
+
+/* The numbers in a vector of coefficients that make the coefficient of a spline. */
+typedef struct {
+  PetscInt  n, index[SPLINE_SOURCES][ISPH_MAX_DIM]; /* of their splines */
+  PetscReal weight[SPLINE_SOURCES];
+} SplineSources;
 
 /* The splines at a point, without those that have masters. */
 typedef struct {
@@ -249,7 +257,12 @@ PetscInt       SplinesInCell(const SplineLattice *plane, const SplineBodies *s, 
                              PetscInt number[]);
 void SplineRowAt(const Splines *s, const SplineLattice *l, const Particles *p, const PetscReal x[],
                  SplineRow *row);
-PetscInt SplineRowWidth(const Splines *s, const SplineLattice *l, const PetscReal x[]);
+PetscInt  SplineRowWidth(const Splines *s, const SplineLattice *l, const PetscReal x[]);
+PetscBool SplineSideGives(const SplineLattice *l);
+PetscBool SplinesArePlain(const Splines *s);
+PetscBool SplineIsGiven(const SplineLattice *l, const PetscInt index[], PetscInt *side);
+void SplineSourcesOf(const SplineLattice *l, const SplineBodies *bodies, const PetscInt index[],
+                     SplineSources *sources);
 
 /* Returns the lattice without its third axis. */
 static inline SplineLattice SplinePlane(const SplineLattice *lattice)
@@ -278,14 +291,6 @@ static inline PetscInt SplineCellAt(const SplineLattice *lattice, const PetscRea
 static inline PetscInt SplineColumn(const SplineLattice *lattice, const PetscInt index[])
 {
   return index[1] * lattice->count[0] + index[0];
-}
-
-/* Returns the masters of a spline, NULL if it has none. */
-static inline const SplineSlave *SplineSlaveAt(const Splines *s, const PetscInt index[])
-{
-  const PetscInt k = s->bodies ? s->bodies->slave[SplineColumn(&s->lattice, index)] : SPLINE_FREE;
-
-  return k >= 0 ? &s->bodies->slaves[k] : NULL;
 }
 
 /* splinepoints.c */
@@ -349,6 +354,7 @@ PetscErrorCode SplinesDestroy(Splines **splines);
 PetscErrorCode SplinesStart(const Flow *flow, Splines *s);
 PetscErrorCode SplinesBegin(Splines *s);
 PetscErrorCode SplinesDivergence(Flow *flow, Splines *s, const Vec u[], PetscReal t, Vec d);
+PetscErrorCode SplinesGivePressure(PetscReal t, PetscBool increment, const Splines *s, Vec v);
 PetscErrorCode SplinesSpread(Flow *flow, Splines *s);
 PetscErrorCode SplinesPressure(const Splines *s, const Particles *particles, const PetscReal x[],
                                PetscReal *p);

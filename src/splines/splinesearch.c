@@ -12,12 +12,21 @@
   Returns true if particle j takes part in the fit of component c of the velocity: fluid, and wall
   particles whose normal is along c; for all components, c = SPLINE_ALL, all wall particles.
 
-  Of a wall the divergence uses the normal velocity only. With the tangential velocity, the fits
-  would follow the jump between a lid and a wall at rest, and the flow ends within a few steps.
+  A boundary that does not give its velocity takes no part. Of a wall the divergence uses the normal
+  velocity only. With the tangential velocity, the fits would follow the jump between a lid and a
+  wall at rest, and the flow ends within a few steps.
 */
 static inline PetscBool TakesPart(const Particles *p, PetscInt j, PetscInt c)
 {
   return c == SPLINE_ALL || !ParticlesIsWall(p, j) || PetscAbsReal(p->normal[c][j]) > 0.5
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* Returns true if the boundary of a wall particle gives the normal velocity. */
+static PetscBool GivesVelocity(const Scene *scene, const Particles *p, PetscInt j)
+{
+  return BoundaryEquation(scene, (PetscInt)p->side[j], FIT_VELOCITY_NORMAL) == EQUATION_VALUE
              ? PETSC_TRUE
              : PETSC_FALSE;
 }
@@ -85,7 +94,7 @@ static PetscErrorCode Gather(const Flow *flow, PetscReal reach, SplineAround *ar
     const PetscBool is_wall = ParticlesIsWall(p, j);
     PetscReal       x[ISPH_MAX_DIM], r2 = 0.0;
 
-    if (is_wall && p->depth[j] >= p->dx[j]) continue;
+    if (is_wall && (p->depth[j] >= p->dx[j] || !GivesVelocity(flow->scene, p, j))) continue;
     if (is_wall) ParticlesWallPoint(p, j, x);
     for (PetscInt a = 0; a < p->dim; a++) {
       if (!is_wall) x[a] = p->x[a][j];

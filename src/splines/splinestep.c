@@ -24,7 +24,7 @@ PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, 
   PetscCall(SplineLatticeSet(scene, ratio, &s->lattice));
   PetscCall(SplineBodiesCreate(scene, &s->lattice, &s->bodies));
   s->pressure        = s->lattice;
-  s->pressure.degree = degree == 4 && !s->bodies ? 3 : 2;
+  s->pressure.degree = degree == 4 && !s->bodies && !SplineSideGives(&s->lattice) ? 3 : 2;
   s->scale           = 1.0;
   for (PetscInt a = 0; a < scene->dim; a++) s->scale *= s->lattice.side[a];
   s->scale = PetscPowReal(s->scale, 1.0 / scene->dim);
@@ -65,33 +65,6 @@ PetscErrorCode SplinesDestroy(Splines **splines)
   if (!*splines) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SplinesFree(*splines));
   PetscCall(PetscFree(*splines));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* SplinesStart - Sets the pressure at the start of a run to the exact pressure of the case, if it
-   has one; not collective */
-PetscErrorCode SplinesStart(const Flow *flow, Splines *s)
-{
-  const Scene *scene = flow->scene;
-  PetscScalar *p;
-  PetscInt     first, last;
-
-  PetscFunctionBegin;
-  if (!scene->problem->Exact || scene->velocity.n || flow->particles->velocity_given)
-    PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(VecGetOwnershipRange(s->natural, &first, &last));
-  PetscCall(VecGetArray(s->natural, &p));
-  for (PetscInt q = first; q < last; q++) {
-    PetscInt  index[ISPH_MAX_DIM];
-    PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM];
-
-    SplineIndex(scene->dim, NULL, s->lattice.count, q, index);
-    SplineCentre(&s->lattice, index, x);
-    p[q - first] = 0.0;
-    scene->problem->Exact(scene, 0.0, x, u, &p[q - first]);
-  }
-  PetscCall(VecRestoreArray(s->natural, &p));
-  PetscCall(VecStrideScatter(s->natural, 0, s->kept, INSERT_VALUES));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -139,11 +112,14 @@ static PetscErrorCode SetWallFlux(const Flow *flow, PetscReal t, Splines *s)
 
     d_q = -int grad psi_q . u dV + int psi_q u_w.n dA   over the volume of a cell,
 
-  with n out of the fluid. Collective. Input: u - components at particles [m/s]; walls have their
-  values of WallValuesSetVelocity(). Output: d [1/s]; d_q over mass_q is the mean of div u.
+  with n out of the fluid; splines that are no unknowns have 0. Collective. Input: u - components at
+  particles [m/s]; walls have their values of WallValuesSetVelocity(). Output: d [1/s]; d_q over
+  mass_q is the mean of div u.
 */
 PetscErrorCode SplinesDivergence(Flow *flow, Splines *s, const Vec u[], PetscReal t, Vec d)
 {
+  PetscScalar *value;
+
   PetscFunctionBegin;
   for (PetscInt a = 0; a < s->lattice.dim; a++)
     PetscCall(
@@ -155,6 +131,93 @@ PetscErrorCode SplinesDivergence(Flow *flow, Splines *s, const Vec u[], PetscRea
     PetscCall(MatMultTransposeAdd(s->S, s->wall_flux, d, d));
   }
   PetscCall(VecScale(d, 1.0 / s->scale));
+  PetscCall(VecGetArray(d, &value));
+  for (PetscInt k = 0; k < s->n_unused; k++) value[s->unused[k]] = 0.0;
+  PetscCall(VecRestoreArray(d, &value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns the pressure that a side gives at the centre of a spline along it [Pa]: beyond the ends
+   of the side it continues linearly. */
+static PetscReal GivenPressure(const SplineLattice *l, PetscInt side, const PetscInt index[],
+                               PetscReal t)
+{
+  const Scene *scene           = l->scene;
+  PetscReal    x[ISPH_MAX_DIM] = {0.0}, on[ISPH_MAX_DIM] = {0.0}, mirrored[ISPH_MAX_DIM] = {0.0};
+  PetscReal    normal[ISPH_MAX_DIM] = {0.0}, at_end;
+  PetscBool    beyond               = PETSC_FALSE;
+
+  SplineCentre(l, index, x);
+  x[side / 2]      = side % 2 ? scene->hi[side / 2] : scene->lo[side / 2];
+  normal[side / 2] = side % 2 ? -1.0 : 1.0;
+  for (PetscInt a = 0; a < l->dim; a++) {
+    on[a]       = PetscMin(PetscMax(x[a], scene->lo[a]), scene->hi[a]);
+    mirrored[a] = 2.0 * on[a] - x[a];
+    beyond      = beyond || on[a] != x[a] ? PETSC_TRUE : PETSC_FALSE;
+  }
+  at_end = SceneWallPressure(scene, side, t, on, normal);
+  return beyond ? 2.0 * at_end - SceneWallPressure(scene, side, t, mirrored, normal) : at_end;
+}
+
+/* SplinesStart - Sets the pressure at the start of a run to the exact pressure of the case, if it
+   has one, or to the level of the scene; not collective */
+PetscErrorCode SplinesStart(const Flow *flow, Splines *s)
+{
+  const Scene    *scene = flow->scene;
+  const PetscBool exact =
+      scene->problem->Exact && !scene->velocity.n && !flow->particles->velocity_given ? PETSC_TRUE
+                                                                                      : PETSC_FALSE;
+  PetscScalar *p;
+  PetscInt     first, last;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetOwnershipRange(s->natural, &first, &last));
+  PetscCall(VecGetArray(s->natural, &p));
+  for (PetscInt q = first; q < last; q++) {
+    PetscInt  index[ISPH_MAX_DIM], side;
+    PetscReal x[ISPH_MAX_DIM], u[ISPH_MAX_DIM];
+    PetscBool given;
+
+    SplineIndex(scene->dim, NULL, s->lattice.count, q, index);
+    given        = SplineIsGiven(&s->lattice, index, &side);
+    p[q - first] = given ? 2.0 * scene->level : scene->level;
+    if (!exact) continue;
+    SplineCentre(&s->lattice, index, x);
+    if (given) p[q - first] = 2.0 * GivenPressure(&s->lattice, side, index, 0.0);
+    else scene->problem->Exact(scene, 0.0, x, u, &p[q - first]);
+  }
+  PetscCall(VecRestoreArray(s->natural, &p));
+  PetscCall(VecStrideScatter(s->natural, 0, s->kept, INSERT_VALUES));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SplinesGivePressure - Sets the numbers that sides give to those of the pressure at time t, less
+  the present ones for an increment
+
+  Not collective. The number of a spline is twice the pressure on the side at its centre along the
+  side, see SplineSourcesOf(). Input and output: v - the pressure, or the right-hand side of its
+  increment.
+*/
+PetscErrorCode SplinesGivePressure(PetscReal t, PetscBool increment, const Splines *s, Vec v)
+{
+  const PetscScalar *now = NULL;
+  PetscScalar       *value;
+
+  PetscFunctionBegin;
+  if (!SplineSideGives(&s->lattice)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (increment) PetscCall(VecGetArrayRead(s->p, &now));
+  PetscCall(VecGetArray(v, &value));
+  for (PetscInt e = 0; e < s->n_unused; e++) {
+    const PetscInt k = s->unused[e];
+    PetscInt       index[ISPH_MAX_DIM], side;
+
+    (void)SplineOwn(s, k, index);
+    if (!SplineIsGiven(&s->lattice, index, &side)) continue;
+    value[k] = 2.0 * GivenPressure(&s->lattice, side, index, t) - (now ? now[k] : 0.0);
+  }
+  PetscCall(VecRestoreArray(v, &value));
+  if (increment) PetscCall(VecRestoreArrayRead(s->p, &now));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

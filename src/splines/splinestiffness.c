@@ -135,6 +135,19 @@ static PetscErrorCode SetAbsoluteMass(Splines *s, Mat M)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Removes the numbers that sides give from the equations of the others: K stays symmetric. */
+static PetscErrorCode DropGiven(Splines *s)
+{
+  PetscInt *row;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(s->n_unused, &row));
+  for (PetscInt k = 0; k < s->n_unused; k++) row[k] = s->own.start + s->unused[k];
+  PetscCall(MatZeroRowsColumns(s->K, s->n_unused, row, 1.0, NULL, NULL));
+  PetscCall(PetscFree(row));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* SplineStiffness - Assembles the stiffness K and the mass; collective. Each rank computes its rows
    from all points in the supports of its splines, so that sums have the same order in every run. */
 PetscErrorCode SplineStiffness(Splines *s, const Particles *p)
@@ -167,6 +180,7 @@ PetscErrorCode SplineStiffness(Splines *s, const Particles *p)
     }
   }
   PetscCall(SplineMatFinish(s->K));
+  if (SplineSideGives(&s->lattice)) PetscCall(DropGiven(s));
   if (M) {
     PetscCall(SplineMatFinish(M));
     PetscCall(SetAbsoluteMass(s, M));

@@ -31,25 +31,20 @@ static void WindowIndex(const SplineLattice *l, const SplineWindow *w, PetscInt 
   }
 }
 
-/* Lists the splines whose coefficients make entry k of the window: itself, or its masters. Returns
-   their number. */
+/* Lists the numbers that make the coefficient of entry k of the window; returns how many. */
 static PetscInt ListSources(const Splines *s, const Particles *p, PetscInt k, PetscInt number[],
                             PetscReal weight[])
 {
-  PetscInt           index[ISPH_MAX_DIM] = {0};
-  const SplineSlave *slave;
+  PetscInt      index[ISPH_MAX_DIM] = {0};
+  SplineSources sources;
 
   WindowIndex(&s->pressure, &s->window, k, index);
-  slave     = SplineSlaveAt(s, index);
-  number[0] = slave ? 0 : SplinesGlobal(s, p, index);
-  weight[0] = 1.0;
-  for (PetscInt m = 0; slave && m < slave->n; m++) {
-    const PetscInt master[ISPH_MAX_DIM] = {slave->master[m][0], slave->master[m][1], index[2]};
-
-    number[m] = SplinesGlobal(s, p, master);
-    weight[m] = slave->weight[m];
+  SplineSourcesOf(&s->lattice, s->bodies, index, &sources);
+  for (PetscInt m = 0; m < sources.n; m++) {
+    number[m] = SplinesGlobal(s, p, sources.index[m]);
+    weight[m] = sources.weight[m];
   }
-  return slave ? slave->n : 1;
+  return sources.n;
 }
 
 /*
@@ -72,8 +67,8 @@ PetscErrorCode SplineWindowSet(Splines *s, const Particles *p)
     w->n[a]     = FirstAt(l, p, a, PETSC_TRUE) - w->first[a] + l->degree + 1;
     w->size *= w->n[a];
   }
-  PetscCall(PetscMalloc4(w->size, &w->value, w->size + 1, &w->start, 9 * w->size, &w->source,
-                         9 * w->size, &w->weight));
+  PetscCall(PetscMalloc4(w->size, &w->value, w->size + 1, &w->start, SPLINE_SOURCES * w->size,
+                         &w->source, SPLINE_SOURCES * w->size, &w->weight));
   w->start[0] = 0;
   for (PetscInt k = 0; k < w->size; k++)
     w->start[k + 1] =

@@ -197,17 +197,19 @@ static PetscErrorCode ProjectOnSplines(Flow *flow)
   PetscCall(VecPointwiseDivide(s->divergence, s->b, s->mass));
   PetscCall(SplinesValue(s, s->divergence, state->divergence));
   PetscCall(VecScale(s->b, -PetscSqr(s->scale) * scene->rho / pr->k));
+  PetscCall(SplinesGivePressure(t, pr->row->incremental, s, s->b));
   PetscCall(PressureSolve(flow, s->b, s->phi, pr->ppe));
   if (flow->scheme->failure.code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SplinesAccelerate(s, s->phi, -pr->k / scene->rho, state->u_next));
   PetscCall(VecCopy(state->p, state->p_before));
-  if (!pr->row->incremental) PetscCall(VecZeroEntries(s->p));
+  if (!pr->row->incremental) PetscCall(VecSet(s->p, scene->level));
   PetscCall(VecAXPY(s->p, gain, s->phi));
   if (pr->row->rotational && SceneHas(scene, PHYSICS_VISCOSITY)) {
     const PetscReal dilatation = LaplacianDilatation(&flow->ops->forms.visc, flow->scene->dim);
 
     PetscCall(VecAXPY(s->p, -gain * dilatation * scene->rho * scene->nu_low, s->divergence));
   }
+  PetscCall(SplinesGivePressure(t, PETSC_FALSE, s, s->p));
   PetscCall(SplinesSpread(flow, s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

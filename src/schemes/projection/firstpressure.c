@@ -70,6 +70,7 @@ static PetscErrorCode SourceOnSplines(Flow *flow, const Vec force[], Splines *s,
   for (PetscInt a = 0; a < flow->scene->dim; a++) PetscCall(FlowRestoreWork(flow, &zero[a]));
   PetscCall(VecAXPY(b, -1.0, s->b));
   PetscCall(VecScale(b, -PetscSqr(s->scale) * flow->scene->rho));
+  PetscCall(SplinesGivePressure(t, PETSC_TRUE, s, b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -134,9 +135,9 @@ PetscErrorCode ProjectionStart(Flow *flow)
   PetscFunctionBegin;
   if (!pr->row || !pr->row->incremental || pr->wall_slope_share > 0.0)
     PetscFunctionReturn(PETSC_SUCCESS);
-  if (!pr->splines)
-    PetscCall(WallValuesStepPressure(flow->scene, flow->particles, t, &flow->walls));
+  PetscCall(WallValuesStepPressure(flow->scene, flow->particles, t, &flow->walls));
   PetscCall(IsDriven(flow, &driven));
+  if (pr->splines && flow->walls.p) PetscCall(VecZeroEntries(flow->walls.p_step));
   if (driven) {
     for (PetscInt a = 0; a < dim; a++) {
       PetscCall(FlowGetWork(flow, &force[a]));

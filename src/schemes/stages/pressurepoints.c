@@ -80,8 +80,6 @@ static PetscReal CellsAlong(const Scene *scene, PetscInt a, PetscReal spacing)
 static const char *CoarseFault(const Scene *scene)
 {
   if (SceneHasFreeSurface(scene)) return "its lattice does not follow a free surface; use same";
-  if (SceneHasBoundary(scene, BOUNDARY_OUTFLOW))
-    return "its splines have no condition for the pressure of -scene_outflow; use same";
   for (PetscInt k = 0; k < scene->n_bodies && scene->dim == 3; k++)
     if (!BodyReachesThrough(SceneBody(scene, k), 2))
       return "its lattice takes bodies in 3D that reach through the box along z; use same";
