@@ -11,8 +11,6 @@
 #include "isph/balance.h"
 #include "monitors.h"
 
-#define SLOW 0.2 /* rate of the momentum over the magnitudes of forces, in a slow flow [-] */
-
 enum { FORCE, TORQUE };
 
 /* Sums over all boundaries and the fluid. */
@@ -22,7 +20,6 @@ typedef struct {
   PetscReal flux, flux_size;      /* into the fluid; sum of magnitudes on openings [m^dim/s] */
   PetscReal area, pressure;       /* wet; integral of p [m^(dim-1)], [Pa m^(dim-1)] */
   PetscReal volume;               /* inside the boundaries [m^dim] */
-  PetscReal inertia[2];           /* rates of the momentum and the angular momentum [N], [N m] */
   PetscReal unknown[2];           /* forces and torques of edges where velocities jump [N], [N m] */
   PetscReal middle[ISPH_MAX_DIM];
 } Ledger;
@@ -131,45 +128,39 @@ static PetscErrorCode AddLedger(const Flow *flow, const Ledger *own, Ledger *l)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds inertia and body force of the fluid in the middle of the last step. In a full box the
-   volumes of the particles are scaled to that inside the boundaries: particles beside curved walls
-   have parts of cells. */
+/* Adds inertia and body force of the fluid. In a full box the volumes of the particles are scaled
+   to that inside the boundaries: particles beside curved walls have parts of cells. */
 static PetscErrorCode AddFluid(const Flow *flow, Ledger *l)
 {
   const Particles *p       = flow->particles;
   const Scene     *scene   = flow->scene;
   const PetscReal  full    = p->weight * p->cell_volume;
   const PetscReal  share   = flow->ops->free ? 1.0 : l->volume / full;
-  const PetscReal  rate    = flow->clock->steady_solve ? 0.0 : 1.0 / flow->clock->dt;
-  const PetscReal  middle  = flow->clock->t - (rate > 0.0 ? 0.5 / rate : 0.0);
   Ledger           inertia = {.volume = 0.0}, weight = {.volume = 0.0};
+  PetscReal       *rate[ISPH_MAX_DIM];
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < p->dim; a++) inertia.middle[a] = weight.middle[a] = l->middle[a];
+  for (PetscInt a = 0; a < p->dim; a++) {
+    inertia.middle[a] = weight.middle[a] = l->middle[a];
+    PetscCall(PetscMalloc1(p->n_fluid, &rate[a]));
+  }
+  PetscCall(AccelerationGet(flow, rate));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     const PetscReal mass            = scene->rho * share * ParticlesWeight(p, i) * p->cell_volume;
     PetscReal       x[ISPH_MAX_DIM] = {0.0}, f[ISPH_MAX_DIM] = {0.0}, a[ISPH_MAX_DIM] = {0.0};
 
     for (PetscInt c = 0; c < p->dim; c++) x[c] = p->x[c][i];
-    if (SceneHas(scene, PHYSICS_BODY_FORCE)) SceneBodyForce(scene, middle, x, f);
+    if (SceneHas(scene, PHYSICS_BODY_FORCE)) SceneBodyForce(scene, flow->clock->t, x, f);
     for (PetscInt c = 0; c < p->dim; c++) {
-      a[c] = mass * rate * (p->u[c][i] - flow->state->u_previous[c][i]);
+      a[c] = mass * rate[c][i];
       f[c] *= -mass;
     }
     AddForce(p->dim, x, a, &inertia);
     AddForce(p->dim, x, f, &weight);
   }
+  for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscFree(rate[a]));
   PetscCall(AddLedger(flow, &weight, l));
-  weight = (Ledger){.volume = 0.0};
-  PetscCall(AddLedger(flow, &inertia, &weight));
-  for (PetscInt k = 0; k < 2; k++) {
-    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) {
-      l->sum[k][a] += weight.sum[k][a];
-      l->inertia[k] += PetscSqr(weight.sum[k][a]);
-    }
-    l->size[k] += weight.size[k];
-    l->inertia[k] = PetscSqrtReal(l->inertia[k]);
-  }
+  PetscCall(AddLedger(flow, &inertia, l));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -206,15 +197,13 @@ static void AddEdges(const Scene *scene, PetscReal t, Ledger *l)
   }
 }
 
-/* Sets the row of forces or of torques from the square of the residual, unless the flow changes
-   faster than its inertia, which lags by half a step, is known. noise: a magnitude of rounding. */
+/* Sets the row of forces or of torques from the square of the residual. noise: a magnitude of
+   rounding. */
 static void SetRow(Flow *flow, PetscInt of, PetscReal square, PetscReal noise, const Ledger *l)
 {
   const BalanceKind kind = of == FORCE ? BALANCE_FORCE : BALANCE_TORQUE;
   const PetscReal   rest = PetscMax(PetscSqrtReal(square) - l->unknown[of], 0.0);
 
-  flow->scheme->sheet.applies[kind] = PETSC_FALSE;
-  if (l->inertia[of] > SLOW * l->size[of]) return;
   BalanceSet(kind, rest / (l->size[of] + noise), flow->clock->t, &flow->scheme->sheet);
 }
 
