@@ -8,19 +8,30 @@ HEIGHTS = [round(0.05 * k, 2) for k in range(1, 20)]
 POINTS = "-probe_point " + ",".join(f"0.5,{y:g}" for y in HEIGHTS)
 REDUCED = "-pressure_reduction local_mean"
 SECONDS = 60.0  # of CPU time of a run
+# Section 6.2: stationary particles with densities and pressures of their own, tangential velocities extrapolated
+PAPER = parts.PAPER.replace("-wall dummy_linear", "-wall dynamic")
+
+
+def models(paper):
+    """Returns the options of each model and correction by its name."""
+    return {**{f"{model}, shepard": f"{paper} {REDUCED} -correction shepard -visc_laplacian {form}"
+               for model, form in parts.MODELS.items()},
+            "E, none": f"{paper} {REDUCED} -correction none -visc_laplacian morris",
+            "E, mixed": f"{paper} {REDUCED} -correction mixed -visc_laplacian morris"}
+
+
 SERIES = {  # name: options
-    **{f"{model}, shepard": f"{parts.PAPER} {REDUCED} -correction shepard -visc_laplacian {form}"
-       for model, form in parts.MODELS.items()},
-    "E, none": f"{parts.PAPER} {REDUCED} -correction none -visc_laplacian morris",
-    "E, mixed": f"{parts.PAPER} {REDUCED} -correction mixed -visc_laplacian morris",
+    **models(PAPER),
     "wcsph": "-scheme wcsph -progress none",
     "projection": "-scheme projection -progress none",
 }
+DUMMIES = models(parts.PAPER)  # walls with the pressure of the particle that reads them
 CONTINUITY = parts.PAPER.replace("-density_form summation", "-density_form continuity -density_diffusion 0")
 READINGS = {  # readings of the paper's settings, model E with shepard, Re = 100
     "as in all runs": SERIES["E, shepard"],
     "density by continuity": f"{CONTINUITY} {REDUCED} -correction shepard -visc_laplacian morris",
-    "no pressure reduction": f"{parts.PAPER} -pressure_reduction none -correction shepard -visc_laplacian morris",
+    "walls with the pressure of the particle": DUMMIES["E, shepard"],
+    "no pressure reduction": f"{PAPER} -pressure_reduction none -correction shepard -visc_laplacian morris",
     "particles on the walls too": SERIES["E, shepard"] + " -wall_surface 1",
     "midpoint, acoustic CFL 0.1": SERIES["E, shepard"] + " -wcsph_ts_rk_type midpoint",
     "half the step": SERIES["E, shepard"] + " -acoustic_cfl 0.25",
@@ -29,8 +40,9 @@ READING_END = 2.5
 # At the paper's resolution and to its times
 LONG_N, LONG_ENDS, LONG_SECONDS = 50, {100: 20.0, 1000: 80.0}, 1800.0
 LONG_TIMES = {reynolds: [end * k / 20 for k in range(1, 21)] for reynolds, end in LONG_ENDS.items()}
-LONG = {100: ("wcsph", "projection", "D, shepard"), 1000: ("wcsph", "projection")}
-FINE_N, FINE = 50, (("E, shepard", 1000), ("D, shepard", 1000))  # at the paper's resolution, to t = 2.5
+PAPERS = [name for name in SERIES if ", " in name]
+LONG = {100: ("wcsph", "projection", *PAPERS), 1000: ("wcsph", "projection", *PAPERS)}
+FEW_SECONDS = 600.0  # of a run with N by N particles to the times of the paper
 
 
 def cavity(run, options, reynolds):
@@ -45,16 +57,10 @@ def reading(run, options):
     return run(f"-case cavity -n {N} -reynolds 100 {options} {parts.times(ends)}")
 
 
-def fine(run, name, reynolds):
-    """Returns a run with the paper's number of particles to a quarter of the way."""
-    ends = [t for t in TIMES[reynolds] if t <= READING_END]
-    return run(f"-case cavity -n {FINE_N} -reynolds {reynolds} {SERIES[name]} {parts.times(ends)}")
-
-
-def long(run, name, reynolds):
-    """Returns a run with the paper's number of particles to its time."""
-    run.seconds = LONG_SECONDS
-    q = run(f"-case cavity -n {LONG_N} -reynolds {reynolds} {SERIES[name]} {parts.times(LONG_TIMES[reynolds])}",
+def long(run, name, reynolds, n=LONG_N):
+    """Returns a run with the paper's number of particles, or another, to its time."""
+    run.seconds = LONG_SECONDS if n == LONG_N else FEW_SECONDS
+    q = run(f"-case cavity -n {n} -reynolds {reynolds} {SERIES[name]} {parts.times(LONG_TIMES[reynolds])}",
             f"{POINTS} -probe_every {LONG_ENDS[reynolds]:g}")
     run.seconds = SECONDS
     return q
@@ -68,8 +74,8 @@ def plan(run):
             cavity(run, SERIES[name], reynolds)
         for options in READINGS.values():
             reading(run, options)
-    for name, reynolds in FINE:
-        fine(run, name, reynolds)
-    for reynolds, names in LONG.items():
-        for name in names:
+    for name in PAPERS:
+        long(run, name, 1000, N)
+    for reynolds in (1000, 100):
+        for name in ("wcsph", "projection", "D, shepard", "E, shepard", "C, shepard", "A, shepard", "B, shepard", "E, none", "E, mixed"):
             long(run, name, reynolds)

@@ -146,6 +146,7 @@ def bitwise(*command):
                            ("error_eulerian", [*FORCED, "-motion", "eulerian"]),
                            ("error_coupled", [*FORCED, "-motion", "eulerian", "-scheme", "coupled"]),
                            ("compressible", COMPRESSIBLE), ("gas", [*COMPRESSIBLE, *GAS]),
+                           ("dynamic", [*COMPRESSIBLE, "-density_form", "summation", "-wall", "dynamic"]),
                            ("surface", SURFACE), ("impact", IMPACT), ("openings", OPENINGS), ("jet", JET),
                            ("tension", [*SURFACE, "-surface_tension", "1"])):
             if n > 1 and name not in ON_RANKS:

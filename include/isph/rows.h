@@ -160,6 +160,7 @@ typedef struct {
   PetscErrorCode (*Extend)(Extension *extension); /* or NULL */
   PetscReal radii, spacings;                      /* reach of Extend: sum of [radius] and [dx] */
   PetscErrorCode (*Check)(const Scene *scene);    /* refuses unsuitable scenes; NULL: none */
+  PetscBool dynamic; /* dummies have densities of their own, which -scheme wcsph computes */
 } WallRow;
 
 /* A sparsity pattern. All operators have the same neighbours and share it. */

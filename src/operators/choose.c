@@ -260,6 +260,9 @@ static PetscErrorCode ChooseWall(const Scene *scene, unsigned needs, OperatorFor
   UserCheck(!(needs & NEED_STREAMS) || !forms->wall->Extend,
             "-wall %s: -scheme wcsph does not extend the velocity of the fluid; use dummy_linear",
             forms->wall->name);
+  UserCheck((needs & NEED_STREAMS) || !forms->wall->dynamic,
+            "-wall %s: only -scheme wcsph gives walls a density; use dummy_linear or wall_layer",
+            forms->wall->name);
   if (forms->wall->Check) PetscCall(forms->wall->Check(scene));
   forms->wall_surface = scene->n_bodies > 0 && !forms->wall->on_surface ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(OptionGetSwitch(&options[WALL_SURFACE], &forms->wall_surface, NULL));
@@ -406,6 +409,7 @@ PetscErrorCode OperatorsChoose(const Scene *scene, unsigned needs, OperatorForms
   forms->h           = h_over_dx * SceneCoarsest(scene);
   forms->radius = forms->reach = forms->kernel->support * forms->h;
   if (needs & NEED_STREAMS) forms->reach += STREAM_MARGIN * SceneCoarsest(scene);
+  if (forms->wall && forms->wall->dynamic) forms->reach += forms->radius;
   if (forms->wall && forms->wall->Extend) {
     const PetscReal reach =
         forms->wall->radii * forms->radius + forms->wall->spacings * SceneCoarsest(scene);

@@ -253,6 +253,7 @@ PetscErrorCode WcsphFree(Wcsph *w)
   PetscCall(PetscFree(w->local.e));
   for (PetscInt e = 0; e < ISPH_MAX_DIM * ISPH_MAX_DIM; e++)
     PetscCall(PetscFree(w->local.stress[e]));
+  PetscCall(PetscFree(w->local.found));
   PetscCall(PetscFree(w->local.divergence));
   PetscCall(PetscFree(w->local.packed));
   PetscFunctionReturn(PETSC_SUCCESS);

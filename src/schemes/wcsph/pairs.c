@@ -212,6 +212,10 @@ static void SetWallPairs(const Wcsph *w, const PetscReal force[], Stencil *st, P
   const LocalFlow *l   = &w->local;
   const PetscReal  rho = l->rho[st->i];
 
+  if (w->wall_start) {
+    for (PetscInt q = 0; q < st->n_wall; q++) st->beta[st->walls[q]] = 1.0;
+    return;
+  }
   for (PetscInt q = 0; q < st->n_wall; q++) {
     const PetscInt k    = st->walls[q];
     PetscReal      rise = 0.0;
@@ -251,6 +255,8 @@ static ISPH_INLINE void Unpack(PetscInt dim, const PetscReal packed[], const Pet
   the body force f, and the velocity of the wall treatment:
 
     p_w = p_i + rho_i f.X,   u_w - u_i = beta (u_wall - u_i)
+
+  A dummy of a dynamic wall has its own values, as fluid has.
 
   Input: force - f of ContinuingForce()
 */

@@ -23,6 +23,7 @@ PetscErrorCode WcsphReserve(const Flow *flow, Wcsph *w)
       PetscRealloc(PACKED(flow->scene->dim) * local->capacity * sizeof(PetscReal), &local->packed));
   if (w->equation->has_energy)
     PetscCall(PetscRealloc(local->capacity * sizeof(PetscReal), &local->e));
+  if (w->wall_start) PetscCall(PetscRealloc(local->capacity * sizeof(PetscInt), &local->found));
   if (flow->state->shift->Displace)
     PetscCall(PetscRealloc(WCSPH_COMPONENTS * local->capacity * sizeof(PetscReal), &w->shift));
   if (!WcsphComposed(w)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -91,7 +92,7 @@ static void Pack(const Particles *p, PetscReal rho_0, LocalFlow *l)
   WcsphSetDensity - Computes densities and pressures of all local particles at the present positions
 
   Collective. Reads local.rho of own fluid (continuity) or computes it (summation), and local.e.
-  Output: local.rho, local.p and local.e with the halo; walls are at rest.
+  Output: local.rho, local.p and local.e with the halo. Walls are at rest, unless they are dynamic.
 */
 PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w)
 {
@@ -105,9 +106,11 @@ PetscErrorCode WcsphSetDensity(Flow *flow, Wcsph *w)
     l->p[i] = w->equation->Pressure(w, l->rho[i], l->e ? l->e[i] : 0.0);
   for (PetscInt i = p->n_fluid; i < ParticlesOwn(p); i++) {
     l->rho[i] = flow->scene->rho;
-    l->p[i]   = 0.0;
     if (l->e) l->e[i] = w->e_rest;
   }
+  if (w->wall_start) PetscCall(WallDensities(w, l->rho));
+  for (PetscInt i = p->n_fluid; i < ParticlesOwn(p); i++)
+    l->p[i] = w->wall_start ? w->equation->Pressure(w, l->rho[i], w->e_rest) : 0.0;
   PetscCall(ParticlesHaloField(p, l->rho));
   PetscCall(ParticlesHaloField(p, l->p));
   if (l->e) PetscCall(ParticlesHaloField(p, l->e));
@@ -294,6 +297,7 @@ PetscErrorCode WcsphRates(Flow *flow, Wcsph *w)
     for (PetscInt i = p->n_fluid; i < ParticlesOwn(p); i++) l->u[a][i] = p->u[a][i];
     PetscCall(ParticlesHaloField(p, l->u[a]));
   }
+  if (w->wall_start) PetscCall(WallVelocities(w));
   PetscCall(WcsphSetDensity(flow, w));
   Pack(p, flow->scene->rho, l);
   PetscCall(OperatorsStreamFactors(flow->scene, p, flow->neighbors, flow->ops));

@@ -32,6 +32,10 @@ static PetscErrorCode WcsphSetUp(Flow *flow)
   PetscCall(PetscLogEventRegister("PairRates", id, &w->event));
   PetscCall(WcsphCreateIntegrator(flow, w));
   if (w->implicit) PetscCall(ViscosityCreate(flow, &w->visc));
+  UserCheck(!flow->ops->forms.wall || !flow->ops->forms.wall->dynamic || w->density->sums,
+            "-wall %s: densities of its walls are sums over the fluid, which needs -density_form "
+            "summation",
+            flow->ops->forms.wall->name);
   flow->scheme->Divergence  = Compression;
   flow->scheme->bound.sound = WCSPH_SOUND * w->c0;
   w->lattice                = WcsphLatticeSum(flow);
@@ -57,6 +61,8 @@ static PetscErrorCode WcsphRegister(Flow *flow)
   if (WcsphComposed(w) && WcsphComposed(w)->gradient == GRADIENT_COUPLED &&
       SceneHasFreeSurface(flow->scene))
     PetscCall(ParticlesRegister(p, "surface_start", 1, HALO_EPOCH, ENTRY_ZERO, &w->surface));
+  if (flow->ops->forms.wall && flow->ops->forms.wall->dynamic)
+    PetscCall(ParticlesRegister(p, "wall_start", 1, HALO_NONE, ENTRY_ZERO, &w->wall_start));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     w->rho[i] = w->equation->Density(w, p->p[i]);
     if (w->e) w->e[i] = w->e_rest;
@@ -100,6 +106,8 @@ static PetscErrorCode WcsphBegin(Flow *flow)
   for (PetscInt i = 0; w->surface && flow->clock->step == 0 && i < flow->particles->n_fluid; i++)
     w->surface[i] = flow->ops->free->kind[i] != SURFACE_INSIDE ? 1.0 : 0.0;
   if (w->surface) PetscCall(ParticlesHaloField(flow->particles, w->surface));
+  PetscCall(WcsphReserve(flow, w));
+  if (w->wall_start && flow->clock->step == 0) PetscCall(WallStart(w));
   PetscCall(WcsphSetPressure(flow));
   if (flow->clock->step == 0 && WcsphKeepsVolume(flow)) PetscCall(WcsphVolume(flow, &w->volume));
   w->artificial_over_nu = ArtificialShare(flow, w);

@@ -1,7 +1,7 @@
 /*
   State and functions of the weakly compressible scheme. wcsphcreate.c reads its options,
   equations.c has the equations of state, rates.c the rates of change, pairs.c the sums over
-  neighbours, and integrate.c the TS.
+  neighbours, dynamicwalls.c the densities of walls, and integrate.c the TS.
 */
 #ifndef ISPH_SCHEMES_WCSPH_H
 #define ISPH_SCHEMES_WCSPH_H
@@ -91,6 +91,7 @@ typedef struct {
   PetscReal *u[ISPH_MAX_DIM], *rho, *p, *e;       /* e: NULL without energy */
   PetscReal *stress[ISPH_MAX_DIM * ISPH_MAX_DIM]; /* of a composed form, else NULL [Pa] */
   PetscReal *divergence;                          /* beside it, own particles [1/s] */
+  PetscInt  *found;                               /* beside dynamic walls: fluid near a place */
   PetscReal *packed; /* V, rho, p and u of each particle, side by side for WcsphSetPairs() */
 } LocalFlow;
 
@@ -110,8 +111,9 @@ struct Wcsph {
   PetscReal                        diffusion;
   PetscReal                        artificial[2]; /* alpha, beta [-] */
 
-  PetscReal *rho, *e; /* fields of the particles; e NULL: no energy */
-  PetscReal *surface; /* field: 1 on a free surface at the start; NULL: not needed */
+  PetscReal *rho, *e;    /* fields of the particles; e NULL: no energy */
+  PetscReal *wall_start; /* field of dynamic walls: see WallDensities() [kg/m^3]; NULL: none */
+  PetscReal *surface;    /* field: 1 on a free surface at the start; NULL: not needed */
 
   Guard      guard; /* names the TS in messages; it has no KSP */
   TS         ts;
@@ -172,6 +174,11 @@ void                StressForce(const Wcsph *w, const Stencil *stencil, PetscRea
 PetscBool      WcsphShifts(const Wcsph *w);
 void           WcsphShiftRow(Wcsph *w, Stencil *stencil, const PetscReal slope[]);
 PetscErrorCode WcsphShift(Flow *flow);
+
+/* dynamicwalls.c */
+PetscErrorCode WallStart(Wcsph *w);
+PetscErrorCode WallDensities(const Wcsph *w, PetscReal rho[]);
+PetscErrorCode WallVelocities(Wcsph *w);
 
 /* pairs.c */
 #define PACKED(dim) (3 + (dim)) /* values of a particle in LocalFlow.packed */
