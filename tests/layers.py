@@ -23,7 +23,7 @@ RANK = {folder: k for k, folder in enumerate(LAYERS)}
 CIRCLES = {
     "scene": """bodies boundaries typedchecks scenecreate distances fluids free isotropicgrading openings regime spacing symmetry
         typed""".split(),
-    "splines": """splinebodies splineextend splinefits splineintegrals splines splinestep splinestiffness
+    "splines": """splineextend splinefits splineintegrals splines splinestep splinestiffness
         splinewindow""".split(),
 }
 # Headers of isph/ that are not named by their folder.

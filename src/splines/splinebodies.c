@@ -266,7 +266,6 @@ PetscErrorCode SplineBodiesCreate(const Scene *scene, const SplineLattice *latti
   }
   PetscCall(SetCells(scene, lattice, n, outline, base, s));
   for (PetscInt k = 0; k < n; k++) PetscCall(PetscFree(outline[k].x));
-  PetscCall(SplineExtensionSet(lattice, s));
   *bodies = s;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -283,7 +282,6 @@ PetscErrorCode SplineBodiesDestroy(SplineBodies **bodies)
   for (PetscInt a = 0; a < 2; a++) PetscCall(PetscFree(s->x[a]));
   PetscCall(PetscFree(s->weight));
   PetscCall(PetscFree(s->surface));
-  PetscCall(SplineExtensionFree(s));
   PetscCall(PetscFree(*bodies));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

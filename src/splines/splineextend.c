@@ -8,6 +8,11 @@
   with a block of 3 x 3 splines quadratic sequences are kept. The splines still sum to 1. In 3D the
   masters are in the layer of the spline.
 
+  The outermost spline q beside a side that gives the pressure is followed by spline r inside. Its
+  own number is given, c_q = 2 p(side), and its coefficient is c_q - p_r: the sum of both is the
+  pressure on the side, and spline r is psi_r - psi_q, which is zero there. So its masters are q and
+  r, or q and the masters of r.
+
   Reference: K. Hoellig, U. Reif, J. Wipper, SIAM J. Numer. Anal. 39 (2001) 442-462
 */
 #include "splines.h"
@@ -18,7 +23,7 @@
 typedef struct {
   PetscReal *fluid, *box; /* int psi over the fluid, and over the box [cells] */
   PetscReal *offset[2];   /* centroid of the fluid, from the centre of the spline [cells] */
-  PetscBool *enough, *given;
+  PetscBool *enough;
 } Plane;
 
 /* Adds the splines at a point to the integrals. */
@@ -66,28 +71,31 @@ static void Integrate(const SplineLattice *plane, const SplineBodies *s, Plane *
   }
 }
 
-/* Returns the number of the spline `step` after an index along both axes, -1 outside the box. */
-static PetscInt StepTo(const SplineLattice *plane, const PetscInt from[2], PetscInt i, PetscInt j)
+/* Computes the index of the spline `step` after an index; returns its number, -1 outside the box.
+ */
+static PetscInt StepTo(const SplineLattice *l, const PetscInt from[], const PetscInt step[],
+                       PetscInt to[])
 {
-  const PetscInt step[2] = {i, j};
-  PetscInt       to[2];
-
-  for (PetscInt a = 0; a < 2; a++) {
+  for (PetscInt a = 0; a < l->dim; a++) {
     to[a] = from[a] + step[a];
-    if (plane->periodic[a]) to[a] = (to[a] + 2 * plane->count[a]) % plane->count[a];
-    else if (to[a] < 0 || to[a] >= plane->count[a]) return -1;
+    if (l->periodic[a]) to[a] = (to[a] + 2 * l->count[a]) % l->count[a];
+    else if (to[a] < 0 || to[a] >= l->count[a]) return -1;
   }
-  return SplineNatural(plane, to);
+  return SplineNatural(l, to);
 }
 
-/* Returns true if a block of m x m splines, whose first is (i, j) from an index, has enough fluid.
-   */
-static PetscBool BlockIsComplete(const SplineLattice *plane, const Plane *w,
-                                 const PetscInt index[2], PetscInt i, PetscInt j, PetscInt m)
+/* Returns true if a block of m splines along each axis, whose first is `first` after an index, has
+   enough fluid. */
+static PetscBool BlockIsComplete(const SplineLattice *l, const Plane *w, const PetscInt index[],
+                                 const PetscInt first[], PetscInt m)
 {
-  for (PetscInt k = 0; k < m * m; k++) {
-    const PetscInt q = StepTo(plane, index, i + k % m, j + k / m);
+  const PetscInt n[ISPH_MAX_DIM] = {m, m, m};
 
+  for (PetscInt k = 0; k < PetscPowInt(m, l->dim); k++) {
+    PetscInt step[ISPH_MAX_DIM], to[ISPH_MAX_DIM], q;
+
+    SplineIndex(l->dim, first, n, k, step);
+    q = StepTo(l, index, step, to);
     if (q < 0 || !w->enough[q]) return PETSC_FALSE;
   }
   return PETSC_TRUE;
@@ -102,80 +110,59 @@ static void LagrangeWeights(PetscInt m, PetscReal t, PetscReal weight[])
   }
 }
 
-/* Finds the complete block of m x m splines nearest to the fluid of spline q, within 4 cells;
-   returns false if there is none. Equal distances are decided by the order of the search. */
-static PetscBool FindMasters(const SplineLattice *plane, const Plane *w, PetscInt q, PetscInt m,
+/* Finds the complete block of m splines along each axis nearest to the fluid of spline q, within 4
+   cells; returns false if there is none. Equal distances are decided by the order of the search. */
+static PetscBool FindMasters(const SplineLattice *l, const Plane *w, PetscInt q, PetscInt m,
                              SplineSlave *slave)
 {
-  const PetscInt index[2] = {q % plane->count[0], q / plane->count[0]};
-  PetscReal      best     = PETSC_INFINITY, lagrange[2][3];
-  PetscInt       at[2]    = {0, 0};
+  const PetscInt from[ISPH_MAX_DIM] = {-5, -5, -5}, width[ISPH_MAX_DIM] = {11, 11, 11};
+  const PetscInt n[ISPH_MAX_DIM] = {m, m, m}, zero[ISPH_MAX_DIM] = {0};
+  PetscReal      best             = PETSC_INFINITY, lagrange[ISPH_MAX_DIM][3];
+  PetscInt       at[ISPH_MAX_DIM] = {0}, index[ISPH_MAX_DIM];
 
-  for (PetscInt k = 0; k < 121; k++) {
-    const PetscInt first[2] = {k % 11 - 5, k / 11 - 5};
-    PetscReal      d2 = 0.0, far = 0.0;
+  SplineIndex(l->dim, NULL, l->count, q, index);
+  for (PetscInt k = 0; k < PetscPowInt(11, l->dim); k++) {
+    PetscInt  first[ISPH_MAX_DIM];
+    PetscReal d2 = 0.0, far = 0.0;
 
-    for (PetscInt a = 0; a < 2; a++) {
+    SplineIndex(l->dim, from, width, k, first);
+    for (PetscInt a = 0; a < l->dim; a++) {
       const PetscReal middle = first[a] + 0.5 * (m - 1);
 
       d2 += PetscSqr(middle - w->offset[a][q]);
       far = PetscMax(far, PetscAbsReal(middle));
     }
     if (far > 4.0 || d2 > best - 1e-6) continue;
-    if (!BlockIsComplete(plane, w, index, first[0], first[1], m)) continue;
-    best  = d2;
-    at[0] = first[0];
-    at[1] = first[1];
+    if (!BlockIsComplete(l, w, index, first, m)) continue;
+    best = d2;
+    for (PetscInt a = 0; a < l->dim; a++) at[a] = first[a];
   }
   if (best == PETSC_INFINITY) return PETSC_FALSE;
-  for (PetscInt a = 0; a < 2; a++) LagrangeWeights(m, -at[a], lagrange[a]);
-  slave->n = m * m;
-  for (PetscInt k = 0; k < m * m; k++) {
-    const PetscInt to = StepTo(plane, index, at[0] + k % m, at[1] + k / m);
+  for (PetscInt a = 0; a < l->dim; a++) LagrangeWeights(m, -at[a], lagrange[a]);
+  slave->n = PetscPowInt(m, l->dim);
+  for (PetscInt k = 0; k < slave->n; k++) {
+    PetscInt digit[ISPH_MAX_DIM];
 
-    slave->master[k][0] = to % plane->count[0];
-    slave->master[k][1] = to / plane->count[0];
-    slave->weight[k]    = lagrange[0][k % m] * lagrange[1][k / m];
-    slave->step[k][0]   = at[0] + k % m;
-    slave->step[k][1]   = at[1] + k / m;
+    SplineIndex(l->dim, zero, n, k, digit);
+    slave->weight[k] = 1.0;
+    for (PetscInt a = 0; a < l->dim; a++) {
+      slave->step[k][a] = at[a] + digit[a];
+      slave->weight[k] *= lagrange[a][digit[a]];
+    }
   }
   return PETSC_TRUE;
 }
 
-/* Extends the range of cells of each master by those of a slave. */
-static void ExtendRange(const SplineLattice *plane, const SplineSlave *slave, SplineBodies *s)
+/* Gives spline q masters: n, weight and step of `slave`. */
+static PetscErrorCode AddSlave(PetscInt q, const SplineSlave *slave, SplineExtension *e)
 {
-  for (PetscInt k = 0; k < slave->n; k++) {
-    SplineRange *range = &s->range[SplineNatural(plane, slave->master[k])];
-
-    for (PetscInt a = 0; a < 2; a++) {
-      range->low[a]  = PetscMin(range->low[a], -slave->step[k][a]);
-      range->high[a] = PetscMax(range->high[a], -slave->step[k][a]);
-    }
-  }
-}
-
-/* Sets the masters of all splines that have too little fluid. A spline without masters stays. */
-static PetscErrorCode SetSlaves(const SplineLattice *plane, const Plane *w, SplineBodies *s)
-{
-  PetscInt capacity = 0;
-
   PetscFunctionBegin;
-  for (PetscInt q = 0; q < plane->N; q++) {
-    PetscBool found = PETSC_FALSE;
-
-    s->slave[q] = w->fluid[q] > 0.0 ? SPLINE_FREE : SPLINE_UNUSED;
-    if (s->slave[q] == SPLINE_UNUSED || w->enough[q] || w->given[q]) continue;
-    if (s->n_slaves == capacity) {
-      capacity = 2 * capacity + 64;
-      PetscCall(PetscRealloc(sizeof(*s->slaves) * (size_t)capacity, &s->slaves));
-    }
-    for (PetscInt m = 3; m >= 1 && !found; m--)
-      found = FindMasters(plane, w, q, m, &s->slaves[s->n_slaves]);
-    if (!found) continue;
-    ExtendRange(plane, &s->slaves[s->n_slaves], s);
-    s->slave[q] = s->n_slaves++;
+  if (e->n == e->capacity) {
+    e->capacity = 2 * e->capacity + 64;
+    PetscCall(PetscRealloc(sizeof(*e->slaves) * (size_t)e->capacity, &e->slaves));
   }
+  e->slaves[e->n] = *slave;
+  e->slave[q]     = e->n++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -187,8 +174,8 @@ PetscBool SplineSideGives(const SplineLattice *l)
   return PETSC_FALSE;
 }
 
-/* SplineIsGiven - Returns true if the coefficient of a spline is given by a side, the first in
-   order; not collective */
+/* SplineIsGiven - Returns true if the number of a spline is given by a side, the first in order;
+   not collective */
 PetscBool SplineIsGiven(const SplineLattice *l, const PetscInt index[], PetscInt *side)
 {
   for (*side = 0; *side < 2 * l->dim; (*side)++) {
@@ -199,116 +186,198 @@ PetscBool SplineIsGiven(const SplineLattice *l, const PetscInt index[], PetscInt
   return PETSC_FALSE;
 }
 
-/*
-  SplineSourcesOf - Lists the numbers that make the coefficient of a spline: its own, or those of
-  its masters
-
-  Not collective. The outermost spline q beside a side that gives the pressure is followed by spline
-  r inside. Its own number is given, c_q = 2 p(side), and its coefficient is c_q - p_r: the sum of
-  both is the pressure on the side, and spline r is psi_r - psi_q, which is zero there.
-*/
-void SplineSourcesOf(const SplineLattice *l, const SplineBodies *bodies, const PetscInt index[],
-                     SplineSources *sources)
+/* Creates the list of slaves, with those beside sides that give the pressure. */
+static PetscErrorCode CreateList(const SplineLattice *l, SplineExtension **extension)
 {
-  const SplineSlave *slave            = NULL;
-  PetscInt           at[ISPH_MAX_DIM] = {0}, side, k = SPLINE_FREE;
-  PetscReal          weight = 1.0;
+  SplineExtension *e;
 
-  sources->n = 0;
-  for (PetscInt a = 0; a < l->dim; a++) at[a] = index[a];
-  while (SplineIsGiven(l, at, &side)) {
-    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) sources->index[sources->n][a] = at[a];
-    sources->weight[sources->n++] = weight;
-    at[side / 2] += side % 2 ? -1 : 1;
-    weight = -weight;
-  }
-  if (bodies) k = bodies->slave[SplineColumn(l, at)];
-  if (k >= 0) slave = &bodies->slaves[k];
-  for (PetscInt m = 0; m < (slave ? slave->n : 1); m++) {
-    PetscInt *of = sources->index[sources->n];
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&e));
+  PetscCall(PetscMalloc1(l->N, &e->slave));
+  for (PetscInt q = 0; q < l->N; q++) {
+    SplineSlave slave = {.n = 2, .weight = {1.0, -1.0}};
+    PetscInt    index[ISPH_MAX_DIM], side;
 
-    for (PetscInt a = 0; a < ISPH_MAX_DIM; a++)
-      of[a] = slave && a < 2 ? slave->master[m][a] : at[a];
-    sources->weight[sources->n++] = slave ? weight * slave->weight[m] : weight;
+    e->slave[q] = SPLINE_FREE;
+    SplineIndex(l->dim, NULL, l->count, q, index);
+    if (!SplineIsGiven(l, index, &side)) continue;
+    slave.step[1][side / 2] = side % 2 ? -1 : 1;
+    PetscCall(AddSlave(q, &slave, e));
   }
+  *extension = e;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplinesInCell - Lists the extended splines of the plane that are not zero in a cell, at most
-   SPLINES_IN_CELL and some more than once; returns their number; not collective */
-PetscInt SplinesInCell(const SplineLattice *plane, const SplineBodies *s, PetscInt cell,
-                       PetscInt number[])
+/* Sets the masters of all splines that have too little fluid. A spline without masters stays. */
+static PetscErrorCode SetSlaves(const SplineLattice *l, const Plane *w, SplineExtension *e)
 {
-  SplineValues at;
-  PetscReal    x[2];
-  PetscInt     n = 0;
+  PetscFunctionBegin;
+  for (PetscInt q = 0; q < l->N; q++) {
+    PetscBool   found = PETSC_FALSE;
+    SplineSlave slave = {0};
 
-  x[0] = plane->lo[0] + (cell % plane->cells[0] + 0.5) * plane->side[0];
-  x[1] = plane->lo[1] + (cell / plane->cells[0] + 0.5) * plane->side[1];
-  SplinesAt(plane, x, &at);
-  for (PetscInt k = 0; k < at.n; k++) {
-    SplineSources sources;
+    if (w->fluid[q] <= 0.0) e->slave[q] = SPLINE_UNUSED;
+    if (e->slave[q] != SPLINE_FREE || w->enough[q]) continue;
+    for (PetscInt m = 3; m >= 1 && !found; m--) found = FindMasters(l, w, q, m, &slave);
+    if (found) PetscCall(AddSlave(q, &slave, e));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    SplineSourcesOf(plane, s, at.index[k], &sources);
-    for (PetscInt m = 0; m < sources.n; m++) number[n++] = SplineNatural(plane, sources.index[m]);
+/* SplinesInCell - Lists the extended splines that are not zero in a cell, at most SPLINES_EXTENDED
+   and some more than once; returns their number; not collective */
+PetscInt SplinesInCell(const SplineLattice *l, const SplineExtension *extension,
+                       const PetscInt cell[], PetscInt number[])
+{
+  const PetscInt width[ISPH_MAX_DIM] = {3, 3, 3};
+  PetscInt       n                   = 0;
+
+  for (PetscInt k = 0; k < (l->dim == 3 ? 27 : 9); k++) {
+    PetscInt           step[ISPH_MAX_DIM], index[ISPH_MAX_DIM], q, e;
+    const SplineSlave *slave;
+
+    SplineIndex(l->dim, NULL, width, k, step);
+    for (PetscInt a = 0; a < l->dim; a++) step[a] -= l->periodic[a] ? 1 : 0;
+    q     = StepTo(l, cell, step, index);
+    e     = extension ? extension->slave[q] : SPLINE_FREE;
+    slave = e >= 0 ? &extension->slaves[e] : NULL;
+    for (PetscInt m = 0; m < (slave ? slave->n : 1); m++)
+      number[n++] = slave ? SplineNatural(l, slave->master[m]) : q;
   }
   return n;
 }
 
 /* Sets the number of extended splines that are not zero in each cell. */
-static PetscErrorCode SetWidths(const SplineLattice *plane, SplineBodies *s)
+static PetscErrorCode SetWidths(const SplineLattice *l, SplineExtension *e)
 {
-  PetscInt number[SPLINES_IN_CELL];
+  PetscInt number[SPLINES_EXTENDED], cells = 1;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(plane->cells[0] * plane->cells[1], &s->width));
-  for (PetscInt c = 0; c < plane->cells[0] * plane->cells[1]; c++) {
-    s->width[c] = SplinesInCell(plane, s, c, number);
-    PetscCall(PetscSortRemoveDupsInt(&s->width[c], number));
+  for (PetscInt a = 0; a < l->dim; a++) cells *= l->cells[a];
+  PetscCall(PetscMalloc1(cells, &e->width));
+  for (PetscInt c = 0; c < cells; c++) {
+    PetscInt cell[ISPH_MAX_DIM];
+
+    SplineIndex(l->dim, NULL, l->cells, c, cell);
+    e->width[c] = SplinesInCell(l, e, cell, number);
+    PetscCall(PetscSortRemoveDupsInt(&e->width[c], number));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplineExtensionSet - Sets the masters of splines with little fluid; not collective */
-PetscErrorCode SplineExtensionSet(const SplineLattice *lattice, SplineBodies *s)
+/* Gives splines with little fluid masters. */
+static PetscErrorCode AddBodies(const SplineLattice *lattice, const SplineBodies *s,
+                                SplineExtension *e)
 {
   const SplineLattice plane = SplinePlane(lattice);
+  SplineExtension    *flat;
   Plane               w;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc2(plane.N, &s->slave, plane.N, &s->range));
-  PetscCall(PetscMemzero(s->range, sizeof(*s->range) * (size_t)plane.N));
-  PetscCall(PetscCalloc6(plane.N, &w.fluid, plane.N, &w.box, plane.N, &w.offset[0], plane.N,
-                         &w.offset[1], plane.N, &w.enough, plane.N, &w.given));
+  PetscCall(PetscCalloc5(plane.N, &w.fluid, plane.N, &w.box, plane.N, &w.offset[0], plane.N,
+                         &w.offset[1], plane.N, &w.enough));
   Integrate(&plane, s, &w);
+  PetscCall(CreateList(&plane, &flat));
   for (PetscInt q = 0; q < plane.N; q++) {
     if (w.fluid[q] < 1e-12 * w.box[q]) w.fluid[q] = 0.0;
     for (PetscInt a = 0; a < 2; a++) w.offset[a][q] /= w.fluid[q] > 0.0 ? w.fluid[q] : 1.0;
-    const PetscInt index[2] = {q % plane.count[0], q / plane.count[0]};
-    PetscInt       side;
-
-    w.given[q]  = SplineIsGiven(&plane, index, &side);
-    w.enough[q] = !w.given[q] && w.fluid[q] >= ENOUGH * w.box[q] ? PETSC_TRUE : PETSC_FALSE;
+    w.enough[q] =
+        w.fluid[q] >= ENOUGH * w.box[q] && flat->slave[q] == SPLINE_FREE ? PETSC_TRUE : PETSC_FALSE;
   }
-  PetscCall(SetSlaves(&plane, &w, s));
-  PetscCall(SetWidths(&plane, s));
-  PetscCall(PetscFree6(w.fluid, w.box, w.offset[0], w.offset[1], w.enough, w.given));
+  PetscCall(SetSlaves(&plane, &w, flat));
+  for (PetscInt q = 0; q < lattice->N; q++) {
+    const PetscInt k = flat->slave[q % plane.N];
+
+    if (k == SPLINE_UNUSED) e->slave[q] = k;
+    if (k >= 0 && e->slave[q] == SPLINE_FREE) PetscCall(AddSlave(q, &flat->slaves[k], e));
+  }
+  PetscCall(SplineExtensionDestroy(&flat));
+  PetscCall(PetscFree5(w.fluid, w.box, w.offset[0], w.offset[1], w.enough));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplineExtensionFree - Frees the masters; not collective */
-PetscErrorCode SplineExtensionFree(SplineBodies *s)
+/* Sets the indices of the masters of spline q. A master that is a slave is replaced by its own
+   masters. */
+static PetscErrorCode Compose(const SplineLattice *l, PetscInt q, const SplineExtension *e)
 {
+  SplineSlave *slave = &e->slaves[e->slave[q]], all = {.composed = PETSC_TRUE};
+  PetscInt     index[ISPH_MAX_DIM];
+
   PetscFunctionBegin;
-  PetscCall(PetscFree2(s->slave, s->range));
-  PetscCall(PetscFree(s->slaves));
-  PetscCall(PetscFree(s->width));
+  if (slave->composed) PetscFunctionReturn(PETSC_SUCCESS);
+  SplineIndex(l->dim, NULL, l->count, q, index);
+  for (PetscInt k = 0; k < slave->n; k++) {
+    const PetscInt     to   = StepTo(l, index, slave->step[k], slave->master[k]);
+    const SplineSlave *next = to != q && e->slave[to] >= 0 ? &e->slaves[e->slave[to]] : NULL;
+
+    if (next) PetscCall(Compose(l, to, e));
+    for (PetscInt m = 0; m < (next ? next->n : 1); m++, all.n++) {
+      all.weight[all.n] = slave->weight[k] * (next ? next->weight[m] : 1.0);
+      for (PetscInt a = 0; a < l->dim; a++)
+        all.step[all.n][a] = slave->step[k][a] + (next ? next->step[m][a] : 0);
+      (void)StepTo(l, index, all.step[all.n], all.master[all.n]);
+    }
+  }
+  *slave = all;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SplinesArePlain - Returns true if all coefficients are unknowns; not collective */
-PetscBool SplinesArePlain(const Splines *s)
+/* Extends the range of cells of each master by those of a slave. */
+static void ExtendRange(const SplineLattice *l, const SplineSlave *slave, SplineExtension *e)
 {
-  return s->bodies || SplineSideGives(&s->lattice) ? PETSC_FALSE : PETSC_TRUE;
+  for (PetscInt k = 0; k < slave->n; k++) {
+    SplineRange *range = &e->range[SplineNatural(l, slave->master[k])];
+
+    for (PetscInt a = 0; a < l->dim; a++) {
+      range->low[a]  = PetscMin(range->low[a], -slave->step[k][a]);
+      range->high[a] = PetscMax(range->high[a], -slave->step[k][a]);
+    }
+  }
+}
+
+/*
+  SplineExtensionCreate - Lists the splines that have masters, beside bodies and beside sides that
+  give the pressure
+
+  Not collective. Output: extension - NULL if there are none.
+*/
+PetscErrorCode SplineExtensionCreate(const SplineLattice *l, const SplineBodies *bodies,
+                                     SplineExtension **extension)
+{
+  SplineExtension *e;
+
+  PetscFunctionBegin;
+  *extension = NULL;
+  if (!bodies && !SplineSideGives(l)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CreateList(l, &e));
+  if (bodies) PetscCall(AddBodies(l, bodies, e));
+  PetscCall(PetscCalloc1(l->N, &e->range));
+  for (PetscInt q = 0; q < l->N; q++) {
+    PetscInt index[ISPH_MAX_DIM], side;
+
+    if (e->slave[q] < 0) continue;
+    PetscCall(Compose(l, q, e));
+    SplineIndex(l->dim, NULL, l->count, q, index);
+    if (!SplineIsGiven(l, index, &side)) ExtendRange(l, &e->slaves[e->slave[q]], e);
+  }
+  PetscCall(SetWidths(l, e));
+  *extension = e;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SplineExtensionDestroy - Frees the list; not collective */
+PetscErrorCode SplineExtensionDestroy(SplineExtension **extension)
+{
+  SplineExtension *e = *extension;
+
+  PetscFunctionBegin;
+  if (!e) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree(e->slave));
+  PetscCall(PetscFree(e->slaves));
+  PetscCall(PetscFree(e->range));
+  PetscCall(PetscFree(e->width));
+  PetscCall(PetscFree(*extension));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Adds weight times spline k at a point to the entry of a number. */
@@ -342,26 +411,24 @@ void SplineRowAt(const Splines *s, const SplineLattice *l, const Particles *p, c
   SplinesAt(l, x, &at);
   row->n = 0;
   for (PetscInt k = 0; k < at.n; k++) {
-    SplineSources sources;
+    const SplineSlave *slave = SplineSlaveAt(s, at.index[k]);
 
-    if (SplinesArePlain(s)) {
+    if (!slave && !s->extension) {
       row->number[k] = SplinesGlobal(s, p, at.index[k]);
       row->value[k]  = at.value[k];
       for (PetscInt a = 0; a < l->dim; a++) row->gradient[a][k] = at.gradient[a][k];
       row->n++;
-      continue;
+    } else if (!slave) {
+      AddEntry(l->dim, SplinesGlobal(s, p, at.index[k]), 1.0, &at, k, row);
     }
-
-    SplineSourcesOf(&s->lattice, s->bodies, at.index[k], &sources);
-    for (PetscInt m = 0; m < sources.n; m++)
-      AddEntry(l->dim, SplinesGlobal(s, p, sources.index[m]), sources.weight[m], &at, k, row);
+    for (PetscInt m = 0; slave && m < slave->n; m++)
+      AddEntry(l->dim, SplinesGlobal(s, p, slave->master[m]), slave->weight[m], &at, k, row);
   }
 }
 
-/* SplineRowWidth - Returns the number of entries of SplineRowAt() at a point, which bodies make
+/* SplineRowWidth - Returns the number of entries of SplineRowAt() at a point, which masters make
    greater; not collective */
 PetscInt SplineRowWidth(const Splines *s, const SplineLattice *l, const PetscReal x[])
 {
-  if (!s->bodies) return SplinesAtPoint(l);
-  return s->bodies->width[SplineCellAt(l, x)] * (l->dim == 3 ? l->degree + 1 : 1);
+  return s->extension ? s->extension->width[SplineCellAt(l, x)] : SplinesAtPoint(l);
 }

@@ -44,8 +44,12 @@ static PetscErrorCode GradientMat(const Splines *s, const Particles *p, PetscInt
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(p->n_fluid, &width));
-  for (PetscInt i = 0; i < p->n_fluid; i++)
-    width[i] = SplineRowWidth(s, &s->pressure, (PetscReal[]){p->x[0][i], p->x[1][i]});
+  for (PetscInt i = 0; i < p->n_fluid; i++) {
+    PetscReal x[ISPH_MAX_DIM];
+
+    for (PetscInt c = 0; c < p->dim; c++) x[c] = p->x[c][i];
+    width[i] = SplineRowWidth(s, &s->pressure, x);
+  }
   PetscCall(SplineMat(p->comm, p->n_fluid, s->own.size, width, G));
   PetscCall(PetscFree(width));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
@@ -144,7 +148,7 @@ static PetscErrorCode SplineProduct(Splines *s, const Particles *p)
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < s->lattice.dim; a++) PetscCall(AddProducts(s, p, a, &s->A));
-  if (!SplinesArePlain(s)) {
+  if (s->extension) {
     PetscCall(PetscMalloc1(s->n_unused, &row));
     for (PetscInt k = 0; k < s->n_unused; k++) row[k] = s->own.start + s->unused[k];
     PetscCall(MatZeroRows(s->A, s->n_unused, row, 0.0, NULL, NULL));

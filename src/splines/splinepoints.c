@@ -55,8 +55,11 @@ static PetscInt OwnCells(const Splines *s, const Particles *p, PetscInt first[],
 /* Returns false in a cell that a body fills. */
 static PetscBool IsFluid(const Splines *s, const PetscReal x[])
 {
+  SplineLattice plane;
+
   if (!s->bodies) return PETSC_TRUE;
-  return s->bodies->fraction[SplineCellAt(&s->lattice, x)] > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  plane = SplinePlane(&s->lattice);
+  return s->bodies->fraction[SplineCellAt(&plane, x)] > 0.0 ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Returns the number of layers of cells of this rank that hold a part of a surface. */

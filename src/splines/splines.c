@@ -50,11 +50,8 @@ PetscInt SplinesGlobal(const Splines *s, const Particles *p, const PetscInt inde
    unknown; not collective */
 PetscBool SplineOwn(const Splines *s, PetscInt k, PetscInt index[])
 {
-  PetscInt side;
-
   SplineIndex(s->lattice.dim, s->own.first, s->own.n, k, index);
-  if (SplineIsGiven(&s->lattice, index, &side)) return PETSC_FALSE;
-  return !s->bodies || s->bodies->slave[SplineColumn(&s->lattice, index)] == SPLINE_FREE
+  return !s->extension || s->extension->slave[SplineNatural(&s->lattice, index)] == SPLINE_FREE
              ? PETSC_TRUE
              : PETSC_FALSE;
 }
@@ -100,8 +97,9 @@ static PetscErrorCode AssembleBoundary(Splines *s, const Particles *p)
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(s->boundary.n, &width));
   for (PetscInt g = 0; g < s->boundary.n; g++) {
-    const PetscReal x[2] = {s->boundary.x[0][g], s->boundary.x[1][g]};
+    PetscReal x[ISPH_MAX_DIM];
 
+    for (PetscInt a = 0; a < l->dim; a++) x[a] = s->boundary.x[a][g];
     width[g] = SplineRowWidth(s, l, x);
   }
   PetscCall(SplineMat(p->comm, s->boundary.n, s->own.size, width, &s->S));
@@ -238,6 +236,7 @@ PetscErrorCode SplinesFree(Splines *s)
   PetscCall(SplinePlacesFree(&s->at));
   PetscCall(SplinePlacesFree(&s->inside_at));
   PetscCall(SplineBodiesDestroy(&s->bodies));
+  PetscCall(SplineExtensionDestroy(&s->extension));
   PetscCall(VecDestroy(&s->kept));
   PetscCall(VecDestroy(&s->natural));
   PetscCall(PetscFree(s->block));

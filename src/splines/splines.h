@@ -84,15 +84,8 @@ static inline void SplineBasis(PetscInt degree, PetscReal t, PetscReal per_edge,
   derivative[2] = t * per_edge;
 }
 
-#define SPLINE_SOURCES   (9 + ISPH_MAX_DIM) /* of a coefficient, at most */
-#define SPLINES_EXTENDED (SPLINE_SOURCES * SPLINES_AT_QUADRATIC)
-#define SPLINES_IN_CELL  (SPLINE_SOURCES * SPLINES_IN_PLANE)
-
-/* The numbers in a vector of coefficients that make the coefficient of a spline. */
-typedef struct {
-  PetscInt  n, index[SPLINE_SOURCES][ISPH_MAX_DIM]; /* of their splines */
-  PetscReal weight[SPLINE_SOURCES];
-} SplineSources;
+#define SPLINE_MASTERS   (27 + ISPH_MAX_DIM)                     /* of a spline, at most */
+#define SPLINES_EXTENDED (SPLINE_MASTERS * SPLINES_AT_QUADRATIC) /* the most, if all have masters */
 
 /* The splines at a point, without those that have masters. */
 typedef struct {
@@ -117,16 +110,29 @@ typedef struct {
   PetscReal normal[2];              /* out of the fluid */
 } SplineSurface;
 
-/* A spline of the plane whose coefficient is extrapolated from its masters. */
+/* A spline whose coefficient is a sum of weights times the numbers of its masters. A spline beside
+   a side that gives the pressure is a master of its own: its number is given, see
+   splineextend.c. */
 typedef struct {
-  PetscInt  n, master[9][2], step[9][2]; /* indices along the axes, and relative to the spline */
-  PetscReal weight[9];
+  PetscBool composed;                              /* work: no master is a slave */
+  PetscInt  n, step[SPLINE_MASTERS][ISPH_MAX_DIM]; /* masters: indices relative to the spline */
+  PetscInt  master[SPLINE_MASTERS][ISPH_MAX_DIM];  /* their indices along the axes */
+  PetscReal weight[SPLINE_MASTERS];
 } SplineSlave;
 
 /* Indices of the splines that add to a spline, relative to it. */
 typedef struct {
-  PetscInt low[2], high[2];
+  PetscInt low[ISPH_MAX_DIM], high[ISPH_MAX_DIM];
 } SplineRange;
+
+/* All splines that have masters. */
+typedef struct {
+  PetscInt    *slave; /* number of each spline in slaves, or SPLINE_UNUSED, SPLINE_FREE */
+  PetscInt     n, capacity;
+  SplineSlave *slaves;
+  SplineRange *range; /* of each spline */
+  PetscInt    *width; /* of each cell: extended splines that are not zero in it */
+} SplineExtension;
 
 enum { SPLINE_FAR = -2, SPLINE_NEAR = -1 };    /* cells that no body cuts: far from it, beside it */
 enum { SPLINE_UNUSED = -2, SPLINE_FREE = -1 }; /* splines without masters: no fluid, an unknown */
@@ -148,11 +154,6 @@ typedef struct {
   PetscReal     *x[2], *weight; /* points of quadrature [m], with weights that sum to fraction */
   PetscInt       n_surface, surface_capacity;
   SplineSurface *surface;
-  PetscInt      *slave; /* number of each spline in slaves, or SPLINE_UNUSED, SPLINE_FREE */
-  PetscInt       n_slaves;
-  SplineSlave   *slaves;
-  SplineRange   *range; /* of each spline */
-  PetscInt      *width; /* of each cell: extended splines that are not zero in it */
 } SplineBodies;
 
 /* Fits of the velocity at points of quadrature: sums over particles by local index. */
@@ -209,13 +210,14 @@ typedef struct {
 #define GAUSS 0.28867513459481287
 
 struct Splines {
-  SplineLattice lattice;  /* with the splines psi_q of the divergence */
-  SplineLattice pressure; /* the same with the splines chi_q of the pressure */
-  SplineBodies *bodies;   /* NULL: none */
-  PetscReal     scale;    /* edge of a cell of the same volume [m] */
-  SplineBlock  *block;    /* of all ranks */
-  SplineBlock   own;
-  SplinePoints  inside, boundary;
+  SplineLattice    lattice;   /* with the splines psi_q of the divergence */
+  SplineLattice    pressure;  /* the same with the splines chi_q of the pressure */
+  SplineBodies    *bodies;    /* NULL: none */
+  SplineExtension *extension; /* NULL: no spline has masters */
+  PetscReal        scale;     /* edge of a cell of the same volume [m] */
+  SplineBlock     *block;     /* of all ranks */
+  SplineBlock      own;
+  SplinePoints     inside, boundary;
 
   PetscInt  epoch, moved;                       /* stamps of the particles at the last assembly */
   PetscReal lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM]; /* the rank's box when the splines were numbered */
@@ -251,18 +253,16 @@ PetscErrorCode SplineOutlineDivide(const SplineLattice *l, const SplineOutline *
 PetscErrorCode SplineBodiesCreate(const Scene *scene, const SplineLattice *lattice,
                                   SplineBodies **bodies);
 PetscErrorCode SplineBodiesDestroy(SplineBodies **bodies);
-PetscErrorCode SplineExtensionSet(const SplineLattice *lattice, SplineBodies *s);
-PetscErrorCode SplineExtensionFree(SplineBodies *s);
-PetscInt       SplinesInCell(const SplineLattice *plane, const SplineBodies *s, PetscInt cell,
-                             PetscInt number[]);
+PetscErrorCode SplineExtensionCreate(const SplineLattice *lattice, const SplineBodies *bodies,
+                                     SplineExtension **extension);
+PetscErrorCode SplineExtensionDestroy(SplineExtension **extension);
+PetscInt       SplinesInCell(const SplineLattice *l, const SplineExtension *extension,
+                             const PetscInt cell[], PetscInt number[]);
 void SplineRowAt(const Splines *s, const SplineLattice *l, const Particles *p, const PetscReal x[],
                  SplineRow *row);
 PetscInt  SplineRowWidth(const Splines *s, const SplineLattice *l, const PetscReal x[]);
 PetscBool SplineSideGives(const SplineLattice *l);
-PetscBool SplinesArePlain(const Splines *s);
 PetscBool SplineIsGiven(const SplineLattice *l, const PetscInt index[], PetscInt *side);
-void SplineSourcesOf(const SplineLattice *l, const SplineBodies *bodies, const PetscInt index[],
-                     SplineSources *sources);
 
 /* Returns the lattice without its third axis. */
 static inline SplineLattice SplinePlane(const SplineLattice *lattice)
@@ -274,23 +274,27 @@ static inline SplineLattice SplinePlane(const SplineLattice *lattice)
   return plane;
 }
 
-/* Returns the number of the cell of the plane that holds a point, or of the nearest one. Beside
-   bodies cells are uniform. */
+/* Returns the number of the cell that holds a point, or of the nearest one. */
 static inline PetscInt SplineCellAt(const SplineLattice *lattice, const PetscReal x[])
 {
-  PetscInt cell[2];
+  PetscInt number = 0;
 
-  for (PetscInt a = 0; a < 2; a++) {
-    cell[a] = (PetscInt)((x[a] - lattice->lo[a]) / lattice->side[a]);
-    cell[a] = PetscMin(PetscMax(cell[a], 0), lattice->cells[a] - 1);
+  for (PetscInt a = lattice->dim - 1; a >= 0; a--) {
+    const PetscReal y    = SceneToUniform(lattice->scene, a, x[a]);
+    const PetscInt  cell = (PetscInt)((y - lattice->lo[a]) / lattice->side[a]);
+
+    number = number * lattice->cells[a] + PetscMin(PetscMax(cell, 0), lattice->cells[a] - 1);
   }
-  return cell[1] * lattice->cells[0] + cell[0];
+  return number;
 }
 
-/* Returns the number of a column of splines in the plane. */
-static inline PetscInt SplineColumn(const SplineLattice *lattice, const PetscInt index[])
+/* Returns the masters of a spline, NULL if it has none. */
+static inline const SplineSlave *SplineSlaveAt(const Splines *s, const PetscInt index[])
 {
-  return index[1] * lattice->count[0] + index[0];
+  const PetscInt k =
+      s->extension ? s->extension->slave[SplineNatural(&s->lattice, index)] : SPLINE_FREE;
+
+  return k >= 0 ? &s->extension->slaves[k] : NULL;
 }
 
 /* splinepoints.c */

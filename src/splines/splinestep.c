@@ -23,6 +23,7 @@ PetscErrorCode SplinesSet(const Scene *scene, PetscReal ratio, PetscInt degree, 
   PetscFunctionBegin;
   PetscCall(SplineLatticeSet(scene, ratio, &s->lattice));
   PetscCall(SplineBodiesCreate(scene, &s->lattice, &s->bodies));
+  PetscCall(SplineExtensionCreate(&s->lattice, s->bodies, &s->extension));
   s->pressure        = s->lattice;
   s->pressure.degree = degree == 4 && !s->bodies && !SplineSideGives(&s->lattice) ? 3 : 2;
   s->scale           = 1.0;
@@ -196,7 +197,7 @@ PetscErrorCode SplinesStart(const Flow *flow, Splines *s)
   the present ones for an increment
 
   Not collective. The number of a spline is twice the pressure on the side at its centre along the
-  side, see SplineSourcesOf(). Input and output: v - the pressure, or the right-hand side of its
+  side, see splineextend.c. Input and output: v - the pressure, or the right-hand side of its
   increment.
 */
 PetscErrorCode SplinesGivePressure(PetscReal t, PetscBool increment, const Splines *s, Vec v)

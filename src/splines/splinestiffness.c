@@ -41,9 +41,9 @@ PetscInt SplineSupport(const Splines *s, const PetscInt index[], PetscInt first[
   for (PetscInt a = 0; a < l->dim; a++) {
     PetscInt low = 0, high = 0;
 
-    if (s->bodies && a < 2) {
-      low  = s->bodies->range[SplineColumn(l, index)].low[a];
-      high = s->bodies->range[SplineColumn(l, index)].high[a];
+    if (s->extension) {
+      low  = s->extension->range[SplineNatural(l, index)].low[a];
+      high = s->extension->range[SplineNatural(l, index)].high[a];
     }
     first[a] = index[a] + low - (l->periodic[a] ? 1 : 2);
     n[a]     = 3 + high - low;
@@ -91,27 +91,26 @@ static PetscErrorCode AddSupport(Splines *s, const Particles *p, PetscInt k, Mat
   Computes the number of entries in the rows of own splines: the splines that are not zero in a cell
   of their supports
 
-  Work: seen - one number for each spline of the plane, zeros at first.
+  Work: seen - one number for each spline, zeros at first.
 */
 static void RowWidths(const Splines *s, PetscInt seen[], PetscInt width[])
 {
-  const SplineLattice *l = &s->lattice, plane = SplinePlane(l);
-  const PetscInt       layers = l->dim == 3 ? PetscMin(5, l->count[2]) : 1;
+  const SplineLattice *l = &s->lattice;
 
   for (PetscInt k = 0; k < s->own.size; k++) {
-    PetscInt index[ISPH_MAX_DIM], first[ISPH_MAX_DIM], n[ISPH_MAX_DIM];
+    PetscInt index[ISPH_MAX_DIM], first[ISPH_MAX_DIM], n[ISPH_MAX_DIM], cells;
 
-    width[k] = 25 * layers;
-    if (!SplineOwn(s, k, index) || !s->bodies) continue;
-    (void)SplineSupport(s, index, first, n);
+    width[k] = l->dim == 3 ? 25 * PetscMin(5, l->count[2]) : 25;
+    if (!SplineOwn(s, k, index) || !s->extension) continue;
+    cells    = SplineSupport(s, index, first, n);
     width[k] = 0;
-    for (PetscInt c = 0; c < n[0] * n[1]; c++) {
-      PetscInt cell[ISPH_MAX_DIM], number[SPLINES_IN_CELL], found;
+    for (PetscInt c = 0; c < cells; c++) {
+      PetscInt cell[ISPH_MAX_DIM], number[SPLINES_EXTENDED], found;
 
-      if (!SplineBlockCell(&plane, first, n, c, cell)) continue;
-      found = SplinesInCell(&plane, s->bodies, cell[1] * l->cells[0] + cell[0], number);
+      if (!SplineBlockCell(l, first, n, c, cell)) continue;
+      found = SplinesInCell(l, s->extension, cell, number);
       for (PetscInt e = 0; e < found; e++) {
-        width[k] += seen[number[e]] == k + 1 ? 0 : layers;
+        width[k] += seen[number[e]] == k + 1 ? 0 : 1;
         seen[number[e]] = k + 1;
       }
     }
@@ -158,7 +157,7 @@ PetscErrorCode SplineStiffness(Splines *s, const Particles *p)
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(b->size, &width));
-  PetscCall(PetscCalloc1(SplinePlane(&s->lattice).N, &seen));
+  PetscCall(PetscCalloc1(s->lattice.N, &seen));
   RowWidths(s, seen, width);
   PetscCall(SplineMat(p->comm, b->size, b->size, width, &s->K));
   if (s->bodies) PetscCall(SplineMat(p->comm, b->size, b->size, width, &M));

@@ -31,20 +31,23 @@ static void WindowIndex(const SplineLattice *l, const SplineWindow *w, PetscInt 
   }
 }
 
-/* Lists the numbers that make the coefficient of entry k of the window; returns how many. */
+/* Lists the splines whose coefficients make entry k of the window: itself, or its masters. Returns
+   their number; number and weight may be NULL. */
 static PetscInt ListSources(const Splines *s, const Particles *p, PetscInt k, PetscInt number[],
                             PetscReal weight[])
 {
-  PetscInt      index[ISPH_MAX_DIM] = {0};
-  SplineSources sources;
+  PetscInt           index[ISPH_MAX_DIM] = {0};
+  const SplineSlave *slave;
+  PetscInt           n;
 
   WindowIndex(&s->pressure, &s->window, k, index);
-  SplineSourcesOf(&s->lattice, s->bodies, index, &sources);
-  for (PetscInt m = 0; m < sources.n; m++) {
-    number[m] = SplinesGlobal(s, p, sources.index[m]);
-    weight[m] = sources.weight[m];
+  slave = SplineSlaveAt(s, index);
+  n     = slave ? slave->n : 1;
+  for (PetscInt m = 0; number && m < n; m++) {
+    number[m] = SplinesGlobal(s, p, slave ? slave->master[m] : index);
+    weight[m] = slave ? slave->weight[m] : 1.0;
   }
-  return sources.n;
+  return n;
 }
 
 /*
@@ -67,14 +70,14 @@ PetscErrorCode SplineWindowSet(Splines *s, const Particles *p)
     w->n[a]     = FirstAt(l, p, a, PETSC_TRUE) - w->first[a] + l->degree + 1;
     w->size *= w->n[a];
   }
-  PetscCall(PetscMalloc4(w->size, &w->value, w->size + 1, &w->start, SPLINE_SOURCES * w->size,
-                         &w->source, SPLINE_SOURCES * w->size, &w->weight));
+  PetscCall(PetscMalloc2(w->size, &w->value, w->size + 1, &w->start));
   w->start[0] = 0;
   for (PetscInt k = 0; k < w->size; k++)
-    w->start[k + 1] =
-        w->start[k] + ListSources(s, p, k, &w->source[w->start[k]], &w->weight[w->start[k]]);
+    w->start[k + 1] = w->start[k] + ListSources(s, p, k, NULL, NULL);
   n = w->start[w->size];
-  PetscCall(PetscMalloc1(n, &w->number));
+  PetscCall(PetscMalloc3(n, &w->source, n, &w->weight, n, &w->number));
+  for (PetscInt k = 0; k < w->size; k++)
+    (void)ListSources(s, p, k, &w->source[w->start[k]], &w->weight[w->start[k]]);
   PetscCall(PetscArraycpy(w->number, w->source, n));
   PetscCall(PetscSortRemoveDupsInt(&n, w->number));
   for (PetscInt e = 0; e < w->start[w->size]; e++)
@@ -92,8 +95,8 @@ PetscErrorCode SplineWindowFree(SplineWindow *w)
   PetscFunctionBegin;
   PetscCall(VecScatterDestroy(&w->collect));
   PetscCall(VecDestroy(&w->coefficients));
-  PetscCall(PetscFree4(w->value, w->start, w->source, w->weight));
-  PetscCall(PetscFree(w->number));
+  PetscCall(PetscFree2(w->value, w->start));
+  PetscCall(PetscFree3(w->source, w->weight, w->number));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
