@@ -40,8 +40,8 @@ typedef enum {
   BOUNDARY_CONFINES  = 1 << 2, /* impermeable */
   BOUNDARY_NO_SLIP   = 1 << 3, /* the fluid has the velocity of the boundary */
   BOUNDARY_FREE      = 1 << 4, /* free surface: no stress; its particles carry it */
-  BOUNDARY_INFLOW    = 1 << 5, /* fluid enters with the velocity of the boundary */
-  BOUNDARY_OUTFLOW   = 1 << 6  /* fluid leaves */
+  BOUNDARY_INFLOW    = 1 << 5, /* fluid enters or leaves with the velocity of the boundary */
+  BOUNDARY_OUTFLOW   = 1 << 6  /* fluid leaves or returns at a given pressure */
 } BoundaryProperty;
 
 /* The equation that a particle on a boundary gives to a least-squares fit of a quantity f. */
@@ -73,7 +73,7 @@ typedef struct {
 extern const Table       BoundaryTable;
 extern const char *const BoxAxes[], *const BoxSides[]; /* NULL after the last */
 extern const BoundaryRow BoundaryWall, BoundaryPeriodic, BoundarySymmetry, BoundaryNone,
-    BoundaryFree; /* kinds that cases set */
+    BoundaryFree, BoundaryInflow; /* kinds that cases and options set */
 
 /* A boundary of the fluid: a side of the box, or a body. */
 typedef struct {
@@ -201,10 +201,11 @@ struct Scene {
   PetscReal        nu_low, nu_high; /* bounds of viscosity in the fluid; nu if uniform [m^2/s] */
   PetscReal        body_force[ISPH_MAX_DIM]; /* body force per unit mass [m/s^2] */
   PetscBool        unsteady_walls;           /* wall velocities depend on time */
-  ExpressionScope *scope;                    /* of the expressions below; NULL: all are numbers */
-  Expression       velocity;                 /* typed: at the start, function of place [m/s] */
-  Expression       exact; /* typed: exact u, v[, w][, p], functions of place, t [m/s], [Pa] */
-  Expression       force; /* typed: replaces body_force, function of place, t [m/s^2] */
+  PetscReal        surplus;  /* part of the flow through inflows that enters and must not [-] */
+  ExpressionScope *scope;    /* of the expressions below; NULL: all are numbers */
+  Expression       velocity; /* typed: at the start, function of place [m/s] */
+  Expression       exact;    /* typed: exact u, v[, w][, p], functions of place, t [m/s], [Pa] */
+  Expression       force;    /* typed: replaces body_force, function of place, t [m/s^2] */
   /* sides of the box, 2 axis + (0 low, 1 high), then bodies, 2 dim + k */
   Boundary   boundary[SCENE_MAX_BOUNDARIES];
   PetscInt   n_bodies;
@@ -233,12 +234,13 @@ PetscReal      SceneViscosityAt(const Scene *scene, const PetscReal x[]);
 PetscErrorCode SceneCheckFluids(const Scene *scene);
 PetscErrorCode SceneCheckFilled(const Scene *scene);
 PetscErrorCode SceneCheckGaps(const Scene *scene);
-PetscErrorCode SceneCheckInflow(const Scene *scene, PetscReal t);
-PetscErrorCode SceneCheckVelocities(const Scene *scene, PetscReal t);
+PetscErrorCode SceneCheckInflow(Scene *scene, PetscReal t);
+PetscErrorCode SceneCheckVelocities(Scene *scene, PetscReal t);
 void           SceneDropFullRegions(Scene *scene);
 PetscErrorCode SceneReadOpenings(Scene *scene);
 PetscBool      SceneHasOpenings(const Scene *scene);
 PetscBool      BoundaryIsOpen(const Scene *scene, PetscInt side, const PetscReal x[]);
+PetscBool      BoundaryLetsOut(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[]);
 PetscReal      BoundaryOpenPart(const Scene *scene, PetscInt side, const PetscReal x[]);
 void           BoundaryIntoOpening(const Scene *scene, PetscInt side, PetscReal x[]);
 PetscInt       SideSamples(const Scene *scene, PetscInt side);
@@ -349,6 +351,6 @@ void      SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal rea
 PetscBool SceneIsBuried(const Scene *scene, PetscInt boundary, const PetscReal x[]);
 void      SceneSizes(const Scene *scene, const PetscReal x[], PetscReal *dx, PetscReal stretch[],
                      PetscReal *volume);
-void      SceneKeepOffWalls(const Scene *scene, PetscReal least, PetscReal x[]);
+void      SceneKeepOffWalls(const Scene *scene, PetscReal t, PetscReal least, PetscReal x[]);
 
 #endif

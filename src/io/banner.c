@@ -6,6 +6,7 @@
 #include "isph/io.h"
 
 #define BANNER_LABEL "%-11s "
+#define SURPLUS      1e-5 /* part of a flow: less of it is no news */
 
 /* Returns the largest factor of the velocity of graded particles, SceneMotionFactor() [-]. */
 static PetscReal LargestFactor(const Scene *scene)
@@ -48,6 +49,14 @@ static PetscErrorCode BannerCase(const Flow *flow, PetscViewer viewer)
                                    "particles", flow->particles->N_fluid, flow->particles->N_wall,
                                    (double)scene->dx, (double)(flow->ops->forms.h_over_dx),
                                    degrees[flow->ops->forms.degree], ranks, ranks == 1 ? "" : "s"));
+  if (PetscAbsReal(scene->surplus) > SURPLUS) {
+    PetscCall(PetscViewerASCIIPrintf(
+        viewer,
+        BANNER_LABEL "the given velocities let %.2g %% of the flow more %s: it is removed where "
+                     "fluid passes\n",
+        "openings", (double)(100.0 * PetscAbsReal(scene->surplus)),
+        scene->surplus > 0.0 ? "in than out" : "out than in"));
+  }
   if (SceneIsGraded(scene)) {
     PetscCall(PetscViewerASCIIPrintf(
         viewer, BANNER_LABEL "from %.3g to %.3g dx, growing by at most %.2g %% a particle%s\n",

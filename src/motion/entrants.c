@@ -1,5 +1,15 @@
-/* Particles that enter in a step: gathered on all ranks, and inserted with their values. */
+/*
+  Particles that enter in a step: gathered on all ranks, and inserted with their values. Through an
+  inflow with the velocity U they have, at the distance d before the point x_s of the side,
+
+    u(x, t) = U(x_s, t) + g d,   g = sum_j d_j (u_j - U(x_s,j)) / sum_j d_j^2
+
+  with the slope g of the fluid j nearby. The material has come from x - u tau at the time t - tau:
+  this gives its velocities in the history. With U alone a particle errs by d du/dn.
+*/
 #include "entrants.h"
+
+#define NEAR 2.0 /* distance of the fluid that gives the slope [dx] */
 
 /* EntrantsAdd - Adds a particle at a distance from wall particle w to the share of this rank; not
    collective */
@@ -14,9 +24,8 @@ PetscErrorCode EntrantsAdd(const Particles *p, PetscInt w, PetscReal distance, E
   }
   entrant  = &all->entrant[all->n++];
   *entrant = (Entrant){.side = p->side[w]};
-  ParticlesWallPoint(p, w, entrant->point);
-  for (PetscInt a = 0; a < p->dim; a++)
-    entrant->x[a] = entrant->point[a] + distance * p->normal[a][w];
+  ParticlesWallPoint(p, w, entrant->x);
+  for (PetscInt a = 0; a < p->dim; a++) entrant->x[a] += distance * p->normal[a][w];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -50,8 +59,58 @@ PetscErrorCode EntrantsGather(MPI_Comm comm, Entrants *all)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets a field of entering particle k: on an inflow velocities are those of the side at their time,
-   and the viscosity of a Newtonian fluid is that at the place. */
+/* Computes the velocity of an inflow at the place x, moved to the side; returns the distance. */
+static PetscReal SideVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
+                              PetscReal u[])
+{
+  PetscReal point[ISPH_MAX_DIM] = {0.0};
+
+  for (PetscInt a = 0; a < scene->dim; a++) point[a] = x[a];
+  point[side / 2] = side % 2 ? scene->hi[side / 2] : scene->lo[side / 2];
+  BoundaryIntoOpening(scene, side, point);
+  SceneWallVelocity(scene, side, PetscMax(t, 0.0), point, u);
+  return SceneSideDistance(scene, side, x);
+}
+
+/* Computes the slope at an entrant, from the fluid nearby at the start of the step. */
+static PetscErrorCode FindSlope(const Flow *flow, const Cells *cells, PetscInt list[], Entrant *e)
+{
+  const Particles *p    = flow->particles;
+  const PetscInt   side = (PetscInt)e->side;
+  PetscReal        sum  = 0.0;
+  PetscInt         n;
+
+  PetscFunctionBegin;
+  PetscCall(CellsFind(cells, e->x, NEAR * flow->scene->dx, cells->n, list, &n));
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal x[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM], d;
+
+    if (ParticlesIsWall(p, list[k])) continue;
+    for (PetscInt a = 0; a < p->dim; a++)
+      x[a] = p->x[a][list[k]] - flow->clock->dt * p->u[a][list[k]];
+    d = SideVelocity(flow->scene, side, flow->clock->t, x, u);
+    sum += PetscSqr(d);
+    for (PetscInt a = 0; a < p->dim; a++) e->slope[a] += d * (p->u[a][list[k]] - u[a]);
+  }
+  for (PetscInt a = 0; sum > 0.0 && a < p->dim; a++) e->slope[a] /= sum;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the velocity of entering material at the time `back` before the end of the step. */
+static void EnteringVelocity(const Flow *flow, const Entrant *e, PetscReal back, PetscReal u[])
+{
+  const Scene    *scene = flow->scene;
+  const PetscInt  side  = (PetscInt)e->side;
+  const PetscReal t     = flow->clock->t + flow->clock->dt - back;
+  PetscReal       x[ISPH_MAX_DIM], d = SideVelocity(scene, side, t, e->x, u);
+
+  for (PetscInt a = 0; a < scene->dim; a++) x[a] = e->x[a] - back * (u[a] + d * e->slope[a]);
+  d = SideVelocity(scene, side, t, x, u);
+  for (PetscInt a = 0; a < scene->dim; a++) u[a] += d * e->slope[a];
+}
+
+/* Sets a field of entering particle k: on an inflow its velocities at their times, and the
+   viscosity of a Newtonian fluid is that at the place. */
 static void EnteringValue(const Field *field, PetscInt k, PetscReal value[], void *ctx)
 {
   const Entrants   *all        = (const Entrants *)ctx;
@@ -61,17 +120,36 @@ static void EnteringValue(const Field *field, PetscInt k, PetscReal value[], voi
   PetscReal *const *velocity[] = {flow->particles->u, flow->state->u_previous,
                                   flow->state->u_earlier};
   const PetscReal   back[]     = {0.0, clock->dt_previous, clock->dt_previous + clock->dt_before};
-  PetscReal         u[ISPH_MAX_DIM];
 
   if (!BoundaryIs(flow->scene, (PetscInt)entrant->side, BOUNDARY_INFLOW)) return;
   for (PetscInt m = 0; m < 3; m++) {
     if (field->slot[0] != velocity[m][0] || !velocity[m][0]) continue;
-    SceneWallVelocity(flow->scene, (PetscInt)entrant->side, PetscMax(clock->t - back[m], 0.0),
-                      entrant->point, u);
-    for (PetscInt a = 0; a < flow->scene->dim; a++) value[a] = u[a];
+    EnteringVelocity(flow, entrant, clock->dt + back[m], value);
   }
   if (flow->particles->nu && field->slot[0] == flow->particles->nu && SceneIsNewtonian(flow->scene))
     value[0] = SceneViscosityAt(flow->scene, entrant->x);
+}
+
+/* Computes the slopes of the velocity at the entrants of inflows on this rank; collective. */
+static PetscErrorCode FindSlopes(const Flow *flow, PetscInt n, Entrants *all)
+{
+  Particles *p     = flow->particles;
+  Cells      cells = {0};
+  PetscInt  *list;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < p->dim; a++) PetscCall(ParticlesHaloField(p, p->u[a]));
+  PetscCall(CellsBuild(p, NEAR * flow->scene->dx, &cells));
+  PetscCall(PetscMalloc1(cells.n, &list));
+  for (PetscInt k = 0; k < n; k++) {
+    Entrant *entrant = &all->entrant[all->of[k]];
+
+    if (BoundaryIs(flow->scene, (PetscInt)entrant->side, BOUNDARY_INFLOW))
+      PetscCall(FindSlope(flow, &cells, list, entrant));
+  }
+  PetscCall(PetscFree(list));
+  PetscCall(CellsFree(&cells));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* EntrantsInsert - Inserts the entrants of all ranks; collective */
@@ -89,6 +167,7 @@ PetscErrorCode EntrantsInsert(Flow *flow, Entrants *all)
     for (PetscInt a = 0; a < p->dim; a++) x[added.n * p->dim + a] = all->entrant[k].x[a];
     all->of[added.n++] = k;
   }
+  PetscCall(FindSlopes(flow, added.n, all));
   added.x = x;
   PetscCall(ParticlesInsert(flow->scene, p, &added, NULL));
   PetscCall(PetscFree2(x, all->of));

@@ -8,7 +8,7 @@
 /* A particle that enters, as all ranks know it. */
 typedef struct {
   PetscReal x[ISPH_MAX_DIM];     /* position [m] */
-  PetscReal point[ISPH_MAX_DIM]; /* of the side, where it entered [m] */
+  PetscReal slope[ISPH_MAX_DIM]; /* n.grad u there, on the rank that holds it [1/s] */
   PetscReal side;                /* a whole number */
 } Entrant;
 #define ENTRANT_NUMBERS ((PetscInt)(sizeof(Entrant) / sizeof(PetscReal)))

@@ -6,6 +6,7 @@
 
 #define FILTER_RATE  2.0 /* factor of |A A|^(1/2) [-] */
 #define SURFACE_RATE 5.0 /* of the filter beside free surfaces [nu/dx_i^2] */
+#define PASSES       0.5 /* distance from a side below which a mirror image is too near [dx_i] */
 #define CLEARANCE    0.3 /* least distance of particles from walls [dx_i] */
 
 /*
@@ -131,6 +132,23 @@ static PetscErrorCode SlopesRestore(Flow *flow, Slopes *t)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Lets no shift keep particle i in the box that leaves through a side with a given velocity: its
+   mirror image beyond the side repels it as a wall does, and where the velocity is small the fluid
+   gets denser, by 7 % in Kovasznay's flow at n = 16. */
+static void ShiftOut(const Flow *flow, PetscInt i, PetscReal shift[])
+{
+  const Scene     *scene           = flow->scene;
+  const Particles *p               = flow->particles;
+  PetscReal        x[ISPH_MAX_DIM] = {0.0};
+
+  for (PetscInt a = 0; a < p->dim; a++) x[a] = p->x[a][i];
+  for (PetscInt side = 0; flow->state->openings.open && side < 2 * p->dim; side++) {
+    if (!BoundaryIs(scene, side, BOUNDARY_INFLOW) || SideEntering(side, shift) <= 0.0) continue;
+    if (SceneSideDistance(scene, side, x) > PASSES * p->dx[i]) continue;
+    if (BoundaryLetsOut(scene, side, flow->clock->t, x)) shift[side / 2] = 0.0;
+  }
+}
+
 /* Computes the shift of particle i, in the stretched coordinates in which its cell is a cube. */
 static void ShiftParticle(const Flow *flow, const Slopes *slopes, PetscInt i, PetscReal shift[])
 {
@@ -155,6 +173,7 @@ static void ShiftParticle(const Flow *flow, const Slopes *slopes, PetscInt i, Pe
     shift[a] /= ParticlesStretch(flow->particles, a, i);
   }
   if (flow->ops->free) FlowLimitShift(flow, &slopes->apart[i * scene->dim], i, shift);
+  ShiftOut(flow, i, shift);
 }
 
 /* Computes the change of the velocity of particle i by its shift s, s.grad u + |s|^2/(2d) lap u in
@@ -336,7 +355,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
       d2 += PetscSqr(ParticlesStretch(p, a, i) * flown[a]);
     }
     if (SceneIsMapped(scene)) GradedKeepOffSides(scene, CLEARANCE, x);
-    else SceneKeepOffWalls(scene, CLEARANCE * p->dx[i], x);
+    else SceneKeepOffWalls(scene, clock->t, CLEARANCE * p->dx[i], x);
     for (PetscInt a = 0; a < scene->dim; a++) {
       path[a]   = x[a] - p->x[a][i];
       pushed[a] = path[a] - flown[a] - shift[a];

@@ -1,19 +1,21 @@
 /*
-  Moving particles leave through outflows and enter through inflows. Wall particle w of an inflow
-  represents a piece of its side of length a; the fluid that has entered there since the last
-  particle has the length
+  Moving particles leave through outflows, and enter and leave through inflows. Wall particle w of
+  an inflow represents a piece of its side of length a; the fluid that has entered there since the
+  last particle has the length
 
     q_w += s_w n.u_w(t + dt/2) dt,   s_w: open part of the piece,
 
   and when q_w exceeds EARLY l, with the length l = V/a of a particle of volume V, a particle enters
   at the distance q_w - l/2 from the side, and q_w falls by l. So the volume that enters is that of
   the given velocity, and the particles enter as a lattice that moves with it. They have the
-  velocity of the inflow, also as their history.
+  velocity of the inflow, also as their history. If fluid leaves, q_w falls to -l/2, and rises by
+  l as a particle of the lattice passes the side: so q_w is the gap if the velocity turns.
 */
 #include "entrants.h"
 
 #define ROOM  40  /* points along each axis for the volume of a box with bodies */
 #define EARLY 0.8 /* a particle enters at 0.3 l; later, the gap behind it would be a void */
+#define LATE  0.5 /* a particle leaves where it passes the side */
 
 /* Returns the volume of the box outside bodies, by points of a lattice [m^dim]. */
 static PetscReal RoomOf(const Scene *scene)
@@ -53,7 +55,8 @@ PetscErrorCode OpeningsCreate(Flow *flow)
   PetscFunctionBegin;
   o->open = SceneHasOpenings(flow->scene);
   if (!o->open) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!SceneHasBoundary(flow->scene, BOUNDARY_OUTFLOW)) o->room = RoomOf(flow->scene);
+  if (!SceneHasBoundary(flow->scene, BOUNDARY_OUTFLOW) && !ScenePressureFloats(flow->scene))
+    o->room = RoomOf(flow->scene);
   UserCheck(
       !SceneMovesGraded(flow->scene),
       "-scene_inflow, -scene_outflow: graded particles that move neither enter nor leave; use "
@@ -80,11 +83,12 @@ PetscErrorCode OpeningsRegister(Flow *flow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns true if x lies beyond an outflow. */
+/* Returns true if x lies beyond an opening. */
 static PetscBool HasLeft(const Scene *scene, const PetscReal x[])
 {
   for (PetscInt side = 0; side < 2 * scene->dim; side++) {
-    if (BoundaryIs(scene, side, BOUNDARY_OUTFLOW) && SceneSideDistance(scene, side, x) < 0.0)
+    if ((BoundaryIs(scene, side, BOUNDARY_OUTFLOW) || BoundaryIs(scene, side, BOUNDARY_INFLOW)) &&
+        SceneSideDistance(scene, side, x) < 0.0)
       return PETSC_TRUE;
   }
   return PETSC_FALSE;
@@ -111,7 +115,7 @@ static PetscErrorCode RemoveLeft(Flow *flow, PetscReal *volume)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Lets fluid enter at own wall particle w of an inflow for the present step. */
+/* Lets fluid enter or leave at own wall particle w of an inflow for the present step. */
 static PetscErrorCode EnterAt(const Flow *flow, PetscInt w, Entrants *all)
 {
   const Scene     *scene           = flow->scene;
@@ -128,8 +132,10 @@ static PetscErrorCode EnterAt(const Flow *flow, PetscInt w, Entrants *all)
   BoundaryIntoOpening(scene, side, x);
   SceneWallVelocity(scene, side, flow->clock->t + 0.5 * flow->clock->dt, x, u);
   *entered += part * SideEntering(side, u) * flow->clock->dt;
-  all->far = PetscMax(all->far, *entered / (scene->hi[side / 2] - scene->lo[side / 2]));
+  all->far =
+      PetscMax(all->far, PetscAbsReal(*entered) / (scene->hi[side / 2] - scene->lo[side / 2]));
   if (all->far > 1.0) PetscFunctionReturn(PETSC_SUCCESS);
+  while (*entered < -LATE * length) *entered += length; /* a particle has left here */
   for (; *entered >= EARLY * length; *entered -= length)
     PetscCall(EntrantsAdd(p, w, *entered - 0.5 * length, all));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -169,7 +175,7 @@ static PetscErrorCode CheckRoom(Flow *flow)
         where);
     failure->fatal = PETSC_TRUE;
   }
-  if (SceneHasBoundary(scene, BOUNDARY_OUTFLOW)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (room == 0.0) PetscFunctionReturn(PETSC_SUCCESS);
   if (volume <= room * (1.0 + (scene->n_bodies ? 1.0 / ROOM : PETSC_SQRT_MACHINE_EPSILON)))
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ClockWhere(flow->clock, where));
@@ -200,7 +206,7 @@ PetscErrorCode OpeningsPass(Flow *flow)
   PetscReal        left = 0.0;
 
   PetscFunctionBegin;
-  if (SceneHasBoundary(flow->scene, BOUNDARY_OUTFLOW)) PetscCall(RemoveLeft(flow, &left));
+  PetscCall(RemoveLeft(flow, &left));
   for (PetscInt w = p->n_fluid; o->entered && w < ParticlesOwn(p); w++) {
     if (BoundaryIs(flow->scene, (PetscInt)p->side[w], BOUNDARY_INFLOW))
       PetscCall(EnterAt(flow, w, &all));

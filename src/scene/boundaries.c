@@ -228,7 +228,8 @@ PetscBool SceneIsClosedBox(const Scene *scene)
     u = V(t) + w(t) z x (x - c)   for a body with centre c,   V(t, x) for a side of the box
 
   Not collective. A case may define the velocities of the sides by a function. An inflow is at rest
-  outside its opening.
+  outside its opening; in it the normal velocity is (1 -+ surplus) V, - where it enters, so that no
+  more enters than leaves, see SceneCheckInflow().
 */
 void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const PetscReal x[],
                        PetscReal u[])
@@ -247,8 +248,9 @@ void SceneWallVelocity(const Scene *scene, PetscInt side, PetscReal t, const Pet
   } else if (scene->problem->WallVelocity) {
     scene->problem->WallVelocity(scene, side, t, x, u);
   }
-  if (BoundaryIs(scene, side, BOUNDARY_INFLOW) && !BoundaryIsOpen(scene, side, x))
-    for (PetscInt c = 0; c < scene->dim; c++) u[c] = 0.0;
+  if (!BoundaryIs(scene, side, BOUNDARY_INFLOW)) return;
+  u[side / 2] *= 1.0 - (SideEntering(side, u) > 0.0 ? scene->surplus : -scene->surplus);
+  for (PetscInt c = 0; c < scene->dim && !BoundaryIsOpen(scene, side, x); c++) u[c] = 0.0;
 }
 
 /*

@@ -153,15 +153,15 @@ void SceneWallPlanes(const Scene *scene, const PetscReal x[], PetscReal reach,
 }
 
 /* SceneKeepOffWalls - Moves a position that is less than `least` [m] from a boundary with wall
-   particles, or behind it, to this distance, except at an outflow; not collective */
-void SceneKeepOffWalls(const Scene *scene, PetscReal least, PetscReal x[])
+   particles, or behind it, to this distance, except where fluid leaves at time t; not collective */
+void SceneKeepOffWalls(const Scene *scene, PetscReal t, PetscReal least, PetscReal x[])
 {
   WallPlane planes[SCENE_MAX_BOUNDARIES];
   PetscInt  n;
 
   SceneWallPlanes(scene, x, least, planes, &n);
   for (PetscInt k = 0; k < n; k++) {
-    if (BoundaryIs(scene, planes[k].side, BOUNDARY_OUTFLOW)) continue;
+    if (BoundaryLetsOut(scene, planes[k].side, t, x)) continue;
     for (PetscInt a = 0; a < scene->dim; a++)
       x[a] += (least - planes[k].distance) * planes[k].normal[a];
   }

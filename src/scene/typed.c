@@ -34,9 +34,9 @@ static const OptionRow options[] = {
             .kind     = VALUE_EXPRESSION,
             .brief    = "velocity u,v[,w] of a side of the box, of x, y[, z], t",
             .unit     = "m/s",
-            .standard = "0; of an inflow it must be given",
+            .standard = "0; of an inflow that of -scene_exact; of an outflow none",
             .places   = BoxSides,
-            .where    = "-case scene, sides that are walls or inflows",
+            .where    = "-case scene, sides that are walls, inflows or outflows",
         },
     [BODY] =
         {
@@ -258,7 +258,21 @@ static PetscErrorCode ReadKinds(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the velocities of the sides of the box that give one. */
+/* Reads the flow at the start and the reference solution. */
+static PetscErrorCode ReadFields(Scene *scene)
+{
+  const PetscInt dim = scene->dim;
+
+  PetscFunctionBegin;
+  PetscCall(ExpressionGet(scene->scope, &options[START_VELOCITY], dim, dim, EXPRESSION_PLACE,
+                          &scene->velocity, NULL));
+  PetscCall(ExpressionGet(scene->scope, &options[EXACT], dim, dim + 1,
+                          EXPRESSION_PLACE | EXPRESSION_TIME, &scene->exact, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads the velocities of the sides of the box that give one. An outflow with a given velocity is
+   an inflow; an inflow has that of the reference solution if it gives none. */
 static PetscErrorCode ReadSides(Scene *scene)
 {
   PetscFunctionBegin;
@@ -269,13 +283,18 @@ static PetscErrorCode ReadSides(Scene *scene)
     PetscBool      given;
     OptionRow      row;
 
-    if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES | BOUNDARY_NO_SLIP)) continue;
+    if (!BoundaryIs(scene, side, BOUNDARY_PARTICLES | BOUNDARY_NO_SLIP) &&
+        !BoundaryIs(scene, side, BOUNDARY_OUTFLOW))
+      continue;
     OptionFill(&options[WALL_VELOCITY], BoxSides[side], name, &row);
     PetscCall(ExpressionGet(scene->scope, &row, scene->dim, scene->dim,
                             EXPRESSION_PLACE | EXPRESSION_TIME, v, &given));
-    UserCheck(given || !BoundaryIs(scene, side, BOUNDARY_INFLOW),
-              "-scene_inflow %s: give the velocity of the fluid that enters by %s", BoxSides[side],
-              name);
+    if (given && BoundaryIs(scene, side, BOUNDARY_OUTFLOW))
+      SceneSetSide(scene, side, &BoundaryInflow);
+    if (!given && BoundaryIs(scene, side, BOUNDARY_INFLOW)) *v = scene->exact;
+    UserCheck(v->n || !BoundaryIs(scene, side, BOUNDARY_INFLOW),
+              "-scene_inflow %s: give the velocity of the fluid that enters by %s, or -scene_exact",
+              BoxSides[side], name);
     if (ExpressionUses(v, EXPRESSION_TIME)) scene->unsteady_walls = PETSC_TRUE;
     UserCheck(!SceneHas(scene, PHYSICS_CONVECTION) || !BoundaryIs(scene, side, BOUNDARY_CONFINES) ||
                   (!v->uses[normal] && v->value[normal] == 0.0),
@@ -336,19 +355,6 @@ static PetscErrorCode ReadFluids(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the flow at the start and the reference solution. */
-static PetscErrorCode ReadFields(Scene *scene)
-{
-  const PetscInt dim = scene->dim;
-
-  PetscFunctionBegin;
-  PetscCall(ExpressionGet(scene->scope, &options[START_VELOCITY], dim, dim, EXPRESSION_PLACE,
-                          &scene->velocity, NULL));
-  PetscCall(ExpressionGet(scene->scope, &options[EXACT], dim, dim + 1,
-                          EXPRESSION_PLACE | EXPRESSION_TIME, &scene->exact, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   SceneReadTyped - Reads the scene of -case scene
 
@@ -401,15 +407,14 @@ PetscErrorCode SceneReadTyped(Scene *scene)
   }
   PetscCall(ReadKinds(scene));
   PetscCall(ReadBodies(scene));
+  PetscCall(ReadFields(scene));
   PetscCall(ReadSides(scene));
   PetscCall(SceneReadOpenings(scene));
   if (!SceneHasBoundary(scene, BOUNDARY_PARTICLES)) scene->physics &= ~(unsigned)PHYSICS_WALLS;
   PetscCall(ReadFilled(scene));
+  PetscCall(SceneCheckVelocities(scene, 0.125 * scene->length / scene->speed)); /* from rest */
   PetscCall(SceneCheckInflow(scene, 0.0));
-  PetscCall(SceneCheckInflow(scene,
-                             0.125 * scene->length / scene->speed)); /* walls may start from rest */
   PetscCall(ReadFluids(scene));
   PetscCall(SceneCheckFluids(scene));
-  PetscCall(ReadFields(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

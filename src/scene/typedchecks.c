@@ -5,6 +5,7 @@
 #include "isph/scene.h"
 
 #define STIFF        3.0    /* ratio of viscosities */
+#define UNBALANCED   2e-3   /* largest part of a flow that enters and does not leave */
 #define OUTLINE_MOST 100000 /* longest outline of a filled region, which ranks sample [dx] */
 
 /* Checks the gap between a body and its own periodic image, from its extent along each axis. */
@@ -155,17 +156,21 @@ PetscErrorCode SceneCheckFilled(const Scene *scene)
 }
 
 /*
-  SceneCheckInflow - Refuses velocities of the sides by which inflow and outflow at time t differ
+  SceneCheckInflow - Refuses velocities of the sides by which inflow and outflow at time t differ,
+  and sets the small difference that SceneWallVelocity() removes
 
-  Collective. Then no flow without divergence exists, unless fluid passes a boundary that gives the
-  pressure; without the physics `pressure` velocities need no balance. Uses the midpoint rule.
-  Bodies do not contribute, because their surfaces move rigidly.
+    surplus = int u.n dA / int |u.n| dA,   at most UNBALANCED
+
+  Collective. With a difference no flow without divergence exists, unless fluid passes a boundary
+  that gives the pressure; without the physics `pressure` velocities need no balance. Uses the
+  midpoint rule. Bodies do not contribute, because their surfaces move rigidly.
 */
-PetscErrorCode SceneCheckInflow(const Scene *scene, PetscReal t)
+PetscErrorCode SceneCheckInflow(Scene *scene, PetscReal t)
 {
   PetscReal in = 0.0, through = 0.0;
 
   PetscFunctionBegin;
+  scene->surplus = 0.0;
   if (!SceneHas(scene, PHYSICS_PRESSURE) || !ScenePressureFloats(scene))
     PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt side = 0; side < 2 * scene->dim; side++) {
@@ -180,11 +185,12 @@ PetscErrorCode SceneCheckInflow(const Scene *scene, PetscReal t)
     }
   }
   UserCheck(
-      !(PetscAbsReal(in) > 2e-3 * through),
+      !(PetscAbsReal(in) > UNBALANCED * through),
       "-scene_wall_<side>_velocity: at t = %.3g s %.4g m^%d/s of fluid more %s through the sides; "
       "inflow and outflow must balance, or use -scene_outflow",
       (double)t, (double)PetscAbsReal(in), (int)scene->dim,
       in > 0.0 ? "come in than go out" : "go out than come in");
+  if (PetscAbsReal(in) > PETSC_SMALL * through) scene->surplus = in / through;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

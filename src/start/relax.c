@@ -101,7 +101,7 @@ static PetscErrorCode Step(const Scene *scene, PetscInt64 ordered, Particles *p,
       most = PetscMax(most, p->dx[i] * PetscAbsReal(p->u[a][i]));
       x[a] = p->x[a][i] + p->dx[i] * p->u[a][i];
     }
-    SceneKeepOffWalls(scene, CLEARANCE * p->dx[i], x);
+    SceneKeepOffWalls(scene, 0.0, CLEARANCE * p->dx[i], x);
     for (PetscInt a = 0; a < p->dim; a++) p->x[a][i] = x[a];
     p->dx[i] = SceneSpacing(scene, x);
   }

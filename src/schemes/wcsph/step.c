@@ -17,7 +17,7 @@ static void KeepOffWalls(const Scene *scene, Particles *p)
     PetscReal x[ISPH_MAX_DIM];
 
     for (PetscInt a = 0; a < scene->dim; a++) x[a] = p->x[a][i];
-    SceneKeepOffWalls(scene, CLEARANCE * p->dx[i], x);
+    SceneKeepOffWalls(scene, 0.0, CLEARANCE * p->dx[i], x);
     for (PetscInt a = 0; a < scene->dim; a++) p->x[a][i] = x[a];
   }
 }
