@@ -3,7 +3,8 @@
 
     K + c c^T,   c = M 1/sqrt(1^T M 1)
 
-  by splinetensor.c. c fixes the mean of the pressure over the box. On several ranks the splines
+  by splinetensor.c. c fixes the mean of the pressure over the box; it is absent if a side gives the
+  pressure, and numbers that are given stay. On several ranks the splines
   are first dealt out in slabs, which have all splines along all axes but one, and then for the
   product along this axis in slabs of another axis.
 */
@@ -16,12 +17,13 @@ typedef struct {
 } SplineSlab;
 
 struct SplineInverse {
-  SplineTensor tensor;
-  PetscInt     dim, capacity;
-  PetscReal   *work[2];
-  PetscBool    spread; /* over several ranks */
-  SplineSlab   slab, turned;
-  VecScatter   deal, turn; /* splines -> slab -> turned */
+  const Splines *splines;
+  SplineTensor   tensor;
+  PetscInt       dim, capacity;
+  PetscReal     *work[2];
+  PetscBool      spread; /* over several ranks */
+  SplineSlab     slab, turned;
+  VecScatter     deal, turn; /* splines -> slab -> turned */
 };
 
 /* Divides the lattice among the ranks along an axis. */
@@ -213,6 +215,21 @@ static PetscErrorCode Collect(SplineInverse *v, Vec x)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Copies the numbers that sides give. */
+static PetscErrorCode KeepGiven(const Splines *s, Vec b, Vec x)
+{
+  const PetscScalar *from;
+  PetscScalar       *to;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(b, &from));
+  PetscCall(VecGetArray(x, &to));
+  for (PetscInt k = 0; k < s->n_unused; k++) to[s->unused[k]] = from[s->unused[k]];
+  PetscCall(VecRestoreArray(x, &to));
+  PetscCall(VecRestoreArrayRead(b, &from));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* SplineInverseApply - Computes x = (K + c c^T)^-1 b; collective */
 PetscErrorCode SplineInverseApply(SplineInverse *v, Vec b, Vec x)
 {
@@ -230,6 +247,7 @@ PetscErrorCode SplineInverseApply(SplineInverse *v, Vec b, Vec x)
   }
   TransformSlab(&v->slab, -1, PETSC_TRUE, v);
   PetscCall(Collect(v, x));
+  if (!v->tensor.floats) PetscCall(KeepGiven(v->splines, b, x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -255,7 +273,8 @@ PetscErrorCode SplineInverseCreate(const Splines *s, SplineInverse **inverse)
 {
   PetscFunctionBegin;
   PetscCall(PetscNew(inverse));
-  (*inverse)->dim = s->lattice.dim;
+  (*inverse)->splines = s;
+  (*inverse)->dim     = s->lattice.dim;
   PetscCall(SplineTensorSet(&s->lattice, s->scale, &(*inverse)->tensor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -443,6 +443,7 @@ typedef struct {
 
 typedef struct {
   PetscInt   dim;
+  PetscBool  floats; /* no side gives the pressure */
   SplineAxis axis[ISPH_MAX_DIM];
 } SplineTensor;
 

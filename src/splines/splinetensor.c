@@ -100,7 +100,7 @@ void SplineTensorAlong(const SplineTensor *t, const PetscInt n[], PetscInt a, Pe
 }
 
 /* SplineTensorDivide - Divides the numbers of a block in the basis V by the eigenvalues of K, but
-   for the constant, whose eigenvalue becomes 1; not collective */
+   for a constant that no side gives, whose eigenvalue becomes 1; not collective */
 void SplineTensorDivide(const SplineTensor *t, const PetscInt first[], const PetscInt n[],
                         PetscReal value[])
 {
@@ -112,7 +112,7 @@ void SplineTensorDivide(const SplineTensor *t, const PetscInt first[], const Pet
     PetscReal      *row    = value + k * n[0];
 
     for (PetscInt i = 0; i < n[0]; i++)
-      if (first[0] + i + j + m) row[i] /= t->axis[0].lambda[first[0] + i] + across;
+      if (first[0] + i + j + m || !t->floats) row[i] /= t->axis[0].lambda[first[0] + i] + across;
   }
 }
 
@@ -138,15 +138,26 @@ static void AddPoints(const SplineLattice *l, PetscInt a, PetscReal K[], PetscRe
   }
 }
 
-/* Computes the basis of an axis from its stiffness and mass. */
-static PetscErrorCode SetAxis(PetscReal scale, PetscReal K[], PetscReal M[], SplineAxis *axis)
+/* Subtracts an outermost spline, whose number a side gives, from the next one, and takes it out of
+   the sums of a matrix but for its diagonal entry. */
+static void DropOutermost(PetscInt n, PetscInt outer, PetscInt next, PetscReal A[])
+{
+  for (PetscInt k = 0; k < n; k++) A[next * n + k] -= A[outer * n + k];
+  for (PetscInt k = 0; k < n; k++) A[k * n + next] -= A[k * n + outer];
+  for (PetscInt k = 0; k < n; k++)
+    if (k != outer) A[k * n + outer] = A[outer * n + k] = 0.0;
+}
+
+/* Computes the basis of an axis from its stiffness and mass; floats: it has the constant. */
+static PetscErrorCode SetAxis(PetscReal scale, PetscBool floats, PetscReal K[], PetscReal M[],
+                              SplineAxis *axis)
 {
   const PetscInt n = axis->n;
 
   PetscFunctionBegin;
   PetscCall(DenseEigen(n, K, M, axis->lambda, axis->V));
   for (PetscInt k = 0; k < n; k++) {
-    axis->lambda[k] = k ? PetscSqr(scale) * axis->lambda[k] : 0.0; /* 0: the constant */
+    axis->lambda[k] = k || !floats ? PetscSqr(scale) * axis->lambda[k] : 0.0;
     for (PetscInt i = 0; i < n; i++) axis->transposed[k * n + i] = axis->V[i * n + k];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -166,6 +177,7 @@ static PetscErrorCode CopyAxis(const SplineAxis *from, SplineAxis *axis)
 static PetscBool AxesAgree(const SplineLattice *l, PetscInt a, PetscInt b)
 {
   return l->count[a] == l->count[b] && l->side[a] == l->side[b] &&
+                 l->given[2 * a] == l->given[2 * b] && l->given[2 * a + 1] == l->given[2 * b + 1] &&
                  l->periodic[a] == l->periodic[b] && !SceneIsMapped(l->scene)
              ? PETSC_TRUE
              : PETSC_FALSE;
@@ -176,7 +188,8 @@ static PetscBool AxesAgree(const SplineLattice *l, PetscInt a, PetscInt b)
 PetscErrorCode SplineTensorSet(const SplineLattice *lattice, PetscReal scale, SplineTensor *t)
 {
   PetscFunctionBegin;
-  t->dim = lattice->dim;
+  t->dim    = lattice->dim;
+  t->floats = SplineSideGives(lattice) ? PETSC_FALSE : PETSC_TRUE;
   for (PetscInt a = 0; a < t->dim; a++) {
     SplineAxis    *axis = &t->axis[a];
     const PetscInt n    = lattice->count[a];
@@ -190,7 +203,14 @@ PetscErrorCode SplineTensorSet(const SplineLattice *lattice, PetscReal scale, Sp
     }
     PetscCall(PetscCalloc2(n * n, &K, n * n, &M));
     AddPoints(lattice, a, K, M);
-    PetscCall(SetAxis(scale, K, M, axis));
+    for (PetscInt end = 0; end < 2; end++) {
+      const PetscInt outer = end ? n - 1 : 0, next = end ? n - 2 : 1;
+
+      if (!lattice->given[2 * a + end]) continue;
+      DropOutermost(n, outer, next, K);
+      DropOutermost(n, outer, next, M);
+    }
+    PetscCall(SetAxis(scale, !lattice->given[2 * a] && !lattice->given[2 * a + 1], K, M, axis));
     PetscCall(PetscFree2(K, M));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

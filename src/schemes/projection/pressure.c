@@ -225,7 +225,7 @@ static PetscErrorCode PressureRenumber(const Flow *flow, const PressureMatrices 
                         s->direct ? LU_SHIFT : 1.0, &s->gauge));
   if (s->inverse) {
     PetscCall(SplineInverseNumber(sp, flow->particles, s->inverse));
-    PetscCall(SplineInverseColumn(sp, s->gauge));
+    if (s->gauge) PetscCall(SplineInverseColumn(sp, s->gauge));
   }
   s->numbering = m->numbering;
   PetscFunctionReturn(PETSC_SUCCESS);
