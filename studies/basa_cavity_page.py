@@ -60,11 +60,17 @@ def readings(run):
         yield [name, state(q), *(off(q, runs.TIMES[100], share) for share in (0.05, 0.1, 0.25))]
 
 
-def resolutions(run):
-    """Yields rows: series, Re, n, end, errors of the energy to t = 2.5."""
-    for name, reynolds in runs.FINE:
-        for n, q in ((runs.N, runs.cavity(run, runs.SERIES[name], reynolds)), (runs.FINE_N, runs.fine(run, name, reynolds))):
-            yield [name, reynolds, n, state(q), *(off(q, runs.TIMES[reynolds], share) for share in (0.05, 0.1, 0.15, 0.2, 0.25))]
+def walls(run):
+    """Yields rows: series, then Re = 100 and 1000 with each kind of wall: end and error of the energy at t = 2.5."""
+    for name in runs.DUMMIES:
+        found = [runs.cavity(run, options[name], reynolds) for reynolds in runs.ENDS for options in (runs.SERIES, runs.DUMMIES)]
+        yield [name, *(cell for reynolds, q in zip((100, 100, 1000, 1000), found) for cell in (state(q), off(q, runs.TIMES[reynolds], 0.25)))]
+
+
+def energy_and_profiles(run, reynolds, n):
+    """Yields the lines of a table of runs to the time of the paper."""
+    made = {name: runs.long(run, name, reynolds, n) for name in (runs.LONG if n == runs.LONG_N else runs.LASTING)}
+    yield from table(head(runs.LONG_ENDS[reynolds]), results({name: q for name, q in made.items() if q}, runs.LONG_TIMES[reynolds]))
 
 
 def page(run):
@@ -79,11 +85,14 @@ def page(run):
     yield from table(["statement", "found", "in numbers"], STATEMENTS)
     yield "\n" + READING
     yield "## Settings\n"
-    yield (f"`isph -case cavity -n {runs.N} -reynolds RE {parts.PAPER} {runs.REDUCED} -correction C -visc_laplacian FORM`; `wcsph` and "
+    yield (f"`isph -case cavity -n {runs.N} -reynolds RE {runs.PAPER} {runs.REDUCED} -correction C -visc_laplacian FORM`; `wcsph` and "
            "`projection` have the defaults of the project. The forms are "
            + ", ".join(f"{model}: `{form}`" for model, form in parts.MODELS.items())
-           + f". A run has at most {runs.SECONDS:g} s of CPU time. Walls are dummies whose velocities are extrapolated from each "
-           "particle; the wall particles of the paper have densities and pressures of their own.\n")
+           + f". A run to t = 10 has at most {runs.SECONDS:g} s of CPU time.\n")
+    yield ("Section 6.2 says of its walls: \"Walls are modelled using stationary particles, with tangential velocities extrapolated normally "
+           "to the wall, using information gathered by the wall particles closest to the fluid. Density and pressure of wall particles are "
+           "allowed to evolve according to the continuity and state equations.\" Here these are the equations (385) and (386) of the "
+           "[theory](../theory.md#53-dummy-particles). The reading of \"information\" as the mean over the kernel of a wall particle of the first layer is ours.\n")
     for reynolds, end in runs.ENDS.items():
         yield f"## Re = {reynolds}\n"
         yield ("Energy against finite volumes (`cases/reference`), smallest u on the centreline, and root mean squares of the "
@@ -91,47 +100,53 @@ def page(run):
         found = {name: runs.cavity(run, options, reynolds) for name, options in runs.SERIES.items()}
         yield from table(head(end), results(found, runs.TIMES[reynolds]))
         yield ""
-    for reynolds, end in runs.LONG_ENDS.items():
-        yield f"## Re = {reynolds} as in the paper\n"
-        yield (f"{runs.LONG_N} by {runs.LONG_N} particles to t = {end:g}. Errors of the energy to t = 40, then the energy itself, which has no "
-               "reference; profiles against the steady flow.\n")
-        found = {name: runs.long(run, name, reynolds) for name in runs.LONG[reynolds]}
-        yield from table(head(end), results(found, runs.LONG_TIMES[reynolds]))
+    for reynolds, n in ((1000, runs.N), (1000, runs.LONG_N), (100, runs.LONG_N)):
+        yield f"## Re = {reynolds} to t = {runs.LONG_ENDS[reynolds]:g}, n = {n}\n"
+        yield ("Errors of the energy to t = 40, then the energy itself, which is 0.0445 in the steady flow (Bruneau & Saad "
+               "2006); profiles against the steady flow.\n" if reynolds == 1000 else "Errors of the energy; profiles against the steady flow.\n")
+        yield from energy_and_profiles(run, reynolds, n)
         yield ""
-    yield "## Resolution\n"
-    yield f"The same with {runs.FINE_N} by {runs.FINE_N} particles, to t = {runs.READING_END:g}; errors of the energy.\n"
-    yield from table(["series", "Re", "n", "end", *(f"t = {10 * share:g}" for share in (0.05, 0.1, 0.15, 0.2, 0.25))],
-                     resolutions(run))
+    yield "## Walls\n"
+    yield ("The same sums beside two kinds of wall, n = 25: the paper's, `dynamic`, and dummies with the pressure of the particle that "
+           "reads them, `dummy_linear`. Ends of runs, and errors of the energy at t = 2.5.\n")
+    yield from table(["series", *(f"Re = {reynolds}, {wall}{what}" for reynolds in runs.ENDS for wall in ("dynamic", "dummies")
+                                  for what in ("", ", t = 2.5"))], walls(run))
     yield "\n## Readings of ambiguous settings\n"
     yield "Model E with `shepard`, Re = 100; one setting changed. Errors of the energy.\n"
     yield from table(["reading", "end", *(f"t = {runs.ENDS[100] * share:g}" for share in (0.05, 0.1, 0.25))], readings(run))
 
 
 STATEMENTS = [
-    ["Re = 100: all but B are close to the reference", "C, D", "energy at t = 10: C -3.0 %, D -4.4 %, E +8.5 %; A and B are lost"],
-    ["B clumps and is agitated", "yes", "Re = 100: lost at t = 1.8"],
-    ["B fails at Re = 1000 with corrections", "yes", "lost at t = 2.2"],
-    ["A is stable with order 0, and noisy", "no", "Re = 100: +50 % energy, lost at t = 2.8"],
-    ["E has spikes of energy, most without correction", "yes", "Re = 100: up to +47 % with shepard; none: lost at t = 5.4"],
-    ["C is nearly as accurate as D", "yes", "Re = 100: u profile 0.015 (C), 0.032 (D), 0.049 (E)"],
-    ["D is the best by a small margin", "C, D", "C at Re = 100; at Re = 1000 D holds longest"],
-    ["Re = 100 at 50 by 50: D is close to the reference", "within 6 %", "D at t = 20: energy -6.2 %, u profile 0.019; wcsph -0.2 %, 0.011"],
-    ["Re = 1000: all models have too little energy", "no", "A to E gain energy from t = 1 on, and are lost before t = 7.2 at n = 25"],
-    ["more robust than the channel", "no", "E at Re = 1000: lost at t = 1.7 L/U, in the channel at 19 L/U"],
+    ["Re = 100: all but B are close to the reference", "yes, 9 to 17 % slow", "energy at t = 10: A -9 %, C -11 %, D -11 %, E -17 %; B +149 %"],
+    ["B clumps and is agitated", "yes", "Re = 100: +16 % at t = 2.5, +149 % at t = 10"],
+    ["B fails at Re = 1000 with corrections", "yes", "n = 25: lost at t = 13"],
+    ["A is stable with order 0, and noisy", "to t = 40", "u profile at Re = 100: A 0.030, C and D 0.015; Re = 1000, n = 25: lost at t = 43"],
+    ["E has spikes of energy, most without correction", "yes", "Re = 100: without correction lost at t = 7.1; shepard and mixed reach the end"],
+    ["C is nearly as accurate as D", "yes", "Re = 100: profiles 0.015 and 0.016 (C), 0.015 and 0.012 (D), 0.026 and 0.022 (E)"],
+    ["D is the best by a small margin", "yes", "the same; Re = 1000, n = 25, t = 80: u profile 0.110 (D), 0.129 (C)"],
+    ["Re = 1000: all models have too little energy", "all but B", "n = 25, t = 10: C -53 %, D -55 %, E -55 %, A -16 %, B +100 %"],
+    ["Re = 1000: the models last to t = 80", "C and D", "n = 25: A and B are lost"],
+    ["more robust than the channel", "yes", "D at Re = 1000 has no end before t = 80 L/U; in the channel E is lost at 19 L/U"],
 ]
-READING = """At Re = 100 the order of the paper holds: radial forces (C, D) are the quietest, E has spikes, B clumps. At Re = 1000
-no run with the paper's sums has a useful energy, at n = 25 or 50. The readings below change the energy at Re = 100 by no
-more than its scatter, and continuity without diffusion is lost at once. In a run at Re = 1000 without reduction and correction,
-which the CSV lacks, particles come to the walls until the clearance of 0.05 dx stops them, and the density varies by 17 %. Walls differ from the paper's: a dummy here has the pressure of the particle that
-reads it, so a particle of negative pressure is pulled to the wall, and particles of the paper's walls have densities of
-their own. The projection has -1.5 % at Re = 100 and -4 % at Re = 1000 with the same 25 by 25 particles. The default of
-`-scheme wcsph` has -0.9 % at Re = 100 and -9 % at Re = 1000; before it kept the volume of the fluid
-([(286)](../theory.md#eq-286)) it had -5.0 % at Re = 100, and +43 % near t = 5 at Re = 1000.
+READING = """The walls decide. With the walls of the paper, particles that stay behind the wall and have densities and pressures of their own
+(`-wall dynamic`, [(385)](../theory.md#eq-385)), the order of the paper holds at both Reynolds numbers: radial forces (C, D) are the quietest
+and the most accurate, B clumps, A is noisy, and at Re = 1000 all but B have too little energy. Before, walls were dummies with the pressure
+of the particle that reads them. They pull particles of negative pressure to the wall, energy grows from t = 1 on, and no model outlived
+t = 7.2 at Re = 1000; the [table of walls](#walls) has both. No step, reduction of the pressure or correction changes this.
+
+What remains is too little energy, half of it at Re = 1000 and n = 25. The walls'
+velocities are not its cause: extrapolated from each particle, as those of `dummy_linear`, beside walls with densities, they gave A -32 %, C -52 %,
+D -46 % and E -51 % at t = 10, n = 25. The pressure is noisy: that of neighbours differs by up to rho U^2 below the lid (D, Re = 100, t = 5), and the
+flow pays for their jostling. With `-density_form continuity` the density drifts where the lid's particles come and go at the corners, and
+`-wall dynamic` refuses it; the paper shows sums for this flow too.
+
+The projection has -1.5 % at Re = 100 and -4 % at Re = 1000 with the same 25 by 25 particles. The default of
+`-scheme wcsph` has -0.9 % at Re = 100 and -9 % at Re = 1000.
 
 At the paper's 50 by 50 particles and to its times the default of `-scheme wcsph` has the energy within 0.5 % at Re = 100, and profiles within
-1.1 % of U, which sound and shifts disturb; the projection has 0.4 to 1 % and 0.06 % in a third of the CPU time. At Re = 1000 both have too little energy, as in the paper:
--1.5 % at t = 40 with the projection, whose profiles at t = 80 are within 0.3 % of U, and -3.9 % with `-scheme wcsph`, within
-1.1 % of U. Before it kept the volume of the fluid `-scheme wcsph` was lost at t = 55.9 and, with sums in another order, at 65.1.
+1.1 % of U, which sound and shifts disturb; the projection has 0.4 to 1 % and 0.06 % in a third of the CPU time. At Re = 1000 both have too
+little energy, as in the paper: -1.5 % at t = 40 with the projection, whose profiles at t = 80 are within 0.3 % of U, and -3.9 % with
+`-scheme wcsph`, within 1.1 % of U.
 """
 
 
@@ -146,17 +161,26 @@ def draw_energy(axis, run, reynolds):
     axis.legend(ncols=2)
 
 
+def profiles(run, reynolds):
+    """Yields label, name of the series, width of the line and run: Re = 100 at t = 10, Re = 1000 at the end of the paper's runs."""
+    if reynolds == 100:
+        yield from ((name, name, 1.2, runs.cavity(run, options, reynolds)) for name, options in runs.SERIES.items())
+        return
+    for n, names, width in ((runs.N, runs.LASTING, 0.7), (runs.LONG_N, runs.LONG, 1.6)):
+        yield from ((f"{name}, n = {n}", name, width, runs.long(run, name, reynolds, n)) for name in names)
+
+
 def draw_profile(axis, run, reynolds):
-    for name, options in runs.SERIES.items():
-        q = runs.cavity(run, options, reynolds)
+    for label, name, width, q in profiles(run, reynolds):
         points = [(q[f"point_{k}_u"], y) for k, y in enumerate(runs.HEIGHTS) if f"point_{k}_u" in q]
         if points:
-            axis.plot(*zip(*points), LOOKS[name][1], color=LOOKS[name][0], lw=1.2, label=name)
+            axis.plot(*zip(*points), LOOKS[name][1], color=LOOKS[name][0], lw=width, label=label)
     files = [("cavity_re100_t10_u.csv", "k-", "finite volumes")] if reynolds == 100 else []
     for file, look, label in (*files, (f"ghia_re{reynolds}_u.csv", "ko", "Ghia et al., steady")):
         rows = [tuple(map(float, list(row.values())[:2])) for row in reference_rows(file)]
         axis.plot([u for _, u in rows], [y for y, _ in rows], look, lw=2, ms=3, alpha=0.5, label=label)
-    axis.set(xlabel="u", ylabel="y", title=f"x = 1/2, Re = {reynolds}, t = {runs.ENDS[reynolds]:g}", xlim=(-0.6, 1.05))
+    end = runs.ENDS[100] if reynolds == 100 else runs.LONG_ENDS[reynolds]
+    axis.set(xlabel="u", ylabel="y", title=f"x = 1/2, Re = {reynolds}, t = {end:g}", xlim=(-0.6, 1.05))
     axis.legend()
 
 

@@ -40,8 +40,8 @@ READING_END = 2.5
 # At the paper's resolution and to its times
 LONG_N, LONG_ENDS, LONG_SECONDS = 50, {100: 20.0, 1000: 80.0}, 1800.0
 LONG_TIMES = {reynolds: [end * k / 20 for k in range(1, 21)] for reynolds, end in LONG_ENDS.items()}
-PAPERS = [name for name in SERIES if ", " in name]
-LONG = {100: ("wcsph", "projection", *PAPERS), 1000: ("wcsph", "projection", *PAPERS)}
+LASTING = ("D, shepard", "C, shepard", "E, shepard", "A, shepard", "B, shepard")
+LONG = ("wcsph", "projection", *LASTING)
 FEW_SECONDS = 600.0  # of a run with N by N particles to the times of the paper
 
 
@@ -74,8 +74,8 @@ def plan(run):
             cavity(run, SERIES[name], reynolds)
         for options in READINGS.values():
             reading(run, options)
-    for name in PAPERS:
+    for name in LASTING:
         long(run, name, 1000, N)
     for reynolds in (1000, 100):
-        for name in ("wcsph", "projection", "D, shepard", "E, shepard", "C, shepard", "A, shepard", "B, shepard", "E, none", "E, mixed"):
+        for name in LONG:
             long(run, name, reynolds)
