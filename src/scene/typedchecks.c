@@ -5,6 +5,7 @@
 #include "isph/scene.h"
 
 #define STIFF        3.0    /* ratio of viscosities */
+#define OPEN_CORNER  0.75   /* cosine of the least angle between a body and an opening */
 #define UNBALANCED   2e-3   /* largest part of a flow that enters and does not leave */
 #define OUTLINE_MOST 100000 /* longest outline of a filled region, which ranks sample [dx] */
 
@@ -45,7 +46,8 @@ static PetscBool StandsOn(const Scene *scene, const Body *body, PetscInt side)
 
 /* Returns the gap between a point of the surface of a body and a side of the box. A body that
    stands on the side has no gap at the corner between them; there the gap is the way from the point
-   to the side along the normal, which is short only in an acute corner. */
+   to the side along the normal, which is short only in an acute corner. At openings such a corner
+   is no wedge of fluid at rest, and may be acute down to OPEN_CORNER. */
 static PetscReal SideGap(const Scene *scene, const Body *body, PetscInt side, const PetscReal x[],
                          const PetscReal normal[])
 {
@@ -54,6 +56,9 @@ static PetscReal SideGap(const Scene *scene, const Body *body, PetscInt side, co
   const PetscReal towards = side % 2 ? normal[a] : -normal[a];
 
   if (!StandsOn(scene, body, side)) return gap;
+  if ((BoundaryIs(scene, side, BOUNDARY_INFLOW) || BoundaryIs(scene, side, BOUNDARY_OUTFLOW)) &&
+      towards < OPEN_CORNER)
+    return PETSC_INFINITY;
   return towards > PETSC_SMALL ? gap / towards : PETSC_INFINITY;
 }
 
@@ -179,6 +184,7 @@ PetscErrorCode SceneCheckInflow(Scene *scene, PetscReal t)
       PetscReal       x[ISPH_MAX_DIM] = {0.0}, u[ISPH_MAX_DIM];
       const PetscReal piece           = SideSample(scene, side, k, x);
 
+      if (SceneIsBuried(scene, side, x)) continue;
       SceneWallVelocity(scene, side, t, x, u);
       in += SideEntering(side, u) * piece;
       through += PetscAbsReal(SideEntering(side, u)) * piece;

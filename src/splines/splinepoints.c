@@ -1,6 +1,9 @@
 /* Points of quadrature of the splines, in the cells of the lattice and on the boundary. */
 #include "splines.h"
 
+#define FACE_PARTS 16 /* of a face, in which its first open one is looked for */
+#define HALVINGS   40 /* of a part, in which a body ends */
+
 /* SplinePointsFree - Frees the points; not collective */
 PetscErrorCode SplinePointsFree(SplinePoints *points)
 {
@@ -100,6 +103,39 @@ static void AddSurface(const Particles *p, const SplineSurface *part, const Pets
   }
 }
 
+/* Returns true if no body covers the point y along a side in 2D, in coordinates of the lattice. */
+static PetscBool IsOpen(const SplineLattice *l, PetscInt side, PetscReal y)
+{
+  const PetscInt along           = 1 - side / 2;
+  PetscReal      x[ISPH_MAX_DIM] = {0.0}, normal[ISPH_MAX_DIM], slope;
+  PetscInt       nearest;
+
+  x[side / 2] = side % 2 ? l->scene->hi[side / 2] : l->scene->lo[side / 2];
+  x[along]    = SceneFromUniform(l->scene, along, y, &slope);
+  return SceneDistance(l->scene, x, &nearest, normal) > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Cuts a face of a side in 2D to the part that no body covers: without a flux through the rest, or
+   an opening that a body ends between knots has a flux that differs from that of its velocity. */
+static void CutFace(const SplineLattice *l, PetscInt side, PetscReal part[2])
+{
+  const PetscReal length = part[1] - part[0], whole[2] = {part[0], part[1]};
+
+  for (PetscInt end = 0; end < 2; end++) {
+    PetscReal covered = whole[end], open = covered, step = (end ? -length : length) / FACE_PARTS;
+
+    for (PetscInt k = 0; k < FACE_PARTS && !IsOpen(l, side, open); k++) open += step;
+    for (PetscInt k = 0; open != covered && k < HALVINGS; k++) {
+      const PetscReal middle = open - 0.5 * step;
+
+      step *= 0.5;
+      if (IsOpen(l, side, middle)) open = middle;
+    }
+    part[end] = open;
+  }
+  if ((part[1] - part[0]) <= 0.0) part[1] = part[0];
+}
+
 /* Sets the points of this rank on the sides of the box that are not periodic, two along each axis
    of a cell's face, and on bodies. */
 static PetscErrorCode SetBoundaryPoints(Splines *s, const Particles *p)
@@ -128,7 +164,7 @@ static PetscErrorCode SetBoundaryPoints(Splines *s, const Particles *p)
     for (PetscInt b = 0; b < dim; b++) faces *= b == axis ? 1 : n[b];
     for (PetscInt f = 0; f < faces * corners; f++) {
       PetscInt  cell = f / corners, corner = f % corners;
-      PetscReal x[ISPH_MAX_DIM], inside[ISPH_MAX_DIM], weight = 1.0 / corners, slope;
+      PetscReal x[ISPH_MAX_DIM], inside[ISPH_MAX_DIM], weight = 1.0 / corners, slope, part[2];
 
       for (PetscInt b = 0; b < dim; b++) {
         if (b == axis) {
@@ -137,10 +173,12 @@ static PetscErrorCode SetBoundaryPoints(Splines *s, const Particles *p)
           inside[b] = SceneFromUniform(l->scene, b, inside[b], &slope);
           continue;
         }
-        x[b] =
-            l->lo[b] + (first[b] + cell % n[b] + 0.5 + (corner % 2 ? GAUSS : -GAUSS)) * l->side[b];
+        part[0] = l->lo[b] + (first[b] + cell % n[b]) * l->side[b];
+        part[1] = part[0] + l->side[b];
+        if (dim == 2 && s->bodies) CutFace(l, side, part);
+        x[b] = part[0] + (0.5 + (corner % 2 ? GAUSS : -GAUSS)) * (part[1] - part[0]);
         x[b] = inside[b] = SceneFromUniform(l->scene, b, x[b], &slope);
-        weight *= slope * l->side[b] / s->scale;
+        weight *= slope * (part[1] - part[0]) / s->scale;
         cell /= n[b];
         corner /= 2;
       }
