@@ -283,7 +283,7 @@ PetscErrorCode FluidRemoveMean(const Particles *particles, Vec f);
 PetscErrorCode VelocityVec(const Particles *particles, Vec *v);
 PetscErrorCode VelocityVecRepeat(const Particles *particles, Vec factor, Vec *v);
 PetscErrorCode WallVelocityVec(const Particles *particles, Vec *v);
-PetscErrorCode UnknownsVec(const Particles *particles, Vec *v);
+PetscErrorCode UnknownsVec(const Particles *particles, PetscInt n, Vec *v);
 PetscErrorCode VectorsCheckType(MPI_Comm comm);
 
 #endif

@@ -180,11 +180,11 @@ PetscErrorCode WallVelocityVec(const Particles *p, Vec *v)
 }
 
 /* UnknownsVec - Creates a vector of the velocities of the own fluid particles, with interlaced
-   components, and then of their pressures; collective */
-PetscErrorCode UnknownsVec(const Particles *p, Vec *v)
+   components, and then of n pressures; collective */
+PetscErrorCode UnknownsVec(const Particles *p, PetscInt n, Vec *v)
 {
   PetscFunctionBegin;
-  PetscCall(VecOfType(p->comm, (p->dim + 1) * p->n_fluid, 1, v));
+  PetscCall(VecOfType(p->comm, p->dim * p->n_fluid + n, 1, v));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

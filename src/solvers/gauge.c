@@ -25,7 +25,7 @@ PetscErrorCode GaugeRemove(const Scene *scene, const Particles *particles, Vec p
   iteration. See docs/theory.md, (90).
 
   Input Parameters:
-+ before   - number of other unknowns of each pressure, whose rows precede the rows of the pressure
++ before   - number of other unknowns on this rank, whose rows precede the rows of the pressure
 . n        - number of pressures on this rank
 - strength - s [-]
 
@@ -35,18 +35,17 @@ PetscErrorCode GaugeRemove(const Scene *scene, const Particles *particles, Vec p
 PetscErrorCode GaugeColumn(const Scene *scene, MPI_Comm comm, PetscInt before, PetscInt n,
                            PetscReal strength, Mat *column)
 {
-  const PetscInt first = before * n;
-  PetscInt       N;
-  PetscScalar   *entry;
+  PetscInt     N;
+  PetscScalar *entry;
 
   PetscFunctionBegin;
   *column = NULL;
   if (!ScenePressureFloats(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Allreduce(&n, &N, 1, MPIU_INT, MPI_SUM, comm));
-  PetscCall(MatCreateDense(comm, first + n, PETSC_DECIDE, PETSC_DETERMINE, 1, NULL, column));
+  PetscCall(MatCreateDense(comm, before + n, PETSC_DECIDE, PETSC_DETERMINE, 1, NULL, column));
   PetscCall(MatDenseGetArrayWrite(*column, &entry));
-  for (PetscInt i = 0; i < first + n; i++)
-    entry[i] = i < first ? 0.0 : PetscSqrtReal(strength / (PetscReal)N);
+  for (PetscInt i = 0; i < before + n; i++)
+    entry[i] = i < before ? 0.0 : PetscSqrtReal(strength / (PetscReal)N);
   PetscCall(MatDenseRestoreArrayWrite(*column, &entry));
   PetscCall(MatAssemblyBegin(*column, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(*column, MAT_FINAL_ASSEMBLY));

@@ -37,51 +37,70 @@ static PetscErrorCode SplineMatrix(Mat A, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Assembles the matrix of the gradient along axis a, splines -> fluid [1/m]. */
-static PetscErrorCode GradientMat(const Splines *s, const Particles *p, PetscInt a, Mat *G)
+/* Return the bounds of the entries of the fit of component a from component b at point g. */
+static PetscInt First(const SplineFits *f, PetscInt a, PetscInt b, PetscInt g)
+{
+  return f->first[f->sets == 1 ? 0 : a][f->sets == 1 ? 0 : b][g];
+}
+
+static PetscInt Last(const SplineFits *f, PetscInt a, PetscInt b, PetscInt g)
+{
+  return f->last[f->sets == 1 ? 0 : a][f->sets == 1 ? 0 : b][g];
+}
+
+/* Assembles the matrix of the gradient, splines -> interlaced components over fluid [1/m]. */
+static PetscErrorCode GradientMat(const Splines *s, const Particles *p, Mat *G)
 {
   PetscInt *width;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(p->n_fluid, &width));
+  PetscCall(PetscMalloc1(p->dim * p->n_fluid, &width));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
     PetscReal x[ISPH_MAX_DIM];
 
     for (PetscInt c = 0; c < p->dim; c++) x[c] = p->x[c][i];
-    width[i] = SplineRowWidth(s, &s->pressure, x);
+    width[p->dim * i] = SplineRowWidth(s, &s->pressure, x);
+    for (PetscInt c = 1; c < p->dim; c++) width[p->dim * i + c] = width[p->dim * i];
   }
-  PetscCall(SplineMat(p->comm, p->n_fluid, s->own.size, width, G));
+  PetscCall(SplineMat(p->comm, p->dim * p->n_fluid, s->own.size, width, G));
   PetscCall(PetscFree(width));
   for (PetscInt i = 0; i < p->n_fluid; i++) {
-    const PetscInt row = p->row[i];
-    PetscReal      x[ISPH_MAX_DIM];
-    SplineRow      at;
+    PetscReal x[ISPH_MAX_DIM];
+    SplineRow at;
 
     for (PetscInt c = 0; c < p->dim; c++) x[c] = p->x[c][i];
     SplineRowAt(s, &s->pressure, p, x, &at);
-    PetscCall(MatSetValues(*G, 1, &row, at.n, at.number, at.gradient[a], ADD_VALUES));
+    for (PetscInt a = 0; a < p->dim; a++) {
+      const PetscInt row = p->dim * p->row[i] + a;
+
+      PetscCall(MatSetValues(*G, 1, &row, at.n, at.number, at.gradient[a], ADD_VALUES));
+    }
   }
   PetscCall(SplineMatFinish(*G));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Assembles the matrix of the fit of component a from component b, fluid -> points. */
-static PetscErrorCode FitMat(const Splines *s, const Particles *p, PetscInt a, PetscInt b, Mat *J)
+/* Assembles the matrix of the fit of component a, interlaced components over fluid -> points. */
+static PetscErrorCode FitMat(const Splines *s, const Particles *p, PetscInt a, Mat *J)
 {
-  const SplineFits *f   = &s->fits;
-  const PetscInt    set = f->sets == 1 ? 0 : a, of = f->sets == 1 ? 0 : b;
+  const SplineFits *f = &s->fits;
   PetscInt          row, *width;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(f->points, &width));
-  for (PetscInt g = 0; g < f->points; g++) width[g] = f->last[set][of][g] - f->first[set][of][g];
-  PetscCall(SplineMat(p->comm, f->points, p->n_fluid, width, J));
+  PetscCall(PetscCalloc1(f->points, &width));
+  for (PetscInt g = 0; g < f->points; g++)
+    for (PetscInt b = 0; b < p->dim; b++)
+      if (f->coupled || b == a) width[g] += Last(f, a, b, g) - First(f, a, b, g);
+  PetscCall(SplineMat(p->comm, f->points, p->dim * p->n_fluid, width, J));
   PetscCall(PetscFree(width));
   PetscCall(MatGetOwnershipRange(*J, &row, NULL));
   for (PetscInt g = 0; g < f->points; g++, row++) {
-    for (PetscInt k = f->first[set][of][g]; k < f->last[set][of][g]; k++) {
-      if (ParticlesIsWall(p, f->j[k])) continue;
-      PetscCall(MatSetValue(*J, row, p->row[f->j[k]], f->w[k], ADD_VALUES));
+    for (PetscInt b = 0; b < p->dim; b++) {
+      if (b != a && !f->coupled) continue;
+      for (PetscInt k = First(f, a, b, g); k < Last(f, a, b, g); k++) {
+        if (ParticlesIsWall(p, f->j[k])) continue;
+        PetscCall(MatSetValue(*J, row, p->dim * p->row[f->j[k]] + b, f->w[k], ADD_VALUES));
+      }
     }
   }
   PetscCall(SplineMatFinish(*J));
@@ -99,69 +118,87 @@ static PetscErrorCode Multiply(Mat left, Mat right, Mat *product)
 }
 
 /*
-  Adds scale times T_a^T J_ab G_b, summed over b, to A; creates A at the first call
+  Computes the matrix of the integrals of the velocity, sum_a T_a^T J_a with the integrals T_a along
+  axis a and the fits J_a of component a: interlaced components over fluid -> splines; each J_a is
+  multiplied by G first if it is given
 
   MatTransposeMatMult() would add the parts of other ranks in the order in which they arrive, and
   runs would differ in their last digits.
 */
-static PetscErrorCode AddProducts(const Splines *s, const Particles *p, PetscInt a, Mat *A)
+static PetscErrorCode IntegralMat(const Splines *s, const Particles *p, Mat G, Mat *D)
 {
-  Mat fit = NULL, T, transposed, part, J, G;
+  Mat T, transposed, part, J, fit;
 
   PetscFunctionBegin;
-  for (PetscInt b = 0; b < s->lattice.dim; b++) {
-    if (a != b && !s->fits.coupled) continue;
-    PetscCall(FitMat(s, p, a, b, &J));
-    PetscCall(GradientMat(s, p, b, &G));
-    PetscCall(Multiply(J, G, &part));
-    PetscCall(MatDestroy(&J));
-    PetscCall(MatDestroy(&G));
-    if (!fit) {
-      fit = part;
-      continue;
-    }
-    PetscCall(MatAXPY(fit, 1.0, part, DIFFERENT_NONZERO_PATTERN));
+  for (PetscInt a = 0; a < s->lattice.dim; a++) {
+    PetscCall(FitMat(s, p, a, &J));
+    fit = J;
+    if (G) PetscCall(Multiply(J, G, &fit));
+    if (G) PetscCall(MatDestroy(&J));
+    PetscCall(SplineGradientMat(p, s, a, &T));
+    PetscCall(MatTranspose(T, MAT_INITIAL_MATRIX, &transposed));
+    PetscCall(MatDestroy(&T));
+    PetscCall(Multiply(transposed, fit, a ? &part : D));
+    PetscCall(MatDestroy(&transposed));
+    PetscCall(MatDestroy(&fit));
+    if (!a) continue;
+    PetscCall(MatAXPY(*D, 1.0, part, DIFFERENT_NONZERO_PATTERN));
     PetscCall(MatDestroy(&part));
   }
-  PetscCall(SplineGradientMat(p, s, a, &T));
-  PetscCall(MatTranspose(T, MAT_INITIAL_MATRIX, &transposed));
-  PetscCall(MatDestroy(&T));
-  PetscCall(Multiply(transposed, fit, &part));
-  PetscCall(MatDestroy(&transposed));
-  PetscCall(MatDestroy(&fit));
-  if (*A) {
-    PetscCall(MatAXPY(*A, s->scale, part, DIFFERENT_NONZERO_PATTERN));
-    PetscCall(MatDestroy(&part));
-  } else {
-    PetscCall(MatScale(part, s->scale));
-    *A = part;
-  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets the rows of splines that are no unknowns to zero. */
+static PetscErrorCode EmptyRows(const Splines *s, Mat A)
+{
+  PetscInt *row;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(s->n_unused, &row));
+  for (PetscInt k = 0; k < s->n_unused; k++) row[k] = s->own.start + s->unused[k];
+  PetscCall(MatZeroRows(A, s->n_unused, row, 0.0, NULL, NULL));
+  PetscCall(PetscFree(row));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SplinesBlocks - Creates the matrices of gradient and divergence for the present particles, with
+  interlaced components of the velocity
+
+    G p = grad p,   D u = d of SplinesDivergence() without the terms of walls   [1/m]
+
+  Collective. Rows of splines that are no unknowns are empty; columns are not if a side gives their
+  number.
+*/
+PetscErrorCode SplinesBlocks(const Particles *p, const Splines *s, Mat *G, Mat *D)
+{
+  PetscFunctionBegin;
+  PetscCall(GradientMat(s, p, G));
+  PetscCall(IntegralMat(s, p, NULL, D));
+  PetscCall(MatScale(*D, -1.0 / s->scale));
+  if (s->extension) PetscCall(EmptyRows(s, *D));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Computes A; splines that are no unknowns have the equation phi = 0. */
 static PetscErrorCode SplineProduct(Splines *s, const Particles *p)
 {
-  Vec          diagonal;
-  PetscScalar *d;
-  PetscInt    *row;
+  Mat G;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < s->lattice.dim; a++) PetscCall(AddProducts(s, p, a, &s->A));
-  if (s->extension) {
-    PetscCall(PetscMalloc1(s->n_unused, &row));
-    for (PetscInt k = 0; k < s->n_unused; k++) row[k] = s->own.start + s->unused[k];
-    PetscCall(MatZeroRows(s->A, s->n_unused, row, 0.0, NULL, NULL));
-    PetscCall(PetscFree(row));
-    PetscCall(VecDuplicate(s->b, &diagonal));
-    PetscCall(VecSet(diagonal, 0.0));
-    PetscCall(VecGetArray(diagonal, &d));
-    for (PetscInt k = 0; k < s->n_unused; k++) d[s->unused[k]] = 1.0;
-    PetscCall(VecRestoreArray(diagonal, &d));
-    PetscCall(MatSetOption(s->A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
-    PetscCall(MatDiagonalSet(s->A, diagonal, ADD_VALUES));
-    PetscCall(VecDestroy(&diagonal));
+  PetscCall(GradientMat(s, p, &G));
+  PetscCall(IntegralMat(s, p, G, &s->A));
+  PetscCall(MatDestroy(&G));
+  PetscCall(MatScale(s->A, s->scale));
+  if (!s->extension) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(EmptyRows(s, s->A));
+  PetscCall(MatSetOption(s->A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+  for (PetscInt k = 0; k < s->n_unused; k++) {
+    const PetscInt row = s->own.start + s->unused[k];
+
+    PetscCall(MatSetValue(s->A, row, row, 1.0, ADD_VALUES));
   }
+  PetscCall(SplineMatFinish(s->A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -153,6 +153,7 @@ static PetscErrorCode FreeNumbered(Splines *s)
   PetscCall(SplineWindowFree(&s->window));
   PetscCall(MatDestroy(&s->S));
   PetscCall(MatDestroy(&s->K));
+  PetscCall(MatDestroy(&s->M));
   PetscCall(MatDestroy(&s->A));
   PetscCall(VecDestroy(&s->mass));
   PetscCall(VecDestroy(&s->p));

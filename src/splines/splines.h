@@ -222,10 +222,12 @@ struct Splines {
   PetscInt  epoch, moved;                       /* stamps of the particles at the last assembly */
   PetscReal lo[ISPH_MAX_DIM], hi[ISPH_MAX_DIM]; /* the rank's box when the splines were numbered */
 
-  Mat S;    /* boundary points x splines: weight psi_q; NULL: a periodic box */
-  Mat K;    /* stiffness, scale^2 int grad psi . grad psi, for the preconditioner */
-  Vec mass; /* int psi_q, with bodies sum_r |int psi_q psi_r|, over the volume of a cell */
-  Mat A;    /* -scale^2 D G; a shell for moving particles, and if most of its rows repeat */
+  Mat       S;            /* boundary points x splines: weight psi_q; NULL: a periodic box */
+  Mat       K;            /* stiffness, scale^2 int grad psi . grad psi, for the preconditioner */
+  PetscBool has_products; /* M is needed */
+  Mat       M;            /* int psi_q psi_r over the volume of a cell; NULL: not needed */
+  Vec       mass; /* int psi_q, with bodies sum_r |int psi_q psi_r|, over the volume of a cell */
+  Mat       A;    /* -scale^2 D G; a shell for moving particles, and if most of its rows repeat */
 
   SplineWindow window;
   SplinePlaces at, inside_at; /* chi_q at particles, psi_q at points inside */
@@ -338,6 +340,7 @@ PetscInt       SplinesGlobal(const Splines *s, const Particles *p, const PetscIn
 PetscErrorCode SplinesFree(Splines *s);
 
 /* splinematrix.c */
+PetscErrorCode SplinesBlocks(const Particles *particles, const Splines *s, Mat *G, Mat *D);
 PetscErrorCode SplinesMatrix(const Particles *particles, PetscBool multiplies, Splines *s);
 
 /* splineinverse.c */

@@ -134,8 +134,8 @@ static PetscErrorCode SetAbsoluteMass(Splines *s, Mat M)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Removes the numbers that sides give from the equations of the others: K stays symmetric. */
-static PetscErrorCode DropGiven(Splines *s)
+/* Removes the numbers that sides give from the equations of the others: K and M stay symmetric. */
+static PetscErrorCode DropGiven(Splines *s, Mat M)
 {
   PetscInt *row;
 
@@ -143,6 +143,7 @@ static PetscErrorCode DropGiven(Splines *s)
   PetscCall(PetscMalloc1(s->n_unused, &row));
   for (PetscInt k = 0; k < s->n_unused; k++) row[k] = s->own.start + s->unused[k];
   PetscCall(MatZeroRowsColumns(s->K, s->n_unused, row, 1.0, NULL, NULL));
+  if (M) PetscCall(MatZeroRowsColumns(M, s->n_unused, row, 1.0, NULL, NULL));
   PetscCall(PetscFree(row));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -160,7 +161,7 @@ PetscErrorCode SplineStiffness(Splines *s, const Particles *p)
   PetscCall(PetscCalloc1(s->lattice.N, &seen));
   RowWidths(s, seen, width);
   PetscCall(SplineMat(p->comm, b->size, b->size, width, &s->K));
-  if (s->bodies) PetscCall(SplineMat(p->comm, b->size, b->size, width, &M));
+  if (s->bodies || s->has_products) PetscCall(SplineMat(p->comm, b->size, b->size, width, &M));
   PetscCall(PetscFree(width));
   PetscCall(PetscFree(seen));
   PetscCall(VecCreateMPI(p->comm, b->size, PETSC_DETERMINE, &s->mass));
@@ -176,15 +177,15 @@ PetscErrorCode SplineStiffness(Splines *s, const Particles *p)
     } else {
       s->unused[s->n_unused++] = k;
       PetscCall(MatSetValue(s->K, b->start + k, b->start + k, 1.0, ADD_VALUES));
+      if (M) PetscCall(MatSetValue(M, b->start + k, b->start + k, 1.0, ADD_VALUES));
     }
   }
   PetscCall(SplineMatFinish(s->K));
-  if (SplineSideGives(&s->lattice)) PetscCall(DropGiven(s));
-  if (M) {
-    PetscCall(SplineMatFinish(M));
-    PetscCall(SetAbsoluteMass(s, M));
-    PetscCall(MatDestroy(&M));
-  }
+  if (M) PetscCall(SplineMatFinish(M));
+  if (s->bodies) PetscCall(SetAbsoluteMass(s, M));
+  if (SplineSideGives(&s->lattice)) PetscCall(DropGiven(s, M));
+  if (s->has_products) s->M = M;
+  else PetscCall(MatDestroy(&M));
   PetscCall(VecAssemblyBegin(s->mass));
   PetscCall(VecAssemblyEnd(s->mass));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -46,7 +46,7 @@ static const OptionRow options[] = {
             .brief    = "pressure gradient",
             .standard = REGIME,
             .table    = &CoupledGradientTable,
-            .where    = "-scheme coupled",
+            .where    = "-scheme coupled with -pressure_points same",
         },
     [TS_TYPE] =
         {
@@ -66,7 +66,7 @@ static PetscErrorCode RefuseForms(const Flow *flow)
   const OperatorForms *forms = &flow->ops->forms;
 
   PetscFunctionBegin;
-  UserCheck(forms->gradient->DivergenceFit,
+  UserCheck(flow->scheme->splines || forms->gradient->DivergenceFit,
             "-gradient %s: -scheme coupled needs one-sided pressure gradients beside walls, which "
             "only -gradient mls has",
             forms->gradient->name);
@@ -138,9 +138,10 @@ static PetscErrorCode RefuseHistory(const Flow *flow, const CoupledIntegratorRow
 */
 static PetscErrorCode CoupledCreate(Flow *flow)
 {
-  const Scene    *scene   = flow->scene;
-  const PetscBool viscous = SceneHas(scene, PHYSICS_VISCOSITY);
-  Coupled        *c;
+  const Scene             *scene   = flow->scene;
+  const PetscBool          viscous = SceneHas(scene, PHYSICS_VISCOSITY);
+  const PressurePointsRow *points;
+  Coupled                 *c;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&c));
@@ -160,13 +161,16 @@ static PetscErrorCode CoupledCreate(Flow *flow)
             "projection, or -motion eulerian");
   if (flow->clock->steady_solve) PetscCall(RefuseSteady(flow));
   PetscCall(SteadyRefuse(flow, NULL, PETSC_FALSE));
-  PetscCall(VolumesCreate(flow));
+  PetscCall(PressurePointsChoose(scene, &points));
+  if (!points->coarse) PetscCall(VolumesCreate(flow));
   PetscCall(OptionGetRow(&options[TS_TYPE], NULL, &c->row));
   PetscCall(RefuseHistory(flow, c->row));
   if (c->row->substeps)
     PetscCall(ClockDropEstimate(flow->clock, options[TS_TYPE].name, c->row->name));
   c->convects = flow->state->has_convection && c->row->substeps;
-  flow->scheme->needs |= NEED_FREE_GRAD_P | NEED_FILTER_P | NEED_MATRICES;
+  flow->scheme->needs |= NEED_MATRICES;
+  if (points->coarse) PetscCall(PressureOnSplinesCreate(flow, &c->spacing));
+  else flow->scheme->needs |= NEED_FREE_GRAD_P | NEED_FILTER_P;
   if (c->row->substeps || flow->clock->steady_solve) {
     RegimeSetFact(scene->regime, FACT_SUBSTEPS, PETSC_TRUE);
     flow->state->velocity_filter = RegimeValue(scene->regime, REGIME_FILTER_U);
@@ -203,10 +207,39 @@ static PetscErrorCode ChooseGradient(const Flow *flow, Coupled *c)
 
 static PetscErrorCode CoupledSetUp(Flow *flow)
 {
+  Coupled *c = (Coupled *)flow->scheme->data;
+
   PetscFunctionBegin;
+  if (c->spacing > 0.0) {
+    PetscCall(SplinesCreate(flow, c->spacing, &flow->scheme->splines));
+    flow->scheme->splines->has_products = PETSC_TRUE;
+  } else {
+    PetscCall(ChooseGradient(flow, c));
+  }
   PetscCall(RefuseForms(flow));
-  PetscCall(ChooseGradient(flow, (Coupled *)flow->scheme->data));
-  PetscCall(CoupledSolverCreate(flow, (Coupled *)flow->scheme->data));
+  PetscCall(CoupledSolverCreate(flow, c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CoupledRegister(Flow *flow)
+{
+  PetscFunctionBegin;
+  if (flow->scheme->splines) PetscCall(SplinesStart(flow, flow->scheme->splines));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CoupledAssembleSplines(Flow *flow)
+{
+  PetscFunctionBegin;
+  if (flow->scheme->splines) PetscCall(SplinesAssemble(flow, flow->scheme->splines));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CoupledBegin(Flow *flow)
+{
+  PetscFunctionBegin;
+  PetscCall(FlowBegin(flow));
+  if (flow->scheme->splines) PetscCall(SplinesBegin(flow->scheme->splines));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -216,7 +249,9 @@ static PetscErrorCode CoupledView(const Flow *flow, PetscViewer viewer)
 
   PetscFunctionBegin;
   if (!flow->clock->steady_solve) PetscCall(TableViewRow("coupled TS", c->row, viewer));
-  if (c->gradient != &gradients[0]) PetscCall(TableViewRow("grad p", c->gradient, viewer));
+  if (flow->scheme->splines) PetscCall(SplinesView(flow->scheme->splines, viewer));
+  if (c->gradient && c->gradient != &gradients[0])
+    PetscCall(TableViewRow("grad p", c->gradient, viewer));
   PetscCall(TableViewRow("schur", c->schur.row, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -226,6 +261,7 @@ static PetscErrorCode CoupledDestroy(Flow *flow)
   PetscFunctionBegin;
   if (!flow->scheme->data) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CoupledSolverFree((Coupled *)flow->scheme->data));
+  PetscCall(SplinesDestroy(&flow->scheme->splines));
   PetscCall(PetscFree(flow->scheme->data));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -258,7 +294,9 @@ const SchemeRow SchemeCoupled = {
     .citation = "Elman, Silvester & Wathen, Finite Elements and Fast Iterative Solvers (2014)",
     .Create   = CoupledCreate,
     .SetUp    = CoupledSetUp,
-    .Begin    = FlowBegin,
+    .Register = CoupledRegister,
+    .Assemble = CoupledAssembleSplines,
+    .Begin    = CoupledBegin,
     .Limit    = FlowLimit,
     .View     = CoupledView,
     .Destroy  = CoupledDestroy,

@@ -1,14 +1,15 @@
 /*
   The coupled scheme, which solves for velocity and pressure together. coupled.c has its row and
-  options, solver.c the solver, terms.c its terms, saddle.c its matrix, adjoint.c columns of its
-  gradient that are the transposed divergence, saddlesurface.c the pressures of free surfaces in it,
-  schur.c the Schur complement, rheology.c viscosities that follow the strain rate, step.c the step.
+  options, solver.c the solver, terms.c its terms, saddle.c its matrix, saddlesplines.c a pressure
+  on splines in it, adjoint.c columns of its gradient that are the transposed divergence,
+  saddlesurface.c the pressures of free surfaces in it, schur.c the Schur complement, rheology.c
+  viscosities that follow the strain rate, step.c the step.
 */
 #ifndef ISPH_SCHEMES_COUPLED_H
 #define ISPH_SCHEMES_COUPLED_H
 
 #include "saddle.h"
-#include "isph/motion.h"
+#include "schemes/stages/pressurepoints.h"
 
 extern const Table       CoupledIntegratorTable, CoupledGradientTable, SchurTable;
 extern const OptionTable CoupledOptions, CoupledSolverOptions;
@@ -40,11 +41,16 @@ struct Schur {
   const Particles   *particles;
   const Saddle      *saddle;         /* units of the particles */
   const FreeSurface *free;           /* NULL: no free surface */
+  Splines           *splines;        /* NULL: the pressure is on particles */
   Mat                mass;           /* the identity, for other PCs than shell */
   Mat                poisson;        /* -dx_i^2 lap, regular by GaugePreconditioner() [-] */
   KSP                ksp;            /* solver of poisson; NULL: not needed */
   KspViews           views;          /* -coupled_schur_ksp_view, ... */
   Vec                work;           /* work vector */
+  PC                 products;       /* of the mass matrix of splines */
+  Vec                root;           /* of splines: (nu_q/nu)^1/2 [-] */
+  Vec                flux, part;     /* of splines: work vectors */
+  PetscInt           numbering;      /* of splines: stamp of the last set-up */
   PetscReal          viscous, inert; /* nu/sigma, shift dx^2/sigma of the reference spacing [-] */
 };
 
@@ -55,7 +61,8 @@ PetscErrorCode SchurFree(Schur *schur);
 
 typedef struct {
   const CoupledIntegratorRow *row;
-  const CoupledGradientRow   *gradient;
+  const CoupledGradientRow   *gradient; /* NULL: that of splines */
+  PetscReal                   spacing;  /* of splines: edge of a cell [dx]; 0: none */
   TS                          ts;
   Guard                       guard;
   Saddle                      saddle;

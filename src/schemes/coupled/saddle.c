@@ -92,6 +92,11 @@ static PetscErrorCode CreateBlocks(const Flow *flow, Saddle *s)
 
   PetscFunctionBegin;
   PetscCall(VelocityVecRepeat(p, s->time, &momentum));
+  if (flow->scheme->splines) {
+    PetscCall(SaddleOnSplines(flow, momentum, s));
+    PetscCall(VecDestroy(&momentum));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(VecDuplicate(s->length, &mass));
   PetscCall(VecPointwiseDivide(mass, s->time, s->length));
   PetscCall(AffineBlock(p, &ops->rows, &(AffineLayout){s->dim, 1, dx, momentum, s->pressure},
@@ -173,8 +178,8 @@ PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], MatType t
 
   PetscFunctionBegin;
   PetscCall(SaddleFree(s));
-  s->dim        = scene->dim;
-  s->n          = p->n_fluid;
+  s->dim = scene->dim;
+  s->n = s->n_p = p->n_fluid;
   s->shift      = NAN;
   s->assemblies = flow->ops->assemblies;
   PetscCall(SetUnits(flow, s));
@@ -184,7 +189,7 @@ PetscErrorCode SaddleAssemble(const Flow *flow, const Vec advecting[], MatType t
   PetscCall(MatConvert(s->viscous, type, MAT_INITIAL_MATRIX, &s->F));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(block); k++)
     PetscCall(MatConvert(*block[k], type, MAT_INPLACE_MATRIX, block[k]));
-  PetscCall(GaugeColumn(scene, p->comm, scene->dim, p->n_fluid, 1.0, &s->gauge));
+  PetscCall(GaugeColumn(scene, p->comm, scene->dim * p->n_fluid, s->n_p, 1.0, &s->gauge));
   PetscCall(MatCreateNest(p->comm, 2, NULL, 2, NULL, (Mat[]){s->F, s->G, s->D, s->C}, &s->P));
   PetscCall(GaugeMatrix(s->P, s->gauge, &s->A));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -223,6 +228,7 @@ PetscErrorCode SaddleFree(Saddle *s)
   PetscCall(VecDestroy(&s->mass));
   PetscCall(VecDestroy(&s->viscosity));
   PetscCall(VecDestroy(&s->pressure));
+  PetscCall(VecDestroy(&s->constant));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -259,7 +265,7 @@ PetscErrorCode SaddleFlatten(Mat nest, Mat *flat)
    of the scene is q_i times the unit of pressures; collective */
 PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
 {
-  const PetscScalar *from, *unit;
+  const PetscScalar *from, *unit, *one = NULL;
   PetscScalar       *to;
   Vec                stress;
 
@@ -272,8 +278,10 @@ PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
   }
   PetscCall(VecGetArrayRead(p, &from));
   PetscCall(VecGetArrayRead(s->pressure, &unit));
-  for (PetscInt i = 0; i < s->n; i++)
-    to[s->dim * s->n + i] = (from[i] - s->level) / s->unit / unit[i];
+  if (s->constant) PetscCall(VecGetArrayRead(s->constant, &one));
+  for (PetscInt i = 0; i < s->n_p; i++)
+    to[s->dim * s->n + i] = (from[i] - s->level * (one ? one[i] : 1.0)) / s->unit / unit[i];
+  if (one) PetscCall(VecRestoreArrayRead(s->constant, &one));
   PetscCall(VecRestoreArrayRead(s->pressure, &unit));
   PetscCall(VecRestoreArrayRead(p, &from));
   PetscCall(VecRestoreArray(x, &to));
@@ -281,7 +289,7 @@ PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
   if (!stress) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VecGetArrayRead(stress, &from));
   PetscCall(VecGetArray(x, &to));
-  for (PetscInt i = 0; i < s->n; i++) to[s->dim * s->n + i] -= from[i];
+  for (PetscInt i = 0; i < s->n_p; i++) to[s->dim * s->n + i] -= from[i];
   PetscCall(VecRestoreArray(x, &to));
   PetscCall(VecRestoreArrayRead(stress, &from));
   PetscCall(VecDestroy(&stress));
@@ -291,7 +299,7 @@ PetscErrorCode SaddlePut(const Saddle *s, Vec u[], Vec p, Vec x)
 /* SaddleGet - Extracts u and p from x, see SaddlePut(); p may be NULL; collective */
 PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
 {
-  const PetscScalar *from, *unit, *z = NULL;
+  const PetscScalar *from, *unit, *z = NULL, *one = NULL;
   PetscScalar       *to;
   Vec                stress = NULL;
 
@@ -307,8 +315,11 @@ PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
   if (p) {
     PetscCall(VecGetArray(p, &to));
     PetscCall(VecGetArrayRead(s->pressure, &unit));
-    for (PetscInt i = 0; i < s->n; i++)
-      to[i] = s->level + (from[s->dim * s->n + i] + (z ? z[i] : 0.0)) * s->unit * unit[i];
+    if (s->constant) PetscCall(VecGetArrayRead(s->constant, &one));
+    for (PetscInt i = 0; i < s->n_p; i++)
+      to[i] = s->level * (one ? one[i] : 1.0) +
+              (from[s->dim * s->n + i] + (z ? z[i] : 0.0)) * s->unit * unit[i];
+    if (one) PetscCall(VecRestoreArrayRead(s->constant, &one));
     PetscCall(VecRestoreArrayRead(s->pressure, &unit));
     PetscCall(VecRestoreArray(p, &to));
   }
@@ -327,6 +338,7 @@ PetscErrorCode SaddleGet(const Saddle *s, Vec x, Vec u[], Vec p)
 PetscErrorCode SaddleAdd(const Saddle *s, PetscInt c, PetscReal scale, Vec part, Vec x)
 {
   const PetscInt     stride = c < s->dim ? s->dim : 1, first = c < s->dim ? c : s->dim * s->n;
+  const PetscInt     n     = c < s->dim ? s->n : s->n_p;
   const Vec          units = c < s->dim ? s->time : s->mass;
   const PetscScalar *from, *unit;
   PetscScalar       *to;
@@ -335,7 +347,7 @@ PetscErrorCode SaddleAdd(const Saddle *s, PetscInt c, PetscReal scale, Vec part,
   PetscCall(VecGetArrayRead(part, &from));
   PetscCall(VecGetArrayRead(units, &unit));
   PetscCall(VecGetArray(x, &to));
-  for (PetscInt i = 0; i < s->n; i++) to[first + stride * i] += scale * (unit[i] * from[i]);
+  for (PetscInt i = 0; i < n; i++) to[first + stride * i] += scale * (unit[i] * from[i]);
   PetscCall(VecRestoreArray(x, &to));
   PetscCall(VecRestoreArrayRead(units, &unit));
   PetscCall(VecRestoreArrayRead(part, &from));

@@ -9,22 +9,23 @@
   interlaced components, and then their pressures, so that standard PETSc vectors suffice.
 */
 typedef struct {
-  PetscInt  dim, n;     /* own particles */
-  PetscBool adjoint;    /* G is minus the transposed D; chosen before the assembly */
-  PetscBool natural;    /* G is that off walls; chosen before the assembly */
-  PetscReal step;       /* T of the reference spacing, factor of the momentum equation [s] */
-  PetscReal unit;       /* rho dx/T of the reference spacing, unit of pressures [Pa s/m] */
-  PetscReal level;      /* pressure whose unknown is zero, see SceneSetLevel() [Pa] */
-  Vec       time;       /* T_i/T of each particle [-] */
-  Vec       length;     /* dx_i/dx of each particle [-] */
-  Vec       viscosity;  /* nu_i/nu of each particle [-] */
-  Vec       mass;       /* factor of the rows of div over dx: as `length`, on free surfaces of the
+  PetscInt  dim, n, n_p; /* own particles; pressures of this rank: own particles or splines */
+  PetscBool adjoint;     /* G is minus the transposed D; chosen before the assembly */
+  PetscBool natural;     /* G is that off walls; chosen before the assembly */
+  PetscReal step;        /* T of the reference spacing, factor of the momentum equation [s] */
+  PetscReal unit;        /* rho dx/T of the reference spacing, unit of pressures [Pa s/m] */
+  PetscReal level;       /* pressure whose unknown is zero, see SceneSetLevel() [Pa] */
+  Vec       time;        /* T_i/T of each particle [-] */
+  Vec       length;      /* dx_i/dx of each particle [-] */
+  Vec       viscosity;   /* nu_i/nu of each pressure [-] */
+  Vec       mass;        /* factor of the rows of div over dx: as `length`, on free surfaces of the
                            equation of the pressure there [-] */
-  Vec       pressure;   /* unit of the pressure of each particle over `unit` [-] */
-  PetscReal shift;      /* shift in F; NaN: F is out of date [1/s] */
-  Mat       viscous;    /* T_i (-nu L + v.grad), dim N x dim N [-] */
-  Mat       F, G, D;    /* T_i shift + viscous; T_i grad dx_j/T_j; dx_i div [-] */
-  Mat       C;          /* residual of a quadratic fit of the pressure, T_i/dx_i C dx_j/T_j [-] */
+  Vec       pressure;    /* unit of each pressure over `unit` [-] */
+  Vec       constant;    /* numbers of splines that make the pressure 1; NULL: all are 1 [-] */
+  PetscReal shift;       /* shift in F; NaN: F is out of date [1/s] */
+  Mat       viscous;     /* T_i (-nu L + v.grad), dim N x dim N [-] */
+  Mat       F, G, D;     /* T_i shift + viscous; T_i grad dx_j/T_j; dx_i div [-] */
+  Mat       C;           /* residual of a quadratic fit of the pressure, T_i/dx_i C dx_j/T_j [-] */
   Mat       Z;          /* 2 mu n.E n on free surfaces, see saddlesurface.c; NULL: no surface [-] */
   Mat       A, P;       /* [F G; D C + c c^T] and [F G; D C]; the same if c is NULL */
   Mat       gauge;      /* c of GaugeColumn(), NULL for a determined pressure */
@@ -41,6 +42,10 @@ PetscErrorCode SaddlePut(const Saddle *saddle, Vec u[], Vec p, Vec x);
 PetscErrorCode SaddleGet(const Saddle *saddle, Vec x, Vec u[], Vec p);
 PetscErrorCode SaddleAdd(const Saddle *saddle, PetscInt c, PetscReal scale, Vec part, Vec x);
 PetscErrorCode SaddleAddInertia(const Saddle *saddle, Vec x, Vec xdot, Vec f);
+
+/* saddlesplines.c */
+PetscErrorCode SaddleOnSplines(const Flow *flow, Vec momentum, Saddle *saddle);
+PetscErrorCode SaddleAddGiven(const Saddle *saddle, PetscReal t, const Splines *splines, Vec b);
 
 /* adjoint.c */
 PetscErrorCode SaddleReplaceGradient(const Flow *flow, Vec momentum, Saddle *saddle);

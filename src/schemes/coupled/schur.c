@@ -11,9 +11,20 @@
 */
 #include "coupled.h"
 
+/* Applies the viscous part of S^-1 on splines to z, y = N^1/2 M^-1 N^1/2 z with the mass matrix M
+   and the viscosities N over nu. */
+static PetscErrorCode SplineMassApply(Schur *s, Vec z, Vec y)
+{
+  PetscFunctionBegin;
+  PetscCall(VecPointwiseMult(s->work, z, s->root));
+  PetscCall(PCApply(s->products, s->work, y));
+  PetscCall(VecPointwiseMult(y, y, s->root));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   SchurApply_Mass - Applies y = x, the limit of S^-1 (top of this file) for long steps:
-  nu/sigma = 1, shift = 0
+  nu/sigma = 1, shift = 0; on splines the inverse of the mass matrix
 
   Reference: H. C. Elman, D. J. Silvester, A. J. Wathen, Finite Elements and Fast Iterative Solvers
   (2014)
@@ -21,7 +32,49 @@
 static PetscErrorCode SchurApply_Mass(Schur *s, Vec x, Vec y)
 {
   PetscFunctionBegin;
-  PetscCall(VecCopy(x, y));
+  if (!s->splines) {
+    PetscCall(VecCopy(x, y));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(VecPointwiseDivide(s->flux, x, s->saddle->mass));
+  PetscCall(SplineMassApply(s, s->flux, y));
+  PetscCall(VecScale(y, s->viscous));
+  PetscCall(VecPointwiseDivide(y, y, s->saddle->pressure));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Removes the mean over the splines if the constant of the pressure is undetermined. */
+static PetscErrorCode RemoveMean(const Schur *s, Vec v)
+{
+  PetscScalar sum;
+  PetscInt    n;
+
+  PetscFunctionBegin;
+  if (!ScenePressureFloats(s->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecSum(v, &sum));
+  PetscCall(VecGetSize(v, &n));
+  PetscCall(VecShift(v, -sum / n));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Applies S^-1 on splines, with the stiffness K = -scale^2 lap:
+
+     y_q = 1/U_q (viscous N^1/2 M^-1 N^1/2 z + inert (scale/dx)^2 K^-1 z)_q,   z_q = m_q x_q
+
+   m is the mass of a spline, by which its row was divided, and U the unit of its pressure. */
+static PetscErrorCode SplineSchurApply(Schur *s, Vec x, Vec y)
+{
+  const PetscReal ratio = s->splines->scale / s->scene->dx;
+
+  PetscFunctionBegin;
+  PetscCall(VecPointwiseDivide(s->flux, x, s->saddle->mass));
+  PetscCall(SplineMassApply(s, s->flux, s->part));
+  PetscCall(RemoveMean(s, s->flux));
+  PetscCall(KSPSolve(s->ksp, s->flux, y));
+  PetscCall(KspViewsShow(s->ksp, &s->views));
+  PetscCall(RemoveMean(s, y));
+  PetscCall(VecAXPBY(y, s->viscous, s->inert * PetscSqr(ratio), s->part));
+  PetscCall(VecPointwiseDivide(y, y, s->saddle->pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -57,8 +110,8 @@ static PetscErrorCode SetSurface(const Schur *s, Vec x, Vec y)
 static PetscErrorCode SchurApply_CahouetChabard(Schur *s, Vec x, Vec y)
 {
   PetscFunctionBegin;
-  if (s->inert == 0.0) {
-    PetscCall(VecCopy(x, y));
+  if (s->inert == 0.0 || s->splines) {
+    PetscCall(s->inert == 0.0 ? SchurApply_Mass(s, x, y) : SplineSchurApply(s, x, y));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(VecPointwiseMult(s->work, x, s->saddle->length));
@@ -140,6 +193,37 @@ PetscErrorCode SchurCreate(Schur *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sets the preconditioners of K and M, which last until the splines are renumbered, and work
+   vectors. */
+static PetscErrorCode AssembleOnSplines(MatType type, Schur *s)
+{
+  Splines *sp = s->splines;
+
+  PetscFunctionBegin;
+  PetscCall(VecDestroy(&s->root));
+  PetscCall(VecDuplicate(s->saddle->viscosity, &s->root));
+  PetscCall(VecCopy(s->saddle->viscosity, s->root));
+  PetscCall(VecSqrtAbs(s->root));
+  if (s->products && s->numbering == sp->numbering) PetscFunctionReturn(PETSC_SUCCESS);
+  s->numbering = sp->numbering;
+  PetscCall(VecDestroy(&s->flux));
+  PetscCall(VecDestroy(&s->part));
+  PetscCall(VecDuplicate(s->root, &s->flux));
+  PetscCall(VecDuplicate(s->root, &s->part));
+  PetscCall(PCDestroy(&s->products));
+  PetscCall(PCCreate(PetscObjectComm((PetscObject)sp->M), &s->products));
+  PetscCall(PCSetType(s->products, PCBJACOBI));
+  PetscCall(PCSetOperators(s->products, sp->M, sp->M));
+  PetscCall(PCSetUp(s->products));
+  PetscCall(MatDestroy(&s->poisson));
+  if (!s->row->poisson) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatConvert(sp->K, type, MAT_INITIAL_MATRIX, &s->poisson));
+  PetscCall(GaugePreconditioner(s->scene, GAUGE_SHIFT, s->poisson));
+  PetscCall(KSPReset(s->ksp));
+  PetscCall(KSPSetOperators(s->ksp, s->poisson, s->poisson));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   SchurAssemble - Creates the matrices of the approximation for new operators
 
@@ -154,13 +238,18 @@ PetscErrorCode SchurAssemble(const Flow *flow, const Saddle *saddle, MatType typ
   PetscFunctionBegin;
   PetscCall(MatDestroy(&s->mass));
   PetscCall(VecDestroy(&s->work));
-  PetscCall(FluidVec(p, NULL, &s->work));
+  PetscCall(VecDuplicate(saddle->pressure, &s->work));
   s->scene     = flow->scene;
+  s->splines   = flow->scheme->splines;
   s->particles = p;
   s->saddle    = saddle;
   s->free      = ops->free;
-  PetscCall(MatCreateConstantDiagonal(p->comm, p->n_fluid, p->n_fluid, PETSC_DETERMINE,
+  PetscCall(MatCreateConstantDiagonal(p->comm, saddle->n_p, saddle->n_p, PETSC_DETERMINE,
                                       PETSC_DETERMINE, 1.0, &s->mass));
+  if (s->splines) {
+    PetscCall(AssembleOnSplines(type, s));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(MatDestroy(&s->poisson));
   if (!s->row->poisson) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatDuplicate(ops->ppe.A, MAT_COPY_VALUES, &s->poisson));
@@ -179,6 +268,10 @@ PetscErrorCode SchurFree(Schur *s)
   PetscCall(MatDestroy(&s->mass));
   PetscCall(MatDestroy(&s->poisson));
   PetscCall(VecDestroy(&s->work));
+  PetscCall(VecDestroy(&s->flux));
+  PetscCall(VecDestroy(&s->part));
+  PetscCall(VecDestroy(&s->root));
+  PetscCall(PCDestroy(&s->products));
   PetscCall(KSPDestroy(&s->ksp));
   PetscCall(KspViewsEnd(&s->views));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -237,7 +237,7 @@ static PetscErrorCode CoupledMake(PetscReal shift, const Vec advecting[], Couple
   PetscCall(CoupledFree(c));
   PetscCall(SaddleAssemble(c->flow, advecting, c->guard.mat_type, &c->saddle));
   if (c->schur.row) PetscCall(SchurAssemble(c->flow, &c->saddle, c->guard.mat_type, &c->schur));
-  PetscCall(UnknownsVec(p, &c->x));
+  PetscCall(UnknownsVec(p, c->saddle.n_p, &c->x));
   PetscCall(VecDuplicate(c->x, &c->b));
   PetscCall(SetTolerances(scene, c));
   PetscCall(FluidVec(p, NULL, &c->part));

@@ -12,7 +12,15 @@
 #define RHEOLOGY_MOST 200 /* largest number of iterations with a rheology */
 /* Change of u in the last iteration, relative to |u|, or to |u| + U in time. */
 #define PICARD_CHANGE 1e-6
+#define PICARD_SHARE  1e-2  /* of the residual that a solve of steady convection leaves */
+#define PICARD_RTOL   1e-10 /* least tolerance of such a solve, unless a smaller one is given */
 #define STAGE_RATIO   (1.0 + PETSC_SQRT2) /* (1 - g)/g of the stages, g = 1 - 1/sqrt(2) */
+
+/* Returns the pressure among the unknowns: that of the splines, or of the particles. */
+static Vec Pressure(const Flow *flow)
+{
+  return flow->scheme->splines ? flow->scheme->splines->p : flow->state->p;
+}
 
 /* Solves the linear system, starting from the present unknowns. */
 static PetscErrorCode SolveLinear(Vec b, Coupled *c, StepFailure *failure)
@@ -24,6 +32,37 @@ static PetscErrorCode SolveLinear(Vec b, Coupled *c, StepFailure *failure)
   PetscCall(KSPSetInitialGuessNonzero(c->guard.solve.ksp, PETSC_FALSE));
   PetscCall(GuardCheck(&c->guard, failure));
   c->guard.solve.iterations += c->guard.iterations;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Solves the linear system of an iteration for steady convection, whose matrix the next iteration
+  changes: to a share of the residual of the present unknowns
+
+  A tolerance relative to b would be too tight at first, and at last too loose for the change of u
+  that ends the iteration. Output: tight - the tolerance was at most that of the solver.
+*/
+static PetscErrorCode SolvePicard(Vec b, Coupled *c, StepFailure *failure, PetscBool *tight)
+{
+  const KSP ksp = c->guard.solve.ksp;
+  PetscReal rtol, share, norm_b, norm_r;
+  PetscInt  most;
+  Vec       r;
+
+  PetscFunctionBegin;
+  PetscCall(KSPGetTolerances(ksp, &rtol, NULL, NULL, &most));
+  PetscCall(VecDuplicate(b, &r));
+  PetscCall(MatMult(c->saddle.A, c->x, r));
+  PetscCall(VecAYPX(r, -1.0, b));
+  PetscCall(VecNorm(r, NORM_2, &norm_r));
+  PetscCall(VecNorm(b, NORM_2, &norm_b));
+  PetscCall(VecDestroy(&r));
+  share  = norm_b > 0.0 ? PetscMin(PICARD_SHARE * norm_r / norm_b, PICARD_SHARE) : rtol;
+  share  = PetscMax(share, PetscMin(rtol, PICARD_RTOL));
+  *tight = share <= rtol ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(KSPSetTolerances(ksp, share, PETSC_CURRENT, PETSC_CURRENT, most));
+  PetscCall(SolveLinear(b, c, failure));
+  PetscCall(KSPSetTolerances(ksp, rtol, PETSC_CURRENT, PETSC_CURRENT, most));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -133,13 +172,14 @@ static PetscErrorCode Iterate(Flow *flow, PetscReal dt, const Vec start[], Vec u
   const PetscBool follows  = SceneIsNewtonian(scene) ? PETSC_FALSE : PETSC_TRUE;
   const PetscBool convects = !start && SceneHas(scene, PHYSICS_CONVECTION);
   const PetscInt  most     = follows ? RHEOLOGY_MOST : PICARD_MOST;
-  Vec             pressure = flow->state->p;
+  Vec             pressure = Pressure(flow);
   PetscReal       change   = PETSC_INFINITY;
+  PetscBool       tight    = PETSC_TRUE;
   ViscosityMix    mix;
 
   PetscFunctionBegin;
   PetscCall(CoupledMixBegin(follows ? c->saddle.n : 0, &mix));
-  for (PetscInt k = 0; k < most && change > PICARD_CHANGE && !failure->code; k++) {
+  for (PetscInt k = 0; k < most && (change > PICARD_CHANGE || !tight) && !failure->code; k++) {
     PetscCall(SaddleGet(&c->saddle, c->x, v, pressure));
     if (follows) {
       PetscCall(WallValuesSetVelocity(scene, flow->particles, c->end, 0.0, &flow->walls));
@@ -152,7 +192,8 @@ static PetscErrorCode Iterate(Flow *flow, PetscReal dt, const Vec start[], Vec u
       PetscCall(StepEuler(c->end, dt, start, c, failure));
     } else {
       PetscCall(CoupledRightHandSide(c, c->end));
-      PetscCall(SolveLinear(c->b, c, failure));
+      if (follows) PetscCall(SolveLinear(c->b, c, failure));
+      else PetscCall(SolvePicard(c->b, c, failure, &tight));
     }
     PetscCall(SaddleGet(&c->saddle, c->x, u, NULL));
     PetscCall(RelativeChange(c->saddle.dim, start ? scene->speed : 0.0, u, v, c->part, &change));
@@ -178,7 +219,7 @@ static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
   PetscFunctionBegin;
   PetscCall(ClockWhere(clock, c->guard.where));
   PetscCall(CoupledAssemble(steady ? 0.0 : 1.0 / dt, NULL, c));
-  PetscCall(SaddlePut(&c->saddle, s->u_next, s->p, c->x));
+  PetscCall(SaddlePut(&c->saddle, s->u_next, Pressure(flow), c->x));
   c->b_t = NAN; /* the force is new */
   if (!steady && newtonian) {
     PetscCall(AdvanceInTime(c->end - dt, dt, c, failure));
@@ -199,8 +240,9 @@ static PetscErrorCode SolveSystem(Flow *flow, PetscReal dt, Coupled *c)
     PetscCall(FlowRestoreWork(flow, &v[a]));
     PetscCall(FlowRestoreWork(flow, &u[a]));
   }
-  PetscCall(SaddleGet(&c->saddle, c->x, s->u_next, s->p));
-  PetscCall(GaugeRemove(flow->scene, flow->particles, s->p));
+  PetscCall(SaddleGet(&c->saddle, c->x, s->u_next, Pressure(flow)));
+  if (flow->scheme->splines) PetscCall(SplinesSpread(flow, flow->scheme->splines));
+  else PetscCall(GaugeRemove(flow->scene, flow->particles, s->p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -250,15 +292,19 @@ PetscErrorCode CoupledStart(Flow *flow)
 /* Notes the largest body force at the end of the step that its pressure does not balance. */
 static PetscErrorCode NoteForce(Coupled *c, PetscReal end)
 {
-  Flow *flow = c->flow;
+  Flow    *flow = c->flow;
+  Splines *sp   = flow->scheme->splines;
 
   PetscFunctionBegin;
   if (flow->clock->steady_solve || !SceneHas(flow->scene, PHYSICS_BODY_FORCE))
     PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < flow->scene->dim; a++) {
+    PetscCall(VecZeroEntries(c->force[a]));
+    if (sp) continue;
     PetscCall(AffineApply(&flow->ops->grad_p[a], flow->state->p, flow->walls.p, c->force[a]));
     PetscCall(VecScale(c->force[a], -1.0 / flow->scene->rho));
   }
+  if (sp) PetscCall(SplinesAccelerate(sp, sp->p, -1.0 / flow->scene->rho, c->force));
   PetscCall(AddBodyForce(flow, end, c->force));
   PetscCall(NoteUnbalancedForce(flow, c->force));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -270,6 +316,7 @@ PetscErrorCode CoupledSolve(Flow *flow)
 {
   FlowState      *s   = flow->state;
   Coupled        *c   = (Coupled *)flow->scheme->data;
+  Splines        *sp  = flow->scheme->splines;
   const PetscInt  dim = flow->scene->dim;
   const PetscReal end = flow->clock->t + flow->clock->dt;
   PetscReal       dt  = flow->clock->dt;
@@ -292,7 +339,13 @@ PetscErrorCode CoupledSolve(Flow *flow)
   }
   PetscCall(NoteForce(c, end));
   PetscCall(WallValuesSetVelocity(flow->scene, flow->particles, end, 0.0, &flow->walls));
-  PetscCall(FlowDivergence(flow, s->u_next, s->divergence));
+  if (sp) {
+    PetscCall(SplinesDivergence(flow, sp, s->u_next, end, sp->b));
+    PetscCall(VecPointwiseDivide(sp->b, sp->b, sp->mass));
+    PetscCall(SplinesValue(sp, sp->b, s->divergence));
+  } else {
+    PetscCall(FlowDivergence(flow, s->u_next, s->divergence));
+  }
   for (PetscInt a = 0; a < dim; a++) PetscCall(FlowRestoreWork(flow, &force[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -87,7 +87,8 @@ static PetscErrorCode AddGivenPressure(Coupled *c, PetscReal t)
   const Saddle *s    = &c->saddle;
 
   PetscFunctionBegin;
-  if (ScenePressureFloats(flow->scene) || !flow->walls.p) PetscFunctionReturn(PETSC_SUCCESS);
+  if (ScenePressureFloats(flow->scene) || flow->scheme->splines || !flow->walls.p)
+    PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(WallValuesSetPressure(flow->scene, flow->particles, t, 0.0, &c->flow->walls));
   PetscCall(WallValuesStepPressure(flow->scene, flow->particles, t, &c->flow->walls));
   for (PetscInt a = 0; a < s->dim; a++) {
@@ -99,6 +100,20 @@ static PetscErrorCode AddGivenPressure(Coupled *c, PetscReal t)
   PetscCall(VecPointwiseDivide(c->part, c->part, s->mass)); /* SaddleAdd() multiplies by it */
   PetscCall(SaddleAdd(s, s->dim, -1.0 / s->unit, c->part, c->b));
   PetscCall(WallValuesSetPressure(flow->scene, flow->particles, t, 1.0, &c->flow->walls));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Subtracts the terms of walls in the divergence on splines, which a fluid at rest has, and adds
+   the pressures that sides give. */
+static PetscErrorCode AddSplines(Coupled *c, PetscReal t)
+{
+  Splines *sp = c->flow->scheme->splines;
+
+  PetscFunctionBegin;
+  PetscCall(VecZeroEntries(c->part));
+  PetscCall(SplinesDivergence(c->flow, sp, (Vec[]){c->part, c->part, c->part}, t, sp->b));
+  PetscCall(SaddleAdd(&c->saddle, c->saddle.dim, -c->flow->scene->dx, sp->b, c->b));
+  PetscCall(SaddleAddGiven(&c->saddle, t, sp, c->b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -115,7 +130,8 @@ static PetscErrorCode AddGivenPressure(Coupled *c, PetscReal t)
 */
 PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
 {
-  const Saddle *s = &c->saddle;
+  const Saddle  *s  = &c->saddle;
+  const Splines *sp = c->flow->scheme->splines;
 
   PetscFunctionBegin;
   if (c->b_t == t) PetscFunctionReturn(PETSC_SUCCESS);
@@ -129,10 +145,11 @@ PetscErrorCode CoupledRightHandSide(Coupled *c, PetscReal t)
     PetscCall(VecAYPX(c->part, c->flow->scene->nu, c->force[a]));
     PetscCall(AddWallConvection(c, a, c->part));
     PetscCall(SaddleAdd(s, a, s->step, c->part, c->b));
-    if (!c->flow->ops->forms.wall) continue;
+    if (sp || !c->flow->ops->forms.wall) continue;
     PetscCall(MatMult(c->flow->ops->div[a].B, c->flow->walls.u[a], c->part));
     PetscCall(SaddleAdd(s, s->dim, -c->flow->scene->dx, c->part, c->b));
   }
+  if (sp) PetscCall(AddSplines(c, t));
   if (c->flow->state->source)
     PetscCall(SaddleAdd(s, s->dim, c->flow->scene->dx, c->flow->state->source, c->b));
   PetscCall(AddGivenPressure(c, t));

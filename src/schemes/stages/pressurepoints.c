@@ -25,7 +25,7 @@ static const OptionRow options[] = {
             .brief    = "where the pressure is known",
             .standard = REGIME,
             .table    = &PressurePointsTable,
-            .where    = "-scheme projection with pressure",
+            .where    = "-scheme projection with pressure, or coupled",
         },
     [SPACING] =
         {
@@ -90,7 +90,8 @@ static const char *CoarseFault(const Scene *scene)
    collective. Errors: refuses coarse points where they have no conditions. */
 PetscErrorCode PressurePointsChoose(const Scene *scene, const PressurePointsRow **chosen)
 {
-  static const char *const of_particles[] = {"-ppe_alpha", "-ppe_filter", "-ppe_laplacian"};
+  static const char *const of_particles[] = {"-ppe_alpha", "-ppe_filter", "-ppe_laplacian",
+                                             "-coupled_gradient"};
   Regime                  *regime         = scene->regime;
   PetscBool                narrow = PETSC_FALSE, asks = PETSC_FALSE, given;
   PetscInt                 degree;
@@ -123,7 +124,7 @@ PetscErrorCode PressurePointsChoose(const Scene *scene, const PressurePointsRow 
 PetscErrorCode PressureOnSplinesCreate(Flow *flow, PetscReal *spacing)
 {
   Regime   *regime = flow->scene->regime;
-  PetscBool given;
+  PetscBool given  = PETSC_TRUE;
 
   PetscFunctionBegin;
   UserCheck(RegimeAllows(regime, REGIME_COARSE_HOLDS),
@@ -148,9 +149,8 @@ PetscErrorCode PressureOnSplinesCreate(Flow *flow, PetscReal *spacing)
   flow->scheme->Divergence = DivergenceOnSplines;
   flow->scheme->Pressure   = PressureOnSplines;
   flow->scheme->Average    = AverageOnSplines;
-  PetscCall(OptionGiven("-velocity_filter", &given));
-  if (SceneMoves(flow->scene) && !given)
-    flow->state->velocity_filter = RegimeValue(regime, REGIME_FILTER_U);
+  if (SceneMoves(flow->scene)) PetscCall(OptionGiven("-velocity_filter", &given));
+  if (!given) flow->state->velocity_filter = RegimeValue(regime, REGIME_FILTER_U);
   if (flow->state->velocity_filter > 0.0) flow->scheme->needs |= NEED_FILTER_U;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
