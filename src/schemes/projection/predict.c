@@ -10,14 +10,9 @@ PetscErrorCode ProjectionForce(Flow *flow, PetscReal t, Vec force[])
   const Projection *pr    = (const Projection *)flow->scheme->data;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < scene->dim; a++) {
-    PetscCall(VecZeroEntries(force[a]));
-    if (!pr->row || !pr->row->incremental || pr->splines) continue;
-    PetscCall(AffineApply(&flow->ops->grad_p[a], flow->state->p, flow->walls.p, force[a]));
-    PetscCall(VecScale(force[a], -1.0 / scene->rho));
-  }
-  if (pr->row && pr->row->incremental && pr->splines)
-    PetscCall(SplinesAccelerate(pr->splines, pr->splines->p, -1.0 / scene->rho, force));
+  for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecZeroEntries(force[a]));
+  if (pr->row && pr->row->incremental)
+    PetscCall(pr->space->Accelerate(flow, PETSC_FALSE, -1.0 / scene->rho, force));
   if (!SceneHas(scene, PHYSICS_BODY_FORCE)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(AddBodyForce(flow, t, force));
   if (pr->row && pr->row->incremental) PetscCall(NoteUnbalancedForce(flow, force));
@@ -39,12 +34,11 @@ PetscErrorCode PredictVelocity(Flow *flow)
   PetscReal                   dt;
 
   PetscFunctionBegin;
-  if (pr->row && !pr->splines) PetscCall(WallGradientPredict(flow));
   for (PetscInt a = 0; a < dim; a++) PetscCall(FlowGetWork(flow, &force[a]));
   for (PetscInt a = 0; a < dim && inner; a++) PetscCall(FlowGetWork(flow, &v[a]));
   PetscCall(HistoryStart(flow, !row || row->history ? PETSC_TRUE : PETSC_FALSE, &dt));
   PetscCall(FlowPartDone(flow, PART_TIME, 0.0, NULL));
-  if (pr->row && !pr->splines) PetscCall(FreePressureStart(flow));
+  if (pr->row && pr->space->StartStep) PetscCall(pr->space->StartStep(flow));
   PetscCall(ProjectionForce(flow, flow->clock->t + at * flow->clock->dt, force));
   if (inner) PetscCall(VelocityExtrapolate(flow, at, v));
   else if (convects) PetscCall(ConvectionExtrapolate(flow, at, force));
@@ -61,7 +55,8 @@ PetscErrorCode PredictVelocity(Flow *flow)
   } else {
     for (PetscInt a = 0; a < dim; a++) PetscCall(VecAXPY(flow->state->u_next[a], dt, force[a]));
   }
-  if (!flow->scheme->failure.code && pr->row && !pr->splines) PetscCall(FreePressureFollow(flow));
+  if (!flow->scheme->failure.code && pr->row && pr->space->FollowForce)
+    PetscCall(pr->space->FollowForce(flow));
   PetscCall(FlowPartDone(flow, PART_VISCOSITY, 0.0, NULL));
   for (PetscInt a = 0; a < dim; a++) {
     PetscCall(FlowRestoreWork(flow, &force[a]));

@@ -22,6 +22,7 @@ static PetscErrorCode ProjectionSetUp(Flow *flow)
   if (SceneHas(flow->scene, PHYSICS_VISCOSITY)) PetscCall(ViscosityCreate(flow, &pr->visc));
   if (pr->row && pr->row->incremental) PetscCall(ViscosityHoldSurface(flow, pr->visc));
   if (pr->spacing > 0.0) PetscCall(SplinesCreate(flow, pr->spacing, &pr->splines));
+  if (pr->row) pr->space = pr->splines ? &PressureOnSplines : &PressureOnParticles;
   if (pr->row) PetscCall(PressureCreate(flow, &pr->ppe));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -50,8 +51,7 @@ static PetscErrorCode ProjectionBegin(Flow *flow)
 
   PetscFunctionBegin;
   PetscCall(FlowBegin(flow));
-  if (pr->splines) PetscCall(SplinesBegin(pr->splines));
-  else if (pr->row) PetscCall(WallGradientBegin(flow));
+  if (pr->row) PetscCall(pr->space->Begin(flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,6 +1,6 @@
 /*
   The projection scheme: its choices and state. Its options are in projectioncreate.c, the step in
-  projection.c, the step's parts in predict.c, correct.c, pressure.c and wallgradient.c.
+  projection.c, the step's parts in predict.c, correct.c, pressure.c; onparticles.c, onsplines.c.
 */
 #ifndef ISPH_PROJECTION_H
 #define ISPH_PROJECTION_H
@@ -27,8 +27,25 @@ typedef struct {
 
 typedef struct Pressure Pressure;
 
+/* The space of the unknowns of the pressure: a row on the particles, and one on splines. The step is
+   the same. Increment and pressure are vectors over the unknowns. */
+typedef struct {
+  PetscErrorCode (*Begin)(Flow *);       /* at the start, after a restart, after an undone step */
+  PetscErrorCode (*StartStep)(Flow *);   /* before the predictor; NULL: nothing to do */
+  PetscErrorCode (*FollowForce)(Flow *); /* after the predictor; NULL: nothing to do */
+  Vec (*Unknowns)(const Flow *);         /* the pressure [Pa] */
+  PetscErrorCode (*Solve)(Flow *);       /* for the increment phi, from div u_next */
+  /* adds factor times the gradient of the pressure, or of phi, to vectors over fluid */
+  PetscErrorCode (*Accelerate)(Flow *, PetscBool increment, PetscReal factor, const Vec u[]);
+  PetscErrorCode (*Update)(Flow *, PetscReal gain);                   /* of the pressure by phi */
+  PetscErrorCode (*SetFirstSource)(Flow *, const Vec force[], Vec b); /* of the first pressure */
+} PressureSpace;
+
+extern const PressureSpace PressureOnParticles, PressureOnSplines;
+
 typedef struct {
   const ProjectionRow *row;              /* NULL: no pressure */
+  const PressureSpace *space;            /* NULL: no pressure */
   PetscReal            alpha;            /* share of the density error in the pressure source [-] */
   PetscReal            filter;           /* strength of the grid-scale pressure filter [-] */
   Viscosity           *visc;             /* NULL: no viscosity */
