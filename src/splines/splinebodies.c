@@ -7,34 +7,23 @@
   - four nodes c +- sqrt(2 l_a) e_a, with the centroid c of the fluid, its principal second moments
     l_a and their axes e_a. The velocity in the cell is a linear function of its values there.
 
-  The divergence of a linear velocity is then exact to rounding. In 3D bodies are columns along z.
-  All this follows from the scene alone, so that it is the same on all ranks.
+  The divergence of a linear velocity is then exact to rounding. All this follows from the scene
+  alone, so that it is the same on all ranks. For 3D see splinesolids.c.
 */
 #include "splines.h"
+#include "geometry/outline.h"
 
 #define WHOLE 1e-10 /* of a cell, that counts neither as fluid nor as solid */
 
-/* Clips a polygon of n corners to s x_axis >= s limit; returns the number of corners. Parts that
-   are not connected are joined by lines along the limit, whose areas cancel. */
-static PetscInt ClipHalf(PetscInt n, const PetscReal x[], PetscInt axis, PetscReal s,
-                         PetscReal limit, PetscReal out[])
+/* Computes the corners of a cell of the plane [m]. */
+static void SplineCell(const SplineLattice *l, PetscInt cell, PetscReal lo[2], PetscReal hi[2])
 {
-  PetscInt m = 0;
+  for (PetscInt a = 0; a < 2; a++) {
+    const PetscInt index = a == 0 ? cell % l->cells[0] : cell / l->cells[0];
 
-  for (PetscInt k = 0; k < n; k++) {
-    const PetscReal *a = &x[2 * k], *b = &x[2 * ((k + 1) % n)];
-    const PetscReal  da = s * (a[axis] - limit), db = s * (b[axis] - limit);
-
-    if (da >= 0.0) {
-      out[2 * m]       = a[0];
-      out[2 * m++ + 1] = a[1];
-    }
-    if ((da >= 0.0) != (db >= 0.0)) {
-      out[2 * m + axis]       = limit;
-      out[2 * m++ + 1 - axis] = a[1 - axis] + da / (da - db) * (b[1 - axis] - a[1 - axis]);
-    }
+    lo[a] = l->lo[a] + index * l->side[a];
+    hi[a] = l->lo[a] + (index + 1) * l->side[a];
   }
-  return m;
 }
 
 /* Adds the points of a triangle of signed area, a rule of degree 4: D. A. Dunavant, Int. J. Numer.
@@ -85,13 +74,13 @@ static PetscErrorCode AddPolygon(PetscInt n, const PetscReal x[], const PetscRea
 
 /* Adds the points of the fluid in a cell; returns its share of the cell. */
 static PetscErrorCode AddCell(const SplineLattice *l, PetscInt cell, PetscInt n,
-                              const SplineOutline outline[], PetscReal base, PetscReal *work[2],
+                              const Outline outline[], PetscReal base, PetscReal *work[2],
                               SplineBodies *s, PetscReal *fraction)
 {
-  const PetscInt first = s->n_points;
-  PetscReal      lo[2], hi[2], area, centre[2];
+  PetscReal lo[2], hi[2], area, centre[2];
 
   PetscFunctionBegin;
+  s->n_points = 0;
   SplineCell(l, cell, lo, hi);
   area = (hi[0] - lo[0]) * (hi[1] - lo[1]);
   for (PetscInt a = 0; a < 2; a++) centre[a] = 0.5 * (lo[a] + hi[a]);
@@ -101,30 +90,29 @@ static PetscErrorCode AddCell(const SplineLattice *l, PetscInt cell, PetscInt n,
     PetscCall(AddPolygon(4, corners, centre, base, area, s));
   }
   for (PetscInt k = 0; k < n; k++) {
-    PetscInt m = ClipHalf(outline[k].n, outline[k].x, 0, 1.0, lo[0], work[0]);
+    PetscInt m = OutlineClip(outline[k].n, outline[k].x, 0, 1.0, lo[0], work[0]);
 
-    m = ClipHalf(m, work[0], 0, -1.0, hi[0], work[1]);
-    m = ClipHalf(m, work[1], 1, 1.0, lo[1], work[0]);
-    m = ClipHalf(m, work[0], 1, -1.0, hi[1], work[1]);
+    m = OutlineClip(m, work[0], 0, -1.0, hi[0], work[1]);
+    m = OutlineClip(m, work[1], 1, 1.0, lo[1], work[0]);
+    m = OutlineClip(m, work[0], 1, -1.0, hi[1], work[1]);
     PetscCall(AddPolygon(m, work[1], centre, outline[k].sign, area, s));
   }
   *fraction = 0.0;
-  for (PetscInt g = first; g < s->n_points; g++) *fraction += s->weight[g];
+  for (PetscInt g = 0; g < s->n_points; g++) *fraction += s->weight[g];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Sets the nodes of a cut cell from the moments of its fluid. */
-static void SetNodes(const SplineBodies *s, PetscInt first, PetscReal fraction, PetscReal h2,
-                     SplineCut *cut)
+static void SetNodes(const SplineBodies *s, PetscReal fraction, PetscReal h2, SplineCut *cut)
 {
   PetscReal m[3] = {0.0}, mean, spread, root[2];
 
   for (PetscInt a = 0; a < 2; a++) {
     cut->centre[a] = 0.0;
-    for (PetscInt g = first; g < s->n_points; g++) cut->centre[a] += s->weight[g] * s->x[a][g];
+    for (PetscInt g = 0; g < s->n_points; g++) cut->centre[a] += s->weight[g] * s->x[a][g];
     cut->centre[a] /= fraction;
   }
-  for (PetscInt g = first; g < s->n_points; g++) {
+  for (PetscInt g = 0; g < s->n_points; g++) {
     const PetscReal X = s->x[0][g] - cut->centre[0], Y = s->x[1][g] - cut->centre[1];
 
     m[0] += s->weight[g] * X * X / fraction;
@@ -153,14 +141,11 @@ static void SetNodes(const SplineBodies *s, PetscInt first, PetscReal fraction, 
 */
 static void SetIntegrals(const SplineLattice *l, const SplineBodies *s, SplineCut *cut)
 {
-  const SplineLattice plane = SplinePlane(l);
-
-  for (PetscInt e = 0; e < 4 * 3 * SPLINES_IN_PLANE; e++) (&cut->integral[0][0][0])[e] = 0.0;
-  for (PetscInt g = cut->first; g < cut->first + cut->n; g++) {
+  for (PetscInt g = 0; g < s->n_points; g++) {
     const PetscReal x[2] = {s->x[0][g], s->x[1][g]};
     SplineValues    at;
 
-    SplinesAt(&plane, x, &at);
+    SplinesAt(l, x, &at);
     for (PetscInt node = 0; node < 4; node++) {
       const PetscReal *reach = cut->reach[node / 2], sign = node % 2 ? 1.0 : -1.0;
       const PetscReal  square = PetscSqr(reach[0]) + PetscSqr(reach[1]);
@@ -169,32 +154,32 @@ static void SetIntegrals(const SplineLattice *l, const SplineBodies *s, SplineCu
       for (PetscInt a = 0; square > 0.0 && a < 2; a++)
         share += 0.5 * sign * (x[a] - cut->centre[a]) * reach[a] / square;
       for (PetscInt k = 0; k < at.n; k++) {
-        cut->integral[node][0][k] += s->weight[g] * share * at.value[k];
+        PetscReal *integral = cut->integral + 3 * SPLINES_IN_PLANE * node + k;
+
+        integral[0] += s->weight[g] * share * at.value[k];
         for (PetscInt a = 0; a < 2; a++)
-          cut->integral[node][1 + a][k] += s->weight[g] * share * at.gradient[a][k];
+          integral[(1 + a) * SPLINES_IN_PLANE] += s->weight[g] * share * at.gradient[a][k];
       }
     }
   }
 }
 
-/* Computes the fluid in all columns of cells. Columns farther from all surfaces than their corners
+/* Computes the fluid in all cells of the plane. Cells farther from all surfaces than their corners
    are whole or empty. */
 static PetscErrorCode SetCells(const Scene *scene, const SplineLattice *l, PetscInt n,
-                               const SplineOutline outline[], PetscReal base, SplineBodies *s)
+                               const Outline outline[], PetscReal base, SplineBodies *s)
 {
   const PetscInt  cells = l->cells[0] * l->cells[1];
   const PetscReal half  = 0.5 * PetscSqrtReal(PetscSqr(l->side[0]) + PetscSqr(l->side[1]));
   PetscReal      *work[2];
-  PetscInt        most = 4, capacity = 0;
+  PetscInt        most = 4;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < n; k++) most = PetscMax(most, outline[k].n);
   PetscCall(PetscMalloc2(12 * most, &work[0], 12 * most, &work[1])); /* at most 1.5 times each */
-  PetscCall(PetscMalloc2(cells, &s->fraction, cells, &s->cut));
   for (PetscInt c = 0; c < cells; c++) {
-    const PetscInt first = s->n_points;
-    PetscReal      lo[2], hi[2], x[ISPH_MAX_DIM] = {0.0}, normal[ISPH_MAX_DIM], distance;
-    PetscInt       nearest;
+    PetscReal lo[2], hi[2], x[ISPH_MAX_DIM] = {0.0}, normal[ISPH_MAX_DIM], distance;
+    PetscInt  nearest;
 
     SplineCell(l, c, lo, hi);
     for (PetscInt a = 0; a < 2; a++) x[a] = 0.5 * (lo[a] + hi[a]);
@@ -204,21 +189,81 @@ static PetscErrorCode SetCells(const Scene *scene, const SplineLattice *l, Petsc
     if (s->cut[c] == SPLINE_FAR) continue;
     PetscCall(AddCell(l, c, n, outline, base, work, s, &s->fraction[c]));
     if (s->fraction[c] > WHOLE && s->fraction[c] < 1.0 - WHOLE) {
-      if (s->n_cut == capacity) {
-        capacity = 2 * capacity + 64;
-        PetscCall(PetscRealloc(sizeof(*s->cuts) * (size_t)capacity, &s->cuts));
-      }
-      s->cut[c]               = s->n_cut;
-      s->cuts[s->n_cut].first = first;
-      s->cuts[s->n_cut].n     = s->n_points - first;
-      SetNodes(s, first, s->fraction[c], l->side[0] * l->side[1], &s->cuts[s->n_cut]);
-      SetIntegrals(l, s, &s->cuts[s->n_cut++]);
+      SplineCut *cut;
+
+      PetscCall(SplineCutAdd(2, s, &cut));
+      s->cut[c] = s->n_cut - 1;
+      SetNodes(s, s->fraction[c], l->side[0] * l->side[1], cut);
+      SetIntegrals(l, s, cut);
       continue;
     }
     s->fraction[c] = s->fraction[c] < 0.5 ? 0.0 : 1.0;
-    s->n_points    = first;
   }
   PetscCall(PetscFree2(work[0], work[1]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the part of a piece of surface from a to b in a cell, without its upper sides. */
+static PetscErrorCode AddSurface(const PetscReal a[], const PetscReal b[], const PetscReal lo[],
+                                 const PetscReal hi[], PetscInt cell, PetscInt side, PetscReal sign,
+                                 SplineBodies *s)
+{
+  const PetscReal d[2] = {b[0] - a[0], b[1] - a[1]};
+  PetscReal       from = 0.0, to = 1.0, length;
+  SplineSurface  *part;
+
+  PetscFunctionBegin;
+  for (PetscInt e = 0; e < 2; e++) {
+    if (d[e] == 0.0) {
+      if (a[e] < lo[e] || a[e] >= hi[e]) PetscFunctionReturn(PETSC_SUCCESS);
+      continue;
+    }
+    from = PetscMax(from, ((d[e] > 0.0 ? lo[e] : hi[e]) - a[e]) / d[e]);
+    to   = PetscMin(to, ((d[e] > 0.0 ? hi[e] : lo[e]) - a[e]) / d[e]);
+  }
+  if (from >= to) PetscFunctionReturn(PETSC_SUCCESS);
+  if (s->n_surface == s->surface_capacity) {
+    s->surface_capacity = 2 * s->surface_capacity + 256;
+    PetscCall(PetscRealloc(sizeof(*s->surface) * (size_t)s->surface_capacity, &s->surface));
+  }
+  part   = &s->surface[s->n_surface++];
+  length = PetscSqrtReal(d[0] * d[0] + d[1] * d[1]);
+  *part  = (SplineSurface){.cell = cell, .side = side, .length = (to - from) * length};
+  for (PetscInt e = 0; e < 2; e++) {
+    part->from[e] = a[e] + from * d[e];
+    part->to[e]   = a[e] + to * d[e];
+  }
+  part->normal[0] = sign * d[1] / length;
+  part->normal[1] = -sign * d[0] / length;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the parts of an outline in the cells of the lattice. */
+static PetscErrorCode DivideOutline(const SplineLattice *l, const Outline *o, PetscInt side,
+                                    SplineBodies *s)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < o->n; k++) {
+    const PetscReal *a = &o->x[2 * k], *b = &o->x[2 * ((k + 1) % o->n)];
+    PetscInt         first[2], last[2];
+
+    if (a[0] == b[0] && a[1] == b[1]) continue;
+    for (PetscInt e = 0; e < 2; e++) {
+      first[e] = (PetscInt)PetscFloorReal((PetscMin(a[e], b[e]) - l->lo[e]) / l->side[e]) - 1;
+      last[e]  = (PetscInt)PetscFloorReal((PetscMax(a[e], b[e]) - l->lo[e]) / l->side[e]) + 1;
+      first[e] = PetscMax(first[e], 0);
+      last[e]  = PetscMin(last[e], l->cells[e] - 1);
+    }
+    for (PetscInt j = first[1]; j <= last[1]; j++) {
+      for (PetscInt i = first[0]; i <= last[0]; i++) {
+        const PetscInt cell = j * l->cells[0] + i;
+        PetscReal      lo[2], hi[2];
+
+        SplineCell(l, cell, lo, hi);
+        PetscCall(AddSurface(a, b, lo, hi, cell, side, o->sign, s));
+      }
+    }
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -234,24 +279,16 @@ static PetscBool ImageShift(const Scene *scene, PetscInt k, PetscReal shift[2])
   return PETSC_TRUE;
 }
 
-/*
-  SplineBodiesCreate - Computes the fluid in the cells of a lattice with bodies
-
-  Not collective. Output: bodies - NULL for a scene without bodies.
-*/
-PetscErrorCode SplineBodiesCreate(const Scene *scene, const SplineLattice *lattice,
-                                  SplineBodies **bodies)
+/* Sets the fluid and the surfaces in the cells of the plane. */
+static PetscErrorCode SetPlane(const SplineLattice *l, SplineBodies *s)
 {
-  const PetscReal spacing = 0.25 * PetscMin(lattice->side[0], lattice->side[1]);
-  SplineOutline   outline[9 * SCENE_MAX_BODIES];
-  SplineBodies   *s;
+  const Scene    *scene   = l->scene;
+  const PetscReal spacing = 0.25 * PetscMin(l->side[0], l->side[1]);
+  Outline         outline[9 * SCENE_MAX_BODIES];
   PetscReal       base = 1.0;
   PetscInt        n    = 0;
 
   PetscFunctionBegin;
-  *bodies = NULL;
-  if (!scene->n_bodies) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscNew(&s));
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
     const Body *body = SceneBody(scene, k);
 
@@ -260,12 +297,33 @@ PetscErrorCode SplineBodiesCreate(const Scene *scene, const SplineLattice *latti
       PetscReal shift[2];
 
       if (!ImageShift(scene, image, shift)) continue;
-      PetscCall(SplineOutlineCreate(body, spacing, shift, &outline[n]));
-      PetscCall(SplineOutlineDivide(lattice, &outline[n++], SceneBodySide(scene, k), s));
+      PetscCall(OutlineCreate(body, spacing, shift, &outline[n]));
+      PetscCall(DivideOutline(l, &outline[n++], SceneBodySide(scene, k), s));
     }
   }
-  PetscCall(SetCells(scene, lattice, n, outline, base, s));
+  PetscCall(SetCells(scene, l, n, outline, base, s));
   for (PetscInt k = 0; k < n; k++) PetscCall(PetscFree(outline[k].x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  SplineBodiesCreate - Computes the fluid in the cells of a lattice with bodies
+
+  Not collective. Output: bodies - NULL for a scene without bodies.
+*/
+PetscErrorCode SplineBodiesCreate(const Scene *scene, const SplineLattice *lattice,
+                                  SplineBodies **bodies)
+{
+  PetscInt      cells = 1;
+  SplineBodies *s;
+
+  PetscFunctionBegin;
+  *bodies = NULL;
+  if (!scene->n_bodies) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscNew(&s));
+  for (PetscInt a = 0; a < lattice->dim; a++) cells *= lattice->cells[a];
+  PetscCall(PetscMalloc2(cells, &s->fraction, cells, &s->cut));
+  PetscCall(lattice->dim == 3 ? SplineSolidsSet(lattice, s) : SetPlane(lattice, s));
   *bodies = s;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -278,7 +336,9 @@ PetscErrorCode SplineBodiesDestroy(SplineBodies **bodies)
   PetscFunctionBegin;
   if (!s) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree2(s->fraction, s->cut));
+  for (PetscInt k = 0; k < s->n_cut; k++) PetscCall(PetscFree(s->cuts[k].integral));
   PetscCall(PetscFree(s->cuts));
+  PetscCall(PetscFree(s->patches));
   for (PetscInt a = 0; a < 2; a++) PetscCall(PetscFree(s->x[a]));
   PetscCall(PetscFree(s->weight));
   PetscCall(PetscFree(s->surface));

@@ -5,8 +5,8 @@
 
     p_q = sum_m E_qm p_m,   psi_m <- psi_m + sum_q E_qm psi_q
 
-  with a block of 3 x 3 splines quadratic sequences are kept. The splines still sum to 1. In 3D the
-  masters are in the layer of the spline.
+  with a block of three splines along each axis quadratic sequences are kept. The splines still sum
+  to 1.
 
   The outermost spline q beside a side that gives the pressure is followed by spline r inside. Its
   own number is given, c_q = 2 p(side), and its coefficient is c_q - p_r: the sum of both is the
@@ -19,57 +19,13 @@
 
 #define ENOUGH 0.35 /* least share of the weight of a spline that is in the fluid [-] */
 
-/* The splines in the plane while their masters are sought. */
+/* The splines while their masters are sought. */
 typedef struct {
   PetscReal *fluid, *box; /* int psi over the fluid, and over the box [cells] */
-  PetscReal *offset[2];   /* centroid of the fluid, from the centre of the spline [cells] */
+  PetscReal
+      *offset[ISPH_MAX_DIM]; /* centroid of the fluid, from the centre of the spline [cells] */
   PetscBool *enough;
-} Plane;
-
-/* Adds the splines at a point to the integrals. */
-static void AddPoint(const SplineLattice *plane, const PetscReal x[], PetscReal fluid,
-                     PetscReal box, Plane *w)
-{
-  SplineValues at;
-
-  SplinesAt(plane, x, &at);
-  for (PetscInt k = 0; k < at.n; k++) {
-    const PetscInt q = SplineNatural(plane, at.index[k]);
-
-    w->fluid[q] += fluid * at.value[k];
-    w->box[q] += box * at.value[k];
-    for (PetscInt a = 0; a < 2; a++) {
-      const PetscReal s     = (x[a] - plane->lo[a]) / plane->side[a];
-      const PetscInt  cell  = PetscMin(PetscMax((PetscInt)s, 0), plane->cells[a] - 1);
-      const PetscInt  below = a == 0 ? k % 3 : k / 3;
-
-      w->offset[a][q] += fluid * at.value[k] * (s - cell - (below - 0.5));
-    }
-  }
-}
-
-/* Integrates all splines of the plane over the fluid and over the box. */
-static void Integrate(const SplineLattice *plane, const SplineBodies *s, Plane *w)
-{
-  for (PetscInt c = 0; c < plane->cells[0] * plane->cells[1]; c++) {
-    for (PetscInt corner = 0; corner < 4; corner++) {
-      const PetscInt index[2] = {c % plane->cells[0], c / plane->cells[0]};
-      PetscReal      x[2];
-
-      for (PetscInt a = 0; a < 2; a++)
-        x[a] =
-            plane->lo[a] + (index[a] + 0.5 + ((corner >> a) % 2 ? GAUSS : -GAUSS)) * plane->side[a];
-      AddPoint(plane, x, s->cut[c] < 0 ? 0.25 * s->fraction[c] : 0.0, 0.25, w);
-    }
-    if (s->cut[c] < 0) continue;
-    for (PetscInt g = 0; g < s->cuts[s->cut[c]].n; g++) {
-      const PetscInt  k    = s->cuts[s->cut[c]].first + g;
-      const PetscReal x[2] = {s->x[0][k], s->x[1][k]};
-
-      AddPoint(plane, x, s->weight[k], 0.0, w);
-    }
-  }
-}
+} Work;
 
 /* Computes the index of the spline `step` after an index; returns its number, -1 outside the box.
  */
@@ -84,9 +40,60 @@ static PetscInt StepTo(const SplineLattice *l, const PetscInt from[], const Pets
   return SplineNatural(l, to);
 }
 
+/* SplineOfCell - Computes the index of spline k of a cell; returns its number; not collective */
+PetscInt SplineOfCell(const SplineLattice *l, const PetscInt cell[], PetscInt k, PetscInt index[])
+{
+  PetscInt step[ISPH_MAX_DIM] = {k % 3, k / 3 % 3, k / 9};
+
+  for (PetscInt a = 0; a < l->dim; a++) step[a] -= l->periodic[a] ? 1 : 0;
+  return StepTo(l, cell, step, index);
+}
+
+/* Adds parts of int psi over the fluid and over the box, of spline k of a cell, at a point. */
+static void AddIntegral(const SplineLattice *l, const PetscInt cell[], PetscInt k,
+                        const PetscReal x[], PetscReal fluid, PetscReal box, Work *w)
+{
+  const PetscInt digit[ISPH_MAX_DIM] = {k % 3, k / 3 % 3, k / 9};
+  PetscInt       index[ISPH_MAX_DIM];
+  const PetscInt q = SplineOfCell(l, cell, k, index);
+
+  w->fluid[q] += fluid;
+  w->box[q] += box;
+  for (PetscInt a = 0; a < l->dim; a++)
+    w->offset[a][q] += fluid * ((x[a] - l->lo[a]) / l->side[a] - cell[a] - (digit[a] - 0.5));
+}
+
+/* Integrates all splines over the fluid and over the box. */
+static void Integrate(const SplineLattice *l, const SplineBodies *s, Work *w)
+{
+  const PetscInt corners = 1 << l->dim, n = SplinesAtPoint(l);
+  PetscInt       cells = 1;
+
+  for (PetscInt a = 0; a < l->dim; a++) cells *= l->cells[a];
+  for (PetscInt e = 0; e < cells * corners; e++) {
+    const PetscInt  c = e / corners, corner = e % corners;
+    const PetscReal fluid = s->cut[c] < 0 ? s->fraction[c] / corners : 0.0;
+    PetscInt        cell[ISPH_MAX_DIM];
+    PetscReal       x[ISPH_MAX_DIM];
+    SplineValues    at;
+
+    SplineIndex(l->dim, NULL, l->cells, c, cell);
+    for (PetscInt a = 0; a < l->dim; a++)
+      x[a] = l->lo[a] + (cell[a] + 0.5 + ((corner >> a) % 2 ? GAUSS : -GAUSS)) * l->side[a];
+    SplinesAt(l, x, &at);
+    for (PetscInt k = 0; k < n; k++)
+      AddIntegral(l, cell, k, x, fluid * at.value[k], at.value[k] / corners, w);
+    if (s->cut[c] < 0) continue;
+    SplineCutNode(l->dim, &s->cuts[s->cut[c]], corner, x);
+    for (PetscInt k = 0; k < n; k++)
+      AddIntegral(l, cell, k, x, s->cuts[s->cut[c]].integral[corner * (1 + l->dim) * n + k], 0.0,
+                  w);
+  }
+}
+
 /* Returns true if a block of m splines along each axis, whose first is `first` after an index, has
    enough fluid. */
-static PetscBool BlockIsComplete(const SplineLattice *l, const Plane *w, const PetscInt index[],
+static PetscBool BlockIsComplete(const SplineLattice *l, const Work *w, const PetscInt index[],
                                  const PetscInt first[], PetscInt m)
 {
   const PetscInt n[ISPH_MAX_DIM] = {m, m, m};
@@ -112,7 +119,7 @@ static void LagrangeWeights(PetscInt m, PetscReal t, PetscReal weight[])
 
 /* Finds the complete block of m splines along each axis nearest to the fluid of spline q, within 4
    cells; returns false if there is none. Equal distances are decided by the order of the search. */
-static PetscBool FindMasters(const SplineLattice *l, const Plane *w, PetscInt q, PetscInt m,
+static PetscBool FindMasters(const SplineLattice *l, const Work *w, PetscInt q, PetscInt m,
                              SplineSlave *slave)
 {
   const PetscInt from[ISPH_MAX_DIM] = {-5, -5, -5}, width[ISPH_MAX_DIM] = {11, 11, 11};
@@ -209,7 +216,7 @@ static PetscErrorCode CreateList(const SplineLattice *l, SplineExtension **exten
 }
 
 /* Sets the masters of all splines that have too little fluid. A spline without masters stays. */
-static PetscErrorCode SetSlaves(const SplineLattice *l, const Plane *w, SplineExtension *e)
+static PetscErrorCode SetSlaves(const SplineLattice *l, const Work *w, SplineExtension *e)
 {
   PetscFunctionBegin;
   for (PetscInt q = 0; q < l->N; q++) {
@@ -229,18 +236,14 @@ static PetscErrorCode SetSlaves(const SplineLattice *l, const Plane *w, SplineEx
 PetscInt SplinesInCell(const SplineLattice *l, const SplineExtension *extension,
                        const PetscInt cell[], PetscInt number[])
 {
-  const PetscInt width[ISPH_MAX_DIM] = {3, 3, 3};
-  PetscInt       n                   = 0;
+  PetscInt n = 0;
 
   for (PetscInt k = 0; k < (l->dim == 3 ? 27 : 9); k++) {
-    PetscInt           step[ISPH_MAX_DIM], index[ISPH_MAX_DIM], q, e;
-    const SplineSlave *slave;
+    PetscInt           index[ISPH_MAX_DIM];
+    const PetscInt     q     = SplineOfCell(l, cell, k, index);
+    const PetscInt     e     = extension ? extension->slave[q] : SPLINE_FREE;
+    const SplineSlave *slave = e >= 0 ? &extension->slaves[e] : NULL;
 
-    SplineIndex(l->dim, NULL, width, k, step);
-    for (PetscInt a = 0; a < l->dim; a++) step[a] -= l->periodic[a] ? 1 : 0;
-    q     = StepTo(l, cell, step, index);
-    e     = extension ? extension->slave[q] : SPLINE_FREE;
-    slave = e >= 0 ? &extension->slaves[e] : NULL;
     for (PetscInt m = 0; m < (slave ? slave->n : 1); m++)
       number[n++] = slave ? SplineNatural(l, slave->master[m]) : q;
   }
@@ -266,33 +269,22 @@ static PetscErrorCode SetWidths(const SplineLattice *l, SplineExtension *e)
 }
 
 /* Gives splines with little fluid masters. */
-static PetscErrorCode AddBodies(const SplineLattice *lattice, const SplineBodies *s,
-                                SplineExtension *e)
+static PetscErrorCode AddBodies(const SplineLattice *l, const SplineBodies *s, SplineExtension *e)
 {
-  const SplineLattice plane = SplinePlane(lattice);
-  SplineExtension    *flat;
-  Plane               w;
+  Work w;
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc5(plane.N, &w.fluid, plane.N, &w.box, plane.N, &w.offset[0], plane.N,
-                         &w.offset[1], plane.N, &w.enough));
-  Integrate(&plane, s, &w);
-  PetscCall(CreateList(&plane, &flat));
-  for (PetscInt q = 0; q < plane.N; q++) {
+  PetscCall(PetscCalloc6(l->N, &w.fluid, l->N, &w.box, l->N, &w.offset[0], l->N, &w.offset[1], l->N,
+                         &w.offset[2], l->N, &w.enough));
+  Integrate(l, s, &w);
+  for (PetscInt q = 0; q < l->N; q++) {
     if (w.fluid[q] < 1e-12 * w.box[q]) w.fluid[q] = 0.0;
-    for (PetscInt a = 0; a < 2; a++) w.offset[a][q] /= w.fluid[q] > 0.0 ? w.fluid[q] : 1.0;
+    for (PetscInt a = 0; a < l->dim; a++) w.offset[a][q] /= w.fluid[q] > 0.0 ? w.fluid[q] : 1.0;
     w.enough[q] =
-        w.fluid[q] >= ENOUGH * w.box[q] && flat->slave[q] == SPLINE_FREE ? PETSC_TRUE : PETSC_FALSE;
+        w.fluid[q] >= ENOUGH * w.box[q] && e->slave[q] == SPLINE_FREE ? PETSC_TRUE : PETSC_FALSE;
   }
-  PetscCall(SetSlaves(&plane, &w, flat));
-  for (PetscInt q = 0; q < lattice->N; q++) {
-    const PetscInt k = flat->slave[q % plane.N];
-
-    if (k == SPLINE_UNUSED) e->slave[q] = k;
-    if (k >= 0 && e->slave[q] == SPLINE_FREE) PetscCall(AddSlave(q, &flat->slaves[k], e));
-  }
-  PetscCall(SplineExtensionDestroy(&flat));
-  PetscCall(PetscFree5(w.fluid, w.box, w.offset[0], w.offset[1], w.enough));
+  PetscCall(SetSlaves(l, &w, e));
+  PetscCall(PetscFree6(w.fluid, w.box, w.offset[0], w.offset[1], w.offset[2], w.enough));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -397,6 +389,27 @@ static void AddEntry(PetscInt dim, PetscInt number, PetscReal weight, const Spli
   for (PetscInt a = 0; a < dim; a++) row->gradient[a][e] += weight * at->gradient[a][k];
 }
 
+/* Computes a row from splines, which have masters. */
+static void SetRow(const Splines *s, PetscInt dim, const Particles *p, const SplineValues *at,
+                   SplineRow *row)
+{
+  row->n = 0;
+  for (PetscInt k = 0; k < at->n; k++) {
+    const SplineSlave *slave = SplineSlaveAt(s, at->index[k]);
+
+    if (!s->extension) {
+      row->number[k] = SplinesGlobal(s, p, at->index[k]);
+      row->value[k]  = at->value[k];
+      for (PetscInt a = 0; a < dim; a++) row->gradient[a][k] = at->gradient[a][k];
+      row->n++;
+      continue;
+    }
+    for (PetscInt m = 0; m < (slave ? slave->n : 1); m++)
+      AddEntry(dim, SplinesGlobal(s, p, slave ? slave->master[m] : at->index[k]),
+               slave ? slave->weight[m] : 1.0, at, k, row);
+  }
+}
+
 /*
   SplineRowAt - Computes the splines that are not zero at a point, extended beside bodies
 
@@ -409,21 +422,23 @@ void SplineRowAt(const Splines *s, const SplineLattice *l, const Particles *p, c
   SplineValues at;
 
   SplinesAt(l, x, &at);
-  row->n = 0;
-  for (PetscInt k = 0; k < at.n; k++) {
-    const SplineSlave *slave = SplineSlaveAt(s, at.index[k]);
+  SetRow(s, l->dim, p, &at, row);
+}
 
-    if (!slave && !s->extension) {
-      row->number[k] = SplinesGlobal(s, p, at.index[k]);
-      row->value[k]  = at.value[k];
-      for (PetscInt a = 0; a < l->dim; a++) row->gradient[a][k] = at.gradient[a][k];
-      row->n++;
-    } else if (!slave) {
-      AddEntry(l->dim, SplinesGlobal(s, p, at.index[k]), 1.0, &at, k, row);
-    }
-    for (PetscInt m = 0; slave && m < slave->n; m++)
-      AddEntry(l->dim, SplinesGlobal(s, p, slave->master[m]), slave->weight[m], &at, k, row);
+/* SplineRowOfPatch - Computes row 3 m + a of a patch, 12 for each: the integrals of node m and axis
+   a, extended; not collective. Output: row - their global numbers, and values [-]. */
+void SplineRowOfPatch(const Splines *s, const Particles *p, PetscInt number, SplineRow *row)
+{
+  const SplinePatch *patch = &s->bodies->patches[number / 12];
+  SplineValues       at    = {.n = SPLINES_AT_QUADRATIC};
+  PetscInt           cell[ISPH_MAX_DIM];
+
+  SplineIndex(3, NULL, s->lattice.cells, patch->cell, cell);
+  for (PetscInt k = 0; k < at.n; k++) {
+    (void)SplineOfCell(&s->lattice, cell, k, at.index[k]);
+    at.value[k] = patch->integral[number / 3 % 4][number % 3][k];
   }
+  SetRow(s, 3, p, &at, row);
 }
 
 /* SplineRowWidth - Returns the number of entries of SplineRowAt() at a point, which masters make

@@ -121,19 +121,17 @@ static ISPH_INLINE void AddRegular(PetscInt dim, PetscReal b[][SPLINES_ALONG],
   }
 }
 
-/* Adds the integrals of a node of a cut cell times u to the block; b and d as in AddRegular(), of
-   the third axis only. */
-static void AddNode(PetscInt dim, PetscReal integral[3][SPLINES_IN_PLANE],
-                    PetscReal b[][SPLINES_ALONG], PetscReal d[][SPLINES_ALONG], const PetscReal u[],
-                    SplineBlockSum to)
+/* Adds the integrals of a node of a cut cell times u to the block. */
+static ISPH_INLINE void AddNode(PetscInt dim, const PetscReal *integral, const PetscReal u[],
+                                SplineBlockSum to)
 {
-  for (PetscInt k = 0; k < SPLINES_IN_PLANE; k++) {
-    PetscReal      *value = to.value + k / 3 * to.row + k % 3;
-    const PetscReal flat  = integral[1][k] * u[0] + integral[2][k] * u[1];
+  const PetscInt n = dim == 3 ? SPLINES_AT_QUADRATIC : SPLINES_IN_PLANE;
 
-    if (dim == 2) *value += flat;
-    for (PetscInt m = 0; dim == 3 && m < 3; m++) /* a cell has two layers of nodes */
-      value[m * to.plane] += 0.5 * (b[2][m] * flat + d[2][m] * integral[0][k] * u[2]);
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal sum = integral[n + k] * u[0] + integral[2 * n + k] * u[1];
+
+    if (dim == 3) sum += integral[3 * n + k] * u[2];
+    to.value[k / 9 * to.plane + k / 3 % 3 * to.row + k % 3] += sum;
   }
 }
 
@@ -146,12 +144,14 @@ static ISPH_INLINE void AddPoint(PetscInt dim, const Splines *s, PetscInt g, con
   const PetscInt      node  = s->inside.side[g];
   PetscReal b[ISPH_MAX_DIM][SPLINES_ALONG], d[ISPH_MAX_DIM][SPLINES_ALONG], weighted[ISPH_MAX_DIM];
 
-  for (PetscInt a = 0; a < dim; a++)
-    SplineBasis(2, place->t[a][g], place->per_edge[a][g], b[a], d[a]);
   if (node >= 0) {
-    AddNode(dim, s->bodies->cuts[node / 4].integral[node % 4], b, d, u, to);
+    const PetscInt n = dim == 3 ? SPLINES_AT_QUADRATIC : SPLINES_IN_PLANE, nodes = 1 << dim;
+
+    AddNode(dim, s->bodies->cuts[node / nodes].integral + node % nodes * (1 + dim) * n, u, to);
     return;
   }
+  for (PetscInt a = 0; a < dim; a++)
+    SplineBasis(2, place->t[a][g], place->per_edge[a][g], b[a], d[a]);
   for (PetscInt a = 0; a < dim; a++) weighted[a] = s->inside.weight[g] * u[a];
   AddRegular(dim, b, d, weighted, to);
 }

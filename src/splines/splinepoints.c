@@ -13,7 +13,7 @@ PetscErrorCode SplinePointsFree(SplinePoints *points)
     PetscCall(PetscFree(points->normal[a]));
     PetscCall(PetscFree(points->stretch[a]));
   }
-  PetscCall(PetscFree2(points->weight, points->side));
+  PetscCall(PetscFree3(points->weight, points->side, points->patch));
   points->n = points->capacity = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -23,7 +23,8 @@ static PetscErrorCode PointsReserve(PetscInt dim, PetscInt n, SplinePoints *poin
   PetscFunctionBegin;
   PetscCall(SplinePointsFree(points));
   for (PetscInt a = 0; a < dim; a++) PetscCall(PetscMalloc1(n, &points->x[a]));
-  PetscCall(PetscMalloc2(n, &points->weight, n, &points->side));
+  PetscCall(PetscMalloc3(n, &points->weight, n, &points->side, n, &points->patch));
+  for (PetscInt g = 0; g < n; g++) points->patch[g] = -1;
   points->capacity = n;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -55,51 +56,56 @@ static PetscInt OwnCells(const Splines *s, const Particles *p, PetscInt first[],
   return number;
 }
 
-/* Returns false in a cell that a body fills. */
-static PetscBool IsFluid(const Splines *s, const PetscReal x[])
+/* Returns true in a cell with a whole face on the side: false in one that a body fills, and in 3D
+   in one that it cuts, which has patches. */
+static PetscBool HasFace(const Splines *s, const PetscReal x[])
 {
-  SplineLattice plane;
+  const PetscInt cell = s->bodies ? SplineCellAt(&s->lattice, x) : 0;
 
   if (!s->bodies) return PETSC_TRUE;
-  plane = SplinePlane(&s->lattice);
-  return s->bodies->fraction[SplineCellAt(&plane, x)] > 0.0 ? PETSC_TRUE : PETSC_FALSE;
+  if (s->lattice.dim == 3 && s->bodies->cut[cell] >= 0) return PETSC_FALSE;
+  return s->bodies->fraction[cell] > 0.0 ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Returns the number of layers of cells of this rank that hold a part of a surface. */
-static PetscInt SurfaceParts(const Splines *s, const PetscInt first[], const PetscInt n[],
-                             const SplineSurface *part)
-{
-  const PetscInt at[2] = {part->cell % s->lattice.cells[0], part->cell / s->lattice.cells[0]};
-
-  for (PetscInt a = 0; a < 2; a++)
-    if (at[a] < first[a] || at[a] >= first[a] + n[a]) return 0;
-  return s->lattice.dim == 3 ? n[2] : 1;
-}
-
-/* Adds the points of this rank on a part of the surface of a body: three along it, and two in each
-   layer of cells. Polynomials of degree 5 along the part are integrated exactly. */
-static void AddSurface(const Particles *p, const SplineSurface *part, const PetscInt first[],
-                       const PetscInt n[], Splines *s)
+/* Adds the points of this rank on a part of the surface of a body, three along it. Polynomials of
+   degree 5 are integrated exactly. */
+static void AddSurface(const Particles *p, const SplineSurface *part, Splines *s)
 {
   static const PetscReal rule[3][2] = {{-0.77459666924148337704, 5.0 / 18.0},
                                        {0.0, 4.0 / 9.0},
                                        {0.77459666924148337704, 5.0 / 18.0}};
-  const SplineLattice   *l          = &s->lattice;
-  const PetscInt         levels     = l->dim == 3 ? 2 : 1;
 
-  for (PetscInt k = 0; k < SurfaceParts(s, first, n, part) * levels * 3; k++) {
-    const PetscReal *r      = rule[k % 3];
-    PetscReal        weight = r[1] * part->length / s->scale, x[ISPH_MAX_DIM] = {0.0};
+  for (PetscInt k = 0; k < 3; k++) {
+    PetscReal x[ISPH_MAX_DIM] = {0.0};
 
     for (PetscInt a = 0; a < 2; a++)
-      x[a] = 0.5 * ((1.0 - r[0]) * part->from[a] + (1.0 + r[0]) * part->to[a]);
-    if (l->dim == 3) {
-      x[2] = l->lo[2] + (first[2] + k / 6 + 0.5 + (k / 3 % 2 ? GAUSS : -GAUSS)) * l->side[2];
-      weight *= 0.5 * l->side[2] / s->scale;
-    }
+      x[a] = 0.5 * ((1.0 - rule[k][0]) * part->from[a] + (1.0 + rule[k][0]) * part->to[a]);
     if (!ParticlesHolds(p, x)) continue;
     for (PetscInt a = 0; a < 2; a++) s->boundary.normal[a][s->boundary.n] = part->normal[a];
-    PointsAdd(l->dim, x, weight, part->side, &s->boundary);
+    PointsAdd(2, x, rule[k][1] * part->length / s->scale, part->side, &s->boundary);
+  }
+}
+
+/* Adds the points of this rank on a patch: its nodes, for each component of the velocity, or for
+   that across a side of the box. */
+static void AddPatch(const Particles *p, PetscInt number, Splines *s)
+{
+  const SplineLattice *l     = &s->lattice;
+  const SplinePatch   *patch = &s->bodies->patches[number];
+  PetscInt             cell[ISPH_MAX_DIM];
+  PetscReal            centre[ISPH_MAX_DIM];
+
+  if (patch->side < 6 && l->given[patch->side]) return;
+  SplineIndex(3, NULL, l->cells, patch->cell, cell);
+  for (PetscInt a = 0; a < 3; a++) centre[a] = l->lo[a] + (cell[a] + 0.5) * l->side[a];
+  if (!ParticlesHolds(p, centre)) return;
+  for (PetscInt e = 0; e < 12; e++) {
+    const PetscInt axis = e % 3;
+
+    if (patch->side < 6 && axis != patch->side / 2) continue;
+    s->boundary.normal[axis][s->boundary.n] = 1.0;
+    s->boundary.patch[s->boundary.n]        = 12 * number + e;
+    PointsAdd(3, patch->x[e / 3], 1.0, patch->side, &s->boundary);
   }
 }
 
@@ -152,8 +158,7 @@ static PetscErrorCode SetBoundaryPoints(Splines *s, const Particles *p)
     for (PetscInt b = 0; b < dim; b++) faces *= b == a ? 1 : n[b];
     most += faces;
   }
-  for (PetscInt k = 0; s->bodies && k < s->bodies->n_surface; k++)
-    most += SurfaceParts(s, first, n, &s->bodies->surface[k]) * 6;
+  if (s->bodies) most += 3 * s->bodies->n_surface + 12 * s->bodies->n_patches;
   PetscCall(PointsReserve(dim, most, &s->boundary));
   for (PetscInt a = 0; a < dim; a++) PetscCall(PetscCalloc1(most, &s->boundary.normal[a]));
   for (PetscInt side = 0; side < 2 * dim; side++) {
@@ -182,13 +187,14 @@ static PetscErrorCode SetBoundaryPoints(Splines *s, const Particles *p)
         cell /= n[b];
         corner /= 2;
       }
-      if (!ParticlesHolds(p, inside) || !IsFluid(s, inside)) continue;
+      if (!ParticlesHolds(p, inside) || !HasFace(s, inside)) continue;
       s->boundary.normal[axis][s->boundary.n] = side % 2 ? 1.0 : -1.0;
       PointsAdd(dim, x, weight, side, &s->boundary);
     }
   }
   for (PetscInt k = 0; s->bodies && k < s->bodies->n_surface; k++)
-    AddSurface(p, &s->bodies->surface[k], first, n, s);
+    AddSurface(p, &s->bodies->surface[k], s);
+  for (PetscInt k = 0; s->bodies && k < s->bodies->n_patches; k++) AddPatch(p, k, s);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -203,9 +209,8 @@ PetscReal SplinePoint(const Splines *s, const PetscInt cell[], PetscInt corner, 
 {
   const SplineLattice *l       = &s->lattice;
   const PetscInt       corners = 1 << l->dim;
-  const PetscInt       column  = cell[1] * l->cells[0] + cell[0];
-  const SplineCut     *cut;
-  PetscReal            share = 1.0 / corners;
+  PetscReal            share   = 1.0 / corners;
+  PetscInt             number;
 
   *node = -1;
   for (PetscInt a = 0; a < l->dim; a++) {
@@ -216,12 +221,21 @@ PetscReal SplinePoint(const Splines *s, const PetscInt cell[], PetscInt corner, 
     share *= slope;
   }
   if (!s->bodies) return share;
-  if (s->bodies->cut[column] < 0) return s->bodies->fraction[column] / corners;
-  cut   = &s->bodies->cuts[s->bodies->cut[column]];
-  *node = 4 * s->bodies->cut[column] + corner % 4;
-  for (PetscInt a = 0; a < 2; a++)
-    x[a] = cut->centre[a] + (corner % 2 ? 1.0 : -1.0) * cut->reach[corner / 2 % 2][a];
-  return s->bodies->fraction[column] / corners;
+  number = cell[0] + l->cells[0] * (cell[1] + (l->dim == 3 ? l->cells[1] * cell[2] : 0));
+  if (s->bodies->cut[number] >= 0) {
+    *node = corners * s->bodies->cut[number] + corner;
+    SplineCutNode(l->dim, &s->bodies->cuts[s->bodies->cut[number]], corner, x);
+  }
+  return s->bodies->fraction[number] / corners;
+}
+
+/* SplineHolds - Returns true if this rank has a point of quadrature: the nodes of a cut cell are
+   where its centre is, because they may be outside the box; not collective */
+PetscBool SplineHolds(const Splines *s, const Particles *p, PetscInt node, const PetscReal x[])
+{
+  const PetscInt nodes = 1 << s->lattice.dim;
+
+  return ParticlesHolds(p, node >= 0 ? s->bodies->cuts[node / nodes].centre : x);
 }
 
 /* Sets the stretches of points inside, which many fits use. */
@@ -260,7 +274,7 @@ static PetscErrorCode SetInnerPoints(Splines *s, const Particles *p)
       rest /= n[a];
     }
     weight = SplinePoint(s, cell, k % corners, x, &node);
-    if (weight > 0.0 && ParticlesHolds(p, x)) PointsAdd(l->dim, x, weight, node, &s->inside);
+    if (weight > 0.0 && SplineHolds(s, p, node, x)) PointsAdd(l->dim, x, weight, node, &s->inside);
   }
   PetscCall(SetStretches(l->scene, &s->inside));
   PetscFunctionReturn(PETSC_SUCCESS);

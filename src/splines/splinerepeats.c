@@ -203,7 +203,8 @@ static PetscErrorCode ListPoints(Product *t)
     SplineIndex(l->dim, zero, l->cells, c, cell);
     t->point[c + 1] = t->point[c];
     for (PetscInt k = 0; k < 1 << l->dim; k++)
-      if (SplinePoint(t->s, cell, k, x, &node) > 0.0 && ParticlesHolds(t->p, x)) t->point[c + 1]++;
+      if (SplinePoint(t->s, cell, k, x, &node) > 0.0 && SplineHolds(t->s, t->p, node, x))
+        t->point[c + 1]++;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

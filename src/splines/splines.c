@@ -110,7 +110,8 @@ static PetscErrorCode AssembleBoundary(Splines *s, const Particles *p)
     SplineRow at;
 
     for (PetscInt a = 0; a < l->dim; a++) x[a] = s->boundary.x[a][g];
-    SplineRowAt(s, l, p, x, &at);
+    if (s->boundary.patch[g] >= 0) SplineRowOfPatch(s, p, s->boundary.patch[g], &at);
+    else SplineRowAt(s, l, p, x, &at);
     for (PetscInt k = 0; k < at.n; k++) entry[k] = s->boundary.weight[g] * at.value[k];
     PetscCall(MatSetValues(s->S, 1, &row, at.n, at.number, entry, ADD_VALUES));
   }

@@ -94,14 +94,25 @@ typedef struct {
   PetscReal gradient[ISPH_MAX_DIM][SPLINES_EXTENDED]; /* [1/m] */
 } SplineRow;
 
-/* A cell of the plane that a body cuts: its points of quadrature, its four nodes centre +- reach,
-   and the integrals over its fluid of the linear function of each node times the splines of the
-   cell and their derivatives along both axes, over the area of a cell. */
+/*
+  A cell that a body cuts: its 2^dim nodes, and the integrals over its fluid of the linear function
+  of each node times the splines of the cell and their derivatives, over the volume of a cell. Nodes
+  are centre +- reach_a in the plane, and centre +- reach_x +- reach_y +- reach_z in space. The
+  integrals of spline k are at (node (1 + dim) + e) 3^dim + k, with e = 0 for the value and 1 + a
+  for the derivative along axis a.
+*/
 typedef struct {
-  PetscInt  first, n;
-  PetscReal centre[2], reach[2][2];           /* [m] */
-  PetscReal integral[4][3][SPLINES_IN_PLANE]; /* [-], [1/m] */
+  PetscReal  centre[ISPH_MAX_DIM], reach[ISPH_MAX_DIM][ISPH_MAX_DIM]; /* [m] */
+  PetscReal *integral;                                                /* [-], [1/m] */
 } SplineCut;
+
+/* The part of a boundary in a cell in 3D: integrals of the linear functions of four nodes times the
+   splines of the cell and n dA, over the area of a face of a cell. */
+typedef struct {
+  PetscInt  cell, side;
+  PetscReal x[4][ISPH_MAX_DIM]; /* nodes [m] */
+  PetscReal integral[4][ISPH_MAX_DIM][SPLINES_AT_QUADRATIC];
+} SplinePatch;
 
 /* A straight part of the surface of a body in a cell of the plane. */
 typedef struct {
@@ -137,23 +148,18 @@ typedef struct {
 enum { SPLINE_FAR = -2, SPLINE_NEAR = -1 };    /* cells that no body cuts: far from it, beside it */
 enum { SPLINE_UNUSED = -2, SPLINE_FREE = -1 }; /* splines without masters: no fluid, an unknown */
 
-/* The outline of a body or of one of its periodic images, counter-clockwise. */
-typedef struct {
-  PetscInt   n;
-  PetscReal *x;    /* corners: 2 coordinates each [m] */
-  PetscReal  sign; /* of its area in the area of the fluid */
-} SplineOutline;
-
-/* Bodies in the lattice: in the plane, equal for all layers of cells. */
+/* Bodies in the lattice. */
 typedef struct {
   PetscReal     *fraction; /* of fluid in each cell [-] */
   PetscInt      *cut;      /* number of each cell in cuts, or SPLINE_FAR, SPLINE_NEAR */
-  PetscInt       n_cut;
+  PetscInt       n_cut, cut_capacity;
   SplineCut     *cuts;
   PetscInt       n_points, capacity;
-  PetscReal     *x[2], *weight; /* points of quadrature [m], with weights that sum to fraction */
+  PetscReal     *x[2], *weight; /* work: points of quadrature in a cell of the plane [m] */
   PetscInt       n_surface, surface_capacity;
-  SplineSurface *surface;
+  SplineSurface *surface; /* of the plane */
+  PetscInt       n_patches, patch_capacity;
+  SplinePatch   *patches; /* of space */
 } SplineBodies;
 
 /* Fits of the velocity at points of quadrature: sums over particles by local index. */
@@ -201,8 +207,9 @@ typedef struct {
      cells [-]; NULL: all are 1 */
   PetscReal *stretch[ISPH_MAX_DIM];
   PetscReal *weight; /* volume over that of a cell, or area over that of its face [-] */
+  PetscInt  *patch;  /* of points on the boundary: row of a patch, -1: none */
   PetscReal *normal[ISPH_MAX_DIM]; /* of points on the boundary: out of the fluid; NULL: inside */
-  PetscInt  *side; /* of points on the boundary: its number; of nodes in cut cells: 4 times
+  PetscInt  *side; /* of points on the boundary: its number; of nodes in cut cells: 2^dim times
                                  the number of the cut, plus that of the node; otherwise -1 */
 } SplinePoints;
 
@@ -246,34 +253,34 @@ struct Splines {
   PetscInt product;               /* stamp of the fits in A */
 };
 
-/* splinesurface.c, splinebodies.c, splineextend.c */
-void SplineCell(const SplineLattice *lattice, PetscInt cell, PetscReal lo[2], PetscReal hi[2]);
-PetscErrorCode SplineOutlineCreate(const Body *body, PetscReal spacing, const PetscReal shift[2],
-                                   SplineOutline *o);
-PetscErrorCode SplineOutlineDivide(const SplineLattice *l, const SplineOutline *o, PetscInt side,
-                                   SplineBodies *s);
+/* splinebodies.c, splinesolids.c, splineextend.c */
+PetscErrorCode SplineCutAdd(PetscInt dim, SplineBodies *s, SplineCut **cut);
+PetscErrorCode SplineSolidsSet(const SplineLattice *l, SplineBodies *s);
 PetscErrorCode SplineBodiesCreate(const Scene *scene, const SplineLattice *lattice,
                                   SplineBodies **bodies);
 PetscErrorCode SplineBodiesDestroy(SplineBodies **bodies);
 PetscErrorCode SplineExtensionCreate(const SplineLattice *lattice, const SplineBodies *bodies,
                                      SplineExtension **extension);
 PetscErrorCode SplineExtensionDestroy(SplineExtension **extension);
-PetscInt       SplinesInCell(const SplineLattice *l, const SplineExtension *extension,
-                             const PetscInt cell[], PetscInt number[]);
+PetscInt SplineOfCell(const SplineLattice *l, const PetscInt cell[], PetscInt k, PetscInt index[]);
+PetscInt SplinesInCell(const SplineLattice *l, const SplineExtension *extension,
+                       const PetscInt cell[], PetscInt number[]);
+void     SplineRowOfPatch(const Splines *s, const Particles *p, PetscInt number, SplineRow *row);
 void SplineRowAt(const Splines *s, const SplineLattice *l, const Particles *p, const PetscReal x[],
                  SplineRow *row);
 PetscInt  SplineRowWidth(const Splines *s, const SplineLattice *l, const PetscReal x[]);
 PetscBool SplineSideGives(const SplineLattice *l);
 PetscBool SplineIsGiven(const SplineLattice *l, const PetscInt index[], PetscInt *side);
 
-/* Returns the lattice without its third axis. */
-static inline SplineLattice SplinePlane(const SplineLattice *lattice)
+/* Computes the place of a node of a cut cell [m]. */
+static inline void SplineCutNode(PetscInt dim, const SplineCut *cut, PetscInt node, PetscReal x[])
 {
-  SplineLattice plane = *lattice;
-
-  plane.dim = 2;
-  plane.N   = plane.count[0] * plane.count[1];
-  return plane;
+  for (PetscInt a = 0; a < dim; a++) {
+    x[a] = cut->centre[a];
+    if (dim == 2) x[a] += (node % 2 ? 1.0 : -1.0) * cut->reach[node / 2][a];
+    for (PetscInt r = 0; dim == 3 && r < 3; r++)
+      x[a] += ((node >> r) % 2 ? 1.0 : -1.0) * cut->reach[r][a];
+  }
 }
 
 /* Returns the number of the cell that holds a point, or of the nearest one. */
@@ -300,8 +307,9 @@ static inline const SplineSlave *SplineSlaveAt(const Splines *s, const PetscInt 
 }
 
 /* splinepoints.c */
-PetscReal      SplinePoint(const Splines *s, const PetscInt cell[], PetscInt corner, PetscReal x[],
-                           PetscInt *node);
+PetscReal SplinePoint(const Splines *s, const PetscInt cell[], PetscInt corner, PetscReal x[],
+                      PetscInt *node);
+PetscBool SplineHolds(const Splines *s, const Particles *p, PetscInt node, const PetscReal x[]);
 PetscErrorCode SplinePointsSet(Splines *s, const Particles *p);
 PetscErrorCode SplinePointsFree(SplinePoints *points);
 

@@ -4,33 +4,6 @@
 */
 #include "splines.h"
 
-/* Adds the products of spline q with all splines at a point to the rows of the stiffness and,
-   unless it is NULL, of M, the integrals of products of values; adds its value to the mass. */
-static PetscErrorCode AddProducts(Splines *s, const Particles *p, const PetscReal x[],
-                                  PetscReal weight, PetscInt q, Mat M, PetscReal *mass)
-{
-  PetscReal entry[SPLINES_EXTENDED];
-  SplineRow at;
-
-  PetscFunctionBegin;
-  SplineRowAt(s, &s->lattice, p, x, &at);
-  for (PetscInt k = 0; k < at.n; k++) {
-    if (at.number[k] != q) continue;
-    *mass += weight * at.value[k];
-    for (PetscInt m = 0; m < at.n; m++) {
-      PetscReal sum = 0.0;
-
-      for (PetscInt a = 0; a < s->lattice.dim; a++) sum += at.gradient[a][k] * at.gradient[a][m];
-      entry[m] = weight * PetscSqr(s->scale) * sum;
-    }
-    PetscCall(MatSetValues(s->K, 1, &q, at.n, at.number, entry, ADD_VALUES));
-    if (!M) continue;
-    for (PetscInt m = 0; m < at.n; m++) entry[m] = weight * at.value[k] * at.value[m];
-    PetscCall(MatSetValues(M, 1, &q, at.n, at.number, entry, ADD_VALUES));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* SplineSupport - Computes the cells in the support of a spline; returns their number; not
    collective */
 PetscInt SplineSupport(const Splines *s, const PetscInt index[], PetscInt first[], PetscInt n[])
@@ -66,24 +39,148 @@ PetscBool SplineBlockCell(const SplineLattice *l, const PetscInt first[], const 
   return PETSC_TRUE;
 }
 
-/* Adds all points in the support of an own spline to its rows. */
-static PetscErrorCode AddSupport(Splines *s, const Particles *p, PetscInt k, Mat M, PetscReal *mass)
+/* The extended splines in a cell, and the products of the splines that they consist of. */
+typedef struct {
+  PetscInt  n, number[SPLINES_EXTENDED];
+  PetscBool own[SPLINES_EXTENDED];                         /* an own unknown */
+  PetscReal part[SPLINES_AT_QUADRATIC][SPLINES_EXTENDED];  /* of spline k in extended spline e */
+  PetscReal mass[1 << ISPH_MAX_DIM][SPLINES_AT_QUADRATIC]; /* psi, at the points of the cell */
+  PetscReal K[SPLINES_AT_QUADRATIC][SPLINES_AT_QUADRATIC]; /* int scale^2 grad psi . grad psi */
+  PetscReal M[SPLINES_AT_QUADRATIC][SPLINES_AT_QUADRATIC]; /* int psi psi */
+} Element;
+
+/* Lists the extended splines at a point; returns false if no own unknown is among them. */
+static PetscBool ListParts(const Splines *s, const Particles *p, const SplineValues *at, Element *e)
 {
-  const SplineLattice *l       = &s->lattice;
-  const PetscInt       corners = 1 << l->dim;
-  PetscInt             index[ISPH_MAX_DIM], first[ISPH_MAX_DIM], n[ISPH_MAX_DIM], cells;
+  const PetscInt n    = SplinesAtPoint(&s->lattice);
+  PetscBool      mine = PETSC_FALSE;
+
+  e->n = 0;
+  for (PetscInt k = 0; k < n; k++) {
+    const SplineSlave *slave = SplineSlaveAt(s, at->index[k]);
+    PetscInt           own[ISPH_MAX_DIM];
+
+    for (PetscInt m = 0; m < (slave ? slave->n : 1); m++) {
+      const PetscInt number = SplinesGlobal(s, p, slave ? slave->master[m] : at->index[k]);
+      const PetscInt place  = number - s->own.start;
+      PetscInt       f      = 0;
+
+      while (f < e->n && e->number[f] != number) f++;
+      if (f == e->n) {
+        e->number[f] = number;
+        e->own[f]    = place >= 0 && place < s->own.size && SplineOwn(s, place, own) ? PETSC_TRUE
+                                                                                     : PETSC_FALSE;
+        for (PetscInt i = 0; i < n; i++) e->part[i][f] = 0.0;
+        mine = mine || e->own[f] ? PETSC_TRUE : PETSC_FALSE;
+        e->n++;
+      }
+      e->part[k][f] += slave ? slave->weight[m] : 1.0;
+    }
+  }
+  return mine;
+}
+
+/* Computes point `corner` of a cell; returns its weight, or 0 unless it is in the cell or, with
+   `only` of 0 or more, the point of this number outside. Nodes of cut cells may be outside. */
+static PetscReal PointOf(const Splines *s, PetscInt c, PetscInt corner, PetscInt only,
+                         PetscReal x[])
+{
+  PetscInt  cell[ISPH_MAX_DIM], node;
+  PetscReal weight;
+  PetscBool inside;
+
+  SplineIndex(s->lattice.dim, NULL, s->lattice.cells, c, cell);
+  weight = SplinePoint(s, cell, corner, x, &node);
+  inside = node < 0 || SplineCellAt(&s->lattice, x) == c ? PETSC_TRUE : PETSC_FALSE;
+  return (only < 0 ? inside : corner == only && !inside) ? weight : 0.0;
+}
+
+/* Integrates the products of the splines over points of a cell. */
+static void Integrate(const Splines *s, PetscInt c, PetscInt only, Element *e)
+{
+  const SplineLattice *l = &s->lattice;
+  const PetscInt       n = SplinesAtPoint(l);
+
+  for (PetscInt k = 0; k < n * n; k++) e->K[k / n][k % n] = e->M[k / n][k % n] = 0.0;
+  for (PetscInt corner = 0; corner < 1 << l->dim; corner++) {
+    PetscReal       x[ISPH_MAX_DIM];
+    const PetscReal weight = PointOf(s, c, corner, only, x);
+    SplineValues    at;
+
+    SplinesAt(l, x, &at);
+    for (PetscInt k = 0; k < n; k++) {
+      e->mass[corner][k] = weight * at.value[k];
+      for (PetscInt m = 0; weight > 0.0 && m < n; m++) {
+        PetscReal sum = 0.0;
+
+        for (PetscInt a = 0; a < l->dim; a++) sum += at.gradient[a][k] * at.gradient[a][m];
+        e->K[k][m] += weight * PetscSqr(s->scale) * sum;
+        e->M[k][m] += weight * at.value[k] * at.value[m];
+      }
+    }
+  }
+}
+
+/* Computes the products of extended spline f with all. */
+static void ExtendRow(PetscInt n, const Element *e, PetscInt f,
+                      const PetscReal product[][SPLINES_AT_QUADRATIC], PetscReal row[])
+{
+  PetscReal half[SPLINES_AT_QUADRATIC] = {0.0};
+
+  for (PetscInt g = 0; g < e->n; g++) row[g] = 0.0;
+  for (PetscInt k = 0; k < n; k++)
+    for (PetscInt m = 0; e->part[k][f] != 0.0 && m < n; m++)
+      half[m] += e->part[k][f] * product[k][m];
+  for (PetscInt m = 0; m < n; m++)
+    for (PetscInt g = 0; g < e->n; g++) row[g] += half[m] * e->part[m][g];
+}
+
+/* Adds the products of the splines at points of a cell to the rows of own splines: the stiffness
+   and, unless it is NULL, M, the integrals of products of values; adds their values to the mass. */
+static PetscErrorCode AddPoints(Splines *s, const Particles *p, PetscInt c, PetscInt only,
+                                Element *e, Mat M, PetscReal mass[])
+{
+  const PetscInt n = SplinesAtPoint(&s->lattice), points = 1 << s->lattice.dim;
+  PetscInt       first = PetscMax(only, 0);
+  PetscReal      x[ISPH_MAX_DIM], row[SPLINES_EXTENDED];
+  SplineValues   at;
 
   PetscFunctionBegin;
-  (void)SplineOwn(s, k, index);
-  cells = SplineSupport(s, index, first, n);
-  for (PetscInt m = 0; m < cells * corners; m++) {
-    PetscInt  cell[ISPH_MAX_DIM], node;
-    PetscReal x[ISPH_MAX_DIM], weight;
-
-    if (!SplineBlockCell(l, first, n, m / corners, cell)) continue;
-    weight = SplinePoint(s, cell, m % corners, x, &node);
-    if (weight > 0.0) PetscCall(AddProducts(s, p, x, weight, s->own.start + k, M, mass));
+  while (first < points && PointOf(s, c, first, only, x) <= 0.0) first++;
+  if (first == points) PetscFunctionReturn(PETSC_SUCCESS);
+  SplinesAt(&s->lattice, x, &at);
+  if (!ListParts(s, p, &at, e)) PetscFunctionReturn(PETSC_SUCCESS);
+  Integrate(s, c, only, e);
+  for (PetscInt f = 0; f < e->n; f++) {
+    if (!e->own[f]) continue;
+    for (PetscInt k = 0; k < n * points; k++)
+      if (e->part[k % n][f] != 0.0)
+        mass[e->number[f] - s->own.start] += e->part[k % n][f] * e->mass[k / n][k % n];
+    ExtendRow(n, e, f, e->K, row);
+    PetscCall(MatSetValues(s->K, 1, &e->number[f], e->n, e->number, row, ADD_VALUES));
+    if (!M) continue;
+    ExtendRow(n, e, f, e->M, row);
+    PetscCall(MatSetValues(M, 1, &e->number[f], e->n, e->number, row, ADD_VALUES));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the products of the splines in all cells. */
+static PetscErrorCode AddCells(Splines *s, const Particles *p, Mat M, PetscReal mass[])
+{
+  PetscInt cells = 1;
+  Element *e;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&e));
+  for (PetscInt a = 0; a < s->lattice.dim; a++) cells *= s->lattice.cells[a];
+  for (PetscInt c = 0; c < cells; c++) {
+    const PetscInt outside = s->bodies && s->bodies->cut[c] >= 0 ? 1 << s->lattice.dim : 0;
+
+    for (PetscInt only = -1; only < outside; only++)
+      PetscCall(AddPoints(s, p, c, only, e, M, mass));
+  }
+  PetscCall(PetscFree(e));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -149,11 +246,12 @@ static PetscErrorCode DropGiven(Splines *s, Mat M)
 }
 
 /* SplineStiffness - Assembles the stiffness K and the mass; collective. Each rank computes its rows
-   from all points in the supports of its splines, so that sums have the same order in every run. */
+   from all cells in the supports of its splines, so that sums have the same order in every run. */
 PetscErrorCode SplineStiffness(Splines *s, const Particles *p)
 {
   const SplineBlock *b = &s->own;
   PetscInt          *width, *seen;
+  PetscReal         *mass;
   Mat                M = NULL;
 
   PetscFunctionBegin;
@@ -167,19 +265,20 @@ PetscErrorCode SplineStiffness(Splines *s, const Particles *p)
   PetscCall(VecCreateMPI(p->comm, b->size, PETSC_DETERMINE, &s->mass));
   PetscCall(PetscMalloc1(b->size, &s->unused));
   s->n_unused = 0;
+  PetscCall(PetscCalloc1(b->size, &mass));
+  PetscCall(AddCells(s, p, M, mass));
   for (PetscInt k = 0; k < b->size; k++) {
-    PetscInt  index[ISPH_MAX_DIM];
-    PetscReal mass = 0.0;
+    PetscInt index[ISPH_MAX_DIM];
 
     if (SplineOwn(s, k, index)) {
-      PetscCall(AddSupport(s, p, k, M, &mass));
-      PetscCall(VecSetValue(s->mass, b->start + k, mass, INSERT_VALUES));
+      PetscCall(VecSetValue(s->mass, b->start + k, mass[k], INSERT_VALUES));
     } else {
       s->unused[s->n_unused++] = k;
       PetscCall(MatSetValue(s->K, b->start + k, b->start + k, 1.0, ADD_VALUES));
       if (M) PetscCall(MatSetValue(M, b->start + k, b->start + k, 1.0, ADD_VALUES));
     }
   }
+  PetscCall(PetscFree(mass));
   PetscCall(SplineMatFinish(s->K));
   if (M) PetscCall(SplineMatFinish(M));
   if (s->bodies) PetscCall(SetAbsoluteMass(s, M));

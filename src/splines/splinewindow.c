@@ -152,7 +152,7 @@ PetscErrorCode SplinePlacesSet(const Particles *p, Splines *s)
 }
 
 /* SplinePointPlacesSet - Computes the places of the points of quadrature inside; not collective.
-   Nodes of cut cells may be outside their cells, and take the place of its centre in the plane. */
+   Nodes of cut cells may be outside their cells, and take the place of its centre. */
 PetscErrorCode SplinePointPlacesSet(Splines *s)
 {
   const SplinePoints *points = &s->inside;
@@ -160,11 +160,11 @@ PetscErrorCode SplinePointPlacesSet(Splines *s)
   PetscFunctionBegin;
   PetscCall(PlacesReserve(s->lattice.dim, points->n, &s->inside_at));
   for (PetscInt g = 0; g < points->n; g++) {
-    const PetscInt node            = points->side[g];
+    const PetscInt node = points->side[g], nodes = 1 << s->lattice.dim;
     PetscReal      x[ISPH_MAX_DIM] = {0.0};
 
     for (PetscInt a = 0; a < s->lattice.dim; a++)
-      x[a] = node >= 0 && a < 2 ? s->bodies->cuts[node / 4].centre[a] : points->x[a][g];
+      x[a] = node >= 0 ? s->bodies->cuts[node / nodes].centre[a] : points->x[a][g];
     SetPlace(&s->lattice, &s->window, x, g, &s->inside_at);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

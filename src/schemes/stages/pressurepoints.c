@@ -80,9 +80,6 @@ static PetscReal CellsAlong(const Scene *scene, PetscInt a, PetscReal spacing)
 static const char *CoarseFault(const Scene *scene)
 {
   if (SceneHasFreeSurface(scene)) return "its lattice does not follow a free surface; use same";
-  for (PetscInt k = 0; k < scene->n_bodies && scene->dim == 3; k++)
-    if (!BodyReachesThrough(SceneBody(scene, k), 2))
-      return "its lattice takes bodies in 3D that reach through the box along z; use same";
   return NULL;
 }
 

@@ -1,0 +1,19 @@
+/* Outlines of bodies in the plane. */
+#ifndef ISPH_GEOMETRY_OUTLINE_H
+#define ISPH_GEOMETRY_OUTLINE_H
+
+#include "isph/geometry.h"
+
+/* The outline of a body or of one of its periodic images, counter-clockwise. */
+typedef struct {
+  PetscInt   n;
+  PetscReal *x;    /* corners: 2 coordinates each [m] */
+  PetscReal  sign; /* of its area in the area of the fluid */
+} Outline;
+
+PetscErrorCode OutlineCreate(const Body *body, PetscReal spacing, const PetscReal shift[2],
+                             Outline *o);
+PetscInt OutlineClip(PetscInt n, const PetscReal x[], PetscInt axis, PetscReal s, PetscReal limit,
+                     PetscReal out[]);
+
+#endif
