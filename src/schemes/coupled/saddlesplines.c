@@ -1,11 +1,11 @@
 /*
   The pressure of the coupled system on B-splines, whose lattice is coarser than the particles:
 
-    [ T (shift - nu L)   dx G  ] [u]   [T f           ]
-    [ dx/m D             c c^T ] [q] = [- dx/m D_w u_w]
+    [ T (shift - nu L)   dx G  ] [u]   [T f         ]
+    [ dx D               c c^T ] [q] = [- dx D_w u_w]
 
-  G is the gradient of the splines at the particles, D u + D_w u_w the weak divergence of splines.h,
-  and m_q the mass of a spline. The splines have no mode on the grid that G does not see, so no
+  G is the gradient of the splines at the particles, D u + D_w u_w the weak divergence of splines.h.
+  The splines have no mode on the grid that G does not see, so no
   block C is needed. Splines without fluid have the equation q = 0, and the numbers that sides give
   theirs. For particles of several sizes or viscosities q has the unit rho dx_q/T_q, with means of
   dx_i/T_i over the particles that have a part in D; see docs/theory.md, (390).
@@ -33,6 +33,14 @@ static PetscErrorCode MakeAbsolute(Mat A)
     PetscCall(MatSeqAIJRestoreArray(part[k], &entry));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns true if all particles have the same size and viscosity. */
+static PetscBool IsUniform(const Flow *flow)
+{
+  return !flow->particles->nu && SceneFinest(flow->scene) == SceneCoarsest(flow->scene)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
 }
 
 /* Computes for each spline the means of numbers of particles, with the magnitudes of D as weights;
@@ -82,18 +90,24 @@ PetscErrorCode SaddleOnSplines(const Flow *flow, Vec momentum, Saddle *s)
   PetscFunctionBegin;
   s->n_p = sp->own.size;
   PetscCall(SplinesBlocks(flow->particles, sp, &s->G, &s->D));
-  PetscCall(MeansOnSplines(flow->particles, s, 2, of_particles, (Vec *[]){&pressure, &viscosity}));
+  if (IsUniform(flow)) {
+    PetscCall(VecDuplicate(sp->mass, &pressure));
+    PetscCall(VecSet(pressure, 1.0));
+    PetscCall(VecDuplicate(pressure, &viscosity));
+    PetscCall(VecCopy(pressure, viscosity));
+  } else {
+    PetscCall(
+        MeansOnSplines(flow->particles, s, 2, of_particles, (Vec *[]){&pressure, &viscosity}));
+  }
   PetscCall(VecDestroy(&s->pressure));
   PetscCall(VecDestroy(&s->viscosity));
   PetscCall(VecDestroy(&s->mass));
   s->pressure  = pressure;
   s->viscosity = viscosity;
   PetscCall(VecDuplicate(sp->mass, &s->mass));
-  PetscCall(VecCopy(sp->mass, s->mass));
-  PetscCall(VecReciprocal(s->mass));
+  PetscCall(VecSet(s->mass, 1.0));
   PetscCall(MatDiagonalScale(s->G, momentum, s->pressure));
   PetscCall(MatScale(s->G, dx));
-  PetscCall(MatDiagonalScale(s->D, s->mass, NULL));
   PetscCall(MatScale(s->D, dx));
   PetscCall(VecDuplicate(s->mass, &s->constant));
   PetscCall(VecDuplicate(s->mass, &diagonal));

@@ -36,8 +36,7 @@ static PetscErrorCode SchurApply_Mass(Schur *s, Vec x, Vec y)
     PetscCall(VecCopy(x, y));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(VecPointwiseDivide(s->flux, x, s->saddle->mass));
-  PetscCall(SplineMassApply(s, s->flux, y));
+  PetscCall(SplineMassApply(s, x, y));
   PetscCall(VecScale(y, s->viscous));
   PetscCall(VecPointwiseDivide(y, y, s->saddle->pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -59,16 +58,16 @@ static PetscErrorCode RemoveMean(const Schur *s, Vec v)
 
 /* Applies S^-1 on splines, with the stiffness K = -scale^2 lap:
 
-     y_q = 1/U_q (viscous N^1/2 M^-1 N^1/2 z + inert (scale/dx)^2 K^-1 z)_q,   z_q = m_q x_q
+     y_q = 1/U_q (viscous N^1/2 M^-1 N^1/2 x + inert (scale/dx)^2 K^-1 x)_q
 
-   m is the mass of a spline, by which its row was divided, and U the unit of its pressure. */
+   U is the unit of the pressure of a spline. */
 static PetscErrorCode SplineSchurApply(Schur *s, Vec x, Vec y)
 {
   const PetscReal ratio = s->splines->scale / s->scene->dx;
 
   PetscFunctionBegin;
-  PetscCall(VecPointwiseDivide(s->flux, x, s->saddle->mass));
-  PetscCall(SplineMassApply(s, s->flux, s->part));
+  PetscCall(SplineMassApply(s, x, s->part));
+  PetscCall(VecCopy(x, s->flux));
   PetscCall(RemoveMean(s, s->flux));
   PetscCall(KSPSolve(s->ksp, s->flux, y));
   PetscCall(KspViewsShow(s->ksp, &s->views));
