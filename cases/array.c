@@ -34,7 +34,8 @@ static PetscErrorCode MeanThroughSide(const Flow *flow, PetscInt axis, PetscReal
   MeasureArray - Reports the drag of the body of a periodic cell, driven by a body force along x
 
   Collective. The drag follows from the balance with the driving force, which holds in steady flow;
-  the traction on the body has the driving force as its reference.
+  the force on the body, by the momentum of the fluid and by tractions, has the driving force as its
+  reference.
 
   Input Parameters:
 + scale - the drag is F/(scale U), with the mean velocity U through the cell
@@ -44,20 +45,21 @@ PetscErrorCode MeasureArray(const Flow *flow, PetscReal scale, PetscReal known, 
 {
   const Scene *scene  = flow->scene;
   PetscReal    driven = scene->rho * scene->body_force[0];
-  PetscReal    mean = 0.0, F[ISPH_MAX_DIM] = {0.0}, T[ISPH_MAX_DIM] = {0.0};
+  PetscReal    mean   = 0.0, force[2][2 * ISPH_MAX_DIM];
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->dim; a++) driven *= scene->hi[a] - scene->lo[a];
   if (!SceneIsNewtonian(scene) || SceneHas(scene, PHYSICS_CONVECTION)) known = NAN;
   PetscCall(MeanThroughSide(flow, 0, &mean));
-  PetscCall(WallForce(flow, SceneBodySide(scene, 0), F, T));
+  PetscCall(WallForce(flow, SceneBodySide(scene, 0), force));
   if (mean > 0.0) {
     PetscCall(ReportAddReference(report, "drag", driven / (scale * mean), known,
                                  PetscIsNanReal(known) ? 1.0 : known));
     /* the references have a pressure gradient in place of the force; it acts on the body too, so
        that their drag is F/(1 - c) */
-    PetscCall(ReportAddReference(report, "traction", F[0] / (1.0 - scene->solid_fraction), driven,
-                                 driven));
+    for (PetscInt way = 0; way < 2; way++)
+      PetscCall(ReportAddReference(report, way == FORCE_MOMENTUM ? "force" : "traction",
+                                   force[way][0] / (1.0 - scene->solid_fraction), driven, driven));
   }
   PetscCall(MeasureCommon(flow, NAN, report));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -27,27 +27,40 @@ static void SceneTypedExact(const Scene *scene, PetscReal t, const PetscReal x[]
   if (scene->exact.n > scene->dim) *p = ExpressionValue(&scene->exact, scene->dim, t, x);
 }
 
-/* Reports force and torque on each body. */
+static PetscErrorCode AddBodyRow(PetscInt k, const char quantity[], PetscReal value, Report *report)
+{
+  char name[32];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(name, sizeof(name), "body_%" PetscInt_FMT "_%s", k + 1, quantity));
+  PetscCall(ReportAdd(report, name, value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reports force and torque on each body by the momentum beside it, then by tractions, and the
+   magnitudes of their differences. With a free surface all are tractions. */
 static PetscErrorCode MeasureBodies(const Flow *flow, Report *report)
 {
-  const Scene *scene = flow->scene;
+  const Scene      *scene      = flow->scene;
+  const char *const name[2][4] = {{"fx", "fy", "fz", "torque"},
+                                  {"traction_fx", "traction_fy", "traction_fz", "traction_torque"}};
+  const PetscInt    torque     = ISPH_MAX_DIM + 2;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < scene->n_bodies; k++) {
-    PetscReal F[ISPH_MAX_DIM] = {0.0}, T[ISPH_MAX_DIM] = {0.0};
-    char      name[32];
+    PetscReal force[2][2 * ISPH_MAX_DIM], error = 0.0;
 
-    PetscCall(WallForce(flow, SceneBodySide(scene, k), F, T));
-    PetscCall(PetscSNPrintf(name, sizeof(name), "body_%" PetscInt_FMT "_fx", k + 1));
-    PetscCall(ReportAdd(report, name, F[0]));
-    PetscCall(PetscSNPrintf(name, sizeof(name), "body_%" PetscInt_FMT "_fy", k + 1));
-    PetscCall(ReportAdd(report, name, F[1]));
-    if (scene->dim == 3) {
-      PetscCall(PetscSNPrintf(name, sizeof(name), "body_%" PetscInt_FMT "_fz", k + 1));
-      PetscCall(ReportAdd(report, name, F[2]));
+    PetscCall(WallForce(flow, SceneBodySide(scene, k), force));
+    for (PetscInt way = 0; way < (flow->ops->free ? 1 : 2); way++) {
+      for (PetscInt a = 0; a < scene->dim; a++)
+        PetscCall(AddBodyRow(k, name[way][a], force[way][a], report));
+      PetscCall(AddBodyRow(k, name[way][3], force[way][torque], report));
     }
-    PetscCall(PetscSNPrintf(name, sizeof(name), "body_%" PetscInt_FMT "_torque", k + 1));
-    PetscCall(ReportAdd(report, name, T[2]));
+    if (flow->ops->free) continue;
+    for (PetscInt a = 0; a < scene->dim; a++) error += PetscSqr(force[0][a] - force[1][a]);
+    PetscCall(AddBodyRow(k, "force_error", PetscSqrtReal(error), report));
+    error = PetscAbsReal(force[0][torque] - force[1][torque]);
+    PetscCall(AddBodyRow(k, "torque_error", error, report));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

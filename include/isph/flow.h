@@ -59,10 +59,12 @@ typedef struct Budget Budget;
 
 /* The rate of the last step, and the error in time of the steps; see src/flow/acceleration.c. */
 typedef struct {
-  PetscReal *rate[ISPH_MAX_DIM]; /* Du/Dt (field); NULL: steady, or Scheme.Accelerate [m/s^2] */
-  PetscReal  time_error;         /* of the velocity by steps in time, root mean square [m/s] */
-  PetscReal  sampled;            /* time of its last measurement [s] */
-  PetscReal  speed[2];           /* root mean square of the velocity of the last two steps [m/s] */
+  PetscReal *rate[ISPH_MAX_DIM];     /* Du/Dt (field); NULL: steady, or Scheme.Accelerate [m/s^2] */
+  PetscReal *filtered[ISPH_MAX_DIM]; /* change of u by the filter of moving particles, over dt
+                                        (field); NULL: none [m/s^2] */
+  PetscReal  time_error;             /* of the velocity by steps in time, root mean square [m/s] */
+  PetscReal  sampled;                /* time of its last measurement [s] */
+  PetscReal  speed[2]; /* root mean square of the velocity of the last two steps [m/s] */
 } Acceleration;
 
 /* The budget of a part of a step in a box. */

@@ -120,7 +120,10 @@ void                    MonitorsGet(const Monitors *monitors, PetscReal values[]
 PetscErrorCode          MonitorsSet(Monitors *monitors, PetscInt n, const PetscReal values[]);
 
 PetscErrorCode FluidVolume(const Flow *flow, PetscReal *volume, PetscReal *mass);
-PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscReal T[]);
+
+/* The ways in which forces are measured, see src/measures/forces.c. */
+enum { FORCE_MOMENTUM, FORCE_TRACTION };
+PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal force[2][2 * ISPH_MAX_DIM]);
 
 extern const OptionTable ReportOptions, SnapshotOptions, MonitorOptions, ProgressOptions,
     MatrixOptions;

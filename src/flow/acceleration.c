@@ -193,6 +193,9 @@ PetscErrorCode AccelerationRegister(Flow *flow)
   if (!Advances(flow)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ParticlesRegister(flow->particles, "acceleration", flow->scene->dim, HALO_NONE,
                               ENTRY_MEAN, flow->state->acceleration.rate));
+  if (SceneMoves(flow->scene) && flow->state->velocity_filter > 0.0)
+    PetscCall(ParticlesRegister(flow->particles, "filtered", flow->scene->dim, HALO_NONE,
+                                ENTRY_ZERO, flow->state->acceleration.filtered));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

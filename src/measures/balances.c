@@ -21,6 +21,7 @@ typedef struct {
   PetscReal area, pressure;       /* wet; integral of p [m^(dim-1)], [Pa m^(dim-1)] */
   PetscReal volume;               /* inside the boundaries [m^dim] */
   PetscReal unknown[2];           /* forces and torques of edges where velocities jump [N], [N m] */
+  PetscReal error[2];             /* differences of the two ways to measure those of bodies */
   PetscReal middle[ISPH_MAX_DIM];
 } Ledger;
 
@@ -197,6 +198,19 @@ static void AddEdges(const Scene *scene, PetscReal t, Ledger *l)
   }
 }
 
+/* Adds the difference of forces on a body by momentum and by tractions, and that of torques. */
+static PetscErrorCode AddDifference(const Flow *flow, PetscInt side, Ledger *l)
+{
+  PetscReal force[2][2 * ISPH_MAX_DIM], square[2] = {0.0};
+
+  PetscFunctionBegin;
+  PetscCall(WallForce(flow, side, force));
+  for (PetscInt a = 0; a < 2 * ISPH_MAX_DIM; a++)
+    square[a / ISPH_MAX_DIM] += PetscSqr(force[FORCE_MOMENTUM][a] - force[FORCE_TRACTION][a]);
+  for (PetscInt k = 0; k < 2; k++) l->error[k] += PetscSqrtReal(square[k]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Sets the row of forces or of torques from the square of the residual. noise: a magnitude of
    rounding. */
 static void SetRow(Flow *flow, PetscInt of, PetscReal square, PetscReal noise, const Ledger *l)
@@ -204,7 +218,8 @@ static void SetRow(Flow *flow, PetscInt of, PetscReal square, PetscReal noise, c
   const BalanceKind kind = of == FORCE ? BALANCE_FORCE : BALANCE_TORQUE;
   const PetscReal   rest = PetscMax(PetscSqrtReal(square) - l->unknown[of], 0.0);
 
-  BalanceSet(kind, rest / (l->size[of] + noise), flow->clock->t, &flow->scheme->sheet);
+  BalanceSet(kind, PetscMax(rest, l->error[of]) / (l->size[of] + noise), flow->clock->t,
+             &flow->scheme->sheet);
 }
 
 /* Returns the least scale of forces on an area: the stress of the velocity over the length of the
@@ -256,6 +271,7 @@ static PetscErrorCode MeasureBoundaries(Flow *flow)
     if (BoundaryIs(scene, side, BOUNDARY_CONTINUES) || BoundaryIs(scene, side, BOUNDARY_FREE))
       continue;
     PetscCall(LoadsOf(flow, side, &of[side], &l));
+    if (BoundaryBody(scene, side) && !flow->ops->free) PetscCall(AddDifference(flow, side, &l));
   }
   if (l.flux_size > 0.0 && !flow->ops->free && !SceneMoves(scene))
     BalanceSet(BALANCE_MASS, 2.0 * l.flux / l.flux_size, flow->clock->t, &flow->scheme->sheet);

@@ -29,8 +29,8 @@ PetscErrorCode FacetsFree(Facets *f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Copies facet k to the place `to`, which is not behind it. */
-static void FacetsCopy(PetscInt k, PetscInt to, Facets *f)
+/* FacetsCopy - Copies facet k to the place `to`, which is not behind it; not collective */
+void FacetsCopy(PetscInt k, PetscInt to, Facets *f)
 {
   for (PetscInt a = 0; a < f->dim; a++) {
     f->x[to * f->dim + a]      = f->x[k * f->dim + a];
@@ -171,27 +171,44 @@ static PetscErrorCode KeepUnburied(const Scene *scene, PetscInt side, Facets *f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* FacetsOfWall - Creates the facets of a wall, a side of the box or a body, but for their parts
-   that are buried in another boundary; not collective. Free with FacetsFree(). */
-PetscErrorCode FacetsOfWall(const Scene *scene, PetscInt side, Facets *f)
+/* FacetsOfBody - Creates the facets of a body, with a number of pieces along each of their edges,
+   but for their parts that are buried in another boundary; not collective. Free with FacetsFree().
+ */
+PetscErrorCode FacetsOfBody(const Scene *scene, PetscInt side, PetscInt pieces, Facets *f)
 {
-  const PetscInt dim  = scene->dim;
-  const Body    *body = BoundaryBody(scene, side);
-  PetscInt       n    = 1;
+  const PetscInt  dim     = scene->dim;
+  const Body     *body    = BoundaryBody(scene, side);
+  const PetscReal spacing = BodySpacing(scene, body) / pieces;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < dim; a++) n *= a == side / 2 ? 1 : scene->cells[a];
-  PetscCall(FacetsCreate(dim, body ? BodyPoints(body, BodySpacing(scene, body)) : n, f));
-  if (!body) SetSide(scene, side, f);
+  PetscCall(FacetsCreate(dim, BodyPoints(body, spacing), f));
   for (PetscInt k = 0; k < f->n; k++) {
     PetscReal x[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
 
-    if (body) f->area[k] = BodyPoint(body, k, BodySpacing(scene, body), x, normal);
-    for (PetscInt a = 0; body && a < dim; a++) {
+    f->area[k] = BodyPoint(body, k, spacing, x, normal);
+    for (PetscInt a = 0; a < dim; a++) {
       f->x[k * dim + a]      = x[a];
       f->normal[k * dim + a] = normal[a];
     }
   }
+  PetscCall(KeepUnburied(scene, side, f));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* FacetsOfWall - Creates the facets of a wall, a side of the box or a body, but for their parts
+   that are buried in another boundary; not collective. Free with FacetsFree(). */
+PetscErrorCode FacetsOfWall(const Scene *scene, PetscInt side, Facets *f)
+{
+  PetscInt n = 1;
+
+  PetscFunctionBegin;
+  if (BoundaryBody(scene, side)) {
+    PetscCall(FacetsOfBody(scene, side, 1, f));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt a = 0; a < scene->dim; a++) n *= a == side / 2 ? 1 : scene->cells[a];
+  PetscCall(FacetsCreate(scene->dim, n, f));
+  SetSide(scene, side, f);
   PetscCall(KeepUnburied(scene, side, f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,88 +1,217 @@
 /*
-  Forces and torques of the fluid on walls: sums of tractions over points of the surface,
+  Forces and torques of the fluid on boundaries, by tractions, see tractions.c, and by the momentum
+  of the fluid beside them. With a weight w that is
+  1 on boundary b and falls to 0 at the distance D from it, and the stress S = -p I + 2 mu E,
 
-    F = sum (-p n + mu (dw/dn + grad(u.n))) dA,   T = sum (x - c) x (...)
+    F = - int [w rho (Du/Dt - f) + S grad w] dV - sum over other boundaries of w S n dA,
 
-  with n into the fluid and w the velocity minus the wall velocity. The wall velocity of a body is
-  extended into the fluid as a rigid motion, which has no strain; then the second viscous term is
-  zero, because w is zero on the surface. The velocity of a side may vary along the side; there the
-  second term follows from the derivatives of the wall velocity and from continuity. dw/dn is a
-  one-sided difference of third order between the surface and probes at the heights dx, 2 dx and
-  3 dx, or of the order of those that are not outside a free surface. Only the wet parts of a wall
-  have forces. See docs/theory.md, (112) and (113).
+  n into the fluid, and the torque is the same with (x - c) x. This is the reaction of the wall's
+  rows in a weak form: grad w is zero beside the wall, so that neither derivatives on the wall nor
+  volumes of particles beside it matter, and the noise of many points averages out. A linear
+  pressure, whose gradient is the body force, is taken out first; its force follows from the shape
+  of the surface alone. See docs/theory.md, (390).
+
+  Reference: V. John & G. Matthies, Int. J. Numer. Meth. Fluids 37 (2001) 885-903
 */
 #include "monitors.h"
 
-/* Returns the height of the first probe above point x of a boundary: the spacing, on sides of the
-   box along the normal [m]. */
-static PetscReal HeightUnit(const Scene *scene, PetscInt side, const PetscReal x[])
-{
-  PetscReal stretch[ISPH_MAX_DIM];
+#define FLAT    1.0 /* distance up to which w is 1 [spacings at the boundary] */
+#define REACH   5.0 /* distance from which w is 0 */
+#define FINE    4   /* pieces along each edge of a facet, for a linear pressure */
+#define SAMPLES 8   /* along each edge of a cell that a body cuts */
 
-  if (BoundaryBody(scene, side)) return SceneSpacing(scene, x);
-  SceneStretch(scene, x, stretch);
-  return SceneSpacing(scene, x) / stretch[side / 2];
+/* A pressure p0 + slope.(x - x0), whose gradient a body force balances. */
+typedef struct {
+  PetscReal p0, x0[ISPH_MAX_DIM], slope[ISPH_MAX_DIM]; /* [Pa], [m], [Pa/m] */
+} LinearPressure;
+
+/* The fluid beside a boundary: points of quadrature where w is not zero. */
+typedef struct {
+  const Scene *scene;
+  PetscInt     side, n, capacity;
+  PetscReal    unit;                  /* spacing at the boundary, largest along its normal [m] */
+  PetscReal   *x, *volume, *gradient; /* [m], [m^dim], of w [1/m] */
+} Layer;
+
+/* Returns the distance of x from a boundary [m]. */
+static PetscReal DistanceFrom(const Scene *scene, PetscInt side, const PetscReal x[])
+{
+  const Body *body = BoundaryBody(scene, side);
+  PetscReal   normal[ISPH_MAX_DIM];
+
+  return body ? BodyDistance(scene, body, x, normal) : SceneSideDistance(scene, side, x);
 }
 
-/* Probes the velocity minus the wall velocity, and the pressure unless p is NULL, at the middles of
-   facets raised by `height` spacings along the normal; NaN outside a free surface. */
-static PetscErrorCode ProbeAbove(const Flow *flow, PetscInt side, const Facets *s, PetscReal height,
-                                 PetscReal w[], PetscReal p[])
+/* Returns w at x. */
+static PetscReal Weight(const Layer *l, const PetscReal x[])
 {
-  const Scene   *scene = flow->scene;
+  const PetscReal q = DistanceFrom(l->scene, l->side, x) / l->unit;
+  const PetscReal s = PetscMin(PetscMax((q - FLAT) / (REACH - FLAT), 0.0), 1.0);
+
+  return 1.0 - s * s * s * (10.0 - s * (15.0 - 6.0 * s));
+}
+
+/* Computes the mean of grad w over a cell from w at the middles of its faces [1/m]: sums over cells
+   are those of w over the border, so that a constant stress has an exact force. */
+static void WeightGradient(const Layer *l, const PetscReal x[], const PetscReal edge[],
+                           PetscReal gradient[])
+{
+  const PetscInt dim = l->scene->dim;
+  PetscReal      y[ISPH_MAX_DIM], w[2];
+
+  for (PetscInt a = 0; a < dim; a++) y[a] = x[a];
+  for (PetscInt a = 0; a < dim; a++) {
+    for (PetscInt end = 0; end < 2; end++) {
+      y[a]   = x[a] + (end ? 0.5 : -0.5) * edge[a];
+      w[end] = Weight(l, y);
+    }
+    y[a]        = x[a];
+    gradient[a] = (w[1] - w[0]) / edge[a];
+  }
+}
+
+/* Adds a point of quadrature, in a periodic box beside the body and not beside its image. */
+static PetscErrorCode AddPoint(const PetscReal x[], const PetscReal edge[], PetscReal volume,
+                               Layer *l)
+{
+  const Scene   *scene = l->scene;
   const PetscInt dim   = scene->dim;
-  PetscReal     *raised;
+  const Body    *body  = BoundaryBody(scene, l->side);
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(s->n * dim, &raised));
-  for (PetscInt k = 0; k < s->n; k++) {
-    const PetscReal way = height * HeightUnit(scene, side, &s->x[k * dim]);
-
-    for (PetscInt a = 0; a < dim; a++)
-      raised[k * dim + a] = s->x[k * dim + a] + way * s->normal[k * dim + a];
+  if (l->n == l->capacity) {
+    l->capacity = 2 * l->capacity + 256;
+    PetscCall(PetscRealloc(l->capacity * dim * sizeof(PetscReal), &l->x));
+    PetscCall(PetscRealloc(l->capacity * dim * sizeof(PetscReal), &l->gradient));
+    PetscCall(PetscRealloc(l->capacity * sizeof(PetscReal), &l->volume));
   }
-  PetscCall(ProbePoints(flow, s->n, raised, w, p));
-  for (PetscInt k = 0; k < s->n; k++) {
-    const PetscReal *x = BoundaryBody(scene, side) ? &raised[k * dim] : &s->x[k * dim];
-    PetscReal        wall[ISPH_MAX_DIM];
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal period = scene->hi[a] - scene->lo[a];
 
-    SceneWallVelocity(scene, side, flow->clock->t, x, wall);
-    for (PetscInt a = 0; a < dim; a++) w[k * dim + a] -= wall[a];
+    l->x[l->n * dim + a] = x[a];
+    if (body && SceneIsPeriodic(scene, a))
+      l->x[l->n * dim + a] -= period * PetscFloorReal((x[a] - body->centre[a]) / period + 0.5);
   }
-  PetscCall(PetscFree(raised));
+  WeightGradient(l, x, edge, &l->gradient[l->n * dim]);
+  l->volume[l->n++] = volume;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns the derivative of component c of the velocity of a side with respect to the coordinate
-   along `axis` at x [1/s]. */
-static PetscReal WallVelocityDerivative(const Flow *flow, PetscInt side, PetscInt c, PetscInt axis,
-                                        const PetscReal x[])
+/* Adds the middle of the fluid in a cell that a body cuts. */
+static PetscErrorCode AddCut(const PetscReal lo[], const PetscReal edge[], PetscReal volume,
+                             Layer *l)
 {
-  const Scene *scene = flow->scene;
-  PetscReal    way, edge[ISPH_MAX_DIM], y[ISPH_MAX_DIM], u[2][ISPH_MAX_DIM];
+  const PetscInt dim             = l->scene->dim,
+                 all             = dim == 2 ? SAMPLES * SAMPLES : SAMPLES * SAMPLES * SAMPLES;
+  PetscReal middle[ISPH_MAX_DIM] = {0.0}, y[ISPH_MAX_DIM], normal[ISPH_MAX_DIM];
+  PetscInt  wet                  = 0, nearest;
 
-  SceneEdges(scene, x, edge);
-  way = 0.25 * edge[axis];
-  for (PetscInt end = 0; end < 2; end++) {
-    for (PetscInt b = 0; b < scene->dim; b++) y[b] = x[b];
-    y[axis] += end ? way : -way;
-    SceneWallVelocity(scene, side, flow->clock->t, y, u[end]);
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < all; k++) {
+    for (PetscInt a = 0, rest = k; a < dim; a++, rest /= SAMPLES)
+      y[a] = lo[a] + (rest % SAMPLES + 0.5) / SAMPLES * edge[a];
+    if (SceneDistance(l->scene, y, &nearest, normal) < 0.0) continue;
+    for (PetscInt a = 0; a < dim; a++) middle[a] += y[a];
+    wet++;
   }
-  return (u[1][c] - u[0][c]) / (2.0 * way);
+  for (PetscInt a = 0; wet > 0 && a < dim; a++) middle[a] /= wet;
+  if (wet > 0) PetscCall(AddPoint(middle, edge, volume * wet / all, l));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns d(u.n)/dx_a on a side of the box at x [1/s]. If a is the axis normal to the side, the
-   derivative follows from continuity. */
-static PetscReal NormalVelocityDerivative(const Flow *flow, PetscInt side, PetscInt a,
-                                          const PetscReal x[])
+/* Adds the fluid in a cell, by halves along all axes until it is as small as the spacing. */
+static PetscErrorCode AddCell(const PetscReal lo[], const PetscReal edge[], Layer *l)
 {
-  const PetscInt axis  = side / 2;
-  PetscReal      along = 0.0;
+  const Scene   *scene = l->scene;
+  const PetscInt dim   = scene->dim;
+  PetscReal      x[ISPH_MAX_DIM], g[ISPH_MAX_DIM], half[ISPH_MAX_DIM], reach = 0.0, volume = 1.0;
+  PetscReal      stretch[ISPH_MAX_DIM], excess = 0.0, distance;
+  PetscInt       nearest;
 
-  if (a != axis) return (side % 2 ? -1.0 : 1.0) * WallVelocityDerivative(flow, side, axis, a, x);
-  for (PetscInt b = 0; b < flow->scene->dim; b++)
-    along -= b == axis ? 0.0 : WallVelocityDerivative(flow, side, b, b, x);
-  return along * (side % 2 ? -1.0 : 1.0);
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < dim; a++) {
+    half[a] = 0.5 * edge[a];
+    x[a]    = lo[a] + half[a];
+    reach += PetscSqr(half[a]);
+    volume *= edge[a];
+  }
+  reach    = PetscSqrtReal(reach);
+  distance = DistanceFrom(scene, l->side, x);
+  if (distance > REACH * l->unit + reach || distance < -reach) PetscFunctionReturn(PETSC_SUCCESS);
+  SceneStretch(scene, x, stretch);
+  for (PetscInt a = 0; a < dim; a++)
+    excess = PetscMax(excess, edge[a] * stretch[a] / SceneSpacing(scene, x));
+  if (excess > 1.2) {
+    for (PetscInt k = 0; k < (dim == 2 ? 4 : 8); k++) {
+      PetscReal corner[ISPH_MAX_DIM];
+
+      for (PetscInt a = 0; a < dim; a++) corner[a] = (k >> a) & 1 ? x[a] : lo[a];
+      PetscCall(AddCell(corner, half, l));
+    }
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  distance = SceneDistance(scene, x, &nearest, g);
+  if (distance < -reach) PetscFunctionReturn(PETSC_SUCCESS);
+  if (distance < reach) PetscCall(AddCut(lo, edge, volume, l));
+  else PetscCall(AddPoint(x, edge, volume, l));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds the cells of the lattice along an axis that the layer can reach: `count` from `low` on. */
+static void CellsAlong(const Layer *l, PetscInt axis, PetscInt *low, PetscInt *count)
+{
+  const Scene    *scene   = l->scene;
+  const Body     *body    = BoundaryBody(scene, l->side);
+  const PetscReal reach   = REACH * l->unit;
+  PetscReal       span[2] = {scene->lo[axis], scene->hi[axis]};
+  PetscInt        end     = scene->cells[axis];
+
+  if (body && !SceneIsPeriodic(scene, axis) && !BodyReachesThrough(body, axis))
+    BodySpan(body, axis, span);
+  if (!body && axis == l->side / 2) span[(l->side + 1) % 2] = span[l->side % 2];
+  *low = 0;
+  while (*low < end - 1 && SceneLatticePlace(scene, axis, *low + 1) < span[0] - reach) (*low)++;
+  while (end > *low + 1 && SceneLatticePlace(scene, axis, end - 1) > span[1] + reach) end--;
+  *count = end - *low;
+}
+
+/* Sets the layer beside a boundary with these facets, from the cells of the lattice. */
+static PetscErrorCode LayerSet(const Scene *scene, PetscInt side, const Facets *s, Layer *l)
+{
+  const PetscInt dim = scene->dim;
+  PetscInt       low[ISPH_MAX_DIM], count[ISPH_MAX_DIM], all = 1;
+
+  PetscFunctionBegin;
+  *l = (Layer){.scene = scene, .side = side, .unit = 0.0};
+  for (PetscInt k = 0; k < s->n; k++)
+    l->unit = PetscMax(l->unit, FacetHeight(scene, side, &s->x[k * dim]));
+  for (PetscInt a = 0; a < dim; a++) {
+    CellsAlong(l, a, &low[a], &count[a]);
+    all *= count[a];
+  }
+  for (PetscInt k = 0; k < all; k++) {
+    PetscReal lo[ISPH_MAX_DIM], edge[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0, rest = k; a < dim; rest /= count[a], a++) {
+      const PetscInt i = low[a] + rest % count[a];
+
+      lo[a]   = SceneLatticePlace(scene, a, i);
+      edge[a] = SceneLatticePlace(scene, a, i + 1) - lo[a];
+    }
+    PetscCall(AddCell(lo, edge, l));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Returns the strain rate sqrt(2 E:E) of a velocity gradient [1/s]. */
+static PetscReal StrainRate(PetscInt dim, const PetscReal A[])
+{
+  PetscReal square = 0.0;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    for (PetscInt b = 0; b < dim; b++) square += 0.5 * PetscSqr(A[a * dim + b] + A[b * dim + a]);
+  }
+  return PetscSqrtReal(square);
 }
 
 /* Returns the centre of torques: the centre of a body, or the middle of the box. */
@@ -96,185 +225,84 @@ static void TorqueCentre(const Scene *scene, PetscInt side, PetscReal c[])
   }
 }
 
-/* AddTorque - Adds (x - c) x f to T, in 2D the component T[2]; not collective */
-void AddTorque(PetscInt dim, const PetscReal c[], const PetscReal x[], const PetscReal f[],
-               PetscReal T[])
+/* Adds a force at x to F, and its torque to T. */
+static void AddLoad(PetscInt dim, const PetscReal centre[], const PetscReal x[],
+                    const PetscReal load[], PetscReal F[], PetscReal T[])
 {
-  PetscReal arm[ISPH_MAX_DIM] = {0.0}, g[ISPH_MAX_DIM] = {0.0};
-
-  for (PetscInt a = 0; a < dim; a++) {
-    arm[a] = x[a] - c[a];
-    g[a]   = f[a];
-  }
-  for (PetscInt a = 0; a < 3; a++) {
-    const PetscInt b = (a + 1) % 3, e = (a + 2) % 3;
-
-    T[a] += arm[b] * g[e] - arm[e] * g[b];
-  }
+  for (PetscInt a = 0; a < dim; a++) F[a] += load[a];
+  AddTorque(dim, centre, x, load, T);
 }
 
-/*
-  Computes the kinematic viscosity at the points [m^2/s]. For a fluid that is not Newtonian it
-  follows from the strain rate, which is |dw/dn| at a wall without slip.
-*/
-static PetscErrorCode SurfaceViscosity(const Flow *flow, const Facets *s, const PetscReal slope[],
-                                       PetscReal nu[])
+/* Returns a linear pressure at x [Pa]. */
+static PetscReal LinearAt(PetscInt dim, const LinearPressure *linear, const PetscReal x[])
 {
-  const Scene *scene = flow->scene;
+  PetscReal p = linear->p0;
 
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < s->n; k++) nu[k] = SceneHas(scene, PHYSICS_VISCOSITY) ? scene->nu : 0.0;
-  if (SceneIsNewtonian(scene)) {
-    if (flow->particles->nu) PetscCall(ProbeViscosity(flow, s->n, s->x, nu));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  for (PetscInt k = 0; k < s->n; k++) {
-    PetscReal square = 0.0;
-
-    for (PetscInt a = 0; a < scene->dim; a++) square += PetscSqr(slope[k * scene->dim + a]);
-    nu[k] = RheologyViscosity(&scene->rheology, PetscSqrtReal(square));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < dim; a++) p += linear->slope[a] * (x[a] - linear->x0[a]);
+  return p;
 }
 
-/* Returns the slope on the wall of a function that vanishes there, from its values at the heights
-   of 1 to 3 units. Upper values that are NaN are left out. */
-static PetscReal SlopeAtWall(const PetscReal w[], PetscReal unit)
+/* Adds the momentum of the layer to F and T. */
+static PetscErrorCode AddMomentum(const Flow *flow, const Layer *l, const PetscReal centre[],
+                                  const LinearPressure *linear, PetscReal F[], PetscReal T[])
 {
-  if (!PetscIsNanReal(w[2])) return (18.0 * w[0] - 9.0 * w[1] + 2.0 * w[2]) / (6.0 * unit);
-  if (!PetscIsNanReal(w[1])) return (4.0 * w[0] - w[1]) / (2.0 * unit);
-  return PetscIsNanReal(w[0]) ? 0.0 : w[0] / unit;
-}
-
-/* Computes the slopes on the wall of the velocity minus the wall velocity, which vanishes on walls
-   without slip, from its values at the heights of 1 to 3 units; NaN at dry points [1/s]. p: on the
-   wall. */
-static PetscErrorCode ProbeSlopes(const Flow *flow, PetscInt side, const Facets *s,
-                                  PetscReal slope[], PetscReal p[])
-{
-  const Scene    *scene = flow->scene;
-  const PetscInt  dim   = scene->dim;
-  const PetscBool sticks =
-      BoundaryIs(scene, side, BOUNDARY_CONFINES | BOUNDARY_NO_SLIP) ? PETSC_TRUE : PETSC_FALSE;
-  PetscReal *w[3];
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc3(s->n * dim, &w[0], s->n * dim, &w[1], s->n * dim, &w[2]));
-  PetscCall(ProbeAbove(flow, side, s, 0.0, slope, p));
-  for (PetscInt k = 0; k < (sticks ? 3 : 2); k++)
-    PetscCall(ProbeAbove(flow, side, s, (PetscReal)(k + 1), w[k], NULL));
-  for (PetscInt q = 0; q < s->n * dim; q++) {
-    const PetscReal unit    = HeightUnit(scene, side, &s->x[q / dim * dim]);
-    const PetscReal above[] = {w[0][q], w[1][q], w[2][q]};
-
-    if (PetscIsNanReal(slope[q])) continue;
-    if (sticks) slope[q] = SlopeAtWall(above, unit);
-    else if (PetscIsNanReal(w[0][q]) || PetscIsNanReal(w[1][q])) slope[q] = 0.0;
-    else slope[q] = (-3.0 * slope[q] + 4.0 * w[0][q] - w[1][q]) / (2.0 * unit);
-  }
-  PetscCall(PetscFree3(w[0], w[1], w[2]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Adds grad(u.n) along an opening to the slopes: differences of u.n between points at a quarter of
-   a cell beside the middles of facets. */
-static PetscErrorCode AddAlongOpening(const Flow *flow, PetscInt side, const Facets *s,
-                                      PetscReal slope[])
-{
-  const PetscInt dim = flow->scene->dim, axis = side / 2;
-  PetscReal     *x[2], *u[2];
+  const Scene   *scene = flow->scene;
+  const PetscInt dim   = scene->dim;
+  PetscReal     *p, *A, *rate, *nu, *strain;
 
   PetscFunctionBegin;
   PetscCall(
-      PetscMalloc4(s->n * dim, &x[0], s->n * dim, &x[1], s->n * dim, &u[0], s->n * dim, &u[1]));
-  for (PetscInt b = 0; b < dim; b++) {
-    if (b == axis) continue;
-    for (PetscInt end = 0; end < 2; end++) {
-      PetscCall(PetscArraycpy(x[end], s->x, s->n * dim));
-      for (PetscInt k = 0; k < s->n; k++)
-        x[end][k * dim + b] += (end ? 0.25 : -0.25) * SceneSpacing(flow->scene, &s->x[k * dim]);
-      PetscCall(ProbePoints(flow, s->n, x[end], u[end], NULL));
-    }
-    for (PetscInt k = 0; k < s->n; k++) {
-      const PetscReal change = u[1][k * dim + axis] - u[0][k * dim + axis];
+      PetscMalloc5(l->n, &p, l->n * dim * dim, &A, l->n * dim, &rate, l->n, &nu, l->n, &strain));
+  PetscCall(ProbeMotion(flow, l->n, l->x, A, rate, p));
+  for (PetscInt k = 0; k < l->n; k++) strain[k] = StrainRate(dim, &A[k * dim * dim]);
+  PetscCall(PointViscosity(flow, l->n, l->x, strain, nu));
+  for (PetscInt k = 0; k < l->n; k++) {
+    const PetscReal *x = &l->x[k * dim], *grad = &A[k * dim * dim];
+    const PetscReal *g = &l->gradient[k * dim], w = Weight(l, x);
+    PetscReal        f[ISPH_MAX_DIM] = {0.0}, load[ISPH_MAX_DIM];
 
-      if (PetscIsNanReal(change)) continue;
-      slope[k * dim + b] +=
-          s->normal[k * dim + axis] * change / (x[1][k * dim + b] - x[0][k * dim + b]);
-    }
-  }
-  PetscCall(PetscFree4(x[0], x[1], u[0], u[1]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  WallLoads - Computes the forces of the fluid on the facets of a boundary: a side of the box or a
-  body
-
-  Collective. Output: s - the wet facets, to be freed by FacetsFree(); f - viscous forces, dim
-  components each, NaN at dry facets [N]; p - pressures, NaN without one [Pa]; both to be freed by
-  PetscFree(). In 2D forces are per metre of depth.
-*/
-PetscErrorCode WallLoads(const Flow *flow, PetscInt side, Facets *s, PetscReal **f, PetscReal **p)
-{
-  const Scene    *scene = flow->scene;
-  const PetscInt  dim   = scene->dim;
-  const PetscBool sticks =
-      BoundaryIs(scene, side, BOUNDARY_CONFINES | BOUNDARY_NO_SLIP) ? PETSC_TRUE : PETSC_FALSE;
-  PetscReal *nu;
-
-  PetscFunctionBegin;
-  PetscCall(FacetsOfWall(scene, side, s));
-  PetscCall(FacetsKeepWet(flow, s));
-  PetscCall(PetscMalloc1(s->n * dim, f));
-  PetscCall(PetscMalloc1(s->n, p));
-  PetscCall(PetscMalloc1(s->n, &nu));
-  PetscCall(ProbeSlopes(flow, side, s, *f, *p));
-  PetscCall(SurfaceViscosity(flow, s, *f, nu));
-  if (!sticks && !BoundaryIs(scene, side, BOUNDARY_CONFINES))
-    PetscCall(AddAlongOpening(flow, side, s, *f));
-  for (PetscInt k = 0; k < s->n; k++) {
-    PetscReal normal = 0.0;
-
-    for (PetscInt a = 0; a < dim; a++) normal += (*f)[k * dim + a] * s->normal[k * dim + a];
+    if (SceneHas(scene, PHYSICS_BODY_FORCE)) SceneBodyForce(scene, flow->clock->t, x, f);
     for (PetscInt a = 0; a < dim; a++) {
-      PetscReal *slope = &(*f)[k * dim + a];
-
-      if (!sticks) *slope += normal * s->normal[k * dim + a];
-      else if (!BoundaryBody(scene, side))
-        *slope += NormalVelocityDerivative(flow, side, a, &s->x[k * dim]);
-      *slope *= s->area[k] * scene->rho * nu[k];
+      load[a] = w * (scene->rho * (rate[k * dim + a] - f[a]) + linear->slope[a]);
+      if (!PetscIsNanReal(p[k])) load[a] -= (p[k] - LinearAt(dim, linear, x)) * g[a];
+      for (PetscInt b = 0; b < dim; b++)
+        load[a] += scene->rho * nu[k] * (grad[a * dim + b] + grad[b * dim + a]) * g[b];
+      load[a] *= -l->volume[k];
     }
+    AddLoad(dim, centre, x, load, F, T);
   }
-  PetscCall(PetscFree(nu));
+  PetscCall(PetscFree5(p, A, rate, nu, strain));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  WallForce - Computes force and torque of the fluid on a wall: a side of the box or a body
-
-  Collective. Parts of the wall outside a free surface take no part. Output: F [N]; T [N m] about
-  the centre of a body or the middle of the box. In 2D both are per metre of depth, and the torque
-  is T[2].
-*/
-PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscReal T[])
+/* Subtracts the loads of another boundary where w is not zero. */
+static PetscErrorCode SubtractOther(const Flow *flow, const Layer *l, PetscInt other,
+                                    const PetscReal centre[], const LinearPressure *linear,
+                                    PetscReal F[], PetscReal T[])
 {
-  const PetscInt dim = flow->scene->dim;
-  PetscReal     *f, *p, centre[ISPH_MAX_DIM];
+  const PetscInt dim  = flow->scene->dim;
+  PetscInt       kept = 0;
+  PetscReal     *f, *p;
   Facets         s;
 
   PetscFunctionBegin;
-  TorqueCentre(flow->scene, side, centre);
-  PetscCall(WallLoads(flow, side, &s, &f, &p));
+  PetscCall(FacetsOfWall(flow->scene, other, &s));
+  for (PetscInt k = 0; k < s.n; k++)
+    if (Weight(l, &s.x[k * dim]) > 0.0) FacetsCopy(k, kept++, &s);
+  s.n = kept;
+  PetscCall(FacetLoads(flow, other, &s, &f, &p));
   for (PetscInt k = 0; k < s.n; k++) {
-    PetscReal *load = &f[k * dim];
+    const PetscReal *x = &s.x[k * dim], w = Weight(l, x);
+    PetscReal        load[ISPH_MAX_DIM];
 
-    if (PetscIsNanReal(load[0])) continue;
+    if (PetscIsNanReal(f[k * dim])) continue;
     for (PetscInt a = 0; a < dim; a++) {
-      if (!PetscIsNanReal(p[k])) load[a] -= s.area[k] * p[k] * s.normal[k * dim + a];
-      F[a] += load[a];
+      load[a] = f[k * dim + a];
+      if (!PetscIsNanReal(p[k]))
+        load[a] -= s.area[k] * (p[k] - LinearAt(dim, linear, x)) * s.normal[k * dim + a];
+      load[a] *= -w;
     }
-    AddTorque(dim, centre, &s.x[k * dim], load, T);
+    AddLoad(dim, centre, x, load, F, T);
   }
   PetscCall(PetscFree(f));
   PetscCall(PetscFree(p));
@@ -282,25 +310,154 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal F[], PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes a row for each wall without slip: sides of the box, then bodies. */
+/* Adds force and torque on a boundary by the momentum of the fluid beside it, but for those of a
+   linear pressure. */
+static PetscErrorCode AddReaction(const Flow *flow, PetscInt side, const Facets *s,
+                                  const PetscReal centre[], const LinearPressure *linear,
+                                  PetscReal F[], PetscReal T[])
+{
+  const Scene *scene = flow->scene;
+  Layer        layer;
+
+  PetscFunctionBegin;
+  PetscCall(LayerSet(scene, side, s, &layer));
+  PetscCall(AddMomentum(flow, &layer, centre, linear, F, T));
+  for (PetscInt other = 0; other < SceneBoundaries(scene); other++) {
+    if (other == side || BoundaryIs(scene, other, BOUNDARY_CONTINUES)) continue;
+    if (BoundaryIs(scene, other, BOUNDARY_FREE)) continue;
+    PetscCall(SubtractOther(flow, &layer, other, centre, linear, F, T));
+  }
+  PetscCall(PetscFree(layer.x));
+  PetscCall(PetscFree(layer.gradient));
+  PetscCall(PetscFree(layer.volume));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets the linear pressure that the forces of a boundary are relative to: that of a fluid at rest
+   with the mean pressure on the facets, constant along periodic axes, as pressures are. With a free
+   surface it is zero. */
+static void SetLinear(const Flow *flow, const PetscReal centre[], const Facets *s,
+                      const PetscReal p[], LinearPressure *linear)
+{
+  const Scene   *scene = flow->scene;
+  const PetscInt dim   = scene->dim;
+  PetscReal      area = 0.0, sum = 0.0;
+
+  *linear = (LinearPressure){.p0 = 0.0};
+  for (PetscInt a = 0; a < dim; a++) linear->x0[a] = centre[a];
+  if (flow->ops->free || !flow->particles->p) return;
+  if (SceneHas(scene, PHYSICS_BODY_FORCE))
+    SceneBodyForce(scene, flow->clock->t, centre, linear->slope);
+  for (PetscInt a = 0; a < dim; a++)
+    linear->slope[a] *= SceneIsPeriodic(scene, a) ? 0.0 : scene->rho;
+  for (PetscInt k = 0; k < s->n; k++) {
+    if (PetscIsNanReal(p[k])) continue;
+    sum += s->area[k] * (p[k] - LinearAt(dim, linear, &s->x[k * dim]));
+    area += s->area[k];
+  }
+  if (area > 0.0) linear->p0 = sum / area;
+}
+
+/* Adds the loads of a linear pressure on facets; on a body, on finer ones. */
+static PetscErrorCode AddLinear(const Flow *flow, PetscInt side, const Facets *s,
+                                const PetscReal centre[], const LinearPressure *linear,
+                                PetscReal F[], PetscReal T[])
+{
+  const PetscInt  dim  = flow->scene->dim;
+  const PetscBool fine = BoundaryBody(flow->scene, side) ? PETSC_TRUE : PETSC_FALSE;
+  Facets          of   = *s;
+
+  PetscFunctionBegin;
+  if (flow->ops->free) PetscFunctionReturn(PETSC_SUCCESS);
+  if (fine) PetscCall(FacetsOfBody(flow->scene, side, FINE, &of));
+  for (PetscInt k = 0; k < of.n; k++) {
+    PetscReal load[ISPH_MAX_DIM];
+
+    for (PetscInt a = 0; a < dim; a++)
+      load[a] = -of.area[k] * LinearAt(dim, linear, &of.x[k * dim]) * of.normal[k * dim + a];
+    AddLoad(dim, centre, &of.x[k * dim], load, F, T);
+  }
+  if (fine) PetscCall(FacetsFree(&of));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Copies those torques by tractions that the momentum does not give: a layer that ends at periodic
+   sides has stresses there, whose arms differ by the period. */
+static void CopyTorques(const Scene *scene, PetscInt side, const PetscReal traction[],
+                        PetscReal momentum[])
+{
+  const Body *body = BoundaryBody(scene, side);
+
+  for (PetscInt a = 0; a < scene->dim; a++) {
+    if (!SceneIsPeriodic(scene, a) || (body && !BodyReachesThrough(body, a))) continue;
+    for (PetscInt b = ISPH_MAX_DIM; b < 2 * ISPH_MAX_DIM; b++)
+      if (b != ISPH_MAX_DIM + a) momentum[b] = traction[b];
+  }
+}
+
+/*
+  WallForce - Computes force and torque of the fluid on a boundary, a side of the box or a body, in
+  two ways: by the momentum of the fluid beside it, which is the better one, and by tractions
+
+  Collective. With a free surface both are tractions on the parts of the wall inside it. Output: force [N], then torque
+  [N m] about the centre of a body or the middle of the box, at FORCE_MOMENTUM and FORCE_TRACTION.
+  In 2D both are per metre of depth, and the torque is its third component.
+*/
+PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal force[2][2 * ISPH_MAX_DIM])
+{
+  const PetscInt dim      = flow->scene->dim;
+  PetscReal     *momentum = force[FORCE_MOMENTUM], *traction = force[FORCE_TRACTION];
+  PetscReal     *f, *p, centre[ISPH_MAX_DIM];
+  LinearPressure linear;
+  Facets         s;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(momentum, 2 * ISPH_MAX_DIM));
+  TorqueCentre(flow->scene, side, centre);
+  PetscCall(WallLoads(flow, side, &s, &f, &p));
+  SetLinear(flow, centre, &s, p, &linear);
+  PetscCall(AddLinear(flow, side, &s, centre, &linear, momentum, &momentum[ISPH_MAX_DIM]));
+  PetscCall(PetscArraycpy(traction, momentum, 2 * ISPH_MAX_DIM));
+  for (PetscInt k = 0; k < s.n; k++) {
+    const PetscReal excess = p[k] - LinearAt(dim, &linear, &s.x[k * dim]);
+
+    if (PetscIsNanReal(f[k * dim])) continue;
+    for (PetscInt a = 0; a < dim; a++)
+      if (!PetscIsNanReal(p[k])) f[k * dim + a] -= s.area[k] * excess * s.normal[k * dim + a];
+    AddLoad(dim, centre, &s.x[k * dim], &f[k * dim], traction, &traction[ISPH_MAX_DIM]);
+  }
+  if (flow->ops->free || s.n == 0) PetscCall(PetscArraycpy(momentum, traction, 2 * ISPH_MAX_DIM));
+  else PetscCall(AddReaction(flow, side, &s, centre, &linear, momentum, &momentum[ISPH_MAX_DIM]));
+  CopyTorques(flow->scene, side, traction, momentum);
+  PetscCall(PetscFree(f));
+  PetscCall(PetscFree(p));
+  PetscCall(FacetsFree(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes a row for each boundary that fluid does not leave into the opposite side: sides of the box,
+   then bodies. */
 static PetscErrorCode WriteForces(const Flow *flow, Monitor *monitor)
 {
   const Scene *scene = flow->scene;
 
   PetscFunctionBegin;
   for (PetscInt side = 0; side < SceneBoundaries(scene); side++) {
-    PetscReal force[2 * ISPH_MAX_DIM] = {0.0}; /* force, then torque */
+    PetscReal force[2][2 * ISPH_MAX_DIM];
     char      name[WALL_NAME];
 
     if (!SceneHas(scene, PHYSICS_WALLS)) continue;
-    if (!BoundaryIs(scene, side, BOUNDARY_CONFINES | BOUNDARY_NO_SLIP)) continue;
-    PetscCall(WallForce(flow, side, force, &force[ISPH_MAX_DIM]));
-    PetscCall(MonitorMean(flow->clock, side, 2 * ISPH_MAX_DIM, force, monitor));
+    if (BoundaryIs(scene, side, BOUNDARY_CONTINUES) || BoundaryIs(scene, side, BOUNDARY_FREE))
+      continue;
+    PetscCall(WallForce(flow, side, force));
+    PetscCall(MonitorMean(flow->clock, side, 4 * ISPH_MAX_DIM, force[0], monitor));
     SceneWallName(scene, side, name);
     if (!MonitorRow(flow->clock, monitor)) continue;
     (void)fprintf(monitor->stream, ",%s", name);
-    MonitorVector(monitor, scene->dim, force);
-    MonitorVector(monitor, 3, &force[ISPH_MAX_DIM]);
+    for (PetscInt k = 0; k < 2; k++) {
+      MonitorVector(monitor, scene->dim, force[k]);
+      MonitorVector(monitor, 3, &force[k][ISPH_MAX_DIM]);
+    }
     (void)fprintf(monitor->stream, "\n");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -315,7 +472,8 @@ static PetscInt ForceWindows(const Scene *scene, const Monitor *monitor)
 
 const MonitorKind MonitorForces = {
     .name    = "forces",
-    .header  = "wall,fx,fy,fz,tx,ty,tz",
+    .header  = "wall,fx,fy,fz,tx,ty,tz,traction_fx,traction_fy,traction_fz,traction_tx,traction_ty,"
+               "traction_tz",
     .Windows = ForceWindows,
     .Write   = WriteForces,
 };

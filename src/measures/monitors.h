@@ -45,7 +45,7 @@ typedef struct {
 extern const MonitorKind MonitorPoints, MonitorLines, MonitorFluxes, MonitorBudget;
 /* forces.c */
 extern const MonitorKind MonitorForces;
-/* volume.c */
+/* freemeasure.c */
 extern const MonitorKind MonitorVolume;
 
 /* monitorfile.c */
@@ -64,18 +64,27 @@ typedef struct {
   PetscReal  edge[2][ISPH_MAX_DIM]; /* its edges [m] */
 } Facets;
 PetscErrorCode FacetsOfWall(const Scene *scene, PetscInt side, Facets *facets);
+PetscErrorCode FacetsOfBody(const Scene *scene, PetscInt side, PetscInt pieces, Facets *facets);
 PetscErrorCode FacetsOfSection(const Scene *scene, const PetscReal corner[], Facets *facets);
 PetscErrorCode FacetsKeepWet(const Flow *flow, Facets *facets);
 PetscErrorCode FacetsFlux(const Flow *flow, const Facets *facets, PetscReal *flux, PetscReal *size);
 PetscErrorCode FacetsFree(Facets *facets);
+void           FacetsCopy(PetscInt k, PetscInt to, Facets *facets);
 
-/* forces.c */
+/* tractions.c */
+PetscErrorCode FacetLoads(const Flow *flow, PetscInt side, const Facets *facets, PetscReal **f,
+                          PetscReal **p);
 PetscErrorCode WallLoads(const Flow *flow, PetscInt side, Facets *facets, PetscReal **f,
                          PetscReal **p);
-void AddTorque(PetscInt dim, const PetscReal c[], const PetscReal x[], const PetscReal f[],
-               PetscReal T[]);
+void      AddTorque(PetscInt dim, const PetscReal c[], const PetscReal x[], const PetscReal f[],
+                    PetscReal T[]);
+PetscReal FacetHeight(const Scene *scene, PetscInt side, const PetscReal x[]);
+PetscErrorCode PointViscosity(const Flow *flow, PetscInt n, const PetscReal x[],
+                              const PetscReal rate[], PetscReal nu[]);
 
 /* probe.c */
+PetscErrorCode ProbeMotion(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal gradient[],
+                           PetscReal rate[], PetscReal pressure[]);
 PetscErrorCode ProbeDry(const Flow *flow, PetscInt n, const PetscReal x[], PetscBool dry[]);
 PetscBool      ProbeInBody(const Scene *scene, const PetscReal x[]);
 

@@ -11,7 +11,7 @@
 */
 #include "monitors.h"
 
-#define PROBE_MAX_TERMS (1 + MLS_QUADRATIC_TERMS)
+#define PROBE_MAX_TERMS 20  /* of a cubic fit in 3D */
 #define WET             1.3 /* distance of the nearest particle from which on a point is dry [dx] */
 #define ON_SURFACE      0.01 /* height above a free surface up to which a point is on it [dx] */
 
@@ -21,13 +21,15 @@ typedef struct {
   Cells       cells;
   PetscReal  *field[ISPH_MAX_DIM + 1]; /* particle fields u, then p, with halo [m/s], [Pa] */
   PetscInt    n_fields;
-  PetscReal   reach; /* distance from own points within which this rank has all particles [m] */
-  PetscInt   *list;  /* neighbours of the present point */
-  PetscReal  *w;     /* their weights [-] */
+  PetscInt    degree; /* of the fits, 2 or 3 */
+  PetscReal   reach;  /* distance from own points within which this rank has all particles [m] */
+  PetscInt   *list;   /* neighbours of the present point */
+  PetscReal  *w;      /* their weights in the value, then in its derivatives [-], [1/m] */
 } Probe;
 
-/* Computes the basis 1, X_a/R, X_a X_b/R^2; returns the number of terms. */
-static PetscInt ProbeBasis(PetscInt dim, const PetscReal s[], PetscReal phi[])
+/* Computes the basis 1, X_a/R, X_a X_b/R^2, of degree 3 also X_a X_b X_c/R^3; returns the number of
+   terms. */
+static PetscInt ProbeBasis(PetscInt dim, PetscInt degree, const PetscReal s[], PetscReal phi[])
 {
   PetscInt t = 0;
 
@@ -35,6 +37,10 @@ static PetscInt ProbeBasis(PetscInt dim, const PetscReal s[], PetscReal phi[])
   for (PetscInt a = 0; a < dim; a++) phi[t++] = s[a];
   for (PetscInt a = 0; a < dim; a++) {
     for (PetscInt b = 0; b <= a; b++) phi[t++] = s[a] * s[b];
+  }
+  for (PetscInt a = 0; degree > 2 && a < dim; a++) {
+    for (PetscInt b = 0; b <= a; b++)
+      for (PetscInt c = 0; c <= b; c++) phi[t++] = s[a] * s[b] * s[c];
   }
   return t;
 }
@@ -113,14 +119,15 @@ static PetscErrorCode ProbeFind(Probe *probe, const PetscReal x[], const ProbeBa
 static PetscInt ProbeMoments(const Probe *probe, const PetscReal x[], const ProbeBall *ball,
                              PetscInt n, PetscReal moments[])
 {
-  const PetscInt dim = probe->flow->particles->dim, terms = 1 + dim + dim * (dim + 1) / 2;
+  const PetscInt dim = probe->flow->particles->dim, quadratic = 1 + dim + dim * (dim + 1) / 2;
+  const PetscInt terms = probe->degree < 3 ? quadratic : quadratic * (dim + 3) / 3;
 
   for (PetscInt t = 0; t < terms * terms; t++) moments[t] = 0.0;
   for (PetscInt k = 0; k < n; k++) {
     PetscReal       s[ISPH_MAX_DIM], phi[PROBE_MAX_TERMS];
     const PetscReal W = ProbeOffset(probe, probe->list[k], x, ball, s);
 
-    (void)ProbeBasis(dim, s, phi);
+    (void)ProbeBasis(dim, probe->degree, s, phi);
     for (PetscInt t = 0; t < terms; t++) {
       for (PetscInt q = 0; q < terms; q++) moments[t * terms + q] += W * phi[t] * phi[q];
     }
@@ -130,7 +137,8 @@ static PetscInt ProbeMoments(const Probe *probe, const PetscReal x[], const Prob
 
 /*
   Computes and factors the moment matrix of the fit at x. The support grows, up to the reach of the
-  halo, while it holds too few particles, for example in a corner.
+  halo, while it holds too few particles, for example in a corner; then a cubic fit becomes a
+  quadratic one.
 */
 static PetscErrorCode ProbeFit(Probe *probe, const PetscReal x[], PetscInt field, PetscInt *n,
                                ProbeBall *ball, PetscInt *terms, PetscReal moments[],
@@ -143,6 +151,11 @@ static PetscErrorCode ProbeFit(Probe *probe, const PetscReal x[], PetscInt field
     *terms = ProbeMoments(probe, x, ball, *n, moments);
     PetscCall(PetscArraycpy(factor, moments, *terms * *terms));
     if (*n >= 2 * *terms && !DenseCholesky(*terms, factor)) break;
+    if (ball->R >= probe->reach * ball->least && probe->degree > 2) {
+      probe->degree = 2;
+      *ball         = ProbeSupport(probe, x);
+      continue;
+    }
     if (ball->R >= probe->reach * ball->least) {
       DenseCholeskyRidge(*terms, moments, 1e-10, factor);
       break;
@@ -152,35 +165,51 @@ static PetscErrorCode ProbeFit(Probe *probe, const PetscReal x[], PetscInt field
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the weights w_k = W_k phi_k . M^-1 e_0 of f(x) = sum_k w_k f_k, with the kernel W_k, the
-   basis phi_k and the moment matrix M. */
-static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscInt field, PetscInt *n)
+/* Solves M c = e_t for a moment matrix M and its factor. Refines c: M may be ill conditioned. */
+static void ProbeColumn(PetscInt terms, PetscInt t, const PetscReal moments[],
+                        const PetscReal factor[], PetscReal c[])
 {
-  const PetscInt dim = probe->flow->particles->dim;
-  PetscReal      moments[PROBE_MAX_TERMS * PROBE_MAX_TERMS], c[PROBE_MAX_TERMS] = {0.0};
+  for (PetscInt q = 0; q < terms; q++) c[q] = 0.0;
+  for (PetscInt pass = 0; pass < 3; pass++) {
+    PetscReal residual[PROBE_MAX_TERMS] = {0.0};
+
+    residual[t] = 1.0;
+    for (PetscInt r = 0; r < terms; r++) {
+      for (PetscInt q = 0; q < terms; q++) residual[r] -= moments[r * terms + q] * c[q];
+    }
+    DenseCholeskySolve(terms, factor, residual);
+    for (PetscInt q = 0; q < terms; q++) c[q] += residual[q];
+  }
+}
+
+/* Computes the weights w_k = W_k phi_k . M^-1 e_t of the coefficient t of the fit at x, from 0 to
+   wanted - 1, with the kernel W_k, the basis phi_k and the moment matrix M: of f(x) and of its
+   derivatives. */
+static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscInt field,
+                                   PetscInt wanted, PetscInt *n)
+{
+  const PetscInt dim = probe->flow->particles->dim, degree = probe->degree;
+  PetscReal      moments[PROBE_MAX_TERMS * PROBE_MAX_TERMS], c[PROBE_MAX_TERMS];
   PetscReal      factor[PROBE_MAX_TERMS * PROBE_MAX_TERMS];
   ProbeBall      ball;
   PetscInt       terms = 0;
 
   PetscFunctionBegin;
   PetscCall(ProbeFit(probe, x, field, n, &ball, &terms, moments, factor));
-  for (PetscInt pass = 0; pass < 3; pass++) { /* refines c = M^-1 e_0: M may be ill conditioned */
-    PetscReal residual[PROBE_MAX_TERMS] = {1.0};
+  for (PetscInt t = 0; t < wanted; t++) {
+    const PetscReal per_length = t > 0 ? ball.stretch[t - 1] / ball.R : 1.0;
 
-    for (PetscInt t = 0; t < terms; t++) {
-      for (PetscInt q = 0; q < terms; q++) residual[t] -= moments[t * terms + q] * c[q];
+    ProbeColumn(terms, t, moments, factor, c);
+    for (PetscInt k = 0; k < *n; k++) {
+      PetscReal       s[ISPH_MAX_DIM], phi[PROBE_MAX_TERMS], sum = 0.0;
+      const PetscReal W = ProbeOffset(probe, probe->list[k], x, &ball, s);
+
+      (void)ProbeBasis(dim, probe->degree, s, phi);
+      for (PetscInt q = 0; q < terms; q++) sum += phi[q] * c[q];
+      probe->w[t * probe->cells.n + k] = W * sum * per_length;
     }
-    DenseCholeskySolve(terms, factor, residual);
-    for (PetscInt t = 0; t < terms; t++) c[t] += residual[t];
   }
-  for (PetscInt k = 0; k < *n; k++) {
-    PetscReal       s[ISPH_MAX_DIM], phi[PROBE_MAX_TERMS], sum = 0.0;
-    const PetscReal W = ProbeOffset(probe, probe->list[k], x, &ball, s);
-
-    (void)ProbeBasis(dim, s, phi);
-    for (PetscInt t = 0; t < terms; t++) sum += phi[t] * c[t];
-    probe->w[k] = W * sum;
-  }
+  probe->degree = degree;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -191,11 +220,12 @@ static PetscErrorCode ProbeBegin(const Flow *flow, PetscBool pressure, Probe *pr
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(probe, sizeof(*probe)));
-  probe->flow = flow;
+  probe->flow   = flow;
+  probe->degree = 2;
   /* Within an epoch a particle moves by less than half a skin. */
   probe->reach = PetscMax(flow->ops->forms.radius, p->halo_width + 0.5 * p->skin);
   PetscCall(CellsBuild(p, 0.5 * flow->ops->forms.radius, &probe->cells));
-  PetscCall(PetscMalloc2(probe->cells.n, &probe->list, probe->cells.n, &probe->w));
+  PetscCall(PetscMalloc2(probe->cells.n, &probe->list, probe->cells.n * (1 + p->dim), &probe->w));
   for (PetscInt c = 0; c < p->dim; c++) probe->field[probe->n_fields++] = p->u[c];
   if (pressure) probe->field[probe->n_fields++] = p->p;
   for (PetscInt f = 0; f < probe->n_fields; f++) PetscCall(ParticlesHaloField(p, probe->field[f]));
@@ -291,7 +321,7 @@ static PetscErrorCode ProbeEvaluate(Probe *probe, const PetscReal x[], PetscReal
   for (PetscInt f = 0; !dry && f < probe->n_fields; f++) {
     const PetscBool pressure = f == probe->flow->particles->dim ? PETSC_TRUE : PETSC_FALSE;
 
-    if (f == 0 || slip || (pressure && walls)) PetscCall(ProbeWeights(probe, x, f, &n));
+    if (f == 0 || slip || (pressure && walls)) PetscCall(ProbeWeights(probe, x, f, 1, &n));
     values[f] = 0.0;
     for (PetscInt k = 0; k < n; k++) values[f] += probe->w[k] * probe->field[f][probe->list[k]];
   }
@@ -339,6 +369,102 @@ PetscErrorCode ProbePoints(const Flow *flow, PetscInt n, const PetscReal x[], Pe
     for (PetscInt c = 0; c < dim; c++) u[k * dim + c] = values[k * width + c];
     if (p) p[k] = pressure ? values[k * width + dim] : NAN;
   }
+  PetscCall(PetscFree(values));
+  PetscCall(ProbeEnd(&probe));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes velocity, its gradient, acceleration and pressure at a point: u, d u_c/dx_a at
+   [dim + c dim + a], the acceleration, then the pressure. Wall particles have none of the last two,
+   which need a fit of their own beside them. */
+static PetscErrorCode ProbeEvaluateMotion(Probe *probe, const PetscReal x[],
+                                          PetscReal *const rate[], PetscReal values[])
+{
+  const Particles *p     = probe->flow->particles;
+  const PetscInt   dim   = p->dim;
+  const PetscBool  slip  = SceneSlipKind(probe->flow->scene) ? PETSC_TRUE : PETSC_FALSE;
+  PetscBool        walls = PETSC_FALSE;
+  PetscReal       *last  = &values[dim + dim * dim];
+  PetscInt         n     = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < dim; c++) {
+    if (c == 0 || slip) PetscCall(ProbeWeights(probe, x, c, 1 + dim, &n));
+    for (PetscInt t = 0; t <= dim; t++) {
+      PetscReal *value = &values[t == 0 ? c : dim + c * dim + t - 1];
+
+      for (PetscInt k = 0; k < n; k++)
+        *value += probe->w[t * probe->cells.n + k] * p->u[c][probe->list[k]];
+    }
+  }
+  for (PetscInt k = 0; k < n && !walls; k++) walls = ParticlesIsWall(p, probe->list[k]);
+  if (walls) PetscCall(ProbeWeights(probe, x, dim, 1, &n));
+  for (PetscInt k = 0; k < n; k++) {
+    for (PetscInt c = 0; c < dim; c++) last[c] += probe->w[k] * rate[c][probe->list[k]];
+    if (probe->n_fields > dim) last[dim] += probe->w[k] * p->p[probe->list[k]];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Creates the rates Du/Dt of local particles, with the change by the velocity filter, which is part
+   of the change of the momentum [m/s^2]. */
+static PetscErrorCode CreateRates(const Flow *flow, PetscReal *rate[])
+{
+  const Particles  *p        = flow->particles;
+  PetscReal *const *filtered = flow->state->acceleration.filtered;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < p->dim; a++) PetscCall(PetscCalloc1(ParticlesAll(p), &rate[a]));
+  PetscCall(AccelerationGet(flow, rate));
+  for (PetscInt a = 0; a < p->dim; a++) {
+    for (PetscInt i = 0; filtered[a] && i < p->n_fluid; i++) rate[a][i] += filtered[a][i];
+    PetscCall(ParticlesHaloField(p, rate[a]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ProbeMotion - Computes velocity gradient, rate Du/Dt and pressure at points by cubic fits
+
+  Collective. Input: as ProbePoints(), in a flow without a free surface. Output, on all ranks:
+  gradient - d u_c/dx_a at [(k dim + c) dim + a] [1/s]; rate - dim components each [m/s^2]; pressure
+  - NaN if the run has none [Pa].
+*/
+PetscErrorCode ProbeMotion(const Flow *flow, PetscInt n, const PetscReal x[], PetscReal gradient[],
+                           PetscReal rate[], PetscReal pressure[])
+{
+  const Particles *p   = flow->particles;
+  const PetscInt   dim = p->dim, last = dim + dim * dim, width = last + dim + 1;
+  const PetscBool  own = flow->scheme->Pressure ? PETSC_TRUE : PETSC_FALSE;
+  Probe            probe;
+  PetscReal       *values, *du[ISPH_MAX_DIM];
+
+  PetscFunctionBegin;
+  PetscCall(ProbeBegin(flow, p->p && !own ? PETSC_TRUE : PETSC_FALSE, &probe));
+  probe.degree = 3;
+  PetscCall(PetscCalloc1(n * width, &values));
+  PetscCall(CreateRates(flow, du));
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal place[ISPH_MAX_DIM];
+
+    if (ProbeOwns(flow, &x[k * dim], place))
+      PetscCall(ProbeEvaluateMotion(&probe, place, du, &values[k * width]));
+    if (own) PetscCall(flow->scheme->Pressure(flow, place, &values[k * width + last + dim]));
+  }
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, values, (PetscMPIInt)(n * width), MPIU_REAL, MPIU_SUM, p->comm));
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal *value = &values[k * width];
+
+    PetscCall(PetscArraycpy(&gradient[k * dim * dim], &value[dim], dim * dim));
+    for (PetscInt a = 0; a < dim; a++) {
+      rate[k * dim + a] = value[last + a];
+      for (PetscInt b = 0; flow->state->has_convection && b < dim; b++)
+        rate[k * dim + a] += value[b] * value[dim + a * dim + b];
+    }
+    pressure[k] = p->p ? value[last + dim] : NAN;
+  }
+  for (PetscInt a = 0; a < dim; a++) PetscCall(PetscFree(du[a]));
   PetscCall(PetscFree(values));
   PetscCall(ProbeEnd(&probe));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -329,7 +329,9 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   const PetscBool graded   = SceneMovesGraded(scene);
   const PetscBool noted    = state->carried[0][0] ? PETSC_TRUE : PETSC_FALSE;
   const PetscBool across   = FiltersShear(flow);
-  PetscReal       moved2   = 0.0, weight[HISTORY];
+
+  PetscReal *const *filtered = state->acceleration.filtered;
+  PetscReal         moved2   = 0.0, weight[HISTORY];
 
   PetscFunctionBegin;
   HistoryPath(clock, weight);
@@ -366,8 +368,13 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
     for (PetscInt a = 0; on_surface && a < scene->dim; a++) change[a] += pushed[a] / clock->dt;
     if (noted) NoteChange(state, scene->dim, CARRIED_CLEARANCE, i, change);
     if (flow->ops->velocity[0].filter_u.needed) {
+      PetscReal before[ISPH_MAX_DIM];
+
+      for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) before[a] = change[a];
       FilterVelocity(scene, slopes, i, state->velocity_filter, across, clock->dt, change);
       FilterAtSurface(flow, slopes, i, change);
+      for (PetscInt a = 0; filtered[0] && a < scene->dim; a++)
+        filtered[a][i] = (change[a] - before[a]) / clock->dt;
     }
     if (noted) NoteChange(state, scene->dim, CARRIED_FILTER, i, change);
     d2 /= PetscSqr(p->dx[i]);
