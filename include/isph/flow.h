@@ -120,7 +120,8 @@ typedef struct {
   /* change of the velocity by the motion up to each of its parts (field); NULL: not noted [m/s] */
   PetscReal *carried[CARRIED_PARTS][ISPH_MAX_DIM];
   PetscReal *owned_volume; /* volume that particles own (field); NULL: not controlled [m^dim] */
-  PetscReal *correction[ISPH_MAX_DIM]; /* u - u* of the last projection (field); NULL without
+  Vec        filter_rate[ISPH_MAX_DIM]; /* of VelocityFilterRates() in the present step [1/s] */
+  PetscReal *correction[ISPH_MAX_DIM];  /* u - u* of the last projection (field); NULL without
                                           implicit convection [m/s] */
 
   PetscInt  epoch;                           /* epoch of the vectors */
@@ -402,6 +403,13 @@ PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], PetscInt c, Vec 
                                Vec work, Vec result);
 PetscErrorCode ConvectionAddMatrix(const Flow *flow, const Vec v[], PetscInt c, Mat work, Vec rate,
                                    Mat sum);
+
+PetscBool      VelocityFilterActsOnShear(const Flow *flow);
+void           VelocityFilter(PetscInt dim, PetscReal A[][ISPH_MAX_DIM], const PetscReal r[],
+                              PetscReal strength, PetscBool across, PetscReal dt, PetscReal change[]);
+PetscErrorCode FlowFilter(Flow *flow);
+PetscErrorCode VelocityFilterRates(Flow *flow, const Vec v[]);
+PetscErrorCode VelocityFilterForget(Flow *flow);
 
 /* The step, and its attempts. */
 PetscErrorCode        FlowMakeStep(Flow *flow);

@@ -19,7 +19,7 @@ typedef enum {
   FACT_PRESSURE   = 1 << 4,  /* PHYSICS_PRESSURE */
   FACT_VARIES     = 1 << 5,  /* viscosity varies */
   FACT_CURVED     = 1 << 6,  /* there is a pressure or a body */
-  FACT_GRADED     = 1 << 7,  /* particles of several sizes move */
+  FACT_GRADED     = 1 << 7,  /* particles have several sizes */
   FACT_DRIVEN     = 1 << 8,  /* walls or forces depend on time */
   FACT_TENSION    = 1 << 9,  /* surface tension */
   FACT_NONLINEAR  = 1 << 10, /* viscosity follows the strain rate */
@@ -48,7 +48,6 @@ typedef enum {
 typedef enum {
   NUMBER_NONE,
   NUMBER_CELL,      /* U dx/nu with the least viscosity */
-  NUMBER_DAMPING,   /* U e/nu, e the smallest edge of a cell; largest spacing without a lattice */
   NUMBER_SURFACE,   /* nu dt/dx^2 of the steps that a scheme saves at a free surface */
   NUMBER_STIFFNESS, /* nu dt/e^2 with the largest viscosity, e the smallest edge of a cell */
   NUMBER_COURANT,   /* U dt/dx */
@@ -74,7 +73,6 @@ typedef enum {
   REGIME_VISC_PC,
   REGIME_VISC_RTOL,
   REGIME_BLOCK_PC,
-  REGIME_COARSE_HOLDS,
   REGIME_CHORIN_HOLDS,
   REGIME_STEP_HOLDS,
   REGIMES

@@ -20,9 +20,9 @@ PetscErrorCode ConvectionCentral(PetscInt dim, const VelocityOperators *of, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Multiplies x by the factor of the residual of the fit in ConvectionApply(), -velocity_filter
-   included [1/s]. */
-static PetscErrorCode ScaleByFilterRate(const Flow *flow, const Vec v[], Vec x)
+/* Multiplies x by the factor of the residual of the fit of component c in ConvectionApply(),
+   -velocity_filter included [1/s]. */
+static PetscErrorCode ScaleByFilterRate(const Flow *flow, const Vec v[], PetscInt c, Vec x)
 {
   const Scene       *scene    = flow->scene;
   const PetscReal    strength = flow->state->velocity_filter;
@@ -33,6 +33,10 @@ static PetscErrorCode ScaleByFilterRate(const Flow *flow, const Vec v[], Vec x)
   PetscInt           n;
 
   PetscFunctionBegin;
+  if (flow->state->filter_rate[c]) {
+    PetscCall(VecPointwiseMult(x, x, flow->state->filter_rate[c]));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(VecGetLocalSize(x, &n));
   PetscCall(VecGetArray(x, &value));
   for (PetscInt a = 0; a < scene->dim; a++) PetscCall(VecGetArrayRead(v[a], &at[a]));
@@ -48,6 +52,15 @@ static PetscErrorCode ScaleByFilterRate(const Flow *flow, const Vec v[], Vec x)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Returns true if the convective term of component c has a velocity filter; one of a strength above 1
+   acts before explicit steps, FlowFilter(). */
+static PetscBool HasFilter(const Flow *flow, PetscInt c)
+{
+  if (!OperatorsOfVelocity(flow->ops, c)->filter_u.needed) return PETSC_FALSE;
+  return flow->state->velocity_filter <= 1.0 || flow->state->filter_rate[c] ? PETSC_TRUE
+                                                                            : PETSC_FALSE;
+}
+
 /*
   ConvectionApply - Computes the convective term of fixed particles, with the velocity filter
 
@@ -58,7 +71,7 @@ static PetscErrorCode ScaleByFilterRate(const Flow *flow, const Vec v[], Vec x)
   central differences. It damps grid modes in the time in which the flow passes dx, and only if |v|
   dx/nu > 2. It is of order 2, U dx^2 u''', on any arrangement of particles, and of order 3 on
   lattices. Without it (-velocity_filter 0) explicit steps of the first term amplify grid modes that
-  viscosity does not damp.
+  viscosity does not damp. For S above 1 the factor is that of VelocityFilterRates().
 
   Input Parameters:
 + v     - advecting velocity over fluid [m/s]
@@ -76,9 +89,9 @@ PetscErrorCode ConvectionApply(const Flow *flow, const Vec v[], PetscInt c, Vec 
 
   PetscFunctionBegin;
   PetscCall(ConvectionCentral(flow->scene->dim, of, v, u, walls, work, result));
-  if (!of->filter_u.needed) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!HasFilter(flow, c)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(AffineApply(&of->filter_u, u, walls, work));
-  PetscCall(ScaleByFilterRate(flow, v, work));
+  PetscCall(ScaleByFilterRate(flow, v, c, work));
   PetscCall(VecAXPY(result, 1.0, work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -115,9 +128,9 @@ PetscErrorCode ConvectionAddMatrix(const Flow *flow, const Vec v[], PetscInt c, 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < flow->scene->dim; a++)
     PetscCall(AddScaled(of->grad_u[a].A, v[a], work, sum));
-  if (!of->filter_u.needed) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!HasFilter(flow, c)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VecSet(rate, 1.0));
-  PetscCall(ScaleByFilterRate(flow, v, rate));
+  PetscCall(ScaleByFilterRate(flow, v, c, rate));
   PetscCall(AddScaled(of->filter_u.A, rate, work, sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,7 +4,6 @@
 */
 #include "isph/motion.h"
 
-#define FILTER_RATE  2.0 /* factor of |A A|^(1/2) [-] */
 #define SURFACE_RATE 5.0 /* of the filter beside free surfaces [nu/dx_i^2] */
 #define PASSES       0.5 /* distance from a side below which a mirror image is too near [dx_i] */
 #define CLEARANCE    0.3 /* least distance of particles from walls [dx_i] */
@@ -190,74 +189,18 @@ static void FollowShift(const Scene *scene, const Slopes *slopes, PetscInt i,
   }
 }
 
-/* Computes D r of FilterVelocity() for the gradient A with |A| = length and |A A| = product. */
-static void ShearTimes(PetscInt dim, PetscReal A[][ISPH_MAX_DIM], PetscReal length,
-                       PetscReal product, const PetscReal r[], PetscReal result[])
+/* Filters grid modes out of the velocity of particle i, see VelocityFilter(). */
+static void FilterVelocity(const Flow *flow, const Slopes *slopes, PetscInt i, PetscBool across,
+                           PetscReal change[])
 {
-  PetscReal turned[ISPH_MAX_DIM] = {0.0};
+  const PetscInt dim = flow->scene->dim;
+  PetscReal      A[ISPH_MAX_DIM][ISPH_MAX_DIM], r[ISPH_MAX_DIM];
 
-  for (PetscInt c = 0; c < dim; c++)
-    for (PetscInt a = 0; a < dim; a++) turned[c] += A[c][a] * r[a];
-  for (PetscInt a = 0; a < dim; a++) {
-    result[a] = -product / PetscSqrtReal((PetscReal)dim) * r[a];
-    for (PetscInt c = 0; c < dim; c++) result[a] += A[c][a] * turned[c];
-    result[a] /= length;
-  }
-}
-
-/* Returns true if the filter damps disturbances across a shear, see FilterVelocity(). */
-static PetscBool FiltersShear(const Flow *flow)
-{
-  Regime *regime = flow->scene->regime;
-
-  RegimeSetFact(regime, FACT_STRONG, flow->state->velocity_filter > 1.0 ? PETSC_TRUE : PETSC_FALSE);
-  return RegimeValue(regime, REGIME_SHEAR) > 0.0 ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/*
-  Filters grid modes out of the velocity of particle i
-
-    u -= min(1, S) min(1, k |A A|^(1/2)) r + k D r,   k = max(1, S) RATE dt,
-    D = (A^T A - |A A|/d^(1/2) I)/|A|,   A_ca = du_c/dx_a
-
-  |.| is Frobenius' norm, S is -velocity_filter, RATE is FILTER_RATE, and r the residual of a
-  quadratic fit of u at the particle in d dimensions. |A A|^(1/2) is the rate at which the flow can
-  amplify disturbances in strain and rotation. In these D vanishes. In parallel flow A A vanishes,
-  and D is the shear rate times the projection on its direction: disturbances across the flow, which
-  take energy from the shear, are damped, and boundary layers, however thin, keep their velocity. In
-  a resolved flow the rate is U/L, and the filter is of order 3. A strength below 1 is a share,
-  above 1 it multiplies the rate; the regime decides on the last term (`across`), which counts for a
-  pressure on coarse points only. k in this term is bounded, so that no component of r changes its
-  sign. See docs/theory.md, (77) and (255).
-*/
-static void FilterVelocity(const Scene *scene, const Slopes *slopes, PetscInt i, PetscReal strength,
-                           PetscBool across, PetscReal dt, PetscReal change[])
-{
-  const PetscReal k = PetscMax(1.0, strength) * FILTER_RATE * dt;
-  PetscReal       A[ISPH_MAX_DIM][ISPH_MAX_DIM], r[ISPH_MAX_DIM], shear[ISPH_MAX_DIM];
-  PetscReal       length = 0.0, product = 0.0, share, along;
-
-  for (PetscInt c = 0; c < scene->dim; c++) {
+  for (PetscInt c = 0; c < dim; c++) {
     r[c] = slopes->residual[c][i];
-    for (PetscInt a = 0; a < scene->dim; a++) {
-      PetscReal entry = 0.0;
-
-      A[c][a] = slopes->u[c][a][i];
-      for (PetscInt b = 0; b < scene->dim; b++) entry += slopes->u[c][b][i] * slopes->u[b][a][i];
-      product += PetscSqr(entry);
-      length += PetscSqr(A[c][a]);
-    }
+    for (PetscInt a = 0; a < dim; a++) A[c][a] = slopes->u[c][a][i];
   }
-  if (length == 0.0) return;
-  length  = PetscSqrtReal(length);
-  product = PetscSqrtReal(product);
-  share   = PetscMin(1.0, k * PetscSqrtReal(product));
-  along   = across ? PetscMin(k, (1.0 - share) / length) : 0.0;
-  share *= PetscMin(1.0, strength);
-  for (PetscInt c = 0; c < scene->dim; c++) change[c] -= share * r[c];
-  if (along == 0.0) return;
-  ShearTimes(scene->dim, A, length, product, r, shear);
-  for (PetscInt c = 0; c < scene->dim; c++) change[c] -= along * shear[c];
+  VelocityFilter(dim, A, r, flow->state->velocity_filter, across, flow->clock->dt, change);
 }
 
 /* Returns true if a wall is within the support of own particle i. */
@@ -328,7 +271,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   const PetscBool shifting = state->shift->Displace ? PETSC_TRUE : PETSC_FALSE;
   const PetscBool graded   = SceneMovesGraded(scene);
   const PetscBool noted    = state->carried[0][0] ? PETSC_TRUE : PETSC_FALSE;
-  const PetscBool across   = FiltersShear(flow);
+  const PetscBool across   = VelocityFilterActsOnShear(flow);
 
   PetscReal *const *filtered = state->acceleration.filtered;
   PetscReal         moved2   = 0.0, weight[HISTORY];
@@ -371,7 +314,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
       PetscReal before[ISPH_MAX_DIM];
 
       for (PetscInt a = 0; a < ISPH_MAX_DIM; a++) before[a] = change[a];
-      FilterVelocity(scene, slopes, i, state->velocity_filter, across, clock->dt, change);
+      FilterVelocity(flow, slopes, i, across, change);
       FilterAtSurface(flow, slopes, i, change);
       for (PetscInt a = 0; filtered[0] && a < scene->dim; a++)
         filtered[a][i] = (change[a] - before[a]) / clock->dt;
@@ -398,7 +341,7 @@ static PetscErrorCode DisplaceParticles(Flow *flow, const Slopes *slopes, PetscR
   fields
 
     dr = dt (w_0 u^n + w_1 u^{n-1} + w_2 u^{n-2}) + s,   w of HistoryPath()
-    u += s.grad u + |s|^2/(2d) lap u - filter of FilterVelocity(),   p += dr.grad p
+    u += s.grad u + |s|^2/(2d) lap u - filter of VelocityFilter(),   p += dr.grad p
 
   Collective. Earlier velocities receive the same change as u^n, so that it is no change in time.
   Pressures that stand in space are carried as Eulerian fields, unless a scheme has them fixed

@@ -107,7 +107,7 @@ const OptionTable MotionOptions = OPTIONS("Motion of particles", options);
   Options Database Keys:
 + -shift name        - row of the shift table
 . -shift_strength S  - factor of the diffusivity of -shift
-- -velocity_filter S - strength of the velocity filter in ConvectionApply() and FlowMove()
+- -velocity_filter S - strength of the velocity filter in ConvectionApply(), FlowFilter() and FlowMove()
 */
 PetscErrorCode MotionCreate(Flow *flow, unsigned *needs)
 {
@@ -126,8 +126,6 @@ PetscErrorCode MotionCreate(Flow *flow, unsigned *needs)
   if (SceneHas(scene, PHYSICS_CONVECTION)) {
     s->velocity_filter = RegimeValue(scene->regime, REGIME_FILTER_U);
     PetscCall(OptionGetReal(&options[VELOCITY_FILTER], &s->velocity_filter, NULL));
-    UserCheck(SceneMoves(scene) || s->velocity_filter <= 1.0,
-              "-velocity_filter %.6g: with fixed particles at most 1", (double)s->velocity_filter);
     if (s->velocity_filter > 0.0) *needs |= NEED_FILTER_U;
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -15,7 +15,7 @@ static const char *const words[FACTS][2] = {
     {"a pressure", "no pressure"},
     {"a viscosity that varies", "a uniform viscosity"},
     {"a pressure or bodies", "no pressure and no body"},
-    {"several sizes of moving particles", NULL},
+    {"several sizes of particles", NULL},
     {"walls or forces that depend on t", NULL},
     {"tension", "no tension"},
     {"a viscosity by the strain rate", NULL},
@@ -48,9 +48,6 @@ typedef struct {
 static const NumberRow numbers[NUMBERS] = {
     [NUMBER_NONE]      = {NULL, NULL, PETSC_FALSE},
     [NUMBER_CELL]      = {"U dx/nu", "the least viscosity", PETSC_FALSE},
-    [NUMBER_DAMPING]   = {"U e/nu",
-                          "e the smallest edge of a cell, or without a lattice the largest spacing",
-                          PETSC_FALSE},
     [NUMBER_SURFACE]   = {"nu dt/dx^2", "dt by -dt, or by -cfl, of moving particles a tenth of it",
                           PETSC_FALSE},
     [NUMBER_STIFFNESS] = {"nu dt/e^2", "the largest viscosity, e the smallest edge of a cell",
@@ -76,8 +73,7 @@ void RegimeSetFact(Regime *regime, Fact fact, PetscBool holds)
    freed by the caller. */
 PetscErrorCode RegimeCreate(const Scene *scene, Regime **regime)
 {
-  const PetscReal cell  = CellReynolds(scene);
-  const PetscReal along = scene->grading.on ? SceneCoarsest(scene) : SceneFinest(scene);
+  const PetscReal cell = CellReynolds(scene);
   Regime         *r;
 
   PetscFunctionBegin;
@@ -90,13 +86,13 @@ PetscErrorCode RegimeCreate(const Scene *scene, Regime **regime)
   RegimeSetFact(r, FACT_VARIES, SceneViscosityVaries(scene));
   RegimeSetFact(r, FACT_CURVED,
                 SceneHas(scene, PHYSICS_PRESSURE) || scene->n_bodies ? PETSC_TRUE : PETSC_FALSE);
-  RegimeSetFact(r, FACT_GRADED, SceneMovesGraded(scene));
+  RegimeSetFact(r, FACT_GRADED,
+                SceneIsMapped(scene) || scene->grading.on ? PETSC_TRUE : PETSC_FALSE);
   RegimeSetFact(r, FACT_DRIVEN, SceneIsDrivenInTime(scene));
   RegimeSetFact(r, FACT_TENSION, scene->tension != 0.0 ? PETSC_TRUE : PETSC_FALSE);
   RegimeSetFact(r, FACT_NONLINEAR, SceneIsNewtonian(scene) ? PETSC_FALSE : PETSC_TRUE);
-  r->number[NUMBER_CELL]    = cell;
-  r->number[NUMBER_DAMPING] = cell * (along / scene->dx);
-  *regime                   = r;
+  r->number[NUMBER_CELL] = cell;
+  *regime                = r;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

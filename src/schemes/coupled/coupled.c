@@ -161,9 +161,11 @@ static PetscErrorCode CoupledCreate(Flow *flow)
             "projection, or -motion eulerian");
   if (flow->clock->steady_solve) PetscCall(RefuseSteady(flow));
   PetscCall(SteadyRefuse(flow, NULL, PETSC_FALSE));
+  PetscCall(OptionGetRow(&options[TS_TYPE], NULL, &c->row));
+  if (c->row->substeps || flow->clock->steady_solve)
+    RegimeSetFact(scene->regime, FACT_SUBSTEPS, PETSC_TRUE);
   PetscCall(PressurePointsChoose(scene, &points));
   if (!points->coarse) PetscCall(VolumesCreate(flow));
-  PetscCall(OptionGetRow(&options[TS_TYPE], NULL, &c->row));
   PetscCall(RefuseHistory(flow, c->row));
   if (c->row->substeps)
     PetscCall(ClockDropEstimate(flow->clock, options[TS_TYPE].name, c->row->name));
@@ -172,7 +174,6 @@ static PetscErrorCode CoupledCreate(Flow *flow)
   if (points->coarse) PetscCall(PressureOnSplinesCreate(flow, &c->spacing));
   else flow->scheme->needs |= NEED_FREE_GRAD_P | NEED_FILTER_P;
   if (c->row->substeps || flow->clock->steady_solve) {
-    RegimeSetFact(scene->regime, FACT_SUBSTEPS, PETSC_TRUE);
     flow->state->velocity_filter = RegimeValue(scene->regime, REGIME_FILTER_U);
     flow->scheme->needs &= ~(unsigned)NEED_FILTER_U;
   }
@@ -282,7 +283,7 @@ static const Stage solve = {
 };
 
 static const Stage *const stages[] = {
-    &StageMomentum, &StageMove,    &StagePass, &StageRebuild, &StageVolume, &start,
+    &StageMomentum, &StageMove,    &StagePass, &StageRebuild, &StageVolume, &StageFilter, &start,
     &solve,         &StageCollide, &StageMean, &StageCheck,   &StageError,  NULL,
 };
 

@@ -40,8 +40,12 @@ PetscErrorCode PredictVelocity(Flow *flow)
   PetscCall(FlowPartDone(flow, PART_TIME, 0.0, NULL));
   if (pr->row && pr->space->StartStep) PetscCall(pr->space->StartStep(flow));
   PetscCall(ProjectionForce(flow, flow->clock->t + at * flow->clock->dt, force));
-  if (inner) PetscCall(VelocityExtrapolate(flow, at, v));
-  else if (convects) PetscCall(ConvectionExtrapolate(flow, at, force));
+  if (inner) {
+    PetscCall(VelocityExtrapolate(flow, at, v));
+    PetscCall(VelocityFilterRates(flow, v));
+  } else if (convects) {
+    PetscCall(ConvectionExtrapolate(flow, at, force));
+  }
   if (implicit) PetscCall(ConvectionOfCorrection(flow, at, v, force));
   if (SceneMovesGraded(flow->scene)) PetscCall(GradedConvection(flow, at, force));
   PetscCall(FlowPartDone(flow, PART_FORCE, dt, force));
@@ -57,6 +61,7 @@ PetscErrorCode PredictVelocity(Flow *flow)
   }
   if (!flow->scheme->failure.code && pr->row && pr->space->FollowForce)
     PetscCall(pr->space->FollowForce(flow));
+  PetscCall(VelocityFilterForget(flow));
   PetscCall(FlowPartDone(flow, PART_VISCOSITY, 0.0, NULL));
   for (PetscInt a = 0; a < dim; a++) {
     PetscCall(FlowRestoreWork(flow, &force[a]));

@@ -130,7 +130,7 @@ static const Stage project = {
 };
 
 static const Stage *const stages[] = {
-    &StageMomentum, &StageMove,    &StagePass, &StageRebuild, &StageVolume, &predict,
+    &StageMomentum, &StageMove,    &StagePass, &StageRebuild, &StageVolume, &StageFilter, &predict,
     &project,       &StageCollide, &StageMean, &StageCheck,   &StageError,  NULL,
 };
 

@@ -116,22 +116,13 @@ PetscErrorCode PressurePointsChoose(const Scene *scene, const PressurePointsRow 
   answers of splines
 
   Collective. Output: spacing - edge of a cell of the splines, for SplinesCreate() [dx]. Errors:
-  refuses flows that are lost, and boxes that are too narrow.
+  refuses boxes that are too narrow.
 */
 PetscErrorCode PressureOnSplinesCreate(Flow *flow, PetscReal *spacing)
 {
-  Regime   *regime = flow->scene->regime;
-  PetscBool given  = PETSC_TRUE;
+  PetscBool given = PETSC_TRUE;
 
   PetscFunctionBegin;
-  UserCheck(RegimeAllows(regime, REGIME_COARSE_HOLDS),
-            "-pressure_points coarse: on fixed particles it feeds energy into the flow for U dx/nu "
-            "above %.3g, here %.3g%s",
-            (double)RegimeFind(regime, REGIME_COARSE_HOLDS)->range.above,
-            (double)regime->number[NUMBER_DAMPING],
-            flow->scene->grading.on ? " for the largest spacing; use same, or a larger -n"
-                                    : " at walls; use same, -mls_degree 4 on a lattice, a larger "
-                                      "-n, or a smaller -spacing_wall");
   *spacing = SPACING_STANDARD;
   PetscCall(OptionGetReal(&options[SPACING], spacing, NULL));
   for (PetscInt a = 0; a < flow->scene->dim; a++) {
@@ -146,8 +137,9 @@ PetscErrorCode PressureOnSplinesCreate(Flow *flow, PetscReal *spacing)
   flow->scheme->Divergence = DivergenceOnSplines;
   flow->scheme->Pressure   = PressureOnSplines;
   flow->scheme->Average    = AverageOnSplines;
-  if (SceneMoves(flow->scene)) PetscCall(OptionGiven("-velocity_filter", &given));
-  if (!given) flow->state->velocity_filter = RegimeValue(regime, REGIME_FILTER_U);
+  if (flow->state->has_convection || SceneMoves(flow->scene))
+    PetscCall(OptionGiven("-velocity_filter", &given));
+  if (!given) flow->state->velocity_filter = RegimeValue(flow->scene->regime, REGIME_FILTER_U);
   if (flow->state->velocity_filter > 0.0) flow->scheme->needs |= NEED_FILTER_U;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -109,6 +109,15 @@ static PetscBool EstimatesError(const Flow *flow)
   return flow->clock->adapt->estimates;
 }
 
+/* Returns true if the velocity filter is no part of the motion of particles, nor of convection. */
+static PetscBool FiltersFirst(const Flow *flow)
+{
+  const FlowState *s = flow->state;
+
+  return s->has_convection && !s->implicit_convection && s->velocity_filter > 1.0 ? PETSC_TRUE
+                                                                                  : PETSC_FALSE;
+}
+
 static PetscErrorCode FollowAndRebuild(Flow *flow)
 {
   PetscFunctionBegin;
@@ -129,6 +138,13 @@ const Stage StageMove = {
     .brief   = "places by the flow and by shifting",
     .Applies = Moves,
     .Do      = FlowMove,
+};
+
+const Stage StageFilter = {
+    .name    = "filter",
+    .brief   = "velocities of fixed particles without grid modes",
+    .Applies = FiltersFirst,
+    .Do      = FlowFilter,
 };
 
 const Stage StagePass = {

@@ -5,7 +5,7 @@
 #include "isph/motion.h"
 
 extern const Stage StageMomentum, StageMove, StagePass, StageRebuild, StageVolume, StageCollide,
-    StageMean, StageCheck, StageError;
+    StageFilter, StageMean, StageCheck, StageError;
 
 PetscErrorCode FlowFollow(Flow *flow);
 PetscErrorCode FlowRebuildNeighbors(Flow *flow);
