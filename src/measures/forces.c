@@ -399,9 +399,10 @@ static void CopyTorques(const Scene *scene, PetscInt side, const PetscReal tract
   WallForce - Computes force and torque of the fluid on a boundary, a side of the box or a body, in
   two ways: by the momentum of the fluid beside it, which is the better one, and by tractions
 
-  Collective. With a free surface both are tractions on the parts of the wall inside it. Output: force [N], then torque
-  [N m] about the centre of a body or the middle of the box, at FORCE_MOMENTUM and FORCE_TRACTION.
-  In 2D both are per metre of depth, and the torque is its third component.
+  Collective. With a free surface both are tractions on the parts of the wall inside it. Output:
+  force [N], then torque [N m] about the centre of a body or the middle of the box, at
+  FORCE_MOMENTUM and FORCE_TRACTION. In 2D both are per metre of depth, and the torque is its third
+  component.
 */
 PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal force[2][2 * ISPH_MAX_DIM])
 {
@@ -435,8 +436,7 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal force[2][2 *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes a row for each boundary that fluid does not leave into the opposite side: sides of the box,
-   then bodies. */
+/* Writes a row for each boundary that is not periodic or free: sides of the box, then bodies. */
 static PetscErrorCode WriteForces(const Flow *flow, Monitor *monitor)
 {
   const Scene *scene = flow->scene;
