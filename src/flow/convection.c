@@ -52,8 +52,8 @@ static PetscErrorCode ScaleByFilterRate(const Flow *flow, const Vec v[], PetscIn
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Returns true if the convective term of component c has a velocity filter; one of a strength above 1
-   acts before explicit steps, FlowFilter(). */
+/* Returns true if the convective term of component c has a velocity filter; one of a strength
+   above 1 acts before explicit steps, FlowFilter(). */
 static PetscBool HasFilter(const Flow *flow, PetscInt c)
 {
   if (!OperatorsOfVelocity(flow->ops, c)->filter_u.needed) return PETSC_FALSE;

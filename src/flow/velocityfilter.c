@@ -1,9 +1,9 @@
 /*
-  The velocity filter by rates: it takes a part of the residual of a quadratic fit of the velocity, as
-  fast as the flow can amplify disturbances that the pressure does not act on. A velocity w between
+  The velocity filter by rates: it takes a part of the residual of a quadratic fit of the velocity,
+  as fast as the flow can amplify disturbances that the pressure does not act on. A velocity w between
   the points of a coarse pressure is free of divergence for them, whatever it is. So it grows by
-  -w.grad u as in Burgers' equation, in the direction in which the flow compresses, where no pressure
-  turns it away.
+  -w.grad u as in Burgers' equation, in the direction in which the flow compresses, where no
+  pressure turns it away.
 */
 #include "isph/flow.h"
 
@@ -54,20 +54,20 @@ PetscBool VelocityFilterActsOnShear(const Flow *flow)
 }
 
 /*
-  VelocityFilter - Adds the change by which grid modes are filtered out of the velocity of a particle
+  VelocityFilter - Adds the change by which grid modes are filtered out of a particle's velocity
 
     u -= min(1, S) min(1, k |A A|^(1/2)) r + k D r,   k = max(1, S) RATE dt,
     D = (A^T A - |A A|/d^(1/2) I)/|A|,   A_ca = du_c/dx_a
 
   Not collective. |.| is Frobenius' norm, S is -velocity_filter, RATE is FILTER_RATE, and r the
-  residual of a quadratic fit of u at the particle in d dimensions. |A A|^(1/2) is the rate at which the flow can amplify disturbances in strain and
-  rotation. In these D vanishes. In parallel flow A A vanishes, and D is the shear rate times the
-  projection on its direction: disturbances across the flow, which take energy from the shear, are
-  damped, and boundary layers, however thin, keep their velocity. In a resolved flow the rate is U/L,
-  and the filter is of order 3. A strength below 1 is a share, above 1 it multiplies the rate; the
-  regime decides on the last term (`across`), which counts for a pressure on coarse points only. k in
-  this term is bounded, so that no component of r changes its sign. See docs/theory.md, (77) and
-  (255).
+  residual of a quadratic fit of u at the particle in d dimensions. |A A|^(1/2) is the rate at
+  which the flow can amplify disturbances in strain and rotation. In these D vanishes. In parallel
+  flow A A vanishes, and D is the shear rate times the projection on its direction: disturbances
+  across the flow, which take energy from the shear, are damped, and boundary layers, however thin,
+  keep their velocity. In a resolved flow the rate is U/L, and the filter is of order 3. A strength
+  below 1 is a share, above 1 it multiplies the rate; the regime decides on the last term
+  (`across`), which counts for a pressure on coarse points only. k in this term is bounded, so that
+  no component of r changes its sign. See docs/theory.md, (77) and (255).
 
   Input Parameters:
 + A        - gradient of the velocity [1/s]
