@@ -436,7 +436,8 @@ PetscErrorCode WallForce(const Flow *flow, PetscInt side, PetscReal force[2][2 *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes a row for each boundary that is not periodic or free: sides of the box, then bodies. */
+/* Writes a row for each boundary that confines the fluid or is an opening: sides of the box, then
+   bodies. */
 static PetscErrorCode WriteForces(const Flow *flow, Monitor *monitor)
 {
   const Scene *scene = flow->scene;
@@ -447,7 +448,8 @@ static PetscErrorCode WriteForces(const Flow *flow, Monitor *monitor)
     char      name[WALL_NAME];
 
     if (!SceneHas(scene, PHYSICS_WALLS)) continue;
-    if (BoundaryIs(scene, side, BOUNDARY_CONTINUES) || BoundaryIs(scene, side, BOUNDARY_FREE))
+    if (!BoundaryIs(scene, side, BOUNDARY_CONFINES) && !BoundaryIs(scene, side, BOUNDARY_INFLOW) &&
+        !BoundaryIs(scene, side, BOUNDARY_OUTFLOW))
       continue;
     PetscCall(WallForce(flow, side, force));
     PetscCall(MonitorMean(flow->clock, side, 4 * ISPH_MAX_DIM, force[0], monitor));
