@@ -199,11 +199,12 @@ static void CheckSaddleRows(const Cloud *cloud, const Flow *flow, const Quadrati
 /* Rows of the coupled system have the units of their particles, and are exact for quadratics. */
 static void test_saddle(void **state)
 {
-  CloudBox box   = CloudPeriodic(2, 0.2);
-  Clock    clock = {.dt = 0.02};
-  Saddle   s     = {0};
+  CloudBox box    = CloudPeriodic(2, 0.2);
+  Clock    clock  = {.dt = 0.02};
+  Saddle   s      = {0};
+  Scheme   scheme = {0};
   Cloud    cloud;
-  Flow     flow = {0};
+  Flow     flow = {.scheme = &scheme};
 
   (void)state;
   box.grad_p_without_walls = PETSC_TRUE;

@@ -17,10 +17,11 @@ PetscBool WalledBlind(unsigned properties)
   return (properties & FORM_FULL_SUPPORT) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* WalledMeets - Returns true if a form works with the particles that a treatment places */
+/* WalledMeets - Returns true if a form works with the particles that a treatment places, and their
+   density is not that of a scheme */
 PetscBool WalledMeets(const WallRow *wall, PetscBool full_support)
 {
-  return (!wall->on_surface || !full_support) ? PETSC_TRUE : PETSC_FALSE;
+  return !wall->dynamic && (!wall->on_surface || !full_support) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /*
