@@ -40,9 +40,10 @@ typedef enum {
   FACT_STRONG     = 1 << 25, /* -velocity_filter above 1 */
   FACT_WCSPH      = 1 << 26, /* -scheme wcsph */
   FACT_SUMS       = 1 << 27, /* -density_form summation */
-  FACT_SHIFTS     = 1 << 28  /* -scheme wcsph shifts particles */
+  FACT_SHIFTS     = 1 << 28, /* -scheme wcsph shifts particles */
+  FACT_CLOUD      = 1 << 29  /* particles of several sizes are on no lattice */
 } Fact;
-#define FACTS 29
+#define FACTS 30
 
 /* Numbers that rows compare with their bounds. */
 typedef enum {

@@ -37,6 +37,7 @@ static const char *const words[FACTS][2] = {
     {"-scheme wcsph", "other schemes"},
     {"-density_form summation", NULL},
     {"a shift", "no shift"},
+    {"particles of several sizes on no lattice", NULL},
 };
 
 /* A number that rows compare. */
@@ -88,6 +89,7 @@ PetscErrorCode RegimeCreate(const Scene *scene, Regime **regime)
                 SceneHas(scene, PHYSICS_PRESSURE) || scene->n_bodies ? PETSC_TRUE : PETSC_FALSE);
   RegimeSetFact(r, FACT_GRADED,
                 SceneIsMapped(scene) || scene->grading.on ? PETSC_TRUE : PETSC_FALSE);
+  RegimeSetFact(r, FACT_CLOUD, scene->grading.on);
   RegimeSetFact(r, FACT_DRIVEN, SceneIsDrivenInTime(scene));
   RegimeSetFact(r, FACT_TENSION, scene->tension != 0.0 ? PETSC_TRUE : PETSC_FALSE);
   RegimeSetFact(r, FACT_NONLINEAR, SceneIsNewtonian(scene) ? PETSC_FALSE : PETSC_TRUE);

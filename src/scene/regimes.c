@@ -26,8 +26,9 @@ static const RegimeRow schemes[] = {
      "the projection is unstable in long steps"},
 };
 
-#define NO_SPLINES   (FACT_ASKED | FACT_UNFIT | FACT_NARROW)
-#define OPEN_TO_BOTH (NO_SPLINES | FACT_MOVES | FACT_WALLS)
+#define NO_SPLINES       (FACT_ASKED | FACT_UNFIT | FACT_NARROW)
+#define OPEN_TO_BOTH     (NO_SPLINES | FACT_MOVES | FACT_WALLS)
+#define CONVECTING_CLOUD (FACT_WALLS | FACT_CLOUD | FACT_CONVECTION)
 
 static const RegimeRow points[] = {
     {FACT_ASKED, 0, ANY, "same", "the option is for a pressure on particles"},
@@ -36,8 +37,16 @@ static const RegimeRow points[] = {
      "the splines need three cells along each axis"},
     {FACT_MOVES, NO_SPLINES, ANY, "coarse",
      "no noise from moving particles, and no condition at walls"},
-    {FACT_WALLS, NO_SPLINES | FACT_MOVES | FACT_SUBSTEPS, ANY, "coarse",
+    {FACT_WALLS, NO_SPLINES | FACT_MOVES | FACT_SUBSTEPS | FACT_CLOUD, ANY, "coarse",
      "there is no condition at walls"},
+    {FACT_WALLS | FACT_CLOUD, NO_SPLINES | FACT_MOVES | FACT_SUBSTEPS | FACT_CONVECTION, ANY,
+     "coarse", "there is no condition at walls"},
+    {CONVECTING_CLOUD | FACT_QUARTIC, NO_SPLINES | FACT_MOVES | FACT_SUBSTEPS, ANY, "coarse",
+     "quartic fits damp grid modes"},
+    {CONVECTING_CLOUD, NO_SPLINES | FACT_MOVES | FACT_SUBSTEPS | FACT_QUARTIC, UPTO(5.0), "coarse",
+     "there is no condition at walls"},
+    {CONVECTING_CLOUD, NO_SPLINES | FACT_MOVES | FACT_SUBSTEPS | FACT_QUARTIC, ABOVE(5.0), "same",
+     "coarse points are too coarse for the particles at walls"},
     {FACT_WALLS | FACT_SUBSTEPS, NO_SPLINES | FACT_MOVES | FACT_CONVECTION, ANY, "coarse",
      "there is no condition at walls"},
     {FACT_WALLS | FACT_SUBSTEPS | FACT_CONVECTION | FACT_QUARTIC, NO_SPLINES | FACT_MOVES, ANY,
