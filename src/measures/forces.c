@@ -1,7 +1,7 @@
 /*
   Forces and torques of the fluid on boundaries, by tractions, see tractions.c, and by the momentum
-  of the fluid beside them. With a weight w that is
-  1 on boundary b and falls to 0 at the distance D from it, and the stress S = -p I + 2 mu E,
+  of the fluid beside them. With a weight w that is 1 on boundary b and falls to 0 at the distance D
+  from it, and the stress S = -p I + 2 mu E,
 
     F = - int [w rho (Du/Dt - f) + S grad w] dV - sum over other boundaries of w S n dA,
 

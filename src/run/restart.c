@@ -115,8 +115,9 @@ static PetscErrorCode RestartRefuse(const Run *run, const char path[], Hdf5File 
   UserCheck(
       same,
       "-restart %s: its particles have other quantities than those of this run; use the same "
-      "physics, -motion, -scheme, -spacing_wall, -wall_surface, -dt_adapt and -probe_budget, and "
-      "give -pressure_average and -surface_volume_rate above 0 in both runs or in none",
+      "physics, -motion, -scheme, -spacing_wall, -wall_surface, -velocity_filter, -dt_adapt and "
+      "-probe_budget, and give -pressure_average and -surface_volume_rate above 0 in both runs or "
+      "in none",
       path);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
