@@ -189,23 +189,25 @@ static PetscErrorCode ProbeWeights(Probe *probe, const PetscReal x[], PetscInt f
                                    PetscInt wanted, PetscInt *n)
 {
   const PetscInt dim = probe->flow->particles->dim, degree = probe->degree;
-  PetscReal      moments[PROBE_MAX_TERMS * PROBE_MAX_TERMS], c[PROBE_MAX_TERMS];
+  PetscReal      moments[PROBE_MAX_TERMS * PROBE_MAX_TERMS];
   PetscReal      factor[PROBE_MAX_TERMS * PROBE_MAX_TERMS];
+  PetscReal      c[1 + ISPH_MAX_DIM][PROBE_MAX_TERMS];
   ProbeBall      ball;
   PetscInt       terms = 0;
 
   PetscFunctionBegin;
   PetscCall(ProbeFit(probe, x, field, n, &ball, &terms, moments, factor));
-  for (PetscInt t = 0; t < wanted; t++) {
-    const PetscReal per_length = t > 0 ? ball.stretch[t - 1] / ball.R : 1.0;
+  for (PetscInt t = 0; t < wanted; t++) ProbeColumn(terms, t, moments, factor, c[t]);
+  for (PetscInt k = 0; k < *n; k++) {
+    PetscReal       s[ISPH_MAX_DIM], phi[PROBE_MAX_TERMS];
+    const PetscReal W = ProbeOffset(probe, probe->list[k], x, &ball, s);
 
-    ProbeColumn(terms, t, moments, factor, c);
-    for (PetscInt k = 0; k < *n; k++) {
-      PetscReal       s[ISPH_MAX_DIM], phi[PROBE_MAX_TERMS], sum = 0.0;
-      const PetscReal W = ProbeOffset(probe, probe->list[k], x, &ball, s);
+    (void)ProbeBasis(dim, probe->degree, s, phi);
+    for (PetscInt t = 0; t < wanted; t++) {
+      const PetscReal per_length = t > 0 ? ball.stretch[t - 1] / ball.R : 1.0;
+      PetscReal       sum        = 0.0;
 
-      (void)ProbeBasis(dim, probe->degree, s, phi);
-      for (PetscInt q = 0; q < terms; q++) sum += phi[q] * c[q];
+      for (PetscInt q = 0; q < terms; q++) sum += phi[q] * c[t][q];
       probe->w[t * probe->cells.n + k] = W * sum * per_length;
     }
   }
