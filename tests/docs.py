@@ -77,6 +77,9 @@ def anchors(text):
 def link_faults(page):
     text = re.sub(r"^```.*?^```", "", read(page), flags=re.M | re.S)
     text = re.sub(r"`[^`\n]*`", "", text)
+    given = re.findall(r"<a (?:id|name)=\"([^\"]+)\"", text)
+    for name in sorted({name for name in given if given.count(name) > 1}):
+        yield f"{page}: #{name}: {given.count(name)} places have this anchor"
     for target in re.findall(r"\]\(([^)\s]+)(?:\s+\"[^\"]*\")?\)", text):
         if re.match(r"[a-z]+:", target):
             continue
