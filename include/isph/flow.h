@@ -406,7 +406,7 @@ PetscErrorCode ConvectionAddMatrix(const Flow *flow, const Vec v[], PetscInt c, 
 
 PetscBool      VelocityFilterActsOnShear(const Flow *flow);
 void           VelocityFilter(PetscInt dim, PetscReal A[][ISPH_MAX_DIM], const PetscReal r[],
-                              PetscReal strength, PetscBool across, PetscReal dt, PetscReal change[]);
+                              PetscReal factor, PetscBool across, PetscReal dt, PetscReal change[]);
 PetscErrorCode FlowFilter(Flow *flow);
 PetscErrorCode VelocityFilterRates(Flow *flow, const Vec v[]);
 PetscErrorCode VelocityFilterForget(Flow *flow);

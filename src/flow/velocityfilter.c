@@ -1,9 +1,9 @@
 /*
   The velocity filter by rates: it takes a part of the residual of a quadratic fit of the velocity,
-  as fast as the flow can amplify disturbances that the pressure does not act on. A velocity w between
-  the points of a coarse pressure is free of divergence for them, whatever it is. So it grows by
-  -w.grad u as in Burgers' equation, in the direction in which the flow compresses, where no
-  pressure turns it away.
+  as fast as the flow can amplify disturbances that the pressure does not act on. A velocity w
+  between the points of a coarse pressure is free of divergence for them, whatever it is. So it
+  grows by -w.grad u as in Burgers' equation, in the direction in which the flow compresses, where
+  no pressure turns it away.
 */
 #include "isph/flow.h"
 
@@ -72,7 +72,7 @@ PetscBool VelocityFilterActsOnShear(const Flow *flow)
   Input Parameters:
 + A        - gradient of the velocity [1/s]
 . r        - residual of its fit [m/s]
-. strength - S
+. factor   - S
 . across   - flag: VelocityFilterActsOnShear()
 - dt       - length of the step [s]
 
@@ -80,16 +80,16 @@ PetscBool VelocityFilterActsOnShear(const Flow *flow)
 . change - of the velocity [m/s]
 */
 void VelocityFilter(PetscInt dim, PetscReal A[][ISPH_MAX_DIM], const PetscReal r[],
-                    PetscReal strength, PetscBool across, PetscReal dt, PetscReal change[])
+                    PetscReal factor, PetscBool across, PetscReal dt, PetscReal change[])
 {
-  const PetscReal k = PetscMax(1.0, strength) * FILTER_RATE * dt;
+  const PetscReal k = PetscMax(1.0, factor) * FILTER_RATE * dt;
   PetscReal       shear[ISPH_MAX_DIM], product, share, along;
   const PetscReal length = GradientNorms(dim, A, &product);
 
   if (length == 0.0) return;
   share = PetscMin(1.0, k * PetscSqrtReal(product));
   along = across ? PetscMin(k, (1.0 - share) / length) : 0.0;
-  share *= PetscMin(1.0, strength);
+  share *= PetscMin(1.0, factor);
   for (PetscInt c = 0; c < dim; c++) change[c] -= share * r[c];
   if (along == 0.0) return;
   ShearTimes(dim, A, length, product, r, shear);

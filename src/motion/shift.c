@@ -107,7 +107,7 @@ const OptionTable MotionOptions = OPTIONS("Motion of particles", options);
   Options Database Keys:
 + -shift name        - row of the shift table
 . -shift_strength S  - factor of the diffusivity of -shift
-- -velocity_filter S - strength of the velocity filter in ConvectionApply(), FlowFilter(), FlowMove()
+- -velocity_filter S - strength of the filter in ConvectionApply(), FlowFilter(), FlowMove()
 */
 PetscErrorCode MotionCreate(Flow *flow, unsigned *needs)
 {

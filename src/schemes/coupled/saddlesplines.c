@@ -6,8 +6,9 @@
 
   G is the gradient of the splines at the particles, D u + D_w u_w the weak divergence of splines.h.
   The splines have no mode on the grid that G does not see, so no block C is needed. Splines without
-  fluid have the equation q = 0, and the numbers that sides give theirs. For particles of several sizes or viscosities q has the unit rho dx_q/T_q, with means of
-  dx_i/T_i over the particles that have a part in D; see docs/theory.md, (389).
+  fluid have the equation q = 0, and the numbers that sides give theirs. For particles of several
+  sizes or viscosities q has the unit rho dx_q/T_q, with means of dx_i/T_i over the particles that
+  have a part in D; see docs/theory.md, (389).
 */
 #include "saddle.h"
 #include "splines/splines.h"

@@ -27,8 +27,8 @@ typedef struct {
 
 typedef struct Pressure Pressure;
 
-/* The space of the unknowns of the pressure: a row on the particles, and one on splines. The step is
-   the same. Increment and pressure are vectors over the unknowns. */
+/* The space of the unknowns of the pressure: a row on the particles, and one on splines. The step
+   is the same. Increment and pressure are vectors over the unknowns. */
 typedef struct {
   PetscErrorCode (*Begin)(Flow *);       /* at the start, after a restart, after an undone step */
   PetscErrorCode (*StartStep)(Flow *);   /* before the predictor; NULL: nothing to do */
